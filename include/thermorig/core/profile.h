@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string>
+
+#include "thermorig/core/device.h"
+
+namespace thermorig {
+
+/// How a device is connected. Baud 0 stands for "does not apply" (USB-CDC).
+struct PortProfile {
+  std::string port;            // "/dev/ttyUSB0", "/dev/serial/by-id/...", or a pty; empty: not chosen yet
+  std::string usb_path;        // USB topology, e.g. "1-4.2": how the port is found again; may be empty
+  std::uint32_t baud = 0;      // bits per second, 8N1: 10 bits on the wire a byte
+  double latency_s = 0.0;      // constant delay between the sample and its first byte on the wire
+  bool reset_on_open = false;  // toggle DTR after opening (some CH340 boards need it to start streaming)
+};
+
+enum class ChecksumPolicy : std::uint8_t { word, byte, ignore };
+
+/// GY-MCU90640 bridge. Source: protocols/gy_mcu90640.md.
+struct CameraProfile {
+  PortProfile link{.baud = 460800, .latency_s = 0.0};
+  std::string model = "GY-MCU90640";
+  double output_rate_hz = 8.0;      // frames a second asked for, nominal
+  double field_of_view_deg = 55.0;  // horizontal: 55 (BAB) or 110 (BAA)
+  bool mirrored = true;             // the order on the wire is a mirror image of the scene
+  ChecksumPolicy checksum = ChecksumPolicy::word;
+};
+
+enum class GyroProtocol : std::uint8_t { witmotion, text };
+
+/// Columns of a text gyro. A line is split on commas, semicolons, tabs and spaces.
+struct TextColumns {
+  std::string prefix;                // a line must start with it (it is cut off); empty: any line
+  std::array<int, 3> rate{0, 1, 2};  // columns of x, y, z, from 0; -1 for an axis that is not sent
+  double scale_dps = 1.0;            // degrees per second of one unit
+  int time = -1;                     // column of the device's time, -1 for none
+  double time_unit_s = 1e-3;         // seconds of one unit of it
+};
+
+struct GyroProfile {
+  PortProfile link{.baud = 115200, .latency_s = 0.0};
+  std::string model = "WitMotion";
+  GyroProtocol protocol = GyroProtocol::witmotion;
+  TextColumns text;
+  double output_rate_hz = 200.0;  // nominal
+  int axis = 2;                   // which of x, y, z is the servo's axis: 0, 1, 2
+  int sign = 1;                   // +1 or -1: so that a positive commanded speed gives a positive rate
+};
+
+enum class ServoKind : std::uint8_t { positional = 0, continuous = 1 };
+
+struct ServoProfile {
+  PortProfile link{.baud = 250000, .latency_s = 0.0};
+  std::string model = "winch, 6 turns";
+  ServoKind kind = ServoKind::positional;
+  double travel_deg = 2160.0;  // positional: angle between the shortest and the longest pulse
+  double full_rate_dps = 0.0;  // continuous: speed at the longest pulse (the shortest gives its negative)
+  double pulse_min_us = 500.0;
+  double pulse_max_us = 2500.0;
+  double max_rate_dps = 220.0;  // never commanded beyond; at most the firmware's own limit
+  double acceleration_dps2 = 2000.0;
+  double stop_margin_deg = 2.0;  // distance kept from either end of the travel
+  double settle_s = 0.2;         // after a change of speed, until the shaft follows
+};
+
+/// One rig: what is connected, and how. Read from and written to TOML by `rig/profile_file.h`.
+struct RigProfile {
+  std::string name = "rig";
+  CameraProfile camera;
+  GyroProfile gyro;
+  ServoProfile servo;
+
+  PortProfile& link(Device device);
+  const PortProfile& link(Device device) const;
+};
+
+}  // namespace thermorig

@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+
+namespace thermorig {
+
+/// One gyro sample as the device sent it: all three axes, bias not removed, no sign or axis applied.
+struct GyroReading {
+  std::array<float, 3> rate_dps{};             // x, y, z, degrees per second
+  std::array<std::int16_t, 3> counts{};        // what was on the wire, where the protocol has counts
+  std::optional<float> temp_c;                 // the gyro's own temperature
+  std::optional<std::int64_t> device_time_us;  // the device's own time, where it sends one
+  bool saturated = false;                      // a count at either end of its range
+};
+
+/// Motion state that the servo firmware reports. Values are those of protocols/servo_link.h.
+enum class ServoMotion : std::uint8_t { disarmed = 0, holding = 1, ramping = 2, steady = 3, stopping = 4 };
+
+/// Why the servo stopped by itself. Values are those of protocols/servo_link.h.
+enum class ServoFault : std::uint8_t { none = 0, watchdog = 1, stop_byte = 2, limit = 3, bad_frames = 4 };
+
+/// One telemetry message of the servo firmware (100 per second).
+struct ServoState {
+  std::uint32_t mcu_us = 0;       // the micro-controller's time, wraps after 71.6 minutes
+  double angle_deg = 0.0;         // commanded angle at that time
+  double rate_dps = 0.0;          // commanded speed at that time, after the acceleration limit
+  std::uint16_t pulse_ticks = 0;  // width of the last pulse put out, 0.5 us a tick; 0: no pulse
+  ServoMotion motion = ServoMotion::disarmed;
+  ServoFault fault = ServoFault::none;
+  std::uint16_t leg = 0;  // the leg that is being driven, 0 for none (rest, transit)
+};
+
+}  // namespace thermorig

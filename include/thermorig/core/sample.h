@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string>
+
+#include "thermorig/core/chunk.h"
+#include "thermorig/core/frame.h"
+#include "thermorig/core/reading.h"
+#include "thermorig/core/time.h"
+#include "thermorig/core/validity.h"
+
+namespace thermorig {
+
+/// When a sample really happened, as well as we know.
+struct Stamp {
+  HostTime time{};     // modelled: for a frame the end of its newest exposure, else the sample instant
+  HostTime arrival{};  // when the read() returned that brought the message's last byte
+  float uncertainty_s = 0.0F;  // one standard deviation
+};
+
+/// A frame with its place in the byte stream and its time.
+struct TimedFrame {
+  ThermalFrame frame;
+  StreamSpan span;
+  Stamp stamp;                   // stamp.time: end of the exposure of the newest half
+  std::uint16_t fresh_even = 0;  // pixels that differ from the frame before, even chess half (0..384)
+  std::uint16_t fresh_odd = 0;   // the same for the odd half
+  HostTime exposure_begin{};     // start of the older half's exposure
+  HostTime exposure_end{};       // end of the newest half's exposure
+  bool resync_before = false;    // bytes were skipped between the frame before and this one
+};
+
+struct TimedGyro {
+  GyroReading reading;
+  StreamSpan span;
+  Stamp stamp;
+  float rate_dps = 0.0F;     // about the servo's axis: axis and sign of the profile applied, bias not removed
+  bool lost_before = false;  // bytes were skipped between the sample before and this one
+};
+
+struct TimedServo {
+  ServoState state;
+  StreamSpan span;
+  Stamp stamp;
+  std::int64_t mcu_time_us = 0;  // mcu_us unwrapped
+  bool lost_before = false;      // the sequence number or skipped bytes show a loss
+};
+
+/// An answer to a ping: the raw material for the servo's clock.
+struct TimedPong {
+  std::uint32_t token = 0;
+  std::uint32_t receive_us = 0;  // micro-controller time at which the ping's last byte came in
+  std::uint32_t send_us = 0;     // micro-controller time at which the answer's first byte went out
+  StreamSpan span;
+  HostTime arrival{};
+};
+
+/// Something that the servo firmware said outside telemetry: an event or an acknowledgement.
+struct TimedServoNotice {
+  std::string text;  // e.g. "watchdog tripped", ready for a log
+  StreamSpan span;
+  HostTime arrival{};
+};
+
+/// One frame with its label: a row of `/samples`.
+struct LabelledSample {
+  std::uint32_t frame_index = 0;  // index into the camera's frames, from 0
+  HostTime time{};                // middle of the exposure of the newest half
+  HostTime exposure_begin{};
+  HostTime exposure_end{};
+  float rate_label_dps = 0.0F;  // mean commanded speed over the exposure, NaN if unknown
+  float rate_label_min_dps = 0.0F;
+  float rate_label_max_dps = 0.0F;
+  float angle_label_deg = 0.0F;  // commanded angle at `time`, NaN if unknown
+  float rate_gyro_dps = 0.0F;    // mean of the gyro over the exposure, NaN if there is no sample
+  std::uint16_t gyro_count = 0;  // how many samples made it
+  float label_uncertainty_dps = 0.0F;
+  std::uint32_t reason_bits = 0;  // `bit(Reason)`s
+  std::uint16_t leg = 0;          // leg that the servo reported, 0 outside legs
+  std::uint32_t run = 0;          // unbroken run of valid frames within one leg, from 1; 0 if not valid
+  bool valid = false;
+
+  /// Number of the first reason, counted from 1; 0 if there is none.
+  std::uint8_t first_reason() const;
+};
+
+}  // namespace thermorig

@@ -1,0 +1,93 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "thermorig/core/chunk.h"
+#include "thermorig/core/profile.h"
+#include "thermorig/core/time.h"
+
+namespace thermorig::io {
+
+/// The only reading of the steady clock in the program (CLOCK_MONOTONIC).
+HostTime now();
+/// CLOCK_REALTIME - CLOCK_MONOTONIC, nanoseconds.
+std::int64_t realtime_offset_ns();
+/// "2026-07-25T14:35:12.123456Z" for a host time.
+std::string utc_text(HostTime time, std::int64_t realtime_offset_ns);
+
+/// A serial port as the operating system lists it.
+struct PortInfo {
+  std::string path;         // /dev/ttyUSB0
+  std::string description;  // device strings, control characters stripped
+  std::string usb_path;     // topology "1-4.2"; empty if not USB
+  std::string usb_id;       // "1a86:7523"; empty if not USB
+  std::string serial;
+};
+std::vector<PortInfo> list_ports();
+
+/// Resolves links (by-id, by-path). Throws Error(device_missing) if there is no such port.
+std::string resolve_port(const std::string& port);
+
+/// A loop on one thread: ports are read, timers fire, signals arrive. Everything runs in run().
+class Loop {
+ public:
+  Loop();
+  ~Loop();
+  Loop(const Loop&) = delete;
+
+  using PortId = std::size_t;
+  struct PortHandlers {
+    std::function<void(std::span<const std::uint8_t>, HostTime)> received;  // time taken right after read()
+    std::function<void(const std::string& why)> lost;  // unplugged or failed; called once
+  };
+
+  /// Opens a port exclusively (TIOCEXCL and flock), raw 8N1 at link.baud; a pty keeps its own settings.
+  /// Throws Error: device_missing (no such port), no_permission (not allowed, or in use and by whom).
+  PortId open(const PortProfile& link, PortHandlers handlers);
+
+  /// Queues bytes; they are written in order. Writing to a lost port does nothing.
+  void write(PortId port, std::span<const std::uint8_t> bytes);
+  void close(PortId port);
+
+  /// Calls `tick` every `period` until it is replaced or the loop stops.
+  void every(HostDuration period, std::function<void(HostTime)> tick);
+
+  /// SIGINT, SIGTERM and SIGHUP call `handler` inside run() instead of ending the program.
+  void on_signal(std::function<void(int signal)> handler);
+
+  void run();
+  void stop();
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+/// A pseudo terminal that a program can open as a port; this side plays the device.
+class Pty {
+ public:
+  Pty();
+  ~Pty();
+  Pty(Pty&&) noexcept;
+  Pty& operator=(Pty&&) noexcept;
+  const std::string& path() const;  // /dev/pts/N
+  int fd() const;                   // the device's side, non-blocking
+  /// Bytes that could be written at once; the rest is dropped by the caller and counted, like an overrun.
+  std::size_t write(std::span<const std::uint8_t> bytes);
+  std::vector<std::uint8_t> read();
+  void unplug();  // closes the device's side
+
+ private:
+  std::string path_;
+  int master_ = -1;
+  int slave_ = -1;  // kept open so that the master never sees a hang-up
+};
+
+}  // namespace thermorig::io

@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <span>
+#include <string>
+
+#include "thermorig/core/raw_recording.h"
+
+namespace thermorig::journal {
+
+/// Append-only raw recording: the truth of a session while it is being recorded. Format:
+/// docs/journal_format.md. Every record carries a magic, the journal's id, a sequence number, its length and
+/// a CRC-32C; each append is one write(). kill -9 loses nothing that append() returned from. A failed or
+/// short write throws Error(storage).
+class JournalWriter {
+ public:
+  /// Creates the file (never overwrites; mode 0600) and reserves `reserve_bytes` on the disk.
+  JournalWriter(const std::filesystem::path& path, const RecordingHeader& header,
+                std::uint64_t reserve_bytes);
+  ~JournalWriter();
+  JournalWriter(JournalWriter&&) noexcept;
+  JournalWriter& operator=(JournalWriter&&) noexcept;
+
+  void received(Device from, std::span<const std::uint8_t> bytes, HostTime arrived);
+  void sent(std::span<const std::uint8_t> bytes, HostTime time);  // to the servo
+  void event(const RecordingEvent& event);
+  void leg(const LegRecord& leg);
+
+  /// fdatasync: what has been appended survives a loss of power. May be called from another thread.
+  void sync();
+
+  /// Writes the end record, truncates the reserve, syncs and closes. `end` is the host time of the end.
+  void close(HostTime end);
+
+  std::uint64_t bytes_written() const;
+  const std::filesystem::path& path() const;
+
+ private:
+  struct File;
+  std::unique_ptr<File> file_;
+};
+
+/// What a journal held and what could not be read.
+struct JournalContents {
+  RawRecording recording;
+  std::uint64_t records = 0;
+  std::uint64_t bytes_read = 0;
+  std::uint64_t bytes_ignored = 0;  // after the last good record: a torn tail; 0 in a closed journal
+};
+
+/// Reads every good record. Throws Error(not_a_session) if the file does not start with a good header.
+JournalContents read_journal(const std::filesystem::path& path);
+
+/// Does it start like one? Never throws for a file that can be read.
+bool is_journal(const std::filesystem::path& path);
+
+}  // namespace thermorig::journal

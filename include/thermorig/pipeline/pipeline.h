@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "thermorig/core/device.h"
+#include "thermorig/core/profile.h"
+#include "thermorig/core/sample.h"
+#include "thermorig/core/time.h"
+#include "thermorig/labels/freshness.h"
+#include "thermorig/labels/labeller.h"
+#include "thermorig/wire/counters.h"
+#include "thermorig/wire/servo_messages.h"
+
+namespace thermorig::pipeline {
+
+/// What a first pass over a recording learns for the second. Live, nothing is known: everything is nominal.
+struct Fits {
+  std::optional<labels::CameraMode> camera_mode;
+  std::optional<double> frame_period_s;  // median time between frames
+};
+
+/// Everything that came out of the bytes, in arrival order, besides labels.
+struct Streams {
+  std::vector<TimedFrame> frames;
+  std::vector<TimedGyro> gyro;
+  std::vector<TimedServo> servo;
+  std::vector<TimedPong> pongs;
+  std::vector<wire::ServoMessage>
+      servo_answers;  // welcome, ack, nack, event: what the rig's servo link needs
+};
+
+/// The flow of the whole program: bytes -> messages -> timed samples -> labelled samples.
+/// Recording, finalising, replay and live are this one object, fed from different places.
+/// Pure: it opens nothing, starts nothing, reads no clock.
+class Pipeline {
+ public:
+  explicit Pipeline(const RigProfile& profile, const Fits& fits = {});
+  ~Pipeline();
+  Pipeline(Pipeline&&) noexcept;
+  Pipeline& operator=(Pipeline&&) noexcept;
+
+  /// One chunk of bytes in, zero or more labelled samples out. The caller brings the time.
+  std::vector<LabelledSample> feed(Device from, std::span<const std::uint8_t> chunk, HostTime arrived);
+
+  /// No more bytes will come: the samples that still wait for telemetry or gyro.
+  std::vector<LabelledSample> finish();
+
+  /// What was decoded since the last call. Live callers take it after each feed and throw most of it away.
+  Streams take_streams();
+
+  const wire::Counters& counters(Device device) const;
+
+ private:
+  struct Stages;
+  std::unique_ptr<Stages> stages_;
+};
+
+/// First pass: what the finished streams say about the recording as a whole.
+Fits fit(const Streams& streams);
+
+}  // namespace thermorig::pipeline

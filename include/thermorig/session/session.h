@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "thermorig/core/raw_recording.h"
+#include "thermorig/core/sample.h"
+#include "thermorig/wire/counters.h"
+
+namespace thermorig::session {
+
+enum class State : std::uint8_t { complete, recovered, partial };
+
+/// A recording with everything that was made of it: what one `.h5` file holds.
+struct Session {
+  RawRecording raw;
+  State state = State::complete;
+  std::vector<TimedFrame> frames;
+  std::vector<TimedGyro> gyro;
+  std::vector<TimedServo> servo;
+  std::vector<TimedPong> pongs;
+  std::vector<LabelledSample> samples;  // one a frame, same order
+  PerDevice<wire::Counters> counters;
+  double settle_s = 0.2;        // of the label rule
+  std::string camera_mode;      // "half-fresh" or "full-fresh"
+  double frame_period_s = 0.0;  // measured
+};
+
+/// Figures of `/quality`, computed from a session; also what `inspect` prints.
+struct Quality {
+  struct Stream {
+    std::uint64_t received = 0, lost = 0, bad = 0, repeated = 0;
+    double rate_min_hz = 0, rate_mean_hz = 0, rate_max_hz = 0;  // over windows of one second
+    double gap_max_s = 0;
+  };
+  struct Speed {
+    double rate_dps = 0;
+    int frames = 0, valid = 0;
+  };
+  PerDevice<Stream> stream;
+  double duration_s = 0;
+  std::uint64_t frames = 0, swept = 0, valid = 0;      // swept: within legs
+  std::map<std::string, std::uint64_t> reason_counts;  // by name, frames within legs
+  std::vector<Speed> speeds;                           // ascending
+  std::string verdict;                                 // "good", "usable" or "bad"
+  std::vector<std::string> verdict_reasons;
+};
+Quality quality_of(const Session& session);
+
+/// Writes the file: to a temporary name in the same folder, re-opened and checked, synced, renamed to `path`.
+/// Never overwrites: throws Error(storage) if `path` exists. Schema: docs/recording_format.md.
+void write_session(const std::filesystem::path& path, const Session& session);
+
+/// The same to replace an existing session (reprocess), by rename over it.
+void replace_session(const std::filesystem::path& path, const Session& session);
+
+/// Reads a whole session. Throws Error(not_a_session) if it is not one, is damaged, or is of another major
+/// version.
+Session read_session(const std::filesystem::path& path);
+
+/// Reads only what is needed to make the session again: header, raw bytes, events, legs.
+RawRecording read_raw(const std::filesystem::path& path);
+
+}  // namespace thermorig::session

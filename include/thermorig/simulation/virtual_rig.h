@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "thermorig/core/chunk.h"
+#include "thermorig/core/profile.h"
+#include "thermorig/core/time.h"
+#include "thermorig/simulation/firmware.h"
+
+namespace thermorig::simulation {
+
+enum class UsbLink : std::uint8_t { ftdi, ch340, cdc };
+enum class GyroGrade : std::uint8_t { calibrated, typical, mpu6050_raw };
+
+struct LinkConfig {
+  UsbLink kind = UsbLink::ftdi;
+  double latency_timer_s = 0.016;  // FTDI only
+  bool loaded_host = false;        // reads stall now and then, as on a busy machine
+};
+
+/// Everything that a simulated rig is made of. The rest follows from `seed` and `environment`.
+struct VirtualRigConfig {
+  std::uint64_t seed = 1;
+  std::string environment =
+      "laboratory";    // laboratory, dining, kitchen, garden; any other name looks like a laboratory
+  RigProfile profile;  // lens, rates, bauds, servo geometry: what the program is told as well
+  GyroGrade gyro_grade = GyroGrade::typical;
+  bool half_fresh = true;             // one fresh chess half a frame; false: both
+  bool warm = true;                   // the camera has been on for long
+  double camera_clock_error = -0.02;  // relative: 2 % slow
+  double servo_loop_hz = 8.0;         // bandwidth of the servo's position loop
+  PerDevice<LinkConfig> links;
+  HostTime start{};  // host time at which the rig is switched on
+};
+
+/// What the simulator knows and the program must not: for tests.
+struct TruthSample {
+  HostTime time{};
+  double angle_deg = 0.0;  // of the shaft
+  double rate_dps = 0.0;
+};
+struct SentMessage {  // a frame or gyro sample as the device sent it
+  std::uint64_t index = 0;
+  HostTime exposure_begin{};  // gyro: start of its averaging interval
+  HostTime exposure_end{};
+  double mean_rate_dps = 0.0;  // true mean rate of the shaft over the exposure
+};
+
+/// A whole rig in virtual time: physics, devices and USB links. Deterministic by its configuration.
+/// The same object serves ptys on the wall clock when its caller paces it.
+class VirtualRig {
+ public:
+  /// `firmware` is the servo's micro-controller: the host build or the AVR image.
+  VirtualRig(const VirtualRigConfig& config, std::unique_ptr<Firmware> firmware);
+  ~VirtualRig();
+
+  /// Bytes from the host to a device, written at host time `now` (not before the last `advance`).
+  void send(Device to, std::span<const std::uint8_t> bytes, HostTime now);
+
+  /// Runs the rig to host time `until` and returns the chunks that arrive up to then, in order of arrival.
+  std::vector<Chunk> advance(HostTime until);
+
+  /// The shaft since the start, a sample a millisecond. Kept only when asked for by `keep_truth`.
+  const std::vector<TruthSample>& shaft() const;
+  const std::vector<SentMessage>& sent_frames() const;
+  const std::vector<SentMessage>& sent_gyro() const;
+  const std::vector<PulseEdge>& pulses() const;
+  void keep_truth(bool keep);
+
+ private:
+  struct Parts;
+  std::unique_ptr<Parts> parts_;
+};
+
+/// The default rig of the README: 6-turn winch, 55 degree lens, half-fresh 8 frames/s at 460800 baud,
+/// WitMotion at 200 Hz; and the profile that describes it.
+RigProfile default_profile();
+VirtualRigConfig default_rig(std::uint64_t seed, const std::string& environment);
+
+}  // namespace thermorig::simulation

@@ -1,0 +1,113 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "servo_link.h"
+#include "thermorig/core/chunk.h"
+#include "thermorig/core/profile.h"
+#include "thermorig/core/reading.h"
+#include "thermorig/wire/counters.h"
+
+namespace thermorig::wire {
+
+// Messages of the servo link in the units of the program. Bytes: protocols/servo_link.h and servo_link.md.
+
+struct ServoWelcome {
+  std::uint8_t version = 0;
+  std::string firmware;  // "1.0.0"
+  std::uint8_t board = 0;
+  std::uint8_t reset_cause = 0;
+  std::uint32_t uptime_us = 0;
+  double limit_pulse_min_us = 0, limit_pulse_max_us = 0;
+  double limit_rate_dps = 0, limit_acceleration_dps2 = 0;
+  unsigned watchdog_ms = 0;
+};
+
+struct ServoAck {
+  std::uint8_t type = 0;
+  std::uint32_t mcu_us = 0;
+};
+
+struct ServoNack {
+  std::uint8_t type = 0;
+  std::uint8_t reason = 0;  // enum servo_reason
+  std::uint8_t detail = 0;
+};
+
+struct ServoPong {
+  std::uint32_t token = 0, receive_us = 0, send_us = 0;
+};
+
+struct ServoEvent {
+  std::uint8_t kind = 0;  // enum servo_event_kind
+  std::uint16_t detail = 0;
+  std::uint32_t mcu_us = 0;
+};
+
+struct ServoMessage {
+  std::variant<ServoState, ServoWelcome, ServoAck, ServoNack, ServoPong, ServoEvent> body;
+  std::uint8_t sequence = 0;
+  StreamSpan span;
+  bool lost_before = false;  // telemetry: the sequence number shows a loss; others: damaged bytes before
+};
+
+/// Finds the servo's frames in a stream of bytes. A frame of unknown type or wrong length is counted, not
+/// thrown.
+class ServoScanner {
+ public:
+  ServoScanner();
+  void push(std::span<const std::uint8_t> bytes, std::vector<ServoMessage>& out);
+  const Counters& counters() const { return counters_; }
+
+ private:
+  servo_decoder decoder_{};
+  Counters counters_;
+  std::uint64_t offset_ = 0;       // stream offset of the next byte
+  std::uint64_t frame_begin_ = 0;  // stream offset of the open frame's first byte
+  int telemetry_sequence_ = -1;    // of the last telemetry, -1 for none
+  bool damaged_ = false;
+};
+
+// Commands to bytes: one whole frame each. Angles in degrees, rates in degrees per second; values that do not
+// fit their field are a bug of the caller and abort.
+std::vector<std::uint8_t> hello_bytes(std::uint8_t sequence);
+std::vector<std::uint8_t> configure_bytes(std::uint8_t sequence, const ServoProfile& servo);
+std::vector<std::uint8_t> arm_bytes(std::uint8_t sequence, double angle_deg);
+std::vector<std::uint8_t> disarm_bytes(std::uint8_t sequence);
+std::vector<std::uint8_t> halt_bytes(std::uint8_t sequence);
+std::vector<std::uint8_t> refresh_bytes();
+std::vector<std::uint8_t> ping_bytes(std::uint32_t token, std::uint16_t delay_max_us);
+
+struct RunCommand {
+  std::uint16_t leg = 0;
+  bool turn_back = false;
+  double rate_dps = 0;
+  double acceleration_dps2 = 0;
+  double duration_s = 0;
+};
+std::vector<std::uint8_t> run_bytes(std::uint8_t sequence, const RunCommand& run);
+
+struct GoToCommand {
+  double angle_deg = 0;
+  double rate_dps = 0;
+  double acceleration_dps2 = 0;
+};
+std::vector<std::uint8_t> go_to_bytes(std::uint8_t sequence, const GoToCommand& go_to);
+
+/// The raw stop byte: stops the servo in any state, outside any frame.
+std::vector<std::uint8_t> stop_bytes();
+
+// The other direction, for simulated servos and tests.
+std::vector<std::uint8_t> telemetry_bytes(std::uint8_t sequence, const ServoState& state);
+
+/// "the angle, rate or duration lies beyond a limit": for logs and errors. Unknown numbers are named as such.
+std::string reason_text(std::uint8_t reason);
+std::string command_name(std::uint8_t type);
+std::string event_text(const ServoEvent& event);
+
+}  // namespace thermorig::wire
