@@ -1,0 +1,35 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: MIT
+# Installs the Debian packages that thermorig needs and that are missing. Never removes one.
+# Usage: bash app/setup.sh [tests] [deep] [bench]   (the words add what tests, sanitizer runs and benchmarks need)
+set -euo pipefail
+
+packages=(g++ cmake ninja-build pkg-config ccache git ca-certificates
+  libserialport-dev libboost-dev libhdf5-dev libfmt-dev libcli11-dev libtoml11-dev nlohmann-json3-dev
+  zlib1g-dev libdeflate-dev
+  gcc-avr avr-libc libsimavr-dev libelf-dev)
+for part in "$@"; do
+  case "$part" in
+    tests) packages+=(libgtest-dev libgmock-dev hdf5-tools python3-h5py python3-xarray python3-h5netcdf) ;;
+    deep) packages+=(clang-14 libclang-rt-14-dev libfuzzer-14-dev clang-format-14) ;;
+    bench) packages+=(libbenchmark-dev python3-numpy python3-h5py python3-serial) ;;
+    *) echo "setup.sh: unknown part '$part'; try: tests, deep, bench" >&2; exit 2 ;;
+  esac
+done
+
+missing=()
+for package in "${packages[@]}"; do
+  dpkg-query -W -f '${Status}' "$package" 2>/dev/null | grep -q 'install ok installed' || missing+=("$package")
+done
+[ ${#missing[@]} -eq 0 ] && exit 0
+
+if ! command -v apt-get >/dev/null; then
+  echo "These packages (Debian's names) are missing; install them and run this again: ${missing[*]}" >&2
+  exit 1
+fi
+as_root=()
+[ "$(id -u)" -eq 0 ] || as_root=(sudo)
+echo "Installing: ${missing[*]}"
+export DEBIAN_FRONTEND=noninteractive
+"${as_root[@]}" apt-get update -qq
+"${as_root[@]}" apt-get install -y -qq --no-remove --no-install-recommends "${missing[@]}" >/dev/null

@@ -1,0 +1,34 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: MIT
+# The slow checks: all tests under AddressSanitizer and UBSan, the threaded ones under ThreadSanitizer, and each
+# fuzzer for a bounded time with the golden vectors as seeds.
+# Usage: bash tests/deep.sh [seconds a fuzzer, default 20]
+set -euo pipefail
+cd "$(dirname "$0")/.."
+fuzz_seconds=${1:-20}
+
+bash app/setup.sh tests deep
+
+echo "== AddressSanitizer and UndefinedBehaviorSanitizer"
+cmake --preset asan
+cmake --build --preset asan -j "$(nproc)"
+ctest --test-dir build-asan --output-on-failure -j "$(nproc)"
+
+echo "== ThreadSanitizer"
+cmake --preset tsan
+cmake --build --preset tsan -j "$(nproc)" --target test_io test_simulated_ports test_rig test_session
+ctest --test-dir build-tsan --output-on-failure -R '^(Loop|Pty|Port|SimulatedPorts|PortRecording|SessionFile)'
+
+echo "== Fuzzers, $fuzz_seconds s each"
+cmake --preset fuzz
+cmake --build --preset fuzz -j "$(nproc)"
+export UBSAN_OPTIONS=halt_on_error=1
+for source in tests/fuzz/*_fuzzer.cpp; do
+  name=$(basename "$source" .cpp)
+  corpus=build-fuzz/corpus/$name
+  mkdir -p "$corpus"
+  python3 tests/fuzz/seeds.py "$name" protocols/vectors "$corpus"
+  "build-fuzz/bin/$name" -max_total_time="$fuzz_seconds" -max_len=8192 -rss_limit_mb=2048 -print_final_stats=0 \
+    -verbosity=0 -artifact_prefix=build-fuzz/ "$corpus"
+  echo "$name: no finding in $fuzz_seconds s, corpus of $(find "$corpus" -type f | wc -l)"
+done
