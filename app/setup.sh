@@ -11,7 +11,7 @@ packages=(g++ cmake ninja-build pkg-config ccache git ca-certificates
 for part in "$@"; do
   case "$part" in
     tests) packages+=(libgtest-dev libgmock-dev hdf5-tools python3-h5py python3-xarray python3-h5netcdf) ;;
-    deep) packages+=(clang-14 libclang-rt-14-dev libfuzzer-14-dev clang-format-14) ;;
+    deep) packages+=(clang-14 libclang-rt-14-dev clang-format-14) ;;
     bench) packages+=(libbenchmark-dev python3-numpy python3-h5py python3-serial) ;;
     *) echo "setup.sh: unknown part '$part'; try: tests, deep, bench" >&2; exit 2 ;;
   esac
