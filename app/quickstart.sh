@@ -3,15 +3,16 @@
 # From a fresh clone to a labelled session in one command, without any hardware: installs what is missing, builds,
 # records the plan `quick` from the simulated rig and inspects the file.
 # Usage: bash app/quickstart.sh [folder for recordings]   (default: recordings/ of the project)
+# THERMORIG_BUILD names another build folder than build/.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 recordings=${1:-recordings}
+build=${THERMORIG_BUILD:-build}
 
 bash app/setup.sh
-cmake --preset release -DTHERMORIG_TESTS=OFF -B build/quickstart >/dev/null
-cmake --build build/quickstart -j "$(nproc)"
+cmake --preset release -B "$build" -DTHERMORIG_TESTS=OFF >/dev/null
+cmake --build "$build" -j "$(nproc)"
 
-thermorig=build/quickstart/bin/thermorig
-"$thermorig" record --simulated=3 --environment laboratory --plan quick --output "$recordings"
+"$build"/bin/thermorig record --simulated=3 --environment laboratory --plan quick --output "$recordings"
 session=$(ls -t "$recordings"/laboratory/*.h5 | head -n 1)
-"$thermorig" inspect "$session"
+"$build"/bin/thermorig inspect "$session"
