@@ -10,7 +10,7 @@ packages=(g++ cmake ninja-build pkg-config ccache git ca-certificates
   gcc-avr avr-libc libsimavr-dev libelf-dev)
 for part in "$@"; do
   case "$part" in
-    tests) packages+=(libgtest-dev libgmock-dev hdf5-tools python3-h5py python3-xarray python3-h5netcdf) ;;
+    tests) packages+=(libgtest-dev libgmock-dev hdf5-tools python3-h5py python3-xarray python3-h5netcdf python3-matplotlib) ;;
     deep) packages+=(clang-14 libclang-rt-14-dev clang-format-14) ;;
     bench) packages+=(libbenchmark-dev python3-numpy python3-h5py python3-serial) ;;
     *) echo "setup.sh: unknown part '$part'; try: tests, deep, bench" >&2; exit 2 ;;

@@ -1,0 +1,74 @@
+# SPDX-License-Identifier: MIT
+"""Executes the command blocks of README.md as a newcomer would type them, in order, and stops at the first failure.
+
+    run_blocks.py PROJECT BUILD
+
+Blocks fenced as ```sh run in bash with BUILD/bin on the PATH and the project as working folder (of a throw-away copy of
+its tracked files). Blocks fenced as ```sh hardware name real ports: they run against `thermorig simulate`, whose three
+ports take the place of the names given in PORTS. Blocks fenced as ```python run in /usr/bin/python3, on the newest session.
+"""
+import json
+import os
+import pathlib
+import re
+import shutil
+import signal
+import subprocess
+import sys
+import tempfile
+
+PORTS = {"/dev/ttyUSB0": "camera", "/dev/ttyUSB1": "gyro", "/dev/ttyACM0": "servo"}
+
+
+def blocks(text):
+    for match in re.finditer(r"^```(sh hardware|sh|python)\n(.*?)^```$", text, re.M | re.S):
+        yield match.group(1), match.group(2), text[: match.start()].count("\n") + 2
+
+
+def copy_tracked_files(project, target):
+    names = subprocess.run(["git", "-C", project, "ls-files", "-z"], check=True, capture_output=True).stdout
+    for name in filter(None, names.decode().split("\0")):
+        source = pathlib.Path(project, name)
+        if source.is_file():
+            destination = target / name
+            destination.parent.mkdir(parents=True, exist_ok=True)
+            shutil.copy(source, destination)
+
+
+def simulated_ports(folder, environment):
+    process = subprocess.Popen(["thermorig", "simulate", "--json"], stdout=subprocess.PIPE, cwd=folder, env=environment,
+                               text=True)
+    return process, json.loads(process.stdout.readline())["ports"]
+
+
+def run(kind, body, folder, environment):
+    if kind == "python":
+        newest = max(folder.glob("recordings/*/*.h5"), key=os.path.getmtime)
+        body = re.sub(r'"recordings/[^"]*\.h5"', repr(str(newest)), body).replace("plt.show()", 'plt.savefig("plot.png")')
+        return subprocess.run(["/usr/bin/python3", "-c", body], cwd=folder, env={**environment, "MPLBACKEND": "Agg"})
+    process = None
+    if kind == "sh hardware":
+        process, ports = simulated_ports(folder, environment)
+        for name, role in PORTS.items():
+            body = body.replace(name, ports[role])
+    try:
+        return subprocess.run(["bash", "-euo", "pipefail", "-c", body], cwd=folder, env=environment)
+    finally:
+        if process:
+            process.send_signal(signal.SIGINT)
+            process.wait(timeout=10)
+
+
+def main(project, build):
+    with tempfile.TemporaryDirectory() as name:
+        folder = pathlib.Path(name, "thermorig")
+        copy_tracked_files(project, folder)
+        environment = {**os.environ, "PATH": f"{build}/bin:{os.environ['PATH']}", "THERMORIG_BUILD": f"{name}/build"}
+        for kind, body, line in blocks(pathlib.Path(project, "README.md").read_text()):
+            print(f"README.md:{line} ({kind})\n{body}", flush=True)
+            if run(kind, body, folder, environment).returncode != 0:
+                sys.exit(f"README.md:{line}: the block failed")
+
+
+if __name__ == "__main__":
+    main(*sys.argv[1:])
