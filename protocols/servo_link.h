@@ -39,8 +39,10 @@ extern "C" {
 #define SERVO_LIMIT_PULSE_MAX_US 2500U
 #define SERVO_LIMIT_RATE_CDPS 30000 /* 300 deg/s */
 #define SERVO_LIMIT_ACCELERATION_DPS2 20000U
+#define SERVO_LIMIT_ACCELERATION_MIN_DPS2 100U /* less would not come to rest within a run */
+#define SERVO_LIMIT_SPAN 1000000UL             /* centidegrees (or centidegrees per second) over the pulses */
 #define SERVO_LIMIT_RUN_MS 60000UL  /* longest motion of one command */
-#define SERVO_EMERGENCY_DPS2 10000U /* deceleration after a watchdog trip or a stop byte; at least 2000 */
+#define SERVO_EMERGENCY_DPS2 20000U /* deceleration after a fault, but for LIMIT; at least 2000 */
 
 /* Message types. Host to servo below 0x80, servo to host from 0x80. */
 enum servo_type {
