@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "thermorig/core/device.h"
+#include "thermorig/core/profile.h"
+#include "thermorig/io/port.h"
+
+namespace thermorig::rig {
+
+/// What some bytes look like. Pure: no port, no clock.
+struct Evidence {
+  std::optional<Device> role;
+  GyroProtocol gyro_protocol = GyroProtocol::witmotion;
+  std::uint64_t messages = 0;    // good messages of that role
+  double explained_share = 0.0;  // share of the bytes that lie in them, 0..1
+  std::string text;              // "12 camera frames (GY-MCU90640), checksums good"
+};
+
+/// Which device sends such bytes? At least two good messages (one camera frame) that hold most of the bytes.
+Evidence classify(std::span<const std::uint8_t> bytes);
+
+/// What was found on one port.
+struct PortFinding {
+  io::PortInfo info;
+  std::optional<Device> role;
+  std::uint32_t baud = 0;  // at which it spoke
+  GyroProtocol gyro_protocol = GyroProtocol::witmotion;
+  std::string how;       // evidence, ready to print; or "silent at 6 baud rates"
+  std::string problem;   // could not be opened: why; else empty
+  double rate_hz = 0.0;  // messages a second while listening
+};
+
+/// Listens on all ports at once, at the usual bauds one after another; what is still unknown then is greeted
+/// as a servo. Within `listen_s` seconds. A pty has no baud: it is listened to once.
+std::vector<PortFinding> identify_devices(const std::vector<io::PortInfo>& ports, double listen_s = 6.0);
+
+/// The profile with the ports, bauds and gyro protocol that were found. Roles found twice are left alone and
+/// reported through `ambiguous` (one sentence each).
+RigProfile apply_findings(RigProfile profile, const std::vector<PortFinding>& findings,
+                          std::vector<std::string>& ambiguous);
+
+}  // namespace thermorig::rig

@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "thermorig/core/profile.h"
+
+namespace thermorig::rig {
+
+/// What an acquisition drives: a rest, legs of constant commanded speed, a rest. docs/sweep_plans.md.
+struct SweepPlan {
+  std::string name;
+  std::vector<double> leg_rates_dps;  // signed, in driving order
+  int frames_per_leg = 57;            // camera frames from a leg's first to its last, flagged ones included
+  double opening_rest_s = 10.0;
+  double closing_rest_s = 10.0;
+  std::uint64_t seed = 1;  // of the order of the magnitudes
+};
+
+/// What the command line changes in a plan; unset members leave it as it is.
+struct PlanOverrides {
+  std::vector<double> magnitudes_dps;  // empty: the plan's own; else driven as +v, -v in the plan's order
+  std::optional<int> frames_per_leg;
+  std::optional<double> opening_rest_s;
+  std::optional<double> closing_rest_s;
+  std::optional<std::uint64_t> seed;
+};
+
+/// Names of the built-in plans: "paper", "table-one", "quick".
+const std::vector<std::string>& built_in_plan_names();
+
+/// A built-in plan by its name, or a TOML file by its path, with the overrides applied. `environment` matters
+/// to "table-one" only (51 frames a speed in "garden", 61 elsewhere). `seed` orders the magnitudes unless
+/// the file or the overrides say otherwise. Throws Error(bad_usage).
+SweepPlan load_plan(const std::string& name_or_file, const std::string& environment, std::uint64_t seed,
+                    const PlanOverrides& overrides = {});
+
+/// A plan from TOML text: `magnitudes_dps = [..]` or `min_dps`, `max_dps`, `step_dps`; `order` ("seeded",
+/// "ascending", "descending", "given"), `both_directions`, `frames_per_leg`, `opening_rest_s`,
+/// `closing_rest_s`, `seed`, `name`. Throws Error(bad_usage) with file and line.
+SweepPlan parse_plan(const std::string& text, const std::string& file_name, std::uint64_t seed,
+                     const PlanOverrides& overrides = {});
+
+/// The plan as TOML: every leg's speed, in order. parse_plan() gives the same legs back.
+std::string to_toml(const SweepPlan& plan);
+
+/// Can this rig drive the plan, and give at least one valid frame in every leg? Throws Error(bad_usage) that
+/// shows the sum: speeds beyond the servo's limits, legs too short, a frame rate that the baud cannot carry.
+void check_plan(const SweepPlan& plan, const ServoProfile& servo, const CameraProfile& camera);
+
+/// Angle that a leg of `frames` frames at `rate_dps` covers at `frame_rate_hz`, ramps and reaction included.
+double leg_travel_deg(double rate_dps, int frames, double frame_rate_hz, double acceleration_dps2);
+
+/// Half of the angle that the servo may use around its middle; nothing for a continuous servo.
+std::optional<double> angle_limit_deg(const ServoProfile& servo);
+
+/// About how long the plan takes on this rig, transits and rests included.
+double plan_duration_s(const SweepPlan& plan, const ServoProfile& servo, double frame_rate_hz);
+
+}  // namespace thermorig::rig

@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include "thermorig/core/time.h"
+#include "thermorig/rig/recording.h"
+
+namespace thermorig::rig {
+
+struct PortOptions {
+  RecordingOptions recording;  // profile: a port for every device
+  ProgressHandler progress;    // called on the recording's thread; may be empty
+  HostDuration progress_period = std::chrono::milliseconds(250);
+  std::function<void(const std::string&)>
+      notice;  // one-line remarks ("stopping the servo ..."); may be empty
+};
+
+/// Opens the three ports, records the plan on the wall clock, finalises. SIGINT, SIGTERM and SIGHUP stop the
+/// servo and close the file; a second one leaves the journal for `recover`. Throws Error: device_missing (a
+/// port is missing, silent, or carries another device's bytes), no_permission, storage, bad_usage.
+RecordingResult record_ports(const PortOptions& options);
+
+}  // namespace thermorig::rig

@@ -1,0 +1,119 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "thermorig/core/error.h"
+#include "thermorig/core/profile.h"
+#include "thermorig/core/raw_recording.h"
+#include "thermorig/core/sample.h"
+#include "thermorig/core/time.h"
+#include "thermorig/rig/health.h"
+#include "thermorig/rig/plan.h"
+#include "thermorig/rig/session_file.h"
+#include "thermorig/rig/sweep.h"
+#include "thermorig/session/session.h"
+
+namespace thermorig::rig {
+
+/// What a recording is made of and where it goes.
+struct RecordingOptions {
+  std::string environment;
+  std::filesystem::path output = "recordings";
+  std::string title;
+  RigProfile profile;
+  SweepPlan plan;
+  bool simulated = false;
+  std::optional<std::uint64_t> simulation_seed;
+  std::string simulation;  // "virtual time, firmware's host build", ...
+  std::string creator;     // "thermorig 0.1.0"
+  std::string creator_git;
+  double start_patience_s = 6.0;     // each device must have sent a good message by then
+  bool sync_while_recording = true;  // false: one sync at the end (virtual time)
+};
+
+/// Everything the live display shows.
+struct RecordingProgress {
+  HostTime time{};
+  double elapsed_s = 0.0;
+  SweepProgress sweep;
+  PerDevice<DeviceHealth> health;
+  std::vector<RecordingEvent> events;  // since the last progress
+  std::optional<LabelledSample> last_sample;
+};
+
+/// How a recording ended. `session` is there whenever bytes could be kept.
+struct RecordingResult {
+  ExitCode exit = ExitCode::ok;  // ok, finished_lossy, device_lost, interrupted
+  std::string message;           // what happened if not ok, ready to print
+  std::string advice;            // what to try, may be empty
+  int acquisition = 0;
+  std::filesystem::path session;  // empty if it was left as a journal (second Ctrl-C)
+  std::filesystem::path journal;  // exists only if `session` is empty
+  session::State state = session::State::complete;
+  session::Quality quality;
+  double duration_s = 0.0;  // on the recording's clock
+};
+
+using ProgressHandler = std::function<void(const RecordingProgress&)>;
+
+/// One acquisition from its first byte to the closed journal: chunk -> journal -> pipeline -> commander and
+/// sweep. The caller owns the ports and the clock. Errors of the servo or of a device that went away end the
+/// recording properly: see failure().
+class Recording {
+ public:
+  using SendToServo = std::function<void(std::span<const std::uint8_t>)>;
+
+  /// Chooses the number and creates the journal. `now` becomes second 0. Throws Error: bad_usage, storage.
+  Recording(const RecordingOptions& options, HostTime now, SendToServo send);
+  ~Recording();
+  Recording(const Recording&) = delete;
+  Recording& operator=(const Recording&) = delete;
+
+  /// One chunk from a device. Journal first, then everything else.
+  void received(Device from, std::span<const std::uint8_t> bytes, HostTime arrived);
+
+  /// A port failed or was unplugged.
+  void lost(Device device, const std::string& why, HostTime now);
+
+  /// Moves everything on; bytes for the servo go out through the callback. Every 10 ms or so.
+  void tick(HostTime now);
+
+  /// Ctrl-C: stops the servo, then done().
+  void request_stop(HostTime now);
+
+  /// The servo is at rest, or gone: nothing more will be recorded.
+  bool done() const;
+
+  /// Why it ended early, if not by request_stop().
+  const std::optional<Error>& failure() const;
+  bool stopped() const;      // by request_stop()
+  bool sweep_began() const;  // every device was there and the opening rest began
+
+  RecordingProgress progress(HostTime now);
+
+  /// End record, sync, close. Returns where the journal and its session belong.
+  SessionFile close(HostTime now);
+
+  /// Closes and removes the journal: nothing was recorded that is worth keeping.
+  void discard(HostTime now);
+
+  const SessionFile& file() const;
+
+ private:
+  struct Parts;
+  std::unique_ptr<Parts> parts_;
+};
+
+/// After `recording` is done: closes it, finalises the journal, says how it ended. A recording that failed
+/// before its sweep began leaves no file: its Error is thrown.
+RecordingResult conclude(Recording& recording, HostTime now);
+
+}  // namespace thermorig::rig

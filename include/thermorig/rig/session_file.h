@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+#include "thermorig/core/time.h"
+
+namespace thermorig::rig {
+
+/// Where one acquisition goes: `<output>/<environment>/<environment>_acq-<nn>_<UTC start>.h5`, the journal
+/// beside it as `.journal`.
+struct SessionFile {
+  int acquisition = 0;  // from 1
+  std::filesystem::path session;
+  std::filesystem::path journal;
+};
+
+/// Throws Error(bad_usage) that says what is allowed unless `environment` is [a-z0-9-]{1,32}.
+void check_environment(const std::string& environment);
+
+/// Held while a number is chosen and its journal created, so that two recorders never take the same one.
+class FolderLock {
+ public:
+  /// Creates `<output>/<environment>` if needed. Throws Error(storage) if it cannot be written.
+  FolderLock(const std::filesystem::path& output, const std::string& environment);
+  ~FolderLock();
+  FolderLock(const FolderLock&) = delete;
+  FolderLock& operator=(const FolderLock&) = delete;
+
+  /// The next free number: one above the highest that any file of the folder carries, whatever its suffix.
+  /// `utc_compact`: "20260725T143512Z".
+  SessionFile next(const std::string& utc_compact) const;
+
+ private:
+  std::filesystem::path folder_;
+  std::string environment_;
+  int descriptor_ = -1;
+};
+
+/// "20260725T143512Z" from "2026-07-25T14:35:12.123456Z".
+std::string compact_utc(const std::string& utc);
+
+/// The session that a journal becomes: same name, `.h5`.
+std::filesystem::path session_of(const std::filesystem::path& journal);
+
+}  // namespace thermorig::rig

@@ -1,0 +1,129 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "thermorig/core/profile.h"
+#include "thermorig/core/raw_recording.h"
+#include "thermorig/core/sample.h"
+#include "thermorig/core/time.h"
+#include "thermorig/rig/plan.h"
+#include "thermorig/rig/servo_commander.h"
+
+namespace thermorig::rig {
+
+enum class SweepPhase : std::uint8_t {
+  waiting,   // start() has not been called
+  greeting,  // hello, configure, arm
+  opening_rest,
+  transit,  // to where the next leg starts
+  leg,
+  recovering,  // after a fault or reset: at rest, then armed again
+  closing_rest,
+  halting,   // to rest and disarmed at the end of the plan
+  stopping,  // on request
+  done,
+};
+std::string name_of(SweepPhase phase);
+
+/// Where the sweep stands: for the progress line.
+struct SweepProgress {
+  SweepPhase phase = SweepPhase::waiting;
+  int leg = 0;  // of the plan, counted from 1; 0 before the first
+  int leg_count = 0;
+  double rate_dps = 0.0;  // commanded in this leg
+  int frames = 0;         // in this leg so far
+  int frames_per_leg = 0;
+  double done_share = 0.0;  // 0..1
+  double eta_s = 0.0;       // from the plan, not from the elapsed time
+  int repeated = 0;         // legs that had to be driven again
+};
+
+/// Drives the servo through a plan: rest, legs (with a transit where a leg does not fit from here), rest.
+/// A leg that a fault cut short is driven again under a new number. Pure: fed with frames and telemetry,
+/// it puts commands into the commander's queue.
+class SweepWalker {
+ public:
+  SweepWalker(const SweepPlan& plan, const ServoProfile& servo, double nominal_frame_rate_hz,
+              ServoCommander& commander);
+
+  void greet();              // hello and configure, so that the servo is known to be there
+  void start(HostTime now);  // all devices send: the opening rest begins
+  void frame(const TimedFrame& frame);
+  void telemetry(const TimedServo& servo);
+
+  /// Moves on. Call after each batch of frames, telemetry and answers, and every 10 ms or so.
+  /// Throws Error(device_lost) when a leg fails too often.
+  void tick(HostTime now);
+
+  /// Stop byte, halt, at rest, disarm: then done(). May be called in any phase.
+  void request_stop(HostTime now);
+
+  bool done() const { return phase_ == SweepPhase::done; }
+  bool plan_complete() const { return plan_complete_; }
+  bool confirmed_at_rest() const { return at_rest_; }  // at the end
+  SweepPhase phase() const { return phase_; }
+  SweepProgress progress(HostTime now) const;
+
+  // What happened since the last call.
+  std::vector<RecordingEvent> take_events();
+  std::vector<LegRecord> take_legs();
+
+ private:
+  struct Leg {
+    std::uint16_t number = 0;
+    bool turn_back = false;
+    HostTime run_ends{};                   // of the RUN command that was sent last
+    std::optional<HostTime> first_seen{};  // modelled time of the first telemetry with this number
+    LegRecord record;
+  };
+
+  void enter(SweepPhase phase, HostTime now);
+  void next_leg(HostTime now);
+  void begin_leg(HostTime now);
+  void send_run(HostTime now);
+  void end_leg(HostTime now, bool complete);
+  void trouble(HostTime now, const std::string& what);
+  void tick_greeting(HostTime now);
+  void tick_transit(HostTime now);
+  void tick_leg(HostTime now);
+  void tick_recovering(HostTime now);
+  void tick_halting(HostTime now);
+  void tick_stopping(HostTime now);
+  bool watch_for_trouble(HostTime now);
+  void event(HostTime now, EventKind kind, std::string message);
+  bool servo_at_rest() const;
+  double frame_rate_hz() const;
+  double leg_duration_s(int frames) const;
+  double start_angle_deg(double rate_dps) const;
+  bool fits_from_here(double rate_dps) const;
+  double rate_dps() const;
+
+  SweepPlan plan_;
+  ServoProfile servo_;
+  double nominal_frame_rate_hz_;
+  ServoCommander& commander_;
+  SweepPhase phase_ = SweepPhase::waiting;
+  HostTime phase_begin_{};
+  std::size_t step_ = 0;
+  std::uint16_t last_number_ = 0;
+  int failures_ = 0;  // of this step, in a row
+  int repeated_ = 0;
+  Leg leg_;
+  double transit_target_deg_ = 0.0;
+  HostTime transit_limit_{};
+  std::optional<TimedServo> last_telemetry_;
+  std::optional<HostTime> last_frame_;
+  std::vector<double> frame_gaps_s_;  // the latest ones, for the rate
+  int stop_tries_ = 0;
+  bool disarm_sent_ = false;
+  bool plan_complete_ = false;
+  bool at_rest_ = false;
+  std::vector<RecordingEvent> events_;
+  std::vector<LegRecord> legs_;
+};
+
+}  // namespace thermorig::rig

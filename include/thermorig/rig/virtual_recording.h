@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <span>
+#include <vector>
+
+#include "thermorig/core/chunk.h"
+#include "thermorig/core/device.h"
+#include "thermorig/core/time.h"
+#include "thermorig/rig/recording.h"
+
+namespace thermorig::rig {
+
+/// Devices in virtual time: whoever has them in process (a simulated rig, a test) implements this.
+struct DeviceBus {
+  virtual ~DeviceBus() = default;
+  /// Bytes from the host, written at `now` (not before the last advance()).
+  virtual void send(Device to, std::span<const std::uint8_t> bytes, HostTime now) = 0;
+  /// Runs to `until`; chunks that arrive up to then, in order of arrival.
+  virtual std::vector<Chunk> advance(HostTime until) = 0;
+};
+
+struct VirtualOptions {
+  RecordingOptions recording;
+  HostTime start{};                      // the bus was switched on then
+  std::function<bool()> stop_requested;  // asked every step; may be empty
+  ProgressHandler progress;              // every second of virtual time; may be empty
+};
+
+/// A whole acquisition in virtual time, steps of 4 ms, then finalised. Deterministic if the bus is.
+/// Throws as conclude() does.
+RecordingResult record_virtual(DeviceBus& bus, const VirtualOptions& options);
+
+}  // namespace thermorig::rig
