@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include "options.h"
+#include "thermorig/core/error.h"
+
+namespace thermorig::app {
+
+// One function a command. Each prints its results on standard output, throws Error where the world refuses,
+// and returns the exit code otherwise.
+
+ExitCode run(const RecordOptions& options);
+ExitCode run(const PortsOptions& options);
+ExitCode run(const SimulateOptions& options);
+ExitCode run(const InspectOptions& options);
+ExitCode run(const RecoverOptions& options);
+ExitCode run(const ReprocessOptions& options);
+ExitCode run(const DecodeOptions& options);
+ExitCode run(const VersionOptions& options);
+
+}  // namespace thermorig::app

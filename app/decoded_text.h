@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstdint>
+#include <nlohmann/json_fwd.hpp>
+#include <string>
+
+#include "thermorig/wire/camera_scanner.h"
+#include "thermorig/wire/counters.h"
+#include "thermorig/wire/gyro_scanner.h"
+#include "thermorig/wire/servo_messages.h"
+
+namespace thermorig::app {
+
+// One decoded message for a person (a line) and for a program (an object). `index` counts from 0.
+
+std::string text_of(const wire::CameraMessage& message, std::uint64_t index);
+std::string text_of(const wire::GyroMessage& message, std::uint64_t index);
+std::string text_of(const wire::ServoMessage& message, std::uint64_t index);
+
+nlohmann::json json_of(const wire::CameraMessage& message, std::uint64_t index);
+nlohmann::json json_of(const wire::GyroMessage& message, std::uint64_t index);
+nlohmann::json json_of(const wire::ServoMessage& message, std::uint64_t index);
+
+nlohmann::json json_of(const wire::Counters& counters);
+
+/// What became of every byte, and how many messages came of them: a few aligned lines.
+std::string text_of(const wire::Counters& counters);
+
+}  // namespace thermorig::app

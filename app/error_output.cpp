@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: MIT
+#include "error_output.h"
+
+#include <fmt/format.h>
+
+#include <cstdio>
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "output.h"
+
+namespace thermorig::app {
+
+int report(const Error& error, bool json) {
+  std::fflush(stdout);
+  const bool colours = escapes_allowed(stderr);
+  const std::string where = error.where().empty() ? "" : error.where() + ": ";
+  fmt::print(stderr, "{}thermorig:{} {}\n", colours ? "\x1b[31m" : "", colours ? "\x1b[0m" : "",
+             printable(where + error.what_happened()));
+  if (!error.advice().empty()) fmt::print(stderr, "  try: {}\n", printable(error.advice()));
+  const int code = static_cast<int>(error.code());
+  if (json) {
+    print_json({{"event", "error"},
+                {"exit_code", code},
+                {"what", error.what_happened()},
+                {"where", error.where()},
+                {"advice", error.advice()}});
+  }
+  std::fflush(stdout);
+  return code;
+}
+
+}  // namespace thermorig::app

@@ -1,0 +1,173 @@
+// SPDX-License-Identifier: MIT
+#include "inspect_text.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <nlohmann/json.hpp>
+
+#include "decoded_text.h"
+#include "output.h"
+
+namespace thermorig::app {
+
+namespace {
+
+using session::Quality;
+using session::Session;
+
+std::string name_of_state(session::State state) {
+  if (state == session::State::complete) return "complete";
+  return state == session::State::recovered ? "recovered" : "partial";
+}
+
+std::string origin(const RecordingHeader& header) {
+  if (!header.simulated) return "real devices";
+  const std::string seed = header.simulation_seed ? fmt::format("seed {}, ", *header.simulation_seed) : "";
+  return fmt::format("SIMULATED ({}{})", seed, header.simulation);
+}
+
+std::string heading(const std::filesystem::path& path, const Session& session, const Quality& quality) {
+  const RecordingHeader& header = session.raw.header;
+  std::string text = path.string() + "\n";
+  text += fmt::format("  session      {}, {}\n", name_of_state(session.state), printable(origin(header)));
+  text +=
+      fmt::format("  recorded     {} acquisition {}, {}, {}\n", printable(header.environment),
+                  header.acquisition, printable(header.start_time_utc), duration_text(quality.duration_s));
+  text +=
+      fmt::format("  plan         {}, {} frames a leg\n", printable(header.plan_name), header.frames_per_leg);
+  text += fmt::format("  made by      {} ({})\n", printable(header.creator), printable(header.creator_git));
+  if (!header.firmware.empty()) text += fmt::format("  servo        {}\n", printable(header.firmware));
+  return text;
+}
+
+std::string stream_table(const Quality& quality) {
+  Table table({"stream", "received", "lost", "bad", "repeated", "rate", "mean", "longest gap"});
+  for (Device device : all_devices) {
+    const Quality::Stream& stream = quality.stream[device];
+    table.add({std::string(name_of(device)), count_text(stream.received), count_text(stream.lost),
+               count_text(stream.bad), count_text(stream.repeated),
+               rate_range_text(stream.rate_min_hz, stream.rate_max_hz),
+               fmt::format("{:.2f} /s", stream.rate_mean_hz), gap_text(stream.gap_max_s)});
+  }
+  return table.text();
+}
+
+std::string frames_text(const Quality& quality) {
+  std::string text = fmt::format("frames   {} of {} in legs are valid ({}); {} in all\n",
+                                 count_text(quality.valid), count_text(quality.swept),
+                                 share_text(quality.valid, quality.swept), count_text(quality.frames));
+  std::string reasons;
+  for (const auto& [name, count] : quality.reason_counts)
+    if (count > 0) reasons += fmt::format("{}{} {}", reasons.empty() ? "" : ", ", name, count_text(count));
+  return text + "flagged  " + (reasons.empty() ? "none" : reasons) + "\n";
+}
+
+/// One row a magnitude: the speed is driven in both directions.
+std::string speed_table(const Quality& quality) {
+  struct Pair {
+    const Quality::Speed* forward = nullptr;
+    const Quality::Speed* backward = nullptr;
+  };
+  std::map<long, Pair> pairs;
+  for (const Quality::Speed& speed : quality.speeds) {
+    Pair& pair = pairs[std::lround(std::abs(speed.rate_dps) * 100)];
+    (speed.rate_dps < 0 ? pair.backward : pair.forward) = &speed;
+  }
+  const auto frames = [](const Quality::Speed* speed) { return speed ? std::to_string(speed->frames) : "-"; };
+  const auto valid = [](const Quality::Speed* speed) { return speed ? std::to_string(speed->valid) : "-"; };
+  Table table({"deg/s", "frames +", "valid +", "frames -", "valid -"});
+  for (const auto& [centi, pair] : pairs)
+    table.add({fmt::format("{:.1f}", static_cast<double>(centi) / 100), frames(pair.forward),
+               valid(pair.forward), frames(pair.backward), valid(pair.backward)});
+  return table.text();
+}
+
+std::string verdict_text(const Quality& quality) {
+  std::string text = "verdict  " + quality.verdict;
+  for (std::size_t i = 0; i < quality.verdict_reasons.size(); ++i)
+    text += (i == 0 ? ": " : "; ") + quality.verdict_reasons[i];
+  return text + "\n";
+}
+
+nlohmann::json stream_json(const Quality::Stream& stream, const wire::Counters& counters) {
+  return {{"received", stream.received},
+          {"lost", stream.lost},
+          {"bad", stream.bad},
+          {"repeated", stream.repeated},
+          {"rate_min_hz", stream.rate_min_hz},
+          {"rate_mean_hz", stream.rate_mean_hz},
+          {"rate_max_hz", stream.rate_max_hz},
+          {"gap_max_s", stream.gap_max_s},
+          {"counters", json_of(counters)}};
+}
+
+nlohmann::json speeds_json(const Quality& quality) {
+  nlohmann::json speeds = nlohmann::json::array();
+  for (const Quality::Speed& speed : quality.speeds)
+    speeds.push_back({{"rate_dps", speed.rate_dps}, {"frames", speed.frames}, {"valid", speed.valid}});
+  return speeds;
+}
+
+nlohmann::json header_json(const RecordingHeader& header) {
+  nlohmann::json object{{"uuid", header.uuid},
+                        {"environment", header.environment},
+                        {"acquisition", header.acquisition},
+                        {"start_time", header.start_time_utc},
+                        {"simulated", header.simulated},
+                        {"simulation", header.simulation},
+                        {"plan", header.plan_name},
+                        {"frames_per_leg", header.frames_per_leg},
+                        {"creator", header.creator},
+                        {"creator_git", header.creator_git},
+                        {"servo_firmware", header.firmware}};
+  object["seed"] = header.simulation_seed ? nlohmann::json(*header.simulation_seed) : nlohmann::json();
+  return object;
+}
+
+}  // namespace
+
+std::string text_of(const std::filesystem::path& path, const Session& session, const Quality& quality) {
+  std::string text =
+      heading(path, session, quality) + "\n" + stream_table(quality) + "\n" + frames_text(quality);
+  if (!quality.speeds.empty()) text += "\n" + speed_table(quality);
+  return text + "\n" + verdict_text(quality);
+}
+
+nlohmann::json json_of(const std::filesystem::path& path, const Session& session, const Quality& quality) {
+  nlohmann::json object = header_json(session.raw.header);
+  object["file"] = path.string();
+  object["state"] = name_of_state(session.state);
+  object["duration_s"] = quality.duration_s;
+  object["camera_mode"] = session.camera_mode;
+  object["frames"] = quality.frames;
+  object["swept"] = quality.swept;
+  object["valid"] = quality.valid;
+  object["reasons"] = quality.reason_counts;
+  object["speeds"] = speeds_json(quality);
+  for (Device device : all_devices)
+    object["streams"][std::string(name_of(device))] =
+        json_of(quality.stream[device], session.counters[device]);
+  object["verdict"] = quality.verdict;
+  object["verdict_reasons"] = quality.verdict_reasons;
+  return object;
+}
+
+ShortSpeeds short_speeds(const Quality& quality, int frames_per_leg) {
+  std::vector<Quality::Speed> wanting;
+  for (const Quality::Speed& speed : quality.speeds)
+    if (speed.frames < frames_per_leg) wanting.push_back(speed);
+  std::stable_sort(wanting.begin(), wanting.end(),
+                   [](const auto& a, const auto& b) { return a.frames < b.frames; });
+  ShortSpeeds result{wanting.size(), ""};
+  constexpr std::size_t shown = 4;
+  for (std::size_t i = 0; i < std::min(shown, wanting.size()); ++i)
+    result.text += fmt::format("{}{} ({} of {})", i == 0 ? "" : ", ", speed_text(wanting[i].rate_dps),
+                               wanting[i].frames, frames_per_leg);
+  if (wanting.size() > shown) result.text += fmt::format(" and {} more", wanting.size() - shown);
+  return result;
+}
+
+}  // namespace thermorig::app

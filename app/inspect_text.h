@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <filesystem>
+#include <nlohmann/json_fwd.hpp>
+#include <string>
+
+#include "thermorig/session/session.h"
+
+namespace thermorig::app {
+
+/// Everything that `inspect` says of a session: what it is, streams, frames by speed, reasons, verdict.
+std::string text_of(const std::filesystem::path& path, const session::Session& session,
+                    const session::Quality& quality);
+nlohmann::json json_of(const std::filesystem::path& path, const session::Session& session,
+                       const session::Quality& quality);
+
+/// Speeds with fewer frames than the plan asks for, for a closing summary.
+struct ShortSpeeds {
+  std::size_t count = 0;
+  std::string text;  // "+7.5 deg/s (12 of 57)", the worst few
+};
+ShortSpeeds short_speeds(const session::Quality& quality, int frames_per_leg);
+
+}  // namespace thermorig::app

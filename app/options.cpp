@@ -1,0 +1,259 @@
+// SPDX-License-Identifier: MIT
+#include "options.h"
+
+#include <CLI/CLI.hpp>
+#include <charconv>
+#include <string_view>
+
+#include "thermorig/core/error.h"
+
+namespace thermorig::app {
+
+namespace {
+
+/// Everything that may be on the command line. CLI11 writes into it while it parses.
+struct Words {
+  RecordOptions record;
+  PortsOptions ports;
+  SimulateOptions simulate;
+  InspectOptions inspect;
+  RecoverOptions recover;
+  ReprocessOptions reprocess;
+  DecodeOptions decode;
+  std::string record_seed, simulate_seed, decode_device;
+  bool version = false, version_json = false;
+};
+
+void add_json(CLI::App& command, bool& json) {
+  command.add_flag("--json", json, "Print JSON on standard output, for programs");
+}
+
+void add_simulated_parts(CLI::App& command, std::string& servo, std::string& camera) {
+  command.add_option("--simulated-servo", servo, "Servo of the simulated rig")
+      ->check(CLI::IsMember({"winch", "180", "270", "continuous"}))
+      ->capture_default_str();
+  command.add_option("--simulated-camera", camera, "Chess halves that are fresh in a simulated frame")
+      ->check(CLI::IsMember({"half", "full"}))
+      ->capture_default_str();
+}
+
+void add_rig(CLI::App& command, RigOptions& rig, std::string& seed) {
+  command.add_flag("--simulated{1}", seed, "Use the simulated rig; =SEED chooses another world (default 1)");
+  command.add_option("--camera", rig.ports[Device::camera], "Port of the camera, e.g. /dev/ttyUSB0")
+      ->type_name("PORT");
+  command.add_option("--gyro", rig.ports[Device::gyro], "Port of the gyro")->type_name("PORT");
+  command.add_option("--servo", rig.ports[Device::servo], "Port of the servo's micro-controller")
+      ->type_name("PORT");
+  command.add_option("--rig", rig.profile, "Profile that `thermorig ports --save` wrote: a name or a file")
+      ->type_name("PROFILE");
+  command.add_option("--camera-baud", rig.camera_baud, "Baud rate of the camera")->type_name("N");
+  command.add_option("--gyro-baud", rig.gyro_baud, "Baud rate of the gyro")->type_name("N");
+  command.add_option("--servo-baud", rig.servo_baud, "Baud rate of the servo link")->type_name("N");
+  command.add_option("--camera-rate", rig.camera_rate_hz, "Frames a second that the camera is asked for")
+      ->type_name("HZ");
+  add_simulated_parts(command, rig.simulated_servo, rig.simulated_camera);
+}
+
+void add_record(CLI::App& root, Words& words) {
+  RecordOptions& record = words.record;
+  CLI::App& command = *root.add_subcommand("record", "Record one labelled session");
+  command
+      .add_option("-e,--environment", record.environment,
+                  "Where the rig stands: a-z, 0-9 and '-', e.g. garden")
+      ->type_name("NAME")
+      ->required();
+  command.add_option("-o,--output", record.output, "Folder that holds the recordings")
+      ->type_name("DIR")
+      ->default_str("recordings");
+  command.add_option("--plan", record.plan, "Sweep plan: paper, table-one, quick or a TOML file")
+      ->type_name("PLAN")
+      ->capture_default_str();
+  command.add_option("--frames-per-leg", record.frames_per_leg, "Camera frames in each leg of the plan")
+      ->type_name("N");
+  command
+      .add_option("--speeds", record.speeds_dps,
+                  "Magnitudes to sweep, deg/s, each driven as +v and -v: 30,60,90")
+      ->delimiter(',')
+      ->type_name("V,V,...");
+  command
+      .add_option("--acquisition", record.acquisition,
+                  "Number of the acquisition (default: the next free one)")
+      ->type_name("N");
+  command.add_flag("--fast", record.fast, "Virtual time: as fast as the machine can (simulated rig only)");
+  command.add_flag("-n,--dry-run", record.dry_run,
+                   "Print the plan and the checks; move nothing, write nothing");
+  add_json(command, record.json);
+  add_rig(command, record.rig, words.record_seed);
+  command.footer(
+      "Examples:\n"
+      "  thermorig record --simulated=3 --environment garden --plan quick\n"
+      "  thermorig record --rig bench --environment kitchen");
+}
+
+void add_ports(CLI::App& root, Words& words) {
+  CLI::App& command = *root.add_subcommand("ports", "Find camera, gyro and servo by listening to every port");
+  command.add_option("PORT", words.ports.extra, "Listen to these ports only, e.g. pseudo terminals");
+  command.add_option("--save", words.ports.save, "Write what was found as a profile: a name or a file")
+      ->type_name("PROFILE");
+  add_json(command, words.ports.json);
+  command.footer("Example:\n  thermorig ports --save bench");
+}
+
+void add_simulate(CLI::App& root, Words& words) {
+  SimulateOptions& simulate = words.simulate;
+  CLI::App& command =
+      *root.add_subcommand("simulate", "Offer a simulated rig on three virtual ports until Ctrl-C");
+  command.add_flag("--simulated{1},--seed{1}", words.simulate_seed,
+                   "Seed of the simulated world (=SEED, default 1)");
+  command.add_option("-e,--environment", simulate.environment, "laboratory, dining, kitchen or garden")
+      ->type_name("NAME")
+      ->capture_default_str();
+  command.add_option("--profile", simulate.profile, "Write a profile of the three ports to this file")
+      ->type_name("FILE");
+  add_simulated_parts(command, simulate.simulated_servo, simulate.simulated_camera);
+  add_json(command, simulate.json);
+  command.footer("Example:\n  thermorig simulate --seed=3 --environment garden --profile simulated.toml");
+}
+
+void add_inspect(CLI::App& root, Words& words) {
+  CLI::App& command = *root.add_subcommand("inspect", "Say what a session holds and how good it is");
+  command.add_option("FILE", words.inspect.files, "Session files (.h5)")->required();
+  command.add_flag("--check", words.inspect.check, "Exit code 9 if the verdict on any file is bad");
+  add_json(command, words.inspect.json);
+  command.footer("Example:\n  thermorig inspect --check recordings/garden/*.h5");
+}
+
+void add_recover(CLI::App& root, Words& words) {
+  CLI::App& command = *root.add_subcommand("recover", "Make sessions of journals that a crash left behind");
+  command.add_option("PATH", words.recover.path, "A journal, or a folder to search")->required();
+  add_json(command, words.recover.json);
+  command.footer("Example:\n  thermorig recover recordings");
+}
+
+void add_reprocess(CLI::App& root, Words& words) {
+  CLI::App& command = *root.add_subcommand("reprocess", "Make sessions again from their own raw bytes");
+  command.add_option("FILE", words.reprocess.files, "Session files (.h5); each is replaced")->required();
+  add_json(command, words.reprocess.json);
+  command.footer("Example:\n  thermorig reprocess recordings/garden/*.h5");
+}
+
+void add_text_gyro(CLI::App& command, DecodeOptions& decode) {
+  command.add_option("--gyro-protocol", decode.gyro_protocol, "What the gyro speaks")
+      ->check(CLI::IsMember({"witmotion", "text"}))
+      ->capture_default_str();
+  command
+      .add_option("--columns", decode.columns,
+                  "Text gyro: columns of x,y,z from 0, -1 for none (default 0,1,2)")
+      ->delimiter(',')
+      ->expected(3)
+      ->type_name("X,Y,Z");
+  command.add_option("--prefix", decode.prefix, "Text gyro: lines start with it")->type_name("TEXT");
+  command.add_option("--scale", decode.scale_dps, "Text gyro: deg/s of one unit")->capture_default_str();
+  command.add_option("--time-column", decode.time_column, "Text gyro: column of its own time, -1 for none")
+      ->capture_default_str();
+  command.add_option("--time-unit", decode.time_unit_s, "Text gyro: seconds of one unit of its time")
+      ->capture_default_str();
+}
+
+void add_decode(CLI::App& root, Words& words) {
+  DecodeOptions& decode = words.decode;
+  CLI::App& command =
+      *root.add_subcommand("decode", "Read a dump of a device's bytes: messages and counters");
+  command.add_option("--device", words.decode_device, "What the bytes come from")
+      ->check(CLI::IsMember({"camera", "gyro", "servo"}))
+      ->required();
+  command.add_option("FILE", decode.file, "The dump; - for standard input")->required();
+  command.add_option("--lines", decode.lines, "Messages to print, a line each")
+      ->type_name("N")
+      ->capture_default_str();
+  command.add_flag("--all", decode.all, "Print every message");
+  command.add_option("--camera-checksum", decode.camera_checksum, "How the camera's check sum is formed")
+      ->check(CLI::IsMember({"word", "byte", "ignore"}))
+      ->capture_default_str();
+  add_text_gyro(command, decode);
+  add_json(command, decode.json);
+  command.footer("Example:\n  thermorig decode --device camera dump.bin");
+}
+
+std::uint64_t seed_of(const std::string& text) {
+  std::uint64_t seed = 0;
+  const char* end = text.data() + text.size();
+  const auto [at, error] = std::from_chars(text.data(), end, seed);
+  if (error == std::errc() && at == end) return seed;
+  throw Error(ExitCode::bad_usage, "the seed '" + text + "' is not a whole number from 0 to 2^64 - 1", "",
+              "--simulated=3");
+}
+
+Device device_of(const std::string& name) {
+  for (Device device : all_devices)
+    if (name == name_of(device)) return device;
+  throw Error(ExitCode::bad_usage, "'" + name + "' is not a device", "", "camera, gyro or servo");
+}
+
+Command chosen(const CLI::App& root, Words& words) {
+  if (words.version) return VersionOptions{words.version_json};
+  const std::string& name = root.get_subcommands().front()->get_name();
+  if (name == "record") {
+    if (!words.record_seed.empty()) words.record.rig.simulated_seed = seed_of(words.record_seed);
+    return words.record;
+  }
+  if (name == "simulate") {
+    if (!words.simulate_seed.empty()) words.simulate.seed = seed_of(words.simulate_seed);
+    return words.simulate;
+  }
+  if (name == "decode") {
+    words.decode.device = device_of(words.decode_device);
+    return words.decode;
+  }
+  if (name == "ports") return words.ports;
+  if (name == "inspect") return words.inspect;
+  if (name == "recover") return words.recover;
+  return words.reprocess;
+}
+
+void describe(CLI::App& root, Words& words) {
+  root.description(
+      "thermorig: a thermal camera, a gyro and a servo on three serial ports in, labelled HDF5 sessions "
+      "out.\n"
+      "Everything works without hardware: --simulated stands for a whole rig.");
+  root.require_subcommand(0, 1);
+  root.add_flag("--version", words.version, "Print version, commit, compiler and libraries");
+  add_json(root, words.version_json);
+  add_record(root, words);
+  add_ports(root, words);
+  add_simulate(root, words);
+  add_inspect(root, words);
+  add_recover(root, words);
+  add_reprocess(root, words);
+  add_decode(root, words);
+  root.footer(
+      "First steps:\n"
+      "  thermorig record --simulated=3 --environment laboratory --plan quick\n"
+      "  thermorig ports\n"
+      "Exit codes and JSON keys: docs/commands.md");
+}
+
+std::string help_to_read(const CLI::App& root) {
+  const auto commands = root.get_subcommands();
+  return commands.empty() ? "thermorig --help" : "thermorig " + commands.front()->get_name() + " --help";
+}
+
+}  // namespace
+
+CommandLine parse(int argc, const char* const* argv) {
+  Words words;
+  CLI::App root("", "thermorig");
+  describe(root, words);
+  try {
+    root.parse(argc, argv);
+  } catch (const CLI::CallForHelp&) {
+    return {std::nullopt, root.help()};
+  } catch (const CLI::ParseError& error) {
+    throw Error(ExitCode::bad_usage, error.what(), "", help_to_read(root));
+  }
+  if (!words.version && root.get_subcommands().empty())
+    throw Error(ExitCode::bad_usage, "a command is missing", "", "thermorig --help");
+  return {chosen(root, words), ""};
+}
+
+}  // namespace thermorig::app

@@ -1,0 +1,101 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "thermorig/core/device.h"
+
+namespace thermorig::app {
+
+/// Which rig: a simulated one, three ports, or a profile; and what differs from its defaults.
+struct RigOptions {
+  std::optional<std::uint64_t> simulated_seed;  // none: real ports
+  PerDevice<std::string> ports;                 // empty: from the profile
+  std::string profile;                          // name or file, empty: none
+  std::string simulated_servo = "winch";        // winch, 180, 270, continuous
+  std::string simulated_camera = "half";        // half, full: fresh halves a frame
+  std::optional<std::uint32_t> camera_baud, gyro_baud, servo_baud;
+  std::optional<double> camera_rate_hz;
+};
+
+struct RecordOptions {
+  RigOptions rig;
+  std::string environment;
+  std::filesystem::path output = "recordings";
+  std::string plan = "paper";  // paper, table-one, quick or a TOML file
+  std::optional<int> frames_per_leg;
+  std::vector<double> speeds_dps;  // empty: the plan's own
+  std::optional<int> acquisition;  // none: the next free number
+  bool fast = false;               // virtual time
+  bool dry_run = false;
+  bool json = false;
+};
+
+struct PortsOptions {
+  std::vector<std::string> extra;  // ports that the system does not list, e.g. pseudo terminals
+  std::string save;                // name or file of the profile to write, empty: none
+  bool json = false;
+};
+
+struct SimulateOptions {
+  std::uint64_t seed = 1;
+  std::string environment = "laboratory";
+  std::string simulated_servo = "winch";
+  std::string simulated_camera = "half";
+  std::string profile;  // file to write, empty: none
+  bool json = false;
+};
+
+struct InspectOptions {
+  std::vector<std::filesystem::path> files;
+  bool check = false;
+  bool json = false;
+};
+
+struct RecoverOptions {
+  std::filesystem::path path;
+  bool json = false;
+};
+
+struct ReprocessOptions {
+  std::vector<std::filesystem::path> files;
+  bool json = false;
+};
+
+struct DecodeOptions {
+  Device device = Device::camera;
+  std::string file;  // "-": standard input
+  std::string gyro_protocol = "witmotion";
+  std::vector<int> columns{0, 1, 2};
+  std::string prefix;
+  double scale_dps = 1.0;
+  int time_column = -1;
+  double time_unit_s = 1e-3;
+  std::string camera_checksum = "word";
+  std::uint64_t lines = 10;
+  bool all = false;
+  bool json = false;
+};
+
+struct VersionOptions {
+  bool json = false;
+};
+
+using Command = std::variant<RecordOptions, PortsOptions, SimulateOptions, InspectOptions, RecoverOptions,
+                             ReprocessOptions, DecodeOptions, VersionOptions>;
+
+/// What the command line asks for.
+struct CommandLine {
+  std::optional<Command> command;  // none: `help` is to be printed
+  std::string help;
+};
+
+/// Throws Error(bad_usage) with the sentence of what is wrong and the help to read.
+CommandLine parse(int argc, const char* const* argv);
+
+}  // namespace thermorig::app

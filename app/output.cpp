@@ -1,0 +1,130 @@
+// SPDX-License-Identifier: MIT
+#include "output.h"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdlib>
+#include <nlohmann/json.hpp>
+
+namespace thermorig::app {
+
+bool escapes_allowed(std::FILE* stream) {
+  const char* no_color = std::getenv("NO_COLOR");
+  const char* terminal = std::getenv("TERM");
+  if (no_color != nullptr && *no_color != '\0') return false;
+  if (terminal != nullptr && std::string_view(terminal) == "dumb") return false;
+  return isatty(fileno(stream)) == 1;
+}
+
+std::string printable(std::string_view text) {
+  std::string clean;
+  for (char c : text) {
+    if (c == '\n' || c == '\t') c = ' ';
+    if (static_cast<unsigned char>(c) >= 0x20 && c != 0x7F) clean += c;
+  }
+  return clean;
+}
+
+std::string json_line(const nlohmann::json& object) {
+  return object.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
+}
+
+void print_json(const nlohmann::json& object) {
+  const std::string line = json_line(object);
+  std::fwrite(line.data(), 1, line.size(), stdout);
+  std::fflush(stdout);
+}
+
+std::string count_text(std::uint64_t count) {
+  std::string text = std::to_string(count);
+  for (std::size_t at = text.size(); at > 3;) text.insert(at -= 3, ",");
+  return text;
+}
+
+std::string duration_text(double seconds) {
+  if (!(seconds >= 0)) return "-";
+  if (seconds < 59.95) return fmt::format("{:.1f} s", seconds);
+  const auto whole = static_cast<std::int64_t>(std::llround(seconds));
+  if (whole < 3600) return fmt::format("{} min {} s", whole / 60, whole % 60);
+  return fmt::format("{} h {} min", whole / 3600, whole % 3600 / 60);
+}
+
+std::string gap_text(double seconds) {
+  if (!(seconds >= 0)) return "-";
+  return seconds < 1 ? fmt::format("{:.0f} ms", seconds * 1e3) : fmt::format("{:.1f} s", seconds);
+}
+
+std::string bytes_text(std::uint64_t bytes) {
+  constexpr std::array<const char*, 4> units{"kB", "MB", "GB", "TB"};
+  if (bytes < 1000) return fmt::format("{} B", bytes);
+  double size = static_cast<double>(bytes) / 1000;
+  std::size_t unit = 0;
+  while (size >= 999.95 && unit + 1 < units.size()) {
+    size /= 1000;
+    ++unit;
+  }
+  return fmt::format("{:.1f} {}", size, units[unit]);
+}
+
+std::string rate_range_text(double min_hz, double max_hz) {
+  if (!(max_hz > 0)) return "-";
+  return fmt::format("{:.1f}..{:.1f} /s", min_hz, max_hz);
+}
+
+std::string speed_text(double rate_dps) {
+  return fmt::format("{:+.1f} deg/s", rate_dps);
+}
+
+std::string share_text(std::uint64_t part, std::uint64_t of) {
+  if (of == 0) return "-";
+  return fmt::format("{:.1f} %", 100.0 * static_cast<double>(part) / static_cast<double>(of));
+}
+
+namespace {
+bool looks_like_a_number(const std::string& cell) {
+  return !cell.empty() && (std::isdigit(static_cast<unsigned char>(cell.front())) != 0 ||
+                           cell.front() == '+' || cell.front() == '-');
+}
+}  // namespace
+
+namespace {
+std::string padded(const std::string& cell, std::size_t width, bool right) {
+  return right ? fmt::format("{:>{}}  ", cell, width) : fmt::format("{:<{}}  ", cell, width);
+}
+}  // namespace
+
+Table::Table(std::vector<std::string> heading) {
+  rows_.push_back(std::move(heading));
+}
+
+void Table::add(std::vector<std::string> row) {
+  row.resize(rows_.front().size());
+  rows_.push_back(std::move(row));
+}
+
+std::string Table::text(std::string_view indent) const {
+  const std::size_t columns = rows_.front().size();
+  std::vector<std::size_t> width(columns, 0);
+  std::vector<bool> right(columns, rows_.size() > 1);
+  for (std::size_t row = 0; row < rows_.size(); ++row)
+    for (std::size_t column = 0; column < columns; ++column) {
+      const std::string& cell = rows_[row][column];
+      width[column] = std::max(width[column], cell.size());
+      if (row > 0 && !cell.empty() && !looks_like_a_number(cell)) right[column] = false;
+    }
+  std::string text;
+  for (const auto& row : rows_) {
+    std::string line(indent);
+    for (std::size_t column = 0; column < columns; ++column)
+      line += padded(row[column], width[column], right[column]);
+    line.erase(line.find_last_not_of(' ') + 1);
+    text += line + "\n";
+  }
+  return text;
+}
+
+}  // namespace thermorig::app

@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstdint>
+#include <cstdio>
+#include <nlohmann/json_fwd.hpp>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace thermorig::app {
+
+/// May colours and cursor movements be written to `stream`? Only to a terminal, and not if NO_COLOR is set
+/// (https://no-color.org).
+bool escapes_allowed(std::FILE* stream);
+
+/// `text` without control characters (a device's name or a file's attribute must not steer the terminal); a
+/// line break becomes a space.
+std::string printable(std::string_view text);
+
+/// One object as one line. Text that is not UTF-8 is replaced, NaN becomes null.
+std::string json_line(const nlohmann::json& object);
+
+/// One object on one line of standard output, flushed.
+void print_json(const nlohmann::json& object);
+
+// Numbers for people.
+std::string count_text(std::uint64_t count);                   // 12,345
+std::string duration_text(double seconds);                     // 0.8 s, 31.2 s, 12 min 3 s, 1 h 47 min
+std::string gap_text(double seconds);                          // 4 ms, 126 ms, 2.5 s
+std::string bytes_text(std::uint64_t bytes);                   // 940 B, 6.3 MB
+std::string rate_range_text(double min_hz, double max_hz);     // 7.8..8.0 /s
+std::string speed_text(double rate_dps);                       // +7.5 deg/s
+std::string share_text(std::uint64_t part, std::uint64_t of);  // 95.0 %, "-" of nothing
+
+/// Columns side by side, two spaces apart. Cells that look like numbers are set flush right, with their
+/// heading.
+class Table {
+ public:
+  explicit Table(std::vector<std::string> heading);
+  void add(std::vector<std::string> row);
+  std::string text(std::string_view indent = "") const;
+
+ private:
+  std::vector<std::vector<std::string>> rows_;
+};
+
+}  // namespace thermorig::app

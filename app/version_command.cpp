@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: MIT
+#include <fmt/format.h>
+
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "build_information.h"
+#include "commands.h"
+#include "output.h"
+#include "simulated_rig.h"
+
+namespace thermorig::app {
+
+namespace {
+
+namespace build = build_information;
+
+std::string compiler() {
+#if defined(__clang__)
+  return fmt::format("clang {}.{}.{}", __clang_major__, __clang_minor__, __clang_patchlevel__);
+#else
+  return fmt::format("gcc {}.{}.{}", __GNUC__, __GNUC_MINOR__, __GNUC_PATCHLEVEL__);
+#endif
+}
+
+nlohmann::json libraries() {
+  return {{"HDF5", build::hdf5},
+          {"Boost", build::boost},
+          {"fmt", build::fmt},
+          {"CLI11", build::cli11},
+          {"zlib", build::zlib},
+          {"nlohmann_json", build::nlohmann_json},
+          {"libserialport", build::libserialport}};
+}
+
+}  // namespace
+
+ExitCode run(const VersionOptions& options) {
+  const std::string firmware = simulated_firmware();
+  if (options.json) {
+    print_json({{"version", build::version},
+                {"git", build::git},
+                {"compiler", compiler()},
+                {"build_type", build::build_type},
+                {"libraries", libraries()},
+                {"simulated_firmware", firmware},
+                {"avr_image", firmware == "AVR image"}});
+    return ExitCode::ok;
+  }
+  fmt::print("thermorig {} ({})\n", build::version, build::git);
+  fmt::print("compiler   {}, {}\n", compiler(), build::build_type);
+  std::string list;
+  for (const auto& [name, version] : libraries().items())
+    list += (list.empty() ? "" : ", ") + name + " " + version.get<std::string>();
+  fmt::print("libraries  {}\n", list);
+  fmt::print("firmware   the simulated rig's ports run the {}\n", firmware);
+  return ExitCode::ok;
+}
+
+}  // namespace thermorig::app
