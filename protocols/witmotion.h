@@ -15,14 +15,14 @@ inline constexpr std::size_t words = 4;
 inline constexpr std::size_t words_offset = 2;
 inline constexpr std::size_t sum_offset = 10;
 
-inline constexpr std::uint8_t type_first = 0x50;          // time
+inline constexpr std::uint8_t type_first = 0x50;  // time
 inline constexpr std::uint8_t type_acceleration = 0x51;
-inline constexpr std::uint8_t type_gyro = 0x52;           // x, y, z, temperature
+inline constexpr std::uint8_t type_gyro = 0x52;  // x, y, z, temperature
 inline constexpr std::uint8_t type_angle = 0x53;
-inline constexpr std::uint8_t type_last = 0x5A;           // GPS accuracy
-inline constexpr std::uint8_t type_register = 0x5F;       // answer to "read register"
+inline constexpr std::uint8_t type_last = 0x5A;      // GPS accuracy
+inline constexpr std::uint8_t type_register = 0x5F;  // answer to "read register"
 
-inline constexpr double full_scale_dps = 2000.0;          // at 32768 counts, on every model, fixed
+inline constexpr double full_scale_dps = 2000.0;  // at 32768 counts, on every model, fixed
 inline constexpr double counts_full_scale = 32768.0;
 inline constexpr double temperature_counts_per_kelvin = 100.0;
 

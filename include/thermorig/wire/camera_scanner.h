@@ -8,6 +8,7 @@
 #include "thermorig/core/chunk.h"
 #include "thermorig/core/frame.h"
 #include "thermorig/core/profile.h"
+#include "thermorig/wire/byte_ledger.h"
 #include "thermorig/wire/counters.h"
 
 namespace thermorig::wire {
@@ -20,6 +21,9 @@ struct CameraMessage {
 
 /// Finds GY-MCU90640 frames in a stream of bytes: 1544 bytes, header, length, 768 signed centidegrees, Ta,
 /// 16-bit word sum. Any chunking gives the same frames. Source: protocols/gy_mcu90640.md.
+///
+/// With ChecksumPolicy::ignore a frame is taken only when the next frame or reply starts right behind it, so
+/// the newest frame waits for the first four bytes of the next one.
 class CameraScanner {
  public:
   explicit CameraScanner(ChecksumPolicy checksum = ChecksumPolicy::word);
@@ -27,14 +31,21 @@ class CameraScanner {
   /// Takes the next bytes of the stream and appends the frames that they complete to `out`.
   void push(std::span<const std::uint8_t> bytes, std::vector<CameraMessage>& out);
 
-  const Counters& counters() const { return counters_; }
+  const Counters& counters() const { return ledger_.counters; }
 
  private:
+  using Bytes = std::span<const std::uint8_t>;
+
+  std::size_t step(Bytes rest, std::vector<CameraMessage>& out);
+  std::size_t take_frame(Bytes rest, std::vector<CameraMessage>& out);
+  std::size_t take_reply();
+  std::size_t skip(std::size_t bytes);
+  std::size_t bytes_to_decide() const;
+  bool is_good(Bytes rest) const;
+
   ChecksumPolicy checksum_;
-  Counters counters_;
-  std::vector<std::uint8_t> pending_;
-  std::uint64_t pending_begin_ = 0;  // stream offset of pending_[0]
-  bool resync_ = false;
+  ByteLedger ledger_;
+  std::vector<std::uint8_t> pending_;  // received, not yet booked
 };
 
 }  // namespace thermorig::wire

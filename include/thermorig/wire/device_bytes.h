@@ -2,20 +2,23 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <span>
 #include <string>
 #include <vector>
 
+#include "gy_mcu90640.h"
 #include "thermorig/core/frame.h"
+#include "witmotion.h"
 
 namespace thermorig::wire {
 
 // What the vendors' devices send, made by us: for the simulator and for tests. The layouts are those of
 // protocols/gy_mcu90640.md, witmotion.md and text_gyro.md.
 
-inline constexpr std::size_t camera_frame_bytes = 1544;
-inline constexpr std::size_t witmotion_packet_bytes = 11;
+inline constexpr std::size_t camera_frame_bytes = gy_mcu90640::frame_bytes;     // 1544
+inline constexpr std::size_t witmotion_packet_bytes = witmotion::packet_bytes;  // 11
 
 /// One GY-MCU90640 frame, 1544 bytes. Temperatures are rounded to hundredths and clipped to int16.
 std::vector<std::uint8_t> camera_frame(const ThermalFrame& frame);
@@ -32,7 +35,7 @@ std::array<std::uint8_t, witmotion_packet_bytes> witmotion_gyro_packet(
     const std::array<std::int16_t, 3>& counts, float temp_c);
 
 /// Degrees per second of one WitMotion count: 2000 / 32768.
-inline constexpr double witmotion_dps_per_count = 2000.0 / 32768.0;
+inline constexpr double witmotion_dps_per_count = witmotion::full_scale_dps / witmotion::counts_full_scale;
 
 /// The camera's 4-byte commands (A5 command value sum).
 std::vector<std::uint8_t> camera_rate_command(double output_rate_hz);  // 0.5, 1, 2, 4 or 8; else throws Error

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string>
 #include <variant>
@@ -11,6 +12,7 @@
 #include "thermorig/core/chunk.h"
 #include "thermorig/core/profile.h"
 #include "thermorig/core/reading.h"
+#include "thermorig/wire/byte_ledger.h"
 #include "thermorig/wire/counters.h"
 
 namespace thermorig::wire {
@@ -49,28 +51,39 @@ struct ServoEvent {
   std::uint32_t mcu_us = 0;
 };
 
+using ServoBody = std::variant<ServoState, ServoWelcome, ServoAck, ServoNack, ServoPong, ServoEvent>;
+
 struct ServoMessage {
-  std::variant<ServoState, ServoWelcome, ServoAck, ServoNack, ServoPong, ServoEvent> body;
+  ServoBody body;
   std::uint8_t sequence = 0;
   StreamSpan span;
-  bool lost_before = false;  // telemetry: the sequence number shows a loss; others: damaged bytes before
+  bool lost_before = false;  // telemetry, events: the sequence number shows a loss; others: a gap before
 };
 
-/// Finds the servo's frames in a stream of bytes. A frame of unknown type or wrong length is counted, not
-/// thrown.
+/// Finds the servo's frames in a stream of bytes. A frame of unknown type (bad_value) or wrong length
+/// (bad_length) is counted, not thrown. A WELCOME of another protocol version carries that version alone.
 class ServoScanner {
  public:
   ServoScanner();
   void push(std::span<const std::uint8_t> bytes, std::vector<ServoMessage>& out);
-  const Counters& counters() const { return counters_; }
+  const Counters& counters() const { return ledger_.counters; }
 
  private:
+  void take(std::uint8_t byte, std::vector<ServoMessage>& out);
+  void take_nothing(std::uint8_t byte, bool was_overlong);
+  void take_frame(std::vector<ServoMessage>& out);
+  void take_damaged(bool was_overlong);
+  void take_stop(bool was_open, bool was_overlong);
+  void book_damage(std::uint64_t bytes);
+  bool is_open() const;
+  bool find_loss(const ServoMessage& message);
+  bool count_missing(std::optional<std::uint8_t>& before, std::uint8_t sequence);
+
   servo_decoder decoder_{};
-  Counters counters_;
-  std::uint64_t offset_ = 0;       // stream offset of the next byte
-  std::uint64_t frame_begin_ = 0;  // stream offset of the open frame's first byte
-  int telemetry_sequence_ = -1;    // of the last telemetry, -1 for none
-  bool damaged_ = false;
+  ByteLedger ledger_;
+  std::optional<std::uint8_t> telemetry_sequence_;  // of the last telemetry
+  std::optional<std::uint8_t> event_sequence_;      // of the last event
+  std::uint32_t telemetry_mcu_us_ = 0;              // of the last telemetry
 };
 
 // Commands to bytes: one whole frame each. Angles in degrees, rates in degrees per second; values that do not

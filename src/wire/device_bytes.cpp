@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: MIT
+#include "thermorig/wire/device_bytes.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "checksums.h"
+#include "thermorig/core/error.h"
+
+namespace thermorig::wire {
+
+namespace {
+
+void put_u16(std::uint8_t* at, std::uint16_t value) {
+  at[0] = static_cast<std::uint8_t>(value & 0xFFU);
+  at[1] = static_cast<std::uint8_t>(value >> 8);
+}
+
+void put_i16(std::uint8_t* at, std::int16_t value) {
+  put_u16(at, static_cast<std::uint16_t>(value));
+}
+
+std::int16_t centi(float value) {
+  const double rounded = std::nearbyint(static_cast<double>(value) * 100.0);
+  return static_cast<std::int16_t>(std::max(-32768.0, std::min(32767.0, rounded)));
+}
+
+std::vector<std::uint8_t> camera_command(std::uint8_t command, std::uint8_t value) {
+  std::vector<std::uint8_t> bytes{gy_mcu90640::command_sync, command, value};
+  bytes.push_back(byte_sum8(bytes));
+  return bytes;
+}
+
+}  // namespace
+
+std::vector<std::uint8_t> camera_frame(const ThermalFrame& frame) {
+  std::vector<std::uint8_t> bytes(gy_mcu90640::frame_bytes);
+  bytes[0] = bytes[1] = gy_mcu90640::sync;
+  put_u16(&bytes[gy_mcu90640::length_offset], gy_mcu90640::frame_length);
+  for (std::size_t i = 0; i < frame_pixels; ++i)
+    put_i16(&bytes[gy_mcu90640::pixels_offset + 2 * i], centi(frame.temp_c[i]));
+  put_i16(&bytes[gy_mcu90640::sensor_temp_offset], centi(frame.sensor_temp_c));
+  put_u16(&bytes[gy_mcu90640::checksum_offset],
+          word_sum16(std::span(bytes).first(gy_mcu90640::checksum_offset)));
+  return bytes;
+}
+
+std::vector<std::uint8_t> camera_emissivity_reply(std::uint8_t hundredths) {
+  std::vector<std::uint8_t> bytes{gy_mcu90640::sync, gy_mcu90640::sync, hundredths};
+  bytes.push_back(byte_sum8(bytes));
+  return bytes;
+}
+
+std::array<std::uint8_t, witmotion_packet_bytes> witmotion_packet(std::uint8_t type,
+                                                                  const std::array<std::int16_t, 4>& words) {
+  std::array<std::uint8_t, witmotion_packet_bytes> bytes{witmotion::sync, type};
+  for (std::size_t i = 0; i < words.size(); ++i) put_i16(&bytes[witmotion::words_offset + 2 * i], words[i]);
+  bytes[witmotion::sum_offset] = byte_sum8(std::span(bytes).first(witmotion::sum_offset));
+  return bytes;
+}
+
+std::array<std::uint8_t, witmotion_packet_bytes> witmotion_gyro_packet(
+    const std::array<std::int16_t, 3>& counts, float temp_c) {
+  return witmotion_packet(witmotion::type_gyro, {counts[0], counts[1], counts[2], centi(temp_c)});
+}
+
+std::vector<std::uint8_t> camera_rate_command(double output_rate_hz) {
+  constexpr std::array rates_hz{0.5, 1.0, 2.0, 4.0, 8.0};
+  const auto found = std::find(rates_hz.begin(), rates_hz.end(), output_rate_hz);
+  if (found == rates_hz.end())
+    throw Error(ExitCode::bad_usage, "the camera has no such output rate", "output_rate_hz",
+                "0.5, 1, 2, 4 or 8 frames a second");
+  return camera_command(gy_mcu90640::command_rate, static_cast<std::uint8_t>(found - rates_hz.begin()));
+}
+
+std::vector<std::uint8_t> camera_automatic_command() {
+  return camera_command(gy_mcu90640::command_output, gy_mcu90640::output_automatic);
+}
+
+std::vector<std::uint8_t> camera_query_command() {
+  return camera_command(gy_mcu90640::command_output, gy_mcu90640::output_query);
+}
+
+}  // namespace thermorig::wire

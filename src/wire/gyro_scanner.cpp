@@ -1,0 +1,19 @@
+// SPDX-License-Identifier: MIT
+#include "thermorig/wire/gyro_scanner.h"
+
+namespace thermorig::wire {
+
+GyroScanner::GyroScanner(const GyroProfile& profile) : protocol_(profile.protocol), text_(profile.text) {}
+
+void GyroScanner::push(std::span<const std::uint8_t> bytes, std::vector<GyroMessage>& out) {
+  if (protocol_ == GyroProtocol::witmotion)
+    witmotion_.push(bytes, out);
+  else
+    text_.push(bytes, out);
+}
+
+const Counters& GyroScanner::counters() const {
+  return protocol_ == GyroProtocol::witmotion ? witmotion_.counters() : text_.counters();
+}
+
+}  // namespace thermorig::wire

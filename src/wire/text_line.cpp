@@ -1,0 +1,126 @@
+// SPDX-License-Identifier: MIT
+#include "text_line.h"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <vector>
+
+namespace thermorig::wire {
+
+namespace {
+
+constexpr std::string_view blanks = " \t\r\v\f";
+constexpr std::string_view separators = ",; \t\r\v\f";
+
+std::string_view without_leading_blanks(std::string_view text) {
+  text.remove_prefix(std::min(text.find_first_not_of(blanks), text.size()));
+  return text;
+}
+
+/// Fields lie between separators: one comma or semicolon with blanks around it, or blanks alone. So "1,,2"
+/// has an empty field in the middle; a separator at the end opens no further field.
+std::vector<std::string_view> split_fields(std::string_view text) {
+  std::vector<std::string_view> fields;
+  text = without_leading_blanks(text);
+  while (!text.empty()) {
+    const std::size_t size = std::min(text.find_first_of(separators), text.size());
+    fields.push_back(text.substr(0, size));
+    text = without_leading_blanks(text.substr(size));
+    if (!text.empty() && (text[0] == ',' || text[0] == ';')) text = without_leading_blanks(text.substr(1));
+  }
+  return fields;
+}
+
+/// The whole field as a number, which may be infinite or NaN; none if it is no number.
+std::optional<double> read_number(std::string_view field) {
+  if (field.size() > 1 && field[0] == '+' && field[1] != '-') field.remove_prefix(1);
+  double number = 0.0;
+  const char* end = field.data() + field.size();
+  const auto result = std::from_chars(field.data(), end, number);
+  if (result.ec != std::errc() || result.ptr != end) return std::nullopt;
+  return number;
+}
+
+/// Reads wanted columns of one line and remembers whether all, and whether any, could be read.
+class Columns {
+ public:
+  explicit Columns(std::string_view text) : fields_(split_fields(text)) {}
+
+  /// The finite number in a column; 0 for column -1, which is not wanted.
+  double read(int column) {
+    if (column < 0) return 0.0;
+    const auto index = static_cast<std::size_t>(column);
+    const std::optional<double> number =
+        index < fields_.size() ? read_number(fields_[index]) : std::optional<double>();
+    any_number_ |= number.has_value();
+    if (number && std::isfinite(*number)) return *number;
+    good_ = false;
+    return 0.0;
+  }
+
+  std::size_t size() const { return fields_.size(); }
+  bool any_number() const { return any_number_; }
+  bool good() const { return good_; }
+
+ private:
+  std::vector<std::string_view> fields_;
+  bool any_number_ = false;
+  bool good_ = true;
+};
+
+bool fits_count(double number) {
+  return number == std::trunc(number) && number >= std::numeric_limits<std::int16_t>::min() &&
+         number <= std::numeric_limits<std::int16_t>::max();
+}
+
+/// Raw counts are kept where all axes are whole numbers of 16 bits; others leave no counts.
+void keep_counts(const std::array<double, 3>& numbers, GyroReading& reading) {
+  if (!std::all_of(numbers.begin(), numbers.end(), fits_count)) return;
+  for (std::size_t axis = 0; axis < numbers.size(); ++axis) {
+    const auto count = static_cast<std::int16_t>(numbers[axis]);
+    reading.counts[axis] = count;
+    reading.saturated |= count == std::numeric_limits<std::int16_t>::min() ||
+                         count == std::numeric_limits<std::int16_t>::max();
+  }
+}
+
+bool set_rates(const std::array<double, 3>& numbers, double scale_dps, GyroReading& reading) {
+  for (std::size_t axis = 0; axis < numbers.size(); ++axis) {
+    const double rate_dps = numbers[axis] * scale_dps;
+    if (!(std::abs(rate_dps) <= static_cast<double>(std::numeric_limits<float>::max()))) return false;
+    reading.rate_dps[axis] = static_cast<float>(rate_dps);
+  }
+  return true;
+}
+
+bool set_device_time(double number, double unit_s, GyroReading& reading) {
+  const double time_us = number * unit_s * 1e6;
+  if (!(std::abs(time_us) < 9.2e18)) return false;  // int64
+  reading.device_time_us = std::llround(time_us);
+  return true;
+}
+
+}  // namespace
+
+TextLine read_text_line(const TextColumns& columns, std::string_view line) {
+  TextLine result;
+  if (!line.starts_with(columns.prefix)) return result;
+  Columns fields(line.substr(columns.prefix.size()));
+  std::array<double, 3> numbers{};
+  for (std::size_t axis = 0; axis < numbers.size(); ++axis) numbers[axis] = fields.read(columns.rate[axis]);
+  const double time = fields.read(columns.time);
+
+  result.fields = fields.size();
+  result.is_sample = !columns.prefix.empty() || fields.any_number();
+  GyroReading reading;
+  keep_counts(numbers, reading);
+  if (fields.good() && set_rates(numbers, columns.scale_dps, reading) &&
+      (columns.time < 0 || set_device_time(time, columns.time_unit_s, reading)))
+    result.reading = reading;
+  return result;
+}
+
+}  // namespace thermorig::wire
