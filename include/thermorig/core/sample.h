@@ -30,6 +30,7 @@ struct TimedFrame {
   HostTime exposure_begin{};     // start of the older half's exposure
   HostTime exposure_end{};       // end of the newest half's exposure
   bool resync_before = false;    // bytes were skipped between the frame before and this one
+  bool stale = false;            // repeats the frame before, or the half that was due did not come
 };
 
 struct TimedGyro {

@@ -8,7 +8,8 @@
 namespace thermorig {
 
 /// Why a labelled sample may not be trusted: bit numbers of `/samples/reason_bits`. They are stored in files:
-/// never renumber them. Rules V0..V8 are those of docs/recording_format.md, "Validity".
+/// never renumber them. Rules V0..V8 are those of docs/recording_format.md, "Validity"; what this version
+/// computes is defined to the letter in labels/labeller.h.
 enum class Reason : std::uint8_t {
   camera_gap = 0,        // V5: one or more frames are missing just before this one
   camera_not_fresh = 1,  // V5: the frame repeats the one before, or one half of it was lost

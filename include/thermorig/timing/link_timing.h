@@ -17,17 +17,36 @@ double wire_time_s(std::uint64_t bytes, std::uint32_t baud);
 /// The link budget of a device that sends `bytes_per_message` bytes `rate_hz` times a second.
 struct LinkBudget {
   double load = 0.0;         // share of the link's capacity, 1.0 = full
-  double max_rate_hz = 0.0;  // messages a second that fit
+  double max_rate_hz = 0.0;  // messages a second that fit; infinite where the link has no baud rate
   bool fits() const { return load <= 1.0; }
 };
 LinkBudget link_budget(std::uint64_t bytes_per_message, double rate_hz, std::uint32_t baud);
 
-/// Turns the arrival of chunks into the time of the messages in them: arrival of the chunk that brought the
-/// message's last byte, minus the wire time from the message's first byte to the chunk's last, minus the
-/// configured latency. This is the interface behind which better clocks will stand; it never uses a chunk
-/// that has not arrived.
+/// Turns the arrival of chunks into the time of the messages in them.
+///
+/// For a message whose bytes are span.begin .. span.end - 1, with C the chunk that brought its last byte:
+///
+///     time = arrival(C) - (C.end - span.begin) * 10 / baud - latency
+///
+/// that is, the bytes of the message and those after it in the same chunk are taken to have followed each
+/// other without a pause, and the chunk to have been read as soon as its last byte was there. Two things keep
+/// time from running backwards: an arrival before the one of the chunk before counts as equal to it, and a
+/// message is never stamped before the message before it.
+///
+/// The uncertainty is that of the last byte of C, which came at the earliest once the chunk before had been
+/// read and C's bytes had gone over the wire, and at the latest when C was read: a uniform spread over that
+/// slack, but over no more than `longest_hold_s`.
+///
+/// This is the interface behind which better clocks will stand; it never uses a chunk that has not arrived.
 class LinkTiming {
  public:
+  /// What a USB serial adaptor holds back at most: FTDI's latency timer as it comes (AN232B-04).
+  static constexpr double longest_hold_s = 0.016;
+
+  /// A message may end so many bytes before the newest chunk began (a scanner that goes back after a bad
+  /// checksum finds such ones); chunks further back are forgotten, whether messages came out of them or not.
+  static constexpr std::uint64_t history_bytes = 8192;
+
   explicit LinkTiming(const PortProfile& link);
 
   /// A chunk arrived whose last byte is at stream offset `end` - 1. Chunks come in order.
@@ -39,12 +58,17 @@ class LinkTiming {
 
  private:
   struct ChunkEnd {
+    std::uint64_t begin;
     std::uint64_t end;
     HostTime arrived;
+    float uncertainty_s;
   };
+  float uncertainty_s(std::uint64_t bytes, HostTime arrived) const;
+
   std::uint32_t baud_;
-  double latency_s_;
+  HostDuration latency_;
   std::deque<ChunkEnd> chunks_;
+  HostTime newest_{HostTime::min()};  // no message is stamped before it
 };
 
 }  // namespace thermorig::timing

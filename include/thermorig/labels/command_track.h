@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstdint>
+#include <limits>
+#include <span>
+
+#include "thermorig/core/sample.h"
+#include "thermorig/core/time.h"
+#include "thermorig/labels/history.h"
+
+namespace thermorig::labels {
+
+/// What the servo was told to do over a span of time. Rates and angles are those of the span alone; legs and
+/// `able` look at the telemetry in it and at the message on either side of it, which it lies between.
+struct CommandSpan {
+  bool covered = false;     // telemetry reaches from its begin to its end without a gap
+  bool able = true;         // armed, no fault, not stopping
+  bool outside_leg = true;  // leg 0 somewhere, or no telemetry
+  bool several_legs = false;
+  double rate_mean_dps = std::numeric_limits<double>::quiet_NaN();  // NaN if not covered
+  double rate_min_dps = std::numeric_limits<double>::quiet_NaN();
+  double rate_max_dps = std::numeric_limits<double>::quiet_NaN();
+  double rate_change_dps = std::numeric_limits<double>::quiet_NaN();  // at its end minus at its begin
+  double angle_min_deg = std::numeric_limits<double>::quiet_NaN();
+  double angle_max_deg = std::numeric_limits<double>::quiet_NaN();
+  float time_uncertainty_s = 0.0F;  // the widest of the telemetry that was used
+};
+
+/// The commanded motion as the firmware reports it: angle and speed run straight from one telemetry message
+/// to the next, each at its stamped time.
+class CommandTrack {
+ public:
+  /// More than `gap` between two messages is a gap; messages older than `length` are forgotten.
+  CommandTrack(HostDuration gap, HostDuration length) : gap_(gap), points_(length) {}
+
+  void add(const TimedServo& servo);
+
+  /// True if telemetry at or after `time` has come.
+  bool reaches(HostTime time) const { return points_.reaches(time); }
+
+  /// begin <= end. The mean is the exact integral of the speed over the span, divided by its length.
+  CommandSpan over(HostTime begin, HostTime end) const;
+
+  /// Commanded angle at `time`, NaN where no telemetry covers it.
+  double angle_deg(HostTime time) const;
+
+  /// The leg that the last telemetry at or before `time` reported, 0 if there is none within a gap's length.
+  std::uint16_t leg(HostTime time) const;
+
+ private:
+  struct Point {
+    HostTime time{};
+    double rate_dps = 0.0;
+    double angle_deg = 0.0;
+    float uncertainty_s = 0.0F;
+    std::uint16_t leg = 0;
+    bool able = true;
+  };
+  std::span<const Point> around(HostTime begin, HostTime end) const;
+  bool covers(std::span<const Point> points, HostTime begin, HostTime end) const;
+  Point at(HostTime time) const;
+  static void note_states(CommandSpan& span, std::span<const Point> points);
+  void note_motion(CommandSpan& span, std::span<const Point> points, HostTime begin, HostTime end) const;
+
+  HostDuration gap_;
+  History<Point> points_;
+};
+
+}  // namespace thermorig::labels

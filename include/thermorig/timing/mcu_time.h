@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstdint>
+#include <optional>
+
+#include "thermorig/core/time.h"
+
+namespace thermorig::timing {
+
+/// Unwraps the servo's 32-bit microseconds, which start again after 71.6 minutes, to 64 bits.
+///
+/// The host's clock tells how many times they wrapped since the telemetry before, and whether the
+/// micro-controller was reset: where no number of wraps explains the host time that passed to within
+/// `tolerance_s` plus 2 %, a new epoch begins with the value as it was sent. So a step back in unwrapped time
+/// is always a reset.
+class McuTime {
+ public:
+  static constexpr double tolerance_s = 1.0;  // above any delay of a USB link, below any reset and start
+
+  /// Microseconds since the micro-controller's reset. `at` is when the message was sent, as well as known.
+  std::int64_t unwrap(std::uint32_t mcu_us, HostTime at);
+
+ private:
+  struct Seen {
+    std::uint32_t mcu_us;
+    std::int64_t unwrapped_us;
+    HostTime at;
+  };
+  std::optional<Seen> last_;
+};
+
+}  // namespace thermorig::timing

@@ -1,0 +1,111 @@
+// SPDX-License-Identifier: MIT
+#include "thermorig/labels/command_track.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace thermorig::labels {
+
+namespace {
+bool is_able(const ServoState& state) {
+  return state.fault == ServoFault::none && state.motion != ServoMotion::disarmed &&
+         state.motion != ServoMotion::stopping;
+}
+}  // namespace
+
+void CommandTrack::add(const TimedServo& servo) {
+  points_.add({.time = servo.stamp.time,
+               .rate_dps = servo.state.rate_dps,
+               .angle_deg = servo.state.angle_deg,
+               .uncertainty_s = servo.stamp.uncertainty_s,
+               .leg = servo.state.leg,
+               .able = is_able(servo.state)});
+}
+
+/// From the last point at or before `begin` to the first at or after `end`, as far as there are any; the
+/// nearest one where all lie on one side.
+std::span<const CommandTrack::Point> CommandTrack::around(HostTime begin, HostTime end) const {
+  const auto points = points_.all();
+  if (points.empty()) return points;
+  const std::size_t first = std::max<std::size_t>(points_.first_after(begin), 1) - 1;
+  const std::size_t last = std::min(points_.first_at_or_after(end), points.size() - 1);
+  return points.subspan(first, std::max(first, last) - first + 1);
+}
+
+bool CommandTrack::covers(std::span<const Point> points, HostTime begin, HostTime end) const {
+  if (points.empty() || points.front().time > begin || points.back().time < end) return false;
+  const auto gap = [this](const Point& a, const Point& b) { return b.time - a.time > gap_; };
+  return std::adjacent_find(points.begin(), points.end(), gap) == points.end();
+}
+
+/// Straight between the points on either side, constant beyond the first and the last. There must be a point.
+CommandTrack::Point CommandTrack::at(HostTime time) const {
+  const auto points = points_.all();
+  const std::size_t after = points_.first_after(time);
+  if (after == 0) return points.front();
+  if (after == points.size()) return points.back();
+  Point point = points[after - 1];
+  const Point& next = points[after];
+  const double share = to_s(time - point.time) / to_s(next.time - point.time);
+  point.time = time;
+  point.rate_dps += share * (next.rate_dps - point.rate_dps);
+  point.angle_deg += share * (next.angle_deg - point.angle_deg);
+  return point;
+}
+
+void CommandTrack::note_states(CommandSpan& span, std::span<const Point> points) {
+  std::uint16_t leg = 0;
+  span.outside_leg = points.empty();
+  for (const Point& point : points) {
+    span.able = span.able && point.able;
+    span.time_uncertainty_s = std::max(span.time_uncertainty_s, point.uncertainty_s);
+    span.outside_leg = span.outside_leg || point.leg == 0;
+    span.several_legs = span.several_legs || (leg != 0 && point.leg != 0 && point.leg != leg);
+    if (point.leg != 0) leg = point.leg;
+  }
+}
+
+void CommandTrack::note_motion(CommandSpan& span, std::span<const Point> points, HostTime begin,
+                               HostTime end) const {
+  Point before = at(begin);
+  const Point last = at(end);
+  span.rate_change_dps = last.rate_dps - before.rate_dps;
+  span.rate_min_dps = span.rate_max_dps = before.rate_dps;
+  span.angle_min_deg = span.angle_max_deg = before.angle_deg;
+  double integral_deg = 0.0;
+  const auto step_to = [&](const Point& point) {
+    integral_deg += 0.5 * (before.rate_dps + point.rate_dps) * to_s(point.time - before.time);
+    span.rate_min_dps = std::min(span.rate_min_dps, point.rate_dps);
+    span.rate_max_dps = std::max(span.rate_max_dps, point.rate_dps);
+    span.angle_min_deg = std::min(span.angle_min_deg, point.angle_deg);
+    span.angle_max_deg = std::max(span.angle_max_deg, point.angle_deg);
+    before = point;
+  };
+  for (const Point& point : points)
+    if (begin < point.time && point.time < end) step_to(point);
+  step_to(last);
+  if (span.covered) span.rate_mean_dps = begin < end ? integral_deg / to_s(end - begin) : last.rate_dps;
+}
+
+CommandSpan CommandTrack::over(HostTime begin, HostTime end) const {
+  const auto points = around(begin, end);
+  CommandSpan span;
+  span.covered = covers(points, begin, end);
+  note_states(span, points);
+  if (!points.empty()) note_motion(span, points, begin, end);
+  return span;
+}
+
+double CommandTrack::angle_deg(HostTime time) const {
+  return covers(around(time, time), time, time) ? at(time).angle_deg
+                                                : std::numeric_limits<double>::quiet_NaN();
+}
+
+std::uint16_t CommandTrack::leg(HostTime time) const {
+  const std::size_t after = points_.first_after(time);
+  if (after == 0) return 0;
+  const Point& point = points_.all()[after - 1];
+  return time - point.time > gap_ ? std::uint16_t{0} : point.leg;
+}
+
+}  // namespace thermorig::labels

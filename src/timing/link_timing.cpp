@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: MIT
+#include "thermorig/timing/link_timing.h"
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+namespace thermorig::timing {
+
+namespace {
+constexpr double bits_per_byte = 10.0;                           // 8N1: start, 8 data, stop
+constexpr double uniform_deviation = 0.5 / std::numbers::sqrt3;  // of a spread of width 1
+}  // namespace
+
+double wire_time_s(std::uint64_t bytes, std::uint32_t baud) {
+  return baud == 0 ? 0.0 : bits_per_byte * static_cast<double>(bytes) / static_cast<double>(baud);
+}
+
+LinkBudget link_budget(std::uint64_t bytes_per_message, double rate_hz, std::uint32_t baud) {
+  const double message_s = wire_time_s(bytes_per_message, baud);
+  if (message_s <= 0.0) return {.load = 0.0, .max_rate_hz = std::numeric_limits<double>::infinity()};
+  return {.load = rate_hz * message_s, .max_rate_hz = 1.0 / message_s};
+}
+
+LinkTiming::LinkTiming(const PortProfile& link) : baud_(link.baud), latency_(from_s(link.latency_s)) {}
+
+float LinkTiming::uncertainty_s(std::uint64_t bytes, HostTime arrived) const {
+  double slack_s = longest_hold_s;
+  if (!chunks_.empty())
+    slack_s = std::clamp(to_s(arrived - chunks_.back().arrived) - wire_time_s(bytes, baud_), 0.0, slack_s);
+  return static_cast<float>(slack_s * uniform_deviation);
+}
+
+void LinkTiming::chunk(std::uint64_t end, HostTime arrived) {
+  const std::uint64_t begin = chunks_.empty() ? 0 : chunks_.back().end;
+  assert(end >= begin);
+  if (end == begin) return;
+  if (!chunks_.empty()) arrived = std::max(arrived, chunks_.back().arrived);
+  chunks_.push_back({begin, end, arrived, uncertainty_s(end - begin, arrived)});
+  while (chunks_.front().end + history_bytes < begin) chunks_.pop_front();
+}
+
+Stamp LinkTiming::stamp(const StreamSpan& span) {
+  assert(!chunks_.empty() && span.end <= chunks_.back().end && span.begin <= span.end);
+  while (chunks_.size() > 1 && chunks_.front().end < span.end) chunks_.pop_front();
+  const ChunkEnd& chunk = chunks_.front();
+  const HostTime sent = chunk.arrived - from_s(wire_time_s(chunk.end - span.begin, baud_)) - latency_;
+  newest_ = std::max(newest_, sent);
+  return {.time = newest_, .arrival = chunk.arrived, .uncertainty_s = chunk.uncertainty_s};
+}
+
+}  // namespace thermorig::timing
