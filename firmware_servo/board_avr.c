@@ -1,0 +1,182 @@
+/* SPDX-License-Identifier: MIT */
+/* ATmega328P at 16 MHz (Arduino Uno, Nano): the registers. Sections are those of the data sheet DS40002061B.
+ *
+ * Timer 1: fast PWM with TOP = OCR1A (mode 15, 16.9.3), 0.5 us a count, 20 ms a period; the servo hangs on
+ * OC1B (PB2, Arduino D10). Its count and overflows are also the clock. Timer 2: the tick of 1 ms. USART 0:
+ * 250000 baud, 8N1. */
+#include <avr/interrupt.h>
+#include <avr/io.h>
+#include <avr/sleep.h>
+#include <avr/wdt.h>
+
+#include "servo.h"
+
+#define PERIOD_COUNTS 40000U
+#define TICKS_PER_PERIOD (SERVO_PULSE_PERIOD_US / SERVO_TICK_US)
+#define TICK_COUNTS 250U /* of 16 MHz / 64 */
+#define RECEIVED_MAX 64U /* a power of two */
+
+struct received {
+  uint8_t byte;
+  uint16_t time_us; /* the low half: a byte does not wait for 65 ms */
+};
+
+static struct servo the_servo;
+static struct received received[RECEIVED_MAX];
+static volatile uint8_t received_put, received_taken;
+static volatile uint32_t period_us; /* when the running period of timer 1 began */
+static volatile uint8_t ticks_due;
+static volatile uint16_t pulse_set;     /* what OCR1B will put out from the next period on */
+static volatile uint16_t pulse_running; /* what it puts out in this one */
+
+/* With interrupts off. */
+static uint32_t now_masked_us(void) {
+  uint16_t count = TCNT1;
+  uint32_t base = period_us;
+  if ((TIFR1 & _BV(TOV1)) != 0U) { /* the overflow is not yet counted */
+    count = TCNT1;
+    base += SERVO_PULSE_PERIOD_US;
+  }
+  return base + count / SERVO_TICKS_PER_US;
+}
+
+static uint32_t now_us(void) {
+  uint32_t now;
+  cli();
+  now = now_masked_us();
+  sei();
+  return now;
+}
+
+ISR(TIMER1_OVF_vect) {
+  period_us += SERVO_PULSE_PERIOD_US;
+  pulse_running = pulse_set;
+}
+
+ISR(TIMER2_COMPA_vect) {
+  ++ticks_due;
+}
+
+ISR(USART_RX_vect) {
+  const uint8_t put = received_put, next = (uint8_t)((put + 1U) % RECEIVED_MAX);
+  received[put].time_us = (uint16_t)now_masked_us();
+  received[put].byte = UDR0;
+  if (next != received_taken) received_put = next; /* full: the byte is lost, its frame's CRC will tell */
+}
+
+ISR(USART_UDRE_vect) {
+  if (servo_output_is_empty(&the_servo.output))
+    UCSR0B = (uint8_t)(UCSR0B & ~_BV(UDRIE0));
+  else
+    UDR0 = servo_output_take(&the_servo.output);
+}
+
+static void start_serial(void) {
+  UCSR0A = _BV(U2X0);                 /* before the rate: some receivers of UBRR look at it then */
+  UCSR0C = _BV(UCSZ01) | _BV(UCSZ00); /* 8N1 */
+  UBRR0 = (uint16_t)(F_CPU / 8UL / SERVO_LINK_BAUD - 1UL);
+  UCSR0B = _BV(RXEN0) | _BV(TXEN0) | _BV(RXCIE0);
+}
+
+static void start_timers(void) {
+  PORTB = (uint8_t)(PORTB & ~_BV(PORTB2)); /* low: OC1B stays disconnected until the servo is armed */
+  DDRB |= _BV(DDB2);
+  OCR1A = PERIOD_COUNTS - 1U;
+  OCR1B = 2U * 1500U; /* never put out */
+  OCR2A = TICK_COUNTS - 1U;
+  TIMSK1 = _BV(TOIE1);
+  TIMSK2 = _BV(OCIE2A);
+  TCCR1A = _BV(WGM11) | _BV(WGM10);
+  TCCR2A = _BV(WGM21);
+  TCCR2B = _BV(CS22); /* / 64 */
+  TCCR1B = _BV(WGM13) | _BV(WGM12) | _BV(CS11);
+}
+
+/* In the last tick of a period the pulse has ended, and what is written now holds from the next one on: OCR1B
+ * is taken over at BOTTOM (16.9.3). So no pulse is ever cut or doubled. */
+static void set_next_pulse(void) {
+  const uint16_t ticks = servo_next_pulse(&the_servo);
+  cli();
+  pulse_set = ticks;
+  if (ticks != 0U) {
+    OCR1B = (uint16_t)(ticks - 1U); /* high from BOTTOM to the match, that count included */
+    TCCR1A = _BV(COM1B1) | _BV(WGM11) | _BV(WGM10);
+  } else {
+    TCCR1A = _BV(WGM11) | _BV(WGM10);
+  }
+  sei();
+}
+
+static void tick(void) {
+  static uint32_t time_us;
+  static uint8_t tick_of_period;
+  cli();
+  --ticks_due;
+  servo_pulse_started(&the_servo, pulse_running);
+  sei();
+  wdt_reset();
+  time_us += SERVO_TICK_US;
+  servo_tick(&the_servo, time_us);
+  if (++tick_of_period == TICKS_PER_PERIOD) tick_of_period = 0;
+  if (tick_of_period == TICKS_PER_PERIOD - 1U) set_next_pulse();
+}
+
+static void receive(void) {
+  while (received_taken != received_put) {
+    const struct received next = received[received_taken];
+    const uint32_t now = now_us();
+    received_taken = (uint8_t)((received_taken + 1U) % RECEIVED_MAX);
+    servo_receive(&the_servo, next.byte, now - (uint16_t)((uint16_t)now - next.time_us));
+  }
+}
+
+static bool transmitter_is_idle(void) {
+  return servo_output_is_empty(&the_servo.output) && (UCSR0A & _BV(UDRE0)) != 0U;
+}
+
+static void answer_ping(void) {
+  uint32_t send_us;
+  if (!servo_ping_is_due(&the_servo, now_us()) || !transmitter_is_idle()) return;
+  cli();
+  send_us = now_masked_us();
+  UDR0 = SERVO_LINK_FLAG;
+  sei();
+  servo_answer_ping(&the_servo, send_us);
+}
+
+static void transmit(void) {
+  if (servo_output_is_empty(&the_servo.output)) return;
+  cli();
+  UCSR0B |= _BV(UDRIE0);
+  sei();
+}
+
+/* A waiting ping keeps it awake: the delay of its answer must not keep step with the ticks. */
+static void sleep_until_interrupt(void) {
+  cli();
+  if (ticks_due == 0U && received_taken == received_put && !the_servo.ping.waiting) {
+    sleep_enable();
+    sei(); /* the instruction after it is still carried out: no interrupt slips in between */
+    sleep_cpu();
+    sleep_disable();
+  }
+  sei();
+}
+
+int main(void) {
+  const uint8_t reset_cause = MCUSR;
+  MCUSR = 0;
+  wdt_enable(WDTO_250MS);
+  set_sleep_mode(SLEEP_MODE_IDLE);
+  servo_init(&the_servo, SERVO_BOARD_ATMEGA328P, reset_cause);
+  start_serial();
+  start_timers();
+  sei();
+  for (;;) {
+    receive();
+    if (ticks_due != 0U) tick();
+    answer_ping();
+    transmit();
+    sleep_until_interrupt();
+  }
+}
