@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "thermorig/core/frame.h"
+#include "thermorig/simulation/optics.h"
+#include "thermorig/simulation/pixel_noise.h"
+#include "thermorig/simulation/random.h"
+#include "thermorig/simulation/shaft.h"
+
+namespace thermorig::simulation {
+
+struct CameraConfig {
+  double field_of_view_deg = 55.0;
+  double output_rate_hz = 8.0;  // frames a second, nominal
+  bool half_fresh = true;       // a frame after every chess half; false: after every second one
+  bool mirrored = true;
+  bool warm = true;
+  double clock_error = -0.02;  // relative; the clock wanders around it
+};
+
+struct SimulatedFrame {
+  ThermalFrame frame;
+  ShaftMark exposure_begin;   // of the older half
+  ShaftMark exposure_end;     // of the newest half
+  std::int64_t ready_ns = 0;  // when the bridge has computed it and wants to send
+};
+
+/// An MLX90640 behind its bridge, turning with the shaft. Times are rig time in nanoseconds.
+class Camera {
+ public:
+  Camera(const CameraConfig& config, const Panorama& panorama, std::uint64_t seed);
+
+  /// The frames whose exposure ends by the time up to which the shaft is known.
+  std::vector<SimulatedFrame> follow(const Shaft& shaft);
+
+ private:
+  struct Half {  // a chess half that is being exposed
+    unsigned parity = 0;
+    ShaftMark begin;
+    std::int64_t end_ns = 0;
+    int steps = 0;
+    int steps_done = 0;
+  };
+  void warm_up(const Shaft& shaft);
+  void begin_half(const ShaftMark& begin, unsigned parity);
+  void expose_step(double angle_deg);
+  void finish_half(double angle_deg, std::vector<SimulatedFrame>& out);
+  std::int64_t step_time_ns(int step) const;
+  std::int64_t next_period_ns();
+
+  CameraConfig config_;
+  Optics optics_;
+  Random clock_;
+  double refresh_period_s_;  // nominal
+  PixelNoise noise_;
+  double processing_s_;  // constant part of what the bridge takes
+  double wander_ = 0.0;  // of the clock, relative
+  bool started_ = false;
+  unsigned last_parity_;  // full-fresh: the half that completes a frame
+  Half half_;
+  ShaftMark older_begin_;
+  PixelColumns seen_c_{};    // by the optics, now
+  PixelColumns lagged_c_{};  // by the membranes, which follow slowly
+  PixelColumns sum_c_{};     // of lagged_c_ over the exposure so far
+  ThermalFrame frame_;       // both halves as they were read last
+};
+
+}  // namespace thermorig::simulation

@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "thermorig/core/profile.h"
+#include "thermorig/simulation/random.h"
+#include "thermorig/simulation/shaft.h"
+#include "thermorig/simulation/virtual_rig.h"
+
+namespace thermorig::simulation {
+
+/// How good a gyro is. Standard deviations are those from one gyro (or one power-up) to the next.
+struct GyroQuality {
+  double bias_dps;       // standard deviation
+  double bias_walk_dps;  // random walk of the bias, a square root of a second
+  double scale_error;    // standard deviation, relative
+  double noise_dps;      // white, of one sample
+  double range_dps;      // readings beyond are clipped
+  double dps_per_count;  // resolution
+  double clock_error;    // standard deviation, relative
+
+  static GyroQuality of(GyroGrade grade);
+};
+
+struct SimulatedGyroSample {
+  std::array<double, 3> rate_dps{};  // x, y, z as measured, clipped and on the grid of counts
+  double temp_c = 25.0;
+  std::int64_t device_time_us = 0;  // by its own clock, at the end of the interval
+  ShaftMark begin;                  // of the averaging interval
+  ShaftMark end;
+  std::int64_t ready_ns = 0;
+};
+
+/// A gyro on the shaft, which averages over its sample interval.
+class Gyro {
+ public:
+  Gyro(const GyroProfile& profile, GyroGrade grade, std::uint64_t seed);
+
+  /// The samples whose interval ends by the time up to which the shaft is known.
+  std::vector<SimulatedGyroSample> follow(const Shaft& shaft);
+
+ private:
+  SimulatedGyroSample measure(const ShaftMark& end);
+
+  GyroQuality quality_;
+  Random random_;
+  int axis_;
+  int sign_;
+  double nominal_period_us_;
+  double period_ns_;  // true, of its own clock
+  double phase_ns_;
+  double processing_s_;
+  double scale_;
+  double temp_c_;
+  std::array<double, 3> bias_dps_{};
+  std::int64_t samples_ = 0;
+  ShaftMark begin_;
+  bool started_ = false;
+};
+
+/// The sample as the profile's protocol puts it on the wire: a WitMotion packet or a line of text.
+std::vector<std::uint8_t> gyro_bytes(const SimulatedGyroSample& sample, const GyroProfile& profile);
+
+}  // namespace thermorig::simulation

@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: MIT
+#include "thermorig/simulation/virtual_rig.h"
+
+namespace thermorig::simulation {
+
+RigProfile default_profile() {
+  RigProfile profile;
+  profile.name = "simulated rig";
+  // What a careful owner can know without measuring: the bridge reads 832 words over I2C and computes, about
+  // 20 ms; a gyro sample stands for the middle of its interval and leaves about 1 ms after its end; telemetry
+  // leaves at once. The simulated devices differ from these figures, each rig in its own way.
+  profile.camera.link.latency_s = 0.020;
+  profile.gyro.link.latency_s = 0.5 / profile.gyro.output_rate_hz + 0.001;
+  profile.servo.link.latency_s = 0.0;
+  return profile;
+}
+
+VirtualRigConfig default_rig(std::uint64_t seed, const std::string& environment) {
+  VirtualRigConfig config;
+  config.seed = seed;
+  config.environment = environment;
+  config.profile = default_profile();
+  // The bridge board carries a CH340; gyro and servo hang on FTDI cables with the driver's own 16 ms.
+  config.links[Device::camera].kind = UsbLink::ch340;
+  config.links[Device::gyro].kind = UsbLink::ftdi;
+  config.links[Device::servo].kind = UsbLink::ftdi;
+  return config;
+}
+
+}  // namespace thermorig::simulation

@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: MIT
+#include "thermorig/simulation/servo_side.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "thermorig/simulation/random.h"
+
+namespace thermorig::simulation {
+namespace {
+
+constexpr double crystal_error = 30e-6;  // standard deviation
+
+}  // namespace
+
+std::int64_t McuClock::us_at(std::int64_t rig_ns) const {
+  return static_cast<std::int64_t>(static_cast<double>(rig_ns) * us_per_ns_);
+}
+
+std::int64_t McuClock::rig_ns_at(double us) const {
+  return static_cast<std::int64_t>(std::ceil(us / us_per_ns_));
+}
+
+ServoSide::ServoSide(std::unique_ptr<Firmware> firmware, std::uint32_t baud, std::uint64_t seed)
+    : firmware_(std::move(firmware)),
+      clock_(Random(seed, "servo clock").normal(crystal_error)),
+      toward_(baud),
+      byte_ns_(std::llround(toward_.byte_ns())) {}
+
+void ServoSide::send(std::span<const std::uint8_t> bytes, std::int64_t begin_ns) {
+  sending_.clear();
+  toward_.send(bytes, begin_ns, sending_);
+  coming_.insert(coming_.end(), sending_.begin(), sending_.end());
+}
+
+void ServoSide::run_firmware(std::int64_t mcu_us, Output& out) {
+  FirmwareOutput step = firmware_->run_until(mcu_us);
+  for (const UartByte& byte : step.bytes) {
+    const std::int64_t end_ns = clock_.rig_ns_at(static_cast<double>(byte.time_us)) + byte_ns_;
+    last_byte_ns_ = std::max(last_byte_ns_, end_ns);
+    out.bytes.push_back({last_byte_ns_, byte.value});
+  }
+  out.pulses.insert(out.pulses.end(), step.pulses.begin(), step.pulses.end());
+}
+
+ServoSide::Output ServoSide::run_until(std::int64_t until_ns) {
+  Output out;
+  for (; !coming_.empty() && coming_.front().time_ns <= until_ns; coming_.pop_front()) {
+    const std::int64_t mcu_us = clock_.us_at(coming_.front().time_ns);
+    run_firmware(mcu_us, out);
+    firmware_->receive(coming_.front().value, mcu_us);
+  }
+  run_firmware(clock_.us_at(until_ns), out);
+  return out;
+}
+
+}  // namespace thermorig::simulation
