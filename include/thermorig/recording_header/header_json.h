@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <string>
+#include <string_view>
+
+#include "thermorig/core/raw_recording.h"
+
+namespace thermorig::recording_header {
+
+/// The header as one line of JSON; keys are the members' names (docs/journal_format.md, "Header"). Journals
+/// and sessions store this text. Text that is not UTF-8 is repaired. Throws Error(bad_usage) if a value could
+/// not be read back: an environment outside [a-z0-9-]{1,32}, a number that is not finite, an axis beyond
+/// 0..2.
+std::string header_to_json_text(const RecordingHeader& header);
+
+/// The inverse. Every value is checked before it is believed. Throws Error(not_a_session) with what is wrong;
+/// `where` names the file for the message.
+RecordingHeader header_from_json_text(std::string_view text, const std::string& where);
+
+}  // namespace thermorig::recording_header

@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: MIT
+#include "header_check.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace thermorig::recording_header {
+
+namespace {
+
+constexpr int text_columns_max = 63;
+
+bool is_environment_name(const std::string& name) {
+  const auto allowed = [](char c) { return (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || c == '-'; };
+  return !name.empty() && name.size() <= 32 && std::all_of(name.begin(), name.end(), allowed);
+}
+
+bool all_finite(std::initializer_list<double> values) {
+  return std::all_of(values.begin(), values.end(), [](double value) { return std::isfinite(value); });
+}
+
+bool numbers_are_finite(const RigProfile& rig) {
+  const auto& servo = rig.servo;
+  return all_finite({rig.camera.link.latency_s, rig.gyro.link.latency_s, servo.link.latency_s,
+                     rig.camera.output_rate_hz, rig.camera.field_of_view_deg, rig.gyro.output_rate_hz,
+                     rig.gyro.text.scale_dps, rig.gyro.text.time_unit_s, servo.travel_deg,
+                     servo.full_rate_dps, servo.pulse_min_us, servo.pulse_max_us, servo.max_rate_dps,
+                     servo.acceleration_dps2, servo.stop_margin_deg, servo.settle_s});
+}
+
+bool is_column(int column) {
+  return column >= -1 && column <= text_columns_max;
+}
+
+bool gyro_is_sound(const GyroProfile& gyro) {
+  const auto& rate = gyro.text.rate;
+  return gyro.axis >= 0 && gyro.axis <= 2 && (gyro.sign == 1 || gyro.sign == -1) &&
+         is_column(gyro.text.time) && std::all_of(rate.begin(), rate.end(), is_column);
+}
+
+}  // namespace
+
+std::optional<std::string> problem_of(const RecordingHeader& header) {
+  if (!is_environment_name(header.environment))
+    return "the environment's name is not made of 1 to 32 of a-z, 0-9 and '-'";
+  if (header.acquisition < 0 || header.frames_per_leg < 0)
+    return "the acquisition number or the frames of a leg are negative";
+  if (!numbers_are_finite(header.profile)) return "the profile holds a number that is not finite";
+  if (header.profile.camera.output_rate_hz <= 0 || header.profile.gyro.output_rate_hz <= 0)
+    return "the profile holds a rate that is not positive";
+  if (!gyro_is_sound(header.profile.gyro)) return "the gyro's axis, sign or columns are out of range";
+  return std::nullopt;
+}
+
+}  // namespace thermorig::recording_header
