@@ -1,0 +1,145 @@
+// SPDX-License-Identifier: MIT
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "servo_link.h"
+#include "thermorig/core/error.h"
+#include "thermorig/rig/plan.h"
+#include "thermorig/timing/link_timing.h"
+#include "thermorig/wire/device_bytes.h"
+
+namespace thermorig::rig {
+
+namespace {
+
+// From the last frame's exposure to the servo's next command: transfer, USB latency, one tick of the
+// recorder.
+constexpr double reaction_s = 0.15;
+
+[[noreturn]] void refuse(const SweepPlan& plan, const std::string& what, const std::string& advice) {
+  throw Error(ExitCode::bad_usage, what, "plan " + plan.name, advice);
+}
+
+double speed_limit_dps(const ServoProfile& servo) {
+  const double profile_limit = servo.kind == ServoKind::continuous
+                                   ? std::min(servo.max_rate_dps, servo.full_rate_dps)
+                                   : servo.max_rate_dps;
+  return std::min(profile_limit, SERVO_LIMIT_RATE_CDPS / 100.0);
+}
+
+void check_speeds(const SweepPlan& plan, const ServoProfile& servo) {
+  const double limit_dps = speed_limit_dps(servo);
+  for (const double rate_dps : plan.leg_rates_dps) {
+    if (std::abs(rate_dps) <= limit_dps && rate_dps != 0.0) continue;
+    refuse(plan,
+           fmt::format("{} deg/s is beyond what this servo may be driven at: {} deg/s", rate_dps, limit_dps),
+           "leave that speed out, or raise max_rate_dps in the rig profile if the servo can do it");
+  }
+}
+
+// Two refresh periods: a half-fresh frame holds halves that were exposed one after the other.
+double exposure_s(const CameraProfile& camera) {
+  return 2.0 / camera.output_rate_hz;
+}
+
+void check_leg_time(const SweepPlan& plan, double rate_dps, const ServoProfile& servo,
+                    const CameraProfile& camera) {
+  const double leg_s = plan.frames_per_leg / camera.output_rate_hz;
+  const double ramp_s = std::abs(rate_dps) / servo.acceleration_dps2;
+  const double needed_s = servo.settle_s + exposure_s(camera);
+  if (leg_s - ramp_s >= needed_s) return;
+  refuse(
+      plan,
+      fmt::format(
+          "a leg at {} deg/s is too short for any valid frame: {} frames at {} Hz = {:.2f} s, minus {:.2f} "
+          "s of ramp = {:.2f} s of constant speed; a valid frame needs {:.2f} s to settle + {:.2f} s of "
+          "exposure = {:.2f} s",
+          rate_dps, plan.frames_per_leg, camera.output_rate_hz, leg_s, ramp_s, leg_s - ramp_s, servo.settle_s,
+          exposure_s(camera), needed_s),
+      fmt::format("at least {} frames a leg",
+                  static_cast<int>(std::ceil((needed_s + ramp_s) * camera.output_rate_hz))));
+}
+
+void check_stroke(const SweepPlan& plan, double rate_dps, const ServoProfile& servo,
+                  const CameraProfile& camera) {
+  const auto limit_deg = angle_limit_deg(servo);
+  if (!limit_deg) return;
+  const double speed_dps = std::abs(rate_dps);
+  const double stroke_deg = 2.0 * *limit_deg;
+  const double ramps_deg = speed_dps * speed_dps / servo.acceleration_dps2;  // one at either end
+  const double constant_s = std::max(0.0, stroke_deg - ramps_deg) / speed_dps;
+  const double needed_s = servo.settle_s + exposure_s(camera);
+  if (constant_s >= needed_s) return;
+  refuse(
+      plan,
+      fmt::format(
+          "a sweep at {} deg/s is too short for any valid frame: {} deg of travel, minus {:.1f} deg of ramps "
+          "= {:.2f} s at constant speed; a valid frame needs {:.2f} s to settle + {:.2f} s of exposure "
+          "(two frame periods at {} Hz) = {:.2f} s",
+          rate_dps, stroke_deg, ramps_deg, constant_s, servo.settle_s, exposure_s(camera),
+          camera.output_rate_hz, needed_s),
+      fmt::format("speeds below {:.0f} deg/s, a servo with more travel, or a faster camera",
+                  stroke_deg / needed_s));
+}
+
+void check_camera_link(const SweepPlan& plan, const CameraProfile& camera) {
+  const auto budget = timing::link_budget(wire::camera_frame_bytes, camera.output_rate_hz, camera.link.baud);
+  if (budget.fits()) return;
+  const double wire_ms = 1e3 * timing::wire_time_s(wire::camera_frame_bytes, camera.link.baud);
+  refuse(
+      plan,
+      fmt::format(
+          "the camera's link cannot carry {} frames/s: {} bytes x 10 bits / {} baud = {:.1f} ms > {:.1f} ms",
+          camera.output_rate_hz, wire::camera_frame_bytes, camera.link.baud, wire_ms,
+          1e3 / camera.output_rate_hz),
+      fmt::format("460800 baud (set it on the camera and in the rig profile), or at most {:.1f} frames/s",
+                  std::floor(budget.max_rate_hz * 10.0) / 10.0));
+}
+
+}  // namespace
+
+std::optional<double> angle_limit_deg(const ServoProfile& servo) {
+  if (servo.kind == ServoKind::continuous) return std::nullopt;
+  return servo.travel_deg / 2.0 - servo.stop_margin_deg;
+}
+
+double leg_travel_deg(double rate_dps, int frames, double frame_rate_hz, double acceleration_dps2) {
+  const double speed_dps = std::abs(rate_dps);
+  // One period more than there are frames: the first one may have begun just before the leg.
+  const double driven_s = (frames + 1) / frame_rate_hz + reaction_s;
+  return speed_dps * driven_s + speed_dps * speed_dps / (2.0 * acceleration_dps2);
+}
+
+void check_plan(const SweepPlan& plan, const ServoProfile& servo, const CameraProfile& camera) {
+  check_speeds(plan, servo);
+  check_camera_link(plan, camera);
+  for (const double rate_dps : plan.leg_rates_dps) {
+    check_leg_time(plan, rate_dps, servo, camera);
+    check_stroke(plan, rate_dps, servo, camera);
+  }
+}
+
+double plan_duration_s(const SweepPlan& plan, const ServoProfile& servo, double frame_rate_hz) {
+  double duration_s = plan.opening_rest_s + plan.closing_rest_s;
+  double angle_deg = 0.0;
+  for (const double rate_dps : plan.leg_rates_dps) {
+    duration_s += (plan.frames_per_leg + 0.5) / frame_rate_hz + 0.1;
+    const auto limit_deg = angle_limit_deg(servo);
+    if (!limit_deg) continue;
+    const double travel_deg =
+        std::min(leg_travel_deg(rate_dps, plan.frames_per_leg, frame_rate_hz, servo.acceleration_dps2),
+                 2.0 * *limit_deg);
+    const double direction = rate_dps < 0.0 ? -1.0 : 1.0;
+    if (direction * angle_deg + travel_deg > *limit_deg) {
+      const double start_deg = -direction * travel_deg / 2.0;
+      duration_s += std::abs(start_deg - angle_deg) / speed_limit_dps(servo) + 0.2;
+      angle_deg = start_deg;
+    }
+    angle_deg += direction * travel_deg;
+  }
+  return duration_s;
+}
+
+}  // namespace thermorig::rig
