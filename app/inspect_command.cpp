@@ -19,34 +19,54 @@ void refuse_journal(const std::filesystem::path& path) {
               "thermorig recover " + path.string());
 }
 
-ExitCode inspect(const std::filesystem::path& path, const InspectOptions& options) {
+struct Inspected {
+  session::Session session;
+  session::Quality quality;
+};
+
+Inspected inspect(const std::filesystem::path& path) {
   refuse_journal(path);
-  const session::Session session = session::read_session(path);
-  const session::Quality quality = session::quality_of(session);
-  if (options.json)
-    print_json(json_of(path, session, quality));
-  else
-    fmt::print("{}", text_of(path, session, quality));
-  return options.check && quality.verdict == "bad" ? ExitCode::check_failed : ExitCode::ok;
+  session::Session session = session::read_session(path);
+  session::Quality quality = session::quality_of(session);
+  return {std::move(session), std::move(quality)};
+}
+
+ExitCode verdict_code(const session::Quality& quality, bool check) {
+  return check && quality.verdict == "bad" ? ExitCode::check_failed : ExitCode::ok;
+}
+
+nlohmann::json error_json(const std::filesystem::path& path, const Error& error) {
+  return {{"file", path.string()},
+          {"exit_code", static_cast<int>(error.code())},
+          {"error", error.what_happened()},
+          {"advice", error.advice()}};
 }
 
 }  // namespace
 
 /// Every file is looked at, also after one that is no session: the exit code is that of the first that is not
-/// well.
+/// well. With --json one array, an object a file.
 ExitCode run(const InspectOptions& options) {
   ExitCode code = ExitCode::ok;
-  for (std::size_t i = 0; i < options.files.size(); ++i) {
-    if (i > 0 && !options.json) fmt::print("\n");
+  nlohmann::json list = nlohmann::json::array();
+  for (const auto& path : options.files) {
     ExitCode result = ExitCode::ok;
     try {
-      result = inspect(options.files[i], options);
+      const Inspected inspected = inspect(path);
+      result = verdict_code(inspected.quality, options.check);
+      if (options.json)
+        list.push_back(json_of(path, inspected.session, inspected.quality));
+      else
+        fmt::print("{}{}", path == options.files.front() ? "" : "\n",
+                   text_of(path, inspected.session, inspected.quality));
     } catch (const Error& error) {
-      report(error, options.json);
+      report(error, false);
+      list.push_back(error_json(path, error));
       result = error.code();
     }
     if (code == ExitCode::ok) code = result;
   }
+  if (options.json) print_json(list);
   return code;
 }
 

@@ -143,13 +143,13 @@ nlohmann::json json_of(const std::filesystem::path& path, const Session& session
   object["duration_s"] = quality.duration_s;
   object["camera_mode"] = session.camera_mode;
   object["frames"] = quality.frames;
-  object["swept"] = quality.swept;
-  object["valid"] = quality.valid;
+  object["frames_swept"] = quality.swept;
+  object["frames_valid"] = quality.valid;
   object["reasons"] = quality.reason_counts;
   object["speeds"] = speeds_json(quality);
   for (Device device : all_devices)
     object["streams"][std::string(name_of(device))] =
-        json_of(quality.stream[device], session.counters[device]);
+        stream_json(quality.stream[device], session.counters[device]);
   object["verdict"] = quality.verdict;
   object["verdict_reasons"] = quality.verdict_reasons;
   return object;

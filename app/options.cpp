@@ -28,13 +28,18 @@ void add_json(CLI::App& command, bool& json) {
   command.add_flag("--json", json, "Print JSON on standard output, for programs");
 }
 
-void add_simulated_parts(CLI::App& command, std::string& servo, std::string& camera) {
-  command.add_option("--simulated-servo", servo, "Servo of the simulated rig")
+void add_simulated_parts(CLI::App& command, std::optional<std::string>& servo,
+                         std::optional<std::string>& camera) {
+  command
+      .add_option("--simulated-servo", servo,
+                  "Servo of the simulated rig: winch (default), 180, 270, continuous")
       ->check(CLI::IsMember({"winch", "180", "270", "continuous"}))
-      ->capture_default_str();
-  command.add_option("--simulated-camera", camera, "Chess halves that are fresh in a simulated frame")
+      ->type_name("KIND");
+  command
+      .add_option("--simulated-camera", camera,
+                  "Fresh chess halves in a simulated frame: half (default), full")
       ->check(CLI::IsMember({"half", "full"}))
-      ->capture_default_str();
+      ->type_name("KIND");
 }
 
 void add_rig(CLI::App& command, RigOptions& rig, std::string& seed) {
@@ -75,10 +80,6 @@ void add_record(CLI::App& root, Words& words) {
                   "Magnitudes to sweep, deg/s, each driven as +v and -v: 30,60,90")
       ->delimiter(',')
       ->type_name("V,V,...");
-  command
-      .add_option("--acquisition", record.acquisition,
-                  "Number of the acquisition (default: the next free one)")
-      ->type_name("N");
   command.add_flag("--fast", record.fast, "Virtual time: as fast as the machine can (simulated rig only)");
   command.add_flag("-n,--dry-run", record.dry_run,
                    "Print the plan and the checks; move nothing, write nothing");

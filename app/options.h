@@ -17,8 +17,8 @@ struct RigOptions {
   std::optional<std::uint64_t> simulated_seed;  // none: real ports
   PerDevice<std::string> ports;                 // empty: from the profile
   std::string profile;                          // name or file, empty: none
-  std::string simulated_servo = "winch";        // winch, 180, 270, continuous
-  std::string simulated_camera = "half";        // half, full: fresh halves a frame
+  std::optional<std::string> simulated_servo;   // winch (default), 180, 270, continuous
+  std::optional<std::string> simulated_camera;  // half (default), full: fresh halves a frame
   std::optional<std::uint32_t> camera_baud, gyro_baud, servo_baud;
   std::optional<double> camera_rate_hz;
 };
@@ -30,7 +30,6 @@ struct RecordOptions {
   std::string plan = "paper";  // paper, table-one, quick or a TOML file
   std::optional<int> frames_per_leg;
   std::vector<double> speeds_dps;  // empty: the plan's own
-  std::optional<int> acquisition;  // none: the next free number
   bool fast = false;               // virtual time
   bool dry_run = false;
   bool json = false;
@@ -45,9 +44,8 @@ struct PortsOptions {
 struct SimulateOptions {
   std::uint64_t seed = 1;
   std::string environment = "laboratory";
-  std::string simulated_servo = "winch";
-  std::string simulated_camera = "half";
-  std::string profile;  // file to write, empty: none
+  std::optional<std::string> simulated_servo, simulated_camera;  // as in RigOptions
+  std::string profile;                                           // file to write, empty: none
   bool json = false;
 };
 

@@ -2,13 +2,13 @@
 #include "output.h"
 
 #include <fmt/format.h>
-#include <unistd.h>
-
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdlib>
 #include <nlohmann/json.hpp>
+
+#include "thermorig/io/host.h"
 
 namespace thermorig::app {
 
@@ -17,7 +17,7 @@ bool escapes_allowed(std::FILE* stream) {
   const char* terminal = std::getenv("TERM");
   if (no_color != nullptr && *no_color != '\0') return false;
   if (terminal != nullptr && std::string_view(terminal) == "dumb") return false;
-  return isatty(fileno(stream)) == 1;
+  return io::is_terminal(fileno(stream));
 }
 
 std::string printable(std::string_view text) {

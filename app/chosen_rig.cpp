@@ -1,0 +1,98 @@
+// SPDX-License-Identifier: MIT
+#include "chosen_rig.h"
+
+#include <filesystem>
+
+#include "profile_path.h"
+#include "thermorig/core/error.h"
+#include "thermorig/rig/profile_file.h"
+
+namespace thermorig::app {
+
+namespace {
+
+bool names_a_port(const RigOptions& options) {
+  for (Device device : all_devices)
+    if (!options.ports[device].empty()) return true;
+  return false;
+}
+
+void check_words(const RigOptions& options) {
+  const bool simulated = options.simulated_seed.has_value();
+  if (simulated && names_a_port(options))
+    throw Error(ExitCode::bad_usage, "--simulated and ports exclude each other", "",
+                "--simulated alone, or --camera, --gyro and --servo");
+  if (!simulated && (options.simulated_servo || options.simulated_camera))
+    throw Error(ExitCode::bad_usage, "--simulated-servo and --simulated-camera need --simulated", "",
+                "--simulated=3");
+}
+
+void check_ports(const RigProfile& profile) {
+  std::string missing;
+  for (Device device : all_devices)
+    if (profile.link(device).port.empty())
+      missing += (missing.empty() ? "" : " and ") + std::string(name_of(device));
+  if (missing.empty()) return;
+  throw Error(ExitCode::bad_usage, "no port is named for " + missing, "",
+              "thermorig ports (finds them), --rig PROFILE, or --simulated");
+}
+
+void apply(const RigOptions& options, RigProfile& profile) {
+  for (Device device : all_devices)
+    if (!options.ports[device].empty()) profile.link(device).port = options.ports[device];
+  if (options.camera_baud) profile.camera.link.baud = *options.camera_baud;
+  if (options.gyro_baud) profile.gyro.link.baud = *options.gyro_baud;
+  if (options.servo_baud) profile.servo.link.baud = *options.servo_baud;
+  if (options.camera_rate_hz) profile.camera.output_rate_hz = *options.camera_rate_hz;
+}
+
+RigProfile read_named_profile(const std::string& name) {
+  const std::filesystem::path path = profile_path(name);
+  if (std::filesystem::exists(path)) return rig::read_profile(path);
+  throw Error(ExitCode::bad_usage, "there is no such profile", path.string(),
+              "thermorig ports --save " + name);
+}
+
+ServoProfile simulated_servo(const std::string& kind, ServoProfile servo) {
+  if (kind == "winch") return servo;
+  if (kind == "continuous") {
+    servo.model = "continuous";
+    servo.kind = ServoKind::continuous;
+    servo.travel_deg = 0;
+    servo.full_rate_dps = 300;
+    return servo;
+  }
+  servo.model = "positional, " + kind + " degrees";
+  servo.travel_deg = kind == "180" ? 180 : 270;
+  return servo;
+}
+
+}  // namespace
+
+simulation::VirtualRigConfig simulated_rig(std::uint64_t seed, const std::string& environment,
+                                           const std::optional<std::string>& servo,
+                                           const std::optional<std::string>& camera) {
+  simulation::VirtualRigConfig config = simulation::default_rig(seed, environment);
+  config.profile.servo = simulated_servo(servo.value_or("winch"), config.profile.servo);
+  config.half_fresh = camera.value_or("half") == "half";
+  return config;
+}
+
+ChosenRig chosen_rig(const RigOptions& options, const std::string& environment) {
+  check_words(options);
+  ChosenRig chosen;
+  if (options.simulated_seed) {
+    chosen.simulated = simulated_rig(*options.simulated_seed, environment, options.simulated_servo,
+                                     options.simulated_camera);
+    chosen.profile = chosen.simulated->profile;
+  }
+  if (!options.profile.empty()) chosen.profile = read_named_profile(options.profile);
+  apply(options, chosen.profile);
+  if (chosen.simulated)
+    chosen.simulated->profile = chosen.profile;
+  else
+    check_ports(chosen.profile);
+  return chosen;
+}
+
+}  // namespace thermorig::app

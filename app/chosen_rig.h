@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "options.h"
+#include "thermorig/core/profile.h"
+#include "thermorig/simulation/virtual_rig.h"
+
+namespace thermorig::app {
+
+/// The rig that the command line names: its profile, and the simulator's configuration where it is simulated.
+struct ChosenRig {
+  RigProfile profile;
+  std::optional<simulation::VirtualRigConfig> simulated;
+};
+
+/// Profile file, then what the command line changes in it. Throws Error(bad_usage) for words that contradict
+/// each other or do not name every port.
+ChosenRig chosen_rig(const RigOptions& options, const std::string& environment);
+
+/// A simulated rig with one of the servos "winch", "180", "270", "continuous" and one of the cameras "half",
+/// "full".
+simulation::VirtualRigConfig simulated_rig(std::uint64_t seed, const std::string& environment,
+                                           const std::optional<std::string>& servo,
+                                           const std::optional<std::string>& camera);
+
+}  // namespace thermorig::app

@@ -1,0 +1,161 @@
+// SPDX-License-Identifier: MIT
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+
+#include "commands.h"
+#include "output.h"
+#include "profile_path.h"
+#include "thermorig/io/port.h"
+#include "thermorig/rig/detect.h"
+#include "thermorig/rig/profile_file.h"
+
+namespace thermorig::app {
+
+namespace {
+
+using rig::PortFinding;
+
+/// The ports that were named, described as far as the system knows them; without names all that it lists.
+std::vector<io::PortInfo> ports_to_hear(const std::vector<std::string>& named) {
+  const std::vector<io::PortInfo> listed = io::list_ports();
+  if (named.empty()) return listed;
+  std::vector<io::PortInfo> ports;
+  for (const std::string& name : named) {
+    const std::string path = io::resolve_port(name);
+    const auto known =
+        std::find_if(listed.begin(), listed.end(), [&](const auto& port) { return port.path == path; });
+    ports.push_back(known == listed.end() ? io::PortInfo{.path = path} : *known);
+  }
+  return ports;
+}
+
+std::string role_text(const PortFinding& finding) {
+  if (finding.role) return std::string(name_of(*finding.role));
+  return finding.problem.empty() ? "unknown" : "closed";
+}
+
+std::string health_text(const PortFinding& finding) {
+  if (!finding.problem.empty()) return "-";
+  if (!finding.role) return "-";
+  if (finding.rate_hz <= 0) return "answers";
+  return fmt::format("{:.1f} /s", finding.rate_hz);
+}
+
+std::string speed_text(const PortFinding& finding) {
+  return finding.role && finding.baud > 0 ? std::to_string(finding.baud) : "-";
+}
+
+std::string table_text(const std::vector<PortFinding>& findings) {
+  Table table({"role", "port", "usb", "baud", "health", "how known"});
+  for (const PortFinding& finding : findings) {
+    const std::string& usb = finding.info.usb_path;
+    table.add({role_text(finding), finding.info.path, usb.empty() ? "-" : usb, speed_text(finding),
+               health_text(finding), printable(finding.problem.empty() ? finding.how : finding.problem)});
+  }
+  return table.text();
+}
+
+nlohmann::json json_of(const PortFinding& finding) {
+  nlohmann::json object{{"port", finding.info.path},         {"description", finding.info.description},
+                        {"usb_path", finding.info.usb_path}, {"usb_id", finding.info.usb_id},
+                        {"serial", finding.info.serial},     {"baud", finding.baud},
+                        {"rate_hz", finding.rate_hz},        {"how", finding.how},
+                        {"problem", finding.problem}};
+  object["role"] = finding.role ? nlohmann::json(name_of(*finding.role)) : nlohmann::json();
+  if (finding.role == Device::gyro)
+    object["gyro_protocol"] = finding.gyro_protocol == GyroProtocol::text ? "text" : "witmotion";
+  return object;
+}
+
+/// An existing profile keeps everything but the ports: people edit these files.
+RigProfile profile_to_save(const std::filesystem::path& path, const std::vector<PortFinding>& findings,
+                           std::vector<std::string>& ambiguous) {
+  RigProfile profile;
+  profile.name = path.stem().string();
+  if (std::filesystem::exists(path)) profile = rig::read_profile(path);
+  return rig::apply_findings(profile, findings, ambiguous);
+}
+
+void save(const std::filesystem::path& path, const RigProfile& profile) {
+  std::error_code ignored;  // write_profile says what is wrong
+  if (path.has_parent_path()) std::filesystem::create_directories(path.parent_path(), ignored);
+  rig::write_profile(path, profile);
+}
+
+std::vector<std::string> missing_roles(const std::vector<PortFinding>& findings) {
+  std::vector<std::string> missing;
+  for (Device device : all_devices)
+    if (std::none_of(findings.begin(), findings.end(),
+                     [&](const auto& finding) { return finding.role == device; }))
+      missing.emplace_back(name_of(device));
+  return missing;
+}
+
+std::string joined(const std::vector<std::string>& words) {
+  std::string text;
+  for (const std::string& word : words) text += (text.empty() ? "" : ", ") + word;
+  return text;
+}
+
+/// What to type next, for copy and paste.
+std::string next_command(const PortsOptions& options, const RigProfile& profile, bool whole) {
+  if (!options.save.empty()) return "thermorig record --environment kitchen --rig " + options.save;
+  if (!whole) return "";
+  return fmt::format(
+      "thermorig record --environment kitchen --camera {} --gyro {} --servo {}\nsave  thermorig ports --save "
+      "bench",
+      profile.camera.link.port, profile.gyro.link.port, profile.servo.link.port);
+}
+
+void print_text(const PortsOptions& options, const std::vector<PortFinding>& findings,
+                const RigProfile& profile, const std::vector<std::string>& ambiguous) {
+  fmt::print("{}", table_text(findings));
+  for (const std::string& sentence : ambiguous) fmt::print("\nnote  {}\n", printable(sentence));
+  const std::vector<std::string> missing = missing_roles(findings);
+  if (!missing.empty()) fmt::print("\nmissing  {}\n", joined(missing));
+  if (!options.save.empty()) fmt::print("\nsaved {}\n", profile_path(options.save).string());
+  const std::string next = next_command(options, profile, missing.empty() && ambiguous.empty());
+  if (!next.empty()) fmt::print("{}next  {}\n", options.save.empty() ? "\n" : "", next);
+}
+
+void print_result_json(const PortsOptions& options, const std::vector<PortFinding>& findings,
+                       const std::vector<std::string>& ambiguous) {
+  nlohmann::json ports = nlohmann::json::array();
+  for (const PortFinding& finding : findings) ports.push_back(json_of(finding));
+  nlohmann::json object{{"ports", ports}, {"missing", missing_roles(findings)}, {"ambiguous", ambiguous}};
+  object["saved"] =
+      options.save.empty() ? nlohmann::json() : nlohmann::json(profile_path(options.save).string());
+  print_json(object);
+}
+
+}  // namespace
+
+ExitCode run(const PortsOptions& options) {
+  const std::vector<io::PortInfo> ports = ports_to_hear(options.extra);
+  if (ports.empty())
+    throw Error(ExitCode::device_missing, "this machine has no serial port", "",
+                "plug the devices in; without hardware: thermorig simulate");
+  if (!options.json) {
+    fmt::print("listening to {} port{} for up to 6 s ...\n\n", ports.size(), ports.size() == 1 ? "" : "s");
+    std::fflush(stdout);
+  }
+  std::vector<PortFinding> findings = rig::identify_devices(ports);
+  const auto role_first = [](const PortFinding& finding) {
+    return finding.role ? index_of(*finding.role) : device_count;
+  };
+  std::stable_sort(findings.begin(), findings.end(),
+                   [&](const auto& a, const auto& b) { return role_first(a) < role_first(b); });
+  std::vector<std::string> ambiguous;
+  const auto file = options.save.empty() ? std::filesystem::path() : profile_path(options.save);
+  const RigProfile profile = profile_to_save(file, findings, ambiguous);
+  if (!file.empty()) save(file, profile);
+  if (options.json)
+    print_result_json(options, findings, ambiguous);
+  else
+    print_text(options, findings, profile, ambiguous);
+  return missing_roles(findings).empty() ? ExitCode::ok : ExitCode::device_missing;
+}
+
+}  // namespace thermorig::app

@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: MIT
+#include "profile_path.h"
+
+#include <cstdlib>
+
+#include "thermorig/core/error.h"
+
+namespace thermorig::app {
+
+namespace {
+
+std::string environment_value(const char* name) {
+  const char* value = std::getenv(name);
+  return value == nullptr ? "" : value;
+}
+
+std::filesystem::path settings_folder() {
+  const std::string settings = environment_value("XDG_CONFIG_HOME");
+  if (!settings.empty()) return std::filesystem::path(settings) / "thermorig";
+  const std::string home = environment_value("HOME");
+  if (!home.empty()) return std::filesystem::path(home) / ".config" / "thermorig";
+  throw Error(ExitCode::bad_usage, "neither XDG_CONFIG_HOME nor HOME says where profiles lie", "",
+              "a file name, e.g. --rig ./bench.toml");
+}
+
+}  // namespace
+
+std::filesystem::path profile_path(const std::string& name) {
+  if (name.find('/') != std::string::npos || name.ends_with(".toml")) return name;
+  return settings_folder() / (name + ".toml");
+}
+
+}  // namespace thermorig::app

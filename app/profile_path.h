@@ -1,0 +1,13 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+namespace thermorig::app {
+
+/// Where a profile lies: a name that holds a '/' or ends in ".toml" is a file; any other, such as "bench", is
+/// `$XDG_CONFIG_HOME/thermorig/bench.toml` (`~/.config/...` if that is not set).
+std::filesystem::path profile_path(const std::string& name);
+
+}  // namespace thermorig::app

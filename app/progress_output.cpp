@@ -1,0 +1,182 @@
+// SPDX-License-Identifier: MIT
+#include "progress_output.h"
+
+#include <fmt/format.h>
+#include <sys/ioctl.h>
+
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "output.h"
+#include "thermorig/io/port.h"
+
+namespace thermorig::app {
+
+namespace {
+
+using rig::DeviceHealth;
+using rig::RecordingProgress;
+using rig::SweepProgress;
+
+std::string device_line(Device device, const DeviceHealth& health) {
+  if (!health.age_s) return fmt::format("{:<7} nothing yet", name_of(device));
+  return fmt::format("{:<7} {:<16} age {:>7}  lost {}  bad {}", name_of(device),
+                     rate_range_text(health.rate_min_hz, health.rate_max_hz), gap_text(*health.age_s),
+                     count_text(health.lost), count_text(health.bad));
+}
+
+std::string bar(double share) {
+  constexpr int width = 20;
+  const int full = std::clamp(static_cast<int>(share * width), 0, width);
+  return "[" + std::string(full, '#') + std::string(width - full, '.') + "]";
+}
+
+std::string leg_text(const SweepProgress& sweep) {
+  if (sweep.leg == 0) return name_of(sweep.phase);
+  std::string text = fmt::format("leg {} of {}, {}", sweep.leg, sweep.leg_count, speed_text(sweep.rate_dps));
+  if (sweep.phase == rig::SweepPhase::leg)
+    text +=
+        fmt::format(", frame {} of {}", std::min(sweep.frames, sweep.frames_per_leg), sweep.frames_per_leg);
+  else
+    text += ", " + name_of(sweep.phase);
+  return sweep.repeated > 0 ? text + fmt::format(", {} repeated", sweep.repeated) : text;
+}
+
+std::string left_text(const SweepProgress& sweep) {
+  return fmt::format("{:.0f} %, {} left", std::floor(100 * sweep.done_share), duration_text(sweep.eta_s));
+}
+
+std::size_t terminal_width() {
+  winsize size{};
+  const bool known = ioctl(fileno(stdout), TIOCGWINSZ, &size) == 0 && size.ws_col > 0;
+  return known ? size.ws_col : 80;
+}
+
+class TerminalOutput : public ProgressOutput {
+ public:
+  ~TerminalOutput() override { erase(); }
+  TerminalOutput() : ProgressOutput(0.25) {}
+  TerminalOutput(const TerminalOutput&) = delete;
+  TerminalOutput& operator=(const TerminalOutput&) = delete;
+
+  void note(const std::string& sentence) override {
+    erase();
+    fmt::print("{}\n", printable(sentence));
+    std::fflush(stdout);
+  }
+
+ private:
+  void draw(const RecordingProgress& progress) override {
+    erase();
+    const std::vector<std::string> lines = status_lines(progress);
+    const std::size_t width = terminal_width() - 1;  // a full line would wrap
+    for (const std::string& line : lines) fmt::print("{}\n", line.substr(0, width));
+    drawn_ = lines.size();
+    std::fflush(stdout);
+  }
+
+  /// Up over what was drawn, and clear to the end of the screen.
+  void erase() {
+    if (drawn_ > 0) fmt::print("\x1b[{}A\x1b[J", drawn_);
+    drawn_ = 0;
+    std::fflush(stdout);
+  }
+
+  std::size_t drawn_ = 0;
+};
+
+class PlainOutput : public ProgressOutput {
+ public:
+  PlainOutput() : ProgressOutput(10.0) {}
+
+  void note(const std::string& sentence) override {
+    fmt::print("{}\n", printable(sentence));
+    std::fflush(stdout);
+  }
+
+ private:
+  void draw(const RecordingProgress& progress) override { note(line(progress)); }
+
+  static std::string line(const RecordingProgress& progress) {
+    std::string text = fmt::format("{:>8}  {}, {}", duration_text(progress.elapsed_s),
+                                   leg_text(progress.sweep), left_text(progress.sweep));
+    for (Device device : all_devices) {
+      const DeviceHealth& health = progress.health[device];
+      text += fmt::format("; {} {} lost {} bad {}", name_of(device),
+                          rate_range_text(health.rate_min_hz, health.rate_max_hz), count_text(health.lost),
+                          count_text(health.bad));
+    }
+    return text;
+  }
+};
+
+nlohmann::json json_of(const DeviceHealth& health) {
+  nlohmann::json object{{"messages", health.messages},
+                        {"lost", health.lost},
+                        {"bad", health.bad},
+                        {"skipped_bytes", health.skipped_bytes},
+                        {"rate_min_hz", health.rate_min_hz},
+                        {"rate_max_hz", health.rate_max_hz}};
+  object["age_s"] = health.age_s ? nlohmann::json(*health.age_s) : nlohmann::json();
+  return object;
+}
+
+nlohmann::json json_of(const RecordingProgress& progress) {
+  const SweepProgress& sweep = progress.sweep;
+  nlohmann::json object{{"event", "progress"},
+                        {"elapsed_s", progress.elapsed_s},
+                        {"phase", name_of(sweep.phase)},
+                        {"leg", sweep.leg},
+                        {"leg_count", sweep.leg_count},
+                        {"rate_dps", sweep.rate_dps},
+                        {"frames", sweep.frames},
+                        {"frames_per_leg", sweep.frames_per_leg},
+                        {"done_share", sweep.done_share},
+                        {"eta_s", sweep.eta_s},
+                        {"repeated", sweep.repeated}};
+  for (Device device : all_devices)
+    object["devices"][std::string(name_of(device))] = json_of(progress.health[device]);
+  return object;
+}
+
+class JsonOutput : public ProgressOutput {
+ public:
+  JsonOutput() : ProgressOutput(1.0) {}
+
+  void note(const std::string& sentence) override { print_json({{"event", "note"}, {"message", sentence}}); }
+
+ private:
+  void draw(const RecordingProgress& progress) override { print_json(json_of(progress)); }
+};
+
+bool worth_telling(const RecordingEvent& event) {
+  return event.kind != EventKind::leg_start && event.kind != EventKind::leg_end;
+}
+
+}  // namespace
+
+void ProgressOutput::show(const RecordingProgress& progress) {
+  for (const RecordingEvent& event : progress.events)
+    if (worth_telling(event)) note(event.message);
+  const HostTime now = io::now();
+  if (drawn_ && now - *drawn_ < period_) return;
+  drawn_ = now;
+  draw(progress);
+}
+
+std::vector<std::string> status_lines(const RecordingProgress& progress) {
+  std::vector<std::string> lines;
+  for (Device device : all_devices) lines.push_back(device_line(device, progress.health[device]));
+  lines.push_back(bar(progress.sweep.done_share) + " " + left_text(progress.sweep) + "  " +
+                  leg_text(progress.sweep));
+  return lines;
+}
+
+std::unique_ptr<ProgressOutput> make_progress_output(bool json) {
+  if (json) return std::make_unique<JsonOutput>();
+  if (escapes_allowed(stdout)) return std::make_unique<TerminalOutput>();
+  return std::make_unique<PlainOutput>();
+}
+
+}  // namespace thermorig::app

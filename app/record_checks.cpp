@@ -1,0 +1,172 @@
+// SPDX-License-Identifier: MIT
+#include "record_checks.h"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <filesystem>
+#include <nlohmann/json.hpp>
+
+#include "output.h"
+#include "thermorig/io/port.h"
+#include "thermorig/timing/link_timing.h"
+#include "thermorig/wire/device_bytes.h"
+#include "thermorig/wire/servo_messages.h"
+
+namespace thermorig::app {
+
+namespace {
+
+/// Telemetry messages of the servo link a second, and the most that one takes on the wire.
+constexpr double telemetry_rate_hz = 1000.0 / SERVO_TELEMETRY_PERIOD_MS;
+constexpr std::uint64_t telemetry_bytes = SERVO_TELEMETRY_SIZE + 6;  // type, sequence, CRC, two flags
+
+struct Load {
+  std::uint64_t bytes = 0;  // of one message
+  double rate_hz = 0;
+  double bytes_per_s() const { return static_cast<double>(bytes) * rate_hz; }
+};
+
+PerDevice<Load> loads(const RigProfile& profile) {
+  PerDevice<Load> load;
+  load[Device::camera] = {wire::camera_frame_bytes, profile.camera.output_rate_hz};
+  load[Device::gyro] = {wire::witmotion_packet_bytes, profile.gyro.output_rate_hz};
+  load[Device::servo] = {telemetry_bytes, telemetry_rate_hz};
+  return load;
+}
+
+Check check_link(Device device, const RigProfile& profile) {
+  const Load load = loads(profile)[device];
+  const std::uint32_t baud = profile.link(device).baud;
+  Check check{.name = std::string(name_of(device)) + " link"};
+  if (baud == 0) {
+    check.result = "USB, no baud rate";
+    return check;
+  }
+  const timing::LinkBudget budget = timing::link_budget(load.bytes, load.rate_hz, baud);
+  check.result = fmt::format("{} B x {:.0f} /s x 10 bit = {} bit/s of {} ({:.0f} %)", load.bytes,
+                             load.rate_hz, count_text(static_cast<std::uint64_t>(load.bytes_per_s() * 10)),
+                             count_text(baud), 100 * budget.load);
+  if (!budget.fits()) check.code = ExitCode::bad_usage;
+  return check;
+}
+
+Check check_port(Device device, const RigProfile& profile) {
+  Check check{.name = std::string(name_of(device)) + " port"};
+  try {
+    check.result = io::resolve_port(profile.link(device).port);
+  } catch (const Error& error) {
+    check.code = error.code();
+    check.result = error.where() + ": " + error.what_happened();
+    check.advice = error.advice();
+  }
+  return check;
+}
+
+Check check_plan(const ChosenRig& rig, const rig::SweepPlan& plan) {
+  Check check{.name = "plan"};
+  try {
+    rig::check_plan(plan, rig.profile.servo, rig.profile.camera);
+    check.result = "every speed and every leg is within the servo's limits";
+  } catch (const Error& error) {
+    check.code = error.code();
+    check.result = error.what_happened();
+    check.advice = error.advice();
+  }
+  return check;
+}
+
+/// The nearest folder that is there: the rest would be made.
+std::filesystem::path existing_part(std::filesystem::path folder) {
+  std::error_code ignored;
+  folder = std::filesystem::absolute(folder, ignored);
+  while (!std::filesystem::exists(folder, ignored) && folder.has_relative_path())
+    folder = folder.parent_path();
+  return folder;
+}
+
+Check check_output(const RecordOptions& options, const RigProfile& profile, double duration_s) {
+  Check check{.name = "output"};
+  double bytes = 0;
+  for (Device device : all_devices) bytes += loads(profile)[device].bytes_per_s() * duration_s;
+  const auto needed = static_cast<std::uint64_t>(2 * bytes);  // the journal, and the session made of it
+  const std::filesystem::path folder = existing_part(options.output);
+  std::error_code error;
+  const std::uintmax_t free = std::filesystem::space(folder, error).available;
+  check.result = fmt::format("{}: about {} needed, {} free", options.output.string(), bytes_text(needed),
+                             error ? "unknown" : bytes_text(free));
+  if (std::filesystem::is_directory(folder) && access(folder.c_str(), W_OK) == 0 && (error || free > needed))
+    return check;
+  check.code = ExitCode::storage;
+  check.result += "; it cannot be written";
+  check.advice = "--output with another folder";
+  return check;
+}
+
+void print_legs(const rig::SweepPlan& plan, const ChosenRig& rig) {
+  Table table({"leg", "deg/s", "frames", "time"});
+  const double rate_hz = rig.profile.camera.output_rate_hz;
+  for (std::size_t i = 0; i < plan.leg_rates_dps.size(); ++i)
+    table.add({std::to_string(i + 1), fmt::format("{:+.1f}", plan.leg_rates_dps[i]),
+               std::to_string(plan.frames_per_leg), duration_text(plan.frames_per_leg / rate_hz)});
+  fmt::print("{}", table.text("  "));
+}
+
+void print_checks(const std::vector<Check>& checks) {
+  Table table({"check", "", ""});
+  for (const Check& check : checks)
+    table.add({check.name, check.code == ExitCode::ok ? "ok" : "NOT OK", printable(check.result)});
+  fmt::print("\n{}", table.text());
+}
+
+nlohmann::json json_of(const rig::SweepPlan& plan, double duration_s, const std::vector<Check>& checks) {
+  nlohmann::json list = nlohmann::json::array();
+  for (const Check& check : checks)
+    list.push_back({{"name", check.name},
+                    {"ok", check.code == ExitCode::ok},
+                    {"exit_code", static_cast<int>(check.code)},
+                    {"result", check.result},
+                    {"advice", check.advice}});
+  return {{"event", "summary"},
+          {"dry_run", true},
+          {"plan", plan.name},
+          {"legs_dps", plan.leg_rates_dps},
+          {"frames_per_leg", plan.frames_per_leg},
+          {"opening_rest_s", plan.opening_rest_s},
+          {"closing_rest_s", plan.closing_rest_s},
+          {"duration_s", duration_s},
+          {"checks", list}};
+}
+
+}  // namespace
+
+std::vector<Check> checks_before(const RecordOptions& options, const ChosenRig& rig,
+                                 const rig::SweepPlan& plan) {
+  std::vector<Check> checks{check_plan(rig, plan)};
+  for (Device device : all_devices) checks.push_back(check_link(device, rig.profile));
+  if (!rig.simulated)
+    for (Device device : all_devices) checks.push_back(check_port(device, rig.profile));
+  const double duration_s = rig::plan_duration_s(plan, rig.profile.servo, rig.profile.camera.output_rate_hz);
+  checks.push_back(check_output(options, rig.profile, duration_s));
+  return checks;
+}
+
+ExitCode print_dry_run(const RecordOptions& options, const ChosenRig& rig, const rig::SweepPlan& plan) {
+  const std::vector<Check> checks = checks_before(options, rig, plan);
+  const double duration_s = rig::plan_duration_s(plan, rig.profile.servo, rig.profile.camera.output_rate_hz);
+  if (options.json) {
+    print_json(json_of(plan, duration_s, checks));
+  } else {
+    fmt::print("plan {}: {} legs of {} frames, rests of {} and {}, about {}\n\n", plan.name,
+               plan.leg_rates_dps.size(), plan.frames_per_leg, duration_text(plan.opening_rest_s),
+               duration_text(plan.closing_rest_s), duration_text(duration_s));
+    print_legs(plan, rig);
+    print_checks(checks);
+  }
+  for (const Check& check : checks)
+    if (check.code != ExitCode::ok) return check.code;
+  if (!options.json) fmt::print("\nnothing has moved; the same command without --dry-run records\n");
+  return ExitCode::ok;
+}
+
+}  // namespace thermorig::app

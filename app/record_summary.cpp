@@ -1,0 +1,120 @@
+// SPDX-License-Identifier: MIT
+#include "record_summary.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+
+#include "inspect_text.h"
+#include "output.h"
+
+namespace thermorig::app {
+
+namespace {
+
+using rig::RecordingResult;
+
+double worst_gap_s(const session::Quality& quality) {
+  double gap_s = 0;
+  for (Device device : all_devices) gap_s = std::max(gap_s, quality.stream[device].gap_max_s);
+  return gap_s;
+}
+
+std::string gaps_text(const session::Quality& quality) {
+  std::string text;
+  for (Device device : all_devices)
+    text += fmt::format("{}{} {}", text.empty() ? "" : ", ", name_of(device),
+                        gap_text(quality.stream[device].gap_max_s));
+  return text;
+}
+
+std::string lost_text(const session::Quality& quality) {
+  std::string text;
+  for (Device device : all_devices) {
+    const auto& stream = quality.stream[device];
+    text += fmt::format("{}{} {} lost {} bad", text.empty() ? "" : ", ", name_of(device),
+                        count_text(stream.lost), count_text(stream.bad));
+  }
+  return text;
+}
+
+std::string next_command(const RecordingResult& result) {
+  return result.session.empty() ? "thermorig recover " + result.journal.string()
+                                : "thermorig inspect " + result.session.string();
+}
+
+std::string journal_text(const RecordingResult& result) {
+  return result.session.empty() ? "left as it is: " + result.journal.string()
+                                : "finalised, its bytes are in the session";
+}
+
+void print_figures(const RecordSummary& summary) {
+  const RecordingResult& result = summary.result;
+  const session::Quality& quality = result.quality;
+  fmt::print("frames   {} of {} in legs are valid ({}); {} in all\n", count_text(quality.valid),
+             count_text(quality.swept), share_text(quality.valid, quality.swept), count_text(quality.frames));
+  const ShortSpeeds wanting = short_speeds(quality, summary.frames_per_leg);
+  fmt::print(
+      "speeds   {} driven, {}\n", quality.speeds.size(),
+      wanting.count == 0 ? "none short of frames" : fmt::format("{} short: {}", wanting.count, wanting.text));
+  fmt::print("streams  {}\n", lost_text(quality));
+  fmt::print("gaps     longest: {}\n", gaps_text(quality));
+  std::string verdict = quality.verdict;
+  for (const std::string& reason : quality.verdict_reasons) verdict += "; " + reason;
+  fmt::print("verdict  {}\n", verdict);
+}
+
+nlohmann::json json_of(const RecordSummary& summary) {
+  const RecordingResult& result = summary.result;
+  const session::Quality& quality = result.quality;
+  nlohmann::json object{{"event", "summary"},
+                        {"exit_code", static_cast<int>(result.exit)},
+                        {"message", result.message},
+                        {"advice", result.advice},
+                        {"acquisition", result.acquisition},
+                        {"session", result.session.string()},
+                        {"journal", result.journal.string()},
+                        {"duration_s", result.duration_s},
+                        {"wall_s", summary.wall_s},
+                        {"frames", quality.frames},
+                        {"frames_swept", quality.swept},
+                        {"frames_valid", quality.valid},
+                        {"speeds", quality.speeds.size()},
+                        {"speeds_short", short_speeds(quality, summary.frames_per_leg).count},
+                        {"worst_gap_s", worst_gap_s(quality)},
+                        {"verdict", quality.verdict},
+                        {"verdict_reasons", quality.verdict_reasons},
+                        {"next", next_command(result)}};
+  object["recorder_cpu_share"] = summary.cpu_share ? nlohmann::json(*summary.cpu_share) : nlohmann::json();
+  return object;
+}
+
+void print_text(const RecordSummary& summary) {
+  const RecordingResult& result = summary.result;
+  if (!result.session.empty()) {
+    fmt::print("\nsession  {}\n", result.session.string());
+    print_figures(summary);
+  }
+  fmt::print("journal  {}\n", journal_text(result));
+  if (summary.cpu_share)
+    fmt::print("recorder {} on the clock, {:.2f} % of one core\n", duration_text(result.duration_s),
+               100 * *summary.cpu_share);
+  else
+    fmt::print("recorder {} of virtual time in {}\n", duration_text(result.duration_s),
+               duration_text(summary.wall_s));
+  if (!result.message.empty()) fmt::print("note     {}\n", printable(result.message));
+  if (!result.advice.empty()) fmt::print("try      {}\n", printable(result.advice));
+  fmt::print("\nnext  {}\n", next_command(result));
+}
+
+}  // namespace
+
+void print_summary(const RecordSummary& summary, bool json) {
+  if (json)
+    print_json(json_of(summary));
+  else
+    print_text(summary);
+}
+
+}  // namespace thermorig::app

@@ -1,0 +1,94 @@
+// SPDX-License-Identifier: MIT
+#include <fmt/format.h>
+
+#include <nlohmann/json.hpp>
+
+#include "commands.h"
+#include "output.h"
+#include "thermorig/rig/finalise.h"
+
+namespace thermorig::app {
+
+namespace {
+
+using rig::RecoveryKind;
+using rig::RecoveryResult;
+
+std::string name_of(RecoveryKind kind) {
+  switch (kind) {
+    case RecoveryKind::made:
+      return "recovered";
+    case RecoveryKind::already_there:
+      return "already there";
+    case RecoveryKind::in_use:
+      return "in use";
+    case RecoveryKind::failed:
+      break;
+  }
+  return "failed";
+}
+
+ExitCode code_of(const RecoveryResult& result) {
+  if (result.kind == RecoveryKind::failed) return ExitCode::not_a_session;
+  if (result.kind == RecoveryKind::in_use) return ExitCode::no_permission;
+  return result.bytes_ignored > 0 ? ExitCode::finished_lossy : ExitCode::ok;
+}
+
+std::string text_of(const RecoveryResult& result) {
+  if (result.session.empty())
+    return fmt::format("{:<14} {}\n               {}\n", name_of(result.kind), result.source.string(),
+                       printable(result.message));
+  const std::string loss =
+      result.bytes_ignored > 0
+          ? fmt::format("{} at the torn end could not be read and are lost; the journal is kept",
+                        bytes_text(result.bytes_ignored))
+          : "nothing was lost";
+  return fmt::format("{:<14} {}\n               {} frames, {} valid, from {} chunks; {}\n",
+                     name_of(result.kind), result.session.string(), count_text(result.frames),
+                     count_text(result.valid), count_text(result.chunks), loss);
+}
+
+nlohmann::json json_of(const RecoveryResult& result) {
+  return {{"result", name_of(result.kind)},
+          {"source", result.source.string()},
+          {"session", result.session.string()},
+          {"frames", result.frames},
+          {"frames_valid", result.valid},
+          {"chunks", result.chunks},
+          {"bytes_lost", result.bytes_ignored},
+          {"message", result.message},
+          {"exit_code", static_cast<int>(code_of(result))}};
+}
+
+/// The worst of all: a failure before a recording in progress before a loss.
+ExitCode code_of(const std::vector<RecoveryResult>& results) {
+  ExitCode worst = ExitCode::ok;
+  for (const RecoveryResult& result : results) worst = std::max(worst, code_of(result));
+  return worst;
+}
+
+void print_text(const std::filesystem::path& path, const std::vector<RecoveryResult>& results) {
+  if (results.empty()) fmt::print("nothing to recover in {}: no journal is left there\n", path.string());
+  for (const RecoveryResult& result : results) fmt::print("{}", text_of(result));
+  for (const RecoveryResult& result : results) {
+    if (result.session.empty()) continue;
+    fmt::print("\nnext  thermorig inspect {}\n", result.session.string());
+    break;
+  }
+}
+
+}  // namespace
+
+ExitCode run(const RecoverOptions& options) {
+  const std::vector<RecoveryResult> results = rig::recover(options.path);
+  if (options.json) {
+    nlohmann::json list = nlohmann::json::array();
+    for (const RecoveryResult& result : results) list.push_back(json_of(result));
+    print_json(list);
+  } else {
+    print_text(options.path, results);
+  }
+  return code_of(results);
+}
+
+}  // namespace thermorig::app
