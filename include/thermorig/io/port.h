@@ -32,10 +32,13 @@ struct PortInfo {
 };
 std::vector<PortInfo> list_ports();
 
-/// Resolves links (by-id, by-path). Throws Error(device_missing) if there is no such port.
+/// The device file behind a port's name: links (by-id, by-path) are followed, "ttyUSB0" stands for
+/// "/dev/ttyUSB0". Throws Error(device_missing), which lists the ports that exist, if there is no such port.
 std::string resolve_port(const std::string& port);
 
-/// A loop on one thread: ports are read, timers fire, signals arrive. Everything runs in run().
+/// A loop on one thread: ports are read, the timer ticks, signals arrive. Every handler is called inside
+/// run() and may call any member. An exception that a handler throws leaves run(), which may then be called
+/// again.
 class Loop {
  public:
   Loop();
@@ -45,24 +48,29 @@ class Loop {
   using PortId = std::size_t;
   struct PortHandlers {
     std::function<void(std::span<const std::uint8_t>, HostTime)> received;  // time taken right after read()
-    std::function<void(const std::string& why)> lost;  // unplugged or failed; called once
+    std::function<void(const std::string& why)> lost;  // unplugged or failed; called once, the last call
   };
 
-  /// Opens a port exclusively (TIOCEXCL and flock), raw 8N1 at link.baud; a pty keeps its own settings.
-  /// Throws Error: device_missing (no such port), no_permission (not allowed, or in use and by whom).
+  /// Opens a port exclusively (flock; real ports TIOCEXCL as well), raw 8N1 at link.baud, which a pty
+  /// ignores. Bytes that arrived before are thrown away. Throws Error: device_missing (no such port, not a
+  /// serial port, baud refused), no_permission (not allowed, or in use and by whom).
   PortId open(const PortProfile& link, PortHandlers handlers);
 
   /// Queues bytes; they are written in order. Writing to a lost port does nothing.
   void write(PortId port, std::span<const std::uint8_t> bytes);
+
+  /// Closes a port: none of its handlers is called any more, bytes still queued are dropped.
   void close(PortId port);
 
-  /// Calls `tick` every `period` until it is replaced or the loop stops.
+  /// Calls `tick` every `period` until it is replaced. Ticks that are missed are left out, not made up for.
   void every(HostDuration period, std::function<void(HostTime)> tick);
 
   /// SIGINT, SIGTERM and SIGHUP call `handler` inside run() instead of ending the program.
   void on_signal(std::function<void(int signal)> handler);
 
+  /// Runs until stop().
   void run();
+  /// May be called from handlers and from other threads. A stop before run() makes run() return at once.
   void stop();
 
  private:
@@ -70,24 +78,30 @@ class Loop {
   std::unique_ptr<Impl> impl_;
 };
 
-/// A pseudo terminal that a program can open as a port; this side plays the device.
+/// A pseudo terminal that a program can open as a port; this side plays the device. As long as no program has
+/// it open, bytes written to it are lost, as those of a device on a port that nobody reads.
 class Pty {
  public:
+  /// Throws Error(failed) when the system has no pseudo terminals left.
   Pty();
   ~Pty();
   Pty(Pty&&) noexcept;
   Pty& operator=(Pty&&) noexcept;
   const std::string& path() const;  // /dev/pts/N
-  int fd() const;                   // the device's side, non-blocking
-  /// Bytes that could be written at once; the rest is dropped by the caller and counted, like an overrun.
+  int fd() const;                   // the device's side, non-blocking; -1 when unplugged
+  /// Whether a program has the port open now.
+  bool is_open();
+  /// How many bytes were written at once (0 while no program has it open); the rest is dropped by the caller
+  /// and counted, like an overrun.
   std::size_t write(std::span<const std::uint8_t> bytes);
+  /// What the program wrote, up to 4096 bytes; empty if nothing waits.
   std::vector<std::uint8_t> read();
   void unplug();  // closes the device's side
 
  private:
   std::string path_;
   int master_ = -1;
-  int slave_ = -1;  // kept open so that the master never sees a hang-up
+  bool was_open_ = false;
 };
 
 }  // namespace thermorig::io

@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <string>
+
+namespace thermorig::io {
+
+/// The name of this machine as the network knows it.
+std::string host_name();
+
+/// Operating system, release and machine, e.g. "Linux 6.1.0-18-amd64 x86_64".
+std::string kernel_release();
+
+/// Processor time that this process has used since it started, all threads, user and system, seconds.
+double process_cpu_s();
+
+/// Processor time that the calling thread has used since it started, user and system, seconds.
+double thread_cpu_s();
+
+/// Whether a file descriptor (0, 1, 2) is a terminal on which a line can be drawn over.
+bool is_terminal(int descriptor);
+
+}  // namespace thermorig::io

@@ -1,0 +1,15 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+// The only place that includes Asio. Boost 1.74's awaitable.hpp uses std::exchange without including
+// <utility>, which g++ 12 no longer brings along: it has to come first.
+#include <utility>
+// Asio is slow to compile: only loop.cpp includes this header.
+#include <boost/asio/awaitable.hpp>
+#include <boost/asio/co_spawn.hpp>
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/posix/stream_descriptor.hpp>
+#include <boost/asio/redirect_error.hpp>
+#include <boost/asio/signal_set.hpp>
+#include <boost/asio/steady_timer.hpp>
+#include <boost/asio/use_awaitable.hpp>

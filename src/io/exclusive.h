@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <string>
+
+namespace thermorig::io {
+
+/// An open file descriptor, closed at the end of its life.
+class Descriptor {
+ public:
+  Descriptor() = default;
+  explicit Descriptor(int fd) : fd_(fd) {}
+  ~Descriptor();
+  Descriptor(Descriptor&& other) noexcept;
+  Descriptor& operator=(Descriptor&& other) noexcept;
+  int get() const { return fd_; }
+  explicit operator bool() const { return fd_ >= 0; }
+  void close();
+
+ private:
+  int fd_ = -1;
+};
+
+/// Opens a terminal device (non-blocking, never the controlling terminal) and takes the lock that every
+/// thermorig takes on its ports. `path` has no links in it.
+/// Throws Error: device_missing (gone, not a terminal, no hardware), no_permission (not allowed, in use).
+Descriptor open_exclusively(const std::string& path);
+
+/// "process 4711 (thermorig)" for a process other than this one that holds `path` open, else "this process"
+/// if this one does, else "another program".
+std::string holder_of(const std::string& path);
+
+}  // namespace thermorig::io

@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: MIT
+#include "thermorig/io/host.h"
+
+#include <sys/utsname.h>
+#include <time.h>
+#include <unistd.h>
+
+namespace thermorig::io {
+
+namespace {
+
+utsname system_names() {
+  utsname names{};
+  uname(&names);
+  return names;
+}
+
+double cpu_s(clockid_t clock) {
+  timespec used{};
+  clock_gettime(clock, &used);
+  return static_cast<double>(used.tv_sec) + static_cast<double>(used.tv_nsec) * 1e-9;
+}
+
+}  // namespace
+
+std::string host_name() {
+  return system_names().nodename;
+}
+
+std::string kernel_release() {
+  const utsname names = system_names();
+  return std::string(names.sysname) + " " + names.release + " " + names.machine;
+}
+
+double process_cpu_s() {
+  return cpu_s(CLOCK_PROCESS_CPUTIME_ID);
+}
+
+double thread_cpu_s() {
+  return cpu_s(CLOCK_THREAD_CPUTIME_ID);
+}
+
+bool is_terminal(int descriptor) {
+  return isatty(descriptor) == 1;
+}
+
+}  // namespace thermorig::io

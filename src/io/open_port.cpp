@@ -1,0 +1,112 @@
+// SPDX-License-Identifier: MIT
+#include "open_port.h"
+
+#include <fmt/format.h>
+#include <libserialport.h>
+#include <linux/serial.h>
+#include <sys/ioctl.h>
+#include <termios.h>
+
+#include <chrono>
+#include <thread>
+
+#include "thermorig/core/error.h"
+#include "thermorig/io/port.h"
+
+namespace thermorig::io {
+
+namespace {
+
+constexpr int ftdi_vendor = 0x0403;
+constexpr std::chrono::milliseconds reset_pulse{50};
+
+std::string last_error_text() {
+  char* text = sp_last_error_message();
+  std::string copy = text == nullptr ? "unknown error" : text;
+  sp_free_error_message(text);
+  return copy;
+}
+
+void require(sp_return result, const std::string& path, const std::string& what) {
+  if (result == SP_OK) return;
+  const std::string reason = result == SP_ERR_ARG ? "not supported" : last_error_text();
+  throw Error(ExitCode::device_missing, fmt::format("{}: {}", what, reason), path,
+              "unplug the device and plug it in again, and check its baud in the profile");
+}
+
+/// Raw bytes, no line discipline's help; a read returns as soon as there is one byte.
+void make_raw(int fd) {
+  termios settings{};
+  if (tcgetattr(fd, &settings) != 0) return;
+  cfmakeraw(&settings);
+  settings.c_cflag |= CLOCAL | CREAD;
+  settings.c_cflag &= ~static_cast<tcflag_t>(HUPCL);  // DTR stays up at close: boards are not reset by it
+  settings.c_cc[VMIN] = 1;                            // libserialport leaves 0, with which a read says "end"
+  settings.c_cc[VTIME] = 0;
+  tcsetattr(fd, TCSANOW, &settings);
+}
+
+/// An FTDI holds a partial packet back for 16 ms unless told otherwise. Best effort: drivers may refuse.
+void ask_low_latency(int fd, const sp_port* port) {
+  int vendor = 0;
+  int product = 0;
+  serial_struct settings{};
+  if (sp_get_port_usb_vid_pid(port, &vendor, &product) != SP_OK || vendor != ftdi_vendor) return;
+  if (ioctl(fd, TIOCGSERIAL, &settings) != 0) return;
+  settings.flags |= ASYNC_LOW_LATENCY;
+  ioctl(fd, TIOCSSERIAL, &settings);
+}
+
+void pulse_dtr(sp_port* port) {
+  sp_set_dtr(port, SP_DTR_OFF);
+  std::this_thread::sleep_for(reset_pulse);
+  sp_set_dtr(port, SP_DTR_ON);
+}
+
+}  // namespace
+
+void OpenPort::ClosePort::operator()(sp_port* port) const {
+  sp_close(port);
+  sp_free_port(port);
+}
+
+OpenPort::OpenPort(const PortProfile& link)
+    : path_(resolve_port(link.port)), descriptor_(open_exclusively(path_)) {
+  sp_port* serial = nullptr;
+  // libserialport knows the ports that have a driver in sysfs; ptys have none.
+  if (sp_get_port_by_name(path_.c_str(), &serial) == SP_OK) {
+    serial_.reset(serial);
+    configure_serial(link);
+  } else {
+    make_raw(fd());
+  }
+  tcflush(fd(), TCIFLUSH);  // what piled up before is older than any session
+}
+
+OpenPort::~OpenPort() {
+  close();
+}
+
+void OpenPort::close() {
+  serial_.reset();
+  descriptor_.close();
+}
+
+void OpenPort::configure_serial(const PortProfile& link) {
+  sp_port* port = serial_.get();
+  require(sp_open(port, SP_MODE_READ_WRITE), path_, "the port cannot be opened");
+  if (link.baud != 0)
+    require(sp_set_baudrate(port, static_cast<int>(link.baud)), path_,
+            fmt::format("{} baud cannot be set", link.baud));
+  require(sp_set_bits(port, 8), path_, "8 data bits cannot be set");
+  require(sp_set_parity(port, SP_PARITY_NONE), path_, "no parity cannot be set");
+  require(sp_set_stopbits(port, 1), path_, "1 stop bit cannot be set");
+  require(sp_set_flowcontrol(port, SP_FLOWCONTROL_NONE), path_, "no flow control cannot be set");
+  make_raw(fd());
+  // Not on ptys: there the mark outlives the last close and would lock out the next program.
+  ioctl(fd(), TIOCEXCL);
+  ask_low_latency(fd(), port);
+  if (link.reset_on_open) pulse_dtr(port);
+}
+
+}  // namespace thermorig::io

@@ -1,0 +1,103 @@
+// SPDX-License-Identifier: MIT
+#include "port_list.h"
+
+#include <fmt/format.h>
+#include <libserialport.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <memory>
+#include <regex>
+
+#include "thermorig/core/error.h"
+#include "thermorig/io/port.h"
+
+namespace thermorig::io {
+
+namespace {
+
+struct FreePortList {
+  void operator()(sp_port** ports) const { sp_free_port_list(ports); }
+};
+
+std::string text_or_empty(const char* text) {
+  return text == nullptr ? std::string() : printable(text);
+}
+
+std::string sysfs_path_of(const std::string& port) {
+  std::error_code error;
+  const auto name = std::filesystem::path(port).filename();
+  const auto device =
+      std::filesystem::canonical(std::filesystem::path("/sys/class/tty") / name / "device", error);
+  return error ? std::string() : device.string();
+}
+
+std::string usb_id_of(const sp_port* port) {
+  int vendor = 0;
+  int product = 0;
+  if (sp_get_port_usb_vid_pid(port, &vendor, &product) != SP_OK) return {};
+  return fmt::format("{:04x}:{:04x}", vendor, product);
+}
+
+PortInfo describe(const sp_port* port) {
+  PortInfo info;
+  info.path = sp_get_port_name(port);
+  info.description = text_or_empty(sp_get_port_description(port));
+  if (sp_get_port_transport(port) != SP_TRANSPORT_USB) return info;
+  info.usb_path = usb_topology(sysfs_path_of(info.path));
+  info.usb_id = usb_id_of(port);
+  info.serial = text_or_empty(sp_get_port_usb_serial(port));
+  return info;
+}
+
+}  // namespace
+
+std::string printable(std::string_view text) {
+  std::string kept;
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    const auto byte = static_cast<unsigned char>(text[i]);
+    // U+0080..U+009F in UTF-8: C2 80..9F. Some terminals take U+009B as the start of an escape sequence.
+    const bool c1 =
+        byte == 0xC2 && i + 1 < text.size() && (static_cast<unsigned char>(text[i + 1]) & 0xE0U) == 0x80;
+    if (c1)
+      ++i;
+    else if (byte >= 0x20 && byte != 0x7F)
+      kept += text[i];
+  }
+  const auto first = kept.find_first_not_of(' ');
+  if (first == std::string::npos) return {};
+  return kept.substr(first, kept.find_last_not_of(' ') - first + 1);
+}
+
+std::string usb_topology(std::string_view sysfs_path) {
+  static const std::regex device_folder("/([0-9]+-[0-9]+(\\.[0-9]+)*)(?=/|$)");
+  std::string last;
+  const std::string path(sysfs_path);
+  for (auto match = std::sregex_iterator(path.begin(), path.end(), device_folder);
+       match != std::sregex_iterator(); ++match)
+    last = (*match)[1];
+  return last;
+}
+
+std::vector<PortInfo> list_ports() {
+  sp_port** listed = nullptr;
+  if (sp_list_ports(&listed) != SP_OK)
+    throw Error(ExitCode::failed, "the serial ports cannot be listed", "/sys/class/tty",
+                "check that /sys is mounted");
+  const std::unique_ptr<sp_port*, FreePortList> owner(listed);
+  std::vector<PortInfo> ports;
+  for (sp_port** port = listed; *port != nullptr; ++port) ports.push_back(describe(*port));
+  std::sort(ports.begin(), ports.end(), [](const auto& a, const auto& b) { return a.path < b.path; });
+  return ports;
+}
+
+std::string existing_ports_text() {
+  std::string text;
+  for (const PortInfo& port : list_ports()) {
+    text += text.empty() ? "the ports that exist are " : ", ";
+    text += port.description.empty() ? port.path : fmt::format("{} ({})", port.path, port.description);
+  }
+  return text.empty() ? "no serial port is connected to this machine; check the USB cable" : text;
+}
+
+}  // namespace thermorig::io

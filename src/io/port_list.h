@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <string>
+#include <string_view>
+
+namespace thermorig::io {
+
+/// Text from a device, fit for a terminal: control characters (of ASCII and C1) left out, blanks trimmed.
+std::string printable(std::string_view text);
+
+/// The USB topology in a sysfs path: ".../usb1/1-4/1-4.2/1-4.2:1.0/ttyUSB0" -> "1-4.2"; empty if there is
+/// none.
+std::string usb_topology(std::string_view sysfs_path);
+
+/// "the ports that exist are /dev/ttyUSB0 (USB2.0-Serial), /dev/ttyACM0 (Arduino Uno)", or that there is
+/// none.
+std::string existing_ports_text();
+
+}  // namespace thermorig::io

@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: MIT
+#include "thermorig/io/host.h"
+
+#include <gtest/gtest.h>
+
+#include <chrono>
+
+#include "../../src/io/port_list.h"
+#include "thermorig/io/port.h"
+
+namespace thermorig::io {
+namespace {
+
+TEST(UtcText, ShowsMicrosecondsOfTheRealTime) {
+  // date -u -d '2026-07-25T14:35:12' +%s
+  const std::int64_t realtime_ns = 1'784'990'112'123'456'789;
+  EXPECT_EQ(utc_text(host_time_ns(1000), realtime_ns - 1000), "2026-07-25T14:35:12.123456Z");
+  EXPECT_EQ(utc_text(host_time_ns(0), -1), "1969-12-31T23:59:59.999999Z");
+}
+
+TEST(Clock, OffsetLeadsFromTheSteadyClockToTheRealTime) {
+  using std::chrono::nanoseconds;
+  const auto real = std::chrono::system_clock::now().time_since_epoch();
+  const nanoseconds ours(to_ns(now()) + realtime_offset_ns());
+  EXPECT_LT(std::chrono::abs(ours - real), std::chrono::seconds(5));
+}
+
+TEST(Host, CountsTheProcessorTimeOfThreadAndProcess) {
+  const double thread_before_s = thread_cpu_s();
+  const double process_before_s = process_cpu_s();
+  while (thread_cpu_s() - thread_before_s < 0.01) {
+  }
+  EXPECT_GE(process_cpu_s() - process_before_s, 0.0099);
+}
+
+TEST(Host, HasANameAndAKernel) {
+  EXPECT_FALSE(host_name().empty());
+  EXPECT_EQ(kernel_release().substr(0, 6), "Linux ");
+}
+
+TEST(Printable, LeavesOutWhatCouldSteerATerminal) {
+  EXPECT_EQ(printable("  USB \x1b[31mSerial\x07\x7f \r\n"), "USB [31mSerial");
+  EXPECT_EQ(printable("a\xC2\x9B"
+                      "2Jb"),
+            "a2Jb");
+  EXPECT_EQ(printable("Gerät"), "Gerät");
+  EXPECT_EQ(printable(" \t "), "");
+}
+
+TEST(UsbTopology, IsTheLastDeviceFolderOfTheSysfsPath) {
+  const std::string root = "/sys/devices/pci0000:00/0000:00:14.0/usb1/";
+  EXPECT_EQ(usb_topology(root + "1-4/1-4.2/1-4.2:1.0/ttyUSB0"), "1-4.2");
+  EXPECT_EQ(usb_topology(root + "1-4/1-4:1.0"), "1-4");
+  EXPECT_EQ(usb_topology(root + "1-10/1-10.3/1-10.3.1/1-10.3.1:1.1"), "1-10.3.1");
+  EXPECT_EQ(usb_topology("/sys/devices/platform/serial8250"), "");
+}
+
+}  // namespace
+}  // namespace thermorig::io

@@ -1,0 +1,250 @@
+// SPDX-License-Identifier: MIT
+#include <gmock/gmock.h>
+#include <poll.h>
+#include <signal.h>
+#include <unistd.h>
+
+#include <stdexcept>
+#include <thread>
+
+#include "one_loop.h"
+#include "thermorig/io/host.h"
+
+namespace thermorig::io {
+namespace {
+
+TEST(Loop, DeliversChunksInOrderWhateverTheirSizes) {
+  Pty device;
+  Loop loop;
+  Collected collected;
+  loop.open(port_at(device.path()), collected.handlers());
+  const Bytes sent = numbered_bytes(40'000);
+  std::size_t offset = 0;
+  std::size_t size = 1;
+  run_until(loop, [&] {
+    const std::size_t length = std::min(size, sent.size() - offset);
+    offset += device.write(std::span(sent).subspan(offset, length));
+    size = size * 7 % 5003;
+    return collected.bytes.size() == sent.size();
+  });
+  EXPECT_EQ(collected.bytes, sent);
+  EXPECT_TRUE(std::is_sorted(collected.times.begin(), collected.times.end()));
+}
+
+TEST(Loop, StampsAChunkBetweenItsWritingAndItsHandling) {
+  Pty device;
+  Loop loop;
+  HostTime arrived{};
+  HostTime handled{};
+  loop.open(port_at(device.path()), {[&](std::span<const std::uint8_t>, HostTime time) {
+                                       arrived = time;
+                                       handled = now();
+                                       loop.stop();
+                                     },
+                                     {}});
+  const HostTime written = now();
+  device.write(Bytes{1, 2, 3});
+  loop.run();
+  EXPECT_LE(written, arrived);
+  EXPECT_LE(arrived, handled);
+}
+
+/// Writes everything, waiting where the terminal has no room, as a device with flow control would.
+void write_all(Pty& device, std::span<const std::uint8_t> bytes) {
+  while (!bytes.empty()) {
+    pollfd room{.fd = device.fd(), .events = POLLOUT, .revents = 0};
+    poll(&room, 1, 100);
+    bytes = bytes.subspan(device.write(bytes));
+  }
+}
+
+TEST(Loop, LosesNothingOfABurstWhileTheHandlerIsSlow) {
+  Pty device;
+  Loop loop;
+  const Bytes sent = numbered_bytes(500'000);
+  Bytes received;
+  loop.open(port_at(device.path()), {[&](std::span<const std::uint8_t> chunk, HostTime) {
+                                       received.insert(received.end(), chunk.begin(), chunk.end());
+                                       std::this_thread::sleep_for(std::chrono::microseconds(500));
+                                       if (received.size() >= sent.size()) loop.stop();
+                                     },
+                                     {}});
+  std::thread writer([&] { write_all(device, sent); });
+  loop.run();
+  writer.join();
+  EXPECT_EQ(received, sent);
+}
+
+TEST(Loop, WritesInOrderEvenMoreThanTheSystemTakesAtOnce) {
+  Pty device;
+  Loop loop;
+  Collected collected;
+  const auto port = loop.open(port_at(device.path()), collected.handlers());
+  const Bytes sent = numbered_bytes(100'000);
+  for (std::size_t begin = 0; begin < sent.size(); begin += 1000)
+    loop.write(port, std::span(sent).subspan(begin, 1000));
+  Bytes received;
+  run_until(loop, [&] {
+    const Bytes some = device.read();
+    received.insert(received.end(), some.begin(), some.end());
+    return received.size() == sent.size();
+  });
+  EXPECT_EQ(received, sent);
+}
+
+TEST(Loop, ThrowsAwayWhatCameBeforeThePortWasOpened) {
+  Pty device;
+  {
+    Loop earlier;
+    Collected ignored;
+    earlier.open(port_at(device.path()), ignored.handlers());
+    device.write(Bytes{'o', 'l', 'd'});
+  }
+  Loop loop;
+  Collected collected;
+  loop.open(port_at(device.path()), collected.handlers());
+  device.write(Bytes{'n', 'e', 'w'});
+  run_until(loop, [&] { return collected.bytes.size() >= 3; });
+  EXPECT_EQ(collected.bytes, (Bytes{'n', 'e', 'w'}));
+}
+
+TEST(Loop, ReportsAnUnpluggedPortOnceAndGoesOnWithTheOthers) {
+  Pty unplugged;
+  Pty staying;
+  Loop loop;
+  Collected first;
+  Collected second;
+  const auto port = loop.open(port_at(unplugged.path()), first.handlers());
+  loop.open(port_at(staying.path()), second.handlers());
+  unplugged.write(Bytes{7});
+  run_until(loop, [&] { return first.bytes.size() == 1; });
+  unplugged.unplug();
+  run_until(loop, [&] { return !first.losses.empty(); });
+  loop.write(port, Bytes{1, 2, 3});
+  staying.write(Bytes{8, 9});
+  run_until(loop, [&] { return second.bytes.size() == 2; });
+  run_ticks(loop, 20);
+  EXPECT_EQ(first.losses.size(), 1U);
+  EXPECT_TRUE(second.losses.empty());
+}
+
+TEST(Loop, DoesNotSpinOnAnUnpluggedPort) {
+  Pty device;
+  Loop loop;
+  Collected collected;
+  loop.open(port_at(device.path()), collected.handlers());
+  device.unplug();
+  run_until(loop, [&] { return !collected.losses.empty(); });
+  const double cpu_before_s = thread_cpu_s();
+  const HostTime begin = now();
+  run_ticks(loop, 200);
+  EXPECT_LT(thread_cpu_s() - cpu_before_s, 0.5 * to_s(now() - begin));
+}
+
+TEST(Loop, MayCloseAPortFromItsOwnHandler) {
+  Pty device;
+  Loop loop;
+  int calls = 0;
+  Loop::PortId port = 0;
+  port =
+      loop.open(port_at(device.path()), {[&](std::span<const std::uint8_t>, HostTime) {
+                                           ++calls;
+                                           loop.close(port);
+                                         },
+                                         [&](const std::string&) { ADD_FAILURE() << "closed, not lost"; }});
+  device.write(Bytes{1});
+  run_until(loop, [&] { return calls > 0; });
+  EXPECT_FALSE(device.is_open());
+  EXPECT_EQ(device.write(Bytes{2}), 0U);
+  run_ticks(loop, 10);
+  EXPECT_EQ(calls, 1);
+}
+
+TEST(Loop, MayOpenAPortAgainAfterItWasClosed) {
+  Pty device;
+  Loop loop;
+  Collected first;
+  Collected second;
+  loop.close(loop.open(port_at(device.path()), first.handlers()));
+  loop.open(port_at(device.path()), second.handlers());
+  device.write(Bytes{5});
+  run_until(loop, [&] { return !second.bytes.empty(); });
+  EXPECT_TRUE(first.bytes.empty());
+}
+
+TEST(Loop, LetsAnExceptionOfAHandlerOutOfRun) {
+  Pty device;
+  Loop loop;
+  loop.open(port_at(device.path()),
+            {[](std::span<const std::uint8_t>, HostTime) { throw std::runtime_error("disk full"); }, {}});
+  device.write(Bytes{1});
+  EXPECT_THROW(loop.run(), std::runtime_error);
+  run_ticks(loop, 2);
+}
+
+TEST(Loop, CanBeDestroyedWhilePortsAreOpenAndBytesWait) {
+  Pty device;
+  auto loop = std::make_unique<Loop>();
+  Collected collected;
+  const auto port = loop->open(port_at(device.path()), collected.handlers());
+  loop->every(tick_period, [](HostTime) { ADD_FAILURE() << "the loop does not run"; });
+  loop->on_signal([](int) {});
+  loop->write(port, numbered_bytes(100'000));
+  device.write(Bytes{1});
+  loop.reset();
+  EXPECT_TRUE(collected.bytes.empty());
+  EXPECT_TRUE(collected.losses.empty());
+  EXPECT_FALSE(device.is_open());
+}
+
+TEST(Loop, TicksUntilTheTickIsReplaced) {
+  Loop loop;
+  int first = 0;
+  int second = 0;
+  loop.every(tick_period, [&](HostTime) {
+    if (++first < 3) return;
+    loop.every(tick_period, [&](HostTime) {
+      if (++second == 3) loop.stop();
+    });
+  });
+  loop.run();
+  EXPECT_EQ(first, 3);
+  EXPECT_EQ(second, 3);
+}
+
+TEST(Loop, TicksNeverBeforeTheirPeriodHasPassed) {
+  Loop loop;
+  const HostTime begin = now();
+  std::vector<HostTime> times;
+  loop.every(tick_period, [&](HostTime time) {
+    times.push_back(time);
+    if (times.size() == 5) loop.stop();
+  });
+  loop.run();
+  for (std::size_t i = 0; i < times.size(); ++i) EXPECT_GE(times[i] - begin, tick_period * (i + 1));
+}
+
+TEST(Loop, HandsSignalsToItsHandlerInsteadOfEnding) {
+  Loop loop;
+  std::vector<int> signals;
+  loop.on_signal([&](int signal) { signals.push_back(signal); });
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP, SIGINT}) {
+    const std::size_t before = signals.size();
+    ASSERT_EQ(kill(getpid(), signal), 0);
+    run_until(loop, [&] { return signals.size() > before; });
+  }
+  EXPECT_THAT(signals, testing::ElementsAre(SIGINT, SIGTERM, SIGHUP, SIGINT));
+}
+
+TEST(Loop, LeavesSignalsAsTheyWereWhenItIsGone) {
+  {
+    Loop loop;
+    loop.on_signal([](int) {});
+  }
+  struct sigaction action {};
+  sigaction(SIGTERM, nullptr, &action);
+  EXPECT_EQ(action.sa_handler, SIG_DFL);
+}
+
+}  // namespace
+}  // namespace thermorig::io

@@ -1,0 +1,215 @@
+// SPDX-License-Identifier: MIT
+#include <fcntl.h>
+#include <gmock/gmock.h>
+#include <sys/file.h>
+#include <sys/stat.h>
+#include <sys/wait.h>
+#include <termios.h>
+#include <unistd.h>
+
+#include <array>
+#include <filesystem>
+#include <fstream>
+
+#include "one_loop.h"
+
+namespace thermorig::io {
+namespace {
+
+using testing::AnyOf;
+using testing::HasSubstr;
+
+void open_and_close(const std::string& path) {
+  Loop loop;
+  Collected collected;
+  loop.open(port_at(path), collected.handlers());
+}
+
+Error refusal_at(const std::string& path) {
+  return refusal_of([&] { open_and_close(path); });
+}
+
+/// A folder of its own for each test, gone at its end.
+class PortNames : public testing::Test {
+ protected:
+  PortNames() { folder_ = mkdtemp(name_.data()); }
+  ~PortNames() override { std::filesystem::remove_all(folder_); }
+  std::string in_folder(const std::string& name) const { return folder_ + "/" + name; }
+
+ private:
+  std::string name_ = testing::TempDir() + "/thermorig_io_XXXXXX";
+  std::string folder_;
+};
+
+/// A process that holds a port as a second recorder would.
+class OtherRecorder {
+ public:
+  explicit OtherRecorder(const std::string& path) {
+    std::array<int, 2> ready{};
+    EXPECT_EQ(pipe(ready.data()), 0);
+    pid_ = fork();
+    if (pid_ == 0) hold(path, ready[1]);
+    close(ready[1]);
+    char byte = 0;
+    EXPECT_EQ(read(ready[0], &byte, 1), 1);
+    close(ready[0]);
+  }
+  ~OtherRecorder() {
+    kill(pid_, SIGKILL);
+    waitpid(pid_, nullptr, 0);
+  }
+  pid_t pid() const { return pid_; }
+
+ private:
+  [[noreturn]] static void hold(const std::string& path, int ready) {
+    const int fd = open(path.c_str(), O_RDWR | O_NOCTTY);
+    if (fd < 0 || flock(fd, LOCK_EX | LOCK_NB) != 0 || write(ready, "1", 1) != 1) _exit(1);
+    while (true) pause();
+  }
+  pid_t pid_ = -1;
+};
+
+TEST(OpenPort, NamesTheProcessThatHoldsThePort) {
+  Pty device;
+  const OtherRecorder other(device.path());
+  const Error error = refusal_at(device.path());
+  EXPECT_EQ(error.code(), ExitCode::no_permission);
+  EXPECT_THAT(error.what_happened(),
+              HasSubstr("in use by process " + std::to_string(other.pid()) + " (test_io)"));
+  EXPECT_EQ(error.where(), device.path());
+}
+
+TEST(OpenPort, RefusesToOpenAPortTwiceInOneProgram) {
+  Pty device;
+  Loop loop;
+  Collected collected;
+  loop.open(port_at(device.path()), collected.handlers());
+  const Error error = refusal_at(device.path());
+  EXPECT_EQ(error.code(), ExitCode::no_permission);
+  EXPECT_THAT(error.what_happened(), HasSubstr("in use by this process"));
+}
+
+TEST(OpenPort, IsFreeAgainAfterItsHolderWasKilled) {
+  Pty device;
+  { const OtherRecorder killed(device.path()); }
+  EXPECT_NO_THROW(open_and_close(device.path()));
+}
+
+TEST(OpenPort, SaysWhichPortsExistWhenThereIsNoSuchPort) {
+  const Error error = refusal_at("/dev/ttyUSB987");
+  EXPECT_EQ(error.code(), ExitCode::device_missing);
+  EXPECT_EQ(error.where(), "/dev/ttyUSB987");
+  EXPECT_THAT(error.advice(),
+              AnyOf(HasSubstr("the ports that exist are /dev/"), HasSubstr("no serial port is connected")));
+  for (const PortInfo& port : list_ports()) EXPECT_THAT(error.advice(), HasSubstr(port.path));
+}
+
+TEST(OpenPort, RefusesAnEmptyName) {
+  EXPECT_EQ(refusal_at("").code(), ExitCode::device_missing);
+}
+
+TEST_F(PortNames, OfRegularFilesFoldersAndOtherDevicesAreRefused) {
+  std::ofstream(in_folder("notes.txt")) << "not a port";
+  for (const std::string& path : {in_folder("notes.txt"), in_folder(""), std::string("/dev/null")}) {
+    const Error error = refusal_at(path);
+    EXPECT_EQ(error.code(), ExitCode::device_missing) << path;
+    EXPECT_THAT(error.what_happened(), HasSubstr("not a serial port")) << path;
+  }
+}
+
+TEST_F(PortNames, ThatAreLinksLeadToTheDevice) {
+  Pty device;
+  std::filesystem::create_symlink(device.path(), in_folder("inner"));
+  std::filesystem::create_symlink("inner", in_folder("camera"));
+  EXPECT_EQ(resolve_port(in_folder("camera")), device.path());
+  EXPECT_NO_THROW(open_and_close(in_folder("camera")));
+}
+
+TEST_F(PortNames, ThatAreDanglingLinksAreMissing) {
+  std::filesystem::create_symlink("/dev/ttyUSB987", in_folder("camera"));
+  EXPECT_EQ(refusal_at(in_folder("camera")).code(), ExitCode::device_missing);
+}
+
+/// What opening gives to a user without rights, in a process of its own: root may open everything.
+int exit_code_as_nobody(const std::string& path) {
+  const pid_t child = fork();
+  if (child == 0) {
+    if (geteuid() == 0 && setresuid(65534, 65534, 65534) != 0) _exit(99);
+    const Error error = refusal_at(path);
+    _exit(error.advice().find("dialout") == std::string::npos ? 98 : static_cast<int>(error.code()));
+  }
+  int status = 0;
+  waitpid(child, &status, 0);
+  return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+}
+
+TEST(OpenPort, AdvisesTheGroupThatMayOpenPorts) {
+  Pty device;
+  ASSERT_EQ(chmod(device.path().c_str(), 0), 0);
+  EXPECT_EQ(exit_code_as_nobody(device.path()), static_cast<int>(ExitCode::no_permission));
+}
+
+TEST(OpenPort, MakesThePortRawAndLetsOneByteWakeTheReader) {
+  Pty device;
+  Loop loop;
+  Collected collected;
+  termios cooked{};
+  tcgetattr(device.fd(), &cooked);
+  cooked.c_lflag |= ICANON | ECHO;
+  cooked.c_oflag |= OPOST | ONLCR;
+  tcsetattr(device.fd(), TCSANOW, &cooked);
+  const auto port = loop.open(port_at(device.path()), collected.handlers());
+  const Bytes control{0x03, 0x0A, 0x0D, 0x11, 0x13, 0x00, 0xFF, 0x7F};
+  device.write(control);
+  run_until(loop, [&] { return collected.bytes.size() >= control.size(); });
+  EXPECT_EQ(collected.bytes, control);
+  loop.write(port, control);
+  EXPECT_EQ(device.read(), control);
+}
+
+TEST(Pty, TakesNothingWhileNoProgramHasItOpen) {
+  Pty device;
+  EXPECT_FALSE(device.is_open());
+  EXPECT_EQ(device.write(Bytes{1, 2}), 0U);
+  EXPECT_TRUE(device.read().empty());
+}
+
+TEST(Pty, TakesNoMoreThanItHasRoomFor) {
+  Pty device;
+  Loop loop;
+  Collected collected;
+  loop.open(port_at(device.path()), collected.handlers());
+  const Bytes sent = numbered_bytes(1'000'000);
+  const std::size_t written = device.write(sent);
+  EXPECT_GT(written, 1000U);
+  EXPECT_LT(written, sent.size());
+  run_until(loop, [&] { return collected.bytes.size() >= written; });
+  EXPECT_EQ(collected.bytes, Bytes(sent.begin(), sent.begin() + static_cast<std::ptrdiff_t>(written)));
+}
+
+TEST(Pty, IsRawForAProgramThatSetsNothing) {
+  Pty device;
+  for (int opened = 0; opened < 2; ++opened) {
+    const int program = open(device.path().c_str(), O_RDWR | O_NOCTTY);
+    ASSERT_GE(program, 0);
+    EXPECT_EQ(device.write(Bytes{'a', '\r', 0x03}), 3U);
+    Bytes received(8);
+    const ssize_t size = read(program, received.data(), received.size());
+    received.resize(static_cast<std::size_t>(std::max<ssize_t>(size, 0)));
+    EXPECT_EQ(received, (Bytes{'a', '\r', 0x03}));
+    EXPECT_TRUE(device.read().empty()) << "the terminal echoes";
+    close(program);
+    EXPECT_FALSE(device.is_open());
+  }
+}
+
+TEST(Pty, KeepsWhatAProgramWroteBeforeItClosed) {
+  Pty device;
+  const int program = open(device.path().c_str(), O_RDWR | O_NOCTTY);
+  ASSERT_EQ(write(program, "!", 1), 1);
+  close(program);
+  EXPECT_EQ(device.read(), Bytes{'!'});
+}
+
+}  // namespace
+}  // namespace thermorig::io
