@@ -13,11 +13,14 @@ namespace thermorig::journal {
 
 /// Append-only raw recording: the truth of a session while it is being recorded. Format:
 /// docs/journal_format.md. Every record carries a magic, the journal's id, a sequence number, its length and
-/// a CRC-32C; each append is one write(). kill -9 loses nothing that append() returned from. A failed or
-/// short write throws Error(storage).
+/// a CRC-32; each append is one write. kill -9 loses nothing that an append returned from. A failed or short
+/// write throws Error(storage), and so does every append after it: what was appended before stays readable.
 class JournalWriter {
  public:
-  /// Creates the file (never overwrites; mode 0600) and reserves `reserve_bytes` on the disk.
+  /// Creates the file (never overwrites, follows no link; mode 0600), reserves `reserve_bytes` on the disk
+  /// and makes the header durable. Throws Error(storage) if the file exists, the folder is not writable or
+  /// the space is not there (with how much is missing); Error(bad_usage) if the header could not be read
+  /// back.
   JournalWriter(const std::filesystem::path& path, const RecordingHeader& header,
                 std::uint64_t reserve_bytes);
   ~JournalWriter();
@@ -29,7 +32,8 @@ class JournalWriter {
   void event(const RecordingEvent& event);
   void leg(const LegRecord& leg);
 
-  /// fdatasync: what has been appended survives a loss of power. May be called from another thread.
+  /// fdatasync: what has been appended survives a loss of power. May be called from another thread, but not
+  /// while or after close() runs.
   void sync();
 
   /// Writes the end record, truncates the reserve, syncs and closes. `end` is the host time of the end.
@@ -51,7 +55,8 @@ struct JournalContents {
   std::uint64_t bytes_ignored = 0;  // after the last good record: a torn tail; 0 in a closed journal
 };
 
-/// Reads every good record. Throws Error(not_a_session) if the file does not start with a good header.
+/// Reads every good record, up to the first that is not. Throws Error(not_a_session) if the file does not
+/// start with a good header. Takes at most about as much memory as the file is long.
 JournalContents read_journal(const std::filesystem::path& path);
 
 /// Does it start like one? Never throws for a file that can be read.

@@ -1,0 +1,106 @@
+// SPDX-License-Identifier: MIT
+#include <sys/random.h>
+
+#include <array>
+#include <atomic>
+#include <cstdlib>
+
+#include "journal_file.h"
+#include "payload.h"
+#include "record.h"
+#include "thermorig/core/error.h"
+#include "thermorig/journal/journal.h"
+#include "thermorig/recording_header/header_json.h"
+
+namespace thermorig::journal {
+
+namespace {
+
+using Bytes = std::span<const std::uint8_t>;
+
+/// Random, so that the records of an older journal on the same disk blocks are never taken for ours.
+std::uint64_t new_journal_id() {
+  std::uint64_t id = 0;
+  if (::getrandom(&id, sizeof id, 0) != static_cast<ssize_t>(sizeof id))
+    throw Error(ExitCode::failed, "the system gives no random numbers", "getrandom", "");
+  return id;
+}
+
+Bytes bytes_of(const std::string& text) {
+  return {reinterpret_cast<const std::uint8_t*>(text.data()), text.size()};
+}
+
+}  // namespace
+
+struct JournalWriter::File {
+  File(const std::filesystem::path& path, std::uint64_t reserve_bytes)
+      : file(path, reserve_bytes), id(new_journal_id()) {}
+
+  void append(RecordType type, std::uint8_t device, Bytes first, Bytes second = {}) {
+    const std::size_t length = first.size() + second.size();
+    if (length > payload_max_bytes) std::abort();  // a bug: no read() returns so much
+    const std::array payload{first, second};
+    const auto front =
+        encode_front({type, device, id, sequence, static_cast<std::uint32_t>(length)}, payload);
+    const std::array<Bytes, 3> parts{front, first, second};
+    file.append(parts);
+    ++sequence;
+    bytes_written.store(file.size(), std::memory_order_relaxed);
+  }
+
+  JournalFile file;
+  std::uint64_t id;
+  std::uint64_t sequence = 0;
+  std::atomic<std::uint64_t> bytes_written = 0;
+};
+
+JournalWriter::JournalWriter(const std::filesystem::path& path, const RecordingHeader& header,
+                             std::uint64_t reserve_bytes) {
+  const std::string text = recording_header::header_to_json_text(header);
+  if (text.size() > payload_max_bytes)
+    throw Error(ExitCode::bad_usage, "the profile and the plan are too long to be stored", path.string(),
+                "shorten them: together they may hold 16 MB");
+  file_ = std::make_unique<File>(path, reserve_bytes);
+  file_->append(RecordType::header, 0, bytes_of(text));
+  file_->file.sync();
+  file_->file.sync_folder();
+}
+
+JournalWriter::~JournalWriter() = default;
+JournalWriter::JournalWriter(JournalWriter&&) noexcept = default;
+JournalWriter& JournalWriter::operator=(JournalWriter&&) noexcept = default;
+
+void JournalWriter::received(Device from, std::span<const std::uint8_t> bytes, HostTime arrived) {
+  file_->append(RecordType::received, static_cast<std::uint8_t>(from), encode_time(arrived), bytes);
+}
+
+void JournalWriter::sent(std::span<const std::uint8_t> bytes, HostTime time) {
+  file_->append(RecordType::sent, static_cast<std::uint8_t>(Device::servo), encode_time(time), bytes);
+}
+
+void JournalWriter::event(const RecordingEvent& event) {
+  file_->append(RecordType::event, 0, encode_event(event));
+}
+
+void JournalWriter::leg(const LegRecord& leg) {
+  file_->append(RecordType::leg, 0, encode_leg(leg));
+}
+
+void JournalWriter::sync() {
+  file_->file.sync();
+}
+
+void JournalWriter::close(HostTime end) {
+  file_->append(RecordType::end, 0, encode_time(end));
+  file_->file.close();
+}
+
+std::uint64_t JournalWriter::bytes_written() const {
+  return file_->bytes_written.load(std::memory_order_relaxed);
+}
+
+const std::filesystem::path& JournalWriter::path() const {
+  return file_->file.path();
+}
+
+}  // namespace thermorig::journal

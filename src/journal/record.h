@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <span>
+
+namespace thermorig::journal {
+
+/// Types of records. They are stored in files: never renumber them.
+enum class RecordType : std::uint8_t { header = 1, received = 2, sent = 3, event = 4, leg = 5, end = 6 };
+
+/// The fixed front of every record, 32 bytes, little-endian; a CRC-32 of its first 28 bytes and of the
+/// payload stands in its last four. Table: docs/journal_format.md.
+struct RecordFront {
+  RecordType type = RecordType::header;
+  std::uint8_t device = 0;  // of a received chunk, else 0
+  std::uint64_t journal_id = 0;
+  std::uint64_t sequence = 0;  // 0 for the header, then one more each record
+  std::uint32_t length = 0;    // of the payload that follows, bytes
+};
+
+inline constexpr std::size_t front_bytes = 32;
+inline constexpr std::uint32_t payload_max_bytes = 16U << 20U;
+using FrontBytes = std::array<std::uint8_t, front_bytes>;
+
+/// The front in bytes, its CRC computed over it and over the parts of the payload.
+FrontBytes encode_front(const RecordFront& front, std::span<const std::span<const std::uint8_t>> payload);
+
+/// Nothing if the magic, the type or the length is not that of a record. The CRC is not looked at.
+std::optional<RecordFront> decode_front(const FrontBytes& bytes);
+
+bool crc_is_good(const FrontBytes& bytes, std::span<const std::uint8_t> payload);
+
+}  // namespace thermorig::journal
