@@ -7,9 +7,10 @@
 namespace thermorig::labels {
 
 namespace {
+/// Coming to rest is a ramp like any other: how every leg ends. A stop by the firmware itself carries a
+/// fault.
 bool is_able(const ServoState& state) {
-  return state.fault == ServoFault::none && state.motion != ServoMotion::disarmed &&
-         state.motion != ServoMotion::stopping;
+  return state.fault == ServoFault::none && state.motion != ServoMotion::disarmed;
 }
 }  // namespace
 

@@ -15,7 +15,7 @@ enum class Reason : std::uint8_t {
   camera_not_fresh = 1,  // V5: the frame repeats the one before, or one half of it was lost
   checksum = 2,          // V5: damaged bytes just before this frame
   servo_ramp = 3,        // V0: commanded speed not constant over the exposure and the settling time before it
-  servo_lost = 4,        // no telemetry over the exposure, or the servo reported a fault
+  servo_lost = 4,        // no telemetry over that time, or the servo says disarmed or fault
   gyro_gap = 5,          // too few gyro samples over the exposure
   sync_lost = 6,         // V6: the clock's bound is 1 ms or wider
   warm_up = 7,           // V7: the camera has not settled; a warning, does not clear `valid`

@@ -15,7 +15,7 @@ namespace thermorig::labels {
 /// `able` look at the telemetry in it and at the message on either side of it, which it lies between.
 struct CommandSpan {
   bool covered = false;     // telemetry reaches from its begin to its end without a gap
-  bool able = true;         // armed, no fault, not stopping
+  bool able = true;         // armed, no fault
   bool outside_leg = true;  // leg 0 somewhere, or no telemetry
   bool several_legs = false;
   double rate_mean_dps = std::numeric_limits<double>::quiet_NaN();  // NaN if not covered

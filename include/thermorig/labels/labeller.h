@@ -51,8 +51,7 @@ struct LabelConfig {
 ///   checksum          TimedFrame::resync_before
 ///   out_of_range      a pixel below -60 or above 400 degC, or not a number
 ///   servo_ramp        the commanded speed varies by more than rate_tolerance_dps over S
-///   servo_lost        S is not covered (as above), or telemetry in S or next to it says disarmed, stopping
-///                     or fault
+///   servo_lost        S is not covered (as above), or telemetry in S or next to it says disarmed or fault
 ///   limit_hit         the commanded angle comes closer than stop_margin_deg to either end of the travel in
 ///   E;
 ///                     angle 0 is its middle

@@ -18,10 +18,11 @@
 
 namespace thermorig::pipeline {
 
-/// What a first pass over a recording learns for the second. Live, nothing is known: everything is nominal.
+/// What a first pass over a recording learns for the second. Live, nothing is known: the period is nominal,
+/// and the mode is the one that most of the frames so far show.
 struct Fits {
   std::optional<labels::CameraMode> camera_mode;
-  std::optional<double> frame_period_s;  // median time between frames
+  std::optional<double> frame_period_s;  // time between frames
 };
 
 /// Everything that came out of the bytes, in arrival order, besides labels.
@@ -44,7 +45,9 @@ class Pipeline {
   Pipeline(Pipeline&&) noexcept;
   Pipeline& operator=(Pipeline&&) noexcept;
 
-  /// One chunk of bytes in, zero or more labelled samples out. The caller brings the time.
+  /// One chunk of bytes in, zero or more labelled samples out. The caller brings the time, which should not
+  /// run backwards from one call to the next, whichever device it is for. Every camera frame gives exactly
+  /// one sample, here or in finish(), in the order of the frames.
   std::vector<LabelledSample> feed(Device from, std::span<const std::uint8_t> chunk, HostTime arrived);
 
   /// No more bytes will come: the samples that still wait for telemetry or gyro.
@@ -60,7 +63,10 @@ class Pipeline {
   std::unique_ptr<Stages> stages_;
 };
 
-/// First pass: what the finished streams say about the recording as a whole.
+/// First pass: what the finished streams say about the recording as a whole. The mode is that of the majority
+/// of the frames after the first; the period is the mean of those intervals between frames that lie within
+/// half a period of their median, so that lost frames do not count. Each is absent where fewer than two
+/// frames (or none that differ) say nothing of it.
 Fits fit(const Streams& streams);
 
 }  // namespace thermorig::pipeline

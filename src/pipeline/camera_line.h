@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "thermorig/core/profile.h"
+#include "thermorig/core/sample.h"
+#include "thermorig/labels/exposure.h"
+#include "thermorig/pipeline/pipeline.h"
+#include "thermorig/timing/link_timing.h"
+#include "thermorig/wire/camera_scanner.h"
+
+namespace thermorig::pipeline {
+
+/// Time between frames: measured where a first pass did, else nominal.
+double frame_period_s(const CameraProfile& profile, const Fits& fits);
+
+/// Camera bytes to frames with their time and exposure.
+class CameraLine {
+ public:
+  CameraLine(const CameraProfile& profile, const Fits& fits);
+
+  /// Appends the frames that the chunk completes to `out` and returns them.
+  std::span<const TimedFrame> push(std::span<const std::uint8_t> chunk, HostTime arrived,
+                                   std::vector<TimedFrame>& out);
+
+  const wire::Counters& counters() const { return scanner_.counters(); }
+
+ private:
+  wire::CameraScanner scanner_;
+  timing::LinkTiming timing_;
+  labels::ExposureRule exposure_;
+  std::vector<wire::CameraMessage> messages_;  // empty between calls; kept for its memory
+};
+
+}  // namespace thermorig::pipeline

@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: MIT
+#include "thermorig/pipeline/pipeline.h"
+
+#include <utility>
+
+#include "camera_line.h"
+#include "gyro_line.h"
+#include "servo_line.h"
+
+namespace thermorig::pipeline {
+
+namespace {
+labels::LabelConfig label_config(const RigProfile& profile, const Fits& fits) {
+  labels::LabelConfig config;
+  config.settle_s = profile.servo.settle_s;
+  config.gyro_rate_hz = profile.gyro.output_rate_hz;
+  config.frame_period_s = frame_period_s(profile.camera, fits);
+  config.stop_margin_deg = profile.servo.stop_margin_deg;
+  config.travel_deg = profile.servo.kind == ServoKind::positional ? profile.servo.travel_deg : 0.0;
+  return config;
+}
+}  // namespace
+
+struct Pipeline::Stages {
+  CameraLine camera;
+  GyroLine gyro;
+  ServoLine servo;
+  labels::Labeller labeller;
+  Streams streams;
+};
+
+Pipeline::Pipeline(const RigProfile& profile, const Fits& fits)
+    : stages_(new Stages{.camera = CameraLine(profile.camera, fits),
+                         .gyro = GyroLine(profile.gyro),
+                         .servo = ServoLine(profile.servo),
+                         .labeller = labels::Labeller(label_config(profile, fits)),
+                         .streams = {}}) {}
+
+Pipeline::~Pipeline() = default;
+Pipeline::Pipeline(Pipeline&&) noexcept = default;
+Pipeline& Pipeline::operator=(Pipeline&&) noexcept = default;
+
+std::vector<LabelledSample> Pipeline::feed(Device from, std::span<const std::uint8_t> chunk,
+                                           HostTime arrived) {
+  auto& [camera, gyro, servo, labeller, streams] = *stages_;
+  switch (from) {  // each line: bytes -> messages (bad bytes are counted, not thrown) -> timed samples
+    case Device::camera:
+      for (const TimedFrame& frame : camera.push(chunk, arrived, streams.frames)) labeller.add(frame);
+      break;
+    case Device::gyro:
+      for (const TimedGyro& sample : gyro.push(chunk, arrived, streams.gyro)) labeller.add(sample);
+      break;
+    case Device::servo:
+      for (const TimedServo& state : servo.push(chunk, arrived, streams)) labeller.add(state);
+      break;
+  }
+  return labeller.take(arrived);  // the frames whose telemetry and gyro samples are all there, labelled
+}
+
+std::vector<LabelledSample> Pipeline::finish() {
+  return stages_->labeller.finish();
+}
+
+Streams Pipeline::take_streams() {
+  return std::exchange(stages_->streams, {});
+}
+
+const wire::Counters& Pipeline::counters(Device device) const {
+  switch (device) {
+    case Device::camera:
+      return stages_->camera.counters();
+    case Device::gyro:
+      return stages_->gyro.counters();
+    case Device::servo:
+      break;
+  }
+  return stages_->servo.counters();
+}
+
+}  // namespace thermorig::pipeline
