@@ -1,0 +1,121 @@
+// SPDX-License-Identifier: MIT
+#include "thermorig/labels/exposure.h"
+
+#include <gtest/gtest.h>
+
+#include <string>
+
+namespace thermorig::labels {
+namespace {
+
+constexpr double period_s = 0.125;
+
+/// Frames with chosen fresh halves: 'E', 'O', 'B'oth or 'N'one, each a frame period after the one before.
+class FrameMaker {
+ public:
+  TimedFrame next(char fresh) {
+    time_ += from_s(period_s);
+    for (std::size_t i = 0; i < frame_pixels; ++i) {
+      const char half = subpage_of(i / frame_columns, i % frame_columns) == 0 ? 'E' : 'O';
+      if (fresh == half || fresh == 'B') frame_.temp_c[i] += 0.5F;
+    }
+    TimedFrame timed;
+    timed.frame = frame_;
+    timed.stamp.time = time_;
+    return timed;
+  }
+
+ private:
+  ThermalFrame frame_;
+  HostTime time_{};
+};
+
+/// What the rule says of a sequence of frames: 's'tale or 'f'resh.
+std::string staleness(ExposureRule rule, const std::string& sequence) {
+  FrameMaker maker;
+  std::string result;
+  for (const char fresh : sequence) {
+    TimedFrame frame = maker.next(fresh);
+    rule.apply(frame);
+    result += frame.stale ? 's' : 'f';
+  }
+  return result;
+}
+
+TEST(ExposureRule, AHalfFreshFrameSpansTwoFramePeriods) {
+  ExposureRule rule(period_s, CameraMode::half_fresh);
+  TimedFrame frame = FrameMaker().next('B');
+  frame.stamp.time = HostTime(from_s(7.0));
+  rule.apply(frame);
+  EXPECT_EQ(frame.exposure_end, HostTime(from_s(7.0)));
+  EXPECT_EQ(frame.exposure_begin, HostTime(from_s(6.75)));
+}
+
+TEST(ExposureRule, AFullFreshFrameSpansTwoRefreshPeriodsOfHalfTheLength) {
+  ExposureRule rule(period_s, CameraMode::full_fresh);
+  TimedFrame frame = FrameMaker().next('B');
+  frame.stamp.time = HostTime(from_s(7.0));
+  rule.apply(frame);
+  EXPECT_EQ(frame.exposure_end, HostTime(from_s(7.0)));
+  EXPECT_EQ(frame.exposure_begin, HostTime(from_s(6.875)));
+}
+
+TEST(ExposureRule, FillsInTheFreshPixels) {
+  ExposureRule rule(period_s);
+  FrameMaker maker;
+  TimedFrame frame = maker.next('B');
+  rule.apply(frame);
+  frame = maker.next('O');
+  rule.apply(frame);
+  EXPECT_EQ(frame.fresh_even, 0);
+  EXPECT_EQ(frame.fresh_odd, 384);
+}
+
+TEST(ExposureRule, AlternatingHalvesAreFreshInHalfFreshMode) {
+  EXPECT_EQ(staleness(ExposureRule(period_s, CameraMode::half_fresh), "BEOEOE"), "ffffff");
+}
+
+TEST(ExposureRule, ARepeatedFrameIsStaleInEitherMode) {
+  EXPECT_EQ(staleness(ExposureRule(period_s, CameraMode::half_fresh), "BENOE"), "ffsff");
+  EXPECT_EQ(staleness(ExposureRule(period_s, CameraMode::full_fresh), "BBNB"), "ffsf");
+}
+
+TEST(ExposureRule, TheSameHalfTwiceInARowIsStaleInHalfFreshMode) {
+  EXPECT_EQ(staleness(ExposureRule(period_s, CameraMode::half_fresh), "BEOOEE"), "fffsfs");
+}
+
+TEST(ExposureRule, TheSameHalfTwiceIsStaleEvenWithARepeatedFrameBetween) {
+  EXPECT_EQ(staleness(ExposureRule(period_s, CameraMode::half_fresh), "BENEO"), "ffssf");
+}
+
+TEST(ExposureRule, EitherHalfMayFollowAFrameThatBroughtBoth) {
+  EXPECT_EQ(staleness(ExposureRule(period_s, CameraMode::half_fresh), "BEBEBO"), "ffffff");
+}
+
+TEST(ExposureRule, ASingleHalfIsStaleInFullFreshMode) {
+  EXPECT_EQ(staleness(ExposureRule(period_s, CameraMode::full_fresh), "BBEBO"), "ffsfs");
+}
+
+TEST(ExposureRule, DecidesTheModeFromTheFramesSoFar) {
+  ExposureRule rule(period_s);
+  FrameMaker maker;
+  std::string modes;
+  for (const char fresh : std::string("BEOBBBN")) {
+    TimedFrame frame = maker.next(fresh);
+    rule.apply(frame);
+    const bool half = rule.mode() == CameraMode::half_fresh;
+    modes += half ? 'h' : 'f';
+    EXPECT_EQ(frame.exposure_end - frame.exposure_begin, from_s(half ? 2 * period_s : period_s));
+  }
+  EXPECT_EQ(modes, "hhhhhff");
+}
+
+TEST(ExposureRule, TheFirstFrameDoesNotDecideTheMode) {
+  ExposureRule rule(period_s);
+  TimedFrame frame = FrameMaker().next('B');
+  rule.apply(frame);
+  EXPECT_EQ(rule.mode(), CameraMode::half_fresh);
+}
+
+}  // namespace
+}  // namespace thermorig::labels

@@ -1,0 +1,139 @@
+// SPDX-License-Identifier: MIT
+#include "thermorig/labels/labeller.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "scripted_rig.h"
+
+namespace thermorig::labels {
+namespace {
+
+std::vector<std::uint32_t> runs(const std::vector<LabelledSample>& samples) {
+  std::vector<std::uint32_t> result;
+  for (const LabelledSample& sample : samples) result.push_back(sample.run);
+  return result;
+}
+
+TEST(Runs, AreBrokenByAnInvalidFrame) {
+  ScriptedRig rig;
+  rig.spoil = [](TimedFrame& frame, int index) { frame.stale = index == 6; };
+  EXPECT_EQ(runs(rig.run(1.26)), (std::vector<std::uint32_t>{0, 0, 0, 1, 1, 1, 0, 2, 2, 2}));
+}
+
+TEST(Runs, LieInOneLeg) {
+  ScriptedRig rig;
+  rig.config.frame_period_s = 0.125;
+  rig.leg = [](double t) { return t < 0.8 ? 4 : 5; };
+  rig.spoil = [](TimedFrame& frame, int) { frame.exposure_begin = frame.exposure_end - from_s(0.01); };
+  const auto samples = rig.run(1.26);
+  EXPECT_EQ(runs(samples), (std::vector<std::uint32_t>{0, 1, 1, 1, 1, 1, 2, 2, 2, 2}));
+  EXPECT_EQ(samples[5].leg, 4);
+  EXPECT_EQ(samples[6].leg, 5);
+}
+
+TEST(Runs, AreBrokenByALostFrame) {
+  ScriptedRig rig;
+  rig.spoil = [](TimedFrame& frame, int index) {
+    if (index >= 6) frame.stamp.time += from_s(0.1);
+  };
+  EXPECT_EQ(runs(rig.run(1.26)), (std::vector<std::uint32_t>{0, 0, 0, 1, 1, 1, 0, 2, 2, 2}));
+}
+
+TEST(Labeller, GivesEveryFrameOnceAndInOrder) {
+  const auto samples = ScriptedRig().run(10.0);
+  ASSERT_EQ(samples.size(), 80U);
+  for (std::size_t i = 0; i < samples.size(); ++i) EXPECT_EQ(samples[i].frame_index, i);
+}
+
+TEST(Labeller, HoldsAFrameUntilTelemetryAndGyroPassItsExposure) {
+  const ScriptedRig rig;
+  Labeller labeller(rig.config);
+  labeller.add(rig.frame_at(1.0, 0));
+  EXPECT_TRUE(labeller.take(at_s(1.1)).empty());
+  labeller.add(rig.servo_at(1.01));
+  EXPECT_TRUE(labeller.take(at_s(1.2)).empty());
+  labeller.add(rig.gyro_at(0.999));
+  EXPECT_TRUE(labeller.take(at_s(1.3)).empty());
+  labeller.add(rig.gyro_at(1.004));
+  EXPECT_EQ(labeller.take(at_s(1.4)).size(), 1U);
+  EXPECT_TRUE(labeller.take(at_s(9.0)).empty());
+}
+
+TEST(Labeller, LetsAFrameGoWithoutAfterWaitingLongEnough) {
+  const ScriptedRig rig;
+  Labeller labeller(rig.config);
+  labeller.add(rig.frame_at(1.0, 0));
+  EXPECT_TRUE(labeller.take(at_s(1.99)).empty());
+  const auto samples = labeller.take(at_s(2.0));
+  ASSERT_EQ(samples.size(), 1U);
+  EXPECT_TRUE(std::isnan(samples[0].rate_label_dps));
+  EXPECT_TRUE(has(samples[0], Reason::servo_lost));
+  EXPECT_TRUE(has(samples[0], Reason::gyro_gap));
+}
+
+TEST(Labeller, UsesTelemetryThatComesLate) {
+  const ScriptedRig rig;
+  Labeller labeller(rig.config);
+  labeller.add(rig.frame_at(1.0, 0));
+  for (double t = 0.5; t < 1.1; t += 0.005) labeller.add(rig.gyro_at(t));
+  EXPECT_TRUE(labeller.take(at_s(1.1)).empty());
+  for (double t = 0.5; t < 1.1; t += 0.01) labeller.add(rig.servo_at(t));  // all in one read
+  const auto samples = labeller.take(at_s(1.7));
+  ASSERT_EQ(samples.size(), 1U);
+  EXPECT_TRUE(samples[0].valid);
+}
+
+TEST(Labeller, AWaitingFrameHoldsBackTheOnesBehindIt) {
+  const ScriptedRig rig;
+  Labeller labeller(rig.config);
+  TimedFrame late = rig.frame_at(5.0, 0);
+  late.stamp.arrival = at_s(1.0);
+  labeller.add(late);
+  labeller.add(rig.frame_at(1.0, 1));
+  labeller.add(rig.servo_at(1.01));
+  labeller.add(rig.gyro_at(1.01));
+  EXPECT_TRUE(labeller.take(at_s(1.2)).empty());
+  const auto samples = labeller.finish();
+  ASSERT_EQ(samples.size(), 2U);
+  EXPECT_EQ(samples[0].frame_index, 0U);
+  EXPECT_EQ(samples[1].frame_index, 1U);
+}
+
+TEST(Labeller, ToleratesTelemetryThatRunsBackwards) {
+  ScriptedRig rig;
+  Labeller labeller(rig.config);
+  for (int i = 0; i < 200; ++i) {
+    const double t = 0.01 * i;
+    labeller.add(rig.servo_at(i % 10 == 9 ? t - 0.03 : t));
+    labeller.add(rig.gyro_at(t));
+  }
+  labeller.add(rig.frame_at(1.0, 0));
+  const auto samples = labeller.finish();
+  ASSERT_EQ(samples.size(), 1U);
+  EXPECT_EQ(samples[0].rate_label_dps, 100.0F);
+}
+
+TEST(Labeller, LabelsAnExposureWithoutLength) {
+  ScriptedRig rig;
+  rig.offset_s = 0.0;  // telemetry at the very instant
+  rig.spoil = [](TimedFrame& frame, int) { frame.exposure_begin = frame.exposure_end; };
+  const auto samples = rig.run(2.0);
+  EXPECT_EQ(samples[7].rate_label_dps, 100.0F);
+}
+
+TEST(History, ForgetsWhatIsOlderThanItsLength) {
+  struct Point {
+    HostTime time{};
+  };
+  History<Point> history(from_s(10.0));
+  for (int i = 0; i < 100'000; ++i) history.add({at_s(0.01 * i)});
+  EXPECT_EQ(history.all().size(), 1001U);
+  EXPECT_EQ(history.all().front().time, at_s(989.99));
+  EXPECT_TRUE(history.reaches(at_s(999.99)));
+  EXPECT_FALSE(history.reaches(at_s(1000.0)));
+}
+
+}  // namespace
+}  // namespace thermorig::labels

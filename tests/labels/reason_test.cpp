@@ -1,0 +1,242 @@
+// SPDX-License-Identifier: MIT
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "scripted_rig.h"
+
+namespace thermorig::labels {
+namespace {
+
+/// Ends of exposure, in frame periods, of the samples that carry `reason`.
+std::vector<int> frames_with(Reason reason, const std::vector<LabelledSample>& samples) {
+  std::vector<int> frames;
+  for (const LabelledSample& sample : samples)
+    if (has(sample, reason)) frames.push_back(static_cast<int>(sample.frame_index));
+  return frames;
+}
+
+/// Frames i = first .. last whose exposure [(i - 1) P, (i + 1) P], begun `earlier_s` earlier, meets [from,
+/// to].
+std::vector<int> frames_meeting(double from_time, double to_time, double earlier_s, int frames) {
+  std::vector<int> result;
+  for (int i = 0; i < frames; ++i)
+    if ((i - 1) * 0.125 - earlier_s < to_time && (i + 1) * 0.125 > from_time) result.push_back(i);
+  return result;
+}
+
+/// Frames that start before telemetry does, with the settling time: they can not be covered.
+constexpr int uncovered = 3;
+
+std::vector<int> without_start(std::vector<int> frames) {
+  std::erase_if(frames, [](int i) { return i < uncovered; });
+  return frames;
+}
+
+TEST(Reasons, NoneForASteadySweep) {
+  const auto samples = ScriptedRig().run(3.0);
+  ASSERT_EQ(samples.size(), 24U);
+  for (std::size_t i = uncovered; i < samples.size() - 1; ++i) EXPECT_EQ(samples[i].reason_bits, 0U) << i;
+}
+
+TEST(Reasons, CameraGapIsMoreThanOneAndAHalfPeriods) {
+  ScriptedRig rig;
+  rig.spoil = [](TimedFrame& frame, int index) {
+    if (index >= 8) frame.stamp.time += from_s(0.0624);   // interval to frame 7: 1.499 periods
+    if (index >= 12) frame.stamp.time += from_s(0.0626);  // interval to frame 11: 1.501 periods
+  };
+  EXPECT_EQ(frames_with(Reason::camera_gap, rig.run(3.0)), std::vector<int>{12});
+}
+
+TEST(Reasons, CameraGapNeverForTheFirstFrame) {
+  EXPECT_TRUE(frames_with(Reason::camera_gap, ScriptedRig().run(1.0)).empty());
+}
+
+TEST(Reasons, CameraNotFreshAndChecksumComeWithTheFrame) {
+  ScriptedRig rig;
+  rig.spoil = [](TimedFrame& frame, int index) {
+    frame.stale = index == 9;
+    frame.resync_before = index == 11;
+  };
+  const auto samples = rig.run(3.0);
+  EXPECT_EQ(frames_with(Reason::camera_not_fresh, samples), std::vector<int>{9});
+  EXPECT_EQ(frames_with(Reason::checksum, samples), std::vector<int>{11});
+  EXPECT_FALSE(samples[9].valid);
+  EXPECT_FALSE(samples[11].valid);
+  EXPECT_EQ(samples[9].first_reason(), 2);
+}
+
+TEST(Reasons, OutOfRangeIsAnyPixelBeyondTheSensorsRange) {
+  ScriptedRig rig;
+  rig.spoil = [](TimedFrame& frame, int index) {
+    if (index == 5) frame.frame.temp_c[700] = -60.5F;
+    if (index == 6) frame.frame.temp_c[0] = 400.5F;
+    if (index == 7) frame.frame.temp_c[767] = std::numeric_limits<float>::quiet_NaN();
+    if (index == 8) frame.frame.temp_c[3] = -60.0F;
+    if (index == 9) frame.frame.temp_c[3] = 400.0F;
+  };
+  EXPECT_EQ(frames_with(Reason::out_of_range, rig.run(3.0)), (std::vector<int>{5, 6, 7}));
+}
+
+TEST(Reasons, ServoRampCoversTheExposureAndTheSettlingTimeBeforeIt) {
+  ScriptedRig rig;
+  rig.rate_dps = [](double t) { return std::clamp(100.0 + (t - 1.45) * 1000.0, 100.0, 130.0); };
+  const auto expected = frames_meeting(1.45, 1.48, 0.2, 32);
+  EXPECT_EQ(expected, (std::vector<int>{11, 12, 13, 14}));
+  EXPECT_EQ(frames_with(Reason::servo_ramp, rig.run(4.0)), expected);
+}
+
+TEST(Reasons, ServoRampToleratesWhatTheConfigurationSays) {
+  ScriptedRig rig;
+  rig.rate_dps = [](double t) { return t < 1.5 ? 100.0 : 100.49; };
+  EXPECT_TRUE(frames_with(Reason::servo_ramp, rig.run(3.0)).empty());
+  rig.rate_dps = [](double t) { return t < 1.5 ? 100.0 : 100.51; };
+  EXPECT_FALSE(frames_with(Reason::servo_ramp, rig.run(3.0)).empty());
+}
+
+TEST(Reasons, ServoLostWhereTelemetryHasAHole) {
+  ScriptedRig rig;
+  rig.telemetry_comes = [](double t) { return t < 1.4 || t > 1.46; };
+  // the last before is 1.3913, the first after 1.4613
+  const auto lost = without_start(frames_with(Reason::servo_lost, rig.run(4.0)));
+  auto expected = frames_meeting(1.3913, 1.4613, 0.2, 32);
+  expected.push_back(31);  // no telemetry after the last frame's exposure
+  EXPECT_EQ(lost, expected);
+}
+
+TEST(Reasons, ServoLostNotForASmallHole) {
+  ScriptedRig rig;
+  rig.telemetry_comes = [](double t) { return t < 1.4 || t > 1.44; };  // 50 ms between neighbours
+  const auto lost = without_start(frames_with(Reason::servo_lost, rig.run(4.0)));
+  EXPECT_EQ(lost, std::vector<int>{31});
+}
+
+TEST(Reasons, ServoLostWhileDisarmedOrAtFault) {
+  for (const bool disarmed : {false, true}) {
+    ScriptedRig rig;
+    const auto bad = [](double t) { return t > 1.495 && t < 1.505; };  // one message, at 1.5013
+    if (disarmed)
+      rig.motion = [bad](double t) { return bad(t) ? ServoMotion::disarmed : ServoMotion::steady; };
+    else
+      rig.fault = [bad](double t) { return bad(t) ? ServoFault::watchdog : ServoFault::none; };
+    auto expected = frames_meeting(1.4913, 1.5113, 0.2, 32);  // in the span, or next to it
+    expected.push_back(31);
+    EXPECT_EQ(without_start(frames_with(Reason::servo_lost, rig.run(4.0))), expected);
+  }
+}
+
+TEST(Reasons, AServoThatComesToRestIsARampNotALoss) {
+  ScriptedRig rig;
+  rig.rate_dps = [](double t) { return std::clamp(100.0 - (t - 1.45) * 2000.0, 0.0, 100.0); };
+  rig.motion = [](double t) { return t < 1.45 ? ServoMotion::steady : ServoMotion::stopping; };
+  const auto samples = rig.run(4.0);
+  EXPECT_EQ(without_start(frames_with(Reason::servo_lost, samples)), std::vector<int>{31});
+  EXPECT_EQ(frames_with(Reason::servo_ramp, samples), frames_meeting(1.45, 1.50, 0.2, 32));
+}
+
+TEST(Reasons, LimitHitWithinTheMarginOfEitherEndOfTheTravel) {
+  ScriptedRig rig;
+  rig.config.travel_deg = 180.0;
+  rig.config.stop_margin_deg = 2.0;
+  for (const double sign : {-1.0, 1.0}) {
+    rig.angle_deg = [sign](double t) { return sign * (t > 1.6 && t < 1.605 ? 88.1 : 87.9); };
+    const auto hit = frames_with(Reason::limit_hit, rig.run(4.0));
+    EXPECT_EQ(hit, frames_meeting(1.5913, 1.6113, 0.0, 32));
+  }
+}
+
+TEST(Reasons, LimitHitNotForAContinuousServo) {
+  ScriptedRig rig;
+  rig.config.travel_deg = 0.0;
+  rig.angle_deg = [](double t) { return 1000.0 * t; };
+  EXPECT_TRUE(frames_with(Reason::limit_hit, rig.run(3.0)).empty());
+}
+
+TEST(Reasons, ReversalWhereTheSpeedHasBothSignsInTheExposure) {
+  ScriptedRig rig;
+  rig.rate_dps = [](double t) { return std::clamp((t - 1.45) * -2000.0, -100.0, 100.0); };
+  const auto samples = rig.run(4.0);
+  EXPECT_EQ(frames_with(Reason::reversal, samples), frames_meeting(1.45, 1.45, 0.0, 32));
+  for (const int frame : frames_with(Reason::reversal, samples))
+    EXPECT_TRUE(has(samples[static_cast<std::size_t>(frame)], Reason::servo_ramp));
+}
+
+TEST(Reasons, ReversalNotForAStartFromRest) {
+  ScriptedRig rig;
+  rig.rate_dps = [](double t) { return t < 1.5 ? 0.0 : -50.0; };
+  EXPECT_TRUE(frames_with(Reason::reversal, rig.run(3.0)).empty());
+}
+
+TEST(Reasons, OutsideLegWhereAnyTelemetryOfTheExposureHasNoLeg) {
+  ScriptedRig rig;
+  rig.leg = [](double t) { return t < 1.5 ? 0 : 3; };
+  const auto samples = rig.run(4.0);
+  EXPECT_EQ(frames_with(Reason::outside_leg, samples), frames_meeting(0.0, 1.5013, 0.0, 32));
+  EXPECT_TRUE(frames_with(Reason::leg_change, samples).empty());
+}
+
+TEST(Reasons, ARestIsOutsideALegAndNotValid) {
+  ScriptedRig rig;
+  rig.leg = [](double) { return 0; };
+  rig.rate_dps = [](double) { return 0.0; };
+  rig.motion = [](double) { return ServoMotion::holding; };
+  const auto samples = rig.run(2.0);
+  for (std::size_t i = uncovered; i < samples.size() - 1; ++i) {
+    EXPECT_EQ(samples[i].reason_bits, bit(Reason::outside_leg)) << i;
+    EXPECT_EQ(samples[i].rate_label_dps, 0.0F);
+    EXPECT_FALSE(samples[i].valid);
+    EXPECT_EQ(samples[i].run, 0U);
+  }
+}
+
+TEST(Reasons, LegChangeWhereTheExposureLiesInTwoLegs) {
+  ScriptedRig rig;
+  rig.leg = [](double t) { return t < 1.5 ? 2 : 3; };
+  const auto samples = rig.run(4.0);
+  EXPECT_EQ(frames_with(Reason::leg_change, samples), frames_meeting(1.4913, 1.5013, 0.0, 32));
+  EXPECT_TRUE(frames_with(Reason::outside_leg, samples).empty() ||
+              frames_with(Reason::outside_leg, samples).front() < uncovered);
+}
+
+TEST(Reasons, GyroGapBelowHalfOfTheExpectedSamples) {
+  for (const double from_time : {1.0, 0.995}) {  // frame 8 is exposed from 0.875 to 1.125
+    ScriptedRig rig;
+    rig.gyro_comes = [from_time](double t) { return t < from_time || t > 1.125; };
+    const LabelledSample sample = rig.run(4.0).at(8);
+    EXPECT_EQ(sample.gyro_count, from_time < 1.0 ? 24 : 25);
+    EXPECT_EQ(has(sample, Reason::gyro_gap), from_time < 1.0);
+  }
+}
+
+TEST(Reasons, WithoutAGyroTheMeanIsNotANumber) {
+  ScriptedRig rig;
+  rig.gyro_comes = [](double) { return false; };
+  for (const LabelledSample& sample : rig.run(1.0)) {
+    EXPECT_TRUE(std::isnan(sample.rate_gyro_dps));
+    EXPECT_EQ(sample.gyro_count, 0);
+    EXPECT_TRUE(has(sample, Reason::gyro_gap));
+  }
+}
+
+TEST(Reasons, OnlyThoseThatThisVersionSaysItComputesAreEverSet) {
+  ScriptedRig rig;
+  rig.rate_dps = [](double t) { return 200.0 * std::sin(3.0 * t); };
+  rig.leg = [](double t) { return static_cast<int>(t) % 3; };
+  rig.angle_deg = [](double t) { return 2000.0 * std::cos(t); };
+  rig.telemetry_comes = [](double t) { return std::fmod(t, 1.7) > 0.1; };
+  rig.gyro_comes = [](double t) { return std::fmod(t, 2.3) > 0.3; };
+  rig.spoil = [](TimedFrame& frame, int index) {
+    frame.stale = index % 5 == 0;
+    frame.resync_before = index % 7 == 0;
+    if (index % 11 == 0) frame.frame.temp_c[0] = 500.0F;
+    if (index > 40) frame.stamp.time += from_s(0.2);
+  };
+  std::uint32_t seen = 0;
+  for (const LabelledSample& sample : rig.run(20.0)) seen |= sample.reason_bits;
+  EXPECT_EQ(seen, computed_bits);
+}
+
+}  // namespace
+}  // namespace thermorig::labels
