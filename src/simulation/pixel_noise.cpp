@@ -68,7 +68,7 @@ void PixelNoise::add_fixed_pattern() {
 void PixelNoise::kill_pixels() {
   for (int n = fixed_.integer(0, 4); n > 0; --n)  // the data sheet allows four
     dead_.push_back({static_cast<std::size_t>(fixed_.integer(0, static_cast<int>(frame_pixels) - 1)),
-                     static_cast<float>(fixed_.uniform(-40.0, 120.0))});
+                     static_cast<float>(fixed_.uniform(-10.0, 60.0))});
 }
 
 void PixelNoise::read_half(const PixelColumns& seen_c, unsigned parity, double time_s, ThermalFrame& frame) {

@@ -21,7 +21,7 @@ Weather any_weather(Random& random) {
 
 /// Height of the tree line in degrees for each azimuth, from a few harmonics.
 std::vector<double> tree_line(Random& random) {
-  std::vector<double> height(Panorama::azimuths, random.uniform(7.0, 12.0));
+  std::vector<double> height(Panorama::azimuths, random.uniform(9.0, 15.0));
   for (int n = 1; n <= 24; ++n) {
     const double amplitude = random.normal(4.0 / std::sqrt(n));
     const double phase = random.uniform(0.0, 2.0 * std::numbers::pi);
@@ -33,7 +33,7 @@ std::vector<double> tree_line(Random& random) {
 }
 
 double sky_c(const Weather& weather, double elevation) {
-  return weather.air_c - weather.sky_depth_k * (0.35 + 0.65 * (1.0 - std::exp(-elevation / 15.0)));
+  return weather.air_c - weather.sky_depth_k * (0.25 + 0.75 * (1.0 - std::exp(-elevation / 20.0)));
 }
 
 /// Sky, trees with gaps in the leaves, sunlit ground.

@@ -81,16 +81,19 @@ void add_screens(Panorama& room, Random& random) {
   }
 }
 
-void add_kitchen_machines(Panorama& room, Random& random) {
-  add_spot(room, {any_azimuth(random), random.uniform(3.0, 6.0), -18.0, -14.0}, random.uniform(8.0, 40.0));
-  const double fridge_deg = any_azimuth(random);
-  add_to_patch(room, {fridge_deg, 14.0, -40.0, 12.0}, -random.uniform(0.2, 1.0));
-  add_to_patch(room, {fridge_deg, 8.0, -40.0, -34.0}, random.uniform(3.0, 8.0));
+void add_hot_things(Panorama& room, Random& random) {
   for (int n = random.integer(2, 5); n > 0; --n) {
     const double low_deg = random.uniform(-16.0, -4.0);
     add_spot(room, {any_azimuth(random), random.uniform(1.0, 2.5), low_deg, low_deg + 2.0},
              random.uniform(5.0, 30.0));
   }
+}
+
+void add_kitchen_machines(Panorama& room, Random& random) {
+  add_spot(room, {any_azimuth(random), random.uniform(3.0, 6.0), -18.0, -14.0}, random.uniform(8.0, 40.0));
+  const double fridge_deg = any_azimuth(random);
+  add_to_patch(room, {fridge_deg, 14.0, -40.0, 12.0}, -random.uniform(0.2, 1.0));
+  add_to_patch(room, {fridge_deg, 8.0, -40.0, -34.0}, random.uniform(3.0, 8.0));
 }
 
 Panorama furnished_room(Random& random, double texture_k, int fewest_pieces, int most_pieces) {
@@ -114,6 +117,7 @@ Panorama laboratory_scene(Random& random) {
 
 Panorama dining_scene(Random& random) {
   Panorama room = furnished_room(random, 0.35, 12, 20);
+  add_hot_things(room, random);
   add_people(room, random, 1, 5);
   return room;
 }
@@ -121,6 +125,7 @@ Panorama dining_scene(Random& random) {
 Panorama kitchen_scene(Random& random) {
   Panorama room = furnished_room(random, 0.40, 12, 20);
   add_kitchen_machines(room, random);
+  add_hot_things(room, random);
   add_people(room, random, 0, 2);
   return room;
 }
