@@ -118,18 +118,19 @@ void visit_servo(Visitor& visitor, ServoProfile& servo) {
   constexpr double pulse_min_us = SERVO_LIMIT_PULSE_MIN_US;
   constexpr double pulse_max_us = SERVO_LIMIT_PULSE_MAX_US;
   constexpr double rate_max_dps = SERVO_LIMIT_RATE_CDPS / 100.0;
+  constexpr double span_max = SERVO_LIMIT_SPAN / 100.0;
   visit_link(visitor, servo.link);
   visitor.text("model", servo.model, "free text");
   visitor.choice("kind", servo.kind, {"positional", "continuous"}, "positional or continuous");
-  visitor.number("travel_deg", servo.travel_deg, 1.0, 100'000.0,
+  visitor.number("travel_deg", servo.travel_deg, 2.0, span_max,
                  "positional: angle from shortest to longest pulse");
-  visitor.number("full_rate_dps", servo.full_rate_dps, 0.0, 10'000.0,
+  visitor.number("full_rate_dps", servo.full_rate_dps, 0.0, span_max / 2.0,
                  "continuous: speed at the longest pulse");
   visitor.number("pulse_min_us", servo.pulse_min_us, pulse_min_us, pulse_max_us, "shortest pulse");
   visitor.number("pulse_max_us", servo.pulse_max_us, pulse_min_us, pulse_max_us, "longest pulse");
   visitor.number("max_rate_dps", servo.max_rate_dps, 0.1, rate_max_dps, "never commanded beyond");
-  visitor.number("acceleration_dps2", servo.acceleration_dps2, 1.0, SERVO_LIMIT_ACCELERATION_DPS2,
-                 "of every ramp");
+  visitor.number("acceleration_dps2", servo.acceleration_dps2, SERVO_LIMIT_ACCELERATION_MIN_DPS2,
+                 SERVO_LIMIT_ACCELERATION_DPS2, "of every ramp");
   visitor.number("stop_margin_deg", servo.stop_margin_deg, 0.0, 1000.0, "kept from either end of the travel");
   visitor.number("settle_s", servo.settle_s, 0.0, 10.0, "after a change of speed, until the shaft follows");
 }
@@ -142,7 +143,7 @@ void check_consistency(const RigProfile& profile, const TomlTable& gyro, const T
   if (s.kind == ServoKind::continuous && s.full_rate_dps <= 0.0)
     servo.refuse("kind", "a continuous servo needs full_rate_dps",
                  "its speed at the longest pulse, e.g. 250");
-  if (s.kind == ServoKind::positional && 2.0 * s.stop_margin_deg >= s.travel_deg)
+  if (s.kind == ServoKind::positional && s.travel_deg - 2.0 * s.stop_margin_deg < 1.0)
     servo.refuse("stop_margin_deg", "the margins leave no travel",
                  "stop_margin_deg below half of travel_deg");
 }

@@ -32,7 +32,7 @@ class ServoCommander {
   explicit ServoCommander(const ServoProfile& servo, const CommanderTimes& times = {});
 
   // Commands wait in a queue; each is sent when the one before was acknowledged.
-  void greet();  // hello, then configure; forgets everything queued
+  void greet();  // hello, disarm, configure; forgets everything queued
   void arm(double angle_deg);
   void disarm();
   void halt();
@@ -42,7 +42,7 @@ class ServoCommander {
   /// Raw stop byte ahead of everything; forgets the queue. From here on refusals are only noted.
   void stop();
 
-  /// Forgets what is queued or in flight.
+  /// Forgets what is queued; a command that was sent already is still brought to its end.
   void clear();
 
   /// Bytes to write now; empty if there is nothing to say. Call every 10 ms or so. Throws Error:
@@ -107,6 +107,7 @@ class ServoCommander {
   std::deque<SentPing> pings_;
   bool latency_timer_ = false;
   std::uint64_t retries_ = 0;
+  int configure_tries_ = 0;
 };
 
 }  // namespace thermorig::rig

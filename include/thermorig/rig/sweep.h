@@ -76,6 +76,8 @@ class SweepWalker {
   struct Leg {
     std::uint16_t number = 0;
     bool turn_back = false;
+    double run_rate_dps = 0.0;
+    bool acknowledged = false;
     HostTime run_ends{};                   // of the RUN command that was sent last
     std::optional<HostTime> first_seen{};  // modelled time of the first telemetry with this number
     LegRecord record;
@@ -85,12 +87,15 @@ class SweepWalker {
   void next_leg(HostTime now);
   void begin_leg(HostTime now);
   void send_run(HostTime now);
+  void note_leg_start(HostTime acknowledged);
   void end_leg(HostTime now, bool complete);
+  void halt(HostTime now);
   void trouble(HostTime now, const std::string& what);
   void tick_greeting(HostTime now);
   void tick_transit(HostTime now);
   void tick_leg(HostTime now);
   void tick_recovering(HostTime now);
+  void resume(HostTime now);
   void tick_halting(HostTime now);
   void tick_stopping(HostTime now);
   bool watch_for_trouble(HostTime now);
@@ -98,9 +103,12 @@ class SweepWalker {
   bool servo_at_rest() const;
   double frame_rate_hz() const;
   double leg_duration_s(int frames) const;
-  double start_angle_deg(double rate_dps) const;
-  bool fits_from_here(double rate_dps) const;
-  double rate_dps() const;
+  double travel_deg(double rate) const;
+  double start_angle_deg(double rate) const;
+  bool fits_from_here(double rate) const;
+  double arm_angle_deg() const;
+  double remaining_s(HostTime now) const;
+  double rate_dps() const;  // of the current step
 
   SweepPlan plan_;
   ServoProfile servo_;
@@ -120,6 +128,10 @@ class SweepWalker {
   std::vector<double> frame_gaps_s_;  // the latest ones, for the rate
   int stop_tries_ = 0;
   bool disarm_sent_ = false;
+  bool rearm_sent_ = false;
+  HostTime armed_since_{};
+  SweepPhase resume_ = SweepPhase::leg;  // after recovering
+  double driven_angle_deg_ = 0.0;        // commanded last while it was armed
   bool plan_complete_ = false;
   bool at_rest_ = false;
   std::vector<RecordingEvent> events_;

@@ -1,0 +1,99 @@
+// SPDX-License-Identifier: MIT
+// Sums of the sweep: how long, how far, from where, and what is left.
+#include <algorithm>
+#include <cmath>
+
+#include "thermorig/rig/sweep.h"
+
+namespace thermorig::rig {
+
+namespace {
+
+constexpr std::size_t gaps_needed = 7;  // frame intervals before the measured rate replaces the nominal one
+constexpr double angle_tolerance_deg = 0.05;
+
+double sign_of(double value) {
+  return value < 0.0 ? -1.0 : 1.0;
+}
+
+}  // namespace
+
+double SweepWalker::rate_dps() const {
+  return step_ < plan_.leg_rates_dps.size() ? plan_.leg_rates_dps[step_] : 0.0;
+}
+
+double SweepWalker::frame_rate_hz() const {
+  if (frame_gaps_s_.size() < gaps_needed) return nominal_frame_rate_hz_;
+  std::vector<double> gaps = frame_gaps_s_;
+  std::nth_element(gaps.begin(), gaps.begin() + gaps.size() / 2, gaps.end());
+  return 1.0 / gaps[gaps.size() / 2];
+}
+
+double SweepWalker::leg_duration_s(int frames) const {
+  return (frames + 0.5) / frame_rate_hz() + 0.1;
+}
+
+double SweepWalker::travel_deg(double rate) const {
+  return leg_travel_deg(rate, plan_.frames_per_leg, frame_rate_hz(), servo_.acceleration_dps2);
+}
+
+double SweepWalker::start_angle_deg(double rate) const {
+  const double limit_deg = angle_limit_deg(servo_).value_or(0.0);
+  return -sign_of(rate) * std::min(travel_deg(rate) / 2.0, limit_deg);
+}
+
+bool SweepWalker::fits_from_here(double rate) const {
+  const auto limit_deg = angle_limit_deg(servo_);
+  if (!limit_deg || !last_telemetry_) return true;
+  const double way_deg = std::min(travel_deg(rate), 2.0 * *limit_deg);
+  return sign_of(rate) * last_telemetry_->state.angle_deg + way_deg <= *limit_deg + angle_tolerance_deg;
+}
+
+// Where the shaft is, as far as anybody knows: so that the first pulse moves nothing.
+double SweepWalker::arm_angle_deg() const {
+  const double limit_deg = angle_limit_deg(servo_).value_or(0.0);
+  return std::clamp(driven_angle_deg_, -limit_deg, limit_deg);
+}
+
+bool SweepWalker::servo_at_rest() const {
+  if (!last_telemetry_) return false;
+  const ServoState& state = last_telemetry_->state;
+  const bool still = state.motion == ServoMotion::holding || state.motion == ServoMotion::disarmed;
+  return still && state.rate_dps == 0.0;
+}
+
+SweepProgress SweepWalker::progress(HostTime now) const {
+  SweepProgress progress;
+  progress.phase = phase_;
+  progress.leg_count = static_cast<int>(plan_.leg_rates_dps.size());
+  progress.leg = std::min(static_cast<int>(step_) + 1, progress.leg_count);
+  if (phase_ == SweepPhase::waiting || phase_ == SweepPhase::greeting || phase_ == SweepPhase::opening_rest)
+    progress.leg = 0;
+  progress.rate_dps = phase_ == SweepPhase::leg ? rate_dps() : 0.0;
+  progress.frames = phase_ == SweepPhase::leg ? leg_.record.frames : 0;
+  progress.frames_per_leg = plan_.frames_per_leg;
+  progress.repeated = repeated_;
+  progress.eta_s = remaining_s(now);
+  const double whole_s = plan_duration_s(plan_, servo_, frame_rate_hz());
+  progress.done_share =
+      phase_ == SweepPhase::done ? 1.0 : std::clamp(1.0 - progress.eta_s / whole_s, 0.0, 1.0);
+  return progress;
+}
+
+// The plan from the current step on, without what has passed of the current phase.
+double SweepWalker::remaining_s(HostTime now) const {
+  if (phase_ == SweepPhase::done || phase_ == SweepPhase::stopping) return 0.0;
+  SweepPlan rest = plan_;
+  rest.leg_rates_dps.erase(rest.leg_rates_dps.begin(),
+                           rest.leg_rates_dps.begin() + static_cast<std::ptrdiff_t>(step_));
+  double passed_s = 0.0;
+  const double phase_s = to_s(now - phase_begin_);
+  if (phase_ == SweepPhase::opening_rest) passed_s = std::min(phase_s, plan_.opening_rest_s);
+  if (phase_ == SweepPhase::closing_rest) passed_s = std::min(phase_s, plan_.closing_rest_s);
+  if (phase_ == SweepPhase::leg) passed_s = leg_duration_s(leg_.record.frames);
+  if (phase_ > SweepPhase::opening_rest) rest.opening_rest_s = 0.0;
+  if (phase_ == SweepPhase::halting) rest.closing_rest_s = 0.0;
+  return std::max(0.0, plan_duration_s(rest, servo_, frame_rate_hz()) - passed_s);
+}
+
+}  // namespace thermorig::rig
