@@ -130,10 +130,9 @@ nlohmann::json header_json(const RecordingHeader& header) {
 }  // namespace
 
 std::string text_of(const std::filesystem::path& path, const Session& session, const Quality& quality) {
-  std::string text =
-      heading(path, session, quality) + "\n" + stream_table(quality) + "\n" + frames_text(quality);
-  if (!quality.speeds.empty()) text += "\n" + speed_table(quality);
-  return text + "\n" + verdict_text(quality);
+  const std::string speeds = quality.speeds.empty() ? "" : fmt::format("\n{}", speed_table(quality));
+  return fmt::format("{}\n{}\n{}{}\n{}", heading(path, session, quality), stream_table(quality),
+                     frames_text(quality), speeds, verdict_text(quality));
 }
 
 nlohmann::json json_of(const std::filesystem::path& path, const Session& session, const Quality& quality) {

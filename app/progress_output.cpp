@@ -29,7 +29,7 @@ std::string device_line(Device device, const DeviceHealth& health) {
 std::string bar(double share) {
   constexpr int width = 20;
   const int full = std::clamp(static_cast<int>(share * width), 0, width);
-  return "[" + std::string(full, '#') + std::string(width - full, '.') + "]";
+  return fmt::format("[{:#<{}}{:.<{}}]", "", full, "", width - full);
 }
 
 std::string leg_text(const SweepProgress& sweep) {
@@ -168,8 +168,8 @@ void ProgressOutput::show(const RecordingProgress& progress) {
 std::vector<std::string> status_lines(const RecordingProgress& progress) {
   std::vector<std::string> lines;
   for (Device device : all_devices) lines.push_back(device_line(device, progress.health[device]));
-  lines.push_back(bar(progress.sweep.done_share) + " " + left_text(progress.sweep) + "  " +
-                  leg_text(progress.sweep));
+  lines.push_back(fmt::format("{} {}  {}", bar(progress.sweep.done_share), left_text(progress.sweep),
+                              leg_text(progress.sweep)));
   return lines;
 }
 

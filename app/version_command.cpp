@@ -7,7 +7,7 @@
 #include "build_information.h"
 #include "commands.h"
 #include "output.h"
-#include "simulated_rig.h"
+#include "thermorig/simulated_ports/simulated_ports.h"
 
 namespace thermorig::app {
 
@@ -36,7 +36,7 @@ nlohmann::json libraries() {
 }  // namespace
 
 ExitCode run(const VersionOptions& options) {
-  const std::string firmware = simulated_firmware();
+  const std::string firmware = make_firmware(FirmwareChoice::avr_image)->description();
   if (options.json) {
     print_json({{"version", build::version},
                 {"git", build::git},
@@ -49,11 +49,12 @@ ExitCode run(const VersionOptions& options) {
   }
   fmt::print("thermorig {} ({})\n", build::version, build::git);
   fmt::print("compiler   {}, {}\n", compiler(), build::build_type);
+  const nlohmann::json used = libraries();
   std::string list;
-  for (const auto& [name, version] : libraries().items())
+  for (const auto& [name, version] : used.items())
     list += (list.empty() ? "" : ", ") + name + " " + version.get<std::string>();
   fmt::print("libraries  {}\n", list);
-  fmt::print("firmware   the simulated rig's ports run the {}\n", firmware);
+  fmt::print("firmware   the simulated ports run the {}\n", firmware);
   return ExitCode::ok;
 }
 

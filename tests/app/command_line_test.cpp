@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: MIT
+#include <gmock/gmock.h>
+
+#include "program.h"
+
+namespace thermorig::tests {
+namespace {
+
+using ::testing::HasSubstr;
+
+class CommandLine : public ProgramTest {};
+
+TEST_F(CommandLine, GivesHelpWithAnExampleForEveryCommand) {
+  for (const char* command : {"ports", "simulate", "record", "inspect", "recover", "reprocess", "decode"}) {
+    const Outcome outcome = run(std::string(command) + " --help");
+    EXPECT_EQ(outcome.code, 0) << command;
+    EXPECT_THAT(outcome.out, HasSubstr("Example")) << command;
+    EXPECT_THAT(outcome.out, HasSubstr(std::string("thermorig ") + command)) << command;
+    EXPECT_EQ(outcome.err, "") << command;
+  }
+}
+
+TEST_F(CommandLine, SaysThatACommandIsMissing) {
+  const Outcome outcome = run("");
+  EXPECT_EQ(outcome.code, 2);
+  EXPECT_EQ(outcome.err, "thermorig: a command is missing\n  try: thermorig --help\n");
+}
+
+TEST_F(CommandLine, NamesTheWordThatItDoesNotKnow) {
+  const Outcome outcome = run("record --environment garden --simulatd");
+  EXPECT_EQ(outcome.code, 2);
+  EXPECT_THAT(outcome.err, HasSubstr("--simulatd"));
+  EXPECT_THAT(outcome.err, HasSubstr("try: thermorig record --help"));
+}
+
+TEST_F(CommandLine, RefusesASeedThatIsNoNumber) {
+  for (const char* seed : {"=abc", "=-1", "=1.5", "=99999999999999999999999"}) {
+    const Outcome outcome = run(std::string("record --environment garden --fast --simulated") + seed);
+    EXPECT_EQ(outcome.code, 2) << seed;
+    EXPECT_THAT(outcome.err, HasSubstr("seed")) << seed;
+  }
+}
+
+TEST_F(CommandLine, TellsAnErrorAsJsonTooWhereJsonIsAskedFor) {
+  const Outcome outcome = run("record --json --environment a/b --simulated --fast");
+  ASSERT_EQ(outcome.code, 2);
+  const auto lines = outcome.lines();
+  ASSERT_EQ(lines.size(), 1U);
+  EXPECT_EQ(lines[0]["event"], "error");
+  EXPECT_EQ(lines[0]["exit_code"], 2);
+}
+
+TEST_F(CommandLine, NamesVersionCommitCompilerAndLibraries) {
+  EXPECT_THAT(run("--version").out, HasSubstr("thermorig "));
+  const Outcome outcome = run("--version --json");
+  ASSERT_EQ(outcome.code, 0);
+  const auto lines = outcome.lines();
+  ASSERT_EQ(lines.size(), 1U);
+  for (const char* key : {"version", "git", "compiler", "libraries", "avr_image"})
+    EXPECT_TRUE(lines[0].contains(key)) << key;
+  EXPECT_NE(lines[0]["libraries"]["HDF5"], "");
+}
+
+TEST_F(CommandLine, FailsWhenItsOutputCannotBeWritten) {
+  const Outcome outcome = run("--version --json >/dev/full; echo $? >code.txt; cat code.txt");
+  EXPECT_THAT(outcome.out, HasSubstr("7"));
+}
+
+}  // namespace
+}  // namespace thermorig::tests
