@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: MIT
+#include <cmath>
+
+#include "scanner_fuzz.h"
+
+namespace {
+
+void require_finite(const thermorig::wire::TextGyroScanner& fresh, thermorig::test::ByteSpan input) {
+  thermorig::wire::TextGyroScanner scanner = fresh;
+  std::vector<thermorig::wire::GyroMessage> messages;
+  scanner.push(input, messages);
+  for (const auto& message : messages)
+    for (const float rate_dps : message.reading.rate_dps)
+      thermorig::test::require(std::isfinite(rate_dps), "rates are finite");
+}
+
+}  // namespace
+
+/// Any text or bytes, with and without a prefix, device time and scale.
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  using namespace thermorig;
+  const test::ByteSpan input(data, size);
+  TextColumns timed;
+  timed.prefix = "a/g:";
+  timed.rate = {3, 4, -1};
+  timed.scale_dps = 1.0 / 131.0;
+  timed.time = 0;
+  for (const TextColumns& columns : {TextColumns{}, timed}) {
+    const wire::TextGyroScanner scanner(columns);
+    test::fuzz_scanner<wire::GyroMessage>(scanner, input, 257);
+    require_finite(scanner, input);
+  }
+  return 0;
+}

@@ -1,0 +1,191 @@
+// SPDX-License-Identifier: MIT
+#include "thermorig/wire/camera_scanner.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "camera_stream.h"
+#include "support/captures.h"
+
+namespace thermorig::test {
+namespace {
+
+constexpr std::size_t frame_size = wire::camera_frame_bytes;
+
+TEST(CameraScanner, FindsEveryFrameOfARealRecordingInAnyChunking) {
+  const auto bytes = read_capture("gy_mcu90640_serial/roasted-duck.bin");
+  if (!bytes) GTEST_SKIP() << "no captures in " << captures_folder();
+  const auto scan = scan_camera(*bytes);
+  EXPECT_EQ(scan.messages.size(), 128U);
+  EXPECT_EQ(scan.counters.messages, 128U);
+  EXPECT_EQ(scan.counters.bytes_in_messages, 128U * frame_size);
+  EXPECT_EQ(scan.counters.bad_checksum + scan.counters.bad_length + scan.counters.resyncs, 0U);
+  for (const auto& message : scan.messages) {
+    EXPECT_THAT(message.frame.temp_c, testing::Each(testing::AllOf(testing::Gt(-40), testing::Lt(300))));
+    EXPECT_NEAR(message.frame.sensor_temp_c, 29.0F, 2.0F);  // still warming up
+  }
+}
+
+TEST(CameraScanner, EncodesARealFrameBackToItsBytes) {
+  const auto bytes = read_capture("gy_mcu90640_serial/roasted-duck.bin");
+  if (!bytes) GTEST_SKIP() << "no captures in " << captures_folder();
+  ByteVector encoded;
+  for (const auto& message : scan_camera(*bytes).messages) append(encoded, wire::camera_frame(message.frame));
+  EXPECT_EQ(encoded, *bytes);
+}
+
+TEST(CameraScanner, ReadsNegativeTemperatures) {
+  const auto scan = scan_camera(camera_stream({uniform_frame(-9.61F), uniform_frame(-327.68F)}));
+  ASSERT_EQ(scan.messages.size(), 2U);
+  EXPECT_FLOAT_EQ(scan.messages[0].frame.temp_c[0], -9.61F);
+  EXPECT_FLOAT_EQ(scan.messages[0].frame.sensor_temp_c, -9.61F);
+  EXPECT_FLOAT_EQ(scan.messages[1].frame.temp_c[767], -327.68F);
+}
+
+TEST(CameraScanner, TellsWhereEachFrameStands) {
+  ByteVector bytes{1, 2, 3};
+  append(bytes, camera_stream({frame_of_noise(1), frame_of_noise(2)}));
+  const auto scan = scan_camera(bytes);
+  ASSERT_EQ(scan.messages.size(), 2U);
+  EXPECT_EQ(scan.messages[0].span, (StreamSpan{3, 3 + frame_size}));
+  EXPECT_EQ(scan.messages[1].span, (StreamSpan{3 + frame_size, 3 + 2 * frame_size}));
+  EXPECT_TRUE(scan.messages[0].resync_before);
+  EXPECT_FALSE(scan.messages[1].resync_before);
+  EXPECT_EQ(scan.counters.bytes_skipped, 3U);
+  EXPECT_EQ(scan.counters.resyncs, 1U);
+}
+
+TEST(CameraScanner, KeepsAnUnfinishedFramePending) {
+  ByteVector bytes = camera_stream({frame_of_noise(1)});
+  bytes.pop_back();
+  const auto scan = scan_camera(bytes);
+  EXPECT_TRUE(scan.messages.empty());
+  EXPECT_EQ(scan.counters.bytes_pending, frame_size - 1);
+}
+
+TEST(CameraScanner, IsNotFooledByPixelsThatLookLikeAHeader) {
+  // 231.30 degC is 5A5A, 15.38 degC is 0602: a header at every second pixel.
+  ThermalFrame frame;
+  for (std::size_t i = 0; i < frame_pixels; ++i) frame.temp_c[i] = i % 2 == 0 ? 231.30F : 15.38F;
+  frame.sensor_temp_c = 231.30F;
+  const auto scan = scan_camera(camera_stream({frame, uniform_frame(231.30F), frame}));
+  ASSERT_EQ(scan.messages.size(), 3U);
+  EXPECT_TRUE(same_frame(scan.messages[2].frame, frame));
+  EXPECT_EQ(scan.counters.bad_checksum + scan.counters.bad_length + scan.counters.replies, 0U);
+}
+
+TEST(CameraScanner, FindsTheNextFrameAfterOneOfHeaderLikePixelsIsCutShort) {
+  ByteVector bytes = camera_stream({uniform_frame(231.30F)});
+  bytes.resize(777);  // an odd number: the sync bytes that are left straddle two pixels
+  append(bytes, camera_stream({frame_of_noise(1), frame_of_noise(2), frame_of_noise(3)}));
+  const auto scan = scan_camera(bytes);
+  ASSERT_EQ(scan.messages.size(), 3U);
+  EXPECT_TRUE(same_frame(scan.messages[0].frame, frame_of_noise(1)));
+  EXPECT_TRUE(scan.messages[0].resync_before);
+  EXPECT_EQ(scan.counters.bytes_in_damaged, 777U);
+  EXPECT_EQ(scan.counters.bytes_skipped, 0U);
+  EXPECT_EQ(scan.counters.bad_checksum, 1U);
+}
+
+TEST(CameraScanner, CountsRepliesBetweenFrames) {
+  ByteVector bytes = camera_stream({frame_of_noise(1)});
+  append(bytes, wire::camera_emissivity_reply(95));
+  append(bytes, camera_stream({frame_of_noise(2)}));
+  append(bytes, wire::camera_emissivity_reply(90));  // its emissivity is the sync byte
+  append(bytes, camera_stream({frame_of_noise(3)}));
+  const auto scan = scan_camera(bytes);
+  EXPECT_EQ(scan.messages.size(), 3U);
+  EXPECT_EQ(scan.counters.replies, 2U);
+  EXPECT_EQ(scan.counters.bytes_in_messages, bytes.size());
+  EXPECT_FALSE(scan.messages[1].resync_before);
+  EXPECT_FALSE(scan.messages[2].resync_before);
+}
+
+TEST(CameraScanner, RejectsTheFramesOfASinglePixelSensor) {
+  // GY-MCU90614: 5A 5A 45 04, two temperatures, sum; the same sync bytes, another length.
+  ByteVector bytes;
+  for (int i = 0; i < 20; ++i)
+    append(bytes, ByteVector{0x5A, 0x5A, 0x45, 0x04, 0x0C, 0x80, 0x0B, 0xB8, 0x4C});
+  const auto scan = scan_camera(bytes);
+  EXPECT_TRUE(scan.messages.empty());
+  EXPECT_EQ(scan.counters.bad_length, 20U);
+  EXPECT_EQ(scan.counters.replies, 0U);
+  EXPECT_EQ(scan.counters.bytes_skipped, bytes.size());
+}
+
+TEST(CameraScanner, CountsAWrongLengthAndFindsTheNextFrame) {
+  ByteVector bytes = camera_stream({frame_of_noise(1, 2000, 3000)});
+  bytes[2] = 0x00;
+  append(bytes, camera_stream({frame_of_noise(2)}));
+  const auto scan = scan_camera(bytes);
+  ASSERT_EQ(scan.messages.size(), 1U);
+  EXPECT_TRUE(same_frame(scan.messages[0].frame, frame_of_noise(2)));
+  EXPECT_EQ(scan.counters.bad_length, 1U);
+  EXPECT_EQ(scan.counters.bytes_skipped, frame_size);
+}
+
+TEST(CameraScanner, SkipsSyncBytesBeforeAHeader) {
+  ByteVector bytes{0x5A};
+  append(bytes, camera_stream({frame_of_noise(1)}));
+  append(bytes, ByteVector{0x5A, 0x5A});
+  append(bytes, camera_stream({frame_of_noise(2)}));
+  const auto scan = scan_camera(bytes);
+  EXPECT_EQ(scan.messages.size(), 2U);
+  EXPECT_EQ(scan.counters.bytes_skipped, 3U);
+  EXPECT_EQ(scan.counters.bad_length, 0U);
+}
+
+TEST(CameraScanner, RejectsAFrameWithAnyBitFlipped) {
+  const ByteVector good = camera_stream({frame_of_noise(1)});
+  for (std::size_t bit = 0; bit < 8 * frame_size; bit += 7) {
+    ByteVector bytes = good;
+    bytes[bit / 8] ^= static_cast<std::uint8_t>(1U << (bit % 8));
+    wire::CameraScanner scanner;
+    std::vector<wire::CameraMessage> messages;
+    scanner.push(bytes, messages);
+    EXPECT_TRUE(messages.empty()) << "bit " << bit;
+  }
+}
+
+TEST(CameraScanner, KeepsNoMoreThanOneFrameOfNoise) {
+  // Headers all over: each is a candidate that has to wait for its 1544 bytes.
+  ByteVector bytes;
+  for (int i = 0; i < 5000; ++i) append(bytes, ByteVector{0x5A, 0x5A, 0x02, 0x06});
+  const auto scan = scan_camera(bytes);
+  EXPECT_TRUE(scan.messages.empty());
+  EXPECT_LT(scan.counters.bytes_pending, frame_size);
+  EXPECT_GT(scan.counters.bad_checksum, 1000U);
+}
+
+TEST(CameraScanner, AcceptsAByteSumOnlyWhereTheProfileSaysSo) {
+  ByteVector bytes = camera_stream({frame_of_noise(1)});
+  unsigned sum = 0;
+  for (std::size_t i = 0; i < frame_size - 2; ++i) sum += bytes[i];
+  bytes[frame_size - 2] = static_cast<std::uint8_t>(sum & 0xFFU);
+  bytes[frame_size - 1] = static_cast<std::uint8_t>((sum >> 8U) & 0xFFU);
+  EXPECT_EQ(scan_camera(bytes, ChecksumPolicy::byte).messages.size(), 1U);
+  EXPECT_EQ(scan_camera(bytes, ChecksumPolicy::word).messages.size(), 0U);
+}
+
+TEST(CameraScanner, WithoutAChecksumNeedsTheNextHeaderInItsPlace) {
+  ByteVector bytes = camera_stream({frame_of_noise(1), frame_of_noise(2), frame_of_noise(3)});
+  for (std::size_t i = 1; i <= 3; ++i) bytes[i * frame_size - 1] ^= 0xFFU;
+  const auto scan = scan_camera(bytes, ChecksumPolicy::ignore);
+  EXPECT_EQ(scan.messages.size(), 2U);
+  EXPECT_EQ(scan.counters.bytes_pending, frame_size);
+
+  bytes.erase(bytes.begin() + 100);  // the first frame is a byte short
+  const auto shifted = scan_camera(bytes, ChecksumPolicy::ignore);
+  ASSERT_EQ(shifted.messages.size(), 1U);
+  EXPECT_TRUE(same_frame(shifted.messages[0].frame, frame_of_noise(2)));
+  EXPECT_EQ(shifted.counters.bad_checksum, 1U);
+}
+
+TEST(CameraScanner, WithoutAChecksumAReplyBehindAFrameVouchesForItToo) {
+  ByteVector bytes = camera_stream({frame_of_noise(1)});
+  append(bytes, wire::camera_emissivity_reply(95));
+  EXPECT_EQ(scan_camera(bytes, ChecksumPolicy::ignore).messages.size(), 1U);
+}
+
+}  // namespace
+}  // namespace thermorig::test

@@ -1,0 +1,164 @@
+// SPDX-License-Identifier: MIT
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <string>
+
+#include "scan.h"
+#include "support/captures.h"
+#include "thermorig/wire/gyro_scanner.h"
+
+namespace thermorig::test {
+namespace {
+
+using wire::GyroMessage;
+
+ByteVector bytes_of(const std::string& text) {
+  return {text.begin(), text.end()};
+}
+
+Scan<GyroMessage> scan_text(const std::string& text, const TextColumns& columns = {}) {
+  return scan_any_chunking<GyroMessage>(wire::TextGyroScanner(columns), bytes_of(text));
+}
+
+/// The columns of i2cdevlib's "a/g:" lines: acceleration first, then rates in counts of 1/131 deg/s.
+TextColumns i2cdevlib_columns() {
+  TextColumns columns;
+  columns.prefix = "a/g:";
+  columns.rate = {3, 4, 5};
+  columns.scale_dps = 1.0 / 131.0;
+  return columns;
+}
+
+TEST(TextGyroScanner, ReadsRawCountsOfI2cdevlib) {
+  const auto scan = scan_text("a/g:\t-104\t52\t16500\t131\t-262\t32767\r\n", i2cdevlib_columns());
+  ASSERT_EQ(scan.messages.size(), 1U);
+  const GyroReading& reading = scan.messages[0].reading;
+  EXPECT_FLOAT_EQ(reading.rate_dps[0], 1.0F);
+  EXPECT_FLOAT_EQ(reading.rate_dps[1], -2.0F);
+  EXPECT_EQ(reading.counts, (std::array<std::int16_t, 3>{131, -262, 32767}));
+  EXPECT_TRUE(reading.saturated);
+  EXPECT_FALSE(reading.temp_c.has_value());
+}
+
+TEST(TextGyroScanner, IgnoresBannersWithoutCallingThemALoss) {
+  const std::string banner = "MPU6050 connection successful\r\n\r\n";
+  const std::string sample = "a/g:\t1\t2\t3\t4\t5\t6\r\n";
+  const auto scan = scan_text(banner + sample + banner + sample, i2cdevlib_columns());
+  ASSERT_EQ(scan.messages.size(), 2U);
+  EXPECT_FALSE(scan.messages[1].lost_before);
+  EXPECT_EQ(scan.counters.bytes_skipped, 2 * banner.size());
+  EXPECT_EQ(scan.counters.bad_value, 0U);
+  EXPECT_EQ(scan.counters.resyncs, 0U);
+}
+
+TEST(TextGyroScanner, SpansALineWithItsLineEnd) {
+  const auto scan = scan_text("x\n1,2,3\r\n4,5,6\n");
+  ASSERT_EQ(scan.messages.size(), 2U);
+  EXPECT_EQ(scan.messages[0].span, (StreamSpan{2, 9}));
+  EXPECT_EQ(scan.messages[1].span, (StreamSpan{9, 15}));
+}
+
+TEST(TextGyroScanner, ReadsDeviceTimeInItsUnit) {
+  TextColumns columns;
+  columns.rate = {1, 2, 3};
+  columns.time = 0;
+  const auto milliseconds = scan_text("x\n12.5,1,2,3\n", columns);
+  ASSERT_EQ(milliseconds.messages.size(), 1U);
+  EXPECT_EQ(milliseconds.messages[0].reading.device_time_us, 12500);
+  columns.time_unit_s = 1.0;
+  const auto seconds = scan_text("x\n-0.25,1,2,3\n", columns);
+  ASSERT_EQ(seconds.messages.size(), 1U);
+  EXPECT_EQ(seconds.messages[0].reading.device_time_us, -250000);
+}
+
+TEST(TextGyroScanner, CountsALineWhoseDeviceTimeCannotBe) {
+  TextColumns columns;
+  columns.rate = {1, 2, 3};
+  columns.time = 0;
+  const auto scan = scan_text("x\n1e300,1,2,3\nnan,1,2,3\n,1,2,3\n5,1,2,3\n", columns);
+  EXPECT_EQ(scan.messages.size(), 1U);
+  EXPECT_EQ(scan.counters.bad_value, 3U);
+}
+
+TEST(TextGyroScanner, CountsAValueThatIsNoRateOnceItIsScaled) {
+  TextColumns columns;
+  columns.scale_dps = 1e30;
+  const auto scan = scan_text("x\n1e30,0,0\n1,0,0\n", columns);
+  EXPECT_EQ(scan.messages.size(), 1U);
+  EXPECT_EQ(scan.counters.bad_value, 1U);
+  EXPECT_TRUE(scan.messages[0].lost_before);
+}
+
+TEST(TextGyroScanner, KeepsCountsOnlyWhereAllOfThemAreWholeNumbersOf16Bits) {
+  const auto scan = scan_text("x\n1,2,3.5\n1,2,40000\n-32768,0,0\n");
+  ASSERT_EQ(scan.messages.size(), 3U);
+  EXPECT_EQ(scan.messages[0].reading.counts, (std::array<std::int16_t, 3>{0, 0, 0}));
+  EXPECT_EQ(scan.messages[1].reading.counts, (std::array<std::int16_t, 3>{0, 0, 0}));
+  EXPECT_FALSE(scan.messages[1].reading.saturated);
+  EXPECT_EQ(scan.messages[2].reading.counts[0], -32768);
+  EXPECT_TRUE(scan.messages[2].reading.saturated);
+}
+
+TEST(TextGyroScanner, RejectsALineThatSwallowedItsNeighbour) {
+  const auto scan = scan_text("x\n1,2,3\n4,5,67,8,9\n10,11,12\n13,14,15\n");
+  ASSERT_EQ(scan.messages.size(), 3U);
+  EXPECT_EQ(scan.messages[1].reading.rate_dps[0], 10.0F);
+  EXPECT_TRUE(scan.messages[1].lost_before);
+  EXPECT_EQ(scan.counters.bad_value, 1U);
+}
+
+TEST(TextGyroScanner, FollowsADeviceThatChangesItsNumberOfColumns) {
+  const auto scan = scan_text("x\n1,2,3\n1,2,3,25\n1,2,3,25\n1,2,3,25\n");
+  EXPECT_EQ(scan.messages.size(), 3U);
+  EXPECT_EQ(scan.counters.bad_value, 1U);
+}
+
+TEST(TextGyroScanner, DoesNotTrustAFirstLineThatMayBeATail) {
+  EXPECT_EQ(scan_text("2.5,1,2\n-12.5,1,2\n").messages.size(), 1U);
+  EXPECT_EQ(scan_text("a/g:1 2 3 4 5 6\n", i2cdevlib_columns()).messages.size(), 1U);
+}
+
+TEST(TextGyroScanner, HoldsNoMoreThanOneLine) {
+  const auto scan = scan_text("x\n" + std::string(100000, '7') + "\n1,2,3\n");
+  EXPECT_EQ(scan.messages.size(), 1U);
+  EXPECT_EQ(scan.counters.bad_length, 1U);
+  EXPECT_EQ(scan.counters.resyncs, 1U);
+
+  const auto endless = scan_text(std::string(3000, 'a'), i2cdevlib_columns());
+  EXPECT_EQ(endless.counters.bytes_pending, 0U);
+  EXPECT_EQ(endless.counters.bytes_skipped, 3000U);
+}
+
+TEST(TextGyroScanner, TakesALineOfExactlyTheLongestLength) {
+  const std::string sample = "1,2,3";
+  const std::string padding(256 - sample.size(), ' ');
+  EXPECT_EQ(scan_text("x\n" + sample + padding + "\n").messages.size(), 1U);
+  EXPECT_EQ(scan_text("x\n" + sample + padding + " \n").counters.bad_length, 1U);
+}
+
+TEST(TextGyroScanner, SurvivesBinaryNoise) {
+  for (std::uint64_t seed = 1; seed <= 10; ++seed) {
+    ByteVector bytes = random_bytes(20000, seed);
+    append(bytes, bytes_of("\n1,2,3\n1,2,3\n"));
+    const auto scan = scan_any_chunking<GyroMessage>(wire::TextGyroScanner({}), bytes);
+    EXPECT_GE(scan.messages.size(), 1U);
+    EXPECT_LE(scan.messages.size(), 2U);
+  }
+}
+
+TEST(TextGyroScanner, ReadsARealLogOfAnMpu6050) {
+  const auto bytes = read_capture("mpu6050_usb_serial/set-1_rotate-360ccw-around-z-pointing-up_gyro.csv");
+  if (!bytes) GTEST_SKIP() << "no captures in " << captures_folder();
+  TextColumns columns;
+  columns.rate = {1, 2, 3};
+  columns.time = 0;
+  columns.time_unit_s = 1.0;
+  const auto scan = scan_any_chunking<GyroMessage>(wire::TextGyroScanner(columns), *bytes);
+  const auto lines = static_cast<std::size_t>(std::count(bytes->begin(), bytes->end(), '\n'));
+  EXPECT_EQ(scan.messages.size(), lines - 1);  // the first line names the columns
+  EXPECT_EQ(scan.counters.bad_value, 0U);
+}
+
+}  // namespace
+}  // namespace thermorig::test

@@ -1,0 +1,164 @@
+// SPDX-License-Identifier: MIT
+#include <gtest/gtest.h>
+
+#include <random>
+
+#include "scan.h"
+#include "thermorig/wire/device_bytes.h"
+#include "thermorig/wire/gyro_scanner.h"
+
+namespace thermorig::test {
+namespace {
+
+using wire::GyroMessage;
+using wire::witmotion_packet_bytes;
+
+Scan<GyroMessage> scan_witmotion(ByteSpan bytes) {
+  return scan_any_chunking<GyroMessage>(wire::WitmotionScanner(), bytes);
+}
+
+/// The packet number `index` of a stream: its counts name it.
+ByteVector numbered_packet(int index) {
+  const auto packet = wire::witmotion_gyro_packet(
+      {static_cast<std::int16_t>(index), static_cast<std::int16_t>(-index), 0x5255}, 25.5F);
+  return {packet.begin(), packet.end()};
+}
+
+ByteVector numbered_packets(int first, int last) {
+  ByteVector bytes;
+  for (int i = first; i <= last; ++i) append(bytes, numbered_packet(i));
+  return bytes;
+}
+
+std::vector<int> numbers_of(const Scan<GyroMessage>& scan) {
+  std::vector<int> numbers;
+  for (const GyroMessage& message : scan.messages) numbers.push_back(message.reading.counts[0]);
+  return numbers;
+}
+
+TEST(WitmotionScanner, ConvertsCountsToDegreesPerSecond) {
+  const auto packet = wire::witmotion_gyro_packet({16384, -16384, 1}, -12.34F);
+  ByteVector bytes(packet.begin(), packet.end());
+  append(bytes, packet);
+  const auto scan = scan_witmotion(bytes);
+  ASSERT_EQ(scan.messages.size(), 2U);
+  const GyroReading& reading = scan.messages[0].reading;
+  EXPECT_FLOAT_EQ(reading.rate_dps[0], 1000.0F);
+  EXPECT_FLOAT_EQ(reading.rate_dps[1], -1000.0F);
+  EXPECT_FLOAT_EQ(reading.rate_dps[2], 2000.0F / 32768.0F);
+  ASSERT_TRUE(reading.temp_c.has_value());
+  EXPECT_FLOAT_EQ(*reading.temp_c, -12.34F);
+  EXPECT_FALSE(reading.saturated);
+  EXPECT_FALSE(reading.device_time_us.has_value());
+}
+
+TEST(WitmotionScanner, DeliversBothPacketsThatLockedIt) {
+  const auto scan = scan_witmotion(numbered_packets(1, 2));
+  EXPECT_EQ(numbers_of(scan), (std::vector<int>{1, 2}));
+  EXPECT_EQ(scan.messages[0].span, (StreamSpan{0, 11}));
+  EXPECT_FALSE(scan.messages[0].lost_before);
+}
+
+TEST(WitmotionScanner, FindsItsPlaceWhenItJoinsInsideAPacket) {
+  ByteVector bytes = numbered_packets(1, 4);
+  bytes.erase(bytes.begin(), bytes.begin() + 5);
+  const auto scan = scan_witmotion(bytes);
+  EXPECT_EQ(numbers_of(scan), (std::vector<int>{2, 3, 4}));
+  EXPECT_TRUE(scan.messages[0].lost_before);
+  EXPECT_FALSE(scan.messages[1].lost_before);
+  EXPECT_EQ(scan.counters.bytes_skipped, 6U);
+  EXPECT_EQ(scan.counters.bad_checksum, 0U);
+}
+
+TEST(WitmotionScanner, IsNotFooledByPacketsInsidePackets) {
+  // Every word is a sync byte and the type of a gyro packet.
+  ByteVector bytes;
+  const auto packet = wire::witmotion_packet(0x52, {0x5255, 0x5255, 0x5255, 0x5255});
+  for (int i = 0; i < 10; ++i) append(bytes, packet);
+  for (std::size_t cut = 0; cut < witmotion_packet_bytes; ++cut) {
+    const auto scan = scan_witmotion(ByteSpan(bytes).subspan(cut));
+    EXPECT_EQ(scan.messages.size(), cut == 0 ? 10U : 9U);
+    for (const GyroMessage& message : scan.messages) EXPECT_EQ(message.reading.counts[0], 0x5255);
+  }
+}
+
+TEST(WitmotionScanner, LosesOnlyThePacketWithAFlippedBit) {
+  for (std::size_t bit = 0; bit < 8 * witmotion_packet_bytes; ++bit) {
+    ByteVector bytes = numbered_packets(1, 8);
+    bytes[4 * witmotion_packet_bytes + bit / 8] ^= static_cast<std::uint8_t>(1U << (bit % 8));
+    const auto scan = scan_witmotion(bytes);
+    EXPECT_EQ(numbers_of(scan), (std::vector<int>{1, 2, 3, 4, 6, 7, 8})) << "bit " << bit;
+    ASSERT_GT(scan.messages.size(), 4U);
+    EXPECT_TRUE(scan.messages[4].lost_before);
+    EXPECT_EQ(scan.counters.resyncs, 1U);
+  }
+}
+
+TEST(WitmotionScanner, RecoversBehindLostAndDoubledBytes) {
+  for (std::size_t at = 33; at < 44; ++at) {
+    ByteVector lost = numbered_packets(1, 9);
+    lost.erase(lost.begin() + static_cast<std::ptrdiff_t>(at));
+    EXPECT_EQ(numbers_of(scan_witmotion(lost)), (std::vector<int>{1, 2, 3, 5, 6, 7, 8, 9})) << at;
+
+    ByteVector doubled = numbered_packets(1, 9);
+    doubled.insert(doubled.begin() + static_cast<std::ptrdiff_t>(at), doubled[at]);
+    const auto numbers = numbers_of(scan_witmotion(doubled));
+    const std::vector<int> tail(numbers.end() - 5, numbers.end());
+    EXPECT_EQ(tail, (std::vector<int>{5, 6, 7, 8, 9})) << at;
+  }
+}
+
+TEST(WitmotionScanner, KeepsTheGapInMindAcrossOtherPackets) {
+  ByteVector bytes{0x00};
+  const auto acceleration = wire::witmotion_packet(0x51, {0, 0, 2048, 2500});
+  append(bytes, acceleration);
+  append(bytes, numbered_packet(1));
+  const auto scan = scan_witmotion(bytes);
+  ASSERT_EQ(scan.messages.size(), 1U);
+  EXPECT_TRUE(scan.messages[0].lost_before);
+  EXPECT_EQ(scan.counters.replies, 1U);
+}
+
+TEST(WitmotionScanner, FindsNextToNothingInNoise) {
+  // Two packets in a row: sync, type and sum twice over, less than once in a thousand million bytes.
+  const auto scan = scan_witmotion(random_bytes(200000, 3));
+  EXPECT_TRUE(scan.messages.empty());
+  EXPECT_EQ(scan.counters.bad_checksum, 0U);
+  EXPECT_LT(scan.counters.bytes_pending, 2 * witmotion_packet_bytes);
+}
+
+TEST(WitmotionScanner, GivesEveryPacketThatIsFarEnoughFromDamage) {
+  for (std::uint64_t seed = 1; seed <= 40; ++seed) {
+    std::mt19937_64 random(seed);
+    ByteVector bytes;
+    std::vector<int> expected;
+    for (int burst = 0; burst < 8; ++burst) {
+      append(bytes, random_bytes(random() % 40, random()));
+      append(bytes, numbered_packets(100 * burst, 100 * burst + 9));
+      // Noise ahead of a burst may look like the start of its first packets: those behind must be there.
+      for (int i = 3; i < 9; ++i) expected.push_back(100 * burst + i);
+    }
+    const auto numbers = numbers_of(scan_witmotion(bytes));
+    for (const int number : expected)
+      EXPECT_EQ(std::count(numbers.begin(), numbers.end(), number), 1) << "seed " << seed;
+  }
+}
+
+TEST(GyroScanner, ReadsTheProtocolThatTheProfileNames) {
+  GyroProfile profile;
+  std::vector<GyroMessage> messages;
+  wire::GyroScanner witmotion(profile);
+  witmotion.push(numbered_packets(1, 3), messages);
+  EXPECT_EQ(messages.size(), 3U);
+  EXPECT_EQ(witmotion.counters().messages, 3U);
+
+  profile.protocol = GyroProtocol::text;
+  wire::GyroScanner text(profile);
+  const std::string lines = "start\n1,2,3\n4,5,6\n";
+  text.push({reinterpret_cast<const std::uint8_t*>(lines.data()), lines.size()}, messages);
+  EXPECT_EQ(messages.size(), 5U);
+  EXPECT_EQ(text.counters().messages, 2U);
+}
+
+}  // namespace
+}  // namespace thermorig::test
