@@ -88,8 +88,8 @@ static void start_timers(void) {
   TIMSK2 = _BV(OCIE2A);
   TCCR1A = _BV(WGM11) | _BV(WGM10);
   TCCR2A = _BV(WGM21);
-  TCCR2B = _BV(CS22); /* / 64 */
-  TCCR1B = _BV(WGM13) | _BV(WGM12) | _BV(CS11);
+  TCCR1B = _BV(WGM13) | _BV(WGM12) | _BV(CS11); /* / 8 */
+  TCCR2B = _BV(CS22); /* / 64; after timer 1, so that a period begins before the tick of that instant */
 }
 
 /* In the last tick of a period the pulse has ended, and what is written now holds from the next one on: OCR1B
@@ -167,10 +167,10 @@ int main(void) {
   const uint8_t reset_cause = MCUSR;
   MCUSR = 0;
   wdt_enable(WDTO_250MS);
-  set_sleep_mode(SLEEP_MODE_IDLE);
+  start_timers(); /* first: time counts from the reset */
   servo_init(&the_servo, SERVO_BOARD_ATMEGA328P, reset_cause);
   start_serial();
-  start_timers();
+  set_sleep_mode(SLEEP_MODE_IDLE);
   sei();
   for (;;) {
     receive();
