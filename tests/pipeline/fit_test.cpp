@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: MIT
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+#include "thermorig/pipeline/pipeline.h"
+
+namespace thermorig::pipeline {
+namespace {
+
+TimedFrame frame_at(double t, std::uint16_t even, std::uint16_t odd) {
+  TimedFrame frame;
+  frame.stamp.time = HostTime(from_s(t));
+  frame.fresh_even = even;
+  frame.fresh_odd = odd;
+  return frame;
+}
+
+/// Half-fresh frames every `period_s`, their times seen in steps of `tick_s`, some of them lost.
+Streams half_fresh(int frames, double period_s, double tick_s, unsigned lost_percent) {
+  std::mt19937 random(5);
+  Streams streams;
+  for (int i = 0; i < frames; ++i) {
+    if (random() % 100 < lost_percent) continue;
+    const double t = std::ceil(period_s * i / tick_s) * tick_s;
+    streams.frames.push_back(frame_at(t, i % 2 == 0 ? 380 : 0, i % 2 == 0 ? 0 : 380));
+  }
+  return streams;
+}
+
+TEST(Fit, FindsThePeriodBetweenTheTicksOfALatencyTimer) {
+  const Fits fits = fit(half_fresh(500, 0.12755, 0.016, 0));
+  ASSERT_TRUE(fits.frame_period_s);
+  EXPECT_NEAR(*fits.frame_period_s, 0.12755, 0.0001);
+}
+
+TEST(Fit, DoesNotCountIntervalsWithLostFrames) {
+  const Fits fits = fit(half_fresh(500, 0.12755, 0.001, 10));
+  ASSERT_TRUE(fits.frame_period_s);
+  EXPECT_NEAR(*fits.frame_period_s, 0.12755, 0.0001);
+}
+
+TEST(Fit, TakesTheModeOfTheMajorityAfterTheFirstFrame) {
+  Streams streams;
+  streams.frames = {frame_at(0.0, 384, 384), frame_at(0.1, 380, 0)};
+  EXPECT_EQ(fit(streams).camera_mode, labels::CameraMode::half_fresh);
+  streams.frames = {frame_at(0.0, 384, 0), frame_at(0.1, 380, 380), frame_at(0.2, 380, 380),
+                    frame_at(0.3, 0, 380)};
+  EXPECT_EQ(fit(streams).camera_mode, labels::CameraMode::full_fresh);
+}
+
+TEST(Fit, SaysNothingOfWhatItHasNotSeen) {
+  EXPECT_FALSE(fit({}).camera_mode);
+  EXPECT_FALSE(fit({}).frame_period_s);
+  Streams one;
+  one.frames = {frame_at(0.0, 384, 384)};
+  EXPECT_FALSE(fit(one).camera_mode);
+  EXPECT_FALSE(fit(one).frame_period_s);
+  one.frames.push_back(frame_at(0.0, 0, 0));
+  EXPECT_FALSE(fit(one).camera_mode);
+  EXPECT_FALSE(fit(one).frame_period_s);
+}
+
+}  // namespace
+}  // namespace thermorig::pipeline
