@@ -58,7 +58,7 @@ class Ch340Bridge : public UsbBridge {
 
  private:
   static constexpr std::size_t packet_bytes = 32;
-  static constexpr std::int64_t silence_ns = 500'000;
+  static constexpr std::int64_t silence_ns = 1'500'000;  // longer than a byte at 9600 baud
 
   void complete(std::int64_t time_ns, std::vector<TimedBytes>& out) {
     out.push_back({frames_.at_or_after(time_ns), std::exchange(held_, {})});

@@ -12,8 +12,8 @@
 
 namespace thermorig::simulation {
 
-/// A micro-controller that follows a written angle over time with a pulse every 20 ms, answers every byte with
-/// its successor, and notes when bytes came.
+/// A micro-controller that follows a written angle over time with a pulse every 20 ms, answers every byte
+/// with its successor, and notes when bytes came.
 class ScriptedFirmware : public Firmware {
  public:
   using Angle = std::function<double(double time_s)>;
@@ -32,8 +32,7 @@ class ScriptedFirmware : public Firmware {
     for (; angle_deg_; next_rise_us_ += 20000) {
       const double middle_us = (servo_.pulse_min_us + servo_.pulse_max_us) / 2.0;
       const double us_per_deg = (servo_.pulse_max_us - servo_.pulse_min_us) / servo_.travel_deg;
-      const double width_us =
-          middle_us + us_per_deg * angle_deg_(static_cast<double>(next_rise_us_) * 1e-6);
+      const double width_us = middle_us + us_per_deg * angle_deg_(static_cast<double>(next_rise_us_) * 1e-6);
       if (static_cast<double>(next_rise_us_) + width_us > static_cast<double>(time_us)) break;
       out.pulses.push_back({next_rise_us_, width_us});
     }
