@@ -62,8 +62,8 @@ Outcome ProgramTest::run(const std::string& arguments) const {
 pid_t ProgramTest::start(const std::vector<std::string>& arguments) const {
   const pid_t process = fork();
   if (process != 0) return process;
-  redirect(folder_ / "out.txt", STDOUT_FILENO);
-  redirect(folder_ / "err.txt", STDERR_FILENO);
+  redirect(folder_ / "background_out.txt", STDOUT_FILENO);
+  redirect(folder_ / "background_err.txt", STDERR_FILENO);
   std::vector<char*> words{const_cast<char*>(THERMORIG_PROGRAM)};
   for (const std::string& argument : arguments) words.push_back(const_cast<char*>(argument.c_str()));
   words.push_back(nullptr);
@@ -74,7 +74,7 @@ pid_t ProgramTest::start(const std::vector<std::string>& arguments) const {
 Outcome ProgramTest::wait(pid_t process) const {
   int status = 0;
   waitpid(process, &status, 0);
-  return {code_of(status), text_of(folder_ / "out.txt"), text_of(folder_ / "err.txt")};
+  return {code_of(status), text_of(folder_ / "background_out.txt"), text_of(folder_ / "background_err.txt")};
 }
 
 std::filesystem::path ProgramTest::record_briefly() const {

@@ -32,7 +32,7 @@ class ProgramTest : public ::testing::Test {
   /// Runs `thermorig ARGUMENTS`; the arguments are words of a shell.
   Outcome run(const std::string& arguments) const;
 
-  /// Starts it in the background; its output goes to files in the folder.
+  /// Starts it in the background; its output goes to background_out.txt and _err.txt.
   pid_t start(const std::vector<std::string>& arguments) const;
   /// Waits for it: exit code, or 128 + signal.
   Outcome wait(pid_t process) const;

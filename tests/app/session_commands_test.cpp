@@ -1,0 +1,129 @@
+// SPDX-License-Identifier: MIT
+#include <gmock/gmock.h>
+
+#include <csignal>
+#include <fstream>
+#include <thread>
+
+#include "program.h"
+
+namespace thermorig::tests {
+namespace {
+
+using ::testing::HasSubstr;
+
+std::string bytes_of(const std::filesystem::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(file), {}};
+}
+
+class SessionCommands : public ProgramTest {
+ protected:
+  /// A journal as `kill -9` leaves it.
+  std::filesystem::path killed_journal() {
+    const pid_t process = start({"record", "--simulated=3", "--fast", "--environment", "garden", "--json"});
+    std::vector<std::filesystem::path> journals;
+    while (journals.empty()) journals = files(".journal");
+    std::this_thread::sleep_for(std::chrono::milliseconds(300));
+    kill(process, SIGKILL);
+    EXPECT_EQ(wait(process).code, 128 + SIGKILL);
+    return journals[0];
+  }
+};
+
+TEST_F(SessionCommands, InspectTellsWhatASessionHolds) {
+  const auto session = record_briefly();
+  const Outcome outcome = run("inspect " + session.string());
+  ASSERT_EQ(outcome.code, 0) << outcome.err;
+  for (const char* part : {"SIMULATED (seed 3", "garden acquisition 1", "camera", "gyro", "servo",
+                           "longest gap", "frames   ", "deg/s", "40.0", "80.0", "verdict  "})
+    EXPECT_THAT(outcome.out, HasSubstr(part));
+}
+
+TEST_F(SessionCommands, InspectGivesAnArrayOfSessionsAsJson) {
+  const auto session = record_briefly();
+  const Outcome outcome = run("inspect --json " + session.string() + " " + session.string());
+  ASSERT_EQ(outcome.code, 0) << outcome.err;
+  const auto lines = outcome.lines();
+  ASSERT_EQ(lines.size(), 1U);
+  ASSERT_EQ(lines[0].size(), 2U);
+  const auto& first = lines[0][0];
+  EXPECT_EQ(first["environment"], "garden");
+  EXPECT_EQ(first["seed"], 3);
+  EXPECT_EQ(first["frames_swept"], 48);
+  EXPECT_EQ(first["speeds"].size(), 4U);
+  EXPECT_GT(first["streams"]["gyro"]["counters"]["messages"], 100);
+}
+
+TEST_F(SessionCommands, InspectRefusesWhatIsNoSessionAndStillShowsTheRest) {
+  const std::string text = "frames, but not ours";
+  write("notes.h5", {reinterpret_cast<const std::uint8_t*>(text.data()), text.size()});
+  const auto session = record_briefly();
+  const Outcome outcome = run("inspect --check notes.h5 " + session.string());
+  EXPECT_EQ(outcome.code, 8);
+  EXPECT_THAT(outcome.err, HasSubstr("notes.h5"));
+  EXPECT_THAT(outcome.out, HasSubstr("verdict"));
+  EXPECT_EQ(run("inspect missing.h5").code, 8);
+  EXPECT_EQ(run("inspect .").code, 8);
+}
+
+TEST_F(SessionCommands, InspectCheckFailsOnABadSession) {
+  const Outcome brief =
+      run("record --simulated=3 --fast --environment garden --json --simulated-servo 180 --plan quick "
+          "--speeds 200 --frames-per-leg 40");
+  ASSERT_EQ(brief.code, 0) << brief.err << brief.out;
+  const std::string session = brief.lines().back()["session"];
+  const Outcome outcome = run("inspect --check --json " + session);
+  const bool bad = outcome.lines()[0][0]["verdict"] == "bad";
+  EXPECT_TRUE(bad) << outcome.out;
+  EXPECT_EQ(outcome.code, 9);
+}
+
+TEST_F(SessionCommands, ReprocessMakesTheSameSessionAgain) {
+  const auto session = record_briefly();
+  const auto before = run("inspect --json " + session.string()).lines()[0][0];
+  const Outcome outcome = run("reprocess --json " + session.string());
+  ASSERT_EQ(outcome.code, 0) << outcome.err;
+  EXPECT_EQ(outcome.lines()[0][0]["frames_valid"], before["frames_valid"]);
+  EXPECT_EQ(run("inspect --json " + session.string()).lines()[0][0], before);
+}
+
+TEST_F(SessionCommands, RecoverMakesASessionOfAKilledRecording) {
+  killed_journal();
+  const Outcome outcome = run("recover recordings --json");
+  EXPECT_TRUE(outcome.code == 0 || outcome.code == 3) << outcome.err;
+  const auto result = outcome.lines()[0][0];
+  EXPECT_EQ(result["result"], "recovered");
+  EXPECT_EQ(outcome.code == 3, result["bytes_lost"] > 0) << result;
+  ASSERT_EQ(files(".h5").size(), 1U);
+  EXPECT_EQ(run("inspect " + files(".h5")[0].string()).code, 0);
+}
+
+TEST_F(SessionCommands, RecoverStatesWhatATruncatedJournalLost) {
+  const auto journal = killed_journal();
+  const std::string all = bytes_of(journal);
+  const auto used = all.find_last_not_of('\0') + 1;  // the rest is reserve
+  std::filesystem::resize_file(journal, used - 5);
+  const Outcome outcome = run("recover " + journal.string());
+  EXPECT_EQ(outcome.code, 3) << outcome.out << outcome.err;
+  EXPECT_THAT(outcome.out, HasSubstr("are lost"));
+  const Outcome again = run("recover " + journal.string() + " --json");
+  EXPECT_EQ(files(".h5").size(), 1U);
+  EXPECT_EQ(again.lines()[0][0]["result"], "already there");
+}
+
+TEST_F(SessionCommands, RecoverSaysWhenThereIsNothingToDo) {
+  std::filesystem::create_directory(folder() / "empty");
+  const Outcome outcome = run("recover empty");
+  EXPECT_EQ(outcome.code, 0);
+  EXPECT_THAT(outcome.out, HasSubstr("nothing to recover"));
+}
+
+TEST_F(SessionCommands, RecoverRefusesWhatIsNoJournal) {
+  write("notes.journal", std::vector<std::uint8_t>(100, 7));
+  EXPECT_EQ(run("recover notes.journal").code, 8);
+  EXPECT_EQ(run("recover missing").code, 2);
+}
+
+}  // namespace
+}  // namespace thermorig::tests
