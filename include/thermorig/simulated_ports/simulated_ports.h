@@ -31,9 +31,9 @@ struct PortTally {
 /// How well the wall clock was kept, and what it cost.
 struct ServingTally {
   PerDevice<PortTally> ports;
-  std::uint64_t chunks = 0;   // all devices
+  std::uint64_t chunks = 0;   // delivered, all devices
   double mean_lag_s = 0.0;    // from a chunk's arrival in the rig's time to its write
-  double worst_lag_s = 0.0;   // the same, largest since the first program opened a port
+  double worst_lag_s = 0.0;   // the same, largest
   double thread_cpu_s = 0.0;  // of the serving thread; a simulated micro-controller's process not counted
   double elapsed_s = 0.0;     // since start()
 };
