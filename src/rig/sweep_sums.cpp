@@ -52,7 +52,8 @@ bool SweepWalker::fits_from_here(double rate) const {
 // Where the shaft is, as far as anybody knows: so that the first pulse moves nothing.
 double SweepWalker::arm_angle_deg() const {
   const double limit_deg = angle_limit_deg(servo_).value_or(0.0);
-  return std::clamp(driven_angle_deg_, -limit_deg, limit_deg);
+  const double reported_deg = last_telemetry_ ? last_telemetry_->state.angle_deg : 0.0;
+  return std::clamp(driven_angle_deg_.value_or(reported_deg), -limit_deg, limit_deg);
 }
 
 bool SweepWalker::servo_at_rest() const {

@@ -39,4 +39,16 @@ class RateMeter {
   std::uint64_t count_ = 0;
 };
 
+/// Counts frames that a gap in time shows to be missing; learns the period from the frames themselves.
+class GapCounter {
+ public:
+  void frame(HostTime time);
+  std::uint64_t lost() const { return lost_; }
+
+ private:
+  std::optional<HostTime> last_;
+  double period_s_ = 0.0;
+  std::uint64_t lost_ = 0;
+};
+
 }  // namespace thermorig::rig

@@ -36,7 +36,8 @@ struct RecordingOptions {
   std::string creator;     // "thermorig 0.1.0"
   std::string creator_git;
   double start_patience_s = 6.0;     // each device must have sent a good message by then
-  bool sync_while_recording = true;  // false: one sync at the end (virtual time)
+  bool sync_while_recording = true;  // false: one sync at the end
+  bool virtual_time = false;         // times are the simulator's: the start is dated with the wall's clock
 };
 
 /// Everything the live display shows.

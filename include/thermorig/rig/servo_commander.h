@@ -20,7 +20,7 @@ struct CommanderTimes {
   HostDuration answer = std::chrono::milliseconds(80);         // then a command is sent again
   int tries = 6;                                               // then the servo is given up
   HostDuration hello_answer = std::chrono::milliseconds(250);  // an Arduino boots for up to 2 s after opening
-  int hello_tries = 16;
+  int hello_tries = 40;
   HostDuration refresh = std::chrono::milliseconds(40);  // SERVO_REFRESH_MS
   HostDuration ping = std::chrono::milliseconds(500);    // mean; each gap lies within -30..+30 %
 };

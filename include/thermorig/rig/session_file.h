@@ -2,11 +2,14 @@
 #pragma once
 
 #include <filesystem>
+#include <memory>
 #include <string>
 
 #include "thermorig/core/time.h"
 
 namespace thermorig::rig {
+
+class FileLock;
 
 /// Where one acquisition goes: `<output>/<environment>/<environment>_acq-<nn>_<UTC start>.h5`, the journal
 /// beside it as `.journal`.
@@ -35,7 +38,7 @@ class FolderLock {
  private:
   std::filesystem::path folder_;
   std::string environment_;
-  int descriptor_ = -1;
+  std::unique_ptr<FileLock> lock_;
 };
 
 /// "20260725T143512Z" from "2026-07-25T14:35:12.123456Z".

@@ -130,8 +130,8 @@ class SweepWalker {
   bool disarm_sent_ = false;
   bool rearm_sent_ = false;
   HostTime armed_since_{};
-  SweepPhase resume_ = SweepPhase::leg;  // after recovering
-  double driven_angle_deg_ = 0.0;        // commanded last while it was armed
+  SweepPhase resume_ = SweepPhase::leg;     // after recovering
+  std::optional<double> driven_angle_deg_;  // commanded last while it was armed
   bool plan_complete_ = false;
   bool at_rest_ = false;
   std::vector<RecordingEvent> events_;

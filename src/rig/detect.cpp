@@ -1,0 +1,151 @@
+// SPDX-License-Identifier: MIT
+#include "thermorig/rig/detect.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <memory>
+#include <utility>
+
+#include "servo_link.h"
+#include "thermorig/core/error.h"
+#include "thermorig/wire/servo_messages.h"
+
+namespace thermorig::rig {
+
+namespace {
+
+constexpr auto tick_period = std::chrono::milliseconds(20);
+constexpr auto hello_period = std::chrono::milliseconds(200);
+
+/// One baud rate to listen at.
+struct Slot {
+  std::uint32_t baud = 0;
+  double share = 0.0;  // of the whole time
+  bool hello = false;
+};
+
+// The cameras' own rates first, then those of gyros; the servo's last, and long: an Arduino boots for a
+// second or two after its port was opened.
+std::vector<Slot> slots_of_port() {
+  return {{460800, 0.12}, {115200, 0.15}, {9600, 0.11},
+          {230400, 0.08}, {38400, 0.08},  {SERVO_LINK_BAUD, 0.42, true}};
+}
+
+std::vector<Slot> slots_of_pty() {
+  return {{115200, 0.2}, {SERVO_LINK_BAUD, 0.3, true}};
+}
+
+bool is_pty(const std::string& path) {
+  return path.starts_with("/dev/pts/");
+}
+
+/// Listens on one port, slot by slot.
+class Listener {
+ public:
+  Listener(io::Loop& loop, const io::PortInfo& info, double listen_s)
+      : loop_(loop), slots_(is_pty(info.path) ? slots_of_pty() : slots_of_port()), listen_s_(listen_s) {
+    finding_.info = info;
+    finding_.how = fmt::format("silent at {} baud rates", slots_.size());
+  }
+
+  bool done() const { return slot_ == slots_.size(); }
+  const PortFinding& finding() const { return finding_; }
+
+  void tick(HostTime now) {
+    if (done()) return;
+    if (!port_) return open(now);
+    if (slots_[slot_].hello && now - last_hello_ >= hello_period) {
+      loop_.write(*port_, wire::hello_bytes(0));
+      last_hello_ = now;
+    }
+    if (to_s(now - opened_) >= slots_[slot_].share * listen_s_) judge(now);
+  }
+
+ private:
+  void open(HostTime now) {
+    bytes_.clear();
+    opened_ = now;
+    io::Loop::PortHandlers handlers;
+    handlers.received = [this](std::span<const std::uint8_t> bytes, HostTime) {
+      bytes_.insert(bytes_.end(), bytes.begin(), bytes.end());
+    };
+    handlers.lost = [this](const std::string& why) { give_up(why); };
+    try {
+      port_ = loop_.open({.port = finding_.info.path, .baud = slots_[slot_].baud}, std::move(handlers));
+    } catch (const Error& error) {
+      give_up(error.what_happened());
+    }
+  }
+
+  void give_up(const std::string& why) {
+    finding_.problem = why;
+    finding_.how = why;
+    slot_ = slots_.size();
+  }
+
+  void judge(HostTime now) {
+    loop_.close(*port_);
+    port_.reset();
+    const Evidence evidence = classify(bytes_);
+    if (!bytes_.empty()) finding_.how = evidence.text;
+    if (evidence.role) {
+      finding_.role = evidence.role;
+      finding_.baud = slots_[slot_].baud;
+      finding_.gyro_protocol = evidence.gyro_protocol;
+      finding_.rate_hz = static_cast<double>(evidence.messages) / to_s(now - opened_);
+      slot_ = slots_.size();
+    } else {
+      ++slot_;
+    }
+  }
+
+  io::Loop& loop_;
+  std::vector<Slot> slots_;
+  double listen_s_;
+  PortFinding finding_;
+  std::size_t slot_ = 0;
+  std::optional<io::Loop::PortId> port_;
+  std::vector<std::uint8_t> bytes_;
+  HostTime opened_{};
+  HostTime last_hello_{};
+};
+
+}  // namespace
+
+std::vector<PortFinding> identify_devices(const std::vector<io::PortInfo>& ports, double listen_s) {
+  io::Loop loop;
+  std::vector<std::unique_ptr<Listener>> listeners;
+  for (const io::PortInfo& port : ports)
+    listeners.push_back(std::make_unique<Listener>(loop, port, listen_s));
+  loop.every(tick_period, [&](HostTime now) {
+    for (const auto& listener : listeners) listener->tick(now);
+    if (std::all_of(listeners.begin(), listeners.end(), [](const auto& l) { return l->done(); })) loop.stop();
+  });
+  loop.run();
+  std::vector<PortFinding> findings;
+  for (const auto& listener : listeners) findings.push_back(listener->finding());
+  return findings;
+}
+
+RigProfile apply_findings(RigProfile profile, const std::vector<PortFinding>& findings,
+                          std::vector<std::string>& ambiguous) {
+  for (const Device device : all_devices) {
+    std::vector<const PortFinding*> of_role;
+    for (const PortFinding& finding : findings)
+      if (finding.role == device) of_role.push_back(&finding);
+    if (of_role.size() > 1)
+      ambiguous.push_back(fmt::format("{} ports look like a {}: {} and {}; name the right one in the profile",
+                                      of_role.size(), name_of(device), of_role[0]->info.path,
+                                      of_role[1]->info.path));
+    if (of_role.size() != 1) continue;
+    PortProfile& link = profile.link(device);
+    link.port = of_role[0]->info.path;
+    link.usb_path = of_role[0]->info.usb_path;
+    if (!is_pty(link.port)) link.baud = of_role[0]->baud;
+    if (device == Device::gyro) profile.gyro.protocol = of_role[0]->gyro_protocol;
+  }
+  return profile;
+}
+
+}  // namespace thermorig::rig

@@ -1,0 +1,107 @@
+// SPDX-License-Identifier: MIT
+#include "thermorig/rig/finalise.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <utility>
+
+#include "file_lock.h"
+#include "thermorig/core/error.h"
+#include "thermorig/journal/journal.h"
+#include "thermorig/pipeline/pipeline.h"
+#include "thermorig/rig/session_file.h"
+
+namespace thermorig::rig {
+
+namespace {
+
+/// Walks the chunks of all devices in order of arrival; equal times go in the order of the devices.
+template <typename Take>
+void in_order_of_arrival(const PerDevice<RawStream>& received, Take take) {
+  std::array<std::size_t, device_count> next{};
+  while (true) {
+    std::optional<Device> earliest;
+    for (const Device device : all_devices) {
+      const std::size_t index = next[index_of(device)];
+      if (index == received[device].chunk_count()) continue;
+      if (!earliest || received[device].time(index) < received[*earliest].time(next[index_of(*earliest)]))
+        earliest = device;
+    }
+    if (!earliest) return;
+    const std::size_t index = next[index_of(*earliest)]++;
+    take(*earliest, received[*earliest].chunk(index), received[*earliest].time(index));
+  }
+}
+
+struct Decoded {
+  pipeline::Streams streams;
+  std::vector<LabelledSample> samples;
+  PerDevice<wire::Counters> counters;
+};
+
+Decoded decode(const RawRecording& raw, const pipeline::Fits& fits) {
+  Decoded decoded;
+  pipeline::Pipeline pipeline(raw.header.profile, fits);
+  const auto keep = [&](std::vector<LabelledSample> samples) {
+    decoded.samples.insert(decoded.samples.end(), samples.begin(), samples.end());
+  };
+  in_order_of_arrival(raw.received, [&](Device device, std::span<const std::uint8_t> chunk,
+                                        HostTime arrived) { keep(pipeline.feed(device, chunk, arrived)); });
+  keep(pipeline.finish());
+  decoded.streams = pipeline.take_streams();
+  for (const Device device : all_devices) decoded.counters[device] = pipeline.counters(device);
+  return decoded;
+}
+
+session::State state_of(const RawRecording& raw) {
+  if (!raw.complete) return session::State::recovered;
+  const bool finished = std::any_of(raw.events.begin(), raw.events.end(), [](const RecordingEvent& event) {
+    return event.kind == EventKind::finished;
+  });
+  return finished ? session::State::complete : session::State::partial;
+}
+
+/// What the firmware said of itself, "1.0.0": known only after the header was written.
+std::string firmware_of(const pipeline::Streams& streams) {
+  for (const wire::ServoMessage& message : streams.servo_answers)
+    if (const auto* welcome = std::get_if<wire::ServoWelcome>(&message.body)) return welcome->firmware;
+  return {};
+}
+
+}  // namespace
+
+session::Session build_session(RawRecording raw) {
+  const pipeline::Fits fits = pipeline::fit(decode(raw, {}).streams);
+  Decoded decoded = decode(raw, fits);
+  session::Session session;
+  session.state = state_of(raw);
+  session.settle_s = raw.header.profile.servo.settle_s;
+  session.camera_mode = fits.camera_mode == labels::CameraMode::full_fresh ? "full-fresh" : "half-fresh";
+  session.frame_period_s = fits.frame_period_s.value_or(1.0 / raw.header.profile.camera.output_rate_hz);
+  session.frames = std::move(decoded.streams.frames);
+  session.gyro = std::move(decoded.streams.gyro);
+  session.servo = std::move(decoded.streams.servo);
+  session.pongs = std::move(decoded.streams.pongs);
+  session.samples = std::move(decoded.samples);
+  if (raw.header.firmware.empty()) raw.header.firmware = firmware_of(decoded.streams);
+  session.counters = decoded.counters;
+  session.raw = std::move(raw);
+  return session;
+}
+
+session::Session finalise(const std::filesystem::path& journal, const std::filesystem::path& session_path) {
+  session::Session session = build_session(journal::read_journal(journal).recording);
+  session::write_session(session_path, session);
+  std::filesystem::remove(journal);  // the session holds every byte of it, and is on the disk
+  return session;
+}
+
+session::Session reprocess(const std::filesystem::path& session_path) {
+  session::Session session = build_session(session::read_raw(session_path));
+  session::replace_session(session_path, session);
+  return session;
+}
+
+}  // namespace thermorig::rig

@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: MIT
+#include "thermorig/rig/health.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace thermorig::rig {
+
+namespace {
+constexpr auto window = std::chrono::seconds(1);
+constexpr std::size_t windows_kept = 10;
+}  // namespace
+
+void RateMeter::roll(HostTime now) const {
+  if (now - window_begin_ > windows_kept * window) {  // silent for long: every kept window is empty
+    windows_.assign(windows_kept, 0);
+    current_ = 0;
+    window_begin_ = now;
+  }
+  while (now - window_begin_ >= window) {
+    windows_.push_back(current_);
+    if (windows_.size() > windows_kept) windows_.pop_front();
+    current_ = 0;
+    window_begin_ += window;
+  }
+}
+
+void RateMeter::message(HostTime arrived) {
+  if (!last_) window_begin_ = arrived;
+  roll(arrived);
+  ++current_;
+  ++count_;
+  last_ = arrived;
+}
+
+DeviceHealth RateMeter::health(HostTime now, const wire::Counters& counters) const {
+  DeviceHealth health;
+  health.messages = count_;
+  health.lost = counters.lost;
+  health.bad = counters.bad_checksum + counters.bad_length + counters.bad_value;
+  health.skipped_bytes = counters.bytes_skipped;
+  if (!last_) return health;
+  roll(now);
+  health.age_s = to_s(now - *last_);
+  if (windows_.empty()) return health;
+  const auto [slowest, fastest] = std::minmax_element(windows_.begin(), windows_.end());
+  health.rate_min_hz = *slowest;
+  health.rate_max_hz = *fastest;
+  return health;
+}
+
+void GapCounter::frame(HostTime time) {
+  const double gap_s = last_ ? to_s(time - *last_) : 0.0;
+  last_ = time;
+  if (gap_s <= 0.0) return;
+  if (period_s_ == 0.0 || gap_s < 0.7 * period_s_)
+    period_s_ = gap_s;  // the first one, or what looked like the period was a gap
+  else if (gap_s > 1.5 * period_s_)
+    lost_ += static_cast<std::uint64_t>(std::lround(gap_s / period_s_)) - 1;
+  else
+    period_s_ += 0.1 * (gap_s - period_s_);
+}
+
+}  // namespace thermorig::rig

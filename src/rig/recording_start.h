@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <string>
+
+#include "thermorig/core/error.h"
+#include "thermorig/core/raw_recording.h"
+#include "thermorig/rig/recording.h"
+#include "thermorig/wire/counters.h"
+
+namespace thermorig::rig {
+
+/// What is known before the first byte, but for the acquisition's number.
+RecordingHeader make_header(const RecordingOptions& options, HostTime now);
+
+/// Bytes that the journal of the whole plan will need, generously.
+std::uint64_t expected_journal_bytes(const RecordingOptions& options);
+
+/// Why nothing usable came from a device, from what did come.
+Error silent_device(Device device, const PortProfile& link, const wire::Counters& counters,
+                    std::span<const std::uint8_t> first_bytes);
+
+}  // namespace thermorig::rig

@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: MIT
+#include "thermorig/rig/virtual_recording.h"
+
+namespace thermorig::rig {
+
+namespace {
+constexpr auto step = std::chrono::milliseconds(4);
+constexpr auto progress_period = std::chrono::seconds(1);
+}  // namespace
+
+RecordingResult record_virtual(DeviceBus& bus, const VirtualOptions& options) {
+  HostTime now = options.start;
+  RecordingOptions recording_options = options.recording;
+  recording_options.virtual_time = true;
+  recording_options.sync_while_recording = false;
+  Recording recording(recording_options, now,
+                      [&](std::span<const std::uint8_t> bytes) { bus.send(Device::servo, bytes, now); });
+  HostTime next_progress = now;
+  while (!recording.done()) {
+    now += step;
+    for (const Chunk& chunk : bus.advance(now)) recording.received(chunk.device, chunk.bytes, chunk.arrived);
+    if (options.stop_requested && options.stop_requested()) recording.request_stop(now);
+    recording.tick(now);
+    if (!options.progress || now < next_progress) continue;
+    options.progress(recording.progress(now));
+    next_progress = now + progress_period;
+  }
+  if (options.progress) options.progress(recording.progress(now));
+  return conclude(recording, now);
+}
+
+}  // namespace thermorig::rig
