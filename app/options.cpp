@@ -104,8 +104,8 @@ void add_simulate(CLI::App& root, Words& words) {
   SimulateOptions& simulate = words.simulate;
   CLI::App& command =
       *root.add_subcommand("simulate", "Offer a simulated rig on three virtual ports until Ctrl-C");
-  command.add_flag("--simulated{1},--seed{1}", words.simulate_seed,
-                   "Seed of the simulated world (=SEED, default 1)");
+  command.add_option("--seed", simulate.seed, "Seed of the simulated world")->capture_default_str();
+  command.add_flag("--simulated{1}", words.simulate_seed, "The same, as the other commands have it");
   command.add_option("-e,--environment", simulate.environment, "laboratory, dining, kitchen or garden")
       ->type_name("NAME")
       ->capture_default_str();
@@ -113,7 +113,7 @@ void add_simulate(CLI::App& root, Words& words) {
       ->type_name("FILE");
   add_simulated_parts(command, simulate.simulated_servo, simulate.simulated_camera);
   add_json(command, simulate.json);
-  command.footer("Example:\n  thermorig simulate --seed=3 --environment garden --profile simulated.toml");
+  command.footer("Example:\n  thermorig simulate --seed 3 --environment garden --profile simulated.toml");
 }
 
 void add_inspect(CLI::App& root, Words& words) {
@@ -234,6 +234,14 @@ void describe(CLI::App& root, Words& words) {
       "Exit codes and JSON keys: docs/commands.md");
 }
 
+/// CLI11 prints the value of a bare --simulated as "{1}"; people read "[=SEED]". Same width, so columns stay.
+std::string readable(std::string help) {
+  const std::string printed = "{1}    ";
+  for (auto at = help.find(printed); at != std::string::npos; at = help.find(printed, at))
+    help.replace(at, printed.size(), "[=SEED]");
+  return help;
+}
+
 std::string help_to_read(const CLI::App& root) {
   const auto commands = root.get_subcommands();
   return commands.empty() ? "thermorig --help" : "thermorig " + commands.front()->get_name() + " --help";
@@ -248,7 +256,7 @@ CommandLine parse(int argc, const char* const* argv) {
   try {
     root.parse(argc, argv);
   } catch (const CLI::CallForHelp&) {
-    return {std::nullopt, root.help()};
+    return {std::nullopt, readable(root.help())};
   } catch (const CLI::ParseError& error) {
     throw Error(ExitCode::bad_usage, error.what(), "", help_to_read(root));
   }

@@ -90,7 +90,6 @@ rig::RecordingResult record_fast(const ChosenRig& rig, rig::RecordingOptions rec
                                  ProgressOutput& output) {
   watch_interrupts();
   VirtualBus bus(*rig.simulated);
-  recording.sync_while_recording = false;
   rig::VirtualOptions options;
   options.recording = std::move(recording);
   options.start = rig.simulated->start;
