@@ -22,6 +22,20 @@ static uint32_t stopping_distance(uint32_t speed, uint32_t a) {
   return (n + 1U) * speed - a * (n * (n + 1U) / 2U);
 }
 
+/* Whether a stop from `speed` surely fits into `distance`, without a division: the way to rest is at most
+ * speed^2 / 2a + speed, here in units of 4096 micro-degrees, rounded to the safe side. A step of an AVR needs
+ * the exact answer only when it is about to brake. */
+static bool stops_well_within(uint32_t speed, uint32_t a, uint32_t distance) {
+  const uint32_t coarse_distance = lesser(distance >> 12U, 100000U), coarse_speed = (speed >> 6U) + 1U;
+  const uint32_t one_step = (speed >> 12U) + 1U;
+  return coarse_distance > one_step && 2U * a * (coarse_distance - one_step) > coarse_speed * coarse_speed;
+}
+
+static bool stops_within(uint32_t speed, uint32_t a, uint32_t distance) {
+  return distance >= FAR_UDEG || stops_well_within(speed, a, distance) ||
+         stopping_distance(speed, a) <= distance;
+}
+
 /* The highest speed whose stopping distance is at most `distance`. `near` is a speed not far from it: the
  * number of steps is searched from there. */
 static uint32_t speed_to_stop_within(uint32_t distance, uint32_t a, uint32_t near) {
@@ -57,7 +71,7 @@ static uint32_t distance_to_limit(const struct motion* motion, bool up) {
  * acceleration: where that is not enough, the distance will be overrun. */
 static uint32_t speed_for(uint32_t next, uint32_t before, uint32_t a, uint32_t distance) {
   const uint32_t slowest = less_down_to_zero(before, a);
-  if (distance >= FAR_UDEG || stopping_distance(next, a) <= distance) return next;
+  if (stops_within(next, a, distance)) return next;
   if (stopping_distance(slowest, a) >= distance) return slowest;
   return lesser(next, speed_to_stop_within(distance, a, before));
 }
@@ -68,7 +82,7 @@ static uint32_t speed_within_limit(const struct motion* motion, uint32_t next, u
                                    uint32_t distance) {
   const uint32_t a = motion->acceleration;
   const uint32_t speed = speed_for(next, before, a, distance);
-  if (distance >= FAR_UDEG || stopping_distance(speed, a) <= distance) return speed;
+  if (stops_within(speed, a, distance)) return speed;
   return lesser(speed, speed_to_stop_within(distance, motion->acceleration_limit, before));
 }
 

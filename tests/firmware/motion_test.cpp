@@ -154,9 +154,10 @@ TEST_P(ServoMotion, ARunThatMayNotTurnBackStopsExactlyAtTheLimitWithAFault) {
 
 TEST_P(ServoMotion, GoesToAnAngleExactly) {
   bench().open(winch());
-  for (const std::int32_t angle_cdeg : {1, 4500, -107800, -107799, 107800, 333}) {
+  for (const std::int32_t angle_cdeg : {1, 4500, -30000, -29999, 107800}) {
     go_to({angle_cdeg, 30000, 5000});
-    bench().run_refreshed(8'000'000);
+    do bench().run_refreshed(100'000);
+    while (bench().now().motion != SERVO_MOTION_HOLDING && bench().now_us() < 60'000'000);
     EXPECT_EQ(bench().now().angle_cdeg, angle_cdeg);
     EXPECT_EQ(bench().now().motion, SERVO_MOTION_HOLDING);
   }
@@ -217,7 +218,7 @@ TEST_P(ServoMotion, RandomCommandsNeverLeaveTheTravelLimits) {
   std::mt19937 random(11);
   const auto between = [&](int low, int high) { return std::uniform_int_distribution(low, high)(random); };
   bench().open(servo);
-  for (int i = 0; i < 150; ++i) {
+  for (int i = 0; i < (is_avr() ? 50 : 300); ++i) {
     const auto acceleration = static_cast<std::uint16_t>(between(100, 20000));
     const auto turn = static_cast<std::uint8_t>(between(0, 9) > 0);
     const auto duration = static_cast<std::uint32_t>(between(1, 1500));
@@ -236,9 +237,10 @@ TEST_P(ServoMotion, RandomCommandsNeverLeaveTheTravelLimits) {
     ASSERT_LE(telemetry.angle_cdeg, 5000);
     ASSERT_LE(std::abs(telemetry.rate_cdps), 30000);
   }
+  // A tick of the pulse is 27 centidegrees of this winch, and simavr's edges lie within a cycle or two.
   for (const auto& pulse : bench().pulses()) {
-    ASSERT_GE(pulse_angle_cdeg(pulse, servo), -3000 - 27);
-    ASSERT_LE(pulse_angle_cdeg(pulse, servo), 5000 + 27);
+    ASSERT_GE(pulse_angle_cdeg(pulse, servo), -3000 - 40);
+    ASSERT_LE(pulse_angle_cdeg(pulse, servo), 5000 + 40);
   }
 }
 
