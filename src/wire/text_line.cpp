@@ -49,26 +49,25 @@ class Columns {
  public:
   explicit Columns(std::string_view text) : fields_(split_fields(text)) {}
 
-  /// The finite number in a column; 0 for column -1, which is not wanted.
+  /// The number in a column, which may be infinite or NaN; 0 for column -1, which is not wanted.
   double read(int column) {
     if (column < 0) return 0.0;
     const auto index = static_cast<std::size_t>(column);
     const std::optional<double> number =
         index < fields_.size() ? read_number(fields_[index]) : std::optional<double>();
     any_number_ |= number.has_value();
-    if (number && std::isfinite(*number)) return *number;
-    good_ = false;
-    return 0.0;
+    all_numbers_ &= number.has_value();
+    return number.value_or(0.0);
   }
 
   std::size_t size() const { return fields_.size(); }
   bool any_number() const { return any_number_; }
-  bool good() const { return good_; }
+  bool all_numbers() const { return all_numbers_; }
 
  private:
   std::vector<std::string_view> fields_;
   bool any_number_ = false;
-  bool good_ = true;
+  bool all_numbers_ = true;
 };
 
 bool fits_count(double number) {
@@ -87,6 +86,7 @@ void keep_counts(const std::array<double, 3>& numbers, GyroReading& reading) {
   }
 }
 
+/// False if a rate is infinite or NaN.
 bool set_rates(const std::array<double, 3>& numbers, double scale_dps, GyroReading& reading) {
   for (std::size_t axis = 0; axis < numbers.size(); ++axis) {
     const double rate_dps = numbers[axis] * scale_dps;
@@ -96,9 +96,10 @@ bool set_rates(const std::array<double, 3>& numbers, double scale_dps, GyroReadi
   return true;
 }
 
+/// False if the time does not fit in microseconds of 64 bits.
 bool set_device_time(double number, double unit_s, GyroReading& reading) {
   const double time_us = number * unit_s * 1e6;
-  if (!(std::abs(time_us) < 9.2e18)) return false;  // int64
+  if (!(std::abs(time_us) < 9.2e18)) return false;
   reading.device_time_us = std::llround(time_us);
   return true;
 }
@@ -117,7 +118,7 @@ TextLine read_text_line(const TextColumns& columns, std::string_view line) {
   result.is_sample = !columns.prefix.empty() || fields.any_number();
   GyroReading reading;
   keep_counts(numbers, reading);
-  if (fields.good() && set_rates(numbers, columns.scale_dps, reading) &&
+  if (fields.all_numbers() && set_rates(numbers, columns.scale_dps, reading) &&
       (columns.time < 0 || set_device_time(time, columns.time_unit_s, reading)))
     result.reading = reading;
   return result;

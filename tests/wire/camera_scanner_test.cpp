@@ -124,6 +124,28 @@ TEST(CameraScanner, CountsAWrongLengthAndFindsTheNextFrame) {
   EXPECT_EQ(scan.counters.bytes_skipped, frame_size);
 }
 
+TEST(CameraScanner, SeesNeitherRepliesNorLengthsInTheMiddleOfADamagedFrame) {
+  ThermalFrame frame = uniform_frame(20.0F);
+  frame.temp_c[100] = frame.temp_c[200] = 231.30F;  // 5A5A
+  frame.temp_c[101] = 49.59F;                       // with it: 5A 5A 5F 13, a reply
+  ByteVector bytes = camera_stream({frame, frame});
+  bytes[10] ^= 0x01U;
+  const auto scan = scan_camera(bytes);
+  EXPECT_EQ(scan.messages.size(), 1U);
+  EXPECT_EQ(scan.counters.bad_checksum, 1U);
+  EXPECT_EQ(scan.counters.bad_length, 0U);
+  EXPECT_EQ(scan.counters.replies, 0U);
+  EXPECT_EQ(scan.counters.bytes_in_damaged, frame_size);
+}
+
+TEST(CameraScanner, DoesNotTakeAHeadersFirstByteForTheSumOfAReply) {
+  ByteVector bytes{0x5A, 0x5A, 0xA6};  // the next byte, 5A, would be the right sum
+  append(bytes, camera_stream({frame_of_noise(1)}));
+  const auto scan = scan_camera(bytes);
+  EXPECT_EQ(scan.messages.size(), 1U);
+  EXPECT_EQ(scan.counters.replies, 0U);
+}
+
 TEST(CameraScanner, SkipsSyncBytesBeforeAHeader) {
   ByteVector bytes{0x5A};
   append(bytes, camera_stream({frame_of_noise(1)}));

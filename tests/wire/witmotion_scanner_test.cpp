@@ -119,6 +119,21 @@ TEST(WitmotionScanner, KeepsTheGapInMindAcrossOtherPackets) {
   EXPECT_EQ(scan.counters.replies, 1U);
 }
 
+TEST(WitmotionScanner, DoesNotTrustASinglePacketBehindDamage) {
+  const ByteVector noise(7, 0x00);
+  ByteVector bytes = noise;
+  append(bytes, numbered_packet(66));  // alone at the start
+  append(bytes, noise);
+  append(bytes, numbered_packets(1, 3));
+  append(bytes, noise);
+  append(bytes, numbered_packet(77));  // alone once in step
+  append(bytes, noise);
+  append(bytes, numbered_packets(4, 6));
+  const auto scan = scan_witmotion(bytes);
+  EXPECT_EQ(numbers_of(scan), (std::vector<int>{1, 2, 3, 4, 5, 6}));
+  EXPECT_TRUE(scan.messages[3].lost_before);
+}
+
 TEST(WitmotionScanner, FindsNextToNothingInNoise) {
   // Two packets in a row: sync, type and sum twice over, less than once in a thousand million bytes.
   const auto scan = scan_witmotion(random_bytes(200000, 3));
