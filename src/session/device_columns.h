@@ -1,0 +1,171 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <array>
+#include <cmath>
+#include <limits>
+#include <vector>
+
+#include "column.h"
+#include "hdf5_handle.h"
+#include "thermorig/core/sample.h"
+
+namespace thermorig::session {
+
+// The tables of what the devices said: one description for writing (rows const) and reading.
+// Archive is GroupWriter or GroupReader. Normative text: docs/recording_format.md.
+
+inline constexpr std::int64_t unknown = std::numeric_limits<std::int64_t>::min();
+
+/// Members that every timed message has, besides its `time`.
+template <typename Archive, typename Rows>
+void stamp_columns(Archive& archive, Rows& rows) {
+  archive.template field<float>(
+      {"time_uncertainty", "s", "standard deviation of time [s]"}, rows,
+      [](auto& row) -> auto& { return row.stamp.uncertainty_s; });
+  archive.template column<std::int64_t>(
+      {"arrival_ns", "ns", "host clock when the last byte was read [ns]"}, rows,
+      [](const auto& row) { return to_ns(row.stamp.arrival); },
+      [](auto& row, std::int64_t ns) { row.stamp.arrival = host_time_ns(ns); });
+}
+
+/// Where the message stands in /raw.
+template <typename Archive, typename Rows>
+void span_columns(Archive& archive, Rows& rows) {
+  archive.template field<std::uint64_t>(
+      {"byte_begin", "1", "offset of the first byte in the raw stream"}, rows,
+      [](auto& row) -> auto& { return row.span.begin; });
+  archive.template column<std::uint32_t>(
+      {"byte_count", "1", "length in bytes in the raw stream"}, rows,
+      [](const auto& row) { return row.span.size(); },
+      [](auto& row, std::uint32_t count) { row.span.end = row.span.begin + count; });
+}
+
+template <typename Archive, typename Rows>
+void camera_columns(Archive& archive, Rows& frames) {
+  archive.time_axis(
+      {"time", "s", "time since time_reference [s]", "end of the exposure of the newest half"}, frames,
+      [](auto& row) -> auto& { return row.stamp.time; }, frames_max);
+  const std::array<InnerAxis, 2> pixels{
+      archive.inner_axis({"row", "1", "row, in the order of the sensor"}, frame_rows),
+      archive.inner_axis({"column", "1", "column, in the order of the sensor"}, frame_columns)};
+  archive.template block<float>(
+      {"temperature", "degC", "temperature [degC]",
+       "as sent: nothing repaired. If the attribute mirrored of this group is 1, reverse the columns to see "
+       "the scene"},
+      pixels, frames, [](auto& row) -> auto& { return row.frame.temp_c; });
+  archive.template field<float>(
+      {"sensor_temperature", "degC", "temperature of the sensor itself [degC]"}, frames,
+      [](auto& row) -> auto& { return row.frame.sensor_temp_c; });
+  archive.template field<std::uint16_t>(
+      {"fresh_even", "1", "pixels of the even chess half that differ from the frame before"}, frames,
+      [](auto& row) -> auto& { return row.fresh_even; });
+  archive.template field<std::uint16_t>(
+      {"fresh_odd", "1", "pixels of the odd chess half that differ from the frame before"}, frames,
+      [](auto& row) -> auto& { return row.fresh_odd; });
+  archive.time_column(
+      {"exposure_begin", "s", "start of the older half's exposure [s]"}, frames,
+      [](auto& row) -> auto& { return row.exposure_begin; });
+  archive.time_column(
+      {"exposure_end", "s", "end of the newest half's exposure [s]"}, frames,
+      [](auto& row) -> auto& { return row.exposure_end; });
+  archive.template column<std::uint8_t>(
+      {"status", "1", "state of the frame", "", flag_masks({"resync_before"})}, frames,
+      [](const auto& row) { return row.resync_before ? 1 : 0; },
+      [](auto& row, std::uint8_t status) { row.resync_before = (status & 1U) != 0; });
+  stamp_columns(archive, frames);
+  span_columns(archive, frames);
+}
+
+template <typename Archive, typename Rows>
+void gyro_columns(Archive& archive, Rows& gyro) {
+  archive.time_axis(
+      {"time", "s", "time since time_reference [s]", "the instant of the sample"}, gyro,
+      [](auto& row) -> auto& { return row.stamp.time; });
+  archive.template field<float>(
+      {"rate", "deg/s", "rate about the servo's axis [deg/s]", "axis and sign applied, bias not removed"},
+      gyro, [](auto& row) -> auto& { return row.rate_dps; });
+  const std::array<InnerAxis, 1> axes{archive.inner_axis({"axis", "1", "axis: 0 x, 1 y, 2 z"}, 3)};
+  archive.template block<float>(
+      {"rate_xyz", "deg/s", "rate about x, y, z as sent [deg/s]"}, axes, gyro,
+      [](auto& row) -> auto& { return row.reading.rate_dps; });
+  archive.template block<std::int16_t>(
+      {"counts", "1", "x, y, z as on the wire", "0 where the protocol has no counts"}, axes, gyro,
+      [](auto& row) -> auto& { return row.reading.counts; });
+  archive.template column<std::uint8_t>(
+      {"status", "1", "state of the sample", "", flag_masks({"saturated", "lost_before"})}, gyro,
+      [](const auto& row) { return (row.reading.saturated ? 1 : 0) | (row.lost_before ? 2 : 0); },
+      [](auto& row, std::uint8_t status) {
+        row.reading.saturated = (status & 1U) != 0;
+        row.lost_before = (status & 2U) != 0;
+      });
+  archive.template column<float>(
+      {"temperature", "degC", "temperature of the gyro [degC]", "NaN: not sent with this sample"}, gyro,
+      [](const auto& row) { return row.reading.temp_c.value_or(std::numeric_limits<float>::quiet_NaN()); },
+      [](auto& row, float value) {
+        if (!std::isnan(value)) row.reading.temp_c = value;
+      });
+  archive.template column<std::int64_t>(
+      {"device_time_us", "us", "time of the gyro's own clock [us]", "-2^63: not sent with this sample"}, gyro,
+      [](const auto& row) { return row.reading.device_time_us.value_or(unknown); },
+      [](auto& row, std::int64_t value) {
+        if (value != unknown) row.reading.device_time_us = value;
+      });
+  stamp_columns(archive, gyro);
+  span_columns(archive, gyro);
+}
+
+/// A stored number as the enumeration that it stands for.
+template <typename Enum>
+Enum checked_enum(std::uint8_t value, Enum last) {
+  if (value > static_cast<std::uint8_t>(last)) throw Hdf5Failure("believe a flag");
+  return static_cast<Enum>(value);
+}
+
+inline constexpr double pulse_tick_us = 0.5;  // protocols/servo_link.h: SERVO_TICKS_PER_US
+
+template <typename Archive, typename Rows>
+void servo_columns(Archive& archive, Rows& servo) {
+  archive.time_axis(
+      {"time", "s", "time since time_reference [s]", "the instant at which the telemetry held"}, servo,
+      [](auto& row) -> auto& { return row.stamp.time; });
+  archive.template field<std::uint32_t>(
+      {"device_ticks", "us", "servo's clock, wraps at 2^32 [us]"}, servo,
+      [](auto& row) -> auto& { return row.state.mcu_us; });
+  archive.template field<std::int64_t>(
+      {"device_time_us", "us", "servo's clock, unwrapped [us]"}, servo,
+      [](auto& row) -> auto& { return row.mcu_time_us; });
+  archive.template field<float>(
+      {"angle_commanded", "deg", "commanded angle [deg]"}, servo,
+      [](auto& row) -> auto& { return row.state.angle_deg; });
+  archive.template field<float>(
+      {"rate_commanded", "deg/s", "commanded speed [deg/s]", "after the acceleration limit"}, servo,
+      [](auto& row) -> auto& { return row.state.rate_dps; });
+  archive.template column<float>(
+      {"pulse_width", "us", "width of the last pulse put out [us]", "0: no pulse"}, servo,
+      [](const auto& row) { return row.state.pulse_ticks * pulse_tick_us; },
+      [](auto& row, float us) {
+        if (!(us >= 0.0F && us <= 32768.0F)) throw Hdf5Failure("believe a pulse width");
+        row.state.pulse_ticks = static_cast<std::uint16_t>(us / static_cast<float>(pulse_tick_us));
+      });
+  archive.template column<std::uint8_t>(
+      {"state", "1", "motion", "", flag_values({"disarmed", "holding", "ramping", "steady", "stopping"})},
+      servo, [](const auto& row) { return row.state.motion; },
+      [](auto& row, std::uint8_t value) { row.state.motion = checked_enum(value, ServoMotion::stopping); });
+  archive.template column<std::uint8_t>(
+      {"fault", "1", "latched fault", "",
+       flag_values({"none", "watchdog", "stop_byte", "limit", "bad_frames"})},
+      servo, [](const auto& row) { return row.state.fault; },
+      [](auto& row, std::uint8_t value) { row.state.fault = checked_enum(value, ServoFault::bad_frames); });
+  archive.template field<std::uint16_t>(
+      {"leg", "1", "leg that is driven", "0: none (rest or transit); else a value of step_leg"}, servo,
+      [](auto& row) -> auto& { return row.state.leg; });
+  archive.template column<std::uint8_t>(
+      {"status", "1", "state of the message", "", flag_masks({"lost_before"})}, servo,
+      [](const auto& row) { return row.lost_before ? 1 : 0; },
+      [](auto& row, std::uint8_t status) { row.lost_before = (status & 1U) != 0; });
+  stamp_columns(archive, servo);
+  span_columns(archive, servo);
+}
+
+}  // namespace thermorig::session

@@ -1,0 +1,184 @@
+// SPDX-License-Identifier: MIT
+#include "group_attributes.h"
+
+#include <fmt/format.h>
+
+#include "attributes.h"
+#include "counters_list.h"
+#include "group_writer.h"
+#include "scalars.h"
+#include "thermorig/core/validity.h"
+
+namespace thermorig::session {
+
+namespace {
+
+std::uint8_t flag(bool value) {
+  return value ? 1 : 0;
+}
+
+void write_link(hid_t group, const std::string& model, const PortProfile& link) {
+  set_attribute(group, "model", model);
+  set_attribute(group, "port", link.port);
+  set_attribute(group, "usb_path", link.usb_path);
+  set_attribute(group, "baud", link.baud);
+  set_attribute(group, "latency_s", link.latency_s);
+}
+
+const char* name_of(ChecksumPolicy policy) {
+  switch (policy) {
+    case ChecksumPolicy::word:
+      return "word";
+    case ChecksumPolicy::byte:
+      return "byte";
+    case ChecksumPolicy::ignore:
+      break;
+  }
+  return "ignore";
+}
+
+/// How hard the scene is for the camera: the order of contrast in the environments of the published rig.
+const char* difficulty_of(const std::string& environment) {
+  if (environment == "laboratory") return "low";
+  if (environment == "dining" || environment == "kitchen") return "medium";
+  if (environment == "garden") return "high";
+  return "unknown";
+}
+
+std::string hdf5_version() {
+  unsigned major = 0, minor = 0, release = 0;
+  check(H5get_libversion(&major, &minor, &release), "tell the version of HDF5");
+  return fmt::format("{}.{}.{}", major, minor, release);
+}
+
+void write_simulation(hid_t root, const RecordingHeader& header) {
+  set_attribute(root, "simulated", flag(header.simulated));
+  if (header.simulation_seed) set_attribute(root, "simulation_seed", *header.simulation_seed);
+  if (header.simulated) set_attribute(root, "simulation", header.simulation);
+}
+
+void write_stream(hid_t group, const std::string& name, const Quality::Stream& stream) {
+  const auto set = [&](const char* what, auto value) { set_attribute(group, (name + what).c_str(), value); };
+  set("_received", stream.received);
+  set("_lost", stream.lost);
+  set("_bad", stream.bad);
+  set("_repeated", stream.repeated);
+  set("_rate_min_hz", stream.rate_min_hz);
+  set("_rate_mean_hz", stream.rate_mean_hz);
+  set("_rate_max_hz", stream.rate_max_hz);
+  set("_gap_max_s", stream.gap_max_s);
+}
+
+}  // namespace
+
+void write_root_attributes(hid_t root, const Session& session) {
+  const auto& header = session.raw.header;
+  const double duration_s = to_s(session.raw.end_time - header.time_reference);
+  set_attribute(root, "NX_class", "NXroot");
+  set_attribute(root, "default", "samples");
+  set_attribute(root, "format", format_name);
+  set_attribute(root, "format_version", format_version);
+  set_attribute(root, "uuid", header.uuid);
+  set_attribute(root, "title", header.title);
+  set_attribute(root, "start_time", header.start_time_utc);
+  set_attribute(root, "end_time", utc_after(header.start_time_utc, duration_s));
+  set_attribute(root, "time_reference", header.start_time_utc);
+  set_attribute(root, "time_reference_ns", to_ns(header.time_reference));
+  set_attribute(root, "end_time_ns", to_ns(session.raw.end_time));
+  set_attribute(root, "timezone", "UTC");
+  set_attribute(root, "duration_s", duration_s);
+  set_attribute(root, "state", name_of(session.state));
+  set_attribute(root, "closed_by_recorder", flag(session.raw.complete));
+  write_simulation(root, header);
+  set_attribute(root, "creator", header.creator);
+  set_attribute(root, "creator_git", header.creator_git);
+  set_attribute(root, "host_name", header.host_name);
+  set_attribute(root, "kernel", header.kernel);
+  set_attribute(root, "HDF5_Version", hdf5_version());
+  set_attribute(root, "Conventions", "CF-1.10");
+  set_attribute(root, "license", "not stated");
+  set_attribute(root, "scalars_crc32", scalars_crc32(session));
+}
+
+void write_camera_attributes(hid_t group, const Session& session) {
+  const auto& camera = session.raw.header.profile.camera;
+  write_link(group, camera.model, camera.link);
+  set_attribute(group, "output_rate_setting_hz", camera.output_rate_hz);
+  set_attribute(group, "field_of_view_deg", camera.field_of_view_deg);
+  set_attribute(group, "mirrored", flag(camera.mirrored));
+  set_attribute(group, "checksum_policy", name_of(camera.checksum));
+  set_attribute(group, "mode", session.camera_mode);
+  set_attribute(group, "frame_period_s", session.frame_period_s);
+}
+
+void write_gyro_attributes(hid_t group, const Session& session) {
+  const auto& gyro = session.raw.header.profile.gyro;
+  write_link(group, gyro.model, gyro.link);
+  set_attribute(group, "protocol", gyro.protocol == GyroProtocol::witmotion ? "witmotion" : "text");
+  set_attribute(group, "rate_setting_hz", gyro.output_rate_hz);
+  set_attribute(group, "axis_used", gyro.axis);
+  set_attribute(group, "sign", gyro.sign);
+}
+
+void write_servo_attributes(hid_t group, const Session& session) {
+  const auto& servo = session.raw.header.profile.servo;
+  write_link(group, servo.model, servo.link);
+  set_attribute(group, "firmware", session.raw.header.firmware);
+  set_attribute(group, "kind", servo.kind == ServoKind::positional ? "positional" : "continuous");
+  set_attribute(group, "travel_deg", servo.travel_deg);
+  set_attribute(group, "full_rate_dps", servo.full_rate_dps);
+  set_attribute(group, "pulse_min_us", servo.pulse_min_us);
+  set_attribute(group, "pulse_max_us", servo.pulse_max_us);
+  set_attribute(group, "max_rate_dps", servo.max_rate_dps);
+  set_attribute(group, "acceleration_dps2", servo.acceleration_dps2);
+  set_attribute(group, "stop_margin_deg", servo.stop_margin_deg);
+}
+
+void write_sync_attributes(hid_t group, const Session& session) {
+  set_attribute(group, "method", "arrival minus wire time minus configured latency");
+  set_attribute(group, "host_clock", "CLOCK_MONOTONIC");
+  set_attribute(group, "realtime_offset_ns", session.raw.header.realtime_offset_ns);
+}
+
+void write_samples_attributes(hid_t group, const Session& session) {
+  plot_as(group, "rate_label", {"time"}, {"rate_gyro"});
+  set_attribute(group, "label_version", "1");
+  set_attribute(group, "label_rule", "mean commanded speed over the exposure of both halves of the frame");
+  set_attribute(group, "settle_s", session.settle_s);
+}
+
+void write_environment_attributes(hid_t group, const Session& session) {
+  const auto& header = session.raw.header;
+  set_attribute(group, "NX_class", "NXenvironment");
+  set_attribute(group, "name", header.environment);
+  set_attribute(group, "difficulty", difficulty_of(header.environment));
+  set_attribute(group, "acquisition_number", header.acquisition);
+}
+
+void write_rig_attributes(hid_t group, const Session& session) {
+  const auto& header = session.raw.header;
+  set_attribute(group, "name", header.profile.name);
+  set_attribute(group, "plan_name", header.plan_name);
+  set_attribute(group, "frames_per_leg", header.frames_per_leg);
+  set_attribute(group, "firmware", header.firmware);
+}
+
+void write_raw_attributes(hid_t group, const wire::Counters& counters) {
+  for (const auto& counter : counter_names) set_attribute(group, counter.name, counters.*counter.member);
+}
+
+void write_quality_attributes(hid_t group, const Quality& quality) {
+  for (const Device device : all_devices)
+    write_stream(group, std::string(thermorig::name_of(device)), quality.stream[device]);
+  set_attribute(group, "duration_s", quality.duration_s);
+  set_attribute(group, "frames", quality.frames);
+  set_attribute(group, "frames_swept", quality.swept);
+  set_attribute(group, "frames_valid", quality.valid);
+  for (const auto& [reason, count] : quality.reason_counts)
+    set_attribute(group, ("reason_" + reason).c_str(), count);
+  set_attribute(group, "verdict", quality.verdict);
+  set_attribute(group, "verdict_reasons", quality.verdict_reasons);
+  set_attribute(group, "check_version", "1");
+}
+
+}  // namespace thermorig::session

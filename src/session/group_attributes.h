@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include "hdf5_handle.h"
+#include "thermorig/session/session.h"
+
+namespace thermorig::session {
+
+void write_root_attributes(hid_t root, const Session& session);
+
+void write_camera_attributes(hid_t group, const Session& session);
+void write_gyro_attributes(hid_t group, const Session& session);
+void write_servo_attributes(hid_t group, const Session& session);
+void write_sync_attributes(hid_t group, const Session& session);
+void write_samples_attributes(hid_t group, const Session& session);
+void write_environment_attributes(hid_t group, const Session& session);
+void write_rig_attributes(hid_t group, const Session& session);
+void write_raw_attributes(hid_t group, const wire::Counters& counters);
+void write_quality_attributes(hid_t group, const Quality& quality);
+
+}  // namespace thermorig::session

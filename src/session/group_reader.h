@@ -1,0 +1,122 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstdint>
+#include <cstring>
+#include <functional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "column.h"
+#include "hdf5_handle.h"
+#include "stored_type.h"
+#include "thermorig/core/time.h"
+
+namespace thermorig::session {
+
+/// Reads one group with the interface of GroupWriter. Nothing in the file is believed: types, ranks, shapes,
+/// filters and sizes are checked before anything is allocated, and the values against their CRC. Throws
+/// Hdf5Failure with what is wrong.
+class GroupReader {
+ public:
+  GroupReader(hid_t file, const std::string& path, HostTime reference, std::uint64_t file_bytes);
+
+  hid_t id() const { return group_.get(); }
+
+  template <typename Stored, typename Row, typename Get, typename Set>
+  void axis(const Column& info, std::vector<Row>& rows, Get get, Set set,
+            std::uint64_t rows_limit = rows_max) {
+    begin_rows(info.name, rows_limit, sizeof(Row));
+    rows.resize(rows_);
+    this->column<Stored>(info, rows, get, set);
+  }
+
+  template <typename Row>
+  void bare_axis(const char* /*name*/, const char* /*long_name*/, std::vector<Row>& rows,
+                 const char* counted_by, std::uint64_t rows_limit = rows_max) {
+    begin_rows(counted_by, rows_limit, sizeof(Row));
+    rows.resize(rows_);
+  }
+  template <typename Row>
+  void share_axis(std::vector<Row>& rows) const {
+    rows.resize(rows_);
+  }
+
+  template <typename Row, typename At>
+  void time_axis(const Column& info, std::vector<Row>& rows, At at, std::uint64_t rows_limit = rows_max) {
+    begin_rows(info.name, rows_limit, sizeof(Row));
+    rows.resize(rows_);
+    time_column(info, rows, at);
+  }
+  template <typename Row, typename At>
+  void time_column(const Column& info, std::vector<Row>& rows, At at) {
+    const auto set = [this, at](Row& row, double seconds) { at(row) = reference_ + checked_time(seconds); };
+    this->column<double>(info, rows, nullptr, set);
+  }
+
+  template <typename Stored, typename Row, typename Get, typename Set>
+  void column(const Column& info, std::vector<Row>& rows, Get /*get*/, Set set) {
+    const auto take = [&rows, &set](std::size_t first, std::size_t count, const std::byte* in) {
+      for (std::size_t i = 0; i < count; ++i, in += sizeof(Stored)) {
+        Stored value;
+        std::memcpy(&value, in, sizeof value);
+        set(rows[first + i], value);
+      }
+    };
+    read(info, stored_type<Stored>(), sizeof(Stored), {}, take);
+  }
+
+  template <typename Stored, typename Row, typename At>
+  void field(const Column& info, std::vector<Row>& rows, At at) {
+    const auto set = [at](Row& row, Stored value) {
+      auto& member = at(row);
+      member = static_cast<std::remove_reference_t<decltype(member)>>(value);
+    };
+    this->column<Stored>(info, rows, nullptr, set);
+  }
+
+  template <typename Stored, typename Row, typename At>
+  void block(const Column& info, std::span<const InnerAxis> inner, std::vector<Row>& rows, At at) {
+    const auto take = [&rows, &at](std::size_t first, std::size_t count, const std::byte* in) {
+      for (std::size_t i = 0; i < count; ++i) {
+        auto& values = at(rows[first + i]);
+        std::memcpy(values.data(), in, sizeof values);
+        in += sizeof values;
+      }
+    };
+    read(info, stored_type<Stored>(), sizeof(Stored), inner, take);
+  }
+
+  template <typename Row, typename Get, typename Set>
+  void texts(const Column& info, std::vector<Row>& rows, Get /*get*/, Set set) {
+    const auto values = read_texts(info, 1);
+    for (std::size_t i = 0; i < rows.size(); ++i) set(rows[i], values[i]);
+  }
+
+  InnerAxis inner_axis(const Column&, std::uint8_t size) const { return {-1, size}; }
+
+  std::string text(const Column& info) { return read_texts(info, 0).front(); }
+
+ private:
+  using Take = std::function<void(std::size_t first, std::size_t rows, const std::byte* in)>;
+
+  struct Source;
+  void begin_rows(const char* axis, std::uint64_t rows_limit, std::size_t row_bytes);
+  Source open(const char* name) const;
+  void check_size(const char* name, std::uint64_t rows, std::size_t row_bytes) const;
+  void read(const Column& info, hid_t type, std::size_t element_bytes, std::span<const InnerAxis> inner,
+            const Take& take) const;
+  std::uint32_t read_chunks(const Source& source, const std::string& path, hid_t type, std::size_t row_bytes,
+                            const Take& take) const;
+  std::vector<std::string> read_texts(const Column& info, int rank) const;
+  static HostDuration checked_time(double seconds);
+
+  std::string path_;
+  Handle group_;
+  HostTime reference_;
+  std::uint64_t file_bytes_;
+  std::uint64_t rows_ = 0;
+};
+
+}  // namespace thermorig::session

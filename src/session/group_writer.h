@@ -1,0 +1,133 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+#include <cstring>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "chunk_writer.h"
+#include "column.h"
+#include "hdf5_handle.h"
+#include "stored_type.h"
+#include "thermorig/core/time.h"
+
+namespace thermorig::session {
+
+/// Writes one group: the columns of a table, every axis with its dimension scale. GroupReader has the same
+/// interface, so that one description of a table (`*_columns.h`) serves both directions. Of each column's
+/// pair of functions this class uses `get(row)`, and GroupReader `set(row, value)`.
+class GroupWriter {
+ public:
+  GroupWriter(hid_t file, const std::string& path, ChunkWriter& chunks, HostTime reference);
+
+  hid_t id() const { return group_.get(); }
+
+  /// The column that is the axis of the table's rows: the columns after it are attached to it.
+  template <typename Stored, typename Row, typename Get, typename Set>
+  void axis(const Column& info, const std::vector<Row>& rows, Get get, Set set,
+            std::uint64_t /*rows_limit*/ = rows_max) {
+    rows_ = rows.size();
+    row_scale_ = -1;
+    this->column<Stored>(info, rows, get, set);
+    make_scale(last_dataset_, info.name);
+    row_scale_ = last_dataset_;
+  }
+
+  /// An axis without coordinates, as netCDF has them. `counted_by`: a dataset that is as long as the axis.
+  template <typename Row>
+  void bare_axis(const char* name, const char* long_name, const std::vector<Row>& rows,
+                 const char* /*counted_by*/, std::uint64_t /*rows_limit*/ = rows_max) {
+    add_bare_axis(name, long_name, rows.size());
+  }
+
+  /// More vectors that belong to the same axis.
+  template <typename Row>
+  void share_axis(const std::vector<Row>& /*rows*/) const {}
+
+  /// Seconds since the time reference, to the nanosecond. `at(row)` refers to the time.
+  template <typename Row, typename At>
+  void time_axis(const Column& info, const std::vector<Row>& rows, At at,
+                 std::uint64_t rows_limit = rows_max) {
+    const auto get = [at, reference = reference_](const Row& row) { return to_s(at(row) - reference); };
+    axis<double>(info, rows, get, nullptr, rows_limit);
+  }
+  template <typename Row, typename At>
+  void time_column(const Column& info, const std::vector<Row>& rows, At at) {
+    const auto get = [at, reference = reference_](const Row& row) { return to_s(at(row) - reference); };
+    this->column<double>(info, rows, get, nullptr);
+  }
+
+  template <typename Stored, typename Row, typename Get, typename Set>
+  void column(const Column& info, const std::vector<Row>& rows, Get get, Set /*set*/) {
+    add(info, stored_type<Stored>(), sizeof(Stored), {},
+        [&rows, get](auto first, auto count, std::byte* out) {
+          for (std::size_t i = 0; i < count; ++i, out += sizeof(Stored)) {
+            const auto value = static_cast<Stored>(get(rows[first + i]));
+            std::memcpy(out, &value, sizeof value);
+          }
+        });
+  }
+
+  /// A member that is stored as it is: `at(row)` refers to it.
+  template <typename Stored, typename Row, typename At>
+  void field(const Column& info, const std::vector<Row>& rows, At at) {
+    this->column<Stored>(info, rows, at, nullptr);
+  }
+
+  /// `at(row)` refers to a std::array<Stored, ...> of as many elements as the inner axes span.
+  template <typename Stored, typename Row, typename At>
+  void block(const Column& info, std::span<const InnerAxis> inner, const std::vector<Row>& rows, At at) {
+    add(info, stored_type<Stored>(), sizeof(Stored), inner,
+        [&rows, at](auto first, auto count, std::byte* out) {
+          for (std::size_t i = 0; i < count; ++i) {
+            const auto& values = at(rows[first + i]);
+            out = std::copy_n(reinterpret_cast<const std::byte*>(values.data()), sizeof values, out);
+          }
+        });
+  }
+
+  template <typename Row, typename Get, typename Set>
+  void texts(const Column& info, const std::vector<Row>& rows, Get get, Set /*set*/) {
+    std::vector<std::string> values;
+    for (const auto& row : rows) values.push_back(get(row));
+    add_texts(info, values);
+  }
+
+  InnerAxis inner_axis(const Column& info, std::uint8_t size);
+
+  /// Attributes of a dataset of this group that has just been written.
+  void set_image(const char* name) const;
+  void set_computed_mask(const char* name, std::uint32_t mask) const;
+
+  /// One text as a scalar dataset.
+  void text(const Column& info, const std::string& value);
+
+ private:
+  void add_bare_axis(const char* name, const char* long_name, std::uint64_t rows);
+  void add(const Column& info, hid_t type, std::size_t element_bytes, std::span<const InnerAxis> inner,
+           ChunkWriter::Fill fill);
+  void add_texts(const Column& info, const std::vector<std::string>& values);
+  void make_scale(hid_t dataset, const char* name);
+  hid_t keep(Handle dataset);
+
+  std::string path_;
+  Handle group_;
+  ChunkWriter& chunks_;
+  HostTime reference_;
+  std::uint64_t rows_ = 0;
+  hid_t row_scale_ = -1;
+  hid_t last_dataset_ = -1;
+  std::vector<Handle> open_;  // datasets that are not the ChunkWriter's
+};
+
+/// Creation properties of groups and datasets: members in the order of creation, no time stamps of objects.
+Handle group_properties();
+
+/// Marks a group for viewers as NXdata: what to plot against what.
+void plot_as(hid_t group, const std::string& signal, const std::vector<std::string>& axes,
+             const std::vector<std::string>& auxiliary = {});
+
+}  // namespace thermorig::session

@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <hdf5.h>
+
+#include <stdexcept>
+#include <string>
+#include <utility>
+
+namespace thermorig::session {
+
+/// HDF5 refused. Turned into an Error with the right exit code where the file's name is known.
+class Hdf5Failure : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+/// Passes a result of the C API through; throws Hdf5Failure("cannot " + action) if it is negative.
+template <typename Result>
+Result check(Result result, const std::string& action) {
+  if (result < 0) throw Hdf5Failure("cannot " + action);
+  return result;
+}
+
+/// Owns one HDF5 identifier of any kind. Move-only.
+class Handle {
+ public:
+  Handle() = default;
+  Handle(hid_t id, const std::string& action) : id_(check(id, action)) {}
+  ~Handle() { release(); }
+  Handle(Handle&& other) noexcept : id_(std::exchange(other.id_, -1)) {}
+  Handle& operator=(Handle&& other) noexcept {
+    std::swap(id_, other.id_);
+    return *this;
+  }
+
+  hid_t get() const { return id_; }
+
+  /// Closes now, so that a failure is seen; the destructor would swallow it.
+  void close(const std::string& action) {
+    const hid_t id = std::exchange(id_, -1);
+    check(H5Idec_ref(id), action);
+  }
+
+ private:
+  void release() noexcept {
+    if (id_ >= 0) H5Idec_ref(id_);
+  }
+  hid_t id_ = -1;
+};
+
+/// Settings of the library that every entry needs: no printing on stderr, no filter plug-ins from outside.
+inline void prepare_hdf5() {
+  H5open();
+  H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
+  H5PLset_loading_state(0);
+}
+
+}  // namespace thermorig::session

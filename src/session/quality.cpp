@@ -1,0 +1,132 @@
+// SPDX-License-Identifier: MIT
+#include <algorithm>
+#include <cmath>
+
+#include "thermorig/core/validity.h"
+#include "thermorig/session/session.h"
+#include "verdict.h"
+
+namespace thermorig::session {
+
+namespace {
+
+constexpr double window_s = 1.0;
+constexpr double gap_in_periods = 1.5;
+
+template <typename Message>
+std::vector<double> times_s(const std::vector<Message>& messages) {
+  std::vector<double> times;
+  times.reserve(messages.size());
+  for (const auto& message : messages) times.push_back(to_s(message.stamp.time.time_since_epoch()));
+  std::sort(times.begin(), times.end());
+  return times;
+}
+
+double median_interval_s(const std::vector<double>& times) {
+  if (times.size() < 2) return 0;
+  std::vector<double> intervals;
+  for (std::size_t i = 1; i < times.size(); ++i) intervals.push_back(times[i] - times[i - 1]);
+  const auto middle = intervals.begin() + static_cast<std::ptrdiff_t>(intervals.size() / 2);
+  std::nth_element(intervals.begin(), middle, intervals.end());
+  return *middle;
+}
+
+void add_gap(Quality::Stream& stream, const std::vector<double>& times) {
+  for (std::size_t i = 1; i < times.size(); ++i)
+    stream.gap_max_s = std::max(stream.gap_max_s, times[i] - times[i - 1]);
+}
+
+/// The rate of a window reaches from its first message to the first of the next, so that it is not quantised.
+void add_rates(Quality::Stream& stream, const std::vector<double>& times) {
+  if (times.size() < 2) return;
+  stream.rate_mean_hz = static_cast<double>(times.size() - 1) / (times.back() - times.front());
+  stream.rate_min_hz = stream.rate_max_hz = stream.rate_mean_hz;
+  bool first_window = true;
+  for (std::size_t begin = 0; begin < times.size();) {
+    std::size_t end = begin;
+    while (end < times.size() && times[end] < times[begin] + window_s) ++end;
+    if (end == times.size()) return;  // the last window is not whole
+    const double rate_hz = static_cast<double>(end - begin) / (times[end] - times[begin]);
+    stream.rate_min_hz = first_window ? rate_hz : std::min(stream.rate_min_hz, rate_hz);
+    stream.rate_max_hz = first_window ? rate_hz : std::max(stream.rate_max_hz, rate_hz);
+    first_window = false;
+    begin = end;
+  }
+}
+
+Quality::Stream stream_of(const wire::Counters& counters, const std::vector<double>& times) {
+  Quality::Stream stream;
+  stream.received = counters.messages;
+  stream.lost = counters.lost;
+  stream.bad = counters.bad_checksum + counters.bad_length + counters.bad_value;
+  add_rates(stream, times);
+  add_gap(stream, times);
+  return stream;
+}
+
+/// The camera numbers nothing: what is missing shows as a hole in time.
+std::uint64_t missing_frames(const std::vector<double>& times, double period_s) {
+  std::uint64_t missing = 0;
+  for (std::size_t i = 1; i < times.size(); ++i) {
+    const double periods = (times[i] - times[i - 1]) / period_s;
+    if (periods > gap_in_periods) missing += static_cast<std::uint64_t>(std::llround(periods) - 1);
+  }
+  return missing;
+}
+
+Quality::Stream camera_stream(const Session& session) {
+  const auto times = times_s(session.frames);
+  auto stream = stream_of(session.counters[Device::camera], times);
+  const double period_s = session.frame_period_s > 0 ? session.frame_period_s : median_interval_s(times);
+  if (period_s > 0) stream.lost += missing_frames(times, period_s);
+  stream.repeated = static_cast<std::uint64_t>(
+      std::count_if(session.frames.begin(), session.frames.end(),
+                    [](const auto& frame) { return frame.fresh_even == 0 && frame.fresh_odd == 0; }));
+  return stream;
+}
+
+std::vector<Quality::Speed> speeds_of(const Session& session) {
+  std::map<std::uint16_t, double> rate_of_leg;
+  std::map<double, Quality::Speed> speeds;
+  for (const auto& leg : session.raw.legs) {
+    rate_of_leg[leg.leg] = leg.rate_dps;
+    speeds[leg.rate_dps].rate_dps = leg.rate_dps;
+  }
+  for (const auto& sample : session.samples) {
+    const auto leg = rate_of_leg.find(sample.leg);
+    if (leg == rate_of_leg.end()) continue;
+    ++speeds[leg->second].frames;
+    speeds[leg->second].valid += sample.valid ? 1 : 0;
+  }
+  std::vector<Quality::Speed> ascending;
+  for (const auto& [rate_dps, speed] : speeds) ascending.push_back(speed);
+  return ascending;
+}
+
+void count_samples(const Session& session, Quality& quality) {
+  quality.frames = session.samples.size();
+  for (const auto& sample : session.samples) {
+    quality.valid += sample.valid ? 1 : 0;
+    if (sample.leg == 0) continue;
+    ++quality.swept;
+    for (std::size_t i = 0; i < reason_count; ++i)
+      if ((sample.reason_bits & bit(static_cast<Reason>(i))) != 0)
+        ++quality.reason_counts[std::string(reason_names[i])];
+  }
+}
+
+}  // namespace
+
+Quality quality_of(const Session& session) {
+  Quality quality;
+  quality.stream[Device::camera] = camera_stream(session);
+  quality.stream[Device::gyro] = stream_of(session.counters[Device::gyro], times_s(session.gyro));
+  quality.stream[Device::servo] = stream_of(session.counters[Device::servo], times_s(session.servo));
+  quality.duration_s = to_s(session.raw.end_time - session.raw.header.time_reference);
+  count_samples(session, quality);
+  quality.speeds = speeds_of(session);
+  judge(session, quality);
+  return quality;
+}
+
+}  // namespace thermorig::session

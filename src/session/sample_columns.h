@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <string_view>
+#include <vector>
+
+#include "device_columns.h"
+#include "thermorig/core/validity.h"
+
+namespace thermorig::session {
+
+/// "none", then the reasons: what /samples/reason counts.
+inline Flags first_reason_flags() {
+  Flags flags = flag_values({"none"});
+  for (std::uint32_t i = 0; i < reason_count; ++i) {
+    flags.values.push_back(i + 1);
+    flags.meanings.push_back(reason_names[i]);
+  }
+  return flags;
+}
+
+/// /samples: one row a frame. Archive is GroupWriter or GroupReader.
+template <typename Archive, typename Rows>
+void sample_columns(Archive& archive, Rows& samples) {
+  archive.time_axis(
+      {"time", "s", "time since time_reference [s]", "middle of the exposure of the frame's newest half"},
+      samples, [](auto& row) -> auto& { return row.time; }, frames_max);
+  archive.template field<std::uint32_t>(
+      {"frame", "1", "index into /camera"}, samples, [](auto& row) -> auto& { return row.frame_index; });
+  archive.template field<float>(
+      {"rate_label", "deg/s", "label: mean commanded speed over the exposure [deg/s]", "NaN: unknown"},
+      samples, [](auto& row) -> auto& { return row.rate_label_dps; });
+  archive.template field<float>(
+      {"rate_label_min", "deg/s", "least commanded speed over the exposure [deg/s]"}, samples,
+      [](auto& row) -> auto& { return row.rate_label_min_dps; });
+  archive.template field<float>(
+      {"rate_label_max", "deg/s", "greatest commanded speed over the exposure [deg/s]"}, samples,
+      [](auto& row) -> auto& { return row.rate_label_max_dps; });
+  archive.template field<float>(
+      {"angle_label", "deg", "commanded angle at time [deg]", "NaN: unknown"}, samples,
+      [](auto& row) -> auto& { return row.angle_label_deg; });
+  archive.template field<float>(
+      {"rate_gyro", "deg/s", "gyro: mean rate over the exposure [deg/s]", "bias not removed; NaN: no sample"},
+      samples, [](auto& row) -> auto& { return row.rate_gyro_dps; });
+  archive.template field<std::uint16_t>(
+      {"gyro_count", "1", "gyro samples in the mean"}, samples,
+      [](auto& row) -> auto& { return row.gyro_count; });
+  archive.template field<float>(
+      {"label_uncertainty", "deg/s", "standard deviation of rate_label [deg/s]"}, samples,
+      [](auto& row) -> auto& { return row.label_uncertainty_dps; });
+  archive.template column<std::uint8_t>(
+      {"valid", "1", "can the sample be trusted?", "1: no reason against it but warnings",
+       flag_values({"invalid", "valid"})},
+      samples, [](const auto& row) { return row.valid ? 1 : 0; },
+      [](auto& row, std::uint8_t value) { row.valid = value != 0; });
+  archive.template column<std::uint8_t>(
+      {"reason", "1", "first reason against the sample", "", first_reason_flags()}, samples,
+      [](const auto& row) { return row.first_reason(); }, [](auto&, std::uint8_t) {});
+  archive.template field<std::uint32_t>(
+      {"reason_bits", "1", "all reasons against the sample",
+       "bits outside the attribute computed_mask are not computed by this version: always 0",
+       flag_masks(reason_names)},
+      samples, [](auto& row) -> auto& { return row.reason_bits; });
+  archive.template field<std::uint16_t>(
+      {"leg", "1", "leg that was driven", "0: none; else a value of step_leg"}, samples,
+      [](auto& row) -> auto& { return row.leg; });
+  archive.template field<std::uint32_t>(
+      {"run", "1", "unbroken run of valid frames of one leg", "from 1; 0: not valid"}, samples,
+      [](auto& row) -> auto& { return row.run; });
+  archive.time_column(
+      {"exposure_begin", "s", "start of the exposure [s]"}, samples,
+      [](auto& row) -> auto& { return row.exposure_begin; });
+  archive.time_column(
+      {"exposure_end", "s", "end of the exposure [s]"}, samples,
+      [](auto& row) -> auto& { return row.exposure_end; });
+}
+
+}  // namespace thermorig::session

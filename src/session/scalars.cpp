@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: MIT
+#include "scalars.h"
+
+#include <fmt/chrono.h>
+#include <fmt/format.h>
+#include <libdeflate.h>
+
+#include <cmath>
+#include <cstdio>
+#include <ctime>
+
+#include "counters_list.h"
+
+namespace thermorig::session {
+
+std::string name_of(State state) {
+  switch (state) {
+    case State::complete:
+      return "complete";
+    case State::recovered:
+      return "recovered";
+    case State::partial:
+      break;
+  }
+  return "partial";
+}
+
+std::uint32_t scalars_crc32(const Session& session) {
+  std::string text =
+      fmt::format("{} {} {} {} {} {}", name_of(session.state), session.raw.complete,
+                  to_ns(session.raw.end_time), session.settle_s, session.camera_mode, session.frame_period_s);
+  for (const Device device : all_devices)
+    for (const auto& counter : counter_names)
+      text += fmt::format(" {}", session.counters[device].*counter.member);
+  return libdeflate_crc32(0, text.data(), text.size());
+}
+
+std::string utc_after(const std::string& start, double seconds) {
+  std::tm date{};
+  double second = 0;
+  if (std::sscanf(start.c_str(), "%4d-%2d-%2dT%2d:%2d:%lfZ", &date.tm_year, &date.tm_mon, &date.tm_mday,
+                  &date.tm_hour, &date.tm_min, &second) != 6)
+    return "";
+  date.tm_year -= 1900;
+  date.tm_mon -= 1;
+  const auto total_us = std::llround((second + seconds) * 1e6);
+  const auto whole_s = static_cast<std::time_t>(std::floor(static_cast<double>(total_us) / 1e6));
+  const auto rest_us = total_us - static_cast<long long>(whole_s) * 1'000'000;
+  return fmt::format("{:%Y-%m-%dT%H:%M:%S}.{:06}Z", fmt::gmtime(::timegm(&date) + whole_s), rest_us);
+}
+
+}  // namespace thermorig::session

@@ -1,0 +1,199 @@
+// SPDX-License-Identifier: MIT
+#include "session_image.h"
+
+#include <libdeflate.h>
+
+#include <array>
+#include <cstring>
+
+#include "attributes.h"
+#include "chunk_codec.h"
+#include "chunk_writer.h"
+#include "group_attributes.h"
+#include "group_writer.h"
+#include "ping_exchanges.h"
+#include "recording_columns.h"
+#include "sample_columns.h"
+#include "thermorig/recording_header/header_json.h"
+
+namespace thermorig::session {
+
+namespace {
+
+constexpr std::size_t image_step_bytes = 16U << 20U;
+
+Handle create_in_memory() {
+  const Handle access(H5Pcreate(H5P_FILE_ACCESS), "make properties");
+  check(H5Pset_fapl_core(access.get(), image_step_bytes, false), "build the file in memory");
+  const Handle creation(H5Pcreate(H5P_FILE_CREATE), "make properties");
+  check(H5Pset_link_creation_order(creation.get(), H5P_CRT_ORDER_TRACKED | H5P_CRT_ORDER_INDEXED),
+        "track the order of creation");
+  check(H5Pset_obj_track_times(creation.get(), false), "switch object times off");
+  // The name is never used, but looked up: this one cannot exist.
+  return Handle(H5Fcreate("/dev/null/session", H5F_ACC_TRUNC, creation.get(), access.get()),
+                "build the file in memory");
+}
+
+std::vector<std::byte> image_of(hid_t file) {
+  check(H5Fflush(file, H5F_SCOPE_GLOBAL), "finish the file");
+  const ssize_t size = H5Fget_file_image(file, nullptr, 0);
+  if (size <= 0) throw Hdf5Failure("finish the file");
+  std::vector<std::byte> bytes(static_cast<std::size_t>(size));
+  if (H5Fget_file_image(file, bytes.data(), bytes.size()) != size) throw Hdf5Failure("finish the file");
+  return bytes;
+}
+
+/// Writes the groups one after another; what the chunk writer still needs lives as long as this.
+class ImageBuilder {
+ public:
+  ImageBuilder(const Session& session, unsigned threads)
+      : session_(session),
+        file_(create_in_memory()),
+        exchanges_(ping_exchanges(session.pongs, session.raw.sent)),
+        quality_(quality_of(session)),
+        chunks_(threads) {}
+
+  SessionImage build() {
+    write_root_attributes(file_.get(), session_);
+    // The largest first: they are compressed while the rest is being laid out.
+    write_camera();
+    write_gyro();
+    write_servo();
+    write_sync();
+    write_samples();
+    write_events();
+    write_texts();
+    write_quality();
+    write_raw();
+    SessionImage image;
+    image.datasets = chunks_.finish();
+    image.bytes = image_of(file_.get());
+    return image;
+  }
+
+ private:
+  GroupWriter group(const char* path) {
+    return GroupWriter(file_.get(), path, chunks_, session_.raw.header.time_reference);
+  }
+
+  void write_camera() {
+    auto camera = group("/camera");
+    plot_as(camera.id(), "temperature", {"time", "row", "column"});
+    write_camera_attributes(camera.id(), session_);
+    camera_columns(camera, session_.frames);
+    camera.set_image("temperature");
+  }
+
+  void write_gyro() {
+    auto gyro = group("/gyro");
+    plot_as(gyro.id(), "rate", {"time"});
+    write_gyro_attributes(gyro.id(), session_);
+    gyro_columns(gyro, session_.gyro);
+  }
+
+  void write_servo() {
+    auto servo = group("/servo");
+    plot_as(servo.id(), "rate_commanded", {"time"});
+    write_servo_attributes(servo.id(), session_);
+    servo_columns(servo, session_.servo);
+    step_columns(servo, session_.raw.legs);
+  }
+
+  void write_sync() {
+    auto sync = group("/sync");
+    write_sync_attributes(sync.id(), session_);
+    auto servo = group("/sync/servo");
+    ping_columns(servo, exchanges_);
+  }
+
+  void write_samples() {
+    auto samples = group("/samples");
+    write_samples_attributes(samples.id(), session_);
+    sample_columns(samples, session_.samples);
+    samples.set_computed_mask("reason_bits", computed_bits);
+  }
+
+  void write_events() {
+    auto events = group("/events");
+    event_columns(events, session_.raw.events);
+  }
+
+  void write_texts() {
+    const auto& header = session_.raw.header;
+    write_environment_attributes(group("/environment").id(), session_);
+    auto rig = group("/rig");
+    write_rig_attributes(rig.id(), session_);
+    rig.text({"profile_toml", "1", "profile of the rig, TOML"}, header.profile_toml);
+    rig.text({"plan_toml", "1", "sweep plan, TOML"}, header.plan_toml);
+    rig.text(header_json_column, recording_header::header_to_json_text(header));
+  }
+
+  void write_quality() {
+    auto quality = group("/quality");
+    write_quality_attributes(quality.id(), quality_);
+    const auto& speeds = quality_.speeds;
+    quality.axis<double>(
+        {"speed", "deg/s", "commanded speed [deg/s]"}, speeds,
+        [](const auto& speed) { return speed.rate_dps; }, nullptr);
+    quality.field<std::int32_t>(
+        {"speed_frames", "1", "frames at this speed"}, speeds,
+        [](auto& speed) -> auto& { return speed.frames; });
+    quality.field<std::int32_t>(
+        {"speed_valid", "1", "valid frames at this speed"}, speeds,
+        [](auto& speed) -> auto& { return speed.valid; });
+  }
+
+  void write_raw() {
+    group("/raw");
+    for (const Device device : all_devices) {
+      auto raw = group(("/raw/" + std::string(name_of(device))).c_str());
+      write_raw_attributes(raw.id(), session_.counters[device]);
+      raw_columns(raw, session_.raw.received[device], "arrival_ns", "host clock when read() returned [ns]");
+    }
+    auto sent = group("/raw/sent");
+    raw_columns(sent, session_.raw.sent, "sent_ns", "host clock before write() was called [ns]");
+  }
+
+  const Session& session_;
+  Handle file_;
+  std::vector<PingExchange> exchanges_;
+  Quality quality_;
+  ChunkWriter chunks_;
+};
+
+void check_dataset(hid_t file, const StoredDataset& stored) {
+  const Handle dataset(H5Dopen2(file, stored.path.c_str(), H5P_DEFAULT), "open " + stored.path);
+  const Handle space(H5Dget_space(dataset.get()), "read the shape of " + stored.path);
+  std::array<hsize_t, H5S_MAX_RANK> dims{};
+  check(H5Sget_simple_extent_dims(space.get(), dims.data(), nullptr), "read the shape of " + stored.path);
+  if (dims[0] != stored.rows) throw Hdf5Failure("find all rows of " + stored.path);
+  std::vector<std::byte> chunk;
+  std::array<hsize_t, 3> offset{};
+  for (const std::uint32_t crc : stored.chunk_crc) {
+    hsize_t size = 0;
+    std::uint32_t mask = 0;
+    check(H5Dget_chunk_storage_size(dataset.get(), offset.data(), &size), "find a chunk of " + stored.path);
+    chunk.resize(size);
+    check(H5Dread_chunk(dataset.get(), H5P_DEFAULT, offset.data(), &mask, chunk.data()),
+          "read " + stored.path);
+    if (mask != 0 || libdeflate_crc32(0, chunk.data(), chunk.size()) != crc)
+      throw Hdf5Failure("read back what was written to " + stored.path);
+    offset[0] += stored.chunk_rows;
+  }
+}
+
+}  // namespace
+
+SessionImage build_image(const Session& session, unsigned threads) {
+  prepare_hdf5();
+  return ImageBuilder(session, threads).build();
+}
+
+void check_written(const std::string& path, const std::vector<StoredDataset>& datasets) {
+  prepare_hdf5();
+  Handle file(H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), "open the written file");
+  for (const auto& dataset : datasets) check_dataset(file.get(), dataset);
+  file.close("close the written file");
+}
+
+}  // namespace thermorig::session

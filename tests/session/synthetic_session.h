@@ -1,0 +1,160 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cmath>
+#include <random>
+
+#include "servo_link.h"
+#include "thermorig/session/session.h"
+
+namespace thermorig::session {
+
+/// A session with something in every field, deterministic by seed; no physics in it.
+class SyntheticSession {
+ public:
+  SyntheticSession(std::size_t frames, std::uint32_t seed) : random_(seed) {
+    fill_header();
+    for (std::size_t i = 0; i < frames; ++i) add_frame(i);
+    for (std::size_t i = 0; i < frames * 25; ++i) add_gyro(i);
+    for (std::size_t i = 0; i < frames * 12; ++i) add_servo(i);
+    if (frames > 0) add_extras();
+    session_.raw.complete = true;
+    session_.raw.end_time = start_ + from_s(0.125 * static_cast<double>(frames) + 1e-9);
+    session_.settle_s = 0.25;
+    session_.camera_mode = "half-fresh";
+    session_.frame_period_s = 0.1275;
+    for (const Device device : all_devices) session_.counters[device].messages = frames;
+    session_.counters[Device::gyro].bad_value = 3;
+  }
+
+  Session take() { return std::move(session_); }
+
+ private:
+  void fill_header() {
+    auto& header = session_.raw.header;
+    header.uuid = "8d3f2a10-7f6e-4c55-9d0a-2b1c3d4e5f60";
+    header.environment = "garden";
+    header.acquisition = 2;
+    header.title = "garden, acquisition 2 (früh)";
+    header.start_time_utc = "2026-07-25T14:35:59.900001Z";
+    header.time_reference = start_;
+    header.simulated = true;
+    header.simulation_seed = 3;
+    header.simulation = "made for a test";
+    header.profile_toml = "name = \"rig\"\n";
+    header.plan_toml = "frames_per_leg = 57\n";
+    header.creator = "thermorig test";
+  }
+
+  std::uint8_t random_byte() { return static_cast<std::uint8_t>(random_()); }
+  float noise() { return static_cast<float>(random_() % 1000) * 0.001F - 0.5F; }
+  HostTime at(double seconds) const { return start_ + from_s(seconds); }
+
+  void add_frame(std::size_t i) {
+    const double time_s = 0.125 * static_cast<double>(i) + 0.0000123;
+    TimedFrame frame;
+    for (std::size_t pixel = 0; pixel < frame_pixels; ++pixel)
+      frame.frame.temp_c[pixel] =
+          std::round((20.0F + 5.0F * std::sin(0.1F * static_cast<float>(pixel + i)) + noise()) * 100.0F) /
+          100.0F;
+    frame.frame.sensor_temp_c = 31.25F;
+    frame.span = {1544 * i, 1544 * (i + 1)};
+    frame.stamp = {at(time_s), at(time_s + 0.04), 0.001F};
+    frame.fresh_even = static_cast<std::uint16_t>(i % 2 ? 380 : 0);
+    frame.fresh_odd = static_cast<std::uint16_t>(i % 2 ? 0 : 381);
+    frame.exposure_begin = at(time_s - 0.25);
+    frame.exposure_end = at(time_s);
+    frame.resync_before = i % 50 == 7;
+    session_.frames.push_back(frame);
+    std::vector<std::uint8_t> chunk(1544);
+    for (auto& byte : chunk) byte = random_byte() & 0x1FU;
+    session_.raw.received[Device::camera].append(chunk, frame.stamp.arrival);
+    add_sample(frame, i);
+  }
+
+  void add_sample(const TimedFrame& frame, std::size_t i) {
+    LabelledSample sample;
+    sample.frame_index = static_cast<std::uint32_t>(i);
+    sample.time = frame.stamp.time - from_s(0.0625);
+    sample.exposure_begin = frame.exposure_begin;
+    sample.exposure_end = frame.exposure_end;
+    sample.leg = static_cast<std::uint16_t>(i / 60 + 1);
+    sample.rate_label_dps = 7.5F * static_cast<float>(sample.leg);
+    sample.rate_label_min_dps = sample.rate_label_dps - 1;
+    sample.rate_label_max_dps = sample.rate_label_dps + 1;
+    sample.angle_label_deg = noise();
+    sample.rate_gyro_dps = i == 0 ? std::nanf("") : sample.rate_label_dps + noise();
+    sample.gyro_count = 50;
+    sample.label_uncertainty_dps = 0.1F;
+    if (i % 60 < 3) sample.reason_bits = bit(Reason::servo_ramp) | bit(Reason::leg_change);
+    sample.valid = sample.reason_bits == 0;
+    sample.run = sample.valid ? sample.leg : 0U;
+    session_.samples.push_back(sample);
+  }
+
+  void add_gyro(std::size_t i) {
+    const double time_s = 0.005 * static_cast<double>(i) + 0.000001;
+    TimedGyro gyro;
+    gyro.reading.rate_dps = {noise(), noise(), 7.5F + noise()};
+    gyro.reading.counts = {-3, 4, static_cast<std::int16_t>(100 + i % 7)};
+    if (i % 3 == 0) gyro.reading.temp_c = 33.5F;
+    if (i % 4 == 0) gyro.reading.device_time_us = static_cast<std::int64_t>(5000 * i);
+    gyro.reading.saturated = i % 100 == 99;
+    gyro.span = {11 * i, 11 * i + 11};
+    gyro.stamp = {at(time_s), at(time_s + 0.003), 0.002F};
+    gyro.rate_dps = -gyro.reading.rate_dps[2];
+    gyro.lost_before = i % 77 == 1;
+    session_.gyro.push_back(gyro);
+    const std::vector<std::uint8_t> chunk{0x55, 0x52, random_byte(), 0, 1, 2, 3, 4, 5, 6, random_byte()};
+    session_.raw.received[Device::gyro].append(chunk, gyro.stamp.arrival);
+  }
+
+  void add_servo(std::size_t i) {
+    const double time_s = 0.01 * static_cast<double>(i);
+    TimedServo servo;
+    servo.mcu_time_us = (std::int64_t{1} << 32) - 500'000 + static_cast<std::int64_t>(10'000 * i);
+    servo.state.mcu_us = static_cast<std::uint32_t>(servo.mcu_time_us);
+    servo.state.angle_deg = static_cast<double>(static_cast<float>(0.075 * static_cast<double>(i)));
+    servo.state.rate_dps = 7.5;
+    servo.state.pulse_ticks = static_cast<std::uint16_t>(3001 + i % 2000);
+    servo.state.motion = ServoMotion::steady;
+    servo.state.fault = i % 500 == 499 ? ServoFault::watchdog : ServoFault::none;
+    servo.state.leg = static_cast<std::uint16_t>(1 + i / 720);
+    servo.span = {26 * i, 26 * i + 26};
+    servo.stamp = {at(time_s), at(time_s + 0.001), 0.0005F};
+    servo.lost_before = i % 91 == 3;
+    session_.servo.push_back(servo);
+    session_.raw.received[Device::servo].append(std::vector<std::uint8_t>(26, random_byte()),
+                                                servo.stamp.arrival);
+  }
+
+  void add_extras() {
+    send_ping(77);
+    session_.pongs.push_back({77, 4'000'000, 4'001'000, {5, 20}, at(0.02)});
+    session_.pongs.push_back({78, 5'000'000, 5'001'000, {40, 55}, at(1.02)});
+    session_.raw.events.push_back({at(0.5), EventKind::info, std::nullopt, "begun: ±7.5 deg/s"});
+    session_.raw.events.push_back({at(0.75), EventKind::device_back, Device::gyro, ""});
+    for (std::uint16_t leg = 1; leg <= session_.samples.back().leg; ++leg)
+      session_.raw.legs.push_back({leg, leg - 1, 7.5 * leg, at(leg), at(leg + 7.0000001), 60, leg > 1});
+  }
+
+  void send_ping(std::uint32_t token) {
+    std::array<std::uint8_t, SERVO_PING_SIZE> payload{};
+    servo_put_u32(payload.data(), token);
+    std::array<std::uint8_t, SERVO_FRAME_MAX> frame{};
+    const auto size = servo_frame(frame.data(), SERVO_PING, 9, payload.data(), SERVO_PING_SIZE);
+    // In two writes: the second ends the ping.
+    session_.raw.sent.append(std::span(frame).first(3), at(0.010));
+    session_.raw.sent.append(std::span(frame).subspan(3, size - 3U), at(0.011));
+  }
+
+  const HostTime start_ = host_time_ns(123'456'789'012'345);
+  std::mt19937 random_;
+  Session session_;
+};
+
+inline Session synthetic_session(std::size_t frames, std::uint32_t seed = 1) {
+  return SyntheticSession(frames, seed).take();
+}
+
+}  // namespace thermorig::session
