@@ -21,10 +21,10 @@ std::uint32_t bit_if(Reason reason, bool holds) {
 }
 
 bool has_pixel_out_of_range(const ThermalFrame& frame) {
-  unsigned outside = 0;
-  for (const float temp_c : frame.temp_c)  // counted, not searched: no branch, so it runs in vectors
-    outside += temp_c >= coldest_c && temp_c <= hottest_c ? 0U : 1U;
-  return outside > 0;
+  unsigned within = 0;
+  for (const float temp_c : frame.temp_c)  // counted without a branch, so it runs in vectors
+    within += static_cast<unsigned>(temp_c >= coldest_c) & static_cast<unsigned>(temp_c <= hottest_c);
+  return within < frame_pixels;
 }
 
 double uncertainty_dps(const CommandSpan& exposure, double length_s, float frame_uncertainty_s) {

@@ -26,29 +26,32 @@ LinkBudget link_budget(std::uint64_t bytes_per_message, double rate_hz, std::uin
 
 LinkTiming::LinkTiming(const PortProfile& link) : baud_(link.baud), latency_(from_s(link.latency_s)) {}
 
-float LinkTiming::uncertainty_s(std::uint64_t bytes, HostTime arrived) const {
-  double slack_s = longest_hold_s;
-  if (!chunks_.empty())
-    slack_s = std::clamp(to_s(arrived - chunks_.back().arrived) - wire_time_s(bytes, baud_), 0.0, slack_s);
-  return static_cast<float>(slack_s * uniform_deviation);
+float LinkTiming::uncertainty_s(const TimedChunk& chunk) const {
+  const double slack_s = to_s(chunk.since_before) - wire_time_s(chunk.end - chunk.begin, baud_);
+  return static_cast<float>(std::clamp(slack_s, 0.0, longest_hold_s) * uniform_deviation);
 }
 
 void LinkTiming::chunk(std::uint64_t end, HostTime arrived) {
-  const std::uint64_t begin = chunks_.empty() ? 0 : chunks_.back().end;
-  assert(end >= begin);
-  if (end == begin) return;
-  if (!chunks_.empty()) arrived = std::max(arrived, chunks_.back().arrived);
-  chunks_.push_back({begin, end, arrived, uncertainty_s(end - begin, arrived)});
-  while (chunks_.front().end + history_bytes < begin) chunks_.pop_front();
+  TimedChunk chunk{0, end, arrived, HostDuration::max()};
+  if (!chunks_.empty()) {
+    const TimedChunk& before = chunks_.back();
+    chunk.begin = before.end;
+    chunk.arrived = std::max(arrived, before.arrived);
+    chunk.since_before = chunk.arrived - before.arrived;
+  }
+  assert(chunk.end >= chunk.begin);
+  if (chunk.end == chunk.begin) return;
+  chunks_.push_back(chunk);
+  while (chunks_.front().end + history_bytes < chunk.begin) chunks_.pop_front();
 }
 
 Stamp LinkTiming::stamp(const StreamSpan& span) {
   assert(!chunks_.empty() && span.end <= chunks_.back().end && span.begin <= span.end);
   while (chunks_.size() > 1 && chunks_.front().end < span.end) chunks_.pop_front();
-  const ChunkEnd& chunk = chunks_.front();
+  const TimedChunk& chunk = chunks_.front();
   const HostTime sent = chunk.arrived - from_s(wire_time_s(chunk.end - span.begin, baud_)) - latency_;
   newest_ = std::max(newest_, sent);
-  return {.time = newest_, .arrival = chunk.arrived, .uncertainty_s = chunk.uncertainty_s};
+  return {.time = newest_, .arrival = chunk.arrived, .uncertainty_s = uncertainty_s(chunk)};
 }
 
 }  // namespace thermorig::timing

@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <random>
+#include <utility>
 
 #include "thermorig/pipeline/pipeline.h"
 
@@ -17,14 +18,18 @@ TimedFrame frame_at(double t, std::uint16_t even, std::uint16_t odd) {
   return frame;
 }
 
-/// Half-fresh frames every `period_s`, their times seen in steps of `tick_s`, some of them lost.
+/// Half-fresh frames every `period_s`, their times seen in steps of `tick_s`, some of them damaged on the
+/// way.
 Streams half_fresh(int frames, double period_s, double tick_s, unsigned lost_percent) {
   std::mt19937 random(5);
   Streams streams;
+  bool lost = false;
   for (int i = 0; i < frames; ++i) {
-    if (random() % 100 < lost_percent) continue;
+    const bool lost_before = std::exchange(lost, random() % 100 < lost_percent);
+    if (lost) continue;
     const double t = std::ceil(period_s * i / tick_s) * tick_s;
     streams.frames.push_back(frame_at(t, i % 2 == 0 ? 380 : 0, i % 2 == 0 ? 0 : 380));
+    streams.frames.back().resync_before = lost_before;
   }
   return streams;
 }
@@ -39,6 +44,20 @@ TEST(Fit, DoesNotCountIntervalsWithLostFrames) {
   const Fits fits = fit(half_fresh(500, 0.12755, 0.001, 10));
   ASSERT_TRUE(fits.frame_period_s);
   EXPECT_NEAR(*fits.frame_period_s, 0.12755, 0.0001);
+}
+
+TEST(Fit, IsNotMovedByReadsThatComeLate) {
+  std::mt19937 random(3);
+  Streams streams = half_fresh(200, 0.12755, 0.001, 0);
+  for (TimedFrame& frame : streams.frames)
+    if (random() % 100 < 30) frame.stamp.time += from_s(0.001 * static_cast<double>(random() % 180));
+  EXPECT_NEAR(*fit(streams).frame_period_s, 0.12755, 0.0003);
+}
+
+TEST(Fit, IsNotMovedByAPauseOfTheCamera) {
+  Streams streams = half_fresh(200, 0.12755, 0.001, 0);
+  for (std::size_t i = 100; i < 200; ++i) streams.frames[i].stamp.time += from_s(10.0);
+  EXPECT_NEAR(*fit(streams).frame_period_s, 0.12755, 0.0005);
 }
 
 TEST(Fit, TakesTheModeOfTheMajorityAfterTheFirstFrame) {

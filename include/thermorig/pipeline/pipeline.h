@@ -64,9 +64,9 @@ class Pipeline {
 };
 
 /// First pass: what the finished streams say about the recording as a whole. The mode is that of the majority
-/// of the frames after the first; the period is the mean of those intervals between frames that lie within
-/// half a period of their median, so that lost frames do not count. Each is absent where fewer than two
-/// frames (or none that differ) say nothing of it.
+/// of the frames after the first. The period is the median slope between frames that lie half the recording
+/// apart, missing frames counted in. Each is absent where fewer than two frames (or none that differ) say
+/// nothing of it.
 Fits fit(const Streams& streams);
 
 }  // namespace thermorig::pipeline

@@ -35,7 +35,8 @@ LinkBudget link_budget(std::uint64_t bytes_per_message, double rate_hz, std::uin
 ///
 /// The uncertainty is that of the last byte of C, which came at the earliest once the chunk before had been
 /// read and C's bytes had gone over the wire, and at the latest when C was read: a uniform spread over that
-/// slack, but over no more than `longest_hold_s`.
+/// slack, but over no more than `longest_hold_s`. What it cannot know is not in it: an error of the
+/// configured latency, and how long a busy host or the device itself took.
 ///
 /// This is the interface behind which better clocks will stand; it never uses a chunk that has not arrived.
 class LinkTiming {
@@ -57,17 +58,17 @@ class LinkTiming {
   Stamp stamp(const StreamSpan& span);
 
  private:
-  struct ChunkEnd {
+  struct TimedChunk {
     std::uint64_t begin;
     std::uint64_t end;
     HostTime arrived;
-    float uncertainty_s;
+    HostDuration since_before;  // since the arrival of the chunk before
   };
-  float uncertainty_s(std::uint64_t bytes, HostTime arrived) const;
+  float uncertainty_s(const TimedChunk& chunk) const;
 
   std::uint32_t baud_;
   HostDuration latency_;
-  std::deque<ChunkEnd> chunks_;
+  std::deque<TimedChunk> chunks_;
   HostTime newest_{HostTime::min()};  // no message is stamped before it
 };
 

@@ -1,0 +1,97 @@
+// SPDX-License-Identifier: MIT
+// The simulated rig knows what the program must find out: labels against what its shaft really did.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <set>
+#include <string>
+
+#include "scripted_bytes.h"
+#include "virtual_sweep.h"
+
+namespace thermorig::pipeline {
+namespace {
+
+/// +100 deg/s, -200 deg/s and +30 deg/s for 6 s each.
+VirtualSweep sweep_of(std::uint64_t seed, bool half_fresh) {
+  auto config = simulation::default_rig(seed, "garden");
+  config.half_fresh = half_fresh;
+  return drive(config, {{2.0, 6.0, 100.0}, {9.0, 6.0, -200.0}, {16.0, 6.0, 30.0}}, 23.0);
+}
+
+Result second_pass(const VirtualSweep& sweep) {
+  return run(sweep.config.profile, sweep.chunks, fit(run(sweep.config.profile, sweep.chunks).streams));
+}
+
+class Truth : public testing::TestWithParam<bool> {};
+
+TEST_P(Truth, FindsTheCamerasModeAndItsSlowClock) {
+  const VirtualSweep sweep = sweep_of(3, GetParam());
+  const Fits fits = fit(run(sweep.config.profile, sweep.chunks).streams);
+  EXPECT_EQ(fits.camera_mode, GetParam() ? labels::CameraMode::half_fresh : labels::CameraMode::full_fresh);
+  const double sent_s = to_s(sweep.frames.back().exposure_end - sweep.frames.front().exposure_end) /
+                        static_cast<double>(sweep.frames.size() - 1);
+  ASSERT_TRUE(fits.frame_period_s);
+  EXPECT_NEAR(*fits.frame_period_s, sent_s, 0.0005);
+  EXPECT_GT(*fits.frame_period_s, 0.126);  // 2 % slow: the nominal 0.125 s is wrong
+}
+
+TEST_P(Truth, EveryFrameAndGyroSampleThatArrivedIsThereInOrder) {
+  const VirtualSweep sweep = sweep_of(4, GetParam());
+  const Result result = run(sweep.config.profile, sweep.chunks);
+  EXPECT_EQ(result.samples.size(), result.streams.frames.size());
+  EXPECT_GE(result.streams.frames.size() + 1, sweep.frames.size());  // the last may be on its way
+  EXPECT_GE(result.streams.gyro.size() + 5, sweep.gyro.size());
+  for (std::size_t i = 0; i < result.samples.size(); ++i) EXPECT_EQ(result.samples[i].frame_index, i);
+  for (const Device device : all_devices) EXPECT_EQ(result.counters[device].bad_checksum, 0U);
+}
+
+TEST_P(Truth, ExposuresLieWhereTheyWere) {
+  const VirtualSweep sweep = sweep_of(5, GetParam());
+  const Result result = second_pass(sweep);
+  std::size_t near = 0;
+  for (const LabelledSample& sample : result.samples) {
+    const auto& sent = sweep.frames.at(sample.frame_index);
+    const double end_s = to_s(sample.exposure_end - sent.exposure_end);
+    const double begin_s = to_s(sample.exposure_begin - sent.exposure_begin);
+    if (std::abs(end_s) < 0.02 && std::abs(begin_s) < 0.02) ++near;
+  }
+  EXPECT_GT(near, result.samples.size() * 9 / 10);  // the rest: reads that came late
+}
+
+TEST_P(Truth, ValidLabelsAreTheShaftsMeanSpeed) {
+  for (std::uint64_t seed = 1; seed <= 3; ++seed) {
+    const VirtualSweep sweep = sweep_of(seed, GetParam());
+    std::size_t valid = 0;
+    std::set<std::uint16_t> legs;
+    for (const LabelledSample& sample : second_pass(sweep).samples) {
+      if (!sample.valid) continue;
+      ++valid;
+      legs.insert(sample.leg);
+      // What remains is the servo's own error: scale (a few percent) and ripple of its loop.
+      const double shaft_dps = sweep.frames.at(sample.frame_index).mean_rate_dps;
+      EXPECT_NEAR(sample.rate_label_dps, shaft_dps, 2.0 + 0.04 * std::abs(shaft_dps)) << sample.frame_index;
+    }
+    EXPECT_GT(valid, 100U);
+    EXPECT_EQ(legs, (std::set<std::uint16_t>{1, 2, 3}));
+  }
+}
+
+TEST_P(Truth, RestsAndRampsAreNeverValid) {
+  const VirtualSweep sweep = sweep_of(6, GetParam());
+  for (const LabelledSample& sample : second_pass(sweep).samples) {
+    const double end_s = to_s(sweep.frames.at(sample.frame_index).exposure_end.time_since_epoch());
+    const bool at_rest = end_s < 2.0 || (end_s > 8.5 && end_s < 9.0) || end_s > 22.5;
+    if (at_rest) {
+      EXPECT_FALSE(sample.valid) << end_s;
+      EXPECT_EQ(sample.run, 0U);
+    }
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Modes, Truth, testing::Bool(), [](const testing::TestParamInfo<bool>& mode) {
+  return std::string(mode.param ? "HalfFresh" : "FullFresh");
+});
+
+}  // namespace
+}  // namespace thermorig::pipeline

@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: MIT
+#include "virtual_sweep.h"
+
+#include <iterator>
+#include <utility>
+
+#include "thermorig/wire/servo_messages.h"
+
+namespace thermorig::pipeline {
+
+namespace {
+constexpr double step_s = 0.01;
+constexpr int refresh_steps = 4;
+
+struct TimedCommand {
+  double time_s = 0.0;
+  std::vector<std::uint8_t> bytes;
+};
+
+std::vector<TimedCommand> commands(const ServoProfile& servo, const std::vector<SweepLeg>& legs) {
+  std::uint8_t sequence = 0;
+  std::vector<TimedCommand> result{{0.3, wire::hello_bytes(sequence)}};
+  result.push_back({0.4, wire::configure_bytes(++sequence, servo)});
+  result.push_back({0.5, wire::arm_bytes(++sequence, 0.0)});
+  std::uint16_t number = 0;
+  for (const SweepLeg& leg : legs)
+    result.push_back({leg.begin_s, wire::run_bytes(++sequence, {.leg = ++number,
+                                                                .turn_back = true,
+                                                                .rate_dps = leg.rate_dps,
+                                                                .acceleration_dps2 = servo.acceleration_dps2,
+                                                                .duration_s = leg.duration_s})});
+  return result;
+}
+}  // namespace
+
+VirtualSweep drive(const simulation::VirtualRigConfig& config, const std::vector<SweepLeg>& legs,
+                   double duration_s) {
+  simulation::VirtualRig rig(config, simulation::make_host_firmware());
+  rig.keep_truth(true);
+  VirtualSweep sweep{.config = config, .chunks = {}, .frames = {}, .gyro = {}};
+  const auto script = commands(config.profile.servo, legs);
+  auto next = script.begin();
+  for (int step = 0; step * step_s < duration_s; ++step) {
+    const HostTime now(from_s(step * step_s));
+    for (; next != script.end() && next->time_s <= step * step_s; ++next)
+      rig.send(Device::servo, next->bytes, now);
+    if (step % refresh_steps == 0) rig.send(Device::servo, wire::refresh_bytes(), now);
+    auto chunks = rig.advance(now + from_s(step_s));
+    std::move(chunks.begin(), chunks.end(), std::back_inserter(sweep.chunks));
+  }
+  sweep.frames = rig.sent_frames();
+  sweep.gyro = rig.sent_gyro();
+  return sweep;
+}
+
+}  // namespace thermorig::pipeline
