@@ -1,0 +1,192 @@
+// SPDX-License-Identifier: MIT
+#include "thermorig/rig/plan.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+#include "thermorig/core/error.h"
+
+namespace thermorig::rig {
+namespace {
+
+using ::testing::HasSubstr;
+
+template <typename Action>
+std::string refusal(Action action) {
+  try {
+    action();
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), ExitCode::bad_usage);
+    return error.what();
+  }
+  return "nothing was refused";
+}
+
+TEST(SweepPlan, PaperHasFiftySpeedsInPairs) {
+  const SweepPlan plan = load_plan("paper", "kitchen", 1);
+  ASSERT_EQ(plan.leg_rates_dps.size(), 50U);
+  std::set<double> magnitudes;
+  for (std::size_t i = 0; i < 50; i += 2) {
+    EXPECT_GT(plan.leg_rates_dps[i], 0.0);
+    EXPECT_EQ(plan.leg_rates_dps[i], -plan.leg_rates_dps[i + 1]);
+    magnitudes.insert(plan.leg_rates_dps[i]);
+  }
+  EXPECT_EQ(magnitudes.size(), 25U);
+  EXPECT_EQ(*magnitudes.begin(), 20.0);
+  EXPECT_EQ(*magnitudes.rbegin(), 200.0);
+  EXPECT_EQ(*std::next(magnitudes.begin()), 27.5);
+  EXPECT_EQ(plan.frames_per_leg, 57);
+  EXPECT_EQ(plan.opening_rest_s, 10.0);
+}
+
+TEST(SweepPlan, SeedOrdersTheMagnitudesAndNothingElse) {
+  const SweepPlan one = load_plan("paper", "kitchen", 1), same = load_plan("paper", "kitchen", 1);
+  const SweepPlan two = load_plan("paper", "kitchen", 2);
+  EXPECT_EQ(one.leg_rates_dps, same.leg_rates_dps);
+  EXPECT_NE(one.leg_rates_dps, two.leg_rates_dps);
+  EXPECT_THAT(one.leg_rates_dps, ::testing::UnorderedElementsAreArray(two.leg_rates_dps));
+  EXPECT_FALSE(std::is_sorted(one.leg_rates_dps.begin(), one.leg_rates_dps.end()));
+}
+
+TEST(SweepPlan, TableOneCountsFewerFramesInTheGarden) {
+  EXPECT_EQ(load_plan("table-one", "garden", 1).frames_per_leg, 51);
+  for (const char* indoors : {"laboratory", "dining", "kitchen", "my-office"})
+    EXPECT_EQ(load_plan("table-one", indoors, 1).frames_per_leg, 61) << indoors;
+}
+
+TEST(SweepPlan, QuickTakesAboutHalfAMinute) {
+  const double duration_s = plan_duration_s(load_plan("quick", "kitchen", 1), ServoProfile{}, 7.84);
+  EXPECT_GT(duration_s, 20.0);
+  EXPECT_LT(duration_s, 35.0);
+}
+
+TEST(SweepPlan, OverridesReplaceWhatThePlanSays) {
+  PlanOverrides overrides;
+  overrides.magnitudes_dps = {50.0};
+  overrides.frames_per_leg = 9;
+  overrides.closing_rest_s = 0.0;
+  const SweepPlan plan = load_plan("paper", "kitchen", 1, overrides);
+  EXPECT_THAT(plan.leg_rates_dps, ::testing::ElementsAre(50.0, -50.0));
+  EXPECT_EQ(plan.frames_per_leg, 9);
+  EXPECT_EQ(plan.opening_rest_s, 10.0);
+  EXPECT_EQ(plan.closing_rest_s, 0.0);
+}
+
+TEST(SweepPlan, FileGivesARangeOfSpeeds) {
+  const SweepPlan plan = parse_plan(
+      "name = \"mine\"\nmin_dps = 10\nmax_dps = 30\nstep_dps = 10.0\norder = \"descending\"\nboth_directions "
+      "= false\n",
+      "mine.toml", 1);
+  EXPECT_EQ(plan.name, "mine");
+  EXPECT_THAT(plan.leg_rates_dps, ::testing::ElementsAre(30.0, 20.0, 10.0));
+}
+
+TEST(SweepPlan, FileMayListMagnitudesInItsOwnOrder) {
+  const SweepPlan plan =
+      parse_plan("magnitudes_dps = [40, 10.5]\norder = \"given\"\nframes_per_leg = 8\n", "mine.toml", 1);
+  EXPECT_THAT(plan.leg_rates_dps, ::testing::ElementsAre(40.0, -40.0, 10.5, -10.5));
+  EXPECT_EQ(plan.frames_per_leg, 8);
+}
+
+TEST(SweepPlan, TextGivesTheSamePlanBack) {
+  const SweepPlan plan = load_plan("table-one", "garden", UINT64_MAX);
+  const SweepPlan again = parse_plan(to_toml(plan), "stored", 0);
+  EXPECT_EQ(again.name, plan.name);
+  EXPECT_EQ(again.leg_rates_dps, plan.leg_rates_dps);
+  EXPECT_EQ(again.frames_per_leg, plan.frames_per_leg);
+  EXPECT_EQ(again.opening_rest_s, plan.opening_rest_s);
+  EXPECT_EQ(again.closing_rest_s, plan.closing_rest_s);
+  EXPECT_EQ(again.seed, plan.seed);
+}
+
+TEST(SweepPlan, FileMistakesAreNamedWithTheirLine) {
+  const auto parse = [](const std::string& text) {
+    return refusal([&] { parse_plan(text, "mine.toml", 1); });
+  };
+  EXPECT_THAT(parse("magnitudes_dps = [40]\nframes_per_legg = 8\n"),
+              HasSubstr("mine.toml:2: unknown key \"frames_per_legg\""));
+  EXPECT_THAT(parse("frames_per_leg = 0\nmagnitudes_dps = [40]\n"), HasSubstr("mine.toml:1"));
+  EXPECT_THAT(parse("magnitudes_dps = [40, -3]\n"), HasSubstr("-3 is out of range"));
+  EXPECT_THAT(parse("magnitudes_dps = [nan]\n"), HasSubstr("out of range"));
+  EXPECT_THAT(parse("magnitudes_dps = []\n"), HasSubstr("no speeds"));
+  EXPECT_THAT(parse("name = \"x\"\n"), HasSubstr("no speeds"));
+  EXPECT_THAT(parse("min_dps = 10\nmax_dps = 20\n"), HasSubstr("not whole"));
+  EXPECT_THAT(parse("magnitudes_dps = [40]\nmin_dps = 10\nmax_dps = 20\nstep_dps = 1\n"), HasSubstr("twice"));
+  EXPECT_THAT(parse("leg_rates_dps = [40, 0]\n"), HasSubstr("speed 0"));
+  EXPECT_THAT(parse("magnitudes_dps = [40]\n\norder = \"sideways\"\n"), HasSubstr("mine.toml:3"));
+  EXPECT_THAT(parse("name = \"a\"\nmagnitudes_dps = [40\nx y\n"), HasSubstr("mine.toml:"));
+}
+
+TEST(SweepPlan, UnknownNameSaysWhatThereIs) {
+  EXPECT_THAT(refusal([] { load_plan("papyrus", "kitchen", 1); }), HasSubstr("paper, table-one, quick"));
+}
+
+TEST(PlanCheck, AcceptsTheBuiltInPlansOnTheDefaultRig) {
+  for (const std::string& name : built_in_plan_names())
+    EXPECT_NO_THROW(check_plan(load_plan(name, "garden", 1), ServoProfile{}, CameraProfile{})) << name;
+}
+
+TEST(PlanCheck, RefusesSpeedsBeyondTheServo) {
+  SweepPlan plan = load_plan("quick", "kitchen", 1);
+  plan.leg_rates_dps.push_back(-221.0);
+  EXPECT_THAT(refusal([&] { check_plan(plan, ServoProfile{}, CameraProfile{}); }),
+              HasSubstr("-221 deg/s is beyond"));
+  ServoProfile continuous;
+  continuous.kind = ServoKind::continuous;
+  continuous.full_rate_dps = 100.0;
+  EXPECT_THAT(refusal([&] { check_plan(load_plan("quick", "kitchen", 1), continuous, CameraProfile{}); }),
+              HasSubstr("100 deg/s"));
+}
+
+TEST(PlanCheck, ShowsTheSumWhenTheLinkIsTooSlow) {
+  CameraProfile camera;
+  camera.link.baud = 115200;
+  const std::string text =
+      refusal([&] { check_plan(load_plan("quick", "kitchen", 1), ServoProfile{}, camera); });
+  EXPECT_THAT(text, HasSubstr("1544 bytes x 10 bits / 115200 baud = 134.0 ms > 125.0 ms"));
+  EXPECT_THAT(text, HasSubstr("7.4 frames/s"));
+  camera.output_rate_hz = 4.0;
+  EXPECT_NO_THROW(check_plan(load_plan("quick", "kitchen", 1), ServoProfile{}, camera));
+}
+
+TEST(PlanCheck, RefusesLegsThatLeaveNoValidFrame) {
+  SweepPlan plan = load_plan("quick", "kitchen", 1);
+  plan.frames_per_leg = 3;
+  const std::string text = refusal([&] { check_plan(plan, ServoProfile{}, CameraProfile{}); });
+  EXPECT_THAT(text, HasSubstr("too short for any valid frame"));
+  EXPECT_THAT(text, HasSubstr("3 frames at 8 Hz = 0.38 s"));
+}
+
+TEST(PlanCheck, RefusesSweepsThatLeaveNoValidFrame) {
+  ServoProfile servo;
+  servo.travel_deg = 90.0;
+  SweepPlan plan = load_plan("quick", "kitchen", 1);
+  plan.leg_rates_dps = {200.0};
+  // 86 deg - 20 deg of ramps = 66 deg, 0.33 s at 200 deg/s; 0.20 s + 0.25 s are needed.
+  const std::string text = refusal([&] { check_plan(plan, servo, CameraProfile{}); });
+  EXPECT_THAT(text, HasSubstr("86 deg of travel, minus 20.0 deg of ramps = 0.33 s"));
+  EXPECT_THAT(text, HasSubstr("= 0.45 s"));
+  plan.leg_rates_dps = {100.0};
+  EXPECT_NO_THROW(check_plan(plan, servo, CameraProfile{}));
+}
+
+TEST(PlanCheck, AWinchHasRoomForEveryLegOfThePaper) {
+  const double limit_deg = *angle_limit_deg(ServoProfile{});
+  EXPECT_EQ(limit_deg, 1078.0);
+  EXPECT_LT(leg_travel_deg(200.0, 61, 7.84, 2000.0), 2.0 * limit_deg);
+  EXPECT_NEAR(leg_travel_deg(-100.0, 7, 8.0, 2000.0), 100.0 * 1.15 + 2.5, 1e-9);
+}
+
+TEST(PlanDuration, CountsLegsRestsAndTransits) {
+  SweepPlan plan = load_plan("paper", "kitchen", 1);
+  const double duration_s = plan_duration_s(plan, ServoProfile{}, 8.0);
+  EXPECT_GT(duration_s, 50 * 57 / 8.0 + 20.0);
+  EXPECT_LT(duration_s, 50 * 57 / 8.0 + 20.0 + 80.0);
+}
+
+}  // namespace
+}  // namespace thermorig::rig

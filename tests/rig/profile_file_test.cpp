@@ -1,0 +1,101 @@
+// SPDX-License-Identifier: MIT
+#include "thermorig/rig/profile_file.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "simulated_bus.h"
+#include "thermorig/core/error.h"
+
+namespace thermorig::rig {
+namespace {
+
+using ::testing::HasSubstr;
+
+RigProfile unusual_profile() {
+  RigProfile profile;
+  profile.name = "bench \"two\" \\ \t tab";
+  profile.camera.link = {.port = "/dev/serial/by-id/usb-1a86",
+                         .usb_path = "1-4.2",
+                         .baud = 115200,
+                         .latency_s = 0.0215,
+                         .reset_on_open = true};
+  profile.camera.output_rate_hz = 4.0;
+  profile.camera.field_of_view_deg = 110.0;
+  profile.camera.mirrored = false;
+  profile.camera.checksum = ChecksumPolicy::ignore;
+  profile.gyro.protocol = GyroProtocol::text;
+  profile.gyro.text = {
+      .prefix = "a/g:", .rate = {3, -1, 5}, .scale_dps = 1.0 / 131.0, .time = 0, .time_unit_s = 1e-6};
+  profile.gyro.axis = 0;
+  profile.gyro.sign = -1;
+  profile.servo.kind = ServoKind::continuous;
+  profile.servo.full_rate_dps = 250.5;
+  profile.servo.pulse_min_us = 544.0;
+  profile.servo.settle_s = 0.1;
+  return profile;
+}
+
+TEST(ProfileFile, GivesTheSameProfileBack) {
+  const RigProfile profile = unusual_profile();
+  const std::string text = profile_text(profile);
+  const RigProfile again = parse_profile(text, "bench.toml");
+  EXPECT_EQ(profile_text(again), text);
+  EXPECT_EQ(again.name, profile.name);
+  EXPECT_EQ(again.camera.link.port, profile.camera.link.port);
+  EXPECT_EQ(again.camera.link.latency_s, profile.camera.link.latency_s);
+  EXPECT_EQ(again.camera.checksum, ChecksumPolicy::ignore);
+  EXPECT_EQ(again.gyro.text.rate, profile.gyro.text.rate);
+  EXPECT_EQ(again.gyro.text.scale_dps, profile.gyro.text.scale_dps);
+  EXPECT_EQ(again.gyro.axis, 0);
+  EXPECT_EQ(again.servo.kind, ServoKind::continuous);
+  EXPECT_EQ(again.servo.full_rate_dps, 250.5);
+}
+
+TEST(ProfileFile, KeepsDefaultsForWhatIsLeftOut) {
+  const RigProfile profile = parse_profile("[camera]\nport = \"/dev/ttyUSB1\"\n", "bench.toml");
+  EXPECT_EQ(profile.camera.link.port, "/dev/ttyUSB1");
+  EXPECT_EQ(profile.camera.link.baud, 460800U);
+  EXPECT_EQ(profile.servo.travel_deg, 2160.0);
+}
+
+TEST(ProfileFile, WritesACommentForPeople) {
+  EXPECT_THAT(profile_text(RigProfile{}), HasSubstr("bits per second"));
+}
+
+std::string refusal(const std::string& text) {
+  try {
+    parse_profile(text, "bench.toml");
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), ExitCode::bad_usage);
+    return error.what();
+  }
+  return "nothing was refused";
+}
+
+TEST(ProfileFile, NamesLineAndWhatIsAllowed) {
+  EXPECT_THAT(refusal("[camera]\n\nbauds = 9600\n"), HasSubstr("bench.toml:3: unknown key \"bauds\""));
+  EXPECT_THAT(refusal("[camera]\n\nbauds = 9600\n"), HasSubstr("output_rate_hz"));
+  EXPECT_THAT(refusal("[kamera]\nbaud = 9600\n"), HasSubstr("unknown key \"kamera\""));
+  EXPECT_THAT(refusal("[gyro]\naxis = \"w\"\n"), HasSubstr("one of: x, y, z"));
+  EXPECT_THAT(refusal("[gyro]\nsign = 0\n"), HasSubstr("1 or -1"));
+  EXPECT_THAT(refusal("[servo]\nmax_rate_dps = 900\n"), HasSubstr("from 0.1 to 300"));
+  EXPECT_THAT(refusal("[servo]\nmax_rate_dps = \"fast\"\n"), HasSubstr("not a number"));
+  EXPECT_THAT(refusal("[servo]\nacceleration_dps2 = inf\n"), HasSubstr("out of range"));
+  EXPECT_THAT(refusal("[servo]\npulse_min_us = 2000\npulse_max_us = 1000\n"), HasSubstr("bench.toml:2"));
+  EXPECT_THAT(refusal("[servo]\nkind = \"continuous\"\n"), HasSubstr("full_rate_dps"));
+  EXPECT_THAT(refusal("[servo]\ntravel_deg = 10\nstop_margin_deg = 5\n"), HasSubstr("no travel"));
+  EXPECT_THAT(refusal("camera = 3\n"), HasSubstr("not a table"));
+  EXPECT_THAT(refusal("[camera]\nport = \n"), HasSubstr("bench.toml:2: not valid TOML"));
+}
+
+TEST(ProfileFile, IsWrittenAndReadAgain) {
+  const test::TemporaryFolder folder;
+  write_profile(folder.path() / "bench.toml", unusual_profile());
+  EXPECT_EQ(profile_text(read_profile(folder.path() / "bench.toml")), profile_text(unusual_profile()));
+  EXPECT_THROW(read_profile(folder.path() / "none.toml"), Error);
+  EXPECT_THROW(write_profile(folder.path() / "no" / "such" / "folder.toml", RigProfile{}), Error);
+}
+
+}  // namespace
+}  // namespace thermorig::rig

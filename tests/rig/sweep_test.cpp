@@ -1,0 +1,200 @@
+// SPDX-License-Identifier: MIT
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "simulated_bus.h"
+#include "thermorig/rig/finalise.h"
+
+namespace thermorig::rig::test {
+namespace {
+
+std::vector<LegRecord> complete_legs(const Run& run) {
+  std::vector<LegRecord> legs;
+  std::copy_if(run.raw.legs.begin(), run.raw.legs.end(), std::back_inserter(legs),
+               [](const LegRecord& leg) { return leg.complete; });
+  return legs;
+}
+
+bool has_event(const RawRecording& raw, EventKind kind) {
+  return std::any_of(raw.events.begin(), raw.events.end(),
+                     [&](const auto& event) { return event.kind == kind; });
+}
+
+double rate_at_end(const SimulatedBus& bus) {
+  return bus.rig.shaft().back().rate_dps;
+}
+
+TEST(Sweep, GivesEachLegOfThePlanItsFrames) {
+  const TemporaryFolder folder;
+  SimulatedBus bus(simulation::default_rig(3, "kitchen"));
+  const SweepPlan plan = short_plan();
+  const Run run = run_to_journal(bus, recording_options(folder, simulation::default_profile(), plan));
+  ASSERT_FALSE(run.failure) << run.failure->what();
+  ASSERT_EQ(run.raw.legs.size(), plan.leg_rates_dps.size());
+  for (std::size_t i = 0; i < plan.leg_rates_dps.size(); ++i) {
+    EXPECT_EQ(run.raw.legs[i].step, static_cast<int>(i));
+    EXPECT_EQ(run.raw.legs[i].leg, i + 1);
+    EXPECT_EQ(run.raw.legs[i].rate_dps, plan.leg_rates_dps[i]);
+    EXPECT_EQ(run.raw.legs[i].frames, plan.frames_per_leg);
+    EXPECT_TRUE(run.raw.legs[i].complete);
+  }
+  EXPECT_TRUE(has_event(run.raw, EventKind::finished));
+}
+
+TEST(Sweep, CountsAFrameForTheLegThatItsLabelNames) {
+  const TemporaryFolder folder;
+  SimulatedBus bus(simulation::default_rig(4, "kitchen"));
+  const Run run = run_to_journal(bus, recording_options(folder, simulation::default_profile(), short_plan()));
+  const std::vector<int> frames = frames_by_leg(run.raw);
+  ASSERT_EQ(frames.size(), 5U);
+  for (std::size_t leg = 1; leg < frames.size(); ++leg) EXPECT_NEAR(frames[leg], 12, 1) << "leg " << leg;
+}
+
+TEST(Sweep, RunsTwiceTheSameInVirtualTime) {
+  const TemporaryFolder folder;
+  std::vector<RawRecording> raws;
+  for (int i = 0; i < 2; ++i) {
+    SimulatedBus bus(simulation::default_rig(5, "garden"));
+    raws.push_back(
+        run_to_journal(bus, recording_options(folder, simulation::default_profile(), short_plan())).raw);
+  }
+  for (const Device device : all_devices) {
+    EXPECT_EQ(raws[0].received[device].bytes, raws[1].received[device].bytes);
+    EXPECT_EQ(raws[0].received[device].chunk_end, raws[1].received[device].chunk_end);
+    EXPECT_EQ(raws[0].received[device].time_ns, raws[1].received[device].time_ns);
+  }
+  EXPECT_EQ(raws[0].sent.bytes, raws[1].sent.bytes);
+  EXPECT_EQ(raws[0].sent.time_ns, raws[1].sent.time_ns);
+}
+
+TEST(Sweep, DrivesALegAgainAfterTheWatchdogTripped) {
+  const TemporaryFolder folder;
+  SimulatedBus bus(simulation::default_rig(6, "kitchen"));
+  bus.to_servo = [](std::vector<std::uint8_t> bytes, HostTime now) {
+    const double time_s = to_s(now - HostTime{});
+    return time_s > 2.5 && time_s < 2.8 ? std::vector<std::uint8_t>{} : bytes;
+  };
+  const SweepPlan plan = short_plan();
+  const Run run = run_to_journal(bus, recording_options(folder, simulation::default_profile(), plan));
+  ASSERT_FALSE(run.failure) << run.failure->what();
+  EXPECT_TRUE(has_event(run.raw, EventKind::servo_fault));
+  EXPECT_TRUE(has_event(run.raw, EventKind::leg_repeated));
+  ASSERT_EQ(run.raw.legs.size(), plan.leg_rates_dps.size() + 1);
+  const auto cut =
+      std::find_if(run.raw.legs.begin(), run.raw.legs.end(), [](const auto& leg) { return !leg.complete; });
+  ASSERT_NE(cut, run.raw.legs.end());
+  EXPECT_EQ((cut + 1)->step, cut->step);
+  EXPECT_EQ((cut + 1)->leg, cut->leg + 1);
+  EXPECT_EQ(complete_legs(run).size(), plan.leg_rates_dps.size());
+}
+
+TEST(Sweep, GivesUpWhenALegFailsAgainAndAgain) {
+  const TemporaryFolder folder;
+  SimulatedBus bus(simulation::default_rig(6, "kitchen"));
+  bus.to_servo = [](std::vector<std::uint8_t> bytes, HostTime now) {  // a stop byte every second
+    const auto second = static_cast<std::int64_t>(to_s(now - HostTime{}) * 250.0);
+    if (second > 250 && second % 250 == 0) bytes.push_back(wire::stop_bytes().front());
+    return bytes;
+  };
+  const Run run = run_to_journal(bus, recording_options(folder, simulation::default_profile(), short_plan()));
+  ASSERT_TRUE(run.failure);
+  EXPECT_EQ(run.failure->code(), ExitCode::device_lost);
+  EXPECT_THAT(run.failure->what(), ::testing::HasSubstr("stop byte"));
+  EXPECT_TRUE(complete_legs(run).empty());
+}
+
+TEST(Sweep, GoesBackAndForthWhereTheTravelIsShort) {
+  const TemporaryFolder folder;
+  auto config = simulation::default_rig(7, "dining");
+  config.profile.servo.model = "180 degrees";
+  config.profile.servo.travel_deg = 180.0;
+  SimulatedBus bus(config);
+  PlanOverrides overrides;
+  overrides.magnitudes_dps = {100.0};
+  overrides.frames_per_leg = 40;
+  overrides.opening_rest_s = overrides.closing_rest_s = 0.5;
+  const SweepPlan plan = load_plan("quick", "dining", 1, overrides);
+  const Run run = run_to_journal(bus, recording_options(folder, config.profile, plan));
+  ASSERT_FALSE(run.failure) << run.failure->what();
+  ASSERT_EQ(complete_legs(run).size(), 2U);
+  const session::Session session = build_session(run.raw);
+  int forth = 0, back = 0;
+  for (const LabelledSample& sample : session.samples) {
+    if (!sample.valid || sample.leg != 1) continue;
+    EXPECT_NEAR(std::abs(sample.rate_label_dps), 100.0, 0.1);
+    ++(sample.rate_label_dps > 0.0F ? forth : back);
+  }
+  EXPECT_GT(forth, 5);
+  EXPECT_GT(back, 5);
+  for (const TimedServo& servo : session.servo) EXPECT_LE(std::abs(servo.state.angle_deg), 88.0);
+}
+
+TEST(Sweep, DrivesAContinuousServoWithoutLimits) {
+  const TemporaryFolder folder;
+  auto config = simulation::default_rig(8, "kitchen");
+  config.profile.servo.kind = ServoKind::continuous;
+  config.profile.servo.full_rate_dps = 220.0;
+  SimulatedBus bus(config);
+  const Run run = run_to_journal(bus, recording_options(folder, config.profile, short_plan()));
+  ASSERT_FALSE(run.failure) << run.failure->what();
+  EXPECT_EQ(complete_legs(run).size(), 4U);
+}
+
+TEST(Sweep, StopsTheServoOnRequestBeforeItEnds) {
+  const TemporaryFolder folder;
+  SimulatedBus bus(simulation::default_rig(9, "kitchen"));
+  bus.rig.keep_truth(true);
+  const Run run = run_to_journal(bus, recording_options(folder, simulation::default_profile(), short_plan()),
+                                 {.stop_at_s = 3.0});
+  EXPECT_TRUE(run.stopped);
+  EXPECT_FALSE(run.failure);
+  EXPECT_TRUE(run.raw.complete);
+  EXPECT_TRUE(has_event(run.raw, EventKind::stopped));
+  EXPECT_LT(to_s(run.end - HostTime{}), 4.0);
+  bus.rig.advance(run.end + std::chrono::milliseconds(300));
+  EXPECT_LT(std::abs(rate_at_end(bus)), 1.0);
+  EXPECT_EQ(build_session(run.raw).state, session::State::partial);
+  ASSERT_FALSE(run.raw.legs.empty());
+  EXPECT_FALSE(run.raw.legs.back().complete);
+}
+
+TEST(Sweep, StopsTheServoWhenTheCameraIsLost) {
+  const TemporaryFolder folder;
+  SimulatedBus bus(simulation::default_rig(10, "kitchen"));
+  bus.is_cut = [](Device device, HostTime at) {
+    return device == Device::camera && to_s(at - HostTime{}) > 2.0;
+  };
+  const Run run = run_to_journal(bus, recording_options(folder, simulation::default_profile(), short_plan()));
+  ASSERT_TRUE(run.failure);
+  EXPECT_EQ(run.failure->code(), ExitCode::device_lost);
+  EXPECT_THAT(run.failure->where(), ::testing::HasSubstr("camera"));
+  EXPECT_TRUE(has_event(run.raw, EventKind::device_lost));
+  const session::Session session = build_session(run.raw);
+  EXPECT_EQ(session.servo.back().state.motion, ServoMotion::disarmed);
+}
+
+TEST(Sweep, SurvivesLostAndDoubledBytesOnTheWayToTheServo) {
+  const TemporaryFolder folder;
+  SimulatedBus bus(simulation::default_rig(11, "kitchen"));
+  std::uint32_t random = 1;
+  bus.to_servo = [&](const std::vector<std::uint8_t>& bytes, HostTime) {
+    std::vector<std::uint8_t> damaged;
+    for (const std::uint8_t byte : bytes) {
+      random = random * 1664525U + 1013904223U;
+      const std::uint32_t chance = random >> 22U;  // 0..1023
+      if (chance != 0) damaged.push_back(byte);
+      if (chance == 1) damaged.push_back(byte);
+    }
+    return damaged;
+  };
+  const SweepPlan plan = short_plan();
+  const Run run = run_to_journal(bus, recording_options(folder, simulation::default_profile(), plan));
+  ASSERT_FALSE(run.failure) << run.failure->what();
+  EXPECT_EQ(complete_legs(run).size(), plan.leg_rates_dps.size());
+}
+
+}  // namespace
+}  // namespace thermorig::rig::test
