@@ -86,6 +86,8 @@ std::string holder_of(const std::string& path) {
 }
 
 Descriptor open_exclusively(const std::string& path) {
+  if (is_system_console(path))  // asked before open(), which already moves its control lines
+    throw Error(ExitCode::no_permission, "this port is the system's console", path, existing_ports_text());
   Descriptor port(::open(path.c_str(), O_RDWR | O_NONBLOCK | O_NOCTTY | O_CLOEXEC));
   if (!port) refuse_open(path, errno);
   if (isatty(port.get()) != 1)  // also a /dev/ttyS* without a chip behind it

@@ -23,7 +23,8 @@ class Descriptor {
 
 /// Opens a terminal device (non-blocking, never the controlling terminal) and takes the lock that every
 /// thermorig takes on its ports. `path` has no links in it.
-/// Throws Error: device_missing (gone, not a terminal, no hardware), no_permission (not allowed, in use).
+/// Throws Error: device_missing (gone, not a terminal, no hardware), no_permission (not allowed, in use, the
+/// console).
 Descriptor open_exclusively(const std::string& path);
 
 /// "process 4711 (thermorig)" for a process other than this one that holds `path` open, else "this process"

@@ -6,8 +6,11 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <fstream>
+#include <iterator>
 #include <memory>
 #include <regex>
+#include <sstream>
 
 #include "thermorig/core/error.h"
 #include "thermorig/io/port.h"
@@ -79,6 +82,19 @@ std::string usb_topology(std::string_view sysfs_path) {
   return last;
 }
 
+bool names_console(const std::string& active_consoles, const std::string& path) {
+  std::istringstream names(active_consoles);
+  return std::any_of(std::istream_iterator<std::string>(names), {},
+                     [&](const std::string& name) { return path == "/dev/" + name; });
+}
+
+bool is_system_console(const std::string& path) {
+  std::string active_consoles;
+  std::ifstream active("/sys/class/tty/console/active");
+  std::getline(active, active_consoles);
+  return names_console(active_consoles, path);
+}
+
 std::vector<PortInfo> list_ports() {
   sp_port** listed = nullptr;
   if (sp_list_ports(&listed) != SP_OK)
@@ -86,7 +102,8 @@ std::vector<PortInfo> list_ports() {
                 "check that /sys is mounted");
   const std::unique_ptr<sp_port*, FreePortList> owner(listed);
   std::vector<PortInfo> ports;
-  for (sp_port** port = listed; *port != nullptr; ++port) ports.push_back(describe(*port));
+  for (sp_port** port = listed; *port != nullptr; ++port)
+    if (!is_system_console(sp_get_port_name(*port))) ports.push_back(describe(*port));
   std::sort(ports.begin(), ports.end(), [](const auto& a, const auto& b) { return a.path < b.path; });
   return ports;
 }

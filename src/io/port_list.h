@@ -13,6 +13,12 @@ std::string printable(std::string_view text);
 /// none.
 std::string usb_topology(std::string_view sysfs_path);
 
+/// Whether the kernel's list of its consoles ("tty0 ttyS0", as sysfs prints it) names the port at `path`.
+bool names_console(const std::string& active_consoles, const std::string& path);
+
+/// Whether the kernel writes its messages to this port: opening it would change the settings of the console.
+bool is_system_console(const std::string& path);
+
 /// "the ports that exist are /dev/ttyUSB0 (USB2.0-Serial), /dev/ttyACM0 (Arduino Uno)", or that there is
 /// none.
 std::string existing_ports_text();

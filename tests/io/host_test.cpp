@@ -55,5 +55,17 @@ TEST(UsbTopology, IsTheLastDeviceFolderOfTheSysfsPath) {
   EXPECT_EQ(usb_topology("/sys/devices/platform/serial8250"), "");
 }
 
+TEST(SystemConsole, IsWhatTheKernelNamesWhole) {
+  EXPECT_TRUE(names_console("tty0 ttyS0", "/dev/ttyS0"));
+  EXPECT_TRUE(names_console("ttyS0\n", "/dev/ttyS0"));
+  EXPECT_FALSE(names_console("ttyS0", "/dev/ttyS01"));
+  EXPECT_FALSE(names_console("ttyS01", "/dev/ttyS0"));
+  EXPECT_FALSE(names_console("", "/dev/ttyS0"));
+}
+
+TEST(SystemConsole, IsNotListedAsAPort) {
+  for (const PortInfo& port : list_ports()) EXPECT_FALSE(is_system_console(port.path)) << port.path;
+}
+
 }  // namespace
 }  // namespace thermorig::io

@@ -165,11 +165,14 @@ TEST(Loop, MayOpenAPortAgainAfterItWasClosed) {
   Loop loop;
   Collected first;
   Collected second;
-  loop.close(loop.open(port_at(device.path()), first.handlers()));
+  const auto port = loop.open(port_at(device.path()), first.handlers());
+  run_ticks(loop, 2);
+  loop.close(port);
   loop.open(port_at(device.path()), second.handlers());
   device.write(Bytes{5});
   run_until(loop, [&] { return !second.bytes.empty(); });
   EXPECT_TRUE(first.bytes.empty());
+  EXPECT_TRUE(first.losses.empty());
 }
 
 TEST(Loop, LetsAnExceptionOfAHandlerOutOfRun) {

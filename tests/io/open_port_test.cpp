@@ -190,7 +190,7 @@ TEST(Pty, TakesNoMoreThanItHasRoomFor) {
 TEST(Pty, IsRawForAProgramThatSetsNothing) {
   Pty device;
   for (int opened = 0; opened < 2; ++opened) {
-    const int program = open(device.path().c_str(), O_RDWR | O_NOCTTY);
+    const int program = open(device.path().c_str(), O_RDWR | O_NOCTTY | O_NONBLOCK);
     ASSERT_GE(program, 0);
     EXPECT_EQ(device.write(Bytes{'a', '\r', 0x03}), 3U);
     Bytes received(8);

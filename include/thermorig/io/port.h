@@ -30,6 +30,7 @@ struct PortInfo {
   std::string usb_id;       // "1a86:7523"; empty if not USB
   std::string serial;
 };
+/// All ports, by path. A port that the kernel uses as its console is left out.
 std::vector<PortInfo> list_ports();
 
 /// The device file behind a port's name: links (by-id, by-path) are followed, "ttyUSB0" stands for
@@ -53,7 +54,7 @@ class Loop {
 
   /// Opens a port exclusively (flock; real ports TIOCEXCL as well), raw 8N1 at link.baud, which a pty
   /// ignores. Bytes that arrived before are thrown away. Throws Error: device_missing (no such port, not a
-  /// serial port, baud refused), no_permission (not allowed, or in use and by whom).
+  /// serial port, baud refused), no_permission (not allowed, in use and by whom, or the system's console).
   PortId open(const PortProfile& link, PortHandlers handlers);
 
   /// Queues bytes; they are written in order. Writing to a lost port does nothing.
