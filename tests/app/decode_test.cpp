@@ -73,7 +73,7 @@ TEST_F(Decode, ReadsLinesOfTextWithChosenColumns) {
   const std::string text = "G,10,1.5,2.5,3.5\nG,20,4.5,5.5,6.5\n";
   write("dump.txt", {reinterpret_cast<const std::uint8_t*>(text.data()), text.size()});
   const Outcome outcome =
-      run("decode --device gyro --gyro-protocol text --prefix G --columns 1,2,3 --time-column 0 --scale 2 "
+      run("decode --device gyro --gyro-protocol text --prefix G, --columns 1,2,3 --time-column 0 --scale 2 "
           "--json dump.txt");
   ASSERT_EQ(outcome.code, 0) << outcome.err;
   const auto lines = outcome.lines();

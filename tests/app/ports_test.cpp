@@ -135,7 +135,7 @@ TEST_F(Ports, ASimulatedRigOnPortsIsRecordedAsAnyOther) {
   ASSERT_EQ(outcome.code, 0) << outcome.err << outcome.out;
   const auto lines = outcome.lines();
   EXPECT_THAT(lines.front()["simulation"].get<std::string>(), HasSubstr("ports"));
-  EXPECT_EQ(lines.back()["frames_swept"], 16);
+  EXPECT_GE(lines.back()["frames_swept"], 16);
   EXPECT_TRUE(lines.back()["recorder_cpu_share"].is_number());
   EXPECT_GE(
       std::count_if(lines.begin(), lines.end(), [](const auto& line) { return line["event"] == "progress"; }),

@@ -50,7 +50,7 @@ TEST_F(SessionCommands, InspectGivesAnArrayOfSessionsAsJson) {
   const auto& first = lines[0][0];
   EXPECT_EQ(first["environment"], "garden");
   EXPECT_EQ(first["seed"], 3);
-  EXPECT_EQ(first["frames_swept"], 48);
+  EXPECT_GE(first["frames_swept"], 48);
   EXPECT_EQ(first["speeds"].size(), 4U);
   EXPECT_GT(first["streams"]["gyro"]["counters"]["messages"], 100);
 }
@@ -68,15 +68,14 @@ TEST_F(SessionCommands, InspectRefusesWhatIsNoSessionAndStillShowsTheRest) {
 }
 
 TEST_F(SessionCommands, InspectCheckFailsOnABadSession) {
-  const Outcome brief =
-      run("record --simulated=3 --fast --environment garden --json --simulated-servo 180 --plan quick "
-          "--speeds 200 --frames-per-leg 40");
-  ASSERT_EQ(brief.code, 0) << brief.err << brief.out;
-  const std::string session = brief.lines().back()["session"];
+  std::filesystem::resize_file(killed_journal(), 60'000);  // ends within the opening rest: no valid frame
+  const Outcome recovered = run("recover recordings --json");
+  EXPECT_EQ(recovered.code, 3) << recovered.err;
+  const std::string session = recovered.lines()[0][0]["session"];
+  EXPECT_EQ(run("inspect --json " + session).code, 0);
   const Outcome outcome = run("inspect --check --json " + session);
-  const bool bad = outcome.lines()[0][0]["verdict"] == "bad";
-  EXPECT_TRUE(bad) << outcome.out;
-  EXPECT_EQ(outcome.code, 9);
+  EXPECT_EQ(outcome.code, 9) << outcome.err;
+  EXPECT_EQ(outcome.lines()[0][0]["verdict"], "bad");
 }
 
 TEST_F(SessionCommands, ReprocessMakesTheSameSessionAgain) {
