@@ -10,6 +10,7 @@
 #include <simavr/sim_time.h>
 #include <unistd.h>
 
+#include <cstdarg>
 #include <cstdio>
 #include <cstdlib>
 #include <deque>
@@ -75,6 +76,9 @@ avr_cycle_count_t wake(avr_t*, avr_cycle_count_t, void*) {
 
 void do_not_wait(avr_t*, avr_cycle_count_t) {}
 
+/// simavr reports every section that it loads; that would stand in the middle of somebody's status lines.
+void stay_quiet(avr_t*, int, const char*, va_list) {}
+
 void connect_uart(Machine& machine) {
   std::uint32_t flags = 0;  // neither print what is sent nor sleep when it is polled
   avr_ioctl(machine.avr, AVR_IOCTL_UART_SET_FLAGS('0'), &flags);
@@ -115,6 +119,7 @@ void run_until(Machine& machine, std::int64_t until_us) {
 
 template <class Item>
 void write_items(std::FILE* to, const std::vector<Item>& items) {
+  if (items.empty()) return;
   if (std::fwrite(items.data(), sizeof(Item), items.size(), to) != items.size()) std::exit(0);
 }
 
@@ -143,7 +148,9 @@ bool read_request(Machine& machine, RunRequest& request) {
 int main(int argc, char** argv) {
   if (argc != 2) fail("usage: thermorig-avr IMAGE.elf");
   std::FILE* replies = fdopen(dup(STDOUT_FILENO), "wb");
-  if (replies == nullptr || dup2(STDERR_FILENO, STDOUT_FILENO) < 0) fail("cannot set up its output");
+  if (replies == nullptr || std::freopen("/dev/null", "w", stdout) == nullptr)
+    fail("cannot set up its output");
+  avr_global_logger_set(stay_quiet);
   Machine machine;
   load(machine, argv[1]);
   RunRequest request;
