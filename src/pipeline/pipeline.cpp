@@ -6,10 +6,14 @@
 #include "camera_line.h"
 #include "gyro_line.h"
 #include "servo_line.h"
+#include "servo_link.h"
+#include "thermorig/wire/device_bytes.h"
 
 namespace thermorig::pipeline {
 
 namespace {
+constexpr std::uint64_t telemetry_bytes = SERVO_TELEMETRY_SIZE + 6;  // type, sequence, CRC, two flags
+
 labels::LabelConfig label_config(const RigProfile& profile, const Fits& fits) {
   labels::LabelConfig config;
   config.settle_s = profile.servo.settle_s;
@@ -39,6 +43,13 @@ Pipeline::Pipeline(const RigProfile& profile, const Fits& fits)
 Pipeline::~Pipeline() = default;
 Pipeline::Pipeline(Pipeline&&) noexcept = default;
 Pipeline& Pipeline::operator=(Pipeline&&) noexcept = default;
+
+void Pipeline::expect(const PerDevice<std::uint64_t>& bytes) {
+  Streams& streams = stages_->streams;
+  streams.frames.reserve(bytes[Device::camera] / wire::camera_frame_bytes);
+  streams.gyro.reserve(bytes[Device::gyro] / wire::witmotion_packet_bytes);
+  streams.servo.reserve(bytes[Device::servo] / telemetry_bytes);
+}
 
 std::vector<LabelledSample> Pipeline::feed(Device from, std::span<const std::uint8_t> chunk,
                                            HostTime arrived) {

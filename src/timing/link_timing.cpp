@@ -24,10 +24,11 @@ LinkBudget link_budget(std::uint64_t bytes_per_message, double rate_hz, std::uin
   return {.load = rate_hz * message_s, .max_rate_hz = 1.0 / message_s};
 }
 
-LinkTiming::LinkTiming(const PortProfile& link) : baud_(link.baud), latency_(from_s(link.latency_s)) {}
+LinkTiming::LinkTiming(const PortProfile& link)
+    : byte_s_(wire_time_s(1, link.baud)), latency_(from_s(link.latency_s)) {}
 
 float LinkTiming::uncertainty_s(const TimedChunk& chunk) const {
-  const double slack_s = to_s(chunk.since_before) - wire_time_s(chunk.end - chunk.begin, baud_);
+  const double slack_s = to_s(chunk.since_before) - byte_s_ * static_cast<double>(chunk.end - chunk.begin);
   return static_cast<float>(std::clamp(slack_s, 0.0, longest_hold_s) * uniform_deviation);
 }
 
@@ -49,7 +50,8 @@ Stamp LinkTiming::stamp(const StreamSpan& span) {
   assert(!chunks_.empty() && span.end <= chunks_.back().end && span.begin <= span.end);
   while (chunks_.size() > 1 && chunks_.front().end < span.end) chunks_.pop_front();
   const TimedChunk& chunk = chunks_.front();
-  const HostTime sent = chunk.arrived - from_s(wire_time_s(chunk.end - span.begin, baud_)) - latency_;
+  const HostTime sent =
+      chunk.arrived - from_s(byte_s_ * static_cast<double>(chunk.end - span.begin)) - latency_;
   newest_ = std::max(newest_, sent);
   return {.time = newest_, .arrival = chunk.arrived, .uncertainty_s = uncertainty_s(chunk)};
 }

@@ -107,6 +107,9 @@ std::vector<Chunk> chunks_across_messages(const ScriptedRecording& recording, un
 Result run(const RigProfile& profile, const std::vector<Chunk>& chunks, const Fits& fits) {
   Pipeline pipeline(profile, fits);
   Result result;
+  PerDevice<std::uint64_t> bytes;
+  for (const Chunk& chunk : chunks) bytes[chunk.device] += chunk.bytes.size();
+  pipeline.expect(bytes);
   const auto take = [&](std::vector<LabelledSample> samples) {
     result.samples.insert(result.samples.end(), samples.begin(), samples.end());
   };

@@ -45,6 +45,10 @@ class Pipeline {
   Pipeline(Pipeline&&) noexcept;
   Pipeline& operator=(Pipeline&&) noexcept;
 
+  /// A hint: so many bytes of each device will come. Room for their messages is made once, instead of again
+  /// and again while the streams grow.
+  void expect(const PerDevice<std::uint64_t>& bytes);
+
   /// One chunk of bytes in, zero or more labelled samples out. The caller brings the time, which should not
   /// run backwards from one call to the next, whichever device it is for. Every camera frame gives exactly
   /// one sample, here or in finish(), in the order of the frames.

@@ -66,7 +66,7 @@ class LinkTiming {
   };
   float uncertainty_s(const TimedChunk& chunk) const;
 
-  std::uint32_t baud_;
+  double byte_s_;  // wire time of one byte
   HostDuration latency_;
   std::deque<TimedChunk> chunks_;
   HostTime newest_{HostTime::min()};  // no message is stamped before it
