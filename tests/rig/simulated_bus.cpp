@@ -56,11 +56,11 @@ RecordingOptions recording_options(const TemporaryFolder& folder, const RigProfi
   return options;
 }
 
-Run run_to_journal(SimulatedBus& bus, const RecordingOptions& options, const RunOptions& run_options) {
+DrivenRun run_to_journal(SimulatedBus& bus, const RecordingOptions& options, const RunOptions& run_options) {
   HostTime now{};
   Recording recording(options, now,
                       [&](std::span<const std::uint8_t> bytes) { bus.send(Device::servo, bytes, now); });
-  Run run;
+  DrivenRun run;
   run.file = recording.file();
   while (!recording.done()) {
     now += std::chrono::milliseconds(4);

@@ -44,7 +44,7 @@ RecordingOptions recording_options(const TemporaryFolder& folder, const RigProfi
                                    const SweepPlan& plan);
 
 /// A whole recording in virtual time up to the closed journal, which is left there.
-struct Run {
+struct DrivenRun {
   SessionFile file;
   RawRecording raw;
   std::optional<Error> failure;
@@ -56,7 +56,8 @@ struct RunOptions {
   std::optional<double> give_up_at_s;  // kill -9: the journal is left as it is
   std::function<void(Recording&, HostTime)> each_step;
 };
-Run run_to_journal(SimulatedBus& bus, const RecordingOptions& options, const RunOptions& run_options = {});
+DrivenRun run_to_journal(SimulatedBus& bus, const RecordingOptions& options,
+                         const RunOptions& run_options = {});
 
 /// Frames of each leg, by their labels.
 std::vector<int> frames_by_leg(const RawRecording& raw);

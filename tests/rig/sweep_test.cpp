@@ -11,7 +11,7 @@
 namespace thermorig::rig::test {
 namespace {
 
-std::vector<LegRecord> complete_legs(const Run& run) {
+std::vector<LegRecord> complete_legs(const DrivenRun& run) {
   std::vector<LegRecord> legs;
   std::copy_if(run.raw.legs.begin(), run.raw.legs.end(), std::back_inserter(legs),
                [](const LegRecord& leg) { return leg.complete; });
@@ -31,7 +31,7 @@ TEST(Sweep, GivesEachLegOfThePlanItsFrames) {
   const TemporaryFolder folder;
   SimulatedBus bus(simulation::default_rig(3, "kitchen"));
   const SweepPlan plan = short_plan();
-  const Run run = run_to_journal(bus, recording_options(folder, simulation::default_profile(), plan));
+  const DrivenRun run = run_to_journal(bus, recording_options(folder, simulation::default_profile(), plan));
   ASSERT_FALSE(run.failure) << run.failure->what();
   ASSERT_EQ(run.raw.legs.size(), plan.leg_rates_dps.size());
   for (std::size_t i = 0; i < plan.leg_rates_dps.size(); ++i) {
@@ -47,7 +47,8 @@ TEST(Sweep, GivesEachLegOfThePlanItsFrames) {
 TEST(Sweep, CountsAFrameForTheLegThatItsLabelNames) {
   const TemporaryFolder folder;
   SimulatedBus bus(simulation::default_rig(4, "kitchen"));
-  const Run run = run_to_journal(bus, recording_options(folder, simulation::default_profile(), short_plan()));
+  const DrivenRun run =
+      run_to_journal(bus, recording_options(folder, simulation::default_profile(), short_plan()));
   const std::vector<int> frames = frames_by_leg(run.raw);
   ASSERT_EQ(frames.size(), 5U);
   for (std::size_t leg = 1; leg < frames.size(); ++leg) EXPECT_NEAR(frames[leg], 12, 1) << "leg " << leg;
@@ -78,7 +79,7 @@ TEST(Sweep, DrivesALegAgainAfterTheWatchdogTripped) {
     return time_s > 2.5 && time_s < 2.8 ? std::vector<std::uint8_t>{} : bytes;
   };
   const SweepPlan plan = short_plan();
-  const Run run = run_to_journal(bus, recording_options(folder, simulation::default_profile(), plan));
+  const DrivenRun run = run_to_journal(bus, recording_options(folder, simulation::default_profile(), plan));
   ASSERT_FALSE(run.failure) << run.failure->what();
   EXPECT_TRUE(has_event(run.raw, EventKind::servo_fault));
   EXPECT_TRUE(has_event(run.raw, EventKind::leg_repeated));
@@ -94,12 +95,15 @@ TEST(Sweep, DrivesALegAgainAfterTheWatchdogTripped) {
 TEST(Sweep, GivesUpWhenALegFailsAgainAndAgain) {
   const TemporaryFolder folder;
   SimulatedBus bus(simulation::default_rig(6, "kitchen"));
-  bus.to_servo = [](std::vector<std::uint8_t> bytes, HostTime now) {  // a stop byte every second
-    const auto second = static_cast<std::int64_t>(to_s(now - HostTime{}) * 250.0);
-    if (second > 250 && second % 250 == 0) bytes.push_back(wire::stop_bytes().front());
+  HostTime last{};
+  bus.to_servo = [&](std::vector<std::uint8_t> bytes, HostTime now) {  // a stop byte every second
+    if (now - last < std::chrono::seconds(1)) return bytes;
+    last = now;
+    bytes.push_back(wire::stop_bytes().front());
     return bytes;
   };
-  const Run run = run_to_journal(bus, recording_options(folder, simulation::default_profile(), short_plan()));
+  const DrivenRun run =
+      run_to_journal(bus, recording_options(folder, simulation::default_profile(), short_plan()));
   ASSERT_TRUE(run.failure);
   EXPECT_EQ(run.failure->code(), ExitCode::device_lost);
   EXPECT_THAT(run.failure->what(), ::testing::HasSubstr("stop byte"));
@@ -117,7 +121,7 @@ TEST(Sweep, GoesBackAndForthWhereTheTravelIsShort) {
   overrides.frames_per_leg = 40;
   overrides.opening_rest_s = overrides.closing_rest_s = 0.5;
   const SweepPlan plan = load_plan("quick", "dining", 1, overrides);
-  const Run run = run_to_journal(bus, recording_options(folder, config.profile, plan));
+  const DrivenRun run = run_to_journal(bus, recording_options(folder, config.profile, plan));
   ASSERT_FALSE(run.failure) << run.failure->what();
   ASSERT_EQ(complete_legs(run).size(), 2U);
   const session::Session session = build_session(run.raw);
@@ -138,7 +142,7 @@ TEST(Sweep, DrivesAContinuousServoWithoutLimits) {
   config.profile.servo.kind = ServoKind::continuous;
   config.profile.servo.full_rate_dps = 220.0;
   SimulatedBus bus(config);
-  const Run run = run_to_journal(bus, recording_options(folder, config.profile, short_plan()));
+  const DrivenRun run = run_to_journal(bus, recording_options(folder, config.profile, short_plan()));
   ASSERT_FALSE(run.failure) << run.failure->what();
   EXPECT_EQ(complete_legs(run).size(), 4U);
 }
@@ -147,8 +151,8 @@ TEST(Sweep, StopsTheServoOnRequestBeforeItEnds) {
   const TemporaryFolder folder;
   SimulatedBus bus(simulation::default_rig(9, "kitchen"));
   bus.rig.keep_truth(true);
-  const Run run = run_to_journal(bus, recording_options(folder, simulation::default_profile(), short_plan()),
-                                 {.stop_at_s = 3.0});
+  const DrivenRun run = run_to_journal(
+      bus, recording_options(folder, simulation::default_profile(), short_plan()), {.stop_at_s = 3.0});
   EXPECT_TRUE(run.stopped);
   EXPECT_FALSE(run.failure);
   EXPECT_TRUE(run.raw.complete);
@@ -167,7 +171,8 @@ TEST(Sweep, StopsTheServoWhenTheCameraIsLost) {
   bus.is_cut = [](Device device, HostTime at) {
     return device == Device::camera && to_s(at - HostTime{}) > 2.0;
   };
-  const Run run = run_to_journal(bus, recording_options(folder, simulation::default_profile(), short_plan()));
+  const DrivenRun run =
+      run_to_journal(bus, recording_options(folder, simulation::default_profile(), short_plan()));
   ASSERT_TRUE(run.failure);
   EXPECT_EQ(run.failure->code(), ExitCode::device_lost);
   EXPECT_THAT(run.failure->where(), ::testing::HasSubstr("camera"));
@@ -191,7 +196,7 @@ TEST(Sweep, SurvivesLostAndDoubledBytesOnTheWayToTheServo) {
     return damaged;
   };
   const SweepPlan plan = short_plan();
-  const Run run = run_to_journal(bus, recording_options(folder, simulation::default_profile(), plan));
+  const DrivenRun run = run_to_journal(bus, recording_options(folder, simulation::default_profile(), plan));
   ASSERT_FALSE(run.failure) << run.failure->what();
   EXPECT_EQ(complete_legs(run).size(), plan.leg_rates_dps.size());
 }

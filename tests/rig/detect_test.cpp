@@ -1,0 +1,115 @@
+// SPDX-License-Identifier: MIT
+#include "thermorig/rig/detect.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+
+#include "simulated_bus.h"
+#include "thermorig/wire/device_bytes.h"
+
+namespace thermorig::rig::test {
+namespace {
+
+using ::testing::HasSubstr;
+
+/// Half a second of what one device of a simulated rig sends, from the middle of a message on.
+std::vector<std::uint8_t> bytes_of(Device device, double duration_s = 0.5) {
+  simulation::VirtualRig rig(simulation::default_rig(1, "kitchen"), simulation::make_host_firmware());
+  std::vector<std::uint8_t> bytes;
+  for (const Chunk& chunk : rig.advance(HostTime{} + from_s(1.0 + duration_s)))
+    if (chunk.device == device && to_s(chunk.arrived - HostTime{}) > 1.0)
+      bytes.insert(bytes.end(), chunk.bytes.begin(), chunk.bytes.end());
+  bytes.erase(bytes.begin(), bytes.begin() + 5);
+  return bytes;
+}
+
+std::vector<std::uint8_t> as_bytes(const std::string& text) {
+  return {text.begin(), text.end()};
+}
+
+TEST(Classify, TellsTheThreeDevicesApart) {
+  for (const Device device : all_devices) {
+    const Evidence evidence = classify(bytes_of(device));
+    EXPECT_EQ(evidence.role, device) << name_of(device) << ": " << evidence.text;
+  }
+  EXPECT_EQ(classify(bytes_of(Device::gyro)).gyro_protocol, GyroProtocol::witmotion);
+}
+
+TEST(Classify, KnowsAGyroThatPrintsLines) {
+  std::string text = "initialising I2C devices...\r\n";
+  for (int i = 0; i < 20; ++i) text += "a/g:\t-124\t88\t16012\t-33\t" + std::to_string(i) + "\t7\r\n";
+  const Evidence evidence = classify(as_bytes(text));
+  EXPECT_EQ(evidence.role, Device::gyro);
+  EXPECT_EQ(evidence.gyro_protocol, GyroProtocol::text);
+  EXPECT_EQ(evidence.messages, 20U);
+}
+
+TEST(Classify, DoesNotGuess) {
+  EXPECT_FALSE(classify({}).role);
+  EXPECT_EQ(classify({}).text, "silent");
+  std::vector<std::uint8_t> noise;
+  std::uint32_t random = 7;
+  for (int i = 0; i < 20000; ++i)
+    noise.push_back(static_cast<std::uint8_t>((random = random * 1664525U + 1013904223U) >> 24U));
+  EXPECT_FALSE(classify(noise).role);
+  EXPECT_FALSE(classify(as_bytes("hello\nworld\nnothing here 1 2\nand more\n")).role);
+  auto wrong_baud = bytes_of(Device::camera);
+  for (std::uint8_t& byte : wrong_baud) byte = static_cast<std::uint8_t>(byte & 0xB6U);
+  EXPECT_FALSE(classify(wrong_baud).role);
+}
+
+TEST(Classify, KnowsTheRealCamera) {
+  const char* given = std::getenv("THERMORIG_CAPTURES");
+  const std::filesystem::path folder =
+      std::filesystem::path(given ? given : THERMORIG_CAPTURES_DEFAULT) / "gy_mcu90640_serial";
+  if (!std::filesystem::exists(folder)) GTEST_SKIP() << "no captures in " << folder;
+  for (const auto& entry : std::filesystem::directory_iterator(folder)) {
+    if (entry.path().extension() != ".bin") continue;
+    std::ifstream file(entry.path(), std::ios::binary);
+    const std::vector<std::uint8_t> bytes(std::istreambuf_iterator<char>(file), {});
+    EXPECT_EQ(classify(std::span(bytes).first(std::min<std::size_t>(bytes.size(), 6000))).role,
+              Device::camera)
+        << entry.path();
+  }
+}
+
+PortFinding finding(const std::string& path, Device device, std::uint32_t baud) {
+  PortFinding found;
+  found.info.path = path;
+  found.info.usb_path = "1-4";
+  found.role = device;
+  found.baud = baud;
+  return found;
+}
+
+TEST(Findings, BecomeTheProfile) {
+  std::vector<std::string> ambiguous;
+  const RigProfile profile = apply_findings(
+      {}, {finding("/dev/ttyUSB0", Device::gyro, 9600), finding("/dev/ttyUSB1", Device::camera, 115200), {}},
+      ambiguous);
+  EXPECT_EQ(profile.gyro.link.port, "/dev/ttyUSB0");
+  EXPECT_EQ(profile.gyro.link.baud, 9600U);
+  EXPECT_EQ(profile.camera.link.port, "/dev/ttyUSB1");
+  EXPECT_EQ(profile.camera.link.baud, 115200U);
+  EXPECT_EQ(profile.servo.link.port, "");
+  EXPECT_TRUE(ambiguous.empty());
+}
+
+TEST(Findings, LeaveARoleAloneThatWasFoundTwice) {
+  std::vector<std::string> ambiguous;
+  const RigProfile profile = apply_findings(
+      {}, {finding("/dev/ttyUSB0", Device::camera, 9600), finding("/dev/ttyUSB1", Device::camera, 9600)},
+      ambiguous);
+  EXPECT_EQ(profile.camera.link.port, "");
+  ASSERT_EQ(ambiguous.size(), 1U);
+  EXPECT_THAT(ambiguous[0], HasSubstr("/dev/ttyUSB0 and /dev/ttyUSB1"));
+}
+
+}  // namespace
+}  // namespace thermorig::rig::test
