@@ -2,7 +2,6 @@
 #include "thermorig/labels/command_track.h"
 
 #include <algorithm>
-#include <cmath>
 
 namespace thermorig::labels {
 

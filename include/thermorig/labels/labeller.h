@@ -5,7 +5,6 @@
 #include <deque>
 #include <vector>
 
-#include "thermorig/core/profile.h"
 #include "thermorig/core/sample.h"
 #include "thermorig/core/time.h"
 #include "thermorig/labels/command_track.h"
