@@ -65,6 +65,11 @@ std::string frames_text(const Quality& quality) {
   return text + "flagged  " + (reasons.empty() ? "none" : reasons) + "\n";
 }
 
+/// A speed in hundredths, so that it can be looked up.
+long centi(double rate_dps) {
+  return std::lround(rate_dps * 100);
+}
+
 /// One row a magnitude: the speed is driven in both directions.
 std::string speed_table(const Quality& quality) {
   struct Pair {
@@ -73,14 +78,14 @@ std::string speed_table(const Quality& quality) {
   };
   std::map<long, Pair> pairs;
   for (const Quality::Speed& speed : quality.speeds) {
-    Pair& pair = pairs[std::lround(std::abs(speed.rate_dps) * 100)];
+    Pair& pair = pairs[std::abs(centi(speed.rate_dps))];
     (speed.rate_dps < 0 ? pair.backward : pair.forward) = &speed;
   }
   const auto frames = [](const Quality::Speed* speed) { return speed ? std::to_string(speed->frames) : "-"; };
   const auto valid = [](const Quality::Speed* speed) { return speed ? std::to_string(speed->valid) : "-"; };
   Table table({"deg/s", "frames +", "valid +", "frames -", "valid -"});
-  for (const auto& [centi, pair] : pairs)
-    table.add({fmt::format("{:.1f}", static_cast<double>(centi) / 100), frames(pair.forward),
+  for (const auto& [magnitude, pair] : pairs)
+    table.add({fmt::format("{:.1f}", static_cast<double>(magnitude) / 100), frames(pair.forward),
                valid(pair.forward), frames(pair.backward), valid(pair.backward)});
   return table.text();
 }
@@ -154,17 +159,22 @@ nlohmann::json json_of(const std::filesystem::path& path, const Session& session
   return object;
 }
 
-ShortSpeeds short_speeds(const Quality& quality, int frames_per_leg) {
-  std::vector<Quality::Speed> wanting;
+ShortSpeeds short_speeds(const Quality& quality, const rig::SweepPlan& plan) {
+  std::map<long, Quality::Speed> speeds;  // by hundredths of deg/s
+  for (double rate_dps : plan.leg_rates_dps) speeds[centi(rate_dps)].rate_dps = rate_dps;
+  ShortSpeeds result{.planned = speeds.size()};
   for (const Quality::Speed& speed : quality.speeds)
-    if (speed.frames < frames_per_leg) wanting.push_back(speed);
+    if (speeds.contains(centi(speed.rate_dps))) speeds[centi(speed.rate_dps)].frames = speed.frames;
+  std::vector<Quality::Speed> wanting;
+  for (const auto& [key, speed] : speeds)
+    if (speed.frames < plan.frames_per_leg) wanting.push_back(speed);
   std::stable_sort(wanting.begin(), wanting.end(),
                    [](const auto& a, const auto& b) { return a.frames < b.frames; });
-  ShortSpeeds result{wanting.size(), ""};
+  result.count = wanting.size();
   constexpr std::size_t shown = 4;
   for (std::size_t i = 0; i < std::min(shown, wanting.size()); ++i)
     result.text += fmt::format("{}{} ({} of {})", i == 0 ? "" : ", ", speed_text(wanting[i].rate_dps),
-                               wanting[i].frames, frames_per_leg);
+                               wanting[i].frames, plan.frames_per_leg);
   if (wanting.size() > shown) result.text += fmt::format(" and {} more", wanting.size() - shown);
   return result;
 }

@@ -5,6 +5,7 @@
 #include <nlohmann/json_fwd.hpp>
 #include <string>
 
+#include "thermorig/rig/plan.h"
 #include "thermorig/session/session.h"
 
 namespace thermorig::app {
@@ -15,11 +16,12 @@ std::string text_of(const std::filesystem::path& path, const session::Session& s
 nlohmann::json json_of(const std::filesystem::path& path, const session::Session& session,
                        const session::Quality& quality);
 
-/// Speeds with fewer frames than the plan asks for, for a closing summary.
+/// Speeds of a plan with fewer frames than it asks for, those that were never driven included.
 struct ShortSpeeds {
-  std::size_t count = 0;
-  std::string text;  // "+7.5 deg/s (12 of 57)", the worst few
+  std::size_t planned = 0;  // different speeds in the plan
+  std::size_t count = 0;    // of them short
+  std::string text;         // "+7.5 deg/s (12 of 57)", the worst few
 };
-ShortSpeeds short_speeds(const session::Quality& quality, int frames_per_leg);
+ShortSpeeds short_speeds(const session::Quality& quality, const rig::SweepPlan& plan);
 
 }  // namespace thermorig::app

@@ -148,7 +148,7 @@ std::unique_ptr<SimulatedPorts> simulated_ports(const ChosenRig& rig, rig::Recor
 RecordSummary record(const RecordOptions& options, const ChosenRig& rig, const rig::SweepPlan& plan) {
   rig::RecordingOptions recording = recording_options(options, rig, plan);
   RecordSummary summary;
-  summary.frames_per_leg = plan.frames_per_leg;
+  summary.plan = plan;
   const HostTime begin = io::now();
   if (options.fast) {
     recording.simulation = "virtual time, firmware's host build";

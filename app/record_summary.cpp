@@ -54,7 +54,7 @@ void print_figures(const RecordSummary& summary) {
   const session::Quality& quality = result.quality;
   fmt::print("frames   {} of {} in legs are valid ({}); {} in all\n", count_text(quality.valid),
              count_text(quality.swept), share_text(quality.valid, quality.swept), count_text(quality.frames));
-  const ShortSpeeds wanting = short_speeds(quality, summary.frames_per_leg);
+  const ShortSpeeds wanting = short_speeds(quality, summary.plan);
   fmt::print(
       "speeds   {} driven, {}\n", quality.speeds.size(),
       wanting.count == 0 ? "none short of frames" : fmt::format("{} short: {}", wanting.count, wanting.text));
@@ -80,8 +80,8 @@ nlohmann::json json_of(const RecordSummary& summary) {
                         {"frames", quality.frames},
                         {"frames_swept", quality.swept},
                         {"frames_valid", quality.valid},
-                        {"speeds", quality.speeds.size()},
-                        {"speeds_short", short_speeds(quality, summary.frames_per_leg).count},
+                        {"speeds", short_speeds(quality, summary.plan).planned},
+                        {"speeds_short", short_speeds(quality, summary.plan).count},
                         {"worst_gap_s", worst_gap_s(quality)},
                         {"verdict", quality.verdict},
                         {"verdict_reasons", quality.verdict_reasons},
@@ -92,8 +92,9 @@ nlohmann::json json_of(const RecordSummary& summary) {
 
 void print_text(const RecordSummary& summary) {
   const RecordingResult& result = summary.result;
+  fmt::print("\n");
   if (!result.session.empty()) {
-    fmt::print("\nsession  {}\n", result.session.string());
+    fmt::print("session  {}\n", result.session.string());
     print_figures(summary);
   }
   fmt::print("journal  {}\n", journal_text(result));
@@ -104,7 +105,8 @@ void print_text(const RecordSummary& summary) {
     fmt::print("recorder {} of virtual time in {}\n", duration_text(result.duration_s),
                duration_text(summary.wall_s));
   if (!result.message.empty()) fmt::print("note     {}\n", printable(result.message));
-  if (!result.advice.empty()) fmt::print("try      {}\n", printable(result.advice));
+  if (!result.advice.empty() && result.advice != next_command(result))
+    fmt::print("try      {}\n", printable(result.advice));
   fmt::print("\nnext  {}\n", next_command(result));
 }
 

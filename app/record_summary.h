@@ -10,7 +10,7 @@ namespace thermorig::app {
 /// What is told when a recording has ended.
 struct RecordSummary {
   rig::RecordingResult result;
-  int frames_per_leg = 0;
+  rig::SweepPlan plan;
   std::optional<double>
       cpu_share;  // of one core, the recorder's own thread while it recorded; none in virtual time
   double wall_s = 0;
