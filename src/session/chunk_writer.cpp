@@ -93,7 +93,7 @@ std::vector<StoredDataset> ChunkWriter::finish() {
   std::size_t index = 0;
   for (auto& dataset : datasets_) {
     const Layout& layout = dataset.layout;
-    StoredDataset entry{layout.path, layout.rows, layout.chunk_rows, layout.rank, {}};
+    StoredDataset entry{layout.path, layout.rows, layout.chunk_rows, {}};
     uLong crc = 0;
     for (std::size_t first = 0; first < layout.rows; first += layout.chunk_rows) {
       Job& job = wait_for(index++);

@@ -142,7 +142,7 @@ void GroupWriter::add(const Column& info, hid_t type, std::size_t element_bytes,
   for (unsigned i = 0; i < inner.size(); ++i)
     check(H5DSattach_scale(last_dataset_, inner[i].scale, i + 1), "attach a scale to " + path);
   chunks_.add(std::move(dataset),
-              {path, rows_, std::max<std::uint64_t>(chunk_rows, 1), rank, row_bytes, element_bytes},
+              {path, rows_, std::max<std::uint64_t>(chunk_rows, 1), row_bytes, element_bytes},
               std::move(fill));
 }
 

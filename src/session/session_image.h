@@ -6,11 +6,10 @@
 #include <string>
 #include <vector>
 
+#include "stored_dataset.h"
 #include "thermorig/session/session.h"
 
 namespace thermorig::session {
-
-struct StoredDataset;
 
 /// A whole HDF5 file in memory, and what must be found in it. Building it in memory keeps HDF5 away from full
 /// disks, which it does not survive; it is as large as the file.

@@ -1,0 +1,104 @@
+# SPDX-License-Identifier: MIT
+"""Checks a session as a stranger's program sees it: stock h5py, no code of this project.
+
+usage: check_schema.py FILE FRAMES       exit code 0: as documented; else a sentence for each deviation
+       check_schema.py --digest FILE     prints a hash of the values of every dataset"""
+import hashlib
+import sys
+import zlib
+
+import h5py
+import numpy
+
+NETCDF_BARE = b"This is a netCDF dimension but not a netCDF variable."
+
+
+def datasets(file):
+    found = []
+    file.visititems(lambda name, item: found.append(item) if isinstance(item, h5py.Dataset) else None)
+    return found
+
+
+def check_dataset(dataset):
+    for name in ("units", "long_name"):
+        if not isinstance(dataset.attrs.get(name), str):
+            yield f"{dataset.name} has no text attribute {name}"
+    is_scale = dataset.attrs.get("CLASS") == b"DIMENSION_SCALE"
+    for axis in range(dataset.ndim):
+        if not is_scale and len(dataset.dims[axis]) != 1:
+            yield f"{dataset.name} has no scale on axis {axis}"
+        if not is_scale and dataset.dims[axis][0].shape[0] != dataset.shape[axis]:
+            yield f"{dataset.name} and the scale of axis {axis} differ in length"
+    if dataset.chunks and not (dataset.compression == "gzip" and dataset.compression_opts == 4 and dataset.fletcher32):
+        yield f"{dataset.name} has other filters than gzip 4 and fletcher32"
+    if dataset.chunks and dataset.shuffle != (dataset.dtype.itemsize > 1):
+        yield f"{dataset.name} is shuffled where it should not be, or not where it should"
+    flags = dataset.attrs.get("flag_values", dataset.attrs.get("flag_masks"))
+    if flags is not None:
+        if flags.dtype != dataset.dtype or len(flags) != len(dataset.attrs["flag_meanings"].split()):
+            yield f"{dataset.name} has flags that do not match"
+    if "crc32" in dataset.attrs and dataset.dtype != object:
+        if zlib.crc32(dataset[()].tobytes()) != dataset.attrs["crc32"]:
+            yield f"{dataset.name} differs from its crc32"
+
+
+def check_groups(file, frames):
+    shapes = {"camera/temperature": (frames, 24, 32), "samples/rate_label": (frames,),
+              "samples/reason_bits": (frames,), "raw/camera/bytes": (1544 * frames,)}
+    for name, shape in shapes.items():
+        if file[name].shape != shape:
+            yield f"{name} has shape {file[name].shape}, not {shape}"
+    plots = {"camera": ("temperature", ["time", "row", "column"]), "gyro": ("rate", ["time"]),
+             "servo": ("rate_commanded", ["time"]), "samples": ("rate_label", ["time"])}
+    for name, (signal, axes) in plots.items():
+        attributes = file[name].attrs
+        if (attributes["NX_class"], attributes["signal"], list(attributes["axes"])) != ("NXdata", signal, axes):
+            yield f"{name} is not marked for viewers"
+    if list(file["samples"].attrs["auxiliary_signals"]) != ["rate_gyro"]:
+        yield "samples does not plot the gyro beside the label"
+    if file["camera/temperature"].attrs["interpretation"] != "image":
+        yield "camera/temperature is not marked as images"
+
+
+def check_root(file):
+    expected = {"NX_class": "NXroot", "default": "samples", "format": "thermorig-session",
+                "format_version": "1.0.0", "simulated": 1, "simulation_seed": 3, "state": "complete",
+                "Conventions": "CF-1.10", "start_time": "2026-07-25T14:35:59.900001Z",
+                "time_reference": "2026-07-25T14:35:59.900001Z"}
+    for name, value in expected.items():
+        if file.attrs.get(name) != value:
+            yield f"root attribute {name} is {file.attrs.get(name)!r}"
+    names = []
+    file.id.links.iterate(lambda name: names.append(name.decode()), idx_type=h5py.h5.INDEX_CRT_ORDER)
+    if names != ["camera", "gyro", "servo", "sync", "samples", "events", "environment", "rig", "quality", "raw"]:
+        yield f"groups in the order of creation: {names}"
+    if file["environment"].attrs["difficulty"] != "high":
+        yield "the garden is not marked as difficult"
+    if file.id.get_create_plist().get_version()[0] != 0:
+        yield "the superblock is not of the earliest version"
+
+
+def check(path, frames):
+    with h5py.File(path, "r") as file:
+        yield from check_root(file)
+        yield from check_groups(file, frames)
+        for dataset in datasets(file):
+            dataset[()]  # stock filters: inflates and holds every chunk against its fletcher32
+            yield from check_dataset(dataset)
+
+
+def digest(path):
+    with h5py.File(path, "r") as file:
+        for dataset in datasets(file):
+            values = numpy.asarray(dataset[()])
+            data = repr(values.tolist()).encode() if values.dtype == object else values.tobytes()
+            print(dataset.name, hashlib.sha256(data).hexdigest())
+
+
+if __name__ == "__main__":
+    if sys.argv[1] == "--digest":
+        digest(sys.argv[2])
+        sys.exit()
+    problems = list(check(sys.argv[1], int(sys.argv[2])))
+    print("\n".join(problems))
+    sys.exit(1 if problems else 0)

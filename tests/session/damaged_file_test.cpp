@@ -1,0 +1,91 @@
+// SPDX-License-Identifier: MIT
+#include <gmock/gmock.h>
+#include <sys/mman.h>
+#include <sys/resource.h>
+#include <sys/stat.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <random>
+
+#include "equality.h"
+#include "synthetic_session.h"
+#include "temporary_folder.h"
+#include "thermorig/core/error.h"
+#include "thermorig/session/session.h"
+
+namespace thermorig::session {
+namespace {
+
+using DamagedSession = InTemporaryFolder;
+
+/// What a damaged file may lead to.
+enum Outcome : int { refused = 0, equal = 1, wrong = 2, wrong_error = 3, died = 4 };
+
+Outcome read_and_compare(const std::filesystem::path& path, const Session& truth) {
+  try {
+    return difference(truth, read_session(path)).empty() ? equal : wrong;
+  } catch (const Error& error) {
+    return error.code() == ExitCode::not_a_session && !error.what_happened().empty() ? refused : wrong_error;
+  }
+}
+
+/// In a child: libhdf5 itself may crash on a damaged file.
+Outcome outcome_of(const std::filesystem::path& path, const Session& truth) {
+  const pid_t child = ::fork();
+  if (child == 0) {
+    ::alarm(20);
+    ::_exit(read_and_compare(path, truth));
+  }
+  int status = 0;
+  ::waitpid(child, &status, 0);
+  return WIFEXITED(status) ? static_cast<Outcome>(WEXITSTATUS(status)) : died;
+}
+
+TEST_F(DamagedSession, CutAnywhereIsRefused) {
+  const Session truth = synthetic_session(20);
+  write_session(path("whole.h5"), truth);
+  const auto whole = read_file(path("whole.h5"));
+  for (std::size_t cut = 0; cut < 60; ++cut) {
+    const std::size_t length = cut < 10 ? cut * 7 : whole.size() * (cut - 10) / 50;
+    write_file(path(), std::vector<char>(whole.begin(), whole.begin() + static_cast<std::ptrdiff_t>(length)));
+    EXPECT_EQ(outcome_of(path(), truth), refused) << "cut at " << length << " of " << whole.size();
+  }
+}
+
+TEST_F(DamagedSession, FlippedBytesAreRefusedOrChangeNothing) {
+  const Session truth = synthetic_session(20);
+  write_session(path("whole.h5"), truth);
+  const auto whole = read_file(path("whole.h5"));
+  std::mt19937 random(11);
+  int crashes = 0;
+  for (int mutant = 0; mutant < 200; ++mutant) {
+    auto bytes = whole;
+    for (unsigned i = 0, n = 1 + random() % 4; i < n; ++i)
+      bytes[random() % bytes.size()] ^= static_cast<char>(1 + random() % 255);
+    write_file(path(), bytes);
+    const Outcome outcome = outcome_of(path(), truth);
+    EXPECT_THAT(outcome, testing::AnyOf(refused, equal, died)) << "mutant " << mutant;
+    crashes += outcome == died ? 1 : 0;
+  }
+  RecordProperty("crashes_inside_libhdf5", crashes);
+  // libhdf5 1.10 is no safe parser: some damage to its own structures kills the process that reads.
+  EXPECT_LE(crashes, 10);
+}
+
+TEST_F(DamagedSession, OtherFilesAreRefusedWithASentence) {
+  write_file(path("text.h5"), {'h', 'e', 'l', 'l', 'o'});
+  write_file(path("empty.h5"), {});
+  ASSERT_EQ(::mkfifo(path("fifo.h5").c_str(), 0600), 0);
+  for (const auto& file : {path("text.h5"), path("empty.h5"), path("fifo.h5"), path("missing.h5"), folder_})
+    try {
+      read_session(file);
+      FAIL() << file;
+    } catch (const Error& error) {
+      EXPECT_EQ(error.code(), ExitCode::not_a_session);
+      EXPECT_FALSE(error.advice().empty());
+    }
+}
+
+}  // namespace
+}  // namespace thermorig::session

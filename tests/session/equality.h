@@ -1,0 +1,112 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstring>
+#include <string>
+#include <vector>
+
+#include "thermorig/session/session.h"
+
+namespace thermorig::session {
+
+// NaN equals NaN here: what counts is that the same comes back.
+
+inline bool same(float a, float b) {
+  return std::memcmp(&a, &b, sizeof a) == 0;
+}
+
+inline bool same(const Stamp& a, const Stamp& b) {
+  return a.time == b.time && a.arrival == b.arrival && same(a.uncertainty_s, b.uncertainty_s);
+}
+
+inline bool same(const TimedFrame& a, const TimedFrame& b) {
+  return a.frame.temp_c == b.frame.temp_c && same(a.frame.sensor_temp_c, b.frame.sensor_temp_c) &&
+         a.span == b.span && same(a.stamp, b.stamp) && a.fresh_even == b.fresh_even &&
+         a.fresh_odd == b.fresh_odd && a.exposure_begin == b.exposure_begin &&
+         a.exposure_end == b.exposure_end && a.resync_before == b.resync_before;
+}
+
+inline bool same(const TimedGyro& a, const TimedGyro& b) {
+  const auto &x = a.reading, &y = b.reading;
+  return x.rate_dps == y.rate_dps && x.counts == y.counts && x.temp_c == y.temp_c &&
+         x.device_time_us == y.device_time_us && x.saturated == y.saturated && a.span == b.span &&
+         same(a.stamp, b.stamp) && same(a.rate_dps, b.rate_dps) && a.lost_before == b.lost_before;
+}
+
+inline bool same(const TimedServo& a, const TimedServo& b) {
+  const auto &x = a.state, &y = b.state;
+  return x.mcu_us == y.mcu_us && x.angle_deg == y.angle_deg && x.rate_dps == y.rate_dps &&
+         x.pulse_ticks == y.pulse_ticks && x.motion == y.motion && x.fault == y.fault && x.leg == y.leg &&
+         a.span == b.span && same(a.stamp, b.stamp) && a.mcu_time_us == b.mcu_time_us &&
+         a.lost_before == b.lost_before;
+}
+
+inline bool same(const TimedPong& a, const TimedPong& b) {
+  return a.token == b.token && a.receive_us == b.receive_us && a.send_us == b.send_us && a.span == b.span &&
+         a.arrival == b.arrival;
+}
+
+inline bool same(const LabelledSample& a, const LabelledSample& b) {
+  return a.frame_index == b.frame_index && a.time == b.time && a.exposure_begin == b.exposure_begin &&
+         a.exposure_end == b.exposure_end && same(a.rate_label_dps, b.rate_label_dps) &&
+         same(a.rate_label_min_dps, b.rate_label_min_dps) &&
+         same(a.rate_label_max_dps, b.rate_label_max_dps) && same(a.angle_label_deg, b.angle_label_deg) &&
+         same(a.rate_gyro_dps, b.rate_gyro_dps) && a.gyro_count == b.gyro_count &&
+         same(a.label_uncertainty_dps, b.label_uncertainty_dps) && a.reason_bits == b.reason_bits &&
+         a.leg == b.leg && a.run == b.run && a.valid == b.valid;
+}
+
+inline bool same(const RawStream& a, const RawStream& b) {
+  return a.bytes == b.bytes && a.chunk_end == b.chunk_end && a.time_ns == b.time_ns;
+}
+
+inline bool same(const RecordingEvent& a, const RecordingEvent& b) {
+  return a.time == b.time && a.kind == b.kind && a.source == b.source && a.message == b.message;
+}
+
+inline bool same(const LegRecord& a, const LegRecord& b) {
+  return a.leg == b.leg && a.step == b.step && a.rate_dps == b.rate_dps && a.begin == b.begin &&
+         a.end == b.end && a.frames == b.frames && a.complete == b.complete;
+}
+
+template <typename Row>
+bool same(const std::vector<Row>& a, const std::vector<Row>& b) {
+  if (a.size() != b.size()) return false;
+  for (std::size_t i = 0; i < a.size(); ++i)
+    if (!same(a[i], b[i])) return false;
+  return true;
+}
+
+/// What differs, by name; empty if nothing does.
+inline std::string difference(const RawRecording& a, const RawRecording& b) {
+  std::string names;
+  for (const Device device : all_devices)
+    if (!same(a.received[device], b.received[device])) names += std::string(name_of(device)) + "-bytes ";
+  if (!same(a.sent, b.sent)) names += "sent ";
+  if (!same(a.events, b.events)) names += "events ";
+  if (!same(a.legs, b.legs)) names += "legs ";
+  if (a.complete != b.complete || a.end_time != b.end_time) names += "end ";
+  const auto &x = a.header, &y = b.header;
+  if (x.uuid != y.uuid || x.environment != y.environment || x.title != y.title ||
+      x.start_time_utc != y.start_time_utc || x.time_reference != y.time_reference ||
+      x.simulation_seed != y.simulation_seed || x.plan_toml != y.plan_toml || x.simulated != y.simulated)
+    names += "header ";
+  return names;
+}
+
+inline std::string difference(const Session& a, const Session& b) {
+  std::string names = difference(a.raw, b.raw);
+  if (!same(a.frames, b.frames)) names += "frames ";
+  if (!same(a.gyro, b.gyro)) names += "gyro ";
+  if (!same(a.servo, b.servo)) names += "servo ";
+  if (!same(a.pongs, b.pongs)) names += "pongs ";
+  if (!same(a.samples, b.samples)) names += "samples ";
+  for (const Device device : all_devices)
+    if (!(a.counters[device] == b.counters[device])) names += "counters ";
+  if (a.state != b.state || a.settle_s != b.settle_s || a.camera_mode != b.camera_mode ||
+      a.frame_period_s != b.frame_period_s)
+    names += "scalars ";
+  return names;
+}
+
+}  // namespace thermorig::session

@@ -1,0 +1,103 @@
+// SPDX-License-Identifier: MIT
+#include <gmock/gmock.h>
+
+#include "synthetic_session.h"
+#include "thermorig/session/session.h"
+
+namespace thermorig::session {
+namespace {
+
+Session clean_session(std::size_t frames) {
+  Session session = synthetic_session(frames);
+  session.frame_period_s = 0.125;
+  session.counters[Device::gyro] = {.messages = session.gyro.size()};
+  session.counters[Device::servo] = {.messages = session.servo.size()};
+  return session;
+}
+
+TEST(Quality, CountsFramesByReasonAndSpeed) {
+  const Quality quality = quality_of(clean_session(150));
+  EXPECT_EQ(quality.frames, 150U);
+  EXPECT_EQ(quality.swept, 150U);
+  EXPECT_EQ(quality.valid, 141U);
+  EXPECT_EQ(quality.reason_counts.at("servo_ramp"), 9U);
+  EXPECT_EQ(quality.reason_counts.count("checksum"), 0U);
+  ASSERT_EQ(quality.speeds.size(), 3U);
+  EXPECT_EQ(quality.speeds[0].rate_dps, 7.5);
+  EXPECT_EQ(quality.speeds[0].frames, 60);
+  EXPECT_EQ(quality.speeds[0].valid, 57);
+  EXPECT_EQ(quality.speeds[2].frames, 30);
+  EXPECT_EQ(quality.verdict, "good");
+  EXPECT_TRUE(quality.verdict_reasons.empty());
+}
+
+TEST(Quality, RatesAreNotQuantisedByTheirWindows) {
+  const Quality quality = quality_of(clean_session(150));
+  const auto& camera = quality.stream[Device::camera];
+  EXPECT_NEAR(camera.rate_min_hz, 8.0, 1e-6);
+  EXPECT_NEAR(camera.rate_max_hz, 8.0, 1e-6);
+  EXPECT_NEAR(quality.stream[Device::gyro].rate_mean_hz, 200.0, 1e-6);
+  EXPECT_NEAR(camera.gap_max_s, 0.125, 1e-6);
+}
+
+TEST(Quality, MissingFramesShowAsHolesInTime) {
+  Session session = clean_session(150);
+  session.frames.erase(session.frames.begin() + 50, session.frames.begin() + 53);
+  const Quality quality = quality_of(session);
+  EXPECT_EQ(quality.stream[Device::camera].lost, 3U);
+  EXPECT_NEAR(quality.stream[Device::camera].gap_max_s, 0.5, 1e-6);
+  EXPECT_EQ(quality.verdict, "usable");
+}
+
+TEST(Quality, FramesThatRepeatTheOneBeforeAreCounted) {
+  Session session = clean_session(20);
+  session.frames[4].fresh_even = session.frames[4].fresh_odd = 0;
+  EXPECT_EQ(quality_of(session).stream[Device::camera].repeated, 1U);
+}
+
+TEST(Verdict, IsBadWithoutAValidFrameAndSaysSo) {
+  Session session = clean_session(60);
+  for (auto& sample : session.samples) sample.valid = false;
+  const Quality quality = quality_of(session);
+  EXPECT_EQ(quality.verdict, "bad");
+  EXPECT_THAT(quality.verdict_reasons, testing::Contains("no frame is valid"));
+}
+
+TEST(Verdict, IsBadWhenMoreThanATwentiethWasLost) {
+  Session session = clean_session(60);
+  session.counters[Device::gyro].lost = session.gyro.size() / 10;
+  EXPECT_EQ(quality_of(session).verdict, "bad");
+}
+
+TEST(Verdict, IsBadWhenADeviceSentNothing) {
+  Session session = clean_session(60);
+  session.counters[Device::servo] = {};
+  EXPECT_EQ(quality_of(session).verdict, "bad");
+}
+
+TEST(Verdict, IsUsableWhenASpeedHasNoValidFrame) {
+  Session session = clean_session(150);
+  for (auto& sample : session.samples)
+    if (sample.leg == 2) sample.valid = false;
+  const Quality quality = quality_of(session);
+  EXPECT_EQ(quality.verdict, "usable");
+  EXPECT_THAT(quality.verdict_reasons, testing::Contains("1 of 3 speeds have no valid frame"));
+}
+
+TEST(Verdict, IsUsableWhenRecoveredOrADeviceWasLost) {
+  Session session = clean_session(60);
+  session.state = State::recovered;
+  EXPECT_EQ(quality_of(session).verdict, "usable");
+  session.state = State::complete;
+  session.raw.events.push_back({host_time_ns(1), EventKind::device_lost, Device::gyro, "unplugged"});
+  EXPECT_EQ(quality_of(session).verdict, "usable");
+}
+
+TEST(Quality, AnEmptySessionIsBadAndDividesByNothing) {
+  const Quality quality = quality_of(synthetic_session(0));
+  EXPECT_EQ(quality.verdict, "bad");
+  EXPECT_EQ(quality.stream[Device::camera].rate_mean_hz, 0.0);
+}
+
+}  // namespace
+}  // namespace thermorig::session

@@ -1,0 +1,154 @@
+// SPDX-License-Identifier: MIT
+#include <gmock/gmock.h>
+#include <sys/resource.h>
+#include <sys/stat.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <csignal>
+
+#include "../../src/session/session_image.h"
+#include "equality.h"
+#include "synthetic_session.h"
+#include "temporary_folder.h"
+#include "thermorig/core/error.h"
+#include "thermorig/session/session.h"
+
+namespace thermorig::session {
+namespace {
+
+namespace fs = std::filesystem;
+using SessionFile = InTemporaryFolder;
+
+std::size_t files_in(const fs::path& folder) {
+  return static_cast<std::size_t>(std::distance(fs::directory_iterator(folder), fs::directory_iterator()));
+}
+
+TEST_F(SessionFile, GivesBackEverythingThatWasWritten) {
+  const Session session = synthetic_session(150);
+  write_session(path(), session);
+  EXPECT_EQ(difference(session, read_session(path())), "");
+  EXPECT_EQ(difference(session.raw, read_raw(path())), "");
+  EXPECT_EQ(files_in(folder_), 1U) << "a temporary file was left behind";
+}
+
+TEST_F(SessionFile, HoldsARecordingInWhichNothingCame) {
+  Session session = synthetic_session(0);
+  session.state = State::partial;
+  session.raw.complete = false;
+  write_session(path(), session);
+  EXPECT_EQ(difference(session, read_session(path())), "");
+}
+
+TEST_F(SessionFile, KeepsTimesToTheNanosecondAfterAWeek) {
+  Session session = synthetic_session(3);
+  const HostDuration week = std::chrono::hours(24 * 7);
+  for (auto& sample : session.samples) sample.time += week + HostDuration(1);
+  write_session(path(), session);
+  EXPECT_EQ(difference(session, read_session(path())), "");
+}
+
+TEST_F(SessionFile, IsNeverOverwrittenByWriteSession) {
+  write_session(path(), synthetic_session(2));
+  const auto before = read_file(path());
+  try {
+    write_session(path(), synthetic_session(3));
+    FAIL() << "an existing session was overwritten";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), ExitCode::storage);
+    EXPECT_THAT(error.what(), testing::HasSubstr("exists"));
+  }
+  EXPECT_EQ(read_file(path()), before);
+}
+
+TEST_F(SessionFile, IsReplacedWholeByReplaceSession) {
+  write_session(path(), synthetic_session(2));
+  const Session other = synthetic_session(3, 8);
+  replace_session(path(), other);
+  EXPECT_EQ(difference(other, read_session(path())), "");
+  EXPECT_EQ(files_in(folder_), 1U);
+}
+
+TEST_F(SessionFile, ALinkInItsPlaceIsNotFollowed) {
+  fs::create_symlink(path("elsewhere.h5"), path());
+  EXPECT_THROW(write_session(path(), synthetic_session(1)), Error);
+  EXPECT_FALSE(fs::exists(path("elsewhere.h5")));
+}
+
+TEST_F(SessionFile, AFolderThatIsNotThereIsAStorageErrorWithAdvice) {
+  try {
+    write_session(folder_ / "no" / "one.h5", synthetic_session(1));
+    FAIL();
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), ExitCode::storage);
+    EXPECT_THAT(error.advice(), testing::HasSubstr("--output"));
+  }
+}
+
+/// In a child that has given root's rights up, for root may write everywhere.
+int write_as_nobody(const fs::path& path) {
+  if (::geteuid() == 0 && ::setuid(65534) != 0) return 100;
+  try {
+    write_session(path, synthetic_session(1));
+  } catch (const Error& error) {
+    return error.code() == ExitCode::storage && error.advice().find("--output") != std::string::npos ? 0
+                                                                                                     : 101;
+  }
+  return 102;
+}
+
+TEST_F(SessionFile, AFolderThatIsNotWritableIsAStorageErrorWithAdvice) {
+  fs::permissions(folder_, fs::perms::owner_read | fs::perms::owner_exec | fs::perms::others_read |
+                               fs::perms::others_exec);
+  const pid_t child = ::fork();
+  if (child == 0) ::_exit(write_as_nobody(path()));
+  int status = 0;
+  ASSERT_EQ(::waitpid(child, &status, 0), child);
+  fs::permissions(folder_, fs::perms::owner_all);
+  ASSERT_TRUE(WIFEXITED(status));
+  EXPECT_EQ(WEXITSTATUS(status), 0);
+}
+
+/// The file size limit of a child stands for a full disk.
+int write_to_full_disk(const fs::path& path) {
+  const rlimit limit{300'000, 300'000};
+  ::setrlimit(RLIMIT_FSIZE, &limit);
+  std::signal(SIGXFSZ, SIG_IGN);
+  try {
+    write_session(path, synthetic_session(150));
+  } catch (const Error& error) {
+    return error.code() == ExitCode::storage ? 0 : 101;
+  }
+  return 102;
+}
+
+TEST_F(SessionFile, AFullDiskIsAStorageErrorAndLeavesNoFile) {
+  const pid_t child = ::fork();
+  if (child == 0) ::_exit(write_to_full_disk(path()));
+  int status = 0;
+  ASSERT_EQ(::waitpid(child, &status, 0), child);
+  ASSERT_TRUE(WIFEXITED(status));
+  EXPECT_EQ(WEXITSTATUS(status), 0);
+  EXPECT_EQ(files_in(folder_), 0U);
+}
+
+TEST_F(SessionFile, DoesNotDependOnTheNumberOfThreadsOrOnTheTimeOfDay) {
+  const Session session = synthetic_session(150);
+  const auto one = build_image(session, 1).bytes;
+  EXPECT_TRUE(one == build_image(session, 7).bytes);
+  EXPECT_TRUE(one == build_image(session, 2).bytes);
+}
+
+TEST_F(SessionFile, ChecksWhatItWroteAgainstWhatWasMeant) {
+  const SessionImage image = build_image(synthetic_session(150), 2);
+  std::vector<char> bytes(image.bytes.size());
+  std::memcpy(bytes.data(), image.bytes.data(), bytes.size());
+  write_file(path(), bytes);
+  EXPECT_NO_THROW(check_written(path().string(), image.datasets));
+  bytes[bytes.size() / 2] = static_cast<char>(bytes[bytes.size() / 2] ^ 1);  // amid the raw chunks
+  write_file(path(), bytes);
+  EXPECT_THROW(check_written(path().string(), image.datasets), std::runtime_error);
+}
+
+}  // namespace
+}  // namespace thermorig::session
