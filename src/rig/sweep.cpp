@@ -15,11 +15,12 @@ namespace thermorig::rig {
 
 namespace {
 
-constexpr int failures_allowed = 5;       // of one leg in a row
-constexpr std::size_t gaps_kept = 15;     // frame intervals from which the rate is taken
-constexpr double duration_slack = 1.5;    // a leg may take so much longer than expected ...
-constexpr double duration_extra_s = 2.0;  // ... and so much more, before its RUN ends
-constexpr double renew_before_s = 1.0;    // a RUN that would end so soon is renewed
+constexpr int failures_allowed = 5;         // of one leg in a row
+constexpr std::size_t gaps_kept = 15;       // frame intervals from which the rate is taken
+constexpr double duration_slack = 1.5;      // a leg may take so much longer than expected ...
+constexpr double duration_extra_s = 2.0;    // ... and so much more, before its RUN ends
+constexpr double renew_before_s = 1.0;      // a RUN that would end so soon is renewed
+constexpr double last_frame_periods = 2.0;  // a leg's last frame is awaited for so long
 constexpr double transit_tolerance_deg = 0.05;
 constexpr double rearm_patience_s = 5.0;
 constexpr double halt_patience_s = 5.0;
@@ -63,12 +64,17 @@ void SweepWalker::frame(const TimedFrame& frame) {
     if (frame_gaps_s_.size() > gaps_kept) frame_gaps_s_.erase(frame_gaps_s_.begin());
   }
   last_frame_ = frame.stamp.time;
-  if (phase_ != SweepPhase::leg || !leg_.first_seen) return;
   // A frame belongs to the leg in which the middle of its newest half was exposed, as its label says.
   const HostTime middle = frame.exposure_end - (frame.exposure_end - frame.exposure_begin) / 4;
-  if (middle < *leg_.first_seen) return;
-  ++leg_.record.frames;
-  leg_.record.end = frame.stamp.arrival;
+  if (left_leg_ && middle <= left_leg_->left) {
+    ++left_leg_->record.frames;
+    left_leg_->record.end = frame.stamp.arrival;
+    write_down_left_leg(frame.stamp.arrival);
+  } else if (phase_ == SweepPhase::leg && leg_.first_seen && middle >= *leg_.first_seen) {
+    ++leg_.record.frames;
+    leg_.record.end = frame.stamp.arrival;
+    leg_.last_middle = middle;
+  }
 }
 
 void SweepWalker::telemetry(const TimedServo& servo) {
@@ -95,6 +101,8 @@ void SweepWalker::start(HostTime now) {
 }
 
 void SweepWalker::tick(HostTime now) {
+  if (left_leg_ && to_s(now - left_leg_->left) > last_frame_periods / frame_rate_hz())
+    write_down_left_leg(now);
   if (watch_for_trouble(now)) return;
   switch (phase_) {
     case SweepPhase::greeting:
@@ -177,18 +185,32 @@ void SweepWalker::send_run(HostTime now) {
 
 void SweepWalker::tick_leg(HostTime now) {
   if (!leg_.acknowledged && commander_.idle()) note_leg_start(commander_.last_ack());
-  if (leg_.record.frames >= plan_.frames_per_leg) {
-    end_leg(now, true);
-    failures_ = 0;
-    ++step_;
-    return next_leg(now);
-  }
+  if (has_its_frames(now)) return leave_leg(now);
   if (commander_.idle() && to_s(leg_.run_ends - now) < renew_before_s) {
     // On its way back the servo must not be turned round once more.
     const double driven_dps = last_telemetry_ ? last_telemetry_->state.rate_dps : 0.0;
     if (leg_.turn_back && driven_dps != 0.0) leg_.run_rate_dps = std::copysign(rate_dps(), driven_dps);
     send_run(now);
   }
+}
+
+// The last frame is awaited in its own time: it arrives when the middle of the next one may have passed, and
+// that one would be labelled with this leg too. So the next command is given halfway between the two middles.
+bool SweepWalker::has_its_frames(HostTime now) const {
+  const int missing = plan_.frames_per_leg - leg_.record.frames;
+  if (missing != 1 || !leg_.last_middle) return missing <= 0;
+  return now >= *leg_.last_middle + from_s(1.5 / frame_rate_hz());
+}
+
+void SweepWalker::leave_leg(HostTime now) {
+  leg_.left = now;
+  if (leg_.record.frames >= plan_.frames_per_leg)
+    write_down(leg_, true, now);
+  else
+    left_leg_ = leg_;
+  failures_ = 0;
+  ++step_;
+  next_leg(now);
 }
 
 void SweepWalker::note_leg_start(HostTime acknowledged) {
@@ -199,10 +221,15 @@ void SweepWalker::note_leg_start(HostTime acknowledged) {
                     rate_dps(), leg_.turn_back ? ", back and forth" : ""));
 }
 
-void SweepWalker::end_leg(HostTime now, bool complete) {
-  LegRecord record = leg_.record;
+void SweepWalker::write_down_left_leg(HostTime now) {
+  if (left_leg_) write_down(*left_leg_, true, now);
+  left_leg_.reset();
+}
+
+void SweepWalker::write_down(const Leg& leg, bool complete, HostTime now) {
+  LegRecord record = leg.record;
   record.complete = complete;
-  if (!leg_.acknowledged) record.begin = now;
+  if (!leg.acknowledged) record.begin = now;
   if (record.frames == 0) record.end = now;
   legs_.push_back(record);
   event(now, EventKind::leg_end,
@@ -247,7 +274,8 @@ bool SweepWalker::watch_for_trouble(HostTime now) {
 
 void SweepWalker::trouble(HostTime now, const std::string& what) {
   event(now, EventKind::servo_fault, what);
-  if (phase_ == SweepPhase::leg) end_leg(now, false);
+  write_down_left_leg(now);
+  if (phase_ == SweepPhase::leg) write_down(leg_, false, now);
   if (++failures_ > failures_allowed)
     throw Error(ExitCode::device_lost, fmt::format("{}; {} attempts in a row failed", what, failures_),
                 "servo", "look at cable, supply and travel of the servo, then record again");
@@ -286,7 +314,7 @@ void SweepWalker::resume(HostTime now) {
 
 void SweepWalker::request_stop(HostTime now) {
   if (phase_ == SweepPhase::stopping || phase_ == SweepPhase::done) return;
-  if (phase_ == SweepPhase::leg) end_leg(now, false);
+  if (phase_ == SweepPhase::leg) write_down(leg_, false, now);
   const bool nothing_moves = !commander_.greeted();
   commander_.stop();
   stop_tries_ = 1;

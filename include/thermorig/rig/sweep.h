@@ -78,8 +78,10 @@ class SweepWalker {
     bool turn_back = false;
     double run_rate_dps = 0.0;
     bool acknowledged = false;
-    HostTime run_ends{};                   // of the RUN command that was sent last
-    std::optional<HostTime> first_seen{};  // modelled time of the first telemetry with this number
+    HostTime run_ends{};                    // of the RUN command that was sent last
+    std::optional<HostTime> first_seen{};   // modelled time of the first telemetry with this number
+    std::optional<HostTime> last_middle{};  // middle of the newest half of its latest frame
+    HostTime left{};                        // the next command was given
     LegRecord record;
   };
 
@@ -88,7 +90,10 @@ class SweepWalker {
   void begin_leg(HostTime now);
   void send_run(HostTime now);
   void note_leg_start(HostTime acknowledged);
-  void end_leg(HostTime now, bool complete);
+  bool has_its_frames(HostTime now) const;
+  void leave_leg(HostTime now);
+  void write_down(const Leg& leg, bool complete, HostTime now);
+  void write_down_left_leg(HostTime now);
   void halt(HostTime now);
   void trouble(HostTime now, const std::string& what);
   void tick_greeting(HostTime now);
@@ -121,6 +126,7 @@ class SweepWalker {
   int failures_ = 0;  // of this step, in a row
   int repeated_ = 0;
   Leg leg_;
+  std::optional<Leg> left_leg_;  // its last frame is still on its way
   double transit_target_deg_ = 0.0;
   HostTime transit_limit_{};
   std::optional<TimedServo> last_telemetry_;
