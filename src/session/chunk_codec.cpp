@@ -69,14 +69,13 @@ std::vector<std::byte> ChunkCodec::encode(std::span<const std::byte> chunk, std:
     shuffle(chunk, element_bytes, shuffled_);
     chunk = shuffled_;
   }
-  std::uint32_t sum = 0;
-  std::vector<std::byte> out(libdeflate_zlib_compress_bound(compressor_, chunk.size()) + sizeof sum);
-  const std::size_t size =
-      libdeflate_zlib_compress(compressor_, chunk.data(), chunk.size(), out.data(), out.size() - sizeof sum);
-  sum = fletcher32(std::span(out).first(size));
+  compressed_.resize(libdeflate_zlib_compress_bound(compressor_, chunk.size()));
+  const std::size_t size = libdeflate_zlib_compress(compressor_, chunk.data(), chunk.size(),
+                                                    compressed_.data(), compressed_.size());
+  const std::uint32_t sum = fletcher32(std::span(compressed_).first(size));
+  std::vector<std::byte> out(size + sizeof sum);
+  std::memcpy(out.data(), compressed_.data(), size);
   std::memcpy(&out[size], &sum, sizeof sum);
-  out.resize(size + sizeof sum);
-  out.shrink_to_fit();
   return out;
 }
 

@@ -3,7 +3,6 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <memory>
 #include <span>
 #include <vector>
 
@@ -28,7 +27,8 @@ class ChunkCodec {
 
  private:
   libdeflate_compressor* compressor_;
-  std::vector<std::byte> shuffled_;
+  std::vector<std::byte> shuffled_;  // kept from chunk to chunk
+  std::vector<std::byte> compressed_;
 };
 
 /// Byte j of all elements stands together, for each j (HDF5's shuffle filter).
