@@ -1,0 +1,140 @@
+// SPDX-License-Identifier: MIT
+#include "thermorig/rig/port_recording.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <csignal>
+#include <memory>
+
+#include "simulated_bus.h"
+#include "thermorig/rig/detect.h"
+#include "thermorig/simulated_ports/simulated_ports.h"
+
+namespace thermorig::rig::test {
+namespace {
+
+using ::testing::HasSubstr;
+
+/// A simulated rig on three pseudo terminals, and a plan of five seconds.
+class Ports : public ::testing::Test {
+ protected:
+  Ports() {
+    ports_.start();
+    options_.recording = recording_options(folder_, simulation::default_profile(), plan());
+    options_.recording.virtual_time = false;
+    options_.recording.sync_while_recording = true;
+    for (const Device device : all_devices)
+      options_.recording.profile.link(device).port = ports_.paths()[device];
+    options_.progress_period = std::chrono::milliseconds(50);
+  }
+
+  static SweepPlan plan() {
+    PlanOverrides overrides;
+    overrides.magnitudes_dps = {60.0};
+    overrides.frames_per_leg = 8;
+    overrides.opening_rest_s = overrides.closing_rest_s = 0.2;
+    return load_plan("quick", "kitchen", 1, overrides);
+  }
+
+  std::optional<Error> error() {
+    try {
+      record_ports(options_);
+    } catch (const Error& error) {
+      return error;
+    }
+    return std::nullopt;
+  }
+
+  /// Runs `action` once, when the first leg has begun.
+  void in_first_leg(std::function<void()> action) {
+    options_.progress = [action, acted = std::make_shared<bool>(false)](const RecordingProgress& progress) {
+      if (progress.sweep.phase != SweepPhase::leg || progress.sweep.frames < 2 || *acted) return;
+      *acted = true;
+      action();
+    };
+  }
+
+  TemporaryFolder folder_;
+  SimulatedPorts ports_{simulation::default_rig(1, "kitchen"), FirmwareChoice::host_build};
+  PortOptions options_;
+};
+
+TEST_F(Ports, RecordAWholePlan) {
+  const RecordingResult result = record_ports(options_);
+  EXPECT_TRUE(result.exit == ExitCode::ok || result.exit == ExitCode::finished_lossy) << result.message;
+  EXPECT_EQ(result.state, session::State::complete);
+  const session::Session session = session::read_session(result.session);
+  ASSERT_EQ(session.raw.legs.size(), 2U);
+  for (const LegRecord& leg : session.raw.legs) EXPECT_EQ(leg.frames, 8);
+  EXPECT_FALSE(std::filesystem::exists(session.raw.header.environment + ".journal"));
+}
+
+TEST_F(Ports, CtrlCStopsTheServoAndClosesTheFile) {
+  in_first_leg([] { std::raise(SIGINT); });
+  const RecordingResult result = record_ports(options_);
+  EXPECT_EQ(result.exit, ExitCode::interrupted);
+  EXPECT_EQ(result.state, session::State::partial);
+  const session::Session session = session::read_session(result.session);
+  EXPECT_EQ(session.servo.back().state.motion, ServoMotion::disarmed);
+}
+
+TEST_F(Ports, AnUnpluggedCameraEndsTheRecordingProperly) {
+  in_first_leg([this] { ports_.unplug(Device::camera); });
+  const RecordingResult result = record_ports(options_);
+  EXPECT_EQ(result.exit, ExitCode::device_lost);
+  EXPECT_THAT(result.message, HasSubstr("camera"));
+  EXPECT_EQ(session::read_session(result.session).servo.back().state.motion, ServoMotion::disarmed);
+}
+
+TEST_F(Ports, AnUnpluggedServoEndsTheRecordingProperly) {
+  in_first_leg([this] { ports_.unplug(Device::servo); });
+  const RecordingResult result = record_ports(options_);
+  EXPECT_EQ(result.exit, ExitCode::device_lost);
+  EXPECT_THAT(result.message, HasSubstr("servo"));
+  EXPECT_TRUE(std::filesystem::exists(result.session));
+}
+
+TEST_F(Ports, AMissingPortLeavesNothingBehind) {
+  options_.recording.profile.gyro.link.port = "/dev/ttyNoSuchPort";
+  const auto refused = error();
+  ASSERT_TRUE(refused);
+  EXPECT_EQ(refused->code(), ExitCode::device_missing);
+  EXPECT_TRUE(std::filesystem::is_empty(folder_.path()));
+}
+
+TEST_F(Ports, SwappedPortsAreExplained) {
+  std::swap(options_.recording.profile.camera.link.port, options_.recording.profile.gyro.link.port);
+  options_.recording.start_patience_s = 1.5;
+  const auto refused = error();
+  ASSERT_TRUE(refused);
+  EXPECT_EQ(refused->code(), ExitCode::device_missing);
+  EXPECT_THAT(refused->what(), HasSubstr("that is the gyro, not the camera"));
+}
+
+TEST_F(Ports, AreIdentifiedByListening) {
+  std::vector<io::PortInfo> infos;
+  for (const Device device : {Device::servo, Device::camera, Device::gyro})
+    infos.push_back({.path = ports_.paths()[device]});
+  infos.push_back({.path = "/dev/pts/987654"});
+  const auto findings = identify_devices(infos);
+  ASSERT_EQ(findings.size(), 4U);
+  EXPECT_EQ(findings[0].role, Device::servo);
+  EXPECT_EQ(findings[1].role, Device::camera);
+  EXPECT_EQ(findings[2].role, Device::gyro);
+  EXPECT_FALSE(findings[3].role);
+  EXPECT_FALSE(findings[3].problem.empty());
+}
+
+TEST_F(Ports, TwoRecordersDoNotShareAPort) {
+  std::optional<Error> second;
+  in_first_leg([&] { second = error(); });
+  const RecordingResult result = record_ports(options_);
+  ASSERT_TRUE(second);
+  EXPECT_EQ(second->code(), ExitCode::no_permission);
+  EXPECT_EQ(result.state, session::State::complete);
+}
+
+}  // namespace
+}  // namespace thermorig::rig::test
