@@ -41,8 +41,8 @@ extern "C" {
 #define SERVO_LIMIT_ACCELERATION_DPS2 20000U
 #define SERVO_LIMIT_ACCELERATION_MIN_DPS2 100U /* less would not come to rest within a run */
 #define SERVO_LIMIT_SPAN 1000000UL             /* centidegrees (or centidegrees per second) over the pulses */
-#define SERVO_LIMIT_RUN_MS 60000UL  /* longest motion of one command */
-#define SERVO_EMERGENCY_DPS2 20000U /* deceleration after a fault, but for LIMIT; at least 2000 */
+#define SERVO_LIMIT_RUN_MS 60000UL             /* longest motion of one command */
+#define SERVO_EMERGENCY_DPS2 20000U            /* deceleration after a fault, but for LIMIT; at least 2000 */
 
 /* Message types. Host to servo below 0x80, servo to host from 0x80. */
 enum servo_type {
@@ -232,12 +232,12 @@ static inline uint32_t servo_get_u32(const uint8_t* at) {
 
 /* ---- check sum and framing --------------------------------------------------------------------------- */
 
+/* One byte into the CRC, without a table and without a loop over bits: folds the byte's own remainder. */
 static inline uint16_t servo_crc16(uint16_t crc, uint8_t byte) {
-  uint8_t bit;
-  crc = (uint16_t)(crc ^ (uint16_t)((uint16_t)byte << 8U));
-  for (bit = 0; bit < 8U; ++bit)
-    crc = (uint16_t)((crc & 0x8000U) ? (uint16_t)((uint16_t)(crc << 1U) ^ 0x1021U) : (uint16_t)(crc << 1U));
-  return crc;
+  uint8_t x = (uint8_t)((uint8_t)(crc >> 8U) ^ byte);
+  x = (uint8_t)(x ^ (uint8_t)(x >> 4U));
+  return (uint16_t)((uint16_t)(crc << 8U) ^ (uint16_t)((uint16_t)x << 12U) ^ (uint16_t)((uint16_t)x << 5U) ^
+                    x);
 }
 
 static inline uint8_t* servo_put_escaped(uint8_t* at, uint8_t byte) {

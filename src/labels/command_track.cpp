@@ -15,6 +15,7 @@ bool is_able(const ServoState& state) {
 
 void CommandTrack::add(const TimedServo& servo) {
   points_.add({.time = servo.stamp.time,
+               .mcu_time_us = servo.mcu_time_us,
                .rate_dps = servo.state.rate_dps,
                .angle_deg = servo.state.angle_deg,
                .uncertainty_s = servo.stamp.uncertainty_s,
@@ -32,9 +33,13 @@ std::span<const CommandTrack::Point> CommandTrack::around(HostTime begin, HostTi
   return points.subspan(first, std::max(first, last) - first + 1);
 }
 
+bool CommandTrack::is_gap(const Point& before, const Point& after) const {
+  return std::chrono::microseconds(after.mcu_time_us - before.mcu_time_us) > gap_;
+}
+
 bool CommandTrack::covers(std::span<const Point> points, HostTime begin, HostTime end) const {
   if (points.empty() || points.front().time > begin || points.back().time < end) return false;
-  const auto gap = [this](const Point& a, const Point& b) { return b.time - a.time > gap_; };
+  const auto gap = [this](const Point& before, const Point& after) { return is_gap(before, after); };
   return std::adjacent_find(points.begin(), points.end(), gap) == points.end();
 }
 
@@ -102,10 +107,12 @@ double CommandTrack::angle_deg(HostTime time) const {
 }
 
 std::uint16_t CommandTrack::leg(HostTime time) const {
+  const auto points = points_.all();
   const std::size_t after = points_.first_after(time);
   if (after == 0) return 0;
-  const Point& point = points_.all()[after - 1];
-  return time - point.time > gap_ ? std::uint16_t{0} : point.leg;
+  const Point& point = points[after - 1];
+  const bool known = after < points.size() ? !is_gap(point, points[after]) : time - point.time <= gap_;
+  return known ? point.leg : std::uint16_t{0};
 }
 
 }  // namespace thermorig::labels

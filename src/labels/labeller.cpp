@@ -12,7 +12,6 @@ namespace thermorig::labels {
 namespace {
 constexpr float coldest_c = -60.0F;
 constexpr float hottest_c = 400.0F;
-constexpr double gap_periods = 1.5;
 constexpr double rate_step_dps = 0.01;                           // telemetry counts centidegrees per second
 constexpr double uniform_deviation = 0.5 / std::numbers::sqrt3;  // of a spread of width 1
 
@@ -39,11 +38,9 @@ Labeller::Labeller(LabelConfig config)
       command_(from_s(config.telemetry_gap_s), from_s(config.history_s)),
       gyro_(from_s(config.history_s)) {}
 
-std::uint32_t Labeller::frame_reasons(const TimedFrame& frame) const {
-  const bool gap =
-      frame_count_ > 0 && to_s(frame.stamp.time - frame_before_) > gap_periods * config_.frame_period_s;
-  return bit_if(Reason::camera_gap, gap) | bit_if(Reason::camera_not_fresh, frame.stale) |
-         bit_if(Reason::checksum, frame.resync_before) |
+std::uint32_t Labeller::frame_reasons(const TimedFrame& frame) {
+  return bit_if(Reason::camera_gap, frame.missing_before > 0) |
+         bit_if(Reason::camera_not_fresh, frame.stale) | bit_if(Reason::checksum, frame.resync_before) |
          bit_if(Reason::out_of_range, has_pixel_out_of_range(frame.frame));
 }
 
@@ -51,7 +48,6 @@ void Labeller::add(const TimedFrame& frame) {
   assert(frame.exposure_begin <= frame.exposure_end);
   const std::uint32_t reasons = frame_reasons(frame);
   pending_.push_back({frame_count_, frame.stamp, frame.exposure_begin, frame.exposure_end, reasons});
-  frame_before_ = frame.stamp.time;
   ++frame_count_;
 }
 

@@ -10,7 +10,8 @@ double frame_period_s(const CameraProfile& profile, const Fits& fits) {
 CameraLine::CameraLine(const CameraProfile& profile, const Fits& fits)
     : scanner_(profile.checksum),
       timing_(profile.link),
-      exposure_(frame_period_s(profile, fits), fits.camera_mode) {}
+      exposure_(frame_period_s(profile, fits), fits.camera_mode),
+      gaps_(frame_period_s(profile, fits), fits.frame_period_s.has_value()) {}
 
 std::span<const TimedFrame> CameraLine::push(std::span<const std::uint8_t> chunk, HostTime arrived,
                                              std::vector<TimedFrame>& out) {
@@ -24,6 +25,7 @@ std::span<const TimedFrame> CameraLine::push(std::span<const std::uint8_t> chunk
     frame.stamp = timing_.stamp(message.span);
     frame.resync_before = message.resync_before;
     exposure_.apply(frame);
+    frame.missing_before = static_cast<std::uint16_t>(gaps_.push(frame, exposure_.mode()));
   }
   messages_.clear();
   return std::span(out).subspan(first);

@@ -8,6 +8,7 @@
 #include "thermorig/core/profile.h"
 #include "thermorig/core/sample.h"
 #include "thermorig/labels/exposure.h"
+#include "thermorig/labels/frame_gaps.h"
 #include "thermorig/pipeline/pipeline.h"
 #include "thermorig/timing/link_timing.h"
 #include "thermorig/wire/camera_scanner.h"
@@ -32,6 +33,7 @@ class CameraLine {
   wire::CameraScanner scanner_;
   timing::LinkTiming timing_;
   labels::ExposureRule exposure_;
+  labels::FrameGaps gaps_;
   std::vector<wire::CameraMessage> messages_;  // empty between calls; kept for its memory
 };
 

@@ -14,11 +14,10 @@ namespace thermorig::pipeline {
 namespace {
 constexpr std::uint64_t telemetry_bytes = SERVO_TELEMETRY_SIZE + 6;  // type, sequence, CRC, two flags
 
-labels::LabelConfig label_config(const RigProfile& profile, const Fits& fits) {
+labels::LabelConfig label_config(const RigProfile& profile) {
   labels::LabelConfig config;
   config.settle_s = profile.servo.settle_s;
   config.gyro_rate_hz = profile.gyro.output_rate_hz;
-  config.frame_period_s = frame_period_s(profile.camera, fits);
   config.stop_margin_deg = profile.servo.stop_margin_deg;
   config.travel_deg = profile.servo.kind == ServoKind::positional ? profile.servo.travel_deg : 0.0;
   return config;
@@ -37,7 +36,7 @@ Pipeline::Pipeline(const RigProfile& profile, const Fits& fits)
     : stages_(new Stages{.camera = CameraLine(profile.camera, fits),
                          .gyro = GyroLine(profile.gyro),
                          .servo = ServoLine(profile.servo),
-                         .labeller = labels::Labeller(label_config(profile, fits)),
+                         .labeller = labels::Labeller(label_config(profile)),
                          .streams = {}}) {}
 
 Pipeline::~Pipeline() = default;

@@ -24,7 +24,6 @@ TEST(Runs, AreBrokenByAnInvalidFrame) {
 
 TEST(Runs, LieInOneLeg) {
   ScriptedRig rig;
-  rig.config.frame_period_s = 0.125;
   rig.leg = [](double t) { return t < 0.8 ? 4 : 5; };
   rig.spoil = [](TimedFrame& frame, int) { frame.exposure_begin = frame.exposure_end - from_s(0.01); };
   const auto samples = rig.run(1.26);
@@ -35,9 +34,7 @@ TEST(Runs, LieInOneLeg) {
 
 TEST(Runs, AreBrokenByALostFrame) {
   ScriptedRig rig;
-  rig.spoil = [](TimedFrame& frame, int index) {
-    if (index >= 6) frame.stamp.time += from_s(0.1);
-  };
+  rig.spoil = [](TimedFrame& frame, int index) { frame.missing_before = index == 6 ? 1 : 0; };
   EXPECT_EQ(runs(rig.run(1.26)), (std::vector<std::uint32_t>{0, 0, 0, 1, 1, 1, 0, 2, 2, 2}));
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <functional>
 #include <vector>
@@ -31,6 +32,7 @@ struct ScriptedRig {
   std::function<bool(double)> telemetry_comes = [](double) { return true; };
   std::function<bool(double)> gyro_comes = [](double) { return true; };
   std::function<void(TimedFrame&, int)> spoil = [](TimedFrame&, int) {};
+  double frame_period_s = 0.125;
   double telemetry_s = 0.01;
   double gyro_s = 0.005;
   double offset_s = 0.0013;  // of gyro and telemetry against the frames, so that no times coincide
@@ -39,6 +41,7 @@ struct ScriptedRig {
   TimedServo servo_at(double t) const {
     TimedServo servo;
     servo.stamp = {.time = at_s(t), .arrival = at_s(t), .uncertainty_s = static_cast<float>(uncertainty_s)};
+    servo.mcu_time_us = std::llround(t * 1e6);
     servo.state.rate_dps = rate_dps(t);
     servo.state.angle_deg = angle_deg(t);
     servo.state.leg = static_cast<std::uint16_t>(leg(t));
@@ -58,7 +61,7 @@ struct ScriptedRig {
     frame.frame.temp_c.fill(20.0F);
     frame.stamp = {.time = at_s(t), .arrival = at_s(t), .uncertainty_s = static_cast<float>(uncertainty_s)};
     frame.exposure_end = frame.stamp.time;
-    frame.exposure_begin = frame.exposure_end - from_s(2 * config.frame_period_s);
+    frame.exposure_begin = frame.exposure_end - from_s(2 * frame_period_s);
     spoil(frame, index);
     return frame;
   }
@@ -73,7 +76,7 @@ struct ScriptedRig {
     double servo_t = offset_s;
     double gyro_t = offset_s;
     int frame = 0;
-    const auto frame_t = [&] { return config.frame_period_s * (frame + 1); };
+    const auto frame_t = [&] { return frame_period_s * (frame + 1); };
     while (std::min({servo_t, gyro_t, frame_t()}) <= duration_s) {
       const double t = std::min({servo_t, gyro_t, frame_t()});
       if (t == servo_t) {

@@ -24,13 +24,14 @@ struct Stamp {
 struct TimedFrame {
   ThermalFrame frame;
   StreamSpan span;
-  Stamp stamp;                   // stamp.time: end of the exposure of the newest half
-  std::uint16_t fresh_even = 0;  // pixels that differ from the frame before, even chess half (0..384)
-  std::uint16_t fresh_odd = 0;   // the same for the odd half
-  HostTime exposure_begin{};     // start of the older half's exposure
-  HostTime exposure_end{};       // end of the newest half's exposure
-  bool resync_before = false;    // bytes were skipped between the frame before and this one
-  bool stale = false;            // repeats the frame before, or the half that was due did not come
+  Stamp stamp;                       // stamp.time: end of the exposure of the newest half
+  std::uint16_t fresh_even = 0;      // pixels that differ from the frame before, even chess half (0..384)
+  std::uint16_t fresh_odd = 0;       // the same for the odd half
+  HostTime exposure_begin{};         // start of the older half's exposure
+  HostTime exposure_end{};           // end of the newest half's exposure
+  bool resync_before = false;        // bytes were skipped between the frame before and this one
+  std::uint16_t missing_before = 0;  // frames that never came between the frame before and this one
+  bool stale = false;                // repeats the frame before, or the half that was due did not come
 };
 
 struct TimedGyro {

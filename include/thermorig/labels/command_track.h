@@ -31,7 +31,8 @@ struct CommandSpan {
 /// to the next, each at its stamped time.
 class CommandTrack {
  public:
-  /// More than `gap` between two messages is a gap; messages older than `length` are forgotten.
+  /// More than `gap` between two messages is a gap, by the servo's own clock: a read that a busy host delays
+  /// is none. Messages older than `length` are forgotten.
   CommandTrack(HostDuration gap, HostDuration length) : gap_(gap), points_(length) {}
 
   void add(const TimedServo& servo);
@@ -45,12 +46,13 @@ class CommandTrack {
   /// Commanded angle at `time`, NaN where no telemetry covers it.
   double angle_deg(HostTime time) const;
 
-  /// The leg that the last telemetry at or before `time` reported, 0 if there is none within a gap's length.
+  /// The leg that the last telemetry at or before `time` reported; 0 if there is none, or a gap behind it.
   std::uint16_t leg(HostTime time) const;
 
  private:
   struct Point {
     HostTime time{};
+    std::int64_t mcu_time_us = 0;
     double rate_dps = 0.0;
     double angle_deg = 0.0;
     float uncertainty_s = 0.0F;
@@ -58,6 +60,7 @@ class CommandTrack {
     bool able = true;
   };
   std::span<const Point> around(HostTime begin, HostTime end) const;
+  bool is_gap(const Point& before, const Point& after) const;
   bool covers(std::span<const Point> points, HostTime begin, HostTime end) const;
   Point at(HostTime time) const;
   static void note_states(CommandSpan& span, std::span<const Point> points);

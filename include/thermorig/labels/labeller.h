@@ -18,9 +18,8 @@ struct LabelConfig {
   double telemetry_gap_s = 0.05;    // a longer hole in telemetry is a loss
   double gyro_gap_share = 0.5;      // fewer than this share of the expected gyro samples is a gap
   double gyro_rate_hz = 200.0;
-  double frame_period_s = 0.125;  // time between frames, nominal or measured
-  double wait_s = 1.0;            // a frame waits so long for late telemetry and gyro, then goes without
-  double history_s = 10.0;        // telemetry and gyro samples are kept so long
+  double wait_s = 1.0;      // a frame waits so long for late telemetry and gyro, then goes without
+  double history_s = 10.0;  // telemetry and gyro samples are kept so long
   double stop_margin_deg = 2.0;
   double travel_deg = 2160.0;  // 0 for a continuous servo: no stops
 };
@@ -32,7 +31,8 @@ struct LabelConfig {
 /// E = [exposure_begin, exposure_end]:
 ///   rate_label             exact mean of the commanded speed; NaN (min, max and uncertainty as well) where E
 ///                          is not covered: no telemetry at or before its begin or at or after its end, or
-///                          more than telemetry_gap_s between two messages in it or around it
+///                          more than telemetry_gap_s, by the servo's clock, between two messages
+///                          in it or around it
 ///   rate_label_min, _max   of the commanded speed
 ///   time                   exposure_end minus a quarter of E: the middle of the newest half
 ///   angle_label            commanded angle at `time`
@@ -41,11 +41,10 @@ struct LabelConfig {
 ///                          uncertainty, the widest of the telemetry's), a = the change of the commanded
 ///                          speed over E divided by E's length (how fast the mean changes when E is moved)
 ///                          and q = 0.01 deg/s / sqrt(12), the telemetry's resolution
-///   leg                    reported by the last telemetry at or before `time`, not older than
-///   telemetry_gap_s
+///   leg                    reported by the last telemetry at or before `time`, with no gap behind it
 ///
 /// Reasons, with S = [exposure_begin - settle_s, exposure_end]:
-///   camera_gap        more than 1.5 frame periods between the time of the frame before and this one's
+///   camera_gap        TimedFrame::missing_before is not 0
 ///   camera_not_fresh  TimedFrame::stale
 ///   checksum          TimedFrame::resync_before
 ///   out_of_range      a pixel below -60 or above 400 degC, or not a number
@@ -64,7 +63,7 @@ class Labeller {
  public:
   explicit Labeller(LabelConfig config);
 
-  void add(const TimedFrame& frame);  // `resync_before`, `stale` and exposure must be filled in
+  void add(const TimedFrame& frame);  // all its members must be filled in
   void add(const TimedGyro& gyro) { gyro_.add(gyro); }
   void add(const TimedServo& servo) { command_.add(servo); }
 
@@ -82,7 +81,7 @@ class Labeller {
     HostTime exposure_end{};
     std::uint32_t reason_bits = 0;  // those that the frame alone tells
   };
-  std::uint32_t frame_reasons(const TimedFrame& frame) const;
+  static std::uint32_t frame_reasons(const TimedFrame& frame);
   bool has_all(const PendingFrame& frame) const;
   LabelledSample label(const PendingFrame& frame);
   void label_command(LabelledSample& sample, float frame_uncertainty_s) const;
@@ -96,7 +95,6 @@ class Labeller {
   GyroTrack gyro_;
   std::deque<PendingFrame> pending_;
   std::uint32_t frame_count_ = 0;
-  HostTime frame_before_{};
   std::uint32_t run_ = 0;      // number of the newest run
   std::uint16_t run_leg_ = 0;  // its leg, 0 if it has ended
 };
