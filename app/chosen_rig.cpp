@@ -31,7 +31,7 @@ void check_ports(const RigProfile& profile) {
   std::string missing;
   for (Device device : all_devices)
     if (profile.link(device).port.empty())
-      missing += (missing.empty() ? "" : " and ") + std::string(name_of(device));
+      missing += (missing.empty() ? "" : ", ") + std::string(name_of(device));
   if (missing.empty()) return;
   throw Error(ExitCode::bad_usage, "no port is named for " + missing, "",
               "thermorig ports (finds them), --rig PROFILE, or --simulated");

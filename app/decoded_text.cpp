@@ -191,11 +191,12 @@ nlohmann::json json_of(const wire::Counters& counters) {
 }
 
 std::string text_of(const wire::Counters& counters) {
-  Table bytes({"bytes", "in messages", "damaged", "skipped", "pending"});
+  Table bytes({">bytes", ">in messages", ">damaged", ">skipped", ">pending"});
   bytes.add({count_text(counters.bytes_received), count_text(counters.bytes_in_messages),
              count_text(counters.bytes_in_damaged), count_text(counters.bytes_skipped),
              count_text(counters.bytes_pending)});
-  Table messages({"messages", "replies", "bad check sum", "bad length", "bad value", "lost", "resyncs"});
+  Table messages(
+      {">messages", ">replies", ">bad check sum", ">bad length", ">bad value", ">lost", ">resyncs"});
   messages.add({count_text(counters.messages), count_text(counters.replies),
                 count_text(counters.bad_checksum), count_text(counters.bad_length),
                 count_text(counters.bad_value), count_text(counters.lost), count_text(counters.resyncs)});

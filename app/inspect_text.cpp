@@ -24,7 +24,7 @@ std::string name_of_state(session::State state) {
 }
 
 std::string origin(const RecordingHeader& header) {
-  if (!header.simulated) return "real devices";
+  if (!header.simulated) return "recorded from ports";
   const std::string seed = header.simulation_seed ? fmt::format("seed {}, ", *header.simulation_seed) : "";
   return fmt::format("SIMULATED ({}{})", seed, header.simulation);
 }
@@ -44,7 +44,7 @@ std::string heading(const std::filesystem::path& path, const Session& session, c
 }
 
 std::string stream_table(const Quality& quality) {
-  Table table({"stream", "received", "lost", "bad", "repeated", "rate", "mean", "longest gap"});
+  Table table({"stream", ">received", ">lost", ">bad", ">repeated", ">rate", ">mean", ">longest gap"});
   for (Device device : all_devices) {
     const Quality::Stream& stream = quality.stream[device];
     table.add({std::string(name_of(device)), count_text(stream.received), count_text(stream.lost),
@@ -83,7 +83,7 @@ std::string speed_table(const Quality& quality) {
   }
   const auto frames = [](const Quality::Speed* speed) { return speed ? std::to_string(speed->frames) : "-"; };
   const auto valid = [](const Quality::Speed* speed) { return speed ? std::to_string(speed->valid) : "-"; };
-  Table table({"deg/s", "frames +", "valid +", "frames -", "valid -"});
+  Table table({">deg/s", ">frames +", ">valid +", ">frames -", ">valid -"});
   for (const auto& [magnitude, pair] : pairs)
     table.add({fmt::format("{:.1f}", static_cast<double>(magnitude) / 100), frames(pair.forward),
                valid(pair.forward), frames(pair.backward), valid(pair.backward)});

@@ -242,7 +242,17 @@ std::string readable(std::string help) {
   return help;
 }
 
-std::string help_to_read(const CLI::App& root) {
+/// `--simulated 3` leaves the 3 over: the seed belongs to the word.
+bool has_loose_seed(const CLI::App& root) {
+  const std::vector<std::string> left = root.remaining(true);
+  const auto commands = root.get_subcommands();
+  return !left.empty() && left.front().find_first_not_of("0123456789") == std::string::npos &&
+         !commands.empty() && commands.front()->get_option_no_throw("--simulated") != nullptr &&
+         commands.front()->count("--simulated") > 0;
+}
+
+std::string what_to_read(const CLI::App& root) {
+  if (has_loose_seed(root)) return "--simulated=" + root.remaining(true).front();
   const auto commands = root.get_subcommands();
   return commands.empty() ? "thermorig --help" : "thermorig " + commands.front()->get_name() + " --help";
 }
@@ -258,7 +268,7 @@ CommandLine parse(int argc, const char* const* argv) {
   } catch (const CLI::CallForHelp&) {
     return {std::nullopt, readable(root.help())};
   } catch (const CLI::ParseError& error) {
-    throw Error(ExitCode::bad_usage, error.what(), "", help_to_read(root));
+    throw Error(ExitCode::bad_usage, error.what(), "", what_to_read(root));
   }
   if (!words.version && root.get_subcommands().empty())
     throw Error(ExitCode::bad_usage, "a command is missing", "", "thermorig --help");

@@ -85,42 +85,34 @@ std::string share_text(std::uint64_t part, std::uint64_t of) {
 }
 
 namespace {
-bool looks_like_a_number(const std::string& cell) {
-  return !cell.empty() && (std::isdigit(static_cast<unsigned char>(cell.front())) != 0 ||
-                           cell.front() == '+' || cell.front() == '-');
-}
-}  // namespace
-
-namespace {
 std::string padded(const std::string& cell, std::size_t width, bool right) {
   return right ? fmt::format("{:>{}}  ", cell, width) : fmt::format("{:<{}}  ", cell, width);
 }
 }  // namespace
 
 Table::Table(std::vector<std::string> heading) {
+  for (std::string& name : heading) {
+    right_.push_back(name.starts_with('>'));
+    if (right_.back()) name.erase(0, 1);
+  }
   rows_.push_back(std::move(heading));
 }
 
 void Table::add(std::vector<std::string> row) {
-  row.resize(rows_.front().size());
+  row.resize(right_.size());
   rows_.push_back(std::move(row));
 }
 
 std::string Table::text(std::string_view indent) const {
-  const std::size_t columns = rows_.front().size();
-  std::vector<std::size_t> width(columns, 0);
-  std::vector<bool> right(columns, rows_.size() > 1);
-  for (std::size_t row = 0; row < rows_.size(); ++row)
-    for (std::size_t column = 0; column < columns; ++column) {
-      const std::string& cell = rows_[row][column];
-      width[column] = std::max(width[column], cell.size());
-      if (row > 0 && !cell.empty() && !looks_like_a_number(cell)) right[column] = false;
-    }
+  std::vector<std::size_t> width(right_.size(), 0);
+  for (const auto& row : rows_)
+    for (std::size_t column = 0; column < row.size(); ++column)
+      width[column] = std::max(width[column], row[column].size());
   std::string text;
   for (const auto& row : rows_) {
     std::string line(indent);
-    for (std::size_t column = 0; column < columns; ++column)
-      line += padded(row[column], width[column], right[column]);
+    for (std::size_t column = 0; column < row.size(); ++column)
+      line += padded(row[column], width[column], right_[column]);
     line.erase(line.find_last_not_of(' ') + 1);
     text += line + "\n";
   }

@@ -33,8 +33,8 @@ std::string rate_range_text(double min_hz, double max_hz);     // 7.8..8.0 /s
 std::string speed_text(double rate_dps);                       // +7.5 deg/s
 std::string share_text(std::uint64_t part, std::uint64_t of);  // 95.0 %, "-" of nothing
 
-/// Columns side by side, two spaces apart. Cells that look like numbers are set flush right, with their
-/// heading.
+/// Columns side by side, two spaces apart. A column whose heading begins with '>' is set flush right; the '>'
+/// is not printed.
 class Table {
  public:
   explicit Table(std::vector<std::string> heading);
@@ -42,6 +42,7 @@ class Table {
   std::string text(std::string_view indent = "") const;
 
  private:
+  std::vector<bool> right_;
   std::vector<std::vector<std::string>> rows_;
 };
 

@@ -48,7 +48,7 @@ std::string speed_text(const PortFinding& finding) {
 }
 
 std::string table_text(const std::vector<PortFinding>& findings) {
-  Table table({"role", "port", "usb", "baud", "health", "how known"});
+  Table table({"role", "port", "usb", ">baud", ">rate", "how known"});
   for (const PortFinding& finding : findings) {
     const std::string& usb = finding.info.usb_path;
     table.add({role_text(finding), finding.info.path, usb.empty() ? "-" : usb, speed_text(finding),

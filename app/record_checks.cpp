@@ -104,7 +104,7 @@ Check check_output(const RecordOptions& options, const RigProfile& profile, doub
 }
 
 void print_legs(const rig::SweepPlan& plan, const ChosenRig& rig) {
-  Table table({"leg", "deg/s", "frames", "time"});
+  Table table({">leg", ">deg/s", ">frames", ">time"});
   const double rate_hz = rig.profile.camera.output_rate_hz;
   for (std::size_t i = 0; i < plan.leg_rates_dps.size(); ++i)
     table.add({std::to_string(i + 1), fmt::format("{:+.1f}", plan.leg_rates_dps[i]),

@@ -56,7 +56,7 @@ void print_figures(const RecordSummary& summary) {
              count_text(quality.swept), share_text(quality.valid, quality.swept), count_text(quality.frames));
   const ShortSpeeds wanting = short_speeds(quality, summary.plan);
   fmt::print(
-      "speeds   {} driven, {}\n", quality.speeds.size(),
+      "speeds   {} planned, {}\n", wanting.planned,
       wanting.count == 0 ? "none short of frames" : fmt::format("{} short: {}", wanting.count, wanting.text));
   fmt::print("streams  {}\n", lost_text(quality));
   fmt::print("gaps     longest: {}\n", gaps_text(quality));

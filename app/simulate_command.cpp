@@ -67,7 +67,7 @@ void print_tally(const ServingTally& tally, bool json) {
     print_json(object);
     return;
   }
-  Table table({"role", "delivered", "unheard", "overrun", "received"});
+  Table table({"role", ">delivered", ">unheard", ">overrun", ">received"});
   for (Device device : all_devices) {
     const PortTally& port = tally.ports[device];
     table.add({std::string(name_of(device)), bytes_text(port.bytes_delivered), bytes_text(port.bytes_unheard),

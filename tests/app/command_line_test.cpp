@@ -41,6 +41,12 @@ TEST_F(CommandLine, RefusesASeedThatIsNoNumber) {
   }
 }
 
+TEST_F(CommandLine, SaysThatTheSeedBelongsToTheWord) {
+  const Outcome outcome = run("record --environment garden --fast --simulated 3");
+  EXPECT_EQ(outcome.code, 2);
+  EXPECT_THAT(outcome.err, HasSubstr("try: --simulated=3"));
+}
+
 TEST_F(CommandLine, TellsAnErrorAsJsonTooWhereJsonIsAskedFor) {
   const Outcome outcome = run("record --json --environment a/b --simulated --fast");
   ASSERT_EQ(outcome.code, 2);

@@ -129,6 +129,22 @@ TEST_F(Ports, TwoRecordersCannotShareAPort) {
   EXPECT_THAT(outcome.err, HasSubstr(port(rig, "camera")));
 }
 
+TEST_F(Ports, ADeviceThatIsPulledOutEndsTheRecordingAndWhatCameIsKept) {
+  simulate();
+  std::thread puller([this] {
+    while (files(".journal").empty()) std::this_thread::sleep_for(std::chrono::milliseconds(20));
+    std::this_thread::sleep_for(std::chrono::milliseconds(3500));
+    end_simulation();
+  });
+  const Outcome outcome = run("record --environment garden --plan quick --rig simulated.toml --json");
+  puller.join();
+  EXPECT_EQ(outcome.code, 5) << outcome.err << outcome.out;
+  const auto summary = outcome.lines().back();
+  EXPECT_EQ(summary["exit_code"], 5);
+  EXPECT_GT(summary["frames"], 10);
+  EXPECT_TRUE(std::filesystem::exists(folder() / summary["session"].get<std::string>()));
+}
+
 TEST_F(Ports, ASimulatedRigOnPortsIsRecordedAsAnyOther) {
   const Outcome outcome =
       run("record --simulated=3 --environment garden --json --plan quick --speeds 60 --frames-per-leg 8");

@@ -59,6 +59,13 @@ Outcome ProgramTest::run(const std::string& arguments) const {
   return {code_of(status), text_of(folder_ / "out.txt"), text_of(folder_ / "err.txt")};
 }
 
+Outcome ProgramTest::run_on_terminal(const std::string& settings, const std::string& arguments) const {
+  const std::string command = "cd " + folder_.string() + " && " + settings + " script -qec '" +
+                              THERMORIG_PROGRAM + " " + arguments + "' /dev/null >out.txt 2>err.txt";
+  const int status = std::system(command.c_str());
+  return {code_of(status), text_of(folder_ / "out.txt"), text_of(folder_ / "err.txt")};
+}
+
 pid_t ProgramTest::start(const std::vector<std::string>& arguments) const {
   const pid_t process = fork();
   if (process != 0) return process;

@@ -32,6 +32,9 @@ class ProgramTest : public ::testing::Test {
   /// Runs `thermorig ARGUMENTS`; the arguments are words of a shell.
   Outcome run(const std::string& arguments) const;
 
+  /// The same on a terminal, with NAME=VALUE words before it; what the terminal got is in `out`.
+  Outcome run_on_terminal(const std::string& settings, const std::string& arguments) const;
+
   /// Starts it in the background; its output goes to background_out.txt and _err.txt.
   pid_t start(const std::vector<std::string>& arguments) const;
   /// Waits for it: exit code, or 128 + signal.

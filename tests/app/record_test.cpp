@@ -127,7 +127,7 @@ TEST_F(Record, RefusesContradictingWords) {
   expect_refused("record --simulated --camera /dev/null --environment garden", 2, "exclude each other");
   expect_refused("record --environment garden --simulated-servo 180 --camera a --gyro b --servo c", 2,
                  "--simulated");
-  expect_refused("record --environment garden", 2, "no port is named for camera and gyro and servo");
+  expect_refused("record --environment garden", 2, "no port is named for camera, gyro, servo");
   expect_refused("record --environment garden --rig nowhere.toml", 2, "nowhere.toml");
 }
 
@@ -148,6 +148,16 @@ TEST_F(Record, ClosesTheFileOnCtrlC) {
   EXPECT_EQ(outcome.code, 130) << outcome.err;
   EXPECT_EQ(files(".h5").size(), 1U);
   EXPECT_TRUE(files(".journal").empty());
+}
+
+TEST_F(Record, DrawsOverItsStatusOnATerminalOnlyAndNotIfNoColourIsWanted) {
+  const Outcome plain = run_on_terminal("TERM=xterm NO_COLOR=1", fast + brief_plan);
+  const Outcome drawn = run_on_terminal("TERM=xterm", fast + brief_plan);
+  ASSERT_EQ(drawn.code, 0) << drawn.out;
+  EXPECT_THAT(drawn.out, HasSubstr("\x1b["));
+  EXPECT_THAT(drawn.out, HasSubstr("camera  "));
+  ASSERT_EQ(plain.code, 0) << plain.out;
+  EXPECT_THAT(plain.out, Not(HasSubstr("\x1b")));
 }
 
 TEST_F(Record, SimulatesEveryKindOfServo) {
