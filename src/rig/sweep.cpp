@@ -245,7 +245,7 @@ void SweepWalker::tick_halting(HostTime now) {
   if (commander_.idle() && !disarm_sent_ && servo_at_rest()) {
     commander_.disarm();
     disarm_sent_ = true;
-  } else if (commander_.idle() && disarm_sent_) {
+  } else if (commander_.idle() && disarm_sent_ && servo_is_disarmed()) {
     at_rest_ = true;
     enter(SweepPhase::done, now);
   } else if (to_s(now - phase_begin_) > halt_patience_s) {
@@ -327,8 +327,8 @@ void SweepWalker::tick_stopping(HostTime now) {
   const double waited_s = to_s(now - phase_begin_);
   const bool heard = last_telemetry_ && last_telemetry_->stamp.arrival > phase_begin_;
   const bool stopped = heard && servo_at_rest();
-  if (disarm_sent_ && commander_.idle()) {
-    at_rest_ = stopped;
+  if (disarm_sent_ && commander_.idle() && heard && servo_is_disarmed()) {
+    at_rest_ = true;
     return enter(SweepPhase::done, now);
   }
   if (stopped && commander_.idle() && !disarm_sent_) {

@@ -63,6 +63,10 @@ bool SweepWalker::servo_at_rest() const {
   return still && state.rate_dps == 0.0;
 }
 
+bool SweepWalker::servo_is_disarmed() const {
+  return last_telemetry_ && last_telemetry_->state.motion == ServoMotion::disarmed;
+}
+
 SweepProgress SweepWalker::progress(HostTime now) const {
   SweepProgress progress;
   progress.phase = phase_;

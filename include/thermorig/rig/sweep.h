@@ -106,6 +106,7 @@ class SweepWalker {
   bool watch_for_trouble(HostTime now);
   void event(HostTime now, EventKind kind, std::string message);
   bool servo_at_rest() const;
+  bool servo_is_disarmed() const;
   double frame_rate_hz() const;
   double leg_duration_s(int frames) const;
   double travel_deg(double rate) const;
