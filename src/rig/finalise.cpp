@@ -1,17 +1,13 @@
 // SPDX-License-Identifier: MIT
 #include "thermorig/rig/finalise.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <array>
 #include <utility>
 
-#include "file_lock.h"
 #include "thermorig/core/error.h"
 #include "thermorig/journal/journal.h"
 #include "thermorig/pipeline/pipeline.h"
-#include "thermorig/rig/session_file.h"
 
 namespace thermorig::rig {
 
