@@ -63,6 +63,9 @@ void camera_columns(Archive& archive, Rows& frames) {
   archive.template field<std::uint16_t>(
       {"fresh_odd", "1", "pixels of the odd chess half that differ from the frame before"}, frames,
       [](auto& row) -> auto& { return row.fresh_odd; });
+  archive.template field<std::uint16_t>(
+      {"missing_before", "1", "frames that never came between the frame before and this one"}, frames,
+      [](auto& row) -> auto& { return row.missing_before; });
   archive.time_column(
       {"exposure_begin", "s", "start of the older half's exposure [s]"}, frames,
       [](auto& row) -> auto& { return row.exposure_begin; });

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: MIT
 #include <algorithm>
-#include <cmath>
 
 #include "thermorig/core/validity.h"
 #include "thermorig/session/session.h"
@@ -11,7 +10,6 @@ namespace thermorig::session {
 namespace {
 
 constexpr double window_s = 1.0;
-constexpr double gap_in_periods = 1.5;
 
 template <typename Message>
 std::vector<double> times_s(const std::vector<Message>& messages) {
@@ -20,15 +18,6 @@ std::vector<double> times_s(const std::vector<Message>& messages) {
   for (const auto& message : messages) times.push_back(to_s(message.stamp.time.time_since_epoch()));
   std::sort(times.begin(), times.end());
   return times;
-}
-
-double median_interval_s(const std::vector<double>& times) {
-  if (times.size() < 2) return 0;
-  std::vector<double> intervals;
-  for (std::size_t i = 1; i < times.size(); ++i) intervals.push_back(times[i] - times[i - 1]);
-  const auto middle = intervals.begin() + static_cast<std::ptrdiff_t>(intervals.size() / 2);
-  std::nth_element(intervals.begin(), middle, intervals.end());
-  return *middle;
 }
 
 void add_gap(Quality::Stream& stream, const std::vector<double>& times) {
@@ -64,21 +53,9 @@ Quality::Stream stream_of(const wire::Counters& counters, const std::vector<doub
   return stream;
 }
 
-/// The camera numbers nothing: what is missing shows as a hole in time.
-std::uint64_t missing_frames(const std::vector<double>& times, double period_s) {
-  std::uint64_t missing = 0;
-  for (std::size_t i = 1; i < times.size(); ++i) {
-    const double periods = (times[i] - times[i - 1]) / period_s;
-    if (periods > gap_in_periods) missing += static_cast<std::uint64_t>(std::llround(periods) - 1);
-  }
-  return missing;
-}
-
 Quality::Stream camera_stream(const Session& session) {
-  const auto times = times_s(session.frames);
-  auto stream = stream_of(session.counters[Device::camera], times);
-  const double period_s = session.frame_period_s > 0 ? session.frame_period_s : median_interval_s(times);
-  if (period_s > 0) stream.lost += missing_frames(times, period_s);
+  auto stream = stream_of(session.counters[Device::camera], times_s(session.frames));
+  for (const auto& frame : session.frames) stream.lost += frame.missing_before;
   stream.repeated = static_cast<std::uint64_t>(
       std::count_if(session.frames.begin(), session.frames.end(),
                     [](const auto& frame) { return frame.fresh_even == 0 && frame.fresh_odd == 0; }));

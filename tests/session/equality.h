@@ -23,7 +23,8 @@ inline bool same(const TimedFrame& a, const TimedFrame& b) {
   return a.frame.temp_c == b.frame.temp_c && same(a.frame.sensor_temp_c, b.frame.sensor_temp_c) &&
          a.span == b.span && same(a.stamp, b.stamp) && a.fresh_even == b.fresh_even &&
          a.fresh_odd == b.fresh_odd && a.exposure_begin == b.exposure_begin &&
-         a.exposure_end == b.exposure_end && a.resync_before == b.resync_before && a.stale == b.stale;
+         a.exposure_end == b.exposure_end && a.resync_before == b.resync_before && a.stale == b.stale &&
+         a.missing_before == b.missing_before;
 }
 
 inline bool same(const TimedGyro& a, const TimedGyro& b) {

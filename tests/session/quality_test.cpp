@@ -9,7 +9,6 @@ namespace {
 
 Session clean_session(std::size_t frames) {
   Session session = synthetic_session(frames);
-  session.frame_period_s = 0.125;
   session.counters[Device::gyro] = {.messages = session.gyro.size()};
   session.counters[Device::servo] = {.messages = session.servo.size()};
   return session;
@@ -40,9 +39,10 @@ TEST(Quality, RatesAreNotQuantisedByTheirWindows) {
   EXPECT_NEAR(camera.gap_max_s, 0.125, 1e-6);
 }
 
-TEST(Quality, MissingFramesShowAsHolesInTime) {
+TEST(Quality, MissingFramesAreLostAndLeaveAGap) {
   Session session = clean_session(150);
   session.frames.erase(session.frames.begin() + 50, session.frames.begin() + 53);
+  session.frames[50].missing_before = 3;
   const Quality quality = quality_of(session);
   EXPECT_EQ(quality.stream[Device::camera].lost, 3U);
   EXPECT_NEAR(quality.stream[Device::camera].gap_max_s, 0.5, 1e-6);

@@ -25,7 +25,7 @@ std::size_t files_in(const fs::path& folder) {
 }
 
 TEST_F(SessionFile, GivesBackEverythingThatWasWritten) {
-  const Session session = synthetic_session(150);
+  const Session session = synthetic_session(170);
   write_session(path(), session);
   EXPECT_EQ(difference(session, read_session(path())), "");
   EXPECT_EQ(difference(session.raw, read_raw(path())), "");

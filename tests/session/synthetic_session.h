@@ -66,6 +66,7 @@ class SyntheticSession {
     frame.exposure_end = at(time_s);
     frame.resync_before = i % 50 == 7;
     frame.stale = i % 30 == 4;
+    frame.missing_before = i == 160 ? 2 : 0;
     session_.frames.push_back(frame);
     std::vector<std::uint8_t> chunk(1544);
     for (auto& byte : chunk) byte = random_byte() & 0x1FU;
