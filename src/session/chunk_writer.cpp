@@ -74,7 +74,9 @@ void ChunkWriter::run(Job& job, ChunkCodec& codec, std::vector<std::byte>& buffe
   const Layout& layout = job.dataset->layout;
   const std::size_t rows = std::min<std::size_t>(layout.chunk_rows, layout.rows - job.first);
   // A chunk is always stored whole: what lies beyond the last row is zero.
-  buffer.assign(layout.chunk_rows * layout.row_bytes, std::byte{0});
+  buffer.resize(layout.chunk_rows * layout.row_bytes);
+  std::fill(buffer.begin() + static_cast<std::ptrdiff_t>(rows * layout.row_bytes), buffer.end(),
+            std::byte{0});
   job.dataset->fill(job.first, rows, buffer.data());
   job.row_crc = crc32_of(std::span(buffer).first(rows * layout.row_bytes));
   job.encoded = codec.encode(buffer, layout.element_bytes);
