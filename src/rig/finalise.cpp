@@ -31,6 +31,12 @@ void in_order_of_arrival(const PerDevice<RawStream>& received, Take take) {
   }
 }
 
+PerDevice<std::uint64_t> byte_counts(const PerDevice<RawStream>& received) {
+  PerDevice<std::uint64_t> counts;
+  for (const Device device : all_devices) counts[device] = received[device].bytes.size();
+  return counts;
+}
+
 struct Decoded {
   pipeline::Streams streams;
   std::vector<LabelledSample> samples;
@@ -40,6 +46,7 @@ struct Decoded {
 Decoded decode(const RawRecording& raw, const pipeline::Fits& fits) {
   Decoded decoded;
   pipeline::Pipeline pipeline(raw.header.profile, fits);
+  pipeline.expect(byte_counts(raw.received));
   const auto keep = [&](std::vector<LabelledSample> samples) {
     decoded.samples.insert(decoded.samples.end(), samples.begin(), samples.end());
   };

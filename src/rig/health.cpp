@@ -2,7 +2,6 @@
 #include "thermorig/rig/health.h"
 
 #include <algorithm>
-#include <cmath>
 
 namespace thermorig::rig {
 
@@ -47,23 +46,6 @@ DeviceHealth RateMeter::health(HostTime now, const wire::Counters& counters) con
   health.rate_min_hz = *slowest;
   health.rate_max_hz = *fastest;
   return health;
-}
-
-void GapCounter::frame(HostTime time) {
-  const double gap_s = last_ ? to_s(time - *last_) : 0.0;
-  last_ = time;
-  if (gap_s <= 0.0) return;
-  if (open_gap_s_ > 0.0) {
-    const auto periods = static_cast<std::uint64_t>(std::lround((open_gap_s_ + gap_s) / period_s_));
-    lost_ += periods > 2 ? periods - 2 : 0;
-    open_gap_s_ = 0.0;
-  } else if (period_s_ == 0.0 || gap_s < 0.7 * period_s_) {
-    period_s_ = gap_s;  // the first one, or what looked like the period was a gap
-  } else if (gap_s > 1.4 * period_s_) {
-    open_gap_s_ = gap_s;
-  } else {
-    period_s_ += 0.1 * (gap_s - period_s_);
-  }
 }
 
 }  // namespace thermorig::rig

@@ -72,7 +72,7 @@ struct Recording::Parts {
   std::unique_ptr<FileLock> journal_lock;  // tells `recover` that this one is being written
   std::unique_ptr<JournalSync> sync;
   PerDevice<RateMeter> meters;
-  GapCounter camera_gaps;
+  std::uint64_t missing_frames = 0;
   PerDevice<std::vector<std::uint8_t>> first_bytes;
   std::vector<RecordingEvent> new_events;
   std::optional<LabelledSample> last_sample;
@@ -124,7 +124,7 @@ void Recording::Parts::take_streams(HostTime arrived) {
   const pipeline::Streams streams = pipeline.take_streams();
   for (const TimedFrame& frame : streams.frames) {
     meters[Device::camera].message(arrived);
-    camera_gaps.frame(frame.stamp.time);
+    missing_frames += frame.missing_before;
     sweep.frame(frame);
   }
   for (std::size_t i = 0; i < streams.gyro.size(); ++i) meters[Device::gyro].message(arrived);
@@ -262,7 +262,7 @@ RecordingProgress Recording::progress(HostTime now) {
   progress.sweep = parts.sweep.progress(now);
   for (const Device device : all_devices)
     progress.health[device] = parts.meters[device].health(now, parts.pipeline.counters(device));
-  progress.health[Device::camera].lost += parts.camera_gaps.lost();
+  progress.health[Device::camera].lost += parts.missing_frames;
   progress.events = std::exchange(parts.new_events, {});
   progress.last_sample = parts.last_sample;
   return progress;

@@ -39,19 +39,4 @@ class RateMeter {
   std::uint64_t count_ = 0;
 };
 
-/// Counts frames that a gap in time shows to be missing; learns the period from the frames themselves. A
-/// frame that was only read late is followed by a short gap, so a long gap is judged together with the next
-/// one.
-class GapCounter {
- public:
-  void frame(HostTime time);
-  std::uint64_t lost() const { return lost_; }
-
- private:
-  std::optional<HostTime> last_;
-  double period_s_ = 0.0;
-  double open_gap_s_ = 0.0;  // a long gap that the next frame will judge; 0: none
-  std::uint64_t lost_ = 0;
-};
-
 }  // namespace thermorig::rig
