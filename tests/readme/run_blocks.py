@@ -38,7 +38,7 @@ def copy_tracked_files(project, target):
 def simulated_ports(folder, environment):
     process = subprocess.Popen(["thermorig", "simulate", "--json"], stdout=subprocess.PIPE, cwd=folder, env=environment,
                                text=True)
-    return process, json.loads(process.stdout.readline())["ports"]
+    return process, json.loads(process.stdout.readline())
 
 
 def run(kind, body, folder, environment):
