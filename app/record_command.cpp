@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <atomic>
 #include <csignal>
 #include <memory>
@@ -71,7 +72,9 @@ void announce(const rig::RecordingOptions& recording, bool json) {
   fmt::print("recording {}, plan {}: {} legs of {} frames, about {}\n", recording.environment, plan.name,
              plan.leg_rates_dps.size(), plan.frames_per_leg, duration_text(duration_s));
   if (recording.simulated)
-    fmt::print("SIMULATED rig, seed {}: {}\n", *recording.simulation_seed, recording.simulation);
+    fmt::print("SIMULATED rig{}: {}\n",
+               recording.simulation_seed ? fmt::format(", seed {}", *recording.simulation_seed) : "",
+               recording.simulation);
   std::fflush(stdout);
 }
 
@@ -134,6 +137,17 @@ rig::RecordingResult record_on_ports(rig::RecordingOptions recording, ProgressOu
   return rig::record_ports(options);
 }
 
+/// A program stands behind a pseudo terminal, `thermorig simulate` more often than not: what comes from one
+/// must not pass for real data.
+void mark_pseudo_terminals(rig::RecordingOptions& recording) {
+  const auto is_pseudo = [&](Device device) {
+    return io::is_pseudo_terminal(recording.profile.link(device).port);
+  };
+  if (recording.simulated || std::none_of(all_devices.begin(), all_devices.end(), is_pseudo)) return;
+  recording.simulated = true;
+  recording.simulation = "pseudo terminals, whatever program serves them";
+}
+
 /// Switches a simulated rig on and gives its ports to the recording, which then uses them as it uses any
 /// other.
 std::unique_ptr<SimulatedPorts> simulated_ports(const ChosenRig& rig, rig::RecordingOptions& recording) {
@@ -156,6 +170,7 @@ RecordSummary record(const RecordOptions& options, const ChosenRig& rig, const r
     summary.result = record_fast(rig, std::move(recording), *make_progress_output(options.json));
   } else {
     const std::unique_ptr<SimulatedPorts> ports = simulated_ports(rig, recording);  // outlives the recording
+    mark_pseudo_terminals(recording);
     announce(recording, options.json);
     CpuShare cpu;
     summary.result = record_on_ports(std::move(recording), *make_progress_output(options.json), cpu);

@@ -31,4 +31,9 @@ std::string resolve_port(const std::string& port) {
   return path.string();
 }
 
+bool is_pseudo_terminal(const std::string& port) {
+  std::error_code error;
+  return fs::canonical(port, error).string().starts_with("/dev/pts/");
+}
+
 }  // namespace thermorig::io

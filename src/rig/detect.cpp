@@ -36,15 +36,14 @@ std::vector<Slot> slots_of_pty() {
   return {{115200, 0.2}, {SERVO_LINK_BAUD, 0.3, true}};
 }
 
-bool is_pty(const std::string& path) {
-  return path.starts_with("/dev/pts/");
-}
-
 /// Listens on one port, slot by slot.
 class Listener {
  public:
   Listener(io::Loop& loop, const io::PortInfo& info, double listen_s)
-      : loop_(loop), slots_(is_pty(info.path) ? slots_of_pty() : slots_of_port()), listen_s_(listen_s) {
+      : loop_(loop),
+        has_baud_(!io::is_pseudo_terminal(info.path)),
+        slots_(has_baud_ ? slots_of_port() : slots_of_pty()),
+        listen_s_(listen_s) {
     finding_.info = info;
     finding_.how = fmt::format("silent at {} baud rates", slots_.size());
   }
@@ -91,7 +90,7 @@ class Listener {
     if (!bytes_.empty()) finding_.how = evidence.text;
     if (evidence.role) {
       finding_.role = evidence.role;
-      finding_.baud = slots_[slot_].baud;
+      finding_.baud = has_baud_ ? slots_[slot_].baud : 0;
       finding_.gyro_protocol = evidence.gyro_protocol;
       finding_.rate_hz = static_cast<double>(evidence.messages) / to_s(now - opened_);
       slot_ = slots_.size();
@@ -101,6 +100,7 @@ class Listener {
   }
 
   io::Loop& loop_;
+  bool has_baud_;
   std::vector<Slot> slots_;
   double listen_s_;
   PortFinding finding_;
@@ -142,7 +142,7 @@ RigProfile apply_findings(RigProfile profile, const std::vector<PortFinding>& fi
     PortProfile& link = profile.link(device);
     link.port = of_role[0]->info.path;
     link.usb_path = of_role[0]->info.usb_path;
-    if (!is_pty(link.port)) link.baud = of_role[0]->baud;
+    if (of_role[0]->baud != 0) link.baud = of_role[0]->baud;
     if (device == Device::gyro) profile.gyro.protocol = of_role[0]->gyro_protocol;
   }
   return profile;

@@ -37,6 +37,9 @@ std::vector<PortInfo> list_ports();
 /// "/dev/ttyUSB0". Throws Error(device_missing), which lists the ports that exist, if there is no such port.
 std::string resolve_port(const std::string& port);
 
+/// True if `port` leads to a pseudo terminal: no wire, no baud rate, and a program in place of a device.
+bool is_pseudo_terminal(const std::string& port);
+
 /// A loop on one thread: ports are read, the timer ticks, signals arrive. Every handler is called inside
 /// run() and may call any member. An exception that a handler throws leaves run(), which may then be called
 /// again.

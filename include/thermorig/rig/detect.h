@@ -29,7 +29,7 @@ Evidence classify(std::span<const std::uint8_t> bytes);
 struct PortFinding {
   io::PortInfo info;
   std::optional<Device> role;
-  std::uint32_t baud = 0;  // at which it spoke
+  std::uint32_t baud = 0;  // at which it spoke; 0 for a pseudo terminal
   GyroProtocol gyro_protocol = GyroProtocol::witmotion;
   std::string how;       // evidence, ready to print; or "silent at 6 baud rates"
   std::string problem;   // could not be opened: why; else empty
