@@ -122,7 +122,8 @@ TEST_F(Ports, RecordRecognisesAnotherDevicesBytes) {
 TEST_F(Ports, TwoRecordersCannotShareAPort) {
   const auto rig = simulate();
   io::Loop other;
-  other.open({.port = port(rig, "camera")}, {});
+  other.open({.port = port(rig, "camera")},
+             {.received = [](std::span<const std::uint8_t>, HostTime) {}, .lost = [](const std::string&) {}});
   const Outcome outcome = run("record --environment garden --plan quick --rig simulated.toml");
   end_simulation();
   EXPECT_EQ(outcome.code, 6) << outcome.err;
