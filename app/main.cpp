@@ -39,6 +39,7 @@ int flushed(int code) {
 }  // namespace
 
 int main(int argc, char** argv) {
+  std::signal(SIGXFSZ, SIG_IGN);  // a file that may not grow is then an error of write(), as a full disk is
   const bool json = asks_for_json(argc, argv);
   try {
     return flushed(run(argc, argv));
