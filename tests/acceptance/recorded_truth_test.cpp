@@ -1,0 +1,154 @@
+// SPDX-License-Identifier: MIT
+// What the program records on ports, held against what the simulated rig did in truth.
+#include <gmock/gmock.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "recorder.h"
+
+namespace thermorig::tests {
+namespace {
+
+using simulation::PulseEdge;
+using simulation::SentMessage;
+
+constexpr int frames_per_leg = 10;
+constexpr double clock_start_s = 0.0005;
+constexpr double resolution_deg = 0.01;  // of an angle in telemetry
+constexpr std::size_t camera_message_bytes = 1544, gyro_message_bytes = 11;
+
+class RecordedTruth : public RecorderOnPorts {
+ protected:
+  session::Session recorded() {
+    const Outcome outcome = wait(start_recording(frames_per_leg));
+    rig_.ports().stop();
+    EXPECT_TRUE(outcome.code == 0 || outcome.code == 3) << outcome.out << outcome.err;
+    return only_session();
+  }
+};
+
+/// At opening the program throws away what came before: the head. Between its last read and the closing of
+/// the port more may be delivered: the tail. Everything between the two is in the file.
+TEST_F(RecordedTruth, HoldsEveryByteThatWasDeliveredFromTheFirstReadToTheLast) {
+  const session::Session session = recorded();
+  const PerDevice<std::size_t> bytes_per_s{{8 * camera_message_bytes, 200 * gyro_message_bytes, 100 * 30}};
+  for (const Device device : all_devices) {
+    const Stretch stretch = stretch_of(device, session);
+    EXPECT_LT(stretch.head, bytes_per_s[device]) << name_of(device);
+    EXPECT_LT(stretch.tail, bytes_per_s[device]) << name_of(device);
+    EXPECT_EQ(stretch.size, read_from(device).value_or(read_ledger_port{stretch.size, 0}).bytes)
+        << name_of(device);
+    EXPECT_EQ(rig_.ports().tally().ports[device].bytes_overrun, 0U) << name_of(device);
+  }
+}
+
+TEST_F(RecordedTruth, HoldsEveryFrameAndEveryGyroSampleInOrder) {
+  const session::Session session = recorded();
+  const wire::Counters& camera = session.counters[Device::camera];
+  const wire::Counters& gyro = session.counters[Device::gyro];
+  EXPECT_EQ(camera.bytes_in_messages, session.frames.size() * camera_message_bytes);
+  EXPECT_EQ(gyro.bytes_in_messages, (gyro.messages + gyro.replies) * gyro_message_bytes);
+  EXPECT_EQ(gyro.messages, session.gyro.size());
+  // All other bytes are the end of the message during which the port was opened, or the begin of the last.
+  for (const auto& [counters, size] : {std::pair(camera, camera_message_bytes), {gyro, gyro_message_bytes}}) {
+    EXPECT_LT(counters.bytes_skipped, size);
+    EXPECT_LT(counters.bytes_pending, size);
+    EXPECT_EQ(counters.bytes_in_damaged, 0U);
+  }
+  for (const TimedFrame& frame : session.frames) EXPECT_EQ(frame.missing_before, 0U);
+  EXPECT_EQ(session.counters[Device::servo].lost, 0U);
+  // What was sent and is neither in the file nor was delivered unheard is head, tail, or still under way.
+  const std::size_t sent = rig_.ports().rig().sent_gyro().size() * gyro_message_bytes;
+  const PortTally tally = rig_.ports().tally().ports[Device::gyro];
+  const Stretch stretch = stretch_of(Device::gyro, session);
+  EXPECT_GE(sent, tally.bytes_unheard + stretch.head + stretch.size + stretch.tail);
+  EXPECT_LT(sent - tally.bytes_unheard - tally.bytes_delivered, 20 * gyro_message_bytes);  // 100 ms
+}
+
+double pulse_angle_deg(const ServoProfile& servo, double width_us) {
+  const double middle_us = (servo.pulse_min_us + servo.pulse_max_us) / 2.0;
+  return (width_us - middle_us) / (servo.pulse_max_us - servo.pulse_min_us) * servo.travel_deg;
+}
+
+/// The pulse that rose last by `mcu_us`.
+const PulseEdge* pulse_at(const std::vector<PulseEdge>& pulses, std::int64_t mcu_us) {
+  const auto after = std::upper_bound(pulses.begin(), pulses.end(), mcu_us,
+                                      [](std::int64_t us, const PulseEdge& p) { return us < p.rise_us; });
+  return after == pulses.begin() ? nullptr : &*(after - 1);
+}
+
+/// The commanded angle `us` before telemetry, as its own speed tells.
+double angle_before_deg(const ServoState& state, std::int64_t us) {
+  return state.angle_deg - state.rate_dps * static_cast<double>(us) * 1e-6;
+}
+
+/// The firmware sets a pulse 1 ms before it rises, every 20 ms; telemetry comes every 10 ms. The pulse that
+/// rose at or just before a telemetry message shows the angle of 1 ms before its rise, rounded to a tick of
+/// half a microsecond. Timing adds what the speed may change by between the two instants, and the start of
+/// the firmware's clock: less than half a millisecond after the reset, from which the pulses are timed.
+TEST_F(RecordedTruth, TelemetryNamesTheAngleOfThePulsesThatTheServoReallyGot) {
+  const session::Session session = recorded();
+  const ServoProfile& servo = session.raw.header.profile.servo;
+  const double tick_deg = 0.5 / (servo.pulse_max_us - servo.pulse_min_us) * servo.travel_deg;
+  const auto& pulses = rig_.ports().rig().pulses();
+  int compared = 0;
+  for (const TimedServo& telemetry : session.servo) {
+    const ServoState& state = telemetry.state;
+    const PulseEdge* pulse = pulse_at(pulses, telemetry.mcu_time_us + 1000);
+    if (pulse == nullptr || state.motion == ServoMotion::disarmed) continue;
+    const std::int64_t age_us = telemetry.mcu_time_us - (pulse->rise_us - 1000);
+    if (age_us > 21'000 || state.pulse_ticks == 0) continue;  // it was armed after that
+    EXPECT_EQ(state.pulse_ticks, std::lround(2.0 * pulse->width_us)) << telemetry.mcu_time_us;
+    const double age_s = static_cast<double>(age_us) * 1e-6;
+    const double timing_deg = 0.5 * servo.acceleration_dps2 * age_s * age_s +
+                              std::abs(state.rate_dps) * clock_start_s + resolution_deg;
+    EXPECT_NEAR(pulse_angle_deg(servo, pulse->width_us), angle_before_deg(state, age_us),
+                tick_deg / 2.0 + timing_deg)
+        << telemetry.mcu_time_us;
+    ++compared;
+  }
+  EXPECT_GT(compared, 200);
+}
+
+/// The frame of the truth that frame 0 of the session is: the one for which most times agree.
+std::size_t first_sent(const session::Session& session, const std::vector<SentMessage>& sent) {
+  std::size_t best = 0;
+  double best_s = 1e9;
+  for (std::size_t first = 0; first + session.frames.size() <= sent.size(); ++first) {
+    std::vector<double> apart_s;
+    for (std::size_t i = 0; i < session.frames.size(); ++i)
+      apart_s.push_back(std::abs(to_s(session.frames[i].exposure_end - sent[first + i].exposure_end)));
+    std::nth_element(apart_s.begin(), apart_s.begin() + apart_s.size() / 2, apart_s.end());
+    if (apart_s[apart_s.size() / 2] >= best_s) continue;
+    best_s = apart_s[apart_s.size() / 2];
+    best = first;
+  }
+  EXPECT_LT(best_s, 0.06);  // half a frame's period: no other one fits
+  return best;
+}
+
+/// What remains of a label's error is the servo's own, which nothing measures: its scale (1 % one sigma, and
+/// as much along the travel) and the ripple of its loop. That of a frame which was read late, by a host that
+/// was busy, is not looked at: in this version a frame's time is the time of its arrival.
+TEST_F(RecordedTruth, ValidLabelsAreTheShaftsTrueMeanSpeed) {
+  const session::Session session = recorded();
+  const auto& sent = rig_.ports().rig().sent_frames();
+  const std::size_t first = first_sent(session, sent);
+  std::size_t valid = 0, compared = 0;
+  for (const LabelledSample& sample : session.samples) {
+    const SentMessage& truth = sent.at(first + sample.frame_index);
+    if (!sample.valid) continue;
+    ++valid;
+    if (std::abs(to_s(sample.exposure_end - truth.exposure_end)) > 0.05) continue;
+    ++compared;
+    EXPECT_NEAR(sample.rate_label_dps, truth.mean_rate_dps, 2.0 + 0.04 * std::abs(truth.mean_rate_dps))
+        << sample.frame_index;
+    EXPECT_NEAR(std::abs(sample.rate_label_dps), 90.0, 0.5) << sample.frame_index;
+  }
+  EXPECT_GE(valid, 8U);
+  EXPECT_GE(2 * compared, valid);
+}
+
+}  // namespace
+}  // namespace thermorig::tests

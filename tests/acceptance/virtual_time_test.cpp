@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: MIT
+// Recordings in virtual time by the built program: the same seed gives the same bytes, and Table I its
+// counts.
+#include <gmock/gmock.h>
+
+#include <numeric>
+
+#include "app/program.h"
+#include "other_program.h"
+
+namespace thermorig::tests {
+namespace {
+
+using ::testing::HasSubstr;
+
+class VirtualTime : public ProgramTest {
+ protected:
+  std::string recorded(int seed, const std::string& environment, const std::string& output) const {
+    const Outcome outcome = run("record --fast --json --simulated=" + std::to_string(seed) +
+                                " --environment " + environment + " --output " + output + " " + brief_plan);
+    EXPECT_EQ(outcome.code, 0) << outcome.err;
+    return folder() / outcome.lines().back().value("session", "");
+  }
+};
+
+TEST_F(VirtualTime, GivesEqualBytesInEveryDatasetForEqualSeeds) {
+  if (!python_has("h5py")) GTEST_SKIP() << "needs /usr/bin/python3 with h5py: apt-get install python3-h5py";
+  const std::string first = recorded(5, "kitchen", "first");
+  const Printed same = run_script("compare_sessions.py " + first + " " + recorded(5, "kitchen", "second"));
+  EXPECT_EQ(same.code, 0) << same.text;
+  const Printed other = run_script("compare_sessions.py " + first + " " + recorded(6, "kitchen", "third"));
+  EXPECT_EQ(other.code, 1);
+  for (const char* name : {"raw/camera/bytes", "raw/gyro/bytes", "raw/servo/arrival_ns", "camera/temperature",
+                           "samples/rate_gyro", "@simulation_seed"})
+    EXPECT_THAT(other.text, HasSubstr(name));
+  const Printed elsewhere =
+      run_script("compare_sessions.py " + first + " " + recorded(5, "dining", "fourth"));
+  EXPECT_THAT(elsewhere.text, HasSubstr("camera/temperature"));
+  EXPECT_THAT(elsewhere.text, ::testing::Not(HasSubstr("gyro/counts")));  // the room, not the gyro
+}
+
+/// The paper's Table I: 18 acquisitions, 51,561 frames. Of each speed it has 61 frames indoors and 51 in the
+/// garden, up to a frame that falls between two legs.
+TEST_F(VirtualTime, RecordsAsManyFramesAsTableOneHas) {
+  struct Row {
+    std::string environment;
+    int acquisitions, frames, frames_per_speed;
+  };
+  const std::vector<Row> table{{"laboratory", 4, 12114, 61},
+                               {"dining", 4, 12130, 61},
+                               {"kitchen", 4, 12124, 61},
+                               {"garden", 6, 15193, 51}};
+  int seed = 0, all_swept = 0, all_frames = 0;
+  for (const Row& row : table) {
+    int swept = 0;
+    for (int n = 1; n <= row.acquisitions; ++n) {
+      const Outcome outcome =
+          run("record --fast --json --plan table-one --simulated=" + std::to_string(++seed) +
+              " --environment " + row.environment);
+      ASSERT_EQ(outcome.code, 0) << outcome.err;
+      const auto summary = outcome.lines().back();
+      EXPECT_EQ(summary["acquisition"], n);
+      EXPECT_EQ(summary["speeds"], 50);
+      EXPECT_LE(summary["speeds_short"], 3);
+      EXPECT_EQ(summary["verdict"], "good");
+      EXPECT_NEAR(summary["frames_swept"], 50 * row.frames_per_speed, 0.03 * 50 * row.frames_per_speed);
+      EXPECT_GT(summary["frames"], summary["frames_swept"]);  // the rests
+      swept += summary["frames_swept"].get<int>();
+    }
+    EXPECT_NEAR(swept, row.frames, 0.03 * row.frames) << row.environment;
+    all_swept += swept;
+    all_frames += row.frames;
+  }
+  ASSERT_EQ(all_frames, 51561);
+  EXPECT_NEAR(all_swept, all_frames, 0.03 * all_frames);
+}
+
+}  // namespace
+}  // namespace thermorig::tests
