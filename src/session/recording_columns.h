@@ -87,6 +87,23 @@ void step_columns(Archive& archive, Rows& legs) {
       [](auto& row, std::uint8_t value) { row.complete = value != 0; });
 }
 
+/// A command to the servo, in words.
+struct TimedCommand {
+  HostTime time{};
+  std::string text;
+};
+
+/// /servo/command_*: written for people; /raw/sent holds the bytes.
+template <typename Archive, typename Rows>
+void command_columns(Archive& archive, Rows& commands) {
+  archive.time_axis(
+      {"command_time", "s", "time since time_reference before the command was written [s]"}, commands,
+      [](auto& row) -> auto& { return row.time; });
+  archive.texts(
+      {"command_text", "1", "command to the servo"}, commands, [](const auto& row) { return row.text; },
+      nullptr);
+}
+
 /// An answer to a ping, with the time at which the ping was sent.
 struct PingExchange {
   TimedPong pong;

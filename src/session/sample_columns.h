@@ -19,7 +19,10 @@ inline Flags first_reason_flags() {
   return flags;
 }
 
-/// /samples: one row a frame. Archive is GroupWriter or GroupReader.
+inline constexpr int no_step = 65535;
+
+/// /samples: one row a frame. Legs are numbered from 1 in the order of the rows of /servo/step_*. Archive is
+/// GroupWriter or GroupReader.
 template <typename Archive, typename Rows>
 void sample_columns(Archive& archive, Rows& samples) {
   archive.time_axis(
@@ -64,6 +67,9 @@ void sample_columns(Archive& archive, Rows& samples) {
   archive.template field<std::uint16_t>(
       {"leg", "1", "leg that was driven", "0: none; else a value of step_leg"}, samples,
       [](auto& row) -> auto& { return row.leg; });
+  archive.template column<std::uint16_t>(
+      {"step", "1", "row of /servo/step_*", "65535: outside legs"}, samples,
+      [](const auto& row) { return row.leg == 0 ? no_step : row.leg - 1; }, [](auto&, std::uint16_t) {});
   archive.template field<std::uint32_t>(
       {"run", "1", "unbroken run of valid frames of one leg", "from 1; 0: not valid"}, samples,
       [](auto& row) -> auto& { return row.run; });

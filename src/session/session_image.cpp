@@ -11,9 +11,9 @@
 #include "chunk_writer.h"
 #include "group_attributes.h"
 #include "group_writer.h"
-#include "ping_exchanges.h"
 #include "recording_columns.h"
 #include "sample_columns.h"
+#include "sent_bytes.h"
 #include "thermorig/recording_header/header_json.h"
 
 namespace thermorig::session {
@@ -50,6 +50,7 @@ class ImageBuilder {
       : session_(session),
         file_(create_in_memory()),
         exchanges_(ping_exchanges(session.pongs, session.raw.sent)),
+        commands_(timed_commands(session.raw.sent)),
         quality_(quality_of(session)),
         chunks_(threads) {}
 
@@ -97,6 +98,7 @@ class ImageBuilder {
     write_servo_attributes(servo.id(), session_);
     servo_columns(servo, session_.servo);
     step_columns(servo, session_.raw.legs);
+    command_columns(servo, commands_);
   }
 
   void write_sync() {
@@ -157,6 +159,7 @@ class ImageBuilder {
   const Session& session_;
   Handle file_;
   std::vector<PingExchange> exchanges_;
+  std::vector<TimedCommand> commands_;
   Quality quality_;
   ChunkWriter chunks_;
 };
