@@ -7,7 +7,7 @@ import warnings
 
 import xarray
 
-GROUPS = {"camera": {"time", "row", "column"}, "gyro": {"time", "axis"}, "servo": {"time", "step_leg"}, "sync/servo": {"time"},
+GROUPS = {"camera": {"time", "row", "column"}, "gyro": {"time", "axis"}, "servo": {"time", "step_leg", "command_time"}, "sync/servo": {"time"},
           "samples": {"time"}, "events": {"time"}, "quality": {"speed"}, "raw/camera": {"byte", "chunk"},
           "raw/gyro": {"byte", "chunk"}, "raw/servo": {"byte", "chunk"}, "raw/sent": {"byte", "chunk"}}
 AXES_WITHOUT_VALUES = {"byte", "chunk"}
