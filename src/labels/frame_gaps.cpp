@@ -4,63 +4,113 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
+#include <limits>
+#include <utility>
 
 namespace thermorig::labels {
 
 namespace {
-constexpr double late_limit_periods = 0.8;  // without the halves' word, later than this is a missing frame
-constexpr double schedule_gain = 0.1;       // how fast the schedule follows frames that are late
-constexpr std::size_t least_intervals = 4;  // before a measured period is believed
+constexpr double late_limit_periods = 0.5;
+constexpr std::size_t queue_frames =
+    48;  // what a port's buffers hold at most: 64 kB of 1.5 kB frames, rounded up
+constexpr double schedule_gain = 0.1;  // how fast the live schedule follows frames that are a little late
+constexpr std::size_t least_intervals = 4;    // before a measured period is believed
+constexpr std::size_t confirming_frames = 4;  // late in a row, before frames are called missing
+constexpr auto most_missing = static_cast<double>(std::numeric_limits<std::uint16_t>::max());
 
-/// The number nearest to `value` of the form first, first + 2, first + 4 ...
-unsigned nearest_of_parity(double value, unsigned first) {
-  return first + 2 * static_cast<unsigned>(std::lround(std::max(0.0, value - first) / 2.0));
+enum class Witness : std::uint8_t { unsure, none_missing, some_missing };
+
+/// What the halves say. A frame that repeats the one before says nothing.
+Witness halves_of(const TimedFrame& frame, CameraMode mode) {
+  const Freshness freshness{.even = frame.fresh_even, .odd = frame.fresh_odd};
+  if (mode != CameraMode::half_fresh || freshness.none_fresh()) return Witness::unsure;
+  return freshness.both_fresh() ? Witness::some_missing : Witness::none_missing;
+}
+
+std::uint16_t whole_periods(double periods) {
+  return static_cast<std::uint16_t>(std::lround(std::clamp(periods, 0.0, most_missing)));
+}
+
+/// Time of each frame minus its turn in an unbroken sequence: level where all is well, a bump where reads
+/// were late, a step up where frames are missing.
+std::vector<double> delays_s(const std::vector<TimedFrame>& frames, double period_s) {
+  std::vector<double> delays;
+  delays.reserve(frames.size());
+  for (std::size_t i = 0; i < frames.size(); ++i)
+    delays.push_back(to_s(frames[i].stamp.time - frames.front().stamp.time) -
+                     period_s * static_cast<double>(i));
+  return delays;
+}
+
+/// The least delay of each frame and those that could have queued up behind it: the level without the bumps.
+std::vector<double> levels_s(const std::vector<double>& delays) {
+  std::vector<double> levels(delays.size());
+  for (std::size_t i = 0; i < delays.size(); ++i) {
+    const auto first = delays.begin() + static_cast<std::ptrdiff_t>(i);
+    const auto last = delays.begin() + static_cast<std::ptrdiff_t>(std::min(i + queue_frames, delays.size()));
+    levels[i] = *std::min_element(first, last);
+  }
+  return levels;
 }
 }  // namespace
 
-FrameGaps::FrameGaps(double frame_period_s, bool measured) : period_s_(frame_period_s), measured_(measured) {
+std::vector<FrameGap> find_gaps(const std::vector<TimedFrame>& frames, double period_s, CameraMode mode) {
+  assert(period_s > 0.0);
+  const std::vector<double> delays = delays_s(frames, period_s);
+  const std::vector<double> levels = levels_s(delays);
+  std::vector<FrameGap> gaps(frames.size());
+  std::uint16_t stepped = 0;  // frames that the schedule misses and that have no place yet
+  for (std::size_t i = 1; i < frames.size(); ++i) {
+    const Witness halves = halves_of(frames[i], mode);
+    stepped += whole_periods((levels[i] - levels[i - 1]) / period_s);
+    gaps[i].late = delays[i] - levels[i] > late_limit_periods * period_s;
+    // Within what queued up the time says how many are missing, and the halves say where.
+    if (gaps[i].late && halves == Witness::none_missing) continue;
+    gaps[i].missing = std::exchange(stepped, 0);
+    if (halves == Witness::some_missing) gaps[i].missing = std::max<std::uint16_t>(gaps[i].missing, 1);
+  }
+  return gaps;
+}
+
+LiveFrameGaps::LiveFrameGaps(double frame_period_s) : period_s_(frame_period_s) {
   assert(frame_period_s > 0.0);
 }
 
-FrameGaps::Half FrameGaps::fresh_half(const TimedFrame& frame, CameraMode mode) {
-  const Freshness freshness{.even = frame.fresh_even, .odd = frame.fresh_odd};
-  if (mode != CameraMode::half_fresh || !freshness.one_fresh()) return Half::unknown;
-  return freshness.even_fresh() ? Half::even : Half::odd;
-}
-
-unsigned FrameGaps::missing(double late_periods, Half half) const {
-  if (half != Half::unknown && half_before_ != Half::unknown)
-    return nearest_of_parity(late_periods, half == half_before_ ? 1 : 0);
-  return late_periods > late_limit_periods ? static_cast<unsigned>(std::lround(late_periods)) : 0;
-}
-
 /// The median of the last intervals: a late read or a missing frame among them does not move it.
-void FrameGaps::learn_period(HostTime time) {
+void LiveFrameGaps::learn_period(HostTime time) {
   intervals_s_[interval_count_++ % kept_intervals] = to_s(time - *before_);
-  if (measured_ || interval_count_ < least_intervals) return;
+  if (interval_count_ < least_intervals) return;
   const std::size_t count = std::min(interval_count_, kept_intervals);
   std::array<double, kept_intervals> sorted = intervals_s_;
   std::nth_element(sorted.begin(), sorted.begin() + count / 2, sorted.begin() + count);
   if (sorted[count / 2] > 0.0) period_s_ = sorted[count / 2];
 }
 
-unsigned FrameGaps::push(const TimedFrame& frame, CameraMode mode) {
+std::uint16_t LiveFrameGaps::missing(double late_periods, const TimedFrame& frame, CameraMode mode) {
+  const Witness halves = halves_of(frame, mode);
+  late_frames_ = late_periods > late_limit_periods ? late_frames_ + 1 : 0;
+  const std::size_t patience = halves == Witness::none_missing ? queue_frames : confirming_frames;
+  if (halves != Witness::some_missing && late_frames_ < patience) return 0;
+  late_frames_ = 0;
+  return std::max<std::uint16_t>(whole_periods(late_periods), 1);
+}
+
+FrameGap LiveFrameGaps::push(const TimedFrame& frame, CameraMode mode) {
   const HostTime time = frame.stamp.time;
-  const Half half = fresh_half(frame, mode);
-  unsigned count = 0;
+  FrameGap gap;
+  double late_periods = 0.0;
   if (before_) {
     learn_period(time);
-    const double late_periods = to_s(time - expected_) / period_s_;
-    count = missing(late_periods, half);
-    const double rest = late_periods - count;
-    expected_ = time - from_s((rest > 0.0 ? (1.0 - schedule_gain) * rest : 0.0) * period_s_);
-  } else {
-    expected_ = time;
+    late_periods = to_s(time - expected_) / period_s_;
+    gap.missing = missing(late_periods, frame, mode);
+    late_periods -= gap.missing;
+    gap.late = late_periods > late_limit_periods;
   }
-  expected_ += from_s(period_s_);
+  // A little late: the schedule follows slowly. Very late: a stall, which says nothing about the schedule.
+  const double kept_periods = gap.late ? late_periods : (1.0 - schedule_gain) * std::max(0.0, late_periods);
+  expected_ = time + from_s((1.0 - kept_periods) * period_s_);
   before_ = time;
-  half_before_ = half;
-  return count;
+  return gap;
 }
 
 }  // namespace thermorig::labels

@@ -11,7 +11,13 @@ CameraLine::CameraLine(const CameraProfile& profile, const Fits& fits)
     : scanner_(profile.checksum),
       timing_(profile.link),
       exposure_(frame_period_s(profile, fits), fits.camera_mode),
-      gaps_(frame_period_s(profile, fits), fits.frame_period_s.has_value()) {}
+      known_gaps_(fits.gaps),
+      live_gaps_(frame_period_s(profile, fits)) {}
+
+labels::FrameGap CameraLine::gap_before(const TimedFrame& frame) {
+  const std::size_t index = frame_count_++;
+  return index < known_gaps_.size() ? known_gaps_[index] : live_gaps_.push(frame, exposure_.mode());
+}
 
 std::span<const TimedFrame> CameraLine::push(std::span<const std::uint8_t> chunk, HostTime arrived,
                                              std::vector<TimedFrame>& out) {
@@ -25,7 +31,9 @@ std::span<const TimedFrame> CameraLine::push(std::span<const std::uint8_t> chunk
     frame.stamp = timing_.stamp(message.span);
     frame.resync_before = message.resync_before;
     exposure_.apply(frame);
-    frame.missing_before = static_cast<std::uint16_t>(gaps_.push(frame, exposure_.mode()));
+    const labels::FrameGap gap = gap_before(frame);
+    frame.missing_before = gap.missing;
+    frame.late = gap.late;
   }
   messages_.clear();
   return std::span(out).subspan(first);

@@ -33,7 +33,11 @@ class CameraLine {
   wire::CameraScanner scanner_;
   timing::LinkTiming timing_;
   labels::ExposureRule exposure_;
-  labels::FrameGaps gaps_;
+  labels::FrameGap gap_before(const TimedFrame& frame);
+
+  std::vector<labels::FrameGap> known_gaps_;  // of a first pass; empty while recording
+  labels::LiveFrameGaps live_gaps_;
+  std::size_t frame_count_ = 0;
   std::vector<wire::CameraMessage> messages_;  // empty between calls; kept for its memory
 };
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include <algorithm>
-#include <cmath>
 #include <cstddef>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -10,7 +10,8 @@
 namespace thermorig::pipeline {
 
 namespace {
-constexpr double pause_periods = 4.0;  // between neighbours: no late read, frames are missing
+constexpr auto by_time_alone =
+    labels::CameraMode::full_fresh;  // where the halves tell nothing of missing frames
 
 double median(std::vector<double> values) {
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
@@ -18,38 +19,33 @@ double median(std::vector<double> values) {
   return *middle;
 }
 
-double interval_s(const TimedFrame& before, const TimedFrame& frame) {
-  return to_s(frame.stamp.time - before.stamp.time);
+/// Median time a frame over all spans of `span` frames that have the numbers `number`.
+double median_period_s(const std::vector<TimedFrame>& frames, const std::vector<double>& number,
+                       std::size_t span) {
+  std::vector<double> periods;
+  for (std::size_t i = 0; i + span < frames.size(); ++i)
+    periods.push_back(to_s(frames[i + span].stamp.time - frames[i].stamp.time) /
+                      (number[i + span] - number[i]));
+  return median(std::move(periods));
 }
 
-double median_interval_s(const std::vector<TimedFrame>& frames) {
-  std::vector<double> intervals;
-  for (std::size_t i = 1; i < frames.size(); ++i) intervals.push_back(interval_s(frames[i - 1], frames[i]));
-  return median(std::move(intervals));
-}
-
-/// The frames' numbers, with gaps where some are missing: after skipped bytes, or after a long pause.
-std::vector<double> numbers(const std::vector<TimedFrame>& frames, double about_s) {
-  std::vector<double> result{0.0};
-  for (std::size_t i = 1; i < frames.size(); ++i) {
-    const double periods = interval_s(frames[i - 1], frames[i]) / about_s;
-    const bool may_miss = frames[i].resync_before || periods > pause_periods;
-    result.push_back(result.back() + (may_miss ? std::max(1.0, std::round(periods)) : 1.0));
-  }
+/// The turn of each frame, missing ones counted.
+std::vector<double> numbers(const std::vector<labels::FrameGap>& gaps) {
+  std::vector<double> result;
+  double number = 0.0;
+  for (const labels::FrameGap& gap : gaps) result.push_back(number += 1.0 + gap.missing);
   return result;
 }
 
-/// The median interval alone is as coarse as the link's latency timer, and a mean suffers from late reads.
+/// First over few frames, where none is missing but a latency timer's ticks make it coarse; then, with the
+/// missing frames counted, over half the recording, where no tick matters. The median forgets late reads.
 std::optional<double> period_s(const std::vector<TimedFrame>& frames) {
   if (frames.size() < 2) return std::nullopt;
-  const double about_s = median_interval_s(frames);
-  if (about_s <= 0.0) return std::nullopt;
-  const std::vector<double> number = numbers(frames, about_s);
-  const std::size_t half = frames.size() / 2;
-  std::vector<double> slopes;
-  for (std::size_t i = 0; i + half < frames.size(); ++i)
-    slopes.push_back(interval_s(frames[i], frames[i + half]) / (number[i + half] - number[i]));
-  return median(std::move(slopes));
+  const std::vector<labels::FrameGap> unbroken(frames.size());
+  const double local_s = median_period_s(frames, numbers(unbroken), 1);
+  if (local_s <= 0.0) return std::nullopt;
+  const std::vector<double> number = numbers(labels::find_gaps(frames, local_s, by_time_alone));
+  return median_period_s(frames, number, frames.size() / 2);
 }
 
 std::optional<labels::CameraMode> camera_mode(const std::vector<TimedFrame>& frames) {
@@ -62,7 +58,11 @@ std::optional<labels::CameraMode> camera_mode(const std::vector<TimedFrame>& fra
 }  // namespace
 
 Fits fit(const Streams& streams) {
-  return {.camera_mode = camera_mode(streams.frames), .frame_period_s = period_s(streams.frames)};
+  Fits fits{.camera_mode = camera_mode(streams.frames), .frame_period_s = std::nullopt, .gaps = {}};
+  const labels::CameraMode mode = fits.camera_mode.value_or(labels::CameraMode::half_fresh);
+  fits.frame_period_s = period_s(streams.frames);
+  if (fits.frame_period_s) fits.gaps = labels::find_gaps(streams.frames, *fits.frame_period_s, mode);
+  return fits;
 }
 
 }  // namespace thermorig::pipeline

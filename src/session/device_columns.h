@@ -73,11 +73,14 @@ void camera_columns(Archive& archive, Rows& frames) {
       {"exposure_end", "s", "end of the newest half's exposure [s]"}, frames,
       [](auto& row) -> auto& { return row.exposure_end; });
   archive.template column<std::uint8_t>(
-      {"status", "1", "state of the frame", "", flag_masks({"resync_before", "stale"})}, frames,
-      [](const auto& row) { return (row.resync_before ? 1 : 0) | (row.stale ? 2 : 0); },
+      {"status", "1", "state of the frame", "", flag_masks({"resync_before", "stale", "late"})}, frames,
+      [](const auto& row) {
+        return (row.resync_before ? 1 : 0) | (row.stale ? 2 : 0) | (row.late ? 4 : 0);
+      },
       [](auto& row, std::uint8_t status) {
         row.resync_before = (status & 1U) != 0;
         row.stale = (status & 2U) != 0;
+        row.late = (status & 4U) != 0;
       });
   stamp_columns(archive, frames);
   span_columns(archive, frames);

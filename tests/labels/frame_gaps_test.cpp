@@ -26,61 +26,129 @@ TimedFrame full_fresh_frame(double time_s) {
   return frame;
 }
 
-/// Frames 0..99 but those in `lost`, each `late_s(index)` late; what FrameGaps says of each that came.
-template <typename Late>
-std::vector<unsigned> half_fresh_gaps(FrameGaps gaps, const std::vector<int>& lost, Late late_s) {
-  std::vector<unsigned> found;
-  for (int i = 0; i < 100; ++i)
-    if (std::find(lost.begin(), lost.end(), i) == lost.end())
-      found.push_back(gaps.push(half_fresh_frame(i * period_s + late_s(i), i), CameraMode::half_fresh));
-  return found;
+struct Scene {
+  std::vector<TimedFrame> frames;
+  std::vector<int> numbers;  // of the frames that came
+};
+
+/// Frames 0..199 but those in `lost`, each seen at `seen_s(its time)`.
+template <typename Seen>
+Scene half_fresh_scene(const std::vector<int>& lost, Seen seen_s) {
+  Scene scene;
+  for (int i = 0; i < 200; ++i) {
+    if (std::find(lost.begin(), lost.end(), i) != lost.end()) continue;
+    const bool after_gap = !scene.numbers.empty() && scene.numbers.back() != i - 1;
+    scene.frames.push_back(after_gap ? full_fresh_frame(seen_s(i * period_s))
+                                     : half_fresh_frame(seen_s(i * period_s), i));
+    scene.numbers.push_back(i);
+  }
+  return scene;
 }
 
-unsigned sum(const std::vector<unsigned>& counts) {
+double on_time(double time_s) {
+  return time_s;
+}
+
+/// A host that does not read from 5 s to 5 s + `length_s`: what queued up meanwhile comes at once.
+auto stall(double length_s) {
+  return [length_s](double time_s) {
+    return time_s > 5.0 && time_s < 5.0 + length_s ? 5.0 + length_s + 1e-3 * (time_s - 5.0) : time_s;
+  };
+}
+
+unsigned missing_in_all(const std::vector<FrameGap>& gaps) {
   unsigned total = 0;
-  for (const unsigned count : counts) total += count;
+  for (const FrameGap& gap : gaps) total += gap.missing;
   return total;
 }
 
-TEST(FrameGaps, FindsNothingInACompleteStream) {
-  EXPECT_EQ(sum(half_fresh_gaps(FrameGaps(period_s, true), {}, [](int) { return 0.0; })), 0U);
+unsigned late_in_all(const std::vector<FrameGap>& gaps) {
+  return static_cast<unsigned>(
+      std::count_if(gaps.begin(), gaps.end(), [](const auto& gap) { return gap.late; }));
 }
 
-TEST(FrameGaps, TakesALateReadForWhatItIs) {
-  const auto late_s = [](int i) { return i % 7 == 3 ? 0.11 : 0.0; };
-  EXPECT_EQ(sum(half_fresh_gaps(FrameGaps(period_s, true), {}, late_s)), 0U);
+std::vector<FrameGap> live_gaps(const Scene& scene, double nominal_s, CameraMode mode) {
+  LiveFrameGaps gaps(nominal_s);
+  std::vector<FrameGap> result;
+  for (const TimedFrame& frame : scene.frames) result.push_back(gaps.push(frame, mode));
+  return result;
 }
 
-TEST(FrameGaps, FindsOneTwoAndThreeLostFrames) {
-  const auto found =
-      half_fresh_gaps(FrameGaps(period_s, true), {20, 40, 41, 60, 61, 62}, [](int) { return 0.0; });
-  EXPECT_EQ(found[20], 1U);  // frame 21 is the 21st that came
-  EXPECT_EQ(found[39], 2U);  // frame 42
-  EXPECT_EQ(found[57], 3U);  // frame 63
-  EXPECT_EQ(sum(found), 6U);
+TEST(FrameGaps, AreNoneInACompleteStream) {
+  const Scene scene = half_fresh_scene({}, on_time);
+  const auto gaps = find_gaps(scene.frames, period_s, CameraMode::half_fresh);
+  EXPECT_EQ(gaps.size(), scene.frames.size());
+  EXPECT_EQ(missing_in_all(gaps), 0U);
+  EXPECT_EQ(late_in_all(gaps), 0U);
 }
 
-TEST(FrameGaps, FindsALostFrameBesideALateOne) {
-  const auto late_s = [](int i) { return i == 19 ? 0.1 : 0.0; };  // so that frame 21 seems to come early
-  EXPECT_EQ(half_fresh_gaps(FrameGaps(period_s, true), {20}, late_s)[20], 1U);
-}
-
-TEST(FrameGaps, LearnsThePeriodWhereOnlyANominalOneIsKnown) {
-  FrameGaps gaps(0.125, false);  // an "8 Hz" board that sends 3.92 whole frames a second
-  unsigned missing = 0;
-  for (int i = 0; i < 100; ++i) {
-    const unsigned count = gaps.push(full_fresh_frame(i * 0.2551), CameraMode::full_fresh);
-    if (i >= 6) missing += count;
+TEST(FrameGaps, AreNoneWhereABusyHostReadsLate) {
+  for (const double length_s : {0.1, 0.25, 0.6, 1.3, 2.9}) {
+    const Scene scene = half_fresh_scene({}, stall(length_s));
+    const auto gaps = find_gaps(scene.frames, period_s, CameraMode::half_fresh);
+    EXPECT_EQ(missing_in_all(gaps), 0U) << length_s;
+    EXPECT_NEAR(late_in_all(gaps), (length_s - 0.5 * period_s) / period_s, 1.01) << length_s;
   }
-  EXPECT_EQ(missing, 0U);
 }
 
-TEST(FrameGaps, FindsLostWholeFramesByTimeAlone) {
-  FrameGaps gaps(period_s, true);
-  std::vector<unsigned> found;
-  for (const int i : {0, 1, 2, 3, 6, 7, 8})
-    found.push_back(gaps.push(full_fresh_frame(i * period_s), CameraMode::full_fresh));
-  EXPECT_EQ(found, (std::vector<unsigned>{0, 0, 0, 0, 2, 0, 0}));
+TEST(FrameGaps, AreFoundWhereTheyAre) {
+  const Scene scene = half_fresh_scene({20, 40, 41, 60, 61, 62}, on_time);
+  const auto gaps = find_gaps(scene.frames, period_s, CameraMode::half_fresh);
+  for (std::size_t i = 1; i < gaps.size(); ++i)
+    EXPECT_EQ(gaps[i].missing, scene.numbers[i] - scene.numbers[i - 1] - 1) << scene.numbers[i];
+  EXPECT_EQ(late_in_all(gaps), 0U);
+}
+
+TEST(FrameGaps, AreCountedWhereAStallOverranTheBuffers) {
+  const Scene scene = half_fresh_scene({50, 51, 52, 53, 54}, stall(2.5));
+  EXPECT_EQ(missing_in_all(find_gaps(scene.frames, period_s, CameraMode::half_fresh)), 5U);
+}
+
+TEST(FrameGaps, AreFoundByTimeAloneWhereBothHalvesAreFresh) {
+  std::vector<TimedFrame> frames;
+  for (const int i : {0, 1, 2, 3, 6, 7, 8, 9, 10}) frames.push_back(full_fresh_frame(i * period_s));
+  const auto gaps = find_gaps(frames, period_s, CameraMode::full_fresh);
+  EXPECT_EQ(gaps[4].missing, 2U);
+  EXPECT_EQ(missing_in_all(gaps), 2U);
+}
+
+TEST(FrameGaps, AreWhereACameraPaused) {
+  Scene scene =
+      half_fresh_scene({}, [](double time_s) { return time_s < 10.0 ? time_s : time_s + 10 * period_s; });
+  const auto gaps = find_gaps(scene.frames, period_s, CameraMode::half_fresh);
+  EXPECT_EQ(gaps[79].missing, 10U);  // the first frame after 10 s
+  EXPECT_EQ(missing_in_all(gaps), 10U);
+  EXPECT_EQ(late_in_all(gaps), 0U);
+}
+
+TEST(FrameGaps, AreNoneWithoutFrames) {
+  EXPECT_TRUE(find_gaps({}, period_s, CameraMode::half_fresh).empty());
+}
+
+TEST(LiveFrameGaps, CallALateReadLateAndNothingMissing) {
+  const Scene scene = half_fresh_scene({}, stall(0.3));
+  const auto gaps = live_gaps(scene, period_s, CameraMode::half_fresh);
+  EXPECT_EQ(missing_in_all(gaps), 0U);
+  EXPECT_GT(late_in_all(gaps), 0U);
+}
+
+TEST(LiveFrameGaps, SeeALostFrameAtOnceByTheHalves) {
+  const auto gaps = live_gaps(half_fresh_scene({20}, on_time), 0.125, CameraMode::half_fresh);
+  EXPECT_EQ(gaps[20].missing, 1U);  // frame 21 is the 21st that came
+  EXPECT_EQ(missing_in_all(gaps), 1U);
+}
+
+TEST(LiveFrameGaps, CountMissingFramesOnceTheyStayAway) {
+  Scene scene;
+  for (int i = 0; i < 60; ++i) scene.frames.push_back(full_fresh_frame((i < 40 ? i : i + 4) * period_s));
+  EXPECT_EQ(missing_in_all(live_gaps(scene, 0.125, CameraMode::full_fresh)), 4U);
+}
+
+TEST(LiveFrameGaps, LearnThePeriodOfABoardThatIsSlowerThanItsName) {
+  Scene scene;
+  for (int i = 0; i < 100; ++i) scene.frames.push_back(full_fresh_frame(i * 0.2551));
+  const auto gaps = live_gaps(scene, 0.125, CameraMode::full_fresh);
+  EXPECT_EQ(missing_in_all({gaps.begin() + 8, gaps.end()}), 0U);
 }
 
 }  // namespace

@@ -241,6 +241,7 @@ TEST(Reasons, OnlyThoseThatThisVersionSaysItComputesAreEverSet) {
     frame.resync_before = index % 7 == 0;
     if (index % 11 == 0) frame.frame.temp_c[0] = 500.0F;
     frame.missing_before = index % 13 == 0 ? 1 : 0;
+    frame.late = index % 17 == 0;
   };
   std::uint32_t seen = 0;
   for (const LabelledSample& sample : rig.run(20.0)) seen |= sample.reason_bits;

@@ -28,7 +28,8 @@ Streams half_fresh(int frames, double period_s, double tick_s, unsigned lost_per
     const bool lost_before = std::exchange(lost, random() % 100 < lost_percent);
     if (lost) continue;
     const double t = std::ceil(period_s * i / tick_s) * tick_s;
-    streams.frames.push_back(frame_at(t, i % 2 == 0 ? 380 : 0, i % 2 == 0 ? 0 : 380));
+    streams.frames.push_back(
+        frame_at(t, i % 2 == 0 || lost_before ? 380 : 0, i % 2 != 0 || lost_before ? 380 : 0));
     streams.frames.back().resync_before = lost_before;
   }
   return streams;
@@ -58,6 +59,24 @@ TEST(Fit, IsNotMovedByAPauseOfTheCamera) {
   Streams streams = half_fresh(200, 0.12755, 0.001, 0);
   for (std::size_t i = 100; i < 200; ++i) streams.frames[i].stamp.time += from_s(10.0);
   EXPECT_NEAR(*fit(streams).frame_period_s, 0.12755, 0.0005);
+}
+
+TEST(Fit, TakesAStalledHostForNoLoss) {
+  Streams streams = half_fresh(90, 0.12755, 0.001, 0);
+  for (TimedFrame& frame : streams.frames) {
+    const double t = to_s(frame.stamp.time.time_since_epoch());
+    for (const double stall : {3.0, 8.0})
+      if (t > stall && t < stall + 0.6) frame.stamp.time = HostTime(from_s(stall + 0.6));
+  }
+  const Fits fits = fit(streams);
+  EXPECT_NEAR(*fits.frame_period_s, 0.12755, 0.00025);
+  unsigned missing = 0, late = 0;
+  for (const labels::FrameGap& gap : fits.gaps) {
+    missing += gap.missing;
+    late += gap.late ? 1 : 0;
+  }
+  EXPECT_EQ(missing, 0U);
+  EXPECT_NEAR(late, 8, 2);
 }
 
 TEST(Fit, TakesTheModeOfTheMajorityAfterTheFirstFrame) {

@@ -17,7 +17,7 @@ enum class Reason : std::uint8_t {
   servo_ramp = 3,        // V0: commanded speed not constant over the exposure and the settling time before it
   servo_lost = 4,        // no telemetry over that time, or the servo says disarmed or fault
   gyro_gap = 5,          // too few gyro samples over the exposure
-  sync_lost = 6,         // V6: the clock's bound is 1 ms or wider
+  sync_lost = 6,         // V6: the time is not known well enough: read long after it was due
   warm_up = 7,           // V7: the camera has not settled; a warning, does not clear `valid`
   operator_mark = 8,     // marked by hand
   limit_hit = 9,         // V1: too close to the mechanical stop
@@ -48,7 +48,8 @@ inline constexpr std::uint32_t warning_bits = bit(Reason::warm_up);
 /// Reasons that this version computes; the others are always 0 and marked so in the file.
 inline constexpr std::uint32_t computed_bits =
     bit(Reason::camera_gap) | bit(Reason::camera_not_fresh) | bit(Reason::checksum) |
-    bit(Reason::servo_ramp) | bit(Reason::servo_lost) | bit(Reason::gyro_gap) | bit(Reason::limit_hit) |
-    bit(Reason::reversal) | bit(Reason::outside_leg) | bit(Reason::leg_change) | bit(Reason::out_of_range);
+    bit(Reason::servo_ramp) | bit(Reason::servo_lost) | bit(Reason::gyro_gap) | bit(Reason::sync_lost) |
+    bit(Reason::limit_hit) | bit(Reason::reversal) | bit(Reason::outside_leg) | bit(Reason::leg_change) |
+    bit(Reason::out_of_range);
 
 }  // namespace thermorig

@@ -46,6 +46,7 @@ struct LabelConfig {
 /// Reasons, with S = [exposure_begin - settle_s, exposure_end]:
 ///   camera_gap        TimedFrame::missing_before is not 0
 ///   camera_not_fresh  TimedFrame::stale
+///   sync_lost         TimedFrame::late
 ///   checksum          TimedFrame::resync_before
 ///   out_of_range      a pixel below -60 or above 400 degC, or not a number
 ///   servo_ramp        the commanded speed varies by more than rate_tolerance_dps over S

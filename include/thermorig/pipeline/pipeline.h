@@ -11,6 +11,7 @@
 #include "thermorig/core/profile.h"
 #include "thermorig/core/sample.h"
 #include "thermorig/core/time.h"
+#include "thermorig/labels/frame_gaps.h"
 #include "thermorig/labels/freshness.h"
 #include "thermorig/labels/labeller.h"
 #include "thermorig/wire/counters.h"
@@ -23,6 +24,7 @@ namespace thermorig::pipeline {
 struct Fits {
   std::optional<labels::CameraMode> camera_mode;
   std::optional<double> frame_period_s;  // time between frames
+  std::vector<labels::FrameGap> gaps;    // before each frame, in order
 };
 
 /// Everything that came out of the bytes, in arrival order, besides labels.
