@@ -54,10 +54,6 @@ void event_columns(Archive& archive, Rows& events) {
       [](auto& row, const std::string& text) { row.message = text; });
 }
 
-inline const Column header_json_column{
-    "header_json", "1", "everything known before the first byte, JSON",
-    "what the attributes of the root, the devices and the environment are copies of"};
-
 /// The legs as they were driven: /servo/step_*.
 template <typename Archive, typename Rows>
 void step_columns(Archive& archive, Rows& legs) {

@@ -10,6 +10,7 @@
 #include <ctime>
 
 #include "counters_list.h"
+#include "thermorig/recording_header/header_json.h"
 
 namespace thermorig::session {
 
@@ -32,6 +33,7 @@ std::uint32_t scalars_crc32(const Session& session) {
   for (const Device device : all_devices)
     for (const auto& counter : counter_names)
       text += fmt::format(" {}", session.counters[device].*counter.member);
+  text += recording_header::header_to_json_text(session.raw.header);
   return libdeflate_crc32(0, text.data(), text.size());
 }
 

@@ -125,9 +125,9 @@ class ImageBuilder {
     write_environment_attributes(group("/environment").id(), session_);
     auto rig = group("/rig");
     write_rig_attributes(rig.id(), session_);
+    set_attribute(rig.id(), "header_json", recording_header::header_to_json_text(header));
     rig.text({"profile_toml", "1", "profile of the rig, TOML"}, header.profile_toml);
     rig.text({"plan_toml", "1", "sweep plan, TOML"}, header.plan_toml);
-    rig.text(header_json_column, recording_header::header_to_json_text(header));
   }
 
   void write_quality() {

@@ -48,7 +48,7 @@ class SessionFile {
   }
 
   RecordingHeader read_header() {
-    const auto text = group("/rig").text(header_json_column);
+    const auto text = get_text_attribute(group("/rig").id(), "header_json");
     auto header = recording_header::header_from_json_text(text, path_.string());
     reference_ = header.time_reference;
     return header;

@@ -11,8 +11,7 @@ import numpy
 
 # Uuid, times, host and build: what may differ between two recordings of the same bytes.
 ITS_OWN = {"uuid", "start_time", "end_time", "time_reference", "start_time_utc", "realtime_offset_ns", "host_name", "kernel",
-           "creator", "creator_git", "HDF5_Version"}
-TEXT_WITH_ITS_OWN = "rig/header_json"
+           "creator", "creator_git", "HDF5_Version", "scalars_crc32"}  # the last is a checksum of the others
 
 
 def header_without_its_own(text):
@@ -34,9 +33,7 @@ def attribute_digests(name, item):
     for key, value in item.attrs.items():
         if key in ITS_OWN or key in ("DIMENSION_LIST", "REFERENCE_LIST"):  # addresses in the file
             continue
-        if name == TEXT_WITH_ITS_OWN and key == "crc32":
-            continue
-        yield f"{name}@{key}", digest(value)
+        yield f"{name}@{key}", digest(header_without_its_own(value) if key == "header_json" else value)
 
 
 def digests(path):
@@ -46,10 +43,8 @@ def digests(path):
 
         def visit(name, item):
             found.update(attribute_digests(name, item))
-            if not isinstance(item, h5py.Dataset):
-                return
-            value = header_without_its_own(item[()]) if name == TEXT_WITH_ITS_OWN else item[()]
-            found[name] = digest(value)
+            if isinstance(item, h5py.Dataset):
+                found[name] = digest(item[()])
 
         file.visititems(visit)
     return found
