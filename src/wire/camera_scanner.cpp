@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: MIT
 #include "thermorig/wire/camera_scanner.h"
 
+#include <algorithm>
+#include <array>
 #include <cassert>
 
-#include "checksums.h"
 #include "gy_mcu90640.h"
+#include "interrupted_frame.h"
 #include "reassembly.h"
 
 namespace thermorig::wire {
@@ -12,20 +14,25 @@ namespace thermorig::wire {
 namespace {
 
 static_assert(gy_mcu90640::pixels == frame_pixels);
+static_assert(gy_mcu90640::header_bytes == gy_mcu90640::reply_bytes);
+
+// A frame, and the header or reply that may have to be seen with it.
+constexpr std::size_t bytes_to_decide = gy_mcu90640::frame_bytes + gy_mcu90640::header_bytes;
 
 bool is_frame_header(Bytes rest) {
   return rest[0] == gy_mcu90640::sync && rest[1] == gy_mcu90640::sync &&
          u16_at(rest, gy_mcu90640::length_offset) == gy_mcu90640::frame_length;
 }
 
-/// A reply never ends in a sync byte (its emissivity would be above 1), so it cannot swallow a header.
-bool is_reply(Bytes rest) {
-  return rest[0] == gy_mcu90640::sync && rest[1] == gy_mcu90640::sync &&
-         rest[2] <= gy_mcu90640::emissivity_max && rest[3] == byte_sum8(rest.first(3));
-}
-
 bool is_start(Bytes rest) {
   return is_frame_header(rest) || is_reply(rest);
+}
+
+/// Whether a stream that ends after fewer bytes than a header has may have been cut inside one.
+bool may_be_cut_header(Bytes rest) {
+  return std::all_of(rest.begin(),
+                     rest.begin() + static_cast<std::ptrdiff_t>(std::min<std::size_t>(rest.size(), 2)),
+                     [](std::uint8_t byte) { return byte == gy_mcu90640::sync; });
 }
 
 float temp_c_at(Bytes rest, std::size_t at) {
@@ -43,14 +50,16 @@ void read_frame(Bytes rest, ThermalFrame& frame) {
 CameraScanner::CameraScanner(ChecksumPolicy checksum) : checksum_(checksum) {}
 
 void CameraScanner::push(std::span<const std::uint8_t> bytes, std::vector<CameraMessage>& out) {
+  assert(!ended_);
   ledger_.receive(bytes.size());
-  reassemble(pending_, bytes, bytes_to_decide(), [&](Bytes rest) { return step(rest, out); });
+  reassemble(pending_, bytes, bytes_to_decide, [&](Bytes rest) { return step(rest, out); });
   assert(pending_.size() == ledger_.counters.bytes_pending);
 }
 
-std::size_t CameraScanner::bytes_to_decide() const {
-  const bool needs_next = checksum_ == ChecksumPolicy::ignore;
-  return gy_mcu90640::frame_bytes + (needs_next ? gy_mcu90640::header_bytes : 0);
+void CameraScanner::finish(std::vector<CameraMessage>& out) {
+  ended_ = true;
+  reassemble_end(pending_, [&](Bytes rest) { return step(rest, out); });
+  assert(pending_.size() == ledger_.counters.bytes_pending);
 }
 
 std::size_t CameraScanner::step(Bytes rest, std::vector<CameraMessage>& out) {
@@ -67,19 +76,39 @@ std::size_t CameraScanner::step(Bytes rest, std::vector<CameraMessage>& out) {
 }
 
 std::size_t CameraScanner::take_frame(Bytes rest, std::vector<CameraMessage>& out) {
-  if (rest.size() < bytes_to_decide()) return 0;
-  if (!is_good(rest)) {
-    // Bytes may be missing from it, so the next header can stand anywhere inside: resume at the next byte.
-    ++ledger_.counters.bad_checksum;
-    ledger_.mark_damage(gy_mcu90640::frame_bytes);
-    return skip(1);
-  }
+  if (rest.size() < gy_mcu90640::frame_bytes) return 0;
+  const Bytes frame = rest.first(gy_mcu90640::frame_bytes);
+  const bool fits = checksum_fits(frame, checksum_);
+  if (fits && checksum_ != ChecksumPolicy::ignore) return book_frame(frame, frame.size(), out);
+  // The four bytes behind it decide: they vouch for a frame, or belong to one that a reply made longer.
+  if (rest.size() < bytes_to_decide && !ended_) return 0;
+  if (fits && is_start_or_end(rest.subspan(frame.size()))) return book_frame(frame, frame.size(), out);
+  if (rest.size() >= bytes_to_decide && !fits)
+    if (const auto at = find_reply_inside(rest.first(bytes_to_decide), checksum_))
+      return take_interrupted_frame(rest.first(bytes_to_decide), *at, out);
+  // Bytes may be missing from it, so the next header can stand anywhere inside: resume at the next byte.
+  ++ledger_.counters.bad_checksum;
+  ledger_.mark_damage(gy_mcu90640::frame_bytes);
+  return skip(1);
+}
+
+std::size_t CameraScanner::book_frame(Bytes frame, std::size_t bytes, std::vector<CameraMessage>& out) {
   CameraMessage& message = out.emplace_back();
-  read_frame(rest, message.frame);
+  read_frame(frame, message.frame);
   message.resync_before = ledger_.take_gap();
-  message.span = ledger_.book_message(gy_mcu90640::frame_bytes);
+  message.span = ledger_.book_message(bytes);
   ++ledger_.counters.messages;
-  return gy_mcu90640::frame_bytes;
+  return bytes;
+}
+
+std::size_t CameraScanner::take_interrupted_frame(Bytes bytes, std::size_t reply_at,
+                                                  std::vector<CameraMessage>& out) {
+  std::array<std::uint8_t, gy_mcu90640::frame_bytes> frame{};
+  const auto behind = std::copy_n(bytes.begin(), reply_at, frame.begin());
+  std::copy(bytes.begin() + static_cast<std::ptrdiff_t>(reply_at + gy_mcu90640::reply_bytes), bytes.end(),
+            behind);
+  ++ledger_.counters.replies;
+  return book_frame(frame, bytes.size(), out);
 }
 
 std::size_t CameraScanner::take_reply() {
@@ -93,18 +122,8 @@ std::size_t CameraScanner::skip(std::size_t bytes) {
   return bytes;
 }
 
-bool CameraScanner::is_good(Bytes rest) const {
-  const Bytes summed = rest.first(gy_mcu90640::checksum_offset);
-  const std::uint16_t sent = u16_at(rest, gy_mcu90640::checksum_offset);
-  switch (checksum_) {
-    case ChecksumPolicy::word:
-      return word_sum16(summed) == sent;
-    case ChecksumPolicy::byte:
-      return byte_sum16(summed) == sent;
-    case ChecksumPolicy::ignore:
-      break;
-  }
-  return is_start(rest.subspan(gy_mcu90640::frame_bytes, gy_mcu90640::header_bytes));
+bool CameraScanner::is_start_or_end(Bytes rest) const {
+  return rest.size() < gy_mcu90640::header_bytes ? may_be_cut_header(rest) : is_start(rest);
 }
 
 }  // namespace thermorig::wire

@@ -47,6 +47,13 @@ void reassemble(std::vector<std::uint8_t>& pending, Bytes bytes, std::size_t lon
   pending.assign(bytes.begin() + static_cast<std::ptrdiff_t>(used), bytes.end());
 }
 
+/// The stream has ended: `step`, which must know that, is shown what is pending once more.
+template <typename Step>
+void reassemble_end(std::vector<std::uint8_t>& pending, Step step) {
+  const std::size_t used = step_along(pending, step);
+  pending.erase(pending.begin(), pending.begin() + static_cast<std::ptrdiff_t>(used));
+}
+
 /// How many bytes come before the first `sync`; all of them if there is none.
 std::size_t bytes_before(std::uint8_t sync, Bytes bytes);
 

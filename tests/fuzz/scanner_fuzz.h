@@ -36,7 +36,11 @@ FuzzScan<Message> fuzz_scan(Scanner scanner, const std::vector<ByteSpan>& chunks
             "every byte is accounted for");
     require(counters.bytes_pending < pending_max, "what waits is bounded");
   }
+  if constexpr (requires { scanner.finish(scan.messages); }) scanner.finish(scan.messages);
   scan.counters = scanner.counters();
+  require(scan.counters.bytes_received == scan.counters.bytes_in_messages + scan.counters.bytes_in_damaged +
+                                              scan.counters.bytes_skipped + scan.counters.bytes_pending,
+          "every byte is accounted for at the end");
   return scan;
 }
 

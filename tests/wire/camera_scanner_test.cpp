@@ -11,6 +11,7 @@ namespace thermorig::test {
 namespace {
 
 constexpr std::size_t frame_size = wire::camera_frame_bytes;
+constexpr std::uint8_t sync = gy_mcu90640::sync;
 
 TEST(CameraScanner, FindsEveryFrameOfARealRecordingInAnyChunking) {
   const auto bytes = read_capture("gy_mcu90640_serial/roasted-duck.bin");
@@ -102,10 +103,10 @@ TEST(CameraScanner, CountsRepliesBetweenFrames) {
 }
 
 TEST(CameraScanner, RejectsTheFramesOfASinglePixelSensor) {
-  // GY-MCU90614: 5A 5A 45 04, two temperatures, sum; the same sync bytes, another length.
+  // GY-MCU90614: sync, sync, 45 04, two temperatures, sum: the same sync bytes, another length.
   ByteVector bytes;
   for (int i = 0; i < 20; ++i)
-    append(bytes, ByteVector{0x5A, 0x5A, 0x45, 0x04, 0x0C, 0x80, 0x0B, 0xB8, 0x4C});
+    append(bytes, ByteVector{sync, sync, 0x45, 0x04, 0x0C, 0x80, 0x0B, 0xB8, 0x4C});
   const auto scan = scan_camera(bytes);
   EXPECT_TRUE(scan.messages.empty());
   EXPECT_EQ(scan.counters.bad_length, 20U);
@@ -139,7 +140,7 @@ TEST(CameraScanner, SeesNeitherRepliesNorLengthsInTheMiddleOfADamagedFrame) {
 }
 
 TEST(CameraScanner, DoesNotTakeAHeadersFirstByteForTheSumOfAReply) {
-  ByteVector bytes{0x5A, 0x5A, 0xA6};  // the next byte, 5A, would be the right sum
+  ByteVector bytes{sync, sync, static_cast<std::uint8_t>(sync - 2 * sync)};  // the next byte would be the sum
   append(bytes, camera_stream({frame_of_noise(1)}));
   const auto scan = scan_camera(bytes);
   EXPECT_EQ(scan.messages.size(), 1U);
@@ -147,9 +148,9 @@ TEST(CameraScanner, DoesNotTakeAHeadersFirstByteForTheSumOfAReply) {
 }
 
 TEST(CameraScanner, SkipsSyncBytesBeforeAHeader) {
-  ByteVector bytes{0x5A};
+  ByteVector bytes{sync};
   append(bytes, camera_stream({frame_of_noise(1)}));
-  append(bytes, ByteVector{0x5A, 0x5A});
+  append(bytes, ByteVector{sync, sync});
   append(bytes, camera_stream({frame_of_noise(2)}));
   const auto scan = scan_camera(bytes);
   EXPECT_EQ(scan.messages.size(), 2U);
@@ -172,10 +173,11 @@ TEST(CameraScanner, RejectsAFrameWithAnyBitFlipped) {
 TEST(CameraScanner, KeepsNoMoreThanOneFrameOfNoise) {
   // Headers all over: each is a candidate that has to wait for its 1544 bytes.
   ByteVector bytes;
-  for (int i = 0; i < 5000; ++i) append(bytes, ByteVector{0x5A, 0x5A, 0x02, 0x06});
+  const ByteVector frame = camera_stream({frame_of_noise(1)});
+  for (int i = 0; i < 5000; ++i) append(bytes, ByteSpan(frame).first(gy_mcu90640::header_bytes));
   const auto scan = scan_camera(bytes);
   EXPECT_TRUE(scan.messages.empty());
-  EXPECT_LT(scan.counters.bytes_pending, frame_size);
+  EXPECT_LT(scan.counters.bytes_pending, frame_size + gy_mcu90640::reply_bytes);
   EXPECT_GT(scan.counters.bad_checksum, 1000U);
 }
 
@@ -207,6 +209,77 @@ TEST(CameraScanner, WithoutAChecksumAReplyBehindAFrameVouchesForItToo) {
   ByteVector bytes = camera_stream({frame_of_noise(1)});
   append(bytes, wire::camera_emissivity_reply(95));
   EXPECT_EQ(scan_camera(bytes, ChecksumPolicy::ignore).messages.size(), 1U);
+}
+
+TEST(CameraScanner, WithoutAChecksumTheEndOfTheStreamVouchesForTheLastFrame) {
+  ByteVector bytes = camera_stream({frame_of_noise(1), frame_of_noise(2)});
+  bytes.back() ^= 0xFFU;
+  EXPECT_EQ(scan_camera(bytes, ChecksumPolicy::ignore, Stream::ends).messages.size(), 2U);
+  bytes.push_back(sync);  // cut inside the next header
+  EXPECT_EQ(scan_camera(bytes, ChecksumPolicy::ignore, Stream::ends).messages.size(), 2U);
+  bytes.back() = 0;
+  const auto scan = scan_camera(bytes, ChecksumPolicy::ignore, Stream::ends);
+  EXPECT_EQ(scan.messages.size(), 1U);
+  EXPECT_EQ(scan.counters.bad_checksum, 1U);
+}
+
+TEST(CameraScanner, FindsEveryFrameOfARealRecordingWithoutItsChecksums) {
+  const auto bytes = read_capture("gy_mcu90640_serial/roasted-duck.bin");
+  if (!bytes) GTEST_SKIP() << "no captures in " << captures_folder();
+  EXPECT_EQ(scan_camera(*bytes, ChecksumPolicy::ignore, Stream::ends).messages.size(), 128U);
+}
+
+/// Three frames; a reply stands inside the second one, `offset` bytes from its start.
+ByteVector stream_with_interrupted_frame(std::size_t offset) {
+  ByteVector bytes = camera_stream({frame_of_noise(1), frame_of_noise(2), frame_of_noise(3)});
+  const auto reply = wire::camera_emissivity_reply(95);
+  bytes.insert(bytes.begin() + static_cast<std::ptrdiff_t>(frame_size + offset), reply.begin(), reply.end());
+  return bytes;
+}
+
+TEST(CameraScanner, RecoversAFrameThatAReplyInterrupts) {
+  for (const std::size_t offset : {4UL, 5UL, 770UL, 771UL, frame_size - 3, frame_size - 2, frame_size - 1}) {
+    SCOPED_TRACE(offset);
+    const ByteVector bytes = stream_with_interrupted_frame(offset);
+    const auto scan = scan_camera(bytes);
+    ASSERT_EQ(scan.messages.size(), 3U);
+    EXPECT_TRUE(same_frame(scan.messages[1].frame, frame_of_noise(2)));
+    EXPECT_EQ(scan.messages[1].span, (StreamSpan{frame_size, 2 * frame_size + gy_mcu90640::reply_bytes}));
+    EXPECT_FALSE(scan.messages[2].resync_before);
+    EXPECT_EQ(scan.counters.replies, 1U);
+    EXPECT_EQ(scan.counters.bad_checksum, 0U);
+    EXPECT_EQ(scan.counters.bytes_in_messages, bytes.size());
+  }
+}
+
+TEST(CameraScanner, TakesNothingOutOfAnInterruptedFrameThatIsDamagedAsWell) {
+  ByteVector bytes = stream_with_interrupted_frame(700);
+  bytes[frame_size + 300] ^= 0x04U;
+  const auto scan = scan_camera(bytes);
+  ASSERT_EQ(scan.messages.size(), 2U);
+  EXPECT_TRUE(same_frame(scan.messages[1].frame, frame_of_noise(3)));
+  EXPECT_EQ(scan.counters.bad_checksum, 1U);
+  EXPECT_EQ(scan.counters.replies, 0U);
+}
+
+TEST(CameraScanner, RecoversAnInterruptedFrameOfAByteSum) {
+  ByteVector bytes = camera_stream({frame_of_noise(1)});
+  unsigned sum = 0;
+  for (std::size_t i = 0; i < frame_size - 2; ++i) sum += bytes[i];
+  bytes[frame_size - 2] = static_cast<std::uint8_t>(sum & 0xFFU);
+  bytes[frame_size - 1] = static_cast<std::uint8_t>((sum >> 8U) & 0xFFU);
+  const auto reply = wire::camera_emissivity_reply(95);
+  bytes.insert(bytes.begin() + 1001, reply.begin(), reply.end());
+  EXPECT_EQ(scan_camera(bytes, ChecksumPolicy::byte).messages.size(), 1U);
+}
+
+TEST(CameraScanner, DecidesADamagedLastFrameAtTheEndOfTheStream) {
+  ByteVector bytes = camera_stream({frame_of_noise(1)});
+  bytes[100] ^= 0x10U;
+  EXPECT_EQ(scan_camera(bytes).counters.bytes_pending, frame_size);
+  const auto scan = scan_camera(bytes, ChecksumPolicy::word, Stream::ends);
+  EXPECT_EQ(scan.counters.bad_checksum, 1U);
+  EXPECT_EQ(scan.counters.bytes_in_damaged, frame_size);
 }
 
 }  // namespace

@@ -35,8 +35,9 @@ inline bool same_frame(const ThermalFrame& a, const ThermalFrame& b) {
   return a.temp_c == b.temp_c && a.sensor_temp_c == b.sensor_temp_c;
 }
 
-inline Scan<wire::CameraMessage> scan_camera(ByteSpan bytes, ChecksumPolicy checksum = ChecksumPolicy::word) {
-  return scan_any_chunking<wire::CameraMessage>(wire::CameraScanner(checksum), bytes);
+inline Scan<wire::CameraMessage> scan_camera(ByteSpan bytes, ChecksumPolicy checksum = ChecksumPolicy::word,
+                                             Stream stream = Stream::goes_on) {
+  return scan_any_chunking<wire::CameraMessage>(wire::CameraScanner(checksum), bytes, stream);
 }
 
 /// Bytes of the given frames back to back.

@@ -15,6 +15,9 @@
 
 namespace thermorig::test {
 
+/// Whether the stream goes on behind the bytes that were fed, or ends there and the scanner is told so.
+enum class Stream { goes_on, ends };
+
 /// What a scanner made of a stream.
 template <typename Message>
 struct Scan {
@@ -29,7 +32,7 @@ inline std::uint64_t bytes_booked(const wire::Counters& counters) {
 
 /// Feeds `chunks` to `scanner` and checks after each that every byte is accounted for.
 template <typename Message, typename Scanner>
-Scan<Message> scan_chunks(Scanner scanner, const std::vector<ByteSpan>& chunks) {
+Scan<Message> scan_chunks(Scanner scanner, const std::vector<ByteSpan>& chunks, Stream stream) {
   Scan<Message> scan;
   std::uint64_t received = 0;
   for (const ByteSpan chunk : chunks) {
@@ -38,6 +41,9 @@ Scan<Message> scan_chunks(Scanner scanner, const std::vector<ByteSpan>& chunks) 
     EXPECT_EQ(scanner.counters().bytes_received, received);
     EXPECT_EQ(bytes_booked(scanner.counters()), received);
   }
+  if constexpr (requires { scanner.finish(scan.messages); })
+    if (stream == Stream::ends) scanner.finish(scan.messages);
+  EXPECT_EQ(bytes_booked(scanner.counters()), received);
   scan.counters = scanner.counters();
   return scan;
 }
@@ -58,13 +64,13 @@ void expect_spans_in_order(const Scan<Message>& scan) {
 
 /// Feeds `bytes` whole, byte by byte and in random pieces: messages and counters must be equal every time.
 template <typename Message, typename Scanner>
-Scan<Message> scan_any_chunking(const Scanner& scanner, ByteSpan bytes) {
-  const auto whole = scan_chunks<Message>(scanner, {bytes});
+Scan<Message> scan_any_chunking(const Scanner& scanner, ByteSpan bytes, Stream stream = Stream::goes_on) {
+  const auto whole = scan_chunks<Message>(scanner, {bytes}, stream);
   expect_spans_in_order(whole);
   std::vector<std::vector<ByteSpan>> chunkings{even_chunks(bytes, 1), even_chunks(bytes, 62)};
   for (std::uint64_t seed = 1; seed <= 3; ++seed) chunkings.push_back(random_chunks(bytes, 2000, seed));
   for (const auto& chunks : chunkings) {
-    const auto scan = scan_chunks<Message>(scanner, chunks);
+    const auto scan = scan_chunks<Message>(scanner, chunks, stream);
     EXPECT_EQ(scan.counters, whole.counters);
     EXPECT_EQ(scan.messages.size(), whole.messages.size());
     for (std::size_t i = 0; i < std::min(scan.messages.size(), whole.messages.size()); ++i)

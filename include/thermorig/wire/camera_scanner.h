@@ -22,14 +22,20 @@ struct CameraMessage {
 /// Finds GY-MCU90640 frames in a stream of bytes: 1544 bytes, header, length, 768 signed centidegrees, Ta,
 /// 16-bit word sum. Any chunking gives the same frames. Source: protocols/gy_mcu90640.md.
 ///
-/// With ChecksumPolicy::ignore a frame is taken only when the next frame or reply starts right behind it, so
-/// the newest frame waits for the first four bytes of the next one.
+/// A reply that the bridge puts between two bytes of a frame is found by the check sum: both count, and the
+/// span of the frame holds the reply.
+///
+/// With ChecksumPolicy::ignore a frame is taken only when the next frame or reply starts right behind it, or
+/// the stream ends there, so the newest frame waits for the first four bytes of the next one.
 class CameraScanner {
  public:
   explicit CameraScanner(ChecksumPolicy checksum = ChecksumPolicy::word);
 
   /// Takes the next bytes of the stream and appends the frames that they complete to `out`.
   void push(std::span<const std::uint8_t> bytes, std::vector<CameraMessage>& out);
+
+  /// The stream ends here: what only waits for the bytes behind it is decided. The last call.
+  void finish(std::vector<CameraMessage>& out);
 
   const Counters& counters() const { return ledger_.counters; }
 
@@ -38,14 +44,16 @@ class CameraScanner {
 
   std::size_t step(Bytes rest, std::vector<CameraMessage>& out);
   std::size_t take_frame(Bytes rest, std::vector<CameraMessage>& out);
+  std::size_t book_frame(Bytes frame, std::size_t bytes, std::vector<CameraMessage>& out);
+  std::size_t take_interrupted_frame(Bytes bytes, std::size_t reply_at, std::vector<CameraMessage>& out);
   std::size_t take_reply();
   std::size_t skip(std::size_t bytes);
-  std::size_t bytes_to_decide() const;
-  bool is_good(Bytes rest) const;
+  bool is_start_or_end(Bytes rest) const;
 
   ChecksumPolicy checksum_;
   ByteLedger ledger_;
   std::vector<std::uint8_t> pending_;  // received, not yet booked
+  bool ended_ = false;
 };
 
 }  // namespace thermorig::wire
