@@ -24,6 +24,12 @@ bool is_good(Bytes rest) {
   return is_start(rest) && byte_sum8(rest.first(witmotion::sum_offset)) == rest[witmotion::sum_offset];
 }
 
+/// Whether a packet may stand before these bytes: another good one, or what the stream's end left of one.
+bool is_followed_well(Bytes rest) {
+  if (rest.size() >= witmotion::packet_bytes) return is_good(rest);
+  return rest.empty() || (rest[0] == witmotion::sync && (rest.size() == 1 || is_start(rest)));
+}
+
 bool is_at_range_end(std::int16_t count) {
   return count == std::numeric_limits<std::int16_t>::max() ||
          count == std::numeric_limits<std::int16_t>::min();
@@ -44,8 +50,15 @@ GyroReading read_packet(Bytes rest) {
 }  // namespace
 
 void WitmotionScanner::push(std::span<const std::uint8_t> bytes, std::vector<GyroMessage>& out) {
+  assert(!ended_);
   ledger_.receive(bytes.size());
   reassemble(pending_, bytes, 2 * witmotion::packet_bytes, [&](Bytes rest) { return step(rest, out); });
+  assert(pending_.size() == ledger_.counters.bytes_pending);
+}
+
+void WitmotionScanner::finish(std::vector<GyroMessage>& out) {
+  ended_ = true;
+  reassemble_end(pending_, [&](Bytes rest) { return step(rest, out); });
   assert(pending_.size() == ledger_.counters.bytes_pending);
 }
 
@@ -62,8 +75,9 @@ std::size_t WitmotionScanner::step(Bytes rest, std::vector<GyroMessage>& out) {
 }
 
 std::size_t WitmotionScanner::search(Bytes rest, std::vector<GyroMessage>& out) {
-  if (rest.size() < 2 * witmotion::packet_bytes) return 0;
-  if (!is_good(rest) || !is_good(rest.subspan(witmotion::packet_bytes))) return skip(1);
+  if (rest.size() < witmotion::packet_bytes) return 0;
+  if (!ended_ && rest.size() < 2 * witmotion::packet_bytes) return 0;
+  if (!is_good(rest) || !is_followed_well(rest.subspan(witmotion::packet_bytes))) return skip(1);
   locked_ = true;
   return take_packet(rest, out);
 }

@@ -108,7 +108,8 @@ TEST(GoldenVectors, WitmotionStreamsAreReadAsDescribed) {
   for (const GoldenVector& vector : read_vectors("witmotion.txt")) {
     SCOPED_TRACE(vector.name);
     const Fields fields = fields_in(vector);
-    const auto scan = scan_any_chunking<wire::GyroMessage>(wire::WitmotionScanner(), vector.bytes);
+    const auto scan =
+        scan_any_chunking<wire::GyroMessage>(wire::WitmotionScanner(), vector.bytes, Stream::ends);
     expect_counters(scan.counters, fields, "readings");
     ASSERT_EQ(scan.messages.size(), count_in(fields, "readings"));
     if (scan.messages.empty()) continue;

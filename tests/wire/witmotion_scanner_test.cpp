@@ -13,14 +13,17 @@ namespace {
 using wire::GyroMessage;
 using wire::witmotion_packet_bytes;
 
-Scan<GyroMessage> scan_witmotion(ByteSpan bytes) {
-  return scan_any_chunking<GyroMessage>(wire::WitmotionScanner(), bytes);
+Scan<GyroMessage> scan_witmotion(ByteSpan bytes, Stream stream = Stream::goes_on) {
+  return scan_any_chunking<GyroMessage>(wire::WitmotionScanner(), bytes, stream);
 }
+
+/// A count whose bytes are those that a gyro packet begins with.
+constexpr auto header_count = static_cast<std::int16_t>(witmotion::sync | (witmotion::type_gyro << 8));
 
 /// The packet number `index` of a stream: its counts name it.
 ByteVector numbered_packet(int index) {
   const auto packet = wire::witmotion_gyro_packet(
-      {static_cast<std::int16_t>(index), static_cast<std::int16_t>(-index), 0x5255}, 25.5F);
+      {static_cast<std::int16_t>(index), static_cast<std::int16_t>(-index), header_count}, 25.5F);
   return {packet.begin(), packet.end()};
 }
 
@@ -73,12 +76,13 @@ TEST(WitmotionScanner, FindsItsPlaceWhenItJoinsInsideAPacket) {
 TEST(WitmotionScanner, IsNotFooledByPacketsInsidePackets) {
   // Every word is a sync byte and the type of a gyro packet.
   ByteVector bytes;
-  const auto packet = wire::witmotion_packet(0x52, {0x5255, 0x5255, 0x5255, 0x5255});
+  const auto packet =
+      wire::witmotion_packet(witmotion::type_gyro, {header_count, header_count, header_count, header_count});
   for (int i = 0; i < 10; ++i) append(bytes, packet);
   for (std::size_t cut = 0; cut < witmotion_packet_bytes; ++cut) {
     const auto scan = scan_witmotion(ByteSpan(bytes).subspan(cut));
     EXPECT_EQ(scan.messages.size(), cut == 0 ? 10U : 9U);
-    for (const GyroMessage& message : scan.messages) EXPECT_EQ(message.reading.counts[0], 0x5255);
+    for (const GyroMessage& message : scan.messages) EXPECT_EQ(message.reading.counts[0], header_count);
   }
 }
 
@@ -110,7 +114,7 @@ TEST(WitmotionScanner, RecoversBehindLostAndDoubledBytes) {
 
 TEST(WitmotionScanner, KeepsTheGapInMindAcrossOtherPackets) {
   ByteVector bytes{0x00};
-  const auto acceleration = wire::witmotion_packet(0x51, {0, 0, 2048, 2500});
+  const auto acceleration = wire::witmotion_packet(witmotion::type_acceleration, {0, 0, 2048, 2500});
   append(bytes, acceleration);
   append(bytes, numbered_packet(1));
   const auto scan = scan_witmotion(bytes);
@@ -132,6 +136,24 @@ TEST(WitmotionScanner, DoesNotTrustASinglePacketBehindDamage) {
   const auto scan = scan_witmotion(bytes);
   EXPECT_EQ(numbers_of(scan), (std::vector<int>{1, 2, 3, 4, 5, 6}));
   EXPECT_TRUE(scan.messages[3].lost_before);
+}
+
+TEST(WitmotionScanner, TakesASinglePacketAtTheEndOfTheStream) {
+  EXPECT_EQ(scan_witmotion(numbered_packet(5)).messages.size(), 0U);
+  const auto alone = scan_witmotion(numbered_packet(5), Stream::ends);
+  EXPECT_EQ(numbers_of(alone), (std::vector<int>{5}));
+  EXPECT_EQ(alone.counters.bytes_in_messages, witmotion_packet_bytes);
+
+  ByteVector cut_in_the_next = numbered_packets(5, 6);
+  for (std::size_t left = witmotion_packet_bytes - 1; left > 0; --left) {
+    cut_in_the_next.pop_back();
+    const auto scan = scan_witmotion(cut_in_the_next, Stream::ends);
+    EXPECT_EQ(numbers_of(scan), (std::vector<int>{5}));
+    EXPECT_EQ(scan.counters.bytes_pending, left);
+  }
+  ByteVector before_garbage = numbered_packet(5);
+  append(before_garbage, ByteVector{1, 2, 3});
+  EXPECT_TRUE(scan_witmotion(before_garbage, Stream::ends).messages.empty());
 }
 
 TEST(WitmotionScanner, FindsNextToNothingInNoise) {

@@ -19,14 +19,14 @@ struct CameraMessage {
   bool resync_before = false;  // bytes were skipped or damaged since the message before
 };
 
-/// Finds GY-MCU90640 frames in a stream of bytes: 1544 bytes, header, length, 768 signed centidegrees, Ta,
-/// 16-bit word sum. Any chunking gives the same frames. Source: protocols/gy_mcu90640.md.
+/// Finds GY-MCU90640 frames in a stream of bytes: header, length, signed temperatures, check sum. Any
+/// chunking gives the same frames. Source: protocols/gy_mcu90640.md.
 ///
 /// A reply that the bridge puts between two bytes of a frame is found by the check sum: both count, and the
 /// span of the frame holds the reply.
 ///
 /// With ChecksumPolicy::ignore a frame is taken only when the next frame or reply starts right behind it, or
-/// the stream ends there, so the newest frame waits for the first four bytes of the next one.
+/// the stream ends there, so the newest frame waits for the header of the next one.
 class CameraScanner {
  public:
   explicit CameraScanner(ChecksumPolicy checksum = ChecksumPolicy::word);

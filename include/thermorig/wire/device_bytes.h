@@ -17,27 +17,27 @@ namespace thermorig::wire {
 // What the vendors' devices send, made by us: for the simulator and for tests. The layouts are those of
 // protocols/gy_mcu90640.md, witmotion.md and text_gyro.md.
 
-inline constexpr std::size_t camera_frame_bytes = gy_mcu90640::frame_bytes;     // 1544
-inline constexpr std::size_t witmotion_packet_bytes = witmotion::packet_bytes;  // 11
+inline constexpr std::size_t camera_frame_bytes = gy_mcu90640::frame_bytes;
+inline constexpr std::size_t witmotion_packet_bytes = witmotion::packet_bytes;
 
-/// One GY-MCU90640 frame, 1544 bytes. Temperatures are rounded to hundredths and clipped to int16.
+/// One GY-MCU90640 frame. Temperatures are rounded to hundredths and clipped to int16.
 std::vector<std::uint8_t> camera_frame(const ThermalFrame& frame);
 
-/// A GY-MCU90640 reply to "read emissivity" (4 bytes), which some boards put between frames.
+/// A GY-MCU90640 reply to "read emissivity", which may stand between frames or inside one.
 std::vector<std::uint8_t> camera_emissivity_reply(std::uint8_t hundredths);
 
 /// One WitMotion packet of the given type; `words` are d0..d7 as four signed numbers.
 std::array<std::uint8_t, witmotion_packet_bytes> witmotion_packet(std::uint8_t type,
                                                                   const std::array<std::int16_t, 4>& words);
 
-/// A WitMotion gyro packet (type 0x52) from counts and the temperature in degrees Celsius.
+/// A WitMotion gyro packet from counts and the temperature in degrees Celsius.
 std::array<std::uint8_t, witmotion_packet_bytes> witmotion_gyro_packet(
     const std::array<std::int16_t, 3>& counts, float temp_c);
 
-/// Degrees per second of one WitMotion count: 2000 / 32768.
+/// Degrees per second of one WitMotion count.
 inline constexpr double witmotion_dps_per_count = witmotion::full_scale_dps / witmotion::counts_full_scale;
 
-/// The camera's 4-byte commands (A5 command value sum).
+/// The camera's commands.
 std::vector<std::uint8_t> camera_rate_command(double output_rate_hz);  // 0.5, 1, 2, 4 or 8; else throws Error
 std::vector<std::uint8_t> camera_automatic_command();
 std::vector<std::uint8_t> camera_query_command();

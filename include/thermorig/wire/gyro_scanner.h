@@ -21,13 +21,15 @@ struct GyroMessage {
   bool lost_before = false;  // bytes were skipped or damaged since the message before
 };
 
-/// Finds WitMotion packets (11 bytes, 0x55 type data sum) in a stream of bytes; packets of type 0x52 become
-/// readings, others are counted as replies. At the start and after damage it takes two good packets in a row
-/// to lock, because one byte of sum is weak and 0x55 is common inside packets. Source:
+/// Finds WitMotion packets in a stream of bytes; gyro packets become readings, others are counted as replies.
+/// At the start and after damage it takes two good packets in a row to lock, or one at the end of the stream,
+/// because one byte of sum is weak and the sync byte is common inside packets. Source:
 /// protocols/witmotion.md.
 class WitmotionScanner {
  public:
   void push(std::span<const std::uint8_t> bytes, std::vector<GyroMessage>& out);
+  /// The stream ends here: what only waits for the bytes behind it is decided. The last call.
+  void finish(std::vector<GyroMessage>& out);
   const Counters& counters() const { return ledger_.counters; }
 
  private:
@@ -41,6 +43,7 @@ class WitmotionScanner {
   ByteLedger ledger_;
   std::vector<std::uint8_t> pending_;  // received, not yet booked
   bool locked_ = false;                // the packets before came in a row
+  bool ended_ = false;
 };
 
 /// Reads gyros that print one line of text a sample. Source: protocols/text_gyro.md.
