@@ -73,6 +73,15 @@ std::string firmware_of(const pipeline::Streams& streams) {
   return {};
 }
 
+/// The labels decide which frames a leg has; what the recorder counted was enough to drive by.
+void recount(std::vector<LegRecord>& legs, const std::vector<LabelledSample>& samples, int wanted) {
+  for (LegRecord& leg : legs) {
+    leg.frames = static_cast<int>(std::count_if(
+        samples.begin(), samples.end(), [&](const LabelledSample& sample) { return sample.leg == leg.leg; }));
+    leg.complete = leg.complete && leg.frames >= wanted;
+  }
+}
+
 }  // namespace
 
 session::Session build_session(RawRecording raw) {
@@ -90,6 +99,7 @@ session::Session build_session(RawRecording raw) {
   session.samples = std::move(decoded.samples);
   if (raw.header.firmware.empty()) raw.header.firmware = firmware_of(decoded.streams);
   session.counters = decoded.counters;
+  recount(raw.legs, session.samples, raw.header.frames_per_leg);
   session.raw = std::move(raw);
   return session;
 }

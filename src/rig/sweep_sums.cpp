@@ -9,7 +9,6 @@ namespace thermorig::rig {
 
 namespace {
 
-constexpr std::size_t gaps_needed = 7;  // frame intervals before the measured rate replaces the nominal one
 constexpr double angle_tolerance_deg = 0.05;
 
 double sign_of(double value) {
@@ -19,22 +18,19 @@ double sign_of(double value) {
 }  // namespace
 
 double SweepWalker::rate_dps() const {
-  return step_ < plan_.leg_rates_dps.size() ? plan_.leg_rates_dps[step_] : 0.0;
+  return to_drive_.empty() ? 0.0 : plan_.leg_rates_dps[to_drive_.front().index];
 }
 
-double SweepWalker::frame_rate_hz() const {
-  if (frame_gaps_s_.size() < gaps_needed) return nominal_frame_rate_hz_;
-  std::vector<double> gaps = frame_gaps_s_;
-  std::nth_element(gaps.begin(), gaps.begin() + gaps.size() / 2, gaps.end());
-  return 1.0 / gaps[gaps.size() / 2];
+int SweepWalker::step_number() const {
+  return static_cast<int>(to_drive_.empty() ? plan_.leg_rates_dps.size() : to_drive_.front().index + 1);
 }
 
 double SweepWalker::leg_duration_s(int frames) const {
-  return (frames + 0.5) / frame_rate_hz() + 0.1;
+  return (frames + 0.5) / frames_.rate_hz() + 0.1;
 }
 
 double SweepWalker::travel_deg(double rate) const {
-  return leg_travel_deg(rate, plan_.frames_per_leg, frame_rate_hz(), servo_.acceleration_dps2);
+  return leg_travel_deg(rate, plan_.frames_per_leg, frames_.rate_hz(), servo_.acceleration_dps2);
 }
 
 double SweepWalker::start_angle_deg(double rate) const {
@@ -71,34 +67,34 @@ SweepProgress SweepWalker::progress(HostTime now) const {
   SweepProgress progress;
   progress.phase = phase_;
   progress.leg_count = static_cast<int>(plan_.leg_rates_dps.size());
-  progress.leg = std::min(static_cast<int>(step_) + 1, progress.leg_count);
+  progress.leg = step_number();
   if (phase_ == SweepPhase::waiting || phase_ == SweepPhase::greeting || phase_ == SweepPhase::opening_rest)
     progress.leg = 0;
   progress.rate_dps = phase_ == SweepPhase::leg ? rate_dps() : 0.0;
-  progress.frames = phase_ == SweepPhase::leg ? leg_.record.frames : 0;
+  progress.frames = phase_ == SweepPhase::leg ? leg_.record().frames : 0;
   progress.frames_per_leg = plan_.frames_per_leg;
   progress.repeated = repeated_;
   progress.eta_s = remaining_s(now);
-  const double whole_s = plan_duration_s(plan_, servo_, frame_rate_hz());
+  const double whole_s = plan_duration_s(plan_, servo_, frames_.rate_hz());
   progress.done_share =
       phase_ == SweepPhase::done ? 1.0 : std::clamp(1.0 - progress.eta_s / whole_s, 0.0, 1.0);
   return progress;
 }
 
-// The plan from the current step on, without what has passed of the current phase.
+// What is still to be driven, without what has passed of the current phase.
 double SweepWalker::remaining_s(HostTime now) const {
   if (phase_ == SweepPhase::done || phase_ == SweepPhase::stopping) return 0.0;
   SweepPlan rest = plan_;
-  rest.leg_rates_dps.erase(rest.leg_rates_dps.begin(),
-                           rest.leg_rates_dps.begin() + static_cast<std::ptrdiff_t>(step_));
+  rest.leg_rates_dps.clear();
+  for (const Step& step : to_drive_) rest.leg_rates_dps.push_back(plan_.leg_rates_dps[step.index]);
   double passed_s = 0.0;
   const double phase_s = to_s(now - phase_begin_);
   if (phase_ == SweepPhase::opening_rest) passed_s = std::min(phase_s, plan_.opening_rest_s);
   if (phase_ == SweepPhase::closing_rest) passed_s = std::min(phase_s, plan_.closing_rest_s);
-  if (phase_ == SweepPhase::leg) passed_s = leg_duration_s(leg_.record.frames);
+  if (phase_ == SweepPhase::leg) passed_s = leg_duration_s(leg_.record().frames);
   if (phase_ > SweepPhase::opening_rest) rest.opening_rest_s = 0.0;
   if (phase_ == SweepPhase::halting) rest.closing_rest_s = 0.0;
-  return std::max(0.0, plan_duration_s(rest, servo_, frame_rate_hz()) - passed_s);
+  return std::max(0.0, plan_duration_s(rest, servo_, frames_.rate_hz()) - passed_s);
 }
 
 }  // namespace thermorig::rig

@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
+#include <set>
 
 #include "simulated_bus.h"
 #include "thermorig/rig/finalise.h"
@@ -54,6 +56,77 @@ TEST(Sweep, CountsAFrameForTheLegThatItsLabelNames) {
   for (std::size_t leg = 1; leg < frames.size(); ++leg) EXPECT_EQ(frames[leg], 12) << "leg " << leg;
 }
 
+/// Of the legs that were driven to their end: how many have so many frames by their labels.
+std::map<int, int> complete_legs_by_frames(const simulation::VirtualRigConfig& config,
+                                           const SweepPlan& plan) {
+  const TemporaryFolder folder;
+  SimulatedBus bus(config);
+  const DrivenRun run = run_to_journal(bus, recording_options(folder, config.profile, plan));
+  EXPECT_FALSE(run.failure);
+  const std::vector<int> labelled = frames_by_leg(run.raw);
+  std::map<int, int> legs;
+  std::set<int> steps;
+  for (const LegRecord& leg : build_session(run.raw).raw.legs) {
+    EXPECT_EQ(leg.frames, labelled.at(leg.leg)) << "leg " << leg.leg;
+    if (!leg.complete) continue;
+    ++legs[leg.frames];
+    const bool ends_in_rest = leg.step + 1 == static_cast<int>(plan.leg_rates_dps.size());
+    EXPECT_GE(leg.frames, plan.frames_per_leg) << "leg " << leg.leg;
+    EXPECT_LE(leg.frames, plan.frames_per_leg + (ends_in_rest ? 2 : 1)) << "leg " << leg.leg;
+    EXPECT_TRUE(steps.insert(leg.step).second) << "step " << leg.step << " was driven twice";
+  }
+  EXPECT_EQ(steps.size(), plan.leg_rates_dps.size());
+  return legs;
+}
+
+TEST(Sweep, NoLegIsShortOfAFrameAndNoneHasMoreThanOneTooMany) {
+  const SweepPlan plan = load_plan("quick", "kitchen", 1);
+  int exact = 0, all = 0;
+  for (const double travel_deg : {2160.0, 270.0}) {
+    for (std::uint64_t seed = 1; seed <= 6; ++seed) {
+      auto config = simulation::default_rig(seed, "kitchen");
+      config.profile.servo.travel_deg = travel_deg;
+      SCOPED_TRACE(testing::Message() << travel_deg << " deg, seed " << seed);
+      for (const auto& [frames, legs] : complete_legs_by_frames(config, plan)) {
+        if (frames == plan.frames_per_leg) exact += legs;
+        all += legs;
+      }
+    }
+  }
+  EXPECT_EQ(all, 2 * 6 * 6);
+  EXPECT_GE(exact, all * 3 / 4);  // the last legs hold the frame of their ramp
+}
+
+TEST(Sweep, DrivesALegAgainThatLacksItsLastFrame) {
+  for (const int step : {1, 3}) {  // of four: 3 is the last, whose lack shows in the closing rest only
+    const TemporaryFolder folder;
+    SimulatedBus bus(simulation::default_rig(3, "kitchen"));
+    const SweepPlan plan = short_plan();
+    std::optional<HostTime> cut_from;
+    bus.is_cut = [&](Device device, HostTime at) {
+      return device == Device::camera && cut_from && at - *cut_from < std::chrono::milliseconds(150);
+    };
+    RunOptions options;
+    options.each_step = [&](Recording& recording, HostTime now) {
+      const SweepProgress sweep = recording.progress(now).sweep;
+      const bool last_is_due = sweep.leg == step + 1 && sweep.frames == plan.frames_per_leg - 1;
+      if (last_is_due && !cut_from) cut_from = now;
+    };
+    const DrivenRun run =
+        run_to_journal(bus, recording_options(folder, simulation::default_profile(), plan), options);
+    ASSERT_FALSE(run.failure) << run.failure->what();
+    EXPECT_TRUE(has_event(run.raw, EventKind::leg_repeated)) << step;
+    EXPECT_TRUE(has_event(run.raw, EventKind::finished)) << step;
+    const std::vector<LegRecord> legs = complete_legs(run);
+    EXPECT_EQ(legs.size(), plan.leg_rates_dps.size());
+    EXPECT_EQ(run.raw.legs.size(), plan.leg_rates_dps.size() + 1);
+    for (const LegRecord& leg : build_session(run.raw).raw.legs) {
+      if (!leg.complete) continue;
+      EXPECT_GE(leg.frames, plan.frames_per_leg) << "leg " << leg.leg;
+    }
+  }
+}
+
 TEST(Sweep, RunsTwiceTheSameInVirtualTime) {
   const TemporaryFolder folder;
   std::vector<RawRecording> raws;
@@ -90,6 +163,38 @@ TEST(Sweep, DrivesALegAgainAfterTheWatchdogTripped) {
   EXPECT_EQ((cut + 1)->step, cut->step);
   EXPECT_EQ((cut + 1)->leg, cut->leg + 1);
   EXPECT_EQ(complete_legs(run).size(), plan.leg_rates_dps.size());
+}
+
+/// From 2.5 s to `end_s` the host is too busy to say anything for half of the time.
+SimulatedBus::Damage busy_until(double end_s) {
+  return [end_s](std::vector<std::uint8_t> bytes, HostTime now) {
+    const double time_s = to_s(now - HostTime{});
+    const bool busy = time_s > 2.5 && time_s < end_s && std::fmod(time_s, 0.6) < 0.3;
+    return busy ? std::vector<std::uint8_t>{} : bytes;
+  };
+}
+
+TEST(Sweep, OutlastsAHostThatIsBusyForSeconds) {
+  const TemporaryFolder folder;
+  SimulatedBus bus(simulation::default_rig(6, "kitchen"));
+  bus.to_servo = busy_until(8.0);
+  const SweepPlan plan = short_plan();
+  const DrivenRun run = run_to_journal(bus, recording_options(folder, simulation::default_profile(), plan));
+  ASSERT_FALSE(run.failure) << run.failure->what();
+  EXPECT_TRUE(has_event(run.raw, EventKind::servo_fault));
+  EXPECT_EQ(complete_legs(run).size(), plan.leg_rates_dps.size());
+}
+
+TEST(Sweep, NamesABusyHostWhenTheWatchdogTripsAgainAndAgain) {
+  const TemporaryFolder folder;
+  SimulatedBus bus(simulation::default_rig(6, "kitchen"));
+  bus.to_servo = busy_until(100.0);
+  const DrivenRun run =
+      run_to_journal(bus, recording_options(folder, simulation::default_profile(), short_plan()));
+  ASSERT_TRUE(run.failure);
+  EXPECT_EQ(run.failure->code(), ExitCode::device_lost);
+  EXPECT_THAT(run.failure->what_happened(), ::testing::HasSubstr("watchdog"));
+  EXPECT_THAT(run.failure->advice(), ::testing::HasSubstr("too busy"));
 }
 
 TEST(Sweep, GivesUpWhenALegFailsAgainAndAgain) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <deque>
 #include <optional>
 #include <string>
 #include <vector>
@@ -10,6 +11,8 @@
 #include "thermorig/core/raw_recording.h"
 #include "thermorig/core/sample.h"
 #include "thermorig/core/time.h"
+#include "thermorig/rig/driven_leg.h"
+#include "thermorig/rig/frame_schedule.h"
 #include "thermorig/rig/plan.h"
 #include "thermorig/rig/servo_commander.h"
 
@@ -43,8 +46,8 @@ struct SweepProgress {
 };
 
 /// Drives the servo through a plan: rest, legs (with a transit where a leg does not fit from here), rest.
-/// A leg that a fault cut short is driven again under a new number. Pure: fed with frames and telemetry,
-/// it puts commands into the commander's queue.
+/// A leg that a fault cut short, or that lacks a frame, is driven again under a new number. Pure: fed with
+/// frames and telemetry, it puts commands into the commander's queue.
 class SweepWalker {
  public:
   SweepWalker(const SweepPlan& plan, const ServoProfile& servo, double nominal_frame_rate_hz,
@@ -73,16 +76,10 @@ class SweepWalker {
   std::vector<LegRecord> take_legs();
 
  private:
-  struct Leg {
-    std::uint16_t number = 0;
-    bool turn_back = false;
-    double run_rate_dps = 0.0;
-    bool acknowledged = false;
-    HostTime run_ends{};                    // of the RUN command that was sent last
-    std::optional<HostTime> first_seen{};   // modelled time of the first telemetry with this number
-    std::optional<HostTime> last_middle{};  // middle of the newest half of its latest frame
-    HostTime left{};                        // the next command was given
-    LegRecord record;
+  /// A step of the plan that is still to be driven.
+  struct Step {
+    std::size_t index = 0;
+    bool was_short = false;  // its last frame did not come in time: this time it is waited for
   };
 
   void enter(SweepPhase phase, HostTime now);
@@ -92,13 +89,15 @@ class SweepWalker {
   void note_leg_start(HostTime acknowledged);
   bool has_its_frames(HostTime now) const;
   void leave_leg(HostTime now);
-  void write_down(const Leg& leg, bool complete, HostTime now);
-  void write_down_left_leg(HostTime now);
+  void write_down(const DrivenLeg& leg, HostTime now);
+  void settle_left_leg(HostTime now);
+  void note_repeat(std::size_t step, HostTime now);
   void halt(HostTime now);
-  void trouble(HostTime now, const std::string& what);
+  void trouble(HostTime now, const std::string& what, ServoFault fault = ServoFault::none);
   void tick_greeting(HostTime now);
   void tick_transit(HostTime now);
   void tick_leg(HostTime now);
+  void tick_closing_rest(HostTime now);
   void tick_recovering(HostTime now);
   void resume(HostTime now);
   void tick_halting(HostTime now);
@@ -107,32 +106,33 @@ class SweepWalker {
   void event(HostTime now, EventKind kind, std::string message);
   bool servo_at_rest() const;
   bool servo_is_disarmed() const;
-  double frame_rate_hz() const;
+  bool drives() const;
   double leg_duration_s(int frames) const;
   double travel_deg(double rate) const;
   double start_angle_deg(double rate) const;
   bool fits_from_here(double rate) const;
   double arm_angle_deg() const;
+  double recovery_rest_s() const;
   double remaining_s(HostTime now) const;
   double rate_dps() const;  // of the current step
+  int step_number() const;  // of the plan, counted from 1
 
   SweepPlan plan_;
   ServoProfile servo_;
-  double nominal_frame_rate_hz_;
+  FrameSchedule frames_;
   ServoCommander& commander_;
   SweepPhase phase_ = SweepPhase::waiting;
   HostTime phase_begin_{};
-  std::size_t step_ = 0;
+  std::deque<Step> to_drive_;  // the first one is under way
   std::uint16_t last_number_ = 0;
   int failures_ = 0;  // of this step, in a row
   int repeated_ = 0;
-  Leg leg_;
-  std::optional<Leg> left_leg_;  // its last frame is still on its way
+  DrivenLeg leg_;
+  HostTime run_ends_{};                // of the RUN command that was sent last
+  std::optional<DrivenLeg> left_leg_;  // its last frame is still on its way
   double transit_target_deg_ = 0.0;
   HostTime transit_limit_{};
   std::optional<TimedServo> last_telemetry_;
-  std::optional<HostTime> last_frame_;
-  std::vector<double> frame_gaps_s_;  // the latest ones, for the rate
   int stop_tries_ = 0;
   bool disarm_sent_ = false;
   bool rearm_sent_ = false;

@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstdint>
+#include <deque>
+
+#include "thermorig/core/sample.h"
+#include "thermorig/core/time.h"
+
+namespace thermorig::rig {
+
+/// When the camera's frames come: how often, and where the next one lies.
+class FrameSchedule {
+ public:
+  /// `nominal_rate_hz` > 0 stands until enough frames have come to measure it.
+  explicit FrameSchedule(double nominal_rate_hz) : nominal_rate_hz_(nominal_rate_hz) {}
+
+  void frame(const TimedFrame& frame);
+
+  double rate_hz() const;
+  HostDuration period() const { return from_s(1.0 / rate_hz()); }
+
+  /// Middle of the newest half's exposure of the frame after the latest. There must have been a frame.
+  HostTime next_middle() const;
+
+ private:
+  struct Seen {
+    HostTime middle{};
+    std::int64_t number = 0;  // those that never came are counted
+  };
+  double nominal_rate_hz_;
+  std::deque<Seen> seen_;  // the latest ones
+};
+
+/// Middle of the exposure of a frame's newest half: where its label finds the leg.
+HostTime newest_middle(const TimedFrame& frame);
+
+}  // namespace thermorig::rig

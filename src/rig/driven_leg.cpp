@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: MIT
+#include "thermorig/rig/driven_leg.h"
+
+#include <cmath>
+
+namespace thermorig::rig {
+
+void DrivenLeg::acknowledge(HostTime time) {
+  acknowledged_ = true;
+  record_.begin = time;
+}
+
+void DrivenLeg::seen(HostTime time) {
+  if (!first_seen_) first_seen_ = time;
+}
+
+// A frame belongs to the leg in which the middle of its newest half was exposed, as its label says.
+void DrivenLeg::frame(HostTime middle, HostTime arrival, HostDuration doubt) {
+  if (left_ && middle + doubt > *left_) over_ = true;
+  if (over_ || !first_seen_ || middle < *first_seen_ + doubt) return;
+  ++record_.frames;
+  record_.end = arrival;
+}
+
+void DrivenLeg::keep_direction(double driven_dps) {
+  if (turn_back_ && driven_dps != 0.0) run_rate_dps_ = std::copysign(run_rate_dps_, driven_dps);
+}
+
+LegRecord DrivenLeg::closed(HostTime now) const {
+  LegRecord record = record_;
+  record.complete = is_whole();
+  if (!acknowledged_) record.begin = now;
+  if (record.frames == 0) record.end = now;
+  return record;
+}
+
+}  // namespace thermorig::rig

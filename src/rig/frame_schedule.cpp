@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: MIT
+#include "thermorig/rig/frame_schedule.h"
+
+#include <algorithm>
+#include <cassert>
+#include <vector>
+
+namespace thermorig::rig {
+
+namespace {
+constexpr std::size_t frames_kept = 16;
+constexpr std::size_t frames_needed = 8;      // before the measured rate replaces the nominal one
+constexpr std::size_t frames_predicting = 4;  // the latest: an error of the period adds up over them
+}  // namespace
+
+HostTime newest_middle(const TimedFrame& frame) {
+  return frame.exposure_end - (frame.exposure_end - frame.exposure_begin) / 4;
+}
+
+void FrameSchedule::frame(const TimedFrame& frame) {
+  const std::int64_t number = seen_.empty() ? 0 : seen_.back().number + 1 + frame.missing_before;
+  seen_.push_back({newest_middle(frame), number});
+  if (seen_.size() > frames_kept) seen_.pop_front();
+}
+
+// Over half of the frames at a time: a latency timer makes single intervals coarse. The median, since a read
+// may be late.
+double FrameSchedule::rate_hz() const {
+  if (seen_.size() < frames_needed) return nominal_rate_hz_;
+  const std::size_t half = seen_.size() / 2;
+  std::vector<double> periods_s;
+  for (std::size_t i = 0; i + half < seen_.size(); ++i)
+    periods_s.push_back(to_s(seen_[i + half].middle - seen_[i].middle) /
+                        static_cast<double>(seen_[i + half].number - seen_[i].number));
+  const auto median = periods_s.begin() + static_cast<std::ptrdiff_t>(periods_s.size() / 2);
+  std::nth_element(periods_s.begin(), median, periods_s.end());
+  return *median > 0.0 ? 1.0 / *median : nominal_rate_hz_;
+}
+
+// A read can be late but never early: the earliest that one of the latest frames foretells is right.
+HostTime FrameSchedule::next_middle() const {
+  assert(!seen_.empty());
+  const HostDuration period = this->period();
+  const std::int64_t next = seen_.back().number + 1;
+  const std::size_t first = seen_.size() - std::min(seen_.size(), frames_predicting);
+  HostTime earliest = seen_.back().middle + period;
+  for (std::size_t i = first; i < seen_.size(); ++i)
+    earliest = std::min(earliest, seen_[i].middle + (next - seen_[i].number) * period);
+  return earliest;
+}
+
+}  // namespace thermorig::rig
