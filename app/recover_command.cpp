@@ -34,6 +34,13 @@ ExitCode code_of(const RecoveryResult& result) {
   return result.bytes_ignored > 0 ? ExitCode::finished_lossy : ExitCode::ok;
 }
 
+std::string removed_text(const RecoveryResult& result) {
+  std::string text;
+  for (const auto& part : result.removed)
+    text += fmt::format("               removed {}, which a killed program left behind\n", part.string());
+  return text;
+}
+
 std::string text_of(const RecoveryResult& result) {
   if (result.session.empty())
     return fmt::format("{:<14} {}\n               {}\n", name_of(result.kind), result.source.string(),
@@ -43,12 +50,14 @@ std::string text_of(const RecoveryResult& result) {
           ? fmt::format("{} at the torn end could not be read and are lost; the journal is kept",
                         bytes_text(result.bytes_ignored))
           : "nothing was lost";
-  return fmt::format("{:<14} {}\n               {} frames, {} valid, from {} chunks; {}\n",
+  return fmt::format("{:<14} {}\n               {} frames, {} valid, from {} chunks; {}\n{}",
                      name_of(result.kind), result.session.string(), count_text(result.frames),
-                     count_text(result.valid), count_text(result.chunks), loss);
+                     count_text(result.valid), count_text(result.chunks), loss, removed_text(result));
 }
 
 nlohmann::json json_of(const RecoveryResult& result) {
+  nlohmann::json removed = nlohmann::json::array();
+  for (const auto& part : result.removed) removed.push_back(part.string());
   return {{"result", name_of(result.kind)},
           {"source", result.source.string()},
           {"session", result.session.string()},
@@ -57,6 +66,7 @@ nlohmann::json json_of(const RecoveryResult& result) {
           {"chunks", result.chunks},
           {"bytes_lost", result.bytes_ignored},
           {"message", result.message},
+          {"removed", removed},
           {"exit_code", static_cast<int>(code_of(result))}};
 }
 

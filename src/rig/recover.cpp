@@ -1,6 +1,11 @@
 // SPDX-License-Identifier: MIT
+#include <signal.h>
+
 #include <algorithm>
+#include <cerrno>
+#include <charconv>
 #include <optional>
+#include <string_view>
 
 #include "file_lock.h"
 #include "thermorig/core/error.h"
@@ -34,26 +39,63 @@ RecoveryResult describe(RecoveryKind kind, const std::filesystem::path& source,
           .valid = valid_in(session),
           .chunks = chunks_of(session.raw),
           .bytes_ignored = bytes_ignored,
-          .message = {}};
+          .message = {},
+          .removed = {}};
 }
 
+/// A session that was made before. Its journal, if it was kept, still knows what could not be read.
 RecoveryResult already_there(const std::filesystem::path& source, const std::filesystem::path& session) {
-  return describe(RecoveryKind::already_there, source, session, session::read_session(session), 0);
+  const std::uint64_t bytes_ignored = std::filesystem::exists(source) && journal::is_journal(source)
+                                          ? journal::read_journal(source).bytes_ignored
+                                          : 0;
+  return describe(RecoveryKind::already_there, source, session, session::read_session(session),
+                  bytes_ignored);
+}
+
+/// Is it `<session>.<process>.part`, as a session is called while it is written, of a process that is no
+/// more?
+bool is_abandoned_part(const std::filesystem::path& path, const std::filesystem::path& session) {
+  const std::string name = path.filename().string();
+  const std::string prefix = session.filename().string() + ".";
+  constexpr std::string_view suffix = ".part";
+  if (!name.starts_with(prefix) || !name.ends_with(suffix)) return false;
+  pid_t process = 0;
+  const char* const end = name.data() + name.size() - suffix.size();
+  const auto [at, error] = std::from_chars(name.data() + prefix.size(), end, process);
+  if (error != std::errc() || at != end || process <= 0) return false;
+  return ::kill(process, 0) != 0 && errno == ESRCH;
+}
+
+/// The journal's lock is held: nobody else makes this session now.
+std::vector<std::filesystem::path> remove_abandoned_parts(const std::filesystem::path& session) {
+  std::vector<std::filesystem::path> removed;
+  const auto folder = session.has_parent_path() ? session.parent_path() : std::filesystem::path(".");
+  for (const auto& entry : std::filesystem::directory_iterator(folder))
+    if (entry.is_regular_file() && is_abandoned_part(entry.path(), session)) removed.push_back(entry.path());
+  std::sort(removed.begin(), removed.end());
+  for (const auto& part : removed) std::filesystem::remove(part);
+  return removed;
 }
 
 /// A torn tail stays on the disk, as it may interest somebody; a journal that was used up is removed.
-RecoveryResult recover_journal(const std::filesystem::path& journal) {
-  const std::filesystem::path session_path = session_of(journal);
-  const FileLock lock(journal, FileLock::Wait::no);
-  if (!lock.is_held())
-    return {
-        .kind = RecoveryKind::in_use, .source = journal, .message = "is being recorded by another program"};
+RecoveryResult make_session(const std::filesystem::path& journal, const std::filesystem::path& session_path) {
   if (std::filesystem::exists(session_path)) return already_there(journal, session_path);
   journal::JournalContents contents = journal::read_journal(journal);
   const session::Session session = build_session(std::move(contents.recording));
   session::write_session(session_path, session);
   if (contents.bytes_ignored == 0) std::filesystem::remove(journal);
   return describe(RecoveryKind::made, journal, session_path, session, contents.bytes_ignored);
+}
+
+RecoveryResult recover_journal(const std::filesystem::path& journal) {
+  const FileLock lock(journal, FileLock::Wait::no);
+  if (!lock.is_held())
+    return {
+        .kind = RecoveryKind::in_use, .source = journal, .message = "is being recorded by another program"};
+  std::vector<std::filesystem::path> removed = remove_abandoned_parts(session_of(journal));
+  RecoveryResult result = make_session(journal, session_of(journal));
+  result.removed = std::move(removed);
+  return result;
 }
 
 RecoveryResult try_to_recover(const std::filesystem::path& journal) {

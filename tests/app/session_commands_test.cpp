@@ -107,6 +107,8 @@ TEST_F(SessionCommands, RecoverStatesWhatATruncatedJournalLost) {
   EXPECT_EQ(outcome.code, 3) << outcome.out << outcome.err;
   EXPECT_THAT(outcome.out, HasSubstr("are lost"));
   const Outcome again = run("recover " + journal.string() + " --json");
+  EXPECT_EQ(again.code, 3) << again.out;
+  EXPECT_GT(again.lines()[0][0]["bytes_lost"], 0);
   EXPECT_EQ(files(".h5").size(), 1U);
   EXPECT_EQ(again.lines()[0][0]["result"], "already there");
 }

@@ -3,6 +3,7 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <fstream>
 #include <iterator>
@@ -230,6 +231,36 @@ TEST(Recovery, ATornTailCostsOnlyItself) {
     return chunks;
   };
   EXPECT_GE(results[0].chunks + 1, chunks_of(whole.recording));
+}
+
+TEST(Recovery, StatesTheSameLossAgainAsLongAsTheJournalIsThere) {
+  const TemporaryFolder folder;
+  const auto journal = killed_journal(folder);
+  std::filesystem::resize_file(journal, journal::read_journal(journal).bytes_read - 7);
+  const auto first = recover(journal);
+  for (const auto& path : {journal, folder.path()}) {
+    const auto again = recover(path);
+    ASSERT_EQ(again.size(), 1U);
+    EXPECT_EQ(again[0].kind, RecoveryKind::already_there);
+    EXPECT_EQ(again[0].bytes_ignored, first.at(0).bytes_ignored);
+  }
+}
+
+TEST(Recovery, RemovesWhatAKilledProgramLeftOfTheSession) {
+  const TemporaryFolder folder;
+  const auto journal = killed_journal(folder);
+  const std::string session = session_of(journal).string();
+  constexpr int never_a_process = 1 << 30;  // beyond the most that the kernel gives (2^22)
+  const std::filesystem::path abandoned = session + "." + std::to_string(never_a_process) + ".part";
+  const std::filesystem::path ours = session + "." + std::to_string(::getpid()) + ".1.part";
+  const std::filesystem::path alive = session + ".1.part";
+  const std::filesystem::path other = folder.path() / "kitchen" / "notes.part";
+  for (const auto& path : {abandoned, ours, alive, other}) std::ofstream(path) << "part";
+  const auto results = recover(folder.path());
+  ASSERT_EQ(results.size(), 1U);
+  EXPECT_EQ(results[0].removed, std::vector{abandoned});
+  EXPECT_FALSE(std::filesystem::exists(abandoned));
+  for (const auto& path : {ours, alive, other}) EXPECT_TRUE(std::filesystem::exists(path)) << path;
 }
 
 TEST(Recovery, LeavesAJournalAloneThatIsBeingWritten) {

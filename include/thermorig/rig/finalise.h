@@ -33,10 +33,13 @@ struct RecoveryResult {
   std::uint64_t chunks = 0;
   std::uint64_t bytes_ignored = 0;  // torn tail: at most the chunk that was being written
   std::string message;              // for `failed` and `in_use`: why
+  std::vector<std::filesystem::path>
+      removed;  // parts of sessions that a program which was killed left behind
 };
 
 /// A journal, a session, or a folder that is searched for journals: each journal without a session becomes
-/// one. Journals are kept where something was ignored. Run twice it gives the same. Throws
+/// one. Journals are kept where something was ignored. Run twice it gives the same, losses included, as long
+/// as the journal is there. What a program that was killed left of a session's file is removed. Throws
 /// Error(not_a_session) if `path` is neither, Error(bad_usage) if it does not exist.
 std::vector<RecoveryResult> recover(const std::filesystem::path& path);
 
