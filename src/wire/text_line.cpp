@@ -2,47 +2,16 @@
 #include "text_line.h"
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <cstdint>
 #include <limits>
 #include <vector>
 
+#include "text_fields.h"
+
 namespace thermorig::wire {
 
 namespace {
-
-constexpr std::string_view blanks = " \t\r\v\f";
-constexpr std::string_view separators = ",; \t\r\v\f";
-
-std::string_view without_leading_blanks(std::string_view text) {
-  text.remove_prefix(std::min(text.find_first_not_of(blanks), text.size()));
-  return text;
-}
-
-/// Fields lie between separators: one comma or semicolon with blanks around it, or blanks alone. So "1,,2"
-/// has an empty field in the middle; a separator at the end opens no further field.
-std::vector<std::string_view> split_fields(std::string_view text) {
-  std::vector<std::string_view> fields;
-  text = without_leading_blanks(text);
-  while (!text.empty()) {
-    const std::size_t size = std::min(text.find_first_of(separators), text.size());
-    fields.push_back(text.substr(0, size));
-    text = without_leading_blanks(text.substr(size));
-    if (!text.empty() && (text[0] == ',' || text[0] == ';')) text = without_leading_blanks(text.substr(1));
-  }
-  return fields;
-}
-
-/// The whole field as a number, which may be infinite or NaN; none if it is no number.
-std::optional<double> read_number(std::string_view field) {
-  if (field.size() > 1 && field[0] == '+' && field[1] != '-') field.remove_prefix(1);
-  double number = 0.0;
-  const char* end = field.data() + field.size();
-  const auto result = std::from_chars(field.data(), end, number);
-  if (result.ec != std::errc() || result.ptr != end) return std::nullopt;
-  return number;
-}
 
 /// Reads wanted columns of one line and remembers whether all, and whether any, could be read.
 class Columns {
@@ -54,7 +23,7 @@ class Columns {
     if (column < 0) return 0.0;
     const auto index = static_cast<std::size_t>(column);
     const std::optional<double> number =
-        index < fields_.size() ? read_number(fields_[index]) : std::optional<double>();
+        index < fields_.size() ? read_number(fields_[index].value) : std::optional<double>();
     any_number_ |= number.has_value();
     all_numbers_ &= number.has_value();
     return number.value_or(0.0);
@@ -65,7 +34,7 @@ class Columns {
   bool all_numbers() const { return all_numbers_; }
 
  private:
-  std::vector<std::string_view> fields_;
+  std::vector<TextField> fields_;
   bool any_number_ = false;
   bool all_numbers_ = true;
 };

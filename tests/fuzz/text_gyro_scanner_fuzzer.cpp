@@ -20,15 +20,18 @@ void require_finite(const thermorig::wire::TextGyroScanner& fresh, thermorig::te
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace thermorig;
   const test::ByteSpan input(data, size);
+  constexpr std::size_t pending_max = 4 * 258;  // a few lines, while their number of columns is learnt
   TextColumns timed;
   timed.prefix = "a/g:";
   timed.rate = {3, 4, -1};
   timed.scale_dps = 1.0 / 131.0;
   timed.time = 0;
   for (const TextColumns& columns : {TextColumns{}, timed}) {
-    const wire::TextGyroScanner scanner(columns);
-    test::fuzz_scanner<wire::GyroMessage>(scanner, input, 257);
-    require_finite(scanner, input);
+    for (const auto start : {wire::StreamStart::anywhere, wire::StreamStart::at_line_start}) {
+      const wire::TextGyroScanner scanner(columns, start);
+      test::fuzz_scanner<wire::GyroMessage>(scanner, input, pending_max);
+      require_finite(scanner, input);
+    }
   }
   return 0;
 }

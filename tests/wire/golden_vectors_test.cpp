@@ -139,7 +139,7 @@ TEST(GoldenVectors, TextStreamsAreReadAsDescribed) {
     SCOPED_TRACE(vector.name);
     const Fields fields = fields_in(vector);
     const wire::TextGyroScanner scanner(columns_in(fields));
-    const auto scan = scan_any_chunking<wire::GyroMessage>(scanner, vector.bytes);
+    const auto scan = scan_any_chunking<wire::GyroMessage>(scanner, vector.bytes, Stream::ends);
     expect_counters(scan.counters, fields, "readings");
     ASSERT_EQ(scan.messages.size(), count_in(fields, "readings"));
     if (!scan.messages.empty()) expect_reading(scan.messages.back().reading, fields);

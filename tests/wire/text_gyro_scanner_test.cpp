@@ -18,7 +18,13 @@ ByteVector bytes_of(const std::string& text) {
 }
 
 Scan<GyroMessage> scan_text(const std::string& text, const TextColumns& columns = {}) {
-  return scan_any_chunking<GyroMessage>(wire::TextGyroScanner(columns), bytes_of(text));
+  return scan_any_chunking<GyroMessage>(wire::TextGyroScanner(columns), bytes_of(text), Stream::ends);
+}
+
+/// A stream that is known to begin with a line.
+Scan<GyroMessage> scan_file(const std::string& text, const TextColumns& columns = {}) {
+  return scan_any_chunking<GyroMessage>(wire::TextGyroScanner(columns, wire::StreamStart::at_line_start),
+                                        bytes_of(text), Stream::ends);
 }
 
 /// The columns of i2cdevlib's "a/g:" lines: acceleration first, then rates in counts of 1/131 deg/s.
@@ -109,14 +115,87 @@ TEST(TextGyroScanner, RejectsALineThatSwallowedItsNeighbour) {
 }
 
 TEST(TextGyroScanner, FollowsADeviceThatChangesItsNumberOfColumns) {
-  const auto scan = scan_text("x\n1,2,3\n1,2,3,25\n1,2,3,25\n1,2,3,25\n");
-  EXPECT_EQ(scan.messages.size(), 3U);
+  const auto scan = scan_text("x\n1,2,3\n1,2,3\n1,2,3,25\n1,2,3,25\n1,2,3,25\n");
+  EXPECT_EQ(scan.messages.size(), 4U);
   EXPECT_EQ(scan.counters.bad_value, 1U);
 }
 
 TEST(TextGyroScanner, DoesNotTrustAFirstLineThatMayBeATail) {
   EXPECT_EQ(scan_text("2.5,1,2\n-12.5,1,2\n").messages.size(), 1U);
   EXPECT_EQ(scan_text("a/g:1 2 3 4 5 6\n", i2cdevlib_columns()).messages.size(), 1U);
+}
+
+TEST(TextGyroScanner, ReadsEveryLineOfAStreamThatBeginsWithOne) {
+  const auto scan = scan_file("1,2,3\n4,5,6\n7,8,9\n");
+  ASSERT_EQ(scan.messages.size(), 3U);
+  EXPECT_EQ(scan.messages[0].reading.rate_dps[0], 1.0F);
+  EXPECT_FALSE(scan.messages[0].lost_before);
+  EXPECT_EQ(scan.counters.resyncs, 0U);
+  EXPECT_EQ(scan_file("1,2,3\n").messages.size(), 1U);
+}
+
+TEST(TextGyroScanner, DeliversTheFirstSampleOnceASecondOneAgrees) {
+  wire::TextGyroScanner scanner({}, wire::StreamStart::at_line_start);
+  std::vector<GyroMessage> messages;
+  scanner.push(bytes_of("1,2,3\n4,5"), messages);
+  EXPECT_TRUE(messages.empty());
+  scanner.push(bytes_of(",6\n"), messages);
+  EXPECT_EQ(messages.size(), 2U);
+  scanner.push(bytes_of("7,8,9\n"), messages);
+  EXPECT_EQ(messages.size(), 3U);
+}
+
+TEST(TextGyroScanner, TakesABannerOfNumbersForNoSample) {
+  const auto scan = scan_file("-76 -2359 1688 0 0 0\n1 2 3\n4 5 6\n7 8 9\n");
+  ASSERT_EQ(scan.messages.size(), 3U);
+  EXPECT_FALSE(scan.messages[0].lost_before);
+  EXPECT_EQ(scan.counters.bad_value, 0U);
+  EXPECT_EQ(scan.counters.bytes_skipped, 21U);
+}
+
+TEST(TextGyroScanner, KeepsTheFirstSampleWhenTheSecondIsDamaged) {
+  const auto scan = scan_file("1,2,3\n4,5,67,8,9\n10,11,12\n13,14,15\n");
+  ASSERT_EQ(scan.messages.size(), 3U);
+  EXPECT_EQ(scan.messages[0].reading.rate_dps[0], 1.0F);
+  EXPECT_EQ(scan.counters.bad_value, 1U);
+}
+
+TEST(TextGyroScanner, WaitsNoLongerThanAFewLinesForTwoThatAgree) {
+  std::string text;
+  for (int line = 0; line < 300; ++line) text += line % 2 == 0 ? "1,2,3\n" : "1,2,3,4\n";
+  const auto scan = scan_file(text);
+  EXPECT_EQ(scan.messages.size(), 150U);
+  EXPECT_EQ(scan.counters.bad_value, 150U);
+}
+
+TEST(TextGyroScanner, TakesTheValueOfAColumnThatCarriesItsName) {
+  for (const char* text : {"gx:1.5,gy:-2.0,gz:3.0\n", "gx=1.5 gy=-2.0 gz=3.0\n", "x:1.5\ty:-2\tz:3\n"}) {
+    const auto scan = scan_file(text);
+    ASSERT_EQ(scan.messages.size(), 1U) << text;
+    EXPECT_EQ(scan.messages[0].reading.rate_dps, (std::array<float, 3>{1.5F, -2.0F, 3.0F}));
+  }
+  EXPECT_EQ(scan_file("12:30,1,2\n12:31,1,2\n").counters.bad_value, 2U);  // a time of day is no name
+  EXPECT_EQ(scan_file("a/g:\t1\t2\t3\n").counters.bad_value, 1U);         // nor does a blank end one
+}
+
+TEST(TextGyroScanner, EndsALineAtCrLfOrBoth) {
+  for (const std::string end : {"\n", "\r\n", "\r"}) {
+    std::string text;
+    for (const char* line : {"1,2,3", "4,5,6", "7,8,9"}) text += line + end;
+    const auto scan = scan_file(text);
+    ASSERT_EQ(scan.messages.size(), 3U) << bytes_of(end).size();
+    EXPECT_EQ(scan.counters.bytes_in_messages, text.size());
+    EXPECT_EQ(scan.messages[1].span, (StreamSpan{5 + end.size(), 2 * (5 + end.size())}));
+  }
+  const auto joined = scan_text("2.5,1,2\r-12.5,1,2\r3,1,2\r");
+  ASSERT_EQ(joined.messages.size(), 2U);
+  EXPECT_EQ(joined.messages[0].reading.rate_dps[0], -12.5F);
+}
+
+TEST(TextGyroScanner, LeavesALastLineWithoutAnEndPending) {
+  const auto scan = scan_file("1,2,3\n4,5,6\n7,8,9");
+  EXPECT_EQ(scan.messages.size(), 2U);
+  EXPECT_EQ(scan.counters.bytes_pending, 5U);
 }
 
 TEST(TextGyroScanner, HoldsNoMoreThanOneLine) {

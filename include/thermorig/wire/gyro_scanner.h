@@ -4,7 +4,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
-#include <string_view>
 #include <vector>
 
 #include "thermorig/core/chunk.h"
@@ -46,14 +45,24 @@ class WitmotionScanner {
   bool ended_ = false;
 };
 
+struct RawLine;
+
+/// Where a stream was joined. In the middle of a line, its tail may read as a whole line with a false number.
+enum class StreamStart : std::uint8_t { anywhere, at_line_start };
+
 /// Reads gyros that print one line of text a sample. Source: protocols/text_gyro.md.
 ///
-/// Text has no checksum. What can be told from it is: without a prefix, the first line may be the tail of one
-/// and is not read; a line with another number of fields than the lines before is damaged.
+/// Text has no checksum. What can be told from it is: without a prefix, the first line of a stream that was
+/// joined anywhere may be the tail of one and is not read; a line with another number of fields than the
+/// lines before is damaged. How many fields are usual, two samples in a row tell, so the first one waits for
+/// the second.
 class TextGyroScanner {
  public:
-  explicit TextGyroScanner(TextColumns columns);
+  explicit TextGyroScanner(TextColumns columns, StreamStart start = StreamStart::anywhere);
   void push(std::span<const std::uint8_t> bytes, std::vector<GyroMessage>& out);
+  /// The stream ends here: what only waits for the bytes behind it is decided. A line without an end stays
+  /// pending, since it may be cut inside a number. The last call.
+  void finish(std::vector<GyroMessage>& out);
   const Counters& counters() const { return ledger_.counters; }
 
  private:
@@ -61,7 +70,9 @@ class TextGyroScanner {
 
   std::size_t step(Bytes rest, std::vector<GyroMessage>& out);
   std::size_t skip_to_line_end(Bytes rest);
-  void take_line(std::string_view line, std::size_t bytes, std::vector<GyroMessage>& out);
+  std::size_t take_line(const RawLine& line, Bytes rest, std::vector<GyroMessage>& out);
+  std::size_t pass_over(std::size_t bytes);
+  std::size_t learn_fields(Bytes rest) const;
   bool has_usual_fields(std::size_t fields);
 
   TextColumns columns_;
@@ -70,13 +81,15 @@ class TextGyroScanner {
   bool at_line_start_;
   std::size_t usual_fields_ = 0;  // of the lines so far, 0: none yet
   std::size_t other_fields_ = 0;  // of the line before, if that was not the usual number
+  bool ended_ = false;
 };
 
 /// Whichever of the two the profile names.
 class GyroScanner {
  public:
-  explicit GyroScanner(const GyroProfile& profile);
+  explicit GyroScanner(const GyroProfile& profile, StreamStart start = StreamStart::anywhere);
   void push(std::span<const std::uint8_t> bytes, std::vector<GyroMessage>& out);
+  void finish(std::vector<GyroMessage>& out);
   const Counters& counters() const;
 
  private:
