@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "thermorig/core/profile.h"
+#include "thermorig/wire/gyro_scanner.h"
+
+namespace thermorig::wire {
+
+/// What the lines of a text gyro look like, and how they are probably to be read. Text does not say what its
+/// columns are: a guess to be checked by a person.
+struct TextFormat {
+  TextColumns columns;                   // proposed
+  std::string sample_line;               // one of the lines, without its end
+  std::size_t fields = 0;                // its columns behind the prefix
+  std::uint64_t lines = 0;               // that look like it
+  std::uint64_t bytes = 0;               // in them
+  std::vector<std::string> assumptions;  // what was concluded from what, a sentence each
+};
+
+/// The format that most lines share: at least two of them, with at least three columns of numbers. From these
+/// lines come the prefix, the device's time (a column that runs like a clock, its unit by the line rate if
+/// the bytes took `heard_s` seconds to come) and the rates' columns: by their names where a header line or
+/// the columns have some, else by their order.
+std::optional<TextFormat> guess_text_format(std::span<const std::uint8_t> bytes,
+                                            StreamStart start = StreamStart::anywhere, double heard_s = 0.0);
+
+}  // namespace thermorig::wire
