@@ -5,46 +5,28 @@
 #include <unistd.h>
 
 #include <filesystem>
+#include <limits>
 #include <nlohmann/json.hpp>
 
 #include "output.h"
 #include "thermorig/io/port.h"
+#include "thermorig/rig/link_load.h"
 #include "thermorig/timing/link_timing.h"
-#include "thermorig/wire/device_bytes.h"
-#include "thermorig/wire/servo_messages.h"
 
 namespace thermorig::app {
 
 namespace {
 
-/// Telemetry messages of the servo link a second, and the most that one takes on the wire.
-constexpr double telemetry_rate_hz = 1000.0 / SERVO_TELEMETRY_PERIOD_MS;
-constexpr std::uint64_t telemetry_bytes = SERVO_TELEMETRY_SIZE + 6;  // type, sequence, CRC, two flags
-
-struct Load {
-  std::uint64_t bytes = 0;  // of one message
-  double rate_hz = 0;
-  double bytes_per_s() const { return static_cast<double>(bytes) * rate_hz; }
-};
-
-PerDevice<Load> loads(const RigProfile& profile) {
-  PerDevice<Load> load;
-  load[Device::camera] = {wire::camera_frame_bytes, profile.camera.output_rate_hz};
-  load[Device::gyro] = {wire::witmotion_packet_bytes, profile.gyro.output_rate_hz};
-  load[Device::servo] = {telemetry_bytes, telemetry_rate_hz};
-  return load;
-}
-
 Check check_link(Device device, const RigProfile& profile) {
-  const Load load = loads(profile)[device];
+  const rig::LinkLoad load = rig::link_load(device, profile);
   const std::uint32_t baud = profile.link(device).baud;
   Check check{.name = std::string(name_of(device)) + " link"};
   if (baud == 0) {
     check.result = "USB, no baud rate";
     return check;
   }
-  const timing::LinkBudget budget = timing::link_budget(load.bytes, load.rate_hz, baud);
-  check.result = fmt::format("{} B x {:.0f} /s x 10 bit = {} bit/s of {} ({:.0f} %)", load.bytes,
+  const timing::LinkBudget budget = timing::link_budget(load.message_bytes, load.rate_hz, baud);
+  check.result = fmt::format("{} B x {:.0f} /s x 10 bit = {} bit/s of {} ({:.0f} %)", load.message_bytes,
                              load.rate_hz, count_text(static_cast<std::uint64_t>(load.bytes_per_s() * 10)),
                              count_text(baud), 100 * budget.load);
   if (!budget.fits()) check.code = ExitCode::bad_usage;
@@ -85,21 +67,29 @@ std::filesystem::path existing_part(std::filesystem::path folder) {
   return folder;
 }
 
-Check check_output(const RecordOptions& options, const RigProfile& profile, double duration_s) {
+/// Why nothing could be recorded to `folder`, empty if it could.
+std::string refusal_of(const std::filesystem::path& folder, std::uintmax_t free, std::uint64_t needed) {
+  if (!std::filesystem::is_directory(folder)) return "; " + folder.string() + " is no folder";
+  if (access(folder.c_str(), W_OK | X_OK) != 0) return "; it cannot be written";
+  return free > needed ? "" : "; that is too little";
+}
+
+Check check_output(const RecordOptions& options, const RigProfile& profile, const rig::SweepPlan& plan) {
+  const double duration_s = rig::plan_duration_s(plan, profile.servo, profile.camera.output_rate_hz);
   Check check{.name = "output"};
   double bytes = 0;
-  for (Device device : all_devices) bytes += loads(profile)[device].bytes_per_s() * duration_s;
+  for (Device device : all_devices) bytes += rig::link_load(device, profile).bytes_per_s() * duration_s;
   const auto needed = static_cast<std::uint64_t>(2 * bytes);  // the journal, and the session made of it
-  const std::filesystem::path folder = existing_part(options.output);
-  std::error_code error;
-  const std::uintmax_t free = std::filesystem::space(folder, error).available;
-  check.result = fmt::format("{}: about {} needed, {} free", options.output.string(), bytes_text(needed),
-                             error ? "unknown" : bytes_text(free));
-  if (std::filesystem::is_directory(folder) && access(folder.c_str(), W_OK) == 0 && (error || free > needed))
-    return check;
+  const std::filesystem::path folder = existing_part(options.output / options.environment);
+  std::error_code unknown;
+  const std::uintmax_t space = std::filesystem::space(folder, unknown).available;
+  const std::uintmax_t free = unknown ? std::numeric_limits<std::uintmax_t>::max() : space;
+  const std::string refusal = refusal_of(folder, free, needed);
+  check.result = fmt::format("{}: about {} needed, {} free{}", options.output.string(), bytes_text(needed),
+                             unknown ? "unknown" : bytes_text(free), refusal);
+  if (refusal.empty()) return check;
   check.code = ExitCode::storage;
-  check.result += "; it cannot be written";
-  check.advice = "--output with another folder";
+  check.advice = "--output with another folder, or change its permissions";
   return check;
 }
 
@@ -146,9 +136,13 @@ std::vector<Check> checks_before(const RecordOptions& options, const ChosenRig& 
   for (Device device : all_devices) checks.push_back(check_link(device, rig.profile));
   if (!rig.simulated)
     for (Device device : all_devices) checks.push_back(check_port(device, rig.profile));
-  const double duration_s = rig::plan_duration_s(plan, rig.profile.servo, rig.profile.camera.output_rate_hz);
-  checks.push_back(check_output(options, rig.profile, duration_s));
+  checks.push_back(check_output(options, rig.profile, plan));
   return checks;
+}
+
+void require_output(const RecordOptions& options, const ChosenRig& rig, const rig::SweepPlan& plan) {
+  const Check check = check_output(options, rig.profile, plan);
+  if (check.code != ExitCode::ok) throw Error(check.code, check.result, "--output", check.advice);
 }
 
 ExitCode print_dry_run(const RecordOptions& options, const ChosenRig& rig, const rig::SweepPlan& plan) {

@@ -23,6 +23,9 @@ struct Check {
 std::vector<Check> checks_before(const RecordOptions& options, const ChosenRig& rig,
                                  const rig::SweepPlan& plan);
 
+/// Throws Error(storage) if the recording could not be written: before anything is printed or opened.
+void require_output(const RecordOptions& options, const ChosenRig& rig, const rig::SweepPlan& plan);
+
 /// Prints the plan leg by leg, its duration and the checks. Returns the code of the first check that failed.
 ExitCode print_dry_run(const RecordOptions& options, const ChosenRig& rig, const rig::SweepPlan& plan);
 

@@ -188,6 +188,7 @@ ExitCode run(const RecordOptions& options) {
   const rig::SweepPlan plan = chosen_plan(options);
   if (options.dry_run) return print_dry_run(options, rig, plan);
   rig::check_plan(plan, rig.profile.servo, rig.profile.camera);
+  require_output(options, rig, plan);
   const RecordSummary summary = record(options, rig, plan);
   print_summary(summary, options.json);
   return summary.result.exit;

@@ -183,8 +183,7 @@ void Recording::Parts::check_devices(HostTime now) {
     const double silent_s = to_s(now - meters[device].last().value_or(begin));
     if (silent_s <= patience_s(device)) continue;
     if (!has_spoken(device))
-      throw silent_device(device, options.profile.link(device), pipeline.counters(device),
-                          first_bytes[device]);
+      throw silent_device(device, options.profile, pipeline.counters(device), first_bytes[device]);
     if (device == Device::servo) servo_gone = true;
     throw Error(ExitCode::device_lost, fmt::format("nothing has come from it for {:.1f} s", silent_s),
                 fmt::format("{} ({})", name_of(device), options.profile.link(device).port),
@@ -280,6 +279,8 @@ SessionFile Recording::close(HostTime now) {
 void Recording::discard(HostTime now) {
   close(now);
   std::filesystem::remove(parts_->file.journal);
+  std::error_code in_use;  // by another recording: then the folder stays
+  for (const auto& folder : parts_->file.made_folders) std::filesystem::remove(folder, in_use);
 }
 
 }  // namespace thermorig::rig

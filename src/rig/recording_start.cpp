@@ -9,8 +9,8 @@
 #include "thermorig/io/host.h"
 #include "thermorig/io/port.h"
 #include "thermorig/rig/detect.h"
+#include "thermorig/rig/link_load.h"
 #include "thermorig/rig/profile_file.h"
-#include "thermorig/wire/device_bytes.h"
 
 namespace thermorig::rig {
 
@@ -37,6 +37,17 @@ std::string what_is_sent(Device device) {
   constexpr std::array<const char*, device_count> names{"camera frames", "gyro samples",
                                                         "messages of the servo link"};
   return names[index_of(device)];
+}
+
+Error other_gyro_protocol(const Evidence& evidence, const std::string& where) {
+  const bool is_text = evidence.gyro_protocol == GyroProtocol::text;
+  return {ExitCode::device_missing,
+          fmt::format("it sends {}, where the rig profile expects {}", evidence.text,
+                      is_text ? "WitMotion packets" : "lines of text"),
+          where,
+          fmt::format("say protocol = \"{}\" in the [gyro] section of the rig profile{}; "
+                      "`thermorig ports --save NAME` writes one",
+                      is_text ? "text" : "witmotion", is_text ? ", and which columns hold the rates" : "")};
 }
 
 }  // namespace
@@ -66,18 +77,23 @@ RecordingHeader make_header(const RecordingOptions& options, HostTime now) {
 
 std::uint64_t expected_journal_bytes(const RecordingOptions& options) {
   const RigProfile& profile = options.profile;
-  constexpr double per_chunk = 40.0;           // the journal's own bytes
-  constexpr double gyro_message_bytes = 64.0;  // the longest usual line; packets are shorter
-  constexpr double servo_bytes_per_s = 100.0 * 30.0 + 30.0 * 12.0;
-  const double bytes_per_s = profile.camera.output_rate_hz * (wire::camera_frame_bytes + 50.0 * per_chunk) +
-                             profile.gyro.output_rate_hz * (gyro_message_bytes + per_chunk) +
-                             servo_bytes_per_s + 200.0 * per_chunk;
+  constexpr double record_bytes = 40.0;      // the journal's own, of each chunk
+  constexpr double chunks_per_frame = 50.0;  // a frame comes in parts of 32 bytes or more
+  constexpr double sent_hz = 30.0;           // refreshes, pings and commands to the servo a second
+  constexpr double sent_bytes = 32.0;        // of one, at most
+  const LinkLoad camera = link_load(Device::camera, profile);
+  const LinkLoad gyro = link_load(Device::gyro, profile);
+  const LinkLoad servo = link_load(Device::servo, profile);
+  const double received_per_s = camera.bytes_per_s() + gyro.bytes_per_s() + servo.bytes_per_s();
+  const double chunks_per_s = chunks_per_frame * camera.rate_hz + gyro.rate_hz + servo.rate_hz + sent_hz;
+  const double bytes_per_s = received_per_s + sent_hz * sent_bytes + record_bytes * chunks_per_s;
   const double duration_s = plan_duration_s(options.plan, profile.servo, profile.camera.output_rate_hz);
   return static_cast<std::uint64_t>(bytes_per_s * (1.2 * duration_s + 10.0));
 }
 
-Error silent_device(Device device, const PortProfile& link, const wire::Counters& counters,
+Error silent_device(Device device, const RigProfile& profile, const wire::Counters& counters,
                     std::span<const std::uint8_t> first_bytes) {
+  const PortProfile& link = profile.link(device);
   const std::string where =
       link.port.empty() ? std::string(name_of(device)) : fmt::format("{} ({})", name_of(device), link.port);
   if (counters.bytes_received == 0)
@@ -90,6 +106,9 @@ Error silent_device(Device device, const PortProfile& link, const wire::Counters
             fmt::format("it sends {}: that is the {}, not the {}", evidence.text, name_of(*evidence.role),
                         name_of(device)),
             where, "`thermorig ports` finds the right port of each device"};
+  if (device == Device::gyro && evidence.role == Device::gyro &&
+      evidence.gyro_protocol != profile.gyro.protocol)
+    return other_gyro_protocol(evidence, where);
   return {ExitCode::device_missing,
           fmt::format("it sends {} bytes, but no {} in them", counters.bytes_received, what_is_sent(device)),
           where,

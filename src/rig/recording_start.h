@@ -19,7 +19,7 @@ RecordingHeader make_header(const RecordingOptions& options, HostTime now);
 std::uint64_t expected_journal_bytes(const RecordingOptions& options);
 
 /// Why nothing usable came from a device, from what did come.
-Error silent_device(Device device, const PortProfile& link, const wire::Counters& counters,
+Error silent_device(Device device, const RigProfile& profile, const wire::Counters& counters,
                     std::span<const std::uint8_t> first_bytes);
 
 }  // namespace thermorig::rig

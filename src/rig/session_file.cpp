@@ -54,6 +54,9 @@ FolderLock::FolderLock(const std::filesystem::path& output, const std::string& e
   check_environment(environment);
   folder_ = output / environment;
   std::error_code failure;
+  for (auto folder = folder_; !folder.empty() && !std::filesystem::exists(folder, failure);
+       folder = folder.parent_path())
+    made_folders_.push_back(folder);
   std::filesystem::create_directories(folder_, failure);
   if (failure) refuse_folder(folder_, failure.message());
   if (::access(folder_.c_str(), W_OK | X_OK) != 0)
@@ -69,7 +72,10 @@ SessionFile FolderLock::next(const std::string& utc_compact) const {
     highest = std::max(highest, number_in(entry.path().filename().string(), environment_));
   const int number = highest + 1;
   const auto stem = folder_ / fmt::format("{}_acq-{:02}_{}", environment_, number, utc_compact);
-  return {.acquisition = number, .session = stem.string() + ".h5", .journal = stem.string() + ".journal"};
+  return {.acquisition = number,
+          .session = stem.string() + ".h5",
+          .journal = stem.string() + ".journal",
+          .made_folders = made_folders_};
 }
 
 std::string compact_utc(const std::string& utc) {

@@ -117,6 +117,7 @@ TEST_F(Record, RefusesAnOutputFolderThatCannotBeWritten) {
   write("taken", {});
   expect_refused(fast + "--output taken " + brief_plan, 7, "taken");
   expect_refused(fast + "--output /proc/recordings " + brief_plan, 7, "/proc/recordings");
+  EXPECT_EQ(run(fast + "--output taken " + brief_plan).out, "");
 }
 
 TEST_F(Record, RefusesVirtualTimeOnRealPorts) {

@@ -96,7 +96,7 @@ TEST(Recording, ASilentDeviceIsNamedAndNothingIsLeftBehind) {
     ASSERT_TRUE(error) << name_of(silent);
     EXPECT_EQ(error->code(), ExitCode::device_missing);
     EXPECT_THAT(error->where(), HasSubstr(std::string(name_of(silent))));
-    EXPECT_TRUE(files_below(folder.path()).empty());
+    EXPECT_TRUE(std::filesystem::is_empty(folder.path()));
   }
 }
 
@@ -119,6 +119,44 @@ TEST(Recording, SaysWhatCameInsteadOfTheCamera) {
   ASSERT_TRUE(error);
   EXPECT_EQ(error->code(), ExitCode::device_missing);
   EXPECT_THAT(error->what(), HasSubstr("that is the gyro, not the camera"));
+}
+
+TEST(Recording, AFolderThatWasThereBeforeStays) {
+  const TemporaryFolder folder;
+  std::filesystem::create_directory(folder.path() / "kitchen");
+  SimulatedBus bus(simulation::default_rig(1, "kitchen"));
+  bus.is_cut = [](Device device, HostTime) { return device == Device::camera; };
+  EXPECT_TRUE(error_of(bus, virtual_options(folder, short_plan())));
+  EXPECT_TRUE(std::filesystem::is_directory(folder.path() / "kitchen"));
+}
+
+TEST(Recording, SaysWhichProtocolTheGyroSpeaks) {
+  const TemporaryFolder folder;
+  SimulatedBus bus(simulation::default_rig(1, "kitchen"));
+  VirtualOptions options = virtual_options(folder, short_plan());
+  options.recording.profile.gyro.protocol = GyroProtocol::text;  // the simulated one sends packets
+  const auto error = error_of(bus, options);
+  ASSERT_TRUE(error);
+  EXPECT_EQ(error->code(), ExitCode::device_missing);
+  EXPECT_THAT(error->advice(), HasSubstr("protocol = \"witmotion\""));
+}
+
+TEST(Recording, SaysThatTheGyroPrintsText) {
+  struct TextGyro : SimulatedBus {
+    using SimulatedBus::SimulatedBus;
+    std::vector<Chunk> advance(HostTime until) override {
+      std::vector<Chunk> chunks = SimulatedBus::advance(until);
+      const std::string line = "0.25,-1.50,30.00\r\n";
+      for (Chunk& chunk : chunks)
+        if (chunk.device == Device::gyro) chunk.bytes.assign(line.begin(), line.end());
+      return chunks;
+    }
+  } bus(simulation::default_rig(1, "kitchen"));
+  const TemporaryFolder folder;
+  const auto error = error_of(bus, virtual_options(folder, short_plan()));
+  ASSERT_TRUE(error);
+  EXPECT_THAT(error->advice(), HasSubstr("protocol = \"text\""));
+  EXPECT_THAT(error->advice(), ::testing::Not(HasSubstr("baud")));
 }
 
 TEST(Recording, SaysThatAPortCarriesNoFrames) {

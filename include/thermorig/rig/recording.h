@@ -103,7 +103,8 @@ class Recording {
   /// End record, sync, close. Returns where the journal and its session belong.
   SessionFile close(HostTime now);
 
-  /// Closes and removes the journal: nothing was recorded that is worth keeping.
+  /// Closes and removes the journal, and the folders that were made for it: nothing was recorded that is
+  /// worth keeping.
   void discard(HostTime now);
 
   const SessionFile& file() const;

@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "thermorig/core/time.h"
 
@@ -17,6 +18,7 @@ struct SessionFile {
   int acquisition = 0;  // from 1
   std::filesystem::path session;
   std::filesystem::path journal;
+  std::vector<std::filesystem::path> made_folders;  // that were not there before, the innermost first
 };
 
 /// Throws Error(bad_usage) that says what is allowed unless `environment` is [a-z0-9-]{1,32}.
@@ -38,6 +40,7 @@ class FolderLock {
  private:
   std::filesystem::path folder_;
   std::string environment_;
+  std::vector<std::filesystem::path> made_folders_;
   std::unique_ptr<FileLock> lock_;
 };
 

@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: MIT
+#include "thermorig/rig/link_load.h"
+
+#include <gtest/gtest.h>
+
+namespace thermorig::rig {
+namespace {
+
+TEST(LinkLoad, IsThatOfTheDefaultRig) {
+  const RigProfile profile;
+  EXPECT_DOUBLE_EQ(link_load(Device::camera, profile).bytes_per_s(), 1544 * 8.0);
+  EXPECT_DOUBLE_EQ(link_load(Device::gyro, profile).bytes_per_s(), 11 * 200.0);
+  EXPECT_DOUBLE_EQ(link_load(Device::servo, profile).rate_hz, 100.0);
+}
+
+TEST(LinkLoad, OfATextGyroGrowsWithItsColumns) {
+  RigProfile profile;
+  profile.gyro.protocol = GyroProtocol::text;
+  const auto three_columns = link_load(Device::gyro, profile).message_bytes;
+  EXPECT_GT(three_columns, 20U);
+  profile.gyro.text.prefix = "a/g:";
+  profile.gyro.text.rate = {4, 5, 6};
+  EXPECT_EQ(link_load(Device::gyro, profile).message_bytes, three_columns + 4 * 8 + 4);
+}
+
+}  // namespace
+}  // namespace thermorig::rig
