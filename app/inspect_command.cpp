@@ -5,6 +5,7 @@
 
 #include "commands.h"
 #include "error_output.h"
+#include "existing_file.h"
 #include "inspect_text.h"
 #include "output.h"
 #include "thermorig/journal/journal.h"
@@ -25,6 +26,7 @@ struct Inspected {
 };
 
 Inspected inspect(const std::filesystem::path& path) {
+  require_existing(path);
   refuse_journal(path);
   session::Session session = session::read_session(path);
   session::Quality quality = session::quality_of(session);

@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "commands.h"
+#include "existing_file.h"
 #include "output.h"
 #include "thermorig/rig/finalise.h"
 
@@ -13,6 +14,7 @@ namespace thermorig::app {
 ExitCode run(const ReprocessOptions& options) {
   nlohmann::json list = nlohmann::json::array();
   for (const auto& path : options.files) {
+    require_existing(path);
     const session::Session session = rig::reprocess(path);
     const session::Quality quality = session::quality_of(session);
     list.push_back({{"file", path.string()},

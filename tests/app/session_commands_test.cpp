@@ -63,8 +63,16 @@ TEST_F(SessionCommands, InspectRefusesWhatIsNoSessionAndStillShowsTheRest) {
   EXPECT_EQ(outcome.code, 8);
   EXPECT_THAT(outcome.err, HasSubstr("notes.h5"));
   EXPECT_THAT(outcome.out, HasSubstr("verdict"));
-  EXPECT_EQ(run("inspect missing.h5").code, 8);
   EXPECT_EQ(run("inspect .").code, 8);
+}
+
+TEST_F(SessionCommands, AFileThatIsNotThereIsBadUsageForEveryCommand) {
+  for (const char* command : {"inspect", "reprocess", "recover", "decode --device camera"}) {
+    const Outcome outcome = run(command + std::string(" missing.h5"));
+    EXPECT_EQ(outcome.code, 2) << command;
+    EXPECT_THAT(outcome.err, HasSubstr("no such file")) << command;
+    EXPECT_THAT(outcome.err, HasSubstr("missing.h5")) << command;
+  }
 }
 
 TEST_F(SessionCommands, InspectCheckFailsOnABadSession) {

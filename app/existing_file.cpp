@@ -1,0 +1,14 @@
+// SPDX-License-Identifier: MIT
+#include "existing_file.h"
+
+#include "thermorig/core/error.h"
+
+namespace thermorig::app {
+
+void require_existing(const std::filesystem::path& path) {
+  std::error_code hidden;  // a folder that may not be searched: opening says so
+  if (std::filesystem::status(path, hidden).type() != std::filesystem::file_type::not_found) return;
+  throw Error(ExitCode::bad_usage, "there is no such file", path.string(), "check the name: ls recordings/*");
+}
+
+}  // namespace thermorig::app
