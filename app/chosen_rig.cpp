@@ -5,6 +5,7 @@
 
 #include "profile_path.h"
 #include "thermorig/core/error.h"
+#include "thermorig/io/port.h"
 #include "thermorig/rig/profile_file.h"
 
 namespace thermorig::app {
@@ -35,6 +36,27 @@ void check_ports(const RigProfile& profile) {
   if (missing.empty()) return;
   throw Error(ExitCode::bad_usage, "no port is named for " + missing, "",
               "thermorig ports (finds them), --rig PROFILE, or --simulated");
+}
+
+/// The device behind a port's name; the name itself if there is none, which opening it will say.
+std::string device_behind(const std::string& port) {
+  try {
+    return io::resolve_port(port);
+  } catch (const Error&) {
+    return port;
+  }
+}
+
+void check_ports_differ(const RigProfile& profile) {
+  for (std::size_t i = 0; i < device_count; ++i)
+    for (std::size_t k = i + 1; k < device_count; ++k) {
+      const std::string& one = profile.link(all_devices[i]).port;
+      if (device_behind(one) != device_behind(profile.link(all_devices[k]).port)) continue;
+      throw Error(ExitCode::bad_usage,
+                  "the same port is named for " + std::string(name_of(all_devices[i])) + " and " +
+                      std::string(name_of(all_devices[k])),
+                  one, "thermorig ports (tells which device is on which port)");
+    }
 }
 
 void apply(const RigOptions& options, RigProfile& profile) {
@@ -88,10 +110,12 @@ ChosenRig chosen_rig(const RigOptions& options, const std::string& environment) 
   }
   if (!options.profile.empty()) chosen.profile = read_named_profile(options.profile);
   apply(options, chosen.profile);
-  if (chosen.simulated)
+  if (chosen.simulated) {
     chosen.simulated->profile = chosen.profile;
-  else
+  } else {
     check_ports(chosen.profile);
+    check_ports_differ(chosen.profile);
+  }
   return chosen;
 }
 

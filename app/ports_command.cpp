@@ -100,9 +100,8 @@ std::string joined(const std::vector<std::string>& words) {
 }
 
 /// What to type next, for copy and paste.
-std::string next_command(const PortsOptions& options, const RigProfile& profile, bool whole) {
+std::string next_command(const PortsOptions& options, const RigProfile& profile) {
   if (!options.save.empty()) return "thermorig record --environment kitchen --rig " + options.save;
-  if (!whole) return "";
   return fmt::format(
       "thermorig record --environment kitchen --camera {} --gyro {} --servo {}\nsave  thermorig ports --save "
       "bench",
@@ -116,8 +115,8 @@ void print_text(const PortsOptions& options, const std::vector<PortFinding>& fin
   const std::vector<std::string> missing = missing_roles(findings);
   if (!missing.empty()) fmt::print("\nmissing  {}\n", joined(missing));
   if (!options.save.empty()) fmt::print("\nsaved {}\n", profile_path(options.save).string());
-  const std::string next = next_command(options, profile, missing.empty() && ambiguous.empty());
-  if (!next.empty()) fmt::print("{}next  {}\n", options.save.empty() ? "\n" : "", next);
+  if (!missing.empty() || !ambiguous.empty()) return;  // there is nothing yet to record with
+  fmt::print("{}next  {}\n", options.save.empty() ? "\n" : "", next_command(options, profile));
 }
 
 void print_result_json(const PortsOptions& options, const std::vector<PortFinding>& findings,
@@ -155,7 +154,7 @@ ExitCode run(const PortsOptions& options) {
     print_result_json(options, findings, ambiguous);
   else
     print_text(options, findings, profile, ambiguous);
-  return missing_roles(findings).empty() ? ExitCode::ok : ExitCode::device_missing;
+  return missing_roles(findings).empty() && ambiguous.empty() ? ExitCode::ok : ExitCode::device_missing;
 }
 
 }  // namespace thermorig::app

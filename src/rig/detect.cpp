@@ -111,6 +111,16 @@ class Listener {
   HostTime last_hello_{};
 };
 
+/// "A and B", "A, B and C".
+std::string listed(const std::vector<const PortFinding*>& findings) {
+  std::string text;
+  for (const PortFinding* finding : findings) {
+    if (!text.empty()) text += finding == findings.back() ? " and " : ", ";
+    text += finding->info.path;
+  }
+  return text;
+}
+
 }  // namespace
 
 std::vector<PortFinding> identify_devices(const std::vector<io::PortInfo>& ports, double listen_s) {
@@ -135,9 +145,8 @@ RigProfile apply_findings(RigProfile profile, const std::vector<PortFinding>& fi
     for (const PortFinding& finding : findings)
       if (finding.role == device) of_role.push_back(&finding);
     if (of_role.size() > 1)
-      ambiguous.push_back(fmt::format("{} ports look like a {}: {} and {}; name the right one in the profile",
-                                      of_role.size(), name_of(device), of_role[0]->info.path,
-                                      of_role[1]->info.path));
+      ambiguous.push_back(fmt::format("{} ports look like a {}: {}; name the right one with --{}",
+                                      of_role.size(), name_of(device), listed(of_role), name_of(device)));
     if (of_role.size() != 1) continue;
     PortProfile& link = profile.link(device);
     link.port = of_role[0]->info.path;

@@ -16,6 +16,7 @@ namespace thermorig::tests {
 namespace {
 
 using ::testing::HasSubstr;
+using ::testing::Not;
 
 /// A pseudo terminal on which something speaks: `say` gives the bytes of each 20 ms.
 class Speaker {
@@ -96,8 +97,27 @@ TEST_F(Ports, SaysWhichRolesAreMissing) {
   const Outcome outcome = run("ports " + nobody.path() + " " + gyro.path());
   EXPECT_EQ(outcome.code, 4);
   EXPECT_THAT(outcome.out, HasSubstr("missing  camera, servo"));
+  EXPECT_THAT(outcome.out, Not(HasSubstr("next  thermorig record")));
   EXPECT_THAT(outcome.out, HasSubstr("unknown"));
   EXPECT_LT(outcome.out.find("gyro "), outcome.out.find("unknown"));
+}
+
+TEST_F(Ports, AnAmbiguousRoleIsNotedAndNothingToRecordWithIsSuggested) {
+  const Speaker one(gyro_words), other(gyro_words);
+  const Outcome outcome = run("ports --save ./found.toml " + one.path() + " " + other.path());
+  EXPECT_EQ(outcome.code, 4);
+  EXPECT_THAT(outcome.out, HasSubstr("2 ports look like a gyro: "));
+  EXPECT_THAT(outcome.out, HasSubstr("saved "));
+  EXPECT_THAT(outcome.out, Not(HasSubstr("next  thermorig record")));
+}
+
+TEST_F(Ports, RecordRefusesTheSamePortForTwoRoles) {
+  const Speaker camera(silence), gyro(silence);
+  std::filesystem::create_symlink(gyro.path(), folder() / "link");
+  const Outcome outcome = run("record --environment garden --plan quick --camera " + camera.path() +
+                              " --gyro " + gyro.path() + " --servo ./link");
+  EXPECT_EQ(outcome.code, 2) << outcome.err;
+  EXPECT_THAT(outcome.err, HasSubstr("the same port is named for gyro and servo"));
 }
 
 TEST_F(Ports, RecordNamesThePortThatSendsNothing) {

@@ -48,6 +48,15 @@ TEST(Classify, KnowsAGyroThatPrintsLines) {
   EXPECT_EQ(evidence.role, Device::gyro);
   EXPECT_EQ(evidence.gyro_protocol, GyroProtocol::text);
   EXPECT_EQ(evidence.messages, 20U);
+  ASSERT_TRUE(evidence.text_format.has_value());
+  EXPECT_EQ(evidence.text_format->columns.prefix, "a/g:");
+  EXPECT_EQ(evidence.text_format->columns.rate, (std::array<int, 3>{3, 4, 5}));
+}
+
+TEST(Classify, TellsTheUnitOfATextGyrosClockByHowLongItListened) {
+  std::string text = "ms,gx,gy,gz\n";
+  for (int i = 0; i < 20; ++i) text += std::to_string(1000 + 2 * i) + ",0.5,-1,2\n";
+  EXPECT_EQ(classify(as_bytes(text), 0.04).text_format->columns.time_unit_s, 1e-3);
 }
 
 TEST(Classify, DoesNotGuess) {
@@ -101,6 +110,32 @@ TEST(Findings, BecomeTheProfile) {
   EXPECT_TRUE(ambiguous.empty());
 }
 
+PortFinding text_gyro_finding() {
+  PortFinding found = finding("/dev/ttyUSB0", Device::gyro, 115200);
+  found.gyro_protocol = GyroProtocol::text;
+  found.text_format.emplace();
+  found.text_format->columns.rate = {1, 2, 3};
+  found.text_format->columns.time = 0;
+  return found;
+}
+
+TEST(Findings, BringTheColumnsOfATextGyro) {
+  std::vector<std::string> ambiguous;
+  const RigProfile profile = apply_findings({}, {text_gyro_finding()}, ambiguous);
+  EXPECT_EQ(profile.gyro.protocol, GyroProtocol::text);
+  EXPECT_EQ(profile.gyro.text.rate, (std::array<int, 3>{1, 2, 3}));
+  EXPECT_EQ(profile.gyro.text.time, 0);
+}
+
+TEST(Findings, KeepTheColumnsThatAPersonHasSet) {
+  std::vector<std::string> ambiguous;
+  RigProfile edited;
+  edited.gyro.protocol = GyroProtocol::text;
+  edited.gyro.text.rate = {5, 6, 7};
+  const RigProfile profile = apply_findings(edited, {text_gyro_finding()}, ambiguous);
+  EXPECT_EQ(profile.gyro.text.rate, (std::array<int, 3>{5, 6, 7}));
+}
+
 TEST(Findings, LeaveARoleAloneThatWasFoundTwice) {
   std::vector<std::string> ambiguous;
   const RigProfile profile = apply_findings(
@@ -109,6 +144,16 @@ TEST(Findings, LeaveARoleAloneThatWasFoundTwice) {
   EXPECT_EQ(profile.camera.link.port, "");
   ASSERT_EQ(ambiguous.size(), 1U);
   EXPECT_THAT(ambiguous[0], HasSubstr("/dev/ttyUSB0 and /dev/ttyUSB1"));
+}
+
+TEST(Findings, NameEveryPortThatLooksLikeTheSameRole) {
+  std::vector<std::string> ambiguous;
+  apply_findings({},
+                 {finding("/dev/a", Device::gyro, 9600), finding("/dev/b", Device::gyro, 9600),
+                  finding("/dev/c", Device::gyro, 9600)},
+                 ambiguous);
+  ASSERT_EQ(ambiguous.size(), 1U);
+  EXPECT_THAT(ambiguous[0], HasSubstr("3 ports look like a gyro: /dev/a, /dev/b and /dev/c;"));
 }
 
 }  // namespace
