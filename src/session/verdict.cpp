@@ -56,7 +56,8 @@ void judge_samples(const Quality& quality, Verdict& verdict) {
 void judge_events(const Session& session, Verdict& verdict) {
   const auto is_loss = [](const RecordingEvent& event) { return event.kind == EventKind::device_lost; };
   const auto losses = std::count_if(session.raw.events.begin(), session.raw.events.end(), is_loss);
-  if (losses > 0) verdict.usable(fmt::format("a device was lost {} time(s)", losses));
+  if (losses == 1) verdict.usable("a device was lost once");
+  if (losses > 1) verdict.usable(fmt::format("devices were lost {} times", losses));
   if (session.state == State::recovered) verdict.usable("recovered after the recorder was cut short");
   if (session.state == State::partial) verdict.usable("stopped before the plan was complete");
 }
