@@ -40,8 +40,8 @@ Labeller::Labeller(LabelConfig config)
 
 std::uint32_t Labeller::frame_reasons(const TimedFrame& frame) {
   return bit_if(Reason::camera_gap, frame.missing_before > 0) |
-         bit_if(Reason::camera_not_fresh, frame.stale) |
-         bit_if(Reason::sync_lost, frame.late) | bit_if(Reason::checksum, frame.resync_before) |
+         bit_if(Reason::camera_not_fresh, frame.stale) | bit_if(Reason::sync_lost, frame.late) |
+         bit_if(Reason::checksum, frame.resync_before) |
          bit_if(Reason::out_of_range, has_pixel_out_of_range(frame.frame));
 }
 

@@ -74,9 +74,7 @@ void camera_columns(Archive& archive, Rows& frames) {
       [](auto& row) -> auto& { return row.exposure_end; });
   archive.template column<std::uint8_t>(
       {"status", "1", "state of the frame", "", flag_masks({"resync_before", "stale", "late"})}, frames,
-      [](const auto& row) {
-        return (row.resync_before ? 1 : 0) | (row.stale ? 2 : 0) | (row.late ? 4 : 0);
-      },
+      [](const auto& row) { return (row.resync_before ? 1 : 0) | (row.stale ? 2 : 0) | (row.late ? 4 : 0); },
       [](auto& row, std::uint8_t status) {
         row.resync_before = (status & 1U) != 0;
         row.stale = (status & 2U) != 0;
