@@ -86,12 +86,13 @@ class Listener {
   void judge(HostTime now) {
     loop_.close(*port_);
     port_.reset();
-    const Evidence evidence = classify(bytes_);
+    const Evidence evidence = classify(bytes_, to_s(now - opened_));
     if (!bytes_.empty()) finding_.how = evidence.text;
     if (evidence.role) {
       finding_.role = evidence.role;
       finding_.baud = has_baud_ ? slots_[slot_].baud : 0;
       finding_.gyro_protocol = evidence.gyro_protocol;
+      finding_.text_format = evidence.text_format;
       finding_.rate_hz = static_cast<double>(evidence.messages) / to_s(now - opened_);
       slot_ = slots_.size();
     } else {
@@ -110,6 +111,12 @@ class Listener {
   HostTime opened_{};
   HostTime last_hello_{};
 };
+
+void apply_gyro(const PortFinding& finding, GyroProfile& gyro) {
+  const bool had_columns = gyro.protocol == GyroProtocol::text;
+  gyro.protocol = finding.gyro_protocol;
+  if (finding.text_format && !had_columns) gyro.text = finding.text_format->columns;
+}
 
 /// "A and B", "A, B and C".
 std::string listed(const std::vector<const PortFinding*>& findings) {
@@ -152,7 +159,7 @@ RigProfile apply_findings(RigProfile profile, const std::vector<PortFinding>& fi
     link.port = of_role[0]->info.path;
     link.usb_path = of_role[0]->info.usb_path;
     if (of_role[0]->baud != 0) link.baud = of_role[0]->baud;
-    if (device == Device::gyro) profile.gyro.protocol = of_role[0]->gyro_protocol;
+    if (device == Device::gyro) apply_gyro(*of_role[0], profile.gyro);
   }
   return profile;
 }
