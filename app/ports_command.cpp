@@ -7,6 +7,7 @@
 #include "commands.h"
 #include "output.h"
 #include "profile_path.h"
+#include "text_columns.h"
 #include "thermorig/io/port.h"
 #include "thermorig/rig/detect.h"
 #include "thermorig/rig/profile_file.h"
@@ -66,6 +67,7 @@ nlohmann::json json_of(const PortFinding& finding) {
   object["role"] = finding.role ? nlohmann::json(name_of(*finding.role)) : nlohmann::json();
   if (finding.role == Device::gyro)
     object["gyro_protocol"] = finding.gyro_protocol == GyroProtocol::text ? "text" : "witmotion";
+  if (finding.text_format) object["text_format"] = format_json(*finding.text_format);
   return object;
 }
 
@@ -99,9 +101,23 @@ std::string joined(const std::vector<std::string>& words) {
   return text;
 }
 
-/// What to type next, for copy and paste.
+/// Text does not say what its columns are: how they were read is shown, to be checked by a person.
+void print_text_gyro(const PortFinding& finding, const RigProfile& profile) {
+  if (!finding.text_format) return;
+  const wire::TextFormat& format = *finding.text_format;
+  fmt::print("\nnote  the gyro on {} prints lines such as: {}\n", finding.info.path,
+             printable(format.sample_line));
+  fmt::print("      taken: {}\n", columns_text(format.columns));
+  fmt::print("      why: {}\n", assumptions_text(format));
+  if (columns_text(profile.gyro.text) != columns_text(format.columns))
+    fmt::print("      the profile says otherwise, and is kept: {}\n", columns_text(profile.gyro.text));
+  fmt::print("      check scale and columns: [gyro.text] in the profile\n");
+}
+
+/// What to type next, for copy and paste. The columns of a text gyro can only be said in a profile.
 std::string next_command(const PortsOptions& options, const RigProfile& profile) {
   if (!options.save.empty()) return "thermorig record --environment kitchen --rig " + options.save;
+  if (profile.gyro.protocol == GyroProtocol::text) return "thermorig ports --save bench";
   return fmt::format(
       "thermorig record --environment kitchen --camera {} --gyro {} --servo {}\nsave  thermorig ports --save "
       "bench",
@@ -112,6 +128,7 @@ void print_text(const PortsOptions& options, const std::vector<PortFinding>& fin
                 const RigProfile& profile, const std::vector<std::string>& ambiguous) {
   fmt::print("{}", table_text(findings));
   for (const std::string& sentence : ambiguous) fmt::print("\nnote  {}\n", printable(sentence));
+  for (const PortFinding& finding : findings) print_text_gyro(finding, profile);
   const std::vector<std::string> missing = missing_roles(findings);
   if (!missing.empty()) fmt::print("\nmissing  {}\n", joined(missing));
   if (!options.save.empty()) fmt::print("\nsaved {}\n", profile_path(options.save).string());

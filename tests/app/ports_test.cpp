@@ -6,6 +6,7 @@
 #include <csignal>
 #include <fstream>
 #include <functional>
+#include <iterator>
 #include <thread>
 
 #include "program.h"
@@ -49,6 +50,15 @@ std::vector<std::uint8_t> silence() {
 std::vector<std::uint8_t> gyro_words() {
   const auto packet = wire::witmotion_gyro_packet({1, 2, 3}, 30.0F);
   return {packet.begin(), packet.end()};
+}
+
+/// A gyro that prints its milliseconds and three rates; 50 lines a second.
+std::function<std::vector<std::uint8_t>()> gyro_lines() {
+  return [ms = 1000]() mutable {
+    ms += 20;
+    const std::string line = std::to_string(ms) + ",0.5,-1.25," + std::to_string(ms % 3) + "\r\n";
+    return std::vector<std::uint8_t>(line.begin(), line.end());
+  };
 }
 
 class Ports : public ProgramTest {
@@ -118,6 +128,24 @@ TEST_F(Ports, RecordRefusesTheSamePortForTwoRoles) {
                               " --gyro " + gyro.path() + " --servo ./link");
   EXPECT_EQ(outcome.code, 2) << outcome.err;
   EXPECT_THAT(outcome.err, HasSubstr("the same port is named for gyro and servo"));
+}
+
+TEST_F(Ports, SavesTheColumnsOfATextGyroAndAsksToCheckThem) {
+  const Speaker gyro(gyro_lines());
+  const Outcome outcome = run("ports --save text.toml " + gyro.path());
+  EXPECT_THAT(outcome.out, HasSubstr(",0.5,-1.25,"));
+  EXPECT_THAT(
+      outcome.out,
+      HasSubstr("taken: no prefix, columns 1,2,3 as x,y,z, 1 deg/s a unit, time in column 0 (0.001 s"));
+  EXPECT_THAT(outcome.out, HasSubstr("check scale and columns"));
+  std::ifstream file(folder() / "text.toml");
+  const std::string profile(std::istreambuf_iterator<char>(file), {});
+  EXPECT_THAT(profile, HasSubstr("x_column = 1"));
+  EXPECT_THAT(profile, HasSubstr("z_column = 3"));
+  EXPECT_THAT(profile, HasSubstr("time_column = 0"));
+
+  const auto found = run("ports --json " + gyro.path()).lines()[0]["ports"][0];
+  EXPECT_EQ(found["text_format"]["columns"], nlohmann::json({1, 2, 3}));
 }
 
 TEST_F(Ports, RecordNamesThePortThatSendsNothing) {
