@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: MIT
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <limits>
 #include <nlohmann/json.hpp>
 
 #include "byte_source.h"
 #include "commands.h"
+#include "decode_advice.h"
 #include "decoded_text.h"
 #include "output.h"
 
@@ -14,20 +14,13 @@ namespace thermorig::app {
 
 namespace {
 
+constexpr std::uint64_t usual_lines = 10;
+
 GyroProfile gyro_profile(const DecodeOptions& options) {
   GyroProfile profile;
   profile.protocol = options.gyro_protocol == "text" ? GyroProtocol::text : GyroProtocol::witmotion;
-  std::copy(options.columns.begin(), options.columns.end(), profile.text.rate.begin());
-  profile.text.prefix = options.prefix;
-  profile.text.scale_dps = options.scale_dps;
-  profile.text.time = options.time_column;
-  profile.text.time_unit_s = options.time_unit_s;
+  profile.text = text_columns(options);
   return profile;
-}
-
-ChecksumPolicy checksum_policy(const std::string& name) {
-  if (name == "ignore") return ChecksumPolicy::ignore;
-  return name == "byte" ? ChecksumPolicy::byte : ChecksumPolicy::word;
 }
 
 /// Prints messages as they come: all of them, or the first few.
@@ -35,7 +28,7 @@ class MessagePrinter {
  public:
   explicit MessagePrinter(const DecodeOptions& options)
       : json_(options.json),
-        most_(options.all || options.json ? std::numeric_limits<std::uint64_t>::max() : options.lines) {}
+        most_(options.all ? every : options.lines.value_or(options.json ? every : usual_lines)) {}
 
   template <typename Message>
   void print(const Message& message) {
@@ -49,6 +42,8 @@ class MessagePrinter {
   std::uint64_t left_out() const { return count_ > most_ ? count_ - most_ : 0; }
 
  private:
+  static constexpr std::uint64_t every = std::numeric_limits<std::uint64_t>::max();
+
   bool json_;
   std::uint64_t most_;
   std::uint64_t count_ = 0;
@@ -65,6 +60,11 @@ wire::Counters decode(Scanner scanner, ByteSource& source, MessagePrinter& print
     scanner.push(block, messages);
     for (const Message& message : messages) printer.print(message);
   }
+  if constexpr (requires { scanner.finish(messages); }) {
+    messages.clear();
+    scanner.finish(messages);
+    for (const Message& message : messages) printer.print(message);
+  }
   return scanner.counters();
 }
 
@@ -75,54 +75,40 @@ wire::Counters decode(const DecodeOptions& options, ByteSource& source, MessageP
       return decode<wire::CameraMessage>(wire::CameraScanner(checksum_policy(options.camera_checksum)),
                                          source, printer, head);
     case Device::gyro:
-      return decode<wire::GyroMessage>(wire::GyroScanner(gyro_profile(options)), source, printer, head);
+      return decode<wire::GyroMessage>(
+          wire::GyroScanner(gyro_profile(options), wire::StreamStart::at_line_start), source, printer, head);
     case Device::servo:
       break;
   }
   return decode<wire::ServoMessage>(wire::ServoScanner(), source, printer, head);
 }
 
-template <typename Message, typename Scanner>
-std::size_t messages_in(Scanner scanner, std::span<const std::uint8_t> bytes) {
-  std::vector<Message> messages;
-  scanner.push(bytes, messages);
-  return messages.size();
-}
-
-/// Which device's bytes these are, if not the one that was named.
-std::string advice(std::span<const std::uint8_t> head) {
-  if (messages_in<wire::CameraMessage>(wire::CameraScanner(), head) > 0) return "--device camera";
-  if (messages_in<wire::ServoMessage>(wire::ServoScanner(), head) > 0) return "--device servo";
-  if (messages_in<wire::GyroMessage>(wire::WitmotionScanner(), head) > 3) return "--device gyro";
-  if (messages_in<wire::GyroMessage>(wire::TextGyroScanner(TextColumns{}), head) > 3)
-    return "--device gyro --gyro-protocol text";
-  return "another baud rate when the dump is taken: wrong ones give bytes without sense";
-}
-
-[[noreturn]] void refuse_bytes(const DecodeOptions& options, const std::string& name, std::uint64_t bytes,
-                               std::span<const std::uint8_t> head) {
+[[noreturn]] void refuse_bytes(const DecodeOptions& options, const std::string& name,
+                               const wire::Counters& counters, std::span<const std::uint8_t> head) {
   const std::string device(name_of(options.device));
-  if (bytes == 0)
+  if (counters.bytes_received == 0)
     throw Error(ExitCode::device_missing, "there are no bytes", name,
                 "a dump that the " + device + " has sent");
   throw Error(ExitCode::device_missing,
-              fmt::format("not one message of a {} in {} bytes", device, count_text(bytes)), name,
-              advice(head));
+              fmt::format("not one message of a {} in {} bytes", device, count_text(counters.bytes_received)),
+              name, advice_on_nothing(options, head, counters));
 }
 
 void print_summary(const DecodeOptions& options, const std::string& name, const wire::Counters& counters,
-                   const MessagePrinter& printer) {
+                   const MessagePrinter& printer, const std::vector<std::string>& remarks) {
   if (options.json) {
     print_json({{"event", "summary"},
                 {"device", name_of(options.device)},
                 {"file", name},
                 {"messages_decoded", printer.count()},
-                {"counters", json_of(counters)}});
+                {"counters", json_of(counters)},
+                {"remarks", remarks}});
     return;
   }
   if (printer.left_out() > 0)
     fmt::print("... and {} more (--all prints them)\n", count_text(printer.left_out()));
   fmt::print("\n{}", text_of(counters));
+  for (const std::string& remark : remarks) fmt::print("\nnote  {}\n", remark);
 }
 
 }  // namespace
@@ -132,9 +118,11 @@ ExitCode run(const DecodeOptions& options) {
   MessagePrinter printer(options);
   std::vector<std::uint8_t> head;
   const wire::Counters counters = decode(options, source, printer, head);
-  print_summary(options, source.name(), counters, printer);
-  if (printer.count() == 0) refuse_bytes(options, source.name(), counters.bytes_received, head);
-  return ExitCode::ok;
+  const std::vector<std::string> remarks =
+      printer.count() > 0 ? remarks_on(options, head, counters) : std::vector<std::string>();
+  print_summary(options, source.name(), counters, printer, remarks);
+  if (printer.count() == 0) refuse_bytes(options, source.name(), counters, head);
+  return is_mostly_bad(counters) ? ExitCode::finished_lossy : ExitCode::ok;
 }
 
 }  // namespace thermorig::app

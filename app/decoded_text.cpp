@@ -160,7 +160,9 @@ nlohmann::json json_of(const wire::GyroMessage& message, std::uint64_t index) {
                         {"byte", message.span.begin},
                         {"lost_before", message.lost_before},
                         {"rate_dps", reading.rate_dps},
-                        {"saturated", reading.saturated}};
+                        {"saturated", reading.saturated},
+                        {"temp_c", nullptr},
+                        {"device_time_us", nullptr}};
   if (reading.temp_c) object["temp_c"] = hundredths(*reading.temp_c);
   if (reading.device_time_us) object["device_time_us"] = *reading.device_time_us;
   return object;

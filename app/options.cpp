@@ -164,9 +164,8 @@ void add_decode(CLI::App& root, Words& words) {
       ->check(CLI::IsMember({"camera", "gyro", "servo"}))
       ->required();
   command.add_option("FILE", decode.file, "The dump; - for standard input")->required();
-  command.add_option("--lines", decode.lines, "Messages to print, a line each")
-      ->type_name("N")
-      ->capture_default_str();
+  command.add_option("--lines", decode.lines, "Messages to print, a line each (default 10, with --json all)")
+      ->type_name("N");
   command.add_flag("--all", decode.all, "Print every message");
   command.add_option("--camera-checksum", decode.camera_checksum, "How the camera's check sum is formed")
       ->check(CLI::IsMember({"word", "byte", "ignore"}))

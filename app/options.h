@@ -75,7 +75,7 @@ struct DecodeOptions {
   int time_column = -1;
   double time_unit_s = 1e-3;
   std::string camera_checksum = "word";
-  std::uint64_t lines = 10;
+  std::optional<std::uint64_t> lines;
   bool all = false;
   bool json = false;
 };

@@ -43,6 +43,10 @@ bool is_blank(std::string_view line) {
   return line.find_first_not_of(blanks) == std::string_view::npos;
 }
 
+bool is_printable(std::string_view line) {
+  return std::all_of(line.begin(), line.end(), [](char c) { return c == '\t' || (c >= ' ' && c <= '~'); });
+}
+
 std::vector<TextField> split_fields(std::string_view line) {
   std::vector<TextField> fields;
   line = without_leading_blanks(line);

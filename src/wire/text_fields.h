@@ -22,6 +22,9 @@ std::optional<RawLine> first_line(std::span<const std::uint8_t> bytes, bool ende
 
 bool is_blank(std::string_view line);
 
+/// ASCII without control characters other than the tab.
+bool is_printable(std::string_view line);
+
 /// One column of a line.
 struct TextField {
   std::string_view name;   // "gx" of "gx:1.5" or "gx=1.5"; else empty

@@ -98,6 +98,7 @@ class Guess {
     const std::string& name = table_.names[static_cast<std::size_t>(rate[0])];
     const std::optional<double> scale_dps = named_scale_dps(name);
     format_.columns.rate = rate;
+    format_.rates_known = true;
     format_.columns.scale_dps = scale_dps.value_or(1.0);
     say(fmt::format("{} are the rates by their names ({} ...){}", columns_text(), name,
                     scale_dps ? "" : "; 1 deg/s a unit is assumed"));
@@ -111,6 +112,7 @@ class Guess {
     if (!is_i2cdevlib)
       return say(fmt::format("{} are taken as the rates; 1 deg/s a unit is assumed", columns_text()));
     format_.columns.scale_dps = 1.0 / i2cdevlib_counts_per_dps;
+    format_.rates_known = true;
     say(
         fmt::format("{} are taken as the rates behind the accelerations, as i2cdevlib prints them; 1/{} "
                     "deg/s a count is assumed (MPU6050 at +-250 deg/s)",

@@ -8,14 +8,11 @@
 #include <utility>
 
 #include "text_fields.h"
+#include "thermorig/wire/text_format.h"
 
 namespace thermorig::wire {
 
 namespace {
-
-bool is_printable(std::string_view line) {
-  return std::all_of(line.begin(), line.end(), [](char c) { return c == '\t' || (c >= ' ' && c <= '~'); });
-}
 
 double finite_number(std::string_view text) {
   const double number = read_number(text).value_or(std::numeric_limits<double>::quiet_NaN());
@@ -43,8 +40,8 @@ class Formats {
     if (prefix == line.text) return add_header(line.text);
     const auto fields = split_fields(line.text.substr(prefix.size()));
     TextTable& table = tables_[{prefix, fields.size()}];
+    if (table.rows.empty()) table.sample_line = line.text;
     table.prefix = prefix;
-    table.sample_line = line.text;
     table.bytes += line.bytes;
     table.names.clear();
     auto& row = table.rows.emplace_back();
@@ -90,6 +87,15 @@ std::vector<std::size_t> TextTable::number_columns() const {
     if (std::none_of(rows.begin(), rows.end(), [&](const auto& row) { return std::isnan(row[column]); }))
       columns.push_back(column);
   return columns;
+}
+
+std::optional<CountedLine> first_text_line(std::span<const std::uint8_t> bytes) {
+  while (const auto line = first_line(bytes, true)) {
+    if (!is_blank(line->text) && is_printable(line->text))
+      return CountedLine{std::string(line->text), split_fields(line->text).size()};
+    bytes = bytes.subspan(line->bytes);
+  }
+  return std::nullopt;
 }
 
 TextTable most_frequent_table(std::span<const std::uint8_t> bytes, StreamStart start) {

@@ -12,7 +12,7 @@ namespace thermorig::wire {
 /// The lines of a stream that have one format, as a table of numbers.
 struct TextTable {
   std::string prefix;                               // what they all begin with, before the first number
-  std::string sample_line;                          // the last of them
+  std::string sample_line;                          // the first of them
   std::vector<std::vector<double>> rows;            // NaN where a column is no number
   std::vector<std::string> names;                   // of the columns, empty where they have none
   std::uint64_t bytes = 0;                          // in these lines, with their ends

@@ -31,7 +31,13 @@ Bytes gyro_dump(int samples) {
   return dump;
 }
 
-class Decode : public ProgramTest {};
+class Decode : public ProgramTest {
+ protected:
+  Outcome run_on_text(const std::string& options, const std::string& text) const {
+    write("dump.txt", {reinterpret_cast<const std::uint8_t*>(text.data()), text.size()});
+    return run("decode --device gyro " + options + " dump.txt");
+  }
+};
 
 TEST_F(Decode, CountsTheFramesAndEveryByte) {
   Bytes dump{1, 2, 3};
@@ -60,6 +66,8 @@ TEST_F(Decode, PrintsTheFirstFewMessagesUnlessAllAreAskedFor) {
   EXPECT_THAT(few.out, ::testing::Not(HasSubstr("sample 4 ")));
   EXPECT_THAT(few.out, HasSubstr("and 21 more"));
   EXPECT_THAT(run("decode --device gyro --all dump.bin").out, HasSubstr("sample 24 "));
+  EXPECT_EQ(run("decode --device gyro --json dump.bin").lines().size(), 26U);
+  EXPECT_EQ(run("decode --device gyro --json --lines 4 dump.bin").lines().size(), 5U);
 }
 
 TEST_F(Decode, ReadsStandardInput) {
@@ -70,16 +78,76 @@ TEST_F(Decode, ReadsStandardInput) {
 }
 
 TEST_F(Decode, ReadsLinesOfTextWithChosenColumns) {
-  const std::string text = "G,10,1.5,2.5,3.5\nG,20,4.5,5.5,6.5\n";
-  write("dump.txt", {reinterpret_cast<const std::uint8_t*>(text.data()), text.size()});
   const Outcome outcome =
-      run("decode --device gyro --gyro-protocol text --prefix G, --columns 1,2,3 --time-column 0 --scale 2 "
-          "--json dump.txt");
+      run_on_text("--gyro-protocol text --prefix G, --columns 1,2,3 --time-column 0 --scale 2 --json",
+                  "G,10,1.5,2.5,3.5\nG,20,4.5,5.5,6.5\n");
   ASSERT_EQ(outcome.code, 0) << outcome.err;
   const auto lines = outcome.lines();
   ASSERT_EQ(lines.size(), 3U);
   EXPECT_EQ(lines[1]["rate_dps"], nlohmann::json({9.0, 11.0, 13.0}));
   EXPECT_EQ(lines[1]["device_time_us"], 20000);
+}
+
+TEST_F(Decode, ReadsEveryLineOfAFileFromItsFirstOn) {
+  const Outcome outcome = run_on_text("--gyro-protocol text --json", "1,2,3\n4,5,6\n7,8,9\n");
+  ASSERT_EQ(outcome.code, 0) << outcome.err;
+  ASSERT_EQ(outcome.lines().size(), 4U);
+  EXPECT_EQ(outcome.lines()[0]["lost_before"], false);
+  EXPECT_EQ(outcome.lines()[0]["temp_c"], nullptr);
+  EXPECT_EQ(outcome.lines()[0]["device_time_us"], nullptr);
+}
+
+TEST_F(Decode, ShowsALineAndTheOptionsThatMayReadItWhereNoneCouldBeRead) {
+  std::string text;
+  for (int i = 0; i < 9; ++i) text += "a/g:\t1\t2\t3\t4\t5\t6\r\n";
+  for (const char* options : {"--gyro-protocol text", "", "--gyro-protocol text --prefix G,"}) {
+    const Outcome outcome = run_on_text(options, text);
+    EXPECT_EQ(outcome.code, 4);
+    EXPECT_THAT(outcome.err, HasSubstr("\"a/g: 1 2 3 4 5 6\" (7 columns)"));
+    EXPECT_THAT(outcome.err,
+                HasSubstr("--gyro-protocol text --prefix 'a/g:' --columns 3,4,5 --scale 0.00763359"));
+  }
+  EXPECT_EQ(run_on_text("--gyro-protocol text --prefix a/g: --columns 3,4,5 --scale 0.00763359", text).code,
+            0);
+}
+
+TEST_F(Decode, ShowsTheFirstLineOfTextThatHoldsNoRates) {
+  const Outcome outcome = run_on_text("--gyro-protocol text", "booting\ntemp 25\n");
+  EXPECT_EQ(outcome.code, 4);
+  EXPECT_THAT(outcome.err, HasSubstr("\"booting\" (1 column)"));
+  EXPECT_THAT(outcome.err, HasSubstr("--columns"));
+}
+
+TEST_F(Decode, SaysThatMostLinesCouldNotBeRead) {
+  const std::string text = "1,2,3\n4,5,6\n1,2,x\n1,2,x\n1,2,x\n";
+  const Outcome outcome = run_on_text("--gyro-protocol text", text);
+  EXPECT_EQ(outcome.code, 3);
+  EXPECT_THAT(outcome.out, HasSubstr("most lines could not be read"));
+  EXPECT_EQ(run_on_text("--gyro-protocol text --json", text).lines().back()["remarks"].size(), 1U);
+}
+
+TEST_F(Decode, RemarksOnColumnsThatAHeaderLineNamesOtherwise) {
+  const std::string text = "t_s,gx_dps,gy_dps,gz_dps\n0.01,1,2,3\n0.02,1,2,3\n0.03,1,2,3\n";
+  const Outcome outcome = run_on_text("--gyro-protocol text", text);
+  EXPECT_EQ(outcome.code, 0);
+  EXPECT_THAT(outcome.out, HasSubstr("--columns 1,2,3 --time-column 0 --time-unit 1"));
+  const Outcome right =
+      run_on_text("--gyro-protocol text --columns 1,2,3 --time-column 0 --time-unit 1", text);
+  EXPECT_THAT(right.out, ::testing::Not(HasSubstr("note")));
+}
+
+TEST_F(Decode, TakesTheLastFrameWithoutAChecksumAndTheOnlyPacketOfAGyro) {
+  Bytes frames = camera_dump(3);
+  for (std::size_t end = 1; end <= 3; ++end) frames[end * wire::camera_frame_bytes - 1] ^= 0x55U;
+  write("frames.bin", frames);
+  const Outcome camera = run("decode --device camera --camera-checksum ignore --json frames.bin");
+  EXPECT_EQ(camera.lines().back()["messages_decoded"], 3);
+  const Outcome advised = run("decode --device camera frames.bin");
+  EXPECT_EQ(advised.code, 4);
+  EXPECT_THAT(advised.err, HasSubstr("--camera-checksum ignore"));
+
+  write("packet.bin", gyro_dump(1));
+  EXPECT_EQ(run("decode --device gyro --json packet.bin").lines().back()["messages_decoded"], 1);
 }
 
 TEST_F(Decode, ShowsTelemetryOfTheServo) {

@@ -38,7 +38,7 @@ TEST(TextFormat, OfI2cdevlibHasItsPrefixAndTheRatesBehindTheAccelerations) {
   EXPECT_EQ(format->columns.time, -1);
   EXPECT_EQ(format->fields, 6U);
   EXPECT_EQ(format->lines, 20U);
-  EXPECT_EQ(format->sample_line, "a/g:\t-124\t88\t16012\t-33\t1\t7");
+  EXPECT_EQ(format->sample_line, "a/g:\t-124\t88\t16012\t-33\t0\t7");
 }
 
 TEST(TextFormat, TakesAFirstColumnThatRunsForTheClockInTheUnitOfTheLineRate) {
@@ -111,6 +111,15 @@ TEST(TextFormat, IsNoneWithoutLinesOfNumbers) {
   EXPECT_FALSE(guess("1,2,3\n4,5,6\n7,8").has_value());  // one whole line
   const ByteVector noise = random_bytes(20000, 5);
   EXPECT_FALSE(wire::guess_text_format(noise).has_value());
+}
+
+TEST(TextFormat, ShowsTheFirstLineWhateverItHolds) {
+  const std::string text = "\r\n\x01\x02\r\nready, 3 axes\r\n1,2,3\r\n";
+  const auto line = wire::first_text_line(ByteVector(text.begin(), text.end()));
+  ASSERT_TRUE(line.has_value());
+  EXPECT_EQ(line->text, "ready, 3 axes");
+  EXPECT_EQ(line->fields, 3U);
+  EXPECT_FALSE(wire::first_text_line(random_bytes(100, 1)).has_value());
 }
 
 TEST(TextFormat, ReadsTheLinesItWasGuessedFrom) {

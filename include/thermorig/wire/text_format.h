@@ -16,10 +16,11 @@ namespace thermorig::wire {
 /// columns are: a guess to be checked by a person.
 struct TextFormat {
   TextColumns columns;                   // proposed
-  std::string sample_line;               // one of the lines, without its end
+  std::string sample_line;               // the first of the lines, without its end
   std::size_t fields = 0;                // its columns behind the prefix
   std::uint64_t lines = 0;               // that look like it
   std::uint64_t bytes = 0;               // in them
+  bool rates_known = false;              // by names, or by the order of a known sketch: not just a guess
   std::vector<std::string> assumptions;  // what was concluded from what, a sentence each
 };
 
@@ -29,5 +30,14 @@ struct TextFormat {
 /// the columns have some, else by their order.
 std::optional<TextFormat> guess_text_format(std::span<const std::uint8_t> bytes,
                                             StreamStart start = StreamStart::anywhere, double heard_s = 0.0);
+
+/// A line of text and the number of its columns, as far as separators show them.
+struct CountedLine {
+  std::string text;
+  std::size_t fields = 0;
+};
+
+/// The first whole line of printable text that is not blank; none if there is no such line.
+std::optional<CountedLine> first_text_line(std::span<const std::uint8_t> bytes);
 
 }  // namespace thermorig::wire

@@ -1,0 +1,136 @@
+// SPDX-License-Identifier: MIT
+#include "decode_advice.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "output.h"
+#include "text_columns.h"
+#include "thermorig/wire/camera_scanner.h"
+#include "thermorig/wire/gyro_scanner.h"
+#include "thermorig/wire/servo_messages.h"
+#include "thermorig/wire/text_format.h"
+
+namespace thermorig::app {
+
+namespace {
+
+using Bytes = std::span<const std::uint8_t>;
+
+constexpr std::size_t convincing_packets = 4;  // a packet's sum is weak
+
+template <typename Message, typename Scanner>
+std::size_t messages_in(Scanner scanner, Bytes bytes) {
+  std::vector<Message> messages;
+  scanner.push(bytes, messages);
+  if constexpr (requires { scanner.finish(messages); }) scanner.finish(messages);
+  return messages.size();
+}
+
+bool is_text_gyro(const DecodeOptions& options) {
+  return options.device == Device::gyro && options.gyro_protocol == "text";
+}
+
+std::string shown(const std::string& line, std::size_t fields) {
+  return fmt::format("a line reads \"{}\" ({} column{})", printable(line), fields, fields == 1 ? "" : "s");
+}
+
+/// A line of the dump and the options that may read it; empty if there is no text in it.
+std::string advice_on_text(Bytes head) {
+  if (const auto format = wire::guess_text_format(head, wire::StreamStart::at_line_start))
+    return shown(format->sample_line, format->fields + (format->columns.prefix.empty() ? 0 : 1)) +
+           ": --device gyro " + options_text(format->columns) + " (" + assumptions_text(*format) + ")";
+  if (const auto line = wire::first_text_line(head))
+    return shown(line->text, line->fields) +
+           ": --device gyro --gyro-protocol text, and how to read it: --prefix, --columns, --scale, "
+           "--time-column";
+  return "";
+}
+
+/// Another way to form the check sum that gives frames; empty if there is none.
+std::string advice_on_checksum(const DecodeOptions& options, Bytes head) {
+  for (const char* name : {"word", "byte", "ignore"}) {
+    const wire::CameraScanner scanner(checksum_policy(name));
+    if (name != options.camera_checksum && messages_in<wire::CameraMessage>(scanner, head) > 0)
+      return fmt::format("--camera-checksum {}: so the frames can be read", name);
+  }
+  return "";
+}
+
+std::string advice_on_camera(const DecodeOptions& options, Bytes head) {
+  const std::string checksum = advice_on_checksum(options, head);
+  return checksum.empty() ? "another cable or baud rate: bytes are lost or changed in the frames" : checksum;
+}
+
+/// Whose bytes they look like, if not the named device's.
+std::string advice_on_device(const DecodeOptions& options, Bytes head) {
+  if (options.device != Device::camera && messages_in<wire::CameraMessage>(wire::CameraScanner(), head) > 0)
+    return "--device camera";
+  if (options.device != Device::servo && messages_in<wire::ServoMessage>(wire::ServoScanner(), head) > 0)
+    return "--device servo";
+  if (messages_in<wire::GyroMessage>(wire::WitmotionScanner(), head) >= convincing_packets)
+    return options.device == Device::gyro ? "--gyro-protocol witmotion" : "--device gyro";
+  return "";
+}
+
+bool reads_clock_as_rate(const wire::TextFormat& format, const DecodeOptions& options) {
+  return std::find(options.columns.begin(), options.columns.end(), format.columns.time) !=
+         options.columns.end();
+}
+
+/// Whether the lines say, rather than let guess, that other columns hold the rates.
+bool speaks_for_others(const wire::TextFormat& format, const DecodeOptions& options) {
+  if (format.columns.prefix != options.prefix) return false;
+  const bool others =
+      !std::equal(options.columns.begin(), options.columns.end(), format.columns.rate.begin());
+  return (others && format.rates_known) || (format.columns.time >= 0 && reads_clock_as_rate(format, options));
+}
+
+}  // namespace
+
+TextColumns text_columns(const DecodeOptions& options) {
+  TextColumns columns;
+  std::copy(options.columns.begin(), options.columns.end(), columns.rate.begin());
+  columns.prefix = options.prefix;
+  columns.scale_dps = options.scale_dps;
+  columns.time = options.time_column;
+  columns.time_unit_s = options.time_unit_s;
+  return columns;
+}
+
+ChecksumPolicy checksum_policy(const std::string& name) {
+  if (name == "ignore") return ChecksumPolicy::ignore;
+  return name == "byte" ? ChecksumPolicy::byte : ChecksumPolicy::word;
+}
+
+bool is_mostly_bad(const wire::Counters& counters) {
+  return counters.bad_checksum + counters.bad_length + counters.bad_value >
+         counters.messages + counters.replies;
+}
+
+std::string advice_on_nothing(const DecodeOptions& options, std::span<const std::uint8_t> head,
+                              const wire::Counters& counters) {
+  const std::string device = advice_on_device(options, head);
+  if (!device.empty()) return device;
+  if (options.device == Device::camera && counters.bad_checksum > 0) return advice_on_camera(options, head);
+  const std::string text = advice_on_text(head);
+  if (!text.empty()) return text;
+  return "another baud rate when the dump is taken: wrong ones give bytes without sense";
+}
+
+std::vector<std::string> remarks_on(const DecodeOptions& options, std::span<const std::uint8_t> head,
+                                    const wire::Counters& counters) {
+  if (is_mostly_bad(counters) && options.device == Device::camera)
+    return {"most frames are damaged: " + advice_on_camera(options, head)};
+  if (!is_text_gyro(options))
+    return is_mostly_bad(counters) ? std::vector<std::string>{"most messages are damaged"}
+                                   : std::vector<std::string>{};
+  if (is_mostly_bad(counters)) return {"most lines could not be read: " + advice_on_text(head)};
+  const auto format = wire::guess_text_format(head, wire::StreamStart::at_line_start);
+  if (format && speaks_for_others(*format, options))
+    return {"the lines speak for other columns: " + advice_on_text(head)};
+  return {};
+}
+
+}  // namespace thermorig::app
