@@ -27,8 +27,9 @@ inline constexpr std::uint8_t emissivity_max = 100;
 
 // A command: command_sync, command, value, sum of the three bytes.
 inline constexpr std::uint8_t command_sync = 0xA5;
-inline constexpr std::uint8_t command_rate = 0x25;    // values 0..4: 0.5, 1, 2, 4, 8 Hz
-inline constexpr std::uint8_t command_output = 0x35;  // value 1: one frame now; 2: automatic
+inline constexpr std::uint8_t command_rate = 0x25;             // values 0..4: 0.5, 1, 2, 4, 8 Hz
+inline constexpr std::uint8_t command_output = 0x35;           // value 1: one frame now; 2: automatic
+inline constexpr std::uint8_t command_read_emissivity = 0x55;  // value 1; answered with a reply
 inline constexpr std::uint8_t output_query = 0x01;
 inline constexpr std::uint8_t output_automatic = 0x02;
 

@@ -81,4 +81,8 @@ std::vector<std::uint8_t> camera_query_command() {
   return camera_command(gy_mcu90640::command_output, gy_mcu90640::output_query);
 }
 
+std::vector<std::uint8_t> camera_read_emissivity_command() {
+  return camera_command(gy_mcu90640::command_read_emissivity, 1);
+}
+
 }  // namespace thermorig::wire

@@ -6,6 +6,7 @@
 
 #include "servo_link.h"
 #include "thermorig/session/session.h"
+#include "thermorig/wire/device_bytes.h"
 
 namespace thermorig::session {
 
@@ -107,7 +108,7 @@ class SyntheticSession {
     gyro.rate_dps = -gyro.reading.rate_dps[2];
     gyro.lost_before = i % 77 == 1;
     session_.gyro.push_back(gyro);
-    const std::vector<std::uint8_t> chunk{0x55, 0x52, random_byte(), 0, 1, 2, 3, 4, 5, 6, random_byte()};
+    const auto chunk = wire::witmotion_gyro_packet({random_byte(), 256, random_byte()}, 33.5F);
     session_.raw.received[Device::gyro].append(chunk, gyro.stamp.arrival);
   }
 

@@ -10,6 +10,7 @@
 #include "scripted_firmware.h"
 #include "thermorig/labels/freshness.h"
 #include "thermorig/wire/camera_scanner.h"
+#include "thermorig/wire/device_bytes.h"
 #include "thermorig/wire/gyro_scanner.h"
 
 namespace thermorig::simulation {
@@ -141,7 +142,7 @@ TEST(VirtualRig, BringsBytesToTheServoAfterTheirTimeOnTheWire) {
 TEST(VirtualRig, LeavesBytesToCameraAndGyroUnanswered) {
   VirtualRig asked(default_rig(2, "laboratory"), sweep(0.0));
   VirtualRig left_alone(default_rig(2, "laboratory"), sweep(0.0));
-  asked.send(Device::camera, std::vector<std::uint8_t>{0xA5, 0x55, 0x01, 0xFB}, at_s(0.0));
+  asked.send(Device::camera, wire::camera_read_emissivity_command(), at_s(0.0));
   asked.send(Device::gyro, std::vector<std::uint8_t>{0xFF, 0xAA}, at_s(0.0));
   expect_equal(run(asked, 1.0, 0.1), run(left_alone, 1.0, 0.1));
 }

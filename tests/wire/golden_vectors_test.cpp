@@ -83,6 +83,7 @@ TEST(GoldenVectors, CameraCommandsAreEncodedAsDescribed) {
   EXPECT_EQ(wire::camera_rate_command(8), commands.at("command_rate_8"));
   EXPECT_EQ(wire::camera_query_command(), commands.at("command_query"));
   EXPECT_EQ(wire::camera_automatic_command(), commands.at("command_automatic"));
+  EXPECT_EQ(wire::camera_read_emissivity_command(), commands.at("command_read_emissivity"));
   EXPECT_EQ(wire::camera_emissivity_reply(95), commands.at("emissivity_reply"));
 }
 

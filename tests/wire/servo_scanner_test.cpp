@@ -191,7 +191,7 @@ TEST(ServoScanner, ReadsTheVersionOfAWelcomeFromAnotherVersion) {
 
 TEST(ServoScanner, BooksAnEndlessFrameWhileItLasts) {
   ByteVector bytes{SERVO_LINK_FLAG};
-  append(bytes, ByteVector(5000, 0x55));
+  append(bytes, ByteVector(5000, 'a'));
   const auto endless = scan_servo(bytes);
   EXPECT_EQ(endless.counters.bytes_pending, 0U);
   EXPECT_EQ(endless.counters.bytes_in_damaged, bytes.size());

@@ -41,5 +41,6 @@ inline constexpr double witmotion_dps_per_count = witmotion::full_scale_dps / wi
 std::vector<std::uint8_t> camera_rate_command(double output_rate_hz);  // 0.5, 1, 2, 4 or 8; else throws Error
 std::vector<std::uint8_t> camera_automatic_command();
 std::vector<std::uint8_t> camera_query_command();
+std::vector<std::uint8_t> camera_read_emissivity_command();  // answered with a reply
 
 }  // namespace thermorig::wire
