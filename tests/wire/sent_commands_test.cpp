@@ -54,7 +54,7 @@ TEST(SentCommands, StandWhereTheirBytesStand) {
 TEST(SentCommands, PassOverWhatIsNoWholeFrame) {
   auto bytes = joined({hello_bytes(0), arm_bytes(1, 0)});
   bytes[3] ^= 0x40U;  // damages the hello
-  bytes.resize(bytes.size() - 1);
+  bytes.pop_back();
   EXPECT_TRUE(read_sent(bytes).empty());
 }
 
