@@ -2,6 +2,7 @@
 #include <cmath>
 
 #include "scanner_fuzz.h"
+#include "thermorig/wire/text_format.h"
 
 namespace {
 
@@ -12,6 +13,19 @@ void require_finite(const thermorig::wire::TextGyroScanner& fresh, thermorig::te
   for (const auto& message : messages)
     for (const float rate_dps : message.reading.rate_dps)
       thermorig::test::require(std::isfinite(rate_dps), "rates are finite");
+}
+
+/// A format that is guessed names columns that are there, and its scale is a number.
+void require_format_fits(thermorig::test::ByteSpan input) {
+  using thermorig::test::require;
+  const auto format = thermorig::wire::guess_text_format(input);
+  if (!format) return;
+  const auto fields = static_cast<int>(format->fields);
+  for (const int column : format->columns.rate)
+    require(column >= 0 && column < fields, "a rate has a column");
+  require(format->columns.time < fields, "the time has a column");
+  require(format->lines >= 2 && format->bytes <= input.size(), "it comes from lines of the input");
+  require(format->sample_line.starts_with(format->columns.prefix), "the line has the prefix");
 }
 
 }  // namespace
@@ -33,5 +47,6 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
       require_finite(scanner, input);
     }
   }
+  require_format_fits(input);
   return 0;
 }
