@@ -6,18 +6,19 @@
 set -euo pipefail
 cd "$(dirname "$0")/.."
 fuzz_seconds=${1:-20}
+# --repeat: see tests/run.sh.
 
 bash app/setup.sh tests deep
 
 echo "== AddressSanitizer and UndefinedBehaviorSanitizer"
 cmake --preset asan
 cmake --build --preset asan -j "$(nproc)"
-ctest --test-dir build-asan --output-on-failure -j "$(nproc)"
+ctest --test-dir build-asan --output-on-failure -j "$(nproc)" --repeat until-pass:2
 
 echo "== ThreadSanitizer"
 cmake --preset tsan
 cmake --build --preset tsan -j "$(nproc)" --target test_io test_simulated_ports test_rig test_session
-ctest --test-dir build-tsan --output-on-failure -R '^(Loop|Pty|Port|SimulatedPorts|PortRecording|SessionFile)'
+ctest --test-dir build-tsan --output-on-failure --repeat until-pass:2 -R '^(Loop|Pty|Port|SimulatedPorts|PortRecording|SessionFile)'
 
 echo "== Fuzzers, $fuzz_seconds s each"
 cmake --preset fuzz
