@@ -57,8 +57,9 @@ std::optional<labels::CameraMode> camera_mode(const std::vector<TimedFrame>& fra
 }
 }  // namespace
 
-Fits fit(const Streams& streams) {
-  Fits fits{.camera_mode = camera_mode(streams.frames), .frame_period_s = std::nullopt, .gaps = {}};
+Fits fit(const RawRecording&, const Streams& streams) {
+  Fits fits;
+  fits.camera_mode = camera_mode(streams.frames);
   const labels::CameraMode mode = fits.camera_mode.value_or(labels::CameraMode::half_fresh);
   fits.frame_period_s = period_s(streams.frames);
   if (fits.frame_period_s) fits.gaps = labels::find_gaps(streams.frames, *fits.frame_period_s, mode);

@@ -67,6 +67,8 @@ std::vector<LabelledSample> Pipeline::feed(Device from, std::span<const std::uin
   return labeller.take(arrived);  // the frames whose telemetry and gyro samples are all there, labelled
 }
 
+void Pipeline::sent(std::span<const std::uint8_t>, HostTime) {}
+
 std::vector<LabelledSample> Pipeline::finish() {
   return stages_->labeller.finish();
 }

@@ -85,7 +85,7 @@ void recount(std::vector<LegRecord>& legs, const std::vector<LabelledSample>& sa
 }  // namespace
 
 session::Session build_session(RawRecording raw) {
-  const pipeline::Fits fits = pipeline::fit(decode(raw, {}).streams);
+  const pipeline::Fits fits = pipeline::fit(raw, decode(raw, {}).streams);
   Decoded decoded = decode(raw, fits);
   session::Session session;
   session.state = state_of(raw);

@@ -11,10 +11,14 @@ namespace thermorig {
 
 /// How a device is connected. Baud 0 stands for "does not apply" (USB-CDC).
 struct PortProfile {
-  std::string port;            // "/dev/ttyUSB0", "/dev/serial/by-id/...", or a pty; empty: not chosen yet
-  std::string usb_path;        // USB topology, e.g. "1-4.2": how the port is found again; may be empty
-  std::uint32_t baud = 0;      // bits per second, 8N1: 10 bits on the wire a byte
-  double latency_s = 0.0;      // constant delay between the sample and its first byte on the wire
+  std::string port;        // "/dev/ttyUSB0", "/dev/serial/by-id/...", or a pty; empty: not chosen yet
+  std::string usb_path;    // USB topology, e.g. "1-4.2": how the port is found again; may be empty
+  std::uint32_t baud = 0;  // bits per second, 8N1: 10 bits on the wire a byte
+  double latency_s = 0.0;  // constant delay between the sample and its first byte on the wire
+  double latency_uncertainty_s = 0.0;       // one standard deviation of it
+  std::string latency_measured_utc;         // when it was calibrated; empty: it is an assumption
+  double largest_constant_delay_s = 0.002;  // even the fastest byte is read at most so late: USB, wake-up
+  double wander_ppm = 100.0;   // the device's clock never runs further from its mean rate than this
   bool reset_on_open = false;  // toggle DTR after opening (some CH340 boards need it to start streaming)
 };
 
@@ -22,11 +26,12 @@ enum class ChecksumPolicy : std::uint8_t { word, byte, ignore };
 
 /// GY-MCU90640 bridge. Source: protocols/gy_mcu90640.md.
 struct CameraProfile {
-  PortProfile link{.baud = 460800, .latency_s = 0.0};
+  PortProfile link{.baud = 460800, .latency_s = 0.0, .latency_uncertainty_s = 0.010, .wander_ppm = 1000.0};
   std::string model = "GY-MCU90640";
-  double output_rate_hz = 8.0;      // frames a second asked for, nominal
-  double field_of_view_deg = 55.0;  // horizontal: 55 (BAB) or 110 (BAA)
-  bool mirrored = true;             // the order on the wire is a mirror image of the scene
+  double output_rate_hz = 8.0;           // frames a second asked for, nominal
+  double field_of_view_deg = 55.0;       // horizontal: 55 (BAB) or 110 (BAA)
+  bool mirrored = true;                  // the order on the wire is a mirror image of the scene
+  std::string orientation_measured_utc;  // when `mirrored` and the gyro's sign were; empty: assumptions
   ChecksumPolicy checksum = ChecksumPolicy::word;
 };
 
@@ -42,13 +47,20 @@ struct TextColumns {
 };
 
 struct GyroProfile {
-  PortProfile link{.baud = 115200, .latency_s = 0.0};
+  PortProfile link{.baud = 115200, .latency_s = 0.0, .latency_uncertainty_s = 0.002};
   std::string model = "WitMotion";
   GyroProtocol protocol = GyroProtocol::witmotion;
   TextColumns text;
   double output_rate_hz = 200.0;  // nominal
   int axis = 2;                   // which of x, y, z is the servo's axis: 0, 1, 2
   int sign = 1;                   // +1 or -1: so that a positive commanded speed gives a positive rate
+  // rate about the axis = scale * true rate + bias, sign applied. Stored rates are never corrected.
+  double scale = 1.0;
+  double scale_uncertainty = 0.03;  // as a data sheet promises it
+  std::string scale_measured_utc;   // empty: an assumption
+  double bias_dps = 0.0;
+  double bias_uncertainty_dps = 20.0;
+  std::string bias_measured_utc;
 };
 
 enum class ServoKind : std::uint8_t { positional = 0, continuous = 1 };
@@ -65,6 +77,10 @@ struct ServoProfile {
   double acceleration_dps2 = 2000.0;
   double stop_margin_deg = 2.0;  // distance kept from either end of the travel
   double settle_s = 0.2;         // after a change of speed, until the shaft follows
+  double loop_hz = 8.0;          // bandwidth of the servo's own loop, until a recording tells better
+  double scale = 1.0;            // shaft angle per commanded angle
+  double scale_uncertainty = 0.015;
+  std::string scale_measured_utc;  // empty: an assumption
 };
 
 /// One rig: what is connected, and how. Read from and written to TOML by `rig/profile_file.h`.

@@ -17,16 +17,27 @@ namespace thermorig {
 struct Stamp {
   HostTime time{};     // modelled: for a frame the end of its newest exposure, else the sample instant
   HostTime arrival{};  // when the read() returned that brought the message's last byte
-  float uncertainty_s = 0.0F;  // one standard deviation
+  float uncertainty_s =
+      0.0F;  // one standard deviation of the clock; a constant error of the latency is not in it
+  float earlier_s = 0.0F;  // bounds, latency taken as it is: not before time - earlier_s,
+  float later_s = 0.0F;    // not after time + later_s
+};
+
+/// When the pixels of one chess half were exposed.
+struct HalfExposure {
+  HostTime begin{};
+  HostTime end{};
 };
 
 /// A frame with its place in the byte stream and its time.
 struct TimedFrame {
   ThermalFrame frame;
   StreamSpan span;
-  Stamp stamp;                       // stamp.time: end of the exposure of the newest half
-  std::uint16_t fresh_even = 0;      // pixels that differ from the frame before, even chess half (0..384)
-  std::uint16_t fresh_odd = 0;       // the same for the odd half
+  Stamp stamp;                   // stamp.time: end of the exposure of the newest half
+  std::uint16_t fresh_even = 0;  // pixels that differ from the frame before, even chess half (0..384)
+  std::uint16_t fresh_odd = 0;   // the same for the odd half
+  std::array<HalfExposure, 2>
+      half{};                        // when the even and the odd chess half were exposed that the frame shows
   HostTime exposure_begin{};         // start of the older half's exposure
   HostTime exposure_end{};           // end of the newest half's exposure
   bool resync_before = false;        // bytes were skipped between the frame before and this one
@@ -73,13 +84,23 @@ struct LabelledSample {
   HostTime time{};                // middle of the exposure of the newest half
   HostTime exposure_begin{};
   HostTime exposure_end{};
-  float rate_label_dps = 0.0F;  // mean commanded speed over the exposure, NaN if unknown
+  float rate_label_dps =
+      0.0F;  // mean speed of the shaft over the exposure by the servo model, NaN if unknown
   float rate_label_min_dps = 0.0F;
   float rate_label_max_dps = 0.0F;
+  float rate_commanded_dps =
+      0.0F;  // the paper's label: commanded speed over the exposure by the pulses, NaN if unknown
+  std::array<float, 2>
+      rate_label_half_dps{};  // the same three over each chess half's own exposure: even, odd
+  std::array<float, 2> rate_commanded_half_dps{};
+  std::array<float, 2> rate_gyro_half_dps{};
   float angle_label_deg = 0.0F;  // commanded angle at `time`, NaN if unknown
   float rate_gyro_dps = 0.0F;    // mean of the gyro over the exposure, NaN if there is no sample
   std::uint16_t gyro_count = 0;  // how many samples made it
-  float label_uncertainty_dps = 0.0F;
+  float gyro_spread_dps =
+      0.0F;  // standard deviation over the exposure after a running mean over one pulse period
+  float label_uncertainty_dps =
+      0.0F;                       // of rate_label, one standard deviation, what is not calibrated included
   std::uint32_t reason_bits = 0;  // `bit(Reason)`s
   std::uint16_t leg = 0;          // leg that the servo reported, 0 outside legs
   std::uint32_t run = 0;          // unbroken run of valid frames within one leg, from 1; 0 if not valid

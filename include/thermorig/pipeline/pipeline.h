@@ -9,7 +9,9 @@
 
 #include "thermorig/core/device.h"
 #include "thermorig/core/profile.h"
+#include "thermorig/core/raw_recording.h"
 #include "thermorig/core/sample.h"
+#include "thermorig/core/sync.h"
 #include "thermorig/core/time.h"
 #include "thermorig/labels/frame_gaps.h"
 #include "thermorig/labels/freshness.h"
@@ -19,12 +21,15 @@
 
 namespace thermorig::pipeline {
 
-/// What a first pass over a recording learns for the second. Live, nothing is known: the period is nominal,
-/// and the mode is the one that most of the frames so far show.
+/// What a first pass over a recording learns for the second. Live, nothing is known: clocks are causal, the
+/// period is nominal, and the mode is the one that most of the frames so far show.
 struct Fits {
   std::optional<labels::CameraMode> camera_mode;
+  std::optional<unsigned> newer_half;    // full-fresh: the chess half that is exposed last, 0 even, 1 odd
   std::optional<double> frame_period_s;  // time between frames
   std::vector<labels::FrameGap> gaps;    // before each frame, in order
+  PerDevice<std::vector<TimeEstimate>> times;  // of each frame, gyro sample and telemetry message, in order
+  std::optional<SyncReport> sync;
 };
 
 /// Everything that came out of the bytes, in arrival order, besides labels.
@@ -56,6 +61,10 @@ class Pipeline {
   /// one sample, here or in finish(), in the order of the frames.
   std::vector<LabelledSample> feed(Device from, std::span<const std::uint8_t> chunk, HostTime arrived);
 
+  /// Bytes that were written to the servo, and the time before write(): one side of the servo's clock. In
+  /// order of time with feed().
+  void sent(std::span<const std::uint8_t> bytes, HostTime before_write);
+
   /// No more bytes will come: the samples that still wait for telemetry or gyro.
   std::vector<LabelledSample> finish();
 
@@ -69,10 +78,9 @@ class Pipeline {
   std::unique_ptr<Stages> stages_;
 };
 
-/// First pass: what the finished streams say about the recording as a whole. The mode is that of the majority
-/// of the frames after the first. The period is the median slope between frames that lie half the recording
-/// apart, missing frames counted in. Each is absent where fewer than two frames (or none that differ) say
-/// nothing of it.
-Fits fit(const Streams& streams);
+/// First pass: what the bytes, their arrivals and the streams decoded from them say about the recording as a
+/// whole: mode, missing frames, clocks, camera offset, gyro errors, servo response. Whatever cannot be told
+/// is absent, and the report says why. `streams` are those of a Pipeline without fits over `raw`.
+Fits fit(const RawRecording& raw, const Streams& streams);
 
 }  // namespace thermorig::pipeline

@@ -9,6 +9,7 @@
 
 #include "thermorig/core/raw_recording.h"
 #include "thermorig/core/sample.h"
+#include "thermorig/core/sync.h"
 #include "thermorig/wire/counters.h"
 
 namespace thermorig::session {
@@ -28,6 +29,7 @@ struct Session {
   double settle_s = 0.2;        // of the label rule
   std::string camera_mode;      // "half-fresh" or "full-fresh"
   double frame_period_s = 0.0;  // measured
+  SyncReport sync;              // clocks, camera offset, gyro errors, servo response
 };
 
 /// Figures of `/quality`, computed from a session; also what `inspect` prints.

@@ -24,6 +24,21 @@ struct LinkConfig {
   bool loaded_host = false;        // reads stall now and then, as on a busy machine
 };
 
+/// Nothing of a device arrives: what it sends from `begin` to `end` is lost before the host.
+struct Outage {
+  Device device = Device::camera;
+  HostTime begin{};
+  HostTime end{};
+};
+
+/// Somebody turns the whole rig by hand, smoothly, from rest to rest: camera and gyro see it, the servo does
+/// not.
+struct HandTurn {
+  HostTime begin{};
+  double duration_s = 10.0;
+  double angle_deg = 360.0;
+};
+
 /// Everything that a simulated rig is made of. The rest follows from `seed` and `environment`.
 struct VirtualRigConfig {
   std::uint64_t seed = 1;
@@ -35,6 +50,12 @@ struct VirtualRigConfig {
   bool warm = true;                   // the camera has been on for long
   double camera_clock_error = -0.02;  // relative: 2 % slow
   double servo_loop_hz = 8.0;         // bandwidth of the servo's position loop
+  std::optional<double>
+      camera_latency_s;  // of this board, from the exposure's end to the first byte; drawn if not set
+  std::optional<double> gyro_latency_s;
+  bool gyro_zeroes_itself = false;  // at rest, after a second, as WitMotion's do
+  std::vector<Outage> outages;
+  std::vector<HandTurn> hand_turns;
   PerDevice<LinkConfig> links;
   HostTime start{};  // host time at which the rig is switched on
 };

@@ -1,0 +1,13 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+namespace thermorig {
+
+/// A measured value and one standard deviation of it, in the unit that the name of the variable says.
+struct Estimate {
+  double value = 0.0;
+  double uncertainty = 0.0;
+  bool operator==(const Estimate&) const = default;
+};
+
+}  // namespace thermorig

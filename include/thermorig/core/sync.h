@@ -1,0 +1,114 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "thermorig/core/device.h"
+#include "thermorig/core/estimate.h"
+#include "thermorig/core/time.h"
+
+namespace thermorig {
+
+// What a whole recording says about its clocks, its sensors and its servo: the result of the first pass over
+// the bytes, used by the second, stored in `/sync` and printed by `inspect --timing`.
+
+/// An instant of the host's clock, how well it is known, and within which bounds it lies.
+struct TimeEstimate {
+  HostTime time{};
+  float uncertainty_s = 0.0F;  // one standard deviation
+  float earlier_s = 0.0F;      // the true time is not before time - earlier_s
+  float later_s = 0.0F;        // and not after time + later_s
+};
+
+/// One piece of a fitted clock, where it was anchored.
+struct ClockKnot {
+  HostTime time{};        // host time
+  double offset_s = 0.0;  // host time minus device time at the knot
+  double skew_ppm = 0.0;  // how much faster host time runs than device time there
+  double residual_us =
+      0;  // one-way: median lateness of the chunks around; two-way: half the width of the bounds
+};
+
+/// A stretch of a device's clock without a reset: it ends where no clock explains both sides of it.
+struct ClockEpoch {
+  HostTime begin{};
+  std::string reason;  // why the one before ended, ready to print; empty for the first
+};
+
+/// A stretch in which messages were lost.
+struct ClockGap {
+  HostTime begin{};  // time of the last message before it
+  HostTime end{};    // time of the first one after it
+  std::uint64_t missing = 0;
+};
+
+/// How the clock of one device did over a recording.
+struct ClockReport {
+  std::string method;        // "one-way" or "two-way"; empty: too little came to say anything
+  double rate_hz = 0.0;      // messages a second, measured
+  double skew_ppm = 0.0;     // mean: device slower than nominal is positive
+  double wander_ppm = 0.0;   // root mean square of the knots' skew about its mean
+  double late_p50_us = 0.0;  // lateness of the chunks that were read: arrival minus the fitted clock
+  double late_p95_us = 0.0;
+  double late_max_us = 0.0;
+  double uncertainty_us = 0.0;  // median over the messages, one standard deviation, latency's error not in it
+  double bound_us = 0.0;        // widest distance of the bounds
+  double bound_median_us = 0.0;
+  double largest_constant_delay_s = 0.0;  // setting that a one-way lower bound rests on
+  double latency_s = 0.0;                 // constant that was subtracted
+  double latency_uncertainty_s = 0.0;
+  std::vector<ClockKnot> knots;
+  std::vector<ClockEpoch> epochs;
+  std::vector<ClockGap> gaps;
+};
+
+/// How long the camera's sample-to-byte delay exceeds what its profile says, by the motion in its images
+/// against the gyro: to be added to the camera's latency.
+struct CameraOffset {
+  std::optional<Estimate> offset_s;  // none: the recording does not tell
+  std::string why_not;               // ready to print, if there is none
+  std::uint32_t halves = 0;          // chess halves that took part
+  bool applied = false;              // the camera's times were shifted by (a share of) it
+};
+
+/// The gyro's errors about the servo's axis: rate = scale * true rate + bias.
+struct GyroErrors {
+  Estimate scale{1.0, 0.03};
+  bool scale_calibrated = false;
+  std::optional<Estimate> bias_dps;       // over the recording's rests, else of the profile; none: unknown
+  std::optional<double> bias_before_dps;  // at the opening rest
+  std::optional<double> bias_after_dps;   // at the closing rest
+  double noise_dps = 0.0;                 // standard deviation of a sample at rest
+  bool zeroes_itself = false;             // runs of exact zeros at rest: the device hides its bias
+};
+
+/// How the shaft follows the pulses: shaft rate(t) = scale * (commanded rate, delayed and smoothed).
+struct ServoResponse {
+  bool fitted = false;         // against the gyro of this recording; else of the profile
+  double delay_s = 0.02;       // pure delay from the commanded angle to the shaft
+  double loop_hz = 8.0;        // bandwidth of the shaft's second-order loop, damping 0.7
+  Estimate scale{1.0, 0.015};  // shaft angle per commanded angle
+  bool scale_calibrated = false;
+  double residual_dps = 0.0;  // root mean square of corrected gyro minus model over legs, exposure means
+  struct AtSpeed {
+    double rate_dps = 0.0;      // commanded
+    double residual_dps = 0.0;  // mean of corrected gyro minus model
+    double spread_dps = 0.0;    // root mean square about that mean
+    std::uint32_t frames = 0;
+  };
+  std::vector<AtSpeed> speeds;  // ascending
+};
+
+/// Everything of the kind.
+struct SyncReport {
+  PerDevice<ClockReport> clock;
+  CameraOffset camera_offset;
+  GyroErrors gyro;
+  ServoResponse servo;
+};
+
+}  // namespace thermorig

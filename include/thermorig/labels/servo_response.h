@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <span>
+
+#include "thermorig/core/profile.h"
+#include "thermorig/core/sample.h"
+#include "thermorig/core/sync.h"
+
+namespace thermorig::labels {
+
+/// The gyro's errors as far as a recording and the profile tell: bias from the stretches in which the servo
+/// has long been at rest, scale from the profile, runs of exact zeros.
+GyroErrors fit_gyro_errors(std::span<const TimedGyro> gyro, std::span<const TimedServo> servo,
+                           const GyroProfile& profile);
+
+/// How the shaft follows the pulses, by the corrected gyro: delay and bandwidth from ramps and reversals; the
+/// scale only where the gyro's own was calibrated, else that of the profile with its uncertainty.
+ServoResponse fit_servo_response(std::span<const TimedServo> servo, std::span<const TimedGyro> gyro,
+                                 const GyroErrors& errors, const ServoProfile& profile);
+
+/// What is assumed where nothing was fitted (live).
+ServoResponse assumed_response(const ServoProfile& profile);
+
+}  // namespace thermorig::labels

@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "thermorig/core/estimate.h"
+#include "thermorig/core/profile.h"
+#include "thermorig/core/sample.h"
+#include "thermorig/core/sync.h"
+
+namespace thermorig::motion {
+
+// One idea serves everything that images can tell about time and rotation. Each chess half of each frame is a
+// view of the same surroundings, turned by the angle of the shaft while that half was exposed. Laid side by
+// side at the angles that the gyro gives, all halves make one panorama; it is sharpest (the variance among
+// the readings of one direction is least) for the true time offset, gyro scale, gyro bias, mirror and order
+// of the halves. Pixels' own offsets are removed first: else the panorama is sharpest when nothing moves.
+
+/// What is known already, and what a recording's images are to tell.
+struct View {
+  double field_of_view_deg = 55.0;
+  bool mirrored = true;
+};
+
+/// How much the camera is later (positive) than its stamps say, against the gyro. Needs motion in both
+/// directions over the same surroundings. `frames` carry the exposures of both halves; `gyro` the rate about
+/// the axis; both as finally stamped. The uncertainty is from the spread among blocks of the recording.
+CameraOffset camera_offset(std::span<const TimedFrame> frames, std::span<const TimedGyro> gyro,
+                           const View& view, const GyroErrors& errors);
+
+/// Full-fresh camera: which chess half (0 even, 1 odd) is the newer one in every frame. None: cannot be told.
+std::optional<unsigned> newer_half(std::span<const TimedFrame> frames, std::span<const TimedGyro> gyro,
+                                   const View& view, const GyroErrors& errors);
+
+/// The gyro's scale from at least one whole turn that closes in the image (the whole rig may be turned, by
+/// hand or by the servo). None, and why, where no turn closes.
+struct TurnResult {
+  std::optional<Estimate> gyro_scale;
+  double turned_deg = 0.0;  // by the corrected gyro
+  std::string why_not;
+};
+TurnResult gyro_scale(std::span<const TimedFrame> frames, std::span<const TimedGyro> gyro, const View& view,
+                      const GyroErrors& errors);
+
+/// Is the image mirrored, given that the gyro's rate has the right sign? None: cannot be told.
+struct Orientation {
+  std::optional<bool> mirrored;
+  double contrast = 0.0;  // how much sharper the better choice is, 0..1
+  std::string why_not;
+};
+Orientation orientation(std::span<const TimedFrame> frames, std::span<const TimedGyro> gyro, const View& view,
+                        const GyroErrors& errors);
+
+}  // namespace thermorig::motion

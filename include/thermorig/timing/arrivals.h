@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "thermorig/core/chunk.h"
+#include "thermorig/core/profile.h"
+#include "thermorig/core/raw_recording.h"
+#include "thermorig/core/sync.h"
+#include "thermorig/core/time.h"
+
+namespace thermorig::timing {
+
+/// One inequality that a read chunk proves: the message at `device_s` on its device's clock had begun to be
+/// sent by `latest`, since a later byte of it had arrived (arrival minus the wire time of the bytes up to
+/// it).
+struct LatestBegin {
+  double device_s = 0.0;
+  HostTime latest{};
+};
+
+/// All of them: one for each chunk that ends within or at the end of a message. `spans` are the messages in
+/// the order of the stream, `device_s` their places on the device's clock.
+std::vector<LatestBegin> latest_begins(const RawStream& received, std::span<const StreamSpan> spans,
+                                       std::span<const double> device_s, std::uint32_t baud);
+
+/// Numbers messages of a device that sends at a steady rate and numbers nothing itself, lost ones counted,
+/// over a whole recording. Late reads are none lost: only messages that never catch up are. `latest` is the
+/// earliest proof of each message's begin (the least of its inequalities). First number 0. `suspect` may mark
+/// messages before which bytes were lost or damaged: elsewhere a loss needs clear evidence. One number a
+/// message, ascending.
+std::vector<std::int64_t> number_messages(std::span<const HostTime> latest, std::span<const bool> suspect,
+                                          double nominal_rate_hz);
+
+/// A device's clock over a whole recording from one-way inequalities alone: the highest smooth curve below
+/// all of them, sliding, degree 2. Robust to outages, wandering clocks and a loaded host.
+struct ArrivalClock {
+  std::vector<TimeEstimate> times;  // of each message: when its first byte began, minus the latency
+  ClockReport report;
+};
+
+/// `device_s`: of each message, ascending (number / nominal rate, or its own time). A step back in it (a
+/// reset) starts a new epoch.
+ArrivalClock fit_arrivals(std::span<const double> device_s, std::span<const LatestBegin> latest,
+                          const PortProfile& link, double nominal_rate_hz);
+
+}  // namespace thermorig::timing
