@@ -46,7 +46,7 @@ std::string place(const char* what, std::uint64_t index, const StreamSpan& span)
 std::string body_text(const ServoState& state) {
   return fmt::format("{:>12.6f} s  {:+9.2f} deg  {:+8.2f} deg/s  pulse {:>6.1f} us  {}{}{}",
                      state.mcu_us * 1e-6, state.angle_deg, state.rate_dps,
-                     state.pulse_ticks / double{SERVO_TICKS_PER_US}, name_in(motion_names, state.motion),
+                     state.pulse_us, name_in(motion_names, state.motion),
                      state.leg > 0 ? fmt::format("  leg {}", state.leg) : "",
                      state.fault == ServoFault::none ? "" : "  FAULT " + name_in(fault_names, state.fault));
 }
@@ -80,7 +80,7 @@ nlohmann::json body_json(const ServoState& state) {
           {"mcu_us", state.mcu_us},
           {"angle_deg", state.angle_deg},
           {"rate_dps", state.rate_dps},
-          {"pulse_ticks", state.pulse_ticks},
+          {"pulse_us", state.pulse_us},
           {"motion", name_in(motion_names, state.motion)},
           {"fault", name_in(fault_names, state.fault)},
           {"leg", state.leg}};

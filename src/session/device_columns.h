@@ -129,8 +129,6 @@ Enum checked_enum(std::uint8_t value, Enum last) {
   return static_cast<Enum>(value);
 }
 
-inline constexpr double pulse_tick_us = 0.5;  // protocols/servo_link.h: SERVO_TICKS_PER_US
-
 template <typename Archive, typename Rows>
 void servo_columns(Archive& archive, Rows& servo) {
   archive.time_axis(
@@ -150,10 +148,10 @@ void servo_columns(Archive& archive, Rows& servo) {
       [](auto& row) -> auto& { return row.state.rate_dps; });
   archive.template column<float>(
       {"pulse_width", "us", "width of the last pulse put out [us]", "0: no pulse"}, servo,
-      [](const auto& row) { return row.state.pulse_ticks * pulse_tick_us; },
+      [](const auto& row) { return row.state.pulse_us; },
       [](auto& row, float us) {
         if (!(us >= 0.0F && us <= 32768.0F)) throw Hdf5Failure("believe a pulse width");
-        row.state.pulse_ticks = static_cast<std::uint16_t>(us / static_cast<float>(pulse_tick_us));
+        row.state.pulse_us = us;
       });
   archive.template column<std::uint8_t>(
       {"state", "1", "motion", "", flag_values({"disarmed", "holding", "ramping", "steady", "stopping"})},

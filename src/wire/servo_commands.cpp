@@ -135,7 +135,7 @@ std::vector<std::uint8_t> telemetry_bytes(std::uint8_t sequence, const ServoStat
       .u32(state.mcu_us)
       .i32(field<std::int32_t>(100.0 * state.angle_deg, "angle_cdeg"))
       .i32(field<std::int32_t>(100.0 * state.rate_dps, "rate_cdps"))
-      .u16(state.pulse_ticks)
+      .u16(field<std::uint16_t>(double{SERVO_TICKS_PER_US} * state.pulse_us, "pulse_ticks"))
       .u8(static_cast<std::uint8_t>(state.motion))
       .u8(static_cast<std::uint8_t>(state.fault))
       .u16(state.leg)

@@ -32,7 +32,7 @@ ServoState read_telemetry(PayloadReader in) {
   state.mcu_us = in.u32();
   state.angle_deg = in.hundredths();
   state.rate_dps = in.hundredths();
-  state.pulse_ticks = in.u16();
+  state.pulse_us = static_cast<float>(in.u16()) / float{SERVO_TICKS_PER_US};
   state.motion = static_cast<ServoMotion>(in.u8());
   state.fault = static_cast<ServoFault>(in.u8());
   state.leg = in.u16();

@@ -98,8 +98,8 @@ TEST_F(RecordedTruth, TelemetryNamesTheAngleOfThePulsesThatTheServoReallyGot) {
     const PulseEdge* pulse = pulse_at(pulses, telemetry.mcu_time_us + 1000);
     if (pulse == nullptr || state.motion == ServoMotion::disarmed) continue;
     const std::int64_t age_us = telemetry.mcu_time_us - (pulse->rise_us - 1000);
-    if (age_us > 21'000 || state.pulse_ticks == 0) continue;  // it was armed after that
-    EXPECT_EQ(state.pulse_ticks, std::lround(2.0 * pulse->width_us)) << telemetry.mcu_time_us;
+    if (age_us > 21'000 || state.pulse_us == 0.0F) continue;  // it was armed after that
+    EXPECT_NEAR(state.pulse_us, pulse->width_us, 1e-3) << telemetry.mcu_time_us;
     const double age_s = static_cast<double>(age_us) * 1e-6;
     const double change_dps2 =
         state.fault == ServoFault::none ? servo.acceleration_dps2 : SERVO_EMERGENCY_DPS2;

@@ -154,7 +154,7 @@ TEST_F(Decode, ShowsTelemetryOfTheServo) {
   const auto bytes = wire::telemetry_bytes(0, {.mcu_us = 1'000'000,
                                                .angle_deg = 12.5,
                                                .rate_dps = -80.0,
-                                               .pulse_ticks = 3000,
+                                               .pulse_us = 1500.0F,
                                                .motion = ServoMotion::steady,
                                                .leg = 4});
   write("dump.bin", bytes);

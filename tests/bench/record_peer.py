@@ -105,6 +105,7 @@ def label(camera, gyro, servo):
     rows = np.array(servo.rows, dtype=np.float64)
     servo_time = np.array(servo.arrivals) * 1e-9
     rate = rows[:, 2] * 0.01
+    fine = rows[:, 4] >= 128  # pulse ticks of 1/16 us; else of 1/2 us
 
     def mean(times, values, low, high):
         area = np.concatenate([[0.0], np.cumsum(np.diff(times) * 0.5 * (values[1:] + values[:-1]))])
@@ -139,8 +140,8 @@ def label(camera, gyro, servo):
         "servo/device_ticks": rows[:, 0].astype(np.uint32),
         "servo/angle_commanded": (rows[:, 1] * 0.01).astype(np.float32),
         "servo/rate_commanded": rate.astype(np.float32),
-        "servo/pulse_ticks": rows[:, 3].astype(np.uint16),
-        "servo/state": rows[:, 4].astype(np.uint8),
+        "servo/pulse_width": (rows[:, 3] / np.where(fine, 16, 2)).astype(np.float32),
+        "servo/state": rows[:, 4].astype(np.uint8) & 0x7F,
         "samples/rate_label": rate_label.astype(np.float32),
         "samples/rate_gyro": rate_gyro.astype(np.float32),
         "samples/gyro_count": count.astype(np.uint16),

@@ -37,7 +37,7 @@ inline bool same(const TimedGyro& a, const TimedGyro& b) {
 inline bool same(const TimedServo& a, const TimedServo& b) {
   const auto &x = a.state, &y = b.state;
   return x.mcu_us == y.mcu_us && x.angle_deg == y.angle_deg && x.rate_dps == y.rate_dps &&
-         x.pulse_ticks == y.pulse_ticks && x.motion == y.motion && x.fault == y.fault && x.leg == y.leg &&
+         x.pulse_us == y.pulse_us && x.motion == y.motion && x.fault == y.fault && x.leg == y.leg &&
          a.span == b.span && same(a.stamp, b.stamp) && a.mcu_time_us == b.mcu_time_us &&
          a.lost_before == b.lost_before;
 }

@@ -119,7 +119,7 @@ class SyntheticSession {
     servo.state.mcu_us = static_cast<std::uint32_t>(servo.mcu_time_us);
     servo.state.angle_deg = static_cast<double>(static_cast<float>(0.075 * static_cast<double>(i)));
     servo.state.rate_dps = 7.5;
-    servo.state.pulse_ticks = static_cast<std::uint16_t>(3001 + i % 2000);
+    servo.state.pulse_us = 0.0625F * static_cast<float>(24001 + i % 16000);
     servo.state.motion = ServoMotion::steady;
     servo.state.fault = i % 500 == 499 ? ServoFault::watchdog : ServoFault::none;
     servo.state.leg = static_cast<std::uint16_t>(1 + i / 720);

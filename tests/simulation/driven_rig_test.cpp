@@ -115,7 +115,7 @@ TEST(DrivenRig, PutsOutThePulsesThatTelemetryReports) {
   driver.send(wire::go_to_bytes(4, {.angle_deg = 300.0, .rate_dps = 100.0, .acceleration_dps2 = 1000.0}));
   driver.run_to(6.0);
   ASSERT_FALSE(driver.rig().pulses().empty());
-  EXPECT_NEAR(driver.rig().pulses().back().width_us, driver.states().back().pulse_ticks * 0.5, 0.01);
+  EXPECT_NEAR(driver.rig().pulses().back().width_us, driver.states().back().pulse_us, 0.01);
   EXPECT_NEAR(driver.rig().shaft().back().angle_deg, 300.0, 12.0);
 }
 

@@ -22,7 +22,7 @@ inline bool same(const wire::GyroMessage& a, const wire::GyroMessage& b) {
 
 inline bool same(const ServoState& a, const ServoState& b) {
   return a.mcu_us == b.mcu_us && a.angle_deg == b.angle_deg && a.rate_dps == b.rate_dps &&
-         a.pulse_ticks == b.pulse_ticks && a.motion == b.motion && a.fault == b.fault && a.leg == b.leg;
+         a.pulse_us == b.pulse_us && a.motion == b.motion && a.fault == b.fault && a.leg == b.leg;
 }
 
 inline bool same(const wire::ServoWelcome& a, const wire::ServoWelcome& b) {

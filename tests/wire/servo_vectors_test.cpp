@@ -43,7 +43,7 @@ wire::ServoMessage expected_message(const Described& message) {
     expected.body = ServoState{.mcu_us = u32("mcu_us"),
                                .angle_deg = message.hundredths("angle_cdeg"),
                                .rate_dps = message.hundredths("rate_cdps"),
-                               .pulse_ticks = u16("pulse_ticks"),
+                               .pulse_us = static_cast<float>(u16("pulse_ticks")) / float{SERVO_TICKS_PER_US},
                                .motion = static_cast<ServoMotion>(message["motion"]),
                                .fault = static_cast<ServoFault>(message["fault"]),
                                .leg = u16("leg")};

@@ -24,10 +24,10 @@ enum class ServoFault : std::uint8_t { none = 0, watchdog = 1, stop_byte = 2, li
 
 /// One telemetry message of the servo firmware (100 per second).
 struct ServoState {
-  std::uint32_t mcu_us = 0;       // the micro-controller's time, wraps after 71.6 minutes
-  double angle_deg = 0.0;         // commanded angle at that time
-  double rate_dps = 0.0;          // commanded speed at that time, after the acceleration limit
-  std::uint16_t pulse_ticks = 0;  // width of the last pulse put out, 0.5 us a tick; 0: no pulse
+  std::uint32_t mcu_us = 0;  // the micro-controller's time, wraps after 71.6 minutes
+  double angle_deg = 0.0;    // commanded angle at that time
+  double rate_dps = 0.0;     // commanded speed at that time, after the acceleration limit
+  float pulse_us = 0.0F;     // width of the last pulse put out, exact in telemetry's ticks; 0: no pulse
   ServoMotion motion = ServoMotion::disarmed;
   ServoFault fault = ServoFault::none;
   std::uint16_t leg = 0;  // the leg that is being driven, 0 for none (rest, transit)
