@@ -1,0 +1,168 @@
+// SPDX-License-Identifier: MIT
+#include "recorder.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <atomic>
+#include <csignal>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "build_information.h"
+#include "output.h"
+#include "progress_output.h"
+#include "thermorig/io/host.h"
+#include "thermorig/io/port.h"
+#include "thermorig/rig/port_recording.h"
+#include "thermorig/simulated_ports/simulated_ports.h"
+#include "virtual_bus.h"
+
+namespace thermorig::app {
+
+namespace {
+
+rig::RecordingOptions recording_options(const RecordOptions& options, const ChosenRig& rig,
+                                        const rig::SweepPlan& plan) {
+  rig::RecordingOptions recording;
+  recording.environment = options.environment;
+  recording.output = options.output;
+  recording.title = fmt::format("{}, plan {}", options.environment, plan.name);
+  recording.profile = rig.profile;
+  recording.plan = plan;
+  recording.simulated = rig.simulated.has_value();
+  recording.simulation_seed = options.rig.simulated_seed;
+  recording.creator = std::string("thermorig ") + build_information::version;
+  recording.creator_git = build_information::git;
+  return recording;
+}
+
+void announce(const rig::RecordingOptions& recording, bool json) {
+  const rig::SweepPlan& plan = recording.plan;
+  const double duration_s =
+      rig::plan_duration_s(plan, recording.profile.servo, recording.profile.camera.output_rate_hz);
+  if (json) {
+    print_json({{"event", "start"},
+                {"environment", recording.environment},
+                {"plan", plan.name},
+                {"legs", plan.leg_rates_dps.size()},
+                {"frames_per_leg", plan.frames_per_leg},
+                {"expected_s", duration_s},
+                {"simulated", recording.simulated},
+                {"simulation", recording.simulation}});
+    return;
+  }
+  fmt::print("recording {}, plan {}: {} legs of {} frames, about {}\n", recording.environment, plan.name,
+             plan.leg_rates_dps.size(), plan.frames_per_leg, duration_text(duration_s));
+  if (recording.simulated)
+    fmt::print("SIMULATED rig{}: {}\n",
+               recording.simulation_seed ? fmt::format(", seed {}", *recording.simulation_seed) : "",
+               recording.simulation);
+  std::fflush(stdout);
+}
+
+std::atomic<bool> interrupted{false};
+
+/// The first Ctrl-C closes the recording; the second ends the program and leaves the journal.
+void watch_interrupts() {
+  struct sigaction action {};
+  action.sa_handler = [](int) { interrupted = true; };
+  action.sa_flags = SA_RESETHAND;
+  sigaction(SIGINT, &action, nullptr);
+  sigaction(SIGTERM, &action, nullptr);
+}
+
+rig::RecordingResult record_fast(const ChosenRig& rig, rig::RecordingOptions recording,
+                                 ProgressOutput& output) {
+  watch_interrupts();
+  VirtualBus bus(*rig.simulated);
+  rig::VirtualOptions options;
+  options.recording = std::move(recording);
+  options.start = rig.simulated->start;
+  options.stop_requested = [] { return interrupted.load(); };
+  options.progress = [&](const rig::RecordingProgress& progress) { output.show(progress); };
+  return rig::record_virtual(bus, options);
+}
+
+/// Share of one core that the recording thread used between the first and the last look at it: without
+/// opening and without finalising.
+class CpuShare {
+ public:
+  void look() {
+    const HostTime now = io::now();
+    const double cpu_s = io::thread_cpu_s();
+    if (!begin_) begin_ = {now, cpu_s};
+    end_ = {now, cpu_s};
+  }
+  std::optional<double> share() const {
+    if (!begin_ || end_.time <= begin_->time) return std::nullopt;
+    return (end_.cpu_s - begin_->cpu_s) / to_s(end_.time - begin_->time);
+  }
+
+ private:
+  struct Look {
+    HostTime time{};
+    double cpu_s = 0;
+  };
+  std::optional<Look> begin_;
+  Look end_;
+};
+
+rig::RecordingResult record_on_ports(rig::RecordingOptions recording, ProgressOutput& output, CpuShare& cpu) {
+  std::signal(SIGPIPE, SIG_IGN);  // a reader of our output that went away must not end a recording
+  rig::PortOptions options;
+  options.recording = std::move(recording);
+  options.progress = [&](const rig::RecordingProgress& progress) {
+    cpu.look();
+    output.show(progress);
+  };
+  options.notice = [&](const std::string& sentence) { output.note(sentence); };
+  return rig::record_ports(options);
+}
+
+/// A program stands behind a pseudo terminal, `thermorig simulate` more often than not: what comes from one
+/// must not pass for real data.
+void mark_pseudo_terminals(rig::RecordingOptions& recording) {
+  const auto is_pseudo = [&](Device device) {
+    return io::is_pseudo_terminal(recording.profile.link(device).port);
+  };
+  if (recording.simulated || std::none_of(all_devices.begin(), all_devices.end(), is_pseudo)) return;
+  recording.simulated = true;
+  recording.simulation = "pseudo terminals, whatever program serves them";
+}
+
+/// Switches a simulated rig on and gives its ports to the recording, which then uses them as it uses any
+/// other.
+std::unique_ptr<SimulatedPorts> simulated_ports(const ChosenRig& rig, rig::RecordingOptions& recording) {
+  if (!rig.simulated) return nullptr;
+  auto ports = std::make_unique<SimulatedPorts>(*rig.simulated, FirmwareChoice::avr_image);
+  for (Device device : all_devices) recording.profile.link(device).port = ports->paths()[device];
+  recording.simulation = "ports, " + ports->firmware_description();
+  ports->start();
+  return ports;
+}
+
+}  // namespace
+
+RecordSummary record_session(const RecordOptions& options, const ChosenRig& rig, const rig::SweepPlan& plan) {
+  rig::RecordingOptions recording = recording_options(options, rig, plan);
+  RecordSummary summary;
+  summary.plan = plan;
+  const HostTime begin = io::now();
+  if (options.fast) {
+    recording.simulation = "virtual time, firmware's host build";
+    announce(recording, options.json);
+    summary.result = record_fast(rig, std::move(recording), *make_progress_output(options.json));
+  } else {
+    const std::unique_ptr<SimulatedPorts> ports = simulated_ports(rig, recording);  // outlives the recording
+    mark_pseudo_terminals(recording);
+    announce(recording, options.json);
+    CpuShare cpu;
+    summary.result = record_on_ports(std::move(recording), *make_progress_output(options.json), cpu);
+    summary.cpu_share = cpu.share();
+  }
+  summary.wall_s = to_s(io::now() - begin);
+  return summary;
+}
+
+}  // namespace thermorig::app

@@ -1,0 +1,16 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include "chosen_rig.h"
+#include "options.h"
+#include "record_summary.h"
+#include "thermorig/rig/plan.h"
+
+namespace thermorig::app {
+
+/// One acquisition of `plan` in the way that `options` ask for: on ports, on the simulated rig's ports or in
+/// virtual time. Shows its progress; does not print the summary. For whoever records: `record`, `calibrate`.
+/// Throws as rig::record_ports() and rig::record_virtual() do.
+RecordSummary record_session(const RecordOptions& options, const ChosenRig& rig, const rig::SweepPlan& plan);
+
+}  // namespace thermorig::app
