@@ -15,6 +15,8 @@ struct SweepPlan {
   std::string name;
   std::vector<double> leg_rates_dps;  // signed, in driving order
   int frames_per_leg = 57;            // camera frames from a leg's first to its last, flagged ones included
+  int valid_per_leg = 0;              // valid frames that each leg must bring; 0: whatever its frames give
+  bool for_calibration = false;       // legs may be too short for a valid frame, and there may be none
   double opening_rest_s = 10.0;
   double closing_rest_s = 10.0;
   std::uint64_t seed = 1;  // of the order of the magnitudes
@@ -47,12 +49,23 @@ SweepPlan parse_plan(const std::string& text, const std::string& file_name, std:
 /// The plan as TOML: every leg's speed, in order. parse_plan() gives the same legs back.
 std::string to_toml(const SweepPlan& plan);
 
+/// What a calibration is recorded for.
+enum class CalibrationKind : std::uint8_t { bias, latency, scale, orientation };
+
+/// The plan that shows what the calibration needs, on this rig: `bias` a rest of 60 s; `latency` a minute of
+/// reversals every 2 s at up to 120 deg/s; `orientation` four slow sweeps; `scale` 420 degrees forth and back
+/// at 40 deg/s or, where the servo has less travel, a rest of 60 s in which the rig is turned by hand.
+SweepPlan calibration_plan(CalibrationKind kind, const ServoProfile& servo, const CameraProfile& camera);
+
 /// Can this rig drive the plan, and give at least one valid frame in every leg? Throws Error(bad_usage) that
 /// shows the sum: speeds beyond the servo's limits, legs too short, a frame rate that the baud cannot carry.
 void check_plan(const SweepPlan& plan, const ServoProfile& servo, const CameraProfile& camera);
 
 /// Angle that a leg of `frames` frames at `rate_dps` covers at `frame_rate_hz`, ramps and reaction included.
 double leg_travel_deg(double rate_dps, int frames, double frame_rate_hz, double acceleration_dps2);
+
+/// The fastest that this servo may be driven at: by its profile and by the firmware.
+double speed_limit_dps(const ServoProfile& servo);
 
 /// Half of the angle that the servo may use around its middle; nothing for a continuous servo.
 std::optional<double> angle_limit_deg(const ServoProfile& servo);
