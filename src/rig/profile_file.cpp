@@ -5,7 +5,7 @@
 
 #include <cstdint>
 #include <fstream>
-#include <limits>
+#include <string_view>
 #include <vector>
 
 #include "servo_link.h"
@@ -15,6 +15,16 @@
 namespace thermorig::rig {
 
 namespace {
+
+/// "2026-07-25", or the same with a time of day behind it: ISO 8601 in UTC.
+bool is_date(const std::string& text) {
+  constexpr std::string_view day = "dddd-dd-dd";
+  constexpr std::string_view allowed_after = "0123456789T:.Z";
+  if (text.size() < day.size() || text.size() > 32) return false;
+  for (std::size_t i = 0; i < day.size(); ++i)
+    if (day[i] == 'd' ? text[i] < '0' || text[i] > '9' : text[i] != day[i]) return false;
+  return text.find_first_not_of(allowed_after, day.size()) == std::string::npos;
+}
 
 /// Takes values out of a table; what is not there stays as it is.
 class ProfileReader {
@@ -30,6 +40,12 @@ class ProfileReader {
   }
   void boolean(const char* key, bool& value, const char*) { value = table_.boolean(key).value_or(value); }
   void text(const char* key, std::string& value, const char*) { value = table_.text(key).value_or(value); }
+  void date(const char* key, std::string& value, const char* comment) {
+    text(key, value, comment);
+    if (!value.empty() && !is_date(value))
+      table_.refuse(key, fmt::format("{} = \"{}\" is not a date", key, value),
+                    "UTC as in \"2026-07-25T14:35:12Z\", or \"\" for an assumption");
+  }
   template <typename Choice>
   void choice(const char* key, Choice& value, const std::vector<std::string>& words, const char*) {
     if (const auto found = table_.choice(key, words)) value = static_cast<Choice>(*found);
@@ -56,6 +72,7 @@ class ProfileWriter {
   void text(const char* key, const std::string& value, const char* comment) {
     line(key, toml_quoted(value), comment);
   }
+  void date(const char* key, const std::string& value, const char* comment) { text(key, value, comment); }
   template <typename Choice>
   void choice(const char* key, Choice value, const std::vector<std::string>& words, const char* comment) {
     line(key, toml_quoted(words.at(static_cast<std::size_t>(value))), comment);
@@ -72,12 +89,22 @@ class ProfileWriter {
 // One list of keys for reading and writing. Ranges are those in which the value means something at all;
 // whether a plan can be driven is checked against the plan.
 
+constexpr const char* measured = "when that was calibrated, UTC; empty: an assumption";
+
 template <typename Visitor>
 void visit_link(Visitor& visitor, PortProfile& link) {
   visitor.text("port", link.port, "e.g. /dev/serial/by-id/...; empty: not chosen yet");
   visitor.text("usb_path", link.usb_path, "USB topology, e.g. 1-4.2; may be empty");
   visitor.integer("baud", link.baud, 0, 12'000'000, "bits per second, 8N1; 0: does not apply (USB-CDC)");
-  visitor.number("latency_s", link.latency_s, 0.0, 1.0, "constant delay from the sample to its first byte");
+  visitor.number("latency_s", link.latency_s, -0.1, 1.0,
+                 "constant delay from the sample to its first byte; calibrated: against the gyro's");
+  visitor.number("latency_uncertainty_s", link.latency_uncertainty_s, 0.0, 1.0,
+                 "one standard deviation of it");
+  visitor.date("latency_measured_utc", link.latency_measured_utc, measured);
+  visitor.number("largest_constant_delay_s", link.largest_constant_delay_s, 0.0, 1.0,
+                 "even the fastest byte is read at most so late; one-way lower bounds rest on it");
+  visitor.number("wander_ppm", link.wander_ppm, 0.1, 50'000.0,
+                 "the device's clock stays so close to its mean rate");
   visitor.boolean("reset_on_open", link.reset_on_open, "toggle DTR after opening");
 }
 
@@ -89,6 +116,8 @@ void visit_camera(Visitor& visitor, CameraProfile& camera) {
   visitor.number("field_of_view_deg", camera.field_of_view_deg, 1.0, 180.0,
                  "horizontal: 55 (BAB) or 110 (BAA)");
   visitor.boolean("mirrored", camera.mirrored, "the order on the wire is a mirror image of the scene");
+  visitor.date("orientation_measured_utc", camera.orientation_measured_utc,
+               "when `mirrored` and the gyro's axis and sign were calibrated, UTC; empty: assumptions");
   visitor.choice("checksum", camera.checksum, {"word", "byte", "ignore"}, "word, byte or ignore");
 }
 
@@ -100,6 +129,13 @@ void visit_gyro(Visitor& visitor, GyroProfile& gyro) {
   visitor.number("output_rate_hz", gyro.output_rate_hz, 1.0, 8000.0, "samples a second, nominal");
   visitor.choice("axis", gyro.axis, {"x", "y", "z"}, "the servo's axis: x, y or z");
   visitor.integer("sign", gyro.sign, -1, 1, "1 or -1: a positive command then gives a positive rate");
+  visitor.number("scale", gyro.scale, 0.5, 2.0, "measured rate = scale * true rate + bias, sign applied");
+  visitor.number("scale_uncertainty", gyro.scale_uncertainty, 0.0, 1.0, "one standard deviation of it");
+  visitor.date("scale_measured_utc", gyro.scale_measured_utc, measured);
+  visitor.number("bias_dps", gyro.bias_dps, -200.0, 200.0, "measured rate at rest, sign applied");
+  visitor.number("bias_uncertainty_dps", gyro.bias_uncertainty_dps, 0.0, 200.0,
+                 "one standard deviation of it");
+  visitor.date("bias_measured_utc", gyro.bias_measured_utc, measured);
 }
 
 template <typename Visitor>
@@ -122,7 +158,7 @@ void visit_servo(Visitor& visitor, ServoProfile& servo) {
   visit_link(visitor, servo.link);
   visitor.text("model", servo.model, "free text");
   visitor.choice("kind", servo.kind, {"positional", "continuous"}, "positional or continuous");
-  visitor.number("travel_deg", servo.travel_deg, 2.0, span_max,
+  visitor.number("travel_deg", servo.travel_deg, 0.0, span_max,
                  "positional: angle from shortest to longest pulse");
   visitor.number("full_rate_dps", servo.full_rate_dps, 0.0, span_max / 2.0,
                  "continuous: speed at the longest pulse");
@@ -133,6 +169,11 @@ void visit_servo(Visitor& visitor, ServoProfile& servo) {
                  SERVO_LIMIT_ACCELERATION_DPS2, "of every ramp");
   visitor.number("stop_margin_deg", servo.stop_margin_deg, 0.0, 1000.0, "kept from either end of the travel");
   visitor.number("settle_s", servo.settle_s, 0.0, 10.0, "after a change of speed, until the shaft follows");
+  visitor.number("loop_hz", servo.loop_hz, 0.5, 100.0,
+                 "bandwidth of the servo's own loop, until a recording tells better");
+  visitor.number("scale", servo.scale, 0.5, 2.0, "shaft angle per commanded angle");
+  visitor.number("scale_uncertainty", servo.scale_uncertainty, 0.0, 1.0, "one standard deviation of it");
+  visitor.date("scale_measured_utc", servo.scale_measured_utc, measured);
 }
 
 void check_consistency(const RigProfile& profile, const TomlTable& gyro, const TomlTable& servo) {

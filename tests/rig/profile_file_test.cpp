@@ -19,21 +19,46 @@ RigProfile unusual_profile() {
                          .usb_path = "1-4.2",
                          .baud = 115200,
                          .latency_s = 0.0215,
+                         .latency_uncertainty_s = 0.0004,
+                         .latency_measured_utc = "2026-07-25T14:35:12Z",
+                         .largest_constant_delay_s = 0.0005,
+                         .wander_ppm = 20.0,
                          .reset_on_open = true};
   profile.camera.output_rate_hz = 4.0;
   profile.camera.field_of_view_deg = 110.0;
   profile.camera.mirrored = false;
+  profile.camera.orientation_measured_utc = "2026-07-26";
   profile.camera.checksum = ChecksumPolicy::ignore;
   profile.gyro.protocol = GyroProtocol::text;
   profile.gyro.text = {
       .prefix = "a/g:", .rate = {3, -1, 5}, .scale_dps = 1.0 / 131.0, .time = 0, .time_unit_s = 1e-6};
   profile.gyro.axis = 0;
   profile.gyro.sign = -1;
+  profile.gyro.scale = 1.0123;
+  profile.gyro.scale_uncertainty = 0.0021;
+  profile.gyro.scale_measured_utc = "2026-07-25T14:40:00Z";
+  profile.gyro.bias_dps = -1.375;
+  profile.gyro.bias_uncertainty_dps = 0.02;
+  profile.gyro.bias_measured_utc = "2026-07-25T14:41:00.5Z";
   profile.servo.kind = ServoKind::continuous;
   profile.servo.full_rate_dps = 250.5;
   profile.servo.pulse_min_us = 544.0;
   profile.servo.settle_s = 0.1;
+  profile.servo.loop_hz = 11.5;
+  profile.servo.scale = 0.9875;
+  profile.servo.scale_uncertainty = 0.0031;
+  profile.servo.scale_measured_utc = "2026-07-25T14:40:00Z";
   return profile;
+}
+
+std::string refusal(const std::string& text) {
+  try {
+    parse_profile(text, "bench.toml");
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), ExitCode::bad_usage);
+    return error.what();
+  }
+  return "nothing was refused";
 }
 
 TEST(ProfileFile, GivesTheSameProfileBack) {
@@ -52,6 +77,33 @@ TEST(ProfileFile, GivesTheSameProfileBack) {
   EXPECT_EQ(again.servo.full_rate_dps, 250.5);
 }
 
+TEST(ProfileFile, GivesCalibrationsBack) {
+  const RigProfile profile = unusual_profile();
+  const RigProfile again = parse_profile(profile_text(profile), "bench.toml");
+  EXPECT_EQ(again.camera.link.latency_uncertainty_s, 0.0004);
+  EXPECT_EQ(again.camera.link.latency_measured_utc, profile.camera.link.latency_measured_utc);
+  EXPECT_EQ(again.camera.link.largest_constant_delay_s, 0.0005);
+  EXPECT_EQ(again.camera.link.wander_ppm, 20.0);
+  EXPECT_EQ(again.camera.orientation_measured_utc, "2026-07-26");
+  EXPECT_EQ(again.gyro.scale, profile.gyro.scale);
+  EXPECT_EQ(again.gyro.scale_uncertainty, profile.gyro.scale_uncertainty);
+  EXPECT_EQ(again.gyro.bias_dps, -1.375);
+  EXPECT_EQ(again.gyro.bias_measured_utc, profile.gyro.bias_measured_utc);
+  EXPECT_EQ(again.servo.loop_hz, 11.5);
+  EXPECT_EQ(again.servo.scale, 0.9875);
+  EXPECT_EQ(again.servo.scale_measured_utc, profile.servo.scale_measured_utc);
+}
+
+TEST(ProfileFile, RefusesCalibrationsThatMeanNothing) {
+  EXPECT_THAT(refusal("[gyro]\nscale = 0.1\n"), HasSubstr("from 0.5 to 2"));
+  EXPECT_THAT(refusal("[gyro]\nscale_uncertainty = -0.1\n"), HasSubstr("out of range"));
+  EXPECT_THAT(refusal("[gyro]\nbias_dps = nan\n"), HasSubstr("out of range"));
+  EXPECT_THAT(refusal("[gyro]\nbias_measured_utc = \"yesterday\"\n"), HasSubstr("bench.toml:2"));
+  EXPECT_THAT(refusal("[camera]\nlatency_measured_utc = \"2026-07-25 at noon\"\n"), HasSubstr("not a date"));
+  EXPECT_THAT(refusal("[servo]\nloop_hz = 0\n"), HasSubstr("from 0.5 to 100"));
+  EXPECT_THAT(refusal("[camera]\nwander_ppm = 0\n"), HasSubstr("out of range"));
+}
+
 TEST(ProfileFile, KeepsDefaultsForWhatIsLeftOut) {
   const RigProfile profile = parse_profile("[camera]\nport = \"/dev/ttyUSB1\"\n", "bench.toml");
   EXPECT_EQ(profile.camera.link.port, "/dev/ttyUSB1");
@@ -61,16 +113,6 @@ TEST(ProfileFile, KeepsDefaultsForWhatIsLeftOut) {
 
 TEST(ProfileFile, WritesACommentForPeople) {
   EXPECT_THAT(profile_text(RigProfile{}), HasSubstr("bits per second"));
-}
-
-std::string refusal(const std::string& text) {
-  try {
-    parse_profile(text, "bench.toml");
-  } catch (const Error& error) {
-    EXPECT_EQ(error.code(), ExitCode::bad_usage);
-    return error.what();
-  }
-  return "nothing was refused";
 }
 
 TEST(ProfileFile, NamesLineAndWhatIsAllowed) {
