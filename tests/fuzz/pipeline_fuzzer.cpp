@@ -121,14 +121,16 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   const auto take = [&](const std::vector<LabelledSample>& taken) {
     for (const LabelledSample& sample : taken) check(sample, samples++);
   };
+  RawRecording raw;
   while (!script.done()) {
     const Chunk chunk = next_chunk(script, now);
+    raw.received[chunk.device].append(chunk.bytes, chunk.arrived);
     take(pipeline.feed(chunk.device, chunk.bytes, chunk.arrived));
   }
   take(pipeline.finish());
   const pipeline::Streams streams = pipeline.take_streams();
   require(samples == streams.frames.size());
   for (const Device device : all_devices) check(pipeline.counters(device));
-  pipeline::fit(streams);
+  pipeline::fit(raw, streams);
   return 0;
 }

@@ -36,13 +36,13 @@ Streams half_fresh(int frames, double period_s, double tick_s, unsigned lost_per
 }
 
 TEST(Fit, FindsThePeriodBetweenTheTicksOfALatencyTimer) {
-  const Fits fits = fit(half_fresh(500, 0.12755, 0.016, 0));
+  const Fits fits = fit({}, half_fresh(500, 0.12755, 0.016, 0));
   ASSERT_TRUE(fits.frame_period_s);
   EXPECT_NEAR(*fits.frame_period_s, 0.12755, 0.0001);
 }
 
 TEST(Fit, DoesNotCountIntervalsWithLostFrames) {
-  const Fits fits = fit(half_fresh(500, 0.12755, 0.001, 10));
+  const Fits fits = fit({}, half_fresh(500, 0.12755, 0.001, 10));
   ASSERT_TRUE(fits.frame_period_s);
   EXPECT_NEAR(*fits.frame_period_s, 0.12755, 0.0001);
 }
@@ -52,13 +52,13 @@ TEST(Fit, IsNotMovedByReadsThatComeLate) {
   Streams streams = half_fresh(200, 0.12755, 0.001, 0);
   for (TimedFrame& frame : streams.frames)
     if (random() % 100 < 30) frame.stamp.time += from_s(0.001 * static_cast<double>(random() % 180));
-  EXPECT_NEAR(*fit(streams).frame_period_s, 0.12755, 0.0003);
+  EXPECT_NEAR(*fit({}, streams).frame_period_s, 0.12755, 0.0003);
 }
 
 TEST(Fit, IsNotMovedByAPauseOfTheCamera) {
   Streams streams = half_fresh(200, 0.12755, 0.001, 0);
   for (std::size_t i = 100; i < 200; ++i) streams.frames[i].stamp.time += from_s(10.0);
-  EXPECT_NEAR(*fit(streams).frame_period_s, 0.12755, 0.0005);
+  EXPECT_NEAR(*fit({}, streams).frame_period_s, 0.12755, 0.0005);
 }
 
 TEST(Fit, TakesAStalledHostForNoLoss) {
@@ -68,7 +68,7 @@ TEST(Fit, TakesAStalledHostForNoLoss) {
     for (const double stall : {3.0, 8.0})
       if (t > stall && t < stall + 0.6) frame.stamp.time = HostTime(from_s(stall + 0.6));
   }
-  const Fits fits = fit(streams);
+  const Fits fits = fit({}, streams);
   EXPECT_NEAR(*fits.frame_period_s, 0.12755, 0.00025);
   unsigned missing = 0, late = 0;
   for (const labels::FrameGap& gap : fits.gaps) {
@@ -82,22 +82,22 @@ TEST(Fit, TakesAStalledHostForNoLoss) {
 TEST(Fit, TakesTheModeOfTheMajorityAfterTheFirstFrame) {
   Streams streams;
   streams.frames = {frame_at(0.0, 384, 384), frame_at(0.1, 380, 0)};
-  EXPECT_EQ(fit(streams).camera_mode, labels::CameraMode::half_fresh);
+  EXPECT_EQ(fit({}, streams).camera_mode, labels::CameraMode::half_fresh);
   streams.frames = {frame_at(0.0, 384, 0), frame_at(0.1, 380, 380), frame_at(0.2, 380, 380),
                     frame_at(0.3, 0, 380)};
-  EXPECT_EQ(fit(streams).camera_mode, labels::CameraMode::full_fresh);
+  EXPECT_EQ(fit({}, streams).camera_mode, labels::CameraMode::full_fresh);
 }
 
 TEST(Fit, SaysNothingOfWhatItHasNotSeen) {
-  EXPECT_FALSE(fit({}).camera_mode);
-  EXPECT_FALSE(fit({}).frame_period_s);
+  EXPECT_FALSE(fit({}, {}).camera_mode);
+  EXPECT_FALSE(fit({}, {}).frame_period_s);
   Streams one;
   one.frames = {frame_at(0.0, 384, 384)};
-  EXPECT_FALSE(fit(one).camera_mode);
-  EXPECT_FALSE(fit(one).frame_period_s);
+  EXPECT_FALSE(fit({}, one).camera_mode);
+  EXPECT_FALSE(fit({}, one).frame_period_s);
   one.frames.push_back(frame_at(0.0, 0, 0));
-  EXPECT_FALSE(fit(one).camera_mode);
-  EXPECT_FALSE(fit(one).frame_period_s);
+  EXPECT_FALSE(fit({}, one).camera_mode);
+  EXPECT_FALSE(fit({}, one).frame_period_s);
 }
 
 }  // namespace

@@ -104,7 +104,8 @@ std::vector<Chunk> chunks_across_messages(const ScriptedRecording& recording, un
   return in_order_of_arrival(std::move(chunks));
 }
 
-Result run(const RigProfile& profile, const std::vector<Chunk>& chunks, const Fits& fits) {
+Result run(const RigProfile& profile, const std::vector<Chunk>& chunks, const Fits& fits,
+           const RawStream& sent) {
   Pipeline pipeline(profile, fits);
   Result result;
   PerDevice<std::uint64_t> bytes;
@@ -113,11 +114,24 @@ Result run(const RigProfile& profile, const std::vector<Chunk>& chunks, const Fi
   const auto take = [&](std::vector<LabelledSample> samples) {
     result.samples.insert(result.samples.end(), samples.begin(), samples.end());
   };
-  for (const Chunk& chunk : chunks) take(pipeline.feed(chunk.device, chunk.bytes, chunk.arrived));
+  std::size_t next = 0;
+  for (const Chunk& chunk : chunks) {
+    for (; next < sent.chunk_count() && sent.time(next) <= chunk.arrived; ++next)
+      pipeline.sent(sent.chunk(next), sent.time(next));
+    take(pipeline.feed(chunk.device, chunk.bytes, chunk.arrived));
+  }
   take(pipeline.finish());
   result.streams = pipeline.take_streams();
   for (const Device device : all_devices) result.counters[device] = pipeline.counters(device);
   return result;
+}
+
+Fits first_pass(const RigProfile& profile, const std::vector<Chunk>& chunks, const RawStream& sent) {
+  RawRecording raw;
+  raw.header.profile = profile;
+  raw.sent = sent;
+  for (const Chunk& chunk : chunks) raw.received[chunk.device].append(chunk.bytes, chunk.arrived);
+  return fit(raw, run(profile, chunks, {}, sent).streams);
 }
 
 }  // namespace thermorig::pipeline

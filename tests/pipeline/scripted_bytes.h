@@ -6,6 +6,7 @@
 
 #include "thermorig/core/chunk.h"
 #include "thermorig/core/profile.h"
+#include "thermorig/core/raw_recording.h"
 #include "thermorig/core/sample.h"
 #include "thermorig/pipeline/pipeline.h"
 
@@ -39,6 +40,11 @@ struct Result {
   Streams streams;
   PerDevice<wire::Counters> counters;
 };
-Result run(const RigProfile& profile, const std::vector<Chunk>& chunks, const Fits& fits = {});
+/// `sent`: to the servo, in order of time.
+Result run(const RigProfile& profile, const std::vector<Chunk>& chunks, const Fits& fits = {},
+           const RawStream& sent = {});
+
+/// What the chunks say as a whole: run() without fits, then fit().
+Fits first_pass(const RigProfile& profile, const std::vector<Chunk>& chunks, const RawStream& sent = {});
 
 }  // namespace thermorig::pipeline

@@ -20,14 +20,15 @@ VirtualSweep sweep_of(std::uint64_t seed, bool half_fresh) {
 }
 
 Result second_pass(const VirtualSweep& sweep) {
-  return run(sweep.config.profile, sweep.chunks, fit(run(sweep.config.profile, sweep.chunks).streams));
+  const Fits fits = first_pass(sweep.config.profile, sweep.chunks, sweep.sent);
+  return run(sweep.config.profile, sweep.chunks, fits, sweep.sent);
 }
 
 class Truth : public testing::TestWithParam<bool> {};
 
 TEST_P(Truth, FindsTheCamerasModeAndItsSlowClock) {
   const VirtualSweep sweep = sweep_of(3, GetParam());
-  const Fits fits = fit(run(sweep.config.profile, sweep.chunks).streams);
+  const Fits fits = first_pass(sweep.config.profile, sweep.chunks, sweep.sent);
   EXPECT_EQ(fits.camera_mode, GetParam() ? labels::CameraMode::half_fresh : labels::CameraMode::full_fresh);
   const double sent_s = to_s(sweep.frames.back().exposure_end - sweep.frames.front().exposure_end) /
                         static_cast<double>(sweep.frames.size() - 1);

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "thermorig/core/chunk.h"
+#include "thermorig/core/raw_recording.h"
 #include "thermorig/simulation/virtual_rig.h"
 
 namespace thermorig::pipeline {
@@ -20,6 +21,7 @@ struct SweepLeg {
 struct VirtualSweep {
   simulation::VirtualRigConfig config;
   std::vector<Chunk> chunks;
+  RawStream sent;  // to the servo
   std::vector<simulation::SentMessage> frames;
   std::vector<simulation::SentMessage> gyro;
 };
