@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: MIT
+#include "thermorig/calibration/calibration.h"
+#include "thermorig/core/error.h"
+#include "thermorig/motion/panorama_fit.h"
+
+namespace thermorig::calibration {
+
+/// The session's times may have been shifted by its own estimate already: what was really subtracted is in
+/// its clock's report, and the images tell what is left of it.
+LatencyResult measure_latency(const session::Session& session) {
+  const RigProfile& profile = session.raw.header.profile;
+  const motion::View view{profile.camera.field_of_view_deg, profile.camera.mirrored};
+  const CameraOffset left = motion::camera_offset(session.frames, session.gyro, view, session.sync.gyro);
+  if (!left.offset_s)
+    throw Error(ExitCode::finished_lossy, "the images do not tell how late the camera is: " + left.why_not,
+                "calibrate latency",
+                "point the camera at something with warm and cold edges; if it is, try `thermorig calibrate "
+                "orientation` first");
+  const double subtracted_s = session.sync.clock[Device::camera].latency_s;
+  const double latency_s = subtracted_s + left.offset_s->value;
+  const double before_s = profile.camera.link.latency_s;
+  const double uncertainty_s = left.offset_s->uncertainty;
+  return {.camera_latency_s = {latency_s, uncertainty_s},
+          .before_s = before_s,
+          .offset_s = {latency_s - before_s, uncertainty_s},
+          .halves = left.halves};
+}
+
+}  // namespace thermorig::calibration

@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "thermorig/core/estimate.h"
+#include "thermorig/core/sample.h"
+#include "thermorig/core/time.h"
+
+namespace thermorig::calibration {
+
+struct Stretch {
+  HostTime begin{};
+  HostTime end{};
+};
+
+/// Stretches in which the servo was told to stand still and had a second to come to rest. Where there is no
+/// telemetry at all, nothing drove: the whole time of the gyro.
+std::vector<Stretch> servo_rests(std::span<const TimedServo> servo, std::span<const TimedGyro> gyro);
+
+/// What the gyro shows while nothing turns it.
+struct RestingGyro {
+  double bias_dps = 0.0;
+  double spread_dps = 0.0;  // standard deviation of the means of parts of 2 s
+  double noise_dps = 0.0;   // of a sample
+  double drift_dps = 0.0;   // last third minus first third
+  double rest_s = 0.0;      // that took part
+  std::size_t parts = 0;
+};
+
+/// Parts in which somebody moved the rig are left out: they differ from the others. None if less than 6 s of
+/// quiet remain.
+std::optional<RestingGyro> resting_gyro(std::span<const TimedServo> servo, std::span<const TimedGyro> gyro);
+
+}  // namespace thermorig::calibration
