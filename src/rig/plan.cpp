@@ -30,6 +30,8 @@ struct Draft {
   Order order = Order::seeded;
   bool both_directions = true;
   int frames_per_leg = 57;
+  std::optional<int> valid_per_leg;
+  bool for_calibration = false;
   double opening_rest_s = 10.0;
   double closing_rest_s = 10.0;
   std::uint64_t seed = 1;
@@ -68,6 +70,8 @@ SweepPlan lay_out(Draft draft) {
   SweepPlan plan{.name = draft.name,
                  .leg_rates_dps = {},
                  .frames_per_leg = draft.frames_per_leg,
+                 .valid_per_leg = draft.valid_per_leg.value_or(default_valid_per_leg(draft.frames_per_leg)),
+                 .for_calibration = draft.for_calibration,
                  .opening_rest_s = draft.opening_rest_s,
                  .closing_rest_s = draft.closing_rest_s,
                  .seed = draft.seed};
@@ -93,11 +97,14 @@ void apply(Draft& draft, const PlanOverrides& overrides) {
     draft.both_directions = true;
   }
   draft.frames_per_leg = overrides.frames_per_leg.value_or(draft.frames_per_leg);
+  if (overrides.valid_per_leg) draft.valid_per_leg = overrides.valid_per_leg;
   draft.opening_rest_s = overrides.opening_rest_s.value_or(draft.opening_rest_s);
   draft.closing_rest_s = overrides.closing_rest_s.value_or(draft.closing_rest_s);
   draft.seed = overrides.seed.value_or(draft.seed) & INT64_MAX;  // TOML knows signed numbers only
   if (draft.frames_per_leg < 1 || draft.frames_per_leg > frames_limit)
     refuse_override(fmt::format("{} frames a leg", draft.frames_per_leg), "at least 1");
+  if (draft.valid_per_leg.value_or(0) < 0 || draft.valid_per_leg.value_or(0) > frames_limit)
+    refuse_override(fmt::format("{} valid frames a leg", *draft.valid_per_leg), "0 (no quota) or more");
   for (const double rest_s : {draft.opening_rest_s, draft.closing_rest_s}) {
     if (!(rest_s >= 0.0 && rest_s <= rest_limit_s))
       refuse_override(fmt::format("a rest of {} s", rest_s), fmt::format("0 to {} s", rest_limit_s));
@@ -165,6 +172,9 @@ Draft read_draft(TomlTable& file, std::uint64_t seed) {
   draft.both_directions = file.boolean("both_directions").value_or(true);
   draft.frames_per_leg =
       static_cast<int>(file.integer("frames_per_leg", 1, frames_limit).value_or(draft.frames_per_leg));
+  if (const auto valid = file.integer("valid_per_leg", 0, frames_limit))
+    draft.valid_per_leg = static_cast<int>(*valid);
+  draft.for_calibration = file.boolean("for_calibration").value_or(false);
   draft.opening_rest_s = file.number("opening_rest_s", 0.0, rest_limit_s).value_or(draft.opening_rest_s);
   draft.closing_rest_s = file.number("closing_rest_s", 0.0, rest_limit_s).value_or(draft.closing_rest_s);
   constexpr std::int64_t seed_limit = INT64_MAX;
@@ -180,6 +190,14 @@ const std::vector<std::string>& built_in_plan_names() {
   return names;
 }
 
+// Its first frames lie in a ramp or settle after it, the last one may lie in the next ramp: at 200 deg/s and
+// 8 frames/s that is at most 7.
+int default_valid_per_leg(int frames_per_leg) {
+  constexpr int most = 50;
+  constexpr int lost_at_the_ends = 7;
+  return std::clamp(frames_per_leg - lost_at_the_ends, 0, most);
+}
+
 SweepPlan parse_plan(const std::string& text, const std::string& file_name, std::uint64_t seed,
                      const PlanOverrides& overrides) {
   TomlTable file = TomlTable::parse(text, file_name);
@@ -190,7 +208,7 @@ SweepPlan parse_plan(const std::string& text, const std::string& file_name, std:
   apply(draft, overrides);
   SweepPlan plan = lay_out(draft);
   if (overrides.magnitudes_dps.empty() && !speeds.legs_dps.empty()) plan.leg_rates_dps = speeds.legs_dps;
-  if (plan.leg_rates_dps.empty())
+  if (plan.leg_rates_dps.empty() && !plan.for_calibration)
     file.refuse("", "the plan has no speeds",
                 "leg_rates_dps, magnitudes_dps, or min_dps, max_dps and step_dps");
   return plan;
@@ -211,10 +229,11 @@ SweepPlan load_plan(const std::string& name_or_file, const std::string& environm
 
 std::string to_toml(const SweepPlan& plan) {
   return fmt::format(
-      "name = {}\nframes_per_leg = {}\nopening_rest_s = {}\nclosing_rest_s = {}\nseed = {}\n"
-      "leg_rates_dps = [{}]\n",
-      toml_quoted(plan.name), plan.frames_per_leg, plan.opening_rest_s, plan.closing_rest_s, plan.seed,
-      fmt::join(plan.leg_rates_dps, ", "));
+      "name = {}\nframes_per_leg = {}\nvalid_per_leg = {}\n{}opening_rest_s = {}\nclosing_rest_s = {}\n"
+      "seed = {}\nleg_rates_dps = [{}]\n",
+      toml_quoted(plan.name), plan.frames_per_leg, plan.valid_per_leg,
+      plan.for_calibration ? "for_calibration = true\n" : "", plan.opening_rest_s, plan.closing_rest_s,
+      plan.seed, fmt::join(plan.leg_rates_dps, ", "));
 }
 
 }  // namespace thermorig::rig

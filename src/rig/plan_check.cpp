@@ -7,6 +7,7 @@
 #include "servo_link.h"
 #include "thermorig/core/error.h"
 #include "thermorig/rig/plan.h"
+#include "thermorig/rig/yield.h"
 #include "thermorig/timing/link_timing.h"
 #include "thermorig/wire/device_bytes.h"
 
@@ -32,49 +33,58 @@ void check_speeds(const SweepPlan& plan, const ServoProfile& servo) {
   }
 }
 
-// Two refresh periods: a half-fresh frame holds halves that were exposed one after the other.
-double exposure_s(const CameraProfile& camera) {
-  return 2.0 / camera.output_rate_hz;
+/// The speed v that just leaves `needed_s` between its ramps: v * needed + v^2 / a = stroke.
+double fastest_sweep_dps(double stroke_deg, double needed_s, double acceleration_dps2) {
+  const double half = 0.5 * needed_s * acceleration_dps2;
+  return std::sqrt(half * half + stroke_deg * acceleration_dps2) - half;
+}
+
+/// "0.20 s to settle + 0.25 s of exposure + 5 x 0.125 s for 6 frames in a row = 1.08 s".
+std::string needed_text(int window_frames, const ServoProfile& servo, const CameraProfile& camera) {
+  const double period_s = 1.0 / camera.output_rate_hz;
+  const std::string further = window_frames == 1 ? ""
+                                                 : fmt::format(" + {} x {:.3f} s for {} frames in a row",
+                                                               window_frames - 1, period_s, window_frames);
+  return fmt::format("{:.2f} s to settle + {:.2f} s of exposure{} = {:.2f} s", servo.settle_s, 2.0 * period_s,
+                     further, window_s(window_frames, servo, camera.output_rate_hz));
+}
+
+std::string window_name(int window_frames) {
+  return window_frames == 1 ? "valid frame" : fmt::format("valid window of {} frames", window_frames);
 }
 
 void check_leg_time(const SweepPlan& plan, double rate_dps, const ServoProfile& servo,
-                    const CameraProfile& camera) {
+                    const CameraProfile& camera, int window_frames) {
   const double leg_s = plan.frames_per_leg / camera.output_rate_hz;
   const double ramp_s = std::abs(rate_dps) / servo.acceleration_dps2;
-  const double needed_s = servo.settle_s + exposure_s(camera);
+  const double needed_s = window_s(window_frames, servo, camera.output_rate_hz);
   if (leg_s - ramp_s >= needed_s) return;
-  refuse(
-      plan,
-      fmt::format(
-          "a leg at {} deg/s is too short for any valid frame: {} frames at {} Hz = {:.2f} s, minus {:.2f} "
-          "s of ramp = {:.2f} s of constant speed; a valid frame needs {:.2f} s to settle + {:.2f} s of "
-          "exposure = {:.2f} s",
-          rate_dps, plan.frames_per_leg, camera.output_rate_hz, leg_s, ramp_s, leg_s - ramp_s, servo.settle_s,
-          exposure_s(camera), needed_s),
-      fmt::format("at least {} frames a leg",
-                  static_cast<int>(std::ceil((needed_s + ramp_s) * camera.output_rate_hz))));
+  refuse(plan,
+         fmt::format("a leg at {} deg/s is too short for any {}: {} frames at {} Hz = {:.2f} s, minus {:.2f} "
+                     "s of ramp = {:.2f} s of constant speed; needed are {}",
+                     rate_dps, window_name(window_frames), plan.frames_per_leg, camera.output_rate_hz, leg_s,
+                     ramp_s, leg_s - ramp_s, needed_text(window_frames, servo, camera)),
+         fmt::format("at least {} frames a leg",
+                     static_cast<int>(std::ceil((needed_s + ramp_s) * camera.output_rate_hz))));
 }
 
 void check_stroke(const SweepPlan& plan, double rate_dps, const ServoProfile& servo,
-                  const CameraProfile& camera) {
+                  const CameraProfile& camera, int window_frames) {
   const auto limit_deg = angle_limit_deg(servo);
   if (!limit_deg) return;
-  const double speed_dps = std::abs(rate_dps);
   const double stroke_deg = 2.0 * *limit_deg;
-  const double ramps_deg = speed_dps * speed_dps / servo.acceleration_dps2;  // one at either end
-  const double constant_s = std::max(0.0, stroke_deg - ramps_deg) / speed_dps;
-  const double needed_s = servo.settle_s + exposure_s(camera);
+  const double ramps_deg = rate_dps * rate_dps / servo.acceleration_dps2;  // one at either end
+  const double constant_s = sweep_constant_s(rate_dps, servo);
+  const double needed_s = window_s(window_frames, servo, camera.output_rate_hz);
   if (constant_s >= needed_s) return;
-  refuse(
-      plan,
-      fmt::format(
-          "a sweep at {} deg/s is too short for any valid frame: {} deg of travel, minus {:.1f} deg of ramps "
-          "= {:.2f} s at constant speed; a valid frame needs {:.2f} s to settle + {:.2f} s of exposure "
-          "(two frame periods at {} Hz) = {:.2f} s",
-          rate_dps, stroke_deg, ramps_deg, constant_s, servo.settle_s, exposure_s(camera),
-          camera.output_rate_hz, needed_s),
-      fmt::format("speeds below {:.0f} deg/s, a servo with more travel, or a faster camera",
-                  stroke_deg / needed_s));
+  refuse(plan,
+         fmt::format("a sweep at {} deg/s is too short for any {}: {} deg of travel, minus {:.1f} deg of "
+                     "ramps = {:.2f} s at constant speed; needed are {}, or {:.0f} deg of travel",
+                     rate_dps, window_name(window_frames), stroke_deg, ramps_deg, constant_s,
+                     needed_text(window_frames, servo, camera),
+                     window_travel_deg(rate_dps, window_frames, servo, camera.output_rate_hz)),
+         fmt::format("speeds below {:.0f} deg/s, a servo with more travel, or a faster camera",
+                     fastest_sweep_dps(stroke_deg, needed_s, servo.acceleration_dps2)));
 }
 
 void check_camera_link(const SweepPlan& plan, const CameraProfile& camera) {
@@ -105,42 +115,22 @@ std::optional<double> angle_limit_deg(const ServoProfile& servo) {
   return servo.travel_deg / 2.0 - servo.stop_margin_deg;
 }
 
-double leg_travel_deg(double rate_dps, int frames, double frame_rate_hz, double acceleration_dps2) {
+double leg_travel_deg(double rate_dps, double frames, double frame_rate_hz, double acceleration_dps2) {
   const double speed_dps = std::abs(rate_dps);
   // One period more than there are frames: the first one may have begun just before the leg.
   const double driven_s = (frames + 1) / frame_rate_hz + reaction_s;
   return speed_dps * driven_s + speed_dps * speed_dps / (2.0 * acceleration_dps2);
 }
 
-void check_plan(const SweepPlan& plan, const ServoProfile& servo, const CameraProfile& camera) {
+void check_plan(const SweepPlan& plan, const ServoProfile& servo, const CameraProfile& camera,
+                int window_frames) {
   check_speeds(plan, servo);
   check_camera_link(plan, camera);
   if (plan.for_calibration) return;
   for (const double rate_dps : plan.leg_rates_dps) {
-    check_leg_time(plan, rate_dps, servo, camera);
-    check_stroke(plan, rate_dps, servo, camera);
+    check_leg_time(plan, rate_dps, servo, camera, window_frames);
+    check_stroke(plan, rate_dps, servo, camera, window_frames);
   }
-}
-
-double plan_duration_s(const SweepPlan& plan, const ServoProfile& servo, double frame_rate_hz) {
-  double duration_s = plan.opening_rest_s + plan.closing_rest_s;
-  double angle_deg = 0.0;
-  for (const double rate_dps : plan.leg_rates_dps) {
-    duration_s += (plan.frames_per_leg + 0.5) / frame_rate_hz + 0.1;
-    const auto limit_deg = angle_limit_deg(servo);
-    if (!limit_deg) continue;
-    const double travel_deg =
-        std::min(leg_travel_deg(rate_dps, plan.frames_per_leg, frame_rate_hz, servo.acceleration_dps2),
-                 2.0 * *limit_deg);
-    const double direction = rate_dps < 0.0 ? -1.0 : 1.0;
-    if (direction * angle_deg + travel_deg > *limit_deg) {
-      const double start_deg = -direction * travel_deg / 2.0;
-      duration_s += std::abs(start_deg - angle_deg) / speed_limit_dps(servo) + 0.2;
-      angle_deg = start_deg;
-    }
-    angle_deg += direction * travel_deg;
-  }
-  return duration_s;
 }
 
 }  // namespace thermorig::rig

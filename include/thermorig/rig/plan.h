@@ -26,6 +26,7 @@ struct SweepPlan {
 struct PlanOverrides {
   std::vector<double> magnitudes_dps;  // empty: the plan's own; else driven as +v, -v in the plan's order
   std::optional<int> frames_per_leg;
+  std::optional<int> valid_per_leg;
   std::optional<double> opening_rest_s;
   std::optional<double> closing_rest_s;
   std::optional<std::uint64_t> seed;
@@ -41,10 +42,14 @@ SweepPlan load_plan(const std::string& name_or_file, const std::string& environm
                     const PlanOverrides& overrides = {});
 
 /// A plan from TOML text: `magnitudes_dps = [..]` or `min_dps`, `max_dps`, `step_dps`; `order` ("seeded",
-/// "ascending", "descending", "given"), `both_directions`, `frames_per_leg`, `opening_rest_s`,
-/// `closing_rest_s`, `seed`, `name`. Throws Error(bad_usage) with file and line.
+/// "ascending", "descending", "given"), `both_directions`, `frames_per_leg`, `valid_per_leg`,
+/// `opening_rest_s`, `closing_rest_s`, `seed`, `name`. Throws Error(bad_usage) with file and line.
 SweepPlan parse_plan(const std::string& text, const std::string& file_name, std::uint64_t seed,
                      const PlanOverrides& overrides = {});
+
+/// Valid frames that a leg of so many camera frames must bring where the plan does not say: 50, or what a
+/// shorter leg of the default rig surely gives.
+int default_valid_per_leg(int frames_per_leg);
 
 /// The plan as TOML: every leg's speed, in order. parse_plan() gives the same legs back.
 std::string to_toml(const SweepPlan& plan);
@@ -57,12 +62,14 @@ enum class CalibrationKind : std::uint8_t { bias, latency, scale, orientation };
 /// at 40 deg/s or, where the servo has less travel, a rest of 60 s in which the rig is turned by hand.
 SweepPlan calibration_plan(CalibrationKind kind, const ServoProfile& servo, const CameraProfile& camera);
 
-/// Can this rig drive the plan, and give at least one valid frame in every leg? Throws Error(bad_usage) that
-/// shows the sum: speeds beyond the servo's limits, legs too short, a frame rate that the baud cannot carry.
-void check_plan(const SweepPlan& plan, const ServoProfile& servo, const CameraProfile& camera);
+/// Can this rig drive the plan, and give at least one valid window of `window_frames` frames in every leg?
+/// Throws Error(bad_usage) that shows the sum: speeds beyond the servo's limits, legs or sweeps too short, a
+/// frame rate that the baud cannot carry.
+void check_plan(const SweepPlan& plan, const ServoProfile& servo, const CameraProfile& camera,
+                int window_frames = 1);
 
 /// Angle that a leg of `frames` frames at `rate_dps` covers at `frame_rate_hz`, ramps and reaction included.
-double leg_travel_deg(double rate_dps, int frames, double frame_rate_hz, double acceleration_dps2);
+double leg_travel_deg(double rate_dps, double frames, double frame_rate_hz, double acceleration_dps2);
 
 /// The fastest that this servo may be driven at: by its profile and by the firmware.
 double speed_limit_dps(const ServoProfile& servo);

@@ -1,0 +1,93 @@
+// SPDX-License-Identifier: MIT
+// How a plan is expected to go, leg by leg: how long each takes, and where it leaves the servo.
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include "thermorig/rig/yield.h"
+
+namespace thermorig::rig {
+
+namespace {
+
+constexpr double command_s = 0.1;  // from one leg's end to the servo's start of the next
+constexpr double transit_extra_s = 0.2;
+
+double sign_of(double value) {
+  return value < 0.0 ? -1.0 : 1.0;
+}
+
+/// Walks through a plan on paper.
+class Walk {
+ public:
+  Walk(const SweepPlan& plan, const ServoProfile& servo, double frame_rate_hz)
+      : plan_(plan), servo_(servo), frame_rate_hz_(frame_rate_hz) {}
+
+  ExpectedLeg drive(double rate_dps) {
+    ExpectedLeg leg{.rate_dps = rate_dps, .course = {}, .frames = frames_needed(rate_dps)};
+    leg.transit_s = go_to_start(rate_dps, leg.frames);
+    leg.course = leg_course(rate_dps, before_dps_, leg.frames, servo_, frame_rate_hz_);
+    leg.duration_s = (leg.frames + 0.5) / frame_rate_hz_ + command_s;
+    const LegYield yield = leg_yield(leg.course, leg.frames, 1, servo_, frame_rate_hz_);
+    valid_[rate_dps] += yield.own;
+    valid_[-rate_dps] += yield.other;
+    before_dps_ = leg.course.turns_back() ? 0.0 : rate_dps;
+    return leg;
+  }
+
+ private:
+  /// What earlier legs brought in this direction counts.
+  double frames_needed(double rate_dps) {
+    wanted_[rate_dps] += plan_.valid_per_leg;
+    const double missing = wanted_[rate_dps] - valid_[rate_dps];
+    const double planned = plan_.frames_per_leg;
+    const LegCourse course = leg_course(rate_dps, before_dps_, planned, servo_, frame_rate_hz_);
+    const double needed = frames_for(missing, course, servo_, frame_rate_hz_);
+    return std::clamp(needed, planned, frames_growth_max * planned);
+  }
+
+  /// Seconds to where the leg fits. Leaves the servo where the leg ends.
+  double go_to_start(double rate_dps, double frames) {
+    const auto limit_deg = angle_limit_deg(servo_);
+    if (!limit_deg) return 0.0;
+    const double travel_deg = std::min(
+        leg_travel_deg(rate_dps, frames, frame_rate_hz_, servo_.acceleration_dps2), 2.0 * *limit_deg);
+    const double direction = sign_of(rate_dps);
+    double transit_s = 0.0;
+    if (direction * angle_deg_ + travel_deg > *limit_deg) {
+      const double start_deg = -direction * travel_deg / 2.0;
+      transit_s = std::abs(start_deg - angle_deg_) / speed_limit_dps(servo_) + transit_extra_s;
+      angle_deg_ = start_deg;
+      before_dps_ = 0.0;
+    }
+    angle_deg_ += direction * travel_deg;
+    return transit_s;
+  }
+
+  const SweepPlan& plan_;
+  const ServoProfile& servo_;
+  double frame_rate_hz_;
+  double angle_deg_ = 0.0;
+  double before_dps_ = 0.0;
+  std::map<double, double> wanted_;  // valid frames by speed, signed
+  std::map<double, double> valid_;
+};
+
+}  // namespace
+
+std::vector<ExpectedLeg> expected_legs(const SweepPlan& plan, const ServoProfile& servo,
+                                       double frame_rate_hz) {
+  Walk walk(plan, servo, frame_rate_hz);
+  std::vector<ExpectedLeg> legs;
+  for (const double rate_dps : plan.leg_rates_dps) legs.push_back(walk.drive(rate_dps));
+  return legs;
+}
+
+double plan_duration_s(const SweepPlan& plan, const ServoProfile& servo, double frame_rate_hz) {
+  double duration_s = plan.opening_rest_s + plan.closing_rest_s;
+  for (const ExpectedLeg& leg : expected_legs(plan, servo, frame_rate_hz))
+    duration_s += leg.transit_s + leg.duration_s;
+  return duration_s;
+}
+
+}  // namespace thermorig::rig

@@ -1,0 +1,121 @@
+// SPDX-License-Identifier: MIT
+#include "thermorig/rig/yield.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+
+namespace thermorig::rig {
+
+namespace {
+
+constexpr double endless = std::numeric_limits<double>::infinity();
+
+// Two refresh periods: a half-fresh frame holds halves that were exposed one after the other.
+double exposure_s(double frame_rate_hz) {
+  return 2.0 / frame_rate_hz;
+}
+
+double ramps_deg(double rate_dps, const ServoProfile& servo) {
+  return rate_dps * rate_dps / servo.acceleration_dps2;  // one at either end
+}
+
+double stroke_deg(const ServoProfile& servo) {
+  const auto limit_deg = angle_limit_deg(servo);
+  return limit_deg ? 2.0 * *limit_deg : endless;
+}
+
+std::array<SpeedYield::Windows, window_frames_max> windows_of(const ExpectedLeg& leg,
+                                                              const ServoProfile& servo,
+                                                              double frame_rate_hz) {
+  std::array<SpeedYield::Windows, window_frames_max> all;
+  for (int frames = 1; frames <= window_frames_max; ++frames) {
+    SpeedYield::Windows& windows = all[static_cast<std::size_t>(frames - 1)];
+    const LegYield yield = leg_yield(leg.course, leg.frames, frames, servo, frame_rate_hz);
+    windows.sweep = windows_within(sweep_constant_s(leg.rate_dps, servo), frames, servo, frame_rate_hz);
+    windows.leg = yield.own + yield.other;
+    windows.travel_deg = window_travel_deg(leg.rate_dps, frames, servo, frame_rate_hz);
+    windows.possible = windows.travel_deg <= stroke_deg(servo);
+  }
+  return all;
+}
+
+}  // namespace
+
+double window_s(int frames, const ServoProfile& servo, double frame_rate_hz) {
+  return servo.settle_s + exposure_s(frame_rate_hz) + (frames - 1) / frame_rate_hz;
+}
+
+double window_travel_deg(double rate_dps, int frames, const ServoProfile& servo, double frame_rate_hz) {
+  return std::abs(rate_dps) * window_s(frames, servo, frame_rate_hz) + ramps_deg(rate_dps, servo);
+}
+
+double sweep_constant_s(double rate_dps, const ServoProfile& servo) {
+  return std::max(0.0, stroke_deg(servo) - ramps_deg(rate_dps, servo)) / std::abs(rate_dps);
+}
+
+// Frames come every period at a phase that is not known: on average so many begin early enough to end in
+// time.
+double windows_within(double constant_s, int frames, const ServoProfile& servo, double frame_rate_hz) {
+  return std::max(0.0, (constant_s - window_s(frames, servo, frame_rate_hz)) * frame_rate_hz);
+}
+
+bool LegCourse::turns_back() const {
+  return std::isfinite(constant_s);
+}
+
+LegCourse leg_course(double rate_dps, double before_dps, double frames, const ServoProfile& servo,
+                     double frame_rate_hz) {
+  const double acceleration_dps2 = servo.acceleration_dps2;
+  if (leg_travel_deg(rate_dps, frames, frame_rate_hz, acceleration_dps2) <= stroke_deg(servo))
+    return {std::abs(rate_dps - before_dps) / acceleration_dps2, endless, 0.0};
+  const double ramp_s = std::abs(rate_dps) / acceleration_dps2;
+  return {ramp_s, sweep_constant_s(rate_dps, servo), 2.0 * ramp_s};
+}
+
+LegYield leg_yield(const LegCourse& course, double frames, int window_frames, const ServoProfile& servo,
+                   double frame_rate_hz) {
+  const double driven_s = std::max(0.0, frames / frame_rate_hz - course.ramp_s);
+  const auto windows = [&](double constant_s) {
+    return windows_within(constant_s, window_frames, servo, frame_rate_hz);
+  };
+  if (!course.turns_back()) return {windows(driven_s), 0.0};
+  const double stroke_s = course.constant_s + course.reversal_s;
+  const double whole = std::floor(driven_s / stroke_s);
+  const double each = windows(course.constant_s);
+  const double last = windows(std::min(course.constant_s, driven_s - whole * stroke_s));
+  LegYield yield{each * std::ceil(whole / 2.0), each * std::floor(whole / 2.0)};
+  (std::fmod(whole, 2.0) == 0.0 ? yield.own : yield.other) += last;
+  return yield;
+}
+
+double frames_for(double valid, const LegCourse& course, const ServoProfile& servo, double frame_rate_hz) {
+  if (valid <= 0.0) return 0.0;
+  double before_s = course.ramp_s;
+  if (course.turns_back()) {
+    const double each = windows_within(course.constant_s, 1, servo, frame_rate_hz);
+    if (each <= 0.0) return endless;
+    const double whole = std::ceil(valid / each) - 1.0;
+    before_s += 2.0 * whole * (course.constant_s + course.reversal_s);
+    valid -= whole * each;
+  }
+  return std::ceil((before_s + window_s(1, servo, frame_rate_hz)) * frame_rate_hz + valid);
+}
+
+std::vector<SpeedYield> plan_yield(const SweepPlan& plan, const ServoProfile& servo, double frame_rate_hz) {
+  std::map<double, SpeedYield> speeds;
+  for (const ExpectedLeg& leg : expected_legs(plan, servo, frame_rate_hz)) {
+    SpeedYield& speed = speeds[std::abs(leg.rate_dps)];
+    if (speed.rate_dps == 0.0) {
+      speed.rate_dps = std::abs(leg.rate_dps);
+      speed.windows = windows_of(leg, servo, frame_rate_hz);
+    }
+    speed.duration_s += leg.transit_s + leg.duration_s;
+  }
+  std::vector<SpeedYield> ascending;
+  for (const auto& [rate_dps, speed] : speeds) ascending.push_back(speed);
+  return ascending;
+}
+
+}  // namespace thermorig::rig
