@@ -35,7 +35,9 @@ Camera::Camera(const CameraConfig& config, const Panorama& panorama, std::uint64
       refresh_period_s_(refresh_period(config)),
       noise_(NoiseLevel::of(config.field_of_view_deg, 1.0 / refresh_period_s_), config.warm, seed),
       processing_s_(clock_.uniform(processing_shortest_s, processing_longest_s)),
-      last_parity_(clock_.chance(0.5) ? 1U : 0U) {}
+      last_parity_(clock_.chance(0.5) ? 1U : 0U) {
+  processing_s_ = config.latency_s.value_or(processing_s_);
+}
 
 std::int64_t Camera::next_period_ns() {
   const double keep = std::exp(-refresh_period_s_ / wander_time_s);

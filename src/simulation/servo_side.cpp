@@ -10,20 +10,25 @@ namespace thermorig::simulation {
 namespace {
 
 constexpr double crystal_error = 30e-6;  // standard deviation
+constexpr WanderLevel crystal_wander{.thermal_amplitude = 5e-6, .walk = 0.1e-6};
 
 }  // namespace
 
-std::int64_t McuClock::us_at(std::int64_t rig_ns) const {
-  return static_cast<std::int64_t>(static_cast<double>(rig_ns) * us_per_ns_);
+McuClock::McuClock(std::uint64_t seed)
+    : us_per_ns_(1e-3 * (1.0 + Random(seed, "servo clock").normal(crystal_error))),
+      wander_(crystal_wander, seed, "servo clock wander") {}
+
+std::int64_t McuClock::us_at(std::int64_t rig_ns) {
+  return static_cast<std::int64_t>(wander_.clock_ns(static_cast<double>(rig_ns)) * us_per_ns_);
 }
 
-std::int64_t McuClock::rig_ns_at(double us) const {
-  return static_cast<std::int64_t>(std::ceil(us / us_per_ns_));
+std::int64_t McuClock::rig_ns_at(double us) {
+  return static_cast<std::int64_t>(std::ceil(wander_.rig_ns(us / us_per_ns_)));
 }
 
 ServoSide::ServoSide(std::unique_ptr<Firmware> firmware, std::uint32_t baud, std::uint64_t seed)
     : firmware_(std::move(firmware)),
-      clock_(Random(seed, "servo clock").normal(crystal_error)),
+      clock_(seed),
       toward_(baud),
       byte_ns_(std::llround(toward_.byte_ns())) {}
 

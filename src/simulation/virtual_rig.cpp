@@ -7,6 +7,7 @@
 
 #include "thermorig/simulation/camera.h"
 #include "thermorig/simulation/gyro.h"
+#include "thermorig/simulation/hand.h"
 #include "thermorig/simulation/panorama.h"
 #include "thermorig/simulation/servo_plant.h"
 #include "thermorig/simulation/servo_side.h"
@@ -31,8 +32,23 @@ CameraConfig camera_config(const VirtualRigConfig& rig) {
           .half_fresh = rig.half_fresh,
           .mirrored = rig.profile.camera.mirrored,
           .warm = rig.warm,
-          .clock_error = rig.camera_clock_error};
+          .clock_error = rig.camera_clock_error,
+          .latency_s = rig.camera_latency_s};
 }
+
+/// A message on its way out of a device.
+struct Message {
+  std::vector<std::uint8_t> bytes;
+  std::int64_t ready_ns;
+  ShaftMark begin, end;  // of its exposure
+};
+
+/// A device's line, and what it has sent.
+struct Sender {
+  UartLine line;
+  std::vector<SentMessage> sent;  // where truth is kept
+  std::uint64_t count = 0;
+};
 
 }  // namespace
 
@@ -44,37 +60,40 @@ struct VirtualRig::Parts {
   void turn_shaft(std::int64_t until_ns);
   void send_frames();
   void send_gyro();
-  void remember(std::vector<SentMessage>& sent, std::uint64_t& count, const ShaftMark& begin,
-                const ShaftMark& end) const;
+  void send(Device device, Sender& sender, const Message& message);
+  StreamSpan pass_on(Device device, std::vector<TimedByte>& bytes);
+  bool is_out(Device device, std::int64_t time_ns) const;
   HostTime host_time(std::int64_t time_ns) const { return config.start + HostDuration(time_ns); }
 
   VirtualRigConfig config;
   ServoSide servo;
   ServoPlant plant;
+  Hand hand;
   Shaft shaft;
   Camera camera;
   Gyro gyro;
-  UartLine camera_line, gyro_line;
-  std::array<UsbPath, device_count> paths;  // by device
+  Sender camera_sender, gyro_sender;
+  std::array<UsbPath, device_count> paths;              // by device
+  std::array<std::uint64_t, device_count> passed_on{};  // bytes that reach the host
   std::vector<TimedByte> line_bytes;
   std::int64_t now_ns = 0;
 
   bool keep_truth = false;
   std::vector<TruthSample> shaft_truth;
-  std::vector<SentMessage> frames, gyro_samples;
   std::vector<PulseEdge> pulses;
-  std::uint64_t frame_count = 0, gyro_count = 0;
 };
 
 VirtualRig::Parts::Parts(const VirtualRigConfig& rig, std::unique_ptr<Firmware> firmware)
     : config(rig),
       servo(std::move(firmware), rig.profile.servo.link.baud, rig.seed),
       plant(rig.profile.servo, rig.servo_loop_hz, rig.seed),
-      shaft(plant.angle_deg()),
+      hand(rig.hand_turns, rig.start),
+      shaft(plant.angle_deg() + hand.angle_deg(0)),
       camera(camera_config(rig), make_panorama(rig.environment, rig.seed), rig.seed),
-      gyro(rig.profile.gyro, rig.gyro_grade, rig.seed),
-      camera_line(rig.profile.camera.link.baud),
-      gyro_line(rig.profile.gyro.link.baud),
+      gyro(rig.profile.gyro, rig.gyro_grade, rig.seed,
+           {.latency_s = rig.gyro_latency_s, .zeroes_itself = rig.gyro_zeroes_itself}),
+      camera_sender{UartLine(rig.profile.camera.link.baud), {}, 0},
+      gyro_sender{UartLine(rig.profile.gyro.link.baud), {}, 0},
       paths{UsbPath(rig.links[Device::camera], rig.seed, name_of(Device::camera)),
             UsbPath(rig.links[Device::gyro], rig.seed, name_of(Device::gyro)),
             UsbPath(rig.links[Device::servo], rig.seed, name_of(Device::servo))} {}
@@ -88,8 +107,8 @@ void VirtualRig::Parts::run_slice(std::int64_t until_ns) {
 }
 
 void VirtualRig::Parts::run_servo(std::int64_t until_ns) {
-  const auto output = servo.run_until(until_ns);
-  paths[index_of(Device::servo)].push(output.bytes);
+  auto output = servo.run_until(until_ns);
+  pass_on(Device::servo, output.bytes);
   for (const PulseEdge& pulse : output.pulses) plant.pulse(servo.end_ns(pulse), pulse.width_us);
   if (keep_truth) pulses.insert(pulses.end(), output.pulses.begin(), output.pulses.end());
 }
@@ -97,38 +116,60 @@ void VirtualRig::Parts::run_servo(std::int64_t until_ns) {
 void VirtualRig::Parts::turn_shaft(std::int64_t until_ns) {
   while (shaft.known_until_ns() + Shaft::step_ns <= until_ns) {
     plant.step(shaft.known_until_ns());
-    shaft.append(plant.angle_deg());
-    const std::int64_t time_ns = shaft.known_until_ns();
+    const std::int64_t time_ns = shaft.known_until_ns() + Shaft::step_ns;
+    const double angle_deg = plant.angle_deg() + hand.angle_deg(time_ns);
+    shaft.append(angle_deg);
     if (keep_truth && time_ns % 1'000'000 == 0)
-      shaft_truth.push_back({host_time(time_ns), plant.angle_deg(), plant.rate_dps()});
+      shaft_truth.push_back({host_time(time_ns), angle_deg, plant.rate_dps() + hand.rate_dps(time_ns)});
   }
 }
 
-void VirtualRig::Parts::remember(std::vector<SentMessage>& sent, std::uint64_t& count, const ShaftMark& begin,
-                                 const ShaftMark& end) const {
-  const std::uint64_t index = count++;
-  if (keep_truth)
-    sent.push_back({index, host_time(begin.time_ns), host_time(end.time_ns), mean_rate_dps(begin, end)});
+bool VirtualRig::Parts::is_out(Device device, std::int64_t time_ns) const {
+  return std::any_of(config.outages.begin(), config.outages.end(), [&](const Outage& outage) {
+    return outage.device == device && outage.begin <= host_time(time_ns) && host_time(time_ns) < outage.end;
+  });
+}
+
+/// Toward the host, without what an outage takes.
+StreamSpan VirtualRig::Parts::pass_on(Device device, std::vector<TimedByte>& bytes) {
+  std::erase_if(bytes, [&](const TimedByte& byte) { return is_out(device, byte.time_ns); });
+  std::uint64_t& count = passed_on[index_of(device)];
+  const StreamSpan span{count, count + bytes.size()};
+  paths[index_of(device)].push(bytes);
+  count = span.end;
+  return span;
+}
+
+void VirtualRig::Parts::send(Device device, Sender& sender, const Message& message) {
+  const std::int64_t sent_ns = message.ready_ns + sender.line.backlog_ns(message.ready_ns);
+  line_bytes.clear();
+  sender.line.send(message.bytes, message.ready_ns, line_bytes);
+  const StreamSpan span = pass_on(device, line_bytes);
+  const std::uint64_t index = sender.count++;
+  if (!keep_truth) return;
+  sender.sent.push_back({.index = index,
+                         .exposure_begin = host_time(message.begin.time_ns),
+                         .exposure_end = host_time(message.end.time_ns),
+                         .mean_rate_dps = mean_rate_dps(message.begin, message.end),
+                         .sent = host_time(sent_ns),
+                         .span = span,
+                         .arrives = span.size() == message.bytes.size()});
 }
 
 /// A bridge whose line is still busy with the frame before leaves a frame out.
 void VirtualRig::Parts::send_frames() {
   for (const SimulatedFrame& frame : camera.follow(shaft)) {
-    if (camera_line.backlog_ns(frame.ready_ns) > 0) continue;
-    line_bytes.clear();
-    camera_line.send(wire::camera_frame(frame.frame), frame.ready_ns, line_bytes);
-    paths[index_of(Device::camera)].push(line_bytes);
-    remember(frames, frame_count, frame.exposure_begin, frame.exposure_end);
+    if (camera_sender.line.backlog_ns(frame.ready_ns) > 0) continue;
+    send(Device::camera, camera_sender,
+         {wire::camera_frame(frame.frame), frame.ready_ns, frame.exposure_begin, frame.exposure_end});
   }
 }
 
 void VirtualRig::Parts::send_gyro() {
   for (const SimulatedGyroSample& sample : gyro.follow(shaft)) {
-    if (gyro_line.backlog_ns(sample.ready_ns) > gyro_backlog_ns) continue;
-    line_bytes.clear();
-    gyro_line.send(gyro_bytes(sample, config.profile.gyro), sample.ready_ns, line_bytes);
-    paths[index_of(Device::gyro)].push(line_bytes);
-    remember(gyro_samples, gyro_count, sample.begin, sample.end);
+    if (gyro_sender.line.backlog_ns(sample.ready_ns) > gyro_backlog_ns) continue;
+    send(Device::gyro, gyro_sender,
+         {gyro_bytes(sample, config.profile.gyro), sample.ready_ns, sample.begin, sample.end});
   }
 }
 
@@ -155,14 +196,19 @@ std::vector<Chunk> VirtualRig::advance(HostTime until) {
   return chunks;
 }
 
+HostTime VirtualRig::when_servo_clock_read(ServoTime mcu) const {
+  const auto mcu_us = static_cast<double>(mcu.time_since_epoch().count());
+  return parts_->host_time(parts_->servo.clock().rig_ns_at(mcu_us));
+}
+
 const std::vector<TruthSample>& VirtualRig::shaft() const {
   return parts_->shaft_truth;
 }
 const std::vector<SentMessage>& VirtualRig::sent_frames() const {
-  return parts_->frames;
+  return parts_->camera_sender.sent;
 }
 const std::vector<SentMessage>& VirtualRig::sent_gyro() const {
-  return parts_->gyro_samples;
+  return parts_->gyro_sender.sent;
 }
 const std::vector<PulseEdge>& VirtualRig::pulses() const {
   return parts_->pulses;

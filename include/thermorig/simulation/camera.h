@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "thermorig/core/frame.h"
@@ -19,6 +20,8 @@ struct CameraConfig {
   bool mirrored = true;
   bool warm = true;
   double clock_error = -0.02;  // relative; the clock wanders around it
+  std::optional<double>
+      latency_s;  // constant part, from the exposure's end to the first byte; drawn if not set
 };
 
 struct SimulatedFrame {

@@ -3,9 +3,11 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "thermorig/core/profile.h"
+#include "thermorig/simulation/clock_wander.h"
 #include "thermorig/simulation/random.h"
 #include "thermorig/simulation/shaft.h"
 #include "thermorig/simulation/virtual_rig.h"
@@ -34,29 +36,41 @@ struct SimulatedGyroSample {
   std::int64_t ready_ns = 0;
 };
 
+struct GyroHabits {
+  std::optional<double>
+      latency_s;               // constant part, from the interval's end to the first byte; drawn if not set
+  bool zeroes_itself = false;  // after a second at rest all rates are exactly 0, until it turns again
+};
+
 /// A gyro on the shaft, which averages over its sample interval.
 class Gyro {
  public:
-  Gyro(const GyroProfile& profile, GyroGrade grade, std::uint64_t seed);
+  Gyro(const GyroProfile& profile, GyroGrade grade, std::uint64_t seed, const GyroHabits& habits = {});
 
   /// The samples whose interval ends by the time up to which the shaft is known.
   std::vector<SimulatedGyroSample> follow(const Shaft& shaft);
 
  private:
+  std::int64_t end_ns(std::int64_t sample);
   SimulatedGyroSample measure(const ShaftMark& end);
+  double measured_dps(double true_dps, std::size_t axis);
+  bool is_zeroed(const ShaftMark& end);
 
   GyroQuality quality_;
   Random random_;
   int axis_;
   int sign_;
   double nominal_period_us_;
-  double period_ns_;  // true, of its own clock
+  double period_ns_;  // true but for the wander
   double phase_ns_;
+  ClockWander wander_;
   double processing_s_;
   double scale_;
   double temp_c_;
   std::array<double, 3> bias_dps_{};
   std::int64_t samples_ = 0;
+  bool zeroes_itself_;
+  std::int64_t turned_ns_ = 0;  // when it was last seen to turn
   ShaftMark begin_;
   bool started_ = false;
 };

@@ -7,20 +7,22 @@
 #include <span>
 #include <vector>
 
+#include "thermorig/simulation/clock_wander.h"
 #include "thermorig/simulation/firmware.h"
 #include "thermorig/simulation/usb_link.h"
 
 namespace thermorig::simulation {
 
-/// The micro-controller's clock: a crystal that is some parts per million off.
+/// The micro-controller's clock: a crystal that is some parts per million off, and wanders by a few.
 class McuClock {
  public:
-  explicit McuClock(double error) : us_per_ns_(1e-3 * (1.0 + error)) {}
-  std::int64_t us_at(std::int64_t rig_ns) const;
-  std::int64_t rig_ns_at(double us) const;
+  explicit McuClock(std::uint64_t seed);
+  std::int64_t us_at(std::int64_t rig_ns);
+  std::int64_t rig_ns_at(double us);
 
  private:
   double us_per_ns_;
+  ClockWander wander_;
 };
 
 /// The servo's micro-controller on its own clock and serial line.
@@ -38,9 +40,11 @@ class ServoSide {
   /// Runs the firmware to rig time `until_ns`, with every byte at its own time.
   Output run_until(std::int64_t until_ns);
 
-  std::int64_t end_ns(const PulseEdge& pulse) const {
+  std::int64_t end_ns(const PulseEdge& pulse) {
     return clock_.rig_ns_at(static_cast<double>(pulse.rise_us) + pulse.width_us);
   }
+
+  McuClock& clock() { return clock_; }
 
  private:
   void run_firmware(std::int64_t mcu_us, Output& out);

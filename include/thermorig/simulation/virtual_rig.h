@@ -24,7 +24,8 @@ struct LinkConfig {
   bool loaded_host = false;        // reads stall now and then, as on a busy machine
 };
 
-/// Nothing of a device arrives: what it sends from `begin` to `end` is lost before the host.
+/// Nothing of a device arrives: a byte whose stop bit ends from `begin` to before `end` is lost before the
+/// host (its USB plug is out). Whatever is sent to it still reaches it.
 struct Outage {
   Device device = Device::camera;
   HostTime begin{};
@@ -63,14 +64,20 @@ struct VirtualRigConfig {
 /// What the simulator knows and the program must not: for tests.
 struct TruthSample {
   HostTime time{};
-  double angle_deg = 0.0;  // of the shaft
+  double angle_deg = 0.0;  // of the shaft, hand turns included: where camera and gyro point
   double rate_dps = 0.0;
 };
-struct SentMessage {  // a frame or gyro sample as the device sent it
+
+/// A frame or gyro sample as the device sent it. `sent_frames()[i].index == i`, lost messages counted; a
+/// message that the program decoded is found by its place in the bytes: `span` equals what the scanner says.
+struct SentMessage {
   std::uint64_t index = 0;
   HostTime exposure_begin{};  // gyro: start of its averaging interval
   HostTime exposure_end{};
-  double mean_rate_dps = 0.0;  // true mean rate of the shaft over the exposure
+  double mean_rate_dps = 0.0;  // true mean rate of the shaft, hand turns included, over the exposure
+  HostTime sent{};             // when its first byte began on the wire
+  StreamSpan span;             // of its bytes in all that reach the host from this device
+  bool arrives = true;         // whole: no outage took a byte of it
 };
 
 /// A whole rig in virtual time: physics, devices and USB links. Deterministic by its configuration.
@@ -86,6 +93,9 @@ class VirtualRig {
 
   /// Runs the rig to host time `until` and returns the chunks that arrive up to then, in order of arrival.
   std::vector<Chunk> advance(HostTime until);
+
+  /// The instant at which the clock of the servo's micro-controller read `mcu`.
+  HostTime when_servo_clock_read(ServoTime mcu) const;
 
   /// The shaft since the start, a sample a millisecond. Kept only when asked for by `keep_truth`.
   const std::vector<TruthSample>& shaft() const;
