@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <span>
 #include <string>
@@ -27,25 +28,44 @@ struct SentStamp {
   HostTime not_after{};
 };
 
-/// The micro-controller's clock from both sides: every clock of that rate (within PortProfile::wander_ppm of
-/// its mean) that obeys all bounds. Its width is a proof. An empty set is a reset, a wrong baud or a
-/// suspended host: it is reported and starts a new epoch. Causal: what it says uses the past alone.
+/// The micro-controller's clock from both sides: every clock that obeys all bounds and whose rate, within any
+/// minute, stays within PortProfile::wander_ppm of its mean over that minute. The mean itself is not assumed
+/// (only that it is within 2 % of nominal): the bounds a minute apart bound it. Given that one property of
+/// the oscillator the width is a proof: earlier_s and later_s of an estimate hold for every such clock.
+///
+/// An empty set is a reset, a wrong baud rate or a suspended host: it is reported and starts a new epoch,
+/// once three messages in a row agree on it; single messages that fit no clock are left out. Causal: what it
+/// says uses the past alone. O(1) a message, but for a walk over the last minute once a second; bounded
+/// memory.
 class PingClock {
  public:
   explicit PingClock(const PortProfile& link);
+  ~PingClock();
+  PingClock(PingClock&&) noexcept;
+  PingClock& operator=(PingClock&&) noexcept;
 
+  /// In order of arrival, mixed with sent(). An exchange whose answer was sent before its ping is ignored.
   void exchange(const PingExchange& exchange);
   void sent(const SentStamp& stamp);
 
-  /// When the micro-controller's clock showed `mcu_us` (unwrapped, of the newest epoch). None before the
-  /// first exchange.
+  /// When the micro-controller's clock showed `mcu_us` (unwrapped, of the newest epoch): middle of the
+  /// bounds. None before the epoch's first exchange.
   std::optional<TimeEstimate> at(std::int64_t mcu_us) const;
 
   /// Epochs so far, the first included.
   const std::vector<ClockEpoch>& epochs() const;
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
 };
 
 /// The same over a whole recording, non-causal: the times of `mcu_us`, and a report with knots.
+///
+/// All three in the order of the stream; `mcu_us` are those of `sent` or some of them, and a step back of
+/// more than 0.2 s in it is a reset. In an epoch without any exchange the bounds are those of a one-way
+/// clock: the lower end rests on PortProfile::largest_constant_delay_s. Times that nothing bounds have
+/// infinite uncertainty.
 struct PingFit {
   std::vector<TimeEstimate> times;
   ClockReport report;

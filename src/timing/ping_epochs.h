@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "ping_bounds.h"
+#include "thermorig/core/profile.h"
+
+namespace thermorig::timing {
+
+/// Follows a servo's clock from bound to bound, leaves out what no clock explains, and begins a new epoch
+/// where bounds that agree with each other agree with the clock so far no more.
+class PingEpochs {
+ public:
+  explicit PingEpochs(const PortProfile& link);
+
+  /// Bounds come in the order in which their messages did.
+  void feed(const PingBound& bound);
+
+  const PingBounds* current() const { return current_ ? &*current_ : nullptr; }
+  const std::vector<ClockEpoch>& epochs() const { return epochs_; }
+
+  /// Which bound, counted from 0 in the order of feed(), was the first of each epoch.
+  const std::vector<std::size_t>& first_bounds() const { return first_bounds_; }
+
+  /// Whether the bound that was fed last is one of the clock's, or in doubt.
+  bool doubted() const { return doubted_; }
+
+ private:
+  struct Rival {
+    PingBounds bounds;
+    PingFate fate;
+    std::size_t first;
+    HostTime begin;
+    std::string reason;
+    int agreeing = 1;
+  };
+  void doubt(const PingBound& bound, PingFate fate);
+  void trust(const PingBound& bound);
+  void begin_epoch(Rival&& rival);
+  void impossible(PingBound bound);
+  std::string reason(const PingBound& bound, PingFate fate) const;
+  std::string small_contradiction(double missed_s) const;
+
+  double wander_;
+  double wander_ppm_;
+  std::uint32_t baud_;
+  std::size_t fed_ = 0;
+  std::optional<PingBounds> current_;
+  std::optional<Rival> rival_;
+  int impossible_ = 0;  // in a row
+  bool doubted_ = false;
+  std::vector<ClockEpoch> epochs_;
+  std::vector<std::size_t> first_bounds_;
+};
+
+/// The sentence for a contradiction that only a look at both sides of it shows.
+std::string wander_reason(double missed_s, double wander_ppm);
+
+/// "5.2 s", "0.31 ms": a duration as a person reads it.
+std::string duration_text(double seconds);
+
+}  // namespace thermorig::timing

@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include "ping_bounds.h"
+
+namespace thermorig::timing {
+
+/// The tightest bounds that a whole epoch gives: each bound reaches to both sides, as far as the rate allows,
+/// and the rate is bounded by the bounds a window apart. Passes forward and back, linear in the events, until
+/// the rate is bounded no better.
+class PingHull {
+ public:
+  struct Event {
+    double mcu_s = 0.0;
+    Range given;  // bounds of the offset there; infinite where an event only asks
+  };
+  struct Break {
+    std::size_t event = 0;  // the first one that no clock explains together with those before
+    double missed_s = 0.0;  // by so much
+  };
+
+  /// Events in ascending order of their time.
+  PingHull(std::vector<Event> events, double wander);
+
+  const std::vector<Event>& events() const { return events_; }
+  const std::vector<Range>& offsets() const { return offsets_; }    // at each event
+  const std::vector<Break>& breaks() const { return breaks_; }      // ascending
+  const std::vector<std::size_t>& knots() const { return knots_; }  // events, about one in two seconds
+
+  /// Mean rate over the window around a knot, middle of its bounds.
+  double rate_at(std::size_t knot) const;
+
+ private:
+  void place_knots();
+  void bound_rates();
+  Range mean_rate(std::size_t first, std::size_t last) const;
+  Range window(std::size_t segment) const;
+  void forward();
+  void backward();
+  bool begins(std::size_t event) const { return begins_[event] != 0; }
+  void split(std::size_t event, double missed_s);
+
+  double wander_;
+  std::vector<Event> events_;
+  std::vector<Range> offsets_;
+  std::vector<char> begins_;  // events at which the clock starts anew
+  std::vector<Break> breaks_;
+  std::vector<std::size_t> knots_;
+  std::vector<Range> rates_;  // allowed from knot k to knot k + 1
+};
+
+}  // namespace thermorig::timing
