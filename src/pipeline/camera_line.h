@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <span>
 #include <vector>
 
+#include "final_times.h"
 #include "thermorig/core/profile.h"
 #include "thermorig/core/sample.h"
 #include "thermorig/labels/exposure.h"
@@ -15,8 +17,8 @@
 
 namespace thermorig::pipeline {
 
-/// Time between frames: measured where a first pass did, else nominal.
-double frame_period_s(const CameraProfile& profile, const Fits& fits);
+/// Exposures by what a first pass found, else by the profile.
+labels::ExposureRule exposure_rule(const CameraProfile& profile, const Fits& fits);
 
 /// Camera bytes to frames with their time and exposure.
 class CameraLine {
@@ -27,14 +29,19 @@ class CameraLine {
   std::span<const TimedFrame> push(std::span<const std::uint8_t> chunk, HostTime arrived,
                                    std::vector<TimedFrame>& out);
 
+  /// The stream has ended: the frames that waited for the bytes behind them.
+  std::span<const TimedFrame> finish(std::vector<TimedFrame>& out);
+
   const wire::Counters& counters() const { return scanner_.counters(); }
 
  private:
-  wire::CameraScanner scanner_;
-  timing::LinkTiming timing_;
-  labels::ExposureRule exposure_;
+  std::span<const TimedFrame> take(std::vector<TimedFrame>& out);
   labels::FrameGap gap_before(const TimedFrame& frame);
 
+  wire::CameraScanner scanner_;
+  timing::LinkTiming timing_;
+  FinalTimes final_times_;
+  labels::ExposureRule exposure_;
   std::vector<labels::FrameGap> known_gaps_;  // of a first pass; empty while recording
   labels::LiveFrameGaps live_gaps_;
   std::size_t frame_count_ = 0;

@@ -6,8 +6,10 @@
 #include <span>
 #include <vector>
 
+#include "final_times.h"
 #include "thermorig/core/profile.h"
 #include "thermorig/core/sample.h"
+#include "thermorig/pipeline/pipeline.h"
 #include "thermorig/timing/link_timing.h"
 #include "thermorig/wire/gyro_scanner.h"
 
@@ -16,17 +18,23 @@ namespace thermorig::pipeline {
 /// Gyro bytes to samples with their time and their rate about the servo's axis.
 class GyroLine {
  public:
-  explicit GyroLine(const GyroProfile& profile);
+  GyroLine(const GyroProfile& profile, const Fits& fits);
 
   /// Appends the samples that the chunk completes to `out` and returns them.
   std::span<const TimedGyro> push(std::span<const std::uint8_t> chunk, HostTime arrived,
                                   std::vector<TimedGyro>& out);
 
+  /// The stream has ended: the samples that waited for the bytes behind them.
+  std::span<const TimedGyro> finish(std::vector<TimedGyro>& out);
+
   const wire::Counters& counters() const { return scanner_.counters(); }
 
  private:
+  std::span<const TimedGyro> take(std::vector<TimedGyro>& out);
+
   wire::GyroScanner scanner_;
   timing::LinkTiming timing_;
+  FinalTimes final_times_;
   std::size_t axis_;
   float sign_;
   std::vector<wire::GyroMessage> messages_;  // empty between calls; kept for its memory

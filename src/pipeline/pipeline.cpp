@@ -34,8 +34,8 @@ struct Pipeline::Stages {
 
 Pipeline::Pipeline(const RigProfile& profile, const Fits& fits)
     : stages_(new Stages{.camera = CameraLine(profile.camera, fits),
-                         .gyro = GyroLine(profile.gyro),
-                         .servo = ServoLine(profile.servo),
+                         .gyro = GyroLine(profile.gyro, fits),
+                         .servo = ServoLine(profile.servo, fits),
                          .labeller = labels::Labeller(label_config(profile)),
                          .streams = {}}) {}
 
@@ -67,10 +67,15 @@ std::vector<LabelledSample> Pipeline::feed(Device from, std::span<const std::uin
   return labeller.take(arrived);  // the frames whose telemetry and gyro samples are all there, labelled
 }
 
-void Pipeline::sent(std::span<const std::uint8_t>, HostTime) {}
+void Pipeline::sent(std::span<const std::uint8_t> bytes, HostTime before_write) {
+  stages_->servo.sent(bytes, before_write);
+}
 
 std::vector<LabelledSample> Pipeline::finish() {
-  return stages_->labeller.finish();
+  auto& [camera, gyro, servo, labeller, streams] = *stages_;
+  for (const TimedFrame& frame : camera.finish(streams.frames)) labeller.add(frame);
+  for (const TimedGyro& sample : gyro.finish(streams.gyro)) labeller.add(sample);
+  return labeller.finish();
 }
 
 Streams Pipeline::take_streams() {

@@ -1,43 +1,88 @@
 // SPDX-License-Identifier: MIT
 #include "servo_line.h"
 
+#include <algorithm>
 #include <utility>
 #include <variant>
 
 namespace thermorig::pipeline {
 
-ServoLine::ServoLine(const ServoProfile& profile) : timing_(profile.link) {}
+ServoLine::ServoLine(const ServoProfile& profile, const Fits& fits)
+    : timing_(profile.link),
+      final_times_(fits.times[Device::servo]),
+      baud_(profile.link.baud),
+      pings_(profile.link.baud),
+      clock_(profile.link),
+      is_causal_(fits.times[Device::servo].empty()) {}
 
 std::span<const TimedServo> ServoLine::push(std::span<const std::uint8_t> chunk, HostTime arrived,
                                             Streams& out) {
-  const std::size_t first = out.servo.size();
+  newest_arrival_ = std::max(newest_arrival_, arrived);
   scanner_.push(chunk, messages_);
   timing_.chunk(scanner_.counters().bytes_received, arrived);
+  return take(out);
+}
+
+std::span<const TimedServo> ServoLine::take(Streams& out) {
+  const std::size_t first = out.servo.size();
   for (wire::ServoMessage& message : messages_) sort(std::move(message), out);
   messages_.clear();
+  const auto& epochs = clock_.epochs();
+  for (; epochs_told_ < epochs.size(); ++epochs_told_) out.servo_epochs.push_back(epochs[epochs_told_]);
   return std::span(out.servo).subspan(first);
 }
 
 void ServoLine::sort(wire::ServoMessage&& message, Streams& out) {
-  const Stamp stamp = timing_.stamp(message.span);
   if (const auto* state = std::get_if<ServoState>(&message.body))
-    out.servo.push_back(timed(message, *state, stamp));
+    out.servo.push_back(timed(message, *state));
   else if (const auto* pong = std::get_if<wire::ServoPong>(&message.body))
-    out.pongs.push_back({.token = pong->token,
-                         .receive_us = pong->receive_us,
-                         .send_us = pong->send_us,
-                         .span = message.span,
-                         .arrival = stamp.arrival});
+    out.pongs.push_back(timed(message, *pong));
   else
     out.servo_answers.push_back(std::move(message));
 }
 
-TimedServo ServoLine::timed(const wire::ServoMessage& message, const ServoState& state, const Stamp& stamp) {
-  return {.state = state,
-          .span = message.span,
-          .stamp = stamp,
-          .mcu_time_us = mcu_time_.unwrap(state.mcu_us, stamp.time),
-          .lost_before = message.lost_before};
+TimedServo ServoLine::timed(const wire::ServoMessage& message, const ServoState& state) {
+  const Stamp stamp = timing_.stamp(message.span);
+  TimedServo servo{.state = state,
+                   .span = message.span,
+                   .stamp = stamp,
+                   .mcu_time_us = mcu_time_.unwrap(state.mcu_us, stamp.time),
+                   .lost_before = message.lost_before};
+  if (is_causal_)
+    stamp_by_clock(servo, begun_by(message.span));
+  else
+    final_times_.put_next(servo.stamp);
+  telemetry_ = servo;
+  return servo;
+}
+
+TimedPong ServoLine::timed(const wire::ServoMessage& message, const wire::ServoPong& pong) {
+  const TimedPong timed{.token = pong.token,
+                        .receive_us = pong.receive_us,
+                        .send_us = pong.send_us,
+                        .span = message.span,
+                        .arrival = timing_.stamp(message.span).arrival};
+  if (is_causal_) learn(timed, begun_by(message.span));
+  return timed;
+}
+
+/// Until a ping has been answered the arrival is all there is.
+void ServoLine::stamp_by_clock(TimedServo& servo, HostTime not_after) {
+  clock_.sent({.send_us = servo.mcu_time_us, .not_after = not_after});
+  const auto estimate = clock_.at(servo.mcu_time_us);
+  if (estimate) put(*estimate, servo.stamp);
+}
+
+void ServoLine::learn(const TimedPong& pong, HostTime not_after) {
+  if (!telemetry_) return;
+  const auto exchange = pings_.exchange(pong, *telemetry_, not_after);
+  if (exchange) clock_.exchange(*exchange);
+}
+
+/// The bytes from its first one on were through when the newest chunk was read.
+HostTime ServoLine::begun_by(const StreamSpan& span) const {
+  const std::uint64_t bytes = scanner_.counters().bytes_received - span.begin;
+  return newest_arrival_ - from_s(timing::wire_time_s(bytes, baud_));
 }
 
 }  // namespace thermorig::pipeline

@@ -1,15 +1,20 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
+#include "final_times.h"
+#include "ping_ledger.h"
 #include "thermorig/core/profile.h"
 #include "thermorig/core/sample.h"
 #include "thermorig/pipeline/pipeline.h"
 #include "thermorig/timing/link_timing.h"
 #include "thermorig/timing/mcu_time.h"
+#include "thermorig/timing/ping_clock.h"
 #include "thermorig/wire/servo_messages.h"
 
 namespace thermorig::pipeline {
@@ -17,7 +22,10 @@ namespace thermorig::pipeline {
 /// Servo bytes to telemetry with its time, pongs, and the answers that the rig's servo link waits for.
 class ServoLine {
  public:
-  explicit ServoLine(const ServoProfile& profile);
+  ServoLine(const ServoProfile& profile, const Fits& fits);
+
+  /// Bytes to the servo: pings among them bound its clock, once they are answered.
+  void sent(std::span<const std::uint8_t> bytes, HostTime before_write) { pings_.sent(bytes, before_write); }
 
   /// Appends what the chunk completes to `out` and returns its telemetry.
   std::span<const TimedServo> push(std::span<const std::uint8_t> chunk, HostTime arrived, Streams& out);
@@ -25,12 +33,25 @@ class ServoLine {
   const wire::Counters& counters() const { return scanner_.counters(); }
 
  private:
+  std::span<const TimedServo> take(Streams& out);
   void sort(wire::ServoMessage&& message, Streams& out);
-  TimedServo timed(const wire::ServoMessage& message, const ServoState& state, const Stamp& stamp);
+  TimedServo timed(const wire::ServoMessage& message, const ServoState& state);
+  TimedPong timed(const wire::ServoMessage& message, const wire::ServoPong& pong);
+  void stamp_by_clock(TimedServo& servo, HostTime not_after);
+  void learn(const TimedPong& pong, HostTime not_after);
+  HostTime begun_by(const StreamSpan& span) const;
 
   wire::ServoScanner scanner_;
   timing::LinkTiming timing_;
+  FinalTimes final_times_;
+  std::uint32_t baud_;
+  HostTime newest_arrival_{HostTime::min()};
   timing::McuTime mcu_time_;
+  PingLedger pings_;
+  timing::PingClock clock_;
+  bool is_causal_;                            // without final times: the clock is learnt on the way
+  std::size_t epochs_told_ = 1;               // the first is no event
+  std::optional<TimedServo> telemetry_;       // the newest
   std::vector<wire::ServoMessage> messages_;  // empty between calls; kept for its memory
 };
 

@@ -39,7 +39,8 @@ struct Streams {
   std::vector<TimedServo> servo;
   std::vector<TimedPong> pongs;
   std::vector<wire::ServoMessage>
-      servo_answers;  // welcome, ack, nack, event: what the rig's servo link needs
+      servo_answers;                     // welcome, ack, nack, event: what the rig's servo link needs
+  std::vector<ClockEpoch> servo_epochs;  // of the servo's clock, begun since: a reset, a wrong baud, ...
 };
 
 /// The flow of the whole program: bytes -> messages -> timed samples -> labelled samples.
@@ -81,6 +82,6 @@ class Pipeline {
 /// First pass: what the bytes, their arrivals and the streams decoded from them say about the recording as a
 /// whole: mode, missing frames, clocks, camera offset, gyro errors, servo response. Whatever cannot be told
 /// is absent, and the report says why. `streams` are those of a Pipeline without fits over `raw`.
-Fits fit(const RawRecording& raw, const Streams& streams);
+Fits fit(const RawRecording& raw, Streams streams);
 
 }  // namespace thermorig::pipeline

@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: MIT
+#include "camera_rhythm.h"
+
+#include <algorithm>
+#include <cstddef>
+#include <utility>
+
+namespace thermorig::pipeline {
+
+namespace {
+constexpr auto by_time_alone =
+    labels::CameraMode::full_fresh;  // where the halves tell nothing of missing frames
+
+double median(std::vector<double> values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+/// Median time a frame over all spans of `span` frames that have the numbers `number`.
+double median_period_s(const std::vector<TimedFrame>& frames, const std::vector<double>& number,
+                       std::size_t span) {
+  std::vector<double> periods;
+  for (std::size_t i = 0; i + span < frames.size(); ++i)
+    periods.push_back(to_s(frames[i + span].stamp.time - frames[i].stamp.time) /
+                      (number[i + span] - number[i]));
+  return median(std::move(periods));
+}
+
+/// The turn of each frame, missing ones counted.
+std::vector<double> numbers(const std::vector<labels::FrameGap>& gaps) {
+  std::vector<double> result;
+  double number = 0.0;
+  for (const labels::FrameGap& gap : gaps) result.push_back(number += 1.0 + gap.missing);
+  return result;
+}
+
+/// First over few frames, where none is missing but a latency timer's ticks make it coarse; then, with the
+/// missing frames counted, over half the recording, where no tick matters. The median forgets late reads.
+std::optional<double> period_s(const std::vector<TimedFrame>& frames) {
+  if (frames.size() < 2) return std::nullopt;
+  const std::vector<labels::FrameGap> unbroken(frames.size());
+  const double local_s = median_period_s(frames, numbers(unbroken), 1);
+  if (local_s <= 0.0) return std::nullopt;
+  const std::vector<double> number = numbers(labels::find_gaps(frames, local_s, by_time_alone));
+  return median_period_s(frames, number, frames.size() / 2);
+}
+
+std::optional<labels::CameraMode> camera_mode(const std::vector<TimedFrame>& frames) {
+  labels::ModeVote vote;
+  for (std::size_t i = 1; i < frames.size(); ++i)
+    vote.push({.even = frames[i].fresh_even, .odd = frames[i].fresh_odd});
+  if (vote.empty()) return std::nullopt;
+  return vote.mode();
+}
+}  // namespace
+
+CameraRhythm camera_rhythm(const std::vector<TimedFrame>& frames) {
+  CameraRhythm rhythm{.mode = camera_mode(frames), .period_s = period_s(frames), .gaps = {}};
+  const auto mode = rhythm.mode.value_or(labels::CameraMode::half_fresh);
+  if (rhythm.period_s) rhythm.gaps = labels::find_gaps(frames, *rhythm.period_s, mode);
+  return rhythm;
+}
+
+}  // namespace thermorig::pipeline

@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "thermorig/core/sample.h"
+#include "thermorig/labels/frame_gaps.h"
+#include "thermorig/labels/freshness.h"
+
+namespace thermorig::pipeline {
+
+/// How the camera went over a whole recording: by which halves are fresh, and when its frames came.
+struct CameraRhythm {
+  std::optional<labels::CameraMode> mode;
+  std::optional<double> period_s;      // time between frames
+  std::vector<labels::FrameGap> gaps;  // before each frame; empty without a period
+};
+
+/// `frames` as a first pass stamped them.
+CameraRhythm camera_rhythm(const std::vector<TimedFrame>& frames);
+
+}  // namespace thermorig::pipeline
