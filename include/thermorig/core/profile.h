@@ -66,7 +66,9 @@ struct GyroProfile {
 enum class ServoKind : std::uint8_t { positional = 0, continuous = 1 };
 
 struct ServoProfile {
-  PortProfile link{.baud = 250000, .latency_s = 0.0};
+  // Within any minute a quartz stays so close to its mean rate, a room's changes of temperature included; the
+  // mean itself is measured, however far off it is.
+  PortProfile link{.baud = 250000, .latency_s = 0.0, .wander_ppm = 6.0};
   std::string model = "winch, 6 turns";
   ServoKind kind = ServoKind::positional;
   double travel_deg = 2160.0;  // positional: angle between the shortest and the longest pulse

@@ -22,7 +22,9 @@ struct CommanderTimes {
   HostDuration hello_answer = std::chrono::milliseconds(250);  // an Arduino boots for up to 2 s after opening
   int hello_tries = 40;
   HostDuration refresh = std::chrono::milliseconds(40);  // SERVO_REFRESH_MS
-  HostDuration ping = std::chrono::milliseconds(500);    // mean; each gap lies within -30..+30 %
+  // Mean; each gap lies within -30..+30 %. A bound is as good as the luckiest of the pings within about 10 s,
+  // beyond which the clock may have wandered: ten a second keep it below 0.25 ms over USB-CDC.
+  HostDuration ping = std::chrono::milliseconds(100);
 };
 
 /// The host's end of the servo link: stop-and-wait commands with retries, refreshes of the watchdog, pings.
