@@ -14,13 +14,14 @@ namespace {
 /// Everything that may be on the command line. CLI11 writes into it while it parses.
 struct Words {
   RecordOptions record;
+  CalibrateOptions calibrate;
   PortsOptions ports;
   SimulateOptions simulate;
   InspectOptions inspect;
   RecoverOptions recover;
   ReprocessOptions reprocess;
   DecodeOptions decode;
-  std::string record_seed, simulate_seed, decode_device;
+  std::string record_seed, calibrate_seed, calibration, simulate_seed, decode_device;
   bool version = false, version_json = false;
 };
 
@@ -59,6 +60,16 @@ void add_rig(CLI::App& command, RigOptions& rig, std::string& seed) {
   add_simulated_parts(command, rig.simulated_servo, rig.simulated_camera);
 }
 
+void add_recording_of(CLI::App& command, RecordOptions& record) {
+  command.add_option("-o,--output", record.output, "Folder that holds the recordings")
+      ->type_name("DIR")
+      ->default_str("recordings");
+  command.add_flag("--fast", record.fast, "Virtual time: as fast as the machine can (simulated rig only)");
+  command.add_flag("-n,--dry-run", record.dry_run,
+                   "Print the plan and the checks; move nothing, write nothing");
+  add_json(command, record.json);
+}
+
 void add_record(CLI::App& root, Words& words) {
   RecordOptions& record = words.record;
   CLI::App& command = *root.add_subcommand("record", "Record one labelled session");
@@ -67,9 +78,6 @@ void add_record(CLI::App& root, Words& words) {
                   "Where the rig stands: a-z, 0-9 and '-', e.g. garden")
       ->type_name("NAME")
       ->required();
-  command.add_option("-o,--output", record.output, "Folder that holds the recordings")
-      ->type_name("DIR")
-      ->default_str("recordings");
   command.add_option("--plan", record.plan, "Sweep plan: paper, table-one, quick or a TOML file")
       ->type_name("PLAN")
       ->capture_default_str();
@@ -80,15 +88,38 @@ void add_record(CLI::App& root, Words& words) {
                   "Magnitudes to sweep, deg/s, each driven as +v and -v: 30,60,90")
       ->delimiter(',')
       ->type_name("V,V,...");
-  command.add_flag("--fast", record.fast, "Virtual time: as fast as the machine can (simulated rig only)");
-  command.add_flag("-n,--dry-run", record.dry_run,
-                   "Print the plan and the checks; move nothing, write nothing");
-  add_json(command, record.json);
+  add_recording_of(command, record);
   add_rig(command, record.rig, words.record_seed);
   command.footer(
       "Examples:\n"
       "  thermorig record --simulated=3 --environment garden --plan quick\n"
       "  thermorig record --rig bench --environment kitchen");
+}
+
+void add_calibrate(CLI::App& root, Words& words) {
+  CalibrateOptions& calibrate = words.calibrate;
+  CLI::App& command =
+      *root.add_subcommand("calibrate", "Measure what a profile otherwise assumes, and keep it there");
+  command
+      .add_option("WHAT", words.calibration,
+                  "bias: 60 s at rest; latency: of the camera; scale: of gyro and servo; orientation: signs")
+      ->check(CLI::IsMember({"bias", "latency", "scale", "orientation"}))
+      ->required();
+  command.add_option("--session", calibrate.sessions, "Take these sessions (.h5) instead of recording one")
+      ->type_name("FILE");
+  command.add_option("--save", calibrate.save, "Profile to write: a name or a file (default: that of --rig)")
+      ->type_name("PROFILE");
+  command.add_flag("--marks", calibrate.marks,
+                   "scale: the rig is turned by hand between marks; the image is not asked");
+  command.add_option("--angle", calibrate.angle_deg, "scale: degrees between the marks (default 360)")
+      ->type_name("DEG");
+  calibrate.record.environment = "calibration";
+  add_recording_of(command, calibrate.record);
+  add_rig(command, calibrate.record.rig, words.calibrate_seed);
+  command.footer(
+      "Examples:\n"
+      "  thermorig calibrate latency --rig bench\n"
+      "  thermorig calibrate scale --simulated=3 --fast --save simulated.toml");
 }
 
 void add_ports(CLI::App& root, Words& words) {
@@ -119,6 +150,8 @@ void add_simulate(CLI::App& root, Words& words) {
 void add_inspect(CLI::App& root, Words& words) {
   CLI::App& command = *root.add_subcommand("inspect", "Say what a session holds and how good it is");
   command.add_option("FILE", words.inspect.files, "Session files (.h5)")->required();
+  command.add_flag("--timing", words.inspect.timing,
+                   "How well times and labels are known: clocks, offsets, scales, residuals");
   command.add_flag("--check", words.inspect.check, "Exit code 9 if the verdict on any file is bad");
   add_json(command, words.inspect.json);
   command.footer("Example:\n  thermorig inspect --check recordings/garden/*.h5");
@@ -134,6 +167,10 @@ void add_recover(CLI::App& root, Words& words) {
 void add_reprocess(CLI::App& root, Words& words) {
   CLI::App& command = *root.add_subcommand("reprocess", "Make sessions again from their own raw bytes");
   command.add_option("FILE", words.reprocess.files, "Session files (.h5); each is replaced")->required();
+  command
+      .add_option("--rig", words.reprocess.profile,
+                  "Apply the calibrations of this profile (a name or a file) that were made later")
+      ->type_name("PROFILE");
   add_json(command, words.reprocess.json);
   command.footer("Example:\n  thermorig reprocess recordings/garden/*.h5");
 }
@@ -190,6 +227,19 @@ Device device_of(const std::string& name) {
   throw Error(ExitCode::bad_usage, "'" + name + "' is not a device", "", "camera, gyro or servo");
 }
 
+rig::CalibrationKind calibration_of(const std::string& name) {
+  if (name == "bias") return rig::CalibrationKind::bias;
+  if (name == "latency") return rig::CalibrationKind::latency;
+  return name == "scale" ? rig::CalibrationKind::scale : rig::CalibrationKind::orientation;
+}
+
+CalibrateOptions chosen_calibration(Words& words) {
+  words.calibrate.kind = calibration_of(words.calibration);
+  if (!words.calibrate_seed.empty())
+    words.calibrate.record.rig.simulated_seed = seed_of(words.calibrate_seed);
+  return words.calibrate;
+}
+
 Command chosen(const CLI::App& root, Words& words) {
   if (words.version) return VersionOptions{words.version_json};
   const std::string& name = root.get_subcommands().front()->get_name();
@@ -197,6 +247,7 @@ Command chosen(const CLI::App& root, Words& words) {
     if (!words.record_seed.empty()) words.record.rig.simulated_seed = seed_of(words.record_seed);
     return words.record;
   }
+  if (name == "calibrate") return chosen_calibration(words);
   if (name == "simulate") {
     if (!words.simulate_seed.empty()) words.simulate.seed = seed_of(words.simulate_seed);
     return words.simulate;
@@ -220,6 +271,7 @@ void describe(CLI::App& root, Words& words) {
   root.add_flag("--version", words.version, "Print version, commit, compiler and libraries");
   add_json(root, words.version_json);
   add_record(root, words);
+  add_calibrate(root, words);
   add_ports(root, words);
   add_simulate(root, words);
   add_inspect(root, words);

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "thermorig/core/device.h"
+#include "thermorig/rig/plan.h"
 
 namespace thermorig::app {
 
@@ -35,6 +36,15 @@ struct RecordOptions {
   bool json = false;
 };
 
+struct CalibrateOptions {
+  rig::CalibrationKind kind = rig::CalibrationKind::bias;
+  RecordOptions record;                         // how a session for it is recorded
+  std::vector<std::filesystem::path> sessions;  // empty: one is recorded
+  std::string save;                             // name or file of the profile to write; empty: that of --rig
+  bool marks = false;                           // scale: turned between marks, the image is not asked
+  std::optional<double> angle_deg;              // between the marks, default 360
+};
+
 struct PortsOptions {
   std::vector<std::string> extra;  // ports that the system does not list, e.g. pseudo terminals
   std::string save;                // name or file of the profile to write, empty: none
@@ -52,6 +62,7 @@ struct SimulateOptions {
 struct InspectOptions {
   std::vector<std::filesystem::path> files;
   bool check = false;
+  bool timing = false;
   bool json = false;
 };
 
@@ -62,6 +73,7 @@ struct RecoverOptions {
 
 struct ReprocessOptions {
   std::vector<std::filesystem::path> files;
+  std::string profile;  // name or file whose calibrations are applied, empty: the session's own
   bool json = false;
 };
 
@@ -84,8 +96,8 @@ struct VersionOptions {
   bool json = false;
 };
 
-using Command = std::variant<RecordOptions, PortsOptions, SimulateOptions, InspectOptions, RecoverOptions,
-                             ReprocessOptions, DecodeOptions, VersionOptions>;
+using Command = std::variant<RecordOptions, CalibrateOptions, PortsOptions, SimulateOptions, InspectOptions,
+                             RecoverOptions, ReprocessOptions, DecodeOptions, VersionOptions>;
 
 /// What the command line asks for.
 struct CommandLine {

@@ -4,18 +4,10 @@
 #include "record_checks.h"
 #include "record_summary.h"
 #include "recorder.h"
-#include "thermorig/rig/session_file.h"
 
 namespace thermorig::app {
 
 namespace {
-
-void check_words(const RecordOptions& options) {
-  rig::check_environment(options.environment);
-  if (options.fast && !options.rig.simulated_seed)
-    throw Error(ExitCode::bad_usage, "--fast is virtual time, which only the simulated rig has", "",
-                "--simulated=3 --fast, or leave --fast out");
-}
 
 rig::SweepPlan chosen_plan(const RecordOptions& options) {
   rig::PlanOverrides overrides;
@@ -27,7 +19,7 @@ rig::SweepPlan chosen_plan(const RecordOptions& options) {
 }  // namespace
 
 ExitCode run(const RecordOptions& options) {
-  check_words(options);
+  check_recording_words(options);
   const ChosenRig rig = chosen_rig(options.rig, options.environment);
   const rig::SweepPlan plan = chosen_plan(options);
   if (options.dry_run) return print_dry_run(options, rig, plan);

@@ -15,6 +15,7 @@
 #include "thermorig/io/host.h"
 #include "thermorig/io/port.h"
 #include "thermorig/rig/port_recording.h"
+#include "thermorig/rig/session_file.h"
 #include "thermorig/simulated_ports/simulated_ports.h"
 #include "virtual_bus.h"
 
@@ -143,6 +144,13 @@ std::unique_ptr<SimulatedPorts> simulated_ports(const ChosenRig& rig, rig::Recor
 }
 
 }  // namespace
+
+void check_recording_words(const RecordOptions& options) {
+  rig::check_environment(options.environment);
+  if (options.fast && !options.rig.simulated_seed)
+    throw Error(ExitCode::bad_usage, "--fast is virtual time, which only the simulated rig has", "",
+                "--simulated=3 --fast, or leave --fast out");
+}
 
 RecordSummary record_session(const RecordOptions& options, const ChosenRig& rig, const rig::SweepPlan& plan) {
   rig::RecordingOptions recording = recording_options(options, rig, plan);

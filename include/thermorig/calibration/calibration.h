@@ -2,6 +2,7 @@
 #pragma once
 
 #include <optional>
+#include <span>
 #include <string>
 
 #include "thermorig/core/estimate.h"
@@ -57,6 +58,13 @@ struct OrientationResult {
   double contrast = 0.0;  // how much better the image fits so than the other way round, 0..1
 };
 OrientationResult measure_orientation(const session::Session& session);
+
+/// Several sessions of the like as one result: means by weight, no surer than the sessions agree with each
+/// other. `results` is not empty. Throws Error(finished_lossy) where orientations contradict each other.
+BiasResult combined(std::span<const BiasResult> results);
+LatencyResult combined(std::span<const LatencyResult> results);
+ScaleResult combined(std::span<const ScaleResult> results);
+OrientationResult combined(std::span<const OrientationResult> results);
 
 void apply(const BiasResult& result, const std::string& utc, RigProfile& profile);
 void apply(const LatencyResult& result, const std::string& utc, RigProfile& profile);
