@@ -21,11 +21,39 @@ bool all_finite(std::initializer_list<double> values) {
 
 bool numbers_are_finite(const RigProfile& rig) {
   const auto& servo = rig.servo;
-  return all_finite({rig.camera.link.latency_s, rig.gyro.link.latency_s, servo.link.latency_s,
-                     rig.camera.output_rate_hz, rig.camera.field_of_view_deg, rig.gyro.output_rate_hz,
-                     rig.gyro.text.scale_dps, rig.gyro.text.time_unit_s, servo.travel_deg,
-                     servo.full_rate_dps, servo.pulse_min_us, servo.pulse_max_us, servo.max_rate_dps,
-                     servo.acceleration_dps2, servo.stop_margin_deg, servo.settle_s});
+  return all_finite({rig.camera.output_rate_hz,
+                     rig.camera.field_of_view_deg,
+                     rig.gyro.output_rate_hz,
+                     rig.gyro.text.scale_dps,
+                     rig.gyro.text.time_unit_s,
+                     servo.travel_deg,
+                     servo.full_rate_dps,
+                     servo.pulse_min_us,
+                     servo.pulse_max_us,
+                     servo.max_rate_dps,
+                     servo.acceleration_dps2,
+                     servo.stop_margin_deg,
+                     servo.settle_s,
+                     servo.loop_hz,
+                     servo.scale,
+                     servo.scale_uncertainty,
+                     rig.gyro.scale,
+                     rig.gyro.scale_uncertainty,
+                     rig.gyro.bias_dps,
+                     rig.gyro.bias_uncertainty_dps});
+}
+
+bool link_is_sound(const PortProfile& link) {
+  return all_finite(
+             {link.latency_s, link.latency_uncertainty_s, link.largest_constant_delay_s, link.wander_ppm}) &&
+         link.latency_uncertainty_s >= 0 && link.largest_constant_delay_s >= 0 && link.wander_ppm >= 0;
+}
+
+/// Scales divide, uncertainties weigh.
+bool calibrations_are_sound(const RigProfile& rig) {
+  return rig.gyro.scale > 0 && rig.servo.scale > 0 && rig.servo.loop_hz > 0 &&
+         rig.gyro.scale_uncertainty >= 0 && rig.gyro.bias_uncertainty_dps >= 0 &&
+         rig.servo.scale_uncertainty >= 0;
 }
 
 bool is_column(int column) {
@@ -48,6 +76,11 @@ std::optional<std::string> problem_of(const RecordingHeader& header) {
   if (!numbers_are_finite(header.profile)) return "the profile holds a number that is not finite";
   if (header.profile.camera.output_rate_hz <= 0 || header.profile.gyro.output_rate_hz <= 0)
     return "the profile holds a rate that is not positive";
+  for (const Device device : all_devices)
+    if (!link_is_sound(header.profile.link(device)))
+      return "the profile holds a latency, a delay or a wander that is not a sound number";
+  if (!calibrations_are_sound(header.profile))
+    return "the profile holds a scale or a loop's bandwidth that is not positive, or a negative uncertainty";
   if (!gyro_is_sound(header.profile.gyro)) return "the gyro's axis, sign or columns are out of range";
   return std::nullopt;
 }

@@ -6,7 +6,8 @@
 #include "header_check.h"
 #include "thermorig/core/error.h"
 
-// Keys are the members' names: one list serves both directions.
+// Keys are the members' names: one list serves both directions. Keys that came after format 1.0.0 may be
+// absent: their members keep the defaults.
 namespace nlohmann {
 
 template <>
@@ -38,13 +39,123 @@ NLOHMANN_JSON_SERIALIZE_ENUM(GyroProtocol,
                              {{GyroProtocol::witmotion, "witmotion"}, {GyroProtocol::text, "text"}})
 NLOHMANN_JSON_SERIALIZE_ENUM(ServoKind,
                              {{ServoKind::positional, "positional"}, {ServoKind::continuous, "continuous"}})
-NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(PortProfile, port, usb_path, baud, latency_s, reset_on_open)
-NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(CameraProfile, link, model, output_rate_hz, field_of_view_deg, mirrored,
-                                   checksum)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(TextColumns, prefix, rate, scale_dps, time, time_unit_s)
-NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(GyroProfile, link, model, protocol, text, output_rate_hz, axis, sign)
-NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(ServoProfile, link, model, kind, travel_deg, full_rate_dps, pulse_min_us,
-                                   pulse_max_us, max_rate_dps, acceleration_dps2, stop_margin_deg, settle_s)
+
+namespace {
+
+using nlohmann::json;
+
+struct Writer {
+  json& out;
+  template <typename Value>
+  void required(const char* key, const Value& value) const {
+    out[key] = value;
+  }
+  template <typename Value>
+  void later(const char* key, const Value& value) const {
+    out[key] = value;
+  }
+};
+
+struct Reader {
+  const json& in;
+  template <typename Value>
+  void required(const char* key, Value& value) const {
+    in.at(key).get_to(value);
+  }
+  template <typename Value>
+  void later(const char* key, Value& value) const {
+    if (const auto found = in.find(key); found != in.end()) found->get_to(value);
+  }
+};
+
+template <typename Keys, typename Link>
+void port_keys(const Keys& keys, Link& link) {
+  keys.required("port", link.port);
+  keys.required("usb_path", link.usb_path);
+  keys.required("baud", link.baud);
+  keys.required("latency_s", link.latency_s);
+  keys.later("latency_uncertainty_s", link.latency_uncertainty_s);
+  keys.later("latency_measured_utc", link.latency_measured_utc);
+  keys.later("largest_constant_delay_s", link.largest_constant_delay_s);
+  keys.later("wander_ppm", link.wander_ppm);
+  keys.required("reset_on_open", link.reset_on_open);
+}
+
+template <typename Keys, typename Camera>
+void camera_keys(const Keys& keys, Camera& camera) {
+  keys.required("link", camera.link);
+  keys.required("model", camera.model);
+  keys.required("output_rate_hz", camera.output_rate_hz);
+  keys.required("field_of_view_deg", camera.field_of_view_deg);
+  keys.required("mirrored", camera.mirrored);
+  keys.later("orientation_measured_utc", camera.orientation_measured_utc);
+  keys.required("checksum", camera.checksum);
+}
+
+template <typename Keys, typename Gyro>
+void gyro_keys(const Keys& keys, Gyro& gyro) {
+  keys.required("link", gyro.link);
+  keys.required("model", gyro.model);
+  keys.required("protocol", gyro.protocol);
+  keys.required("text", gyro.text);
+  keys.required("output_rate_hz", gyro.output_rate_hz);
+  keys.required("axis", gyro.axis);
+  keys.required("sign", gyro.sign);
+  keys.later("scale", gyro.scale);
+  keys.later("scale_uncertainty", gyro.scale_uncertainty);
+  keys.later("scale_measured_utc", gyro.scale_measured_utc);
+  keys.later("bias_dps", gyro.bias_dps);
+  keys.later("bias_uncertainty_dps", gyro.bias_uncertainty_dps);
+  keys.later("bias_measured_utc", gyro.bias_measured_utc);
+}
+
+template <typename Keys, typename Servo>
+void servo_keys(const Keys& keys, Servo& servo) {
+  keys.required("link", servo.link);
+  keys.required("model", servo.model);
+  keys.required("kind", servo.kind);
+  keys.required("travel_deg", servo.travel_deg);
+  keys.required("full_rate_dps", servo.full_rate_dps);
+  keys.required("pulse_min_us", servo.pulse_min_us);
+  keys.required("pulse_max_us", servo.pulse_max_us);
+  keys.required("max_rate_dps", servo.max_rate_dps);
+  keys.required("acceleration_dps2", servo.acceleration_dps2);
+  keys.required("stop_margin_deg", servo.stop_margin_deg);
+  keys.required("settle_s", servo.settle_s);
+  keys.later("loop_hz", servo.loop_hz);
+  keys.later("scale", servo.scale);
+  keys.later("scale_uncertainty", servo.scale_uncertainty);
+  keys.later("scale_measured_utc", servo.scale_measured_utc);
+}
+
+}  // namespace
+
+void to_json(nlohmann::json& out, const PortProfile& link) {
+  port_keys(Writer{out}, link);
+}
+void from_json(const nlohmann::json& in, PortProfile& link) {
+  port_keys(Reader{in}, link);
+}
+void to_json(nlohmann::json& out, const CameraProfile& camera) {
+  camera_keys(Writer{out}, camera);
+}
+void from_json(const nlohmann::json& in, CameraProfile& camera) {
+  camera_keys(Reader{in}, camera);
+}
+void to_json(nlohmann::json& out, const GyroProfile& gyro) {
+  gyro_keys(Writer{out}, gyro);
+}
+void from_json(const nlohmann::json& in, GyroProfile& gyro) {
+  gyro_keys(Reader{in}, gyro);
+}
+void to_json(nlohmann::json& out, const ServoProfile& servo) {
+  servo_keys(Writer{out}, servo);
+}
+void from_json(const nlohmann::json& in, ServoProfile& servo) {
+  servo_keys(Reader{in}, servo);
+}
+
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(RigProfile, name, camera, gyro, servo)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(RecordingHeader, uuid, environment, acquisition, title, start_time_utc,
                                    time_reference, realtime_offset_ns, simulated, simulation_seed, simulation,

@@ -31,6 +31,21 @@ void in_order_of_arrival(const PerDevice<RawStream>& received, Take take) {
   }
 }
 
+/// Walks what went to the servo, beside what arrived.
+class SentUntil {
+ public:
+  explicit SentUntil(const RawStream& sent) : sent_(sent) {}
+
+  void feed(HostTime until, pipeline::Pipeline& pipeline) {
+    for (; next_ < sent_.chunk_count() && sent_.time(next_) <= until; ++next_)
+      pipeline.sent(sent_.chunk(next_), sent_.time(next_));
+  }
+
+ private:
+  const RawStream& sent_;
+  std::size_t next_ = 0;
+};
+
 PerDevice<std::uint64_t> byte_counts(const PerDevice<RawStream>& received) {
   PerDevice<std::uint64_t> counts;
   for (const Device device : all_devices) counts[device] = received[device].bytes.size();
@@ -50,8 +65,12 @@ Decoded decode(const RawRecording& raw, const pipeline::Fits& fits) {
   const auto keep = [&](std::vector<LabelledSample> samples) {
     decoded.samples.insert(decoded.samples.end(), samples.begin(), samples.end());
   };
-  in_order_of_arrival(raw.received, [&](Device device, std::span<const std::uint8_t> chunk,
-                                        HostTime arrived) { keep(pipeline.feed(device, chunk, arrived)); });
+  SentUntil sent(raw.sent);
+  in_order_of_arrival(raw.received,
+                      [&](Device device, std::span<const std::uint8_t> chunk, HostTime arrived) {
+                        sent.feed(arrived, pipeline);
+                        keep(pipeline.feed(device, chunk, arrived));
+                      });
   keep(pipeline.finish());
   decoded.streams = pipeline.take_streams();
   for (const Device device : all_devices) decoded.counters[device] = pipeline.counters(device);
@@ -85,7 +104,7 @@ void recount(std::vector<LegRecord>& legs, const std::vector<LabelledSample>& sa
 }  // namespace
 
 session::Session build_session(RawRecording raw) {
-  const pipeline::Fits fits = pipeline::fit(raw, decode(raw, {}).streams);
+  pipeline::Fits fits = pipeline::fit(raw, decode(raw, {}).streams);
   Decoded decoded = decode(raw, fits);
   session::Session session;
   session.state = state_of(raw);
@@ -99,6 +118,7 @@ session::Session build_session(RawRecording raw) {
   session.samples = std::move(decoded.samples);
   if (raw.header.firmware.empty()) raw.header.firmware = firmware_of(decoded.streams);
   session.counters = decoded.counters;
+  session.sync = std::move(fits.sync).value_or(SyncReport{});
   recount(raw.legs, session.samples, raw.header.frames_per_leg);
   session.raw = std::move(raw);
   return session;
