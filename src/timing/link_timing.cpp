@@ -23,7 +23,7 @@ LinkBudget link_budget(std::uint64_t bytes_per_message, double rate_hz, std::uin
   return {.load = rate_hz * message_s, .max_rate_hz = 1.0 / message_s};
 }
 
-LinkTiming::LinkTiming(const PortProfile& link)
+LinkTiming::LinkTiming(const PortProfile& link, double)
     : byte_s_(wire_time_s(1, link.baud)), latency_(from_s(link.latency_s)) {}
 
 float LinkTiming::uncertainty_s(const TimedChunk& chunk) const {
@@ -45,7 +45,7 @@ void LinkTiming::chunk(std::uint64_t end, HostTime arrived) {
   while (chunks_.front().end + history_bytes < chunk.begin) chunks_.pop_front();
 }
 
-Stamp LinkTiming::stamp(const StreamSpan& span) {
+Stamp LinkTiming::stamp(const StreamSpan& span, const StampHint&) {
   assert(!chunks_.empty() && span.end <= chunks_.back().end && span.begin <= span.end);
   while (chunks_.size() > 1 && chunks_.front().end < span.end) chunks_.pop_front();
   const TimedChunk& chunk = chunks_.front();

@@ -26,6 +26,12 @@ struct LatestBegin {
 std::vector<LatestBegin> latest_begins(const RawStream& received, std::span<const StreamSpan> spans,
                                        std::span<const double> device_s, std::uint32_t baud);
 
+/// The earliest proof of each message's begin: its own inequality or one of a later byte of the stream, which
+/// went over the wire after it, whichever is sharper. One a message of `spans` (in the order of the stream).
+/// A message that no chunk covers gets the greatest HostTime.
+std::vector<HostTime> earliest_proofs(const RawStream& received, std::span<const StreamSpan> spans,
+                                      std::uint32_t baud);
+
 /// Numbers messages of a device that sends at a steady rate and numbers nothing itself, lost ones counted,
 /// over a whole recording. Late reads are none lost: only messages that never catch up are. `latest` is the
 /// earliest proof of each message's begin (the least of its inequalities). First number 0. `suspect` may mark

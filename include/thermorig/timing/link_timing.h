@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <deque>
+#include <optional>
 
 #include "thermorig/core/chunk.h"
 #include "thermorig/core/profile.h"
@@ -21,6 +22,12 @@ struct LinkBudget {
   bool fits() const { return load <= 1.0; }
 };
 LinkBudget link_budget(std::uint64_t bytes_per_message, double rate_hz, std::uint32_t baud);
+
+/// What else is known of a message when it is stamped.
+struct StampHint {
+  bool lost_before = false;        // bytes were lost before it: messages may have been among them
+  std::optional<double> device_s;  // its place on the device's own clock, if it sends one
+};
 
 /// Turns the arrival of chunks into the time of the messages in them.
 ///
@@ -48,14 +55,16 @@ class LinkTiming {
   /// checksum finds such ones); chunks further back are forgotten, whether messages came out of them or not.
   static constexpr std::uint64_t history_bytes = 8192;
 
-  explicit LinkTiming(const PortProfile& link);
+  /// `nominal_rate_hz`: of a device that sends messages at a steady rate, as far as one knows; 0 if it does
+  /// not.
+  explicit LinkTiming(const PortProfile& link, double nominal_rate_hz = 0.0);
 
   /// A chunk arrived whose last byte is at stream offset `end` - 1. Chunks come in order.
   void chunk(std::uint64_t end, HostTime arrived);
 
   /// When the first byte of `span` began, minus the latency. All chunks up to span.end must have been
   /// announced (a bug otherwise). Spans must come in order of their ends; older chunks are forgotten.
-  Stamp stamp(const StreamSpan& span);
+  Stamp stamp(const StreamSpan& span, const StampHint& hint = {});
 
  private:
   struct TimedChunk {

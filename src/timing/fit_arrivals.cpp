@@ -1,0 +1,144 @@
+// SPDX-License-Identifier: MIT
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <utility>
+
+#include "stretch_fit.h"
+#include "thermorig/timing/arrivals.h"
+
+namespace thermorig::timing {
+
+namespace {
+constexpr double missing_periods =
+    1.5;  // so long a step of the device's clock is one in which something lacks
+constexpr double countable_share =
+    0.125;  // of a period: drift over a gap whose messages can still be counted
+
+double quantile(std::vector<double>& values, double share) {
+  if (values.empty()) return 0.0;
+  const auto place = static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
+  std::nth_element(values.begin(), values.begin() + place, values.end());
+  return values[static_cast<std::size_t>(place)];
+}
+
+double median_step_s(std::span<const double> device_s) {
+  std::vector<double> steps;
+  for (std::size_t i = 1; i < device_s.size(); ++i)
+    if (device_s[i] > device_s[i - 1]) steps.push_back(device_s[i] - device_s[i - 1]);
+  return quantile(steps, 0.5);
+}
+
+class ArrivalFit {
+ public:
+  ArrivalFit(std::span<const double> device_s, std::span<const LatestBegin> latest, const PortProfile& link,
+             double nominal_rate_hz)
+      : device_s_(clean_device_s(device_s)), latest_(latest), link_(link), step_s_(median_step_s(device_s_)) {
+    const double rate_hz = step_s_ > 0.0 ? 1.0 / step_s_ : nominal_rate_hz;
+    clock_.window = SlidingWindow::of(link.wander_ppm, rate_hz);
+    clock_.wander = std::max(link.wander_ppm, 0.0) * 1e-6;
+    clock_.largest_constant_delay_s = link.largest_constant_delay_s;
+    if (!latest.empty()) origin_ = latest.front().latest;
+  }
+
+  ArrivalClock run() {
+    result_.times.reserve(device_s_.size());
+    for (const Stretch& stretch : find_stretches(device_s_, latest_, longest_gap_s())) add(stretch);
+    add_gaps();
+    summarise();
+    return std::move(result_);
+  }
+
+ private:
+  double longest_gap_s() const {
+    const double countable_s = countable_share * step_s_ / std::max(clock_.wander, 1e-6);
+    return std::max(std::min(countable_s, 0.5 * clock_.window.length_s), missing_periods * step_s_);
+  }
+
+  void add(const Stretch& stretch) {
+    const std::size_t count = stretch.end - stretch.begin;
+    const StretchFit fit = fit_stretch(
+        std::span(device_s_).subspan(stretch.begin, count),
+        latest_.subspan(stretch.latest_begin, stretch.latest_end - stretch.latest_begin), clock_, origin_);
+    for (std::size_t i = 0; i < count; ++i) {
+      HostTime time = origin_ + from_s(fit.time_s[i] - link_.latency_s);
+      if (!stretch.new_epoch && !result_.times.empty()) time = std::max(time, result_.times.back().time);
+      result_.times.push_back({.time = time,
+                               .uncertainty_s = static_cast<float>(fit.uncertainty_s[i]),
+                               .earlier_s = static_cast<float>(fit.earlier_s[i]),
+                               .later_s = static_cast<float>(fit.later_s[i])});
+    }
+    if (stretch.begin == 0 || stretch.new_epoch) begin_epoch(stretch);
+    late_s_.insert(late_s_.end(), fit.late_s.begin(), fit.late_s.end());
+    auto& knots = result_.report.knots;
+    knots.insert(knots.end(), fit.knots.begin(), fit.knots.end());
+  }
+
+  void begin_epoch(const Stretch& stretch) {
+    result_.report.epochs.push_back(
+        {result_.times[stretch.begin].time, stretch.new_epoch ? "the device's clock stepped back" : ""});
+  }
+
+  void add_gaps() {
+    for (std::size_t i = 1; i < device_s_.size(); ++i) {
+      const double steps = step_s_ > 0.0 ? (device_s_[i] - device_s_[i - 1]) / step_s_ : 0.0;
+      if (steps > missing_periods)
+        result_.report.gaps.push_back({result_.times[i - 1].time, result_.times[i].time,
+                                       static_cast<std::uint64_t>(std::llround(steps)) - 1});
+    }
+  }
+
+  void summarise() {
+    ClockReport& report = result_.report;
+    report.largest_constant_delay_s = link_.largest_constant_delay_s;
+    report.latency_s = link_.latency_s;
+    report.latency_uncertainty_s = link_.latency_uncertainty_s;
+    if (late_s_.empty() || result_.times.size() < 2) return;
+    report.method = "one-way";
+    summarise_rate(report);
+    report.late_p50_us = quantile(late_s_, 0.5) * 1e6;
+    report.late_p95_us = quantile(late_s_, 0.95) * 1e6;
+    report.late_max_us = quantile(late_s_, 1.0) * 1e6;
+    summarise_bounds(report);
+  }
+
+  void summarise_rate(ClockReport& report) const {
+    if (report.knots.empty()) return;
+    double sum = 0.0;
+    for (const ClockKnot& knot : report.knots) sum += knot.skew_ppm;
+    report.skew_ppm = sum / static_cast<double>(report.knots.size());
+    double squares = 0.0;
+    for (const ClockKnot& knot : report.knots) squares += std::pow(knot.skew_ppm - report.skew_ppm, 2);
+    report.wander_ppm = std::sqrt(squares / static_cast<double>(report.knots.size()));
+    if (step_s_ > 0.0) report.rate_hz = 1.0 / (step_s_ * (1.0 + report.skew_ppm * 1e-6));
+  }
+
+  void summarise_bounds(ClockReport& report) const {
+    std::vector<double> widths;
+    std::vector<double> uncertainties;
+    for (const TimeEstimate& time : result_.times) {
+      widths.push_back(1e6 * (static_cast<double>(time.earlier_s) + static_cast<double>(time.later_s)));
+      uncertainties.push_back(1e6 * static_cast<double>(time.uncertainty_s));
+    }
+    report.bound_us = *std::max_element(widths.begin(), widths.end());
+    report.bound_median_us = quantile(widths, 0.5);
+    report.uncertainty_us = quantile(uncertainties, 0.5);
+  }
+
+  std::vector<double> device_s_;
+  std::span<const LatestBegin> latest_;
+  const PortProfile& link_;
+  double step_s_;  // median of the device's clock between messages
+  DeviceClock clock_;
+  HostTime origin_{};
+  std::vector<double> late_s_;
+  ArrivalClock result_;
+};
+}  // namespace
+
+ArrivalClock fit_arrivals(std::span<const double> device_s, std::span<const LatestBegin> latest,
+                          const PortProfile& link, double nominal_rate_hz) {
+  return ArrivalFit(device_s, latest, link, nominal_rate_hz).run();
+}
+
+}  // namespace thermorig::timing

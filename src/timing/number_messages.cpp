@@ -1,0 +1,225 @@
+// SPDX-License-Identifier: MIT
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <deque>
+#include <optional>
+
+#include "lower_line.h"
+#include "thermorig/timing/arrivals.h"
+
+namespace thermorig::timing {
+
+namespace {
+constexpr double shortest_horizon_s = 1.0;  // a busy host stalls for less
+constexpr double longest_horizon_s = 64.0;
+constexpr double longest_stall_s = 0.3;       // of a reader on a busy host; anything longer is an outage
+constexpr double clear_periods = 0.6;         // so much later than before is a message lost
+constexpr double suspect_periods = 0.5;       // where bytes were lost
+constexpr double quiet_periods = 0.25;        // a horizon is long enough if the least lateness varies less
+constexpr std::size_t windows_a_horizon = 4;  // length of a window in which a period is measured
+constexpr double most_missing = 1e9;
+
+/// The least of `values` over each `length` of them: element i covers i .. i + length - 1.
+std::vector<double> least_ahead(std::span<const double> values, std::size_t length) {
+  std::vector<double> result(values.size());
+  std::deque<std::size_t> rising;
+  for (std::size_t i = values.size(); i-- > 0;) {
+    while (!rising.empty() && values[rising.front()] >= values[i]) rising.pop_front();
+    rising.push_front(i);
+    while (rising.back() >= i + length) rising.pop_back();
+    result[i] = values[rising.back()];
+  }
+  return result;
+}
+
+/// The least of the last `length` values pushed.
+class LeastBehind {
+ public:
+  explicit LeastBehind(std::size_t length) : length_(length) {}
+  void push(double value) {
+    while (!rising_.empty() && rising_.back().value >= value) rising_.pop_back();
+    rising_.push_back({next_, value});
+    if (rising_.front().index + length_ <= next_++) rising_.pop_front();
+  }
+  double least() const { return rising_.front().value; }
+
+ private:
+  struct Entry {
+    std::size_t index;
+    double value;
+  };
+  std::size_t length_;
+  std::size_t next_ = 0;
+  std::deque<Entry> rising_;
+};
+
+double quantile(std::vector<double> values, double share) {
+  const auto place = static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
+  std::nth_element(values.begin(), values.begin() + place, values.end());
+  return values[static_cast<std::size_t>(place)];
+}
+
+class Numbering {
+ public:
+  Numbering(std::span<const HostTime> latest, std::span<const bool> suspect, double nominal_rate_hz)
+      : suspect_(suspect), number_(latest.size()) {
+    for (std::size_t i = 0; i < latest.size(); ++i) number_[i] = static_cast<std::int64_t>(i);
+    read(latest);
+    period_s_ = nominal_rate_hz > 0.0 && std::isfinite(nominal_rate_hz) ? 1.0 / nominal_rate_hz : 0.0;
+  }
+
+  std::vector<std::int64_t> run() {
+    if (latest_s_.size() < 4 || !choose_horizon()) return number_;
+    count_lost();
+    if (const auto period_s = measure_period(false)) period_s_ = *period_s;
+    count_lost();
+    return number_;
+  }
+
+ private:
+  void read(std::span<const HostTime> latest) {
+    latest_s_.reserve(latest.size());
+    for (const HostTime time : latest) {
+      const bool unknown = time == HostTime::max();
+      const double before_s = latest_s_.empty() ? 0.0 : latest_s_.back();
+      const auto since_ns = static_cast<double>(to_ns(time)) - static_cast<double>(to_ns(latest.front()));
+      latest_s_.push_back(unknown ? before_s : since_ns * 1e-9);
+    }
+  }
+
+  bool is_suspect(std::size_t i) const { return i < suspect_.size() && suspect_[i]; }
+
+  /// So long that before and after any message there are some which came with hardly a delay.
+  bool choose_horizon() {
+    for (double horizon_s = shortest_horizon_s; horizon_s <= longest_horizon_s; horizon_s *= 2.0) {
+      const double guess_s = period_s_ > 0.0 ? period_s_ : mean_period_s();
+      horizon_ = messages_in(horizon_s, guess_s);
+      const auto period_s = measure_period(true);
+      if (!period_s) return false;
+      period_s_ = *period_s;
+      horizon_ = messages_in(horizon_s, period_s_);
+      if (least_lateness_varies_s() <= quiet_periods * period_s_) return true;
+      if (horizon_ >= latest_s_.size()) break;
+    }
+    return false;  // not a steady device, or far too irregular a link: nothing can be said to be lost
+  }
+
+  double mean_period_s() const {
+    return (latest_s_.back() - latest_s_.front()) / static_cast<double>(latest_s_.size());
+  }
+  static std::size_t messages_in(double time_s, double period_s) {
+    return static_cast<std::size_t>(std::clamp(time_s / std::max(period_s, 1e-6), 8.0, 1e7));
+  }
+
+  /// The period as most windows have it. Windows in which bytes were lost are left out while the losses are
+  /// not counted, unless no other is left.
+  std::optional<double> measure_period(bool leave_out_suspect) const {
+    std::vector<double> clean;
+    std::vector<double> all;
+    const std::size_t length = std::min(windows_a_horizon * horizon_, latest_s_.size());
+    for (std::size_t begin = 0; begin + length <= latest_s_.size();
+         begin += std::max<std::size_t>(1, length / 2)) {
+      const double slope = window_slope(begin, length);
+      if (slope <= 0.0) continue;
+      all.push_back(slope);
+      if (!leave_out_suspect || !has_suspect(begin + 1, begin + length)) clean.push_back(slope);
+    }
+    if (all.empty()) return std::nullopt;
+    return quantile(clean.empty() ? all : clean, 0.5);
+  }
+
+  bool has_suspect(std::size_t begin, std::size_t end) const {
+    for (std::size_t i = begin; i < end; ++i)
+      if (is_suspect(i)) return true;
+    return false;
+  }
+
+  double window_slope(std::size_t begin, std::size_t length) const {
+    std::vector<Ceiling> window(length);
+    for (std::size_t i = 0; i < length; ++i)
+      window[i] = {static_cast<double>(number_[begin + i] - number_[begin]), latest_s_[begin + i]};
+    return lower_line_slope(window, 0.0);
+  }
+
+  std::vector<double> lateness_s() const {
+    std::vector<double> late_s(latest_s_.size());
+    for (std::size_t i = 0; i < late_s.size(); ++i)
+      late_s[i] = latest_s_[i] - period_s_ * static_cast<double>(i);
+    return late_s;
+  }
+
+  double least_lateness_varies_s() const {
+    const std::vector<double> ahead_s = least_ahead(lateness_s(), horizon_);
+    std::vector<double> steps_s{0.0};
+    for (std::size_t i = horizon_; i + horizon_ <= ahead_s.size();
+         i += std::max<std::size_t>(1, horizon_ / 2))
+      steps_s.push_back(std::abs(ahead_s[i] - ahead_s[i - horizon_]));
+    return quantile(std::move(steps_s), 0.9);
+  }
+
+  /// Walks along the messages. Where all that follow for a horizon are later than the least late ones before
+  /// by a period or more, as many are missing.
+  void count_lost() {
+    const std::vector<double> late_s = lateness_s();
+    const std::vector<double> ahead_s = least_ahead(late_s, horizon_);
+    LeastBehind behind_s(horizon_);
+    double missing = 0.0;
+    for (std::size_t i = 0; i < late_s.size();) {
+      const double step_s = i == 0 ? 0.0 : ahead_s[i] - missing * period_s_ - behind_s.least();
+      const double lost = lost_before(i, step_s);
+      const std::size_t at =
+          lost > 0.0 ? place(late_s, i, behind_s.least() + (missing + lost) * period_s_) : i + 1;
+      for (; i < at; ++i) {
+        number_[i] = static_cast<std::int64_t>(i) + static_cast<std::int64_t>(missing);
+        behind_s.push(late_s[i] - missing * period_s_);
+      }
+      missing += lost;
+      if (lost > 0.0) {  // so that it is not looked at twice
+        number_[i] = static_cast<std::int64_t>(i) + static_cast<std::int64_t>(missing);
+        behind_s.push(late_s[i] - missing * period_s_);
+        ++i;
+      }
+    }
+  }
+
+  double lost_before(std::size_t i, double step_s) const {
+    if (step_s < suspect_periods * period_s_) return 0.0;
+    const double left_s = static_cast<double>(latest_s_.size() - i) * period_s_;
+    if (step_s < longest_stall_s && left_s < longest_stall_s) return 0.0;  // the end: it may be late only
+    const std::size_t near = std::min(i + horizon_ / 8, latest_s_.size());
+    const double enough = has_suspect(i, near) ? suspect_periods : clear_periods;
+    if (step_s < enough * period_s_) return 0.0;
+    return std::min(std::max(1.0, std::round(step_s / period_s_)), most_missing);
+  }
+
+  /// Which of the messages from `i` on is the first after the loss: up to the first that is as early as those
+  /// after it are. Best one before which bytes were lost, and then the one before which the stream paused
+  /// longest.
+  std::size_t place(std::span<const double> late_s, std::size_t i, double after_s) const {
+    std::size_t best = i;
+    const std::size_t end = std::min(i + horizon_, late_s.size());
+    for (std::size_t k = i; k < end; ++k) {
+      const bool better = is_suspect(k) != is_suspect(best)
+                              ? is_suspect(k)
+                              : late_s[k] - late_s[k - 1] > late_s[best] - late_s[best - 1];
+      if (better) best = k;
+      if (late_s[k] <= after_s + 0.4 * period_s_) break;
+    }
+    return best;
+  }
+
+  std::span<const bool> suspect_;
+  std::vector<double> latest_s_;  // since the first
+  std::vector<std::int64_t> number_;
+  double period_s_ = 0.0;
+  std::size_t horizon_ = 0;  // messages
+};
+}  // namespace
+
+std::vector<std::int64_t> number_messages(std::span<const HostTime> latest, std::span<const bool> suspect,
+                                          double nominal_rate_hz) {
+  return Numbering(latest, suspect, nominal_rate_hz).run();
+}
+
+}  // namespace thermorig::timing

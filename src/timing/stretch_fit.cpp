@@ -1,0 +1,156 @@
+// SPDX-License-Identifier: MIT
+#include "stretch_fit.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <limits>
+
+#include "lower_line.h"
+
+namespace thermorig::timing {
+
+namespace {
+// Over a short stretch its mean rate is known no better than this, in time at either end.
+constexpr double rate_slack_s = 0.005;
+// So close to the curve an inequality holds it up.
+constexpr double touching_s = 50e-6;
+constexpr double nowhere_s = 1e6;  // bounds of a stretch without any inequality
+
+double since(HostTime origin, HostTime time) {
+  return to_s(time - origin);
+}
+
+HostTime host_time(HostTime origin, double seconds) {
+  return origin + from_s(seconds);
+}
+
+/// A stretch in coordinates in which its clock is nearly level: x device seconds since its begin, y host
+/// seconds minus `slope` x.
+class Stretching {
+ public:
+  Stretching(std::span<const double> device_s, std::span<const LatestBegin> latest, const DeviceClock& device,
+             HostTime origin)
+      : device_s_(device_s), device_(device), origin_(origin), x0_(device_s.front()) {
+    for (const LatestBegin& begin : latest)
+      if (std::isfinite(begin.device_s))
+        ceilings_.push_back({begin.device_s - x0_, since(origin, begin.latest)});
+    fit_.slope = lower_line_slope(ceilings_, 1.0);
+    for (Ceiling& ceiling : ceilings_) ceiling.y -= fit_.slope * ceiling.x;
+    const double length_s = device_s.back() - device_s.front();
+    drift_ = device.wander * std::abs(fit_.slope) + rate_slack_s / std::max(length_s, rate_slack_s);
+  }
+
+  StretchFit run() {
+    if (ceilings_.empty()) return nowhere();
+    SlidingFit curve(ceilings_, device_.window, drift_);
+    std::vector<double> level_s(device_s_.size());
+    for (std::size_t i = 0; i < level_s.size(); ++i) level_s[i] = curve.at(x(i));
+    bound_above();
+    bound_below(level_s, curve);
+    for (std::size_t i = 0; i < level_s.size(); ++i) add_message(i, std::min(level_s[i], above_s_[i]));
+    for (const Ceiling& ceiling : ceilings_) fit_.late_s.push_back(ceiling.y - curve.at(ceiling.x));
+    add_knots(curve);
+    return std::move(fit_);
+  }
+
+ private:
+  double x(std::size_t i) const { return device_s_[i] - x0_; }
+
+  /// Both passes that carry `bound` along the messages: between neighbours the clock drifts by no more than
+  /// `drift_`. `side` is 1 for a bound from above, -1 for one from below.
+  void carry(std::vector<double>& bound_s, double side) const {
+    const auto tighten = [&](std::size_t to, std::size_t from) {
+      const double carried_s = bound_s[from] + side * drift_ * std::abs(x(to) - x(from));
+      if (side * carried_s < side * bound_s[to]) bound_s[to] = carried_s;
+    };
+    for (std::size_t i = 1; i < bound_s.size(); ++i) tighten(i, i - 1);
+    for (std::size_t i = bound_s.size() - 1; i-- > 0;) tighten(i, i + 1);
+  }
+
+  /// Applies `use` to each inequality and its message.
+  template <typename Use>
+  void for_each_ceiling(Use use) const {
+    std::size_t message = 0;
+    for (const Ceiling& ceiling : ceilings_) {
+      while (message + 1 < device_s_.size() && x(message) < ceiling.x) ++message;
+      use(message, ceiling);
+    }
+  }
+
+  void bound_above() {
+    above_s_.assign(device_s_.size(), std::numeric_limits<double>::infinity());
+    for_each_ceiling([&](std::size_t i, const Ceiling& ceiling) {
+      const double here_s = ceiling.y + drift_ * std::abs(ceiling.x - x(i));
+      above_s_[i] = std::min(above_s_[i], here_s);
+    });
+    carry(above_s_, 1.0);
+  }
+
+  /// An inequality that holds the curve up is late by no more than the largest constant delay.
+  void bound_below(std::span<const double> level_s, SlidingFit& curve) {
+    const double far_s = device_.largest_constant_delay_s + drift_ * 0.5 * device_.window.length_s;
+    below_s_.resize(device_s_.size());
+    for (std::size_t i = 0; i < below_s_.size(); ++i) below_s_[i] = level_s[i] - far_s;
+    for_each_ceiling([&](std::size_t i, const Ceiling& ceiling) {
+      if (ceiling.y - curve.at(ceiling.x) > touching_s) return;
+      const double here_s =
+          ceiling.y - device_.largest_constant_delay_s - drift_ * std::abs(ceiling.x - x(i));
+      below_s_[i] = std::max(below_s_[i], here_s);
+    });
+    carry(below_s_, -1.0);
+  }
+
+  void add_message(std::size_t i, double level_s) {
+    fit_.time_s.push_back(fit_.slope * x(i) + level_s);
+    fit_.later_s.push_back(above_s_[i] - level_s);
+    fit_.earlier_s.push_back(std::max(0.0, level_s - below_s_[i]));
+    fit_.uncertainty_s.push_back(0.0003);
+  }
+
+  void add_knots(SlidingFit& curve) {
+    std::size_t next = 0;
+    std::vector<double> late_s;
+    for (const SlidingFit::Knot& knot : curve.knots()) {
+      late_s.clear();
+      for (; next < ceilings_.size() && ceilings_[next].x <= knot.x + 0.5 * device_.window.block_s; ++next)
+        late_s.push_back(fit_.late_s[next]);
+      const double host_s = fit_.slope * knot.x + curve.at(knot.x);
+      ClockKnot out{.time = host_time(origin_, host_s)};
+      out.offset_s = to_s(out.time.time_since_epoch()) - (knot.x + x0_);
+      out.skew_ppm = (fit_.slope - 1.0 + curve.slope(knot.x)) * 1e6;
+      if (!late_s.empty()) {
+        const auto middle = late_s.begin() + static_cast<std::ptrdiff_t>(late_s.size() / 2);
+        std::nth_element(late_s.begin(), middle, late_s.end());
+        out.residual_us = *middle * 1e6;
+      }
+      fit_.knots.push_back(out);
+    }
+  }
+
+  /// Without any inequality nothing is known but that nothing is known.
+  StretchFit nowhere() {
+    for (std::size_t i = 0; i < device_s_.size(); ++i) fit_.time_s.push_back(x(i));
+    fit_.earlier_s.assign(device_s_.size(), nowhere_s);
+    fit_.later_s = fit_.uncertainty_s = fit_.earlier_s;
+    return std::move(fit_);
+  }
+
+  std::span<const double> device_s_;
+  const DeviceClock& device_;
+  HostTime origin_;
+  double x0_;
+  double drift_ = 0.0;  // per second of the device's clock, against the mean rate
+  std::vector<Ceiling> ceilings_;
+  std::vector<double> above_s_;
+  std::vector<double> below_s_;
+  StretchFit fit_;
+};
+}  // namespace
+
+StretchFit fit_stretch(std::span<const double> device_s, std::span<const LatestBegin> latest,
+                       const DeviceClock& device, HostTime origin) {
+  return Stretching(device_s, latest, device, origin).run();
+}
+
+}  // namespace thermorig::timing
