@@ -2,6 +2,7 @@
 #include "thermorig/labels/command_track.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace thermorig::labels {
 
@@ -11,16 +12,33 @@ namespace {
 bool is_able(const ServoState& state) {
   return state.fault == ServoFault::none && state.motion != ServoMotion::disarmed;
 }
+
+bool is_resting(const ServoState& state) {
+  const bool holds = state.motion == ServoMotion::holding || state.motion == ServoMotion::disarmed;
+  return holds && state.rate_dps == 0.0;
+}
+
+constexpr double constant_dps = 0.015;  // telemetry counts centidegrees per second
+constexpr std::int64_t longest_stretch_us = 5'000'000;
+constexpr std::size_t least_pulses = 5;
 }  // namespace
 
+CommandTrack::CommandTrack(const PulseScale& scale, HostDuration gap, HostDuration length)
+    : scale_(scale), gap_(gap), train_(scale, gap), check_(scale), points_(length), pulses_(length) {}
+
 void CommandTrack::add(const TimedServo& servo) {
+  train_.add(servo, new_pulses_);
+  for (const Pulse& pulse : new_pulses_) pulses_.add({pulse.end, pulse.start_us, pulse.value});
+  new_pulses_.clear();
   points_.add({.time = servo.stamp.time,
                .mcu_time_us = servo.mcu_time_us,
                .rate_dps = servo.state.rate_dps,
                .angle_deg = servo.state.angle_deg,
                .uncertainty_s = servo.stamp.uncertainty_s,
                .leg = servo.state.leg,
-               .able = is_able(servo.state)});
+               .able = is_able(servo.state),
+               .resting = is_resting(servo.state),
+               .disagrees = check_.disagrees(servo)});
 }
 
 /// From the last point at or before `begin` to the first at or after `end`, as far as there are any; the
@@ -63,6 +81,8 @@ void CommandTrack::note_states(CommandSpan& span, std::span<const Point> points)
   span.outside_leg = points.empty();
   for (const Point& point : points) {
     span.able = span.able && point.able;
+    span.resting = span.resting && point.resting;
+    span.disagrees = span.disagrees || point.disagrees;
     span.time_uncertainty_s = std::max(span.time_uncertainty_s, point.uncertainty_s);
     span.outside_leg = span.outside_leg || point.leg == 0;
     span.several_legs = span.several_legs || (leg != 0 && point.leg != 0 && point.leg != leg);
@@ -99,6 +119,45 @@ CommandSpan CommandTrack::over(HostTime begin, HostTime end) const {
   note_states(span, points);
   if (!points.empty()) note_motion(span, points, begin, end);
   return span;
+}
+
+/// How far back the speed of the last of `points`, which lie around a span, is that of the ones before it.
+std::int64_t CommandTrack::stretch_begin_us(std::span<const Point> points) const {
+  const Point* point = &points.back();
+  const Point* const first = points_.all().data();
+  const std::int64_t earliest_us = point->mcu_time_us - longest_stretch_us;
+  const double rate_dps = point->rate_dps;
+  while (point != first && !is_gap(point[-1], *point) && point[-1].mcu_time_us > earliest_us &&
+         std::abs(point[-1].rate_dps - rate_dps) <= constant_dps)
+    --point;
+  return point->mcu_time_us;
+}
+
+/// Of the pulses that start in the span.
+std::optional<double> CommandTrack::pulse_rate_dps(std::int64_t begin_us, std::int64_t end_us) const {
+  double count = 0.0, time_s = 0.0, value = 0.0, square = 0.0, product = 0.0;
+  const auto pulses = pulses_.all();
+  for (std::size_t i = pulses.size(); i-- > 0 && pulses[i].start_us >= begin_us;) {
+    if (pulses[i].start_us > end_us) continue;
+    const double off_s = static_cast<double>(pulses[i].start_us - end_us) * 1e-6;
+    count += 1.0;
+    time_s += off_s;
+    value += pulses[i].value;
+    square += off_s * off_s;
+    product += off_s * pulses[i].value;
+  }
+  if (count < static_cast<double>(least_pulses)) return std::nullopt;
+  if (scale_.continuous()) return value / count;
+  return (product - time_s * value / count) / (square - time_s * time_s / count);
+}
+
+std::optional<double> CommandTrack::constant_rate_dps(HostTime begin, HostTime end) const {
+  const auto points = around(begin, end);
+  if (!covers(points, begin, end)) return std::nullopt;
+  const std::int64_t begin_us = stretch_begin_us(points);
+  if (begin_us > points.front().mcu_time_us) return std::nullopt;
+  // The first pulses of the stretch may still show the speed before it.
+  return pulse_rate_dps(begin_us + PulseTrain::period_us, points.back().mcu_time_us);
 }
 
 double CommandTrack::angle_deg(HostTime time) const {

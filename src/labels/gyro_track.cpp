@@ -1,17 +1,76 @@
 // SPDX-License-Identifier: MIT
 #include "thermorig/labels/gyro_track.h"
 
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
 namespace thermorig::labels {
+
+namespace {
+constexpr double pulse_period_s = 0.02;
+
+/// Mean and standard deviation as numbers come.
+class Deviation {
+ public:
+  void add(double value) {
+    count_ += 1.0;
+    const double off = value - mean_;
+    mean_ += off / count_;
+    squares_ += off * (value - mean_);
+  }
+  double mean() const { return mean_; }
+  double value() const { return count_ > 0.0 ? std::sqrt(squares_ / count_) : 0.0; }
+
+ private:
+  double count_ = 0.0, mean_ = 0.0, squares_ = 0.0;
+};
+
+/// A sum of samples up to a place between two of them.
+double sum_to(const std::vector<double>& sums, double place) {
+  const auto left = std::min(static_cast<std::size_t>(place), sums.size() - 2);
+  return std::lerp(sums[left], sums[left + 1], place - static_cast<double>(left));
+}
+}  // namespace
+
+void GyroTrack::add(const TimedGyro& gyro) {
+  const float rate_dps = std::isfinite(gyro.rate_dps) ? gyro.rate_dps : 0.0F;
+  points_.add({gyro.stamp.time, rate_dps, gyro.stamp.uncertainty_s, gyro.reading.saturated});
+}
+
+/// Samples stand evenly, each for the time up to the next, so the window may hold a part of one.
+void GyroTrack::note_spread(GyroMean& mean, std::span<const Point> points) {
+  const double length_s = to_s(points.back().time - points.front().time);
+  const auto count = static_cast<double>(points.size());
+  mean.spread_dps = mean.deviation_dps;
+  if (points.size() < 2 || length_s <= 0.0) return;
+  const double window = std::max(pulse_period_s * (count - 1.0) / length_s, 1.0);
+  if (window >= count) return;
+  std::vector<double> sums{0.0};
+  for (const Point& point : points) sums.push_back(sums.back() + static_cast<double>(point.rate_dps));
+  Deviation smoothed;
+  for (double from = 0.0; from + window <= count; from += 1.0)
+    smoothed.add((sum_to(sums, from + window) - sum_to(sums, from)) / window);
+  mean.spread_dps = smoothed.value();
+  mean.averaged = window;
+}
 
 GyroMean GyroTrack::over(HostTime begin, HostTime end) const {
   const auto points = points_.all();
+  const std::size_t first = points_.first_at_or_after(begin);
+  const std::size_t last = std::max(points_.first_at_or_after(end), first);
   GyroMean mean;
-  double sum_dps = 0.0;
-  for (std::size_t i = points_.first_at_or_after(begin); i < points.size() && points[i].time < end; ++i) {
-    sum_dps += points[i].rate_dps;
-    ++mean.count;
+  Deviation samples;
+  for (const Point& point : points.subspan(first, last - first)) {
+    samples.add(static_cast<double>(point.rate_dps));
+    mean.saturated = mean.saturated || point.saturated;
+    mean.time_uncertainty_s = std::max(mean.time_uncertainty_s, point.uncertainty_s);
   }
-  if (mean.count > 0) mean.rate_dps = sum_dps / static_cast<double>(mean.count);
+  mean.count = last - first;
+  if (mean.count == 0) return mean;
+  mean.rate_dps = samples.mean();
+  mean.deviation_dps = samples.value();
+  note_spread(mean, points.subspan(first, last - first));
   return mean;
 }
 

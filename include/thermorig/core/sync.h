@@ -84,15 +84,23 @@ struct GyroErrors {
   std::optional<double> bias_after_dps;   // at the closing rest
   double noise_dps = 0.0;                 // standard deviation of a sample at rest
   bool zeroes_itself = false;             // runs of exact zeros at rest: the device hides its bias
+  bool bias_from_legs = false;  // bias_dps is what remains of equal speeds in both directions, not of rests
 };
 
-/// How the shaft follows the pulses: shaft rate(t) = scale * (commanded rate, delayed and smoothed).
+/// How the shaft follows the pulses. A positional servo's angle follows the angle that the pulses command as
+/// a second-order loop of damping 0.7, a continuous one's rate follows the commanded rate as a first-order
+/// lag; the shaft then turns by scale * gain times that.
 struct ServoResponse {
-  bool fitted = false;         // against the gyro of this recording; else of the profile
-  double delay_s = 0.02;       // pure delay from the commanded angle to the shaft
-  double loop_hz = 8.0;        // bandwidth of the shaft's second-order loop, damping 0.7
-  Estimate scale{1.0, 0.015};  // shaft angle per commanded angle
+  bool fitted = false;                // against the gyro of this recording; else of the profile
+  double delay_s = 0.005;             // pure delay from a pulse's end to the shaft
+  double delay_uncertainty_s = 0.01;  // one standard deviation, the gyro's clock in it
+  double loop_hz = 8.0;               // bandwidth of the servo's own loop
+  double dead_band_deg = 0.0;         // positional: angle errors within half of it, either way, move nothing
+  Estimate scale{1.0, 0.015};         // shaft angle per commanded angle
   bool scale_calibrated = false;
+  Estimate gyro_ratio{1.0, 0.034};  // corrected gyro over commanded rate: scale as the gyro alone sees it
+  std::vector<double> gain;   // slope over its mean, at evenly spaced pulse widths from the shortest to the
+                              // longest, straight between them; empty: 1 everywhere
   double residual_dps = 0.0;  // root mean square of corrected gyro minus model over legs, exposure means
   struct AtSpeed {
     double rate_dps = 0.0;      // commanded

@@ -14,14 +14,14 @@ enum class Reason : std::uint8_t {
   camera_gap = 0,        // V5: one or more frames are missing just before this one
   camera_not_fresh = 1,  // V5: the frame repeats the one before, or one half of it was lost
   checksum = 2,          // V5: damaged bytes just before this frame
-  servo_ramp = 3,        // V0: commanded speed not constant over the exposure and the settling time before it
+  servo_ramp = 3,        // V0: the shaft's speed by the servo model leaves the commanded one in the exposure
   servo_lost = 4,        // no telemetry over that time, or the servo says disarmed or fault
   gyro_gap = 5,          // too few gyro samples over the exposure
-  sync_lost = 6,         // V6: the time is not known well enough: read long after it was due
+  sync_lost = 6,         // V6: the time is not known well enough: read long after due, or an unsure clock
   warm_up = 7,           // V7: the camera has not settled; a warning, does not clear `valid`
   operator_mark = 8,     // marked by hand
   limit_hit = 9,         // V1: too close to the mechanical stop
-  reversal = 10,         // the commanded speed changes sign within the exposure
+  reversal = 10,         // the shaft turns back within the exposure
   outside_leg = 11,      // rest or transit: not part of a leg of the plan
   leg_change = 12,       // V4: the two halves lie in different legs
   gyro_unsteady = 13,    // V2: the gyro's spread after a running mean over one pulse period is too wide
@@ -46,10 +46,6 @@ inline constexpr std::array<std::string_view, reason_count> reason_names{
 inline constexpr std::uint32_t warning_bits = bit(Reason::warm_up);
 
 /// Reasons that this version computes; the others are always 0 and marked so in the file.
-inline constexpr std::uint32_t computed_bits =
-    bit(Reason::camera_gap) | bit(Reason::camera_not_fresh) | bit(Reason::checksum) |
-    bit(Reason::servo_ramp) | bit(Reason::servo_lost) | bit(Reason::gyro_gap) | bit(Reason::sync_lost) |
-    bit(Reason::limit_hit) | bit(Reason::reversal) | bit(Reason::outside_leg) | bit(Reason::leg_change) |
-    bit(Reason::out_of_range);
+inline constexpr std::uint32_t computed_bits = ((1U << reason_count) - 1U) & ~bit(Reason::operator_mark);
 
 }  // namespace thermorig

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <optional>
 
@@ -19,13 +20,21 @@ namespace thermorig::labels {
 ///     full-fresh: a refresh period is P / 2; the halves saw [t - P, t - P/2] and [t - P/2, t]
 ///
 /// Where the mode is not given it is decided causally, frame by frame, by a ModeVote over the frames so far.
+///
+/// Each half of TimedFrame::half gets its own period. Half-fresh: the half that alone is fresh was exposed
+/// last. Where both are, frames are missing before this one, and which half was the last follows from how
+/// many periods went by since it was last known. Full-fresh: nothing in a frame tells the order of its
+/// halves, only motion does. Where the order is unknown both halves get the whole span. A half that is not
+/// fresh keeps the interval of its last fresh reading.
 class ExposureRule {
  public:
-  /// `frame_period_s` > 0: time between frames, nominal or measured.
-  explicit ExposureRule(double frame_period_s, std::optional<CameraMode> mode = std::nullopt);
+  /// `frame_period_s` > 0: time between frames, nominal or measured. `newer_half`: the half that a full-fresh
+  /// source exposes last, 0 even, 1 odd.
+  explicit ExposureRule(double frame_period_s, std::optional<CameraMode> mode = std::nullopt,
+                        std::optional<unsigned> newer_half = std::nullopt);
 
-  /// Fills in fresh_even, fresh_odd, exposure_begin, exposure_end and stale of a frame whose temperatures and
-  /// stamp are known. Frames come in order.
+  /// Fills in fresh_even, fresh_odd, half, exposure_begin, exposure_end and stale of a frame whose
+  /// temperatures and stamp are known. Frames come in order.
   ///
   /// stale: half-fresh: no half is fresh, or only one and the same one as the last time that only one was
   /// (the other half was lost); full-fresh: not both halves are fresh.
@@ -37,12 +46,19 @@ class ExposureRule {
  private:
   enum class Half : std::uint8_t { none, even, odd };
   bool is_stale(const Freshness& freshness);
+  std::optional<unsigned> newest_half(const Freshness& freshness, HostTime time) const;
+  void note_newest(const Freshness& freshness, HostTime time);
+  void expose_halves(const Freshness& freshness, TimedFrame& frame);
 
   HostDuration frame_period_;
   std::optional<CameraMode> mode_;
   FreshnessDetector detector_;
   ModeVote vote_;
   Half last_single_ = Half::none;  // the half that alone was fresh, the last time that only one was
+  std::array<std::optional<HalfExposure>, 2> half_{};  // of the last fresh reading
+  std::optional<unsigned> newest_;                     // half-fresh: half that was exposed last,
+  HostTime newest_time_{};                             // at this time
+  std::optional<unsigned> newer_half_;
   bool first_ = true;
 };
 

@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <limits>
+#include <span>
 
 #include "thermorig/core/sample.h"
 #include "thermorig/core/time.h"
@@ -13,6 +14,11 @@ namespace thermorig::labels {
 struct GyroMean {
   double rate_dps = std::numeric_limits<double>::quiet_NaN();  // NaN if there is no sample
   std::size_t count = 0;
+  double deviation_dps = 0.0;  // standard deviation of the samples
+  double spread_dps = 0.0;     // the same after a running mean over one servo pulse period, 20 ms
+  double averaged = 1.0;       // samples that the running mean takes together
+  bool saturated = false;      // a sample at an end of the sensor's range: the mean says little
+  float time_uncertainty_s = 0.0F;
 };
 
 /// The gyro's rate about the servo's axis over the last few seconds.
@@ -21,19 +27,23 @@ class GyroTrack {
   /// Samples older than `length` are forgotten.
   explicit GyroTrack(HostDuration length) : points_(length) {}
 
-  void add(const TimedGyro& gyro) { points_.add({gyro.stamp.time, gyro.rate_dps}); }
+  void add(const TimedGyro& gyro);
 
   /// True if a sample at or after `time` has come.
   bool reaches(HostTime time) const { return points_.reaches(time); }
 
-  /// Mean of the samples with begin <= time < end.
+  /// Of the samples with begin <= time < end.
   GyroMean over(HostTime begin, HostTime end) const;
 
  private:
   struct Point {
     HostTime time{};
     float rate_dps = 0.0F;
+    float uncertainty_s = 0.0F;
+    bool saturated = false;
   };
+  static void note_spread(GyroMean& mean, std::span<const Point> points);
+
   History<Point> points_;
 };
 

@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <vector>
+
+#include "thermorig/core/profile.h"
+#include "thermorig/core/sample.h"
+#include "thermorig/core/sync.h"
+#include "thermorig/core/time.h"
+#include "thermorig/labels/history.h"
+#include "thermorig/labels/pulse_train.h"
+#include "thermorig/labels/servo_loop.h"
+
+namespace thermorig::labels {
+
+/// Where the model has the shaft.
+struct ShaftAngle {
+  double plain_deg = 0.0;   // scale and gain 1
+  double scaled_deg = 0.0;  // scale and gain of the response
+};
+
+/// What the shaft did over a span by the model, deg/s; each as a mean over the span, and the extremes of
+/// the running mean over one pulse period.
+struct ShaftRates {
+  double mean_dps = 0.0;  // scale and gain of the response
+  double min_dps = 0.0;
+  double max_dps = 0.0;
+  double plain_min_dps = 0.0;  // scale and gain 1
+  double plain_max_dps = 0.0;
+};
+
+/// The shaft over the last few seconds, by the servo's response to the pulses that telemetry reports.
+class ShaftTrack {
+ public:
+  /// `gap`: see PulseTrain. Older than `length` is forgotten.
+  ShaftTrack(const ServoProfile& servo, const ServoResponse& response, HostDuration gap, HostDuration length);
+
+  void add(const TimedServo& servo);
+
+  /// True if the shaft is known up to `time`.
+  bool reaches(HostTime time) const { return points_.reaches(time); }
+
+  /// True if it is known from `begin` to `end`; gaps are not looked for.
+  bool covers(HostTime begin, HostTime end) const;
+
+  /// Where covers() is true of the time, else the nearest known. There must be telemetry.
+  ShaftAngle at(HostTime time) const;
+
+  /// begin < end, covered.
+  double mean_dps(HostTime begin, HostTime end) const;
+  ShaftRates over(HostTime begin, HostTime end) const;
+
+ private:
+  struct Point {
+    HostTime time{};
+    double angle_deg = 0.0;
+    double rate_dps = 0.0;
+    double scaled_deg = 0.0;
+    double slope = 1.0;  // scale * gain
+  };
+  void take(const Pulse& pulse);
+  void advance(HostTime until);
+  void add_point(HostTime time);
+
+  PulseScale scale_;
+  ServoResponse response_;
+  HostDuration delay_;
+  PulseTrain train_;
+  ServoLoop loop_;
+  std::vector<Pulse> pulses_;  // that have not ended yet
+  double value_ = 0.0;         // commanded now
+  HostTime now_{};             // of the loop, delay not in it
+  double last_angle_deg_ = 0.0;
+  double scaled_deg_ = 0.0;
+  bool started_ = false;
+  History<Point> points_;
+};
+
+}  // namespace thermorig::labels

@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: MIT
+#include "thermorig/labels/label_config.h"
+
+#include <cmath>
+
+namespace thermorig::labels {
+
+namespace {
+/// The fitted response hangs on the gyro's clock, an assumed one on the servo's.
+double latency_uncertainty_s(const RigProfile& profile, const std::optional<SyncReport>& sync) {
+  if (sync && sync->camera_offset.applied && sync->camera_offset.offset_s)
+    return sync->camera_offset.offset_s->uncertainty;
+  const bool by_gyro = sync && sync->servo.fitted;
+  const PortProfile& other = by_gyro ? profile.gyro.link : profile.servo.link;
+  return std::hypot(profile.camera.link.latency_uncertainty_s, other.latency_uncertainty_s);
+}
+}  // namespace
+
+LabelConfig label_config(const RigProfile& profile, const std::optional<SyncReport>& sync) {
+  LabelConfig config;
+  config.settle_s = profile.servo.settle_s;
+  config.gyro_rate_hz = profile.gyro.output_rate_hz;
+  config.stop_margin_deg = profile.servo.stop_margin_deg;
+  config.travel_deg = profile.servo.kind == ServoKind::positional ? profile.servo.travel_deg : 0.0;
+  config.servo = profile.servo;
+  config.gyro_profile = profile.gyro;
+  config.latency_uncertainty_s = latency_uncertainty_s(profile, sync);
+  if (!sync) return config;
+  config.response = sync->servo;
+  config.gyro = sync->gyro;
+  return config;
+}
+
+}  // namespace thermorig::labels

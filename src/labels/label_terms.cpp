@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: MIT
+#include "label_terms.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace thermorig::labels {
+
+namespace {
+constexpr double assumed_slope_error = 0.005;  // along the travel, of hobby servos
+constexpr double assumed_ripple_dps = 0.3;     // of an exposure's mean, where the loop is only guessed
+constexpr double least_gyro_error_dps = 0.05;  // resolution and cross axes
+
+/// Between the speeds of the table the larger neighbour: residuals are few and rough.
+double tabled_deviation_dps(const ServoResponse& response, double rate_dps) {
+  const auto& speeds = response.speeds;
+  const auto slower = [](const ServoResponse::AtSpeed& at, double rate) { return at.rate_dps < rate; };
+  const auto next = std::lower_bound(speeds.begin(), speeds.end(), rate_dps, slower);
+  double deviation = 0.0;
+  const auto note = [&](const ServoResponse::AtSpeed& at) {
+    deviation = std::max(deviation, std::hypot(at.residual_dps, at.spread_dps));
+  };
+  if (next != speeds.end()) note(*next);
+  if (next != speeds.begin()) note(*(next - 1));
+  return deviation;
+}
+}  // namespace
+
+double model_deviation_dps(const ServoResponse& response, double rate_dps) {
+  if (!response.fitted) return std::hypot(assumed_ripple_dps, assumed_slope_error * rate_dps);
+  return response.speeds.empty() ? response.residual_dps : tabled_deviation_dps(response, rate_dps);
+}
+
+double gyro_deviations(const GyroErrors& errors, const ServoResponse& response, const GyroMean& gyro,
+                       double label_dps, double time_dps) {
+  if (gyro.count == 0 || gyro.saturated || !errors.bias_dps || !(errors.scale.value > 0.0)) return 0.0;
+  const double ratio = response.gyro_ratio.value / response.scale.value;
+  const double corrected_dps = (gyro.rate_dps - errors.bias_dps->value) / errors.scale.value;
+  const double off_dps = corrected_dps - ratio * label_dps;
+  const double noise_dps = errors.noise_dps / std::sqrt(static_cast<double>(gyro.count));
+  const double deviation_dps =
+      std::hypot(std::hypot(errors.bias_dps->uncertainty, noise_dps, least_gyro_error_dps),
+                 std::hypot(model_deviation_dps(response, label_dps), time_dps,
+                            response.gyro_ratio.uncertainty * label_dps));
+  return std::isfinite(off_dps) ? off_dps / deviation_dps : 0.0;
+}
+
+double unsteadiness_dps2(const GyroErrors& errors, const GyroMean& gyro) {
+  return gyro.spread_dps * gyro.spread_dps - errors.noise_dps * errors.noise_dps / gyro.averaged;
+}
+
+}  // namespace thermorig::labels
