@@ -10,12 +10,12 @@ double frame_period_s(const CameraProfile& profile, const Fits& fits) {
 }  // namespace
 
 labels::ExposureRule exposure_rule(const CameraProfile& profile, const Fits& fits) {
-  return labels::ExposureRule(frame_period_s(profile, fits), fits.camera_mode);
+  return labels::ExposureRule(frame_period_s(profile, fits), fits.camera_mode, fits.newer_half);
 }
 
 CameraLine::CameraLine(const CameraProfile& profile, const Fits& fits)
     : scanner_(profile.checksum),
-      timing_(profile.link),
+      timing_(profile.link, profile.output_rate_hz),
       final_times_(fits.times[Device::camera]),
       exposure_(exposure_rule(profile, fits)),
       known_gaps_(fits.gaps),
@@ -44,7 +44,7 @@ std::span<const TimedFrame> CameraLine::take(std::vector<TimedFrame>& out) {
     TimedFrame& frame = out.emplace_back();
     frame.frame = message.frame;
     frame.span = message.span;
-    frame.stamp = timing_.stamp(message.span);
+    frame.stamp = timing_.stamp(message.span, {.lost_before = message.resync_before, .device_s = {}});
     frame.resync_before = message.resync_before;
     const bool is_known = final_times_.put_next(frame.stamp);
     exposure_.apply(frame);

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <memory>
 
-#include "begin_proofs.h"
+#include "message_spans.h"
 #include "ping_exchanges.h"
 #include "thermorig/timing/arrivals.h"
 #include "thermorig/timing/ping_clock.h"
@@ -50,7 +50,7 @@ std::vector<double> counted_times_s(const RawStream& received, const std::vector
   const auto suspect = std::make_unique<bool[]>(gyro.size());
   std::transform(gyro.begin(), gyro.end(), suspect.get(),
                  [](const TimedGyro& sample) { return sample.lost_before; });
-  const auto numbers = timing::number_messages(begin_proofs(received, spans, profile.link.baud),
+  const auto numbers = timing::number_messages(timing::earliest_proofs(received, spans, profile.link.baud),
                                                std::span(suspect.get(), gyro.size()), profile.output_rate_hz);
   std::vector<double> device_s;
   device_s.reserve(numbers.size());

@@ -5,9 +5,18 @@
 
 namespace thermorig::pipeline {
 
+namespace {
+timing::StampHint hint(const wire::GyroMessage& message) {
+  timing::StampHint hint{.lost_before = message.lost_before, .device_s = {}};
+  const auto& device_time_us = message.reading.device_time_us;
+  if (device_time_us) hint.device_s = 1e-6 * static_cast<double>(*device_time_us);
+  return hint;
+}
+}  // namespace
+
 GyroLine::GyroLine(const GyroProfile& profile, const Fits& fits)
     : scanner_(profile),
-      timing_(profile.link),
+      timing_(profile.link, profile.output_rate_hz),
       final_times_(fits.times[Device::gyro]),
       axis_(static_cast<std::size_t>(profile.axis)),
       sign_(static_cast<float>(profile.sign)) {
@@ -31,7 +40,7 @@ std::span<const TimedGyro> GyroLine::take(std::vector<TimedGyro>& out) {
   for (const wire::GyroMessage& message : messages_) {
     out.push_back({.reading = message.reading,
                    .span = message.span,
-                   .stamp = timing_.stamp(message.span),
+                   .stamp = timing_.stamp(message.span, hint(message)),
                    .rate_dps = sign_ * message.reading.rate_dps[axis_],
                    .lost_before = message.lost_before});
     final_times_.put_next(out.back().stamp);

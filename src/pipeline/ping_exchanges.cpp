@@ -4,8 +4,9 @@
 #include <algorithm>
 #include <cstddef>
 
-#include "begin_proofs.h"
+#include "message_spans.h"
 #include "ping_ledger.h"
+#include "thermorig/timing/arrivals.h"
 
 namespace thermorig::pipeline {
 
@@ -22,7 +23,7 @@ std::vector<timing::PingExchange> ping_exchanges(const RawStream& received, cons
                                                  const Streams& streams, std::uint32_t baud) {
   const auto spans = spans_of(streams.pongs);
   if (streams.servo.empty() || !holds(received, spans)) return {};
-  const auto not_after = begin_proofs(received, spans, baud);
+  const auto not_after = timing::earliest_proofs(received, spans, baud);
   std::vector<timing::PingExchange> exchanges;
   PingLedger ledger(baud);
   std::size_t write = 0;
@@ -38,7 +39,7 @@ std::vector<timing::PingExchange> ping_exchanges(const RawStream& received, cons
 
 std::vector<timing::SentStamp> sent_stamps(const RawStream& received, const std::vector<TimedServo>& servo,
                                            std::uint32_t baud) {
-  const auto not_after = begin_proofs(received, spans_of(servo), baud);
+  const auto not_after = timing::earliest_proofs(received, spans_of(servo), baud);
   std::vector<timing::SentStamp> stamps;
   stamps.reserve(servo.size());
   for (std::size_t i = 0; i < servo.size(); ++i) stamps.push_back({servo[i].mcu_time_us, not_after[i]});

@@ -13,15 +13,6 @@ namespace thermorig::pipeline {
 
 namespace {
 constexpr std::uint64_t telemetry_bytes = SERVO_TELEMETRY_SIZE + 6;  // type, sequence, CRC, two flags
-
-labels::LabelConfig label_config(const RigProfile& profile) {
-  labels::LabelConfig config;
-  config.settle_s = profile.servo.settle_s;
-  config.gyro_rate_hz = profile.gyro.output_rate_hz;
-  config.stop_margin_deg = profile.servo.stop_margin_deg;
-  config.travel_deg = profile.servo.kind == ServoKind::positional ? profile.servo.travel_deg : 0.0;
-  return config;
-}
 }  // namespace
 
 struct Pipeline::Stages {
@@ -36,7 +27,7 @@ Pipeline::Pipeline(const RigProfile& profile, const Fits& fits)
     : stages_(new Stages{.camera = CameraLine(profile.camera, fits),
                          .gyro = GyroLine(profile.gyro, fits),
                          .servo = ServoLine(profile.servo, fits),
-                         .labeller = labels::Labeller(label_config(profile)),
+                         .labeller = labels::Labeller(labels::label_config(profile, fits.sync)),
                          .streams = {}}) {}
 
 Pipeline::~Pipeline() = default;
@@ -75,6 +66,7 @@ std::vector<LabelledSample> Pipeline::finish() {
   auto& [camera, gyro, servo, labeller, streams] = *stages_;
   for (const TimedFrame& frame : camera.finish(streams.frames)) labeller.add(frame);
   for (const TimedGyro& sample : gyro.finish(streams.gyro)) labeller.add(sample);
+  for (const TimedServo& state : servo.finish(streams)) labeller.add(state);
   return labeller.finish();
 }
 

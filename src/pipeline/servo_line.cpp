@@ -23,6 +23,11 @@ std::span<const TimedServo> ServoLine::push(std::span<const std::uint8_t> chunk,
   return take(out);
 }
 
+std::span<const TimedServo> ServoLine::finish(Streams& out) {
+  scanner_.finish(messages_);
+  return take(out);
+}
+
 std::span<const TimedServo> ServoLine::take(Streams& out) {
   const std::size_t first = out.servo.size();
   for (wire::ServoMessage& message : messages_) sort(std::move(message), out);

@@ -30,6 +30,9 @@ class ServoLine {
   /// Appends what the chunk completes to `out` and returns its telemetry.
   std::span<const TimedServo> push(std::span<const std::uint8_t> chunk, HostTime arrived, Streams& out);
 
+  /// The stream has ended: the telemetry that waited for the bytes behind it.
+  std::span<const TimedServo> finish(Streams& out);
+
   const wire::Counters& counters() const { return scanner_.counters(); }
 
  private:
