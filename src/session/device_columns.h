@@ -17,12 +17,24 @@ namespace thermorig::session {
 
 inline constexpr std::int64_t unknown = std::numeric_limits<std::int64_t>::min();
 
+/// Within these the true time lies, if the latency is what it is taken for.
+template <typename Archive, typename Rows>
+void bound_columns(Archive& archive, Rows& rows) {
+  archive.template field<float>(
+      {"time_earlier", "s", "the true time is at most so much before time [s]"}, rows,
+      [](auto& row) -> auto& { return row.stamp.earlier_s; });
+  archive.template field<float>(
+      {"time_later", "s", "the true time is at most so much after time [s]"}, rows,
+      [](auto& row) -> auto& { return row.stamp.later_s; });
+}
+
 /// Members that every timed message has, besides its `time`.
 template <typename Archive, typename Rows>
 void stamp_columns(Archive& archive, Rows& rows) {
   archive.template field<float>(
       {"time_uncertainty", "s", "standard deviation of time [s]"}, rows,
       [](auto& row) -> auto& { return row.stamp.uncertainty_s; });
+  if (archive.minor_version() >= 1) bound_columns(archive, rows);
   archive.template column<std::int64_t>(
       {"arrival_ns", "ns", "host clock when the last byte was read [ns]"}, rows,
       [](const auto& row) { return to_ns(row.stamp.arrival); },
@@ -39,6 +51,27 @@ void span_columns(Archive& archive, Rows& rows) {
       {"byte_count", "1", "length in bytes in the raw stream"}, rows,
       [](const auto& row) { return row.span.size(); },
       [](auto& row, std::uint32_t count) { row.span.end = row.span.begin + count; });
+}
+
+template <typename Archive>
+InnerAxis half_axis(Archive& archive) {
+  return archive.inner_axis({"half", "1", "chess half: 0 even, 1 odd (row + column)"}, 2);
+}
+
+/// When each chess half that a frame shows was exposed.
+template <typename Archive, typename Rows>
+void half_columns(Archive& archive, Rows& frames) {
+  const InnerAxis half = half_axis(archive);
+  archive.time_elements(
+      {"half_begin", "s", "start of each half's exposure [s]"}, half, frames,
+      [](auto& row, std::size_t i) -> auto& { return row.half[i].begin; });
+  archive.time_elements(
+      {"half_end", "s", "end of each half's exposure [s]"}, half, frames,
+      [](auto& row, std::size_t i) -> auto& { return row.half[i].end; });
+  archive.template elements<float>(
+      {"half_age", "s", "age of each half at time: time - half_end [s]"}, half, frames,
+      [](const auto& row, std::size_t i) { return to_s(row.stamp.time - row.half[i].end); },
+      [](auto&, std::size_t, float) {});
 }
 
 template <typename Archive, typename Rows>
@@ -72,6 +105,7 @@ void camera_columns(Archive& archive, Rows& frames) {
   archive.time_column(
       {"exposure_end", "s", "end of the newest half's exposure [s]"}, frames,
       [](auto& row) -> auto& { return row.exposure_end; });
+  if (archive.minor_version() >= 1) half_columns(archive, frames);
   archive.template column<std::uint8_t>(
       {"status", "1", "state of the frame", "", flag_masks({"resync_before", "stale", "late"})}, frames,
       [](const auto& row) { return (row.resync_before ? 1 : 0) | (row.stale ? 2 : 0) | (row.late ? 4 : 0); },

@@ -3,11 +3,16 @@
 
 #include <fmt/format.h>
 
+#include <limits>
+
 #include "attributes.h"
 #include "counters_list.h"
+#include "format.h"
 #include "group_writer.h"
 #include "scalars.h"
+#include "sync_attributes.h"
 #include "thermorig/core/validity.h"
+#include "thermorig/recording_header/header_json.h"
 
 namespace thermorig::session {
 
@@ -23,7 +28,21 @@ void write_link(hid_t group, const std::string& model, const PortProfile& link) 
   set_attribute(group, "usb_path", link.usb_path);
   set_attribute(group, "baud", link.baud);
   set_attribute(group, "latency_s", link.latency_s);
+  set_attribute(group, "latency_uncertainty_s", link.latency_uncertainty_s);
+  set_attribute(group, "latency_measured", link.latency_measured_utc);
 }
+
+/// Writes what sync_attributes.h lists.
+struct AttributeWriter {
+  hid_t group;
+  void operator()(const char* name, const std::string& value) { set_attribute(group, name, value); }
+  void operator()(const char* name, double value) { set_attribute(group, name, value); }
+  void operator()(const char* name, std::uint32_t value) { set_attribute(group, name, value); }
+  void operator()(const char* name, bool value) { set_attribute(group, name, flag(value)); }
+  void operator()(const char* name, const std::optional<double>& value) {
+    set_attribute(group, name, value.value_or(std::numeric_limits<double>::quiet_NaN()));
+  }
+};
 
 const char* name_of(ChecksumPolicy policy) {
   switch (policy) {
@@ -97,7 +116,8 @@ void write_root_attributes(hid_t root, const Session& session) {
   set_attribute(root, "HDF5_Version", hdf5_version());
   set_attribute(root, "Conventions", "CF-1.10");
   set_attribute(root, "license", "not stated");
-  set_attribute(root, "scalars_crc32", scalars_crc32(session));
+  set_attribute(root, "scalars_crc32",
+                scalars_crc32(session, recording_header::header_to_json_text(header), format_minor));
 }
 
 void write_camera_attributes(hid_t group, const Session& session) {
@@ -106,6 +126,7 @@ void write_camera_attributes(hid_t group, const Session& session) {
   set_attribute(group, "output_rate_setting_hz", camera.output_rate_hz);
   set_attribute(group, "field_of_view_deg", camera.field_of_view_deg);
   set_attribute(group, "mirrored", flag(camera.mirrored));
+  set_attribute(group, "orientation_measured", camera.orientation_measured_utc);
   set_attribute(group, "checksum_policy", name_of(camera.checksum));
   set_attribute(group, "mode", session.camera_mode);
   set_attribute(group, "frame_period_s", session.frame_period_s);
@@ -118,6 +139,12 @@ void write_gyro_attributes(hid_t group, const Session& session) {
   set_attribute(group, "rate_setting_hz", gyro.output_rate_hz);
   set_attribute(group, "axis_used", gyro.axis);
   set_attribute(group, "sign", gyro.sign);
+  set_attribute(group, "scale", gyro.scale);
+  set_attribute(group, "scale_uncertainty", gyro.scale_uncertainty);
+  set_attribute(group, "scale_measured", gyro.scale_measured_utc);
+  set_attribute(group, "bias_dps", gyro.bias_dps);
+  set_attribute(group, "bias_uncertainty_dps", gyro.bias_uncertainty_dps);
+  set_attribute(group, "bias_measured", gyro.bias_measured_utc);
 }
 
 void write_servo_attributes(hid_t group, const Session& session) {
@@ -132,18 +159,31 @@ void write_servo_attributes(hid_t group, const Session& session) {
   set_attribute(group, "max_rate_dps", servo.max_rate_dps);
   set_attribute(group, "acceleration_dps2", servo.acceleration_dps2);
   set_attribute(group, "stop_margin_deg", servo.stop_margin_deg);
+  set_attribute(group, "loop_hz", servo.loop_hz);
+  set_attribute(group, "scale", servo.scale);
+  set_attribute(group, "scale_uncertainty", servo.scale_uncertainty);
+  set_attribute(group, "scale_measured", servo.scale_measured_utc);
 }
 
 void write_sync_attributes(hid_t group, const Session& session) {
-  set_attribute(group, "method", "arrival minus wire time minus configured latency");
+  set_attribute(group, "method", "one-way and two-way bounds of each device's clock, minus its latency");
   set_attribute(group, "host_clock", "CLOCK_MONOTONIC");
   set_attribute(group, "realtime_offset_ns", session.raw.header.realtime_offset_ns);
+  AttributeWriter writer{group};
+  sync_attributes(writer, session.sync);
+}
+
+void write_clock_attributes(hid_t group, const ClockReport& clock) {
+  AttributeWriter writer{group};
+  clock_attributes(writer, clock);
 }
 
 void write_samples_attributes(hid_t group, const Session& session) {
   plot_as(group, "rate_label", {"time"}, {"rate_gyro"});
-  set_attribute(group, "label_version", "1");
-  set_attribute(group, "label_rule", "mean commanded speed over the exposure of both halves of the frame");
+  set_attribute(group, "label_version", "2");
+  set_attribute(group, "label_rule",
+                "rate_commanded: mean speed of the servo's pulses over the exposure of both halves of the "
+                "frame; rate_label: mean speed of the shaft by the servo model over the same");
   set_attribute(group, "settle_s", session.settle_s);
 }
 

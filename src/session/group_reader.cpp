@@ -59,8 +59,8 @@ struct GroupReader::Source {
   std::vector<hsize_t> chunk;  // empty: contiguous
 };
 
-GroupReader::GroupReader(hid_t file, const std::string& path, HostTime reference, std::uint64_t file_bytes)
-    : path_(path), reference_(reference), file_bytes_(file_bytes) {
+GroupReader::GroupReader(hid_t file, const std::string& path, const FileFacts& facts)
+    : path_(path), facts_(facts) {
   for (std::size_t end = path.find('/', 1);; end = path.find('/', end + 1)) {
     check_link(file, path.substr(0, end), path);
     if (end == std::string::npos) break;
@@ -91,7 +91,7 @@ GroupReader::Source GroupReader::open(const char* name) const {
 }
 
 void GroupReader::check_size(const char* name, std::uint64_t rows, std::size_t row_bytes) const {
-  const std::uint64_t limit = file_bytes_ * deflate_ratio_max + small_bytes;
+  const std::uint64_t limit = facts_.bytes * deflate_ratio_max + small_bytes;
   if (rows > limit / row_bytes) throw Hdf5Failure("believe the size of " + path_ + "/" + name);
 }
 

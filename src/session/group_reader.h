@@ -15,14 +15,24 @@
 
 namespace thermorig::session {
 
+/// What a reader must know of the file as a whole.
+struct FileFacts {
+  std::uint64_t bytes = 0;
+  unsigned minor_version = 0;
+  HostTime reference{};
+};
+
 /// Reads one group with the interface of GroupWriter. Nothing in the file is believed: types, ranks, shapes,
 /// filters and sizes are checked before anything is allocated, and the values against their CRC. Throws
 /// Hdf5Failure with what is wrong.
 class GroupReader {
  public:
-  GroupReader(hid_t file, const std::string& path, HostTime reference, std::uint64_t file_bytes);
+  GroupReader(hid_t file, const std::string& path, const FileFacts& facts);
 
   hid_t id() const { return group_.get(); }
+
+  /// Minor version of the format that the file has: what came later is not in it.
+  unsigned minor_version() const { return facts_.minor_version; }
 
   template <typename Stored, typename Row, typename Get, typename Set>
   void axis(const Column& info, std::vector<Row>& rows, Get get, Set set,
@@ -51,7 +61,9 @@ class GroupReader {
   }
   template <typename Row, typename At>
   void time_column(const Column& info, std::vector<Row>& rows, At at) {
-    const auto set = [this, at](Row& row, double seconds) { at(row) = reference_ + checked_time(seconds); };
+    const auto set = [this, at](Row& row, double seconds) {
+      at(row) = facts_.reference + checked_time(seconds);
+    };
     this->column<double>(info, rows, nullptr, set);
   }
 
@@ -88,6 +100,27 @@ class GroupReader {
     read(info, stored_type<Stored>(), sizeof(Stored), inner, take);
   }
 
+  template <typename Stored, typename Row, typename Get, typename Set>
+  void elements(const Column& info, const InnerAxis& inner, std::vector<Row>& rows, Get /*get*/, Set set) {
+    const auto take = [&rows, &set, size = inner.size](std::size_t first, std::size_t count,
+                                                       const std::byte* in) {
+      for (std::size_t i = 0; i < count * size; ++i, in += sizeof(Stored)) {
+        Stored value;
+        std::memcpy(&value, in, sizeof value);
+        set(rows[first + i / size], i % size, value);
+      }
+    };
+    read(info, stored_type<Stored>(), sizeof(Stored), {&inner, 1}, take);
+  }
+
+  template <typename Row, typename At>
+  void time_elements(const Column& info, const InnerAxis& inner, std::vector<Row>& rows, At at) {
+    const auto set = [this, at](Row& row, std::size_t i, double seconds) {
+      at(row, i) = facts_.reference + checked_time(seconds);
+    };
+    elements<double>(info, inner, rows, nullptr, set);
+  }
+
   template <typename Row, typename Get, typename Set>
   void texts(const Column& info, std::vector<Row>& rows, Get /*get*/, Set set) {
     const auto values = read_texts(info, 1);
@@ -114,8 +147,7 @@ class GroupReader {
 
   std::string path_;
   Handle group_;
-  HostTime reference_;
-  std::uint64_t file_bytes_;
+  FileFacts facts_;
   std::uint64_t rows_ = 0;
 };
 

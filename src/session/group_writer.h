@@ -10,6 +10,7 @@
 
 #include "chunk_writer.h"
 #include "column.h"
+#include "format.h"
 #include "hdf5_handle.h"
 #include "stored_type.h"
 #include "thermorig/core/time.h"
@@ -24,6 +25,9 @@ class GroupWriter {
   GroupWriter(hid_t file, const std::string& path, ChunkWriter& chunks, HostTime reference);
 
   hid_t id() const { return group_.get(); }
+
+  /// Minor version of the format that is written.
+  static constexpr unsigned minor_version() { return format_minor; }
 
   /// The column that is the axis of the table's rows: the columns after it are attached to it.
   template <typename Stored, typename Row, typename Get, typename Set>
@@ -87,6 +91,28 @@ class GroupWriter {
             out = std::copy_n(reinterpret_cast<const std::byte*>(values.data()), sizeof values, out);
           }
         });
+  }
+
+  /// `get(row, i)`: element i of the row, inner axes flattened.
+  template <typename Stored, typename Row, typename Get, typename Set>
+  void elements(const Column& info, const InnerAxis& inner, const std::vector<Row>& rows, Get get,
+                Set /*set*/) {
+    add(info, stored_type<Stored>(), sizeof(Stored), {&inner, 1},
+        [&rows, get, size = inner.size](auto first, auto count, std::byte* out) {
+          for (std::size_t i = 0; i < count * size; ++i, out += sizeof(Stored)) {
+            const auto value = static_cast<Stored>(get(rows[first + i / size], i % size));
+            std::memcpy(out, &value, sizeof value);
+          }
+        });
+  }
+
+  /// Times of several things a row: `at(row, i)` refers to one.
+  template <typename Row, typename At>
+  void time_elements(const Column& info, const InnerAxis& inner, const std::vector<Row>& rows, At at) {
+    const auto get = [at, reference = reference_](const Row& row, std::size_t i) {
+      return to_s(at(row, i) - reference);
+    };
+    elements<double>(info, inner, rows, get, nullptr);
   }
 
   template <typename Row, typename Get, typename Set>

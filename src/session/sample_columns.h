@@ -21,6 +21,30 @@ inline Flags first_reason_flags() {
 
 inline constexpr int no_step = 65535;
 
+/// What came with format 1.1: the label by the pulses, and all three speeds for each half of the frame.
+template <typename Archive, typename Rows>
+void half_rate_columns(Archive& archive, Rows& samples) {
+  archive.template field<float>(
+      {"rate_commanded", "deg/s", "commanded: mean speed over the exposure by the servo's pulses [deg/s]",
+       "NaN: unknown"},
+      samples, [](auto& row) -> auto& { return row.rate_commanded_dps; });
+  const std::array<InnerAxis, 1> half{half_axis(archive)};
+  archive.template block<float>(
+      {"rate_label_half", "deg/s", "rate_label over each half's own exposure [deg/s]", "NaN: unknown"}, half,
+      samples, [](auto& row) -> auto& { return row.rate_label_half_dps; });
+  archive.template block<float>(
+      {"rate_commanded_half", "deg/s", "rate_commanded over each half's own exposure [deg/s]",
+       "NaN: unknown"},
+      half, samples, [](auto& row) -> auto& { return row.rate_commanded_half_dps; });
+  archive.template block<float>(
+      {"rate_gyro_half", "deg/s", "rate_gyro over each half's own exposure [deg/s]", "NaN: no sample"}, half,
+      samples, [](auto& row) -> auto& { return row.rate_gyro_half_dps; });
+  archive.template field<float>(
+      {"gyro_spread", "deg/s", "gyro: standard deviation over the exposure [deg/s]",
+       "after a running mean over one pulse period; NaN: unknown"},
+      samples, [](auto& row) -> auto& { return row.gyro_spread_dps; });
+}
+
 /// /samples: one row a frame. Legs are numbered from 1 in the order of the rows of /servo/step_*. Archive is
 /// GroupWriter or GroupReader.
 template <typename Archive, typename Rows>
@@ -31,14 +55,15 @@ void sample_columns(Archive& archive, Rows& samples) {
   archive.template field<std::uint32_t>(
       {"frame", "1", "index into /camera"}, samples, [](auto& row) -> auto& { return row.frame_index; });
   archive.template field<float>(
-      {"rate_label", "deg/s", "label: mean commanded speed over the exposure [deg/s]", "NaN: unknown"},
+      {"rate_label", "deg/s", "label: mean speed of the shaft over the exposure by the servo model [deg/s]",
+       "NaN: unknown"},
       samples, [](auto& row) -> auto& { return row.rate_label_dps; });
   archive.template field<float>(
-      {"rate_label_min", "deg/s", "least commanded speed over the exposure [deg/s]"}, samples,
-      [](auto& row) -> auto& { return row.rate_label_min_dps; });
+      {"rate_label_min", "deg/s", "least speed of the shaft by the servo model over the exposure [deg/s]"},
+      samples, [](auto& row) -> auto& { return row.rate_label_min_dps; });
   archive.template field<float>(
-      {"rate_label_max", "deg/s", "greatest commanded speed over the exposure [deg/s]"}, samples,
-      [](auto& row) -> auto& { return row.rate_label_max_dps; });
+      {"rate_label_max", "deg/s", "greatest speed of the shaft by the servo model over the exposure [deg/s]"},
+      samples, [](auto& row) -> auto& { return row.rate_label_max_dps; });
   archive.template field<float>(
       {"angle_label", "deg", "commanded angle at time [deg]", "NaN: unknown"}, samples,
       [](auto& row) -> auto& { return row.angle_label_deg; });
@@ -73,6 +98,7 @@ void sample_columns(Archive& archive, Rows& samples) {
   archive.template field<std::uint32_t>(
       {"run", "1", "unbroken run of valid frames of one leg", "from 1; 0: not valid"}, samples,
       [](auto& row) -> auto& { return row.run; });
+  if (archive.minor_version() >= 1) half_rate_columns(archive, samples);
   archive.time_column(
       {"exposure_begin", "s", "start of the exposure [s]"}, samples,
       [](auto& row) -> auto& { return row.exposure_begin; });

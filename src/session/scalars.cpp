@@ -8,9 +8,11 @@
 #include <cmath>
 #include <cstdio>
 #include <ctime>
+#include <limits>
+#include <optional>
 
 #include "counters_list.h"
-#include "thermorig/recording_header/header_json.h"
+#include "sync_attributes.h"
 
 namespace thermorig::session {
 
@@ -26,14 +28,37 @@ std::string name_of(State state) {
   return "partial";
 }
 
-std::uint32_t scalars_crc32(const Session& session) {
+namespace {
+/// Puts the values of attributes in a row.
+struct AttributeText {
+  std::string text;
+  template <typename Value>
+  void operator()(const char* /*name*/, const Value& value) {
+    text += fmt::format(" {}", value);
+  }
+  void operator()(const char* name, bool value) { (*this)(name, value ? 1 : 0); }
+  void operator()(const char* name, const std::optional<double>& value) {
+    (*this)(name, value.value_or(std::numeric_limits<double>::quiet_NaN()));
+  }
+};
+
+std::string sync_text(const SyncReport& sync) {
+  AttributeText attributes;
+  for (const Device device : all_devices) clock_attributes(attributes, sync.clock[device]);
+  sync_attributes(attributes, sync);
+  return attributes.text;
+}
+}  // namespace
+
+std::uint32_t scalars_crc32(const Session& session, const std::string& header_text, unsigned minor_version) {
   std::string text =
       fmt::format("{} {} {} {} {} {}", name_of(session.state), session.raw.complete,
                   to_ns(session.raw.end_time), session.settle_s, session.camera_mode, session.frame_period_s);
   for (const Device device : all_devices)
     for (const auto& counter : counter_names)
       text += fmt::format(" {}", session.counters[device].*counter.member);
-  text += recording_header::header_to_json_text(session.raw.header);
+  text += header_text;
+  if (minor_version >= 1) text += sync_text(session.sync);
   return libdeflate_crc32(0, text.data(), text.size());
 }
 

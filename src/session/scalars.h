@@ -8,15 +8,12 @@
 
 namespace thermorig::session {
 
-inline constexpr const char* format_name = "thermorig-session";
-inline constexpr const char* format_version = "1.0.0";
-inline constexpr const char* format_major = "1.";
-
 std::string name_of(State state);
 
 /// CRC-32 of the values that stand in attributes alone, which HDF5 does not protect:
-/// root attribute `scalars_crc32`.
-std::uint32_t scalars_crc32(const Session& session);
+/// root attribute `scalars_crc32`. `header_text`: the header as it stands in the file. `minor_version`: of
+/// the format, which decides what is in it.
+std::uint32_t scalars_crc32(const Session& session, const std::string& header_text, unsigned minor_version);
 
 /// "2026-07-25T14:35:12.000001Z" and so many seconds later; empty if `start` is not of this form.
 std::string utc_after(const std::string& start, double seconds);

@@ -14,6 +14,7 @@
 #include "recording_columns.h"
 #include "sample_columns.h"
 #include "sent_bytes.h"
+#include "sync_columns.h"
 #include "thermorig/recording_header/header_json.h"
 
 namespace thermorig::session {
@@ -104,8 +105,14 @@ class ImageBuilder {
   void write_sync() {
     auto sync = group("/sync");
     write_sync_attributes(sync.id(), session_);
-    auto servo = group("/sync/servo");
-    ping_columns(servo, exchanges_);
+    response_columns(sync, session_.sync.servo.speeds);
+    for (const Device device : all_devices) {
+      const ClockReport& clock = session_.sync.clock[device];
+      auto group_of_device = group(("/sync/" + std::string(name_of(device))).c_str());
+      write_clock_attributes(group_of_device.id(), clock);
+      if (device == Device::servo) ping_columns(group_of_device, exchanges_);
+      clock_columns(group_of_device, clock);
+    }
   }
 
   void write_samples() {

@@ -2,13 +2,19 @@
 #include <sys/stat.h>
 
 #include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <optional>
 
 #include "attributes.h"
 #include "counters_list.h"
+#include "format.h"
 #include "group_reader.h"
 #include "recording_columns.h"
 #include "sample_columns.h"
 #include "scalars.h"
+#include "sync_attributes.h"
+#include "sync_columns.h"
 #include "thermorig/core/error.h"
 #include "thermorig/recording_header/header_json.h"
 #include "thermorig/session/session.h"
@@ -25,40 +31,54 @@ namespace fs = std::filesystem;
               "elsewhere, or its journal with thermorig recover");
 }
 
+/// Of a version that this program reads: "1.<minor>.<patch>".
+std::optional<unsigned> minor_version_of(const std::string& version) {
+  unsigned major = 0, minor = 0, patch = 0;
+  char behind = 0;
+  const int fields = std::sscanf(version.c_str(), "%3u.%3u.%3u%c", &major, &minor, &patch, &behind);
+  if (fields != 3 || major != format_major) return std::nullopt;
+  return minor;
+}
+
 /// A session file that has shown its format; gives access to its groups.
 class SessionFile {
  public:
   explicit SessionFile(const fs::path& path) : path_(path) {
     struct stat info {};
     if (::stat(path.c_str(), &info) != 0 || !S_ISREG(info.st_mode)) refuse(path, "is not a regular file");
-    file_bytes_ = static_cast<std::uint64_t>(info.st_size);
+    facts_.bytes = static_cast<std::uint64_t>(info.st_size);
     file_ = Handle(H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), "open it as HDF5");
     if (!has_attribute(id(), "format") || get_text_attribute(id(), "format") != format_name)
       refuse(path, "is HDF5, but not a thermorig session");
     const std::string version = get_text_attribute(id(), "format_version");
-    if (!version.starts_with(format_major))
+    const auto minor_version = minor_version_of(version);
+    if (!minor_version)
       refuse(path,
              "is a session of format version " + version + ", and this program reads " + format_version);
+    facts_.minor_version = *minor_version;
   }
 
   hid_t id() const { return file_.get(); }
 
-  GroupReader group(const std::string& path) const {
-    return GroupReader(id(), path, reference_, file_bytes_);
-  }
+  GroupReader group(const std::string& path) const { return GroupReader(id(), path, facts_); }
 
   RecordingHeader read_header() {
-    const auto text = get_text_attribute(group("/rig").id(), "header_json");
-    auto header = recording_header::header_from_json_text(text, path_.string());
-    reference_ = header.time_reference;
+    header_text_ = get_text_attribute(group("/rig").id(), "header_json");
+    auto header = recording_header::header_from_json_text(header_text_, path_.string());
+    facts_.reference = header.time_reference;
     return header;
   }
 
+  /// As it stands in the file; of use after read_header().
+  const std::string& header_text() const { return header_text_; }
+
+  unsigned minor_version() const { return facts_.minor_version; }
+
  private:
   fs::path path_;
-  std::uint64_t file_bytes_ = 0;
+  FileFacts facts_;
   Handle file_;
-  HostTime reference_{};
+  std::string header_text_;
 };
 
 void check_stream(const RawStream& stream, const std::string& name) {
@@ -109,6 +129,46 @@ void read_scalars(const SessionFile& file, Session& session) {
   }
 }
 
+/// Reads what sync_attributes.h lists.
+struct AttributeReader {
+  hid_t group;
+  void operator()(const char* name, std::string& value) { value = get_text_attribute(group, name); }
+  void operator()(const char* name, double& value) { value = get_attribute<double>(group, name); }
+  void operator()(const char* name, std::uint32_t& value) {
+    value = get_attribute<std::uint32_t>(group, name);
+  }
+  void operator()(const char* name, bool& value) { value = get_attribute<std::uint8_t>(group, name) != 0; }
+  void operator()(const char* name, std::optional<double>& value) {
+    const auto stored = get_attribute<double>(group, name);
+    value = std::isnan(stored) ? std::nullopt : std::optional(stored);
+  }
+};
+
+std::string sync_path(Device device) {
+  return "/sync/" + std::string(name_of(device));
+}
+
+/// The values that stand in attributes.
+void read_sync_scalars(const SessionFile& file, SyncReport& sync) {
+  for (const Device device : all_devices) {
+    const auto group = file.group(sync_path(device));
+    AttributeReader reader{group.id()};
+    clock_attributes(reader, sync.clock[device]);
+  }
+  const auto group = file.group("/sync");
+  AttributeReader reader{group.id()};
+  sync_attributes(reader, sync);
+}
+
+void read_sync_tables(const SessionFile& file, SyncReport& sync) {
+  for (const Device device : all_devices) {
+    auto group = file.group(sync_path(device));
+    clock_columns(group, sync.clock[device]);
+  }
+  auto group = file.group("/sync");
+  response_columns(group, sync.servo.speeds);
+}
+
 std::vector<TimedPong> read_pongs(const SessionFile& file) {
   std::vector<PingExchange> exchanges;
   auto group = file.group("/sync/servo");
@@ -128,7 +188,9 @@ Session read_foundation(SessionFile& file) {
   Session session;
   session.raw = read_recording(file);
   read_scalars(file, session);
-  if (get_attribute<std::uint32_t>(file.id(), "scalars_crc32") != scalars_crc32(session))
+  if (file.minor_version() >= 1) read_sync_scalars(file, session.sync);
+  if (get_attribute<std::uint32_t>(file.id(), "scalars_crc32") !=
+      scalars_crc32(session, file.header_text(), file.minor_version()))
     throw Hdf5Failure("believe the attributes: they differ from their checksum");
   return session;
 }
@@ -142,6 +204,7 @@ Session read_all(SessionFile& file) {
   auto servo = file.group("/servo");
   servo_columns(servo, session.servo);
   session.pongs = read_pongs(file);
+  if (file.minor_version() >= 1) read_sync_tables(file, session.sync);
   auto samples = file.group("/samples");
   sample_columns(samples, session.samples);
   check_samples(session);

@@ -1,0 +1,11 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+namespace thermorig::session {
+
+inline constexpr const char* format_name = "thermorig-session";
+inline constexpr const char* format_version = "1.1.0";
+inline constexpr unsigned format_major = 1;
+inline constexpr unsigned format_minor = 1;
+
+}  // namespace thermorig::session

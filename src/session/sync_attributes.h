@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "thermorig/core/sync.h"
+
+namespace thermorig::session {
+
+// The attributes of /sync and of its groups: one list for writing (report const), reading and the checksum.
+// Visit takes a name and a reference to a std::string, double, bool, std::uint32_t or std::optional<double>.
+
+template <typename Visit, typename Report>
+void clock_attributes(Visit& visit, Report& clock) {
+  visit("method", clock.method);
+  visit("rate_hz", clock.rate_hz);
+  visit("skew_ppm", clock.skew_ppm);
+  visit("wander_ppm", clock.wander_ppm);
+  visit("late_p50_us", clock.late_p50_us);
+  visit("late_p95_us", clock.late_p95_us);
+  visit("late_max_us", clock.late_max_us);
+  visit("uncertainty_us", clock.uncertainty_us);
+  visit("bound_us", clock.bound_us);
+  visit("bound_median_us", clock.bound_median_us);
+  visit("largest_constant_delay_s", clock.largest_constant_delay_s);
+  visit("latency_s", clock.latency_s);
+  visit("latency_uncertainty_s", clock.latency_uncertainty_s);
+}
+
+/// A value that may be unknown, as two attributes.
+template <typename Visit>
+void estimate_attributes(Visit& visit, const char* name, const char* uncertainty_name,
+                         const std::optional<Estimate>& estimate) {
+  const auto value = estimate ? std::optional(estimate->value) : std::nullopt;
+  const auto uncertainty = estimate ? std::optional(estimate->uncertainty) : std::nullopt;
+  visit(name, value);
+  visit(uncertainty_name, uncertainty);
+}
+
+template <typename Visit>
+void estimate_attributes(Visit& visit, const char* name, const char* uncertainty_name,
+                         std::optional<Estimate>& estimate) {
+  std::optional<double> value, uncertainty;
+  if (estimate) value = estimate->value, uncertainty = estimate->uncertainty;
+  visit(name, value);
+  visit(uncertainty_name, uncertainty);
+  estimate.reset();
+  if (value && uncertainty) estimate = Estimate{*value, *uncertainty};
+}
+
+template <typename Visit, typename Report>
+void sync_attributes(Visit& visit, Report& sync) {
+  estimate_attributes(visit, "camera_offset_s", "camera_offset_uncertainty_s", sync.camera_offset.offset_s);
+  visit("camera_offset_why_not", sync.camera_offset.why_not);
+  visit("camera_offset_halves", sync.camera_offset.halves);
+  visit("camera_offset_applied", sync.camera_offset.applied);
+  visit("gyro_scale", sync.gyro.scale.value);
+  visit("gyro_scale_uncertainty", sync.gyro.scale.uncertainty);
+  visit("gyro_scale_calibrated", sync.gyro.scale_calibrated);
+  estimate_attributes(visit, "gyro_bias_dps", "gyro_bias_uncertainty_dps", sync.gyro.bias_dps);
+  visit("gyro_bias_before_dps", sync.gyro.bias_before_dps);
+  visit("gyro_bias_after_dps", sync.gyro.bias_after_dps);
+  visit("gyro_noise_dps", sync.gyro.noise_dps);
+  visit("gyro_zeroes_itself", sync.gyro.zeroes_itself);
+  visit("servo_fitted", sync.servo.fitted);
+  visit("servo_delay_s", sync.servo.delay_s);
+  visit("servo_loop_hz", sync.servo.loop_hz);
+  visit("servo_scale", sync.servo.scale.value);
+  visit("servo_scale_uncertainty", sync.servo.scale.uncertainty);
+  visit("servo_scale_calibrated", sync.servo.scale_calibrated);
+  visit("label_residual_dps", sync.servo.residual_dps);
+}
+
+}  // namespace thermorig::session
