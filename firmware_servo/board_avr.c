@@ -1,9 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 /* ATmega328P at 16 MHz (Arduino Uno, Nano): the registers. Sections are those of the data sheet DS40002061B.
  *
- * Timer 1: fast PWM with TOP = OCR1A (mode 15, 16.9.3), 0.5 us a count, 20 ms a period; the servo hangs on
- * OC1B (PB2, Arduino D10). Its count and overflows are also the clock. Timer 2: the tick of 1 ms. USART 0:
- * 250000 baud, 8N1. */
+ * Timer 1: fast PWM with TOP = OCR1A (mode 15, 16.9.3), 1/16 us a count. 65536 such counts are only 4.1 ms,
+ * so the servo's period of 20 ms is five runs of 4 ms, and only the first of them has a pulse: OC1B (PB2,
+ * Arduino D10) is connected to the servo for that run alone. Its count and overflows are also the clock.
+ * Timer 2: the tick of 1 ms. USART 0: 250000 baud, 8N1. */
 #include <avr/interrupt.h>
 #include <avr/io.h>
 #include <avr/sleep.h>
@@ -11,7 +12,9 @@
 
 #include "servo.h"
 
-#define PERIOD_COUNTS 40000U
+#define RUN_US 4000U
+#define RUN_COUNTS (RUN_US * SERVO_TICKS_PER_US)
+#define RUNS_PER_PERIOD (SERVO_PULSE_PERIOD_US / RUN_US)
 #define TICKS_PER_PERIOD (SERVO_PULSE_PERIOD_US / SERVO_TICK_US)
 #define TICK_COUNTS 250U /* of 16 MHz / 64 */
 #define RECEIVED_MAX 64U /* a power of two */
@@ -24,18 +27,18 @@ struct received {
 static struct servo the_servo;
 static struct received received[RECEIVED_MAX];
 static volatile uint8_t received_put, received_taken;
-static volatile uint32_t period_us; /* when the running period of timer 1 began */
+static volatile uint32_t run_began_us; /* the running run of timer 1 */
 static volatile uint8_t ticks_due;
-static volatile uint16_t pulse_set;     /* what OCR1B will put out from the next period on */
+static volatile uint16_t pulse_set;     /* what OC1B will put out in the next period */
 static volatile uint16_t pulse_running; /* what it puts out in this one */
 
 /* With interrupts off. */
 static uint32_t now_masked_us(void) {
   uint16_t count = TCNT1;
-  uint32_t base = period_us;
+  uint32_t base = run_began_us;
   if ((TIFR1 & _BV(TOV1)) != 0U) { /* the overflow is not yet counted */
     count = TCNT1;
-    base += SERVO_PULSE_PERIOD_US;
+    base += RUN_US;
   }
   return base + count / SERVO_TICKS_PER_US;
 }
@@ -48,9 +51,33 @@ static uint32_t now_us(void) {
   return now;
 }
 
+/* The servo pin. OC1B's register lies behind the compare unit, the pin shows it while COM1B is not 0 (16.8).
+ * With COM1B = 2 it is set at BOTTOM and cleared by the match; with COM1B = 0 nothing acts on it (16.8.1),
+ * and the pin shows PORTB2, which is low. A change of COM1B takes effect at once (16.7), so it is made only
+ * while the register is low as well, where it cannot be seen: after a reset and after every match. No pulse
+ * is cut, doubled or moved, for both of its edges are the timer's own. */
+static void connect_servo(void) {
+  TIFR1 = _BV(OCF1B); /* left by the runs without a pulse */
+  TIMSK1 = _BV(OCIE1B) | _BV(TOIE1);
+  TCCR1A = _BV(COM1B1) | _BV(WGM11) | _BV(WGM10);
+}
+
+static void disconnect_servo(void) {
+  TCCR1A = _BV(WGM11) | _BV(WGM10);
+  TIMSK1 = _BV(TOIE1);
+}
+
 ISR(TIMER1_OVF_vect) {
-  period_us += SERVO_PULSE_PERIOD_US;
+  static uint8_t run;
+  run_began_us += RUN_US;
+  if (++run < RUNS_PER_PERIOD) return;
+  run = 0;
   pulse_running = pulse_set;
+}
+
+/* The pulse has just ended: at least 1.5 ms before the next run would begin another one. */
+ISR(TIMER1_COMPB_vect) {
+  disconnect_servo();
 }
 
 ISR(TIMER2_COMPA_vect) {
@@ -81,28 +108,27 @@ static void start_serial(void) {
 static void start_timers(void) {
   PORTB = (uint8_t)(PORTB & ~_BV(PORTB2)); /* low: OC1B stays disconnected until the servo is armed */
   DDRB |= _BV(DDB2);
-  OCR1A = PERIOD_COUNTS - 1U;
-  OCR1B = 2U * 1500U; /* never put out */
+  OCR1A = RUN_COUNTS - 1U;
+  OCR1B = 1500U * SERVO_TICKS_PER_US; /* never put out */
   OCR2A = TICK_COUNTS - 1U;
-  TIMSK1 = _BV(TOIE1);
+  disconnect_servo();
   TIMSK2 = _BV(OCIE2A);
-  TCCR1A = _BV(WGM11) | _BV(WGM10);
   TCCR2A = _BV(WGM21);
-  TCCR1B = _BV(WGM13) | _BV(WGM12) | _BV(CS11); /* / 8 */
+  TCCR1B = _BV(WGM13) | _BV(WGM12) | _BV(CS10); /* / 1 */
   TCCR2B = _BV(CS22); /* / 64; after timer 1, so that a period begins before the tick of that instant */
 }
 
-/* In the last tick of a period the pulse has ended, and what is written now holds from the next one on: OCR1B
- * is taken over at BOTTOM (16.9.3). So no pulse is ever cut or doubled. */
+/* In the last tick of a period, 3 ms into its last run: after that run's match, which no longer than 2.5 ms
+ * after its BOTTOM found the servo disconnected, and before the BOTTOM at which the pulse begins and OCR1B is
+ * taken over (16.9.3). A processor that came too late for it would leave the pulse out or begin it a run
+ * later, whole. */
 static void set_next_pulse(void) {
   const uint16_t ticks = servo_next_pulse(&the_servo);
   cli();
   pulse_set = ticks;
   if (ticks != 0U) {
     OCR1B = (uint16_t)(ticks - 1U); /* high from BOTTOM to the match, that count included */
-    TCCR1A = _BV(COM1B1) | _BV(WGM11) | _BV(WGM10);
-  } else {
-    TCCR1A = _BV(WGM11) | _BV(WGM10);
+    connect_servo();
   }
   sei();
 }

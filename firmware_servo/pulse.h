@@ -4,7 +4,7 @@
 
 #include "motion.h"
 
-/* Width of the pulse for the commanded angle (of a continuous servo: rate), in ticks of 0.5 us. */
+/* Width of the pulse for the commanded angle (of a continuous servo: rate), in ticks of 1/16 us. */
 uint16_t pulse_ticks(const struct servo_configure* servo, const struct motion* motion);
 
 #endif

@@ -30,7 +30,7 @@ void servo_report_telemetry(struct servo* servo) {
   at = servo_put_u32(at, (uint32_t)servo->motion.angle_cdeg);
   at = servo_put_u32(at, (uint32_t)motion_rate_cdps(&servo->motion));
   at = servo_put_u16(at, servo->pulse_started);
-  *at++ = (uint8_t)(servo->armed ? servo->motion.phase : SERVO_MOTION_DISARMED);
+  *at++ = (uint8_t)(SERVO_FINE_TICKS | (servo->armed ? servo->motion.phase : SERVO_MOTION_DISARMED));
   *at++ = (uint8_t)servo->fault;
   servo_put_u16(at, servo->leg);
   servo_report(servo, SERVO_TELEMETRY, servo->telemetry_sequence++, payload, SERVO_TELEMETRY_SIZE);

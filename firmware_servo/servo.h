@@ -9,7 +9,7 @@
 #include "servo_link.h"
 
 #define SERVO_FIRMWARE_MAJOR 1U
-#define SERVO_FIRMWARE_MINOR 0U
+#define SERVO_FIRMWARE_MINOR 1U
 #define SERVO_FIRMWARE_PATCH 0U
 
 #define SERVO_TICK_US 1000U

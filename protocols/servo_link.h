@@ -31,7 +31,8 @@ extern "C" {
 #define SERVO_REFRESH_MS 40U   /* the host sends REFRESH this often while the servo is armed */
 #define SERVO_TELEMETRY_PERIOD_MS 10U
 #define SERVO_PING_DELAY_MAX_US 20000U /* the largest delay that a ping may ask for */
-#define SERVO_TICKS_PER_US 2U          /* pulse ticks: 0.5 us */
+#define SERVO_TICKS_PER_US 16U         /* pulse ticks: 1/16 us */
+#define SERVO_COARSE_TICKS_PER_US 2U   /* of a firmware before 1.1.0: 1/2 us */
 #define SERVO_PULSE_PERIOD_US 20000U
 
 /* Limits that are built into the firmware. The host can only lower them (SERVO_CONFIGURE). */
@@ -186,11 +187,12 @@ struct servo_telemetry {
   int32_t angle_cdeg;
   int32_t rate_cdps;
   uint16_t pulse_ticks; /* of the last pulse that was started; 0: none */
-  uint8_t motion;       /* enum servo_motion */
+  uint8_t motion;       /* enum servo_motion; with SERVO_FINE_TICKS the ticks are 1/16 us, else 1/2 us */
   uint8_t fault;        /* enum servo_fault */
   uint16_t leg;
 };
 #define SERVO_TELEMETRY_SIZE 18U
+#define SERVO_FINE_TICKS 0x80U /* set by every firmware from 1.1.0 on */
 
 struct servo_pong {
   uint32_t token;

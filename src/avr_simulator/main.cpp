@@ -74,7 +74,11 @@ avr_cycle_count_t wake(avr_t*, avr_cycle_count_t, void*) {
   return 0;
 }
 
-void do_not_wait(avr_t*, avr_cycle_count_t) {}
+/// Called for the time that the processor sleeps, to which simavr 1.6 then adds a cycle of its own: without
+/// it an edge in that time has its exact cycle.
+void do_not_wait(avr_t* avr, avr_cycle_count_t cycles) {
+  if (cycles > 0) --avr->cycle;
+}
 
 /// simavr reports every section that it loads; that would stand in the middle of somebody's status lines.
 void stay_quiet(avr_t*, int, const char*, va_list) {}

@@ -32,8 +32,12 @@ ServoState read_telemetry(PayloadReader in) {
   state.mcu_us = in.u32();
   state.angle_deg = in.hundredths();
   state.rate_dps = in.hundredths();
-  state.pulse_us = static_cast<float>(in.u16()) / float{SERVO_TICKS_PER_US};
-  state.motion = static_cast<ServoMotion>(in.u8());
+  const std::uint16_t pulse_ticks = in.u16();
+  const std::uint8_t motion = in.u8();
+  const bool fine = (motion & SERVO_FINE_TICKS) != 0;
+  const unsigned ticks_per_us = fine ? SERVO_TICKS_PER_US : SERVO_COARSE_TICKS_PER_US;
+  state.pulse_us = static_cast<float>(pulse_ticks) / static_cast<float>(ticks_per_us);
+  state.motion = static_cast<ServoMotion>(motion & ~SERVO_FINE_TICKS);
   state.fault = static_cast<ServoFault>(in.u8());
   state.leg = in.u16();
   return state;

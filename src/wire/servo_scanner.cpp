@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: MIT
+#include <cassert>
 #include <utility>
 
 #include "servo_payload.h"
@@ -11,7 +12,12 @@ ServoScanner::ServoScanner() {
 }
 
 void ServoScanner::push(std::span<const std::uint8_t> bytes, std::vector<ServoMessage>& out) {
+  assert(!ended_);
   for (const std::uint8_t byte : bytes) take(byte, out);
+}
+
+void ServoScanner::finish(std::vector<ServoMessage>&) {
+  ended_ = true;
 }
 
 /// Bytes of a frame that has not ended wait as pending; an overlong one is booked as damaged while it lasts.

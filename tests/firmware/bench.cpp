@@ -29,11 +29,12 @@ class Payload {
 
 servo_telemetry telemetry_in(const Bytes& payload) {
   const std::uint8_t* at = payload.data();
+  EXPECT_NE(at[14] & SERVO_FINE_TICKS, 0U);
   return {servo_get_u32(at),
           static_cast<std::int32_t>(servo_get_u32(at + 4)),
           static_cast<std::int32_t>(servo_get_u32(at + 8)),
           servo_get_u16(at + 12),
-          at[14],
+          static_cast<std::uint8_t>(at[14] & ~SERVO_FINE_TICKS),
           at[15],
           servo_get_u16(at + 16)};
 }

@@ -9,6 +9,7 @@
 
 extern "C" {
 #include "../../firmware_servo/motion.h"
+#include "../../firmware_servo/pulse.h"
 }
 
 namespace thermorig::firmware_test {
@@ -72,6 +73,25 @@ TEST(MotionLaw, ARunKeepsToItsOwnAccelerationAtATurn) {
     ASSERT_LE(std::abs(law.rate - before), 3000);
   }
   EXPECT_EQ(law.goal, MOTION_REST);
+}
+
+TEST(MotionLaw, ThePulseIsTheAngleToHalfATickInEveryConfiguration) {
+  std::mt19937 random(7);
+  const auto between = [&](int low, int high) { return std::uniform_int_distribution(low, high)(random); };
+  for (int trial = 0; trial < 20'000; ++trial) {
+    servo_configure servo = winch();
+    servo.pulse_min_us = static_cast<std::uint16_t>(between(500, 2499));
+    servo.pulse_max_us = static_cast<std::uint16_t>(between(servo.pulse_min_us + 1, 2500));
+    servo.span = static_cast<std::uint32_t>(between(2, trial % 2 == 0 ? 1000000 : 30000));
+    const int half = static_cast<int>(servo.span / 2);
+    motion law{};
+    motion_start(&law, &servo, trial % 10 == 0 ? half : between(-half, half));
+    if (law.angle_cdeg < half) law.angle_udeg = static_cast<std::uint16_t>(between(0, 9999));
+    const double middle_us = (servo.pulse_min_us + servo.pulse_max_us) / 2.0;
+    const double exact_us = middle_us + static_cast<double>(angle_udeg(law)) / udeg_per_cdeg / servo.span *
+                                            (servo.pulse_max_us - servo.pulse_min_us);
+    ASSERT_NEAR(pulse_ticks(&servo, &law), exact_us * SERVO_TICKS_PER_US, 0.5 + 1e-5) << servo.span;
+  }
 }
 
 TEST(MotionLaw, SlowSpeedsLoseNothingToRounding) {

@@ -26,7 +26,7 @@ ByteVector numbered_telemetry(unsigned index) {
   state.mcu_us = 10000 * index;
   state.angle_deg = -12.34;
   state.rate_dps = 200.0;
-  state.pulse_us = 0x217E / 2.0F;  // a stop byte and a flag: both have to be escaped
+  state.pulse_us = 0x217E / 16.0F;  // a stop byte and a flag: both have to be escaped
   state.motion = ServoMotion::steady;
   state.leg = 7;
   return wire::telemetry_bytes(static_cast<std::uint8_t>(index), state);
@@ -47,7 +47,7 @@ TEST(ServoScanner, ReadsBackTelemetry) {
   EXPECT_EQ(state.mcu_us, 50000U);
   EXPECT_DOUBLE_EQ(state.angle_deg, -12.34);
   EXPECT_DOUBLE_EQ(state.rate_dps, 200.0);
-  EXPECT_EQ(state.pulse_us, 0x217E / 2.0F);
+  EXPECT_EQ(state.pulse_us, 0x217E / 16.0F);
   EXPECT_EQ(state.motion, ServoMotion::steady);
   EXPECT_EQ(state.leg, 7);
   EXPECT_EQ(scan.messages[0].sequence, 5);

@@ -40,13 +40,16 @@ wire::ServoMessage expected_message(const Described& message) {
   wire::ServoMessage expected;
   expected.sequence = message.sequence;
   if (message.type == "telemetry") {
-    expected.body = ServoState{.mcu_us = u32("mcu_us"),
-                               .angle_deg = message.hundredths("angle_cdeg"),
-                               .rate_dps = message.hundredths("rate_cdps"),
-                               .pulse_us = static_cast<float>(u16("pulse_ticks")) / float{SERVO_TICKS_PER_US},
-                               .motion = static_cast<ServoMotion>(message["motion"]),
-                               .fault = static_cast<ServoFault>(message["fault"]),
-                               .leg = u16("leg")};
+    const bool fine = (u8("motion") & SERVO_FINE_TICKS) != 0;
+    const unsigned ticks_per_us = fine ? SERVO_TICKS_PER_US : SERVO_COARSE_TICKS_PER_US;
+    expected.body =
+        ServoState{.mcu_us = u32("mcu_us"),
+                   .angle_deg = message.hundredths("angle_cdeg"),
+                   .rate_dps = message.hundredths("rate_cdps"),
+                   .pulse_us = static_cast<float>(u16("pulse_ticks")) / static_cast<float>(ticks_per_us),
+                   .motion = static_cast<ServoMotion>(u8("motion") & ~SERVO_FINE_TICKS),
+                   .fault = static_cast<ServoFault>(message["fault"]),
+                   .leg = u16("leg")};
   } else if (message.type == "welcome") {
     std::ostringstream firmware;
     firmware << message["firmware_major"] << '.' << message["firmware_minor"] << '.'
@@ -147,12 +150,29 @@ TEST(ServoVectors, CommandsEncodeToTheirBytes) {
   EXPECT_GE(checked, 20);
 }
 
-TEST(ServoVectors, TelemetryEncodesToItsBytes) {
+TEST(ServoVectors, TelemetryEncodesToItsBytesWithFineTicks) {
+  int checked = 0;
   for (const GoldenVector& vector : single_frames()) {
     const Described message = described(vector.meaning);
-    if (message.type != "telemetry") continue;
+    if (message.type != "telemetry" || (message["motion"] & SERVO_FINE_TICKS) == 0) continue;
     const auto state = std::get<ServoState>(expected_message(message).body);
     EXPECT_EQ(wire::telemetry_bytes(message.sequence, state), vector.bytes) << vector.name;
+    ++checked;
+  }
+  EXPECT_GE(checked, 3);
+}
+
+/// The same three states, as firmware 1.0 and as later ones say them.
+TEST(ServoVectors, TelemetryOfBothTicksTellsTheSameStates) {
+  std::map<std::string, ServoState> states;
+  for (const GoldenVector& vector : single_frames())
+    if (const Described message = described(vector.meaning); message.type == "telemetry")
+      states[vector.name] = std::get<ServoState>(expected_message(message).body);
+  for (const std::string kind : {"disarmed", "steady", "fault"}) {
+    const ServoState &coarse = states.at("telemetry_" + kind), &fine = states.at("telemetry_fine_" + kind);
+    EXPECT_NEAR(coarse.pulse_us, fine.pulse_us, 0.26) << kind;
+    EXPECT_EQ(coarse.motion, fine.motion) << kind;
+    EXPECT_EQ(coarse.angle_deg, fine.angle_deg) << kind;
   }
 }
 

@@ -66,6 +66,10 @@ class ServoScanner {
  public:
   ServoScanner();
   void push(std::span<const std::uint8_t> bytes, std::vector<ServoMessage>& out);
+
+  /// No more bytes will come. Nothing depends on it: a frame ends with its flag, and what has not ended stays
+  /// pending. As the other scanners have it.
+  void finish(std::vector<ServoMessage>& out);
   const Counters& counters() const { return ledger_.counters; }
 
  private:
@@ -84,6 +88,7 @@ class ServoScanner {
   std::optional<std::uint8_t> telemetry_sequence_;  // of the last telemetry
   std::optional<std::uint8_t> event_sequence_;      // of the last event
   std::uint32_t telemetry_mcu_us_ = 0;              // of the last telemetry
+  bool ended_ = false;
 };
 
 // Commands to bytes: one whole frame each. Angles in degrees, rates in degrees per second; values that do not
@@ -115,7 +120,7 @@ std::vector<std::uint8_t> go_to_bytes(std::uint8_t sequence, const GoToCommand& 
 /// The raw stop byte: stops the servo in any state, outside any frame.
 std::vector<std::uint8_t> stop_bytes();
 
-// The other direction, for simulated servos and tests.
+// The other direction, for simulated servos and tests: as firmware 1.1.0 and later send it.
 std::vector<std::uint8_t> telemetry_bytes(std::uint8_t sequence, const ServoState& state);
 
 /// "the angle, rate or duration lies beyond a limit": for logs and errors. Unknown numbers are named as such.
