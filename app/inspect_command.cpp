@@ -9,6 +9,7 @@
 #include "inspect_text.h"
 #include "output.h"
 #include "thermorig/journal/journal.h"
+#include "timing_text.h"
 
 namespace thermorig::app {
 
@@ -31,6 +32,16 @@ Inspected inspect(const std::filesystem::path& path) {
   session::Session session = session::read_session(path);
   session::Quality quality = session::quality_of(session);
   return {std::move(session), std::move(quality)};
+}
+
+std::string words_of(const std::filesystem::path& path, const Inspected& inspected, bool timing) {
+  return timing ? timing_text(path, inspected.session) : text_of(path, inspected.session, inspected.quality);
+}
+
+nlohmann::json object_of(const std::filesystem::path& path, const Inspected& inspected, bool timing) {
+  nlohmann::json object = json_of(path, inspected.session, inspected.quality);
+  if (timing) object["timing"] = timing_json(inspected.session);
+  return object;
 }
 
 ExitCode verdict_code(const session::Quality& quality, bool check) {
@@ -57,10 +68,10 @@ ExitCode run(const InspectOptions& options) {
       const Inspected inspected = inspect(path);
       result = verdict_code(inspected.quality, options.check);
       if (options.json)
-        list.push_back(json_of(path, inspected.session, inspected.quality));
+        list.push_back(object_of(path, inspected, options.timing));
       else
         fmt::print("{}{}", path == options.files.front() ? "" : "\n",
-                   text_of(path, inspected.session, inspected.quality));
+                   words_of(path, inspected, options.timing));
     } catch (const Error& error) {
       report(error, false);
       list.push_back(error_json(path, error));

@@ -10,6 +10,7 @@
 
 #include "decoded_text.h"
 #include "output.h"
+#include "timing_text.h"
 
 namespace thermorig::app {
 
@@ -136,8 +137,8 @@ nlohmann::json header_json(const RecordingHeader& header) {
 
 std::string text_of(const std::filesystem::path& path, const Session& session, const Quality& quality) {
   const std::string speeds = quality.speeds.empty() ? "" : fmt::format("\n{}", speed_table(quality));
-  return fmt::format("{}\n{}\n{}{}\n{}", heading(path, session, quality), stream_table(quality),
-                     frames_text(quality), speeds, verdict_text(quality));
+  return fmt::format("{}\n{}\n{}{}{}\n{}", heading(path, session, quality), stream_table(quality),
+                     frames_text(quality), timing_line(path, session), speeds, verdict_text(quality));
 }
 
 nlohmann::json json_of(const std::filesystem::path& path, const Session& session, const Quality& quality) {

@@ -1,31 +1,113 @@
 // SPDX-License-Identifier: MIT
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "commands.h"
 #include "existing_file.h"
 #include "output.h"
+#include "profile_path.h"
+#include "thermorig/calibration/calibration.h"
 #include "thermorig/rig/finalise.h"
+#include "thermorig/rig/profile_file.h"
 
 namespace thermorig::app {
 
+namespace {
+
+/// What a session said of itself before and after.
+struct State {
+  session::Quality quality;
+  std::vector<HostTime> times;  // of its frames
+};
+
+State state_of(const session::Session& session) {
+  State state{session::quality_of(session), {}};
+  for (const LabelledSample& sample : session.samples) state.times.push_back(sample.time);
+  return state;
+}
+
+/// How far the frames' times went, forward and back alike.
+struct Moved {
+  double median_s = 0.0;
+  double max_s = 0.0;
+};
+
+std::optional<Moved> moved(const State& before, const State& after) {
+  if (before.times.size() != after.times.size() || after.times.empty()) return std::nullopt;
+  std::vector<double> by_s;
+  for (std::size_t i = 0; i < after.times.size(); ++i)
+    by_s.push_back(std::abs(to_s(after.times[i] - before.times[i])));
+  std::sort(by_s.begin(), by_s.end());
+  return Moved{by_s[by_s.size() / 2], by_s.back()};
+}
+
+session::Session make_again(const std::filesystem::path& path, const std::optional<RigProfile>& calibrated) {
+  if (!calibrated) return rig::reprocess(path);
+  RawRecording raw = session::read_raw(path);
+  calibration::take_calibrations(*calibrated, raw.header.profile);
+  raw.header.profile_toml = rig::profile_text(raw.header.profile);
+  session::Session session = rig::build_session(std::move(raw));
+  session::replace_session(path, session);
+  return session;
+}
+
+std::string change(const std::string& before, const std::string& after) {
+  return before == after ? after : fmt::format("{} -> {}", before, after);
+}
+
+std::string words_of(const std::filesystem::path& path, const State& before, const State& after) {
+  const session::Quality& quality = after.quality;
+  std::string text = fmt::format("made again  {}  {} frames\n", path.string(), count_text(quality.frames)) +
+                     fmt::format("  valid    {} of {} in legs\n",
+                                 change(count_text(before.quality.valid), count_text(quality.valid)),
+                                 change(count_text(before.quality.swept), count_text(quality.swept))) +
+                     fmt::format("  verdict  {}\n", change(before.quality.verdict, quality.verdict));
+  if (const auto by = moved(before, after))
+    return text + fmt::format("  times    moved by {:.2f} ms in the median, by {:.2f} ms at most\n",
+                              1e3 * by->median_s, 1e3 * by->max_s);
+  return text + fmt::format("  times    {} frames before, {} now\n", before.times.size(), after.times.size());
+}
+
+nlohmann::json object_of(const std::filesystem::path& path, const State& before, const State& after) {
+  const session::Quality& quality = after.quality;
+  nlohmann::json object{{"file", path.string()},
+                        {"frames", quality.frames},
+                        {"frames_swept", quality.swept},
+                        {"frames_valid", quality.valid},
+                        {"verdict", quality.verdict},
+                        {"before",
+                         {{"frames", before.quality.frames},
+                          {"frames_swept", before.quality.swept},
+                          {"frames_valid", before.quality.valid},
+                          {"verdict", before.quality.verdict}}}};
+  const auto by = moved(before, after);
+  object["moved_median_s"] = by ? nlohmann::json(by->median_s) : nlohmann::json();
+  object["moved_max_s"] = by ? nlohmann::json(by->max_s) : nlohmann::json();
+  return object;
+}
+
+RigProfile read_calibrated(const std::string& name) {
+  const std::filesystem::path path = profile_path(name);
+  require_existing(path);
+  return rig::read_profile(path);
+}
+
+}  // namespace
+
 /// Stops at the first file that cannot be made again: nothing is half written.
 ExitCode run(const ReprocessOptions& options) {
+  std::optional<RigProfile> calibrated;
+  if (!options.profile.empty()) calibrated = read_calibrated(options.profile);
   nlohmann::json list = nlohmann::json::array();
   for (const auto& path : options.files) {
     require_existing(path);
-    const session::Session session = rig::reprocess(path);
-    const session::Quality quality = session::quality_of(session);
-    list.push_back({{"file", path.string()},
-                    {"frames", quality.frames},
-                    {"frames_swept", quality.swept},
-                    {"frames_valid", quality.valid},
-                    {"verdict", quality.verdict}});
-    if (!options.json)
-      fmt::print("made again  {}  {} frames, {} of {} in legs valid, {}\n", path.string(),
-                 count_text(quality.frames), count_text(quality.valid), count_text(quality.swept),
-                 quality.verdict);
+    const State before = state_of(session::read_session(path));
+    const State after = state_of(make_again(path, calibrated));
+    list.push_back(object_of(path, before, after));
+    if (!options.json) fmt::print("{}", words_of(path, before, after));
   }
   if (options.json) print_json(list);
   return ExitCode::ok;

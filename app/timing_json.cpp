@@ -1,0 +1,106 @@
+// SPDX-License-Identifier: MIT
+#include <nlohmann/json.hpp>
+
+#include "timing_text.h"
+#include "timing_verdict.h"
+
+namespace thermorig::app {
+
+namespace {
+
+nlohmann::json estimate(const std::optional<Estimate>& value) {
+  if (!value) return nullptr;
+  return {{"value", value->value}, {"uncertainty", value->uncertainty}};
+}
+
+nlohmann::json number(const std::optional<double>& value) {
+  return value ? nlohmann::json(*value) : nlohmann::json();
+}
+
+nlohmann::json gaps_json(const ClockReport& clock, HostTime start) {
+  nlohmann::json gaps = nlohmann::json::array();
+  for (const ClockGap& gap : clock.gaps)
+    gaps.push_back(
+        {{"begin_s", to_s(gap.begin - start)}, {"end_s", to_s(gap.end - start)}, {"missing", gap.missing}});
+  return gaps;
+}
+
+nlohmann::json epochs_json(const ClockReport& clock, HostTime start) {
+  nlohmann::json epochs = nlohmann::json::array();
+  for (const ClockEpoch& epoch : clock.epochs)
+    epochs.push_back({{"begin_s", to_s(epoch.begin - start)}, {"reason", epoch.reason}});
+  return epochs;
+}
+
+nlohmann::json clock_json(const ClockReport& clock, HostTime start) {
+  return {{"method", clock.method},
+          {"rate_hz", clock.rate_hz},
+          {"skew_ppm", clock.skew_ppm},
+          {"wander_ppm", clock.wander_ppm},
+          {"late_p50_us", clock.late_p50_us},
+          {"late_p95_us", clock.late_p95_us},
+          {"late_max_us", clock.late_max_us},
+          {"uncertainty_us", clock.uncertainty_us},
+          {"bound_median_us", clock.bound_median_us},
+          {"bound_max_us", clock.bound_us},
+          {"lower_bound_is_proof", clock.method != "one-way"},
+          {"largest_constant_delay_s", clock.largest_constant_delay_s},
+          {"latency_s", clock.latency_s},
+          {"latency_uncertainty_s", clock.latency_uncertainty_s},
+          {"gaps", gaps_json(clock, start)},
+          {"epochs", epochs_json(clock, start)}};
+}
+
+nlohmann::json offset_json(const CameraOffset& offset) {
+  return {{"offset_s", estimate(offset.offset_s)},
+          {"why_not", offset.why_not},
+          {"chess_halves", offset.halves},
+          {"applied", offset.applied}};
+}
+
+nlohmann::json gyro_json(const GyroErrors& gyro) {
+  return {{"scale", estimate(gyro.scale)},
+          {"scale_calibrated", gyro.scale_calibrated},
+          {"bias_dps", estimate(gyro.bias_dps)},
+          {"bias_before_dps", number(gyro.bias_before_dps)},
+          {"bias_after_dps", number(gyro.bias_after_dps)},
+          {"noise_dps", gyro.noise_dps},
+          {"zeroes_itself", gyro.zeroes_itself}};
+}
+
+nlohmann::json servo_json(const ServoResponse& servo) {
+  nlohmann::json speeds = nlohmann::json::array();
+  for (const ServoResponse::AtSpeed& speed : servo.speeds)
+    speeds.push_back({{"rate_dps", speed.rate_dps},
+                      {"residual_dps", speed.residual_dps},
+                      {"spread_dps", speed.spread_dps},
+                      {"frames", speed.frames}});
+  return {{"fitted", servo.fitted},
+          {"delay_s", servo.delay_s},
+          {"loop_hz", servo.loop_hz},
+          {"scale", estimate(servo.scale)},
+          {"scale_calibrated", servo.scale_calibrated},
+          {"residual_dps", servo.residual_dps},
+          {"speeds", speeds}};
+}
+
+}  // namespace
+
+nlohmann::json timing_json(const session::Session& session) {
+  if (!has_timing(session)) return nullptr;
+  const HostTime start = session.raw.header.time_reference;
+  nlohmann::json clocks;
+  for (const Device device : all_devices)
+    clocks[std::string(name_of(device))] = clock_json(session.sync.clock[device], start);
+  const TimingVerdict verdict = timing_verdict(session);
+  return {{"clock", clocks},
+          {"camera_offset", offset_json(session.sync.camera_offset)},
+          {"gyro", gyro_json(session.sync.gyro)},
+          {"servo", servo_json(session.sync.servo)},
+          {"label_uncertainty_dps", number(median_label_uncertainty_dps(session))},
+          {"verdict", verdict.word},
+          {"verdict_reasons", verdict.reasons},
+          {"advice", verdict.advice}};
+}
+
+}  // namespace thermorig::app

@@ -1,0 +1,225 @@
+// SPDX-License-Identifier: MIT
+#include "timing_text.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include "output.h"
+#include "timing_verdict.h"
+
+namespace thermorig::app {
+
+namespace {
+
+using session::Session;
+
+constexpr std::size_t gaps_shown = 5;
+
+std::string ms(double us) {
+  return fmt::format("{:.2f}", us / 1e3);
+}
+
+std::string signed_count(double value) {
+  return fmt::format("{}{}", value < 0 ? "-" : "+",
+                     count_text(static_cast<std::uint64_t>(std::llround(std::min(std::abs(value), 1e15)))));
+}
+
+std::string line(const std::string& name, const std::string& words) {
+  return fmt::format("{:<14}{}\n", name, words);
+}
+
+std::string clock_table(const SyncReport& sync) {
+  Table table({"clock", "method", ">rate /s", ">skew ppm", ">wander ppm", ">late p50 ms", ">p95 ms",
+               ">max ms", ">+- ms"});
+  for (const Device device : all_devices) {
+    const ClockReport& clock = sync.clock[device];
+    if (clock.method.empty()) {
+      table.add({std::string(name_of(device)), "none", "-", "-", "-", "-", "-", "-", "-"});
+      continue;
+    }
+    table.add({std::string(name_of(device)), printable(clock.method), fmt::format("{:.3f}", clock.rate_hz),
+               signed_count(clock.skew_ppm), fmt::format("{:.1f}", clock.wander_ppm), ms(clock.late_p50_us),
+               ms(clock.late_p95_us), ms(clock.late_max_us), ms(clock.uncertainty_us)});
+  }
+  return table.text();
+}
+
+std::uint64_t missing(const ClockReport& clock) {
+  std::uint64_t count = 0;
+  for (const ClockGap& gap : clock.gaps) count += gap.missing;
+  return count;
+}
+
+double longest_gap_s(const ClockReport& clock) {
+  double longest_s = 0.0;
+  for (const ClockGap& gap : clock.gaps) longest_s = std::max(longest_s, to_s(gap.end - gap.begin));
+  return longest_s;
+}
+
+/// What the lower end of the bounds rests on: a proof where the device answers, a setting where it does not.
+std::string rests_on(const ClockReport& clock) {
+  if (clock.method != "one-way") return "proof";
+  return fmt::format("delay < {:.2f} ms", 1e3 * clock.largest_constant_delay_s);
+}
+
+std::string bound_table(const SyncReport& sync) {
+  Table table({"bounds", ">median ms", ">widest ms", "lower end", ">latency ms", ">+- ms", ">gaps",
+               ">missing", ">longest", ">epochs"});
+  for (const Device device : all_devices) {
+    const ClockReport& clock = sync.clock[device];
+    if (clock.method.empty()) continue;
+    table.add({std::string(name_of(device)), ms(clock.bound_median_us), ms(clock.bound_us), rests_on(clock),
+               ms(1e6 * clock.latency_s), ms(1e6 * clock.latency_uncertainty_s),
+               count_text(clock.gaps.size()), count_text(missing(clock)),
+               clock.gaps.empty() ? "-" : gap_text(longest_gap_s(clock)),
+               count_text(std::max<std::size_t>(1, clock.epochs.size()))});
+  }
+  return table.text();
+}
+
+double since_start_s(const Session& session, HostTime time) {
+  return to_s(time - session.raw.header.time_reference);
+}
+
+/// The gaps and epochs one by one, the first few of each device.
+std::string breaks_text(const Session& session) {
+  std::string text;
+  for (const Device device : all_devices) {
+    const ClockReport& clock = session.sync.clock[device];
+    for (std::size_t i = 0; i < std::min(gaps_shown, clock.gaps.size()); ++i)
+      text += line("gap",
+                   fmt::format("{} {:.2f} s to {:.2f} s, {} missing", name_of(device),
+                               since_start_s(session, clock.gaps[i].begin),
+                               since_start_s(session, clock.gaps[i].end), count_text(clock.gaps[i].missing)));
+    if (clock.gaps.size() > gaps_shown)
+      text += line("", fmt::format("and {} more of the {}", clock.gaps.size() - gaps_shown, name_of(device)));
+    for (std::size_t i = 1; i < clock.epochs.size() && i <= gaps_shown; ++i)
+      text += line("new epoch", fmt::format("{} at {:.2f} s: {}", name_of(device),
+                                            since_start_s(session, clock.epochs[i].begin),
+                                            printable(clock.epochs[i].reason)));
+  }
+  return text;
+}
+
+std::string offset_text(const CameraOffset& offset) {
+  if (!offset.offset_s) return fmt::format("not told by the images: {}", printable(offset.why_not));
+  return fmt::format("{:+.2f} +- {:.2f} ms by {} chess halves, {}", 1e3 * offset.offset_s->value,
+                     1e3 * offset.offset_s->uncertainty, count_text(offset.halves),
+                     offset.applied ? "applied to the camera's times" : "not applied");
+}
+
+std::string calibrated_text(bool calibrated, const std::string& utc) {
+  if (!calibrated) return "assumed";
+  return utc.empty() ? "calibrated" : fmt::format("calibrated {}", printable(utc));
+}
+
+std::string bias_text(const GyroErrors& gyro) {
+  if (!gyro.bias_dps) return "not known";
+  std::string text = fmt::format("{:+.3f} +- {:.3f} deg/s", gyro.bias_dps->value, gyro.bias_dps->uncertainty);
+  if (gyro.bias_before_dps) text += fmt::format(", {:+.3f} at the opening rest", *gyro.bias_before_dps);
+  if (gyro.bias_after_dps) text += fmt::format(", {:+.3f} at the closing rest", *gyro.bias_after_dps);
+  return text;
+}
+
+std::string gyro_text(const Session& session) {
+  const GyroErrors& gyro = session.sync.gyro;
+  const GyroProfile& profile = session.raw.header.profile.gyro;
+  std::string text = line("gyro bias", bias_text(gyro));
+  if (gyro.zeroes_itself) text += line("", "this gyro sets itself to zero at rest: its bias is hidden then");
+  text += line("gyro scale", fmt::format("{:.4f} +- {:.4f}, {}", gyro.scale.value, gyro.scale.uncertainty,
+                                         calibrated_text(gyro.scale_calibrated, profile.scale_measured_utc)));
+  return text + line("gyro noise", fmt::format("{:.3f} deg/s a sample at rest", gyro.noise_dps));
+}
+
+std::string servo_text(const Session& session) {
+  const ServoResponse& servo = session.sync.servo;
+  const ServoProfile& profile = session.raw.header.profile.servo;
+  std::string text = line("servo", fmt::format("{}: delay {:.1f} ms, loop {:.1f} Hz, damping 0.7",
+                                               servo.fitted ? "fitted to the gyro" : "not fitted, as assumed",
+                                               1e3 * servo.delay_s, servo.loop_hz));
+  text +=
+      line("servo scale", fmt::format("{:.4f} +- {:.4f}, {}", servo.scale.value, servo.scale.uncertainty,
+                                      calibrated_text(servo.scale_calibrated, profile.scale_measured_utc)));
+  if (servo.fitted)
+    text += line("residual", fmt::format("{:.2f} deg/s RMS, corrected gyro minus label", servo.residual_dps));
+  return text;
+}
+
+std::string cell(const std::optional<double>& value, const char* form) {
+  if (!value) return {1, '-'};
+  return fmt::format(fmt::runtime(form), *value);
+}
+
+/// One row a magnitude, both directions beside each other.
+std::string residual_table(const ServoResponse& servo) {
+  struct Pair {
+    const ServoResponse::AtSpeed* forward = nullptr;
+    const ServoResponse::AtSpeed* backward = nullptr;
+  };
+  std::map<long, Pair> pairs;
+  for (const ServoResponse::AtSpeed& speed : servo.speeds) {
+    Pair& pair = pairs[std::lround(std::abs(speed.rate_dps) * 100)];
+    (speed.rate_dps < 0 ? pair.backward : pair.forward) = &speed;
+  }
+  Table table({">deg/s", ">frames +", ">gyro - label", ">spread", ">frames -", ">gyro - label", ">spread"});
+  const auto frames = [](const auto* speed) { return speed ? std::to_string(speed->frames) : "-"; };
+  const auto value = [](const auto* speed, double ServoResponse::AtSpeed::*member) {
+    return speed ? std::optional(speed->*member) : std::nullopt;
+  };
+  for (const auto& [magnitude, pair] : pairs)
+    table.add({fmt::format("{:.1f}", static_cast<double>(magnitude) / 100), frames(pair.forward),
+               cell(value(pair.forward, &ServoResponse::AtSpeed::residual_dps), "{:+.2f}"),
+               cell(value(pair.forward, &ServoResponse::AtSpeed::spread_dps), "{:.2f}"),
+               frames(pair.backward),
+               cell(value(pair.backward, &ServoResponse::AtSpeed::residual_dps), "{:+.2f}"),
+               cell(value(pair.backward, &ServoResponse::AtSpeed::spread_dps), "{:.2f}")});
+  return table.text();
+}
+
+std::string verdict_text(const TimingVerdict& verdict) {
+  std::string text = line("verdict", verdict.word);
+  for (const std::string& reason : verdict.reasons) text += line("", reason);
+  for (const std::string& command : verdict.advice) text += line("try", command);
+  return text;
+}
+
+std::string reprocess_advice(const std::filesystem::path& path) {
+  return fmt::format("not in this file, which is of an older version: thermorig reprocess {}", path.string());
+}
+
+}  // namespace
+
+std::string timing_text(const std::filesystem::path& path, const Session& session) {
+  if (!has_timing(session))
+    return fmt::format("{}\n{}", path.string(), line("timing", reprocess_advice(path)));
+  const SyncReport& sync = session.sync;
+  const std::string simulated = session.raw.header.simulated ? " (SIMULATED)" : "";
+  std::string text =
+      fmt::format("{}{}\n\n{}\n{}", path.string(), simulated, clock_table(sync), bound_table(sync));
+  if (const std::string breaks = breaks_text(session); !breaks.empty()) text += fmt::format("\n{}", breaks);
+  text += fmt::format("\n{}{}{}", line("camera - gyro", offset_text(sync.camera_offset)), gyro_text(session),
+                      servo_text(session));
+  if (const auto uncertainty_dps = median_label_uncertainty_dps(session))
+    text += line("label", fmt::format("+- {:.2f} deg/s in the median valid frame", *uncertainty_dps));
+  if (!sync.servo.speeds.empty()) text += fmt::format("\n{}", residual_table(sync.servo));
+  return fmt::format("{}\n{}", text, verdict_text(timing_verdict(session)));
+}
+
+std::string timing_line(const std::filesystem::path& path, const Session& session) {
+  if (!has_timing(session)) return fmt::format("timing   {}\n", reprocess_advice(path));
+  std::string text = "timing   ";
+  for (const Device device : all_devices) {
+    const ClockReport& clock = session.sync.clock[device];
+    text += clock.method.empty()
+                ? fmt::format("{} unknown, ", name_of(device))
+                : fmt::format("{} +- {:.2f} ms, ", name_of(device), clock.uncertainty_us / 1e3);
+  }
+  if (const auto uncertainty_dps = median_label_uncertainty_dps(session))
+    text += fmt::format("label +- {:.2f} deg/s, ", *uncertainty_dps);
+  return text + fmt::format("{}; more with --timing\n", timing_verdict(session).word);
+}
+
+}  // namespace thermorig::app

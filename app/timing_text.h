@@ -1,0 +1,19 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <filesystem>
+#include <nlohmann/json_fwd.hpp>
+#include <string>
+
+#include "thermorig/session/session.h"
+
+namespace thermorig::app {
+
+/// Everything that `inspect --timing` says: clocks, bounds, gaps, offsets, gyro, servo, residuals, verdict.
+std::string timing_text(const std::filesystem::path& path, const session::Session& session);
+nlohmann::json timing_json(const session::Session& session);
+
+/// The same in one line, for `inspect`.
+std::string timing_line(const std::filesystem::path& path, const session::Session& session);
+
+}  // namespace thermorig::app
