@@ -1,12 +1,27 @@
 // SPDX-License-Identifier: MIT
+#include <fmt/format.h>
+
 #include <algorithm>
 
 #include "thermorig/rig/finalise.h"
+#include "thermorig/rig/quota.h"
 #include "thermorig/rig/recording.h"
 
 namespace thermorig::rig {
 
 namespace {
+
+std::vector<SpeedQuota> speeds_of(const session::Session& session, const SweepPlan& plan) {
+  ValidQuota quota(plan);
+  for (const LegRecord& leg : session.raw.legs) quota.leg(leg.leg, leg.rate_dps);
+  for (const LabelledSample& sample : session.samples) quota.sample(sample);
+  return quota.speeds();
+}
+
+std::ptrdiff_t count_short(const std::vector<SpeedQuota>& speeds) {
+  return std::count_if(speeds.begin(), speeds.end(),
+                       [](const SpeedQuota& speed) { return speed.is_short(); });
+}
 
 void say_how_it_ended(RecordingResult& result, const Recording& recording) {
   if (recording.failure()) {
@@ -19,6 +34,11 @@ void say_how_it_ended(RecordingResult& result, const Recording& recording) {
   } else if (result.quality.verdict == "bad") {
     result.exit = ExitCode::finished_lossy;
     result.message = "the plan was finished, but its quality is bad";
+    result.advice = "thermorig inspect " + result.session.string();
+  } else if (const auto wanting = count_short(result.speeds); wanting > 0) {
+    result.exit = ExitCode::finished_lossy;
+    result.message = fmt::format("the plan was finished, but {} of {} speeds have too few valid frames",
+                                 wanting, result.speeds.size());
     result.advice = "thermorig inspect " + result.session.string();
   }
 }
@@ -38,6 +58,7 @@ RecordingResult conclude(Recording& recording, HostTime now) {
   result.session = file.session;
   result.state = session.state;
   result.quality = session::quality_of(session);
+  result.speeds = speeds_of(session, recording.plan());
   result.duration_s = to_s(now - session.raw.header.time_reference);
   say_how_it_ended(result, recording);
   return result;

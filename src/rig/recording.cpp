@@ -111,6 +111,7 @@ void Recording::received(Device from, std::span<const std::uint8_t> bytes, HostT
   const auto samples = parts.pipeline.feed(from, bytes, arrived);
   if (!samples.empty()) parts.last_sample = samples.back();
   parts.guarded(arrived, [&] { parts.take_streams(arrived); });
+  for (const LabelledSample& sample : samples) parts.sweep.sample(sample);
 }
 
 void Recording::Parts::note_first_bytes(Device from, std::span<const std::uint8_t> bytes) {
@@ -155,6 +156,7 @@ void Recording::Parts::drive(HostTime now) {
   const std::vector<std::uint8_t> bytes = commander.poll(now);
   if (bytes.empty()) return;
   journal->sent(bytes, now);
+  pipeline.sent(bytes, now);
   send(bytes);
 }
 
@@ -251,6 +253,10 @@ bool Recording::sweep_began() const {
 
 const SessionFile& Recording::file() const {
   return parts_->file;
+}
+
+const SweepPlan& Recording::plan() const {
+  return parts_->options.plan;
 }
 
 RecordingProgress Recording::progress(HostTime now) {

@@ -33,7 +33,14 @@ std::string name_of(SweepPhase phase) {
 
 SweepWalker::SweepWalker(const SweepPlan& plan, const ServoProfile& servo, double nominal_frame_rate_hz,
                          ServoCommander& commander)
-    : plan_(plan), servo_(servo), frames_(nominal_frame_rate_hz), commander_(commander) {
+    : plan_(plan),
+      servo_(servo),
+      frames_(nominal_frame_rate_hz),
+      commander_(commander),
+      quota_(plan),
+      expected_(expected_legs(plan, servo, nominal_frame_rate_hz)),
+      driven_frames_(plan.leg_rates_dps.size(), 0),
+      given_up_(plan.leg_rates_dps.size(), false) {
   for (std::size_t i = 0; i < plan_.leg_rates_dps.size(); ++i) to_drive_.push_back({.index = i});
 }
 
@@ -41,6 +48,7 @@ SweepWalker::SweepWalker(const SweepPlan& plan, const ServoProfile& servo, doubl
 
 void SweepWalker::frame(const TimedFrame& frame) {
   frames_.frame(frame);
+  ++frames_seen_;
   const HostDuration doubt = from_s(doubtful_periods / frames_.rate_hz());
   const HostTime middle = newest_middle(frame);
   if (phase_ == SweepPhase::leg) leg_.frame(middle, frame.stamp.arrival, doubt);
@@ -75,6 +83,7 @@ void SweepWalker::start(HostTime now) {
 void SweepWalker::tick(HostTime now) {
   if (left_leg_ && to_s(now - *left_leg_->left()) > last_frame_periods / frames_.rate_hz())
     settle_left_leg(now);
+  if (drives()) judge_open_steps(now);
   if (watch_for_trouble(now)) return;
   switch (phase_) {
     case SweepPhase::greeting:
@@ -112,8 +121,8 @@ void SweepWalker::next_leg(HostTime now) {
     commander_.halt();
     return enter(SweepPhase::closing_rest, now);
   }
-  if (fits_from_here(rate_dps())) return begin_leg(now);
-  const double target_deg = start_angle_deg(rate_dps());
+  if (fits_from_here()) return begin_leg(now);
+  const double target_deg = start_angle_deg();
   const double way_deg = std::abs(target_deg - last_telemetry_->state.angle_deg);
   commander_.go_to({.angle_deg = target_deg,
                     .rate_dps = servo_.max_rate_dps,
@@ -134,15 +143,17 @@ void SweepWalker::begin_leg(HostTime now) {
   const LegRecord record{
       .leg = ++last_number_, .step = static_cast<int>(to_drive_.front().index), .rate_dps = rate_dps()};
   const auto limit_deg = angle_limit_deg(servo_);
-  const bool turn_back = limit_deg && travel_deg(rate_dps()) > 2.0 * *limit_deg;
+  const bool turn_back = limit_deg && travel_deg() > 2.0 * *limit_deg;
   leg_ = DrivenLeg(record, plan_.frames_per_leg, turn_back);
+  quota_.leg(record.leg, record.rate_dps);
+  fruitless_ = 0;
   send_run(now);
   enter(SweepPhase::leg, now);
 }
 
 void SweepWalker::send_run(HostTime now) {
   const double limit_s = 1e-3 * static_cast<double>(SERVO_LIMIT_RUN_MS);
-  const double expected_s = leg_duration_s(std::max(1, leg_.missing()));
+  const double expected_s = leg_duration_s(std::max({1.0, 1.0 * leg_.missing(), frames_to_quota()}));
   const double duration_s = std::min(limit_s, duration_slack * expected_s + duration_extra_s);
   commander_.run({.leg = leg_.record().leg,
                   .turn_back = leg_.turn_back(),
@@ -154,7 +165,7 @@ void SweepWalker::send_run(HostTime now) {
 
 void SweepWalker::tick_leg(HostTime now) {
   if (!leg_.acknowledged() && commander_.idle()) note_leg_start(commander_.last_ack());
-  if (has_its_frames(now)) return leave_leg(now);
+  if (has_its_frames(now) && !extend_leg(now)) return leave_leg(now);
   if (commander_.idle() && to_s(run_ends_ - now) < renew_before_s) {
     leg_.keep_direction(last_telemetry_ ? last_telemetry_->state.rate_dps : 0.0);
     send_run(now);
@@ -165,16 +176,16 @@ void SweepWalker::tick_leg(HostTime now) {
 // that one would be labelled with this leg too. So the next command is given halfway between the two middles.
 bool SweepWalker::has_its_frames(HostTime now) const {
   const bool await_it = to_drive_.front().was_short || leg_.record().frames == 0;
-  if (leg_.missing() != 1 || await_it) return leg_.is_whole();
+  if (leg_.missing() != 1 || await_it) return leg_.missing() <= 0;
   return now >= frames_.next_middle() + frames_.period() / 2;
 }
 
 void SweepWalker::leave_leg(HostTime now) {
   leg_.leave(now);
   left_leg_ = leg_;
-  to_drive_.pop_front();
+  finish_step(now);
   failures_ = 0;
-  if (left_leg_->is_whole()) settle_left_leg(now);
+  if (left_leg_->is_over()) settle_left_leg(now);
   next_leg(now);
 }
 
@@ -191,13 +202,12 @@ void SweepWalker::settle_left_leg(HostTime now) {
   const DrivenLeg leg = *std::exchange(left_leg_, std::nullopt);
   write_down(leg, now);
   if (leg.is_whole() || phase_ == SweepPhase::stopping || phase_ == SweepPhase::done) return;
-  const Step again{.index = static_cast<std::size_t>(leg.record().step), .was_short = true};
-  to_drive_.insert(to_drive_.empty() ? to_drive_.end() : to_drive_.begin() + 1, again);
-  note_repeat(again.index, now);
+  drive_again({.index = static_cast<std::size_t>(leg.record().step), .was_short = true}, now);
 }
 
 void SweepWalker::write_down(const DrivenLeg& leg, HostTime now) {
   legs_.push_back(leg.closed(now));
+  driven_frames_[static_cast<std::size_t>(leg.record().step)] += leg.record().frames;
   event(now, EventKind::leg_end,
         fmt::format("leg {}: {} frames{}", leg.record().leg, leg.record().frames,
                     leg.is_whole() ? "" : ", cut short"));
@@ -210,7 +220,7 @@ void SweepWalker::note_repeat(std::size_t step, HostTime now) {
 }
 
 void SweepWalker::tick_closing_rest(HostTime now) {
-  if (left_leg_) return;  // it may have to be driven again
+  if (left_leg_ || !open_steps_.empty()) return;  // it may have to be driven again
   if (!to_drive_.empty()) return next_leg(now);
   if (to_s(now - phase_begin_) >= plan_.closing_rest_s) halt(now);
 }

@@ -25,24 +25,25 @@ int SweepWalker::step_number() const {
   return static_cast<int>(to_drive_.empty() ? plan_.leg_rates_dps.size() : to_drive_.front().index + 1);
 }
 
-double SweepWalker::leg_duration_s(int frames) const {
+double SweepWalker::leg_duration_s(double frames) const {
   return (frames + 0.5) / frames_.rate_hz() + 0.1;
 }
 
-double SweepWalker::travel_deg(double rate) const {
-  return leg_travel_deg(rate, plan_.frames_per_leg, frames_.rate_hz(), servo_.acceleration_dps2);
+double SweepWalker::travel_deg() const {
+  const double frames = std::max(1.0 * plan_.frames_per_leg, frames_to_quota());
+  return leg_travel_deg(rate_dps(), frames, frames_.rate_hz(), servo_.acceleration_dps2);
 }
 
-double SweepWalker::start_angle_deg(double rate) const {
+double SweepWalker::start_angle_deg() const {
   const double limit_deg = angle_limit_deg(servo_).value_or(0.0);
-  return -sign_of(rate) * std::min(travel_deg(rate) / 2.0, limit_deg);
+  return -sign_of(rate_dps()) * std::min(travel_deg() / 2.0, limit_deg);
 }
 
-bool SweepWalker::fits_from_here(double rate) const {
+bool SweepWalker::fits_from_here() const {
   const auto limit_deg = angle_limit_deg(servo_);
   if (!limit_deg || !last_telemetry_) return true;
-  const double way_deg = std::min(travel_deg(rate), 2.0 * *limit_deg);
-  return sign_of(rate) * last_telemetry_->state.angle_deg + way_deg <= *limit_deg + angle_tolerance_deg;
+  const double way_deg = std::min(travel_deg(), 2.0 * *limit_deg);
+  return sign_of(rate_dps()) * last_telemetry_->state.angle_deg + way_deg <= *limit_deg + angle_tolerance_deg;
 }
 
 // Where the shaft is, as far as anybody knows: so that the first pulse moves nothing.
@@ -74,6 +75,12 @@ SweepProgress SweepWalker::progress(HostTime now) const {
   progress.frames = phase_ == SweepPhase::leg ? leg_.record().frames : 0;
   progress.frames_per_leg = plan_.frames_per_leg;
   progress.repeated = repeated_;
+  progress.speeds = quota_.speeds();
+  for (const SpeedQuota& speed : progress.speeds) {
+    if (phase_ != SweepPhase::leg || speed.rate_dps != rate_dps()) continue;
+    progress.valid = speed.valid;
+    progress.valid_quota = speed.wanted;
+  }
   progress.eta_s = remaining_s(now);
   const double whole_s = plan_duration_s(plan_, servo_, frames_.rate_hz());
   progress.done_share =

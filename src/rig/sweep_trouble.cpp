@@ -71,7 +71,7 @@ void SweepWalker::trouble(HostTime now, const std::string& what, ServoFault faul
     throw Error(ExitCode::device_lost, fmt::format("{}; {} attempts in a row failed", what, failures_),
                 "servo", advice_for(fault));
   if (phase_ == SweepPhase::leg && leg_.is_whole())
-    to_drive_.pop_front();
+    finish_step(now);
   else if (phase_ == SweepPhase::leg || phase_ == SweepPhase::transit)
     note_repeat(to_drive_.front().index, now);
   if (phase_ != SweepPhase::recovering) resume_ = phase_;

@@ -4,8 +4,22 @@
 namespace thermorig::rig {
 
 namespace {
-constexpr auto step = std::chrono::milliseconds(4);
+
+/// Steps of 3 to 5 ms: no host keeps the same phase to its USB frames for ever, and pings that did would
+/// never see another one. The same in every recording. Knuth's MMIX generator, its upper bits.
+class UnevenSteps {
+ public:
+  HostDuration next() {
+    state_ = state_ * 6364136223846793005U + 1442695040888963407U;
+    return std::chrono::microseconds(3000 + (state_ >> 33U) % 2001U);
+  }
+
+ private:
+  std::uint64_t state_ = 1;
+};
+
 constexpr auto progress_period = std::chrono::seconds(1);
+
 }  // namespace
 
 RecordingResult record_virtual(DeviceBus& bus, const VirtualOptions& options) {
@@ -16,8 +30,9 @@ RecordingResult record_virtual(DeviceBus& bus, const VirtualOptions& options) {
   Recording recording(recording_options, now,
                       [&](std::span<const std::uint8_t> bytes) { bus.send(Device::servo, bytes, now); });
   HostTime next_progress = now;
+  UnevenSteps steps;
   while (!recording.done()) {
-    now += step;
+    now += steps.next();
     for (const Chunk& chunk : bus.advance(now)) recording.received(chunk.device, chunk.bytes, chunk.arrived);
     if (options.stop_requested && options.stop_requested()) recording.request_stop(now);
     recording.tick(now);

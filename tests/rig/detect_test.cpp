@@ -99,9 +99,10 @@ PortFinding finding(const std::string& path, Device device, std::uint32_t baud) 
 
 TEST(Findings, BecomeTheProfile) {
   std::vector<std::string> ambiguous;
-  const RigProfile profile = apply_findings(
-      {}, {finding("/dev/ttyUSB0", Device::gyro, 9600), finding("/dev/ttyUSB1", Device::camera, 115200), {}},
-      ambiguous);
+  const std::vector<PortFinding> findings{finding("/dev/ttyUSB0", Device::gyro, 9600),
+                                          finding("/dev/ttyUSB1", Device::camera, 115200), PortFinding{}};
+  const RigProfile before;
+  const RigProfile profile = apply_findings(before, findings, ambiguous);
   EXPECT_EQ(profile.gyro.link.port, "/dev/ttyUSB0");
   EXPECT_EQ(profile.gyro.link.baud, 9600U);
   EXPECT_EQ(profile.camera.link.port, "/dev/ttyUSB1");

@@ -13,9 +13,16 @@ namespace thermorig::rig {
 class DrivenLeg {
  public:
   DrivenLeg() = default;
-  /// `wanted`: frames that make it complete.
-  DrivenLeg(const LegRecord& record, int wanted, bool turn_back)
-      : record_(record), wanted_(wanted), turn_back_(turn_back), run_rate_dps_(record.rate_dps) {}
+  /// `planned`: frames that make it complete.
+  DrivenLeg(const LegRecord& record, int planned, bool turn_back)
+      : record_(record),
+        planned_(planned),
+        wanted_(planned),
+        turn_back_(turn_back),
+        run_rate_dps_(record.rate_dps) {}
+
+  /// It is to have so many frames more than it was to have until now.
+  void extend(int frames) { wanted_ += frames; }
 
   /// The command was acknowledged.
   void acknowledge(HostTime time);
@@ -29,8 +36,8 @@ class DrivenLeg {
   void frame(HostTime middle, HostTime arrival, HostDuration doubt);
 
   /// Nothing more will come: a frame behind its end has come, or it has all.
-  bool is_over() const { return over_ || is_whole(); }
-  bool is_whole() const { return missing() <= 0; }
+  bool is_over() const { return over_ || missing() <= 0; }
+  bool is_whole() const { return record_.frames >= planned_; }
   int missing() const { return wanted_ - record_.frames; }
 
   bool acknowledged() const { return acknowledged_; }
@@ -47,6 +54,7 @@ class DrivenLeg {
 
  private:
   LegRecord record_;
+  int planned_ = 0;
   int wanted_ = 0;
   bool turn_back_ = false;
   double run_rate_dps_ = 0.0;

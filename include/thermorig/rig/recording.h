@@ -17,6 +17,7 @@
 #include "thermorig/core/time.h"
 #include "thermorig/rig/health.h"
 #include "thermorig/rig/plan.h"
+#include "thermorig/rig/quota.h"
 #include "thermorig/rig/session_file.h"
 #include "thermorig/rig/sweep.h"
 #include "thermorig/session/session.h"
@@ -60,7 +61,8 @@ struct RecordingResult {
   std::filesystem::path journal;  // exists only if `session` is empty
   session::State state = session::State::complete;
   session::Quality quality;
-  double duration_s = 0.0;  // on the recording's clock
+  std::vector<SpeedQuota> speeds;  // of the plan, ascending, by the labels in the session
+  double duration_s = 0.0;         // on the recording's clock
 };
 
 using ProgressHandler = std::function<void(const RecordingProgress&)>;
@@ -108,6 +110,7 @@ class Recording {
   void discard(HostTime now);
 
   const SessionFile& file() const;
+  const SweepPlan& plan() const;
 
  private:
   struct Parts;

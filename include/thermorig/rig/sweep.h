@@ -14,7 +14,9 @@
 #include "thermorig/rig/driven_leg.h"
 #include "thermorig/rig/frame_schedule.h"
 #include "thermorig/rig/plan.h"
+#include "thermorig/rig/quota.h"
 #include "thermorig/rig/servo_commander.h"
+#include "thermorig/rig/yield.h"
 
 namespace thermorig::rig {
 
@@ -40,14 +42,18 @@ struct SweepProgress {
   double rate_dps = 0.0;  // commanded in this leg
   int frames = 0;         // in this leg so far
   int frames_per_leg = 0;
-  double done_share = 0.0;  // 0..1
-  double eta_s = 0.0;       // from the plan, not from the elapsed time
-  int repeated = 0;         // legs that had to be driven again
+  double done_share = 0.0;         // 0..1
+  double eta_s = 0.0;              // from the plan, not from the elapsed time
+  int repeated = 0;                // legs that had to be driven again
+  int valid = 0;                   // valid frames so far at this speed, in its direction
+  int valid_quota = 0;             // of so many; 0: no quota
+  std::vector<SpeedQuota> speeds;  // of the whole plan, ascending
 };
 
 /// Drives the servo through a plan: rest, legs (with a transit where a leg does not fit from here), rest.
-/// A leg that a fault cut short, or that lacks a frame, is driven again under a new number. Pure: fed with
-/// frames and telemetry, it puts commands into the commander's queue.
+/// A leg goes on until its speed has its valid frames; one that a fault cut short, or that lacks a frame or
+/// valid ones, is driven again under a new number. Pure: fed with frames, their labels and telemetry, it puts
+/// commands into the commander's queue.
 class SweepWalker {
  public:
   SweepWalker(const SweepPlan& plan, const ServoProfile& servo, double nominal_frame_rate_hz,
@@ -57,6 +63,7 @@ class SweepWalker {
   void start(HostTime now);  // all devices send: the opening rest begins
   void frame(const TimedFrame& frame);
   void telemetry(const TimedServo& servo);
+  void sample(const LabelledSample& sample);  // of each frame, in order, some time after it
 
   /// Moves on. Call after each batch of frames, telemetry and answers, and every 10 ms or so.
   /// Throws Error(device_lost) when a leg fails too often.
@@ -82,6 +89,13 @@ class SweepWalker {
     bool was_short = false;  // its last frame did not come in time: this time it is waited for
   };
 
+  /// A step that was driven, but whose last frames have no labels yet.
+  struct OpenStep {
+    std::size_t step = 0;
+    std::uint64_t last_frame = 0;  // number of samples with which all are there
+    HostTime left{};
+  };
+
   void enter(SweepPhase phase, HostTime now);
   void next_leg(HostTime now);
   void begin_leg(HostTime now);
@@ -91,6 +105,14 @@ class SweepWalker {
   void leave_leg(HostTime now);
   void write_down(const DrivenLeg& leg, HostTime now);
   void settle_left_leg(HostTime now);
+  double frames_to_quota() const;
+  int frames_awaited() const;
+  int frames_that_fit() const;
+  bool extend_leg(HostTime now);
+  bool gives_up(std::size_t step, int frames, HostTime now);
+  void finish_step(HostTime now);
+  void judge_open_steps(HostTime now);
+  void drive_again(const Step& step, HostTime now);
   void note_repeat(std::size_t step, HostTime now);
   void halt(HostTime now);
   void trouble(HostTime now, const std::string& what, ServoFault fault = ServoFault::none);
@@ -107,10 +129,10 @@ class SweepWalker {
   bool servo_at_rest() const;
   bool servo_is_disarmed() const;
   bool drives() const;
-  double leg_duration_s(int frames) const;
-  double travel_deg(double rate) const;
-  double start_angle_deg(double rate) const;
-  bool fits_from_here(double rate) const;
+  double leg_duration_s(double frames) const;
+  double travel_deg() const;
+  double start_angle_deg() const;
+  bool fits_from_here() const;
   double arm_angle_deg() const;
   double recovery_rest_s() const;
   double remaining_s(HostTime now) const;
@@ -125,7 +147,15 @@ class SweepWalker {
   HostTime phase_begin_{};
   std::deque<Step> to_drive_;  // the first one is under way
   std::uint16_t last_number_ = 0;
-  int failures_ = 0;  // of this step, in a row
+  ValidQuota quota_;
+  std::vector<ExpectedLeg> expected_;  // by step
+  std::vector<int> driven_frames_;     // by step, of the legs that have ended
+  std::vector<bool> given_up_;         // by step: its quota is out of reach
+  std::deque<OpenStep> open_steps_;
+  std::uint64_t frames_seen_ = 0;
+  std::uint64_t samples_seen_ = 0;
+  int fruitless_ = 0;  // frames of legs since the last valid one
+  int failures_ = 0;   // of this step, in a row
   int repeated_ = 0;
   DrivenLeg leg_;
   HostTime run_ends_{};                // of the RUN command that was sent last

@@ -29,7 +29,7 @@ struct VirtualOptions {
   ProgressHandler progress;              // every second of virtual time; may be empty
 };
 
-/// A whole acquisition in virtual time, steps of 4 ms, then finalised. Deterministic if the bus is.
+/// A whole acquisition in virtual time, steps of 3 to 5 ms, then finalised. Deterministic if the bus is.
 /// Throws as conclude() does.
 RecordingResult record_virtual(DeviceBus& bus, const VirtualOptions& options);
 
