@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "hermite.h"
 #include "thermorig/labels/shaft_model.h"
 
 namespace thermorig::labels {
@@ -10,13 +11,6 @@ namespace thermorig::labels {
 namespace {
 constexpr HostDuration pulse_period = std::chrono::microseconds(PulseTrain::period_us);
 constexpr HostDuration stride = std::chrono::milliseconds(4);  // of the running mean
-
-/// Cubic through two points with their slopes (Hermite); `share` of the way from one to the other.
-double between(double from, double from_slope, double to, double to_slope, double length, double share) {
-  const double rest = 1.0 - share;
-  const double bend = rest * (from_slope * length - (to - from)) - share * (to_slope * length - (to - from));
-  return from + share * (to - from) + share * rest * bend;
-}
 }  // namespace
 
 ShaftTrack::ShaftTrack(const ServoProfile& servo, const ServoResponse& response, HostDuration gap,
@@ -80,8 +74,8 @@ ShaftAngle ShaftTrack::at(HostTime time) const {
   const Point& b = points[after];
   const double length_s = to_s(b.time - a.time);
   const double share = to_s(time - a.time) / length_s;
-  return {between(a.angle_deg, a.rate_dps, b.angle_deg, b.rate_dps, length_s, share),
-          between(a.scaled_deg, a.slope * a.rate_dps, b.scaled_deg, b.slope * b.rate_dps, length_s, share)};
+  return {hermite(a.angle_deg, a.rate_dps, b.angle_deg, b.rate_dps, length_s, share),
+          hermite(a.scaled_deg, a.slope * a.rate_dps, b.scaled_deg, b.slope * b.rate_dps, length_s, share)};
 }
 
 double ShaftTrack::mean_dps(HostTime begin, HostTime end) const {

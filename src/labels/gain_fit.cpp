@@ -1,0 +1,141 @@
+// SPDX-License-Identifier: MIT
+#include "gain_fit.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numeric>
+
+#include "least_squares.h"
+#include "median.h"
+
+namespace thermorig::labels {
+
+namespace {
+constexpr std::size_t knots = 17;
+constexpr std::size_t unknowns = knots + 1;  // and the bias
+constexpr int parts = 5;                     // of a window: pulse periods
+constexpr double part_s = 0.02;
+constexpr double slowest_dps = 3.0;       // below it a window tells little
+constexpr double bend_deviation = 0.004;  // of a knot from the middle of its neighbours
+constexpr double gain_deviation = 0.05;   // of a knot from 1: a servo is no worse
+constexpr double first_deviation_dps = 0.5;
+constexpr double least_deviation_dps = 0.03;
+constexpr double outlier = 5.0;
+constexpr double least_ratio_error = 3e-4;  // what the model lacks does not average out for ever
+constexpr std::size_t least_windows = 20;
+
+struct Window {
+  std::array<double, unknowns> row{};
+  double rate_dps = 0.0;  // by the gyro
+};
+
+/// Where in the row a commanded value lies, and how much of it falls to the right knot.
+struct Place {
+  std::size_t left;
+  double share;
+};
+Place place_of(const PulseScale& scale, double value) {
+  const double place = std::clamp((scale.part(value) + 1.0) / 2.0, 0.0, 1.0) * static_cast<double>(knots - 1);
+  const auto left = std::min(static_cast<std::size_t>(place), knots - 2);
+  return {left, place - static_cast<double>(left)};
+}
+
+Window window_at(const ShaftCurve& curve, double model_s, const PulseScale& scale) {
+  Window window;
+  double before_deg = curve.angle_deg(model_s);
+  for (int part = 1; part <= parts; ++part) {
+    const double angle_deg = curve.angle_deg(model_s + part * part_s);
+    const double turned_deg = angle_deg - before_deg;
+    const double value = scale.continuous() ? turned_deg / part_s : (before_deg + angle_deg) / 2.0;
+    const auto [left, share] = place_of(scale, value);
+    window.row[left] += (1.0 - share) * turned_deg / (parts * part_s);
+    window.row[left + 1] += share * turned_deg / (parts * part_s);
+    before_deg = angle_deg;
+  }
+  window.row[knots] = 1.0;
+  return window;
+}
+
+double model_dps(const Window& window) {
+  return std::accumulate(window.row.begin(), window.row.begin() + knots, 0.0);
+}
+
+std::vector<Window> windows(const ShaftCurve& curve, double begin_s, double end_s, double delay_s,
+                            const PulseScale& scale, const GyroIntegral& gyro) {
+  constexpr double length_s = parts * part_s;
+  std::vector<Window> found;
+  const auto count = static_cast<std::size_t>(std::max(0.0, (end_s - begin_s) / length_s));
+  for (std::size_t i = 0; i < count; ++i) {
+    const double from_s = begin_s + static_cast<double>(i) * length_s;
+    Window window = window_at(curve, from_s - delay_s, scale);
+    if (std::abs(model_dps(window)) < slowest_dps) continue;
+    window.rate_dps = gyro.mean_dps(from_s, from_s + length_s);
+    if (std::isfinite(window.rate_dps)) found.push_back(window);
+  }
+  return found;
+}
+
+LeastSquares equations_of(const std::vector<Window>& windows, double deviation_dps,
+                          double bias_uncertainty_dps) {
+  LeastSquares equations(unknowns);
+  for (const Window& window : windows) equations.add(window.row, window.rate_dps, deviation_dps);
+  for (std::size_t i = 0; i < knots; ++i) equations.add_prior(i, 1.0, gain_deviation);
+  constexpr std::array<double, 3> bend{-0.5, 1.0, -0.5};
+  for (std::size_t i = 0; i + 2 < knots; ++i) equations.add_part(i, bend, 0.0, bend_deviation);
+  equations.add_prior(knots, 0.0, std::max(bias_uncertainty_dps, 1e-3));
+  return equations;
+}
+
+double residual_dps(const Window& window, const std::vector<double>& x) {
+  return window.rate_dps - std::inner_product(x.begin(), x.end(), window.row.begin(), 0.0);
+}
+
+std::vector<double> residuals_dps(const std::vector<Window>& windows, const std::vector<double>& x) {
+  std::vector<double> residuals;
+  residuals.reserve(windows.size());
+  for (const Window& window : windows) residuals.push_back(residual_dps(window, x));
+  return residuals;
+}
+
+/// How much of the motion fell to each knot; sums to 1.
+std::vector<double> visits(const std::vector<Window>& windows) {
+  std::vector<double> weights(unknowns, 0.0);
+  double sum = 0.0;
+  for (const Window& window : windows)
+    for (std::size_t i = 0; i < knots; ++i) {
+      weights[i] += std::abs(window.row[i]);
+      sum += std::abs(window.row[i]);
+    }
+  for (double& weight : weights) weight /= sum;
+  return weights;
+}
+}  // namespace
+
+std::optional<GainFit> fit_gain(const ShaftCurve& curve, double begin_s, double end_s, double delay_s,
+                                const PulseScale& scale, const GyroIntegral& gyro,
+                                double bias_uncertainty_dps) {
+  constexpr int rounds = 3;
+  std::vector<Window> used = windows(curve, begin_s, end_s, delay_s, scale, gyro);
+  if (used.size() < least_windows) return std::nullopt;
+  double deviation_dps = first_deviation_dps;
+  std::vector<double> x = equations_of(used, deviation_dps, bias_uncertainty_dps).solve();
+  for (int round = 0; round < rounds; ++round) {
+    deviation_dps = std::max(robust_deviation(residuals_dps(used, x), 0.0), least_deviation_dps);
+    const double limit = outlier * deviation_dps;
+    std::erase_if(used, [&](const Window& window) { return std::abs(residual_dps(window, x)) > limit; });
+    if (used.size() < least_windows) return std::nullopt;
+    x = equations_of(used, deviation_dps, bias_uncertainty_dps).solve();
+  }
+  const std::vector<double> weights = visits(used);
+  GainFit fit;
+  fit.ratio.value = std::inner_product(weights.begin(), weights.end(), x.begin(), 0.0);
+  fit.ratio.uncertainty =
+      std::hypot(std::sqrt(equations_of(used, deviation_dps, bias_uncertainty_dps).variance(weights)),
+                 least_ratio_error);
+  fit.bias_dps = x[knots];
+  for (std::size_t i = 0; i < knots; ++i) fit.gain.push_back(x[i] / fit.ratio.value);
+  return fit;
+}
+
+}  // namespace thermorig::labels

@@ -1,0 +1,286 @@
+// SPDX-License-Identifier: MIT
+#include "loop_fit.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "least_squares.h"
+#include "median.h"
+
+namespace thermorig::labels {
+
+namespace {
+constexpr double window_s = 0.02;       // one pulse period
+constexpr double run_in_s = 0.8;        // the loop has forgotten how it started
+constexpr double look_before_s = 0.05;  // of a change
+constexpr double look_after_s = 0.45;
+constexpr std::size_t most_changes = 120;
+constexpr std::size_t least_changes = 3;
+constexpr double least_share_followed = 0.9;  // of the gyro's variance
+constexpr double typical_dead_band_deg = 0.3, dead_band_doubt_deg = 0.3;
+constexpr double loop_doubt = 0.7;  // of its logarithm
+constexpr double longest_delay_s = 0.15, earliest_delay_s = -0.05;
+constexpr double slowest_hz = 1.0, fastest_hz = 40.0, widest_dead_band_deg = 2.0;
+constexpr double least_residual_dps = 0.05;
+constexpr double repeated = 8.0;  // samples that tell the same: windows overlap, and what a model lacks lasts
+constexpr double outlier = 4.0;   // a hand on the rig: residual over that of most changes
+
+struct Sample {
+  double time_s;
+  double rate_dps;
+};
+
+/// One change of speed: the pulses that shape it and what the gyro says of it.
+struct Change {
+  std::span<const PulseAt> pulses;
+  double end_s = 0.0;
+  std::vector<Sample> samples;
+};
+
+struct Parameters {
+  double delay_s;
+  double log_loop;
+  double dead_band_deg;
+  double loop_hz() const { return std::exp(log_loop); }
+};
+
+/// How well parameters do: the factor and the constant that fit best, and what is left.
+struct Match {
+  double factor = 0.0;
+  double constant_dps = 0.0;
+  double squares = 0.0;
+  double share = 0.0;  // of the variance that is explained
+};
+
+std::span<const PulseAt> pulses_for(std::span<const PulseAt> pulses, double begin_s, double end_s) {
+  const auto before = [](const PulseAt& pulse, double time) { return pulse.end_s < time; };
+  const auto first = std::lower_bound(pulses.begin(), pulses.end(), begin_s, before);
+  const auto last = std::lower_bound(first, pulses.end(), end_s, before);
+  const auto from = first == pulses.begin() ? first : first - 1;
+  return {from, last};
+}
+
+std::vector<Sample> samples_of(const GyroIntegral& gyro, double begin_s, double end_s) {
+  std::vector<Sample> samples;
+  const auto& times = gyro.times_s();
+  for (auto time = std::lower_bound(times.begin(), times.end(), begin_s);
+       time != times.end() && *time < end_s; ++time) {
+    const double rate_dps = gyro.mean_dps(*time - window_s / 2.0, *time + window_s / 2.0);
+    if (std::isfinite(rate_dps)) samples.push_back({*time, rate_dps});
+  }
+  return samples;
+}
+
+std::vector<Change> prepare(std::span<const PulseAt> pulses, std::span<const Stretch> changes,
+                            const GyroIntegral& gyro) {
+  std::vector<Change> prepared;
+  const std::size_t stride = changes.size() / most_changes + 1;
+  for (std::size_t i = 0; i < changes.size(); i += stride) {
+    Change change;
+    const double length_s = std::min(changes[i].end_s - changes[i].begin_s, 1.0);
+    change.end_s = changes[i].begin_s + length_s + look_after_s;
+    change.pulses = pulses_for(pulses, changes[i].begin_s - run_in_s, change.end_s + longest_delay_s);
+    change.samples = samples_of(gyro, changes[i].begin_s - look_before_s, change.end_s);
+    if (!change.pulses.empty() && !change.samples.empty()) prepared.push_back(std::move(change));
+  }
+  return prepared;
+}
+
+class Problem {
+ public:
+  Problem(std::vector<Change> changes, const ServoProfile& profile)
+      : changes_(std::move(changes)),
+        continuous_(profile.kind == ServoKind::continuous),
+        log_loop_(std::log(std::clamp(profile.loop_hz, slowest_hz, fastest_hz))) {
+    for (const Change& change : changes_)
+      for (const Sample& sample : change.samples) measured_.push_back(sample.rate_dps);
+  }
+
+  std::size_t changes() const { return changes_.size(); }
+  std::size_t samples() const { return measured_.size(); }
+
+  /// The model's mean rates at all samples.
+  std::vector<double> predict(const Parameters& p) const {
+    std::vector<double> rates;
+    rates.reserve(measured_.size());
+    for (const Change& change : changes_) {
+      const ShaftCurve curve(change.pulses, continuous_, p.loop_hz(), p.dead_band_deg,
+                             change.end_s + longest_delay_s);
+      for (const Sample& sample : change.samples)
+        rates.push_back(curve_mean(curve, sample.time_s - p.delay_s));
+    }
+    return rates;
+  }
+
+  Match match(const std::vector<double>& rates) const {
+    const auto count = static_cast<double>(rates.size());
+    double x = 0.0, y = 0.0, xx = 0.0, xy = 0.0, yy = 0.0;
+    for (std::size_t i = 0; i < rates.size(); ++i) {
+      x += rates[i];
+      y += measured_[i];
+      xx += rates[i] * rates[i];
+      xy += rates[i] * measured_[i];
+      yy += measured_[i] * measured_[i];
+    }
+    const double variance = xx - x * x / count, total = yy - y * y / count;
+    Match match;
+    match.factor = variance > 0.0 ? (xy - x * y / count) / variance : 0.0;
+    match.constant_dps = (y - match.factor * x) / count;
+    match.squares = std::max(0.0, total - match.factor * match.factor * variance);
+    match.share = total > 0.0 ? 1.0 - match.squares / total : 0.0;
+    return match;
+  }
+
+  /// The delay of a grid that matches best, for a bandwidth.
+  std::pair<Parameters, double> best_delay(double loop_hz) const {
+    constexpr double step_s = 0.005;
+    std::pair<Parameters, double> best{{0.0, std::log(loop_hz), dead_band_deg()}, -1.0};
+    for (double delay_s = earliest_delay_s; delay_s < longest_delay_s; delay_s += step_s) {
+      const Parameters p{delay_s, std::log(loop_hz), dead_band_deg()};
+      const Match found = match(predict(p));
+      if (best.second < 0.0 || found.squares < best.second) best = {p, found.squares};
+    }
+    return best;
+  }
+
+  /// One Gauss-Newton step with damping; the uncertainty of the delay comes with it.
+  struct Step {
+    Parameters to;
+    double delay_uncertainty_s;
+  };
+  Step step(const Parameters& p, double damping) const;
+
+  /// Drops the changes that the model explains much worse than most.
+  bool drop_outliers(const Parameters& p);
+
+  double dead_band_deg() const { return continuous_ ? 0.0 : typical_dead_band_deg; }
+  double penalty(const Parameters& p) const {
+    const double loop = (p.log_loop - log_loop_) / loop_doubt;
+    const double band = (p.dead_band_deg - dead_band_deg()) / dead_band_doubt_deg;
+    return loop * loop + band * band;
+  }
+  double cost(const Parameters& p) const {
+    const double deviation = residual_dps_;
+    return match(predict(p)).squares / (repeated * deviation * deviation) + penalty(p);
+  }
+  void set_residual(double residual_dps) { residual_dps_ = std::max(residual_dps, least_residual_dps); }
+
+ private:
+  static double curve_mean(const ShaftCurve& curve, double time_s) {
+    return curve.mean_dps(time_s - window_s / 2.0, time_s + window_s / 2.0);
+  }
+
+  std::vector<Change> changes_;
+  std::vector<double> measured_;
+  bool continuous_;
+  double log_loop_;
+  double residual_dps_ = 1.0;
+};
+
+Problem::Step Problem::step(const Parameters& p, double damping) const {
+  constexpr double delay_step_s = 2e-4, log_step = 0.02, band_step_deg = 0.02;
+  const std::vector<double> now = predict(p);
+  const std::vector<double> later = predict({p.delay_s + delay_step_s, p.log_loop, p.dead_band_deg});
+  const std::vector<double> stiffer = predict({p.delay_s, p.log_loop + log_step, p.dead_band_deg});
+  const std::vector<double> wider = predict({p.delay_s, p.log_loop, p.dead_band_deg + band_step_deg});
+  const Match found = match(now);
+  const double deviation = residual_dps_ * std::sqrt(repeated);
+  LeastSquares equations(5);
+  for (std::size_t i = 0; i < now.size(); ++i) {
+    const std::array<double, 5> row{found.factor * (later[i] - now[i]) / delay_step_s,
+                                    found.factor * (stiffer[i] - now[i]) / log_step,
+                                    found.factor * (wider[i] - now[i]) / band_step_deg, now[i], 1.0};
+    equations.add(row, measured_[i] - found.factor * now[i] - found.constant_dps, deviation);
+  }
+  equations.add_prior(0, 0.0, longest_delay_s / damping);
+  equations.add_prior(1, log_loop_ - p.log_loop, loop_doubt);
+  equations.add_prior(2, dead_band_deg() - p.dead_band_deg, continuous_ ? 1e-6 : dead_band_doubt_deg);
+  equations.add_prior(1, 0.0, 1.0 / damping);
+  equations.add_prior(2, 0.0, 1.0 / damping);
+  equations.add_prior(3, 0.0, 10.0);
+  equations.add_prior(4, 0.0, 1000.0);
+  const std::vector<double> change = equations.solve();
+  const std::array<double, 5> delay_alone{1.0, 0.0, 0.0, 0.0, 0.0};
+  return {{std::clamp(p.delay_s + change[0], earliest_delay_s, longest_delay_s),
+           std::clamp(p.log_loop + change[1], std::log(slowest_hz), std::log(fastest_hz)),
+           continuous_ ? 0.0 : std::clamp(p.dead_band_deg + change[2], 0.0, widest_dead_band_deg)},
+          std::sqrt(equations.variance(delay_alone))};
+}
+
+bool Problem::drop_outliers(const Parameters& p) {
+  const std::vector<double> rates = predict(p);
+  const Match found = match(rates);
+  std::vector<double> residuals;
+  std::size_t at = 0;
+  for (const Change& change : changes_) {
+    double squares = 0.0;
+    for (std::size_t i = 0; i < change.samples.size(); ++i, ++at) {
+      const double off = measured_[at] - found.factor * rates[at] - found.constant_dps;
+      squares += off * off;
+    }
+    residuals.push_back(std::sqrt(squares / static_cast<double>(change.samples.size())));
+  }
+  const double limit = outlier * std::max(median(residuals), least_residual_dps);
+  std::vector<Change> kept;
+  for (std::size_t i = 0; i < changes_.size(); ++i)
+    if (residuals[i] <= limit) kept.push_back(std::move(changes_[i]));
+  const bool dropped = kept.size() < changes_.size();
+  changes_ = std::move(kept);
+  measured_.clear();
+  for (const Change& change : changes_)
+    for (const Sample& sample : change.samples) measured_.push_back(sample.rate_dps);
+  return dropped;
+}
+
+double residual_dps(const Problem& problem, const Parameters& p) {
+  return std::sqrt(problem.match(problem.predict(p)).squares / static_cast<double>(problem.samples()));
+}
+
+/// Levenberg-Marquardt from the best point of a coarse grid.
+Parameters descend(Problem& problem, Parameters p) {
+  constexpr int rounds = 12;
+  constexpr double enough = 1e-5;
+  double damping = 1.0;
+  problem.set_residual(residual_dps(problem, p));
+  double cost = problem.cost(p);
+  for (int i = 0; i < rounds; ++i) {
+    const Parameters next = problem.step(p, damping).to;
+    const double next_cost = problem.cost(next);
+    if (!(next_cost < cost)) {
+      damping *= 8.0;
+      continue;
+    }
+    const bool done = cost - next_cost < enough * cost;
+    damping /= 4.0;
+    p = next;
+    problem.set_residual(residual_dps(problem, p));
+    cost = problem.cost(p);
+    if (done) break;
+  }
+  return p;
+}
+
+Parameters coarse(const Problem& problem) {
+  std::pair<Parameters, double> best{{}, -1.0};
+  for (const double loop_hz : {3.0, 5.0, 8.0, 12.0, 18.0, 27.0}) {
+    const auto found = problem.best_delay(loop_hz);
+    if (best.second < 0.0 || found.second < best.second) best = found;
+  }
+  return best.first;
+}
+}  // namespace
+
+std::optional<LoopFit> fit_loop(std::span<const PulseAt> pulses, std::span<const Stretch> changes,
+                                const GyroIntegral& gyro, const ServoProfile& profile) {
+  Problem problem(prepare(pulses, changes, gyro), profile);
+  if (problem.changes() < least_changes) return std::nullopt;
+  Parameters p = descend(problem, coarse(problem));
+  if (problem.drop_outliers(p) && problem.changes() >= least_changes) p = descend(problem, p);
+  if (problem.changes() < least_changes) return std::nullopt;
+  if (problem.match(problem.predict(p)).share < least_share_followed) return std::nullopt;
+  const double uncertainty_s = problem.step(p, 1e-3).delay_uncertainty_s;
+  return LoopFit{{p.delay_s, uncertainty_s}, p.loop_hz(), p.dead_band_deg, residual_dps(problem, p)};
+}
+
+}  // namespace thermorig::labels

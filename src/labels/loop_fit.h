@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "gyro_integral.h"
+#include "shaft_curve.h"
+#include "stretches.h"
+#include "thermorig/core/estimate.h"
+#include "thermorig/core/profile.h"
+
+namespace thermorig::labels {
+
+/// How the shaft follows a change of speed.
+struct LoopFit {
+  Estimate delay_s;
+  double loop_hz = 0.0;
+  double dead_band_deg = 0.0;
+  double residual_dps = 0.0;  // root mean square of what is left around the changes, means over 20 ms
+};
+
+/// Delay, bandwidth and dead band that make the model's mean rate over 20 ms (one pulse period: the ripple of
+/// the pulses and the gyro's own filter play no part) most like the gyro's, around the changes of speed; up
+/// to a factor and a constant, which are found elsewhere. None if there are fewer than three changes that the
+/// gyro saw, or the gyro does not follow them.
+std::optional<LoopFit> fit_loop(std::span<const PulseAt> pulses, std::span<const Stretch> changes,
+                                const GyroIntegral& gyro, const ServoProfile& profile);
+
+}  // namespace thermorig::labels

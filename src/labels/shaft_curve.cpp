@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: MIT
+#include "shaft_curve.h"
+
+#include <algorithm>
+
+#include "hermite.h"
+
+namespace thermorig::labels {
+
+namespace {
+constexpr HostDuration telemetry_gap = std::chrono::milliseconds(50);
+}  // namespace
+
+std::vector<PulseAt> all_pulses(std::span<const TimedServo> servo, const PulseScale& scale, HostTime origin) {
+  PulseTrain train(scale, telemetry_gap);
+  std::vector<Pulse> found;
+  std::vector<PulseAt> pulses;
+  for (const TimedServo& message : servo) {
+    train.add(message, found);
+    for (const Pulse& pulse : found) {
+      const double end_s = to_s(pulse.end - origin);
+      pulses.push_back(
+          {pulses.empty() ? end_s : std::max(end_s, pulses.back().end_s), pulse.value, pulse.restart});
+    }
+    found.clear();
+  }
+  return pulses;
+}
+
+ShaftCurve::ShaftCurve(std::span<const PulseAt> pulses, bool continuous, double loop_hz, double dead_band_deg,
+                       double until_s) {
+  ServoLoop loop(continuous, loop_hz, dead_band_deg);
+  loop.restart(pulses.front().value);
+  double time_s = pulses.front().end_s;
+  points_.push_back({time_s, loop.angle_deg(), loop.rate_dps()});
+  for (std::size_t i = 0; i < pulses.size(); ++i) {
+    if (pulses[i].restart) loop.restart(pulses[i].value);
+    const double end_s = i + 1 < pulses.size() ? pulses[i + 1].end_s : until_s;
+    loop.advance(pulses[i].value, end_s - pulses[i].end_s, [&](double step_s) {
+      time_s += step_s;
+      points_.push_back({time_s, loop.angle_deg(), loop.rate_dps()});
+    });
+  }
+}
+
+double ShaftCurve::angle_deg(double time_s) const {
+  const auto after = std::upper_bound(points_.begin(), points_.end(), time_s,
+                                      [](double time, const Point& point) { return time < point.time_s; });
+  if (after == points_.begin()) return points_.front().angle_deg;
+  if (after == points_.end()) return points_.back().angle_deg;
+  const Point& a = *(after - 1);
+  const Point& b = *after;
+  const double length_s = b.time_s - a.time_s;
+  return hermite(a.angle_deg, a.rate_dps, b.angle_deg, b.rate_dps, length_s, (time_s - a.time_s) / length_s);
+}
+
+}  // namespace thermorig::labels

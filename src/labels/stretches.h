@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "thermorig/core/sample.h"
+#include "thermorig/core/time.h"
+
+namespace thermorig::labels {
+
+/// Part of a recording, in seconds from an origin.
+struct Stretch {
+  double begin_s = 0.0;
+  double end_s = 0.0;
+  double rate_dps = 0.0;  // commanded
+};
+
+/// Where telemetry without a gap reports one speed and no change of it. `rests`: the servo holds or is
+/// disarmed; else it moves.
+std::vector<Stretch> steady_stretches(std::span<const TimedServo> servo, HostTime origin, bool rests);
+
+/// Where the commanded speed changes, by telemetry without a gap: from the first to the last change of a
+/// ramp.
+std::vector<Stretch> speed_changes(std::span<const TimedServo> servo, HostTime origin);
+
+}  // namespace thermorig::labels
