@@ -84,6 +84,15 @@ void add_record(CLI::App& root, Words& words) {
   command.add_option("--frames-per-leg", record.frames_per_leg, "Camera frames in each leg of the plan")
       ->type_name("N");
   command
+      .add_option("--valid-per-leg", record.valid_per_leg,
+                  "Valid frames that each leg must bring; it goes on until it has them (0: no quota)")
+      ->type_name("N");
+  command
+      .add_option("--frames-per-window", record.frames_per_window,
+                  "Refuse speeds that cannot give so many valid frames in a row (1 to 6)")
+      ->check(CLI::Range(1, 6))
+      ->type_name("N");
+  command
       .add_option("--speeds", record.speeds_dps,
                   "Magnitudes to sweep, deg/s, each driven as +v and -v: 30,60,90")
       ->delimiter(',')

@@ -29,7 +29,8 @@ struct RecordOptions {
   std::string environment;
   std::filesystem::path output = "recordings";
   std::string plan = "paper";  // paper, table-one, quick or a TOML file
-  std::optional<int> frames_per_leg;
+  std::optional<int> frames_per_leg, valid_per_leg;
+  int frames_per_window = 1;       // valid ones in a row that every speed must be able to give
   std::vector<double> speeds_dps;  // empty: the plan's own
   bool fast = false;               // virtual time
   bool dry_run = false;

@@ -43,6 +43,44 @@ std::string leg_text(const SweepProgress& sweep) {
   return sweep.repeated > 0 ? text + fmt::format(", {} repeated", sweep.repeated) : text;
 }
 
+/// One sign a speed: '.' for none of its valid frames, 1 to 9 for tenths, '#' for all.
+char quota_sign(const rig::SpeedQuota& speed) {
+  if (speed.valid >= speed.wanted) return '#';
+  const int tenths = 10 * speed.valid / speed.wanted;
+  return tenths == 0 ? '.' : static_cast<char>('0' + tenths);
+}
+
+/// All speeds of the plan from -v to +v, a gap in the middle: "-200 [##3..  ..5##] +200 deg/s".
+std::string quota_bar(const std::vector<rig::SpeedQuota>& speeds) {
+  std::string signs;
+  for (std::size_t i = 0; i < speeds.size(); ++i) {
+    if (i > 0 && speeds[i].rate_dps > 0.0 && speeds[i - 1].rate_dps < 0.0) signs += ' ';
+    signs += quota_sign(speeds[i]);
+  }
+  return fmt::format("{:+g} [{}] {:+g} deg/s", speeds.front().rate_dps, signs, speeds.back().rate_dps);
+}
+
+bool has_quota(const SweepProgress& sweep) {
+  return std::any_of(sweep.speeds.begin(), sweep.speeds.end(),
+                     [](const rig::SpeedQuota& speed) { return speed.wanted > 0; });
+}
+
+std::ptrdiff_t speeds_met(const SweepProgress& sweep) {
+  return std::count_if(sweep.speeds.begin(), sweep.speeds.end(),
+                       [](const rig::SpeedQuota& speed) { return speed.valid >= speed.wanted; });
+}
+
+/// "valid 31 of 50 at this speed, 12 of 50 speeds have theirs"; empty without a quota.
+std::string quota_text(const SweepProgress& sweep) {
+  if (!has_quota(sweep)) return "";
+  const std::string here =
+      sweep.valid_quota == 0
+          ? ""
+          : fmt::format("valid {} of {} at {}, ", sweep.valid, sweep.valid_quota, speed_text(sweep.rate_dps));
+  return here +
+         fmt::format("{} of {} speeds have their valid frames", speeds_met(sweep), sweep.speeds.size());
+}
+
 std::string left_text(const SweepProgress& sweep) {
   return fmt::format("{:.0f} %, {} left", std::floor(100 * sweep.done_share), duration_text(sweep.eta_s));
 }
@@ -101,6 +139,7 @@ class PlainOutput : public ProgressOutput {
   static std::string line(const RecordingProgress& progress) {
     std::string text = fmt::format("{:>8}  {}, {}", duration_text(progress.elapsed_s),
                                    leg_text(progress.sweep), left_text(progress.sweep));
+    if (has_quota(progress.sweep)) text += "; " + quota_text(progress.sweep);
     for (Device device : all_devices) {
       const DeviceHealth& health = progress.health[device];
       text += fmt::format("; {} {} lost {} bad {}", name_of(device),
@@ -132,6 +171,10 @@ nlohmann::json json_of(const RecordingProgress& progress) {
                         {"rate_dps", sweep.rate_dps},
                         {"frames", sweep.frames},
                         {"frames_per_leg", sweep.frames_per_leg},
+                        {"valid", sweep.valid},
+                        {"valid_quota", sweep.valid_quota},
+                        {"speeds_met", speeds_met(sweep)},
+                        {"speed_count", sweep.speeds.size()},
                         {"done_share", sweep.done_share},
                         {"eta_s", sweep.eta_s},
                         {"repeated", sweep.repeated}};
@@ -170,6 +213,9 @@ std::vector<std::string> status_lines(const RecordingProgress& progress) {
   for (Device device : all_devices) lines.push_back(device_line(device, progress.health[device]));
   lines.push_back(fmt::format("{} {}  {}", bar(progress.sweep.done_share), left_text(progress.sweep),
                               leg_text(progress.sweep)));
+  if (!has_quota(progress.sweep)) return lines;
+  lines.push_back(fmt::format("{:<7} {}", "valid", quota_bar(progress.sweep.speeds)));
+  lines.push_back(fmt::format("{:<7} {}", "", quota_text(progress.sweep)));
   return lines;
 }
 

@@ -33,7 +33,8 @@ class ProgressOutput {
 /// ten seconds; with `json` one object a second.
 std::unique_ptr<ProgressOutput> make_progress_output(bool json);
 
-/// The lines of the terminal: one a device, and where the sweep stands. No escape codes.
+/// The lines of the terminal: one a device, where the sweep stands, and which speeds have their valid frames.
+/// No escape codes.
 std::vector<std::string> status_lines(const rig::RecordingProgress& progress);
 
 }  // namespace thermorig::app

@@ -9,8 +9,10 @@
 #include <nlohmann/json.hpp>
 
 #include "output.h"
+#include "record_yield.h"
 #include "thermorig/io/port.h"
 #include "thermorig/rig/link_load.h"
+#include "thermorig/rig/yield.h"
 #include "thermorig/timing/link_timing.h"
 
 namespace thermorig::app {
@@ -45,10 +47,10 @@ Check check_port(Device device, const RigProfile& profile) {
   return check;
 }
 
-Check check_plan(const ChosenRig& rig, const rig::SweepPlan& plan) {
+Check check_plan(const RecordOptions& options, const ChosenRig& rig, const rig::SweepPlan& plan) {
   Check check{.name = "plan"};
   try {
-    rig::check_plan(plan, rig.profile.servo, rig.profile.camera);
+    rig::check_plan(plan, rig.profile.servo, rig.profile.camera, options.frames_per_window);
     check.result = "every speed and every leg is within the servo's limits";
   } catch (const Error& error) {
     check.code = error.code();
@@ -95,10 +97,11 @@ Check check_output(const RecordOptions& options, const RigProfile& profile, cons
 
 void print_legs(const rig::SweepPlan& plan, const ChosenRig& rig) {
   Table table({">leg", ">deg/s", ">frames", ">time"});
-  const double rate_hz = rig.profile.camera.output_rate_hz;
-  for (std::size_t i = 0; i < plan.leg_rates_dps.size(); ++i)
-    table.add({std::to_string(i + 1), fmt::format("{:+.1f}", plan.leg_rates_dps[i]),
-               std::to_string(plan.frames_per_leg), duration_text(plan.frames_per_leg / rate_hz)});
+  std::size_t number = 0;
+  for (const rig::ExpectedLeg& leg :
+       rig::expected_legs(plan, rig.profile.servo, rig.profile.camera.output_rate_hz))
+    table.add({std::to_string(++number), fmt::format("{:+.1f}", leg.rate_dps),
+               fmt::format("{:.0f}", leg.frames), duration_text(leg.duration_s)});
   fmt::print("{}", table.text("  "));
 }
 
@@ -109,7 +112,8 @@ void print_checks(const std::vector<Check>& checks) {
   fmt::print("\n{}", table.text());
 }
 
-nlohmann::json json_of(const rig::SweepPlan& plan, double duration_s, const std::vector<Check>& checks) {
+nlohmann::json json_of(const rig::SweepPlan& plan, const RigProfile& profile,
+                       const std::vector<Check>& checks) {
   nlohmann::json list = nlohmann::json::array();
   for (const Check& check : checks)
     list.push_back({{"name", check.name},
@@ -122,9 +126,11 @@ nlohmann::json json_of(const rig::SweepPlan& plan, double duration_s, const std:
           {"plan", plan.name},
           {"legs_dps", plan.leg_rates_dps},
           {"frames_per_leg", plan.frames_per_leg},
+          {"valid_per_leg", plan.valid_per_leg},
           {"opening_rest_s", plan.opening_rest_s},
           {"closing_rest_s", plan.closing_rest_s},
-          {"duration_s", duration_s},
+          {"duration_s", rig::plan_duration_s(plan, profile.servo, profile.camera.output_rate_hz)},
+          {"yield", yield_json(plan, profile)},
           {"checks", list}};
 }
 
@@ -132,7 +138,7 @@ nlohmann::json json_of(const rig::SweepPlan& plan, double duration_s, const std:
 
 std::vector<Check> checks_before(const RecordOptions& options, const ChosenRig& rig,
                                  const rig::SweepPlan& plan) {
-  std::vector<Check> checks{check_plan(rig, plan)};
+  std::vector<Check> checks{check_plan(options, rig, plan)};
   for (Device device : all_devices) checks.push_back(check_link(device, rig.profile));
   if (!rig.simulated)
     for (Device device : all_devices) checks.push_back(check_port(device, rig.profile));
@@ -147,14 +153,16 @@ void require_output(const RecordOptions& options, const ChosenRig& rig, const ri
 
 ExitCode print_dry_run(const RecordOptions& options, const ChosenRig& rig, const rig::SweepPlan& plan) {
   const std::vector<Check> checks = checks_before(options, rig, plan);
-  const double duration_s = rig::plan_duration_s(plan, rig.profile.servo, rig.profile.camera.output_rate_hz);
   if (options.json) {
-    print_json(json_of(plan, duration_s, checks));
+    print_json(json_of(plan, rig.profile, checks));
   } else {
+    const double duration_s =
+        rig::plan_duration_s(plan, rig.profile.servo, rig.profile.camera.output_rate_hz);
     fmt::print("plan {}: {} legs of {} frames, rests of {} and {}, about {}\n\n", plan.name,
                plan.leg_rates_dps.size(), plan.frames_per_leg, duration_text(plan.opening_rest_s),
                duration_text(plan.closing_rest_s), duration_text(duration_s));
     print_legs(plan, rig);
+    fmt::print("\n{}", yield_text(plan, rig.profile));
     print_checks(checks);
   }
   for (const Check& check : checks)

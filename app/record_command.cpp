@@ -13,6 +13,7 @@ rig::SweepPlan chosen_plan(const RecordOptions& options) {
   rig::PlanOverrides overrides;
   overrides.magnitudes_dps = options.speeds_dps;
   overrides.frames_per_leg = options.frames_per_leg;
+  overrides.valid_per_leg = options.valid_per_leg;
   return rig::load_plan(options.plan, options.environment, options.rig.simulated_seed.value_or(1), overrides);
 }
 
@@ -23,7 +24,7 @@ ExitCode run(const RecordOptions& options) {
   const ChosenRig rig = chosen_rig(options.rig, options.environment);
   const rig::SweepPlan plan = chosen_plan(options);
   if (options.dry_run) return print_dry_run(options, rig, plan);
-  rig::check_plan(plan, rig.profile.servo, rig.profile.camera);
+  rig::check_plan(plan, rig.profile.servo, rig.profile.camera, options.frames_per_window);
   require_output(options, rig, plan);
   const RecordSummary summary = record_session(options, rig, plan);
   print_summary(summary, options.json);

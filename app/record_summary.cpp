@@ -49,12 +49,33 @@ std::string journal_text(const RecordingResult& result) {
                                 : "finalised, its bytes are in the session";
 }
 
+/// Speeds without their valid frames or, where the plan has no quota, without their frames.
+ShortSpeeds wanting_speeds(const RecordSummary& summary) {
+  if (summary.plan.valid_per_leg == 0) return short_speeds(summary.result.quality, summary.plan);
+  ShortSpeeds wanting{.planned = summary.result.speeds.size()};
+  constexpr std::size_t shown = 4;
+  for (const rig::SpeedQuota& speed : summary.result.speeds) {
+    if (!speed.is_short() || ++wanting.count > shown) continue;
+    wanting.text += fmt::format("{}{} ({} valid of {})", wanting.count == 1 ? "" : ", ",
+                                speed_text(speed.rate_dps), speed.valid, speed.wanted);
+  }
+  if (wanting.count > shown) wanting.text += fmt::format(" and {} more", wanting.count - shown);
+  return wanting;
+}
+
+nlohmann::json speeds_json(const std::vector<rig::SpeedQuota>& speeds) {
+  nlohmann::json list = nlohmann::json::array();
+  for (const rig::SpeedQuota& speed : speeds)
+    list.push_back({{"rate_dps", speed.rate_dps}, {"valid", speed.valid}, {"valid_quota", speed.wanted}});
+  return list;
+}
+
 void print_figures(const RecordSummary& summary) {
   const RecordingResult& result = summary.result;
   const session::Quality& quality = result.quality;
   fmt::print("frames   {} of {} in legs are valid ({}); {} in all\n", count_text(quality.valid),
              count_text(quality.swept), share_text(quality.valid, quality.swept), count_text(quality.frames));
-  const ShortSpeeds wanting = short_speeds(quality, summary.plan);
+  const ShortSpeeds wanting = wanting_speeds(summary);
   fmt::print(
       "speeds   {} planned, {}\n", wanting.planned,
       wanting.count == 0 ? "none short of frames" : fmt::format("{} short: {}", wanting.count, wanting.text));
@@ -80,8 +101,8 @@ nlohmann::json json_of(const RecordSummary& summary) {
                         {"frames", quality.frames},
                         {"frames_swept", quality.swept},
                         {"frames_valid", quality.valid},
-                        {"speeds", short_speeds(quality, summary.plan).planned},
-                        {"speeds_short", short_speeds(quality, summary.plan).count},
+                        {"speeds", speeds_json(result.speeds)},
+                        {"speeds_short", wanting_speeds(summary).count},
                         {"worst_gap_s", worst_gap_s(quality)},
                         {"verdict", quality.verdict},
                         {"verdict_reasons", quality.verdict_reasons},

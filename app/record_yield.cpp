@@ -1,0 +1,107 @@
+// SPDX-License-Identifier: MIT
+#include "record_yield.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <nlohmann/json.hpp>
+
+#include "output.h"
+#include "thermorig/rig/yield.h"
+
+namespace thermorig::app {
+
+namespace {
+
+using rig::SpeedYield;
+
+double stroke_deg(const ServoProfile& servo) {
+  const auto limit_deg = rig::angle_limit_deg(servo);
+  return limit_deg ? 2.0 * *limit_deg : std::numeric_limits<double>::infinity();
+}
+
+std::string windows_text(double windows) {
+  return windows < 9.95 ? fmt::format("{:.1f}", windows) : fmt::format("{:.0f}", windows);
+}
+
+std::string cell(const SpeedYield::Windows& windows) {
+  if (!windows.possible) return "-";
+  const std::string leg = windows_text(windows.leg);
+  return std::isfinite(windows.sweep) ? leg + " / " + windows_text(windows.sweep) : leg;
+}
+
+/// What one window too many would need: "6 frames at 200 deg/s: 1.08 s = 215 deg, with ramps 235 deg of 176".
+std::string impossible_text(const SpeedYield& speed, const RigProfile& profile) {
+  const auto first = std::find_if(speed.windows.begin(), speed.windows.end(),
+                                  [](const SpeedYield::Windows& windows) { return !windows.possible; });
+  if (first == speed.windows.end()) return "";
+  const int frames = static_cast<int>(first - speed.windows.begin()) + 1;
+  const double rate_hz = profile.camera.output_rate_hz;
+  const double needed_s = rig::window_s(frames, profile.servo, rate_hz);
+  return fmt::format(
+      "  {:g} deg/s, {} frames in a row{}: {:.2f} s to settle + {:.2f} s of exposure + {} x {:.3f} s = "
+      "{:.2f} s "
+      "= {:.0f} deg, + {:.0f} deg of ramps = {:.0f} deg of travel; there are {:.0f}\n",
+      speed.rate_dps, frames, frames < rig::window_frames_max ? " and more" : "", profile.servo.settle_s,
+      2.0 / rate_hz, frames - 1, 1.0 / rate_hz, needed_s, speed.rate_dps * needed_s,
+      first->travel_deg - speed.rate_dps * needed_s, first->travel_deg, stroke_deg(profile.servo));
+}
+
+std::string impossible_lines(const std::vector<SpeedYield>& speeds, const RigProfile& profile) {
+  std::string lines;
+  for (const SpeedYield& speed : speeds) lines += impossible_text(speed, profile);
+  return lines.empty() ? "" : "\nimpossible (-) with this servo's travel\n" + lines;
+}
+
+std::string quota_text(const rig::SweepPlan& plan) {
+  if (plan.valid_per_leg == 0) return "no quota: a leg ends with its frames";
+  return fmt::format("quota: {} valid frames a leg; a leg that has fewer goes on", plan.valid_per_leg);
+}
+
+nlohmann::json finite(double value) {
+  return std::isfinite(value) ? nlohmann::json(value) : nlohmann::json();
+}
+
+nlohmann::json json_of(const SpeedYield& speed) {
+  nlohmann::json object{{"rate_dps", speed.rate_dps}, {"quota_s", speed.duration_s}};
+  for (const SpeedYield::Windows& windows : speed.windows) {
+    object["leg"].push_back(windows.leg);
+    object["sweep"].push_back(finite(windows.sweep));
+    object["travel_deg"].push_back(windows.travel_deg);
+    object["possible"].push_back(windows.possible);
+  }
+  return object;
+}
+
+}  // namespace
+
+std::string yield_text(const rig::SweepPlan& plan, const RigProfile& profile) {
+  if (plan.leg_rates_dps.empty()) return "";
+  Table table({">deg/s", ">1 frame", ">2", ">3", ">4", ">5", ">6", ">takes"});
+  const auto speeds = rig::plan_yield(plan, profile.servo, profile.camera.output_rate_hz);
+  for (const SpeedYield& speed : speeds) {
+    std::vector<std::string> row{fmt::format("{:g}", speed.rate_dps)};
+    for (const SpeedYield::Windows& windows : speed.windows) row.push_back(cell(windows));
+    row.push_back(duration_text(speed.duration_s));
+    table.add(std::move(row));
+  }
+  const bool has_stops = std::isfinite(stroke_deg(profile.servo));
+  return fmt::format("valid windows of 1 to 6 frames in a row that one leg{} brings\n{}{}{}\n",
+                     has_stops ? " / one sweep from stop to stop" : "", table.text("  "), quota_text(plan),
+                     impossible_lines(speeds, profile));
+}
+
+nlohmann::json yield_json(const rig::SweepPlan& plan, const RigProfile& profile) {
+  const double rate_hz = profile.camera.output_rate_hz;
+  nlohmann::json speeds = nlohmann::json::array();
+  for (const SpeedYield& speed : rig::plan_yield(plan, profile.servo, rate_hz))
+    speeds.push_back(json_of(speed));
+  return {{"valid_per_leg", plan.valid_per_leg},
+          {"stroke_deg", finite(stroke_deg(profile.servo))},
+          {"quota_s", rig::plan_duration_s(plan, profile.servo, rate_hz)},
+          {"speeds", speeds}};
+}
+
+}  // namespace thermorig::app
