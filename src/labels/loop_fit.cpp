@@ -15,7 +15,8 @@ constexpr double window_s = 0.02;       // one pulse period
 constexpr double run_in_s = 0.8;        // the loop has forgotten how it started
 constexpr double look_before_s = 0.05;  // of a change
 constexpr double look_after_s = 0.45;
-constexpr std::size_t most_changes = 120;
+constexpr std::size_t most_changes = 100;
+constexpr std::size_t coarse_changes = 16;
 constexpr std::size_t least_changes = 3;
 constexpr double least_share_followed = 0.9;  // of the gyro's variance
 constexpr double typical_dead_band_deg = 0.3, dead_band_doubt_deg = 0.3;
@@ -73,9 +74,9 @@ std::vector<Sample> samples_of(const GyroIntegral& gyro, double begin_s, double 
 }
 
 std::vector<Change> prepare(std::span<const PulseAt> pulses, std::span<const Stretch> changes,
-                            const GyroIntegral& gyro) {
+                            const GyroIntegral& gyro, std::size_t most) {
   std::vector<Change> prepared;
-  const std::size_t stride = changes.size() / most_changes + 1;
+  const std::size_t stride = std::max<std::size_t>((changes.size() + most - 1) / most, 1);
   for (std::size_t i = 0; i < changes.size(); i += stride) {
     Change change;
     const double length_s = std::min(changes[i].end_s - changes[i].begin_s, 1.0);
@@ -102,15 +103,7 @@ class Problem {
 
   /// The model's mean rates at all samples.
   std::vector<double> predict(const Parameters& p) const {
-    std::vector<double> rates;
-    rates.reserve(measured_.size());
-    for (const Change& change : changes_) {
-      const ShaftCurve curve(change.pulses, continuous_, p.loop_hz(), p.dead_band_deg,
-                             change.end_s + longest_delay_s);
-      for (const Sample& sample : change.samples)
-        rates.push_back(curve_mean(curve, sample.time_s - p.delay_s));
-    }
-    return rates;
+    return means(curves_of(p.loop_hz(), p.dead_band_deg), p.delay_s);
   }
 
   Match match(const std::vector<double>& rates) const {
@@ -135,11 +128,12 @@ class Problem {
   /// The delay of a grid that matches best, for a bandwidth.
   std::pair<Parameters, double> best_delay(double loop_hz) const {
     constexpr double step_s = 0.005;
+    const std::vector<ShaftCurve> curves = curves_of(loop_hz, dead_band_deg());
     std::pair<Parameters, double> best{{0.0, std::log(loop_hz), dead_band_deg()}, -1.0};
     for (double delay_s = earliest_delay_s; delay_s < longest_delay_s; delay_s += step_s) {
-      const Parameters p{delay_s, std::log(loop_hz), dead_band_deg()};
-      const Match found = match(predict(p));
-      if (best.second < 0.0 || found.squares < best.second) best = {p, found.squares};
+      const Match found = match(means(curves, delay_s));
+      if (best.second >= 0.0 && found.squares >= best.second) continue;
+      best = {{delay_s, std::log(loop_hz), dead_band_deg()}, found.squares};
     }
     return best;
   }
@@ -167,8 +161,22 @@ class Problem {
   void set_residual(double residual_dps) { residual_dps_ = std::max(residual_dps, least_residual_dps); }
 
  private:
-  static double curve_mean(const ShaftCurve& curve, double time_s) {
-    return curve.mean_dps(time_s - window_s / 2.0, time_s + window_s / 2.0);
+  std::vector<ShaftCurve> curves_of(double loop_hz, double dead_band_deg) const {
+    std::vector<ShaftCurve> curves;
+    curves.reserve(changes_.size());
+    for (const Change& change : changes_)
+      curves.emplace_back(change.pulses, continuous_, loop_hz, dead_band_deg, change.end_s + longest_delay_s);
+    return curves;
+  }
+  std::vector<double> means(const std::vector<ShaftCurve>& curves, double delay_s) const {
+    std::vector<double> rates;
+    rates.reserve(measured_.size());
+    for (std::size_t i = 0; i < changes_.size(); ++i)
+      for (const Sample& sample : changes_[i].samples) {
+        const double middle_s = sample.time_s - delay_s;
+        rates.push_back(curves[i].mean_dps(middle_s - window_s / 2.0, middle_s + window_s / 2.0));
+      }
+    return rates;
   }
 
   std::vector<Change> changes_;
@@ -273,9 +281,9 @@ Parameters coarse(const Problem& problem) {
 
 std::optional<LoopFit> fit_loop(std::span<const PulseAt> pulses, std::span<const Stretch> changes,
                                 const GyroIntegral& gyro, const ServoProfile& profile) {
-  Problem problem(prepare(pulses, changes, gyro), profile);
+  Problem problem(prepare(pulses, changes, gyro, most_changes), profile);
   if (problem.changes() < least_changes) return std::nullopt;
-  Parameters p = descend(problem, coarse(problem));
+  Parameters p = descend(problem, coarse({prepare(pulses, changes, gyro, coarse_changes), profile}));
   if (problem.drop_outliers(p) && problem.changes() >= least_changes) p = descend(problem, p);
   if (problem.changes() < least_changes) return std::nullopt;
   if (problem.match(problem.predict(p)).share < least_share_followed) return std::nullopt;
