@@ -3,13 +3,6 @@
 
 namespace thermorig::motion {
 
-CameraOffset camera_offset(std::span<const TimedFrame>, std::span<const TimedGyro>, const View&,
-                           const GyroErrors&) {
-  CameraOffset result;
-  result.why_not = "image motion was not looked at";
-  return result;
-}
-
 std::optional<unsigned> newer_half(std::span<const TimedFrame>, std::span<const TimedGyro>, const View&,
                                    const GyroErrors&) {
   return std::nullopt;

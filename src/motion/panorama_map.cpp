@@ -1,0 +1,137 @@
+// SPDX-License-Identifier: MIT
+#include "panorama_map.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace thermorig::motion {
+namespace {
+
+constexpr std::size_t cell_values = 2 * half_rows;  // of one bin
+constexpr float least_weight = 1.5F;                // a single reading is no map
+constexpr double whole_turn_deg = 360.0;
+
+}  // namespace
+
+PanoramaMap::PanoramaMap(double pitch_deg, bool closed, double lowest_deg, double span_deg)
+    : bin_deg_(closed ? whole_turn_deg / std::round(whole_turn_deg / pitch_deg) : pitch_deg),
+      lowest_deg_(closed ? 0.0 : lowest_deg),
+      closed_(closed),
+      bins_(static_cast<std::uint32_t>(closed ? std::lround(whole_turn_deg / bin_deg_)
+                                              : std::lround(std::ceil(span_deg / bin_deg_)) + 2)),
+      weight_(bins_ * cell_values),
+      sum_(weight_.size()),
+      mean_(weight_.size()),
+      slope_(weight_.size()),
+      known_(weight_.size()) {}
+
+PanoramaMap::Place PanoramaMap::place(double angle_deg, double pitch_deg, bool mirrored) const {
+  Place place;
+  const double direction = mirrored ? -1.0 : 1.0;
+  for (std::size_t column = 0; column < frame_columns; ++column) {
+    const double offset_deg =
+        direction * (static_cast<double>(column) - (frame_columns - 1) / 2.0) * pitch_deg;
+    double position = (angle_deg + offset_deg - lowest_deg_) / bin_deg_;
+    if (closed_) position -= bins_ * std::floor(position / bins_);
+    position = std::clamp(position, 0.0, static_cast<double>(bins_) - (closed_ ? 1e-6 : 1.0 + 1e-6));
+    const auto left = static_cast<std::uint32_t>(position);
+    place.left[column] = left;
+    place.right[column] = left + 1 == bins_ ? 0 : left + 1;
+    place.part[column] = static_cast<float>(position - left);
+  }
+  return place;
+}
+
+void PanoramaMap::clear() {
+  std::fill(weight_.begin(), weight_.end(), 0.0F);
+  std::fill(sum_.begin(), sum_.end(), 0.0F);
+}
+
+void PanoramaMap::add(const Place& place, unsigned parity, const HalfPixels& value,
+                      const HalfPixels& weight) {
+  for (std::size_t column = 0; column < frame_columns; ++column) {
+    const std::size_t left = cell(place.left[column], column, parity);
+    const std::size_t right = cell(place.right[column], column, parity);
+    const float part = place.part[column];
+    for (std::size_t k = 0; k < half_rows; ++k) {
+      const std::size_t i = column * half_rows + k;
+      const float to_right = part * weight[i];
+      const float to_left = weight[i] - to_right;
+      weight_[left + k] += to_left;
+      sum_[left + k] += to_left * value[i];
+      weight_[right + k] += to_right;
+      sum_[right + k] += to_right * value[i];
+    }
+  }
+}
+
+std::uint32_t PanoramaMap::neighbour(std::uint32_t bin, int step) const {
+  const auto next = static_cast<std::int64_t>(bin) + step;
+  if (closed_) return static_cast<std::uint32_t>((next + bins_) % bins_);
+  return static_cast<std::uint32_t>(std::clamp<std::int64_t>(next, 0, bins_ - 1));
+}
+
+void PanoramaMap::finish() {
+  for (std::size_t i = 0; i < weight_.size(); ++i) mean_[i] = weight_[i] > 0.0F ? sum_[i] / weight_[i] : 0.0F;
+  const auto run = static_cast<float>(2.0 * bin_deg_);
+  for (std::uint32_t bin = 0; bin < bins_; ++bin) {
+    const std::size_t here = bin * cell_values;
+    const std::size_t left = neighbour(bin, -1) * cell_values;
+    const std::size_t right = neighbour(bin, 1) * cell_values;
+    for (std::size_t k = 0; k < cell_values; ++k) {
+      const bool known = weight_[here + k] > least_weight && weight_[left + k] > least_weight &&
+                         weight_[right + k] > least_weight;
+      known_[here + k] = known ? 1.0F : 0.0F;
+      slope_[here + k] = known ? (mean_[right + k] - mean_[left + k]) / run : 0.0F;
+    }
+  }
+}
+
+void PanoramaMap::expect(const Place& place, unsigned parity, Expected& expected) const {
+  for (std::size_t column = 0; column < frame_columns; ++column) {
+    const std::size_t left = cell(place.left[column], column, parity);
+    const std::size_t right = cell(place.right[column], column, parity);
+    const float part = place.part[column];
+    for (std::size_t k = 0; k < half_rows; ++k) {
+      const std::size_t i = column * half_rows + k;
+      expected.mean[i] = mean_[left + k] + part * (mean_[right + k] - mean_[left + k]);
+      expected.slope[i] = slope_[left + k] + part * (slope_[right + k] - slope_[left + k]);
+      expected.known[i] = known_[left + k] * known_[right + k];
+    }
+  }
+}
+
+double PanoramaMap::explained() const {
+  double sum = 0.0;
+  for (std::size_t i = 0; i < weight_.size(); ++i)
+    if (weight_[i] > 0.0F) sum += static_cast<double>(sum_[i]) * sum_[i] / weight_[i];
+  return sum;
+}
+
+double PanoramaMap::freedom() const {
+  return static_cast<double>(
+      std::count_if(weight_.begin(), weight_.end(), [](float weight) { return weight > 0.0F; }));
+}
+
+double PanoramaMap::slope_squared() const {
+  double sum = 0.0;
+  for (std::size_t i = 0; i < slope_.size(); ++i)
+    sum += static_cast<double>(weight_[i]) * slope_[i] * slope_[i];
+  return sum;
+}
+
+double PanoramaMap::slope_noise(double noise_variance) const {
+  double sum = 0.0;
+  for (std::uint32_t bin = 0; bin < bins_; ++bin) {
+    const std::size_t here = bin * cell_values;
+    const std::size_t left = neighbour(bin, -1) * cell_values;
+    const std::size_t right = neighbour(bin, 1) * cell_values;
+    for (std::size_t k = 0; k < cell_values; ++k)
+      if (known_[here + k] > 0.0F)
+        sum += static_cast<double>(weight_[here + k]) * (1.0 / weight_[left + k] + 1.0 / weight_[right + k]);
+  }
+  // A mean of tents weighs readings unequally: its variance is about two thirds of one over the weight.
+  return sum * noise_variance * (2.0 / 3.0) / (4.0 * bin_deg_ * bin_deg_);
+}
+
+}  // namespace thermorig::motion

@@ -1,0 +1,105 @@
+// SPDX-License-Identifier: MIT
+#include "windows.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace thermorig::motion {
+namespace {
+
+constexpr double resting_dps = 3.0;
+constexpr std::size_t rests_kept = 8;       // one of so many
+constexpr std::size_t window_halves = 500;  // a minute at 8 half-fresh frames a second
+constexpr double longest_window_s = 150.0;
+constexpr double offset_step_s = 0.015;  // 3 degrees at 200 deg/s: the sharpest point is not stepped over
+constexpr double bias_change_dps = 0.1;  // since the rests at which it was measured
+constexpr double unknown_bias_dps = 3.0;
+constexpr double likely_drift =
+    0.002;  // deg/s a second: a few degrees Celsius an hour at 0.05 deg/s/K, and random walk
+constexpr double any_offset_s = 0.2;
+
+std::vector<FreshHalf> without_most_rests(std::span<const FreshHalf> halves) {
+  std::vector<FreshHalf> kept;
+  std::size_t resting = 0;
+  for (const FreshHalf& half : halves) {
+    const bool moves = std::abs(half.rate_dps) > resting_dps;
+    if (moves || resting % rests_kept == 0) kept.push_back(half);
+    resting = moves ? 0 : resting + 1;
+  }
+  return kept;
+}
+
+/// Cuts what lies in one stretch of the gyro into equal windows.
+void cut(std::span<const FreshHalf> run, std::vector<Window>& windows) {
+  const double duration_s = run.back().end_s - run.front().begin_s;
+  const double parts_by_time = std::ceil(duration_s / longest_window_s);
+  const double parts_by_count = std::round(static_cast<double>(run.size()) / window_halves);
+  const auto parts = static_cast<std::size_t>(std::max({1.0, parts_by_time, parts_by_count}));
+  for (std::size_t i = 0; i < parts; ++i) {
+    const auto part =
+        run.subspan(run.size() * i / parts, run.size() * (i + 1) / parts - run.size() * i / parts);
+    windows.emplace_back(part.begin(), part.end());
+  }
+}
+
+}  // namespace
+
+std::vector<Window> moving_windows(std::span<const FreshHalf> halves, std::size_t most) {
+  const std::vector<FreshHalf> kept = without_most_rests(halves);
+  std::vector<Window> windows;
+  for (std::size_t begin = 0; begin < kept.size();) {
+    std::size_t end = begin + 1;
+    while (end < kept.size() && kept[end].stretch == kept[begin].stretch) ++end;
+    cut(std::span(kept).subspan(begin, end - begin), windows);
+    begin = end;
+  }
+  if (windows.size() <= most) return windows;
+  std::vector<Window> spread;
+  for (std::size_t i = 0; i < most; ++i) spread.push_back(std::move(windows[i * windows.size() / most]));
+  return spread;
+}
+
+RateRange rates_of(std::span<const FreshHalf> halves) {
+  RateRange range;
+  for (const FreshHalf& half : halves) {
+    range.negative_dps = std::min(range.negative_dps, half.rate_dps);
+    range.positive_dps = std::max(range.positive_dps, half.rate_dps);
+  }
+  return range;
+}
+
+double likely_bias_dps(const AngleTrack& track, const GyroErrors& errors) {
+  if (errors.bias_dps) return errors.bias_dps->value;
+  return track.mean_rate_dps();
+}
+
+Prior prior_of(const GyroErrors& errors, double bias_dps) {
+  Prior prior;
+  prior.mean = {0.0, bias_dps, 0.0, errors.scale.value};
+  const double bias_uncertainty_dps =
+      errors.bias_dps ? std::hypot(errors.bias_dps->uncertainty, bias_change_dps) : unknown_bias_dps;
+  prior.uncertainty = {any_offset_s, bias_uncertainty_dps, likely_drift,
+                       std::max(0.001, errors.scale.uncertainty)};
+  return prior;
+}
+
+Layout layout_of(const View& view, bool closed) {
+  return {view.field_of_view_deg / frame_columns, view.mirrored, closed};
+}
+
+Parameters search_offset(Alignment& alignment, const Prior& prior) {
+  Parameters best = prior.mean;
+  double sharpest = alignment.variance(best);
+  const int steps = static_cast<int>(largest_offset_s / offset_step_s);
+  for (int i = -steps; i <= steps; ++i) {
+    Parameters tried = prior.mean;
+    tried[offset_s] = i * offset_step_s;
+    const double variance = alignment.variance(tried);
+    if (variance >= sharpest) continue;
+    sharpest = variance;
+    best = tried;
+  }
+  return best;
+}
+
+}  // namespace thermorig::motion
