@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cassert>
+#include <cmath>
 #include <limits>
 #include <numbers>
 
@@ -23,8 +24,17 @@ LinkBudget link_budget(std::uint64_t bytes_per_message, double rate_hz, std::uin
   return {.load = rate_hz * message_s, .max_rate_hz = 1.0 / message_s};
 }
 
-LinkTiming::LinkTiming(const PortProfile& link, double)
-    : byte_s_(wire_time_s(1, link.baud)), latency_(from_s(link.latency_s)) {}
+LinkTiming::LinkTiming(const PortProfile& link, double nominal_rate_hz)
+    : byte_s_(wire_time_s(1, link.baud)),
+      latency_(from_s(link.latency_s)),
+      constant_delay_s_(link.largest_constant_delay_s) {
+  if (nominal_rate_hz > 0.0 && std::isfinite(nominal_rate_hz)) clock_.emplace(link, nominal_rate_hz);
+}
+
+/// The message's first byte began no later than that, since the chunk's last byte had arrived.
+HostTime LinkTiming::begin_before(const TimedChunk& chunk, const StreamSpan& span) const {
+  return chunk.arrived - from_s(byte_s_ * static_cast<double>(chunk.end - span.begin));
+}
 
 float LinkTiming::uncertainty_s(const TimedChunk& chunk) const {
   const double slack_s = to_s(chunk.since_before) - byte_s_ * static_cast<double>(chunk.end - chunk.begin);
@@ -45,14 +55,31 @@ void LinkTiming::chunk(std::uint64_t end, HostTime arrived) {
   while (chunks_.front().end + history_bytes < chunk.begin) chunks_.pop_front();
 }
 
-Stamp LinkTiming::stamp(const StreamSpan& span, const StampHint&) {
+Stamp LinkTiming::stamp(const StreamSpan& span, const StampHint& hint) {
   assert(!chunks_.empty() && span.end <= chunks_.back().end && span.begin <= span.end);
-  while (chunks_.size() > 1 && chunks_.front().end < span.end) chunks_.pop_front();
+  HostTime latest = HostTime::max();
+  bool tight = false;
+  for (; chunks_.size() > 1 && chunks_.front().end < span.end; chunks_.pop_front()) {
+    if (chunks_.front().end <= span.begin) continue;
+    latest = std::min(latest, begin_before(chunks_.front(), span));
+    tight = true;
+  }
   const TimedChunk& chunk = chunks_.front();
-  const HostTime sent =
-      chunk.arrived - from_s(byte_s_ * static_cast<double>(chunk.end - span.begin)) - latency_;
-  newest_ = std::max(newest_, sent);
-  return {.time = newest_, .arrival = chunk.arrived, .uncertainty_s = uncertainty_s(chunk)};
+  const HostTime by_last_byte = begin_before(chunk, span);
+  tight = tight || chunk.end == span.end;
+  latest = std::min(latest, by_last_byte);
+  std::optional<HostTime> placed;
+  if (clock_) placed = clock_->place({latest, tight, hint.lost_before, hint.device_s});
+  newest_ = std::max(newest_, placed.value_or(by_last_byte) - latency_);
+  const HostTime proven = std::max(latest - latency_, newest_);
+  Stamp stamp{.time = newest_, .arrival = chunk.arrived, .uncertainty_s = uncertainty_s(chunk)};
+  stamp.later_s = static_cast<float>(to_s(proven - newest_));
+  stamp.earlier_s = static_cast<float>(longest_hold_s);
+  if (placed) {
+    stamp.uncertainty_s = static_cast<float>(constant_delay_s_ * uniform_deviation);
+    stamp.earlier_s = static_cast<float>(constant_delay_s_ + clock_->drift_s());
+  }
+  return stamp;
 }
 
 }  // namespace thermorig::timing

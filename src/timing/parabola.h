@@ -4,13 +4,9 @@
 #include <span>
 #include <vector>
 
-namespace thermorig::timing {
+#include "thermorig/timing/ceiling.h"
 
-/// A point that a curve may not exceed, in seconds: `x` on the device's clock, `y` on the host's.
-struct Ceiling {
-  double x = 0.0;
-  double y = 0.0;
-};
+namespace thermorig::timing {
 
 /// y = a + b (x - middle) + c (x - middle)^2, seconds.
 struct Parabola {

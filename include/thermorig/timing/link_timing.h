@@ -9,6 +9,7 @@
 #include "thermorig/core/profile.h"
 #include "thermorig/core/sample.h"
 #include "thermorig/core/time.h"
+#include "thermorig/timing/live_clock.h"
 
 namespace thermorig::timing {
 
@@ -29,23 +30,29 @@ struct StampHint {
   std::optional<double> device_s;  // its place on the device's own clock, if it sends one
 };
 
-/// Turns the arrival of chunks into the time of the messages in them.
+/// Turns the arrival of chunks into the time of the messages in them; it never uses a chunk that has not
+/// arrived.
 ///
-/// For a message whose bytes are span.begin .. span.end - 1, with C the chunk that brought its last byte:
+/// What the bytes prove: a message whose bytes are span.begin .. span.end - 1 began no later than
 ///
-///     time = arrival(C) - (C.end - span.begin) * 10 / baud - latency
+///     arrival(C) - (C.end - span.begin) * 10 / baud
 ///
-/// that is, the bytes of the message and those after it in the same chunk are taken to have followed each
-/// other without a pause, and the chunk to have been read as soon as its last byte was there. Two things keep
-/// time from running backwards: an arrival before the one of the chunk before counts as equal to it, and a
-/// message is never stamped before the message before it.
+/// for every chunk C that ends within it or brings its last byte. Two things keep time from running
+/// backwards: an arrival before the one of the chunk before counts as equal to it, and a message is never
+/// stamped before the message before it.
 ///
-/// The uncertainty is that of the last byte of C, which came at the earliest once the chunk before had been
-/// read and C's bytes had gone over the wire, and at the latest when C was read: a uniform spread over that
-/// slack, but over no more than `longest_hold_s`. What it cannot know is not in it: an error of the
-/// configured latency, and how long a busy host or the device itself took.
+/// Of a device with a steady rate a `LiveClock` draws the highest line below those proofs of the last
+/// seconds; the message's time is on that line, and never after its own proof. Its uncertainty is that of the
+/// least delay of a link, spread evenly up to PortProfile::largest_constant_delay_s.
 ///
-/// This is the interface behind which better clocks will stand; it never uses a chunk that has not arrived.
+/// While that clock is too young, and of a device without a steady rate, the time is the proof by the chunk C
+/// that brought the last byte. Its uncertainty is that of the last byte of C, which came at the earliest once
+/// the chunk before had been read and C's bytes had gone over the wire, and at the latest when C was read: a
+/// uniform spread over that slack, but over no more than `longest_hold_s`.
+///
+/// Bounds: `later_s` is proven, since the sample was taken before its message began. `earlier_s` rests on the
+/// largest constant delay, or on `longest_hold_s`, and a busy host may break it. What no clock can know from
+/// arrivals is in none of them: an error of the configured latency.
 class LinkTiming {
  public:
   /// What a USB serial adaptor holds back at most: FTDI's latency timer as it comes (AN232B-04).
@@ -73,11 +80,14 @@ class LinkTiming {
     HostTime arrived;
     HostDuration since_before;  // since the arrival of the chunk before
   };
+  HostTime begin_before(const TimedChunk& chunk, const StreamSpan& span) const;
   float uncertainty_s(const TimedChunk& chunk) const;
 
   double byte_s_;  // wire time of one byte
   HostDuration latency_;
+  double constant_delay_s_;
   std::deque<TimedChunk> chunks_;
+  std::optional<LiveClock> clock_;    // of a device with a steady rate
   HostTime newest_{HostTime::min()};  // no message is stamped before it
 };
 
