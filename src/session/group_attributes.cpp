@@ -88,6 +88,20 @@ void write_stream(hid_t group, const std::string& name, const Quality::Stream& s
   set("_gap_max_s", stream.gap_max_s);
 }
 
+void write_sync_quality(hid_t group, const Quality& quality) {
+  for (const Device device : all_devices) {
+    const std::string name(thermorig::name_of(device));
+    set_attribute(group, (name + "_clock_uncertainty_s").c_str(), quality.clock[device].uncertainty_s);
+    set_attribute(group, (name + "_clock_bound_s").c_str(), quality.clock[device].bound_s);
+  }
+  const Estimate unknown{std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::quiet_NaN()};
+  const Estimate offset = quality.camera_offset_s.value_or(unknown);
+  set_attribute(group, "camera_offset_s", offset.value);
+  set_attribute(group, "camera_offset_uncertainty_s", offset.uncertainty);
+  set_attribute(group, "label_uncertainty_dps", quality.label_uncertainty_dps);
+  set_attribute(group, "label_residual_dps", quality.label_residual_dps);
+}
+
 }  // namespace
 
 void write_root_attributes(hid_t root, const Session& session) {
@@ -216,9 +230,10 @@ void write_quality_attributes(hid_t group, const Quality& quality) {
   set_attribute(group, "frames_valid", quality.valid);
   for (const auto& [reason, count] : quality.reason_counts)
     set_attribute(group, ("reason_" + reason).c_str(), count);
+  write_sync_quality(group, quality);
   set_attribute(group, "verdict", quality.verdict);
   set_attribute(group, "verdict_reasons", quality.verdict_reasons);
-  set_attribute(group, "check_version", "1");
+  set_attribute(group, "check_version", "2");
 }
 
 }  // namespace thermorig::session

@@ -1,5 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
 
 #include "thermorig/core/validity.h"
 #include "thermorig/session/session.h"
@@ -92,6 +95,35 @@ void count_samples(const Session& session, Quality& quality) {
   }
 }
 
+double median(std::vector<float> values) {
+  if (values.empty()) return std::numeric_limits<double>::quiet_NaN();
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+double label_uncertainty_dps(const std::vector<LabelledSample>& samples) {
+  std::vector<float> values;
+  for (const auto& sample : samples)
+    if (sample.valid && !std::isnan(sample.label_uncertainty_dps))
+      values.push_back(sample.label_uncertainty_dps);
+  return median(std::move(values));
+}
+
+void add_sync(const Session& session, Quality& quality) {
+  constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
+  const SyncReport& sync = session.sync;
+  for (const Device device : all_devices) {
+    const ClockReport& clock = sync.clock[device];
+    const bool fitted = !clock.method.empty();
+    quality.clock[device] = {.uncertainty_s = fitted ? 1e-6 * clock.uncertainty_us : unknown,
+                             .bound_s = fitted ? 1e-6 * clock.bound_median_us : unknown};
+  }
+  quality.camera_offset_s = sync.camera_offset.offset_s;
+  quality.label_uncertainty_dps = label_uncertainty_dps(session.samples);
+  quality.label_residual_dps = sync.servo.fitted ? sync.servo.residual_dps : unknown;
+}
+
 }  // namespace
 
 Quality quality_of(const Session& session) {
@@ -102,6 +134,7 @@ Quality quality_of(const Session& session) {
   quality.duration_s = to_s(session.raw.end_time - session.raw.header.time_reference);
   count_samples(session, quality);
   quality.speeds = speeds_of(session);
+  add_sync(session, quality);
   judge(session, quality);
   return quality;
 }

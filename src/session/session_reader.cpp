@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <limits>
 #include <optional>
 
 #include "attributes.h"
@@ -166,7 +167,7 @@ void read_sync_tables(const SessionFile& file, SyncReport& sync) {
     clock_columns(group, sync.clock[device]);
   }
   auto group = file.group("/sync");
-  response_columns(group, sync.servo.speeds);
+  response_columns(group, sync.servo);
 }
 
 std::vector<TimedPong> read_pongs(const SessionFile& file) {
@@ -176,6 +177,17 @@ std::vector<TimedPong> read_pongs(const SessionFile& file) {
   std::vector<TimedPong> pongs;
   for (const auto& exchange : exchanges) pongs.push_back(exchange.pong);
   return pongs;
+}
+
+/// Before format 1.1 the label was the commanded speed, and there was no other.
+void complete_labels_of_1_0(std::vector<LabelledSample>& samples) {
+  constexpr float unknown = std::numeric_limits<float>::quiet_NaN();
+  for (LabelledSample& sample : samples) {
+    sample.rate_commanded_dps = sample.rate_label_dps;
+    sample.rate_label_half_dps = sample.rate_commanded_half_dps = {unknown, unknown};
+    sample.rate_gyro_half_dps = {unknown, unknown};
+    sample.gyro_spread_dps = unknown;
+  }
 }
 
 void check_samples(const Session& session) {
@@ -207,6 +219,7 @@ Session read_all(SessionFile& file) {
   if (file.minor_version() >= 1) read_sync_tables(file, session.sync);
   auto samples = file.group("/samples");
   sample_columns(samples, session.samples);
+  if (file.minor_version() == 0) complete_labels_of_1_0(session.samples);
   check_samples(session);
   return session;
 }

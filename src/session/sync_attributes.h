@@ -63,12 +63,17 @@ void sync_attributes(Visit& visit, Report& sync) {
   visit("gyro_bias_after_dps", sync.gyro.bias_after_dps);
   visit("gyro_noise_dps", sync.gyro.noise_dps);
   visit("gyro_zeroes_itself", sync.gyro.zeroes_itself);
+  visit("gyro_bias_from_legs", sync.gyro.bias_from_legs);
   visit("servo_fitted", sync.servo.fitted);
   visit("servo_delay_s", sync.servo.delay_s);
+  visit("servo_delay_uncertainty_s", sync.servo.delay_uncertainty_s);
   visit("servo_loop_hz", sync.servo.loop_hz);
+  visit("servo_dead_band_deg", sync.servo.dead_band_deg);
   visit("servo_scale", sync.servo.scale.value);
   visit("servo_scale_uncertainty", sync.servo.scale.uncertainty);
   visit("servo_scale_calibrated", sync.servo.scale_calibrated);
+  visit("servo_gyro_ratio", sync.servo.gyro_ratio.value);
+  visit("servo_gyro_ratio_uncertainty", sync.servo.gyro_ratio.uncertainty);
   visit("label_residual_dps", sync.servo.residual_dps);
 }
 

@@ -42,9 +42,15 @@ void clock_columns(Archive& archive, Clock& clock) {
       [](auto& row) -> auto& { return row.missing; });
 }
 
-/// Of the servo model: what it leaves of the gyro, by commanded speed.
-template <typename Archive, typename Rows>
-void response_columns(Archive& archive, Rows& speeds) {
+/// Of the servo model: its gain over the pulse widths, and what it leaves of the gyro, by commanded speed.
+template <typename Archive, typename Response>
+void response_columns(Archive& archive, Response& response) {
+  archive.bare_axis("knot", "knot, evenly spaced from the shortest pulse to the longest", response.gain,
+                    "gain");
+  archive.template field<double>(
+      {"gain", "1", "servo model: slope over its mean at each knot", "straight between knots; empty: 1"},
+      response.gain, [](auto& value) -> auto& { return value; });
+  auto& speeds = response.speeds;
   archive.template axis<double>(
       {"speed", "deg/s", "commanded speed [deg/s]"}, speeds, [](const auto& row) { return row.rate_dps; },
       [](auto& row, double value) { row.rate_dps = value; });

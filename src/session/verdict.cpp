@@ -5,6 +5,8 @@
 
 #include <algorithm>
 
+#include "thermorig/core/validity.h"
+
 namespace thermorig::session {
 
 namespace {
@@ -12,6 +14,8 @@ namespace {
 constexpr double lost_share_bad = 0.05;
 constexpr double lost_share_usable = 0.005;
 constexpr double valid_share_usable = 0.5;
+constexpr double clock_uncertainty_usable_s = 0.001;  // V6
+constexpr double disagreeing_share_usable = 0.1;
 
 class Verdict {
  public:
@@ -62,12 +66,46 @@ void judge_events(const Session& session, Verdict& verdict) {
   if (session.state == State::partial) verdict.usable("stopped before the plan was complete");
 }
 
+/// A clock that could not be fitted is one that too little was heard of: the streams say so already.
+void judge_clocks(const Quality& quality, Verdict& verdict) {
+  for (const Device device : all_devices) {
+    const double uncertainty_s = quality.clock[device].uncertainty_s;
+    if (uncertainty_s > clock_uncertainty_usable_s)
+      verdict.usable(fmt::format("the times of the {} are known to {:.1f} ms only", name_of(device),
+                                 1e3 * uncertainty_s));
+  }
+}
+
+void judge_gyro(const Session& session, const Quality& quality, Verdict& verdict) {
+  if (session.sync.gyro.zeroes_itself)
+    verdict.usable("the gyro zeroes itself at rest and so hides its bias: switch that off in the device");
+  const auto found =
+      quality.reason_counts.find(std::string(reason_names[static_cast<std::size_t>(Reason::gyro_disagrees)]));
+  if (found == quality.reason_counts.end()) return;
+  const double share = static_cast<double>(found->second) / static_cast<double>(quality.swept);
+  if (share > disagreeing_share_usable)
+    verdict.usable(fmt::format("gyro and servo disagree in {:.0f} % of the frames within legs", 100 * share));
+}
+
+void judge_epochs(const Session& session, Verdict& verdict) {
+  for (const Device device : all_devices) {
+    const auto& epochs = session.sync.clock[device].epochs;
+    if (epochs.size() < 2) continue;
+    const auto times = epochs.size() == 2 ? "once" : fmt::format("{} times, last", epochs.size() - 1);
+    verdict.usable(
+        fmt::format("the clock of the {} began anew {}: {}", name_of(device), times, epochs.back().reason));
+  }
+}
+
 }  // namespace
 
 void judge(const Session& session, Quality& quality) {
   Verdict verdict;
   for (const Device device : all_devices) judge_stream(device, quality.stream[device], verdict);
   judge_samples(quality, verdict);
+  judge_clocks(quality, verdict);
+  judge_epochs(session, verdict);
+  judge_gyro(session, quality, verdict);
   judge_events(session, verdict);
   verdict.write_to(quality);
 }

@@ -20,13 +20,25 @@ double commanded_dps(double t) {
   return std::clamp(std::min(t - 1.0, 4.0 - t) * 2000.0, 0.0, 100.0);
 }
 
+double commanded_deg(double t) {
+  return 100.0 * std::clamp(t - 1.0, 0.0, 3.0) - 150.0;
+}
+
+/// protocols/servo_link.md, "Motion".
+float pulse_us(const ServoProfile& servo, double angle_deg) {
+  const double us_per_deg = (servo.pulse_max_us - servo.pulse_min_us) / servo.travel_deg;
+  const double us = 0.5 * (servo.pulse_min_us + servo.pulse_max_us) + angle_deg * us_per_deg;
+  return static_cast<float>(std::round(16.0 * us) / 16.0);
+}
+
 void add_telemetry(ScriptedRecording& recording, double duration_s) {
   for (int i = 0; i < static_cast<int>(duration_s * 100); ++i) {
     const double t = 0.002 + 0.01 * i;
     ServoState state;
     state.mcu_us = 0xFFF00000U + static_cast<std::uint32_t>(10'000 * i);  // wraps after 1.05 s
     state.rate_dps = commanded_dps(t);
-    state.angle_deg = 100.0 * std::clamp(t - 1.0, 0.0, 3.0) - 150.0;
+    state.angle_deg = commanded_deg(t);
+    state.pulse_us = pulse_us(recording.profile.servo, commanded_deg(0.02 * std::floor(t / 0.02)));
     state.motion = state.rate_dps > 0.0 ? ServoMotion::steady : ServoMotion::holding;
     state.leg = t > 1.0 && t < 4.0 ? 7 : 0;
     recording.messages.push_back(

@@ -44,7 +44,11 @@ def check_dataset(dataset):
 
 def check_groups(file, frames):
     shapes = {"camera/temperature": (frames, 24, 32), "samples/rate_label": (frames,),
-              "samples/reason_bits": (frames,), "raw/camera/bytes": (1544 * frames,)}
+              "samples/reason_bits": (frames,), "raw/camera/bytes": (1544 * frames,),
+              "camera/half_begin": (frames, 2), "camera/half_end": (frames, 2), "camera/half_age": (frames, 2),
+              "samples/rate_commanded": (frames,), "samples/rate_label_half": (frames, 2),
+              "samples/rate_commanded_half": (frames, 2), "samples/rate_gyro_half": (frames, 2),
+              "samples/gyro_spread": (frames,)}
     for name, shape in shapes.items():
         if file[name].shape != shape:
             yield f"{name} has shape {file[name].shape}, not {shape}"
@@ -60,9 +64,30 @@ def check_groups(file, frames):
         yield "camera/temperature is not marked as images"
 
 
+def check_sync(file):
+    for device in ("camera", "gyro", "servo"):
+        for name in ("time_earlier", "time_later"):
+            if file[device][name].shape != file[device]["time"].shape:
+                yield f"{device}/{name} is not as long as time"
+        clock = file["sync"][device]
+        for name in ("method", "rate_hz", "skew_ppm", "wander_ppm", "late_p50_us", "late_p95_us", "late_max_us",
+                     "uncertainty_us", "bound_us", "bound_median_us", "largest_constant_delay_s", "latency_s",
+                     "latency_uncertainty_s"):
+            if name not in clock.attrs:
+                yield f"sync/{device} has no attribute {name}"
+        for axis, names in {"knot_time": ("offset", "skew_ppm", "residual_us"), "epoch_begin": ("epoch_reason",),
+                            "gap_begin": ("gap_end", "gap_missing")}.items():
+            for name in names:
+                if clock[name].shape != clock[axis].shape:
+                    yield f"sync/{device}/{name} is not as long as {axis}"
+    age = file["camera/time"][:][:, None] - file["camera/half_end"][:]
+    if (abs(age - file["camera/half_age"][:]) > 1e-6).any():
+        yield "camera/half_age is not time - half_end"
+
+
 def check_root(file):
     expected = {"NX_class": "NXroot", "default": "samples", "format": "thermorig-session",
-                "format_version": "1.0.0", "simulated": 1, "simulation_seed": 3, "state": "complete",
+                "format_version": "1.1.0", "simulated": 1, "simulation_seed": 3, "state": "complete",
                 "Conventions": "CF-1.10", "start_time": "2026-07-25T14:35:59.900001Z",
                 "time_reference": "2026-07-25T14:35:59.900001Z"}
     for name, value in expected.items():
@@ -82,6 +107,7 @@ def check(path, frames):
     with h5py.File(path, "r") as file:
         yield from check_root(file)
         yield from check_groups(file, frames)
+        yield from check_sync(file)
         for dataset in datasets(file):
             dataset[()]  # stock filters: inflates and holds every chunk against its fletcher32
             yield from check_dataset(dataset)

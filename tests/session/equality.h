@@ -16,7 +16,16 @@ inline bool same(float a, float b) {
 }
 
 inline bool same(const Stamp& a, const Stamp& b) {
-  return a.time == b.time && a.arrival == b.arrival && same(a.uncertainty_s, b.uncertainty_s);
+  return a.time == b.time && a.arrival == b.arrival && same(a.uncertainty_s, b.uncertainty_s) &&
+         same(a.earlier_s, b.earlier_s) && same(a.later_s, b.later_s);
+}
+
+inline bool same(const HalfExposure& a, const HalfExposure& b) {
+  return a.begin == b.begin && a.end == b.end;
+}
+
+inline bool same(const std::array<float, 2>& a, const std::array<float, 2>& b) {
+  return same(a[0], b[0]) && same(a[1], b[1]);
 }
 
 inline bool same(const TimedFrame& a, const TimedFrame& b) {
@@ -24,7 +33,7 @@ inline bool same(const TimedFrame& a, const TimedFrame& b) {
          a.span == b.span && same(a.stamp, b.stamp) && a.fresh_even == b.fresh_even &&
          a.fresh_odd == b.fresh_odd && a.exposure_begin == b.exposure_begin &&
          a.exposure_end == b.exposure_end && a.resync_before == b.resync_before && a.stale == b.stale &&
-         a.missing_before == b.missing_before;
+         a.missing_before == b.missing_before && same(a.half[0], b.half[0]) && same(a.half[1], b.half[1]);
 }
 
 inline bool same(const TimedGyro& a, const TimedGyro& b) {
@@ -54,7 +63,29 @@ inline bool same(const LabelledSample& a, const LabelledSample& b) {
          same(a.rate_label_max_dps, b.rate_label_max_dps) && same(a.angle_label_deg, b.angle_label_deg) &&
          same(a.rate_gyro_dps, b.rate_gyro_dps) && a.gyro_count == b.gyro_count &&
          same(a.label_uncertainty_dps, b.label_uncertainty_dps) && a.reason_bits == b.reason_bits &&
+         same(a.rate_commanded_dps, b.rate_commanded_dps) &&
+         same(a.rate_label_half_dps, b.rate_label_half_dps) &&
+         same(a.rate_commanded_half_dps, b.rate_commanded_half_dps) &&
+         same(a.rate_gyro_half_dps, b.rate_gyro_half_dps) && same(a.gyro_spread_dps, b.gyro_spread_dps) &&
          a.leg == b.leg && a.run == b.run && a.valid == b.valid;
+}
+
+inline bool same(const ClockKnot& a, const ClockKnot& b) {
+  return a.time == b.time && a.offset_s == b.offset_s && a.skew_ppm == b.skew_ppm &&
+         a.residual_us == b.residual_us;
+}
+
+inline bool same(const ClockEpoch& a, const ClockEpoch& b) {
+  return a.begin == b.begin && a.reason == b.reason;
+}
+
+inline bool same(const ClockGap& a, const ClockGap& b) {
+  return a.begin == b.begin && a.end == b.end && a.missing == b.missing;
+}
+
+inline bool same(const ServoResponse::AtSpeed& a, const ServoResponse::AtSpeed& b) {
+  return a.rate_dps == b.rate_dps && a.residual_dps == b.residual_dps && a.spread_dps == b.spread_dps &&
+         a.frames == b.frames;
 }
 
 inline bool same(const RawStream& a, const RawStream& b) {
@@ -76,6 +107,44 @@ bool same(const std::vector<Row>& a, const std::vector<Row>& b) {
   for (std::size_t i = 0; i < a.size(); ++i)
     if (!same(a[i], b[i])) return false;
   return true;
+}
+
+inline bool same(const ClockReport& a, const ClockReport& b) {
+  return a.method == b.method && a.rate_hz == b.rate_hz && a.skew_ppm == b.skew_ppm &&
+         a.wander_ppm == b.wander_ppm && a.late_p50_us == b.late_p50_us && a.late_p95_us == b.late_p95_us &&
+         a.late_max_us == b.late_max_us && a.uncertainty_us == b.uncertainty_us && a.bound_us == b.bound_us &&
+         a.bound_median_us == b.bound_median_us && a.latency_s == b.latency_s &&
+         a.largest_constant_delay_s == b.largest_constant_delay_s &&
+         a.latency_uncertainty_s == b.latency_uncertainty_s && same(a.knots, b.knots) &&
+         same(a.epochs, b.epochs) && same(a.gaps, b.gaps);
+}
+
+inline bool same(const GyroErrors& a, const GyroErrors& b) {
+  return a.scale == b.scale && a.scale_calibrated == b.scale_calibrated && a.bias_dps == b.bias_dps &&
+         a.bias_before_dps == b.bias_before_dps && a.bias_after_dps == b.bias_after_dps &&
+         a.noise_dps == b.noise_dps && a.zeroes_itself == b.zeroes_itself &&
+         a.bias_from_legs == b.bias_from_legs;
+}
+
+inline bool same(const ServoResponse& a, const ServoResponse& b) {
+  return a.fitted == b.fitted && a.delay_s == b.delay_s && a.delay_uncertainty_s == b.delay_uncertainty_s &&
+         a.loop_hz == b.loop_hz && a.dead_band_deg == b.dead_band_deg && a.scale == b.scale &&
+         a.scale_calibrated == b.scale_calibrated && a.gyro_ratio == b.gyro_ratio && a.gain == b.gain &&
+         a.residual_dps == b.residual_dps && same(a.speeds, b.speeds);
+}
+
+inline bool same(const CameraOffset& a, const CameraOffset& b) {
+  return a.offset_s == b.offset_s && a.why_not == b.why_not && a.halves == b.halves && a.applied == b.applied;
+}
+
+inline std::string difference(const SyncReport& a, const SyncReport& b) {
+  std::string names;
+  for (const Device device : all_devices)
+    if (!same(a.clock[device], b.clock[device])) names += std::string(name_of(device)) + "-clock ";
+  if (!same(a.camera_offset, b.camera_offset)) names += "camera-offset ";
+  if (!same(a.gyro, b.gyro)) names += "gyro-errors ";
+  if (!same(a.servo, b.servo)) names += "servo-response ";
+  return names;
 }
 
 /// What differs, by name; empty if nothing does.
@@ -107,7 +176,7 @@ inline std::string difference(const Session& a, const Session& b) {
   if (a.state != b.state || a.settle_s != b.settle_s || a.camera_mode != b.camera_mode ||
       a.frame_period_s != b.frame_period_s)
     names += "scalars ";
-  return names;
+  return names + difference(a.sync, b.sync);
 }
 
 }  // namespace thermorig::session

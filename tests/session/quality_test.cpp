@@ -11,6 +11,8 @@ Session clean_session(std::size_t frames) {
   Session session = synthetic_session(frames);
   session.counters[Device::gyro] = {.messages = session.gyro.size()};
   session.counters[Device::servo] = {.messages = session.servo.size()};
+  session.sync.gyro.zeroes_itself = false;
+  for (const Device device : all_devices) session.sync.clock[device].epochs.clear();
   return session;
 }
 
@@ -91,6 +93,47 @@ TEST(Verdict, IsUsableWhenRecoveredOrADeviceWasLost) {
   session.state = State::complete;
   session.raw.events.push_back({host_time_ns(1), EventKind::device_lost, Device::gyro, "unplugged"});
   EXPECT_EQ(quality_of(session).verdict, "usable");
+}
+
+TEST(Quality, SaysHowWellTimesAndLabelsAreKnown) {
+  const Session session = clean_session(60);
+  const Quality quality = quality_of(session);
+  EXPECT_DOUBLE_EQ(quality.clock[Device::gyro].uncertainty_s, 120e-6);
+  EXPECT_DOUBLE_EQ(quality.clock[Device::servo].bound_s, 300e-6);
+  EXPECT_EQ(quality.camera_offset_s, (Estimate{0.012, 0.0005}));
+  EXPECT_FLOAT_EQ(static_cast<float>(quality.label_uncertainty_dps), 0.1F);
+  EXPECT_EQ(quality.label_residual_dps, 0.6);
+}
+
+TEST(Quality, DoesNotInventWhatWasNotFitted) {
+  Session session = clean_session(60);
+  session.sync = {};
+  const Quality quality = quality_of(session);
+  EXPECT_TRUE(std::isnan(quality.clock[Device::camera].uncertainty_s));
+  EXPECT_TRUE(std::isnan(quality.label_residual_dps));
+  EXPECT_FALSE(quality.camera_offset_s);
+  EXPECT_EQ(quality.verdict, "good");
+}
+
+TEST(Verdict, IsUsableWhenAClockIsUnsureOrBeganAnew) {
+  Session session = clean_session(60);
+  session.sync.clock[Device::gyro].uncertainty_us = 1800;
+  session.sync.clock[Device::servo].epochs = {{host_time_ns(1), ""}, {host_time_ns(2), "a reset"}};
+  const Quality quality = quality_of(session);
+  EXPECT_EQ(quality.verdict, "usable");
+  EXPECT_THAT(quality.verdict_reasons, testing::Contains("the times of the gyro are known to 1.8 ms only"));
+  EXPECT_THAT(quality.verdict_reasons, testing::Contains("the clock of the servo began anew once: a reset"));
+}
+
+TEST(Verdict, IsUsableWhenTheGyroHidesItsBiasOrContradicts) {
+  Session session = clean_session(60);
+  session.sync.gyro.zeroes_itself = true;
+  for (std::size_t i = 0; i < 12; ++i) session.samples[i].reason_bits |= bit(Reason::gyro_disagrees);
+  const Quality quality = quality_of(session);
+  EXPECT_EQ(quality.verdict, "usable");
+  EXPECT_THAT(quality.verdict_reasons, testing::Contains(testing::HasSubstr("zeroes itself")));
+  EXPECT_THAT(quality.verdict_reasons,
+              testing::Contains("gyro and servo disagree in 20 % of the frames within legs"));
 }
 
 TEST(Quality, AnEmptySessionIsBadAndDividesByNothing) {

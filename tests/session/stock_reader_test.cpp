@@ -4,7 +4,9 @@
 
 #include <array>
 #include <cstdio>
+#include <limits>
 
+#include "equality.h"
 #include "synthetic_session.h"
 #include "temporary_folder.h"
 #include "thermorig/session/session.h"
@@ -64,6 +66,41 @@ TEST_F(StockReader, FindsEqualDatasetsInTwoFilesOfOneSession) {
   EXPECT_EQ(first.text, check("--digest " + path("b.h5").string()).text);
   write_session(path("c.h5"), synthetic_session(100, 2));
   EXPECT_NE(first.text, check("--digest " + path("c.h5").string()).text);
+}
+
+/// The session as format 1.0.0 held it.
+Session without_what_is_new(Session session) {
+  const auto forget = [](auto& rows) {
+    for (auto& row : rows) row.stamp.earlier_s = row.stamp.later_s = 0.0F;
+  };
+  forget(session.frames);
+  forget(session.gyro);
+  forget(session.servo);
+  constexpr float unknown = std::numeric_limits<float>::quiet_NaN();
+  for (auto& frame : session.frames) frame.half = {};
+  for (auto& sample : session.samples) {
+    sample.rate_commanded_dps = sample.rate_label_dps;
+    sample.rate_label_half_dps = sample.rate_commanded_half_dps = {unknown, unknown};
+    sample.rate_gyro_half_dps = {unknown, unknown};
+    sample.gyro_spread_dps = unknown;
+  }
+  session.sync = {};
+  return session;
+}
+
+TEST_F(StockReader, SessionsOfFormat1_0AreStillRead) {
+  const Session session = synthetic_session(70);
+  write_session(path(), session);
+  const Output output = run(fmt::format("/usr/bin/python3 {}/tests/session/as_format_1_0.py {}",
+                                        THERMORIG_SOURCE_DIR, path().string()));
+  ASSERT_EQ(output.status, 0) << output.text;
+  const Session read = read_session(path());
+  EXPECT_EQ(difference(without_what_is_new(session), read), "");
+  EXPECT_EQ(difference(session.raw, read_raw(path())), "");
+  const RigProfile assumed;
+  EXPECT_EQ(read.raw.header.profile.camera.link.latency_uncertainty_s,
+            assumed.camera.link.latency_uncertainty_s);
+  EXPECT_EQ(read.raw.header.profile.gyro.scale_uncertainty, assumed.gyro.scale_uncertainty);
 }
 
 }  // namespace

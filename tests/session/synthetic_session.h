@@ -19,6 +19,7 @@ class SyntheticSession {
     for (std::size_t i = 0; i < frames * 25; ++i) add_gyro(i);
     for (std::size_t i = 0; i < frames * 12; ++i) add_servo(i);
     if (frames > 0) add_extras();
+    if (frames > 0) add_sync();
     session_.raw.complete = true;
     session_.raw.end_time = start_ + from_s(0.125 * static_cast<double>(frames) + 1e-9);
     session_.settle_s = 0.25;
@@ -47,6 +48,43 @@ class SyntheticSession {
     header.creator = "thermorig test";
   }
 
+  void add_sync() {
+    double number = 1.0;
+    for (const Device device : all_devices) add_clock(session_.sync.clock[device], number++);
+    session_.sync.clock[Device::servo].method = "two-way";
+    session_.sync.camera_offset = {Estimate{0.012, 0.0005}, "", 480, true};
+    session_.sync.gyro = {{1.01, 0.002}, true, Estimate{0.4, 0.01}, 0.39, std::nullopt, 0.1, true, true};
+    ServoResponse& servo = session_.sync.servo;
+    servo.fitted = servo.scale_calibrated = true;
+    servo.delay_s = 0.021;
+    servo.loop_hz = 9.5;
+    servo.scale = {0.99, 0.001};
+    servo.gyro_ratio = {1.002, 0.01};
+    servo.dead_band_deg = 0.3;
+    servo.gain = {1.0, 1.01, 0.99};
+    servo.residual_dps = 0.6;
+    servo.speeds = {{-7.5, 0.1, 0.2, 30}, {7.5, -0.1, 0.25, 60}};
+  }
+
+  void add_clock(ClockReport& clock, double number) const {
+    clock = {.method = "one-way",
+             .rate_hz = 8.0 * number,
+             .skew_ppm = 12.5,
+             .wander_ppm = 1.5,
+             .late_p50_us = 100,
+             .late_p95_us = 900,
+             .late_max_us = 15000,
+             .uncertainty_us = 120,
+             .bound_us = 700,
+             .bound_median_us = 300,
+             .largest_constant_delay_s = 0.002,
+             .latency_s = 0.0125,
+             .latency_uncertainty_s = 0.0006,
+             .knots = {{at(0.5), 1e5 + number, 12.25, 80.5}, {at(10.5), 1e5 + 2 * number, 13, 81}},
+             .epochs = {{at(0), ""}, {at(7), "the micro-controller was reset"}},
+             .gaps = {{at(3), at(4.5), 11}}};
+  }
+
   std::uint8_t random_byte() { return static_cast<std::uint8_t>(random_()); }
   float noise() { return static_cast<float>(random_() % 1000) * 0.001F - 0.5F; }
   HostTime at(double seconds) const { return start_ + from_s(seconds); }
@@ -60,7 +98,9 @@ class SyntheticSession {
           100.0F;
     frame.frame.sensor_temp_c = 31.25F;
     frame.span = {1544 * i, 1544 * (i + 1)};
-    frame.stamp = {at(time_s), at(time_s + 0.04), 0.001F};
+    frame.stamp = {at(time_s), at(time_s + 0.04), 0.001F, 0.002F, 0.0001F};
+    frame.half[i % 2] = {at(time_s - 0.125), at(time_s)};
+    frame.half[(i + 1) % 2] = {at(time_s - 0.25), at(time_s - 0.125)};
     frame.fresh_even = static_cast<std::uint16_t>(i % 2 ? 380 : 0);
     frame.fresh_odd = static_cast<std::uint16_t>(i % 2 ? 0 : 381);
     frame.exposure_begin = at(time_s - 0.25);
@@ -87,6 +127,11 @@ class SyntheticSession {
     sample.rate_label_max_dps = sample.rate_label_dps + 1;
     sample.angle_label_deg = noise();
     sample.rate_gyro_dps = i == 0 ? std::nanf("") : sample.rate_label_dps + noise();
+    sample.rate_commanded_dps = sample.rate_label_dps + 0.5F;
+    sample.rate_label_half_dps = {sample.rate_label_dps - 0.25F, sample.rate_label_dps + 0.25F};
+    sample.rate_commanded_half_dps = {sample.rate_commanded_dps, std::nanf("")};
+    sample.rate_gyro_half_dps = {sample.rate_gyro_dps, sample.rate_gyro_dps + 1};
+    sample.gyro_spread_dps = 0.25F;
     sample.gyro_count = 50;
     sample.label_uncertainty_dps = 0.1F;
     if (i % 60 < 3) sample.reason_bits = bit(Reason::servo_ramp) | bit(Reason::leg_change);
@@ -104,7 +149,7 @@ class SyntheticSession {
     if (i % 4 == 0) gyro.reading.device_time_us = static_cast<std::int64_t>(5000 * i);
     gyro.reading.saturated = i % 100 == 99;
     gyro.span = {11 * i, 11 * i + 11};
-    gyro.stamp = {at(time_s), at(time_s + 0.003), 0.002F};
+    gyro.stamp = {at(time_s), at(time_s + 0.003), 0.0005F, 0.002F, 0.0003F};
     gyro.rate_dps = -gyro.reading.rate_dps[2];
     gyro.lost_before = i % 77 == 1;
     session_.gyro.push_back(gyro);
@@ -124,7 +169,7 @@ class SyntheticSession {
     servo.state.fault = i % 500 == 499 ? ServoFault::watchdog : ServoFault::none;
     servo.state.leg = static_cast<std::uint16_t>(1 + i / 720);
     servo.span = {26 * i, 26 * i + 26};
-    servo.stamp = {at(time_s), at(time_s + 0.001), 0.0005F};
+    servo.stamp = {at(time_s), at(time_s + 0.001), 0.00002F, 0.0001F, 0.0002F};
     servo.lost_before = i % 91 == 3;
     session_.servo.push_back(servo);
     session_.raw.received[Device::servo].append(std::vector<std::uint8_t>(26, random_byte()),

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -43,12 +44,20 @@ struct Quality {
     double rate_dps = 0;
     int frames = 0, valid = 0;
   };
+  struct Clock {
+    double uncertainty_s = 0;  // median over the messages; NaN: the clock could not be fitted
+    double bound_s = 0;        // median width of the bounds; NaN likewise
+  };
   PerDevice<Stream> stream;
   double duration_s = 0;
   std::uint64_t frames = 0, swept = 0, valid = 0;      // swept: within legs
   std::map<std::string, std::uint64_t> reason_counts;  // by name, frames within legs
   std::vector<Speed> speeds;                           // ascending
-  std::string verdict;                                 // "good", "usable" or "bad"
+  PerDevice<Clock> clock;
+  std::optional<Estimate> camera_offset_s;  // of the camera against the gyro, by the images
+  double label_uncertainty_dps = 0;         // median over the valid frames; NaN if there is none
+  double label_residual_dps = 0;            // root mean square of gyro minus servo model; NaN if not fitted
+  std::string verdict;                      // "good", "usable" or "bad"
   std::vector<std::string> verdict_reasons;
 };
 Quality quality_of(const Session& session);
