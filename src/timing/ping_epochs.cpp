@@ -27,16 +27,16 @@ std::string duration_text(double seconds) {
   return text.data();
 }
 
-std::string wander_reason(double missed_s, double wander_ppm) {
+std::string contradiction_reason(double missed_s, const PortProfile& link) {
   std::array<char, 32> ppm{};
-  std::snprintf(ppm.data(), ppm.size(), "%g", wander_ppm);
-  return "no clock that wanders by less than " + std::string(ppm.data()) +
-         " ppm within a minute fits: it is " + duration_text(missed_s) +
-         " off; its rate changed faster, or the host's time stood still";
+  std::snprintf(ppm.data(), ppm.size(), "%g", link.wander_ppm);
+  const std::string baud = link.baud == 0 ? "" : "a baud rate other than " + std::to_string(link.baud) + ", ";
+  return "bounds contradict each other by " + duration_text(missed_s) + ": " + baud +
+         "a clock that wanders by more than " + ppm.data() +
+         " ppm within a minute, or a host whose time stood still";
 }
 
-PingEpochs::PingEpochs(const PortProfile& link)
-    : wander_(wander_of(link)), wander_ppm_(link.wander_ppm), baud_(link.baud) {}
+PingEpochs::PingEpochs(const PortProfile& link) : link_(link), wander_(wander_of(link)) {}
 
 void PingEpochs::feed(const PingBound& bound) {
   if (!current_) {
@@ -86,7 +86,7 @@ void PingEpochs::impossible(PingBound bound) {
     begin_epoch({PingBounds({.send_us = bound.send_us, .not_after = bound.not_after}, wander_),
                  PingFate::faster_than_wire, fed_, bound.not_after,
                  "answers to pings come back faster than the wire allows: the baud rate is not " +
-                     std::to_string(baud_)});
+                     std::to_string(link_.baud)});
   else
     doubted_ = true;
   ++fed_;
@@ -98,17 +98,12 @@ std::string PingEpochs::reason(const PingBound& bound, PingFate fate) const {
            duration_text(1e-6 * static_cast<double>(current_->newest_us())) + " to " +
            duration_text(1e-6 * static_cast<double>(bound.send_us));
   const double missed_s = current_->missed_by_s(bound);
-  if (missed_s < baud_error_s) return small_contradiction(missed_s);
+  if (missed_s < baud_error_s) return contradiction_reason(missed_s, link_);
   if (fate == PingFate::too_early)
     return "the host was suspended: the micro-controller's clock gained " + duration_text(missed_s) +
            " on the host's";
   return "the micro-controller's clock lost " + duration_text(missed_s) +
          ": it stood still, or was reset and its time set forward";
-}
-
-std::string PingEpochs::small_contradiction(double missed_s) const {
-  const std::string baud = baud_ == 0 ? "" : "a baud rate other than " + std::to_string(baud_) + ", or ";
-  return "bounds contradict each other: " + baud + wander_reason(missed_s, wander_ppm_);
 }
 
 }  // namespace thermorig::timing

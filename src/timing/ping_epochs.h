@@ -44,11 +44,9 @@ class PingEpochs {
   void begin_epoch(Rival&& rival);
   void impossible(PingBound bound);
   std::string reason(const PingBound& bound, PingFate fate) const;
-  std::string small_contradiction(double missed_s) const;
 
+  PortProfile link_;
   double wander_;
-  double wander_ppm_;
-  std::uint32_t baud_;
   std::size_t fed_ = 0;
   std::optional<PingBounds> current_;
   std::optional<Rival> rival_;
@@ -58,8 +56,8 @@ class PingEpochs {
   std::vector<std::size_t> first_bounds_;
 };
 
-/// The sentence for a contradiction that only a look at both sides of it shows.
-std::string wander_reason(double missed_s, double wander_ppm);
+/// Why bounds contradict each other by so little that no reset and no suspension explains it.
+std::string contradiction_reason(double missed_s, const PortProfile& link);
 
 /// "5.2 s", "0.31 ms": a duration as a person reads it.
 std::string duration_text(double seconds);

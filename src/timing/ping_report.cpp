@@ -20,7 +20,7 @@ double percentile(std::vector<Value>& values, double share) {
 
 }  // namespace
 
-PingReport::PingReport(const PortProfile& link) : wander_ppm_(link.wander_ppm) {
+PingReport::PingReport(const PortProfile& link) : link_(link) {
   report_.largest_constant_delay_s = link.largest_constant_delay_s;
 }
 
@@ -30,7 +30,7 @@ void PingReport::add(const ClockEpoch& epoch, const PingHull& hull, const ClockO
     const double mcu_s = hull.events()[a_break.event].mcu_s;
     const Range& offset = hull.offsets()[a_break.event];
     const double known = std::isfinite(offset.hi) ? offset.hi : offset.lo;
-    report_.epochs.push_back({origin.time(mcu_s, known), wander_reason(a_break.missed_s, wander_ppm_)});
+    report_.epochs.push_back({origin.time(mcu_s, known), contradiction_reason(a_break.missed_s, link_)});
   }
   add_knots(hull, origin);
   add_lateness(hull);

@@ -29,7 +29,7 @@ class PingReport {
   void measure_widths(std::span<const TimeEstimate> times);
   void measure_rates(std::span<const std::int64_t> mcu_us);
 
-  double wander_ppm_;
+  PortProfile link_;
   ClockReport report_;
   std::vector<float> late_s_;
 };

@@ -1,0 +1,112 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cmath>
+#include <cstdint>
+#include <numbers>
+#include <optional>
+#include <random>
+#include <vector>
+
+#include "thermorig/timing/ping_clock.h"
+
+namespace thermorig::timing {
+
+/// A servo's clock that wanders as a quartz does: tens of ppm off, 5 ppm with the room, and a random walk.
+class QuartzClock {
+ public:
+  QuartzClock(std::uint64_t seed, double duration_s) {
+    std::mt19937_64 random(seed);
+    std::normal_distribution<double> normal;
+    const double mean = 30e-6 * normal(random);
+    const double phase_rad = normal(random);
+    double walked = 0.0;
+    double offset_s = 0.0;
+    for (double at_s = 0.0; at_s < duration_s + 2.0; at_s += 1.0) {
+      offsets_s_.push_back(offset_s);
+      offset_s += mean + 5e-6 * std::sin(2.0 * std::numbers::pi * at_s / 300.0 + phase_rad) + walked;
+      walked += 0.1e-6 * normal(random) - walked / 600.0;
+    }
+  }
+
+  /// Host time at which the clock shows `mcu_s`.
+  double host_s(double mcu_s) const {
+    const auto second = static_cast<std::size_t>(mcu_s);
+    const double part = mcu_s - static_cast<double>(second);
+    return mcu_s + offsets_s_[second] + part * (offsets_s_[second + 1] - offsets_s_[second]);
+  }
+  double mcu_s(double host_at_s) const {
+    double at_s = host_at_s;
+    for (int i = 0; i < 4; ++i) at_s = host_at_s - (host_s(at_s) - at_s);
+    return at_s;
+  }
+
+ private:
+  std::vector<double> offsets_s_;  // host minus micro-controller, at each second
+};
+
+struct LinkOptions {
+  std::uint64_t seed = 1;
+  double duration_s = 100.0;
+  double ping_s = 0.1;
+  double latency_timer_s = 0.0;  // 0: none, as with CDC
+  double dither_s = 0.003;
+  double wire_error_s = 0.0;  // wire times are taken for so much longer than they are
+};
+
+/// What went over a USB link to a servo and back: 1 ms frames, wake-ups of 50 us and more, now and then late.
+struct PingTraffic {
+  QuartzClock clock;
+  std::vector<std::int64_t> mcu_us;
+  std::vector<PingExchange> exchanges;
+  std::vector<SentStamp> sent;
+};
+
+inline PingTraffic traffic(const LinkOptions& options) {
+  PingTraffic result{QuartzClock(options.seed, options.duration_s + 1.0), {}, {}, {}};
+  std::mt19937_64 random(options.seed + 1000);
+  std::uniform_real_distribution<double> uniform;
+  std::exponential_distribution<double> tail(1.0 / 80e-6);
+  const double frame_s = 1e-3 * (1.0 + 40e-6 * (uniform(random) - 0.5));
+  const double frame_phase_s = 1e-3 * uniform(random);
+  const double tick_phase_s = options.latency_timer_s * uniform(random);
+  const auto next = [](double at_s, double phase_s, double period_s) {
+    return phase_s + std::ceil((at_s - phase_s) / period_s) * period_s;
+  };
+  const auto arrival_s = [&](double sent_s) {
+    if (options.latency_timer_s > 0.0) sent_s = next(sent_s, tick_phase_s, options.latency_timer_s);
+    double late_s = 50e-6 + tail(random);
+    if (uniform(random) < 0.01) late_s += 0.020 * uniform(random);
+    return next(sent_s, frame_phase_s, frame_s) + late_s;
+  };
+  const auto host = [](double at_s) { return HostTime(from_s(at_s)); };
+  for (double mcu_s = 0.5; mcu_s < options.duration_s; mcu_s += 0.01) {
+    const std::int64_t mcu_us = std::llround(mcu_s * 1e6);
+    result.mcu_us.push_back(mcu_us);
+    result.sent.push_back(
+        {mcu_us, host(arrival_s(result.clock.host_s(mcu_s) + 30e-6) - options.wire_error_s)});
+  }
+  for (double at_s = 1.0; at_s < options.duration_s - 1.0;
+       at_s += options.ping_s * (0.7 + 0.6 * uniform(random))) {
+    const double received_s = result.clock.mcu_s(next(at_s, frame_phase_s, frame_s));
+    const double sent_s = received_s + options.dither_s * uniform(random);
+    const auto ticks_us = [](double mcu_s) { return 4 * static_cast<std::int64_t>(mcu_s * 1e6 / 4.0); };
+    result.exchanges.push_back({ticks_us(received_s), host(at_s + options.wire_error_s), ticks_us(sent_s),
+                                host(arrival_s(result.clock.host_s(sent_s)) - options.wire_error_s)});
+  }
+  return result;
+}
+
+/// Feeds a causal clock in the order of arrival; `look` sees it after each telemetry message.
+template <typename Look>
+void feed(PingClock& clock, const PingTraffic& traffic, Look look) {
+  std::size_t next = 0;
+  for (const SentStamp& stamp : traffic.sent) {
+    for (; next < traffic.exchanges.size() && traffic.exchanges[next].not_after <= stamp.not_after; ++next)
+      clock.exchange(traffic.exchanges[next]);
+    clock.sent(stamp);
+    look(stamp.send_us);
+  }
+}
+
+}  // namespace thermorig::timing
