@@ -1,0 +1,295 @@
+// SPDX-License-Identifier: MIT
+#include "timing_labels.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+#include <string>
+
+#include "thermorig/calibration/calibration.h"
+#include "thermorig/core/error.h"
+#include "thermorig/rig/finalise.h"
+#include "thermorig/simulation/random.h"
+#include "timing_rig.h"
+#include "timing_truth.h"
+
+namespace thermorig::bench {
+namespace {
+
+struct ServoCase {
+  std::string name;
+  double travel_deg;
+};
+const std::array<ServoCase, 3> servos{{{"servo180", 180.0}, {"servo270", 270.0}, {"winch", 2160.0}}};
+constexpr std::array<double, 3> loops_hz{5.0, 8.0, 15.0};
+constexpr std::array<double, 8> speeds_dps{20.0, 45.0, 70.0, 95.0, 120.0, 145.0, 170.0, 200.0};
+
+/// `speeds` one after the other, directions in turn, each so long and then a rest of a second.
+std::vector<Leg> legs_at(std::span<const double> speeds, double leg_s) {
+  std::vector<Leg> legs;
+  double at_s = 6.0;  // the opening rest, which shows the gyro's bias
+  for (std::size_t i = 0; i < speeds.size(); ++i) {
+    legs.push_back({at_s, leg_s, i % 2 == 0 ? speeds[i] : -speeds[i]});
+    at_s += leg_s + 1.0;
+  }
+  return legs;
+}
+
+/// What the labels of some recordings are worth.
+struct LabelScore {
+  std::vector<float> error_dps;                // of valid frames
+  std::size_t beyond_three = 0;                // of their own uncertainties
+  std::size_t true_to_command = 0;             // frames whose true speed stays close to what was commanded
+  std::size_t rejected = 0;                    // of these
+  std::map<std::string, std::size_t> reasons;  // first reason of a rejected one
+  std::size_t frames = 0;
+
+  void add(const LabelScore& other) {
+    error_dps.insert(error_dps.end(), other.error_dps.begin(), other.error_dps.end());
+    beyond_three += other.beyond_three;
+    true_to_command += other.true_to_command;
+    rejected += other.rejected;
+    frames += other.frames;
+    for (const auto& [reason, count] : other.reasons) reasons[reason] += count;
+  }
+};
+
+/// The shaft, asked by time.
+class ShaftTruth {
+ public:
+  ShaftTruth(const simulation::VirtualRig& rig) : samples_(rig.shaft()) {}
+
+  /// Does the speed, averaged over 20 ms, stay within max(1 deg/s, 2 %) of `rate_dps` from begin to end?
+  bool stays_at(double rate_dps, HostTime begin, HostTime end) const {
+    constexpr std::ptrdiff_t half_window = 10;  // samples, one a millisecond
+    const double slack_dps = std::max(1.0, 0.02 * std::abs(rate_dps));
+    const auto before = [](const simulation::TruthSample& sample, HostTime time) {
+      return sample.time < time;
+    };
+    const auto from = std::lower_bound(samples_.begin(), samples_.end(), begin, before) + half_window;
+    const auto to = std::lower_bound(samples_.begin(), samples_.end(), end, before) - half_window;
+    for (auto at = from; at < to; ++at) {
+      const auto first = at - half_window;
+      const auto last = at + half_window;
+      const double mean_dps = (last->angle_deg - first->angle_deg) / to_s(last->time - first->time);
+      if (std::abs(mean_dps - rate_dps) > slack_dps) return false;
+    }
+    return true;
+  }
+
+ private:
+  const std::vector<simulation::TruthSample>& samples_;
+};
+
+LabelScore score(const session::Session& session, const simulation::VirtualRig& rig) {
+  const auto sent = sent_of(session.frames, rig.sent_frames());
+  const ShaftTruth shaft(rig);
+  LabelScore result;
+  for (const LabelledSample& sample : session.samples) {
+    const simulation::SentMessage* truth = sent.at(sample.frame_index);
+    if (truth == nullptr || sample.leg == 0) continue;
+    ++result.frames;
+    if (sample.valid) {
+      const double error_dps = static_cast<double>(sample.rate_label_dps) - truth->mean_rate_dps;
+      result.error_dps.push_back(static_cast<float>(error_dps));
+      result.beyond_three +=
+          !(std::abs(error_dps) <= 3.0 * static_cast<double>(sample.label_uncertainty_dps));
+    }
+    const double commanded_dps = sample.rate_commanded_dps;
+    if (!std::isfinite(commanded_dps) || commanded_dps == 0.0) continue;
+    if (!shaft.stays_at(commanded_dps, truth->exposure_begin, truth->exposure_end)) continue;
+    ++result.true_to_command;
+    if (sample.valid) continue;
+    ++result.rejected;
+    const std::uint8_t reason = sample.first_reason();
+    ++result.reasons[reason == 0 ? "none" : std::string(reason_names.at(reason - 1U))];
+  }
+  return result;
+}
+
+simulation::VirtualRigConfig label_rig(const ServoCase& servo, double loop_hz, std::uint64_t seed) {
+  simulation::VirtualRigConfig config = simulation::default_rig(seed, "laboratory");
+  config.start = bench_start();
+  config.profile.servo.travel_deg = servo.travel_deg;
+  config.profile.servo.model = servo.name;
+  config.servo_loop_hz = loop_hz;
+  return config;
+}
+
+/// `thermorig calibrate scale` with this very rig: turned by hand, since not every servo turns far enough.
+std::optional<RigProfile> calibrated(simulation::VirtualRigConfig config) {
+  config.hand_turns = {
+      {.begin = config.start + std::chrono::seconds(15), .duration_s = 20.0, .angle_deg = 420.0}};
+  try {
+    const session::Session session = rig::build_session(record(config, {}, 45.0).raw);
+    RigProfile profile = config.profile;
+    calibration::apply(calibration::measure_scale(session), "2026-01-01T00:00:00Z", profile);
+    return profile;
+  } catch (const Error&) {
+    return std::nullopt;
+  }
+}
+
+struct CaseScores {
+  LabelScore calibrated, uncalibrated;
+  bool scale_found = false;
+};
+
+CaseScores run_case(const ServoCase& servo, double loop_hz, std::uint64_t seed) {
+  const simulation::VirtualRigConfig config = label_rig(servo, loop_hz, seed);
+  const std::vector<Leg> legs = legs_at(speeds_dps, 12.0);
+  Recorded recorded = record(config, legs, legs.back().begin_s + legs.back().duration_s + 6.0);
+  CaseScores scores;
+  scores.uncalibrated = score(rig::build_session(recorded.raw), *recorded.rig);
+  const std::optional<RigProfile> profile = calibrated(config);
+  scores.scale_found = profile.has_value();
+  if (!profile) return scores;
+  recorded.raw.header.profile = *profile;
+  scores.calibrated = score(rig::build_session(recorded.raw), *recorded.rig);
+  return scores;
+}
+
+std::string reasons_text(const LabelScore& score) {
+  std::string text;
+  for (const auto& [reason, count] : score.reasons)
+    text += fmt::format("{}{} {}", text.empty() ? "" : ", ", reason, count);
+  return text;
+}
+
+void add_label_figures(const std::string& section, const std::string& key, LabelScore& score, bool limit_rms,
+                       std::vector<Figure>& figures) {
+  // Chance: a normal distribution has 0.27 % beyond three of its standard deviations.
+  constexpr double chance_percent = 0.27;
+  const auto valid = static_cast<double>(score.error_dps.size());
+  const auto share = [](double part, double whole) {
+    return whole > 0.0 ? std::optional(100.0 * part / whole) : std::nullopt;
+  };
+  figures.push_back(
+      {.section = section,
+       .key = key + "_rms_dps",
+       .text = "error of rate_label, RMS",
+       .unit = "deg/s",
+       .value = valid > 0.0 ? std::optional(rms(score.error_dps)) : std::nullopt,
+       .at_most = limit_rms ? std::optional(1.0) : std::nullopt,
+       .note = fmt::format("{} valid of {} frames in legs", score.error_dps.size(), score.frames)});
+  figures.push_back(
+      {.section = section,
+       .key = key + "_max_dps",
+       .text = "error of rate_label, largest",
+       .unit = "deg/s",
+       .value = valid > 0.0 ? std::optional(size_percentile(score.error_dps, 1.0)) : std::nullopt});
+  figures.push_back({.section = section,
+                     .key = key + "_beyond_three_sigma_percent",
+                     .text = "beyond three of its uncertainties",
+                     .unit = "%",
+                     .value = share(static_cast<double>(score.beyond_three), valid),
+                     .at_most = chance_percent});
+  figures.push_back(
+      {.section = section,
+       .key = key + "_wrongly_rejected_percent",
+       .text = "true to the command, yet rejected",
+       .unit = "%",
+       .value = share(static_cast<double>(score.rejected), static_cast<double>(score.true_to_command)),
+       .at_most = 5.0,
+       .note = fmt::format("{} frames; {}", score.true_to_command, reasons_text(score))});
+}
+
+}  // namespace
+
+void add_camera_offset(const TableSize& size, std::vector<Figure>& figures) {
+  std::vector<std::optional<double>> errors_s(size.seeds);
+  std::vector<std::optional<double>> sigmas(size.seeds);
+  for_each_seed(size.seeds, [&](std::size_t index) {
+    simulation::VirtualRigConfig config = simulation::default_rig(index + 1, "laboratory");
+    config.start = bench_start();
+    simulation::Random boards(index + 1, "latencies of this table");
+    const double camera_more_s = boards.uniform(-0.008, 0.008);
+    const double gyro_more_s = boards.uniform(-0.0005, 0.0005);
+    config.camera_latency_s = config.profile.camera.link.latency_s + camera_more_s;
+    config.gyro_latency_s =
+        config.profile.gyro.link.latency_s - 0.5 / config.profile.gyro.output_rate_hz + gyro_more_s;
+    std::vector<Leg> legs;
+    for (int i = 0; i < 30; ++i)
+      legs.push_back({6.0 + 2.0 * i, 1.9, (i % 2 == 0 ? 1.0 : -1.0) * (60.0 + 2.0 * i)});
+    const Recorded recorded = record(config, legs, 72.0);
+    const pipeline::Fits fits = pipeline::fit(recorded.raw, recorded.live);
+    if (!fits.sync || !fits.sync->camera_offset.offset_s) return;
+    const Estimate offset = *fits.sync->camera_offset.offset_s;
+    errors_s[index] = offset.value - (camera_more_s - gyro_more_s);
+    sigmas[index] = *errors_s[index] / offset.uncertainty;
+  });
+  std::vector<float> errors, ratios;
+  for (std::size_t i = 0; i < size.seeds; ++i) {
+    if (!errors_s[i]) continue;
+    errors.push_back(static_cast<float>(*errors_s[i]));
+    ratios.push_back(static_cast<float>(*sigmas[i]));
+  }
+  const std::string section = "camera against gyro, 60 s of sweeping";
+  const bool any = !errors.empty();
+  figures.push_back({.section = section,
+                     .key = "camera_offset_rms_ms",
+                     .text = "error of the offset, RMS",
+                     .unit = "ms",
+                     .value = any ? std::optional(1e3 * rms(errors)) : std::nullopt,
+                     .at_most = 1.0,
+                     .note = fmt::format("found in {} of {} recordings", errors.size(), size.seeds)});
+  double mean = 0.0;
+  for (const float error : errors)
+    mean += 1e3 * static_cast<double>(error) / static_cast<double>(errors.size());
+  figures.push_back({.section = section,
+                     .key = "camera_offset_mean_ms",
+                     .text = "error of the offset, mean",
+                     .unit = "ms",
+                     .value = any ? std::optional(mean) : std::nullopt});
+  figures.push_back({.section = section,
+                     .key = "camera_offset_error_in_sigmas",
+                     .text = "error in its own uncertainties, RMS",
+                     .unit = "",
+                     .value = any ? std::optional(rms(ratios)) : std::nullopt});
+}
+
+void add_labels(const TableSize& size, std::vector<Figure>& figures) {
+  struct Case {
+    std::size_t servo, loop;
+    std::uint64_t seed;
+  };
+  std::vector<Case> cases;
+  const std::size_t repeats =
+      (size.seeds + servos.size() * loops_hz.size() - 1) / (servos.size() * loops_hz.size());
+  for (std::size_t repeat = 0; repeat < repeats; ++repeat)
+    for (std::size_t servo = 0; servo < servos.size(); ++servo)
+      for (std::size_t loop = 0; loop < loops_hz.size(); ++loop)
+        cases.push_back({servo, loop, cases.size() + 1});
+  std::vector<CaseScores> scores(cases.size());
+  for_each_seed(cases.size(), [&](std::size_t i) {
+    scores[i] = run_case(servos[cases[i].servo], loops_hz[cases[i].loop], cases[i].seed);
+  });
+  LabelScore all_calibrated, all_uncalibrated;
+  std::map<std::string, LabelScore> by_servo;
+  double scales = 0.0;
+  for (std::size_t i = 0; i < cases.size(); ++i) {
+    all_calibrated.add(scores[i].calibrated);
+    all_uncalibrated.add(scores[i].uncalibrated);
+    by_servo[fmt::format("{}_loop{:g}", servos[cases[i].servo].name, loops_hz[cases[i].loop])].add(
+        scores[i].calibrated);
+    scales += scores[i].scale_found;
+  }
+  const std::string section = "labels, 20 to 200 deg/s";
+  figures.push_back({.section = section,
+                     .key = "labels_scale_found",
+                     .text = "`calibrate scale` gave a scale",
+                     .unit = "",
+                     .value = scales,
+                     .at_least = static_cast<double>(cases.size()),
+                     .note = fmt::format("{} rigs, turned by hand", cases.size())});
+  add_label_figures(section + ", after `calibrate scale`", "labels_calibrated", all_calibrated, true,
+                    figures);
+  add_label_figures(section + ", not calibrated", "labels_uncalibrated", all_uncalibrated, false, figures);
+  for (auto& [name, score] : by_servo)
+    add_label_figures("labels after `calibrate scale`, " + name, "labels_" + name, score, false, figures);
+}
+
+}  // namespace thermorig::bench

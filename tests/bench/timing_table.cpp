@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: MIT
+// How well times and labels hold, in virtual time against the simulator's truth, beside what others do with
+// the same bytes. Usage: timing_table [--json] [--quick]
+#include <fmt/format.h>
+
+#include <chrono>
+#include <cstdio>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "timing_clocks.h"
+#include "timing_cost.h"
+#include "timing_figures.h"
+#include "timing_labels.h"
+
+int main(int count, char** arguments) {
+  using namespace thermorig::bench;
+  bool json = false;
+  TableSize size;
+  for (int i = 1; i < count; ++i) {
+    const std::string_view argument = arguments[i];
+    if (argument == "--json") {
+      json = true;
+    } else if (argument == "--quick") {
+      size = {.seeds = 3, .seconds = 60.0, .long_seconds = 600.0};
+    } else {
+      fmt::print(stderr, "usage: timing_table [--json] [--quick]\n");
+      return 2;
+    }
+  }
+  const auto begin = std::chrono::steady_clock::now();
+  std::vector<Figure> figures;
+  add_cost(size, figures);
+  add_long_servo_clock(size, figures);
+  add_outage(size, figures);
+  add_camera_offset(size, figures);
+  add_labels(size, figures);
+  add_sample_times(size, figures);
+  const double took_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  if (json) {
+    print_json(figures);
+    return 0;
+  }
+  fmt::print("Simulated rigs in virtual time: {} seeds of {:g} s each; made in {:.0f} s.\n", size.seeds,
+             size.seconds, took_s);
+  print_text(figures);
+  return 0;
+}
