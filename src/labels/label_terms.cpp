@@ -11,18 +11,19 @@ constexpr double assumed_slope_error = 0.005;  // along the travel, of hobby ser
 constexpr double assumed_ripple_dps = 0.3;     // of an exposure's mean, where the loop is only guessed
 constexpr double least_gyro_error_dps = 0.05;  // resolution and cross axes
 
-/// Between the speeds of the table the larger neighbour: residuals are few and rough.
+/// Straight between the speeds of the table, constant beyond them. It is not empty.
 double tabled_deviation_dps(const ServoResponse& response, double rate_dps) {
   const auto& speeds = response.speeds;
+  const auto deviation = [](const ServoResponse::AtSpeed& at) {
+    return std::hypot(at.residual_dps, at.spread_dps);
+  };
   const auto slower = [](const ServoResponse::AtSpeed& at, double rate) { return at.rate_dps < rate; };
   const auto next = std::lower_bound(speeds.begin(), speeds.end(), rate_dps, slower);
-  double deviation = 0.0;
-  const auto note = [&](const ServoResponse::AtSpeed& at) {
-    deviation = std::max(deviation, std::hypot(at.residual_dps, at.spread_dps));
-  };
-  if (next != speeds.end()) note(*next);
-  if (next != speeds.begin()) note(*(next - 1));
-  return deviation;
+  if (next == speeds.begin()) return deviation(speeds.front());
+  if (next == speeds.end()) return deviation(speeds.back());
+  const auto before = next - 1;
+  const double share = (rate_dps - before->rate_dps) / (next->rate_dps - before->rate_dps);
+  return std::lerp(deviation(*before), deviation(*next), share);
 }
 }  // namespace
 

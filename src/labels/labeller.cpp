@@ -31,13 +31,13 @@ bool has_pixel_out_of_range(const ThermalFrame& frame) {
 }
 
 HostDuration settling_time(const LabelConfig& config) {
-  return from_s(config.response && config.response->fitted ? settle_s(*config.response) : config.settle_s);
+  return from_s(config.response.fitted ? settle_s(config.response) : config.settle_s);
 }
 }  // namespace
 
 Labeller::Labeller(LabelConfig config)
     : config_(config),
-      response_(config.response.value_or(assumed_response(config.servo))),
+      response_(config.response.fitted ? config.response : assumed_response(config.servo)),
       settle_(settling_time(config)),
       lag_(from_s(response_.delay_s) + pulse_period),
       command_(PulseScale(config.servo), from_s(config.telemetry_gap_s), from_s(config.history_s)),

@@ -48,7 +48,8 @@ void PulseTrain::fill(const TimedServo& servo, const Seen& pulse, std::vector<Pu
     const auto age = std::chrono::microseconds(servo.mcu_time_us - start_us);
     out.push_back({.end = servo.stamp.time - age + std::chrono::duration_cast<HostDuration>(width_us),
                    .start_us = start_us,
-                   .value = last_->value + share * (pulse.value - last_->value)});
+                   .value = last_->value + share * (pulse.value - last_->value),
+                   .rate_dps = std::isfinite(servo.state.rate_dps) ? servo.state.rate_dps : 0.0});
   }
 }
 

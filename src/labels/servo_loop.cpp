@@ -7,20 +7,22 @@ namespace thermorig::labels {
 
 namespace {
 constexpr double damping = 0.7;
-}
+constexpr double half_stair_s = 0.01;  // a command in steps of 20 ms lies so far behind its ramp
+}  // namespace
 
 ServoLoop::ServoLoop(bool continuous, double loop_hz, double dead_band_deg)
     : continuous_(continuous),
       loop_rad_(2.0 * std::numbers::pi * std::max(loop_hz, 0.01)),
       half_dead_band_deg_(dead_band_deg / 2.0) {}
 
-void ServoLoop::restart(double value) {
+void ServoLoop::restart(double value, double rate_dps) {
   if (continuous_) {
     rate_dps_ = value;
-  } else {
-    angle_deg_ = value;
-    rate_dps_ = 0.0;
+    return;
   }
+  const double lag_s = 2.0 * damping / loop_rad_ + half_stair_s;
+  angle_deg_ = value - rate_dps * lag_s;
+  rate_dps_ = rate_dps;
 }
 
 /// The free motion of x'' = -2 d w x' - w^2 x over a step, x the angle's offset from the command; of a

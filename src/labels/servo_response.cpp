@@ -26,7 +26,7 @@ constexpr double phase_lag = 1.4;  // a loop of damping 0.7 lags by 2 * 0.7 / (2
 constexpr double least_loop_hz = 0.5;
 constexpr double unknown_bias_dps = 20.0;
 constexpr double least_delay_error_s = 3e-4;
-constexpr double exposure_s = 0.25;  // of a frame at 8 Hz, half-fresh: what residuals are means over
+constexpr double exposure_s = 0.125;  // of a chess half at 8 Hz: what residuals are means over
 
 /// Two measurements of one thing; where they contradict each other, neither is as good as it says.
 Estimate combined(const Estimate& a, const Estimate& b) {

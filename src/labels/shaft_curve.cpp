@@ -19,8 +19,8 @@ std::vector<PulseAt> all_pulses(std::span<const TimedServo> servo, const PulseSc
     train.add(message, found);
     for (const Pulse& pulse : found) {
       const double end_s = to_s(pulse.end - origin);
-      pulses.push_back(
-          {pulses.empty() ? end_s : std::max(end_s, pulses.back().end_s), pulse.value, pulse.restart});
+      pulses.push_back({pulses.empty() ? end_s : std::max(end_s, pulses.back().end_s), pulse.value,
+                        pulse.rate_dps, pulse.restart});
     }
     found.clear();
   }
@@ -30,11 +30,11 @@ std::vector<PulseAt> all_pulses(std::span<const TimedServo> servo, const PulseSc
 ShaftCurve::ShaftCurve(std::span<const PulseAt> pulses, bool continuous, double loop_hz, double dead_band_deg,
                        double until_s) {
   ServoLoop loop(continuous, loop_hz, dead_band_deg);
-  loop.restart(pulses.front().value);
+  loop.restart(pulses.front().value, pulses.front().rate_dps);
   double time_s = pulses.front().end_s;
   points_.push_back({time_s, loop.angle_deg(), loop.rate_dps()});
   for (std::size_t i = 0; i < pulses.size(); ++i) {
-    if (pulses[i].restart) loop.restart(pulses[i].value);
+    if (pulses[i].restart) loop.restart(pulses[i].value, pulses[i].rate_dps);
     const double end_s = i + 1 < pulses.size() ? pulses[i + 1].end_s : until_s;
     loop.advance(pulses[i].value, end_s - pulses[i].end_s, [&](double step_s) {
       time_s += step_s;

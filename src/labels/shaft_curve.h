@@ -16,6 +16,7 @@ namespace thermorig::labels {
 struct PulseAt {
   double end_s = 0.0;
   double value = 0.0;
+  double rate_dps = 0.0;  // commanded with it
   bool restart = false;
 };
 
@@ -25,7 +26,7 @@ std::vector<PulseAt> all_pulses(std::span<const TimedServo> servo, const PulseSc
 /// What the loop, scale and gain 1 and no delay, makes of some pulses.
 class ShaftCurve {
  public:
-  /// `pulses` is not empty. The loop starts at rest, or a continuous servo at speed, with the first one.
+  /// `pulses` is not empty. The loop starts as if it had long followed the first one.
   ShaftCurve(std::span<const PulseAt> pulses, bool continuous, double loop_hz, double dead_band_deg,
              double until_s);
 

@@ -34,7 +34,7 @@ void ShaftTrack::take(const Pulse& pulse) {
   if (started_) advance(pulse.end);
   if (!started_ || pulse.restart) {
     now_ = started_ ? std::max(now_, pulse.end) : pulse.end;
-    loop_.restart(pulse.value);
+    loop_.restart(pulse.value, pulse.rate_dps);
     last_angle_deg_ = loop_.angle_deg();
   }
   value_ = pulse.value;

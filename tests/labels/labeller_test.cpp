@@ -25,7 +25,7 @@ TEST(Runs, AreBrokenByAnInvalidFrame) {
 TEST(Runs, LieInOneLeg) {
   ScriptedRig rig;
   rig.leg = [](double t) { return t < 0.8 ? 4 : 5; };
-  rig.spoil = [](TimedFrame& frame, int) { frame.exposure_begin = frame.exposure_end - from_s(0.01); };
+  rig.spoil = [](TimedFrame& frame, int) { frame.exposure_begin = frame.exposure_end - from_s(0.04); };
   const auto samples = rig.run(1.26);
   EXPECT_EQ(runs(samples), (std::vector<std::uint32_t>{0, 1, 1, 1, 1, 1, 2, 2, 2, 2}));
   EXPECT_EQ(samples[5].leg, 4);
@@ -50,6 +50,7 @@ TEST(Labeller, HoldsAFrameUntilTelemetryAndGyroPassItsExposure) {
   labeller.add(rig.frame_at(1.0, 0));
   EXPECT_TRUE(labeller.take(at_s(1.1)).empty());
   labeller.add(rig.servo_at(1.01));
+  labeller.add(rig.servo_at(1.02));
   EXPECT_TRUE(labeller.take(at_s(1.2)).empty());
   labeller.add(rig.gyro_at(0.999));
   EXPECT_TRUE(labeller.take(at_s(1.3)).empty());
@@ -109,7 +110,7 @@ TEST(Labeller, ToleratesTelemetryThatRunsBackwards) {
   labeller.add(rig.frame_at(1.0, 0));
   const auto samples = labeller.finish();
   ASSERT_EQ(samples.size(), 1U);
-  EXPECT_EQ(samples[0].rate_label_dps, 100.0F);
+  EXPECT_NEAR(samples[0].rate_label_dps, 100.0, 3.0);
 }
 
 TEST(Labeller, LabelsAnExposureWithoutLength) {
@@ -117,7 +118,9 @@ TEST(Labeller, LabelsAnExposureWithoutLength) {
   rig.offset_s = 0.0;  // telemetry at the very instant
   rig.spoil = [](TimedFrame& frame, int) { frame.exposure_begin = frame.exposure_end; };
   const auto samples = rig.run(2.0);
-  EXPECT_EQ(samples[7].rate_label_dps, 100.0F);
+  EXPECT_NEAR(samples[7].rate_commanded_dps, 100.0, 1e-2);
+  EXPECT_TRUE(std::isnan(samples[7].rate_label_dps));  // no time, no turn
+  EXPECT_FALSE(samples[7].valid);
 }
 
 TEST(History, ForgetsWhatIsOlderThanItsLength) {

@@ -89,20 +89,29 @@ TEST(Reasons, OutOfRangeIsAnyPixelBeyondTheSensorsRange) {
   EXPECT_EQ(frames_with(Reason::out_of_range, rig.run(3.0)), (std::vector<int>{5, 6, 7}));
 }
 
-TEST(Reasons, ServoRampCoversTheExposureAndTheSettlingTimeBeforeIt) {
+TEST(Reasons, ServoRampWhereTheModelLeavesTheCommandedSpeed) {
   ScriptedRig rig;
   rig.rate_dps = [](double t) { return std::clamp(100.0 + (t - 1.45) * 1000.0, 100.0, 130.0); };
-  const auto expected = frames_meeting(1.45, 1.48, 0.2, 32);
-  EXPECT_EQ(expected, (std::vector<int>{11, 12, 13, 14}));
-  EXPECT_EQ(frames_with(Reason::servo_ramp, rig.run(4.0)), expected);
+  const auto samples = rig.run(4.0);
+  // Frame 14 is exposed from 1.625 on, when the loop of 8 Hz has settled to 2 %.
+  EXPECT_EQ(without_start(frames_with(Reason::servo_ramp, samples)), (std::vector<int>{11, 12, 13, 31}));
+}
+
+TEST(Reasons, ServoRampSpareAnExposureThatEndsBeforeTheShaftFollows) {
+  ScriptedRig rig;
+  rig.rate_dps = [](double t) { return t < 1.49 ? 100.0 : 0.0; };
+  const auto ramps = frames_with(Reason::servo_ramp, rig.run(4.0));
+  EXPECT_FALSE(std::count(ramps.begin(), ramps.end(), 10));
+  EXPECT_TRUE(std::count(ramps.begin(), ramps.end(), 12));
 }
 
 TEST(Reasons, ServoRampToleratesWhatTheConfigurationSays) {
-  ScriptedRig rig;
-  rig.rate_dps = [](double t) { return t < 1.5 ? 100.0 : 100.49; };
-  EXPECT_TRUE(frames_with(Reason::servo_ramp, rig.run(3.0)).empty());
-  rig.rate_dps = [](double t) { return t < 1.5 ? 100.0 : 100.51; };
-  EXPECT_FALSE(frames_with(Reason::servo_ramp, rig.run(3.0)).empty());
+  for (const double step_dps : {1.9, 4.0}) {
+    ScriptedRig rig;
+    rig.rate_dps = [step_dps](double t) { return t < 1.5 ? 100.0 : 100.0 + step_dps; };
+    const auto ramps = without_start(frames_with(Reason::servo_ramp, rig.run(3.0)));
+    EXPECT_EQ(std::count(ramps.begin(), ramps.end(), 12) > 0, step_dps > 2.0) << step_dps;
+  }
 }
 
 TEST(Reasons, ServoLostWhereTelemetryHasAHole) {
@@ -142,7 +151,10 @@ TEST(Reasons, AServoThatComesToRestIsARampNotALoss) {
   rig.motion = [](double t) { return t < 1.45 ? ServoMotion::steady : ServoMotion::stopping; };
   const auto samples = rig.run(4.0);
   EXPECT_EQ(without_start(frames_with(Reason::servo_lost, samples)), std::vector<int>{31});
-  EXPECT_EQ(frames_with(Reason::servo_ramp, samples), frames_meeting(1.45, 1.50, 0.2, 32));
+  const auto ramps = without_start(frames_with(Reason::servo_ramp, samples));
+  const std::vector<int> least{11, 12, 13};
+  EXPECT_TRUE(std::includes(ramps.begin(), ramps.end(), least.begin(), least.end()));
+  EXPECT_LE(ramps.size(), 5U);  // 14 is on the edge, and the last has no telemetry after it
 }
 
 TEST(Reasons, LimitHitWithinTheMarginOfEitherEndOfTheTravel) {
@@ -163,13 +175,17 @@ TEST(Reasons, LimitHitNotForAContinuousServo) {
   EXPECT_TRUE(frames_with(Reason::limit_hit, rig.run(3.0)).empty());
 }
 
-TEST(Reasons, ReversalWhereTheSpeedHasBothSignsInTheExposure) {
+TEST(Reasons, ReversalWhereTheShaftTurnsBackInTheExposure) {
   ScriptedRig rig;
   rig.rate_dps = [](double t) { return std::clamp((t - 1.45) * -2000.0, -100.0, 100.0); };
   const auto samples = rig.run(4.0);
-  EXPECT_EQ(frames_with(Reason::reversal, samples), frames_meeting(1.45, 1.45, 0.0, 32));
-  for (const int frame : frames_with(Reason::reversal, samples))
+  // The command turns at 1.45, the shaft about 45 ms later.
+  const auto turns = frames_with(Reason::reversal, samples);
+  EXPECT_TRUE(std::count(turns.begin(), turns.end(), 12));
+  for (const int frame : turns) {
+    EXPECT_TRUE(frame >= 11 && frame <= 13) << frame;
     EXPECT_TRUE(has(samples[static_cast<std::size_t>(frame)], Reason::servo_ramp));
+  }
 }
 
 TEST(Reasons, ReversalNotForAStartFromRest) {
@@ -190,11 +206,12 @@ TEST(Reasons, ARestIsOutsideALegAndNotValid) {
   ScriptedRig rig;
   rig.leg = [](double) { return 0; };
   rig.rate_dps = [](double) { return 0.0; };
+  rig.gyro_dps = [](double) { return 1.5; };
   rig.motion = [](double) { return ServoMotion::holding; };
   const auto samples = rig.run(2.0);
   for (std::size_t i = uncovered; i < samples.size() - 1; ++i) {
     EXPECT_EQ(samples[i].reason_bits, bit(Reason::outside_leg)) << i;
-    EXPECT_EQ(samples[i].rate_label_dps, 0.0F);
+    EXPECT_NEAR(samples[i].rate_label_dps, 0.0F, 1e-3F);
     EXPECT_FALSE(samples[i].valid);
     EXPECT_EQ(samples[i].run, 0U);
   }
@@ -204,7 +221,10 @@ TEST(Reasons, LegChangeWhereTheExposureLiesInTwoLegs) {
   ScriptedRig rig;
   rig.leg = [](double t) { return t < 1.5 ? 2 : 3; };
   const auto samples = rig.run(4.0);
-  EXPECT_EQ(frames_with(Reason::leg_change, samples), frames_meeting(1.4913, 1.5013, 0.0, 32));
+  // What the shaft shows is one pulse period and the delay old.
+  constexpr double lag_s = 0.025;
+  EXPECT_EQ(frames_with(Reason::leg_change, samples),
+            frames_meeting(1.4913 + lag_s, 1.5013 + lag_s, 0.0, 32));
   EXPECT_TRUE(frames_with(Reason::outside_leg, samples).empty() ||
               frames_with(Reason::outside_leg, samples).front() < uncovered);
 }
@@ -236,16 +256,109 @@ TEST(Reasons, OnlyThoseThatThisVersionSaysItComputesAreEverSet) {
   rig.angle_deg = [](double t) { return 2000.0 * std::cos(t); };
   rig.telemetry_comes = [](double t) { return std::fmod(t, 1.7) > 0.1; };
   rig.gyro_comes = [](double t) { return std::fmod(t, 2.3) > 0.3; };
+  rig.gyro_dps = [](double t) { return t < 10.0 ? 500.0 : 100.0 * std::sin(30.0 * t); };
   rig.spoil = [](TimedFrame& frame, int index) {
     frame.stale = index % 5 == 0;
     frame.resync_before = index % 7 == 0;
     if (index % 11 == 0) frame.frame.temp_c[0] = 500.0F;
     frame.missing_before = index % 13 == 0 ? 1 : 0;
     frame.late = index % 17 == 0;
+    frame.frame.sensor_temp_c = 30.0F + 0.01F * static_cast<float>(index);
   };
   std::uint32_t seen = 0;
   for (const LabelledSample& sample : rig.run(20.0)) seen |= sample.reason_bits;
   EXPECT_EQ(seen, computed_bits);
+}
+
+TEST(Reasons, SyncLostWhereTheFramesClockIsUnsure) {
+  ScriptedRig rig;
+  rig.spoil = [](TimedFrame& frame, int index) {
+    frame.late = index == 7;
+    frame.stamp.uncertainty_s = index == 9 ? 0.0011F : 0.0009F;
+  };
+  EXPECT_EQ(frames_with(Reason::sync_lost, rig.run(3.0)), (std::vector<int>{7, 9}));
+}
+
+TEST(Reasons, GyroUnsteadyBeyondTheSensorsNoiseAndTheTolerance) {
+  for (const double amplitude_dps : {2.0, 6.0}) {  // a swing of 5 Hz: 1.4 and 4.2 deg/s, the tolerance is 2
+    ScriptedRig rig;
+    rig.gyro_dps = [&](double t) { return 100.0 + amplitude_dps * std::sin(2.0 * 3.14159265 * 5.0 * t); };
+    const LabelledSample sample = rig.run(4.0).at(12);
+    EXPECT_EQ(has(sample, Reason::gyro_unsteady), amplitude_dps > 4.0);
+    EXPECT_NEAR(sample.gyro_spread_dps, amplitude_dps / std::sqrt(2.0), 0.1 * amplitude_dps);
+  }
+}
+
+TEST(Reasons, GyroUnsteadyNotForTheRippleOfThePulses) {
+  ScriptedRig rig;
+  rig.gyro_dps = [](double t) { return 100.0 + 38.0 * std::sin(2.0 * 3.14159265 * 50.0 * t + 0.3); };
+  const LabelledSample sample = rig.run(4.0).at(12);
+  EXPECT_FALSE(has(sample, Reason::gyro_unsteady));
+  EXPECT_LT(sample.gyro_spread_dps, 0.5F);
+}
+
+TEST(Reasons, GyroDisagreesBeyondThreeDeviationsOfBiasScaleAndModel) {
+  for (const double gyro_dps : {101.0, 104.0}) {
+    ScriptedRig rig;
+    rig.gyro_dps = [gyro_dps](double) { return gyro_dps + 5.0; };
+    rig.config.response = ServoResponse{.fitted = true, .gyro_ratio = {1.0, 0.005}, .residual_dps = 0.3};
+    rig.config.gyro.emplace(GyroErrors{.bias_dps = Estimate{5.0, 0.4}, .noise_dps = 0.1});  // sigma about 0.7
+    EXPECT_EQ(has(rig.run(4.0).at(12), Reason::gyro_disagrees), gyro_dps > 103.0);
+  }
+}
+
+TEST(Reasons, ASaturatedGyroIsNotAskedWhetherItAgrees) {
+  const ScriptedRig rig;
+  LabelConfig config = rig.config;
+  config.gyro.emplace(GyroErrors{.bias_dps = Estimate{0.0, 0.1}});
+  Labeller labeller(config);
+  for (int i = 0; i < 300; ++i) labeller.add(rig.servo_at(rig.offset_s + 0.01 * i));
+  for (int i = 0; i < 600; ++i) {
+    TimedGyro gyro = rig.gyro_at(0.005 * i);
+    gyro.rate_dps = i % 2 == 0 ? 250.0F : -100.0F;
+    gyro.reading.saturated = i % 2 == 0;
+    labeller.add(gyro);
+  }
+  labeller.add(rig.frame_at(2.0, 0));
+  const LabelledSample sample = labeller.finish().at(0);
+  EXPECT_FALSE(has(sample, Reason::gyro_disagrees));
+  EXPECT_FALSE(has(sample, Reason::gyro_unsteady));
+}
+
+TEST(Reasons, TelemetryDisagreesWhereADeadlineWasMissed) {
+  ScriptedRig rig;
+  rig.telemetry_comes = [](double t) { return t < 1.5 || t > 1.51; };  // one message
+  EXPECT_EQ(without_start(frames_with(Reason::telemetry_disagrees, rig.run(4.0))),
+            frames_meeting(1.4913, 1.5113, 0.2, 32));
+}
+
+TEST(Reasons, TelemetryDisagreesWhereThePulseDoesNotFollowTheCommand) {
+  const ScriptedRig rig;
+  Labeller labeller(rig.config);
+  for (int i = 0; i < 300; ++i) {
+    TimedServo servo = rig.servo_at(rig.offset_s + 0.01 * i);
+    if (i >= 150) servo.state.pulse_us += 4.0F;  // 4.3 deg on a winch, 43 ms of motion
+    labeller.add(servo);
+  }
+  labeller.add(rig.frame_at(1.4, 0));
+  labeller.add(rig.frame_at(2.0, 1));
+  const auto samples = labeller.finish();
+  EXPECT_FALSE(has(samples[0], Reason::telemetry_disagrees));
+  EXPECT_TRUE(has(samples[1], Reason::telemetry_disagrees));
+}
+
+TEST(Reasons, WarmUpIsAWarningUnlessItIsToldNotToBe) {
+  for (const bool invalidates : {false, true}) {
+    ScriptedRig rig;
+    rig.config.warm_up_invalidates = invalidates;
+    rig.spoil = [](TimedFrame& frame, int index) {
+      frame.frame.sensor_temp_c = 30.0F + static_cast<float>(index) * 0.125F * 0.02F;  // 1.2 K/min
+    };
+    const auto samples = rig.run(8.0);
+    EXPECT_FALSE(has(samples[20], Reason::warm_up));  // too early to tell
+    EXPECT_TRUE(has(samples[60], Reason::warm_up));
+    EXPECT_EQ(samples[60].valid, !invalidates);
+  }
 }
 
 }  // namespace

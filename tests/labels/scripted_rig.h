@@ -20,11 +20,12 @@ inline double seconds(HostTime time) {
 }
 
 /// A rig by hand: whole runs of telemetry, gyro samples and half-fresh frames from functions of time, without
-/// bytes. Defaults: armed in the middle of the travel, steady at 100 deg/s in leg 1.
+/// bytes. Defaults: armed, steady at 100 deg/s in leg 1; the angle is the integral of the speed from the low
+/// end of the travel, and every 20 ms a pulse starts that shows it.
 struct ScriptedRig {
   LabelConfig config;
   std::function<double(double)> rate_dps = [](double) { return 100.0; };
-  std::function<double(double)> angle_deg = [](double) { return 0.0; };
+  std::function<double(double)> angle_deg;  // none: the integral of the speed
   std::function<int(double)> leg = [](double) { return 1; };
   std::function<ServoMotion(double)> motion = [](double) { return ServoMotion::steady; };
   std::function<ServoFault(double)> fault = [](double) { return ServoFault::none; };
@@ -38,12 +39,31 @@ struct ScriptedRig {
   double offset_s = 0.0013;  // of gyro and telemetry against the frames, so that no times coincide
   double uncertainty_s = 0.0;
 
+  double angle_at(double t) const {
+    if (angle_deg) return angle_deg(t);
+    double angle = -900.0;
+    constexpr double step_s = 0.001;
+    for (double from = 0.0; from < t; from += step_s) {
+      const double length = std::min(step_s, t - from);
+      angle += length * rate_dps(from + 0.5 * length);
+    }
+    return angle;
+  }
+  /// Of the pulse that was started last; the firmware takes the angle a millisecond before it starts one.
+  double pulse_us_at(double t) const {
+    const double start = std::floor((t - offset_s) / 0.02 + 1e-6) * 0.02 + offset_s;
+    const double half_us = (config.servo.pulse_max_us - config.servo.pulse_min_us) / 2.0;
+    const double part = angle_at(std::max(0.0, start - 0.001)) / (config.servo.travel_deg / 2.0);
+    return 1500.0 + half_us * part;
+  }
+
   TimedServo servo_at(double t) const {
     TimedServo servo;
     servo.stamp = {.time = at_s(t), .arrival = at_s(t), .uncertainty_s = static_cast<float>(uncertainty_s)};
     servo.mcu_time_us = std::llround(t * 1e6);
     servo.state.rate_dps = rate_dps(t);
-    servo.state.angle_deg = angle_deg(t);
+    servo.state.angle_deg = angle_at(t);
+    servo.state.pulse_us = static_cast<float>(pulse_us_at(t));
     servo.state.leg = static_cast<std::uint16_t>(leg(t));
     servo.state.motion = motion(t);
     servo.state.fault = fault(t);
@@ -62,6 +82,10 @@ struct ScriptedRig {
     frame.stamp = {.time = at_s(t), .arrival = at_s(t), .uncertainty_s = static_cast<float>(uncertainty_s)};
     frame.exposure_end = frame.stamp.time;
     frame.exposure_begin = frame.exposure_end - from_s(2 * frame_period_s);
+    const HostTime middle = frame.exposure_end - from_s(frame_period_s);
+    const std::size_t newest = index % 2 == 0 ? 0 : 1;
+    frame.half[newest] = {middle, frame.exposure_end};
+    frame.half[1 - newest] = {frame.exposure_begin, middle};
     spoil(frame, index);
     return frame;
   }

@@ -20,8 +20,8 @@ struct LabelConfig {
   double stop_margin_deg = 2.0;
   double travel_deg = 2160.0;  // 0 for a continuous servo: no stops
 
-  ServoProfile servo;                     // what a pulse width commands
-  std::optional<ServoResponse> response;  // fitted; none: assumed_response(servo)
+  ServoProfile servo;              // what a pulse width commands
+  ServoResponse response;          // where it is fitted; else assumed_response(servo) stands in
   std::optional<GyroErrors> gyro;  // fitted; none: those of the profile, and bias from the rests so far
   GyroProfile gyro_profile;
   double clock_limit_s = 0.001;        // a frame whose clock is less certain is out of sync

@@ -16,6 +16,7 @@ struct Pulse {
   HostTime end{};             // only now the servo knows its width
   std::int64_t start_us = 0;  // by the micro-controller's clock
   double value = 0.0;         // commanded angle, deg, or rate, deg/s
+  double rate_dps = 0.0;      // reported with it
   bool restart = false;       // what came before it is not known
 };
 

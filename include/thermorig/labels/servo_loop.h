@@ -13,8 +13,9 @@ class ServoLoop {
   /// `loop_hz` > 0; `dead_band_deg` is of positional servos.
   ServoLoop(bool continuous, double loop_hz, double dead_band_deg);
 
-  /// At rest where the command is; a continuous servo at the commanded rate.
-  void restart(double value);
+  /// As if the command had long moved by `rate_dps` and were at `value` now; of a continuous servo the
+  /// command is a rate, and `rate_dps` is not used.
+  void restart(double value, double rate_dps);
 
   /// The command holds `value` for `duration_s`. Calls step(seconds) after each step, when angle and rate
   /// are those that many seconds after the step before.
