@@ -203,6 +203,14 @@ TEST(ServoScanner, BooksAnEndlessFrameWhileItLasts) {
   EXPECT_EQ(scan.counters.bad_checksum, 0U);
 }
 
+TEST(ServoScanner, LeavesAFrameWithoutItsFlagPendingAtTheEnd) {
+  ByteVector bytes = numbered_telemetry(1);
+  bytes.pop_back();
+  const auto scan = scan_any_chunking<ServoMessage>(wire::ServoScanner(), bytes, Stream::ends);
+  EXPECT_TRUE(scan.messages.empty());
+  EXPECT_EQ(scan.counters.bytes_pending, bytes.size());
+}
+
 TEST(ServoScanner, DropsTheFrameAroundAStopByte) {
   ByteVector bytes = numbered_telemetry(1);
   bytes.insert(bytes.begin() + 10, SERVO_LINK_STOP);
