@@ -221,13 +221,23 @@ std::vector<session::Session> read_sessions(const std::vector<std::filesystem::p
   return sessions;
 }
 
+/// A session that cannot tell is named, so that its owner can look at it.
+CalibrationResult measure(const CalibrateOptions& options, std::span<const session::Session> sessions,
+                          const std::vector<std::filesystem::path>& paths) {
+  try {
+    return measure(options, sessions);
+  } catch (const Error& error) {
+    throw Error(error.code(), error.what_happened(), joined(paths), error.advice());
+  }
+}
+
 ExitCode calibrate(const CalibrateOptions& options, const std::vector<std::filesystem::path>& paths) {
   const std::filesystem::path path = kept_in(options);
   const std::vector<session::Session> sessions = read_sessions(paths);
   const RigProfile before = profile_before(path, sessions.front());
   for (const session::Session& session : sessions)
     if (!path.empty()) refuse_mixture(session.raw.header.simulated, before, path);
-  const CalibrationResult result = measure(options, sessions);
+  const CalibrationResult result = measure(options, sessions, paths);
   const std::string utc = measured_utc(sessions);
   if (!path.empty()) {
     RigProfile after = before;

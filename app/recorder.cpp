@@ -53,8 +53,12 @@ void announce(const rig::RecordingOptions& recording, bool json) {
                 {"simulation", recording.simulation}});
     return;
   }
-  fmt::print("recording {}, plan {}: {} legs of {} frames, about {}\n", recording.environment, plan.name,
-             plan.leg_rates_dps.size(), plan.frames_per_leg, duration_text(duration_s));
+  const std::string legs =
+      plan.leg_rates_dps.empty()
+          ? std::string("a rest")
+          : fmt::format("{} legs of {} frames", plan.leg_rates_dps.size(), plan.frames_per_leg);
+  fmt::print("recording {}, plan {}: {}, about {}\n", recording.environment, plan.name, legs,
+             duration_text(duration_s));
   if (recording.simulated)
     fmt::print("SIMULATED rig{}: {}\n",
                recording.simulation_seed ? fmt::format(", seed {}", *recording.simulation_seed) : "",

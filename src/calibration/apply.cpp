@@ -1,27 +1,38 @@
 // SPDX-License-Identifier: MIT
+#include <cmath>
+
 #include "thermorig/calibration/calibration.h"
 
 namespace thermorig::calibration {
 
+namespace {
+
+/// Millionths are far below what any calibration tells, and a profile is read by people.
+double rounded(double value) {
+  return std::round(value * 1e6) / 1e6;
+}
+
+}  // namespace
+
 void apply(const BiasResult& result, const std::string& utc, RigProfile& profile) {
-  profile.gyro.bias_dps = result.bias_dps.value;
-  profile.gyro.bias_uncertainty_dps = result.bias_dps.uncertainty;
+  profile.gyro.bias_dps = rounded(result.bias_dps.value);
+  profile.gyro.bias_uncertainty_dps = rounded(result.bias_dps.uncertainty);
   profile.gyro.bias_measured_utc = utc;
 }
 
 void apply(const LatencyResult& result, const std::string& utc, RigProfile& profile) {
-  profile.camera.link.latency_s = result.camera_latency_s.value;
-  profile.camera.link.latency_uncertainty_s = result.camera_latency_s.uncertainty;
+  profile.camera.link.latency_s = rounded(result.camera_latency_s.value);
+  profile.camera.link.latency_uncertainty_s = rounded(result.camera_latency_s.uncertainty);
   profile.camera.link.latency_measured_utc = utc;
 }
 
 void apply(const ScaleResult& result, const std::string& utc, RigProfile& profile) {
-  profile.gyro.scale = result.gyro_scale.value;
-  profile.gyro.scale_uncertainty = result.gyro_scale.uncertainty;
+  profile.gyro.scale = rounded(result.gyro_scale.value);
+  profile.gyro.scale_uncertainty = rounded(result.gyro_scale.uncertainty);
   profile.gyro.scale_measured_utc = utc;
   if (!result.servo_scale) return;
-  profile.servo.scale = result.servo_scale->value;
-  profile.servo.scale_uncertainty = result.servo_scale->uncertainty;
+  profile.servo.scale = rounded(result.servo_scale->value);
+  profile.servo.scale_uncertainty = rounded(result.servo_scale->uncertainty);
   profile.servo.scale_measured_utc = utc;
 }
 
@@ -47,11 +58,14 @@ void apply(const OrientationResult& result, const std::string& utc, RigProfile& 
 
 namespace {
 
-void take_latency(const PortProfile& from, PortProfile& into) {
-  if (from.latency_measured_utc.empty()) return;
-  into.latency_s = from.latency_s;
-  into.latency_uncertainty_s = from.latency_uncertainty_s;
-  into.latency_measured_utc = from.latency_measured_utc;
+/// The camera's was measured against the gyro's, which belongs to it.
+void take_latency(const RigProfile& from, RigProfile& into) {
+  if (from.camera.link.latency_measured_utc.empty()) return;
+  into.camera.link.latency_s = from.camera.link.latency_s;
+  into.camera.link.latency_uncertainty_s = from.camera.link.latency_uncertainty_s;
+  into.camera.link.latency_measured_utc = from.camera.link.latency_measured_utc;
+  into.gyro.link.latency_s = from.gyro.link.latency_s;
+  into.gyro.link.latency_uncertainty_s = from.gyro.link.latency_uncertainty_s;
 }
 
 void take_gyro(const GyroProfile& from, GyroProfile& into) {
@@ -76,7 +90,7 @@ void take_calibrations(const RigProfile& from, RigProfile& into) {
     into.camera.mirrored = from.camera.mirrored;
     into.camera.orientation_measured_utc = from.camera.orientation_measured_utc;
   }
-  for (const Device device : all_devices) take_latency(from.link(device), into.link(device));
+  take_latency(from, into);
   if (into.gyro.axis == from.gyro.axis && into.gyro.sign == from.gyro.sign) take_gyro(from.gyro, into.gyro);
   if (from.servo.scale_measured_utc.empty()) return;
   into.servo.scale = from.servo.scale;

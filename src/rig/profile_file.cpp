@@ -96,8 +96,7 @@ void visit_link(Visitor& visitor, PortProfile& link) {
   visitor.text("port", link.port, "e.g. /dev/serial/by-id/...; empty: not chosen yet");
   visitor.text("usb_path", link.usb_path, "USB topology, e.g. 1-4.2; may be empty");
   visitor.integer("baud", link.baud, 0, 12'000'000, "bits per second, 8N1; 0: does not apply (USB-CDC)");
-  visitor.number("latency_s", link.latency_s, -0.1, 1.0,
-                 "constant delay from the sample to its first byte; calibrated: against the gyro's");
+  visitor.number("latency_s", link.latency_s, -0.1, 1.0, "constant delay from the sample to its first byte");
   visitor.number("latency_uncertainty_s", link.latency_uncertainty_s, 0.0, 1.0,
                  "one standard deviation of it");
   visitor.date("latency_measured_utc", link.latency_measured_utc, measured);

@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <string>
+
+#include "thermorig/core/estimate.h"
+#include "thermorig/rig/plan.h"
+#include "thermorig/session/session.h"
+#include "thermorig/simulation/virtual_rig.h"
+
+namespace thermorig::calibration::test {
+
+/// A simulated rig with the servo "winch", "180", "270" or "continuous".
+simulation::VirtualRigConfig rig_with(std::uint64_t seed, const std::string& servo = "winch");
+
+/// What the simulated gyro really does about the shaft, by all of its samples against the true rates.
+struct GyroTruth {
+  double scale = 1.0;
+  double bias_dps = 0.0;
+};
+
+/// A session in virtual time with what is really true of it.
+struct Recorded {
+  session::Session session;
+  GyroTruth gyro;
+  double camera_latency_s = 0.0;  // mean, from the end of the newest exposure to the first byte on the wire
+  double gyro_latency_s = 0.0;    // mean, from the middle of the averaging interval to the first byte
+  double servo_scale = 1.0;       // true angle of the shaft over the commanded one, from one end to the other
+};
+
+/// Records `plan` on the rig, finalises, and gives the session.
+Recorded record(const simulation::VirtualRigConfig& config, const rig::SweepPlan& plan);
+
+/// The plan of a calibration on that rig.
+rig::SweepPlan plan_for(rig::CalibrationKind kind, const simulation::VirtualRigConfig& config);
+
+}  // namespace thermorig::calibration::test

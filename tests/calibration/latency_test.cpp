@@ -1,0 +1,104 @@
+// SPDX-License-Identifier: MIT
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "calibrated_rig.h"
+#include "thermorig/calibration/calibration.h"
+#include "thermorig/core/error.h"
+#include "thermorig/rig/finalise.h"
+
+namespace thermorig::calibration {
+namespace {
+
+using rig::CalibrationKind;
+using test::plan_for;
+using test::record;
+using test::Recorded;
+using test::rig_with;
+using ::testing::HasSubstr;
+
+// A simulated pixel follows the scene with a time constant of 12 ms. The images cannot tell that from a
+// camera that is later, nor must they: what a frame shows is that much older. Measured on the simulator's own
+// exposures: 10.5 ms.
+constexpr double membrane_lag_s = 0.0105;
+
+Recorded sweeps(const simulation::VirtualRigConfig& config) {
+  return record(config, plan_for(CalibrationKind::latency, config));
+}
+
+/// From the exposure's end to the first byte, beyond what the gyro takes and its profile does not say.
+double true_latency_s(const Recorded& recorded) {
+  return recorded.camera_latency_s - recorded.gyro_latency_s +
+         recorded.session.raw.header.profile.gyro.link.latency_s;
+}
+
+std::string refusal(const session::Session& session) {
+  try {
+    measure_latency(session);
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), ExitCode::finished_lossy);
+    EXPECT_FALSE(error.advice().empty());
+    return error.what_happened();
+  }
+  return "nothing was refused";
+}
+
+TEST(CalibrateLatency, FindsWhatTheCameraTakesOnEveryServo) {
+  for (const char* servo : {"winch", "180", "270"}) {
+    const Recorded recorded = sweeps(rig_with(1, servo));
+    const LatencyResult result = measure_latency(recorded.session);
+    // The links' own constant delays, up to 2 ms, are part of what is measured.
+    EXPECT_NEAR(result.camera_latency_s.value, true_latency_s(recorded) + membrane_lag_s, 0.003) << servo;
+    EXPECT_LT(result.camera_latency_s.uncertainty, 0.001) << servo;
+    EXPECT_GT(result.halves, 100U) << servo;
+  }
+}
+
+TEST(CalibrateLatency, FollowsACameraThatIsLater) {
+  for (std::uint64_t seed : {2, 5}) {
+    auto config = rig_with(seed);
+    config.camera_latency_s = 0.018;
+    const LatencyResult sooner = measure_latency(sweeps(config).session);
+    config.camera_latency_s = 0.025;
+    const LatencyResult later = measure_latency(sweeps(config).session);
+    EXPECT_NEAR(later.camera_latency_s.value - sooner.camera_latency_s.value, 0.007,
+                3.0 * std::hypot(sooner.camera_latency_s.uncertainty, later.camera_latency_s.uncertainty));
+  }
+}
+
+TEST(CalibrateLatency, LeavesNothingToMeasureOnceItIsInTheProfile) {
+  auto config = rig_with(4);
+  const LatencyResult first = measure_latency(sweeps(config).session);
+  apply(first, "2026-07-25T14:35:12Z", config.profile);
+  const Recorded again = sweeps(config);
+  EXPECT_NEAR(again.session.sync.clock[Device::camera].latency_s, first.camera_latency_s.value,
+              3.0 * first.camera_latency_s.uncertainty);
+  const LatencyResult second = measure_latency(again.session);
+  EXPECT_LT(std::abs(second.offset_s.value),
+            3.0 * std::hypot(first.camera_latency_s.uncertainty, second.camera_latency_s.uncertainty));
+}
+
+TEST(CalibrateLatency, CountsTheShiftThatASessionMadeByItself) {
+  const Recorded recorded = sweeps(rig_with(3));
+  const LatencyResult shifted = measure_latency(recorded.session);
+  RawRecording raw = recorded.session.raw;
+  raw.header.profile.camera.link.latency_s += 0.004;
+  raw.header.profile.camera.link.latency_uncertainty_s = 1e-5;  // taken as known: nothing is shifted
+  const LatencyResult unshifted = measure_latency(rig::build_session(std::move(raw)));
+  EXPECT_NEAR(unshifted.before_s, shifted.before_s + 0.004, 1e-9);
+  EXPECT_NEAR(unshifted.camera_latency_s.value, shifted.camera_latency_s.value, 0.0005);
+}
+
+TEST(CalibrateLatency, SaysWhyASessionDoesNotTell) {
+  const session::Session empty;
+  EXPECT_THAT(refusal(empty), HasSubstr("do not tell how late the camera is: "));
+  const auto config = rig_with(1);
+  auto rest = plan_for(CalibrationKind::bias, config);
+  rest.opening_rest_s = 10.0;
+  EXPECT_THAT(refusal(record(config, rest).session), HasSubstr("do not tell how late the camera is: "));
+}
+
+}  // namespace
+}  // namespace thermorig::calibration

@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: MIT
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cmath>
+
+#include "thermorig/calibration/calibration.h"
+#include "thermorig/core/error.h"
+
+namespace thermorig::calibration {
+namespace {
+
+const std::string utc = "2026-07-25T14:35:12Z";
+
+TEST(CalibratedProfile, TakesOnlyWhatWasMeasured) {
+  RigProfile from, into;
+  from.gyro.scale = 1.02;
+  from.camera.link.baud = 115200;
+  from.servo.travel_deg = 180;
+  apply(LatencyResult{.camera_latency_s = {0.0213, 0.0004}}, utc, from);
+  take_calibrations(from, into);
+  EXPECT_EQ(into.camera.link.latency_s, 0.0213);
+  EXPECT_EQ(into.camera.link.latency_measured_utc, utc);
+  EXPECT_EQ(into.gyro.scale, 1.0);
+  EXPECT_EQ(into.camera.link.baud, 460800U);
+  EXPECT_EQ(into.servo.travel_deg, 2160.0);
+}
+
+TEST(CalibratedProfile, TakesEverythingThatWasMeasured) {
+  RigProfile from, into;
+  from.gyro.link.latency_s = 0.0035;
+  apply(OrientationResult{.gyro_axis = 0, .gyro_sign = -1, .mirrored = false}, utc, from);
+  apply(BiasResult{.bias_dps = {0.5, 0.01}}, utc, from);
+  apply(LatencyResult{.camera_latency_s = {0.0213, 0.0004}}, utc, from);
+  apply(ScaleResult{.gyro_scale = {1.01, 0.001}, .servo_scale = Estimate{0.99, 0.002}}, utc, from);
+  take_calibrations(from, into);
+  EXPECT_EQ(into.gyro.axis, 0);
+  EXPECT_EQ(into.gyro.sign, -1);
+  EXPECT_FALSE(into.camera.mirrored);
+  EXPECT_EQ(into.gyro.bias_dps, 0.5);
+  EXPECT_EQ(into.gyro.scale, 1.01);
+  EXPECT_EQ(into.servo.scale, 0.99);
+  EXPECT_EQ(into.servo.scale_measured_utc, utc);
+  EXPECT_EQ(into.gyro.link.latency_s, 0.0035);  // the camera's was measured against it
+}
+
+TEST(CalibratedProfile, LeavesTheBiasOfAnotherAxisAlone) {
+  RigProfile from, into;
+  apply(BiasResult{.bias_dps = {0.5, 0.01}}, utc, from);
+  into.gyro.axis = 0;
+  take_calibrations(from, into);
+  EXPECT_EQ(into.gyro.bias_dps, 0.0);
+}
+
+TEST(CalibratedProfile, TurnsTheBiasWithTheSignAndForgetsThatOfAnotherAxis) {
+  RigProfile profile;
+  apply(BiasResult{.bias_dps = {0.5, 0.01}}, utc, profile);
+  apply(OrientationResult{.gyro_axis = 2, .gyro_sign = -1, .mirrored = true}, utc, profile);
+  EXPECT_EQ(profile.gyro.bias_dps, -0.5);
+  apply(OrientationResult{.gyro_axis = 1, .gyro_sign = -1, .mirrored = true}, utc, profile);
+  EXPECT_EQ(profile.gyro.bias_dps, 0.0);
+  EXPECT_EQ(profile.gyro.bias_measured_utc, "");
+}
+
+TEST(CombinedCalibrations, WeighBySurenessAndAreNoSurerThanTheyAgree) {
+  const std::array<LatencyResult, 2> agreeing{LatencyResult{.camera_latency_s = {0.020, 0.001}},
+                                              LatencyResult{.camera_latency_s = {0.023, 0.002}}};
+  const LatencyResult all = combined(agreeing);
+  EXPECT_NEAR(all.camera_latency_s.value, 0.0206, 1e-9);
+  EXPECT_NEAR(all.camera_latency_s.uncertainty, 0.002 * std::sqrt(0.36), 1e-9);  // the scatter: 1.8 > 1
+  const std::array<LatencyResult, 2> apart{LatencyResult{.camera_latency_s = {0.020, 0.0001}},
+                                           LatencyResult{.camera_latency_s = {0.022, 0.0001}}};
+  EXPECT_NEAR(combined(apart).camera_latency_s.uncertainty, 0.001, 1e-6);
+}
+
+TEST(CombinedCalibrations, RefuseOrientationsThatContradict) {
+  const std::array<OrientationResult, 2> results{OrientationResult{.mirrored = true},
+                                                 OrientationResult{.mirrored = false}};
+  EXPECT_THROW(combined(results), Error);
+}
+
+}  // namespace
+}  // namespace thermorig::calibration
