@@ -32,27 +32,34 @@ std::string cell(const SpeedYield::Windows& windows) {
   return std::isfinite(windows.sweep) ? leg + " / " + windows_text(windows.sweep) : leg;
 }
 
-/// What one window too many would need: "6 frames at 200 deg/s: 1.08 s = 215 deg, with ramps 235 deg of 176".
+/// "200 deg/s, 4 frames: 0.825 s = 165 deg, + 20 deg of ramps = 185 deg; 5: 210 deg; 6: 235 deg".
 std::string impossible_text(const SpeedYield& speed, const RigProfile& profile) {
-  const auto first = std::find_if(speed.windows.begin(), speed.windows.end(),
-                                  [](const SpeedYield::Windows& windows) { return !windows.possible; });
-  if (first == speed.windows.end()) return "";
-  const int frames = static_cast<int>(first - speed.windows.begin()) + 1;
-  const double rate_hz = profile.camera.output_rate_hz;
-  const double needed_s = rig::window_s(frames, profile.servo, rate_hz);
-  return fmt::format(
-      "  {:g} deg/s, {} frames in a row{}: {:.2f} s to settle + {:.2f} s of exposure + {} x {:.3f} s = "
-      "{:.2f} s "
-      "= {:.0f} deg, + {:.0f} deg of ramps = {:.0f} deg of travel; there are {:.0f}\n",
-      speed.rate_dps, frames, frames < rig::window_frames_max ? " and more" : "", profile.servo.settle_s,
-      2.0 / rate_hz, frames - 1, 1.0 / rate_hz, needed_s, speed.rate_dps * needed_s,
-      first->travel_deg - speed.rate_dps * needed_s, first->travel_deg, stroke_deg(profile.servo));
+  std::string text;
+  for (int frames = 1; frames <= rig::window_frames_max; ++frames) {
+    const SpeedYield::Windows& windows = speed.windows[static_cast<std::size_t>(frames - 1)];
+    if (windows.possible) continue;
+    const double needed_s = rig::window_s(frames, profile.servo, profile.camera.output_rate_hz);
+    const double constant_deg = speed.rate_dps * needed_s;
+    if (text.empty())
+      text = fmt::format("  {:g} deg/s, {} frames: {:.3f} s = {:.0f} deg, + {:.0f} deg of ramps = {:.0f} deg",
+                         speed.rate_dps, frames, needed_s, constant_deg, windows.travel_deg - constant_deg,
+                         windows.travel_deg);
+    else
+      text += fmt::format("; {}: {:.0f} deg", frames, windows.travel_deg);
+  }
+  return text.empty() ? "" : text + "\n";
 }
 
 std::string impossible_lines(const std::vector<SpeedYield>& speeds, const RigProfile& profile) {
   std::string lines;
   for (const SpeedYield& speed : speeds) lines += impossible_text(speed, profile);
-  return lines.empty() ? "" : "\nimpossible (-) with this servo's travel\n" + lines;
+  if (lines.empty()) return "";
+  return fmt::format(
+      "\nimpossible (-) with the {:g} deg of this servo: {:g} s to settle + {:g} s of exposure + {:g} s for "
+      "each "
+      "further frame\n{}",
+      stroke_deg(profile.servo), profile.servo.settle_s, 2.0 / profile.camera.output_rate_hz,
+      1.0 / profile.camera.output_rate_hz, lines);
 }
 
 std::string quota_text(const rig::SweepPlan& plan) {
