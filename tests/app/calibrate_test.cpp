@@ -1,0 +1,120 @@
+// SPDX-License-Identifier: MIT
+#include <gmock/gmock.h>
+
+#include <fstream>
+
+#include "program.h"
+#include "thermorig/rig/profile_file.h"
+
+namespace thermorig::tests {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+const std::string fast = " --simulated=3 --fast ";
+
+class Calibrate : public ProgramTest {
+ protected:
+  RigProfile profile(const std::string& name) const { return rig::read_profile(folder() / name); }
+
+  void expect_refused(const std::string& arguments, int code, const std::string& sentence) {
+    const Outcome outcome = run("calibrate " + arguments);
+    EXPECT_EQ(outcome.code, code) << arguments << "\n" << outcome.err;
+    EXPECT_THAT(outcome.err, HasSubstr(sentence)) << arguments;
+    EXPECT_THAT(outcome.err, HasSubstr("try: ")) << arguments;
+  }
+};
+
+TEST_F(Calibrate, RecordsASessionAndKeepsTheResultInANewProfile) {
+  const Outcome outcome = run("calibrate bias" + fast + "--save bench.toml");
+  ASSERT_EQ(outcome.code, 0) << outcome.err;
+  EXPECT_THAT(outcome.out, HasSubstr("gyro bias"));
+  EXPECT_THAT(outcome.out, HasSubstr("an assumption"));
+  EXPECT_THAT(outcome.out, HasSubstr("written to bench.toml"));
+  ASSERT_EQ(files(".h5").size(), 1U);
+  EXPECT_THAT(files(".h5")[0].string(), HasSubstr("recordings/calibration/calibration_acq-01_"));
+  const RigProfile kept = profile("bench.toml");
+  EXPECT_NE(kept.gyro.bias_dps, 0.0);
+  EXPECT_LT(kept.gyro.bias_uncertainty_dps, 0.1);
+  EXPECT_THAT(kept.gyro.bias_measured_utc, ::testing::EndsWith("Z"));
+  EXPECT_EQ(kept.camera.link.port, "");
+}
+
+TEST_F(Calibrate, AddsToTheProfileThatTheRigHas) {
+  ASSERT_EQ(run("calibrate bias" + fast + "--save bench.toml").code, 0);
+  const Outcome outcome = run("calibrate latency" + fast + "--rig bench.toml --json");
+  ASSERT_EQ(outcome.code, 0) << outcome.err;
+  const auto summary = outcome.lines().back();
+  EXPECT_EQ(summary["event"], "summary");
+  EXPECT_EQ(summary["calibration"], "latency");
+  EXPECT_EQ(summary["profile"], "bench.toml");
+  EXPECT_EQ(summary["sessions"].size(), 1U);
+  EXPECT_TRUE(summary["before"]["camera_latency_s"]["measured_utc"].is_null());
+  const RigProfile kept = profile("bench.toml");
+  EXPECT_NEAR(kept.camera.link.latency_s, summary["result"]["camera_latency_s"]["value"], 1e-6);
+  EXPECT_EQ(kept.camera.link.latency_measured_utc, summary["measured_utc"]);
+  EXPECT_NE(kept.gyro.bias_measured_utc, "");
+}
+
+TEST_F(Calibrate, OnlyPrintsWithoutAProfileAndSaysHowToKeepIt) {
+  const Outcome outcome = run("calibrate bias" + fast);
+  ASSERT_EQ(outcome.code, 0) << outcome.err;
+  EXPECT_THAT(outcome.out, HasSubstr("not written"));
+  EXPECT_THAT(outcome.out, HasSubstr("thermorig calibrate bias --session recordings/calibration/"));
+  EXPECT_TRUE(files(".toml").empty());
+}
+
+TEST_F(Calibrate, TakesSessionsThatAreThere) {
+  ASSERT_EQ(run("calibrate latency" + fast).code, 0);
+  const std::string session = files(".h5")[0].string();
+  const Outcome one = run("calibrate latency --json --session " + session);
+  ASSERT_EQ(one.code, 0) << one.err;
+  const Outcome two =
+      run("calibrate latency --json --session " + session + " " + session + " --save bench.toml");
+  ASSERT_EQ(two.code, 0) << two.err;
+  EXPECT_EQ(two.lines()[0]["sessions"].size(), 2U);
+  EXPECT_NEAR(two.lines()[0]["result"]["camera_latency_s"]["value"],
+              one.lines()[0]["result"]["camera_latency_s"]["value"], 1e-9);
+  EXPECT_EQ(files(".h5").size(), 1U);
+}
+
+TEST_F(Calibrate, SaysWhatToTryWhereASessionCannotTell) {
+  ASSERT_EQ(run("calibrate bias" + fast).code, 0);
+  const std::string session = files(".h5")[0].string();
+  expect_refused("latency --save bench.toml --session " + session, 3, "calibration_acq-01_");
+  EXPECT_FALSE(std::filesystem::exists(folder() / "bench.toml"));
+}
+
+TEST_F(Calibrate, ShowsThePlanAndMovesNothingOnADryRun) {
+  for (const char* what : {"bias", "latency", "scale", "orientation"}) {
+    const Outcome outcome = run(std::string("calibrate ") + what + fast + "--dry-run");
+    EXPECT_EQ(outcome.code, 0) << what << outcome.err;
+    EXPECT_THAT(outcome.out, HasSubstr(std::string("plan calibrate-") + what)) << what;
+  }
+  EXPECT_FALSE(std::filesystem::exists(folder() / "recordings"));
+}
+
+TEST_F(Calibrate, KeepsSimulatedFiguresOutOfTheProfileOfARealRig) {
+  RigProfile real;
+  real.camera.link.port = "/dev/ttyUSB7";
+  rig::write_profile(folder() / "real.toml", real);
+  expect_refused("bias" + fast + "--save real.toml", 2, "profile of a real rig");
+  EXPECT_TRUE(files(".h5").empty());
+  EXPECT_EQ(profile("real.toml").gyro.bias_measured_utc, "");
+}
+
+TEST_F(Calibrate, RefusesWordsThatContradictEachOther) {
+  expect_refused("tempo" + fast, 2, "tempo");
+  expect_refused("bias --marks" + fast, 2, "--marks");
+  expect_refused("scale --angle 360" + fast, 2, "--marks");
+  expect_refused("scale --marks --angle 10" + fast, 2, "out of range");
+  expect_refused("scale --marks --angle nan" + fast, 2, "out of range");
+  expect_refused("bias --session missing.h5", 2, "no such file");
+  expect_refused("bias --session missing.h5" + fast, 2, "--session");
+  expect_refused("bias --fast", 2, "--simulated=3");
+  expect_refused("bias", 2, "no port is named");
+}
+
+}  // namespace
+}  // namespace thermorig::tests

@@ -1,0 +1,98 @@
+// SPDX-License-Identifier: MIT
+#include <gmock/gmock.h>
+
+#include <algorithm>
+#include <cmath>
+#include <sstream>
+
+#include "program.h"
+#include "thermorig/session/session.h"
+
+namespace thermorig::tests {
+namespace {
+
+using ::testing::AnyOf;
+using ::testing::HasSubstr;
+
+class Timing : public ProgramTest {};
+
+TEST_F(Timing, TellsOfClocksBoundsOffsetsAndResiduals) {
+  const auto session = record_briefly();
+  const Outcome outcome = run("inspect --timing " + session.string());
+  ASSERT_EQ(outcome.code, 0) << outcome.err;
+  for (const char* part :
+       {"SIMULATED", "one-way", "two-way", "late p50 ms", "delay < 2.00 ms", "proof", "camera - gyro",
+        "gyro bias", "gyro scale", "assumed", "servo scale", "verdict", "thermorig calibrate scale"})
+    EXPECT_THAT(outcome.out, HasSubstr(part));
+}
+
+TEST_F(Timing, FitsIntoAHundredColumns) {
+  record_briefly();
+  const Outcome outcome = run("inspect --timing recordings/garden/*.h5");
+  std::istringstream lines(outcome.out);
+  std::size_t longest = 0;
+  for (std::string line; std::getline(lines, line);) longest = std::max(longest, line.size());
+  EXPECT_GT(longest, 60U);
+  EXPECT_LE(longest, 100U);
+}
+
+TEST_F(Timing, GivesTheSameAsJson) {
+  const auto session = record_briefly();
+  const auto plain = run("inspect --json " + session.string()).lines()[0][0];
+  EXPECT_FALSE(plain.contains("timing"));
+  const auto timing = run("inspect --timing --json " + session.string()).lines()[0][0]["timing"];
+  for (const char* device : {"camera", "gyro", "servo"}) {
+    const auto& clock = timing["clock"][device];
+    EXPECT_GT(clock["rate_hz"], 1.0) << device;
+    EXPECT_GT(clock["uncertainty_us"], 0.0) << device;
+    EXPECT_GT(clock["bound_max_us"], clock["uncertainty_us"]) << device;
+    EXPECT_EQ(clock["gaps"].size(), 0U) << device;
+  }
+  EXPECT_EQ(timing["clock"]["gyro"]["method"], "one-way");
+  EXPECT_EQ(timing["clock"]["gyro"]["lower_bound_is_proof"], false);
+  EXPECT_EQ(timing["clock"]["servo"]["lower_bound_is_proof"], true);
+  EXPECT_EQ(timing["gyro"]["scale_calibrated"], false);
+  EXPECT_EQ(timing["gyro"]["zeroes_itself"], false);
+  EXPECT_THAT(timing["verdict"], AnyOf("good", "usable", "bad"));
+  EXPECT_GE(timing["servo"]["speeds"].size(), 2U);
+}
+
+TEST_F(Timing, StandsInOneLineOfThePlainReport) {
+  const Outcome outcome = run("inspect " + record_briefly().string());
+  ASSERT_EQ(outcome.code, 0) << outcome.err;
+  EXPECT_THAT(outcome.out, HasSubstr("timing   camera +- "));
+}
+
+TEST_F(Timing, ASessionThatKnowsNoClocksAsksToBeReprocessed) {
+  const auto path = record_briefly();
+  session::Session session = session::read_session(path);
+  session.sync = {};
+  session::replace_session(path, session);
+  for (const char* option : {"", "--timing "}) {
+    const Outcome outcome = run("inspect " + std::string(option) + path.string());
+    EXPECT_EQ(outcome.code, 0) << outcome.err;
+    EXPECT_THAT(outcome.out, HasSubstr("thermorig reprocess " + path.string())) << option;
+  }
+  EXPECT_TRUE(run("inspect --timing --json " + path.string()).lines()[0][0]["timing"].is_null());
+  ASSERT_EQ(run("reprocess " + path.string()).code, 0);
+  EXPECT_THAT(run("inspect " + path.string()).out, HasSubstr("timing   camera +- "));
+}
+
+TEST_F(Timing, ReprocessTellsWhatChanged) {
+  const auto path = record_briefly();
+  const auto same = run("reprocess --json " + path.string()).lines()[0][0];
+  EXPECT_EQ(same["moved_max_s"], 0.0);
+  EXPECT_EQ(same["before"]["frames_valid"], same["frames_valid"]);
+  ASSERT_EQ(run("calibrate latency --simulated=3 --fast --save bench.toml").code, 0);
+  const Outcome outcome = run("reprocess --rig bench.toml " + path.string());
+  ASSERT_EQ(outcome.code, 0) << outcome.err;
+  EXPECT_THAT(outcome.out, HasSubstr("times    moved by "));
+  const session::Session after = session::read_session(path);
+  EXPECT_NE(after.raw.header.profile.camera.link.latency_measured_utc, "");
+  EXPECT_THAT(after.raw.header.profile_toml,
+              HasSubstr(after.raw.header.profile.camera.link.latency_measured_utc));
+  EXPECT_EQ(run("reprocess --rig missing.toml " + path.string()).code, 2);
+}
+
+}  // namespace
+}  // namespace thermorig::tests
