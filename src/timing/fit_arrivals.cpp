@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <utility>
 
+#include "quantile.h"
 #include "stretch_fit.h"
 #include "thermorig/timing/arrivals.h"
 
@@ -14,13 +15,6 @@ constexpr double missing_periods =
     1.5;  // so long a step of the device's clock is one in which something lacks
 constexpr double countable_share =
     0.125;  // of a period: drift over a gap whose messages can still be counted
-
-double quantile(std::vector<double>& values, double share) {
-  if (values.empty()) return 0.0;
-  const auto place = static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
-  std::nth_element(values.begin(), values.begin() + place, values.end());
-  return values[static_cast<std::size_t>(place)];
-}
 
 double median_step_s(std::span<const double> device_s) {
   std::vector<double> steps;
@@ -36,6 +30,7 @@ class ArrivalFit {
       : device_s_(clean_device_s(device_s)), latest_(latest), link_(link), step_s_(median_step_s(device_s_)) {
     const double rate_hz = step_s_ > 0.0 ? 1.0 / step_s_ : nominal_rate_hz;
     clock_.window = SlidingWindow::of(link.wander_ppm, rate_hz);
+    clock_.step_s = step_s_;
     clock_.wander = std::max(link.wander_ppm, 0.0) * 1e-6;
     clock_.largest_constant_delay_s = link.largest_constant_delay_s;
     if (!latest.empty()) origin_ = latest.front().latest;

@@ -28,12 +28,20 @@ std::vector<LatestBegin> latest_begins(const RawStream& received, std::span<cons
   std::vector<LatestBegin> result;
   result.reserve(arrived.size());
   std::size_t message = 0;
+  double before_s = 0.0;  // on the device's clock: the last byte of the chunk before was sent
   for (std::size_t chunk = 0; chunk < arrived.size(); ++chunk) {
     const std::uint64_t end = received.chunk_end[chunk];
     while (message < count && spans[message].end < end) ++message;
     if (message == count) break;
     if (end <= spans[message].begin) continue;  // it ends in bytes between messages
-    result.push_back({device_s[message], arrived[chunk] - wire_time(end - spans[message].begin, baud)});
+    const double wire_s = wire_time_s(end - spans[message].begin, baud);
+    const double sent_s = device_s[message] + wire_s;
+    result.push_back({.device_s = device_s[message],
+                      .latest = arrived[chunk] - from_s(wire_s),
+                      .inside = end < spans[message].end,
+                      .wire_s = wire_s,
+                      .held_s = sent_s - before_s});
+    before_s = sent_s;
   }
   return result;
 }

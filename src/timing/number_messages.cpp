@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "lower_line.h"
+#include "quantile.h"
 #include "thermorig/timing/arrivals.h"
 
 namespace thermorig::timing {
@@ -53,12 +54,6 @@ class LeastBehind {
   std::size_t next_ = 0;
   std::deque<Entry> rising_;
 };
-
-double quantile(std::vector<double> values, double share) {
-  const auto place = static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
-  std::nth_element(values.begin(), values.begin() + place, values.end());
-  return values[static_cast<std::size_t>(place)];
-}
 
 class Numbering {
  public:
@@ -155,7 +150,7 @@ class Numbering {
     for (std::size_t i = horizon_; i + horizon_ <= ahead_s.size();
          i += std::max<std::size_t>(1, horizon_ / 2))
       steps_s.push_back(std::abs(ahead_s[i] - ahead_s[i - horizon_]));
-    return quantile(std::move(steps_s), 0.9);
+    return quantile(steps_s, 0.9);
   }
 
   /// Walks along the messages. Where all that follow for a horizon are later than the least late ones before

@@ -7,15 +7,16 @@
 namespace thermorig::timing {
 
 namespace {
-// A clock that wanders by 1000 ppm at most (an RC oscillator) is well followed by a parabola over 15 s. What
+// A clock that wanders by 1000 ppm at most (an RC oscillator) is well followed by a parabola over 20 s. What
 // a parabola cannot follow of a random walk of the rate grows with wander * length^1.5.
 constexpr double reference_wander_ppm = 1000.0;
-constexpr double reference_window_s = 15.0;
+constexpr double reference_window_s = 20.0;
 constexpr double shortest_window_s = 8.0;
-constexpr double longest_window_s = 60.0;
+constexpr double longest_window_s = 100.0;
 constexpr double messages_a_window = 40.0;
 constexpr double blocks_a_window = 20.0;
 constexpr double shortest_block_s = 0.25;
+constexpr double touching_s = 1e-7;  // an inequality that the curve obeys as an equation
 }  // namespace
 
 SlidingWindow SlidingWindow::of(double wander_ppm, double message_rate_hz) {
@@ -73,7 +74,19 @@ void SlidingFit::fit_knot(std::size_t block) {
   const std::span window(reduced_.data() + begin->begin, (end - 1)->end - begin->begin);
   const Moments where = moments(static_cast<std::size_t>(begin - blocks_.begin()),
                                 static_cast<std::size_t>(end - blocks_.begin()), middle);
-  knots_.push_back({x, highest_below(window, middle, 0.5 * window_.length_s, where, limits_)});
+  const Parabola curve = highest_below(window, middle, 0.5 * window_.length_s, where, limits_);
+  knots_.push_back({x, curve, rise(window, curve, x, where)});
+}
+
+double SlidingFit::rise(std::span<const Ceiling> window, const Parabola& curve, double x,
+                        const Moments& where) const {
+  const auto touches = [&](const Ceiling& ceiling) { return ceiling.y - curve.at(ceiling.x) < touching_s; };
+  std::vector<Ceiling> rest;
+  for (const Ceiling& ceiling : window)
+    if (!touches(ceiling)) rest.push_back(ceiling);
+  if (rest.empty()) return 0.0;
+  const Parabola higher = highest_below(rest, curve.middle, 0.5 * window_.length_s, where, limits_);
+  return std::max(0.0, higher.at(x) - curve.at(x));
 }
 
 void SlidingFit::seek(double x) {
@@ -81,14 +94,25 @@ void SlidingFit::seek(double x) {
   while (place_ + 1 < knots_.size() && x >= knots_[place_ + 1].x) ++place_;
 }
 
+/// Weight of the knot after the place, 0 to 1.
+double SlidingFit::smooth_share(double x) const {
+  if (place_ + 1 == knots_.size()) return 0.0;
+  const double left_x = knots_[place_].x;
+  const double share = std::clamp((x - left_x) / (knots_[place_ + 1].x - left_x), 0.0, 1.0);
+  return share * share * (3.0 - 2.0 * share);
+}
+
 double SlidingFit::at(double x) {
   seek(x);
-  const Knot& left = knots_[place_];
-  if (x <= left.x || place_ + 1 == knots_.size()) return left.curve.at(x);
-  const Knot& right = knots_[place_ + 1];
-  const double share = (x - left.x) / (right.x - left.x);
-  const double smooth = share * share * (3.0 - 2.0 * share);
-  return (1.0 - smooth) * left.curve.at(x) + smooth * right.curve.at(x);
+  const double share = smooth_share(x);
+  const double left = knots_[place_].curve.at(x);
+  return share == 0.0 ? left : (1.0 - share) * left + share * knots_[place_ + 1].curve.at(x);
+}
+
+double SlidingFit::blend(std::span<const double> values, double x) {
+  seek(x);
+  const double share = smooth_share(x);
+  return share == 0.0 ? values[place_] : (1.0 - share) * values[place_] + share * values[place_ + 1];
 }
 
 double SlidingFit::slope(double x) {

@@ -29,12 +29,16 @@ class SlidingFit {
   struct Knot {
     double x = 0.0;
     Parabola curve;
+    double rise = 0.0;  // how much higher the curve would be at x without the messages that hold it up
   };
   const std::vector<Knot>& knots() const { return knots_; }
 
   /// Values at `x`, which may be asked for in any order; quickest in ascending order.
   double at(double x);
   double slope(double x);
+
+  /// `values`, one a knot, blended like the curve.
+  double blend(std::span<const double> values, double x);
 
  private:
   struct Block {
@@ -46,7 +50,9 @@ class SlidingFit {
   void reduce(std::span<const Ceiling> ceilings, double block_s);
   void fit_knot(std::size_t block);
   Moments moments(std::size_t begin, std::size_t end, double middle) const;
+  double rise(std::span<const Ceiling> window, const Parabola& curve, double x, const Moments& where) const;
   void seek(double x);
+  double smooth_share(double x) const;
 
   SlidingWindow window_;
   ParabolaLimits limits_;

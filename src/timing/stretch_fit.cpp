@@ -6,7 +6,9 @@
 #include <cstddef>
 #include <limits>
 
+#include "least_lateness.h"
 #include "lower_line.h"
+#include "quantile.h"
 
 namespace thermorig::timing {
 
@@ -31,10 +33,9 @@ class Stretching {
  public:
   Stretching(std::span<const double> device_s, std::span<const LatestBegin> latest, const DeviceClock& device,
              HostTime origin)
-      : device_s_(device_s), device_(device), origin_(origin), x0_(device_s.front()) {
+      : device_s_(device_s), latest_(latest), device_(device), origin_(origin), x0_(device_s.front()) {
     for (const LatestBegin& begin : latest)
-      if (std::isfinite(begin.device_s))
-        ceilings_.push_back({begin.device_s - x0_, since(origin, begin.latest)});
+      ceilings_.push_back({begin.device_s - x0_, since(origin, begin.latest)});
     fit_.slope = lower_line_slope(ceilings_, 1.0);
     for (Ceiling& ceiling : ceilings_) ceiling.y -= fit_.slope * ceiling.x;
     const double length_s = device_s.back() - device_s.front();
@@ -44,12 +45,13 @@ class Stretching {
   StretchFit run() {
     if (ceilings_.empty()) return nowhere();
     SlidingFit curve(ceilings_, device_.window, drift_);
+    for (const Ceiling& ceiling : ceilings_) fit_.late_s.push_back(ceiling.y - curve.at(ceiling.x));
     std::vector<double> level_s(device_s_.size());
     for (std::size_t i = 0; i < level_s.size(); ++i) level_s[i] = curve.at(x(i));
     bound_above();
-    bound_below(level_s, curve);
-    for (std::size_t i = 0; i < level_s.size(); ++i) add_message(i, std::min(level_s[i], above_s_[i]));
-    for (const Ceiling& ceiling : ceilings_) fit_.late_s.push_back(ceiling.y - curve.at(ceiling.x));
+    const LeastLateness least = estimate_least(curve);
+    bound_below(level_s, least.longest_hold_s);
+    add_messages(level_s, least.at_knots_s, curve);
     add_knots(curve);
     return std::move(fit_);
   }
@@ -88,24 +90,39 @@ class Stretching {
   }
 
   /// An inequality that holds the curve up is late by no more than the largest constant delay.
-  void bound_below(std::span<const double> level_s, SlidingFit& curve) {
-    const double far_s = device_.largest_constant_delay_s + drift_ * 0.5 * device_.window.length_s;
+  void bound_below(std::span<const double> level_s, double hold_s) {
+    const double delay_s = device_.largest_constant_delay_s + hold_s;
+    const double far_s = delay_s + drift_ * 0.5 * device_.window.length_s;
     below_s_.resize(device_s_.size());
     for (std::size_t i = 0; i < below_s_.size(); ++i) below_s_[i] = level_s[i] - far_s;
+    std::size_t index = 0;
     for_each_ceiling([&](std::size_t i, const Ceiling& ceiling) {
-      if (ceiling.y - curve.at(ceiling.x) > touching_s) return;
-      const double here_s =
-          ceiling.y - device_.largest_constant_delay_s - drift_ * std::abs(ceiling.x - x(i));
-      below_s_[i] = std::max(below_s_[i], here_s);
+      if (fit_.late_s[index++] > touching_s) return;
+      below_s_[i] = std::max(below_s_[i], ceiling.y - delay_s - drift_ * std::abs(ceiling.x - x(i)));
     });
     carry(below_s_, -1.0);
   }
 
-  void add_message(std::size_t i, double level_s) {
-    fit_.time_s.push_back(fit_.slope * x(i) + level_s);
-    fit_.later_s.push_back(above_s_[i] - level_s);
-    fit_.earlier_s.push_back(std::max(0.0, level_s - below_s_[i]));
-    fit_.uncertainty_s.push_back(0.0003);
+  LeastLateness estimate_least(const SlidingFit& curve) const {
+    std::vector<double> places;
+    for (const Ceiling& ceiling : ceilings_) places.push_back(ceiling.x);
+    return least_lateness(latest_, places, fit_.late_s, device_.step_s, curve.knots(), device_.window);
+  }
+
+  void add_messages(std::span<const double> level_s, std::span<const Estimate> least_s, SlidingFit& curve) {
+    std::vector<double> expected_s;
+    std::vector<double> uncertain_s;
+    for (const Estimate& least : least_s) {
+      expected_s.push_back(least.value);
+      uncertain_s.push_back(least.uncertainty);
+    }
+    for (std::size_t i = 0; i < level_s.size(); ++i) {
+      const double time_s = std::min(level_s[i] - curve.blend(expected_s, x(i)), above_s_[i]);
+      fit_.time_s.push_back(fit_.slope * x(i) + time_s);
+      fit_.later_s.push_back(above_s_[i] - time_s);
+      fit_.earlier_s.push_back(std::max(0.0, time_s - below_s_[i]));
+      fit_.uncertainty_s.push_back(curve.blend(uncertain_s, x(i)));
+    }
   }
 
   void add_knots(SlidingFit& curve) {
@@ -119,11 +136,7 @@ class Stretching {
       ClockKnot out{.time = host_time(origin_, host_s)};
       out.offset_s = to_s(out.time.time_since_epoch()) - (knot.x + x0_);
       out.skew_ppm = (fit_.slope - 1.0 + curve.slope(knot.x)) * 1e6;
-      if (!late_s.empty()) {
-        const auto middle = late_s.begin() + static_cast<std::ptrdiff_t>(late_s.size() / 2);
-        std::nth_element(late_s.begin(), middle, late_s.end());
-        out.residual_us = *middle * 1e6;
-      }
+      out.residual_us = quantile(late_s, 0.5) * 1e6;
       fit_.knots.push_back(out);
     }
   }
@@ -137,6 +150,7 @@ class Stretching {
   }
 
   std::span<const double> device_s_;
+  std::span<const LatestBegin> latest_;  // all of them have a finite device_s
   const DeviceClock& device_;
   HostTime origin_;
   double x0_;

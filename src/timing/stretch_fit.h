@@ -24,6 +24,7 @@ struct StretchFit {
 /// What is known of the device before its clock is fitted.
 struct DeviceClock {
   SlidingWindow window;
+  double step_s = 0.0;  // between messages, on its own clock
   double wander = 0.0;  // relative
   double largest_constant_delay_s = 0.0;
 };

@@ -19,8 +19,7 @@ std::size_t end_of_latest(std::span<const LatestBegin> latest, std::size_t begin
   double before_s = -no_clock_s;
   for (; end < latest.size(); ++end) {
     const double device_s = latest[end].device_s;
-    if (!is_clock(device_s)) continue;
-    if (device_s < before_s || device_s > last_s) break;
+    if (!is_clock(device_s) || device_s < before_s || device_s > last_s) break;
     before_s = device_s;
   }
   return end;

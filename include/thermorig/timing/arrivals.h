@@ -19,6 +19,9 @@ namespace thermorig::timing {
 struct LatestBegin {
   double device_s = 0.0;
   HostTime latest{};
+  bool inside = false;  // the chunk ended within the message: the link cut it off while bytes were coming
+  double wire_s = 0.0;  // wire time from the message's begin to the chunk's end: was taken off the arrival
+  double held_s = 0.0;  // how long the link had kept the chunk's first byte by then, at least
 };
 
 /// All of them: one for each chunk that ends within or at the end of a message. `spans` are the messages in
