@@ -12,10 +12,10 @@ namespace thermorig::calibration {
 
 namespace {
 
-constexpr double mark_uncertainty_deg = 0.5;  // by eye, against a line: of each of the two
-constexpr double least_moving_dps = 2.0;      // slower is rest: bias and noise are below
-constexpr auto margin = std::chrono::milliseconds(500);
-constexpr double longest_step_s = 0.05;  // from one sample to the next; more is a gap
+constexpr double mark_uncertainty_deg = 0.5;      // by eye, against a line: of each of the two
+constexpr double least_moving_dps = 2.0;          // slower is rest: bias and noise are below
+constexpr auto margin = std::chrono::seconds(2);  // hands begin and end slowly, below the limit
+constexpr double longest_step_s = 0.05;           // from one sample to the next; more is a gap
 constexpr double largest_scale_error = 0.25;
 
 [[noreturn]] void refuse(const std::string& what, const std::string& advice) {

@@ -1,0 +1,116 @@
+// SPDX-License-Identifier: MIT
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "calibrated_rig.h"
+#include "thermorig/calibration/calibration.h"
+#include "thermorig/core/error.h"
+
+namespace thermorig::calibration {
+namespace {
+
+using rig::CalibrationKind;
+using test::plan_for;
+using test::record;
+using test::Recorded;
+using test::rig_with;
+using ::testing::HasSubstr;
+
+/// A rest of a minute in which somebody turns the rig.
+Recorded turned_by_hand(simulation::VirtualRigConfig config, double angle_deg, double duration_s = 20.0) {
+  config.hand_turns.push_back(
+      {.begin = config.start + from_s(15.0), .duration_s = duration_s, .angle_deg = angle_deg});
+  return record(config, plan_for(CalibrationKind::bias, config));
+}
+
+template <typename Measure>
+std::string refusal(Measure measure) {
+  try {
+    measure();
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), ExitCode::finished_lossy);
+    EXPECT_FALSE(error.advice().empty());
+    return error.what_happened();
+  }
+  return "nothing was refused";
+}
+
+TEST(CalibrateScaleByMarks, FindsTheGyrosScaleWhicheverWayTheRigIsTurned) {
+  for (std::uint64_t seed : {1, 2, 3}) {
+    for (double angle_deg : {360.0, -720.0}) {
+      const Recorded recorded = turned_by_hand(rig_with(seed, "180"), angle_deg);
+      const ScaleResult result = measure_scale_by_marks(recorded.session, std::abs(angle_deg));
+      // The simulated operator meets the marks exactly: what is left is the gyro's own noise and bias.
+      EXPECT_NEAR(result.gyro_scale.value, recorded.gyro.scale, 0.0008) << seed << " " << angle_deg;
+      EXPECT_NEAR(result.gyro_scale.uncertainty, 0.71 / std::abs(angle_deg), 0.0003);
+      EXPECT_FALSE(result.servo_scale);
+    }
+  }
+}
+
+TEST(CalibrateScaleByMarks, SaysWhyATurnDoesNotTell) {
+  const Recorded half = turned_by_hand(rig_with(1), 180.0);
+  EXPECT_THAT(refusal([&] { measure_scale_by_marks(half.session, 360.0); }), HasSubstr("not of 360.0"));
+  const Recorded still = turned_by_hand(rig_with(1), 0.0);
+  EXPECT_THAT(refusal([&] { measure_scale_by_marks(still.session, 360.0); }), HasSubstr("was not turned"));
+  const session::Session empty;
+  EXPECT_THAT(refusal([&] { measure_scale_by_marks(empty, 360.0); }), HasSubstr("bias cannot be told"));
+  session::Session holed = turned_by_hand(rig_with(1), 360.0).session;
+  const auto middle = holed.gyro.begin() + static_cast<std::ptrdiff_t>(holed.gyro.size() * 2 / 5);
+  holed.gyro.erase(middle, middle + 40);
+  EXPECT_THAT(refusal([&] { measure_scale_by_marks(holed, 360.0); }), HasSubstr("missing for 205 ms"));
+  session::Session fast = turned_by_hand(rig_with(1), 360.0).session;
+  fast.gyro[fast.gyro.size() * 2 / 5].reading.saturated = true;
+  EXPECT_THAT(refusal([&] { measure_scale_by_marks(fast, 360.0); }), HasSubstr("faster than it can measure"));
+}
+
+TEST(CalibrateScale, FindsGyroAndServoFromATurnThatCloses) {
+  double gyro_squares = 0, servo_squares = 0;
+  int count = 0;
+  for (const char* servo : {"winch", "continuous"}) {
+    for (std::uint64_t seed : {1, 2, 3}) {
+      const auto config = rig_with(seed, servo);
+      const Recorded recorded = record(config, plan_for(CalibrationKind::scale, config));
+      const ScaleResult result = measure_scale(recorded.session);
+      const double gyro_off = result.gyro_scale.value - recorded.gyro.scale;
+      ASSERT_TRUE(result.servo_scale) << servo << seed;
+      const double servo_off = result.servo_scale->value - recorded.servo_scale;
+      std::printf("%s %d gyro %.5f true %.5f +- %.5f servo %.5f true %.5f +- %.5f\n", servo, int(seed),
+                  result.gyro_scale.value, recorded.gyro.scale, result.gyro_scale.uncertainty,
+                  result.servo_scale->value, recorded.servo_scale, result.servo_scale->uncertainty);
+      EXPECT_LT(std::abs(gyro_off), 3.5 * result.gyro_scale.uncertainty) << servo << seed;
+      EXPECT_LT(result.gyro_scale.uncertainty, 0.005) << servo << seed;
+      EXPECT_LT(std::abs(servo_off), 3.5 * result.servo_scale->uncertainty) << servo << seed;
+      EXPECT_GT(result.turned_deg, 360.0) << servo << seed;
+      gyro_squares += gyro_off * gyro_off;
+      servo_squares += servo_off * servo_off;
+      ++count;
+    }
+  }
+  EXPECT_LT(std::sqrt(gyro_squares / count), 0.003);
+  EXPECT_LT(std::sqrt(servo_squares / count), 0.004);
+}
+
+TEST(CalibrateScale, FindsTheGyroWhereTheRigIsTurnedByHand) {
+  for (std::uint64_t seed : {1, 2}) {
+    const Recorded recorded = turned_by_hand(rig_with(seed, "270"), 400.0);
+    const ScaleResult result = measure_scale(recorded.session);
+    std::printf("hand %d gyro %.5f true %.5f +- %.5f\n", int(seed), result.gyro_scale.value,
+                recorded.gyro.scale, result.gyro_scale.uncertainty);
+    EXPECT_LT(std::abs(result.gyro_scale.value - recorded.gyro.scale), 3.5 * result.gyro_scale.uncertainty);
+    EXPECT_LT(result.gyro_scale.uncertainty, 0.005);
+    EXPECT_FALSE(result.servo_scale);
+  }
+}
+
+TEST(CalibrateScale, SaysWhyNoTurnCloses) {
+  const Recorded half = turned_by_hand(rig_with(1), 180.0);
+  EXPECT_THAT(refusal([&] { measure_scale(half.session); }), HasSubstr("no turn closes"));
+  const session::Session empty;
+  EXPECT_THAT(refusal([&] { measure_scale(empty); }), HasSubstr("no turn closes"));
+}
+
+}  // namespace
+}  // namespace thermorig::calibration
