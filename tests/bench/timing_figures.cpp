@@ -7,6 +7,7 @@
 #include <atomic>
 #include <cmath>
 #include <exception>
+#include <iterator>
 #include <mutex>
 #include <thread>
 
@@ -14,18 +15,51 @@ namespace thermorig::bench {
 namespace {
 
 std::string limit_text(const Figure& figure) {
-  if (figure.at_most) return fmt::format("<= {:g}", *figure.at_most);
-  if (figure.at_least) return fmt::format(">= {:g}", *figure.at_least);
-  return "";
+  return figure.at_most ? fmt::format("<= {:g}", *figure.at_most) : fmt::format(">= {:g}", *figure.at_least);
 }
 
-std::string verdict(const Figure& figure) {
-  if (!has_limit(figure)) return "";
-  return is_met(figure) ? "met" : "NOT MET";
+std::string cell_text(const Figure& figure) {
+  const std::string value = figure.value ? fmt::format("{:.3g}", *figure.value) : "-";
+  if (!has_limit(figure)) return value;
+  return fmt::format("{} ({}{})", value, limit_text(figure), is_met(figure) ? "" : ", **not met**");
 }
 
-std::string value_text(const Figure& figure) {
-  return figure.value ? fmt::format("{:.4g}", *figure.value) : "-";
+std::string column_text(const Figure& figure) {
+  return figure.unit.empty() ? figure.column : figure.column + ", " + figure.unit;
+}
+
+/// Values in the order in which they come first, one of each.
+template <typename Text>
+std::vector<std::string> distinct(const std::vector<Figure>& figures, Text text) {
+  std::vector<std::string> found;
+  for (const Figure& figure : figures)
+    if (std::find(found.begin(), found.end(), text(figure)) == found.end()) found.push_back(text(figure));
+  return found;
+}
+
+void print_row(const std::vector<Figure>& section, const std::string& row,
+               const std::vector<std::string>& columns) {
+  std::string line = fmt::format("| {} |", row);
+  std::string notes;
+  for (const std::string& column : columns) {
+    const auto figure = std::find_if(section.begin(), section.end(), [&](const Figure& one) {
+      return one.row == row && column_text(one) == column;
+    });
+    line += fmt::format(" {} |", figure == section.end() ? "" : cell_text(*figure));
+    if (figure != section.end() && !figure->note.empty()) notes += (notes.empty() ? "" : "; ") + figure->note;
+  }
+  fmt::print("{} {} |\n", line, notes);
+}
+
+void print_section(const std::string& name, const std::vector<Figure>& section) {
+  const auto columns = distinct(section, column_text);
+  fmt::print("\n### {}\n\n| |", name);
+  for (const std::string& column : columns) fmt::print(" {} |", column);
+  fmt::print(" |\n| --- |");
+  for (std::size_t i = 0; i < columns.size(); ++i) fmt::print(" --- |");
+  fmt::print(" --- |\n");
+  for (const std::string& row : distinct(section, [](const Figure& figure) { return figure.row; }))
+    print_row(section, row, columns);
 }
 
 std::string json_number(const std::optional<double>& value) {
@@ -45,18 +79,16 @@ bool is_met(const Figure& figure) {
 }
 
 void print_text(const std::vector<Figure>& figures) {
-  std::string section;
-  for (const Figure& figure : figures) {
-    if (figure.section != section) {
-      section = figure.section;
-      fmt::print(
-          "\n### {}\n\n| figure | value | unit | must be | | note |\n| --- | ---: | --- | --- | --- | --- "
-          "|\n",
-          section);
-    }
-    fmt::print("| {} | {} | {} | {} | {} | {} |\n", figure.text, value_text(figure), figure.unit,
-               limit_text(figure), verdict(figure), figure.note);
+  for (const std::string& name : distinct(figures, [](const Figure& figure) { return figure.section; })) {
+    std::vector<Figure> section;
+    std::copy_if(figures.begin(), figures.end(), std::back_inserter(section),
+                 [&](const Figure& figure) { return figure.section == name; });
+    print_section(name, section);
   }
+  const auto limited = std::count_if(figures.begin(), figures.end(), has_limit);
+  const auto met = std::count_if(figures.begin(), figures.end(),
+                                 [](const Figure& figure) { return has_limit(figure) && is_met(figure); });
+  fmt::print("\n{} of {} figures that have something to meet meet it.\n", met, limited);
 }
 
 void print_json(const std::vector<Figure>& figures) {

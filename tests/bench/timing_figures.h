@@ -9,22 +9,23 @@
 
 namespace thermorig::bench {
 
-/// One number of the table.
+/// One number of the table, at a row and a column of its section.
 struct Figure {
   std::string section;
-  std::string key;                // snake_case, unique
-  std::string text;               // what a person reads
-  std::string unit;               // "ms", "%", ""
-  std::optional<double> value;    // none: could not be measured
-  std::optional<double> at_most;  // what it must meet
+  std::string row;
+  std::string column;
+  std::string key;              // snake_case, unique
+  std::string unit;             // "ms", "%", ""
+  std::optional<double> value;  // none: could not be measured
+  std::optional<double> at_most;
   std::optional<double> at_least;
-  std::string note;  // why there is no value, or how many took part
+  std::string note;  // of the row: how many took part, why there is no value
 };
 
 bool has_limit(const Figure& figure);
 bool is_met(const Figure& figure);
 
-/// Markdown tables, one a section.
+/// Markdown tables, one a section; what is not met says so.
 void print_text(const std::vector<Figure>& figures);
 
 /// One object: key -> {value, unit, at_most, at_least, met}.

@@ -159,42 +159,36 @@ std::string reasons_text(const LabelScore& score) {
   return text;
 }
 
-void add_label_figures(const std::string& section, const std::string& key, LabelScore& score, bool limit_rms,
+/// `rms_limited`: the pooled, calibrated row.
+void add_label_figures(const std::string& row, const std::string& key, LabelScore& score, bool rms_limited,
                        std::vector<Figure>& figures) {
   // Chance: a normal distribution has 0.27 % beyond three of its standard deviations.
   constexpr double chance_percent = 0.27;
   const auto valid = static_cast<double>(score.error_dps.size());
-  const auto share = [](double part, double whole) {
-    return whole > 0.0 ? std::optional(100.0 * part / whole) : std::nullopt;
+  const auto add = [&](const std::string& column, const std::string& figure, const std::string& unit,
+                       std::optional<double> value, std::optional<double> at_most, const std::string& note) {
+    figures.push_back({.section = "Labels: rate_label against the shaft, 20 to 200 deg/s",
+                       .row = row,
+                       .column = column,
+                       .key = fmt::format("labels_{}_{}", key, figure),
+                       .unit = unit,
+                       .value = value,
+                       .at_most = at_most,
+                       .note = note});
   };
-  figures.push_back(
-      {.section = section,
-       .key = key + "_rms_dps",
-       .text = "error of rate_label, RMS",
-       .unit = "deg/s",
-       .value = valid > 0.0 ? std::optional(rms(score.error_dps)) : std::nullopt,
-       .at_most = limit_rms ? std::optional(1.0) : std::nullopt,
-       .note = fmt::format("{} valid of {} frames in legs", score.error_dps.size(), score.frames)});
-  figures.push_back(
-      {.section = section,
-       .key = key + "_max_dps",
-       .text = "error of rate_label, largest",
-       .unit = "deg/s",
-       .value = valid > 0.0 ? std::optional(size_percentile(score.error_dps, 1.0)) : std::nullopt});
-  figures.push_back({.section = section,
-                     .key = key + "_beyond_three_sigma_percent",
-                     .text = "beyond three of its uncertainties",
-                     .unit = "%",
-                     .value = share(static_cast<double>(score.beyond_three), valid),
-                     .at_most = chance_percent});
-  figures.push_back(
-      {.section = section,
-       .key = key + "_wrongly_rejected_percent",
-       .text = "true to the command, yet rejected",
-       .unit = "%",
-       .value = share(static_cast<double>(score.rejected), static_cast<double>(score.true_to_command)),
-       .at_most = 5.0,
-       .note = fmt::format("{} frames; {}", score.true_to_command, reasons_text(score))});
+  const auto of_valid = [&](double value) { return valid > 0.0 ? std::optional(value) : std::nullopt; };
+  const auto share = [](std::size_t part, std::size_t whole) {
+    return whole > 0 ? std::optional(100.0 * static_cast<double>(part) / static_cast<double>(whole))
+                     : std::nullopt;
+  };
+  add("RMS", "rms_dps", "deg/s", of_valid(rms(score.error_dps)),
+      rms_limited ? std::optional(1.0) : std::nullopt,
+      fmt::format("{} valid of {} frames in legs", score.error_dps.size(), score.frames));
+  add("largest", "max_dps", "deg/s", of_valid(size_percentile(score.error_dps, 1.0)), {}, "");
+  add("beyond 3 sigma", "beyond_three_sigma_percent", "%", share(score.beyond_three, score.error_dps.size()),
+      chance_percent, "");
+  add("wrongly rejected", "wrongly_rejected_percent", "%", share(score.rejected, score.true_to_command), 5.0,
+      fmt::format("{} true to the command, rejected for: {}", score.true_to_command, reasons_text(score)));
 }
 
 }  // namespace
@@ -227,28 +221,23 @@ void add_camera_offset(const TableSize& size, std::vector<Figure>& figures) {
     errors.push_back(static_cast<float>(*errors_s[i]));
     ratios.push_back(static_cast<float>(*sigmas[i]));
   }
-  const std::string section = "camera against gyro, 60 s of sweeping";
-  const bool any = !errors.empty();
-  figures.push_back({.section = section,
-                     .key = "camera_offset_rms_ms",
-                     .text = "error of the offset, RMS",
-                     .unit = "ms",
-                     .value = any ? std::optional(1e3 * rms(errors)) : std::nullopt,
-                     .at_most = 1.0,
-                     .note = fmt::format("found in {} of {} recordings", errors.size(), size.seeds)});
-  double mean = 0.0;
+  double mean_ms = 0.0;
   for (const float error : errors)
-    mean += 1e3 * static_cast<double>(error) / static_cast<double>(errors.size());
-  figures.push_back({.section = section,
-                     .key = "camera_offset_mean_ms",
-                     .text = "error of the offset, mean",
-                     .unit = "ms",
-                     .value = any ? std::optional(mean) : std::nullopt});
-  figures.push_back({.section = section,
-                     .key = "camera_offset_error_in_sigmas",
-                     .text = "error in its own uncertainties, RMS",
-                     .unit = "",
-                     .value = any ? std::optional(rms(ratios)) : std::nullopt});
+    mean_ms += 1e3 * static_cast<double>(error) / static_cast<double>(errors.size());
+  const auto add = [&](const std::string& column, const std::string& key, const std::string& unit,
+                       double value, std::optional<double> at_most) {
+    figures.push_back({.section = "Camera against gyro, from 60 s of sweeping",
+                       .row = fmt::format("found in {} of {} recordings", errors.size(), size.seeds),
+                       .column = column,
+                       .key = "camera_offset_" + key,
+                       .unit = unit,
+                       .value = errors.empty() ? std::nullopt : std::optional(value),
+                       .at_most = at_most});
+  };
+  add("error RMS", "rms_ms", "ms", 1e3 * rms(errors), 1.0);
+  add("mean", "mean_ms", "ms", mean_ms, {});
+  add("largest", "max_ms", "ms", 1e3 * size_percentile(errors, 1.0), {});
+  add("in its own uncertainties, RMS", "error_in_sigmas", "", rms(ratios), {});
 }
 
 void add_labels(const TableSize& size, std::vector<Figure>& figures) {
@@ -273,23 +262,19 @@ void add_labels(const TableSize& size, std::vector<Figure>& figures) {
   for (std::size_t i = 0; i < cases.size(); ++i) {
     all_calibrated.add(scores[i].calibrated);
     all_uncalibrated.add(scores[i].uncalibrated);
-    by_servo[fmt::format("{}_loop{:g}", servos[cases[i].servo].name, loops_hz[cases[i].loop])].add(
+    by_servo[fmt::format("{}_loop_{:g}_hz", servos[cases[i].servo].name, loops_hz[cases[i].loop])].add(
         scores[i].calibrated);
     scales += scores[i].scale_found;
   }
-  const std::string section = "labels, 20 to 200 deg/s";
-  figures.push_back({.section = section,
+  figures.push_back({.section = "Calibration of the scale, rig turned by hand",
+                     .row = fmt::format("{} rigs", cases.size()),
+                     .column = "scale found",
                      .key = "labels_scale_found",
-                     .text = "`calibrate scale` gave a scale",
-                     .unit = "",
                      .value = scales,
-                     .at_least = static_cast<double>(cases.size()),
-                     .note = fmt::format("{} rigs, turned by hand", cases.size())});
-  add_label_figures(section + ", after `calibrate scale`", "labels_calibrated", all_calibrated, true,
-                    figures);
-  add_label_figures(section + ", not calibrated", "labels_uncalibrated", all_uncalibrated, false, figures);
-  for (auto& [name, score] : by_servo)
-    add_label_figures("labels after `calibrate scale`, " + name, "labels_" + name, score, false, figures);
+                     .at_least = static_cast<double>(cases.size())});
+  add_label_figures("after `calibrate scale`", "calibrated", all_calibrated, true, figures);
+  add_label_figures("not calibrated", "uncalibrated", all_uncalibrated, false, figures);
+  for (auto& [name, score] : by_servo) add_label_figures("calibrated, " + name, name, score, false, figures);
 }
 
 }  // namespace thermorig::bench

@@ -1,0 +1,150 @@
+// SPDX-License-Identifier: MIT
+#include "timing_errors.h"
+
+#include <array>
+#include <chrono>
+#include <span>
+#include <utility>
+
+#include "servo_link.h"
+#include "thermorig/pipeline/pipeline.h"
+#include "thermorig/timing/link_timing.h"
+#include "thermorig/wire/sent_commands.h"
+#include "timing_baselines.h"
+#include "timing_rig.h"
+#include "timing_truth.h"
+
+namespace thermorig::bench {
+namespace {
+
+constexpr double causal_after_s = 10.0;
+constexpr double rounding_s = 1e-6;
+
+float seconds(HostDuration duration) {
+  return static_cast<float>(to_s(duration));
+}
+
+double host_s(HostTime time) {
+  return to_s(time - bench_start());
+}
+
+void check_bounds(const TimeEstimate& estimate, HostTime truth, Errors& errors) {
+  ++errors.bounded;
+  errors.widths_s.push_back(estimate.earlier_s + estimate.later_s);
+  const double off_s = to_s(truth - estimate.time);
+  errors.later_than_bound += off_s > static_cast<double>(estimate.later_s) + rounding_s;
+  errors.earlier_than_bound += -off_s > static_cast<double>(estimate.earlier_s) + rounding_s;
+}
+
+void add_baselines(std::span<const Arrival> arrivals, std::span<const HostTime> truth, Errors& errors) {
+  using Method = std::vector<double> (*)(std::span<const Arrival>);
+  const std::array<std::pair<std::string, Method>, 4> baselines{{{"arrival", arrival_times},
+                                                                 {"line", least_squares_line},
+                                                                 {"rls", recursive_least_squares},
+                                                                 {"hull", convex_hull_line}}};
+  for (const auto& [name, method] : baselines) {
+    const std::vector<double> times = method(arrivals);
+    for (std::size_t i = 0; i < times.size(); ++i)
+      errors.by_method[name].push_back(static_cast<float>(times[i] - host_s(truth[i])));
+  }
+}
+
+/// A stream that numbers nothing: camera or gyro.
+template <typename Timed>
+void judge_stream(Device device, const std::vector<Timed>& decoded, const std::vector<TimeEstimate>& final,
+                  const simulation::VirtualRigConfig& config,
+                  const std::vector<simulation::SentMessage>& sent, Errors& errors) {
+  const PortProfile& link = config.profile.link(device);
+  const auto truth = sent_of(decoded, sent);
+  std::vector<Arrival> arrivals;
+  std::vector<HostTime> instants;
+  for (std::size_t i = 0; i < decoded.size(); ++i) {
+    if (truth[i] == nullptr) continue;
+    const HostTime instant = instant_of(*truth[i], device);
+    const Stamp& stamp = decoded[i].stamp;
+    const double wire_s = timing::wire_time_s(decoded[i].span.size(), link.baud);
+    arrivals.push_back(
+        {static_cast<double>(truth[i]->index), host_s(stamp.arrival) - wire_s - link.latency_s});
+    instants.push_back(instant);
+    if (host_s(instant) > causal_after_s) errors.by_method["causal"].push_back(seconds(stamp.time - instant));
+    if (final.size() != decoded.size()) continue;
+    errors.by_method["final"].push_back(seconds(final[i].time - instant));
+    check_bounds(final[i], instant, errors);
+  }
+  add_baselines(arrivals, instants, errors);
+}
+
+/// Pings and their answers, for the baseline that knows nothing else.
+std::vector<RoundTrip> round_trips(const Recorded& recorded) {
+  std::map<std::uint32_t, HostTime> pinged;
+  const RawStream& sent = recorded.raw.sent;
+  for (std::size_t i = 0; i < sent.chunk_count(); ++i)
+    for (const wire::SentFrame& frame : wire::read_sent(sent.chunk(i)))
+      if (frame.type == SERVO_PING) pinged[servo_get_u32(frame.payload.data())] = sent.time(i);
+  std::vector<RoundTrip> trips;
+  for (const TimedPong& pong : recorded.live.pongs)
+    if (const auto ping = pinged.find(pong.token); ping != pinged.end())
+      trips.push_back(
+          {host_s(ping->second), 1e-6 * pong.receive_us, 1e-6 * pong.send_us, host_s(pong.arrival)});
+  return trips;
+}
+
+void judge_servo(const Recorded& recorded, const std::vector<TimeEstimate>& final, double wire_s,
+                 Errors& errors) {
+  std::vector<Arrival> arrivals;
+  std::vector<HostTime> instants;
+  std::vector<double> mcu_s;
+  const auto& servo = recorded.live.servo;
+  for (std::size_t i = 0; i < servo.size(); ++i) {
+    const HostTime instant =
+        recorded.rig->when_servo_clock_read(ServoTime(std::chrono::microseconds(servo[i].mcu_time_us)));
+    mcu_s.push_back(1e-6 * static_cast<double>(servo[i].mcu_time_us));
+    arrivals.push_back({mcu_s.back(), host_s(servo[i].stamp.arrival) - wire_s});
+    instants.push_back(instant);
+    if (host_s(instant) > causal_after_s)
+      errors.by_method["causal"].push_back(seconds(servo[i].stamp.time - instant));
+    if (final.size() != servo.size()) continue;
+    errors.by_method["final"].push_back(seconds(final[i].time - instant));
+    check_bounds(final[i], instant, errors);
+  }
+  add_baselines(arrivals, instants, errors);
+  const std::vector<double> by_trips = fastest_round_trips(mcu_s, round_trips(recorded));
+  for (std::size_t i = 0; i < by_trips.size(); ++i)
+    if (host_s(instants[i]) > causal_after_s)
+      errors.by_method["min_rtt"].push_back(static_cast<float>(by_trips[i] - host_s(instants[i])));
+}
+
+}  // namespace
+
+void Errors::add(const Errors& other) {
+  for (const auto& [method, errors] : other.by_method) {
+    auto& all = by_method[method];
+    all.insert(all.end(), errors.begin(), errors.end());
+  }
+  widths_s.insert(widths_s.end(), other.widths_s.begin(), other.widths_s.end());
+  bounded += other.bounded;
+  later_than_bound += other.later_than_bound;
+  earlier_than_bound += other.earlier_than_bound;
+}
+
+const std::vector<std::string>& method_names() {
+  static const std::vector<std::string> names{"arrival", "line", "rls", "min_rtt", "hull", "causal", "final"};
+  return names;
+}
+
+PerDevice<Errors> judge(const simulation::VirtualRigConfig& config, double duration_s) {
+  const Recorded recorded = record(config, {}, duration_s);
+  const pipeline::Fits fits = pipeline::fit(recorded.raw, recorded.live);
+  PerDevice<Errors> errors;
+  judge_stream(Device::camera, recorded.live.frames, fits.times[Device::camera], config,
+               recorded.rig->sent_frames(), errors[Device::camera]);
+  judge_stream(Device::gyro, recorded.live.gyro, fits.times[Device::gyro], config, recorded.rig->sent_gyro(),
+               errors[Device::gyro]);
+  const double telemetry_wire_s =
+      timing::wire_time_s(recorded.live.servo.empty() ? 0 : recorded.live.servo.front().span.size(),
+                          config.profile.servo.link.baud);
+  judge_servo(recorded, fits.times[Device::servo], telemetry_wire_s, errors[Device::servo]);
+  return errors;
+}
+
+}  // namespace thermorig::bench
