@@ -45,6 +45,7 @@ struct Recording::Parts {
   void check_devices(HostTime now);
   void drive(HostTime now);
   void drain_sweep(HostTime now);
+  void note_epoch(const ClockEpoch& epoch, HostTime now);
   void event(const RecordingEvent& event);
   void fail(const Error& error, HostTime now);
   double patience_s(Device device) const;
@@ -131,10 +132,16 @@ void Recording::Parts::take_streams(HostTime arrived) {
   for (std::size_t i = 0; i < streams.gyro.size(); ++i) meters[Device::gyro].message(arrived);
   for (const wire::ServoMessage& message : streams.servo_answers) commander.answer(message, arrived);
   for (const TimedPong& pong : streams.pongs) commander.pong(pong);
+  for (const ClockEpoch& epoch : streams.servo_epochs) note_epoch(epoch, arrived);
   for (const TimedServo& servo : streams.servo) {
     meters[Device::servo].message(arrived);
     sweep.telemetry(servo);
   }
+}
+
+void Recording::Parts::note_epoch(const ClockEpoch& epoch, HostTime now) {
+  if (epoch.reason.empty()) return;  // the first: nothing has gone wrong
+  event({now, EventKind::warning, Device::servo, "the servo's clock starts anew: " + epoch.reason});
 }
 
 // ---- time ---------------------------------------------------------------------------------------------

@@ -97,12 +97,13 @@ PortFinding finding(const std::string& path, Device device, std::uint32_t baud) 
   return found;
 }
 
+const RigProfile default_profile;
+
 TEST(Findings, BecomeTheProfile) {
   std::vector<std::string> ambiguous;
   const std::vector<PortFinding> findings{finding("/dev/ttyUSB0", Device::gyro, 9600),
                                           finding("/dev/ttyUSB1", Device::camera, 115200), PortFinding{}};
-  const RigProfile before;
-  const RigProfile profile = apply_findings(before, findings, ambiguous);
+  const RigProfile profile = apply_findings(default_profile, findings, ambiguous);
   EXPECT_EQ(profile.gyro.link.port, "/dev/ttyUSB0");
   EXPECT_EQ(profile.gyro.link.baud, 9600U);
   EXPECT_EQ(profile.camera.link.port, "/dev/ttyUSB1");
@@ -122,7 +123,7 @@ PortFinding text_gyro_finding() {
 
 TEST(Findings, BringTheColumnsOfATextGyro) {
   std::vector<std::string> ambiguous;
-  const RigProfile profile = apply_findings({}, {text_gyro_finding()}, ambiguous);
+  const RigProfile profile = apply_findings(default_profile, {text_gyro_finding()}, ambiguous);
   EXPECT_EQ(profile.gyro.protocol, GyroProtocol::text);
   EXPECT_EQ(profile.gyro.text.rate, (std::array<int, 3>{1, 2, 3}));
   EXPECT_EQ(profile.gyro.text.time, 0);
@@ -140,7 +141,8 @@ TEST(Findings, KeepTheColumnsThatAPersonHasSet) {
 TEST(Findings, LeaveARoleAloneThatWasFoundTwice) {
   std::vector<std::string> ambiguous;
   const RigProfile profile = apply_findings(
-      {}, {finding("/dev/ttyUSB0", Device::camera, 9600), finding("/dev/ttyUSB1", Device::camera, 9600)},
+      default_profile,
+      {finding("/dev/ttyUSB0", Device::camera, 9600), finding("/dev/ttyUSB1", Device::camera, 9600)},
       ambiguous);
   EXPECT_EQ(profile.camera.link.port, "");
   ASSERT_EQ(ambiguous.size(), 1U);
@@ -149,7 +151,7 @@ TEST(Findings, LeaveARoleAloneThatWasFoundTwice) {
 
 TEST(Findings, NameEveryPortThatLooksLikeTheSameRole) {
   std::vector<std::string> ambiguous;
-  apply_findings({},
+  apply_findings(default_profile,
                  {finding("/dev/a", Device::gyro, 9600), finding("/dev/b", Device::gyro, 9600),
                   finding("/dev/c", Device::gyro, 9600)},
                  ambiguous);

@@ -92,12 +92,26 @@ TEST(SweepPlan, FileMayListMagnitudesInItsOwnOrder) {
   EXPECT_EQ(plan.frames_per_leg, 8);
 }
 
+TEST(SweepPlan, AsksForFiftyValidFramesALegOrWhatAShorterOneGives) {
+  EXPECT_EQ(load_plan("paper", "kitchen", 1).valid_per_leg, 50);
+  EXPECT_EQ(load_plan("table-one", "kitchen", 1).valid_per_leg, 50);
+  EXPECT_EQ(load_plan("table-one", "garden", 1).valid_per_leg, 44);
+  EXPECT_EQ(parse_plan("magnitudes_dps = [40]\nframes_per_leg = 5\n", "mine.toml", 1).valid_per_leg, 0);
+  EXPECT_EQ(parse_plan("magnitudes_dps = [40]\nvalid_per_leg = 80\n", "mine.toml", 1).valid_per_leg, 80);
+  PlanOverrides overrides;
+  overrides.valid_per_leg = 0;
+  EXPECT_EQ(load_plan("paper", "kitchen", 1, overrides).valid_per_leg, 0);
+  overrides.valid_per_leg = -1;
+  EXPECT_THAT(refusal([&] { load_plan("paper", "kitchen", 1, overrides); }), HasSubstr("-1 valid frames"));
+}
+
 TEST(SweepPlan, TextGivesTheSamePlanBack) {
   const SweepPlan plan = load_plan("table-one", "garden", UINT64_MAX);
   const SweepPlan again = parse_plan(to_toml(plan), "stored", 0);
   EXPECT_EQ(again.name, plan.name);
   EXPECT_EQ(again.leg_rates_dps, plan.leg_rates_dps);
   EXPECT_EQ(again.frames_per_leg, plan.frames_per_leg);
+  EXPECT_EQ(again.valid_per_leg, plan.valid_per_leg);
   EXPECT_EQ(again.opening_rest_s, plan.opening_rest_s);
   EXPECT_EQ(again.closing_rest_s, plan.closing_rest_s);
   EXPECT_EQ(again.seed, plan.seed);
@@ -172,6 +186,19 @@ TEST(PlanCheck, RefusesSweepsThatLeaveNoValidFrame) {
   EXPECT_THAT(text, HasSubstr("= 0.45 s"));
   plan.leg_rates_dps = {100.0};
   EXPECT_NO_THROW(check_plan(plan, servo, CameraProfile{}));
+}
+
+TEST(PlanCheck, RefusesSpeedsThatCannotGiveSoManyFramesInARow) {
+  ServoProfile servo;
+  servo.travel_deg = 180.0;
+  SweepPlan plan = load_plan("quick", "kitchen", 1);
+  plan.leg_rates_dps = {200.0};
+  EXPECT_NO_THROW(check_plan(plan, servo, CameraProfile{}, 3));
+  // 1.075 s at 200 deg/s are 215 deg, and 20 deg of ramps.
+  const std::string text = refusal([&] { check_plan(plan, servo, CameraProfile{}, 6); });
+  EXPECT_THAT(text, HasSubstr("5 x 0.125 s for 6 frames in a row"));
+  EXPECT_THAT(text, HasSubstr("235 deg of travel"));
+  EXPECT_NO_THROW(check_plan(plan, ServoProfile{}, CameraProfile{}, 6));
 }
 
 TEST(PlanCheck, AWinchHasRoomForEveryLegOfThePaper) {

@@ -112,7 +112,8 @@ TEST(ProfileFile, KeepsDefaultsForWhatIsLeftOut) {
 }
 
 TEST(ProfileFile, WritesACommentForPeople) {
-  EXPECT_THAT(profile_text(RigProfile{}), HasSubstr("bits per second"));
+  const RigProfile profile;
+  EXPECT_THAT(profile_text(profile), HasSubstr("bits per second"));
 }
 
 TEST(ProfileFile, NamesLineAndWhatIsAllowed) {
@@ -136,7 +137,7 @@ TEST(ProfileFile, IsWrittenAndReadAgain) {
   write_profile(folder.path() / "bench.toml", unusual_profile());
   EXPECT_EQ(profile_text(read_profile(folder.path() / "bench.toml")), profile_text(unusual_profile()));
   EXPECT_THROW(read_profile(folder.path() / "none.toml"), Error);
-  EXPECT_THROW(write_profile(folder.path() / "no" / "such" / "folder.toml", RigProfile{}), Error);
+  EXPECT_THROW(write_profile(folder.path() / "no" / "such" / "folder.toml", unusual_profile()), Error);
 }
 
 }  // namespace

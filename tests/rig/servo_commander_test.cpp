@@ -74,7 +74,8 @@ class Conversation : public ::testing::Test {
   }
 
   HostTime now_ = host_time_ns(1'000'000'000);
-  ServoCommander commander_{ServoProfile{}};
+  ServoProfile servo_;
+  ServoCommander commander_{servo_};
 };
 
 TEST_F(Conversation, BeginsWithHelloAndConfiguresADisarmedServo) {
