@@ -49,8 +49,8 @@ void check_words(const CalibrateOptions& options) {
   if (options.angle_deg && !options.marks)
     bad_usage("--angle is the angle between marks, but the turn is to close in the image",
               "add --marks, or leave --angle out");
-  if (options.angle_deg && !(std::abs(*options.angle_deg) >= 90.0 && std::abs(*options.angle_deg) <= 36000.0))
-    bad_usage("the angle between the marks is out of range", "90 to 36000 degrees, best 360 or more");
+  if (options.angle_deg && !(std::abs(*options.angle_deg) >= 90.0 && std::abs(*options.angle_deg) <= 3600.0))
+    bad_usage("the angle between the marks is out of range", "90 to 3600 degrees, best 360 or more");
   const RecordOptions& record = options.record;
   if (!options.sessions.empty() && (record.rig.simulated_seed || record.fast || record.dry_run))
     bad_usage("--session takes what was recorded, and then nothing is recorded",
@@ -88,33 +88,39 @@ bool turned_by_hand(const CalibrateOptions& options, const rig::SweepPlan& plan)
   return options.kind == CalibrationKind::scale && plan.leg_rates_dps.empty();
 }
 
+double hand_turn_deg(const CalibrateOptions& options) {
+  return options.marks ? options.angle_deg.value_or(full_turn_deg) : full_turn_deg + overlap_deg;
+}
+
+double turn_duration_s(const CalibrateOptions& options) {
+  return std::max(hand_turn_s, hand_turn_s * std::abs(hand_turn_deg(options)) / full_turn_deg);
+}
+
 rig::SweepPlan plan_of(const CalibrateOptions& options, const ChosenRig& rig) {
   // Between marks the servo stands still, as where it cannot turn far enough: the plan of a bias, a rest.
   rig::SweepPlan plan = rig::calibration_plan(options.marks ? CalibrationKind::bias : options.kind,
                                               rig.profile.servo, rig.profile.camera);
-  if (options.marks) plan.name = "calibrate-scale";
+  if (!options.marks) return plan;
+  plan.name = "calibrate-scale";
+  plan.opening_rest_s = std::max(plan.opening_rest_s, 2.0 * before_hand_turn_s + turn_duration_s(options));
   return plan;
 }
 
 /// The simulated rig has an operator who does what a real one is asked to.
 void turn_simulated_rig(const CalibrateOptions& options, ChosenRig& rig) {
-  const double angle_deg =
-      options.marks ? options.angle_deg.value_or(full_turn_deg) : full_turn_deg + overlap_deg;
-  const double turns = std::max(1.0, std::abs(angle_deg) / (full_turn_deg + overlap_deg));
   rig.simulated->hand_turns.push_back({.begin = rig.simulated->start + from_s(before_hand_turn_s),
-                                       .duration_s = hand_turn_s * turns,
-                                       .angle_deg = angle_deg});
+                                       .duration_s = turn_duration_s(options),
+                                       .angle_deg = hand_turn_deg(options)});
 }
 
 void ask_for_turn(const CalibrateOptions& options, const rig::SweepPlan& plan) {
-  const std::string turn = options.marks
-                               ? fmt::format("by {:.0f} degrees, from one mark to the other",
-                                             options.angle_deg.value_or(full_turn_deg))
-                               : std::string("by one turn and a bit more (400 degrees), in one direction");
+  const std::string turn =
+      options.marks ? fmt::format("by {:.0f} degrees, from one mark to the other", hand_turn_deg(options))
+                    : std::string("by one turn and a bit more (400 degrees), in one direction");
   fmt::print(
       "The servo stays still. Leave the rig alone for {:.0f} s, then turn the whole of it by hand {},\n"
       "smoothly, in about {:.0f} s, and leave it alone again until the {:.0f} s are over.\n",
-      before_hand_turn_s, turn, hand_turn_s, plan.opening_rest_s);
+      before_hand_turn_s, turn, turn_duration_s(options), plan.opening_rest_s);
   std::fflush(stdout);
 }
 
