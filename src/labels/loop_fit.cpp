@@ -286,7 +286,8 @@ std::optional<LoopFit> fit_loop(std::span<const PulseAt> pulses, std::span<const
   Parameters p = descend(problem, coarse({prepare(pulses, changes, gyro, coarse_changes), profile}));
   if (problem.drop_outliers(p) && problem.changes() >= least_changes) p = descend(problem, p);
   if (problem.changes() < least_changes) return std::nullopt;
-  if (problem.match(problem.predict(p)).share < least_share_followed) return std::nullopt;
+  const Match found = problem.match(problem.predict(p));
+  if (found.share < least_share_followed || found.factor <= 0.0) return std::nullopt;
   const double uncertainty_s = problem.step(p, 1e-3).delay_uncertainty_s;
   return LoopFit{{p.delay_s, uncertainty_s}, p.loop_hz(), p.dead_band_deg, residual_dps(problem, p)};
 }

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <string>
 
 namespace thermorig::labels {
@@ -115,6 +116,60 @@ TEST(ExposureRule, TheFirstFrameDoesNotDecideTheMode) {
   TimedFrame frame = FrameMaker().next('B');
   rule.apply(frame);
   EXPECT_EQ(rule.mode(), CameraMode::half_fresh);
+}
+
+/// Exposure of the even and the odd half of the last of a sequence of frames, in periods before its end:
+/// begin and end, e.g. "2..1 1..0".
+std::string halves(ExposureRule rule, const std::string& sequence, double jitter_s = 0.0) {
+  FrameMaker maker;
+  TimedFrame frame;
+  for (const char fresh : sequence) {
+    frame = maker.next(fresh);
+    frame.stamp.time += from_s(jitter_s);
+    jitter_s = -jitter_s;
+    rule.apply(frame);
+  }
+  const auto ago = [&](HostTime time) {
+    return std::to_string(std::lround(2.0 * to_s(frame.exposure_end - time) / period_s));  // half periods
+  };
+  std::string result;
+  for (const HalfExposure& half : frame.half) result += ago(half.begin) + ".." + ago(half.end) + " ";
+  return result;
+}
+
+TEST(ExposureRule, TheFreshHalfWasExposedLast) {
+  EXPECT_EQ(halves(ExposureRule(period_s, CameraMode::half_fresh), "BEOE"), "2..0 4..2 ");
+  EXPECT_EQ(halves(ExposureRule(period_s, CameraMode::half_fresh), "BEOEO"), "4..2 2..0 ");
+}
+
+TEST(ExposureRule, AHalfThatIsNotFreshKeepsItsLastExposure) {
+  EXPECT_EQ(halves(ExposureRule(period_s, CameraMode::half_fresh), "BEOEE"), "2..0 6..4 ");
+  EXPECT_EQ(halves(ExposureRule(period_s, CameraMode::half_fresh), "BEON"), "6..4 4..2 ");
+  EXPECT_EQ(halves(ExposureRule(period_s, CameraMode::full_fresh, 1U), "BBE"), "2..1 3..2 ");
+}
+
+TEST(ExposureRule, AfterAMissingFrameTheOrderFollowsFromTheTime) {
+  ExposureRule rule(period_s, CameraMode::half_fresh);
+  FrameMaker maker;
+  for (const char fresh : std::string("BEOE")) {
+    TimedFrame frame = maker.next(fresh);
+    rule.apply(frame);
+  }
+  (void)maker.next('O');  // never came
+  TimedFrame frame = maker.next('B');
+  rule.apply(frame);
+  EXPECT_EQ(frame.half[0].end, frame.exposure_end);
+  EXPECT_EQ(frame.half[1].end, frame.exposure_end - from_s(period_s));
+}
+
+TEST(ExposureRule, OfAFullFreshFrameTheNewerHalfTakesTheLaterPeriod) {
+  EXPECT_EQ(halves(ExposureRule(period_s, CameraMode::full_fresh, 0U), "BBB"), "1..0 2..1 ");
+  EXPECT_EQ(halves(ExposureRule(period_s, CameraMode::full_fresh, 1U), "BBB"), "2..1 1..0 ");
+}
+
+TEST(ExposureRule, WhereTheOrderIsUnknownBothHalvesGetTheWholeSpan) {
+  EXPECT_EQ(halves(ExposureRule(period_s, CameraMode::full_fresh), "BBB"), "2..0 2..0 ");
+  EXPECT_EQ(halves(ExposureRule(period_s, CameraMode::half_fresh), "B"), "4..0 4..0 ");
 }
 
 }  // namespace

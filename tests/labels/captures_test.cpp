@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: MIT
+// Which chess half is fresh, in frames of real sensors.
+#include <gtest/gtest.h>
+
+#include <cstring>
+#include <string>
+#include <vector>
+
+#include "support/captures.h"
+#include "thermorig/core/profile.h"
+#include "thermorig/labels/exposure.h"
+#include "thermorig/wire/camera_scanner.h"
+
+namespace thermorig::labels {
+namespace {
+
+constexpr double period_s = 0.125;
+
+/// Which halves are fresh, a letter a frame: 'E'ven, 'O'dd, 'B'oth, 'N'one; lower case where it is stale.
+std::string fresh_halves(const std::vector<ThermalFrame>& frames, CameraMode* mode) {
+  ExposureRule rule(period_s);
+  std::string result;
+  HostTime time{};
+  for (const ThermalFrame& frame : frames) {
+    TimedFrame timed;
+    timed.frame = frame;
+    timed.stamp.time = time += from_s(period_s);
+    rule.apply(timed);
+    const Freshness fresh{.even = timed.fresh_even, .odd = timed.fresh_odd};
+    const char letter = fresh.both_fresh() ? 'B' : fresh.none_fresh() ? 'N' : fresh.even_fresh() ? 'E' : 'O';
+    result += static_cast<char>(timed.stale ? letter + ('a' - 'A') : letter);
+  }
+  *mode = rule.mode();
+  return result;
+}
+
+TEST(RealFrames, OfTheSerialBridgeAreFoundFullFresh) {
+  const auto bytes = test::read_capture("gy_mcu90640_serial/roasted-duck.bin");
+  if (!bytes) GTEST_SKIP() << "no captures on this machine";
+  wire::CameraScanner scanner(ChecksumPolicy::word);
+  std::vector<wire::CameraMessage> messages;
+  scanner.push(*bytes, messages);
+  std::vector<ThermalFrame> frames;
+  for (const wire::CameraMessage& message : messages) frames.push_back(message.frame);
+  ASSERT_EQ(frames.size(), 128U);
+  CameraMode mode{};
+  EXPECT_EQ(fresh_halves(frames, &mode), std::string(128, 'B'));
+  EXPECT_EQ(mode, CameraMode::full_fresh);
+}
+
+TEST(RealFrames, OfOneSubpageAFrameAreFoundHalfFreshAndAlternating) {
+  const auto bytes = test::read_capture("mlx90640_float_frames/static-scene-500-frames.f32");
+  if (!bytes) GTEST_SKIP() << "no captures on this machine";
+  std::vector<ThermalFrame> frames(bytes->size() / (frame_pixels * sizeof(float)));
+  ASSERT_EQ(frames.size(), 500U);
+  for (std::size_t i = 0; i < frames.size(); ++i)
+    std::memcpy(frames[i].temp_c.data(), bytes->data() + i * frame_pixels * sizeof(float),
+                frame_pixels * sizeof(float));
+  CameraMode mode{};
+  const std::string halves = fresh_halves(frames, &mode);
+  EXPECT_EQ(mode, CameraMode::half_fresh);
+  const char second = halves.at(1);
+  EXPECT_TRUE(second == 'E' || second == 'O');
+  for (std::size_t i = 1; i < halves.size(); ++i)
+    EXPECT_EQ(halves[i], i % 2 == 1 ? second : second == 'E' ? 'O' : 'E') << i;
+}
+
+}  // namespace
+}  // namespace thermorig::labels

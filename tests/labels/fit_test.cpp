@@ -1,0 +1,317 @@
+// SPDX-License-Identifier: MIT
+// What a recording says of its gyro and its servo, against a simulated rig that knows.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+#include "scripted_rig.h"
+#include "thermorig/labels/exposure.h"
+#include "thermorig/labels/servo_response.h"
+#include "thermorig/pipeline/pipeline.h"
+#include "thermorig/simulation/servo_side.h"
+#include "thermorig/simulation/virtual_rig.h"
+#include "thermorig/wire/servo_messages.h"
+
+namespace thermorig::labels {
+namespace {
+
+constexpr double step_s = 0.01;
+
+/// A recording whose clocks are the true ones: what labels make of it is their own doing.
+struct TrueTimes {
+  RigProfile profile;
+  std::vector<TimedFrame> frames;
+  std::vector<TimedGyro> gyro;
+  std::vector<TimedServo> servo;
+  std::vector<simulation::SentMessage> sent_frames;
+  std::vector<simulation::SentMessage> sent_gyro;
+  std::vector<simulation::TruthSample> shaft;
+
+  double gyro_scale() const {  // by least squares, gyro over truth
+    double x = 0, y = 0, xx = 0, xy = 0;
+    const auto n = static_cast<double>(gyro.size());
+    for (std::size_t i = 0; i < gyro.size(); ++i) {
+      const double rate = sent_gyro[i].mean_rate_dps, measured = gyro[i].rate_dps;
+      x += rate;
+      y += measured;
+      xx += rate * rate;
+      xy += rate * measured;
+    }
+    return (xy - x * y / n) / (xx - x * x / n);
+  }
+};
+
+/// 4 s legs at `rates_dps`, there and back over the travel, with rests of 1 s between them and of 5 s at both
+/// ends.
+TrueTimes record(const simulation::VirtualRigConfig& config, const std::vector<double>& rates_dps) {
+  simulation::VirtualRig rig(config, simulation::make_host_firmware());
+  rig.keep_truth(true);
+  const ServoProfile& servo = config.profile.servo;
+  std::vector<std::pair<double, std::vector<std::uint8_t>>> script{
+      {0.3, wire::hello_bytes(0)}, {0.4, wire::configure_bytes(1, servo)}, {0.5, wire::arm_bytes(2, 0.0)}};
+  for (std::size_t i = 0; i < rates_dps.size(); ++i)
+    script.push_back(
+        {5.0 + 5.0 * static_cast<double>(i),
+         wire::run_bytes(static_cast<std::uint8_t>(3 + i), {.leg = static_cast<std::uint16_t>(i + 1),
+                                                            .turn_back = true,
+                                                            .rate_dps = rates_dps[i],
+                                                            .acceleration_dps2 = servo.acceleration_dps2,
+                                                            .duration_s = 4.0})});
+  pipeline::Pipeline decoder(config.profile);
+  auto next = script.begin();
+  for (int step = 0; step * step_s < 9.0 + 5.0 * static_cast<double>(rates_dps.size()); ++step) {
+    const HostTime now(from_s(step * step_s));
+    for (; next != script.end() && next->first <= step * step_s; ++next)
+      rig.send(Device::servo, next->second, now);
+    if (step % 4 == 0) rig.send(Device::servo, wire::refresh_bytes(), now);
+    for (const Chunk& chunk : rig.advance(now + from_s(step_s)))
+      decoder.feed(chunk.device, chunk.bytes, chunk.arrived);
+  }
+  pipeline::Streams streams = decoder.take_streams();
+  TrueTimes truth{config.profile,
+                  std::move(streams.frames),
+                  std::move(streams.gyro),
+                  std::move(streams.servo),
+                  rig.sent_frames(),
+                  rig.sent_gyro(),
+                  rig.shaft()};
+  const double period_s = to_s(truth.sent_frames[80].exposure_end - truth.sent_frames[0].exposure_end) / 80.0;
+  ExposureRule rule(period_s, config.half_fresh ? CameraMode::half_fresh : CameraMode::full_fresh);
+  for (std::size_t i = 0; i < truth.frames.size(); ++i) {
+    TimedFrame& frame = truth.frames[i];
+    frame.stamp = {.time = truth.sent_frames[i].exposure_end, .uncertainty_s = 2e-4F};
+    frame.missing_before = 0;
+    frame.late = false;
+    rule.apply(frame);
+  }
+  for (std::size_t i = 0; i < truth.gyro.size(); ++i) {
+    const simulation::SentMessage& sent = truth.sent_gyro[i];
+    truth.gyro[i].stamp = {.time = sent.exposure_begin + (sent.exposure_end - sent.exposure_begin) / 2,
+                           .uncertainty_s = 2e-4F};
+  }
+  simulation::McuClock clock(config.seed);
+  for (TimedServo& message : truth.servo)
+    message.stamp = {.time = HostTime(HostDuration(clock.rig_ns_at(double(message.mcu_time_us)))),
+                     .uncertainty_s = 5e-5F};
+  return truth;
+}
+
+std::vector<LabelledSample> label(const TrueTimes& recording, const LabelConfig& config) {
+  Labeller labeller(config);
+  std::vector<LabelledSample> samples;
+  std::size_t gyro = 0, servo = 0;
+  for (const TimedFrame& frame : recording.frames) {
+    const HostTime until = frame.exposure_end + from_s(0.02);
+    for (; gyro < recording.gyro.size() && recording.gyro[gyro].stamp.time < until; ++gyro)
+      labeller.add(recording.gyro[gyro]);
+    for (; servo < recording.servo.size() && recording.servo[servo].stamp.time < until; ++servo)
+      labeller.add(recording.servo[servo]);
+    labeller.add(frame);
+    for (const LabelledSample& sample : labeller.take(until)) samples.push_back(sample);
+  }
+  for (const LabelledSample& sample : labeller.finish()) samples.push_back(sample);
+  return samples;
+}
+
+simulation::VirtualRigConfig rig_of(double travel_deg, double loop_hz, std::uint64_t seed) {
+  auto config = simulation::default_rig(seed, "garden");
+  config.profile.servo.travel_deg = travel_deg;
+  config.servo_loop_hz = loop_hz;
+  for (const Device device : all_devices) config.links[device].kind = simulation::UsbLink::cdc;
+  return config;
+}
+
+const std::vector<double> speeds_dps{20, -35, 60, -100, 150, -200, 200, -150, 100, -60, 35, -20};
+
+SyncReport fit(const TrueTimes& recording, const RigProfile& profile) {
+  SyncReport sync;
+  sync.gyro = fit_gyro_errors(recording.gyro, recording.servo, profile.gyro);
+  sync.servo = fit_servo_response(recording.servo, recording.gyro, sync.gyro, profile.servo);
+  return sync;
+}
+
+double shaft_deg(const TrueTimes& recording, HostTime time) {
+  const double place = std::max(0.0, to_s(time - recording.shaft.front().time) / 0.001);
+  const auto left = std::min(static_cast<std::size_t>(place), recording.shaft.size() - 2);
+  return std::lerp(recording.shaft[left].angle_deg, recording.shaft[left + 1].angle_deg,
+                   place - static_cast<double>(left));
+}
+
+/// The shaft's 20 ms means stay within max(1 deg/s, 2 %) of the commanded speed over the true exposure.
+bool truly_steady(const TrueTimes& recording, const LabelledSample& sample) {
+  const auto& sent = recording.sent_frames[sample.frame_index];
+  const double commanded = sample.rate_commanded_dps, window_s = 0.02;
+  for (HostTime time = sent.exposure_begin; time + from_s(window_s) <= sent.exposure_end;
+       time += from_s(0.002)) {
+    const double turned = shaft_deg(recording, time + from_s(window_s)) - shaft_deg(recording, time);
+    if (!(std::abs(turned / window_s - commanded) <= std::max(1.0, 0.02 * std::abs(commanded)))) return false;
+  }
+  return sample.leg != 0;
+}
+
+struct Verdict {
+  double rms_dps = 0.0;
+  std::size_t valid = 0, beyond = 0, steady = 0, rejected = 0;
+};
+Verdict judge(const TrueTimes& recording, const std::vector<LabelledSample>& samples) {
+  Verdict verdict;
+  for (const LabelledSample& sample : samples) {
+    if (truly_steady(recording, sample)) {
+      ++verdict.steady;
+      if (!sample.valid) ++verdict.rejected;
+    }
+    if (!sample.valid) continue;
+    const double error = sample.rate_label_dps - recording.sent_frames[sample.frame_index].mean_rate_dps;
+    ++verdict.valid;
+    verdict.rms_dps += error * error;
+    if (!(std::abs(error) <= 3.0 * sample.label_uncertainty_dps)) ++verdict.beyond;
+  }
+  verdict.rms_dps = std::sqrt(verdict.rms_dps / static_cast<double>(verdict.valid));
+  return verdict;
+}
+
+TEST(ServoResponse, IsThatOfTheSimulatedServo) {
+  for (const auto& [travel_deg, loop_hz] : {std::pair{180.0, 12.0}, {270.0, 5.0}, {2160.0, 8.0}}) {
+    const TrueTimes recording = record(rig_of(travel_deg, loop_hz, 11), speeds_dps);
+    const ServoResponse response = fit(recording, recording.profile).servo;
+    EXPECT_TRUE(response.fitted);
+    EXPECT_NEAR(response.delay_s, 0.0, 0.003);  // the simulated one answers a pulse at once
+    EXPECT_NEAR(response.loop_hz, loop_hz, 0.1 * loop_hz);
+    EXPECT_LT(response.residual_dps, 0.5);
+    EXPECT_GE(response.speeds.size(), 6U);
+    EXPECT_FALSE(response.scale_calibrated);
+    EXPECT_GT(response.scale.uncertainty, 0.01);  // neither gyro nor servo knows better
+  }
+}
+
+TEST(ServoResponse, LabelsAfterCalibrationAreTheShaftsSpeed) {
+  std::uint64_t seed = 21;
+  for (const auto& [travel_deg, loop_hz] : {std::pair{180.0, 5.0}, {270.0, 15.0}, {2160.0, 8.0}}) {
+    const TrueTimes recording = record(rig_of(travel_deg, loop_hz, seed++), speeds_dps);
+    RigProfile calibrated = recording.profile;
+    calibrated.gyro.scale = recording.gyro_scale();
+    calibrated.gyro.scale_uncertainty = 0.002;
+    calibrated.gyro.scale_measured_utc = "2024-01-01T00:00:00Z";
+    const SyncReport sync = fit(recording, calibrated);
+    EXPECT_TRUE(sync.servo.scale_calibrated);
+    LabelConfig config = label_config(calibrated, sync);
+    config.latency_uncertainty_s = 2e-4;
+    const Verdict verdict = judge(recording, label(recording, config));
+    EXPECT_GT(verdict.valid, 150U);
+    EXPECT_LT(verdict.rms_dps, 0.5) << travel_deg;
+    EXPECT_LE(verdict.beyond, verdict.valid / 100);
+    EXPECT_LE(verdict.rejected, verdict.steady / 20) << travel_deg;
+  }
+}
+
+TEST(ServoResponse, WithoutCalibrationTheUncertaintyCoversTheError) {
+  for (std::uint64_t seed = 31; seed < 34; ++seed) {
+    const TrueTimes recording = record(rig_of(270.0, 8.0, seed), speeds_dps);
+    const auto samples = label(recording, label_config(recording.profile, fit(recording, recording.profile)));
+    const Verdict verdict = judge(recording, samples);
+    EXPECT_GT(verdict.valid, 150U);
+    EXPECT_LE(verdict.beyond, verdict.valid / 100) << seed;
+  }
+}
+
+TEST(ServoResponse, IsTheProfilesWhereNothingMoved) {
+  const TrueTimes recording = record(rig_of(180.0, 8.0, 41), {0.0});
+  const ServoResponse response = fit(recording, recording.profile).servo;
+  EXPECT_FALSE(response.fitted);
+  EXPECT_EQ(response.loop_hz, recording.profile.servo.loop_hz);
+  EXPECT_EQ(response.scale.value, recording.profile.servo.scale);
+}
+
+TEST(ServoResponse, IsNotFittedToAGyroThatTurnsTheOtherWay) {
+  TrueTimes recording = record(rig_of(180.0, 8.0, 42), {60, -60, 100});
+  for (TimedGyro& sample : recording.gyro) sample.rate_dps = -sample.rate_dps;
+  EXPECT_FALSE(fit(recording, recording.profile).servo.fitted);
+}
+
+TEST(GyroErrors, BiasIsThatOfTheRests) {
+  auto config = rig_of(2160.0, 8.0, 51);
+  config.gyro_grade = simulation::GyroGrade::mpu6050_raw;
+  const TrueTimes recording = record(config, {50, -50});
+  double truth = 0.0, count = 0.0;
+  for (std::size_t i = 0; i < recording.gyro.size(); ++i)
+    if (std::abs(recording.sent_gyro[i].mean_rate_dps) < 1e-3) {
+      truth += recording.gyro[i].rate_dps;
+      count += 1.0;
+    }
+  truth /= count;
+  const GyroErrors errors = fit_gyro_errors(recording.gyro, recording.servo, recording.profile.gyro);
+  ASSERT_TRUE(errors.bias_dps);
+  EXPECT_NEAR(errors.bias_dps->value, truth, 0.1);
+  EXPECT_LT(errors.bias_dps->uncertainty, 0.1);
+  ASSERT_TRUE(errors.bias_before_dps && errors.bias_after_dps);
+  EXPECT_NEAR(*errors.bias_before_dps, *errors.bias_after_dps, 0.2);
+  EXPECT_NEAR(errors.noise_dps, 0.11, 0.03);
+  EXPECT_FALSE(errors.zeroes_itself);
+  EXPECT_FALSE(errors.bias_from_legs);
+}
+
+TEST(GyroErrors, AHandThatTurnsTheRigAtRestDoesNotCount) {
+  auto config = rig_of(2160.0, 8.0, 52);
+  config.hand_turns = {{.begin = at_s(1.5), .duration_s = 3.0, .angle_deg = 90.0}};
+  const TrueTimes still = record(rig_of(2160.0, 8.0, 52), {50, -50});
+  const TrueTimes turned = record(config, {50, -50});
+  const auto bias = [](const TrueTimes& r) {
+    return fit_gyro_errors(r.gyro, r.servo, r.profile.gyro).bias_dps->value;
+  };
+  EXPECT_NEAR(bias(turned), bias(still), 0.1);
+}
+
+TEST(GyroErrors, OfAGyroThatZeroesItselfTheBiasComesFromLegsInBothDirections) {
+  auto config = rig_of(2160.0, 8.0, 53);
+  config.gyro_zeroes_itself = true;
+  const TrueTimes recording = record(config, {60, -60, 120, -120});
+  const GyroErrors errors = fit_gyro_errors(recording.gyro, recording.servo, recording.profile.gyro);
+  EXPECT_TRUE(errors.zeroes_itself);
+  EXPECT_TRUE(errors.bias_from_legs);
+  double truth = 0.0, count = 0.0;  // while it moves
+  const double scale = recording.gyro_scale();
+  for (std::size_t i = 0; i < recording.gyro.size(); ++i)
+    if (std::abs(recording.sent_gyro[i].mean_rate_dps) > 20.0) {
+      truth += recording.gyro[i].rate_dps - scale * recording.sent_gyro[i].mean_rate_dps;
+      count += 1.0;
+    }
+  EXPECT_NEAR(errors.bias_dps->value, truth / count, 3.0 * errors.bias_dps->uncertainty);
+  EXPECT_LT(errors.bias_dps->uncertainty, 1.0);
+}
+
+TEST(GyroErrors, OneDirectionAloneSaysLittle) {
+  auto config = rig_of(2160.0, 8.0, 54);
+  config.gyro_zeroes_itself = true;
+  const TrueTimes recording = record(config, {100, 100});
+  const GyroErrors errors = fit_gyro_errors(recording.gyro, recording.servo, recording.profile.gyro);
+  EXPECT_GT(errors.bias_dps->uncertainty, 2.0);
+}
+
+TEST(Fits, SurviveWhatARecordingCanHold) {
+  const RigProfile profile;
+  const auto both = [&](const std::vector<TimedGyro>& gyro, const std::vector<TimedServo>& servo) {
+    const GyroErrors errors = fit_gyro_errors(gyro, servo, profile.gyro);
+    return fit_servo_response(servo, gyro, errors, profile.servo);
+  };
+  EXPECT_FALSE(both({}, {}).fitted);
+  EXPECT_FALSE(both({TimedGyro{}, TimedGyro{}}, {}).fitted);
+  EXPECT_FALSE(both({}, {TimedServo{}, TimedServo{}}).fitted);
+  const ScriptedRig rig;
+  EXPECT_FALSE(both({rig.gyro_at(1), rig.gyro_at(1)}, {rig.servo_at(1), rig.servo_at(1)}).fitted);
+  std::vector<TimedGyro> gyro;
+  std::vector<TimedServo> servo;
+  const std::vector<double> values{0.0, 1e300, -1e300, std::nan(""), std::numeric_limits<double>::infinity()};
+  for (int i = 0; i < 2000; ++i) {
+    servo.push_back(rig.servo_at(i % 7 == 0 ? 0.0 : 0.01 * i));
+    servo.back().state.rate_dps = values[static_cast<std::size_t>(i) % values.size()];
+    servo.back().state.angle_deg = values[static_cast<std::size_t>(i + 2) % values.size()];
+    servo.back().state.pulse_us = i % 3 == 0 ? 0.0F : static_cast<float>(i * 37 % 4096);
+    gyro.push_back(rig.gyro_at(i % 5 == 0 ? 1.0 : 0.01 * i));
+    gyro.back().rate_dps = static_cast<float>(values[static_cast<std::size_t>(i) % values.size()]);
+  }
+  EXPECT_FALSE(both(gyro, servo).fitted);
+}
+
+}  // namespace
+}  // namespace thermorig::labels

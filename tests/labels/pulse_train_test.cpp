@@ -1,0 +1,91 @@
+// SPDX-License-Identifier: MIT
+#include "thermorig/labels/pulse_train.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <functional>
+
+#include "scripted_rig.h"
+
+namespace thermorig::labels {
+namespace {
+
+/// The pulses behind telemetry of a servo of 200 degrees, 10 us a degree, with its own pulse grid.
+std::vector<Pulse> pulses(
+    const std::function<double(double)>& angle_deg,
+    const std::function<bool(int)>& comes = [](int) { return true; }) {
+  ServoProfile servo;
+  servo.travel_deg = 200.0;
+  PulseTrain train{PulseScale(servo), from_s(0.05)};
+  std::vector<Pulse> found;
+  for (int i = 0; i < 100; ++i) {
+    if (!comes(i)) continue;
+    TimedServo message;
+    message.mcu_time_us = 10'000 * i;
+    message.stamp.time = at_s(0.01 * i);
+    message.state.motion = ServoMotion::steady;
+    message.state.pulse_us = static_cast<float>(1500.0 + 10.0 * angle_deg(0.01 * ((i - 1) / 2 * 2 + 1)));
+    train.add(message, found);
+  }
+  return found;
+}
+
+TEST(PulseTrain, FindsAPulseInEveryPeriodWhereTheWidthChanges) {
+  const auto found = pulses([](double t) { return 50.0 * t; });
+  ASSERT_GE(found.size(), 49U);
+  for (std::size_t i = 5; i < found.size(); ++i) {  // the phase is known
+    EXPECT_EQ(found[i].start_us - found[i - 1].start_us, PulseTrain::period_us);
+    const double start_s = 1e-6 * static_cast<double>(found[i].start_us);
+    EXPECT_NEAR(found[i].value, 50.0 * start_s, 1e-4);
+    EXPECT_NEAR(seconds(found[i].end), start_s + 1e-6 * (1500.0 + 500.0 * start_s), 1e-8);
+    EXPECT_FALSE(found[i].restart);
+  }
+}
+
+TEST(PulseTrain, KnowsThePulsesOfAStretchWithoutChange) {
+  const auto found = pulses([](double t) { return t < 0.2 ? 50.0 * t : 10.0; });
+  EXPECT_GE(found.size(), 49U);
+  EXPECT_EQ(found.back().value, 10.0);
+}
+
+TEST(PulseTrain, FillsInWhatALostMessageWouldHaveShown) {
+  const auto found = pulses([](double t) { return 50.0 * t; }, [](int i) { return i < 40 || i > 43; });
+  for (std::size_t i = 5; i < found.size(); ++i) {  // the phase is known
+    EXPECT_EQ(found[i].start_us - found[i - 1].start_us, PulseTrain::period_us);
+    EXPECT_NEAR(found[i].value, 5e-5 * static_cast<double>(found[i].start_us), 1e-4);
+  }
+}
+
+TEST(PulseTrain, StartsAgainAfterAGap) {
+  const auto found = pulses([](double t) { return 50.0 * t; }, [](int i) { return i < 40 || i > 60; });
+  int restarts = 0;
+  for (const Pulse& pulse : found) restarts += pulse.restart ? 1 : 0;
+  EXPECT_EQ(restarts, 2);  // the very first, and after the gap
+}
+
+TEST(PulseTrain, TakesTheCommandWhereNoPulseIsReported) {
+  PulseTrain train{PulseScale(ServoProfile{}), from_s(0.05)};
+  std::vector<Pulse> found;
+  TimedServo message;
+  message.state.angle_deg = 12.5;
+  train.add(message, found);
+  ASSERT_EQ(found.size(), 1U);
+  EXPECT_EQ(found[0].value, 12.5);
+}
+
+TEST(PulseTrain, SurvivesAClockThatJumpsAndNumbersThatAreNone) {
+  PulseTrain train{PulseScale(ServoProfile{}), from_s(0.05)};
+  std::vector<Pulse> found;
+  for (const std::int64_t time_us : {0LL, 9'000'000'000'000'000LL, -5LL, 10'000LL, 20'000LL, 20'000LL}) {
+    TimedServo message;
+    message.mcu_time_us = time_us;
+    message.state.angle_deg = std::nan("");
+    train.add(message, found);
+  }
+  EXPECT_LT(found.size(), 10U);
+  for (const Pulse& pulse : found) EXPECT_TRUE(std::isfinite(pulse.value));
+}
+
+}  // namespace
+}  // namespace thermorig::labels
