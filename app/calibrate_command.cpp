@@ -108,7 +108,8 @@ rig::SweepPlan plan_of(const CalibrateOptions& options, const ChosenRig& rig) {
 
 /// The simulated rig has an operator who does what a real one is asked to.
 void turn_simulated_rig(const CalibrateOptions& options, ChosenRig& rig) {
-  rig.simulated->hand_turns.push_back({.begin = rig.simulated->start + from_s(before_hand_turn_s),
+  const HostTime start = options.record.fast ? rig.simulated->start : io::now();
+  rig.simulated->hand_turns.push_back({.begin = start + from_s(before_hand_turn_s),
                                        .duration_s = turn_duration_s(options),
                                        .angle_deg = hand_turn_deg(options)});
 }
