@@ -9,18 +9,16 @@
 #include <numbers>
 
 #include "quantile.h"
+#include "silence.h"
 
 namespace thermorig::timing {
 
 namespace {
-constexpr double usb_frame_s = 0.001;        // full-speed USB
-constexpr double longest_silence_s = 0.004;  // no adaptor for live use listens for longer
-constexpr double wake_up_s = 100e-6;         // a reader wakes up so much more or less late
-constexpr double chance_rises = 1.5;         // between 1 (evenly spread lateness) and 2 (rising from zero)
-constexpr double rise_spread = 1.5;          // of what chance does, per mean rise
-constexpr double slide_spread_s = 0.2e-3;    // between two moments at which a sliding wait is shortest
+constexpr double usb_frame_s = 0.001;      // full-speed USB
+constexpr double wake_up_s = 100e-6;       // a reader wakes up so much more or less late
+constexpr double rise_spread = 2.0;        // of what chance does, per rise
+constexpr double slide_spread_s = 0.2e-3;  // between two moments at which a sliding wait is shortest
 constexpr std::size_t fewest_cuts = 20;
-constexpr double fewest_cut_share = 0.1;  // of those that are due if the link cuts anywhere
 constexpr double uniform_deviation = 0.5 / std::numbers::sqrt3;
 
 /// Of evenly spread waits three quarters are within this above the least.
@@ -47,6 +45,9 @@ class Lateness {
   LeastLateness run() {
     fill_blocks();
     const double covered = covered_share();
+    typical_least_s_ = quantile(message_least_s_, 0.5);
+    wait_share_ = wait_share();
+    mean_rise_s_ = mean_rise(0, knots_.size());
     LeastLateness result{.at_knots_s = {}, .longest_hold_s = silence_s_};
     for (std::size_t knot = 0; knot < knots_.size(); ++knot) result.at_knots_s.push_back(at(knot, covered));
     return result;
@@ -55,16 +56,12 @@ class Lateness {
  private:
   bool takes_part(std::size_t i) const { return !by_cuts_ || latest_[i].inside; }
 
-  /// Longest that a link may listen which sends on silence; 0 for any other.
   double silence(std::size_t cuts) const {
     std::vector<double> wire_s;
     for (const LatestBegin& begin : latest_)
       if (!begin.inside) wire_s.push_back(begin.wire_s);
-    const double message_s = quantile(wire_s, 0.5);
-    const double busy = step_s_ > 0.0 ? std::min(1.0, message_s / step_s_) : 0.0;
-    const double due = busy * static_cast<double>(latest_.size());
-    if (due < fewest_cuts || static_cast<double>(cuts) > fewest_cut_share * due) return 0.0;
-    return std::clamp(step_s_ - message_s, 0.0, longest_silence_s);
+    return longest_silence_s(
+        {.step_s = step_s_, .message_s = quantile(wire_s, 0.5), .chunks = latest_.size(), .cuts = cuts});
   }
 
   std::size_t block_of(std::size_t i, std::size_t block) const {
@@ -139,12 +136,12 @@ class Lateness {
   }
 
   /// A link that cuts every millisecond may be one on which no byte waits.
-  double wait_share() {
+  double wait_share() const {
     if (!by_cuts_) return 1.0;
-    if (held_s_.empty())
-      for (const LatestBegin& begin : latest_)
-        if (begin.inside) held_s_.push_back(begin.held_s);
-    return quantile(held_s_, 0.1) > 1.5 * usb_frame_s ? 1.0 : 0.5;
+    std::vector<double> held_s;
+    for (const LatestBegin& begin : latest_)
+      if (begin.inside) held_s.push_back(begin.held_s);
+    return quantile(held_s, 0.1) > 1.5 * usb_frame_s ? 1.0 : 0.5;
   }
 
   Estimate at(std::size_t knot, double covered) {
@@ -156,15 +153,16 @@ class Lateness {
     };
     const std::size_t begin = place(x - 0.5 * window_.length_s);
     const std::size_t end = std::max(place(x + 0.5 * window_.length_s), knot + 1);
-    if (typical_least_s_ < 0.0) typical_least_s_ = quantile(message_least_s_, 0.5);
-    if (wait_share_ < 0.0) wait_share_ = wait_share();
     const double slid = slid_share(begin, end);
     const double unknown_s = usb_frame_s * std::max(0.0, 1.0 - covered - slid);
-    const double rise_s =
+    const double near_rise_s =
         mean_rise(std::max(begin, knot - std::min(knot, near)), std::min(end, knot + near + 1));
-    const double expected_s = 0.5 * wait_share_ * unknown_s + chance_rises * rise_s + 0.5 * silence_s_;
+    // Evenly spread lateness is too high by one rise, one that is spread like the sum of two waits by two.
+    const double chance_s = (1.0 + covered) * mean_rise_s_;
+    const double expected_s = 0.5 * wait_share_ * unknown_s + chance_s + 0.5 * silence_s_;
     const double spread_s =
-        std::hypot(uniform_deviation * unknown_s, rise_spread * rise_s, uniform_deviation * silence_s_);
+        std::hypot(uniform_deviation * unknown_s, rise_spread * std::max(near_rise_s, mean_rise_s_),
+                   uniform_deviation * silence_s_);
     return {expected_s, std::hypot(spread_s, wake_up_s, slide_spread_s * slid)};
   }
 
@@ -178,13 +176,13 @@ class Lateness {
   const SlidingWindow& window_;
   bool by_cuts_ = false;  // only chunks that cut a message are looked at
   double silence_s_ = 0.0;
-  double typical_least_s_ = -1.0;
-  double wait_share_ = -1.0;
+  double typical_least_s_ = 0.0;  // of a message: median
+  double wait_share_ = 1.0;
+  double mean_rise_s_ = 0.0;
   std::vector<BlockLateness> blocks_;
   std::vector<double> message_least_s_;
   std::vector<double> message_spreads_s_;
   std::vector<double> block_spreads_s_;
-  std::vector<double> held_s_;
 };
 }  // namespace
 

@@ -22,7 +22,8 @@ struct LeastLateness {
 /// Three parts, each from the data:
 ///
 /// 1. Chance. The fastest of some dozen messages is later than the least possible. Without the messages that
-///    hold the curve up it would rise by about as much as it is too high already.
+///    hold the curve up it would rise by about as much as it is too high already (the least of evenly spread
+///    values is as far above their limit as the second least is above it).
 ///
 /// 2. USB frames. A bridge's own timer and the host's 1 ms frames are two clocks that hardly slide against
 /// each
@@ -31,9 +32,8 @@ struct LeastLateness {
 ///    to be such a constant; half of the rest is expected. Where chunks are cut off every millisecond it may
 ///    be the frame itself that cuts (USB-CDC) and makes no byte wait: half of the half.
 ///
-/// 3. Silence. A link that never cuts a message, although its line is busy for a good part of the time, sends
-///    when the line falls silent. How long it listens is in no data sheet (CH340), and constant: anything up
-///    to the pause between messages, or `longest_silence_s`.
+/// 3. Silence. A link that sends when its line falls silent (`longest_silence_s`): half of the longest
+/// silence.
 LeastLateness least_lateness(std::span<const LatestBegin> latest, std::span<const double> x,
                              std::span<const double> late_s, double step_s,
                              std::span<const SlidingFit::Knot> knots, const SlidingWindow& window);

@@ -7,6 +7,8 @@
 #include <limits>
 #include <numbers>
 
+#include "silence.h"
+
 namespace thermorig::timing {
 
 namespace {
@@ -28,7 +30,16 @@ LinkTiming::LinkTiming(const PortProfile& link, double nominal_rate_hz)
     : byte_s_(wire_time_s(1, link.baud)),
       latency_(from_s(link.latency_s)),
       constant_delay_s_(link.largest_constant_delay_s) {
-  if (nominal_rate_hz > 0.0 && std::isfinite(nominal_rate_hz)) clock_.emplace(link, nominal_rate_hz);
+  if (!(nominal_rate_hz > 0.0) || !std::isfinite(nominal_rate_hz)) return;
+  period_s_ = 1.0 / nominal_rate_hz;
+  clock_.emplace(link, nominal_rate_hz);
+}
+
+double LinkTiming::silence_s(const StreamSpan& span) const {
+  return longest_silence_s({.step_s = period_s_,
+                            .message_s = byte_s_ * static_cast<double>(span.size()),
+                            .chunks = ends_,
+                            .cuts = cuts_});
 }
 
 /// The message's first byte began no later than that, since the chunk's last byte had arrived.
@@ -63,21 +74,28 @@ Stamp LinkTiming::stamp(const StreamSpan& span, const StampHint& hint) {
     if (chunks_.front().end <= span.begin) continue;
     latest = std::min(latest, begin_before(chunks_.front(), span));
     tight = true;
+    ++ends_;
+    ++cuts_;
   }
   const TimedChunk& chunk = chunks_.front();
   const HostTime by_last_byte = begin_before(chunk, span);
-  tight = tight || chunk.end == span.end;
+  if (chunk.end == span.end) {
+    tight = true;
+    ++ends_;
+  }
   latest = std::min(latest, by_last_byte);
   std::optional<HostTime> placed;
   if (clock_) placed = clock_->place({latest, tight, hint.lost_before, hint.device_s});
+  const double silent_s = placed ? silence_s(span) : 0.0;
+  if (placed) *placed -= from_s(0.5 * silent_s);
   newest_ = std::max(newest_, placed.value_or(by_last_byte) - latency_);
   const HostTime proven = std::max(latest - latency_, newest_);
   Stamp stamp{.time = newest_, .arrival = chunk.arrived, .uncertainty_s = uncertainty_s(chunk)};
   stamp.later_s = static_cast<float>(to_s(proven - newest_));
   stamp.earlier_s = static_cast<float>(longest_hold_s);
   if (placed) {
-    stamp.uncertainty_s = static_cast<float>(constant_delay_s_ * uniform_deviation);
-    stamp.earlier_s = static_cast<float>(constant_delay_s_ + clock_->drift_s());
+    stamp.uncertainty_s = static_cast<float>(std::hypot(constant_delay_s_, silent_s) * uniform_deviation);
+    stamp.earlier_s = static_cast<float>(constant_delay_s_ + silent_s + clock_->drift_s());
   }
   return stamp;
 }

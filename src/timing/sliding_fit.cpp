@@ -7,15 +7,18 @@
 namespace thermorig::timing {
 
 namespace {
-// A clock that wanders by 1000 ppm at most (an RC oscillator) is well followed by a parabola over 20 s. What
+// A clock that wanders by 1000 ppm at most (an RC oscillator) is well followed by a parabola over 22 s. What
 // a parabola cannot follow of a random walk of the rate grows with wander * length^1.5.
 constexpr double reference_wander_ppm = 1000.0;
-constexpr double reference_window_s = 20.0;
+constexpr double reference_window_s = 22.0;
 constexpr double shortest_window_s = 8.0;
 constexpr double longest_window_s = 100.0;
 constexpr double messages_a_window = 40.0;
 constexpr double blocks_a_window = 20.0;
 constexpr double shortest_block_s = 0.25;
+// Over a window the rate changes by no more than this share of the wander: what a walk of the rate does in so
+// much less than it takes to wander about. It keeps the ends, where the curve leaves its window, in place.
+constexpr double rate_change_share = 0.4;
 constexpr double touching_s = 1e-7;  // an inequality that the curve obeys as an equation
 }  // namespace
 
@@ -28,7 +31,7 @@ SlidingWindow SlidingWindow::of(double wander_ppm, double message_rate_hz) {
 }
 
 SlidingFit::SlidingFit(std::span<const Ceiling> ceilings, const SlidingWindow& window, double slope_limit)
-    : window_(window), limits_{slope_limit, slope_limit / window.length_s} {
+    : window_(window), limits_{slope_limit, 0.5 * rate_change_share * slope_limit / window.length_s} {
   reduce(ceilings, window.block_s);
   knots_.reserve(blocks_.size());
   for (std::size_t block = 0; block < blocks_.size(); ++block) fit_knot(block);
@@ -80,10 +83,12 @@ void SlidingFit::fit_knot(std::size_t block) {
 
 double SlidingFit::rise(std::span<const Ceiling> window, const Parabola& curve, double x,
                         const Moments& where) const {
-  const auto touches = [&](const Ceiling& ceiling) { return ceiling.y - curve.at(ceiling.x) < touching_s; };
+  std::vector<double> holding_x;
+  for (const Ceiling& ceiling : window)
+    if (ceiling.y - curve.at(ceiling.x) < touching_s) holding_x.push_back(ceiling.x);
   std::vector<Ceiling> rest;
   for (const Ceiling& ceiling : window)
-    if (!touches(ceiling)) rest.push_back(ceiling);
+    if (std::find(holding_x.begin(), holding_x.end(), ceiling.x) == holding_x.end()) rest.push_back(ceiling);
   if (rest.empty()) return 0.0;
   const Parabola higher = highest_below(rest, curve.middle, 0.5 * window_.length_s, where, limits_);
   return std::max(0.0, higher.at(x) - curve.at(x));

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <deque>
 #include <optional>
@@ -43,7 +44,8 @@ struct StampHint {
 ///
 /// Of a device with a steady rate a `LiveClock` draws the highest line below those proofs of the last
 /// seconds; the message's time is on that line, and never after its own proof. Its uncertainty is that of the
-/// least delay of a link, spread evenly up to PortProfile::largest_constant_delay_s.
+/// least delay of a link, spread evenly up to PortProfile::largest_constant_delay_s. Where the link sends when
+/// its line falls silent (CH340), half of the longest silence that it may wait for is taken off.
 ///
 /// While that clock is too young, and of a device without a steady rate, the time is the proof by the chunk C
 /// that brought the last byte. Its uncertainty is that of the last byte of C, which came at the earliest once
@@ -80,6 +82,7 @@ class LinkTiming {
     HostTime arrived;
     HostDuration since_before;  // since the arrival of the chunk before
   };
+  double silence_s(const StreamSpan& span) const;
   HostTime begin_before(const TimedChunk& chunk, const StreamSpan& span) const;
   float uncertainty_s(const TimedChunk& chunk) const;
 
@@ -88,6 +91,9 @@ class LinkTiming {
   double constant_delay_s_;
   std::deque<TimedChunk> chunks_;
   std::optional<LiveClock> clock_;    // of a device with a steady rate
+  double period_s_ = 0.0;             // nominal, 0 without a steady rate
+  std::size_t ends_ = 0;              // chunks that ended at or within a message
+  std::size_t cuts_ = 0;              // of those: within
   HostTime newest_{HostTime::min()};  // no message is stamped before it
 };
 
