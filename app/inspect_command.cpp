@@ -35,12 +35,13 @@ Inspected inspect(const std::filesystem::path& path) {
 }
 
 std::string words_of(const std::filesystem::path& path, const Inspected& inspected, bool timing) {
-  return timing ? timing_text(path, inspected.session) : text_of(path, inspected.session, inspected.quality);
+  return timing ? timing_text(path, inspected.session, inspected.quality)
+                : text_of(path, inspected.session, inspected.quality);
 }
 
 nlohmann::json object_of(const std::filesystem::path& path, const Inspected& inspected, bool timing) {
   nlohmann::json object = json_of(path, inspected.session, inspected.quality);
-  if (timing) object["timing"] = timing_json(inspected.session);
+  if (timing) object["timing"] = timing_json(inspected.session, inspected.quality);
   return object;
 }
 

@@ -138,7 +138,8 @@ nlohmann::json header_json(const RecordingHeader& header) {
 std::string text_of(const std::filesystem::path& path, const Session& session, const Quality& quality) {
   const std::string speeds = quality.speeds.empty() ? "" : fmt::format("\n{}", speed_table(quality));
   return fmt::format("{}\n{}\n{}{}{}\n{}", heading(path, session, quality), stream_table(quality),
-                     frames_text(quality), timing_line(path, session), speeds, verdict_text(quality));
+                     frames_text(quality), timing_line(path, session, quality), speeds,
+                     verdict_text(quality));
 }
 
 nlohmann::json json_of(const std::filesystem::path& path, const Session& session, const Quality& quality) {

@@ -86,7 +86,7 @@ nlohmann::json servo_json(const ServoResponse& servo) {
 
 }  // namespace
 
-nlohmann::json timing_json(const session::Session& session) {
+nlohmann::json timing_json(const session::Session& session, const session::Quality& quality) {
   if (!has_timing(session)) return nullptr;
   const HostTime start = session.raw.header.time_reference;
   nlohmann::json clocks;
@@ -97,7 +97,7 @@ nlohmann::json timing_json(const session::Session& session) {
           {"camera_offset", offset_json(session.sync.camera_offset)},
           {"gyro", gyro_json(session.sync.gyro)},
           {"servo", servo_json(session.sync.servo)},
-          {"label_uncertainty_dps", number(median_label_uncertainty_dps(session))},
+          {"label_uncertainty_dps", quality.label_uncertainty_dps},
           {"verdict", verdict.word},
           {"verdict_reasons", verdict.reasons},
           {"advice", verdict.advice}};

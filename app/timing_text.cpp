@@ -192,7 +192,8 @@ std::string reprocess_advice(const std::filesystem::path& path) {
 
 }  // namespace
 
-std::string timing_text(const std::filesystem::path& path, const Session& session) {
+std::string timing_text(const std::filesystem::path& path, const Session& session,
+                        const session::Quality& quality) {
   if (!has_timing(session))
     return fmt::format("{}\n{}", path.string(), line("timing", reprocess_advice(path)));
   const SyncReport& sync = session.sync;
@@ -202,13 +203,15 @@ std::string timing_text(const std::filesystem::path& path, const Session& sessio
   if (const std::string breaks = breaks_text(session); !breaks.empty()) text += fmt::format("\n{}", breaks);
   text += fmt::format("\n{}{}{}", line("camera - gyro", offset_text(sync.camera_offset)), gyro_text(session),
                       servo_text(session));
-  if (const auto uncertainty_dps = median_label_uncertainty_dps(session))
-    text += line("label", fmt::format("+- {:.2f} deg/s in the median valid frame", *uncertainty_dps));
+  if (std::isfinite(quality.label_uncertainty_dps))
+    text += line("label",
+                 fmt::format("+- {:.2f} deg/s in the median valid frame", quality.label_uncertainty_dps));
   if (!sync.servo.speeds.empty()) text += fmt::format("\n{}", residual_table(sync.servo));
   return fmt::format("{}\n{}", text, verdict_text(timing_verdict(session)));
 }
 
-std::string timing_line(const std::filesystem::path& path, const Session& session) {
+std::string timing_line(const std::filesystem::path& path, const Session& session,
+                        const session::Quality& quality) {
   if (!has_timing(session)) return fmt::format("timing   {}\n", reprocess_advice(path));
   std::string text = "timing   ";
   for (const Device device : all_devices) {
@@ -217,8 +220,8 @@ std::string timing_line(const std::filesystem::path& path, const Session& sessio
                 ? fmt::format("{} unknown, ", name_of(device))
                 : fmt::format("{} +- {:.2f} ms, ", name_of(device), clock.uncertainty_us / 1e3);
   }
-  if (const auto uncertainty_dps = median_label_uncertainty_dps(session))
-    text += fmt::format("label +- {:.2f} deg/s, ", *uncertainty_dps);
+  if (std::isfinite(quality.label_uncertainty_dps))
+    text += fmt::format("label +- {:.2f} deg/s, ", quality.label_uncertainty_dps);
   return text + fmt::format("{}; more with --timing\n", timing_verdict(session).word);
 }
 

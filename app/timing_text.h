@@ -10,10 +10,12 @@
 namespace thermorig::app {
 
 /// Everything that `inspect --timing` says: clocks, bounds, gaps, offsets, gyro, servo, residuals, verdict.
-std::string timing_text(const std::filesystem::path& path, const session::Session& session);
-nlohmann::json timing_json(const session::Session& session);
+std::string timing_text(const std::filesystem::path& path, const session::Session& session,
+                        const session::Quality& quality);
+nlohmann::json timing_json(const session::Session& session, const session::Quality& quality);
 
 /// The same in one line, for `inspect`.
-std::string timing_line(const std::filesystem::path& path, const session::Session& session);
+std::string timing_line(const std::filesystem::path& path, const session::Session& session,
+                        const session::Quality& quality);
 
 }  // namespace thermorig::app

@@ -4,7 +4,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
 
 #include "output.h"
 
@@ -98,17 +97,6 @@ TimingVerdict timing_verdict(const session::Session& session) {
   judge_gyro(session.sync.gyro, judge);
   judge_servo(session.sync.servo, judge);
   return judge.take();
-}
-
-std::optional<double> median_label_uncertainty_dps(const session::Session& session) {
-  std::vector<double> values;
-  for (const LabelledSample& sample : session.samples)
-    if (sample.valid && std::isfinite(sample.label_uncertainty_dps))
-      values.push_back(sample.label_uncertainty_dps);
-  if (values.empty()) return std::nullopt;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
 }
 
 }  // namespace thermorig::app

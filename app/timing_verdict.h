@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include <optional>
 #include <string>
 #include <vector>
 
@@ -19,8 +18,5 @@ TimingVerdict timing_verdict(const session::Session& session);
 
 /// False: the file was made before clocks were fitted, and has to be reprocessed.
 bool has_timing(const session::Session& session);
-
-/// Of `rate_label` over the valid frames, one standard deviation, what is not calibrated included.
-std::optional<double> median_label_uncertainty_dps(const session::Session& session);
 
 }  // namespace thermorig::app
