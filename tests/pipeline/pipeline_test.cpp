@@ -186,6 +186,20 @@ TEST(Pipeline, LabelsWithoutGyroAndServoAfterWaiting) {
   EXPECT_TRUE(pipeline.finish().empty());
 }
 
+TEST(Pipeline, TakesTheLastFrameOfAStreamWithoutChecksums) {
+  ScriptedRecording recording;
+  recording.profile.camera.checksum = ChecksumPolicy::ignore;
+  Pipeline pipeline(recording.profile);
+  std::size_t frames = 0, samples = 0;
+  for (const Chunk& chunk : chunks_within_messages(recording, whole))
+    samples += pipeline.feed(chunk.device, chunk.bytes, chunk.arrived).size();
+  frames = pipeline.take_streams().frames.size();
+  EXPECT_EQ(frames, 38U);  // the last one waits for what stands behind it
+  samples += pipeline.finish().size();
+  EXPECT_EQ(pipeline.take_streams().frames.size(), 1U);
+  EXPECT_EQ(samples, 39U);
+}
+
 TEST(Pipeline, HandsOutItsStreamsOnce) {
   const ScriptedRecording recording;
   Pipeline pipeline(recording.profile);
