@@ -36,7 +36,9 @@ struct Place {
   double share;
 };
 Place place_of(const PulseScale& scale, double value) {
-  const double place = std::clamp((scale.part(value) + 1.0) / 2.0, 0.0, 1.0) * static_cast<double>(knots - 1);
+  // fmin and fmax: a value that is not a number has a place as well.
+  const double part = std::fmax(0.0, std::fmin((scale.part(value) + 1.0) / 2.0, 1.0));
+  const double place = part * static_cast<double>(knots - 1);
   const auto left = std::min(static_cast<std::size_t>(place), knots - 2);
   return {left, place - static_cast<double>(left)};
 }

@@ -16,7 +16,8 @@ namespace {
 constexpr float coldest_c = -60.0F;
 constexpr float hottest_c = 400.0F;
 constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
-constexpr double disagreement = 3.0;  // standard deviations
+constexpr double disagreement = 3.0;     // standard deviations
+constexpr double longest_shift_s = 1.0;  // beyond it a time says nothing
 constexpr HostDuration pulse_period = std::chrono::microseconds(PulseTrain::period_us);
 
 std::uint32_t bit_if(Reason reason, bool holds) {
@@ -140,7 +141,7 @@ void Labeller::label_motion(LabelledSample& sample, const PendingFrame& frame) {
 double Labeller::time_error_dps(const LabelledSample& sample, double time_s) const {
   double error_dps = 0.0;
   for (const double share : {-1.0, -0.5, 0.5, 1.0}) {
-    const HostDuration shift = from_s(share * time_s);
+    const HostDuration shift = from_s(share * std::fmin(time_s, longest_shift_s));
     const double moved_dps = shaft_.mean_dps(sample.exposure_begin + shift, sample.exposure_end + shift);
     error_dps = std::max(error_dps, std::abs(moved_dps - static_cast<double>(sample.rate_label_dps)));
   }

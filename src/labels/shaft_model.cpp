@@ -19,7 +19,8 @@ double gain_at(const ServoResponse& response, const PulseScale& scale, double va
   const auto& gain = response.gain;
   if (gain.empty()) return 1.0;
   const double last = static_cast<double>(gain.size() - 1);
-  const double place = std::clamp((scale.part(value) + 1.0) / 2.0 * last, 0.0, last);
+  // fmin and fmax: a value that is not a number has a place as well.
+  const double place = std::fmax(0.0, std::fmin((scale.part(value) + 1.0) / 2.0 * last, last));
   const auto left = static_cast<std::size_t>(place);
   const std::size_t right = std::min(left + 1, gain.size() - 1);
   return std::lerp(gain[left], gain[right], place - static_cast<double>(left));
