@@ -78,6 +78,29 @@ TEST_F(Timing, ASessionThatKnowsNoClocksAsksToBeReprocessed) {
   EXPECT_THAT(run("inspect " + path.string()).out, HasSubstr("timing   camera +- "));
 }
 
+TEST_F(Timing, ListsGapsAndEpochsAndCountsThemAgainstTheSession) {
+  const auto path = record_briefly();
+  session::Session session = session::read_session(path);
+  const HostTime start = session.raw.header.time_reference;
+  ClockReport& camera = session.sync.clock[Device::camera];
+  for (int i = 0; i < 7; ++i)
+    camera.gaps.push_back({.begin = start + from_s(i), .end = start + from_s(i + 0.5), .missing = 3});
+  ClockReport& servo = session.sync.clock[Device::servo];
+  servo.epochs.resize(1);
+  servo.epochs.push_back({.begin = start + from_s(4.25), .reason = "the micro-controller was reset"});
+  session.sync.clock[Device::gyro].uncertainty_us = 12'500.0;
+  session::replace_session(path, session);
+  const Outcome outcome = run("inspect --timing " + path.string());
+  ASSERT_EQ(outcome.code, 0) << outcome.err;
+  for (const char* part : {"camera 4.00 s to 4.50 s, 3 missing", "and 2 more of the camera",
+                           "servo at 4.25 s: the micro-controller was reset",
+                           "the gyro's times are known to 12.5 ms", "verdict       bad"})
+    EXPECT_THAT(outcome.out, HasSubstr(part));
+  const auto clock = run("inspect --timing --json " + path.string()).lines()[0][0]["timing"]["clock"];
+  EXPECT_EQ(clock["camera"]["gaps"].size(), 7U);
+  EXPECT_NEAR(clock["servo"]["epochs"][1]["begin_s"], 4.25, 1e-6);
+}
+
 TEST_F(Timing, ReprocessTellsWhatChanged) {
   const auto path = record_briefly();
   const auto same = run("reprocess --json " + path.string()).lines()[0][0];

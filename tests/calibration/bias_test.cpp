@@ -124,6 +124,14 @@ TEST(CalibrateBias, SaysWhyARestDoesNotTell) {
   EXPECT_THAT(refusal(zeroing), HasSubstr("sets itself to zero"));
 }
 
+TEST(CalibrateBias, ReportsAGyroThatSetsItselfToZero) {
+  auto config = rig_with(2);
+  config.gyro_zeroes_itself = true;
+  auto plan = plan_for(CalibrationKind::bias, config);
+  plan.opening_rest_s = 20.0;
+  EXPECT_THAT(refusal(record(config, plan).session), HasSubstr("sets itself to zero"));
+}
+
 TEST(CalibrateBias, GoesIntoTheProfileWithItsDate) {
   RigProfile profile;
   apply(BiasResult{.bias_dps = {1.23456789, 0.0123456789}}, "2026-07-25T14:35:12Z", profile);
