@@ -9,6 +9,7 @@
 #include "servo_link.h"
 #include "thermorig/pipeline/pipeline.h"
 #include "thermorig/timing/link_timing.h"
+#include "thermorig/timing/mcu_time.h"
 #include "thermorig/wire/sent_commands.h"
 #include "timing_baselines.h"
 #include "timing_rig.h"
@@ -82,10 +83,14 @@ std::vector<RoundTrip> round_trips(const Recorded& recorded) {
     for (const wire::SentFrame& frame : wire::read_sent(sent.chunk(i)))
       if (frame.type == SERVO_PING) pinged[servo_get_u32(frame.payload.data())] = sent.time(i);
   std::vector<RoundTrip> trips;
-  for (const TimedPong& pong : recorded.live.pongs)
-    if (const auto ping = pinged.find(pong.token); ping != pinged.end())
-      trips.push_back(
-          {host_s(ping->second), 1e-6 * pong.receive_us, 1e-6 * pong.send_us, host_s(pong.arrival)});
+  timing::McuTime mcu_time;
+  for (const TimedPong& pong : recorded.live.pongs) {
+    const auto ping = pinged.find(pong.token);
+    if (ping == pinged.end()) continue;
+    const double sent_s = 1e-6 * static_cast<double>(mcu_time.unwrap(pong.send_us, pong.arrival));
+    const double held_s = 1e-6 * static_cast<double>(pong.send_us - pong.receive_us);
+    trips.push_back({host_s(ping->second), sent_s - held_s, sent_s, host_s(pong.arrival)});
+  }
   return trips;
 }
 

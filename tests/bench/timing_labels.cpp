@@ -236,6 +236,9 @@ void add_camera_offset(const TableSize& size, std::vector<Figure>& figures) {
   };
   add("error RMS", "rms_ms", "ms", 1e3 * rms(errors), 1.0);
   add("mean", "mean_ms", "ms", mean_ms, {});
+  std::vector<float> about_mean = errors;
+  for (float& error : about_mean) error -= static_cast<float>(1e-3 * mean_ms);
+  add("RMS about the mean", "rms_about_mean_ms", "ms", 1e3 * rms(about_mean), {});
   add("largest", "max_ms", "ms", 1e3 * size_percentile(errors, 1.0), {});
   add("in its own uncertainties, RMS", "error_in_sigmas", "", rms(ratios), {});
 }

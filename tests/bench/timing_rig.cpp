@@ -66,11 +66,8 @@ class Host {
  private:
   void receive(const Chunk& chunk) {
     recorded_.raw.received[chunk.device].append(chunk.bytes, chunk.arrived);
-    ++recorded_.chunks;
-    const auto before = std::chrono::steady_clock::now();
     pipeline_.feed(chunk.device, chunk.bytes, chunk.arrived);
     pipeline::Streams streams = pipeline_.take_streams();
-    recorded_.feeding_s += std::chrono::duration<double>(std::chrono::steady_clock::now() - before).count();
     for (const TimedPong& pong : streams.pongs) commander_.pong(pong);
     for (const wire::ServoMessage& message : streams.servo_answers) commander_.answer(message, chunk.arrived);
     keep(std::move(streams));

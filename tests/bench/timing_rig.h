@@ -36,8 +36,6 @@ struct Recorded {
   std::unique_ptr<simulation::VirtualRig> rig;  // holds the truth
   RawRecording raw;
   pipeline::Streams live;
-  double feeding_s = 0.0;  // processor time that Pipeline::feed took
-  std::size_t chunks = 0;
 };
 
 /// Greets and arms the servo as the recorder does, pings it, drives the legs and keeps the rest of the time
