@@ -8,10 +8,12 @@
 namespace thermorig::motion {
 namespace {
 
-constexpr int most_rounds = 14;
+constexpr int most_rounds = 20;
 constexpr int fewest_rounds = 4;                       // pixels' offsets and the panorama settle meanwhile
 constexpr Parameters settled{1e-5, 3e-4, 1e-5, 2e-6};  // smaller steps than these change nothing
 constexpr double longest_step_pixels = 1.5;            // beyond, the slope says nothing about the panorama
+constexpr double bin_per_smear = 0.25;
+constexpr double widest_bin_pixels = 6.0;
 constexpr double outlier_sigma = 5.0;
 constexpr float distrusted = 1e-6F;
 constexpr double frozen_pixel_variance = 1e-4;  // K2: no living pixel is so quiet
@@ -50,6 +52,18 @@ Span span_of(std::span<const HalfView> views, const AngleTrack& track, const Pri
   return {0.5 * (low - high) - room_deg, high - low + 2.0 * room_deg};
 }
 
+/// The surroundings as halves see them are smeared over the angle that the rig turns during an exposure:
+/// finer bins would hold nothing but noise.
+double bin_of(std::span<const HalfView> views, double pitch_deg) {
+  std::vector<float> smears_deg;
+  for (const HalfView& view : views)
+    smears_deg.push_back(
+        static_cast<float>(std::abs(view.half.rate_dps) * (view.half.end_s - view.half.begin_s)));
+  if (smears_deg.empty()) return pitch_deg;
+  return std::clamp(bin_per_smear * static_cast<double>(median(smears_deg)), pitch_deg,
+                    widest_bin_pixels * pitch_deg);
+}
+
 }  // namespace
 
 /// What one look at all halves adds up to.
@@ -78,7 +92,7 @@ Alignment::Alignment(std::span<HalfView> views, const AngleTrack& track, const L
       half_offset_(views.size(), 0.0F),
       misfit_(views.size(), 0.0) {
   const Span span = span_of(views, track, prior, layout.pitch_deg);
-  map_ = PanoramaMap(layout.pitch_deg, layout.closed, span.lowest_deg, span.length_deg);
+  map_ = PanoramaMap(bin_of(views, layout.pitch_deg), layout.closed, span.lowest_deg, span.length_deg);
   double low_s = std::numeric_limits<double>::max();
   double high_s = std::numeric_limits<double>::lowest();
   double low_deg = low_s;
@@ -210,6 +224,27 @@ double Alignment::variance(const Parameters& parameters) {
     weight_sum += static_cast<double>(weight);
   }
   return square_sum / std::max(1.0, weight_sum - map_.freedom());
+}
+
+double Alignment::spread() const {
+  double square = 0.0;
+  double weight = 1e-9;
+  for (std::size_t k = 0; k < views_.size(); ++k) {
+    const HalfPixels values = values_of(k);
+    const HalfPixels weights = weights_of(views_[k]);
+    double sum = 0.0;
+    double sum_of_squares = 0.0;
+    double sum_of_weights = 1e-9;
+    for (std::size_t i = 0; i < half_pixels; ++i) {
+      const auto value = static_cast<double>(values[i]);
+      sum_of_weights += static_cast<double>(weights[i]);
+      sum += static_cast<double>(weights[i]) * value;
+      sum_of_squares += static_cast<double>(weights[i]) * value * value;
+    }
+    square += sum_of_squares - sum * sum / sum_of_weights;
+    weight += sum_of_weights;
+  }
+  return square / weight;
 }
 
 /// One half against the panorama; what its pixels have in common is taken out.

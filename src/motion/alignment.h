@@ -45,8 +45,10 @@ class Alignment {
   const Matrix& covariance() const { return covariance_; }
   /// Share of the slopes in the panorama that is not noise: near 0 before a blind wall.
   double contrast() const { return contrast_; }
-  /// Residual variance of each view (1 is the mean of all pixels' own noise), with the panorama.
+  /// Residual variance of each view, with the panorama, in K2.
   const std::vector<double>& misfit() const { return misfit_; }
+  /// What it would be on average without a panorama: variance within a half.
+  double spread() const;
 
  private:
   struct Totals;

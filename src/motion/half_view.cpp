@@ -51,10 +51,24 @@ std::vector<FreshHalf> fresh_halves(std::span<const TimedFrame> frames, const An
       const auto stretch = track.stretch(begin_s - margin_s, end_s + margin_s);
       if (!stretch) continue;
       const double rate_dps = track.over(begin_s, end_s).rate_dps - bias_dps;
-      halves.push_back({&frame, parity, begin_s, end_s, rate_dps, *stretch});
+      const double third_s = (end_s - begin_s) / 3.0;
+      const double change_dps =
+          track.over(end_s - third_s, end_s).rate_dps - track.over(begin_s, begin_s + third_s).rate_dps;
+      halves.push_back({&frame, parity, begin_s, end_s, rate_dps, std::abs(change_dps), *stretch});
     }
   }
   return halves;
+}
+
+std::vector<FreshHalf> dealt_anew(std::span<const FreshHalf> halves, const AngleTrack& track,
+                                  unsigned newer) {
+  std::vector<FreshHalf> dealt(halves.begin(), halves.end());
+  for (FreshHalf& half : dealt) {
+    const HalfExposure exposure = exposure_of(*half.frame, half.parity, newer);
+    half.begin_s = track.seconds(exposure.begin);
+    half.end_s = track.seconds(exposure.end);
+  }
+  return dealt;
 }
 
 std::vector<HalfView> views_of(std::span<const FreshHalf> halves) {

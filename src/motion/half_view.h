@@ -31,8 +31,9 @@ struct FreshHalf {
   unsigned parity = 0;
   double begin_s = 0.0;  // of its exposure, on the angle track's clock
   double end_s = 0.0;
-  double rate_dps = 0.0;  // by the gyro as it is, bias removed
-  int stretch = 0;        // of the gyro's samples
+  double rate_dps = 0.0;         // by the gyro as it is, bias removed
+  double rate_change_dps = 0.0;  // from the first third of the exposure to the last, without its sign
+  int stretch = 0;               // of the gyro's samples
 };
 
 /// Which half of a full-fresh frame is exposed last, where that is a question and not known.
@@ -43,6 +44,9 @@ using NewerHalf = std::optional<unsigned>;
 /// their exposures are dealt out anew.
 std::vector<FreshHalf> fresh_halves(std::span<const TimedFrame> frames, const AngleTrack& track,
                                     double bias_dps, double margin_s, NewerHalf newer = std::nullopt);
+
+/// The same halves, had the other one, `newer`, been exposed last.
+std::vector<FreshHalf> dealt_anew(std::span<const FreshHalf> halves, const AngleTrack& track, unsigned newer);
 
 /// What the surroundings looked like to one half.
 struct HalfView {

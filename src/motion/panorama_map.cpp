@@ -13,14 +13,15 @@ constexpr double whole_turn_deg = 360.0;
 
 }  // namespace
 
-PanoramaMap::PanoramaMap(double pitch_deg, bool closed, double lowest_deg, double span_deg)
-    : bin_deg_(closed ? whole_turn_deg / std::round(whole_turn_deg / pitch_deg) : pitch_deg),
+PanoramaMap::PanoramaMap(double bin_deg, bool closed, double lowest_deg, double span_deg)
+    : bin_deg_(closed ? whole_turn_deg / std::round(whole_turn_deg / bin_deg) : bin_deg),
       lowest_deg_(closed ? 0.0 : lowest_deg),
       closed_(closed),
       bins_(static_cast<std::uint32_t>(closed ? std::lround(whole_turn_deg / bin_deg_)
                                               : std::lround(std::ceil(span_deg / bin_deg_)) + 2)),
       weight_(bins_ * cell_values),
       sum_(weight_.size()),
+      reach_(weight_.size()),
       mean_(weight_.size()),
       slope_(weight_.size()),
       known_(weight_.size()) {}
@@ -45,6 +46,7 @@ PanoramaMap::Place PanoramaMap::place(double angle_deg, double pitch_deg, bool m
 void PanoramaMap::clear() {
   std::fill(weight_.begin(), weight_.end(), 0.0F);
   std::fill(sum_.begin(), sum_.end(), 0.0F);
+  std::fill(reach_.begin(), reach_.end(), 0.0F);
 }
 
 void PanoramaMap::add(const Place& place, unsigned parity, const HalfPixels& value,
@@ -58,8 +60,10 @@ void PanoramaMap::add(const Place& place, unsigned parity, const HalfPixels& val
       const float to_right = part * weight[i];
       const float to_left = weight[i] - to_right;
       weight_[left + k] += to_left;
+      reach_[left + k] += to_left * part;
       sum_[left + k] += to_left * value[i];
       weight_[right + k] += to_right;
+      reach_[right + k] += to_right * (part - 1.0F);
       sum_[right + k] += to_right * value[i];
     }
   }
@@ -71,8 +75,7 @@ std::uint32_t PanoramaMap::neighbour(std::uint32_t bin, int step) const {
   return static_cast<std::uint32_t>(std::clamp<std::int64_t>(next, 0, bins_ - 1));
 }
 
-void PanoramaMap::finish() {
-  for (std::size_t i = 0; i < weight_.size(); ++i) mean_[i] = weight_[i] > 0.0F ? sum_[i] / weight_[i] : 0.0F;
+void PanoramaMap::find_slopes() {
   const auto run = static_cast<float>(2.0 * bin_deg_);
   for (std::uint32_t bin = 0; bin < bins_; ++bin) {
     const std::size_t here = bin * cell_values;
@@ -84,6 +87,19 @@ void PanoramaMap::finish() {
       known_[here + k] = known ? 1.0F : 0.0F;
       slope_[here + k] = known ? (mean_[right + k] - mean_[left + k]) / run : 0.0F;
     }
+  }
+}
+
+/// The readings of a bin do not lie around its middle evenly: what their mean lies off it, times the slope,
+/// is taken out.
+void PanoramaMap::finish() {
+  for (std::size_t i = 0; i < weight_.size(); ++i) mean_[i] = weight_[i] > 0.0F ? sum_[i] / weight_[i] : 0.0F;
+  find_slopes();
+  const auto bin_deg = static_cast<float>(bin_deg_);
+  for (int pass = 0; pass < 2; ++pass) {
+    for (std::size_t i = 0; i < weight_.size(); ++i)
+      if (known_[i] > 0.0F) mean_[i] = (sum_[i] - slope_[i] * reach_[i] * bin_deg) / weight_[i];
+    find_slopes();
   }
 }
 

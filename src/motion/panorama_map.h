@@ -14,7 +14,7 @@ namespace thermorig::motion {
 class PanoramaMap {
  public:
   /// `closed`: azimuths wrap after 360 deg; else the map runs from `lowest_deg` over `span_deg`.
-  PanoramaMap(double pitch_deg, bool closed, double lowest_deg, double span_deg);
+  PanoramaMap(double bin_deg, bool closed, double lowest_deg, double span_deg);
 
   /// Where the columns of a half lie: between the middles of bins `left` and `right`.
   struct Place {
@@ -57,7 +57,7 @@ class PanoramaMap {
 
  private:
   std::uint32_t neighbour(std::uint32_t bin, int step) const;
-  bool slope_known(std::size_t left, std::size_t right) const;
+  void find_slopes();
 
   double bin_deg_;
   double lowest_deg_;
@@ -65,6 +65,7 @@ class PanoramaMap {
   std::uint32_t bins_;
   std::vector<float> weight_;
   std::vector<float> sum_;
+  std::vector<float> reach_;  // weighted sum of how far readings lie right of the bin's middle, in bins
   std::vector<float> mean_;
   std::vector<float> slope_;
   std::vector<float> known_;

@@ -21,6 +21,14 @@ using Window = std::vector<FreshHalf>;
 /// windows, evenly spread where there are more.
 std::vector<Window> moving_windows(std::span<const FreshHalf> halves, std::size_t most);
 
+/// The same for turns that may take long: windows overlap by half, so that a turn that one cuts is whole in
+/// the next; more of the rests is kept, since what is seen at rest before and after a turn closes it best.
+std::vector<Window> turning_windows(std::span<const FreshHalf> halves, std::size_t most);
+
+/// Slower than that, images hardly change from one to the next.
+inline constexpr double slowest_useful_dps = 10.0;
+double fastest_dps(std::span<const FreshHalf> halves);
+
 /// Fastest rates either way.
 struct RateRange {
   double negative_dps = 0.0;

@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "half_view.h"
+
+namespace thermorig::motion {
+
+/// Two panoramas of the same views compete: which one do the views fit better, and is that more than chance?
+class Contest {
+ public:
+  /// Residual variances of each view in either panorama.
+  void add(std::span<const FreshHalf> halves, std::span<const double> first, std::span<const double> second);
+
+  /// How much better the first one fits, in standard deviations of that difference by its spread among blocks
+  /// of time. Negative: the second one fits better. 0 with too few blocks.
+  double lead() const;
+
+ private:
+  // Of blocks: mean logarithm of second over first. A few strong edges would drown all else in a plain
+  // difference.
+  std::vector<double> differences_;
+};
+
+/// A lead that chance does not give, blocks being few and their spread an estimate.
+inline constexpr double clear_lead = 4.5;
+
+}  // namespace thermorig::motion
