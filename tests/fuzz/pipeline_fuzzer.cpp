@@ -111,26 +111,32 @@ void check(const wire::Counters& counters) {
                                          counters.bytes_skipped + counters.bytes_pending);
 }
 
-}  // namespace
-
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  Script script(data, size);
-  pipeline::Pipeline pipeline{RigProfile{}};
-  HostTime now{};
+/// One pass over all chunks; every sample must hold together.
+pipeline::Streams decode(const std::vector<Chunk>& chunks, const pipeline::Fits& fits) {
+  pipeline::Pipeline pipeline{RigProfile{}, fits};
   std::uint32_t samples = 0;
   const auto take = [&](const std::vector<LabelledSample>& taken) {
     for (const LabelledSample& sample : taken) check(sample, samples++);
   };
-  RawRecording raw;
-  while (!script.done()) {
-    const Chunk chunk = next_chunk(script, now);
-    raw.received[chunk.device].append(chunk.bytes, chunk.arrived);
-    take(pipeline.feed(chunk.device, chunk.bytes, chunk.arrived));
-  }
+  for (const Chunk& chunk : chunks) take(pipeline.feed(chunk.device, chunk.bytes, chunk.arrived));
   take(pipeline.finish());
-  const pipeline::Streams streams = pipeline.take_streams();
+  pipeline::Streams streams = pipeline.take_streams();
   require(samples == streams.frames.size());
   for (const Device device : all_devices) check(pipeline.counters(device));
-  pipeline::fit(raw, streams);
+  return streams;
+}
+
+}  // namespace
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  Script script(data, size);
+  HostTime now{};
+  RawRecording raw;
+  std::vector<Chunk> chunks;
+  while (!script.done()) {
+    chunks.push_back(next_chunk(script, now));
+    raw.received[chunks.back().device].append(chunks.back().bytes, now);
+  }
+  decode(chunks, pipeline::fit(raw, decode(chunks, {})));
   return 0;
 }
