@@ -32,7 +32,8 @@ std::string cell(const SpeedYield::Windows& windows) {
   return std::isfinite(windows.sweep) ? leg + " / " + windows_text(windows.sweep) : leg;
 }
 
-/// "200 deg/s, 4 frames: 0.825 s = 165 deg, + 20 deg of ramps = 185 deg; 5: 210 deg; 6: 235 deg".
+/// "200 deg/s: 4 frames need 0.825 s = 165 deg + 20 deg of ramps = 185 deg; 5: 190 + 20 deg; 6: 215 + 20
+/// deg".
 std::string impossible_text(const SpeedYield& speed, const RigProfile& profile) {
   std::string text;
   for (int frames = 1; frames <= rig::window_frames_max; ++frames) {
@@ -40,12 +41,13 @@ std::string impossible_text(const SpeedYield& speed, const RigProfile& profile) 
     if (windows.possible) continue;
     const double needed_s = rig::window_s(frames, profile.servo, profile.camera.output_rate_hz);
     const double constant_deg = speed.rate_dps * needed_s;
+    const double ramps_deg = windows.travel_deg - constant_deg;
     if (text.empty())
-      text = fmt::format("  {:g} deg/s, {} frames: {:.3f} s = {:.0f} deg, + {:.0f} deg of ramps = {:.0f} deg",
-                         speed.rate_dps, frames, needed_s, constant_deg, windows.travel_deg - constant_deg,
-                         windows.travel_deg);
+      text =
+          fmt::format("  {:g} deg/s: {} frames need {:.3f} s = {:.0f} deg + {:.0f} deg of ramps = {:.0f} deg",
+                      speed.rate_dps, frames, needed_s, constant_deg, ramps_deg, windows.travel_deg);
     else
-      text += fmt::format("; {}: {:.0f} deg", frames, windows.travel_deg);
+      text += fmt::format("; {}: {:.0f} + {:.0f} deg", frames, constant_deg, ramps_deg);
   }
   return text.empty() ? "" : text + "\n";
 }

@@ -28,7 +28,7 @@ class Walk {
     leg.transit_s = go_to_start(rate_dps, leg.frames);
     leg.course = leg_course(rate_dps, before_dps_, leg.frames, servo_, frame_rate_hz_);
     leg.duration_s = (leg.frames + 0.5) / frame_rate_hz_ + command_s;
-    const LegYield yield = leg_yield(leg.course, leg.frames, 1, servo_, frame_rate_hz_);
+    const LegYield yield = leg_yield(leg.course, leg.frames, 1, frame_rate_hz_);
     valid_[rate_dps] += yield.own;
     valid_[-rate_dps] += yield.other;
     before_dps_ = leg.course.turns_back() ? 0.0 : rate_dps;
@@ -42,7 +42,7 @@ class Walk {
     const double missing = wanted_[rate_dps] - valid_[rate_dps];
     const double planned = plan_.frames_per_leg;
     const LegCourse course = leg_course(rate_dps, before_dps_, planned, servo_, frame_rate_hz_);
-    const double needed = frames_for(missing, course, servo_, frame_rate_hz_);
+    const double needed = frames_for(missing, course, frame_rate_hz_);
     return std::clamp(needed, planned, frames_growth_max * planned);
   }
 

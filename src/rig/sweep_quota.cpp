@@ -18,6 +18,7 @@ constexpr double label_patience_s = 3.0;  // a frame waits a second at most for 
 constexpr double patience = 1.5;          // a step may take so many times the frames that it should
 constexpr int least_growth = 5;           // and in any case so many times those of the plan
 constexpr int fruitless_frames_min = 24;
+constexpr int frames_in_flight = 8;  // that have no label yet
 
 }  // namespace
 
@@ -33,7 +34,7 @@ void SweepWalker::sample(const LabelledSample& sample) {
 /// Camera frames that the leg still needs for its quota, as far as can be foretold.
 double SweepWalker::frames_to_quota() const {
   const std::size_t step = to_drive_.front().index;
-  return frames_for(quota_.missing(step), expected_[step].course, servo_, frames_.rate_hz());
+  return frames_for(quota_.missing(step), expected_[step].course, frames_.rate_hz());
 }
 
 /// Frames of this leg that have no label yet, but will be valid. Nobody knows of a servo that turns back.
@@ -71,20 +72,28 @@ bool SweepWalker::extend_leg(HostTime now) {
   return true;
 }
 
-/// Is there no sense in driving this step on? Says so once. `frames`: of the leg under way.
+/// Frames that a step may have in all its legs.
+double SweepWalker::frames_limit(std::size_t step) const {
+  const double planned = plan_.frames_per_leg;
+  return std::clamp(patience * expected_[step].frames, least_growth * planned, frames_growth_max * planned);
+}
+
+/// Is there no sense in driving this step on: too many frames, none of the latest valid, or so few that the
+/// quota lies beyond all patience? Says so once. `frames`: of the leg under way.
 bool SweepWalker::gives_up(std::size_t step, int frames, HostTime now) {
   if (given_up_[step]) return true;
-  const double planned = plan_.frames_per_leg;
-  const double most =
-      std::clamp(patience * expected_[step].frames, least_growth * planned, frames_growth_max * planned);
   const int driven = driven_frames_[step] + frames;
-  if (driven < most && fruitless_ < std::max(plan_.frames_per_leg, fruitless_frames_min)) return false;
+  const int missing = quota_.missing(step);
+  const double valid = std::max(0, plan_.valid_per_leg - missing);
+  const bool is_hopeless = driven * static_cast<double>(missing) > valid * (frames_limit(step) - driven);
+  const bool is_fruitless = fruitless_ >= std::max(plan_.frames_per_leg, fruitless_frames_min);
+  const bool is_long_enough = driven >= expected_[step].frames + frames_in_flight;
+  if (driven < frames_limit(step) && !is_fruitless && !(is_hopeless && is_long_enough)) return false;
   given_up_[step] = true;
   event(now, EventKind::warning,
         fmt::format("step {} of {} ({:+g} deg/s): still {} valid frames short after {} frames; going on "
                     "without them",
-                    step + 1, plan_.leg_rates_dps.size(), plan_.leg_rates_dps[step], quota_.missing(step),
-                    driven));
+                    step + 1, plan_.leg_rates_dps.size(), plan_.leg_rates_dps[step], missing, driven));
   return true;
 }
 

@@ -5,12 +5,16 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <numbers>
 
 namespace thermorig::rig {
 
 namespace {
 
 constexpr double endless = std::numeric_limits<double>::infinity();
+// How far the shaft's speed may leave the commanded one in a valid frame: reason servo_ramp.
+constexpr double tolerance_least_dps = 1.0;
+constexpr double tolerance_share = 0.02;
 
 // Two refresh periods: a half-fresh frame holds halves that were exposed one after the other.
 double exposure_s(double frame_rate_hz) {
@@ -32,8 +36,9 @@ std::array<SpeedYield::Windows, window_frames_max> windows_of(const ExpectedLeg&
   std::array<SpeedYield::Windows, window_frames_max> all;
   for (int frames = 1; frames <= window_frames_max; ++frames) {
     SpeedYield::Windows& windows = all[static_cast<std::size_t>(frames - 1)];
-    const LegYield yield = leg_yield(leg.course, leg.frames, frames, servo, frame_rate_hz);
-    windows.sweep = windows_within(sweep_constant_s(leg.rate_dps, servo), frames, servo, frame_rate_hz);
+    const LegYield yield = leg_yield(leg.course, leg.frames, frames, frame_rate_hz);
+    windows.sweep =
+        windows_within(sweep_constant_s(leg.rate_dps, servo), leg.course.settling_s, frames, frame_rate_hz);
     windows.leg = yield.own + yield.other;
     windows.travel_deg = window_travel_deg(leg.rate_dps, frames, servo, frame_rate_hz);
     windows.possible = windows.travel_deg <= stroke_deg(servo);
@@ -55,10 +60,24 @@ double sweep_constant_s(double rate_dps, const ServoProfile& servo) {
   return std::max(0.0, stroke_deg(servo) - ramps_deg(rate_dps, servo)) / std::abs(rate_dps);
 }
 
+// After a ramp of acceleration a the shaft of a second-order loop lags by a * 2 * damping / w, which decays
+// with damping * w; a ramp too short for that leaves no more than the change of speed itself.
+double settling_s(double rate_dps, const ServoProfile& servo) {
+  constexpr double damping = 0.7;
+  const double loop_rad = 2.0 * std::numbers::pi * servo.loop_hz;
+  const double change_dps = 2.0 * std::abs(rate_dps);
+  const double lag_dps = std::min(change_dps, servo.acceleration_dps2 * 2.0 * damping / loop_rad);
+  const double tolerance_dps = std::max(tolerance_least_dps, tolerance_share * std::abs(rate_dps));
+  const double decay_s = std::log(std::max(1.0, lag_dps / tolerance_dps)) / (damping * loop_rad);
+  const double onset_s = std::cbrt(6.0 * tolerance_dps / (servo.acceleration_dps2 * loop_rad * loop_rad));
+  return std::clamp(decay_s - onset_s, 0.0, servo.settle_s);
+}
+
 // Frames come every period at a phase that is not known: on average so many begin early enough to end in
 // time.
-double windows_within(double constant_s, int frames, const ServoProfile& servo, double frame_rate_hz) {
-  return std::max(0.0, (constant_s - window_s(frames, servo, frame_rate_hz)) * frame_rate_hz);
+double windows_within(double constant_s, double settling_s, int frames, double frame_rate_hz) {
+  const double needed_s = settling_s + exposure_s(frame_rate_hz) + (frames - 1) / frame_rate_hz;
+  return std::max(0.0, (constant_s - needed_s) * frame_rate_hz);
 }
 
 bool LegCourse::turns_back() const {
@@ -68,17 +87,17 @@ bool LegCourse::turns_back() const {
 LegCourse leg_course(double rate_dps, double before_dps, double frames, const ServoProfile& servo,
                      double frame_rate_hz) {
   const double acceleration_dps2 = servo.acceleration_dps2;
+  const double settle = settling_s(rate_dps, servo);
   if (leg_travel_deg(rate_dps, frames, frame_rate_hz, acceleration_dps2) <= stroke_deg(servo))
-    return {std::abs(rate_dps - before_dps) / acceleration_dps2, endless, 0.0};
+    return {std::abs(rate_dps - before_dps) / acceleration_dps2, settle, endless, 0.0};
   const double ramp_s = std::abs(rate_dps) / acceleration_dps2;
-  return {ramp_s, sweep_constant_s(rate_dps, servo), 2.0 * ramp_s};
+  return {ramp_s, settle, sweep_constant_s(rate_dps, servo), 2.0 * ramp_s};
 }
 
-LegYield leg_yield(const LegCourse& course, double frames, int window_frames, const ServoProfile& servo,
-                   double frame_rate_hz) {
+LegYield leg_yield(const LegCourse& course, double frames, int window_frames, double frame_rate_hz) {
   const double driven_s = std::max(0.0, frames / frame_rate_hz - course.ramp_s);
   const auto windows = [&](double constant_s) {
-    return windows_within(constant_s, window_frames, servo, frame_rate_hz);
+    return windows_within(constant_s, course.settling_s, window_frames, frame_rate_hz);
   };
   if (!course.turns_back()) return {windows(driven_s), 0.0};
   const double stroke_s = course.constant_s + course.reversal_s;
@@ -90,17 +109,18 @@ LegYield leg_yield(const LegCourse& course, double frames, int window_frames, co
   return yield;
 }
 
-double frames_for(double valid, const LegCourse& course, const ServoProfile& servo, double frame_rate_hz) {
+double frames_for(double valid, const LegCourse& course, double frame_rate_hz) {
   if (valid <= 0.0) return 0.0;
   double before_s = course.ramp_s;
   if (course.turns_back()) {
-    const double each = windows_within(course.constant_s, 1, servo, frame_rate_hz);
+    const double each = windows_within(course.constant_s, course.settling_s, 1, frame_rate_hz);
     if (each <= 0.0) return endless;
     const double whole = std::ceil(valid / each) - 1.0;
     before_s += 2.0 * whole * (course.constant_s + course.reversal_s);
     valid -= whole * each;
   }
-  return std::ceil((before_s + window_s(1, servo, frame_rate_hz)) * frame_rate_hz + valid);
+  const double lost_s = before_s + course.settling_s + exposure_s(frame_rate_hz);
+  return std::ceil(lost_s * frame_rate_hz + valid);
 }
 
 std::vector<SpeedYield> plan_yield(const SweepPlan& plan, const ServoProfile& servo, double frame_rate_hz) {

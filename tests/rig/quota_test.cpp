@@ -20,7 +20,7 @@ SweepPlan plan_of(const std::vector<double>& rates_dps, int frames_per_leg, int 
   plan.leg_rates_dps = rates_dps;
   plan.frames_per_leg = frames_per_leg;
   plan.valid_per_leg = valid_per_leg;
-  plan.opening_rest_s = 0.5;
+  plan.opening_rest_s = 2.0;  // until the clocks are known
   plan.closing_rest_s = 0.5;
   return plan;
 }

@@ -36,6 +36,7 @@ SweepPlan short_plan() {
   PlanOverrides overrides;
   overrides.magnitudes_dps = {60.0, 120.0};
   overrides.frames_per_leg = 12;
+  overrides.valid_per_leg = 0;
   overrides.opening_rest_s = 0.5;
   overrides.closing_rest_s = 0.5;
   return load_plan("quick", "kitchen", 1, overrides);

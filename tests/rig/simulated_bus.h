@@ -37,7 +37,7 @@ class TemporaryFolder {
   std::filesystem::path path_;
 };
 
-/// Three short legs pairs on the default rig: 15 s of virtual time.
+/// Two short pairs of legs on the default rig, without a quota.
 SweepPlan short_plan();
 
 RecordingOptions recording_options(const TemporaryFolder& folder, const RigProfile& profile,

@@ -234,8 +234,8 @@ TEST(Sweep, GoesBackAndForthWhereTheTravelIsShort) {
   int forth = 0, back = 0;
   for (const LabelledSample& sample : session.samples) {
     if (!sample.valid || sample.leg != 1) continue;
-    EXPECT_NEAR(std::abs(sample.rate_label_dps), 100.0, 0.1);
-    ++(sample.rate_label_dps > 0.0F ? forth : back);
+    EXPECT_NEAR(std::abs(sample.rate_commanded_dps), 100.0, 0.1);
+    ++(sample.rate_commanded_dps > 0.0F ? forth : back);
   }
   EXPECT_GT(forth, 5);
   EXPECT_GT(back, 5);

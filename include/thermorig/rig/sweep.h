@@ -109,6 +109,7 @@ class SweepWalker {
   int frames_awaited() const;
   int frames_that_fit() const;
   bool extend_leg(HostTime now);
+  double frames_limit(std::size_t step) const;
   bool gives_up(std::size_t step, int frames, HostTime now);
   void finish_step(HostTime now);
   void judge_open_steps(HostTime now);
