@@ -7,7 +7,6 @@
 namespace thermorig::motion {
 namespace {
 
-constexpr double block_s = 1.0;
 constexpr std::size_t fewest_blocks = 4;
 constexpr double least_spread = 1e-9;
 constexpr double least_misfit = 1e-6;  // K2, less than rounding on the wire
@@ -18,7 +17,7 @@ void Contest::add(std::span<const FreshHalf> halves, std::span<const double> fir
                   std::span<const double> second) {
   double sum = 0.0;
   double count = 0.0;
-  const auto block_of = [&](std::size_t i) { return std::floor(halves[i].begin_s / block_s); };
+  const auto block_of = [&](std::size_t i) { return std::floor(halves[i].begin_s / block_s_); };
   for (std::size_t i = 0; i < halves.size(); ++i) {
     sum += std::log(std::max(second[i], least_misfit) / std::max(first[i], least_misfit));
     count += 1.0;

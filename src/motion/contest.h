@@ -11,6 +11,9 @@ namespace thermorig::motion {
 /// Two panoramas of the same views compete: which one do the views fit better, and is that more than chance?
 class Contest {
  public:
+  /// Views within a block of time are taken for one witness.
+  explicit Contest(double block_s) : block_s_(block_s) {}
+
   /// Residual variances of each view in either panorama.
   void add(std::span<const FreshHalf> halves, std::span<const double> first, std::span<const double> second);
 
@@ -19,10 +22,14 @@ class Contest {
   double lead() const;
 
  private:
+  double block_s_;
   // Of blocks: mean logarithm of second over first. A few strong edges would drown all else in a plain
   // difference.
   std::vector<double> differences_;
 };
+
+/// About as long as a rig that sweeps looks into one direction.
+inline constexpr double sweeping_block_s = 1.0;
 
 /// A lead that chance does not give, blocks being few and their spread an estimate.
 inline constexpr double clear_lead = 4.5;

@@ -22,22 +22,34 @@ constexpr double step_bins = 0.5;               // that far the ends of the turn
 constexpr double apart_bins = 4.0;              // tries closer than that are the same place
 constexpr double least_contrast = 0.1;
 constexpr double worst_uncertainty = 0.01;
-constexpr double model_error = 0.0003;  // lens and lag of the pixels, seen differently at either end
+constexpr double glance_s = 0.25;         // few halves see the end of a turn: each pair is a witness
+constexpr double model_error_deg = 0.15;  // a tenth of a pixel: lens and lag, seen differently at either end
 
-/// By the corrected gyro, from the one end to the other.
-double turned_deg(const Window& window, const AngleTrack& track, const Prior& prior) {
-  double low = 0.0;
-  double high = 0.0;
-  double first = 0.0;
-  for (const FreshHalf& half : window) {
-    const double raw_deg = track.over(half.begin_s, half.end_s).angle_deg;
-    const double angle_deg =
-        (raw_deg - prior.mean[bias_dps] * 0.5 * (half.begin_s + half.end_s)) / prior.mean[scale];
-    if (&half == &window.front()) low = high = first = angle_deg;
-    low = std::min(low, angle_deg);
-    high = std::max(high, angle_deg);
+double angle_deg(const FreshHalf& half, const AngleTrack& track, const Prior& prior) {
+  const double middle_s = 0.5 * (half.begin_s + half.end_s);
+  return (track.over(half.begin_s, half.end_s).angle_deg - prior.mean[bias_dps] * middle_s) /
+         prior.mean[scale];
+}
+
+/// By the corrected gyro.
+struct Turned {
+  double lowest_deg = 0.0;
+  double highest_deg = 0.0;
+  double span_deg() const { return highest_deg - lowest_deg; }
+  /// May a half at that angle look at what was seen a whole turn before or after?
+  bool is_seen_twice(double angle, double field_of_view_deg) const {
+    return angle + field_of_view_deg > lowest_deg + whole_turn_deg ||
+           angle - field_of_view_deg < highest_deg - whole_turn_deg;
   }
-  return high - low;
+};
+
+Turned turned_in(const Window& window, const AngleTrack& track, const Prior& prior) {
+  Turned turned{std::numeric_limits<double>::max(), std::numeric_limits<double>::lowest()};
+  for (const FreshHalf& half : window) {
+    turned.lowest_deg = std::min(turned.lowest_deg, angle_deg(half, track, prior));
+    turned.highest_deg = std::max(turned.highest_deg, angle_deg(half, track, prior));
+  }
+  return turned;
 }
 
 struct Try {
@@ -82,6 +94,18 @@ Closed close_at(const Window& window, const AngleTrack& track, const Layout& lay
           alignment.misfit()};
 }
 
+/// How clearly the one beats the other, by the halves that see what was seen a turn before or after.
+double lead(const Closed& closed, const Closed& other, const Window& window, const AngleTrack& track,
+            const Prior& prior, double field_of_view_deg) {
+  const Turned turned = turned_in(window, track, prior);
+  Contest contest(glance_s);
+  for (std::size_t i = 0; i < window.size(); ++i)
+    if (turned.is_seen_twice(angle_deg(window[i], track, prior), field_of_view_deg))
+      contest.add(std::span(window).subspan(i, 1), std::span(closed.misfit).subspan(i, 1),
+                  std::span(other.misfit).subspan(i, 1));
+  return contest.lead();
+}
+
 /// Where camera and gyro belong together, turns taken for as many places: that works without the scale.
 Parameters offset_of(const Window& window, const AngleTrack& track, const View& view, const Prior& prior) {
   const RateRange rates = rates_of(window);
@@ -107,18 +131,16 @@ std::optional<Estimate> scale_in(const Window& window, const AngleTrack& track, 
   const Closed closed = close_at(window, track, layout, prior, start, best.scale);
   const Closed other = close_at(window, track, layout, prior, start, next.scale);
   const bool is_other = std::abs(other.parameters[scale] - closed.parameters[scale]) > bin_share;
-  Contest contest;
-  contest.add(window, closed.misfit, other.misfit);
-  if (is_other && contest.lead() < clear_lead) return std::nullopt;
+  if (is_other && lead(closed, other, window, track, prior, view.field_of_view_deg) < clear_lead)
+    return std::nullopt;
   if (closed.contrast < least_contrast || !(closed.uncertainty < worst_uncertainty)) return std::nullopt;
-  return Estimate{closed.parameters[scale], closed.uncertainty};
+  return Estimate{closed.parameters[scale], std::hypot(closed.uncertainty, model_error_deg / turned)};
 }
 
 /// Windows overlap by half: two of them hold little more than what one does.
 Estimate overlapping_mean(const std::vector<Estimate>& told) {
   Estimate mean = weighted_mean(told);
   if (told.size() > 1) mean.uncertainty *= std::numbers::sqrt2;
-  mean.uncertainty = std::hypot(mean.uncertainty, model_error);
   return mean;
 }
 
@@ -135,7 +157,7 @@ TurnResult gyro_scale(std::span<const TimedFrame> frames, std::span<const TimedG
   std::vector<Estimate> told;
   bool closes = false;
   for (const Window& window : turning_windows(halves, most_windows)) {
-    const double turned = turned_deg(window, track, prior);
+    const double turned = turned_in(window, track, prior).span_deg();
     result.turned_deg = std::max(result.turned_deg, turned);
     if (window.size() < fewest_halves || turned < needed_deg) continue;
     closes = true;

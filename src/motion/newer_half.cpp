@@ -26,7 +26,7 @@ std::optional<unsigned> newer_half(std::span<const TimedFrame> frames, std::span
   const AngleTrack track(gyro);
   const double bias = likely_bias_dps(track, errors);
   const Prior prior = prior_of(errors, bias);
-  Contest contest;
+  Contest contest(sweeping_block_s);
   const auto halves = fresh_halves(frames, track, bias, largest_offset_s, 0U);
   for (const Window& window : moving_windows(halves, most_windows)) {
     if (window.size() < fewest_halves || fastest_dps(window) < slowest_useful_dps) continue;

@@ -45,7 +45,7 @@ Orientation orientation(std::span<const TimedFrame> frames, std::span<const Time
   const double bias = likely_bias_dps(track, errors);
   const Prior prior = prior_of(errors, bias);
   const auto halves = fresh_halves(frames, track, bias, largest_offset_s);
-  Contest contest;
+  Contest contest(sweeping_block_s);
   Explained explained;
   std::size_t used = 0;
   for (const Window& window : moving_windows(halves, most_windows)) {
