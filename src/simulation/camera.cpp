@@ -7,7 +7,11 @@ namespace thermorig::simulation {
 namespace {
 
 constexpr double integration_step_s = 0.003125;
-constexpr double thermal_lag_s = 0.012;  // of a pixel's membrane; the data sheet does not state it
+// A pixel's membrane follows what it sees as a first-order system. The data sheet does not state its time
+// constant. What a pixel shows is thus older than its integration by that much: images cannot tell it from
+// the bridge's own delay.
+constexpr double thermal_lag_s = 0.012;
+constexpr std::int64_t thermal_lag_ns = 12'000'000;
 
 // The clock is an RC oscillator (data sheet, block diagram): it wanders by about 200 ppm over a minute.
 constexpr double wander_rms = 200e-6;
@@ -36,7 +40,7 @@ Camera::Camera(const CameraConfig& config, const Panorama& panorama, std::uint64
       noise_(NoiseLevel::of(config.field_of_view_deg, 1.0 / refresh_period_s_), config.warm, seed),
       processing_s_(clock_.uniform(processing_shortest_s, processing_longest_s)),
       last_parity_(clock_.chance(0.5) ? 1U : 0U) {
-  processing_s_ = config.latency_s.value_or(processing_s_);
+  if (config.latency_s) processing_s_ = *config.latency_s - thermal_lag_s;
 }
 
 std::int64_t Camera::next_period_ns() {
@@ -54,44 +58,48 @@ void Camera::warm_up(const Shaft& shaft) {
   noise_.read_half(lagged_c_, 0, 0.0, frame_);
   noise_.read_half(lagged_c_, 1, 0.0, frame_);
   const std::int64_t age_ns = ns(clock_.uniform() * refresh_period_s_);
-  older_begin_ = {-age_ns - next_period_ns(), angle_deg};
-  begin_half({-age_ns, angle_deg}, last_parity_ ^ 1U);
+  older_begin_ = {-age_ns - next_period_ns() - thermal_lag_ns, angle_deg};
+  begin_half(-age_ns, {-age_ns - thermal_lag_ns, angle_deg}, last_parity_ ^ 1U);
 }
 
-void Camera::begin_half(const ShaftMark& begin, unsigned parity) {
+void Camera::begin_half(std::int64_t begin_ns, const ShaftMark& exposure_begin, unsigned parity) {
   const std::int64_t period_ns = next_period_ns();
   const int steps = static_cast<int>(std::ceil(static_cast<double>(period_ns) * 1e-9 / integration_step_s));
-  half_ = {parity, begin, begin.time_ns + period_ns, steps, 0};
+  half_ = {parity, begin_ns, begin_ns + period_ns, exposure_begin, steps, 0};
   sum_c_.fill(0.0F);
 }
 
 std::int64_t Camera::step_time_ns(int step) const {
-  return half_.begin.time_ns + (half_.end_ns - half_.begin.time_ns) * (2 * step + 1) / (2 * half_.steps);
+  return half_.begin_ns + (half_.end_ns - half_.begin_ns) * (2 * step + 1) / (2 * half_.steps);
 }
 
+/// What is seen in the middle of a step stands for the whole of it; the membranes' mean over the step is
+/// integrated.
 void Camera::expose_step(double angle_deg) {
   optics_.view(angle_deg, seen_c_);
-  const double step_s = static_cast<double>(half_.end_ns - half_.begin.time_ns) * 1e-9 / half_.steps;
-  const auto follow = static_cast<float>(1.0 - std::exp(-step_s / thermal_lag_s));
+  const double step_s = static_cast<double>(half_.end_ns - half_.begin_ns) * 1e-9 / half_.steps;
+  const double follow = 1.0 - std::exp(-step_s / thermal_lag_s);
+  const auto followed = static_cast<float>(follow);
+  const auto held = static_cast<float>(follow * thermal_lag_s / step_s);
   for (std::size_t i = 0; i < frame_pixels; ++i) {
-    lagged_c_[i] += follow * (seen_c_[i] - lagged_c_[i]);
-    sum_c_[i] += lagged_c_[i];
+    const float behind_c = lagged_c_[i] - seen_c_[i];
+    sum_c_[i] += seen_c_[i] + held * behind_c;
+    lagged_c_[i] -= followed * behind_c;
   }
   ++half_.steps_done;
 }
 
-void Camera::finish_half(double angle_deg, std::vector<SimulatedFrame>& out) {
+void Camera::finish_half(const ShaftMark& exposure_end, std::vector<SimulatedFrame>& out) {
   for (float& sum : sum_c_) sum /= static_cast<float>(half_.steps);
   const double time_s = static_cast<double>(half_.end_ns) * 1e-9;
   noise_.read_half(sum_c_, half_.parity, time_s, frame_);
-  const ShaftMark end{half_.end_ns, angle_deg};
   if (config_.half_fresh || half_.parity == last_parity_) {
     frame_.sensor_temp_c = noise_.sensor_temp_c(time_s);
     const double processing_s = processing_s_ + processing_jitter_s * clock_.uniform();
-    out.push_back({frame_, older_begin_, end, end.time_ns + ns(processing_s)});
+    out.push_back({frame_, older_begin_, exposure_end, half_.end_ns + ns(processing_s)});
   }
-  older_begin_ = half_.begin;
-  begin_half(end, half_.parity ^ 1U);
+  older_begin_ = half_.exposure_begin;
+  begin_half(half_.end_ns, exposure_end, half_.parity ^ 1U);
 }
 
 std::vector<SimulatedFrame> Camera::follow(const Shaft& shaft) {
@@ -105,7 +113,8 @@ std::vector<SimulatedFrame> Camera::follow(const Shaft& shaft) {
       expose_step(shaft.angle_deg(time_ns));
     } else {
       if (half_.end_ns > known_ns) return out;
-      finish_half(shaft.angle_deg(half_.end_ns), out);
+      const std::int64_t shown_ns = half_.end_ns - thermal_lag_ns;
+      finish_half({shown_ns, shaft.angle_deg(shown_ns)}, out);
     }
   }
 }

@@ -7,9 +7,10 @@ RigProfile default_profile() {
   RigProfile profile;
   profile.name = "simulated rig";
   // What a careful owner can know without measuring: the bridge reads 832 words over I2C and computes, about
-  // 20 ms; a gyro sample stands for the middle of its interval and leaves about 1 ms after its end; telemetry
-  // leaves at once. The simulated devices differ from these figures, each rig in its own way.
-  profile.camera.link.latency_s = 0.020;
+  // 20 ms, and the pixels lag about 12 ms behind what they see; a gyro sample stands for the middle of its
+  // interval and leaves about 1 ms after its end; telemetry leaves at once. The simulated devices differ from
+  // these figures, each rig in its own way.
+  profile.camera.link.latency_s = 0.032;
   profile.gyro.link.latency_s = 0.5 / profile.gyro.output_rate_hz + 0.001;
   profile.servo.link.latency_s = 0.0;
   return profile;

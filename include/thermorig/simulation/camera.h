@@ -24,6 +24,8 @@ struct CameraConfig {
       latency_s;  // constant part, from the exposure's end to the first byte; drawn if not set
 };
 
+/// Exposed is the span of time whose mean view the pixels show: that of their integration, earlier by the lag
+/// of their membranes.
 struct SimulatedFrame {
   ThermalFrame frame;
   ShaftMark exposure_begin;   // of the older half
@@ -40,17 +42,18 @@ class Camera {
   std::vector<SimulatedFrame> follow(const Shaft& shaft);
 
  private:
-  struct Half {  // a chess half that is being exposed
+  struct Half {  // a chess half that is being integrated
     unsigned parity = 0;
-    ShaftMark begin;
+    std::int64_t begin_ns = 0;
     std::int64_t end_ns = 0;
+    ShaftMark exposure_begin;
     int steps = 0;
     int steps_done = 0;
   };
   void warm_up(const Shaft& shaft);
-  void begin_half(const ShaftMark& begin, unsigned parity);
+  void begin_half(std::int64_t begin_ns, const ShaftMark& exposure_begin, unsigned parity);
   void expose_step(double angle_deg);
-  void finish_half(double angle_deg, std::vector<SimulatedFrame>& out);
+  void finish_half(const ShaftMark& exposure_end, std::vector<SimulatedFrame>& out);
   std::int64_t step_time_ns(int step) const;
   std::int64_t next_period_ns();
 
