@@ -15,11 +15,12 @@ namespace thermorig::rig {
 
 namespace {
 
-constexpr double duration_slack = 1.5;      // a leg may take so much longer than expected ...
-constexpr double duration_extra_s = 2.0;    // ... and so much more, before its RUN ends
-constexpr double renew_before_s = 1.0;      // a RUN that would end so soon is renewed
-constexpr double last_frame_periods = 2.0;  // a leg's last frame is awaited for so long
-constexpr double doubtful_periods = 0.02;   // so close to a leg's end the labels may see a frame otherwise
+constexpr double duration_slack = 1.5;       // a leg may take so much longer than expected ...
+constexpr double duration_extra_s = 2.0;     // ... and so much more, before its RUN ends
+constexpr double renew_before_s = 1.0;       // a RUN that would end so soon is renewed
+constexpr double last_frame_periods = 2.0;   // a leg's last frame is awaited for so long
+constexpr double doubtful_periods = 0.02;    // so close to a leg's end the labels may see a frame otherwise
+constexpr double half_way_tolerance = 0.15;  // periods: more than a tick
 constexpr double transit_tolerance_deg = 0.05;
 constexpr double halt_patience_s = 5.0;
 
@@ -89,7 +90,7 @@ void SweepWalker::tick(HostTime now) {
     case SweepPhase::greeting:
       return tick_greeting(now);
     case SweepPhase::opening_rest:
-      if (to_s(now - phase_begin_) >= plan_.opening_rest_s) next_leg(now);
+      if (to_s(now - phase_begin_) >= plan_.opening_rest_s && is_between_frames(now)) next_leg(now);
       return;
     case SweepPhase::transit:
       return tick_transit(now);
@@ -135,7 +136,7 @@ void SweepWalker::next_leg(HostTime now) {
 void SweepWalker::tick_transit(HostTime now) {
   const bool there = servo_at_rest() && std::abs(last_telemetry_->state.angle_deg - transit_target_deg_) <=
                                             transit_tolerance_deg;
-  if (commander_.idle() && there) return begin_leg(now);
+  if (commander_.idle() && there && is_between_frames(now)) return begin_leg(now);
   if (now > transit_limit_) trouble(now, "the servo did not reach the start of the leg");
 }
 
@@ -180,6 +181,14 @@ bool SweepWalker::has_its_frames(HostTime now) const {
   return now >= frames_.next_middle() + frames_.period() / 2;
 }
 
+// A leg that follows upon rest begins as one that follows upon a leg does: far from the middle of any frame,
+// so that nobody counts its first frame otherwise when the camera's latency is known better.
+bool SweepWalker::is_between_frames(HostTime now) const {
+  if (!frames_.has_frames() || to_drive_.empty()) return true;
+  const double phase = std::abs(to_s(now - frames_.next_middle())) * frames_.rate_hz();
+  return std::abs(phase - std::floor(phase) - 0.5) < half_way_tolerance;
+}
+
 void SweepWalker::leave_leg(HostTime now) {
   leg_.leave(now);
   left_leg_ = leg_;
@@ -221,7 +230,8 @@ void SweepWalker::note_repeat(std::size_t step, HostTime now) {
 
 void SweepWalker::tick_closing_rest(HostTime now) {
   if (left_leg_ || !open_steps_.empty()) return;  // it may have to be driven again
-  if (!to_drive_.empty()) return next_leg(now);
+  if (!to_drive_.empty() && is_between_frames(now)) return next_leg(now);
+  if (!to_drive_.empty()) return;
   if (to_s(now - phase_begin_) >= plan_.closing_rest_s) halt(now);
 }
 

@@ -17,6 +17,7 @@ class FrameSchedule {
 
   void frame(const TimedFrame& frame);
 
+  bool has_frames() const { return !seen_.empty(); }
   double rate_hz() const;
   HostDuration period() const { return from_s(1.0 / rate_hz()); }
 

@@ -102,6 +102,7 @@ class SweepWalker {
   void send_run(HostTime now);
   void note_leg_start(HostTime acknowledged);
   bool has_its_frames(HostTime now) const;
+  bool is_between_frames(HostTime now) const;
   void leave_leg(HostTime now);
   void write_down(const DrivenLeg& leg, HostTime now);
   void settle_left_leg(HostTime now);
