@@ -9,9 +9,9 @@ namespace thermorig::motion {
 namespace {
 
 constexpr int most_rounds = 20;
-constexpr int fewest_rounds = 4;                       // pixels' offsets and the panorama settle meanwhile
-constexpr Parameters settled{1e-5, 3e-4, 1e-5, 2e-6};  // smaller steps than these change nothing
-constexpr double longest_step_pixels = 1.5;            // beyond, the slope says nothing about the panorama
+constexpr int fewest_rounds = 4;             // pixels' offsets and the panorama settle meanwhile
+constexpr double settled_share = 0.05;       // of a standard deviation: smaller steps change nothing
+constexpr double longest_step_pixels = 1.5;  // beyond, the slope says nothing about the panorama
 constexpr double bin_per_smear = 0.25;
 constexpr double widest_bin_pixels = 6.0;
 constexpr double outlier_sigma = 5.0;
@@ -377,8 +377,9 @@ void Alignment::learn_trust() {
   }
 }
 
-/// One step of Gauss-Newton. True when it was too small to matter.
-bool Alignment::step(const Totals& totals) {
+/// One step of Gauss-Newton. True when it was too small to matter to what is asked: other parameters may
+/// still creep along where panorama and pixels can make up for them.
+bool Alignment::step(const Totals& totals, Parameter asked) {
   Matrix curvature{};
   Parameters gradient{};
   for (std::size_t p = 0; p < parameter_count; ++p) {
@@ -388,7 +389,8 @@ bool Alignment::step(const Totals& totals) {
     curvature[p][p] += certainty;
     gradient[p] = totals.gradient[p] / noise_variance_ + certainty * (prior_.mean[p] - parameters_[p]);
   }
-  const Parameters change = product(inverse(curvature), gradient);
+  const Matrix covariance = inverse(curvature);
+  const Parameters change = product(covariance, gradient);
   double shift_square = 0.0;
   for (const Parameters& angle : totals.change) {
     double shift_deg = 0.0;
@@ -397,22 +399,18 @@ bool Alignment::step(const Totals& totals) {
   }
   const double longest_deg = longest_step_pixels * layout_.pitch_deg;
   const double share = shift_square > longest_deg * longest_deg ? longest_deg / std::sqrt(shift_square) : 1.0;
-  bool is_settled = true;
-  for (std::size_t p = 0; p < parameter_count; ++p) {
-    parameters_[p] += share * change[p];
-    is_settled = is_settled && std::abs(change[p]) < settled[p];
-  }
-  return is_settled;
+  for (std::size_t p = 0; p < parameter_count; ++p) parameters_[p] += share * change[p];
+  return std::abs(change[asked]) < settled_share * std::sqrt(covariance[asked][asked]);
 }
 
-void Alignment::refine(const Parameters& start) {
+void Alignment::refine(const Parameters& start, Parameter asked) {
   parameters_ = start;
   for (int round = 0; round < most_rounds; ++round) {
     make_map(parameters_);
     const Totals totals = compare_all();
     learn_pixels(totals);
     if (round % 3 == 0) learn_trust();
-    const bool is_settled = step(totals);
+    const bool is_settled = step(totals, asked);
     if (is_settled && round + 1 >= fewest_rounds) break;
   }
   make_map(parameters_);

@@ -37,8 +37,8 @@ class Alignment {
   /// Variance within the cells if the parameters were these: what a search over a grid compares.
   double variance(const Parameters& parameters);
 
-  /// From there to the sharpest panorama near by.
-  void refine(const Parameters& start);
+  /// From there to the sharpest panorama near by, until the parameter that is asked for has settled.
+  void refine(const Parameters& start, Parameter asked);
 
   const Parameters& parameters() const { return parameters_; }
   /// Covariance of the parameters, from the spread among blocks of the recording.
@@ -71,7 +71,7 @@ class Alignment {
   void learn_pixels(const Totals& totals);
   void learn_trust();
   Parameters pull(std::size_t index, const Totals& totals) const;
-  bool step(const Totals& totals);
+  bool step(const Totals& totals, Parameter asked);
   void judge(const Totals& totals);
   HalfPixels values_of(std::size_t view) const;
   HalfPixels weights_of(const HalfView& view) const;

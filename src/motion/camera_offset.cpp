@@ -9,7 +9,7 @@
 namespace thermorig::motion {
 namespace {
 
-constexpr std::size_t most_windows = 16;
+constexpr std::size_t most_windows = 8;  // four thousand halves: more do not make it more certain
 constexpr std::size_t fewest_halves = 40;
 constexpr double worst_uncertainty_s = 0.005;
 constexpr double least_contrast = 0.15;
@@ -45,7 +45,7 @@ CameraOffset camera_offset(std::span<const TimedFrame> frames, std::span<const T
     if (!refusal(window, gyro).empty()) continue;
     std::vector<HalfView> views = views_of(window);
     Alignment alignment(views, track, layout_of(view, false), prior);
-    alignment.refine(start ? *start : search_offset(alignment, prior));
+    alignment.refine(start ? *start : search_offset(alignment, prior), offset_s);
     const double uncertainty_s = std::sqrt(alignment.covariance()[offset_s][offset_s]);
     if (!(uncertainty_s < worst_uncertainty_s) || alignment.contrast() < least_contrast) continue;
     told.push_back({alignment.parameters()[offset_s], uncertainty_s});

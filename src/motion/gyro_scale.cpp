@@ -89,7 +89,7 @@ Closed close_at(const Window& window, const AngleTrack& track, const Layout& lay
   std::vector<HalfView> views = views_of(window);
   Alignment alignment(views, track, layout, prior);
   start[scale] = scale_tried;
-  alignment.refine(start);
+  alignment.refine(start, scale);
   return {alignment.parameters(), std::sqrt(alignment.covariance()[scale][scale]), alignment.contrast(),
           alignment.misfit()};
 }

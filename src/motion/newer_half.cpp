@@ -8,14 +8,14 @@
 namespace thermorig::motion {
 namespace {
 
-constexpr std::size_t most_windows = 3;
+constexpr std::size_t most_windows = 4;
 constexpr std::size_t fewest_halves = 40;
 
 std::vector<double> misfit(const Window& window, const AngleTrack& track, const View& view,
                            const Prior& prior) {
   std::vector<HalfView> views = views_of(window);
   Alignment alignment(views, track, layout_of(view, false), prior);
-  alignment.refine(search_offset(alignment, prior));
+  alignment.refine(search_offset(alignment, prior), offset_s);
   return alignment.misfit();
 }
 
@@ -32,6 +32,7 @@ std::optional<unsigned> newer_half(std::span<const TimedFrame> frames, std::span
     if (window.size() < fewest_halves || fastest_dps(window) < slowest_useful_dps) continue;
     contest.add(window, misfit(window, track, view, prior),
                 misfit(dealt_anew(window, track, 1U), track, view, prior));
+    if (std::abs(contest.lead()) > 2.0 * clear_lead) break;
   }
   if (std::abs(contest.lead()) < clear_lead) return std::nullopt;
   return contest.lead() > 0.0 ? 0U : 1U;

@@ -21,7 +21,7 @@ struct Fit {
 Fit fit(const Window& window, const AngleTrack& track, const View& view, const Prior& prior) {
   std::vector<HalfView> views = views_of(window);
   Alignment alignment(views, track, layout_of(view, false), prior);
-  alignment.refine(search_offset(alignment, prior));
+  alignment.refine(search_offset(alignment, prior), offset_s);
   Fit fit{alignment.misfit(), 0.0, alignment.spread()};
   for (const double misfit : fit.misfit) fit.mean += misfit / static_cast<double>(fit.misfit.size());
   return fit;
