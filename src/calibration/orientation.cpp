@@ -119,7 +119,7 @@ OrientationResult measure_orientation(const session::Session& session) {
   const CameraProfile& camera = session.raw.header.profile.camera;
   const motion::Orientation image =
       motion::orientation(session.frames, gyro, {camera.field_of_view_deg, camera.mirrored}, errors);
-  if (!image.mirrored)
+  if (!image.mirrored || !(image.contrast > 0.0))
     refuse("the images do not tell which way they turn: " + image.why_not,
            "point the camera at something with warm and cold edges, and see that the lens is free");
   return {.gyro_axis = profile.axis,

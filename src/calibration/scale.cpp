@@ -1,4 +1,7 @@
 // SPDX-License-Identifier: MIT
+#include <algorithm>
+#include <cmath>
+
 #include "rest.h"
 #include "thermorig/calibration/calibration.h"
 #include "thermorig/core/error.h"
@@ -9,6 +12,8 @@ namespace thermorig::calibration {
 
 namespace {
 
+constexpr double potentiometer_linearity = 0.01;  // of the cheap ones
+
 /// The session's, with a bias that is not fooled by hands on a rig whose servo stands still.
 GyroErrors errors_of(const session::Session& session) {
   GyroErrors errors = session.sync.gyro;
@@ -17,6 +22,26 @@ GyroErrors errors_of(const session::Session& session) {
   return errors;
 }
 
+/// Share of the servo's travel (continuous: of its speeds) that the session drove.
+double driven_share(const session::Session& session) {
+  const ServoProfile& servo = session.raw.header.profile.servo;
+  double low_deg = 0.0, high_deg = 0.0, fastest_dps = 0.0;
+  bool any = false;
+  for (const TimedServo& message : session.servo) {
+    if (message.state.leg == 0) continue;
+    const double angle_deg = message.state.angle_deg;
+    low_deg = any ? std::min(low_deg, angle_deg) : angle_deg;
+    high_deg = any ? std::max(high_deg, angle_deg) : angle_deg;
+    fastest_dps = std::max(fastest_dps, std::abs(message.state.rate_dps));
+    any = true;
+  }
+  const double share = servo.kind == ServoKind::continuous ? fastest_dps / servo.full_rate_dps
+                                                           : (high_deg - low_deg) / servo.travel_deg;
+  return std::isfinite(share) ? std::clamp(share, 0.0, 1.0) : 0.0;
+}
+
+/// The profile's scale is to hold for the whole travel, and a servo's potentiometer is no straighter than its
+/// data sheet says: where it was not driven, the slope may differ.
 std::optional<Estimate> servo_scale(const session::Session& session, GyroErrors errors,
                                     const Estimate& gyro_scale) {
   errors.scale = gyro_scale;
@@ -24,7 +49,8 @@ std::optional<Estimate> servo_scale(const session::Session& session, GyroErrors 
   const ServoResponse response =
       labels::fit_servo_response(session.servo, session.gyro, errors, session.raw.header.profile.servo);
   if (!response.fitted || !response.scale_calibrated) return std::nullopt;
-  return response.scale;
+  const double elsewhere = potentiometer_linearity * (1.0 - driven_share(session));
+  return Estimate{response.scale.value, std::hypot(response.scale.uncertainty, elsewhere)};
 }
 
 }  // namespace

@@ -5,6 +5,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstdlib>
 #include <filesystem>
 #include <map>
@@ -62,6 +63,26 @@ GyroTruth gyro_truth(const session::Session& session, const std::vector<simulati
   if (spread < 1e-6 * n * n) return {1.0, y / n};  // nothing moved
   const double scale = (n * xy - x * y) / spread;
   return {scale, (y - scale * x) / n};
+}
+
+LabelTruth label_truth(const session::Session& session, const std::vector<simulation::SentMessage>& sent) {
+  LabelTruth truth;
+  std::size_t next = 0;
+  for (std::size_t i = 0; i < session.frames.size() && i < session.samples.size(); ++i) {
+    while (next < sent.size() && sent[next].span.begin < session.frames[i].span.begin) ++next;
+    const LabelledSample& sample = session.samples[i];
+    if (!sample.valid || next == sent.size() || sent[next].span.begin != session.frames[i].span.begin)
+      continue;
+    const double error_dps = sample.rate_label_dps - sent[next].mean_rate_dps;
+    ++truth.frames;
+    truth.error_dps += error_dps * error_dps;
+    truth.uncertainty_dps += sample.label_uncertainty_dps;
+    truth.worst = std::max(truth.worst, std::abs(error_dps) / sample.label_uncertainty_dps);
+  }
+  if (truth.frames == 0) return truth;
+  truth.error_dps = std::sqrt(truth.error_dps / truth.frames);
+  truth.uncertainty_dps /= truth.frames;
+  return truth;
 }
 
 /// Mean time from the device's instant (0 begin .. 1 end of the exposure) to the first byte on the wire.
@@ -135,6 +156,7 @@ Recorded record(const simulation::VirtualRigConfig& config, const rig::SweepPlan
   EXPECT_FALSE(result.session.empty()) << result.message;
   Recorded recorded{.session = session::read_session(result.session)};
   recorded.gyro = gyro_truth(recorded.session, bus.rig.sent_gyro());
+  recorded.label = label_truth(recorded.session, bus.rig.sent_frames());
   recorded.camera_latency_s = latency_truth_s(bus.rig.sent_frames(), 1.0);
   recorded.gyro_latency_s = latency_truth_s(bus.rig.sent_gyro(), 0.5);
   recorded.servo_scale = servo_truth(recorded.session, bus.rig.shaft());

@@ -19,10 +19,19 @@ struct GyroTruth {
   double bias_dps = 0.0;
 };
 
+/// How far `rate_label` is from the shaft's true mean speed over the exposure, among valid frames.
+struct LabelTruth {
+  int frames = 0;
+  double error_dps = 0.0;        // root mean square
+  double uncertainty_dps = 0.0;  // as stated, mean
+  double worst = 0.0;            // error over stated uncertainty
+};
+
 /// A session in virtual time with what is really true of it.
 struct Recorded {
   session::Session session;
   GyroTruth gyro;
+  LabelTruth label;
   double camera_latency_s = 0.0;  // mean, from the end of the newest exposure to the first byte on the wire
   double gyro_latency_s = 0.0;    // mean, from the middle of the averaging interval to the first byte
   double servo_scale = 1.0;       // true angle of the shaft over the commanded one, from one end to the other

@@ -59,9 +59,9 @@ TEST(CalibrateLatency, FindsWhatTheCameraTakesOnEveryServo) {
 TEST(CalibrateLatency, FollowsACameraThatIsLater) {
   for (std::uint64_t seed : {2, 5}) {
     auto config = rig_with(seed);
-    config.camera_latency_s = 0.018;
+    config.camera_latency_s = 0.030;
     const LatencyResult sooner = measure_latency(sweeps(config).session);
-    config.camera_latency_s = 0.025;
+    config.camera_latency_s = 0.037;
     const LatencyResult later = measure_latency(sweeps(config).session);
     EXPECT_NEAR(later.camera_latency_s.value - sooner.camera_latency_s.value, 0.007,
                 3.0 * std::hypot(sooner.camera_latency_s.uncertainty, later.camera_latency_s.uncertainty));

@@ -38,7 +38,7 @@ std::string refusal(Measure measure) {
 }
 
 TEST(CalibrateScaleByMarks, FindsTheGyrosScaleWhicheverWayTheRigIsTurned) {
-  for (std::uint64_t seed : {1, 2, 3}) {
+  for (std::uint64_t seed : {1, 2}) {
     for (double angle_deg : {360.0, -720.0}) {
       const Recorded recorded = turned_by_hand(rig_with(seed, "180"), angle_deg);
       const ScaleResult result = measure_scale_by_marks(recorded.session, std::abs(angle_deg));
@@ -77,31 +77,48 @@ TEST(CalibrateScale, FindsGyroAndServoFromATurnThatCloses) {
       const double gyro_off = result.gyro_scale.value - recorded.gyro.scale;
       ASSERT_TRUE(result.servo_scale) << servo << seed;
       const double servo_off = result.servo_scale->value - recorded.servo_scale;
-      std::printf("%s %d gyro %.5f true %.5f +- %.5f servo %.5f true %.5f +- %.5f\n", servo, int(seed),
-                  result.gyro_scale.value, recorded.gyro.scale, result.gyro_scale.uncertainty,
-                  result.servo_scale->value, recorded.servo_scale, result.servo_scale->uncertainty);
       EXPECT_LT(std::abs(gyro_off), 3.5 * result.gyro_scale.uncertainty) << servo << seed;
       EXPECT_LT(result.gyro_scale.uncertainty, 0.005) << servo << seed;
       EXPECT_LT(std::abs(servo_off), 3.5 * result.servo_scale->uncertainty) << servo << seed;
+      EXPECT_GT(result.servo_scale->uncertainty, 0.002) << servo << seed;  // not driven everywhere
       EXPECT_GT(result.turned_deg, 360.0) << servo << seed;
       gyro_squares += gyro_off * gyro_off;
       servo_squares += servo_off * servo_off;
       ++count;
     }
   }
-  EXPECT_LT(std::sqrt(gyro_squares / count), 0.003);
-  EXPECT_LT(std::sqrt(servo_squares / count), 0.004);
+  EXPECT_LT(std::sqrt(gyro_squares / count), 0.0015);
+  EXPECT_LT(std::sqrt(servo_squares / count), 0.0015);
 }
 
 TEST(CalibrateScale, FindsTheGyroWhereTheRigIsTurnedByHand) {
   for (std::uint64_t seed : {1, 2}) {
     const Recorded recorded = turned_by_hand(rig_with(seed, "270"), 400.0);
     const ScaleResult result = measure_scale(recorded.session);
-    std::printf("hand %d gyro %.5f true %.5f +- %.5f\n", int(seed), result.gyro_scale.value,
-                recorded.gyro.scale, result.gyro_scale.uncertainty);
     EXPECT_LT(std::abs(result.gyro_scale.value - recorded.gyro.scale), 3.5 * result.gyro_scale.uncertainty);
     EXPECT_LT(result.gyro_scale.uncertainty, 0.005);
     EXPECT_FALSE(result.servo_scale);
+  }
+}
+
+TEST(CalibrateScale, MakesLabelsOfLaterSessionsBetter) {
+  for (const char* servo : {"winch", "270"}) {
+    auto config = rig_with(1, servo);
+    rig::PlanOverrides overrides;
+    overrides.magnitudes_dps = {60.0, 150.0};
+    const rig::SweepPlan plan = rig::load_plan("quick", "kitchen", 1, overrides);
+    const Recorded before = record(config, plan);
+    const Recorded turn = servo == std::string("winch")
+                              ? record(config, plan_for(CalibrationKind::scale, config))
+                              : turned_by_hand(config, 400.0);
+    apply(measure_scale(turn.session), "2026-07-25T14:35:12Z", config.profile);
+    const Recorded after = record(config, plan);
+    ASSERT_GT(after.label.frames, 20) << servo;
+    EXPECT_LT(after.label.error_dps, 1.0) << servo;
+    EXPECT_LT(after.label.uncertainty_dps, 0.5 * before.label.uncertainty_dps) << servo;
+    EXPECT_LT(before.label.worst, 4.5) << servo;
+    EXPECT_LT(after.label.worst, 4.5) << servo;
+    EXPECT_TRUE(after.session.sync.servo.scale_calibrated);
   }
 }
 
