@@ -52,6 +52,13 @@ float LinkTiming::uncertainty_s(const TimedChunk& chunk) const {
   return static_cast<float>(std::clamp(slack_s, 0.0, longest_hold_s) * uniform_deviation);
 }
 
+/// How many messages of this one's size fit into the bytes that were skipped before it.
+double LinkTiming::lost_before(const StreamSpan& span, const StampHint& hint) const {
+  if (!hint.lost_before || span.size() == 0) return 0.0;
+  const double skipped = span.begin > last_end_ ? static_cast<double>(span.begin - last_end_) : 0.0;
+  return std::max(1.0, std::round(skipped / static_cast<double>(span.size())));
+}
+
 void LinkTiming::chunk(std::uint64_t end, HostTime arrived) {
   TimedChunk chunk{0, end, arrived, HostDuration::max()};
   if (!chunks_.empty()) {
@@ -85,7 +92,8 @@ Stamp LinkTiming::stamp(const StreamSpan& span, const StampHint& hint) {
   }
   latest = std::min(latest, by_last_byte);
   std::optional<HostTime> placed;
-  if (clock_) placed = clock_->place({latest, tight, hint.lost_before, hint.device_s});
+  if (clock_) placed = clock_->place({latest, tight, lost_before(span, hint), hint.device_s});
+  last_end_ = span.end;
   const double silent_s = placed ? silence_s(span) : 0.0;
   if (placed) *placed -= from_s(0.5 * silent_s);
   newest_ = std::max(newest_, placed.value_or(by_last_byte) - latency_);

@@ -27,6 +27,8 @@ constexpr double lost_periods = 0.6;
 constexpr double ahead_periods = 0.5;
 constexpr double watch_s = 0.3;  // beyond a stall of the reader
 constexpr std::uint32_t fewest_watched = 6;
+constexpr std::uint32_t fewest_slow_watched = 3;  // each so long that many chunks bring it
+constexpr double slow_s = 0.1;
 constexpr double restless = 3.0;
 constexpr double forget_unrest = 0.7;  // a block
 constexpr double far_s = 1e9;
@@ -93,7 +95,9 @@ double LiveClock::recount(const MessageProof& proof, double x, double y) {
     return shift(x, std::round(late_periods));
   }
   if (late_s(x, y) > outage_s) return shift(x, std::round(late_periods));
-  if (proof.lost_before && late_periods > lost_periods) return shift(x, std::round(late_periods));
+  // Of what the skipped bytes may have been as many as its proof has room for; the watch finds the rest.
+  const double lost = std::min(proof.lost_before, std::floor(late_periods + 1.0 - lost_periods));
+  if (lost > 0.0) return shift(x, lost);
   if (!proof.tight) return x;
   if (!watch(late_s(x, y), x)) return x;
   const double behind = std::min(watched_late_s_[0], watched_late_s_[1]) / period_s();
@@ -106,7 +110,8 @@ double LiveClock::recount(const MessageProof& proof, double x, double y) {
 bool LiveClock::watch(double late, double x) {
   if (watched_ == 0) watch_x_ = x;
   least_late_s_ = watched_ == 0 ? late : std::min(least_late_s_, late);
-  if (++watched_ < fewest_watched || x - watch_x_ < watch_s) return false;
+  const std::uint32_t enough = period_s() < slow_s ? fewest_watched : fewest_slow_watched;
+  if (++watched_ < enough || x - watch_x_ < watch_s) return false;
   watched_ = 0;
   watched_late_s_ = {watched_late_s_[1], least_late_s_};
   return true;

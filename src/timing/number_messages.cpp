@@ -17,9 +17,14 @@ constexpr double longest_horizon_s = 64.0;
 constexpr double longest_stall_s = 0.3;       // of a reader on a busy host; anything longer is an outage
 constexpr double clear_periods = 0.6;         // so much later than before is a message lost
 constexpr double suspect_periods = 0.5;       // where bytes were lost
-constexpr double quiet_periods = 0.25;        // a horizon is long enough if the least lateness varies less
+constexpr double quiet_periods = 0.2;         // a horizon is long enough if the least lateness varies less
 constexpr std::size_t windows_a_horizon = 4;  // length of a window in which a period is measured
+constexpr double settled_periods = 0.4;
 constexpr double most_missing = 1e9;
+constexpr double far_s = 1e18;
+constexpr double quicker_share = 0.35;
+constexpr std::size_t shortest_piece = 8;  // messages
+constexpr int passes = 3;
 
 /// The least of `values` over each `length` of them: element i covers i .. i + length - 1.
 std::vector<double> least_ahead(std::span<const double> values, std::size_t length) {
@@ -61,14 +66,17 @@ class Numbering {
       : suspect_(suspect), number_(latest.size()) {
     for (std::size_t i = 0; i < latest.size(); ++i) number_[i] = static_cast<std::int64_t>(i);
     read(latest);
+    any_suspect_ = has_suspect(1, latest.size());
     period_s_ = nominal_rate_hz > 0.0 && std::isfinite(nominal_rate_hz) ? 1.0 / nominal_rate_hz : 0.0;
   }
 
   std::vector<std::int64_t> run() {
     if (latest_s_.size() < 4 || !choose_horizon()) return number_;
     count_lost();
-    if (const auto period_s = measure_period(false)) period_s_ = *period_s;
-    count_lost();
+    for (int pass = 0; pass < passes; ++pass) {
+      if (const auto period_s = counted_period()) period_s_ = *period_s;
+      count_lost();
+    }
     return number_;
   }
 
@@ -90,11 +98,12 @@ class Numbering {
     for (double horizon_s = shortest_horizon_s; horizon_s <= longest_horizon_s; horizon_s *= 2.0) {
       const double guess_s = period_s_ > 0.0 ? period_s_ : mean_period_s();
       horizon_ = messages_in(horizon_s, guess_s);
-      const auto period_s = measure_period(true);
+      const auto period_s = first_period();
       if (!period_s) return false;
       period_s_ = *period_s;
       horizon_ = messages_in(horizon_s, period_s_);
-      if (least_lateness_varies_s() <= quiet_periods * period_s_) return true;
+      unrest_ = least_lateness_varies();
+      if (unrest_ <= quiet_periods) return true;
       if (horizon_ >= latest_s_.size()) break;
     }
     return false;  // not a steady device, or far too irregular a link: nothing can be said to be lost
@@ -107,21 +116,48 @@ class Numbering {
     return static_cast<std::size_t>(std::clamp(time_s / std::max(period_s, 1e-6), 8.0, 1e7));
   }
 
-  /// The period as most windows have it. Windows in which bytes were lost are left out while the losses are
-  /// not counted, unless no other is left.
-  std::optional<double> measure_period(bool leave_out_suspect) const {
-    std::vector<double> clean;
-    std::vector<double> all;
+  /// The period before any loss is counted: of pieces without a suspect loss, no longer than a horizon. A
+  /// loss makes a piece slower, so the typical piece among the quicker ones counts.
+  std::optional<double> first_period() const {
+    std::vector<Piece> pieces;
+    for (std::size_t begin = 0; begin < latest_s_.size();) {
+      std::size_t end = begin + 1;
+      while (end < latest_s_.size() && end < begin + horizon_ && !is_suspect(end)) ++end;
+      add_piece(begin, end - begin, pieces);
+      begin = end;
+    }
+    return typical_slope(std::move(pieces), any_suspect_ ? 0.5 : quicker_share);
+  }
+
+  /// The period when losses are counted.
+  std::optional<double> counted_period() const {
+    std::vector<Piece> pieces;
     const std::size_t length = std::min(windows_a_horizon * horizon_, latest_s_.size());
     for (std::size_t begin = 0; begin + length <= latest_s_.size();
-         begin += std::max<std::size_t>(1, length / 2)) {
-      const double slope = window_slope(begin, length);
-      if (slope <= 0.0) continue;
-      all.push_back(slope);
-      if (!leave_out_suspect || !has_suspect(begin + 1, begin + length)) clean.push_back(slope);
-    }
-    if (all.empty()) return std::nullopt;
-    return quantile(clean.empty() ? all : clean, 0.5);
+         begin += std::max<std::size_t>(1, length / 2))
+      add_piece(begin, length, pieces);
+    return typical_slope(std::move(pieces), 0.5);
+  }
+
+  struct Piece {
+    double slope = 0.0;
+    double weight = 0.0;
+  };
+
+  void add_piece(std::size_t begin, std::size_t length, std::vector<Piece>& pieces) const {
+    if (length < shortest_piece) return;
+    const double slope = window_slope(begin, length);
+    if (slope > 0.0) pieces.push_back({slope, static_cast<double>(length * length)});
+  }
+
+  /// The slope below which `share` of the weight is.
+  static std::optional<double> typical_slope(std::vector<Piece> pieces, double share) {
+    std::sort(pieces.begin(), pieces.end(), [](const Piece& a, const Piece& b) { return a.slope < b.slope; });
+    double left = 0.0;
+    for (const Piece& piece : pieces) left += share * piece.weight;
+    for (const Piece& piece : pieces)
+      if ((left -= piece.weight) <= 0.0) return piece.slope;
+    return std::nullopt;
   }
 
   bool has_suspect(std::size_t begin, std::size_t end) const {
@@ -144,13 +180,16 @@ class Numbering {
     return late_s;
   }
 
-  double least_lateness_varies_s() const {
+  /// From horizon to horizon, whole periods (losses) taken off, in periods: 0 to 0.5.
+  double least_lateness_varies() const {
     const std::vector<double> ahead_s = least_ahead(lateness_s(), horizon_);
-    std::vector<double> steps_s{0.0};
+    std::vector<double> steps{0.0};
     for (std::size_t i = horizon_; i + horizon_ <= ahead_s.size();
-         i += std::max<std::size_t>(1, horizon_ / 2))
-      steps_s.push_back(std::abs(ahead_s[i] - ahead_s[i - horizon_]));
-    return quantile(steps_s, 0.9);
+         i += std::max<std::size_t>(1, horizon_ / 2)) {
+      const double step = (ahead_s[i] - ahead_s[i - horizon_]) / period_s_;
+      steps.push_back(std::abs(step - std::round(step)));
+    }
+    return quantile(steps, 0.75);
   }
 
   /// Walks along the messages. Where all that follow for a horizon are later than the least late ones before
@@ -160,21 +199,23 @@ class Numbering {
     const std::vector<double> ahead_s = least_ahead(late_s, horizon_);
     LeastBehind behind_s(horizon_);
     double missing = 0.0;
-    for (std::size_t i = 0; i < late_s.size();) {
-      const double step_s = i == 0 ? 0.0 : ahead_s[i] - missing * period_s_ - behind_s.least();
-      const double lost = lost_before(i, step_s);
-      const std::size_t at =
-          lost > 0.0 ? place(late_s, i, behind_s.least() + (missing + lost) * period_s_) : i + 1;
-      for (; i < at; ++i) {
+    std::size_t i = 0;
+    const auto number_until = [&](std::size_t end, double least_s) {
+      for (; i < end; ++i) {
         number_[i] = static_cast<std::int64_t>(i) + static_cast<std::int64_t>(missing);
-        behind_s.push(late_s[i] - missing * period_s_);
+        behind_s.push(std::max(late_s[i] - missing * period_s_, least_s));
       }
+    };
+    number_until(1, -far_s);
+    while (i < late_s.size()) {
+      const double before_s = behind_s.least();
+      const double lost = lost_before(i, ahead_s[i] - missing * period_s_ - before_s);
+      const Place place =
+          lost > 0.0 ? find_place(late_s, i, before_s + (missing + lost) * period_s_) : Place{i + 1, i + 1};
+      number_until(place.first, -far_s);
       missing += lost;
-      if (lost > 0.0) {  // so that it is not looked at twice
-        number_[i] = static_cast<std::int64_t>(i) + static_cast<std::int64_t>(missing);
-        behind_s.push(late_s[i] - missing * period_s_);
-        ++i;
-      }
+      // Where exactly they were lost is a guess: it must not make those right after it look early.
+      number_until(place.settled, before_s);
     }
   }
 
@@ -188,20 +229,34 @@ class Numbering {
     return std::min(std::max(1.0, std::round(step_s / period_s_)), most_missing);
   }
 
-  /// Which of the messages from `i` on is the first after the loss: up to the first that is as early as those
-  /// after it are. Best one before which bytes were lost, and then the one before which the stream paused
+  /// Where messages are missing.
+  struct Place {
+    std::size_t first = 0;    // message after them
+    std::size_t settled = 0;  // one past the first message that is as early as those after it
+  };
+
+  /// From message `i` on. One that is earlier than those after the loss can be was sent before it. Of the
+  /// rest the best is one before which bytes were lost, and then the one before which the stream paused
   /// longest.
-  std::size_t place(std::span<const double> late_s, std::size_t i, double after_s) const {
-    std::size_t best = i;
+  Place find_place(std::span<const double> late_s, std::size_t i, double after_s) const {
     const std::size_t end = std::min(i + horizon_, late_s.size());
+    const double noise_s = std::clamp(3.0 * unrest_, 0.03, 0.3) * period_s_;
+    Place place{i, i + 1};
     for (std::size_t k = i; k < end; ++k) {
-      const bool better = is_suspect(k) != is_suspect(best)
-                              ? is_suspect(k)
-                              : late_s[k] - late_s[k - 1] > late_s[best] - late_s[best - 1];
-      if (better) best = k;
-      if (late_s[k] <= after_s + 0.4 * period_s_) break;
+      place.settled = k + 1;
+      if (late_s[k] < after_s - noise_s && k + 1 < end)
+        place.first = k + 1;
+      else if (is_better(late_s, k, place.first))
+        place.first = k;
+      if (late_s[k] >= after_s - noise_s && late_s[k] <= after_s + settled_periods * period_s_) break;
     }
-    return best;
+    place.settled = std::max(place.settled, place.first + 1);
+    return place;
+  }
+
+  bool is_better(std::span<const double> late_s, std::size_t k, std::size_t best) const {
+    if (is_suspect(k) != is_suspect(best)) return is_suspect(k);
+    return late_s[k] - late_s[k - 1] > late_s[best] - late_s[best - 1];
   }
 
   std::span<const bool> suspect_;
@@ -209,6 +264,8 @@ class Numbering {
   std::vector<std::int64_t> number_;
   double period_s_ = 0.0;
   std::size_t horizon_ = 0;  // messages
+  double unrest_ = 0.0;      // of the least lateness from horizon to horizon, in periods
+  bool any_suspect_ = false;
 };
 }  // namespace
 

@@ -101,6 +101,9 @@ class Stretching {
       below_s_[i] = std::max(below_s_[i], ceiling.y - delay_s - drift_ * std::abs(ceiling.x - x(i)));
     });
     carry(below_s_, -1.0);
+    // Where the clock ran further than it may, the bounds would cross: that much is unknown in any case.
+    for (std::size_t i = 0; i < below_s_.size(); ++i)
+      below_s_[i] = std::min(below_s_[i], above_s_[i] - delay_s);
   }
 
   LeastLateness estimate_least(const SlidingFit& curve) const {

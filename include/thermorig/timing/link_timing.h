@@ -44,8 +44,8 @@ struct StampHint {
 ///
 /// Of a device with a steady rate a `LiveClock` draws the highest line below those proofs of the last
 /// seconds; the message's time is on that line, and never after its own proof. Its uncertainty is that of the
-/// least delay of a link, spread evenly up to PortProfile::largest_constant_delay_s. Where the link sends when
-/// its line falls silent (CH340), half of the longest silence that it may wait for is taken off.
+/// least delay of a link, spread evenly up to PortProfile::largest_constant_delay_s. Where the link sends
+/// when its line falls silent (CH340), half of the longest silence that it may wait for is taken off.
 ///
 /// While that clock is too young, and of a device without a steady rate, the time is the proof by the chunk C
 /// that brought the last byte. Its uncertainty is that of the last byte of C, which came at the earliest once
@@ -83,6 +83,7 @@ class LinkTiming {
     HostDuration since_before;  // since the arrival of the chunk before
   };
   double silence_s(const StreamSpan& span) const;
+  double lost_before(const StreamSpan& span, const StampHint& hint) const;
   HostTime begin_before(const TimedChunk& chunk, const StreamSpan& span) const;
   float uncertainty_s(const TimedChunk& chunk) const;
 
@@ -94,6 +95,7 @@ class LinkTiming {
   double period_s_ = 0.0;             // nominal, 0 without a steady rate
   std::size_t ends_ = 0;              // chunks that ended at or within a message
   std::size_t cuts_ = 0;              // of those: within
+  std::uint64_t last_end_ = 0;        // of the message before
   HostTime newest_{HostTime::min()};  // no message is stamped before it
 };
 

@@ -17,7 +17,7 @@ namespace thermorig::timing {
 struct MessageProof {
   HostTime latest{};               // its first byte had begun by then
   bool tight = false;              // a read ended within or at the end of it: else it only waited with others
-  bool lost_before = false;        // bytes were lost before it
+  double lost_before = 0.0;        // messages that fit into the bytes skipped before it; 0 if none were
   std::optional<double> device_s;  // its own time
 };
 
