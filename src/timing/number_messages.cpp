@@ -19,7 +19,7 @@ constexpr double clear_periods = 0.6;         // so much later than before is a 
 constexpr double suspect_periods = 0.5;       // where bytes were lost
 constexpr double quiet_periods = 0.2;         // a horizon is long enough if the least lateness varies less
 constexpr std::size_t windows_a_horizon = 4;  // length of a window in which a period is measured
-constexpr double settled_periods = 0.4;
+constexpr double settled_periods = 0.2;
 constexpr double most_missing = 1e9;
 constexpr double far_s = 1e18;
 constexpr double quicker_share = 0.35;
@@ -235,28 +235,37 @@ class Numbering {
     std::size_t settled = 0;  // one past the first message that is as early as those after it
   };
 
-  /// From message `i` on. One that is earlier than those after the loss can be was sent before it. Of the
-  /// rest the best is one before which bytes were lost, and then the one before which the stream paused
-  /// longest.
+  /// From message `i` on. One that is earlier than those after the loss can be was sent before it. The next
+  /// one before which bytes were lost is the place; none near: where the stream paused longest, up to the
+  /// first that is about as early as those after the loss.
   Place find_place(std::span<const double> late_s, std::size_t i, double after_s) const {
-    const std::size_t end = std::min(i + horizon_, late_s.size());
-    const double noise_s = std::clamp(3.0 * unrest_, 0.03, 0.3) * period_s_;
-    Place place{i, i + 1};
-    for (std::size_t k = i; k < end; ++k) {
-      place.settled = k + 1;
-      if (late_s[k] < after_s - noise_s && k + 1 < end)
-        place.first = k + 1;
-      else if (is_better(late_s, k, place.first))
-        place.first = k;
-      if (late_s[k] >= after_s - noise_s && late_s[k] <= after_s + settled_periods * period_s_) break;
+    const std::size_t first = first_possible(late_s, i, after_s - noise_s());
+    const auto near = static_cast<std::size_t>(longest_stall_s / period_s_) + shortest_piece;
+    Place place{first, first + 1};
+    for (std::size_t k = first; k < std::min(first + horizon_, late_s.size()); ++k) {
+      const bool is_near = k < first + near;
+      if (is_better(late_s, k, place.first, is_near)) place.first = k;
+      if (late_s[k] > after_s + settled_periods * period_s_) continue;
+      place.settled = std::max(place.settled, k + 1);
+      if (!any_suspect_ || is_suspect(place.first) || !is_near) break;
     }
     place.settled = std::max(place.settled, place.first + 1);
     return place;
   }
 
-  bool is_better(std::span<const double> late_s, std::size_t k, std::size_t best) const {
-    if (is_suspect(k) != is_suspect(best)) return is_suspect(k);
+  bool is_better(std::span<const double> late_s, std::size_t k, std::size_t best, bool is_near) const {
+    if (is_suspect(best)) return false;
+    if (is_near && is_suspect(k)) return true;
     return late_s[k] - late_s[k - 1] > late_s[best] - late_s[best - 1];
+  }
+
+  double noise_s() const { return std::clamp(3.0 * unrest_, 0.03, 0.3) * period_s_; }
+
+  std::size_t first_possible(std::span<const double> late_s, std::size_t i, double earliest_s) const {
+    std::size_t first = i;
+    for (std::size_t k = i; k + 1 < std::min(i + horizon_, late_s.size()); ++k)
+      if (late_s[k] < earliest_s) first = k + 1;
+    return first;
   }
 
   std::span<const bool> suspect_;
