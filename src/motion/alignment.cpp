@@ -12,7 +12,9 @@ constexpr int most_rounds = 20;
 constexpr int fewest_rounds = 4;             // pixels' offsets and the panorama settle meanwhile
 constexpr double settled_share = 0.05;       // of a standard deviation: smaller steps change nothing
 constexpr double longest_step_pixels = 1.5;  // beyond, the slope says nothing about the panorama
-constexpr double bin_per_smear = 0.25;
+
+constexpr double bin_per_smear = 0.35;
+constexpr double bin_time_s = 0.05;  // several times the lag of the pixels
 constexpr double widest_bin_pixels = 6.0;
 constexpr double outlier_sigma = 5.0;
 constexpr float distrusted = 1e-6F;
@@ -53,15 +55,17 @@ Span span_of(std::span<const HalfView> views, const AngleTrack& track, const Pri
 }
 
 /// The surroundings as halves see them are smeared over the angle that the rig turns during an exposure:
-/// finer bins would hold nothing but noise.
+/// finer bins would hold little but noise. And what passes a pixel in a few of its time constants is delayed
+/// by less than its lag, so finer bins would see the camera a little too early.
 double bin_of(std::span<const HalfView> views, double pitch_deg) {
-  std::vector<float> smears_deg;
-  for (const HalfView& view : views)
-    smears_deg.push_back(
-        static_cast<float>(std::abs(view.half.rate_dps) * (view.half.end_s - view.half.begin_s)));
-  if (smears_deg.empty()) return pitch_deg;
-  return std::clamp(bin_per_smear * static_cast<double>(median(smears_deg)), pitch_deg,
-                    widest_bin_pixels * pitch_deg);
+  std::vector<float> bins_deg;
+  for (const HalfView& view : views) {
+    const double exposure_s = view.half.end_s - view.half.begin_s;
+    bins_deg.push_back(
+        static_cast<float>(std::abs(view.half.rate_dps) * std::max(bin_time_s, bin_per_smear * exposure_s)));
+  }
+  if (bins_deg.empty()) return pitch_deg;
+  return std::clamp(static_cast<double>(median(bins_deg)), pitch_deg, widest_bin_pixels * pitch_deg);
 }
 
 }  // namespace
