@@ -1,0 +1,112 @@
+// SPDX-License-Identifier: MIT
+#include "../../src/pipeline/clock_fits.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <random>
+
+#include "thermorig/timing/link_timing.h"
+
+namespace thermorig::pipeline {
+namespace {
+
+constexpr std::size_t message_bytes = 20;
+constexpr double wire_s = 10.0 * message_bytes / 115200.0;
+
+/// A gyro at 200 samples a second, read up to 8 ms late; its own clock runs 1 % fast.
+struct GyroStream {
+  RawStream received;
+  std::vector<TimedGyro> gyro;
+
+  void add(double begin_s, double delay_s, std::optional<double> own_s) {
+    const HostTime arrival(from_s(begin_s + wire_s + delay_s));
+    TimedGyro sample;
+    sample.span = {received.bytes.size(), received.bytes.size() + message_bytes};
+    sample.stamp = {.time = arrival - from_s(wire_s), .arrival = arrival};
+    if (own_s) sample.reading.device_time_us = std::llround(1e6 * *own_s);
+    received.append(std::vector<std::uint8_t>(message_bytes), arrival);
+    gyro.push_back(sample);
+  }
+};
+
+GyroStream stream_of(int samples, double own_unit_s = 1.0) {
+  std::mt19937 random(2);
+  GyroStream stream;
+  double read_s = 0.0;
+  for (int i = 0; i < samples; ++i) {
+    const double begin_s = 0.005 * i;
+    read_s = std::max(read_s, begin_s + 0.0001 + 8e-6 * static_cast<double>(random() % 1000));
+    stream.add(begin_s, read_s - begin_s, (7.0 + 1.01 * begin_s) / own_unit_s);
+  }
+  return stream;
+}
+
+GyroProfile profile() {
+  GyroProfile gyro;
+  gyro.link.baud = 115200;
+  return gyro;
+}
+
+double worst_error_s(const ClockFit& fit) {
+  double worst = 0.0;
+  for (std::size_t i = 0; i < fit.times.size(); ++i)
+    worst = std::max(worst,
+                     std::abs(to_s(fit.times[i].time.time_since_epoch()) - 0.005 * static_cast<double>(i)));
+  return worst;
+}
+
+TEST(GyroClock, GoesByTheGyrosOwnTimeWhereItSendsOne) {
+  const GyroStream stream = stream_of(4000);
+  const ClockFit fit = fit_gyro_clock(stream.received, stream.gyro, profile());
+  ASSERT_EQ(fit.times.size(), 4000U);
+  EXPECT_LT(worst_error_s(fit), 0.002);
+  EXPECT_NEAR(fit.report.skew_ppm, -1e6 * 0.01 / 1.01, 50.0);  // fast
+}
+
+TEST(GyroClock, CountsWhereTheOwnTimeIsInAnotherUnitOrMissing) {
+  GyroStream stream = stream_of(4000, 1e-3);
+  const ClockFit counted = fit_gyro_clock(stream.received, stream.gyro, profile());
+  ASSERT_EQ(counted.times.size(), 4000U);
+  EXPECT_LT(worst_error_s(counted), 0.002);
+  EXPECT_NEAR(counted.report.skew_ppm, 0.0, 50.0);
+  stream = stream_of(4000);
+  stream.gyro[17].reading.device_time_us.reset();
+  EXPECT_NEAR(fit_gyro_clock(stream.received, stream.gyro, profile()).report.skew_ppm, 0.0, 50.0);
+}
+
+TEST(GyroClock, SaysNothingWithoutTheBytes) {
+  const GyroStream stream = stream_of(100);
+  EXPECT_TRUE(fit_gyro_clock({}, stream.gyro, profile()).times.empty());
+  EXPECT_TRUE(fit_gyro_clock(stream.received, {}, profile()).times.empty());
+  auto beyond = stream.gyro;
+  beyond.back().span.end += 1;
+  EXPECT_TRUE(fit_gyro_clock(stream.received, beyond, profile()).times.empty());
+  auto backwards = stream.gyro;
+  std::swap(backwards[3].span, backwards[4].span);
+  EXPECT_TRUE(fit_gyro_clock(stream.received, backwards, profile()).times.empty());
+}
+
+TEST(GyroClock, BearsAFewMessagesAndAnyOwnTime) {
+  for (const int samples : {1, 2, 3}) {
+    GyroStream stream = stream_of(samples);
+    for (const std::int64_t time_us : {std::numeric_limits<std::int64_t>::min(), std::int64_t{0},
+                                       std::numeric_limits<std::int64_t>::max()}) {
+      stream.gyro.back().reading.device_time_us = time_us;
+      const ClockFit fit = fit_gyro_clock(stream.received, stream.gyro, profile());
+      EXPECT_TRUE(fit.times.empty() || fit.times.size() == stream.gyro.size());
+    }
+  }
+}
+
+TEST(CameraClock, NeedsTheCountOfMissingFrames) {
+  RawStream received;
+  received.append(std::vector<std::uint8_t>(10), HostTime(from_s(1.0)));
+  TimedFrame frame;
+  frame.span = {0, 10};
+  EXPECT_TRUE(fit_camera_clock(received, {frame}, {}, CameraProfile{}).times.empty());
+}
+
+}  // namespace
+}  // namespace thermorig::pipeline

@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: MIT
+#include <gmock/gmock.h>
+
+#include <limits>
+
+#include "synthetic_session.h"
+#include "thermorig/core/error.h"
+#include "thermorig/recording_header/header_json.h"
+
+namespace thermorig::recording_header {
+namespace {
+
+RecordingHeader sound_header() {
+  return session::synthetic_session(0).raw.header;
+}
+
+TEST(Header, KeepsCalibrationsAndWhatBoundsRestOn) {
+  RecordingHeader header = sound_header();
+  RigProfile& rig = header.profile;
+  rig.camera.link.latency_uncertainty_s = 0.00031;
+  rig.camera.link.latency_measured_utc = "2026-07-20T09:00:00Z";
+  rig.camera.orientation_measured_utc = "2026-07-21T09:00:00Z";
+  rig.gyro.link.largest_constant_delay_s = 0.0013;
+  rig.servo.link.wander_ppm = 42.0;
+  rig.gyro.scale = 1.013;
+  rig.gyro.bias_dps = -0.75;
+  rig.servo.loop_hz = 11.5;
+  rig.servo.scale_uncertainty = 0.002;
+  const RigProfile read = header_from_json_text(header_to_json_text(header), "test").profile;
+  EXPECT_EQ(read.camera.link.latency_uncertainty_s, 0.00031);
+  EXPECT_EQ(read.camera.link.latency_measured_utc, "2026-07-20T09:00:00Z");
+  EXPECT_EQ(read.camera.orientation_measured_utc, "2026-07-21T09:00:00Z");
+  EXPECT_EQ(read.gyro.link.largest_constant_delay_s, 0.0013);
+  EXPECT_EQ(read.servo.link.wander_ppm, 42.0);
+  EXPECT_EQ(read.gyro.scale, 1.013);
+  EXPECT_EQ(read.gyro.bias_dps, -0.75);
+  EXPECT_EQ(read.servo.loop_hz, 11.5);
+  EXPECT_EQ(read.servo.scale_uncertainty, 0.002);
+}
+
+TEST(Header, WithCalibrationsThatMakeNoSenseIsRefused) {
+  const auto refused = [](auto change) {
+    RecordingHeader header = sound_header();
+    change(header.profile);
+    EXPECT_THROW(header_to_json_text(header), Error);
+  };
+  const double none = std::numeric_limits<double>::quiet_NaN();
+  refused([](RigProfile& rig) { rig.gyro.scale = 0.0; });
+  refused([](RigProfile& rig) { rig.servo.scale = -1.0; });
+  refused([](RigProfile& rig) { rig.servo.loop_hz = 0.0; });
+  refused([&](RigProfile& rig) { rig.gyro.bias_dps = none; });
+  refused([&](RigProfile& rig) { rig.camera.link.latency_uncertainty_s = none; });
+  refused([](RigProfile& rig) { rig.gyro.link.largest_constant_delay_s = -0.001; });
+  refused([](RigProfile& rig) { rig.servo.link.wander_ppm = -1.0; });
+  refused([](RigProfile& rig) { rig.gyro.bias_uncertainty_dps = -1.0; });
+}
+
+}  // namespace
+}  // namespace thermorig::recording_header
