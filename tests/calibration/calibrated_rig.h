@@ -32,8 +32,8 @@ struct Recorded {
   session::Session session;
   GyroTruth gyro;
   LabelTruth label;
-  double camera_latency_s = 0.0;  // mean, from the end of the newest exposure to the first byte on the wire
-  double gyro_latency_s = 0.0;    // mean, from the middle of the averaging interval to the first byte
+  double camera_latency_s = 0.0;  // least, from the end of the newest exposure to the first byte on the wire
+  double gyro_latency_s = 0.0;    // least, from the middle of the averaging interval to the first byte
   double servo_scale = 1.0;       // true angle of the shaft over the commanded one, from one end to the other
 };
 
