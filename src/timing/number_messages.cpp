@@ -20,6 +20,7 @@ constexpr double suspect_periods = 0.5;       // where bytes were lost
 constexpr double quiet_periods = 0.2;         // a horizon is long enough if the least lateness varies less
 constexpr std::size_t windows_a_horizon = 4;  // length of a window in which a period is measured
 constexpr double settled_periods = 0.2;
+constexpr double wander = 1000e-6;  // of a clock from its mean rate, at most
 constexpr double most_missing = 1e9;
 constexpr double far_s = 1e18;
 constexpr double quicker_share = 0.35;
@@ -211,7 +212,7 @@ class Numbering {
       const double before_s = behind_s.least();
       const double lost = lost_before(i, ahead_s[i] - missing * period_s_ - before_s);
       const Place place =
-          lost > 0.0 ? find_place(late_s, i, before_s + (missing + lost) * period_s_) : Place{i + 1, i + 1};
+          lost > 0.0 ? find_place(late_s, i, before_s + missing * period_s_, lost) : Place{i + 1, i + 1};
       number_until(place.first, -far_s);
       missing += lost;
       // Where exactly they were lost is a guess: it must not make those right after it look early.
@@ -238,14 +239,16 @@ class Numbering {
   /// From message `i` on. One that is earlier than those after the loss can be was sent before it. The next
   /// one before which bytes were lost is the place; none near: where the stream paused longest, up to the
   /// first that is about as early as those after the loss.
-  Place find_place(std::span<const double> late_s, std::size_t i, double after_s) const {
-    const std::size_t first = first_possible(late_s, i, after_s - noise_s());
+  Place find_place(std::span<const double> late_s, std::size_t i, double before_s, double lost) const {
+    const double drift_s = std::min(wander * lost, 0.2) * period_s_;  // while nothing came
+    const double after_s = before_s + lost * period_s_;
+    const std::size_t first = first_possible(late_s, i, after_s - noise_s() - drift_s);
     const auto near = static_cast<std::size_t>(longest_stall_s / period_s_) + shortest_piece;
     Place place{first, first + 1};
     for (std::size_t k = first; k < std::min(first + horizon_, late_s.size()); ++k) {
       const bool is_near = k < first + near;
       if (is_better(late_s, k, place.first, is_near)) place.first = k;
-      if (late_s[k] > after_s + settled_periods * period_s_) continue;
+      if (late_s[k] > after_s + settled_periods * period_s_ + drift_s) continue;
       place.settled = std::max(place.settled, k + 1);
       if (!any_suspect_ || is_suspect(place.first) || !is_near) break;
     }
