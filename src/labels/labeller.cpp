@@ -126,8 +126,8 @@ void Labeller::label_motion(LabelledSample& sample, const PendingFrame& frame) {
   sample.leg = command_.leg(sample.time);
   const bool known = std::isfinite(mean.model_dps);
   const ShaftRates shaft = known ? shaft_.over(begin, end) : ShaftRates{};
-  sample.rate_label_min_dps = static_cast<float>(known ? shaft.min_dps : unknown);
-  sample.rate_label_max_dps = static_cast<float>(known ? shaft.max_dps : unknown);
+  sample.rate_label_min_dps = static_cast<float>(known ? shaft.range.min_dps : unknown);
+  sample.rate_label_max_dps = static_cast<float>(known ? shaft.range.max_dps : unknown);
   const double time_s = std::hypot(std::hypot(frame.stamp.uncertainty_s, exposure.time_uncertainty_s),
                                    config_.latency_uncertainty_s, response_.delay_uncertainty_s);
   const double scale_dps = response_.scale.uncertainty / response_.scale.value * mean.model_dps;
@@ -179,13 +179,14 @@ std::uint32_t Labeller::command_reasons(const LabelledSample& sample) const {
 
 std::uint32_t Labeller::model_reasons(const LabelledSample& sample, const ShaftRates& shaft) const {
   const auto commanded_dps = static_cast<double>(sample.rate_commanded_dps);
-  const auto strays = [&](double low_dps, double high_dps) {
-    return std::max(commanded_dps - low_dps, high_dps - commanded_dps) > tolerance_dps(sample);
+  const auto strays = [&](const RateRange& range) {
+    return std::max(commanded_dps - range.min_dps, range.max_dps - commanded_dps) > tolerance_dps(sample);
   };
-  const bool ramps = strays(shaft.min_dps, shaft.max_dps) && strays(shaft.plain_min_dps, shaft.plain_max_dps);
+  const bool ramps = strays(shaft.slow) && strays(shaft.plain_slow);
   const double sign_dps = config_.rate_tolerance_dps;
   return bit_if(Reason::servo_ramp, std::isnan(sample.rate_label_dps) || ramps) |
-         bit_if(Reason::reversal, shaft.plain_min_dps < -sign_dps && shaft.plain_max_dps > sign_dps);
+         bit_if(Reason::reversal,
+                shaft.plain_slow.min_dps < -sign_dps && shaft.plain_slow.max_dps > sign_dps);
 }
 
 void Labeller::label_gyro(LabelledSample& sample) {

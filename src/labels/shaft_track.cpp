@@ -2,6 +2,7 @@
 #include "thermorig/labels/shaft_track.h"
 
 #include <algorithm>
+#include <limits>
 
 #include "hermite.h"
 #include "thermorig/labels/shaft_model.h"
@@ -10,7 +11,8 @@ namespace thermorig::labels {
 
 namespace {
 constexpr HostDuration pulse_period = std::chrono::microseconds(PulseTrain::period_us);
-constexpr HostDuration stride = std::chrono::milliseconds(4);  // of the running mean
+constexpr HostDuration stride = std::chrono::milliseconds(4);  // of the running means
+constexpr int slow_pulses = 5;
 }  // namespace
 
 ShaftTrack::ShaftTrack(const ServoProfile& servo, const ServoResponse& response, HostDuration gap,
@@ -82,22 +84,29 @@ double ShaftTrack::mean_dps(HostTime begin, HostTime end) const {
   return (at(end).scaled_deg - at(begin).scaled_deg) / to_s(end - begin);
 }
 
-ShaftRates ShaftTrack::over(HostTime begin, HostTime end) const {
-  ShaftRates rates;
-  rates.mean_dps = mean_dps(begin, end);
-  const HostDuration window = std::min(pulse_period, end - begin);
-  bool first = true;
-  for (HostTime to = begin + window; to <= end; to += stride) {
-    const ShaftAngle last = at(to), before = at(to - window);
-    const double plain_dps = (last.plain_deg - before.plain_deg) / to_s(window);
-    const double scaled_dps = (last.scaled_deg - before.scaled_deg) / to_s(window);
-    rates.min_dps = first ? scaled_dps : std::min(rates.min_dps, scaled_dps);
-    rates.max_dps = first ? scaled_dps : std::max(rates.max_dps, scaled_dps);
-    rates.plain_min_dps = first ? plain_dps : std::min(rates.plain_min_dps, plain_dps);
-    rates.plain_max_dps = first ? plain_dps : std::max(rates.plain_max_dps, plain_dps);
-    first = false;
+ShaftTrack::Ranges ShaftTrack::ranges(HostTime begin, HostTime end, HostDuration window) const {
+  constexpr double most = std::numeric_limits<double>::infinity();
+  Ranges ranges{{most, -most}, {most, -most}};
+  const auto widen = [](RateRange& range, double rate_dps) {
+    range = {std::min(range.min_dps, rate_dps), std::max(range.max_dps, rate_dps)};
+  };
+  const HostDuration length = std::min(window, end - begin);
+  for (HostTime to = begin + length; to <= end; to += stride) {
+    const ShaftAngle last = at(to), before = at(to - length);
+    widen(ranges.scaled, (last.scaled_deg - before.scaled_deg) / to_s(length));
+    widen(ranges.plain, (last.plain_deg - before.plain_deg) / to_s(length));
   }
-  return rates;
+  return ranges;
+}
+
+ShaftRates ShaftTrack::over(HostTime begin, HostTime end) const {
+  const Ranges slow = ranges(begin, end, slow_pulses * pulse_period);
+  const double mean = mean_dps(begin, end);
+  const RateRange range = ranges(begin, end, pulse_period).scaled;
+  return {.mean_dps = mean,
+          .range = {std::min(range.min_dps, mean), std::max(range.max_dps, mean)},
+          .slow = slow.scaled,
+          .plain_slow = slow.plain};
 }
 
 }  // namespace thermorig::labels

@@ -26,8 +26,7 @@ namespace thermorig::labels {
 ///   gyro       the samples with begin <= time < end
 /// Over E = [exposure_begin, exposure_end], and over each half's own exposure for the *_half members:
 ///   rate_commanded         where the commanded speed is constant over E: CommandTrack::constant_rate_dps;
-///   else
-///                          the exact mean of the commanded speed
+///                          else the exact mean of the commanded speed
 ///   rate_label             (model angle at the end of E - that at its begin) / length of E
 ///   rate_label_min, _max   of the model's running mean over one pulse period (20 ms) in E
 ///                          all NaN where E is not covered: no telemetry at or before its begin or at or
@@ -52,21 +51,21 @@ namespace thermorig::labels {
 ///   checksum             TimedFrame::resync_before
 ///   out_of_range         a pixel below -60 or above 400 degC, or not a number
 ///   warm_up              WarmUp: a warning, unless warm_up_invalidates
-///   servo_ramp           the model's running mean over 20 ms leaves rate_commanded by more than tolerance =
+///   servo_ramp           the model's slow mean (100 ms) leaves rate_commanded by more than tolerance =
 ///                        max(rate_tolerance_dps, rate_tolerance_share * |rate_commanded|) within E, both
 ///                        with scale and gain and without; or E is not covered
 ///   servo_lost           S is not covered (as above), or telemetry in S or next to it says disarmed or fault
 ///   telemetry_disagrees  TelemetryCheck objects to a message in S or next to it
-///   limit_hit            the commanded angle comes closer than stop_margin_deg to either end of the travel
-///   in
-///                        E; angle 0 is its middle
-///   reversal             the model's running mean has both signs in E, and leaves rate_tolerance_dps both
-///   ways outside_leg          leg 0 in the telemetry in L or next to it, or no leg known leg_change two legs
-///   in the telemetry in L or next to it, neither of them 0 gyro_gap             no gyro sample in E, or
-///   fewer than gyro_gap_share of what gyro_rate_hz gives in E gyro_unsteady        gyro_spread squared minus
-///   what the sensor's noise explains exceeds tolerance squared gyro_disagrees       |mean gyro, corrected -
-///   rate_label as the gyro sees it| exceeds 3 sigma (see
-///                        label_terms.h) ; not judged where a sample is saturated
+///   limit_hit            the commanded angle comes closer than stop_margin_deg to either end of the
+///                        travel in E; angle 0 is its middle
+///   reversal             the model's slow mean has both signs in E, and leaves rate_tolerance_dps both ways
+///   outside_leg          leg 0 in the telemetry in L or next to it, or no leg known
+///   leg_change           two legs in the telemetry in L or next to it, neither of them 0
+///   gyro_gap             no gyro sample in E, or fewer than gyro_gap_share of what gyro_rate_hz gives in E
+///   gyro_unsteady        gyro_spread squared minus what the sensor's noise explains exceeds tolerance
+///   squared gyro_disagrees       |mean gyro, corrected - rate_label as the gyro sees it| exceeds 3 sigma
+///   (see
+///                        label_terms.h); not judged where a sample is saturated
 /// A frame is valid if it has no reason outside `warning_bits`. A run is unbroken by invalid frames and lies
 /// in one leg; a frame lost on the way makes the next one invalid, and so ends the run.
 class Labeller {

@@ -19,14 +19,19 @@ struct ShaftAngle {
   double scaled_deg = 0.0;  // scale and gain of the response
 };
 
-/// What the shaft did over a span by the model, deg/s; each as a mean over the span, and the extremes of
-/// the running mean over one pulse period.
-struct ShaftRates {
-  double mean_dps = 0.0;  // scale and gain of the response
+/// Extremes of a running mean, deg/s.
+struct RateRange {
   double min_dps = 0.0;
   double max_dps = 0.0;
-  double plain_min_dps = 0.0;  // scale and gain 1
-  double plain_max_dps = 0.0;
+};
+
+/// What the shaft did over a span by the model. Slow means are over five pulse periods: the ripple that steps
+/// of the pulse width leave in a steady speed is gone from them, a ramp is not.
+struct ShaftRates {
+  double mean_dps = 0.0;  // over the span; scale and gain of the response
+  RateRange range;        // of means over one pulse period, and of mean_dps
+  RateRange slow;         // of slow means
+  RateRange plain_slow;   // the same, scale and gain 1
 };
 
 /// The shaft over the last few seconds, by the servo's response to the pulses that telemetry reports.
@@ -58,6 +63,11 @@ class ShaftTrack {
     double scaled_deg = 0.0;
     double slope = 1.0;  // scale * gain
   };
+  struct Ranges {
+    RateRange scaled;
+    RateRange plain;
+  };
+  Ranges ranges(HostTime begin, HostTime end, HostDuration window) const;
   void take(const Pulse& pulse);
   void advance(HostTime until);
   void add_point(HostTime time);
