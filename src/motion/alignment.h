@@ -5,10 +5,11 @@
 #include <span>
 #include <vector>
 
-#include "angle_track.h"
+#include "angle_model.h"
 #include "half_view.h"
 #include "normal_equations.h"
 #include "panorama_map.h"
+#include "pixel_model.h"
 
 namespace thermorig::motion {
 
@@ -16,15 +17,11 @@ namespace thermorig::motion {
 struct Layout {
   double pitch_deg = 55.0 / 32.0;  // between columns
   bool mirrored = true;
-  bool closed =
-      false;  // a whole turn leads back to the same surroundings; else every angle is a place of its own
+  bool closed = false;  // a whole turn leads back to the same surroundings; else every angle is another place
 };
 
-/// What is known of the parameters beforehand.
-struct Prior {
-  Parameters mean{0.0, 0.0, 0.0, 1.0};
-  Parameters uncertainty{};
-};
+/// Beyond that offset a camera's halves cannot be told from their neighbours.
+inline constexpr double largest_offset_s = 0.30;
 
 /// Lays halves into one panorama and finds the parameters with which it is sharpest: Gauss-Newton on the
 /// variance within the cells. The panorama itself, each pixel's own offset and each half's are nuisances: the
@@ -37,12 +34,15 @@ class Alignment {
   /// Variance within the cells if the parameters were these: what a search over a grid compares.
   double variance(const Parameters& parameters);
 
+  /// The offset at which the panorama is sharpest, on a coarse grid; other parameters as known beforehand.
+  Parameters search_offset();
+
   /// From there to the sharpest panorama near by, until the parameter that is asked for has settled.
   void refine(const Parameters& start, Parameter asked);
 
   const Parameters& parameters() const { return parameters_; }
-  /// Covariance of the parameters, from the spread among blocks of the recording.
-  const Matrix& covariance() const { return covariance_; }
+  /// One standard deviation, from the spread among blocks of the recording.
+  double uncertainty(Parameter parameter) const;
   /// Share of the slopes in the panorama that is not noise: near 0 before a blind wall.
   double contrast() const { return contrast_; }
   /// Residual variance of each view, with the panorama, in K2.
@@ -51,42 +51,45 @@ class Alignment {
   double spread() const;
 
  private:
-  struct Totals;
   struct Comparison {  // of a half with the panorama
     HalfPixels residual;
-    HalfPixels slope;
+    HalfPixels slope;  // K a deg
     HalfPixels weight;
     float common;  // to all its residuals
   };
-  double angle_deg(const HalfView& view, const Parameters& parameters) const;
-  Parameters angle_change(const HalfView& view) const;
-  void remove_smooth_offsets();
+  struct Totals {  // what one look at all halves adds up to
+    Parameters gradient{};
+    Matrix curvature{};
+    std::vector<Parameters> change;                        // of each view's angle with the parameters
+    std::vector<double> lean;                              // sum of slope times residual of each view
+    std::vector<std::array<float, parameter_count>> push;  // of the panorama's cells by the parameters
+    double square_sum = 0.0;                               // of weighted residuals
+    double weight_sum = 0.0;
+    std::array<PixelModel::Residuals, 2> pixels{};
+  };
   void make_map(const Parameters& parameters);
-  void fill_map();
   Comparison compare(std::size_t index) const;
   Totals compare_all();
-  void add_pixels(const Comparison& comparison, unsigned parity, Totals& totals) const;
+  void add_view(const Comparison& comparison, std::size_t index, Totals& totals);
   void add_push(const Comparison& comparison, std::size_t index, Totals& totals) const;
   void eliminate_map(Totals& totals) const;
-  void learn_pixels(const Totals& totals);
+  void learn_noise(const Totals& totals);
   void learn_trust();
-  Parameters pull(std::size_t index, const Totals& totals) const;
+  Matrix with_prior(const Matrix& information) const;
+  double mean_square_shift(const Totals& totals, const Parameters& change) const;
   bool step(const Totals& totals, Parameter asked);
+  Parameters pull(std::size_t index, const Totals& totals) const;
+  Matrix spread_of_pulls(const Totals& totals) const;
   void judge(const Totals& totals);
-  HalfPixels values_of(std::size_t view) const;
-  HalfPixels weights_of(const HalfView& view) const;
 
   std::span<HalfView> views_;
-  const AngleTrack& track_;
   Layout layout_;
   Prior prior_;
-  double middle_s_ = 0.0;
-  double middle_deg_ = 0.0;
+  AngleModel angles_;
+  PixelModel pixels_;
   PanoramaMap map_;
   std::vector<PanoramaMap::Place> places_;
-  std::array<HalfPixels, 2> pixel_offset_{};  // of each parity
-  std::array<HalfPixels, 2> pixel_weight_{};  // 1 for a pixel of average noise
-  std::vector<float> half_offset_;            // common to a half
+  std::vector<float> half_offset_c_;  // common to a half
   double noise_variance_ = 1.0;
   Parameters parameters_{};
   Matrix covariance_{};

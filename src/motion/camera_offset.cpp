@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "evidence.h"
 #include "thermorig/motion/panorama_fit.h"
 #include "weighted_mean.h"
 #include "windows.h"
@@ -10,22 +11,24 @@ namespace thermorig::motion {
 namespace {
 
 constexpr std::size_t most_windows = 8;  // four thousand halves: more do not make it more certain
-constexpr std::size_t fewest_halves = 40;
 constexpr double worst_uncertainty_s = 0.005;
 constexpr double least_contrast = 0.15;
 // Pixels follow the scene with a lag of some ten milliseconds. Fine structure that passes fast is delayed a
 // little less by it than coarse structure: as much as the surroundings make of it is not known.
 constexpr double lag_error_s = 0.0003;
 
-std::string refusal(std::span<const FreshHalf> halves, std::span<const TimedGyro> gyro) {
-  if (gyro.empty()) return "there is no gyro";
-  if (halves.size() < fewest_halves)
-    return "only " + std::to_string(halves.size()) + " fresh chess halves have a gyro around them";
+/// Why those halves cannot tell a delay.
+std::string refusal(std::span<const FreshHalf> halves) {
   const RateRange rates = rates_of(halves);
   if (fastest_dps(halves) < slowest_useful_dps) return "nothing turned";
   if (std::min(rates.positive_dps, -rates.negative_dps) < slowest_useful_dps)
-    return "it turned one way only: delay shows where the same surroundings are passed in both directions";
+    return "it turned one way only: a delay shows where the same surroundings pass in both directions";
   return {};
+}
+
+bool is_told(const Alignment& alignment) {
+  return alignment.uncertainty(offset_s) < worst_uncertainty_s && alignment.contrast() > least_contrast &&
+         std::abs(alignment.parameters()[offset_s]) < largest_offset_s;
 }
 
 }  // namespace
@@ -33,30 +36,24 @@ std::string refusal(std::span<const FreshHalf> halves, std::span<const TimedGyro
 CameraOffset camera_offset(std::span<const TimedFrame> frames, std::span<const TimedGyro> gyro,
                            const View& view, const GyroErrors& errors) {
   CameraOffset result;
-  const AngleTrack track(gyro);
-  const double bias_dps = likely_bias_dps(track, errors);
-  const auto halves = fresh_halves(frames, track, bias_dps, largest_offset_s);
-  result.why_not = refusal(halves, gyro);
+  const Evidence evidence = gather(frames, gyro, view, errors);
+  result.why_not = evidence.why_not.empty() ? refusal(evidence.halves) : evidence.why_not;
   if (!result.why_not.empty()) return result;
-  const Prior prior = prior_of(errors, bias_dps);
   std::vector<Estimate> told;
-  std::optional<Parameters> start;
-  for (const Window& window : moving_windows(halves, most_windows)) {
-    if (!refusal(window, gyro).empty()) continue;
+  Parameters start = evidence.prior.mean;
+  for (const Window& window : moving_windows(evidence.halves, most_windows)) {
+    if (window.size() < fewest_halves || !refusal(window).empty()) continue;
     std::vector<HalfView> views = views_of(window);
-    Alignment alignment(views, track, layout_of(view, false), prior);
-    alignment.refine(start ? *start : search_offset(alignment, prior), offset_s);
-    const double uncertainty_s = std::sqrt(alignment.covariance()[offset_s][offset_s]);
-    if (!(uncertainty_s < worst_uncertainty_s) || alignment.contrast() < least_contrast) continue;
-    told.push_back({alignment.parameters()[offset_s], uncertainty_s});
+    Alignment alignment(views, evidence.track, layout_of(view, false), evidence.prior);
+    alignment.refine(told.empty() ? alignment.search_offset() : start, offset_s);
+    if (!is_told(alignment)) continue;
+    told.push_back({alignment.parameters()[offset_s], alignment.uncertainty(offset_s)});
     result.halves += static_cast<std::uint32_t>(views.size());
-    if (!start) {
-      start = prior.mean;
-      (*start)[offset_s] = alignment.parameters()[offset_s];
-    }
+    start[offset_s] = told.back().value;
   }
   if (told.empty()) {
-    result.why_not = "the surroundings show too little that could be recognised";
+    result.why_not =
+        "the surroundings show too little that could be recognised, or they do not turn with the gyro";
     return result;
   }
   result.offset_s = weighted_mean(told);

@@ -17,6 +17,8 @@ class Contest {
   /// Residual variances of each view in either panorama.
   void add(std::span<const FreshHalf> halves, std::span<const double> first, std::span<const double> second);
 
+  bool empty() const { return differences_.empty(); }
+
   /// How much better the first one fits, in standard deviations of that difference by its spread among blocks
   /// of time. Negative: the second one fits better. 0 with too few blocks.
   double lead() const;

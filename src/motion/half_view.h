@@ -31,6 +31,7 @@ struct FreshHalf {
   unsigned parity = 0;
   double begin_s = 0.0;  // of its exposure, on the angle track's clock
   double end_s = 0.0;
+  double middle_s() const { return 0.5 * (begin_s + end_s); }
   double rate_dps = 0.0;         // by the gyro as it is, bias removed
   double rate_change_dps = 0.0;  // from the first third of the exposure to the last, without its sign
   int stretch = 0;               // of the gyro's samples

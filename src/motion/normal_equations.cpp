@@ -37,6 +37,13 @@ void add_product(Matrix& matrix, double weight, const Parameters& a, const Param
     for (std::size_t j = 0; j < parameter_count; ++j) matrix[i][j] += weight * a[i] * b[j];
 }
 
+Matrix scaled(const Matrix& matrix, double factor) {
+  Matrix result = matrix;
+  for (Parameters& row : result)
+    for (double& value : row) value *= factor;
+  return result;
+}
+
 Matrix inverse(const Matrix& matrix) {
   const Parameters scales = scales_of(matrix);
   Matrix rest{};

@@ -20,6 +20,8 @@ using Matrix = std::array<Parameters, parameter_count>;
 /// matrix += weight * a * b transposed
 void add_product(Matrix& matrix, double weight, const Parameters& a, const Parameters& b);
 
+Matrix scaled(const Matrix& matrix, double factor);
+
 /// Inverse of a symmetric positive definite matrix (Gauss-Jordan; priors on the diagonal keep it so).
 Matrix inverse(const Matrix& matrix);
 

@@ -9,6 +9,7 @@ namespace {
 
 constexpr std::size_t cell_values = 2 * half_rows;  // of one bin
 constexpr float least_weight = 1.5F;                // a single reading is no map
+constexpr double most_bins = 20000.0;               // fifty turns: no window of a rig's goes so far
 constexpr double whole_turn_deg = 360.0;
 
 }  // namespace
@@ -17,8 +18,9 @@ PanoramaMap::PanoramaMap(double bin_deg, bool closed, double lowest_deg, double 
     : bin_deg_(closed ? whole_turn_deg / std::round(whole_turn_deg / bin_deg) : bin_deg),
       lowest_deg_(closed ? 0.0 : lowest_deg),
       closed_(closed),
-      bins_(static_cast<std::uint32_t>(closed ? std::lround(whole_turn_deg / bin_deg_)
-                                              : std::lround(std::ceil(span_deg / bin_deg_)) + 2)),
+      bins_(static_cast<std::uint32_t>(
+          closed ? std::lround(whole_turn_deg / bin_deg_)
+                 : std::lround(std::ceil(std::min(span_deg / bin_deg_, most_bins))) + 2)),
       weight_(bins_ * cell_values),
       sum_(weight_.size()),
       reach_(weight_.size()),
@@ -34,7 +36,8 @@ PanoramaMap::Place PanoramaMap::place(double angle_deg, double pitch_deg, bool m
         direction * (static_cast<double>(column) - (frame_columns - 1) / 2.0) * pitch_deg;
     double position = (angle_deg + offset_deg - lowest_deg_) / bin_deg_;
     if (closed_) position -= bins_ * std::floor(position / bins_);
-    position = std::clamp(position, 0.0, static_cast<double>(bins_) - (closed_ ? 1e-6 : 1.0 + 1e-6));
+    position = std::clamp(std::isfinite(position) ? position : 0.0, 0.0,
+                          static_cast<double>(bins_) - (closed_ ? 1e-6 : 1.0 + 1e-6));
     const auto left = static_cast<std::uint32_t>(position);
     place.left[column] = left;
     place.right[column] = left + 1 == bins_ ? 0 : left + 1;

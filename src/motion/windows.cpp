@@ -15,12 +15,6 @@ constexpr std::size_t turn_rests_kept = 3;
 constexpr std::size_t turn_halves = 700;
 constexpr std::size_t window_halves = 500;  // a minute at 8 half-fresh frames a second
 constexpr double longest_window_s = 150.0;
-constexpr double offset_step_s = 0.015;  // 3 degrees at 200 deg/s: the sharpest point is not stepped over
-constexpr double bias_change_dps = 0.1;  // since the rests at which it was measured
-constexpr double unknown_bias_dps = 3.0;
-constexpr double likely_drift =
-    0.002;  // deg/s a second: a few degrees Celsius an hour at 0.05 deg/s/K, and random walk
-constexpr double any_offset_s = 0.2;
 
 std::vector<FreshHalf> without_most_rests(std::span<const FreshHalf> halves, std::size_t one_of) {
   std::vector<FreshHalf> kept;
@@ -118,40 +112,6 @@ RateRange rates_of(std::span<const FreshHalf> halves) {
 double fastest_dps(std::span<const FreshHalf> halves) {
   const RateRange range = rates_of(halves);
   return std::max(range.positive_dps, -range.negative_dps);
-}
-
-double likely_bias_dps(const AngleTrack& track, const GyroErrors& errors) {
-  if (errors.bias_dps) return errors.bias_dps->value;
-  return track.mean_rate_dps();
-}
-
-Prior prior_of(const GyroErrors& errors, double bias_dps) {
-  Prior prior;
-  prior.mean = {0.0, bias_dps, 0.0, errors.scale.value};
-  const double bias_uncertainty_dps =
-      errors.bias_dps ? std::hypot(errors.bias_dps->uncertainty, bias_change_dps) : unknown_bias_dps;
-  prior.uncertainty = {any_offset_s, bias_uncertainty_dps, likely_drift,
-                       std::max(0.001, errors.scale.uncertainty)};
-  return prior;
-}
-
-Layout layout_of(const View& view, bool closed) {
-  return {view.field_of_view_deg / frame_columns, view.mirrored, closed};
-}
-
-Parameters search_offset(Alignment& alignment, const Prior& prior) {
-  Parameters best = prior.mean;
-  double sharpest = alignment.variance(best);
-  const int steps = static_cast<int>(largest_offset_s / offset_step_s);
-  for (int i = -steps; i <= steps; ++i) {
-    Parameters tried = prior.mean;
-    tried[offset_s] = i * offset_step_s;
-    const double variance = alignment.variance(tried);
-    if (variance >= sharpest) continue;
-    sharpest = variance;
-    best = tried;
-  }
-  return best;
 }
 
 }  // namespace thermorig::motion

@@ -2,13 +2,9 @@
 #pragma once
 
 #include <span>
-#include <string>
 #include <vector>
 
-#include "alignment.h"
 #include "half_view.h"
-#include "thermorig/core/sync.h"
-#include "thermorig/motion/panorama_fit.h"
 
 namespace thermorig::motion {
 
@@ -35,20 +31,5 @@ struct RateRange {
   double positive_dps = 0.0;
 };
 RateRange rates_of(std::span<const FreshHalf> halves);
-
-/// The gyro's bias where it is known, else its mean rate: a servo's travel ends somewhere.
-double likely_bias_dps(const AngleTrack& track, const GyroErrors& errors);
-
-/// What is known about the parameters before images are looked at.
-Prior prior_of(const GyroErrors& errors, double bias_dps);
-
-Layout layout_of(const View& view, bool closed);
-
-/// The offset at which the panorama is sharpest, on a coarse grid; the other parameters as the prior has
-/// them.
-Parameters search_offset(Alignment& alignment, const Prior& prior);
-
-/// Beyond that offset a camera's halves cannot be told from their neighbours.
-inline constexpr double largest_offset_s = 0.30;
 
 }  // namespace thermorig::motion

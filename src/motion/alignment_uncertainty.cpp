@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: MIT
+// How well an alignment knows its parameters.
+#include <algorithm>
+#include <cmath>
+
+#include "alignment.h"
+
+namespace thermorig::motion {
+namespace {
+
+constexpr double block_s = 4.0;  // longer than the errors of one sweep and the next go together
+constexpr double least_contrast = 0.02;
+constexpr float least_weight = 1e-3F;
+
+}  // namespace
+
+/// How each view pulls at the parameters, the panorama's share taken out.
+Parameters Alignment::pull(std::size_t index, const Totals& totals) const {
+  const Comparison comparison = compare(index);
+  const PanoramaMap::Place& place = places_[index];
+  Parameters pull{};
+  for (std::size_t p = 0; p < parameter_count; ++p) pull[p] = totals.change[index][p] * totals.lean[index];
+  for (std::size_t column = 0; column < frame_columns; ++column) {
+    const unsigned parity = views_[index].half.parity;
+    const std::size_t left = PanoramaMap::cell(place.left[column], column, parity);
+    const std::size_t right = PanoramaMap::cell(place.right[column], column, parity);
+    for (std::size_t k = 0; k < half_rows; ++k) {
+      const std::size_t i = column * half_rows + k;
+      const float weighted = comparison.weight[i] * comparison.residual[i];
+      if (weighted == 0.0F) continue;
+      const float to_left =
+          (1.0F - place.part[column]) * weighted / std::max(least_weight, map_.weight()[left + k]);
+      const float to_right = place.part[column] * weighted / std::max(least_weight, map_.weight()[right + k]);
+      for (std::size_t p = 0; p < parameter_count; ++p)
+        pull[p] -=
+            static_cast<double>(to_left * totals.push[left + k][p] + to_right * totals.push[right + k][p]);
+    }
+  }
+  return pull;
+}
+
+/// Blocks of the recording pull independently: sum of the squares of what each of them pulls.
+Matrix Alignment::spread_of_pulls(const Totals& totals) const {
+  Matrix spread{};
+  Parameters block{};
+  double blocks = 0.0;
+  const auto block_of = [this](std::size_t i) { return std::floor(views_[i].half.begin_s / block_s); };
+  for (std::size_t k = 0; k < views_.size(); ++k) {
+    const Parameters one = pull(k, totals);
+    for (std::size_t p = 0; p < parameter_count; ++p) block[p] += one[p];
+    if (k + 1 < views_.size() && block_of(k) == block_of(k + 1)) continue;
+    add_product(spread, 1.0, block, block);
+    block = {};
+    blocks += 1.0;
+  }
+  return scaled(spread, blocks / std::max(1.0, blocks - 2.0));
+}
+
+/// Sandwich: the spread of the blocks' pulls, through the inverse curvature, is the parameters' covariance.
+/// Noise makes the panorama's slopes look steeper than the surroundings are, and the curvature with them:
+/// that share is taken out.
+void Alignment::judge(const Totals& totals) {
+  const double steepness = map_.slope_squared();
+  contrast_ = steepness > 0.0 ? std::max(0.0, 1.0 - map_.slope_noise(noise_variance_) / steepness) : 0.0;
+  const double share = std::max(least_contrast, contrast_);
+  const Matrix inverted = inverse(with_prior(scaled(totals.curvature, share / noise_variance_)));
+  const Matrix spread =
+      with_prior(scaled(spread_of_pulls(totals), 1.0 / (noise_variance_ * noise_variance_)));
+  covariance_ = product(product(inverted, spread), inverted);
+}
+
+}  // namespace thermorig::motion

@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <span>
+
+#include "angle_track.h"
+#include "half_view.h"
+#include "normal_equations.h"
+
+namespace thermorig::motion {
+
+/// What is known of the parameters beforehand.
+struct Prior {
+  Parameters mean{0.0, 0.0, 0.0, 1.0};
+  Parameters uncertainty{};
+};
+
+/// The angle from which a half saw the surroundings, for any parameters: mean over its exposure of the gyro's
+/// integral, corrected. Angles count from the middle of what the halves cover, times from their middle.
+class AngleModel {
+ public:
+  AngleModel(std::span<const HalfView> views, const AngleTrack& track, const Prior& prior);
+
+  double angle_deg(const FreshHalf& half, const Parameters& parameters) const;
+  /// Its derivative by each parameter.
+  Parameters change(const FreshHalf& half, const Parameters& parameters) const;
+
+  /// From the middle to either end, with the parameters as they are known beforehand.
+  double reach_deg() const { return reach_deg_; }
+
+ private:
+  struct Exposure {
+    double since_s = 0.0;  // its middle
+    AngleTrack::Mean mean;
+  };
+  Exposure exposure(const FreshHalf& half, const Parameters& parameters) const;
+
+  const AngleTrack& track_;
+  double middle_s_ = 0.0;
+  double middle_deg_ = 0.0;
+  double reach_deg_ = 0.0;
+};
+
+}  // namespace thermorig::motion

@@ -1,0 +1,125 @@
+// SPDX-License-Identifier: MIT
+#include "pixel_model.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <vector>
+
+namespace thermorig::motion {
+namespace {
+
+constexpr double frozen_variance = 1e-4;  // K2: no living pixel is so quiet
+constexpr float noisy_pixel = 9.0F;       // times the median variance: left out
+constexpr float quiet_pixel = 0.25F;      // no pixel counts more than four
+constexpr float least_variance = 1e-9F;
+constexpr std::ptrdiff_t neighbours = 2;  // pixels either way
+constexpr float unknown = std::numeric_limits<float>::quiet_NaN();
+
+using FramePixels = std::array<float, frame_pixels>;
+
+std::size_t frame_index(std::size_t i, unsigned parity) {
+  const std::size_t column = i / half_rows;
+  return row_of(column, i % half_rows, parity) * frame_columns + column;
+}
+
+struct Moments {
+  double count = 0.0;
+  double sum = 0.0;
+  double square = 0.0;
+  float mean_if_alive() const {
+    if (count < 2.0) return unknown;
+    const double mean = sum / count;
+    return square / count - mean * mean > frozen_variance ? static_cast<float>(mean) : unknown;
+  }
+};
+
+FramePixels mean_frame(std::span<const HalfView> views) {
+  std::vector<Moments> moments(frame_pixels);
+  for (const HalfView& view : views)
+    for (std::size_t i = 0; i < half_pixels; ++i) {
+      if (view.trust[i] == 0.0F) continue;
+      Moments& pixel = moments[frame_index(i, view.half.parity)];
+      const auto temp_c = static_cast<double>(view.temp_c[i]);
+      pixel.count += 1.0;
+      pixel.sum += temp_c;
+      pixel.square += temp_c * temp_c;
+    }
+  FramePixels mean{};
+  for (std::size_t i = 0; i < frame_pixels; ++i) mean[i] = moments[i].mean_if_alive();
+  return mean;
+}
+
+float median_around(const FramePixels& frame, std::size_t index) {
+  const auto row = static_cast<std::ptrdiff_t>(index / frame_columns);
+  const auto column = static_cast<std::ptrdiff_t>(index % frame_columns);
+  std::vector<float> around;
+  for (std::ptrdiff_t y = row - neighbours; y <= row + neighbours; ++y)
+    for (std::ptrdiff_t x = column - neighbours; x <= column + neighbours; ++x) {
+      if (y < 0 || x < 0 || y >= std::ptrdiff_t{frame_rows} || x >= std::ptrdiff_t{frame_columns}) continue;
+      const float temp_c = frame[static_cast<std::size_t>(y) * frame_columns + static_cast<std::size_t>(x)];
+      if (!std::isnan(temp_c)) around.push_back(temp_c);
+    }
+  return median(around);
+}
+
+}  // namespace
+
+float median(std::span<float> values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+PixelModel::PixelModel(std::span<const HalfView> views) {
+  const FramePixels mean = mean_frame(views);
+  for (const unsigned parity : {0U, 1U})
+    for (std::size_t i = 0; i < half_pixels; ++i) {
+      const std::size_t pixel = frame_index(i, parity);
+      if (std::isnan(mean[pixel])) continue;
+      weight_[parity][i] = 1.0F;
+      offset_c_[parity][i] = mean[pixel] - median_around(mean, pixel);
+    }
+}
+
+HalfPixels PixelModel::values(const HalfView& view, float half_offset_c) const {
+  const HalfPixels& offset_c = offset_c_[view.half.parity];
+  HalfPixels values;
+  for (std::size_t i = 0; i < half_pixels; ++i) values[i] = view.temp_c[i] - offset_c[i] - half_offset_c;
+  return values;
+}
+
+HalfPixels PixelModel::weights(const HalfView& view) const {
+  const HalfPixels& weight = weight_[view.half.parity];
+  HalfPixels weights;
+  for (std::size_t i = 0; i < half_pixels; ++i) weights[i] = weight[i] * view.trust[i];
+  return weights;
+}
+
+void PixelModel::Residuals::add(const HalfPixels& residual, const HalfPixels& weights) {
+  for (std::size_t i = 0; i < half_pixels; ++i) {
+    const float weighted = weights[i] * residual[i];
+    sum[i] += weighted;
+    square[i] += weighted * residual[i];
+    weight[i] += weights[i];
+  }
+}
+
+void PixelModel::learn(const std::array<Residuals, 2>& residuals) {
+  std::vector<float> variances;
+  for (const Residuals& half : residuals)
+    for (std::size_t i = 0; i < half_pixels; ++i)
+      if (half.weight[i] > 0.0F) variances.push_back(half.square[i] / half.weight[i]);
+  if (variances.empty()) return;
+  const float typical = std::max(least_variance, median(variances));
+  for (const unsigned parity : {0U, 1U})
+    for (std::size_t i = 0; i < half_pixels; ++i) {
+      const Residuals& half = residuals[parity];
+      if (half.weight[i] <= 0.0F) continue;
+      offset_c_[parity][i] += half.sum[i] / half.weight[i];
+      const float variance = std::max(quiet_pixel, half.square[i] / half.weight[i] / typical);
+      weight_[parity][i] = variance > noisy_pixel ? 0.0F : 1.0F / variance;
+    }
+}
+
+}  // namespace thermorig::motion

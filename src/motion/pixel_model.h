@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <array>
+#include <span>
+
+#include "half_view.h"
+
+namespace thermorig::motion {
+
+/// What is peculiar to each pixel: its own offset and how noisy it is, by chess half.
+class PixelModel {
+ public:
+  /// A first idea: how a pixel's mean over all angles differs from its neighbours'. Their smooth part is the
+  /// surroundings, which the angles average only in part. Pixels that never change are left out for good.
+  explicit PixelModel(std::span<const HalfView> views);
+
+  /// Readings without the pixels' offsets and the half's own.
+  HalfPixels values(const HalfView& view, float half_offset_c) const;
+  /// How much each reading counts: 1 for a pixel of average noise.
+  HalfPixels weights(const HalfView& view) const;
+  const HalfPixels& pixel_weights(unsigned parity) const { return weight_[parity]; }
+
+  /// Weighted sums over the halves of one parity.
+  struct Residuals {
+    HalfPixels sum{};
+    HalfPixels square{};
+    HalfPixels weight{};
+    void add(const HalfPixels& residual, const HalfPixels& weights);
+  };
+  /// Takes what is left of each pixel on average into its offset, and its spread into its weight.
+  void learn(const std::array<Residuals, 2>& residuals);
+
+ private:
+  std::array<HalfPixels, 2> offset_c_{};
+  std::array<HalfPixels, 2> weight_{};
+};
+
+/// The middle one; the values change their order.
+float median(std::span<float> values);
+
+}  // namespace thermorig::motion
