@@ -14,10 +14,12 @@ namespace thermorig::timing {
 namespace {
 constexpr double shortest_horizon_s = 1.0;  // a busy host stalls for less
 constexpr double longest_horizon_s = 64.0;
-constexpr double longest_stall_s = 0.3;       // of a reader on a busy host; anything longer is an outage
-constexpr double clear_periods = 0.6;         // so much later than before is a message lost
-constexpr double suspect_periods = 0.5;       // where bytes were lost
-constexpr double quiet_periods = 0.2;         // a horizon is long enough if the least lateness varies less
+constexpr std::size_t fewest_horizons =
+    16;                                  // in a recording, if one longer than the shortest is to be trusted
+constexpr double longest_stall_s = 0.3;  // of a reader on a busy host; anything longer is an outage
+constexpr double clear_periods = 0.6;    // so much later than before is a message lost
+constexpr double suspect_periods = 0.5;  // where bytes were lost
+constexpr double quiet_periods = 0.2;    // a horizon is long enough if the least lateness varies less
 constexpr std::size_t windows_a_horizon = 4;  // length of a window in which a period is measured
 constexpr double settled_periods = 0.2;
 constexpr double wander = 1000e-6;  // of a clock from its mean rate, at most
@@ -105,7 +107,7 @@ class Numbering {
       horizon_ = messages_in(horizon_s, period_s_);
       unrest_ = least_lateness_varies();
       if (unrest_ <= quiet_periods) return true;
-      if (horizon_ >= latest_s_.size()) break;
+      if (fewest_horizons * horizon_ >= latest_s_.size()) break;
     }
     return false;  // not a steady device, or far too irregular a link: nothing can be said to be lost
   }

@@ -44,7 +44,17 @@ std::vector<std::int64_t> number_messages(std::span<const HostTime> latest, std:
                                           double nominal_rate_hz);
 
 /// A device's clock over a whole recording from one-way inequalities alone: the highest smooth curve below
-/// all of them, sliding, degree 2. Robust to outages, wandering clocks and a loaded host.
+/// all of them, sliding, degree 2, minus what even the fastest byte is expected to be late by. Robust to
+/// outages, wandering clocks and a loaded host.
+///
+/// What is bounded is the device's steady instant: the one from which a message would begin `latency_s` later
+/// if the device never dawdled. A device that computes now and then a little longer (a camera's bridge) only
+/// begins later, so what was read proves it too.
+/// `later_s` is proven: the sharpest of all inequalities, carried over by a clock that stays within
+/// PortProfile::wander_ppm of its mean rate (to which a short recording adds what its mean rate is uncertain
+/// by). `earlier_s` rests on PortProfile::largest_constant_delay_s: an inequality that holds the curve up is
+/// late by no more than that, or by that and the longest silence on a link that sends on silence; between
+/// such inequalities what the wander allows is added.
 struct ArrivalClock {
   std::vector<TimeEstimate> times;  // of each message: when its first byte began, minus the latency
   ClockReport report;

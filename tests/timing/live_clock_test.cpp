@@ -1,0 +1,150 @@
+// SPDX-License-Identifier: MIT
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+#include "recorded_stream.h"
+#include "thermorig/timing/link_timing.h"
+
+namespace thermorig::timing {
+namespace {
+
+using simulation::UsbLink;
+
+constexpr double ms = 1e-3;
+
+std::vector<TestLink> links(bool loaded_host) {
+  return {{"ftdi16", UsbLink::ftdi, 0.016, loaded_host},
+          {"ftdi1", UsbLink::ftdi, 0.001, loaded_host},
+          {"ch340", UsbLink::ch340, 0.016, loaded_host},
+          {"cdc", UsbLink::cdc, 0.016, loaded_host}};
+}
+
+/// Errors from `begin_s` to `end_s` of the recording.
+ErrorSizes errors(const RecordedStream& stream, const std::vector<Stamp>& stamps, double begin_s,
+                  double end_s = 1e9) {
+  ErrorSizes sizes;
+  for (std::size_t i = 0; i < stamps.size(); ++i) {
+    const double at_s = to_s(stream.sample_time[i] - stream.sample_time[0]);
+    if (at_s >= begin_s && at_s < end_s) sizes.add(to_s(stamps[i].time - stream.sample_time[i]));
+  }
+  return sizes;
+}
+
+void expect_in_order(const std::vector<Stamp>& stamps) {
+  for (std::size_t i = 1; i < stamps.size(); ++i) ASSERT_GE(stamps[i].time, stamps[i - 1].time) << i;
+}
+
+TEST(LiveClock, IsGoodAfterTenSecondsOnEveryLink) {
+  for (const bool loaded : {false, true})
+    for (const TestLink& link : links(loaded))
+      for (const Device device : {Device::camera, Device::gyro}) {
+        ErrorSizes pooled;
+        for (const std::uint64_t seed : {1, 2}) {
+          const RecordedStream stream = record_stream(device, link, seed, 30.0);
+          const auto stamps = stamp_stream(stream, stream.nominal_rate_hz);
+          expect_in_order(stamps);
+          for (std::size_t i = 0; i < stamps.size(); ++i)
+            if (stream.sample_time[i] - stream.sample_time[0] > from_s(10.0))
+              pooled.add(to_s(stamps[i].time - stream.sample_time[i]));
+        }
+        EXPECT_LE(pooled.quantile(0.99), 1.5 * ms) << link.name << (loaded ? " loaded" : " idle");
+      }
+}
+
+TEST(LiveClock, BeginsNoWorseThanTheProofsAlone) {
+  const RecordedStream stream = record_stream(Device::gyro, links(false)[0], 2, 12.0);
+  const auto stamps = stamp_stream(stream, stream.nominal_rate_hz);
+  const auto alone = stamp_stream(stream, 0.0);
+  EXPECT_LE(errors(stream, stamps, 0.0, 3.0).rms(), errors(stream, alone, 0.0, 3.0).rms());
+  EXPECT_LE(errors(stream, stamps, 3.0, 10.0).quantile(0.99), 3.0 * ms);
+}
+
+TEST(LiveClock, KeepsItsBounds) {
+  for (const TestLink& link : links(true)) {
+    const RecordedStream stream = record_stream(Device::gyro, link, 7, 40.0);
+    const auto stamps = stamp_stream(stream, stream.nominal_rate_hz);
+    for (std::size_t i = 0; i < stamps.size(); ++i)
+      EXPECT_GE(stamps[i].time + from_s(stamps[i].later_s) + from_s(1e-7), stream.sample_time[i]);
+    for (std::size_t i = stamps.size() / 2; i < stamps.size(); ++i)
+      EXPECT_LE(stamps[i].time - from_s(stamps[i].earlier_s), stream.sample_time[i]) << link.name;
+  }
+}
+
+TEST(LiveClock, NeedsNoMoreThanAHintOfTheRate) {
+  const RecordedStream stream = record_stream(Device::camera, links(false)[2], 3, 60.0);
+  for (const double nominal_hz : {8.0, 4.0, 16.0})
+    EXPECT_LE(errors(stream, stamp_stream(stream, nominal_hz), 15.0).quantile(0.99), 1.5 * ms) << nominal_hz;
+}
+
+TEST(LiveClock, GoesOnAfterAnOutage) {
+  const std::vector<simulation::Outage> outage{
+      {Device::camera, HostTime(from_s(20.0)), HostTime(from_s(50.0))}};
+  for (const TestLink& link : links(true)) {
+    const RecordedStream stream = record_stream(Device::camera, link, 2, 90.0, outage);
+    const auto stamps = stamp_stream(stream, stream.nominal_rate_hz);
+    expect_in_order(stamps);
+    EXPECT_LE(errors(stream, stamps, 60.0).quantile(0.99), 2.0 * ms) << link.name;
+    EXPECT_LE(errors(stream, stamps, 49.0, 60.0).largest(), 40.0 * ms) << link.name;
+  }
+}
+
+TEST(LiveClock, CountsWhatWasDamagedAtOnce) {
+  const RecordedStream whole = record_stream(Device::gyro, links(true)[0], 4, 40.0);
+  const RecordedStream gyro = whole.without([](std::size_t i) { return i % 900 == 450; }, true);
+  EXPECT_LE(errors(gyro, stamp_stream(gyro, 200.0), 10.0).quantile(0.99), 1.5 * ms);
+}
+
+TEST(LiveClock, RenumbersWhenTheStreamNeverCatchesUp) {
+  const RecordedStream whole = record_stream(Device::gyro, links(true)[0], 4, 40.0);
+  const RecordedStream gyro = whole.without([](std::size_t i) { return i >= 4000 && i < 4003; }, false);
+  const auto stamps = stamp_stream(gyro, 200.0);
+  expect_in_order(stamps);
+  EXPECT_LE(errors(gyro, stamps, 22.0).quantile(0.99), 1.5 * ms);
+}
+
+TEST(LiveClock, FallsBackToTheProofWhereThereIsNoSteadyRate) {
+  std::mt19937 random(2);
+  std::exponential_distribution<double> pause_s(50.0);
+  LinkTiming timing(PortProfile{.baud = 115200}, 50.0);
+  double at_s = 1.0;
+  int by_proof = 0;
+  for (std::uint64_t i = 0; i < 5000; ++i) {
+    at_s += pause_s(random);
+    timing.chunk(11 * (i + 1), HostTime(from_s(at_s + wire_time_s(11, 115200))));
+    const Stamp stamp = timing.stamp({11 * i, 11 * (i + 1)});
+    by_proof += i > 1000 && std::abs(to_s(stamp.time.time_since_epoch()) - at_s) < 1e-6;
+  }
+  EXPECT_GT(by_proof, 3500);
+}
+
+TEST(LiveClock, FollowsADevicesOwnTimeOverAReset) {
+  LinkTiming timing(PortProfile{}, 100.0);
+  std::mt19937 random(4);
+  std::uniform_real_distribution<double> late_s(0.0, 0.01);
+  for (std::uint64_t i = 0; i < 6000; ++i) {
+    const double host_s = 5.0 + 0.01 * static_cast<double>(i);
+    const double device_s = 0.01 * static_cast<double>(i < 3000 ? i : i - 3000);
+    timing.chunk(10 * (i + 1), HostTime(from_s(host_s + late_s(random))));
+    const Stamp stamp = timing.stamp({10 * i, 10 * (i + 1)}, {.device_s = device_s});
+    const double error_s = to_s(stamp.time.time_since_epoch()) - host_s;
+    EXPECT_LE(std::abs(error_s), i % 3000 > 1000 ? 1.0 * ms : 12.0 * ms) << i;
+  }
+}
+
+TEST(LiveClock, SurvivesTimesThatAreNone) {
+  LinkTiming timing(PortProfile{}, 100.0);
+  HostTime before = HostTime::min();
+  for (std::uint64_t i = 0; i < 500; ++i) {
+    const double device_s = i % 3 == 0 ? std::nan("") : i % 3 == 1 ? 1e300 : -1.0 * static_cast<double>(i);
+    timing.chunk(10 * (i + 1), HostTime(from_s(i % 2 == 0 ? 3.0 : 2.0)));
+    const Stamp stamp =
+        timing.stamp({10 * i, 10 * (i + 1)}, {.lost_before = i % 5 == 0, .device_s = device_s});
+    EXPECT_GE(stamp.time, before);
+    before = stamp.time;
+  }
+}
+
+}  // namespace
+}  // namespace thermorig::timing

@@ -1,0 +1,106 @@
+// SPDX-License-Identifier: MIT
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+#include "recorded_stream.h"
+#include "thermorig/timing/arrivals.h"
+
+namespace thermorig::timing {
+namespace {
+
+using simulation::UsbLink;
+
+const TestLink busy_ftdi{"ftdi16", UsbLink::ftdi, 0.016, true};
+const TestLink ftdi_1_ms{"ftdi1", UsbLink::ftdi, 0.001, false};
+
+TEST(Numbering, CountsNoLateReadAsALoss) {
+  for (const std::uint64_t seed : {1, 2, 3}) {
+    const RecordedStream gyro = record_stream(Device::gyro, busy_ftdi, seed, 60.0);
+    EXPECT_EQ(fit_stream(gyro).number, gyro.index);
+  }
+}
+
+TEST(Numbering, FindsFramesThatNobodySawGoMissing) {
+  const RecordedStream whole = record_stream(Device::camera, busy_ftdi, 4, 120.0);
+  const auto lost = [](std::size_t i) { return i == 100 || i == 300 || i == 301 || i == 302 || i == 700; };
+  const RecordedStream camera = whole.without(lost, false);
+  const FittedStream fitted = fit_stream(camera);
+  EXPECT_EQ(fitted.number, camera.index);
+  ASSERT_EQ(fitted.clock.report.gaps.size(), 3U);
+  EXPECT_EQ(fitted.clock.report.gaps[1].missing, 3U);
+}
+
+TEST(Numbering, FindsSamplesThatWereDamaged) {
+  for (const TestLink& link : {busy_ftdi, ftdi_1_ms}) {
+    const RecordedStream whole = record_stream(Device::gyro, link, 5, 60.0);
+    std::mt19937 random(1);
+    const auto lost = [&](std::size_t i) { return i > 0 && i < 11000 && random() % 2000 == 0; };
+    const RecordedStream gyro = whole.without(lost, true);
+    ASSERT_LT(gyro.spans.size(), whole.spans.size());
+    EXPECT_EQ(fit_stream(gyro).number, gyro.index) << link.name;
+  }
+}
+
+TEST(Numbering, CountsSamplesThatNobodySawGoMissing) {
+  const RecordedStream whole = record_stream(Device::gyro, ftdi_1_ms, 6, 60.0);
+  const RecordedStream gyro = whole.without([](std::size_t i) { return i % 3000 == 1500; }, false);
+  const auto number = fit_stream(gyro).number;
+  EXPECT_EQ(number.back(), gyro.index.back());
+  int wrong = 0;
+  for (std::size_t i = 0; i < number.size(); ++i) wrong += number[i] != gyro.index[i];
+  EXPECT_LT(wrong, 100);  // where exactly is a guess
+}
+
+/// Proofs of a device of `rate_hz`, a little late each.
+std::vector<HostTime> proofs(double rate_hz, int count, const auto& is_lost) {
+  std::mt19937 random(3);
+  std::uniform_real_distribution<double> late_s(0.0, 0.004);
+  std::vector<HostTime> latest;
+  for (int i = 0; i < count; ++i)
+    if (!is_lost(i)) latest.push_back(HostTime(from_s(i / rate_hz + late_s(random))));
+  return latest;
+}
+
+TEST(Numbering, NeedsTheNominalRateOnlyAsAHint) {
+  const auto lost = [](int i) { return i == 90; };
+  for (const double nominal_hz : {8.0, 4.0, 3.93, 0.0, std::nan("")}) {
+    const auto number = number_messages(proofs(3.92, 200, lost), {}, nominal_hz);
+    EXPECT_EQ(number[89], 89) << nominal_hz;
+    EXPECT_EQ(number[90], 91) << nominal_hz;
+    EXPECT_EQ(number.back(), 199) << nominal_hz;
+  }
+}
+
+TEST(Numbering, ClaimsNoLossOnADeviceWithoutASteadyRate) {
+  std::mt19937 random(9);
+  std::exponential_distribution<double> pause_s(50.0);
+  std::vector<HostTime> latest{HostTime(from_s(1.0))};
+  for (int i = 0; i < 3000; ++i) latest.push_back(latest.back() + from_s(pause_s(random)));
+  const auto number = number_messages(latest, {}, 50.0);
+  EXPECT_EQ(number.back(), 3000);
+}
+
+TEST(Numbering, AscendsWhateverComes) {
+  const auto none = [](int) { return false; };
+  std::vector<std::vector<HostTime>> streams{{},
+                                             proofs(100.0, 1, none),
+                                             proofs(100.0, 2, none),
+                                             std::vector<HostTime>(50, HostTime(from_s(3.0))),
+                                             std::vector<HostTime>(50, HostTime::max())};
+  streams.push_back(proofs(100.0, 500, none));
+  std::reverse(streams.back().begin(), streams.back().end());
+  streams.push_back(
+      {HostTime::min(), HostTime::max(), HostTime{}, HostTime::min(), HostTime::max(), HostTime{}});
+  for (const auto& latest : streams) {
+    const auto number = number_messages(latest, {}, 100.0);
+    ASSERT_EQ(number.size(), latest.size());
+    for (std::size_t i = 0; i < number.size(); ++i)
+      EXPECT_TRUE(i == 0 ? number[i] == 0 : number[i] > number[i - 1]);
+  }
+}
+
+}  // namespace
+}  // namespace thermorig::timing
