@@ -19,7 +19,7 @@ HostTime newest_middle(const TimedFrame& frame) {
 
 void FrameSchedule::frame(const TimedFrame& frame) {
   const std::int64_t number = seen_.empty() ? 0 : seen_.back().number + 1 + frame.missing_before;
-  seen_.push_back({newest_middle(frame), number});
+  seen_.push_back({newest_middle(frame), frame.stamp.arrival, number});
   if (seen_.size() > frames_kept) seen_.pop_front();
 }
 
@@ -47,6 +47,14 @@ HostTime FrameSchedule::next_middle() const {
   for (std::size_t i = first; i < seen_.size(); ++i)
     earliest = std::min(earliest, seen_[i].middle + (next - seen_[i].number) * period);
   return earliest;
+}
+
+HostDuration FrameSchedule::delay() const {
+  assert(!seen_.empty());
+  const auto delay_of = [](const Seen& seen) { return seen.arrival - seen.middle; };
+  HostDuration least = delay_of(seen_.back());
+  for (const Seen& seen : seen_) least = std::min(least, delay_of(seen));
+  return least;
 }
 
 }  // namespace thermorig::rig

@@ -53,9 +53,22 @@ void SweepWalker::frame(const TimedFrame& frame) {
   const HostDuration doubt = from_s(doubtful_periods / frames_.rate_hz());
   const HostTime middle = newest_middle(frame);
   if (phase_ == SweepPhase::leg) leg_.frame(middle, frame.stamp.arrival, doubt);
-  if (!left_leg_) return;
-  left_leg_->frame(middle, frame.stamp.arrival, doubt);
-  if (left_leg_->is_over()) settle_left_leg(frame.stamp.arrival);
+  if (left_leg_) frame_of_left_leg(middle, frame.stamp.arrival, doubt);
+}
+
+// Where a frame is lost, a clock that knows the past alone takes the next one for it, read late. Halfway
+// between the arrivals of the two, the later is doubted; it is the last one after all if one more comes in
+// time.
+void SweepWalker::frame_of_left_leg(HostTime middle, HostTime arrival, HostDuration doubt) {
+  ++frames_since_left_;
+  if (!left_leg_->is_over()) {
+    left_leg_->frame(middle, arrival, doubt);
+    last_is_late_ = left_leg_->missing() <= 0 && arrival > *left_leg_->left() + frames_.delay();
+  }
+  if (left_leg_->is_over() && (!last_is_late_ || frames_since_left_ > 1)) {
+    last_is_late_ = false;
+    settle_left_leg(arrival);
+  }
 }
 
 void SweepWalker::telemetry(const TimedServo& servo) {
@@ -82,8 +95,7 @@ void SweepWalker::start(HostTime now) {
 }
 
 void SweepWalker::tick(HostTime now) {
-  if (left_leg_ && to_s(now - *left_leg_->left()) > last_frame_periods / frames_.rate_hz())
-    settle_left_leg(now);
+  if (left_leg_ && now > *left_leg_->left() + frames_.delay() + frames_.period()) settle_left_leg(now);
   if (drives()) judge_open_steps(now);
   if (watch_for_trouble(now)) return;
   switch (phase_) {
@@ -192,6 +204,8 @@ bool SweepWalker::is_between_frames(HostTime now) const {
 void SweepWalker::leave_leg(HostTime now) {
   leg_.leave(now);
   left_leg_ = leg_;
+  frames_since_left_ = 0;
+  last_is_late_ = false;
   finish_step(now);
   failures_ = 0;
   if (left_leg_->is_over()) settle_left_leg(now);
@@ -208,7 +222,8 @@ void SweepWalker::note_leg_start(HostTime acknowledged) {
 // A leg that lacks its last frame is driven once more, after the one that has begun meanwhile.
 void SweepWalker::settle_left_leg(HostTime now) {
   if (!left_leg_) return;
-  const DrivenLeg leg = *std::exchange(left_leg_, std::nullopt);
+  DrivenLeg leg = *std::exchange(left_leg_, std::nullopt);
+  if (std::exchange(last_is_late_, false)) leg.take_back();
   write_down(leg, now);
   if (leg.is_whole() || phase_ == SweepPhase::stopping || phase_ == SweepPhase::done) return;
   drive_again({.index = static_cast<std::size_t>(leg.record().step), .was_short = true}, now);

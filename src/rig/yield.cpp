@@ -25,6 +25,31 @@ double ramps_deg(double rate_dps, const ServoProfile& servo) {
   return rate_dps * rate_dps / servo.acceleration_dps2;  // one at either end
 }
 
+/// The servo's own loop, of second order with damping 0.7, at its end of a ramp.
+class Loop {
+ public:
+  explicit Loop(const ServoProfile& servo)
+      : acceleration_dps2_(servo.acceleration_dps2), loop_rad_(2.0 * std::numbers::pi * servo.loop_hz) {}
+
+  /// How far the shaft's speed is behind, `t` seconds after the end of a ramp that was long.
+  double error_dps(double t) const {
+    const double oscillation_rad = loop_rad_ * std::sqrt(1.0 - damping * damping);
+    const double lag_s = 2.0 * damping / loop_rad_;
+    const double swing_s = (2.0 * damping * damping - 1.0) / oscillation_rad;
+    return acceleration_dps2_ * std::exp(-damping * loop_rad_ * t) *
+           (lag_s * std::cos(oscillation_rad * t) + swing_s * std::sin(oscillation_rad * t));
+  }
+
+  /// What the shaft's speed has changed by, `t` seconds after the begin of a ramp.
+  double drop_dps(double t) const { return acceleration_dps2_ * t - (error_dps(0.0) - error_dps(t)); }
+
+ private:
+  static constexpr double damping = 0.7;
+  double acceleration_dps2_;
+  double loop_rad_;
+};
+constexpr double loop_step_s = 0.001;
+
 double stroke_deg(const ServoProfile& servo) {
   const auto limit_deg = angle_limit_deg(servo);
   return limit_deg ? 2.0 * *limit_deg : endless;
@@ -60,17 +85,18 @@ double sweep_constant_s(double rate_dps, const ServoProfile& servo) {
   return std::max(0.0, stroke_deg(servo) - ramps_deg(rate_dps, servo)) / std::abs(rate_dps);
 }
 
-// After a ramp of acceleration a the shaft of a second-order loop lags by a * 2 * damping / w, which decays
-// with damping * w; a ramp too short for that leaves no more than the change of speed itself.
+// Where a ramp ends, what the loop lags behind dies away; where the next one begins, the shaft keeps the
+// speed for a little longer. A pure delay shifts both alike.
 double settling_s(double rate_dps, const ServoProfile& servo) {
-  constexpr double damping = 0.7;
-  const double loop_rad = 2.0 * std::numbers::pi * servo.loop_hz;
-  const double change_dps = 2.0 * std::abs(rate_dps);
-  const double lag_dps = std::min(change_dps, servo.acceleration_dps2 * 2.0 * damping / loop_rad);
+  const Loop loop(servo);
   const double tolerance_dps = std::max(tolerance_least_dps, tolerance_share * std::abs(rate_dps));
-  const double decay_s = std::log(std::max(1.0, lag_dps / tolerance_dps)) / (damping * loop_rad);
-  const double onset_s = std::cbrt(6.0 * tolerance_dps / (servo.acceleration_dps2 * loop_rad * loop_rad));
-  return std::clamp(decay_s - onset_s, 0.0, servo.settle_s);
+  const double ramp_s = 2.0 * std::abs(rate_dps) / servo.acceleration_dps2;  // a reversal's
+  double settled_s = 0.0, kept_s = 0.0;
+  for (double t = 0.0; t < servo.settle_s; t += loop_step_s) {
+    if (std::abs(loop.error_dps(t) - loop.error_dps(t + ramp_s)) > tolerance_dps) settled_s = t + loop_step_s;
+    if (loop.drop_dps(t) <= tolerance_dps) kept_s = t;
+  }
+  return std::clamp(settled_s - kept_s, 0.0, servo.settle_s);
 }
 
 // Frames come every period at a phase that is not known: on average so many begin early enough to end in

@@ -35,6 +35,9 @@ class DrivenLeg {
   /// leg it must lie to be counted.
   void frame(HostTime middle, HostTime arrival, HostDuration doubt);
 
+  /// The frame that was counted last is another one, of the leg after this.
+  void take_back() { --record_.frames; }
+
   /// Nothing more will come: a frame behind its end has come, or it has all.
   bool is_over() const { return over_ || missing() <= 0; }
   bool is_whole() const { return record_.frames >= planned_; }

@@ -24,9 +24,13 @@ class FrameSchedule {
   /// Middle of the newest half's exposure of the frame after the latest. There must have been a frame.
   HostTime next_middle() const;
 
+  /// From that middle to the frame's arrival, when nothing is late. There must have been a frame.
+  HostDuration delay() const;
+
  private:
   struct Seen {
     HostTime middle{};
+    HostTime arrival{};
     std::int64_t number = 0;  // those that never came are counted
   };
   double nominal_rate_hz_;

@@ -105,6 +105,7 @@ class SweepWalker {
   bool is_between_frames(HostTime now) const;
   void leave_leg(HostTime now);
   void write_down(const DrivenLeg& leg, HostTime now);
+  void frame_of_left_leg(HostTime middle, HostTime arrival, HostDuration doubt);
   void settle_left_leg(HostTime now);
   double frames_to_quota() const;
   int frames_awaited() const;
@@ -162,6 +163,8 @@ class SweepWalker {
   DrivenLeg leg_;
   HostTime run_ends_{};                // of the RUN command that was sent last
   std::optional<DrivenLeg> left_leg_;  // its last frame is still on its way
+  int frames_since_left_ = 0;
+  bool last_is_late_ = false;  // what was counted as its last frame may be the one after
   double transit_target_deg_ = 0.0;
   HostTime transit_limit_{};
   std::optional<TimedServo> last_telemetry_;
