@@ -17,6 +17,12 @@ constexpr double least_contrast = 0.15;
 // little less by it than coarse structure: as much as the surroundings make of it is not known.
 constexpr double lag_error_s = 0.0003;
 
+/// Both halves of a frame get its whole span where nobody knows which one came first.
+bool is_order_unknown(const FreshHalf& half) {
+  const auto& exposures = half.frame->half;
+  return exposures[0].begin == exposures[1].begin && exposures[0].end == exposures[1].end;
+}
+
 /// Why those halves cannot tell a delay.
 std::string refusal(std::span<const FreshHalf> halves) {
   const RateRange rates = rates_of(halves);
@@ -36,8 +42,11 @@ bool is_told(const Alignment& alignment) {
 CameraOffset camera_offset(std::span<const TimedFrame> frames, std::span<const TimedGyro> gyro,
                            const View& view, const GyroErrors& errors) {
   CameraOffset result;
-  const Evidence evidence = gather(frames, gyro, view, errors);
+  Evidence evidence = gather(frames, gyro, view, errors);
   result.why_not = evidence.why_not.empty() ? refusal(evidence.halves) : evidence.why_not;
+  std::erase_if(evidence.halves, is_order_unknown);
+  if (result.why_not.empty() && evidence.halves.size() < fewest_halves)
+    result.why_not = "which half of a frame is newer is not known";
   if (!result.why_not.empty()) return result;
   std::vector<Estimate> told;
   Parameters start = evidence.prior.mean;

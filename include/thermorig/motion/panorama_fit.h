@@ -26,31 +26,38 @@ struct View {
   bool mirrored = true;
 };
 
-/// How much the camera is later (positive) than its stamps say, against the gyro. Needs motion in both
-/// directions over the same surroundings. `frames` carry the exposures of both halves; `gyro` the rate about
-/// the axis; both as finally stamped. The uncertainty is from the spread among blocks of the recording.
+/// How much the camera is later (positive) than its stamps say, against the gyro: to be taken off its times.
+/// It includes the lag with which the pixels' membranes follow the scene (some ten milliseconds), which no
+/// clock shows: what is measured is when the camera saw what it shows. Needs motion in both directions over
+/// the same surroundings. `frames` carry the exposures of both halves; `gyro` the rate about the axis; both
+/// as finally stamped, and in order. The uncertainty is from the spread among blocks of the recording, and at
+/// least 0.3 ms, since a lag delays fine structure less than coarse. Searched within 0.3 s either way.
 CameraOffset camera_offset(std::span<const TimedFrame> frames, std::span<const TimedGyro> gyro,
                            const View& view, const GyroErrors& errors);
 
-/// Full-fresh camera: which chess half (0 even, 1 odd) is the newer one in every frame. None: cannot be told.
+/// Full-fresh camera: which chess half (0 even, 1 odd) is the newer one in every frame. What
+/// `TimedFrame::half` says is not used. None: cannot be told, or the frames are half-fresh.
 std::optional<unsigned> newer_half(std::span<const TimedFrame> frames, std::span<const TimedGyro> gyro,
                                    const View& view, const GyroErrors& errors);
 
 /// The gyro's scale from at least one whole turn that closes in the image (the whole rig may be turned, by
-/// hand or by the servo). None, and why, where no turn closes.
+/// hand or by the servo). Owes nothing to the scale in `errors` but where to look (three of its uncertainties
+/// either way); the bias in `errors` matters where a turn goes one way only. None, and why, where no turn
+/// closes.
 struct TurnResult {
   std::optional<Estimate> gyro_scale;
-  double turned_deg = 0.0;  // by the corrected gyro
-  std::string why_not;
+  double turned_deg = 0.0;  // from the one end to the other within a window of about a minute, by the gyro
+  std::string why_not;      // ready to print, if there is no scale
 };
 TurnResult gyro_scale(std::span<const TimedFrame> frames, std::span<const TimedGyro> gyro, const View& view,
                       const GyroErrors& errors);
 
-/// Is the image mirrored, given that the gyro's rate has the right sign? None: cannot be told.
+/// Is the image mirrored, given that the gyro's rate has the right sign? `view.mirrored` is not used. One
+/// direction of turning is enough. None: cannot be told.
 struct Orientation {
   std::optional<bool> mirrored;
-  double contrast = 0.0;  // how much sharper the better choice is, 0..1
-  std::string why_not;
+  double contrast = 0.0;  // how much more of the images the better choice explains, 0..1
+  std::string why_not;    // ready to print, if it cannot be told
 };
 Orientation orientation(std::span<const TimedFrame> frames, std::span<const TimedGyro> gyro, const View& view,
                         const GyroErrors& errors);

@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: MIT
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "thermorig/motion/panorama_fit.h"
+#include "turning_rig.h"
+
+namespace thermorig::motion {
+namespace {
+
+TurnResult scale_of(const Turning& turning) {
+  return gyro_scale(turning.frames, turning.gyro, {}, turning.errors);
+}
+
+void expect_scale(const Turning& turning, unsigned seed) {
+  const TurnResult found = scale_of(turning);
+  ASSERT_TRUE(found.gyro_scale) << seed << ": " << found.why_not;
+  EXPECT_NEAR(found.gyro_scale->value, turning.true_scale, 0.003) << seed;
+  EXPECT_NEAR(found.gyro_scale->value, turning.true_scale, 4.0 * found.gyro_scale->uncertainty) << seed;
+  EXPECT_LT(found.gyro_scale->uncertainty, 0.003) << seed;
+  EXPECT_GT(found.turned_deg, 340.0);
+}
+
+TEST(GyroScale, IsKnownFromAServoThatTurnsMoreThanOnce) {
+  for (unsigned seed = 1; seed <= 5; ++seed) {
+    auto config = simulation::default_rig(seed, environment_of(seed));
+    config.gyro_grade = seed % 2 == 0 ? simulation::GyroGrade::mpu6050_raw : simulation::GyroGrade::typical;
+    expect_scale(turn(config, back_and_forth(90.0, 5.0, 62.0), 62.0), seed);
+  }
+}
+
+TEST(GyroScale, IsKnownFromOneTurnByHandBetweenRests) {
+  for (unsigned seed = 1; seed <= 5; ++seed) {
+    auto config = simulation::default_rig(seed, environment_of(seed));
+    const double angle_deg = seed % 2 == 0 ? 360.0 : -366.0;
+    config.hand_turns.push_back({HostTime(from_s(6.0)), 12.0, angle_deg});
+    const Turning turning = turn(config, {}, 26.0);
+    const TurnResult found = scale_of(turning);
+    if (found.gyro_scale)
+      expect_scale(turning, seed);
+    else  // a bare wall where the turn closes
+      EXPECT_NE(found.why_not.find("where the turn closes"), std::string::npos);
+  }
+}
+
+TEST(GyroScale, OwesNothingToTheScaleThatIsAssumed) {
+  Turning turning = turn(simulation::default_rig(3, "kitchen"), back_and_forth(90.0, 5.0, 62.0), 62.0);
+  turning.errors.scale = {1.03, 0.03};
+  expect_scale(turning, 3);
+}
+
+TEST(GyroScale, IsNotToldWhereNoTurnCloses) {
+  const TurnResult found =
+      scale_of(turn(simulation::default_rig(1, "garden"), back_and_forth(60.0, 3.0, 62.0), 62.0));
+  EXPECT_FALSE(found.gyro_scale);
+  EXPECT_NEAR(found.turned_deg, 185.0, 10.0);
+  EXPECT_NE(found.why_not.find("no turn closes"), std::string::npos) << found.why_not;
+}
+
+TEST(GyroScale, IsNotToldBeforeABlindWall) {
+  Turning turning = turn(simulation::default_rig(1, "laboratory"), back_and_forth(90.0, 5.0, 32.0), 32.0);
+  make_wall(turning, 0.6F);
+  const TurnResult found = scale_of(turning);
+  EXPECT_FALSE(found.gyro_scale);
+  EXPECT_NE(found.why_not.find("show too little"), std::string::npos) << found.why_not;
+}
+
+}  // namespace
+}  // namespace thermorig::motion
