@@ -73,8 +73,8 @@ TEST_P(Truth, ValidLabelsAreTheShaftsMeanSpeed) {
       const double shaft_dps = sweep.frames.at(sample.frame_index).mean_rate_dps;
       EXPECT_NEAR(sample.rate_label_dps, shaft_dps, 2.0 + 0.04 * std::abs(shaft_dps)) << sample.frame_index;
     }
-    EXPECT_GT(valid, 70U);
-    EXPECT_GE(legs.size(), 2U);  // this servo's dead band may keep it from going steadily at 30 deg/s
+    EXPECT_GT(valid, 100U);
+    EXPECT_EQ(legs.size(), 3U);
   }
 }
 
