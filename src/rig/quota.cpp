@@ -40,9 +40,9 @@ void ValidQuota::sample(const LabelledSample& sample) {
   if (speed != speeds_.end()) ++speed->second.valid;
 }
 
-int ValidQuota::missing(std::size_t step) const {
+int ValidQuota::missing(std::size_t step, int spare) const {
   const SpeedQuota& speed = speeds_.at(hundredths(step_rates_dps_[step]));
-  return std::max(0, wanted_by_step_[step] - speed.valid);
+  return std::max(0, wanted_by_step_[step] + spare - speed.valid);
 }
 
 std::vector<SpeedQuota> ValidQuota::speeds() const {

@@ -12,7 +12,9 @@ namespace thermorig::rig {
 
 namespace {
 
-constexpr int margin_frames = 1;          // of those that have no label yet, so many may turn out invalid
+// Of frames that have no label yet, so many may turn out invalid; and of a leg that goes back and forth, by
+// the session's labels, which see the bends of each sweep with better clocks.
+constexpr int margin_frames = 1;
 constexpr double reaction_s = 0.25;       // from here to the servo's next command
 constexpr double label_patience_s = 3.0;  // a frame waits a second at most for its label
 constexpr double patience = 1.5;          // a step may take so many times the frames that it should
@@ -63,7 +65,8 @@ int SweepWalker::frames_that_fit() const {
 /// The leg has its frames: goes on if they are not valid enough. Says whether it does.
 bool SweepWalker::extend_leg(HostTime now) {
   const std::size_t step = to_drive_.front().index;
-  const int missing = quota_.missing(step);
+  const int spare = plan_.valid_per_leg > 0 && leg_.turn_back() ? margin_frames : 0;
+  const int missing = quota_.missing(step, spare);
   if (missing == 0 || gives_up(step, leg_.record().frames, now)) return false;
   const int wanted = missing + margin_frames - frames_awaited();
   const int more = std::min(leg_.turn_back() ? 1 : wanted, frames_that_fit());

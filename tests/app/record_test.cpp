@@ -83,6 +83,74 @@ TEST_F(Record, GivesTheDryRunAsJson) {
   for (const auto& check : lines[0]["checks"]) EXPECT_EQ(check["ok"], true) << check;
 }
 
+TEST_F(Record, ShowsWhatEachSpeedYieldsBeforeAnythingMoves) {
+  const Outcome outcome = run(fast + "--dry-run --simulated-servo 180 --speeds 20,200");
+  EXPECT_EQ(outcome.code, 0) << outcome.err;
+  EXPECT_THAT(outcome.out, HasSubstr("one leg / one sweep from stop to stop"));
+  EXPECT_THAT(outcome.out, HasSubstr("quota: 50 valid frames a leg"));
+  EXPECT_THAT(outcome.out, HasSubstr("impossible (-) with the 176 deg of this servo"));
+  EXPECT_THAT(outcome.out,
+              HasSubstr("200 deg/s: 4 frames need 0.825 s = 165 deg + 20 deg of ramps = 185 deg"));
+  EXPECT_THAT(outcome.out, HasSubstr("6: 215 + 20 deg"));
+  EXPECT_FALSE(std::filesystem::exists(folder() / "recordings"));
+}
+
+TEST_F(Record, GivesTheYieldAsArraysByFramesAWindow) {
+  const Outcome outcome = run(fast + "--dry-run --json --simulated-servo 180 --speeds 20,200");
+  ASSERT_EQ(outcome.code, 0) << outcome.err;
+  const auto yield = outcome.lines().at(0)["yield"];
+  EXPECT_EQ(yield["valid_per_leg"], 50);
+  EXPECT_GT(yield["quota_s"], 30.0);
+  ASSERT_EQ(yield["speeds"].size(), 2U);
+  const auto& fastest = yield["speeds"][1];
+  EXPECT_EQ(fastest["rate_dps"], 200.0);
+  for (const char* key : {"leg", "sweep", "travel_deg", "possible"})
+    EXPECT_EQ(fastest[key].size(), 6U) << key;
+  EXPECT_EQ(fastest["possible"], (std::vector<bool>{true, true, true, false, false, false}));
+  EXPECT_GT(fastest["quota_s"], 20.0);
+  EXPECT_LT(fastest["sweep"][0], 5.0);
+  const Outcome endless = run(fast + "--dry-run --json --simulated-servo continuous --speeds 200");
+  EXPECT_TRUE(endless.lines().at(0)["yield"]["speeds"][0]["sweep"][0].is_null());
+}
+
+TEST_F(Record, RefusesSpeedsThatCannotGiveSoManyValidFramesInARow) {
+  expect_refused(fast + "--simulated-servo 180 --speeds 20,200 --frames-per-window 6", 2,
+                 "5 x 0.125 s for 6 frames in a row");
+  EXPECT_EQ(run(fast + "--simulated-servo 180 --speeds 20,200 --frames-per-window 6 --dry-run").code, 2);
+  EXPECT_EQ(run(fast + "--simulated-servo 180 --speeds 20,200 --frames-per-window 3 --dry-run").code, 0);
+  EXPECT_EQ(run(fast + "--speeds 20,200 --frames-per-window 6 --dry-run").code, 0);
+}
+
+TEST_F(Record, GoesOnUntilEachSpeedHasItsValidFrames) {
+  const Outcome outcome = run(
+      fast + "--json --simulated-servo 180 --plan quick --speeds 150 --frames-per-leg 20 --valid-per-leg 15");
+  ASSERT_EQ(outcome.code, 0) << outcome.err;
+  const auto summary = outcome.lines().back();
+  ASSERT_EQ(summary["speeds"].size(), 2U);
+  for (const auto& speed : summary["speeds"]) {
+    EXPECT_EQ(speed["valid_quota"], 15);
+    EXPECT_GE(speed["valid"], 13) << speed;
+  }
+  EXPECT_EQ(summary["speeds_short"], 0);
+  EXPECT_GT(summary["frames_swept"], 55);
+  const Outcome without = run(
+      fast + "--json --simulated-servo 180 --plan quick --speeds 150 --frames-per-leg 20 --valid-per-leg 0");
+  ASSERT_EQ(without.code, 0) << without.err;
+  EXPECT_LE(without.lines().back()["frames_swept"], 46);
+}
+
+TEST_F(Record, TellsTheValidFramesOfThePresentSpeed) {
+  const Outcome outcome = run(fast + "--json " + brief_plan);
+  ASSERT_EQ(outcome.code, 0) << outcome.err;
+  const auto lines = outcome.lines();
+  EXPECT_EQ(lines.at(1)["event"], "progress");
+  for (const char* key : {"valid", "valid_quota", "speeds_met"}) EXPECT_TRUE(lines[1].contains(key)) << key;
+  EXPECT_EQ(lines[1]["speed_count"], 4);
+  const Outcome drawn = run_on_terminal("TERM=xterm", fast + brief_plan);
+  EXPECT_THAT(drawn.out, HasSubstr("-80 [.. ..] +80 deg/s"));
+  EXPECT_THAT(drawn.out, HasSubstr("0 of 4 speeds have their valid frames"));
+}
+
 TEST_F(Record, RefusesAnEnvironmentWithASlash) {
   expect_refused("record --simulated --fast --environment a/b", 2, "a/b");
   expect_refused("record --simulated --fast --environment ../x", 2, "../x");

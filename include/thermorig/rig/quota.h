@@ -35,8 +35,8 @@ class ValidQuota {
   void sample(const LabelledSample& sample);
 
   /// Valid frames that this step of the plan still lacks, 0 if none: with the steps before it at the same
-  /// speed it wants its share.
-  int missing(std::size_t step) const;
+  /// speed it wants its share, and `spare` more.
+  int missing(std::size_t step, int spare = 0) const;
 
   /// Ascending by speed.
   std::vector<SpeedQuota> speeds() const;
