@@ -13,6 +13,7 @@ namespace thermorig::timing {
 namespace {
 constexpr double missing_periods =
     1.5;  // so long a step of the device's clock is one in which something lacks
+constexpr double most_missing = 1e12;
 constexpr double countable_share =
     0.125;  // of a period: drift over a gap whose messages can still be counted
 
@@ -78,8 +79,9 @@ class ArrivalFit {
     for (std::size_t i = 1; i < device_s_.size(); ++i) {
       const double steps = step_s_ > 0.0 ? (device_s_[i] - device_s_[i - 1]) / step_s_ : 0.0;
       if (steps > missing_periods)
-        result_.report.gaps.push_back({result_.times[i - 1].time, result_.times[i].time,
-                                       static_cast<std::uint64_t>(std::llround(steps)) - 1});
+        result_.report.gaps.push_back(
+            {result_.times[i - 1].time, result_.times[i].time,
+             static_cast<std::uint64_t>(std::llround(std::min(steps, most_missing))) - 1});
     }
   }
 

@@ -8,11 +8,14 @@
 namespace thermorig::timing {
 
 namespace {
+constexpr HostTime farthest = host_time_ns(1'000'000'000'000'000'000);  // 30 years: so that sums fit
+
 /// Arrivals of the chunks; one before the arrival of the chunk before counts as equal to it.
 std::vector<HostTime> arrivals(const RawStream& received) {
   std::vector<HostTime> times(received.chunk_count());
-  HostTime latest = HostTime::min();
-  for (std::size_t i = 0; i < times.size(); ++i) times[i] = latest = std::max(latest, received.time(i));
+  HostTime latest = -farthest.time_since_epoch() + HostTime{};
+  for (std::size_t i = 0; i < times.size(); ++i)
+    times[i] = latest = std::clamp(received.time(i), latest, farthest);
   return times;
 }
 

@@ -63,7 +63,9 @@ std::optional<HostTime> LiveClock::place(const MessageProof& proof) {
   if (fitted_ && late_s(x, y) > outage_s) restart(x, y);
   if (proof.tight) add(x, y);
   if (!fitted_ || unrest_ > restless) return std::nullopt;
-  return *origin_ + from_s(std::min(line_at(x), y));
+  const double line_s = line_at(x);
+  if (!std::isfinite(line_s)) return std::nullopt;
+  return *origin_ + from_s(std::clamp(line_s, y - outage_s, y));
 }
 
 /// Forgets what was; a rate that was known stays known.

@@ -245,7 +245,7 @@ class Numbering {
     const double drift_s = std::min(wander * lost, 0.2) * period_s_;  // while nothing came
     const double after_s = before_s + lost * period_s_;
     const std::size_t first = first_possible(late_s, i, after_s - noise_s() - drift_s);
-    const auto near = static_cast<std::size_t>(longest_stall_s / period_s_) + shortest_piece;
+    const std::size_t near = messages_in(longest_stall_s, period_s_);
     Place place{first, first + 1};
     for (std::size_t k = first; k < std::min(first + horizon_, late_s.size()); ++k) {
       const bool is_near = k < first + near;

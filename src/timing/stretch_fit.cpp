@@ -19,8 +19,15 @@ constexpr double rate_slack_s = 0.005;
 constexpr double touching_s = 50e-6;
 constexpr double nowhere_s = 1e6;  // bounds of a stretch without any inequality
 
+// Beyond these no clock is; they keep nonsense finite.
+constexpr double slowest = 0.01;  // host seconds a device second
+constexpr double fastest = 100.0;
+constexpr double farthest_s = 2e9;
+
+/// As floating point, which no two instants overflow.
 double since(HostTime origin, HostTime time) {
-  return to_s(time - origin);
+  const double ns = static_cast<double>(to_ns(time)) - static_cast<double>(to_ns(origin));
+  return std::clamp(ns * 1e-9, -farthest_s, farthest_s);
 }
 
 HostTime host_time(HostTime origin, double seconds) {
@@ -36,7 +43,7 @@ class Stretching {
       : device_s_(device_s), latest_(latest), device_(device), origin_(origin), x0_(device_s.front()) {
     for (const LatestBegin& begin : latest)
       ceilings_.push_back({begin.device_s - x0_, since(origin, begin.latest)});
-    fit_.slope = lower_line_slope(ceilings_, 1.0);
+    fit_.slope = std::clamp(lower_line_slope(ceilings_, 1.0), slowest, fastest);
     for (Ceiling& ceiling : ceilings_) ceiling.y -= fit_.slope * ceiling.x;
     const double length_s = device_s.back() - device_s.front();
     drift_ = device.wander * std::abs(fit_.slope) + rate_slack_s / std::max(length_s, rate_slack_s);
@@ -121,7 +128,7 @@ class Stretching {
     }
     for (std::size_t i = 0; i < level_s.size(); ++i) {
       const double time_s = std::min(level_s[i] - curve.blend(expected_s, x(i)), above_s_[i]);
-      fit_.time_s.push_back(fit_.slope * x(i) + time_s);
+      fit_.time_s.push_back(std::clamp(fit_.slope * x(i) + time_s, -farthest_s, farthest_s));
       fit_.later_s.push_back(above_s_[i] - time_s);
       fit_.earlier_s.push_back(std::max(0.0, time_s - below_s_[i]));
       fit_.uncertainty_s.push_back(curve.blend(uncertain_s, x(i)));
@@ -135,7 +142,7 @@ class Stretching {
       late_s.clear();
       for (; next < ceilings_.size() && ceilings_[next].x <= knot.x + 0.5 * device_.window.block_s; ++next)
         late_s.push_back(fit_.late_s[next]);
-      const double host_s = fit_.slope * knot.x + curve.at(knot.x);
+      const double host_s = std::clamp(fit_.slope * knot.x + curve.at(knot.x), -farthest_s, farthest_s);
       ClockKnot out{.time = host_time(origin_, host_s)};
       out.offset_s = to_s(out.time.time_since_epoch()) - (knot.x + x0_);
       out.skew_ppm = (fit_.slope - 1.0 + curve.slope(knot.x)) * 1e6;

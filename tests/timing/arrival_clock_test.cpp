@@ -230,6 +230,27 @@ TEST(ArrivalClock, SurvivesEqualTimesTimesThatRunBackwardsAndNoNumbers) {
     }
 }
 
+TEST(ArrivalClock, SurvivesTimesFromTheEndsOfTheClock) {
+  constexpr std::int64_t least = std::numeric_limits<std::int64_t>::min();
+  constexpr std::int64_t most = std::numeric_limits<std::int64_t>::max();
+  const std::vector<double> device_s{0.0, 1e-300, 0.1, 0.2, 9e8};
+  for (const auto& ns : std::vector<std::vector<std::int64_t>>{
+           {least, least, 0, most, most}, {most, 0, least, most, least}, {0, 1'000'000'000, 1, 2, 3}}) {
+    RawStream received;
+    const std::vector<std::uint8_t> bytes(10);
+    std::vector<StreamSpan> spans;
+    for (std::size_t i = 0; i < ns.size(); ++i) {
+      received.append(bytes, host_time_ns(ns[i]));
+      spans.push_back({10 * i, 10 * i + 10});
+    }
+    const auto latest = latest_begins(received, spans, device_s, 9600);
+    const auto clock = fit_arrivals(device_s, latest, PortProfile{}, 100.0);
+    ASSERT_EQ(clock.times.size(), 5U);
+    for (const TimeEstimate& time : clock.times) EXPECT_TRUE(is_sound(time));
+    EXPECT_EQ(number_messages(earliest_proofs(received, spans, 9600), {}, 100.0).size(), 5U);
+  }
+}
+
 TEST(LatestBegins, TakesTheWireTimeUpToTheChunksEndOffItsArrival) {
   RawStream received;
   const std::vector<std::uint8_t> bytes(40);

@@ -133,6 +133,19 @@ TEST(LiveClock, FollowsADevicesOwnTimeOverAReset) {
   }
 }
 
+TEST(LiveClock, SurvivesTimesFromTheEndsOfTheClock) {
+  LinkTiming timing(PortProfile{}, 100.0);
+  HostTime before = HostTime::min();
+  for (std::uint64_t i = 0; i < 500; ++i) {
+    timing.chunk(10 * (i + 1), i < 100   ? HostTime::min()
+                               : i < 300 ? HostTime(from_s(0.01 * static_cast<double>(i)))
+                                         : HostTime::max());
+    const Stamp stamp = timing.stamp({10 * i, 10 * (i + 1)});
+    EXPECT_GE(stamp.time, before);
+    before = stamp.time;
+  }
+}
+
 TEST(LiveClock, SurvivesTimesThatAreNone) {
   LinkTiming timing(PortProfile{}, 100.0);
   HostTime before = HostTime::min();

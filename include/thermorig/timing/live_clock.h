@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -45,7 +46,7 @@ class LiveClock {
   void restart(double x, double y);
   double late_s(double x, double y) const { return y - line_at(x); }
   double line_at(double x) const { return level_ + slope_ * (x - line_x_); }
-  double period_s() const { return slope_ / rate_hz_; }
+  double period_s() const { return std::max(slope_, 1e-3) / rate_hz_; }
   double recount(const MessageProof& proof, double x, double y);
   double shift(double x, double periods);
   bool watch(double late_s, double x);
