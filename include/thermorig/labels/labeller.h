@@ -28,7 +28,7 @@ namespace thermorig::labels {
 ///   rate_commanded         where the commanded speed is constant over E: CommandTrack::constant_rate_dps;
 ///                          else the exact mean of the commanded speed
 ///   rate_label             (model angle at the end of E - that at its begin) / length of E
-///   rate_label_min, _max   of the model's running mean over one pulse period (20 ms) in E
+///   rate_label_min, _max   of the model's running mean over one pulse period (20 ms) in E, and of rate_label
 ///                          all NaN where E is not covered: no telemetry at or before its begin or at or
 ///                          after its end, or more than telemetry_gap_s, by the servo's clock, between two
 ///                          messages in it or around it
@@ -62,10 +62,10 @@ namespace thermorig::labels {
 ///   outside_leg          leg 0 in the telemetry in L or next to it, or no leg known
 ///   leg_change           two legs in the telemetry in L or next to it, neither of them 0
 ///   gyro_gap             no gyro sample in E, or fewer than gyro_gap_share of what gyro_rate_hz gives in E
-///   gyro_unsteady        gyro_spread squared minus what the sensor's noise explains exceeds tolerance
-///   squared gyro_disagrees       |mean gyro, corrected - rate_label as the gyro sees it| exceeds 3 sigma
-///   (see
-///                        label_terms.h); not judged where a sample is saturated
+///   gyro_unsteady        gyro_spread squared, less what the sensor's noise explains, exceeds the tolerance
+///                        squared; not judged where a sample is saturated
+///   gyro_disagrees       |mean gyro, corrected - rate_label as the gyro sees it| exceeds 3 standard
+///                        deviations (see label_terms.h); not judged where a sample is saturated
 /// A frame is valid if it has no reason outside `warning_bits`. A run is unbroken by invalid frames and lies
 /// in one leg; a frame lost on the way makes the next one invalid, and so ends the run.
 class Labeller {
