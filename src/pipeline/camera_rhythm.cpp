@@ -37,13 +37,15 @@ std::vector<double> numbers(const std::vector<labels::FrameGap>& gaps) {
 
 /// First over few frames, where none is missing but a latency timer's ticks make it coarse; then, with the
 /// missing frames counted, over half the recording, where no tick matters. The median forgets late reads.
+/// None where most of it does not go forward.
 std::optional<double> period_s(const std::vector<TimedFrame>& frames) {
   if (frames.size() < 2) return std::nullopt;
   const std::vector<labels::FrameGap> unbroken(frames.size());
   const double local_s = median_period_s(frames, numbers(unbroken), 1);
   if (local_s <= 0.0) return std::nullopt;
   const std::vector<double> number = numbers(labels::find_gaps(frames, local_s, by_time_alone));
-  return median_period_s(frames, number, frames.size() / 2);
+  const double whole_s = median_period_s(frames, number, frames.size() / 2);
+  return whole_s > 0.0 ? std::optional(whole_s) : std::nullopt;
 }
 
 std::optional<labels::CameraMode> camera_mode(const std::vector<TimedFrame>& frames) {

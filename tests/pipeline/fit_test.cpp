@@ -100,5 +100,14 @@ TEST(Fit, SaysNothingOfWhatItHasNotSeen) {
   EXPECT_FALSE(fit({}, one).frame_period_s);
 }
 
+TEST(Fit, SaysNothingOfThePeriodOfTimesThatRunBackwards) {
+  Streams streams;
+  for (const double end_s : {100.0, 100.1, 100.2, 0.0, 0.1, 0.2})
+    streams.frames.push_back(frame_at(end_s, 384, 0));
+  const Fits fits = fit({}, streams);
+  EXPECT_FALSE(fits.frame_period_s);
+  EXPECT_TRUE(fits.gaps.empty());
+}
+
 }  // namespace
 }  // namespace thermorig::pipeline
