@@ -67,7 +67,9 @@ std::vector<Window> windows(const ShaftCurve& curve, double begin_s, double end_
                             const PulseScale& scale, const GyroIntegral& gyro) {
   constexpr double length_s = parts * part_s;
   std::vector<Window> found;
-  const auto count = static_cast<std::size_t>(std::max(0.0, (end_s - begin_s) / length_s));
+  // No more than there are samples to fill them: the times of a damaged recording may lie ages apart.
+  const auto samples = static_cast<double>(gyro.times_s().size());
+  const auto count = static_cast<std::size_t>(std::clamp((end_s - begin_s) / length_s, 0.0, samples));
   for (std::size_t i = 0; i < count; ++i) {
     const double from_s = begin_s + static_cast<double>(i) * length_s;
     Window window = window_at(curve, from_s - delay_s, scale);

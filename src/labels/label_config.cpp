@@ -6,13 +6,18 @@
 namespace thermorig::labels {
 
 namespace {
-/// The fitted response hangs on the gyro's clock, an assumed one on the servo's.
+/// Of the constant between the camera's clock and the one that the servo model hangs on: a fitted response
+/// hangs on the gyro's, against which the camera's latency is measured; an assumed one on the servo's.
 double latency_uncertainty_s(const RigProfile& profile, const std::optional<SyncReport>& sync) {
-  if (sync && sync->camera_offset.applied && sync->camera_offset.offset_s)
-    return sync->camera_offset.offset_s->uncertainty;
   const bool by_gyro = sync && sync->servo.fitted;
+  const bool shifted = sync && sync->camera_offset.applied && sync->camera_offset.offset_s;
+  if (by_gyro && shifted) return sync->camera_offset.offset_s->uncertainty;
+  const PortProfile& camera = profile.camera.link;
+  if (by_gyro && !camera.latency_measured_utc.empty()) return camera.latency_uncertainty_s;
+  const double camera_s =
+      shifted ? sync->clock[Device::camera].latency_uncertainty_s : camera.latency_uncertainty_s;
   const PortProfile& other = by_gyro ? profile.gyro.link : profile.servo.link;
-  return std::hypot(profile.camera.link.latency_uncertainty_s, other.latency_uncertainty_s);
+  return std::hypot(camera_s, other.latency_uncertainty_s);
 }
 }  // namespace
 

@@ -10,7 +10,8 @@ namespace thermorig::labels {
 namespace {
 constexpr double constant_dps = 0.015;  // telemetry counts centidegrees per second
 constexpr std::int64_t gap_us = 50'000;
-constexpr double one_ramp_s = 0.1;  // changes closer than this belong together
+constexpr HostDuration longest_stall = std::chrono::seconds(1);  // by the host's clock, which may have jumped
+constexpr double one_ramp_s = 0.1;                               // changes closer than this belong together
 
 bool is_rest(const ServoState& state) {
   return (state.motion == ServoMotion::holding || state.motion == ServoMotion::disarmed) &&
@@ -23,6 +24,7 @@ bool is_motion(const ServoState& state) {
 
 bool follows(const TimedServo& before, const TimedServo& after) {
   return std::abs(after.mcu_time_us - before.mcu_time_us) <= gap_us &&
+         after.stamp.time - before.stamp.time <= longest_stall &&
          std::abs(after.state.rate_dps - before.state.rate_dps) <= constant_dps;
 }
 }  // namespace

@@ -313,5 +313,15 @@ TEST(Fits, SurviveWhatARecordingCanHold) {
   EXPECT_FALSE(both(gyro, servo).fitted);
 }
 
+TEST(Fits, AreQuickWhereTheLastMessageCameAgesLater) {
+  TrueTimes recording = record(rig_of(2160.0, 8.0, 55), {60, -60, 120, -120});
+  recording.servo.back().stamp.time += from_s(9e9);
+  recording.gyro.back().stamp.time += from_s(9e9);
+  const RigProfile& profile = recording.profile;
+  const GyroErrors errors = fit_gyro_errors(recording.gyro, recording.servo, profile.gyro);
+  EXPECT_TRUE(errors.bias_before_dps);
+  EXPECT_TRUE(fit_servo_response(recording.servo, recording.gyro, errors, profile.servo).fitted);
+}
+
 }  // namespace
 }  // namespace thermorig::labels
