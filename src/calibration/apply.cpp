@@ -36,10 +36,11 @@ void apply(const ScaleResult& result, const std::string& utc, RigProfile& profil
   profile.servo.scale_measured_utc = utc;
 }
 
-/// A bias that was measured about another axis, or with the other sign, says nothing about this one.
-void apply(const OrientationResult& result, const std::string& utc, RigProfile& profile) {
-  GyroProfile& gyro = profile.gyro;
-  if (gyro.axis != result.gyro_axis) {
+namespace {
+
+/// Bias and scale of another axis say nothing about this one; with the other sign the bias has it too.
+void turn_gyro(int axis, int sign, GyroProfile& gyro) {
+  if (gyro.axis != axis) {
     const GyroProfile unknown;
     gyro.bias_dps = unknown.bias_dps;
     gyro.bias_uncertainty_dps = unknown.bias_uncertainty_dps;
@@ -47,11 +48,17 @@ void apply(const OrientationResult& result, const std::string& utc, RigProfile& 
     gyro.scale = unknown.scale;
     gyro.scale_uncertainty = unknown.scale_uncertainty;
     gyro.scale_measured_utc.clear();
-  } else if (gyro.sign != result.gyro_sign) {
+  } else if (gyro.sign != sign) {
     gyro.bias_dps = -gyro.bias_dps;
   }
-  gyro.axis = result.gyro_axis;
-  gyro.sign = result.gyro_sign;
+  gyro.axis = axis;
+  gyro.sign = sign;
+}
+
+}  // namespace
+
+void apply(const OrientationResult& result, const std::string& utc, RigProfile& profile) {
+  turn_gyro(result.gyro_axis, result.gyro_sign, profile.gyro);
   profile.camera.mirrored = result.mirrored;
   profile.camera.orientation_measured_utc = utc;
 }
@@ -85,8 +92,7 @@ void take_gyro(const GyroProfile& from, GyroProfile& into) {
 /// Orientation first: bias and scale belong to the axis and sign that they were measured with.
 void take_calibrations(const RigProfile& from, RigProfile& into) {
   if (!from.camera.orientation_measured_utc.empty()) {
-    into.gyro.axis = from.gyro.axis;
-    into.gyro.sign = from.gyro.sign;
+    turn_gyro(from.gyro.axis, from.gyro.sign, into.gyro);
     into.camera.mirrored = from.camera.mirrored;
     into.camera.orientation_measured_utc = from.camera.orientation_measured_utc;
   }

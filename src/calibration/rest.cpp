@@ -47,8 +47,12 @@ std::vector<Part> parts_of(std::span<const TimedServo> servo, std::span<const Ti
   std::vector<Part> parts;
   std::size_t next = 0, fullest = 0;
   for (const Stretch& rest : servo_rests(servo, gyro))
-    for (HostTime begin = rest.begin; begin + part_length <= rest.end; begin += part_length)
+    for (HostTime begin = rest.begin; begin + part_length <= rest.end && next < gyro.size();) {
       parts.push_back(part_of(gyro, {begin, begin + part_length}, next));
+      begin += part_length;
+      // Where no samples came there is nothing to part, however long that was.
+      if (next < gyro.size() && gyro[next].stamp.time > begin + part_length) begin = gyro[next].stamp.time;
+    }
   for (const Part& part : parts) fullest = std::max(fullest, part.samples);
   std::erase_if(
       parts, [&](const Part& part) { return part.samples < fewest_samples || 2 * part.samples < fullest; });

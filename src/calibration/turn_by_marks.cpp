@@ -33,8 +33,9 @@ std::span<const TimedGyro> within(std::span<const TimedGyro> gyro, const Stretch
   return {begin, std::lower_bound(begin, gyro.end(), stretch.end, before)};
 }
 
-/// From the first motion to the last one in a rest of the servo, with a margin.
-Stretch moving_part(std::span<const TimedGyro> gyro, const Stretch& rest, const RestingGyro& resting) {
+/// From the first motion to the last one in a rest of the servo, with a margin; none if nothing moved.
+std::optional<Stretch> moving_part(std::span<const TimedGyro> gyro, const Stretch& rest,
+                                   const RestingGyro& resting) {
   const double moving_dps = std::max(least_moving_dps, 8.0 * resting.noise_dps);
   Stretch moving{rest.end, rest.begin};
   for (const TimedGyro& sample : within(gyro, rest)) {
@@ -42,7 +43,8 @@ Stretch moving_part(std::span<const TimedGyro> gyro, const Stretch& rest, const 
     moving.begin = std::min(moving.begin, sample.stamp.time);
     moving.end = std::max(moving.end, sample.stamp.time);
   }
-  return {std::max(rest.begin, moving.begin - margin), std::min(rest.end, moving.end + margin)};
+  if (moving.end < moving.begin) return std::nullopt;
+  return Stretch{std::max(rest.begin, moving.begin - margin), std::min(rest.end, moving.end + margin)};
 }
 
 /// The gyro's rate without its bias, summed up over the stretch.
@@ -69,9 +71,9 @@ Turn integrate(std::span<const TimedGyro> gyro, const Stretch& stretch, double b
 std::optional<Turn> longest_turn(const session::Session& session, const RestingGyro& resting) {
   std::optional<Turn> longest;
   for (const Stretch& rest : servo_rests(session.servo, session.gyro)) {
-    const Stretch moving = moving_part(session.gyro, rest, resting);
-    if (moving.end <= moving.begin) continue;
-    const Turn turn = integrate(session.gyro, moving, resting.bias_dps);
+    const auto moving = moving_part(session.gyro, rest, resting);
+    if (!moving) continue;
+    const Turn turn = integrate(session.gyro, *moving, resting.bias_dps);
     if (!longest || std::abs(turn.angle_deg) > std::abs(longest->angle_deg)) longest = turn;
   }
   return longest;

@@ -67,5 +67,40 @@ TEST(HostileSessions, WhoseTimesAreAllTheSameAreEndured) {
   try_all(session);
 }
 
+TEST(HostileSessions, WhoseLastMessageCameAgesLaterAreEndured) {
+  session::Session session = moving_session();
+  session.servo.back().stamp.time += from_s(9e9);
+  session.gyro.back().stamp.time += from_s(9e9);
+  try_all(session);
+}
+
+/// At rest but for three short moves of the servo; nobody turned the rig.
+session::Session short_rests() {
+  session::Session session;
+  for (int i = 0; i < 2000; ++i) {
+    TimedServo message;
+    message.stamp.time = HostTime(from_s(0.01 * i));
+    message.state.motion = i % 400 < 350 ? ServoMotion::holding : ServoMotion::steady;
+    message.state.rate_dps = i % 400 < 350 ? 0.0 : 50.0;
+    session.servo.push_back(message);
+    for (const int half : {0, 1}) {
+      TimedGyro sample;
+      sample.stamp.time = HostTime(from_s(0.01 * i + 0.005 * half));
+      sample.rate_dps = static_cast<float>(message.state.rate_dps) + (half == 0 ? 0.02F : -0.02F);
+      session.gyro.push_back(sample);
+    }
+  }
+  return session;
+}
+
+TEST(HostileSessions, InWhichNobodyTurnedTheRigSaySo) {
+  try {
+    measure_scale_by_marks(short_rests(), 360.0);
+    FAIL() << "a scale without a turn";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.what_happened(), "the rig was not turned");
+  }
+}
+
 }  // namespace
 }  // namespace thermorig::calibration

@@ -52,6 +52,18 @@ TEST(CalibratedProfile, LeavesTheBiasOfAnotherAxisAlone) {
   EXPECT_EQ(into.gyro.bias_dps, 0.0);
 }
 
+TEST(CalibratedProfile, ForgetsBiasAndScaleOfAnAxisThatIsNoLongerTheServos) {
+  RigProfile from, into;
+  apply(OrientationResult{.gyro_axis = 1, .gyro_sign = 1, .mirrored = true}, utc, from);
+  apply(BiasResult{.bias_dps = {0.5, 0.01}}, utc, into);
+  apply(ScaleResult{.gyro_scale = {1.02, 0.001}, .servo_scale = {}}, utc, into);
+  take_calibrations(from, into);
+  EXPECT_EQ(into.gyro.axis, 1);
+  EXPECT_EQ(into.gyro.bias_dps, 0.0);
+  EXPECT_EQ(into.gyro.scale, 1.0);
+  EXPECT_EQ(into.gyro.scale_measured_utc, "");
+}
+
 TEST(CalibratedProfile, TurnsTheBiasWithTheSignAndForgetsThatOfAnotherAxis) {
   RigProfile profile;
   apply(BiasResult{.bias_dps = {0.5, 0.01}}, utc, profile);
