@@ -9,6 +9,10 @@ namespace thermorig::recording_header {
 namespace {
 
 constexpr int text_columns_max = 63;
+// Times of a session are sums of these: wide enough for any device, and no sum leaves the clock's range.
+constexpr double longest_constant_s = 10.0;
+constexpr double longest_settling_s = 3600.0;
+constexpr double slowest_hz = 1e-3, fastest_hz = 1e6;
 
 bool is_environment_name(const std::string& name) {
   const auto allowed = [](char c) { return (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || c == '-'; };
@@ -43,10 +47,15 @@ bool numbers_are_finite(const RigProfile& rig) {
                      rig.gyro.bias_uncertainty_dps});
 }
 
+bool is_within(double value, double least, double most) {
+  return value >= least && value <= most;
+}
+
 bool link_is_sound(const PortProfile& link) {
-  return all_finite(
-             {link.latency_s, link.latency_uncertainty_s, link.largest_constant_delay_s, link.wander_ppm}) &&
-         link.latency_uncertainty_s >= 0 && link.largest_constant_delay_s >= 0 && link.wander_ppm >= 0;
+  return is_within(link.latency_s, -longest_constant_s, longest_constant_s) &&
+         is_within(link.latency_uncertainty_s, 0.0, longest_constant_s) &&
+         is_within(link.largest_constant_delay_s, 0.0, longest_constant_s) &&
+         is_within(link.wander_ppm, 0.0, 1e6);
 }
 
 /// Scales divide, uncertainties weigh.
@@ -74,8 +83,11 @@ std::optional<std::string> problem_of(const RecordingHeader& header) {
   if (header.acquisition < 0 || header.frames_per_leg < 0)
     return "the acquisition number or the frames of a leg are negative";
   if (!numbers_are_finite(header.profile)) return "the profile holds a number that is not finite";
-  if (header.profile.camera.output_rate_hz <= 0 || header.profile.gyro.output_rate_hz <= 0)
-    return "the profile holds a rate that is not positive";
+  for (const double rate_hz : {header.profile.camera.output_rate_hz, header.profile.gyro.output_rate_hz})
+    if (!is_within(rate_hz, slowest_hz, fastest_hz))
+      return "the profile holds a rate that is not positive, or one that no device has";
+  if (!is_within(header.profile.servo.settle_s, 0.0, longest_settling_s))
+    return "the profile holds a settling time that is negative or longer than an hour";
   for (const Device device : all_devices)
     if (!link_is_sound(header.profile.link(device)))
       return "the profile holds a latency, a delay or a wander that is not a sound number";

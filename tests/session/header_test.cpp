@@ -55,5 +55,19 @@ TEST(Header, WithCalibrationsThatMakeNoSenseIsRefused) {
   refused([](RigProfile& rig) { rig.gyro.bias_uncertainty_dps = -1.0; });
 }
 
+TEST(Header, WithTimesBeyondAnyClockIsRefused) {
+  const auto refused = [](auto change) {
+    RecordingHeader header = sound_header();
+    change(header.profile);
+    EXPECT_THROW(header_to_json_text(header), Error);
+  };
+  refused([](RigProfile& rig) { rig.camera.link.latency_s = -1e300; });
+  refused([](RigProfile& rig) { rig.gyro.link.latency_uncertainty_s = 1e30; });
+  refused([](RigProfile& rig) { rig.servo.link.largest_constant_delay_s = 1e12; });
+  refused([](RigProfile& rig) { rig.camera.output_rate_hz = 1e-300; });
+  refused([](RigProfile& rig) { rig.gyro.output_rate_hz = 1e18; });
+  refused([](RigProfile& rig) { rig.servo.settle_s = 1e20; });
+}
+
 }  // namespace
 }  // namespace thermorig::recording_header
