@@ -26,6 +26,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
+constexpr double longest_delay_s = 10.0;
+
 [[noreturn]] void refuse(const fs::path& path, const std::string& what) {
   throw Error(ExitCode::not_a_session, what, path.string(),
               "name a session that thermorig wrote; if this is one, it is damaged: take a copy of it from "
@@ -159,6 +161,8 @@ void read_sync_scalars(const SessionFile& file, SyncReport& sync) {
   const auto group = file.group("/sync");
   AttributeReader reader{group.id()};
   sync_attributes(reader, sync);
+  // Times are shifted by it: one that is none, or ages, would leave the clock's range.
+  if (!(std::abs(sync.servo.delay_s) <= longest_delay_s)) throw Hdf5Failure("believe the servo's delay");
 }
 
 void read_sync_tables(const SessionFile& file, SyncReport& sync) {

@@ -42,6 +42,13 @@ Outcome outcome_of(const std::filesystem::path& path, const Session& truth) {
   return WIFEXITED(status) ? static_cast<Outcome>(WEXITSTATUS(status)) : died;
 }
 
+TEST_F(DamagedSession, WithADelayOfTheServoBeyondAnyClockIsRefused) {
+  Session session = synthetic_session(20);
+  session.sync.servo.delay_s = 1e300;
+  write_session(path(), session);
+  EXPECT_EQ(read_and_compare(path(), session), refused);
+}
+
 TEST_F(DamagedSession, CutAnywhereIsRefused) {
   const Session truth = synthetic_session(20);
   write_session(path("whole.h5"), truth);
