@@ -94,7 +94,7 @@ std::string speed_table(const Quality& quality) {
 std::string verdict_text(const Quality& quality) {
   std::string text = "verdict  " + quality.verdict;
   for (std::size_t i = 0; i < quality.verdict_reasons.size(); ++i)
-    text += (i == 0 ? ": " : "; ") + quality.verdict_reasons[i];
+    text += (i == 0 ? ": " : "; ") + printable(quality.verdict_reasons[i]);
   return text + "\n";
 }
 

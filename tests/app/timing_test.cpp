@@ -101,6 +101,18 @@ TEST_F(Timing, ListsGapsAndEpochsAndCountsThemAgainstTheSession) {
   EXPECT_NEAR(clock["servo"]["epochs"][1]["begin_s"], 4.25, 1e-6);
 }
 
+TEST_F(Timing, AReasonInAFileDoesNotSteerTheTerminal) {
+  const auto path = record_briefly();
+  session::Session session = session::read_session(path);
+  session.sync.clock[Device::servo].epochs = {{}, {.begin = {}, .reason = "\x1b[2Jit was reset"}};
+  session::replace_session(path, session);
+  for (const char* option : {"", "--timing "}) {
+    const Outcome outcome = run("inspect " + std::string(option) + path.string());
+    EXPECT_EQ(outcome.out.find('\x1b'), std::string::npos) << option;
+    EXPECT_THAT(outcome.out, HasSubstr("it was reset")) << option;
+  }
+}
+
 TEST_F(Timing, ReprocessTellsWhatChanged) {
   const auto path = record_briefly();
   const auto same = run("reprocess --json " + path.string()).lines()[0][0];
