@@ -52,17 +52,20 @@ void ExposureRule::expose_halves(const Freshness& freshness, TimedFrame& frame) 
   }
 }
 
-void ExposureRule::apply(TimedFrame& frame) {
-  const Freshness freshness = detector_.push(frame.frame);
-  if (!first_) vote_.push(freshness);
-  if (!first_) note_newest(freshness, frame.stamp.time);
-  first_ = false;
-  frame.fresh_even = freshness.even;
-  frame.fresh_odd = freshness.odd;
-  frame.stale = is_stale(freshness);
+bool ExposureRule::look(TimedFrame& frame) {
+  freshness_ = detector_.push(frame.frame);
+  if (looked_++ > 0) vote_.push(freshness_);
+  frame.fresh_even = freshness_.even;
+  frame.fresh_odd = freshness_.odd;
+  frame.stale = is_stale(freshness_);
+  return looked_ > 1 && mode() == CameraMode::half_fresh && freshness_.both_fresh();
+}
+
+void ExposureRule::expose(TimedFrame& frame) {
+  if (looked_ > 1) note_newest(freshness_, frame.stamp.time);
   frame.exposure_end = frame.stamp.time;
   frame.exposure_begin = frame.stamp.time - (mode() == CameraMode::half_fresh ? 2 : 1) * frame_period_;
-  expose_halves(freshness, frame);
+  expose_halves(freshness_, frame);
 }
 
 }  // namespace thermorig::labels

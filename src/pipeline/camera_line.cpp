@@ -44,10 +44,11 @@ std::span<const TimedFrame> CameraLine::take(std::vector<TimedFrame>& out) {
     TimedFrame& frame = out.emplace_back();
     frame.frame = message.frame;
     frame.span = message.span;
-    frame.stamp = timing_.stamp(message.span, {.lost_before = message.resync_before, .device_s = {}});
     frame.resync_before = message.resync_before;
+    const bool lost_before = exposure_.look(frame) || message.resync_before;
+    frame.stamp = timing_.stamp(message.span, {.lost_before = lost_before, .device_s = {}});
     const bool is_known = final_times_.put_next(frame.stamp);
-    exposure_.apply(frame);
+    exposure_.expose(frame);
     const labels::FrameGap gap = gap_before(frame);
     frame.missing_before = gap.missing;
     frame.late = gap.late && !is_known;  // its turn tells when a frame was taken, however late it was read

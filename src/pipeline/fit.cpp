@@ -7,9 +7,11 @@
 #include "camera_shift.h"
 #include "clock_fits.h"
 #include "final_times.h"
+#include "message_spans.h"
 #include "thermorig/labels/servo_response.h"
 #include "thermorig/motion/panorama_fit.h"
 #include "thermorig/pipeline/pipeline.h"
+#include "thermorig/timing/arrivals.h"
 
 namespace thermorig::pipeline {
 
@@ -19,6 +21,14 @@ template <typename Message>
 void put_times(const std::vector<TimeEstimate>& times, std::vector<Message>& messages) {
   FinalTimes final_times(times);
   for (Message& message : messages) final_times.put_next(message.stamp);
+}
+
+/// The rhythm is counted on what the bytes prove: causal stamps have been made with a count of their own.
+void put_proofs(const RawStream& received, std::uint32_t baud, std::vector<TimedFrame>& frames) {
+  const std::vector<StreamSpan> spans = spans_of(frames);
+  if (!holds(received, spans)) return;
+  const auto proofs = timing::earliest_proofs(received, spans, baud);
+  for (std::size_t i = 0; i < frames.size(); ++i) frames[i].stamp.time = proofs[i];
 }
 
 PerDevice<ClockFit> fit_clocks(const RawRecording& raw, Streams& streams, const CameraRhythm& rhythm) {
@@ -52,6 +62,7 @@ void fit_newer_half(Streams& streams, const RigProfile& profile, const GyroError
 
 Fits fit(const RawRecording& raw, Streams streams) {
   const RigProfile& profile = raw.header.profile;
+  put_proofs(raw.received[Device::camera], profile.camera.link.baud, streams.frames);
   CameraRhythm rhythm = camera_rhythm(streams.frames);
   PerDevice<ClockFit> clocks = fit_clocks(raw, streams, rhythm);
   Fits fits;

@@ -100,6 +100,39 @@ TEST(FinalTimes, AnOutageOfTheCameraIsAGapAndNothingIsSmeared) {
   EXPECT_EQ(gaps[0].missing, after->missing_before);
 }
 
+/// A rig that is the same but for one frame, in the middle, that never reaches the host.
+simulation::VirtualRigConfig without_one_frame(simulation::VirtualRigConfig config, double duration_s,
+                                               std::size_t& lost) {
+  const auto sent = drive(config, {{2.0, 4.0, 60.0}}, duration_s).frames;
+  lost = sent.size() / 2;
+  const double frame_s = 0.036;  // on the wire, and a little
+  config.outages = {{Device::camera, sent[lost].sent - from_s(0.001), sent[lost].sent + from_s(frame_s)}};
+  return config;
+}
+
+TEST_P(TimesByHost, AFrameThatNeverCameMovesNoOther) {
+  for (const double duration_s : {8.0, 20.0}) {
+    auto config = simulation::default_rig(3, "garden");
+    config.links[Device::camera].loaded_host = GetParam();
+    config.camera_latency_s = config.profile.camera.link.latency_s;
+    config.profile.camera.link.latency_uncertainty_s = 1e-5;
+    std::size_t lost = 0;
+    config = without_one_frame(config, duration_s, lost);
+    const VirtualSweep sweep = drive(config, {{2.0, 4.0, 60.0}}, duration_s);
+    const Fits fits = first_pass(config.profile, sweep.chunks);
+    const Streams live = run(config.profile, sweep.chunks).streams;
+    const auto& times = fits.times[Device::camera];
+    ASSERT_GT(times.size(), lost + 10);
+    EXPECT_EQ(fits.gaps[lost].missing, 1);
+    for (std::size_t i = 0; i < times.size(); ++i) {
+      const HostTime truth = sweep.frames[i < lost ? i : i + 1].exposure_end;
+      EXPECT_NEAR(to_s(times[i].time - truth), 0.0, 0.0012) << duration_s << " s, frame " << i;
+      if (i < lost) continue;
+      EXPECT_NEAR(to_s(live.frames[i].stamp.time - truth), 0.0, 0.003) << "live, frame " << i;
+    }
+  }
+}
+
 TEST(FinalTimes, AreTheFitsTimesInOrder) {
   const Recorded recorded = record(simulation::default_rig(6, "garden"), 12.0);
   const auto& times = recorded.fits.times;

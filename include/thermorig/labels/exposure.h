@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 
@@ -33,12 +34,22 @@ class ExposureRule {
   explicit ExposureRule(double frame_period_s, std::optional<CameraMode> mode = std::nullopt,
                         std::optional<unsigned> newer_half = std::nullopt);
 
-  /// Fills in fresh_even, fresh_odd, half, exposure_begin, exposure_end and stale of a frame whose
-  /// temperatures and stamp are known. Frames come in order.
+  /// Each frame in order: look(), then expose(). apply() is both.
+  ///
+  /// Fills in fresh_even, fresh_odd and stale of a frame whose temperatures are known. True if the halves
+  /// show that frames are missing before it: the source is half-fresh, and both are fresh.
   ///
   /// stale: half-fresh: no half is fresh, or only one and the same one as the last time that only one was
   /// (the other half was lost); full-fresh: not both halves are fresh.
-  void apply(TimedFrame& frame);
+  bool look(TimedFrame& frame);
+
+  /// Fills in half, exposure_begin and exposure_end of the frame that was looked at; its stamp is known.
+  void expose(TimedFrame& frame);
+
+  void apply(TimedFrame& frame) {
+    look(frame);
+    expose(frame);
+  }
 
   /// The mode that the frame before was taken in.
   CameraMode mode() const { return mode_.value_or(vote_.mode()); }
@@ -53,13 +64,14 @@ class ExposureRule {
   HostDuration frame_period_;
   std::optional<CameraMode> mode_;
   FreshnessDetector detector_;
+  Freshness freshness_;  // of the frame that was looked at
   ModeVote vote_;
   Half last_single_ = Half::none;  // the half that alone was fresh, the last time that only one was
   std::array<std::optional<HalfExposure>, 2> half_{};  // of the last fresh reading
   std::optional<unsigned> newest_;                     // half-fresh: half that was exposed last,
   HostTime newest_time_{};                             // at this time
   std::optional<unsigned> newer_half_;
-  bool first_ = true;
+  std::size_t looked_ = 0;  // frames
 };
 
 }  // namespace thermorig::labels
