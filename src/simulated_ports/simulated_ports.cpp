@@ -54,7 +54,7 @@ struct SimulatedPorts::Server {
   void serve();
   void serve_slice(HostTime time);
   void deliver(const Chunk& chunk);
-  void take_commands(HostTime time);
+  void take_commands();
   void share_tally();
   void wait();
 };
@@ -86,7 +86,7 @@ void SimulatedPorts::Server::serve() {
 
 void SimulatedPorts::Server::serve_slice(HostTime time) {
   for (const Chunk& chunk : rig->advance(time)) deliver(chunk);
-  take_commands(time);
+  take_commands();
   share_tally();
 }
 
@@ -102,10 +102,12 @@ void SimulatedPorts::Server::deliver(const Chunk& chunk) {
   tally.worst_lag_s = std::max(tally.worst_lag_s, lag_s);
 }
 
-void SimulatedPorts::Server::take_commands(HostTime time) {
+/// Each at the time when it was read: had this thread to wait since the slice began, the program may have
+/// written after that, and nothing may reach the servo before it was written.
+void SimulatedPorts::Server::take_commands() {
   for (const Device device : all_devices) {
     const auto bytes = ports[device].receive();
-    if (!bytes.empty()) rig->send(device, bytes, time);
+    if (!bytes.empty()) rig->send(device, bytes, io::now());
     tally.ports[device] = ports[device].tally();
   }
 }
