@@ -86,7 +86,8 @@ PerDevice<Errors> pooled(std::size_t link, bool loaded, const TableSize& size) {
   PerDevice<Errors> all;
   std::mutex adding;
   for_each_seed(size.seeds, [&](std::size_t index) {
-    const PerDevice<Errors> errors = judge(rig_on(table_links(loaded)[link], index + 1), size.seconds);
+    const PerDevice<Errors> errors =
+        judge(rig_on(table_links(loaded)[link], size.first_seed + index), size.seconds);
     const std::lock_guard lock(adding);
     for (const Device device : all_devices) all[device].add(errors[device]);
   });
@@ -134,7 +135,7 @@ void add_long_servo_clock(const TableSize& size, std::vector<Figure>& figures) {
   const std::vector<TableLink> links = table_links(false);
   std::vector<Errors> errors(links.size());
   for_each_seed(links.size(), [&](std::size_t link) {
-    simulation::VirtualRigConfig config = rig_on(links[link], 1000 + link);
+    simulation::VirtualRigConfig config = rig_on(links[link], size.first_seed + 1000 + link);
     config.profile.camera.output_rate_hz = 1.0;  // only the servo counts here
     errors[link] = judge(config, size.long_seconds)[Device::servo];
   });

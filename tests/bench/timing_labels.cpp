@@ -210,9 +210,9 @@ void add_camera_offset(const TableSize& size, std::vector<Figure>& figures) {
   std::vector<std::optional<double>> errors_s(size.seeds);
   std::vector<std::optional<double>> sigmas(size.seeds);
   for_each_seed(size.seeds, [&](std::size_t index) {
-    simulation::VirtualRigConfig config = simulation::default_rig(index + 1, "laboratory");
+    simulation::VirtualRigConfig config = simulation::default_rig(size.first_seed + index, "laboratory");
     config.start = bench_start();
-    simulation::Random boards(index + 1, "latencies of this table");
+    simulation::Random boards(size.first_seed + index, "latencies of this table");
     const double camera_more_s = boards.uniform(-0.008, 0.008);
     const double gyro_more_s = boards.uniform(-0.0005, 0.0005);
     config.camera_latency_s = config.profile.camera.link.latency_s + camera_more_s;
@@ -267,7 +267,7 @@ void add_labels(const TableSize& size, std::vector<Figure>& figures) {
   for (std::size_t repeat = 0; repeat < repeats; ++repeat)
     for (std::size_t servo = 0; servo < servos.size(); ++servo)
       for (std::size_t loop = 0; loop < loops_hz.size(); ++loop)
-        cases.push_back({servo, loop, cases.size() + 1});
+        cases.push_back({servo, loop, size.first_seed + cases.size()});
   std::vector<CaseScores> scores(cases.size());
   for_each_seed(cases.size(), [&](std::size_t i) {
     scores[i] = run_case(servos[cases[i].servo], loops_hz[cases[i].loop], cases[i].seed);

@@ -25,9 +25,9 @@ struct Outcome {
 /// A frame is late by its latency: the last one before the plug was out was exposed a little before that.
 constexpr auto margin = milliseconds(500);
 
-Outcome lose_camera(std::size_t index, double duration_s) {
+Outcome lose_camera(std::size_t index, std::uint64_t seed, double duration_s) {
   const auto links = table_links(index % 2 == 1);
-  simulation::VirtualRigConfig config = rig_on(links[index % links.size()], index + 1);
+  simulation::VirtualRigConfig config = rig_on(links[index % links.size()], seed);
   const HostTime begin = config.start + seconds(60);
   const HostTime end = begin + seconds(30);
   config.outages = {{.device = Device::camera, .begin = begin, .end = end}};
@@ -58,7 +58,9 @@ Outcome lose_camera(std::size_t index, double duration_s) {
 void add_outage(const TableSize& size, std::vector<Figure>& figures) {
   std::vector<Outcome> outcomes(size.seeds);
   const double duration_s = std::max(size.seconds, 150.0);
-  for_each_seed(size.seeds, [&](std::size_t index) { outcomes[index] = lose_camera(index, duration_s); });
+  for_each_seed(size.seeds, [&](std::size_t index) {
+    outcomes[index] = lose_camera(index, size.first_seed + index, duration_s);
+  });
   std::vector<float> after_s;
   double unmarked = 0.0, smeared = 0.0, fitted = 0.0;
   for (const Outcome& outcome : outcomes) {

@@ -2,15 +2,9 @@
 # SPDX-License-Identifier: MIT
 # How well times and labels hold: simulated rigs in virtual time against their truth, ours beside what others do with
 # the same bytes, each figure with what it must meet. 25 seeds of 180 s a link and load; --quick: 3 of 60 s.
-# Usage: bash tests/bench/timing_table.sh [--json] [--quick]
+# Usage: bash tests/bench/timing_table.sh [--json] [--quick] [--first-seed N]
 set -euo pipefail
 cd "$(dirname "$0")/../.."
-for argument in "$@"; do
-  case "$argument" in
-    --json | --quick) ;;
-    *) echo "usage: timing_table.sh [--json] [--quick]" >&2; exit 2 ;;
-  esac
-done
 build=${THERMORIG_BUILD:-build-bench}
 cmake -S . -B "$build" -G Ninja -DCMAKE_BUILD_TYPE=Release -DTHERMORIG_BENCHMARKS=ON >&2
 cmake --build "$build" --target timing_table >&2
