@@ -30,6 +30,11 @@ double since(HostTime origin, HostTime time) {
   return std::clamp(ns * 1e-9, -farthest_s, farthest_s);
 }
 
+/// Bytes that nobody sent may leave a curve without a value; `otherwise` is finite.
+double sound(double seconds, double otherwise) {
+  return std::clamp(std::isfinite(seconds) ? seconds : otherwise, -farthest_s, farthest_s);
+}
+
 HostTime host_time(HostTime origin, double seconds) {
   return origin + from_s(seconds);
 }
@@ -127,8 +132,9 @@ class Stretching {
       uncertain_s.push_back(least.uncertainty);
     }
     for (std::size_t i = 0; i < level_s.size(); ++i) {
-      const double time_s = std::min(level_s[i] - curve.blend(expected_s, x(i)), above_s_[i]);
-      fit_.time_s.push_back(std::clamp(fit_.slope * x(i) + time_s, -farthest_s, farthest_s));
+      const double above_s = sound(above_s_[i], 0.0);
+      const double time_s = std::min(sound(level_s[i] - curve.blend(expected_s, x(i)), above_s), above_s);
+      fit_.time_s.push_back(sound(fit_.slope * x(i) + time_s, 0.0));
       fit_.later_s.push_back(above_s_[i] - time_s);
       fit_.earlier_s.push_back(std::max(0.0, time_s - below_s_[i]));
       fit_.uncertainty_s.push_back(curve.blend(uncertain_s, x(i)));
@@ -142,7 +148,7 @@ class Stretching {
       late_s.clear();
       for (; next < ceilings_.size() && ceilings_[next].x <= knot.x + 0.5 * device_.window.block_s; ++next)
         late_s.push_back(fit_.late_s[next]);
-      const double host_s = std::clamp(fit_.slope * knot.x + curve.at(knot.x), -farthest_s, farthest_s);
+      const double host_s = sound(fit_.slope * knot.x + curve.at(knot.x), fit_.slope * knot.x);
       ClockKnot out{.time = host_time(origin_, host_s)};
       out.offset_s = to_s(out.time.time_since_epoch()) - (knot.x + x0_);
       out.skew_ppm = (fit_.slope - 1.0 + curve.slope(knot.x)) * 1e6;
