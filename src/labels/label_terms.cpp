@@ -25,10 +25,16 @@ double tabled_deviation_dps(const ServoResponse& response, double rate_dps) {
   const double share = (rate_dps - before->rate_dps) / (next->rate_dps - before->rate_dps);
   return std::lerp(deviation(*before), deviation(*next), share);
 }
+
+/// Noise that explains nothing where none is known: a spread then counts as motion.
+double known_noise_dps(const GyroErrors& errors) {
+  return std::isfinite(errors.noise_dps) ? errors.noise_dps : 0.0;
+}
 }  // namespace
 
 double model_deviation_dps(const ServoResponse& response, double rate_dps) {
-  if (!response.fitted) return std::hypot(assumed_ripple_dps, assumed_slope_error * rate_dps);
+  const bool measured = !response.speeds.empty() || std::isfinite(response.residual_dps);
+  if (!response.fitted || !measured) return std::hypot(assumed_ripple_dps, assumed_slope_error * rate_dps);
   return response.speeds.empty() ? response.residual_dps : tabled_deviation_dps(response, rate_dps);
 }
 
@@ -38,7 +44,7 @@ double gyro_deviations(const GyroErrors& errors, const ServoResponse& response, 
   const double ratio = response.gyro_ratio.value / response.scale.value;
   const double corrected_dps = (gyro.rate_dps - errors.bias_dps->value) / errors.scale.value;
   const double off_dps = corrected_dps - ratio * label_dps;
-  const double noise_dps = errors.noise_dps / std::sqrt(static_cast<double>(gyro.count));
+  const double noise_dps = known_noise_dps(errors) / std::sqrt(static_cast<double>(gyro.count));
   const double deviation_dps =
       std::hypot(std::hypot(errors.bias_dps->uncertainty, noise_dps, least_gyro_error_dps),
                  std::hypot(model_deviation_dps(response, label_dps), time_dps,
@@ -47,7 +53,8 @@ double gyro_deviations(const GyroErrors& errors, const ServoResponse& response, 
 }
 
 double unsteadiness_dps2(const GyroErrors& errors, const GyroMean& gyro) {
-  return gyro.spread_dps * gyro.spread_dps - errors.noise_dps * errors.noise_dps / gyro.averaged;
+  const double noise_dps = known_noise_dps(errors);
+  return gyro.spread_dps * gyro.spread_dps - noise_dps * noise_dps / gyro.averaged;
 }
 
 }  // namespace thermorig::labels

@@ -26,7 +26,8 @@ constexpr double phase_lag = 1.4;  // a loop of damping 0.7 lags by 2 * 0.7 / (2
 constexpr double least_loop_hz = 0.5;
 constexpr double unknown_bias_dps = 20.0;
 constexpr double least_delay_error_s = 3e-4;
-constexpr double exposure_s = 0.125;  // of a chess half at 8 Hz: what residuals are means over
+constexpr double shortest_frame_s = 1.0 / 64.0;  // the camera's fastest rate
+constexpr double longest_frame_s = 2.0;          // and its slowest
 
 /// Two measurements of one thing; where they contradict each other, neither is as good as it says.
 Estimate combined(const Estimate& a, const Estimate& b) {
@@ -87,16 +88,18 @@ class FittedShaft {
 };
 
 std::map<long long, Residuals> residuals_of(const std::vector<Stretch>& stretches, const FittedShaft& shaft,
-                                            const GyroIntegral& gyro, double bias_dps, double settle) {
+                                            const GyroIntegral& gyro, double bias_dps, double settle,
+                                            double frame_s) {
   std::map<long long, Residuals> by_speed;  // by centidegrees per second
-  for (const Stretch& stretch : stretches)
-    for (double from_s = stretch.begin_s + settle; from_s + exposure_s <= stretch.end_s;
-         from_s += exposure_s / 2.0) {
-      const double rate_dps = gyro.mean_dps(from_s, from_s + exposure_s) - bias_dps;
+  for (const Stretch& stretch : stretches) {
+    if (stretch.leg == 0) continue;  // on the way to a start: nobody planned that speed
+    for (double from_s = stretch.begin_s + settle; from_s + frame_s <= stretch.end_s; from_s += frame_s) {
+      const double rate_dps = gyro.mean_dps(from_s, from_s + frame_s) - bias_dps;
       if (!std::isfinite(rate_dps)) continue;
       by_speed[std::llround(100.0 * stretch.rate_dps)].add(rate_dps -
-                                                           shaft.mean_dps(from_s, from_s + exposure_s));
+                                                           shaft.mean_dps(from_s, from_s + frame_s));
     }
+  }
   return by_speed;
 }
 
@@ -135,7 +138,8 @@ ServoResponse assumed_response(const ServoProfile& profile) {
 }
 
 ServoResponse fit_servo_response(std::span<const TimedServo> servo, std::span<const TimedGyro> gyro,
-                                 const GyroErrors& errors, const ServoProfile& profile) {
+                                 const GyroErrors& errors, const ServoProfile& profile,
+                                 double frame_period_s) {
   ServoResponse response = assumed_response(profile);
   if (servo.empty() || gyro.empty()) return response;
   const HostTime origin = servo.front().stamp.time;
@@ -163,7 +167,8 @@ ServoResponse fit_servo_response(std::span<const TimedServo> servo, std::span<co
   response.scale_calibrated = response.scale_calibrated || errors.scale_calibrated;
   const FittedShaft shaft(curve, response, scale);
   note_residuals(response, residuals_of(steady_stretches(servo, origin, false), shaft, integral,
-                                        gain->bias_dps, settle_s(response)));
+                                        gain->bias_dps, settle_s(response),
+                                        std::clamp(frame_period_s, shortest_frame_s, longest_frame_s)));
   return response;
 }
 

@@ -41,6 +41,7 @@ std::vector<Stretch> steady_stretches(std::span<const TimedServo> servo, HostTim
     if (before == nullptr || !follows(*before, message))
       stretches.push_back({time_s, time_s, message.state.rate_dps});
     stretches.back().end_s = time_s;
+    stretches.back().leg = message.state.leg;
     before = &message;
   }
   return stretches;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <cstdint>
 #include <span>
 #include <vector>
 
@@ -14,6 +15,7 @@ struct Stretch {
   double begin_s = 0.0;
   double end_s = 0.0;
   double rate_dps = 0.0;  // commanded
+  std::uint16_t leg = 0;  // at its end; 0: none
 };
 
 /// Where telemetry without a gap reports one speed and no change of it. `rests`: the servo holds or is

@@ -77,7 +77,8 @@ Fits fit(const RawRecording& raw, Streams streams) {
   sync.camera_offset = motion::camera_offset(
       streams.frames, streams.gyro, {profile.camera.field_of_view_deg, profile.camera.mirrored}, sync.gyro);
   apply_camera_offset(profile, sync.camera_offset, clocks[Device::camera]);
-  sync.servo = labels::fit_servo_response(streams.servo, streams.gyro, sync.gyro, profile.servo);
+  sync.servo = labels::fit_servo_response(streams.servo, streams.gyro, sync.gyro, profile.servo,
+                                          1.0 / profile.camera.output_rate_hz);
 
   for (const Device device : all_devices) {
     fits.times[device] = std::move(clocks[device].times);

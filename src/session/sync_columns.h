@@ -61,7 +61,8 @@ void response_columns(Archive& archive, Response& response) {
       {"speed_spread", "deg/s", "corrected gyro minus servo model: root mean square about the mean [deg/s]"},
       speeds, [](auto& row) -> auto& { return row.spread_dps; });
   archive.template field<std::uint32_t>(
-      {"speed_frames", "1", "frames that took part"}, speeds, [](auto& row) -> auto& { return row.frames; });
+      {"speed_frames", "1", "frame periods that took part"}, speeds,
+      [](auto& row) -> auto& { return row.frames; });
 }
 
 }  // namespace thermorig::session

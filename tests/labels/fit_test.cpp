@@ -229,6 +229,45 @@ TEST(ServoResponse, IsNotFittedToAGyroThatTurnsTheOtherWay) {
   EXPECT_FALSE(fit(recording, recording.profile).servo.fitted);
 }
 
+TEST(ServoResponse, CountsFramesAtTheSpeedsOfLegsOnly) {
+  TrueTimes recording = record(rig_of(2160.0, 8.0, 43), {60, -60, 150, -150});
+  const ServoResponse all = fit(recording, recording.profile).servo;
+  ASSERT_EQ(all.speeds.size(), 4U);
+  for (const ServoResponse::AtSpeed& speed : all.speeds) {
+    EXPECT_LE(speed.frames, 32U);  // 4 s at 8 frames a second, ramps and settling in it
+    EXPECT_GE(speed.frames, 26U);
+  }
+  for (TimedServo& message : recording.servo)  // as on the way to a start
+    if (message.state.leg >= 3) message.state.leg = 0;
+  const ServoResponse legs = fit(recording, recording.profile).servo;
+  ASSERT_EQ(legs.speeds.size(), 2U);
+  EXPECT_EQ(legs.speeds.back().rate_dps, 60.0);
+}
+
+TEST(ServoResponse, IsAsGoodAsAssumedWhereNoLegTold) {
+  TrueTimes recording = record(rig_of(2160.0, 8.0, 44), {60, -60, 150});
+  for (TimedServo& message : recording.servo) message.state.leg = 0;
+  const ServoResponse response = fit(recording, recording.profile).servo;
+  EXPECT_TRUE(response.fitted);
+  EXPECT_TRUE(std::isnan(response.residual_dps));
+  const SyncReport sync = fit(recording, recording.profile);
+  std::size_t known = 0;
+  for (const LabelledSample& sample : label(recording, label_config(recording.profile, sync)))
+    if (std::isfinite(sample.rate_label_dps)) {
+      EXPECT_GE(sample.label_uncertainty_dps, 0.25F);  // what is assumed of a servo
+      ++known;
+    }
+  EXPECT_GT(known, 100U);
+}
+
+TEST(Fits, DoNotCallPerfectWhatIsNotKnown) {
+  TrueTimes recording = record(rig_of(180.0, 8.0, 45), {60, -60});
+  std::erase_if(recording.servo, [](const TimedServo& m) { return m.state.motion != ServoMotion::steady; });
+  const SyncReport sync = fit(recording, recording.profile);
+  EXPECT_TRUE(std::isnan(sync.gyro.noise_dps));
+  EXPECT_TRUE(std::isnan(fit_servo_response({}, {}, sync.gyro, recording.profile.servo).residual_dps));
+}
+
 TEST(GyroErrors, BiasIsThatOfTheRests) {
   auto config = rig_of(2160.0, 8.0, 51);
   config.gyro_grade = simulation::GyroGrade::mpu6050_raw;

@@ -127,6 +127,7 @@ ServoResponse certain_response() {
   response.delay_uncertainty_s = 0.0;
   response.scale.uncertainty = 0.0;
   response.gyro_ratio.uncertainty = 0.0;
+  response.residual_dps = 0.0;
   return response;
 }
 

@@ -15,6 +15,10 @@ inline bool same(float a, float b) {
   return std::memcmp(&a, &b, sizeof a) == 0;
 }
 
+inline bool same(double a, double b) {
+  return std::memcmp(&a, &b, sizeof a) == 0;
+}
+
 inline bool same(const Stamp& a, const Stamp& b) {
   return a.time == b.time && a.arrival == b.arrival && same(a.uncertainty_s, b.uncertainty_s) &&
          same(a.earlier_s, b.earlier_s) && same(a.later_s, b.later_s);
@@ -122,7 +126,7 @@ inline bool same(const ClockReport& a, const ClockReport& b) {
 inline bool same(const GyroErrors& a, const GyroErrors& b) {
   return a.scale == b.scale && a.scale_calibrated == b.scale_calibrated && a.bias_dps == b.bias_dps &&
          a.bias_before_dps == b.bias_before_dps && a.bias_after_dps == b.bias_after_dps &&
-         a.noise_dps == b.noise_dps && a.zeroes_itself == b.zeroes_itself &&
+         same(a.noise_dps, b.noise_dps) && a.zeroes_itself == b.zeroes_itself &&
          a.bias_from_legs == b.bias_from_legs;
 }
 
@@ -130,7 +134,7 @@ inline bool same(const ServoResponse& a, const ServoResponse& b) {
   return a.fitted == b.fitted && a.delay_s == b.delay_s && a.delay_uncertainty_s == b.delay_uncertainty_s &&
          a.loop_hz == b.loop_hz && a.dead_band_deg == b.dead_band_deg && a.scale == b.scale &&
          a.scale_calibrated == b.scale_calibrated && a.gyro_ratio == b.gyro_ratio && a.gain == b.gain &&
-         a.residual_dps == b.residual_dps && same(a.speeds, b.speeds);
+         same(a.residual_dps, b.residual_dps) && same(a.speeds, b.speeds);
 }
 
 inline bool same(const CameraOffset& a, const CameraOffset& b) {

@@ -40,6 +40,17 @@ TEST_F(SessionFile, HoldsARecordingInWhichNothingCame) {
   EXPECT_EQ(difference(session, read_session(path())), "");
 }
 
+TEST_F(SessionFile, WhatIsNotKnownStaysNotKnown) {
+  Session session = synthetic_session(30);
+  session.sync.gyro = {};
+  session.sync.servo = {};
+  write_session(path(), session);
+  const SyncReport sync = read_session(path()).sync;
+  EXPECT_TRUE(std::isnan(sync.gyro.noise_dps));
+  EXPECT_TRUE(std::isnan(sync.servo.residual_dps));
+  EXPECT_EQ(difference(sync, session.sync), "");
+}
+
 TEST_F(SessionFile, KeepsTimesToTheNanosecondAfterAWeek) {
   Session session = synthetic_session(3);
   const HostDuration week = std::chrono::hours(24 * 7);

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <limits>
 #include <optional>
 #include <string>
 #include <vector>
@@ -82,8 +83,8 @@ struct GyroErrors {
   std::optional<Estimate> bias_dps;       // over the recording's rests, else of the profile; none: unknown
   std::optional<double> bias_before_dps;  // at the opening rest
   std::optional<double> bias_after_dps;   // at the closing rest
-  double noise_dps = 0.0;                 // standard deviation of a sample at rest
-  bool zeroes_itself = false;             // runs of exact zeros at rest: the device hides its bias
+  double noise_dps = std::numeric_limits<double>::quiet_NaN();  // of a sample at rest; NaN: no rest was seen
+  bool zeroes_itself = false;   // runs of exact zeros at rest: the device hides its bias
   bool bias_from_legs = false;  // bias_dps is what remains of equal speeds in both directions, not of rests
 };
 
@@ -99,16 +100,18 @@ struct ServoResponse {
   Estimate scale{1.0, 0.015};         // shaft angle per commanded angle
   bool scale_calibrated = false;
   Estimate gyro_ratio{1.0, 0.034};  // corrected gyro over commanded rate: scale as the gyro alone sees it
-  std::vector<double> gain;   // slope over its mean, at evenly spaced pulse widths from the shortest to the
-                              // longest, straight between them; empty: 1 everywhere
-  double residual_dps = 0.0;  // root mean square of corrected gyro minus model over legs, exposure means
+  std::vector<double> gain;  // slope over its mean, at evenly spaced pulse widths from the shortest to the
+                             // longest, straight between them; empty: 1 everywhere
+  // Root mean square of corrected gyro minus model in the steady parts of legs, means over a frame period.
+  // NaN: not known, for nothing was fitted or no leg was steady for a frame.
+  double residual_dps = std::numeric_limits<double>::quiet_NaN();
   struct AtSpeed {
     double rate_dps = 0.0;      // commanded
     double residual_dps = 0.0;  // mean of corrected gyro minus model
     double spread_dps = 0.0;    // root mean square about that mean
-    std::uint32_t frames = 0;
+    std::uint32_t frames = 0;   // frame periods at this speed that took part
   };
-  std::vector<AtSpeed> speeds;  // ascending
+  std::vector<AtSpeed> speeds;  // of the legs, ascending
 };
 
 /// Everything of the kind.
