@@ -33,7 +33,9 @@ std::string bar(double share) {
 }
 
 std::string leg_text(const SweepProgress& sweep) {
-  if (sweep.leg == 0) return name_of(sweep.phase);
+  const bool among_legs = sweep.phase == rig::SweepPhase::transit || sweep.phase == rig::SweepPhase::leg ||
+                          sweep.phase == rig::SweepPhase::recovering;
+  if (sweep.leg == 0 || !among_legs) return name_of(sweep.phase);
   std::string text = fmt::format("leg {} of {}, {}", sweep.leg, sweep.leg_count, speed_text(sweep.rate_dps));
   if (sweep.phase == rig::SweepPhase::leg)
     text +=
@@ -185,7 +187,7 @@ nlohmann::json json_of(const RecordingProgress& progress) {
 
 class JsonOutput : public ProgressOutput {
  public:
-  JsonOutput() : ProgressOutput(1.0) {}
+  JsonOutput() : ProgressOutput(1.0, Clock::recording) {}
 
   void note(const std::string& sentence) override { print_json({{"event", "note"}, {"message", sentence}}); }
 
@@ -202,7 +204,7 @@ bool worth_telling(const RecordingEvent& event) {
 void ProgressOutput::show(const RecordingProgress& progress) {
   for (const RecordingEvent& event : progress.events)
     if (worth_telling(event)) note(event.message);
-  const HostTime now = io::now();
+  const HostTime now = clock_ == Clock::wall ? io::now() : progress.time;
   if (drawn_ && now - *drawn_ < period_) return;
   drawn_ = now;
   draw(progress);

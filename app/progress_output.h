@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <cstdint>
 #include <memory>
 #include <optional>
 #include <string>
@@ -21,16 +22,21 @@ class ProgressOutput {
   virtual void note(const std::string& sentence) = 0;
 
  protected:
-  explicit ProgressOutput(double period_s) : period_(from_s(period_s)) {}
+  /// What the period is of: the clock on the wall for an eye that reads along, or the recording's own, which
+  /// virtual time lets run faster.
+  enum class Clock : std::uint8_t { wall, recording };
+  explicit ProgressOutput(double period_s, Clock clock = Clock::wall)
+      : period_(from_s(period_s)), clock_(clock) {}
   virtual void draw(const rig::RecordingProgress& progress) = 0;
 
  private:
   HostDuration period_;
+  Clock clock_;
   std::optional<HostTime> drawn_;
 };
 
 /// On a terminal a few lines that are drawn over at most four times a second; elsewhere a plain line every
-/// ten seconds; with `json` one object a second.
+/// ten seconds; with `json` one object a second of the recording, in virtual time too.
 std::unique_ptr<ProgressOutput> make_progress_output(bool json);
 
 /// The lines of the terminal: one a device, where the sweep stands, and which speeds have their valid frames.

@@ -4,6 +4,8 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include <algorithm>
+#include <cmath>
 #include <filesystem>
 #include <limits>
 #include <nlohmann/json.hpp>
@@ -31,7 +33,10 @@ Check check_link(Device device, const RigProfile& profile) {
   check.result = fmt::format("{} B x {:.0f} /s x 10 bit = {} bit/s of {} ({:.0f} %)", load.message_bytes,
                              load.rate_hz, count_text(static_cast<std::uint64_t>(load.bytes_per_s() * 10)),
                              count_text(baud), 100 * budget.load);
-  if (!budget.fits()) check.code = ExitCode::bad_usage;
+  if (budget.fits()) return check;
+  check.code = ExitCode::bad_usage;
+  check.advice = fmt::format("a higher baud rate, on the device and in the rig profile, or at most {:.1f} /s",
+                             std::floor(budget.max_rate_hz * 10.0) / 10.0);
   return check;
 }
 
@@ -95,14 +100,30 @@ Check check_output(const RecordOptions& options, const RigProfile& profile, cons
   return check;
 }
 
+/// Why some legs have more frames than the plan says.
+void print_longer_legs(const rig::SweepPlan& plan, const std::vector<rig::ExpectedLeg>& legs) {
+  const auto is_longer = [&](const rig::ExpectedLeg& leg) {
+    return leg.frames > static_cast<double>(plan.frames_per_leg);
+  };
+  const auto turns = [&](const rig::ExpectedLeg& leg) { return is_longer(leg) && leg.course.turns_back(); };
+  if (std::none_of(legs.begin(), legs.end(), is_longer)) return;
+  fmt::print("  more than {} frames: what a leg's {} valid ones are expected to take\n", plan.frames_per_leg,
+             plan.valid_per_leg);
+  if (std::any_of(legs.begin(), legs.end(), turns))
+    fmt::print(
+        "  the travel is too short for such a leg: it goes back and forth, and what it brings in the other\n"
+        "  direction the leg of that direction need not bring again\n");
+}
+
 void print_legs(const rig::SweepPlan& plan, const ChosenRig& rig) {
   Table table({">leg", ">deg/s", ">frames", ">time"});
   std::size_t number = 0;
-  for (const rig::ExpectedLeg& leg :
-       rig::expected_legs(plan, rig.profile.servo, rig.profile.camera.output_rate_hz))
+  const auto legs = rig::expected_legs(plan, rig.profile.servo, rig.profile.camera.output_rate_hz);
+  for (const rig::ExpectedLeg& leg : legs)
     table.add({std::to_string(++number), fmt::format("{:+.1f}", leg.rate_dps),
                fmt::format("{:.0f}", leg.frames), duration_text(leg.duration_s)});
-  fmt::print("{}", table.text("  "));
+  fmt::print("\n{}", table.text("  "));
+  print_longer_legs(plan, legs);
 }
 
 void print_checks(const std::vector<Check>& checks) {
@@ -110,6 +131,18 @@ void print_checks(const std::vector<Check>& checks) {
   for (const Check& check : checks)
     table.add({check.name, check.code == ExitCode::ok ? "ok" : "NOT OK", printable(check.result)});
   fmt::print("\n{}", table.text());
+  for (const Check& check : checks)
+    if (check.code != ExitCode::ok && !check.advice.empty())
+      fmt::print("  try: {} ({})\n", printable(check.advice), check.name);
+}
+
+/// "6 legs of 30 frames, rests of 2.0 s and 2.0 s"; a plan without legs is one rest.
+std::string legs_text(const rig::SweepPlan& plan) {
+  if (plan.leg_rates_dps.empty())
+    return "a rest of " + duration_text(plan.opening_rest_s + plan.closing_rest_s);
+  return fmt::format("{} legs of {} frames, rests of {} and {}", plan.leg_rates_dps.size(),
+                     plan.frames_per_leg, duration_text(plan.opening_rest_s),
+                     duration_text(plan.closing_rest_s));
 }
 
 nlohmann::json json_of(const rig::SweepPlan& plan, const RigProfile& profile,
@@ -158,11 +191,11 @@ ExitCode print_dry_run(const RecordOptions& options, const ChosenRig& rig, const
   } else {
     const double duration_s =
         rig::plan_duration_s(plan, rig.profile.servo, rig.profile.camera.output_rate_hz);
-    fmt::print("plan {}: {} legs of {} frames, rests of {} and {}, about {}\n\n", plan.name,
-               plan.leg_rates_dps.size(), plan.frames_per_leg, duration_text(plan.opening_rest_s),
-               duration_text(plan.closing_rest_s), duration_text(duration_s));
-    print_legs(plan, rig);
-    fmt::print("\n{}", yield_text(plan, rig.profile));
+    fmt::print("plan {}: {}, about {}\n", plan.name, legs_text(plan), duration_text(duration_s));
+    if (!plan.leg_rates_dps.empty()) {
+      print_legs(plan, rig);
+      fmt::print("\n{}", yield_text(plan, rig.profile));
+    }
     print_checks(checks);
   }
   for (const Check& check : checks)

@@ -87,8 +87,7 @@ nlohmann::json json_of(const SpeedYield& speed) {
 }  // namespace
 
 std::string yield_text(const rig::SweepPlan& plan, const RigProfile& profile) {
-  if (plan.leg_rates_dps.empty()) return "";
-  Table table({">deg/s", ">1 frame", ">2", ">3", ">4", ">5", ">6", ">takes"});
+  Table table({">deg/s", ">1 frame", ">2", ">3", ">4", ">5", ">6", ">legs take"});
   const auto speeds = rig::plan_yield(plan, profile.servo, profile.camera.output_rate_hz);
   for (const SpeedYield& speed : speeds) {
     std::vector<std::string> row{fmt::format("{:g}", speed.rate_dps)};
@@ -97,9 +96,11 @@ std::string yield_text(const rig::SweepPlan& plan, const RigProfile& profile) {
     table.add(std::move(row));
   }
   const bool has_stops = std::isfinite(stroke_deg(profile.servo));
-  return fmt::format("valid windows of 1 to 6 frames in a row that one leg{} brings\n{}{}{}\n",
-                     has_stops ? " / one sweep from stop to stop" : "", table.text("  "), quota_text(plan),
-                     impossible_lines(speeds, profile));
+  return fmt::format(
+      "valid windows of 1 to 6 frames in a row that one leg{} brings, and how long the speed's "
+      "legs take\n{}{}\n{}",
+      has_stops ? " / one sweep from stop to stop" : "", table.text("  "), quota_text(plan),
+      impossible_lines(speeds, profile));
 }
 
 nlohmann::json yield_json(const rig::SweepPlan& plan, const RigProfile& profile) {

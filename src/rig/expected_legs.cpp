@@ -24,7 +24,9 @@ class Walk {
       : plan_(plan), servo_(servo), frame_rate_hz_(frame_rate_hz) {}
 
   ExpectedLeg drive(double rate_dps) {
-    ExpectedLeg leg{.rate_dps = rate_dps, .course = {}, .frames = frames_needed(rate_dps)};
+    ExpectedLeg leg{.rate_dps = rate_dps, .course = {}, .frames_for_quota = frames_for_quota(rate_dps)};
+    const double planned = plan_.frames_per_leg;
+    leg.frames = std::clamp(leg.frames_for_quota, planned, frames_growth_max * planned);
     leg.transit_s = go_to_start(rate_dps, leg.frames);
     leg.course = leg_course(rate_dps, before_dps_, leg.frames, servo_, frame_rate_hz_);
     leg.duration_s = (leg.frames + 0.5) / frame_rate_hz_ + command_s;
@@ -37,13 +39,12 @@ class Walk {
 
  private:
   /// What earlier legs brought in this direction counts.
-  double frames_needed(double rate_dps) {
+  double frames_for_quota(double rate_dps) {
     wanted_[rate_dps] += plan_.valid_per_leg;
     const double missing = wanted_[rate_dps] - valid_[rate_dps];
     const double planned = plan_.frames_per_leg;
     const LegCourse course = leg_course(rate_dps, before_dps_, planned, servo_, frame_rate_hz_);
-    const double needed = frames_for(missing, course, frame_rate_hz_);
-    return std::clamp(needed, planned, frames_growth_max * planned);
+    return frames_for(missing, course, frame_rate_hz_);
   }
 
   /// Seconds to where the leg fits. Leaves the servo where the leg ends.

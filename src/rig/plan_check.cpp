@@ -87,6 +87,27 @@ void check_stroke(const SweepPlan& plan, double rate_dps, const ServoProfile& se
                      fastest_sweep_dps(stroke_deg, needed_s, servo.acceleration_dps2)));
 }
 
+/// The first leg that could not have its valid frames within what a step may take.
+void check_quota(const SweepPlan& plan, const ServoProfile& servo, const CameraProfile& camera) {
+  if (plan.valid_per_leg == 0) return;
+  const double most = static_cast<double>(frames_growth_max) * plan.frames_per_leg;
+  for (const ExpectedLeg& leg : expected_legs(plan, servo, camera.output_rate_hz)) {
+    if (leg.frames_for_quota <= most) continue;
+    const double least = std::ceil(leg.frames_for_quota / frames_growth_max);
+    const std::string needed = std::isfinite(leg.frames_for_quota)
+                                   ? fmt::format("about {:.0f}", leg.frames_for_quota)
+                                   : "endlessly many";
+    const std::string longer =
+        std::isfinite(least) ? fmt::format(", or at least {:.0f} frames a leg", least) : "";
+    refuse(
+        plan,
+        fmt::format("{} valid frames a leg are out of reach at {:g} deg/s: they need {} frames, and a step "
+                    "is given up after {} x {} = {:.0f}",
+                    plan.valid_per_leg, leg.rate_dps, needed, frames_growth_max, plan.frames_per_leg, most),
+        "fewer valid frames a leg" + longer);
+  }
+}
+
 void check_camera_link(const SweepPlan& plan, const CameraProfile& camera) {
   const auto budget = timing::link_budget(wire::camera_frame_bytes, camera.output_rate_hz, camera.link.baud);
   if (budget.fits()) return;
@@ -131,6 +152,7 @@ void check_plan(const SweepPlan& plan, const ServoProfile& servo, const CameraPr
     check_leg_time(plan, rate_dps, servo, camera, window_frames);
     check_stroke(plan, rate_dps, servo, camera, window_frames);
   }
+  check_quota(plan, servo, camera);
 }
 
 }  // namespace thermorig::rig

@@ -113,6 +113,53 @@ TEST_F(Record, GivesTheYieldAsArraysByFramesAWindow) {
   EXPECT_TRUE(endless.lines().at(0)["yield"]["speeds"][0]["sweep"][0].is_null());
 }
 
+TEST_F(Record, RefusesAQuotaThatNoLegCouldReach) {
+  const std::string beyond = fast + "--plan quick --valid-per-leg 1000 ";
+  expect_refused(beyond, 2, "and a step is given up after 20 x 30 = 600");
+  const Outcome dry = run(beyond + "-n");
+  EXPECT_EQ(dry.code, 2);
+  EXPECT_THAT(dry.out, HasSubstr("try: fewer valid frames a leg, or at least 51 frames a leg (plan)"));
+  const auto checks = run(beyond + "-n --json").lines().at(0)["checks"];
+  EXPECT_EQ(checks[0]["ok"], false);
+  EXPECT_EQ(checks[0]["exit_code"], 2);
+  EXPECT_EQ(run(fast + "--plan quick --valid-per-leg 1000 --frames-per-leg 51 -n").code, 0);
+}
+
+TEST_F(Record, SaysWhyALegOnAShortServoHasMoreFrames) {
+  const Outcome outcome = run(fast + "-n --plan quick --simulated-servo 180");
+  EXPECT_THAT(outcome.out, HasSubstr("more than 30 frames: what a leg's 23 valid ones are expected to take"));
+  EXPECT_THAT(outcome.out, HasSubstr("it goes back and forth"));
+  EXPECT_THAT(outcome.out, HasSubstr("legs take"));
+  EXPECT_THAT(outcome.out, Not(HasSubstr("\n\n\n")));
+  const Outcome winch = run(fast + "-n --plan quick");
+  EXPECT_THAT(winch.out, Not(HasSubstr("more than 30 frames")));
+}
+
+TEST_F(Record, ARestHasNoTableOfLegs) {
+  const Outcome outcome = run("calibrate bias --simulated=3 --fast --dry-run");
+  EXPECT_EQ(outcome.code, 0) << outcome.err;
+  EXPECT_THAT(outcome.out, HasSubstr("a rest of 1 min 0 s"));
+  EXPECT_THAT(outcome.out, Not(HasSubstr("0 legs")));
+  EXPECT_THAT(outcome.out, Not(HasSubstr("deg/s")));
+}
+
+TEST_F(Record, TellsOfItsProgressOnceASecondOfVirtualTime) {
+  const Outcome outcome = run(fast + "--json " + brief_plan);
+  ASSERT_EQ(outcome.code, 0) << outcome.err;
+  double before_s = -1.0, end_s = 0.0;
+  std::vector<std::string> phases;
+  for (const auto& line : outcome.lines()) {
+    if (line["event"] == "summary") end_s = line["duration_s"];
+    if (line["event"] != "progress") continue;
+    if (before_s >= 0.0) EXPECT_NEAR(line["elapsed_s"].get<double>(), before_s + 1.0, 0.02);
+    before_s = line["elapsed_s"];
+    phases.push_back(line["phase"]);
+  }
+  EXPECT_GT(end_s, 5.0);
+  EXPECT_GE(static_cast<double>(phases.size()), end_s - 1.0);
+  EXPECT_THAT(phases, ::testing::Contains("leg"));
+}
+
 TEST_F(Record, RefusesSpeedsThatCannotGiveSoManyValidFramesInARow) {
   expect_refused(fast + "--simulated-servo 180 --speeds 20,200 --frames-per-window 6", 2,
                  "5 x 0.125 s for 6 frames in a row");

@@ -59,8 +59,9 @@ double frames_for(double valid, const LegCourse& course, double frame_rate_hz);
 struct ExpectedLeg {
   double rate_dps = 0.0;
   LegCourse course;
-  double frames = 0.0;     // frames_per_leg, or more where the quota needs them
-  double transit_s = 0.0;  // to its start, before it
+  double frames = 0.0;  // frames_per_leg, or more where the quota needs them, up to the most a step may have
+  double frames_for_quota = 0.0;  // that the quota alone needs, without such a limit; may be infinite
+  double transit_s = 0.0;         // to its start, before it
   double duration_s = 0.0;
 };
 
