@@ -36,10 +36,10 @@ std::string leg_text(const SweepProgress& sweep) {
   const bool among_legs = sweep.phase == rig::SweepPhase::transit || sweep.phase == rig::SweepPhase::leg ||
                           sweep.phase == rig::SweepPhase::recovering;
   if (sweep.leg == 0 || !among_legs) return name_of(sweep.phase);
-  std::string text = fmt::format("leg {} of {}, {}", sweep.leg, sweep.leg_count, speed_text(sweep.rate_dps));
+  std::string text = fmt::format("leg {} of {}", sweep.leg, sweep.leg_count);
   if (sweep.phase == rig::SweepPhase::leg)
-    text +=
-        fmt::format(", frame {} of {}", std::min(sweep.frames, sweep.frames_per_leg), sweep.frames_per_leg);
+    text += fmt::format(", {}, frame {} of {}", speed_text(sweep.rate_dps),
+                        std::min(sweep.frames, sweep.frames_per_leg), sweep.frames_per_leg);
   else
     text += ", " + name_of(sweep.phase);
   return sweep.repeated > 0 ? text + fmt::format(", {} repeated", sweep.repeated) : text;
