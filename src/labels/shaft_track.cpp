@@ -12,7 +12,8 @@ namespace thermorig::labels {
 namespace {
 constexpr HostDuration pulse_period = std::chrono::microseconds(PulseTrain::period_us);
 constexpr HostDuration stride = std::chrono::milliseconds(4);  // of the running means
-constexpr int slow_pulses = 5;
+constexpr std::size_t pulse_strides = pulse_period / stride;
+constexpr std::size_t slow_pulses = 5;
 }  // namespace
 
 ShaftTrack::ShaftTrack(const ServoProfile& servo, const ServoResponse& response, HostDuration gap,
@@ -67,9 +68,8 @@ bool ShaftTrack::covers(HostTime begin, HostTime end) const {
   return points_.reaches(end) && points_.all().front().time <= begin;
 }
 
-ShaftAngle ShaftTrack::at(HostTime time) const {
+ShaftAngle ShaftTrack::between(std::size_t after, HostTime time) const {
   const auto points = points_.all();
-  const std::size_t after = points_.first_after(time);
   if (after == 0) return {points.front().angle_deg, points.front().scaled_deg};
   if (after == points.size()) return {points.back().angle_deg, points.back().scaled_deg};
   const Point& a = points[after - 1];
@@ -80,29 +80,48 @@ ShaftAngle ShaftTrack::at(HostTime time) const {
           hermite(a.scaled_deg, a.slope * a.rate_dps, b.scaled_deg, b.slope * b.rate_dps, length_s, share)};
 }
 
+ShaftAngle ShaftTrack::at(HostTime time) const {
+  return between(points_.first_after(time), time);
+}
+
 double ShaftTrack::mean_dps(HostTime begin, HostTime end) const {
   return (at(end).scaled_deg - at(begin).scaled_deg) / to_s(end - begin);
 }
 
-ShaftTrack::Ranges ShaftTrack::ranges(HostTime begin, HostTime end, HostDuration window) const {
+/// Every `stride` from `begin` on, not beyond `end`.
+std::vector<ShaftAngle> ShaftTrack::strides(HostTime begin, HostTime end) const {
+  const auto points = points_.all();
+  std::vector<ShaftAngle> angles;
+  angles.reserve(static_cast<std::size_t>((end - begin) / stride) + 1);
+  std::size_t after = points_.first_after(begin);
+  for (HostTime time = begin; time <= end; time += stride) {
+    while (after < points.size() && points[after].time <= time) ++after;
+    angles.push_back(between(after, time));
+  }
+  return angles;
+}
+
+ShaftTrack::Ranges ShaftTrack::ranges(const std::vector<ShaftAngle>& angles, std::size_t window) {
   constexpr double most = std::numeric_limits<double>::infinity();
   Ranges ranges{{most, -most}, {most, -most}};
   const auto widen = [](RateRange& range, double rate_dps) {
     range = {std::min(range.min_dps, rate_dps), std::max(range.max_dps, rate_dps)};
   };
-  const HostDuration length = std::min(window, end - begin);
-  for (HostTime to = begin + length; to <= end; to += stride) {
-    const ShaftAngle last = at(to), before = at(to - length);
-    widen(ranges.scaled, (last.scaled_deg - before.scaled_deg) / to_s(length));
-    widen(ranges.plain, (last.plain_deg - before.plain_deg) / to_s(length));
+  const std::size_t strides = std::min(window, angles.size() - 1);
+  const double length_s = to_s(stride) * static_cast<double>(strides);
+  for (std::size_t to = strides; strides > 0 && to < angles.size(); ++to) {
+    const ShaftAngle &last = angles[to], &before = angles[to - strides];
+    widen(ranges.scaled, (last.scaled_deg - before.scaled_deg) / length_s);
+    widen(ranges.plain, (last.plain_deg - before.plain_deg) / length_s);
   }
   return ranges;
 }
 
 ShaftRates ShaftTrack::over(HostTime begin, HostTime end) const {
-  const Ranges slow = ranges(begin, end, slow_pulses * pulse_period);
+  const std::vector<ShaftAngle> angles = strides(begin, end);
   const double mean = mean_dps(begin, end);
-  const RateRange range = ranges(begin, end, pulse_period).scaled;
+  const RateRange range = ranges(angles, pulse_strides).scaled;
+  const Ranges slow = ranges(angles, slow_pulses * pulse_strides);
   return {.mean_dps = mean,
           .range = {std::min(range.min_dps, mean), std::max(range.max_dps, mean)},
           .slow = slow.scaled,

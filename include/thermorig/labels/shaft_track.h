@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <cstddef>
 #include <vector>
 
 #include "thermorig/core/profile.h"
@@ -67,7 +68,9 @@ class ShaftTrack {
     RateRange scaled;
     RateRange plain;
   };
-  Ranges ranges(HostTime begin, HostTime end, HostDuration window) const;
+  ShaftAngle between(std::size_t after, HostTime time) const;  // the points before and at `after`
+  std::vector<ShaftAngle> strides(HostTime begin, HostTime end) const;
+  static Ranges ranges(const std::vector<ShaftAngle>& angles, std::size_t window);
   void take(const Pulse& pulse);
   void advance(HostTime until);
   void add_point(HostTime time);
