@@ -6,7 +6,6 @@
 #include "profile_path.h"
 #include "thermorig/core/error.h"
 #include "thermorig/io/port.h"
-#include "thermorig/rig/profile_file.h"
 
 namespace thermorig::app {
 
@@ -66,13 +65,6 @@ void apply(const RigOptions& options, RigProfile& profile) {
   if (options.gyro_baud) profile.gyro.link.baud = *options.gyro_baud;
   if (options.servo_baud) profile.servo.link.baud = *options.servo_baud;
   if (options.camera_rate_hz) profile.camera.output_rate_hz = *options.camera_rate_hz;
-}
-
-RigProfile read_named_profile(const std::string& name) {
-  const std::filesystem::path path = profile_path(name);
-  if (std::filesystem::exists(path)) return rig::read_profile(path);
-  throw Error(ExitCode::bad_usage, "there is no such profile", path.string(),
-              "thermorig ports --save " + name);
 }
 
 ServoProfile simulated_servo(const std::string& kind, ServoProfile servo) {

@@ -4,6 +4,7 @@
 #include <cstdlib>
 
 #include "thermorig/core/error.h"
+#include "thermorig/rig/profile_file.h"
 
 namespace thermorig::app {
 
@@ -28,6 +29,13 @@ std::filesystem::path settings_folder() {
 std::filesystem::path profile_path(const std::string& name) {
   if (name.find('/') != std::string::npos || name.ends_with(".toml")) return name;
   return settings_folder() / (name + ".toml");
+}
+
+RigProfile read_named_profile(const std::string& name) {
+  const std::filesystem::path path = profile_path(name);
+  if (std::filesystem::exists(path)) return rig::read_profile(path);
+  throw Error(ExitCode::bad_usage, "there is no such profile", path.string(),
+              "thermorig ports --save " + name);
 }
 
 }  // namespace thermorig::app

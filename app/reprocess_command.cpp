@@ -44,6 +44,20 @@ std::optional<Moved> moved(const State& before, const State& after) {
   return Moved{by_s[by_s.size() / 2], by_s.back()};
 }
 
+/// What a session's profile says now because that of `--rig` said so, each with its date.
+std::vector<std::string> applied(const RigProfile& from, const RigProfile& now) {
+  std::vector<std::string> names;
+  const auto add = [&](const char* name, const std::string& there, const std::string& here) {
+    if (!there.empty() && there == here) names.push_back(fmt::format("{} of {}", name, printable(here)));
+  };
+  add("orientation", from.camera.orientation_measured_utc, now.camera.orientation_measured_utc);
+  add("camera latency", from.camera.link.latency_measured_utc, now.camera.link.latency_measured_utc);
+  add("gyro scale", from.gyro.scale_measured_utc, now.gyro.scale_measured_utc);
+  add("gyro bias", from.gyro.bias_measured_utc, now.gyro.bias_measured_utc);
+  add("servo scale", from.servo.scale_measured_utc, now.servo.scale_measured_utc);
+  return names;
+}
+
 session::Session make_again(const std::filesystem::path& path, const std::optional<RigProfile>& calibrated) {
   if (!calibrated) return rig::reprocess(path);
   RawRecording raw = session::read_raw(path);
@@ -89,25 +103,38 @@ nlohmann::json object_of(const std::filesystem::path& path, const State& before,
   return object;
 }
 
-RigProfile read_calibrated(const std::string& name) {
-  const std::filesystem::path path = profile_path(name);
-  require_existing(path);
-  return rig::read_profile(path);
+std::string words_of(const std::vector<std::string>& calibrations) {
+  std::string text;
+  for (const std::string& name : calibrations) text += (text.empty() ? "" : ", ") + name;
+  return fmt::format("  applied  {}\n",
+                     text.empty() ? "nothing: the profile measured nothing of this rig" : text);
+}
+
+/// Whether all can be made again, before the first one is.
+void check_files(const std::vector<std::filesystem::path>& files) {
+  for (const auto& path : files) {
+    require_existing(path);
+    session::read_raw(path);
+  }
 }
 
 }  // namespace
 
-/// Stops at the first file that cannot be made again: nothing is half written.
 ExitCode run(const ReprocessOptions& options) {
   std::optional<RigProfile> calibrated;
-  if (!options.profile.empty()) calibrated = read_calibrated(options.profile);
+  if (!options.profile.empty()) calibrated = read_named_profile(options.profile);
+  check_files(options.files);
   nlohmann::json list = nlohmann::json::array();
   for (const auto& path : options.files) {
-    require_existing(path);
     const State before = state_of(session::read_session(path));
-    const State after = state_of(make_again(path, calibrated));
+    const session::Session session = make_again(path, calibrated);
+    const State after = state_of(session);
     list.push_back(object_of(path, before, after));
     if (!options.json) fmt::print("{}", words_of(path, before, after));
+    if (!calibrated) continue;
+    const auto calibrations = applied(*calibrated, session.raw.header.profile);
+    list.back()["calibrations"] = calibrations;
+    if (!options.json) fmt::print("{}", words_of(calibrations));
   }
   if (options.json) print_json(list);
   return ExitCode::ok;

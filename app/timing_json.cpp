@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include <nlohmann/json.hpp>
 
+#include "timing_remarks.h"
 #include "timing_text.h"
-#include "timing_verdict.h"
 
 namespace thermorig::app {
 
@@ -77,6 +77,7 @@ nlohmann::json servo_json(const ServoResponse& servo) {
                       {"frames", speed.frames}});
   return {{"fitted", servo.fitted},
           {"delay_s", servo.delay_s},
+          {"delay_uncertainty_s", servo.delay_uncertainty_s},
           {"loop_hz", servo.loop_hz},
           {"scale", estimate(servo.scale)},
           {"scale_calibrated", servo.scale_calibrated},
@@ -92,15 +93,17 @@ nlohmann::json timing_json(const session::Session& session, const session::Quali
   nlohmann::json clocks;
   for (const Device device : all_devices)
     clocks[std::string(name_of(device))] = clock_json(session.sync.clock[device], start);
-  const TimingVerdict verdict = timing_verdict(session);
+  const TimingRemarks remarks = timing_remarks(session);
   return {{"clock", clocks},
           {"camera_offset", offset_json(session.sync.camera_offset)},
           {"gyro", gyro_json(session.sync.gyro)},
           {"servo", servo_json(session.sync.servo)},
           {"label_uncertainty_dps", quality.label_uncertainty_dps},
-          {"verdict", verdict.word},
-          {"verdict_reasons", verdict.reasons},
-          {"advice", verdict.advice}};
+          {"label_residual_dps", quality.label_residual_dps},
+          {"verdict", quality.verdict},
+          {"verdict_reasons", quality.verdict_reasons},
+          {"remarks", remarks.sentences},
+          {"advice", remarks.advice}};
 }
 
 }  // namespace thermorig::app

@@ -6,9 +6,10 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <string_view>
 
 #include "output.h"
-#include "timing_verdict.h"
+#include "timing_remarks.h"
 
 namespace thermorig::app {
 
@@ -131,20 +132,29 @@ std::string gyro_text(const Session& session) {
   if (gyro.zeroes_itself) text += line("", "this gyro sets itself to zero at rest: its bias is hidden then");
   text += line("gyro scale", fmt::format("{:.4f} +- {:.4f}, {}", gyro.scale.value, gyro.scale.uncertainty,
                                          calibrated_text(gyro.scale_calibrated, profile.scale_measured_utc)));
-  return text + line("gyro noise", fmt::format("{:.3f} deg/s a sample at rest", gyro.noise_dps));
+  return text + line("gyro noise", std::isfinite(gyro.noise_dps)
+                                       ? fmt::format("{:.3f} deg/s a sample at rest", gyro.noise_dps)
+                                       : "not known: there was no rest");
 }
 
-std::string servo_text(const Session& session) {
+std::string servo_text(const Session& session, const session::Quality& quality) {
   const ServoResponse& servo = session.sync.servo;
   const ServoProfile& profile = session.raw.header.profile.servo;
-  std::string text = line("servo", fmt::format("{}: delay {:.1f} ms, loop {:.1f} Hz, damping 0.7",
-                                               servo.fitted ? "fitted to the gyro" : "not fitted, as assumed",
-                                               1e3 * servo.delay_s, servo.loop_hz));
+  std::string text =
+      line("servo", fmt::format("{}: delay {:.1f} +- {:.1f} ms, loop {:.1f} Hz, damping 0.7",
+                                servo.fitted ? "fitted to the gyro" : "not fitted, as assumed",
+                                1e3 * servo.delay_s, 1e3 * servo.delay_uncertainty_s, servo.loop_hz));
+  if (servo.fitted)
+    text += line(
+        "", fmt::format("measured against the gyro: the error of its latency (+- {:.1f} ms) is in it as well",
+                        1e3 * session.sync.clock[Device::gyro].latency_uncertainty_s));
   text +=
       line("servo scale", fmt::format("{:.4f} +- {:.4f}, {}", servo.scale.value, servo.scale.uncertainty,
                                       calibrated_text(servo.scale_calibrated, profile.scale_measured_utc)));
-  if (servo.fitted)
-    text += line("residual", fmt::format("{:.2f} deg/s RMS, corrected gyro minus label", servo.residual_dps));
+  if (std::isfinite(quality.label_residual_dps))
+    text +=
+        line("residual", fmt::format("{:.2f} deg/s RMS, corrected gyro minus label, over the valid frames",
+                                     quality.label_residual_dps));
   return text;
 }
 
@@ -179,10 +189,16 @@ std::string residual_table(const ServoResponse& servo) {
   return table.text();
 }
 
-std::string verdict_text(const TimingVerdict& verdict) {
-  std::string text = line("verdict", verdict.word);
-  for (const std::string& reason : verdict.reasons) text += line("", reason);
-  for (const std::string& command : verdict.advice) text += line("try", command);
+std::string verdict_text(const session::Quality& quality) {
+  std::string text = line("verdict", quality.verdict);
+  for (const std::string& reason : quality.verdict_reasons) text += line("", printable(reason));
+  return text;
+}
+
+std::string remarks_text(const TimingRemarks& remarks) {
+  std::string text;
+  for (const std::string& sentence : remarks.sentences) text += line(text.empty() ? "remarks" : "", sentence);
+  for (const std::string& command : remarks.advice) text += line("try", command);
   return text;
 }
 
@@ -202,12 +218,12 @@ std::string timing_text(const std::filesystem::path& path, const Session& sessio
       fmt::format("{}{}\n\n{}\n{}", path.string(), simulated, clock_table(sync), bound_table(sync));
   if (const std::string breaks = breaks_text(session); !breaks.empty()) text += fmt::format("\n{}", breaks);
   text += fmt::format("\n{}{}{}", line("camera - gyro", offset_text(sync.camera_offset)), gyro_text(session),
-                      servo_text(session));
+                      servo_text(session, quality));
   if (std::isfinite(quality.label_uncertainty_dps))
     text += line("label",
                  fmt::format("+- {:.2f} deg/s in the median valid frame", quality.label_uncertainty_dps));
   if (!sync.servo.speeds.empty()) text += fmt::format("\n{}", residual_table(sync.servo));
-  return fmt::format("{}\n{}", text, verdict_text(timing_verdict(session)));
+  return fmt::format("{}\n{}{}", text, verdict_text(quality), remarks_text(timing_remarks(session)));
 }
 
 std::string timing_line(const std::filesystem::path& path, const Session& session,
@@ -222,7 +238,8 @@ std::string timing_line(const std::filesystem::path& path, const Session& sessio
   }
   if (std::isfinite(quality.label_uncertainty_dps))
     text += fmt::format("label +- {:.2f} deg/s, ", quality.label_uncertainty_dps);
-  return text + fmt::format("{}; more with --timing\n", timing_verdict(session).word);
+  text.resize(text.size() - std::string_view(", ").size());
+  return text + "; more with --timing\n";
 }
 
 }  // namespace thermorig::app

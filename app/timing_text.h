@@ -9,12 +9,13 @@
 
 namespace thermorig::app {
 
-/// Everything that `inspect --timing` says: clocks, bounds, gaps, offsets, gyro, servo, residuals, verdict.
+/// Everything that `inspect --timing` says: clocks, bounds, gaps, offsets, gyro, servo, residuals, the
+/// session's verdict and remarks.
 std::string timing_text(const std::filesystem::path& path, const session::Session& session,
                         const session::Quality& quality);
 nlohmann::json timing_json(const session::Session& session, const session::Quality& quality);
 
-/// The same in one line, for `inspect`.
+/// How well times and labels are known, in one line for `inspect`.
 std::string timing_line(const std::filesystem::path& path, const session::Session& session,
                         const session::Quality& quality);
 

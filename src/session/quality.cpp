@@ -83,12 +83,21 @@ std::vector<Quality::Speed> speeds_of(const Session& session) {
   return ascending;
 }
 
+/// A ramp or a reversal makes a frame invalid anyway, and says nothing of gyro and servo at odds.
+bool has_no_other_reason(const LabelledSample& sample) {
+  return (sample.reason_bits & ~warning_bits & ~bit(Reason::gyro_disagrees)) == 0;
+}
+
 void count_samples(const Session& session, Quality& quality) {
   quality.frames = session.samples.size();
   for (const auto& sample : session.samples) {
     quality.valid += sample.valid ? 1 : 0;
     if (sample.leg == 0) continue;
     ++quality.swept;
+    const bool disagrees = (sample.reason_bits & bit(Reason::gyro_disagrees)) != 0;
+    const bool sound = sample.valid || (disagrees && has_no_other_reason(sample));
+    quality.sound += sound ? 1 : 0;
+    quality.disagreeing += sound && disagrees ? 1 : 0;
     for (std::size_t i = 0; i < reason_count; ++i)
       if ((sample.reason_bits & bit(static_cast<Reason>(i))) != 0)
         ++quality.reason_counts[std::string(reason_names[i])];
@@ -110,6 +119,23 @@ double label_uncertainty_dps(const std::vector<LabelledSample>& samples) {
   return median(std::move(values));
 }
 
+/// Root mean square of the corrected gyro minus the label over the frames within legs against which nothing
+/// speaks but, it may be, the gyro itself. The scale that gyro and servo share cannot be told from them.
+double label_residual_dps(const Session& session) {
+  const GyroErrors& gyro = session.sync.gyro;
+  const ServoResponse& servo = session.sync.servo;
+  double squares = 0.0, count = 0.0;
+  for (const auto& sample : session.samples) {
+    if (sample.leg == 0 || !has_no_other_reason(sample)) continue;
+    const double gyro_dps = (sample.rate_gyro_dps - gyro.bias_dps->value) / gyro.scale.value;
+    const double label_dps = sample.rate_label_dps * servo.gyro_ratio.value / servo.scale.value;
+    if (!std::isfinite(gyro_dps - label_dps)) continue;
+    squares += (gyro_dps - label_dps) * (gyro_dps - label_dps);
+    count += 1.0;
+  }
+  return count > 0.0 ? std::sqrt(squares / count) : std::numeric_limits<double>::quiet_NaN();
+}
+
 void add_sync(const Session& session, Quality& quality) {
   constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
   const SyncReport& sync = session.sync;
@@ -121,7 +147,8 @@ void add_sync(const Session& session, Quality& quality) {
   }
   quality.camera_offset_s = sync.camera_offset.offset_s;
   quality.label_uncertainty_dps = label_uncertainty_dps(session.samples);
-  quality.label_residual_dps = sync.servo.fitted ? sync.servo.residual_dps : unknown;
+  quality.label_residual_dps =
+      sync.servo.fitted && sync.gyro.bias_dps ? label_residual_dps(session) : unknown;
 }
 
 }  // namespace

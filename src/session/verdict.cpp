@@ -4,6 +4,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cstdlib>
+#include <sstream>
+#include <string>
 
 #include "thermorig/core/validity.h"
 
@@ -14,7 +17,13 @@ namespace {
 constexpr double lost_share_bad = 0.05;
 constexpr double lost_share_usable = 0.005;
 constexpr double valid_share_usable = 0.5;
-constexpr double clock_uncertainty_usable_s = 0.001;  // V6
+// A clock that is not known to a millisecond moves a label of a fast frame by more than its own error (V6);
+// ten milliseconds are what plain arrival times do.
+constexpr double clock_uncertainty_usable_s = 0.001;
+constexpr double clock_uncertainty_bad_s = 0.010;
+// The label rule's own measure of a steady speed: 1 deg/s.
+constexpr double residual_usable_dps = 1.0;
+constexpr double residual_bad_dps = 5.0;
 constexpr double disagreeing_share_usable = 0.1;
 
 class Verdict {
@@ -47,6 +56,13 @@ void judge_stream(Device device, const Quality::Stream& stream, Verdict& verdict
   if (share > lost_share_usable) verdict.usable(reason);
 }
 
+/// A rest that a calibration asked for: there are no legs in which a frame could be valid.
+bool is_rest(const Session& session) {
+  const std::string& plan = session.raw.header.plan_toml;
+  return session.raw.legs.empty() && plan.find("\nfor_calibration = true\n") != std::string::npos &&
+         plan.find("\nleg_rates_dps = []") != std::string::npos;
+}
+
 void judge_samples(const Quality& quality, Verdict& verdict) {
   if (quality.valid == 0) return verdict.bad("no frame is valid");
   if (static_cast<double>(quality.valid) < valid_share_usable * static_cast<double>(quality.swept))
@@ -70,30 +86,57 @@ void judge_events(const Session& session, Verdict& verdict) {
 void judge_clocks(const Quality& quality, Verdict& verdict) {
   for (const Device device : all_devices) {
     const double uncertainty_s = quality.clock[device].uncertainty_s;
-    if (uncertainty_s > clock_uncertainty_usable_s)
-      verdict.usable(fmt::format("the times of the {} are known to {:.1f} ms only", name_of(device),
-                                 1e3 * uncertainty_s));
+    const auto reason =
+        fmt::format("the times of the {} are known to {:.1f} ms only", name_of(device), 1e3 * uncertainty_s);
+    if (uncertainty_s > clock_uncertainty_bad_s)
+      verdict.bad(reason);
+    else if (uncertainty_s > clock_uncertainty_usable_s)
+      verdict.usable(reason);
   }
 }
 
 void judge_gyro(const Session& session, const Quality& quality, Verdict& verdict) {
   if (session.sync.gyro.zeroes_itself)
     verdict.usable("the gyro zeroes itself at rest and so hides its bias: switch that off in the device");
-  const auto found =
-      quality.reason_counts.find(std::string(reason_names[static_cast<std::size_t>(Reason::gyro_disagrees)]));
-  if (found == quality.reason_counts.end()) return;
-  const double share = static_cast<double>(found->second) / static_cast<double>(quality.swept);
+  if (quality.sound == 0) return;
+  const double share = static_cast<double>(quality.disagreeing) / static_cast<double>(quality.sound);
   if (share > disagreeing_share_usable)
-    verdict.usable(fmt::format("gyro and servo disagree in {:.0f} % of the frames within legs", 100 * share));
+    verdict.usable(fmt::format("gyro and servo disagree in {:.0f} % of the frames that are otherwise valid",
+                               100 * share));
+}
+
+void judge_labels(const Quality& quality, Verdict& verdict) {
+  const auto reason = fmt::format("gyro and labels differ by {:.1f} deg/s", quality.label_residual_dps);
+  if (quality.label_residual_dps > residual_bad_dps)
+    verdict.bad(reason);
+  else if (quality.label_residual_dps > residual_usable_dps)
+    verdict.usable(reason);
+}
+
+/// The first duration that a reason quotes, "21.07 ms" or "2.5 s"; 0 where it quotes none, as older files
+/// may.
+double quoted_s(const std::string& reason) {
+  std::istringstream words(reason);
+  for (std::string word, before; words >> word; before = word) {
+    const double number = std::strtod(before.c_str(), nullptr);
+    if (number > 0.0 && word.starts_with("ms")) return 1e-3 * number;
+    if (number > 0.0 && (word == "s" || word == "s:")) return number;
+  }
+  return 0.0;
+}
+
+bool contradicts_less(const ClockEpoch& a, const ClockEpoch& b) {
+  return quoted_s(a.reason) < quoted_s(b.reason);
 }
 
 void judge_epochs(const Session& session, Verdict& verdict) {
   for (const Device device : all_devices) {
     const auto& epochs = session.sync.clock[device].epochs;
     if (epochs.size() < 2) continue;
-    const auto times = epochs.size() == 2 ? "once" : fmt::format("{} times, last", epochs.size() - 1);
+    const auto times = epochs.size() == 2 ? "once" : fmt::format("{} times, most", epochs.size() - 1);
+    const auto most = std::max_element(epochs.begin() + 1, epochs.end(), contradicts_less);
     verdict.usable(
-        fmt::format("the clock of the {} began anew {}: {}", name_of(device), times, epochs.back().reason));
+        fmt::format("the clock of the {} began anew {}: {}", name_of(device), times, most->reason));
   }
 }
 
@@ -102,10 +145,11 @@ void judge_epochs(const Session& session, Verdict& verdict) {
 void judge(const Session& session, Quality& quality) {
   Verdict verdict;
   for (const Device device : all_devices) judge_stream(device, quality.stream[device], verdict);
-  judge_samples(quality, verdict);
+  if (!is_rest(session)) judge_samples(quality, verdict);
   judge_clocks(quality, verdict);
   judge_epochs(session, verdict);
   judge_gyro(session, quality, verdict);
+  judge_labels(quality, verdict);
   judge_events(session, verdict);
   verdict.write_to(quality);
 }

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <fstream>
 #include <sstream>
 
 #include "program.h"
@@ -11,7 +12,6 @@
 namespace thermorig::tests {
 namespace {
 
-using ::testing::AnyOf;
 using ::testing::HasSubstr;
 
 class Timing : public ProgramTest {};
@@ -53,7 +53,9 @@ TEST_F(Timing, GivesTheSameAsJson) {
   EXPECT_EQ(timing["clock"]["servo"]["lower_bound_is_proof"], true);
   EXPECT_EQ(timing["gyro"]["scale_calibrated"], false);
   EXPECT_EQ(timing["gyro"]["zeroes_itself"], false);
-  EXPECT_THAT(timing["verdict"], AnyOf("good", "usable", "bad"));
+  EXPECT_EQ(timing["verdict"], plain["verdict"]);
+  EXPECT_EQ(timing["verdict_reasons"], plain["verdict_reasons"]);
+  EXPECT_GT(timing["servo"]["delay_uncertainty_s"], 0.0);
   EXPECT_GE(timing["servo"]["speeds"].size(), 2U);
 }
 
@@ -92,10 +94,13 @@ TEST_F(Timing, ListsGapsAndEpochsAndCountsThemAgainstTheSession) {
   session::replace_session(path, session);
   const Outcome outcome = run("inspect --timing " + path.string());
   ASSERT_EQ(outcome.code, 0) << outcome.err;
-  for (const char* part : {"camera 4.00 s to 4.50 s, 3 missing", "and 2 more of the camera",
-                           "servo at 4.25 s: the micro-controller was reset",
-                           "the gyro's times are known to 12.5 ms", "verdict       bad"})
+  for (const char* part :
+       {"camera 4.00 s to 4.50 s, 3 missing", "and 2 more of the camera",
+        "servo at 4.25 s: the micro-controller was reset", "the times of the gyro are known to 12.5 ms",
+        "verdict       bad", "try           again "})
     EXPECT_THAT(outcome.out, HasSubstr(part));
+  EXPECT_EQ(run("inspect --timing --check " + path.string()).code, 9);
+  EXPECT_EQ(run("inspect --check " + path.string()).code, 9);
   const auto clock = run("inspect --timing --json " + path.string()).lines()[0][0]["timing"]["clock"];
   EXPECT_EQ(clock["camera"]["gaps"].size(), 7U);
   EXPECT_NEAR(clock["servo"]["epochs"][1]["begin_s"], 4.25, 1e-6);
@@ -113,6 +118,24 @@ TEST_F(Timing, AReasonInAFileDoesNotSteerTheTerminal) {
   }
 }
 
+TEST_F(Timing, ARestForACalibrationIsJudgedByItsStreams) {
+  ASSERT_EQ(run("calibrate bias --simulated=3 --fast").code, 0);
+  const std::string session = files(".h5")[0].string();
+  const Outcome outcome = run("inspect --timing --check " + session);
+  EXPECT_EQ(outcome.code, 0) << outcome.err;
+  EXPECT_THAT(outcome.out, HasSubstr("verdict       good"));
+  EXPECT_THAT(outcome.out, HasSubstr("remarks       how late the camera is rests on an assumption"));
+}
+
+TEST_F(Timing, ReprocessTouchesNothingIfOneFileIsNone) {
+  const auto path = record_briefly();
+  const auto written = std::filesystem::last_write_time(folder() / path);
+  EXPECT_EQ(run("reprocess " + path.string() + " nonexistent.h5").code, 2);
+  std::ofstream(folder() / "notes.h5") << "not ours";
+  EXPECT_EQ(run("reprocess " + path.string() + " notes.h5").code, 8);
+  EXPECT_EQ(std::filesystem::last_write_time(folder() / path), written);
+}
+
 TEST_F(Timing, ReprocessTellsWhatChanged) {
   const auto path = record_briefly();
   const auto same = run("reprocess --json " + path.string()).lines()[0][0];
@@ -122,11 +145,14 @@ TEST_F(Timing, ReprocessTellsWhatChanged) {
   const Outcome outcome = run("reprocess --rig bench.toml " + path.string());
   ASSERT_EQ(outcome.code, 0) << outcome.err;
   EXPECT_THAT(outcome.out, HasSubstr("times    moved by "));
+  EXPECT_THAT(outcome.out, HasSubstr("applied  camera latency of 20"));
   const session::Session after = session::read_session(path);
   EXPECT_NE(after.raw.header.profile.camera.link.latency_measured_utc, "");
   EXPECT_THAT(after.raw.header.profile_toml,
               HasSubstr(after.raw.header.profile.camera.link.latency_measured_utc));
-  EXPECT_EQ(run("reprocess --rig missing.toml " + path.string()).code, 2);
+  const Outcome missing = run("reprocess --rig missing " + path.string());
+  EXPECT_EQ(missing.code, 2);
+  EXPECT_THAT(missing.err, HasSubstr("there is no such profile"));
 }
 
 }  // namespace

@@ -52,11 +52,14 @@ struct Quality {
   double duration_s = 0;
   std::uint64_t frames = 0, swept = 0, valid = 0;      // swept: within legs
   std::map<std::string, std::uint64_t> reason_counts;  // by name, frames within legs
-  std::vector<Speed> speeds;                           // ascending
+  std::uint64_t sound = 0;        // within legs, with no reason but that the gyro disagrees
+  std::uint64_t disagreeing = 0;  // of these, where it does
+  std::vector<Speed> speeds;      // ascending
   PerDevice<Clock> clock;
   std::optional<Estimate> camera_offset_s;  // of the camera against the gyro, by the images
   double label_uncertainty_dps = 0;         // median over the valid frames; NaN if there is none
-  double label_residual_dps = 0;            // root mean square of gyro minus servo model; NaN if not fitted
+  double label_residual_dps = 0;            // root mean square of corrected gyro minus label over the frames
+                                            // that are valid or would be but for the gyro; NaN if not fitted
   std::string verdict;                      // "good", "usable" or "bad"
   std::vector<std::string> verdict_reasons;
 };

@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: MIT
+#include "timing_remarks.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "output.h"
+
+namespace thermorig::app {
+
+namespace {
+
+class Remarks {
+ public:
+  void say(const std::string& sentence) { remarks_.sentences.push_back(sentence); }
+  void advise(const std::string& command) {
+    auto& advice = remarks_.advice;
+    if (std::find(advice.begin(), advice.end(), command) == advice.end()) advice.push_back(command);
+  }
+  TimingRemarks take() { return std::move(remarks_); }
+
+ private:
+  TimingRemarks remarks_;
+};
+
+/// Simulated ports stand still with the program that serves them.
+void remark_clock(Device device, const ClockReport& clock, bool simulated, Remarks& remarks) {
+  if (clock.method.empty())
+    return remarks.say(fmt::format("too little came from the {} to fit its clock", name_of(device)));
+  if (clock.epochs.size() < 2) return;
+  if (simulated) remarks.say("a simulator that stood still for a moment looks like a clock that began anew");
+  remarks.advise(simulated ? "again on an idle machine, or with --fast: virtual time never stands still"
+                           : "again on an idle machine, with the board on a USB hub of its own");
+}
+
+void remark_offset(const session::Session& session, Remarks& remarks) {
+  const PortProfile& link = session.raw.header.profile.camera.link;
+  const CameraOffset& offset = session.sync.camera_offset;
+  if (offset.applied || !link.latency_measured_utc.empty()) return;
+  remarks.say(fmt::format("how late the camera is rests on an assumption (+- {:.1f} ms){}",
+                          1e3 * link.latency_uncertainty_s,
+                          offset.why_not.empty() ? "" : ": " + printable(offset.why_not)));
+  remarks.advise("thermorig calibrate latency");
+}
+
+void remark_gyro(const GyroErrors& gyro, Remarks& remarks) {
+  if (gyro.bias_dps) return;
+  remarks.say("the gyro's bias is not known");
+  if (!gyro.zeroes_itself) remarks.advise("thermorig calibrate bias");
+}
+
+void remark_servo(const ServoResponse& servo, Remarks& remarks) {
+  if (!servo.fitted) remarks.say("how the shaft follows the servo's pulses was not fitted");
+  if (servo.scale_calibrated) return;
+  remarks.say(
+      fmt::format("the labels' scale is not calibrated (+- {:.1f} %)", 100 * servo.scale.uncertainty));
+  remarks.advise("thermorig calibrate scale");
+}
+
+}  // namespace
+
+bool has_timing(const session::Session& session) {
+  return std::any_of(all_devices.begin(), all_devices.end(),
+                     [&](Device device) { return !session.sync.clock[device].method.empty(); });
+}
+
+TimingRemarks timing_remarks(const session::Session& session) {
+  if (!has_timing(session)) return {};
+  Remarks remarks;
+  for (const Device device : all_devices)
+    remark_clock(device, session.sync.clock[device], session.raw.header.simulated, remarks);
+  remark_offset(session, remarks);
+  remark_gyro(session.sync.gyro, remarks);
+  remark_servo(session.sync.servo, remarks);
+  return remarks.take();
+}
+
+}  // namespace thermorig::app
