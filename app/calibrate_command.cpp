@@ -4,9 +4,8 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "calibrate_text.h"
+#include "calibrate_sessions.h"
 #include "commands.h"
-#include "existing_file.h"
 #include "output.h"
 #include "profile_path.h"
 #include "record_checks.h"
@@ -20,7 +19,6 @@ namespace {
 
 using rig::CalibrationKind;
 
-constexpr double full_turn_deg = 360.0;
 constexpr double overlap_deg = 40.0;  // a turn that is to close in the image goes on a little
 constexpr double hand_turn_s = 20.0;
 constexpr double before_hand_turn_s = 15.0;
@@ -75,11 +73,13 @@ void refuse_mixture(bool simulated, const RigProfile& profile, const std::filesy
   }
 }
 
-/// The profile that the result changes: that of the file, else that of the rig that was recorded.
-RigProfile profile_before(const std::filesystem::path& path, const session::Session& session) {
+/// The profile that the result changes: that of the file, else that of the rig, else the session's own.
+RigProfile profile_before(const CalibrateOptions& options, const std::filesystem::path& path,
+                          const RecordingHeader& header) {
   if (!path.empty() && std::filesystem::exists(path)) return rig::read_profile(path);
-  RigProfile profile = session.raw.header.profile;
-  if (session.raw.header.simulated)
+  const std::string& name = options.record.rig.profile;
+  RigProfile profile = name.empty() ? header.profile : read_named_profile(name);
+  if (header.simulated && name.empty())
     for (const Device device : all_devices) profile.link(device).port.clear();
   return profile;
 }
@@ -149,40 +149,6 @@ Recorded record_for(const CalibrateOptions& options, ChosenRig rig, const rig::S
   return {{}, summary.result.exit};
 }
 
-template <typename Measure>
-CalibrationResult combined_over(std::span<const session::Session> sessions, Measure measure) {
-  std::vector<decltype(measure(sessions.front()))> results;
-  for (const session::Session& session : sessions) results.push_back(measure(session));
-  return calibration::combined(results);
-}
-
-CalibrationResult measure(const CalibrateOptions& options, std::span<const session::Session> sessions) {
-  switch (options.kind) {
-    case CalibrationKind::bias:
-      return combined_over(sessions, calibration::measure_bias);
-    case CalibrationKind::latency:
-      return combined_over(sessions, calibration::measure_latency);
-    case CalibrationKind::orientation:
-      return combined_over(sessions, calibration::measure_orientation);
-    case CalibrationKind::scale:
-      break;
-  }
-  if (!options.marks) return combined_over(sessions, calibration::measure_scale);
-  return combined_over(sessions, [&](const session::Session& session) {
-    return calibration::measure_scale_by_marks(session, options.angle_deg.value_or(full_turn_deg));
-  });
-}
-
-/// "2026-07-25T14:35:12Z": when the newest of the sessions began.
-std::string measured_utc(std::span<const session::Session> sessions) {
-  std::string newest;
-  for (const session::Session& session : sessions)
-    newest = std::max(newest, session.raw.header.start_time_utc);
-  const auto fraction = newest.find('.');
-  if (fraction != std::string::npos) newest = fmt::format("{}Z", newest.substr(0, fraction));
-  return newest;
-}
-
 std::string joined(const std::vector<std::filesystem::path>& paths) {
   std::string text;
   for (const auto& path : paths) text += fmt::format("{}{}", text.empty() ? "" : " ", path.string());
@@ -196,65 +162,60 @@ std::string next_command(const CalibrateOptions& options, const std::vector<std:
                      joined(paths), marks);
 }
 
-void print_result(const CalibrateOptions& options, const CalibrationResult& result, const RigProfile& before,
-                  const std::filesystem::path& kept, const std::vector<std::filesystem::path>& paths) {
-  fmt::print("\n{:<12} {}\n{}", "session", joined(paths), text_of(result, before));
+void print_result(const MeasuredSessions& measured, const RigProfile& before) {
+  for (const SkippedSession& session : measured.skipped)
+    fmt::print("skipped      {}: {}\n", session.path.string(), printable(session.reason));
+  fmt::print("\n{:<12} {}\n{}", "session", joined(measured.paths), text_of(measured.result, before));
+  std::fflush(stdout);
+}
+
+void print_kept(const std::filesystem::path& kept, const std::string& next) {
   if (!kept.empty())
     fmt::print("{:<12} written to {}\n", "profile", kept.string());
   else
-    fmt::print("{:<12} not written to any; keep it with\n{:<12} {}\n", "profile", "",
-               next_command(options, paths));
+    fmt::print("{:<12} not written to any; keep it with\n{:<12} {}\n", "profile", "", next);
 }
 
-void print_result_json(const CalibrateOptions& options, const CalibrationResult& result,
-                       const RigProfile& before, const std::string& utc, const std::filesystem::path& kept,
-                       const std::vector<std::filesystem::path>& paths) {
-  nlohmann::json object = json_of(result, before);
+void print_result_json(const CalibrateOptions& options, const MeasuredSessions& measured,
+                       const RigProfile& before, const std::filesystem::path& kept) {
+  nlohmann::json object = json_of(measured.result, before);
   object["event"] = "summary";
   object["calibration"] = name_of(options.kind);
-  object["measured_utc"] = utc;
+  object["measured_utc"] = measured.measured_utc;
   object["profile"] = kept.empty() ? nlohmann::json() : nlohmann::json(kept.string());
   object["sessions"] = nlohmann::json::array();
-  for (const auto& path : paths) object["sessions"].push_back(path.string());
+  for (const auto& path : measured.paths) object["sessions"].push_back(path.string());
+  object["skipped"] = nlohmann::json::array();
+  for (const SkippedSession& session : measured.skipped)
+    object["skipped"].push_back({{"file", session.path.string()}, {"reason", session.reason}});
   print_json(object);
 }
 
-std::vector<session::Session> read_sessions(const std::vector<std::filesystem::path>& paths) {
-  std::vector<session::Session> sessions;
-  for (const auto& path : paths) {
-    require_existing(path);
-    sessions.push_back(session::read_session(path));
-  }
-  return sessions;
-}
-
-/// A session that cannot tell is named, so that its owner can look at it.
-CalibrationResult measure(const CalibrateOptions& options, std::span<const session::Session> sessions,
-                          const std::vector<std::filesystem::path>& paths) {
+/// What was measured is not lost where it cannot be written: the session is there, and how to take it again.
+void keep(const MeasuredSessions& measured, RigProfile profile, const std::filesystem::path& path,
+          const std::string& next) {
+  std::visit([&](const auto& found) { calibration::apply(found, measured.measured_utc, profile); },
+             measured.result);
   try {
-    return measure(options, sessions);
+    rig::write_profile(path, profile);
   } catch (const Error& error) {
-    throw Error(error.code(), error.what_happened(), joined(paths), error.advice());
+    throw Error(error.code(), error.what_happened(), error.where(), next);
   }
 }
 
 ExitCode calibrate(const CalibrateOptions& options, const std::vector<std::filesystem::path>& paths) {
   const std::filesystem::path path = kept_in(options);
-  const std::vector<session::Session> sessions = read_sessions(paths);
-  const RigProfile before = profile_before(path, sessions.front());
-  for (const session::Session& session : sessions)
-    if (!path.empty()) refuse_mixture(session.raw.header.simulated, before, path);
-  const CalibrationResult result = measure(options, sessions, paths);
-  const std::string utc = measured_utc(sessions);
-  if (!path.empty()) {
-    RigProfile after = before;
-    std::visit([&](const auto& found) { calibration::apply(found, utc, after); }, result);
-    rig::write_profile(path, after);
-  }
-  if (options.record.json)
-    print_result_json(options, result, before, utc, path, paths);
+  const MeasuredSessions measured = measure_sessions(options, paths);
+  const RigProfile before = profile_before(options, path, measured.header);
+  if (!path.empty()) refuse_mixture(measured.header.simulated, before, path);
+  const std::string next = next_command(options, measured.paths);
+  const bool json = options.record.json;
+  if (json)
+    print_result_json(options, measured, before, path);
   else
-    print_result(options, result, before, path, paths);
+    print_result(measured, before);
+  if (!path.empty()) keep(measured, before, path, next);
+  if (!json) print_kept(path, next);
   return ExitCode::ok;
 }
 
@@ -262,9 +223,11 @@ ExitCode calibrate(const CalibrateOptions& options, const std::vector<std::files
 
 ExitCode run(const CalibrateOptions& options) {
   check_words(options);
+  const std::filesystem::path path = kept_in(options);
+  if (!options.record.rig.profile.empty()) read_named_profile(options.record.rig.profile);
+  if (!path.empty()) rig::require_profile_storage(path);
   if (!options.sessions.empty()) return calibrate(options, options.sessions);
   const ChosenRig rig = chosen_rig(options.record.rig, options.record.environment);
-  const std::filesystem::path path = kept_in(options);
   if (!path.empty() && std::filesystem::exists(path))
     refuse_mixture(rig.simulated.has_value(), rig::read_profile(path), path);
   const rig::SweepPlan plan = plan_of(options, rig);

@@ -80,12 +80,6 @@ RigProfile profile_to_save(const std::filesystem::path& path, const std::vector<
   return rig::apply_findings(profile, findings, ambiguous);
 }
 
-void save(const std::filesystem::path& path, const RigProfile& profile) {
-  std::error_code ignored;  // write_profile says what is wrong
-  if (path.has_parent_path()) std::filesystem::create_directories(path.parent_path(), ignored);
-  rig::write_profile(path, profile);
-}
-
 std::vector<std::string> missing_roles(const std::vector<PortFinding>& findings) {
   std::vector<std::string> missing;
   for (Device device : all_devices)
@@ -166,7 +160,7 @@ ExitCode run(const PortsOptions& options) {
   std::vector<std::string> ambiguous;
   const auto file = options.save.empty() ? std::filesystem::path() : profile_path(options.save);
   const RigProfile profile = profile_to_save(file, findings, ambiguous);
-  if (!file.empty()) save(file, profile);
+  if (!file.empty()) rig::write_profile(file, profile);
   if (options.json)
     print_result_json(options, findings, ambiguous);
   else

@@ -70,15 +70,19 @@ nlohmann::json speeds_json(const std::vector<rig::SpeedQuota>& speeds) {
   return list;
 }
 
+void print_speeds(const RecordSummary& summary) {
+  const ShortSpeeds wanting = wanting_speeds(summary);
+  fmt::print(
+      "speeds   {} planned, {}\n", wanting.planned,
+      wanting.count == 0 ? "none short of frames" : fmt::format("{} short: {}", wanting.count, wanting.text));
+}
+
 void print_figures(const RecordSummary& summary) {
   const RecordingResult& result = summary.result;
   const session::Quality& quality = result.quality;
   fmt::print("frames   {} of {} in legs are valid ({}); {} in all\n", count_text(quality.valid),
              count_text(quality.swept), share_text(quality.valid, quality.swept), count_text(quality.frames));
-  const ShortSpeeds wanting = wanting_speeds(summary);
-  fmt::print(
-      "speeds   {} planned, {}\n", wanting.planned,
-      wanting.count == 0 ? "none short of frames" : fmt::format("{} short: {}", wanting.count, wanting.text));
+  if (!summary.plan.for_calibration) print_speeds(summary);  // such a plan has no quota
   fmt::print("streams  {}\n", lost_text(quality));
   fmt::print("gaps     longest: {}\n", gaps_text(quality));
   std::string verdict = quality.verdict;

@@ -2,10 +2,13 @@
 #include "thermorig/rig/profile_file.h"
 
 #include <fmt/format.h>
+#include <unistd.h>
 
+#include <cerrno>
 #include <cstdint>
 #include <fstream>
 #include <string_view>
+#include <system_error>
 #include <vector>
 
 #include "servo_link.h"
@@ -188,6 +191,11 @@ void check_consistency(const RigProfile& profile, const TomlTable& gyro, const T
                  "stop_margin_deg below half of travel_deg");
 }
 
+[[noreturn]] void refuse_writing(const std::filesystem::path& path, const std::string& why) {
+  throw Error(ExitCode::storage, "the rig profile cannot be written: " + why, path.string(),
+              "choose a folder that you may write to");
+}
+
 }  // namespace
 
 RigProfile parse_profile(const std::string& text, const std::string& file_name) {
@@ -227,19 +235,29 @@ std::string profile_text(const RigProfile& profile) {
   return writer.take();
 }
 
+void require_profile_storage(const std::filesystem::path& path) {
+  std::error_code hidden;
+  if (std::filesystem::exists(path, hidden)) read_profile(path);
+  std::filesystem::path folder = std::filesystem::absolute(path).parent_path();
+  while (!std::filesystem::exists(folder, hidden) && folder.has_relative_path())
+    folder = folder.parent_path();
+  if (!std::filesystem::is_directory(folder, hidden))
+    refuse_writing(path, folder.string() + " is not a folder");
+  if (::access(folder.c_str(), W_OK | X_OK) != 0)
+    refuse_writing(path, folder.string() + ": " + std::generic_category().message(errno));
+}
+
 void write_profile(const std::filesystem::path& path, const RigProfile& profile) {
   const std::filesystem::path temporary = path.string() + ".new";
-  const auto refuse = [&](const std::string& why) {
-    throw Error(ExitCode::storage, "the rig profile cannot be written: " + why, path.string(),
-                "choose a folder that you may write to");
-  };
+  std::error_code failure;
+  if (path.has_parent_path()) std::filesystem::create_directories(path.parent_path(), failure);
+  if (failure) refuse_writing(path, "its folder cannot be made: " + failure.message());
   std::ofstream file(temporary, std::ios::binary | std::ios::trunc);
   file << profile_text(profile);
   file.close();
-  if (!file) refuse("writing failed");
-  std::error_code failure;
+  if (!file) refuse_writing(path, "writing failed");
   std::filesystem::rename(temporary, path, failure);
-  if (failure) refuse(failure.message());
+  if (failure) refuse_writing(path, failure.message());
 }
 
 }  // namespace thermorig::rig

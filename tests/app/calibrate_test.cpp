@@ -65,24 +65,56 @@ TEST_F(Calibrate, OnlyPrintsWithoutAProfileAndSaysHowToKeepIt) {
   EXPECT_TRUE(files(".toml").empty());
 }
 
-TEST_F(Calibrate, TakesSessionsThatAreThere) {
+TEST_F(Calibrate, TakesSessionsThatAreThereAndEachOnce) {
   ASSERT_EQ(run("calibrate latency" + fast).code, 0);
   const std::string session = files(".h5")[0].string();
   const Outcome one = run("calibrate latency --json --session " + session);
   ASSERT_EQ(one.code, 0) << one.err;
-  const Outcome two =
-      run("calibrate latency --json --session " + session + " " + session + " --save bench.toml");
-  ASSERT_EQ(two.code, 0) << two.err;
-  EXPECT_EQ(two.lines()[0]["sessions"].size(), 2U);
-  EXPECT_NEAR(two.lines()[0]["result"]["camera_latency_s"]["value"],
-              one.lines()[0]["result"]["camera_latency_s"]["value"], 1e-9);
-  EXPECT_EQ(files(".h5").size(), 1U);
+  std::filesystem::copy_file(folder() / session, folder() / "copy.h5");
+  const Outcome twice = run("calibrate latency --json --session " + session + " copy.h5 --save bench.toml");
+  ASSERT_EQ(twice.code, 0) << twice.err;
+  EXPECT_EQ(twice.lines()[0]["sessions"].size(), 1U);
+  EXPECT_EQ(twice.lines()[0]["skipped"][0]["file"], "copy.h5");
+  EXPECT_EQ(twice.lines()[0]["result"], one.lines()[0]["result"]);
+}
+
+TEST_F(Calibrate, LeavesOutSessionsThatCannotTellAndNamesThem) {
+  ASSERT_EQ(run("calibrate latency" + fast).code, 0);
+  ASSERT_EQ(run("calibrate bias" + fast).code, 0);
+  const Outcome outcome = run("calibrate latency --session recordings/calibration/*.h5");
+  ASSERT_EQ(outcome.code, 0) << outcome.err;
+  EXPECT_THAT(outcome.out, HasSubstr("skipped      recordings/calibration/calibration_acq-02_"));
+  EXPECT_THAT(outcome.out, HasSubstr("nothing turned"));
+}
+
+TEST_F(Calibrate, DoesNotPoolSessionsOfDifferentRigs) {
+  ASSERT_EQ(run("calibrate bias" + fast).code, 0);
+  ASSERT_EQ(run("calibrate bias --simulated=4 --fast").code, 0);
+  expect_refused("bias --session recordings/calibration/*.h5", 2, "different rigs");
+}
+
+TEST_F(Calibrate, MakesTheFolderOfProfiles) {
+  const Outcome outcome = run("calibrate bias" + fast + "--save settings/of/rigs/bench.toml");
+  ASSERT_EQ(outcome.code, 0) << outcome.err;
+  EXPECT_NE(profile("settings/of/rigs/bench.toml").gyro.bias_measured_utc, "");
+}
+
+TEST_F(Calibrate, LooksAtTheProfileBeforeItRecords) {
+  std::ofstream(folder() / "notes.toml") << "this is no profile";
+  std::ofstream(folder() / "file") << "this is no folder";
+  for (const std::string dry_run : {"", " --dry-run"}) {
+    EXPECT_EQ(run("calibrate bias" + fast + "--save notes.toml" + dry_run).code, 2);
+    expect_refused("bias" + fast + "--save file/bench.toml" + dry_run, 7, "cannot be written");
+    expect_refused("bias" + fast + "--rig nosuch" + dry_run, 2, "no such profile");
+  }
+  EXPECT_TRUE(files(".h5").empty());
 }
 
 TEST_F(Calibrate, SaysWhatToTryWhereASessionCannotTell) {
   ASSERT_EQ(run("calibrate bias" + fast).code, 0);
   const std::string session = files(".h5")[0].string();
   expect_refused("latency --save bench.toml --session " + session, 3, "calibration_acq-01_");
+  expect_refused("latency --session " + session, 3, "turns back and forth");
   EXPECT_FALSE(std::filesystem::exists(folder() / "bench.toml"));
 }
 

@@ -126,7 +126,7 @@ TEST(CalibrateScale, SaysWhyNoTurnCloses) {
   const Recorded half = turned_by_hand(rig_with(1), 180.0);
   EXPECT_THAT(refusal([&] { measure_scale(half.session); }), HasSubstr("no turn closes"));
   const session::Session empty;
-  EXPECT_THAT(refusal([&] { measure_scale(empty); }), HasSubstr("no turn closes"));
+  EXPECT_THAT(refusal([&] { measure_scale(empty); }), HasSubstr("there is no gyro"));
 }
 
 }  // namespace

@@ -19,7 +19,12 @@ RigProfile read_profile(const std::filesystem::path& path);
 /// TOML text with a comment for each key; parse_profile() gives the same profile back.
 std::string profile_text(const RigProfile& profile);
 
-/// Writes profile_text() to `path`: to a temporary name, then renamed over it. Throws Error(storage).
+/// Throws as read_profile() if there is a file at `path` that is no profile, and Error(storage) if none could
+/// be written there: to be asked before an hour is spent on what is to be written.
+void require_profile_storage(const std::filesystem::path& path);
+
+/// Writes profile_text() to `path`: to a temporary name, then renamed over it. Makes the folder if it is not
+/// there. Throws Error(storage).
 void write_profile(const std::filesystem::path& path, const RigProfile& profile);
 
 }  // namespace thermorig::rig
