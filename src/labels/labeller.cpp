@@ -211,7 +211,9 @@ std::uint32_t Labeller::gyro_reasons(const LabelledSample& sample, const GyroMea
 
 bool Labeller::gyro_disagrees(const LabelledSample& sample, const GyroMean& gyro) const {
   if (std::isnan(sample.rate_label_dps)) return false;
-  const double time_s = std::hypot(response_.delay_uncertainty_s, gyro.time_uncertainty_s);
+  // Whole samples stand for an exposure that begins and ends anywhere between two of them.
+  const double between_samples_s = 1.0 / (std::sqrt(12.0) * config_.gyro_rate_hz);
+  const double time_s = std::hypot(response_.delay_uncertainty_s, gyro.time_uncertainty_s, between_samples_s);
   const double time_dps = time_error_dps(sample, time_s);
   const auto label_dps = static_cast<double>(sample.rate_label_dps);
   return std::abs(gyro_deviations(bias_.errors(), response_, gyro, label_dps, time_dps)) > disagreement;
