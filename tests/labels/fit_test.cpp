@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "scripted_rig.h"
+#include "thermorig/core/validity.h"
 #include "thermorig/labels/exposure.h"
 #include "thermorig/labels/servo_response.h"
 #include "thermorig/pipeline/pipeline.h"
@@ -242,6 +243,19 @@ TEST(ServoResponse, CountsFramesAtTheSpeedsOfLegsOnly) {
   const ServoResponse legs = fit(recording, recording.profile).servo;
   ASSERT_EQ(legs.speeds.size(), 2U);
   EXPECT_EQ(legs.speeds.back().rate_dps, 60.0);
+}
+
+TEST(ServoResponse, TheGyroAgreesInRampsAndReversalsToo) {
+  const TrueTimes recording = record(rig_of(180.0, 8.0, 46), speeds_dps);
+  const SyncReport sync = fit(recording, recording.profile);
+  std::size_t ramps = 0, disagreeing = 0;
+  for (const LabelledSample& sample : label(recording, label_config(recording.profile, sync))) {
+    if ((sample.reason_bits & bit(Reason::servo_ramp)) == 0) continue;
+    ++ramps;
+    disagreeing += (sample.reason_bits & bit(Reason::gyro_disagrees)) != 0 ? 1 : 0;
+  }
+  EXPECT_GT(ramps, 50U);
+  EXPECT_LE(disagreeing, ramps / 20);
 }
 
 TEST(ServoResponse, IsAsGoodAsAssumedWhereNoLegTold) {

@@ -137,7 +137,9 @@ TEST(ProfileFile, IsWrittenAndReadAgain) {
   write_profile(folder.path() / "bench.toml", unusual_profile());
   EXPECT_EQ(profile_text(read_profile(folder.path() / "bench.toml")), profile_text(unusual_profile()));
   EXPECT_THROW(read_profile(folder.path() / "none.toml"), Error);
-  EXPECT_THROW(write_profile(folder.path() / "no" / "such" / "folder.toml", unusual_profile()), Error);
+  write_profile(folder.path() / "new" / "folder" / "bench.toml", unusual_profile());
+  EXPECT_NO_THROW(read_profile(folder.path() / "new" / "folder" / "bench.toml"));
+  EXPECT_THROW(write_profile(folder.path() / "bench.toml" / "no_folder.toml", unusual_profile()), Error);
 }
 
 }  // namespace
