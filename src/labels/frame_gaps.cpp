@@ -59,15 +59,18 @@ std::vector<FrameGap> find_gaps(const std::vector<TimedFrame>& frames, double pe
   const std::vector<double> delays = delays_s(frames, period_s);
   const std::vector<double> levels = levels_s(delays);
   std::vector<FrameGap> gaps(frames.size());
-  std::uint16_t stepped = 0;  // frames that the schedule misses and that have no place yet
+  int owed = 0;  // frames that the schedule misses and that have no place yet; below 0: placed before it did
   for (std::size_t i = 1; i < frames.size(); ++i) {
     const Witness halves = halves_of(frames[i], mode);
-    stepped += whole_periods((levels[i] - levels[i - 1]) / period_s);
+    // The last frames may only be late: nothing comes after them that would show it.
+    const bool is_told = i + confirming_frames <= frames.size();
+    if (is_told) owed += whole_periods((levels[i] - levels[i - 1]) / period_s);
     gaps[i].late = delays[i] - levels[i] > late_limit_periods * period_s;
     // Within what queued up the time says how many are missing, and the halves say where.
     if (gaps[i].late && halves == Witness::none_missing) continue;
-    gaps[i].missing = std::exchange(stepped, 0);
-    if (halves == Witness::some_missing) gaps[i].missing = std::max<std::uint16_t>(gaps[i].missing, 1);
+    const int least = halves == Witness::some_missing ? 1 : 0;
+    gaps[i].missing = static_cast<std::uint16_t>(std::clamp(owed, least, static_cast<int>(most_missing)));
+    owed -= gaps[i].missing;
   }
   return gaps;
 }

@@ -7,10 +7,11 @@ import warnings
 
 import xarray
 
-GROUPS = {"camera": {"time", "row", "column"}, "gyro": {"time", "axis"}, "servo": {"time", "step_leg", "command_time"}, "sync/servo": {"time"},
-          "samples": {"time"}, "events": {"time"}, "quality": {"speed"}, "raw/camera": {"byte", "chunk"},
+GROUPS = {"camera": {"time", "row", "column", "half"}, "gyro": {"time", "axis"}, "servo": {"time", "step_leg", "command_time"}, "sync": {"knot", "speed"},
+          "sync/servo": {"time", "knot_time", "epoch_begin", "gap_begin"},
+          "samples": {"time", "half"}, "events": {"time"}, "quality": {"speed"}, "raw/camera": {"byte", "chunk"},
           "raw/gyro": {"byte", "chunk"}, "raw/servo": {"byte", "chunk"}, "raw/sent": {"byte", "chunk"}}
-AXES_WITHOUT_VALUES = {"byte", "chunk"}
+AXES_WITHOUT_VALUES = {"byte", "chunk", "knot"}
 
 
 def check_group(path, group, expected):
