@@ -24,7 +24,7 @@ template <typename Message, typename Scanner>
 std::size_t messages_in(Scanner scanner, Bytes bytes) {
   std::vector<Message> messages;
   scanner.push(bytes, messages);
-  if constexpr (requires { scanner.finish(messages); }) scanner.finish(messages);
+  scanner.finish(messages);
   return messages.size();
 }
 

@@ -60,11 +60,9 @@ wire::Counters decode(Scanner scanner, ByteSource& source, MessagePrinter& print
     scanner.push(block, messages);
     for (const Message& message : messages) printer.print(message);
   }
-  if constexpr (requires { scanner.finish(messages); }) {
-    messages.clear();
-    scanner.finish(messages);
-    for (const Message& message : messages) printer.print(message);
-  }
+  messages.clear();
+  scanner.finish(messages);
+  for (const Message& message : messages) printer.print(message);
   return scanner.counters();
 }
 

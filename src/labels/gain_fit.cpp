@@ -7,7 +7,7 @@
 #include <numeric>
 
 #include "least_squares.h"
-#include "median.h"
+#include "thermorig/labels/median.h"
 
 namespace thermorig::labels {
 

@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "least_squares.h"
-#include "median.h"
 #include "stretches.h"
+#include "thermorig/labels/median.h"
 #include "thermorig/labels/running_bias.h"
 #include "thermorig/labels/servo_response.h"
 

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <limits>
 
-#include "median.h"
+#include "thermorig/labels/median.h"
 
 namespace thermorig::labels {
 

@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "least_squares.h"
-#include "median.h"
+#include "thermorig/labels/median.h"
 
 namespace thermorig::labels {
 

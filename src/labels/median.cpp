@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "median.h"
+#include "thermorig/labels/median.h"
 
 #include <algorithm>
 #include <cmath>

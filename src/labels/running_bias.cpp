@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "median.h"
+#include "thermorig/labels/median.h"
 
 namespace thermorig::labels {
 

@@ -11,9 +11,9 @@
 #include "gain_fit.h"
 #include "gyro_integral.h"
 #include "loop_fit.h"
-#include "median.h"
 #include "shaft_curve.h"
 #include "stretches.h"
+#include "thermorig/labels/median.h"
 #include "thermorig/labels/shaft_model.h"
 
 namespace thermorig::labels {

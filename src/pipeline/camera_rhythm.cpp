@@ -1,21 +1,16 @@
 // SPDX-License-Identifier: MIT
 #include "camera_rhythm.h"
 
-#include <algorithm>
 #include <cstddef>
 #include <utility>
+
+#include "thermorig/labels/median.h"
 
 namespace thermorig::pipeline {
 
 namespace {
 constexpr auto by_time_alone =
     labels::CameraMode::full_fresh;  // where the halves tell nothing of missing frames
-
-double median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
 
 /// Median time a frame over all spans of `span` frames that have the numbers `number`.
 double median_period_s(const std::vector<TimedFrame>& frames, const std::vector<double>& number,
@@ -24,7 +19,7 @@ double median_period_s(const std::vector<TimedFrame>& frames, const std::vector<
   for (std::size_t i = 0; i + span < frames.size(); ++i)
     periods.push_back(to_s(frames[i + span].stamp.time - frames[i].stamp.time) /
                       (number[i + span] - number[i]));
-  return median(std::move(periods));
+  return labels::median(std::move(periods));
 }
 
 /// The turn of each frame, missing ones counted.
