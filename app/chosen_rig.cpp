@@ -22,8 +22,9 @@ void check_words(const RigOptions& options) {
   if (simulated && names_a_port(options))
     throw Error(ExitCode::bad_usage, "--simulated and ports exclude each other", "",
                 "--simulated alone, or --camera, --gyro and --servo");
-  if (!simulated && (options.simulated_servo || options.simulated_camera))
-    throw Error(ExitCode::bad_usage, "--simulated-servo and --simulated-camera need --simulated", "",
+  if (!simulated && (options.simulated_servo || options.simulated_camera || options.simulated_gyro))
+    throw Error(ExitCode::bad_usage,
+                "--simulated-servo, --simulated-camera and --simulated-gyro need --simulated", "",
                 "--simulated=3");
 }
 
@@ -81,14 +82,21 @@ ServoProfile simulated_servo(const std::string& kind, ServoProfile servo) {
   return servo;
 }
 
+simulation::GyroGrade gyro_grade(const std::string& name) {
+  if (name == "calibrated") return simulation::GyroGrade::calibrated;
+  return name == "raw" ? simulation::GyroGrade::mpu6050_raw : simulation::GyroGrade::typical;
+}
+
 }  // namespace
 
 simulation::VirtualRigConfig simulated_rig(std::uint64_t seed, const std::string& environment,
                                            const std::optional<std::string>& servo,
-                                           const std::optional<std::string>& camera) {
+                                           const std::optional<std::string>& camera,
+                                           const std::optional<std::string>& gyro) {
   simulation::VirtualRigConfig config = simulation::default_rig(seed, environment);
   config.profile.servo = simulated_servo(servo.value_or("winch"), config.profile.servo);
   config.half_fresh = camera.value_or("half") == "half";
+  config.gyro_grade = gyro_grade(gyro.value_or("typical"));
   return config;
 }
 
@@ -97,7 +105,7 @@ ChosenRig chosen_rig(const RigOptions& options, const std::string& environment) 
   ChosenRig chosen;
   if (options.simulated_seed) {
     chosen.simulated = simulated_rig(*options.simulated_seed, environment, options.simulated_servo,
-                                     options.simulated_camera);
+                                     options.simulated_camera, options.simulated_gyro);
     chosen.profile = chosen.simulated->profile;
   }
   if (!options.profile.empty()) chosen.profile = read_named_profile(options.profile);

@@ -21,9 +21,10 @@ struct ChosenRig {
 ChosenRig chosen_rig(const RigOptions& options, const std::string& environment);
 
 /// A simulated rig with one of the servos "winch", "180", "270", "continuous" and one of the cameras "half",
-/// "full".
+/// "full", one of the gyros "calibrated", "typical", "raw".
 simulation::VirtualRigConfig simulated_rig(std::uint64_t seed, const std::string& environment,
                                            const std::optional<std::string>& servo,
-                                           const std::optional<std::string>& camera);
+                                           const std::optional<std::string>& camera,
+                                           const std::optional<std::string>& gyro);
 
 }  // namespace thermorig::app

@@ -17,6 +17,9 @@ ExitCode run(const InspectOptions& options);
 ExitCode run(const RecoverOptions& options);
 ExitCode run(const ReprocessOptions& options);
 ExitCode run(const DecodeOptions& options);
+ExitCode run(const TrainOptions& options);
+ExitCode run(const EvaluateOptions& options);
+ExitCode run(const ExportOptions& options);
 ExitCode run(const VersionOptions& options);
 
 }  // namespace thermorig::app

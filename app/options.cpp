@@ -5,6 +5,7 @@
 #include <charconv>
 #include <string_view>
 
+#include "learning_options.h"
 #include "thermorig/core/error.h"
 
 namespace thermorig::app {
@@ -21,6 +22,9 @@ struct Words {
   RecoverOptions recover;
   ReprocessOptions reprocess;
   DecodeOptions decode;
+  TrainOptions train;
+  EvaluateOptions evaluate;
+  ExportOptions export_;
   std::string record_seed, calibrate_seed, calibration, simulate_seed, decode_device;
   bool version = false, version_json = false;
 };
@@ -30,7 +34,7 @@ void add_json(CLI::App& command, bool& json) {
 }
 
 void add_simulated_parts(CLI::App& command, std::optional<std::string>& servo,
-                         std::optional<std::string>& camera) {
+                         std::optional<std::string>& camera, std::optional<std::string>& gyro) {
   command
       .add_option("--simulated-servo", servo,
                   "Servo of the simulated rig: winch (default), 180, 270, continuous")
@@ -40,6 +44,11 @@ void add_simulated_parts(CLI::App& command, std::optional<std::string>& servo,
       .add_option("--simulated-camera", camera,
                   "Fresh chess halves in a simulated frame: half (default), full")
       ->check(CLI::IsMember({"half", "full"}))
+      ->type_name("KIND");
+  command
+      .add_option("--simulated-gyro", gyro,
+                  "Bias, scale and noise of the simulated gyro: calibrated, typical (default), raw")
+      ->check(CLI::IsMember({"calibrated", "typical", "raw"}))
       ->type_name("KIND");
 }
 
@@ -57,7 +66,7 @@ void add_rig(CLI::App& command, RigOptions& rig, std::string& seed) {
   command.add_option("--servo-baud", rig.servo_baud, "Baud rate of the servo link")->type_name("N");
   command.add_option("--camera-rate", rig.camera_rate_hz, "Frames a second that the camera is asked for")
       ->type_name("HZ");
-  add_simulated_parts(command, rig.simulated_servo, rig.simulated_camera);
+  add_simulated_parts(command, rig.simulated_servo, rig.simulated_camera, rig.simulated_gyro);
 }
 
 void add_recording_of(CLI::App& command, RecordOptions& record) {
@@ -151,7 +160,7 @@ void add_simulate(CLI::App& root, Words& words) {
       ->capture_default_str();
   command.add_option("--profile", simulate.profile, "Write a profile of the three ports to this file")
       ->type_name("FILE");
-  add_simulated_parts(command, simulate.simulated_servo, simulate.simulated_camera);
+  add_simulated_parts(command, simulate.simulated_servo, simulate.simulated_camera, simulate.simulated_gyro);
   add_json(command, simulate.json);
   command.footer("Example:\n  thermorig simulate --seed 3 --environment garden --profile simulated.toml");
 }
@@ -268,6 +277,9 @@ Command chosen(const CLI::App& root, Words& words) {
   if (name == "ports") return words.ports;
   if (name == "inspect") return words.inspect;
   if (name == "recover") return words.recover;
+  if (name == "train") return words.train;
+  if (name == "evaluate") return words.evaluate;
+  if (name == "export") return words.export_;
   return words.reprocess;
 }
 
@@ -287,6 +299,9 @@ void describe(CLI::App& root, Words& words) {
   add_recover(root, words);
   add_reprocess(root, words);
   add_decode(root, words);
+  add_train(root, words.train);
+  add_evaluate(root, words.evaluate);
+  add_export(root, words.export_);
   root.footer(
       "First steps:\n"
       "  thermorig record --simulated=3 --environment laboratory --plan quick\n"

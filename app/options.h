@@ -20,6 +20,7 @@ struct RigOptions {
   std::string profile;                          // name or file, empty: none
   std::optional<std::string> simulated_servo;   // winch (default), 180, 270, continuous
   std::optional<std::string> simulated_camera;  // half (default), full: fresh halves a frame
+  std::optional<std::string> simulated_gyro;    // calibrated, typical (default), raw: bias and scale
   std::optional<std::uint32_t> camera_baud, gyro_baud, servo_baud;
   std::optional<double> camera_rate_hz;
 };
@@ -55,8 +56,8 @@ struct PortsOptions {
 struct SimulateOptions {
   std::uint64_t seed = 1;
   std::string environment = "laboratory";
-  std::optional<std::string> simulated_servo, simulated_camera;  // as in RigOptions
-  std::string profile;                                           // file to write, empty: none
+  std::optional<std::string> simulated_servo, simulated_camera, simulated_gyro;  // as in RigOptions
+  std::string profile;                                                           // file to write, empty: none
   bool json = false;
 };
 
@@ -93,12 +94,52 @@ struct DecodeOptions {
   bool json = false;
 };
 
+struct TrainOptions {
+  std::vector<std::filesystem::path> paths;  // sessions, or folders that hold them
+  std::filesystem::path output = "model.onnx";
+  std::filesystem::path run_folder;  // empty: beside the model, named after it
+  std::string preset = "best";
+  std::optional<int> frames, reduction, epochs, batch, threads;
+  std::optional<double> rate, auxiliary_thermal, label_scale_dps;
+  std::optional<bool> mirror, choose_epoch;
+  bool fusion = true;
+  std::uint64_t seed = 1;
+  bool resume = false;
+  bool json = false;
+};
+
+struct EvaluateOptions {
+  std::filesystem::path model;               // of a model on sessions
+  std::vector<std::filesystem::path> paths;  // sessions, or folders that hold them
+  bool study = false;                        // the paper's study instead of a model
+  std::filesystem::path output;  // of a study: folder of results; of a model: folder of reports, empty: none
+  std::optional<std::filesystem::path> draw;  // folder of results: only draw the report again
+  std::string environment = "garden";
+  std::vector<int> frames{2, 3, 4, 5, 6}, reductions{1, 2, 3};
+  std::vector<std::uint64_t> seeds{1}, reference_seeds{1, 2, 3};
+  std::string preset = "paper";
+  int epochs = 40;
+  std::optional<int> workers;  // jobs side by side; default: cores
+  bool json = false;
+};
+
+struct ExportOptions {
+  std::filesystem::path model;
+  std::filesystem::path output = ".";  // folder
+  bool c_header = false;
+  std::string weights = "float32";  // or int8
+  std::string name = "thermorig_network";
+  std::optional<int> batch;  // ONNX with a fixed batch
+  bool json = false;
+};
+
 struct VersionOptions {
   bool json = false;
 };
 
 using Command = std::variant<RecordOptions, CalibrateOptions, PortsOptions, SimulateOptions, InspectOptions,
-                             RecoverOptions, ReprocessOptions, DecodeOptions, VersionOptions>;
+                             RecoverOptions, ReprocessOptions, DecodeOptions, TrainOptions, EvaluateOptions,
+                             ExportOptions, VersionOptions>;
 
 /// What the command line asks for.
 struct CommandLine {

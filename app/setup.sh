@@ -6,7 +6,7 @@ set -euo pipefail
 
 packages=(g++ cmake ninja-build pkg-config ccache git ca-certificates
   libserialport-dev libboost-dev libhdf5-dev libfmt-dev libcli11-dev libtoml11-dev nlohmann-json3-dev
-  zlib1g-dev libdeflate-dev
+  zlib1g-dev libdeflate-dev libmd-dev libonnx-dev libprotobuf-dev protobuf-compiler
   gcc-avr avr-libc libsimavr-dev libelf-dev)
 for part in "$@"; do
   case "$part" in

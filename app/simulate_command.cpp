@@ -81,7 +81,8 @@ void print_tally(const ServingTally& tally, bool json) {
 ExitCode run(const SimulateOptions& options) {
   const sigset_t signals = hold_signals();
   const simulation::VirtualRigConfig config =
-      simulated_rig(options.seed, options.environment, options.simulated_servo, options.simulated_camera);
+      simulated_rig(options.seed, options.environment, options.simulated_servo, options.simulated_camera,
+                    options.simulated_gyro);
   SimulatedPorts ports(config, FirmwareChoice::avr_image);
   if (!options.profile.empty()) rig::write_profile(options.profile, profile_of(config, ports.paths()));
   ports.start();

@@ -1,0 +1,10 @@
+// SPDX-License-Identifier: MIT
+#include "commands.h"
+
+namespace thermorig::app {
+
+ExitCode run(const EvaluateOptions& options) {
+  throw Error(ExitCode::failed, "this command is being built", options.output, "");
+}
+
+}  // namespace thermorig::app

@@ -1,0 +1,17 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include "options.h"
+
+namespace CLI {
+class App;
+}
+
+namespace thermorig::app {
+
+// The words of the commands that learn; each in a file of its own (CLI11 compiles slowly).
+void add_train(CLI::App& root, TrainOptions& options);
+void add_evaluate(CLI::App& root, EvaluateOptions& options);
+void add_export(CLI::App& root, ExportOptions& options);
+
+}  // namespace thermorig::app

@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <vector>
+
+#include "thermorig/session/session.h"
+#include "thermorig/windows/acquisition.h"
+
+namespace thermorig::dataset {
+
+/// What training needs of a session.
+windows::Acquisition acquisition_of(const session::Session& session, const std::string& name);
+
+/// Reads a session file. Throws Error(not_a_session) as session::read_session does.
+windows::Acquisition read_acquisition(const std::filesystem::path& path);
+
+/// The session files (.h5) that the paths name: files as they are, folders searched to any depth; sorted,
+/// each once. Throws Error(bad_usage) for a path that does not exist and where nothing is found.
+std::vector<std::filesystem::path> find_sessions(const std::vector<std::filesystem::path>& paths);
+
+/// Reads all of them, on all cores; `progress` is told of each finished file, one at a time. Sorted by
+/// environment, number, name. Throws Error(not_a_session) also where two files hold the same recording.
+std::vector<windows::Acquisition> read_acquisitions(
+    const std::vector<std::filesystem::path>& files,
+    const std::function<void(std::size_t done, std::size_t all)>& progress = {});
+
+}  // namespace thermorig::dataset

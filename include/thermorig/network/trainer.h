@@ -1,0 +1,93 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "thermorig/network/batch.h"
+#include "thermorig/network/crew.h"
+#include "thermorig/network/estimator.h"
+
+namespace thermorig::network {
+
+/// Inverted Huber (paper eq. 3): |e| where |e| <= c, else (e^2 + c^2) / (2c), c = fraction * max |e| over the
+/// batch, a constant to the gradient; mean over the batch. With all errors 0 the loss is 0.
+struct LossConfig {
+  float berhu_fraction = 0.2F;
+  float auxiliary_thermal = 0.0F;  // weight of the same loss on y_th alone, with a c of its own; 0: the paper
+};
+
+/// Kingma & Ba 2015; the paper gives the rate 0.001, the rest are that publication's.
+struct AdamConfig {
+  float rate = 1e-3F;
+  float beta1 = 0.9F;
+  float beta2 = 0.999F;
+  float epsilon = 1e-8F;
+};
+
+struct TrainerConfig {
+  LossConfig loss;
+  AdamConfig adam;
+  InstructionSet set = best_instruction_set();
+};
+
+/// Adam's moments in the canonical order of the weights, and the number of steps done: all that continuing
+/// needs beside the weights.
+struct OptimiserState {
+  std::vector<float> first, second;  // weight_count each
+  std::uint64_t steps = 0;
+  bool operator==(const OptimiserState&) const = default;
+};
+
+/// What one step saw, before it changed the weights.
+struct StepLoss {
+  double loss = 0.0;           // as trained: mean over the batch, auxiliary part included
+  double squared_error = 0.0;  // mean of (y_fus - y)^2, normalised
+  double gain_mean = 1.0;      // of Kg over the batch
+};
+
+/// Trains a network batch by batch: forward, backward, Adam. Results depend on weights, batches,
+/// configuration and instruction set alone, not on the size of the crew.
+class Trainer {
+ public:
+  Trainer(const Weights& weights, const TrainerConfig& config, Crew& crew);
+  ~Trainer();
+  Trainer(Trainer&&) noexcept;
+
+  const Shape& shape() const;
+
+  /// One step of Adam on 1..32 windows.
+  StepLoss step(const Batch& batch);
+
+  /// Gradients of the loss in the order of the weights; changes nothing.
+  std::vector<float> gradients(const Batch& batch);
+
+  Weights weights() const;
+  OptimiserState optimiser() const;
+  /// Goes on from there. Sizes must fit the shape (a bug otherwise).
+  void restore(const Weights& weights, const OptimiserState& optimiser);
+
+ private:
+  struct Parts;
+  std::unique_ptr<Parts> parts_;
+};
+
+/// The forward pass of many windows: for evaluation. Faster than an Estimator by far, equal to it but for
+/// rounding.
+class BatchEstimator {
+ public:
+  explicit BatchEstimator(const Weights& weights, InstructionSet set = best_instruction_set());
+  ~BatchEstimator();
+  BatchEstimator(BatchEstimator&&) noexcept;
+
+  /// 1..32 windows, as many outputs. `batch.label` is not looked at.
+  void estimate(const Batch& batch, std::span<Output> outputs);
+
+ private:
+  struct Parts;
+  std::unique_ptr<Parts> parts_;
+};
+
+}  // namespace thermorig::network

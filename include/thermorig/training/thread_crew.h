@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <memory>
+
+#include "thermorig/network/crew.h"
+
+namespace thermorig::training {
+
+/// Threads that share the parts of a training step: the caller and size - 1 others. They wait a moment
+/// busily, then sleep, so that a recording on the same machine is not disturbed.
+class ThreadCrew final : public network::Crew {
+ public:
+  explicit ThreadCrew(int size);
+  ~ThreadCrew() override;
+  int size() const override;
+  void run(const std::function<void(int)>& work) override;
+
+ private:
+  struct Parts;
+  std::unique_ptr<Parts> parts_;
+};
+
+}  // namespace thermorig::training

@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "thermorig/model/model.h"
+#include "thermorig/network/trainer.h"
+#include "thermorig/windows/acquisition.h"
+
+namespace thermorig::training {
+
+/// How a network is trained. Paper section III; what it leaves open is a setting.
+struct TrainingConfig {
+  std::string preset = "best";  // "paper", "best", or "custom" once anything differs from both
+  network::Shape shape;
+  int epochs = 40;
+  int batch = 32;  // 1..32
+  network::LossConfig loss;
+  network::AdamConfig adam;
+  bool mirror =
+      false;  // half of the windows, drawn anew each epoch, flipped left to right with speed and gyro negated
+  bool choose_epoch =
+      false;  // keep the epoch with the lowest error on one held-out training acquisition; false: the last
+  int history = 0;  // valid frames in a row that a window's end needs, see windows::WindowRule
+  std::uint64_t seed =
+      1;  // of the first weights, of the order of windows, of the mirror and of the held-out acquisition
+  float label_scale_dps = 200.0F;
+};
+
+/// Preset `paper`: to the letter (no auxiliary loss, no mirror, last epoch). Preset `best`: auxiliary thermal
+/// loss, mirror, epoch chosen on a held-out acquisition. Throws Error(bad_usage) for another name.
+TrainingConfig preset(const std::string& name);
+
+/// What an epoch showed. Errors normalised (divided by label_scale_dps).
+struct EpochReport {
+  int epoch = 0;              // from 1
+  double loss = 0.0;          // mean over the epoch's steps
+  double training_mse = 0.0;  // mean of the steps' squared errors, each before its step
+  double held_out_mse = 0.0;  // NaN without a held-out acquisition
+  double gain_mean = 1.0;     // of Kg over the epoch
+  double seconds = 0.0;       // elapsed since training began; 0 when nobody measures
+  bool kept = false;          // the best so far, or the last
+};
+
+/// Everything that going on needs, between two epochs.
+struct Checkpoint {
+  int epoch = 0;  // done
+  network::Weights weights;
+  network::OptimiserState optimiser;
+  network::Weights kept;  // best so far
+  int epoch_kept = 0;
+  std::vector<EpochReport> epochs;
+};
+
+struct TrainingResult {
+  model::Model model;
+  std::vector<EpochReport> epochs;
+  bool stopped = false;  // before the last epoch
+};
+
+/// Watches a training; may be null functions.
+struct Observer {
+  std::function<void(std::size_t step, std::size_t steps, int epoch, double loss)>
+      step;  // every 50 steps or so
+  std::function<void(const EpochReport&, const Checkpoint&)> epoch;
+  std::function<bool()> stop;  // asked after each step: true ends the training; the best model so far is kept
+};
+
+/// Trains. Deterministic: the same acquisitions, configuration and instruction set give the same model,
+/// whatever the crew's size. Throws Error(bad_usage) where there is nothing to train on: no window, fewer
+/// than two acquisitions with choose_epoch.
+TrainingResult train(const TrainingConfig& config, std::span<const windows::Acquisition> acquisitions,
+                     network::Crew& crew, const Observer& observer = {},
+                     const std::optional<Checkpoint>& from = {});
+
+}  // namespace thermorig::training
