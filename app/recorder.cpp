@@ -38,6 +38,15 @@ rig::RecordingOptions recording_options(const RecordOptions& options, const Chos
   return recording;
 }
 
+/// What the simulated rig differs in from the default one, for the session's own description of it.
+std::string simulated_parts(const RigOptions& rig) {
+  std::string parts;
+  if (rig.simulated_servo) parts += ", servo " + *rig.simulated_servo;
+  if (rig.simulated_camera) parts += ", camera " + *rig.simulated_camera;
+  if (rig.simulated_gyro) parts += ", gyro " + *rig.simulated_gyro;
+  return parts;
+}
+
 void announce(const rig::RecordingOptions& recording, bool json) {
   const rig::SweepPlan& plan = recording.plan;
   const double duration_s =
@@ -162,12 +171,13 @@ RecordSummary record_session(const RecordOptions& options, const ChosenRig& rig,
   summary.plan = plan;
   const HostTime begin = io::now();
   if (options.fast) {
-    recording.simulation = "virtual time, firmware's host build";
+    recording.simulation = "virtual time, firmware's host build" + simulated_parts(options.rig);
     announce(recording, options.json);
     summary.result = record_fast(rig, std::move(recording), *make_progress_output(options.json));
   } else {
     const std::unique_ptr<SimulatedPorts> ports = simulated_ports(rig, recording);  // outlives the recording
     mark_pseudo_terminals(recording);
+    recording.simulation += simulated_parts(options.rig);
     announce(recording, options.json);
     CpuShare cpu;
     summary.result = record_on_ports(std::move(recording), *make_progress_output(options.json), cpu);
