@@ -15,6 +15,10 @@
 
 namespace thermorig::study {
 
+/// Raised when the same job would give another result: it is part of each job, so that results of an older
+/// engine are not taken for those of this one.
+inline constexpr int engine_version = 1;
+
 /// The paper's study (section IV): leave one acquisition of an environment out, train on all the rest, test
 /// on it.
 struct StudyConfig {
@@ -28,16 +32,19 @@ struct StudyConfig {
   std::string preset = "paper";
   int epochs = 40;
   bool thermal_only = true, fusion = true;  // which of the two set-ups
+  int history = 0;  // valid frames in a row that a window's end needs; 0: the largest Nf of the study
 };
 
-/// One training and its test. All windows of a study end at the same frames, those with `history` valid
-/// frames in a row.
+/// One training and its test: its identity, without time, machine or path. All windows of a study end at the
+/// same frames, those with `history` valid frames in a row.
 struct Job {
+  int engine = engine_version;
   int frames = 3;
   int reduction = 1;
   bool fusion = true;
   std::uint64_t seed = 1;
   std::string preset;
+  std::string settings;  // what the preset stands for, in words: see settings_of
   int epochs = 40;
   int history = 6;
   std::string test;  // name of the acquisition that is left out
@@ -45,6 +52,13 @@ struct Job {
   std::string data_hash;  // over the hashes of all acquisitions, sorted
   auto operator<=>(const Job&) const = default;
 };
+
+/// What a training configuration sets beyond a job's own fields, as one line: batch, loss, Adam, mirror,
+/// choice of the epoch, label scale. Another preset under the same name is so another job.
+std::string settings_of(const training::TrainingConfig& config);
+
+/// In words, for progress: "garden_acq-01, Nf 3, Nr 1, fusion, seed 1".
+std::string description_of(const Job& job);
 
 /// File name of a job's result, without folder: says what it is and differs where anything of the job
 /// differs.
@@ -64,48 +78,72 @@ struct JobResult {
   std::string instruction_set;
 };
 
-/// All jobs of a study, those of the reference first. Throws Error(bad_usage) for fewer than two acquisitions
-/// of the environment.
+/// All jobs of a study, each once: those of the reference setting first, then the other Nf, then the other
+/// Nr, then the other seeds of the reference, so that a study that was stopped can be read. Throws
+/// Error(bad_usage) for fewer than two acquisitions of the environment, two of the same name, and settings
+/// outside the network's.
 std::vector<Job> jobs_of(const StudyConfig& config, std::span<const windows::Acquisition> acquisitions);
 
-/// Trains and tests. Deterministic but for `seconds`.
-JobResult run_job(const Job& job, std::span<const windows::Acquisition> acquisitions,
-                  const training::Observer& observer = {});
+/// Trains on all acquisitions but the job's, and tests on that one. Deterministic but for `seconds`. Throws
+/// Error(bad_usage) if the acquisitions are not those that the job was made of. Nothing if `observer.stop`
+/// ended the training early.
+std::optional<JobResult> run_job(const Job& job, std::span<const windows::Acquisition> acquisitions,
+                                 const training::Observer& observer = {});
 
-/// Runs the jobs that have no result in `folder` yet, `workers` at a time, each result written whole or not
-/// at all.
+/// Where a study stands. `eta_s` weighs what is left by multiply-adds and epochs.
 struct Progress {
-  std::size_t done = 0, all = 0, reused = 0;
-  double eta_s = 0.0;  // NaN before the first job has ended
-  std::string last;    // the job that just ended, in words
+  std::size_t done = 0, all = 0, reused = 0;  // reused: of those done, found in the folder
+  double share = 0.0;                         // of the work, 0..1, running jobs included
+  double elapsed_s = 0.0;                     // since this run began
+  double eta_s = 0.0;                         // NaN before the first epoch has ended
+  std::string last;                           // the job that just ended or is running, in words
 };
+
+/// Told one at a time, from any of the workers. May be null functions.
 struct RunObserver {
+  std::function<void(const Progress&)> started;     // once, when it is known what is left
+  std::function<void(const Progress&)> epoch_done;  // of any job
   std::function<void(const Progress&)> job_done;
-  std::function<bool()> stop;  // true: running jobs are given up, finished ones stay
+  std::function<bool()> stop;  // true: running jobs are given up, finished ones stay; asked by all workers
 };
-/// Returns false if it was stopped.
+
+/// Runs the jobs that have no result in `folder` yet, `workers` at a time, one thread each. A result is
+/// written to another name, synced and renamed: it is there whole or not at all, and a job that has one is
+/// never run again. Returns false if it was stopped. Throws Error(not_a_session) for a damaged result before
+/// anything is trained, Error(storage) where results cannot be written, Error(no_permission) while another
+/// program runs a study in the same folder.
 bool run_jobs(std::span<const Job> jobs, std::span<const windows::Acquisition> acquisitions,
               const std::filesystem::path& folder, int workers, const RunObserver& observer = {});
 
-/// The results in a folder. Throws Error(not_a_session) for a file that is damaged.
+/// The results in a folder (*.json), sorted by file name. Throws Error(not_a_session) for a file that is
+/// damaged, Error(bad_usage) for a folder without any, and for results of different data.
 std::vector<JobResult> read_results(const std::filesystem::path& folder);
+
+/// Those of them that belong to these jobs, in the order of the jobs; jobs without a result are left out.
+std::vector<JobResult> results_of(std::span<const Job> jobs, const std::filesystem::path& folder);
+
+/// A result as JSON and back: all numbers are read back equal, NaN stands as null. Throws
+/// Error(not_a_session) for what is no result: the text is hostile.
 std::string to_json(const JobResult& result);
 JobResult result_from_json(const std::string& text, const std::string& where);
 
-/// One row of a table: all folds of one setting and seed.
+/// One row of a table: all folds of one setting and seed. Results that differ in anything else of their job
+/// but the fold (epochs, history, engine, data) never share a row.
 struct SettingSummary {
   int frames = 0, reduction = 0;
   bool fusion = true;
   std::uint64_t seed = 1;
   std::string preset;
+  int epochs = 0;
   std::size_t folds = 0;
   std::array<std::vector<double>, estimator_count> fold_mse;  // one a fold, in the order of the test's name
   std::array<Spread, estimator_count> mse;
   std::array<double, estimator_count> rmse_dps{};  // square root of the median, times the label scale
-  GainStatistics gain;                             // over all folds
+  GainStatistics gain;  // over all windows of all folds; its median is interpolated within the histogram
   std::size_t weights = 0;
   std::uint64_t multiply_adds = 0;
 };
+/// Ascending in Nf, Nr, thermal-only before fusion, then seed and preset.
 std::vector<SettingSummary> summarise(std::span<const JobResult> results);
 
 }  // namespace thermorig::study
