@@ -1,2 +1,85 @@
 // SPDX-License-Identifier: MIT
+#include <fmt/format.h>
+
+#include <map>
+
+#include "data_hash.h"
+#include "opening_rest.h"
+#include "session_name.h"
+#include "thermorig/core/error.h"
 #include "thermorig/dataset/dataset.h"
+#include "thermorig/windows/soundness.h"
+
+namespace thermorig::dataset {
+
+namespace {
+
+using windows::Acquisition;
+
+/// Windows are neighbouring rows, so rows must be the frames one after the other.
+void require_a_row_a_frame(const session::Session& session, const std::string& name) {
+  bool good = session.samples.size() == session.frames.size();
+  for (std::size_t row = 0; good && row < session.samples.size(); ++row)
+    good = session.samples[row].frame_index == row;
+  if (!good)
+    throw Error(ExitCode::not_a_session, "its samples are not one a frame, in order", name,
+                "make them again from the raw bytes: thermorig reprocess FILE");
+}
+
+void reserve(Acquisition& acquisition, std::size_t frames) {
+  acquisition.temp_c.reserve(frames * frame_pixels);
+  acquisition.label_dps.reserve(frames);
+  acquisition.gyro_dps.reserve(frames);
+  acquisition.time.reserve(frames);
+  acquisition.run.reserve(frames);
+  acquisition.leg_rate_dps.reserve(frames);
+}
+
+std::map<std::uint16_t, float> leg_rates(const std::vector<LegRecord>& legs) {
+  std::map<std::uint16_t, float> rates;
+  for (const LegRecord& leg : legs) rates[leg.leg] = static_cast<float>(leg.rate_dps);
+  return rates;
+}
+
+void append(Acquisition& acquisition, const LabelledSample& sample, const ThermalFrame& frame) {
+  acquisition.temp_c.insert(acquisition.temp_c.end(), frame.temp_c.begin(), frame.temp_c.end());
+  acquisition.label_dps.push_back(sample.rate_commanded_dps);
+  acquisition.gyro_dps.push_back(sample.rate_gyro_dps);
+  acquisition.time.push_back(sample.time);
+  acquisition.run.push_back(sample.valid ? sample.run : 0);
+}
+
+void append_samples(Acquisition& acquisition, const session::Session& session) {
+  const std::map<std::uint16_t, float> rates = leg_rates(session.raw.legs);
+  reserve(acquisition, session.samples.size());
+  for (const LabelledSample& sample : session.samples) {
+    append(acquisition, sample, session.frames[sample.frame_index].frame);
+    const auto rate = rates.find(sample.leg);
+    acquisition.leg_rate_dps.push_back(sample.leg == 0 || rate == rates.end() ? 0.0F : rate->second);
+  }
+}
+
+}  // namespace
+
+Acquisition acquisition_of(const session::Session& session, const std::string& name) {
+  require_a_row_a_frame(session, name);
+  const RecordingHeader& header = session.raw.header;
+  Acquisition acquisition{.name = name,
+                          .environment = header.environment,
+                          .number = header.acquisition,
+                          .simulated = header.simulated,
+                          .licence = "not stated"};
+  append_samples(acquisition, session);
+  windows::clear_unsound_frames(acquisition);
+  const OpeningRest rest = opening_rest_of(session);
+  acquisition.rest_bias_dps = rest.bias_dps;
+  acquisition.rest_samples = rest.samples;
+  acquisition.hash = data_hash(acquisition);
+  return acquisition;
+}
+
+std::string name_of(const RecordingHeader& header) {
+  return fmt::format("{}_acq-{:02}", header.environment, header.acquisition);
+}
+
+}  // namespace thermorig::dataset

@@ -1,2 +1,48 @@
 // SPDX-License-Identifier: MIT
 #include "thermorig/windows/window_index.h"
+
+#include <algorithm>
+#include <cassert>
+
+namespace thermorig::windows {
+
+namespace {
+
+void append_windows(const Acquisition& acquisition, std::uint32_t index, WindowRule rule,
+                    std::vector<Window>& windows) {
+  for (std::size_t frame = 0; frame < acquisition.frames(); ++frame)
+    if (rule.push(acquisition.run[frame])) windows.push_back({index, static_cast<std::uint32_t>(frame)});
+}
+
+}  // namespace
+
+WindowRule::WindowRule(int frames, int history) : needed_(std::max(frames, history)) {
+  assert(frames > 0);
+}
+
+bool WindowRule::push(std::uint32_t run) {
+  count_ = run == 0 ? 0 : run == run_ ? std::min(count_ + 1, needed_) : 1;
+  run_ = run;
+  return count_ >= needed_;
+}
+
+std::vector<Window> find_windows(std::span<const Acquisition> acquisitions, int frames, int history) {
+  std::vector<Window> windows;
+  const WindowRule rule(frames, history);
+  for (std::size_t index = 0; index < acquisitions.size(); ++index)
+    append_windows(acquisitions[index], static_cast<std::uint32_t>(index), rule, windows);
+  return windows;
+}
+
+WindowRates rates_of(const Acquisition& acquisition, const Window& window, int frames) {
+  assert(window.last < acquisition.frames() && static_cast<int>(window.last) + 1 >= frames);
+  double label = 0.0, gyro = 0.0;
+  const std::size_t end = std::size_t{window.last} + 1;
+  for (std::size_t frame = end - static_cast<std::size_t>(frames); frame < end; ++frame) {
+    label += acquisition.label_dps[frame];
+    gyro += acquisition.gyro_dps[frame];
+  }
+  return {static_cast<float>(label / frames), static_cast<float>(gyro / frames)};
+}
+
+}  // namespace thermorig::windows

@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <functional>
+#include <string>
 #include <vector>
 
 #include "thermorig/session/session.h"
@@ -10,10 +11,13 @@
 
 namespace thermorig::dataset {
 
-/// What training needs of a session.
+/// What training needs of a session. Frames that no network may see (a label, gyro mean or pixel that is no
+/// sound number) are in no run, whatever the file says. Throws Error(not_a_session) where samples are not one
+/// a frame.
 windows::Acquisition acquisition_of(const session::Session& session, const std::string& name);
 
-/// Reads a session file. Throws Error(not_a_session) as session::read_session does.
+/// Reads a session file; the name is "<environment>_acq-<number>". Throws Error(not_a_session) as
+/// session::read_session does.
 windows::Acquisition read_acquisition(const std::filesystem::path& path);
 
 /// The session files (.h5) that the paths name: files as they are, folders searched to any depth; sorted,

@@ -11,7 +11,7 @@ namespace thermorig::windows {
 
 /// What training and evaluation know of one session: a row a frame (N frames).
 struct Acquisition {
-  std::string name;         // file name without folder and extension
+  std::string name;         // "<environment>_acq-<number>": a re-recorded simulated session has it again
   std::string environment;  // e.g. "garden"
   int number = 0;           // acquisition number within the environment
   bool simulated = false;

@@ -1,0 +1,14 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include "thermorig/windows/acquisition.h"
+
+namespace thermorig::windows {
+
+/// Takes frames out of their runs (run 0) that must not reach a network: a label or a gyro mean that is not a
+/// number or beyond 10,000 deg/s, a pixel that is not a number or outside -60..400 degC. The labeller calls
+/// no such frame valid, but a file may say anything. Thermal-only and fusion networks thus see the same
+/// windows, those for which both sensors have something to say.
+void clear_unsound_frames(Acquisition& acquisition);
+
+}  // namespace thermorig::windows
