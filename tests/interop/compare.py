@@ -1,0 +1,146 @@
+# SPDX-License-Identifier: MIT
+"""Our network beside ONNX Runtime and PyTorch, for every Nf, Nr, fusion and thermal-only.
+
+    compare.py NETWORK_INTEROP LIBONNXRUNTIME [--json] [--quick]
+"""
+import json
+import pathlib
+import subprocess
+import sys
+import tempfile
+
+import numpy as np
+import torch
+
+from export_samples import trained
+from fusion_network import FusionNetwork, save_onnx, training_loss
+from seeded_values import seeded_batch, seeded_weights
+
+SEED = 100  # as in network_interop.cpp
+WINDOWS = 1000
+STEPS = 20
+SAMPLES = 32
+AUXILIARY = (0.0, 0.5)
+OUTPUT_LIMIT, GRADIENT_LIMIT, LOSS_LIMIT = 1e-5, 1e-4, 1e-4
+
+
+def shapes(quick):
+    frames, reductions = ((3,), (1, 3)) if quick else (range(2, 7), (1, 2, 3))
+    return [(nf, nr, fusion) for nf in frames for nr in reductions for fusion in (True, False)]
+
+
+def mode(fusion):
+    return "fusion" if fusion else "thermal-only"
+
+
+class Interop:
+    def __init__(self, program, folder):
+        self.program, self.folder = program, folder
+
+    def run(self, *arguments):
+        return subprocess.run([self.program, *map(str, arguments)], check=True, capture_output=True, text=True).stdout
+
+
+def onnx_runtime_differences(interop, library, windows):
+    return [json.loads(line) for line in interop.run("onnx-runtime", library, windows).splitlines()]
+
+
+def batch_of(network, step, samples):
+    batch = seeded_batch(SEED, step, samples, network.frames, network.rows, network.columns)
+    return [torch.from_numpy(values) for values in batch]
+
+
+def torch_training(shape, auxiliary):
+    """Gradients of the first batch by name, and the losses."""
+    network = FusionNetwork(*shape)
+    network.set_weights(seeded_weights(network, SEED))
+    adam = torch.optim.Adam(network.parameters(), lr=1e-3)
+    gradients, losses = {}, []
+    for step in range(STEPS):
+        adam.zero_grad()
+        loss = training_loss(network, *batch_of(network, step, SAMPLES), auxiliary)
+        loss.backward()
+        if step == 0:
+            gradients = {name: value.grad.numpy().copy() for name, value in network.named_parameters()}
+        adam.step()
+        losses.append(float(loss))
+    return gradients, np.array(losses)
+
+
+def our_training(interop, shape, auxiliary, count):
+    path = interop.folder / "training.bin"
+    interop.run("training", shape[0], shape[1], mode(shape[2]), auxiliary, SAMPLES, STEPS, path)
+    data = path.read_bytes()
+    return np.frombuffer(data, np.float32, count), np.frombuffer(data, np.float64, offset=8 * count)
+
+
+def training_differences(interop, shape, auxiliary):
+    """The worst tensor's difference by its largest value, and the loss path's by its own."""
+    gradients, losses = torch_training(shape, auxiliary)
+    ours, our_losses = our_training(interop, shape, auxiliary, sum(values.size for values in gradients.values()))
+    worst, first = 0.0, 0
+    for values in gradients.values():
+        part = ours[first:first + values.size]
+        worst = max(worst, float(np.abs(part - values.ravel()).max() / np.abs(values).max()))
+        first += values.size
+    return worst, float((np.abs(our_losses - losses) / losses).max())
+
+
+def foreign_difference(interop, shape, windows):
+    """A model trained and exported in PyTorch, read by us."""
+    network = trained(*shape)
+    model, outputs = interop.folder / "foreign.onnx", interop.folder / "outputs.bin"
+    save_onnx(network, model)
+    interop.run("outputs", model, windows, outputs)
+    ours = np.fromfile(outputs, np.float32).reshape(windows, 3)
+    frames, gyro, _ = batch_of(network, 0, windows)
+    with torch.no_grad():
+        theirs = network(frames, gyro.unsqueeze(1))
+    if not shape[2]:
+        theirs = (theirs, theirs, torch.ones_like(theirs))
+    return float(np.abs(ours - torch.cat(theirs, 1).numpy()).max())
+
+
+def reread_difference(interop, shape):
+    """Our file's weights in PyTorch's module: the documented order, bit by bit."""
+    model, raw = interop.folder / "seeded.onnx", interop.folder / "weights.bin"
+    interop.run("seeded-model", shape[0], shape[1], mode(shape[2]), SEED, model)
+    interop.run("weights", model, raw)
+    network = FusionNetwork(*shape)
+    expected = np.concatenate([values.ravel() for values in seeded_weights(network, SEED)])
+    return float(np.abs(np.fromfile(raw, np.float32) - expected).max())
+
+
+def measure(program, library, quick):
+    with tempfile.TemporaryDirectory() as folder:
+        interop = Interop(program, pathlib.Path(folder))
+        every = shapes(quick)
+        training = [training_differences(interop, shape, auxiliary) for shape in every
+                    for auxiliary in (AUXILIARY if shape[2] else AUXILIARY[:1])]
+        peers = onnx_runtime_differences(interop, library, WINDOWS)
+        return {
+            "onnx_runtime_output_difference": (max(row["difference"] for row in peers), OUTPUT_LIMIT),
+            "onnx_runtime_shapes": (len(peers), None),
+            "pytorch_gradient_difference": (max(row[0] for row in training), GRADIENT_LIMIT),
+            "pytorch_loss_path_difference": (max(row[1] for row in training), LOSS_LIMIT),
+            "pytorch_trainings": (len(training), None),
+            "pytorch_export_output_difference":
+                (max(foreign_difference(interop, shape, WINDOWS) for shape in every), OUTPUT_LIMIT),
+            "model_file_weight_difference": (max(reread_difference(interop, shape) for shape in every), 0.0),
+        }
+
+
+def main(program, library, *options):
+    torch.set_num_threads(1)
+    figures = measure(program, library, "--quick" in options)
+    if "--json" in options:
+        print(json.dumps({name: value for name, (value, _) in figures.items()}, indent=1))
+    else:
+        for name, (value, limit) in figures.items():
+            verdict = "" if limit is None else f"  <= {limit:g}: {'met' if value <= limit else 'NOT MET'}"
+            print(f"{name:40} {value:10.3g}{verdict}")
+    return int(any(limit is not None and not value <= limit for value, limit in figures.values()))
+
+
+if __name__ == "__main__":
+    sys.exit(main(*sys.argv[1:]))

@@ -1,0 +1,148 @@
+// SPDX-License-Identifier: MIT
+// Our side of the comparisons with other programs. Binary files hold float32 in the machine's order.
+//   network_interop seeded-model NF NR fusion|thermal-only SEED OUT.onnx
+//   network_interop weights MODEL.onnx OUT           all weights in the documented order
+//   network_interop outputs MODEL.onnx WINDOWS OUT   fusion, thermal, gain of seeded windows
+//   network_interop training NF NR fusion|thermal-only AUXILIARY SAMPLES STEPS OUT
+//       gradients of the first batch, weights after all steps, losses (float64)
+//   network_interop onnx-runtime LIBRARY WINDOWS     largest difference of every shape, a line of JSON each
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <fstream>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "onnx_runtime.h"
+#include "seeded_values.h"
+#include "thermorig/core/error.h"
+#include "thermorig/model/model.h"
+#include "thermorig/network/trainer.h"
+
+namespace {
+
+using namespace thermorig;
+using Arguments = std::vector<std::string>;
+
+constexpr std::uint64_t batch_seed = 100;
+
+network::Shape shape_of(const std::string& frames, const std::string& reduction, const std::string& mode) {
+  network::Shape shape;
+  shape.frames = std::stoi(frames);
+  shape.reduction = std::stoi(reduction);
+  shape.fusion = mode == "fusion";
+  return shape;
+}
+
+model::Model seeded_model(const network::Shape& shape, std::uint64_t seed) {
+  model::Model model;
+  model.weights = interop::seeded_weights(shape, seed);
+  model.provenance.producer = "interop test";
+  return model;
+}
+
+template <typename Value>
+void append(std::ofstream& file, std::span<const Value> values) {
+  file.write(reinterpret_cast<const char*>(values.data()), static_cast<std::streamsize>(values.size_bytes()));
+}
+
+void write_seeded_model(const Arguments& a) {
+  model::write_model(a.at(4), seeded_model(shape_of(a.at(0), a.at(1), a.at(2)), std::stoull(a.at(3))));
+}
+
+void write_weights(const Arguments& a) {
+  std::ofstream file(a.at(1), std::ios::binary);
+  append<float>(file, model::read_model(a.at(0)).weights.values);
+}
+
+void write_outputs(const Arguments& a) {
+  const model::Model model = model::read_model(a.at(0));
+  const network::Shape& shape = model.weights.shape;
+  network::Estimator estimator(model.weights);
+  const interop::SeededBatch windows(shape, batch_seed, 0, std::stoul(a.at(1)));
+  const network::Batch batch = windows.batch();
+  std::ofstream file(a.at(2), std::ios::binary);
+  for (std::size_t i = 0; i < batch.frames.size(); ++i) {
+    const auto output =
+        estimator.estimate({batch.frames[i], shape.inputs()}, shape.fusion ? batch.gyro[i] : 0.0F);
+    append<float>(file, std::array{output.fusion, output.thermal, output.gain});
+  }
+}
+
+void write_training(const Arguments& a) {
+  const network::Shape shape = shape_of(a.at(0), a.at(1), a.at(2));
+  network::TrainerConfig config;
+  config.loss.auxiliary_thermal = std::stof(a.at(3));
+  const std::size_t samples = std::stoul(a.at(4)), steps = std::stoul(a.at(5));
+  network::SoloCrew crew;
+  network::Trainer trainer(interop::seeded_weights(shape, batch_seed), config, crew);
+  std::ofstream file(a.at(6), std::ios::binary);
+  append<float>(file, trainer.gradients(interop::SeededBatch(shape, batch_seed, 0, samples).batch()));
+  std::vector<double> losses;
+  for (std::size_t step = 0; step < steps; ++step)
+    losses.push_back(trainer.step(interop::SeededBatch(shape, batch_seed, step, samples).batch()).loss);
+  append<float>(file, trainer.weights().values);
+  append<double>(file, losses);
+}
+
+double difference(const network::Output& a, const network::Output& b) {
+  return std::max(
+      {std::abs(a.fusion - b.fusion), std::abs(a.thermal - b.thermal), std::abs(a.gain - b.gain)});
+}
+
+double difference_to_onnx_runtime(const std::string& library, const network::Shape& shape,
+                                  std::size_t windows) {
+  const model::Model model = seeded_model(shape, batch_seed);
+  const std::string bytes = model::to_onnx(model);
+  interop::OnnxRuntime peer(library, {reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size()},
+                            shape);
+  network::Estimator ours(model.weights);
+  const interop::SeededBatch owner(shape, batch_seed, 0, windows);
+  const network::Batch batch = owner.batch();
+  double largest = 0.0;
+  for (std::size_t i = 0; i < windows; ++i) {
+    const std::span frames{batch.frames[i], shape.inputs()};
+    std::ranges::copy(frames, peer.frames().begin());
+    peer.gyro() = shape.fusion ? batch.gyro[i] : 0.0F;
+    largest = std::max(largest, difference(ours.estimate(frames, peer.gyro()), peer.run()));
+  }
+  return largest;
+}
+
+void compare_onnx_runtime(const Arguments& a) {
+  for (int frames = network::min_frames; frames <= network::max_frames; ++frames)
+    for (int reduction = network::min_reduction; reduction <= network::max_reduction; ++reduction)
+      for (bool fusion : {true, false}) {
+        const network::Shape shape{.frames = frames, .reduction = reduction, .fusion = fusion};
+        fmt::print(R"({{"nf": {}, "nr": {}, "fusion": {}, "difference": {:.3g}}})"
+                   "\n",
+                   frames, reduction, fusion,
+                   difference_to_onnx_runtime(a.at(0), shape, std::stoul(a.at(1))));
+      }
+}
+
+int run(std::string_view command, const Arguments& arguments) {
+  if (command == "seeded-model") return write_seeded_model(arguments), 0;
+  if (command == "weights") return write_weights(arguments), 0;
+  if (command == "outputs") return write_outputs(arguments), 0;
+  if (command == "training") return write_training(arguments), 0;
+  if (command == "onnx-runtime") return compare_onnx_runtime(arguments), 0;
+  fmt::print(stderr, "unknown command '{}'\n", command);
+  return 2;
+}
+
+}  // namespace
+
+int main(int count, char** arguments) try {
+  if (count < 2) return run("", {});
+  return run(arguments[1], Arguments(arguments + 2, arguments + count));
+} catch (const thermorig::Error& error) {
+  fmt::print(stderr, "{}\n", error.what());
+  return 1;
+} catch (const std::exception& error) {
+  fmt::print(stderr, "arguments: {}\n", error.what());
+  return 2;
+}
