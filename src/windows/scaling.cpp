@@ -41,9 +41,11 @@ float block_mean(std::span<const float> temp_c, std::size_t row, std::size_t col
 
 }  // namespace
 
-Scaling scaling_of(std::span<const Acquisition> acquisitions, float label_scale_dps) {
+Scaling scaling_of(std::span<const Acquisition> acquisitions, float label_scale_dps,
+                   std::optional<std::size_t> without) {
   PixelSums sums;
-  for (const Acquisition& acquisition : acquisitions) add_valid_frames(acquisition, sums);
+  for (std::size_t index = 0; index < acquisitions.size(); ++index)
+    if (index != without) add_valid_frames(acquisitions[index], sums);
   Scaling scaling{.label_scale_dps = label_scale_dps};
   if (sums.count == 0.0) return scaling;
   const double mean = sums.sum / sums.count;

@@ -36,14 +36,21 @@ struct TrainingConfig {
 /// loss, mirror, epoch chosen on a held-out acquisition. Throws Error(bad_usage) for another name.
 TrainingConfig preset(const std::string& name);
 
+/// "paper" or "best" if everything that a preset fixes is as it has it, else "custom". Shape, seed and
+/// `history` are not what a preset fixes.
+std::string preset_of(const TrainingConfig& config);
+
+/// Throws Error(bad_usage) with what cannot be: a shape that does not exist, a number out of its range.
+void check(const TrainingConfig& config);
+
 /// What an epoch showed. Errors normalised (divided by label_scale_dps).
 struct EpochReport {
   int epoch = 0;              // from 1
-  double loss = 0.0;          // mean over the epoch's steps
-  double training_mse = 0.0;  // mean of the steps' squared errors, each before its step
+  double loss = 0.0;          // mean over the epoch's windows
+  double training_mse = 0.0;  // the same of the squared errors, each before its step
   double held_out_mse = 0.0;  // NaN without a held-out acquisition
   double gain_mean = 1.0;     // of Kg over the epoch
-  double seconds = 0.0;       // elapsed since training began; 0 when nobody measures
+  double seconds = 0.0;       // elapsed since training began; train() looks at no clock and leaves 0
   bool kept = false;          // the best so far, or the last
 };
 
@@ -72,8 +79,10 @@ struct Observer {
 };
 
 /// Trains. Deterministic: the same acquisitions, configuration and instruction set give the same model,
-/// whatever the crew's size. Throws Error(bad_usage) where there is nothing to train on: no window, fewer
-/// than two acquisitions with choose_epoch.
+/// whatever the crew's size, and also when it goes on from a checkpoint of the same training. Throws
+/// Error(bad_usage) where there is nothing to train on: no window, fewer than two acquisitions with
+/// choose_epoch; Error(failed) when the loss is not a number any more. Stopped before the first epoch ended,
+/// the model is the untrained one and `epoch_kept` is 0. The model's `producer` is left to the caller.
 TrainingResult train(const TrainingConfig& config, std::span<const windows::Acquisition> acquisitions,
                      network::Crew& crew, const Observer& observer = {},
                      const std::optional<Checkpoint>& from = {});

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -18,8 +19,10 @@ struct Scaling {
   bool operator==(const Scaling&) const = default;
 };
 
-/// Mean and deviation of the pixels of all frames that are in a valid run, over all acquisitions.
-Scaling scaling_of(std::span<const Acquisition> acquisitions, float label_scale_dps = 200.0F);
+/// Mean and deviation of the pixels of all frames that are in a valid run, over all acquisitions but the one
+/// of index `without`.
+Scaling scaling_of(std::span<const Acquisition> acquisitions, float label_scale_dps = 200.0F,
+                   std::optional<std::size_t> without = {});
 
 /// One frame to what the network takes: averages of Nr x Nr neighbours (columns that do not fill a block are
 /// cropped), then (temp - mean) / deviation. `temp_c`: (24, 32); `out`: (H, W).
