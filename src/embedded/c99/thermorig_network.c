@@ -1,0 +1,275 @@
+/* SPDX-License-Identifier: MIT
+ *
+@facts@
+ *
+ *   window (Nf, H, W) -> convolution 6 @ 5x5, ReLU, max-pool 2x2 -> convolution 16 @ 5x5, ReLU -> features
+ *   features -> 120 ReLU -> 80 ReLU -> 1                          speed from images
+ *   features -> 120 ReLU -> 1 sigmoid                             Kg
+ *   fusion = Kg * speed from images + (1 - Kg) * gyro
+ */
+#include "thermorig_network.h"
+
+#include <math.h>
+
+#include "thermorig_network_weights.h"
+
+#define FRAMES THERMORIG_NETWORK_FRAMES
+#define KERNEL THERMORIG_NETWORK_KERNEL
+#define PIXELS THERMORIG_NETWORK_PIXELS
+#define POOLED THERMORIG_NETWORK_POOLED
+#define PLANE2 THERMORIG_NETWORK_PLANE2
+#define FEATURES (THERMORIG_NETWORK_FILTERS2 * PLANE2)
+#define HIDDEN1 THERMORIG_NETWORK_HIDDEN1
+#define HIDDEN2 THERMORIG_NETWORK_HIDDEN2
+
+typedef thermorig_network_state network_state;
+typedef thermorig_network_value network_value;
+
+/* The caller's memory is as large as the header says. */
+typedef char network_state_size_is_as_stated[sizeof(network_state) == THERMORIG_NETWORK_STATE_BYTES ? 1 : -1];
+
+#if THERMORIG_NETWORK_INTEGER
+typedef int32_t network_sum;          /* at most 192 products of 15 and 7 bits: below 2^30 */
+#define VALUE_MAX 32767.0f    /* of an activation */
+#define STEPS_PER_DEGREE 100.0f /* frames are kept in the camera's own hundredths */
+#else
+typedef float network_sum;
+#endif
+
+/* Planes (rows, columns) that a 5x5 kernel slides over, with `padding` zeros around them. */
+typedef struct {
+  const network_value *plane[6];
+  int planes, rows, columns, padding;
+} image;
+
+static float relu(float x) {
+  return x > 0.0f ? x : 0.0f;
+}
+
+static network_sum dot(const network_value *values, const network_weight *weights, int count) {
+  network_sum total = 0;
+  for (int i = 0; i < count; ++i) total += (network_sum)values[i] * (network_sum)weights[i];
+  return total;
+}
+
+/* What a sum of products stands for, with the bias of its row: `scale` is that of the activations. */
+static float real_of(float total, float scale, const network_layer *layer, int row) {
+#if THERMORIG_NETWORK_INT8
+  return total * (scale * layer->scale[row]) + layer->bias[row];
+#else
+  return total * scale + layer->bias[row];
+#endif
+}
+
+#if THERMORIG_NETWORK_INTEGER
+static int16_t rounded(float x) {
+  if (!(x > -VALUE_MAX)) return (int16_t)-VALUE_MAX;
+  if (!(x < VALUE_MAX)) return (int16_t)VALUE_MAX;
+  return (int16_t)(x < 0.0f ? x - 0.5f : x + 0.5f);
+}
+#endif
+
+/* Outputs of a layer (0 or above) as inputs of the next: an activation times `scale` is the real value. */
+static const network_value *values_of(const float *real, int count, network_value *store, float *scale) {
+#if THERMORIG_NETWORK_INTEGER
+  float most = 0.0f;
+  for (int i = 0; i < count; ++i)
+    if (real[i] > most) most = real[i];
+  const float steps = most > 0.0f ? VALUE_MAX / most : 0.0f;
+  for (int i = 0; i < count; ++i) store[i] = rounded(real[i] * steps);
+  *scale = most / VALUE_MAX;
+  return store;
+#else
+  (void)count;
+  (void)store;
+  *scale = 1.0f;
+  return real;
+#endif
+}
+
+/* One pixel of the input: the mean of its block of the camera's pixels, less the training data's mean, in its
+ * deviations. */
+static network_value prepared(const float *temp_c, int row, int column) {
+  const int size = THERMORIG_NETWORK_REDUCTION;
+  float total = 0.0f;
+  for (int y = 0; y < size; ++y)
+    for (int x = 0; x < size; ++x)
+      total += temp_c[(row * size + y) * THERMORIG_NETWORK_CAMERA_COLUMNS + THERMORIG_NETWORK_CROP_LEFT + column * size + x];
+  const float above_mean_c = total / (float)(size * size) - temp_mean_c;
+#if THERMORIG_NETWORK_INTEGER
+  return rounded(above_mean_c * STEPS_PER_DEGREE);
+#else
+  return above_mean_c / temp_deviation_c;
+#endif
+}
+
+/* A filter's sum of products with its upper left corner at (top, left) of the padded image. */
+static network_sum filter_at(const image *in, const network_weight *weights, int top, int left) {
+  /* the part of the kernel that lies on the planes, not on the zeros around them */
+  const int y0 = top - in->padding, x0 = left - in->padding;
+  const int first_y = y0 < 0 ? -y0 : 0, first_x = x0 < 0 ? -x0 : 0;
+  const int end_y = y0 + KERNEL > in->rows ? in->rows - y0 : KERNEL;
+  const int end_x = x0 + KERNEL > in->columns ? in->columns - x0 : KERNEL;
+  network_sum total = 0;
+  for (int p = 0; p < in->planes; ++p)
+    for (int y = first_y; y < end_y; ++y)
+      total += dot(in->plane[p] + (y0 + y) * in->columns + x0 + first_x,
+                   weights + (p * KERNEL + y) * KERNEL + first_x, end_x - first_x);
+  return total;
+}
+
+/* First convolution, ReLU and max-pooling of one filter. The largest of the four sums gives the largest output, for
+ * scales are above 0; an odd last row or column is dropped. */
+static void pooled_filter(const image *window, float scale, int filter, float *out) {
+  const network_weight *weights = conv1.weights + filter * FRAMES * KERNEL * KERNEL;
+  for (int row = 0; row < THERMORIG_NETWORK_POOLED_ROWS; ++row)
+    for (int column = 0; column < THERMORIG_NETWORK_POOLED_COLUMNS; ++column) {
+      network_sum most = filter_at(window, weights, 2 * row, 2 * column);
+      for (int corner = 1; corner < 4; ++corner) {
+        const network_sum next = filter_at(window, weights, 2 * row + corner / 2, 2 * column + corner % 2);
+        if (next > most) most = next;
+      }
+      *out++ = relu(real_of((float)most, scale, &conv1, filter));
+    }
+}
+
+/* Second convolution and ReLU of one filter. */
+static void plane_of_filter(const image *pooled, float scale, int filter, float *out) {
+  const network_weight *weights = conv2.weights + filter * THERMORIG_NETWORK_FILTERS1 * KERNEL * KERNEL;
+  for (int row = 0; row < THERMORIG_NETWORK_ROWS2; ++row)
+    for (int column = 0; column < THERMORIG_NETWORK_COLUMNS2; ++column)
+      *out++ = relu(real_of((float)filter_at(pooled, weights, row, column), scale, &conv2, filter));
+}
+
+/* Adds what the features of one filter bring to the sums of a head's first layer. */
+static void add_features(const network_value *plane, float scale, const network_weight *weights, float *totals) {
+  for (int row = 0; row < HIDDEN1; ++row)
+    totals[row] += (float)dot(plane, weights + row * FEATURES, PLANE2) * scale;
+}
+
+/* The ring's frames, oldest first. */
+static image window_of(const network_state *state) {
+  image window = {{0}, FRAMES, THERMORIG_NETWORK_ROWS, THERMORIG_NETWORK_COLUMNS, THERMORIG_NETWORK_PADDING1};
+  for (int i = 0; i < FRAMES; ++i) window.plane[i] = state->frame[(state->next + i) % FRAMES];
+  return window;
+}
+
+/* First convolution to `pooled`. */
+static void convolve_window(network_state *state) {
+  const image window = window_of(state);
+#if THERMORIG_NETWORK_INTEGER
+  const float scale = 1.0f / (STEPS_PER_DEGREE * temp_deviation_c);
+#else
+  const float scale = 1.0f;
+#endif
+  for (int filter = 0; filter < THERMORIG_NETWORK_FILTERS1; ++filter)
+    pooled_filter(&window, scale, filter, state->pooled + filter * POOLED);
+}
+
+#if THERMORIG_NETWORK_INTEGER
+#define POOLED_STORE state->pooled_value
+#define PLANE_STORE state->plane_value
+#else
+#define POOLED_STORE 0
+#define PLANE_STORE 0
+#endif
+
+/* Second convolution and the heads' first layers, filter by filter: the features are never all in memory. */
+static void convolve_pooled(network_state *state) {
+  float scale;
+  const network_value *values = values_of(state->pooled, THERMORIG_NETWORK_FILTERS1 * POOLED, POOLED_STORE, &scale);
+  image pooled = {{0}, THERMORIG_NETWORK_FILTERS1, THERMORIG_NETWORK_POOLED_ROWS, THERMORIG_NETWORK_POOLED_COLUMNS,
+                  THERMORIG_NETWORK_PADDING2};
+  for (int p = 0; p < THERMORIG_NETWORK_FILTERS1; ++p) pooled.plane[p] = values + p * POOLED;
+  for (int row = 0; row < HIDDEN1; ++row) state->speed[row] = state->other[row] = 0.0f;
+  for (int filter = 0; filter < THERMORIG_NETWORK_FILTERS2; ++filter) {
+    float plane_scale;
+    plane_of_filter(&pooled, scale, filter, state->plane);
+    const network_value *plane = values_of(state->plane, PLANE2, PLANE_STORE, &plane_scale);
+    add_features(plane, plane_scale, speed1.weights + filter * PLANE2, state->speed);
+#if THERMORIG_NETWORK_FUSION
+    add_features(plane, plane_scale, gain1.weights + filter * PLANE2, state->other);
+#endif
+  }
+}
+
+/* Scales, biases and ReLU of a head's first layer. */
+static void finish_first(const network_layer *layer, float *totals) {
+  for (int row = 0; row < HIDDEN1; ++row) totals[row] = relu(real_of(totals[row], 1.0f, layer, row));
+}
+
+/* The speed that the images tell, normalised. */
+static float thermal_speed(network_state *state) {
+  float scale;
+  finish_first(&speed1, state->speed);
+  const network_value *first = values_of(state->speed, HIDDEN1, PLANE_STORE, &scale);
+  for (int row = 0; row < HIDDEN2; ++row)
+    state->other[row] = relu(real_of((float)dot(first, speed2.weights + row * HIDDEN1, HIDDEN1), scale, &speed2, row));
+  const network_value *second = values_of(state->other, HIDDEN2, PLANE_STORE, &scale);
+  return real_of((float)dot(second, speed3.weights, HIDDEN2), scale, &speed3, 0);
+}
+
+/* Kg. */
+static float gain_of(network_state *state) {
+#if THERMORIG_NETWORK_FUSION
+  float scale;
+  finish_first(&gain1, state->other);
+  const network_value *first = values_of(state->other, HIDDEN1, PLANE_STORE, &scale);
+  return 1.0f / (1.0f + expf(-real_of((float)dot(first, gain2.weights, HIDDEN1), scale, &gain2, 0)));
+#else
+  (void)state;
+  return 1.0f;
+#endif
+}
+
+/* The mean of the window's frames. */
+static float gyro_of(const network_state *state) {
+  float total = 0.0f;
+  for (int i = 0; i < FRAMES; ++i) total += state->gyro_dps[(state->next + i) % FRAMES];
+  return total / (float)FRAMES;
+}
+
+static void run_network(network_state *state, float gyro_dps, thermorig_network_output *output) {
+  convolve_window(state);
+  convolve_pooled(state);
+  const float gain = gain_of(state); /* first: the speed head uses its memory again */
+  const float thermal = thermal_speed(state);
+  output->thermal_dps = thermal * label_scale_dps;
+  output->gain = gain;
+#if THERMORIG_NETWORK_FUSION
+  output->fusion_dps = gain * output->thermal_dps + (1.0f - gain) * gyro_dps;
+#else
+  (void)gyro_dps;
+  output->fusion_dps = output->thermal_dps;
+#endif
+}
+
+static void add_frame(network_state *state, const float *temp_c, float gyro_dps) {
+  network_value *frame = state->frame[state->next];
+  for (int row = 0; row < THERMORIG_NETWORK_ROWS; ++row)
+    for (int column = 0; column < THERMORIG_NETWORK_COLUMNS; ++column) *frame++ = prepared(temp_c, row, column);
+  state->gyro_dps[state->next] = gyro_dps;
+  state->next = (state->next + 1) % FRAMES;
+  if (state->count < FRAMES) ++state->count;
+}
+
+void thermorig_network_reset(thermorig_network_state *state) {
+  state->next = 0;
+  state->count = 0;
+}
+
+int thermorig_network_push(thermorig_network_state *state, const float *temp_c, float gyro_dps,
+                           thermorig_network_output *output) {
+  add_frame(state, temp_c, gyro_dps);
+  if (state->count < FRAMES) return 0;
+  run_network(state, gyro_of(state), output);
+  return 1;
+}
+
+void thermorig_network_estimate(thermorig_network_state *state, const float *temp_c, float gyro_dps,
+                                thermorig_network_output *output) {
+  thermorig_network_reset(state);
+  for (int i = 0; i < FRAMES; ++i)
+    add_frame(state, temp_c + i * THERMORIG_NETWORK_CAMERA_ROWS * THERMORIG_NETWORK_CAMERA_COLUMNS, gyro_dps);
+  run_network(state, gyro_dps, output);
+}

@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: MIT
+#include "quantisation.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "thermorig/embedded/c_source.h"
+
+namespace thermorig::embedded {
+
+namespace {
+
+constexpr float largest = 127.0F;
+
+float scale_of(std::span<const float> row) {
+  float most = 0.0F;
+  for (float weight : row) most = std::max(most, std::abs(weight));
+  return most / largest;
+}
+
+std::int8_t nearest(float weight, float scale) {
+  if (scale == 0.0F) return 0;
+  return static_cast<std::int8_t>(std::clamp(std::nearbyint(weight / scale), -largest, largest));
+}
+
+}  // namespace
+
+float Quantised::weight(std::size_t index) const {
+  const std::size_t row_size = values.size() / scales.size();
+  return static_cast<float>(values[index]) * scales[index / row_size];
+}
+
+Quantised quantise(std::span<const float> weights, std::size_t rows) {
+  Quantised quantised;
+  const std::size_t row_size = weights.size() / rows;
+  for (std::size_t begin = 0; begin < weights.size(); begin += row_size) {
+    const auto row = weights.subspan(begin, row_size);
+    const float scale = scale_of(row);
+    quantised.scales.push_back(scale);
+    for (float weight : row) quantised.values.push_back(nearest(weight, scale));
+  }
+  return quantised;
+}
+
+bool is_bias(const network::Tensor& tensor) {
+  return tensor.name.ends_with(".bias");
+}
+
+model::Model quantised(const model::Model& model) {
+  model::Model result = model;
+  for (const network::Tensor& tensor : network::tensors_of(model.weights.shape)) {
+    if (is_bias(tensor)) continue;
+    const std::span<float> weights = result.weights.tensor(tensor.name);
+    const Quantised small = quantise(weights, static_cast<std::size_t>(tensor.dimensions.front()));
+    for (std::size_t i = 0; i < weights.size(); ++i) weights[i] = small.weight(i);
+  }
+  return result;
+}
+
+}  // namespace thermorig::embedded

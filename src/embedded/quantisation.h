@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "thermorig/network/weights.h"
+
+namespace thermorig::embedded {
+
+/// A tensor of weights in 8 bits, symmetric: weight = value * scale of its row, values -127..127. A row is
+/// what one output is made of: a filter, or a row of a matrix.
+struct Quantised {
+  std::vector<std::int8_t> values;
+  std::vector<float> scales;  // one a row; 0: a row of zeros
+
+  float weight(std::size_t index) const;
+};
+
+/// `weights` finite, of `rows` equal rows.
+Quantised quantise(std::span<const float> weights, std::size_t rows);
+
+/// Biases stay as they are: they are few.
+bool is_bias(const network::Tensor& tensor);
+
+}  // namespace thermorig::embedded
