@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cassert>
 #include <map>
 
 #include "facts_text.h"
@@ -62,7 +63,9 @@ std::string filled(std::string_view text, const Words& words) {
   for (std::size_t at = text.find('@'); at != std::string_view::npos; at = text.find('@')) {
     const std::size_t end = text.find('@', at + 1);
     result += text.substr(0, at);
-    result += words.find(text.substr(at + 1, end - at - 1))->second;
+    const auto word = words.find(text.substr(at + 1, end - at - 1));
+    assert(word != words.end());
+    result += word->second;
     text.remove_prefix(end + 1);
   }
   return result.append(text);

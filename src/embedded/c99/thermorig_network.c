@@ -2,7 +2,7 @@
  *
 @facts@
  *
- *   window (Nf, H, W) -> convolution 6 @ 5x5, ReLU, max-pool 2x2 -> convolution 16 @ 5x5, ReLU -> features
+ *   window (Nf, H, W) -> 6 filters 5x5, ReLU, max-pool 2x2 -> 16 filters 5x5, ReLU -> features
  *   features -> 120 ReLU -> 80 ReLU -> 1                          speed from images
  *   features -> 120 ReLU -> 1 sigmoid                             Kg
  *   fusion = Kg * speed from images + (1 - Kg) * gyro

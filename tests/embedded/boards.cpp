@@ -1,0 +1,160 @@
+// SPDX-License-Identifier: MIT
+#include "boards.h"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdlib>
+#include <deque>
+#include <fstream>
+#include <limits>
+#include <sstream>
+
+namespace thermorig::tests {
+
+namespace {
+
+constexpr std::size_t frame_size = 24 * 32;
+
+/// A folder that goes with the test.
+class Folder {
+ public:
+  Folder() {
+    std::string name = (std::filesystem::temp_directory_path() / "thermorig-c99-XXXXXX").string();
+    if (mkdtemp(name.data()) == nullptr) std::abort();
+    path_ = name;
+  }
+  ~Folder() {
+    std::error_code ignored;
+    std::filesystem::remove_all(path_, ignored);
+  }
+  Folder(const Folder&) = delete;
+  Folder& operator=(const Folder&) = delete;
+  const std::filesystem::path& path() const { return path_; }
+
+ private:
+  std::filesystem::path path_;
+};
+
+std::string text_of(const std::filesystem::path& path) {
+  std::ostringstream text;
+  text << std::ifstream(path).rdbuf();
+  return text.str();
+}
+
+/// Standard output and error of a command are in `out`; false if it failed.
+bool succeeded(const std::string& command, const std::filesystem::path& out) {
+  return std::system((command + " >" + out.string() + " 2>&1").c_str()) == 0;
+}
+
+BoardRun parsed(const std::string& text) {
+  BoardRun run;
+  std::istringstream lines(text);
+  std::string word;
+  if (!(lines >> word >> run.state_bytes) || word != "state") return {.failure = "no state: " + text};
+  for (Speeds speeds; lines >> speeds.fusion_dps >> speeds.thermal_dps >> speeds.gain;)
+    run.windows.push_back(speeds);
+  if (text.find("end\n") == std::string::npos) run.failure = "did not come to its end: " + text;
+  return run;
+}
+
+/// As in board_main.c.
+class Frames {
+ public:
+  float between(float least, float most) {
+    state_ = state_ * 1664525U + 1013904223U;
+    return least + (most - least) * (static_cast<float>(state_ >> 16) / 65536.0F);
+  }
+  std::vector<float> next() {
+    std::vector<float> temp_c(frame_size);
+    for (float& pixel : temp_c) pixel = between(10.0F, 30.0F);
+    return temp_c;
+  }
+
+ private:
+  std::uint32_t state_ = 1;
+};
+
+struct Prepared {
+  std::vector<float> pixels;
+  float gyro_dps = 0.0F;
+};
+
+Speeds speeds_of(const std::deque<Prepared>& window, const model::Model& model,
+                 network::Estimator& estimator) {
+  std::vector<float> frames;
+  float gyro_dps = 0.0F;
+  for (const Prepared& frame : window) {
+    frames.insert(frames.end(), frame.pixels.begin(), frame.pixels.end());
+    gyro_dps += frame.gyro_dps / static_cast<float>(window.size());
+  }
+  const float scale = model.scaling.label_scale_dps;
+  const network::Output output = estimator.estimate(frames, gyro_dps / scale);
+  return {output.fusion * scale, output.thermal * scale, output.gain};
+}
+
+}  // namespace
+
+BoardRun run_on(const Board& board, const embedded::CSource& source) {
+  const Folder folder;
+  for (const embedded::SourceFile& file : source.files) std::ofstream(folder.path() / file.name) << file.text;
+  const std::string header = source.files.front().name, name = header.substr(0, header.size() - 2);
+  const auto out = folder.path() / "out.txt", program = folder.path() / "program";
+  const std::string compile = fmt::format(
+      "cd {} && {} -I. -DNETWORK_HEADER='\"{}\"' -DNETWORK_NAME={} -DFRAMES_TO_PUSH={} {}.c {}/board_main.c "
+      "-o program "
+      "-lm",
+      folder.path().string(), board.compiler, header, name, frames_to_push, name,
+      THERMORIG_SOURCE_DIR "/tests/embedded");
+  if (!succeeded(compile, out)) return {.failure = compile + "\n" + text_of(out)};
+  if (!succeeded(board.runner + " " + program.string(), out))
+    return {.failure = "it failed: " + text_of(out)};
+  return parsed(text_of(out));
+}
+
+std::vector<Speeds> expected_speeds(const model::Model& model) {
+  const network::Shape& shape = model.weights.shape;
+  network::Estimator estimator(model.weights);
+  Frames frames;
+  std::deque<Prepared> window;
+  std::vector<Speeds> all;
+  for (int frame = 0; frame < frames_to_push; ++frame) {
+    Prepared next{std::vector<float>(shape.pixels()), frames.between(-200.0F, 200.0F)};
+    windows::prepare_frame(frames.next(), shape, model.scaling, next.pixels);
+    window.push_back(std::move(next));
+    if (window.size() > static_cast<std::size_t>(shape.frames)) window.pop_front();
+    if (window.size() == static_cast<std::size_t>(shape.frames))
+      all.push_back(speeds_of(window, model, estimator));
+  }
+  return all;
+}
+
+model::Model random_model(const network::Shape& shape, std::uint64_t seed) {
+  model::Model model;
+  model.weights = network::initial_weights(shape, seed);
+  for (float& weight : model.weights.values) weight *= 1.5F;
+  model.scaling = {.label_scale_dps = 200.0F, .temp_mean_c = 19.3F, .temp_deviation_c = 5.1F};
+  model.provenance.simulated = true;
+  return model;
+}
+
+float largest_difference(const std::vector<Speeds>& one, const std::vector<Speeds>& other, float scale_dps) {
+  if (one.size() != other.size()) return std::numeric_limits<float>::infinity();
+  float largest = 0.0F;
+  for (std::size_t i = 0; i < one.size(); ++i)
+    for (const float difference :
+         {(one[i].fusion_dps - other[i].fusion_dps) / scale_dps,
+          (one[i].thermal_dps - other[i].thermal_dps) / scale_dps, one[i].gain - other[i].gain})
+      largest = std::isnan(difference) ? std::numeric_limits<float>::infinity()
+                                       : std::max(largest, std::abs(difference));
+  return largest;
+}
+
+bool has_command(const std::string& name) {
+  return std::system(("command -v " + name + " >/dev/null 2>&1").c_str()) == 0;
+}
+
+}  // namespace thermorig::tests

@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "thermorig/embedded/c_source.h"
+#include "thermorig/network/estimator.h"
+
+namespace thermorig::tests {
+
+/// deg/s, as the exported C gives it.
+struct Speeds {
+  float fusion_dps = 0.0F, thermal_dps = 0.0F, gain = 0.0F;
+};
+
+/// What a run of exported C printed.
+struct BoardRun {
+  std::string failure;  // what went wrong, empty: nothing
+  std::size_t state_bytes = 0;
+  std::vector<Speeds> windows;
+};
+
+/// How C becomes a program, and how that is run.
+struct Board {
+  std::string compiler;  // command and options
+  std::string runner;    // put before the program's name; empty: it runs as it is
+};
+
+inline constexpr const char* strict_c99 =
+    " -std=c99 -O2 -Wall -Wextra -Wconversion -Wshadow -Wundef -Wdouble-promotion -Werror -pedantic";
+inline constexpr int frames_to_push = 9;
+
+/// Writes the source into a folder of its own, compiles it with board_main.c and runs it over
+/// `frames_to_push` frames that a generator makes.
+BoardRun run_on(const Board& board, const embedded::CSource& source);
+
+/// The same frames through windows::prepare_frame and network::Estimator.
+std::vector<Speeds> expected_speeds(const model::Model& model);
+
+/// First weights of a network, made a little larger, with a scaling that suits the generator's frames.
+model::Model random_model(const network::Shape& shape, std::uint64_t seed);
+
+/// Largest difference of any two speeds (divided by the label scale) and gains; infinite where the numbers of
+/// windows differ.
+float largest_difference(const std::vector<Speeds>& one, const std::vector<Speeds>& other, float scale_dps);
+
+/// Is there such a command on this machine?
+bool has_command(const std::string& name);
+
+}  // namespace thermorig::tests
