@@ -1,0 +1,101 @@
+// SPDX-License-Identifier: MIT
+#include "run_json.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+namespace thermorig::training {
+
+namespace {
+
+nlohmann::json to_json(const network::Shape& shape) {
+  return {{"frames", shape.frames},     {"reduction", shape.reduction}, {"fusion", shape.fusion},
+          {"padding1", shape.padding1}, {"padding2", shape.padding2},   {"crop_left", shape.crop_left}};
+}
+
+nlohmann::json to_json(const TrainingConfig& config) {
+  return {{"preset", config.preset},
+          {"shape", to_json(config.shape)},
+          {"epochs", config.epochs},
+          {"batch", config.batch},
+          {"berhu_fraction", config.loss.berhu_fraction},
+          {"auxiliary_thermal", config.loss.auxiliary_thermal},
+          {"rate", config.adam.rate},
+          {"beta1", config.adam.beta1},
+          {"beta2", config.adam.beta2},
+          {"epsilon", config.adam.epsilon},
+          {"mirror", config.mirror},
+          {"choose_epoch", config.choose_epoch},
+          {"history", config.history},
+          {"seed", config.seed},
+          {"label_scale_dps", config.label_scale_dps}};
+}
+
+std::string data_difference(const nlohmann::json& then, const nlohmann::json& now) {
+  if (then.size() != now.size())
+    return fmt::format("the data ({} acquisitions, now {})", then.size(), now.size());
+  return "the data (other recordings, or labelled anew)";
+}
+
+std::string brief(const nlohmann::json& value) {
+  return value.dump(-1, ' ', true, nlohmann::json::error_handler_t::replace).substr(0, 60);
+}
+
+void add(std::string& text, const std::string& difference) {
+  if (!text.empty()) text += ", ";
+  text += difference;
+}
+
+void compare_settings(const nlohmann::json& then, const nlohmann::json& now, std::string& text) {
+  for (const auto& [key, value] : now.flatten().items()) {
+    const nlohmann::json::json_pointer place(key);
+    const nlohmann::json before = then.contains(place) ? then.at(place) : nlohmann::json();
+    if (before != value)
+      add(text, fmt::format("{} ({}, now {})", key.substr(key.rfind('/') + 1), brief(before), brief(value)));
+  }
+}
+
+}  // namespace
+
+nlohmann::json to_json(const RunDescription& description) {
+  nlohmann::json data = nlohmann::json::array();
+  for (const auto& acquisition : description.data)
+    data.push_back({{"name", acquisition.name}, {"sha256", acquisition.hash}});
+  return {{"settings", to_json(description.config)},
+          {"data", data},
+          {"instruction_set", description.instruction_set},
+          {"producer", description.producer}};
+}
+
+nlohmann::json to_json(const EpochReport& report, const TrainingConfig& config) {
+  const auto rmse_dps = [&](double mse) {
+    return std::sqrt(mse) * static_cast<double>(config.label_scale_dps);
+  };
+  nlohmann::json line{{"epoch", report.epoch},
+                      {"loss", report.loss},
+                      {"training_mse", report.training_mse},
+                      {"training_rmse_dps", rmse_dps(report.training_mse)},
+                      {"held_out_mse", report.held_out_mse},
+                      {"held_out_rmse_dps", rmse_dps(report.held_out_mse)},
+                      {"kept", report.kept},
+                      {"seconds", report.seconds}};
+  line["gain_mean"] = config.shape.fusion ? nlohmann::json(report.gain_mean) : nlohmann::json();
+  return line;
+}
+
+std::string differences(const nlohmann::json& then, const nlohmann::json& now) {
+  std::string text;
+  if (!then.is_object() || !then.contains("settings") || !then.contains("data"))
+    return "everything: it is no run's description";
+  compare_settings(then["settings"], now["settings"], text);
+  if (then["data"] != now["data"]) add(text, data_difference(then["data"], now["data"]));
+  for (const char* key : {"instruction_set", "producer"})
+    if (then.value(key, nlohmann::json()) != now[key])
+      add(text,
+          fmt::format("{} ({}, now {})", key, brief(then.value(key, nlohmann::json())), brief(now[key])));
+  return text;
+}
+
+}  // namespace thermorig::training

@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <nlohmann/json_fwd.hpp>
+#include <string>
+
+#include "thermorig/training/run_folder.h"
+
+namespace thermorig::training {
+
+/// All that `run.json` holds.
+nlohmann::json to_json(const RunDescription& description);
+
+/// One line of `metrics.ndjson`.
+nlohmann::json to_json(const EpochReport& report, const TrainingConfig& config);
+
+/// What differs between two descriptions, in words: "epochs (20, now 40)"; empty if nothing does.
+std::string differences(const nlohmann::json& then, const nlohmann::json& now);
+
+}  // namespace thermorig::training
