@@ -1,0 +1,130 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include "training_vector.h"
+
+// The two loops that both convolutions are made of, forward and backward.
+
+namespace thermorig::network::THERMORIG_KERNELS {
+
+static inline float* at(const Planes& planes, int channel, int row, int column) {
+  return planes.first + channel * planes.plane + row * planes.row + static_cast<long>(column) * cell;
+}
+
+/// `outputs` x `wide` cells of a row, one vector of samples each, in registers throughout.
+template <int outputs, int wide>
+static inline void convolve_tile(const ConvolutionJob& job, int tile, int y, int x, int v,
+                                 Vector (&sums)[outputs][wide]) {
+  for (int o = 0; o < outputs; ++o)
+    for (int i = 0; i < wide; ++i) sums[o][i] = job.bias ? splat(job.bias[tile * outputs + o]) : Vector{};
+  const float* weights = job.weights + static_cast<long>(tile) * job.input_channels * taps * taps * outputs;
+  for (int channel = 0; channel < job.input_channels; ++channel) {
+    for (int ky = 0; ky < taps; ++ky) {
+      const float* const row = at(job.input, channel, y + ky, x) + v;
+      THERMORIG_KEEP_LOOP
+      for (int kx = 0; kx < taps; ++kx, weights += outputs) {
+        Vector in[wide];
+        THERMORIG_UNROLL
+        for (int i = 0; i < wide; ++i) in[i] = load(row + (kx + i) * cell);
+        THERMORIG_UNROLL
+        for (int o = 0; o < outputs; ++o) {
+          const Vector weight = splat(weights[o]);
+          THERMORIG_UNROLL
+          for (int i = 0; i < wide; ++i) sums[o][i] += weight * in[i];
+        }
+      }
+    }
+  }
+}
+
+template <int outputs, int wide, class Finish>
+static inline void convolve_columns(const ConvolutionJob& job, int tile, int y, int x, int v, Finish finish) {
+  Vector sums[outputs][wide];
+  convolve_tile<outputs, wide>(job, tile, y, x, v, sums);
+  for (int o = 0; o < outputs; ++o)
+    for (int i = 0; i < wide; ++i) finish(at(job.output, tile * outputs + o, y, x + i) + v, sums[o][i]);
+}
+
+/// `columns` <= `wide`: the tile that is just as wide.
+template <int outputs, int wide, class Finish>
+static inline void convolve_some(const ConvolutionJob& job, int tile, int y, int x, int columns, int v,
+                                 Finish finish) {
+  if (columns == wide) return convolve_columns<outputs, wide>(job, tile, y, x, v, finish);
+  if constexpr (wide > 1) convolve_some<outputs, wide - 1>(job, tile, y, x, columns, v, finish);
+}
+
+/// Rows of the output in tiles of about equal width. `finish(where, value)` stores a vector.
+template <int outputs, class Finish>
+static inline void convolve_rows(const ConvolutionJob& job, int first_row, int last_row, Finish finish) {
+  constexpr int most = accumulators / outputs;
+  const int parts = (job.columns + most - 1) / most;
+  for (int y = first_row; y < last_row; ++y) {
+    for (int v = 0; v < cell; v += lanes) {
+      for (int part = 0; part < parts; ++part) {
+        const int x = part * job.columns / parts;
+        const int columns = (part + 1) * job.columns / parts - x;
+        for (int tile = 0; tile < job.outputs / outputs; ++tile)
+          convolve_some<outputs, most>(job, tile, y, x, columns, v, finish);
+      }
+    }
+  }
+}
+
+/// Adds the rows [top, bottom) to the sums of `outputs` x 5 weights (one input channel, one row of taps), one
+/// vector of samples.
+template <int outputs>
+static inline void gradient_tile(const ConvolutionGradientJob& job, int output, int channel, int ky, int top,
+                                 int bottom, int v) {
+  const long output_sums = static_cast<long>(job.input_channels) * taps * taps * lanes;
+  float* const place =
+      job.sums + output * output_sums + (static_cast<long>(channel) * taps + ky) * taps * lanes;
+  Vector sums[outputs][taps];
+  for (int o = 0; o < outputs; ++o)
+    for (int kx = 0; kx < taps; ++kx) sums[o][kx] = load(place + o * output_sums + kx * lanes);
+  for (int y = top; y < bottom; ++y) {
+    const float* gradient = at(job.gradient, output, y, 0) + v;
+    const float* input = at(job.input, channel, y + ky, 0) + v;
+    THERMORIG_KEEP_LOOP
+    for (int x = 0; x < job.columns; ++x, gradient += cell, input += cell) {
+      Vector of[outputs];
+      THERMORIG_UNROLL
+      for (int o = 0; o < outputs; ++o) of[o] = load(gradient + o * job.gradient.plane);
+      THERMORIG_UNROLL
+      for (int kx = 0; kx < taps; ++kx) {
+        const Vector in = load(input + kx * cell);
+        THERMORIG_UNROLL
+        for (int o = 0; o < outputs; ++o) sums[o][kx] += of[o] * in;
+      }
+    }
+  }
+  for (int o = 0; o < outputs; ++o)
+    for (int kx = 0; kx < taps; ++kx) store(place + o * output_sums + kx * lanes, sums[o][kx]);
+}
+
+/// Units of input channel * 5 + row of taps. The rows go by in bands that stay in the first cache while all
+/// units use them; each sum takes them in the same order however the units are shared out.
+template <int outputs>
+static inline void weight_gradient(const ConvolutionGradientJob& job, int first_unit, int last_unit) {
+  constexpr int band_bytes = 16 * 1024;
+  const int row_bytes = outputs * job.columns * THERMORIG_VECTOR_BYTES;
+  const int band = band_bytes / row_bytes > 1 ? band_bytes / row_bytes : 1;
+  const int channel_taps = job.input_channels * taps;
+  for (int output = 0; output < job.outputs; output += outputs) {
+    for (int o = output; o < output + outputs; ++o)
+      for (int i = first_unit * taps; i < last_unit * taps; ++i)
+        store(job.sums + (static_cast<long>(o) * channel_taps * taps + i) * lanes, Vector{});
+    for (int v = 0; v < cell; v += lanes)
+      for (int top = 0; top < job.rows; top += band)
+        for (int unit = first_unit; unit < last_unit; ++unit)
+          gradient_tile<outputs>(job, output, unit / taps, unit % taps, top,
+                                 top + band < job.rows ? top + band : job.rows, v);
+    for (int o = output; o < output + outputs; ++o) {
+      for (int i = first_unit * taps; i < last_unit * taps; ++i) {
+        const long weight = static_cast<long>(o) * channel_taps * taps + i;
+        job.weight_gradient[weight] = sum_of(load(job.sums + weight * lanes));
+      }
+    }
+  }
+}
+
+}  // namespace thermorig::network::THERMORIG_KERNELS

@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include "training_kernels.h"
+#include "vector.h"
+
+// Loops that must stay loops: unrolled, the compiler would keep the loads of all turns in registers, and
+// spill.
+#if defined(__clang__)
+#define THERMORIG_KEEP_LOOP _Pragma("clang loop unroll(disable)")
+#else
+#define THERMORIG_KEEP_LOOP _Pragma("GCC unroll 1")
+#endif
+
+namespace thermorig::network::THERMORIG_KERNELS {
+
+using Mask = int __attribute__((vector_size(THERMORIG_VECTOR_BYTES), may_alias));
+
+inline constexpr int vectors = cell / lanes;  // of a cell
+
+// How many accumulators a tile may have: as many as hide the latency of a multiply-add and leave registers
+// for its operands. AVX-512 and AArch64 have 32 registers, the others 16.
+#if defined(__AVX512F__) || defined(__aarch64__)
+inline constexpr int accumulators = 24;
+#else
+inline constexpr int accumulators = 12;
+#endif
+
+static inline Vector load(const float* at) {
+  return *reinterpret_cast<const Vector*>(at);
+}
+
+static inline void store(float* at, Vector value) {
+  *reinterpret_cast<Vector*>(at) = value;
+}
+
+static inline Vector splat(float value) {
+  return value - Vector{};
+}
+
+static inline Vector relu(Vector x) {
+  return x > 0.0F ? x : Vector{};
+}
+
+/// x where y, the output of a ReLU, let it through.
+static inline Vector through_relu(Vector x, Vector y) {
+  return y > 0.0F ? x : Vector{};
+}
+
+static inline float sum_of(Vector x) {
+  float sum = 0.0F;
+  THERMORIG_UNROLL
+  for (int i = 0; i < lanes; ++i) sum += x[i];
+  return sum;
+}
+
+/// The sum over the samples of a cell.
+static inline float sum_of_cell(const float* at) {
+  Vector sum = load(at);
+  THERMORIG_UNROLL
+  for (int v = 1; v < vectors; ++v) sum += load(at + v * lanes);
+  return sum_of(sum);
+}
+
+}  // namespace thermorig::network::THERMORIG_KERNELS
