@@ -1,16 +1,19 @@
 // SPDX-License-Identifier: MIT
+#include <fmt/format.h>
 #include <google/protobuf/stubs/logging.h>
 #include <onnx/onnx_pb.h>
 
-#include <map>
+#include <algorithm>
 
 #include "metadata.h"
-#include "names.h"
+#include "network_graph.h"
 #include "refusal.h"
+#include "size_limit.h"
 #include "tensor_values.h"
 #include "text.h"
 #include "thermorig/core/error.h"
 #include "thermorig/model/model.h"
+#include "wire_check.h"
 
 namespace thermorig::model {
 
@@ -18,6 +21,23 @@ namespace {
 
 constexpr const char* usual_advice =
     "give a model that thermorig train has written, or one exported as docs/model_format.md says";
+
+bool begins_with(std::span<const std::uint8_t> bytes, std::string_view start) {
+  return bytes.size() >= start.size() &&
+         std::equal(start.begin(), start.end(), bytes.begin(),
+                    [](char a, std::uint8_t b) { return static_cast<std::uint8_t>(a) == b; });
+}
+
+/// ONNX has no mark at its beginning; other files that are likely here have.
+void check_kind(std::span<const std::uint8_t> bytes) {
+  if (bytes.empty()) throw Refusal("it is empty");
+  if (bytes.size() > file_bytes_max)
+    throw Refusal(fmt::format("it has {} MB; a model of this network has 4 at most", bytes.size() >> 20U));
+  if (begins_with(bytes, "\x89HDF")) throw Refusal("it is an HDF5 file, perhaps a session, not a model");
+  if (begins_with(bytes, "PK"))
+    throw Refusal("it is a zip archive, perhaps PyTorch's own kind of file, not ONNX",
+                  "export the network with torch.onnx.export: docs/model_format.md shows how");
+}
 
 onnx::ModelProto parse(std::span<const std::uint8_t> bytes) {
   const google::protobuf::LogSilencer silencer;
@@ -27,31 +47,32 @@ onnx::ModelProto parse(std::span<const std::uint8_t> bytes) {
   return file;
 }
 
+/// From opset 9 on (2018) the operators of this network mean what they mean today; 22 is the newest at the
+/// time of writing.
+void check_versions(const onnx::ModelProto& file) {
+  if (!file.has_graph()) throw Refusal("it is no ONNX file: it has no graph");
+  int standard = 0;
+  for (const auto& set : file.opset_import()) {
+    if (!set.domain().empty() && set.domain() != "ai.onnx") continue;
+    ++standard;
+    if (set.version() < 9 || set.version() > 22)
+      throw Refusal(fmt::format("it is made for version {} of ONNX's operators", set.version()),
+                    "export it with an opset_version from 9 to 22, best 13");
+  }
+  if (standard != 1) throw Refusal("it does not say which version of ONNX's operators it is made for");
+}
+
 std::vector<std::pair<std::string, std::string>> entries_of(const onnx::ModelProto& file) {
   std::vector<std::pair<std::string, std::string>> entries;
   for (const auto& entry : file.metadata_props()) entries.emplace_back(entry.key(), entry.value());
   return entries;
 }
 
-network::Shape shape_of(const onnx::ModelProto& file) {
-  std::map<std::string, std::string> said;
-  for (const auto& entry : file.metadata_props()) said[entry.key()] = entry.value();
-  const auto number = [&](std::string_view key) { return std::atoi(said[std::string(key)].c_str()); };
-  network::Shape shape{number(key::frames),   number(key::reduction), said["network"] == "fusion",
-                       number(key::padding1), number(key::padding2),  number(key::crop_left)};
-  if (const auto fault = network::fault_of(shape)) throw Refusal(*fault);
-  return shape;
-}
-
-network::Weights weights_of(const onnx::ModelProto& file, const network::Shape& shape) {
-  network::Weights weights{shape, {}};
-  std::map<std::string, const onnx::TensorProto*> tensors;
-  for (const auto& tensor : file.graph().initializer()) tensors[tensor.name()] = &tensor;
-  weights.values.resize(network::weight_count(shape));
+network::Weights weights_of(const NetworkGraph& graph, const network::Shape& shape) {
+  network::Weights weights{shape, std::vector<float>(network::weight_count(shape))};
   for (const network::Tensor& tensor : network::tensors_of(shape)) {
-    const auto found = tensors.find(std::string(tensor.name));
-    if (found == tensors.end()) throw Refusal("it lacks " + in_quotes(tensor.name));
-    copy_floats(*found->second, tensor.dimensions, false, weights.tensor(tensor.name));
+    const TensorSource& source = graph.tensors.at(std::string(tensor.name));
+    copy_floats(*source.tensor, tensor.dimensions, source.transposed, weights.tensor(tensor.name));
   }
   return weights;
 }
@@ -62,11 +83,15 @@ std::string producer_of(const onnx::ModelProto& file) {
 }
 
 Model model_of(std::span<const std::uint8_t> bytes) {
+  check_kind(bytes);
+  check_wire(bytes);
   const onnx::ModelProto file = parse(bytes);
+  check_versions(file);
+  const NetworkGraph graph = network_of(file.graph());
   const Metadata metadata(entries_of(file));
-  network::Shape shape = shape_of(file);
+  network::Shape shape = graph.shape;
   metadata.complete(shape);
-  Model model{weights_of(file, shape), metadata.scaling(), metadata.provenance(producer_of(file))};
+  Model model{weights_of(graph, shape), metadata.scaling(), metadata.provenance(producer_of(file))};
   metadata.check(model.weights);
   return model;
 }
