@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: MIT
+// Draws the charts of a report. Their data are in the page, see ../document.h; no text of them becomes markup.
+import * as echarts from 'echarts/core';
+import { BarChart, CustomChart, LineChart, ScatterChart } from 'echarts/charts';
+import { GridComponent, LegendComponent, MarkLineComponent, TooltipComponent } from 'echarts/components';
+import { SVGRenderer } from 'echarts/renderers';
+import { themeNow } from './theme.js';
+import { boxesOption } from './boxes.js';
+import { barsOption, histogramOption, linesOption } from './simple.js';
+import { sharedLegend } from './legend.js';
+
+echarts.use([BarChart, CustomChart, LineChart, ScatterChart, GridComponent, LegendComponent, MarkLineComponent,
+  TooltipComponent, SVGRenderer]);
+
+const optionOf = { boxes: boxesOption, histogram: histogramOption, lines: linesOption, bars: barsOption };
+const data = JSON.parse(document.getElementById('charts').textContent);
+const places = [...document.querySelectorAll('.chart')];
+let drawn = [];
+
+function draw() {
+  for (const chart of drawn) chart.dispose();
+  const theme = themeNow();
+  drawn = places.map((place) => {
+    const chart = echarts.init(place, null, { renderer: 'svg' });
+    const described = data[Number(place.dataset.chart)];
+    const small = place.closest('.small') !== null;
+    chart.setOption({ animation: false, ...optionOf[described.kind](described, theme, small) });
+    return chart;
+  });
+  document.querySelectorAll('.charts.small').forEach((group) => sharedLegend(group, data, theme));
+}
+
+function resize() {
+  for (const chart of drawn) chart.resize();
+}
+
+draw();
+new ResizeObserver(resize).observe(document.querySelector('main'));
+matchMedia('(prefers-color-scheme: dark)').addEventListener('change', draw);
+
+// On paper: light, as wide as the paper, nothing folded away.
+const unfolded = [];
+addEventListener('beforeprint', () => {
+  document.querySelectorAll('main details:not([open])').forEach((part) => {
+    part.open = true;
+    unfolded.push(part);
+  });
+});
+addEventListener('afterprint', () => {
+  for (const part of unfolded.splice(0)) part.open = false;
+});
+matchMedia('print').addEventListener('change', draw);

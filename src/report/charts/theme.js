@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: MIT
+// Colours come from the style sheet, so light, dark and print have one place.
+
+/** Dashes and widths tell the estimators apart where colours do not. */
+const strokes = {
+  thermal: { type: 'solid', width: 1.8 },
+  fusion: { type: 'solid', width: 1.8 },
+  gyro: { type: [7, 4], width: 3 },
+  gyro_unbiased: { type: [2, 3], width: 2 },
+};
+
+export function themeNow() {
+  const style = getComputedStyle(document.documentElement);
+  const colour = (name) => style.getPropertyValue(`--${name}`).trim();
+  return {
+    paper: colour('paper'),
+    ink: colour('ink'),
+    quiet: colour('quiet'),
+    line: colour('line'),
+    font: getComputedStyle(document.body).fontFamily,
+    colourOf: (key) => colour(key) || colour('quiet'),
+    strokeOf: (key) => strokes[key] ?? { type: 'solid', width: 1.5 },
+  };
+}
+
+/** Text of a number on an axis or in a tooltip. */
+export function number(value) {
+  if (value === null || value === undefined || Number.isNaN(value)) return '-';
+  const size = Math.abs(value);
+  if (size >= 1e6) return `${Number((value / 1e6).toPrecision(3))} M`;
+  if (size >= 1e4) return `${Number((value / 1e3).toPrecision(3))} k`;
+  return String(Number(value.toPrecision(3)));
+}
+
+export function textStyle(theme) {
+  return { color: theme.ink, fontFamily: theme.font, fontSize: 12 };
+}
+
+export function axis(theme, name, rest) {
+  return {
+    name,
+    nameLocation: 'middle',
+    nameTextStyle: { color: theme.quiet, fontSize: 12 },
+    axisLabel: { color: theme.quiet, hideOverlap: true, formatter: number },
+    axisLine: { show: true, lineStyle: { color: theme.quiet } },
+    axisTick: { lineStyle: { color: theme.quiet } },
+    splitLine: { lineStyle: { color: theme.line, width: 0.7 } },
+    ...rest,
+  };
+}
+
+/** Tooltips are drawn, not written as markup: names in results stay text. */
+export function tooltip(theme, rest) {
+  return {
+    renderMode: 'richText',
+    confine: true,
+    backgroundColor: theme.paper,
+    borderColor: theme.quiet,
+    textStyle: { color: theme.ink, fontSize: 12 },
+    ...rest,
+  };
+}
+
+export function legend(theme, names) {
+  return { bottom: 0, left: 'center', data: names, textStyle: { color: theme.ink }, itemWidth: 24 };
+}

@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: MIT
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <set>
+
+#include "sections.h"
+#include "text.h"
+
+namespace thermorig::report {
+namespace {
+
+std::string seeds_text(const StudyView& view) {
+  std::string text;
+  for (const std::uint64_t seed : view.seeds) text += fmt::format("{}{}", text.empty() ? "" : ", ", seed);
+  return text;
+}
+
+std::string instruction_sets(const StudyView& view) {
+  std::set<std::string> sets;
+  for (const auto& result : view.results) sets.insert(result.instruction_set);
+  std::string text;
+  for (const std::string& set : sets) text += (text.empty() ? "" : ", ") + set;
+  return text;
+}
+
+std::string hours_text(const StudyView& view) {
+  double seconds = 0.0;
+  for (const auto& result : view.results) seconds += result.seconds;
+  return seconds < 600.0 ? fmt::format("{:.0f} s", seconds) : fmt::format("{:.1f} h", seconds / 3600.0);
+}
+
+/// Settings of the paper's sweeps, and of ours, that lack folds.
+std::vector<std::string> gaps_of(const StudyView& view) {
+  std::vector<std::string> gaps;
+  for (const Setting& setting : view.settings()) {
+    for (const bool fusion : {false, true}) {
+      const study::SettingSummary* summary = view.find(setting, fusion);
+      if (summary != nullptr && summary->folds == view.folds.size()) continue;
+      gaps.push_back(fmt::format("{}, {}: {}", setting_text(setting.frames, setting.reduction),
+                                 fusion ? "fusion" : "thermal-only",
+                                 summary == nullptr ? "no result" : view.folds_text(*summary)));
+    }
+  }
+  return gaps;
+}
+
+Paragraph completeness(const StudyView& view) {
+  const auto gaps = gaps_of(view);
+  if (gaps.empty()) return {"Every setting of both sweeps has all its folds."};
+  std::string text = "Not complete. What is missing, for the seed of the tables: ";
+  for (const std::string& gap : gaps) text += (&gap == &gaps.front() ? "" : "; ") + gap;
+  return {text + "."};
+}
+
+Paragraph unit(const StudyView& view) {
+  return {
+      fmt::format("Unit of every MSE here: (speed / {0:g} deg/s)^2, so 0.01 is an RMSE of {1:g} deg/s. The "
+                  "paper does not state its unit; that it is the same is an assumption.",
+                  view.label_scale_dps, 0.1 * view.label_scale_dps)};
+}
+
+}  // namespace
+
+Section overview_section(const StudyView& view) {
+  Table table;
+  table.header = {"what", "value"};
+  table.rows = {
+      {"data", view.simulated ? "SIMULATED rig" : "real"},
+      {"results (trainings with their test)", count_text(view.results.size())},
+      {"folds: acquisitions left out in turn", count_text(view.folds.size())},
+      {"preset", clean(view.preset)},
+      {"epochs", std::to_string(view.epochs)},
+      {"settings", clean(view.settings_text)},
+      {"valid frames in a row at every window's end", std::to_string(view.history)},
+      {"seeds", seeds_text(view)},
+      {"seed of the tables", std::to_string(view.table_seed)},
+      {"instruction set", clean(instruction_sets(view))},
+      {"time of all jobs, added up", hours_text(view)},
+      {"data hash", clean(view.data_hash)},
+  };
+  std::erase_if(table.rows, [](const auto& row) { return row[1].empty(); });
+  return {"What was run", {completeness(view), unit(view), table}};
+}
+
+}  // namespace thermorig::report

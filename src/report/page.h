@@ -1,0 +1,13 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <array>
+#include <string_view>
+
+namespace thermorig::report {
+
+/// The page around a report: what stands before its title, between title and content, between content and the
+/// charts' data, and after them. Made from charts/page.html by charts/build.mjs.
+extern const std::array<std::string_view, 4> page_parts;
+
+}  // namespace thermorig::report

@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <vector>
+
+#include "document.h"
+#include "study_view.h"
+
+namespace thermorig::report {
+
+// The parts of a study's report, in their order.
+Section overview_section(const StudyView& view);
+Section frame_sweep_section(const StudyView& view);
+Section reduction_sweep_section(const StudyView& view);
+Section claims_section(const StudyView& view);
+Section seeds_section(const StudyView& view);
+Section gate_section(const StudyView& view);
+Section angle_section(const StudyView& view);
+Section speed_section(const StudyView& view);
+Section cost_section(const StudyView& view);
+Section training_section(const StudyView& view);
+Section folds_section(const StudyView& view);
+
+/// Errors by speed, both directions of a magnitude in one row, of any number of evaluations together.
+std::vector<Block> speed_blocks(const std::vector<study::SpeedErrors>& speeds, double label_scale_dps,
+                                const std::vector<study::Estimator>& estimators);
+
+/// Histogram of Kg.
+Chart gain_chart(const std::string& title, const study::GainStatistics& gain);
+
+/// Angle errors over integrated time. `tracks`: one an estimator, null for none.
+struct EstimatorTrack {
+  study::Estimator estimator;
+  const study::AngleTrack* track;
+};
+Chart angle_chart(const std::string& title, const std::vector<EstimatorTrack>& tracks);
+
+/// Stable name of an estimator in charts and JSON: "thermal", "fusion", "gyro", "gyro_unbiased".
+std::string key_of(study::Estimator estimator);
+
+/// The number with four significant digits, null if it is not finite: for drawing.
+nlohmann::json drawn(double value);
+nlohmann::json drawn(const std::vector<double>& values);
+
+}  // namespace thermorig::report

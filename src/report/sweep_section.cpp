@@ -1,0 +1,201 @@
+// SPDX-License-Identifier: MIT
+// The paper's two tables and box plots.
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "paper_figures.h"
+#include "sections.h"
+#include "seed_spread.h"
+#include "text.h"
+
+namespace thermorig::report {
+namespace {
+
+using nlohmann::json;
+using study::Estimator;
+using study::SettingSummary;
+
+struct Sweep {
+  std::vector<Setting> settings;
+  int Setting::*axis;
+  std::string axis_name;  // "Nf"
+  std::string fixed;      // "Nr = 1"
+};
+
+std::string value_text(const StudyView& view, double mse) {
+  if (!std::isfinite(mse)) return no_value;
+  return fmt::format("{} ({})", mse_text(mse), rate_text(rmse_of(mse, view.label_scale_dps)));
+}
+
+std::string paper_text(const std::optional<PaperRow>& row, double PaperRow::*figure) {
+  return row ? fmt::format("{:.3f}", (*row).*figure) : no_value;
+}
+
+std::string median_cell(const StudyView& view, const SettingSummary* summary) {
+  return summary == nullptr ? "no result" : value_text(view, median_of(*summary));
+}
+
+std::string iqr_cell(const SettingSummary* summary) {
+  return summary == nullptr ? "no result" : mse_text(iqr_of(*summary));
+}
+
+std::string folds_cell(const StudyView& view, const SettingSummary* thermal, const SettingSummary* fusion) {
+  const std::size_t a = thermal == nullptr ? 0 : thermal->folds, b = fusion == nullptr ? 0 : fusion->folds;
+  return a == b ? fmt::format("{} of {}", a, view.folds.size())
+                : fmt::format("{} / {} of {}", a, b, view.folds.size());
+}
+
+std::vector<std::string> setting_row(const StudyView& view, const Sweep& sweep, const Setting& setting) {
+  const auto paper = paper_row(setting.frames, setting.reduction);
+  const SettingSummary* thermal = view.find(setting, false);
+  const SettingSummary* fusion = view.find(setting, true);
+  return {std::to_string(setting.*sweep.axis),
+          paper_text(paper, &PaperRow::median_thermal),
+          paper_text(paper, &PaperRow::median_fusion),
+          paper_text(paper, &PaperRow::iqr_thermal),
+          paper_text(paper, &PaperRow::iqr_fusion),
+          median_cell(view, thermal),
+          median_cell(view, fusion),
+          iqr_cell(thermal),
+          iqr_cell(fusion),
+          folds_cell(view, thermal, fusion)};
+}
+
+/// What no network is needed for: the same number stands beside both set-ups.
+std::vector<std::string> gyro_row(const StudyView& view, Estimator estimator) {
+  const SettingSummary* summary = view.find_any(reference_setting());
+  const auto index = static_cast<std::size_t>(estimator);
+  const std::string median = summary == nullptr ? "no result" : value_text(view, summary->mse[index].median);
+  const std::string iqr = summary == nullptr ? "no result" : mse_text(summary->mse[index].iqr);
+  return {fmt::format("{} (Nf = {})", study::name_of(estimator), paper_frames),
+          no_value,
+          no_value,
+          no_value,
+          no_value,
+          median,
+          median,
+          iqr,
+          iqr,
+          summary == nullptr ? no_value : fmt::format("{} of {}", summary->folds, view.folds.size())};
+}
+
+Table paper_table(const StudyView& view, const Sweep& sweep) {
+  Table table;
+  table.caption = fmt::format("Test MSE over folds at {}, in the paper's layout (in brackets: RMSE in deg/s)",
+                              sweep.fixed);
+  table.groups = {{"", 1}, {"paper, real data", 4}, {view.ours(), 5}};
+  table.header = {sweep.axis_name};
+  for (int side = 0; side < 2; ++side)
+    for (const char* column : {"median thermal-only", "median fusion", "IQR thermal-only", "IQR fusion"})
+      table.header.emplace_back(column);
+  table.header.emplace_back("folds");
+  for (const Setting& setting : sweep.settings) table.rows.push_back(setting_row(view, sweep, setting));
+  table.rows.push_back(gyro_row(view, Estimator::gyro));
+  table.rows.push_back(gyro_row(view, Estimator::gyro_unbiased));
+  return table;
+}
+
+const SettingSummary* summary_for(const StudyView& view, const Setting& setting, Estimator estimator) {
+  if (estimator == Estimator::thermal) return view.find(setting, false);
+  return estimator == Estimator::fusion ? view.find(setting, true) : view.find_any(setting);
+}
+
+Table estimator_table(const StudyView& view, const Sweep& sweep) {
+  Table table;
+  table.caption = fmt::format("All four estimators on the same windows, {}: median MSE (RMSE in deg/s), IQR",
+                              view.ours());
+  table.header = {"estimator"};
+  for (const Setting& setting : sweep.settings)
+    table.header.push_back(fmt::format("{} = {}", sweep.axis_name, setting.*sweep.axis));
+  for (const Estimator estimator : study::all_estimators) {
+    std::vector<std::string> row{study::name_of(estimator)};
+    for (const Setting& setting : sweep.settings) {
+      const SettingSummary* summary = summary_for(view, setting, estimator);
+      const auto index = static_cast<std::size_t>(estimator);
+      row.push_back(summary == nullptr ? "no result"
+                                       : value_text(view, summary->mse[index].median) + ", IQR " +
+                                             mse_text(summary->mse[index].iqr));
+    }
+    table.rows.push_back(row);
+  }
+  return table;
+}
+
+json fold_points(const StudyView& view, const Sweep& sweep, bool fusion) {
+  json points = json::array();
+  for (const Setting& setting : sweep.settings) {
+    json folds = json::array();
+    for (const study::JobResult* result : view.jobs(setting, fusion)) {
+      const auto& errors = result->evaluation.errors[static_cast<std::size_t>(estimator_of(fusion))];
+      folds.push_back({{"fold", clean(result->job.test)}, {"mse", drawn(errors.mse)}});
+    }
+    points.push_back(folds);
+  }
+  return points;
+}
+
+json gyro_line(const StudyView& view, const Sweep& sweep, Estimator estimator) {
+  json values = json::array();
+  for (const Setting& setting : sweep.settings) {
+    const SettingSummary* summary = view.find_any(setting);
+    values.push_back(summary == nullptr ? json(nullptr)
+                                        : drawn(summary->mse[static_cast<std::size_t>(estimator)].median));
+  }
+  return {{"name", study::name_of(estimator) + " (median)"}, {"key", key_of(estimator)}, {"values", values}};
+}
+
+json paper_medians(const Sweep& sweep, bool fusion) {
+  json values = json::array();
+  for (const Setting& setting : sweep.settings) {
+    const auto row = paper_row(setting.frames, setting.reduction);
+    values.push_back(row ? json(fusion ? row->median_fusion : row->median_thermal) : json(nullptr));
+  }
+  return {{"name", fmt::format("paper, real data: {} (median)", fusion ? "fusion" : "thermal-only")},
+          {"key", fusion ? "fusion" : "thermal"},
+          {"values", values}};
+}
+
+Chart box_chart(const StudyView& view, const Sweep& sweep) {
+  Chart chart;
+  chart.title =
+      fmt::format("Test MSE over folds against {} at {} ({})", sweep.axis_name, sweep.fixed, view.ours());
+  chart.label = fmt::format(
+      "Box plots of the test MSE over {} folds against {}, thermal-only beside fusion, "
+      "with each fold as a point. The figures stand in the tables below.",
+      view.folds.size(), sweep.axis_name);
+  json categories = json::array();
+  for (const Setting& setting : sweep.settings) categories.push_back(std::to_string(setting.*sweep.axis));
+  chart.data = {
+      {"kind", "boxes"},
+      {"axis", fmt::format("{} ({})", sweep.axis_name, sweep.fixed)},
+      {"unit", "test MSE"},
+      {"scale", view.label_scale_dps},
+      {"categories", categories},
+      {"boxes",
+       {{{"name", "thermal-only"}, {"key", "thermal"}, {"points", fold_points(view, sweep, false)}},
+        {{"name", "fusion"}, {"key", "fusion"}, {"points", fold_points(view, sweep, true)}}}},
+      {"lines", {gyro_line(view, sweep, Estimator::gyro), gyro_line(view, sweep, Estimator::gyro_unbiased)}},
+      {"paper", {paper_medians(sweep, false), paper_medians(sweep, true)}}};
+  return chart;
+}
+
+Section sweep_section(const StudyView& view, const std::string& heading, const Sweep& sweep) {
+  return {heading,
+          {Charts{{box_chart(view, sweep)}}, paper_table(view, sweep), estimator_table(view, sweep)}};
+}
+
+}  // namespace
+
+Section frame_sweep_section(const StudyView& view) {
+  return sweep_section(view, "Frames of a window (Nf)",
+                       {view.frame_sweep(), &Setting::frames, "Nf", fmt::format("Nr = {}", paper_reduction)});
+}
+
+Section reduction_sweep_section(const StudyView& view) {
+  return sweep_section(
+      view, "Resolution (Nr)",
+      {view.reduction_sweep(), &Setting::reduction, "Nr", fmt::format("Nf = {}", paper_frames)});
+}
+
+}  // namespace thermorig::report

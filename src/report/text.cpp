@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: MIT
+#include "text.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+namespace thermorig::report {
+
+std::string mse_text(double mse) {
+  if (!std::isfinite(mse)) return no_value;
+  return std::abs(mse) >= 0.00095 || mse == 0.0 ? fmt::format("{:.4f}", mse) : fmt::format("{:.2g}", mse);
+}
+
+std::string rate_text(double dps) {
+  if (!std::isfinite(dps)) return no_value;
+  return std::abs(dps) < 0.995 ? fmt::format("{:.2f}", dps) : fmt::format("{:.1f}", dps);
+}
+
+std::string angle_text(double deg) {
+  if (!std::isfinite(deg)) return no_value;
+  return std::abs(deg) < 99.95 ? fmt::format("{:.1f}", deg) : fmt::format("{:.0f}", deg);
+}
+
+std::string share_text(double share) {
+  if (!std::isfinite(share)) return no_value;
+  const double percent = 100.0 * share;
+  const bool fine = percent != 0.0 && percent != 100.0 && (percent < 1.0 || percent > 99.0);
+  return fmt::format("{:.{}f} %", percent, fine ? 2 : 0);
+}
+
+std::string count_text(std::size_t n) {
+  std::string text = std::to_string(n);
+  for (std::size_t digits = 3; digits < text.size(); digits += 4) text.insert(text.size() - digits, ",");
+  return text;
+}
+
+std::string setting_text(int frames, int reduction) {
+  return fmt::format("Nf = {}, Nr = {}", frames, reduction);
+}
+
+std::string clean(const std::string& text) {
+  const nlohmann::json raw = text;
+  const auto valid = raw.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+  std::string cleaned = nlohmann::json::parse(valid).get<std::string>();
+  for (char& c : cleaned)
+    if (static_cast<unsigned char>(c) < 0x20 || c == 0x7F) c = ' ';
+  return cleaned;
+}
+
+}  // namespace thermorig::report

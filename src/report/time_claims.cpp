@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: MIT
+// What integration over time shows, and where the gate stands.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "claims.h"
+#include "drift_figures.h"
+#include "gain_figures.h"
+#include "paper_figures.h"
+#include "seed_spread.h"
+#include "text.h"
+
+namespace thermorig::report {
+namespace {
+
+using study::Estimator;
+
+constexpr double stays_share = 0.1;  // fusion "stays with the truth" where it drifts at most this of the gyro
+constexpr double near_peak = 0.1;    // "near 0.55"
+
+/// Over seeds, as seed_factor: largest / smallest, 1 where it is not known.
+double drift_factor(const StudyView& view) {
+  const Figure drift = [&](const study::SettingSummary& summary) { return fusion_drift(view, summary.seed); };
+  return seed_factor(view, true, drift).value_or(1.0);
+}
+
+Verdict drift_verdict(double fusion, double gyro, double factor) {
+  const Order order = compare(fusion, gyro, factor);
+  if (order == Order::same) return Verdict::within_seeds;
+  if (order == Order::larger) return Verdict::fails;
+  return fusion <= stays_share * gyro ? Verdict::holds : Verdict::holds_in_part;
+}
+
+std::string drift_text(const StudyView& view, Estimator estimator) {
+  const DriftSummary drift = drift_summary(view, estimator);
+  return fmt::format("{} {} (worst angle {} deg)", study::name_of(estimator),
+                     rate_text(drift.median_deg_per_min), angle_text(drift.worst_deg));
+}
+
+}  // namespace
+
+Claim drift_claim(const StudyView& view) {
+  Claim claim{"drift", "Gyro-only integration drifts away and fusion stays with the truth"};
+  const DriftSummary fusion = drift_summary(view, Estimator::fusion),
+                     gyro = drift_summary(view, Estimator::gyro);
+  if (fusion.folds == 0 || gyro.folds == 0) {
+    claim.evidence = "no angle of both at Nf = 3, Nr = 1";
+    return claim;
+  }
+  claim.verdict = drift_verdict(fusion.median_deg_per_min, gyro.median_deg_per_min, drift_factor(view));
+  claim.evidence = fmt::format(
+      "median |drift| over folds, deg/min: {}; {}; {}. It is said to hold where fusion drifts at most a "
+      "tenth "
+      "as fast as the gyro, in part where it is only slower",
+      drift_text(view, Estimator::fusion), drift_text(view, Estimator::gyro),
+      drift_text(view, Estimator::gyro_unbiased));
+  return claim;
+}
+
+Claim gain_peak_claim(const StudyView& view) {
+  Claim claim{"gain_peak", fmt::format("Kg peaks near {:.2f}", paper_gain_peak)};
+  int near = 0, all = 0;
+  for (const study::SettingSummary* summary : reference_seeds(view, true)) {
+    if (summary->gain.windows() == 0) continue;
+    const double peak = peak_of(summary->gain);
+    ++all;
+    if (std::abs(peak - paper_gain_peak) <= near_peak && !study::collapsed(summary->gain)) ++near;
+    claim.evidence += fmt::format(
+        "{}seed {}: peak at {:.3f}, mean {:.2f}, {} below 0.02, {} above 0.98, gate {}", all == 1 ? "" : "; ",
+        summary->seed, peak, summary->gain.mean, share_text(summary->gain.below_002),
+        share_text(summary->gain.above_098), gate_text(summary->gain));
+  }
+  if (all == 0) {
+    claim.evidence = "no gate at Nf = 3, Nr = 1";
+    return claim;
+  }
+  claim.verdict = near == all ? Verdict::holds : near == 0 ? Verdict::fails : Verdict::within_seeds;
+  claim.evidence += fmt::format(". Near is within {:.2f}", near_peak);
+  return claim;
+}
+
+}  // namespace thermorig::report
