@@ -4,98 +4,129 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
-#include <utility>
+
+#include "inference_weights.h"
 
 namespace thermorig::network {
 
-struct Estimator::Parts {
-  Weights weights;
-  std::vector<float> conv1, pooled, conv2, hidden, second;
-};
-
 namespace {
 
-std::size_t at(int a) {
-  return static_cast<std::size_t>(a);
+std::size_t at(int index) {
+  return static_cast<std::size_t>(index);
 }
 
-/// One channel-wise 5x5 convolution with ReLU. `in`: (C, H, W); `out`: (F, rows, columns).
-void convolve(std::span<const float> in, int channels, int h, int w, std::span<const float> weight,
-              std::span<const float> bias, int padding, int rows, int columns, std::span<float> out) {
-  for (std::size_t f = 0; f < bias.size(); ++f)
-    for (int y = 0; y < rows; ++y)
-      for (int x = 0; x < columns; ++x) {
-        float sum = bias[f];
-        for (int c = 0; c < channels; ++c)
-          for (int dy = 0; dy < kernel_size; ++dy)
-            for (int dx = 0; dx < kernel_size; ++dx) {
-              const int iy = y + dy - padding, ix = x + dx - padding;
-              if (iy < 0 || iy >= h || ix < 0 || ix >= w) continue;
-              sum += weight[((f * at(channels) + at(c)) * 5 + at(dy)) * 5 + at(dx)] *
-                     in[at((c * h + iy) * w + ix)];
-            }
-        out[(f * at(rows) + at(y)) * at(columns) + at(x)] = std::max(sum, 0.0F);
-      }
+const InferenceKernels& kernels_of(InstructionSet set) {
+#ifdef THERMORIG_X86_64_KERNELS
+  if (set == InstructionSet::avx512) return avx512::inference_kernels;
+  if (set == InstructionSet::avx2) return avx2::inference_kernels;
+#endif
+  assert(set == InstructionSet::baseline);
+  return baseline::inference_kernels;
 }
 
-/// out = weight in + bias; `weight`: (out, in).
-void connect(std::span<const float> in, std::span<const float> weight, std::span<const float> bias, bool relu,
-             std::span<float> out) {
-  for (std::size_t o = 0; o < out.size(); ++o) {
-    float sum = bias[o];
-    for (std::size_t i = 0; i < in.size(); ++i) sum += weight[o * in.size() + i] * in[i];
-    out[o] = relu ? std::max(sum, 0.0F) : sum;
-  }
+/// Rows that hold `columns` values and their padding, and what the kernel's last vectors reach over.
+int stride_of(int columns, int padding) {
+  return columns + 2 * padding + row_slack;
+}
+
+PoolingConvolution convolution1(const Shape& shape, const InferenceWeights& weights) {
+  PoolingConvolution layer{};
+  layer.weights = weights.convolution1.data();
+  layer.bias = weights.bias1.data();
+  layer.channels = shape.frames;
+  layer.input_rows = shape.rows() + 2 * shape.padding1;
+  layer.input_stride = stride_of(shape.columns(), shape.padding1);
+  layer.pooled_rows = shape.pooled_rows();
+  layer.pooled_columns = shape.pooled_columns();
+  layer.output_stride = shape.pooled_columns() + 2 * shape.padding2;
+  layer.output_plane = layer.output_stride * (shape.pooled_rows() + 2 * shape.padding2);
+  return layer;
+}
+
+FeatureConvolution convolution2(const Shape& shape, const InferenceWeights& weights) {
+  const PoolingConvolution before = convolution1(shape, weights);
+  FeatureConvolution layer{};
+  layer.weights = weights.convolution2.data();
+  layer.bias = weights.bias2.data();
+  layer.input_plane = before.output_plane;
+  layer.input_stride = before.output_stride;
+  layer.rows = shape.rows2();
+  layer.columns = shape.columns2();
+  return layer;
 }
 
 }  // namespace
 
-Estimator::Estimator(const Weights& weights, Precision, InstructionSet)
-    : parts_(std::make_unique<Parts>(Parts{weights, {}, {}, {}, {}, {}})) {
-  const Shape& s = weights.shape;
-  parts_->conv1.resize(at(filters1 * s.rows1() * s.columns1()));
-  parts_->pooled.resize(at(filters1 * s.pooled_rows() * s.pooled_columns()));
-  parts_->conv2.resize(at(s.features()));
-  parts_->hidden.resize(hidden1);
-  parts_->second.resize(hidden2);
-}
+struct Estimator::Parts {
+  Shape shape;
+  const InferenceKernels& kernels;
+  InferenceWeights weights;
+  PoolingConvolution conv1;
+  FeatureConvolution conv2;
+  AlignedFloats padded;                // (Nf, H + 2 padding1, stride): the window amid zeros
+  AlignedFloats pooled;                // (6, pooled_rows + 2 padding2, pooled_columns + 2 padding2)
+  AlignedFloats features;              // (rows2, columns2, 16)
+  AlignedArray<std::uint16_t> places;  // of the features that are not zero, then of the hidden values
+  AlignedFloats hidden, readout;       // (240 or 120), (80), and zeros to a whole vector
+
+  Parts(const Weights& from, Precision precision, InstructionSet set)
+      : shape(from.shape),
+        kernels(kernels_of(set)),
+        weights(from, precision, kernels),
+        conv1(convolution1(shape, weights)),
+        conv2(convolution2(shape, weights)),
+        padded(at(conv1.channels * conv1.input_rows * conv1.input_stride + row_slack)),
+        pooled(at(filters1 * conv1.output_plane)),
+        features(at(shape.features())),
+        places(at(std::max(shape.features(), hidden1) + 16)),
+        hidden(at(2 * hidden1 + 16)),
+        readout(hidden2) {}
+
+  void pad(std::span<const float> frames) {
+    const float* from = frames.data();
+    for (int frame = 0; frame < shape.frames; ++frame)
+      for (int row = 0; row < shape.rows(); ++row, from += shape.columns()) {
+        const int padded_row = frame * conv1.input_rows + row + shape.padding1;
+        std::copy_n(from, shape.columns(), padded.data() + padded_row * conv1.input_stride + shape.padding1);
+      }
+  }
+
+  void connect(const InferenceDense& dense, const AlignedFloats& input, AlignedFloats& output) {
+    const int count = kernels.list_nonzero(input.data(), dense.layer.inputs, places.data());
+    kernels.dense(dense.layer, input.data(), places.data(), count, output.data());
+  }
+};
+
+Estimator::Estimator(const Weights& weights, Precision precision, InstructionSet set)
+    : parts_(std::make_unique<Parts>(weights, precision, set)) {}
 
 Estimator::~Estimator() = default;
 Estimator::Estimator(Estimator&&) noexcept = default;
 Estimator& Estimator::operator=(Estimator&&) noexcept = default;
 
 const Shape& Estimator::shape() const {
-  return parts_->weights.shape;
+  return parts_->shape;
 }
 
 Output Estimator::estimate(std::span<const float> frames, float gyro) {
   Parts& p = *parts_;
-  const Shape& s = shape();
-  assert(frames.size() == s.inputs());
-  const auto t = [&](std::string_view name) { return std::as_const(p.weights).tensor(name); };
-  convolve(frames, s.frames, s.rows(), s.columns(), t("conv1.weight"), t("conv1.bias"), s.padding1, s.rows1(),
-           s.columns1(), p.conv1);
-  std::size_t n = 0;
-  for (int c = 0; c < filters1; ++c)
-    for (int y = 0; y < s.pooled_rows(); ++y)
-      for (int x = 0; x < s.pooled_columns(); ++x) {
-        const float* v = &p.conv1[at((c * s.rows1() + 2 * y) * s.columns1() + 2 * x)];
-        p.pooled[n++] = std::max(std::max(v[0], v[1]), std::max(v[s.columns1()], v[s.columns1() + 1]));
-      }
-  convolve(p.pooled, filters1, s.pooled_rows(), s.pooled_columns(), t("conv2.weight"), t("conv2.bias"),
-           s.padding2, s.rows2(), s.columns2(), p.conv2);
-  Output out;
-  connect(p.conv2, t("speed1.weight"), t("speed1.bias"), true, p.hidden);
-  connect(p.hidden, t("speed2.weight"), t("speed2.bias"), true, p.second);
-  connect(p.second, t("speed3.weight"), t("speed3.bias"), false, {&out.thermal, 1});
-  out.fusion = out.thermal;
-  if (!s.fusion) return out;
-  float logit = 0.0F;
-  connect(p.conv2, t("gain1.weight"), t("gain1.bias"), true, p.hidden);
-  connect(p.hidden, t("gain2.weight"), t("gain2.bias"), false, {&logit, 1});
-  out.gain = 1.0F / (1.0F + std::exp(-logit));
-  out.fusion = out.gain * out.thermal + (1.0F - out.gain) * gyro;
-  return out;
+  assert(frames.size() == p.shape.inputs());
+  p.pad(frames);
+  p.kernels.convolve_and_pool(p.conv1, p.padded.data(),
+                              p.pooled.data() + at(p.shape.padding2 * (p.conv1.output_stride + 1)));
+  p.kernels.convolve(p.conv2, p.pooled.data(), p.features.data());
+  p.connect(p.weights.first, p.features, p.hidden);
+  p.connect(p.weights.second, p.hidden, p.readout);
+  Output output;
+  output.thermal =
+      p.kernels.dot(p.readout.data(), p.weights.readout.data(), hidden2) + p.weights.readout_bias;
+  output.fusion = output.thermal;
+  if (!p.shape.fusion) return output;
+  const float gain =
+      p.kernels.dot(p.hidden.data() + hidden1, p.weights.gain_readout.data(), (hidden1 + 15) / 16 * 16);
+  output.gain = 1.0F / (1.0F + std::exp(-(gain + p.weights.gain_readout_bias)));
+  output.fusion = output.gain * output.thermal + (1.0F - output.gain) * gyro;  // paper eq. 2
+  return output;
 }
 
 }  // namespace thermorig::network
