@@ -8,6 +8,8 @@ packages=(g++ cmake ninja-build pkg-config ccache git ca-certificates
   libserialport-dev libboost-dev libhdf5-dev libfmt-dev libcli11-dev libtoml11-dev nlohmann-json3-dev
   zlib1g-dev libdeflate-dev libmd-dev libonnx-dev libprotobuf-dev protobuf-compiler
   gcc-avr avr-libc libsimavr-dev libelf-dev)
+# The charts of reports. A node that came from elsewhere brings its npm and conflicts with Debian's.
+command -v npm >/dev/null || packages+=(nodejs npm)
 for part in "$@"; do
   case "$part" in
     tests) packages+=(libgtest-dev libgmock-dev hdf5-tools python3-h5py python3-xarray python3-h5netcdf python3-matplotlib) ;;
