@@ -52,12 +52,18 @@ bool succeeded(const std::string& command, const std::filesystem::path& out) {
 
 BoardRun parsed(const std::string& text) {
   BoardRun run;
-  std::istringstream lines(text);
+  std::istringstream words(text);
   std::string word;
-  if (!(lines >> word >> run.state_bytes) || word != "state") return {.failure = "no state: " + text};
-  for (Speeds speeds; lines >> speeds.fusion_dps >> speeds.thermal_dps >> speeds.gain;)
-    run.windows.push_back(speeds);
-  if (text.find("end\n") == std::string::npos) run.failure = "did not come to its end: " + text;
+  bool ended = false;
+  while (!ended && words >> word) {
+    Speeds speeds;
+    if (word == "state") words >> run.state_bytes;
+    if (word == "took") words >> run.instructions >> run.stack_bytes;
+    if (word == "window" && words >> speeds.fusion_dps >> speeds.thermal_dps >> speeds.gain)
+      run.windows.push_back(speeds);
+    ended = word == "end";
+  }
+  if (!ended) run.failure = "did not come to its end: " + text;
   return run;
 }
 

@@ -21,6 +21,7 @@ struct BoardRun {
   std::string failure;  // what went wrong, empty: nothing
   std::size_t state_bytes = 0;
   std::vector<Speeds> windows;
+  std::uint64_t instructions = 0, stack_bytes = 0;  // of a window, on a board that counts them
 };
 
 /// How C becomes a program, and how that is run.

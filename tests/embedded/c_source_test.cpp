@@ -26,7 +26,7 @@ TEST_P(ExportedC, SaysWhatTheEstimatorSays) {
   const model::Model model = random_model(shapes[GetParam()], GetParam() + 1);
   const embedded::CSource source = c_source(model, WeightKind::float32, "net");
   const BoardRun run = run_on({std::string("cc") + strict_c99}, source);
-  ASSERT_EQ(run.failure, "");
+  ASSERT_TRUE(run.failure.empty()) << run.failure;
   EXPECT_EQ(run.state_bytes, source.working_bytes);
   EXPECT_LE(largest_difference(run.windows, expected_speeds(model), 200.0F), 1e-5F);
 }
@@ -35,7 +35,7 @@ TEST_P(ExportedC, WithInt8WeightsSaysWhatTheEstimatorOfTheseSays) {
   const model::Model model = random_model(shapes[GetParam()], GetParam() + 1);
   const embedded::CSource source = c_source(model, WeightKind::int8, "net");
   const BoardRun run = run_on({std::string("cc -DNET_INTEGER=0") + strict_c99}, source);
-  ASSERT_EQ(run.failure, "");
+  ASSERT_TRUE(run.failure.empty()) << run.failure;
   EXPECT_LE(largest_difference(run.windows, expected_speeds(quantised(model)), 200.0F), 1e-5F);
 }
 
@@ -43,7 +43,7 @@ TEST_P(ExportedC, InWholeNumbersSaysNearlyTheSame) {
   const model::Model model = random_model(shapes[GetParam()], GetParam() + 1);
   const embedded::CSource source = c_source(model, WeightKind::int8, "net");
   const BoardRun run = run_on({std::string("cc") + strict_c99}, source);
-  ASSERT_EQ(run.failure, "");
+  ASSERT_TRUE(run.failure.empty()) << run.failure;
   EXPECT_EQ(run.state_bytes, source.working_bytes);
   // Frames are kept in hundredths of a degree and activations in 16 bits: 0.1 deg/s.
   EXPECT_LE(largest_difference(run.windows, expected_speeds(quantised(model)), 200.0F), 5e-4F);

@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: MIT
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include "boards.h"
+
+namespace thermorig::tests {
+namespace {
+
+using embedded::c_source;
+using embedded::quantised;
+using embedded::WeightKind;
+
+/// A core and its board in QEMU.
+struct Core {
+  const char* name;
+  const char* options;  // for the compiler
+  const char* machine;
+};
+
+// The M0+ program runs on the M3's board: QEMU has no MPS2 with an M0+, and an M3 runs all that an M0+ does.
+const std::vector<Core> cores{
+    {"Cortex-M4F", "-mcpu=cortex-m4 -mfloat-abi=hard -mfpu=fpv4-sp-d16", "mps2-an386"},
+    {"Cortex-M3", "-mcpu=cortex-m3 -mfloat-abi=soft", "mps2-an385"},
+    {"Cortex-M0+", "-mcpu=cortex-m0plus -mfloat-abi=soft", "mps2-an385"},
+};
+
+Board board_of(const Core& core) {
+  const std::string folder = THERMORIG_SOURCE_DIR "/tests/embedded/cortex_m";
+  return {
+      fmt::format("arm-none-eabi-gcc{} -mthumb {} --specs=rdimon.specs -T {}/mps2.ld -DMEASURED {}/start.c",
+                  strict_c99, core.options, folder, folder),
+      fmt::format("timeout 120 qemu-system-arm -M {} -nographic -monitor none -serial none -icount shift=0 "
+                  "-semihosting-config enable=on,target=native -kernel",
+                  core.machine)};
+}
+
+class OnACortexM : public ::testing::TestWithParam<std::size_t> {
+ protected:
+  void SetUp() override {
+    if (!has_command("arm-none-eabi-gcc") || !has_command("qemu-system-arm"))
+      GTEST_SKIP() << "needs arm-none-eabi-gcc and qemu-system-arm: bash app/setup.sh deep";
+  }
+
+  void expect_the_same(const network::Shape& shape, WeightKind kind, float tolerance) {
+    const Core& core = cores[GetParam()];
+    const model::Model model = random_model(shape, 5);
+    const embedded::CSource source = c_source(model, kind, "net");
+    const BoardRun run = run_on(board_of(core), source);
+    ASSERT_TRUE(run.failure.empty()) << run.failure;
+    EXPECT_EQ(run.state_bytes, source.working_bytes);
+    EXPECT_LT(run.stack_bytes, 512U);
+    EXPECT_GT(run.instructions, 100'000U);
+    const auto expected = expected_speeds(kind == WeightKind::int8 ? quantised(model) : model);
+    EXPECT_LE(largest_difference(run.windows, expected, model.scaling.label_scale_dps), tolerance);
+    fmt::print("{}: Nf {}, Nr {}, {}: {} instructions and {} B of stack a window\n", core.name, shape.frames,
+               shape.reduction, kind == WeightKind::int8 ? "int8" : "float32", run.instructions,
+               run.stack_bytes);
+  }
+};
+
+TEST_P(OnACortexM, SpeedsOfFloatWeightsAreTheEstimators) {
+  expect_the_same({.frames = 3, .reduction = 3}, WeightKind::float32, 1e-5F);
+}
+
+TEST_P(OnACortexM, SpeedsOfInt8WeightsAreTheEstimators) {
+  for (const int reduction : {3, 2, 1})
+    expect_the_same({.frames = 3, .reduction = reduction}, WeightKind::int8, 5e-4F);
+}
+
+INSTANTIATE_TEST_SUITE_P(Cores, OnACortexM, ::testing::Range<std::size_t>(0, 3));
+
+}  // namespace
+}  // namespace thermorig::tests
