@@ -11,6 +11,7 @@
 #include <string_view>
 
 #include "../interop/seeded_values.h"
+#include "reference_network.h"
 #include "thermorig/network/estimator.h"
 #include "thermorig/network/trainer.h"
 
@@ -85,10 +86,12 @@ std::vector<Golden> read_golden() {
   return cases;
 }
 
-void expect_gradient(const Golden& golden, const Gradient& expected, std::span<const float> gradient) {
+/// `gradient`: of one tensor, float or double.
+template <typename Values>
+void expect_gradient(const Golden& golden, const Gradient& expected, const Values& gradient, double limit) {
   for (const auto& [index, value] : expected.chosen) {
     ASSERT_LT(index, gradient.size());
-    EXPECT_NEAR(gradient[index], value, agreement * expected.largest)
+    EXPECT_NEAR(gradient[index], value, limit * expected.largest)
         << golden.name << ' ' << expected.name << '[' << index << ']';
   }
   const auto directions = interop::seeded_values(projection_seed, gradient.size());
@@ -96,8 +99,19 @@ void expect_gradient(const Golden& golden, const Gradient& expected, std::span<c
   for (std::size_t i = 0; i < gradient.size(); ++i)
     projection += static_cast<double>(gradient[i]) * static_cast<double>(directions[i]);
   const double root = std::sqrt(static_cast<double>(gradient.size()));
-  EXPECT_NEAR(projection, expected.projection, agreement * expected.largest * root)
+  EXPECT_NEAR(projection, expected.projection, limit * expected.largest * root)
       << golden.name << ' ' << expected.name;
+}
+
+template <typename Value>
+void expect_gradients(const Golden& golden, std::span<const Value> gradients, double limit) {
+  const auto tensors = tensors_of(golden.shape);
+  ASSERT_EQ(golden.gradients.size(), tensors.size());
+  for (std::size_t t = 0; t < tensors.size(); ++t) {
+    ASSERT_EQ(golden.gradients[t].name, tensors[t].name);
+    expect_gradient(golden, golden.gradients[t], gradients.subspan(tensors[t].offset, tensors[t].size),
+                    limit);
+  }
 }
 
 class GoldenVectors : public testing::TestWithParam<InstructionSet> {};
@@ -106,9 +120,21 @@ TEST(GoldenFile, CoversBothModesTheAuxiliaryLossTheMirrorAndShortBatches) {
   const auto cases = read_golden();
   EXPECT_EQ(cases.size(), 7U);
   for (const Golden& golden : cases) {
-    EXPECT_EQ(golden.gradients.size(), tensors_of(golden.shape).size()) << golden.name;
     EXPECT_EQ(golden.outputs.size(), 3 * golden.samples) << golden.name;
     EXPECT_GE(golden.losses.size(), 20U) << golden.name;
+  }
+}
+
+// Both compute in double precision, so that they agree far more closely. It is slow: the first steps only.
+TEST(ReferenceNetwork, IsTrainedAsInPyTorch) {
+  for (const Golden& golden : read_golden()) {
+    const LossConfig& loss = golden.config.loss;
+    ReferenceNetwork network(interop::seeded_weights(golden.shape, seed));
+    const auto first = network.gradients(golden.batch(0)->batch(), loss);
+    expect_gradients(golden, std::span<const double>(first.values), 1e-7);
+    for (std::size_t step = 0; step < 3; ++step)
+      EXPECT_NEAR(network.step(golden.batch(step)->batch(), loss, {}).loss, golden.losses[step], 1e-6)
+          << golden.name << " step " << step;
   }
 }
 
@@ -139,14 +165,7 @@ TEST_P(GoldenVectors, GradientsAreThoseOfPyTorch) {
     config.set = GetParam();
     SoloCrew crew;
     Trainer trainer(interop::seeded_weights(golden.shape, seed), config, crew);
-    const auto owner = golden.batch(0);
-    const auto gradients = trainer.gradients(owner->batch());
-    const auto tensors = tensors_of(golden.shape);
-    for (std::size_t t = 0; t < tensors.size(); ++t) {
-      ASSERT_EQ(golden.gradients[t].name, tensors[t].name);
-      expect_gradient(golden, golden.gradients[t],
-                      std::span(gradients).subspan(tensors[t].offset, tensors[t].size));
-    }
+    expect_gradients(golden, std::span<const float>(trainer.gradients(golden.batch(0)->batch())), agreement);
   }
 }
 
