@@ -5,12 +5,83 @@
 
 namespace thermorig::app {
 
+namespace {
+
+void add_study_words(CLI::App& command, EvaluateOptions& options) {
+  const char* const group = "The study of the paper";
+  command
+      .add_flag("--study", options.study,
+                "Leave each acquisition of an environment out once, train on all others, test on it; for "
+                "several Nf and Nr")
+      ->group(group);
+  command
+      .add_option("--environment", options.environment, "Whose acquisitions are left out (default garden)")
+      ->type_name("NAME")
+      ->group(group);
+  command.add_option("--nf", options.frames, "Frames a window, at the reference Nr (default 2,3,4,5,6)")
+      ->delimiter(',')
+      ->type_name("LIST")
+      ->group(group);
+  command.add_option("--nr", options.reductions, "Averaging, at the reference Nf (default 1,2,3)")
+      ->delimiter(',')
+      ->type_name("LIST")
+      ->group(group);
+  command.add_option("--seeds", options.seeds, "Seeds of every setting (default 1)")
+      ->delimiter(',')
+      ->type_name("LIST")
+      ->group(group);
+  command
+      .add_option("--reference-seeds", options.reference_seeds,
+                  "Seeds at the reference, Nf 3 and Nr 1 (default 1,2,3)")
+      ->delimiter(',')
+      ->type_name("LIST")
+      ->group(group);
+  command.add_option("--preset", options.preset, "How to train: paper (default), best")
+      ->check(CLI::IsMember({"paper", "best"}))
+      ->type_name("NAME")
+      ->group(group);
+  command.add_option("--epochs", options.epochs, "Epochs a training (default 40)")
+      ->check(CLI::Range(1, 10'000))
+      ->type_name("N")
+      ->group(group);
+  command
+      .add_option(
+          "--history", options.history,
+          "Valid frames in a row before a window's end, the same for all Nf (default: the largest Nf)")
+      ->check(CLI::Range(2, 1'000))
+      ->type_name("N")
+      ->group(group);
+  command.add_option("--jobs", options.workers, "Trainings side by side (default: one a core)")
+      ->check(CLI::Range(1, 1'024))
+      ->type_name("N")
+      ->group(group);
+  command
+      .add_option("--draw", options.draw,
+                  "Draw the report of this folder's results again, without training anything")
+      ->type_name("DIR")
+      ->group(group);
+}
+
+/// Without --study the first word is the model.
+void take_model(EvaluateOptions& options) {
+  if (options.study || options.draw || options.paths.empty()) return;
+  options.model = options.paths.front();
+  options.paths.erase(options.paths.begin());
+}
+
+}  // namespace
+
 void add_evaluate(CLI::App& root, EvaluateOptions& options) {
   CLI::App& command =
       *root.add_subcommand("evaluate", "Evaluate a model on sessions, or run the study of the paper");
-  command.add_option("PATH", options.paths, "Session files (.h5), or folders that hold them");
-  command.add_option("-o,--output", options.output, "Folder of results")->type_name("DIR");
+  command.add_option(
+      "PATH", options.paths,
+      "Model file, then session files (.h5) or folders that hold them; with --study only these");
+  command.add_option("-o,--output", options.output, "Folder of reports, and of a study's results")
+      ->type_name("DIR");
   command.add_flag("--json", options.json, "Print JSON on standard output, for programs");
+  add_study_words(command, options);
+  command.callback([&options] { take_model(options); });
 }
 
 }  // namespace thermorig::app

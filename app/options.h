@@ -112,13 +112,14 @@ struct EvaluateOptions {
   std::filesystem::path model;               // of a model on sessions
   std::vector<std::filesystem::path> paths;  // sessions, or folders that hold them
   bool study = false;                        // the paper's study instead of a model
-  std::filesystem::path output;  // of a study: folder of results; of a model: folder of reports, empty: none
-  std::optional<std::filesystem::path> draw;  // folder of results: only draw the report again
+  std::filesystem::path output;  // folder of reports, and of a study its results; of a model empty: none
+  std::optional<std::filesystem::path> draw;  // folder of a study: only draw its report again
   std::string environment = "garden";
   std::vector<int> frames{2, 3, 4, 5, 6}, reductions{1, 2, 3};
   std::vector<std::uint64_t> seeds{1}, reference_seeds{1, 2, 3};
   std::string preset = "paper";
   int epochs = 40;
+  std::optional<int> history;  // valid frames before a window's end; default: the largest Nf
   std::optional<int> workers;  // jobs side by side; default: cores
   bool json = false;
 };

@@ -68,11 +68,12 @@ std::string file_name_of(const Job& job);
 struct JobResult {
   Job job;
   Evaluation evaluation;
-  bool simulated = false;
-  std::uint64_t training_windows = 0;
-  std::vector<double> training_mse;  // by epoch
+  bool simulated = false;              // any of the acquisitions
+  double label_scale_dps = 200.0;      // that errors are normalised by
+  std::uint64_t training_windows = 0;  // of all acquisitions but the test's
+  std::vector<double> training_mse;    // by epoch
   int epoch_kept = 0;
-  std::size_t weights = 0;
+  std::uint64_t weights = 0;
   std::uint64_t multiply_adds = 0;
   double seconds = 0.0;  // that the job took
   std::string instruction_set;

@@ -1,0 +1,15 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include "options.h"
+#include "thermorig/core/error.h"
+
+namespace thermorig::app {
+
+// What `evaluate` can be asked for.
+
+ExitCode evaluate_model(const EvaluateOptions& options);
+ExitCode run_study(const EvaluateOptions& options);
+ExitCode draw_study(const EvaluateOptions& options);
+
+}  // namespace thermorig::app

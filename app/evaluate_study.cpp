@@ -1,0 +1,125 @@
+// SPDX-License-Identifier: MIT
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+#include <thread>
+
+#include "evaluate_parts.h"
+#include "evaluate_study_text.h"
+#include "interrupts.h"
+#include "output.h"
+#include "report_files.h"
+#include "session_data.h"
+#include "study_progress.h"
+#include "thermorig/report/report.h"
+#include "thermorig/study/study.h"
+
+namespace thermorig::app {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+/// The paper's reference setting where it is part of the study, else the first that is.
+int reference_of(const std::vector<int>& values, int usual) {
+  const bool there = std::find(values.begin(), values.end(), usual) != values.end();
+  return there || values.empty() ? usual : values.front();
+}
+
+study::StudyConfig config_of(const EvaluateOptions& options) {
+  study::StudyConfig config;
+  config.environment = options.environment;
+  config.frames = options.frames;
+  config.reductions = options.reductions;
+  config.reference_frames = reference_of(options.frames, config.reference_frames);
+  config.reference_reduction = reference_of(options.reductions, config.reference_reduction);
+  config.seeds = options.seeds;
+  config.reference_seeds = options.reference_seeds;
+  config.preset = options.preset;
+  config.epochs = options.epochs;
+  config.history = options.history.value_or(0);
+  return config;
+}
+
+int workers_of(const EvaluateOptions& options) {
+  return options.workers.value_or(static_cast<int>(std::max(1U, std::thread::hardware_concurrency())));
+}
+
+void announce(const EvaluateOptions& options, const std::vector<study::Job>& jobs,
+              const std::vector<windows::Acquisition>& acquisitions, int workers) {
+  const bool simulated = any_simulated(acquisitions);
+  if (options.json) {
+    print_json({{"event", "start"},
+                {"jobs", jobs.size()},
+                {"epochs", options.epochs},
+                {"preset", options.preset},
+                {"history", jobs.front().history},
+                {"acquisitions", acquisitions.size()},
+                {"data_hash", jobs.front().data_hash},
+                {"workers", workers},
+                {"simulated", simulated}});
+    return;
+  }
+  fmt::print("study over {}: {} trainings of {} epochs, preset {}, {} acquisitions{}, {} at a time\n",
+             options.environment, jobs.size(), options.epochs, options.preset, acquisitions.size(),
+             simulated ? " of the SIMULATED rig" : "", workers);
+  std::fflush(stdout);
+}
+
+void write_study_report(const fs::path& folder, const std::vector<study::JobResult>& results) {
+  write_report(folder, {.markdown = report::study_markdown(results),
+                        .json = report::study_json(results),
+                        .html = report::study_html(results)});
+}
+
+void conclude(const fs::path& folder, const std::vector<study::JobResult>& results, bool json) {
+  write_study_report(folder, results);
+  if (json) {
+    print_json(
+        {{"event", "end"}, {"results", results.size()}, {"report", (folder / "report.html").string()}});
+    return;
+  }
+  fmt::print("{}\nreport: {}\n", study_text(results), (folder / "report.html").string());
+}
+
+ExitCode tell_interrupted(const fs::path& folder, std::size_t done, std::size_t all, bool json) {
+  if (json)
+    print_json({{"event", "interrupted"}, {"done", done}, {"jobs", all}});
+  else
+    fmt::print(
+        "stopped: {} of {} jobs are done. The same command goes on; thermorig evaluate --draw {} draws "
+        "what there is.\n",
+        done, all, folder.string());
+  return ExitCode::interrupted;
+}
+
+}  // namespace
+
+ExitCode run_study(const EvaluateOptions& options) {
+  if (options.output.empty())
+    throw Error(ExitCode::bad_usage, "a study needs a folder for its results", "", "-o study");
+  const std::vector<windows::Acquisition> acquisitions = read_data(options.paths, options.json);
+  const std::vector<study::Job> jobs = study::jobs_of(config_of(options), acquisitions);
+  const fs::path folder = options.output / "results";
+  const int workers = workers_of(options);
+  announce(options, jobs, acquisitions, workers);
+  watch_interrupts();
+  StudyProgress progress(options.json);
+  const bool finished = study::run_jobs(jobs, acquisitions, folder, workers, progress.observer(interrupted));
+  progress.end();
+  const std::vector<study::JobResult> results = study::results_of(jobs, folder);
+  if (!finished) return tell_interrupted(options.output, results.size(), jobs.size(), options.json);
+  conclude(options.output, results, options.json);
+  return ExitCode::ok;
+}
+
+ExitCode draw_study(const EvaluateOptions& options) {
+  const bool nested = fs::is_directory(*options.draw / "results");
+  const std::vector<study::JobResult> results =
+      study::read_results(nested ? *options.draw / "results" : *options.draw);
+  conclude(options.output.empty() ? *options.draw : options.output, results, options.json);
+  return ExitCode::ok;
+}
+
+}  // namespace thermorig::app

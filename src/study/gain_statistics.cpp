@@ -1,0 +1,117 @@
+// SPDX-License-Identifier: MIT
+#include "gain_statistics.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+#include <vector>
+
+namespace thermorig::study {
+
+namespace {
+
+constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
+constexpr double low_gain = 0.02, high_gain = 0.98, collapsed_share = 0.9;
+
+GainStatistics no_gains() {
+  GainStatistics statistics;
+  statistics.mean = statistics.deviation = statistics.median = unknown;
+  statistics.below_002 = statistics.above_098 = unknown;
+  return statistics;
+}
+
+std::size_t bin_of(double gain) {
+  const double bin = std::floor(gain * static_cast<double>(GainStatistics::bins));
+  return static_cast<std::size_t>(std::clamp(bin, 0.0, static_cast<double>(GainStatistics::bins - 1)));
+}
+
+double mean_of(const std::vector<double>& values) {
+  return std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
+}
+
+double deviation_of(const std::vector<double>& values, double mean) {
+  double squares = 0.0;
+  for (const double value : values) squares += (value - mean) * (value - mean);
+  return std::sqrt(squares / static_cast<double>(values.size()));
+}
+
+std::vector<double> sorted_gains(std::span<const training::WindowEstimate> estimates) {
+  std::vector<double> gains;
+  for (const training::WindowEstimate& estimate : estimates)
+    if (std::isfinite(estimate.gain)) gains.push_back(estimate.gain);
+  std::sort(gains.begin(), gains.end());
+  return gains;
+}
+
+/// Where half of the counts lie below, as if a bin's values were spread evenly over it.
+double histogram_median(const GainStatistics& statistics) {
+  const double half = static_cast<double>(statistics.windows()) / 2.0;
+  double below = 0.0;
+  for (std::size_t bin = 0; bin < GainStatistics::bins; ++bin) {
+    const double count = static_cast<double>(statistics.histogram[bin]);
+    if (count > 0.0 && below + count >= half)
+      return (static_cast<double>(bin) + (half - below) / count) / static_cast<double>(GainStatistics::bins);
+    below += count;
+  }
+  return unknown;
+}
+
+/// Sums over parts, weighed by their windows.
+struct GainSums {
+  double windows = 0.0, gains = 0.0, squares = 0.0, below = 0.0, above = 0.0;
+
+  void add(const GainStatistics& part) {
+    const double count = static_cast<double>(part.windows());
+    windows += count;
+    gains += count * part.mean;
+    squares += count * (part.deviation * part.deviation + part.mean * part.mean);
+    below += count * part.below_002;
+    above += count * part.above_098;
+  }
+};
+
+}  // namespace
+
+std::uint64_t GainStatistics::windows() const {
+  return std::accumulate(histogram.begin(), histogram.end(), std::uint64_t{0});
+}
+
+bool collapsed(const GainStatistics& gain) {
+  return gain.below_002 >= collapsed_share || gain.above_098 >= collapsed_share;  // false for NaN
+}
+
+GainStatistics gain_statistics(std::span<const training::WindowEstimate> estimates) {
+  const std::vector<double> gains = sorted_gains(estimates);
+  GainStatistics statistics = no_gains();
+  if (gains.empty()) return statistics;
+  for (const double gain : gains) ++statistics.histogram[bin_of(gain)];
+  statistics.mean = mean_of(gains);
+  statistics.deviation = deviation_of(gains, statistics.mean);
+  statistics.median = quantile(gains, 0.5);
+  const auto low = std::lower_bound(gains.begin(), gains.end(), low_gain);
+  const auto high = std::upper_bound(gains.begin(), gains.end(), high_gain);
+  const double count = static_cast<double>(gains.size());
+  statistics.below_002 = static_cast<double>(low - gains.begin()) / count;
+  statistics.above_098 = static_cast<double>(gains.end() - high) / count;
+  return statistics;
+}
+
+GainStatistics merged(std::span<const GainStatistics> parts) {
+  GainStatistics all = no_gains();
+  GainSums sums;
+  for (const GainStatistics& part : parts) {
+    if (part.windows() == 0) continue;
+    for (std::size_t bin = 0; bin < GainStatistics::bins; ++bin) all.histogram[bin] += part.histogram[bin];
+    sums.add(part);
+  }
+  if (sums.windows == 0.0) return all;
+  all.mean = sums.gains / sums.windows;
+  all.deviation = std::sqrt(std::max(0.0, sums.squares / sums.windows - all.mean * all.mean));
+  all.median = histogram_median(all);
+  all.below_002 = sums.below / sums.windows;
+  all.above_098 = sums.above / sums.windows;
+  return all;
+}
+
+}  // namespace thermorig::study

@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: MIT
+#include <algorithm>
+#include <chrono>
+
+#include "fingerprint.h"
+#include "thermorig/core/error.h"
+#include "thermorig/study/study.h"
+
+namespace thermorig::study {
+
+namespace {
+
+using windows::Acquisition;
+
+constexpr std::size_t kept_angle_points = 120;  // a result stays small
+
+training::TrainingConfig config_of(const Job& job) {
+  training::TrainingConfig config = training::preset(job.preset);
+  config.shape.frames = job.frames;
+  config.shape.reduction = job.reduction;
+  config.shape.fusion = job.fusion;
+  config.epochs = job.epochs;
+  config.history = job.history;
+  config.seed = job.seed;
+  return config;
+}
+
+[[noreturn]] void refuse(const Job& job, const std::string& what) {
+  throw Error(ExitCode::bad_usage, what, job.test, "make the jobs of these acquisitions again");
+}
+
+const Acquisition& test_of(const Job& job, std::span<const Acquisition> acquisitions) {
+  const auto found =
+      std::find_if(acquisitions.begin(), acquisitions.end(), [&](const Acquisition& acquisition) {
+        return acquisition.name == job.test && acquisition.hash == job.test_hash;
+      });
+  if (found == acquisitions.end()) refuse(job, "the acquisition to be tested on is not among the sessions");
+  if (fingerprint_of(acquisitions) != job.data_hash) refuse(job, "the job is of other sessions");
+  return *found;
+}
+
+std::vector<Acquisition> rest_of(const Acquisition& test, std::span<const Acquisition> acquisitions) {
+  std::vector<Acquisition> rest;
+  rest.reserve(acquisitions.size() - 1);
+  for (const Acquisition& acquisition : acquisitions)
+    if (&acquisition != &test) rest.push_back(acquisition);
+  return rest;
+}
+
+Evaluation test(const model::Model& model, const Job& job, const Acquisition& acquisition) {
+  const std::span<const Acquisition> one(&acquisition, 1);
+  const std::vector<windows::Window> windows = windows::find_windows(one, job.frames, job.history);
+  EvaluationConfig config;
+  config.label_scale_dps = double{model.scaling.label_scale_dps};
+  config.fusion = job.fusion;
+  config.angle_points = kept_angle_points;
+  return evaluate(training::predict(model, one, windows), one, config);
+}
+
+/// What the epochs left in a result.
+void take_training(JobResult& result, const training::TrainingResult& training) {
+  for (const training::EpochReport& epoch : training.epochs)
+    result.training_mse.push_back(epoch.training_mse);
+  result.epoch_kept = training.model.provenance.epoch_kept;
+  result.weights = network::weight_count(training.model.weights.shape);
+  result.multiply_adds = network::multiply_adds(training.model.weights.shape);
+  result.label_scale_dps = double{training.model.scaling.label_scale_dps};
+}
+
+}  // namespace
+
+std::optional<JobResult> run_job(const Job& job, std::span<const Acquisition> acquisitions,
+                                 const training::Observer& observer) {
+  const auto begin = std::chrono::steady_clock::now();
+  const Acquisition& left_out = test_of(job, acquisitions);
+  const std::vector<Acquisition> rest = rest_of(left_out, acquisitions);
+  network::SoloCrew crew;
+  const training::TrainingResult training = training::train(config_of(job), rest, crew, observer);
+  if (training.stopped) return std::nullopt;
+  JobResult result;
+  result.job = job;
+  take_training(result, training);
+  result.training_windows = windows::find_windows(rest, job.frames, job.history).size();
+  result.simulated = std::any_of(acquisitions.begin(), acquisitions.end(),
+                                 [](const Acquisition& acquisition) { return acquisition.simulated; });
+  result.instruction_set = network::name_of(network::best_instruction_set());
+  result.evaluation = test(training.model, job, left_out);
+  result.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  return result;
+}
+
+}  // namespace thermorig::study
