@@ -1,10 +1,129 @@
 // SPDX-License-Identifier: MIT
+#include <algorithm>
+#include <thread>
+
+#include "build_information.h"
 #include "commands.h"
+#include "interrupts.h"
+#include "session_data.h"
+#include "thermorig/io/port.h"
+#include "thermorig/training/run_folder.h"
+#include "thermorig/training/thread_crew.h"
+#include "train_config.h"
+#include "train_files.h"
+#include "train_output.h"
 
 namespace thermorig::app {
 
+namespace {
+
+using training::RunFolder;
+using training::TrainingConfig;
+using windows::Acquisition;
+
+std::string producer() {
+  return std::string("thermorig ") + build_information::version;
+}
+
+training::RunDescription description_of(const TrainingConfig& config,
+                                        const std::vector<Acquisition>& acquisitions) {
+  training::RunDescription description{
+      .config = config,
+      .data = {},
+      .instruction_set = std::string(network::name_of(network::best_instruction_set())),
+      .producer = producer()};
+  for (const Acquisition& acquisition : acquisitions)
+    description.data.push_back({acquisition.name, acquisition.hash});
+  return description;
+}
+
+int thread_count(const TrainOptions& options) {
+  return options.threads.value_or(std::clamp(static_cast<int>(std::thread::hardware_concurrency()), 1, 64));
+}
+
+/// One call of `train`: reads, trains, writes.
+class Run {
+ public:
+  Run(const TrainOptions& options, const TrainingConfig& config, std::vector<Acquisition> acquisitions)
+      : options_(options),
+        config_(config),
+        acquisitions_(std::move(acquisitions)),
+        description_(description_of(config, acquisitions_)),
+        folder_(options.resume ? RunFolder::reopen(run_folder_of(options), description_)
+                               : RunFolder::create(run_folder_of(options), description_)),
+        output_(make_train_output(config, options.json)) {}
+
+  ExitCode run() {
+    const int threads = thread_count(options_);
+    output_->start({config_, acquisitions_, run_folder_of(options_).string(), description_.instruction_set,
+                    threads, epochs_before()});
+    training::ThreadCrew crew(threads);
+    watch_interrupts();
+    begin_ = io::now();
+    training::TrainingResult result =
+        training::train(config_, acquisitions_, crew, observer(), folder_.checkpoint());
+    result.model.provenance.producer = producer();
+    return finish(result);
+  }
+
+ private:
+  int epochs_before() const { return folder_.checkpoint() ? folder_.checkpoint()->epoch : 0; }
+  double elapsed_s() const { return to_s(io::now() - begin_); }
+
+  training::Observer observer() {
+    training::Observer observer;
+    observer.step = [this](std::size_t step, std::size_t steps, int epoch, double loss) {
+      standing_ = {epochs_before(), epoch, step, steps, loss, elapsed_s()};
+      output_->step(standing_);
+    };
+    observer.epoch = [this](const training::EpochReport& report, const training::Checkpoint& checkpoint) {
+      standing_.elapsed_s = elapsed_s();
+      folder_.save(checkpoint, seconds_before_ + standing_.elapsed_s);
+      output_->epoch(report, standing_);
+    };
+    observer.stop = [] { return interrupted(); };
+    return observer;
+  }
+
+  /// In the run folder first: there it is safe whatever became of the place that was asked for.
+  void write(const model::Model& model) const {
+    require_free(options_.output, folder_.model_path());
+    model::write_model(folder_.model_path(), model);
+    model::write_model(options_.output, model);
+  }
+
+  ExitCode finish(const training::TrainingResult& result) {
+    TrainEnd end{.config = config_, .result = result};
+    end.exit = result.stopped ? ExitCode::interrupted : ExitCode::ok;
+    end.seconds = seconds_before_ + elapsed_s();
+    training::Fits fits;
+    if (result.model.provenance.epoch_kept > 0) {
+      write(result.model);
+      fits = training::fits_of(result.model, config_, acquisitions_);
+      end.fits = &fits;
+      end.model = options_.output.string();
+    }
+    output_->end(end);
+    return end.exit;
+  }
+
+  const TrainOptions& options_;
+  const TrainingConfig& config_;
+  std::vector<Acquisition> acquisitions_;
+  training::RunDescription description_;
+  RunFolder folder_;
+  std::unique_ptr<TrainOutput> output_;
+  double seconds_before_ = folder_.seconds();
+  HostTime begin_{};
+  TrainStanding standing_;
+};
+
+}  // namespace
+
 ExitCode run(const TrainOptions& options) {
-  throw Error(ExitCode::failed, "this command is being built", options.output, "");
+  const TrainingConfig config = training_config(options);
+  require_free(options.output, options.resume ? run_folder_of(options) / "model.onnx" : "");
+  return Run(options, config, read_data(options.paths, options.json)).run();
 }
 
 }  // namespace thermorig::app

@@ -5,13 +5,72 @@
 
 namespace thermorig::app {
 
+namespace {
+
+void add_network(CLI::App& command, TrainOptions& options) {
+  command.add_option("--nf", options.frames, "Frames of a window, 2 to 6 (default 3)")
+      ->check(CLI::Range(2, 6))
+      ->type_name("N");
+  command.add_option("--nr", options.reduction, "Pixels are averaged N x N, 1 to 3 (default 1)")
+      ->check(CLI::Range(1, 3))
+      ->type_name("N");
+  command.add_flag("--fusion,!--thermal-only", options.fusion,
+                   "With the gyro and its gate (default), or from the images alone");
+}
+
+void add_settings(CLI::App& command, TrainOptions& options) {
+  command
+      .add_option("--preset", options.preset,
+                  "best (default): auxiliary loss, mirror, chosen epoch; paper: to the letter")
+      ->check(CLI::IsMember({"best", "paper"}))
+      ->type_name("NAME");
+  command.add_option("--epochs", options.epochs, "Times that all windows are gone through (default 40)")
+      ->type_name("N");
+  command.add_option("--batch", options.batch, "Windows a step, 1 to 32 (default 32)")
+      ->check(CLI::Range(1, 32))
+      ->type_name("N");
+  command.add_option("--rate", options.rate, "Learning rate of Adam (default 0.001)")->type_name("R");
+  command
+      .add_option("--auxiliary-thermal", options.auxiliary_thermal,
+                  "Weight of the loss on the thermal estimate alone; 0: none, as in the paper")
+      ->type_name("W");
+  command.add_flag("--mirror,!--no-mirror", options.mirror,
+                   "Show half of the windows flipped, speed and gyro negated");
+  command.add_flag("--choose-epoch,!--no-choose-epoch", options.choose_epoch,
+                   "Keep the epoch that is best on one held-out acquisition, or the last one");
+  command
+      .add_option("--label-scale", options.label_scale_dps, "Speeds are divided by it (default 200 deg/s)")
+      ->type_name("DPS");
+  command.add_option("--seed", options.seed, "Of first weights, order, mirror, held-out acquisition")
+      ->type_name("SEED")
+      ->capture_default_str();
+}
+
+}  // namespace
+
 void add_train(CLI::App& root, TrainOptions& options) {
   CLI::App& command = *root.add_subcommand("train", "Train the fusion network on sessions");
   command.add_option("PATH", options.paths, "Session files (.h5), or folders that hold them")->required();
-  command.add_option("-o,--output", options.output, "Model file to write")
+  command.add_option("-o,--output", options.output, "Model file (ONNX) to write")
       ->type_name("FILE")
       ->default_str("model.onnx");
+  add_network(command, options);
+  add_settings(command, options);
+  command
+      .add_option("--threads", options.threads, "Threads; the model does not depend on it (default: cores)")
+      ->check(CLI::Range(1, 64))
+      ->type_name("N");
+  command
+      .add_option("--run-folder", options.run_folder,
+                  "Folder for settings, metrics and checkpoint (default: FILE's name with .run)")
+      ->type_name("DIR");
+  command.add_flag("--resume", options.resume, "Go on with the run in that folder");
   command.add_flag("--json", options.json, "Print JSON on standard output, for programs");
+  command.footer(
+      "Examples:\n"
+      "  thermorig train recordings/ -o model.onnx\n"
+      "  thermorig train recordings/ -o paper.onnx --preset paper --nf 3 --nr 1\n"
+      "  thermorig train recordings/ -o model.onnx --resume");
 }
 
 }  // namespace thermorig::app
