@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: MIT
 """The network as a PyTorch module with the names that thermorig's model files have (docs/model_format.md)."""
+import onnx
 import torch
 from torch import nn
 from torch.nn import functional
@@ -59,8 +60,10 @@ def training_loss(network, frames, gyro, label, auxiliary_thermal=0.0):
     return loss
 
 
-def save_onnx(network, path):
-    """As anybody would export it; only the names of inputs and outputs are asked for."""
+def save_onnx(network, path, label_scale_dps=200.0, temp_mean_c=25.0, temp_deviation_c=3.0):
+    """As anybody would export it, with the documented names of inputs and outputs and the scaling that the network was
+    trained with."""
+    path = str(path)
     frames = torch.zeros(1, network.frames, network.rows, network.columns)
     inputs, outputs = (frames,), ["thermal"]
     names = ["frames"]
@@ -69,3 +72,7 @@ def save_onnx(network, path):
         outputs = ["fusion", "thermal", "gain"]
     torch.onnx.export(network, inputs, path, input_names=names, output_names=outputs, opset_version=13,
                       dynamic_axes={name: {0: "N"} for name in names + outputs})
+    model = onnx.load(path)
+    onnx.helper.set_model_props(model, {"label_scale_dps": str(label_scale_dps), "temp_mean_c": str(temp_mean_c),
+                                        "temp_deviation_c": str(temp_deviation_c)})
+    onnx.save(model, path)

@@ -5,7 +5,7 @@ onnx_runtime_version=1.30.0
 
 install_peers() {
   local missing=() package as_root=()
-  for package in python3-torch python3-numpy libtorch-dev libopenblas0-pthread npm; do
+  for package in python3-torch python3-onnx python3-numpy libtorch-dev libopenblas0-pthread npm; do
     [ "$package" = npm ] && command -v npm >/dev/null && continue
     dpkg-query -W -f '${Status}' "$package" 2>/dev/null | grep -q 'install ok installed' || missing+=("$package")
   done
