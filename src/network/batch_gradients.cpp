@@ -139,7 +139,7 @@ void BatchGradients::dense1(Share share) {
   network_.kernels().dense_gradient(job, share.first(job.blocks), share.last(job.blocks));
 }
 
-void BatchGradients::convolve2(Share share) {
+void BatchGradients::convolve2_input(Share share) {
   const Shape& shape = network_.shape();
   const ConvolutionJob input{.input = features_.with_margin(),
                              .input_channels = filters2,
@@ -151,6 +151,10 @@ void BatchGradients::convolve2(Share share) {
                              .columns = shape.pooled_columns()};
   network_.kernels().convolve_and_unpool(input, network_.choices(), fine_.inner(), share.first(input.rows),
                                          share.last(input.rows));
+}
+
+void BatchGradients::convolve2_weights(Share share) {
+  const Shape& shape = network_.shape();
   const ConvolutionGradientJob weights{.gradient = features_.inner(),
                                        .input = network_.pooled.with_margin(),
                                        .outputs = filters2,

@@ -25,7 +25,8 @@ class BatchGradients {
   // The steps; each needs all shares of the one before.
   StepLoss heads(const Batch& batch, const LossConfig& config);  // one worker's
   void dense1(Share share);
-  void convolve2(Share share);
+  void convolve2_weights(Share share);  // these two may be done at the same time
+  void convolve2_input(Share share);    // and through max-pool
   void convolve1(Share share);
   void change_small_tensors();  // one worker's; the weights that are not in dense layers
 

@@ -27,7 +27,10 @@ struct Trainer::Parts {
   void convolve2(Share share) { network.convolve2(share); }
   void dense1(Share share) { network.dense1(share); }
   void dense1_back(Share share) { gradients.dense1(share); }
-  void convolve2_back(Share share) { gradients.convolve2(share); }
+  void convolve2_back(Share share) {
+    gradients.convolve2_weights(share);
+    gradients.convolve2_input(share);
+  }
   void convolve1_back(Share share) { gradients.convolve1(share); }
 
   StepLoss forward_and_backward(const Batch& windows, const AdamStep* adam);
