@@ -46,10 +46,14 @@ bool is_bias(const network::Tensor& tensor) {
   return tensor.name.ends_with(".bias");
 }
 
+bool fits_8_bits(const network::Tensor& tensor) {
+  return !is_bias(tensor) && tensor.dimensions.front() > 1;
+}
+
 model::Model quantised(const model::Model& model) {
   model::Model result = model;
   for (const network::Tensor& tensor : network::tensors_of(model.weights.shape)) {
-    if (is_bias(tensor)) continue;
+    if (!fits_8_bits(tensor)) continue;
     const std::span<float> weights = result.weights.tensor(tensor.name);
     const Quantised small = quantise(weights, static_cast<std::size_t>(tensor.dimensions.front()));
     for (std::size_t i = 0; i < weights.size(); ++i) weights[i] = small.weight(i);

@@ -21,7 +21,10 @@ struct Quantised {
 /// `weights` finite, of `rows` equal rows.
 Quantised quantise(std::span<const float> weights, std::size_t rows);
 
-/// Biases stay as they are: they are few.
 bool is_bias(const network::Tensor& tensor);
+
+/// Biases and the rows of the two outputs stay as they are: they are few, and what an output's row is off,
+/// nothing averages out.
+bool fits_8_bits(const network::Tensor& tensor);
 
 }  // namespace thermorig::embedded

@@ -50,10 +50,14 @@ std::string weight_arrays(const std::string& layer, const network::Tensor& tenso
 
 std::string layer_text(const network::Weights& weights, const network::Tensor& tensor, WeightKind kind) {
   const std::string layer(tensor.name.substr(0, tensor.name.find('.')));
+  const std::string biases = floats_text(layer + "_bias", "a row", weights.tensor(layer + ".bias"));
+  const auto values = weights.tensor(tensor.name);
+  if (!fits_8_bits(tensor))  // an output
+    return fmt::format("\n{}{}", floats_text(layer + "_weights", shape_text(tensor.dimensions), values),
+                       biases);
   const std::string scale = kind == WeightKind::int8 ? layer + "_scale, " : "";
   return fmt::format("\n{1}{2}static const network_layer {0} = {{{0}_weights, {3}{0}_bias}};\n", layer,
-                     weight_arrays(layer, tensor, weights.tensor(tensor.name), kind),
-                     floats_text(layer + "_bias", "a row", weights.tensor(layer + ".bias")), scale);
+                     weight_arrays(layer, tensor, values, kind), biases, scale);
 }
 
 std::string scaling_text(const windows::Scaling& scaling) {
@@ -86,7 +90,7 @@ std::string float_text(float value) {
 std::size_t constant_bytes(const network::Shape& shape, WeightKind kind) {
   std::size_t bytes = scaling_values * sizeof(float);
   for (const network::Tensor& tensor : network::tensors_of(shape)) {
-    const bool small = kind == WeightKind::int8 && !is_bias(tensor);
+    const bool small = kind == WeightKind::int8 && fits_8_bits(tensor);
     bytes += small ? tensor.size + sizeof(float) * static_cast<std::size_t>(tensor.dimensions.front())
                    : sizeof(float) * tensor.size;
   }

@@ -198,6 +198,13 @@ static void finish_first(const network_layer *layer, float *totals) {
   for (int row = 0; row < HIDDEN1; ++row) totals[row] = relu(real_of(totals[row], 1.0f, layer, row));
 }
 
+/* A head's last layer, a single row; its weights are float32 in either kind. */
+static float output_of(const float *values, const float *weights, int count, float bias) {
+  float total = 0.0f;
+  for (int i = 0; i < count; ++i) total += values[i] * weights[i];
+  return total + bias;
+}
+
 /* The speed that the images tell, normalised. */
 static float thermal_speed(network_state *state) {
   float scale;
@@ -205,17 +212,14 @@ static float thermal_speed(network_state *state) {
   const network_value *first = values_of(state->speed, HIDDEN1, PLANE_STORE, &scale);
   for (int row = 0; row < HIDDEN2; ++row)
     state->other[row] = relu(real_of((float)dot(first, speed2.weights + row * HIDDEN1, HIDDEN1), scale, &speed2, row));
-  const network_value *second = values_of(state->other, HIDDEN2, PLANE_STORE, &scale);
-  return real_of((float)dot(second, speed3.weights, HIDDEN2), scale, &speed3, 0);
+  return output_of(state->other, speed3_weights, HIDDEN2, speed3_bias[0]);
 }
 
 /* Kg. */
 static float gain_of(network_state *state) {
 #if THERMORIG_NETWORK_FUSION
-  float scale;
   finish_first(&gain1, state->other);
-  const network_value *first = values_of(state->other, HIDDEN1, PLANE_STORE, &scale);
-  return 1.0f / (1.0f + expf(-real_of((float)dot(first, gain2.weights, HIDDEN1), scale, &gain2, 0)));
+  return 1.0f / (1.0f + expf(-output_of(state->other, gain2_weights, HIDDEN1, gain2_bias[0])));
 #else
   (void)state;
   return 1.0f;
