@@ -48,8 +48,21 @@ static float relu(float x) {
 
 static network_sum dot(const network_value *values, const network_weight *weights, int count) {
   network_sum total = 0;
-  for (int i = 0; i < count; ++i) total += (network_sum)values[i] * (network_sum)weights[i];
+  int i = 0;
+  for (; i + 4 <= count; i += 4) /* four a turn: less to count */
+    total += (network_sum)values[i] * (network_sum)weights[i] +
+             (network_sum)values[i + 1] * (network_sum)weights[i + 1] +
+             (network_sum)values[i + 2] * (network_sum)weights[i + 2] +
+             (network_sum)values[i + 3] * (network_sum)weights[i + 3];
+  for (; i < count; ++i) total += (network_sum)values[i] * (network_sum)weights[i];
   return total;
+}
+
+/* A whole row of the kernel. */
+static network_sum dot_kernel_row(const network_value *values, const network_weight *weights) {
+  return (network_sum)values[0] * (network_sum)weights[0] + (network_sum)values[1] * (network_sum)weights[1] +
+         (network_sum)values[2] * (network_sum)weights[2] + (network_sum)values[3] * (network_sum)weights[3] +
+         (network_sum)values[4] * (network_sum)weights[4];
 }
 
 /* What a sum of products stands for, with the bias of its row: `scale` is that of the activations. */
@@ -110,11 +123,14 @@ static network_sum filter_at(const image *in, const network_weight *weights, int
   const int first_y = y0 < 0 ? -y0 : 0, first_x = x0 < 0 ? -x0 : 0;
   const int end_y = y0 + KERNEL > in->rows ? in->rows - y0 : KERNEL;
   const int end_x = x0 + KERNEL > in->columns ? in->columns - x0 : KERNEL;
+  const int whole = first_x == 0 && end_x == KERNEL;
   network_sum total = 0;
   for (int p = 0; p < in->planes; ++p)
-    for (int y = first_y; y < end_y; ++y)
-      total += dot(in->plane[p] + (y0 + y) * in->columns + x0 + first_x,
-                   weights + (p * KERNEL + y) * KERNEL + first_x, end_x - first_x);
+    for (int y = first_y; y < end_y; ++y) {
+      const network_value *values = in->plane[p] + (y0 + y) * in->columns + x0;
+      const network_weight *row = weights + (p * KERNEL + y) * KERNEL;
+      total += whole ? dot_kernel_row(values, row) : dot(values + first_x, row + first_x, end_x - first_x);
+    }
   return total;
 }
 
