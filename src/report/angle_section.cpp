@@ -21,7 +21,7 @@ Table drift_table(const StudyView& view) {
       "{}",
       view.ours());
   table.header = {"fold"};
-  for (const Estimator estimator : study::all_estimators) table.header.push_back(study::name_of(estimator));
+  for (const Estimator estimator : study::all_estimators) table.header.push_back(label_of(estimator));
   for (const std::string& fold : view.folds) {
     std::vector<std::string> row{clean(fold)};
     for (const Estimator estimator : study::all_estimators)
@@ -56,9 +56,9 @@ Chart angle_chart(const std::string& title, const std::vector<EstimatorTrack>& t
     const auto index = static_cast<std::size_t>(estimator);
     if (track->error_deg[index].empty()) continue;
     chart.label +=
-        fmt::format(" {} {} deg/min, {} deg;", study::name_of(estimator),
+        fmt::format(" {} {} deg/min, {} deg;", label_of(estimator),
                     rate_text(track->drift_deg_per_min[index]), angle_text(track->worst_deg[index]));
-    lines.push_back({{"name", study::name_of(estimator)},
+    lines.push_back({{"name", label_of(estimator)},
                      {"key", key_of(estimator)},
                      {"x", drawn(track->time_s)},
                      {"y", drawn(track->error_deg[index])}});

@@ -57,7 +57,7 @@ Section errors_section(const Model& model, const Evaluation& evaluation) {
                   "95th percentile", "above 30 deg/s", "mean error"};
   for (const Estimator estimator : estimators_of(model)) {
     const study::Errors& errors = evaluation.errors[static_cast<std::size_t>(estimator)];
-    table.rows.push_back({study::name_of(estimator), count_text(errors.windows), mse_text(errors.mse),
+    table.rows.push_back({label_of(estimator), count_text(errors.windows), mse_text(errors.mse),
                           rate_text(errors.rmse_dps), rate_text(errors.median_dps), rate_text(errors.p95_dps),
                           share_text(errors.outlier_share), rate_text(errors.bias_dps)});
   }
@@ -88,7 +88,7 @@ Section angles_section(const Model& model, const Evaluation& evaluation) {
   Table table;
   table.caption = "Drift in deg/min and, in brackets, the worst angle error in deg";
   table.header = {"acquisition"};
-  for (const Estimator estimator : estimators) table.header.push_back(study::name_of(estimator));
+  for (const Estimator estimator : estimators) table.header.push_back(label_of(estimator));
   for (std::size_t i = 0; i < evaluation.angles.size(); ++i) {
     const study::AngleTrack& track = evaluation.angles[i];
     const std::string name = i < evaluation.names.size() ? clean(evaluation.names[i]) : std::to_string(i + 1);

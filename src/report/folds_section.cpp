@@ -38,7 +38,7 @@ Table detail_table(const StudyView& view) {
       "Nf = 3, Nr = 1 in deg/s: RMSE / median |error| / 95th percentile / |error| above 30 deg/s / mean "
       "error";
   table.header = {"fold", "windows"};
-  for (const auto estimator : study::all_estimators) table.header.push_back(study::name_of(estimator));
+  for (const auto estimator : study::all_estimators) table.header.push_back(label_of(estimator));
   for (const std::string& fold : view.folds) {
     const study::JobResult* thermal = view.job(reference_setting(), false, fold);
     const study::JobResult* fusion = view.job(reference_setting(), true, fold);

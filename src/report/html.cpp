@@ -49,17 +49,36 @@ std::string script_data(const nlohmann::json& data) {
   return out;
 }
 
+/// A figure or two, such as "0.0122" and "-3.1 (12)".
 bool is_number(const std::string& cell) {
+  constexpr std::size_t longest = 16;
   const std::size_t first = cell.starts_with('-') ? 1 : 0;
-  return cell == no_value ||
-         (first < cell.size() && std::isdigit(static_cast<unsigned char>(cell[first])) != 0);
+  return cell == no_value || (first < cell.size() && cell.size() <= longest &&
+                              std::isdigit(static_cast<unsigned char>(cell[first])) != 0);
 }
 
-std::string cell_of(const Table& table, std::size_t column, const std::string& text) {
-  if (column == 0) return "<th scope=\"row\">" + escaped(text) + "</th>";
-  const std::string content =
-      table.emphasised == column ? "<strong>" + escaped(text) + "</strong>" : escaped(text);
-  return (is_number(text) ? "<td class=\"number\">" : "<td>") + content + "</td>";
+/// Columns of figures alone, which stand on the right.
+std::vector<bool> number_columns(const Table& table) {
+  std::vector<bool> numbers(table.header.size(), !table.rows.empty());
+  for (const auto& row : table.rows)
+    for (std::size_t column = 0; column < row.size() && column < numbers.size(); ++column)
+      numbers[column] = numbers[column] && is_number(row[column]);
+  return numbers;
+}
+
+std::string element(const std::string& tag, const std::string& attributes, const std::string& content) {
+  return "<" + tag + attributes + ">" + content + "</" + tag + ">";
+}
+
+std::string row_of(const Table& table, const std::vector<bool>& numbers,
+                   const std::vector<std::string>& row) {
+  std::string out = "<tr>" + element("th", " scope=\"row\"", escaped(row.front()));
+  for (std::size_t column = 1; column < row.size(); ++column) {
+    const std::string text = escaped(row[column]);
+    out += element("td", numbers[column] ? " class=\"number\"" : "",
+                   table.emphasised == column ? element("strong", "", text) : text);
+  }
+  return out + "</tr>\n";
 }
 
 std::string groups_of(const Table& table) {
@@ -82,19 +101,23 @@ std::vector<bool> starts_of(const Table& table) {
   return starts;
 }
 
+std::string columns_of(const Table& table) {
+  std::string out = "<colgroup>";
+  for (const bool start : starts_of(table)) out += start ? "<col class=\"start\">" : "<col>";
+  return out + "</colgroup>\n";
+}
+
 std::string table_of(const Table& table) {
-  std::string out = "<div class=\"table\"><table>\n<caption>" + escaped(table.caption) + "</caption>\n";
-  const auto starts = starts_of(table);
-  out += "<colgroup>";
-  for (const bool start : starts) out += start ? "<col class=\"start\">" : "<col>";
-  out += "</colgroup>\n<thead>" + groups_of(table) + "<tr>";
-  for (const std::string& title : table.header) out += "<th scope=\"col\">" + escaped(title) + "</th>";
+  const auto numbers = number_columns(table);
+  std::string out = "<div class=\"table\">";
+  out += table.emphasised ? "<table class=\"verdicts\">\n" : "<table>\n";
+  out += element("caption", "", escaped(table.caption)) + "\n" + columns_of(table);
+  out += "<thead>" + groups_of(table) + "<tr>";
+  for (std::size_t column = 0; column < table.header.size(); ++column)
+    out += element("th", numbers[column] && column > 0 ? " scope=\"col\" class=\"number\"" : " scope=\"col\"",
+                   escaped(table.header[column]));
   out += "</tr></thead>\n<tbody>\n";
-  for (const auto& row : table.rows) {
-    out += "<tr>";
-    for (std::size_t column = 0; column < row.size(); ++column) out += cell_of(table, column, row[column]);
-    out += "</tr>\n";
-  }
+  for (const auto& row : table.rows) out += row_of(table, numbers, row);
   return out + "</tbody></table></div>\n";
 }
 

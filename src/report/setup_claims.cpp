@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "claims.h"
+#include "paper_figures.h"
 #include "seed_spread.h"
 #include "text.h"
 
@@ -12,6 +13,12 @@ namespace thermorig::report {
 namespace {
 
 using study::SettingSummary;
+
+/// By what it differs from the reference.
+std::string place_of(const Setting& setting) {
+  return setting.reduction == paper_reduction ? fmt::format("Nf = {}", setting.frames)
+                                              : fmt::format("Nr = {}", setting.reduction);
+}
 
 /// How often the first of two figures is smaller, the same or larger.
 struct Tally {
@@ -41,8 +48,7 @@ Claim compare_setups(const StudyView& view, Claim claim, double (*figure)(const 
     const double with = figure(*fusion), without = figure(*thermal);
     if (!std::isfinite(with) || !std::isfinite(without)) continue;
     tally.add(compare(with, without, factor));
-    numbers += fmt::format("; {}: {} against {}", setting_text(setting.frames, setting.reduction),
-                           mse_text(with), mse_text(without));
+    numbers += fmt::format("; {}: {} against {}", place_of(setting), mse_text(with), mse_text(without));
   }
   claim.verdict = tally.verdict();
   claim.evidence =
@@ -62,7 +68,7 @@ Claim smaller_spread_claim(const StudyView& view) {
 
 Claim beats_gyro_claim(const StudyView& view, study::Estimator gyro) {
   Claim claim{gyro == study::Estimator::gyro ? "beats_gyro" : "beats_unbiased_gyro",
-              fmt::format("Fusion has a lower median MSE than its own input, {}", study::name_of(gyro))};
+              fmt::format("Fusion has a lower median MSE than its own input, {}", label_of(gyro))};
   claim.of_paper = false;
   const double factor = seed_factor(view, true, median_of).value_or(1.0);
   Tally tally;
@@ -73,8 +79,7 @@ Claim beats_gyro_claim(const StudyView& view, study::Estimator gyro) {
     const double with = median_of(*fusion), without = fusion->mse[static_cast<std::size_t>(gyro)].median;
     if (!std::isfinite(with) || !std::isfinite(without)) continue;
     tally.add(compare(with, without, factor));
-    numbers += fmt::format("; {}: {} against {}", setting_text(setting.frames, setting.reduction),
-                           mse_text(with), mse_text(without));
+    numbers += fmt::format("; {}: {} against {}", place_of(setting), mse_text(with), mse_text(without));
   }
   claim.verdict = tally.verdict();
   claim.evidence =

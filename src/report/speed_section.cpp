@@ -82,7 +82,7 @@ Table magnitude_table(const std::vector<SpeedErrors>& speeds, double label_scale
   table.folded = magnitudes.size() > 8;
   table.groups = {{"", 1}, {"windows", 2}, {"RMSE, deg/s", estimators.size()}};
   table.header = {"|speed|, deg/s", "negative", "positive"};
-  for (const Estimator estimator : estimators) table.header.push_back(study::name_of(estimator));
+  for (const Estimator estimator : estimators) table.header.push_back(label_of(estimator));
   for (const auto& [rate_dps, magnitude] : magnitudes) {
     std::vector<std::string> row{fmt::format("{:g}", rate_dps), count_text(magnitude.negative),
                                  count_text(magnitude.positive)};
@@ -111,7 +111,7 @@ Chart speed_chart(const std::vector<SpeedErrors>& speeds, double label_scale_dps
       y.push_back(std::sqrt(speed.mse[static_cast<std::size_t>(estimator)]) * label_scale_dps);
     }
     lines.push_back(
-        {{"name", study::name_of(estimator)}, {"key", key_of(estimator)}, {"x", drawn(x)}, {"y", drawn(y)}});
+        {{"name", label_of(estimator)}, {"key", key_of(estimator)}, {"x", drawn(x)}, {"y", drawn(y)}});
   }
   chart.data = {{"kind", "lines"},
                 {"x", "commanded speed, deg/s"},

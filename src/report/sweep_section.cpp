@@ -68,7 +68,7 @@ std::vector<std::string> gyro_row(const StudyView& view, Estimator estimator) {
   const auto index = static_cast<std::size_t>(estimator);
   const std::string median = summary == nullptr ? "no result" : value_text(view, summary->mse[index].median);
   const std::string iqr = summary == nullptr ? "no result" : mse_text(summary->mse[index].iqr);
-  return {fmt::format("{} (Nf = {})", study::name_of(estimator), paper_frames),
+  return {fmt::format("{} (Nf = {})", label_of(estimator), paper_frames),
           no_value,
           no_value,
           no_value,
@@ -109,7 +109,7 @@ Table estimator_table(const StudyView& view, const Sweep& sweep) {
   for (const Setting& setting : sweep.settings)
     table.header.push_back(fmt::format("{} = {}", sweep.axis_name, setting.*sweep.axis));
   for (const Estimator estimator : study::all_estimators) {
-    std::vector<std::string> row{study::name_of(estimator)};
+    std::vector<std::string> row{label_of(estimator)};
     for (const Setting& setting : sweep.settings) {
       const SettingSummary* summary = summary_for(view, setting, estimator);
       const auto index = static_cast<std::size_t>(estimator);
@@ -142,7 +142,7 @@ json gyro_line(const StudyView& view, const Sweep& sweep, Estimator estimator) {
     values.push_back(summary == nullptr ? json(nullptr)
                                         : drawn(summary->mse[static_cast<std::size_t>(estimator)].median));
   }
-  return {{"name", study::name_of(estimator) + " (median)"}, {"key", key_of(estimator)}, {"values", values}};
+  return {{"name", label_of(estimator) + " (median)"}, {"key", key_of(estimator)}, {"values", values}};
 }
 
 json paper_medians(const Sweep& sweep, bool fusion) {

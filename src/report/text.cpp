@@ -32,12 +32,16 @@ std::string share_text(double share) {
 
 std::string count_text(std::size_t n) {
   std::string text = std::to_string(n);
-  for (std::size_t digits = 3; digits < text.size(); digits += 4) text.insert(text.size() - digits, ",");
+  for (std::size_t digits = 3; digits < text.size(); digits += 4) text.insert(text.size() - digits, 1, ',');
   return text;
 }
 
 std::string setting_text(int frames, int reduction) {
   return fmt::format("Nf = {}, Nr = {}", frames, reduction);
+}
+
+std::string label_of(study::Estimator estimator) {
+  return estimator == study::Estimator::gyro ? "gyro-only" : study::name_of(estimator);
 }
 
 std::string clean(const std::string& text) {

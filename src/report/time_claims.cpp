@@ -35,8 +35,8 @@ Verdict drift_verdict(double fusion, double gyro, double factor) {
 
 std::string drift_text(const StudyView& view, Estimator estimator) {
   const DriftSummary drift = drift_summary(view, estimator);
-  return fmt::format("{} {} (worst angle {} deg)", study::name_of(estimator),
-                     rate_text(drift.median_deg_per_min), angle_text(drift.worst_deg));
+  return fmt::format("{} {} (worst angle {} deg)", label_of(estimator), rate_text(drift.median_deg_per_min),
+                     angle_text(drift.worst_deg));
 }
 
 }  // namespace

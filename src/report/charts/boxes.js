@@ -112,7 +112,7 @@ export function boxesOption(chart, theme) {
   const names = [...chart.boxes, ...chart.lines, ...chart.paper].map((series) => series.name);
   return {
     textStyle: textStyle(theme),
-    grid: { left: 66, right: 14, top: 14, bottom: 104 },
+    grid: { left: 66, right: 14, top: 14, bottom: 88 },
     legend: legend(theme, names),
     tooltip: tooltip(theme, { trigger: 'item' }),
     xAxis: axis(theme, chart.axis, {

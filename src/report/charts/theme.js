@@ -42,7 +42,7 @@ export function axis(theme, name, rest) {
     nameLocation: 'middle',
     nameTextStyle: { color: theme.quiet, fontSize: 12 },
     axisLabel: { color: theme.quiet, hideOverlap: true, formatter: number },
-    axisLine: { show: true, lineStyle: { color: theme.quiet } },
+    axisLine: { show: true, onZero: false, lineStyle: { color: theme.quiet } },
     axisTick: { lineStyle: { color: theme.quiet } },
     splitLine: { lineStyle: { color: theme.line, width: 0.7 } },
     ...rest,
