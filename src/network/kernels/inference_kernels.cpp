@@ -15,7 +15,7 @@ int list_nonzero(const float* values, int count, uint16_t* places) {
   for (int i = 0; i < count; i += lanes) {
     const __mmask16 inside = static_cast<__mmask16>(count - i < lanes ? (1 << (count - i)) - 1 : 0xFFFF);
     const __mmask16 kept = _mm512_mask_cmp_ps_mask(inside, load(values + i), Vector{}, _CMP_NEQ_UQ);
-    const __m256i narrow = _mm512_maskz_cvtepi32_epi16(0xFFFF, _mm512_maskz_compress_epi32(kept, place));
+    const __m256i narrow = _mm512_cvtepi32_epi16(_mm512_maskz_compress_epi32(kept, place));
     _mm256_storeu_si256(reinterpret_cast<__m256i*>(places + found), narrow);
     found += __builtin_popcount(kept);
     place = _mm512_add_epi32(place, _mm512_set1_epi32(lanes));

@@ -31,11 +31,10 @@ inline constexpr float largest_half = 65504.0F;
 // With a mask of all: GCC 12 takes the plain intrinsics for reads of something uninitialised (its bug
 // 105593).
 static inline Vector load(const uint16_t* halves) {
-  return _mm512_maskz_cvtph_ps(0xFFFF, _mm256_loadu_si256(reinterpret_cast<const __m256i*>(halves)));
+  return _mm512_cvtph_ps(_mm256_loadu_si256(reinterpret_cast<const __m256i*>(halves)));
 }
 static inline void store(uint16_t* halves, Vector v) {
-  _mm256_storeu_si256(reinterpret_cast<__m256i*>(halves),
-                      _mm512_maskz_cvtps_ph(0xFFFF, v, _MM_FROUND_TO_NEAREST_INT));
+  _mm256_storeu_si256(reinterpret_cast<__m256i*>(halves), _mm512_cvtps_ph(v, _MM_FROUND_TO_NEAREST_INT));
 }
 
 #elif defined(__F16C__)
