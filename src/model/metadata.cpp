@@ -70,9 +70,10 @@ std::vector<std::pair<std::string, std::string>> metadata_of(const Model& model)
   entries.add(key::epoch_kept, from.epoch_kept);
   entries.add(key::simulated, from.simulated);
   entries.add_text(key::data_licence, from.data_licence);
-  entries.add(key::weights_crc32, crc32_of(model.weights));
   entries.add_data(key::training_data, from.training);
   entries.add_data(key::held_out_data, from.held_out);
+  // The last, and required: a file that was cut off after any entry lacks it.
+  entries.add(key::weights_crc32, crc32_of(model.weights));
   return entries.take();
 }
 

@@ -51,9 +51,10 @@ bool has_dimensions(const onnx::TensorProto& tensor, std::vector<int> dimensions
 /// Without a branch a value: the loop becomes vectors.
 bool all_finite(std::span<const float> values) {
   constexpr std::uint32_t exponent = 0x7F800000U;
-  bool finite = true;
-  for (const float value : values) finite &= (std::bit_cast<std::uint32_t>(value) & exponent) != exponent;
-  return finite;
+  std::uint32_t odd = 0;
+  for (const float value : values)
+    odd |= (std::bit_cast<std::uint32_t>(value) & exponent) == exponent ? 1U : 0U;
+  return odd == 0;
 }
 
 std::vector<float> transpose_of(std::span<const float> values, std::size_t rows, std::size_t columns) {
