@@ -28,8 +28,6 @@ inline constexpr float largest_half = 65504.0F;
 
 #if defined(__AVX512F__)
 
-// With a mask of all: GCC 12 takes the plain intrinsics for reads of something uninitialised (its bug
-// 105593).
 static inline Vector load(const uint16_t* halves) {
   return _mm512_cvtph_ps(_mm256_loadu_si256(reinterpret_cast<const __m256i*>(halves)));
 }
