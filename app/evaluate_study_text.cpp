@@ -29,7 +29,7 @@ std::vector<std::string> row_of(const SettingSummary& summary) {
           rate_text(summary.rmse_dps[own]),
           median(Estimator::gyro),
           median(Estimator::gyro_unbiased),
-          gain_text(summary.gain.mean)};
+          summary.fusion ? gain_text(summary.gain.mean) : "-"};
 }
 
 }  // namespace

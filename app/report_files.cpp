@@ -1,27 +1,10 @@
 // SPDX-License-Identifier: MIT
 #include "report_files.h"
 
-#include <cerrno>
-#include <cstring>
-#include <fstream>
-
 #include "thermorig/core/error.h"
+#include "thermorig/files/whole_file.h"
 
 namespace thermorig::app {
-
-namespace {
-
-void write_text(const std::filesystem::path& path, const std::string& text) {
-  errno = 0;
-  std::ofstream file(path, std::ios::binary);
-  file.write(text.data(), static_cast<std::streamsize>(text.size()));
-  file.close();
-  if (file.fail())
-    throw Error(ExitCode::storage, std::string("cannot write the report: ") + std::strerror(errno),
-                path.string(), "choose another folder with --output");
-}
-
-}  // namespace
 
 void write_report(const std::filesystem::path& folder, const ReportTexts& texts) {
   std::error_code failure;
@@ -29,9 +12,9 @@ void write_report(const std::filesystem::path& folder, const ReportTexts& texts)
   if (failure)
     throw Error(ExitCode::storage, "cannot make the folder: " + failure.message(), folder.string(),
                 "choose another with --output");
-  write_text(folder / "report.md", texts.markdown);
-  write_text(folder / "report.json", texts.json);
-  write_text(folder / "report.html", texts.html);
+  files::write_whole(folder / "report.md", texts.markdown, "the report");
+  files::write_whole(folder / "report.json", texts.json, "the report");
+  files::write_whole(folder / "report.html", texts.html, "the report");
 }
 
 }  // namespace thermorig::app

@@ -1,19 +1,13 @@
 // SPDX-License-Identifier: MIT
 #include "result_file.h"
 
-#include <fcntl.h>
 #include <fmt/format.h>
-#include <sys/file.h>
-#include <sys/stat.h>
-#include <unistd.h>
 
 #include <algorithm>
-#include <cerrno>
-#include <cstring>
-#include <string_view>
 
 #include "fingerprint.h"
 #include "thermorig/core/error.h"
+#include "thermorig/files/whole_file.h"
 
 namespace thermorig::study {
 
@@ -21,54 +15,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::size_t max_file_bytes = 4'000'000;
-
-[[noreturn]] void refuse(const std::string& action, const fs::path& path) {
-  throw Error(ExitCode::storage, fmt::format("{}: {}", action, std::strerror(errno)), path.string(),
-              "check the folder and its disk, then run the study again: finished jobs are not repeated");
-}
-
-/// An open file or folder, closed when this goes.
-class OpenFile {
- public:
-  OpenFile(const fs::path& path, int flags, const std::string& action) : path_(path) {
-    descriptor_ = ::open(path.c_str(), flags | O_CLOEXEC, 0644);
-    if (descriptor_ < 0) refuse(action, path);
-  }
-  ~OpenFile() { ::close(descriptor_); }
-  OpenFile(const OpenFile&) = delete;
-  OpenFile& operator=(const OpenFile&) = delete;
-
-  void write(std::string_view text) const {
-    while (!text.empty()) {
-      const ::ssize_t count = ::write(descriptor_, text.data(), text.size());
-      if (count < 0 && errno == EINTR) continue;
-      if (count < 0) refuse("cannot write the result", path_);
-      text.remove_prefix(static_cast<std::size_t>(count));
-    }
-  }
-
-  std::string read() const {
-    std::string text;
-    char part[65536];
-    while (text.size() <= max_file_bytes) {
-      const ::ssize_t count = ::read(descriptor_, part, sizeof part);
-      if (count < 0 && errno == EINTR) continue;
-      if (count < 0) refuse("cannot read the result", path_);
-      if (count == 0) break;
-      text.append(part, static_cast<std::size_t>(count));
-    }
-    return text;
-  }
-
-  void sync() const {
-    if (::fsync(descriptor_) != 0 && errno != EINVAL) refuse("cannot sync the result", path_);
-  }
-
- private:
-  fs::path path_;
-  int descriptor_ = -1;
-};
+constexpr std::size_t max_file_bytes = 4'000'000;  // a result has below 20 kB
+const std::string noun = "the result";
 
 /// Only letters, digits, '-' and '_': a name in a session must not lead out of the folder.
 std::string safe_name(const std::string& text) {
@@ -100,20 +48,12 @@ std::string file_name_of(const Job& job) {
 }
 
 void write_result(const fs::path& folder, const JobResult& result) {
-  const fs::path path = folder / file_name_of(result.job);
-  const fs::path part = path.string() + ".part";
-  {
-    const OpenFile file(part, O_WRONLY | O_CREAT | O_TRUNC | O_NOFOLLOW, "cannot create the result");
-    file.write(to_json(result));
-    file.sync();
-  }
-  if (::rename(part.c_str(), path.c_str()) != 0) refuse("cannot name the result", path);
-  OpenFile(folder, O_RDONLY | O_DIRECTORY, "cannot open the folder").sync();
+  files::write_whole(folder / file_name_of(result.job), to_json(result), noun);
 }
 
 JobResult read_result(const fs::path& path) {
-  const OpenFile file(path, O_RDONLY | O_NONBLOCK, "cannot open the result");
-  return result_from_json(file.read(), path.string());
+  const std::vector<std::uint8_t> bytes = files::read_whole(path, max_file_bytes, noun);
+  return result_from_json({bytes.begin(), bytes.end()}, path.string());
 }
 
 std::optional<JobResult> find_result(const fs::path& folder, const Job& job) {
@@ -126,23 +66,11 @@ std::optional<JobResult> find_result(const fs::path& folder, const Job& job) {
               "delete it and run the study again: only this job is then repeated");
 }
 
-FolderLock::FolderLock(const fs::path& folder) {
-  std::error_code failure;
-  fs::create_directories(folder, failure);
-  if (failure) {
-    errno = failure.value();
-    refuse("cannot make the folder", folder);
-  }
-  descriptor_ = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-  if (descriptor_ < 0) refuse("cannot open the folder", folder);
-  if (::flock(descriptor_, LOCK_EX | LOCK_NB) == 0) return;
-  ::close(descriptor_);
-  throw Error(ExitCode::no_permission, "another program is running a study in this folder", folder.string(),
-              "wait until it has ended, or choose another folder with --output");
-}
-
-FolderLock::~FolderLock() {
-  ::close(descriptor_);
+void remove_parts(const fs::path& folder) {
+  std::error_code ignored;  // what cannot be removed is in nobody's way
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder, ignored))
+    if (entry.path().extension() == ".part" && entry.is_regular_file(ignored))
+      fs::remove(entry.path(), ignored);
 }
 
 }  // namespace thermorig::study

@@ -3,6 +3,7 @@
 #include <cassert>
 #include <thread>
 
+#include "folder_lock.h"
 #include "job_board.h"
 #include "result_file.h"
 
@@ -47,6 +48,7 @@ bool run_jobs(std::span<const Job> jobs, std::span<const Acquisition> acquisitio
               int workers, const RunObserver& observer) {
   assert(workers >= 1);
   const FolderLock lock(folder);
+  remove_parts(folder);
   std::vector<Job> left = without_result(jobs, folder);
   const std::size_t count = left.size();
   const std::size_t threads = std::min(static_cast<std::size_t>(workers), count);
