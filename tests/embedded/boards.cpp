@@ -59,8 +59,9 @@ BoardRun parsed(const std::string& text) {
     Speeds speeds;
     if (word == "state") words >> run.state_bytes;
     if (word == "took") words >> run.instructions >> run.stack_bytes;
-    if (word == "window" && words >> speeds.fusion_dps >> speeds.thermal_dps >> speeds.gain)
-      run.windows.push_back(speeds);
+    const bool again = word == "again";
+    if ((again || word == "window") && words >> speeds.fusion_dps >> speeds.thermal_dps >> speeds.gain)
+      (again ? run.first_again : run.windows).push_back(speeds);
     ended = word == "end";
   }
   if (!ended) run.failure = "did not come to its end: " + text;
@@ -104,16 +105,17 @@ Speeds speeds_of(const std::deque<Prepared>& window, const model::Model& model,
 
 }  // namespace
 
-BoardRun run_on(const Board& board, const embedded::CSource& source) {
+BoardRun run_on(const Board& board, const embedded::CSource& source, int frames) {
   const Folder folder;
   for (const embedded::SourceFile& file : source.files) std::ofstream(folder.path() / file.name) << file.text;
   const std::string header = source.files.front().name, name = header.substr(0, header.size() - 2);
   const auto out = folder.path() / "out.txt", program = folder.path() / "program";
   const std::string compile = fmt::format(
-      "cd {} && {} -I. -DNETWORK_HEADER='\"{}\"' -DNETWORK_NAME={} -DFRAMES_TO_PUSH={} {}.c {}/board_main.c "
+      "cd {} && {} -I. -DNETWORK_HEADER='\"{}\"' -DNETWORK_NAME={} -DFRAMES_A_WINDOW={} -DFRAMES_TO_PUSH={} "
+      "{}.c {}/board_main.c "
       "-o program "
       "-lm",
-      folder.path().string(), board.compiler, header, name, frames_to_push, name,
+      folder.path().string(), board.compiler, header, name, frames, frames_to_push, name,
       THERMORIG_SOURCE_DIR "/tests/embedded");
   if (!succeeded(compile, out)) return {.failure = compile + "\n" + text_of(out)};
   if (!succeeded(board.runner + " " + program.string(), out))

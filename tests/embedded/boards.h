@@ -21,6 +21,7 @@ struct BoardRun {
   std::string failure;  // what went wrong, empty: nothing
   std::size_t state_bytes = 0;
   std::vector<Speeds> windows;
+  std::vector<Speeds> first_again;  // the first window, by the function that takes one at once
   std::uint64_t instructions = 0, stack_bytes = 0;  // of a window, on a board that counts them
 };
 
@@ -36,7 +37,7 @@ inline constexpr int frames_to_push = 9;
 
 /// Writes the source into a folder of its own, compiles it with board_main.c and runs it over
 /// `frames_to_push` frames that a generator makes.
-BoardRun run_on(const Board& board, const embedded::CSource& source);
+BoardRun run_on(const Board& board, const embedded::CSource& source, int frames);
 
 /// The same frames through windows::prepare_frame and network::Estimator.
 std::vector<Speeds> expected_speeds(const model::Model& model);

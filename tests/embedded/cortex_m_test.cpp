@@ -46,7 +46,7 @@ class OnACortexM : public ::testing::TestWithParam<std::size_t> {
     const Core& core = cores[GetParam()];
     const model::Model model = random_model(shape, 5);
     const embedded::CSource source = c_source(model, kind, "net");
-    const BoardRun run = run_on(board_of(core), source);
+    const BoardRun run = run_on(board_of(core), source, shape.frames);
     ASSERT_TRUE(run.failure.empty()) << run.failure;
     EXPECT_EQ(run.state_bytes, source.working_bytes);
     EXPECT_LT(run.stack_bytes, 512U);
