@@ -18,6 +18,13 @@ void add_network(CLI::App& command, TrainOptions& options) {
                    "With the gyro and its gate (default), or from the images alone");
 }
 
+/// A word and its opposite; nothing is set where neither is given, so that the preset decides.
+void add_choice(CLI::App& command, const std::string& name, std::optional<bool>& choice,
+                const std::string& meaning) {
+  command.add_flag_function(
+      "--" + name + ",!--no-" + name, [&choice](std::int64_t count) { choice = count > 0; }, meaning);
+}
+
 void add_settings(CLI::App& command, TrainOptions& options) {
   command
       .add_option("--preset", options.preset,
@@ -34,10 +41,9 @@ void add_settings(CLI::App& command, TrainOptions& options) {
       .add_option("--auxiliary-thermal", options.auxiliary_thermal,
                   "Weight of the loss on the thermal estimate alone; 0: none, as in the paper")
       ->type_name("W");
-  command.add_flag("--mirror,!--no-mirror", options.mirror,
-                   "Show half of the windows flipped, speed and gyro negated");
-  command.add_flag("--choose-epoch,!--no-choose-epoch", options.choose_epoch,
-                   "Keep the epoch that is best on one held-out acquisition, or the last one");
+  add_choice(command, "mirror", options.mirror, "Show half of the windows flipped, speed and gyro negated");
+  add_choice(command, "choose-epoch", options.choose_epoch,
+             "Keep the epoch that is best on one held-out acquisition, or the last one");
   command
       .add_option("--label-scale", options.label_scale_dps, "Speeds are divided by it (default 200 deg/s)")
       ->type_name("DPS");
