@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <vector>
+
+#include "thermorig/study/evaluation.h"
+
+namespace thermorig::study {
+
+/// An acquisition of N frames, 0.1 s apart, all in run 1 and one leg at `rate_dps`; no pixels.
+inline windows::Acquisition plain_acquisition(const std::string& name, std::size_t frames, float rate_dps) {
+  windows::Acquisition acquisition;
+  acquisition.name = name;
+  acquisition.environment = "garden";
+  acquisition.label_dps.assign(frames, rate_dps);
+  acquisition.gyro_dps.assign(frames, rate_dps);
+  acquisition.leg_rate_dps.assign(frames, rate_dps);
+  acquisition.run.assign(frames, 1);
+  for (std::size_t i = 0; i < frames; ++i)
+    acquisition.time.push_back(host_time_ns(static_cast<std::int64_t>(i) * 100'000'000));
+  return acquisition;
+}
+
+/// An estimate whose errors against `label_dps` are these.
+inline training::WindowEstimate estimate(std::uint32_t last, float label_dps, float thermal_error,
+                                         float fusion_error, float gyro_error, float gain = 0.5F) {
+  training::WindowEstimate estimate;
+  estimate.window = {0, last};
+  estimate.label_dps = label_dps;
+  estimate.thermal_dps = label_dps + thermal_error;
+  estimate.fusion_dps = label_dps + fusion_error;
+  estimate.gyro_dps = label_dps + gyro_error;
+  estimate.gain = gain;
+  return estimate;
+}
+
+inline std::size_t index(Estimator estimator) {
+  return static_cast<std::size_t>(estimator);
+}
+
+}  // namespace thermorig::study

@@ -1,0 +1,170 @@
+// SPDX-License-Identifier: MIT
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <nlohmann/json.hpp>
+#include <random>
+
+#include "estimates_of.h"
+#include "thermorig/core/error.h"
+#include "thermorig/study/study.h"
+
+namespace thermorig::study {
+namespace {
+
+using nlohmann::json;
+
+/// As large as one of the paper's: 50 speeds, an angle of 120 points.
+JobResult paper_sized() {
+  windows::Acquisition acquisition = plain_acquisition("garden_acq-01", 2600, 100.0F);
+  acquisition.rest_bias_dps = 1.0 / 3.0;
+  std::mt19937_64 random(1);
+  std::vector<training::WindowEstimate> estimates;
+  for (std::uint32_t i = 1; i < 2600; ++i) {
+    acquisition.leg_rate_dps[i] = static_cast<float>(i / 52) * 8.1F - 200.0F;
+    const auto error = [&] { return static_cast<float>(random() % 100'000) * 1e-3F - 50.0F; };
+    estimates.push_back(estimate(i, acquisition.leg_rate_dps[i], error(), error(), error(),
+                                 static_cast<float>(random() % 1000) * 1e-3F));
+  }
+  JobResult result;
+  result.job.preset = "paper";
+  result.job.test = acquisition.name;
+  result.job.test_hash = result.job.data_hash = std::string(64, 'a');
+  result.evaluation = evaluate(estimates, std::span(&acquisition, 1), EvaluationConfig{.angle_points = 120});
+  result.training_mse.assign(40, 0.1 / 3.0);
+  result.instruction_set = "AVX-512";
+  return result;
+}
+
+std::string refusal(const std::string& text) {
+  try {
+    result_from_json(text, "file");
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), ExitCode::not_a_session);
+    EXPECT_EQ(error.where(), "file");
+    return error.what_happened();
+  }
+  return "";
+}
+
+TEST(ResultJson, IsReadBackEqual) {
+  const JobResult result = paper_sized();
+  const std::string text = to_json(result);
+  const JobResult back = result_from_json(text, "");
+  EXPECT_EQ(to_json(back), text);
+  EXPECT_EQ(back.job, result.job);
+  EXPECT_EQ(back.evaluation.errors[0].mse, result.evaluation.errors[0].mse);
+  EXPECT_EQ(back.evaluation.speeds.size(), 50U);
+  EXPECT_EQ(back.evaluation.gain.histogram, result.evaluation.gain.histogram);
+  EXPECT_EQ(back.evaluation.angles.at(0).error_deg, result.evaluation.angles.at(0).error_deg);
+  EXPECT_EQ(back.training_mse, result.training_mse);
+}
+
+TEST(ResultJson, KeepsExtremeNumbersAndUnknownOnes) {
+  JobResult result = paper_sized();
+  result.job.seed = std::numeric_limits<std::uint64_t>::max();
+  result.seconds = std::numeric_limits<double>::denorm_min();
+  result.evaluation.errors[0].mse = std::numeric_limits<double>::max();
+  result.evaluation.errors[3].mse = std::nan("");
+  const JobResult back = result_from_json(to_json(result), "");
+  EXPECT_EQ(back.job.seed, result.job.seed);
+  EXPECT_EQ(back.seconds, result.seconds);
+  EXPECT_EQ(back.evaluation.errors[0].mse, result.evaluation.errors[0].mse);
+  EXPECT_TRUE(std::isnan(back.evaluation.errors[3].mse));
+}
+
+TEST(ResultJson, StaysSmall) {
+  EXPECT_LT(to_json(paper_sized()).size(), 20'000U);
+}
+
+TEST(ResultJson, IsRefusedWhenCutShort) {
+  const std::string text = to_json(paper_sized());
+  for (std::size_t length = 0; length + 2 < text.size(); length += 97)
+    EXPECT_NE(refusal(text.substr(0, length)), "") << length;
+}
+
+TEST(ResultJson, IsRefusedWithoutAnyOfItsFields) {
+  const json whole = json::parse(to_json(paper_sized())).flatten();
+  for (const auto& [path, value] : whole.items()) {
+    if (path.find("/estimators") == 0) continue;  // for people
+    const json::json_pointer pointer(path);
+    json less = whole.unflatten();
+    json& parent = less[pointer.parent_pointer()];
+    if (!parent.is_object()) continue;  // a shorter list: see below
+    parent.erase(pointer.back());
+    EXPECT_THAT(refusal(less.dump()), testing::HasSubstr("missing")) << path;
+  }
+}
+
+TEST(ResultJson, IsRefusedWithValuesOfAnotherKind) {
+  const json whole = json::parse(to_json(paper_sized()));
+  const json flat = whole.flatten();
+  std::size_t count = 0;
+  for (const auto& [path, value] : flat.items()) {
+    if (path.find("/estimators") == 0 || ++count % 7 != 0) continue;  // a sample: there are a thousand
+    json other = whole;
+    other[json::json_pointer(path)] = json::object();
+    EXPECT_NE(refusal(other.dump()), "") << path;
+  }
+}
+
+TEST(ResultJson, IsRefusedWithListsOfAnotherLength) {
+  for (const char* const path :
+       {"/evaluation/errors", "/evaluation/speeds/0/mse", "/evaluation/gain/histogram", "/evaluation/names",
+        "/evaluation/angles/0/time_s", "/evaluation/angles/0/error_deg", "/evaluation/angles/0/error_deg/1",
+        "/evaluation/angles/0/worst_deg"}) {
+    json other = json::parse(to_json(paper_sized()));
+    json& list = other[json::json_pointer(path)];
+    list.erase(list.size() - 1);
+    EXPECT_THAT(refusal(other.dump()), testing::HasSubstr("length")) << path;
+  }
+}
+
+TEST(ResultJson, IsRefusedWithCountsThatAreNone) {
+  for (const json& value :
+       {json(-1), json(0.5), json("1"), json(), json(1e300), json(std::uint64_t{1} << 60U)}) {
+    json other = json::parse(to_json(paper_sized()));
+    other["training_windows"] = value;
+    EXPECT_NE(refusal(other.dump()), "") << value;
+  }
+}
+
+TEST(ResultJson, IsRefusedOutsideTheNetworksSettings) {
+  for (const auto& [field, value] : std::vector<std::pair<std::string, int>>{
+           {"frames", 7}, {"frames", 1}, {"reduction", 4}, {"epochs", 0}, {"history", -1}}) {
+    json other = json::parse(to_json(paper_sized()));
+    other["job"][field] = value;
+    EXPECT_THAT(refusal(other.dump()), testing::HasSubstr("job." + field)) << value;
+  }
+}
+
+TEST(ResultJson, OfAnotherFormatOrVersionIsRefused) {
+  json other = json::parse(to_json(paper_sized()));
+  other["version"] = 2;
+  EXPECT_THAT(refusal(other.dump()), testing::HasSubstr("version"));
+  other["format"] = "something else";
+  EXPECT_THAT(refusal(other.dump()), testing::HasSubstr("format"));
+}
+
+TEST(ResultJson, SurvivesHostileText) {
+  const std::string deep(1'000'000, '[');
+  for (const std::string& text :
+       {std::string(), std::string("null"), std::string("[]"), std::string("{}"), deep, "{\"job\":" + deep,
+        std::string("{\"format\":1e999}"), std::string("\xff\xfe{}"), std::string(5'000'000, ' ')})
+    EXPECT_NE(refusal(text), "") << text.substr(0, 20);
+}
+
+TEST(ResultJson, SurvivesDamagedBytes) {
+  const std::string text = to_json(paper_sized());
+  std::mt19937_64 random(7);
+  for (int i = 0; i < 300; ++i) {
+    std::string damaged = text;
+    for (int j = 0; j < 3; ++j) damaged[random() % damaged.size()] = static_cast<char>(random());
+    refusal(damaged);  // refused, or read as what it says: never a crash
+  }
+}
+
+}  // namespace
+}  // namespace thermorig::study

@@ -1,0 +1,232 @@
+// SPDX-License-Identifier: MIT
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <signal.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <cmath>
+#include <fstream>
+#include <map>
+
+#include "support/synthetic_acquisitions.h"
+#include "thermorig/core/error.h"
+#include "thermorig/study/study.h"
+
+namespace thermorig::study {
+namespace {
+
+namespace fs = std::filesystem;
+
+class RunJobs : public ::testing::Test {
+ protected:
+  RunJobs() {
+    std::string name = (fs::temp_directory_path() / "thermorig-study-XXXXXX").string();
+    if (mkdtemp(name.data()) == nullptr) std::abort();
+    folder_ = name;
+    config_.frames = {2, 3};
+    config_.reductions = {3};
+    config_.reference_reduction = 3;
+    config_.reference_seeds = {1};
+    config_.epochs = 1;
+  }
+  ~RunJobs() override {
+    std::error_code ignored;
+    fs::remove_all(folder_, ignored);
+  }
+
+  std::vector<Job> jobs() const { return jobs_of(config_, acquisitions_); }
+
+  /// Runs them all; how many had a result before.
+  std::size_t reused(const fs::path& folder, int workers = 1) const {
+    Progress last;
+    RunObserver observer;
+    observer.started = observer.job_done = [&](const Progress& progress) { last = progress; };
+    EXPECT_TRUE(run_jobs(jobs(), acquisitions_, folder, workers, observer));
+    EXPECT_EQ(last.done, jobs().size());
+    EXPECT_EQ(last.all, jobs().size());
+    return last.reused;
+  }
+
+  /// File names to results without the time they took.
+  static std::map<std::string, std::string> timeless(const fs::path& folder) {
+    std::map<std::string, std::string> texts;
+    for (JobResult& result : read_results(folder)) {
+      result.seconds = 0.0;
+      texts[file_name_of(result.job)] = to_json(result);
+    }
+    return texts;
+  }
+
+  Error refusal(int workers = 1) const {
+    try {
+      run_jobs(jobs(), acquisitions_, folder_, workers);
+    } catch (const Error& error) {
+      return error;
+    }
+    return {ExitCode::ok, "", "", ""};
+  }
+
+  fs::path folder_;
+  StudyConfig config_;
+  std::vector<windows::Acquisition> acquisitions_ = synthetic::make_acquisitions(
+      {"garden", "laboratory"}, 2, 1, {.rates_dps = {-100.0F, 100.0F}, .frames_per_leg = 12});
+};
+
+TEST_F(RunJobs, LeaveAResultEach) {
+  EXPECT_EQ(reused(folder_), 0U);
+  const std::vector<JobResult> results = results_of(jobs(), folder_);
+  ASSERT_EQ(results.size(), 8U);  // 2 folds, 2 set-ups, 2 Nf
+  for (const JobResult& result : results) {
+    // Windows of every Nf end at the same frames: those with 3 valid ones in a row.
+    EXPECT_EQ(result.evaluation.errors[0].windows, 20U);
+    EXPECT_EQ(result.training_windows, 60U);
+    EXPECT_EQ(result.evaluation.errors[1].windows, result.job.fusion ? 20U : 0U);
+    EXPECT_GT(result.evaluation.errors[0].mse, 0.0);
+    EXPECT_EQ(result.evaluation.names, std::vector<std::string>{result.job.test});
+    EXPECT_EQ(result.training_mse.size(), 1U);
+    EXPECT_EQ(result.epoch_kept, 1);
+    EXPECT_GT(result.weights, 40'000U);
+  }
+}
+
+TEST_F(RunJobs, GiveTheSameWithAnyNumberOfWorkers) {
+  reused(folder_ / "one", 1);
+  reused(folder_ / "three", 3);
+  EXPECT_EQ(timeless(folder_ / "one"), timeless(folder_ / "three"));
+}
+
+TEST_F(RunJobs, AreNeverRepeated) {
+  reused(folder_);
+  const auto before = timeless(folder_);
+  EXPECT_EQ(reused(folder_, 2), 8U);
+  EXPECT_EQ(timeless(folder_), before);
+}
+
+TEST_F(RunJobs, GoOnAfterAStop) {
+  std::size_t done = 0;
+  RunObserver observer;
+  observer.job_done = [&](const Progress& progress) { done = progress.done; };
+  observer.stop = [&] { return done == 3; };
+  EXPECT_FALSE(run_jobs(jobs(), acquisitions_, folder_, 1, observer));
+  EXPECT_EQ(results_of(jobs(), folder_).size(), 3U);
+  EXPECT_EQ(reused(folder_), 3U);
+}
+
+TEST_F(RunJobs, AreStoppedInTheMiddleOfATraining) {
+  config_.epochs = 5;
+  int epochs = 0;
+  RunObserver observer;
+  observer.epoch_done = [&](const Progress&) { ++epochs; };
+  observer.stop = [&] { return epochs == 2; };
+  EXPECT_FALSE(run_jobs(jobs(), acquisitions_, folder_, 1, observer));
+  EXPECT_EQ(epochs, 2);
+  EXPECT_TRUE(results_of(jobs(), folder_).empty());
+}
+
+TEST_F(RunJobs, GoOnAfterAKillWithoutRepeatingAJob) {
+  const pid_t child = fork();
+  if (child == 0) {
+    RunObserver observer;
+    observer.job_done = [](const Progress& progress) {
+      if (progress.done == 3) raise(SIGKILL);
+    };
+    run_jobs(jobs(), acquisitions_, folder_, 1, observer);
+    _exit(0);
+  }
+  int status = 0;
+  waitpid(child, &status, 0);
+  ASSERT_TRUE(WIFSIGNALED(status));
+  EXPECT_EQ(reused(folder_), 3U);
+  EXPECT_EQ(results_of(jobs(), folder_).size(), 8U);
+}
+
+TEST_F(RunJobs, RemoveWhatAKilledRunLeftHalfWritten) {
+  const fs::path part = folder_ / (file_name_of(jobs().front()) + ".4711.part");
+  std::ofstream(part) << "{\"format\":";
+  EXPECT_EQ(reused(folder_), 0U);
+  EXPECT_FALSE(fs::exists(part));
+}
+
+TEST_F(RunJobs, DoNotTakeResultsOfOtherJobs) {
+  reused(folder_);
+  config_.epochs = 2;
+  EXPECT_EQ(reused(folder_), 0U);
+  acquisitions_[3].hash = "another";
+  EXPECT_EQ(reused(folder_ / "other"), 0U);
+}
+
+TEST_F(RunJobs, NameADamagedResultBeforeAnythingIsTrained) {
+  reused(folder_);
+  const std::vector<Job> all = jobs();
+  const fs::path damaged = folder_ / file_name_of(all[6]);
+  fs::resize_file(damaged, fs::file_size(damaged) / 2);
+  fs::remove(folder_ / file_name_of(all[0]));
+  const Error error = refusal();
+  EXPECT_EQ(error.code(), ExitCode::not_a_session);
+  EXPECT_EQ(error.where(), damaged.string());
+  EXPECT_THAT(error.advice(), testing::HasSubstr("delete it"));
+  EXPECT_FALSE(fs::exists(folder_ / file_name_of(all[0])));
+  EXPECT_THROW(read_results(folder_), Error);
+}
+
+TEST_F(RunJobs, NameAResultThatHoldsAnotherJob) {
+  reused(folder_);
+  const std::vector<Job> all = jobs();
+  fs::copy_file(folder_ / file_name_of(all[0]), folder_ / file_name_of(all[1]),
+                fs::copy_options::overwrite_existing);
+  EXPECT_EQ(refusal().where(), (folder_ / file_name_of(all[1])).string());
+}
+
+TEST_F(RunJobs, HaveTheFolderForThemselves) {
+  RunObserver observer;
+  ExitCode code = ExitCode::ok;
+  observer.started = [&](const Progress&) { code = refusal().code(); };
+  run_jobs(jobs(), acquisitions_, folder_, 1, observer);
+  EXPECT_EQ(code, ExitCode::no_permission);
+}
+
+TEST_F(RunJobs, SayWhenTheFolderCannotBeMade) {
+  std::ofstream(folder_ / "file") << "x";
+  folder_ /= "file";
+  EXPECT_EQ(refusal().code(), ExitCode::storage);
+}
+
+TEST_F(RunJobs, PassOnWhatATrainingThrows) {
+  const std::vector<Job> all = jobs();
+  acquisitions_[3].hash = "another";
+  EXPECT_THROW(run_jobs(all, acquisitions_, folder_, 2), Error);
+}
+
+TEST_F(RunJobs, TellHowFarTheyAre) {
+  config_.epochs = 2;
+  std::vector<double> shares;
+  RunObserver observer;
+  observer.epoch_done = [&](const Progress& progress) {
+    shares.push_back(progress.share);
+    EXPECT_GE(progress.eta_s, 0.0);
+    EXPECT_THAT(progress.last, testing::StartsWith("garden_acq-0"));
+  };
+  run_jobs(jobs(), acquisitions_, folder_, 1, observer);
+  ASSERT_EQ(shares.size(), 16U);
+  EXPECT_TRUE(std::is_sorted(shares.begin(), shares.end()));
+  EXPECT_GT(shares.front(), 0.0);
+  EXPECT_NEAR(shares.back(), 1.0, 1e-12);
+}
+
+TEST_F(RunJobs, KeepTheResultsOfEachDataSetApart) {
+  reused(folder_);
+  acquisitions_[3].hash = "another";
+  reused(folder_);
+  EXPECT_THROW(read_results(folder_), Error);
+  EXPECT_EQ(results_of(jobs(), folder_).size(), 8U);
+}
+
+TEST_F(RunJobs, HaveNoResultsInAnEmptyFolder) {
+  EXPECT_THROW(read_results(folder_), Error);
+  EXPECT_THROW(read_results(folder_ / "missing"), Error);
+  EXPECT_TRUE(results_of(jobs(), folder_).empty());
+}
+
+}  // namespace
+}  // namespace thermorig::study
