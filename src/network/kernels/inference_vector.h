@@ -57,7 +57,7 @@ static inline void store(uint16_t* halves, Vector v) {
 
 using Bits = uint32_t __attribute__((vector_size(THERMORIG_VECTOR_BYTES)));
 using Halves = uint16_t __attribute__((vector_size(THERMORIG_VECTOR_BYTES / 2)));
-using LooseHalves = uint16_t __attribute__((vector_size(THERMORIG_VECTOR_BYTES / 2), may_alias, aligned(2)));
+typedef uint16_t LooseHalves __attribute__((vector_size(THERMORIG_VECTOR_BYTES / 2), may_alias, aligned(2)));
 
 /// Exponent and mantissa in a float's place are the value over 2^112, also where the half is subnormal.
 static inline Vector load(const uint16_t* halves) {

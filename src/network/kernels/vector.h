@@ -23,7 +23,8 @@ namespace thermorig::network::THERMORIG_KERNELS {
 
 /// As many floats as one register holds, and the same without alignment.
 using Vector = float __attribute__((vector_size(THERMORIG_VECTOR_BYTES), may_alias));
-using LooseVector = float __attribute__((vector_size(THERMORIG_VECTOR_BYTES), may_alias, aligned(4)));
+// A typedef: in an alias declaration Clang would forget the alignment.
+typedef float LooseVector __attribute__((vector_size(THERMORIG_VECTOR_BYTES), may_alias, aligned(4)));
 inline constexpr int lanes = THERMORIG_VECTOR_BYTES / 4;
 
 }  // namespace thermorig::network::THERMORIG_KERNELS
