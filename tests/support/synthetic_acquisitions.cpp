@@ -3,8 +3,8 @@
 
 #include <fmt/format.h>
 
-#include <array>
 #include <cmath>
+#include <vector>
 
 #include "thermorig/core/frame.h"
 
@@ -44,31 +44,41 @@ class Random {
   std::uint64_t state_;
 };
 
-/// Warm and cold bumps all around the rig.
+/// Warm and cold bumps all around the rig, as a picture of 24 rows and 4 columns a degree.
 class Scene {
  public:
-  explicit Scene(Random& random) {
-    for (Bump& bump : bumps_)
-      bump = {random.uniform(0.0, 360.0), random.uniform(0.0, frame_rows), random.uniform(4.0, 9.0),
-              random.uniform(-8.0, 8.0)};
+  explicit Scene(Random& random) : temp_c_(frame_rows * columns, 22.0F) {
+    for (int bump = 0; bump < 150; ++bump) add_bump(random);
   }
 
-  double temp_c(double azimuth_deg, double row) const {
-    double temp_c = 22.0;
-    for (const Bump& bump : bumps_) {
-      const double across = std::remainder(azimuth_deg - bump.azimuth_deg, 360.0) / bump.width;
-      const double down = (row - bump.row) / bump.width;
-      const double distance = across * across + down * down;
-      if (distance < 1.0) temp_c += bump.height_c * (1.0 - distance) * (1.0 - distance);
-    }
-    return temp_c;
+  double temp_c(double azimuth_deg, std::size_t row) const {
+    const double place = (azimuth_deg - 360.0 * std::floor(azimuth_deg / 360.0)) * columns_per_deg;
+    const auto left = static_cast<std::size_t>(place);
+    const double share = place - static_cast<double>(left);
+    return (1.0 - share) * at(row, left) + share * at(row, left + 1);
   }
 
  private:
-  struct Bump {
-    double azimuth_deg = 0.0, row = 0.0, width = 1.0, height_c = 0.0;
-  };
-  std::array<Bump, 150> bumps_{};
+  static constexpr int columns_per_deg = 4;
+  static constexpr std::size_t columns = 360 * columns_per_deg;
+
+  void add_bump(Random& random) {
+    const double azimuth_deg = random.uniform(0.0, 360.0), middle_row = random.uniform(0.0, frame_rows);
+    const double width = random.uniform(4.0, 9.0), height_c = random.uniform(-8.0, 8.0);
+    const auto first = static_cast<std::size_t>((azimuth_deg + 360.0 - width) * columns_per_deg);
+    for (std::size_t row = 0; row < frame_rows; ++row)
+      for (std::size_t column = first; column < first + 2 * columns_per_deg * 9; ++column) {
+        const double across = (static_cast<double>(column) / columns_per_deg - azimuth_deg - 360.0) / width;
+        const double down = (static_cast<double>(row) - middle_row) / width;
+        const double inside = 1.0 - across * across - down * down;
+        if (inside > 0.0) at(row, column) += static_cast<float>(height_c * inside * inside);
+      }
+  }
+
+  float& at(std::size_t row, std::size_t column) { return temp_c_[row * columns + column % columns]; }
+  float at(std::size_t row, std::size_t column) const { return temp_c_[row * columns + column % columns]; }
+
+  std::vector<float> temp_c_;
 };
 
 /// Writes an acquisition frame by frame while the rig turns.
@@ -104,7 +114,7 @@ class Turning {
         const double offset_deg = field_of_view_deg * (static_cast<double>(column) / frame_columns - 0.5);
         const double noise_c = config_.temp_noise_c * random_.normal();
         acquisition_.temp_c.push_back(
-            static_cast<float>(scene_.temp_c(azimuth_deg_ + offset_deg, static_cast<double>(row)) + noise_c));
+            static_cast<float>(scene_.temp_c(azimuth_deg_ + offset_deg, row) + noise_c));
       }
   }
 
