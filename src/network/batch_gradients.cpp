@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "batch_gradients.h"
 
-#include <numeric>
-
 #include "berhu.h"
 
 namespace thermorig::network {
@@ -17,18 +15,14 @@ int turned_margin(const Shape& shape) {
   return taps - 1 - shape.padding2;
 }
 
-/// Which cell of the planes with their margin belongs to each feature; those that only fill up the last block
-/// share the cell behind the planes.
-std::vector<int> cells_of_features(const Shape& shape, int blocks) {
-  const int margin = turned_margin(shape);
-  const int rows = shape.rows2() + 2 * margin, columns = shape.columns2() + 2 * margin;
-  std::vector<int> cells(static_cast<std::size_t>(blocks * block), filters2 * rows * columns);
-  std::size_t feature = 0;
+/// Where each feature's cell is; those that only fill up the last block share the cell behind.
+std::vector<int> places_of_features(const Shape& shape, int blocks, const PlanesArray& planes) {
+  std::vector<int> places;
   for (int channel = 0; channel < filters2; ++channel)
     for (int y = 0; y < shape.rows2(); ++y)
-      for (int x = 0; x < shape.columns2(); ++x)
-        cells[feature++] = (channel * rows + y + margin) * columns + x + margin;
-  return cells;
+      for (int x = 0; x < shape.columns2(); ++x) places.push_back(planes.place(channel, y, x));
+  places.resize(static_cast<std::size_t>(blocks * block), planes.place_behind());
+  return places;
 }
 
 /// The weights of the convolution that is the gradient: inputs and outputs changed over, taps turned by 180
@@ -54,16 +48,16 @@ BatchGradients::BatchGradients(BatchNetwork& network)
       gain_(cell),
       hidden_first_(cells(2 * head_cells)),
       hidden_second_(cells(hidden2)),
-      features_(filters2, network.shape().rows2(), network.shape().columns2(), turned_margin(network.shape()),
-                1),
+      features_(filters2, network.shape().rows2(), network.shape().columns2(),
+                turned_margin(network.shape())),
       pooled_(filters1, network.shape().pooled_rows(), network.shape().pooled_columns(), 0),
       fine_(filters1, 2 * network.shape().pooled_rows(), 2 * network.shape().pooled_columns(), 0),
       turned_(static_cast<std::size_t>(filters2 * filters1 * window)),
       sums1_(static_cast<std::size_t>(filters1 * network.shape().frames * window * most_lanes)),
       sums2_(static_cast<std::size_t>(filters2 * filters1 * window * most_lanes)),
-      hidden_cells_(head_cells),
-      feature_cells_(cells_of_features(network.shape(), network.layout().blocks())) {
-  std::iota(hidden_cells_.begin(), hidden_cells_.end(), 0);
+      hidden_places_(head_cells),
+      feature_places_(places_of_features(network.shape(), network.layout().blocks(), features_)) {
+  for (int unit = 0; unit < head_cells; ++unit) hidden_places_[static_cast<std::size_t>(unit)] = unit * cell;
 }
 
 void BatchGradients::begin(const AdamStep* adam) {
@@ -116,7 +110,7 @@ StepLoss BatchGradients::heads(const Batch& batch, const LossConfig& config) {
   job.gradient = hidden_second_.data();
   job.input = network_.hidden_first.data();
   job.input_gradient = hidden_first_.data();
-  job.cell_of = hidden_cells_.data();
+  job.place_of = hidden_places_.data();
   kernels.dense_gradient(job, 0, job.blocks);
 
   kernels.sum_cells(hidden_second_.data(), hidden2, gradient_at(layout.speed2_bias()));
@@ -133,9 +127,9 @@ void BatchGradients::dense1(Share share) {
   job.head_cells = head_cells;
   job.blocks = network_.layout().blocks();
   job.gradient = hidden_first_.data();
-  job.input = network_.features.inner().first;
+  job.input = network_.features.data();
   job.input_gradient = features_.with_margin().first;
-  job.cell_of = feature_cells_.data();
+  job.place_of = feature_places_.data();
   network_.kernels().dense_gradient(job, share.first(job.blocks), share.last(job.blocks));
 }
 

@@ -47,7 +47,7 @@ class BatchGradients {
   PlanesArray fine_;             // (6, H1, W1)
   AlignedFloats turned_;         // Conv2's weights turned by 180 degrees: (1, 16, 5, 5, 6)
   AlignedFloats sums1_, sums2_;  // (weights, a vector)
-  std::vector<int> hidden_cells_, feature_cells_;
+  std::vector<int> hidden_places_, feature_places_;
 };
 
 }  // namespace thermorig::network

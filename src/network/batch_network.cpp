@@ -28,7 +28,7 @@ void pack_convolution(const float* weights, int outputs, int inputs, int tile, f
 BatchNetwork::BatchNetwork(const Weights& weights, InstructionSet set)
     : input(weights.shape.frames, weights.shape.rows(), weights.shape.columns(), weights.shape.padding1),
       pooled(filters1, weights.shape.pooled_rows(), weights.shape.pooled_columns(), weights.shape.padding2),
-      features(filters2, weights.shape.rows2(), weights.shape.columns2(), 0, block),
+      features(static_cast<std::size_t>(BatchLayout(weights.shape).blocks() * block * cell)),
       hidden_first(2 * head_cells * cell),
       hidden_second(hidden2 * cell),
       thermal(cell),
@@ -77,11 +77,12 @@ void BatchNetwork::convolve1(Share share) {
 }
 
 void BatchNetwork::convolve2(Share share) {
+  const long row = static_cast<long>(shape_.columns2()) * cell;
   const ConvolutionJob job{.input = pooled.with_margin(),
                            .input_channels = filters1,
                            .weights = conv2_weights_.data(),
                            .bias = at(layout_.conv2_bias()),
-                           .output = features.inner(),
+                           .output = {features.data(), row, row * shape_.rows2()},
                            .outputs = filters2,
                            .rows = shape_.rows2(),
                            .columns = shape_.columns2()};
@@ -95,7 +96,7 @@ void BatchNetwork::dense1(Share share) {
                      .blocks = layout_.blocks(),
                      .weights = at(layout_.dense1()),
                      .bias = {at(layout_.speed1_bias()), shape_.fusion ? at(layout_.gain1_bias()) : nullptr},
-                     .input = features.inner().first,
+                     .input = features.data(),
                      .output = hidden_first.data()};
   const int tiles = job.heads * hidden1 / dense_tile;
   kernels_->dense(job, share.first(tiles), share.last(tiles));

@@ -48,9 +48,9 @@ class BatchNetwork {
   void heads();  // the rest: one worker's
 
   // What came out: cells.
-  PlanesArray input;     // (Nf, H, W), padded
-  PlanesArray pooled;    // (6, H1 / 2, W1 / 2), padded
-  PlanesArray features;  // (16, H2, W2), filled up to whole blocks
+  PlanesArray input;       // (Nf, H, W), padded
+  PlanesArray pooled;      // (6, H1 / 2, W1 / 2), padded
+  AlignedFloats features;  // (16, H2, W2), filled up to whole blocks
   Choices choices() { return {choices_.data(), choice_row_, choice_plane_}; }
   AlignedFloats hidden_first;   // (heads, 128): 120 units, the rest 0
   AlignedFloats hidden_second;  // (80)

@@ -76,8 +76,8 @@ AdamStep Trainer::Parts::next_adam_step() const {
   const double step = static_cast<double>(steps + 1);
   const double first = 1.0 - std::pow(static_cast<double>(adam.beta1), step);
   const double second = std::sqrt(1.0 - std::pow(static_cast<double>(adam.beta2), step));
-  return {.rate = static_cast<float>(adam.rate * second / first),
-          .epsilon = static_cast<float>(adam.epsilon * second),
+  return {.twice_rate = static_cast<float>(2.0 * adam.rate * second / first),
+          .twice_epsilon = static_cast<float>(2.0 * adam.epsilon * second),
           .one_minus_beta1 = 1.0F - adam.beta1,
           .one_minus_beta2 = 1.0F - adam.beta2};
 }

@@ -11,7 +11,7 @@ using Vector4 = float __attribute__((vector_size(16)));
 using Vector8 = float __attribute__((vector_size(32)));
 using Vector16 = float __attribute__((vector_size(64)));
 
-constexpr int turns = 12'000;
+constexpr int turns = 120'000;
 constexpr int sums = 12;  // latency 4 or 5, two a clock; fits 16 registers
 
 // A macro, because a function template cannot be given an instruction set and still be inlined.

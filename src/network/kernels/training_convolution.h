@@ -20,12 +20,16 @@ static inline void convolve_tile(const ConvolutionJob& job, int tile, int y, int
   const float* weights = job.weights + static_cast<long>(tile) * job.input_channels * taps * taps * outputs;
   for (int channel = 0; channel < job.input_channels; ++channel) {
     for (int ky = 0; ky < taps; ++ky) {
-      const float* const row = at(job.input, channel, y + ky, x) + v;
+      const float* row = at(job.input, channel, y + ky, x) + v;
+      Vector in[wide];  // of one tap; the next tap's are the same but for one
+      THERMORIG_UNROLL
+      for (int i = 1; i < wide; ++i) in[i] = load(row + (i - 1) * cell);
+      row += (wide - 1) * cell;
       THERMORIG_KEEP_LOOP
-      for (int kx = 0; kx < taps; ++kx, weights += outputs) {
-        Vector in[wide];
+      for (int kx = 0; kx < taps; ++kx, row += cell, weights += outputs) {
         THERMORIG_UNROLL
-        for (int i = 0; i < wide; ++i) in[i] = load(row + (kx + i) * cell);
+        for (int i = 1; i < wide; ++i) in[i - 1] = in[i];
+        in[wide - 1] = load(row);
         THERMORIG_UNROLL
         for (int o = 0; o < outputs; ++o) {
           const Vector weight = splat(weights[o]);
@@ -70,11 +74,10 @@ static inline void convolve_rows(const ConvolutionJob& job, int first_row, int l
   }
 }
 
-/// Adds the rows [top, bottom) to the sums of `outputs` x 5 weights (one input channel, one row of taps), one
-/// vector of samples.
+/// Adds the rows [top, bottom) to the sums of `outputs` x 5 weights (one input channel, one row of taps).
 template <int outputs>
 static inline void gradient_tile(const ConvolutionGradientJob& job, int output, int channel, int ky, int top,
-                                 int bottom, int v) {
+                                 int bottom) {
   const long output_sums = static_cast<long>(job.input_channels) * taps * taps * lanes;
   float* const place =
       job.sums + output * output_sums + (static_cast<long>(channel) * taps + ky) * taps * lanes;
@@ -82,18 +85,24 @@ static inline void gradient_tile(const ConvolutionGradientJob& job, int output, 
   for (int o = 0; o < outputs; ++o)
     for (int kx = 0; kx < taps; ++kx) sums[o][kx] = load(place + o * output_sums + kx * lanes);
   for (int y = top; y < bottom; ++y) {
-    const float* gradient = at(job.gradient, output, y, 0) + v;
-    const float* input = at(job.input, channel, y + ky, 0) + v;
-    THERMORIG_KEEP_LOOP
-    for (int x = 0; x < job.columns; ++x, gradient += cell, input += cell) {
-      Vector of[outputs];
+    for (int v = 0; v < cell; v += lanes) {
+      const float* gradient = at(job.gradient, output, y, 0) + v;
+      const float* input = at(job.input, channel, y + ky, 0) + v;
+      const float* const end = gradient + static_cast<long>(job.columns) * cell;
+      Vector in[taps];  // of one column; the next column's are the same but for one
       THERMORIG_UNROLL
-      for (int o = 0; o < outputs; ++o) of[o] = load(gradient + o * job.gradient.plane);
-      THERMORIG_UNROLL
-      for (int kx = 0; kx < taps; ++kx) {
-        const Vector in = load(input + kx * cell);
+      for (int kx = 1; kx < taps; ++kx, input += cell) in[kx] = load(input);
+      THERMORIG_KEEP_LOOP
+      for (; gradient != end; gradient += cell, input += cell) {
         THERMORIG_UNROLL
-        for (int o = 0; o < outputs; ++o) sums[o][kx] += of[o] * in;
+        for (int kx = 1; kx < taps; ++kx) in[kx - 1] = in[kx];
+        in[taps - 1] = load(input);
+        THERMORIG_UNROLL
+        for (int o = 0; o < outputs; ++o) {
+          const Vector of = load(gradient + o * job.gradient.plane);
+          THERMORIG_UNROLL
+          for (int kx = 0; kx < taps; ++kx) sums[o][kx] += of * in[kx];
+        }
       }
     }
   }
@@ -106,18 +115,17 @@ static inline void gradient_tile(const ConvolutionGradientJob& job, int output, 
 template <int outputs>
 static inline void weight_gradient(const ConvolutionGradientJob& job, int first_unit, int last_unit) {
   constexpr int band_bytes = 16 * 1024;
-  const int row_bytes = outputs * job.columns * THERMORIG_VECTOR_BYTES;
+  const int row_bytes = outputs * job.columns * cell * static_cast<int>(sizeof(float));
   const int band = band_bytes / row_bytes > 1 ? band_bytes / row_bytes : 1;
   const int channel_taps = job.input_channels * taps;
   for (int output = 0; output < job.outputs; output += outputs) {
     for (int o = output; o < output + outputs; ++o)
       for (int i = first_unit * taps; i < last_unit * taps; ++i)
         store(job.sums + (static_cast<long>(o) * channel_taps * taps + i) * lanes, Vector{});
-    for (int v = 0; v < cell; v += lanes)
-      for (int top = 0; top < job.rows; top += band)
-        for (int unit = first_unit; unit < last_unit; ++unit)
-          gradient_tile<outputs>(job, output, unit / taps, unit % taps, top,
-                                 top + band < job.rows ? top + band : job.rows, v);
+    for (int top = 0; top < job.rows; top += band)
+      for (int unit = first_unit; unit < last_unit; ++unit)
+        gradient_tile<outputs>(job, output, unit / taps, unit % taps, top,
+                               top + band < job.rows ? top + band : job.rows);
     for (int o = output; o < output + outputs; ++o) {
       for (int i = first_unit * taps; i < last_unit * taps; ++i) {
         const long weight = static_cast<long>(o) * channel_taps * taps + i;

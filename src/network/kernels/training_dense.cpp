@@ -1,37 +1,52 @@
 // SPDX-License-Identifier: MIT
 // Fully connected layers, forward and backward with Adam (paper section III, Fig. 2). Weights lie in blocks
-// of 32 features: (blocks, heads * head_rows, 32).
+// of 32 features: (blocks, heads * head_rows, 32). Those of the first layer do not fit the second cache:
+// every loop fetches ahead of itself.
 #include "training_adam.h"
 #include "training_functions.h"
+#include "training_transpose.h"
 
 namespace thermorig::network::THERMORIG_KERNELS {
 
 namespace {
 
-constexpr int tile_rows = accumulators == 24 ? 10 : 5;  // two vectors of samples each
-constexpr int pair = 2 * lanes;
+constexpr int pair = 2 * lanes;  // tiles are two vectors wide
+constexpr int tile_rows = accumulators >= 20 ? 10 : 5;
+constexpr int blocks_together = 4;  // their inputs, 16 KiB, stay in the first cache
 
-/// Adds the features of one block to `tile_rows` outputs.
-void add_block(const float* weights, const float* input, float* output, int v) {
-  Vector sums[tile_rows][2];
-  for (int r = 0; r < tile_rows; ++r)
-    for (int i = 0; i < 2; ++i) sums[r][i] = load(output + r * cell + v + i * lanes);
-  THERMORIG_KEEP_LOOP
-  for (int k = 0; k < block; ++k) {
-    const Vector in[2] = {load(input + k * cell + v), load(input + k * cell + v + lanes)};
-    THERMORIG_UNROLL
-    for (int r = 0; r < tile_rows; ++r) {
-      const Vector weight = splat(weights[r * block + k]);
-      sums[r][0] += weight * in[0];
-      sums[r][1] += weight * in[1];
-    }
-  }
-  for (int r = 0; r < tile_rows; ++r)
-    for (int i = 0; i < 2; ++i) store(output + r * cell + v + i * lanes, sums[r][i]);
+void fetch(const float* at) {
+  __builtin_prefetch(at, 0, 2);  // to the second cache
 }
 
 float* output_of(const DenseJob& job, int row) {
   return job.output + (static_cast<long>(row / job.head_rows) * job.head_cells + row % job.head_rows) * cell;
+}
+
+/// Adds the features of some blocks to `tile_rows` outputs, two vectors of samples.
+THERMORIG_TILE void add_blocks(const DenseJob& job, int row, int first_block, int last_block, int v) {
+  const long block_size = static_cast<long>(job.heads) * job.head_rows * block;
+  float* const output = output_of(job, row) + v;
+  Vector sums[tile_rows][2];
+  for (int r = 0; r < tile_rows; ++r)
+    for (int i = 0; i < 2; ++i) sums[r][i] = load(output + r * cell + i * lanes);
+  for (int b = first_block; b < last_block; ++b) {
+    const float* const weights = job.weights + b * block_size + static_cast<long>(row) * block;
+    const float* const input = job.input + static_cast<long>(b) * block * cell + v;
+    const float* const ahead = weights + blocks_together * block_size;
+    THERMORIG_KEEP_LOOP
+    for (int k = 0; k < block; ++k) {
+      fetch(ahead + k * tile_rows);
+      const Vector in[2] = {load(input + k * cell), load(input + k * cell + lanes)};
+      THERMORIG_UNROLL
+      for (int r = 0; r < tile_rows; ++r) {
+        const Vector weight = splat(weights[r * block + k]);
+        sums[r][0] += weight * in[0];
+        sums[r][1] += weight * in[1];
+      }
+    }
+  }
+  for (int r = 0; r < tile_rows; ++r)
+    for (int i = 0; i < 2; ++i) store(output + r * cell + i * lanes, sums[r][i]);
 }
 
 }  // namespace
@@ -43,28 +58,49 @@ void dense(const DenseJob& job, int first_tile, int last_tile) {
     const float bias = job.bias[row / job.head_rows][row % job.head_rows];
     for (int v = 0; v < cell; v += lanes) store(output_of(job, row) + v, splat(bias));
   }
-  const long block_size = static_cast<long>(job.heads) * job.head_rows * block;
-  for (int b = 0; b < job.blocks; ++b)
+  for (int b = 0; b < job.blocks; b += blocks_together)
     for (int row = first; row < last; row += tile_rows)
       for (int v = 0; v < cell; v += pair)
-        add_block(job.weights + b * block_size + static_cast<long>(row) * block,
-                  job.input + static_cast<long>(b) * block * cell, output_of(job, row), v);
+        add_blocks(job, row, b, b + blocks_together < job.blocks ? b + blocks_together : job.blocks, v);
   for (int row = first; row < last; ++row)
     for (int v = 0; v < cell; v += lanes) store(output_of(job, row) + v, relu(load(output_of(job, row) + v)));
 }
 
 namespace {
 
-/// Adds one head's part of the gradients of `features` inputs: sum over rows of weight * gradient.
-template <int features>
-void input_gradient_tile(const DenseGradientJob& job, const float* weights, const float* gradient, float* sum,
-                         int v) {
+/// A head's part of a block: (head_rows, 32) weights and as many of each moment from `place` on, (head_rows)
+/// cells of gradient.
+struct HeadBlock {
+  const DenseGradientJob& job;
+  long place;
+  const float* gradient;
+  long size() const { return static_cast<long>(job.head_rows) * block; }
+};
+
+constexpr int feature_tiles = (block + accumulators / 2 - 1) / (accumulators / 2);
+constexpr int feature_passes = feature_tiles * (cell / pair);
+
+/// Adds to the gradients of the features of a tile, two vectors of samples: the sum over rows of weight *
+/// gradient. Fetches the next part's weights and first moments.
+template <int tile>
+THERMORIG_TILE void input_gradient(const HeadBlock& part, float* input_gradients, int v) {
+  constexpr int first = tile * block / feature_tiles;
+  constexpr int features = (tile + 1) * block / feature_tiles - first;
+  constexpr int step = (block + feature_passes - 1) / feature_passes;
+  const float* const weights = part.job.weights + part.place + first;
+  const float* const gradient = part.gradient + v;
+  const long ahead = part.place + part.size() + (v / pair * feature_tiles + tile) * part.job.head_rows * step;
+  const float* next_weights = part.job.weights + ahead;
+  const float* next_moments = part.job.first_moment + ahead;
+  float* const out = input_gradients + first * cell + v;
   Vector sums[features][2];
   for (int f = 0; f < features; ++f)
-    for (int i = 0; i < 2; ++i) sums[f][i] = load(sum + f * cell + v + i * lanes);
+    for (int i = 0; i < 2; ++i) sums[f][i] = load(out + f * cell + i * lanes);
   THERMORIG_KEEP_LOOP
-  for (int row = 0; row < job.head_rows; ++row) {
-    const Vector of[2] = {load(gradient + row * cell + v), load(gradient + row * cell + v + lanes)};
+  for (int row = 0; row < part.job.head_rows; ++row) {
+    fetch(next_weights + row * step);
+    fetch(next_moments + row * step);
+    const Vector of[2] = {load(gradient + row * cell), load(gradient + row * cell + lanes)};
     THERMORIG_UNROLL
     for (int f = 0; f < features; ++f) {
       const Vector weight = splat(weights[row * block + f]);
@@ -73,16 +109,30 @@ void input_gradient_tile(const DenseGradientJob& job, const float* weights, cons
     }
   }
   for (int f = 0; f < features; ++f)
-    for (int i = 0; i < 2; ++i) store(sum + f * cell + v + i * lanes, sums[f][i]);
+    for (int i = 0; i < 2; ++i) store(out + f * cell + i * lanes, sums[f][i]);
 }
 
-/// The gradient of `tile_rows` x two vectors of weights: sum over samples; then Adam.
-void weight_gradient_tile(const DenseGradientJob& job, long place, const float* gradient,
-                          const float* samples) {
+template <int tile = 0>
+void input_gradients(const HeadBlock& part, float* gradients) {
+  for (int v = 0; v < cell; v += pair) input_gradient<tile>(part, gradients, v);
+  if constexpr (tile + 1 < feature_tiles) input_gradients<tile + 1>(part, gradients);
+}
+
+/// The gradient of `tile_rows` x two vectors of weights: the sum over samples; then `use`(place, gradient)
+/// for each vector. Fetches the next part's second moments.
+template <class Use>
+THERMORIG_TILE void weight_gradient(const HeadBlock& part, int row, int k, const float* samples, Use use) {
+  constexpr int step = (tile_rows * pair + cell - 1) / cell;
+  const DenseGradientJob& job = part.job;
+  const long place = part.place + static_cast<long>(row) * block + k;
+  const float* const next = job.second_moment + part.place + part.size() + static_cast<long>(row) * block +
+                            static_cast<long>(k) * tile_rows;
+  const float* const gradient = part.gradient + row * cell;
   Vector sums[tile_rows][2] = {};
   THERMORIG_KEEP_LOOP
   for (int s = 0; s < cell; ++s) {
-    const Vector in[2] = {load(samples + s * block), load(samples + s * block + lanes)};
+    fetch(next + s * step);
+    const Vector in[2] = {load(samples + s * block + k), load(samples + s * block + k + lanes)};
     THERMORIG_UNROLL
     for (int r = 0; r < tile_rows; ++r) {
       const Vector of = splat(gradient[r * cell + s]);
@@ -90,42 +140,40 @@ void weight_gradient_tile(const DenseGradientJob& job, long place, const float* 
       sums[r][1] += of * in[1];
     }
   }
+  THERMORIG_UNROLL
   for (int r = 0; r < tile_rows; ++r) {
-    for (int i = 0; i < 2; ++i) {
-      const long at = place + r * block + i * lanes;
-      if (job.weight_gradient)
-        store(job.weight_gradient + at, sums[r][i]);
-      else
-        adam_at(job.adam, sums[r][i], job.weights + at, job.first_moment + at, job.second_moment + at);
-    }
+    THERMORIG_UNROLL
+    for (int i = 0; i < 2; ++i) use(place + r * block + i * lanes, sums[r][i]);
   }
 }
 
-void transpose(const float* cells, float* samples) {
-  for (int k = 0; k < block; ++k)
-    for (int s = 0; s < cell; ++s) samples[s * block + k] = cells[k * cell + s];
+template <class Use>
+void weight_gradients(const HeadBlock& part, const float* samples, Use use) {
+  for (int row = 0; row < part.job.head_rows; row += tile_rows)
+    for (int k = 0; k < block; k += pair) weight_gradient(part, row, k, samples, use);
 }
 
 void block_gradient(const DenseGradientJob& job, int b) {
-  alignas(64) float sums[block * cell] = {};  // of the inputs
-  alignas(64) float samples[cell * block];    // the inputs, samples outside
+  alignas(64) float gradients[block * cell] = {};  // of the inputs
+  alignas(64) float samples[cell * block];         // the inputs, samples outside
   const float* const input = job.input + static_cast<long>(b) * block * cell;
-  transpose(input, samples);
+  transpose(input, samples, cell);
   for (int head = 0; head < job.heads; ++head) {
-    const float* const gradient = job.gradient + static_cast<long>(head) * job.head_cells * cell;
-    const long place = (static_cast<long>(b) * job.heads + head) * job.head_rows * block;
-    for (int v = 0; v < cell; v += pair)
-      for (int f = 0; f < block; f += 4)
-        input_gradient_tile<4>(job, job.weights + place + f, gradient, sums + f * cell, v);
-    for (int row = 0; row < job.head_rows; row += tile_rows)
-      for (int k = 0; k < block; k += pair)
-        weight_gradient_tile(job, place + static_cast<long>(row) * block + k, gradient + row * cell,
-                             samples + k);
+    const HeadBlock part{job, (static_cast<long>(b) * job.heads + head) * job.head_rows * block,
+                         job.gradient + static_cast<long>(head) * job.head_cells * cell};
+    input_gradients(part, gradients);
+    if (job.weight_gradient)
+      weight_gradients(part, samples,
+                       [to = job.weight_gradient](long place, Vector sum) { store(to + place, sum); });
+    else
+      weight_gradients(part, samples, [job](long place, Vector sum) {
+        adam_at(job.adam, sum, job.weights + place, job.first_moment + place, job.second_moment + place);
+      });
   }
   for (int k = 0; k < block; ++k) {
-    float* const out = job.input_gradient + static_cast<long>(job.cell_of[b * block + k]) * cell;
+    float* const out = job.input_gradient + job.place_of[b * block + k];
     for (int v = 0; v < cell; v += lanes)
-      store(out + v, through_relu(load(sums + k * cell + v), load(input + k * cell + v)));
+      store(out + v, through_relu(load(gradients + k * cell + v), load(input + k * cell + v)));
   }
 }
 
