@@ -61,9 +61,9 @@ void announce(const EvaluateOptions& options, const std::vector<study::Job>& job
                 {"simulated", simulated}});
     return;
   }
-  fmt::print("study over {}: {} trainings of {} epochs, preset {}, {} acquisitions{}, {} at a time\n",
-             options.environment, jobs.size(), options.epochs, options.preset, acquisitions.size(),
-             simulated ? " of the SIMULATED rig" : "", workers);
+  fmt::print("study over {}: {} trainings of {} epoch{}, preset {}, {} acquisitions{}, {} at a time\n",
+             options.environment, jobs.size(), options.epochs, options.epochs == 1 ? "" : "s", options.preset,
+             acquisitions.size(), simulated ? " of the SIMULATED rig" : "", workers);
   std::fflush(stdout);
 }
 

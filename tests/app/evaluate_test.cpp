@@ -1,0 +1,202 @@
+// SPDX-License-Identifier: MIT
+#include <gmock/gmock.h>
+#include <signal.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <fstream>
+#include <set>
+#include <sstream>
+#include <thread>
+
+#include "program.h"
+
+namespace thermorig::tests {
+namespace {
+
+using testing::HasSubstr;
+using testing::Not;
+namespace fs = std::filesystem;
+
+std::string text_of(const fs::path& path) {
+  std::ostringstream text;
+  text << std::ifstream(path, std::ios::binary).rdbuf();
+  return text.str();
+}
+
+class EvaluateTest : public ProgramTest {
+ protected:
+  /// Three sessions of the simulated rig: two gardens and a laboratory.
+  void record_sessions() const {
+    for (const std::string& words : {std::string("garden --simulated=3"), std::string("garden --simulated=4"),
+                                     std::string("laboratory --simulated=5")})
+      ASSERT_EQ(run("record --fast --environment " + words + " " + brief_plan).code, 0);
+  }
+
+  void train(const std::string& words = "") const {
+    const Outcome outcome =
+        run("train recordings -o model.onnx --nr 3 --epochs 1 --preset paper --json " + words);
+    ASSERT_EQ(outcome.code, 0) << outcome.err;
+  }
+
+  std::set<std::string> results() const {
+    std::set<std::string> names;
+    if (fs::exists(folder() / "study/results"))
+      for (const auto& entry : fs::directory_iterator(folder() / "study/results"))
+        if (entry.path().extension() == ".json") names.insert(entry.path().filename());
+    return names;
+  }
+
+  /// Starts a study and waits until it has that many results.
+  pid_t start_study(std::size_t results_wanted, const std::string& epochs) const {
+    const pid_t process = start({"evaluate", "--study", "recordings", "-o", "study", "--nf", "3", "--nr", "3",
+                                 "--reference-seeds", "1,2,3,4,5", "--epochs", epochs, "--json"});
+    for (int i = 0; i < 20'000 && results().size() < results_wanted; ++i)
+      std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    return process;
+  }
+};
+
+const std::string small_study =
+    "evaluate --study recordings -o study --nf 3 --nr 3 --reference-seeds 1 --epochs 1";
+
+TEST_F(EvaluateTest, HoldsAModelAgainstAllFourEstimators) {
+  record_sessions();
+  train();
+  const Outcome outcome = run("evaluate model.onnx recordings");
+  ASSERT_EQ(outcome.code, 0) << outcome.err;
+  for (const char* const word :
+       {"fusion, Nf 3, Nr 3", "89,794 weights", "SIMULATED", "thermal-only", "gyro, static bias removed",
+        "RMSE deg/s", "garden", "laboratory", "gate Kg", "drift of the angle"})
+    EXPECT_THAT(outcome.out, HasSubstr(word));
+  EXPECT_TRUE(files(".html").empty());
+}
+
+TEST_F(EvaluateTest, WarnsOfDataThatTheModelWasTrainedOn) {
+  record_sessions();
+  train();
+  const Outcome seen = run("evaluate model.onnx recordings");
+  EXPECT_THAT(seen.out, HasSubstr("warning: the model was trained on, or chosen by, 3 of the tested"));
+  ASSERT_EQ(run("record --fast --simulated=9 --environment kitchen -o others " + brief_plan).code, 0);
+  EXPECT_THAT(run("evaluate model.onnx others").out, Not(HasSubstr("trained on, or chosen by")));
+}
+
+TEST_F(EvaluateTest, WritesAReportInThreeForms) {
+  record_sessions();
+  train();
+  const Outcome outcome = run("evaluate model.onnx recordings -o report --json");
+  ASSERT_EQ(outcome.code, 0) << outcome.err;
+  const nlohmann::json end = outcome.lines().back();
+  EXPECT_TRUE(end.at("simulated").get<bool>());
+  EXPECT_EQ(end.at("environments").size(), 2U);
+  EXPECT_EQ(end.at("warnings").size(), 1U);
+  EXPECT_THAT(text_of(folder() / "report/report.md"), HasSubstr("SIMULATED"));
+  EXPECT_TRUE(nlohmann::json::accept(text_of(folder() / "report/report.json")));
+  EXPECT_THAT(text_of(folder() / "report/report.html"), HasSubstr("</html>"));
+}
+
+TEST_F(EvaluateTest, SaysNothingOfAGateThatAThermalOnlyModelHasNot) {
+  record_sessions();
+  train("--thermal-only");
+  const Outcome outcome = run("evaluate model.onnx recordings");
+  ASSERT_EQ(outcome.code, 0) << outcome.err;
+  EXPECT_THAT(outcome.out, HasSubstr("thermal-only, Nf 3, Nr 3"));
+  EXPECT_THAT(outcome.out, Not(HasSubstr("gate Kg")));
+  EXPECT_THAT(outcome.out, HasSubstr("unknown"));
+}
+
+TEST_F(EvaluateTest, RunsTheStudyAndDrawsItAgain) {
+  record_sessions();
+  const Outcome outcome = run(small_study);
+  ASSERT_EQ(outcome.code, 0) << outcome.err;
+  EXPECT_THAT(outcome.out,
+              HasSubstr("4 trainings of 1 epoch, preset paper, 3 acquisitions of the SIMULATED"));
+  EXPECT_THAT(outcome.out, HasSubstr("4 of 4 jobs"));
+  EXPECT_EQ(results().size(), 4U);
+  const std::string drawn = text_of(folder() / "study/report.md");
+  EXPECT_THAT(drawn, HasSubstr("SIMULATED"));
+  fs::remove(folder() / "study/report.md");
+  ASSERT_EQ(run("evaluate --draw study").code, 0);
+  EXPECT_EQ(text_of(folder() / "study/report.md"), drawn);
+  ASSERT_EQ(run("evaluate --draw study/results -o elsewhere").code, 0);
+  EXPECT_EQ(text_of(folder() / "elsewhere/report.md"), drawn);
+}
+
+TEST_F(EvaluateTest, RepeatsNoJobOfAStudy) {
+  record_sessions();
+  ASSERT_EQ(run(small_study + " --jobs 2").code, 0);
+  const Outcome again = run(small_study + " --jobs 1 --json");
+  ASSERT_EQ(again.code, 0) << again.err;
+  std::vector<std::string> events;
+  for (const nlohmann::json& line : again.lines()) events.push_back(line.at("event"));
+  EXPECT_THAT(events, testing::ElementsAre("start", "reused", "end"));
+}
+
+TEST_F(EvaluateTest, KeepsFinishedJobsOnCtrlC) {
+  record_sessions();
+  const pid_t process = start_study(1, "200");
+  ::kill(process, SIGINT);
+  const Outcome outcome = wait(process);
+  EXPECT_EQ(outcome.code, 130) << outcome.err;
+  const nlohmann::json last = outcome.lines().back();
+  EXPECT_EQ(last.at("event"), "interrupted");
+  EXPECT_EQ(last.at("done").get<std::size_t>(), results().size());
+  EXPECT_LT(results().size(), 20U);
+  EXPECT_EQ(run("evaluate --draw study").code, 0);
+}
+
+TEST_F(EvaluateTest, GoesOnAfterAKill) {
+  record_sessions();
+  const pid_t process = start_study(2, "3");
+  ::kill(process, SIGKILL);
+  EXPECT_EQ(wait(process).code, 128 + SIGKILL);
+  const std::set<std::string> before = results();
+  const Outcome outcome =
+      run("evaluate --study recordings -o study --nf 3 --nr 3 --reference-seeds 1,2,3,4,5 --epochs 3 --json");
+  ASSERT_EQ(outcome.code, 0) << outcome.err;
+  EXPECT_EQ(results().size(), 20U);
+  const std::vector<nlohmann::json> lines = outcome.lines();
+  EXPECT_EQ(lines.at(1).at("event"), "reused");
+  EXPECT_EQ(lines.at(1).at("jobs").get<std::size_t>(), before.size());
+  EXPECT_TRUE(files(".part").empty());
+}
+
+TEST_F(EvaluateTest, NamesADamagedResult) {
+  record_sessions();
+  ASSERT_EQ(run(small_study).code, 0);
+  const std::string name = *results().begin();
+  fs::resize_file(folder() / "study/results" / name, 100);
+  for (const std::string& words : {small_study, std::string("evaluate --draw study")}) {
+    const Outcome outcome = run(words);
+    EXPECT_EQ(outcome.code, 8);
+    EXPECT_THAT(outcome.err, HasSubstr(name));
+  }
+}
+
+TEST_F(EvaluateTest, RefusesWhatItCannotDo) {
+  record_sessions();
+  std::ofstream(folder() / "bad.onnx") << "no model";
+  EXPECT_EQ(run("evaluate").code, 2);
+  EXPECT_EQ(run("evaluate missing.onnx recordings").code, 2);
+  EXPECT_EQ(run("evaluate bad.onnx recordings").code, 8);
+  EXPECT_EQ(run("evaluate bad.onnx").code, 2);
+  EXPECT_EQ(run("evaluate --study -o study").code, 2);
+  EXPECT_EQ(run("evaluate --study recordings").code, 2);
+  EXPECT_EQ(run("evaluate --study recordings -o study --nf 7").code, 2);
+  EXPECT_EQ(run("evaluate --study recordings -o study --environment kitchen").code, 2);
+  EXPECT_EQ(run("evaluate --study recordings -o study --environment laboratory").code, 2);
+  EXPECT_EQ(run("evaluate --draw missing").code, 2);
+  EXPECT_FALSE(fs::exists(folder() / "study"));
+}
+
+TEST_F(EvaluateTest, ShowsAProgressLineOnATerminal) {
+  record_sessions();
+  const Outcome outcome = run_on_terminal("", small_study);
+  EXPECT_EQ(outcome.code, 0);
+  EXPECT_THAT(outcome.out, HasSubstr("\x1b[K4 of 4 jobs, 100 %"));
+  const Outcome plain = run_on_terminal("NO_COLOR=1", small_study + " --epochs 2");
+  EXPECT_THAT(plain.out, Not(HasSubstr("\x1b")));
+}
+
+}  // namespace
+}  // namespace thermorig::tests
