@@ -66,9 +66,10 @@ std::optional<CompiledSize> compiled_size(const std::filesystem::path& c_file) {
   const TemporaryFolder folder;
   if (folder.path().empty()) return std::nullopt;
   const auto object = folder.path() / "network.o", out = folder.path() / "out.txt";
-  if (!succeeded({"arm-none-eabi-gcc", "-std=c99", "-O2", "-mthumb", "-mcpu=cortex-m4", "-mfloat-abi=hard",
-                  "-mfpu=fpv4-sp-d16", "-c", c_file.string(), "-o", object.string()},
-                 out) ||
+  if (!succeeded(
+          {"arm-none-eabi-gcc", "-std=c99", "-O2", "-mthumb", "-mcpu=cortex-m4", "-mfloat-abi=hard",
+           "-mfpu=fpv4-sp-d16", "-c", std::filesystem::absolute(c_file).string(), "-o", object.string()},
+          out) ||
       !succeeded({"arm-none-eabi-size", object.string()}, out))
     return std::nullopt;
   const auto flash = flash_of(out);
