@@ -17,9 +17,9 @@ std::string drift_cell(const FoldDrift& drift) {
 Table drift_table(const StudyView& view) {
   Table table;
   table.caption = fmt::format(
-      "Drift in deg/min and, in brackets, the worst angle error in deg at Nf = 3, Nr = 1, "
+      "Drift in deg/min and, in brackets, the worst angle error in deg at {}, "
       "{}",
-      view.ours());
+      view.reference_text(), view.ours());
   table.header = {"fold"};
   for (const Estimator estimator : study::all_estimators) table.header.push_back(label_of(estimator));
   for (const std::string& fold : view.folds) {
@@ -75,7 +75,8 @@ Section angle_section(const StudyView& view) {
     const auto tracks = tracks_of(view, fold);
     if (!tracks.empty()) charts.charts.push_back(angle_chart(clean(fold), tracks));
   }
-  if (charts.charts.empty()) return {"Angle by integration", {Paragraph{"No result at Nf = 3, Nr = 1."}}};
+  if (charts.charts.empty())
+    return {"Angle by integration", {Paragraph{"No result at " + view.reference_text() + "."}}};
   return {
       "Angle by integration",
       {Paragraph{"Speeds integrated over the time of the windows, less the commanded angle (paper, Fig. 6). "

@@ -33,16 +33,18 @@ std::string text_of(Verdict verdict) {
 std::string judging_text(const StudyView& view) {
   const auto count = std::max(reference_seeds(view, false).size(), reference_seeds(view, true).size());
   if (count < 2)
-    return "Every verdict is computed from the results. The spread over seeds is not known (it takes two "
-           "seeds or more at Nf = 3, Nr = 1), so the smallest difference decides: take the verdicts with "
-           "care.";
+    return fmt::format(
+        "Every verdict is computed from the results. The spread over seeds is not known (it takes two "
+        "seeds or more at {}), so the smallest difference decides: take the verdicts with "
+        "care.",
+        view.reference_text());
   return fmt::format(
       "Every verdict is computed from the results. Two figures count as different where their ratio is "
       "larger "
-      "than the largest ratio between the {} seeds at Nf = 3, Nr = 1 (median: thermal-only {}, fusion {}; "
+      "than the largest ratio between the {} seeds at {} (median: thermal-only {}, fusion {}; "
       "IQR: "
       "thermal-only {}, fusion {}); closer ones are within the spread of seeds.",
-      count, factor_text(seed_factor(view, false, median_of)),
+      count, view.reference_text(), factor_text(seed_factor(view, false, median_of)),
       factor_text(seed_factor(view, true, median_of)), factor_text(seed_factor(view, false, iqr_of)),
       factor_text(seed_factor(view, true, iqr_of)));
 }

@@ -35,7 +35,7 @@ Table cost_table(const StudyView& view) {
 
 Chart cost_chart(const StudyView& view, const Cost& cost) {
   Chart chart;
-  chart.title = fmt::format("{} against Nr, Nf = {}", cost.title, paper_frames);
+  chart.title = fmt::format("{} against Nr, Nf = {}", cost.title, view.reference.frames);
   chart.label = chart.title + ":";
   json categories = json::array(), thermal = json::array(), fusion = json::array();
   for (const Setting& setting : view.reduction_sweep()) {

@@ -18,9 +18,9 @@ double median_or_nan(const std::vector<double>& values) {
 
 const JobResult* track_of(const StudyView& view, Estimator estimator, const std::string& fold) {
   const bool fusion_first = estimator != Estimator::thermal;
-  const JobResult* result = view.job(reference_setting(), fusion_first, fold);
+  const JobResult* result = view.job(view.reference, fusion_first, fold);
   const bool either = estimator == Estimator::gyro || estimator == Estimator::gyro_unbiased;
-  if (result == nullptr && either) result = view.job(reference_setting(), !fusion_first, fold);
+  if (result == nullptr && either) result = view.job(view.reference, !fusion_first, fold);
   return result != nullptr && !result->evaluation.angles.empty() ? result : nullptr;
 }
 
@@ -45,7 +45,7 @@ DriftSummary drift_summary(const StudyView& view, Estimator estimator) {
 
 double fusion_drift(const StudyView& view, std::uint64_t seed) {
   std::vector<double> drifts;
-  for (const JobResult* result : view.jobs(reference_setting(), true, seed)) {
+  for (const JobResult* result : view.jobs(view.reference, true, seed)) {
     if (result->evaluation.angles.empty()) continue;
     const double drift =
         result->evaluation.angles.front().drift_deg_per_min[static_cast<std::size_t>(Estimator::fusion)];

@@ -34,14 +34,14 @@ std::string detail_cell(const study::Errors& errors) {
 /// RMSE, median and 95th percentile of |error|, outliers, bias: of all estimators at the reference.
 Table detail_table(const StudyView& view) {
   Table table;
-  table.caption =
-      "Nf = 3, Nr = 1 in deg/s: RMSE / median |error| / 95th percentile / |error| above 30 deg/s / mean "
-      "error";
+  table.caption = view.reference_text() +
+                  " in deg/s: RMSE / median |error| / 95th percentile / |error| above 30 deg/s / mean "
+                  "error";
   table.header = {"fold", "windows"};
   for (const auto estimator : study::all_estimators) table.header.push_back(label_of(estimator));
   for (const std::string& fold : view.folds) {
-    const study::JobResult* thermal = view.job(reference_setting(), false, fold);
-    const study::JobResult* fusion = view.job(reference_setting(), true, fold);
+    const study::JobResult* thermal = view.job(view.reference, false, fold);
+    const study::JobResult* fusion = view.job(view.reference, true, fold);
     const study::JobResult* any = fusion != nullptr ? fusion : thermal;
     if (any == nullptr) continue;
     const auto& gyro = any->evaluation.errors;

@@ -33,9 +33,9 @@ Table gain_table(const StudyView& view) {
 
 Table fold_table(const StudyView& view) {
   Table table;
-  table.caption = fmt::format("Kg fold by fold at Nf = 3, Nr = 1, seed {}", view.table_seed);
+  table.caption = fmt::format("Kg fold by fold at {}, seed {}", view.reference_text(), view.table_seed);
   table.header = {"fold", "mean", "sd", "median", "below 0.02", "above 0.98", "peak", "gate"};
-  for (const study::JobResult* result : view.jobs(reference_setting(), true))
+  for (const study::JobResult* result : view.jobs(view.reference, true))
     if (result->evaluation.gain.windows() > 0)
       table.rows.push_back(gain_row({clean(result->job.test)}, result->evaluation.gain));
   return table;
@@ -60,10 +60,10 @@ Section gate_section(const StudyView& view) {
                              "gyro, at Kg = 1 the gyro is not used. The paper's histogram (Fig. 3, "
                              "real data) peaks near {:.2f}.",
                              paper_gain_peak)}}};
-  const study::SettingSummary* reference = view.find(reference_setting(), true);
+  const study::SettingSummary* reference = view.find(view.reference, true);
   if (reference != nullptr && reference->gain.windows() > 0)
     section.blocks.push_back(
-        Charts{{gain_chart("Kg at Nf = 3, Nr = 1 (" + view.ours() + ")", reference->gain)}});
+        Charts{{gain_chart("Kg at " + view.reference_text() + " (" + view.ours() + ")", reference->gain)}});
   const Table table = gain_table(view), folds = fold_table(view);
   if (table.rows.empty()) return {"The gate Kg", {Paragraph{"No result of fusion, so no gate."}}};
   section.blocks.push_back(table);

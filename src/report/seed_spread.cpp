@@ -17,10 +17,10 @@ double iqr_of(const study::SettingSummary& summary) {
 
 std::vector<const study::SettingSummary*> reference_seeds(const StudyView& view, bool fusion) {
   std::vector<const study::SettingSummary*> found;
-  const study::SettingSummary* table = view.find(reference_setting(), fusion);
+  const study::SettingSummary* table = view.find(view.reference, fusion);
   if (table == nullptr) return found;
   for (const std::uint64_t seed : view.seeds) {
-    const study::SettingSummary* summary = view.find(reference_setting(), fusion, seed);
+    const study::SettingSummary* summary = view.find(view.reference, fusion, seed);
     if (summary != nullptr && summary->folds == table->folds) found.push_back(summary);
   }
   return found;

@@ -13,7 +13,7 @@ namespace {
 std::vector<std::string> seed_row(const StudyView& view, std::uint64_t seed) {
   std::vector<std::string> row{std::to_string(seed)};
   for (const bool fusion : {false, true}) {
-    const study::SettingSummary* summary = view.find(reference_setting(), fusion, seed);
+    const study::SettingSummary* summary = view.find(view.reference, fusion, seed);
     if (summary == nullptr) {
       row.insert(row.end(), {"no result", no_value, no_value});
       continue;
@@ -30,14 +30,15 @@ std::vector<std::string> seed_row(const StudyView& view, std::uint64_t seed) {
 
 Section seeds_section(const StudyView& view) {
   Table table;
-  table.caption = fmt::format("Nf = 3, Nr = 1 with each seed, {}: MSE (RMSE in deg/s)", view.ours());
+  table.caption =
+      fmt::format("{} with each seed, {}: MSE (RMSE in deg/s)", view.reference_text(), view.ours());
   table.groups = {{"", 1}, {"thermal-only", 3}, {"fusion", 3}};
   table.header = {"seed", "median", "IQR", "folds", "median", "IQR", "folds"};
   for (const std::uint64_t seed : view.seeds)
-    if (view.find(reference_setting(), false, seed) != nullptr ||
-        view.find(reference_setting(), true, seed) != nullptr)
+    if (view.find(view.reference, false, seed) != nullptr || view.find(view.reference, true, seed) != nullptr)
       table.rows.push_back(seed_row(view, seed));
-  if (table.rows.empty()) return {"Spread over seeds", {Paragraph{"No result at Nf = 3, Nr = 1."}}};
+  if (table.rows.empty())
+    return {"Spread over seeds", {Paragraph{"No result at " + view.reference_text() + "."}}};
   return {"Spread over seeds",
           {Paragraph{"The same folds trained again from other first weights and another order of windows: "
                      "differences between settings that are no larger than these mean nothing."},

@@ -5,7 +5,6 @@
 #include <cmath>
 
 #include "claims.h"
-#include "paper_figures.h"
 #include "seed_spread.h"
 #include "text.h"
 
@@ -15,9 +14,9 @@ namespace {
 using study::SettingSummary;
 
 /// By what it differs from the reference.
-std::string place_of(const Setting& setting) {
-  return setting.reduction == paper_reduction ? fmt::format("Nf = {}", setting.frames)
-                                              : fmt::format("Nr = {}", setting.reduction);
+std::string place_of(const StudyView& view, const Setting& setting) {
+  return setting.reduction == view.reference.reduction ? fmt::format("Nf = {}", setting.frames)
+                                                       : fmt::format("Nr = {}", setting.reduction);
 }
 
 /// How often the first of two figures is smaller, the same or larger.
@@ -48,7 +47,7 @@ Claim compare_setups(const StudyView& view, Claim claim, double (*figure)(const 
     const double with = figure(*fusion), without = figure(*thermal);
     if (!std::isfinite(with) || !std::isfinite(without)) continue;
     tally.add(compare(with, without, factor));
-    numbers += fmt::format("; {}: {} against {}", place_of(setting), mse_text(with), mse_text(without));
+    numbers += fmt::format("; {}: {} against {}", place_of(view, setting), mse_text(with), mse_text(without));
   }
   claim.verdict = tally.verdict();
   claim.evidence =
@@ -79,7 +78,7 @@ Claim beats_gyro_claim(const StudyView& view, study::Estimator gyro) {
     const double with = median_of(*fusion), without = fusion->mse[static_cast<std::size_t>(gyro)].median;
     if (!std::isfinite(with) || !std::isfinite(without)) continue;
     tally.add(compare(with, without, factor));
-    numbers += fmt::format("; {}: {} against {}", place_of(setting), mse_text(with), mse_text(without));
+    numbers += fmt::format("; {}: {} against {}", place_of(view, setting), mse_text(with), mse_text(without));
   }
   claim.verdict = tally.verdict();
   claim.evidence =

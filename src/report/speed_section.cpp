@@ -39,8 +39,8 @@ struct PooledSpeed {
 std::vector<SpeedErrors> pooled_speeds(const StudyView& view) {
   std::map<double, PooledSpeed> pooled;
   for (const std::string& fold : view.folds) {
-    const study::JobResult* thermal = view.job(reference_setting(), false, fold);
-    const study::JobResult* fusion = view.job(reference_setting(), true, fold);
+    const study::JobResult* thermal = view.job(view.reference, false, fold);
+    const study::JobResult* fusion = view.job(view.reference, true, fold);
     const study::JobResult* any = fusion != nullptr ? fusion : thermal;
     if (any == nullptr) continue;
     for (const SpeedErrors& speed : any->evaluation.speeds) {
@@ -140,7 +140,7 @@ std::vector<Block> speed_blocks(const std::vector<SpeedErrors>& speeds, double l
 
 Section speed_section(const StudyView& view) {
   const std::vector<Estimator> estimators(study::all_estimators.begin(), study::all_estimators.end());
-  return {"Error by speed, Nf = 3, Nr = 1",
+  return {"Error by speed, " + view.reference_text(),
           speed_blocks(pooled_speeds(view), view.label_scale_dps, estimators)};
 }
 

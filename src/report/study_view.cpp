@@ -5,12 +5,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <iterator>
 #include <map>
 #include <set>
 #include <tuple>
 
 #include "paper_figures.h"
+#include "text.h"
 #include "thermorig/core/error.h"
 
 namespace thermorig::report {
@@ -25,6 +27,18 @@ std::uint64_t commonest_seed(std::span<const JobResult> results) {
   const auto most = std::max_element(count.begin(), count.end(),
                                      [](const auto& a, const auto& b) { return a.second < b.second; });
   return most->first;
+}
+
+Setting reference_of(const std::vector<SettingSummary>& summaries) {
+  const auto is_papers = [](const SettingSummary& summary) {
+    return summary.frames == paper_frames && summary.reduction == paper_reduction;
+  };
+  auto chosen = std::find_if(summaries.begin(), summaries.end(), is_papers);
+  if (chosen == summaries.end())
+    chosen =
+        std::max_element(summaries.begin(), summaries.end(),
+                         [](const SettingSummary& a, const SettingSummary& b) { return a.folds < b.folds; });
+  return {chosen->frames, chosen->reduction};
 }
 
 StudyView view_of(std::vector<JobResult> results) {
@@ -48,11 +62,12 @@ StudyView view_of(std::vector<JobResult> results) {
   view.seeds.assign(seeds.begin(), seeds.end());
   view.table_seed = commonest_seed(results);
   view.summaries = study::summarise(results);
+  view.reference = reference_of(view.summaries);
   view.results = std::move(results);
   return view;
 }
 
-std::vector<Setting> sweep_of(const StudyView& view, bool (*belongs)(const Setting&)) {
+std::vector<Setting> sweep_of(const StudyView& view, const std::function<bool(const Setting&)>& belongs) {
   std::set<Setting> settings;
   for (const PaperRow& row : paper_rows) settings.insert({row.frames, row.reduction});
   for (const SettingSummary& summary : view.summaries) settings.insert({summary.frames, summary.reduction});
@@ -63,21 +78,25 @@ std::vector<Setting> sweep_of(const StudyView& view, bool (*belongs)(const Setti
 
 }  // namespace
 
+std::string StudyView::reference_text() const {
+  return setting_text(reference.frames, reference.reduction);
+}
+
 std::string StudyView::ours() const {
   return simulated ? "ours, SIMULATED rig" : "ours, real data";
 }
 
 std::vector<Setting> StudyView::frame_sweep() const {
-  return sweep_of(*this, [](const Setting& setting) { return setting.reduction == paper_reduction; });
+  return sweep_of(*this, [&](const Setting& setting) { return setting.reduction == reference.reduction; });
 }
 
 std::vector<Setting> StudyView::reduction_sweep() const {
-  return sweep_of(*this, [](const Setting& setting) { return setting.frames == paper_frames; });
+  return sweep_of(*this, [&](const Setting& setting) { return setting.frames == reference.frames; });
 }
 
 std::vector<Setting> StudyView::settings() const {
-  return sweep_of(*this, [](const Setting& setting) {
-    return setting.reduction == paper_reduction || setting.frames == paper_frames;
+  return sweep_of(*this, [&](const Setting& setting) {
+    return setting.reduction == reference.reduction || setting.frames == reference.frames;
   });
 }
 
@@ -141,10 +160,6 @@ study::Estimator estimator_of(bool fusion) {
 
 double rmse_of(double mse, double label_scale_dps) {
   return std::sqrt(mse) * label_scale_dps;
-}
-
-Setting reference_setting() {
-  return {paper_frames, paper_reduction};
 }
 
 }  // namespace thermorig::report

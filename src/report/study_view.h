@@ -25,13 +25,15 @@ struct StudyView {
   std::vector<study::SettingSummary> summaries;
   std::vector<std::string> folds;    // names of all test acquisitions seen, sorted
   std::vector<std::uint64_t> seeds;  // ascending
-  std::uint64_t table_seed = 1;      // whose results stand in the tables: the one with most results
+  Setting reference;                 // that both sweeps share: the paper's where it has results
+  std::uint64_t table_seed = 1;      // whose results stand in the tables: the one with most
   double label_scale_dps = 0.0;      // what MSEs are divided by, squared
   bool simulated = false;            // any of it
 
   /// "ours, SIMULATED rig" or "ours, real data".
   std::string ours() const;
-  /// Nf of both sweeps: the paper's and ours, at the paper's other setting.
+  std::string reference_text() const;  // "Nf = 3, Nr = 1"
+  /// The paper's settings and ours, with the other one at the reference.
   std::vector<Setting> frame_sweep() const;
   std::vector<Setting> reduction_sweep() const;
   std::vector<Setting> settings() const;  // of both sweeps, each once
@@ -59,8 +61,5 @@ std::vector<StudyView> views_of(std::span<const study::JobResult> results);
 study::Estimator estimator_of(bool fusion);
 /// Root of an MSE in deg/s.
 double rmse_of(double mse, double label_scale_dps);
-
-/// The setting that both sweeps share.
-Setting reference_setting();
 
 }  // namespace thermorig::report

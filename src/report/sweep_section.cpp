@@ -64,11 +64,11 @@ std::vector<std::string> setting_row(const StudyView& view, const Sweep& sweep, 
 
 /// What no network is needed for: the same number stands beside both set-ups.
 std::vector<std::string> gyro_row(const StudyView& view, Estimator estimator) {
-  const SettingSummary* summary = view.find_any(reference_setting());
+  const SettingSummary* summary = view.find_any(view.reference);
   const auto index = static_cast<std::size_t>(estimator);
   const std::string median = summary == nullptr ? "no result" : value_text(view, summary->mse[index].median);
   const std::string iqr = summary == nullptr ? "no result" : mse_text(summary->mse[index].iqr);
-  return {fmt::format("{} (Nf = {})", label_of(estimator), paper_frames),
+  return {fmt::format("{} (Nf = {})", label_of(estimator), view.reference.frames),
           no_value,
           no_value,
           no_value,
@@ -114,7 +114,7 @@ Table estimator_table(const StudyView& view, const Sweep& sweep) {
       const SettingSummary* summary = summary_for(view, setting, estimator);
       const auto index = static_cast<std::size_t>(estimator);
       row.push_back(summary == nullptr ? "no result"
-                                       : value_text(view, summary->mse[index].median) + ", IQR " +
+                                       : value_text(view, summary->mse[index].median) + ", IQR\u00a0" +
                                              mse_text(summary->mse[index].iqr));
     }
     table.rows.push_back(row);
@@ -188,14 +188,15 @@ Section sweep_section(const StudyView& view, const std::string& heading, const S
 }  // namespace
 
 Section frame_sweep_section(const StudyView& view) {
-  return sweep_section(view, "Frames of a window (Nf)",
-                       {view.frame_sweep(), &Setting::frames, "Nf", fmt::format("Nr = {}", paper_reduction)});
+  return sweep_section(
+      view, "Frames of a window (Nf)",
+      {view.frame_sweep(), &Setting::frames, "Nf", fmt::format("Nr = {}", view.reference.reduction)});
 }
 
 Section reduction_sweep_section(const StudyView& view) {
   return sweep_section(
       view, "Resolution (Nr)",
-      {view.reduction_sweep(), &Setting::reduction, "Nr", fmt::format("Nf = {}", paper_frames)});
+      {view.reduction_sweep(), &Setting::reduction, "Nr", fmt::format("Nf = {}", view.reference.frames)});
 }
 
 }  // namespace thermorig::report

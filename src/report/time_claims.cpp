@@ -46,7 +46,7 @@ Claim drift_claim(const StudyView& view) {
   const DriftSummary fusion = drift_summary(view, Estimator::fusion),
                      gyro = drift_summary(view, Estimator::gyro);
   if (fusion.folds == 0 || gyro.folds == 0) {
-    claim.evidence = "no angle of both at Nf = 3, Nr = 1";
+    claim.evidence = "no angle of both at " + view.reference_text();
     return claim;
   }
   claim.verdict = drift_verdict(fusion.median_deg_per_min, gyro.median_deg_per_min, drift_factor(view));
@@ -73,7 +73,7 @@ Claim gain_peak_claim(const StudyView& view) {
         share_text(summary->gain.above_098), gate_text(summary->gain));
   }
   if (all == 0) {
-    claim.evidence = "no gate at Nf = 3, Nr = 1";
+    claim.evidence = "no gate at " + view.reference_text();
     return claim;
   }
   claim.verdict = near == all ? Verdict::holds : near == 0 ? Verdict::fails : Verdict::within_seeds;

@@ -38,7 +38,7 @@ struct Curve {
 std::vector<Curve> curves_of(const StudyView& view) {
   std::vector<Curve> curves;
   for (const bool fusion : {false, true}) {
-    const auto jobs = view.jobs(reference_setting(), fusion);
+    const auto jobs = view.jobs(view.reference, fusion);
     const auto curve = median_curve(jobs);
     if (!curve.empty()) curves.push_back({fusion, curve, median_test(jobs, fusion)});
   }
@@ -71,10 +71,10 @@ Chart curve_chart(const std::vector<Curve>& curves) {
 
 Section training_section(const StudyView& view) {
   const auto curves = curves_of(view);
-  if (curves.empty()) return {"Training", {Paragraph{"No training curve at Nf = 3, Nr = 1."}}};
+  if (curves.empty()) return {"Training", {Paragraph{"No training curve at " + view.reference_text() + "."}}};
   Table table;
-  table.caption =
-      "Training at Nf = 3, Nr = 1: median MSE over folds, first and last epoch, beside the test's";
+  table.caption = "Training at " + view.reference_text() +
+                  ": median MSE over folds, first and last epoch, beside the test's";
   table.header = {"set-up", "epochs", "first epoch", "last epoch", "test", "test / last epoch"};
   for (const Curve& curve : curves)
     table.rows.push_back(

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: MIT
 import { axis, legend, number, textStyle, tooltip } from './theme.js';
 
+/** What may cover what, from below. */
+const order = ['gyro', 'gyro_unbiased', 'thermal', 'fusion'];
+
 /** Lines over a common axis: angle errors, errors by speed, training curves. */
 export function linesOption(chart, theme, small) {
   const names = chart.lines.map((line) => line.name);
@@ -11,12 +14,13 @@ export function linesOption(chart, theme, small) {
     legend: small ? undefined : legend(theme, names),
     tooltip: tooltip(theme, { trigger: 'axis', valueFormatter: number }),
     xAxis: axis(theme, chart.x, { type: 'value', min: 'dataMin', max: 'dataMax', nameGap: 26,
+      minInterval: chart.points === true ? 1 : 0,
       splitLine: { show: false } }),
     yAxis: axis(theme, logarithmic ? `${chart.y} (logarithmic)` : chart.y, {
       type: logarithmic ? 'log' : 'value', nameGap: 50,
     }),
     series: chart.lines.map((line) => ({
-      type: 'line', name: line.name, data: line.x.map((x, i) => [x, line.y[i]]), showSymbol: chart.points === true,
+      type: 'line', name: line.name, z: order.indexOf(line.key) + 2, data: line.x.map((x, i) => [x, line.y[i]]), showSymbol: chart.points === true,
       symbolSize: 4, lineStyle: { color: theme.colourOf(line.key), ...theme.strokeOf(line.key) },
       itemStyle: { color: theme.colourOf(line.key) },
     })),
