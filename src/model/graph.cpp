@@ -62,7 +62,7 @@ Origin Graph::output(std::string_view name) const {
       std::any_of(outputs.begin(), outputs.end(), [&](const auto& output) { return output.name() == name; });
   if (!listed) return {};
   const auto found = origins_.find(name);
-  if (found == origins_.end())
+  if (found == origins_.end() || found->second == Origin{})
     throw Refusal(fmt::format("its graph lacks what makes the output {}", in_quotes(name)));
   return found->second;
 }

@@ -122,13 +122,14 @@ TEST_F(ForeignGraph, MayReshapeInsteadOfFlatten) {
 
 TEST_F(ForeignGraph, MayReshapeToASizeThatItLooksUp) {
   for (const bool axes_are_an_input : {true, false}) {
+    const std::string whose = axes_are_an_input ? "conv2_relu" : "frames";
     file_ = EditedFile();
     file_.keep_scaling_alone();
     file_.add_integers("zero", {0});
     file_.tensor("zero").clear_dims();
     file_.add_integers("axes", {0});
     file_.add_integers("rest", {-1});
-    file_.insert("features", "Shape", {"conv2_relu"}, "shape");
+    file_.insert("features", "Shape", {whose}, "shape");
     file_.insert("features", "Gather", {"shape", "zero"}, "count");
     onnx::NodeProto& widen = file_.insert("features", "Unsqueeze", {"count"}, "counts");
     if (axes_are_an_input) widen.add_input("axes");

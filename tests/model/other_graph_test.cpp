@@ -159,6 +159,11 @@ const Change changes[] = {
     {"TensorTwice", [](EditedFile& f) { *f.graph().add_initializer() = f.tensor("conv1.bias"); }},
     {"TensorMissing", [](EditedFile& f) { f.tensor("conv1.bias").set_name("conv1.other"); }},
     {"OutputOfNothing", [](EditedFile& f) { f.node("fusion").set_output(0, "elsewhere"); }},
+    {"SecondOutputOfANode",
+     [](EditedFile& f) {
+       f.node("fusion").set_output(0, "sum");
+       f.node("pool").add_output("fusion");
+     }},
     {"FurtherOutput", [](EditedFile& f) { f.graph().add_output()->set_name("features"); }},
     {"GainWithoutFusion", [](EditedFile& f) { f.graph().mutable_output()->DeleteSubrange(0, 1); }},
     {"NoOutput", [](EditedFile& f) { f.graph().clear_output(); }},
