@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: MIT
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <stdlib.h>
 
@@ -36,15 +37,14 @@ std::string output_of(const std::string& command) {
 TEST_F(OnnxChecker, AcceptsEveryShape) {
   std::string files, expected;
   for (const network::Shape& shape : all_shapes()) {
-    const fs::path path = folder_ / (std::to_string(shape.frames) + std::to_string(shape.reduction) +
-                                     (shape.fusion ? "fusion.onnx" : "thermal.onnx"));
+    const std::string path = fmt::format("{}/nf{}_nr{}_{}.onnx", folder_.string(), shape.frames,
+                                         shape.reduction, shape.fusion ? "fusion" : "thermal");
     write_model(path, sample_model(shape), shape.frames == 4 ? 1 : 0);
-    files += " " + path.string();
-    expected += path.string() + "\n";
+    files += fmt::format(" {}", path);
+    expected += fmt::format("{}\n", path);
   }
-  EXPECT_EQ(
-      output_of("/usr/bin/python3 " THERMORIG_SOURCE_DIR "/tests/model/check_onnx.py" + files + " 2>&1"),
-      expected);
+  const std::string script = THERMORIG_SOURCE_DIR "/tests/model/check_onnx.py";
+  EXPECT_EQ(output_of(fmt::format("/usr/bin/python3 {}{} 2>&1", script, files)), expected);
 }
 
 }  // namespace
