@@ -31,24 +31,33 @@ template <int vectors>
 void convolve_tile(const PoolingConvolution& layer, const float* input, float* peaks) {
   Vector sum[filters1][2][vectors];
   THERMORIG_UNROLL
-  for (int f = 0; f < filters1; ++f) THERMORIG_UNROLL
-  for (int v = 0; v < vectors; ++v) sum[f][0][v] = sum[f][1][v] = Vector{} + layer.bias[f];
+  for (int f = 0; f < filters1; ++f) {
+    THERMORIG_UNROLL
+    for (int v = 0; v < vectors; ++v) sum[f][0][v] = sum[f][1][v] = broadcast(layer.bias[f]);
+  }
   const float* w = layer.weights;
-  for (int c = 0; c < layer.channels; ++c)
+  for (int c = 0; c < layer.channels; ++c) {
     for (int i = 0; i < taps; ++i) {
       const float* row = input + (c * layer.input_rows + i) * layer.input_stride;
       THERMORIG_UNROLL
-      for (int j = 0; j < taps; ++j, w += filters1) THERMORIG_UNROLL
-      for (int f = 0; f < filters1; ++f) THERMORIG_UNROLL
-      for (int v = 0; v < vectors; ++v) {
-        sum[f][0][v] += w[f] * load(row + j + v * lanes);
-        sum[f][1][v] += w[f] * load(row + layer.input_stride + j + v * lanes);
+      for (int j = 0; j < taps; ++j, w += filters1) {
+        THERMORIG_UNROLL
+        for (int f = 0; f < filters1; ++f) {
+          THERMORIG_UNROLL
+          for (int v = 0; v < vectors; ++v) {
+            sum[f][0][v] += w[f] * load(row + j + v * lanes);
+            sum[f][1][v] += w[f] * load(row + layer.input_stride + j + v * lanes);
+          }
+        }
       }
     }
+  }
   THERMORIG_UNROLL
-  for (int f = 0; f < filters1; ++f) THERMORIG_UNROLL
-  for (int v = 0; v < vectors; ++v)
-    store(peaks + f * row_slack + v * lanes, larger(larger(sum[f][0][v], sum[f][1][v]), Vector{}));
+  for (int f = 0; f < filters1; ++f) {
+    THERMORIG_UNROLL
+    for (int v = 0; v < vectors; ++v)
+      store(peaks + f * row_slack + v * lanes, larger(larger(sum[f][0][v], sum[f][1][v]), Vector{}));
+  }
 }
 
 /// The larger of neighbours: the last part of the pooling.
@@ -90,25 +99,32 @@ template <int pixels>
 void convolve_pixels(const FeatureConvolution& layer, const float* input, float* output) {
   Vector sum[pixels][parts];
   THERMORIG_UNROLL
-  for (int p = 0; p < pixels; ++p) THERMORIG_UNROLL
-  for (int v = 0; v < parts; ++v) sum[p][v] = load(layer.bias + v * lanes);
+  for (int p = 0; p < pixels; ++p) {
+    THERMORIG_UNROLL
+    for (int v = 0; v < parts; ++v) sum[p][v] = load(layer.bias + v * lanes);
+  }
   const float* w = layer.weights;
-  for (int c = 0; c < filters1; ++c)
+  for (int c = 0; c < filters1; ++c) {
     for (int i = 0; i < taps; ++i, w += taps * filters2) {
       const float* row = input + c * layer.input_plane + i * layer.input_stride;
       // By input pixel: each is broadcast once for all its taps.
       THERMORIG_UNROLL
       for (int x = 0; x < pixels + taps - 1; ++x) {
-        const Vector value = Vector{} + row[x];
+        const Vector value = broadcast(row[x]);
         THERMORIG_UNROLL
-        for (int j = 0; j < taps; ++j)
-          if (x - j >= 0 && x - j < pixels) THERMORIG_UNROLL
-        for (int v = 0; v < parts; ++v) sum[x - j][v] += value * load(w + j * filters2 + v * lanes);
+        for (int j = 0; j < taps; ++j) {
+          if (x - j < 0 || x - j >= pixels) continue;
+          THERMORIG_UNROLL
+          for (int v = 0; v < parts; ++v) sum[x - j][v] += value * load(w + j * filters2 + v * lanes);
+        }
       }
     }
+  }
   THERMORIG_UNROLL
-  for (int p = 0; p < pixels; ++p) THERMORIG_UNROLL
-  for (int v = 0; v < parts; ++v) store(output + p * filters2 + v * lanes, larger(sum[p][v], Vector{}));
+  for (int p = 0; p < pixels; ++p) {
+    THERMORIG_UNROLL
+    for (int v = 0; v < parts; ++v) store(output + p * filters2 + v * lanes, larger(sum[p][v], Vector{}));
+  }
 }
 
 /// A row in tiles; the last one starts early enough to be whole.

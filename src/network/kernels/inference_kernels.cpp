@@ -100,8 +100,8 @@ float dot(const float* a, const float* b, int count) {
 void to_half(const float* values, int count, uint16_t* halves) {
   for (int i = 0; i < count; i += lanes) {
     Vector v = load(values + i);
-    v = v > largest_half ? Vector{} + largest_half : v;
-    v = v < -largest_half ? Vector{} - largest_half : v;
+    v = v > largest_half ? broadcast(largest_half) : v;
+    v = v < -largest_half ? broadcast(-largest_half) : v;
     store(halves + i, v);
   }
 }

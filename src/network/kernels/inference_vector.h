@@ -24,6 +24,11 @@ static inline void store(float* floats, Vector v) {
   *reinterpret_cast<LooseVector*>(floats) = v;
 }
 
+/// The value in every lane. Not plus 0, which would turn -0 around and so remain an addition.
+static inline Vector broadcast(float value) {
+  return value - Vector{};
+}
+
 inline constexpr float largest_half = 65504.0F;
 
 #if defined(__AVX512F__)
