@@ -128,6 +128,7 @@ class JsonTrainOutput final : public TrainOutput {
                           {"training_rmse_dps", rmse_dps(report.training_mse)},
                           {"held_out_mse", report.held_out_mse},
                           {"held_out_rmse_dps", rmse_dps(report.held_out_mse)},
+                          {"held_out_thermal_mse", report.held_out_thermal_mse},
                           {"kept", report.kept},
                           {"elapsed_s", standing.elapsed_s},
                           {"eta_s", seconds_left(standing, config_)}};

@@ -16,7 +16,7 @@ static_assert(std::endian::native == std::endian::little, "a checkpoint holds li
 
 constexpr std::string_view magic = "THRCKPT1";
 constexpr std::size_t header_bytes = 8 + 3 * sizeof(std::int32_t) + sizeof(std::uint64_t);
-constexpr std::size_t epoch_bytes = sizeof(std::int32_t) + 5 * sizeof(double) + 1;
+constexpr std::size_t epoch_bytes = sizeof(std::int32_t) + 6 * sizeof(double) + 1;
 constexpr std::size_t crc_bytes = sizeof(std::uint32_t);
 
 std::uint32_t crc_of(std::string_view bytes) {
@@ -66,8 +66,8 @@ class Reader {
 
 void put_epoch(Writer& writer, const EpochReport& report) {
   writer.put(static_cast<std::int32_t>(report.epoch));
-  for (const double value :
-       {report.loss, report.training_mse, report.held_out_mse, report.gain_mean, report.seconds})
+  for (const double value : {report.loss, report.training_mse, report.held_out_mse,
+                             report.held_out_thermal_mse, report.gain_mean, report.seconds})
     writer.put(value);
   writer.put(static_cast<std::uint8_t>(report.kept));
 }
@@ -75,8 +75,8 @@ void put_epoch(Writer& writer, const EpochReport& report) {
 EpochReport take_epoch(Reader& reader) {
   EpochReport report;
   report.epoch = reader.take<std::int32_t>();
-  for (double* value :
-       {&report.loss, &report.training_mse, &report.held_out_mse, &report.gain_mean, &report.seconds})
+  for (double* value : {&report.loss, &report.training_mse, &report.held_out_mse,
+                        &report.held_out_thermal_mse, &report.gain_mean, &report.seconds})
     *value = reader.take<double>();
   report.kept = reader.take<std::uint8_t>() != 0;
   return report;

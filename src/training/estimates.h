@@ -11,7 +11,11 @@ namespace thermorig::training {
 /// The network on every window of a set, in order; normalised.
 std::vector<network::Output> estimates_of(const network::Weights& weights, const WindowSet& set);
 
-/// Mean of (y_fus - y)^2 over a set, normalised; NaN without a window.
-double mean_squared_error(const network::Weights& weights, const WindowSet& set);
+/// Means of the squared errors over a set, normalised; NaN without a window.
+struct SquaredErrors {
+  double fusion = 0.0;   // (y_fus - y)^2
+  double thermal = 0.0;  // (y_th - y)^2
+};
+SquaredErrors squared_errors(const network::Weights& weights, const WindowSet& set);
 
 }  // namespace thermorig::training

@@ -2,7 +2,6 @@
 #include "thermorig/training/prediction.h"
 
 #include <algorithm>
-#include <limits>
 
 #include "estimates.h"
 
@@ -22,15 +21,17 @@ std::vector<network::Output> estimates_of(const network::Weights& weights, const
   return outputs;
 }
 
-double mean_squared_error(const network::Weights& weights, const WindowSet& set) {
-  if (set.size() == 0) return std::numeric_limits<double>::quiet_NaN();
+SquaredErrors squared_errors(const network::Weights& weights, const WindowSet& set) {
   const std::vector<network::Output> outputs = estimates_of(weights, set);
-  double sum = 0.0;
+  SquaredErrors sums;
   for (std::size_t index = 0; index < set.size(); ++index) {
-    const double error = outputs[index].fusion - set.label(index);
-    sum += error * error;
+    const double fusion = outputs[index].fusion - set.label(index);
+    const double thermal = outputs[index].thermal - set.label(index);
+    sums.fusion += fusion * fusion;
+    sums.thermal += thermal * thermal;
   }
-  return sum / static_cast<double>(set.size());
+  const auto count = static_cast<double>(set.size());
+  return {sums.fusion / count, sums.thermal / count};
 }
 
 std::vector<WindowEstimate> predict(const model::Model& model,

@@ -49,7 +49,8 @@ void add(std::string& text, const std::string& difference) {
 }
 
 void compare_settings(const nlohmann::json& then, const nlohmann::json& now, std::string& text) {
-  for (const auto& [key, value] : now.flatten().items()) {
+  const nlohmann::json flat = now.flatten();
+  for (const auto& [key, value] : flat.items()) {
     const nlohmann::json::json_pointer place(key);
     const nlohmann::json before = then.contains(place) ? then.at(place) : nlohmann::json();
     if (before != value)
@@ -79,6 +80,7 @@ nlohmann::json to_json(const EpochReport& report, const TrainingConfig& config) 
                       {"training_rmse_dps", rmse_dps(report.training_mse)},
                       {"held_out_mse", report.held_out_mse},
                       {"held_out_rmse_dps", rmse_dps(report.held_out_mse)},
+                      {"held_out_thermal_mse", report.held_out_thermal_mse},
                       {"kept", report.kept},
                       {"seconds", report.seconds}};
   line["gain_mean"] = config.shape.fusion ? nlohmann::json(report.gain_mean) : nlohmann::json();

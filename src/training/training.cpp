@@ -107,12 +107,14 @@ class Training {
     done_.weights = trainer_.weights();
     done_.optimiser = trainer_.optimiser();
     require_finite_weights(epoch);
+    const SquaredErrors held_out = squared_errors(done_.weights, held_out_);
     EpochReport report{.epoch = epoch,
                        .loss = sums.loss / sums.windows,
                        .training_mse = sums.squared_error / sums.windows,
-                       .held_out_mse = mean_squared_error(done_.weights, held_out_),
+                       .held_out_mse = held_out.fusion,
+                       .held_out_thermal_mse = held_out.thermal,
                        .gain_mean = sums.gain / sums.windows};
-    report.kept = !config_.choose_epoch || report.held_out_mse < kept_mse();
+    report.kept = !config_.choose_epoch || score_of(report) < kept_score();
     done_.epochs.push_back(report);
     if (report.kept) {
       done_.kept = done_.weights;
@@ -121,10 +123,16 @@ class Training {
     if (observer_.epoch) observer_.epoch(report, done_);
   }
 
-  /// Of the best epoch so far.
-  double kept_mse() const {
+  /// What chooses the epoch: the error on the held-out acquisition, weighed as the loss weighs its parts. The
+  /// fused error alone would tell how good that one acquisition's gyro happens to be.
+  double score_of(const EpochReport& report) const {
+    const double weight = trainer_config(config_).loss.auxiliary_thermal;
+    return report.held_out_mse + weight * report.held_out_thermal_mse;
+  }
+
+  double kept_score() const {
     if (done_.epoch_kept == 0) return std::numeric_limits<double>::infinity();
-    return done_.epochs[static_cast<std::size_t>(done_.epoch_kept) - 1].held_out_mse;
+    return score_of(done_.epochs[static_cast<std::size_t>(done_.epoch_kept) - 1]);
   }
 
   void require_finite(double loss, std::size_t step, int epoch) const {

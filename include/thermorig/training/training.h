@@ -24,8 +24,9 @@ struct TrainingConfig {
   network::AdamConfig adam;
   bool mirror =
       false;  // half of the windows, drawn anew each epoch, flipped left to right with speed and gyro negated
-  bool choose_epoch =
-      false;  // keep the epoch with the lowest error on one held-out training acquisition; false: the last
+  // Keep the epoch with the lowest error on one held-out training acquisition (fused plus, weighed as in the
+  // loss, thermal); false: the last.
+  bool choose_epoch = false;
   int history = 0;  // valid frames in a row that a window's end needs, see windows::WindowRule
   std::uint64_t seed =
       1;  // of the first weights, of the order of windows, of the mirror and of the held-out acquisition
@@ -45,13 +46,14 @@ void check(const TrainingConfig& config);
 
 /// What an epoch showed. Errors normalised (divided by label_scale_dps).
 struct EpochReport {
-  int epoch = 0;              // from 1
-  double loss = 0.0;          // mean over the epoch's windows
-  double training_mse = 0.0;  // the same of the squared errors, each before its step
-  double held_out_mse = 0.0;  // NaN without a held-out acquisition
-  double gain_mean = 1.0;     // of Kg over the epoch
-  double seconds = 0.0;       // elapsed since training began; train() looks at no clock and leaves 0
-  bool kept = false;          // the best so far, or the last
+  int epoch = 0;                      // from 1
+  double loss = 0.0;                  // mean over the epoch's windows
+  double training_mse = 0.0;          // the same of the squared errors, each before its step
+  double held_out_mse = 0.0;          // NaN without a held-out acquisition
+  double held_out_thermal_mse = 0.0;  // of y_th there; NaN likewise
+  double gain_mean = 1.0;             // of Kg over the epoch
+  double seconds = 0.0;               // elapsed since training began; train() looks at no clock and leaves 0
+  bool kept = false;                  // the best so far, or the last
 };
 
 /// Everything that going on needs, between two epochs.

@@ -1,0 +1,104 @@
+// SPDX-License-Identifier: MIT
+#include <gtest/gtest.h>
+
+#include "../session/synthetic_session.h"
+#include "../session/temporary_folder.h"
+#include "thermorig/core/error.h"
+#include "thermorig/dataset/dataset.h"
+
+namespace thermorig::dataset {
+namespace {
+
+namespace fs = std::filesystem;
+
+class Sessions : public session::InTemporaryFolder {
+ protected:
+  /// A session file; recordings of other seeds differ.
+  fs::path write(const std::string& name, const std::string& environment, int number, std::uint32_t seed) {
+    session::Session session = session::SyntheticSession(20, seed).take();
+    session.raw.header.environment = environment;
+    session.raw.header.acquisition = number;
+    fs::create_directories(path(name).parent_path());
+    session::write_session(path(name), session);
+    return path(name);
+  }
+
+  template <typename Action>
+  static Error refusal(Action action) {
+    try {
+      action();
+    } catch (const Error& error) {
+      return error;
+    }
+    return {ExitCode::ok, "nothing was refused", "", ""};
+  }
+};
+
+TEST_F(Sessions, AreFoundInFoldersToAnyDepthEachOnce) {
+  const fs::path kitchen = write("kitchen/a.h5", "kitchen", 1, 1);
+  const fs::path garden = write("garden/deep/b.h5", "garden", 1, 2);
+  write_file(path("notes.txt"), {'a'});
+  fs::create_symlink(kitchen, path("zagain.h5"));
+  EXPECT_EQ(find_sessions({path("garden"), kitchen, path("kitchen")}),
+            (std::vector<fs::path>{garden, kitchen}));
+  EXPECT_EQ(find_sessions({folder_}), (std::vector<fs::path>{garden, kitchen}));
+}
+
+TEST_F(Sessions, ThatAreNotThereAreRefused) {
+  EXPECT_EQ(refusal([&] { find_sessions({path("nowhere")}); }).code(), ExitCode::bad_usage);
+  EXPECT_EQ(refusal([&] { find_sessions({folder_}); }).code(), ExitCode::bad_usage);
+}
+
+TEST_F(Sessions, AreSortedByEnvironmentAndNumberNotByFile) {
+  write("a.h5", "kitchen", 1, 1);
+  write("b.h5", "garden", 10, 2);
+  write("c.h5", "garden", 9, 3);
+  std::size_t calls = 0, last = 0;
+  const auto acquisitions =
+      read_acquisitions(find_sessions({folder_}), [&](std::size_t done, std::size_t all) {
+        ++calls;
+        last = done;
+        EXPECT_EQ(all, 3U);
+      });
+  ASSERT_EQ(acquisitions.size(), 3U);
+  EXPECT_EQ(acquisitions[0].name, "garden_acq-09");
+  EXPECT_EQ(acquisitions[1].name, "garden_acq-10");
+  EXPECT_EQ(acquisitions[2].name, "kitchen_acq-01");
+  EXPECT_EQ(calls, 3U);
+  EXPECT_EQ(last, 3U);
+  EXPECT_EQ(read_acquisition(path("b.h5")).hash, acquisitions[1].hash);
+}
+
+TEST_F(Sessions, ThatHoldTheSameRecordingAreRefused) {
+  write("a.h5", "kitchen", 1, 1);
+  write("copy.h5", "kitchen", 2, 1);
+  const Error error = refusal([&] { read_acquisitions(find_sessions({folder_})); });
+  EXPECT_EQ(error.code(), ExitCode::not_a_session);
+  EXPECT_NE(error.what_happened().find("a.h5"), std::string::npos);
+}
+
+TEST_F(Sessions, TheFirstDamagedOneIsNamed) {
+  write("a.h5", "kitchen", 1, 1);
+  write("b.h5", "kitchen", 2, 2);
+  for (const char* name : {"b.h5", "c.h5"}) {
+    std::vector<char> bytes(5000, 'x');
+    fs::remove(path(name));
+    write_file(path(name), bytes);
+  }
+  for (int trial = 0; trial < 5; ++trial) {
+    const Error error = refusal([&] { read_acquisitions(find_sessions({folder_})); });
+    EXPECT_EQ(error.code(), ExitCode::not_a_session);
+    EXPECT_EQ(error.where(), path("b.h5").string());
+  }
+}
+
+TEST_F(Sessions, CutShortAreRefused) {
+  const fs::path file = write("a.h5", "kitchen", 1, 1);
+  std::vector<char> bytes = read_file(file);
+  bytes.resize(bytes.size() / 2);
+  write_file(file, bytes);
+  EXPECT_EQ(refusal([&] { read_acquisition(file); }).code(), ExitCode::not_a_session);
+}
+
+}  // namespace
+}  // namespace thermorig::dataset
