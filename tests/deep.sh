@@ -17,6 +17,9 @@ cmake --build --preset asan -j "$(nproc)"
 ctest --test-dir build-asan --output-on-failure -j "$(nproc)" -LE rig
 ctest --test-dir build-asan --output-on-failure -L rig --repeat until-pass:2 -E "^Readme"
 
+echo "== Exported C on Cortex-M boards in QEMU: what it takes"
+build-asan/bin/test_embedded --gtest_brief=1 --gtest_filter='Cores/*'
+
 echo "== ThreadSanitizer"
 cmake --preset tsan
 cmake --build --preset tsan -j "$(nproc)" --target test_io test_simulated_ports test_rig test_session

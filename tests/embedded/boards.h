@@ -23,12 +23,15 @@ struct BoardRun {
   std::vector<Speeds> windows;
   std::vector<Speeds> first_again;  // the first window, by the function that takes one at once
   std::uint64_t instructions = 0, stack_bytes = 0;  // of a window, on a board that counts them
+  std::uint64_t flash_bytes = 0;                    // code and constants of the network, with Board::object
 };
 
 /// How C becomes a program, and how that is run.
 struct Board {
   std::string compiler;  // command and options
   std::string runner;    // put before the program's name; empty: it runs as it is
+  std::string
+      object;  // command and options that compile the network alone; empty: its size is of no interest
 };
 
 inline constexpr const char* strict_c99 =

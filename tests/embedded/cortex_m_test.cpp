@@ -32,7 +32,8 @@ Board board_of(const Core& core) {
                   strict_c99, core.options, folder, folder),
       fmt::format("timeout 120 qemu-system-arm -M {} -nographic -monitor none -serial none -icount shift=0 "
                   "-semihosting-config enable=on,target=native -kernel",
-                  core.machine)};
+                  core.machine),
+      fmt::format("arm-none-eabi-gcc -std=c99 -O2 -mthumb {}", core.options)};
 }
 
 class OnACortexM : public ::testing::TestWithParam<std::size_t> {
@@ -51,11 +52,14 @@ class OnACortexM : public ::testing::TestWithParam<std::size_t> {
     EXPECT_EQ(run.state_bytes, source.working_bytes);
     EXPECT_LT(run.stack_bytes, 512U);
     EXPECT_GT(run.instructions, 100'000U);
+    EXPECT_GT(run.flash_bytes, source.constant_bytes);
+    EXPECT_LT(run.flash_bytes, source.constant_bytes + 6000);
     const auto expected = expected_speeds(kind == WeightKind::int8 ? quantised(model) : model);
     EXPECT_LE(largest_difference(run.windows, expected, model.scaling.label_scale_dps), tolerance);
-    fmt::print("{}: Nf {}, Nr {}, {}: {} instructions and {} B of stack a window\n", core.name, shape.frames,
-               shape.reduction, kind == WeightKind::int8 ? "int8" : "float32", run.instructions,
-               run.stack_bytes);
+    fmt::print(
+        "{:<10} Nf {}, Nr {}, {:<7}: flash {} B, RAM {} B and {} B of stack, {} instructions a window\n",
+        core.name, shape.frames, shape.reduction, kind == WeightKind::int8 ? "int8" : "float32",
+        run.flash_bytes, run.state_bytes, run.stack_bytes, run.instructions);
   }
 };
 
