@@ -13,7 +13,7 @@ command -v npm >/dev/null || packages+=(nodejs npm)
 for part in "$@"; do
   case "$part" in
     tests) packages+=(libgtest-dev libgmock-dev hdf5-tools python3-h5py python3-xarray python3-h5netcdf python3-matplotlib python3-onnx) ;;
-    deep) packages+=(clang-14 libclang-rt-14-dev clang-format-14
+    deep) packages+=(clang-14 libclang-rt-14-dev clang-format-14 g++-aarch64-linux-gnu qemu-user
       gcc-arm-none-eabi libnewlib-arm-none-eabi qemu-system-arm) ;;
     bench) packages+=(libbenchmark-dev python3-numpy python3-h5py python3-serial) ;;
     *) echo "setup.sh: unknown part '$part'; try: tests, deep, bench" >&2; exit 2 ;;

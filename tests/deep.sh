@@ -20,6 +20,9 @@ ctest --test-dir build-asan --output-on-failure -L rig --repeat until-pass:2 -E 
 echo "== Exported C on Cortex-M boards in QEMU: what it takes"
 build-asan/bin/test_embedded --gtest_brief=1 --gtest_filter='Cores/*'
 
+echo "== The network on AArch64, in an emulator"
+bash tests/network/aarch64.sh
+
 echo "== ThreadSanitizer"
 cmake --preset tsan
 cmake --build --preset tsan -j "$(nproc)" --target test_io test_simulated_ports test_rig test_session
