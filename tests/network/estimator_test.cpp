@@ -5,44 +5,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
-#include <new>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "allocations.h"
 #include "random_windows.h"
 #include "reference_network.h"
-
-namespace {
-
-std::size_t allocations = 0;
-
-}  // namespace
-
-void* operator new(std::size_t size) {
-  ++allocations;
-  if (void* memory = std::malloc(size)) return memory;
-  throw std::bad_alloc();
-}
-void* operator new(std::size_t size, std::align_val_t alignment) {
-  ++allocations;
-  const auto step = static_cast<std::size_t>(alignment);
-  if (void* memory = std::aligned_alloc(step, (size + step - 1) / step * step)) return memory;
-  throw std::bad_alloc();
-}
-void operator delete(void* memory) noexcept {
-  std::free(memory);
-}
-void operator delete(void* memory, std::size_t) noexcept {
-  std::free(memory);
-}
-void operator delete(void* memory, std::align_val_t) noexcept {
-  std::free(memory);
-}
-void operator delete(void* memory, std::size_t, std::align_val_t) noexcept {
-  std::free(memory);
-}
 
 namespace thermorig::network {
 namespace {
@@ -167,11 +136,11 @@ TEST(Estimator, AllocatesNothingOnceMade) {
       const Shape shape;
       const RandomWindows windows(shape, 1, 1);
       Estimator estimator(initial_weights(shape, 1), precision, set);
-      const std::size_t before = allocations;
+      const std::size_t before = allocations();
       estimator.estimate(windows.frames[0], 0.5F);
-      EXPECT_EQ(allocations, before) << name_of(set);
+      EXPECT_EQ(allocations(), before) << name_of(set);
     }
-  EXPECT_GT(allocations, 0U);
+  EXPECT_GT(allocations(), 0U);
 }
 
 TEST(Estimator, SaysTheSameAgainWhateverCameBetween) {
