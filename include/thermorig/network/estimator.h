@@ -19,7 +19,7 @@ struct Output {
 enum class Precision : unsigned char {
   fp32,
   fp16_weights
-};  // fp16: the two big layers' weights are stored in half precision
+};  // fp16: the two big layers' weights are stored in half precision, those beyond it as its largest, 65504
 
 /// Runs the network on one window at a time. Allocates only when made. Not for two threads at once.
 class Estimator {
