@@ -1,0 +1,237 @@
+// SPDX-License-Identifier: MIT
+#include <gmock/gmock.h>
+
+#include <sys/wait.h>
+
+#include <algorithm>
+#include <csignal>
+#include <fstream>
+#include <iterator>
+#include <thread>
+
+#include "program.h"
+
+namespace thermorig::tests {
+namespace {
+
+namespace fs = std::filesystem;
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+std::string bytes_of(const fs::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(file), {}};
+}
+
+/// Two short recordings and a network that learns them in no time.
+class Train : public ProgramTest {
+ protected:
+  Train() {
+    for (const char* seed : {"3", "4"})
+      EXPECT_EQ(
+          run(std::string("record --fast --environment garden --json --simulated=") + seed + " " + plan).code,
+          0);
+  }
+
+  static constexpr const char* plan = "--plan quick --speeds 40,80 --frames-per-leg 24";
+  const std::string network = "train recordings --nf 2 --nr 3 ";
+  const std::string small = network + "--epochs 3 ";
+
+  fs::path at(const std::string& name) const { return folder() / name; }
+
+  /// Starts a training of very many epochs and waits until it has kept some.
+  pid_t start_long(const std::string& model) const {
+    const pid_t process = start({"train", "recordings", "--nf", "2", "--nr", "3", "--epochs", "5000",
+                                 "--threads", "1", "-o", model + ".onnx"});
+    for (int look = 0; look < 3000 && epochs_kept(model) < 3; ++look)
+      std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    return process;
+  }
+
+  std::ptrdiff_t epochs_kept(const std::string& model) const {
+    const std::string metrics = bytes_of(at(model + ".run") / "metrics.ndjson");
+    return std::count(metrics.begin(), metrics.end(), '\n');
+  }
+};
+
+TEST_F(Train, MakesAModelAndSaysWhatItIsWorth) {
+  const Outcome outcome = run(small + "-o model.onnx");
+  ASSERT_EQ(outcome.code, 0) << outcome.err;
+  for (const char* part : {"garden", "SIMULATED data", "fusion, Nf 2, Nr 3: 89,644 weights", "seed 1",
+                           "epoch 3 of 3", "training MSE", "RMSE", "deg/s", "gyro alone", "gate Kg",
+                           "held-out", "next  thermorig evaluate model.onnx"})
+    EXPECT_THAT(outcome.out, HasSubstr(part));
+  EXPECT_THAT(outcome.out, Not(HasSubstr("\x1b")));
+  EXPECT_GT(fs::file_size(at("model.onnx")), 89'644U * 4);
+  for (const char* name : {"run.json", "metrics.ndjson", "checkpoint.bin", "model.onnx"})
+    EXPECT_TRUE(fs::exists(at("model.run") / name)) << name;
+  EXPECT_EQ(bytes_of(at("model.run/model.onnx")), bytes_of(at("model.onnx")));
+}
+
+TEST_F(Train, TellsProgramsTheSameAsJson) {
+  const Outcome outcome = run(small + "--json -o model.onnx");
+  ASSERT_EQ(outcome.code, 0) << outcome.err;
+  const auto lines = outcome.lines();
+  ASSERT_EQ(lines.size(), 5U);
+  EXPECT_EQ(lines[0]["event"], "start");
+  EXPECT_EQ(lines[0]["data"]["acquisitions"], 2);
+  EXPECT_EQ(lines[0]["environments"]["garden"]["simulated"], 2);
+  EXPECT_EQ(lines[3]["event"], "epoch");
+  EXPECT_EQ(lines[3]["epoch"], 3);
+  EXPECT_GT(lines[3]["training_rmse_dps"], 0.0);
+  const auto& summary = lines[4];
+  EXPECT_EQ(summary["event"], "summary");
+  EXPECT_EQ(summary["exit_code"], 0);
+  EXPECT_EQ(summary["model"], "model.onnx");
+  EXPECT_TRUE(summary["simulated"]);
+  EXPECT_GT(summary["training"]["gyro_mse"], 0.0);
+  EXPECT_GT(summary["held_out"]["windows"], 10);
+}
+
+TEST_F(Train, GivesTheSameFileForTheSameSeedWhateverTheThreads) {
+  ASSERT_EQ(run(small + "-o one.onnx --threads 1").code, 0);
+  ASSERT_EQ(run(small + "-o two.onnx --threads 3").code, 0);
+  ASSERT_EQ(run(small + "-o three.onnx --seed 2").code, 0);
+  EXPECT_EQ(bytes_of(at("one.onnx")), bytes_of(at("two.onnx")));
+  EXPECT_NE(bytes_of(at("one.onnx")), bytes_of(at("three.onnx")));
+}
+
+TEST_F(Train, TakesThePaperToTheLetterOrAsItIsTold) {
+  const auto start_of = [&](const std::string& words) {
+    return run(small + "--json " + words).lines().at(0);
+  };
+  const auto paper = start_of("--preset paper -o a.onnx");
+  EXPECT_EQ(paper["auxiliary_thermal"], 0.0);
+  EXPECT_FALSE(paper["mirror"]);
+  EXPECT_FALSE(paper["choose_epoch"]);
+  const auto best = start_of("-o b.onnx");
+  EXPECT_GT(best["auxiliary_thermal"], 0.0);
+  EXPECT_TRUE(best["mirror"]);
+  EXPECT_TRUE(best["choose_epoch"]);
+  const auto custom = start_of("--no-mirror --no-choose-epoch --thermal-only --label-scale 100 -o c.onnx");
+  EXPECT_EQ(custom["preset"], "custom");
+  EXPECT_FALSE(custom["mirror"]);
+  EXPECT_FALSE(custom["choose_epoch"]);
+  EXPECT_FALSE(custom["fusion"]);
+  EXPECT_EQ(custom["label_scale_dps"], 100.0);
+}
+
+TEST_F(Train, NeverOverwritesAModel) {
+  write("model.onnx", std::vector<std::uint8_t>{'m', 'i', 'n', 'e'});
+  const Outcome outcome = run(small + "-o model.onnx");
+  EXPECT_EQ(outcome.code, 2);
+  EXPECT_THAT(outcome.err, AllOf(HasSubstr("model.onnx"), HasSubstr("never overwritten"), HasSubstr("try:")));
+  EXPECT_EQ(bytes_of(at("model.onnx")), "mine");
+  EXPECT_FALSE(fs::exists(at("model.run")));
+}
+
+TEST_F(Train, NeverMixesTwoRuns) {
+  ASSERT_EQ(run(small + "-o model.onnx").code, 0);
+  fs::remove(at("model.onnx"));
+  const Outcome outcome = run(small + "-o model.onnx");
+  EXPECT_EQ(outcome.code, 2);
+  EXPECT_THAT(outcome.err, HasSubstr("--resume"));
+}
+
+TEST_F(Train, ResumesAFinishedRunToTheSameModel) {
+  ASSERT_EQ(run(small + "-o model.onnx").code, 0);
+  const std::string before = bytes_of(at("model.onnx"));
+  EXPECT_EQ(run(small + "-o model.onnx --resume").code, 0);
+  EXPECT_EQ(bytes_of(at("model.onnx")), before);
+}
+
+TEST_F(Train, RefusesToResumeWithOtherSettingsOrOtherData) {
+  ASSERT_EQ(run(small + "-o model.onnx").code, 0);
+  Outcome outcome = run(network + "--epochs 4 -o model.onnx --resume");
+  EXPECT_EQ(outcome.code, 2);
+  EXPECT_THAT(outcome.err, HasSubstr("epochs (3, now 4)"));
+  EXPECT_EQ(run(std::string("record --fast --environment kitchen --simulated=5 ") + plan).code, 0);
+  outcome = run(small + "-o model.onnx --resume");
+  EXPECT_EQ(outcome.code, 2);
+  EXPECT_THAT(outcome.err, HasSubstr("2 acquisitions, now 3"));
+  EXPECT_EQ(run(small + "-o other.onnx --resume").code, 2);
+}
+
+TEST_F(Train, ASignalKeepsTheBestModelSoFar) {
+  for (const int signal : {SIGINT, SIGTERM}) {
+    const std::string name = "model" + std::to_string(signal);
+    const pid_t process = start_long(name);
+    kill(process, signal);
+    const Outcome outcome = wait(process);
+    EXPECT_EQ(outcome.code, 130) << outcome.err;
+    EXPECT_THAT(outcome.out,
+                AllOf(HasSubstr("stopped after"), HasSubstr("--resume"), HasSubstr("model " + name)));
+    EXPECT_GT(fs::file_size(at(name + ".onnx")), 300'000U);
+  }
+}
+
+TEST_F(Train, GoesOnAfterKillAsIfNothingHadHappened) {
+  const pid_t process = start_long("model");
+  kill(process, SIGKILL);
+  EXPECT_EQ(wait(process).code, 128 + SIGKILL);
+  EXPECT_FALSE(fs::exists(at("model.onnx")));
+  const auto kept = epochs_kept("model");
+  const std::string before = bytes_of(at("model.run/metrics.ndjson"));
+  const pid_t resumed = start({"train", "recordings", "--nf", "2", "--nr", "3", "--epochs", "5000",
+                               "--threads", "2", "-o", "model.onnx", "--resume"});
+  for (int look = 0; look < 3000 && epochs_kept("model") < kept + 2; ++look)
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  kill(resumed, SIGINT);
+  const Outcome outcome = wait(resumed);
+  EXPECT_EQ(outcome.code, 130) << outcome.err;
+  EXPECT_THAT(outcome.out, HasSubstr("going on after epoch"));
+  EXPECT_TRUE(bytes_of(at("model.run/metrics.ndjson")).starts_with(before));
+  EXPECT_TRUE(fs::exists(at("model.onnx")));
+}
+
+TEST_F(Train, SaysWhenTheGateHasCollapsed) {
+  // To the letter, many epochs on few windows whose gyro is good: nothing teaches the images.
+  const Outcome outcome = run(network + "--preset paper --epochs 200 --rate 0.01 -o model.onnx");
+  ASSERT_EQ(outcome.code, 0) << outcome.err;
+  EXPECT_THAT(outcome.out, AllOf(HasSubstr("warning: the gate has collapsed"), HasSubstr("--preset best")));
+}
+
+TEST_F(Train, SaysWhenTheGyroAloneIsBetter) {
+  const Outcome outcome = run(network + "--thermal-only --epochs 1 -o model.onnx");
+  ASSERT_EQ(outcome.code, 0) << outcome.err;
+  EXPECT_THAT(outcome.out, HasSubstr("warning: the gyro alone is better than this network"));
+}
+
+TEST_F(Train, RefusesWordsThatCannotBe) {
+  for (const char* words : {"--nf 7", "--nr 0", "--preset worst", "--epochs 0", "--rate 0", "--rate nan",
+                            "--batch 33", "--label-scale -1", "--auxiliary-thermal -1", "--threads 0"}) {
+    const Outcome outcome = run(std::string("train recordings -o model.onnx ") + words);
+    EXPECT_EQ(outcome.code, 2) << words;
+    EXPECT_FALSE(fs::exists(at("model.run"))) << words;
+  }
+  EXPECT_EQ(run("train nowhere -o model.onnx").code, 2);
+  EXPECT_EQ(run("train -o model.onnx").code, 2);
+}
+
+TEST_F(Train, RefusesWhatIsNoSession) {
+  write("recordings/bad.h5", std::vector<std::uint8_t>(3000, 'x'));
+  const Outcome outcome = run(small + "-o model.onnx");
+  EXPECT_EQ(outcome.code, 8);
+  EXPECT_THAT(outcome.err, HasSubstr("bad.h5"));
+}
+
+TEST_F(Train, SaysWhenTheDiskIsFull) {
+  const std::string command = "cd " + folder().string() + " && ulimit -f 100 && " + THERMORIG_PROGRAM + " " +
+                              small + "-o model.onnx >out.txt 2>err.txt";
+  const int status = std::system(("sh -c '" + command + "'").c_str());
+  EXPECT_EQ(WEXITSTATUS(status), 7) << bytes_of(at("err.txt"));
+  EXPECT_FALSE(fs::exists(at("model.onnx")));
+  EXPECT_THAT(bytes_of(at("err.txt")), HasSubstr("checkpoint.bin"));
+}
+
+TEST_F(Train, DrawsOverOneLineOnATerminalAndNotWithNoColor) {
+  const Outcome drawn = run_on_terminal("TERM=xterm", small + "-o a.onnx");
+  const Outcome plain = run_on_terminal("TERM=xterm NO_COLOR=1", small + "-o b.onnx");
+  ASSERT_EQ(drawn.code, 0) << drawn.out;
+  EXPECT_THAT(drawn.out, AllOf(HasSubstr("\x1b["), HasSubstr("left"), HasSubstr("epoch 3 of 3")));
+  EXPECT_THAT(plain.out, AllOf(Not(HasSubstr("\x1b")), HasSubstr("epoch 3 of 3")));
+}
+
+}  // namespace
+}  // namespace thermorig::tests
