@@ -59,7 +59,7 @@ Chart angle_chart(const std::string& title, const std::vector<EstimatorTrack>& t
         fmt::format(" {} {} deg/min, {} deg;", label_of(estimator),
                     rate_text(track->drift_deg_per_min[index]), angle_text(track->worst_deg[index]));
     lines.push_back({{"name", label_of(estimator)},
-                     {"key", key_of(estimator)},
+                     {"key", series_key(estimator)},
                      {"x", drawn(track->time_s)},
                      {"y", drawn(track->error_deg[index])}});
   }

@@ -8,7 +8,7 @@
 
 namespace thermorig::report {
 
-std::string key_of(study::Estimator estimator) {
+std::string series_key(study::Estimator estimator) {
   switch (estimator) {
     case study::Estimator::thermal:
       return "thermal";

@@ -3,6 +3,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "seed_spread.h"
 
 namespace thermorig::report {
@@ -14,14 +16,14 @@ std::string factor_text(std::optional<double> factor) {
 
 }  // namespace
 
-std::string text_of(Verdict verdict) {
+std::string text_of(Verdict verdict, bool seeds) {
   switch (verdict) {
     case Verdict::holds:
       return "holds";
     case Verdict::holds_in_part:
       return "holds in part";
-    case Verdict::within_seeds:
-      return "within the spread of seeds";
+    case Verdict::too_close:
+      return seeds ? "within the spread of seeds" : "too close to tell";
     case Verdict::fails:
       return "does not hold";
     case Verdict::unknown:
@@ -30,21 +32,27 @@ std::string text_of(Verdict verdict) {
   return "cannot be told";
 }
 
+bool seeds_known(const StudyView& view) {
+  return reference_seeds(view, false).size() > 1 || reference_seeds(view, true).size() > 1;
+}
+
 std::string judging_text(const StudyView& view) {
-  const auto count = std::max(reference_seeds(view, false).size(), reference_seeds(view, true).size());
-  if (count < 2)
+  const std::string rule = fmt::format(
+      "Every verdict is computed from the results, from those settings that have all folds. Two figures "
+      "count "
+      "as different where they are more than {:.0f} % apart",
+      100.0 * (least_factor - 1.0));
+  if (!seeds_known(view))
     return fmt::format(
-        "Every verdict is computed from the results. The spread over seeds is not known (it takes two "
-        "seeds or more at {}), so the smallest difference decides: take the verdicts with "
+        "{}. The spread over seeds is not known (it takes two seeds or more at {}): take the verdicts with "
         "care.",
-        view.reference_text());
+        rule, view.reference_text());
   return fmt::format(
-      "Every verdict is computed from the results. Two figures count as different where their ratio is "
-      "larger "
-      "than the largest ratio between the {} seeds at {} (median: thermal-only {}, fusion {}; "
-      "IQR: "
-      "thermal-only {}, fusion {}); closer ones are within the spread of seeds.",
-      count, view.reference_text(), factor_text(seed_factor(view, false, median_of)),
+      "{} and their ratio is larger than the largest ratio between the {} seeds at {} (median: thermal-only "
+      "{}, "
+      "fusion {}; IQR: thermal-only {}, fusion {}); closer ones are within the spread of seeds.",
+      rule, std::max(reference_seeds(view, false).size(), reference_seeds(view, true).size()),
+      view.reference_text(), factor_text(seed_factor(view, false, median_of)),
       factor_text(seed_factor(view, true, median_of)), factor_text(seed_factor(view, false, iqr_of)),
       factor_text(seed_factor(view, true, iqr_of)));
 }

@@ -8,8 +8,9 @@
 
 namespace thermorig::report {
 
-enum class Verdict { holds, holds_in_part, within_seeds, fails, unknown };
-std::string text_of(Verdict verdict);  // "holds", "within the spread of seeds", ...
+enum class Verdict { holds, holds_in_part, too_close, fails, unknown };
+/// "holds", "within the spread of seeds", ...; `seeds` says whether that spread is known.
+std::string text_of(Verdict verdict, bool seeds);
 
 /// A statement about the results, judged by them alone.
 struct Claim {
@@ -22,6 +23,9 @@ struct Claim {
 
 /// The paper's claims (section IV and its abstract) on these results, and what the paper does not ask.
 std::vector<Claim> claims_of(const StudyView& view);
+
+/// Are there two seeds to tell chance from differences?
+bool seeds_known(const StudyView& view);
 
 /// How claims are judged, in words, with the spread over seeds in numbers.
 std::string judging_text(const StudyView& view);

@@ -25,8 +25,8 @@ Table cost_table(const StudyView& view) {
     std::vector<std::string> row{setting_text(setting.frames, setting.reduction)};
     for (const bool fusion : {false, true}) {
       const SettingSummary* summary = view.find(setting, fusion);
-      row.push_back(summary == nullptr ? "no result" : count_text(summary->weights));
-      row.push_back(summary == nullptr ? "no result" : count_text(summary->multiply_adds));
+      row.push_back(summary == nullptr ? no_result : count_text(summary->weights));
+      row.push_back(summary == nullptr ? no_result : count_text(summary->multiply_adds));
     }
     table.rows.push_back(row);
   }

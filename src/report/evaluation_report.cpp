@@ -135,7 +135,7 @@ std::string evaluation_json(const Model& model, const Evaluation& evaluation) {
   const network::Shape& shape = model.weights.shape;
   json errors, angles = json::array();
   for (const Estimator estimator : estimators_of(model))
-    errors[key_of(estimator)] = errors_json(evaluation.errors[static_cast<std::size_t>(estimator)]);
+    errors[series_key(estimator)] = errors_json(evaluation.errors[static_cast<std::size_t>(estimator)]);
   for (std::size_t i = 0; i < evaluation.angles.size(); ++i) {
     angles.push_back(drift_json(evaluation.angles[i]));
     if (i < evaluation.names.size()) angles.back()["name"] = evaluation.names[i];

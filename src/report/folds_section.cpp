@@ -19,7 +19,7 @@ Table setup_table(const StudyView& view, bool fusion) {
     std::vector<std::string> row{clean(fold)};
     for (const Setting& setting : view.settings()) {
       const study::JobResult* result = view.job(setting, fusion, fold);
-      row.push_back(result == nullptr ? "no result" : mse_text(result->evaluation.errors[index].mse));
+      row.push_back(result == nullptr ? no_result : mse_text(result->evaluation.errors[index].mse));
     }
     table.rows.push_back(row);
   }
@@ -48,8 +48,8 @@ Table detail_table(const StudyView& view) {
     table.rows.push_back({clean(fold),
                           count_text(thermal != nullptr ? thermal->evaluation.errors[0].windows
                                                         : any->evaluation.errors[1].windows),
-                          thermal == nullptr ? "no result" : detail_cell(thermal->evaluation.errors[0]),
-                          fusion == nullptr ? "no result" : detail_cell(fusion->evaluation.errors[1]),
+                          thermal == nullptr ? no_result : detail_cell(thermal->evaluation.errors[0]),
+                          fusion == nullptr ? no_result : detail_cell(fusion->evaluation.errors[1]),
                           detail_cell(gyro[2]), detail_cell(gyro[3])});
   }
   return table;

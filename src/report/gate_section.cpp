@@ -45,7 +45,7 @@ Table fold_table(const StudyView& view) {
 
 Chart gain_chart(const std::string& title, const study::GainStatistics& gain) {
   Chart chart;
-  chart.title = title;
+  chart.title = fmt::format("{}: mean {:.2f}", title, gain.mean);
   chart.label = fmt::format("Histogram of Kg over {} windows: mean {:.2f}, peak at {:.3f}.",
                             count_text(gain.windows()), gain.mean, peak_of(gain));
   chart.data = {

@@ -62,7 +62,7 @@ std::vector<bool> number_columns(const Table& table) {
   std::vector<bool> numbers(table.header.size(), !table.rows.empty());
   for (const auto& row : table.rows)
     for (std::size_t column = 0; column < row.size() && column < numbers.size(); ++column)
-      numbers[column] = numbers[column] && is_number(row[column]);
+      numbers[column] = numbers[column] && (is_number(row[column]) || row[column] == no_result);
   return numbers;
 }
 

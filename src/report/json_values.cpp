@@ -28,7 +28,7 @@ json speeds_json(const std::vector<study::SpeedErrors>& speeds) {
   for (const study::SpeedErrors& speed : speeds) {
     json mse;
     for (const study::Estimator estimator : study::all_estimators)
-      mse[key_of(estimator)] = speed.mse[static_cast<std::size_t>(estimator)];
+      mse[series_key(estimator)] = speed.mse[static_cast<std::size_t>(estimator)];
     array.push_back({{"rate_dps", speed.rate_dps}, {"windows", speed.windows}, {"mse", mse}});
   }
   return array;
@@ -38,8 +38,8 @@ json drift_json(const study::AngleTrack& track) {
   json drift;
   for (const study::Estimator estimator : study::all_estimators) {
     const auto index = static_cast<std::size_t>(estimator);
-    drift[key_of(estimator)] = {{"drift_deg_per_min", track.drift_deg_per_min[index]},
-                                {"worst_deg", track.worst_deg[index]}};
+    drift[series_key(estimator)] = {{"drift_deg_per_min", track.drift_deg_per_min[index]},
+                                    {"worst_deg", track.worst_deg[index]}};
   }
   return {{"integrated_s", track.integrated_s}, {"estimators", drift}};
 }

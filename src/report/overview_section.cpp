@@ -30,17 +30,26 @@ std::string hours_text(const StudyView& view) {
   return seconds < 600.0 ? fmt::format("{:.0f} s", seconds) : fmt::format("{:.1f} h", seconds / 3600.0);
 }
 
+std::string progress_text(const StudyView& view, const study::SettingSummary* summary) {
+  return summary == nullptr ? no_result : view.folds_text(*summary);
+}
+
 /// Settings of the paper's sweeps, and of ours, that lack folds.
 std::vector<std::string> gaps_of(const StudyView& view) {
   std::vector<std::string> gaps;
   for (const Setting& setting : view.settings()) {
-    for (const bool fusion : {false, true}) {
-      const study::SettingSummary* summary = view.find(setting, fusion);
-      if (summary != nullptr && summary->folds == view.folds.size()) continue;
-      gaps.push_back(fmt::format("{}, {}: {}", setting_text(setting.frames, setting.reduction),
-                                 fusion ? "fusion" : "thermal-only",
-                                 summary == nullptr ? "no result" : view.folds_text(*summary)));
+    const study::SettingSummary* thermal = view.find(setting, false);
+    const study::SettingSummary* fusion = view.find(setting, true);
+    const std::string of_thermal = progress_text(view, thermal), of_fusion = progress_text(view, fusion);
+    const std::string place = setting_text(setting.frames, setting.reduction);
+    const bool lacks_thermal = thermal == nullptr || thermal->folds < view.folds.size();
+    const bool lacks_fusion = fusion == nullptr || fusion->folds < view.folds.size();
+    if (lacks_thermal && lacks_fusion && of_thermal == of_fusion) {
+      gaps.push_back(fmt::format("{}: {}", place, of_thermal));
+      continue;
     }
+    if (lacks_thermal) gaps.push_back(fmt::format("{}, thermal-only: {}", place, of_thermal));
+    if (lacks_fusion) gaps.push_back(fmt::format("{}, fusion: {}", place, of_fusion));
   }
   return gaps;
 }
@@ -48,7 +57,7 @@ std::vector<std::string> gaps_of(const StudyView& view) {
 Paragraph completeness(const StudyView& view) {
   const auto gaps = gaps_of(view);
   if (gaps.empty()) return {"Every setting of both sweeps has all its folds."};
-  std::string text = "Not complete. What is missing, for the seed of the tables: ";
+  std::string text = "Not every setting has all its folds. Missing, for the seed of the tables: ";
   for (const std::string& gap : gaps) text += (&gap == &gaps.front() ? "" : "; ") + gap;
   return {text + "."};
 }
@@ -68,7 +77,7 @@ Section overview_section(const StudyView& view) {
   table.rows = {
       {"data", view.simulated ? "SIMULATED rig" : "real"},
       {"results (trainings with their test)", count_text(view.results.size())},
-      {"folds: acquisitions left out in turn", count_text(view.folds.size())},
+      {"folds: acquisitions left out in turn, as the results show", count_text(view.folds.size())},
       {"preset", clean(view.preset)},
       {"epochs", std::to_string(view.epochs)},
       {"settings", clean(view.settings_text)},

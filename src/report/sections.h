@@ -36,7 +36,7 @@ struct EstimatorTrack {
 Chart angle_chart(const std::string& title, const std::vector<EstimatorTrack>& tracks);
 
 /// Stable name of an estimator in charts and JSON: "thermal", "fusion", "gyro", "gyro_unbiased".
-std::string key_of(study::Estimator estimator);
+std::string series_key(study::Estimator estimator);
 
 /// The number with four significant digits, null if it is not finite: for drawing.
 nlohmann::json drawn(double value);

@@ -45,7 +45,12 @@ std::optional<double> larger_seed_factor(const StudyView& view, const Figure& fi
   return std::max(*of_thermal, *of_fusion);
 }
 
+bool complete(const StudyView& view, const study::SettingSummary& summary) {
+  return summary.folds == view.folds.size();
+}
+
 Order compare(double a, double b, double factor) {
+  factor = std::max(factor, least_factor);
   if (a * factor < b) return Order::smaller;
   if (b * factor < a) return Order::larger;
   return Order::same;

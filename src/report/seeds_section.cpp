@@ -15,12 +15,12 @@ std::vector<std::string> seed_row(const StudyView& view, std::uint64_t seed) {
   for (const bool fusion : {false, true}) {
     const study::SettingSummary* summary = view.find(view.reference, fusion, seed);
     if (summary == nullptr) {
-      row.insert(row.end(), {"no result", no_value, no_value});
+      row.insert(row.end(), {no_result, no_value, no_value});
       continue;
     }
     const double median = median_of(*summary);
     row.push_back(fmt::format("{} ({})", mse_text(median), rate_text(rmse_of(median, view.label_scale_dps))));
-    row.push_back(mse_text(iqr_of(*summary)));
+    row.push_back(summary->folds < 2 ? no_value : mse_text(iqr_of(*summary)));
     row.push_back(fmt::format("{} of {}", summary->folds, view.folds.size()));
   }
   return row;

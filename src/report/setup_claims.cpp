@@ -28,11 +28,11 @@ struct Tally {
     if (all() == 0) return Verdict::unknown;
     if (smaller == all()) return Verdict::holds;
     if (smaller > 0) return Verdict::holds_in_part;
-    return larger > 0 ? Verdict::fails : Verdict::within_seeds;
+    return larger > 0 ? Verdict::fails : Verdict::too_close;
   }
   std::string text() const {
-    return fmt::format("lower in {}, within the spread of seeds in {}, higher in {} of {} settings", smaller,
-                       same, larger, all());
+    return fmt::format("lower in {}, too close in {}, higher in {} of {} settings", smaller, same, larger,
+                       all());
   }
 };
 
@@ -43,7 +43,8 @@ Claim compare_setups(const StudyView& view, Claim claim, double (*figure)(const 
   for (const Setting& setting : view.settings()) {
     const SettingSummary* thermal = view.find(setting, false);
     const SettingSummary* fusion = view.find(setting, true);
-    if (thermal == nullptr || fusion == nullptr) continue;
+    if (thermal == nullptr || fusion == nullptr || !complete(view, *thermal) || !complete(view, *fusion))
+      continue;
     const double with = figure(*fusion), without = figure(*thermal);
     if (!std::isfinite(with) || !std::isfinite(without)) continue;
     tally.add(compare(with, without, factor));
@@ -51,7 +52,7 @@ Claim compare_setups(const StudyView& view, Claim claim, double (*figure)(const 
   }
   claim.verdict = tally.verdict();
   claim.evidence =
-      tally.all() == 0 ? "no setting has results of both set-ups" : "fusion is " + tally.text() + numbers;
+      tally.all() == 0 ? "no setting has all folds of both set-ups" : "fusion is " + tally.text() + numbers;
   return claim;
 }
 
@@ -62,6 +63,9 @@ Claim lower_median_claim(const StudyView& view) {
 }
 
 Claim smaller_spread_claim(const StudyView& view) {
+  if (view.folds.size() < 2)
+    return {"smaller_spread", "Fusion has the smaller spread (IQR) over folds", Verdict::unknown,
+            "one fold has no spread"};
   return compare_setups(view, {"smaller_spread", "Fusion has the smaller spread (IQR) over folds"}, iqr_of);
 }
 
@@ -74,15 +78,15 @@ Claim beats_gyro_claim(const StudyView& view, study::Estimator gyro) {
   std::string numbers;
   for (const Setting& setting : view.settings()) {
     const SettingSummary* fusion = view.find(setting, true);
-    if (fusion == nullptr) continue;
+    if (fusion == nullptr || !complete(view, *fusion)) continue;
     const double with = median_of(*fusion), without = fusion->mse[static_cast<std::size_t>(gyro)].median;
     if (!std::isfinite(with) || !std::isfinite(without)) continue;
     tally.add(compare(with, without, factor));
     numbers += fmt::format("; {}: {} against {}", place_of(view, setting), mse_text(with), mse_text(without));
   }
   claim.verdict = tally.verdict();
-  claim.evidence =
-      tally.all() == 0 ? "no result of fusion with a gyro" : "fusion is " + tally.text() + numbers;
+  claim.evidence = tally.all() == 0 ? "no setting has all folds of fusion with a gyro"
+                                    : "fusion is " + tally.text() + numbers;
   return claim;
 }
 

@@ -111,7 +111,7 @@ Chart speed_chart(const std::vector<SpeedErrors>& speeds, double label_scale_dps
       y.push_back(std::sqrt(speed.mse[static_cast<std::size_t>(estimator)]) * label_scale_dps);
     }
     lines.push_back(
-        {{"name", label_of(estimator)}, {"key", key_of(estimator)}, {"x", drawn(x)}, {"y", drawn(y)}});
+        {{"name", label_of(estimator)}, {"key", series_key(estimator)}, {"x", drawn(x)}, {"y", drawn(y)}});
   }
   chart.data = {{"kind", "lines"},
                 {"x", "commanded speed, deg/s"},

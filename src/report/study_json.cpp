@@ -30,7 +30,8 @@ json setting_json(const StudyView& view, const study::SettingSummary& summary) {
   for (const study::JobResult* result : view.jobs(setting, summary.fusion, summary.seed)) {
     json errors;
     for (const study::Estimator estimator : study::all_estimators)
-      errors[key_of(estimator)] = errors_json(result->evaluation.errors[static_cast<std::size_t>(estimator)]);
+      errors[series_key(estimator)] =
+          errors_json(result->evaluation.errors[static_cast<std::size_t>(estimator)]);
     folds.push_back(
         {{"test", result->job.test}, {"errors", errors}, {"gain", gain_json(result->evaluation.gain)}});
     if (!result->evaluation.angles.empty())
@@ -39,10 +40,10 @@ json setting_json(const StudyView& view, const study::SettingSummary& summary) {
   json estimators;
   for (const study::Estimator estimator : study::all_estimators) {
     const auto index = static_cast<std::size_t>(estimator);
-    estimators[key_of(estimator)] = {{"median_mse", summary.mse[index].median},
-                                     {"iqr_mse", summary.mse[index].iqr},
-                                     {"rmse_dps", summary.rmse_dps[index]},
-                                     {"fold_mse", summary.fold_mse[index]}};
+    estimators[series_key(estimator)] = {{"median_mse", summary.mse[index].median},
+                                         {"iqr_mse", summary.mse[index].iqr},
+                                         {"rmse_dps", summary.rmse_dps[index]},
+                                         {"fold_mse", summary.fold_mse[index]}};
   }
   return {{"frames", summary.frames},
           {"reduction", summary.reduction},
@@ -62,7 +63,7 @@ json claims_json(const StudyView& view) {
   for (const Claim& claim : claims_of(view))
     claims.push_back({{"key", claim.key},
                       {"statement", claim.statement},
-                      {"verdict", text_of(claim.verdict)},
+                      {"verdict", text_of(claim.verdict, seeds_known(view))},
                       {"evidence", claim.evidence},
                       {"of_paper", claim.of_paper}});
   return claims;

@@ -24,7 +24,7 @@ std::vector<Point> points_of(const StudyView& view, bool fusion, const std::vect
   std::vector<Point> points;
   for (const Setting& setting : sweep) {
     const study::SettingSummary* summary = view.find(setting, fusion);
-    if (summary != nullptr && median_of(*summary) > 0.0)
+    if (summary != nullptr && complete(view, *summary) && median_of(*summary) > 0.0)
       points.push_back({setting.*axis, median_of(*summary)});
   }
   return points;
@@ -64,11 +64,11 @@ Claim growth_claim(const StudyView& view, bool fusion) {
   const auto points = reductions_of(view, fusion);
   const auto growth = growth_of(points);
   if (!growth) {
-    claim.evidence = "fewer than two values of Nr have results";
+    claim.evidence = "fewer than two values of Nr have all folds";
     return claim;
   }
   const Order order = compare(1.0, *growth, seed_factor(view, fusion, median_of).value_or(1.0));
-  if (order == Order::same) claim.verdict = Verdict::within_seeds;
+  if (order == Order::same) claim.verdict = Verdict::too_close;
   if (order == Order::larger) claim.verdict = Verdict::fails;
   if (order == Order::smaller) claim.verdict = rises(points) ? Verdict::holds : Verdict::holds_in_part;
   claim.evidence =
@@ -81,12 +81,12 @@ Claim less_growth_claim(const StudyView& view) {
   Claim claim{"grows_less_with_fusion", "The error grows less with Nr when fused"};
   const auto thermal = growth_of(reductions_of(view, false)), fused = growth_of(reductions_of(view, true));
   if (!thermal || !fused) {
-    claim.evidence = "fewer than two values of Nr have results in both set-ups";
+    claim.evidence = "fewer than two values of Nr have all folds of both set-ups";
     return claim;
   }
   const Order order = compare(*fused, *thermal, larger_seed_factor(view, median_of).value_or(1.0));
   claim.verdict = order == Order::smaller ? Verdict::holds
-                  : order == Order::same  ? Verdict::within_seeds
+                  : order == Order::same  ? Verdict::too_close
                                           : Verdict::fails;
   claim.evidence =
       fmt::format("the median grows {:.2f} times with fusion, {:.2f} times thermal-only", *fused, *thermal);
@@ -102,14 +102,14 @@ Claim best_frames_claim(const StudyView& view, bool fusion) {
   const auto three =
       std::find_if(points.begin(), points.end(), [](const Point& point) { return point.at == paper_frames; });
   if (points.size() < 2 || three == points.end()) {
-    claim.evidence = "it takes results at Nf = 3 and at another Nf";
+    claim.evidence = "it takes all folds at Nf = 3 and at another Nf";
     return claim;
   }
   const Point& rival = three == points.begin() ? points[1] : points[0];
   const Order order =
       compare(three->median, rival.median, seed_factor(view, fusion, median_of).value_or(1.0));
   claim.verdict = order == Order::smaller ? Verdict::holds
-                  : order == Order::same  ? Verdict::within_seeds
+                  : order == Order::same  ? Verdict::too_close
                                           : Verdict::fails;
   claim.evidence = fmt::format("lowest median at Nf = {}; {}", points.front().at, numbers);
   return claim;

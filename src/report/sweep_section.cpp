@@ -33,11 +33,16 @@ std::string paper_text(const std::optional<PaperRow>& row, double PaperRow::*fig
 }
 
 std::string median_cell(const StudyView& view, const SettingSummary* summary) {
-  return summary == nullptr ? "no result" : value_text(view, median_of(*summary));
+  return summary == nullptr ? no_result : value_text(view, median_of(*summary));
+}
+
+/// One fold has no spread.
+std::string spread_text(const SettingSummary& summary, double iqr) {
+  return summary.folds < 2 ? no_value : mse_text(iqr);
 }
 
 std::string iqr_cell(const SettingSummary* summary) {
-  return summary == nullptr ? "no result" : mse_text(iqr_of(*summary));
+  return summary == nullptr ? no_result : spread_text(*summary, iqr_of(*summary));
 }
 
 std::string folds_cell(const StudyView& view, const SettingSummary* thermal, const SettingSummary* fusion) {
@@ -66,8 +71,8 @@ std::vector<std::string> setting_row(const StudyView& view, const Sweep& sweep, 
 std::vector<std::string> gyro_row(const StudyView& view, Estimator estimator) {
   const SettingSummary* summary = view.find_any(view.reference);
   const auto index = static_cast<std::size_t>(estimator);
-  const std::string median = summary == nullptr ? "no result" : value_text(view, summary->mse[index].median);
-  const std::string iqr = summary == nullptr ? "no result" : mse_text(summary->mse[index].iqr);
+  const std::string median = summary == nullptr ? no_result : value_text(view, summary->mse[index].median);
+  const std::string iqr = summary == nullptr ? no_result : spread_text(*summary, summary->mse[index].iqr);
   return {fmt::format("{} (Nf = {})", label_of(estimator), view.reference.frames),
           no_value,
           no_value,
@@ -113,9 +118,9 @@ Table estimator_table(const StudyView& view, const Sweep& sweep) {
     for (const Setting& setting : sweep.settings) {
       const SettingSummary* summary = summary_for(view, setting, estimator);
       const auto index = static_cast<std::size_t>(estimator);
-      row.push_back(summary == nullptr ? "no result"
+      row.push_back(summary == nullptr ? no_result
                                        : value_text(view, summary->mse[index].median) + ", IQR\u00a0" +
-                                             mse_text(summary->mse[index].iqr));
+                                             spread_text(*summary, summary->mse[index].iqr));
     }
     table.rows.push_back(row);
   }
@@ -142,7 +147,7 @@ json gyro_line(const StudyView& view, const Sweep& sweep, Estimator estimator) {
     values.push_back(summary == nullptr ? json(nullptr)
                                         : drawn(summary->mse[static_cast<std::size_t>(estimator)].median));
   }
-  return {{"name", label_of(estimator) + " (median)"}, {"key", key_of(estimator)}, {"values", values}};
+  return {{"name", label_of(estimator) + " (median)"}, {"key", series_key(estimator)}, {"values", values}};
 }
 
 json paper_medians(const Sweep& sweep, bool fusion) {

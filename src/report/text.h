@@ -10,6 +10,8 @@ namespace thermorig::report {
 
 /// Stands where there is no value.
 inline constexpr const char* no_value = "-";
+/// Stands where a job is missing.
+inline constexpr const char* no_result = "no result";
 
 std::string mse_text(double mse);                     // "0.0122", "0.00023"
 std::string rate_text(double dps);                    // "22.1", "0.84"

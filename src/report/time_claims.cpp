@@ -28,7 +28,7 @@ double drift_factor(const StudyView& view) {
 
 Verdict drift_verdict(double fusion, double gyro, double factor) {
   const Order order = compare(fusion, gyro, factor);
-  if (order == Order::same) return Verdict::within_seeds;
+  if (order == Order::same) return Verdict::too_close;
   if (order == Order::larger) return Verdict::fails;
   return fusion <= stays_share * gyro ? Verdict::holds : Verdict::holds_in_part;
 }
@@ -76,7 +76,7 @@ Claim gain_peak_claim(const StudyView& view) {
     claim.evidence = "no gate at " + view.reference_text();
     return claim;
   }
-  claim.verdict = near == all ? Verdict::holds : near == 0 ? Verdict::fails : Verdict::within_seeds;
+  claim.verdict = near == all ? Verdict::holds : near == 0 ? Verdict::fails : Verdict::too_close;
   claim.evidence += fmt::format(". Near is within {:.2f}", near_peak);
   return claim;
 }

@@ -57,7 +57,7 @@ Chart curve_chart(const std::vector<Curve>& curves) {
     chart.label +=
         fmt::format(" {} from {} to {};", name, mse_text(curve.mse.front()), mse_text(curve.mse.back()));
     lines.push_back({{"name", name},
-                     {"key", key_of(estimator_of(curve.fusion))},
+                     {"key", series_key(estimator_of(curve.fusion))},
                      {"x", drawn(epochs)},
                      {"y", drawn(curve.mse)}});
   }

@@ -65,7 +65,7 @@ TEST(Claims, HoldInPartWhereSomeSettingsSaySo) {
   scale_mse(results, [](const study::Job& job) { return job.fusion && job.frames > 4 ? 8.0 : 1.0; });
   EXPECT_EQ(verdict_of(results, "lower_median"), "holds in part");
   EXPECT_THAT(field_of(results, "lower_median", "evidence"),
-              HasSubstr("lower in 5, within the spread of seeds in 0, higher in 2 of 7 settings"));
+              HasSubstr("lower in 5, too close in 0, higher in 2 of 7 settings"));
 }
 
 TEST(Claims, SeeAGrowthThatIsSmallerWithFusion) {
@@ -88,7 +88,7 @@ TEST(Claims, JudgeDriftByTheGyros) {
   EXPECT_EQ(verdict_of(drift(-1.0, 60.0), "drift"), "holds");
   EXPECT_EQ(verdict_of(drift(30.0, 60.0), "drift"), "holds in part");
   EXPECT_EQ(verdict_of(drift(-80.0, 60.0), "drift"), "does not hold");
-  EXPECT_EQ(verdict_of(drift(60.0, 60.0), "drift"), "within the spread of seeds");
+  EXPECT_EQ(verdict_of(drift(60.0, 60.0), "drift"), "too close to tell");
 }
 
 TEST(Claims, SeeACollapsedGate) {
@@ -114,6 +114,24 @@ TEST(Claims, SayThatTheSpreadOfSeedsIsNotKnownWithOneSeed) {
               HasSubstr("The spread over seeds is not known"));
   EXPECT_THAT(report::study_markdown(made_study(1.1)),
               HasSubstr("between the 3 seeds at Nf = 3, Nr = 1 (median: thermal-only 1.21, fusion 1.21"));
+}
+
+TEST(Claims, TakeTheGyrosOwnFiguresForNoGain) {
+  // What a collapsed gate gives: the gyro but for rounding.
+  EXPECT_EQ(verdict_of({made_result({.mse = 0.01999, .gain = 0.001})}, "beats_gyro"), "too close to tell");
+}
+
+TEST(Claims, LeaveOutSettingsThatLackFolds) {
+  auto results = made_study();
+  std::erase_if(results, [](const study::JobResult& result) {
+    return result.job.frames == 2 && result.job.fusion && result.job.test == "garden-6";
+  });
+  EXPECT_THAT(field_of(results, "lower_median", "evidence"), HasSubstr("of 6 settings"));
+}
+
+TEST(Claims, SeeNoSpreadInOneFold) {
+  const std::vector<study::JobResult> fold{made_result({}), made_result({.fusion = false})};
+  EXPECT_EQ(verdict_of(fold, "smaller_spread"), "cannot be told");
 }
 
 }  // namespace

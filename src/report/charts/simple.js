@@ -34,7 +34,7 @@ export function histogramOption(chart, theme) {
   const colour = theme.colourOf('fusion');
   return {
     textStyle: textStyle(theme),
-    grid: { left: 66, right: 18, top: 30, bottom: 50 },
+    grid: { left: 66, right: 18, top: 14, bottom: 50 },
     tooltip: tooltip(theme, {
       trigger: 'item',
       formatter: ({ value }) => `Kg ${number(value[0])} to ${number(value[1])}\n${number(value[2])} % of windows`,
@@ -55,7 +55,7 @@ export function histogramOption(chart, theme) {
       },
       markLine: chart.mean === null ? undefined : {
         silent: true, symbol: 'none', lineStyle: { color: theme.ink, type: 'dashed' },
-        label: { color: theme.ink, formatter: `mean ${number(chart.mean)}` }, data: [{ xAxis: chart.mean }],
+        label: { show: false }, data: [{ xAxis: chart.mean }],
       },
     }],
   };

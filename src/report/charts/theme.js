@@ -62,5 +62,5 @@ export function tooltip(theme, rest) {
 }
 
 export function legend(theme, names) {
-  return { bottom: 0, left: 'center', data: names, textStyle: { color: theme.ink }, itemWidth: 24 };
+  return { bottom: 0, left: 'center', data: names, textStyle: { color: theme.ink }, itemWidth: 36, itemHeight: 9, itemGap: 18 };
 }
