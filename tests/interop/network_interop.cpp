@@ -3,7 +3,7 @@
 //   network_interop seeded-model NF NR fusion|thermal-only SEED OUT.onnx
 //   network_interop weights MODEL.onnx OUT           all weights in the documented order
 //   network_interop outputs MODEL.onnx WINDOWS OUT   fusion, thermal, gain of seeded windows
-//   network_interop training NF NR fusion|thermal-only AUXILIARY SAMPLES STEPS OUT
+//   network_interop training NF NR fusion|thermal-only AUXILIARY SEED SAMPLES STEPS OUT
 //       gradients of the first batch, weights after all steps, losses (float64)
 //   network_interop onnx-runtime LIBRARY WINDOWS     largest difference of every shape, a line of JSON each
 #include <fmt/format.h>
@@ -76,14 +76,15 @@ void write_training(const Arguments& a) {
   const network::Shape shape = shape_of(a.at(0), a.at(1), a.at(2));
   network::TrainerConfig config;
   config.loss.auxiliary_thermal = std::stof(a.at(3));
-  const std::size_t samples = std::stoul(a.at(4)), steps = std::stoul(a.at(5));
+  const std::uint64_t seed = std::stoull(a.at(4));
+  const std::size_t samples = std::stoul(a.at(5)), steps = std::stoul(a.at(6));
   network::SoloCrew crew;
-  network::Trainer trainer(interop::seeded_weights(shape, batch_seed), config, crew);
-  std::ofstream file(a.at(6), std::ios::binary);
-  append<float>(file, trainer.gradients(interop::SeededBatch(shape, batch_seed, 0, samples).batch()));
+  network::Trainer trainer(interop::seeded_weights(shape, seed), config, crew);
+  std::ofstream file(a.at(7), std::ios::binary);
+  append<float>(file, trainer.gradients(interop::SeededBatch(shape, seed, 0, samples).batch()));
   std::vector<double> losses;
   for (std::size_t step = 0; step < steps; ++step)
-    losses.push_back(trainer.step(interop::SeededBatch(shape, batch_seed, step, samples).batch()).loss);
+    losses.push_back(trainer.step(interop::SeededBatch(shape, seed, step, samples).batch()).loss);
   append<float>(file, trainer.weights().values);
   append<double>(file, losses);
 }
