@@ -2,7 +2,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <map>
 #include <nlohmann/json.hpp>
 
 #include "evaluate_model_text.h"
@@ -38,22 +37,6 @@ study::EvaluationConfig config_of(const model::Model& model) {
   return config;
 }
 
-std::vector<EnvironmentErrors> by_environment(const std::vector<training::WindowEstimate>& estimates,
-                                              const std::vector<Acquisition>& acquisitions,
-                                              const study::EvaluationConfig& config) {
-  std::map<std::string, std::vector<training::WindowEstimate>> parts;
-  for (const training::WindowEstimate& estimate : estimates)
-    parts[acquisitions[estimate.window.acquisition].environment].push_back(estimate);
-  std::vector<EnvironmentErrors> environments;
-  for (const auto& [name, part] : parts) {
-    const auto count = std::count_if(acquisitions.begin(), acquisitions.end(),
-                                     [&](const Acquisition& a) { return a.environment == name; });
-    environments.push_back(
-        {name, static_cast<std::size_t>(count), study::evaluate(part, acquisitions, config).errors});
-  }
-  return environments;
-}
-
 /// Tested acquisitions that the model knows already.
 std::vector<std::string> seen_in_training(const model::Model& model,
                                           const std::vector<Acquisition>& acquisitions) {
@@ -68,6 +51,18 @@ std::vector<std::string> seen_in_training(const model::Model& model,
   return seen;
 }
 
+const study::Errors& errors_of(const study::Evaluation& evaluation, study::Estimator estimator) {
+  return evaluation.errors[static_cast<std::size_t>(estimator)];
+}
+
+/// Who a fusion ought to beat, and does not; in words, empty if it does.
+std::string better_gyro(const study::Evaluation& evaluation) {
+  const double fusion = errors_of(evaluation, study::Estimator::fusion).mse;
+  if (errors_of(evaluation, study::Estimator::gyro).mse < fusion) return "the gyro alone";
+  const bool unbiased = errors_of(evaluation, study::Estimator::gyro_unbiased).mse < fusion;
+  return unbiased ? "the gyro with its static bias removed" : "";
+}
+
 std::vector<std::string> warnings_of(const model::Model& model, const ModelEvaluation& evaluated,
                                      const std::vector<Acquisition>& acquisitions) {
   std::vector<std::string> warnings;
@@ -78,9 +73,11 @@ std::vector<std::string> warnings_of(const model::Model& model, const ModelEvalu
                     fmt::join(seen, ", ")));
   if (study::collapsed(evaluated.evaluation.gain))
     warnings.push_back(
-        fmt::format("the gate has collapsed: Kg is below 0.02 in {} and above 0.98 in {} of the windows",
-                    percent_text(evaluated.evaluation.gain.below_002),
-                    percent_text(evaluated.evaluation.gain.above_098)));
+        fmt::format("the gate has collapsed (mean Kg {}): {}", gain_text(evaluated.evaluation.gain.mean),
+                    evaluated.evaluation.gain.mean < 0.5 ? "the gyro alone decides, the images are not used"
+                                                         : "the images alone decide, the gyro is not used"));
+  if (const std::string better = better_gyro(evaluated.evaluation); !better.empty())
+    warnings.push_back(better + " has a lower MSE than the fusion");
   return warnings;
 }
 
@@ -98,11 +95,8 @@ ExitCode evaluate_model(const EvaluateOptions& options) {
   const model::Model model = model::read_model(options.model);
   const std::vector<Acquisition> acquisitions = read_data(options.paths, options.json);
   const std::vector<training::WindowEstimate> estimates = estimates_of(model, acquisitions);
-  const study::EvaluationConfig config = config_of(model);
   ModelEvaluation evaluated;
-  evaluated.evaluation = study::evaluate(estimates, acquisitions, config);
-  evaluated.environments = by_environment(estimates, acquisitions, config);
-  evaluated.simulated = any_simulated(acquisitions);
+  evaluated.evaluation = study::evaluate(estimates, acquisitions, config_of(model));
   evaluated.warnings = warnings_of(model, evaluated, acquisitions);
   if (!options.output.empty()) write_model_report(options.output, model, evaluated.evaluation);
   if (options.json)

@@ -40,7 +40,8 @@ std::string facts_text(const std::string& name, const model::Model& model) {
 
 std::string tested_text(const ModelEvaluation& evaluated) {
   return fmt::format("tested on {} acquisition{}{}\n\n", evaluated.evaluation.names.size(),
-                     evaluated.evaluation.names.size() == 1 ? "" : "s", simulated_text(evaluated.simulated));
+                     evaluated.evaluation.names.size() == 1 ? "" : "s",
+                     simulated_text(evaluated.evaluation.simulated));
 }
 
 std::string errors_text(const study::Evaluation& evaluation) {
@@ -56,9 +57,9 @@ std::string errors_text(const study::Evaluation& evaluation) {
 }
 
 /// MSE beside RMSE: one column an estimator.
-std::string environments_text(const std::vector<EnvironmentErrors>& environments) {
+std::string environments_text(const std::vector<study::EnvironmentErrors>& environments) {
   Table table({"environment", ">acquisitions", ">thermal-only", ">fusion", ">gyro", ">gyro, bias removed"});
-  for (const EnvironmentErrors& environment : environments) {
+  for (const study::EnvironmentErrors& environment : environments) {
     std::vector<std::string> row{printable(environment.name), std::to_string(environment.acquisitions)};
     for (const Errors& errors : environment.errors)
       row.push_back(fmt::format("{} ({})", mse_text(errors.mse), rate_text(errors.rmse_dps)));
@@ -86,35 +87,42 @@ std::string angles_text(const study::Evaluation& evaluation) {
   return table.text();
 }
 
+/// Keys as in the report.
 json json_of(const Errors& errors) {
-  return {{"windows", errors.windows},        {"mse", errors.mse},
-          {"rmse_dps", errors.rmse_dps},      {"median_dps", errors.median_dps},
-          {"p95_dps", errors.p95_dps},        {"outlier_share", errors.outlier_share},
-          {"mean_error_dps", errors.bias_dps}};
+  return {{"windows", errors.windows},   {"mse", errors.mse},
+          {"rmse_dps", errors.rmse_dps}, {"median_dps", errors.median_dps},
+          {"p95_dps", errors.p95_dps},   {"outlier_share", errors.outlier_share},
+          {"bias_dps", errors.bias_dps}};
+}
+
+json json_of(const study::EnvironmentErrors& environment) {
+  json errors;
+  for (const Estimator estimator : study::all_estimators)
+    errors[study::field_name_of(estimator)] = json_of(environment.errors[index_of(estimator)]);
+  return {{"name", environment.name}, {"acquisitions", environment.acquisitions}, {"errors", errors}};
 }
 
 }  // namespace
 
 std::string model_text(const std::string& name, const model::Model& model, const ModelEvaluation& evaluated) {
   std::string text = facts_text(name, model) + tested_text(evaluated) + errors_text(evaluated.evaluation);
-  if (evaluated.environments.size() > 1) text += environments_text(evaluated.environments);
+  if (evaluated.evaluation.environments.size() > 1)
+    text += environments_text(evaluated.evaluation.environments);
   text += gate_text(evaluated.evaluation.gain) + angles_text(evaluated.evaluation);
-  for (const std::string& warning : evaluated.warnings) text += "\nwarning: " + printable(warning) + "\n";
+  if (!evaluated.warnings.empty()) text += "\n";
+  for (const std::string& warning : evaluated.warnings) text += "warning: " + printable(warning) + "\n";
   return text;
 }
 
 json model_json(const model::Model& model, const ModelEvaluation& evaluated) {
   json object = json::parse(report::evaluation_json(model, evaluated.evaluation));
-  object["event"] = "end";
-  object["simulated"] = evaluated.simulated;
+  object["event"] = "summary";
+  object["exit_code"] = 0;
+  object["simulated"] = evaluated.evaluation.simulated;
   object["warnings"] = evaluated.warnings;
   json& environments = object["environments"] = json::array();
-  for (const EnvironmentErrors& environment : evaluated.environments) {
-    json row{{"name", environment.name}, {"acquisitions", environment.acquisitions}};
-    json& errors = row["errors"] = json::array();
-    for (const Errors& part : environment.errors) errors.push_back(json_of(part));
-    environments.push_back(row);
-  }
+  for (const study::EnvironmentErrors& environment : evaluated.evaluation.environments)
+    environments.push_back(json_of(environment));
   return object;
 }
 

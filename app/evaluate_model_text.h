@@ -10,18 +10,9 @@
 
 namespace thermorig::app {
 
-/// The acquisitions of one environment together.
-struct EnvironmentErrors {
-  std::string name;
-  std::size_t acquisitions = 0;
-  std::array<study::Errors, study::estimator_count> errors;
-};
-
 /// A model on sessions, and what is to be said about it.
 struct ModelEvaluation {
   study::Evaluation evaluation;
-  std::vector<EnvironmentErrors> environments;
-  bool simulated = false;
   std::vector<std::string> warnings;
 };
 

@@ -67,6 +67,11 @@ void announce(const EvaluateOptions& options, const std::vector<study::Job>& job
   std::fflush(stdout);
 }
 
+bool any_simulated(const std::vector<study::JobResult>& results) {
+  return std::any_of(results.begin(), results.end(),
+                     [](const study::JobResult& result) { return result.simulated; });
+}
+
 void write_study_report(const fs::path& folder, const std::vector<study::JobResult>& results) {
   write_report(folder, {.markdown = report::study_markdown(results),
                         .json = report::study_json(results),
@@ -75,17 +80,22 @@ void write_study_report(const fs::path& folder, const std::vector<study::JobResu
 
 void conclude(const fs::path& folder, const std::vector<study::JobResult>& results, bool json) {
   write_study_report(folder, results);
-  if (json) {
-    print_json(
-        {{"event", "end"}, {"results", results.size()}, {"report", (folder / "report.html").string()}});
-    return;
-  }
-  fmt::print("{}\nreport: {}\n", study_text(results), (folder / "report.html").string());
+  if (json)
+    print_json({{"event", "summary"},
+                {"exit_code", 0},
+                {"results", results.size()},
+                {"simulated", any_simulated(results)},
+                {"report", (folder / "report.html").string()}});
+  else
+    fmt::print("{}\nreport: {}\n", study_text(results), (folder / "report.html").string());
 }
 
 ExitCode tell_interrupted(const fs::path& folder, std::size_t done, std::size_t all, bool json) {
   if (json)
-    print_json({{"event", "interrupted"}, {"done", done}, {"jobs", all}});
+    print_json({{"event", "summary"},
+                {"exit_code", static_cast<int>(ExitCode::interrupted)},
+                {"results", done},
+                {"jobs", all}});
   else
     fmt::print(
         "stopped: {} of {} jobs are done. The same command goes on; thermorig evaluate --draw {} draws "

@@ -12,7 +12,7 @@ namespace thermorig::study {
 namespace {
 
 constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
-constexpr double low_gain = 0.02, high_gain = 0.98, collapsed_share = 0.9;
+constexpr double low_gain = 0.02, high_gain = 0.98;
 
 GainStatistics no_gains() {
   GainStatistics statistics;
@@ -78,7 +78,7 @@ std::uint64_t GainStatistics::windows() const {
 }
 
 bool collapsed(const GainStatistics& gain) {
-  return gain.below_002 >= collapsed_share || gain.above_098 >= collapsed_share;  // false for NaN
+  return gain.windows() > 0 && (gain.mean < low_gain || gain.mean > high_gain);
 }
 
 GainStatistics gain_statistics(std::span<const training::WindowEstimate> estimates) {

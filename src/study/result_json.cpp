@@ -13,6 +13,12 @@ using nlohmann::json;
 constexpr const char* format_name = "thermorig study result";
 constexpr int format_version = 1;
 
+json estimator_keys() {
+  json keys = json::array();
+  for (const Estimator estimator : all_estimators) keys.push_back(field_name_of(estimator));
+  return keys;
+}
+
 json json_of(const Job& job) {
   return {{"engine", job.engine},     {"frames", job.frames},       {"reduction", job.reduction},
           {"fusion", job.fusion},     {"seed", job.seed},           {"preset", job.preset},
@@ -138,7 +144,7 @@ Evaluation evaluation_from(const Fields& fields) {
 std::string to_json(const JobResult& result) {
   const json object{{"format", format_name},
                     {"version", format_version},
-                    {"estimators", {"thermal", "fusion", "gyro", "gyro_unbiased"}},
+                    {"estimators", estimator_keys()},
                     {"job", json_of(result.job)},
                     {"evaluation", json_of(result.evaluation)},
                     {"simulated", result.simulated},
@@ -162,7 +168,7 @@ JobResult result_from_json(const std::string& text, const std::string& where) {
   JobResult result;
   result.job = job_from(fields.object("job"));
   result.evaluation = evaluation_from(fields.object("evaluation"));
-  result.simulated = fields.truth("simulated");
+  result.simulated = result.evaluation.simulated = fields.truth("simulated");
   result.label_scale_dps = fields.number("label_scale_dps");
   result.training_windows = fields.count("training_windows");
   result.training_mse = fields.numbers("training_mse");

@@ -120,6 +120,24 @@ TEST(Evaluation, DividesByCommandedSpeedWithItsSign) {
   EXPECT_DOUBLE_EQ(evaluation.speeds[2].mse[index(Estimator::thermal)], 0.01);
 }
 
+TEST(Evaluation, TellsTheEnvironmentsApart) {
+  std::vector<windows::Acquisition> acquisitions{plain_acquisition("a", 10, 100.0F),
+                                                 plain_acquisition("b", 10, 100.0F),
+                                                 plain_acquisition("c", 10, 100.0F)};
+  acquisitions[0].environment = acquisitions[2].environment = "kitchen";
+  acquisitions[2].simulated = true;
+  std::vector<training::WindowEstimate> estimates{estimate(4, 100, 10, 0, 0), estimate(4, 100, 20, 0, 0)};
+  estimates[1].window.acquisition = 1;
+  const Evaluation evaluation = evaluate(estimates, acquisitions, 200.0);
+  ASSERT_EQ(evaluation.environments.size(), 2U);
+  EXPECT_EQ(evaluation.environments[0].name, "garden");
+  EXPECT_EQ(evaluation.environments[0].acquisitions, 1U);
+  EXPECT_DOUBLE_EQ(evaluation.environments[0].errors[index(Estimator::thermal)].rmse_dps, 20.0);
+  EXPECT_EQ(evaluation.environments[1].acquisitions, 2U);
+  EXPECT_DOUBLE_EQ(evaluation.environments[1].errors[index(Estimator::thermal)].rmse_dps, 10.0);
+  EXPECT_TRUE(evaluation.simulated);
+}
+
 TEST(Evaluation, JudgesEachAcquisitionByItsOwnBias) {
   std::vector<windows::Acquisition> acquisitions{plain_acquisition("a", 10, 100.0F),
                                                  plain_acquisition("b", 10, 100.0F)};

@@ -32,6 +32,8 @@ inline constexpr std::array<Estimator, estimator_count> all_estimators{
     Estimator::thermal, Estimator::fusion, Estimator::gyro, Estimator::gyro_unbiased};
 std::string name_of(Estimator estimator);  // "thermal-only", "fusion", "gyro", "gyro, static bias removed"
 
+std::string field_name_of(Estimator estimator);  // "thermal", "fusion", "gyro", "gyro_unbiased": for files
+
 /// Errors at one commanded speed, that of the leg in which the windows lie.
 struct SpeedErrors {
   double rate_dps = 0.0;                      // signed
@@ -49,7 +51,7 @@ struct GainStatistics {
   std::uint64_t windows() const;  // sum of the histogram; 0: all else is NaN
 };
 
-/// Has the gate collapsed: is Kg below 0.02, or above 0.98, in nine of ten windows?
+/// Has the gate collapsed: is its mean below 0.02 or above 0.98?
 bool collapsed(const GainStatistics& gain);
 
 /// Angle by integrating speeds over time (paper Fig. 6), along the windows of one acquisition.
@@ -71,13 +73,22 @@ struct AngleTrack {
   std::array<double, estimator_count> worst_deg{};             // largest |error_deg|
 };
 
+/// The acquisitions of one environment together.
+struct EnvironmentErrors {
+  std::string name;
+  std::size_t acquisitions = 0;
+  std::array<Errors, estimator_count> errors;
+};
+
 /// A model, or a fold's model, on the windows of one or more acquisitions.
 struct Evaluation {
   std::array<Errors, estimator_count> errors;
-  std::vector<SpeedErrors> speeds;  // ascending
-  GainStatistics gain;              // empty for a thermal-only model
-  std::vector<AngleTrack> angles;   // one an acquisition, in order
-  std::vector<std::string> names;   // of the acquisitions
+  std::vector<EnvironmentErrors> environments;  // by name; not kept in a study's results
+  std::vector<SpeedErrors> speeds;              // ascending
+  GainStatistics gain;                          // empty for a thermal-only model
+  std::vector<AngleTrack> angles;               // one an acquisition, in order
+  std::vector<std::string> names;               // of the acquisitions
+  bool simulated = false;                       // any of them
 };
 
 /// What evaluate() cannot tell from the estimates.
