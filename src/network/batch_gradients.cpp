@@ -51,7 +51,6 @@ BatchGradients::BatchGradients(BatchNetwork& network)
       features_(filters2, network.shape().rows2(), network.shape().columns2(),
                 turned_margin(network.shape())),
       pooled_(filters1, network.shape().pooled_rows(), network.shape().pooled_columns(), 0),
-      fine_(filters1, 2 * network.shape().pooled_rows(), 2 * network.shape().pooled_columns(), 0),
       turned_(static_cast<std::size_t>(filters2 * filters1 * window)),
       sums1_(static_cast<std::size_t>(filters1 * network.shape().frames * window * most_lanes)),
       sums2_(static_cast<std::size_t>(filters2 * filters1 * window * most_lanes)),
@@ -143,13 +142,13 @@ void BatchGradients::convolve2_input(Share share) {
                              .outputs = filters1,
                              .rows = shape.pooled_rows(),
                              .columns = shape.pooled_columns()};
-  network_.kernels().convolve_and_unpool(input, network_.choices(), fine_.inner(), share.first(input.rows),
-                                         share.last(input.rows));
+  network_.kernels().convolve(input, share.first(input.rows), share.last(input.rows));
 }
 
 void BatchGradients::convolve2_weights(Share share) {
   const Shape& shape = network_.shape();
   const ConvolutionGradientJob weights{.gradient = features_.inner(),
+                                       .choices = {},
                                        .input = network_.pooled.with_margin(),
                                        .outputs = filters2,
                                        .input_channels = filters1,
@@ -159,23 +158,22 @@ void BatchGradients::convolve2_weights(Share share) {
                                        .weight_gradient = gradient_at(network_.layout().conv2_weight()),
                                        .bias_gradient = gradient_at(network_.layout().conv2_bias())};
   network_.kernels().conv2_gradient(weights, share.first(filters1 * taps), share.last(filters1 * taps));
-  network_.kernels().bias_gradient(weights, share.first(filters2), share.last(filters2));
 }
 
 void BatchGradients::convolve1(Share share) {
   const Shape& shape = network_.shape();
-  const ConvolutionGradientJob weights{.gradient = fine_.inner(),
+  const ConvolutionGradientJob weights{.gradient = pooled_.inner(),
+                                       .choices = network_.choices(),
                                        .input = network_.input.with_margin(),
                                        .outputs = filters1,
                                        .input_channels = shape.frames,
-                                       .rows = 2 * shape.pooled_rows(),
-                                       .columns = 2 * shape.pooled_columns(),
+                                       .rows = shape.pooled_rows(),
+                                       .columns = shape.pooled_columns(),
                                        .sums = sums1_.data(),
                                        .weight_gradient = gradient_at(network_.layout().conv1_weight()),
                                        .bias_gradient = gradient_at(network_.layout().conv1_bias())};
   network_.kernels().conv1_gradient(weights, share.first(shape.frames * taps),
                                     share.last(shape.frames * taps));
-  network_.kernels().bias_gradient(weights, share.first(filters1), share.last(filters1));
 }
 
 void BatchGradients::change_small_tensors() {

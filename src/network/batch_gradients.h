@@ -26,7 +26,7 @@ class BatchGradients {
   StepLoss heads(const Batch& batch, const LossConfig& config);  // one worker's
   void dense1(Share share);
   void convolve2_weights(Share share);  // these two may be done at the same time
-  void convolve2_input(Share share);    // and through max-pool
+  void convolve2_input(Share share);
   void convolve1(Share share);
   void change_small_tensors();  // one worker's; the weights that are not in dense layers
 
@@ -44,7 +44,6 @@ class BatchGradients {
   AlignedFloats hidden_second_;  // (80)
   PlanesArray features_;         // (16, H2, W2), with the margin that turns a convolution round
   PlanesArray pooled_;           // (6, H1 / 2, W1 / 2)
-  PlanesArray fine_;             // (6, H1, W1)
   AlignedFloats turned_;         // Conv2's weights turned by 180 degrees: (1, 16, 5, 5, 6)
   AlignedFloats sums1_, sums2_;  // (weights, a vector)
   std::vector<int> hidden_places_, feature_places_;

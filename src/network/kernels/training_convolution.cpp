@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Both convolutions, forward and backward (paper section III, Fig. 2). Planes of cells, see
 // training_kernels.h.
-#include "training_convolution.h"
+#include "training_convolution_gradient.h"
 #include "training_functions.h"
 
 namespace thermorig::network::THERMORIG_KERNELS {
@@ -17,7 +17,9 @@ void pool(const ConvolutionJob& job, const Choices& choices, int tile, int y, in
   Vector upper[conv1_tile][wide], lower[conv1_tile][wide];
   convolve_tile<conv1_tile, wide>(job, tile, 2 * y, 2 * x, v, upper);
   convolve_tile<conv1_tile, wide>(job, tile, 2 * y + 1, 2 * x, v, lower);
+  THERMORIG_UNROLL
   for (int o = 0; o < conv1_tile; ++o) {
+    THERMORIG_UNROLL
     for (int c = 0; c < cells; ++c) {
       Vector best = upper[o][2 * c];
       Mask choice{};
@@ -53,23 +55,9 @@ void convolve_and_pool(const ConvolutionJob& job, const Choices& choices, int fi
   }
 }
 
-namespace {
-
-/// Through max-pool and ReLU: the gradient of a pooled cell goes to the one of the four that was chosen.
-void unpool(const Planes& pooled, const Choices& choices, const Planes& fine, int channel, int y, int x,
-            int v) {
-  const Vector gradient = load(at(pooled, channel, y, x) + v);
-  const int* const chosen = choices.first + channel * choices.plane + y * choices.row + x * cell + v;
-  const Mask choice = *reinterpret_cast<const Mask*>(chosen);
-  THERMORIG_UNROLL
-  for (int i = 0; i < 4; ++i)
-    store(at(fine, channel, 2 * y + i / 2, 2 * x + i % 2) + v, choice == i ? gradient : Vector{});
-}
-
-}  // namespace
-
+/// (6, H1 / 2, W1 / 2), through max-pool and ReLU, to the gradients of (6, Nf, 5, 5) weights and 6 biases
 void conv1_gradient(const ConvolutionGradientJob& job, int first_unit, int last_unit) {
-  weight_gradient<accumulators == 24 ? 3 : 2>(job, first_unit, last_unit);
+  weight_gradient<accumulators == 24 ? 3 : 2, 2>(job, first_unit, last_unit);
 }
 
 // ---- Conv2, ReLU ----
@@ -81,32 +69,14 @@ void convolve_relu(const ConvolutionJob& job, int first_row, int last_row) {
 }
 
 /// The gradient of Conv2's input is the convolution of its output's gradient with the weights turned by 180
-/// degrees: (16, H2, W2) to (6, H1 / 2, W1 / 2), from there to (6, H1, W1).
-void convolve_and_unpool(const ConvolutionJob& job, const Choices& choices, const Planes& fine, int first_row,
-                         int last_row) {
+/// degrees: (16, H2, W2) to (6, H1 / 2, W1 / 2)
+void convolve(const ConvolutionJob& job, int first_row, int last_row) {
   convolve_rows<conv2_input_tile>(job, first_row, last_row, store);
-  for (int channel = 0; channel < job.outputs; ++channel)
-    for (int y = first_row; y < last_row; ++y)
-      for (int x = 0; x < job.columns; ++x)
-        for (int v = 0; v < cell; v += lanes) unpool(job.output, choices, fine, channel, y, x, v);
 }
 
+/// (16, H2, W2) to the gradients of (16, 6, 5, 5) weights and 16 biases
 void conv2_gradient(const ConvolutionGradientJob& job, int first_unit, int last_unit) {
-  weight_gradient<accumulators == 24 ? 4 : 2>(job, first_unit, last_unit);
-}
-
-/// Of either: the sum over rows, columns and samples.
-void bias_gradient(const ConvolutionGradientJob& job, int first_output, int last_output) {
-  for (int o = first_output; o < last_output; ++o) {
-    Vector sums[vectors] = {};
-    for (int y = 0; y < job.rows; ++y) {
-      const float* const row = at(job.gradient, o, y, 0);
-      for (int x = 0; x < job.columns; ++x)
-        for (int v = 0; v < vectors; ++v) sums[v] += load(row + x * cell + v * lanes);
-    }
-    for (int v = 1; v < vectors; ++v) sums[0] += sums[v];
-    job.bias_gradient[o] = sum_of(sums[0]);
-  }
+  weight_gradient<accumulators == 24 ? 4 : 2, 1>(job, first_unit, last_unit);
 }
 
 }  // namespace thermorig::network::THERMORIG_KERNELS

@@ -27,8 +27,9 @@ THERMORIG_TILE void add_blocks(const DenseJob& job, int row, int first_block, in
   const long block_size = static_cast<long>(job.heads) * job.head_rows * block;
   float* const output = output_of(job, row) + v;
   Vector sums[tile_rows][2];
-  for (int r = 0; r < tile_rows; ++r)
-    for (int i = 0; i < 2; ++i) sums[r][i] = load(output + r * cell + i * lanes);
+  THERMORIG_UNROLL
+  for (int r = 0; r < tile_rows; ++r) THERMORIG_UNROLL
+  for (int i = 0; i < 2; ++i) sums[r][i] = load(output + r * cell + i * lanes);
   for (int b = first_block; b < last_block; ++b) {
     const float* const weights = job.weights + b * block_size + static_cast<long>(row) * block;
     const float* const input = job.input + static_cast<long>(b) * block * cell + v;
@@ -45,8 +46,9 @@ THERMORIG_TILE void add_blocks(const DenseJob& job, int row, int first_block, in
       }
     }
   }
-  for (int r = 0; r < tile_rows; ++r)
-    for (int i = 0; i < 2; ++i) store(output + r * cell + i * lanes, sums[r][i]);
+  THERMORIG_UNROLL
+  for (int r = 0; r < tile_rows; ++r) THERMORIG_UNROLL
+  for (int i = 0; i < 2; ++i) store(output + r * cell + i * lanes, sums[r][i]);
 }
 
 }  // namespace
@@ -94,8 +96,9 @@ THERMORIG_TILE void input_gradient(const HeadBlock& part, float* input_gradients
   const float* next_moments = part.job.first_moment + ahead;
   float* const out = input_gradients + first * cell + v;
   Vector sums[features][2];
-  for (int f = 0; f < features; ++f)
-    for (int i = 0; i < 2; ++i) sums[f][i] = load(out + f * cell + i * lanes);
+  THERMORIG_UNROLL
+  for (int f = 0; f < features; ++f) THERMORIG_UNROLL
+  for (int i = 0; i < 2; ++i) sums[f][i] = load(out + f * cell + i * lanes);
   THERMORIG_KEEP_LOOP
   for (int row = 0; row < part.job.head_rows; ++row) {
     fetch(next_weights + row * step);
@@ -108,8 +111,9 @@ THERMORIG_TILE void input_gradient(const HeadBlock& part, float* input_gradients
       sums[f][1] += weight * of[1];
     }
   }
-  for (int f = 0; f < features; ++f)
-    for (int i = 0; i < 2; ++i) store(out + f * cell + i * lanes, sums[f][i]);
+  THERMORIG_UNROLL
+  for (int f = 0; f < features; ++f) THERMORIG_UNROLL
+  for (int i = 0; i < 2; ++i) store(out + f * cell + i * lanes, sums[f][i]);
 }
 
 template <int tile = 0>

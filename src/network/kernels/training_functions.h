@@ -11,11 +11,9 @@ void load_windows(const LoadJob&, int first_row, int last_row);
 
 void convolve_and_pool(const ConvolutionJob&, const Choices&, int first_row, int last_row);
 void convolve_relu(const ConvolutionJob&, int first_row, int last_row);
-void convolve_and_unpool(const ConvolutionJob&, const Choices&, const Planes& fine, int first_row,
-                         int last_row);
+void convolve(const ConvolutionJob&, int first_row, int last_row);
 void conv1_gradient(const ConvolutionGradientJob&, int first_unit, int last_unit);
 void conv2_gradient(const ConvolutionGradientJob&, int first_unit, int last_unit);
-void bias_gradient(const ConvolutionGradientJob&, int first_output, int last_output);
 
 void dense(const DenseJob&, int first_tile, int last_tile);
 void dense_gradient(const DenseGradientJob&, int first_block, int last_block);

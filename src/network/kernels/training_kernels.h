@@ -51,11 +51,14 @@ struct Choices {
 };
 
 /// Sums over the outputs: weight_gradient(o, i, ky, kx) = sum over y, x and samples of gradient(o, y, x) *
-/// input(i, y + ky, x + kx), bias_gradient(o) = sum of gradient(o).
+/// input(i, y + ky, x + kx), bias_gradient(o) = sum of gradient(o). With max-pool behind the convolution,
+/// `gradient` is that of the pooled cells.
 struct ConvolutionGradientJob {
   Planes gradient;
+  Choices choices;  // null: no max-pool
   Planes input;
-  int outputs, input_channels, rows, columns;
+  int outputs, input_channels;
+  int rows, columns;       // of `gradient`
   float* sums;             // (outputs, input_channels, 5, 5, 16): room for a vector each
   float* weight_gradient;  // (outputs, input_channels, 5, 5)
   float* bias_gradient;    // (outputs)
@@ -123,13 +126,10 @@ struct TrainingKernels {
   // Conv1, ReLU, max-pool; output: planes of pooled cells
   void (*convolve_and_pool)(const ConvolutionJob&, const Choices&, int first_row, int last_row);
   void (*convolve_relu)(const ConvolutionJob&, int first_row, int last_row);  // Conv2, ReLU
-  // Conv2's input gradient, and through max-pool and ReLU of Conv1: `fine` has twice the rows and columns
-  void (*convolve_and_unpool)(const ConvolutionJob&, const Choices&, const Planes& fine, int first_row,
-                              int last_row);
-  // Units are input channel * 5 + row of taps.
+  void (*convolve)(const ConvolutionJob&, int first_row, int last_row);       // Conv2's input gradient
+  // Units are input channel * 5 + row of taps; whoever has unit 0 has the biases.
   void (*conv1_gradient)(const ConvolutionGradientJob&, int first_unit, int last_unit);
   void (*conv2_gradient)(const ConvolutionGradientJob&, int first_unit, int last_unit);
-  void (*bias_gradient)(const ConvolutionGradientJob&, int first_output, int last_output);
   void (*dense)(const DenseJob&, int first_tile, int last_tile);  // tiles of dense_tile rows
   void (*dense_gradient)(const DenseGradientJob&, int first_block, int last_block);
   // Sum over the samples of each row's cell

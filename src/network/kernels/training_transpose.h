@@ -5,15 +5,6 @@
 
 namespace thermorig::network::THERMORIG_KERNELS {
 
-template <int... lane>
-struct Lanes {};
-template <int count, int... lane>
-struct LanesTo : LanesTo<count - 1, count - 1, lane...> {};
-template <int... lane>
-struct LanesTo<0, lane...> {
-  using All = Lanes<lane...>;
-};
-
 /// Of the 2x2 blocks of `run` lanes in two rows, exchanges the two beside the diagonal.
 template <int run, int... lane>
 static inline void exchange(Vector& a, Vector& b, Lanes<lane...>) {

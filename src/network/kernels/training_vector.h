@@ -66,11 +66,25 @@ static inline Vector through_relu(Vector x, Vector y) {
   return y > 0.0F ? x : Vector{};
 }
 
+template <int... lane>
+struct Lanes {};
+template <int count, int... lane>
+struct LanesTo : LanesTo<count - 1, count - 1, lane...> {};
+template <int... lane>
+struct LanesTo<0, lane...> {
+  using All = Lanes<lane...>;
+};
+
+template <int distance, int... lane>
+static inline Vector moved(Vector x, Lanes<lane...>) {
+  return __builtin_shufflevector(x, x, (lane ^ distance)...);
+}
+
+template <int distance = lanes / 2>
 static inline float sum_of(Vector x) {
-  float sum = 0.0F;
-  THERMORIG_UNROLL
-  for (int i = 0; i < lanes; ++i) sum += x[i];
-  return sum;
+  x += moved<distance>(x, LanesTo<lanes>::All());
+  if constexpr (distance > 1) return sum_of<distance / 2>(x);
+  return x[0];
 }
 
 /// The sum over the samples of a cell.
