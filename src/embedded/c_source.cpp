@@ -83,7 +83,7 @@ std::size_t state_bytes(const network::Shape& shape, bool integer) {
   const auto plane = static_cast<std::size_t>(shape.rows2() * shape.columns2());
   const std::size_t floats = frames + pooled + plane + 2 * network::hidden1;
   const std::size_t ring = shape.inputs() * (integer ? sizeof(std::int16_t) : sizeof(float));
-  const std::size_t values = pooled + std::max<std::size_t>(plane, network::hidden1);
+  const std::size_t values = pooled + plane;
   return to_words(ring) + 2 * sizeof(std::int32_t) + sizeof(float) * floats +
          (integer ? to_words(sizeof(std::int16_t) * values) : 0);
 }

@@ -5,7 +5,7 @@
 
 namespace thermorig::embedded {
 
-// The files of c99/: C but for words between two @, and under the name thermorig_network.
+// The files of c99/: C but for words between two @, under the name thermorig_network.
 extern const std::string_view network_h, network_c;
 
 }  // namespace thermorig::embedded

@@ -23,8 +23,8 @@ Quantised quantise(std::span<const float> weights, std::size_t rows);
 
 bool is_bias(const network::Tensor& tensor);
 
-/// Biases and the rows of the two outputs stay as they are: they are few, and what an output's row is off,
-/// nothing averages out.
+/// The convolutions and the heads' first layers: nearly all weights. The rest stay float32: they are few, and
+/// what they are off reaches the outputs hardly averaged (measured: docs/export.md).
 bool fits_8_bits(const network::Tensor& tensor);
 
 }  // namespace thermorig::embedded

@@ -52,7 +52,7 @@ std::string layer_text(const network::Weights& weights, const network::Tensor& t
   const std::string layer(tensor.name.substr(0, tensor.name.find('.')));
   const std::string biases = floats_text(layer + "_bias", "a row", weights.tensor(layer + ".bias"));
   const auto values = weights.tensor(tensor.name);
-  if (!fits_8_bits(tensor))  // an output
+  if (!fits_8_bits(tensor))  // float32 in either kind
     return fmt::format("\n{}{}", floats_text(layer + "_weights", shape_text(tensor.dimensions), values),
                        biases);
   const std::string scale = kind == WeightKind::int8 ? layer + "_scale, " : "";
@@ -74,9 +74,9 @@ std::string types_text(WeightKind kind) {
   return fmt::format(
       "#include <stdint.h>\n\ntypedef {} network_weight;\n\n"
       "/* A layer's constants, row by row: a row is what one output is made of. */\n"
-      "typedef struct {{\n  const network_weight *weights;\n{}  const float *bias;\n}} "
+      "typedef struct {{\n  const network_weight* weights;\n{}  const float* bias;\n}} "
       "network_layer;\n",
-      small ? "int8_t" : "float", small ? "  const float *scale;\n" : "");
+      small ? "int8_t" : "float", small ? "  const float* scale;\n" : "");
 }
 
 }  // namespace

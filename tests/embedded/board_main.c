@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
- * Runs an exported network on frames that a small generator makes, as boards.cpp makes them too, and prints what it
- * says; then on the first window again, at once; then on frames that no camera should send. NETWORK_HEADER,
- * NETWORK_NAME, FRAMES_A_WINDOW and FRAMES_TO_PUSH come from the compiler's command line. */
+ * Runs an exported network on frames that a small generator makes, as boards.cpp makes them too, and prints
+ * what it says; then on the first window again, at once; then on frames that no camera should send.
+ * NETWORK_HEADER, NETWORK_NAME, FRAMES_A_WINDOW and FRAMES_TO_PUSH come from the compiler's command line. */
 #include NETWORK_HEADER
 
 #include <math.h>
@@ -29,7 +29,7 @@ static float random_between(float least, float most) {
   return least + (most - least) * ((float)(random_state >> 16) / 65536.0f);
 }
 
-static int push(float gyro_dps, LOWER(_output) *output) {
+static int push(float gyro_dps, LOWER(_output) * output) {
 #ifdef MEASURED
   int full;
   uint32_t instructions, stack_bytes;
@@ -44,8 +44,9 @@ static int push(float gyro_dps, LOWER(_output) *output) {
 #endif
 }
 
-static void print(const char *what, const LOWER(_output) *output) {
-  printf("%s %.9g %.9g %.9g\n", what, (double)output->fusion_dps, (double)output->thermal_dps, (double)output->gain);
+static void print(const char* what, const LOWER(_output) * output) {
+  printf("%s %.9g %.9g %.9g\n", what, (double)output->fusion_dps, (double)output->thermal_dps,
+         (double)output->gain);
 }
 
 /* Their speeds are of no interest; that the program goes on is. */

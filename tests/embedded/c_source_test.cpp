@@ -25,7 +25,7 @@ const std::vector<network::Shape> shapes{
     {.frames = 3, .reduction = 1, .fusion = false, .padding1 = 0, .padding2 = 0},
 };
 constexpr float scale_dps = 200.0F;
-constexpr float whole_numbers_tolerance = 5e-4F;  // 0.1 deg/s: frames in hundredths, activations in 16 bits
+constexpr float whole_numbers_tolerance = 5e-4F;  // 0.1 deg/s: frames in 1/256 degree, activations in 16 bits
 constexpr float float_tolerance = 1e-5F;
 
 std::string host(const std::string& options = "") {
@@ -143,7 +143,7 @@ TEST(CSource, FloatWeightsReadBackBitForBit) {
 TEST(CSource, HasTheNameThatItWasGiven) {
   const auto source = c_source(random_model(shapes[0], 1), WeightKind::int8, "Garden2");
   EXPECT_THAT(text_of(source, "Garden2.h"), HasSubstr("#define GARDEN2_FRAMES 3"));
-  EXPECT_THAT(text_of(source, "Garden2.h"), HasSubstr("int Garden2_push(Garden2_state *state"));
+  EXPECT_THAT(text_of(source, "Garden2.h"), HasSubstr("int Garden2_push(Garden2_state* state"));
   for (const embedded::SourceFile& file : source.files) {
     EXPECT_THAT(file.text, Not(HasSubstr("thermorig_network"))) << file.name;
     EXPECT_THAT(file.text, Not(HasSubstr("THERMORIG_NETWORK"))) << file.name;
@@ -198,9 +198,8 @@ TEST(CSource, TextOfAModelFileCannotLeaveItsComment) {
 TEST(CSource, SizesCountEveryConstant) {
   const model::Model model = random_model({.frames = 3, .reduction = 3}, 1);
   EXPECT_EQ(c_source(model, WeightKind::float32, "net").constant_bytes, 4 * (89'794U + 3));
-  // 200 weights of the two outputs, 464 biases - (6 + 16 + 120 + 80 + 120 + 2) -, and a scale a row of the
-  // rest.
-  const std::size_t kept = 200 + 344, rows = 6 + 16 + 120 + 80 + 120;
+  // 9,600 weights of the second layer, 200 of the outputs and 344 biases stay; a scale a row of the rest.
+  const std::size_t kept = 9'600 + 200 + 344, rows = 6 + 16 + 120 + 120;
   EXPECT_EQ(c_source(model, WeightKind::int8, "net").constant_bytes, 89'794 - kept + 4 * (kept + rows + 3));
 }
 

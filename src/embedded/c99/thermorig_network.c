@@ -29,16 +29,16 @@ typedef thermorig_network_value network_value;
 typedef char network_state_size_is_as_stated[sizeof(network_state) == THERMORIG_NETWORK_STATE_BYTES ? 1 : -1];
 
 #if THERMORIG_NETWORK_INTEGER
-typedef int32_t network_sum;          /* at most 192 products of 15 and 7 bits: below 2^30 */
-#define VALUE_MAX 32767.0f    /* of an activation */
-#define STEPS_PER_DEGREE 100.0f /* frames are kept in the camera's own hundredths */
+typedef int32_t network_sum;    /* at most 192 products of 15 and 7 bits: below 2^30 */
+#define VALUE_MAX 32767.0f      /* of an activation */
+#define STEPS_PER_DEGREE 256.0f /* frames are kept about the training mean, 128 degrees either way */
 #else
 typedef float network_sum;
 #endif
 
 /* Planes (rows, columns) that a 5x5 kernel slides over, with `padding` zeros around them. */
 typedef struct {
-  const network_value *plane[6];
+  const network_value* plane[6];
   int planes, rows, columns, padding;
 } image;
 
@@ -46,27 +46,27 @@ static float relu(float x) {
   return x > 0.0f ? x : 0.0f;
 }
 
-static network_sum dot(const network_value *values, const network_weight *weights, int count) {
+static network_sum dot(const network_value* values, const network_weight* weights, int count) {
   network_sum total = 0;
-  int i = 0;
-  for (; i + 4 <= count; i += 4) /* four a turn: less to count */
+  const int fours = count - count % 4;
+  for (int i = 0; i < fours; i += 4) /* four a turn: less to count */
     total += (network_sum)values[i] * (network_sum)weights[i] +
              (network_sum)values[i + 1] * (network_sum)weights[i + 1] +
              (network_sum)values[i + 2] * (network_sum)weights[i + 2] +
              (network_sum)values[i + 3] * (network_sum)weights[i + 3];
-  for (; i < count; ++i) total += (network_sum)values[i] * (network_sum)weights[i];
+  for (int i = fours; i < count; ++i) total += (network_sum)values[i] * (network_sum)weights[i];
   return total;
 }
 
 /* A whole row of the kernel. */
-static network_sum dot_kernel_row(const network_value *values, const network_weight *weights) {
+static network_sum dot_kernel_row(const network_value* values, const network_weight* weights) {
   return (network_sum)values[0] * (network_sum)weights[0] + (network_sum)values[1] * (network_sum)weights[1] +
          (network_sum)values[2] * (network_sum)weights[2] + (network_sum)values[3] * (network_sum)weights[3] +
          (network_sum)values[4] * (network_sum)weights[4];
 }
 
 /* What a sum of products stands for, with the bias of its row: `scale` is that of the activations. */
-static float real_of(float total, float scale, const network_layer *layer, int row) {
+static float real_of(float total, float scale, const network_layer* layer, int row) {
 #if THERMORIG_NETWORK_INT8
   return total * (scale * layer->scale[row]) + layer->bias[row];
 #else
@@ -83,7 +83,7 @@ static int16_t rounded(float x) {
 #endif
 
 /* Outputs of a layer (0 or above) as inputs of the next: an activation times `scale` is the real value. */
-static const network_value *values_of(const float *real, int count, network_value *store, float *scale) {
+static const network_value* values_of(const float* real, int count, network_value* store, float* scale) {
 #if THERMORIG_NETWORK_INTEGER
   float most = 0.0f;
   for (int i = 0; i < count; ++i)
@@ -102,12 +102,13 @@ static const network_value *values_of(const float *real, int count, network_valu
 
 /* One pixel of the input: the mean of its block of the camera's pixels, less the training data's mean, in its
  * deviations. */
-static network_value prepared(const float *temp_c, int row, int column) {
+static network_value prepared(const float* temp_c, int row, int column) {
   const int size = THERMORIG_NETWORK_REDUCTION;
   float total = 0.0f;
   for (int y = 0; y < size; ++y)
     for (int x = 0; x < size; ++x)
-      total += temp_c[(row * size + y) * THERMORIG_NETWORK_CAMERA_COLUMNS + THERMORIG_NETWORK_CROP_LEFT + column * size + x];
+      total += temp_c[(row * size + y) * THERMORIG_NETWORK_CAMERA_COLUMNS + THERMORIG_NETWORK_CROP_LEFT +
+                      column * size + x];
   const float above_mean_c = total / (float)(size * size) - temp_mean_c;
 #if THERMORIG_NETWORK_INTEGER
   return rounded(above_mean_c * STEPS_PER_DEGREE);
@@ -117,7 +118,7 @@ static network_value prepared(const float *temp_c, int row, int column) {
 }
 
 /* A filter's sum of products with its upper left corner at (top, left) of the padded image. */
-static network_sum filter_at(const image *in, const network_weight *weights, int top, int left) {
+static network_sum filter_at(const image* in, const network_weight* weights, int top, int left) {
   /* the part of the kernel that lies on the planes, not on the zeros around them */
   const int y0 = top - in->padding, x0 = left - in->padding;
   const int first_y = y0 < 0 ? -y0 : 0, first_x = x0 < 0 ? -x0 : 0;
@@ -127,17 +128,17 @@ static network_sum filter_at(const image *in, const network_weight *weights, int
   network_sum total = 0;
   for (int p = 0; p < in->planes; ++p)
     for (int y = first_y; y < end_y; ++y) {
-      const network_value *values = in->plane[p] + (y0 + y) * in->columns + x0;
-      const network_weight *row = weights + (p * KERNEL + y) * KERNEL;
+      const network_value* values = in->plane[p] + (y0 + y) * in->columns + x0;
+      const network_weight* row = weights + (p * KERNEL + y) * KERNEL;
       total += whole ? dot_kernel_row(values, row) : dot(values + first_x, row + first_x, end_x - first_x);
     }
   return total;
 }
 
-/* First convolution, ReLU and max-pooling of one filter. The largest of the four sums gives the largest output, for
- * scales are above 0; an odd last row or column is dropped. */
-static void pooled_filter(const image *window, float scale, int filter, float *out) {
-  const network_weight *weights = conv1.weights + filter * FRAMES * KERNEL * KERNEL;
+/* First convolution, ReLU and max-pooling of one filter. The largest of the four sums gives the largest
+ * output, for scales are above 0; an odd last row or column is dropped. */
+static void pooled_filter(const image* window, float scale, int filter, float* out) {
+  const network_weight* weights = conv1.weights + filter * FRAMES * KERNEL * KERNEL;
   for (int row = 0; row < THERMORIG_NETWORK_POOLED_ROWS; ++row)
     for (int column = 0; column < THERMORIG_NETWORK_POOLED_COLUMNS; ++column) {
       network_sum most = filter_at(window, weights, 2 * row, 2 * column);
@@ -150,28 +151,29 @@ static void pooled_filter(const image *window, float scale, int filter, float *o
 }
 
 /* Second convolution and ReLU of one filter. */
-static void plane_of_filter(const image *pooled, float scale, int filter, float *out) {
-  const network_weight *weights = conv2.weights + filter * THERMORIG_NETWORK_FILTERS1 * KERNEL * KERNEL;
+static void plane_of_filter(const image* pooled, float scale, int filter, float* out) {
+  const network_weight* weights = conv2.weights + filter * THERMORIG_NETWORK_FILTERS1 * KERNEL * KERNEL;
   for (int row = 0; row < THERMORIG_NETWORK_ROWS2; ++row)
     for (int column = 0; column < THERMORIG_NETWORK_COLUMNS2; ++column)
       *out++ = relu(real_of((float)filter_at(pooled, weights, row, column), scale, &conv2, filter));
 }
 
 /* Adds what the features of one filter bring to the sums of a head's first layer. */
-static void add_features(const network_value *plane, float scale, const network_weight *weights, float *totals) {
+static void add_features(const network_value* plane, float scale, const network_weight* weights,
+                         float* totals) {
   for (int row = 0; row < HIDDEN1; ++row)
     totals[row] += (float)dot(plane, weights + row * FEATURES, PLANE2) * scale;
 }
 
 /* The ring's frames, oldest first. */
-static image window_of(const network_state *state) {
+static image window_of(const network_state* state) {
   image window = {{0}, FRAMES, THERMORIG_NETWORK_ROWS, THERMORIG_NETWORK_COLUMNS, THERMORIG_NETWORK_PADDING1};
   for (int i = 0; i < FRAMES; ++i) window.plane[i] = state->frame[(state->next + i) % FRAMES];
   return window;
 }
 
 /* First convolution to `pooled`. */
-static void convolve_window(network_state *state) {
+static void convolve_window(network_state* state) {
   const image window = window_of(state);
 #if THERMORIG_NETWORK_INTEGER
   const float scale = 1.0f / (STEPS_PER_DEGREE * temp_deviation_c);
@@ -191,17 +193,21 @@ static void convolve_window(network_state *state) {
 #endif
 
 /* Second convolution and the heads' first layers, filter by filter: the features are never all in memory. */
-static void convolve_pooled(network_state *state) {
+static void convolve_pooled(network_state* state) {
   float scale;
-  const network_value *values = values_of(state->pooled, THERMORIG_NETWORK_FILTERS1 * POOLED, POOLED_STORE, &scale);
-  image pooled = {{0}, THERMORIG_NETWORK_FILTERS1, THERMORIG_NETWORK_POOLED_ROWS, THERMORIG_NETWORK_POOLED_COLUMNS,
+  const network_value* values =
+      values_of(state->pooled, THERMORIG_NETWORK_FILTERS1 * POOLED, POOLED_STORE, &scale);
+  image pooled = {{0},
+                  THERMORIG_NETWORK_FILTERS1,
+                  THERMORIG_NETWORK_POOLED_ROWS,
+                  THERMORIG_NETWORK_POOLED_COLUMNS,
                   THERMORIG_NETWORK_PADDING2};
   for (int p = 0; p < THERMORIG_NETWORK_FILTERS1; ++p) pooled.plane[p] = values + p * POOLED;
   for (int row = 0; row < HIDDEN1; ++row) state->speed[row] = state->other[row] = 0.0f;
   for (int filter = 0; filter < THERMORIG_NETWORK_FILTERS2; ++filter) {
     float plane_scale;
     plane_of_filter(&pooled, scale, filter, state->plane);
-    const network_value *plane = values_of(state->plane, PLANE2, PLANE_STORE, &plane_scale);
+    const network_value* plane = values_of(state->plane, PLANE2, PLANE_STORE, &plane_scale);
     add_features(plane, plane_scale, speed1.weights + filter * PLANE2, state->speed);
 #if THERMORIG_NETWORK_FUSION
     add_features(plane, plane_scale, gain1.weights + filter * PLANE2, state->other);
@@ -210,32 +216,30 @@ static void convolve_pooled(network_state *state) {
 }
 
 /* Scales, biases and ReLU of a head's first layer. */
-static void finish_first(const network_layer *layer, float *totals) {
+static void finish_first(const network_layer* layer, float* totals) {
   for (int row = 0; row < HIDDEN1; ++row) totals[row] = relu(real_of(totals[row], 1.0f, layer, row));
 }
 
-/* A head's last layer, a single row; its weights are float32 in either kind. */
-static float output_of(const float *values, const float *weights, int count, float bias) {
+/* A row of a head's later layers, whose weights are float32 in either kind. */
+static float row_of(const float* values, const float* weights, int count, float bias) {
   float total = 0.0f;
   for (int i = 0; i < count; ++i) total += values[i] * weights[i];
   return total + bias;
 }
 
 /* The speed that the images tell, normalised. */
-static float thermal_speed(network_state *state) {
-  float scale;
+static float thermal_speed(network_state* state) {
   finish_first(&speed1, state->speed);
-  const network_value *first = values_of(state->speed, HIDDEN1, PLANE_STORE, &scale);
   for (int row = 0; row < HIDDEN2; ++row)
-    state->other[row] = relu(real_of((float)dot(first, speed2.weights + row * HIDDEN1, HIDDEN1), scale, &speed2, row));
-  return output_of(state->other, speed3_weights, HIDDEN2, speed3_bias[0]);
+    state->other[row] = relu(row_of(state->speed, speed2_weights + row * HIDDEN1, HIDDEN1, speed2_bias[row]));
+  return row_of(state->other, speed3_weights, HIDDEN2, speed3_bias[0]);
 }
 
 /* Kg. */
-static float gain_of(network_state *state) {
+static float gain_of(network_state* state) {
 #if THERMORIG_NETWORK_FUSION
   finish_first(&gain1, state->other);
-  return 1.0f / (1.0f + expf(-output_of(state->other, gain2_weights, HIDDEN1, gain2_bias[0])));
+  return 1.0f / (1.0f + expf(-row_of(state->other, gain2_weights, HIDDEN1, gain2_bias[0])));
 #else
   (void)state;
   return 1.0f;
@@ -243,13 +247,13 @@ static float gain_of(network_state *state) {
 }
 
 /* The mean of the window's frames. */
-static float gyro_of(const network_state *state) {
+static float gyro_of(const network_state* state) {
   float total = 0.0f;
   for (int i = 0; i < FRAMES; ++i) total += state->gyro_dps[(state->next + i) % FRAMES];
   return total / (float)FRAMES;
 }
 
-static void run_network(network_state *state, float gyro_dps, thermorig_network_output *output) {
+static void run_network(network_state* state, float gyro_dps, thermorig_network_output* output) {
   convolve_window(state);
   convolve_pooled(state);
   const float gain = gain_of(state); /* first: the speed head uses its memory again */
@@ -264,30 +268,31 @@ static void run_network(network_state *state, float gyro_dps, thermorig_network_
 #endif
 }
 
-static void add_frame(network_state *state, const float *temp_c, float gyro_dps) {
-  network_value *frame = state->frame[state->next];
+static void add_frame(network_state* state, const float* temp_c, float gyro_dps) {
+  network_value* frame = state->frame[state->next];
   for (int row = 0; row < THERMORIG_NETWORK_ROWS; ++row)
-    for (int column = 0; column < THERMORIG_NETWORK_COLUMNS; ++column) *frame++ = prepared(temp_c, row, column);
+    for (int column = 0; column < THERMORIG_NETWORK_COLUMNS; ++column)
+      *frame++ = prepared(temp_c, row, column);
   state->gyro_dps[state->next] = gyro_dps;
   state->next = (state->next + 1) % FRAMES;
   if (state->count < FRAMES) ++state->count;
 }
 
-void thermorig_network_reset(thermorig_network_state *state) {
+void thermorig_network_reset(thermorig_network_state* state) {
   state->next = 0;
   state->count = 0;
 }
 
-int thermorig_network_push(thermorig_network_state *state, const float *temp_c, float gyro_dps,
-                           thermorig_network_output *output) {
+int thermorig_network_push(thermorig_network_state* state, const float* temp_c, float gyro_dps,
+                           thermorig_network_output* output) {
   add_frame(state, temp_c, gyro_dps);
   if (state->count < FRAMES) return 0;
   run_network(state, gyro_of(state), output);
   return 1;
 }
 
-void thermorig_network_estimate(thermorig_network_state *state, const float *temp_c, float gyro_dps,
-                                thermorig_network_output *output) {
+void thermorig_network_estimate(thermorig_network_state* state, const float* temp_c, float gyro_dps,
+                                thermorig_network_output* output) {
   thermorig_network_reset(state);
   for (int i = 0; i < FRAMES; ++i)
     add_frame(state, temp_c + i * THERMORIG_NETWORK_CAMERA_ROWS * THERMORIG_NETWORK_CAMERA_COLUMNS, gyro_dps);

@@ -7,21 +7,21 @@
 
 /* CMSDK APB timer 0 (ARM DDI 0479), 25 MHz, counting down. QEMU runs with `-icount shift=0`, an instruction a
  * nanosecond: a tick is 40 instructions. */
-#define TIMER_CONTROL (*(volatile uint32_t *)0x40000000u)
-#define TIMER_VALUE (*(volatile uint32_t *)0x40000004u)
+#define TIMER_CONTROL (*(volatile uint32_t*)0x40000000u)
+#define TIMER_VALUE (*(volatile uint32_t*)0x40000004u)
 #define INSTRUCTIONS_PER_TICK 40u
 
 #define PAINTED_WORDS 1024
 #define PAINT 0xA5A5A5A5u
 
-static inline uint32_t *stack_pointer(void) {
-  uint32_t *sp;
+static inline uint32_t* stack_pointer(void) {
+  uint32_t* sp;
   __asm volatile("mov %0, sp" : "=r"(sp));
   return sp;
 }
 
 static inline void begin_measuring(void) {
-  volatile uint32_t *word = stack_pointer() - PAINTED_WORDS;
+  volatile uint32_t* word = stack_pointer() - PAINTED_WORDS;
   for (int i = 0; i < PAINTED_WORDS; ++i) word[i] = PAINT;
   TIMER_CONTROL = 0;
   TIMER_VALUE = 0xFFFFFFFFu;
@@ -33,7 +33,7 @@ static inline uint32_t instructions_since(void) {
 }
 
 static inline uint32_t stack_bytes_since(void) {
-  const volatile uint32_t *word = stack_pointer() - PAINTED_WORDS;
+  const volatile uint32_t* word = stack_pointer() - PAINTED_WORDS;
   uint32_t untouched = 0;
   while (untouched < PAINTED_WORDS && word[untouched] == PAINT) ++untouched;
   return (PAINTED_WORDS - untouched) * 4u;

@@ -1,13 +1,14 @@
 /* SPDX-License-Identifier: MIT
- * Start of a program on a Cortex-M of ARM's MPS2 board, as QEMU has it; the C library talks by semihosting. */
+ * Start of a program on a Cortex-M of ARM's MPS2 board, as QEMU has it; the C library talks by semihosting.
+ */
 #include <stdint.h>
 
 void stack_top(void); /* an address of the linker script, never called */
-void _start(void); /* the C library's: clears .bss, calls main */
+void _start(void);    /* the C library's: clears .bss, calls main */
 void reset(void);
 void fault(void);
 
-#define CPACR (*(volatile uint32_t *)0xE000ED88u) /* ARMv7-M Architecture Reference Manual, B3.2.20 */
+#define CPACR (*(volatile uint32_t*)0xE000ED88u) /* ARMv7-M Architecture Reference Manual, B3.2.20 */
 
 void reset(void) {
 #if defined(__ARM_FP)
