@@ -18,10 +18,11 @@ from fusion_network import FusionNetwork, save_onnx, training_loss
 from seeded_values import seeded_batch, seeded_values, seeded_weights
 
 SEED = 100  # as in network_interop.cpp
-SEEDS = (100, 200, 300, 400, 500)  # of trainings
 WINDOWS = 1000
 STEPS = 20
 SAMPLES = 32
+PATHS = 3  # loss paths a shape
+DETERMINED = 1e-5  # by how much PyTorch's loss path may differ from itself
 AUXILIARY = (0.0, 0.5)
 OUTPUT_LIMIT, GRADIENT_LIMIT, LOSS_LIMIT = 1e-5, 1e-4, 1e-4
 
@@ -83,22 +84,35 @@ def path_difference(losses, others):
     return float((np.abs(losses - others) / others).max())
 
 
-class TrainingDifference:
-    """Our training beside PyTorch's, from the same weights with the same batches.
+def determined_trainings(shape, auxiliary):
+    """The first seeds whose loss path PyTorch finds again from weights with other last bits: (seed, gradients, losses), and
+    how many were passed over. Adam steps as far for a slope of 1e-9 as for one of 1, and ReLU, max-pooling and berHu have
+    corners, so that now and then a rounding decides where a path goes, and PyTorch does not agree with itself."""
+    found, passed_over = [], 0
+    for seed in range(SEED, SEED + 10000, 100):
+        gradients, losses = torch_training(shape, auxiliary, seed)
+        again = [torch_training(shape, auxiliary, seed, disturbed)[1] for disturbed in (1, 2)]
+        if max(path_difference(path, losses) for path in again) <= DETERMINED:
+            found.append((seed, gradients, losses))
+        else:
+            passed_over += 1
+        if len(found) == PATHS:
+            return found, passed_over
+    sys.exit(f"too few loss paths are determined: {shape}, auxiliary loss {auxiliary}")
 
-    Adam steps as far for a slope of 1e-9 as for one of 1, and ReLU and berHu have corners: now and then a rounding decides
-    where a path goes, and then PyTorch does not find its own path again from weights whose last bits differ. So a path's
-    difference is the median over seeds, and PyTorch's from itself stands beside it."""
+
+class TrainingDifference:
+    """Our training beside PyTorch's, from the same weights with the same batches. Our roundings are others than PyTorch's and
+    may lead round a corner where PyTorch's do not: the loss path's difference is a median over seeds."""
 
     def __init__(self, interop, shape, auxiliary):
-        self.gradient, self.paths, self.paths_of_itself = 0.0, [], []
-        for seed in SEEDS:
-            gradients, losses = torch_training(shape, auxiliary, seed)
+        self.gradient, self.paths = 0.0, []
+        found, self.passed_over = determined_trainings(shape, auxiliary)
+        for seed, gradients, losses in found:
             count = sum(values.size for values in gradients.values())
             ours, our_losses = our_training(interop, shape, auxiliary, seed, count)
             self.gradient = max(self.gradient, gradient_difference(ours, gradients))
             self.paths.append(path_difference(our_losses, losses))
-            self.paths_of_itself.append(path_difference(torch_training(shape, auxiliary, seed, seed)[1], losses))
 
 
 def gradient_difference(ours, gradients):
@@ -109,10 +123,6 @@ def gradient_difference(ours, gradients):
         worst = max(worst, float(np.abs(part - values.ravel()).max() / np.abs(values).max()))
         first += values.size
     return worst
-
-
-def beyond(paths):
-    return sum(path > LOSS_LIMIT for case in paths for path in case)
 
 
 def foreign_difference(interop, shape, windows):
@@ -152,9 +162,9 @@ def measure(program, library, quick):
             "onnx_runtime_shapes": (len(peers), None),
             "pytorch_gradient_difference": (max(row.gradient for row in training), GRADIENT_LIMIT),
             "pytorch_loss_path_difference": (max(statistics.median(row.paths) for row in training), LOSS_LIMIT),
-            "pytorch_loss_paths": (len(SEEDS) * len(training), None),
-            "pytorch_loss_paths_beyond_limit": (beyond(row.paths for row in training), None),
-            "pytorch_loss_paths_beyond_limit_of_itself": (beyond(row.paths_of_itself for row in training), None),
+            "pytorch_loss_paths": (sum(len(row.paths) for row in training), None),
+            "pytorch_loss_paths_beyond_limit": (sum(path > LOSS_LIMIT for row in training for path in row.paths), None),
+            "pytorch_loss_paths_that_differ_from_themselves": (sum(row.passed_over for row in training), None),
             "pytorch_export_output_difference":
                 (max(foreign_difference(interop, shape, WINDOWS) for shape in every), OUTPUT_LIMIT),
             "model_file_weight_difference": (max(reread_difference(interop, shape) for shape in every), 0.0),
