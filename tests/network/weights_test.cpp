@@ -91,7 +91,8 @@ std::uint64_t checksum(const Weights& weights) {
 
 TEST(InitialWeights, AreTheSameBitsEverywhere) {
   EXPECT_EQ(checksum(initial_weights({}, 1)), 0xFCFF83481E4E1DB0U);
-  EXPECT_EQ(checksum(initial_weights({.frames = 2, .reduction = 3, .fusion = false}, 42)), 0x01B8F6D69941B7E0U);
+  EXPECT_EQ(checksum(initial_weights({.frames = 2, .reduction = 3, .fusion = false}, 42)),
+            0x01B8F6D69941B7E0U);
 }
 
 TEST(InitialWeights, DependOnTheSeed) {
