@@ -10,7 +10,10 @@ namespace thermorig::report {
 
 std::string mse_text(double mse) {
   if (!std::isfinite(mse)) return no_value;
-  return std::abs(mse) >= 0.00095 || mse == 0.0 ? fmt::format("{:.4f}", mse) : fmt::format("{:.2g}", mse);
+  const double size = std::abs(mse);
+  if (size >= 0.00095 || size == 0.0) return fmt::format("{:.4f}", mse);
+  if (size < 1e-8) return fmt::format("{:.1e}", mse);
+  return fmt::format("{:.{}f}", mse, 1 - static_cast<int>(std::floor(std::log10(size))));  // two digits
 }
 
 std::string rate_text(double dps) {

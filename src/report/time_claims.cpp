@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 
 #include "claims.h"
 #include "drift_figures.h"
@@ -20,17 +21,17 @@ using study::Estimator;
 constexpr double stays_share = 0.1;  // fusion "stays with the truth" where it drifts at most this of the gyro
 constexpr double near_peak = 0.1;    // "near 0.55"
 
-/// Over seeds, as seed_factor: largest / smallest, 1 where it is not known.
-double drift_factor(const StudyView& view) {
-  const Figure drift = [&](const study::SettingSummary& summary) { return fusion_drift(view, summary.seed); };
-  return seed_factor(view, true, drift).value_or(1.0);
+Verdict drift_verdict(double fusion, double gyro) {
+  if (compare(fusion, gyro, least_factor) != Order::smaller) return Verdict::fails;
+  return fusion <= stays_share * gyro ? Verdict::holds : Verdict::holds_in_part;
 }
 
-Verdict drift_verdict(double fusion, double gyro, double factor) {
-  const Order order = compare(fusion, gyro, factor);
-  if (order == Order::same) return Verdict::too_close;
-  if (order == Order::larger) return Verdict::fails;
-  return fusion <= stays_share * gyro ? Verdict::holds : Verdict::holds_in_part;
+/// Of all seeds' networks; too close where seeds disagree.
+Verdict drift_verdict(const StudyView& view, double gyro) {
+  std::set<Verdict> verdicts;
+  for (const study::SettingSummary* summary : reference_seeds(view, true))
+    verdicts.insert(drift_verdict(fusion_drift(view, summary->seed), gyro));
+  return verdicts.size() == 1 ? *verdicts.begin() : Verdict::too_close;
 }
 
 std::string drift_text(const StudyView& view, Estimator estimator) {
@@ -49,7 +50,7 @@ Claim drift_claim(const StudyView& view) {
     claim.evidence = "no angle of both at " + view.reference_text();
     return claim;
   }
-  claim.verdict = drift_verdict(fusion.median_deg_per_min, gyro.median_deg_per_min, drift_factor(view));
+  claim.verdict = drift_verdict(view, gyro.median_deg_per_min);
   claim.evidence = fmt::format(
       "median |drift| over folds, deg/min: {}; {}; {}. It is said to hold where fusion drifts at most a "
       "tenth "

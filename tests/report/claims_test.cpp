@@ -88,7 +88,13 @@ TEST(Claims, JudgeDriftByTheGyros) {
   EXPECT_EQ(verdict_of(drift(-1.0, 60.0), "drift"), "holds");
   EXPECT_EQ(verdict_of(drift(30.0, 60.0), "drift"), "holds in part");
   EXPECT_EQ(verdict_of(drift(-80.0, 60.0), "drift"), "does not hold");
-  EXPECT_EQ(verdict_of(drift(60.0, 60.0), "drift"), "too close to tell");
+  EXPECT_EQ(verdict_of(drift(60.0, 60.0), "drift"), "does not hold");
+}
+
+TEST(Claims, OfDriftAreWithinTheSpreadOfSeedsWhereSeedsDisagree) {
+  EXPECT_EQ(
+      verdict_of({made_result({.seed = 1}), made_result({.seed = 2, .drift_deg_per_min = 70.0})}, "drift"),
+      "within the spread of seeds");
 }
 
 TEST(Claims, SeeACollapsedGate) {

@@ -28,7 +28,7 @@ TEST(EvaluationReport, ShowsAllFourEstimatorsOfAFusedModel) {
   EXPECT_THAT(text, HasSubstr("| thermal-only | 160 | 0.1000 | 63.2 |"));
   EXPECT_THAT(text, HasSubstr("| fusion | 160 | 0.0100 | 20.0 | 14.0 | 40.0 | 10 % | 0.10 |"));
   EXPECT_THAT(text, HasSubstr("| gyro-only | 160 | 0.0200 | 28.3 |"));
-  EXPECT_THAT(text, HasSubstr("| gyro, static bias removed | 160 | 0.0005 |"));
+  EXPECT_THAT(text, HasSubstr("| gyro, static bias removed | 160 | 0.00050 |"));
   EXPECT_THAT(text, HasSubstr("trained on SIMULATED data"));
   EXPECT_THAT(text, HasSubstr("0 % below 0.02, 0 % above 0.98: open."));
 }

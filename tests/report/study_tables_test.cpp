@@ -38,7 +38,7 @@ TEST(StudyTables, AlwaysHoldRowsOfTheGyro) {
   const std::string text = report::study_markdown(made_study());
   EXPECT_THAT(text,
               HasSubstr("| gyro-only (Nf = 3) | - | - | - | - | 0.0200 (28.3) | 0.0200 (28.3) | 0.0000 |"));
-  EXPECT_THAT(text, HasSubstr("| gyro, static bias removed (Nf = 3) | - | - | - | - | 0.0005 (4.5) |"));
+  EXPECT_THAT(text, HasSubstr("| gyro, static bias removed (Nf = 3) | - | - | - | - | 0.00050 (4.5) |"));
 }
 
 TEST(StudyTables, StateTheUnitAndThatThePapersIsAssumed) {

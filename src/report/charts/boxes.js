@@ -112,8 +112,8 @@ export function boxesOption(chart, theme) {
   const names = [...chart.boxes, ...chart.lines, ...chart.paper].map((series) => series.name);
   return {
     textStyle: textStyle(theme),
-    grid: { left: 66, right: 14, top: 14, bottom: 88 },
-    legend: legend(theme, names),
+    grid: { left: 66, right: 14, top: 14, bottom: 48 },
+    legend: legend(names),
     tooltip: tooltip(theme, { trigger: 'item' }),
     xAxis: axis(theme, chart.axis, {
       type: 'value', min: -0.5, max: chart.categories.length - 0.5, interval: 0.5, nameGap: 28,

@@ -1,30 +1,63 @@
 // SPDX-License-Identifier: MIT
-// One legend for many small charts of a kind.
+// Legends as part of the page: they wrap, print, and are buttons that hide and show what they name.
 
-function sample(stroke, colour) {
-  const picture = document.createElementNS('http://www.w3.org/2000/svg', 'svg');
-  picture.setAttribute('width', '34');
-  picture.setAttribute('height', '10');
-  picture.setAttribute('aria-hidden', 'true');
-  const line = document.createElementNS('http://www.w3.org/2000/svg', 'line');
-  const shape = { x1: 0, y1: 5, x2: 34, y2: 5, stroke: colour, 'stroke-width': stroke.width };
-  if (Array.isArray(stroke.type)) shape['stroke-dasharray'] = stroke.type.join(' ');
-  for (const [name, value] of Object.entries(shape)) line.setAttribute(name, String(value));
-  picture.append(line);
-  return picture;
+const svg = 'http://www.w3.org/2000/svg';
+
+function element(name, attributes) {
+  const made = document.createElementNS(svg, name);
+  for (const [key, value] of Object.entries(attributes)) made.setAttribute(key, String(value));
+  return made;
 }
 
-export function sharedLegend(group, data, theme) {
-  group.querySelector('.legend')?.remove();
-  const names = new Map();
-  for (const place of group.querySelectorAll('.chart'))
-    for (const line of data[Number(place.dataset.chart)].lines ?? []) names.set(line.key, line.name);
+function line(colour, stroke) {
+  const dashes = Array.isArray(stroke.type) ? { 'stroke-dasharray': stroke.type.join(' ') } : {};
+  return element('line', { x1: 0, y1: 6, x2: 34, y2: 6, stroke: colour, 'stroke-width': stroke.width, ...dashes });
+}
+
+function box(colour) {
+  return element('rect', { x: 8, y: 1, width: 18, height: 10, stroke: colour, fill: colour, 'fill-opacity': 0.5 });
+}
+
+function diamond(colour) {
+  return element('path', { d: 'M17 0L23 6L17 12L11 6Z', stroke: colour, 'stroke-width': 1.6, fill: 'none' });
+}
+
+/** What a chart shows, each with the picture that stands for it. */
+function entriesOf(chart, theme) {
+  const entries = [];
+  for (const part of [...(chart.boxes ?? []), ...(chart.bars ?? [])])
+    entries.push([part.name, box(theme.colourOf(part.key))]);
+  for (const part of chart.lines ?? [])
+    entries.push([part.name, line(theme.colourOf(part.key), theme.strokeOf(part.key))]);
+  for (const part of chart.paper ?? []) entries.push([part.name, diamond(theme.colourOf(part.key))]);
+  return entries;
+}
+
+function button(name, picture, toggle) {
+  const made = document.createElement('button');
+  const frame = element('svg', { width: 34, height: 12, 'aria-hidden': 'true' });
+  made.type = 'button';
+  made.setAttribute('aria-pressed', 'true');
+  made.title = 'Hide or show';
+  frame.append(picture);
+  made.append(frame, name);
+  made.addEventListener('click', () => {
+    made.setAttribute('aria-pressed', String(made.getAttribute('aria-pressed') !== 'true'));
+    toggle(name);
+  });
+  return made;
+}
+
+/** One legend before `place`, for all `charts`: pairs of a drawn chart and its description. */
+export function addLegend(place, charts, theme) {
+  if (place.previousElementSibling?.className === 'legend') place.previousElementSibling.remove();
+  const entries = new Map(charts.flatMap(([, described]) => entriesOf(described, theme)));
+  if (entries.size === 0) return;
+  const toggle = (name) => {
+    for (const [chart] of charts) chart.dispatchAction({ type: 'legendToggleSelect', name });
+  };
   const legend = document.createElement('div');
   legend.className = 'legend';
-  for (const [key, name] of names) {
-    const entry = document.createElement('span');
-    entry.append(sample(theme.strokeOf(key), theme.colourOf(key)), name);
-    legend.append(entry);
-  }
-  group.prepend(legend);
+  for (const [name, picture] of entries) legend.append(button(name, picture, toggle));
+  place.before(legend);
 }

@@ -7,7 +7,7 @@ import { SVGRenderer } from 'echarts/renderers';
 import { themeNow } from './theme.js';
 import { boxesOption } from './boxes.js';
 import { barsOption, histogramOption, linesOption } from './simple.js';
-import { sharedLegend } from './legend.js';
+import { addLegend } from './legend.js';
 
 echarts.use([BarChart, CustomChart, LineChart, ScatterChart, GridComponent, LegendComponent, MarkLineComponent,
   TooltipComponent, SVGRenderer]);
@@ -23,11 +23,14 @@ function draw() {
   drawn = places.map((place) => {
     const chart = echarts.init(place, null, { renderer: 'svg' });
     const described = data[Number(place.dataset.chart)];
-    const small = place.closest('.small') !== null;
-    chart.setOption({ animation: false, ...optionOf[described.kind](described, theme, small) });
+    chart.setOption({ animation: false, ...optionOf[described.kind](described, theme) });
+    if (place.closest('.small') === null) addLegend(place, [[chart, described]], theme);
     return chart;
   });
-  document.querySelectorAll('.charts.small').forEach((group) => sharedLegend(group, data, theme));
+  document.querySelectorAll('.small').forEach((group) => {
+    const inside = drawn.filter((chart) => group.contains(chart.getDom()));
+    addLegend(group, inside.map((chart) => [chart, data[Number(chart.getDom().dataset.chart)]]), theme);
+  });
 }
 
 function resize() {

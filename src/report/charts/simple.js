@@ -5,13 +5,13 @@ import { axis, legend, number, textStyle, tooltip } from './theme.js';
 const order = ['gyro', 'gyro_unbiased', 'thermal', 'fusion'];
 
 /** Lines over a common axis: angle errors, errors by speed, training curves. */
-export function linesOption(chart, theme, small) {
+export function linesOption(chart, theme) {
   const names = chart.lines.map((line) => line.name);
   const logarithmic = chart.log === true && chart.lines.every((line) => line.y.every((y) => y === null || y > 0));
   return {
     textStyle: textStyle(theme),
-    grid: { left: 66, right: 18, top: 14, bottom: small ? 44 : 76 },
-    legend: small ? undefined : legend(theme, names),
+    grid: { left: 66, right: 18, top: 14, bottom: 46 },
+    legend: legend(names),
     tooltip: tooltip(theme, { trigger: 'axis', valueFormatter: number }),
     xAxis: axis(theme, chart.x, { type: 'value', min: 'dataMin', max: 'dataMax', nameGap: 26,
       minInterval: chart.points === true ? 1 : 0,
@@ -65,8 +65,8 @@ export function histogramOption(chart, theme) {
 export function barsOption(chart, theme) {
   return {
     textStyle: textStyle(theme),
-    grid: { left: 66, right: 14, top: 24, bottom: 76 },
-    legend: legend(theme, chart.bars.map((bar) => bar.name)),
+    grid: { left: 66, right: 14, top: 24, bottom: 46 },
+    legend: legend(chart.bars.map((bar) => bar.name)),
     tooltip: tooltip(theme, { trigger: 'axis', valueFormatter: number }),
     xAxis: axis(theme, chart.x, { type: 'category', data: chart.categories, nameGap: 26,
       axisLabel: { color: theme.quiet } }),
