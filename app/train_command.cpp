@@ -85,10 +85,13 @@ class Run {
     return observer;
   }
 
-  /// In the run folder first: there it is safe whatever became of the place that was asked for.
+  /// In the run folder first: there it is safe, whatever became of the place that was asked for.
   void write(const model::Model& model) const {
-    require_free(options_.output, folder_.model_path());
+    const bool free = is_free(options_.output, folder_.model_path());
     model::write_model(folder_.model_path(), model);
+    if (!free)
+      throw Error(ExitCode::storage, "a file came into being there meanwhile, and is not overwritten",
+                  options_.output.string(), "take the model from " + folder_.model_path().string());
     model::write_model(options_.output, model);
   }
 

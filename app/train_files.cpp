@@ -29,11 +29,15 @@ fs::path run_folder_of(const TrainOptions& options) {
   return folder.replace_extension(".run");
 }
 
-void require_free(const fs::path& output, const fs::path& written) {
+bool is_free(const fs::path& output, const fs::path& written) {
   std::error_code hidden;
   if (fs::is_directory(output, hidden))
     throw Error(ExitCode::bad_usage, "is a folder", output.string(), "name a file: -o model.onnx");
-  if (!fs::exists(output, hidden) || same_bytes(output, written)) return;
+  return !fs::exists(output, hidden) || same_bytes(output, written);
+}
+
+void require_free(const fs::path& output, const fs::path& written) {
+  if (is_free(output, written)) return;
   throw Error(ExitCode::bad_usage, "there is a file already, and a model is never overwritten",
               output.string(), "another name with -o, or move that one away");
 }

@@ -59,7 +59,11 @@ std::string data_text(const TrainStart& start) {
   };
   for (const auto& [environment, row] : counts.environments) add(environment, row);
   if (counts.environments.size() > 1) add("all", counts.all);
-  return table.text();
+  std::string text = table.text();
+  if (!counts.without.empty())
+    text += fmt::format("no window of {} valid frames in a row: {}\n", start.config.shape.frames,
+                        printable(fmt::format("{}", fmt::join(counts.without, ", "))));
+  return text;
 }
 
 std::string fit_row(const char* name, double mse, const TrainingConfig& config) {
@@ -96,6 +100,7 @@ WindowCounts count_windows(const TrainStart& start) {
   for (const windows::Acquisition& acquisition : start.acquisitions) {
     const std::size_t windows =
         windows::find_windows({&acquisition, 1}, start.config.shape.frames, start.config.history).size();
+    if (windows == 0) counts.without.push_back(acquisition.name);
     for (WindowCounts::Row* row : {&counts.environments[acquisition.environment], &counts.all}) {
       ++row->acquisitions;
       row->frames += acquisition.frames();

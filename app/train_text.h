@@ -19,6 +19,7 @@ struct WindowCounts {
   };
   std::map<std::string, Row> environments;
   Row all;
+  std::vector<std::string> without;  // acquisitions that have no window
 };
 WindowCounts count_windows(const TrainStart& start);
 

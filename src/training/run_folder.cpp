@@ -1,13 +1,12 @@
 // SPDX-License-Identifier: MIT
 #include "thermorig/training/run_folder.h"
 
-#include <fstream>
 #include <nlohmann/json.hpp>
 
 #include "checkpoint_bytes.h"
 #include "run_json.h"
 #include "thermorig/core/error.h"
-#include "thermorig/training/whole_file.h"
+#include "thermorig/files/whole_file.h"
 
 namespace thermorig::training {
 
@@ -25,22 +24,10 @@ constexpr std::size_t description_bytes_max = 4U << 20U;
               "train anew, with another --run-folder and without --resume");
 }
 
-/// Nothing if it is longer than it may be.
-std::optional<std::string> read_whole(const fs::path& path, std::size_t bytes_max) {
-  std::ifstream file(path, std::ios::binary);
-  std::string bytes;
-  if (!file) return std::nullopt;
-  bytes.resize(bytes_max + 1);
-  file.read(bytes.data(), static_cast<std::streamsize>(bytes.size()));
-  bytes.resize(static_cast<std::size_t>(file.gcount()));
-  return bytes.size() > bytes_max ? std::nullopt : std::optional(bytes);
-}
-
 nlohmann::json read_description(const fs::path& folder) {
   const fs::path path = folder / description_name;
-  const auto text = read_whole(path, description_bytes_max);
-  const nlohmann::json found = text ? nlohmann::json::parse(*text, nullptr, false)
-                                    : nlohmann::json(nlohmann::json::value_t::discarded);
+  const auto text = files::read_whole(path, description_bytes_max, "the run's description");
+  nlohmann::json found = nlohmann::json::parse(text, nullptr, false);
   if (found.is_discarded()) refuse_damaged(path);
   return found;
 }
@@ -72,7 +59,7 @@ RunFolder RunFolder::create(const fs::path& path, const RunDescription& descript
                 "--resume to go on with it, another --run-folder, or remove it");
   make_folder(path);
   RunFolder folder(path, description.config);
-  write_whole(path / description_name, json_text(to_json(description), 2));
+  files::write_whole(path / description_name, json_text(to_json(description), 2), "the run's description");
   return folder;
 }
 
@@ -95,8 +82,8 @@ void RunFolder::read_checkpoint() {
   const fs::path path = path_ / checkpoint_name;
   std::error_code hidden;
   if (!fs::exists(path, hidden)) return;
-  const auto bytes = read_whole(path, checkpoint_bytes_max(config_));
-  if (bytes) checkpoint_ = checkpoint_from(*bytes, config_);
+  const auto bytes = files::read_whole(path, checkpoint_bytes_max(config_), "the checkpoint");
+  checkpoint_ = checkpoint_from({reinterpret_cast<const char*>(bytes.data()), bytes.size()}, config_);
   if (!checkpoint_) refuse_damaged(path);
   for (const EpochReport& report : checkpoint_->epochs) seconds_.push_back(report.seconds);
 }
@@ -109,8 +96,8 @@ void RunFolder::save(const Checkpoint& checkpoint, double seconds) {
   seconds_.resize(checkpoint.epochs.size(), seconds);
   Checkpoint timed = checkpoint;
   for (std::size_t i = 0; i < seconds_.size(); ++i) timed.epochs[i].seconds = seconds_[i];
-  write_whole(path_ / checkpoint_name, checkpoint_bytes(timed));
-  write_whole(path_ / metrics_name, metrics_text(timed, config_));
+  files::write_whole(path_ / checkpoint_name, checkpoint_bytes(timed), "the checkpoint");
+  files::write_whole(path_ / metrics_name, metrics_text(timed, config_), "the metrics");
 }
 
 }  // namespace thermorig::training

@@ -11,7 +11,6 @@
 #include <limits>
 
 #include "thermorig/core/error.h"
-#include "thermorig/training/whole_file.h"
 #include "trained.h"
 
 namespace thermorig::training {
