@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "thermorig/network/trainer.h"
 
+#include <algorithm>
 #include <cassert>
 #include <cmath>
 
@@ -70,14 +71,17 @@ StepLoss Trainer::Parts::forward_and_backward(const Batch& windows, const AdamSt
   return loss;
 }
 
+constexpr double least_rate = 1e-15;  // moves no weight, but can be divided by
+
 /// Kingma & Ba 2015, section 2: the corrections of both moments' bias in the rate.
 AdamStep Trainer::Parts::next_adam_step() const {
   const AdamConfig& adam = config.adam;
   const double step = static_cast<double>(steps + 1);
   const double first = 1.0 - std::pow(static_cast<double>(adam.beta1), step);
   const double second = std::sqrt(1.0 - std::pow(static_cast<double>(adam.beta2), step));
-  return {.twice_rate = static_cast<float>(2.0 * adam.rate * second / first),
-          .twice_epsilon = static_cast<float>(2.0 * adam.epsilon * second),
+  const double rate = std::max(adam.rate * second / first, least_rate);
+  return {.root_scale = static_cast<float>(0.25 / (rate * rate)),
+          .divisor_least = static_cast<float>(adam.epsilon * second / rate),
           .one_minus_beta1 = 1.0F - adam.beta1,
           .one_minus_beta2 = 1.0F - adam.beta2};
 }

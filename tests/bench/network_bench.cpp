@@ -91,7 +91,8 @@ class Step {
 
   BatchNetwork network_;
   BatchGradients gradients_;
-  AdamStep adam_{.twice_rate = 1e-6F, .twice_epsilon = 1e-8F, .one_minus_beta1 = 0.1F, .one_minus_beta2 = 0.001F};
+  AdamStep adam_{
+      .root_scale = 0.25e12F, .divisor_least = 1e-2F, .one_minus_beta1 = 0.1F, .one_minus_beta2 = 0.001F};
   std::array<std::vector<float>, max_batch> windows_;
   std::vector<const float*> frames_;
   std::vector<float> gyro_, label_;

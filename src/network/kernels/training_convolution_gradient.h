@@ -35,9 +35,7 @@ THERMORIG_TILE void add_band(const ConvolutionGradientJob& job, const GradientBa
   const float* const top = at(job.input, unit / taps, unit % taps, 0);
   const long next_row = job.input.row;
   Vector sums[outputs][taps];
-  THERMORIG_UNROLL
-  for (int o = 0; o < outputs; ++o) THERMORIG_UNROLL
-  for (int kx = 0; kx < taps; ++kx) sums[o][kx] = load(place + o * next_output + kx * lanes);
+  load_tile(sums, place, next_output, lanes);
 
   const float* gradient = band.gradient[0];
   int y = band.first % rows, v = band.first / rows * lanes;
@@ -73,9 +71,7 @@ THERMORIG_TILE void add_band(const ConvolutionGradientJob& job, const GradientBa
       v += lanes;
     }
   }
-  THERMORIG_UNROLL
-  for (int o = 0; o < outputs; ++o) THERMORIG_UNROLL
-  for (int kx = 0; kx < taps; ++kx) store(place + o * next_output + kx * lanes, sums[o][kx]);
+  store_tile(sums, place, next_output, lanes);
 }
 
 /// The gradient of output channels as it is; adds it to the sums of the biases.

@@ -13,59 +13,71 @@ namespace {
 constexpr int pair = 2 * lanes;  // tiles are two vectors wide
 constexpr int tile_rows = accumulators >= 20 ? 10 : 5;
 constexpr int blocks_together = 4;  // their inputs, 16 KiB, stay in the first cache
+constexpr int turns_together = 8;   // of a loop: of few turns, processors foresee the end
 
 void fetch(const float* at) {
   __builtin_prefetch(at, 0, 2);  // to the second cache
 }
 
-float* output_of(const DenseJob& job, int row) {
-  return job.output + (static_cast<long>(row / job.head_rows) * job.head_cells + row % job.head_rows) * cell;
+void fetch_near(const float* at) {
+  __builtin_prefetch(at, 0, 3);  // to the first
 }
 
-/// Adds the features of some blocks to `tile_rows` outputs, two vectors of samples.
-THERMORIG_TILE void add_blocks(const DenseJob& job, int row, int first_block, int last_block, int v) {
+/// Adds the features of some blocks to `tile_rows` outputs of a head, two vectors of samples; with the first
+/// of them begins with the bias, with the last ends with ReLU.
+THERMORIG_TILE void add_blocks(const DenseJob& job, int head, int head_row, int first_block, int last_block,
+                               int v) {
+  const int row = head * job.head_rows + head_row;
   const long block_size = static_cast<long>(job.heads) * job.head_rows * block;
-  float* const output = output_of(job, row) + v;
+  float* const output = job.output + (static_cast<long>(head) * job.head_cells + head_row) * cell + v;
   Vector sums[tile_rows][2];
-  THERMORIG_UNROLL
-  for (int r = 0; r < tile_rows; ++r) THERMORIG_UNROLL
-  for (int i = 0; i < 2; ++i) sums[r][i] = load(output + r * cell + i * lanes);
+  if (first_block == 0) {
+    const float* const bias = job.bias[head] + head_row;
+    THERMORIG_UNROLL
+    for (int r = 0; r < tile_rows; ++r) sums[r][0] = sums[r][1] = splat(bias[r]);
+  } else {
+    load_tile(sums, output, cell, lanes);
+  }
   for (int b = first_block; b < last_block; ++b) {
     const float* const weights = job.weights + b * block_size + static_cast<long>(row) * block;
     const float* const input = job.input + static_cast<long>(b) * block * cell + v;
     const float* const ahead = weights + blocks_together * block_size;
     THERMORIG_KEEP_LOOP
-    for (int k = 0; k < block; ++k) {
-      fetch(ahead + k * tile_rows);
-      const Vector in[2] = {load(input + k * cell), load(input + k * cell + lanes)};
+    for (int k = 0; k < block; k += turns_together) {
       THERMORIG_UNROLL
-      for (int r = 0; r < tile_rows; ++r) {
-        const Vector weight = splat(weights[r * block + k]);
-        sums[r][0] += weight * in[0];
-        sums[r][1] += weight * in[1];
+      for (int turn = k; turn < k + turns_together; ++turn) {
+        fetch(ahead + turn * tile_rows);
+        fetch_near(weights + block_size + turn * tile_rows);
+        const Vector in[2] = {load(input + turn * cell), load(input + turn * cell + lanes)};
+        THERMORIG_UNROLL
+        for (int r = 0; r < tile_rows; ++r) {
+          const Vector weight = splat(weights[r * block + turn]);
+          sums[r][0] += weight * in[0];
+          sums[r][1] += weight * in[1];
+        }
       }
     }
   }
-  THERMORIG_UNROLL
-  for (int r = 0; r < tile_rows; ++r) THERMORIG_UNROLL
-  for (int i = 0; i < 2; ++i) store(output + r * cell + i * lanes, sums[r][i]);
+  if (last_block == job.blocks) {
+    THERMORIG_UNROLL
+    for (int r = 0; r < tile_rows; ++r) {
+      sums[r][0] = relu(sums[r][0]);
+      sums[r][1] = relu(sums[r][1]);
+    }
+  }
+  store_tile(sums, output, cell, lanes);
 }
 
 }  // namespace
 
 /// (features) to (heads, head_rows), ReLU
 void dense(const DenseJob& job, int first_tile, int last_tile) {
-  const int first = first_tile * dense_tile, last = last_tile * dense_tile;
-  for (int row = first; row < last; ++row) {
-    const float bias = job.bias[row / job.head_rows][row % job.head_rows];
-    for (int v = 0; v < cell; v += lanes) store(output_of(job, row) + v, splat(bias));
-  }
-  for (int b = 0; b < job.blocks; b += blocks_together)
-    for (int row = first; row < last; row += tile_rows)
+  for (int b = 0; b < job.blocks; b += blocks_together) {
+    const int end = b + blocks_together < job.blocks ? b + blocks_together : job.blocks;
+    for (int row = first_tile * dense_tile; row < last_tile * dense_tile; row += tile_rows)
       for (int v = 0; v < cell; v += pair)
-        add_blocks(job, row, b, b + blocks_together < job.blocks ? b + blocks_together : job.blocks, v);
-  for (int row = first; row < last; ++row)
-    for (int v = 0; v < cell; v += lanes) store(output_of(job, row) + v, relu(load(output_of(job, row) + v)));
+        add_blocks(job, row / job.head_rows, row % job.head_rows, b, end, v);
+  }
 }
 
 namespace {
@@ -96,9 +108,7 @@ THERMORIG_TILE void input_gradient(const HeadBlock& part, float* input_gradients
   const float* next_moments = part.job.first_moment + ahead;
   float* const out = input_gradients + first * cell + v;
   Vector sums[features][2];
-  THERMORIG_UNROLL
-  for (int f = 0; f < features; ++f) THERMORIG_UNROLL
-  for (int i = 0; i < 2; ++i) sums[f][i] = load(out + f * cell + i * lanes);
+  load_tile(sums, out, cell, lanes);
   THERMORIG_KEEP_LOOP
   for (int row = 0; row < part.job.head_rows; ++row) {
     fetch(next_weights + row * step);
@@ -111,9 +121,7 @@ THERMORIG_TILE void input_gradient(const HeadBlock& part, float* input_gradients
       sums[f][1] += weight * of[1];
     }
   }
-  THERMORIG_UNROLL
-  for (int f = 0; f < features; ++f) THERMORIG_UNROLL
-  for (int i = 0; i < 2; ++i) store(out + f * cell + i * lanes, sums[f][i]);
+  store_tile(sums, out, cell, lanes);
 }
 
 template <int tile = 0>
@@ -134,14 +142,19 @@ THERMORIG_TILE void weight_gradient(const HeadBlock& part, int row, int k, const
   const float* const gradient = part.gradient + row * cell;
   Vector sums[tile_rows][2] = {};
   THERMORIG_KEEP_LOOP
-  for (int s = 0; s < cell; ++s) {
-    fetch(next + s * step);
-    const Vector in[2] = {load(samples + s * block + k), load(samples + s * block + k + lanes)};
+  for (int begin = 0; begin < cell; begin += turns_together) {
     THERMORIG_UNROLL
-    for (int r = 0; r < tile_rows; ++r) {
-      const Vector of = splat(gradient[r * cell + s]);
-      sums[r][0] += of * in[0];
-      sums[r][1] += of * in[1];
+    for (int s = begin; s < begin + turns_together; ++s) {
+      fetch(next + s * step);
+      fetch_near(job.first_moment + place + s * step);
+      fetch_near(job.second_moment + place + s * step);
+      const Vector in[2] = {load(samples + s * block + k), load(samples + s * block + k + lanes)};
+      THERMORIG_UNROLL
+      for (int r = 0; r < tile_rows; ++r) {
+        const Vector of = splat(gradient[r * cell + s]);
+        sums[r][0] += of * in[0];
+        sums[r][1] += of * in[1];
+      }
     }
   }
   THERMORIG_UNROLL

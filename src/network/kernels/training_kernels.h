@@ -64,11 +64,14 @@ struct ConvolutionGradientJob {
   float* bias_gradient;    // (outputs)
 };
 
-/// Kingma & Ba 2015, algorithm 1, with the corrections of both biases in two numbers: weight -= rate * first
-/// / (sqrt(second) + epsilon), rate = alpha * sqrt(1 - beta2^t) / (1 - beta1^t), epsilon = 1e-8 * sqrt(1 -
-/// beta2^t). Twice, because that spares the kernel an operation.
+/// Kingma & Ba 2015, algorithm 1, with the corrections of both biases in the rate and in epsilon: weight -=
+/// first /
+/// ((sqrt(second) + epsilon) / rate), rate = alpha * sqrt(1 - beta2^t) / (1 - beta1^t), epsilon = 1e-8 *
+/// sqrt(1 - beta2^t). The divisor is 2 * sqrt(root_scale * second) + divisor_least, which spares the kernels
+/// operations.
 struct AdamStep {
-  float twice_rate, twice_epsilon;
+  float root_scale;     // 1 / (2 * rate)^2
+  float divisor_least;  // epsilon / rate
   float one_minus_beta1, one_minus_beta2;
 };
 

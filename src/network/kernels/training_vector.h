@@ -41,6 +41,24 @@ static inline void store(float* at, Vector value) {
   *reinterpret_cast<Vector*>(at) = value;
 }
 
+template <int rows, int columns>
+static inline void load_tile(Vector (&tile)[rows][columns], const float* from, long row, long column) {
+  THERMORIG_UNROLL
+  for (int r = 0; r < rows; ++r) {
+    THERMORIG_UNROLL
+    for (int c = 0; c < columns; ++c) tile[r][c] = load(from + r * row + c * column);
+  }
+}
+
+template <int rows, int columns>
+static inline void store_tile(const Vector (&tile)[rows][columns], float* to, long row, long column) {
+  THERMORIG_UNROLL
+  for (int r = 0; r < rows; ++r) {
+    THERMORIG_UNROLL
+    for (int c = 0; c < columns; ++c) store(to + r * row + c * column, tile[r][c]);
+  }
+}
+
 static inline Vector splat(float value) {
   return value - Vector{};
 }
