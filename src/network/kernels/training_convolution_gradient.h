@@ -26,10 +26,39 @@ static inline float* sums_of(const ConvolutionGradientJob& job, int output, int 
   return job.sums + (static_cast<long>(output) * job.input_channels * taps + unit) * taps * lanes;
 }
 
+/// Adds a cell of the gradient. `in` are the inputs of the column before where there are registers for them.
+template <int outputs>
+static inline void add_column(Vector (&sums)[outputs][taps], [[maybe_unused]] Vector (&in)[taps],
+                              const float* gradient, const float* input) {
+  constexpr int next_output = GradientBand<outputs>::room * lanes;
+  if constexpr (accumulators == 24) {
+    THERMORIG_UNROLL
+    for (int kx = 1; kx < taps; ++kx) in[kx - 1] = in[kx];
+    in[taps - 1] = load(input + (taps - 1) * cell);
+    THERMORIG_UNROLL
+    for (int o = 0; o < outputs; ++o) {
+      const Vector of = load(gradient + o * next_output);
+      THERMORIG_UNROLL
+      for (int kx = 0; kx < taps; ++kx) sums[o][kx] += of * in[kx];
+    }
+  } else {
+    Vector of[outputs];
+    THERMORIG_UNROLL
+    for (int o = 0; o < outputs; ++o) of[o] = load(gradient + o * next_output);
+    asm("" : "+r"(input));  // hides that the column before had most of these already
+    THERMORIG_UNROLL
+    for (int kx = 0; kx < taps; ++kx) {
+      const Vector tap = load(input + kx * cell);
+      THERMORIG_UNROLL
+      for (int o = 0; o < outputs; ++o) sums[o][kx] += of[o] * tap;
+    }
+  }
+}
+
 /// Adds a band to the sums of `outputs` x 5 weights. A unit is an input channel and a row of taps.
 template <int outputs>
-THERMORIG_TILE void add_band(const ConvolutionGradientJob& job, const GradientBand<outputs>& band, int output,
-                             int unit, int rows, int columns) {
+THERMORIG_TILE static void add_band(const ConvolutionGradientJob& job, const GradientBand<outputs>& band,
+                                    int output, int unit, int rows, int columns) {
   float* const place = sums_of(job, output, unit);
   const long next_output = static_cast<long>(job.input_channels) * taps * taps * lanes;
   const float* const top = at(job.input, unit / taps, unit % taps, 0);
@@ -43,20 +72,11 @@ THERMORIG_TILE void add_band(const ConvolutionGradientJob& job, const GradientBa
     const float* input = top + y * next_row + v;
     Vector in[taps];  // of one column; the next column's are the same but for one
     THERMORIG_UNROLL
-    for (int kx = 1; kx < taps; ++kx, input += cell) in[kx] = load(input);
+    for (int kx = 1; kx < taps; ++kx) in[kx] = load(input + (kx - 1) * cell);
     const auto add_columns = [&](auto count) {
       THERMORIG_UNROLL
-      for (int x = 0; x < count.value; ++x) {
-        THERMORIG_UNROLL
-        for (int kx = 1; kx < taps; ++kx) in[kx - 1] = in[kx];
-        in[taps - 1] = load(input + x * cell);
-        THERMORIG_UNROLL
-        for (int o = 0; o < outputs; ++o) {
-          const Vector of = load(gradient + x * lanes + o * GradientBand<outputs>::room * lanes);
-          THERMORIG_UNROLL
-          for (int kx = 0; kx < taps; ++kx) sums[o][kx] += of * in[kx];
-        }
-      }
+      for (int x = 0; x < count.value; ++x)
+        add_column<outputs>(sums, in, gradient + x * lanes, input + x * cell);
       gradient += count.value * lanes;
       input += count.value * cell;
     };
