@@ -30,7 +30,7 @@ def train(binaries, sessions, folder):
     """Seconds that `thermorig train` takes on the sessions, reading them included."""
     begin = time.perf_counter()
     subprocess.run([binaries / "thermorig", "train", sessions, "--preset", "paper", "--threads", "1", "--output",
-                    folder / "model.onnx"], check=True, stdout=sys.stderr)
+                    folder / "trained.onnx"], check=True, stdout=sys.stderr)
     return time.perf_counter() - begin
 
 
