@@ -108,39 +108,53 @@ double median(std::vector<double> values) {
 
 constexpr std::size_t whole_step = ~std::size_t{0};
 
-/// One phase, or all, of many steps, each beside a burst of multiply-adds.
+/// How fast the multiply-add units are just now: operations per second.
+double peak_now(InstructionSet set) {
+  const double begin = processor_seconds();
+  const double operations = multiply_add_burst(set);
+  return operations / (processor_seconds() - begin);
+}
+
+/// Processor time of one phase, or of all. Only the chosen one lies between two looks at the clock.
+double time_of(const Step& step, std::size_t chosen) {
+  double begin = processor_seconds(), taken = 0.0;
+  for (std::size_t i = 0; i < step.phases().size(); ++i) {
+    if (i == chosen) begin = processor_seconds();
+    step.phases()[i].run();
+    if (i == chosen) taken = processor_seconds() - begin;
+  }
+  return chosen == whole_step ? processor_seconds() - begin : taken;
+}
+
+double work_of(const Step& step, std::size_t chosen) {
+  double multiply_adds = 0.0;
+  for (std::size_t i = 0; i < step.phases().size(); ++i)
+    if (chosen == whole_step || chosen == i) multiply_adds += step.phases()[i].multiply_adds;
+  return 2.0 * max_batch * multiply_adds;
+}
+
+/// Many steps, each between two bursts of multiply-adds; the median of the ratios, because a machine's clock
+/// changes from one moment to the next.
 void measure(benchmark::State& state, const Shape& shape, InstructionSet set, std::size_t chosen) {
   Step step(shape, set);
+  const double operations = work_of(step, chosen);
   const FlushDenormals flush;
-  double multiply_adds = 0.0;
-  std::vector<double> times, peaks;
+  std::vector<double> times, peaks, ratios;
+  double before = peak_now(set);
   for (auto _ : state) {
-    const double begin = processor_seconds();
-    const double operations = multiply_add_burst(set);
-    double last = processor_seconds();
-    peaks.push_back(operations / (last - begin));
-    double taken = 0.0;
-    multiply_adds = 0.0;
-    for (std::size_t i = 0; i < step.phases().size(); ++i) {
-      const Phase& phase = step.phases()[i];
-      phase.run();
-      if (chosen != whole_step && i + 1 != chosen && i != chosen) continue;
-      const double now = processor_seconds();
-      if (chosen == whole_step || i == chosen) {
-        taken += now - last;
-        multiply_adds += phase.multiply_adds;
-      }
-      last = now;
-    }
+    const double taken = time_of(step, chosen);
     state.SetIterationTime(taken);
+    const double after = peak_now(set);
     times.push_back(taken);
+    peaks.push_back(after);
+    ratios.push_back(operations / taken / (0.5 * (before + after)));
+    before = after;
   }
-  const double operations = 2.0 * max_batch * multiply_adds, peak = median(peaks);
   state.counters["median_us"] = 1e6 * median(times);
   state.counters["best_us"] = 1e6 * *std::min_element(times.begin(), times.end());
-  state.counters["peak_gflops"] = 1e-9 * peak;
+  state.counters["peak_gflops"] = 1e-9 * median(peaks);
   state.counters["gflops"] = 1e-9 * operations / median(times);
-  state.counters["of_peak"] = operations / median(times) / peak;
+  state.counters["of_peak"] = median(ratios);
 }
 
 void add_benchmarks(const Shape& shape, InstructionSet set) {
