@@ -26,6 +26,7 @@ static inline Vector inverse_estimate(Vector x) {
 /// Newton's brings each within a few units in the last place.
 static inline void adam_at(const AdamStep& step, Vector gradient, float* weights, float* first_moment,
                            float* second_moment) {
+  const Vector weight = load(weights);
   Vector first = load(first_moment), second = load(second_moment);
   first += step.one_minus_beta1 * (gradient - first);
   second += step.one_minus_beta2 * (gradient * gradient - second);
@@ -39,11 +40,11 @@ static inline void adam_at(const AdamStep& step, Vector gradient, float* weights
   const Vector root = scaled * inverse;
   const Vector divisor = root * (3.0F - root * inverse) + step.divisor_least;
   const Vector part = inverse_estimate(divisor);
-  store(weights, load(weights) - first * part * (2.0F - divisor * part));
+  store(weights, weight - first * part * (2.0F - divisor * part));
 #else
   Vector root;
   for (int i = 0; i < lanes; ++i) root[i] = __builtin_sqrtf(scaled[i]);
-  store(weights, load(weights) - first / (2.0F * root + step.divisor_least));
+  store(weights, weight - first / (2.0F * root + step.divisor_least));
 #endif
 }
 

@@ -183,9 +183,11 @@ void block_gradient(const DenseGradientJob& job, int b) {
       weight_gradients(part, samples,
                        [to = job.weight_gradient](long place, Vector sum) { store(to + place, sum); });
     else
-      weight_gradients(part, samples, [job](long place, Vector sum) {
-        adam_at(job.adam, sum, job.weights + place, job.first_moment + place, job.second_moment + place);
-      });
+      weight_gradients(part, samples,
+                       [weights = job.weights, first = job.first_moment, second = job.second_moment,
+                        adam = job.adam](long place, Vector sum) {
+                         adam_at(adam, sum, weights + place, first + place, second + place);
+                       });
   }
   for (int k = 0; k < block; ++k) {
     float* const out = job.input_gradient + job.place_of[b * block + k];
