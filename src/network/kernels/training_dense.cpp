@@ -12,7 +12,7 @@ namespace {
 
 constexpr int pair = 2 * lanes;  // tiles are two vectors wide
 constexpr int tile_rows = accumulators >= 20 ? 10 : 5;
-constexpr int blocks_together = 4;  // their inputs, 16 KiB, stay in the first cache
+constexpr int blocks_together = 6;  // their inputs, 24 KiB, stay in the first cache
 constexpr int turns_together = 8;   // of a loop: of few turns, processors foresee the end
 
 void fetch(const float* at) {
