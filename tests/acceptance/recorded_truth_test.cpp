@@ -149,7 +149,8 @@ TEST_F(RecordedTruth, ValidLabelsAreTheShaftsTrueMeanSpeed) {
     ++compared;
     EXPECT_NEAR(sample.rate_label_dps, truth.mean_rate_dps, 2.0 + 0.04 * std::abs(truth.mean_rate_dps))
         << sample.frame_index;
-    EXPECT_NEAR(std::abs(sample.rate_label_dps), 90.0, 0.02 * 90.0) << sample.frame_index;  // rule V0's own limit
+    EXPECT_NEAR(std::abs(sample.rate_label_dps), 90.0, 0.02 * 90.0)
+        << sample.frame_index;  // rule V0's own limit
   }
   EXPECT_GE(valid, 8U);
   EXPECT_GE(2 * compared, valid);
