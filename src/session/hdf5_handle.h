@@ -49,6 +49,15 @@ class Handle {
   hid_t id_ = -1;
 };
 
+/// Empties the thread's list of the library's errors when it goes: the texts of a thread that ends would stay
+/// in memory.
+struct ClearedErrors {
+  ClearedErrors() = default;
+  ClearedErrors(const ClearedErrors&) = delete;
+  ClearedErrors& operator=(const ClearedErrors&) = delete;
+  ~ClearedErrors() { H5Eclear2(H5E_DEFAULT); }
+};
+
 /// Settings of the library that every entry needs: no printing on stderr, no filter plug-ins from outside.
 inline void prepare_hdf5() {
   H5open();

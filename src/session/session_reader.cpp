@@ -232,6 +232,7 @@ template <typename Read>
 auto read_or_explain(const fs::path& path, Read read) {
   try {
     prepare_hdf5();
+    const ClearedErrors cleared;
     SessionFile file(path);
     return read(file);
   } catch (const Hdf5Failure& failure) {
