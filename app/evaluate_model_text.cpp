@@ -33,9 +33,10 @@ std::string facts_text(const std::string& name, const model::Model& model) {
                   shape.fusion ? "fusion" : "thermal-only", shape.frames, shape.reduction,
                   count_text(network::weight_count(shape)), count_text(network::multiply_adds(shape)));
   if (origin.training.empty()) return text + "trained on: not stated\n";
-  return text + fmt::format("trained on {} acquisitions, preset {}, seed {}, epoch {} of {}{}\n",
-                            origin.training.size(), printable(origin.preset), origin.seed, origin.epoch_kept,
-                            origin.epochs, simulated_text(origin.simulated));
+  return text + fmt::format("trained on {} acquisition{}, preset {}, seed {}, epoch {} of {}{}\n",
+                            origin.training.size(), origin.training.size() == 1 ? "" : "s",
+                            printable(origin.preset), origin.seed, origin.epoch_kept, origin.epochs,
+                            simulated_text(origin.simulated));
 }
 
 std::string tested_text(const ModelEvaluation& evaluated) {

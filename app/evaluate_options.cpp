@@ -81,6 +81,11 @@ void add_evaluate(CLI::App& root, EvaluateOptions& options) {
       ->type_name("DIR");
   command.add_flag("--json", options.json, "Print JSON on standard output, for programs");
   add_study_words(command, options);
+  command.footer(
+      "Examples:\n"
+      "  thermorig evaluate model.onnx recordings/garden -o report\n"
+      "  thermorig evaluate --study recordings -o study\n"
+      "  thermorig evaluate --draw study");
   command.callback([&options] { take_model(options); });
 }
 

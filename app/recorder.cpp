@@ -4,12 +4,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <atomic>
 #include <csignal>
 #include <memory>
 #include <nlohmann/json.hpp>
 
 #include "build_information.h"
+#include "interrupts.h"
 #include "output.h"
 #include "progress_output.h"
 #include "thermorig/io/host.h"
@@ -75,25 +75,14 @@ void announce(const rig::RecordingOptions& recording, bool json) {
   std::fflush(stdout);
 }
 
-std::atomic<bool> interrupted{false};
-
-/// The first Ctrl-C closes the recording; the second ends the program and leaves the journal.
-void watch_interrupts() {
-  struct sigaction action {};
-  action.sa_handler = [](int) { interrupted = true; };
-  action.sa_flags = SA_RESETHAND;
-  sigaction(SIGINT, &action, nullptr);
-  sigaction(SIGTERM, &action, nullptr);
-}
-
 rig::RecordingResult record_fast(const ChosenRig& rig, rig::RecordingOptions recording,
                                  ProgressOutput& output) {
-  watch_interrupts();
+  watch_interrupts();  // the first closes the recording; the second ends the program and leaves the journal
   VirtualBus bus(*rig.simulated);
   rig::VirtualOptions options;
   options.recording = std::move(recording);
   options.start = rig.simulated->start;
-  options.stop_requested = [] { return interrupted.load(); };
+  options.stop_requested = interrupted;
   options.progress = [&](const rig::RecordingProgress& progress) { output.show(progress); };
   return rig::record_virtual(bus, options);
 }

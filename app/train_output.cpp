@@ -81,7 +81,7 @@ nlohmann::json json_of(const training::Fit& fit, const TrainingConfig& config) {
   object["gain_mean"] = fit.gain_mean;
   object["gain_below_002"] = fit.gain_below_002;
   object["gain_above_098"] = fit.gain_above_098;
-  object["gate_collapsed"] = training::gate_collapsed(fit);
+  object["gate_collapsed"] = training::gate_collapsed(fit.gain_mean);
   return object;
 }
 

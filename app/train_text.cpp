@@ -149,7 +149,7 @@ std::vector<std::string> warnings_of(const TrainEnd& end) {
   std::vector<std::string> warnings;
   if (end.fits == nullptr) return warnings;
   const Fit& fit = judging(*end.fits);
-  if (end.config.shape.fusion && gate_collapsed(fit))
+  if (end.config.shape.fusion && training::gate_collapsed(fit.gain_mean))
     warnings.push_back(collapsed_text(fit) + "; try: --preset best, or --auxiliary-thermal 1");
   if (fit.gyro_mse < fit.network_mse)
     warnings.push_back(

@@ -8,7 +8,6 @@ namespace thermorig::calibration {
 
 namespace {
 
-constexpr auto coming_to_rest = std::chrono::seconds(1);
 constexpr auto part_length = std::chrono::seconds(2);
 constexpr std::size_t fewest_parts = 3;
 constexpr std::size_t fewest_samples = 20;  // of a part, and no less than half of what the fullest has
@@ -18,11 +17,6 @@ struct Part {
   double noise_dps = 0.0;
   std::size_t samples = 0;
 };
-
-bool stands_still(const ServoState& state) {
-  return state.rate_dps == 0.0 &&
-         (state.motion == ServoMotion::holding || state.motion == ServoMotion::disarmed);
-}
 
 /// Mean and standard deviation of the samples in `stretch`; `next` moves on behind them.
 Part part_of(std::span<const TimedGyro> gyro, const Stretch& stretch, std::size_t& next) {
@@ -46,7 +40,7 @@ Part part_of(std::span<const TimedGyro> gyro, const Stretch& stretch, std::size_
 std::vector<Part> parts_of(std::span<const TimedServo> servo, std::span<const TimedGyro> gyro) {
   std::vector<Part> parts;
   std::size_t next = 0, fullest = 0;
-  for (const Stretch& rest : servo_rests(servo, gyro))
+  for (const Stretch& rest : rests_of(servo, gyro))
     for (HostTime begin = rest.begin; begin + part_length <= rest.end && next < gyro.size();) {
       parts.push_back(part_of(gyro, {begin, begin + part_length}, next));
       begin += part_length;
@@ -93,18 +87,10 @@ double mean_of(std::span<const Part> parts) {
 
 }  // namespace
 
-std::vector<Stretch> servo_rests(std::span<const TimedServo> servo, std::span<const TimedGyro> gyro) {
-  std::vector<Stretch> rests;
-  if (servo.empty() && !gyro.empty()) rests.push_back({gyro.front().stamp.time, gyro.back().stamp.time});
-  bool resting = false;
-  for (const TimedServo& message : servo) {
-    const bool still = stands_still(message.state);
-    if (still && !resting) rests.push_back({message.stamp.time + coming_to_rest, message.stamp.time});
-    if (still) rests.back().end = message.stamp.time;
-    resting = still;
-  }
-  std::erase_if(rests, [](const Stretch& rest) { return rest.end <= rest.begin; });
-  return rests;
+std::vector<Stretch> rests_of(std::span<const TimedServo> servo, std::span<const TimedGyro> gyro) {
+  if (!servo.empty() || gyro.empty()) return session::servo_rests(servo);
+  const Stretch all{gyro.front().stamp.time, gyro.back().stamp.time};
+  return all.end > all.begin ? std::vector<Stretch>{all} : std::vector<Stretch>{};
 }
 
 std::optional<RestingGyro> resting_gyro(std::span<const TimedServo> servo, std::span<const TimedGyro> gyro) {

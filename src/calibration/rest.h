@@ -7,18 +7,15 @@
 
 #include "thermorig/core/estimate.h"
 #include "thermorig/core/sample.h"
-#include "thermorig/core/time.h"
+#include "thermorig/session/servo_rests.h"
 
 namespace thermorig::calibration {
 
-struct Stretch {
-  HostTime begin{};
-  HostTime end{};
-};
+using session::Stretch;
 
-/// Stretches in which the servo was told to stand still and had a second to come to rest. Where there is no
-/// telemetry at all, nothing drove: the whole time of the gyro.
-std::vector<Stretch> servo_rests(std::span<const TimedServo> servo, std::span<const TimedGyro> gyro);
+/// Stretches in which nothing turned the gyro: the servo's rests. Where there is no telemetry at all, nothing
+/// drove: the whole time of the gyro.
+std::vector<Stretch> rests_of(std::span<const TimedServo> servo, std::span<const TimedGyro> gyro);
 
 /// What the gyro shows while nothing turns it.
 struct RestingGyro {

@@ -70,7 +70,7 @@ Turn integrate(std::span<const TimedGyro> gyro, const Stretch& stretch, double b
 /// The longest motion while the servo stood still.
 std::optional<Turn> longest_turn(const session::Session& session, const RestingGyro& resting) {
   std::optional<Turn> longest;
-  for (const Stretch& rest : servo_rests(session.servo, session.gyro)) {
+  for (const Stretch& rest : rests_of(session.servo, session.gyro)) {
     const auto moving = moving_part(session.gyro, rest, resting);
     if (!moving) continue;
     const Turn turn = integrate(session.gyro, *moving, resting.bias_dps);

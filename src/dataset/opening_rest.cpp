@@ -4,42 +4,28 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <span>
 #include <vector>
+
+#include "thermorig/session/servo_rests.h"
 
 namespace thermorig::dataset {
 
 namespace {
 
-constexpr auto coming_to_rest = std::chrono::seconds(1);
+using session::Stretch;
 
-struct Stretch {
-  HostTime begin{};
-  HostTime end{};
-};
-
-bool stands_still(const ServoState& state) {
-  return state.leg == 0 && state.rate_dps == 0.0 &&
-         (state.motion == ServoMotion::holding || state.motion == ServoMotion::disarmed);
-}
-
-/// Stretches without motion before the first leg.
-std::vector<Stretch> rests_before_legs(const std::vector<TimedServo>& servo) {
-  std::vector<Stretch> rests;
-  bool resting = false;
-  for (const TimedServo& message : servo) {
-    if (message.state.leg != 0) break;
-    const bool still = stands_still(message.state);
-    if (still && !resting) rests.push_back({message.stamp.time + coming_to_rest, message.stamp.time});
-    if (still) rests.back().end = message.stamp.time;
-    resting = still;
-  }
-  return rests;
+/// Telemetry before the first leg.
+std::span<const TimedServo> before_legs(std::span<const TimedServo> servo) {
+  const auto first = std::find_if(servo.begin(), servo.end(),
+                                  [](const TimedServo& message) { return message.state.leg != 0; });
+  return servo.first(static_cast<std::size_t>(first - servo.begin()));
 }
 
 }  // namespace
 
 OpeningRest opening_rest_of(const session::Session& session) {
-  const std::vector<Stretch> rests = rests_before_legs(session.servo);
+  const std::vector<Stretch> rests = session::servo_rests(before_legs(session.servo));
   OpeningRest rest;
   double sum = 0.0;
   auto stretch = rests.begin();

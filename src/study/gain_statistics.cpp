@@ -7,12 +7,13 @@
 #include <numeric>
 #include <vector>
 
+#include "thermorig/training/fit.h"
+
 namespace thermorig::study {
 
 namespace {
 
 constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
-constexpr double low_gain = 0.02, high_gain = 0.98;
 
 GainStatistics no_gains() {
   GainStatistics statistics;
@@ -78,7 +79,7 @@ std::uint64_t GainStatistics::windows() const {
 }
 
 bool collapsed(const GainStatistics& gain) {
-  return gain.windows() > 0 && (gain.mean < low_gain || gain.mean > high_gain);
+  return gain.windows() > 0 && training::gate_collapsed(gain.mean);
 }
 
 GainStatistics gain_statistics(std::span<const training::WindowEstimate> estimates) {
@@ -89,8 +90,8 @@ GainStatistics gain_statistics(std::span<const training::WindowEstimate> estimat
   statistics.mean = mean_of(gains);
   statistics.deviation = deviation_of(gains, statistics.mean);
   statistics.median = quantile(gains, 0.5);
-  const auto low = std::lower_bound(gains.begin(), gains.end(), low_gain);
-  const auto high = std::upper_bound(gains.begin(), gains.end(), high_gain);
+  const auto low = std::lower_bound(gains.begin(), gains.end(), training::closed_gate);
+  const auto high = std::upper_bound(gains.begin(), gains.end(), training::open_gate);
   const double count = static_cast<double>(gains.size());
   statistics.below_002 = static_cast<double>(low - gains.begin()) / count;
   statistics.above_098 = static_cast<double>(gains.end() - high) / count;

@@ -61,6 +61,7 @@ Evaluation test(const model::Model& model, const Job& job, const Acquisition& ac
 void take_training(JobResult& result, const training::TrainingResult& training) {
   for (const training::EpochReport& epoch : training.epochs)
     result.training_mse.push_back(epoch.training_mse);
+  result.training_windows = training.windows;
   result.epoch_kept = training.model.provenance.epoch_kept;
   result.weights = network::weight_count(training.model.weights.shape);
   result.multiply_adds = network::multiply_adds(training.model.weights.shape);
@@ -80,7 +81,6 @@ std::optional<JobResult> run_job(const Job& job, std::span<const Acquisition> ac
   JobResult result;
   result.job = job;
   take_training(result, training);
-  result.training_windows = windows::find_windows(rest, job.frames, job.history).size();
   result.simulated = std::any_of(acquisitions.begin(), acquisitions.end(),
                                  [](const Acquisition& acquisition) { return acquisition.simulated; });
   result.instruction_set = network::name_of(network::best_instruction_set());

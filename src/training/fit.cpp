@@ -8,8 +8,6 @@ namespace thermorig::training {
 
 namespace {
 
-constexpr double closed_gate = 0.02, open_gate = 0.98;
-
 /// Square of the difference, normalised.
 double square(float estimate_dps, const WindowEstimate& window, double scale_dps) {
   const double error = (static_cast<double>(estimate_dps) - window.label_dps) / scale_dps;
@@ -44,10 +42,6 @@ Fits fits_of(const model::Model& model, const TrainingConfig& config,
   Fits fits{.training = fit_of(model, acquisitions, division.training)};
   if (!division.held_out.empty()) fits.held_out = fit_of(model, acquisitions, division.held_out);
   return fits;
-}
-
-bool gate_collapsed(const Fit& fit) {
-  return fit.gain_mean < closed_gate || fit.gain_mean > open_gate;
 }
 
 }  // namespace thermorig::training

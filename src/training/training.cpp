@@ -67,7 +67,7 @@ class Training {
 
   TrainingResult run() {
     while (done_.epoch < config_.epochs && !stopped_) run_epoch(done_.epoch + 1);
-    return {.model = model(), .epochs = done_.epochs, .stopped = stopped_};
+    return {.model = model(), .epochs = done_.epochs, .stopped = stopped_, .windows = training_.size()};
   }
 
  private:

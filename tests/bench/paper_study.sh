@@ -24,21 +24,12 @@ thermorig=${THERMORIG_BUILD:-build}/bin/thermorig
 [ -x "$thermorig" ] || { echo "build first: bash tests/run.sh (or set THERMORIG_BUILD)" >&2; exit 1; }
 thermorig=$(realpath "$thermorig")
 
-# The acquisitions of an environment are numbered in its folder, so they are recorded one after another; environments
-# side by side. FOLDER appears when all 18 are there.
+# FOLDER appears when all 18 are there.
 record() { # GYRO FOLDER
   [ -d "$2" ] && return
   echo "recording 18 acquisitions with a $1 gyro to $2"
   rm -rf "$2.part"
-  mkdir -p "$2.part"
-  printf '%s\n' laboratory:1:4 dining:5:8 kitchen:9:12 garden:13:18 | xargs -P "$(nproc)" -I{} sh -c '
-    thermorig=$1 gyro=$2 folder=$3
-    environment=${4%%:*} seeds=${4#*:}
-    for seed in $(seq "${seeds%:*}" "${seeds#*:}"); do
-      log="$folder/$environment-$seed.log"
-      "$thermorig" record --environment "$environment" --simulated="$seed" --fast --plan table-one \
-        --simulated-gyro "$gyro" --output "$folder" --json > "$log" 2>&1 || { cat "$log" >&2; exit 255; }
-    done' record "$thermorig" "$1" "$2.part" {}
+  bash tests/bench/table_one.sh --gyro "$1" --keep "$2.part"
   mv "$2.part" "$2"
 }
 

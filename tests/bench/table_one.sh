@@ -2,15 +2,16 @@
 # SPDX-License-Identifier: MIT
 # Records the paper's Table I from the simulated rig in virtual time: 18 acquisitions in 4 environments, one seed each,
 # plan `table-one`, on all cores. Prints frames by environment and the time that it took.
-# Usage: bash tests/bench/table_one.sh [--json] [--keep FOLDER]
+# Usage: bash tests/bench/table_one.sh [--json] [--keep FOLDER] [--gyro KIND]
 set -euo pipefail
 cd "$(dirname "$0")/../.."
-json=0 keep=
+json=0 keep= gyro=typical
 while [ $# -gt 0 ]; do
   case "$1" in
     --json) json=1 ;;
     --keep) keep=$2; shift ;;
-    *) echo "usage: table_one.sh [--json] [--keep FOLDER]" >&2; exit 2 ;;
+    --gyro) gyro=$2; shift ;;
+    *) echo "usage: table_one.sh [--json] [--keep FOLDER] [--gyro KIND]" >&2; exit 2 ;;
   esac
   shift
 done
@@ -18,23 +19,20 @@ thermorig=${THERMORIG_BUILD:-build}/bin/thermorig
 [ -x "$thermorig" ] || { echo "build first: bash tests/run.sh (or set THERMORIG_BUILD)" >&2; exit 1; }
 thermorig=$(realpath "$thermorig")
 folder=${keep:-$(mktemp -d)}
+mkdir -p "$folder"
 [ -n "$keep" ] || trap 'rm -rf "$folder"' EXIT
 
-# The acquisitions of one environment share a folder and so its numbering: one process an environment would leave
-# cores idle, so each records to a folder of its own.
-jobs() {
-  seed=1
-  for entry in laboratory:4 dining:4 kitchen:4 garden:6; do
-    for acquisition in $(seq "${entry#*:}"); do
-      echo "${entry%:*} $seed $acquisition"
-      seed=$((seed + 1))
-    done
-  done
-}
+# The acquisitions of an environment are numbered in its folder, so they are recorded one after another; environments
+# side by side.
 start=$(date +%s.%N)
-jobs | xargs -P "$(nproc)" -L 1 sh -c '"$0" record --environment "$2" --simulated="$3" --fast --plan table-one \
-  --output "$1/acquisition-$4" --json > "$1/$2-$4.log" 2>&1 || { cat "$1/$2-$4.log" >&2; exit 255; }' \
-  "$thermorig" "$folder"
+printf '%s\n' garden:13:18 laboratory:1:4 dining:5:8 kitchen:9:12 | xargs -P "$(nproc)" -I{} sh -c '
+  thermorig=$1 gyro=$2 folder=$3
+  environment=${4%%:*} seeds=${4#*:}
+  for seed in $(seq "${seeds%:*}" "${seeds#*:}"); do
+    log="$folder/$environment-$seed.log"
+    "$thermorig" record --environment "$environment" --simulated="$seed" --fast --plan table-one \
+      --simulated-gyro "$gyro" --output "$folder" --json > "$log" 2>&1 || { cat "$log" >&2; exit 255; }
+  done' record "$thermorig" "$gyro" "$folder" {}
 seconds=$(awk "BEGIN {print $(date +%s.%N) - $start}")
 
-"$thermorig" inspect --json "$folder"/acquisition-*/*/*.h5 | python3 "$(dirname "$0")/table_one.py" "$json" "$seconds"
+"$thermorig" inspect --json "$folder"/*/*.h5 | python3 "$(dirname "$0")/table_one.py" "$json" "$seconds"

@@ -281,9 +281,9 @@ TEST(Fits, ComparesTheNetworkWithTheGyroAlone) {
 }
 
 TEST(Fits, KnowsAGateThatHasCollapsed) {
-  EXPECT_TRUE(gate_collapsed({.gain_mean = 0.004}));
-  EXPECT_TRUE(gate_collapsed({.gain_mean = 0.991}));
-  EXPECT_FALSE(gate_collapsed({.gain_mean = 0.4}));
+  EXPECT_TRUE(gate_collapsed(0.004));
+  EXPECT_TRUE(gate_collapsed(0.991));
+  EXPECT_FALSE(gate_collapsed(0.4));
 }
 
 TEST(Preset, OfThePaperIsToTheLetter) {

@@ -28,7 +28,11 @@ struct Fits {
 Fits fits_of(const model::Model& model, const TrainingConfig& config,
              std::span<const windows::Acquisition> acquisitions);
 
-/// Does the gate of a fusion model give (almost) all to one side? Below 0.02 or above 0.98 in the mean.
-bool gate_collapsed(const Fit& fit);
+inline constexpr double closed_gate = 0.02, open_gate = 0.98;
+
+/// Does the gate of a fusion model give (almost) all to one side? Mean Kg below 0.02 or above 0.98.
+inline bool gate_collapsed(double gain_mean) {
+  return gain_mean < closed_gate || gain_mean > open_gate;
+}
 
 }  // namespace thermorig::training

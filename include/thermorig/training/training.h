@@ -69,7 +69,8 @@ struct Checkpoint {
 struct TrainingResult {
   model::Model model;
   std::vector<EpochReport> epochs;
-  bool stopped = false;  // before the last epoch
+  bool stopped = false;     // before the last epoch
+  std::size_t windows = 0;  // trained on, those that choose the epoch not among them
 };
 
 /// Watches a training; may be null functions.
