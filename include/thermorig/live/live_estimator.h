@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <memory>
+#include <optional>
+
+#include "thermorig/core/live_estimate.h"
+#include "thermorig/core/sample.h"
+#include "thermorig/model/model.h"
+
+namespace thermorig::live {
+
+/// Frame by frame: the window of the last Nf frames, its mean gyro and label, what the network says of it.
+/// Pure and deterministic: the same frames and samples give the same rows, bit for bit. After the first Nf
+/// frames no call allocates.
+///
+/// A window is complete when none of its frames but the first has lost frames or damaged bytes before it, and
+/// no pixel is out of range: then the network is asked, be the label valid or not. `counted` follows
+/// windows::WindowRule, as in training.
+class LiveEstimator {
+ public:
+  /// Without a model: gyro against label only, each frame its own window.
+  explicit LiveEstimator(const std::optional<model::Model>& model);
+  ~LiveEstimator();
+  LiveEstimator(LiveEstimator&&) noexcept;
+  LiveEstimator& operator=(LiveEstimator&&) noexcept;
+
+  /// A frame, its sample, and when the chunk arrived that completed them.
+  LiveEstimate add(const TimedFrame& frame, const LabelledSample& sample, HostTime arrived);
+
+ private:
+  struct Parts;
+  std::unique_ptr<Parts> parts_;
+};
+
+}  // namespace thermorig::live

@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <string>
+
+namespace thermorig::web {
+
+/// What a message is about, which says what new and slow clients get of it.
+enum class Topic : std::uint8_t {
+  hello,  // what runs: the newest is kept, and is the first that a client gets
+  state,  // sweep, health, disk: only the newest matters
+  frame,  // numbers of one frame: the last minute is kept, and sent to a new client
+  image,  // pixels of one frame: only the newest matters
+  event,  // something happened: the last 50 are kept
+  ended,  // the run is over: kept
+};
+
+enum class OrderKind : std::uint8_t { stop, mark, start };
+
+/// What the page asks for.
+struct Order {
+  OrderKind kind = OrderKind::stop;
+  std::string note;  // of a mark, at most 200 printable characters
+};
+
+/// docs/live_page.md says what is checked, in which order, and what the limits are.
+struct ServerOptions {
+  std::uint16_t port = 8650;                      // 0: any that is free
+  bool control = false;                           // may the page start motion?
+  std::filesystem::path state_file;               // port and token, mode 0600; empty: nothing is kept
+  bool new_token = false;                         // a new one even if the state file has one
+  std::size_t clients = 8;                        // open streams at a time
+  std::size_t queue_bytes = 1U << 20U;            // of one client
+  std::chrono::milliseconds header_time{10'000};  // until a request's headers are there
+  std::chrono::milliseconds token_time{5'000};    // until a stream has sent its token
+};
+
+/// `$XDG_STATE_HOME/thermorig/page.json` or `~/.local/state/thermorig/page.json`.
+std::filesystem::path default_state_file();
+
+/// Serves the page and the messages on loopback (127.0.0.1 and ::1) from a thread of its own. Whatever its
+/// clients do costs the caller nothing but the copy of a message.
+class Server {
+ public:
+  /// `ordered` is called on the server's thread. Throws Error(failed) if the port is in use (by whom, and
+  /// what to try), Error(storage) if the state file cannot be written.
+  Server(const ServerOptions& options, std::function<void(const Order&)> ordered);
+  ~Server();
+  Server(const Server&) = delete;
+  Server& operator=(const Server&) = delete;
+
+  std::uint16_t port() const;
+  std::string url() const;  // with the token in its fragment
+
+  /// Sends a JSON text to every client that has shown its token. From any thread; never blocks.
+  void publish(Topic topic, std::string message);
+
+  std::size_t clients() const;
+
+ private:
+  struct Parts;
+  std::unique_ptr<Parts> parts_;
+};
+
+}  // namespace thermorig::web
