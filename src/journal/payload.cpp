@@ -21,7 +21,7 @@ bool is_source(std::uint8_t source) {
 }
 
 bool is_kind(std::uint8_t kind) {
-  return kind <= static_cast<std::uint8_t>(EventKind::finished);
+  return kind <= static_cast<std::uint8_t>(last_event_kind);
 }
 
 }  // namespace

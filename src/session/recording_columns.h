@@ -35,9 +35,9 @@ void event_columns(Archive& archive, Rows& events) {
   archive.template column<std::uint8_t>(
       {"kind", "1", "kind of the event", "",
        flag_values({"info", "warning", "device_lost", "device_back", "leg_start", "leg_end", "leg_repeated",
-                    "servo_fault", "stopped", "finished"})},
+                    "servo_fault", "stopped", "finished", "mark", "missing", "gate"})},
       events, [](const auto& row) { return row.kind; },
-      [](auto& row, std::uint8_t value) { row.kind = checked_enum(value, EventKind::finished); });
+      [](auto& row, std::uint8_t value) { row.kind = checked_enum(value, last_event_kind); });
   archive.template column<std::uint8_t>(
       {"source",
        "1",

@@ -50,7 +50,11 @@ enum class EventKind : std::uint8_t {
   servo_fault = 7,
   stopped = 8,   // by Ctrl-C or a signal
   finished = 9,  // the plan is complete
+  mark = 10,     // by the operator: text of the note
+  missing = 11,  // a device is not there; the recording goes on with what is left
+  gate = 12,     // the network's gate has collapsed
 };
+inline constexpr EventKind last_event_kind = EventKind::gate;
 
 /// Something that happened during a recording, besides bytes.
 struct RecordingEvent {
