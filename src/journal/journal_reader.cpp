@@ -132,6 +132,15 @@ bool take_leg(Bytes payload, RawRecording& recording) {
   return leg.has_value();
 }
 
+/// Frames are told once, in their order.
+bool take_estimate(Bytes payload, RawRecording& recording) {
+  const auto row = decode_estimate(payload);
+  if (!row || (!recording.estimates.empty() && row->frame_index <= recording.estimates.back().frame_index))
+    return false;
+  recording.estimates.push_back(*row);
+  return true;
+}
+
 bool take_end(Bytes payload, RawRecording& recording) {
   const auto time = decode_time(payload);
   if (!time) return false;
@@ -152,6 +161,8 @@ bool take(const RecordFront& front, Bytes payload, RawRecording& recording) {
       return take_event(payload, recording);
     case RecordType::leg:
       return take_leg(payload, recording);
+    case RecordType::estimate:
+      return take_estimate(payload, recording);
     case RecordType::end:
       return take_end(payload, recording);
     case RecordType::header:

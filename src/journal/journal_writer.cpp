@@ -86,6 +86,10 @@ void JournalWriter::leg(const LegRecord& leg) {
   file_->append(RecordType::leg, 0, encode_leg(leg));
 }
 
+void JournalWriter::estimate(const LiveEstimate& row) {
+  file_->append(RecordType::estimate, 0, encode_estimate(row));
+}
+
 void JournalWriter::sync() {
   file_->file.sync();
 }

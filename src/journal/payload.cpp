@@ -83,4 +83,49 @@ std::optional<LegRecord> decode_leg(std::span<const std::uint8_t> payload) {
   return leg;
 }
 
+std::array<std::uint8_t, estimate_bytes> encode_estimate(const LiveEstimate& row) {
+  std::array<std::uint8_t, estimate_bytes> bytes{};
+  put_little_endian(&bytes[0], row.frame_index);
+  put_little_endian(&bytes[4], to_ns(row.time));
+  put_little_endian(&bytes[12], to_ns(row.exposure_begin));
+  put_little_endian(&bytes[20], to_ns(row.exposure_end));
+  put_little_endian(&bytes[28], to_ns(row.arrival));
+  put_little_endian(&bytes[36], std::bit_cast<std::uint32_t>(row.rate_commanded_dps));
+  put_little_endian(&bytes[40], std::bit_cast<std::uint32_t>(row.rate_gyro_dps));
+  put_little_endian(&bytes[44], std::bit_cast<std::uint32_t>(row.rate_thermal_dps));
+  put_little_endian(&bytes[48], std::bit_cast<std::uint32_t>(row.rate_fusion_dps));
+  put_little_endian(&bytes[52], std::bit_cast<std::uint32_t>(row.gain));
+  put_little_endian(&bytes[56], row.reason_bits);
+  put_little_endian(&bytes[60], row.run);
+  put_little_endian(&bytes[64], row.leg);
+  bytes[66] = row.counted ? 1 : 0;
+  return bytes;
+}
+
+std::optional<LiveEstimate> decode_estimate(std::span<const std::uint8_t> payload) {
+  if (payload.size() != estimate_bytes || payload[66] > 1) return std::nullopt;
+  const auto time = [&](std::size_t at) {
+    return host_time_ns(get_little_endian<std::int64_t>(&payload[at]));
+  };
+  const auto number = [&](std::size_t at) {
+    return std::bit_cast<float>(get_little_endian<std::uint32_t>(&payload[at]));
+  };
+  LiveEstimate row;
+  row.frame_index = get_little_endian<std::uint32_t>(&payload[0]);
+  row.time = time(4);
+  row.exposure_begin = time(12);
+  row.exposure_end = time(20);
+  row.arrival = time(28);
+  row.rate_commanded_dps = number(36);
+  row.rate_gyro_dps = number(40);
+  row.rate_thermal_dps = number(44);
+  row.rate_fusion_dps = number(48);
+  row.gain = number(52);
+  row.reason_bits = get_little_endian<std::uint32_t>(&payload[56]);
+  row.run = get_little_endian<std::uint32_t>(&payload[60]);
+  row.leg = get_little_endian<std::uint16_t>(&payload[64]);
+  row.counted = payload[66] == 1;
+  return row;
+}
+
 }  // namespace thermorig::journal

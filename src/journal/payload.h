@@ -24,4 +24,8 @@ std::optional<RecordingEvent> decode_event(std::span<const std::uint8_t> payload
 std::vector<std::uint8_t> encode_leg(const LegRecord& leg);
 std::optional<LegRecord> decode_leg(std::span<const std::uint8_t> payload);
 
+inline constexpr std::size_t estimate_bytes = 67;
+std::array<std::uint8_t, estimate_bytes> encode_estimate(const LiveEstimate& row);
+std::optional<LiveEstimate> decode_estimate(std::span<const std::uint8_t> payload);
+
 }  // namespace thermorig::journal

@@ -9,7 +9,15 @@
 namespace thermorig::journal {
 
 /// Types of records. They are stored in files: never renumber them.
-enum class RecordType : std::uint8_t { header = 1, received = 2, sent = 3, event = 4, leg = 5, end = 6 };
+enum class RecordType : std::uint8_t {
+  header = 1,
+  received = 2,
+  sent = 3,
+  event = 4,
+  leg = 5,
+  end = 6,
+  estimate = 7
+};
 
 /// The fixed front of every record, 32 bytes, little-endian; a CRC-32 of its first 28 bytes and of the
 /// payload stands in its last four. Table: docs/journal_format.md.

@@ -65,6 +65,11 @@ bool calibrations_are_sound(const RigProfile& rig) {
          rig.servo.scale_uncertainty >= 0;
 }
 
+/// Its label scale divides; its other numbers are only told.
+bool live_model_is_sound(const LiveModel& model) {
+  return is_within(model.label_scale_dps, 1e-3, 1e6) && model.frames >= 0 && model.reduction >= 0;
+}
+
 bool is_column(int column) {
   return column >= -1 && column <= text_columns_max;
 }
@@ -94,6 +99,7 @@ std::optional<std::string> problem_of(const RecordingHeader& header) {
   if (!calibrations_are_sound(header.profile))
     return "the profile holds a scale or a loop's bandwidth that is not positive, or a negative uncertainty";
   if (!gyro_is_sound(header.profile.gyro)) return "the gyro's axis, sign or columns are out of range";
+  if (!live_model_is_sound(header.live_model)) return "the live model's label scale or shape is out of range";
   return std::nullopt;
 }
 

@@ -157,10 +157,46 @@ void from_json(const nlohmann::json& in, ServoProfile& servo) {
 }
 
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(RigProfile, name, camera, gyro, servo)
-NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(RecordingHeader, uuid, environment, acquisition, title, start_time_utc,
-                                   time_reference, realtime_offset_ns, simulated, simulation_seed, simulation,
-                                   profile, profile_toml, plan_name, plan_toml, frames_per_leg, creator,
-                                   creator_git, host_name, kernel, firmware)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(LiveModel, name, hash, frames, reduction, fusion, simulated,
+                                   label_scale_dps)
+
+namespace {
+
+template <typename Keys, typename Header>
+void header_keys(const Keys& keys, Header& header) {
+  keys.required("uuid", header.uuid);
+  keys.required("environment", header.environment);
+  keys.required("acquisition", header.acquisition);
+  keys.required("title", header.title);
+  keys.required("start_time_utc", header.start_time_utc);
+  keys.required("time_reference", header.time_reference);
+  keys.required("realtime_offset_ns", header.realtime_offset_ns);
+  keys.required("simulated", header.simulated);
+  keys.required("simulation_seed", header.simulation_seed);
+  keys.required("simulation", header.simulation);
+  keys.required("profile", header.profile);
+  keys.required("profile_toml", header.profile_toml);
+  keys.required("plan_name", header.plan_name);
+  keys.required("plan_toml", header.plan_toml);
+  keys.required("frames_per_leg", header.frames_per_leg);
+  keys.required("creator", header.creator);
+  keys.required("creator_git", header.creator_git);
+  keys.required("host_name", header.host_name);
+  keys.required("kernel", header.kernel);
+  keys.required("firmware", header.firmware);
+}
+
+}  // namespace
+
+void to_json(nlohmann::json& out, const RecordingHeader& header) {
+  header_keys(Writer{out}, header);
+  if (!header.live_model.name.empty()) out["live_model"] = header.live_model;
+}
+void from_json(const nlohmann::json& in, RecordingHeader& header) {
+  const Reader keys{in};
+  header_keys(keys, header);
+  keys.later("live_model", header.live_model);
+}
 
 namespace recording_header {
 

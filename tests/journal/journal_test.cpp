@@ -9,10 +9,12 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <bit>
 #include <csignal>
 #include <fstream>
 #include <random>
 
+#include "../support/same_row.h"
 #include "thermorig/core/error.h"
 
 namespace thermorig::journal {
@@ -350,6 +352,67 @@ TEST_F(Journal, OtherFilesAreNotJournals) {
   EXPECT_THROW(read_journal(path("fifo")), Error);
   const SmallJournal small(path());
   EXPECT_TRUE(is_journal(path()));
+}
+
+LiveEstimate some_estimate(std::uint32_t index) {
+  const float unknown = std::bit_cast<float>(0x7FC01234U);  // a NaN with bits of its own
+  return {.frame_index = index,
+          .time = host_time_ns(1'000'000'001),
+          .exposure_begin = host_time_ns(-2),
+          .exposure_end = host_time_ns(3),
+          .arrival = host_time_ns(4'000'000'000'000),
+          .rate_commanded_dps = -40.1F,
+          .rate_gyro_dps = unknown,
+          .rate_thermal_dps = -0.0F,
+          .rate_fusion_dps = 1e-42F,
+          .gain = 0.25F,
+          .reason_bits = 0x1F0F1U,
+          .run = 4'000'000'000U,
+          .leg = 65535,
+          .counted = index % 2 == 1};
+}
+
+TEST_F(Journal, GivesBackTheRowsOfALiveRunBitForBit) {
+  JournalWriter writer(path(), some_header(), 0);
+  std::vector<LiveEstimate> rows;
+  for (const std::uint32_t index : {0U, 1U, 5U, 4'294'967'295U}) {
+    rows.push_back(some_estimate(index));
+    writer.estimate(rows.back());
+  }
+  writer.close(host_time_ns(9));
+  const auto contents = read_journal(path());
+  EXPECT_TRUE(contents.recording.complete);
+  EXPECT_TRUE(live::same_rows(contents.recording.estimates, rows));
+}
+
+TEST_F(Journal, ARowOutOfItsOrderEndsTheReading) {
+  for (const std::uint32_t second : {3U, 2U}) {
+    const fs::path file = path(second == 3U ? "twice.journal" : "back.journal");
+    JournalWriter writer(file, some_header(), 0);
+    writer.estimate(some_estimate(3));
+    writer.estimate(some_estimate(second));
+    writer.close(host_time_ns(9));
+    const auto contents = read_journal(file);
+    EXPECT_FALSE(contents.recording.complete);
+    EXPECT_EQ(contents.recording.estimates.size(), 1U);
+    EXPECT_GT(contents.bytes_ignored, 0U);
+  }
+}
+
+TEST_F(Journal, KeepsWhichNetworkRan) {
+  RecordingHeader header = some_header();
+  header.live_model = {"best.onnx", std::string(64, 'a'), 3, 2, true, true, 150.5};
+  JournalWriter(path(), header, 0).close(host_time_ns(9));
+  const LiveModel read = read_journal(path()).recording.header.live_model;
+  EXPECT_EQ(read.name, "best.onnx");
+  EXPECT_EQ(read.hash, std::string(64, 'a'));
+  EXPECT_EQ(read.frames, 3);
+  EXPECT_EQ(read.reduction, 2);
+  EXPECT_TRUE(read.fusion);
+  EXPECT_TRUE(read.simulated);
+  EXPECT_EQ(read.label_scale_dps, 150.5);
+  header.live_model.label_scale_dps = 0.0;
+  EXPECT_THROW(JournalWriter(path("two.journal"), header, 0), Error);
 }
 
 TEST_F(Journal, AHeaderThatCouldNotBeReadBackIsRefusedBeforeAnyFileIsMade) {

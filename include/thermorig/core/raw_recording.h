@@ -10,6 +10,7 @@
 
 #include "thermorig/core/chunk.h"
 #include "thermorig/core/device.h"
+#include "thermorig/core/live_estimate.h"
 #include "thermorig/core/profile.h"
 #include "thermorig/core/time.h"
 
@@ -37,6 +38,7 @@ struct RecordingHeader {
   std::string host_name;
   std::string kernel;
   std::string firmware;  // what the servo answered to hello, empty if unknown
+  LiveModel live_model;  // without a name: no network ran
 };
 
 enum class EventKind : std::uint8_t {
@@ -94,8 +96,9 @@ struct RawRecording {
   RawStream sent;  // host to servo
   std::vector<RecordingEvent> events;
   std::vector<LegRecord> legs;
-  bool complete = false;  // closed by the recorder, not cut short
-  HostTime end_time{};    // of the last record
+  std::vector<LiveEstimate> estimates;  // what a live run showed, frame indices ascending; else empty
+  bool complete = false;                // closed by the recorder, not cut short
+  HostTime end_time{};                  // of the last record
 };
 
 }  // namespace thermorig
