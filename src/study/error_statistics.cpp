@@ -7,6 +7,7 @@
 #include <map>
 
 #include "estimates.h"
+#include "thermorig/core/quantile.h"
 
 namespace thermorig::study {
 

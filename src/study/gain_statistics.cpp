@@ -7,6 +7,8 @@
 #include <numeric>
 #include <vector>
 
+#include "thermorig/core/quantile.h"
+#include "thermorig/network/gate.h"
 #include "thermorig/training/fit.h"
 
 namespace thermorig::study {
@@ -90,8 +92,8 @@ GainStatistics gain_statistics(std::span<const training::WindowEstimate> estimat
   statistics.mean = mean_of(gains);
   statistics.deviation = deviation_of(gains, statistics.mean);
   statistics.median = quantile(gains, 0.5);
-  const auto low = std::lower_bound(gains.begin(), gains.end(), training::closed_gate);
-  const auto high = std::upper_bound(gains.begin(), gains.end(), training::open_gate);
+  const auto low = std::lower_bound(gains.begin(), gains.end(), network::closed_gate);
+  const auto high = std::upper_bound(gains.begin(), gains.end(), network::open_gate);
   const double count = static_cast<double>(gains.size());
   statistics.below_002 = static_cast<double>(low - gains.begin()) / count;
   statistics.above_098 = static_cast<double>(gains.end() - high) / count;

@@ -19,8 +19,8 @@ void add(Fit& fit, const WindowEstimate& window, double scale_dps) {
   fit.thermal_mse += square(window.thermal_dps, window, scale_dps);
   fit.gyro_mse += square(window.gyro_dps, window, scale_dps);
   fit.gain_mean += window.gain;
-  if (window.gain < closed_gate) fit.gain_below_002 += 1.0;
-  if (window.gain > open_gate) fit.gain_above_098 += 1.0;
+  if (window.gain < network::closed_gate) fit.gain_below_002 += 1.0;
+  if (window.gain > network::open_gate) fit.gain_above_098 += 1.0;
 }
 
 Fit fit_of(const model::Model& model, std::span<const windows::Acquisition> acquisitions,

@@ -21,7 +21,7 @@ struct RateScores {
   std::uint64_t recent = 0;        // frames of the last minute
   double recent_median_mse = 0.0;  // median of the squared errors of the last minute
   double recent_iqr_mse = 0.0;     // and their interquartile range
-  double angle_error_deg = 0.0;    // integral of estimate minus label since the last reset
+  double angle_error_deg = 0.0;  // integral of estimate minus label since the last reset; NaN without frames
   double drift_deg_per_min = 0.0;  // angle_error_deg over the integrated time; NaN before the first second
 };
 
@@ -34,10 +34,13 @@ struct LiveScores {
   std::array<RateScores, rate_count> rates;
   std::array<std::uint64_t, 20> gain_histogram{};  // Kg of the counted frames, bins of 0.05
   double gain_mean = 0.0;                          // NaN without a fusion estimate
-  bool gate_collapsed = false;  // Kg stays below 0.02 or above 0.98: each of the last 64 counted frames
+  /// Kg stays below 0.02, or above 0.98: in each of the last 64 counted frames that have one.
+  bool gate_collapsed = false;
 };
 
-/// Follows a live run row by row. Memory is bounded: the last minute's errors and sums. The same rows give
+/// Follows a live run row by row. A counted window stands for the time since the frame before, if that is of
+/// the same run: so angles are integrated as study::AngleTrack does it. "Last minute" is by the rows' times.
+/// Memory is bounded: the last minute's errors and sums. The same rows give
 /// the same figures to the last digit, on the screen and from a file.
 class Scorer {
  public:

@@ -117,7 +117,4 @@ struct Spread {
 };
 Spread spread_of(std::vector<double> values);
 
-/// The value below which `share` (0..1) of the sorted values lie, interpolated the same way; NaN of none.
-double quantile(std::span<const double> sorted, double share);
-
 }  // namespace thermorig::study

@@ -5,6 +5,7 @@
 #include <optional>
 #include <span>
 
+#include "thermorig/network/gate.h"
 #include "thermorig/training/training.h"
 
 namespace thermorig::training {
@@ -28,11 +29,9 @@ struct Fits {
 Fits fits_of(const model::Model& model, const TrainingConfig& config,
              std::span<const windows::Acquisition> acquisitions);
 
-inline constexpr double closed_gate = 0.02, open_gate = 0.98;
-
 /// Does the gate of a fusion model give (almost) all to one side? Mean Kg below 0.02 or above 0.98.
 inline bool gate_collapsed(double gain_mean) {
-  return gain_mean < closed_gate || gain_mean > open_gate;
+  return gain_mean < network::closed_gate || gain_mean > network::open_gate;
 }
 
 }  // namespace thermorig::training

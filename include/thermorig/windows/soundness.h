@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <span>
+
 #include "thermorig/windows/acquisition.h"
 
 namespace thermorig::windows {
@@ -10,5 +12,10 @@ namespace thermorig::windows {
 /// no such frame valid, but a file may say anything. Thermal-only and fusion networks thus see the same
 /// windows, those for which both sensors have something to say.
 void clear_unsound_frames(Acquisition& acquisition);
+
+/// The same of one frame's numbers: a speed that is one, and within 10,000 deg/s; pixels within -60..400
+/// degC.
+bool is_sound_rate(float rate_dps);
+bool is_sound_image(std::span<const float> temp_c);
 
 }  // namespace thermorig::windows

@@ -1,0 +1,149 @@
+// SPDX-License-Identifier: MIT
+#include "thermorig/live/scores.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
+
+#include "recent_errors.h"
+#include "seconds_between.h"
+#include "thermorig/core/quantile.h"
+#include "thermorig/network/gate.h"
+
+namespace thermorig::live {
+
+namespace {
+
+constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
+constexpr double seconds_a_minute = 60.0;
+constexpr double drift_after_s = 1.0;
+constexpr std::uint64_t gate_patience = 64;  // counted frames
+
+std::array<float, rate_count> rates_of(const LiveEstimate& row) {
+  return {row.rate_thermal_dps, row.rate_gyro_dps, row.rate_fusion_dps};  // as enum Rate
+}
+
+/// Of one estimator.
+struct RateSums {
+  std::uint64_t frames = 0;
+  double squares = 0.0;  // (deg/s)^2
+  RecentErrors recent;   // normalised
+  double angle_deg = 0.0;
+  double integrated_s = 0.0;
+
+  void add(HostTime time, double error_dps, double step_s, double label_scale_dps) {
+    ++frames;
+    squares += error_dps * error_dps;
+    recent.add(time, error_dps * error_dps / (label_scale_dps * label_scale_dps));
+    angle_deg += error_dps * step_s;
+    integrated_s += step_s;
+  }
+
+  RateScores scores(double label_scale_dps) const;
+};
+
+RateScores RateSums::scores(double label_scale_dps) const {
+  const double mean_square = frames > 0 ? squares / static_cast<double>(frames) : unknown;
+  const std::vector<double>& sorted = recent.sorted();
+  return {.frames = frames,
+          .mse = mean_square / (label_scale_dps * label_scale_dps),
+          .rmse_dps = std::sqrt(mean_square),
+          .recent = sorted.size(),
+          .recent_median_mse = quantile(sorted, 0.5),
+          .recent_iqr_mse = quantile(sorted, 0.75) - quantile(sorted, 0.25),
+          .angle_error_deg = frames > 0 ? angle_deg : unknown,
+          .drift_deg_per_min =
+              integrated_s < drift_after_s ? unknown : seconds_a_minute * angle_deg / integrated_s};
+}
+
+/// Gains of the counted frames.
+struct GainSums {
+  std::array<std::uint64_t, 20> histogram{};
+  std::uint64_t frames = 0;
+  double sum = 0.0;
+  std::uint64_t closed = 0, open = 0;  // how many of the last in a row
+
+  void add(double gain) {
+    const auto bin = static_cast<std::size_t>(gain * static_cast<double>(histogram.size()));
+    ++histogram[std::min(bin, histogram.size() - 1)];
+    ++frames;
+    sum += gain;
+    closed = gain < network::closed_gate ? closed + 1 : 0;
+    open = gain > network::open_gate ? open + 1 : 0;
+  }
+
+  double mean() const { return frames > 0 ? sum / static_cast<double>(frames) : unknown; }
+  bool collapsed() const { return closed >= gate_patience || open >= gate_patience; }
+};
+
+/// The last row, as far as the next one's step needs it.
+struct Before {
+  std::uint32_t frame_index = 0;
+  std::uint32_t run = 0;
+  HostTime time{};
+};
+
+/// A counted window stands for the time since the frame before, if that is of the same run.
+double step_of(const std::optional<Before>& before, const LiveEstimate& row) {
+  if (!before || before->run != row.run || before->frame_index + 1 != row.frame_index) return 0.0;
+  return std::max(0.0, seconds_between(before->time, row.time));
+}
+
+}  // namespace
+
+struct Scorer::Parts {
+  double label_scale_dps;
+  std::uint64_t frames = 0, counted = 0;
+  double integrated_s = 0.0;
+  std::array<RateSums, rate_count> rates;
+  GainSums gains;
+  std::optional<Before> before;
+
+  void count(const LiveEstimate& row, double step_s);
+};
+
+void Scorer::Parts::count(const LiveEstimate& row, double step_s) {
+  ++counted;
+  integrated_s += step_s;
+  const auto estimates = rates_of(row);
+  for (std::size_t i = 0; i < rate_count; ++i) {
+    const double error_dps = static_cast<double>(estimates[i]) - static_cast<double>(row.rate_commanded_dps);
+    if (std::isfinite(error_dps)) rates[i].add(row.time, error_dps, step_s, label_scale_dps);
+  }
+  if (row.gain >= 0.0F && row.gain <= 1.0F) gains.add(row.gain);
+}
+
+Scorer::Scorer(double label_scale_dps) : parts_(std::make_unique<Parts>(Parts{label_scale_dps})) {}
+
+Scorer::~Scorer() = default;
+Scorer::Scorer(Scorer&&) noexcept = default;
+Scorer& Scorer::operator=(Scorer&&) noexcept = default;
+
+void Scorer::add(const LiveEstimate& row) {
+  Parts& parts = *parts_;
+  ++parts.frames;
+  for (RateSums& rate : parts.rates) rate.recent.forget_before(row.time);
+  if (row.counted) parts.count(row, step_of(parts.before, row));
+  parts.before = Before{row.frame_index, row.run, row.time};
+}
+
+void Scorer::reset_angle() {
+  parts_->integrated_s = 0.0;
+  for (RateSums& rate : parts_->rates) rate.angle_deg = rate.integrated_s = 0.0;
+}
+
+LiveScores Scorer::scores() const {
+  const Parts& parts = *parts_;
+  LiveScores scores{.frames = parts.frames,
+                    .counted = parts.counted,
+                    .apart = parts.frames - parts.counted,
+                    .integrated_s = parts.integrated_s,
+                    .gain_histogram = parts.gains.histogram,
+                    .gain_mean = parts.gains.mean(),
+                    .gate_collapsed = parts.gains.collapsed()};
+  for (std::size_t i = 0; i < rate_count; ++i) scores.rates[i] = parts.rates[i].scores(parts.label_scale_dps);
+  return scores;
+}
+
+}  // namespace thermorig::live
