@@ -23,6 +23,13 @@ std::ptrdiff_t count_short(const std::vector<SpeedQuota>& speeds) {
                        [](const SpeedQuota& speed) { return speed.is_short(); });
 }
 
+std::string names_of(const std::vector<Device>& devices) {
+  std::string names;
+  for (const Device device : devices)
+    names += (names.empty() ? "" : " and the ") + std::string(name_of(device));
+  return names;
+}
+
 void say_how_it_ended(RecordingResult& result, const Recording& recording) {
   if (recording.failure()) {
     result.exit = ExitCode::device_lost;
@@ -30,7 +37,13 @@ void say_how_it_ended(RecordingResult& result, const Recording& recording) {
     result.advice = recording.failure()->advice();
   } else if (recording.stopped()) {
     result.exit = ExitCode::interrupted;
-    result.message = "stopped on request; everything up to then is in the session";
+    result.message = recording.stopped_by().empty() ? "stopped on request"
+                                                    : "stopped on request of " + recording.stopped_by();
+    if (recording.keeps()) result.message += "; everything up to then is in the session";
+  } else if (!recording.gone().empty()) {
+    result.exit = ExitCode::finished_lossy;
+    result.message = "the plan was finished without the " + names_of(recording.gone());
+    result.advice = "check its cable and power; `thermorig ports` shows which port speaks";
   } else if (result.quality.verdict == "bad") {
     result.exit = ExitCode::finished_lossy;
     result.message = "the plan was finished, but its quality is bad";
@@ -39,8 +52,19 @@ void say_how_it_ended(RecordingResult& result, const Recording& recording) {
     result.exit = ExitCode::finished_lossy;
     result.message = fmt::format("the plan was finished, but {} of {} speeds have too few valid frames",
                                  wanting, result.speeds.size());
-    result.advice = "thermorig inspect " + result.session.string();
+    if (recording.keeps()) result.advice = "thermorig inspect " + result.session.string();
   }
+}
+
+RecordingResult conclude_unkept(Recording& recording, HostTime now) {
+  const RecordingProgress progress = recording.progress(now);
+  recording.close(now);
+  RecordingResult result;
+  result.state = session::State::partial;
+  result.speeds = progress.sweep.speeds;
+  result.duration_s = progress.elapsed_s;
+  say_how_it_ended(result, recording);
+  return result;
 }
 
 }  // namespace
@@ -51,6 +75,7 @@ RecordingResult conclude(Recording& recording, HostTime now) {
     recording.discard(now);
     throw failure;
   }
+  if (!recording.keeps()) return conclude_unkept(recording, now);
   const SessionFile file = recording.close(now);
   const session::Session session = finalise(file.journal, file.session);
   RecordingResult result;

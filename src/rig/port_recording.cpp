@@ -22,6 +22,7 @@ class PortSession {
 
  private:
   io::Loop::PortId open(Device device);
+  void open_ports();
   void tick(HostTime now);
   void signalled();
   void notice(const std::string& sentence) {
@@ -33,17 +34,31 @@ class PortSession {
   const PortOptions& options_;
   io::Loop loop_;
   std::optional<Recording> recording_;
-  PerDevice<io::Loop::PortId> ports_;
+  PerDevice<std::optional<io::Loop::PortId>> ports_;  // none: it is not there, and not needed
+  std::vector<std::pair<Device, Error>> missing_;
   HostTime next_progress_{};
   int signals_ = 0;
 };
 
 PortSession::PortSession(const PortOptions& options) : options_(options) {
   // Ports first: nothing is created on the disk for a rig that is not there.
-  for (const Device device : all_devices) ports_[device] = open(device);
+  open_ports();
   recording_.emplace(options.recording, io::now(), [this](std::span<const std::uint8_t> bytes) {
-    loop_.write(ports_[Device::servo], bytes);
+    loop_.write(*ports_[Device::servo], bytes);
   });
+  for (const auto& [device, error] : missing_) recording_->lost(device, error.what_happened(), io::now());
+}
+
+void PortSession::open_ports() {
+  for (const Device device : all_devices) {
+    const bool needed = device == Device::servo || options_.recording.needed[device];
+    try {
+      ports_[device] = open(device);
+    } catch (const Error& error) {
+      if (needed || error.code() != ExitCode::device_missing) throw;
+      missing_.emplace_back(device, error);
+    }
+  }
 }
 
 io::Loop::PortId PortSession::open(Device device) {
@@ -56,6 +71,8 @@ io::Loop::PortId PortSession::open(Device device) {
 }
 
 void PortSession::tick(HostTime now) {
+  if (options_.orders)
+    for (const Order& order : options_.orders()) recording_->carry_out(order, now);
   recording_->tick(now);
   if (options_.progress && now >= next_progress_) {
     options_.progress(recording_->progress(now));
@@ -66,7 +83,9 @@ void PortSession::tick(HostTime now) {
 
 void PortSession::signalled() {
   if (++signals_ == 1) {
-    notice("stopping the servo, then closing the file (Ctrl-C again leaves it for `thermorig recover`)");
+    notice(options_.recording.keep
+               ? "stopping the servo, then closing the file (Ctrl-C again leaves it for `thermorig recover`)"
+               : "stopping the servo");
     recording_->request_stop(io::now());
   }
 }
@@ -77,7 +96,7 @@ void PortSession::run_loop() {
   try {
     loop_.run();
   } catch (...) {  // e.g. the disk is full: the servo must not run on until its watchdog notices
-    loop_.write(ports_[Device::servo], wire::stop_bytes());
+    loop_.write(*ports_[Device::servo], wire::stop_bytes());
     loop_.every(last_words, [this](HostTime) { loop_.stop(); });
     loop_.run();
     throw;
@@ -90,18 +109,21 @@ RecordingResult PortSession::leave_journal() {
   result.duration_s = recording_->progress(now).elapsed_s;
   const SessionFile file = recording_->close(now);
   result.exit = ExitCode::interrupted;
-  result.message = "stopped twice; the recording was left as a journal";
+  result.message = "stopped twice";
+  result.state = session::State::partial;
+  if (!recording_->keeps()) return result;
+  result.message += "; the recording was left as a journal";
   result.advice = "thermorig recover " + file.journal.string();
   result.acquisition = file.acquisition;
   result.journal = file.journal;
-  result.state = session::State::partial;
   return result;
 }
 
 RecordingResult PortSession::run() {
   run_loop();
   if (options_.progress) options_.progress(recording_->progress(io::now()));
-  for (const Device device : all_devices) loop_.close(ports_[device]);
+  for (const Device device : all_devices)
+    if (ports_[device]) loop_.close(*ports_[device]);
   if (signals_ > 1) return leave_journal();
   return conclude(*recording_, io::now());
 }

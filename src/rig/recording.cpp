@@ -6,11 +6,10 @@
 #include <algorithm>
 #include <utility>
 
-#include "file_lock.h"
-#include "journal_sync.h"
+#include "kept_journal.h"
 #include "recording_start.h"
 #include "servo_link.h"
-#include "thermorig/journal/journal.h"
+#include "thermorig/pipeline/frame_pairs.h"
 #include "thermorig/pipeline/pipeline.h"
 
 namespace thermorig::rig {
@@ -34,12 +33,14 @@ struct Recording::Parts {
       : options(given),
         begin(now),
         send(std::move(send_to_servo)),
+        journal(options, now),
         pipeline(options.profile),
         commander(options.profile.servo),
         sweep(options.plan, options.profile.servo, options.profile.camera.output_rate_hz, commander) {}
 
-  void create_journal();
-  void take_streams(HostTime arrived);
+  void take(pipeline::Streams streams, const std::vector<LabelledSample>& samples, HostTime arrived);
+  void observe(std::vector<TimedFrame> frames, const std::vector<LabelledSample>& samples, HostTime arrived);
+  void take_streams(const pipeline::Streams& streams, HostTime arrived);
   void note_first_bytes(Device from, std::span<const std::uint8_t> bytes);
   void begin_when_ready(HostTime now);
   void check_devices(HostTime now);
@@ -48,8 +49,11 @@ struct Recording::Parts {
   void note_epoch(const ClockEpoch& epoch, HostTime now);
   void event(const RecordingEvent& event);
   void fail(const Error& error, HostTime now);
+  void lose(Device device, const Error& error, HostTime now);
   double patience_s(Device device) const;
+  Error silence(Device device, double silent_s) const;
   bool has_spoken(Device device) const { return meters[device].count() > 0; }
+  bool is_needed(Device device) const { return device == Device::servo || options.needed[device]; }
 
   /// Runs `step`; what the rig's devices refuse ends the recording, a disk that refuses is thrown on.
   template <typename Step>
@@ -65,54 +69,61 @@ struct Recording::Parts {
   RecordingOptions options;
   HostTime begin;
   SendToServo send;
+  KeptJournal journal;
   pipeline::Pipeline pipeline;
+  pipeline::FramePairs pairs;
   ServoCommander commander;
   SweepWalker sweep;
-  SessionFile file;
-  std::unique_ptr<journal::JournalWriter> journal;
-  std::unique_ptr<FileLock> journal_lock;  // tells `recover` that this one is being written
-  std::unique_ptr<JournalSync> sync;
   PerDevice<RateMeter> meters;
+  PerDevice<std::optional<float>> uncertainty_s;  // of the newest message's time
   std::uint64_t missing_frames = 0;
   PerDevice<std::vector<std::uint8_t>> first_bytes;
   std::vector<RecordingEvent> new_events;
   std::optional<LabelledSample> last_sample;
   std::optional<Error> failure;
+  PerDevice<bool> gone{};  // not there, not needed
   bool began = false;
+  bool may_start = false;
   bool greeting_noted = false;
   bool stopped = false;
+  std::string stopped_by;
   bool finish_noted = false;
   bool servo_gone = false;
 };
 
 Recording::Recording(const RecordingOptions& options, HostTime now, SendToServo send)
     : parts_(std::make_unique<Parts>(options, now, std::move(send))) {
-  parts_->create_journal();
+  parts_->may_start = !options.wait_for_start;
   parts_->sweep.greet();
 }
 
 Recording::~Recording() = default;
 
-void Recording::Parts::create_journal() {
-  RecordingHeader header = make_header(options, begin);
-  const FolderLock lock(options.output, options.environment);
-  file = lock.next(compact_utc(header.start_time_utc));
-  header.acquisition = file.acquisition;
-  journal = std::make_unique<journal::JournalWriter>(file.journal, header, expected_journal_bytes(options));
-  journal_lock = std::make_unique<FileLock>(file.journal, FileLock::Wait::yes);
-  if (options.sync_while_recording) sync = std::make_unique<JournalSync>(*journal);
-}
-
 // ---- bytes --------------------------------------------------------------------------------------------
 
 void Recording::received(Device from, std::span<const std::uint8_t> bytes, HostTime arrived) {
   Parts& parts = *parts_;
-  parts.journal->received(from, bytes, arrived);
+  parts.journal.received(from, bytes, arrived);
   if (!parts.has_spoken(from)) parts.note_first_bytes(from, bytes);
   const auto samples = parts.pipeline.feed(from, bytes, arrived);
-  if (!samples.empty()) parts.last_sample = samples.back();
-  parts.guarded(arrived, [&] { parts.take_streams(arrived); });
-  for (const LabelledSample& sample : samples) parts.sweep.sample(sample);
+  parts.take(parts.pipeline.take_streams(), samples, arrived);
+}
+
+// Who watches comes last: the servo's next command does not wait for a network.
+void Recording::Parts::take(pipeline::Streams streams, const std::vector<LabelledSample>& samples,
+                            HostTime arrived) {
+  if (!samples.empty()) last_sample = samples.back();
+  guarded(arrived, [&] { take_streams(streams, arrived); });
+  for (const LabelledSample& sample : samples) sweep.sample(sample);
+  if (options.observe) observe(std::move(streams.frames), samples, arrived);
+}
+
+void Recording::Parts::observe(std::vector<TimedFrame> frames, const std::vector<LabelledSample>& samples,
+                               HostTime arrived) {
+  pairs.add(std::move(frames));
+  pairs.add(samples);
+  for (const pipeline::FramePair& pair : pairs.take())
+    if (const auto row = options.observe(pair.frame, pair.sample, arrived)) journal.estimate(*row);
 }
 
 void Recording::Parts::note_first_bytes(Device from, std::span<const std::uint8_t> bytes) {
@@ -122,19 +133,23 @@ void Recording::Parts::note_first_bytes(Device from, std::span<const std::uint8_
   kept.insert(kept.end(), some.begin(), some.end());
 }
 
-void Recording::Parts::take_streams(HostTime arrived) {
-  const pipeline::Streams streams = pipeline.take_streams();
+void Recording::Parts::take_streams(const pipeline::Streams& streams, HostTime arrived) {
   for (const TimedFrame& frame : streams.frames) {
     meters[Device::camera].message(arrived);
+    uncertainty_s[Device::camera] = frame.stamp.uncertainty_s;
     missing_frames += frame.missing_before;
     sweep.frame(frame);
   }
-  for (std::size_t i = 0; i < streams.gyro.size(); ++i) meters[Device::gyro].message(arrived);
+  for (const TimedGyro& gyro : streams.gyro) {
+    meters[Device::gyro].message(arrived);
+    uncertainty_s[Device::gyro] = gyro.stamp.uncertainty_s;
+  }
   for (const wire::ServoMessage& message : streams.servo_answers) commander.answer(message, arrived);
   for (const TimedPong& pong : streams.pongs) commander.pong(pong);
   for (const ClockEpoch& epoch : streams.servo_epochs) note_epoch(epoch, arrived);
   for (const TimedServo& servo : streams.servo) {
     meters[Device::servo].message(arrived);
+    uncertainty_s[Device::servo] = servo.stamp.uncertainty_s;
     sweep.telemetry(servo);
   }
 }
@@ -148,7 +163,7 @@ void Recording::Parts::note_epoch(const ClockEpoch& epoch, HostTime now) {
 
 void Recording::tick(HostTime now) {
   Parts& parts = *parts_;
-  if (parts.sync) parts.sync->check();
+  parts.journal.check();
   if (done()) return;
   parts.guarded(now, [&] {
     parts.check_devices(now);
@@ -162,7 +177,7 @@ void Recording::Parts::drive(HostTime now) {
   sweep.tick(now);
   const std::vector<std::uint8_t> bytes = commander.poll(now);
   if (bytes.empty()) return;
-  journal->sent(bytes, now);
+  journal.sent(bytes, now);
   pipeline.sent(bytes, now);
   send(bytes);
 }
@@ -174,9 +189,9 @@ void Recording::Parts::begin_when_ready(HostTime now) {
     event({now, EventKind::info, Device::servo,
            fmt::format("firmware {} answered hello", commander.welcome()->firmware)});
   }
-  const bool all_speak =
-      std::all_of(all_devices.begin(), all_devices.end(), [&](Device d) { return has_spoken(d); });
-  if (!all_speak || !commander.greeted() || !commander.idle()) return;
+  const bool all_speak = std::all_of(all_devices.begin(), all_devices.end(),
+                                     [&](Device device) { return has_spoken(device) || gone[device]; });
+  if (!may_start || !all_speak || !commander.greeted() || !commander.idle()) return;
   began = true;
   sweep.start(now);
 }
@@ -189,26 +204,31 @@ double Recording::Parts::patience_s(Device device) const {
 void Recording::Parts::check_devices(HostTime now) {
   if (failure || stopped) return;
   for (const Device device : all_devices) {
+    if (gone[device] || failure) continue;
     const double silent_s = to_s(now - meters[device].last().value_or(begin));
     if (silent_s <= patience_s(device)) continue;
-    if (!has_spoken(device))
-      throw silent_device(device, options.profile, pipeline.counters(device), first_bytes[device]);
-    if (device == Device::servo) servo_gone = true;
-    throw Error(ExitCode::device_lost, fmt::format("nothing has come from it for {:.1f} s", silent_s),
-                fmt::format("{} ({})", name_of(device), options.profile.link(device).port),
-                "check cable and power, then record again");
+    if (device == Device::servo) servo_gone = has_spoken(device);
+    lose(device, silence(device, silent_s), now);
   }
+}
+
+Error Recording::Parts::silence(Device device, double silent_s) const {
+  if (!has_spoken(device))
+    return silent_device(device, options.profile, pipeline.counters(device), first_bytes[device]);
+  return {ExitCode::device_lost, fmt::format("nothing has come from it for {:.1f} s", silent_s),
+          fmt::format("{} ({})", name_of(device), options.profile.link(device).port),
+          "check cable and power, then record again"};
 }
 
 void Recording::Parts::drain_sweep(HostTime now) {
   for (const RecordingEvent& happened : sweep.take_events()) event(happened);
-  for (const LegRecord& leg : sweep.take_legs()) journal->leg(leg);
+  for (const LegRecord& leg : sweep.take_legs()) journal.leg(leg);
   if (sweep.done() && sweep.plan_complete() && !failure && !stopped && !std::exchange(finish_noted, true))
     event({now, EventKind::finished, std::nullopt, "the plan is complete"});
 }
 
 void Recording::Parts::event(const RecordingEvent& happened) {
-  journal->event(happened);
+  journal.event(happened);
   new_events.push_back(happened);
 }
 
@@ -225,21 +245,55 @@ void Recording::Parts::fail(const Error& error, HostTime now) {
   if (!servo_gone) sweep.request_stop(now);
 }
 
+/// A device is not there, or no more: the end, or an event where the recording can do without it.
+void Recording::Parts::lose(Device device, const Error& error, HostTime now) {
+  if (is_needed(device)) return fail(error, now);
+  if (std::exchange(gone[device], true)) return;
+  event({now, EventKind::missing, device,
+         fmt::format("{}: {}; going on without it", error.where(), error.what_happened())});
+}
+
 void Recording::lost(Device device, const std::string& why, HostTime now) {
   Parts& parts = *parts_;
   if (device == Device::servo) parts.servo_gone = true;
-  parts.fail(Error(ExitCode::device_lost, why,
+  parts.lose(device,
+             Error(ExitCode::device_lost, why,
                    fmt::format("{} ({})", name_of(device), parts.options.profile.link(device).port),
                    "check cable and power, then record again"),
              now);
 }
 
-void Recording::request_stop(HostTime now) {
+void Recording::request_stop(HostTime now, const std::string& who) {
   Parts& parts = *parts_;
   if (parts.stopped || done()) return;
   parts.stopped = true;
-  parts.event({now, EventKind::stopped, std::nullopt, "stopped on request"});
+  parts.stopped_by = who;
+  parts.event({now, EventKind::stopped, std::nullopt,
+               who.empty() ? "stopped on request" : "stopped on request of " + who});
   parts.sweep.request_stop(now);
+}
+
+void Recording::mark(const std::string& note, HostTime now) {
+  parts_->event({now, EventKind::mark, std::nullopt, note});
+}
+
+void Recording::allow_start(HostTime now) {
+  Parts& parts = *parts_;
+  if (std::exchange(parts.may_start, true)) return;
+  parts.event({now, EventKind::info, std::nullopt, "the start was allowed"});
+}
+
+void Recording::carry_out(const Order& order, HostTime now) {
+  switch (order.kind) {
+    case OrderKind::stop:
+      return request_stop(now, order.note);
+    case OrderKind::mark:
+      return mark(order.note, now);
+    case OrderKind::start:
+      return allow_start(now);
+    case OrderKind::gate:
+      return parts_->event({now, EventKind::gate, std::nullopt, order.note});
+  }
 }
 
 bool Recording::done() const {
@@ -258,8 +312,23 @@ bool Recording::sweep_began() const {
   return parts_->began;
 }
 
+const std::string& Recording::stopped_by() const {
+  return parts_->stopped_by;
+}
+
+bool Recording::keeps() const {
+  return parts_->options.keep;
+}
+
+std::vector<Device> Recording::gone() const {
+  std::vector<Device> gone;
+  for (const Device device : all_devices)
+    if (parts_->gone[device]) gone.push_back(device);
+  return gone;
+}
+
 const SessionFile& Recording::file() const {
-  return parts_->file;
+  return parts_->journal.file();
 }
 
 const SweepPlan& Recording::plan() const {
@@ -272,28 +341,35 @@ RecordingProgress Recording::progress(HostTime now) {
   progress.time = now;
   progress.elapsed_s = to_s(now - parts.begin);
   progress.sweep = parts.sweep.progress(now);
-  for (const Device device : all_devices)
+  for (const Device device : all_devices) {
     progress.health[device] = parts.meters[device].health(now, parts.pipeline.counters(device));
+    progress.health[device].expected_hz = nominal_rate_hz(parts.options.profile, device);
+    progress.health[device].uncertainty_s = parts.uncertainty_s[device];
+  }
   progress.health[Device::camera].lost += parts.missing_frames;
   progress.events = std::exchange(parts.new_events, {});
   progress.last_sample = parts.last_sample;
+  progress.gone = parts.gone;
+  progress.kept_bytes = parts.journal.bytes();
+  progress.stopping = parts.stopped || parts.failure.has_value();
   return progress;
 }
 
 SessionFile Recording::close(HostTime now) {
   Parts& parts = *parts_;
+  const auto samples = parts.pipeline.finish();
+  if (parts.options.observe) parts.observe(parts.pipeline.take_streams().frames, samples, now);
   parts.drain_sweep(now);
-  parts.sync.reset();
-  parts.journal->close(now);
-  parts.journal_lock.reset();
-  return parts.file;
+  parts.journal.close(now);
+  return file();
 }
 
 void Recording::discard(HostTime now) {
   close(now);
-  std::filesystem::remove(parts_->file.journal);
+  if (!keeps()) return;
+  std::filesystem::remove(file().journal);
   std::error_code in_use;  // by another recording: then the folder stays
-  for (const auto& folder : parts_->file.made_folders) std::filesystem::remove(folder, in_use);
+  for (const auto& folder : file().made_folders) std::filesystem::remove(folder, in_use);
 }
 
 }  // namespace thermorig::rig

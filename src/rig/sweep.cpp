@@ -42,6 +42,10 @@ SweepWalker::SweepWalker(const SweepPlan& plan, const ServoProfile& servo, doubl
       expected_(expected_legs(plan, servo, nominal_frame_rate_hz)),
       driven_frames_(plan.leg_rates_dps.size(), 0),
       given_up_(plan.leg_rates_dps.size(), false) {
+  fill_steps();
+}
+
+void SweepWalker::fill_steps() {
   for (std::size_t i = 0; i < plan_.leg_rates_dps.size(); ++i) to_drive_.push_back({.index = i});
 }
 
@@ -130,6 +134,7 @@ void SweepWalker::tick_greeting(HostTime now) {
 }
 
 void SweepWalker::next_leg(HostTime now) {
+  if (to_drive_.empty() && plan_.repeat) fill_steps();
   if (to_drive_.empty()) {
     commander_.halt();
     return enter(SweepPhase::closing_rest, now);

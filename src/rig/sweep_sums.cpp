@@ -64,6 +64,12 @@ bool SweepWalker::servo_is_disarmed() const {
   return last_telemetry_ && last_telemetry_->state.motion == ServoMotion::disarmed;
 }
 
+std::optional<double> SweepWalker::next_rate_dps() const {
+  const std::size_t next = phase_ == SweepPhase::leg ? 1 : 0;
+  if (to_drive_.size() <= next) return std::nullopt;
+  return plan_.leg_rates_dps[to_drive_[next].index];
+}
+
 SweepProgress SweepWalker::progress(HostTime now) const {
   SweepProgress progress;
   progress.phase = phase_;
@@ -72,6 +78,7 @@ SweepProgress SweepWalker::progress(HostTime now) const {
   if (phase_ == SweepPhase::waiting || phase_ == SweepPhase::greeting || phase_ == SweepPhase::opening_rest)
     progress.leg = 0;
   progress.rate_dps = phase_ == SweepPhase::leg ? rate_dps() : 0.0;
+  progress.next_rate_dps = next_rate_dps();
   progress.frames = phase_ == SweepPhase::leg ? leg_.record().frames : 0;
   progress.frames_per_leg = plan_.frames_per_leg;
   progress.repeated = repeated_;

@@ -35,6 +35,8 @@ RecordingResult record_virtual(DeviceBus& bus, const VirtualOptions& options) {
     now += steps.next();
     for (const Chunk& chunk : bus.advance(now)) recording.received(chunk.device, chunk.bytes, chunk.arrived);
     if (options.stop_requested && options.stop_requested()) recording.request_stop(now);
+    if (options.orders)
+      for (const Order& order : options.orders()) recording.carry_out(order, now);
     recording.tick(now);
     if (!options.progress || now < next_progress) continue;
     options.progress(recording.progress(now));

@@ -19,6 +19,8 @@ struct DeviceHealth {
   std::uint64_t lost = 0;       // missing by sequence number, or by a gap in time (camera)
   std::uint64_t bad = 0;        // failed their check, or had a wrong length or value
   std::uint64_t skipped_bytes = 0;
+  double expected_hz = 0.0;            // nominal
+  std::optional<float> uncertainty_s;  // of the newest message's time, one standard deviation
 };
 
 /// Counts the messages of one device over windows of one second.

@@ -16,6 +16,7 @@ struct SweepPlan {
   std::vector<double> leg_rates_dps;  // signed, in driving order
   int frames_per_leg = 57;            // camera frames from a leg's first to its last, flagged ones included
   int valid_per_leg = 0;              // valid frames that each leg must bring; 0: whatever its frames give
+  bool repeat = false;                // begins again after its last leg, until it is stopped
   bool for_calibration = false;       // legs may be too short for a valid frame, and there may be none
   double opening_rest_s = 10.0;
   double closing_rest_s = 10.0;

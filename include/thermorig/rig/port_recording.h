@@ -7,8 +7,9 @@
 namespace thermorig::rig {
 
 struct PortOptions {
-  RecordingOptions recording;  // profile: a port for every device
-  ProgressHandler progress;    // called on the recording's thread; may be empty
+  RecordingOptions recording;                  // profile: a port for every device
+  std::function<std::vector<Order>()> orders;  // asked each tick (10 ms); may be empty
+  ProgressHandler progress;                    // called on the recording's thread; may be empty
   HostDuration progress_period = std::chrono::milliseconds(250);
   std::function<void(const std::string&)>
       notice;  // one-line remarks ("stopping the servo ..."); may be empty

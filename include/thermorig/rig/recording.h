@@ -11,11 +11,13 @@
 #include <vector>
 
 #include "thermorig/core/error.h"
+#include "thermorig/core/live_estimate.h"
 #include "thermorig/core/profile.h"
 #include "thermorig/core/raw_recording.h"
 #include "thermorig/core/sample.h"
 #include "thermorig/core/time.h"
 #include "thermorig/rig/health.h"
+#include "thermorig/rig/order.h"
 #include "thermorig/rig/plan.h"
 #include "thermorig/rig/quota.h"
 #include "thermorig/rig/session_file.h"
@@ -23,6 +25,11 @@
 #include "thermorig/session/session.h"
 
 namespace thermorig::rig {
+
+/// Told of each frame and its sample, in order; `arrived`: of the chunk that completed the two. What it
+/// returns is kept with the recording.
+using FrameObserver = std::function<std::optional<LiveEstimate>(
+    const TimedFrame& frame, const LabelledSample& sample, HostTime arrived)>;
 
 /// What a recording is made of and where it goes.
 struct RecordingOptions {
@@ -39,6 +46,11 @@ struct RecordingOptions {
   double start_patience_s = 6.0;     // each device must have sent a good message by then
   bool sync_while_recording = true;  // false: one sync at the end
   bool virtual_time = false;         // times are the simulator's: the start is dated with the wall's clock
+  bool keep = true;                  // false: no folder, no journal, no session, nothing on the disk
+  bool wait_for_start = false;       // nothing moves before allow_start()
+  PerDevice<bool> needed{{true, true, true}};  // without one that is not, it goes on; the servo always is
+  FrameObserver observe;                       // may be empty
+  LiveModel live_model;                        // of the network that `observe` asks
 };
 
 /// Everything the live display shows.
@@ -49,6 +61,9 @@ struct RecordingProgress {
   PerDevice<DeviceHealth> health;
   std::vector<RecordingEvent> events;  // since the last progress
   std::optional<LabelledSample> last_sample;
+  PerDevice<bool> gone{};        // not there, and not needed
+  std::uint64_t kept_bytes = 0;  // of the journal; 0 if nothing is kept
+  bool stopping = false;
 };
 
 /// How a recording ended. `session` is there whenever bytes could be kept.
@@ -89,16 +104,23 @@ class Recording {
   /// Moves everything on; bytes for the servo go out through the callback. Every 10 ms or so.
   void tick(HostTime now);
 
-  /// Ctrl-C: stops the servo, then done().
-  void request_stop(HostTime now);
+  /// Ctrl-C: stops the servo, then done(). `who` asked for it, for the log: "the page".
+  void request_stop(HostTime now, const std::string& who = {});
+
+  void mark(const std::string& note, HostTime now);
+  void allow_start(HostTime now);
+  void carry_out(const Order& order, HostTime now);
 
   /// The servo is at rest, or gone: nothing more will be recorded.
   bool done() const;
 
   /// Why it ended early, if not by request_stop().
   const std::optional<Error>& failure() const;
-  bool stopped() const;      // by request_stop()
-  bool sweep_began() const;  // every device was there and the opening rest began
+  bool stopped() const;                   // by request_stop()
+  const std::string& stopped_by() const;  // who asked for it; empty: a signal
+  bool sweep_began() const;               // every device was there and the opening rest began
+  bool keeps() const;                     // false: there is no journal
+  std::vector<Device> gone() const;       // that the recording went on without
 
   RecordingProgress progress(HostTime now);
 

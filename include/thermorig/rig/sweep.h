@@ -39,8 +39,9 @@ struct SweepProgress {
   SweepPhase phase = SweepPhase::waiting;
   int leg = 0;  // of the plan, counted from 1; 0 before the first
   int leg_count = 0;
-  double rate_dps = 0.0;  // commanded in this leg
-  int frames = 0;         // in this leg so far
+  double rate_dps = 0.0;                // commanded in this leg
+  std::optional<double> next_rate_dps;  // of the leg after this one
+  int frames = 0;                       // in this leg so far
   int frames_per_leg = 0;
   double done_share = 0.0;         // 0..1
   double eta_s = 0.0;              // from the plan, not from the elapsed time
@@ -98,6 +99,7 @@ class SweepWalker {
 
   void enter(SweepPhase phase, HostTime now);
   void next_leg(HostTime now);
+  void fill_steps();
   void begin_leg(HostTime now);
   void send_run(HostTime now);
   void note_leg_start(HostTime acknowledged);
@@ -140,6 +142,7 @@ class SweepWalker {
   double recovery_rest_s() const;
   double remaining_s(HostTime now) const;
   double rate_dps() const;  // of the current step
+  std::optional<double> next_rate_dps() const;
   int step_number() const;  // of the plan, counted from 1
 
   SweepPlan plan_;

@@ -24,9 +24,10 @@ struct DeviceBus {
 
 struct VirtualOptions {
   RecordingOptions recording;
-  HostTime start{};                      // the bus was switched on then
-  std::function<bool()> stop_requested;  // asked every step; may be empty
-  ProgressHandler progress;              // every second of virtual time; may be empty
+  HostTime start{};                            // the bus was switched on then
+  std::function<bool()> stop_requested;        // asked every step; may be empty
+  std::function<std::vector<Order>()> orders;  // asked every step; may be empty
+  ProgressHandler progress;                    // every second of virtual time; may be empty
 };
 
 /// A whole acquisition in virtual time, steps of 3 to 5 ms, then finalised. Deterministic if the bus is.
