@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: MIT
+import { byId, bytes, clock, count, fields, number, plain, say } from './text.js';
+
+const words = { connecting: 'CONNECTING', recording: 'RECORDING', live: 'LIVE', replay: 'REPLAY', ended: 'ENDED' };
+const marks = { connecting: '○', recording: '●', live: '▶', replay: '»', ended: '■' };
+
+/** The state of the run in words, shape and colour; the title of the tab repeats it. */
+export class Band {
+  constructor() {
+    this.mode = 'connecting';
+    this.environment = '';
+    this.silent = false;
+    this.planned = null;
+    this.show();
+  }
+
+  hello(message) {
+    this.mode = message.mode === 'replay' ? 'replay' : message.recording === true ? 'recording' : 'live';
+    this.environment = plain(message.environment, 60);
+    this.planned = number(fields(message.plan).expected_s);
+    const simulated = byId('simulated');
+    simulated.hidden = message.simulated !== true;
+    simulated.title = plain(message.simulation, 300);
+    const acquisition = number(message.acquisition);
+    say(byId('environment'), this.environment);
+    say(byId('acquisition'), acquisition === null ? '' : `acquisition ${count(acquisition)}`);
+    byId('start').hidden = message.control !== true;
+    say(byId('announcement'), `${words[this.mode]}${message.simulated === true ? ', simulated' : ''}`);
+    this.show();
+  }
+
+  state(message) {
+    const now = number(message.time_s);
+    const left = number(message.eta_s);
+    const planned = left !== null && now !== null ? now + left : this.planned;
+    say(byId('phase'), message.stopping === true ? '▲ stopping' : plain(message.phase, 40).replaceAll('_', ' '));
+    say(byId('elapsed'), now === null ? '' : `${clock(now)}${planned === null ? '' : ` of ${clock(planned)}`}${
+      left === null ? '' : `, ${clock(left)} to go`}`);
+    const kept = number(message.kept_frames);
+    const size = number(message.kept_bytes);
+    say(byId('kept'), kept === null ? 'nothing is kept' : `${count(kept)} frames kept${size === null ? '' : ` (${bytes(size)})`}`);
+    const free = number(message.disk_free_bytes);
+    say(byId('disk'), free === null ? '' : `${bytes(free)} free`);
+  }
+
+  ended() {
+    this.mode = 'ended';
+    say(byId('phase'), '');
+    byId('start').hidden = true;
+    this.show();
+  }
+
+  silence(silent) {
+    if (this.silent === silent) return;
+    this.silent = silent;
+    this.show();
+  }
+
+  show() {
+    byId('mode').dataset.mode = this.mode;
+    say(byId('mode-word'), words[this.mode]);
+    const title = `${marks[this.mode]} ${words[this.mode]}${this.environment === '' ? '' : ` ${this.environment}`} · thermorig`;
+    document.title = this.silent ? `▲ NO DATA · ${title}` : title;
+  }
+}

@@ -1,0 +1,234 @@
+// SPDX-License-Identifier: MIT
+// The page of a live run: docs/live_messages.md says what comes, docs/live_page.md who may ask for it.
+import { Band } from './band.js';
+import { Connection } from './connection.js';
+import { Events } from './events.js';
+import { Health } from './health.js';
+import { History } from './history.js';
+import { Keys } from './keys.js';
+import { Numbers } from './numbers.js';
+import { Strips } from './strips.js';
+import { Sweep } from './sweep.js';
+import { ThermalImage } from './thermal_image.js';
+import { byId, count, fields, fixed, number, plain, say } from './text.js';
+import { Warnings } from './warnings.js';
+
+const overlayAfter = 3000;  // ms without a message; states come four a second
+const calmly = matchMedia('(prefers-reduced-motion: reduce)');
+const drawnEvery = () => (calmly.matches ? 1000 : 50);  // ms between drawings
+
+const history = new History();
+const band = new Band();
+const warnings = new Warnings();
+const image = new ThermalImage();
+const strips = new Strips(history);
+const health = new Health();
+const numbers = new Numbers();
+const sweep = new Sweep();
+const events = new Events();
+
+let run = null;          // what tells this run from another
+let ended = false;
+let now = null;          // newest time_s
+let frame = null;        // newest frame's message, not yet shown
+let lastHeard = Date.now();
+let lastFrame = null;    // its time of day
+let dropped = 0;
+let drawn = -Infinity;
+let waiting = false;
+
+/** Draws soon, but not with every message. */
+function redraw() {
+  if (waiting) return;
+  waiting = true;
+  setTimeout(() => requestAnimationFrame(() => {
+    waiting = false;
+    drawn = Date.now();
+    image.draw();
+    strips.draw(now);
+    if (frame !== null) numbers.show(frame);
+    frame = null;
+  }), Math.max(0, drawn + drawnEvery() - Date.now()));
+}
+
+function clear() {
+  history.clear();
+  strips.clear();
+  image.clear();
+  events.clear();
+  warnings.clear();
+  frame = null;
+  now = null;
+  dropped = 0;
+  ended = false;
+  byId('ended').hidden = true;
+  byId('ended').replaceChildren();
+  byId('leg').textContent = 'no sweep yet';
+  numbers.show({});
+}
+
+/** What the page can show of this run, in a sentence where that is not all. */
+function showFusion(model) {
+  const there = fields(model).fusion === true;
+  strips.withFusion(there);
+  byId('histogram-part').hidden = !there;
+  byId('no-gain').hidden = there;
+  say(byId('no-gain'), there ? '' : model === null || model === undefined
+    ? 'No network runs: the gyro alone is compared with the servo, and there is no Kg.'
+    : `${plain(fields(model).name, 80) || 'The network'} has no fusion: there is no Kg.`);
+}
+
+const takers = {
+  hello(message) {
+    const name = JSON.stringify([message.start_utc, message.mode, message.environment, message.acquisition].map((part) => plain(part)));
+    if (name !== run) clear();
+    run = name;
+    history.expect(message.frame_rate_hz);
+    band.hello(message);
+    sweep.hello(message);
+    showFusion(message.model);
+    const model = fields(message.model);
+    warnings.set('model', model.simulated === true && message.simulated !== true
+      ? `${plain(model.name, 80)} was trained on data of a simulated rig; its errors here say little.` : '');
+    warnings.set('token', '');
+  },
+  state(message) {
+    now = Math.max(now ?? 0, number(message.time_s) ?? 0);
+    band.state(message);
+    sweep.show(message);
+    const unwell = health.show(message.devices);
+    warnings.set('devices', unwell.length === 0 ? '' : `${unwell.join(', ')}. What is left goes on.`);
+    if (message.phase === 'done' || message.stopping === true) warnings.set('stop', '');
+  },
+  frame(message) {
+    if (!history.add(message)) return;
+    now = Math.max(now ?? 0, history.last.time);
+    frame = message;
+    lastFrame = new Date();
+    image.freshness(message.fresh);
+    const scores = fields(message.scores);
+    strips.showDrift(scores);
+    warnings.set('gate', scores.gate_collapsed === true
+      ? 'The gate has collapsed: Kg stays below 0.02 or above 0.98, so fusion follows one sensor alone. Check the network and the gyro.' : '');
+  },
+  image(message) {
+    image.take(message);
+  },
+  event(message) {
+    events.add(message);
+  },
+  ended(message) {
+    ended = true;
+    band.ended();
+    const texts = [message.message, message.advice, plain(message.session) && `Session: ${plain(message.session)}`].map((text) => plain(text, 1000));
+    byId('ended').replaceChildren(...texts.filter((text) => text !== '').map((text, i) => {
+      const paragraph = document.createElement(i === 0 ? 'strong' : 'p');
+      paragraph.textContent = text;
+      return paragraph;
+    }));
+    const exit = number(message.exit);
+    byId('ended').dataset.well = exit === null || exit === 0 ? 'yes' : 'no';
+    byId('ended').hidden = byId('ended').childElementCount === 0;
+  },
+  dropped(message) {
+    dropped += Math.max(0, number(message.frames) ?? 0);
+    warnings.set('dropped', `${count(dropped)} frames did not reach this page, which was too slow; the recording has them.`);
+  },
+};
+
+function take(message) {
+  lastHeard = Date.now();
+  showSilence();
+  if (Object.hasOwn(takers, message.event)) takers[message.event](message);
+  redraw();
+}
+
+function refuse() {
+  const other = connection?.token ? 'This address is not, or no longer, the one of the running program' : 'This address has no token of a program';
+  warnings.set('token', `${other}: open the URL that thermorig printed (its end is #t=…).`);
+}
+
+/** Over everything but the band: nothing comes, and what is seen is old. */
+function showSilence() {
+  const silent = Date.now() - lastHeard;
+  const over = silent > overlayAfter && !ended;
+  byId('silence').hidden = !over;
+  band.silence(over);
+  if (!over) {
+    warnings.set('silence', '');
+    return;
+  }
+  warnings.set('silence', run === null ? 'The program has not answered yet; trying again.' : 'The connection to the program is lost; trying again. The run may well go on.');
+  const last = lastFrame === null ? 'no frame yet' : `last frame ${lastFrame.toLocaleTimeString('en-GB')}`;
+  say(byId('silence').firstElementChild, `no data for ${fixed(silent / 1000, 1)} s, ${last}`);
+}
+
+async function stop() {
+  byId('stop').dataset.pressed = 'yes';
+  const trouble = await connection.order('/stop', {});
+  delete byId('stop').dataset.pressed;
+  warnings.set('stop', trouble === '' ? '' :
+    `The order to stop did not get through: ${trouble}. Press Ctrl-C where thermorig runs, or cut the servo's power.`);
+  if (trouble === '') say(byId('announcement'), 'Stop was ordered');
+}
+
+async function mark() {
+  const note = byId('note').value.trim();
+  const trouble = await connection.order('/mark', { note });
+  warnings.set('mark', trouble === '' ? '' : `The mark was not set: ${trouble}.`);
+  if (trouble !== '') return;
+  byId('note').value = '';
+  say(byId('announcement'), 'Mark set');
+}
+
+function press(key, pressed) {
+  document.querySelector(`button[data-key="${key}"]`).setAttribute('aria-pressed', String(pressed));
+}
+
+const actions = {
+  m: mark,
+  p() {
+    strips.paused = !strips.paused;
+    press('p', strips.paused);
+    byId('hint').hidden = !strips.paused;
+    say(byId('hint'), strips.paused ? 'Plots are paused (P goes on). The recording is not.' : '');
+    redraw();
+  },
+  r: () => strips.resetAngle(),
+  c: () => image.nextPalette(),
+  l() {
+    image.lock();
+    press('l', image.range.locked);
+  },
+  i() {
+    image.invert();
+    press('i', image.inverted);
+  },
+  f() {
+    const done = document.fullscreenElement === null ? document.documentElement.requestFullscreen?.() : document.exitFullscreen();
+    done?.catch(() => say(byId('announcement'), 'This browser refuses full screen'));
+  },
+  '?': () => byId('help').showModal(),
+};
+
+byId('note').addEventListener('keydown', (event) => {
+  if (event.key === 'Enter') mark();
+  if (event.key === 'Escape') byId('note').blur();
+});
+byId('start').addEventListener('click', () => byId('motion').showModal());
+byId('motion').addEventListener('close', async () => {
+  const wanted = byId('motion').returnValue === 'start';
+  byId('motion').returnValue = '';
+  if (!wanted) return;
+  const trouble = await connection.order('/start', {});
+  warnings.set('start', trouble === '' ? '' : `The sweep was not started: ${trouble}.`);
+});
+
+health.show({});
+numbers.show({});
+showFusion({ fusion: true });
+strips.draw(null);
+let connection = null;
+new Keys(actions, stop);
+connection = new Connection(take, refuse);
+setInterval(showSilence, 100);

@@ -1,0 +1,143 @@
+// SPDX-License-Identifier: MIT
+import { paletteNames, paletteTable } from './palette.js';
+import { AutoRange } from './range.js';
+import { byId, fixed, number, plain, say } from './text.js';
+
+const width = 32;
+const height = 24;
+const describedEvery = 10_000;  // ms between texts for those who do not see the image
+
+/** 768 temperatures in degC, or null for what is not such an image. */
+function decode(base64) {
+  if (typeof base64 !== 'string') return null;
+  let raw;
+  try {
+    raw = atob(base64);
+  } catch {
+    return null;
+  }
+  if (raw.length !== width * height * 2) return null;
+  const temperatures = new Float32Array(width * height);
+  for (let i = 0; i < temperatures.length; ++i) {
+    const bits = raw.charCodeAt(2 * i) | (raw.charCodeAt(2 * i + 1) << 8);
+    temperatures[i] = ((bits << 16) >> 16) / 100;
+  }
+  return temperatures;
+}
+
+const freshTexts = { both: 'both halves fresh', half: 'half fresh', repeated: '▲ repeated' };
+
+export class ThermalImage {
+  constructor() {
+    this.canvas = byId('image');
+    this.range = new AutoRange();
+    this.palette = 0;
+    this.inverted = false;
+    this.temperatures = null;
+    this.described = -Infinity;
+    this.pointer = null;
+    this.canvas.addEventListener('pointermove', (event) => {
+      const box = this.canvas.getBoundingClientRect();
+      const at = (place, size, cells) => Math.min(cells - 1, Math.max(0, Math.floor((place / size) * cells)));
+      this.pointer = [at(event.clientX - box.left, box.width, width), at(event.clientY - box.top, box.height, height)];
+      this.showSpot();
+    });
+    this.canvas.addEventListener('pointerleave', () => {
+      this.pointer = null;
+      this.showSpot();
+    });
+    this.showPalette();
+  }
+
+  clear() {
+    this.temperatures = null;
+    if (!this.range.locked) this.range.clear();
+    this.described = -Infinity;
+  }
+
+  take(message) {
+    const temperatures = decode(message.pixels);
+    if (temperatures === null) return;
+    this.temperatures = temperatures;
+    this.range.follow(temperatures, number(message.time_s));
+  }
+
+  freshness(fresh) {
+    const badge = byId('fresh');
+    say(badge, freshTexts[fresh] ?? (plain(fresh, 40) || 'freshness unknown'));
+    badge.dataset.fresh = freshTexts[fresh] ? fresh : 'unknown';
+  }
+
+  nextPalette() {
+    this.palette = (this.palette + 1) % paletteNames.length;
+    this.showPalette();
+  }
+
+  invert() {
+    this.inverted = !this.inverted;
+    this.showPalette();
+  }
+
+  lock() {
+    this.range.locked = !this.range.locked;
+    this.draw();
+  }
+
+  showPalette() {
+    this.table = paletteTable(paletteNames[this.palette], this.inverted);
+    say(byId('colours'), paletteNames[this.palette]);
+    const context = byId('scale').getContext('2d');
+    const pixels = context.createImageData(256, 1);
+    for (let i = 0; i < 256; ++i) {
+      pixels.data.set(this.table.subarray(i * 3, i * 3 + 3), i * 4);
+      pixels.data[i * 4 + 3] = 255;
+    }
+    context.putImageData(pixels, 0, 0);
+    this.draw();
+  }
+
+  draw() {
+    const { low, high, locked } = this.range;
+    say(byId('cold'), low === null ? '–' : `${fixed(low, 1)} °C`);
+    say(byId('hot'), high === null ? '–' : `${fixed(high, 1)} °C`);
+    say(byId('range'), locked ? '■ range locked' : 'auto range');
+    if (this.temperatures === null) return;
+    const context = this.canvas.getContext('2d');
+    const pixels = context.createImageData(width, height);
+    const scale = 255 / (high - low);
+    this.temperatures.forEach((value, i) => {
+      const step = Math.min(255, Math.max(0, Math.round((value - low) * scale)));
+      pixels.data.set(this.table.subarray(step * 3, step * 3 + 3), i * 4);
+      pixels.data[i * 4 + 3] = 255;
+    });
+    context.putImageData(pixels, 0, 0);
+    this.showSpot();
+    this.describe();
+  }
+
+  showSpot() {
+    if (this.pointer === null || this.temperatures === null) {
+      say(byId('spot'), '');
+      return;
+    }
+    const [x, y] = this.pointer;
+    say(byId('spot'), `row ${y}, column ${x}: ${fixed(this.temperatures[y * width + x], 1)} °C`);
+  }
+
+  describe() {
+    if (Date.now() - this.described < describedEvery) return;
+    this.described = Date.now();
+    let coldest = 0;
+    let hottest = 0;
+    this.temperatures.forEach((value, i) => {
+      if (value < this.temperatures[coldest]) coldest = i;
+      if (value > this.temperatures[hottest]) hottest = i;
+    });
+    const third = (place, size, names) => names[Math.min(2, Math.floor((place / size) * 3))];
+    const row = Math.floor(hottest / width);
+    const where = `${third(row, height, ['top', 'middle', 'bottom'])} ${third(hottest % width, width, ['left', 'centre', 'right'])}`;
+    this.canvas.setAttribute('aria-label', `Thermal image, ${fixed(this.temperatures[coldest], 1)} to ` +
+      `${fixed(this.temperatures[hottest], 1)} °C, hottest at the ${where}; colours from ${fixed(this.range.low, 1)} to ` +
+      `${fixed(this.range.high, 1)} °C`);
+  }
+}
