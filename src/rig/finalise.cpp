@@ -2,49 +2,16 @@
 #include "thermorig/rig/finalise.h"
 
 #include <algorithm>
-#include <array>
 #include <utility>
 
 #include "thermorig/core/error.h"
 #include "thermorig/journal/journal.h"
 #include "thermorig/pipeline/pipeline.h"
+#include "thermorig/pipeline/replay.h"
 
 namespace thermorig::rig {
 
 namespace {
-
-/// Walks the chunks of all devices in order of arrival; equal times go in the order of the devices.
-template <typename Take>
-void in_order_of_arrival(const PerDevice<RawStream>& received, Take take) {
-  std::array<std::size_t, device_count> next{};
-  while (true) {
-    std::optional<Device> earliest;
-    for (const Device device : all_devices) {
-      const std::size_t index = next[index_of(device)];
-      if (index == received[device].chunk_count()) continue;
-      if (!earliest || received[device].time(index) < received[*earliest].time(next[index_of(*earliest)]))
-        earliest = device;
-    }
-    if (!earliest) return;
-    const std::size_t index = next[index_of(*earliest)]++;
-    take(*earliest, received[*earliest].chunk(index), received[*earliest].time(index));
-  }
-}
-
-/// Walks what went to the servo, beside what arrived.
-class SentUntil {
- public:
-  explicit SentUntil(const RawStream& sent) : sent_(sent) {}
-
-  void feed(HostTime until, pipeline::Pipeline& pipeline) {
-    for (; next_ < sent_.chunk_count() && sent_.time(next_) <= until; ++next_)
-      pipeline.sent(sent_.chunk(next_), sent_.time(next_));
-  }
-
- private:
-  const RawStream& sent_;
-  std::size_t next_ = 0;
-};
 
 PerDevice<std::uint64_t> byte_counts(const PerDevice<RawStream>& received) {
   PerDevice<std::uint64_t> counts;
@@ -65,12 +32,8 @@ Decoded decode(const RawRecording& raw, const pipeline::Fits& fits) {
   const auto keep = [&](std::vector<LabelledSample> samples) {
     decoded.samples.insert(decoded.samples.end(), samples.begin(), samples.end());
   };
-  SentUntil sent(raw.sent);
-  in_order_of_arrival(raw.received,
-                      [&](Device device, std::span<const std::uint8_t> chunk, HostTime arrived) {
-                        sent.feed(arrived, pipeline);
-                        keep(pipeline.feed(device, chunk, arrived));
-                      });
+  pipeline::Replay replay(raw);
+  while (const auto step = replay.next()) keep(pipeline::feed(pipeline, *step));
   keep(pipeline.finish());
   decoded.streams = pipeline.take_streams();
   for (const Device device : all_devices) decoded.counters[device] = pipeline.counters(device);

@@ -1,0 +1,206 @@
+// SPDX-License-Identifier: MIT
+#include "thermorig/live/live_estimator.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+#include "../network/allocations.h"
+#include "../support/same_row.h"
+#include "causal_run.h"
+#include "thermorig/network/estimator.h"
+#include "thermorig/training/prediction.h"
+#include "thermorig/windows/window_index.h"
+
+namespace thermorig::live {
+namespace {
+
+constexpr float unknown = std::numeric_limits<float>::quiet_NaN();
+
+/// One run for all tests: nothing in it changes.
+const std::vector<CausalPair>& run() {
+  static const std::vector<CausalPair> pairs = pairs_of(two_legs());
+  return pairs;
+}
+
+model::Model model_of(const network::Shape& shape) {
+  return model_for(acquisition_of(run()), shape);
+}
+
+bool has_thermal(const LiveEstimate& row) {
+  return std::isfinite(row.rate_thermal_dps);
+}
+bool has_fusion(const LiveEstimate& row) {
+  return std::isfinite(row.rate_fusion_dps) && std::isfinite(row.gain);
+}
+
+class LiveEstimates : public testing::TestWithParam<network::Shape> {};
+
+TEST_P(LiveEstimates, AreCountedWhereTrainingFindsAWindow) {
+  const windows::Acquisition acquisition = acquisition_of(run());
+  const auto rows = rows_of(run(), model_of(GetParam()));
+  std::vector<windows::Window> counted;
+  for (const LiveEstimate& row : rows)
+    if (row.counted) counted.push_back({0, row.frame_index});
+  EXPECT_EQ(counted, windows::find_windows({&acquisition, 1}, GetParam().frames));
+  EXPECT_GT(counted.size(), 30U);
+  EXPECT_LT(counted.size(), rows.size());
+}
+
+TEST_P(LiveEstimates, SayOfAWindowWhatThePredictionSays) {
+  const windows::Acquisition acquisition = acquisition_of(run());
+  const model::Model model = model_of(GetParam());
+  const auto rows = rows_of(run(), model);
+  const auto found = windows::find_windows({&acquisition, 1}, GetParam().frames);
+  for (const training::WindowEstimate& window : training::predict(model, {&acquisition, 1}, found)) {
+    const LiveEstimate& row = rows[window.window.last];
+    EXPECT_EQ(row.time, window.time);
+    EXPECT_EQ(row.rate_commanded_dps, window.label_dps);
+    EXPECT_EQ(row.rate_gyro_dps, window.gyro_dps);
+    EXPECT_NEAR(row.rate_thermal_dps, window.thermal_dps, 0.01F);  // the batch's kernels sum in another order
+    if (!GetParam().fusion) continue;
+    EXPECT_NEAR(row.rate_fusion_dps, window.fusion_dps, 0.01F);
+    EXPECT_NEAR(row.gain, window.gain, 1e-4F);
+  }
+}
+
+TEST_P(LiveEstimates, SayOfEveryCompleteWindowWhatTheEstimatorSaysBitForBit) {
+  const windows::Acquisition acquisition = acquisition_of(run());
+  const model::Model model = model_of(GetParam());
+  const auto prepared = windows::prepare(acquisition, GetParam(), model.scaling);
+  const auto frames = static_cast<std::size_t>(GetParam().frames);
+  network::Estimator estimator(model.weights);
+  const auto rows = rows_of(run(), model);
+  std::size_t asked = 0;
+  for (std::size_t last = 0; last < rows.size(); ++last) {
+    EXPECT_EQ(has_thermal(rows[last]), last + 1 >= frames);
+    if (!has_thermal(rows[last])) continue;
+    const auto window =
+        std::span(prepared).subspan((last + 1 - frames) * GetParam().pixels(), frames * GetParam().pixels());
+    const network::Output output = estimator.estimate(window, rows[last].rate_gyro_dps / 150.0F);
+    EXPECT_EQ(rows[last].rate_thermal_dps, output.thermal * 150.0F);
+    EXPECT_EQ(has_fusion(rows[last]), GetParam().fusion && std::isfinite(rows[last].rate_gyro_dps));
+    if (has_fusion(rows[last])) {
+      EXPECT_EQ(rows[last].rate_fusion_dps, output.fusion * 150.0F);
+    }
+    ++asked;
+  }
+  EXPECT_GT(asked, 100U);
+}
+
+INSTANTIATE_TEST_SUITE_P(OfAnyShape, LiveEstimates,
+                         testing::Values(network::Shape{.frames = 3, .reduction = 1},
+                                         network::Shape{.frames = 2, .reduction = 3, .crop_left = 1},
+                                         network::Shape{.frames = 6, .reduction = 2, .fusion = false}),
+                         [](const auto& test) {
+                           return "Nf" + std::to_string(test.param.frames) + "Nr" +
+                                  std::to_string(test.param.reduction);
+                         });
+
+TEST(LiveEstimator, TellsTheFramesTimesAndReasonsAsTheSampleHasThem) {
+  const auto rows = rows_of(run(), model_of({}));
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    const auto& [pair, arrived] = run()[i];
+    EXPECT_EQ(rows[i].frame_index, i);
+    EXPECT_EQ(rows[i].time, pair.sample.time);
+    EXPECT_EQ(rows[i].exposure_begin, pair.sample.exposure_begin);
+    EXPECT_EQ(rows[i].exposure_end, pair.sample.exposure_end);
+    EXPECT_EQ(rows[i].arrival, arrived);
+    EXPECT_EQ(rows[i].reason_bits, pair.sample.reason_bits);
+    EXPECT_EQ(rows[i].run, pair.sample.run);
+    EXPECT_EQ(rows[i].leg, pair.sample.leg);
+  }
+}
+
+TEST(LiveEstimator, WithoutANetworkHoldsTheGyroOfEachFrameAgainstItsLabel) {
+  const auto rows = rows_of(run(), std::nullopt);
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    const LabelledSample& sample = run()[i].pair.sample;
+    EXPECT_TRUE(same_bits(rows[i].rate_commanded_dps, sample.rate_commanded_dps));
+    EXPECT_TRUE(same_bits(rows[i].rate_gyro_dps, sample.rate_gyro_dps));
+    EXPECT_FALSE(has_thermal(rows[i]) || has_fusion(rows[i]));
+    EXPECT_EQ(rows[i].counted, sample.valid);
+  }
+}
+
+TEST(LiveEstimator, AsksForNoMemoryFrameByFrame) {
+  LiveEstimator estimator(model_of({}));
+  const std::size_t before = allocations();
+  for (const auto& [pair, arrived] : run()) estimator.add(pair.frame, pair.sample, arrived);
+  EXPECT_EQ(allocations(), before);
+}
+
+TEST(LiveEstimator, GivesTheSameRowsAgainBitForBit) {
+  EXPECT_TRUE(same_rows(rows_of(run(), model_of({})), rows_of(run(), model_of({}))));
+}
+
+/// A counted frame with counted ones on both sides, and the run with that frame changed.
+class AChangedFrame : public testing::Test {
+ protected:
+  std::size_t place() const {
+    const auto rows = rows_of(run(), model_);
+    for (std::size_t i = 0; i + 8 < rows.size(); ++i)
+      if (rows[i].counted && rows[i + 8].counted && rows[i].run == rows[i + 8].run) return i + 3;
+    return 0;
+  }
+  std::vector<LiveEstimate> rows() const { return rows_of(pairs_, model_); }
+
+  model::Model model_ = model_of({.frames = 3, .reduction = 2});
+  std::vector<CausalPair> pairs_ = run();
+  std::size_t place_ = place();
+};
+
+TEST_F(AChangedFrame, WithoutGyroLeavesTheThermalHeadAlone) {
+  pairs_[place_].pair.sample.rate_gyro_dps = unknown;
+  const auto changed = rows(), as_it_was = rows_of(run(), model_);
+  for (std::size_t i = place_; i < place_ + 3; ++i) {
+    EXPECT_EQ(changed[i].rate_thermal_dps, as_it_was[i].rate_thermal_dps);
+    EXPECT_FALSE(has_fusion(changed[i]));
+    EXPECT_TRUE(std::isnan(changed[i].rate_gyro_dps));
+    EXPECT_FALSE(changed[i].counted);
+  }
+  EXPECT_TRUE(same_row(changed[place_ + 3], as_it_was[place_ + 3]));
+}
+
+TEST_F(AChangedFrame, WithoutALabelIsEstimatedButNotCounted) {
+  pairs_[place_].pair.sample.rate_commanded_dps = unknown;
+  const auto changed = rows();
+  for (std::size_t i = place_; i < place_ + 3; ++i) {
+    EXPECT_TRUE(has_thermal(changed[i]) && has_fusion(changed[i]));
+    EXPECT_FALSE(changed[i].counted);
+  }
+  EXPECT_TRUE(changed[place_ + 3].counted);
+}
+
+TEST_F(AChangedFrame, AfterAGapBeginsAWindowOfItsOwn) {
+  pairs_[place_].pair.frame.missing_before = 1;
+  const auto changed = rows();
+  EXPECT_FALSE(has_thermal(changed[place_]));
+  EXPECT_FALSE(has_thermal(changed[place_ + 1]));
+  EXPECT_TRUE(has_thermal(changed[place_ + 2]));
+  EXPECT_FALSE(changed[place_].counted || changed[place_ + 1].counted);
+  EXPECT_TRUE(same_row(changed[place_ + 2], rows_of(run(), model_)[place_ + 2]));
+}
+
+TEST_F(AChangedFrame, AfterDamagedBytesBeginsAWindowOfItsOwn) {
+  pairs_[place_].pair.frame.resync_before = true;
+  const auto changed = rows();
+  EXPECT_FALSE(has_thermal(changed[place_]) || has_thermal(changed[place_ + 1]));
+  EXPECT_TRUE(has_thermal(changed[place_ + 2]));
+}
+
+TEST_F(AChangedFrame, WithAPixelThatIsNoTemperatureIsInNoWindow) {
+  for (const float wrong : {unknown, 1000.0F, std::numeric_limits<float>::infinity()}) {
+    pairs_[place_].pair.frame.frame.temp_c[7] = wrong;
+    const auto changed = rows();
+    for (std::size_t i = place_; i < place_ + 3; ++i) {
+      EXPECT_FALSE(has_thermal(changed[i]));
+      EXPECT_FALSE(changed[i].counted);
+    }
+    EXPECT_TRUE(changed[place_ + 3].counted);
+  }
+}
+
+}  // namespace
+}  // namespace thermorig::live

@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: MIT
+#include <gtest/gtest.h>
+
+#include "../support/same_row.h"
+#include "causal_run.h"
+#include "thermorig/live/live_estimator.h"
+#include "thermorig/pipeline/causal_replay.h"
+
+namespace thermorig::live {
+namespace {
+
+std::vector<LiveEstimate> replayed(const RawRecording& raw, const std::optional<model::Model>& model) {
+  pipeline::CausalReplay replay(raw);
+  LiveEstimator estimator(model);
+  std::vector<LiveEstimate> rows;
+  while (const auto moment = replay.next())
+    for (const pipeline::FramePair& pair : moment->pairs)
+      rows.push_back(estimator.add(pair.frame, pair.sample, moment->time));
+  return rows;
+}
+
+TEST(AReplay, GivesTheRowsOfTheLiveRunBitForBit) {
+  const pipeline::VirtualSweep sweep = two_legs();
+  const auto pairs = pairs_of(sweep);
+  const model::Model model = model_for(acquisition_of(pairs), {.frames = 3, .reduction = 2});
+  const auto rows = rows_of(pairs, model);
+  EXPECT_GE(rows.size() + 1, sweep.frames.size());
+  EXPECT_TRUE(same_rows(replayed(recording_of(sweep), model), rows));
+}
+
+TEST(AReplay, TellsTheLastFramesAtTheEndOfTheRecording) {
+  pipeline::VirtualSweep sweep = two_legs();
+  const HostTime silent = sweep.chunks.back().arrived - std::chrono::milliseconds(300);
+  std::erase_if(sweep.chunks, [&](const Chunk& chunk) {
+    return chunk.device == Device::servo && chunk.arrived >= silent;  // the last frames wait for it
+  });
+  const RawRecording raw = recording_of(sweep);
+  const auto rows = replayed(raw, std::nullopt);
+  ASSERT_FALSE(rows.empty());
+  EXPECT_EQ(rows.back().arrival, raw.end_time);
+  EXPECT_TRUE(same_rows(rows, rows_of(pairs_of(sweep), std::nullopt)));
+}
+
+TEST(AReplay, WalksWhatCameAndWhatWasSentInOrderOfTime) {
+  const RawRecording raw = recording_of(two_legs());
+  pipeline::Replay replay(raw);
+  HostTime last{};
+  PerDevice<std::size_t> bytes{};
+  std::size_t sent = 0;
+  while (const auto step = replay.next()) {
+    EXPECT_LE(last, step->time);
+    last = step->time;
+    (step->from ? bytes[*step->from] : sent) += step->bytes.size();
+  }
+  for (const Device device : all_devices) EXPECT_EQ(bytes[device], raw.received[device].bytes.size());
+  EXPECT_GT(sent, raw.sent.bytes.size() * 9 / 10);
+}
+
+TEST(AReplay, OfNothingEndsAtOnce) {
+  const RawRecording raw;
+  pipeline::CausalReplay replay(raw);
+  EXPECT_TRUE(replay.next()->pairs.empty());
+  EXPECT_FALSE(replay.next());
+}
+
+}  // namespace
+}  // namespace thermorig::live
