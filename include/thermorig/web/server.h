@@ -36,11 +36,12 @@ struct ServerOptions {
   bool new_token = false;                         // a new one even if the state file has one
   std::size_t clients = 8;                        // open streams at a time
   std::size_t queue_bytes = 1U << 20U;            // of one client
-  std::chrono::milliseconds header_time{10'000};  // until a request's headers are there
+  std::chrono::milliseconds header_time{10'000};  // until a request's headers are there; again for its body
   std::chrono::milliseconds token_time{5'000};    // until a stream has sent its token
+  std::chrono::milliseconds stall_time{10'000};   // until a stream that takes nothing is closed
 };
 
-/// `$XDG_STATE_HOME/thermorig/page.json` or `~/.local/state/thermorig/page.json`.
+/// `$XDG_STATE_HOME/thermorig/page.json` or `~/.local/state/thermorig/page.json`; empty if neither is known.
 std::filesystem::path default_state_file();
 
 /// Serves the page and the messages on loopback (127.0.0.1 and ::1) from a thread of its own. Whatever its
@@ -56,6 +57,10 @@ class Server {
 
   std::uint16_t port() const;
   std::string url() const;  // with the token in its fragment
+
+  /// A sentence for the user on a state file that was not used (others can read it, another server runs); or
+  /// empty.
+  const std::string& note() const;
 
   /// Sends a JSON text to every client that has shown its token. From any thread; never blocks.
   void publish(Topic topic, std::string message);

@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: MIT
+#include "client_json.h"
+
+#include <fmt/format.h>
+
+#include <nlohmann/json.hpp>
+
+#include "token.h"
+
+namespace thermorig::web {
+
+namespace {
+
+using nlohmann::json;
+
+/// Nothing that a client sends is deeper than one object; whatever is deeper is not even stored.
+json parse_flat(std::string_view text) {
+  bool deep = false;
+  const auto shallow = [&deep](int depth, json::parse_event_t, const json&) {
+    deep = deep || depth > 1;
+    return !deep;
+  };
+  auto value = json::parse(text, shallow, false);
+  return deep ? json(json::value_t::discarded) : value;
+}
+
+/// One character of text that the parser has found to be UTF-8; moves on to the next.
+char32_t next_character(std::string_view text, std::size_t& at) {
+  const auto byte = static_cast<unsigned char>(text[at++]);
+  if (byte < 0x80) return byte;
+  const unsigned more = byte >= 0xf0 ? 3 : byte >= 0xe0 ? 2 : 1;
+  char32_t character = byte & (0x3fU >> more);
+  for (unsigned i = 0; i < more && at < text.size(); ++i)
+    character = (character << 6U) | (static_cast<unsigned char>(text[at++]) & 0x3fU);
+  return character;
+}
+
+/// Control characters move a terminal's cursor; direction marks and line separators make a line read as
+/// another.
+bool is_printable(char32_t character) {
+  if (character < 0x20 || (character >= 0x7f && character < 0xa0)) return false;
+  if (character >= 0x200b && character <= 0x200f) return false;
+  if (character >= 0x2028 && character <= 0x202e) return false;
+  if (character >= 0x2060 && character <= 0x206f) return false;
+  return character != 0xfeff;
+}
+
+std::optional<Refusal> check_note(std::string_view note) {
+  std::size_t characters = 0;
+  for (std::size_t at = 0; at < note.size(); ++characters)
+    if (!is_printable(next_character(note, at))) return Refusal{400, "a note has printable characters only"};
+  if (characters > note_characters_max)
+    return Refusal{400, fmt::format("a note has at most {} characters", note_characters_max)};
+  return std::nullopt;
+}
+
+}  // namespace
+
+std::variant<Order, Refusal> parse_order(OrderKind kind, std::string_view body) {
+  const json value = parse_flat(body);
+  if (!value.is_object()) return Refusal{400, "an order's body is a JSON object without objects in it"};
+  Order order{kind, ""};
+  if (kind != OrderKind::mark) return order;
+  const auto note = value.find("note");
+  if (note == value.end()) return order;
+  if (!note->is_string()) return Refusal{400, "a note is a text"};
+  order.note = note->get<std::string>();
+  if (auto refusal = check_note(order.note)) return *std::move(refusal);
+  return order;
+}
+
+bool shows_token(std::string_view message, std::string_view token) {
+  const json value = parse_flat(message);
+  if (!value.is_object()) return false;
+  const auto shown = value.find("token");
+  return shown != value.end() && shown->is_string() &&
+         same_token(shown->get_ref<const std::string&>(), token);
+}
+
+}  // namespace thermorig::web

@@ -1,0 +1,114 @@
+// SPDX-License-Identifier: MIT
+#include "thermorig/web/server.h"
+
+#include <fmt/format.h>
+
+#include <cstdlib>
+#include <utility>
+
+#include "listeners.h"
+#include "page_loop.h"
+#include "state_file.h"
+#include "thermorig/core/error.h"
+#include "token.h"
+
+namespace thermorig::web {
+
+namespace {
+
+[[noreturn]] void refuse_port(std::uint16_t port) {
+  throw Error(ExitCode::failed,
+              fmt::format("port {} is in use, perhaps by another live view that still runs", port),
+              fmt::format("127.0.0.1:{}", port),
+              "stop that program, or choose another port with --page-port (0: any that is free)");
+}
+
+/// The fixed port; else the one of last time, so that a page that is open finds the server again; else any.
+Listeners open_listeners(std::uint16_t fixed, const std::optional<PageState>& before) {
+  if (fixed == 0 && before)
+    if (auto same = Listeners::open(before->port)) return *std::move(same);
+  if (auto listeners = Listeners::open(fixed)) return *std::move(listeners);
+  refuse_port(fixed);
+}
+
+/// Does the server that wrote this state still run? One that took this server's port cannot.
+bool still_runs(const PageState& before, std::uint16_t own_port) {
+  return before.port != own_port && !Listeners::open(before.port);
+}
+
+struct Identity {
+  std::string token;
+  std::string note;
+};
+
+/// The token of last time if it may be used again, and the state file brought up to date.
+Identity keep_identity(const ServerOptions& options, std::uint16_t port, const FoundState& found) {
+  if (options.state_file.empty()) return {make_token(), ""};
+  const std::string file = options.state_file.string();
+  if (found.state && still_runs(*found.state, port))
+    return {make_token(),
+            fmt::format("another live view runs on port {}: the token of this one is not kept in {}",
+                        found.state->port, file)};
+  Identity own{found.state && !options.new_token ? found.state->token : make_token(), ""};
+  if (!found.refused.empty())
+    own.note = fmt::format(
+        "{} was not used, as {}: a new token was made, pages that are open have to be opened again", file,
+        found.refused);
+  write_state(options.state_file, {port, own.token});
+  return own;
+}
+
+std::string variable(const char* name) {
+  const char* value = std::getenv(name);
+  return value != nullptr ? value : "";
+}
+
+}  // namespace
+
+std::filesystem::path default_state_file() {
+  const std::filesystem::path state = variable("XDG_STATE_HOME");
+  if (state.is_absolute()) return state / "thermorig" / "page.json";
+  const std::filesystem::path home = variable("HOME");
+  if (home.is_absolute()) return home / ".local" / "state" / "thermorig" / "page.json";
+  return {};
+}
+
+struct Server::Parts {
+  std::uint16_t port = 0;
+  Identity identity;
+  std::unique_ptr<PageLoop> loop;
+};
+
+Server::Server(const ServerOptions& options, std::function<void(const Order&)> ordered)
+    : parts_(std::make_unique<Parts>()) {
+  const FoundState found = options.state_file.empty() ? FoundState{} : read_state(options.state_file);
+  Listeners listeners = open_listeners(options.port, found.state);
+  parts_->port = listeners.port();
+  parts_->identity = keep_identity(options, parts_->port, found);
+  parts_->loop =
+      std::make_unique<PageLoop>(options, std::move(listeners), parts_->identity.token, std::move(ordered));
+}
+
+Server::~Server() = default;
+
+std::uint16_t Server::port() const {
+  return parts_->port;
+}
+
+std::string Server::url() const {
+  return fmt::format("http://127.0.0.1:{}/#t={}", parts_->port, parts_->identity.token);
+}
+
+const std::string& Server::note() const {
+  return parts_->identity.note;
+}
+
+void Server::publish(Topic topic, std::string message) {
+  parts_->loop->publish({topic, std::make_shared<const std::string>(std::move(message)), {}});
+}
+
+std::size_t Server::clients() const {
+  return parts_->loop->clients();
+}
+
+}  // namespace thermorig::web
