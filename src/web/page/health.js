@@ -21,7 +21,7 @@ function rateText(device) {
 
 function badText(device) {
   const skipped = number(device.skipped_bytes);
-  return skipped === null || skipped === 0 ? count(device.bad) : `${count(device.bad)} + ${count(skipped)} B`;
+  return skipped === null || skipped === 0 ? count(device.bad) : `${count(device.bad)} (${count(skipped)} B)`;
 }
 
 /** A row a device: how its stream is. */
@@ -60,7 +60,7 @@ export class Health {
     const hz = number(device.expected_hz);
     const sync = number(device.uncertainty_s);
     const texts = [well ? 'ok' : `▲ ${state}`, rateText(device), hz === null ? unknown : fixed(hz, hz < 20 ? 1 : 0), ageText(device.age_s),
-      count(device.lost), badText(device), sync === null ? unknown : `± ${fixed(sync * 1000, 1)}`];
+      count(device.lost), badText(device), sync === null ? unknown : fixed(sync * 1000, 1)];
     texts.forEach((text, i) => say(row.cells[i + 1], text));
     row.className = well ? '' : 'unwell';
     return device.state === 'late' || device.state === 'lost';

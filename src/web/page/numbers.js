@@ -5,10 +5,9 @@ import { byId, count, fields, fixed, list, number, say, significant, unknown } f
 const estimators = ['thermal', 'gyro', 'fusion'];
 const figures = [
   ['frames counted', 'frames', count],
-  ['frames of the last minute', 'recent', count],
-  ['median sq. error, last min', 'recent_median_mse', significant],
-  ['IQR sq. error, last min', 'recent_iqr_mse', significant],
-  ['RMSE of the run, deg/s', 'rmse_dps', (value) => fixed(value, 2)],
+  ['median e², 10⁻³', 'recent_median_mse', (value) => significant(value * 1000)],
+  ['IQR e², 10⁻³', 'recent_iqr_mse', (value) => significant(value * 1000)],
+  ['RMSE, deg/s', 'rmse_dps', (value) => fixed(value, 2)],
   ['angle error, deg', 'angle_error_deg', (value) => fixed(value, 1)],
   ['drift, deg/min', 'drift_deg_per_min', (value) => fixed(value, 1)],
 ];
@@ -40,7 +39,7 @@ export class Numbers {
       cell.dataset.value = value ?? '';
     }));
     const time = number(frame.inference_us);
-    say(byId('inference'), time === null ? '' : `Inference ${significant(time)} µs. Squared errors are divided by the label scale squared.`);
+    say(byId('inference'), time === null ? '' : `Inference ${significant(time)} µs.`);
     this.showHistogram(scores);
   }
 

@@ -10,11 +10,11 @@ const swatch = 'http://www.w3.org/2000/svg';
 /** A short piece of a line, as in the plot. */
 function sample(key) {
   const svg = document.createElementNS(swatch, 'svg');
-  svg.setAttribute('width', '26');
+  svg.setAttribute('width', '20');
   svg.setAttribute('height', '8');
   svg.setAttribute('aria-hidden', 'true');
   const line = document.createElementNS(swatch, 'line');
-  for (const [name, value] of Object.entries({ x1: 0, x2: 26, y1: 4, y2: 4, class: key,
+  for (const [name, value] of Object.entries({ x1: 0, x2: 20, y1: 4, y2: 4, class: key,
     'stroke-width': lines[key].width + 0.5, 'stroke-dasharray': lines[key].dash.join(' ') || 'none' })) {
     line.setAttribute(name, value);
   }
@@ -25,14 +25,14 @@ function sample(key) {
 /** One plot over the last minute. `read(row)` gives one value, or null, for each of `keys`. */
 export class Strip {
   /** `limits(rows, values)`: lowest and highest of the vertical axis. */
-  constructor(id, { keys, read, limits, digits, unit = '', axis = false, digitsAxis = 0 }) {
+  constructor(id, { keys, read, limits, digits, unit = '', axis = false, ticks }) {
     this.section = byId(id);
     this.box = this.section.querySelector('.plot');
     this.keys = keys;
     this.read = read;
     this.limits = limits;
     this.digits = digits;
-    this.digitsAxis = digitsAxis;
+    this.ticks = ticks;
     this.unit = unit;
     this.rows = [];
     this.spans = [];
@@ -66,14 +66,14 @@ export class Strip {
       width: 300,
       height: 100,
       legend: { show: false },
-      padding: [4, 8, axis ? 0 : 4, 0],
+      padding: [7, 8, axis ? 0 : 4, 0],
       cursor: { sync: { key: 'time' }, drag: { x: false, y: false }, points: { size: 6 } },
       scales: { x: { time: false, range: () => this.window }, y: { range: () => this.vertical } },
       axes: [
         { ...shared, space: 60, size: axis ? 22 : 0, ticks: { ...shared.ticks, show: axis },
           values: (plot, splits) => splits.map((at) => (axis ? clock(at) : '')) },
-        { ...shared, size: 44, gap: 3, space: 22,
-          values: (plot, splits) => splits.map((at) => (this.digitsAxis === 0 && at % 1 !== 0 ? fixed(at, 1) : fixed(at, this.digitsAxis))) },
+        { ...shared, size: 44, gap: 3, space: 22, ...(this.ticks && { splits: () => this.ticks }),
+          values: (plot, splits) => splits.map((at) => fixed(at, splits.some((other) => other % 1 !== 0) ? 1 : 0)) },
       ],
       series: [{}, ...this.keys.map((key) => ({ stroke: () => colourOf(key), width: lines[key].width, dash: lines[key].dash,
         spanGaps: false, points: { show: false } }))],

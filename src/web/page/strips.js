@@ -43,7 +43,7 @@ export class Strips {
     this.error = new Strip('error', { keys: estimators, read: of('errors'), limits: countedFirst(2), digits: 1, axis: true });
     this.rate = new Strip('rate', { keys: all, read: (row) => [row.commanded, ...of('values')(row)], limits: everything(10), digits: 1 });
     this.angle = new Strip('angle', { keys: estimators, read: (row) => this.shownAngles(row), limits: everything(1), digits: 1, unit: '°' });
-    this.gain = new Strip('gain', { keys: ['kg'], read: (row) => [row.gain], limits: () => [-0.02, 1.02], digits: 2, axis: true, digitsAxis: 1 });
+    this.gain = new Strip('gain', { keys: ['kg'], read: (row) => [row.gain], limits: () => [-0.02, 1.02], digits: 2, axis: true, ticks: [0, 0.5, 1] });
     this.strips = [this.error, this.rate, this.angle, this.gain];
     for (const strip of this.strips) this.explain(strip);
     onThemeChange(() => this.strips.forEach((strip) => strip.redraw()));
@@ -104,7 +104,7 @@ export class Strips {
     this.scores = scores;
     const drifts = estimators.map((key) => [key, number(fields(fields(scores)[key]).drift_deg_per_min)])
       .filter(([, drift]) => drift !== null).map(([key, drift]) => `${key} ${fixed(drift, 1, { sign: true })}`);
-    const zero = this.zero === undefined ? '' : ` · zero set at ${this.zero}, on this page only`;
-    say(byId('zero'), (drifts.length > 0 ? `· drift of the run, °/min: ${drifts.join(', ')}` : '') + zero);
+    const zero = this.zero === undefined ? '' : `${drifts.length > 0 ? ' · ' : ''}zero set at ${this.zero}, on this page only`;
+    say(byId('zero'), (drifts.length > 0 ? `drift of the run, °/min: ${drifts.join(', ')}` : '') + zero);
   }
 }

@@ -20,17 +20,17 @@ export class Sweep {
     const next = number(state.next_rate_dps);
     const parts = [];
     if (legs !== null && legs > 0 && leg !== null) parts.push(`leg ${count(leg)} of ${count(legs)}`);
-    if (now !== null) parts.push(`now ${signed(now)} deg/s`);
-    if (next !== null) parts.push(`next ${signed(next)} deg/s`);
-    say(byId('leg'), parts.join(', ') || 'no sweep');
+    if (now !== null) parts.push(`now ${signed(now)}`);
+    if (next !== null) parts.push(`next ${signed(next)}`);
+    say(byId('leg'), parts.length === 0 ? 'no sweep' : parts.join(', ') + (now === null && next === null ? '' : ' deg/s'));
     const share = number(state.done_share);
     byId('done').value = share === null ? 0 : Math.min(1, Math.max(0, share));
     const frames = number(state.frames);
     const wanted = number(state.frames_per_leg);
     const repeated = number(state.repeated);
     const texts = [];
-    if (frames !== null) texts.push(`${count(frames)}${wanted === null || wanted === 0 ? '' : ` of ${count(wanted)}`} frames of this leg`);
-    if (repeated !== null && repeated > 0) texts.push(`${count(repeated)} legs repeated`);
+    if (frames !== null) texts.push(`${count(frames)}${wanted === null || wanted === 0 ? '' : ` of ${count(wanted)}`} frames`);
+    if (repeated !== null && repeated > 0) texts.push(`${count(repeated)} ${repeated === 1 ? 'leg' : 'legs'} repeated`);
     say(byId('leg-frames'), texts.join(', '));
     this.showSpeeds(list(state.speeds), now);
   }

@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: MIT
+// What the browser tests share: a browser, a page on a server, ways to read what is on it.
+import { mkdirSync } from 'node:fs';
+import { join } from 'node:path';
+import { chromium } from 'playwright-core';
+
+export const build = process.env.THERMORIG_BUILD;
+export const filesFolder = join(build, 'src/web/page/files');
+const output = process.env.THERMORIG_PAGE_OUTPUT;
+mkdirSync(output, { recursive: true });
+
+export function launch() {
+  return chromium.launch({ executablePath: process.env.THERMORIG_CHROMIUM, args: ['--headless', '--no-sandbox', '--disable-gpu', '--disable-quic',
+    '--no-first-run', '--disable-background-networking', '--disable-component-update', '--disable-sync'] });
+}
+
+/** A tab; `troubles` collects whatever the browser complains of: errors of scripts and refusals of the policy. */
+export async function openTab(browser, { width = 1280, height = 800, dark = false, calm = false, clock = false } = {}) {
+  const context = await browser.newContext({ viewport: { width, height }, colorScheme: dark ? 'dark' : 'light',
+    reducedMotion: calm ? 'reduce' : 'no-preference', locale: 'en-GB' });
+  const tab = await context.newPage();
+  const troubles = [];
+  tab.on('pageerror', (error) => troubles.push(String(error)));
+  tab.on('console', (message) => {
+    if (message.type() === 'error' && !/WebSocket connection|ERR_CONNECTION|Failed to load resource/.test(message.text())) troubles.push(message.text());
+  });
+  if (clock) await tab.clock.install();
+  return { tab, troubles, close: () => context.close() };
+}
+
+export const screenshot = (tab, name) => tab.screenshot({ path: join(output, `${name}.png`) });
+
+/** The data of a plot: its times, then a column a line. */
+export const stripData = (tab, id) => tab.evaluate((name) => document.querySelector(`#${name} .plot`).strip.data, id);
+
+export const imagePixels = (tab) => tab.evaluate(() => {
+  const canvas = document.getElementById('image');
+  return [...canvas.getContext('2d').getImageData(0, 0, canvas.width, canvas.height).data];
+});
+
+export const textOf = (tab, selector) => tab.locator(selector).textContent();
+
+/** Waits on the test's own clock, for pages whose clock stands still. */
+export async function until(condition, what, milliseconds = 8000) {
+  const end = performance.now() + milliseconds;
+  while (performance.now() < end) {
+    if (await condition()) return;
+    await new Promise((done) => setTimeout(done, 20));
+  }
+  throw new Error(`not within ${milliseconds} ms: ${what}`);
+}
