@@ -4,8 +4,8 @@
 namespace thermorig::session {
 
 inline constexpr const char* format_name = "thermorig-session";
-inline constexpr const char* format_version = "1.1.0";
+inline constexpr const char* format_version = "1.2.0";
 inline constexpr unsigned format_major = 1;
-inline constexpr unsigned format_minor = 1;
+inline constexpr unsigned format_minor = 2;
 
 }  // namespace thermorig::session

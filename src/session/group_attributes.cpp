@@ -201,6 +201,18 @@ void write_samples_attributes(hid_t group, const Session& session) {
   set_attribute(group, "settle_s", session.settle_s);
 }
 
+void write_estimates_attributes(hid_t group, const Session& session) {
+  const LiveModel& model = session.raw.header.live_model;
+  plot_as(group, model.fusion ? "rate_fusion" : "rate_gyro", {"time"}, {"rate_commanded"});
+  set_attribute(group, "model", model.name);
+  set_attribute(group, "model_hash", model.hash);
+  set_attribute(group, "model_frames", model.frames);
+  set_attribute(group, "model_reduction", model.reduction);
+  set_attribute(group, "model_fusion", flag(model.fusion));
+  set_attribute(group, "model_simulated", flag(model.simulated));
+  set_attribute(group, "label_scale_dps", model.label_scale_dps);
+}
+
 void write_environment_attributes(hid_t group, const Session& session) {
   const auto& header = session.raw.header;
   set_attribute(group, "NX_class", "NXenvironment");

@@ -14,6 +14,7 @@ void write_servo_attributes(hid_t group, const Session& session);
 void write_sync_attributes(hid_t group, const Session& session);
 void write_clock_attributes(hid_t group, const ClockReport& clock);
 void write_samples_attributes(hid_t group, const Session& session);
+void write_estimates_attributes(hid_t group, const Session& session);
 void write_environment_attributes(hid_t group, const Session& session);
 void write_rig_attributes(hid_t group, const Session& session);
 void write_raw_attributes(hid_t group, const wire::Counters& counters);

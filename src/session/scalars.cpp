@@ -59,6 +59,8 @@ std::uint32_t scalars_crc32(const Session& session, const std::string& header_te
       text += fmt::format(" {}", session.counters[device].*counter.member);
   text += header_text;
   if (minor_version >= 1) text += sync_text(session.sync);
+  // So that a file whose /estimates is damaged is not taken for one that never had any.
+  if (!session.raw.estimates.empty()) text += fmt::format(" {}", session.raw.estimates.size());
   return libdeflate_crc32(0, text.data(), text.size());
 }
 

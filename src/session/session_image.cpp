@@ -9,6 +9,7 @@
 #include "attributes.h"
 #include "chunk_codec.h"
 #include "chunk_writer.h"
+#include "estimate_columns.h"
 #include "group_attributes.h"
 #include "group_writer.h"
 #include "recording_columns.h"
@@ -63,6 +64,7 @@ class ImageBuilder {
     write_servo();
     write_sync();
     write_samples();
+    if (!session_.raw.estimates.empty()) write_estimates();
     write_events();
     write_texts();
     write_quality();
@@ -120,6 +122,13 @@ class ImageBuilder {
     write_samples_attributes(samples.id(), session_);
     sample_columns(samples, session_.samples);
     samples.set_computed_mask("reason_bits", computed_bits);
+  }
+
+  void write_estimates() {
+    auto estimates = group("/estimates");
+    write_estimates_attributes(estimates.id(), session_);
+    estimate_columns(estimates, session_.raw.estimates);
+    estimates.set_computed_mask("reason_bits", computed_bits);
   }
 
   void write_events() {

@@ -9,6 +9,7 @@
 
 #include "attributes.h"
 #include "counters_list.h"
+#include "estimate_columns.h"
 #include "format.h"
 #include "group_reader.h"
 #include "recording_columns.h"
@@ -65,6 +66,10 @@ class SessionFile {
 
   GroupReader group(const std::string& path) const { return GroupReader(id(), path, facts_); }
 
+  bool has_group(const char* path) const {
+    return check(H5Lexists(id(), path, H5P_DEFAULT), "look for groups") > 0;
+  }
+
   RecordingHeader read_header() {
     header_text_ = get_text_attribute(group("/rig").id(), "header_json");
     auto header = recording_header::header_from_json_text(header_text_, path_.string());
@@ -98,6 +103,20 @@ RawStream read_stream(const SessionFile& file, const std::string& name, const ch
   return stream;
 }
 
+/// Of a live run; other sessions have none.
+std::vector<LiveEstimate> read_estimates(const SessionFile& file) {
+  std::vector<LiveEstimate> rows;
+  if (!file.has_group("/estimates")) return rows;
+  auto group = file.group("/estimates");
+  estimate_columns(group, rows);
+  const auto not_ascending = [](const LiveEstimate& a, const LiveEstimate& b) {
+    return a.frame_index >= b.frame_index;
+  };
+  if (std::adjacent_find(rows.begin(), rows.end(), not_ascending) != rows.end())
+    throw Hdf5Failure("believe /estimates/frame: it does not ascend");
+  return rows;
+}
+
 RawRecording read_recording(SessionFile& file) {
   RawRecording raw;
   raw.header = file.read_header();
@@ -108,6 +127,7 @@ RawRecording read_recording(SessionFile& file) {
   event_columns(events, raw.events);
   auto servo = file.group("/servo");
   step_columns(servo, raw.legs);
+  raw.estimates = read_estimates(file);
   raw.complete = get_attribute<std::uint8_t>(file.id(), "closed_by_recorder") != 0;
   raw.end_time = host_time_ns(get_attribute<std::int64_t>(file.id(), "end_time_ns"));
   return raw;

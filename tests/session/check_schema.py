@@ -85,9 +85,22 @@ def check_sync(file):
         yield "camera/half_age is not time - half_end"
 
 
+def check_estimates(file):
+    if "estimates" not in file:
+        return
+    estimates = file["estimates"]
+    for name in ("frame", "rate_commanded", "rate_gyro", "rate_thermal", "rate_fusion", "gain", "counted", "reason_bits",
+                 "leg", "run", "exposure_begin", "exposure_end", "arrival_ns"):
+        if estimates[name].shape != estimates["time"].shape:
+            yield f"estimates/{name} is not as long as time"
+    attributes = estimates.attrs
+    if (attributes["NX_class"], attributes["signal"], attributes["model"]) != ("NXdata", "rate_fusion", "best.onnx"):
+        yield "estimates is not marked for viewers, or does not name its model"
+
+
 def check_root(file):
     expected = {"NX_class": "NXroot", "default": "samples", "format": "thermorig-session",
-                "format_version": "1.1.0", "simulated": 1, "simulation_seed": 3, "state": "complete",
+                "format_version": "1.2.0", "simulated": 1, "simulation_seed": 3, "state": "complete",
                 "Conventions": "CF-1.10", "start_time": "2026-07-25T14:35:59.900001Z",
                 "time_reference": "2026-07-25T14:35:59.900001Z"}
     for name, value in expected.items():
@@ -95,7 +108,8 @@ def check_root(file):
             yield f"root attribute {name} is {file.attrs.get(name)!r}"
     names = []
     file.id.links.iterate(lambda name: names.append(name.decode()), idx_type=h5py.h5.INDEX_CRT_ORDER)
-    if names != ["camera", "gyro", "servo", "sync", "samples", "events", "environment", "rig", "quality", "raw"]:
+    live = ["estimates"] if "estimates" in file else []
+    if names != ["camera", "gyro", "servo", "sync", "samples", *live, "events", "environment", "rig", "quality", "raw"]:
         yield f"groups in the order of creation: {names}"
     if file["environment"].attrs["difficulty"] != "high":
         yield "the garden is not marked as difficult"
@@ -108,6 +122,7 @@ def check(path, frames):
         yield from check_root(file)
         yield from check_groups(file, frames)
         yield from check_sync(file)
+        yield from check_estimates(file)
         for dataset in datasets(file):
             dataset[()]  # stock filters: inflates and holds every chunk against its fletcher32
             yield from check_dataset(dataset)

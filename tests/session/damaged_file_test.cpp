@@ -61,7 +61,7 @@ TEST_F(DamagedSession, CutAnywhereIsRefused) {
 }
 
 TEST_F(DamagedSession, FlippedBytesAreRefusedOrChangeNothing) {
-  const Session truth = synthetic_session(20);
+  const Session truth = synthetic_live_session(20);
   write_session(path("whole.h5"), truth);
   const auto whole = read_file(path("whole.h5"));
   std::mt19937 random(11);

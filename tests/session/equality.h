@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "../support/same_row.h"
 #include "thermorig/session/session.h"
 
 namespace thermorig::session {
@@ -159,6 +160,7 @@ inline std::string difference(const RawRecording& a, const RawRecording& b) {
   if (!same(a.sent, b.sent)) names += "sent ";
   if (!same(a.events, b.events)) names += "events ";
   if (!same(a.legs, b.legs)) names += "legs ";
+  if (!live::same_rows(a.estimates, b.estimates)) names += "estimates ";
   if (a.complete != b.complete || a.end_time != b.end_time) names += "end ";
   const auto &x = a.header, &y = b.header;
   if (x.uuid != y.uuid || x.environment != y.environment || x.title != y.title ||

@@ -32,6 +32,24 @@ TEST_F(SessionFile, GivesBackEverythingThatWasWritten) {
   EXPECT_EQ(files_in(folder_), 1U) << "a temporary file was left behind";
 }
 
+TEST_F(SessionFile, GivesBackTheRowsOfALiveRunBitForBit) {
+  const Session session = synthetic_live_session(170);
+  write_session(path(), session);
+  EXPECT_EQ(difference(session, read_session(path())), "");
+  const RawRecording raw = read_raw(path());
+  EXPECT_EQ(difference(session.raw, raw), "");
+  EXPECT_EQ(raw.estimates.size(), 85U);
+  EXPECT_EQ(raw.header.live_model.name, "best.onnx");
+  EXPECT_EQ(raw.header.live_model.hash, std::string(64, 'a'));
+}
+
+TEST_F(SessionFile, WithRowsOfALiveRunOutOfOrderIsRefused) {
+  Session session = synthetic_live_session(20);
+  std::swap(session.raw.estimates[3], session.raw.estimates[4]);
+  write_session(path(), session);
+  EXPECT_THROW(read_session(path()), Error);
+}
+
 TEST_F(SessionFile, HoldsARecordingInWhichNothingCame) {
   Session session = synthetic_session(0);
   session.state = State::partial;

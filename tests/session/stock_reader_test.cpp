@@ -51,6 +51,12 @@ TEST_F(StockReader, FindsNamesUnitsScalesFiltersAndValues) {
   EXPECT_EQ(output.status, 0) << output.text;
 }
 
+TEST_F(StockReader, FindsTheRowsOfALiveRun) {
+  write_session(path(), synthetic_live_session(150));
+  const Output output = check(path().string() + " 150");
+  EXPECT_EQ(output.status, 0) << output.text;
+}
+
 TEST_F(StockReader, ReadsASessionInWhichNothingCame) {
   write_session(path(), synthetic_session(0));
   const Output output = check(path().string() + " 0");

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cmath>
+#include <limits>
 #include <random>
 
 #include "servo_link.h"
@@ -203,6 +204,33 @@ class SyntheticSession {
 
 inline Session synthetic_session(std::size_t frames, std::uint32_t seed = 1) {
   return SyntheticSession(frames, seed).take();
+}
+
+/// The same with what a live run showed of every other frame.
+inline Session synthetic_live_session(std::size_t frames) {
+  Session session = synthetic_session(frames);
+  session.raw.header.live_model = {"best.onnx", std::string(64, 'a'), 3, 1, true, true, 200.0};
+  for (std::size_t i = 0; i < session.samples.size(); i += 2) {
+    const LabelledSample& sample = session.samples[i];
+    const auto number = static_cast<float>(i);
+    LiveEstimate row{.frame_index = sample.frame_index,
+                     .time = sample.time + HostDuration(i),
+                     .exposure_begin = sample.exposure_begin,
+                     .exposure_end = sample.exposure_end,
+                     .arrival = sample.time + std::chrono::milliseconds(40),
+                     .rate_commanded_dps = sample.rate_commanded_dps,
+                     .rate_gyro_dps = 0.1F * number,
+                     .rate_thermal_dps = -0.0F,
+                     .rate_fusion_dps = 1.0F / (number + 3.0F),
+                     .gain = 0.001F * number,
+                     .reason_bits = sample.reason_bits,
+                     .run = sample.run,
+                     .leg = sample.leg,
+                     .counted = i % 4 == 0};
+    if (i % 6 == 0) row.rate_fusion_dps = row.gain = std::numeric_limits<float>::quiet_NaN();
+    session.raw.estimates.push_back(row);
+  }
+  return session;
 }
 
 }  // namespace thermorig::session
