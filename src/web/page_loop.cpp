@@ -31,6 +31,9 @@ using Clock = std::chrono::steady_clock;
 using std::chrono_literals::operator""ms;
 using std::chrono_literals::operator""s;
 
+// g++ 12 destroys a class that is made within a co_await expression twice: what a
+// coroutine takes is a variable of the caller's, by reference, or a shared_ptr that the caller has.
+
 namespace {
 
 constexpr std::size_t connections_max = 64;      // that are no streams
@@ -247,7 +250,8 @@ struct PageLoop::Impl {
     co_await http::async_read_header(connection->stream, buffer, parser, into(error));
     connection->idle = false;
     if (error) {
-      if (const auto refusal = refusal_of(error)) co_await refuse(*connection, Request(), *refusal);
+      const Request unknown;
+      if (const auto refusal = refusal_of(error)) co_await refuse(*connection, unknown, *refusal);
       co_return false;
     }
     auto refusal = check_size(parser.get());
@@ -256,21 +260,19 @@ struct PageLoop::Impl {
       co_await refuse(*connection, parser.get(), *refusal);
       co_return false;
     }
-    switch (*route(view(parser.get().target()))) {
-      case Route::asset:
-        co_return co_await send(*connection, parser.get(),
-                                asset_answer(*asset(view(parser.get().target())), parser.get()));
-      case Route::order:
-        co_return co_await take_order(*connection, parser, buffer);
-      case Route::stream:
-        co_await open_stream(connection, parser.get(), buffer);
-        co_return false;
+    const auto target = view(parser.get().target());
+    const Route where = *route(target);
+    if (where == Route::order) co_return co_await take_order(*connection, parser, buffer);
+    if (where == Route::asset) {
+      Answer answer = asset_answer(*asset(target), parser.get());
+      co_return co_await send(*connection, parser.get(), answer);
     }
+    co_await open_stream(connection, parser.get(), buffer);
     co_return false;
   }
 
   /// Whether the connection stays open.
-  asio::awaitable<bool> send(Connection& connection, const Request& request, Answer answer) {
+  asio::awaitable<bool> send(Connection& connection, const Request& request, Answer& answer) {
     const bool stays = !leaving && request.keep_alive() && answer.result_int() < 400;
     set_common_fields(answer, host_of(request, gate));
     answer.keep_alive(stays);
@@ -282,8 +284,9 @@ struct PageLoop::Impl {
     co_return stays && !error;
   }
 
-  asio::awaitable<void> refuse(Connection& connection, const Request& request, Refusal refusal) {
-    co_await send(connection, request, refusal_answer(refusal));
+  asio::awaitable<void> refuse(Connection& connection, const Request& request, const Refusal& refusal) {
+    Answer answer = refusal_answer(refusal);
+    co_await send(connection, request, answer);
     // Closing while bytes are unread would reset the connection, and the client might never see the answer.
     error_code error;
     connection.stream.socket().shutdown(tcp::socket::shutdown_send, error);
@@ -305,9 +308,12 @@ struct PageLoop::Impl {
     } else {
       refusal = carry_out(parser.get());
     }
-    if (!refusal) co_return co_await send(connection, parser.get(), Answer(http::status::no_content, 11));
-    co_await refuse(connection, parser.get(), *refusal);
-    co_return false;
+    if (refusal) {
+      co_await refuse(connection, parser.get(), *refusal);
+      co_return false;
+    }
+    Answer done(http::status::no_content, 11);
+    co_return co_await send(connection, parser.get(), done);
   }
 
   std::optional<Refusal> carry_out(const Request& request) {
@@ -324,23 +330,26 @@ struct PageLoop::Impl {
 
   // --- streams -----------------------------------------------------------------------------------------
 
-  asio::awaitable<void> open_stream(std::shared_ptr<Connection> connection, Request request,
-                                    beast::flat_buffer& buffer) {
-    if (buffer.size() > 0) {
-      co_await refuse(*connection, request, {400, "a stream's first message waits for the answer"});
-      co_return;
-    }
-    if (client_count >= options.clients || leaving) {
-      co_await refuse(*connection, request,
-                      {503, fmt::format("{} pages are open already; close one of them", options.clients)});
+  asio::awaitable<void> open_stream(std::shared_ptr<Connection> connection, const Request& request,
+                                    const beast::flat_buffer& buffer) {
+    if (const auto refusal = check_stream(buffer.size())) {
+      co_await refuse(*connection, request, *refusal);
       co_return;
     }
     evict_unknown_streams();
     const auto client = std::make_shared<Client>(std::move(connection->stream), options.queue_bytes);
     connections.remove(connection);
     clients.push_back(client);
-    co_await hold_stream(client, std::move(request));
+    co_await hold_stream(client, request);
     part_with(client);
+  }
+
+  /// May one more stream be opened now? `bytes_ahead`: that came before the answer.
+  std::optional<Refusal> check_stream(std::size_t bytes_ahead) const {
+    if (bytes_ahead > 0) return Refusal{400, "a stream's first message waits for the answer"};
+    if (leaving) return Refusal{503, "the run is over"};
+    if (client_count < options.clients) return std::nullopt;
+    return Refusal{503, fmt::format("{} pages are open already; close one of them", options.clients)};
   }
 
   /// Streams that show no token keep nobody out, as connections that say nothing do not.
@@ -363,7 +372,7 @@ struct PageLoop::Impl {
     stop_if_done();
   }
 
-  asio::awaitable<void> hold_stream(std::shared_ptr<Client> client, Request request) {
+  asio::awaitable<void> hold_stream(std::shared_ptr<Client> client, const Request& request) {
     set_up(*client, host_of(request, gate));
     wait_for_token(client);
     error_code error;

@@ -1,0 +1,363 @@
+// SPDX-License-Identifier: MIT
+// What a hostile page, another user or a broken client tries. docs/live_page.md has the same list.
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+
+#include "served_page.h"
+
+namespace thermorig::web {
+
+using namespace std::chrono_literals;
+using ::testing::HasSubstr;
+
+class Refusals : public ServedPage {};
+
+// --- who asks ---------------------------------------------------------------------------------------------
+
+TEST_F(Refusals, AForeignHostIsRefused) {
+  EXPECT_EQ(get_with_host("rig.example:80").status, 403);
+  EXPECT_EQ(get_with_host("192.168.1.5:" + std::to_string(server().port())).status, 403);
+  EXPECT_EQ(get_with_host("0.0.0.0:" + std::to_string(server().port())).status, 403);
+}
+
+TEST_F(Refusals, AHostWithAnotherPortIsRefused) {
+  EXPECT_EQ(get_with_host("127.0.0.1:1").status, 403);
+  EXPECT_EQ(get_with_host("127.0.0.1").status, 403);
+  EXPECT_EQ(get_with_host(host() + "0").status, 403);
+}
+
+TEST_F(Refusals, ANameThatDnsBindsToLoopbackIsRefused) {
+  const std::string port = std::to_string(server().port());
+  EXPECT_EQ(get_with_host("127.0.0.1.nip.example:" + port).status, 403);
+  EXPECT_EQ(get_with_host("localhost.attacker.example:" + port).status, 403);
+  EXPECT_EQ(get_with_host("user@127.0.0.1:" + port).status, 403);
+}
+
+TEST_F(Refusals, AMissingHostIsRefused) {
+  EXPECT_EQ(reply_to("GET / HTTP/1.1\r\n\r\n").status, 403);
+}
+
+TEST_F(Refusals, TwoHostsAreRefused) {
+  EXPECT_EQ(reply_to(fmt::format("GET / HTTP/1.1\r\nHost: {0}\r\nHost: {0}\r\n\r\n", host())).status, 403);
+}
+
+TEST_F(Refusals, TheHostIsCheckedBeforeTheTarget) {
+  EXPECT_EQ(reply_to("DELETE /nothing HTTP/1.1\r\nHost: a.example\r\n\r\n").status, 403);
+}
+
+TEST_F(Refusals, AForeignOriginOfAPostIsRefused) {
+  const std::string rest = json_type() + authorization();
+  EXPECT_EQ(stop_with("Origin: http://a.example\r\n" + rest).status, 403);
+  EXPECT_EQ(stop_with("Origin: null\r\n" + rest).status, 403);
+  EXPECT_EQ(stop_with("Origin: https://" + host() + "\r\n" + rest).status, 403);
+  EXPECT_EQ(stop_with(own_origin() + "Origin: http://a.example\r\n" + rest).status, 403);
+  EXPECT_TRUE(orders().empty());
+}
+
+TEST_F(Refusals, APostWithoutOriginIsRefused) {
+  EXPECT_EQ(stop_with(json_type() + authorization()).status, 403);
+  EXPECT_TRUE(orders().empty());
+}
+
+TEST_F(Refusals, AForeignOriginOfAStreamIsRefused) {
+  EXPECT_EQ(connect().upgrade("Origin: http://a.example\r\n").status, 403);
+  EXPECT_EQ(connect().upgrade("Origin: http://localhost:1\r\n").status, 403);
+}
+
+TEST_F(Refusals, AStreamWithoutOriginIsRefused) {
+  EXPECT_EQ(connect().upgrade("").status, 403);
+}
+
+TEST_F(Refusals, AnotherSiteGetsNoPermissionFromAPreflight) {
+  const auto reply = reply_to(fmt::format(
+      "OPTIONS /stop HTTP/1.1\r\nHost: {}\r\nOrigin: http://a.example\r\n"
+      "Access-Control-Request-Method: POST\r\nAccess-Control-Request-Headers: authorization\r\n\r\n",
+      host()));
+  EXPECT_EQ(reply.status, 405);
+  EXPECT_EQ(reply.headers.find("Access-Control"), std::string::npos);
+}
+
+// --- the token --------------------------------------------------------------------------------------------
+
+TEST_F(Refusals, AMissingTokenIsRefused) {
+  EXPECT_EQ(stop_with(own_origin() + json_type()).status, 401);
+  EXPECT_TRUE(orders().empty());
+}
+
+TEST_F(Refusals, AWrongTokenIsRefused) {
+  std::string wrong = token();
+  wrong.back() = wrong.back() == '0' ? '1' : '0';
+  EXPECT_EQ(connect().post("/stop", wrong, "{}").status, 401);
+  EXPECT_TRUE(orders().empty());
+}
+
+TEST_F(Refusals, ATokenOfAnotherLengthIsRefused) {
+  EXPECT_EQ(connect().post("/stop", token().substr(1), "{}").status, 401);
+  EXPECT_EQ(connect().post("/stop", token() + "0", "{}").status, 401);
+  EXPECT_EQ(connect().post("/stop", "", "{}").status, 401);
+  EXPECT_TRUE(orders().empty());
+}
+
+TEST_F(Refusals, ATokenInTheAddressIsRefused) {
+  EXPECT_EQ(connect().post("/stop?t=" + token(), "", "{}").status, 404);
+  EXPECT_EQ(stop_with(own_origin() + json_type() + "Authorization: Basic " + token() + "\r\n").status, 401);
+}
+
+TEST_F(Refusals, AWrongTokenClosesTheStream) {
+  PageClient client = open_stream(server().port(), std::string(32, '0'));
+  EXPECT_EQ(client.receive().close_code, 1008);
+  EXPECT_EQ(server().clients(), 0U);
+}
+
+TEST_F(Refusals, AFirstMessageThatIsNoTokenClosesTheStream) {
+  for (const std::string message :
+       {"", "{", "[]", "\"token\"", R"({"token":1})", R"({"token":{"token":""}})", "{}"}) {
+    PageClient client = connect();
+    ASSERT_EQ(client.upgrade().status, 101);
+    client.send_text(message);
+    EXPECT_EQ(client.receive().close_code, 1008) << message;
+  }
+}
+
+TEST_F(Refusals, ABinaryFirstMessageClosesTheStream) {
+  PageClient client = connect();
+  ASSERT_EQ(client.upgrade().status, 101);
+  client.send_frame(2, fmt::format(R"({{"token":"{}"}})", token()));
+  EXPECT_EQ(client.receive().close_code, 1003);
+}
+
+TEST_F(Refusals, UnmaskedFramesCloseTheStream) {
+  PageClient client = connect();
+  ASSERT_EQ(client.upgrade().status, 101);
+  client.send_frame(1, fmt::format(R"({{"token":"{}"}})", token()), false);
+  EXPECT_EQ(client.receive().close_code, 1002);
+  EXPECT_EQ(server().clients(), 0U);
+}
+
+TEST_F(Refusals, AnOversizedFirstMessageClosesTheStream) {
+  PageClient client = connect();
+  ASSERT_EQ(client.upgrade().status, 101);
+  client.send_text(std::string(5000, ' '));
+  EXPECT_EQ(client.receive().close_code, 1009);
+}
+
+TEST_F(Refusals, ASecondMessageClosesTheStream) {
+  PageClient client = open_stream(server().port(), token());
+  client.send_text("{}");
+  EXPECT_EQ(client.receive().close_code, 1008);
+}
+
+TEST_F(Refusals, AStreamThatIsSlowWithItsTokenIsClosed) {
+  options_.token_time = 150ms;
+  PageClient client = connect();
+  ASSERT_EQ(client.upgrade().status, 101);
+  EXPECT_TRUE(client.is_closed());
+}
+
+// --- sizes and times --------------------------------------------------------------------------------------
+
+TEST_F(Refusals, AnOversizedRequestLineIsRefused) {
+  EXPECT_EQ(connect().get("/" + std::string(9'000, 'a')).status, 414);
+}
+
+TEST_F(Refusals, OversizedHeadersAreRefused) {
+  EXPECT_EQ(connect().get("/", "X-A: " + std::string(20'000, 'a') + "\r\n").status, 431);
+  std::string many;
+  for (int i = 0; i < 2'000; ++i) many += fmt::format("X-{}: a\r\n", i);
+  EXPECT_EQ(connect().get("/", many).status, 431);
+}
+
+TEST_F(Refusals, AnOversizedBodyIsRefused) {
+  EXPECT_EQ(connect().post("/mark", token(), std::string(70'000, ' ')).status, 413);
+  EXPECT_TRUE(orders().empty());
+}
+
+TEST_F(Refusals, SlowHeadersEndTheConnection) {
+  options_.header_time = 150ms;
+  PageClient client = connect();
+  client.send("GET / HTTP/1.1\r\nHost:");
+  EXPECT_TRUE(client.is_closed());
+}
+
+TEST_F(Refusals, HeadersThatDripEndTheConnection) {
+  options_.header_time = 300ms;
+  PageClient client = connect();
+  client.send("GET / HTTP/1.1\r\n");
+  bool closed = false;
+  for (int i = 0; i < 1'000 && !closed; ++i) {
+    client.send("X: a\r\n");
+    closed = client.is_closed(10ms);
+  }
+  EXPECT_TRUE(closed);
+}
+
+TEST_F(Refusals, ASlowBodyEndsTheConnection) {
+  options_.header_time = 150ms;
+  PageClient client = connect();
+  client.send("POST /stop HTTP/1.1\r\nHost: " + host() + "\r\n" + own_origin() + json_type() +
+              authorization() + "Content-Length: 2\r\n\r\n{");
+  EXPECT_TRUE(client.is_closed());
+  EXPECT_TRUE(orders().empty());
+}
+
+// --- what is asked ----------------------------------------------------------------------------------------
+
+TEST_F(Refusals, APathTraversalFindsNothing) {
+  for (const std::string target :
+       {"/../etc/passwd", "/..", "//", "//etc/passwd", "/%2e%2e/etc/passwd", "/%2e", "/./", "/page.js/",
+        "/page.js%00", "/..%2f..%2fetc/passwd", "/\\..\\etc", "/PAGE.JS", "/page.css;a"})
+    EXPECT_EQ(connect().get(target).status, 404) << target;
+}
+
+TEST_F(Refusals, AQueryFindsNothing) {
+  EXPECT_EQ(connect().get("/?a=1").status, 404);
+  EXPECT_EQ(connect().get("/page.js?").status, 404);
+}
+
+TEST_F(Refusals, AnAbsoluteTargetFindsNothing) {
+  EXPECT_EQ(connect().get("http://" + host() + "/").status, 404);
+  EXPECT_EQ(reply_to(fmt::format("OPTIONS * HTTP/1.1\r\nHost: {}\r\n\r\n", host())).status, 404);
+}
+
+TEST_F(Refusals, AWrongMethodIsToldTheRightOne) {
+  const auto with_method = [&](const std::string& method, const std::string& target) {
+    return reply_to(fmt::format("{} {} HTTP/1.1\r\nHost: {}\r\n\r\n", method, target, host()));
+  };
+  EXPECT_EQ(with_method("DELETE", "/").status, 405);
+  EXPECT_EQ(with_method("DELETE", "/").field("Allow"), "GET, HEAD");
+  EXPECT_EQ(with_method("GET", "/stop").field("Allow"), "POST");
+  EXPECT_EQ(with_method("POST", "/stream").field("Allow"), "GET");
+  EXPECT_EQ(with_method("TRACE", "/").status, 405);
+  EXPECT_EQ(with_method("MADEUP", "/").status, 405);
+  EXPECT_EQ(with_method("CONNECT", "a.example:80").status, 404);
+}
+
+TEST_F(Refusals, AStreamThatIsNoWebSocketIsRefused) {
+  EXPECT_EQ(connect().get("/stream", own_origin()).status, 426);
+}
+
+TEST_F(Refusals, PipelinedGarbageEndsTheConnection) {
+  PageClient client = connect();
+  client.send(fmt::format("GET /page.css HTTP/1.1\r\nHost: {}\r\n\r\n\x01\x02 garbage\r\n\r\n", host()));
+  EXPECT_EQ(client.reply().status, 200);
+  EXPECT_EQ(client.reply().status, 400);
+  EXPECT_TRUE(client.is_closed());
+}
+
+TEST_F(Refusals, WhatIsNoHttpIsRefused) {
+  EXPECT_EQ(reply_to("\x16\x03\x01\x02\x01\x01 a TLS client hello\r\n\r\n").status, 400);
+  EXPECT_EQ(reply_to("GET / HTTP/9.9\r\n\r\n").status, 400);
+}
+
+TEST_F(Refusals, AChunkedBodyIsRefused) {
+  EXPECT_EQ(reply_to("POST /stop HTTP/1.1\r\nHost: " + host() + "\r\n" + own_origin() + json_type() +
+                     authorization() + "Transfer-Encoding: chunked\r\n\r\n2\r\n{}\r\n0\r\n\r\n")
+                .status,
+            411);
+  EXPECT_TRUE(orders().empty());
+}
+
+TEST_F(Refusals, ConflictingLengthsAreRefused) {
+  const std::string fields = own_origin() + json_type() + authorization();
+  EXPECT_EQ(stop_with(fields + "Transfer-Encoding: chunked\r\n", "0\r\n\r\n").status, 400);
+  EXPECT_EQ(stop_with(fields + "Content-Length: 0\r\n").status, 400);
+  EXPECT_EQ(stop_with(fields + "Content-Length: -1\r\n").status, 400);
+  EXPECT_TRUE(orders().empty());
+}
+
+TEST_F(Refusals, ARequestHiddenInABodyIsNotServed) {
+  const std::string hidden = fmt::format("GET /page.css HTTP/1.1\r\nHost: {}\r\n\r\n", host());
+  PageClient client = connect();
+  client.send(fmt::format("GET / HTTP/1.1\r\nHost: {}\r\nContent-Length: {}\r\n\r\n{}", host(), hidden.size(),
+                          hidden));
+  EXPECT_EQ(client.reply().status, 400);
+  EXPECT_TRUE(client.is_closed());
+}
+
+TEST_F(Refusals, AnotherTypeOfContentIsRefused) {
+  const std::string rest = own_origin() + authorization();
+  EXPECT_EQ(stop_with(rest).status, 415);
+  EXPECT_EQ(stop_with(rest + "Content-Type: text/plain\r\n").status, 415);
+  EXPECT_EQ(stop_with(rest + "Content-Type: application/jsonp\r\n").status, 415);
+  EXPECT_TRUE(orders().empty());
+}
+
+TEST_F(Refusals, ABodyThatIsNoOrderIsRefused) {
+  const std::string deep(30'000, '[');
+  for (const std::string& body : {std::string(""), std::string("{"), std::string("[]"), std::string("1"), deep,
+                                 std::string(R"({"a":{"b":1}})"), std::string("{\"note\":\"\xff\"}")})
+    EXPECT_EQ(connect().post("/mark", token(), body).status, 400) << body.substr(0, 20);
+  EXPECT_TRUE(orders().empty());
+}
+
+TEST_F(Refusals, StartWithoutControlIsRefused) {
+  const auto reply = connect().post("/start", token(), "{}");
+  EXPECT_EQ(reply.status, 403);
+  EXPECT_THAT(reply.body, HasSubstr("--control"));
+  EXPECT_TRUE(orders().empty());
+}
+
+TEST_F(Refusals, ControlCharactersInAMarkAreRefused) {
+  for (const std::string note :
+       {R"(\u001b[2J)", R"(a\nb)", R"(\u0007)", R"(\u007f)", R"(\u009b31m)", R"(\u202eabc)"})
+    EXPECT_EQ(connect().post("/mark", token(), fmt::format(R"({{"note":"{}"}})", note)).status, 400) << note;
+  EXPECT_EQ(connect().post("/mark", token(), "{\"note\":\"\x1b[2J\"}").status, 400);
+  EXPECT_TRUE(orders().empty());
+}
+
+TEST_F(Refusals, ALongMarkIsRefused) {
+  EXPECT_EQ(connect().post("/mark", token(), fmt::format(R"({{"note":"{:a>201}"}})", "")).status, 400);
+  EXPECT_TRUE(orders().empty());
+}
+
+// --- how many ---------------------------------------------------------------------------------------------
+
+TEST_F(Refusals, TheNinthClientIsRefusedWithASentence) {
+  std::vector<PageClient> open;
+  for (int i = 0; i < 8; ++i) open.push_back(open_stream(server().port(), token()));
+  ASSERT_TRUE(comes_true([&] { return server().clients() == 8; }));
+  const auto reply = connect().upgrade();
+  EXPECT_EQ(reply.status, 503);
+  EXPECT_THAT(reply.body, HasSubstr("8 pages are open already"));
+  open.pop_back();
+  ASSERT_TRUE(comes_true([&] { return server().clients() == 7; }));
+  EXPECT_EQ(connect().upgrade().status, 101);
+}
+
+TEST_F(Refusals, StreamsThatWaitedTogetherDoNotExceedTheLimit) {
+  options_.clients = 2;
+  std::vector<PageClient> open;
+  for (int i = 0; i < 3; ++i) {
+    open.push_back(connect());
+    ASSERT_EQ(open.back().upgrade().status, 101);
+  }
+  for (auto& client : open) {
+    client.send_text(fmt::format(R"({{"token":"{}"}})", token()));
+    comes_true([&] { return server().clients() == 1; });
+  }
+  EXPECT_EQ(open.back().receive().close_code, 1013);
+  EXPECT_EQ(server().clients(), 2U);
+}
+
+TEST_F(Refusals, StreamsWithoutTokenKeepNobodyOut) {
+  std::vector<PageClient> silent;
+  for (int i = 0; i < 40; ++i) {
+    silent.push_back(connect());
+    ASSERT_EQ(silent.back().upgrade().status, 101);
+  }
+  PageClient client = open_stream(server().port(), token());
+  EXPECT_TRUE(comes_true([&] { return server().clients() == 1; }));
+  EXPECT_TRUE(silent.front().is_closed());
+}
+
+TEST_F(Refusals, AThousandConnectionsThatSayNothingLeaveTheServerServing) {
+  std::vector<PageClient> silent;
+  silent.reserve(800);
+  for (int i = 0; i < 800; ++i) silent.push_back(connect());
+  for (int i = 0; i < 200; ++i) connect();
+  EXPECT_EQ(connect().get("/").status, 200);
+  EXPECT_EQ(connect().post("/stop", token(), "{}").status, 204);
+  EXPECT_EQ(orders().size(), 1U);
+}
+
+}  // namespace thermorig::web
