@@ -4,6 +4,7 @@ import { plain } from './text.js';
 const shortestWait = 500;  // ms between attempts, doubled up to
 const longestWait = 5000;
 const silentAfter = 4000;  // an open stream from which nothing comes is given up and opened again
+const probeTime = 2000;    // ms for an answer
 const refused = 1008;      // the server's close code for a wrong token
 
 const tokenForm = /^[0-9a-f]{32}$/i;
@@ -55,9 +56,14 @@ export class Connection {
     socket.onclose = ({ code }) => {
       if (socket !== this.socket) return;
       if (code === refused) this.refuse();
-      this.again(this.wait);
-      this.wait = Math.min(longestWait, this.wait * 2);
+      this.later();
     };
+  }
+
+  /** Tries again, after a wait that grows. */
+  later() {
+    this.again(this.wait);
+    this.wait = Math.min(longestWait, this.wait * 2);
   }
 
   /** Tries again after `wait` ms. */
@@ -66,7 +72,21 @@ export class Connection {
     this.socket = undefined;
     old?.close();
     clearTimeout(this.timer);
-    this.timer = setTimeout(() => this.open(), wait);
+    this.timer = setTimeout(() => this.probe(), wait);
+  }
+
+  /** Asks for a small file before the stream: browsers delay streams to a host where many have failed by seconds. */
+  async probe() {
+    const timer = this.timer;
+    let answers = false;
+    try {
+      answers = (await fetch('/icon.svg', { cache: 'no-store', signal: AbortSignal.timeout(probeTime) })).ok;
+    } catch {
+      // it does not
+    }
+    if (timer !== this.timer) return;
+    if (answers) this.open();
+    else this.later();
   }
 
   receive(data) {
@@ -84,8 +104,7 @@ export class Connection {
   /** A program that was frozen or a network that forgot us does not close the stream. */
   checkSilence() {
     if (this.socket === undefined || Date.now() - Math.max(this.heard, this.opened) < silentAfter) return;
-    this.again(this.wait);
-    this.wait = Math.min(longestWait, this.wait * 2);
+    this.later();
   }
 
   /** Sends an order. Empty, or a sentence that says what went wrong. */

@@ -15,7 +15,8 @@ import { Warnings } from './warnings.js';
 
 const overlayAfter = 3000;  // ms without a message; states come four a second
 const calmly = matchMedia('(prefers-reduced-motion: reduce)');
-const drawnEvery = () => (calmly.matches ? 1000 : 50);  // ms between drawings
+// ms between drawings: at most a quarter of the time goes into them
+const drawnEvery = () => Math.max(calmly.matches ? 1000 : 50, 4 * cost);
 
 const history = new History();
 const band = new Band();
@@ -35,6 +36,7 @@ let lastHeard = Date.now();
 let lastFrame = null;    // its time of day
 let dropped = 0;
 let drawn = -Infinity;
+let cost = 0;            // ms of the last drawing
 let waiting = false;
 
 /** Draws soon, but not with every message. */
@@ -44,10 +46,12 @@ function redraw() {
   setTimeout(() => requestAnimationFrame(() => {
     waiting = false;
     drawn = Date.now();
+    const begun = performance.now();
     image.draw();
     strips.draw(now);
     if (frame !== null) numbers.show(frame);
     frame = null;
+    cost = Math.min(1000, performance.now() - begun);
   }), Math.max(0, drawn + drawnEvery() - Date.now()));
 }
 

@@ -57,7 +57,7 @@ export class Strips {
   explain(strip) {
     const tip = byId('tip');
     strip.box.addEventListener('pointermove', (event) => {
-      const row = strip.rows[strip.plot.cursor.idx ?? -1];
+      const row = strip.rows[strip.plot.posToIdx(event.clientX - strip.plot.over.getBoundingClientRect().left)];
       if (row === undefined || row.gap || row.counted) {
         tip.hidden = true;
         return;

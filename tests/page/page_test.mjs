@@ -1,0 +1,653 @@
+// SPDX-License-Identifier: MIT
+// The page on synthetic messages.
+import assert from 'node:assert/strict';
+import { readdirSync, readFileSync, statSync } from 'node:fs';
+import { join } from 'node:path';
+import { after, afterEach, before, beforeEach, describe, test } from 'node:test';
+import { filesFolder, imagePixels, launch, openTab, screenshot, stripData, textOf, until } from './browser.mjs';
+import { FakeServer, token } from './fake_server.mjs';
+import { event, frame, hello, image, period, span, state } from './synthetic_run.mjs';
+
+const strips = ['rate', 'error', 'angle', 'gain'];
+const known = (column) => column.filter((value) => value !== null && value !== undefined);
+const pause = (milliseconds) => new Promise((done) => setTimeout(done, milliseconds));
+
+let browser;
+let server;
+let open = [];
+
+/** A tab on the fake server's page, after `messages` have been shown. */
+async function page(messages, options = {}) {
+  server.greeting = messages;
+  const opened = await openTab(browser, options);
+  open.push(opened);
+  await opened.tab.goto(options.url ?? server.url);
+  if (messages.length > 0) await until(() => server.streams.size > 0, 'the page opens its stream');
+  return opened;
+}
+
+/** Waits until frame `index` stands in the table of numbers: then everything before it has been drawn. */
+const shown = (tab, index) => until(() => tab.evaluate((wanted) => document.getElementById('numbers').dataset.index === String(wanted), index), `frame ${index} is shown`);
+
+const hidden = (tab, id) => tab.evaluate((name) => document.getElementById(name).hidden, id);
+const pressed = (tab, key) => tab.getAttribute(`button[data-key="${key}"]`, 'aria-pressed');
+const postsTo = (path) => server.posts.filter((post) => post.path === path);
+
+before(async () => {
+  browser = await launch();
+});
+after(() => browser.close());
+beforeEach(async () => {
+  server = await new FakeServer(filesFolder).open();
+});
+afterEach(async () => {
+  const troubles = open.flatMap((opened) => opened.troubles);
+  for (const opened of open) await opened.close();
+  open = [];
+  await server.close();
+  assert.deepEqual(troubles, [], 'the browser has nothing to complain of');
+});
+
+describe('what is shown', () => {
+  test('every strip has data and the image changes with each frame', async () => {
+    const { tab } = await page([hello(), ...span(0, 200)]);
+    await shown(tab, 199);
+    for (const id of strips) {
+      const [times, ...columns] = await stripData(tab, id);
+      assert.equal(times.length, 200, id);
+      for (const column of columns) assert.ok(known(column).length > 150, `${id} has values`);
+    }
+    const one = await imagePixels(tab);
+    server.send(...span(200, 204));
+    await shown(tab, 203);
+    assert.notDeepEqual(await imagePixels(tab), one);
+    assert.ok(new Set(one).size > 50, 'the image has many colours');
+  });
+
+  test('differences are estimate minus servo', async () => {
+    const { tab } = await page([hello(), ...span(0, 40)]);
+    await shown(tab, 39);
+    const [times, thermal, gyro, fusion] = await stripData(tab, 'error');
+    times.forEach((time, i) => {
+      const message = frame(i);
+      assert.equal(time, message.time_s);
+      assert.equal(thermal[i], message.thermal_dps - message.commanded_dps);
+      assert.equal(gyro[i], message.gyro_dps - message.commanded_dps);
+      assert.equal(fusion[i], message.fusion_dps - message.commanded_dps);
+    });
+  });
+
+  test('the table has the figures of the newest frame, rounded', async () => {
+    const { tab } = await page([hello(), ...span(0, 300)]);
+    await shown(tab, 299);
+    const { scores } = frame(299);
+    for (const name of ['thermal', 'gyro', 'fusion']) {
+      for (const figure of ['frames', 'recent_median_mse', 'recent_iqr_mse', 'rmse_dps', 'angle_error_deg', 'drift_deg_per_min']) {
+        const cell = tab.locator(`#numbers td[data-of="${name}"][data-figure="${figure}"]`);
+        assert.equal(Number(await cell.getAttribute('data-value')), scores[name][figure], `${name} ${figure}`);
+        assert.notEqual(await cell.textContent(), '–');
+      }
+    }
+    assert.equal(await textOf(tab, '#numbers td[data-of="thermal"][data-figure="rmse_dps"]'), '6.10');
+    assert.equal(await textOf(tab, '#numbers td[data-of="thermal"][data-figure="recent_median_mse"]'), '0.419');
+    assert.equal(await textOf(tab, '#numbers td[data-of="thermal"][data-figure="drift_deg_per_min"]'), '−18.8');
+    assert.match(await textOf(tab, '#counted'), /260 frames counted, 39 apart/);
+    assert.match(await textOf(tab, '#inference'), /61\.3 µs/);
+  });
+
+  test('the band and the title say what runs', async () => {
+    const { tab } = await page([hello(), ...span(0, 100), state(12.5)]);
+    await shown(tab, 99);
+    assert.equal(await textOf(tab, '#mode-word'), 'RECORDING');
+    assert.match(await textOf(tab, '#simulated'), /SIMULATED/);
+    assert.match(await tab.title(), /RECORDING garden/);
+    assert.equal(await textOf(tab, '#elapsed'), '00:12 of 05:58, 05:45 to go');
+    assert.match(await textOf(tab, '#kept'), /100 frames kept/);
+    assert.equal(await textOf(tab, '#disk'), '61 GB free');
+    assert.ok(await tab.locator('#start').isHidden(), 'no start without --control');
+    server.send(hello({ recording: false, simulated: false, start_utc: 'b' }));
+    await until(async () => await textOf(tab, '#mode-word') === 'LIVE', 'LIVE');
+    assert.ok(await hidden(tab, 'simulated'));
+    server.send(hello({ mode: 'replay', start_utc: 'c' }));
+    await until(async () => await textOf(tab, '#mode-word') === 'REPLAY', 'REPLAY');
+    assert.match(await tab.title(), /REPLAY garden/);
+  });
+
+  test('a device that is not well has a word and a shape, and the warning names it', async () => {
+    const devices = { ...state(0).devices, gyro: { state: 'lost', expected_hz: 100, age_s: 4.2 } };
+    const { tab } = await page([hello(), ...span(0, 8), state(1, { devices })]);
+    await until(async () => (await textOf(tab, '#health')).includes('▲ lost'), 'the row says lost');
+    assert.match(await textOf(tab, '#warnings'), /gyro: lost/);
+    server.send(state(1.25));
+    await until(async () => !(await textOf(tab, '#health')).includes('▲'), 'and is well again');
+    assert.equal(await textOf(tab, '#warnings'), '');
+  });
+
+  test('events: the last five, and all on request', async () => {
+    const { tab } = await page([hello(), ...Array.from({ length: 12 }, (_, i) => event(i * 24))]);
+    await until(async () => await tab.locator('#events li').count() === 5, 'five events');
+    assert.match(await textOf(tab, '#events li:first-child'), /leg 12/);
+    await tab.click('#all-events');
+    assert.equal(await tab.locator('#history li').count(), 12);
+  });
+
+  test('sweep: leg, speeds and progress', async () => {
+    const { tab } = await page([hello(), state(10)]);
+    await until(async () => /leg 4 of 38, now \+60, next −60 deg\/s/.test(await textOf(tab, '#leg')), 'the leg');
+    assert.match(await textOf(tab, '#leg-frames'), /8 of 40 frames, 1 leg repeated/);
+    assert.equal((await tab.evaluate(() => document.getElementById('speeds').speeds)).length, 38);
+    assert.match(await tab.getAttribute('#speeds', 'aria-label'), /−200: /);
+  });
+});
+
+describe('honest plots', () => {
+  test('lost frames and long pauses are gaps', async () => {
+    const { tab } = await page([hello(), ...span(0, 40), ...span(60, 80), frame(80, { time_s: 14 }), frame(81, { time_s: 14.125 })]);
+    await shown(tab, 81);
+    for (const id of strips) {
+      const [times, ...columns] = await stripData(tab, id);
+      for (const column of columns) {
+        const nulls = column.flatMap((value, i) => (value === null ? [times[i]] : []));
+        assert.equal(nulls.length, 2, id);
+        assert.ok(nulls[0] > 39 * period && nulls[0] < 60 * period && nulls[1] > 79 * period && nulls[1] < 14, id);
+      }
+    }
+  });
+
+  test('a frame that is not counted tells why under the pointer', async () => {
+    const { tab } = await page([hello(), ...span(0, 24 * 20)]);
+    await shown(tab, 479);
+    const box = await tab.locator('#error .u-over').boundingBox();
+    const [times] = await stripData(tab, 'error');
+    const end = times.at(-1);
+    const at = 24 * 10 * period + period;  // a ramp
+    await tab.mouse.move(box.x + box.width * (1 - (end - at) / 60), box.y + 40);
+    await until(async () => !(await hidden(tab, 'tip')), 'the tip');
+    assert.match(await textOf(tab, '#tip'), /frame 24[0-2], not counted: servo ramp, frame overlap/);
+    await tab.mouse.move(box.x + box.width * (1 - (end - at - 1.5) / 60), box.y + 40);
+    await until(() => hidden(tab, 'tip'), 'no tip over a counted frame');
+    assert.ok(await tab.evaluate(() => [...document.querySelectorAll('.plot')].every((plot) => plot.strip.cursor.idx === document.querySelector('#error .plot').strip.cursor.idx)), 'one cursor');
+  });
+
+  test('frames apart do not set the scale of the differences', async () => {
+    const { tab } = await page([hello(), ...span(0, 120)]);
+    await shown(tab, 119);
+    const scale = await tab.evaluate(() => document.querySelector('#error .plot').strip.scales.y.max);
+    assert.ok(scale < 20, `${scale}`);
+  });
+
+  test('memory is bounded and old frames leave', async () => {
+    const { tab } = await page([hello({ frame_rate_hz: 64 })]);
+    for (let index = 0; index < 6400; index += 640) server.send(...Array.from({ length: 640 }, (_, i) => frame(index + i, { time_s: (index + i) / 64 })));
+    await shown(tab, 6399);
+    const [times] = await stripData(tab, 'rate');
+    assert.ok(times.length <= 64 * 62 + 1 && times.length > 64 * 60, `${times.length}`);
+    assert.ok(times[0] >= 6399 / 64 - 62);
+  });
+
+  test('a page that comes back takes each frame and event once', async () => {
+    const { tab } = await page([hello(), ...span(0, 50)]);
+    await shown(tab, 49);
+    server.send(hello(), ...span(20, 60));
+    await shown(tab, 59);
+    assert.equal((await stripData(tab, 'rate'))[0].length, 60);
+    assert.equal(await tab.locator('#events li').count(), 3);
+  });
+
+  test('another run starts from nothing', async () => {
+    const { tab } = await page([hello(), ...span(0, 50)]);
+    await shown(tab, 49);
+    server.send(hello({ start_utc: 'later' }), ...span(0, 10));
+    await shown(tab, 9);
+    assert.equal((await stripData(tab, 'rate'))[0].length, 10);
+  });
+});
+
+describe('keys', () => {
+  test('Tab reaches every button, the note and the licences, in the order of the page', async () => {
+    const { tab } = await page([hello({ control: true }), ...span(0, 10)]);
+    await shown(tab, 9);
+    const reached = [];
+    for (let i = 0; i < 20; ++i) {
+      await tab.keyboard.press('Tab');
+      const name = await tab.evaluate(() => {
+        const element = document.activeElement;
+        return element === document.body ? '' : element.id || element.dataset.key || element.textContent;
+      });
+      if (name === '' || reached.includes(name)) break;
+      reached.push(name);
+      assert.ok(await tab.evaluate(() => getComputedStyle(document.activeElement).outlineStyle !== 'none'), `${name} shows its focus`);
+    }
+    assert.deepEqual(reached, ['start', 'stop', 'all-events', 'm', 'note', 'p', 'r', 'c', 'l', 'i', 'f', '?', 'licences']);
+  });
+
+  test('Space stops the servo wherever the focus is, with the token, but not within the note', async () => {
+    const { tab } = await page([hello({ control: true }), ...span(0, 10)]);
+    await shown(tab, 9);
+    for (const place of [null, '#start', '#all-events', 'button[data-key="p"]', 'footer a', '#stop']) {
+      if (place !== null) await tab.focus(place);
+      const before = server.posts.length;
+      await tab.keyboard.press('Space');
+      await until(() => server.posts.length === before + 1, `Space at ${place}`);
+      await pause(50);
+      assert.equal(server.posts.length, before + 1, `once at ${place}`);
+      const post = server.posts.at(-1);
+      assert.equal(post.path, '/stop');
+      assert.equal(post.headers.authorization, `Bearer ${token}`);
+      assert.equal(post.headers['content-type'], 'application/json');
+      assert.equal(post.body, '{}');
+    }
+    assert.equal(await pressed(tab, 'p'), 'false', 'Space did not press the button');
+    await tab.keyboard.press('?');
+    assert.ok(await tab.locator('#help').isVisible());
+    let count = server.posts.length;
+    await tab.keyboard.press('Space');
+    await until(() => server.posts.length === count + 1, 'Space within the help');
+    assert.ok(await tab.locator('#help').isVisible(), 'which stays open');
+    await tab.keyboard.press('Escape');
+    count = server.posts.length;
+    await tab.focus('#note');
+    await tab.keyboard.type('a b m');
+    await pause(100);
+    assert.equal(server.posts.length, count, 'nothing from within the note');
+    assert.equal(await tab.inputValue('#note'), 'a b m');
+  });
+
+  test('a stop that does not get through says so', async () => {
+    const { tab } = await page([hello(), ...span(0, 10)]);
+    await shown(tab, 9);
+    server.answer = { status: 503, body: JSON.stringify({ error: 'the loop <b>hangs</b>' }) };
+    await tab.click('#stop');
+    await until(async () => /did not get through: the loop <b>hangs<\/b>/.test(await textOf(tab, '#warnings')), 'the warning');
+    server.answer = { status: 204, body: '' };
+    await tab.keyboard.press('Space');
+    await until(async () => await textOf(tab, '#warnings') === '', 'and goes when it does');
+  });
+
+  test('M marks, with the note that was written', async () => {
+    const { tab } = await page([hello(), ...span(0, 10)]);
+    await shown(tab, 9);
+    await tab.keyboard.press('m');
+    await until(() => postsTo('/mark').length === 1, 'a mark');
+    assert.equal(postsTo('/mark')[0].body, '{"note":""}');
+    await tab.focus('#note');
+    await tab.keyboard.type('sun came out');
+    await tab.keyboard.press('Enter');
+    await until(() => postsTo('/mark').length === 2, 'a mark with its note');
+    assert.equal(JSON.parse(postsTo('/mark')[1].body).note, 'sun came out');
+    await until(async () => await tab.inputValue('#note') === '', 'the note is empty again');
+  });
+
+  test('P pauses the plots and nothing else', async () => {
+    const { tab } = await page([hello(), ...span(0, 20)]);
+    await shown(tab, 19);
+    await tab.keyboard.press('p');
+    assert.equal(await pressed(tab, 'p'), 'true');
+    server.send(...span(20, 40));
+    await shown(tab, 39);
+    assert.equal((await stripData(tab, 'rate'))[0].length, 20);
+    await tab.keyboard.press('p');
+    await until(async () => (await stripData(tab, 'rate'))[0].length === 40, 'all of it after the pause');
+    assert.equal(server.posts.length, 0);
+  });
+
+  test('R sets the shown angles to zero, on this page only', async () => {
+    const { tab } = await page([hello(), ...span(0, 100)]);
+    await shown(tab, 99);
+    await tab.keyboard.press('r');
+    await until(async () => /on this page only/.test(await textOf(tab, '#zero')), 'the page says so');
+    const [, ...angles] = await stripData(tab, 'angle');
+    for (const column of angles) assert.equal(column.at(-1), 0);
+    assert.equal(await textOf(tab, '#numbers td[data-of="gyro"][data-figure="drift_deg_per_min"]'), '96.3', 'figures stay');
+    assert.equal(server.posts.length, 0);
+  });
+
+  test('C, I and L: colours, inversion and a locked range', async () => {
+    const { tab } = await page([hello(), ...span(0, 10)]);
+    await shown(tab, 9);
+    const seen = [await imagePixels(tab)];
+    for (const name of ['ironbow', 'viridis', 'cividis', 'grey']) {
+      await tab.keyboard.press('c');
+      assert.equal(await textOf(tab, '#colours'), name);
+      seen.push(await imagePixels(tab));
+    }
+    assert.equal(new Set(seen.map(String)).size, 5);
+    await tab.keyboard.press('i');
+    assert.equal(await pressed(tab, 'i'), 'true');
+    const [grey, inverted] = [seen[4], await imagePixels(tab)];
+    grey.forEach((value, i) => assert.ok(i % 4 === 3 || Math.abs(value + inverted[i] - 255) <= 1));
+    await tab.keyboard.press('l');
+    const range = await textOf(tab, '.scale');
+    const hot = image(10);
+    hot.pixels = Buffer.from(new Int16Array(768).fill(9000).buffer).toString('base64');
+    server.send(frame(10), hot, frame(11));
+    await shown(tab, 11);
+    assert.equal(await textOf(tab, '.scale'), range);
+    await tab.keyboard.press('l');
+    server.send(frame(12), { ...hot, index: 12, time_s: 1.5 }, frame(13));
+    await until(async () => await textOf(tab, '#hot') === '90.5 °C', 'the range follows again');
+  });
+
+  test('F asks for full screen', async () => {
+    const { tab } = await page([hello(), ...span(0, 10)]);
+    await tab.keyboard.press('f');
+    await until(() => tab.evaluate(() => document.fullscreenElement !== null), 'full screen');
+    await tab.keyboard.press('f');
+    await until(() => tab.evaluate(() => document.fullscreenElement === null), 'and back');
+  });
+
+  test('no key starts motion; the button asks first', async () => {
+    const { tab } = await page([hello({ control: true }), ...span(0, 10)]);
+    await shown(tab, 9);
+    for (const key of ['Enter', 's', 'g', 'x', '1', 'ArrowUp', 'Control+Enter', 'b', 'q']) await tab.keyboard.press(key);
+    await tab.focus('#start');
+    await tab.keyboard.press('Enter');
+    await tab.keyboard.press('Enter');  // on Cancel, which has the focus
+    await pause(100);
+    assert.equal(postsTo('/start').length, 0);
+    assert.ok(await tab.locator('#motion').isHidden());
+    await tab.click('#start');
+    await tab.click('#motion .go');
+    await until(() => postsTo('/start').length === 1, 'the order to start');
+    assert.equal(postsTo('/start')[0].headers.authorization, `Bearer ${token}`);
+  });
+});
+
+describe('connection', () => {
+  test('an overlay after 3 s without a message, and back within 5 s, on the clock of the page', async () => {
+    const { tab } = await page([hello(), ...span(0, 40)], { clock: true });
+    await shown(tab, 39);
+    await tab.clock.pauseAt(Date.now() + 1000);
+    server.send(state(5.25));
+    await pause(200);
+    await tab.clock.runFor(2500);
+    assert.ok(await hidden(tab, 'silence'), 'not yet after 2.5 s');
+    const { port } = server;
+    await server.close();
+    await tab.clock.runFor(700);
+    assert.ok(!(await hidden(tab, 'silence')), 'after 3.2 s');
+    assert.match(await textOf(tab, '#silence'), /^no data for 3\.\d s, last frame \d\d:\d\d:\d\d$/);
+    assert.match(await tab.title(), /NO DATA/);
+    await screenshot(tab, 'no_data');
+    for (let i = 0; i < 12; ++i) {  // a minute without a program, so that the waits are at their longest
+      await tab.clock.runFor(5000);
+      await pause(30);
+    }
+    assert.match(await textOf(tab, '#silence'), /no data for 6\d\.\d s/);
+    server.greeting = [hello(), ...span(300, 310)];
+    await server.open(port);
+    for (let i = 0; i < 25 && server.streams.size === 0; ++i) {
+      await tab.clock.runFor(200);
+      await pause(20);
+    }
+    assert.equal(server.streams.size, 1, 'found again within 5 s');
+    await until(async () => {
+      await tab.clock.runFor(100);
+      return hidden(tab, 'silence');
+    }, 'the overlay goes');
+    await tab.clock.runFor(500);
+    await shown(tab, 309);
+    const [times, servo] = await stripData(tab, 'rate');
+    const gap = servo.indexOf(null);
+    assert.ok(gap > 0 && times[gap + 1] - times[gap - 1] > 30, 'with a gap in the plots');
+    assert.ok(!(await tab.title()).includes('NO DATA'));
+  });
+
+  test('an open stream that says nothing is opened again', async () => {
+    const { tab } = await page([hello(), ...span(0, 5)], { clock: true });
+    await shown(tab, 4);
+    const [first] = server.streams;
+    await tab.clock.fastForward(4600);
+    await tab.clock.fastForward(600);
+    await until(() => [...server.streams].some((stream) => stream !== first), 'another stream');
+  });
+
+  test('a wrong token and a missing one say what to do', async () => {
+    for (const fragment of ['', '#t=', '#t=nonsense', `#t=${'f'.repeat(32)}`]) {
+      const { tab } = await page([], { url: `http://127.0.0.1:${server.port}/${fragment}` });
+      await until(async () => /open the URL that thermorig printed/.test(await textOf(tab, '#warnings')), `advice for "${fragment}"`);
+    }
+    const { tab } = open.at(-1);
+    server.greeting = [hello(), ...span(0, 10)];
+    await tab.evaluate((t) => { location.hash = `#t=${t}`; }, token);
+    await shown(tab, 9);
+    await until(async () => await textOf(tab, '#warnings') === '', 'the advice goes');
+  });
+
+  test('a reload finds the token in the address', async () => {
+    const { tab } = await page([hello(), ...span(0, 10)]);
+    await shown(tab, 9);
+    await tab.reload();
+    await shown(tab, 9);
+  });
+
+  test('the end: its message, no overlay, and a next run is found', async () => {
+    const { tab } = await page([hello(), ...span(0, 20)], { clock: true });
+    await shown(tab, 19);
+    server.send({ event: 'ended', exit: 0, message: 'The sweep is complete.', advice: 'Look at it: thermorig info', session: 'recordings/garden/3.h5' });
+    await until(async () => await textOf(tab, '#mode-word') === 'ENDED', 'ENDED');
+    assert.match(await textOf(tab, '#ended'), /The sweep is complete\..*thermorig info.*garden\/3\.h5/);
+    assert.match(await tab.title(), /ENDED garden/);
+    const { port } = server;
+    await server.close();
+    await tab.clock.fastForward(10_000);
+    await pause(100);
+    assert.ok(await hidden(tab, 'silence'));
+    await screenshot(tab, 'ended');
+    server.greeting = [hello({ start_utc: 'next' }), ...span(0, 5)];
+    await server.open(port);
+    for (let i = 0; i < 30 && server.streams.size === 0; ++i) {
+      await tab.clock.runFor(200);
+      await pause(20);
+    }
+    await until(async () => await textOf(tab, '#mode-word') === 'RECORDING', 'the next run');
+    assert.ok(await hidden(tab, 'ended'));
+  });
+
+  test('frames that did not reach the page are told', async () => {
+    const { tab } = await page([hello(), ...span(0, 5), { event: 'dropped', frames: 12 }, { event: 'dropped', frames: 3 }]);
+    await until(async () => /15 frames did not reach this page/.test(await textOf(tab, '#warnings')), 'the counter');
+  });
+
+  test('a collapsed gate is a warning', async () => {
+    const { tab } = await page([hello(), frame(0, { scores: { ...frame(0).scores, gate_collapsed: true } })]);
+    await until(async () => /gate has collapsed/.test(await textOf(tab, '#warnings')), 'the warning');
+    assert.equal(await tab.getAttribute('#warnings', 'aria-live'), 'polite');
+  });
+});
+
+describe('whatever comes', () => {
+  const nothing = (message) => Object.fromEntries(Object.keys(message).map((key) => [key, key === 'event' ? message.event : null]));
+
+  test('null in each field, no fields, wrong types and unknown events break nothing', async () => {
+    const { tab } = await page([hello()]);
+    const ended = { event: 'ended', exit: 0, message: '', advice: '', session: '' };
+    for (const message of [hello(), state(1), frame(0), image(0), event(0), { event: 'dropped', frames: 1 }, ended]) {
+      server.send(nothing(message), { event: message.event });
+      for (const wrong of ['x', -1, 1e300, true, [], {}, [null], { a: null }]) {
+        server.send(Object.fromEntries(Object.keys(message).map((key) => [key, key === 'event' ? message.event : wrong])));
+      }
+      for (const key of Object.keys(message)) if (key !== 'event') server.send({ ...message, [key]: null });
+    }
+    server.send('not json', '[]', 'null', '17', '"x"', '{}', '{"event":null}', '{"event":"__proto__"}', '{"event":"constructor"}', { event: 'tomorrow', a: 1 });
+    server.send(state(2, { devices: { camera: null, other: { state: 'odd' } }, speeds: [null, {}, { rate_dps: 1 }] }));
+    server.send(frame(5, { scores: null }), frame(6, { scores: { thermal: null, gain_histogram: [null, 'x'] } }), frame(7, { reasons: [null, 3, {}] }));
+    server.send(hello({ start_utc: 'after' }), ...span(0, 10));
+    await shown(tab, 9);
+    assert.equal(await textOf(tab, '#mode-word'), 'RECORDING');
+  });
+
+  test('without a network or without fusion the page says what is missing', async () => {
+    const bare = (index) => frame(index, { thermal_dps: null, fusion_dps: null, gain: null, inference_us: null,
+      scores: { ...frame(index).scores, thermal: null, fusion: null, gain_mean: null } });
+    const { tab } = await page([hello({ model: null }), ...Array.from({ length: 40 }, (_, i) => bare(i)), image(39), state(5)]);
+    await shown(tab, 39);
+    assert.match(await textOf(tab, '#no-gain'), /No network runs/);
+    assert.ok(await hidden(tab, 'gain') && await hidden(tab, 'histogram-part'));
+    assert.equal(await textOf(tab, '#numbers td[data-of="fusion"][data-figure="rmse_dps"]'), '–');
+    const [, thermal, gyro] = await stripData(tab, 'error');
+    assert.equal(known(thermal).length, 0);
+    assert.equal(known(gyro).length, 40);
+    await screenshot(tab, 'no_network');
+    server.send(hello({ start_utc: 'b', model: { name: 'small.onnx', frames: 1, reduction: 0, fusion: false, simulated: false } }));
+    await until(async () => /small\.onnx has no fusion/.test(await textOf(tab, '#no-gain')), 'a network without fusion');
+  });
+
+  test('without a gyro its lines are gaps and the rest goes on', async () => {
+    const { tab } = await page([hello(), ...Array.from({ length: 40 }, (_, i) => frame(i, { gyro_dps: null, fusion_dps: null, gain: null }))]);
+    await shown(tab, 39);
+    const [, thermal, gyro, fusion] = await stripData(tab, 'error');
+    assert.deepEqual([thermal, gyro, fusion].map((column) => known(column).length), [40, 0, 0]);
+  });
+
+  test('hostile texts are texts', async () => {
+    const evil = '<img src=x onerror="window.hit=1"><script>window.hit=1</script>\u001b[31mred\u0007\u202egnp';
+    const evilObject = (message) => Object.fromEntries(Object.entries(message).map(([key, value]) => [key, typeof value === 'string' && key !== 'event' ? evil : value]));
+    const { tab } = await page([{ ...evilObject(hello()), model: { name: evil, fusion: false }, plan: { name: evil } }, ...span(0, 5),
+      frame(5, { reasons: [evil], fresh: evil, counted: false }), { ...evilObject(event(5)) }, state(1, { phase: evil, devices: { [evil]: { state: evil } } })]);
+    await shown(tab, 5);
+    server.send({ event: 'ended', exit: 1, message: evil, advice: evil, session: evil });
+    await until(async () => await textOf(tab, '#mode-word') === 'ENDED', 'the end');
+    await tab.click('#all-events');
+    assert.equal(await tab.evaluate(() => window.hit), undefined);
+    assert.equal(await tab.locator('img, script:not([src])').count(), 0);
+    for (const place of ['#environment', '#events', '#ended', '#fresh', '#history']) {
+      const text = await textOf(tab, place);
+      assert.ok(text.includes('<img src=x'), `${place} shows it as text`);
+      assert.ok(!/[\u0000-\u0008\u000b-\u001f\u202e]/.test(text), `${place} has no control characters`);
+    }
+    await screenshot(tab, 'hostile');
+  });
+
+  test('texts without spaces and very long ones do not widen the page', async () => {
+    const long = 'x'.repeat(3000);
+    const { tab } = await page([hello({ environment: long, plan: { name: long } }), ...span(0, 5), event(1, { message: long, source: long }),
+      { event: 'ended', exit: 1, message: long, advice: long, session: long }], { width: 400 });
+    await until(async () => await textOf(tab, '#mode-word') === 'ENDED', 'the end');
+    assert.deepEqual(await tab.evaluate(() => [...document.querySelectorAll('body *')].filter((e) => e.getBoundingClientRect().right > innerWidth)
+      .map((e) => e.id || e.tagName)), []);
+    assert.ok(await tab.evaluate(() => document.documentElement.scrollWidth) <= 400);
+  });
+});
+
+describe('looks', () => {
+  /** The least contrast of all visible texts, with the text. */
+  const leastContrast = (tab) => tab.evaluate(() => {
+    const parse = (text) => (text.match(/[\d.]+/g) ?? []).map(Number);
+    const luminance = ([r, g, b]) => [r, g, b].map((c) => c / 255).map((c) => (c <= 0.04045 ? c / 12.92 : ((c + 0.055) / 1.055) ** 2.4))
+      .reduce((sum, c, i) => sum + c * [0.2126, 0.7152, 0.0722][i], 0);
+    const ground = (element) => {
+      for (let at = element; at !== null; at = at.parentElement) {
+        const colour = parse(getComputedStyle(at).backgroundColor);
+        if (colour.length === 3 || colour[3] === 1) return colour;
+      }
+      return parse(getComputedStyle(document.body).backgroundColor);
+    };
+    const found = [];
+    for (const element of document.querySelectorAll('body *')) {
+      if (![...element.childNodes].some((node) => node.nodeType === 3 && node.data.trim() !== '') || element.getClientRects().length === 0) continue;
+      const [one, two] = [luminance(parse(getComputedStyle(element).color)), luminance(ground(element))];
+      found.push([(Math.max(one, two) + 0.05) / (Math.min(one, two) + 0.05), element.textContent]);
+    }
+    return found.sort((a, b) => a[0] - b[0])[0];
+  });
+
+  for (const dark of [false, true]) {
+    const theme = dark ? 'dark' : 'light';
+    test(`${theme}: one screen at 1280 x 800, texts with contrast`, async (t) => {
+      const late = { ...state(0).devices, gyro: { ...state(0).devices.gyro, state: 'late', age_s: 0.7, rate_min_hz: 71.2 } };
+      const { tab } = await page([hello({ control: true }), ...span(0, 520)], { dark });
+      await shown(tab, 519);
+      await screenshot(tab, theme);
+      assert.ok(await tab.evaluate(() => document.documentElement.scrollHeight <= innerHeight && document.documentElement.scrollWidth <= innerWidth));
+      for (const column of ['.picture', '.strips', '.figures']) {
+        assert.ok(await tab.evaluate((name) => { const e = document.querySelector(name); return e.scrollHeight <= e.clientHeight + 1 && e.scrollWidth <= e.clientWidth + 1; }, column), `${column} fits`);
+      }
+      for (const table of await tab.locator('main .table').all()) assert.ok(await table.evaluate((e) => e.scrollWidth <= e.clientWidth), 'the table fits');
+      server.send(state(65, { devices: late }));
+      await until(async () => (await textOf(tab, '#health')).includes('▲'), 'a row with a warning');
+      await screenshot(tab, `${theme}_late`);
+      for (const mode of ['recording', 'live', 'replay', 'connecting', 'ended']) {
+        await tab.evaluate((name) => { document.getElementById('mode').dataset.mode = name; }, mode);
+        const [contrast, text] = await leastContrast(tab);
+        assert.ok(contrast >= 4.5, `${mode}: ${contrast.toFixed(2)} of "${text}"`);
+        if (mode === 'recording') t.diagnostic(`least contrast, ${theme}: ${contrast.toFixed(2)} ("${text.slice(0, 30)}")`);
+      }
+    });
+  }
+
+  test('400 px wide: nothing is cut', async () => {
+    const { tab } = await page([hello({ control: true }), ...span(0, 520)], { width: 400, height: 2200 });
+    await shown(tab, 519);
+    await screenshot(tab, 'narrow');
+    assert.ok(await tab.evaluate(() => document.documentElement.scrollWidth) <= 400);
+    for (const table of await tab.locator('main .table').all()) assert.ok(await table.evaluate((e) => e.scrollWidth <= e.clientWidth), 'the table fits');
+  });
+
+  test('empty states say what is missing', async () => {
+    const { tab } = await page([hello({ control: true, acquisition: null, recording: false })]);
+    await until(async () => await textOf(tab, '#mode-word') === 'LIVE', 'LIVE');
+    await pause(300);
+    await screenshot(tab, 'empty');
+    assert.match(await textOf(tab, '#events'), /none yet/);
+    assert.match(await textOf(tab, '#leg'), /no sweep/);
+    assert.match(await tab.getAttribute('#image', 'aria-label'), /none yet/);
+  });
+
+  test('the image has a text that follows slowly', async () => {
+    const { tab } = await page([hello(), ...span(0, 10)], { clock: true });
+    await shown(tab, 9);
+    const first = await tab.getAttribute('#image', 'aria-label');
+    assert.match(first, /Thermal image, -?\d+\.\d to 3\d\.\d °C, hottest at the middle/);
+    server.send(...span(10, 18));
+    await shown(tab, 17);
+    assert.equal(await tab.getAttribute('#image', 'aria-label'), first);
+    server.greeting = [hello(), ...span(0, 20)];  // for the stream that is opened again after the silence
+    await tab.clock.fastForward(11_000);
+    await shown(tab, 19);
+    assert.notEqual(await tab.getAttribute('#image', 'aria-label'), first);
+  });
+
+  test('reduced motion: at most a drawing a second', async () => {
+    const { tab } = await page([hello(), ...span(0, 8)], { calm: true });
+    await shown(tab, 7);
+    const drawings = await tab.evaluate(() => {
+      const { strip } = document.querySelector('#rate .plot');
+      const draw = strip.setData.bind(strip);
+      window.drawings = 0;
+      strip.setData = (...data) => { ++window.drawings; draw(...data); };
+      return new Promise((done) => { setTimeout(() => done(window.drawings), 10); });
+    });
+    assert.equal(drawings, 0);
+    for (let index = 8; index < 28; ++index) {
+      server.send(...span(index, index + 1));
+      await pause(50);
+    }
+    assert.ok(await tab.evaluate(() => window.drawings) <= 3);
+  });
+
+  test('tables have captions and nothing is styled or scripted within the HTML', () => {
+    const html = readFileSync(join(filesFolder, 'index.html'), 'utf8');
+    assert.ok(!/ style=| on[a-z]+=|<style|<script>/i.test(html));
+    assert.equal(html.match(/<table/g).length, html.match(/<caption/g).length);
+    assert.ok(!/https?:\/\//.test(html));
+  });
+
+  test('all files together are less than 100 kB, packed', (t) => {
+    const sizes = readdirSync(filesFolder).filter((name) => name.endsWith('.gz')).map((name) => statSync(join(filesFolder, name)).size);
+    const total = sizes.reduce((sum, size) => sum + size, 0);
+    t.diagnostic(`page, gzip: ${total} bytes in ${sizes.length} files`);
+    assert.ok(total < 100_000);
+  });
+
+  test('first paint, as a figure', async (t) => {
+    const times = [];
+    for (let i = 0; i < 5; ++i) {
+      const { tab } = await page([hello(), ...span(0, 400)]);
+      await until(() => tab.evaluate(() => performance.getEntriesByName('first-contentful-paint').length > 0), 'a paint');
+      times.push(await tab.evaluate(() => performance.getEntriesByName('first-contentful-paint')[0].startTime));
+    }
+    times.sort((a, b) => a - b);
+    t.diagnostic(`first contentful paint, ms: median ${times[2].toFixed(0)}, greatest ${times[4].toFixed(0)}`);
+  });
+});
