@@ -17,7 +17,8 @@ namespace thermorig::web {
 
 namespace {
 
-constexpr int waiting_connections = 128;
+/// More than a flood that the system would make wait for a second and more.
+constexpr int waiting_connections = 1024;
 /// What the system holds back for a client that does not read: little, so that the queue finds out soon.
 constexpr int send_buffer_bytes = 128 * 1024;
 constexpr int attempts_for_any_port = 20;

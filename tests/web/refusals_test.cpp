@@ -284,8 +284,8 @@ TEST_F(Refusals, AnotherTypeOfContentIsRefused) {
 
 TEST_F(Refusals, ABodyThatIsNoOrderIsRefused) {
   const std::string deep(30'000, '[');
-  for (const std::string& body : {std::string(""), std::string("{"), std::string("[]"), std::string("1"), deep,
-                                 std::string(R"({"a":{"b":1}})"), std::string("{\"note\":\"\xff\"}")})
+  for (const std::string& body : {std::string(""), std::string("{"), std::string("[]"), std::string("1"),
+                                  deep, std::string(R"({"a":{"b":1}})"), std::string("{\"note\":\"\xff\"}")})
     EXPECT_EQ(connect().post("/mark", token(), body).status, 400) << body.substr(0, 20);
   EXPECT_TRUE(orders().empty());
 }

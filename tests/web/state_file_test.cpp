@@ -8,10 +8,10 @@
 #include <cstdlib>
 #include <fstream>
 
+#include "../../src/web/token.h"
 #include "private_folder.h"
 #include "thermorig/core/error.h"
 #include "thermorig/web/server.h"
-#include "../../src/web/token.h"
 
 namespace thermorig::web {
 
