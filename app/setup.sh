@@ -1,7 +1,8 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: MIT
 # Installs the Debian packages that thermorig needs and that are missing. Never removes one.
-# Usage: bash app/setup.sh [tests] [deep] [bench]   (the words add what tests, sanitizer runs and benchmarks need)
+# Usage: bash app/setup.sh [tests] [deep] [bench] [page]   (the words add what tests, sanitizer runs, benchmarks and
+# browser tests need)
 set -euo pipefail
 
 packages=(g++ cmake ninja-build pkg-config ccache git ca-certificates
@@ -16,7 +17,8 @@ for part in "$@"; do
     deep) packages+=(clang-14 libclang-rt-14-dev clang-format-14 g++-aarch64-linux-gnu qemu-user
       gcc-arm-none-eabi libnewlib-arm-none-eabi qemu-system-arm) ;;
     bench) packages+=(libbenchmark-dev python3-numpy python3-h5py python3-serial) ;;
-    *) echo "setup.sh: unknown part '$part'; try: tests, deep, bench" >&2; exit 2 ;;
+    page) packages+=(chromium) ;;
+    *) echo "setup.sh: unknown part '$part'; try: tests, deep, bench, page" >&2; exit 2 ;;
   esac
 done
 

@@ -1,14 +1,14 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: MIT
 # The slow checks: all tests under AddressSanitizer and UBSan, the threaded ones under ThreadSanitizer, and each
-# fuzzer for a bounded time with the golden vectors as seeds.
+# fuzzer for a bounded time with the golden vectors as seeds, and the live page in a browser.
 # Usage: bash tests/deep.sh [seconds a fuzzer, default 20]
 set -euo pipefail
 cd "$(dirname "$0")/.."
 fuzz_seconds=${1:-20}
 # --repeat: see tests/run.sh.
 
-bash app/setup.sh tests deep
+bash app/setup.sh tests deep page
 
 echo "== AddressSanitizer and UndefinedBehaviorSanitizer"
 cmake --preset asan
@@ -22,6 +22,11 @@ build-asan/bin/test_embedded --gtest_brief=1 --gtest_filter='Cores/*'
 
 echo "== The network on AArch64, in an emulator"
 bash tests/network/aarch64.sh 'Estimator*:BatchEstimator*:*GoldenVectors*:Tensors*:Shape*'
+
+echo "== The live page in a browser"
+cmake --preset release -DTHERMORIG_TESTS=ON
+cmake --build --preset release -j "$(nproc)" --target thermorig
+bash tests/page/run.sh build
 
 echo "== ThreadSanitizer"
 cmake --preset tsan

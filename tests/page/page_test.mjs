@@ -559,6 +559,7 @@ describe('looks', () => {
       const { tab } = await page([hello({ control: true }), ...span(0, 520)], { dark });
       await shown(tab, 519);
       await screenshot(tab, theme);
+      assert.ok((await tab.locator('.band').boundingBox()).height < 60, 'the band is one line');
       assert.ok(await tab.evaluate(() => document.documentElement.scrollHeight <= innerHeight && document.documentElement.scrollWidth <= innerWidth));
       for (const column of ['.picture', '.strips', '.figures']) {
         assert.ok(await tab.evaluate((name) => { const e = document.querySelector(name); return e.scrollHeight <= e.clientHeight + 1 && e.scrollWidth <= e.clientWidth + 1; }, column), `${column} fits`);

@@ -24,6 +24,7 @@ export class Band {
     const acquisition = number(message.acquisition);
     say(byId('environment'), this.environment);
     say(byId('acquisition'), acquisition === null ? '' : `acquisition ${count(acquisition)}`);
+    say(byId('stop'), this.mode === 'replay' ? 'Stop replay (Space)' : 'Stop servo (Space)');
     byId('start').hidden = message.control !== true;
     say(byId('announcement'), `${words[this.mode]}${message.simulated === true ? ', simulated' : ''}`);
     this.show();
@@ -37,8 +38,8 @@ export class Band {
     say(byId('elapsed'), now === null ? '' : `${clock(now)}${planned === null ? '' : ` of ${clock(planned)}`}${
       left === null ? '' : `, ${clock(left)} to go`}`);
     const kept = number(message.kept_frames);
-    const size = number(message.kept_bytes);
-    say(byId('kept'), kept === null ? 'nothing is kept' : `${count(kept)} frames kept${size === null ? '' : ` (${bytes(size)})`}`);
+    say(byId('kept'), kept === null ? 'nothing is kept' : `${count(kept)} frames kept`);
+    byId('kept').title = number(message.kept_bytes) === null ? '' : bytes(message.kept_bytes);
     const free = number(message.disk_free_bytes);
     say(byId('disk'), free === null ? '' : `${bytes(free)} free`);
   }

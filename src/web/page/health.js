@@ -19,11 +19,6 @@ function rateText(device) {
   return first === second ? first : `${first}–${second}`;
 }
 
-function badText(device) {
-  const skipped = number(device.skipped_bytes);
-  return skipped === null || skipped === 0 ? count(device.bad) : `${count(device.bad)} (${count(skipped)} B)`;
-}
-
 /** A row a device: how its stream is. */
 export class Health {
   constructor() {
@@ -55,14 +50,17 @@ export class Health {
   /** True if the device is not well. */
   showDevice(name, device) {
     const row = this.rowOf(name);
-    const state = words[device.state] ?? (plain(device.state, 30) || 'absent');
+    const state = words[device.state] ?? (plain(device.state, 30) || 'unknown');
+    const told = Object.keys(device).length > 0;
     const well = device.state === 'ok';
     const hz = number(device.expected_hz);
     const sync = number(device.uncertainty_s);
-    const texts = [well ? 'ok' : `▲ ${state}`, rateText(device), hz === null ? unknown : fixed(hz, hz < 20 ? 1 : 0), ageText(device.age_s),
-      count(device.lost), badText(device), sync === null ? unknown : fixed(sync * 1000, 1)];
+    const texts = [well ? 'ok' : told ? `▲ ${state}` : unknown, rateText(device), hz === null ? unknown : fixed(hz, hz < 20 ? 1 : 0), ageText(device.age_s),
+      count(device.lost), count(device.bad), sync === null ? unknown : fixed(sync * 1000, 1)];
     texts.forEach((text, i) => say(row.cells[i + 1], text));
-    row.className = well ? '' : 'unwell';
+    const skipped = number(device.skipped_bytes);
+    row.cells[6].title = skipped === null ? '' : `${count(skipped)} bytes belong to no message`;
+    row.className = well || !told ? '' : 'unwell';
     return device.state === 'late' || device.state === 'lost';
   }
 }

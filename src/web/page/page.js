@@ -101,7 +101,7 @@ const takers = {
     band.state(message);
     sweep.show(message);
     const unwell = health.show(message.devices);
-    warnings.set('devices', unwell.length === 0 ? '' : `${unwell.join(', ')}. What is left goes on.`);
+    warnings.set('devices', unwell.length === 0 ? '' : `${unwell.join(', ')}.`);
     if (message.phase === 'done' || message.stopping === true) warnings.set('stop', '');
   },
   frame(message) {
