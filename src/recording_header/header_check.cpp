@@ -12,6 +12,7 @@ constexpr int text_columns_max = 63;
 // Times of a session are sums of these: wide enough for any device, and no sum leaves the clock's range.
 constexpr double longest_constant_s = 10.0;
 constexpr double longest_settling_s = 3600.0;
+constexpr int most_frames = 100;  // of any network's window
 constexpr double slowest_hz = 1e-3, fastest_hz = 1e6;
 
 bool is_environment_name(const std::string& name) {
@@ -65,9 +66,10 @@ bool calibrations_are_sound(const RigProfile& rig) {
          rig.servo.scale_uncertainty >= 0;
 }
 
-/// Its label scale divides; its other numbers are only told.
+/// Its label scale divides, its frames are a window of rows; the rest is only told.
 bool live_model_is_sound(const LiveModel& model) {
-  return is_within(model.label_scale_dps, 1e-3, 1e6) && model.frames >= 0 && model.reduction >= 0;
+  return is_within(model.label_scale_dps, 1e-3, 1e6) && model.frames >= 0 && model.frames <= most_frames &&
+         model.reduction >= 0;
 }
 
 bool is_column(int column) {

@@ -411,6 +411,9 @@ TEST_F(Journal, KeepsWhichNetworkRan) {
   EXPECT_TRUE(read.fusion);
   EXPECT_TRUE(read.simulated);
   EXPECT_EQ(read.label_scale_dps, 150.5);
+  header.live_model.frames = 1'000'000;
+  EXPECT_THROW(JournalWriter(path("two.journal"), header, 0), Error);
+  header.live_model.frames = 3;
   header.live_model.label_scale_dps = 0.0;
   EXPECT_THROW(JournalWriter(path("two.journal"), header, 0), Error);
 }

@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "thermorig/core/live_estimate.h"
+#include "thermorig/windows/acquisition.h"
+
+namespace thermorig::live {
+
+/// The rows of a live run with what the finished session knows better.
+struct FinalisedRows {
+  std::vector<LiveEstimate> rows;  // label and gyro mean are the finalised ones; counted where the live run
+                                   // counted and both are known
+  std::uint64_t compared = 0;            // counted rows
+  std::uint64_t windows = 0;             // of the finished session: what `evaluate` counts
+  std::uint64_t counted_in_both = 0;     // of these the live run counted so many
+  double label_difference_mean_dps = 0;  // finalised minus live label over the compared rows; NaN without
+  double label_difference_max_dps = 0;   // largest magnitude; NaN without
+};
+
+/// Rows and frames are joined by the frame's index. `frames`: Nf, 1 without a network.
+FinalisedRows finalised_rows(std::span<const LiveEstimate> rows, const windows::Acquisition& finished,
+                             int frames);
+
+}  // namespace thermorig::live

@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: MIT
+#include "thermorig/live/finalised_rows.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "thermorig/windows/window_index.h"
+
+namespace thermorig::live {
+
+namespace {
+
+constexpr float unknown = std::numeric_limits<float>::quiet_NaN();
+
+/// Unknown for a frame that the finished session has not, or that has too few before it.
+windows::WindowRates rates_at(const windows::Acquisition& finished, std::uint32_t frame, int frames) {
+  const std::size_t needed = static_cast<std::size_t>(frames);
+  if (frame >= finished.frames() || std::size_t{frame} + 1 < needed) return {unknown, unknown};
+  return windows::rates_of(finished, {0, frame}, frames);
+}
+
+/// Is the frame the last one of a window?
+std::vector<bool> window_ends(const windows::Acquisition& finished, int frames) {
+  std::vector<bool> ends(finished.frames());
+  for (const windows::Window& window : windows::find_windows({&finished, 1}, frames))
+    ends[window.last] = true;
+  return ends;
+}
+
+}  // namespace
+
+FinalisedRows finalised_rows(std::span<const LiveEstimate> rows, const windows::Acquisition& finished,
+                             int frames) {
+  const std::vector<bool> ends = window_ends(finished, frames);
+  FinalisedRows finalised;
+  finalised.windows = static_cast<std::uint64_t>(std::count(ends.begin(), ends.end(), true));
+  double sum_dps = 0.0, largest_dps = 0.0;
+  for (const LiveEstimate& row : rows) {
+    LiveEstimate& better = finalised.rows.emplace_back(row);
+    const windows::WindowRates rates = rates_at(finished, row.frame_index, frames);
+    better.rate_commanded_dps = rates.label_dps;
+    better.rate_gyro_dps = rates.gyro_dps;
+    const double difference_dps =
+        static_cast<double>(rates.label_dps) - static_cast<double>(row.rate_commanded_dps);
+    better.counted = row.counted && std::isfinite(difference_dps) && std::isfinite(rates.gyro_dps);
+    if (!better.counted) continue;
+    ++finalised.compared;
+    finalised.counted_in_both += ends[row.frame_index] ? 1 : 0;
+    sum_dps += difference_dps;
+    largest_dps = std::max(largest_dps, std::abs(difference_dps));
+  }
+  const bool any = finalised.compared > 0;
+  finalised.label_difference_mean_dps =
+      any ? sum_dps / static_cast<double>(finalised.compared) : double{unknown};
+  finalised.label_difference_max_dps = any ? largest_dps : double{unknown};
+  return finalised;
+}
+
+}  // namespace thermorig::live

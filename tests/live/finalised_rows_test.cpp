@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: MIT
+#include "thermorig/live/finalised_rows.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+#include "../support/same_row.h"
+
+namespace thermorig::live {
+namespace {
+
+constexpr float unknown = std::numeric_limits<float>::quiet_NaN();
+
+/// Ten frames: the third is not valid.
+windows::Acquisition finished() {
+  windows::Acquisition acquisition;
+  for (std::size_t i = 0; i < 10; ++i) {
+    acquisition.label_dps.push_back(100.0F + static_cast<float>(i));
+    acquisition.gyro_dps.push_back(200.0F + static_cast<float>(i));
+    acquisition.run.push_back(i == 2 ? 0 : i < 2 ? 1 : 2);
+  }
+  return acquisition;
+}
+
+LiveEstimate row(std::uint32_t frame, float label_dps = 100.0F) {
+  return {.frame_index = frame,
+          .rate_commanded_dps = label_dps,
+          .rate_gyro_dps = 7.0F,
+          .rate_thermal_dps = 8.0F,
+          .rate_fusion_dps = 9.0F,
+          .gain = 0.5F,
+          .counted = true};
+}
+
+TEST(FinalisedRows, HaveTheWindowsMeansOfTheFinishedSession) {
+  const std::vector<LiveEstimate> rows{row(5)};
+  const FinalisedRows finalised = finalised_rows(rows, finished(), 3);
+  ASSERT_EQ(finalised.rows.size(), 1U);
+  EXPECT_EQ(finalised.rows[0].rate_commanded_dps, 104.0F);
+  EXPECT_EQ(finalised.rows[0].rate_gyro_dps, 204.0F);
+  EXPECT_EQ(finalised.rows[0].rate_thermal_dps, 8.0F);
+  EXPECT_EQ(finalised.rows[0].rate_fusion_dps, 9.0F);
+  EXPECT_TRUE(finalised.rows[0].counted);
+}
+
+TEST(FinalisedRows, TellHowFarTheLabelsWere) {
+  const std::vector<LiveEstimate> rows{row(5, 103.0F), row(6, 108.0F)};  // finalised: 104 and 105
+  const FinalisedRows finalised = finalised_rows(rows, finished(), 3);
+  EXPECT_EQ(finalised.compared, 2U);
+  EXPECT_DOUBLE_EQ(finalised.label_difference_mean_dps, -1.0);
+  EXPECT_DOUBLE_EQ(finalised.label_difference_max_dps, 3.0);
+}
+
+TEST(FinalisedRows, CountWhereTheLiveRunCounted) {
+  std::vector<LiveEstimate> rows{row(4), row(5), row(6)};
+  rows[1].counted = false;
+  const FinalisedRows finalised = finalised_rows(rows, finished(), 3);
+  EXPECT_TRUE(finalised.rows[0].counted);  // although the finished session has no window there
+  EXPECT_FALSE(finalised.rows[1].counted);
+  EXPECT_EQ(finalised.compared, 2U);
+  EXPECT_EQ(finalised.windows, 5U);
+  EXPECT_EQ(finalised.counted_in_both, 1U);
+}
+
+TEST(FinalisedRows, KnowNothingOfFramesThatTheSessionHasNot) {
+  const std::vector<LiveEstimate> rows{row(1), row(10), row(4'294'967'295U), row(5, unknown)};
+  const FinalisedRows finalised = finalised_rows(rows, finished(), 3);
+  EXPECT_EQ(finalised.compared, 0U);
+  EXPECT_TRUE(std::isnan(finalised.label_difference_mean_dps));
+  EXPECT_TRUE(std::isnan(finalised.label_difference_max_dps));
+  for (const LiveEstimate& each : finalised.rows) EXPECT_FALSE(each.counted);
+}
+
+TEST(FinalisedRows, OfNothingAreNone) {
+  EXPECT_TRUE(finalised_rows({}, {}, 1).rows.empty());
+}
+
+}  // namespace
+}  // namespace thermorig::live
