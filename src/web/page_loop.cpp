@@ -267,7 +267,10 @@ struct PageLoop::Impl {
       Answer answer = asset_answer(*asset(target), parser.get());
       co_return co_await send(*connection, parser.get(), answer);
     }
-    co_await open_stream(connection, parser.get(), buffer);
+    if (const auto full = check_stream(buffer.size()))
+      co_await refuse(*connection, parser.get(), *full);
+    else
+      open_stream(connection, parser.release());
     co_return false;
   }
 
@@ -330,18 +333,12 @@ struct PageLoop::Impl {
 
   // --- streams -----------------------------------------------------------------------------------------
 
-  asio::awaitable<void> open_stream(std::shared_ptr<Connection> connection, const Request& request,
-                                    const beast::flat_buffer& buffer) {
-    if (const auto refusal = check_stream(buffer.size())) {
-      co_await refuse(*connection, request, *refusal);
-      co_return;
-    }
+  void open_stream(const std::shared_ptr<Connection>& connection, Request request) {
     evict_unknown_streams();
     const auto client = std::make_shared<Client>(std::move(connection->stream), options.queue_bytes);
     connections.remove(connection);
     clients.push_back(client);
-    co_await hold_stream(client, request);
-    part_with(client);
+    spawn(hold_stream(client, std::move(request)), [this, client] { part_with(client); });
   }
 
   /// May one more stream be opened now? `bytes_ahead`: that came before the answer.
@@ -372,7 +369,7 @@ struct PageLoop::Impl {
     stop_if_done();
   }
 
-  asio::awaitable<void> hold_stream(std::shared_ptr<Client> client, const Request& request) {
+  asio::awaitable<void> hold_stream(std::shared_ptr<Client> client, Request request) {
     set_up(*client, host_of(request, gate));
     wait_for_token(client);
     error_code error;
@@ -429,7 +426,7 @@ struct PageLoop::Impl {
     // A quarter stays free for what happens while it reads this.
     for (Message& message : backlog.for_new_client(options.queue_bytes - options.queue_bytes / 4))
       client->queue.push(std::move(message));
-    spawn(write_queue(client), [] {});
+    spawn(write_queue(client), [client] { client->cut(); });
   }
 
   asio::awaitable<void> write_queue(std::shared_ptr<Client> client) {
@@ -441,7 +438,7 @@ struct PageLoop::Impl {
         client->writing_since = Clock::now();
         co_await client->stream.async_write(asio::buffer(*text), into(error));
         client->writing_since.reset();
-        if (error) co_return client->cut();
+        if (error) co_return;
       } else if (client->leaving) {
         co_await client->stream.async_close(websocket::close_code::going_away, into(error));
         co_return;
@@ -504,13 +501,25 @@ struct PageLoop::Impl {
     if (leaving && clients.empty() && connections.empty()) context.stop();
   }
 
+  /// A page is not worth a recording: what one handler throws ends that handler and no more.
+  void run() {
+    for (bool done = false; !done;) {
+      try {
+        context.run();
+        done = true;
+      } catch (const std::exception&) {
+        // No memory, most likely. The next message finds out whether that has passed.
+      }
+    }
+  }
+
   /// What is left is called back, finds itself closed and ends, so that nothing is destroyed half-way.
   void close_all() {
     for (const auto& connection : connections) connection->stream.close();
     for (const auto& client : clients) client->cut();
     grace.cancel();
-    context.restart();
-    context.poll();
+    do context.restart();
+    while (context.poll() > 0);
   }
 
   asio::io_context context{1};
@@ -550,7 +559,7 @@ std::thread quiet_thread(Work work) {
 PageLoop::PageLoop(const ServerOptions& options, Listeners listeners, std::string token,
                    std::function<void(const Order&)> ordered)
     : impl_(std::make_unique<Impl>(options, std::move(listeners), std::move(token), std::move(ordered))) {
-  impl_->thread = quiet_thread([impl = impl_.get()] { impl->context.run(); });
+  impl_->thread = quiet_thread([impl = impl_.get()] { impl->run(); });
 }
 
 PageLoop::~PageLoop() {
