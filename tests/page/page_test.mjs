@@ -154,6 +154,17 @@ describe('honest plots', () => {
     }
   });
 
+  test('one lost frame is a gap, a camera that is slower than it should be is none', async () => {
+    const late = (index, time) => frame(index, { time_s: time });
+    const { tab } = await page([hello(), ...span(0, 20), ...Array.from({ length: 20 }, (_, i) => late(20 + i, 2.625 + i * period))]);
+    await shown(tab, 39);
+    assert.equal((await stripData(tab, 'rate'))[1].filter((value) => value === null).length, 1);
+    server.send(hello({ start_utc: 'slow' }), ...Array.from({ length: 60 }, (_, i) => late(i, i * 0.5)));
+    await shown(tab, 59);
+    const [, servo] = await stripData(tab, 'rate');
+    assert.ok(known(servo.slice(10)).length === servo.length - 10, 'lines as soon as the rate is known');
+  });
+
   test('a frame that is not counted tells why under the pointer', async () => {
     const { tab } = await page([hello(), ...span(0, 24 * 20)]);
     await shown(tab, 479);

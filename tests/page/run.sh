@@ -21,6 +21,7 @@ fi
 
 work=$build/page_tests
 mkdir -p "$work/output"
+rm -f "$work"/*.mjs
 cp "$source_folder"/*.mjs "$source_folder"/package.json "$source_folder"/package-lock.json "$work"
 cd "$work"
 if ! cmp -s package-lock.json node_modules/.installed; then

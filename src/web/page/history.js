@@ -41,13 +41,20 @@ export class History {
 
   clear() {
     this.rows = [];
-    this.longestStep = 0.5;
+    this.steps = [];  // seconds between the last frames
+    this.period = 0.125;
   }
 
-  /** A longer step in time than 2.5 periods (at least 0.5 s) is a gap. */
+  /** The rate that the camera should have. */
   expect(framesPerSecond) {
     const rate = number(framesPerSecond);
-    this.longestStep = rate === null || rate <= 0 ? 0.5 : Math.max(0.5, 2.5 / rate);
+    if (rate !== null && rate > 0) this.period = 1 / rate;
+  }
+
+  /** Longer steps in time are gaps: at most one frame of those that come, or should come, fits in. */
+  get longestStep() {
+    const median = [...this.steps].sort((a, b) => a - b)[this.steps.length >> 1] ?? 0;
+    return 1.8 * Math.max(this.period, median);
   }
 
   get last() {
@@ -61,6 +68,7 @@ export class History {
     const last = this.last;
     if (last !== null && (row.index <= last.index || row.time <= last.time)) return false;
     const missing = last !== null && (row.index > last.index + 1 || row.time - last.time > this.longestStep);
+    if (last !== null) this.steps = [...this.steps.slice(-14), row.time - last.time];
     if (missing) this.rows.push(this.gap(last, row));
     this.rows.push(row);
     let old = Math.max(0, this.rows.length - mostFrames);
