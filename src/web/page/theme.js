@@ -20,8 +20,8 @@ export function onThemeChange(redraw) {
 /** Dashes tell the lines apart where colours do not. */
 export const lines = {
   servo: { name: 'servo', dash: [6, 4], width: 1.5 },
-  thermal: { name: 'thermal', dash: [2, 2], width: 1.5 },
-  gyro: { name: 'gyro', dash: [9, 3], width: 1.5 },
+  thermal: { name: 'thermal', dash: [3, 3], width: 1.5 },
+  gyro: { name: 'gyro', dash: [10, 4], width: 1.5 },
   fusion: { name: 'fusion', dash: [], width: 2 },
   kg: { name: 'Kg', dash: [], width: 1.5 },
 };
