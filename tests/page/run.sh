@@ -28,5 +28,5 @@ if ! cmp -s package-lock.json node_modules/.installed; then
   PLAYWRIGHT_SKIP_BROWSER_DOWNLOAD=1 npm ci --ignore-scripts --no-audit --no-fund --no-update-notifier --prefer-offline --loglevel=error
   cp package-lock.json node_modules/.installed
 fi
-export THERMORIG_BUILD=$build THERMORIG_CHROMIUM=$chromium THERMORIG_PAGE_OUTPUT=$work/output
+export THERMORIG_BUILD=$build THERMORIG_SOURCE=$(cd "$source_folder/../.." && pwd) THERMORIG_CHROMIUM=$chromium THERMORIG_PAGE_OUTPUT=$work/output
 exec node --test --test-concurrency=1 --test-reporter=spec "$@" ./*_test.mjs

@@ -1,0 +1,144 @@
+// SPDX-License-Identifier: MIT
+// The page on the program itself, which drives a simulated rig on the wall clock.
+import assert from 'node:assert/strict';
+import { existsSync, mkdtempSync, rmSync } from 'node:fs';
+import { tmpdir } from 'node:os';
+import { join } from 'node:path';
+import { after, afterEach, before, describe, test } from 'node:test';
+import { imagePixels, launch, openTab, screenshot, stripData, textOf, until } from './browser.mjs';
+import { Program, whyNot } from './program.mjs';
+
+const source = process.env.THERMORIG_SOURCE;
+const model = join(source, 'docs/models/best.onnx');
+const rig = ['--simulated=3', '--plan', 'quick', ...(existsSync(model) ? ['--model', model] : [])];
+const pause = (milliseconds) => new Promise((done) => setTimeout(done, milliseconds));
+
+/** All that stands in the table of numbers, and for which frame. */
+const numbersOf = (tab) => tab.evaluate(() => ({ index: Number(document.getElementById('numbers').dataset.index),
+  cells: [...document.querySelectorAll('#numbers td')].map(({ dataset }) => [dataset.of, dataset.figure, dataset.value]) }));
+
+const shownAtLeast = (tab, index) => until(async () => (await numbersOf(tab)).index >= index, `frame ${index} is shown`, 60_000);
+
+describe('the program', { skip: whyNot() || false }, () => {
+  let browser;
+  let folder;
+  let running = [];
+
+  function run(...words) {
+    const program = new Program(folder, [...rig, ...words]);
+    running.push(program);
+    return program;
+  }
+
+  before(async () => {
+    browser = await launch();
+    folder = mkdtempSync(join(tmpdir(), 'thermorig-page-'));
+  });
+  after(async () => {
+    await browser.close();
+    rmSync(folder, { recursive: true });
+  });
+  afterEach(async () => {
+    for (const program of running) await program.kill();
+    running = [];
+  });
+
+  test('numbers and lines of the page are those of the JSON stream, then Space stops the servo', async (t) => {
+    const program = run('--page-port', '0');
+    const { tab, troubles, close } = await openTab(browser);
+    await tab.goto(await program.url());
+    await shownAtLeast(tab, 40);
+    const first = await imagePixels(tab);
+    await shownAtLeast(tab, 160);
+    assert.notDeepEqual(await imagePixels(tab), first, 'the image changes');
+    await screenshot(tab, 'program');
+
+    const { index, cells } = await numbersOf(tab);
+    const frames = new Map(program.of('frame').map((message) => [message.index, message]));
+    const { scores } = frames.get(index);
+    for (const [estimator, figure, value] of cells) {
+      const told = scores[estimator]?.[figure] ?? null;
+      assert.equal(value === '' ? null : Number(value), told, `${estimator} ${figure} of frame ${index}`);
+    }
+    const byTime = new Map([...frames.values()].map((message) => [message.time_s, message]));
+    const lines = { rate: (m) => [m.commanded_dps, m.thermal_dps, m.gyro_dps, m.fusion_dps], gain: (m) => [m.gain],
+      error: (m) => [m.thermal_dps, m.gyro_dps, m.fusion_dps].map((value) => (value === null || m.commanded_dps === null ? null : value - m.commanded_dps)),
+      angle: (m) => ['thermal', 'gyro', 'fusion'].map((key) => m.scores[key].angle_error_deg) };
+    let compared = 0;
+    for (const [id, values] of Object.entries(lines)) {
+      const [times, ...columns] = await stripData(tab, id);
+      const known = columns.map(() => 0);
+      times.forEach((time, i) => {
+        const message = byTime.get(time);
+        if (message === undefined) {
+          assert.ok(columns.every((column) => column[i] === null), `${id}: a point that the program did not send`);
+          return;
+        }
+        values(message).forEach((value, c) => {
+          assert.equal(columns[c][i], value, `${id} at ${time} s`);
+          known[c] += value === null ? 0 : 1;
+        });
+        ++compared;
+      });
+      assert.ok(known.every((number) => number > 20), `${id} has data: ${known}`);
+    }
+    t.diagnostic(`${compared} points of four strips equal the JSON stream's`);
+
+    // In the rig's own time, for it is the program that must be quick, not this machine.
+    await until(() => program.of('state').at(-1).phase === 'leg', 'a leg is driven', 30_000);
+    await tab.keyboard.press('Space');
+    await until(() => program.of('ended').length > 0, 'the run ends', 20_000);
+    const states = program.of('state');
+    const stopping = states.findIndex((state) => state.stopping);
+    assert.ok(stopping > 0 || states.at(-1).phase === 'done', 'the states tell of the stop');
+    const stopped = program.of('event').filter(({ kind }) => kind === 'stopped');
+    t.diagnostic(`states from the stop on: ${states.slice(-4).map((s) => `${s.time_s} ${s.phase}`).join(', ')}; events: ${stopped.map((e) => `${e.time_s} ${e.message}`).join(' | ')}`);
+    await until(async () => await textOf(tab, '#mode-word') === 'ENDED', 'the page says ENDED');
+    assert.notEqual(await textOf(tab, '#ended'), '');
+    await screenshot(tab, 'program_stopped');
+    assert.deepEqual(troubles, []);
+    await close();
+  });
+
+  test('M is an event of the run', async () => {
+    const program = run('--page-port', '0');
+    const { tab, close } = await openTab(browser);
+    await tab.goto(await program.url());
+    await shownAtLeast(tab, 5);
+    await tab.focus('#note');
+    await tab.keyboard.type('the sun <b>came</b> out');
+    await tab.keyboard.press('Enter');
+    await until(() => program.of('event').some(({ kind, message }) => kind === 'mark' && message.includes('the sun <b>came</b> out')), 'the mark');
+    await until(async () => (await textOf(tab, '#events')).includes('the sun <b>came</b> out'), 'on the page');
+    await close();
+  });
+
+  test('a killed program shows the overlay after 3 s, a restarted one is found within 5 s of the page', async () => {
+    const program = run('--page-port', '0');
+    const url = await program.url();
+    const { tab, troubles, close } = await openTab(browser, { clock: true });
+    await tab.goto(url);
+    await shownAtLeast(tab, 10);
+    await program.kill();
+    await pause(100);
+    await tab.clock.pauseAt(Date.now() + 1000);
+    await tab.clock.runFor(3200);
+    assert.equal(await tab.evaluate(() => document.getElementById('silence').hidden), false);
+    assert.match(await textOf(tab, '#silence'), /^no data for \d+\.\d s, last frame \d\d:\d\d:\d\d$/);
+    const next = run('--page-port', new URL(url).port);
+    assert.equal(await next.url(), url, 'the address holds');
+    await until(() => next.of('frame').length > 10, 'frames again', 30_000);
+    let passed = 0;
+    const gone = () => tab.evaluate(() => document.getElementById('silence').hidden);
+    for (; passed <= 5000 && !(await gone()); passed += 200) {
+      await tab.clock.runFor(200);
+      await pause(30);
+    }
+    assert.ok(passed <= 5000, 'found within 5 s');
+    await tab.clock.resume();
+    await shownAtLeast(tab, 20);
+    assert.equal(await textOf(tab, '#warnings'), '');
+    assert.deepEqual(troubles, []);
+    await close();
+  });
+});
