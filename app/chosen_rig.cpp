@@ -28,10 +28,10 @@ void check_words(const RigOptions& options) {
                 "--simulated=3");
 }
 
-void check_ports(const RigProfile& profile) {
+void check_ports(const RigProfile& profile, const PerDevice<bool>& needed) {
   std::string missing;
   for (Device device : all_devices)
-    if (profile.link(device).port.empty())
+    if (needed[device] && profile.link(device).port.empty())
       missing += (missing.empty() ? "" : ", ") + std::string(name_of(device));
   if (missing.empty()) return;
   throw Error(ExitCode::bad_usage, "no port is named for " + missing, "",
@@ -51,7 +51,7 @@ void check_ports_differ(const RigProfile& profile) {
   for (std::size_t i = 0; i < device_count; ++i)
     for (std::size_t k = i + 1; k < device_count; ++k) {
       const std::string& one = profile.link(all_devices[i]).port;
-      if (device_behind(one) != device_behind(profile.link(all_devices[k]).port)) continue;
+      if (one.empty() || device_behind(one) != device_behind(profile.link(all_devices[k]).port)) continue;
       throw Error(ExitCode::bad_usage,
                   "the same port is named for " + std::string(name_of(all_devices[i])) + " and " +
                       std::string(name_of(all_devices[k])),
@@ -100,7 +100,8 @@ simulation::VirtualRigConfig simulated_rig(std::uint64_t seed, const std::string
   return config;
 }
 
-ChosenRig chosen_rig(const RigOptions& options, const std::string& environment) {
+ChosenRig chosen_rig(const RigOptions& options, const std::string& environment,
+                     const PerDevice<bool>& needed) {
   check_words(options);
   ChosenRig chosen;
   if (options.simulated_seed) {
@@ -113,7 +114,7 @@ ChosenRig chosen_rig(const RigOptions& options, const std::string& environment) 
   if (chosen.simulated) {
     chosen.simulated->profile = chosen.profile;
   } else {
-    check_ports(chosen.profile);
+    check_ports(chosen.profile, needed);
     check_ports_differ(chosen.profile);
   }
   return chosen;

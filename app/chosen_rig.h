@@ -17,8 +17,9 @@ struct ChosenRig {
 };
 
 /// Profile file, then what the command line changes in it. Throws Error(bad_usage) for words that contradict
-/// each other or do not name every port.
-ChosenRig chosen_rig(const RigOptions& options, const std::string& environment);
+/// each other or do not name the port of every device that is needed.
+ChosenRig chosen_rig(const RigOptions& options, const std::string& environment,
+                     const PerDevice<bool>& needed = {{true, true, true}});
 
 /// A simulated rig with one of the servos "winch", "180", "270", "continuous" and one of the cameras "half",
 /// "full", one of the gyros "calibrated", "typical", "raw".

@@ -10,6 +10,7 @@ namespace thermorig::app {
 // and returns the exit code otherwise.
 
 ExitCode run(const RecordOptions& options);
+ExitCode run(const LiveOptions& options);
 ExitCode run(const CalibrateOptions& options);
 ExitCode run(const PortsOptions& options);
 ExitCode run(const SimulateOptions& options);

@@ -2,10 +2,11 @@
 #include "options.h"
 
 #include <CLI/CLI.hpp>
-#include <charconv>
 #include <string_view>
 
 #include "learning_options.h"
+#include "live_options.h"
+#include "rig_words.h"
 #include "thermorig/core/error.h"
 
 namespace thermorig::app {
@@ -24,50 +25,11 @@ struct Words {
   DecodeOptions decode;
   TrainOptions train;
   EvaluateOptions evaluate;
+  LiveWords live;
   ExportOptions export_;
   std::string record_seed, calibrate_seed, calibration, simulate_seed, decode_device;
   bool version = false, version_json = false;
 };
-
-void add_json(CLI::App& command, bool& json) {
-  command.add_flag("--json", json, "Print JSON on standard output, for programs");
-}
-
-void add_simulated_parts(CLI::App& command, std::optional<std::string>& servo,
-                         std::optional<std::string>& camera, std::optional<std::string>& gyro) {
-  command
-      .add_option("--simulated-servo", servo,
-                  "Servo of the simulated rig: winch (default), 180, 270, continuous")
-      ->check(CLI::IsMember({"winch", "180", "270", "continuous"}))
-      ->type_name("KIND");
-  command
-      .add_option("--simulated-camera", camera,
-                  "Fresh chess halves in a simulated frame: half (default), full")
-      ->check(CLI::IsMember({"half", "full"}))
-      ->type_name("KIND");
-  command
-      .add_option("--simulated-gyro", gyro,
-                  "Bias, scale and noise of the simulated gyro: calibrated, typical (default), raw")
-      ->check(CLI::IsMember({"calibrated", "typical", "raw"}))
-      ->type_name("KIND");
-}
-
-void add_rig(CLI::App& command, RigOptions& rig, std::string& seed) {
-  command.add_flag("--simulated{1}", seed, "Use the simulated rig; =SEED chooses another world (default 1)");
-  command.add_option("--camera", rig.ports[Device::camera], "Port of the camera, e.g. /dev/ttyUSB0")
-      ->type_name("PORT");
-  command.add_option("--gyro", rig.ports[Device::gyro], "Port of the gyro")->type_name("PORT");
-  command.add_option("--servo", rig.ports[Device::servo], "Port of the servo's micro-controller")
-      ->type_name("PORT");
-  command.add_option("--rig", rig.profile, "Profile that `thermorig ports --save` wrote: a name or a file")
-      ->type_name("PROFILE");
-  command.add_option("--camera-baud", rig.camera_baud, "Baud rate of the camera")->type_name("N");
-  command.add_option("--gyro-baud", rig.gyro_baud, "Baud rate of the gyro")->type_name("N");
-  command.add_option("--servo-baud", rig.servo_baud, "Baud rate of the servo link")->type_name("N");
-  command.add_option("--camera-rate", rig.camera_rate_hz, "Frames a second that the camera is asked for")
-      ->type_name("HZ");
-  add_simulated_parts(command, rig.simulated_servo, rig.simulated_camera, rig.simulated_gyro);
-}
 
 void add_recording_of(CLI::App& command, RecordOptions& record) {
   command.add_option("-o,--output", record.output, "Folder that holds the recordings")
@@ -230,15 +192,6 @@ void add_decode(CLI::App& root, Words& words) {
   command.footer("Example:\n  thermorig decode --device camera dump.bin");
 }
 
-std::uint64_t seed_of(const std::string& text) {
-  std::uint64_t seed = 0;
-  const char* end = text.data() + text.size();
-  const auto [at, error] = std::from_chars(text.data(), end, seed);
-  if (error == std::errc() && at == end) return seed;
-  throw Error(ExitCode::bad_usage, "the seed '" + text + "' is not a whole number from 0 to 2^64 - 1", "",
-              "--simulated=3");
-}
-
 Device device_of(const std::string& name) {
   for (Device device : all_devices)
     if (name == name_of(device)) return device;
@@ -275,6 +228,7 @@ Command chosen(const CLI::App& root, Words& words) {
     return words.decode;
   }
   if (name == "ports") return words.ports;
+  if (name == "live") return chosen_live(words.live);
   if (name == "inspect") return words.inspect;
   if (name == "recover") return words.recover;
   if (name == "train") return words.train;
@@ -292,6 +246,7 @@ void describe(CLI::App& root, Words& words) {
   root.add_flag("--version", words.version, "Print version, commit, compiler and libraries");
   add_json(root, words.version_json);
   add_record(root, words);
+  add_live(root, words.live);
   add_calibrate(root, words);
   add_ports(root, words);
   add_simulate(root, words);

@@ -38,6 +38,25 @@ struct RecordOptions {
   bool json = false;
 };
 
+/// The page that a running command serves.
+struct PageOptions {
+  bool serve = false;
+  std::uint16_t port = 8650;
+  bool new_token = false;
+  bool control = false;  // the page may start motion, and motion waits for it
+};
+
+struct LiveOptions {
+  RecordOptions record;                         // rig, environment, plan; output where a session is kept
+  std::filesystem::path model;                  // empty: gyro against servo only
+  bool keep = false;                            // a session, as `record` makes one
+  bool loop = false;                            // the plan again and again, until it is stopped
+  std::optional<std::filesystem::path> replay;  // a session instead of a rig
+  double speed = 1.0;                           // of a replay; 0: as fast as possible
+  PageOptions page;
+  bool tui = false;
+};
+
 struct CalibrateOptions {
   rig::CalibrationKind kind = rig::CalibrationKind::bias;
   RecordOptions record;                         // how a session for it is recorded
@@ -112,6 +131,7 @@ struct EvaluateOptions {
   std::filesystem::path model;               // of a model on sessions
   std::vector<std::filesystem::path> paths;  // sessions, or folders that hold them
   bool study = false;                        // the paper's study instead of a model
+  bool live = false;                         // what live runs showed instead of a model
   std::filesystem::path output;  // folder of reports, and of a study its results; of a model empty: none
   std::optional<std::filesystem::path> draw;  // folder of a study: only draw its report again
   std::string environment = "garden";
@@ -140,7 +160,7 @@ struct VersionOptions {
 
 using Command = std::variant<RecordOptions, CalibrateOptions, PortsOptions, SimulateOptions, InspectOptions,
                              RecoverOptions, ReprocessOptions, DecodeOptions, TrainOptions, EvaluateOptions,
-                             ExportOptions, VersionOptions>;
+                             ExportOptions, VersionOptions, LiveOptions>;
 
 /// What the command line asks for.
 struct CommandLine {

@@ -4,20 +4,9 @@
 #include "record_checks.h"
 #include "record_summary.h"
 #include "recorder.h"
+#include "recording_setup.h"
 
 namespace thermorig::app {
-
-namespace {
-
-rig::SweepPlan chosen_plan(const RecordOptions& options) {
-  rig::PlanOverrides overrides;
-  overrides.magnitudes_dps = options.speeds_dps;
-  overrides.frames_per_leg = options.frames_per_leg;
-  overrides.valid_per_leg = options.valid_per_leg;
-  return rig::load_plan(options.plan, options.environment, options.rig.simulated_seed.value_or(1), overrides);
-}
-
-}  // namespace
 
 ExitCode run(const RecordOptions& options) {
   check_recording_words(options);

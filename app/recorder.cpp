@@ -3,15 +3,13 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <csignal>
-#include <memory>
 #include <nlohmann/json.hpp>
 
-#include "build_information.h"
 #include "interrupts.h"
 #include "output.h"
 #include "progress_output.h"
+#include "recording_setup.h"
 #include "thermorig/io/host.h"
 #include "thermorig/io/port.h"
 #include "thermorig/rig/port_recording.h"
@@ -22,30 +20,6 @@
 namespace thermorig::app {
 
 namespace {
-
-rig::RecordingOptions recording_options(const RecordOptions& options, const ChosenRig& rig,
-                                        const rig::SweepPlan& plan) {
-  rig::RecordingOptions recording;
-  recording.environment = options.environment;
-  recording.output = options.output;
-  recording.title = fmt::format("{}, plan {}", options.environment, plan.name);
-  recording.profile = rig.profile;
-  recording.plan = plan;
-  recording.simulated = rig.simulated.has_value();
-  recording.simulation_seed = options.rig.simulated_seed;
-  recording.creator = std::string("thermorig ") + build_information::version;
-  recording.creator_git = build_information::git;
-  return recording;
-}
-
-/// What the simulated rig differs in from the default one, for the session's own description of it.
-std::string simulated_parts(const RigOptions& rig) {
-  std::string parts;
-  if (rig.simulated_servo) parts += ", servo " + *rig.simulated_servo;
-  if (rig.simulated_camera) parts += ", camera " + *rig.simulated_camera;
-  if (rig.simulated_gyro) parts += ", gyro " + *rig.simulated_gyro;
-  return parts;
-}
 
 void announce(const rig::RecordingOptions& recording, bool json) {
   const rig::SweepPlan& plan = recording.plan;
@@ -121,28 +95,6 @@ rig::RecordingResult record_on_ports(rig::RecordingOptions recording, ProgressOu
   };
   options.notice = [&](const std::string& sentence) { output.note(sentence); };
   return rig::record_ports(options);
-}
-
-/// A program stands behind a pseudo terminal, `thermorig simulate` more often than not: what comes from one
-/// must not pass for real data.
-void mark_pseudo_terminals(rig::RecordingOptions& recording) {
-  const auto is_pseudo = [&](Device device) {
-    return io::is_pseudo_terminal(recording.profile.link(device).port);
-  };
-  if (recording.simulated || std::none_of(all_devices.begin(), all_devices.end(), is_pseudo)) return;
-  recording.simulated = true;
-  recording.simulation = "pseudo terminals, whatever program serves them";
-}
-
-/// Switches a simulated rig on and gives its ports to the recording, which then uses them as it uses any
-/// other.
-std::unique_ptr<SimulatedPorts> simulated_ports(const ChosenRig& rig, rig::RecordingOptions& recording) {
-  if (!rig.simulated) return nullptr;
-  auto ports = std::make_unique<SimulatedPorts>(*rig.simulated, FirmwareChoice::avr_image);
-  for (Device device : all_devices) recording.profile.link(device).port = ports->paths()[device];
-  recording.simulation = "ports, " + ports->firmware_description();
-  ports->start();
-  return ports;
 }
 
 }  // namespace

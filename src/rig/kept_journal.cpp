@@ -19,9 +19,8 @@ struct KeptJournal::Kept {
   std::optional<JournalSync> sync;
 };
 
-KeptJournal::KeptJournal(const RecordingOptions& options, HostTime now) {
+KeptJournal::KeptJournal(const RecordingOptions& options, RecordingHeader& header) {
   if (!options.keep) return;
-  RecordingHeader header = make_header(options, now);
   const FolderLock folder(options.output, options.environment);
   file_ = folder.next(compact_utc(header.start_time_utc));
   header.acquisition = file_.acquisition;
@@ -48,7 +47,9 @@ void KeptJournal::leg(const LegRecord& leg) {
   if (kept_) kept_->journal.leg(leg);
 }
 
-void KeptJournal::estimate(const LiveEstimate&) {}
+void KeptJournal::estimate(const LiveEstimate& row) {
+  if (kept_) kept_->journal.estimate(row);
+}
 
 void KeptJournal::check() {
   if (kept_ && kept_->sync) kept_->sync->check();

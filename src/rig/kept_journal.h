@@ -16,9 +16,9 @@ namespace thermorig::rig {
 /// The journal of a recording with its lock and its syncs; or nothing at all, where nothing is kept.
 class KeptJournal {
  public:
-  /// Chooses the number and creates the journal, unless `options.keep` is false. Throws Error: bad_usage,
-  /// storage.
-  KeptJournal(const RecordingOptions& options, HostTime now);
+  /// Chooses the number, which it puts into the header, and creates the journal, unless `options.keep` is
+  /// false. Throws Error: bad_usage, storage.
+  KeptJournal(const RecordingOptions& options, RecordingHeader& header);
   ~KeptJournal();
   KeptJournal(const KeptJournal&) = delete;
   KeptJournal& operator=(const KeptJournal&) = delete;

@@ -52,6 +52,10 @@ PortSession::PortSession(const PortOptions& options) : options_(options) {
 void PortSession::open_ports() {
   for (const Device device : all_devices) {
     const bool needed = device == Device::servo || options_.recording.needed[device];
+    if (!needed && options_.recording.profile.link(device).port.empty()) {
+      missing_.emplace_back(device, Error(ExitCode::device_missing, "no port is named for it", "", ""));
+      continue;
+    }
     try {
       ports_[device] = open(device);
     } catch (const Error& error) {

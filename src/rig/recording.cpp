@@ -11,6 +11,7 @@
 #include "servo_link.h"
 #include "thermorig/pipeline/frame_pairs.h"
 #include "thermorig/pipeline/pipeline.h"
+#include "thermorig/rig/absent_camera.h"
 
 namespace thermorig::rig {
 
@@ -33,13 +34,16 @@ struct Recording::Parts {
       : options(given),
         begin(now),
         send(std::move(send_to_servo)),
-        journal(options, now),
+        header(make_header(options, now)),
+        journal(options, header),
         pipeline(options.profile),
         commander(options.profile.servo),
         sweep(options.plan, options.profile.servo, options.profile.camera.output_rate_hz, commander) {}
 
   void take(pipeline::Streams streams, const std::vector<LabelledSample>& samples, HostTime arrived);
   void observe(std::vector<TimedFrame> frames, const std::vector<LabelledSample>& samples, HostTime arrived);
+  void observe(const pipeline::FramePair& pair, HostTime arrived);
+  void take_absent(HostTime arrived);
   void take_streams(const pipeline::Streams& streams, HostTime arrived);
   void note_first_bytes(Device from, std::span<const std::uint8_t> bytes);
   void begin_when_ready(HostTime now);
@@ -69,9 +73,12 @@ struct Recording::Parts {
   RecordingOptions options;
   HostTime begin;
   SendToServo send;
+  RecordingHeader header;
   KeptJournal journal;
   pipeline::Pipeline pipeline;
   pipeline::FramePairs pairs;
+  std::optional<AbsentCamera> absent_camera;  // where the recording goes on without one
+  std::uint64_t samples_seen = 0;
   ServoCommander commander;
   SweepWalker sweep;
   PerDevice<RateMeter> meters;
@@ -93,6 +100,7 @@ struct Recording::Parts {
 
 Recording::Recording(const RecordingOptions& options, HostTime now, SendToServo send)
     : parts_(std::make_unique<Parts>(options, now, std::move(send))) {
+  if (options.begun) options.begun(parts_->header);
   parts_->may_start = !options.wait_for_start;
   parts_->sweep.greet();
 }
@@ -114,16 +122,35 @@ void Recording::Parts::take(pipeline::Streams streams, const std::vector<Labelle
                             HostTime arrived) {
   if (!samples.empty()) last_sample = samples.back();
   guarded(arrived, [&] { take_streams(streams, arrived); });
+  if (absent_camera) {
+    absent_camera->add(streams, arrived, samples_seen);
+    take_absent(arrived);
+    if (absent_camera->has_begun()) return;  // what a camera sends that is back is kept, and no more
+  }
+  samples_seen += samples.size();
   for (const LabelledSample& sample : samples) sweep.sample(sample);
   if (options.observe) observe(std::move(streams.frames), samples, arrived);
+}
+
+void Recording::Parts::take_absent(HostTime arrived) {
+  for (const TimedFrame& frame : absent_camera->take_frames()) sweep.frame(frame);
+  for (const pipeline::FramePair& pair : absent_camera->take_pairs()) {
+    last_sample = pair.sample;
+    sweep.sample(pair.sample);
+    observe(pair, arrived);
+  }
+}
+
+void Recording::Parts::observe(const pipeline::FramePair& pair, HostTime arrived) {
+  if (!options.observe) return;
+  if (const auto row = options.observe(pair.frame, pair.sample, arrived)) journal.estimate(*row);
 }
 
 void Recording::Parts::observe(std::vector<TimedFrame> frames, const std::vector<LabelledSample>& samples,
                                HostTime arrived) {
   pairs.add(std::move(frames));
   pairs.add(samples);
-  for (const pipeline::FramePair& pair : pairs.take())
-    if (const auto row = options.observe(pair.frame, pair.sample, arrived)) journal.estimate(*row);
+  for (const pipeline::FramePair& pair : pairs.take()) observe(pair, arrived);
 }
 
 void Recording::Parts::note_first_bytes(Device from, std::span<const std::uint8_t> bytes) {
@@ -138,7 +165,7 @@ void Recording::Parts::take_streams(const pipeline::Streams& streams, HostTime a
     meters[Device::camera].message(arrived);
     uncertainty_s[Device::camera] = frame.stamp.uncertainty_s;
     missing_frames += frame.missing_before;
-    sweep.frame(frame);
+    if (!absent_camera || !absent_camera->has_begun()) sweep.frame(frame);
   }
   for (const TimedGyro& gyro : streams.gyro) {
     meters[Device::gyro].message(arrived);
@@ -247,8 +274,11 @@ void Recording::Parts::fail(const Error& error, HostTime now) {
 
 /// A device is not there, or no more: the end, or an event where the recording can do without it.
 void Recording::Parts::lose(Device device, const Error& error, HostTime now) {
-  if (is_needed(device)) return fail(error, now);
-  if (std::exchange(gone[device], true)) return;
+  if (gone[device]) return;
+  const bool all_gone = gone[Device::camera] || gone[Device::gyro];  // the other one goes now
+  if (is_needed(device) || all_gone) return fail(error, now);
+  gone[device] = true;
+  if (device == Device::camera) absent_camera.emplace(options.profile, now);
   event({now, EventKind::missing, device,
          fmt::format("{}: {}; going on without it", error.where(), error.what_happened())});
 }
@@ -358,7 +388,13 @@ RecordingProgress Recording::progress(HostTime now) {
 SessionFile Recording::close(HostTime now) {
   Parts& parts = *parts_;
   const auto samples = parts.pipeline.finish();
-  if (parts.options.observe) parts.observe(parts.pipeline.take_streams().frames, samples, now);
+  const auto frames = parts.pipeline.take_streams().frames;
+  if (parts.absent_camera) {
+    parts.absent_camera->finish();
+    parts.take_absent(now);
+  }
+  const bool has_camera = !parts.absent_camera || !parts.absent_camera->has_begun();
+  if (parts.options.observe && has_camera) parts.observe(frames, samples, now);
   parts.drain_sweep(now);
   parts.journal.close(now);
   return file();

@@ -18,8 +18,6 @@ class UnevenSteps {
   std::uint64_t state_ = 1;
 };
 
-constexpr auto progress_period = std::chrono::seconds(1);
-
 }  // namespace
 
 RecordingResult record_virtual(DeviceBus& bus, const VirtualOptions& options) {
@@ -40,7 +38,7 @@ RecordingResult record_virtual(DeviceBus& bus, const VirtualOptions& options) {
     recording.tick(now);
     if (!options.progress || now < next_progress) continue;
     options.progress(recording.progress(now));
-    next_progress = now + progress_period;
+    next_progress = now + options.progress_period;
   }
   if (options.progress) options.progress(recording.progress(now));
   return conclude(recording, now);

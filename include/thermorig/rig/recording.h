@@ -49,8 +49,9 @@ struct RecordingOptions {
   bool keep = true;                  // false: no folder, no journal, no session, nothing on the disk
   bool wait_for_start = false;       // nothing moves before allow_start()
   PerDevice<bool> needed{{true, true, true}};  // without one that is not, it goes on; the servo always is
-  FrameObserver observe;                       // may be empty
-  LiveModel live_model;                        // of the network that `observe` asks
+  std::function<void(const RecordingHeader&)> begun;  // once, before anything else; may be empty
+  FrameObserver observe;                              // may be empty
+  LiveModel live_model;                               // of the network that `observe` asks
 };
 
 /// Everything the live display shows.

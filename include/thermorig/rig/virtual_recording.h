@@ -27,7 +27,8 @@ struct VirtualOptions {
   HostTime start{};                            // the bus was switched on then
   std::function<bool()> stop_requested;        // asked every step; may be empty
   std::function<std::vector<Order>()> orders;  // asked every step; may be empty
-  ProgressHandler progress;                    // every second of virtual time; may be empty
+  ProgressHandler progress;                    // every period of virtual time; may be empty
+  HostDuration progress_period = std::chrono::seconds(1);
 };
 
 /// A whole acquisition in virtual time, steps of 3 to 5 ms, then finalised. Deterministic if the bus is.

@@ -1,0 +1,140 @@
+// SPDX-License-Identifier: MIT
+#include "live_lines.h"
+
+#include <fmt/format.h>
+
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <nlohmann/json.hpp>
+
+#include "output.h"
+
+namespace thermorig::app {
+
+namespace {
+
+constexpr std::array<const char*, live::rate_count> rate_names{"thermal", "gyro", "fusion"};
+
+void print(const std::string& text) {
+  std::fputs(text.c_str(), stdout);
+  std::fflush(stdout);
+}
+
+std::string rate_text(float rate_dps) {
+  return std::isnan(rate_dps) ? "-" : fmt::format("{:+.1f}", rate_dps);
+}
+
+std::string with_error(float rate_dps, float commanded_dps) {
+  if (std::isnan(rate_dps)) return fmt::format("{:>7} {:>8}", "-", "");
+  const std::string error =
+      std::isnan(commanded_dps) ? "" : fmt::format("({:+.1f})", rate_dps - commanded_dps);
+  return fmt::format("{:>7} {:>8}", rate_text(rate_dps), error);
+}
+
+std::string figure(double value, const char* format = "{:.4f}") {
+  return std::isfinite(value) ? fmt::format(fmt::runtime(format), value) : "-";
+}
+
+class LiveLines : public LiveScreen {
+ public:
+  void hello(const LiveFacts& facts) override {
+    begin_ = facts.header.time_reference;
+    print(heading_of(facts));
+  }
+  void state(const rig::RecordingProgress&) override {}
+  void frame(const LiveFrame& frame) override {
+    if (last_ && frame.row.arrival - *last_ < std::chrono::seconds(1)) return;
+    last_ = frame.row.arrival;
+    if (lines_++ % 40 == 0)
+      print(
+          "    time     servo     gyro  (error)   thermal  (error)   fusion  (error)    Kg  counted  "
+          "apart\n");
+    print(line_of(frame, begin_) + "\n");
+  }
+  void note(const std::string& sentence) override { print(printable(sentence) + "\n"); }
+  void ended(const LiveEnd& end, const live::LiveScores& scores) override { print(ending_of(end, scores)); }
+
+ private:
+  HostTime begin_{};
+  std::optional<HostTime> last_;
+  int lines_ = 0;
+};
+
+struct LiveJson : MessageSink {
+  void take(web::Topic topic, const std::string& message) override {
+    if (topic != web::Topic::image) print(message + "\n");
+  }
+};
+
+}  // namespace
+
+std::string line_of(const LiveFrame& frame, HostTime begin) {
+  const LiveEstimate& row = frame.row;
+  const float label = row.rate_commanded_dps;
+  std::string line = fmt::format(
+      "{:>6.1f} s  {:>8}  {}  {}  {}  {:>4}  {:>7}  {:>5}", to_s(row.arrival - begin), rate_text(label),
+      with_error(row.rate_gyro_dps, label), with_error(row.rate_thermal_dps, label),
+      with_error(row.rate_fusion_dps, label), std::isnan(row.gain) ? "-" : fmt::format("{:.2f}", row.gain),
+      frame.scores.counted, frame.scores.apart);
+  if (std::isfinite(frame.inference_us)) line += fmt::format("  {:.0f} us", frame.inference_us);
+  return line;
+}
+
+std::string heading_of(const LiveFacts& facts) {
+  const RecordingHeader& header = facts.header;
+  std::string text =
+      fmt::format("{} {}, plan {}: {} legs, about {}\n", name_of(facts.mode), header.environment,
+                  facts.plan_name, facts.legs, duration_text(facts.expected_s));
+  if (header.simulated)
+    text += fmt::format("SIMULATED rig{}: {}\n",
+                        header.simulation_seed ? fmt::format(", seed {}", *header.simulation_seed) : "",
+                        printable(header.simulation));
+  const LiveModel& model = header.live_model;
+  if (model.name.empty())
+    text += "no model: gyro against servo only (--model FILE)\n";
+  else
+    text += fmt::format("model {}: {}, {} frames, pixels averaged {} x {}{}\n", printable(model.name),
+                        model.fusion ? "fusion" : "thermal only", model.frames, model.reduction,
+                        model.reduction, model.simulated ? ", trained on simulated data" : "");
+  if (facts.mode != LiveMode::replay)
+    text += facts.recording ? "a session is kept\n" : "nothing is kept (--record keeps a session)\n";
+  return text;
+}
+
+std::string scores_text(const live::LiveScores& scores) {
+  Table table({"estimator", ">frames", ">RMSE deg/s", ">MSE", ">median*", ">IQR*", ">angle deg", ">deg/min"});
+  for (std::size_t i = 0; i < live::rate_count; ++i) {
+    const live::RateScores& rate = scores.rates[i];
+    table.add({rate_names[i], count_text(rate.frames), figure(rate.rmse_dps, "{:.2f}"),
+               figure(rate.mse, "{:.5f}"), figure(rate.recent_median_mse, "{:.5f}"),
+               figure(rate.recent_iqr_mse, "{:.5f}"), figure(rate.angle_error_deg, "{:+.2f}"),
+               figure(rate.drift_deg_per_min, "{:+.2f}")});
+  }
+  std::string text = table.text();
+  text += fmt::format("{} of {} frames counted, {} apart; * of the last minute\n", count_text(scores.counted),
+                      count_text(scores.frames), count_text(scores.apart));
+  if (std::isfinite(scores.gain_mean))
+    text += fmt::format("Kg {:.2f} on average{}\n", scores.gain_mean,
+                        scores.gate_collapsed ? ": the gate has collapsed" : "");
+  return text;
+}
+
+std::string ending_of(const LiveEnd& end, const live::LiveScores& scores) {
+  std::string text("\n");
+  text += scores_text(scores);
+  if (!end.session.empty()) text += "session  " + printable(end.session) + "\n";
+  if (!end.message.empty()) text += "note     " + printable(end.message) + "\n";
+  if (!end.advice.empty()) text += "try      " + printable(end.advice) + "\n";
+  return text;
+}
+
+std::unique_ptr<LiveScreen> make_live_lines() {
+  return std::make_unique<LiveLines>();
+}
+
+std::unique_ptr<MessageSink> make_live_json() {
+  return std::make_unique<LiveJson>();
+}
+
+}  // namespace thermorig::app

@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include "live_run.h"
+
+namespace thermorig::app {
+
+/// One line a second of the recording, a heading, and a table at the end.
+std::unique_ptr<LiveScreen> make_live_lines();
+
+/// The messages on standard output, one a line, without images.
+std::unique_ptr<MessageSink> make_live_json();
+
+/// Speed, servo, gyro, thermal, fusion, errors, Kg, counted and apart, inference time: one line.
+std::string line_of(const LiveFrame& frame, HostTime begin);
+
+/// What stands before the first line: source, plan, model.
+std::string heading_of(const LiveFacts& facts);
+
+/// The figures of a run as a table.
+std::string scores_text(const live::LiveScores& scores);
+
+/// How it ended, and the figures.
+std::string ending_of(const LiveEnd& end, const live::LiveScores& scores);
+
+}  // namespace thermorig::app

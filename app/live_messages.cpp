@@ -1,0 +1,227 @@
+// SPDX-License-Identifier: MIT
+#include "live_messages.h"
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <limits>
+#include <nlohmann/json.hpp>
+
+#include "base64.h"
+#include "build_information.h"
+#include "scores_json.h"
+
+namespace thermorig::app {
+
+namespace {
+
+using nlohmann::json;
+
+json number(double value) {
+  return std::isfinite(value) ? json(value) : json();
+}
+
+/// The double whose shortest text is the float's.
+json number(float value) {
+  if (!std::isfinite(value)) return {};
+  std::array<char, 32> text{};
+  const auto end = std::to_chars(text.data(), text.data() + text.size(), value).ptr;
+  double same = 0.0;
+  std::from_chars(text.data(), end, same);
+  return same;
+}
+
+template <typename Value>
+json number(const std::optional<Value>& value) {
+  return value ? number(*value) : json();
+}
+
+double seconds(HostTime time, HostTime begin) {
+  return to_s(time - begin);
+}
+
+json model_json(const LiveModel& model) {
+  if (model.name.empty()) return {};
+  return {{"name", model.name},
+          {"frames", model.frames},
+          {"reduction", model.reduction},
+          {"fusion", model.fusion},
+          {"simulated", model.simulated}};
+}
+
+// A camera's reads are coarse: a bridge that is read once in half a second is still alive.
+std::string state_of(Device device, const rig::DeviceHealth& health, bool gone) {
+  if (gone) return "lost";
+  if (!health.age_s) return "waiting";
+  constexpr double late_periods = 3.0;
+  constexpr double camera_late_s = 0.5;
+  const double periods_s = late_periods / health.expected_hz;
+  return *health.age_s > (device == Device::camera ? std::max(camera_late_s, periods_s) : periods_s) ? "late"
+                                                                                                     : "ok";
+}
+
+json device_json(Device device, const rig::DeviceHealth& health, bool gone) {
+  return {{"state", state_of(device, health, gone)},
+          {"expected_hz", number(health.expected_hz)},
+          {"rate_min_hz", number(health.rate_min_hz)},
+          {"rate_max_hz", number(health.rate_max_hz)},
+          {"age_s", number(health.age_s)},
+          {"messages", health.messages},
+          {"lost", health.lost},
+          {"bad", health.bad},
+          {"skipped_bytes", health.skipped_bytes},
+          {"uncertainty_s", number(health.uncertainty_s)}};
+}
+
+json speeds_json(const std::vector<rig::SpeedQuota>& speeds) {
+  json list = json::array();
+  for (const rig::SpeedQuota& speed : speeds)
+    list.push_back({{"rate_dps", speed.rate_dps}, {"valid", speed.valid}, {"quota", speed.wanted}});
+  return list;
+}
+
+/// Hundredths of a degree; a pixel that is not a number becomes the lowest.
+std::int16_t hundredths(float temp_c) {
+  constexpr double limit = std::numeric_limits<std::int16_t>::max();
+  if (!std::isfinite(temp_c)) return std::numeric_limits<std::int16_t>::min();
+  return static_cast<std::int16_t>(std::clamp(std::round(100.0 * double{temp_c}), -limit, limit));
+}
+
+/// Little-endian, rows from the top, the scene's left on the left.
+std::vector<std::uint8_t> image_bytes(const ThermalFrame& frame, bool mirrored) {
+  std::vector<std::uint8_t> bytes;
+  bytes.reserve(2 * frame_pixels);
+  for (std::size_t row = 0; row < frame_rows; ++row)
+    for (std::size_t column = 0; column < frame_columns; ++column) {
+      const std::size_t from = mirrored ? frame_columns - 1 - column : column;
+      const auto value = static_cast<std::uint16_t>(hundredths(frame.temp_c[row * frame_columns + from]));
+      bytes.push_back(static_cast<std::uint8_t>(value & 0xFFU));
+      bytes.push_back(static_cast<std::uint8_t>(value >> 8U));
+    }
+  return bytes;
+}
+
+}  // namespace
+
+std::string name_of(LiveMode mode) {
+  if (mode == LiveMode::live) return "live";
+  return mode == LiveMode::record ? "record" : "replay";
+}
+
+std::string name_of(EventKind kind) {
+  constexpr std::array<const char*, 13> names{
+      "info",        "warning", "device_lost", "device_back", "leg_start", "leg_end", "leg_repeated",
+      "servo_fault", "stopped", "finished",    "mark",        "missing",   "gate"};
+  static_assert(names.size() == static_cast<std::size_t>(last_event_kind) + 1);
+  return names[static_cast<std::size_t>(kind)];
+}
+
+std::string freshness(const TimedFrame& frame) {
+  if (frame.fresh_even > 0 && frame.fresh_odd > 0) return "both";
+  return frame.fresh_even > 0 || frame.fresh_odd > 0 ? "half" : "repeated";
+}
+
+std::vector<std::string> reason_texts(std::uint32_t bits) {
+  std::vector<std::string> texts;
+  for (std::size_t i = 0; i < reason_count; ++i)
+    if ((bits >> i & 1U) != 0) texts.emplace_back(reason_names[i]);
+  return texts;
+}
+
+json hello_message(const LiveFacts& facts) {
+  const RecordingHeader& header = facts.header;
+  return {{"event", "hello"},
+          {"version", build_information::version},
+          {"mode", name_of(facts.mode)},
+          {"recording", facts.recording},
+          {"simulated", header.simulated},
+          {"simulation", header.simulation},
+          {"environment", header.environment},
+          {"acquisition", header.acquisition > 0 ? json(header.acquisition) : json()},
+          {"start_utc", header.start_time_utc},
+          {"control", facts.control},
+          {"frame_rate_hz", number(header.profile.camera.output_rate_hz)},
+          {"model", model_json(header.live_model)},
+          {"plan",
+           {{"name", facts.plan_name},
+            {"legs", facts.legs},
+            {"frames_per_leg", facts.frames_per_leg},
+            {"expected_s", number(facts.expected_s)}}},
+          {"travel", json()}};
+}
+
+json state_message(const rig::RecordingProgress& progress, const LiveFacts& facts,
+                   std::optional<std::uint64_t> disk_free_bytes) {
+  const rig::SweepProgress& sweep = progress.sweep;
+  const bool keeps = facts.recording;
+  json devices;
+  for (const Device device : all_devices)
+    devices[std::string(thermorig::name_of(device))] =
+        device_json(device, progress.health[device], progress.gone[device]);
+  return {{"event", "state"},
+          {"time_s", number(progress.elapsed_s)},
+          {"phase", rig::name_of(sweep.phase)},
+          {"eta_s", number(sweep.eta_s)},
+          {"done_share", number(sweep.done_share)},
+          {"leg", sweep.leg},
+          {"leg_count", sweep.leg_count},
+          {"rate_dps", number(sweep.rate_dps)},
+          {"next_rate_dps", number(sweep.next_rate_dps)},
+          {"frames", sweep.frames},
+          {"frames_per_leg", sweep.frames_per_leg},
+          {"repeated", sweep.repeated},
+          {"speeds", speeds_json(sweep.speeds)},
+          {"devices", devices},
+          {"kept_frames", keeps ? json(progress.health[Device::camera].messages) : json()},
+          {"kept_bytes", keeps ? json(progress.kept_bytes) : json()},
+          {"disk_free_bytes", keeps && disk_free_bytes ? json(*disk_free_bytes) : json()},
+          {"stopping", progress.stopping}};
+}
+
+json frame_message(const LiveFrame& frame, HostTime begin) {
+  const LiveEstimate& row = frame.row;
+  return {{"event", "frame"},
+          {"index", row.frame_index},
+          {"time_s", seconds(row.time, begin)},
+          {"begin_s", seconds(row.exposure_begin, begin)},
+          {"end_s", seconds(row.exposure_end, begin)},
+          {"counted", row.counted},
+          {"valid", frame.sample.valid},
+          {"reasons", reason_texts(row.reason_bits)},
+          {"leg", row.leg},
+          {"run", row.run},
+          {"commanded_dps", number(row.rate_commanded_dps)},
+          {"gyro_dps", number(row.rate_gyro_dps)},
+          {"thermal_dps", number(row.rate_thermal_dps)},
+          {"fusion_dps", number(row.rate_fusion_dps)},
+          {"gain", number(row.gain)},
+          {"inference_us", number(frame.inference_us)},
+          {"fresh", freshness(frame.frame)},
+          {"scores", scores_json(frame.scores)}};
+}
+
+json image_message(const LiveFrame& frame, HostTime begin, bool mirrored) {
+  return {{"event", "image"},
+          {"index", frame.row.frame_index},
+          {"time_s", seconds(frame.row.time, begin)},
+          {"pixels", base64(image_bytes(frame.frame.frame, mirrored))}};
+}
+
+json event_message(const RecordingEvent& event, HostTime begin) {
+  return {{"event", "event"},
+          {"time_s", seconds(event.time, begin)},
+          {"kind", name_of(event.kind)},
+          {"source", event.source ? std::string(thermorig::name_of(*event.source)) : "host"},
+          {"message", event.message}};
+}
+
+json ended_message(const LiveEnd& end) {
+  return {{"event", "ended"},
+          {"exit", end.exit},
+          {"message", end.message},
+          {"advice", end.advice},
+          {"session", end.session.empty() ? json() : json(end.session)}};
+}
+
+}  // namespace thermorig::app

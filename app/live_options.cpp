@@ -1,0 +1,127 @@
+// SPDX-License-Identifier: MIT
+#include "live_options.h"
+
+#include <CLI/CLI.hpp>
+#include <charconv>
+#include <cmath>
+
+#include "rig_words.h"
+#include "thermorig/core/error.h"
+
+namespace thermorig::app {
+
+namespace {
+
+void add_source(CLI::App& command, LiveWords& words) {
+  LiveOptions& live = words.options;
+  command
+      .add_option("-e,--environment", live.record.environment,
+                  "Where the rig stands: a-z, 0-9 and '-', e.g. garden")
+      ->type_name("NAME")
+      ->capture_default_str();
+  command.add_option("--plan", live.record.plan, "Sweep plan: quick, paper, table-one or a TOML file")
+      ->type_name("PLAN")
+      ->capture_default_str();
+  command.add_option("--frames-per-leg", live.record.frames_per_leg, "Camera frames in each leg of the plan")
+      ->type_name("N");
+  command
+      .add_option("--valid-per-leg", live.record.valid_per_leg,
+                  "Valid frames that each leg must bring (0: no quota, the default)")
+      ->type_name("N");
+  command
+      .add_option("--speeds", live.record.speeds_dps,
+                  "Magnitudes to sweep, deg/s, each driven as +v and -v: 30,60,90")
+      ->delimiter(',')
+      ->type_name("V,V,...");
+  command.add_flag("--loop", live.loop, "The plan again and again, until it is stopped");
+  command.add_option("--replay", live.replay, "Replay this session (.h5) instead of driving a rig")
+      ->type_name("SESSION");
+  command.add_option("--speed", words.speed, "Of a replay: 1 as it was, 10 ten times as fast, max")
+      ->type_name("N");
+  command.add_flag("--fast", live.record.fast,
+                   "Virtual time: as fast as the machine can (simulated rig only)");
+}
+
+void add_result(CLI::App& command, LiveWords& words) {
+  LiveOptions& live = words.options;
+  command.add_flag("--record", live.keep, "Keep a session, with the estimates in it");
+  command.add_option("-o,--output", live.record.output, "Folder that holds the recordings (with --record)")
+      ->type_name("DIR")
+      ->default_str("recordings");
+  command.add_flag("--tui", live.tui, "Draw the image and the rates on the terminal");
+  add_json(command, live.record.json);
+}
+
+double speed_of(const std::string& text) {
+  if (text == "max") return 0.0;
+  double speed = 0.0;
+  const char* end = text.data() + text.size();
+  const auto [at, error] = std::from_chars(text.data(), end, speed);
+  if (error == std::errc() && at == end && std::isfinite(speed) && speed >= 0.0) return speed;
+  throw Error(ExitCode::bad_usage, "'" + text + "' is not a speed", "--speed",
+              "--speed 1, --speed 10 or --speed max");
+}
+
+void check(const LiveWords& words) {
+  const LiveOptions& live = words.options;
+  const auto refuse = [](const std::string& what, const std::string& advice) {
+    throw Error(ExitCode::bad_usage, what, "", advice);
+  };
+  const bool names_rig = !words.seed.empty() || !live.record.rig.profile.empty();
+  if (live.replay && names_rig) refuse("--replay and a rig exclude each other", "--replay SESSION alone");
+  if (live.replay && live.keep)
+    refuse("a replay is recorded already", "leave --record out; `thermorig evaluate` works on the session");
+  if (live.replay && live.loop) refuse("--loop is for a rig, not for a replay", "leave --loop out");
+  if (live.replay && live.page.control) refuse("a replay moves nothing", "leave --control out");
+  if (!live.replay && !words.speed.empty()) refuse("--speed is for --replay", "--replay SESSION --speed 10");
+  if (live.tui && live.record.json) refuse("--tui and --json exclude each other", "one of the two");
+  if (live.record.fast && (words.page.value_or(false) || live.page.control))
+    refuse("virtual time is too fast for a page", "leave --fast out, or --page");
+  if (live.record.fast && live.loop)
+    refuse("--loop has no end in virtual time", "leave --fast or --loop out");
+}
+
+}  // namespace
+
+void add_page(CLI::App& command, PageOptions& page) {
+  command.add_option("--page-port", page.port, "Port of the page on this machine (0: any that is free)")
+      ->type_name("N")
+      ->capture_default_str();
+  command.add_flag("--new-token", page.new_token, "A new token: pages that are open must be opened anew");
+  command.add_flag("--control", page.control, "The page may start motion, and motion waits for its Start");
+}
+
+void add_live(CLI::App& root, LiveWords& words) {
+  LiveOptions& live = words.options;
+  live.record.environment = "laboratory";
+  live.record.plan = "quick";
+  CLI::App& command =
+      *root.add_subcommand("live", "Show the network's estimate against the servo while the rig moves");
+  command
+      .add_option("-m,--model", live.model,
+                  "Model (.onnx) that `thermorig train` wrote; without it gyro against servo only")
+      ->type_name("FILE");
+  add_source(command, words);
+  add_result(command, words);
+  command.add_flag("--page,!--no-page", words.page, "Serve the page in a browser (default; not with --fast)");
+  add_page(command, live.page);
+  add_rig(command, live.record.rig, words.seed);
+  command.footer(
+      "Examples:\n"
+      "  thermorig live --simulated=3 --model model.onnx\n"
+      "  thermorig live --rig bench --model model.onnx --environment garden --record\n"
+      "  thermorig live --replay session.h5 --model model.onnx --speed 10");
+}
+
+LiveOptions chosen_live(const LiveWords& words) {
+  check(words);
+  LiveOptions live = words.options;
+  if (!words.seed.empty()) live.record.rig.simulated_seed = seed_of(words.seed);
+  if (!words.speed.empty()) live.speed = speed_of(words.speed);
+  if (!live.record.valid_per_leg)
+    live.record.valid_per_leg = live.keep ? std::nullopt : std::optional<int>(0);
+  live.page.serve = words.page.value_or(!live.record.fast);
+  return live;
+}
+
+}  // namespace thermorig::app

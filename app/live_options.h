@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "options.h"
+
+namespace CLI {
+class App;
+}
+
+namespace thermorig::app {
+
+/// What stands on the command line of `live`, before it is understood. CLI11 writes into it.
+struct LiveWords {
+  LiveOptions options;
+  std::string seed, speed;
+  std::optional<bool> page;  // none: where there is something to see on it
+};
+
+void add_live(CLI::App& root, LiveWords& words);
+
+/// Throws Error(bad_usage) for words that contradict each other.
+LiveOptions chosen_live(const LiveWords& words);
+
+/// --page, --page-port, --new-token and --control of a command that can serve the page.
+void add_page(CLI::App& command, PageOptions& page);
+
+}  // namespace thermorig::app

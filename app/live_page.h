@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "live_run.h"
+#include "options.h"
+#include "thermorig/rig/order.h"
+
+namespace thermorig::app {
+
+/// The page of a run: it gets the messages, and gives orders.
+class LivePage : public MessageSink {
+ public:
+  /// Throws Error(failed) if the port is in use, Error(storage) if its state cannot be kept.
+  explicit LivePage(const PageOptions& options);
+  ~LivePage() override;
+
+  void take(web::Topic topic, const std::string& message) override;
+  std::string url() const;  // with the token
+
+  /// What the page ordered since the last call.
+  std::vector<rig::Order> take_orders();
+
+ private:
+  struct Parts;
+  std::unique_ptr<Parts> parts_;
+};
+
+/// Prints where the page is, once: on standard output or, where that is for programs, on standard error.
+void tell_page(const LivePage& page, bool json);
+
+}  // namespace thermorig::app

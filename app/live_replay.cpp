@@ -1,0 +1,140 @@
+// SPDX-License-Identifier: MIT
+#include "live_replay.h"
+
+#include <fmt/format.h>
+
+#include <csignal>
+#include <memory>
+#include <thread>
+
+#include "existing_file.h"
+#include "interrupts.h"
+#include "live_model.h"
+#include "live_page.h"
+#include "live_run.h"
+#include "live_screens.h"
+#include "replay_progress.h"
+#include "thermorig/io/port.h"
+#include "thermorig/rig/live_replay.h"
+#include "thermorig/session/session.h"
+
+namespace thermorig::app {
+
+namespace {
+
+constexpr auto state_period = std::chrono::milliseconds(250);
+constexpr auto longest_sleep = std::chrono::milliseconds(50);  // so that Ctrl-C and the page are heard
+
+/// The recording's time against the wall's.
+class Pace {
+ public:
+  Pace(HostTime begin, double speed) : begin_(begin), speed_(speed), wall_begin_(io::now()) {}
+
+  /// How long until `time` is due, not negative.
+  HostDuration wait(HostTime time) const {
+    if (speed_ <= 0.0) return {};
+    const HostTime due = wall_begin_ + from_s(to_s(time - begin_) / speed_);
+    return std::max(HostDuration{}, due - io::now());
+  }
+
+ private:
+  HostTime begin_;
+  double speed_;
+  HostTime wall_begin_;
+};
+
+/// One replay: steps, their rows, and the state four times a second of whichever clock is slower.
+class Replayer {
+ public:
+  Replayer(const LiveOptions& options, const RawRecording& raw, LiveRun& run, LivePage* page)
+      : raw_(raw),
+        run_(run),
+        page_(page),
+        replay_(raw),
+        progress_(raw),
+        pace_(raw.header.time_reference, options.speed) {}
+
+  /// False if it was stopped.
+  bool play() {
+    while (const auto moment = replay_.next()) {
+      if (!wait_for(moment->time)) return false;
+      progress_.add(*moment);
+      for (const pipeline::FramePair& pair : moment->pairs) {
+        progress_.add(pair.sample);
+        run_.frame(pair.frame, pair.sample, moment->time);
+      }
+      tell(moment->time, false);
+    }
+    tell(raw_.end_time, true);
+    return true;
+  }
+
+ private:
+  bool wait_for(HostTime time) {
+    if (stopped()) return false;
+    for (HostDuration left = pace_.wait(time); left > HostDuration{}; left = pace_.wait(time)) {
+      std::this_thread::sleep_for(std::min<HostDuration>(left, longest_sleep));
+      if (stopped()) return false;
+    }
+    return true;
+  }
+
+  bool stopped() {
+    run_.take_orders();  // the session has its own events
+    bool stop = interrupted();
+    if (page_ == nullptr) return stop;
+    for (const rig::Order& order : page_->take_orders()) stop = stop || order.kind == rig::OrderKind::stop;
+    return stop;
+  }
+
+  void tell(HostTime time, bool last) {
+    const HostTime wall = io::now();
+    if (!last && (time < next_ || wall < next_wall_)) return;
+    next_ = time + state_period;
+    next_wall_ = wall + state_period;
+    run_.progress(progress_.at(time, replay_));
+  }
+
+  const RawRecording& raw_;
+  LiveRun& run_;
+  LivePage* page_;
+  rig::LiveReplay replay_;
+  ReplayProgress progress_;
+  Pace pace_;
+  HostTime next_{}, next_wall_{};
+};
+
+LiveFacts facts_of(const RawRecording& raw) {
+  LiveFacts facts;
+  facts.mode = LiveMode::replay;
+  facts.plan_name = raw.header.plan_name;
+  facts.legs = raw.legs.size();
+  facts.frames_per_leg = raw.header.frames_per_leg;
+  facts.expected_s = to_s(raw.end_time - raw.header.time_reference);
+  return facts;
+}
+
+}  // namespace
+
+ExitCode replay_live(const LiveOptions& options) {
+  require_existing(*options.replay);
+  const RawRecording raw = session::read_raw(*options.replay);
+  const ChosenModel model = read_live_model(options.model);
+  std::signal(SIGPIPE, SIG_IGN);
+  watch_interrupts();
+  const std::unique_ptr<LivePage> page =
+      options.page.serve ? std::make_unique<LivePage>(options.page) : nullptr;
+  LiveRun run(facts_of(raw), model.model);
+  const LiveScreens screens(options, page.get(), run);
+  RecordingHeader header = raw.header;
+  header.live_model = model.facts;
+  run.begun(header);
+  for (const std::string& warning : warnings_of(model, header.simulated, header.frames_per_leg))
+    run.warn(warning);
+  const bool finished = Replayer(options, raw, run, page.get()).play();
+  const ExitCode code = finished ? ExitCode::ok : ExitCode::interrupted;
+  run.ended({static_cast<int>(code), finished ? "" : "stopped on request", "", options.replay->string()});
+  return code;
+}
+
+}  // namespace thermorig::app

@@ -1,0 +1,177 @@
+// SPDX-License-Identifier: MIT
+#include "live_tui.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "live_lines.h"
+#include "output.h"
+#include "thermorig/io/port.h"
+
+namespace thermorig::app {
+
+namespace {
+
+constexpr auto draw_period = std::chrono::milliseconds(100);
+
+struct Colour {
+  int red, green, blue;
+};
+
+/// Inferno at nine places, straight lines between them: enough for a terminal.
+Colour inferno(double share) {
+  constexpr std::array<Colour, 9> stops{{{0, 0, 4},
+                                         {31, 12, 72},
+                                         {85, 15, 109},
+                                         {136, 34, 106},
+                                         {186, 54, 85},
+                                         {227, 89, 51},
+                                         {249, 140, 10},
+                                         {249, 201, 50},
+                                         {252, 255, 164}}};
+  const double place = (share > 0.0 ? std::min(share, 1.0) : 0.0) * (stops.size() - 1);
+  const std::size_t below = std::min(static_cast<std::size_t>(place), stops.size() - 2);
+  const double part = place - static_cast<double>(below);
+  const auto mix = [&](int from, int to) { return static_cast<int>(std::lround(from + part * (to - from))); };
+  const Colour& one = stops[below];
+  const Colour& other = stops[below + 1];
+  return {mix(one.red, other.red), mix(one.green, other.green), mix(one.blue, other.blue)};
+}
+
+int cube_index(const Colour& colour) {
+  const auto level = [](int value) { return (value * 5 + 127) / 255; };
+  return 16 + 36 * level(colour.red) + 6 * level(colour.green) + level(colour.blue);
+}
+
+std::string colour_code(int ground, const Colour& colour, Colours colours) {
+  if (colours == Colours::cube) return fmt::format("\x1b[{};5;{}m", ground, cube_index(colour));
+  return fmt::format("\x1b[{};2;{};{};{}m", ground, colour.red, colour.green, colour.blue);
+}
+
+struct Range {
+  float low, high;
+};
+
+Range range_of(const ThermalFrame& frame) {
+  std::vector<float> pixels;
+  for (const float temp_c : frame.temp_c)
+    if (std::isfinite(temp_c)) pixels.push_back(temp_c);
+  if (pixels.empty()) return {0.0F, 1.0F};
+  std::sort(pixels.begin(), pixels.end());
+  const auto at = [&](double share) {
+    return pixels[static_cast<std::size_t>(share * static_cast<double>(pixels.size() - 1))];
+  };
+  return {at(0.02), std::max(at(0.98), at(0.02) + 0.1F)};
+}
+
+class LiveTui : public LiveScreen {
+ public:
+  explicit LiveTui(Colours colours) : colours_(colours) {}
+
+  void hello(const LiveFacts& facts) override {
+    facts_ = facts;
+    print(heading_of(facts));
+  }
+  void state(const rig::RecordingProgress& progress) override {
+    state_ =
+        fmt::format("{:.1f} s  {}, leg {} of {}, {} left", progress.elapsed_s, name_of(progress.sweep.phase),
+                    progress.sweep.leg, progress.sweep.leg_count, duration_text(progress.sweep.eta_s));
+  }
+  void frame(const LiveFrame& frame) override {
+    const HostTime now = io::now();
+    if (drawn_at_ && now - *drawn_at_ < draw_period) return;
+    drawn_at_ = now;
+    draw(frame);
+  }
+  void note(const std::string& sentence) override {
+    print(erasing() + printable(sentence) + "\n");
+    lines_ = 0;
+  }
+  void ended(const LiveEnd& end, const live::LiveScores& scores) override { print(ending_of(end, scores)); }
+
+ private:
+  static void print(const std::string& text) {
+    std::fwrite(text.data(), 1, text.size(), stdout);
+    std::fflush(stdout);
+  }
+
+  /// Up over what was drawn last, and clear to the end of the screen.
+  std::string erasing() const { return lines_ == 0 ? "" : fmt::format("\x1b[{}A\x1b[J", lines_); }
+
+  void draw(const LiveFrame& frame) {
+    std::string text;
+    if (colours_ != Colours::none)
+      text += half_blocks(frame.frame.frame, facts_.header.profile.camera.mirrored, colours_);
+    const Range range = range_of(frame.frame.frame);
+    text += fmt::format("{:.1f} to {:.1f} degC, {}\n", range.low, range.high, freshness(frame.frame));
+    text += state_ + "\n";
+    text += rates_text(frame);
+    const auto lines = static_cast<std::size_t>(std::count(text.begin(), text.end(), '\n'));
+    print(erasing() + text);
+    lines_ = lines;
+  }
+
+  static std::string rates_text(const LiveFrame& frame) {
+    const LiveEstimate& row = frame.row;
+    std::string text = fmt::format(
+        "servo    {:+7.1f} deg/s{}\n", row.rate_commanded_dps,
+        row.counted ? "" : "  apart: " + fmt::format("{}", fmt::join(reason_texts(row.reason_bits), ", ")));
+    const auto add = [&](const char* name, float rate_dps, live::Rate rate) {
+      const live::RateScores& scores = frame.scores.rates[static_cast<std::size_t>(rate)];
+      text += fmt::format("{:<8} {:+7.1f}  error {:+6.1f}  RMSE {:.1f} deg/s\n", name, rate_dps,
+                          rate_dps - row.rate_commanded_dps, scores.rmse_dps);
+    };
+    add("gyro", row.rate_gyro_dps, live::Rate::gyro);
+    add("thermal", row.rate_thermal_dps, live::Rate::thermal);
+    add("fusion", row.rate_fusion_dps, live::Rate::fusion);
+    return text + fmt::format("Kg {:.2f}  counted {}  apart {}  {:.0f} us\n", row.gain, frame.scores.counted,
+                              frame.scores.apart, frame.inference_us);
+  }
+
+  Colours colours_;
+  LiveFacts facts_;
+  std::string state_;
+  std::optional<HostTime> drawn_at_;
+  std::size_t lines_ = 0;
+};
+
+}  // namespace
+
+Colours terminal_colours() {
+  const char* no_color = std::getenv("NO_COLOR");
+  if (no_color != nullptr && *no_color != '\0') return Colours::none;
+  const char* color_term = std::getenv("COLORTERM");
+  const std::string_view says = color_term == nullptr ? "" : color_term;
+  return says == "truecolor" || says == "24bit" ? Colours::true_colour : Colours::cube;
+}
+
+std::string half_blocks(const ThermalFrame& frame, bool mirrored, Colours colours) {
+  const Range range = range_of(frame);
+  const auto colour = [&](std::size_t row, std::size_t column) {
+    const std::size_t from = mirrored ? frame_columns - 1 - column : column;
+    const float temp_c = frame.temp_c[row * frame_columns + from];
+    return inferno(double{temp_c - range.low} / double{range.high - range.low});
+  };
+  std::string text;
+  for (std::size_t row = 0; row < frame_rows; row += 2) {
+    for (std::size_t column = 0; column < frame_columns; ++column)
+      text += colour_code(38, colour(row, column), colours) +
+              colour_code(48, colour(row + 1, column), colours) + "\u2580";
+    text += "\x1b[0m\n";
+  }
+  return text;
+}
+
+std::unique_ptr<LiveScreen> make_live_tui(Colours colours) {
+  return std::make_unique<LiveTui>(colours);
+}
+
+}  // namespace thermorig::app

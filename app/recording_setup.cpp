@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: MIT
+#include "recording_setup.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "build_information.h"
+#include "thermorig/io/port.h"
+
+namespace thermorig::app {
+
+rig::RecordingOptions recording_options(const RecordOptions& options, const ChosenRig& rig,
+                                        const rig::SweepPlan& plan) {
+  rig::RecordingOptions recording;
+  recording.environment = options.environment;
+  recording.output = options.output;
+  recording.title = fmt::format("{}, plan {}", options.environment, plan.name);
+  recording.profile = rig.profile;
+  recording.plan = plan;
+  recording.simulated = rig.simulated.has_value();
+  recording.simulation_seed = options.rig.simulated_seed;
+  recording.creator = std::string("thermorig ") + build_information::version;
+  recording.creator_git = build_information::git;
+  return recording;
+}
+
+rig::SweepPlan chosen_plan(const RecordOptions& options) {
+  rig::PlanOverrides overrides;
+  overrides.magnitudes_dps = options.speeds_dps;
+  overrides.frames_per_leg = options.frames_per_leg;
+  overrides.valid_per_leg = options.valid_per_leg;
+  return rig::load_plan(options.plan, options.environment, options.rig.simulated_seed.value_or(1), overrides);
+}
+
+std::string simulated_parts(const RigOptions& rig) {
+  std::string parts;
+  if (rig.simulated_servo) parts += ", servo " + *rig.simulated_servo;
+  if (rig.simulated_camera) parts += ", camera " + *rig.simulated_camera;
+  if (rig.simulated_gyro) parts += ", gyro " + *rig.simulated_gyro;
+  return parts;
+}
+
+void mark_pseudo_terminals(rig::RecordingOptions& recording) {
+  const auto is_pseudo = [&](Device device) {
+    const std::string& port = recording.profile.link(device).port;
+    return !port.empty() && io::is_pseudo_terminal(port);
+  };
+  if (recording.simulated || std::none_of(all_devices.begin(), all_devices.end(), is_pseudo)) return;
+  recording.simulated = true;
+  recording.simulation = "pseudo terminals, whatever program serves them";
+}
+
+std::unique_ptr<SimulatedPorts> simulated_ports(const ChosenRig& rig, rig::RecordingOptions& recording) {
+  if (!rig.simulated) return nullptr;
+  auto ports = std::make_unique<SimulatedPorts>(*rig.simulated, FirmwareChoice::avr_image);
+  for (Device device : all_devices) recording.profile.link(device).port = ports->paths()[device];
+  recording.simulation = "ports, " + ports->firmware_description();
+  ports->start();
+  return ports;
+}
+
+}  // namespace thermorig::app

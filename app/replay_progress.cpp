@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: MIT
+#include "replay_progress.h"
+
+#include <algorithm>
+
+namespace thermorig::app {
+
+void ReplayProgress::add(const pipeline::ReplayMoment& moment) {
+  for (const pipeline::FramePair& pair : moment.pairs) {
+    meters_[Device::camera].message(pair.frame.stamp.arrival);
+    uncertainty_s_[Device::camera] = pair.frame.stamp.uncertainty_s;
+    missing_frames_ += pair.frame.missing_before;
+  }
+  for (const TimedGyro& gyro : moment.streams.gyro) {
+    meters_[Device::gyro].message(moment.time);
+    uncertainty_s_[Device::gyro] = gyro.stamp.uncertainty_s;
+  }
+  for (const TimedServo& servo : moment.streams.servo) {
+    meters_[Device::servo].message(moment.time);
+    uncertainty_s_[Device::servo] = servo.stamp.uncertainty_s;
+  }
+}
+
+void ReplayProgress::add(const LabelledSample& sample) {
+  frames_in_leg_ = last_sample_ && last_sample_->leg == sample.leg ? frames_in_leg_ + 1 : 1;
+  last_sample_ = sample;
+}
+
+rig::SweepProgress ReplayProgress::sweep(HostTime now) const {
+  rig::SweepProgress sweep;
+  const double whole_s = to_s(raw_.end_time - raw_.header.time_reference);
+  const double passed_s = to_s(now - raw_.header.time_reference);
+  sweep.done_share = whole_s > 0.0 ? std::clamp(passed_s / whole_s, 0.0, 1.0) : 1.0;
+  sweep.eta_s = std::max(0.0, whole_s - passed_s);
+  sweep.leg_count = static_cast<int>(raw_.legs.size());
+  sweep.frames_per_leg = raw_.header.frames_per_leg;
+  const auto leg = std::find_if(raw_.legs.begin(), raw_.legs.end(), [&](const LegRecord& record) {
+    return record.begin <= now && now < record.end;
+  });
+  if (leg == raw_.legs.end()) {
+    sweep.phase = now < raw_.end_time ? rig::SweepPhase::transit : rig::SweepPhase::done;
+    return sweep;
+  }
+  sweep.phase = rig::SweepPhase::leg;
+  sweep.leg = leg->leg;
+  sweep.rate_dps = leg->rate_dps;
+  if (std::next(leg) != raw_.legs.end()) sweep.next_rate_dps = std::next(leg)->rate_dps;
+  if (last_sample_ && last_sample_->leg == leg->leg) sweep.frames = frames_in_leg_;
+  return sweep;
+}
+
+rig::RecordingProgress ReplayProgress::at(HostTime now, const rig::LiveReplay& replay) {
+  rig::RecordingProgress progress;
+  progress.time = now;
+  progress.elapsed_s = to_s(now - raw_.header.time_reference);
+  progress.sweep = sweep(now);
+  const PerDevice<double> expected_hz{
+      {raw_.header.profile.camera.output_rate_hz, raw_.header.profile.gyro.output_rate_hz, 100.0}};
+  for (const Device device : all_devices) {
+    progress.health[device] = meters_[device].health(now, replay.counters(device));
+    progress.health[device].expected_hz = expected_hz[device];
+    progress.health[device].uncertainty_s = uncertainty_s_[device];
+  }
+  progress.health[Device::camera].lost += missing_frames_;
+  for (; events_told_ < raw_.events.size() && raw_.events[events_told_].time <= now; ++events_told_)
+    progress.events.push_back(raw_.events[events_told_]);
+  progress.last_sample = last_sample_;
+  return progress;
+}
+
+}  // namespace thermorig::app

@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: MIT
+#include "rig_words.h"
+
+#include <CLI/CLI.hpp>
+#include <charconv>
+
+#include "thermorig/core/error.h"
+
+namespace thermorig::app {
+
+void add_json(CLI::App& command, bool& json) {
+  command.add_flag("--json", json, "Print JSON on standard output, for programs");
+}
+
+void add_simulated_parts(CLI::App& command, std::optional<std::string>& servo,
+                         std::optional<std::string>& camera, std::optional<std::string>& gyro) {
+  command
+      .add_option("--simulated-servo", servo,
+                  "Servo of the simulated rig: winch (default), 180, 270, continuous")
+      ->check(CLI::IsMember({"winch", "180", "270", "continuous"}))
+      ->type_name("KIND");
+  command
+      .add_option("--simulated-camera", camera,
+                  "Fresh chess halves in a simulated frame: half (default), full")
+      ->check(CLI::IsMember({"half", "full"}))
+      ->type_name("KIND");
+  command
+      .add_option("--simulated-gyro", gyro,
+                  "Bias, scale and noise of the simulated gyro: calibrated, typical (default), raw")
+      ->check(CLI::IsMember({"calibrated", "typical", "raw"}))
+      ->type_name("KIND");
+}
+
+void add_rig(CLI::App& command, RigOptions& rig, std::string& seed) {
+  command.add_flag("--simulated{1}", seed, "Use the simulated rig; =SEED chooses another world (default 1)");
+  command.add_option("--camera", rig.ports[Device::camera], "Port of the camera, e.g. /dev/ttyUSB0")
+      ->type_name("PORT");
+  command.add_option("--gyro", rig.ports[Device::gyro], "Port of the gyro")->type_name("PORT");
+  command.add_option("--servo", rig.ports[Device::servo], "Port of the servo's micro-controller")
+      ->type_name("PORT");
+  command.add_option("--rig", rig.profile, "Profile that `thermorig ports --save` wrote: a name or a file")
+      ->type_name("PROFILE");
+  command.add_option("--camera-baud", rig.camera_baud, "Baud rate of the camera")->type_name("N");
+  command.add_option("--gyro-baud", rig.gyro_baud, "Baud rate of the gyro")->type_name("N");
+  command.add_option("--servo-baud", rig.servo_baud, "Baud rate of the servo link")->type_name("N");
+  command.add_option("--camera-rate", rig.camera_rate_hz, "Frames a second that the camera is asked for")
+      ->type_name("HZ");
+  add_simulated_parts(command, rig.simulated_servo, rig.simulated_camera, rig.simulated_gyro);
+}
+
+std::uint64_t seed_of(const std::string& text) {
+  std::uint64_t seed = 0;
+  const char* end = text.data() + text.size();
+  const auto [at, error] = std::from_chars(text.data(), end, seed);
+  if (error == std::errc() && at == end) return seed;
+  throw Error(ExitCode::bad_usage, "the seed '" + text + "' is not a whole number from 0 to 2^64 - 1", "",
+              "--simulated=3");
+}
+
+}  // namespace thermorig::app

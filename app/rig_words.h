@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+
+#include "options.h"
+
+namespace CLI {
+class App;
+}
+
+namespace thermorig::app {
+
+// Words that several commands share.
+void add_json(CLI::App& command, bool& json);
+void add_simulated_parts(CLI::App& command, std::optional<std::string>& servo,
+                         std::optional<std::string>& camera, std::optional<std::string>& gyro);
+void add_rig(CLI::App& command, RigOptions& rig, std::string& seed);
+
+/// Throws Error(bad_usage) unless it is a whole number from 0 to 2^64 - 1.
+std::uint64_t seed_of(const std::string& text);
+
+}  // namespace thermorig::app

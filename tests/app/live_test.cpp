@@ -1,0 +1,194 @@
+// SPDX-License-Identifier: MIT
+#include <gmock/gmock.h>
+
+#include <signal.h>
+
+#include <chrono>
+#include <cmath>
+#include <fstream>
+#include <iterator>
+#include <set>
+#include <thread>
+
+#include "model/sample_models.h"
+#include "program.h"
+#include "thermorig/session/session.h"
+
+namespace thermorig::tests {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+/// A live run of a small network with seeded weights: what it says means nothing, but it is always the same.
+class Live : public ProgramTest {
+ protected:
+  Live() {
+    network::Shape shape;
+    shape.frames = 3;
+    shape.reduction = 3;
+    model::write_model(folder() / "model.onnx", model::sample_model(shape));
+  }
+
+  static std::vector<json> of_kind(const std::vector<json>& lines, const std::string& kind) {
+    std::vector<json> chosen;
+    for (const json& line : lines)
+      if (line.value("event", "") == kind) chosen.push_back(line);
+    return chosen;
+  }
+
+  /// Frames without what the wall's clock told of them.
+  static std::vector<json> frames_of(const Outcome& outcome) {
+    std::vector<json> frames = of_kind(outcome.lines(), "frame");
+    for (json& frame : frames) frame.erase("inference_us");
+    return frames;
+  }
+
+  const std::string plan = "--plan quick --speeds 60,120 --frames-per-leg 12 ";
+  const std::string fast = "live --simulated=3 --fast --json --model model.onnx " + plan;
+};
+
+std::set<std::string> keys_of(const json& object) {
+  std::set<std::string> keys;
+  for (const auto& [key, value] : object.items()) keys.insert(key);
+  return keys;
+}
+
+TEST_F(Live, PrintsTheDocumentedMessages) {
+  const Outcome outcome = run(fast);
+  ASSERT_EQ(outcome.code, 0) << outcome.err;
+  const std::vector<json> lines = outcome.lines();
+  ASSERT_GT(lines.size(), 60U);
+  EXPECT_EQ(keys_of(lines.front()),
+            (std::set<std::string>{"event", "version", "mode", "recording", "simulated", "simulation",
+                                   "environment", "acquisition", "start_utc", "control", "frame_rate_hz",
+                                   "model", "plan", "travel"}));
+  EXPECT_EQ(lines.front()["event"], "hello");
+  EXPECT_EQ(lines.front()["mode"], "live");
+  EXPECT_EQ(lines.front()["recording"], false);
+  EXPECT_TRUE(lines.front()["acquisition"].is_null());
+  EXPECT_EQ(lines.front()["model"]["frames"], 3);
+  EXPECT_EQ(lines.back()["event"], "ended");
+  EXPECT_EQ(lines.back()["exit"], 0);
+  const json state = of_kind(lines, "state").at(5);
+  EXPECT_EQ(keys_of(state), (std::set<std::string>{
+                                "event", "time_s", "phase", "eta_s", "done_share", "leg", "leg_count",
+                                "rate_dps", "next_rate_dps", "frames", "frames_per_leg", "repeated", "speeds",
+                                "devices", "kept_frames", "kept_bytes", "disk_free_bytes", "stopping"}));
+  EXPECT_EQ(keys_of(state["devices"]), (std::set<std::string>{"camera", "gyro", "servo"}));
+  const json frame = of_kind(lines, "frame").at(30);
+  EXPECT_EQ(keys_of(frame),
+            (std::set<std::string>{"event", "index", "time_s", "begin_s", "end_s", "counted", "valid",
+                                   "reasons", "leg", "run", "commanded_dps", "gyro_dps", "thermal_dps",
+                                   "fusion_dps", "gain", "inference_us", "fresh", "scores"}));
+  EXPECT_EQ(keys_of(frame["scores"]),
+            (std::set<std::string>{"counted", "apart", "integrated_s", "gain_mean", "gain_histogram",
+                                   "gate_collapsed", "thermal", "gyro", "fusion"}));
+  EXPECT_EQ(frame["scores"]["gain_histogram"].size(), 20U);
+  EXPECT_TRUE(of_kind(lines, "image").empty());
+  EXPECT_THAT(outcome.out, Not(HasSubstr("NaN")));
+}
+
+TEST_F(Live, CountsFramesInLegsAndTheOthersApart) {
+  const std::vector<json> frames = frames_of(run(fast));
+  ASSERT_GT(frames.size(), 50U);
+  const json& scores = frames.back()["scores"];
+  EXPECT_GT(scores["counted"], 10);
+  EXPECT_GT(scores["apart"], 10);
+  EXPECT_EQ(scores["counted"].get<std::size_t>() + scores["apart"].get<std::size_t>(), frames.size());
+  for (const json& frame : frames)
+    if (frame["counted"]) {
+      EXPECT_TRUE(frame["fusion_dps"].is_number()) << frame;
+    }
+}
+
+TEST_F(Live, LeavesNothingOnTheDiskUnlessAsked) {
+  ASSERT_EQ(run(fast).code, 0);
+  EXPECT_TRUE(files(".h5").empty());
+  EXPECT_FALSE(fs::exists(folder() / "recordings"));
+}
+
+TEST_F(Live, RecordsASessionWithItsRowsAndReplaysItToTheLastDigit) {
+  const Outcome live = run(fast + "--record");
+  ASSERT_TRUE(live.code == 0 || live.code == 3) << live.err;
+  ASSERT_EQ(files(".h5").size(), 1U);
+  const std::vector<json> rows = frames_of(live);
+  for (const char* speed : {"max", "200"}) {
+    const Outcome replay = run("live --no-page --json --model model.onnx --speed " + std::string(speed) +
+                               " --replay " + files(".h5").front().string());
+    ASSERT_EQ(replay.code, 0) << replay.err;
+    EXPECT_TRUE(frames_of(replay) == rows) << speed;
+    EXPECT_EQ(replay.lines().front()["mode"], "replay");
+  }
+}
+
+TEST_F(Live, ASessionKeepsOneRowAFrame) {
+  const Outcome live = run(fast + "--record");
+  ASSERT_EQ(files(".h5").size(), 1U);
+  const session::Session session = session::read_session(files(".h5").front());
+  EXPECT_EQ(session.estimates.size(), frames_of(live).size());
+  EXPECT_EQ(session.raw.header.live_model.name, "model.onnx");
+  EXPECT_EQ(session.raw.header.live_model.frames, 3);
+}
+
+TEST_F(Live, WorksWithoutAModelAndSaysSo) {
+  const Outcome outcome = run("live --simulated=3 --fast " + plan);
+  ASSERT_EQ(outcome.code, 0) << outcome.err;
+  EXPECT_THAT(outcome.out, HasSubstr("no model: gyro against servo only"));
+  EXPECT_THAT(outcome.out, HasSubstr("RMSE deg/s"));
+}
+
+TEST_F(Live, RefusesWhatIsNoModel) {
+  std::ofstream(folder() / "no.onnx") << "this is no model";
+  EXPECT_EQ(run("live --simulated=3 --fast --model no.onnx").code, 8);
+  EXPECT_EQ(run("live --simulated=3 --fast --model nowhere.onnx").code, 2);
+}
+
+TEST_F(Live, RefusesWordsThatContradictEachOther) {
+  for (const char* words :
+       {"--simulated=3 --fast --page", "--fast", "--simulated=3 --speed 2", "--simulated=3 --replay x.h5",
+        "--replay x.h5 --record", "--replay x.h5 --speed quick", "--simulated=3 --fast --loop",
+        "--simulated=3 --tui --json", "--replay x.h5 --control"})
+    EXPECT_EQ(run(std::string("live ") + words).code, 2) << words;
+}
+
+TEST_F(Live, DrawsPlainLinesWithoutATerminalAndSaysSo) {
+  const Outcome outcome = run("live --simulated=3 --fast --tui --model model.onnx " + plan);
+  EXPECT_EQ(outcome.code, 0) << outcome.err;
+  EXPECT_THAT(outcome.err, HasSubstr("--tui needs a terminal"));
+  EXPECT_THAT(outcome.out, Not(HasSubstr("\x1b[")));
+}
+
+TEST_F(Live, DrawsTheImageOnATerminalAndLeavesItAsItWas) {
+  const std::string words = "live --simulated=3 --fast --tui --model model.onnx " + plan;
+  const Outcome colour = run_on_terminal("COLORTERM=truecolor TERM=xterm", words);
+  EXPECT_THAT(colour.out, HasSubstr("\u2580"));
+  EXPECT_THAT(colour.out, HasSubstr("\x1b[38;2;"));
+  EXPECT_EQ(colour.out.find("\x1b[?"), std::string::npos);  // no mode was changed
+  EXPECT_GT(colour.out.rfind("\x1b[0m"), colour.out.rfind("\x1b[38;2;"));
+  const Outcome plain = run_on_terminal("NO_COLOR=1 TERM=xterm", words);
+  EXPECT_THAT(plain.out, Not(HasSubstr("\u2580")));
+  EXPECT_THAT(plain.out, HasSubstr("degC"));
+}
+
+TEST_F(Live, StopsTheServoOnInterruptAndEndsWithASummary) {
+  const pid_t process =
+      start({"live", "--simulated=3", "--model", "model.onnx", "--no-page", "--plan", "quick"});
+  const auto has_begun = [&] {
+    std::ifstream file(folder() / "background_out.txt");
+    const std::string text{std::istreambuf_iterator<char>(file), {}};
+    return text.find("servo") != std::string::npos;
+  };
+  for (int look = 0; look < 2000 && !has_begun(); ++look)
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  kill(process, SIGINT);
+  const Outcome outcome = wait(process);
+  EXPECT_EQ(outcome.code, 130) << outcome.err;
+  EXPECT_THAT(outcome.out, HasSubstr("stopped on request"));
+  EXPECT_THAT(outcome.out, HasSubstr("RMSE deg/s"));
+}
+
+}  // namespace
+}  // namespace thermorig::tests
