@@ -4,13 +4,24 @@
 
 namespace thermorig::app {
 
+namespace {
+
+[[noreturn]] void refuse_without_paths(const EvaluateOptions& options) {
+  const bool model = !options.study && !options.live;
+  throw Error(ExitCode::bad_usage, model ? "evaluate needs a model file and sessions" : "which sessions?", "",
+              options.study  ? "thermorig evaluate --study recordings -o study"
+              : options.live ? "thermorig evaluate --live recordings"
+                             : "thermorig evaluate model.onnx recordings");
+}
+
+}  // namespace
+
 ExitCode run(const EvaluateOptions& options) {
   if (options.draw) return draw_study(options);
-  if (options.paths.empty())
-    throw Error(ExitCode::bad_usage,
-                options.study ? "which sessions?" : "evaluate needs a model file and sessions", "",
-                options.study ? "thermorig evaluate --study recordings -o study"
-                              : "thermorig evaluate model.onnx recordings");
+  if (options.live && options.study)
+    throw Error(ExitCode::bad_usage, "--live and --study are two questions", "", "ask one after the other");
+  if (options.paths.empty()) refuse_without_paths(options);
+  if (options.live) return evaluate_live(options);
   return options.study ? run_study(options) : evaluate_model(options);
 }
 

@@ -62,9 +62,9 @@ void add_study_words(CLI::App& command, EvaluateOptions& options) {
       ->group(group);
 }
 
-/// Without --study the first word is the model.
+/// Without --study and --live the first word is the model.
 void take_model(EvaluateOptions& options) {
-  if (options.study || options.draw || options.paths.empty()) return;
+  if (options.study || options.live || options.draw || options.paths.empty()) return;
   options.model = options.paths.front();
   options.paths.erase(options.paths.begin());
 }
@@ -76,14 +76,17 @@ void add_evaluate(CLI::App& root, EvaluateOptions& options) {
       *root.add_subcommand("evaluate", "Evaluate a model on sessions, or run the study of the paper");
   command.add_option(
       "PATH", options.paths,
-      "Model file, then session files (.h5) or folders that hold them; with --study only these");
+      "Model file, then session files (.h5) or folders that hold them; with --study and --live only these");
   command.add_option("-o,--output", options.output, "Folder of reports, and of a study's results")
       ->type_name("DIR");
+  command.add_flag("--live", options.live,
+                   "The figures of a live run's screen from its session, and with the finalised labels");
   command.add_flag("--json", options.json, "Print JSON on standard output, for programs");
   add_study_words(command, options);
   command.footer(
       "Examples:\n"
       "  thermorig evaluate model.onnx recordings/garden -o report\n"
+      "  thermorig evaluate --live recordings/garden\n"
       "  thermorig evaluate --study recordings -o study\n"
       "  thermorig evaluate --draw study");
   command.callback([&options] { take_model(options); });

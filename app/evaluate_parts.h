@@ -9,6 +9,7 @@ namespace thermorig::app {
 // What `evaluate` can be asked for.
 
 ExitCode evaluate_model(const EvaluateOptions& options);
+ExitCode evaluate_live(const EvaluateOptions& options);
 ExitCode run_study(const EvaluateOptions& options);
 ExitCode draw_study(const EvaluateOptions& options);
 

@@ -1,0 +1,282 @@
+// SPDX-License-Identifier: MIT
+// How long a frame takes from the feed of the chunk that completes it to its row and the screen's figures,
+// the network included; what that costs; and whether memory stays flat over a day.
+#include <fmt/format.h>
+#include <time.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <fstream>
+#include <string_view>
+
+#include "thermorig/core/quantile.h"
+#include "thermorig/live/live_estimator.h"
+#include "thermorig/live/scores.h"
+#include "thermorig/pipeline/frame_pairs.h"
+#include "thermorig/pipeline/replay.h"
+#include "thermorig/wire/servo_messages.h"
+#include "timing_rig.h"
+
+namespace thermorig::bench {
+namespace {
+
+constexpr double fast_camera_hz = 64.0, fast_gyro_hz = 1000.0;
+constexpr double hour_s = 3600.0;
+
+/// Figures in the order in which they are printed.
+struct Figure {
+  std::string key;
+  double value = 0.0;
+};
+using Figures = std::vector<Figure>;
+
+model::Model reference_model() {
+  model::Model model;
+  model.weights = network::initial_weights({.frames = 3, .reduction = 1}, 1);
+  model.scaling = {200.0F, 22.0F, 3.0F};
+  return model;
+}
+
+/// All that a live run does with bytes, but the journal and the page.
+class LiveChain {
+ public:
+  explicit LiveChain(const RigProfile& profile) : pipeline_(profile), estimator_(reference_model()) {}
+
+  /// How many frames the step completed.
+  std::size_t feed(const pipeline::ReplayStep& step) {
+    const std::vector<LabelledSample> samples = pipeline::feed(pipeline_, step);
+    pipeline::Streams streams = pipeline_.take_streams();
+    frames_ += streams.frames.size();
+    gyro_ += streams.gyro.size();
+    pairs_.add(std::move(streams.frames));
+    pairs_.add(samples);
+    const std::vector<pipeline::FramePair> pairs = pairs_.take();
+    for (const pipeline::FramePair& pair : pairs) {
+      scorer_.add(estimator_.add(pair.frame, pair.sample, step.time));
+      scores_ = scorer_.scores();
+    }
+    return pairs.size();
+  }
+
+  std::size_t frames() const { return frames_; }
+  std::size_t gyro() const { return gyro_; }
+  const live::LiveScores& scores() const { return scores_; }
+
+ private:
+  pipeline::Pipeline pipeline_;
+  pipeline::FramePairs pairs_;
+  live::LiveEstimator estimator_;
+  live::Scorer scorer_;
+  live::LiveScores scores_;
+  std::size_t frames_ = 0, gyro_ = 0;
+};
+
+double seconds_of(clockid_t clock) {
+  timespec now{};
+  ::clock_gettime(clock, &now);
+  return static_cast<double>(now.tv_sec) + static_cast<double>(now.tv_nsec) * 1e-9;
+}
+
+/// Of each frame: on the wall, and what the thread itself ran. On a machine that is busy with other things
+/// the two differ by what those took.
+struct Latencies {
+  std::vector<double> wall_us, thread_us;
+
+  void add_to(Figures& figures) {
+    add(figures, "latency", wall_us);
+    add(figures, "latency_processor", thread_us);
+  }
+
+ private:
+  static void add(Figures& figures, const std::string& name, std::vector<double>& values_us) {
+    std::sort(values_us.begin(), values_us.end());
+    figures.push_back({name + "_p50_us", quantile(values_us, 0.5)});
+    figures.push_back({name + "_p99_us", quantile(values_us, 0.99)});
+    figures.push_back({name + "_max_us", values_us.back()});
+  }
+};
+
+// ---- latency, dropped messages, processor
+// ------------------------------------------------------------------
+
+simulation::VirtualRigConfig fast_rig() {
+  TableLink link = table_links(false).back();  // CDC
+  simulation::VirtualRigConfig config = rig_on(link, 1);
+  config.profile.camera.output_rate_hz = fast_camera_hz;
+  config.profile.gyro.output_rate_hz = fast_gyro_hz;
+  config.profile.camera.link.latency_s = *(config.camera_latency_s = 0.010);
+  config.profile.gyro.link.latency_s = 0.5 / fast_gyro_hz + *(config.gyro_latency_s = 0.001);
+  return config;
+}
+
+std::vector<Leg> legs_until(double end_s) {
+  std::vector<Leg> legs;
+  for (double at_s = 3.0; at_s + 8.0 < end_s; at_s += 10.0)
+    legs.push_back(
+        {at_s, 8.0, (legs.size() % 2 == 0 ? 1.0 : -1.0) * 20.0 * static_cast<double>(1 + legs.size() % 8)});
+  return legs;
+}
+
+/// Messages that came whole, by what the rig says it sent.
+double arrived(const std::vector<simulation::SentMessage>& sent, const RawStream& received) {
+  return static_cast<double>(
+      std::count_if(sent.begin(), sent.end(), [&](const simulation::SentMessage& message) {
+        return message.arrives && message.span.end <= received.bytes.size();
+      }));
+}
+
+void add_fast_run(Figures& figures, double duration_s) {
+  const Recorded recorded = record(fast_rig(), legs_until(duration_s), duration_s);
+  const RawRecording& raw = recorded.raw;
+  LiveChain chain(raw.header.profile);
+  Latencies latencies;
+  pipeline::Replay replay(raw);
+  const double before_s = seconds_of(CLOCK_PROCESS_CPUTIME_ID);
+  while (const auto step = replay.next()) {
+    const double wall_s = seconds_of(CLOCK_MONOTONIC), thread_s = seconds_of(CLOCK_THREAD_CPUTIME_ID);
+    const std::size_t completed = chain.feed(*step);
+    const double ran_s = seconds_of(CLOCK_THREAD_CPUTIME_ID) - thread_s;
+    const double took_s = seconds_of(CLOCK_MONOTONIC) - wall_s;
+    latencies.wall_us.insert(latencies.wall_us.end(), completed, 1e6 * took_s);
+    latencies.thread_us.insert(latencies.thread_us.end(), completed, 1e6 * ran_s);
+  }
+  const double used_s = seconds_of(CLOCK_PROCESS_CPUTIME_ID) - before_s;
+  figures.push_back({"virtual_s", duration_s});
+  figures.push_back({"frames", static_cast<double>(chain.frames())});
+  figures.push_back({"frames_counted", static_cast<double>(chain.scores().counted)});
+  figures.push_back({"gyro_samples", static_cast<double>(chain.gyro())});
+  figures.push_back({"dropped_frames", arrived(recorded.rig->sent_frames(), raw.received[Device::camera]) -
+                                           static_cast<double>(chain.frames())});
+  figures.push_back({"dropped_gyro_samples", arrived(recorded.rig->sent_gyro(), raw.received[Device::gyro]) -
+                                                 static_cast<double>(chain.gyro())});
+  latencies.add_to(figures);
+  figures.push_back({"processor_share_of_a_core", used_s / duration_s});
+}
+
+// ---- memory
+// ------------------------------------------------------------------------------------------------
+
+double resident_mb() {
+  std::ifstream statm("/proc/self/statm");
+  std::uint64_t total = 0, resident = 0;
+  statm >> total >> resident;
+  return static_cast<double>(resident) * static_cast<double>(::sysconf(_SC_PAGESIZE)) / 1e6;
+}
+
+/// What is written to the servo, and when: greeting, legs of 20 s for ever, a refresh and a ping a step.
+class EndlessScript {
+ public:
+  explicit EndlessScript(const ServoProfile& servo) : servo_(servo) {}
+
+  std::vector<std::uint8_t> bytes_at(double now_s) {
+    std::vector<std::uint8_t> bytes = wire::refresh_bytes();
+    append(bytes, wire::ping_bytes(++token_, 3000));
+    if (now_s < next_s_) return bytes;
+    next_s_ += begun_ < 3 ? 0.1 : 22.0;
+    append(bytes, next_command());
+    return bytes;
+  }
+
+ private:
+  static void append(std::vector<std::uint8_t>& to, const std::vector<std::uint8_t>& more) {
+    to.insert(to.end(), more.begin(), more.end());
+  }
+
+  std::vector<std::uint8_t> next_command() {
+    const std::uint8_t sequence = sequence_++;
+    switch (begun_++) {
+      case 0:
+        return wire::hello_bytes(sequence);
+      case 1:
+        return wire::configure_bytes(sequence, servo_);
+      case 2:
+        return wire::arm_bytes(sequence, 0.0);
+      default:
+        return wire::run_bytes(sequence, {.leg = static_cast<std::uint16_t>(1 + begun_ % 60'000),
+                                          .turn_back = true,
+                                          .rate_dps = (begun_ % 2 == 0 ? 1.0 : -1.0) * (20.0 + begun_ % 100),
+                                          .acceleration_dps2 = servo_.acceleration_dps2,
+                                          .duration_s = 20.0});
+    }
+  }
+
+  ServoProfile servo_;
+  double next_s_ = 0.3;
+  unsigned begun_ = 0;
+  std::uint8_t sequence_ = 0;
+  std::uint32_t token_ = 0;
+};
+
+/// The default rig, simulated and used step by step: nothing of it is kept.
+class EndlessRun {
+ public:
+  explicit EndlessRun(const simulation::VirtualRigConfig& config)
+      : begin_(config.start),
+        now_(config.start),
+        rig_(config, simulation::make_host_firmware()),
+        chain_(config.profile),
+        script_(config.profile.servo) {}
+
+  void run_until(double end_s) {
+    while (to_s(now_ - begin_) < end_s) {
+      const std::vector<std::uint8_t> bytes = script_.bytes_at(to_s(now_ - begin_));
+      rig_.send(Device::servo, bytes, now_);
+      chain_.feed({std::nullopt, bytes, now_});
+      now_ += std::chrono::microseconds(98'700);
+      for (const Chunk& chunk : rig_.advance(now_)) chain_.feed({chunk.device, chunk.bytes, chunk.arrived});
+    }
+  }
+
+  const LiveChain& chain() const { return chain_; }
+
+ private:
+  HostTime begin_, now_;
+  simulation::VirtualRig rig_;
+  LiveChain chain_;
+  EndlessScript script_;
+};
+
+void add_long_run(Figures& figures, double hours) {
+  EndlessRun run(rig_on(table_links(false).back(), 2));
+  run.run_until(hour_s);
+  figures.push_back({"resident_after_1_h_mb", resident_mb()});
+  for (double hour = 2.0; hour <= hours; hour += 1.0) {
+    run.run_until(hour * hour_s);
+    fmt::print(stderr, "after {:.0f} h: {:.2f} MB\n", hour, resident_mb());
+  }
+  figures.push_back({fmt::format("resident_after_{:.0f}_h_mb", hours), resident_mb()});
+  figures.push_back({"long_run_frames", static_cast<double>(run.chain().frames())});
+  figures.push_back({"long_run_frames_counted", static_cast<double>(run.chain().scores().counted)});
+}
+
+// ---- output
+// ------------------------------------------------------------------------------------------------
+
+void print(const Figures& figures, bool json) {
+  std::string text;
+  for (const auto& [key, value] : figures)
+    text += json ? fmt::format("{}\"{}\":{:.10g}", text.empty() ? "" : ",", key, value)
+                 : fmt::format("{:<28} {:.10g}\n", key, value);
+  fmt::print("{}", json ? "{" + text + "}\n" : text);
+}
+
+int run(const std::vector<std::string_view>& words) {
+  const auto has = [&](std::string_view word) {
+    return std::find(words.begin(), words.end(), word) != words.end();
+  };
+  const bool quick = has("--quick");
+  Figures figures;
+  add_long_run(figures, quick ? 2.0 : 24.0);
+  add_fast_run(figures, quick ? 30.0 : 120.0);
+  print(figures, has("--json"));
+  return 0;
+}
+
+}  // namespace
+}  // namespace thermorig::bench
+
+int main(int count, char** words) {
+  return thermorig::bench::run({words + 1, words + count});
+}
