@@ -38,7 +38,7 @@ export class Band {
     say(byId('elapsed'), now === null ? '' : `${clock(now)}${planned === null ? '' : ` of ${clock(planned)}`}${
       left === null ? '' : `, ${clock(left)} to go`}`);
     const kept = number(message.kept_frames);
-    say(byId('kept'), kept === null ? 'nothing is kept' : `${count(kept)} frames kept`);
+    say(byId('kept'), kept === null ? (this.mode === 'replay' ? '' : 'nothing is kept') : `${count(kept)} frames kept`);
     byId('kept').title = number(message.kept_bytes) === null ? '' : bytes(message.kept_bytes);
     const free = number(message.disk_free_bytes);
     say(byId('disk'), free === null ? '' : `${bytes(free)} free`);

@@ -40,8 +40,9 @@ export class Sweep {
       quota: Math.max(0, number(speed.quota) ?? 0) })).filter((speed) => speed.rate !== null).sort((a, b) => a.rate - b.rate);
     const canvas = byId('speeds');
     const full = Math.max(1, ...known.map((speed) => Math.max(speed.valid, speed.quota)));
-    const bars = known.map((speed) => ({ value: speed.valid, colour: speed.rate === now ? 'fusion' : 'bar', mark: speed.quota > 0 ? speed.quota : null }));
+    const bars = known.map((speed) => ({ value: speed.valid, colour: speed.rate === now ? 'now' : 'bar', mark: speed.quota > 0 ? speed.quota : null }));
     document.querySelector('#sweep h3').hidden = known.length === 0;
+    say(byId('quota'), known.some((speed) => speed.quota > 0) ? 'deg/s; line: quota' : 'deg/s');
     const place = (i) => (i + 0.5) / known.length;
     const labels = known.length === 0 ? [] : [0, known.length - 1].map((i) => ({ text: signed(known[i].rate), at: place(i) }));
     const turn = known.findIndex((speed) => speed.rate > 0);
