@@ -11,7 +11,7 @@
 #pragma GCC diagnostic ignored "-Wtsan"
 #endif
 
-// Beast is slow to compile: only page_loop.cpp includes this header.
+// Beast is slow to compile: only page_loop.cpp and streams.cpp include this header.
 #include <boost/asio/awaitable.hpp>
 #include <boost/asio/co_spawn.hpp>
 #include <boost/asio/io_context.hpp>
@@ -28,4 +28,15 @@
 #include <boost/beast/http/string_body.hpp>
 #include <boost/beast/http/write.hpp>
 #include <boost/beast/websocket/rfc6455.hpp>
-#include <boost/beast/websocket/stream.hpp>
+
+namespace thermorig::web {
+
+// g++ 12 destroys a class that is made within a co_await expression twice: what a coroutine of this folder is
+// handed there is a variable of the caller's. (A reference and a token, as here, are no such class.)
+
+/// Makes a coroutine wait for an operation, and get its error as a value.
+inline auto into(boost::system::error_code& error) {
+  return boost::asio::redirect_error(boost::asio::use_awaitable, error);
+}
+
+}  // namespace thermorig::web

@@ -1,0 +1,206 @@
+// SPDX-License-Identifier: MIT
+#include "streams.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <boost/beast/websocket/stream.hpp>
+#include <chrono>
+#include <exception>
+
+#include "answer.h"
+#include "client_json.h"
+
+namespace thermorig::web {
+
+namespace asio = boost::asio;
+namespace beast = boost::beast;
+namespace websocket = beast::websocket;
+using boost::system::error_code;
+using Clock = std::chrono::steady_clock;
+
+namespace {
+
+constexpr std::size_t unknown_max = 16;                     // that have not shown their token yet
+constexpr auto keep_alive_time = std::chrono::seconds(20);  // asked after half of it, lost after all of it
+
+/// Without compression: what is sent is small, and takes no memory for each page.
+using Stream = websocket::stream<beast::tcp_stream, false>;
+
+}  // namespace
+
+struct Streams::Client {
+  Client(beast::tcp_stream connection, std::size_t queue_bytes)
+      : stream(std::move(connection)),
+        token_deadline(stream.get_executor()),
+        wake(stream.get_executor()),
+        queue(queue_bytes) {
+    wake.expires_at(Clock::time_point::max());
+  }
+
+  void set_up(const ServerOptions& options, std::string host) {
+    stream.next_layer().expires_never();  // the stream has time limits of its own
+    websocket::stream_base::timeout limits{};
+    limits.handshake_timeout = options.token_time;
+    limits.idle_timeout = keep_alive_time;
+    limits.keep_alive_pings = true;
+    stream.set_option(limits);
+    stream.set_option(
+        websocket::stream_base::decorator([host = std::move(host)](websocket::response_type& answer) {
+          for (const auto& [name, value] : protecting_fields(host))
+            answer.set({name.data(), name.size()}, value);
+        }));
+    stream.read_message_max(client_message_bytes_max);
+    stream.auto_fragment(false);
+    stream.text(true);
+  }
+
+  void cut() { stream.next_layer().close(); }
+
+  Stream stream;
+  asio::steady_timer token_deadline, wake;  // wake: cancelled whenever there is something to do
+  MessageQueue queue;
+  std::optional<Clock::time_point> writing_since;
+  bool known = false;    // has shown the token
+  bool leaving = false;  // closed as soon as the queue is empty
+  bool gone = false;
+};
+
+Streams::Streams(asio::io_context& context, const ServerOptions& options, const std::string& token,
+                 std::function<void()> emptied)
+    : context_(context), options_(options), token_(token), emptied_(std::move(emptied)) {}
+
+Streams::~Streams() = default;
+
+/// Runs a coroutine; what it throws (memory, a bug) ends that stream and nothing else.
+template <typename Done>
+void Streams::spawn(asio::awaitable<void> work, Done done) {
+  asio::co_spawn(context_, std::move(work), [done = std::move(done)](std::exception_ptr) { done(); });
+}
+
+std::optional<Refusal> Streams::check(std::size_t bytes_ahead) const {
+  if (bytes_ahead > 0) return Refusal{400, "a stream's first message waits for the answer"};
+  if (leaving_) return Refusal{503, "the run is over"};
+  if (count_ < options_.clients) return std::nullopt;
+  return Refusal{503, fmt::format("{} pages are open already; close one of them", options_.clients)};
+}
+
+void Streams::open(beast::tcp_stream connection, HttpRequest request, std::string host) {
+  evict_unknown();
+  const auto client = std::make_shared<Client>(std::move(connection), options_.queue_bytes);
+  client->set_up(options_, std::move(host));
+  clients_.push_back(client);
+  spawn(hold(client, std::move(request)), [this, client] { part_with(client); });
+}
+
+/// Those that show no token keep nobody out.
+void Streams::evict_unknown() {
+  const auto unknown = [](const ClientPointer& client) { return !client->known; };
+  if (std::count_if(clients_.begin(), clients_.end(), unknown) < static_cast<std::ptrdiff_t>(unknown_max))
+    return;
+  const auto oldest = std::find_if(clients_.begin(), clients_.end(), unknown);
+  (*oldest)->cut();
+  clients_.erase(oldest);
+}
+
+void Streams::part_with(const ClientPointer& client) {
+  if (client->known && !client->gone) --count_;
+  client->gone = true;
+  client->token_deadline.cancel();
+  client->wake.cancel();
+  clients_.remove(client);
+  if (clients_.empty()) emptied_();
+}
+
+asio::awaitable<void> Streams::hold(ClientPointer client, HttpRequest request) {
+  wait_for_token(client);
+  error_code error;
+  co_await client->stream.async_accept(request, into(error));
+  if (error) co_return;
+  beast::flat_buffer buffer;  // read_message_max bounds it
+  co_await client->stream.async_read(buffer, into(error));
+  if (error) co_return;
+  const std::string_view message(static_cast<const char*>(buffer.data().data()), buffer.size());
+  std::uint16_t reason = refused_because(*client, message);
+  if (reason == websocket::close_code::none) {
+    welcome(client);
+    buffer.clear();
+    co_await client->stream.async_read(buffer, into(error));
+    if (error) co_return;
+    reason = websocket::close_code::policy_error;  // a page has nothing to say after its token
+  }
+  co_await client->stream.async_close(reason, into(error));
+}
+
+void Streams::wait_for_token(const ClientPointer& client) {
+  client->token_deadline.expires_after(options_.token_time);
+  client->token_deadline.async_wait([client](error_code error) {
+    if (!error && !client->known) client->cut();
+  });
+}
+
+std::uint16_t Streams::refused_because(const Client& client, std::string_view message) const {
+  if (!client.stream.got_text()) return websocket::close_code::unknown_data;
+  if (!shows_token(message, token_)) return websocket::close_code::policy_error;
+  // It has waited for its turn while others came in.
+  if (count_ >= options_.clients || leaving_) return websocket::close_code::try_again_later;
+  return websocket::close_code::none;
+}
+
+void Streams::welcome(const ClientPointer& client) {
+  client->known = true;
+  client->token_deadline.cancel();
+  ++count_;
+  // A quarter stays free for what happens while it reads this.
+  for (Message& message : backlog_.for_new_client(options_.queue_bytes - options_.queue_bytes / 4))
+    client->queue.push(std::move(message));
+  spawn(write_queue(client), [client] { client->cut(); });
+}
+
+asio::awaitable<void> Streams::write_queue(ClientPointer client) {
+  error_code error;
+  while (!client->gone) {
+    const auto message = client->queue.pop();
+    if (message) {
+      const auto text = text_of(*message);
+      client->writing_since = Clock::now();
+      co_await client->stream.async_write(asio::buffer(*text), into(error));
+      client->writing_since.reset();
+      if (error) co_return;
+    } else if (client->leaving) {
+      co_await client->stream.async_close(websocket::close_code::going_away, into(error));
+      co_return;
+    } else {
+      co_await client->wake.async_wait(into(error));
+    }
+  }
+}
+
+void Streams::send(const std::deque<Message>& messages) {
+  for (const Message& message : messages) {
+    backlog_.keep(message);
+    for (const ClientPointer& client : clients_)
+      if (client->known) client->queue.push(message);
+  }
+  for (const ClientPointer& client : clients_) client->wake.cancel();
+}
+
+void Streams::cut_stalled() {
+  for (const ClientPointer& client : clients_)
+    if (client->writing_since && Clock::now() - *client->writing_since > options_.stall_time) client->cut();
+}
+
+void Streams::leave() {
+  leaving_ = true;
+  for (const ClientPointer& client : clients_) {
+    client->leaving = true;
+    client->wake.cancel();
+    if (!client->known) client->cut();
+  }
+}
+
+void Streams::cut_all() {
+  for (const ClientPointer& client : clients_) client->cut();
+}
+
+}  // namespace thermorig::web
