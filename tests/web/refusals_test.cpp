@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 
+#include <algorithm>
+
 #include "served_page.h"
 
 namespace thermorig::web {
@@ -331,9 +333,9 @@ TEST_F(Refusals, StreamsThatWaitedTogetherDoNotExceedTheLimit) {
     open.push_back(connect());
     ASSERT_EQ(open.back().upgrade().status, 101);
   }
-  for (auto& client : open) {
-    client.send_text(fmt::format(R"({{"token":"{}"}})", token()));
-    comes_true([&] { return server().clients() == 1; });
+  for (std::size_t i = 0; i < open.size(); ++i) {
+    open[i].send_text(fmt::format(R"({{"token":"{}"}})", token()));
+    ASSERT_TRUE(comes_true([&] { return server().clients() == std::min<std::size_t>(i + 1, 2); }));
   }
   EXPECT_EQ(open.back().receive().close_code, 1013);
   EXPECT_EQ(server().clients(), 2U);

@@ -186,6 +186,7 @@ TEST_F(PageServer, CountsAClientUntilItLeaves) {
 TEST_F(PageServer, SevenClientsGetEveryFrameWhileAnotherIsStalled) {
   constexpr int frames = 10'000;
   options_.queue_bytes = 256 * 1024;
+  options_.stall_time = 10min;  // it is told, not closed
   std::vector<PageClient> clients;
   for (int i = 0; i < 7; ++i) clients.push_back(open_stream(server().port(), token()));
   PageClient stalled = open_stream(server().port(), token(), 4096);
@@ -240,11 +241,15 @@ TEST_F(PageServer, PublishingIsBoundedWhileTheServersThreadIsBusy) {
   options_.queue_bytes = 64 * 1024;
   std::mutex busy;
   std::unique_lock hold(busy);
-  Server slow(options_, [&busy](const Order&) { const std::lock_guard wait(busy); });
+  std::atomic<bool> entered = false;
+  Server slow(options_, [&](const Order&) {
+    entered = true;
+    const std::lock_guard wait(busy);
+  });
   PageClient client = open_stream(slow.port(), token_of(slow.url()));
   ASSERT_TRUE(comes_true([&] { return slow.clients() == 1; }));
   std::thread order([&] { PageClient(slow.port()).post("/stop", token_of(slow.url()), "{}"); });
-  std::this_thread::sleep_for(100ms);
+  EXPECT_TRUE(comes_true([&] { return entered.load(); }));
   for (int number = 0; number < 10'000; ++number)
     slow.publish(Topic::frame, fmt::format("frame {:6}", number));
   slow.publish(Topic::ended, "ended");
