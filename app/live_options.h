@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include <optional>
 #include <string>
 
 #include "options.h"
@@ -16,7 +15,7 @@ namespace thermorig::app {
 struct LiveWords {
   LiveOptions options;
   std::string seed, speed;
-  std::optional<bool> page;  // none: where there is something to see on it
+  bool page = false, no_page = false;  // neither: a page, but in virtual time
 };
 
 void add_live(CLI::App& root, LiveWords& words);

@@ -55,7 +55,7 @@ void LiveRun::begun(const RecordingHeader& header) {
 LiveEstimate LiveRun::frame(const TimedFrame& frame, const LabelledSample& sample, HostTime arrived) {
   const HostTime before = io::now();
   const LiveEstimate row = estimator_.add(frame, sample, arrived);
-  const double took_us = 1e6 * to_s(io::now() - before);
+  const double took_us = std::round(1e7 * to_s(io::now() - before)) / 10.0;
   const bool asked = !std::isnan(row.rate_thermal_dps);
   scorer_.add(row);
   const live::LiveScores scores = scorer_.scores();
