@@ -57,15 +57,14 @@ std::string finalised_text(const LiveEvaluation& evaluated) {
     const live::RateScores& rate = evaluated.finalised_scores.rates[i];
     if (rate.frames == 0) continue;
     table.add({rate_names[i], count_text(rate.frames), mse_text(rate.mse), rate_text(rate.rmse_dps),
-               fmt::format("{:+.5f}", rate.mse - evaluated.screen.rates[i].mse)});
+               fmt::format("{:+.1e}", rate.mse - evaluated.screen.rates[i].mse)});
   }
   const live::FinalisedRows& finalised = evaluated.finalised;
   return table.text() + fmt::format(
-                            "\nlabels, finalised minus live: mean {} deg/s, largest {} deg/s\n"
+                            "\nlabels, finalised minus live: mean {:.4f} deg/s, largest {:.4f} deg/s\n"
                             "the finished session has {} windows, {} of the counted ones among them\n",
-                            rate_text(finalised.label_difference_mean_dps),
-                            rate_text(finalised.label_difference_max_dps), count_text(finalised.windows),
-                            count_text(finalised.counted_in_both));
+                            finalised.label_difference_mean_dps, finalised.label_difference_max_dps,
+                            count_text(finalised.windows), count_text(finalised.counted_in_both));
 }
 
 json number(double value) {
