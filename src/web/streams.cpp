@@ -21,8 +21,7 @@ using Clock = std::chrono::steady_clock;
 
 namespace {
 
-constexpr std::size_t unknown_max = 16;                     // that have not shown their token yet
-constexpr auto keep_alive_time = std::chrono::seconds(20);  // asked after half of it, lost after all of it
+constexpr std::size_t unknown_max = 16;  // that have not shown their token yet
 
 /// Without compression: what is sent is small, and takes no memory for each page.
 using Stream = websocket::stream<beast::tcp_stream, false>;
@@ -42,8 +41,8 @@ struct Streams::Client {
     stream.next_layer().expires_never();  // the stream has time limits of its own
     websocket::stream_base::timeout limits{};
     limits.handshake_timeout = options.token_time;
-    limits.idle_timeout = keep_alive_time;
-    limits.keep_alive_pings = true;
+    limits.idle_timeout = options.silent_time;
+    limits.keep_alive_pings = true;  // after half of it
     stream.set_option(limits);
     stream.set_option(
         websocket::stream_base::decorator([host = std::move(host)](websocket::response_type& answer) {

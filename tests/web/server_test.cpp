@@ -89,6 +89,22 @@ TEST_F(PageServer, AnswersToEveryNameOfItsOwn) {
     EXPECT_EQ(get_with_host(name + port).status, 200) << name;
 }
 
+TEST_F(PageServer, ListensOnLoopbackAlone) {
+  // Columns of /proc/net/tcp: number, address:port, other side, state (0A: listens); addresses as in memory.
+  const std::string port = fmt::format(":{:04X}", server().port());
+  std::vector<std::string> addresses;
+  for (const auto table : {"/proc/net/tcp", "/proc/net/tcp6"}) {
+    std::ifstream lines(table);
+    for (std::string number, address, other, rest;
+         lines >> number >> address >> other && std::getline(lines, rest);)
+      if (address.ends_with(port) && rest.starts_with(" 0A")) addresses.push_back(address);
+  }
+  ASSERT_FALSE(addresses.empty());
+  for (const auto& address : addresses)
+    EXPECT_TRUE(address == "0100007F" + port || address == "00000000000000000000000001000000" + port)
+        << address;
+}
+
 TEST_F(PageServer, AnswersOneAfterTheOtherToRequestsThatComeTogether) {
   PageClient client = connect();
   const std::string request = fmt::format("GET /page.css HTTP/1.1\r\nHost: {}\r\n\r\n", host());
@@ -173,6 +189,21 @@ TEST_F(PageServer, AnswersAPing) {
   client.send_frame(9, "are you there");
   server().publish(Topic::frame, "frame");
   EXPECT_THAT(take(client, 1), ElementsAre("frame"));  // the pong came on the way, and the stream is open
+}
+
+TEST_F(PageServer, AClientThatAnswersNoPingIsClosed) {
+  options_.silent_time = 200ms;
+  PageClient gone = open_stream(server().port(), token());
+  ASSERT_TRUE(comes_true([&] { return server().clients() == 1; }));
+  EXPECT_TRUE(comes_true([&] { return server().clients() == 0; }));
+}
+
+TEST_F(PageServer, AClientThatAnswersPingsStays) {
+  options_.silent_time = 2s;
+  PageClient client = open_stream(server().port(), token());
+  EXPECT_EQ(client.receive(5s).kind, Arrival::Kind::silence);
+  server().publish(Topic::frame, "frame");
+  EXPECT_THAT(take(client, 1), ElementsAre("frame"));
 }
 
 TEST_F(PageServer, CountsAClientUntilItLeaves) {

@@ -39,6 +39,7 @@ struct ServerOptions {
   std::chrono::milliseconds header_time{10'000};  // until a request's headers are there; again for its body
   std::chrono::milliseconds token_time{5'000};    // until a stream has sent its token
   std::chrono::milliseconds stall_time{10'000};   // until a stream that takes nothing is closed
+  std::chrono::milliseconds silent_time{20'000};  // until a stream is closed that answers no ping
 };
 
 /// `$XDG_STATE_HOME/thermorig/page.json` or `~/.local/state/thermorig/page.json`; empty if neither is known.
@@ -48,8 +49,8 @@ std::filesystem::path default_state_file();
 /// clients do costs the caller nothing but the copy of a message.
 class Server {
  public:
-  /// `ordered` is called on the server's thread. Throws Error(failed) if the port is in use (by whom, and
-  /// what to try), Error(storage) if the state file cannot be written.
+  /// `ordered` is called on the server's thread. Throws Error(failed) if the port is in use, with what
+  /// to try, Error(storage) if the state file cannot be written.
   Server(const ServerOptions& options, std::function<void(const Order&)> ordered);
   ~Server();
   Server(const Server&) = delete;
