@@ -5,7 +5,7 @@
 #include "chosen_rig.h"
 #include "commands.h"
 #include "interrupts.h"
-#include "live_lines.h"
+#include "live_facts.h"
 #include "live_model.h"
 #include "live_page.h"
 #include "live_replay.h"
@@ -25,25 +25,11 @@ namespace {
 constexpr auto state_period = std::chrono::milliseconds(250);
 constexpr PerDevice<bool> needed{{false, false, true}};  // what is left goes on
 
-LiveFacts facts_of(const LiveOptions& options, const rig::RecordingOptions& recording) {
-  const rig::SweepPlan& plan = recording.plan;
-  LiveFacts facts;
-  facts.recording = options.keep;
-  facts.output = options.record.output;
-  facts.control = options.page.control;
-  facts.plan_name = plan.name;
-  facts.legs = plan.leg_rates_dps.size();
-  facts.frames_per_leg = plan.frames_per_leg;
-  facts.expected_s =
-      rig::plan_duration_s(plan, recording.profile.servo, recording.profile.camera.output_rate_hz);
-  return facts;
-}
-
 /// What the recording of a live run has beside that of `record`.
 void make_live(const LiveOptions& options, const ChosenModel& model, rig::RecordingOptions& recording) {
   recording.keep = options.keep;
   recording.needed = needed;
-  recording.wait_for_start = options.page.control;
+  recording.wait_for_start = options.record.page.control;
   recording.live_model = model.facts;
 }
 
@@ -90,10 +76,6 @@ rig::RecordingResult drive_ports(rig::RecordingOptions recording, LiveRun& run, 
   return rig::record_ports(options);
 }
 
-LiveEnd end_of(const rig::RecordingResult& result) {
-  return {static_cast<int>(result.exit), result.message, result.advice, result.session.string()};
-}
-
 /// Runs `drive`; whoever watches is told how it ended, be it by an Error.
 template <typename Drive>
 rig::RecordingResult told(LiveRun& run, Drive drive) {
@@ -102,8 +84,7 @@ rig::RecordingResult told(LiveRun& run, Drive drive) {
     run.ended(end_of(result));
     return result;
   } catch (const Error& error) {
-    const std::string where = error.where().empty() ? "" : error.where() + ": ";
-    run.ended({static_cast<int>(error.code()), where + error.what_happened(), error.advice(), ""});
+    run.ended(end_of(error));
     throw;
   }
 }
@@ -122,13 +103,13 @@ ExitCode run(const LiveOptions& options) {
   rig::RecordingOptions recording = recording_options(options.record, rig, plan);
   make_live(options, model, recording);
   const std::unique_ptr<LivePage> page =
-      options.page.serve ? std::make_unique<LivePage>(options.page) : nullptr;
+      options.record.page.serve ? std::make_unique<LivePage>(options.record.page) : nullptr;
   const std::unique_ptr<SimulatedPorts> ports =
       options.record.fast ? nullptr : simulated_ports(rig, recording);  // outlives the recording
   if (options.record.fast) recording.simulation = "virtual time, firmware's host build";
   mark_pseudo_terminals(recording);
   recording.simulation += simulated_parts(options.record.rig);
-  LiveRun run(facts_of(options, recording), model.model);
+  LiveRun run(live_facts(LiveMode::live, options.record, recording), model.model);
   const LiveScreens screens(options, page.get(), run);
   watch(run, model, recording);
   const auto drive = [&] {

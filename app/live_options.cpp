@@ -72,11 +72,11 @@ void check(const LiveWords& words) {
   if (live.replay && live.keep)
     refuse("a replay is recorded already", "leave --record out; `thermorig evaluate` works on the session");
   if (live.replay && live.loop) refuse("--loop is for a rig, not for a replay", "leave --loop out");
-  if (live.replay && live.page.control) refuse("a replay moves nothing", "leave --control out");
+  if (live.replay && live.record.page.control) refuse("a replay moves nothing", "leave --control out");
   if (!live.replay && !words.speed.empty()) refuse("--speed is for --replay", "--replay SESSION --speed 10");
   if (live.tui && live.record.json) refuse("--tui and --json exclude each other", "one of the two");
   if (words.page && words.no_page) refuse("--page and --no-page exclude each other", "one of the two");
-  if (live.record.fast && (words.page || live.page.control))
+  if (live.record.fast && (words.page || live.record.page.control))
     refuse("virtual time is too fast for a page", "leave --fast out, or --page");
   if (live.record.fast && live.loop)
     refuse("--loop has no end in virtual time", "leave --fast or --loop out");
@@ -106,7 +106,7 @@ void add_live(CLI::App& root, LiveWords& words) {
   add_result(command, words);
   command.add_flag("--page", words.page, "Serve the page for a browser (default, but with --fast)");
   command.add_flag("--no-page", words.no_page, "Serve no page");
-  add_page(command, live.page);
+  add_page(command, live.record.page);
   add_rig(command, live.record.rig, words.seed);
   command.footer(
       "Examples:\n"
@@ -122,7 +122,7 @@ LiveOptions chosen_live(const LiveWords& words) {
   if (!words.speed.empty()) live.speed = speed_of(words.speed);
   if (!live.record.valid_per_leg)
     live.record.valid_per_leg = live.keep ? std::nullopt : std::optional<int>(0);
-  live.page.serve = !words.no_page && !live.record.fast;
+  live.record.page.serve = !words.no_page && !live.record.fast;
   return live;
 }
 

@@ -123,7 +123,7 @@ ExitCode replay_live(const LiveOptions& options) {
   std::signal(SIGPIPE, SIG_IGN);
   watch_interrupts();
   const std::unique_ptr<LivePage> page =
-      options.page.serve ? std::make_unique<LivePage>(options.page) : nullptr;
+      options.record.page.serve ? std::make_unique<LivePage>(options.record.page) : nullptr;
   LiveRun run(facts_of(raw), model.model);
   const LiveScreens screens(options, page.get(), run);
   RecordingHeader header = raw.header;

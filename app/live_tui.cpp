@@ -14,6 +14,7 @@
 
 #include "live_lines.h"
 #include "output.h"
+#include "terminal_width.h"
 #include "thermorig/io/port.h"
 
 namespace thermorig::app {
@@ -72,6 +73,17 @@ Range range_of(const ThermalFrame& frame) {
   return {at(0.02), std::max(at(0.98), at(0.02) + 0.1F)};
 }
 
+/// Lines of plain text, none of them longer than `width`.
+std::string cut(const std::string& text, std::size_t width) {
+  std::string lines;
+  for (std::size_t at = 0; at < text.size();) {
+    const std::size_t end = text.find('\n', at);
+    lines += text.substr(at, std::min(end - at, width)) + "\n";
+    at = end + 1;
+  }
+  return lines;
+}
+
 class LiveTui : public LiveScreen {
  public:
   explicit LiveTui(Colours colours) : colours_(colours) {}
@@ -111,9 +123,11 @@ class LiveTui : public LiveScreen {
     if (colours_ != Colours::none)
       text += half_blocks(frame.frame.frame, facts_.header.profile.camera.mirrored, colours_);
     const Range range = range_of(frame.frame.frame);
-    text += fmt::format("{:.1f} to {:.1f} degC, {}\n", range.low, range.high, freshness(frame.frame));
-    text += state_ + "\n";
-    text += rates_text(frame);
+    std::string figures =
+        fmt::format("{:.1f} to {:.1f} degC, {}\n", range.low, range.high, freshness(frame.frame));
+    figures += state_ + "\n";
+    figures += rates_text(frame);
+    text += cut(figures, terminal_width() - 1);  // a full line would wrap
     const auto lines = static_cast<std::size_t>(std::count(text.begin(), text.end(), '\n'));
     print(erasing() + text);
     lines_ = lines;

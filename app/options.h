@@ -25,6 +25,14 @@ struct RigOptions {
   std::optional<double> camera_rate_hz;
 };
 
+/// The page that a running command serves.
+struct PageOptions {
+  bool serve = false;
+  std::uint16_t port = 8650;
+  bool new_token = false;
+  bool control = false;  // the page may start motion, and motion waits for it
+};
+
 struct RecordOptions {
   RigOptions rig;
   std::string environment;
@@ -34,16 +42,9 @@ struct RecordOptions {
   int frames_per_window = 1;       // valid ones in a row that every speed must be able to give
   std::vector<double> speeds_dps;  // empty: the plan's own
   bool fast = false;               // virtual time
+  PageOptions page;
   bool dry_run = false;
   bool json = false;
-};
-
-/// The page that a running command serves.
-struct PageOptions {
-  bool serve = false;
-  std::uint16_t port = 8650;
-  bool new_token = false;
-  bool control = false;  // the page may start motion, and motion waits for it
 };
 
 struct LiveOptions {
@@ -53,7 +54,6 @@ struct LiveOptions {
   bool loop = false;                            // the plan again and again, until it is stopped
   std::optional<std::filesystem::path> replay;  // a session instead of a rig
   double speed = 1.0;                           // of a replay; 0: as fast as possible
-  PageOptions page;
   bool tui = false;
 };
 

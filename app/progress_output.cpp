@@ -2,13 +2,13 @@
 #include "progress_output.h"
 
 #include <fmt/format.h>
-#include <sys/ioctl.h>
 
 #include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "output.h"
+#include "terminal_width.h"
 #include "thermorig/io/port.h"
 
 namespace thermorig::app {
@@ -85,12 +85,6 @@ std::string quota_text(const SweepProgress& sweep) {
 
 std::string left_text(const SweepProgress& sweep) {
   return fmt::format("{:.0f} %, {} left", std::floor(100 * sweep.done_share), duration_text(sweep.eta_s));
-}
-
-std::size_t terminal_width() {
-  winsize size{};
-  const bool known = ioctl(fileno(stdout), TIOCGWINSZ, &size) == 0 && size.ws_col > 0;
-  return known ? size.ws_col : 80;
 }
 
 class TerminalOutput : public ProgressOutput {

@@ -4,11 +4,14 @@
 #include <fmt/format.h>
 
 #include <csignal>
+#include <memory>
 #include <nlohmann/json.hpp>
 
 #include "interrupts.h"
+#include "live_facts.h"
 #include "output.h"
 #include "progress_output.h"
+#include "record_page.h"
 #include "recording_setup.h"
 #include "thermorig/io/host.h"
 #include "thermorig/io/port.h"
@@ -85,16 +88,27 @@ class CpuShare {
   Look end_;
 };
 
-rig::RecordingResult record_on_ports(rig::RecordingOptions recording, ProgressOutput& output, CpuShare& cpu) {
+rig::RecordingResult record_on_ports(rig::RecordingOptions recording, ProgressOutput& output, CpuShare& cpu,
+                                     RecordPage* page) {
   std::signal(SIGPIPE, SIG_IGN);  // a reader of our output that went away must not end a recording
   rig::PortOptions options;
   options.recording = std::move(recording);
   options.progress = [&](const rig::RecordingProgress& progress) {
     cpu.look();
     output.show(progress);
+    if (page != nullptr) page->progress(progress);
   };
+  if (page != nullptr) options.orders = [page] { return page->take_orders(); };
   options.notice = [&](const std::string& sentence) { output.note(sentence); };
-  return rig::record_ports(options);
+  if (page == nullptr) return rig::record_ports(options);
+  try {
+    rig::RecordingResult result = rig::record_ports(options);
+    page->ended(end_of(result));
+    return result;
+  } catch (const Error& error) {
+    page->ended(end_of(error));
+    throw;
+  }
 }
 
 }  // namespace
@@ -104,6 +118,9 @@ void check_recording_words(const RecordOptions& options) {
   if (options.fast && !options.rig.simulated_seed)
     throw Error(ExitCode::bad_usage, "--fast is virtual time, which only the simulated rig has", "",
                 "--simulated=3 --fast, or leave --fast out");
+  if (options.fast && options.page.serve)
+    throw Error(ExitCode::bad_usage, "virtual time is too fast for a page", "",
+                "leave --fast out, or --page");
 }
 
 RecordSummary record_session(const RecordOptions& options, const ChosenRig& rig, const rig::SweepPlan& plan) {
@@ -121,7 +138,10 @@ RecordSummary record_session(const RecordOptions& options, const ChosenRig& rig,
     recording.simulation += simulated_parts(options.rig);
     announce(recording, options.json);
     CpuShare cpu;
-    summary.result = record_on_ports(std::move(recording), *make_progress_output(options.json), cpu);
+    const std::unique_ptr<RecordPage> page =
+        options.page.serve ? std::make_unique<RecordPage>(options, recording) : nullptr;
+    summary.result =
+        record_on_ports(std::move(recording), *make_progress_output(options.json), cpu, page.get());
     summary.cpu_share = cpu.share();
   }
   summary.wall_s = to_s(io::now() - begin);

@@ -42,7 +42,7 @@ void say_how_it_ended(RecordingResult& result, const Recording& recording) {
     if (recording.keeps()) result.message += "; everything up to then is in the session";
   } else if (!recording.gone().empty()) {
     result.exit = ExitCode::finished_lossy;
-    result.message = "the plan was finished without the " + names_of(recording.gone());
+    result.message = "the plan was finished, for a time without the " + names_of(recording.gone());
     result.advice = "check its cable and power; `thermorig ports` shows which port speaks";
   } else if (result.quality.verdict == "bad") {
     result.exit = ExitCode::finished_lossy;

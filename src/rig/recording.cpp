@@ -50,6 +50,7 @@ struct Recording::Parts {
   void check_devices(HostTime now);
   void drive(HostTime now);
   void drain_sweep(HostTime now);
+  void note_return(Device device, HostTime now);
   void note_epoch(const ClockEpoch& epoch, HostTime now);
   void event(const RecordingEvent& event);
   void fail(const Error& error, HostTime now);
@@ -88,7 +89,8 @@ struct Recording::Parts {
   std::vector<RecordingEvent> new_events;
   std::optional<LabelledSample> last_sample;
   std::optional<Error> failure;
-  PerDevice<bool> gone{};  // not there, not needed
+  PerDevice<bool> gone{};      // not there, not needed
+  PerDevice<bool> was_gone{};  // for a while at least
   bool began = false;
   bool may_start = false;
   bool greeting_noted = false;
@@ -167,6 +169,7 @@ void Recording::Parts::take_streams(const pipeline::Streams& streams, HostTime a
     missing_frames += frame.missing_before;
     if (!absent_camera || !absent_camera->has_begun()) sweep.frame(frame);
   }
+  if (!streams.gyro.empty()) note_return(Device::gyro, arrived);
   for (const TimedGyro& gyro : streams.gyro) {
     meters[Device::gyro].message(arrived);
     uncertainty_s[Device::gyro] = gyro.stamp.uncertainty_s;
@@ -179,6 +182,12 @@ void Recording::Parts::take_streams(const pipeline::Streams& streams, HostTime a
     uncertainty_s[Device::servo] = servo.stamp.uncertainty_s;
     sweep.telemetry(servo);
   }
+}
+
+/// A camera that is back is not: rows stand in for it already.
+void Recording::Parts::note_return(Device device, HostTime now) {
+  if (!std::exchange(gone[device], false)) return;
+  event({now, EventKind::device_back, device, fmt::format("{}: it is back", name_of(device))});
 }
 
 void Recording::Parts::note_epoch(const ClockEpoch& epoch, HostTime now) {
@@ -277,7 +286,7 @@ void Recording::Parts::lose(Device device, const Error& error, HostTime now) {
   if (gone[device]) return;
   const bool all_gone = gone[Device::camera] || gone[Device::gyro];  // the other one goes now
   if (is_needed(device) || all_gone) return fail(error, now);
-  gone[device] = true;
+  gone[device] = was_gone[device] = true;
   if (device == Device::camera) absent_camera.emplace(options.profile, now);
   event({now, EventKind::missing, device,
          fmt::format("{}: {}; going on without it", error.where(), error.what_happened())});
@@ -353,7 +362,7 @@ bool Recording::keeps() const {
 std::vector<Device> Recording::gone() const {
   std::vector<Device> gone;
   for (const Device device : all_devices)
-    if (parts_->gone[device]) gone.push_back(device);
+    if (parts_->was_gone[device]) gone.push_back(device);
   return gone;
 }
 

@@ -128,7 +128,7 @@ TEST_F(Live, ASessionKeepsOneRowAFrame) {
   const Outcome live = run(fast + "--record");
   ASSERT_EQ(files(".h5").size(), 1U);
   const session::Session session = session::read_session(files(".h5").front());
-  EXPECT_EQ(session.estimates.size(), frames_of(live).size());
+  EXPECT_EQ(session.raw.estimates.size(), frames_of(live).size());
   EXPECT_EQ(session.raw.header.live_model.name, "model.onnx");
   EXPECT_EQ(session.raw.header.live_model.frames, 3);
 }

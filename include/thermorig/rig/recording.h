@@ -121,7 +121,7 @@ class Recording {
   const std::string& stopped_by() const;  // who asked for it; empty: a signal
   bool sweep_began() const;               // every device was there and the opening rest began
   bool keeps() const;                     // false: there is no journal
-  std::vector<Device> gone() const;       // that the recording went on without
+  std::vector<Device> gone() const;       // that it went on without, for a while at least
 
   RecordingProgress progress(HostTime now);
 

@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: MIT
+#include "record_page.h"
+
+#include "live_facts.h"
+
+namespace thermorig::app {
+
+RecordPage::RecordPage(const RecordOptions& options, rig::RecordingOptions& recording)
+    : page_(options.page), run_(live_facts(LiveMode::record, options, recording), {}) {
+  run_.add(page_);
+  tell_page(page_, options.json);
+  recording.wait_for_start = options.page.control;
+  recording.begun = [this](const RecordingHeader& header) { run_.begun(header); };
+  recording.observe = [this](const TimedFrame& frame, const LabelledSample& sample, HostTime arrived) {
+    run_.frame(frame, sample, arrived);
+    return std::optional<LiveEstimate>();
+  };
+}
+
+std::vector<rig::Order> RecordPage::take_orders() {
+  std::vector<rig::Order> orders = run_.take_orders();
+  for (rig::Order& order : page_.take_orders()) orders.push_back(std::move(order));
+  return orders;
+}
+
+}  // namespace thermorig::app
