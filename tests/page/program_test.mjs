@@ -10,7 +10,7 @@ import { Program, whyNot } from './program.mjs';
 
 const source = process.env.THERMORIG_SOURCE;
 const model = join(source, 'docs/models/best.onnx');
-const rig = ['--simulated=3', '--plan', 'quick', ...(existsSync(model) ? ['--model', model] : [])];
+const rig = ['--simulated=3', '--plan', 'quick', '--frames-per-leg', '60', ...(existsSync(model) ? ['--model', model] : [])];
 const pause = (milliseconds) => new Promise((done) => setTimeout(done, milliseconds));
 
 /** All that stands in the table of numbers, and for which frame. */
@@ -84,19 +84,67 @@ describe('the program', { skip: whyNot() || false }, () => {
     }
     t.diagnostic(`${compared} points of four strips equal the JSON stream's`);
 
-    // In the rig's own time, for it is the program that must be quick, not this machine.
+    // In the time of the run: it is the program that must be quick, not the browser.
     await until(() => program.of('state').at(-1).phase === 'leg', 'a leg is driven', 30_000);
+    await until(() => Math.abs(program.of('frame').at(-1).commanded_dps ?? 0) > 20, 'the servo turns', 30_000);
     await tab.keyboard.press('Space');
     await until(() => program.of('ended').length > 0, 'the run ends', 20_000);
-    const states = program.of('state');
-    const stopping = states.findIndex((state) => state.stopping);
-    assert.ok(stopping > 0 || states.at(-1).phase === 'done', 'the states tell of the stop');
-    const stopped = program.of('event').filter(({ kind }) => kind === 'stopped');
-    t.diagnostic(`states from the stop on: ${states.slice(-4).map((s) => `${s.time_s} ${s.phase}`).join(', ')}; events: ${stopped.map((e) => `${e.time_s} ${e.message}`).join(' | ')}`);
+    const last = program.of('state').at(-1);
+    assert.equal(last.phase, 'done');
+    const stopped = program.of('event').find(({ kind }) => kind === 'stopped');
+    assert.match(stopped.message, /page/);
+    const seconds = last.time_s - stopped.time_s;
+    t.diagnostic(`from the order to a servo at rest and disarmed: ${(seconds * 1000).toFixed(0)} ms of the run`);
+    assert.ok(seconds >= 0 && seconds <= 0.3, `${seconds} s`);
     await until(async () => await textOf(tab, '#mode-word') === 'ENDED', 'the page says ENDED');
     assert.notEqual(await textOf(tab, '#ended'), '');
     await screenshot(tab, 'program_stopped');
     assert.deepEqual(troubles, []);
+    await close();
+  });
+
+  test('with --control motion waits for the button and its question', async () => {
+    const program = run('--page-port', '0', '--control');
+    const { tab, close } = await openTab(browser);
+    await tab.goto(await program.url());
+    await shownAtLeast(tab, 10);
+    await tab.keyboard.press('Enter');
+    assert.ok(!program.of('event').some(({ kind }) => kind === 'leg_start'), 'no leg before the start');
+    assert.equal(program.of('state').at(-1).leg, 0);
+    await tab.click('#start');
+    await tab.click('#motion .go');
+    await until(() => program.of('event').some(({ kind }) => kind === 'leg_start'), 'a leg after it', 30_000);
+    await tab.keyboard.press('Space');
+    await until(() => program.of('ended').length > 0, 'the run ends', 20_000);
+    await close();
+  });
+
+  test('a recording says RECORDING and what it keeps, its replay says REPLAY', async () => {
+    const program = run('--page-port', '0', '--record', '--output', join(folder, 'recordings'));
+    const { tab, close } = await openTab(browser, { dark: true });
+    await tab.goto(await program.url());
+    await shownAtLeast(tab, 100);
+    assert.equal(await textOf(tab, '#mode-word'), 'RECORDING');
+    assert.match(await textOf(tab, '#kept'), /[1-9]\d* frames kept/);
+    assert.match(await textOf(tab, '#disk'), /[kMGT]B free/);
+    await screenshot(tab, 'program_recording');
+    await tab.keyboard.press('Space');
+    await until(() => program.of('ended').length > 0, 'the run ends', 30_000);
+    const { session } = program.of('ended')[0];
+    await until(async () => (await textOf(tab, '#ended')).includes(session), 'the page names the session');
+    await program.ended;
+    const replay = new Program(folder, ['--replay', session, ...(existsSync(model) ? ['--model', model] : []), '--speed', '2', '--page-port', '0']);
+    running.push(replay);
+    await tab.goto('about:blank');  // the address may be the same
+    await tab.goto(await replay.url());
+    await until(async () => await textOf(tab, '#mode-word') === 'REPLAY', 'the page says REPLAY', 20_000);
+    await shownAtLeast(tab, 20);
+    assert.match(await tab.title(), /REPLAY/);
+    const { index } = await numbersOf(tab);
+    const rates = ({ commanded_dps, thermal_dps, gyro_dps, fusion_dps, gain }) => ({ commanded_dps, thermal_dps, gyro_dps, fusion_dps, gain });
+    const [one, two] = [program, replay].map((run) => rates(run.of('frame').find((message) => message.index === index)));
+    assert.deepEqual(one, two, 'the same estimates');
+    await screenshot(tab, 'program_replay');
     await close();
   });
 

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 import { colourOf } from './theme.js';
 
+const widest = 28;  // px
+
 /** Bars over the whole width of a canvas. Each: `value` of `full`, a colour's name, a `mark` (height) or null; `labels` below. */
 export function drawBars(canvas, bars, labels, full) {
   const width = canvas.clientWidth;
@@ -16,7 +18,7 @@ export function drawBars(canvas, bars, labels, full) {
   context.clearRect(0, 0, width, height);
   const floor = height - 15;
   const step = width / Math.max(1, bars.length);
-  const gap = step > 5 ? 1.5 : 0.5;
+  const gap = Math.max(step > 5 ? 1.5 : 0.5, step - widest);
   const heightOf = (value) => (full > 0 ? Math.min(1, value / full) * (floor - 2) : 0);
   context.fillStyle = colourOf('line');
   context.fillRect(0, floor, width, 1);

@@ -41,13 +41,14 @@ export function count(value) {
   return known === null ? unknown : Math.round(known).toLocaleString('en-GB').replaceAll(',', '\u202f');
 }
 
-/** Three significant digits without exponents for what is usual. */
+/** Three significant digits, without an exponent for what is usual. */
 export function significant(value) {
   const known = number(value);
   if (known === null) return unknown;
   if (known === 0) return '0';
   const size = Math.abs(known);
-  return size >= 1e6 || size < 1e-5 ? known.toExponential(1) : String(Number(known.toPrecision(3)));
+  if (size >= 1e6 || size < 1e-5) return known.toExponential(1);
+  return size >= 100 ? known.toFixed(0) : known.toPrecision(3);
 }
 
 /** Seconds as m:ss or h:mm:ss. */
