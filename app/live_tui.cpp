@@ -84,6 +84,10 @@ std::string cut(const std::string& text, std::size_t width) {
   return lines;
 }
 
+std::string figure(double value) {
+  return std::isfinite(value) ? fmt::format("{:.1f}", value) : "-";
+}
+
 class LiveTui : public LiveScreen {
  public:
   explicit LiveTui(Colours colours) : colours_(colours) {}
@@ -135,19 +139,20 @@ class LiveTui : public LiveScreen {
 
   static std::string rates_text(const LiveFrame& frame) {
     const LiveEstimate& row = frame.row;
-    std::string text = fmt::format(
-        "servo    {:+7.1f} deg/s{}\n", row.rate_commanded_dps,
-        row.counted ? "" : "  apart: " + fmt::format("{}", fmt::join(reason_texts(row.reason_bits), ", ")));
+    const float label_dps = row.rate_commanded_dps;
+    std::string text = fmt::format("servo    {:>7} deg/s", figure(label_dps));
+    if (!row.counted) text += fmt::format("  apart: {}", fmt::join(reason_texts(row.reason_bits), ", "));
     const auto add = [&](const char* name, float rate_dps, live::Rate rate) {
-      const live::RateScores& scores = frame.scores.rates[static_cast<std::size_t>(rate)];
-      text += fmt::format("{:<8} {:+7.1f}  error {:+6.1f}  RMSE {:.1f} deg/s\n", name, rate_dps,
-                          rate_dps - row.rate_commanded_dps, scores.rmse_dps);
+      const double rmse_dps = frame.scores.rates[static_cast<std::size_t>(rate)].rmse_dps;
+      text += fmt::format("\n{:<8} {:>7}  error {:>7}  RMSE {:>6} deg/s", name, figure(rate_dps),
+                          figure(rate_dps - label_dps), figure(rmse_dps));
     };
     add("gyro", row.rate_gyro_dps, live::Rate::gyro);
     add("thermal", row.rate_thermal_dps, live::Rate::thermal);
     add("fusion", row.rate_fusion_dps, live::Rate::fusion);
-    return text + fmt::format("Kg {:.2f}  counted {}  apart {}  {:.0f} us\n", row.gain, frame.scores.counted,
-                              frame.scores.apart, frame.inference_us);
+    const std::string gain = std::isnan(row.gain) ? "-" : fmt::format("{:.2f}", row.gain);
+    return text + fmt::format("\nKg {}  counted {}  apart {}  {} us\n", gain, frame.scores.counted,
+                              frame.scores.apart, figure(frame.inference_us));
   }
 
   Colours colours_;

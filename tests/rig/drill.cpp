@@ -16,6 +16,7 @@ namespace {
 constexpr auto patience = std::chrono::seconds(60);  // of a wait that ought to be short
 constexpr std::int64_t rest_us = 300'000;
 constexpr std::int64_t crystal_us = 1'000;
+constexpr std::int64_t moved_before_us = 1'000'000;
 constexpr double rest_dps = 1.0;
 constexpr double moving_dps = 20.0;
 constexpr std::size_t unread_bytes = 8192;  // of a port whose reader is gone: what a pty holds, and more
@@ -99,7 +100,7 @@ void Drill::expect_rest(Mishap mishap) const {
   }
   const bool was_cut_off = mishap != Mishap::camera_unplugged && mishap != Mishap::gyro_unplugged;
   if (was_cut_off) {
-    EXPECT_GT(rig_.fastest_dps(last->time_us - 100'000, last->time_us), moving_dps);
+    EXPECT_GT(rig_.fastest_dps(last->time_us - moved_before_us, last->time_us), moving_dps);
   }
   EXPECT_LT(rig_.fastest_dps(last->time_us + rest_us + crystal_us, until_us), rest_dps);
 }
