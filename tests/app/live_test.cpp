@@ -173,21 +173,24 @@ TEST_F(Live, DrawsTheImageOnATerminalAndLeavesItAsItWas) {
   EXPECT_THAT(plain.out, HasSubstr("degC"));
 }
 
-TEST_F(Live, StopsTheServoOnInterruptAndEndsWithASummary) {
-  const pid_t process =
-      start({"live", "--simulated=3", "--model", "model.onnx", "--no-page", "--plan", "quick"});
-  const auto has_begun = [&] {
+TEST_F(Live, StopsTheServoInALegOnInterruptAndSaysHowItEnded) {
+  const pid_t process = start({"live", "--simulated=3", "--model", "model.onnx", "--no-page", "--json"});
+  const auto is_in_leg = [&] {
     std::ifstream file(folder() / "background_out.txt");
     const std::string text{std::istreambuf_iterator<char>(file), {}};
-    return text.find("servo") != std::string::npos;
+    return text.find("leg_start") != std::string::npos;
   };
-  for (int look = 0; look < 2000 && !has_begun(); ++look)
+  for (int look = 0; look < 3000 && !is_in_leg(); ++look)
     std::this_thread::sleep_for(std::chrono::milliseconds(10));
   kill(process, SIGINT);
   const Outcome outcome = wait(process);
   EXPECT_EQ(outcome.code, 130) << outcome.err;
-  EXPECT_THAT(outcome.out, HasSubstr("stopped on request"));
-  EXPECT_THAT(outcome.out, HasSubstr("RMSE deg/s"));
+  const std::vector<json> lines = outcome.lines();
+  EXPECT_EQ(lines.back()["event"], "ended");
+  EXPECT_EQ(lines.back()["exit"], 130);
+  EXPECT_EQ(lines.back()["message"], "stopped on request");
+  EXPECT_EQ(of_kind(lines, "state").back()["phase"], "done");
+  EXPECT_FALSE(fs::exists(folder() / "recordings"));
 }
 
 }  // namespace
