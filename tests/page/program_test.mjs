@@ -53,7 +53,9 @@ describe('the program', { skip: whyNot() || false }, () => {
     assert.notDeepEqual(await imagePixels(tab), first, 'the image changes');
     await screenshot(tab, 'program');
 
+    await tab.keyboard.press('p');  // what is read next belongs together
     const { index, cells } = await numbersOf(tab);
+    await pause(300);               // and the program's lines of it have been read, too
     const frames = new Map(program.of('frame').map((message) => [message.index, message]));
     const { scores } = frames.get(index);
     for (const [estimator, figure, value] of cells) {
