@@ -2,12 +2,14 @@
 // How long a frame takes from the feed of the chunk that completes it to its row and the screen's figures,
 // the network included; what that costs; and whether memory stays flat over a day.
 #include <fmt/format.h>
+#include <sys/wait.h>
 #include <time.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <cstdio>
 #include <fstream>
 #include <string_view>
 
@@ -98,8 +100,7 @@ struct Latencies {
   }
 };
 
-// ---- latency, dropped messages, processor
-// ------------------------------------------------------------------
+// ---- latency, dropped messages, processor ----
 
 simulation::VirtualRigConfig fast_rig() {
   TableLink link = table_links(false).back();  // CDC
@@ -155,8 +156,7 @@ void add_fast_run(Figures& figures, double duration_s) {
   figures.push_back({"processor_share_of_a_core", used_s / duration_s});
 }
 
-// ---- memory
-// ------------------------------------------------------------------------------------------------
+// ---- memory ----
 
 double resident_mb() {
   std::ifstream statm("/proc/self/statm");
@@ -209,50 +209,75 @@ class EndlessScript {
   std::uint32_t token_ = 0;
 };
 
-/// The default rig, simulated and used step by step: nothing of it is kept.
-class EndlessRun {
- public:
-  explicit EndlessRun(const simulation::VirtualRigConfig& config)
-      : begin_(config.start),
-        now_(config.start),
-        rig_(config, simulation::make_host_firmware()),
-        chain_(config.profile),
-        script_(config.profile.servo) {}
-
-  void run_until(double end_s) {
-    while (to_s(now_ - begin_) < end_s) {
-      const std::vector<std::uint8_t> bytes = script_.bytes_at(to_s(now_ - begin_));
-      rig_.send(Device::servo, bytes, now_);
-      chain_.feed({std::nullopt, bytes, now_});
-      now_ += std::chrono::microseconds(98'700);
-      for (const Chunk& chunk : rig_.advance(now_)) chain_.feed({chunk.device, chunk.bytes, chunk.arrived});
-    }
-  }
-
-  const LiveChain& chain() const { return chain_; }
-
- private:
-  HostTime begin_, now_;
-  simulation::VirtualRig rig_;
-  LiveChain chain_;
-  EndlessScript script_;
+/// Before the bytes of one read or write in the pipe.
+struct PipedFront {
+  std::uint64_t place = 0;  // the device that sent them; device_count: they went to the servo
+  std::int64_t time_ns = 0;
+  std::uint64_t size = 0;
 };
 
-void add_long_run(Figures& figures, double hours) {
-  EndlessRun run(rig_on(table_links(false).back(), 2));
-  run.run_until(hour_s);
-  figures.push_back({"resident_after_1_h_mb", resident_mb()});
-  for (double hour = 2.0; hour <= hours; hour += 1.0) {
-    run.run_until(hour * hour_s);
-    fmt::print(stderr, "after {:.0f} h: {:.2f} MB\n", hour, resident_mb());
-  }
-  figures.push_back({fmt::format("resident_after_{:.0f}_h_mb", hours), resident_mb()});
-  figures.push_back({"long_run_frames", static_cast<double>(run.chain().frames())});
-  figures.push_back({"long_run_frames_counted", static_cast<double>(run.chain().scores().counted)});
+void write_record(std::FILE* to, std::uint64_t place, HostTime time, const std::vector<std::uint8_t>& bytes) {
+  const PipedFront front{place, to_ns(time), bytes.size()};
+  std::fwrite(&front, sizeof front, 1, to);
+  std::fwrite(bytes.data(), 1, bytes.size(), to);
 }
 
-// ---- output
-// ------------------------------------------------------------------------------------------------
+void simulate_to(std::FILE* to, const simulation::VirtualRigConfig& config, double duration_s) {
+  simulation::VirtualRig rig(config, simulation::make_host_firmware());
+  EndlessScript script(config.profile.servo);
+  HostTime now = config.start;
+  while (to_s(now - config.start) < duration_s) {
+    const std::vector<std::uint8_t> bytes = script.bytes_at(to_s(now - config.start));
+    rig.send(Device::servo, bytes, now);
+    write_record(to, device_count, now, bytes);
+    now += std::chrono::microseconds(98'700);
+    for (const Chunk& chunk : rig.advance(now))
+      write_record(to, index_of(chunk.device), chunk.arrived, chunk.bytes);
+  }
+}
+
+/// The rig in a process of its own, whose memory is not ours: the read end of the pipe that it fills.
+std::FILE* start_rig(const simulation::VirtualRigConfig& config, double duration_s) {
+  int ends[2];
+  if (::pipe(ends) != 0) return nullptr;
+  if (::fork() == 0) {
+    ::close(ends[0]);
+    std::FILE* const to = ::fdopen(ends[1], "w");
+    simulate_to(to, config, duration_s);
+    std::fclose(to);
+    ::_exit(0);
+  }
+  ::close(ends[1]);
+  return ::fdopen(ends[0], "r");
+}
+
+/// Feeds the chain with what comes, telling resident memory by the hour.
+void add_long_run(Figures& figures, double hours) {
+  const simulation::VirtualRigConfig config = rig_on(table_links(false).back(), 2);
+  std::FILE* const from = start_rig(config, hours * hour_s + 1.0);
+  LiveChain chain(config.profile);
+  std::vector<std::uint8_t> bytes;
+  PipedFront front;
+  double hour = 1.0;
+  while (from != nullptr && std::fread(&front, sizeof front, 1, from) == 1) {
+    bytes.resize(front.size);
+    if (std::fread(bytes.data(), 1, bytes.size(), from) != bytes.size()) break;
+    const HostTime time = host_time_ns(front.time_ns);
+    const bool received = front.place < device_count;
+    chain.feed({received ? std::optional(all_devices[front.place]) : std::nullopt, bytes, time});
+    if (to_s(time - config.start) < hour * hour_s) continue;
+    fmt::print(stderr, "after {:.0f} h: {:.3f} MB\n", hour, resident_mb());
+    if (hour == 1.0 || hour == hours)
+      figures.push_back({fmt::format("resident_after_{:.0f}_h_mb", hour), resident_mb()});
+    hour += 1.0;
+  }
+  if (from != nullptr) std::fclose(from);
+  ::wait(nullptr);
+  figures.push_back({"long_run_frames", static_cast<double>(chain.frames())});
+  figures.push_back({"long_run_frames_counted", static_cast<double>(chain.scores().counted)});
+}
+
+// ---- output ----
 
 void print(const Figures& figures, bool json) {
   std::string text;
