@@ -79,6 +79,11 @@ LiveEstimate row_of(const LabelledSample& sample, HostTime arrived) {
           .leg = sample.leg};
 }
 
+/// Stands for a camera that is not there: gyro and label are all there is to compare.
+bool has_no_image(std::span<const float> temp_c) {
+  return std::all_of(temp_c.begin(), temp_c.end(), [](float pixel_c) { return std::isnan(pixel_c); });
+}
+
 bool gap_before(const TimedFrame& frame) {
   return frame.resync_before || frame.missing_before > 0;
 }
@@ -112,7 +117,8 @@ LiveEstimate LiveEstimator::add(const TimedFrame& frame, const LabelledSample& s
   Parts& parts = *parts_;
   const std::span<const float> temp_c(frame.frame.temp_c);
   const bool sound_image = windows::is_sound_image(temp_c);
-  const bool sound = sound_image && windows::is_sound_rate(sample.rate_commanded_dps) &&
+  const bool no_image = has_no_image(temp_c);  // a frame that came so has no run: the labeller refuses it
+  const bool sound = (sound_image || no_image) && windows::is_sound_rate(sample.rate_commanded_dps) &&
                      windows::is_sound_rate(sample.rate_gyro_dps);
   parts.in_a_row = !sound_image ? 0 : gap_before(frame) ? 1 : std::min(parts.in_a_row + 1, parts.frames);
   parts.labels.push(sample.rate_commanded_dps);
@@ -121,7 +127,7 @@ LiveEstimate LiveEstimator::add(const TimedFrame& frame, const LabelledSample& s
   LiveEstimate row = row_of(sample, arrived);
   row.rate_commanded_dps = mean_of(parts.labels.all());
   row.rate_gyro_dps = mean_of(parts.gyro.all());
-  row.counted = parts.rule.push(sound ? row.run : 0) && parts.in_a_row == parts.frames;
+  row.counted = parts.rule.push(sound ? row.run : 0) && (no_image || parts.in_a_row == parts.frames);
   if (parts.thermal) {
     parts.thermal->push(temp_c);
     if (parts.in_a_row == parts.frames) parts.thermal->estimate(row);

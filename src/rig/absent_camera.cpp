@@ -36,6 +36,7 @@ void AbsentCamera::add(const pipeline::Streams& streams, HostTime now, std::uint
   for (; next_end_ <= now; next_end_ += period_) {
     if (index_++ == 0) before_ = before;
     TimedFrame frame = frame_of(next_end_ - period_, next_end_);
+    if (index_ == 1) frame.missing_before = 1;  // no run goes on over the gap
     labeller_.add(frame);
     new_frames_.push_back(frame);
     frame.frame.temp_c.fill(std::numeric_limits<float>::quiet_NaN());  // no network shall believe it
