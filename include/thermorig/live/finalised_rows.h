@@ -12,8 +12,8 @@ namespace thermorig::live {
 
 /// The rows of a live run with what the finished session knows better.
 struct FinalisedRows {
-  std::vector<LiveEstimate> rows;  // label and gyro mean are the finalised ones; counted where the live run
-                                   // counted and both are known
+  /// Label and gyro mean are the finalised ones; counted where the live run counted and both are known.
+  std::vector<LiveEstimate> rows;
   std::uint64_t compared = 0;            // counted rows
   std::uint64_t windows = 0;             // of the finished session: what `evaluate` counts
   std::uint64_t counted_in_both = 0;     // of these the live run counted so many
