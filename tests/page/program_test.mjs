@@ -17,7 +17,12 @@ const pause = (milliseconds) => new Promise((done) => setTimeout(done, milliseco
 const numbersOf = (tab) => tab.evaluate(() => ({ index: Number(document.getElementById('numbers').dataset.index),
   cells: [...document.querySelectorAll('#numbers td')].map(({ dataset }) => [dataset.of, dataset.figure, dataset.value]) }));
 
-const shownAtLeast = (tab, index) => until(async () => (await numbersOf(tab)).index >= index, `frame ${index} is shown`, 60_000);
+async function shownAtLeast(tab, index, program) {
+  const shown = async () => (await numbersOf(tab)).index >= index;
+  const events = () => program?.of('event').map(({ time_s: time, kind, message }) => `${time} ${kind} ${message}`).join('\n');
+  await until(async () => await shown() || program?.of('ended').length > 0, `frame ${index} is shown\n${events()}`, 60_000);
+  assert.ok(await shown(), `the run ended before frame ${index}:\n${events()}`);
+}
 
 describe('the program', { skip: whyNot() || false }, () => {
   let browser;
@@ -49,13 +54,13 @@ describe('the program', { skip: whyNot() || false }, () => {
     await tab.goto(await program.url());
     await shownAtLeast(tab, 40);
     const first = await imagePixels(tab);
-    await shownAtLeast(tab, 160);
+    await shownAtLeast(tab, 160, program);
     assert.notDeepEqual(await imagePixels(tab), first, 'the image changes');
     await screenshot(tab, 'program');
 
     await tab.keyboard.press('p');  // what is read next belongs together
     const { index, cells } = await numbersOf(tab);
-    await pause(300);               // and the program's lines of it have been read, too
+    await until(() => program.of('frame').at(-1).index > index, 'the lines of all of it');
     const frames = new Map(program.of('frame').map((message) => [message.index, message]));
     const { scores } = frames.get(index);
     for (const [estimator, figure, value] of cells) {
