@@ -31,8 +31,8 @@ std::optional<LiveEvaluation> evaluate(const fs::path& path) {
   const windows::Acquisition finished = dataset::acquisition_of(session, path.string());
   LiveEvaluation evaluated{.session = path.string(), .header = raw.header};
   evaluated.screen = scores_of(raw.estimates, raw.header.live_model);
-  evaluated.finalised =
-      live::finalised_rows(raw.estimates, finished, std::max(1, raw.header.live_model.frames));
+  evaluated.finalised = live::finalised_rows(
+      raw.estimates, finished, std::max(1, raw.header.live_model.frames), session.frame_period_s);
   evaluated.finalised_scores = scores_of(evaluated.finalised.rows, raw.header.live_model);
   return evaluated;
 }

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "seconds_between.h"
 #include "thermorig/windows/window_index.h"
 
 namespace thermorig::live {
@@ -13,10 +14,16 @@ namespace {
 
 constexpr float unknown = std::numeric_limits<float>::quiet_NaN();
 
-/// Unknown for a frame that the finished session has not, or that has too few before it.
+/// Does the finished session know the row's frame? The clock of a running recorder is off by much less than
+/// half a period, and a stand-in for a frame that never came by seconds.
+bool is_known(const LiveEstimate& row, const windows::Acquisition& finished, double frame_period_s) {
+  if (row.frame_index >= finished.frames()) return false;
+  return std::abs(seconds_between(finished.time[row.frame_index], row.time)) <= frame_period_s / 2.0;
+}
+
+/// Unknown for a frame that has too few before it.
 windows::WindowRates rates_at(const windows::Acquisition& finished, std::uint32_t frame, int frames) {
-  const std::size_t needed = static_cast<std::size_t>(frames);
-  if (frame >= finished.frames() || std::size_t{frame} + 1 < needed) return {unknown, unknown};
+  if (std::size_t{frame} + 1 < static_cast<std::size_t>(frames)) return {unknown, unknown};
   return windows::rates_of(finished, {0, frame}, frames);
 }
 
@@ -31,14 +38,16 @@ std::vector<bool> window_ends(const windows::Acquisition& finished, int frames) 
 }  // namespace
 
 FinalisedRows finalised_rows(std::span<const LiveEstimate> rows, const windows::Acquisition& finished,
-                             int frames) {
+                             int frames, double frame_period_s) {
   const std::vector<bool> ends = window_ends(finished, frames);
   FinalisedRows finalised;
   finalised.windows = static_cast<std::uint64_t>(std::count(ends.begin(), ends.end(), true));
   double sum_dps = 0.0, largest_dps = 0.0;
   for (const LiveEstimate& row : rows) {
     LiveEstimate& better = finalised.rows.emplace_back(row);
-    const windows::WindowRates rates = rates_at(finished, row.frame_index, frames);
+    const windows::WindowRates rates = is_known(row, finished, frame_period_s)
+                                           ? rates_at(finished, row.frame_index, frames)
+                                           : windows::WindowRates{unknown, unknown};
     better.rate_commanded_dps = rates.label_dps;
     better.rate_gyro_dps = rates.gyro_dps;
     const double difference_dps =

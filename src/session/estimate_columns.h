@@ -37,8 +37,9 @@ void estimate_columns(Archive& archive, Rows& rows) {
        "middle of the exposure of the frame's newest half, as it was known then"},
       rows, [](auto& row) -> auto& { return row.time; }, frames_max);
   archive.template field<std::uint32_t>(
-      {"frame", "1", "index into /camera", "ascending"}, rows,
-      [](auto& row) -> auto& { return row.frame_index; });
+      {"frame", "1", "index into /camera where the times agree",
+       "ascending; without a camera rows go on by time, and a frame of the same index is another one"},
+      rows, [](auto& row) -> auto& { return row.frame_index; });
   estimate_rate_columns(archive, rows);
   archive.template column<std::uint8_t>(
       {"counted", "1", "does the window enter the figures?", "1: all its frames lie in one valid run",

@@ -12,6 +12,11 @@ namespace thermorig::live {
 namespace {
 
 constexpr float unknown = std::numeric_limits<float>::quiet_NaN();
+constexpr double period_s = 0.125;
+
+HostTime time_of(std::uint32_t frame) {
+  return HostTime{} + from_s(100.0 + period_s * frame);
+}
 
 /// Ten frames: the third is not valid.
 windows::Acquisition finished() {
@@ -19,6 +24,7 @@ windows::Acquisition finished() {
   for (std::size_t i = 0; i < 10; ++i) {
     acquisition.label_dps.push_back(100.0F + static_cast<float>(i));
     acquisition.gyro_dps.push_back(200.0F + static_cast<float>(i));
+    acquisition.time.push_back(time_of(static_cast<std::uint32_t>(i)));
     acquisition.run.push_back(i == 2 ? 0 : i < 2 ? 1 : 2);
   }
   return acquisition;
@@ -26,6 +32,7 @@ windows::Acquisition finished() {
 
 LiveEstimate row(std::uint32_t frame, float label_dps = 100.0F) {
   return {.frame_index = frame,
+          .time = time_of(frame),
           .rate_commanded_dps = label_dps,
           .rate_gyro_dps = 7.0F,
           .rate_thermal_dps = 8.0F,
@@ -36,7 +43,7 @@ LiveEstimate row(std::uint32_t frame, float label_dps = 100.0F) {
 
 TEST(FinalisedRows, HaveTheWindowsMeansOfTheFinishedSession) {
   const std::vector<LiveEstimate> rows{row(5)};
-  const FinalisedRows finalised = finalised_rows(rows, finished(), 3);
+  const FinalisedRows finalised = finalised_rows(rows, finished(), 3, period_s);
   ASSERT_EQ(finalised.rows.size(), 1U);
   EXPECT_EQ(finalised.rows[0].rate_commanded_dps, 104.0F);
   EXPECT_EQ(finalised.rows[0].rate_gyro_dps, 204.0F);
@@ -47,7 +54,7 @@ TEST(FinalisedRows, HaveTheWindowsMeansOfTheFinishedSession) {
 
 TEST(FinalisedRows, TellHowFarTheLabelsWere) {
   const std::vector<LiveEstimate> rows{row(5, 103.0F), row(6, 108.0F)};  // finalised: 104 and 105
-  const FinalisedRows finalised = finalised_rows(rows, finished(), 3);
+  const FinalisedRows finalised = finalised_rows(rows, finished(), 3, period_s);
   EXPECT_EQ(finalised.compared, 2U);
   EXPECT_DOUBLE_EQ(finalised.label_difference_mean_dps, -1.0);
   EXPECT_DOUBLE_EQ(finalised.label_difference_max_dps, 3.0);
@@ -56,7 +63,7 @@ TEST(FinalisedRows, TellHowFarTheLabelsWere) {
 TEST(FinalisedRows, CountWhereTheLiveRunCounted) {
   std::vector<LiveEstimate> rows{row(4), row(5), row(6)};
   rows[1].counted = false;
-  const FinalisedRows finalised = finalised_rows(rows, finished(), 3);
+  const FinalisedRows finalised = finalised_rows(rows, finished(), 3, period_s);
   EXPECT_TRUE(finalised.rows[0].counted);  // although the finished session has no window there
   EXPECT_FALSE(finalised.rows[1].counted);
   EXPECT_EQ(finalised.compared, 2U);
@@ -66,15 +73,31 @@ TEST(FinalisedRows, CountWhereTheLiveRunCounted) {
 
 TEST(FinalisedRows, KnowNothingOfFramesThatTheSessionHasNot) {
   const std::vector<LiveEstimate> rows{row(1), row(10), row(4'294'967'295U), row(5, unknown)};
-  const FinalisedRows finalised = finalised_rows(rows, finished(), 3);
+  const FinalisedRows finalised = finalised_rows(rows, finished(), 3, period_s);
   EXPECT_EQ(finalised.compared, 0U);
   EXPECT_TRUE(std::isnan(finalised.label_difference_mean_dps));
   EXPECT_TRUE(std::isnan(finalised.label_difference_max_dps));
   for (const LiveEstimate& each : finalised.rows) EXPECT_FALSE(each.counted);
 }
 
+TEST(FinalisedRows, AreNotJoinedToFramesOfACameraThatCameBack) {
+  std::vector<LiveEstimate> rows{row(5), row(6), row(7), row(8)};
+  rows[1].time += from_s(0.49 * period_s);  // what a running recorder knows
+  rows[2].time += from_s(0.51 * period_s);
+  rows[3].time -= from_s(10.0);  // stood in for a frame that never came
+  const FinalisedRows finalised = finalised_rows(rows, finished(), 3, period_s);
+  EXPECT_EQ(finalised.compared, 2U);
+  EXPECT_EQ(finalised.counted_in_both, 2U);
+  EXPECT_EQ(finalised.rows[1].rate_gyro_dps, 205.0F);
+  for (const std::size_t i : {2U, 3U}) {
+    EXPECT_TRUE(std::isnan(finalised.rows[i].rate_commanded_dps));
+    EXPECT_TRUE(std::isnan(finalised.rows[i].rate_gyro_dps));
+    EXPECT_FALSE(finalised.rows[i].counted);
+  }
+}
+
 TEST(FinalisedRows, OfNothingAreNone) {
-  EXPECT_TRUE(finalised_rows({}, {}, 1).rows.empty());
+  EXPECT_TRUE(finalised_rows({}, {}, 1, period_s).rows.empty());
 }
 
 }  // namespace

@@ -21,8 +21,10 @@ struct FinalisedRows {
   double label_difference_max_dps = 0;   // largest magnitude; NaN without
 };
 
-/// Rows and frames are joined by the frame's index. `frames`: Nf, 1 without a network.
+/// Rows and frames are joined by the frame's index where their times are at most half a frame period apart:
+/// a row that stands in for a frame of a camera that was not there may have the index of one that came when
+/// it was back. `frames`: Nf, 1 without a network. `frame_period_s`: of the finished session.
 FinalisedRows finalised_rows(std::span<const LiveEstimate> rows, const windows::Acquisition& finished,
-                             int frames);
+                             int frames, double frame_period_s);
 
 }  // namespace thermorig::live
