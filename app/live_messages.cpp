@@ -1,12 +1,16 @@
 // SPDX-License-Identifier: MIT
 #include "live_messages.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <charconv>
 #include <cmath>
+#include <cstdint>
 #include <limits>
 #include <nlohmann/json.hpp>
+#include <random>
 
 #include "base64.h"
 #include "build_information.h"
@@ -41,6 +45,15 @@ double seconds(HostTime time, HostTime begin) {
   return to_s(time - begin);
 }
 
+/// Tells this run from every other, a second replay of the same session too: 16 hexadecimal digits.
+const std::string& run_id() {
+  static const std::string id = [] {
+    std::random_device device;
+    return fmt::format("{:08x}{:08x}", device() & 0xFFFFFFFFU, device() & 0xFFFFFFFFU);
+  }();
+  return id;
+}
+
 json model_json(const LiveModel& model) {
   if (model.name.empty()) return {};
   return {{"name", model.name},
@@ -55,9 +68,10 @@ std::string state_of(Device device, const rig::DeviceHealth& health, bool gone) 
   if (gone) return "lost";
   if (!health.age_s) return "waiting";
   constexpr double late_periods = 3.0;
-  constexpr double camera_late_s = 0.5;
+  constexpr double camera_late_s = 0.5, others_late_s = 0.1;  // USB hands bytes over in blocks of 16 ms or more
   const double periods_s = late_periods / health.expected_hz;
-  return *health.age_s > (device == Device::camera ? std::max(camera_late_s, periods_s) : periods_s) ? "late"
+  const double least_s = device == Device::camera ? camera_late_s : others_late_s;
+  return *health.age_s > std::max(least_s, periods_s) ? "late"
                                                                                                      : "ok";
 }
 
@@ -133,6 +147,7 @@ json hello_message(const LiveFacts& facts) {
   const RecordingHeader& header = facts.header;
   return {{"event", "hello"},
           {"version", build_information::version},
+          {"run", run_id()},
           {"mode", name_of(facts.mode)},
           {"recording", facts.recording},
           {"simulated", header.simulated},

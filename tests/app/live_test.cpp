@@ -20,6 +20,7 @@ namespace {
 namespace fs = std::filesystem;
 using nlohmann::json;
 using ::testing::HasSubstr;
+using ::testing::MatchesRegex;
 using ::testing::Not;
 
 /// A live run of a small network with seeded weights: what it says means nothing, but it is always the same.
@@ -62,10 +63,11 @@ TEST_F(Live, PrintsTheDocumentedMessages) {
   const std::vector<json> lines = outcome.lines();
   ASSERT_GT(lines.size(), 60U);
   EXPECT_EQ(keys_of(lines.front()),
-            (std::set<std::string>{"event", "version", "mode", "recording", "simulated", "simulation",
+            (std::set<std::string>{"event", "version", "run", "mode", "recording", "simulated", "simulation",
                                    "environment", "acquisition", "start_utc", "control", "frame_rate_hz",
                                    "model", "plan", "travel"}));
   EXPECT_EQ(lines.front()["event"], "hello");
+  EXPECT_THAT(lines.front()["run"].get<std::string>(), MatchesRegex("[0-9a-f]{16}"));
   EXPECT_EQ(lines.front()["mode"], "live");
   EXPECT_EQ(lines.front()["recording"], false);
   EXPECT_TRUE(lines.front()["acquisition"].is_null());
@@ -115,12 +117,15 @@ TEST_F(Live, RecordsASessionWithItsRowsAndReplaysItToTheLastDigit) {
   ASSERT_TRUE(live.code == 0 || live.code == 3) << live.err;
   ASSERT_EQ(files(".h5").size(), 1U);
   const std::vector<json> rows = frames_of(live);
+  std::set<std::string> runs;
   for (const char* speed : {"max", "200"}) {
     const Outcome replay = run("live --no-page --json --model model.onnx --speed " + std::string(speed) +
                                " --replay " + files(".h5").front().string());
     ASSERT_EQ(replay.code, 0) << replay.err;
     EXPECT_TRUE(frames_of(replay) == rows) << speed;
     EXPECT_EQ(replay.lines().front()["mode"], "replay");
+    EXPECT_TRUE(runs.insert(replay.lines().front()["run"].get<std::string>()).second)
+        << "two runs of one name";
   }
 }
 
@@ -150,7 +155,7 @@ TEST_F(Live, RefusesWordsThatContradictEachOther) {
   for (const char* words :
        {"--simulated=3 --fast --page", "--fast", "--simulated=3 --speed 2", "--simulated=3 --replay x.h5",
         "--replay x.h5 --record", "--replay x.h5 --speed quick", "--simulated=3 --fast --loop",
-        "--simulated=3 --tui --json", "--replay x.h5 --control"})
+        "--simulated=3 --tui --json", "--replay x.h5 --control", "--simulated=3 --no-page --control"})
     EXPECT_EQ(run(std::string("live ") + words).code, 2) << words;
 }
 

@@ -105,10 +105,10 @@ describe('what is shown', () => {
     assert.match(await textOf(tab, '#kept'), /100 frames kept/);
     assert.equal(await textOf(tab, '#disk'), '61 GB free');
     assert.ok(await tab.locator('#start').isHidden(), 'no start without --control');
-    server.send(hello({ recording: false, simulated: false, start_utc: 'b' }));
+    server.send(hello({ recording: false, simulated: false, run: 'b' }));
     await until(async () => await textOf(tab, '#mode-word') === 'LIVE', 'LIVE');
     assert.ok(await hidden(tab, 'simulated'));
-    server.send(hello({ mode: 'replay', start_utc: 'c' }));
+    server.send(hello({ mode: 'replay', run: 'c' }));
     await until(async () => await textOf(tab, '#mode-word') === 'REPLAY', 'REPLAY');
     assert.match(await tab.title(), /REPLAY garden/);
   });
@@ -159,7 +159,7 @@ describe('honest plots', () => {
     const { tab } = await page([hello(), ...span(0, 20), ...Array.from({ length: 20 }, (_, i) => late(20 + i, 2.625 + i * period))]);
     await shown(tab, 39);
     assert.equal((await stripData(tab, 'rate'))[1].filter((value) => value === null).length, 1);
-    server.send(hello({ start_utc: 'slow' }), ...Array.from({ length: 60 }, (_, i) => late(i, i * 0.5)));
+    server.send(hello({ run: 'slow' }), ...Array.from({ length: 60 }, (_, i) => late(i, i * 0.5)));
     await shown(tab, 59);
     const [, servo] = await stripData(tab, 'rate');
     assert.ok(known(servo.slice(10)).length === servo.length - 10, 'lines as soon as the rate is known');
@@ -205,10 +205,21 @@ describe('honest plots', () => {
     assert.equal(await tab.locator('#events li').count(), 3);
   });
 
+  test('a second replay of the same session starts from nothing', async () => {
+    const replay = (run) => hello({ mode: 'replay', run });
+    const { tab } = await page([replay('1'), ...span(0, 50), { event: 'ended', exit: 0, message: 'Played.', advice: '', session: null }]);
+    await until(async () => await textOf(tab, '#mode-word') === 'ENDED', 'ENDED');
+    server.send(replay('2'), ...span(0, 10));
+    await shown(tab, 9);
+    assert.equal((await stripData(tab, 'rate'))[0].length, 10);
+    assert.ok(await hidden(tab, 'ended'));
+    assert.equal(await textOf(tab, '#mode-word'), 'REPLAY');
+  });
+
   test('another run starts from nothing', async () => {
     const { tab } = await page([hello(), ...span(0, 50)]);
     await shown(tab, 49);
-    server.send(hello({ start_utc: 'later' }), ...span(0, 10));
+    server.send(hello({ run: 'later' }), ...span(0, 10));
     await shown(tab, 9);
     assert.equal((await stripData(tab, 'rate'))[0].length, 10);
   });
@@ -445,7 +456,7 @@ describe('connection', () => {
     await pause(100);
     assert.ok(await hidden(tab, 'silence'));
     await screenshot(tab, 'ended');
-    server.greeting = [hello({ start_utc: 'next' }), ...span(0, 5)];
+    server.greeting = [hello({ run: 'next' }), ...span(0, 5)];
     await server.open(port);
     for (let i = 0; i < 30 && server.streams.size === 0; ++i) {
       await tab.clock.runFor(200);
@@ -483,7 +494,7 @@ describe('whatever comes', () => {
     server.send('not json', '[]', 'null', '17', '"x"', '{}', '{"event":null}', '{"event":"__proto__"}', '{"event":"constructor"}', { event: 'tomorrow', a: 1 });
     server.send(state(2, { devices: { camera: null, other: { state: 'odd' } }, speeds: [null, {}, { rate_dps: 1 }] }));
     server.send(frame(5, { scores: null }), frame(6, { scores: { thermal: null, gain_histogram: [null, 'x'] } }), frame(7, { reasons: [null, 3, {}] }));
-    server.send(hello({ start_utc: 'after' }), ...span(0, 10));
+    server.send(hello({ run: 'after' }), ...span(0, 10));
     await shown(tab, 9);
     assert.equal(await textOf(tab, '#mode-word'), 'RECORDING');
   });
@@ -500,7 +511,7 @@ describe('whatever comes', () => {
     assert.equal(known(thermal).length, 0);
     assert.equal(known(gyro).length, 40);
     await screenshot(tab, 'no_network');
-    server.send(hello({ start_utc: 'b', model: { name: 'small.onnx', frames: 1, reduction: 0, fusion: false, simulated: false } }));
+    server.send(hello({ run: 'b', model: { name: 'small.onnx', frames: 1, reduction: 0, fusion: false, simulated: false } }));
     await until(async () => /small\.onnx has no fusion/.test(await textOf(tab, '#no-gain')), 'a network without fusion');
   });
 

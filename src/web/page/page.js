@@ -28,7 +28,7 @@ const numbers = new Numbers();
 const sweep = new Sweep();
 const events = new Events();
 
-let run = null;          // what tells this run from another
+let run = null;          // its id; two replays of one session have two
 let ended = false;
 let now = null;          // newest time_s
 let frame = null;        // newest frame's message, not yet shown
@@ -87,7 +87,7 @@ function showFusion(model) {
 
 const takers = {
   hello(message) {
-    const name = JSON.stringify([message.start_utc, message.mode, message.environment, message.acquisition].map((part) => plain(part)));
+    const name = plain(message.run, 40);
     if (name !== run) clear();
     run = name;
     history.expect(message.frame_rate_hz);
