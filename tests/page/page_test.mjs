@@ -515,6 +515,28 @@ describe('whatever comes', () => {
     await until(async () => /small\.onnx has no fusion/.test(await textOf(tab, '#no-gain')), 'a network without fusion');
   });
 
+  test('without a camera there is no image, and no temperature', async () => {
+    const pixels = (value) => {
+      const bytes = Buffer.alloc(768 * 2);
+      for (let i = 0; i < 768; ++i) bytes.writeInt16LE(i < 700 && value !== null ? value + i : -32768, 2 * i);
+      return bytes.toString('base64');
+    };
+    const { tab } = await page([hello(), ...span(0, 5)]);
+    await shown(tab, 4);
+    server.send(image(5, { pixels: pixels(null) }), frame(5, { fresh: 'repeated' }));
+    await shown(tab, 5);
+    assert.ok((await imagePixels(tab)).every((value) => value === 0), 'nothing is drawn');
+    assert.equal(await textOf(tab, '#fresh'), 'no image');
+    assert.equal(await textOf(tab, '#hot'), '–');
+    assert.match(await tab.getAttribute('#image', 'aria-label'), /no image/);
+    server.send(image(6, { pixels: pixels(2000) }), frame(6));
+    await shown(tab, 6);
+    assert.match(await tab.getAttribute('#image', 'aria-label'), /Thermal image, 20\.0 to 27\.0 °C/);
+    assert.match(await textOf(tab, '#cold'), /^20\.1/);
+    assert.equal(await textOf(tab, '#fresh'), 'both halves fresh');
+    assert.equal((await imagePixels(tab)).at(-1), 0, 'what has no value has no colour');
+  });
+
   test('without a gyro its lines are gaps and the rest goes on', async () => {
     const { tab } = await page([hello(), ...Array.from({ length: 40 }, (_, i) => frame(i, { gyro_dps: null, fusion_dps: null, gain: null }))]);
     await shown(tab, 39);

@@ -24,6 +24,7 @@ export class AutoRange {
     this.time = null;
   }
 
+  /** `temperatures`: all finite, at least one. */
   follow(temperatures, time) {
     if (this.locked && this.low !== null) return;
     const sorted = Float32Array.from(temperatures).sort();

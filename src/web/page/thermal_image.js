@@ -7,7 +7,9 @@ const width = 32;
 const height = 24;
 const describedEvery = 10_000;  // ms between texts for those who do not see the image
 
-/** 768 temperatures in degC, or null for what is not such an image. */
+const noValue = -32768;
+
+/** 768 temperatures in degC, NaN where there is none; null for what is not such an image. */
 function decode(base64) {
   if (typeof base64 !== 'string') return null;
   let raw;
@@ -20,7 +22,8 @@ function decode(base64) {
   const temperatures = new Float32Array(width * height);
   for (let i = 0; i < temperatures.length; ++i) {
     const bits = raw.charCodeAt(2 * i) | (raw.charCodeAt(2 * i + 1) << 8);
-    temperatures[i] = ((bits << 16) >> 16) / 100;
+    const hundredths = (bits << 16) >> 16;
+    temperatures[i] = hundredths === noValue ? NaN : hundredths / 100;
   }
   return temperatures;
 }
@@ -34,6 +37,7 @@ export class ThermalImage {
     this.palette = 0;
     this.inverted = false;
     this.temperatures = null;
+    this.absent = false;
     this.described = -Infinity;
     this.pointer = null;
     this.canvas.addEventListener('pointermove', (event) => {
@@ -51,6 +55,7 @@ export class ThermalImage {
 
   clear() {
     this.temperatures = null;
+    this.absent = false;
     if (!this.range.locked) this.range.clear();
     this.described = -Infinity;
   }
@@ -58,12 +63,33 @@ export class ThermalImage {
   take(message) {
     const temperatures = decode(message.pixels);
     if (temperatures === null) return;
+    const known = temperatures.filter(Number.isFinite);
+    if (known.length === 0) {
+      this.showNone();
+      return;
+    }
     this.temperatures = temperatures;
-    this.range.follow(temperatures, number(message.time_s));
+    this.absent = false;
+    this.range.follow(known, number(message.time_s));
+  }
+
+  /** A camera that is missing: its last image must not look like a present one. */
+  showNone() {
+    this.clear();
+    this.canvas.getContext('2d').clearRect(0, 0, width, height);
+    this.canvas.setAttribute('aria-label', 'Thermal image: no image');
+    this.absent = true;
+    this.freshness(null);
+    this.showSpot();
   }
 
   freshness(fresh) {
     const badge = byId('fresh');
+    if (this.absent) {
+      say(badge, 'no image');
+      badge.dataset.fresh = 'unknown';
+      return;
+    }
     say(badge, freshTexts[fresh] ?? (plain(fresh, 40) || 'freshness unknown'));
     badge.dataset.fresh = freshTexts[fresh] ? fresh : 'unknown';
   }
@@ -106,6 +132,7 @@ export class ThermalImage {
     const pixels = context.createImageData(width, height);
     const scale = 255 / (high - low);
     this.temperatures.forEach((value, i) => {
+      if (Number.isNaN(value)) return;  // transparent
       const step = Math.min(255, Math.max(0, Math.round((value - low) * scale)));
       pixels.data.set(this.table.subarray(step * 3, step * 3 + 3), i * 4);
       pixels.data[i * 4 + 3] = 255;
@@ -127,8 +154,9 @@ export class ThermalImage {
   describe() {
     if (Date.now() - this.described < describedEvery) return;
     this.described = Date.now();
-    let coldest = 0;
-    let hottest = 0;
+    const first = this.temperatures.findIndex(Number.isFinite);
+    let coldest = first;
+    let hottest = first;
     this.temperatures.forEach((value, i) => {
       if (value < this.temperatures[coldest]) coldest = i;
       if (value > this.temperatures[hottest]) hottest = i;
