@@ -424,6 +424,31 @@ describe('connection', () => {
     await until(() => [...server.streams].some((stream) => stream !== first), 'another stream');
   });
 
+  test('a program that closes its file may be silent for a minute', async () => {
+    const { tab } = await page([hello(), ...span(0, 5), state(1, { phase: 'done', stopping: true })], { clock: true });
+    await until(async () => await textOf(tab, '#phase') === 'closing the file …', 'it says so');
+    const [first] = server.streams;
+    await tab.clock.fastForward(50_000);
+    await pause(100);
+    assert.ok(await hidden(tab, 'silence'));
+    assert.deepEqual([...server.streams], [first], 'the stream stays');
+    await tab.clock.fastForward(15_000);
+    await tab.clock.fastForward(600);
+    await until(async () => !(await hidden(tab, 'silence')), 'then the overlay');
+    await until(() => [...server.streams].some((stream) => stream !== first), 'and another stream');
+  });
+
+  test('after the end silence opens no other stream', async () => {
+    const { tab } = await page([hello(), ...span(0, 5), { event: 'ended', exit: 0, message: 'Done.', advice: '', session: null }], { clock: true });
+    await until(async () => await textOf(tab, '#mode-word') === 'ENDED', 'ENDED');
+    const [first] = server.streams;
+    await tab.clock.fastForward(100_000);
+    await tab.clock.fastForward(600);
+    await pause(100);
+    assert.ok(await hidden(tab, 'silence'));
+    assert.deepEqual([...server.streams], [first], 'the stream stays');
+  });
+
   test('a wrong token and a missing one say what to do', async () => {
     for (const fragment of ['', '#t=', '#t=nonsense', `#t=${'f'.repeat(32)}`]) {
       const { tab } = await page([], { url: `http://127.0.0.1:${server.port}/${fragment}` });

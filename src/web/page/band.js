@@ -34,14 +34,19 @@ export class Band {
     const now = number(message.time_s);
     const left = number(message.eta_s);
     const planned = left !== null && now !== null ? now + left : this.planned;
-    say(byId('phase'), message.stopping === true ? '▲ stopping' : plain(message.phase, 40).replaceAll('_', ' '));
     say(byId('elapsed'), now === null ? '' : `${clock(now)}${planned === null ? '' : ` of ${clock(planned)}`}${
       left === null ? '' : `, ${clock(left)} to go`}`);
     const kept = number(message.kept_frames);
+    say(byId('phase'), this.phaseText(message, kept !== null));
     say(byId('kept'), kept === null ? (this.mode === 'replay' ? '' : 'nothing is kept') : `${count(kept)} frames kept`);
     byId('kept').title = number(message.kept_bytes) === null ? '' : bytes(message.kept_bytes);
     const free = number(message.disk_free_bytes);
     say(byId('disk'), free === null ? '' : `${bytes(free)} free`);
+  }
+
+  phaseText(message, keeps) {
+    if (message.phase === 'done' && this.mode !== 'ended') return keeps ? 'closing the file …' : 'done';
+    return message.stopping === true ? '▲ stopping' : plain(message.phase, 40).replaceAll('_', ' ');
   }
 
   ended() {

@@ -30,6 +30,7 @@ export class Connection {
     this.wait = shortestWait;
     this.token = findToken();
     this.heard = Date.now();
+    this.quietUntil = 0;
     addEventListener('hashchange', () => {
       this.token = findToken();
       this.again(0);
@@ -49,6 +50,7 @@ export class Connection {
     const socket = new WebSocket(`${location.protocol === 'https:' ? 'wss' : 'ws'}://${location.host}/stream`);
     this.socket = socket;
     this.opened = Date.now();
+    this.quietUntil = 0;
     socket.onopen = () => socket.send(JSON.stringify({ token: this.token }));
     socket.onmessage = ({ data }) => {
       if (socket === this.socket) this.receive(data);
@@ -101,9 +103,15 @@ export class Connection {
     if (message !== null && typeof message === 'object') this.take(message);
   }
 
+  /** The program has nothing to say for `ms`: silence is no reason to open the stream again. */
+  expectSilence(ms) {
+    this.quietUntil = Date.now() + ms;
+  }
+
   /** A program that was frozen or a network that forgot us does not close the stream. */
   checkSilence() {
-    if (this.socket === undefined || Date.now() - Math.max(this.heard, this.opened) < silentAfter) return;
+    const since = Math.max(this.heard, this.opened, this.quietUntil);
+    if (this.socket === undefined || Date.now() - since < silentAfter) return;
     this.later();
   }
 

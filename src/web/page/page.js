@@ -14,6 +14,7 @@ import { byId, count, fields, fixed, number, plain, say } from './text.js';
 import { Warnings } from './warnings.js';
 
 const overlayAfter = 3000;  // ms without a message; states come four a second
+const closingTime = 60_000;  // ms in which a program that closes its file may say nothing
 const calmly = matchMedia('(prefers-reduced-motion: reduce)');
 // ms between drawings: at most a third of the time goes into them
 const drawnEvery = () => Math.max(calmly.matches ? 1000 : 50, 3 * cost);
@@ -30,6 +31,7 @@ const events = new Events();
 
 let run = null;          // its id; two replays of one session have two
 let ended = false;
+let closing = false;     // done, but the file is still written
 let now = null;          // newest time_s
 let frame = null;        // newest frame's message, not yet shown
 let lastHeard = Date.now();
@@ -68,6 +70,8 @@ function clear() {
   now = null;
   dropped = 0;
   ended = false;
+  closing = false;
+  connection.expectSilence(0);
   byId('ended').hidden = true;
   byId('ended').replaceChildren();
   byId('leg').textContent = 'no sweep yet';
@@ -101,6 +105,10 @@ const takers = {
   },
   state(message) {
     now = Math.max(now ?? 0, number(message.time_s) ?? 0);
+    if (!ended) {
+      closing = message.phase === 'done';
+      connection.expectSilence(closing ? closingTime : 0);
+    }
     band.state(message);
     sweep.show(message);
     const unwell = health.show(message.devices);
@@ -126,6 +134,7 @@ const takers = {
   },
   ended(message) {
     ended = true;
+    connection.expectSilence(Infinity);
     band.ended();
     const texts = [message.message, message.advice, plain(message.session) && `Session: ${plain(message.session)}`].map((text) => plain(text, 1000));
     byId('ended').replaceChildren(...texts.filter((text) => text !== '').map((text, i) => {
@@ -159,7 +168,7 @@ function refuse() {
 /** Over everything but the band: nothing comes, and what is seen is old. */
 function showSilence() {
   const silent = Date.now() - lastHeard;
-  const over = silent > overlayAfter && !ended;
+  const over = silent > (closing ? closingTime : overlayAfter) && !ended;
   byId('silence').hidden = !over;
   band.silence(over);
   if (!over) {
