@@ -76,6 +76,8 @@ void check(const LiveWords& words) {
   if (!live.replay && !words.speed.empty()) refuse("--speed is for --replay", "--replay SESSION --speed 10");
   if (live.tui && live.record.json) refuse("--tui and --json exclude each other", "one of the two");
   if (words.page && words.no_page) refuse("--page and --no-page exclude each other", "one of the two");
+  if (words.no_page && live.record.page.control)
+    refuse("--control lets the page start motion, and --no-page serves none", "leave one of the two out");
   if (live.record.fast && (words.page || live.record.page.control))
     refuse("virtual time is too fast for a page", "leave --fast out, or --page");
   if (live.record.fast && live.loop)

@@ -69,8 +69,11 @@ void add_record(CLI::App& root, Words& words) {
       ->delimiter(',')
       ->type_name("V,V,...");
   add_recording_of(command, record);
-  command.add_flag("--page", record.page.serve, "Serve a page that shows the recording, for a browser");
+  CLI::Option* page =
+      command.add_flag("--page", record.page.serve, "Serve a page that shows the recording, for a browser");
   add_page(command, record.page);
+  command.get_option("--page-port")->needs(page);
+  command.get_option("--new-token")->needs(page);
   add_rig(command, record.rig, words.record_seed);
   command.footer(
       "Examples:\n"

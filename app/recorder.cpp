@@ -121,6 +121,9 @@ void check_recording_words(const RecordOptions& options) {
   if (options.fast && options.page.serve)
     throw Error(ExitCode::bad_usage, "virtual time is too fast for a page", "",
                 "leave --fast out, or --page");
+  if (options.page.control && !options.page.serve)
+    throw Error(ExitCode::bad_usage, "--control lets a page start motion, and no page is served", "",
+                "--page --control, or leave --control out");
 }
 
 RecordSummary record_session(const RecordOptions& options, const ChosenRig& rig, const rig::SweepPlan& plan) {

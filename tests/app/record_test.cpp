@@ -249,6 +249,12 @@ TEST_F(Record, RefusesContradictingWords) {
   expect_refused("record --environment garden --rig nowhere.toml", 2, "nowhere.toml");
 }
 
+TEST_F(Record, RefusesWordsOfAPageThatIsNotServed) {
+  expect_refused("record --simulated=3 --environment garden --control --dry-run", 2, "no page is served");
+  expect_refused("record --simulated=3 --environment garden --page-port 9000 --dry-run", 2, "--page");
+  expect_refused("record --simulated=3 --environment garden --new-token --dry-run", 2, "--page");
+}
+
 TEST_F(Record, SaysWhichPortDoesNotExist) {
   expect_refused(
       "record --environment garden --plan quick --camera /dev/ttyUSB97 --gyro /dev/ttyUSB98 --servo "
