@@ -70,7 +70,7 @@ RecordingResult conclude_unkept(Recording& recording, HostTime now) {
 }  // namespace
 
 RecordingResult conclude(Recording& recording, HostTime now) {
-  if (!recording.sweep_began() && recording.failure()) {
+  if (!recording.was_ready() && recording.failure()) {
     const Error failure = *recording.failure();
     recording.discard(now);
     throw failure;

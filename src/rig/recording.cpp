@@ -91,6 +91,7 @@ struct Recording::Parts {
   std::optional<Error> failure;
   PerDevice<bool> gone{};      // not there, not needed
   PerDevice<bool> was_gone{};  // for a while at least
+  bool was_ready = false;      // every device was there, and the servo was greeted
   bool began = false;
   bool may_start = false;
   bool greeting_noted = false;
@@ -227,7 +228,9 @@ void Recording::Parts::begin_when_ready(HostTime now) {
   }
   const bool all_speak = std::all_of(all_devices.begin(), all_devices.end(),
                                      [&](Device device) { return has_spoken(device) || gone[device]; });
-  if (!may_start || !all_speak || !commander.greeted() || !commander.idle()) return;
+  if (!all_speak || !commander.greeted() || !commander.idle()) return;
+  was_ready = true;
+  if (!may_start) return;
   began = true;
   sweep.start(now);
 }
@@ -347,8 +350,8 @@ bool Recording::stopped() const {
   return parts_->stopped;
 }
 
-bool Recording::sweep_began() const {
-  return parts_->began;
+bool Recording::was_ready() const {
+  return parts_->was_ready;
 }
 
 const std::string& Recording::stopped_by() const {

@@ -154,6 +154,19 @@ TEST(LiveRecording, WaitsForTheOrderToStart) {
   EXPECT_GT(began_s.value_or(0.0), 7.0);  // 2000 steps of 3 to 5 ms
 }
 
+TEST(LiveRecording, KeepsWhatCameBeforeADeviceWentWhileItWaitedForItsStart) {
+  const TemporaryFolder folder;
+  SimulatedBus bus(simulation::default_rig(3, "kitchen"));
+  bus.is_cut = [](Device device, HostTime now) {
+    return device == Device::camera && to_s(now - HostTime{}) > 4.0;
+  };
+  Watched run(folder, simulation::default_profile());
+  run.options.recording.wait_for_start = true;
+  const RecordingResult result = record_virtual(bus, run.options);
+  EXPECT_EQ(result.exit, ExitCode::device_lost) << result.message;
+  EXPECT_GT(session::read_session(result.session).frames.size(), 10U);
+}
+
 TEST(LiveRecording, GoesOnWithoutAGyroThatIsNotNeeded) {
   const TemporaryFolder folder;
   SimulatedBus bus(simulation::default_rig(3, "kitchen"));

@@ -119,7 +119,7 @@ class Recording {
   const std::optional<Error>& failure() const;
   bool stopped() const;                   // by request_stop()
   const std::string& stopped_by() const;  // who asked for it; empty: a signal
-  bool sweep_began() const;               // every device was there and the opening rest began
+  bool was_ready() const;                 // every device was there, and the sweep could begin
   bool keeps() const;                     // false: there is no journal
   std::vector<Device> gone() const;       // that it went on without, for a while at least
 
@@ -141,7 +141,7 @@ class Recording {
 };
 
 /// After `recording` is done: closes it, finalises the journal, says how it ended. A recording that failed
-/// before its sweep began leaves no file: its Error is thrown.
+/// before every device was there leaves no file: its Error is thrown.
 RecordingResult conclude(Recording& recording, HostTime now);
 
 }  // namespace thermorig::rig
