@@ -15,7 +15,8 @@ cmake --preset asan
 cmake --build --preset asan -j "$(nproc)"
 # Not the README: its blocks build and run the release again.
 ctest --test-dir build-asan --output-on-failure -j "$(nproc)" -LE rig
-ctest --test-dir build-asan --output-on-failure -L rig --repeat until-pass:2 -E "^Readme"
+ctest --test-dir build-asan --output-on-failure -L rig --repeat until-pass:2 -E "^Readme|Drill"
+ctest --test-dir build-asan --output-on-failure -L rig -R Drill
 
 echo "== Exported C on Cortex-M boards in QEMU: what it takes"
 build-asan/bin/test_embedded --gtest_brief=1 --gtest_filter='Cores/*'

@@ -24,6 +24,16 @@ async function shownAtLeast(tab, index, program) {
   assert.ok(await shown(), `the run ended before frame ${index}:\n${events()}`);
 }
 
+/** What is said of the servo's motion: a failure counts at once. */
+async function atOnce(check) {
+  try {
+    return await check();
+  } catch (error) {
+    error.atOnce = true;
+    throw error;
+  }
+}
+
 describe('the program', { skip: whyNot() || false }, () => {
   let browser;
   let folder;
@@ -43,12 +53,25 @@ describe('the program', { skip: whyNot() || false }, () => {
     await browser.close();
     rmSync(folder, { recursive: true });
   });
-  afterEach(async () => {
+  async function killAll() {
     for (const program of running) await program.kill();
     running = [];
+  }
+  afterEach(killAll);
+
+  /** A test on the wall clock: a second try, which is told, for a machine that stalls can spoil one. */
+  const patiently = (name, work) => test(name, async (t) => {
+    try {
+      await work(t);
+    } catch (error) {
+      if (error.atOnce) throw error;
+      t.diagnostic(`a second try, for the first one failed: ${error.message}`);
+      await killAll();
+      await work(t);
+    }
   });
 
-  test('numbers and lines of the page are those of the JSON stream, then Space stops the servo', async (t) => {
+  patiently('numbers and lines of the page are those of the JSON stream, then Space stops the servo', async (t) => {
     const program = run('--page-port', '0');
     const { tab, troubles, close } = await openTab(browser);
     await tab.goto(await program.url());
@@ -95,14 +118,16 @@ describe('the program', { skip: whyNot() || false }, () => {
     await until(() => program.of('state').at(-1).phase === 'leg', 'a leg is driven', 30_000);
     await until(() => Math.abs(program.of('frame').at(-1).commanded_dps ?? 0) > 20, 'the servo turns', 30_000);
     await tab.keyboard.press('Space');
-    await until(() => program.of('ended').length > 0, 'the run ends', 20_000);
-    const last = program.of('state').at(-1);
-    assert.equal(last.phase, 'done');
-    const stopped = program.of('event').find(({ kind }) => kind === 'stopped');
-    assert.match(stopped.message, /page/);
-    const seconds = last.time_s - stopped.time_s;
-    t.diagnostic(`from the order to a servo at rest and disarmed: ${(seconds * 1000).toFixed(0)} ms of the run`);
-    assert.ok(seconds >= 0 && seconds <= 0.3, `${seconds} s`);
+    await atOnce(async () => {
+      await until(() => program.of('ended').length > 0, 'the run ends', 20_000);
+      const last = program.of('state').at(-1);
+      assert.equal(last.phase, 'done');
+      const stopped = program.of('event').find(({ kind }) => kind === 'stopped');
+      assert.match(stopped.message, /page/);
+      const seconds = last.time_s - stopped.time_s;
+      t.diagnostic(`from the order to a servo at rest and disarmed: ${(seconds * 1000).toFixed(0)} ms of the run`);
+      assert.ok(seconds >= 0 && seconds <= 0.3, `${seconds} s`);
+    });
     await until(async () => await textOf(tab, '#mode-word') === 'ENDED', 'the page says ENDED');
     assert.notEqual(await textOf(tab, '#ended'), '');
     await screenshot(tab, 'program_stopped');
@@ -110,14 +135,16 @@ describe('the program', { skip: whyNot() || false }, () => {
     await close();
   });
 
-  test('with --control motion waits for the button and its question', async () => {
+  patiently('with --control motion waits for the button and its question', async () => {
     const program = run('--page-port', '0', '--control');
     const { tab, close } = await openTab(browser);
     await tab.goto(await program.url());
     await shownAtLeast(tab, 10);
     await tab.keyboard.press('Enter');
-    assert.ok(!program.of('event').some(({ kind }) => kind === 'leg_start'), 'no leg before the start');
-    assert.equal(program.of('state').at(-1).leg, 0);
+    await atOnce(() => {
+      assert.ok(!program.of('event').some(({ kind }) => kind === 'leg_start'), 'no leg before the start');
+      assert.equal(program.of('state').at(-1).leg, 0);
+    });
     await tab.click('#start');
     await tab.click('#motion .go');
     await until(() => program.of('event').some(({ kind }) => kind === 'leg_start'), 'a leg after it', 30_000);
@@ -126,7 +153,7 @@ describe('the program', { skip: whyNot() || false }, () => {
     await close();
   });
 
-  test('a recording says RECORDING and what it keeps, its replay says REPLAY', async () => {
+  patiently('a recording says RECORDING and what it keeps, its replay says REPLAY', async () => {
     const program = run('--page-port', '0', '--record', '--output', join(folder, 'recordings'));
     const { tab, close } = await openTab(browser, { dark: true });
     await tab.goto(await program.url());
@@ -155,7 +182,7 @@ describe('the program', { skip: whyNot() || false }, () => {
     await close();
   });
 
-  test('M is an event of the run', async () => {
+  patiently('M is an event of the run', async () => {
     const program = run('--page-port', '0');
     const { tab, close } = await openTab(browser);
     await tab.goto(await program.url());
@@ -168,7 +195,7 @@ describe('the program', { skip: whyNot() || false }, () => {
     await close();
   });
 
-  test('a killed program shows the overlay after 3 s, a restarted one is found within 5 s of the page', async () => {
+  patiently('a killed program shows the overlay after 3 s, a restarted one is found within 5 s of the page', async () => {
     const program = run('--page-port', '0');
     const url = await program.url();
     const { tab, troubles, close } = await openTab(browser, { clock: true });

@@ -10,9 +10,9 @@
 #include <atomic>
 #include <fstream>
 
-#include "private_folder.h"
 #include "served_page.h"
 #include "thermorig/core/error.h"
+#include "web/private_folder.h"
 
 namespace thermorig::web {
 
