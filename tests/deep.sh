@@ -31,8 +31,8 @@ bash tests/page/run.sh build
 
 echo "== ThreadSanitizer"
 cmake --preset tsan
-cmake --build --preset tsan -j "$(nproc)" --target test_io test_simulated_ports test_rig test_session
-ctest --test-dir build-tsan --output-on-failure --repeat until-pass:2 -R '^(Loop|Pty|Port|SimulatedPorts|PortRecording|SessionFile)'
+cmake --build --preset tsan -j "$(nproc)" --target test_io test_simulated_ports test_rig test_session test_web_server
+ctest --test-dir build-tsan --output-on-failure --repeat until-pass:2 -R '^(Loop|Pty|Port|SimulatedPorts|PortRecording|SessionFile|PageServer|RestartedServer|Refusals)'
 
 echo "== Fuzzers, $fuzz_seconds s each"
 cmake --preset fuzz

@@ -7,6 +7,7 @@
 #include <boost/beast/websocket/stream.hpp>
 #include <chrono>
 #include <exception>
+#include <utility>
 
 #include "answer.h"
 #include "client_json.h"
@@ -62,6 +63,7 @@ struct Streams::Client {
   std::optional<Clock::time_point> writing_since;
   bool known = false;    // has shown the token
   bool leaving = false;  // closed as soon as the queue is empty
+  bool closing = false;  // a stream can be closed once only
   bool gone = false;
 };
 
@@ -128,6 +130,7 @@ asio::awaitable<void> Streams::hold(ClientPointer client, HttpRequest request) {
     if (error) co_return;
     reason = websocket::close_code::policy_error;  // a page has nothing to say after its token
   }
+  if (std::exchange(client->closing, true)) co_return;
   co_await client->stream.async_close(reason, into(error));
 }
 
@@ -166,7 +169,7 @@ asio::awaitable<void> Streams::write_queue(ClientPointer client) {
       co_await client->stream.async_write(asio::buffer(*text), into(error));
       client->writing_since.reset();
       if (error) co_return;
-    } else if (client->leaving) {
+    } else if (client->leaving && !std::exchange(client->closing, true)) {
       co_await client->stream.async_close(websocket::close_code::going_away, into(error));
       co_return;
     } else {
