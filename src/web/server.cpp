@@ -23,17 +23,36 @@ namespace {
               "stop that program, or choose another port with --page-port (0: any that is free)");
 }
 
+/// Can nobody listen there because somebody does already? A port that may not be opened at all (below 1024,
+/// or out of another's reach) is no port of ours.
+bool in_use(std::uint16_t port) {
+  try {
+    return !Listeners::open(port);
+  } catch (const Error&) {
+    return false;
+  }
+}
+
+/// The port of last time; nothing if it is in use or cannot be opened.
+std::optional<Listeners> reopen(std::uint16_t port) {
+  try {
+    return Listeners::open(port);
+  } catch (const Error&) {
+    return std::nullopt;
+  }
+}
+
 /// The fixed port; else the one of last time, so that a page that is open finds the server again; else any.
 Listeners open_listeners(std::uint16_t fixed, const std::optional<PageState>& before) {
   if (fixed == 0 && before)
-    if (auto same = Listeners::open(before->port)) return *std::move(same);
+    if (auto same = reopen(before->port)) return *std::move(same);
   if (auto listeners = Listeners::open(fixed)) return *std::move(listeners);
   refuse_port(fixed);
 }
 
 /// Does the server that wrote this state still run? One that took this server's port cannot.
 bool still_runs(const PageState& before, std::uint16_t own_port) {
-  return before.port != own_port && !Listeners::open(before.port);
+  return before.port != own_port && in_use(before.port);
 }
 
 struct Identity {

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <sys/stat.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <array>
@@ -410,6 +411,38 @@ TEST_F(RestartedServer, LeavesTheStateOfAnotherThatStillRuns) {
   EXPECT_NE(token_of(second->url()), token_of(first->url()));
   EXPECT_THAT(second->note(), HasSubstr("another live view"));
   EXPECT_EQ(state(), kept);
+}
+
+/// Without the rights of root, where the test has them.
+class AsNobody {
+ public:
+  explicit AsNobody(const std::filesystem::path& folder) {
+    if (::geteuid() != 0) return;
+    was_root_ = ::chown(folder.c_str(), nobody, nobody) == 0 && ::seteuid(nobody) == 0;
+  }
+  ~AsNobody() {
+    if (was_root_ && ::seteuid(0) != 0) ADD_FAILURE() << "the test's own rights do not come back";
+  }
+  AsNobody(const AsNobody&) = delete;
+  AsNobody& operator=(const AsNobody&) = delete;
+
+ private:
+  static constexpr uid_t nobody = 65'534;
+  bool was_root_ = false;
+};
+
+TEST_F(RestartedServer, TakesNoPortThatItMayNotOpenForARunningServer) {
+  const AsNobody guard(folder_.path());
+  std::uint16_t lowest = 0;
+  std::ifstream("/proc/sys/net/ipv4/ip_unprivileged_port_start") >> lowest;
+  if (lowest <= 1 || ::geteuid() == 0) GTEST_SKIP() << "every port may be opened here";
+  const std::string kept(32, 'a');
+  std::filesystem::create_directories(options_.state_file.parent_path());
+  std::ofstream(options_.state_file) << fmt::format(R"({{"port":1,"token":"{}"}})", kept);
+  ASSERT_EQ(::chmod(options_.state_file.c_str(), 0600), 0);
+  const auto server = start();
+  EXPECT_EQ(token_of(server->url()), kept);
+  EXPECT_EQ(server->note(), "");
 }
 
 TEST_F(RestartedServer, KeepsNothingWithoutAStateFile) {
