@@ -298,16 +298,17 @@ struct PageLoop::Impl {
   // --- the end -----------------------------------------------------------------------------------------
 
   void leave() {
-    distribute();
+    // First what ends this thread whatever happens: distribute() may find no memory.
     leaving = true;
+    grace.expires_after(last_words_time);
+    grace.async_wait([this](error_code) { context.stop(); });
     tick.cancel();
     error_code no_matter;
     for (tcp::acceptor& acceptor : acceptors) acceptor.close(no_matter);
     for (const auto& connection : connections)
       if (connection->idle) connection->stream.close();
+    distribute();
     streams.leave();
-    grace.expires_after(last_words_time);
-    grace.async_wait([this](error_code) { context.stop(); });
     stop_if_done();
   }
 
