@@ -8,7 +8,7 @@
 
 namespace thermorig::web {
 
-constexpr std::size_t kept_frames = 512;  // a minute of 8 Hz
+constexpr std::size_t kept_frames = 512;  // a minute at 8 frames/s; many more would not fit into a queue
 constexpr std::size_t kept_events = 50;
 
 /// What a page gets that is opened, or comes back, in the middle of a run.

@@ -494,6 +494,8 @@ describe('connection', () => {
   test('frames that did not reach the page are told', async () => {
     const { tab } = await page([hello(), ...span(0, 5), { event: 'dropped', frames: 12 }, { event: 'dropped', frames: 3 }]);
     await until(async () => /15 frames did not reach this page/.test(await textOf(tab, '#warnings')), 'the counter');
+    server.send({ event: 'dropped', frames: 0, events: 1 });
+    await until(async () => /15 frames and 1 event did not reach/.test(await textOf(tab, '#warnings')), 'events are counted as well');
   });
 
   test('a collapsed gate is a warning', async () => {

@@ -14,7 +14,7 @@ namespace thermorig::web {
 enum class Topic : std::uint8_t {
   hello,  // what runs: the newest is kept, and is the first that a client gets
   state,  // sweep, health, disk: only the newest matters
-  frame,  // numbers of one frame: the last minute is kept, and sent to a new client
+  frame,  // numbers of one frame: the last 512 are kept, and sent to a new client
   image,  // pixels of one frame: only the newest matters
   event,  // something happened: the last 50 are kept
   ended,  // the run is over: kept

@@ -61,7 +61,7 @@ export class History {
     return this.rows.at(-1) ?? null;
   }
 
-  /** False for what is no frame or is known already (a page that comes back gets the last minute again). */
+  /** False for what is no frame or is known already (a page that comes back gets the last 512 frames again). */
   add(message) {
     const row = rowOf(message);
     if (row.time === null || row.index === null) return false;

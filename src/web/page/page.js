@@ -36,7 +36,7 @@ let now = null;          // newest time_s
 let frame = null;        // newest frame's message, not yet shown
 let lastHeard = Date.now();
 let lastFrame = null;    // its time of day
-let dropped = 0;
+let dropped = { frames: 0, events: 0 };
 let drawn = -Infinity;
 let cost = 0;            // ms of the last drawing
 let waiting = false;
@@ -68,7 +68,7 @@ function clear() {
   warnings.clear();
   frame = null;
   now = null;
-  dropped = 0;
+  dropped = { frames: 0, events: 0 };
   ended = false;
   closing = false;
   connection.expectSilence(0);
@@ -147,8 +147,11 @@ const takers = {
     byId('ended').hidden = byId('ended').childElementCount === 0;
   },
   dropped(message) {
-    dropped += Math.max(0, number(message.frames) ?? 0);
-    warnings.set('dropped', `${count(dropped)} frames did not reach this page, which was too slow; the recording has them.`);
+    dropped.frames += Math.max(0, number(message.frames) ?? 0);
+    dropped.events += Math.max(0, number(message.events) ?? 0);
+    const what = [[dropped.frames, 'frame'], [dropped.events, 'event']].filter(([lost]) => lost > 0)
+      .map(([lost, noun]) => `${count(lost)} ${noun}${lost === 1 ? '' : 's'}`);
+    warnings.set('dropped', what.length === 0 ? '' : `${what.join(' and ')} did not reach this page, which was too slow; a recording has them.`);
   },
 };
 
