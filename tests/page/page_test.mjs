@@ -432,10 +432,31 @@ describe('connection', () => {
     await pause(100);
     assert.ok(await hidden(tab, 'silence'));
     assert.deepEqual([...server.streams], [first], 'the stream stays');
-    await tab.clock.fastForward(15_000);
-    await tab.clock.fastForward(600);
+    await tab.clock.fastForward(11_000);
     await until(async () => !(await hidden(tab, 'silence')), 'then the overlay');
+    await tab.clock.fastForward(4_000);
+    await tab.clock.fastForward(600);
     await until(() => [...server.streams].some((stream) => stream !== first), 'and another stream');
+  });
+
+  test('after a normal stop no device is late, and Stop has nothing to stop', async () => {
+    const late = { ...state(0).devices, gyro: { ...state(0).devices.gyro, state: 'late' }, camera: { ...state(0).devices.camera, state: 'lost' } };
+    const { tab } = await page([hello(), ...span(0, 5), state(1, { devices: late })]);
+    await until(async () => /gyro: late/.test(await textOf(tab, '#warnings')), 'late while it runs');
+    server.send(state(2, { devices: late, phase: 'done', stopping: true, done_share: 0.25 }));
+    await until(async () => await textOf(tab, '#warnings') === '', 'not when it is done');
+    server.send({ event: 'ended', exit: 0, message: 'Stopped.', advice: '', session: null });
+    await until(async () => await textOf(tab, '#mode-word') === 'ENDED', 'ENDED');
+    assert.equal(await textOf(tab, '#warnings'), '');
+    assert.match(await textOf(tab, '#health'), /camera▲ lost.*gyroclosed.*servoclosed/, 'what was lost stays lost');
+    assert.equal(await tab.evaluate(() => document.getElementById('done').value), 0.25);
+    assert.ok(await tab.locator('#stop').isDisabled());
+    await tab.keyboard.press('Space');
+    await pause(100);
+    assert.equal(server.posts.length, 0);
+    server.send(hello({ run: 'next' }), ...span(0, 3), state(0.5));
+    await until(async () => (await textOf(tab, '#health')).includes('gyrook'), 'well again in the next run');
+    assert.ok(await tab.locator('#stop').isEnabled());
   });
 
   test('after the end silence opens no other stream', async () => {

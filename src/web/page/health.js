@@ -24,6 +24,8 @@ export class Health {
   constructor() {
     this.body = byId('health').tBodies[0];
     this.rows = new Map();
+    this.over = false;
+    this.devices = {};
   }
 
   rowOf(name) {
@@ -39,8 +41,16 @@ export class Health {
     return this.rows.get(name);
   }
 
+  /** The run is over (or not, again): nothing is read any more, and no device is late. */
+  runIsOver(over) {
+    if (this.over === over) return;
+    this.over = over;
+    this.show(this.devices);
+  }
+
   /** Sentences about devices that are not well. */
   show(devices) {
+    this.devices = devices;
     const known = fields(devices);
     const names = [...new Set([...expected, ...Object.keys(known)])].slice(0, 8);
     return names.filter((name) => this.showDevice(name, fields(known[name])))
@@ -52,15 +62,16 @@ export class Health {
     const row = this.rowOf(name);
     const state = words[device.state] ?? (plain(device.state, 30) || 'unknown');
     const told = Object.keys(device).length > 0;
-    const well = device.state === 'ok';
+    const closed = this.over && told && device.state !== 'lost';
+    const well = closed || device.state === 'ok';
     const hz = number(device.expected_hz);
     const sync = number(device.uncertainty_s);
-    const texts = [well ? 'ok' : told ? `▲ ${state}` : unknown, rateText(device), hz === null ? unknown : fixed(hz, hz < 20 ? 1 : 0), ageText(device.age_s),
+    const texts = [closed ? 'closed' : well ? 'ok' : told ? `▲ ${state}` : unknown, rateText(device), hz === null ? unknown : fixed(hz, hz < 20 ? 1 : 0), ageText(device.age_s),
       count(device.lost), count(device.bad), sync === null ? unknown : fixed(sync * 1000, 1)];
     texts.forEach((text, i) => say(row.cells[i + 1], text));
     const skipped = number(device.skipped_bytes);
     row.cells[6].title = skipped === null ? '' : `${count(skipped)} bytes belong to no message`;
     row.className = well || !told ? '' : 'unwell';
-    return device.state === 'late' || device.state === 'lost';
+    return !this.over && (device.state === 'late' || device.state === 'lost');
   }
 }

@@ -71,6 +71,8 @@ function clear() {
   dropped = { frames: 0, events: 0 };
   ended = false;
   closing = false;
+  byId('stop').disabled = false;
+  health.runIsOver(false);
   connection.expectSilence(0);
   byId('ended').hidden = true;
   byId('ended').replaceChildren();
@@ -109,6 +111,7 @@ const takers = {
       closing = message.phase === 'done';
       connection.expectSilence(closing ? closingTime : 0);
     }
+    health.runIsOver(ended || closing);
     band.state(message);
     sweep.show(message);
     const unwell = health.show(message.devices);
@@ -135,6 +138,9 @@ const takers = {
   ended(message) {
     ended = true;
     connection.expectSilence(Infinity);
+    health.runIsOver(true);
+    warnings.set('devices', '');
+    byId('stop').disabled = true;
     band.ended();
     const texts = [message.message, message.advice, plain(message.session) && `Session: ${plain(message.session)}`].map((text) => plain(text, 1000));
     byId('ended').replaceChildren(...texts.filter((text) => text !== '').map((text, i) => {
@@ -184,6 +190,7 @@ function showSilence() {
 }
 
 async function stop() {
+  if (ended) return;
   byId('stop').dataset.pressed = 'yes';
   const trouble = await connection.order('/stop', {});
   delete byId('stop').dataset.pressed;
