@@ -2,6 +2,8 @@
 // Sums of the sweep: how long, how far, from where, and what is left.
 #include <algorithm>
 #include <cmath>
+#include <utility>
+#include <vector>
 
 #include "thermorig/rig/sweep.h"
 
@@ -13,6 +15,15 @@ constexpr double angle_tolerance_deg = 0.05;
 
 double sign_of(double value) {
   return value < 0.0 ? -1.0 : 1.0;
+}
+
+/// The plan with nothing but these steps to drive.
+template <typename Steps>
+SweepPlan only(SweepPlan plan, const Steps& steps) {
+  std::vector<double> rates_dps;
+  for (const auto& step : steps) rates_dps.push_back(plan.leg_rates_dps[step.index]);
+  plan.leg_rates_dps = std::move(rates_dps);
+  return plan;
 }
 
 }  // namespace
@@ -90,17 +101,21 @@ SweepProgress SweepWalker::progress(HostTime now) const {
   }
   progress.eta_s = remaining_s(now);
   const double whole_s = plan_duration_s(plan_, servo_, frames_.rate_hz());
-  progress.done_share =
-      phase_ == SweepPhase::done ? 1.0 : std::clamp(1.0 - progress.eta_s / whole_s, 0.0, 1.0);
+  double undriven_s = progress.eta_s;
+  const bool is_over = phase_ == SweepPhase::done || phase_ == SweepPhase::stopping;
+  if (is_over && !to_drive_.empty()) {  // it was stopped: what it leaves undriven is not done
+    SweepPlan rest = only(plan_, to_drive_);
+    rest.opening_rest_s = 0.0;
+    undriven_s = plan_duration_s(rest, servo_, frames_.rate_hz());
+  }
+  progress.done_share = whole_s > 0.0 ? std::clamp(1.0 - undriven_s / whole_s, 0.0, 1.0) : 1.0;
   return progress;
 }
 
 // What is still to be driven, without what has passed of the current phase.
 double SweepWalker::remaining_s(HostTime now) const {
   if (phase_ == SweepPhase::done || phase_ == SweepPhase::stopping) return 0.0;
-  SweepPlan rest = plan_;
-  rest.leg_rates_dps.clear();
-  for (const Step& step : to_drive_) rest.leg_rates_dps.push_back(plan_.leg_rates_dps[step.index]);
+  SweepPlan rest = only(plan_, to_drive_);
   double passed_s = 0.0;
   const double phase_s = to_s(now - phase_begin_);
   if (phase_ == SweepPhase::opening_rest) passed_s = std::min(phase_s, plan_.opening_rest_s);

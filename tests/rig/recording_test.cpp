@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <fstream>
 #include <iterator>
 
@@ -196,9 +197,18 @@ TEST(Recording, CtrlCGivesAPartialSession) {
   VirtualOptions options = virtual_options(folder, short_plan());
   int asked = 0;
   options.stop_requested = [&] { return ++asked > 800; };
+  std::vector<SweepProgress> shown;
+  options.progress = [&](const RecordingProgress& progress) { shown.push_back(progress.sweep); };
   const RecordingResult result = record_virtual(bus, options);
   EXPECT_EQ(result.exit, ExitCode::interrupted);
   EXPECT_EQ(result.state, session::State::partial);
+  const auto last_leg = std::find_if(shown.rbegin(), shown.rend(), [](const SweepProgress& sweep) {
+    return sweep.phase == SweepPhase::leg;
+  });
+  ASSERT_NE(last_leg, shown.rend());
+  EXPECT_EQ(shown.back().phase, SweepPhase::done);
+  EXPECT_LE(shown.back().done_share, last_leg->done_share + 0.01) << "what is left undriven is not done";
+  EXPECT_GT(shown.back().done_share, 0.0);
 }
 
 TEST(Recording, AnUnwritableFolderIsAStorageError) {
