@@ -68,11 +68,11 @@ std::string state_of(Device device, const rig::DeviceHealth& health, bool gone) 
   if (gone) return "lost";
   if (!health.age_s) return "waiting";
   constexpr double late_periods = 3.0;
-  constexpr double camera_late_s = 0.5, others_late_s = 0.1;  // USB hands bytes over in blocks of 16 ms or more
+  constexpr double camera_late_s = 0.5,
+                   others_late_s = 0.1;  // USB hands bytes over in blocks of 16 ms or more
   const double periods_s = late_periods / health.expected_hz;
   const double least_s = device == Device::camera ? camera_late_s : others_late_s;
-  return *health.age_s > std::max(least_s, periods_s) ? "late"
-                                                                                                     : "ok";
+  return *health.age_s > std::max(least_s, periods_s) ? "late" : "ok";
 }
 
 json device_json(Device device, const rig::DeviceHealth& health, bool gone) {
