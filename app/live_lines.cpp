@@ -84,8 +84,8 @@ std::string line_of(const LiveFrame& frame, HostTime begin) {
 std::string heading_of(const LiveFacts& facts) {
   const RecordingHeader& header = facts.header;
   std::string text =
-      fmt::format("{} {}, plan {}: {} legs, about {}\n", name_of(facts.mode), header.environment,
-                  facts.plan_name, facts.legs, duration_text(facts.expected_s));
+      fmt::format("{} {}, plan {}: {} legs, about {}\n", name_of(facts.mode), printable(header.environment),
+                  printable(facts.plan_name), facts.legs, duration_text(facts.expected_s));
   if (header.simulated)
     text += fmt::format("SIMULATED rig{}: {}\n",
                         header.simulation_seed ? fmt::format(", seed {}", *header.simulation_seed) : "",

@@ -20,11 +20,21 @@ bool escapes_allowed(std::FILE* stream) {
   return io::is_terminal(fileno(stream));
 }
 
+namespace {
+/// U+0080..U+009F in UTF-8: some terminals take U+009B as the start of an escape sequence.
+bool is_c1(std::string_view pair) {
+  return pair.size() == 2 && pair[0] == '\xC2' && (static_cast<unsigned char>(pair[1]) & 0xE0U) == 0x80;
+}
+}  // namespace
+
 std::string printable(std::string_view text) {
   std::string clean;
-  for (char c : text) {
-    if (c == '\n' || c == '\t') c = ' ';
-    if (static_cast<unsigned char>(c) >= 0x20 && c != 0x7F) clean += c;
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    const char c = text[i] == '\n' || text[i] == '\t' ? ' ' : text[i];
+    if (is_c1(text.substr(i, 2)))
+      ++i;
+    else if (static_cast<unsigned char>(c) >= 0x20 && c != 0x7F)
+      clean += c;
   }
   return clean;
 }
