@@ -7,6 +7,8 @@
 #include <mutex>
 #include <utility>
 
+#include "output.h"
+
 namespace thermorig::app {
 
 namespace {
@@ -58,6 +60,10 @@ std::string LivePage::url() const {
   return parts_->server.url();
 }
 
+const std::string& LivePage::note() const {
+  return parts_->server.note();
+}
+
 std::vector<rig::Order> LivePage::take_orders() {
   const std::lock_guard lock(parts_->mutex);
   return std::exchange(parts_->orders, {});
@@ -66,6 +72,7 @@ std::vector<rig::Order> LivePage::take_orders() {
 void tell_page(const LivePage& page, bool json) {
   std::FILE* stream = json ? stderr : stdout;
   fmt::print(stream, "page  {}\n", page.url());
+  if (!page.note().empty()) fmt::print(stream, "note  {}\n", printable(page.note()));
   std::fflush(stream);
 }
 

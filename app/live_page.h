@@ -19,7 +19,8 @@ class LivePage : public MessageSink {
   ~LivePage() override;
 
   void take(web::Topic topic, const std::string& message) override;
-  std::string url() const;  // with the token
+  std::string url() const;          // with the token
+  const std::string& note() const;  // on a state file that was not used, or empty
 
   /// What the page ordered since the last call.
   std::vector<rig::Order> take_orders();
@@ -29,7 +30,8 @@ class LivePage : public MessageSink {
   std::unique_ptr<Parts> parts_;
 };
 
-/// Prints where the page is, once: on standard output or, where that is for programs, on standard error.
+/// Prints where the page is, and what is to be said of its state file, once: on standard output or, where
+/// that is for programs, on standard error.
 void tell_page(const LivePage& page, bool json);
 
 }  // namespace thermorig::app
