@@ -43,7 +43,7 @@ void say_how_it_ended(RecordingResult& result, const Recording& recording) {
   } else if (!recording.gone().empty()) {
     result.exit = ExitCode::finished_lossy;
     result.message = "the plan was finished, for a time without the " + names_of(recording.gone());
-    result.advice = "check its cable and power; `thermorig ports` shows which port speaks";
+    result.advice = recording.gone_advice();
   } else if (result.quality.verdict == "bad") {
     result.exit = ExitCode::finished_lossy;
     result.message = "the plan was finished, but its quality is bad";

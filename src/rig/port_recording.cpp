@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "thermorig/rig/port_recording.h"
 
+#include <fmt/format.h>
+
 #include <csignal>
 #include <utility>
 
@@ -46,14 +48,16 @@ PortSession::PortSession(const PortOptions& options) : options_(options) {
   recording_.emplace(options.recording, io::now(), [this](std::span<const std::uint8_t> bytes) {
     loop_.write(*ports_[Device::servo], bytes);
   });
-  for (const auto& [device, error] : missing_) recording_->lost(device, error.what_happened(), io::now());
+  for (const auto& [device, error] : missing_) recording_->missing(device, error, io::now());
 }
 
 void PortSession::open_ports() {
   for (const Device device : all_devices) {
     const bool needed = device == Device::servo || options_.recording.needed[device];
     if (!needed && options_.recording.profile.link(device).port.empty()) {
-      missing_.emplace_back(device, Error(ExitCode::device_missing, "no port is named for it", "", ""));
+      missing_.emplace_back(
+          device, Error(ExitCode::device_missing, "no port is named for it", std::string(name_of(device)),
+                        fmt::format("--{} PORT, or a rig profile that names it", name_of(device))));
       continue;
     }
     try {

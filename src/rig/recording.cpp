@@ -12,6 +12,7 @@
 #include "thermorig/pipeline/frame_pairs.h"
 #include "thermorig/pipeline/pipeline.h"
 #include "thermorig/rig/absent_camera.h"
+#include "thermorig/rig/link_load.h"
 
 namespace thermorig::rig {
 
@@ -20,12 +21,6 @@ namespace {
 constexpr std::size_t first_bytes_kept = 8192;  // enough to tell which device it is
 constexpr double silence_s = 3.0;               // then a device that has spoken before counts as lost
 constexpr double silent_periods = 10.0;         // or so many of its periods, if they are longer
-
-double nominal_rate_hz(const RigProfile& profile, Device device) {
-  if (device == Device::camera) return profile.camera.output_rate_hz;
-  if (device == Device::gyro) return profile.gyro.output_rate_hz;
-  return 1e3 / SERVO_TELEMETRY_PERIOD_MS;
-}
 
 }  // namespace
 
@@ -91,6 +86,7 @@ struct Recording::Parts {
   std::optional<Error> failure;
   PerDevice<bool> gone{};      // not there, not needed
   PerDevice<bool> was_gone{};  // for a while at least
+  std::string gone_advice;     // of the first
   bool was_ready = false;      // every device was there, and the servo was greeted
   bool began = false;
   bool may_start = false;
@@ -236,7 +232,7 @@ void Recording::Parts::begin_when_ready(HostTime now) {
 }
 
 double Recording::Parts::patience_s(Device device) const {
-  const double periods_s = silent_periods / nominal_rate_hz(options.profile, device);
+  const double periods_s = silent_periods / link_load(device, options.profile).rate_hz;
   return std::max(has_spoken(device) ? silence_s : options.start_patience_s, periods_s);
 }
 
@@ -255,8 +251,7 @@ Error Recording::Parts::silence(Device device, double silent_s) const {
   if (!has_spoken(device))
     return silent_device(device, options.profile, pipeline.counters(device), first_bytes[device]);
   return {ExitCode::device_lost, fmt::format("nothing has come from it for {:.1f} s", silent_s),
-          fmt::format("{} ({})", name_of(device), options.profile.link(device).port),
-          "check cable and power, then record again"};
+          place_of(device, options.profile), "check cable and power, then record again"};
 }
 
 void Recording::Parts::drain_sweep(HostTime now) {
@@ -289,6 +284,7 @@ void Recording::Parts::lose(Device device, const Error& error, HostTime now) {
   if (gone[device]) return;
   const bool all_gone = gone[Device::camera] || gone[Device::gyro];  // the other one goes now
   if (is_needed(device) || all_gone) return fail(error, now);
+  if (gone_advice.empty()) gone_advice = error.advice();
   gone[device] = was_gone[device] = true;
   if (device == Device::camera) absent_camera.emplace(options.profile, now);
   event({now, EventKind::missing, device,
@@ -299,9 +295,15 @@ void Recording::lost(Device device, const std::string& why, HostTime now) {
   Parts& parts = *parts_;
   if (device == Device::servo) parts.servo_gone = true;
   parts.lose(device,
-             Error(ExitCode::device_lost, why,
-                   fmt::format("{} ({})", name_of(device), parts.options.profile.link(device).port),
+             Error(ExitCode::device_lost, why, place_of(device, parts.options.profile),
                    "check cable and power, then record again"),
+             now);
+}
+
+void Recording::missing(Device device, const Error& why, HostTime now) {
+  Parts& parts = *parts_;
+  parts.lose(device,
+             Error(why.code(), why.what_happened(), place_of(device, parts.options.profile), why.advice()),
              now);
 }
 
@@ -369,6 +371,10 @@ std::vector<Device> Recording::gone() const {
   return gone;
 }
 
+const std::string& Recording::gone_advice() const {
+  return parts_->gone_advice;
+}
+
 const SessionFile& Recording::file() const {
   return parts_->journal.file();
 }
@@ -385,7 +391,7 @@ RecordingProgress Recording::progress(HostTime now) {
   progress.sweep = parts.sweep.progress(now);
   for (const Device device : all_devices) {
     progress.health[device] = parts.meters[device].health(now, parts.pipeline.counters(device));
-    progress.health[device].expected_hz = nominal_rate_hz(parts.options.profile, device);
+    progress.health[device].expected_hz = link_load(device, parts.options.profile).rate_hz;
     progress.health[device].uncertainty_s = parts.uncertainty_s[device];
   }
   progress.health[Device::camera].lost += parts.missing_frames;

@@ -92,11 +92,15 @@ std::uint64_t expected_journal_bytes(const RecordingOptions& options) {
   return static_cast<std::uint64_t>(bytes_per_s * (1.2 * duration_s + 10.0));
 }
 
+std::string place_of(Device device, const RigProfile& profile) {
+  const std::string& port = profile.link(device).port;
+  return port.empty() ? std::string(name_of(device)) : fmt::format("{} ({})", name_of(device), port);
+}
+
 Error silent_device(Device device, const RigProfile& profile, const wire::Counters& counters,
                     std::span<const std::uint8_t> first_bytes) {
   const PortProfile& link = profile.link(device);
-  const std::string where =
-      link.port.empty() ? std::string(name_of(device)) : fmt::format("{} ({})", name_of(device), link.port);
+  const std::string where = place_of(device, profile);
   if (counters.bytes_received == 0)
     return {ExitCode::device_missing,
             device == Device::servo ? "it does not answer hello" : "it sends nothing", where,

@@ -18,6 +18,9 @@ RecordingHeader make_header(const RecordingOptions& options, HostTime now);
 /// Bytes that the journal of the whole plan will need, generously.
 std::uint64_t expected_journal_bytes(const RecordingOptions& options);
 
+/// "camera (/dev/ttyUSB0)", or the device alone if it has no port.
+std::string place_of(Device device, const RigProfile& profile);
+
 /// Why nothing usable came from a device, from what did come.
 Error silent_device(Device device, const RigProfile& profile, const wire::Counters& counters,
                     std::span<const std::uint8_t> first_bytes);

@@ -104,6 +104,24 @@ TEST_F(Ports, AMissingPortLeavesNothingBehind) {
   EXPECT_TRUE(std::filesystem::is_empty(folder_.path()));
 }
 
+TEST_F(Ports, AMissingPortThatIsNotNeededKeepsItsOwnAdvice) {
+  options_.recording.profile.gyro.link.port.clear();
+  options_.recording.needed[Device::gyro] = false;
+  const RecordingResult result = record_ports(options_);
+  EXPECT_EQ(result.exit, ExitCode::finished_lossy);
+  EXPECT_THAT(result.advice, HasSubstr("--gyro PORT"));
+}
+
+TEST_F(Ports, CameraAndGyroThatWereNeverThereAreMissingAndNotLost) {
+  options_.recording.profile.gyro.link.port.clear();
+  options_.recording.profile.camera.link.port = "/dev/ttyNoSuchPort";
+  options_.recording.needed = {{false, false, true}};
+  const auto refused = error();
+  ASSERT_TRUE(refused);
+  EXPECT_EQ(refused->code(), ExitCode::device_missing);
+  EXPECT_THAT(refused->advice(), HasSubstr("--gyro PORT"));
+}
+
 TEST_F(Ports, SwappedPortsAreExplained) {
   std::swap(options_.recording.profile.camera.link.port, options_.recording.profile.gyro.link.port);
   options_.recording.start_patience_s = 1.5;

@@ -102,6 +102,9 @@ class Recording {
   /// A port failed or was unplugged.
   void lost(Device device, const std::string& why, HostTime now);
 
+  /// A device was not there to begin with: `why` says so, and what to try.
+  void missing(Device device, const Error& why, HostTime now);
+
   /// Moves everything on; bytes for the servo go out through the callback. Every 10 ms or so.
   void tick(HostTime now);
 
@@ -117,11 +120,12 @@ class Recording {
 
   /// Why it ended early, if not by request_stop().
   const std::optional<Error>& failure() const;
-  bool stopped() const;                   // by request_stop()
-  const std::string& stopped_by() const;  // who asked for it; empty: a signal
-  bool was_ready() const;                 // every device was there, and the sweep could begin
-  bool keeps() const;                     // false: there is no journal
-  std::vector<Device> gone() const;       // that it went on without, for a while at least
+  bool stopped() const;                    // by request_stop()
+  const std::string& stopped_by() const;   // who asked for it; empty: a signal
+  bool was_ready() const;                  // every device was there, and the sweep could begin
+  bool keeps() const;                      // false: there is no journal
+  std::vector<Device> gone() const;        // that it went on without, for a while at least
+  const std::string& gone_advice() const;  // what to try for the first of them
 
   RecordingProgress progress(HostTime now);
 
