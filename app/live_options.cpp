@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "live_options.h"
 
+#include <fmt/format.h>
+
 #include <CLI/CLI.hpp>
 #include <charconv>
 #include <cmath>
@@ -11,6 +13,8 @@
 namespace thermorig::app {
 
 namespace {
+
+constexpr double lowest_speed = 0.001;  // a second takes a quarter of an hour
 
 void add_source(CLI::App& command, LiveWords& words) {
   LiveOptions& live = words.options;
@@ -57,9 +61,9 @@ double speed_of(const std::string& text) {
   double speed = 0.0;
   const char* end = text.data() + text.size();
   const auto [at, error] = std::from_chars(text.data(), end, speed);
-  if (error == std::errc() && at == end && std::isfinite(speed) && speed >= 0.0) return speed;
+  if (error == std::errc() && at == end && std::isfinite(speed) && speed >= lowest_speed) return speed;
   throw Error(ExitCode::bad_usage, "'" + text + "' is not a speed", "--speed",
-              "--speed 1, --speed 10 or --speed max");
+              fmt::format("--speed 1, --speed 10 or --speed max; {} at least", lowest_speed));
 }
 
 void check(const LiveWords& words) {

@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <csignal>
 #include <memory>
 #include <thread>
@@ -23,6 +24,8 @@ namespace thermorig::app {
 namespace {
 
 constexpr auto state_period = std::chrono::milliseconds(250);
+constexpr double longest_s =
+    1e9;  // of a replay: what nanoseconds can hold, whatever a file says of its times
 constexpr auto longest_sleep = std::chrono::milliseconds(50);  // so that Ctrl-C and the page are heard
 
 /// The recording's time against the wall's.
@@ -33,7 +36,8 @@ class Pace {
   /// How long until `time` is due, not negative.
   HostDuration wait(HostTime time) const {
     if (speed_ <= 0.0) return {};
-    const HostTime due = wall_begin_ + from_s(to_s(time - begin_) / speed_);
+    const double passed_s = std::clamp(to_s(time - begin_) / speed_, 0.0, longest_s);
+    const HostTime due = wall_begin_ + from_s(passed_s);
     return std::max(HostDuration{}, due - io::now());
   }
 
@@ -46,13 +50,14 @@ class Pace {
 /// One replay: steps, their rows, and the state four times a second of whichever clock is slower.
 class Replayer {
  public:
-  Replayer(const LiveOptions& options, const RawRecording& raw, LiveRun& run, LivePage* page)
+  Replayer(const LiveOptions& options, const RawRecording& raw, LiveRun& run, LivePage* page, bool same_model)
       : raw_(raw),
         run_(run),
         page_(page),
         replay_(raw),
         progress_(raw),
-        pace_(raw.header.time_reference, options.speed) {}
+        pace_(raw.header.time_reference, options.speed),
+        same_model_(same_model) {}
 
   /// False if it was stopped.
   bool play() {
@@ -63,6 +68,7 @@ class Replayer {
         progress_.add(pair.sample);
         run_.frame(pair.frame, pair.sample, moment->time);
       }
+      tell_gate(moment->time);
       tell(moment->time, false);
     }
     tell(raw_.end_time, true);
@@ -80,11 +86,17 @@ class Replayer {
   }
 
   bool stopped() {
-    run_.take_orders();  // the session has its own events
     bool stop = interrupted();
     if (page_ == nullptr) return stop;
     for (const rig::Order& order : page_->take_orders()) stop = stop || order.kind == rig::OrderKind::stop;
     return stop;
+  }
+
+  /// The network's gate may collapse; of its own model the session has that event already.
+  void tell_gate(HostTime time) {
+    for (const rig::Order& order : run_.take_orders())
+      if (order.kind == rig::OrderKind::gate && !same_model_)
+        run_.tell({time, EventKind::gate, std::nullopt, order.note});
   }
 
   void tell(HostTime time, bool last) {
@@ -101,6 +113,7 @@ class Replayer {
   rig::LiveReplay replay_;
   ReplayProgress progress_;
   Pace pace_;
+  bool same_model_;  // as when the session was made
   HostTime next_{}, next_wall_{};
 };
 
@@ -131,7 +144,8 @@ ExitCode replay_live(const LiveOptions& options) {
   run.begun(header);
   for (const std::string& warning : warnings_of(model, header.simulated, header.frames_per_leg))
     run.warn(warning);
-  const bool finished = Replayer(options, raw, run, page.get()).play();
+  const bool same_model = !model.facts.hash.empty() && model.facts.hash == raw.header.live_model.hash;
+  const bool finished = Replayer(options, raw, run, page.get(), same_model).play();
   const ExitCode code = finished ? ExitCode::ok : ExitCode::interrupted;
   run.ended({static_cast<int>(code), finished ? "" : "stopped on request", "", options.replay->string()});
   return code;

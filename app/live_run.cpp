@@ -94,16 +94,18 @@ void LiveRun::warn_of_gate(const live::LiveScores& scores) {
 
 void LiveRun::progress(const rig::RecordingProgress& progress) {
   now_ = progress.time;
-  for (const RecordingEvent& event : progress.events) {
-    publish(web::Topic::event, event_message(event, begin_));
-    const bool is_leg = event.kind == EventKind::leg_start || event.kind == EventKind::leg_end;
-    if (!is_leg) note(event.message);
-  }
+  for (const RecordingEvent& event : progress.events) tell(event);
   if (!sinks_.empty()) {
     const auto free = facts_.recording ? free_bytes(facts_.output) : std::nullopt;
     publish(web::Topic::state, state_message(progress, facts_, free));
   }
   for (LiveScreen* screen : screens_) screen->state(progress);
+}
+
+void LiveRun::tell(const RecordingEvent& event) {
+  publish(web::Topic::event, event_message(event, begin_));
+  const bool is_leg = event.kind == EventKind::leg_start || event.kind == EventKind::leg_end;
+  if (!is_leg) note(event.message);
 }
 
 void LiveRun::warn(const std::string& sentence) {

@@ -43,6 +43,7 @@ class LiveRun {
   void begun(const RecordingHeader& header);
   LiveEstimate frame(const TimedFrame& frame, const LabelledSample& sample, HostTime arrived);
   void progress(const rig::RecordingProgress& progress);
+  void tell(const RecordingEvent& event);
   void warn(const std::string& sentence);
   void note(const std::string& sentence);
   void ended(const LiveEnd& end);

@@ -3,10 +3,23 @@
 
 #include <algorithm>
 
+#include "thermorig/rig/link_load.h"
+
 namespace thermorig::app {
 
+void ReplayProgress::note_gone(HostTime now) {
+  for (; events_noted_ < raw_.events.size() && raw_.events[events_noted_].time <= now; ++events_noted_) {
+    const RecordingEvent& event = raw_.events[events_noted_];
+    if (!event.source) continue;
+    if (event.kind == EventKind::missing) gone_[*event.source] = true;
+    if (event.kind == EventKind::device_back) gone_[*event.source] = false;
+  }
+}
+
 void ReplayProgress::add(const pipeline::ReplayMoment& moment) {
+  note_gone(moment.time);
   for (const pipeline::FramePair& pair : moment.pairs) {
+    if (gone_[Device::camera]) break;  // these stand for its frames
     meters_[Device::camera].message(pair.frame.stamp.arrival);
     uncertainty_s_[Device::camera] = pair.frame.stamp.uncertainty_s;
     missing_frames_ += pair.frame.missing_before;
@@ -54,17 +67,17 @@ rig::RecordingProgress ReplayProgress::at(HostTime now, const rig::LiveReplay& r
   progress.time = now;
   progress.elapsed_s = to_s(now - raw_.header.time_reference);
   progress.sweep = sweep(now);
-  const PerDevice<double> expected_hz{
-      {raw_.header.profile.camera.output_rate_hz, raw_.header.profile.gyro.output_rate_hz, 100.0}};
   for (const Device device : all_devices) {
     progress.health[device] = meters_[device].health(now, replay.counters(device));
-    progress.health[device].expected_hz = expected_hz[device];
+    progress.health[device].expected_hz = rig::link_load(device, raw_.header.profile).rate_hz;
     progress.health[device].uncertainty_s = uncertainty_s_[device];
   }
   progress.health[Device::camera].lost += missing_frames_;
   for (; events_told_ < raw_.events.size() && raw_.events[events_told_].time <= now; ++events_told_)
     progress.events.push_back(raw_.events[events_told_]);
   progress.last_sample = last_sample_;
+  note_gone(now);
+  progress.gone = gone_;
   return progress;
 }
 

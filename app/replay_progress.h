@@ -19,6 +19,7 @@ class ReplayProgress {
   rig::RecordingProgress at(HostTime now, const rig::LiveReplay& replay);
 
  private:
+  void note_gone(HostTime now);
   rig::SweepProgress sweep(HostTime now) const;
 
   const RawRecording& raw_;
@@ -27,6 +28,8 @@ class ReplayProgress {
   std::uint64_t missing_frames_ = 0;
   std::optional<LabelledSample> last_sample_;
   int frames_in_leg_ = 0;
+  PerDevice<bool> gone_{};
+  std::size_t events_noted_ = 0;
   std::size_t events_told_ = 0;
 };
 
