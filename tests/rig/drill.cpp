@@ -51,11 +51,11 @@ void Drill::wait_until(const std::function<bool()>& happened) const {
 void Drill::strike(Mishap mishap, pid_t process) {
   switch (mishap) {
     case Mishap::camera_unplugged:
-      return rig_.ports().unplug(Device::camera);
+      return unplug(Device::camera);
     case Mishap::gyro_unplugged:
-      return rig_.ports().unplug(Device::gyro);
+      return unplug(Device::gyro);
     case Mishap::servo_unplugged:
-      return rig_.ports().unplug(Device::servo);
+      return unplug(Device::servo);
     case Mishap::host_frozen:
       kill(process, SIGSTOP);
       rig_.let_pass(1'000'000);
@@ -64,6 +64,14 @@ void Drill::strike(Mishap mishap, pid_t process) {
     case Mishap::program_killed:
       kill(process, SIGKILL);
   }
+}
+
+/// The plug is pulled by the thread that serves the port: what counts is when it is gone.
+void Drill::unplug(Device device) {
+  const std::filesystem::path port = rig_.ports().paths()[device];
+  rig_.ports().unplug(device);
+  while (std::filesystem::exists(port)) std::this_thread::yield();
+  unplugged_us_ = rig_.line().now_us;
 }
 
 Outcome Drill::suffer(const std::vector<std::string>& command, Mishap mishap, int frames_per_leg) {
@@ -103,6 +111,12 @@ void Drill::expect_rest(Mishap mishap) const {
     EXPECT_GT(rig_.fastest_dps(last->time_us - moved_before_us, last->time_us), moving_dps);
   }
   EXPECT_LT(rig_.fastest_dps(last->time_us + rest_us + crystal_us, until_us), rest_dps);
+}
+
+void Drill::expect_rest_at_once() const {
+  ASSERT_GT(unplugged_us_, 0);
+  EXPECT_GT(rig_.fastest_dps(unplugged_us_ - moved_before_us, unplugged_us_), moving_dps);
+  EXPECT_LT(rig_.fastest_dps(unplugged_us_ + rest_us + crystal_us, rig_.line().now_us), rest_dps);
 }
 
 void Drill::expect_complete(const session::Session& session) const {

@@ -35,6 +35,10 @@ class Drill : public ProgramTest {
   /// servo turns by less than 1 deg/s, and it moved before.
   void expect_rest(Mishap mishap) const;
 
+  /// In its own time, 300 ms after the port was gone that `suffer` unplugged, the servo turns by less than
+  /// 1 deg/s to the end, and it moved before.
+  void expect_rest_at_once() const;
+
   /// Every byte of each device in the session lies in one piece in what was delivered to the program, and but
   /// for what it could not read any more nothing is missing behind it.
   void expect_complete(const session::Session& session) const;
@@ -46,6 +50,9 @@ class Drill : public ProgramTest {
  private:
   void wait_until(const std::function<bool()>& happened) const;
   void strike(Mishap mishap, pid_t process);
+  void unplug(Device device);
+
+  std::int64_t unplugged_us_ = 0;  // of the micro-controller
 };
 
 }  // namespace thermorig::tests

@@ -32,6 +32,7 @@ TEST_P(RecordDrill, EndsAtRestWithAllThatWasRead) {
   EXPECT_EQ(outcome.code, 5) << outcome.out << outcome.err;
   EXPECT_THAT(outcome.out + outcome.err, HasSubstr("check cable and power"));
   expect_rest(GetParam());
+  expect_rest_at_once();
   expect_complete(only_session());
 }
 
