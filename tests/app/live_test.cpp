@@ -154,9 +154,47 @@ TEST_F(Live, RefusesWhatIsNoModel) {
 TEST_F(Live, RefusesWordsThatContradictEachOther) {
   for (const char* words :
        {"--simulated=3 --fast --page", "--fast", "--simulated=3 --speed 2", "--simulated=3 --replay x.h5",
-        "--replay x.h5 --record", "--replay x.h5 --speed quick", "--simulated=3 --fast --loop",
-        "--simulated=3 --tui --json", "--replay x.h5 --control", "--simulated=3 --no-page --control"})
+        "--replay x.h5 --record", "--replay x.h5 --speed quick", "--replay x.h5 --speed 0",
+        "--replay x.h5 --speed 1e-300", "--simulated=3 --fast --loop", "--simulated=3 --tui --json",
+        "--replay x.h5 --control", "--simulated=3 --no-page --control"})
     EXPECT_EQ(run(std::string("live ") + words).code, 2) << words;
+}
+
+TEST_F(Live, ASessionDoesNotSteerTheTerminal) {
+  session::Session session = session::read_session(record_briefly());
+  RecordingHeader& header = session.raw.header;
+  header.plan_name = header.environment = header.simulation =
+      "tidy\x1b]0;title\x07\xc2\x9b"
+      "2J";
+  for (RecordingEvent& event : session.raw.events) event.message = "said\x1b[2J";
+  session::write_session(folder() / "hostile.h5", session);
+  const std::string words = "live --no-page --speed max --replay hostile.h5";
+  const Outcome lines = run(words);
+  ASSERT_EQ(lines.code, 0) << lines.err;
+  EXPECT_THAT(lines.out, HasSubstr("tidy]0;title2J"));
+  EXPECT_THAT(lines.out, HasSubstr("said[2J"));
+  for (const char* part : {"\x1b", "\x07", "\xc2\x9b"}) EXPECT_THAT(lines.out, Not(HasSubstr(part)));
+  const Outcome screen = run_on_terminal("TERM=xterm", words + " --tui");
+  EXPECT_THAT(screen.out, HasSubstr("tidy]0;title2J"));
+  for (const char* part : {"\x1b[2J", "\x1b]", "\x07", "\xc2\x9b"})
+    EXPECT_THAT(screen.out, Not(HasSubstr(part)));
+}
+
+TEST_F(Live, TellsOfAStateFileThatWasNotUsed) {
+  const fs::path file = folder() / "thermorig" / "page.json";
+  fs::create_directory(file.parent_path());
+  std::ofstream(file) << "{}";
+  fs::permissions(file, fs::perms::owner_read | fs::perms::others_read);
+  const fs::path session = record_briefly();
+  const std::string words = "live --page-port 0 --speed max --replay " + session.string();
+  ASSERT_EQ(setenv("XDG_STATE_HOME", folder().c_str(), 1), 0);
+  const Outcome lines = run(words);
+  fs::permissions(file, fs::perms::owner_read | fs::perms::others_read);
+  const Outcome as_json = run(words + " --json");
+  unsetenv("XDG_STATE_HOME");
+  EXPECT_THAT(lines.out, HasSubstr("others may read or write it")) << lines.err;
+  EXPECT_THAT(as_json.err, HasSubstr("others may read or write it"));
+  EXPECT_EQ(as_json.lines().front()["event"], "hello");
 }
 
 TEST_F(Live, DrawsPlainLinesWithoutATerminalAndSaysSo) {
