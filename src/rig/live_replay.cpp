@@ -31,6 +31,7 @@ void LiveReplay::stand_in(pipeline::ReplayMoment& moment) {
     absent_camera_->finish();
   else if (moment.from)  // what was sent says nothing of time
     absent_camera_->add(moment.streams, moment.time, pairs_seen_);
+  absent_camera_->take_frames();  // no sweep is driven by them
   std::vector<pipeline::FramePair> pairs = absent_camera_->take_pairs();
   if (!absent_camera_->has_begun()) return;
   moment.pairs = std::move(pairs);

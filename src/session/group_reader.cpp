@@ -17,7 +17,6 @@ namespace {
 constexpr std::uint64_t deflate_ratio_max = 1032;
 constexpr std::uint64_t small_bytes = 1U << 20U;
 constexpr std::uint64_t chunk_bytes_max = 16U << 20U;
-constexpr double seconds_max = 9e9;
 
 void check_link(hid_t parent, const std::string& name, const std::string& path) {
   H5L_info_t info;

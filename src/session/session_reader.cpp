@@ -29,6 +29,10 @@ namespace fs = std::filesystem;
 
 constexpr double longest_delay_s = 10.0;
 
+bool is_of_session(HostTime time, HostTime reference) {
+  return time >= reference - from_s(seconds_max) && time <= reference + from_s(seconds_max);
+}
+
 [[noreturn]] void refuse(const fs::path& path, const std::string& what) {
   throw Error(ExitCode::not_a_session, what, path.string(),
               "name a session that thermorig wrote; if this is one, it is damaged: take a copy of it from "
@@ -73,6 +77,8 @@ class SessionFile {
   RecordingHeader read_header() {
     header_text_ = get_text_attribute(group("/rig").id(), "header_json");
     auto header = recording_header::header_from_json_text(header_text_, path_.string());
+    if (!is_of_session(header.time_reference, HostTime{}))
+      throw Hdf5Failure("believe the time that it counts from");
     facts_.reference = header.time_reference;
     return header;
   }
@@ -89,17 +95,21 @@ class SessionFile {
   std::string header_text_;
 };
 
-void check_stream(const RawStream& stream, const std::string& name) {
+void check_stream(const RawStream& stream, const std::string& name, HostTime reference) {
   const std::uint64_t end = stream.chunk_end.empty() ? 0 : stream.chunk_end.back();
   if (end != stream.bytes.size() || !std::is_sorted(stream.chunk_end.begin(), stream.chunk_end.end()))
     throw Hdf5Failure("believe the chunks of /raw/" + name);
+  const auto is_sound = [reference](std::int64_t ns) { return is_of_session(host_time_ns(ns), reference); };
+  if (!std::all_of(stream.time_ns.begin(), stream.time_ns.end(), is_sound))
+    throw Hdf5Failure("believe the times of /raw/" + name);
 }
 
-RawStream read_stream(const SessionFile& file, const std::string& name, const char* time_name) {
+RawStream read_stream(const SessionFile& file, const std::string& name, const char* time_name,
+                      HostTime reference) {
   RawStream stream;
   auto group = file.group("/raw/" + name);
   raw_columns(group, stream, time_name, "");
-  check_stream(stream, name);
+  check_stream(stream, name, reference);
   return stream;
 }
 
@@ -120,9 +130,10 @@ std::vector<LiveEstimate> read_estimates(const SessionFile& file) {
 RawRecording read_recording(SessionFile& file) {
   RawRecording raw;
   raw.header = file.read_header();
+  const HostTime reference = raw.header.time_reference;
   for (const Device device : all_devices)
-    raw.received[device] = read_stream(file, std::string(name_of(device)), "arrival_ns");
-  raw.sent = read_stream(file, "sent", "sent_ns");
+    raw.received[device] = read_stream(file, std::string(name_of(device)), "arrival_ns", reference);
+  raw.sent = read_stream(file, "sent", "sent_ns", reference);
   auto events = file.group("/events");
   event_columns(events, raw.events);
   auto servo = file.group("/servo");
@@ -130,6 +141,7 @@ RawRecording read_recording(SessionFile& file) {
   raw.estimates = read_estimates(file);
   raw.complete = get_attribute<std::uint8_t>(file.id(), "closed_by_recorder") != 0;
   raw.end_time = host_time_ns(get_attribute<std::int64_t>(file.id(), "end_time_ns"));
+  if (!is_of_session(raw.end_time, reference)) throw Hdf5Failure("believe the time of its end");
   return raw;
 }
 

@@ -6,6 +6,8 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <functional>
+#include <limits>
 #include <random>
 
 #include "equality.h"
@@ -47,6 +49,28 @@ TEST_F(DamagedSession, WithADelayOfTheServoBeyondAnyClockIsRefused) {
   session.sync.servo.delay_s = 1e300;
   write_session(path(), session);
   EXPECT_EQ(read_and_compare(path(), session), refused);
+}
+
+TEST_F(DamagedSession, WithTimesThatNoRunLastsIsRefused) {
+  constexpr std::int64_t first_ns = std::numeric_limits<std::int64_t>::min();
+  constexpr std::int64_t last_ns = std::numeric_limits<std::int64_t>::max();
+  const std::vector<std::function<void(RawRecording&)>> damages{
+      [&](RawRecording& raw) { raw.received[Device::gyro].time_ns.back() = last_ns; },
+      [&](RawRecording& raw) { raw.sent.time_ns.front() = first_ns; },
+      [&](RawRecording& raw) { raw.end_time = host_time_ns(last_ns); },
+      [&](RawRecording& raw) { raw.header.time_reference = host_time_ns(2'000'000'000'000'000'000); }};
+  for (std::size_t i = 0; i < damages.size(); ++i) {
+    Session session = synthetic_session(20);
+    damages[i](session.raw);
+    const auto file = path(std::to_string(i) + ".h5");
+    write_session(file, session);
+    try {
+      read_raw(file);
+      ADD_FAILURE() << "damage " << i;
+    } catch (const Error& error) {
+      EXPECT_EQ(error.code(), ExitCode::not_a_session);
+    }
+  }
 }
 
 TEST_F(DamagedSession, CutAnywhereIsRefused) {

@@ -22,7 +22,7 @@ class AbsentCamera {
   AbsentCamera(const RigProfile& profile, HostTime since);
 
   /// What gyro and servo sent since, and the frames whose time has come, `before` real ones having been
-  /// there.
+  /// there. Of those that are due for longer than some seconds none is made: the next one says how many.
   void add(const pipeline::Streams& streams, HostTime now, std::uint64_t before);
   void finish();  // nothing more will come
 
@@ -33,6 +33,7 @@ class AbsentCamera {
   std::vector<pipeline::FramePair> take_pairs();  // later, with labels; every pixel is NaN
 
  private:
+  std::int64_t leave_out(HostTime now);
   void pair(std::vector<LabelledSample> samples);
 
   HostDuration period_;
