@@ -163,7 +163,7 @@ TEST_F(Live, RefusesWordsThatContradictEachOther) {
 TEST_F(Live, ASessionDoesNotSteerTheTerminal) {
   session::Session session = session::read_session(record_briefly());
   RecordingHeader& header = session.raw.header;
-  header.plan_name = header.environment = header.simulation =
+  header.plan_name = header.simulation =
       "tidy\x1b]0;title\x07\xc2\x9b"
       "2J";
   for (RecordingEvent& event : session.raw.events) event.message = "said\x1b[2J";
