@@ -209,6 +209,31 @@ TEST(LiveRecording, GoesOnByTimeWithoutACameraAndTellsTheGyroAgainstTheServo) {
   }
 }
 
+TEST(LiveRecording, RowsAndFramesOfOneIndexAreApartInTimeWhereTheCameraCameBack) {
+  const TemporaryFolder folder;
+  SimulatedBus bus(simulation::default_rig(3, "kitchen"));
+  bus.is_cut = [](Device device, HostTime now) {
+    const double now_s = to_s(now - HostTime{});
+    return device == Device::camera && now_s > 4.0 && now_s < 10.0;
+  };
+  Watched run(folder, simulation::default_profile());
+  run.options.recording.needed[Device::camera] = false;
+  const RecordingResult result = record_virtual(bus, run.options);
+  ASSERT_EQ(result.exit, ExitCode::finished_lossy) << result.message;
+  const session::Session session = session::read_session(result.session);
+  const std::vector<LiveEstimate>& rows = session.raw.estimates;
+  std::size_t of_frames = 0, of_others = 0;
+  for (std::size_t i = 0; i < rows.size() && i < session.samples.size(); ++i) {
+    ASSERT_EQ(rows[i].frame_index, i);
+    const bool is_its_own = std::isfinite(std::bit_cast<float>(run.rows[i].pixel_bits));
+    const double apart_s = std::abs(to_s(rows[i].time - session.samples[i].time));
+    EXPECT_EQ(apart_s <= session.frame_period_s / 2.0, is_its_own) << i;
+    ++(is_its_own ? of_frames : of_others);
+  }
+  EXPECT_GT(of_frames, 10U);
+  EXPECT_GT(of_others, 10U);
+}
+
 TEST(LiveRecording, EndsWhenNeitherCameraNorGyroIsThere) {
   const TemporaryFolder folder;
   SimulatedBus bus(simulation::default_rig(3, "kitchen"));
