@@ -17,7 +17,7 @@ namespace thermorig::web {
 namespace {
 
 [[noreturn]] void refuse_port(std::uint16_t port) {
-  throw Error(ExitCode::failed,
+  throw Error(ExitCode::no_permission,
               fmt::format("port {} is in use, perhaps by another live view that still runs", port),
               fmt::format("127.0.0.1:{}", port),
               "stop that program, or choose another port with --page-port (0: any that is free)");

@@ -396,7 +396,7 @@ TEST_F(RestartedServer, IsRefusedIfItsPortIsInUse) {
     start();
     FAIL() << "two servers on one port";
   } catch (const Error& error) {
-    EXPECT_EQ(error.code(), ExitCode::failed);
+    EXPECT_EQ(error.code(), ExitCode::no_permission);
     EXPECT_THAT(error.what_happened(), HasSubstr("in use"));
     EXPECT_THAT(error.advice(), HasSubstr("--page-port"));
   }

@@ -49,7 +49,7 @@ std::filesystem::path default_state_file();
 /// clients do costs the caller nothing but the copy of a message.
 class Server {
  public:
-  /// `ordered` is called on the server's thread. Throws Error(failed) if the port is in use, with what
+  /// `ordered` is called on the server's thread. Throws Error(no_permission) if the port is in use, with what
   /// to try, Error(storage) if the state file cannot be written.
   Server(const ServerOptions& options, std::function<void(const Order&)> ordered);
   ~Server();
