@@ -42,7 +42,7 @@ TEST_F(LiveDrill, GoesOnWithoutTheCamera) {
   const Outcome outcome = suffer(live, Mishap::camera_unplugged, 12);
   EXPECT_EQ(outcome.code, 3) << outcome.out << outcome.err;
   EXPECT_THAT(outcome.out, HasSubstr("without the camera"));
-  EXPECT_THAT(outcome.out, HasSubstr("check its cable"));
+  EXPECT_THAT(outcome.out, HasSubstr("check cable and power"));
   expect_rest(Mishap::camera_unplugged);
   const session::Session session = only_session();
   expect_complete(session);
