@@ -24,4 +24,8 @@ bool interrupted() {
   return seen;
 }
 
+void outlive_readers() {
+  std::signal(SIGPIPE, SIG_IGN);
+}
+
 }  // namespace thermorig::app

@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: MIT
-#include <csignal>
 #include <memory>
 
 #include "chosen_rig.h"
@@ -44,14 +43,6 @@ void watch(LiveRun& run, const ChosenModel& model, rig::RecordingOptions& record
   };
 }
 
-/// What the page and the run itself order.
-std::vector<rig::Order> orders_of(LiveRun& run, LivePage* page) {
-  std::vector<rig::Order> orders = run.take_orders();
-  if (page == nullptr) return orders;
-  for (rig::Order& order : page->take_orders()) orders.push_back(std::move(order));
-  return orders;
-}
-
 rig::RecordingResult drive_fast(const ChosenRig& rig, rig::RecordingOptions recording, LiveRun& run) {
   watch_interrupts();
   VirtualBus bus(*rig.simulated);
@@ -66,7 +57,6 @@ rig::RecordingResult drive_fast(const ChosenRig& rig, rig::RecordingOptions reco
 }
 
 rig::RecordingResult drive_ports(rig::RecordingOptions recording, LiveRun& run, LivePage* page) {
-  std::signal(SIGPIPE, SIG_IGN);  // a reader of our output that went away must not end a run
   rig::PortOptions options;
   options.recording = std::move(recording);
   options.orders = [&] { return orders_of(run, page); };
@@ -76,23 +66,11 @@ rig::RecordingResult drive_ports(rig::RecordingOptions recording, LiveRun& run, 
   return rig::record_ports(options);
 }
 
-/// Runs `drive`; whoever watches is told how it ended, be it by an Error.
-template <typename Drive>
-rig::RecordingResult told(LiveRun& run, Drive drive) {
-  try {
-    const rig::RecordingResult result = drive();
-    run.ended(end_of(result));
-    return result;
-  } catch (const Error& error) {
-    run.ended(end_of(error));
-    throw;
-  }
-}
-
 }  // namespace
 
 ExitCode run(const LiveOptions& options) {
   if (options.replay) return replay_live(options);
+  outlive_readers();
   check_recording_words(options.record);
   const ChosenRig rig = chosen_rig(options.record.rig, options.record.environment, needed);
   rig::SweepPlan plan = chosen_plan(options.record);
@@ -104,11 +82,7 @@ ExitCode run(const LiveOptions& options) {
   make_live(options, model, recording);
   const std::unique_ptr<LivePage> page =
       options.record.page.serve ? std::make_unique<LivePage>(options.record.page) : nullptr;
-  const std::unique_ptr<SimulatedPorts> ports =
-      options.record.fast ? nullptr : simulated_ports(rig, recording);  // outlives the recording
-  if (options.record.fast) recording.simulation = "virtual time, firmware's host build";
-  mark_pseudo_terminals(recording);
-  recording.simulation += simulated_parts(options.record.rig);
+  const auto ports = switch_on(options.record, rig, recording);  // outlives the recording
   LiveRun run(live_facts(LiveMode::live, options.record, recording), model.model);
   const LiveScreens screens(options, page.get(), run);
   watch(run, model, recording);

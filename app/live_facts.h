@@ -14,4 +14,17 @@ LiveFacts live_facts(LiveMode mode, const RecordOptions& options, const rig::Rec
 LiveEnd end_of(const rig::RecordingResult& result);
 LiveEnd end_of(const Error& error);
 
+/// Runs `drive`; `watcher` is told how it ended, be it by an Error.
+template <typename Watcher, typename Drive>
+rig::RecordingResult told(Watcher& watcher, Drive drive) {
+  try {
+    rig::RecordingResult result = drive();
+    watcher.ended(end_of(result));
+    return result;
+  } catch (const Error& error) {
+    watcher.ended(end_of(error));
+    throw;
+  }
+}
+
 }  // namespace thermorig::app

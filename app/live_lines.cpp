@@ -62,9 +62,8 @@ class LiveLines : public LiveScreen {
 };
 
 struct LiveJson : MessageSink {
-  void take(web::Topic topic, const std::string& message) override {
-    if (topic != web::Topic::image) print(message + "\n");
-  }
+  bool wants(web::Topic topic) const override { return topic != web::Topic::image; }
+  void take(web::Topic, const std::string& message) override { print(message + "\n"); }
 };
 
 }  // namespace

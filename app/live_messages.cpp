@@ -123,14 +123,6 @@ std::string name_of(LiveMode mode) {
   return mode == LiveMode::record ? "record" : "replay";
 }
 
-std::string name_of(EventKind kind) {
-  constexpr std::array<const char*, 13> names{
-      "info",        "warning", "device_lost", "device_back", "leg_start", "leg_end", "leg_repeated",
-      "servo_fault", "stopped", "finished",    "mark",        "missing",   "gate"};
-  static_assert(names.size() == static_cast<std::size_t>(last_event_kind) + 1);
-  return names[static_cast<std::size_t>(kind)];
-}
-
 std::string freshness(const TimedFrame& frame) {
   if (frame.fresh_even > 0 && frame.fresh_odd > 0) return "both";
   return frame.fresh_even > 0 || frame.fresh_odd > 0 ? "half" : "repeated";
@@ -162,8 +154,7 @@ json hello_message(const LiveFacts& facts) {
            {{"name", facts.plan_name},
             {"legs", facts.legs},
             {"frames_per_leg", facts.frames_per_leg},
-            {"expected_s", number(facts.expected_s)}}},
-          {"travel", json()}};
+            {"expected_s", number(facts.expected_s)}}}};
 }
 
 json state_message(const rig::RecordingProgress& progress, const LiveFacts& facts,
@@ -226,7 +217,7 @@ json image_message(const LiveFrame& frame, HostTime begin, bool mirrored) {
 json event_message(const RecordingEvent& event, HostTime begin) {
   return {{"event", "event"},
           {"time_s", seconds(event.time, begin)},
-          {"kind", name_of(event.kind)},
+          {"kind", event_kind_names[static_cast<std::size_t>(event.kind)]},
           {"source", event.source ? std::string(thermorig::name_of(*event.source)) : "host"},
           {"message", event.message}};
 }

@@ -63,6 +63,5 @@ nlohmann::json ended_message(const LiveEnd& end);
 std::vector<std::string> reason_texts(std::uint32_t bits);
 /// "both", "half" or "repeated": how many chess halves of the image are new.
 std::string freshness(const TimedFrame& frame);
-std::string name_of(EventKind kind);
 
 }  // namespace thermorig::app

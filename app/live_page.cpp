@@ -69,6 +69,13 @@ std::vector<rig::Order> LivePage::take_orders() {
   return std::exchange(parts_->orders, {});
 }
 
+std::vector<rig::Order> orders_of(LiveRun& run, LivePage* page) {
+  std::vector<rig::Order> orders = run.take_orders();
+  if (page == nullptr) return orders;
+  for (rig::Order& order : page->take_orders()) orders.push_back(std::move(order));
+  return orders;
+}
+
 void tell_page(const LivePage& page, bool json) {
   std::FILE* stream = json ? stderr : stdout;
   fmt::print(stream, "page  {}\n", page.url());

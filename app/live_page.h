@@ -14,7 +14,7 @@ namespace thermorig::app {
 /// The page of a run: it gets the messages, and gives orders.
 class LivePage : public MessageSink {
  public:
-  /// Throws Error(failed) if the port is in use, Error(storage) if its state cannot be kept.
+  /// Throws Error(no_permission) if the port is in use, Error(storage) if its state cannot be kept.
   explicit LivePage(const PageOptions& options);
   ~LivePage() override;
 
@@ -29,6 +29,9 @@ class LivePage : public MessageSink {
   struct Parts;
   std::unique_ptr<Parts> parts_;
 };
+
+/// What the run itself and its page, if there is one, order.
+std::vector<rig::Order> orders_of(LiveRun& run, LivePage* page);
 
 /// Prints where the page is, and what is to be said of its state file, once: on standard output or, where
 /// that is for programs, on standard error.

@@ -4,7 +4,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <csignal>
 #include <memory>
 #include <thread>
 
@@ -75,6 +74,8 @@ class Replayer {
     return true;
   }
 
+  std::string ending() const { return "stopped on request" + stopped_by_; }
+
  private:
   bool wait_for(HostTime time) {
     if (stopped()) return false;
@@ -86,10 +87,10 @@ class Replayer {
   }
 
   bool stopped() {
-    bool stop = interrupted();
-    if (page_ == nullptr) return stop;
-    for (const rig::Order& order : page_->take_orders()) stop = stop || order.kind == rig::OrderKind::stop;
-    return stop;
+    if (page_ != nullptr)
+      for (const rig::Order& order : page_->take_orders())
+        if (order.kind == rig::OrderKind::stop) stopped_by_ = " of " + order.note;
+    return interrupted() || !stopped_by_.empty();
   }
 
   /// The network's gate may collapse; of its own model the session has that event already.
@@ -113,7 +114,8 @@ class Replayer {
   rig::LiveReplay replay_;
   ReplayProgress progress_;
   Pace pace_;
-  bool same_model_;  // as when the session was made
+  bool same_model_;         // as when the session was made
+  std::string stopped_by_;  // " of the page"
   HostTime next_{}, next_wall_{};
 };
 
@@ -133,7 +135,7 @@ ExitCode replay_live(const LiveOptions& options) {
   require_existing(*options.replay);
   const RawRecording raw = session::read_raw(*options.replay);
   const ChosenModel model = read_live_model(options.model);
-  std::signal(SIGPIPE, SIG_IGN);
+  outlive_readers();
   watch_interrupts();
   const std::unique_ptr<LivePage> page =
       options.record.page.serve ? std::make_unique<LivePage>(options.record.page) : nullptr;
@@ -145,9 +147,10 @@ ExitCode replay_live(const LiveOptions& options) {
   for (const std::string& warning : warnings_of(model, header.simulated, header.frames_per_leg))
     run.warn(warning);
   const bool same_model = !model.facts.hash.empty() && model.facts.hash == raw.header.live_model.hash;
-  const bool finished = Replayer(options, raw, run, page.get(), same_model).play();
+  Replayer replayer(options, raw, run, page.get(), same_model);
+  const bool finished = replayer.play();
   const ExitCode code = finished ? ExitCode::ok : ExitCode::interrupted;
-  run.ended({static_cast<int>(code), finished ? "" : "stopped on request", "", options.replay->string()});
+  run.ended({static_cast<int>(code), finished ? "" : replayer.ending(), "", options.replay->string()});
   return code;
 }
 

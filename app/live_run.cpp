@@ -38,11 +38,17 @@ LiveRun::LiveRun(const LiveFacts& facts, const std::optional<model::Model>& mode
   if (model) scaling_ = model->scaling;
 }
 
+bool LiveRun::wanted(web::Topic topic) const {
+  return std::any_of(sinks_.begin(), sinks_.end(),
+                     [topic](const MessageSink* sink) { return sink->wants(topic); });
+}
+
 void LiveRun::publish(web::Topic topic, const nlohmann::json& message) {
-  if (sinks_.empty()) return;
+  if (!wanted(topic)) return;
   std::string text = json_line(message);
   text.pop_back();  // the line's end
-  for (MessageSink* sink : sinks_) sink->take(topic, text);
+  for (MessageSink* sink : sinks_)
+    if (sink->wants(topic)) sink->take(topic, text);
 }
 
 void LiveRun::begun(const RecordingHeader& header) {
@@ -61,10 +67,9 @@ LiveEstimate LiveRun::frame(const TimedFrame& frame, const LabelledSample& sampl
   const live::LiveScores scores = scorer_.scores();
   now_ = arrived;
   const LiveFrame seen{frame, sample, row, scores, asked ? took_us : std::nan("")};
-  if (!sinks_.empty()) {
-    publish(web::Topic::frame, frame_message(seen, begin_));
+  if (wanted(web::Topic::frame)) publish(web::Topic::frame, frame_message(seen, begin_));
+  if (wanted(web::Topic::image))
     publish(web::Topic::image, image_message(seen, begin_, facts_.header.profile.camera.mirrored));
-  }
   for (LiveScreen* screen : screens_) screen->frame(seen);
   if (++frames_ == scene_frame) warn_of_scene(frame.frame);
   warn_of_gate(scores);
@@ -95,7 +100,7 @@ void LiveRun::warn_of_gate(const live::LiveScores& scores) {
 void LiveRun::progress(const rig::RecordingProgress& progress) {
   now_ = progress.time;
   for (const RecordingEvent& event : progress.events) tell(event);
-  if (!sinks_.empty()) {
+  if (wanted(web::Topic::state)) {
     const auto free = facts_.recording ? free_bytes(facts_.output) : std::nullopt;
     publish(web::Topic::state, state_message(progress, facts_, free));
   }
@@ -104,8 +109,8 @@ void LiveRun::progress(const rig::RecordingProgress& progress) {
 
 void LiveRun::tell(const RecordingEvent& event) {
   publish(web::Topic::event, event_message(event, begin_));
-  const bool is_leg = event.kind == EventKind::leg_start || event.kind == EventKind::leg_end;
-  if (!is_leg) note(event.message);
+  if (event.kind == EventKind::leg_start || event.kind == EventKind::leg_end) return;
+  note(event.kind == EventKind::mark ? "mark " + event.message : event.message);
 }
 
 void LiveRun::warn(const std::string& sentence) {

@@ -18,6 +18,7 @@ namespace thermorig::app {
 /// Takes the messages of docs/live_messages.md: standard output, the page.
 struct MessageSink {
   virtual ~MessageSink() = default;
+  virtual bool wants(web::Topic) const { return true; }
   virtual void take(web::Topic topic, const std::string& message) = 0;
 };
 
@@ -53,6 +54,7 @@ class LiveRun {
   live::LiveScores scores() const { return scorer_.scores(); }
 
  private:
+  bool wanted(web::Topic topic) const;
   void publish(web::Topic topic, const nlohmann::json& message);
   void warn_of_scene(const ThermalFrame& frame);
   void warn_of_gate(const live::LiveScores& scores);

@@ -5,7 +5,7 @@
 
 #include "live_lines.h"
 #include "live_tui.h"
-#include "thermorig/io/host.h"
+#include "output.h"
 
 namespace thermorig::app {
 
@@ -14,9 +14,10 @@ LiveScreens::LiveScreens(const LiveOptions& options, LivePage* page, LiveRun& ru
     json_ = make_live_json();
     run.add(*json_);
   } else {
-    const bool drawable = io::is_terminal(fileno(stdout));
+    const bool drawable = escapes_allowed(stdout);
     if (options.tui && !drawable)
-      std::fputs("--tui needs a terminal, and this is none: plain lines\n", stderr);
+      std::fputs("--tui needs a terminal that takes escape codes (no NO_COLOR, no TERM=dumb): plain lines\n",
+                 stderr);
     screen_ = options.tui && drawable ? make_live_tui(terminal_colours()) : make_live_lines();
     run.add(*screen_);
   }

@@ -123,9 +123,7 @@ class LiveTui : public LiveScreen {
   std::string erasing() const { return lines_ == 0 ? "" : fmt::format("\x1b[{}A\x1b[J", lines_); }
 
   void draw(const LiveFrame& frame) {
-    std::string text;
-    if (colours_ != Colours::none)
-      text += half_blocks(frame.frame.frame, facts_.header.profile.camera.mirrored, colours_);
+    std::string text = half_blocks(frame.frame.frame, facts_.header.profile.camera.mirrored, colours_);
     const Range range = range_of(frame.frame.frame);
     std::string figures =
         fmt::format("{:.1f} to {:.1f} degC, {}\n", range.low, range.high, freshness(frame.frame));
@@ -165,8 +163,6 @@ class LiveTui : public LiveScreen {
 }  // namespace
 
 Colours terminal_colours() {
-  const char* no_color = std::getenv("NO_COLOR");
-  if (no_color != nullptr && *no_color != '\0') return Colours::none;
   const char* color_term = std::getenv("COLORTERM");
   const std::string_view says = color_term == nullptr ? "" : color_term;
   return says == "truecolor" || says == "24bit" ? Colours::true_colour : Colours::cube;

@@ -8,9 +8,9 @@
 
 namespace thermorig::app {
 
-enum class Colours : std::uint8_t { none, cube, true_colour };
+enum class Colours : std::uint8_t { cube, true_colour };
 
-/// What this terminal can show: COLORTERM says 24 bits, NO_COLOR none, else the cube of 256.
+/// What this terminal can show: COLORTERM says 24 bits, else the cube of 256.
 Colours terminal_colours();
 
 /// The image in half blocks, two pixels a character, 12 lines: natural orientation, 2nd to 98th percentile.

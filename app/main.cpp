@@ -33,7 +33,8 @@ int run(int argc, const char* const* argv) {
 
 int flushed(int code) {
   if (std::fflush(stdout) == 0 && std::ferror(stdout) == 0) return code;
-  throw Error(ExitCode::storage, "the output could not be written", "standard output", "free some space");
+  throw Error(ExitCode::storage, "the output could not be written", "standard output",
+              "free some space; where another program read it, keep that one running");
 }
 
 }  // namespace

@@ -17,10 +17,4 @@ RecordPage::RecordPage(const RecordOptions& options, rig::RecordingOptions& reco
   };
 }
 
-std::vector<rig::Order> RecordPage::take_orders() {
-  std::vector<rig::Order> orders = run_.take_orders();
-  for (rig::Order& order : page_.take_orders()) orders.push_back(std::move(order));
-  return orders;
-}
-
 }  // namespace thermorig::app

@@ -17,7 +17,7 @@ class RecordPage {
   RecordPage(const RecordOptions& options, rig::RecordingOptions& recording);
 
   void progress(const rig::RecordingProgress& progress) { run_.progress(progress); }
-  std::vector<rig::Order> take_orders();
+  std::vector<rig::Order> take_orders() { return orders_of(run_, &page_); }
   void ended(const LiveEnd& end) { run_.ended(end); }
 
  private:

@@ -3,7 +3,6 @@
 
 #include <fmt/format.h>
 
-#include <csignal>
 #include <memory>
 #include <nlohmann/json.hpp>
 
@@ -90,7 +89,6 @@ class CpuShare {
 
 rig::RecordingResult record_on_ports(rig::RecordingOptions recording, ProgressOutput& output, CpuShare& cpu,
                                      RecordPage* page) {
-  std::signal(SIGPIPE, SIG_IGN);  // a reader of our output that went away must not end a recording
   rig::PortOptions options;
   options.recording = std::move(recording);
   options.progress = [&](const rig::RecordingProgress& progress) {
@@ -100,15 +98,8 @@ rig::RecordingResult record_on_ports(rig::RecordingOptions recording, ProgressOu
   };
   if (page != nullptr) options.orders = [page] { return page->take_orders(); };
   options.notice = [&](const std::string& sentence) { output.note(sentence); };
-  if (page == nullptr) return rig::record_ports(options);
-  try {
-    rig::RecordingResult result = rig::record_ports(options);
-    page->ended(end_of(result));
-    return result;
-  } catch (const Error& error) {
-    page->ended(end_of(error));
-    throw;
-  }
+  const auto drive = [&] { return rig::record_ports(options); };
+  return page == nullptr ? drive() : told(*page, drive);
 }
 
 }  // namespace
@@ -127,19 +118,16 @@ void check_recording_words(const RecordOptions& options) {
 }
 
 RecordSummary record_session(const RecordOptions& options, const ChosenRig& rig, const rig::SweepPlan& plan) {
+  outlive_readers();
   rig::RecordingOptions recording = recording_options(options, rig, plan);
   RecordSummary summary;
   summary.plan = plan;
   const HostTime begin = io::now();
+  const auto ports = switch_on(options, rig, recording);  // outlives the recording
+  announce(recording, options.json);
   if (options.fast) {
-    recording.simulation = "virtual time, firmware's host build" + simulated_parts(options.rig);
-    announce(recording, options.json);
     summary.result = record_fast(rig, std::move(recording), *make_progress_output(options.json));
   } else {
-    const std::unique_ptr<SimulatedPorts> ports = simulated_ports(rig, recording);  // outlives the recording
-    mark_pseudo_terminals(recording);
-    recording.simulation += simulated_parts(options.rig);
-    announce(recording, options.json);
     CpuShare cpu;
     const std::unique_ptr<RecordPage> page =
         options.page.serve ? std::make_unique<RecordPage>(options, recording) : nullptr;

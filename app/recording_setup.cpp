@@ -10,6 +10,38 @@
 
 namespace thermorig::app {
 
+namespace {
+
+/// What the simulated rig differs in from the default one, for the session's own description of it.
+std::string simulated_parts(const RigOptions& rig) {
+  std::string parts;
+  if (rig.simulated_servo) parts += ", servo " + *rig.simulated_servo;
+  if (rig.simulated_camera) parts += ", camera " + *rig.simulated_camera;
+  if (rig.simulated_gyro) parts += ", gyro " + *rig.simulated_gyro;
+  return parts;
+}
+
+void mark_pseudo_terminals(rig::RecordingOptions& recording) {
+  const auto is_pseudo = [&](Device device) {
+    const std::string& port = recording.profile.link(device).port;
+    return !port.empty() && io::is_pseudo_terminal(port);
+  };
+  if (std::none_of(all_devices.begin(), all_devices.end(), is_pseudo)) return;
+  recording.simulated = true;
+  recording.simulation = "pseudo terminals, whatever program serves them";
+}
+
+std::unique_ptr<SimulatedPorts> simulated_ports(const simulation::VirtualRigConfig& config,
+                                                rig::RecordingOptions& recording) {
+  auto ports = std::make_unique<SimulatedPorts>(config, FirmwareChoice::avr_image);
+  for (Device device : all_devices) recording.profile.link(device).port = ports->paths()[device];
+  recording.simulation = "ports, " + ports->firmware_description();
+  ports->start();
+  return ports;
+}
+
+}  // namespace
+
 rig::RecordingOptions recording_options(const RecordOptions& options, const ChosenRig& rig,
                                         const rig::SweepPlan& plan) {
   rig::RecordingOptions recording;
@@ -33,30 +65,16 @@ rig::SweepPlan chosen_plan(const RecordOptions& options) {
   return rig::load_plan(options.plan, options.environment, options.rig.simulated_seed.value_or(1), overrides);
 }
 
-std::string simulated_parts(const RigOptions& rig) {
-  std::string parts;
-  if (rig.simulated_servo) parts += ", servo " + *rig.simulated_servo;
-  if (rig.simulated_camera) parts += ", camera " + *rig.simulated_camera;
-  if (rig.simulated_gyro) parts += ", gyro " + *rig.simulated_gyro;
-  return parts;
-}
-
-void mark_pseudo_terminals(rig::RecordingOptions& recording) {
-  const auto is_pseudo = [&](Device device) {
-    const std::string& port = recording.profile.link(device).port;
-    return !port.empty() && io::is_pseudo_terminal(port);
-  };
-  if (recording.simulated || std::none_of(all_devices.begin(), all_devices.end(), is_pseudo)) return;
-  recording.simulated = true;
-  recording.simulation = "pseudo terminals, whatever program serves them";
-}
-
-std::unique_ptr<SimulatedPorts> simulated_ports(const ChosenRig& rig, rig::RecordingOptions& recording) {
-  if (!rig.simulated) return nullptr;
-  auto ports = std::make_unique<SimulatedPorts>(*rig.simulated, FirmwareChoice::avr_image);
-  for (Device device : all_devices) recording.profile.link(device).port = ports->paths()[device];
-  recording.simulation = "ports, " + ports->firmware_description();
-  ports->start();
+std::unique_ptr<SimulatedPorts> switch_on(const RecordOptions& options, const ChosenRig& rig,
+                                          rig::RecordingOptions& recording) {
+  std::unique_ptr<SimulatedPorts> ports;
+  if (options.fast)
+    recording.simulation = "virtual time, firmware's host build";
+  else if (rig.simulated)
+    ports = simulated_ports(*rig.simulated, recording);
+  else
+    mark_pseudo_terminals(recording);
+  recording.simulation += simulated_parts(options.rig);
   return ports;
 }
 

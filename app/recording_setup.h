@@ -18,15 +18,11 @@ rig::RecordingOptions recording_options(const RecordOptions& options, const Chos
 /// The plan that the command line names, with what it changes in it. Throws Error(bad_usage).
 rig::SweepPlan chosen_plan(const RecordOptions& options);
 
-/// What the simulated rig differs in from the default one, for the session's own description of it.
-std::string simulated_parts(const RigOptions& rig);
-
-/// A program stands behind a pseudo terminal, `thermorig simulate` more often than not: what comes from one
-/// must not pass for real data.
-void mark_pseudo_terminals(rig::RecordingOptions& recording);
-
-/// Switches a simulated rig on and gives its ports to the recording, which then uses them as it uses any
-/// other. Nothing for a real rig.
-std::unique_ptr<SimulatedPorts> simulated_ports(const ChosenRig& rig, rig::RecordingOptions& recording);
+/// Switches a simulated rig on, but in virtual time, and gives its ports to the recording, which then uses
+/// them as it uses any other; nothing for a real rig. Says in the recording whether and how it is simulated:
+/// a program stands behind a pseudo terminal, `thermorig simulate` more often than not, and what comes from
+/// one must not pass for real data.
+std::unique_ptr<SimulatedPorts> switch_on(const RecordOptions& options, const ChosenRig& rig,
+                                          rig::RecordingOptions& recording);
 
 }  // namespace thermorig::app

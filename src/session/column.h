@@ -19,10 +19,14 @@ struct Flags {
   std::vector<std::string_view> meanings;  // words, in the order of `values`
 };
 
-inline Flags flag_values(std::initializer_list<std::string_view> meanings) {
-  Flags flags{Flags::Kind::values, {}, meanings};
+inline Flags flag_values(std::span<const std::string_view> meanings) {
+  Flags flags{Flags::Kind::values, {}, {meanings.begin(), meanings.end()}};
   for (std::uint32_t i = 0; i < meanings.size(); ++i) flags.values.push_back(i);
   return flags;
+}
+
+inline Flags flag_values(std::initializer_list<std::string_view> meanings) {
+  return flag_values(std::span(meanings.begin(), meanings.size()));
 }
 
 inline Flags flag_masks(std::span<const std::string_view> meanings) {

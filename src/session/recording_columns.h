@@ -33,10 +33,8 @@ void event_columns(Archive& archive, Rows& events) {
   archive.time_axis(
       {"time", "s", "time since time_reference [s]"}, events, [](auto& row) -> auto& { return row.time; });
   archive.template column<std::uint8_t>(
-      {"kind", "1", "kind of the event", "",
-       flag_values({"info", "warning", "device_lost", "device_back", "leg_start", "leg_end", "leg_repeated",
-                    "servo_fault", "stopped", "finished", "mark", "missing", "gate"})},
-      events, [](const auto& row) { return row.kind; },
+      {"kind", "1", "kind of the event", "", flag_values(event_kind_names)}, events,
+      [](const auto& row) { return row.kind; },
       [](auto& row, std::uint8_t value) { row.kind = checked_enum(value, last_event_kind); });
   archive.template column<std::uint8_t>(
       {"source",

@@ -5,6 +5,7 @@
 
 #include <chrono>
 #include <cmath>
+#include <filesystem>
 #include <fstream>
 #include <iterator>
 #include <set>
@@ -65,7 +66,7 @@ TEST_F(Live, PrintsTheDocumentedMessages) {
   EXPECT_EQ(keys_of(lines.front()),
             (std::set<std::string>{"event", "version", "run", "mode", "recording", "simulated", "simulation",
                                    "environment", "acquisition", "start_utc", "control", "frame_rate_hz",
-                                   "model", "plan", "travel"}));
+                                   "model", "plan"}));
   EXPECT_EQ(lines.front()["event"], "hello");
   EXPECT_THAT(lines.front()["run"].get<std::string>(), MatchesRegex("[0-9a-f]{16}"));
   EXPECT_EQ(lines.front()["mode"], "live");
@@ -211,9 +212,27 @@ TEST_F(Live, DrawsTheImageOnATerminalAndLeavesItAsItWas) {
   EXPECT_THAT(colour.out, HasSubstr("\x1b[38;2;"));
   EXPECT_EQ(colour.out.find("\x1b[?"), std::string::npos);  // no mode was changed
   EXPECT_GT(colour.out.rfind("\x1b[0m"), colour.out.rfind("\x1b[38;2;"));
-  const Outcome plain = run_on_terminal("NO_COLOR=1 TERM=xterm", words);
-  EXPECT_THAT(plain.out, Not(HasSubstr("\u2580")));
-  EXPECT_THAT(plain.out, HasSubstr("degC"));
+}
+
+TEST_F(Live, KeepsItsSessionWhenTheReaderOfItsOutputGoesAway) {
+  const std::string command = "cd '" + folder().string() +
+                              "' && '" THERMORIG_PROGRAM
+                              "' live --simulated=3 --fast --json --record -o kept 2>errors.txt | head -n 1";
+  ASSERT_EQ(std::system(command.c_str()), 0);
+  std::vector<std::string> kinds;
+  for (const auto& entry : std::filesystem::directory_iterator(folder() / "kept" / "laboratory"))
+    kinds.push_back(entry.path().extension());
+  EXPECT_THAT(kinds, testing::Contains(".h5"));
+  EXPECT_THAT(kinds, Not(testing::Contains(".journal")));
+}
+
+TEST_F(Live, WritesNoEscapeCodeWhereNoneIsAllowed) {
+  const std::string words = "live --simulated=3 --fast --tui --model model.onnx " + plan;
+  for (const char* setting : {"NO_COLOR=1 TERM=xterm", "TERM=dumb"}) {
+    const Outcome plain = run_on_terminal(setting, words);
+    EXPECT_THAT(plain.out, Not(HasSubstr("\x1b["))) << setting;
+    EXPECT_THAT(plain.out, HasSubstr("frames counted")) << setting;
+  }
 }
 
 TEST_F(Live, StopsTheServoInALegOnInterruptAndSaysHowItEnded) {

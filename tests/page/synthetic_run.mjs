@@ -8,7 +8,7 @@ const framesOfLeg = 24;
 export function hello(changes = {}) {
   return { event: 'hello', version: '0.1.0', run: '0123456789abcdef', mode: 'live', recording: true, simulated: true, simulation: 'ports, seed 1', environment: 'garden',
     acquisition: 3, start_utc: '2026-01-02T03:04:05Z', control: false, frame_rate_hz: 8, model: { name: 'model.onnx', frames: 3, reduction: 1,
-      fusion: true, simulated: true }, plan: { name: 'paper', legs: 38, frames_per_leg: 40, expected_s: 358 }, travel: null, ...changes };
+      fusion: true, simulated: true }, plan: { name: 'paper', legs: 38, frames_per_leg: 40, expected_s: 358 }, ...changes };
 }
 
 const legOf = (index) => Math.floor(index / framesOfLeg);

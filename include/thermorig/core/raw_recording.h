@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "thermorig/core/chunk.h"
@@ -57,6 +59,12 @@ enum class EventKind : std::uint8_t {
   gate = 12,     // the network's gate has collapsed
 };
 inline constexpr EventKind last_event_kind = EventKind::gate;
+
+/// Names in the order of the numbers, as in the file's `flag_meanings` and in messages.
+inline constexpr std::array<std::string_view, 13> event_kind_names{
+    "info",        "warning", "device_lost", "device_back", "leg_start", "leg_end", "leg_repeated",
+    "servo_fault", "stopped", "finished",    "mark",        "missing",   "gate"};
+static_assert(event_kind_names.size() == static_cast<std::size_t>(last_event_kind) + 1);
 
 /// Something that happened during a recording, besides bytes.
 struct RecordingEvent {
