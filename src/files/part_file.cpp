@@ -1,13 +1,10 @@
 // SPDX-License-Identifier: MIT
 #include "thermorig/files/part_file.h"
 
-#include <fcntl.h>
 #include <fmt/format.h>
-#include <sys/stat.h>
 #include <unistd.h>
 
 #include <cerrno>
-#include <cstdio>
 #include <cstring>
 #include <utility>
 
@@ -36,18 +33,31 @@ std::string usual_advice(int error_number) {
   }
 }
 
-PartFile::PartFile(std::filesystem::path path, std::string noun, Advice advice)
-    : path_(std::move(path)),
+PartFile::PartFile(std::filesystem::path path, std::string noun, Advice advice, Disk& disk)
+    : disk_(disk),
+      path_(std::move(path)),
       part_path_(fmt::format("{}.{}.part", path_.string(), ::getpid())),
       noun_(std::move(noun)),
       advice_(advice) {
-  descriptor_ = ::open(part_path_.c_str(), O_RDWR | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, 0644);
-  if (descriptor_ < 0) refuse("cannot create " + noun_, errno, part_path_);
+  auto created = disk_.create(part_path_, 0644);
+  if (created.error_number == EEXIST && remove_abandoned()) created = disk_.create(part_path_, 0644);
+  if (!created.good()) refuse("cannot create " + noun_, created.error_number, part_path_);
+  file_ = created.value;
+  disk_.lock(file_, Disk::Wait::no);  // tells the next of this number that it is being written
+}
+
+/// Of a program of our process number that was killed: in a container it is often the same.
+bool PartFile::remove_abandoned() {
+  const auto opened = disk_.open_to_lock(part_path_);
+  if (!opened.good()) return false;
+  const ClosedOnExit file(disk_, opened.value);
+  return disk_.size(file.get()).good() && disk_.lock(file.get(), Disk::Wait::no) == 0 &&
+         disk_.remove(part_path_) == 0;
 }
 
 PartFile::~PartFile() {
-  ::close(descriptor_);
-  if (!published_) ::unlink(part_path_.c_str());
+  if (file_ != OpenFile::none) disk_.close(file_);
+  if (!published_) disk_.remove(part_path_);
 }
 
 void PartFile::refuse(const std::string& action, int error_number, const std::filesystem::path& where) const {
@@ -57,41 +67,61 @@ void PartFile::refuse(const std::string& action, int error_number, const std::fi
 
 void PartFile::write(std::span<const std::byte> bytes) {
   while (!bytes.empty()) {
-    const ssize_t count = ::write(descriptor_, bytes.data(), bytes.size());
-    if (count < 0 && errno != EINTR)
-      refuse(fmt::format("cannot write {} ({} bytes missing)", noun_, bytes.size()), errno, part_path_);
-    if (count > 0) bytes = bytes.subspan(static_cast<std::size_t>(count));
+    const auto written = disk_.append(file_, {&bytes, 1});
+    if (!written.good() || written.value == 0) {
+      is_whole_ = false;
+      refuse(fmt::format("cannot write {} ({} bytes missing)", noun_, bytes.size()),
+             written.good() ? ENOSPC : written.error_number, part_path_);
+    }
+    bytes = bytes.subspan(written.value);
   }
 }
 
+std::uint64_t PartFile::size() const {
+  const auto size = disk_.size(file_);
+  if (!size.good()) refuse("cannot read back " + noun_, size.error_number, part_path_);
+  return size.value;
+}
+
+std::vector<std::byte> PartFile::read_back() const {
+  std::vector<std::byte> bytes(size());
+  const auto count = disk_.read(file_, 0, bytes);
+  if (!count.good()) refuse("cannot read back " + noun_, count.error_number, part_path_);
+  bytes.resize(count.value);
+  return bytes;
+}
+
 void PartFile::sync() {
-  if (::fsync(descriptor_) != 0) refuse("cannot sync " + noun_, errno, part_path_);
+  const int error_number = disk_.sync(file_);
+  is_whole_ = is_whole_ && error_number == 0;
+  if (error_number != 0) refuse("cannot sync " + noun_, error_number, part_path_);
 }
 
-int PartFile::rename_to_new() const {
-  const int result = ::renameat2(AT_FDCWD, part_path_.c_str(), AT_FDCWD, path_.c_str(), RENAME_NOREPLACE);
-  if (result == 0 || (errno != EINVAL && errno != ENOSYS)) return result;
-  // A file system without RENAME_NOREPLACE: a hard link refuses an existing name as well.
-  if (::link(part_path_.c_str(), path_.c_str()) != 0) return -1;
-  return ::unlink(part_path_.c_str());
+int PartFile::rename_unless_taken() {
+  const auto taken = disk_.look(path_);
+  if (!taken.good()) return taken.error_number;
+  return taken.value == FileKind::missing ? disk_.rename(part_path_, path_) : EEXIST;
 }
 
-void PartFile::sync_folder() const {
-  const auto folder_path = path_.has_parent_path() ? path_.parent_path() : std::filesystem::path(".");
-  const int folder = ::open(folder_path.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-  if (folder < 0) refuse("cannot open the folder", errno, folder_path);
-  const int result = ::fsync(folder);
-  const int error_number = errno;
-  ::close(folder);
-  // Some file systems (FUSE, network) do not sync folders; there is nothing better to do there.
-  if (result != 0 && error_number != EINVAL) refuse("cannot sync the folder", error_number, folder_path);
+int PartFile::rename_to_new() {
+  const int result = disk_.rename_to_new(part_path_, path_);
+  if (result != EINVAL && result != ENOSYS) return result;
+  // A file system without such a rename: a hard link refuses an existing name as well.
+  const int linked = disk_.link(part_path_, path_);
+  if (linked == EPERM || linked == EOPNOTSUPP || linked == ENOSYS) return rename_unless_taken();
+  if (linked == 0) disk_.remove(part_path_);  // the file has its name: an older one beside it does no harm
+  return linked;
 }
 
 void PartFile::publish(bool overwrite) {
-  const int result = overwrite ? ::rename(part_path_.c_str(), path_.c_str()) : rename_to_new();
-  if (result != 0) refuse("cannot name " + noun_, errno, path_);
+  if (!is_whole_) refuse("cannot name " + noun_, EIO, path_);  // a later sync that succeeds proves nothing
+  const int closed = disk_.close(std::exchange(file_, OpenFile::none));
+  if (closed != 0) refuse("cannot close " + noun_, closed, part_path_);
+  const int named = overwrite ? disk_.rename(part_path_, path_) : rename_to_new();
+  if (named != 0) refuse("cannot name " + noun_, named, path_);
   published_ = true;
-  sync_folder();
+  const int synced = disk_.sync_folder(folder_of(path_));
+  if (synced != 0) refuse("cannot sync the folder", synced, folder_of(path_));
 }
 
 }  // namespace thermorig::files

@@ -14,8 +14,11 @@ constexpr double late_limit_periods = 0.5;
 constexpr std::size_t queue_frames =
     48;  // what a port's buffers hold at most: 64 kB of 1.5 kB frames, rounded up
 constexpr double schedule_gain = 0.1;  // how fast the live schedule follows frames that are a little late
+constexpr double catching_up_gain =
+    0.5;  // the same for the last of those that queued up, nearly on time again
 constexpr std::size_t least_intervals = 4;    // before a measured period is believed
 constexpr std::size_t confirming_frames = 4;  // late in a row, before frames are called missing
+constexpr double confirming_s = 0.5;          // the same of a fast camera's, at least
 constexpr auto most_missing = static_cast<double>(std::numeric_limits<std::uint16_t>::max());
 
 enum class Witness : std::uint8_t { unsure, none_missing, some_missing };
@@ -79,9 +82,23 @@ LiveFrameGaps::LiveFrameGaps(double frame_period_s) : period_s_(frame_period_s) 
   assert(frame_period_s > 0.0);
 }
 
-/// The median of the last intervals: a late read or a missing frame among them does not move it.
+/// What queued up comes at once.
+bool LiveFrameGaps::catches_up(HostTime time) const {
+  return to_s(time - *before_) < late_limit_periods * period_s_;
+}
+
+/// The median of the last intervals: a late read or a missing frame among them does not move it. Frames that
+/// came together share the time since the one ahead of them, and less than half of the places.
 void LiveFrameGaps::learn_period(HostTime time) {
-  intervals_s_[interval_count_++ % kept_intervals] = to_s(time - *before_);
+  if (!catches_up(time)) {
+    queue_begin_ = *before_;
+    queue_length_ = 0;
+  }
+  ++queue_length_;
+  const std::size_t places = std::min(queue_length_, kept_intervals / 2);
+  if (places == queue_length_) ++interval_count_;
+  const double shared_s = to_s(time - queue_begin_) / static_cast<double>(queue_length_);
+  for (std::size_t i = 1; i <= places; ++i) intervals_s_[(interval_count_ - i) % kept_intervals] = shared_s;
   if (interval_count_ < least_intervals) return;
   const std::size_t count = std::min(interval_count_, kept_intervals);
   std::array<double, kept_intervals> sorted = intervals_s_;
@@ -91,8 +108,12 @@ void LiveFrameGaps::learn_period(HostTime time) {
 
 std::uint16_t LiveFrameGaps::missing(double late_periods, const TimedFrame& frame, CameraMode mode) {
   const Witness halves = halves_of(frame, mode);
-  late_frames_ = late_periods > late_limit_periods ? late_frames_ + 1 : 0;
-  const std::size_t patience = halves == Witness::none_missing ? queue_frames : confirming_frames;
+  const bool stays_late = late_periods > late_limit_periods && !catches_up(frame.stamp.time);
+  late_frames_ = stays_late ? late_frames_ + 1 : 0;
+  // A system that is late is so for a time, not for a number of frames.
+  const auto confirming = std::max(confirming_frames, static_cast<std::size_t>(confirming_s / period_s_));
+  const std::size_t patience =
+      halves == Witness::none_missing ? std::max(queue_frames, confirming) : confirming;
   if (halves != Witness::some_missing && late_frames_ < patience) return 0;
   late_frames_ = 0;
   return std::max<std::uint16_t>(whole_periods(late_periods), 1);
@@ -102,15 +123,19 @@ FrameGap LiveFrameGaps::push(const TimedFrame& frame, CameraMode mode) {
   const HostTime time = frame.stamp.time;
   FrameGap gap;
   double late_periods = 0.0;
+  double gain = schedule_gain;
   if (before_) {
     learn_period(time);
+    if (catches_up(time)) gain = catching_up_gain;
     late_periods = to_s(time - expected_) / period_s_;
     gap.missing = missing(late_periods, frame, mode);
     late_periods -= gap.missing;
     gap.late = late_periods > late_limit_periods;
   }
-  // A little late: the schedule follows slowly. Very late: a stall, which says nothing about the schedule.
-  const double kept_periods = gap.late ? late_periods : (1.0 - schedule_gain) * std::max(0.0, late_periods);
+  // A little late: the schedule follows slowly. Very late: a stall, which says nothing about the schedule,
+  // but for the last of those that queued up.
+  const bool is_stalled = late_periods > (gain > schedule_gain ? 1.0 : late_limit_periods);
+  const double kept_periods = is_stalled ? late_periods : (1.0 - gain) * std::max(0.0, late_periods);
   expected_ = time + from_s((1.0 - kept_periods) * period_s_);
   before_ = time;
   return gap;

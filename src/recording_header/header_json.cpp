@@ -1,10 +1,30 @@
 // SPDX-License-Identifier: MIT
 #include "thermorig/recording_header/header_json.h"
 
+#include <array>
 #include <nlohmann/json.hpp>
+#include <stdexcept>
+#include <type_traits>
+#include <utility>
 
 #include "header_check.h"
 #include "thermorig/core/error.h"
+
+namespace thermorig {
+namespace {
+
+/// The library casts whatever number stands there. Throws std::out_of_range.
+template <typename Integer>
+Integer whole_number(const nlohmann::json& in) {
+  const bool fits = in.is_number_unsigned()
+                        ? std::in_range<Integer>(in.get<std::uint64_t>())
+                        : in.is_number_integer() && std::in_range<Integer>(in.get<std::int64_t>());
+  if (!fits) throw std::out_of_range(in.dump() + " is no whole number, or too large");
+  return in.get<Integer>();
+}
+
+}  // namespace
+}  // namespace thermorig
 
 // Keys are the members' names: one list serves both directions. Keys that came after format 1.0.0 may be
 // absent: their members keep the defaults.
@@ -14,7 +34,7 @@ template <>
 struct adl_serializer<thermorig::HostTime> {
   static void to_json(json& out, const thermorig::HostTime& time) { out = thermorig::to_ns(time); }
   static void from_json(const json& in, thermorig::HostTime& time) {
-    time = thermorig::host_time_ns(in.get<std::int64_t>());
+    time = thermorig::host_time_ns(thermorig::whole_number<std::int64_t>(in));
   }
 };
 
@@ -24,7 +44,7 @@ struct adl_serializer<std::optional<std::uint64_t>> {
     out = value ? json(*value) : json(nullptr);
   }
   static void from_json(const json& in, std::optional<std::uint64_t>& value) {
-    value = in.is_null() ? std::nullopt : std::optional(in.get<std::uint64_t>());
+    value = in.is_null() ? std::nullopt : std::optional(thermorig::whole_number<std::uint64_t>(in));
   }
 };
 
@@ -39,7 +59,6 @@ NLOHMANN_JSON_SERIALIZE_ENUM(GyroProtocol,
                              {{GyroProtocol::witmotion, "witmotion"}, {GyroProtocol::text, "text"}})
 NLOHMANN_JSON_SERIALIZE_ENUM(ServoKind,
                              {{ServoKind::positional, "positional"}, {ServoKind::continuous, "continuous"}})
-NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(TextColumns, prefix, rate, scale_dps, time, time_unit_s)
 
 namespace {
 
@@ -57,17 +76,39 @@ struct Writer {
   }
 };
 
+template <typename Value>
+void read(const json& in, Value& value) {
+  if constexpr (std::is_integral_v<Value> && !std::is_same_v<Value, bool>)
+    value = whole_number<Value>(in);
+  else
+    in.get_to(value);
+}
+
+template <typename Value, std::size_t size>
+void read(const json& in, std::array<Value, size>& values) {
+  for (std::size_t i = 0; i < size; ++i) read(in.at(i), values[i]);
+}
+
 struct Reader {
   const json& in;
   template <typename Value>
   void required(const char* key, Value& value) const {
-    in.at(key).get_to(value);
+    read(in.at(key), value);
   }
   template <typename Value>
   void later(const char* key, Value& value) const {
-    if (const auto found = in.find(key); found != in.end()) found->get_to(value);
+    if (const auto found = in.find(key); found != in.end()) read(*found, value);
   }
 };
+
+template <typename Keys, typename Columns>
+void text_keys(const Keys& keys, Columns& columns) {
+  keys.required("prefix", columns.prefix);
+  keys.required("rate", columns.rate);
+  keys.required("scale_dps", columns.scale_dps);
+  keys.required("time", columns.time);
+  keys.required("time_unit_s", columns.time_unit_s);
+}
 
 template <typename Keys, typename Link>
 void port_keys(const Keys& keys, Link& link) {
@@ -129,8 +170,26 @@ void servo_keys(const Keys& keys, Servo& servo) {
   keys.later("scale_measured_utc", servo.scale_measured_utc);
 }
 
+template <typename Keys, typename Model>
+void live_model_keys(const Keys& keys, Model& model) {
+  keys.required("name", model.name);
+  keys.required("hash", model.hash);
+  keys.required("frames", model.frames);
+  keys.required("reduction", model.reduction);
+  keys.required("fusion", model.fusion);
+  keys.required("simulated", model.simulated);
+  keys.required("label_scale_dps", model.label_scale_dps);
+  keys.later("precision", model.precision);
+}
+
 }  // namespace
 
+void to_json(nlohmann::json& out, const TextColumns& columns) {
+  text_keys(Writer{out}, columns);
+}
+void from_json(const nlohmann::json& in, TextColumns& columns) {
+  text_keys(Reader{in}, columns);
+}
 void to_json(nlohmann::json& out, const PortProfile& link) {
   port_keys(Writer{out}, link);
 }
@@ -155,10 +214,14 @@ void to_json(nlohmann::json& out, const ServoProfile& servo) {
 void from_json(const nlohmann::json& in, ServoProfile& servo) {
   servo_keys(Reader{in}, servo);
 }
+void to_json(nlohmann::json& out, const LiveModel& model) {
+  live_model_keys(Writer{out}, model);
+}
+void from_json(const nlohmann::json& in, LiveModel& model) {
+  live_model_keys(Reader{in}, model);
+}
 
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(RigProfile, name, camera, gyro, servo)
-NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(LiveModel, name, hash, frames, reduction, fusion, simulated,
-                                   label_scale_dps)
 
 namespace {
 
@@ -208,14 +271,19 @@ std::string header_to_json_text(const RecordingHeader& header) {
 
 RecordingHeader header_from_json_text(std::string_view text, const std::string& where) {
   const std::string advice = "the file is damaged or was not written by thermorig";
+  const auto unreadable = [&](const std::exception& error) {
+    return Error(ExitCode::not_a_session, std::string("its header cannot be read: ") + error.what(), where,
+                 advice);
+  };
   try {
     auto header = nlohmann::json::parse(text).get<RecordingHeader>();
     if (const auto problem = problem_of(header))
       throw Error(ExitCode::not_a_session, *problem, where, advice);
     return header;
   } catch (const nlohmann::json::exception& error) {
-    throw Error(ExitCode::not_a_session, std::string("its header cannot be read: ") + error.what(), where,
-                advice);
+    throw unreadable(error);
+  } catch (const std::out_of_range& error) {
+    throw unreadable(error);
   }
 }
 

@@ -28,7 +28,9 @@ LinkBudget link_budget(std::uint64_t bytes_per_message, double rate_hz, std::uin
 }
 
 LinkTiming::LinkTiming(const PortProfile& link, double nominal_rate_hz)
-    : byte_s_(wire_time_s(1, link.baud)),
+    : link_(link),
+      nominal_rate_hz_(nominal_rate_hz),
+      byte_s_(wire_time_s(1, link.baud)),
       latency_(from_s(link.latency_s)),
       constant_delay_s_(link.largest_constant_delay_s) {
   if (!(nominal_rate_hz > 0.0) || !std::isfinite(nominal_rate_hz)) return;
@@ -62,7 +64,7 @@ double LinkTiming::lost_before(const StreamSpan& span, const StampHint& hint) co
 
 void LinkTiming::chunk(std::uint64_t end, HostTime arrived) {
   arrived = std::clamp(arrived, HostTime(-farthest), HostTime(farthest));
-  TimedChunk chunk{0, end, arrived, HostDuration::max()};
+  TimedChunk chunk{begin_, end, arrived, HostDuration::max()};
   if (!chunks_.empty()) {
     const TimedChunk& before = chunks_.back();
     chunk.begin = before.end;
@@ -73,6 +75,13 @@ void LinkTiming::chunk(std::uint64_t end, HostTime arrived) {
   if (chunk.end == chunk.begin) return;
   chunks_.push_back(chunk);
   while (chunks_.front().end + history_bytes < chunk.begin) chunks_.pop_front();
+}
+
+void LinkTiming::restart() {
+  if (!chunks_.empty()) begin_ = chunks_.back().end;
+  chunks_.clear();
+  last_end_ = begin_;
+  if (clock_) clock_.emplace(link_, nominal_rate_hz_);
 }
 
 Stamp LinkTiming::stamp(const StreamSpan& span, const StampHint& hint) {

@@ -23,13 +23,20 @@ std::optional<std::int64_t> advance_us(std::uint32_t before, std::uint32_t now, 
 }  // namespace
 
 std::int64_t McuTime::unwrap(std::uint32_t mcu_us, HostTime at) {
-  std::int64_t unwrapped_us = mcu_us;
+  std::int64_t unwrapped_us = restarted_us_ + mcu_us;
   if (last_) {
     const auto advance = advance_us(last_->mcu_us, mcu_us, to_s(at - last_->at) * 1e6);
     if (advance) unwrapped_us = last_->unwrapped_us + *advance;
   }
   last_ = Seen{mcu_us, unwrapped_us, at};
   return unwrapped_us;
+}
+
+void McuTime::restart() {
+  if (!last_) return;
+  constexpr std::int64_t wrap = std::int64_t{1} << 32U;
+  restarted_us_ = (last_->unwrapped_us / wrap + 2) * wrap;
+  last_.reset();
 }
 
 }  // namespace thermorig::timing

@@ -63,9 +63,11 @@ double span_of(const ServoProfile& servo) {
   return servo.kind == ServoKind::continuous ? 2.0 * servo.full_rate_dps : servo.travel_deg;
 }
 
-/// Largest angle on either side of the middle; a continuous servo has none.
+/// Largest angle on either side of the middle; of a continuous servo, of where its cable is not twisted: 0 if
+/// it has none to guard.
 double angle_limit_deg(const ServoProfile& servo) {
-  return servo.kind == ServoKind::continuous ? 0.0 : servo.travel_deg / 2.0 - servo.stop_margin_deg;
+  if (servo.kind == ServoKind::continuous && servo.travel_deg == 0.0) return 0.0;
+  return servo.travel_deg / 2.0 - servo.stop_margin_deg;
 }
 
 }  // namespace

@@ -17,6 +17,7 @@ struct LiveModel {
   bool fusion = false;
   bool simulated = false;  // trained on data of a simulated rig
   double label_scale_dps = 200.0;
+  std::string precision = "fp32";  // of its weights: fp32 or fp16
 };
 
 /// What was known of one frame at the moment at which a live run showed it: a row of `/estimates`. Times are

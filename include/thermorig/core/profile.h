@@ -71,7 +71,8 @@ struct ServoProfile {
   PortProfile link{.baud = 250000, .latency_s = 0.0, .wander_ppm = 6.0};
   std::string model = "winch, 6 turns";
   ServoKind kind = ServoKind::positional;
-  double travel_deg = 2160.0;  // positional: angle between the shortest and the longest pulse
+  // positional: angle between the shortest and the longest pulse; continuous: what its cable bears, 0: any
+  double travel_deg = 2160.0;
   double full_rate_dps = 0.0;  // continuous: speed at the longest pulse (the shortest gives its negative)
   double pulse_min_us = 500.0;
   double pulse_max_us = 2500.0;

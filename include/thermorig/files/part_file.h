@@ -6,6 +6,8 @@
 #include <span>
 #include <string>
 
+#include "thermorig/files/disk.h"
+
 namespace thermorig::files {
 
 /// What to try after a failure of this errno; the end of a refusal's sentence.
@@ -15,15 +17,19 @@ using Advice = std::string (*)(int error_number);
 std::string usual_advice(int error_number);
 
 /// `<path>.<process>.part`: a file that is only seen under its name once it is whole, and that goes with this
-/// object otherwise. All members throw Error(storage) with `noun` in the sentence ("the model").
+/// object otherwise. What a killed program left under that very name is removed. All members throw
+/// Error(storage) with `noun` in the sentence ("the model").
 class PartFile {
  public:
-  PartFile(std::filesystem::path path, std::string noun, Advice advice = usual_advice);
+  PartFile(std::filesystem::path path, std::string noun, Advice advice = usual_advice,
+           Disk& disk = real_disk());
   ~PartFile();
   PartFile(const PartFile&) = delete;
   PartFile& operator=(const PartFile&) = delete;
 
   void write(std::span<const std::byte> bytes);
+  /// What the disk gives back of it.
+  std::vector<std::byte> read_back() const;
   void sync();
   /// Gives it its name and syncs the folder. Without `overwrite` an existing name is refused.
   void publish(bool overwrite);
@@ -34,13 +40,17 @@ class PartFile {
  private:
   [[noreturn]] void refuse(const std::string& action, int error_number,
                            const std::filesystem::path& where) const;
-  int rename_to_new() const;
-  void sync_folder() const;
+  bool remove_abandoned();
+  int rename_to_new();
+  int rename_unless_taken();
+  std::uint64_t size() const;
 
+  Disk& disk_;
   std::filesystem::path path_, part_path_;
   std::string noun_;
   Advice advice_;
-  int descriptor_ = -1;
+  OpenFile file_ = OpenFile::none;
+  bool is_whole_ = true;  // no write and no sync has failed
   bool published_ = false;
 };
 

@@ -27,7 +27,7 @@ struct FrameGap {
 std::vector<FrameGap> find_gaps(const std::vector<TimedFrame>& frames, double period_s, CameraMode mode);
 
 /// The same for a recording that goes on, from the past alone: what is late is called missing only when it
-/// has stayed so for a few frames.
+/// has stayed so for a few frames, without catching up.
 class LiveFrameGaps {
  public:
   /// `frame_period_s` > 0: nominal; the measured one takes its place as soon as a few frames have come.
@@ -38,6 +38,7 @@ class LiveFrameGaps {
 
  private:
   void learn_period(HostTime time);
+  bool catches_up(HostTime time) const;
   std::uint16_t missing(double late_periods, const TimedFrame& frame, CameraMode mode);
 
   static constexpr std::size_t kept_intervals = 15;
@@ -45,6 +46,8 @@ class LiveFrameGaps {
   std::optional<HostTime> before_;  // time of the frame before
   HostTime expected_{};
   std::size_t late_frames_ = 0;  // in a row
+  HostTime queue_begin_{};       // of the last frame ahead of those that came together
+  std::size_t queue_length_ = 0;
   std::array<double, kept_intervals> intervals_s_{};
   std::size_t interval_count_ = 0;
 };

@@ -75,6 +75,9 @@ class LinkTiming {
   /// announced (a bug otherwise). Spans must come in order of their ends; older chunks are forgotten.
   Stamp stamp(const StreamSpan& span, const StampHint& hint = {});
 
+  /// The device was away: nothing that was learnt of its clock holds for what comes next.
+  void restart();
+
  private:
   struct TimedChunk {
     std::uint64_t begin;
@@ -87,10 +90,13 @@ class LinkTiming {
   HostTime begin_before(const TimedChunk& chunk, const StreamSpan& span) const;
   float uncertainty_s(const TimedChunk& chunk) const;
 
+  PortProfile link_;
+  double nominal_rate_hz_;
   double byte_s_;  // wire time of one byte
   HostDuration latency_;
   double constant_delay_s_;
   std::deque<TimedChunk> chunks_;
+  std::uint64_t begin_ = 0;           // of the stream, or of what came since the device was away
   std::optional<LiveClock> clock_;    // of a device with a steady rate
   double period_s_ = 0.0;             // nominal, 0 without a steady rate
   std::size_t ends_ = 0;              // chunks that ended at or within a message

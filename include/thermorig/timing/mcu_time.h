@@ -13,13 +13,17 @@ namespace thermorig::timing {
 /// The host's clock tells how many times they wrapped since the telemetry before, and whether the
 /// micro-controller was reset: where no number of wraps explains the host time that passed to within
 /// `tolerance_s` plus 2 %, a new epoch begins with the value as it was sent. So a step back in unwrapped time
-/// is always a reset.
+/// is always a reset. After an absence, during which it may have been reset unseen, the time jumps ahead by
+/// more than a wrap, so that nobody takes what lies between for a short pause.
 class McuTime {
  public:
   static constexpr double tolerance_s = 1.0;  // above any delay of a USB link, below any reset and start
 
   /// Microseconds since the micro-controller's reset. `at` is when the message was sent, as well as known.
   std::int64_t unwrap(std::uint32_t mcu_us, HostTime at);
+
+  /// The device was away.
+  void restart();
 
  private:
   struct Seen {
@@ -28,6 +32,7 @@ class McuTime {
     HostTime at;
   };
   std::optional<Seen> last_;
+  std::int64_t restarted_us_ = 0;  // where time begins since the last absence
 };
 
 }  // namespace thermorig::timing
