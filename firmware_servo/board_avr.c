@@ -24,7 +24,14 @@ struct received {
   uint16_t time_us; /* the low half: a byte does not wait for 65 ms */
 };
 
+/* Lives through every reset but that of the supply: opening the port resets most Arduinos. */
+struct kept {
+  int32_t angle_cdeg, cable_cdeg;
+  int32_t check; /* says whether both are whole */
+};
+
 static struct servo the_servo;
+static struct kept kept __attribute__((section(".noinit")));
 static struct received received[RECEIVED_MAX];
 static volatile uint8_t received_put, received_taken;
 static volatile uint32_t run_began_us; /* the running run of timer 1 */
@@ -133,6 +140,11 @@ static void set_next_pulse(void) {
   sei();
 }
 
+/* Not 0 for memory that is all 0, and another one when only one of the two is new. */
+static int32_t check_of_kept(void) {
+  return ~(kept.angle_cdeg ^ (int32_t)((uint32_t)kept.cable_cdeg << 1U));
+}
+
 static void tick(void) {
   static uint32_t time_us;
   static uint8_t tick_of_period;
@@ -143,6 +155,9 @@ static void tick(void) {
   wdt_reset();
   time_us += SERVO_TICK_US;
   servo_tick(&the_servo, time_us);
+  kept.angle_cdeg = the_servo.motion.angle_cdeg;
+  kept.cable_cdeg = the_servo.motion.cable_cdeg;
+  kept.check = check_of_kept();
   if (++tick_of_period == TICKS_PER_PERIOD) tick_of_period = 0;
   if (tick_of_period == TICKS_PER_PERIOD - 1U) set_next_pulse();
 }
@@ -195,6 +210,8 @@ int main(void) {
   wdt_enable(WDTO_250MS);
   start_timers(); /* first: time counts from the reset */
   servo_init(&the_servo, SERVO_BOARD_ATMEGA328P, reset_cause);
+  if ((reset_cause & _BV(PORF)) == 0U && kept.check == check_of_kept())
+    servo_remember(&the_servo, kept.angle_cdeg, kept.cable_cdeg);
   start_serial();
   set_sleep_mode(SLEEP_MODE_IDLE);
   sei();

@@ -4,6 +4,7 @@
 
 #define ACCEPTED 0U /* a reason that is none */
 #define ANGLE_RANGE_MIN_CDEG 100
+#define GUARD_MAX_CDEG 100000000L /* 2778 turns either way: the motion law counts in 32 bits */
 
 static uint32_t magnitude(int32_t value) {
   return value < 0 ? 0U - (uint32_t)value : (uint32_t)value;
@@ -27,6 +28,11 @@ static uint8_t check_rate(const struct servo* servo, uint32_t rate_cdps, uint16_
                                                                           : ACCEPTED;
 }
 
+/* A positional servo always has angle limits; a continuous one if its cable is guarded. */
+static bool has_angle_limits(const struct servo_configure* servo) {
+  return servo->kind == SERVO_KIND_POSITIONAL || servo->angle_min_cdeg < servo->angle_max_cdeg;
+}
+
 static uint8_t check_angle(const struct servo* servo, int32_t angle_cdeg) {
   const bool within =
       angle_cdeg >= servo->configuration.angle_min_cdeg && angle_cdeg <= servo->configuration.angle_max_cdeg;
@@ -42,13 +48,19 @@ static uint8_t check_ready(const struct servo* servo) {
 static bool configuration_makes_sense(const struct servo_configure* asked) {
   if (asked->kind > SERVO_KIND_CONTINUOUS || asked->pulse_min_us >= asked->pulse_max_us) return false;
   if (asked->span == 0U || asked->limit_rate_cdps == 0U || asked->limit_acceleration_dps2 == 0U) return false;
-  if (asked->kind == SERVO_KIND_CONTINUOUS) return true;
+  if (asked->kind == SERVO_KIND_CONTINUOUS) return asked->angle_min_cdeg <= asked->angle_max_cdeg;
   return asked->angle_min_cdeg < asked->angle_max_cdeg;
 }
 
 static bool angles_are_within_span(const struct servo_configure* asked) {
   const int32_t half = (int32_t)(asked->span / 2U);
   if (asked->angle_min_cdeg < -half || asked->angle_max_cdeg > half) return false;
+  return asked->angle_max_cdeg - asked->angle_min_cdeg >= ANGLE_RANGE_MIN_CDEG;
+}
+
+static bool guard_is_within_limits(const struct servo_configure* asked) {
+  if (!has_angle_limits(asked)) return true;
+  if (asked->angle_min_cdeg < -GUARD_MAX_CDEG || asked->angle_max_cdeg > GUARD_MAX_CDEG) return false;
   return asked->angle_max_cdeg - asked->angle_min_cdeg >= ANGLE_RANGE_MIN_CDEG;
 }
 
@@ -59,7 +71,8 @@ static bool configuration_is_within_limits(const struct servo_configure* asked) 
     return false;
   if (asked->limit_acceleration_dps2 > SERVO_LIMIT_ACCELERATION_DPS2) return false;
   if (asked->limit_acceleration_dps2 < SERVO_LIMIT_ACCELERATION_MIN_DPS2) return false;
-  if (asked->kind == SERVO_KIND_CONTINUOUS) return asked->limit_rate_cdps <= asked->span / 2U;
+  if (asked->kind == SERVO_KIND_CONTINUOUS)
+    return asked->limit_rate_cdps <= asked->span / 2U && guard_is_within_limits(asked);
   return angles_are_within_span(asked);
 }
 
@@ -93,6 +106,7 @@ static uint8_t arm(struct servo* servo, const uint8_t* at) {
   const bool positional = servo->configuration.kind == SERVO_KIND_POSITIONAL;
   if (servo->armed) return arm_again(servo);
   if (!servo->configured) return SERVO_REASON_NOT_CONFIGURED;
+  /* A cable that is wound up too far must be unwound: the motion law lets it move that way only. */
   if (positional && check_angle(servo, angle_cdeg) != ACCEPTED) return SERVO_REASON_BEYOND_LIMIT;
   motion_start(&servo->motion, &servo->configuration, angle_cdeg);
   servo->fault = SERVO_FAULT_NONE;
@@ -135,8 +149,7 @@ static uint8_t go_to(struct servo* servo, const uint8_t* at) {
   asked.rate_cdps = servo_get_u32(at + 4);
   asked.acceleration_dps2 = servo_get_u16(at + 8);
   if (reason != ACCEPTED) return reason;
-  if (asked.rate_cdps == 0U || servo->configuration.kind == SERVO_KIND_CONTINUOUS)
-    return SERVO_REASON_BAD_VALUE;
+  if (asked.rate_cdps == 0U || !has_angle_limits(&servo->configuration)) return SERVO_REASON_BAD_VALUE;
   reason = check_rate(servo, asked.rate_cdps, asked.acceleration_dps2);
   if (reason != ACCEPTED) return reason;
   if (check_angle(servo, asked.angle_cdeg) != ACCEPTED) return SERVO_REASON_BEYOND_LIMIT;

@@ -53,12 +53,14 @@ static uint32_t speed_to_stop_within(uint32_t distance, uint32_t a, uint32_t nea
 
 /* From here to `bound_cdeg` when going up or down; 0 where it is passed. */
 static uint32_t distance_to(const struct motion* motion, int32_t bound_cdeg, bool up) {
-  const int32_t gap = up ? bound_cdeg - motion->angle_cdeg : motion->angle_cdeg - bound_cdeg;
+  const int32_t ahead = up ? bound_cdeg : motion->angle_cdeg;
+  const int32_t behind = up ? motion->angle_cdeg : bound_cdeg;
+  const uint32_t gap = (uint32_t)ahead - (uint32_t)behind; /* unsigned: a cable's sum may be any number */
   const int32_t part = up ? -(int32_t)motion->angle_udeg : (int32_t)motion->angle_udeg;
   int32_t distance;
-  if (gap > FAR_CDEG - 1) return FAR_UDEG;
-  if (gap < -1) return 0U;
-  distance = gap * MOTION_UDEG_PER_CDEG + part;
+  if (ahead > behind && gap > (uint32_t)FAR_CDEG - 1U) return FAR_UDEG;
+  if (ahead < behind && gap != UINT32_MAX) return 0U;
+  distance = (int32_t)gap * MOTION_UDEG_PER_CDEG + part;
   return distance > 0 ? (uint32_t)distance : 0U;
 }
 
@@ -141,6 +143,7 @@ static void move_on(struct motion* motion) {
   motion->angle_udeg = (uint16_t)part;
   /* Unsigned, since the angle of a continuous servo may run for weeks and wrap. */
   motion->angle_cdeg = (int32_t)((uint32_t)motion->angle_cdeg + (uint32_t)whole);
+  if (motion->continuous) motion->cable_cdeg = (int32_t)((uint32_t)motion->cable_cdeg + (uint32_t)whole);
 }
 
 static uint8_t come_to_rest(struct motion* motion, uint8_t events) {
@@ -172,12 +175,17 @@ static uint8_t after_run_step(struct motion* motion) {
 }
 
 void motion_start(struct motion* motion, const struct servo_configure* limits, int32_t angle_cdeg) {
-  motion->bounded = limits->kind == SERVO_KIND_POSITIONAL;
+  const bool positional = limits->kind == SERVO_KIND_POSITIONAL;
+  motion->continuous = !positional;
+  motion->bounded = positional || limits->angle_min_cdeg < limits->angle_max_cdeg;
   motion->low_cdeg = limits->angle_min_cdeg;
   motion->high_cdeg = limits->angle_max_cdeg;
   motion->acceleration_limit = limits->limit_acceleration_dps2;
   motion->acceleration = limits->limit_acceleration_dps2;
-  motion->angle_cdeg = motion->bounded ? angle_cdeg : 0;
+  if (positional)
+    motion->angle_cdeg = angle_cdeg;
+  else /* the turns of a cable are counted on from one arming to the next */
+    motion->angle_cdeg = motion->bounded ? motion->cable_cdeg : 0;
   motion->angle_udeg = 0;
   (void)come_to_rest(motion, 0);
 }

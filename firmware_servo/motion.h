@@ -21,12 +21,14 @@ enum motion_event {                     /* bits of motion_step()'s result */
 };
 
 struct motion {
+  bool continuous;
   bool bounded; /* has angle limits */
   int32_t low_cdeg, high_cdeg;
   uint16_t acceleration_limit;
 
   int32_t angle_cdeg;
   uint16_t angle_udeg; /* and so many micro-degrees more, 0..9999 */
+  int32_t cable_cdeg;  /* sum of a continuous servo's turns, whatever angle_cdeg began at */
   int32_t rate;
 
   enum motion_goal goal;
@@ -38,7 +40,8 @@ struct motion {
   bool turn_back, reached;
 };
 
-/* At rest at `angle_cdeg`, within the configuration's limits. */
+/* At rest at `angle_cdeg`, within the configuration's limits; a continuous servo with limits begins at
+ * `cable_cdeg`, which may lie beyond them (then it moves only towards them), one without at 0. */
 void motion_start(struct motion* motion, const struct servo_configure* limits, int32_t angle_cdeg);
 void motion_run(struct motion* motion, const struct servo_run* run);
 void motion_go_to(struct motion* motion, const struct servo_go_to* go_to);

@@ -36,6 +36,11 @@ void servo_init(struct servo* servo, enum servo_board board, uint8_t reset_cause
   servo_report_event(servo, SERVO_EVENT_RESET, reset_cause);
 }
 
+void servo_remember(struct servo* servo, int32_t angle_cdeg, int32_t cable_cdeg) {
+  servo->motion.angle_cdeg = angle_cdeg;
+  servo->motion.cable_cdeg = cable_cdeg;
+}
+
 void servo_receive(struct servo* servo, uint8_t byte, uint32_t time_us) {
   switch (servo_decoder_push(&servo->decoder, byte)) {
     case SERVO_DECODED_FRAME:

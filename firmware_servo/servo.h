@@ -9,8 +9,8 @@
 #include "servo_link.h"
 
 #define SERVO_FIRMWARE_MAJOR 1U
-#define SERVO_FIRMWARE_MINOR 1U
-#define SERVO_FIRMWARE_PATCH 0U
+#define SERVO_FIRMWARE_MINOR 2U
+#define SERVO_FIRMWARE_PATCH 1U
 
 #define SERVO_TICK_US 1000U
 #define SERVO_ANSWER_MAX 5U /* payload of ACK or NACK */
@@ -61,6 +61,9 @@ struct servo {
 
 /* After a reset: disarmed, no session. Puts out the reset event. */
 void servo_init(struct servo* servo, enum servo_board board, uint8_t reset_cause);
+/* After servo_init(): the angle that was commanded last before a reset through which the memory lived on, and
+ * the sum of the cable's turns. So the host can begin where the servo was left, and they stay counted. */
+void servo_remember(struct servo* servo, int32_t angle_cdeg, int32_t cable_cdeg);
 /* A byte from the host; `time_us`: when its last bit came in. */
 void servo_receive(struct servo* servo, uint8_t byte, uint32_t time_us);
 /* Every SERVO_TICK_US; `time_us` grows by exactly that from call to call. */
