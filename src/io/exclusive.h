@@ -3,6 +3,8 @@
 
 #include <string>
 
+#include "thermorig/io/port.h"
+
 namespace thermorig::io {
 
 /// An open file descriptor, closed at the end of its life.
@@ -25,10 +27,6 @@ class Descriptor {
 /// thermorig takes on its ports. `path` has no links in it.
 /// Throws Error: device_missing (gone, not a terminal, no hardware), no_permission (not allowed, in use, the
 /// console).
-Descriptor open_exclusively(const std::string& path);
-
-/// "process 4711 (thermorig)" for a process other than this one that holds `path` open, else "this process"
-/// if this one does, else "another program".
-std::string holder_of(const std::string& path);
+Descriptor open_exclusively(const std::string& path, Refusal refusal);
 
 }  // namespace thermorig::io

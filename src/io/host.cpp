@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: MIT
 #include "thermorig/io/host.h"
 
+#include <pthread.h>
 #include <sys/utsname.h>
 #include <time.h>
 #include <unistd.h>
+
+#include <csignal>
 
 namespace thermorig::io {
 
@@ -38,6 +41,13 @@ double process_cpu_s() {
 
 double thread_cpu_s() {
   return cpu_s(CLOCK_THREAD_CPUTIME_ID);
+}
+
+void take_no_signals() {
+  sigset_t others;
+  sigfillset(&others);
+  for (const int own : {SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGSYS, SIGTRAP, SIGABRT}) sigdelset(&others, own);
+  pthread_sigmask(SIG_SETMASK, &others, nullptr);
 }
 
 bool is_terminal(int descriptor) {

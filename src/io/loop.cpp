@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: MIT
+#include <sys/ioctl.h>
 #include <unistd.h>
 
 #include <array>
@@ -6,10 +7,12 @@
 #include <cerrno>
 #include <csignal>
 #include <cstring>
-#include <exception>
+#include <optional>
 
 #include "asio.h"
 #include "open_port.h"
+#include "read_watch.h"
+#include "thermorig/io/last_words.h"
 #include "thermorig/io/port.h"
 
 namespace thermorig::io {
@@ -20,23 +23,24 @@ using boost::system::error_code;
 namespace {
 
 constexpr std::size_t read_size = 4096;
-
-void rethrow(std::exception_ptr error) {
-  if (error) std::rethrow_exception(error);
-}
+constexpr auto write_again = std::chrono::milliseconds(1);  // a few bytes, at the slowest of the ports
 
 bool is_not_yet(int error) {
   return error == EAGAIN || error == EWOULDBLOCK || error == EINTR;
 }
 
-/// One open port: a reading coroutine and a queue of bytes to write. Held by whatever waits for it.
+/// One open port: what is read of it, and a queue of bytes to write. Nothing here asks the terminal whether
+/// it is ready: that may take long, see read_watch.h.
 class PortTraffic : public std::enable_shared_from_this<PortTraffic> {
  public:
-  PortTraffic(asio::io_context& context, const PortProfile& link, Loop::PortHandlers handlers)
-      : port_(link), stream_(context, port_.fd()), handlers_(std::move(handlers)) {}
+  PortTraffic(asio::io_context& context, const PortProfile& link, Loop::PortHandlers handlers,
+              Refusal refusal)
+      : port_(link, refusal), context_(context), writing_(context), handlers_(std::move(handlers)) {}
   ~PortTraffic() { close(); }
 
-  void start() { asio::co_spawn(stream_.get_executor(), read_chunks(shared_from_this()), rethrow); }
+  void start() {
+    watch_.emplace(port_.fd(), [this, weak = weak_from_this()] { read_soon(weak); });
+  }
 
   void write(std::span<const std::uint8_t> bytes) {
     if (closed_) return;
@@ -44,33 +48,57 @@ class PortTraffic : public std::enable_shared_from_this<PortTraffic> {
     if (!waiting_to_write_) write_queue();
   }
 
+  void keep_last_words(std::span<const std::uint8_t> bytes) {
+    if (!closed_) io::keep_last_words(port_.fd(), bytes);
+  }
+
   void close() {
     if (closed_) return;
     closed_ = true;
+    forget_last_words(port_.fd());
     queue_.clear();
-    stream_.release();  // cancels what waits for it; the descriptor itself belongs to port_
+    writing_.cancel();
+    watch_.reset();
     port_.close();
   }
 
  private:
-  /// Waits, reads and takes the time in one go, so that no other handler runs between read() and the clock.
-  static asio::awaitable<void> read_chunks(std::shared_ptr<PortTraffic> self) {
+  /// From any thread.
+  void read_soon(std::weak_ptr<PortTraffic> weak) {
+    asio::post(context_, [weak = std::move(weak)] {
+      if (const auto self = weak.lock()) self->read_what_waits();
+    });
+  }
+
+  /// One chunk at a time: other ports and the timer have their turn in between.
+  void read_what_waits() {
+    if (closed_) return;
+    watch_->again();
+    if (!has_something() || !read_chunk() || closed_) return;
+    if (has_something()) read_soon(weak_from_this());
+  }
+
+  /// To read an empty terminal may take as long as to ask it. One that has hung up does not answer this;
+  /// read() tells why.
+  bool has_something() const {
+    int waiting = 0;
+    return ioctl(port_.fd(), FIONREAD, &waiting) != 0 || waiting > 0;
+  }
+
+  /// Reads and takes the time in one go, so that no other handler runs between read() and the clock. True if
+  /// there was something.
+  bool read_chunk() {
     std::array<std::uint8_t, read_size> buffer;
-    while (!self->closed_) {
-      error_code error;
-      co_await self->stream_.async_wait(asio::posix::stream_descriptor::wait_read,
-                                        asio::redirect_error(asio::use_awaitable, error));
-      if (self->closed_) co_return;
-      const ssize_t size = ::read(self->port_.fd(), buffer.data(), buffer.size());
-      const int reason = errno;
-      const HostTime arrived = now();
-      if (size > 0)
-        self->handlers_.received(std::span(buffer.data(), static_cast<std::size_t>(size)), arrived);
-      else if (size == 0)
-        self->lose("unplugged");  // a terminal that has hung up reads as ended
-      else if (!is_not_yet(reason))
-        self->lose(std::strerror(reason));
-    }
+    const ssize_t size = ::read(port_.fd(), buffer.data(), buffer.size());
+    const int reason = errno;
+    const HostTime arrived = now();
+    if (size > 0)
+      handlers_.received(std::span(buffer.data(), static_cast<std::size_t>(size)), arrived);
+    else if (size == 0)
+      lose("unplugged");  // a terminal that has hung up reads as ended
+    else if (!is_not_yet(reason))
+      lose(std::strerror(reason));
+    return size > 0;
   }
 
   void write_queue() {
@@ -84,7 +112,8 @@ class PortTraffic : public std::enable_shared_from_this<PortTraffic> {
 
   void wait_to_write() {
     waiting_to_write_ = true;
-    stream_.async_wait(asio::posix::stream_descriptor::wait_write, [self = shared_from_this()](error_code) {
+    writing_.expires_after(write_again);
+    writing_.async_wait([self = shared_from_this()](error_code) {
       self->waiting_to_write_ = false;
       if (!self->closed_) self->write_queue();
     });
@@ -96,8 +125,10 @@ class PortTraffic : public std::enable_shared_from_this<PortTraffic> {
   }
 
   OpenPort port_;
-  asio::posix::stream_descriptor stream_;
+  asio::io_context& context_;
+  asio::steady_timer writing_;
   Loop::PortHandlers handlers_;
+  std::optional<ReadWatch> watch_;
   std::vector<std::uint8_t> queue_;  // not yet taken by the system
   bool waiting_to_write_ = false;
   bool closed_ = false;
@@ -140,6 +171,7 @@ struct Loop::Impl {
 Loop::Loop() : impl_(std::make_unique<Impl>()) {}
 
 Loop::~Loop() {
+  say_last_words();  // of ports that nobody closed: an exception is on its way
   for (const auto& port : impl_->ports) port->close();
   impl_->tick = nullptr;
   impl_->signalled = nullptr;
@@ -150,15 +182,19 @@ Loop::~Loop() {
   impl_->context.poll();
 }
 
-Loop::PortId Loop::open(const PortProfile& link, PortHandlers handlers) {
+Loop::PortId Loop::open(const PortProfile& link, PortHandlers handlers, Refusal refusal) {
   assert(handlers.received);
-  impl_->ports.push_back(std::make_shared<PortTraffic>(impl_->context, link, std::move(handlers)));
+  impl_->ports.push_back(std::make_shared<PortTraffic>(impl_->context, link, std::move(handlers), refusal));
   impl_->ports.back()->start();
   return impl_->ports.size() - 1;
 }
 
 void Loop::write(PortId port, std::span<const std::uint8_t> bytes) {
   impl_->ports.at(port)->write(bytes);
+}
+
+void Loop::keep_last_words(PortId port, std::span<const std::uint8_t> bytes) {
+  impl_->ports.at(port)->keep_last_words(bytes);
 }
 
 void Loop::close(PortId port) {

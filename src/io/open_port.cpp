@@ -8,6 +8,8 @@
 #include <termios.h>
 
 #include <chrono>
+#include <cmath>
+#include <optional>
 #include <thread>
 
 #include "thermorig/core/error.h"
@@ -18,6 +20,8 @@ namespace thermorig::io {
 namespace {
 
 constexpr int ftdi_vendor = 0x0403;
+constexpr std::uint32_t most_baud = 20'000'000;
+constexpr double baud_tolerance = 0.025;  // beyond it 8N1 does not survive
 constexpr std::chrono::milliseconds reset_pulse{50};
 
 std::string last_error_text() {
@@ -32,6 +36,28 @@ void require(sp_return result, const std::string& path, const std::string& what)
   const std::string reason = result == SP_ERR_ARG ? "not supported" : last_error_text();
   throw Error(ExitCode::device_missing, fmt::format("{}: {}", what, reason), path,
               "unplug the device and plug it in again, and check its baud in the profile");
+}
+
+/// What the driver has made of the baud rate that it was asked for; none if it does not tell.
+std::optional<int> baud_set(sp_port* port) {
+  sp_port_config* config = nullptr;
+  if (sp_new_config(&config) != SP_OK) return std::nullopt;
+  int baud = 0;
+  const bool told = sp_get_config(port, config) == SP_OK && sp_get_config_baudrate(config, &baud) == SP_OK;
+  sp_free_config(config);
+  return told && baud > 0 ? std::optional(baud) : std::nullopt;
+}
+
+/// A driver that cannot set a rate takes another one (ftdi_sio: 9600) and says nothing.
+void require_baud(sp_port* port, std::uint32_t baud, const std::string& path) {
+  const auto refuse = [&](const std::string& what) {
+    throw Error(ExitCode::device_missing, what, path, "check the device's baud in the profile");
+  };
+  if (baud > most_baud) refuse(fmt::format("{} baud cannot be set: no serial port is so fast", baud));
+  require(sp_set_baudrate(port, static_cast<int>(baud)), path, fmt::format("{} baud cannot be set", baud));
+  const std::optional<int> set = baud_set(port);
+  if (set && std::abs(*set - static_cast<double>(baud)) > baud_tolerance * baud)
+    refuse(fmt::format("{} baud cannot be set: the port's driver sets {} instead", baud, *set));
 }
 
 /// Raw bytes, no line discipline's help; a read returns as soon as there is one byte.
@@ -70,8 +96,8 @@ void OpenPort::ClosePort::operator()(sp_port* port) const {
   sp_free_port(port);
 }
 
-OpenPort::OpenPort(const PortProfile& link)
-    : path_(resolve_port(link.port)), descriptor_(open_exclusively(path_)) {
+OpenPort::OpenPort(const PortProfile& link, Refusal refusal)
+    : path_(resolve_port(link.port)), descriptor_(open_exclusively(path_, refusal)) {
   sp_port* serial = nullptr;
   // libserialport knows the ports that have a driver in sysfs; ptys have none.
   if (sp_get_port_by_name(path_.c_str(), &serial) == SP_OK) {
@@ -95,9 +121,7 @@ void OpenPort::close() {
 void OpenPort::configure_serial(const PortProfile& link) {
   sp_port* port = serial_.get();
   require(sp_open(port, SP_MODE_READ_WRITE), path_, "the port cannot be opened");
-  if (link.baud != 0)
-    require(sp_set_baudrate(port, static_cast<int>(link.baud)), path_,
-            fmt::format("{} baud cannot be set", link.baud));
+  if (link.baud != 0) require_baud(port, link.baud, path_);
   require(sp_set_bits(port, 8), path_, "8 data bits cannot be set");
   require(sp_set_parity(port, SP_PARITY_NONE), path_, "no parity cannot be set");
   require(sp_set_stopbits(port, 1), path_, "1 stop bit cannot be set");

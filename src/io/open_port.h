@@ -16,7 +16,7 @@ namespace thermorig::io {
 class OpenPort {
  public:
   /// Throws what open_exclusively() throws; device_missing when the driver refuses the settings.
-  explicit OpenPort(const PortProfile& link);
+  explicit OpenPort(const PortProfile& link, Refusal refusal = Refusal::names_holder);
   ~OpenPort();
   OpenPort(const OpenPort&) = delete;
   OpenPort& operator=(const OpenPort&) = delete;

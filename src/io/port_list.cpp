@@ -47,7 +47,9 @@ PortInfo describe(const sp_port* port) {
   info.path = sp_get_port_name(port);
   info.description = text_or_empty(sp_get_port_description(port));
   if (sp_get_port_transport(port) != SP_TRANSPORT_USB) return info;
-  info.usb_path = usb_topology(sysfs_path_of(info.path));
+  const std::string sysfs_path = sysfs_path_of(info.path);
+  info.usb_path = usb_topology(sysfs_path);
+  info.usb_interface = usb_interface(sysfs_path);
   info.usb_id = usb_id_of(port);
   info.serial = text_or_empty(sp_get_port_usb_serial(port));
   return info;
@@ -80,6 +82,13 @@ std::string usb_topology(std::string_view sysfs_path) {
        match != std::sregex_iterator(); ++match)
     last = (*match)[1];
   return last;
+}
+
+std::string usb_interface(std::string_view sysfs_path) {
+  static const std::regex interface_folder("/[0-9]+-[0-9]+(\\.[0-9]+)*:([0-9]+\\.[0-9]+)(?=/|$)");
+  const std::string path(sysfs_path);
+  std::smatch match;
+  return std::regex_search(path, match, interface_folder) ? match[2].str() : std::string();
 }
 
 bool names_console(const std::string& active_consoles, const std::string& path) {

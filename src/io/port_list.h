@@ -13,6 +13,9 @@ std::string printable(std::string_view text);
 /// none.
 std::string usb_topology(std::string_view sysfs_path);
 
+/// Configuration and interface in it: "1.0"; an adapter with several ports has one interface for each.
+std::string usb_interface(std::string_view sysfs_path);
+
 /// Whether the kernel's list of its consoles ("tty0 ttyS0", as sysfs prints it) names the port at `path`.
 bool names_console(const std::string& active_consoles, const std::string& path);
 

@@ -106,6 +106,7 @@ void SimulatedPorts::Server::deliver(const Chunk& chunk) {
 /// written after that, and nothing may reach the servo before it was written.
 void SimulatedPorts::Server::take_commands() {
   for (const Device device : all_devices) {
+    ports[device].deliver_waiting();
     const auto bytes = ports[device].receive();
     if (!bytes.empty()) rig->send(device, bytes, io::now());
     tally.ports[device] = ports[device].tally();
@@ -170,6 +171,10 @@ void SimulatedPorts::stop() {
 
 void SimulatedPorts::unplug(Device device) {
   server_->ports[device].unplug();
+}
+
+std::string SimulatedPorts::plug_in(Device device) {
+  return server_->ports[device].plug_in();
 }
 
 ServingTally SimulatedPorts::tally() const {

@@ -17,6 +17,10 @@ double process_cpu_s();
 /// Processor time that the calling thread has used since it started, user and system, seconds.
 double thread_cpu_s();
 
+/// Signals are for other threads than the calling one, but those of its own faults, which must reach the
+/// handler that stops the servo (last_words.h).
+void take_no_signals();
+
 /// Whether a file descriptor (0, 1, 2) is a terminal on which a line can be drawn over.
 bool is_terminal(int descriptor);
 

@@ -29,6 +29,7 @@ struct PortInfo {
   std::string usb_path;     // topology "1-4.2"; empty if not USB
   std::string usb_id;       // "1a86:7523"; empty if not USB
   std::string serial;
+  std::string usb_interface;  // "1.1": configuration and interface, for adapters with several ports
 };
 /// All ports, by path. A port that the kernel uses as its console is left out.
 std::vector<PortInfo> list_ports();
@@ -39,6 +40,9 @@ std::string resolve_port(const std::string& port);
 
 /// True if `port` leads to a pseudo terminal: no wire, no baud rate, and a program in place of a device.
 bool is_pseudo_terminal(const std::string& port);
+
+/// How a port that is in use is refused: who holds it takes a walk through all processes.
+enum class Refusal : std::uint8_t { names_holder, brief };
 
 /// A loop on one thread: ports are read, the timer ticks, signals arrive. Every handler is called inside
 /// run() and may call any member. An exception that a handler throws leaves run(), which may then be called
@@ -58,10 +62,13 @@ class Loop {
   /// Opens a port exclusively (flock; real ports TIOCEXCL as well), raw 8N1 at link.baud, which a pty
   /// ignores. Bytes that arrived before are thrown away. Throws Error: device_missing (no such port, not a
   /// serial port, baud refused), no_permission (not allowed, in use and by whom, or the system's console).
-  PortId open(const PortProfile& link, PortHandlers handlers);
+  PortId open(const PortProfile& link, PortHandlers handlers, Refusal refusal = Refusal::names_holder);
 
   /// Queues bytes; they are written in order. Writing to a lost port does nothing.
   void write(PortId port, std::span<const std::uint8_t> bytes);
+
+  /// Bytes that the port gets whatever ends the program, if close() was not called before: last_words.h.
+  void keep_last_words(PortId port, std::span<const std::uint8_t> bytes);
 
   /// Closes a port: none of its handlers is called any more, bytes still queued are dropped.
   void close(PortId port);

@@ -20,12 +20,13 @@ enum class FirmwareChoice : std::uint8_t {
 std::unique_ptr<simulation::Firmware> make_firmware(FirmwareChoice choice);
 
 /// What became of the bytes of one simulated port.
-/// Sent by the device: bytes_delivered + bytes_unheard + bytes_overrun.
+/// Sent by the device: bytes_delivered + bytes_unheard + bytes_overrun, and up to 48 KiB that still wait.
 struct PortTally {
   std::uint64_t bytes_delivered = 0;  // written to the port while a program had it open
   std::uint64_t bytes_unheard = 0;    // no program had the port open, or it was unplugged
   std::uint64_t bytes_overrun = 0;    // a program had it open but did not read: no room
-  std::uint64_t bytes_received = 0;   // written by the program to the device
+  std::uint64_t bytes_delayed = 0;  // the terminal had no room, they waited: the program, or the kernel, late
+  std::uint64_t bytes_received = 0;  // written by the program to the device
 };
 
 /// How well the wall clock was kept, and what it cost.
@@ -65,6 +66,9 @@ class SimulatedPorts {
 
   /// Pulls the plug: a program that has the port open loses it, the path is gone.
   void unplug(Device device);
+
+  /// Puts the plug back that was pulled: a pseudo terminal under another name, which is returned.
+  std::string plug_in(Device device);
 
   /// May be called at any time, from any thread.
   ServingTally tally() const;
