@@ -10,6 +10,7 @@
 #include "session_name.h"
 #include "thermorig/core/error.h"
 #include "thermorig/dataset/dataset.h"
+#include "thermorig/session/trial.h"
 
 namespace thermorig::dataset {
 
@@ -21,8 +22,9 @@ using windows::Acquisition;
 std::mutex hdf5_turn;  // the library may be in one thread at a time
 
 session::Session read_in_turn(const fs::path& path) {
+  const session::SealedCopy copy = session::tried_copy(path);  // by a process of its own: side by side
   const std::lock_guard turn(hdf5_turn);
-  return session::read_session(path);
+  return session::read_session(copy);
 }
 
 Acquisition acquisition_at(const fs::path& path) {

@@ -1,24 +1,22 @@
 // SPDX-License-Identifier: MIT
 #include "journal_file.h"
 
-#include <fcntl.h>
 #include <fmt/format.h>
-#include <sys/statvfs.h>
-#include <sys/uio.h>
-#include <unistd.h>
 
+#include <algorithm>
 #include <array>
-#include <cassert>
 #include <cerrno>
+#include <cstdlib>
 #include <cstring>
 #include <utility>
-#include <vector>
 
 #include "thermorig/core/error.h"
 
 namespace thermorig::journal {
 
 namespace {
+
+using Part = std::span<const std::byte>;
 
 constexpr double bytes_per_megabyte = 1e6;
 
@@ -41,89 +39,126 @@ std::string advice_for(int error_number) {
   }
 }
 
-std::uint64_t free_bytes(int descriptor) {
-  struct statvfs disk {};
-  if (::fstatvfs(descriptor, &disk) != 0) return UINT64_MAX;  // unknown: let the writes tell
-  return static_cast<std::uint64_t>(disk.f_bavail) * disk.f_frsize;
-}
-
-std::filesystem::path folder_of(const std::filesystem::path& path) {
-  return path.has_parent_path() ? path.parent_path() : std::filesystem::path(".");
+/// `parts` without their first `count` bytes.
+void drop_front(std::span<Part> parts, std::size_t count) {
+  for (Part& part : parts) {
+    const std::size_t dropped = std::min(count, part.size());
+    part = part.subspan(dropped);
+    count -= dropped;
+  }
 }
 
 }  // namespace
 
-JournalFile::JournalFile(std::filesystem::path path, std::uint64_t reserve_bytes) : path_(std::move(path)) {
-  descriptor_ = ::open(path_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, 0600);
-  if (descriptor_ < 0) refuse("cannot create the journal", errno);
+JournalFile::JournalFile(std::filesystem::path path, std::uint64_t reserve_bytes, files::Disk& disk)
+    : disk_(disk), path_(std::move(path)) {
+  const auto created = disk_.create(path_, 0600);
+  if (!created.good()) refuse("cannot create the journal", created.error_number);
+  file_ = created.value;
   try {
-    reserve(reserve_bytes);
-  } catch (...) {
-    ::close(descriptor_);
-    ::unlink(path_.c_str());
+    reserve_or_refuse(reserve_bytes);
+  } catch (const Error&) {
+    abandon();
     throw;
   }
 }
 
 JournalFile::~JournalFile() {
-  if (descriptor_ >= 0) ::close(descriptor_);
+  if (file_ != files::OpenFile::none) disk_.close(file_);
 }
 
-void JournalFile::reserve(std::uint64_t bytes) {
-  const std::uint64_t available = free_bytes(descriptor_);
-  if (bytes > available)
-    throw Error(
-        ExitCode::storage,
-        fmt::format("not enough space for the recording: {:.1f} MB needed, {:.1f} MB free, {:.1f} MB missing",
-                    static_cast<double>(bytes) / bytes_per_megabyte,
-                    static_cast<double>(available) / bytes_per_megabyte,
-                    static_cast<double>(bytes - available) / bytes_per_megabyte),
-        path_.string(), advice_for(ENOSPC));
-  if (bytes == 0) return;
-  // KEEP_SIZE: the file stays as long as what was appended, so that a killed recorder leaves no tail of
-  // zeros.
-  const int result = ::fallocate(descriptor_, FALLOC_FL_KEEP_SIZE, 0, static_cast<off_t>(bytes));
-  if (result != 0 && errno != EOPNOTSUPP && errno != ENOSYS) refuse("cannot reserve space", errno);
+std::uint64_t JournalFile::free_bytes() const {
+  const auto free = disk_.free_bytes(path_);
+  return free.good() ? free.value : UINT64_MAX;  // unknown: let the writes tell
 }
 
-void JournalFile::append(std::span<const std::span<const std::uint8_t>> parts) {
-  if (failed_ || descriptor_ < 0) refuse("the journal takes no more records", EIO);
-  std::array<iovec, 3> vectors{};
-  assert(parts.size() <= vectors.size());
-  std::size_t total = 0;
-  for (std::size_t i = 0; i < parts.size(); ++i) {
-    vectors[i] = {const_cast<std::uint8_t*>(parts[i].data()), parts[i].size()};
-    total += parts[i].size();
+void JournalFile::reserve_or_refuse(std::uint64_t bytes) {
+  const std::uint64_t available = free_bytes();
+  if (bytes <= available && reserve(bytes)) return;
+  const std::uint64_t missing = bytes - std::min(bytes, available);
+  throw Error(
+      ExitCode::storage,
+      fmt::format("not enough space for the recording: {:.1f} MB needed, {:.1f} MB free, {:.1f} MB missing",
+                  static_cast<double>(bytes) / bytes_per_megabyte,
+                  static_cast<double>(available) / bytes_per_megabyte,
+                  static_cast<double>(missing) / bytes_per_megabyte),
+      path_.string(), advice_for(ENOSPC));
+}
+
+bool JournalFile::reserve(std::uint64_t bytes) {
+  if (bytes <= reserved_) return true;
+  // The file stays as long as what was appended, so that a killed recorder leaves no tail of zeros.
+  const int error_number = disk_.reserve(file_, bytes);
+  if (error_number == ENOSPC || error_number == EDQUOT || error_number == EFBIG) return false;
+  const bool is_possible = error_number != EOPNOTSUPP && error_number != ENOSYS;
+  if (error_number != 0 && is_possible) refuse("cannot reserve space", error_number);
+  can_reserve_ = is_possible;
+  reserved_ = bytes;
+  return true;
+}
+
+void JournalFile::require_sound() const {
+  if (failed_) refuse(failure_.action, failure_.error_number);  // what happened first is what has to be known
+  if (file_ == files::OpenFile::none) refuse("the journal is closed", EBADF);
+}
+
+void JournalFile::append(std::span<const std::span<const std::byte>> parts) {
+  require_sound();
+  std::array<Part, 3> left{};
+  if (parts.size() > left.size()) std::abort();
+  std::copy(parts.begin(), parts.end(), left.begin());
+  std::size_t missing = 0;
+  for (const Part part : parts) missing += part.size();
+  const std::size_t total = missing;
+  while (missing > 0) {  // once; a disk that took a part of it says at the next call why
+    const auto written = disk_.append(file_, std::span(left).first(parts.size()));
+    if (!written.good() || written.value == 0)
+      fail("cannot write", written.good() ? ENOSPC : written.error_number);
+    drop_front(left, written.value);
+    missing -= written.value;
   }
-  const ssize_t written = ::writev(descriptor_, vectors.data(), static_cast<int>(parts.size()));
-  if (written == static_cast<ssize_t>(total)) {
-    size_ += total;
-    return;
-  }
-  const int error_number = written < 0 ? errno : ENOSPC;  // a short write on a file: the disk is full
+  size_ += total;
+}
+
+void JournalFile::note_failure(const char* action, int error_number) {
+  const std::lock_guard lock(failure_turn_);
+  if (failed_) return;
+  failure_ = {action, error_number};
   failed_ = true;
-  if (::ftruncate(descriptor_, static_cast<off_t>(size_)) != 0) refuse("cannot write", error_number);
-  refuse("cannot write", error_number);
+}
+
+void JournalFile::fail(const char* action, int error_number) {
+  note_failure(action, error_number);
+  // A half-written record is cut off. Where that fails as well, its checksum tells.
+  disk_.truncate(file_, size_);
+  refuse(action, error_number);
 }
 
 void JournalFile::sync() {
-  if (::fdatasync(descriptor_) != 0) refuse("cannot sync", errno);
+  require_sound();
+  const int error_number = disk_.sync(file_);
+  if (error_number == 0) return;
+  note_failure("cannot sync", error_number);  // what could not be written is dropped, and that said only once
+  refuse("cannot sync", error_number);
 }
 
 void JournalFile::sync_folder() {
-  const int folder = ::open(folder_of(path_).c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-  if (folder < 0) refuse("cannot open the folder", errno);
-  const int result = ::fsync(folder);
-  const int error_number = errno;
-  ::close(folder);
-  // Some file systems (FUSE, network) do not sync folders; there is nothing better to do there.
-  if (result != 0 && error_number != EINVAL) refuse("cannot sync the folder", error_number);
+  const int error_number = disk_.sync_folder(files::folder_of(path_));
+  if (error_number != 0) refuse("cannot sync the folder", error_number);
 }
 
 void JournalFile::close() {
-  if (::ftruncate(descriptor_, static_cast<off_t>(size_)) != 0) refuse("cannot close", errno);
+  require_sound();
+  const int truncated = disk_.truncate(file_, size_);
+  if (truncated != 0) refuse("cannot close", truncated);
   sync();
-  if (::close(std::exchange(descriptor_, -1)) != 0) refuse("cannot close", errno);
+  const int closed = disk_.close(std::exchange(file_, files::OpenFile::none));
+  if (closed != 0) refuse("cannot close", closed);
+}
+
+void JournalFile::abandon() {
+  disk_.close(std::exchange(file_, files::OpenFile::none));
+  disk_.remove(path_);
 }
 
 void JournalFile::refuse(const char* action, int error_number) const {

@@ -1,8 +1,4 @@
 // SPDX-License-Identifier: MIT
-#include <fcntl.h>
-#include <sys/stat.h>
-#include <unistd.h>
-
 #include <algorithm>
 #include <cerrno>
 #include <cstring>
@@ -25,24 +21,24 @@ using Bytes = std::span<const std::uint8_t>;
               "name a .journal file that thermorig record left");
 }
 
+/// A disk that fails is no fault of the file.
+[[noreturn]] void refuse_call(const std::filesystem::path& path, const char* what, int error_number) {
+  const std::string sentence = std::string(what) + ": " + std::strerror(error_number);
+  if (error_number != EIO) refuse(path, sentence);
+  throw Error(ExitCode::storage, sentence, path.string(),
+              "check the disk (dmesg), then run thermorig recover: the journal is still there");
+}
+
 /// A regular file, read from its front through a buffer.
 class SourceFile {
  public:
-  explicit SourceFile(const std::filesystem::path& path) {
-    // NONBLOCK: a FIFO must not hang us before fstat() tells what it is.
-    descriptor_ = ::open(path.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC);
-    if (descriptor_ < 0) refuse(path, std::string("cannot be opened: ") + std::strerror(errno));
-    struct stat info {};
-    if (::fstat(descriptor_, &info) == 0 && S_ISREG(info.st_mode)) {
-      size_ = static_cast<std::uint64_t>(info.st_size);
-      return;
-    }
-    ::close(descriptor_);
-    refuse(path, "is not a regular file");
+  SourceFile(const std::filesystem::path& path, files::Disk& disk)
+      : path_(path), disk_(disk), file_(disk, open(path, disk)) {
+    const auto size = disk.size(file_.get());
+    if (size.error_number == EINVAL) refuse(path, "is not a regular file");
+    if (!size.good()) refuse_call(path, "cannot be looked at", size.error_number);
+    size_ = size.value;
   }
-  ~SourceFile() { ::close(descriptor_); }
-  SourceFile(const SourceFile&) = delete;
-  SourceFile& operator=(const SourceFile&) = delete;
 
   std::uint64_t size() const { return size_; }
 
@@ -59,15 +55,27 @@ class SourceFile {
   }
 
  private:
+  static files::OpenFile open(const std::filesystem::path& path, files::Disk& disk) {
+    const auto opened = disk.open(path);
+    if (!opened.good()) refuse_call(path, "cannot be opened", opened.error_number);
+    return opened.value;
+  }
+
+  /// A disk that cannot read must not pass for a journal that ends here.
   bool refill() {
-    const ssize_t count = ::read(descriptor_, buffer_.data(), buffer_.size());
+    const auto count = disk_.read(file_.get(), offset_, std::as_writable_bytes(std::span(buffer_)));
+    if (!count.good()) refuse_call(path_, "cannot be read", count.error_number);
     next_ = 0;
-    buffered_ = count > 0 ? static_cast<std::size_t>(count) : 0;
+    buffered_ = count.value;
+    offset_ += count.value;
     return buffered_ > 0;
   }
 
-  int descriptor_ = -1;
+  const std::filesystem::path& path_;
+  files::Disk& disk_;
+  files::ClosedOnExit file_;
   std::uint64_t size_ = 0;
+  std::uint64_t offset_ = 0;  // of the next refill
   std::vector<std::uint8_t> buffer_ = std::vector<std::uint8_t>(64U << 10U);
   std::size_t next_ = 0;
   std::size_t buffered_ = 0;
@@ -171,10 +179,22 @@ bool take(const RecordFront& front, Bytes payload, RawRecording& recording) {
   return false;
 }
 
+/// `budget`: bytes that may still be checked; what would need more counts as a record.
+bool has_record_at(Bytes bytes, std::size_t at, std::size_t& budget) {
+  FrontBytes front_at;
+  std::copy_n(bytes.begin() + static_cast<std::ptrdiff_t>(at), front_bytes, front_at.begin());
+  const auto front = decode_front(front_at);
+  const Bytes behind = bytes.subspan(at + front_bytes);
+  if (!front || front->length > behind.size()) return false;
+  if (front->length > budget) return true;
+  budget -= front->length;
+  return crc_is_good(front_at, behind.first(front->length));
+}
+
 }  // namespace
 
-JournalContents read_journal(const std::filesystem::path& path) {
-  SourceFile source(path);
+JournalContents read_journal(const std::filesystem::path& path, files::Disk& disk) {
+  SourceFile source(path, disk);
   RecordReader reader(source);
   const auto header = reader.next();
   if (!header || header->type != RecordType::header)
@@ -196,12 +216,28 @@ JournalContents read_journal(const std::filesystem::path& path) {
   return contents;
 }
 
-bool is_journal(const std::filesystem::path& path) {
-  SourceFile source(path);
+bool is_journal(const std::filesystem::path& path, files::Disk& disk) {
+  SourceFile source(path, disk);
   FrontBytes bytes;
   if (!source.read(bytes)) return false;
   const auto front = decode_front(bytes);
   return front && front->type == RecordType::header && front->sequence == 0;
+}
+
+bool holds_nothing(const std::filesystem::path& path, files::Disk& disk) {
+  SourceFile front_source(path, disk);
+  if (RecordReader(front_source).next()) return false;
+  SourceFile source(path, disk);
+  std::vector<std::uint8_t> bytes(source.size());
+  if (!source.read(bytes)) refuse(path, "becomes shorter while it is read");
+  const bool is_zero = std::all_of(bytes.begin(), bytes.end(), [](std::uint8_t byte) { return byte == 0; });
+  if (!is_zero && !has_magic(bytes)) return false;  // something else, that bears the name of a journal
+  // Records that a recorder wrote do not overlap. A file that has been made so that they seem to would keep
+  // the processor busy for hours: it is left alone.
+  std::size_t budget = 2 * bytes.size();
+  for (std::size_t at = 0; at + front_bytes <= bytes.size(); ++at)
+    if (has_record_at(bytes, at, budget)) return false;
+  return true;
 }
 
 }  // namespace thermorig::journal

@@ -33,8 +33,8 @@ Bytes bytes_of(const std::string& text) {
 }  // namespace
 
 struct JournalWriter::File {
-  File(const std::filesystem::path& path, std::uint64_t reserve_bytes)
-      : file(path, reserve_bytes), id(new_journal_id()) {}
+  File(const std::filesystem::path& path, std::uint64_t reserve_bytes, files::Disk& disk)
+      : file(path, reserve_bytes, disk), id(new_journal_id()) {}
 
   void append(RecordType type, std::uint8_t device, Bytes first, Bytes second = {}) {
     const std::size_t length = first.size() + second.size();
@@ -42,7 +42,8 @@ struct JournalWriter::File {
     const std::array payload{first, second};
     const auto front =
         encode_front({type, device, id, sequence, static_cast<std::uint32_t>(length)}, payload);
-    const std::array<Bytes, 3> parts{front, first, second};
+    const std::array<std::span<const std::byte>, 3> parts{std::as_bytes(std::span(front)),
+                                                          std::as_bytes(first), std::as_bytes(second)};
     file.append(parts);
     ++sequence;
     bytes_written.store(file.size(), std::memory_order_relaxed);
@@ -55,15 +56,20 @@ struct JournalWriter::File {
 };
 
 JournalWriter::JournalWriter(const std::filesystem::path& path, const RecordingHeader& header,
-                             std::uint64_t reserve_bytes) {
+                             std::uint64_t reserve_bytes, files::Disk& disk) {
   const std::string text = recording_header::header_to_json_text(header);
   if (text.size() > payload_max_bytes)
     throw Error(ExitCode::bad_usage, "the profile and the plan are too long to be stored", path.string(),
                 "shorten them: together they may hold 16 MB");
-  file_ = std::make_unique<File>(path, reserve_bytes);
-  file_->append(RecordType::header, 0, bytes_of(text));
-  file_->file.sync();
-  file_->file.sync_folder();
+  file_ = std::make_unique<File>(path, reserve_bytes, disk);
+  try {
+    file_->append(RecordType::header, 0, bytes_of(text));
+    file_->file.sync();
+    file_->file.sync_folder();
+  } catch (const Error&) {
+    file_->file.abandon();  // else recovery would find a journal without a beginning
+    throw;
+  }
 }
 
 JournalWriter::~JournalWriter() = default;
@@ -92,6 +98,22 @@ void JournalWriter::estimate(const LiveEstimate& row) {
 
 void JournalWriter::sync() {
   file_->file.sync();
+}
+
+bool JournalWriter::reserve(std::uint64_t bytes) {
+  return file_->file.reserve(bytes);
+}
+
+std::uint64_t JournalWriter::reserved() const {
+  return file_->file.reserved();
+}
+
+bool JournalWriter::can_reserve() const {
+  return file_->file.can_reserve();
+}
+
+std::uint64_t JournalWriter::free_bytes() const {
+  return file_->file.free_bytes();
 }
 
 void JournalWriter::close(HostTime end) {

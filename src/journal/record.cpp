@@ -52,6 +52,12 @@ std::optional<RecordFront> decode_front(const FrontBytes& bytes) {
   return front;
 }
 
+bool has_magic(std::span<const std::uint8_t> bytes) {
+  return std::equal(bytes.begin(),
+                    bytes.begin() + static_cast<std::ptrdiff_t>(std::min(bytes.size(), magic.size())),
+                    magic.begin());
+}
+
 bool crc_is_good(const FrontBytes& bytes, std::span<const std::uint8_t> payload) {
   return crc_of(bytes, {&payload, 1}) == get_little_endian<std::uint32_t>(&bytes[crc_offset]);
 }

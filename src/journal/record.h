@@ -39,6 +39,9 @@ FrontBytes encode_front(const RecordFront& front, std::span<const std::span<cons
 /// Nothing if the magic, the type or the length is not that of a record. The CRC is not looked at.
 std::optional<RecordFront> decode_front(const FrontBytes& bytes);
 
+/// Does it begin as a record does, as far as it goes?
+bool has_magic(std::span<const std::uint8_t> bytes);
+
 bool crc_is_good(const FrontBytes& bytes, std::span<const std::uint8_t> payload);
 
 }  // namespace thermorig::journal

@@ -1,9 +1,15 @@
 // SPDX-License-Identifier: MIT
 #include "camera_line.h"
 
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
 namespace thermorig::pipeline {
 
 namespace {
+constexpr std::size_t frames_for_mode = 16;  // then the halves have told how the camera works
+
 double frame_period_s(const CameraProfile& profile, const Fits& fits) {
   return fits.frame_period_s.value_or(1.0 / profile.output_rate_hz);
 }
@@ -14,16 +20,45 @@ labels::ExposureRule exposure_rule(const CameraProfile& profile, const Fits& fit
 }
 
 CameraLine::CameraLine(const CameraProfile& profile, const Fits& fits)
-    : scanner_(profile.checksum),
+    : profile_(profile),
+      period_s_(frame_period_s(profile, fits)),
+      scanner_([policy = profile.checksum] { return wire::CameraScanner(policy); }),
       timing_(profile.link, profile.output_rate_hz),
       final_times_(fits.times[Device::camera]),
       exposure_(exposure_rule(profile, fits)),
       known_gaps_(fits.gaps),
-      live_gaps_(frame_period_s(profile, fits)) {}
+      live_gaps_(period_s_),
+      newer_half_(fits.newer_half) {}
 
 labels::FrameGap CameraLine::gap_before(const TimedFrame& frame) {
   const std::size_t index = frame_count_++;
-  return index < known_gaps_.size() ? known_gaps_[index] : live_gaps_.push(frame, exposure_.mode());
+  ++frames_since_;
+  const bool was_away = std::exchange(was_away_, false);
+  if (index < known_gaps_.size()) return known_gaps_[index];
+  const labels::FrameGap gap = live_gaps_.push(frame, exposure_.mode());
+  return was_away ? gap_of_absence(frame) : gap;
+}
+
+/// At least one is missing, so that no run goes on over the absence.
+labels::FrameGap CameraLine::gap_of_absence(const TimedFrame& frame) {
+  if (!last_frame_) return {};
+  const double periods = std::round(to_s(frame.stamp.time - *last_frame_) / period_s_) - 1.0;
+  constexpr double most = std::numeric_limits<std::uint16_t>::max();
+  return {.missing = static_cast<std::uint16_t>(std::clamp(periods, 1.0, most)), .late = false};
+}
+
+std::span<const TimedFrame> CameraLine::interrupt(std::vector<TimedFrame>& out) {
+  const std::size_t first = out.size();
+  finish(out);
+  scanner_.restart();
+  timing_.restart();
+  live_gaps_ = labels::LiveFrameGaps(period_s_);
+  std::optional<labels::CameraMode> mode;
+  if (frames_since_ >= frames_for_mode) mode = exposure_.mode();
+  exposure_ = labels::ExposureRule(period_s_, mode, newer_half_);
+  was_away_ = was_away_ || last_frame_.has_value();
+  frames_since_ = 0;
+  return std::span(out).subspan(first);
 }
 
 std::span<const TimedFrame> CameraLine::push(std::span<const std::uint8_t> chunk, HostTime arrived,
@@ -52,6 +87,7 @@ std::span<const TimedFrame> CameraLine::take(std::vector<TimedFrame>& out) {
     const labels::FrameGap gap = gap_before(frame);
     frame.missing_before = gap.missing;
     frame.late = gap.late && !is_known;  // its turn tells when a frame was taken, however late it was read
+    last_frame_ = frame.stamp.time;
   }
   messages_.clear();
   return std::span(out).subspan(first);

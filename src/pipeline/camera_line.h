@@ -3,10 +3,12 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
 #include "final_times.h"
+#include "restartable_scanner.h"
 #include "thermorig/core/profile.h"
 #include "thermorig/core/sample.h"
 #include "thermorig/labels/exposure.h"
@@ -32,18 +34,29 @@ class CameraLine {
   /// The stream has ended: the frames that waited for the bytes behind them.
   std::span<const TimedFrame> finish(std::vector<TimedFrame>& out);
 
+  /// The camera is away: what it sends from here on, if it comes back, is another stream of a clock anew.
+  /// Returns the frames that waited.
+  std::span<const TimedFrame> interrupt(std::vector<TimedFrame>& out);
+
   const wire::Counters& counters() const { return scanner_.counters(); }
 
  private:
   std::span<const TimedFrame> take(std::vector<TimedFrame>& out);
   labels::FrameGap gap_before(const TimedFrame& frame);
+  labels::FrameGap gap_of_absence(const TimedFrame& frame);
 
-  wire::CameraScanner scanner_;
+  CameraProfile profile_;
+  double period_s_;
+  RestartableScanner<wire::CameraScanner, wire::CameraMessage> scanner_;
   timing::LinkTiming timing_;
   FinalTimes final_times_;
   labels::ExposureRule exposure_;
   std::vector<labels::FrameGap> known_gaps_;  // of a first pass; empty while recording
   labels::LiveFrameGaps live_gaps_;
+  std::optional<unsigned> newer_half_;
+  std::size_t frames_since_ = 0;  // the stream began, or the camera came back
+  std::optional<HostTime> last_frame_;
+  bool was_away_ = false;  // since the last frame
   std::size_t frame_count_ = 0;
   std::vector<wire::CameraMessage> messages_;  // empty between calls; kept for its memory
 };

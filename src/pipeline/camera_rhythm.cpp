@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: MIT
 #include "camera_rhythm.h"
 
+#include <algorithm>
+#include <cmath>
 #include <cstddef>
+#include <limits>
 #include <utility>
 
 #include "thermorig/labels/median.h"
@@ -50,10 +53,50 @@ std::optional<labels::CameraMode> camera_mode(const std::vector<TimedFrame>& fra
   if (vote.empty()) return std::nullopt;
   return vote.mode();
 }
+
+/// Frames between two absences.
+std::vector<std::vector<TimedFrame>> split(const std::vector<TimedFrame>& frames,
+                                           std::span<const std::size_t> begins) {
+  std::vector<std::vector<TimedFrame>> pieces;
+  for (std::size_t i = 0; i < begins.size(); ++i) {
+    const std::size_t end = i + 1 < begins.size() ? begins[i + 1] : frames.size();
+    pieces.emplace_back(frames.begin() + static_cast<std::ptrdiff_t>(begins[i]),
+                        frames.begin() + static_cast<std::ptrdiff_t>(end));
+  }
+  return pieces;
+}
+
+/// One at least: no run goes on over an absence.
+std::uint16_t missing_between(HostTime last, HostTime first, double period_s) {
+  constexpr double most = std::numeric_limits<std::uint16_t>::max();
+  const double periods = std::round(to_s(first - last) / period_s) - 1.0;
+  return static_cast<std::uint16_t>(std::clamp(periods, 1.0, most));
+}
+
+CameraRhythm rhythm_of_pieces(const std::vector<std::vector<TimedFrame>>& pieces, CameraRhythm rhythm) {
+  const auto& longest = *std::max_element(pieces.begin(), pieces.end(),
+                                          [](const auto& a, const auto& b) { return a.size() < b.size(); });
+  rhythm.period_s = period_s(longest);
+  if (!rhythm.period_s) return rhythm;
+  const auto mode = rhythm.mode.value_or(labels::CameraMode::half_fresh);
+  const std::vector<TimedFrame>* before = nullptr;
+  for (const std::vector<TimedFrame>& piece : pieces) {
+    std::vector<labels::FrameGap> gaps = labels::find_gaps(piece, *rhythm.period_s, mode);
+    if (before != nullptr)
+      gaps.front() = {
+          .missing = missing_between(before->back().stamp.time, piece.front().stamp.time, *rhythm.period_s),
+          .late = false};
+    rhythm.gaps.insert(rhythm.gaps.end(), gaps.begin(), gaps.end());
+    before = &piece;
+  }
+  return rhythm;
+}
 }  // namespace
 
-CameraRhythm camera_rhythm(const std::vector<TimedFrame>& frames) {
-  CameraRhythm rhythm{.mode = camera_mode(frames), .period_s = period_s(frames), .gaps = {}};
+CameraRhythm camera_rhythm(const std::vector<TimedFrame>& frames, std::span<const std::size_t> pieces) {
+  CameraRhythm rhythm{.mode = camera_mode(frames), .period_s = {}, .gaps = {}};
+  if (pieces.size() > 1) return rhythm_of_pieces(split(frames, pieces), std::move(rhythm));
+  rhythm.period_s = period_s(frames);
   const auto mode = rhythm.mode.value_or(labels::CameraMode::half_fresh);
   if (rhythm.period_s) rhythm.gaps = labels::find_gaps(frames, *rhythm.period_s, mode);
   return rhythm;

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <cstddef>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "thermorig/core/sample.h"
@@ -17,7 +19,9 @@ struct CameraRhythm {
   std::vector<labels::FrameGap> gaps;  // before each frame; empty without a period
 };
 
-/// `frames` as a first pass stamped them.
-CameraRhythm camera_rhythm(const std::vector<TimedFrame>& frames);
+/// `frames` as a first pass stamped them. `pieces`: the first frame of each piece between two absences of the
+/// camera; they have nothing to do with each other but the period, which is that of the longest one. Empty:
+/// there was none.
+CameraRhythm camera_rhythm(const std::vector<TimedFrame>& frames, std::span<const std::size_t> pieces = {});
 
 }  // namespace thermorig::pipeline

@@ -13,8 +13,7 @@ namespace thermorig::pipeline {
 
 namespace {
 
-constexpr double nominal_telemetry_hz = 100.0;  // protocols/servo_link.md
-constexpr double own_clock_error_share = 0.1;   // beyond it a gyro's time is not in the unit that we think
+constexpr double own_clock_error_share = 0.1;  // beyond it a gyro's time is not in the unit that we think
 
 ClockFit fit_one_way(const RawStream& received, std::span<const StreamSpan> spans,
                      std::span<const double> device_s, const PortProfile& link, double nominal_rate_hz) {
@@ -31,7 +30,7 @@ std::vector<double> turns_s(std::span<const labels::FrameGap> gaps, double rate_
 }
 
 /// The gyro's own time of each sample, if it sends one with each that goes about as fast as the host's.
-std::vector<double> own_times_s(const std::vector<TimedGyro>& gyro) {
+std::vector<double> own_times_s(std::span<const TimedGyro> gyro) {
   std::vector<double> device_s;
   double forward_s = 0.0;
   for (const TimedGyro& sample : gyro) {
@@ -45,7 +44,7 @@ std::vector<double> own_times_s(const std::vector<TimedGyro>& gyro) {
   return is_believable ? device_s : std::vector<double>{};
 }
 
-std::vector<double> counted_times_s(const RawStream& received, const std::vector<TimedGyro>& gyro,
+std::vector<double> counted_times_s(const RawStream& received, std::span<const TimedGyro> gyro,
                                     std::span<const StreamSpan> spans, const GyroProfile& profile) {
   const auto suspect = std::make_unique<bool[]>(gyro.size());
   std::transform(gyro.begin(), gyro.end(), suspect.get(),
@@ -67,7 +66,7 @@ std::vector<double> telemetry_times_s(const std::vector<TimedServo>& servo) {
 
 }  // namespace
 
-ClockFit fit_camera_clock(const RawStream& received, const std::vector<TimedFrame>& frames,
+ClockFit fit_camera_clock(const RawStream& received, std::span<const TimedFrame> frames,
                           std::span<const labels::FrameGap> gaps, const CameraProfile& profile) {
   const auto spans = spans_of(frames);
   if (!holds(received, spans) || gaps.size() != frames.size()) return {};
@@ -75,7 +74,7 @@ ClockFit fit_camera_clock(const RawStream& received, const std::vector<TimedFram
   return fit_one_way(received, spans, device_s, profile.link, profile.output_rate_hz);
 }
 
-ClockFit fit_gyro_clock(const RawStream& received, const std::vector<TimedGyro>& gyro,
+ClockFit fit_gyro_clock(const RawStream& received, std::span<const TimedGyro> gyro,
                         const GyroProfile& profile) {
   const auto spans = spans_of(gyro);
   if (!holds(received, spans)) return {};

@@ -13,6 +13,8 @@
 
 namespace thermorig::pipeline {
 
+inline constexpr double nominal_telemetry_hz = 100.0;  // protocols/servo_link.md
+
 /// The clock of one device over a recording: the time of each of its messages, and how it did. Without
 /// `times` too little came, and the causal ones stand.
 struct ClockFit {
@@ -21,11 +23,11 @@ struct ClockFit {
 };
 
 /// Frames carry no number: `gaps` count them.
-ClockFit fit_camera_clock(const RawStream& received, const std::vector<TimedFrame>& frames,
+ClockFit fit_camera_clock(const RawStream& received, std::span<const TimedFrame> frames,
                           std::span<const labels::FrameGap> gaps, const CameraProfile& profile);
 
 /// By the gyro's own time where it sends one, else by counting its samples.
-ClockFit fit_gyro_clock(const RawStream& received, const std::vector<TimedGyro>& gyro,
+ClockFit fit_gyro_clock(const RawStream& received, std::span<const TimedGyro> gyro,
                         const GyroProfile& profile);
 
 /// From both sides where pings were answered, else one-way by the telemetry's own time.

@@ -7,9 +7,11 @@
 #include "camera_shift.h"
 #include "clock_fits.h"
 #include "final_times.h"
+#include "joined_clock.h"
 #include "message_spans.h"
 #include "thermorig/labels/servo_response.h"
 #include "thermorig/motion/panorama_fit.h"
+#include "thermorig/pipeline/interruptions.h"
 #include "thermorig/pipeline/pipeline.h"
 #include "thermorig/timing/arrivals.h"
 
@@ -31,14 +33,67 @@ void put_proofs(const RawStream& received, std::uint32_t baud, std::vector<Timed
   for (std::size_t i = 0; i < frames.size(); ++i) frames[i].stamp.time = proofs[i];
 }
 
+template <typename Message>
+std::vector<Stamp> stamps_of(std::span<const Message> messages) {
+  std::vector<Stamp> stamps;
+  stamps.reserve(messages.size());
+  for (const Message& message : messages) stamps.push_back(message.stamp);
+  return stamps;
+}
+
+/// `fit_piece` is asked for the clock of messages `begin` .. `end` - 1, which came between two absences.
+template <typename Message, typename FitPiece>
+ClockFit fit_pieces(const RawRecording& raw, Device device, const std::vector<Message>& messages,
+                    double nominal_rate_hz, FitPiece fit_piece) {
+  const std::vector<std::size_t> begins = piece_begins(messages, break_offsets(raw, device));
+  if (begins.size() < 2) return fit_piece(0, messages.size());
+  std::vector<ClockPiece> pieces;
+  for (std::size_t i = 0; i < begins.size(); ++i) {
+    const std::size_t end = i + 1 < begins.size() ? begins[i + 1] : messages.size();
+    pieces.push_back({fit_piece(begins[i], end),
+                      stamps_of(std::span<const Message>(messages).subspan(begins[i], end - begins[i]))});
+  }
+  return joined(std::move(pieces), std::string(name_of(device)), nominal_rate_hz);
+}
+
+/// Telemetry `begin` .. `end` - 1, and the answers to pings among it.
+Streams servo_piece(const Streams& streams, std::size_t begin, std::size_t end) {
+  Streams piece;
+  const auto all = std::span<const TimedServo>(streams.servo).subspan(begin, end - begin);
+  piece.servo.assign(all.begin(), all.end());
+  const std::uint64_t from = begin == 0 ? 0 : streams.servo[begin].span.begin;
+  const std::uint64_t until = end == streams.servo.size() ? ~std::uint64_t{0} : streams.servo[end].span.begin;
+  for (const TimedPong& pong : streams.pongs)
+    if (from <= pong.span.begin && pong.span.begin < until) piece.pongs.push_back(pong);
+  return piece;
+}
+
 PerDevice<ClockFit> fit_clocks(const RawRecording& raw, Streams& streams, const CameraRhythm& rhythm) {
   const auto& [camera, gyro, servo] =
       std::tie(raw.header.profile.camera, raw.header.profile.gyro, raw.header.profile.servo);
   PerDevice<ClockFit> clocks;
+  const auto has_gaps = rhythm.gaps.size() == streams.frames.size();
   clocks[Device::camera] =
-      fit_camera_clock(raw.received[Device::camera], streams.frames, rhythm.gaps, camera);
-  clocks[Device::gyro] = fit_gyro_clock(raw.received[Device::gyro], streams.gyro, gyro);
-  clocks[Device::servo] = fit_servo_clock(raw.received[Device::servo], raw.sent, streams, servo);
+      fit_pieces(raw, Device::camera, streams.frames, camera.output_rate_hz,
+                 [&, &camera = camera](auto begin, auto end) {
+                   const auto gaps = has_gaps ? std::span(rhythm.gaps).subspan(begin, end - begin)
+                                              : std::span<const labels::FrameGap>();
+                   return fit_camera_clock(
+                       raw.received[Device::camera],
+                       std::span<const TimedFrame>(streams.frames).subspan(begin, end - begin), gaps, camera);
+                 });
+  clocks[Device::gyro] = fit_pieces(
+      raw, Device::gyro, streams.gyro, gyro.output_rate_hz, [&, &gyro = gyro](auto begin, auto end) {
+        return fit_gyro_clock(raw.received[Device::gyro],
+                              std::span<const TimedGyro>(streams.gyro).subspan(begin, end - begin), gyro);
+      });
+  clocks[Device::servo] = fit_pieces(
+      raw, Device::servo, streams.servo, nominal_telemetry_hz, [&, &servo = servo](auto begin, auto end) {
+        if (end - begin == streams.servo.size())
+          return fit_servo_clock(raw.received[Device::servo], raw.sent, streams, servo);
+        return fit_servo_clock(raw.received[Device::servo], raw.sent, servo_piece(streams, begin, end),
+                               servo);
+      });
   put_times(clocks[Device::camera].times, streams.frames);
   put_times(clocks[Device::gyro].times, streams.gyro);
   put_times(clocks[Device::servo].times, streams.servo);
@@ -63,7 +118,8 @@ void fit_newer_half(Streams& streams, const RigProfile& profile, const GyroError
 Fits fit(const RawRecording& raw, Streams streams) {
   const RigProfile& profile = raw.header.profile;
   put_proofs(raw.received[Device::camera], profile.camera.link.baud, streams.frames);
-  CameraRhythm rhythm = camera_rhythm(streams.frames);
+  CameraRhythm rhythm =
+      camera_rhythm(streams.frames, piece_begins(streams.frames, break_offsets(raw, Device::camera)));
   PerDevice<ClockFit> clocks = fit_clocks(raw, streams, rhythm);
   Fits fits;
   fits.camera_mode = rhythm.mode;

@@ -2,6 +2,7 @@
 #include "gyro_line.h"
 
 #include <cassert>
+#include <utility>
 
 namespace thermorig::pipeline {
 
@@ -15,7 +16,7 @@ timing::StampHint hint(const wire::GyroMessage& message) {
 }  // namespace
 
 GyroLine::GyroLine(const GyroProfile& profile, const Fits& fits)
-    : scanner_(profile),
+    : scanner_([profile] { return wire::GyroScanner(profile); }),
       timing_(profile.link, profile.output_rate_hz),
       final_times_(fits.times[Device::gyro]),
       axis_(static_cast<std::size_t>(profile.axis)),
@@ -35,6 +36,15 @@ std::span<const TimedGyro> GyroLine::finish(std::vector<TimedGyro>& out) {
   return take(out);
 }
 
+std::span<const TimedGyro> GyroLine::interrupt(std::vector<TimedGyro>& out) {
+  const std::size_t first = out.size();
+  finish(out);
+  scanner_.restart();
+  timing_.restart();
+  was_away_ = scanner_.counters().messages > 0;
+  return std::span(out).subspan(first);
+}
+
 std::span<const TimedGyro> GyroLine::take(std::vector<TimedGyro>& out) {
   const std::size_t first = out.size();
   for (const wire::GyroMessage& message : messages_) {
@@ -42,7 +52,7 @@ std::span<const TimedGyro> GyroLine::take(std::vector<TimedGyro>& out) {
                    .span = message.span,
                    .stamp = timing_.stamp(message.span, hint(message)),
                    .rate_dps = sign_ * message.reading.rate_dps[axis_],
-                   .lost_before = message.lost_before});
+                   .lost_before = std::exchange(was_away_, false) || message.lost_before});
     final_times_.put_next(out.back().stamp);
   }
   messages_.clear();

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "final_times.h"
+#include "restartable_scanner.h"
 #include "thermorig/core/profile.h"
 #include "thermorig/core/sample.h"
 #include "thermorig/pipeline/pipeline.h"
@@ -27,16 +28,21 @@ class GyroLine {
   /// The stream has ended: the samples that waited for the bytes behind them.
   std::span<const TimedGyro> finish(std::vector<TimedGyro>& out);
 
+  /// The gyro is away: what it sends from here on is another stream of a clock anew. Returns the samples that
+  /// waited.
+  std::span<const TimedGyro> interrupt(std::vector<TimedGyro>& out);
+
   const wire::Counters& counters() const { return scanner_.counters(); }
 
  private:
   std::span<const TimedGyro> take(std::vector<TimedGyro>& out);
 
-  wire::GyroScanner scanner_;
+  RestartableScanner<wire::GyroScanner, wire::GyroMessage> scanner_;
   timing::LinkTiming timing_;
   FinalTimes final_times_;
   std::size_t axis_;
   float sign_;
+  bool was_away_ = false;                    // since the last sample
   std::vector<wire::GyroMessage> messages_;  // empty between calls; kept for its memory
 };
 

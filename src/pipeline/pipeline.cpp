@@ -62,6 +62,22 @@ void Pipeline::sent(std::span<const std::uint8_t> bytes, HostTime before_write) 
   stages_->servo.sent(bytes, before_write);
 }
 
+std::vector<LabelledSample> Pipeline::interrupt(Device device, HostTime now) {
+  auto& [camera, gyro, servo, labeller, streams] = *stages_;
+  switch (device) {
+    case Device::camera:
+      for (const TimedFrame& frame : camera.interrupt(streams.frames)) labeller.add(frame);
+      break;
+    case Device::gyro:
+      for (const TimedGyro& sample : gyro.interrupt(streams.gyro)) labeller.add(sample);
+      break;
+    case Device::servo:
+      servo.interrupt(streams);  // a frame of the servo link ends with its flag: nothing waits
+      break;
+  }
+  return labeller.take(now);
+}
+
 std::vector<LabelledSample> Pipeline::finish() {
   auto& [camera, gyro, servo, labeller, streams] = *stages_;
   for (const TimedFrame& frame : camera.finish(streams.frames)) labeller.add(frame);

@@ -17,18 +17,26 @@ std::optional<Device> Replay::earliest() const {
 
 std::optional<ReplayStep> Replay::next() {
   const std::optional<Device> device = earliest();
+  if (next_interruption_ < interruptions_.size()) {
+    const Interruption& gone = interruptions_[next_interruption_];
+    if (!device || gone.time < raw_.received[*device].time(next_received_[*device])) {
+      ++next_interruption_;
+      return ReplayStep{.from = gone.device, .bytes = {}, .time = gone.time, .is_interruption = true};
+    }
+  }
   if (!device) return std::nullopt;
   const RawStream& stream = raw_.received[*device];
   const std::size_t index = next_received_[*device];
   if (next_sent_ < raw_.sent.chunk_count() && raw_.sent.time(next_sent_) <= stream.time(index)) {
     const std::size_t sent = next_sent_++;
-    return ReplayStep{std::nullopt, raw_.sent.chunk(sent), raw_.sent.time(sent)};
+    return ReplayStep{.from = std::nullopt, .bytes = raw_.sent.chunk(sent), .time = raw_.sent.time(sent)};
   }
   ++next_received_[*device];
-  return ReplayStep{device, stream.chunk(index), stream.time(index)};
+  return ReplayStep{.from = device, .bytes = stream.chunk(index), .time = stream.time(index)};
 }
 
 std::vector<LabelledSample> feed(Pipeline& pipeline, const ReplayStep& step) {
+  if (step.is_interruption) return pipeline.interrupt(*step.from, step.time);
   if (step.from) return pipeline.feed(*step.from, step.bytes, step.time);
   pipeline.sent(step.bytes, step.time);
   return {};

@@ -8,7 +8,9 @@
 namespace thermorig::pipeline {
 
 ServoLine::ServoLine(const ServoProfile& profile, const Fits& fits)
-    : timing_(profile.link),
+    : link_(profile.link),
+      scanner_([] { return wire::ServoScanner(); }),
+      timing_(profile.link),
       final_times_(fits.times[Device::servo]),
       baud_(profile.link.baud),
       pings_(profile.link.baud),
@@ -26,6 +28,17 @@ std::span<const TimedServo> ServoLine::push(std::span<const std::uint8_t> chunk,
 std::span<const TimedServo> ServoLine::finish(Streams& out) {
   scanner_.finish(messages_);
   return take(out);
+}
+
+void ServoLine::interrupt(Streams& out) {
+  finish(out);
+  scanner_.restart();
+  timing_.restart();
+  mcu_time_.restart();
+  clock_ = timing::PingClock(link_);
+  epochs_told_ = 1;
+  was_away_ = was_away_ || telemetry_.has_value();
+  telemetry_.reset();
 }
 
 std::span<const TimedServo> ServoLine::take(Streams& out) {
@@ -52,7 +65,7 @@ TimedServo ServoLine::timed(const wire::ServoMessage& message, const ServoState&
                    .span = message.span,
                    .stamp = stamp,
                    .mcu_time_us = mcu_time_.unwrap(state.mcu_us, stamp.time),
-                   .lost_before = message.lost_before};
+                   .lost_before = std::exchange(was_away_, false) || message.lost_before};
   if (is_causal_)
     stamp_by_clock(servo, begun_by(message.span));
   else

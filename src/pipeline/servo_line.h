@@ -9,6 +9,7 @@
 
 #include "final_times.h"
 #include "ping_ledger.h"
+#include "restartable_scanner.h"
 #include "thermorig/core/profile.h"
 #include "thermorig/core/sample.h"
 #include "thermorig/pipeline/pipeline.h"
@@ -33,6 +34,9 @@ class ServoLine {
   /// The stream has ended: the telemetry that waited for the bytes behind it.
   std::span<const TimedServo> finish(Streams& out);
 
+  /// The servo is away: what it sends from here on is another stream of a clock anew.
+  void interrupt(Streams& out);
+
   const wire::Counters& counters() const { return scanner_.counters(); }
 
  private:
@@ -44,7 +48,8 @@ class ServoLine {
   void learn(const TimedPong& pong, HostTime not_after);
   HostTime begun_by(const StreamSpan& span) const;
 
-  wire::ServoScanner scanner_;
+  PortProfile link_;
+  RestartableScanner<wire::ServoScanner, wire::ServoMessage> scanner_;
   timing::LinkTiming timing_;
   FinalTimes final_times_;
   std::uint32_t baud_;
@@ -55,6 +60,7 @@ class ServoLine {
   bool is_causal_;                            // without final times: the clock is learnt on the way
   std::size_t epochs_told_ = 1;               // the first is no event
   std::optional<TimedServo> telemetry_;       // the newest
+  bool was_away_ = false;                     // since then
   std::vector<wire::ServoMessage> messages_;  // empty between calls; kept for its memory
 };
 

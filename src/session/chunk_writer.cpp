@@ -41,7 +41,7 @@ void ChunkWriter::stop() noexcept {
 
 hid_t ChunkWriter::add(Handle handle, Layout layout, Fill fill) {
   const std::lock_guard lock(mutex_);
-  Dataset& dataset = datasets_.emplace_back(std::move(handle), std::move(layout), std::move(fill));
+  Dataset& dataset = datasets_.emplace_back(Dataset{std::move(handle), std::move(layout), std::move(fill)});
   for (std::size_t first = 0; first < dataset.layout.rows; first += dataset.layout.chunk_rows)
     jobs_.push_back({&dataset, first});
   changed_.notify_all();
@@ -54,13 +54,14 @@ void ChunkWriter::work() {
     std::vector<std::byte> buffer;
     std::unique_lock lock(mutex_);
     while (true) {
-      changed_.wait(lock, [this] { return ended_ || next_ < jobs_.size(); });
-      if (next_ == jobs_.size()) return;
+      changed_.wait(lock, [this] { return ended_ || may_begin(); });
+      if (ended_) return;
       Job& job = jobs_[next_++];
       lock.unlock();
       run(job, codec, buffer);
       lock.lock();
       job.done = true;
+      unwritten_bytes_ += job.encoded.size();
       changed_.notify_all();
     }
   } catch (...) {
@@ -90,6 +91,13 @@ ChunkWriter::Job& ChunkWriter::wait_for(std::size_t index) {
   return job;
 }
 
+void ChunkWriter::release(Job& job) {
+  const std::vector<std::byte> written = std::move(job.encoded);
+  const std::lock_guard lock(mutex_);
+  unwritten_bytes_ -= written.size();
+  changed_.notify_all();
+}
+
 std::vector<StoredDataset> ChunkWriter::finish() {
   std::vector<StoredDataset> stored;
   std::size_t index = 0;
@@ -106,7 +114,7 @@ std::vector<StoredDataset> ChunkWriter::finish() {
       entry.chunk_crc.push_back(crc32_of(job.encoded));
       const std::size_t rows = std::min<std::size_t>(layout.chunk_rows, layout.rows - first);
       crc = crc32_combine(crc, job.row_crc, static_cast<z_off_t>(rows * layout.row_bytes));
-      job.encoded = {};
+      release(job);
     }
     set_attribute(dataset.handle.get(), "crc32", static_cast<std::uint32_t>(crc));
     dataset.handle.close("close " + layout.path);

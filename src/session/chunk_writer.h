@@ -46,6 +46,8 @@ class ChunkWriter {
   std::vector<StoredDataset> finish();
 
  private:
+  static constexpr std::size_t unwritten_bytes_max = 16U << 20U;  // and a chunk more for each thread
+
   struct Dataset {
     Handle handle;
     Layout layout;
@@ -59,14 +61,17 @@ class ChunkWriter {
     bool done = false;
   };
 
+  bool may_begin() const { return next_ < jobs_.size() && unwritten_bytes_ < unwritten_bytes_max; }
   void work();
   void run(Job& job, class ChunkCodec& codec, std::vector<std::byte>& buffer) const;
   Job& wait_for(std::size_t index);
+  void release(Job& job);
   void stop() noexcept;
 
   std::deque<Dataset> datasets_;
   std::deque<Job> jobs_;  // grows at its end only: references stay valid
   std::size_t next_ = 0;
+  std::size_t unwritten_bytes_ = 0;  // of compressed chunks that finish() has not put into the file yet
   bool ended_ = false;
   std::exception_ptr failure_;
   std::mutex mutex_;

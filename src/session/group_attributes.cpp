@@ -211,6 +211,7 @@ void write_estimates_attributes(hid_t group, const Session& session) {
   set_attribute(group, "model_fusion", flag(model.fusion));
   set_attribute(group, "model_simulated", flag(model.simulated));
   set_attribute(group, "label_scale_dps", model.label_scale_dps);
+  set_attribute(group, "model_precision", model.precision);
 }
 
 void write_environment_attributes(hid_t group, const Session& session) {

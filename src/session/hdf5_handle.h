@@ -12,13 +12,14 @@ namespace thermorig::session {
 /// HDF5 refused. Turned into an Error with the right exit code where the file's name is known.
 class Hdf5Failure : public std::runtime_error {
  public:
-  using std::runtime_error::runtime_error;
+  /// `action`: what cannot be done, "open /camera".
+  explicit Hdf5Failure(const std::string& action) : std::runtime_error("cannot " + action) {}
 };
 
-/// Passes a result of the C API through; throws Hdf5Failure("cannot " + action) if it is negative.
+/// Passes a result of the C API through; throws Hdf5Failure(action) if it is negative.
 template <typename Result>
 Result check(Result result, const std::string& action) {
-  if (result < 0) throw Hdf5Failure("cannot " + action);
+  if (result < 0) throw Hdf5Failure(action);
   return result;
 }
 

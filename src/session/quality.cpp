@@ -56,9 +56,23 @@ Quality::Stream stream_of(const wire::Counters& counters, const std::vector<doub
   return stream;
 }
 
+/// Whether the camera went between the two frames, and was waited for: what it did not send then is not lost
+/// to any leg.
+bool was_awaited(const Session& session, const TimedFrame& before, const TimedFrame& frame) {
+  return std::any_of(session.raw.events.begin(), session.raw.events.end(), [&](const RecordingEvent& event) {
+    return event.kind == EventKind::device_lost && event.source == Device::camera &&
+           before.stamp.arrival <= event.time && event.time < frame.stamp.arrival;
+  });
+}
+
 Quality::Stream camera_stream(const Session& session) {
   auto stream = stream_of(session.counters[Device::camera], times_s(session.frames));
-  for (const auto& frame : session.frames) stream.lost += frame.missing_before;
+  for (std::size_t i = 0; i < session.frames.size(); ++i) {
+    const TimedFrame& frame = session.frames[i];
+    if (frame.missing_before == 0) continue;
+    if (i > 0 && was_awaited(session, session.frames[i - 1], frame)) continue;
+    stream.lost += frame.missing_before;
+  }
   stream.repeated = static_cast<std::uint64_t>(
       std::count_if(session.frames.begin(), session.frames.end(),
                     [](const auto& frame) { return frame.fresh_even == 0 && frame.fresh_odd == 0; }));

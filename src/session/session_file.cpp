@@ -43,34 +43,37 @@ std::string advice_for(int error_number) {
               advice_for(error_number));
 }
 
-void write_file(const fs::path& path, const Session& session, bool overwrite) {
-  if (!overwrite && fs::exists(fs::symlink_status(path))) refuse("the session exists already", EEXIST, path);
-  files::PartFile part(path, "the session", advice_for);
-  const SessionImage image = build_image(session, std::thread::hardware_concurrency());
+void write_file(const fs::path& path, const Session& session, bool overwrite, files::Disk& disk) {
+  if (!overwrite) {
+    const auto taken = disk.look(path);
+    if (!taken.good()) refuse("cannot look at the folder", taken.error_number, path);
+    if (taken.value != files::FileKind::missing) refuse("the session exists already", EEXIST, path);
+  }
+  files::PartFile part(path, "the session", advice_for, disk);
+  SessionImage image = build_image(session, std::thread::hardware_concurrency());
   part.write(image.bytes);
-  check_written(part.part_path().string(), image.datasets);
+  image.release();  // or there would be two of it
+  check_written(part.read_back(), image);
   part.sync();
   part.publish(overwrite);
 }
 
-void write_or_explain(const fs::path& path, const Session& session, bool overwrite) {
+void write_or_explain(const fs::path& path, const Session& session, bool overwrite, files::Disk& disk) {
   try {
-    write_file(path, session, overwrite);
+    write_file(path, session, overwrite, disk);
   } catch (const Hdf5Failure& failure) {
     throw Error(ExitCode::storage, failure.what(), path.string(), advice_for(EIO));
-  } catch (const fs::filesystem_error& failure) {
-    refuse("cannot look at the folder", failure.code().value(), path);
   }
 }
 
 }  // namespace
 
-void write_session(const fs::path& path, const Session& session) {
-  write_or_explain(path, session, false);
+void write_session(const fs::path& path, const Session& session, files::Disk& disk) {
+  write_or_explain(path, session, false, disk);
 }
 
-void replace_session(const fs::path& path, const Session& session) {
-  write_or_explain(path, session, true);
+void replace_session(const fs::path& path, const Session& session, files::Disk& disk) {
+  write_or_explain(path, session, true, disk);
 }
 
 }  // namespace thermorig::session

@@ -10,6 +10,7 @@
 #include "chunk_codec.h"
 #include "chunk_writer.h"
 #include "estimate_columns.h"
+#include "file_image.h"
 #include "group_attributes.h"
 #include "group_writer.h"
 #include "recording_columns.h"
@@ -36,13 +37,14 @@ Handle create_in_memory() {
                 "build the file in memory");
 }
 
-std::vector<std::byte> image_of(hid_t file) {
+/// Where the library itself keeps it: a copy would take as much memory again.
+std::span<const std::byte> image_of(hid_t file) {
   check(H5Fflush(file, H5F_SCOPE_GLOBAL), "finish the file");
   const ssize_t size = H5Fget_file_image(file, nullptr, 0);
-  if (size <= 0) throw Hdf5Failure("finish the file");
-  std::vector<std::byte> bytes(static_cast<std::size_t>(size));
-  if (H5Fget_file_image(file, bytes.data(), bytes.size()) != size) throw Hdf5Failure("finish the file");
-  return bytes;
+  void** memory = nullptr;
+  check(H5Fget_vfd_handle(file, H5P_DEFAULT, reinterpret_cast<void**>(&memory)), "finish the file");
+  if (size <= 0 || memory == nullptr || *memory == nullptr) throw Hdf5Failure("finish the file");
+  return {static_cast<const std::byte*>(*memory), static_cast<std::size_t>(size)};
 }
 
 /// Writes the groups one after another; what the chunk writer still needs lives as long as this.
@@ -72,6 +74,8 @@ class ImageBuilder {
     SessionImage image;
     image.datasets = chunks_.finish();
     image.bytes = image_of(file_.get());
+    image.crc = libdeflate_crc32(0, image.bytes.data(), image.bytes.size());
+    image.file = std::move(file_);
     return image;
   }
 
@@ -203,15 +207,22 @@ void check_dataset(hid_t file, const StoredDataset& stored) {
 
 }  // namespace
 
+void SessionImage::release() {
+  bytes = {};
+  file.close("close the file in memory");
+}
+
 SessionImage build_image(const Session& session, unsigned threads) {
   prepare_hdf5();
   return ImageBuilder(session, threads).build();
 }
 
-void check_written(const std::string& path, const std::vector<StoredDataset>& datasets) {
+void check_written(std::span<const std::byte> bytes, const SessionImage& meant) {
   prepare_hdf5();
-  Handle file(H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), "open the written file");
-  for (const auto& dataset : datasets) check_dataset(file.get(), dataset);
+  if (libdeflate_crc32(0, bytes.data(), bytes.size()) != meant.crc)
+    throw Hdf5Failure("read back what was written");
+  Handle file = open_file_image(bytes, "open the written file");
+  for (const auto& dataset : meant.datasets) check_dataset(file.get(), dataset);
   file.close("close the written file");
 }
 

@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: MIT
-#include <sys/stat.h>
-
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -10,16 +8,20 @@
 #include "attributes.h"
 #include "counters_list.h"
 #include "estimate_columns.h"
+#include "file_image.h"
 #include "format.h"
 #include "group_reader.h"
 #include "recording_columns.h"
+#include "refusal.h"
 #include "sample_columns.h"
 #include "scalars.h"
+#include "session_trial.h"
 #include "sync_attributes.h"
 #include "sync_columns.h"
 #include "thermorig/core/error.h"
 #include "thermorig/recording_header/header_json.h"
 #include "thermorig/session/session.h"
+#include "thermorig/session/trial.h"
 
 namespace thermorig::session {
 
@@ -31,12 +33,6 @@ constexpr double longest_delay_s = 10.0;
 
 bool is_of_session(HostTime time, HostTime reference) {
   return time >= reference - from_s(seconds_max) && time <= reference + from_s(seconds_max);
-}
-
-[[noreturn]] void refuse(const fs::path& path, const std::string& what) {
-  throw Error(ExitCode::not_a_session, what, path.string(),
-              "name a session that thermorig wrote; if this is one, it is damaged: take a copy of it from "
-              "elsewhere, or its journal with thermorig recover");
 }
 
 /// Of a version that this program reads: "1.<minor>.<patch>".
@@ -51,11 +47,11 @@ std::optional<unsigned> minor_version_of(const std::string& version) {
 /// A session file that has shown its format; gives access to its groups.
 class SessionFile {
  public:
-  explicit SessionFile(const fs::path& path) : path_(path) {
-    struct stat info {};
-    if (::stat(path.c_str(), &info) != 0 || !S_ISREG(info.st_mode)) refuse(path, "is not a regular file");
-    facts_.bytes = static_cast<std::uint64_t>(info.st_size);
-    file_ = Handle(H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), "open it as HDF5");
+  explicit SessionFile(const SealedCopy& copy) : path_(copy.path()) {
+    const fs::path& path = path_;
+    facts_.bytes = copy.bytes().size();
+    if (copy.bytes().empty()) refuse(path, "is empty");
+    file_ = open_file_image(copy.bytes(), "open it as HDF5");
     if (!has_attribute(id(), "format") || get_text_attribute(id(), "format") != format_name)
       refuse(path, "is HDF5, but not a thermorig session");
     const std::string version = get_text_attribute(id(), "format_version");
@@ -261,27 +257,35 @@ Session read_all(SessionFile& file) {
 }
 
 template <typename Read>
-auto read_or_explain(const fs::path& path, Read read) {
+auto read_or_explain(const SealedCopy& copy, Read read) {
   try {
     prepare_hdf5();
     const ClearedErrors cleared;
-    SessionFile file(path);
+    SessionFile file(copy);
     return read(file);
   } catch (const Hdf5Failure& failure) {
-    refuse(path, failure.what());
+    refuse(copy.path(), failure.what());
   } catch (const std::bad_alloc&) {
-    refuse(path, "claims to be larger than the memory of this computer");
+    refuse(copy.path(), "claims to be larger than the memory of this computer");
   }
 }
 
 }  // namespace
 
+Session read_session(const SealedCopy& copy) {
+  return read_or_explain(copy, read_all);
+}
+
 Session read_session(const fs::path& path) {
-  return read_or_explain(path, read_all);
+  return read_session(tried_copy(path));
 }
 
 RawRecording read_raw(const fs::path& path) {
-  return read_or_explain(path, read_foundation).raw;
+  return read_or_explain(tried_copy(path), read_foundation).raw;
+}
+
+void read_for_nothing(const SealedCopy& copy) {
+  read_or_explain(copy, read_all);
 }
 
 }  // namespace thermorig::session

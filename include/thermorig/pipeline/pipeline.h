@@ -66,6 +66,10 @@ class Pipeline {
   /// order of time with feed().
   void sent(std::span<const std::uint8_t> bytes, HostTime before_write);
 
+  /// The device went away: pulled out, silent, or sending what nobody can read. What comes from it later is
+  /// of a clock anew, and nothing reaches over the gap. Returns the samples that this completes.
+  std::vector<LabelledSample> interrupt(Device device, HostTime now);
+
   /// No more bytes will come: the samples that still wait for telemetry or gyro.
   std::vector<LabelledSample> finish();
 

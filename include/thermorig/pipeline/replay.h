@@ -8,23 +8,26 @@
 
 #include "thermorig/core/device.h"
 #include "thermorig/core/raw_recording.h"
+#include "thermorig/pipeline/interruptions.h"
 #include "thermorig/pipeline/pipeline.h"
 
 namespace thermorig::pipeline {
 
-/// Bytes that came in one read(), or that went to the servo in one write().
+/// Bytes that came in one read(), or that went to the servo in one write(); or a device that went away.
 struct ReplayStep {
   std::optional<Device> from;  // none: they went to the servo
   std::span<const std::uint8_t> bytes;
-  HostTime time{};  // of arrival; before write()
+  HostTime time{};               // of arrival; before write()
+  bool is_interruption = false;  // of `from`: there are no bytes
 };
 
 /// Walks everything that a recording holds in the order in which it came: the one place that knows it.
-/// Chunks of equal times go in the order of the devices, and what was sent comes before what arrived.
+/// Chunks of equal times go in the order of the devices, what was sent comes before what arrived, and a
+/// device goes away after all that arrived by then.
 class Replay {
  public:
   /// `raw` must outlive it.
-  explicit Replay(const RawRecording& raw) : raw_(raw) {}
+  explicit Replay(const RawRecording& raw) : raw_(raw), interruptions_(interruptions(raw)) {}
 
   /// Nothing after the last chunk that arrived: what was sent after it was never answered.
   std::optional<ReplayStep> next();
@@ -33,6 +36,8 @@ class Replay {
   std::optional<Device> earliest() const;
 
   const RawRecording& raw_;
+  std::vector<Interruption> interruptions_;
+  std::size_t next_interruption_ = 0;
   PerDevice<std::size_t> next_received_{};
   std::size_t next_sent_ = 0;
 };

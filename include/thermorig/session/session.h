@@ -11,6 +11,8 @@
 #include "thermorig/core/raw_recording.h"
 #include "thermorig/core/sample.h"
 #include "thermorig/core/sync.h"
+#include "thermorig/files/disk.h"
+#include "thermorig/session/sealed_copy.h"
 #include "thermorig/wire/counters.h"
 
 namespace thermorig::session {
@@ -65,16 +67,20 @@ struct Quality {
 };
 Quality quality_of(const Session& session);
 
-/// Writes the file: to a temporary name in the same folder, re-opened and checked, synced, renamed to `path`.
+/// Writes the file: to a temporary name in the same folder, read back and checked, synced, renamed to `path`.
 /// Never overwrites: throws Error(storage) if `path` exists. Schema: docs/recording_format.md.
-void write_session(const std::filesystem::path& path, const Session& session);
+void write_session(const std::filesystem::path& path, const Session& session,
+                   files::Disk& disk = files::real_disk());
 
 /// The same to replace an existing session (reprocess), by rename over it.
-void replace_session(const std::filesystem::path& path, const Session& session);
+void replace_session(const std::filesystem::path& path, const Session& session,
+                     files::Disk& disk = files::real_disk());
 
 /// Reads a whole session. Throws Error(not_a_session) if it is not one, is damaged, or is of another major
-/// version.
+/// version, and as tried_copy() does (trial.h).
 Session read_session(const std::filesystem::path& path);
+/// The same of a copy that was made before.
+Session read_session(const SealedCopy& copy);
 
 /// Reads only what is needed to make the session again: header, raw bytes, events, legs.
 RawRecording read_raw(const std::filesystem::path& path);

@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include "thermorig/session/sealed_copy.h"
+
+namespace thermorig::session {
+
+/// From here on whatever opens a session file has a child process read it first, with limits on memory and
+/// time, no files and no way out: libhdf5 crashes on files that were made for it. To be called once, at the
+/// start of a program, while it has no second thread; without it files are read at once, as suits tests and
+/// files of one's own. Throws Error(failed) if there can be no child.
+void try_sessions_first();
+
+/// The copy of a file that a child process has read without harm: what read_session() does first. May be
+/// called from several threads. Throws Error(not_a_session) for a file that kills its reader or keeps it busy
+/// beyond the limits ("damaged or hostile"), and as SealedCopy does.
+SealedCopy tried_copy(const std::filesystem::path& path);
+
+/// The same for a copy that was made already.
+SealedCopy tried(SealedCopy copy);
+
+}  // namespace thermorig::session
