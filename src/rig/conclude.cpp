@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "thermorig/rig/finalise.h"
 #include "thermorig/rig/quota.h"
@@ -30,9 +31,30 @@ std::string names_of(const std::vector<Device>& devices) {
   return names;
 }
 
+/// "the camera was away for 12 s, the servo for 3 s"; empty if none was.
+std::string absences_text(const std::vector<DeviceAbsence>& absences) {
+  std::string text;
+  for (const DeviceAbsence& absence : absences)
+    text += fmt::format("{}the {}{} for {:.0f} s", text.empty() ? "" : ", ", name_of(absence.device),
+                        text.empty() ? " was away" : "", std::ceil(to_s(absence.end - absence.begin)));
+  return text;
+}
+
+/// A plan that was finished in spite of it, and one that was not: either way the gap is named.
+void say_what_was_away(RecordingResult& result, const std::vector<DeviceAbsence>& absences) {
+  if (absences.empty()) return;
+  const std::string text = absences_text(absences);
+  if (result.message.empty())
+    result.message =
+        "the plan was finished; " + text + ", and the legs that this cut short were driven again";
+  else
+    result.message += "; " + text;
+}
+
 void say_how_it_ended(RecordingResult& result, const Recording& recording) {
   if (recording.failure()) {
-    result.exit = ExitCode::device_lost;
+    const bool is_held = recording.failure()->code() == ExitCode::no_permission;
+    result.exit = is_held ? ExitCode::no_permission : ExitCode::device_lost;
     result.message = recording.failure()->where() + ": " + recording.failure()->what_happened();
     result.advice = recording.failure()->advice();
   } else if (recording.stopped()) {
@@ -42,7 +64,7 @@ void say_how_it_ended(RecordingResult& result, const Recording& recording) {
     if (recording.keeps()) result.message += "; everything up to then is in the session";
   } else if (!recording.gone().empty()) {
     result.exit = ExitCode::finished_lossy;
-    result.message = "the plan was finished, for a time without the " + names_of(recording.gone());
+    result.message = "the plan was finished, in part without the " + names_of(recording.gone());
     result.advice = recording.gone_advice();
   } else if (result.quality.verdict == "bad") {
     result.exit = ExitCode::finished_lossy;
@@ -56,14 +78,28 @@ void say_how_it_ended(RecordingResult& result, const Recording& recording) {
   }
 }
 
+void say_what_was_not_read_back(RecordingResult& result, const Finalised& made,
+                                const std::filesystem::path& journal) {
+  if (made.is_retired) return;
+  const std::string text = fmt::format(
+      "{} bytes at the end of the journal could not be read back and are not in the session; the "
+      "journal is kept: {}",
+      made.bytes_ignored, journal.string());
+  result.message += (result.message.empty() ? "" : "; ") + text;
+  if (result.exit == ExitCode::ok) result.exit = ExitCode::finished_lossy;
+  if (result.advice.empty()) result.advice = "check the disk (dmesg)";
+}
+
 RecordingResult conclude_unkept(Recording& recording, HostTime now) {
   const RecordingProgress progress = recording.progress(now);
   recording.close(now);
   RecordingResult result;
   result.state = session::State::partial;
   result.speeds = progress.sweep.speeds;
+  result.gate = recording.gate(now);
   result.duration_s = progress.elapsed_s;
   say_how_it_ended(result, recording);
+  say_what_was_away(result, recording.absences());
   return result;
 }
 
@@ -77,7 +113,8 @@ RecordingResult conclude(Recording& recording, HostTime now) {
   }
   if (!recording.keeps()) return conclude_unkept(recording, now);
   const SessionFile file = recording.close(now);
-  const session::Session session = finalise(file.journal, file.session);
+  const Finalised made = finalise(file.journal, file.session, recording.disk());
+  const session::Session& session = made.session;
   RecordingResult result;
   result.acquisition = file.acquisition;
   result.session = file.session;
@@ -85,7 +122,10 @@ RecordingResult conclude(Recording& recording, HostTime now) {
   result.quality = session::quality_of(session);
   result.speeds = speeds_of(session, recording.plan());
   result.duration_s = to_s(now - session.raw.header.time_reference);
+  result.gate = recording.gate(now);
   say_how_it_ended(result, recording);
+  say_what_was_away(result, recording.absences());
+  say_what_was_not_read_back(result, made, file.journal);
   return result;
 }
 

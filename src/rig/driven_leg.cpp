@@ -12,14 +12,30 @@ void DrivenLeg::acknowledge(HostTime time) {
 
 void DrivenLeg::seen(HostTime time) {
   if (!first_seen_) first_seen_ = time;
+  last_seen_ = time;
+}
+
+void DrivenLeg::broke_off() {
+  while (!counted_.empty() && (!last_seen_ || counted_.back().middle > *last_seen_)) counted_.pop_back();
+  note_counted();
+}
+
+void DrivenLeg::take_back() {
+  counted_.pop_back();
+  note_counted();
+}
+
+void DrivenLeg::note_counted() {
+  record_.frames = static_cast<decltype(record_.frames)>(counted_.size());
+  if (!counted_.empty()) record_.end = counted_.back().arrival;
 }
 
 // A frame belongs to the leg in which the middle of its newest half was exposed, as its label says.
 void DrivenLeg::frame(HostTime middle, HostTime arrival, HostDuration doubt) {
   if (left_ && middle + doubt > *left_) over_ = true;
   if (over_ || !first_seen_ || middle < *first_seen_ + doubt) return;
-  ++record_.frames;
-  record_.end = arrival;
+  counted_.push_back({middle, arrival});
+  note_counted();
 }
 
 void DrivenLeg::keep_direction(double driven_dps) {

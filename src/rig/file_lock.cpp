@@ -1,32 +1,32 @@
 // SPDX-License-Identifier: MIT
 #include "file_lock.h"
 
-#include <fcntl.h>
-#include <sys/file.h>
-#include <unistd.h>
-
 #include <cerrno>
-#include <system_error>
+#include <cstring>
+#include <string>
 
 #include "thermorig/core/error.h"
 
 namespace thermorig::rig {
 
-FileLock::FileLock(const std::filesystem::path& path, Wait wait)
-    : descriptor_(::open(path.c_str(), O_RDONLY | O_CLOEXEC)) {
-  if (descriptor_ < 0)
-    throw Error(ExitCode::storage, "cannot be opened: " + std::generic_category().message(errno),
+namespace {
+
+files::OpenFile open(const std::filesystem::path& path, files::Disk& disk) {
+  const auto opened = disk.open_to_lock(path);
+  if (!opened.good())
+    throw Error(ExitCode::storage, std::string("cannot be opened: ") + std::strerror(opened.error_number),
                 path.string(), "check its permissions");
-  const int operation = wait == Wait::yes ? LOCK_EX : LOCK_EX | LOCK_NB;
-  int result = 0;
-  do {
-    result = ::flock(descriptor_, operation);
-  } while (result != 0 && errno == EINTR);
-  held_ = result == 0;
+  return opened.value;
 }
 
-FileLock::~FileLock() {
-  ::close(descriptor_);
+}  // namespace
+
+FileLock::FileLock(const std::filesystem::path& path, Wait wait, files::Disk& disk)
+    : file_(disk, open(path, disk)) {
+  const int result = disk.lock(file_.get(), wait);
+  // A file system without locks (some of the network): one program at a time is up to the user there.
+  held_ = result != EWOULDBLOCK;
+  certain_ = result == 0;
 }
 
 }  // namespace thermorig::rig

@@ -3,24 +3,26 @@
 
 #include <filesystem>
 
+#include "thermorig/files/disk.h"
+
 namespace thermorig::rig {
 
-/// An flock on a file or folder for as long as the object lives; the system drops it when the program dies.
+/// A lock on a file or folder for as long as the object lives; the system drops it when the program dies.
 class FileLock {
  public:
-  enum class Wait { yes, no };
+  using Wait = files::Disk::Wait;
 
   /// Throws Error(storage) if `path` cannot be opened. With Wait::no, is_held() tells whether it was free.
-  FileLock(const std::filesystem::path& path, Wait wait);
-  ~FileLock();
-  FileLock(const FileLock&) = delete;
-  FileLock& operator=(const FileLock&) = delete;
+  FileLock(const std::filesystem::path& path, Wait wait, files::Disk& disk);
 
   bool is_held() const { return held_; }
+  /// False as well where the file system has no locks: then another may hold it, and nobody knows.
+  bool is_certain() const { return certain_; }
 
  private:
-  int descriptor_ = -1;
+  files::ClosedOnExit file_;
   bool held_ = false;
+  bool certain_ = false;
 };
 
 }  // namespace thermorig::rig

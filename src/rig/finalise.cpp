@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "retire_journal.h"
 #include "thermorig/core/error.h"
 #include "thermorig/journal/journal.h"
 #include "thermorig/pipeline/pipeline.h"
@@ -87,11 +88,16 @@ session::Session build_session(RawRecording raw) {
   return session;
 }
 
-session::Session finalise(const std::filesystem::path& journal, const std::filesystem::path& session_path) {
-  session::Session session = build_session(journal::read_journal(journal).recording);
-  session::write_session(session_path, session);
-  std::filesystem::remove(journal);  // the session holds every byte of it, and is on the disk
-  return session;
+Finalised finalise(const std::filesystem::path& journal, const std::filesystem::path& session_path,
+                   files::Disk& disk) {
+  journal::JournalContents contents = journal::read_journal(journal, disk);
+  Finalised made;
+  made.bytes_ignored = contents.bytes_ignored;
+  made.is_retired = contents.bytes_ignored == 0 && contents.recording.complete;
+  made.session = build_session(std::move(contents.recording));
+  session::write_session(session_path, made.session, disk);
+  if (made.is_retired) retire_journal(journal, disk);
+  return made;
 }
 
 session::Session reprocess(const std::filesystem::path& session_path) {

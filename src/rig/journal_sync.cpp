@@ -1,15 +1,21 @@
 // SPDX-License-Identifier: MIT
 #include "journal_sync.h"
 
+#include <algorithm>
 #include <chrono>
+#include <utility>
 
 namespace thermorig::rig {
 
-namespace {
-constexpr auto sync_period = std::chrono::milliseconds(125);
+using Clock = std::chrono::steady_clock;
+
+HostDuration pause_before_sync(HostDuration period, HostDuration lasted) {
+  const HostDuration margin = period / 8;  // for a sync that takes a little longer than the one before
+  return std::max(period - lasted - margin, period / 4);
 }
 
-JournalSync::JournalSync(journal::JournalWriter& journal) : journal_(journal), thread_([this] { run(); }) {}
+JournalSync::JournalSync(journal::JournalWriter& journal, const SyncPolicy& policy)
+    : journal_(journal), policy_(policy), thread_([this] { run(); }) {}
 
 JournalSync::~JournalSync() {
   {
@@ -20,27 +26,56 @@ JournalSync::~JournalSync() {
   thread_.join();
 }
 
+void JournalSync::frame() {
+  if (policy_.when != SyncWhen::each_frame) return;
+  {
+    const std::lock_guard lock(mutex_);
+    has_frame_ = true;
+  }
+  wake_.notify_one();
+}
+
+void JournalSync::wait_for_turn(std::unique_lock<std::mutex>& lock, Clock::time_point begin) {
+  // With each_frame as well: a camera that sends nothing leaves the others' bytes to the period.
+  wake_.wait_until(lock, begin + pause_before_sync(policy_.period, lasted_),
+                   [this] { return stop_ || has_frame_; });
+}
+
 void JournalSync::run() {
+  Clock::time_point begin = Clock::now();
   std::unique_lock lock(mutex_);
-  while (!wake_.wait_for(lock, sync_period, [this] { return stop_; })) {
+  while (true) {
+    wait_for_turn(lock, begin);
+    if (stop_) return;
+    const bool is_for_frame = std::exchange(has_frame_, false);
     lock.unlock();
+    const Clock::time_point waiting_since =
+        is_for_frame ? Clock::now() : begin;  // the oldest byte that this sync is for
+    begin = Clock::now();
     std::exception_ptr failure;
     try {
       journal_.sync();
     } catch (...) {
       failure = std::current_exception();
     }
+    const Clock::time_point end = Clock::now();
     lock.lock();
-    if (failure) {
-      failure_ = failure;
-      return;
-    }
+    lasted_ = std::chrono::duration_cast<HostDuration>(end - begin);
+    const auto delay = std::chrono::duration_cast<HostDuration>(end - waiting_since);
+    if (delay > policy_.period) delay_ = std::max(delay, delay_.value_or(HostDuration{}));
+    failure_ = failure;
+    if (failure) return;
   }
 }
 
 void JournalSync::check() {
   const std::lock_guard lock(mutex_);
   if (failure_) std::rethrow_exception(failure_);
+}
+
+std::optional<HostDuration> JournalSync::take_delay() {
+  const std::lock_guard lock(mutex_);
+  return std::exchange(delay_, std::nullopt);
 }
 
 }  // namespace thermorig::rig

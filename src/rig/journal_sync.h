@@ -4,32 +4,50 @@
 #include <condition_variable>
 #include <exception>
 #include <mutex>
+#include <optional>
 #include <thread>
 
 #include "thermorig/journal/journal.h"
+#include "thermorig/rig/sync_policy.h"
 
 namespace thermorig::rig {
 
-/// Syncs a journal about eight times a second on a thread of its own, so that a loss of power costs an eighth
-/// of a second and the reading thread never waits for the disk. The work comes by the clock, not by the byte:
-/// the reading thread hands nothing over, so there is no queue between the two.
+/// When the next sync has to begin so that it ends within the period, counted from the begin of the one
+/// before; `lasted`: that one. At least a quarter of the period lies in between.
+HostDuration pause_before_sync(HostDuration period, HostDuration lasted);
+
+/// Syncs a journal on a thread of its own, so that the reading thread never waits for the disk. Nothing is
+/// handed over but the word that there is a frame, so there is no queue between the two.
 class JournalSync {
  public:
-  explicit JournalSync(journal::JournalWriter& journal);
+  /// `policy` is not SyncWhen::end: that needs none of this.
+  JournalSync(journal::JournalWriter& journal, const SyncPolicy& policy);
   ~JournalSync();  // waits for a sync that is under way
   JournalSync(const JournalSync&) = delete;
   JournalSync& operator=(const JournalSync&) = delete;
 
+  /// A frame has been appended: with SyncWhen::each_frame it is synced now.
+  void frame();
+
   /// Throws what a sync threw.
   void check();
 
+  /// The longest that appended bytes have waited for their sync to end, if that was longer than was promised;
+  /// none if it was not, or was told before.
+  std::optional<HostDuration> take_delay();
+
  private:
   void run();
+  void wait_for_turn(std::unique_lock<std::mutex>& lock, std::chrono::steady_clock::time_point begin);
 
   journal::JournalWriter& journal_;
+  SyncPolicy policy_;
   std::mutex mutex_;
   std::condition_variable wake_;
   bool stop_ = false;
+  bool has_frame_ = false;
+  HostDuration lasted_{};
+  std::optional<HostDuration> delay_;
   std::exception_ptr failure_;
   std::thread thread_;  // last: it uses everything above
 };

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <memory>
 #include <span>
+#include <vector>
 
 #include "thermorig/core/device.h"
 #include "thermorig/core/live_estimate.h"
@@ -28,15 +29,23 @@ class KeptJournal {
   void event(const RecordingEvent& event);
   void leg(const LegRecord& leg);
   void estimate(const LiveEstimate& row);
+  void frame();  // a whole frame has been received: it may be synced now
 
-  void check();  // throws what a sync threw
+  /// Every 10 ms or so. Throws what a sync threw; gives what is to be said of the disk, its space and its
+  /// speed.
+  std::vector<RecordingEvent> check(HostTime now);
+
+  /// End record, sync. It stays locked until this object goes: nobody but the caller makes a session of it.
   void close(HostTime end);
+  /// Removes the closed journal and the folders that were made for it.
+  void discard();
 
   std::uint64_t bytes() const;  // written
   const SessionFile& file() const { return file_; }
 
  private:
   struct Kept;
+  files::Disk* disk_;
   SessionFile file_;
   std::unique_ptr<Kept> kept_;  // none: nothing is kept
 };

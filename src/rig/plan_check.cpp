@@ -132,7 +132,7 @@ double speed_limit_dps(const ServoProfile& servo) {
 }
 
 std::optional<double> angle_limit_deg(const ServoProfile& servo) {
-  if (servo.kind == ServoKind::continuous) return std::nullopt;
+  if (servo.kind == ServoKind::continuous && servo.travel_deg == 0.0) return std::nullopt;
   return servo.travel_deg / 2.0 - servo.stop_margin_deg;
 }
 

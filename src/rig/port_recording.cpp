@@ -6,6 +6,8 @@
 #include <csignal>
 #include <utility>
 
+#include "port_search.h"
+#include "thermorig/io/last_words.h"
 #include "thermorig/io/port.h"
 #include "thermorig/wire/servo_messages.h"
 
@@ -15,6 +17,7 @@ namespace {
 
 constexpr auto tick_period = std::chrono::milliseconds(10);
 constexpr auto last_words = std::chrono::milliseconds(50);  // for the stop byte to leave after a failure
+constexpr int tries_of_last_words = 1000;
 
 /// The recording with its three ports on one loop.
 class PortSession {
@@ -24,7 +27,11 @@ class PortSession {
 
  private:
   io::Loop::PortId open(Device device);
+  io::Loop::PortId open(Device device, const PortProfile& link, io::Refusal refusal);
   void open_ports();
+  void look_for_ports(HostTime now);
+  void reopen(Device device, const PortProfile& link, io::Refusal refusal);
+  void refuse(Device device, const PortProfile& link, HostTime now);
   void tick(HostTime now);
   void signalled();
   void notice(const std::string& sentence) {
@@ -38,6 +45,7 @@ class PortSession {
   std::optional<Recording> recording_;
   PerDevice<std::optional<io::Loop::PortId>> ports_;  // none: it is not there, and not needed
   std::vector<std::pair<Device, Error>> missing_;
+  PortSearch search_;
   HostTime next_progress_{};
   int signals_ = 0;
 };
@@ -65,23 +73,63 @@ void PortSession::open_ports() {
     } catch (const Error& error) {
       if (needed || error.code() != ExitCode::device_missing) throw;
       missing_.emplace_back(device, error);
+      search_.missing(device, options_.recording.profile.link(device).port);
     }
   }
 }
 
 io::Loop::PortId PortSession::open(Device device) {
+  const PortProfile& link = options_.recording.profile.link(device);
+  const io::Loop::PortId port = open(device, link, io::Refusal::names_holder);
+  search_.opened(device, link.port);
+  return port;
+}
+
+io::Loop::PortId PortSession::open(Device device, const PortProfile& link, io::Refusal refusal) {
   io::Loop::PortHandlers handlers;
   handlers.received = [this, device](std::span<const std::uint8_t> bytes, HostTime arrived) {
     recording_->received(device, bytes, arrived);
   };
   handlers.lost = [this, device](const std::string& why) { recording_->lost(device, why, io::now()); };
-  return loop_.open(options_.recording.profile.link(device), std::move(handlers));
+  const io::Loop::PortId port = loop_.open(link, std::move(handlers), refusal);
+  if (device == Device::servo) loop_.keep_last_words(port, wire::stop_bytes());
+  return port;
+}
+
+void PortSession::look_for_ports(HostTime now) {
+  for (const Device device : recording_->lost_ports()) {
+    const auto found = search_.look(device, now);
+    if (!found) continue;
+    PortProfile link = options_.recording.profile.link(device);
+    link.port = *found;
+    try {
+      reopen(device, link, io::Refusal::brief);
+    } catch (const Error& error) {
+      if (search_.is_hopeless(device, error, now)) refuse(device, link, now);
+    }
+  }
+}
+
+void PortSession::reopen(Device device, const PortProfile& link, io::Refusal refusal) {
+  ports_[device] = open(device, link, refusal);
+  search_.reopened(device, link.port);
+  recording_->returned(device, io::now());
+}
+
+/// Once more, to say who holds it; that takes a while, so it is not asked at each try.
+void PortSession::refuse(Device device, const PortProfile& link, HostTime now) {
+  try {
+    reopen(device, link, io::Refusal::names_holder);
+  } catch (const Error& error) {
+    recording_->refused(device, error, now);
+  }
 }
 
 void PortSession::tick(HostTime now) {
   if (options_.orders)
     for (const Order& order : options_.orders()) recording_->carry_out(order, now);
   recording_->tick(now);
+  look_for_ports(now);
   if (options_.progress && now >= next_progress_) {
     options_.progress(recording_->progress(now));
     next_progress_ = now + options_.progress_period;
@@ -103,10 +151,20 @@ void PortSession::run_loop() {
   loop_.every(tick_period, [this](HostTime now) { tick(now); });
   try {
     loop_.run();
-  } catch (...) {  // e.g. the disk is full: the servo must not run on until its watchdog notices
+  } catch (...) {          // e.g. the disk is full: the servo must not run on until its watchdog notices
+    io::say_last_words();  // at once: there may be no memory left for more
     loop_.write(*ports_[Device::servo], wire::stop_bytes());
-    loop_.every(last_words, [this](HostTime) { loop_.stop(); });
-    loop_.run();
+    bool is_over = false;
+    loop_.every(last_words, [&](HostTime) {
+      is_over = true;
+      loop_.stop();
+    });
+    for (int tries = 0; !is_over && tries < tries_of_last_words; ++tries) {
+      try {
+        loop_.run();
+      } catch (const std::exception&) {  // of a journal that takes no more: the first one counts
+      }
+    }
     throw;
   }
 }
@@ -133,6 +191,8 @@ RecordingResult PortSession::run() {
   for (const Device device : all_devices)
     if (ports_[device]) loop_.close(*ports_[device]);
   if (signals_ > 1) return leave_journal();
+  if (signals_ > 0)  // what was said of another Ctrl-C holds while the session is made, too
+    for (const int signal : {SIGINT, SIGTERM, SIGHUP}) std::signal(signal, SIG_DFL);
   return conclude(*recording_, io::now());
 }
 

@@ -160,8 +160,9 @@ void visit_servo(Visitor& visitor, ServoProfile& servo) {
   visit_link(visitor, servo.link);
   visitor.text("model", servo.model, "free text");
   visitor.choice("kind", servo.kind, {"positional", "continuous"}, "positional or continuous");
-  visitor.number("travel_deg", servo.travel_deg, 0.0, span_max,
-                 "positional: angle from shortest to longest pulse");
+  visitor.number(
+      "travel_deg", servo.travel_deg, 0.0, span_max,
+      "positional: angle from shortest to longest pulse; continuous: what its cable bears, 0: any");
   visitor.number("full_rate_dps", servo.full_rate_dps, 0.0, span_max / 2.0,
                  "continuous: speed at the longest pulse");
   visitor.number("pulse_min_us", servo.pulse_min_us, pulse_min_us, pulse_max_us, "shortest pulse");
@@ -186,7 +187,8 @@ void check_consistency(const RigProfile& profile, const TomlTable& gyro, const T
   if (s.kind == ServoKind::continuous && s.full_rate_dps <= 0.0)
     servo.refuse("kind", "a continuous servo needs full_rate_dps",
                  "its speed at the longest pulse, e.g. 250");
-  if (s.kind == ServoKind::positional && s.travel_deg - 2.0 * s.stop_margin_deg < 1.0)
+  const bool has_limits = s.kind == ServoKind::positional || s.travel_deg > 0.0;
+  if (has_limits && s.travel_deg - 2.0 * s.stop_margin_deg < 1.0)
     servo.refuse("stop_margin_deg", "the margins leave no travel",
                  "stop_margin_deg below half of travel_deg");
 }

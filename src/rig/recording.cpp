@@ -6,96 +6,10 @@
 #include <algorithm>
 #include <utility>
 
-#include "kept_journal.h"
-#include "recording_start.h"
-#include "servo_link.h"
-#include "thermorig/pipeline/frame_pairs.h"
-#include "thermorig/pipeline/pipeline.h"
-#include "thermorig/rig/absent_camera.h"
-#include "thermorig/rig/link_load.h"
+#include "recording_parts.h"
+#include "thermorig/wire/servo_messages.h"
 
 namespace thermorig::rig {
-
-namespace {
-
-constexpr std::size_t first_bytes_kept = 8192;  // enough to tell which device it is
-constexpr double silence_s = 3.0;               // then a device that has spoken before counts as lost
-constexpr double silent_periods = 10.0;         // or so many of its periods, if they are longer
-
-}  // namespace
-
-struct Recording::Parts {
-  Parts(const RecordingOptions& given, HostTime now, SendToServo send_to_servo)
-      : options(given),
-        begin(now),
-        send(std::move(send_to_servo)),
-        header(make_header(options, now)),
-        journal(options, header),
-        pipeline(options.profile),
-        commander(options.profile.servo),
-        sweep(options.plan, options.profile.servo, options.profile.camera.output_rate_hz, commander) {}
-
-  void take(pipeline::Streams streams, const std::vector<LabelledSample>& samples, HostTime arrived);
-  void observe(std::vector<TimedFrame> frames, const std::vector<LabelledSample>& samples, HostTime arrived);
-  void observe(const pipeline::FramePair& pair, HostTime arrived);
-  void take_absent(HostTime arrived);
-  void take_streams(const pipeline::Streams& streams, HostTime arrived);
-  void note_first_bytes(Device from, std::span<const std::uint8_t> bytes);
-  void begin_when_ready(HostTime now);
-  void check_devices(HostTime now);
-  void drive(HostTime now);
-  void drain_sweep(HostTime now);
-  void note_return(Device device, HostTime now);
-  void note_epoch(const ClockEpoch& epoch, HostTime now);
-  void event(const RecordingEvent& event);
-  void fail(const Error& error, HostTime now);
-  void lose(Device device, const Error& error, HostTime now);
-  double patience_s(Device device) const;
-  Error silence(Device device, double silent_s) const;
-  bool has_spoken(Device device) const { return meters[device].count() > 0; }
-  bool is_needed(Device device) const { return device == Device::servo || options.needed[device]; }
-
-  /// Runs `step`; what the rig's devices refuse ends the recording, a disk that refuses is thrown on.
-  template <typename Step>
-  void guarded(HostTime now, Step step) {
-    try {
-      step();
-    } catch (const Error& error) {
-      if (error.code() == ExitCode::storage) throw;
-      fail(error, now);
-    }
-  }
-
-  RecordingOptions options;
-  HostTime begin;
-  SendToServo send;
-  RecordingHeader header;
-  KeptJournal journal;
-  pipeline::Pipeline pipeline;
-  pipeline::FramePairs pairs;
-  std::optional<AbsentCamera> absent_camera;  // where the recording goes on without one
-  std::uint64_t samples_seen = 0;
-  ServoCommander commander;
-  SweepWalker sweep;
-  PerDevice<RateMeter> meters;
-  PerDevice<std::optional<float>> uncertainty_s;  // of the newest message's time
-  std::uint64_t missing_frames = 0;
-  PerDevice<std::vector<std::uint8_t>> first_bytes;
-  std::vector<RecordingEvent> new_events;
-  std::optional<LabelledSample> last_sample;
-  std::optional<Error> failure;
-  PerDevice<bool> gone{};      // not there, not needed
-  PerDevice<bool> was_gone{};  // for a while at least
-  std::string gone_advice;     // of the first
-  bool was_ready = false;      // every device was there, and the servo was greeted
-  bool began = false;
-  bool may_start = false;
-  bool greeting_noted = false;
-  bool stopped = false;
-  std::string stopped_by;
-  bool finish_noted = false;
-  bool servo_gone = false;
-};
 
 Recording::Recording(const RecordingOptions& options, HostTime now, SendToServo send)
     : parts_(std::make_unique<Parts>(options, now, std::move(send))) {
@@ -111,7 +25,8 @@ Recording::~Recording() = default;
 void Recording::received(Device from, std::span<const std::uint8_t> bytes, HostTime arrived) {
   Parts& parts = *parts_;
   parts.journal.received(from, bytes, arrived);
-  if (!parts.has_spoken(from)) parts.note_first_bytes(from, bytes);
+  parts.devices.received(from, bytes);
+  parts.replug.received(from, bytes, arrived);
   const auto samples = parts.pipeline.feed(from, bytes, arrived);
   parts.take(parts.pipeline.take_streams(), samples, arrived);
 }
@@ -152,39 +67,38 @@ void Recording::Parts::observe(std::vector<TimedFrame> frames, const std::vector
   for (const pipeline::FramePair& pair : pairs.take()) observe(pair, arrived);
 }
 
-void Recording::Parts::note_first_bytes(Device from, std::span<const std::uint8_t> bytes) {
-  std::vector<std::uint8_t>& kept = first_bytes[from];
-  const std::size_t room = first_bytes_kept - std::min(first_bytes_kept, kept.size());
-  const auto some = bytes.first(std::min(room, bytes.size()));
-  kept.insert(kept.end(), some.begin(), some.end());
-}
-
 void Recording::Parts::take_streams(const pipeline::Streams& streams, HostTime arrived) {
+  if (!streams.frames.empty()) journal.frame();
   for (const TimedFrame& frame : streams.frames) {
-    meters[Device::camera].message(arrived);
-    uncertainty_s[Device::camera] = frame.stamp.uncertainty_s;
-    missing_frames += frame.missing_before;
+    if (devices.frame(frame, arrived, pipeline.counters(Device::camera))) replug.message(Device::camera);
+    gate_watch.frame(frame);
     if (!absent_camera || !absent_camera->has_begun()) sweep.frame(frame);
   }
-  if (!streams.gyro.empty()) note_return(Device::gyro, arrived);
   for (const TimedGyro& gyro : streams.gyro) {
-    meters[Device::gyro].message(arrived);
-    uncertainty_s[Device::gyro] = gyro.stamp.uncertainty_s;
+    if (devices.gyro(gyro, arrived, pipeline.counters(Device::gyro))) {
+      replug.message(Device::gyro);
+      note_return(Device::gyro, arrived);
+    }
+    gate_watch.gyro(gyro);
   }
   for (const wire::ServoMessage& message : streams.servo_answers) commander.answer(message, arrived);
-  for (const TimedPong& pong : streams.pongs) commander.pong(pong);
+  for (const TimedPong& pong : streams.pongs)
+    if (const auto round_trip = commander.pong(pong)) gate_watch.round_trip(*round_trip, arrived);
   for (const ClockEpoch& epoch : streams.servo_epochs) note_epoch(epoch, arrived);
   for (const TimedServo& servo : streams.servo) {
-    meters[Device::servo].message(arrived);
-    uncertainty_s[Device::servo] = servo.stamp.uncertainty_s;
+    if (devices.servo(servo, arrived, pipeline.counters(Device::servo))) replug.message(Device::servo);
+    gate_watch.servo(servo);
     sweep.telemetry(servo);
   }
 }
 
-/// A camera that is back is not: rows stand in for it already.
+/// It is back after as many messages that tell something new as one that is waited for. A camera is never:
+/// rows stand in for it already.
 void Recording::Parts::note_return(Device device, HostTime now) {
-  if (!std::exchange(gone[device], false)) return;
+  if (!gone[device] || ++good_while_gone[device] < Replug::messages_needed(device)) return;
+  gone[device] = false;
   event({now, EventKind::device_back, device, fmt::format("{}: it is back", name_of(device))});
+  listen_anew(now);
 }
 
 void Recording::Parts::note_epoch(const ClockEpoch& epoch, HostTime now) {
@@ -196,10 +110,11 @@ void Recording::Parts::note_epoch(const ClockEpoch& epoch, HostTime now) {
 
 void Recording::tick(HostTime now) {
   Parts& parts = *parts_;
-  parts.journal.check();
+  for (const RecordingEvent& happened : parts.journal.check(now)) parts.event(happened);
   if (done()) return;
   parts.guarded(now, [&] {
     parts.check_devices(now);
+    parts.look_for_returns(now);
     parts.begin_when_ready(now);
   });
   if (!parts.servo_gone) parts.guarded(now, [&] { parts.drive(now); });
@@ -207,8 +122,28 @@ void Recording::tick(HostTime now) {
 }
 
 void Recording::Parts::drive(HostTime now) {
+  if (replug.awaits(Device::servo)) return greet_again(now);
   sweep.tick(now);
-  const std::vector<std::uint8_t> bytes = commander.poll(now);
+  try {
+    write_to_servo(commander.poll(now), now);
+  } catch (const Error& error) {
+    if (!commander.gave_up() || !waits()) throw;
+    lose(Device::servo, error, now);
+  }
+}
+
+/// The servo went: until it answers hello it is asked again and again, as long as its port is there.
+void Recording::Parts::greet_again(HostTime now) {
+  if (!replug.has_port(Device::servo)) return;
+  try {
+    write_to_servo(commander.poll(now), now);
+  } catch (const Error&) {
+    if (!commander.gave_up()) throw;
+    commander.greet();
+  }
+}
+
+void Recording::Parts::write_to_servo(const std::vector<std::uint8_t>& bytes, HostTime now) {
   if (bytes.empty()) return;
   journal.sent(bytes, now);
   pipeline.sent(bytes, now);
@@ -216,42 +151,76 @@ void Recording::Parts::drive(HostTime now) {
 }
 
 void Recording::Parts::begin_when_ready(HostTime now) {
-  if (began || failure || stopped) return;
+  if (began || failure || stopped || replug.awaits_any()) return;
   if (!greeting_noted && commander.greeted()) {
     greeting_noted = true;
     event({now, EventKind::info, Device::servo,
            fmt::format("firmware {} answered hello", commander.welcome()->firmware)});
   }
-  const bool all_speak = std::all_of(all_devices.begin(), all_devices.end(),
-                                     [&](Device device) { return has_spoken(device) || gone[device]; });
+  const bool all_speak = std::all_of(all_devices.begin(), all_devices.end(), [&](Device device) {
+    return devices.has_spoken(device) || gone[device];
+  });
   if (!all_speak || !commander.greeted() || !commander.idle()) return;
-  was_ready = true;
-  if (!may_start) return;
+  if (!std::exchange(was_ready, true)) listen_anew(now);
+  gate_watch.counted(now, counts());
+  if (!may_start || !passes_gate(now)) return;
   began = true;
   sweep.start(now);
 }
 
-double Recording::Parts::patience_s(Device device) const {
-  const double periods_s = silent_periods / link_load(device, options.profile).rate_hz;
-  return std::max(has_spoken(device) ? silence_s : options.start_patience_s, periods_s);
+// ---- gate ---------------------------------------------------------------------------------------------
+
+GateCounts Recording::Parts::counts() const {
+  GateCounts counts{.welcome = commander.welcome(),
+                    .wire = {},
+                    .pings = commander.pings(),
+                    .retries = commander.retries(),
+                    .gone = gone};
+  for (const Device device : all_devices) counts.wire[device] = pipeline.counters(device);
+  return counts;
+}
+
+GateReport Recording::Parts::judged(HostTime now) const {
+  return rig::judge(gate_watch.facts(now, counts(), options.profile), options.profile);
+}
+
+/// What came before does not count: a device was away, or was not there yet.
+void Recording::Parts::listen_anew(HostTime now) {
+  if (was_ready && !began) gate_watch.begin(now, counts(), options.profile);
+}
+
+/// Once, before the servo is armed, which may already turn it: what is wrong is said, and refused where
+/// something would move.
+bool Recording::Parts::passes_gate(HostTime now) {
+  if (options.gate == GateMode::off) return true;
+  if (gate_watch.heard_s(now) < GateWatch::needed_s(options.profile, gone)) return false;
+  gate = judged(now);
+  for (const GateViolation& violation : gate->violations)
+    event({now, EventKind::warning, violation.device, "gate: " + sentence(violation)});
+  const bool moves = !options.plan.leg_rates_dps.empty();
+  const bool refused = !gate->passed() && options.gate == GateMode::refuse && moves;
+  if (refused) refuse(*gate, now);
+  return !refused;
+}
+
+void Recording::Parts::refuse(const GateReport& report, HostTime now) {
+  const GateViolation& first = report.violations.front();
+  const std::size_t more = report.violations.size() - 1;
+  failure = Error(ExitCode::check_failed,
+                  sentence(first) + (more == 0 ? std::string() : fmt::format(" (and {} more)", more)),
+                  place_of(first.device, options.profile),
+                  first.advice + "; nothing has moved and no file is left (--no-gate records all the same)");
+  was_ready = false;
+  sweep.request_stop(now);
 }
 
 void Recording::Parts::check_devices(HostTime now) {
   if (failure || stopped) return;
   for (const Device device : all_devices) {
-    if (gone[device] || failure) continue;
-    const double silent_s = to_s(now - meters[device].last().value_or(begin));
-    if (silent_s <= patience_s(device)) continue;
-    if (device == Device::servo) servo_gone = has_spoken(device);
-    lose(device, silence(device, silent_s), now);
+    if (gone[device] || failure || replug.awaits(device)) continue;
+    if (const auto trouble = devices.trouble(device, now, pipeline.counters(device)))
+      lose(device, *trouble, now);
   }
-}
-
-Error Recording::Parts::silence(Device device, double silent_s) const {
-  if (!has_spoken(device))
-    return silent_device(device, options.profile, pipeline.counters(device), first_bytes[device]);
-  return {ExitCode::device_lost, fmt::format("nothing has come from it for {:.1f} s", silent_s),
-          place_of(device, options.profile), "check cable and power, then record again"};
 }
 
 void Recording::Parts::drain_sweep(HostTime now) {
@@ -266,46 +235,7 @@ void Recording::Parts::event(const RecordingEvent& happened) {
   new_events.push_back(happened);
 }
 
-// ---- ends ---------------------------------------------------------------------------------------------
-
-void Recording::Parts::fail(const Error& error, HostTime now) {
-  const bool first = !failure;
-  if (first) {
-    failure = error;
-    event({now, EventKind::device_lost, std::nullopt, error.where() + ": " + error.what_happened()});
-  }
-  // A servo that does not answer cannot be stopped from here; its watchdog does it.
-  if (!first || sweep.phase() == SweepPhase::stopping) servo_gone = true;
-  if (!servo_gone) sweep.request_stop(now);
-}
-
-/// A device is not there, or no more: the end, or an event where the recording can do without it.
-void Recording::Parts::lose(Device device, const Error& error, HostTime now) {
-  if (gone[device]) return;
-  const bool all_gone = gone[Device::camera] || gone[Device::gyro];  // the other one goes now
-  if (is_needed(device) || all_gone) return fail(error, now);
-  if (gone_advice.empty()) gone_advice = error.advice();
-  gone[device] = was_gone[device] = true;
-  if (device == Device::camera) absent_camera.emplace(options.profile, now);
-  event({now, EventKind::missing, device,
-         fmt::format("{}: {}; going on without it", error.where(), error.what_happened())});
-}
-
-void Recording::lost(Device device, const std::string& why, HostTime now) {
-  Parts& parts = *parts_;
-  if (device == Device::servo) parts.servo_gone = true;
-  parts.lose(device,
-             Error(ExitCode::device_lost, why, place_of(device, parts.options.profile),
-                   "check cable and power, then record again"),
-             now);
-}
-
-void Recording::missing(Device device, const Error& why, HostTime now) {
-  Parts& parts = *parts_;
-  parts.lose(device,
-             Error(why.code(), why.what_happened(), place_of(device, parts.options.profile), why.advice()),
-             now);
-}
+// ---- ends on request ------------------------------------------------------------------------------------
 
 void Recording::request_stop(HostTime now, const std::string& who) {
   Parts& parts = *parts_;
@@ -314,6 +244,11 @@ void Recording::request_stop(HostTime now, const std::string& who) {
   parts.stopped_by = who;
   parts.event({now, EventKind::stopped, std::nullopt,
                who.empty() ? "stopped on request" : "stopped on request of " + who});
+  if (parts.replug.awaits(Device::servo)) {
+    // It may be there and not have answered yet: the byte alone can be sent.
+    if (parts.replug.has_port(Device::servo)) parts.write_to_servo(wire::stop_bytes(), now);
+    parts.servo_gone = true;
+  }
   parts.sweep.request_stop(now);
 }
 
@@ -379,8 +314,19 @@ const SessionFile& Recording::file() const {
   return parts_->journal.file();
 }
 
+files::Disk& Recording::disk() const {
+  return parts_->options.disk != nullptr ? *parts_->options.disk : files::real_disk();
+}
+
 const SweepPlan& Recording::plan() const {
   return parts_->options.plan;
+}
+
+std::optional<GateReport> Recording::gate(HostTime now) const {
+  constexpr double least_s = 1.0;
+  if (parts_->gate) return parts_->gate;
+  if (parts_->options.gate == GateMode::off || parts_->gate_watch.heard_s(now) < least_s) return std::nullopt;
+  return parts_->judged(now);
 }
 
 RecordingProgress Recording::progress(HostTime now) {
@@ -389,16 +335,17 @@ RecordingProgress Recording::progress(HostTime now) {
   progress.time = now;
   progress.elapsed_s = to_s(now - parts.begin);
   progress.sweep = parts.sweep.progress(now);
-  for (const Device device : all_devices) {
-    progress.health[device] = parts.meters[device].health(now, parts.pipeline.counters(device));
-    progress.health[device].expected_hz = link_load(device, parts.options.profile).rate_hz;
-    progress.health[device].uncertainty_s = parts.uncertainty_s[device];
-  }
-  progress.health[Device::camera].lost += parts.missing_frames;
+  for (const Device device : all_devices)
+    progress.health[device] = parts.devices.health(device, now, parts.pipeline.counters(device));
   progress.events = std::exchange(parts.new_events, {});
   progress.last_sample = parts.last_sample;
   progress.gone = parts.gone;
+  for (const Device device : all_devices)
+    if (parts.replug.awaits(device))
+      progress.awaited[device] = AwaitedDevice{parts.replug.why(device), parts.replug.waited_s(device, now),
+                                               parts.replug.left_s(device, now)};
   progress.kept_bytes = parts.journal.bytes();
+  progress.heard_s = parts.gate_watch.heard_s(now);
   progress.stopping = parts.stopped || parts.failure.has_value();
   return progress;
 }
@@ -420,10 +367,7 @@ SessionFile Recording::close(HostTime now) {
 
 void Recording::discard(HostTime now) {
   close(now);
-  if (!keeps()) return;
-  std::filesystem::remove(file().journal);
-  std::error_code in_use;  // by another recording: then the folder stays
-  for (const auto& folder : file().made_folders) std::filesystem::remove(folder, in_use);
+  parts_->journal.discard();
 }
 
 }  // namespace thermorig::rig

@@ -39,6 +39,13 @@ std::string what_is_sent(Device device) {
   return names[index_of(device)];
 }
 
+Error other_role(Device device, const Evidence& evidence, ExitCode code, const std::string& where) {
+  return {code,
+          fmt::format("it sends {}: that is the {}, not the {}", evidence.text, name_of(*evidence.role),
+                      name_of(device)),
+          where, "`thermorig ports` finds the right port of each device"};
+}
+
 Error other_gyro_protocol(const Evidence& evidence, const std::string& where) {
   const bool is_text = evidence.gyro_protocol == GyroProtocol::text;
   return {ExitCode::device_missing,
@@ -107,10 +114,7 @@ Error silent_device(Device device, const RigProfile& profile, const wire::Counte
             "check power and cable; `thermorig ports` shows which port speaks"};
   const Evidence evidence = classify(first_bytes);
   if (evidence.role && *evidence.role != device)
-    return {ExitCode::device_missing,
-            fmt::format("it sends {}: that is the {}, not the {}", evidence.text, name_of(*evidence.role),
-                        name_of(device)),
-            where, "`thermorig ports` finds the right port of each device"};
+    return other_role(device, evidence, ExitCode::device_missing, where);
   if (device == Device::gyro && evidence.role == Device::gyro &&
       evidence.gyro_protocol != profile.gyro.protocol)
     return other_gyro_protocol(evidence, where);
@@ -119,6 +123,22 @@ Error silent_device(Device device, const RigProfile& profile, const wire::Counte
           where,
           fmt::format("check the baud rate ({} now) and the device; `thermorig ports` tries the usual ones",
                       link.baud)};
+}
+
+Error unreadable_device(Device device, const RigProfile& profile, const Unreadable& unreadable,
+                        std::span<const std::uint8_t> first_bytes) {
+  const std::string where = place_of(device, profile);
+  const Evidence evidence = classify(first_bytes);
+  if (evidence.role && *evidence.role != device)
+    return other_role(device, evidence, ExitCode::device_lost, where);
+  return {
+      ExitCode::device_lost,
+      fmt::format("for {:.1f} s it has sent {} bytes, but no {} in them", unreadable.span_s, unreadable.bytes,
+                  what_is_sent(device)),
+      where,
+      fmt::format("something changed its baud rate ({} is expected), or it hangs: unplug it and plug it in "
+                  "again",
+                  profile.link(device).baud)};
 }
 
 }  // namespace thermorig::rig

@@ -25,4 +25,14 @@ std::string place_of(Device device, const RigProfile& profile);
 Error silent_device(Device device, const RigProfile& profile, const wire::Counters& counters,
                     std::span<const std::uint8_t> first_bytes);
 
+/// Bytes without a good message among them, and for how long they came.
+struct Unreadable {
+  std::uint64_t bytes = 0;
+  double span_s = 0.0;
+};
+
+/// A device that could be read before cannot be any more.
+Error unreadable_device(Device device, const RigProfile& profile, const Unreadable& unreadable,
+                        std::span<const std::uint8_t> first_bytes);
+
 }  // namespace thermorig::rig

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cstdio>
 #include <utility>
 
 #include "servo_link.h"
@@ -35,6 +36,16 @@ bool can_be_mended(std::uint8_t reason) {
   return reason == SERVO_REASON_FAULT || reason == SERVO_REASON_NOT_ARMED;
 }
 
+bool guards_cable(const ServoProfile& servo) {
+  return servo.kind == ServoKind::continuous && servo.travel_deg > 0.0;
+}
+
+/// Since 1.2.0 the angle limits hold for continuous servos too.
+bool guards_cables(const std::string& firmware) {
+  unsigned major = 0, minor = 0;
+  return std::sscanf(firmware.c_str(), "%u.%u", &major, &minor) == 2 && (major > 1 || minor >= 2);
+}
+
 bool has_forgotten_us(std::uint8_t reason) {
   return reason == SERVO_REASON_WRONG_VERSION || reason == SERVO_REASON_OUT_OF_SEQUENCE ||
          reason == SERVO_REASON_NOT_CONFIGURED;
@@ -53,6 +64,7 @@ void ServoCommander::greet() {
   queue_.clear();  // hello starts the numbers anew, so nothing needs to be waited for
   refusal_.reset();
   was_reset_ = false;
+  gave_up_ = false;
   armed_ = false;
   welcome_.reset();
   configure_tries_ = 0;
@@ -135,13 +147,15 @@ void ServoCommander::send_ping(HostTime now, std::vector<std::uint8_t>& out) {
   next_ping_ = now + ping_gap(times_.ping, token);
 }
 
-void ServoCommander::pong(const TimedPong& pong) {
+std::optional<HostDuration> ServoCommander::pong(const TimedPong& pong) {
   const auto same = [&](const SentPing& ping) { return ping.token == pong.token; };
   const auto ping = std::find_if(pings_.begin(), pings_.end(), same);
-  if (ping == pings_.end()) return;
+  if (ping == pings_.end()) return std::nullopt;
   const double held_s = 1e-6 * (pong.send_us - pong.receive_us);
-  if (to_s(pong.arrival - ping->time) - held_s > latency_timer_s) latency_timer_ = true;
+  const double under_way_s = to_s(pong.arrival - ping->time) - held_s;
+  if (under_way_s > latency_timer_s) latency_timer_ = true;
   pings_.erase(ping);
+  return from_s(under_way_s);
 }
 
 void ServoCommander::answer(const wire::ServoMessage& message, HostTime arrived) {
@@ -171,6 +185,14 @@ void ServoCommander::acknowledged(HostTime arrived) {
 void ServoCommander::take(const wire::ServoWelcome& welcome, std::uint8_t sequence, HostTime arrived) {
   if (!is_answer_to_front(SERVO_HELLO, sequence)) return;
   if (welcome.version != SERVO_LINK_VERSION) wrong_version(welcome.version);
+  if (guards_cable(servo_) && !guards_cables(welcome.firmware))
+    throw Error(
+        ExitCode::device_missing,
+        fmt::format("the servo's firmware {} does not guard the cable of a continuous servo",
+                    welcome.firmware),
+        "servo",
+        "reflash the servo's board with the firmware of this program (firmware_servo), or state in the "
+        "rig profile that there is no cable to wind up: travel_deg = 0");
   welcome_ = welcome;
   acknowledged(arrived);
 }
@@ -189,6 +211,14 @@ void ServoCommander::take(const wire::ServoNack& nack, std::uint8_t sequence) {
     refusal_ = nack.reason;
   } else if (has_forgotten_us(nack.reason)) {
     was_reset_ = true;
+  } else if (nack.type == SERVO_ARM && nack.reason == SERVO_REASON_BEYOND_LIMIT && guards_cable(servo_)) {
+    throw Error(ExitCode::device_missing,
+                fmt::format("the cable of the continuous servo is wound up beyond the {:.0f} degrees of its "
+                            "travel, and firmware {} does not unwind it",
+                            servo_.travel_deg, welcome_ ? welcome_->firmware : "before 1.2.1"),
+                "servo",
+                "untwist the cable by hand, then switch the supply of the servo's board off and on; firmware "
+                "1.2.1 and later unwinds by itself (firmware_servo)");
   } else {
     throw Error(ExitCode::bad_usage,
                 fmt::format("the servo refused \"{}\": {}", wire::command_name(nack.type),
@@ -201,7 +231,8 @@ void ServoCommander::take(const wire::ServoEvent& event) {
   if (event.kind == SERVO_EVENT_RESET && greeted()) was_reset_ = true;
 }
 
-void ServoCommander::give_up(const Command& command) const {
+void ServoCommander::give_up(const Command& command) {
+  gave_up_ = true;
   if (command.type == SERVO_HELLO)
     throw Error(ExitCode::device_missing, "the servo does not answer hello", "servo",
                 "check that its board carries the servo firmware and that the port is the right one: "

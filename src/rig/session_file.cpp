@@ -2,10 +2,11 @@
 #include "thermorig/rig/session_file.h"
 
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include <algorithm>
+#include <cerrno>
 #include <charconv>
+#include <cstring>
 #include <string_view>
 
 #include "file_lock.h"
@@ -21,8 +22,8 @@ bool is_allowed(char character) {
   return (character >= 'a' && character <= 'z') || (character >= '0' && character <= '9') || character == '-';
 }
 
-[[noreturn]] void refuse_folder(const std::filesystem::path& folder, const std::string& why) {
-  throw Error(ExitCode::storage, "the output folder cannot be written: " + why, folder.string(),
+[[noreturn]] void refuse_folder(const std::filesystem::path& folder, const char* action, int error_number) {
+  throw Error(ExitCode::storage, fmt::format("{}: {}", action, std::strerror(error_number)), folder.string(),
               "choose another one with --output, or change its permissions");
 }
 
@@ -49,27 +50,37 @@ void check_environment(const std::string& environment) {
                           environment_length_max));
 }
 
-FolderLock::FolderLock(const std::filesystem::path& output, const std::string& environment)
-    : environment_(environment) {
+FolderLock::FolderLock(const std::filesystem::path& output, const std::string& environment, files::Disk& disk)
+    : disk_(disk), environment_(environment) {
   check_environment(environment);
   folder_ = output / environment;
-  std::error_code failure;
-  for (auto folder = folder_; !folder.empty() && !std::filesystem::exists(folder, failure);
-       folder = folder.parent_path())
-    made_folders_.push_back(folder);
-  std::filesystem::create_directories(folder_, failure);
-  if (failure) refuse_folder(folder_, failure.message());
-  if (::access(folder_.c_str(), W_OK | X_OK) != 0)
-    refuse_folder(folder_, "no permission to create files in it");
-  lock_ = std::make_unique<FileLock>(folder_, FileLock::Wait::yes);
+  make_folders();
+  lock_ = std::make_unique<FileLock>(folder_, FileLock::Wait::yes, disk);
 }
 
 FolderLock::~FolderLock() = default;
 
+void FolderLock::make_folders() {
+  for (auto folder = folder_; !folder.empty(); folder = folder.parent_path()) {
+    const auto there = disk_.look(folder);
+    if (!there.good()) refuse_folder(folder, "the output folder cannot be looked at", there.error_number);
+    if (there.value != files::FileKind::missing) break;
+    made_folders_.push_back(folder);
+  }
+  for (auto folder = made_folders_.rbegin(); folder != made_folders_.rend(); ++folder) {
+    const int made = disk_.make_folder(*folder);
+    if (made != 0 && made != EEXIST) refuse_folder(*folder, "the output folder cannot be written", made);
+    const int synced = disk_.sync_folder(files::folder_of(*folder));
+    if (synced != 0) refuse_folder(*folder, "the output folder cannot be synced", synced);
+  }
+}
+
 SessionFile FolderLock::next(const std::string& utc_compact) const {
   int highest = 0;
-  for (const auto& entry : std::filesystem::directory_iterator(folder_))
-    highest = std::max(highest, number_in(entry.path().filename().string(), environment_));
+  const auto entries = disk_.list(folder_);
+  if (!entries.good()) refuse_folder(folder_, "the output folder cannot be read", entries.error_number);
+  for (const files::FolderEntry& entry : entries.value)
+    highest = std::max(highest, number_in(entry.path.filename().string(), environment_));
   const int number = highest + 1;
   const auto stem = folder_ / fmt::format("{}_acq-{:02}_{}", environment_, number, utc_compact);
   return {.acquisition = number,

@@ -23,12 +23,14 @@ constexpr double doubtful_periods = 0.02;    // so close to a leg's end the labe
 constexpr double half_way_tolerance = 0.15;  // periods: more than a tick
 constexpr double transit_tolerance_deg = 0.05;
 constexpr double halt_patience_s = 5.0;
+constexpr auto telemetry_is_recent = std::chrono::milliseconds(100);  // the servo's watchdog waits for longer
 
 }  // namespace
 
 std::string name_of(SweepPhase phase) {
-  constexpr const char* names[] = {"waiting",    "greeting",     "opening rest", "transit",  "leg",
-                                   "recovering", "closing rest", "halting",      "stopping", "done"};
+  constexpr const char* names[] = {
+      "waiting",      "greeting", "opening rest", "transit", "leg", "recovering", "waiting for a device",
+      "closing rest", "halting",  "stopping",     "done"};
   return names[static_cast<std::size_t>(phase)];
 }
 
@@ -78,7 +80,8 @@ void SweepWalker::frame_of_left_leg(HostTime middle, HostTime arrival, HostDurat
 void SweepWalker::telemetry(const TimedServo& servo) {
   last_telemetry_ = servo;
   if (servo.state.motion != ServoMotion::disarmed) driven_angle_deg_ = servo.state.angle_deg;
-  if (phase_ == SweepPhase::leg && servo.state.leg == leg_.record().leg) leg_.seen(servo.stamp.time);
+  if (phase_ == SweepPhase::leg && servo.state.leg == leg_.record().leg && !is_faulty())
+    leg_.seen(servo.stamp.time);
 }
 
 // ---- phases -------------------------------------------------------------------------------------------
@@ -121,6 +124,7 @@ void SweepWalker::tick(HostTime now) {
     case SweepPhase::stopping:
       return tick_stopping(now);
     case SweepPhase::waiting:
+    case SweepPhase::awaiting:
     case SweepPhase::done:
       return;
   }
@@ -135,6 +139,7 @@ void SweepWalker::tick_greeting(HostTime now) {
 
 void SweepWalker::next_leg(HostTime now) {
   if (to_drive_.empty() && plan_.repeat) fill_steps();
+  if (last_number_ == plan_.last_leg) give_up_steps(now);
   if (to_drive_.empty()) {
     commander_.halt();
     return enter(SweepPhase::closing_rest, now);
@@ -148,6 +153,13 @@ void SweepWalker::next_leg(HostTime now) {
   transit_target_deg_ = target_deg;
   transit_limit_ = now + from_s(duration_slack * way_deg / servo_.max_rate_dps + duration_extra_s);
   enter(SweepPhase::transit, now);
+}
+
+// A number names one leg, in the servo's telemetry and in the session, and 0 names none.
+void SweepWalker::give_up_steps(HostTime now) {
+  if (to_drive_.empty()) return;
+  to_drive_.clear();
+  event(now, EventKind::warning, fmt::format("leg {} was the last one that has a number", last_number_));
 }
 
 void SweepWalker::tick_transit(HostTime now) {
@@ -183,11 +195,17 @@ void SweepWalker::send_run(HostTime now) {
 
 void SweepWalker::tick_leg(HostTime now) {
   if (!leg_.acknowledged() && commander_.idle()) note_leg_start(commander_.last_ack());
-  if (has_its_frames(now) && !extend_leg(now)) return leave_leg(now);
+  if (servo_is_heard(now) && has_its_frames(now) && !extend_leg(now)) return leave_leg(now);
   if (commander_.idle() && to_s(run_ends_ - now) < renew_before_s) {
     leg_.keep_direction(last_telemetry_ ? last_telemetry_->state.rate_dps : 0.0);
     send_run(now);
   }
+}
+
+// After this computer stood still, frames that were sent meanwhile may come before the news that the servo's
+// watchdog has stopped it: a leg ends only where it is known that the servo has driven it so far.
+bool SweepWalker::servo_is_heard(HostTime now) const {
+  return last_telemetry_ && now - last_telemetry_->stamp.time <= telemetry_is_recent;
 }
 
 // The last frame is awaited in its own time: it arrives when the middle of the next one may have passed, and
@@ -212,7 +230,7 @@ void SweepWalker::leave_leg(HostTime now) {
   frames_since_left_ = 0;
   last_is_late_ = false;
   finish_step(now);
-  failures_ = 0;
+  failures_ = interruptions_ = 0;
   if (left_leg_->is_over()) settle_left_leg(now);
   next_leg(now);
 }

@@ -2,10 +2,12 @@
 // What ends a sweep early or interrupts it: faults, resets, a request to stop.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "thermorig/core/error.h"
 #include "thermorig/rig/sweep.h"
+#include "thermorig/wire/reset_cause.h"
 
 namespace thermorig::rig {
 
@@ -14,7 +16,9 @@ namespace {
 constexpr int failures_allowed = 5;            // of one leg in a row
 constexpr double first_recovery_rest_s = 0.5;  // before the servo is armed again; twice as long each time
 constexpr double rearm_patience_s = 5.0;
-constexpr int stop_tries = 3;  // of the raw byte, one each 50 ms
+constexpr int interruptions_allowed = 5;      // of one leg by devices that go and come
+constexpr double rest_after_absence_s = 2.0;  // for the clock of the device that is back
+constexpr int stop_tries = 3;                 // of the raw byte, one each 50 ms
 constexpr auto stop_try_gap = std::chrono::milliseconds(50);
 constexpr double stop_patience_s = 1.0;
 
@@ -32,6 +36,16 @@ std::string fault_text(ServoFault fault) {
       break;
   }
   return "the servo stopped";
+}
+
+constexpr const char* supply_advice =
+    "give the servo a supply of its own, with its ground joined to the board's and 470 uF or more near the "
+    "servo";
+
+/// Did the board's supply break down, so long ago at most when it was greeted?
+bool broke_down(const ServoCommander& commander, double within_s) {
+  const auto& welcome = commander.welcome();
+  return welcome && wire::was_brown_out(welcome->reset_cause) && 1e-6 * welcome->uptime_us < within_s;
 }
 
 std::string advice_for(ServoFault fault) {
@@ -65,15 +79,12 @@ bool SweepWalker::watch_for_trouble(HostTime now) {
 
 void SweepWalker::trouble(HostTime now, const std::string& what, ServoFault fault) {
   event(now, EventKind::servo_fault, what);
-  settle_left_leg(now);
-  if (phase_ == SweepPhase::leg) write_down(leg_, now);
+  if (phase_ == SweepPhase::leg) leg_.broke_off();
+  write_down_cut_leg(now);
   if (++failures_ > failures_allowed)
     throw Error(ExitCode::device_lost, fmt::format("{}; {} attempts in a row failed", what, failures_),
-                "servo", advice_for(fault));
-  if (phase_ == SweepPhase::leg && leg_.is_whole())
-    finish_step(now);
-  else if (phase_ == SweepPhase::leg || phase_ == SweepPhase::transit)
-    note_repeat(to_drive_.front().index, now);
+                "servo", broke_down(commander_, rearm_patience_s) ? supply_advice : advice_for(fault));
+  repeat_cut_leg(now);
   if (phase_ != SweepPhase::recovering) resume_ = phase_;
   commander_.clear();
   rearm_sent_ = false;
@@ -81,9 +92,52 @@ void SweepWalker::trouble(HostTime now, const std::string& what, ServoFault faul
   enter(SweepPhase::recovering, now);
 }
 
+void SweepWalker::write_down_cut_leg(HostTime now) {
+  settle_left_leg(now);
+  if (phase_ == SweepPhase::leg) write_down(leg_, now);
+}
+
+void SweepWalker::repeat_cut_leg(HostTime now) {
+  if (phase_ == SweepPhase::leg && leg_.is_whole())
+    finish_step(now);
+  else if (phase_ == SweepPhase::leg || phase_ == SweepPhase::transit)
+    note_repeat(to_drive_.front().index, now);
+}
+
+// ---- devices that go and come back ----------------------------------------------------------------------
+
+void SweepWalker::suspend(HostTime now, const Error& why) {
+  if (!drives() && phase_ != SweepPhase::greeting && phase_ != SweepPhase::recovering) return;
+  if (phase_ == SweepPhase::halting) return;  // nothing more is asked of any device but the servo
+  write_down_cut_leg(now);
+  repeat_cut_leg(now);
+  if (phase_ != SweepPhase::recovering) resume_ = phase_;
+  commander_.clear();
+  commander_.halt();
+  enter(SweepPhase::awaiting, now);
+  if (++interruptions_ > interruptions_allowed)
+    throw Error(ExitCode::device_lost,
+                fmt::format("{}; devices went {} times without a leg being finished between",
+                            why.what_happened(), interruptions_),
+                why.where(), why.advice() + "; look for a loose plug or a weak USB supply");
+}
+
+void SweepWalker::go_on(HostTime now) {
+  if (phase_ != SweepPhase::awaiting) return;
+  failures_ = 0;
+  shortest_rest_s_ = rest_after_absence_s;
+  if (commander_.was_reset()) commander_.greet();
+  rearm_sent_ = commander_.armed() && !commander_.refusal() && !is_faulty();
+  enter(SweepPhase::recovering, now);
+}
+
+bool SweepWalker::is_faulty() const {
+  return last_telemetry_ && last_telemetry_->state.fault != ServoFault::none;
+}
+
 // What disturbed it may last: a host that is busy for seconds must not use up every attempt.
 double SweepWalker::recovery_rest_s() const {
-  return std::ldexp(first_recovery_rest_s, failures_ - 1);
+  return std::max(shortest_rest_s_, std::ldexp(first_recovery_rest_s, failures_ - 1));
 }
 
 void SweepWalker::tick_recovering(HostTime now) {
@@ -93,14 +147,19 @@ void SweepWalker::tick_recovering(HostTime now) {
                 advice_for(ServoFault::none));
   if (commander_.was_reset()) return trouble(now, "the servo's board was reset");
   if (!commander_.idle() || !servo_at_rest()) return;
-  if (rearm_sent_ && commander_.armed() && !commander_.refusal()) return resume(now);
   if (passed_s < recovery_rest_s()) return;
+  if (rearm_sent_ && commander_.armed() && !commander_.refusal()) return resume(now);
   commander_.clear();
   commander_.arm(arm_angle_deg());
   rearm_sent_ = true;
 }
 
 void SweepWalker::resume(HostTime now) {
+  if (broke_down(commander_, to_s(now - phase_begin_) + first_recovery_rest_s))
+    event(now, EventKind::warning,
+          fmt::format("the supply of the servo's board broke down (brown-out), which reset it: {}",
+                      supply_advice));
+  shortest_rest_s_ = 0.0;
   armed_since_ = commander_.last_ack();
   if (resume_ == SweepPhase::leg || resume_ == SweepPhase::transit) return next_leg(now);
   const bool before_legs = resume_ == SweepPhase::greeting || resume_ == SweepPhase::opening_rest;

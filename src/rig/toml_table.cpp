@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <fstream>
+#include <nlohmann/json.hpp>
 #include <sstream>
 #include <toml.hpp>
 #include <utility>
@@ -40,11 +41,21 @@ std::string place(const toml::value& value, const std::string& file_name) {
             "correct that line; the format is described on https://toml.io");
 }
 
+/// As TOML has to be; the library reads beyond the end of keys that are not.
+void refuse_unless_utf8(const std::string& text, const std::string& file_name) {
+  try {
+    static_cast<void>(nlohmann::json(text).dump());
+  } catch (const nlohmann::json::type_error&) {
+    refuse_at(file_name, "it is not UTF-8 text", "a file saved as UTF-8");
+  }
+}
+
 }  // namespace
 
 TomlTable::TomlTable(std::shared_ptr<const Node> node) : node_(std::move(node)) {}
 
 TomlTable TomlTable::parse(const std::string& text, const std::string& file_name) {
+  refuse_unless_utf8(text, file_name);
   std::istringstream stream(text + "\n");
   try {
     return TomlTable(std::make_shared<const Node>(Node{toml::parse(stream, file_name), file_name}));

@@ -24,7 +24,7 @@ RecordingResult record_virtual(DeviceBus& bus, const VirtualOptions& options) {
   HostTime now = options.start;
   RecordingOptions recording_options = options.recording;
   recording_options.virtual_time = true;
-  recording_options.sync_while_recording = false;
+  recording_options.sync.when = SyncWhen::end;
   Recording recording(recording_options, now,
                       [&](std::span<const std::uint8_t> bytes) { bus.send(Device::servo, bytes, now); });
   HostTime next_progress = now;
@@ -32,6 +32,9 @@ RecordingResult record_virtual(DeviceBus& bus, const VirtualOptions& options) {
   while (!recording.done()) {
     now += steps.next();
     for (const Chunk& chunk : bus.advance(now)) recording.received(chunk.device, chunk.bytes, chunk.arrived);
+    for (const PortChange& change : bus.take_changes())
+      change.is_open ? recording.returned(change.device, now)
+                     : recording.lost(change.device, "unplugged", now);
     if (options.stop_requested && options.stop_requested()) recording.request_stop(now);
     if (options.orders)
       for (const Order& order : options.orders()) recording.carry_out(order, now);

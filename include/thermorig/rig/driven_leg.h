@@ -2,6 +2,7 @@
 #pragma once
 
 #include <optional>
+#include <vector>
 
 #include "thermorig/core/raw_recording.h"
 #include "thermorig/core/time.h"
@@ -26,8 +27,10 @@ class DrivenLeg {
 
   /// The command was acknowledged.
   void acknowledge(HostTime time);
-  /// Modelled time of telemetry with this leg's number.
+  /// Modelled time of telemetry with this leg's number and without a fault.
   void seen(HostTime time);
+  /// The servo has stopped of itself: frames behind the last telemetry that was seen do not count.
+  void broke_off();
   /// The command after it was given.
   void leave(HostTime now) { left_ = now; }
 
@@ -36,7 +39,7 @@ class DrivenLeg {
   void frame(HostTime middle, HostTime arrival, HostDuration doubt);
 
   /// The frame that was counted last is another one, of the leg after this.
-  void take_back() { --record_.frames; }
+  void take_back();
 
   /// Nothing more will come: a frame behind its end has come, or it has all.
   bool is_over() const { return over_ || missing() <= 0; }
@@ -56,6 +59,8 @@ class DrivenLeg {
   LegRecord closed(HostTime now) const;
 
  private:
+  void note_counted();
+
   LegRecord record_;
   int planned_ = 0;
   int wanted_ = 0;
@@ -63,7 +68,11 @@ class DrivenLeg {
   double run_rate_dps_ = 0.0;
   bool acknowledged_ = false;
   bool over_ = false;
-  std::optional<HostTime> first_seen_;
+  struct Counted {
+    HostTime middle{}, arrival{};
+  };
+  std::vector<Counted> counted_;
+  std::optional<HostTime> first_seen_, last_seen_;
   std::optional<HostTime> left_;
 };
 

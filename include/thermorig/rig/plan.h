@@ -17,6 +17,7 @@ struct SweepPlan {
   int frames_per_leg = 57;            // camera frames from a leg's first to its last, flagged ones included
   int valid_per_leg = 0;              // valid frames that each leg must bring; 0: whatever its frames give
   bool repeat = false;                // begins again after its last leg, until it is stopped
+  std::uint16_t last_leg = 65535;     // the run ends after the leg of this number: no two have the same
   bool for_calibration = false;       // legs may be too short for a valid frame, and there may be none
   double opening_rest_s = 10.0;
   double closing_rest_s = 10.0;

@@ -16,12 +16,15 @@
 #include "thermorig/core/raw_recording.h"
 #include "thermorig/core/sample.h"
 #include "thermorig/core/time.h"
+#include "thermorig/files/disk.h"
+#include "thermorig/rig/gate.h"
 #include "thermorig/rig/health.h"
 #include "thermorig/rig/order.h"
 #include "thermorig/rig/plan.h"
 #include "thermorig/rig/quota.h"
 #include "thermorig/rig/session_file.h"
 #include "thermorig/rig/sweep.h"
+#include "thermorig/rig/sync_policy.h"
 #include "thermorig/session/session.h"
 
 namespace thermorig::rig {
@@ -43,15 +46,32 @@ struct RecordingOptions {
   std::string simulation;  // "virtual time, firmware's host build", ...
   std::string creator;     // "thermorig 0.1.0"
   std::string creator_git;
-  double start_patience_s = 6.0;     // each device must have sent a good message by then
-  bool sync_while_recording = true;  // false: one sync at the end
-  bool virtual_time = false;         // times are the simulator's: the start is dated with the wall's clock
-  bool keep = true;                  // false: no folder, no journal, no session, nothing on the disk
-  bool wait_for_start = false;       // nothing moves before allow_start()
+  double start_patience_s = 6.0;   // each device must have sent a good message by then
+  SyncPolicy sync;                 // when the journal is synced to the disk
+  files::Disk* disk = nullptr;     // to keep it on; none: the system's
+  double replug_patience_s = 0.0;  // a needed device that goes is waited for so long; 0: the end at once
+  bool virtual_time = false;       // times are the simulator's: the start is dated with the wall's clock
+  bool keep = true;                // false: no folder, no journal, no session, nothing on the disk
+  bool wait_for_start = false;     // nothing moves before allow_start()
+  GateMode gate = GateMode::off;   // else the rig is listened to for 3 s and judged before it is armed
   PerDevice<bool> needed{{true, true, true}};  // without one that is not, it goes on; the servo always is
   std::function<void(const RecordingHeader&)> begun;  // once, before anything else; may be empty
   FrameObserver observe;                              // may be empty
   LiveModel live_model;                               // of the network that `observe` asks
+};
+
+/// A device that went while it is needed: the recording waits for it.
+struct AwaitedDevice {
+  std::string why;  // "unplugged"
+  double waited_s = 0.0;
+  double left_s = 0.0;  // until the recording ends without it
+};
+
+/// A device was away, and came back.
+struct DeviceAbsence {
+  Device device = Device::camera;
+  HostTime begin{};
+  HostTime end{};
 };
 
 /// Everything the live display shows.
@@ -62,15 +82,17 @@ struct RecordingProgress {
   PerDevice<DeviceHealth> health;
   std::vector<RecordingEvent> events;  // since the last progress
   std::optional<LabelledSample> last_sample;
-  PerDevice<bool> gone{};        // not there, and not needed
+  PerDevice<bool> gone{};  // not there, and not needed
+  PerDevice<std::optional<AwaitedDevice>> awaited;
   std::uint64_t kept_bytes = 0;  // of the journal; 0 if nothing is kept
   bool stopping = false;
+  double heard_s = 0.0;  // since all devices send and the servo has answered
 };
 
 /// How a recording ended. `session` is there whenever bytes could be kept.
 struct RecordingResult {
   ExitCode exit = ExitCode::ok;  // ok, finished_lossy, device_lost, interrupted
-  std::string message;           // what happened if not ok, ready to print
+  std::string message;           // what happened if not ok, or if a device was away; ready to print
   std::string advice;            // what to try, may be empty
   int acquisition = 0;
   std::filesystem::path session;  // empty if it was left as a journal (second Ctrl-C)
@@ -79,6 +101,7 @@ struct RecordingResult {
   session::Quality quality;
   std::vector<SpeedQuota> speeds;  // of the plan, ascending, by the labels in the session
   double duration_s = 0.0;         // on the recording's clock
+  std::optional<GateReport> gate;  // of the rig at rest; none if it was not judged
 };
 
 using ProgressHandler = std::function<void(const RecordingProgress&)>;
@@ -99,8 +122,17 @@ class Recording {
   /// One chunk from a device. Journal first, then everything else.
   void received(Device from, std::span<const std::uint8_t> bytes, HostTime arrived);
 
-  /// A port failed or was unplugged.
+  /// A port failed or was unplugged. A device that is needed is waited for, see RecordingOptions.
   void lost(Device device, const std::string& why, HostTime now);
+
+  /// The port of a device that was lost is open again. Whether the device is back, what it sends will show.
+  void returned(Device device, HostTime now);
+
+  /// Its port is there again, but will not open, and waiting does not help.
+  void refused(Device device, const Error& why, HostTime now);
+
+  /// Devices whose ports are gone and would be opened again.
+  std::vector<Device> lost_ports() const;
 
   /// A device was not there to begin with: `why` says so, and what to try.
   void missing(Device device, const Error& why, HostTime now);
@@ -122,10 +154,15 @@ class Recording {
   const std::optional<Error>& failure() const;
   bool stopped() const;                    // by request_stop()
   const std::string& stopped_by() const;   // who asked for it; empty: a signal
-  bool was_ready() const;                  // every device was there, and the sweep could begin
+  bool was_ready() const;                  // every device was there, and the gate did not refuse the rig
   bool keeps() const;                      // false: there is no journal
   std::vector<Device> gone() const;        // that it went on without, for a while at least
   const std::string& gone_advice() const;  // what to try for the first of them
+  const std::vector<DeviceAbsence>& absences() const;  // that were waited for, and are over
+
+  /// What the gate said before the start or, as long as it has not begun, would say now. None before all
+  /// devices have sent for a second, and with GateMode::off.
+  std::optional<GateReport> gate(HostTime now) const;
 
   RecordingProgress progress(HostTime now);
 
@@ -138,6 +175,7 @@ class Recording {
 
   const SessionFile& file() const;
   const SweepPlan& plan() const;
+  files::Disk& disk() const;
 
  private:
   struct Parts;

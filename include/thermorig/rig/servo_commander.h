@@ -56,16 +56,19 @@ class ServoCommander {
   void answer(const wire::ServoMessage& message, HostTime arrived);
 
   /// An answer to a ping: tells whether the link is behind a latency timer, which lengthens the pings' delay.
-  void pong(const TimedPong& pong);
+  /// Returns how long it was under way, without what the firmware held it back; none if it is not ours.
+  std::optional<HostDuration> pong(const TimedPong& pong);
 
   bool idle() const { return queue_.empty(); }  // everything was acknowledged
   bool greeted() const { return welcome_.has_value(); }
   bool armed() const { return armed_; }
+  bool gave_up() const { return gave_up_; }                         // a command was never answered
   bool was_reset() const { return was_reset_; }                     // it must be greeted again
   std::optional<std::uint8_t> refusal() const { return refusal_; }  // enum servo_reason: fault or not armed
   HostTime last_ack() const { return last_ack_; }
   const std::optional<wire::ServoWelcome>& welcome() const { return welcome_; }
   std::uint64_t retries() const { return retries_; }
+  std::uint64_t pings() const { return ping_token_; }
 
  private:
   struct Command {
@@ -89,7 +92,7 @@ class ServoCommander {
   void take(const wire::ServoWelcome& welcome, std::uint8_t sequence, HostTime arrived);
   void take(const wire::ServoNack& nack, std::uint8_t sequence);
   void take(const wire::ServoEvent& event);
-  [[noreturn]] void give_up(const Command& command) const;
+  [[noreturn]] void give_up(const Command& command);
   [[noreturn]] void wrong_version(unsigned firmware) const;
 
   ServoProfile servo_;
@@ -101,6 +104,7 @@ class ServoCommander {
   bool stopping_ = false;
   bool stop_byte_due_ = false;
   bool was_reset_ = false;
+  bool gave_up_ = false;
   std::optional<std::uint8_t> refusal_;
   HostTime last_ack_{};
   HostTime last_bytes_{};

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "thermorig/core/time.h"
+#include "thermorig/files/disk.h"
 
 namespace thermorig::rig {
 
@@ -27,17 +28,22 @@ void check_environment(const std::string& environment);
 /// Held while a number is chosen and its journal created, so that two recorders never take the same one.
 class FolderLock {
  public:
-  /// Creates `<output>/<environment>` if needed. Throws Error(storage) if it cannot be written.
-  FolderLock(const std::filesystem::path& output, const std::string& environment);
+  /// Creates `<output>/<environment>` if needed, to stay after a loss of power. Throws Error(storage) if that
+  /// fails.
+  FolderLock(const std::filesystem::path& output, const std::string& environment,
+             files::Disk& disk = files::real_disk());
   ~FolderLock();
   FolderLock(const FolderLock&) = delete;
   FolderLock& operator=(const FolderLock&) = delete;
 
   /// The next free number: one above the highest that any file of the folder carries, whatever its suffix.
-  /// `utc_compact`: "20260725T143512Z".
+  /// `utc_compact`: "20260725T143512Z". Throws Error(storage) if the folder cannot be read.
   SessionFile next(const std::string& utc_compact) const;
 
  private:
+  void make_folders();
+
+  files::Disk& disk_;
   std::filesystem::path folder_;
   std::string environment_;
   std::vector<std::filesystem::path> made_folders_;

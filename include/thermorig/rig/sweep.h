@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "thermorig/core/error.h"
 #include "thermorig/core/profile.h"
 #include "thermorig/core/raw_recording.h"
 #include "thermorig/core/sample.h"
@@ -27,6 +28,7 @@ enum class SweepPhase : std::uint8_t {
   transit,  // to where the next leg starts
   leg,
   recovering,  // after a fault or reset: at rest, then armed again
+  awaiting,    // at rest until a device that went is back
   closing_rest,
   halting,   // to rest and disarmed at the end of the plan
   stopping,  // on request
@@ -73,6 +75,15 @@ class SweepWalker {
   /// Stop byte, halt, at rest, disarm: then done(). May be called in any phase.
   void request_stop(HostTime now);
 
+  /// A device went: the leg under way is written down as it is, the servo comes to rest, as far as it can be
+  /// reached. Throws Error(device_lost) where that happens again and again without a leg between; `why` it
+  /// went is part of it.
+  void suspend(HostTime now, const Error& why);
+  /// All devices are there again: the servo is armed anew if need be, and after a rest the leg that was
+  /// interrupted is driven again, under a new number.
+  void go_on(HostTime now);
+  bool suspended() const { return phase_ == SweepPhase::awaiting; }
+
   bool done() const { return phase_ == SweepPhase::done; }
   bool plan_complete() const { return plan_complete_; }
   bool confirmed_at_rest() const { return at_rest_; }  // at the end
@@ -99,10 +110,12 @@ class SweepWalker {
 
   void enter(SweepPhase phase, HostTime now);
   void next_leg(HostTime now);
+  void give_up_steps(HostTime now);
   void fill_steps();
   void begin_leg(HostTime now);
   void send_run(HostTime now);
   void note_leg_start(HostTime acknowledged);
+  bool servo_is_heard(HostTime now) const;
   bool has_its_frames(HostTime now) const;
   bool is_between_frames(HostTime now) const;
   void leave_leg(HostTime now);
@@ -121,6 +134,8 @@ class SweepWalker {
   void note_repeat(std::size_t step, HostTime now);
   void halt(HostTime now);
   void trouble(HostTime now, const std::string& what, ServoFault fault = ServoFault::none);
+  void write_down_cut_leg(HostTime now);
+  void repeat_cut_leg(HostTime now);
   void tick_greeting(HostTime now);
   void tick_transit(HostTime now);
   void tick_leg(HostTime now);
@@ -132,6 +147,7 @@ class SweepWalker {
   bool watch_for_trouble(HostTime now);
   void event(HostTime now, EventKind kind, std::string message);
   bool servo_at_rest() const;
+  bool is_faulty() const;
   bool servo_is_disarmed() const;
   bool drives() const;
   double leg_duration_s(double frames) const;
@@ -160,8 +176,10 @@ class SweepWalker {
   std::deque<OpenStep> open_steps_;
   std::uint64_t frames_seen_ = 0;
   std::uint64_t samples_seen_ = 0;
-  int fruitless_ = 0;  // frames of legs since the last valid one
-  int failures_ = 0;   // of this step, in a row
+  int fruitless_ = 0;             // frames of legs since the last valid one
+  int failures_ = 0;              // of this step, in a row
+  int interruptions_ = 0;         // by devices that went, since a leg was driven to its end
+  double shortest_rest_s_ = 0.0;  // of recovering
   int repeated_ = 0;
   DrivenLeg leg_;
   HostTime run_ends_{};                // of the RUN command that was sent last

@@ -13,6 +13,12 @@
 
 namespace thermorig::rig {
 
+/// A port that hung up, or that opened again.
+struct PortChange {
+  Device device = Device::camera;
+  bool is_open = false;
+};
+
 /// Devices in virtual time: whoever has them in process (a simulated rig, a test) implements this.
 struct DeviceBus {
   virtual ~DeviceBus() = default;
@@ -20,6 +26,8 @@ struct DeviceBus {
   virtual void send(Device to, std::span<const std::uint8_t> bytes, HostTime now) = 0;
   /// Runs to `until`; chunks that arrive up to then, in order of arrival.
   virtual std::vector<Chunk> advance(HostTime until) = 0;
+  /// What became of the ports since the last call, as of the last advance().
+  virtual std::vector<PortChange> take_changes() { return {}; }
 };
 
 struct VirtualOptions {
