@@ -7,7 +7,6 @@
 #include <vector>
 
 #include "last_blocks.h"
-#include "thermorig/network/estimator.h"
 #include "thermorig/windows/scaling.h"
 #include "thermorig/windows/soundness.h"
 #include "thermorig/windows/window_index.h"
@@ -33,8 +32,8 @@ float finite_or_unknown(float value) {
 /// The network and the images of its window.
 class ThermalWindow {
  public:
-  explicit ThermalWindow(const model::Model& model)
-      : estimator_(model.weights),
+  ThermalWindow(const model::Model& model, network::Precision precision)
+      : estimator_(model.weights, precision),
         scaling_(model.scaling),
         prepared_(shape().pixels()),
         images_(static_cast<std::size_t>(shape().frames), shape().pixels()) {}
@@ -91,12 +90,12 @@ bool gap_before(const TimedFrame& frame) {
 }  // namespace
 
 struct LiveEstimator::Parts {
-  explicit Parts(const std::optional<model::Model>& model)
+  Parts(const std::optional<model::Model>& model, network::Precision precision)
       : frames(model ? model->weights.shape.frames : 1),
         rule(frames),
         labels(static_cast<std::size_t>(frames), 1),
         gyro(static_cast<std::size_t>(frames), 1) {
-    if (model) thermal.emplace(*model);
+    if (model) thermal.emplace(*model, precision);
   }
 
   int frames;
@@ -106,8 +105,8 @@ struct LiveEstimator::Parts {
   int in_a_row = 0;                      // sound images without a gap between them, up to `frames`
 };
 
-LiveEstimator::LiveEstimator(const std::optional<model::Model>& model)
-    : parts_(std::make_unique<Parts>(model)) {}
+LiveEstimator::LiveEstimator(const std::optional<model::Model>& model, network::Precision precision)
+    : parts_(std::make_unique<Parts>(model, precision)) {}
 
 LiveEstimator::~LiveEstimator() = default;
 LiveEstimator::LiveEstimator(LiveEstimator&&) noexcept = default;

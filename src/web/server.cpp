@@ -20,7 +20,9 @@ namespace {
   throw Error(ExitCode::no_permission,
               fmt::format("port {} is in use, perhaps by another live view that still runs", port),
               fmt::format("127.0.0.1:{}", port),
-              "stop that program, or choose another port with --page-port (0: any that is free)");
+              fmt::format("`ss -ltnp 'sport = :{}'` names the program: stop it, or choose another port with "
+                          "--page-port (0: any that is free)",
+                          port));
 }
 
 /// Can nobody listen there because somebody does already? A port that may not be opened at all (below 1024,

@@ -7,6 +7,7 @@
 #include "thermorig/core/live_estimate.h"
 #include "thermorig/core/sample.h"
 #include "thermorig/model/model.h"
+#include "thermorig/network/estimator.h"
 
 namespace thermorig::live {
 
@@ -21,7 +22,8 @@ namespace thermorig::live {
 class LiveEstimator {
  public:
   /// Without a model: gyro against label only, each frame its own window.
-  explicit LiveEstimator(const std::optional<model::Model>& model);
+  explicit LiveEstimator(const std::optional<model::Model>& model,
+                         network::Precision precision = network::Precision::fp32);
   ~LiveEstimator();
   LiveEstimator(LiveEstimator&&) noexcept;
   LiveEstimator& operator=(LiveEstimator&&) noexcept;

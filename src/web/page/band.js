@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 import { byId, bytes, clock, count, fields, number, plain, say } from './text.js';
 
-const words = { connecting: 'CONNECTING', recording: 'RECORDING', live: 'LIVE', replay: 'REPLAY', ended: 'ENDED' };
-const marks = { connecting: '○', recording: '●', live: '▶', replay: '»', ended: '■' };
+const words = { connecting: 'CONNECTING', refused: 'NOT CONNECTED', recording: 'RECORDING', live: 'LIVE', replay: 'REPLAY', ended: 'ENDED' };
+const marks = { connecting: '○', refused: '▲', recording: '●', live: '▶', replay: '»', ended: '■' };
 
 /** The state of the run in words, shape and colour; the title of the tab repeats it. */
 export class Band {
@@ -17,7 +17,8 @@ export class Band {
   hello(message) {
     this.mode = message.mode === 'replay' ? 'replay' : message.recording === true ? 'recording' : 'live';
     this.environment = plain(message.environment, 60);
-    this.planned = number(fields(message.plan).expected_s);
+    this.repeats = fields(message.plan).repeats === true;
+    this.planned = this.repeats ? null : number(fields(message.plan).expected_s);
     const simulated = byId('simulated');
     simulated.hidden = message.simulated !== true;
     simulated.title = plain(message.simulation, 300);
@@ -32,10 +33,12 @@ export class Band {
 
   state(message) {
     const now = number(message.time_s);
+    this.elapsed = now;
     const left = number(message.eta_s);
     const planned = left !== null && now !== null ? now + left : this.planned;
     say(byId('elapsed'), now === null ? '' : `${clock(now)}${planned === null ? '' : ` of ${clock(planned)}`}${
-      left === null ? '' : `, ${clock(left)} to go`}`);
+      left !== null ? `, ${clock(left)} to go` : this.repeats ? ', until it is stopped' : ''}`);
+    byId('start').disabled = message.phase !== 'waiting';  // it moves, or has
     const kept = number(message.kept_frames);
     say(byId('phase'), this.phaseText(message, kept !== null));
     say(byId('kept'), kept === null ? (this.mode === 'replay' ? '' : 'nothing is kept') : `${count(kept)} frames kept`);
@@ -52,6 +55,15 @@ export class Band {
   ended() {
     this.mode = 'ended';
     say(byId('phase'), '');
+    say(byId('elapsed'), number(this.elapsed) === null ? '' : clock(this.elapsed));
+    byId('start').hidden = true;
+    this.show();
+  }
+
+  /** The program does not take this page's token. */
+  refused() {
+    this.mode = 'refused';
+    for (const id of ['environment', 'acquisition', 'phase', 'elapsed', 'kept', 'disk']) say(byId(id), '');
     byId('start').hidden = true;
     this.show();
   }

@@ -2,12 +2,18 @@
 import { byId, count, fields, fixed, number, plain, say, unknown } from './text.js';
 
 const expected = ['camera', 'gyro', 'servo'];
-const words = { ok: 'ok', late: 'late', waiting: 'waiting', lost: 'lost' };
+const words = { ok: 'ok', late: 'late', waiting: 'waiting', lost: 'lost', awaited: 'away' };
 
 function ageText(seconds) {
   const age = number(seconds);
   if (age === null) return unknown;
   return age < 1 ? `${fixed(age * 1000, 0)} ms` : `${fixed(age, age < 100 ? 1 : 0)} s`;
+}
+
+/** How long the program still waits for it. */
+function leftText(device) {
+  const left = number(fields(device).left_s);
+  return left === null ? '' : `, waited for ${fixed(left, 0)} s more: plug it in again`;
 }
 
 function rateText(device) {
@@ -54,7 +60,7 @@ export class Health {
     const known = fields(devices);
     const names = [...new Set([...expected, ...Object.keys(known)])].slice(0, 8);
     return names.filter((name) => this.showDevice(name, fields(known[name])))
-      .map((name) => `${plain(name, 40)}: ${words[fields(known[name]).state] ?? 'unknown'}`);
+      .map((name) => `${plain(name, 40)}: ${words[fields(known[name]).state] ?? 'unknown'}${leftText(known[name])}`);
   }
 
   /** True if the device is not well. */
@@ -72,6 +78,6 @@ export class Health {
     const skipped = number(device.skipped_bytes);
     row.cells[6].title = skipped === null ? '' : `${count(skipped)} bytes belong to no message`;
     row.className = well || !told ? '' : 'unwell';
-    return !this.over && (device.state === 'late' || device.state === 'lost');
+    return !this.over && ['late', 'lost', 'awaited'].includes(device.state);
   }
 }

@@ -19,6 +19,7 @@ function rowOf(message) {
     counted: message.counted === true,
     valid: message.valid === true,
     reasons: list(message.reasons).slice(0, 16).map((reason) => plain(reason, 60)).filter((reason) => reason !== ''),
+    apart: plain(message.apart, 200),
     commanded,
     gain: number(message.gain),
     values: {},

@@ -31,6 +31,7 @@ const events = new Events();
 
 let run = null;          // its id; two replays of one session have two
 let ended = false;
+let refused = false;     // the program does not take our token: nothing will come
 let closing = false;     // done, but the file is still written
 let now = null;          // newest time_s
 let frame = null;        // newest frame's message, not yet shown
@@ -93,6 +94,7 @@ function showFusion(model) {
 
 const takers = {
   hello(message) {
+    refused = false;
     const name = plain(message.run, 40);
     if (name !== run) clear();
     run = name;
@@ -171,13 +173,15 @@ function take(message) {
 
 function refuse() {
   const other = connection?.token ? 'This address is not, or no longer, the one of the running program' : 'This address has no token of a program';
+  band.refused();
+  refused = true;
   warnings.set('token', `${other}: open the URL that thermorig printed (its end is #t=…).`);
 }
 
 /** Over everything but the band: nothing comes, and what is seen is old. */
 function showSilence() {
   const silent = Date.now() - lastHeard;
-  const over = silent > (closing ? closingTime : overlayAfter) && !ended;
+  const over = silent > (closing ? closingTime : overlayAfter) && !ended && !refused;
   byId('silence').hidden = !over;
   band.silence(over);
   if (!over) {

@@ -25,7 +25,7 @@ function sample(key) {
 /** One plot over the last minute. `read(row)` gives one value, or null, for each of `keys`. */
 export class Strip {
   /** `limits(rows, values)`: lowest and highest of the vertical axis. */
-  constructor(id, { keys, read, limits, digits, unit = '', axis = false, ticks }) {
+  constructor(id, { keys, read, limits, digits, unit = '', sign = true, axis = false, ticks }) {
     this.section = byId(id);
     this.box = this.section.querySelector('.plot');
     this.keys = keys;
@@ -34,6 +34,7 @@ export class Strip {
     this.digits = digits;
     this.ticks = ticks;
     this.unit = unit;
+    this.sign = sign;
     this.rows = [];
     this.spans = [];
     this.window = [0, 60];
@@ -119,7 +120,7 @@ export class Strip {
     const row = this.rows[at];
     const values = row === undefined ? this.keys.map(() => null) : this.read(row);
     this.legend.forEach(({ value }, i) => {
-      say(value, values[i] === null ? unknown : `${fixed(values[i], this.digits, { sign: true })}${this.unit}`);
+      say(value, values[i] === null ? unknown : `${fixed(values[i], this.digits, { sign: this.sign })}${this.unit}`);
     });
   }
 

@@ -43,7 +43,7 @@ export class Strips {
     this.error = new Strip('error', { keys: estimators, read: of('errors'), limits: countedFirst(2), digits: 1, axis: true });
     this.rate = new Strip('rate', { keys: all, read: (row) => [row.commanded, ...of('values')(row)], limits: everything(10), digits: 1 });
     this.angle = new Strip('angle', { keys: estimators, read: (row) => this.shownAngles(row), limits: everything(1), digits: 1, unit: '°' });
-    this.gain = new Strip('gain', { keys: ['kg'], read: (row) => [row.gain], limits: () => [-0.02, 1.02], digits: 2, axis: true, ticks: [0, 0.5, 1] });
+    this.gain = new Strip('gain', { keys: ['kg'], read: (row) => [row.gain], limits: () => [-0.02, 1.02], digits: 2, sign: false, axis: true, ticks: [0, 0.5, 1] });
     this.strips = [this.error, this.rate, this.angle, this.gain];
     for (const strip of this.strips) this.explain(strip);
     onThemeChange(() => this.strips.forEach((strip) => strip.redraw()));
@@ -62,8 +62,7 @@ export class Strips {
         tip.hidden = true;
         return;
       }
-      say(tip, `frame ${row.index}, not counted: ${row.reasons.join(', ').replaceAll('_', ' ') ||
-        (row.valid ? 'its window reaches beyond the run' : 'no reason given')}`);
+      say(tip, `frame ${row.index}, not counted: ${(row.apart || row.reasons.join(', ')).replaceAll('_', ' ') || 'no reason given'}`);
       tip.hidden = false;
       tip.style.left = `${Math.min(event.clientX + 12, innerWidth - tip.offsetWidth - 8)}px`;
       tip.style.top = `${Math.max(4, event.clientY - tip.offsetHeight - 8)}px`;

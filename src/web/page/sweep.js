@@ -10,7 +10,7 @@ export class Sweep {
     const plan = fields(message.plan);
     const name = plain(plan.name, 60);
     const seconds = number(plan.expected_s);
-    say(byId('plan'), name === '' ? '' : `· ${name}${seconds === null ? '' : `, about ${clock(seconds)}`}`);
+    say(byId('plan'), name === '' ? '' : `· ${name}${seconds === null ? '' : `, about ${clock(seconds)}`}${plan.repeats === true ? ' a pass, again and again' : ''}`);
   }
 
   show(state) {
@@ -42,6 +42,7 @@ export class Sweep {
     const full = Math.max(1, ...known.map((speed) => Math.max(speed.valid, speed.quota)));
     const bars = known.map((speed) => ({ value: speed.valid, colour: speed.rate === now ? 'now' : 'bar', mark: speed.quota > 0 ? speed.quota : null }));
     document.querySelector('#sweep h3').hidden = known.length === 0;
+    canvas.hidden = known.length === 0;
     say(byId('quota'), known.some((speed) => speed.quota > 0) ? 'deg/s; line: quota' : 'deg/s');
     const place = (i) => (i + 0.5) / known.length;
     const labels = known.length === 0 ? [] : [0, known.length - 1].map((i) => ({ text: signed(known[i].rate), at: place(i) }));
