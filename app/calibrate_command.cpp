@@ -9,6 +9,7 @@
 #include "output.h"
 #include "profile_path.h"
 #include "record_checks.h"
+#include "record_summary.h"
 #include "recorder.h"
 #include "thermorig/io/port.h"
 #include "thermorig/rig/profile_file.h"
@@ -118,7 +119,7 @@ void ask_for_turn(const CalibrateOptions& options, const rig::SweepPlan& plan) {
   const std::string turn =
       options.marks ? fmt::format("by {:.0f} degrees, from one mark to the other", hand_turn_deg(options))
                     : std::string("by one turn and a bit more (400 degrees), in one direction");
-  fmt::print(
+  print(
       "The servo stays still. Leave the rig alone for {:.0f} s, then turn the whole of it by hand {},\n"
       "smoothly, in about {:.0f} s, and leave it alone again until the {:.0f} s are over.\n",
       before_hand_turn_s, turn, turn_duration_s(options), plan.opening_rest_s);
@@ -133,6 +134,7 @@ bool worth_measuring(const rig::RecordingResult& result) {
 struct Recorded {
   std::filesystem::path session;
   ExitCode exit = ExitCode::ok;
+  std::optional<Error> unwritten;  // as in RecordSummary
 };
 
 Recorded record_for(const CalibrateOptions& options, ChosenRig rig, const rig::SweepPlan& plan) {
@@ -144,9 +146,10 @@ Recorded record_for(const CalibrateOptions& options, ChosenRig rig, const rig::S
     if (!record.json && !rig.simulated) ask_for_turn(options, plan);
   }
   const RecordSummary summary = record_session(record, rig, plan);
-  if (worth_measuring(summary.result)) return {summary.result.session, ExitCode::ok};
+  if (worth_measuring(summary.result)) return {summary.result.session, ExitCode::ok, summary.unwritten};
   print_summary(summary, record.json);
-  return {{}, summary.result.exit};
+  require_told(summary);
+  return {{}, summary.result.exit, {}};
 }
 
 std::string joined(const std::vector<std::filesystem::path>& paths) {
@@ -164,16 +167,16 @@ std::string next_command(const CalibrateOptions& options, const std::vector<std:
 
 void print_result(const MeasuredSessions& measured, const RigProfile& before) {
   for (const SkippedSession& session : measured.skipped)
-    fmt::print("skipped      {}: {}\n", session.path.string(), printable(session.reason));
-  fmt::print("\n{:<12} {}\n{}", "session", joined(measured.paths), text_of(measured.result, before));
+    print("skipped      {}: {}\n", session.path.string(), printable(session.reason));
+  print("\n{:<12} {}\n{}", "session", joined(measured.paths), text_of(measured.result, before));
   std::fflush(stdout);
 }
 
 void print_kept(const std::filesystem::path& kept, const std::string& next) {
   if (!kept.empty())
-    fmt::print("{:<12} written to {}\n", "profile", kept.string());
+    print("{:<12} written to {}\n", "profile", kept.string());
   else
-    fmt::print("{:<12} not written to any; keep it with\n{:<12} {}\n", "profile", "", next);
+    print("{:<12} not written to any; keep it with\n{:<12} {}\n", "profile", "", next);
 }
 
 void print_result_json(const CalibrateOptions& options, const MeasuredSessions& measured,
@@ -203,7 +206,9 @@ void keep(const MeasuredSessions& measured, RigProfile profile, const std::files
   }
 }
 
-ExitCode calibrate(const CalibrateOptions& options, const std::vector<std::filesystem::path>& paths) {
+/// `unwritten`: of the recording that was made for it.
+ExitCode calibrate(const CalibrateOptions& options, const std::vector<std::filesystem::path>& paths,
+                   const std::optional<Error>& unwritten = {}) {
   const std::filesystem::path path = kept_in(options);
   const MeasuredSessions measured = measure_sessions(options, paths);
   const RigProfile before = profile_before(options, path, measured.header);
@@ -216,6 +221,7 @@ ExitCode calibrate(const CalibrateOptions& options, const std::vector<std::files
     print_result(measured, before);
   if (!path.empty()) keep(measured, before, path, next);
   if (!json) print_kept(path, next);
+  require_told(unwritten, path.empty() ? next : "the result is in " + path.string());
   return ExitCode::ok;
 }
 
@@ -233,7 +239,8 @@ ExitCode run(const CalibrateOptions& options) {
   const rig::SweepPlan plan = plan_of(options, rig);
   if (options.record.dry_run) return print_dry_run(options.record, rig, plan);
   const Recorded recorded = record_for(options, rig, plan);
-  return recorded.exit == ExitCode::ok ? calibrate(options, {recorded.session}) : recorded.exit;
+  if (recorded.exit != ExitCode::ok) return recorded.exit;
+  return calibrate(options, {recorded.session}, recorded.unwritten);
 }
 
 }  // namespace thermorig::app

@@ -22,5 +22,6 @@ ExitCode run(const TrainOptions& options);
 ExitCode run(const EvaluateOptions& options);
 ExitCode run(const ExportOptions& options);
 ExitCode run(const VersionOptions& options);
+ExitCode run(const DoctorOptions& options);
 
 }  // namespace thermorig::app

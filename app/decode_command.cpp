@@ -35,7 +35,7 @@ class MessagePrinter {
     const std::uint64_t index = count_++;
     if (index >= most_) return;
     const std::string line = json_ ? json_line(json_of(message, index)) : text_of(message, index) + "\n";
-    std::fwrite(line.data(), 1, line.size(), stdout);
+    write_to(stdout, line);
   }
 
   std::uint64_t count() const { return count_; }
@@ -59,6 +59,7 @@ wire::Counters decode(Scanner scanner, ByteSource& source, MessagePrinter& print
     messages.clear();
     scanner.push(block, messages);
     for (const Message& message : messages) printer.print(message);
+    require_printed();  // a stream of bytes need not end
   }
   messages.clear();
   scanner.finish(messages);
@@ -103,10 +104,9 @@ void print_summary(const DecodeOptions& options, const std::string& name, const 
                 {"remarks", remarks}});
     return;
   }
-  if (printer.left_out() > 0)
-    fmt::print("... and {} more (--all prints them)\n", count_text(printer.left_out()));
-  fmt::print("\n{}", text_of(counters));
-  for (const std::string& remark : remarks) fmt::print("\nnote  {}\n", remark);
+  if (printer.left_out() > 0) print("... and {} more (--all prints them)\n", count_text(printer.left_out()));
+  print("\n{}", text_of(counters));
+  for (const std::string& remark : remarks) print("\nnote  {}\n", remark);
 }
 
 }  // namespace

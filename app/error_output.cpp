@@ -15,9 +15,9 @@ int report(const Error& error, bool json) {
   std::fflush(stdout);
   const bool colours = escapes_allowed(stderr);
   const std::string where = error.where().empty() ? "" : error.where() + ": ";
-  fmt::print(stderr, "{}thermorig:{} {}\n", colours ? "\x1b[31m" : "", colours ? "\x1b[0m" : "",
-             printable(where + error.what_happened()));
-  if (!error.advice().empty()) fmt::print(stderr, "  try: {}\n", printable(error.advice()));
+  print(stderr, "{}thermorig:{} {}\n", colours ? "\x1b[31m" : "", colours ? "\x1b[0m" : "",
+        printable(where + error.what_happened()));
+  if (!error.advice().empty()) print(stderr, "  try: {}\n", printable(error.advice()));
   const int code = static_cast<int>(error.code());
   if (json) {
     print_json({{"event", "error"},

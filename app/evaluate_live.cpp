@@ -51,7 +51,7 @@ void tell(const LiveEvaluation& evaluated, bool first, bool json) {
   if (json)
     print_json(live_json(evaluated));
   else
-    fmt::print("{}{}", first ? "" : "\n", live_text(evaluated));
+    print("{}{}", first ? "" : "\n", live_text(evaluated));
 }
 
 }  // namespace

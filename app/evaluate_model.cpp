@@ -102,7 +102,7 @@ ExitCode evaluate_model(const EvaluateOptions& options) {
   if (options.json)
     print_json(model_json(model, evaluated));
   else
-    fmt::print("{}", model_text(options.model.filename().string(), model, evaluated));
+    print("{}", model_text(options.model.filename().string(), model, evaluated));
   return ExitCode::ok;
 }
 

@@ -61,9 +61,9 @@ void announce(const EvaluateOptions& options, const std::vector<study::Job>& job
                 {"simulated", simulated}});
     return;
   }
-  fmt::print("study over {}: {} trainings of {} epoch{}, preset {}, {} acquisitions{}, {} at a time\n",
-             options.environment, jobs.size(), options.epochs, options.epochs == 1 ? "" : "s", options.preset,
-             acquisitions.size(), simulated ? " of the SIMULATED rig" : "", workers);
+  print("study over {}: {} trainings of {} epoch{}, preset {}, {} acquisitions{}, {} at a time\n",
+        options.environment, jobs.size(), options.epochs, options.epochs == 1 ? "" : "s", options.preset,
+        acquisitions.size(), simulated ? " of the SIMULATED rig" : "", workers);
   std::fflush(stdout);
 }
 
@@ -87,7 +87,7 @@ void conclude(const fs::path& folder, const std::vector<study::JobResult>& resul
                 {"simulated", any_simulated(results)},
                 {"report", (folder / "report.html").string()}});
   else
-    fmt::print("{}\nreport: {}\n", study_text(results), (folder / "report.html").string());
+    print("{}\nreport: {}\n", study_text(results), (folder / "report.html").string());
 }
 
 ExitCode tell_interrupted(const fs::path& folder, std::size_t done, std::size_t all, bool json) {
@@ -97,7 +97,7 @@ ExitCode tell_interrupted(const fs::path& folder, std::size_t done, std::size_t 
                 {"results", done},
                 {"jobs", all}});
   else
-    fmt::print(
+    print(
         "stopped: {} of {} jobs are done. The same command goes on; thermorig evaluate --draw {} draws "
         "what there is.\n",
         done, all, folder.string());

@@ -55,20 +55,20 @@ std::string network_words(const model::Model& model) {
 void print_needs(const BoardNeeds& needs) {
   const std::string constants = fmt::format("{} B of constants", count_text(needs.constant_bytes));
   if (needs.compiled)
-    fmt::print("flash     {} B: {} and the code ({})\n", count_text(needs.compiled->flash_bytes), constants,
-               needs.compiled->compiler);
+    print("flash     {} B: {} and the code ({})\n", count_text(needs.compiled->flash_bytes), constants,
+          needs.compiled->compiler);
   else
-    fmt::print("flash     {}, and about 3 kB of code (arm-none-eabi-gcc would tell)\n", constants);
-  fmt::print("RAM       {} B, and less than 512 B of stack\n", count_text(needs.state_bytes));
+    print("flash     {}, and about 3 kB of code (arm-none-eabi-gcc would tell)\n", constants);
+  print("RAM       {} B, and less than 512 B of stack\n", count_text(needs.state_bytes));
 }
 
 void print_words(const ExportOptions& options, const model::Model& model, const std::vector<NewFile>& files,
                  const BoardNeeds& needs) {
-  fmt::print("model     {}: {}\n", options.model.string(), network_words(model));
-  for (const NewFile& file : files) fmt::print("written   {}\n", file.path.string());
+  print("model     {}: {}\n", options.model.string(), network_words(model));
+  for (const NewFile& file : files) print("written   {}\n", file.path.string());
   if (!options.c_header) return;
   print_needs(needs);
-  fmt::print("next      #include \"{}.h\"; docs/export.md tells how\n", options.name);
+  print("next      #include \"{}.h\"; docs/export.md tells how\n", options.name);
 }
 
 void print_object(const ExportOptions& options, const model::Model& model, const std::vector<NewFile>& files,

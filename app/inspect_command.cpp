@@ -71,8 +71,7 @@ ExitCode run(const InspectOptions& options) {
       if (options.json)
         list.push_back(object_of(path, inspected, options.timing));
       else
-        fmt::print("{}{}", path == options.files.front() ? "" : "\n",
-                   words_of(path, inspected, options.timing));
+        print("{}{}", path == options.files.front() ? "" : "\n", words_of(path, inspected, options.timing));
     } catch (const Error& error) {
       report(error, false);
       list.push_back(error_json(path, error));

@@ -24,8 +24,4 @@ bool interrupted() {
   return seen;
 }
 
-void outlive_readers() {
-  std::signal(SIGPIPE, SIG_IGN);
-}
-
 }  // namespace thermorig::app

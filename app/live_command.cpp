@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: MIT
+#include <functional>
 #include <memory>
 
 #include "chosen_rig.h"
 #include "commands.h"
+#include "error_output.h"
 #include "interrupts.h"
 #include "live_facts.h"
 #include "live_model.h"
@@ -11,6 +13,7 @@
 #include "live_run.h"
 #include "live_screens.h"
 #include "record_checks.h"
+#include "record_summary.h"
 #include "recorder.h"
 #include "recording_setup.h"
 #include "thermorig/rig/port_recording.h"
@@ -27,6 +30,7 @@ constexpr PerDevice<bool> needed{{false, false, true}};  // what is left goes on
 /// What the recording of a live run has beside that of `record`.
 void make_live(const LiveOptions& options, const ChosenModel& model, rig::RecordingOptions& recording) {
   recording.keep = options.keep;
+  if (!options.keep) recording.gate = rig::GateMode::warn;
   recording.needed = needed;
   recording.wait_for_start = options.record.page.control;
   recording.live_model = model.facts;
@@ -43,54 +47,83 @@ void watch(LiveRun& run, const ChosenModel& model, rig::RecordingOptions& record
   };
 }
 
-rig::RecordingResult drive_fast(const ChosenRig& rig, rig::RecordingOptions recording, LiveRun& run) {
+/// What is asked of the recording: by the network, by the page, and by the absence of anybody who watches.
+std::vector<rig::Order> orders(const LiveOptions& options, LiveRun& run, LivePage* page,
+                               const LiveScreens& screens) {
+  std::vector<rig::Order> all = orders_of(run, page);
+  if (!options.keep && screens.alone()) all.push_back({rig::OrderKind::stop, "its reader, who went away"});
+  return all;
+}
+
+using Orders = std::function<std::vector<rig::Order>()>;
+
+rig::RecordingResult drive_fast(const ChosenRig& rig, rig::RecordingOptions recording, LiveRun& run,
+                                const Orders& ordered) {
   watch_interrupts();
   VirtualBus bus(*rig.simulated);
   rig::VirtualOptions options;
   options.recording = std::move(recording);
   options.start = rig.simulated->start;
   options.stop_requested = interrupted;
-  options.orders = [&] { return orders_of(run, nullptr); };
+  options.orders = ordered;
   options.progress = [&](const rig::RecordingProgress& progress) { run.progress(progress); };
   options.progress_period = state_period;
   return rig::record_virtual(bus, options);
 }
 
-rig::RecordingResult drive_ports(rig::RecordingOptions recording, LiveRun& run, LivePage* page) {
+rig::RecordingResult drive_ports(rig::RecordingOptions recording, LiveRun& run, const Orders& ordered) {
   rig::PortOptions options;
   options.recording = std::move(recording);
-  options.orders = [&] { return orders_of(run, page); };
+  options.orders = ordered;
   options.progress = [&](const rig::RecordingProgress& progress) { run.progress(progress); };
   options.progress_period = state_period;
   options.notice = [&](const std::string& sentence) { run.note(sentence); };
   return rig::record_ports(options);
 }
 
+struct Outcome {
+  ExitCode exit = ExitCode::ok;
+  std::string next;  // what to type to see what was kept; empty: nothing was
+};
+
+/// `ended` tells of an Error as well, and is the last object of --json.
+template <typename Drive>
+Outcome outcome_of(LiveRun& run, bool keeps, Drive drive) {
+  try {
+    const rig::RecordingResult result = told(run, drive);
+    return {result.exit, keeps ? next_command(result) : ""};
+  } catch (const Error& error) {
+    return {static_cast<ExitCode>(report(error, false)), ""};
+  }
+}
+
 }  // namespace
 
 ExitCode run(const LiveOptions& options) {
   if (options.replay) return replay_live(options);
-  outlive_readers();
   check_recording_words(options.record);
   const ChosenRig rig = chosen_rig(options.record.rig, options.record.environment, needed);
   rig::SweepPlan plan = chosen_plan(options.record);
   plan.repeat = options.loop;
   rig::check_plan(plan, rig.profile.servo, rig.profile.camera);
   if (options.keep) require_output(options.record, rig, plan);
-  const ChosenModel model = read_live_model(options.model);
+  const ChosenModel model = read_live_model(options.model, options.precision);
   rig::RecordingOptions recording = recording_options(options.record, rig, plan);
   make_live(options, model, recording);
   const std::unique_ptr<LivePage> page =
       options.record.page.serve ? std::make_unique<LivePage>(options.record.page) : nullptr;
   const auto ports = switch_on(options.record, rig, recording);  // outlives the recording
-  LiveRun run(live_facts(LiveMode::live, options.record, recording), model.model);
-  const LiveScreens screens(options, page.get(), run);
+  LiveRun run(live_facts(LiveMode::live, options.record, recording), model);
+  LiveScreens screens(options, page.get(), run);
   watch(run, model, recording);
   const auto drive = [&] {
-    return options.record.fast ? drive_fast(rig, std::move(recording), run)
-                               : drive_ports(std::move(recording), run, page.get());
+    const Orders ordered = [&] { return orders(options, run, page.get(), screens); };
+    return options.record.fast ? drive_fast(rig, std::move(recording), run, ordered)
+                               : drive_ports(std::move(recording), run, ordered);
   };
-  return told(run, drive).exit;
+  const Outcome outcome = outcome_of(run, options.keep, drive);
+  screens.finish(outcome.exit, outcome.next);
+  return outcome.exit;
 }
 
 }  // namespace thermorig::app

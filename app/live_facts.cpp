@@ -12,6 +12,7 @@ LiveFacts live_facts(LiveMode mode, const RecordOptions& options, const rig::Rec
   facts.control = options.page.control;
   facts.plan_name = plan.name;
   facts.legs = plan.leg_rates_dps.size();
+  facts.repeats = plan.repeat;
   facts.frames_per_leg = plan.frames_per_leg;
   facts.expected_s =
       rig::plan_duration_s(plan, recording.profile.servo, recording.profile.camera.output_rate_hz);
@@ -24,7 +25,7 @@ LiveEnd end_of(const rig::RecordingResult& result) {
 
 LiveEnd end_of(const Error& error) {
   const std::string where = error.where().empty() ? "" : error.where() + ": ";
-  return {static_cast<int>(error.code()), where + error.what_happened(), error.advice(), ""};
+  return {static_cast<int>(error.code()), where + error.what_happened(), error.advice(), "", true};
 }
 
 }  // namespace thermorig::app

@@ -5,7 +5,6 @@
 
 #include <array>
 #include <cmath>
-#include <cstdio>
 #include <nlohmann/json.hpp>
 
 #include "output.h"
@@ -15,11 +14,9 @@ namespace thermorig::app {
 namespace {
 
 constexpr std::array<const char*, live::rate_count> rate_names{"thermal", "gyro", "fusion"};
-
-void print(const std::string& text) {
-  std::fputs(text.c_str(), stdout);
-  std::fflush(stdout);
-}
+constexpr const char* columns =
+    "    time     servo     gyro  (error)   thermal  (error)   fusion  (error)    Kg  counted  apart  "
+    "network\n";
 
 std::string rate_text(float rate_dps) {
   return std::isnan(rate_dps) ? "-" : fmt::format("{:+.1f}", rate_dps);
@@ -38,32 +35,51 @@ std::string figure(double value, const char* format = "{:.4f}") {
 
 class LiveLines : public LiveScreen {
  public:
+  explicit LiveLines(OutputWriter& output) : output_(output) {}
+
   void hello(const LiveFacts& facts) override {
     begin_ = facts.header.time_reference;
-    print(heading_of(facts));
+    output_.write(heading_of(facts), Matter::word);
   }
   void state(const rig::RecordingProgress&) override {}
   void frame(const LiveFrame& frame) override {
     if (last_ && frame.row.arrival - *last_ < std::chrono::seconds(1)) return;
     last_ = frame.row.arrival;
-    if (lines_++ % 40 == 0)
-      print(
-          "    time     servo     gyro  (error)   thermal  (error)   fusion  (error)    Kg  counted  "
-          "apart\n");
-    print(line_of(frame, begin_) + "\n");
+    std::string text(lines_ % 40 == 0 ? columns : "");
+    text += line_of(frame, begin_) + "\n";
+    if (output_.write(text, Matter::frame)) ++lines_;
   }
-  void note(const std::string& sentence) override { print(printable(sentence) + "\n"); }
-  void ended(const LiveEnd& end, const live::LiveScores& scores) override { print(ending_of(end, scores)); }
+  void note(const std::string& sentence) override { output_.write(printable(sentence) + "\n", Matter::word); }
+  void ended(const LiveEnd& end, const live::LiveScores& scores) override {
+    output_.write_last(ending_of(end, scores));
+  }
 
  private:
+  OutputWriter& output_;
   HostTime begin_{};
   std::optional<HostTime> last_;
   int lines_ = 0;
 };
 
-struct LiveJson : MessageSink {
+Matter matter_of(web::Topic topic) {
+  if (topic == web::Topic::frame) return Matter::frame;
+  return topic == web::Topic::state ? Matter::state : Matter::word;
+}
+
+class LiveJson : public MessageSink {
+ public:
+  explicit LiveJson(OutputWriter& output) : output_(output) {}
+
   bool wants(web::Topic topic) const override { return topic != web::Topic::image; }
-  void take(web::Topic, const std::string& message) override { print(message + "\n"); }
+  void take(web::Topic topic, const std::string& message) override {
+    if (topic == web::Topic::ended)
+      output_.write_last(message + "\n");
+    else
+      output_.write(message + "\n", matter_of(topic));
+  }
+
+ private:
+  OutputWriter& output_;
 };
 
 }  // namespace
@@ -83,8 +99,9 @@ std::string line_of(const LiveFrame& frame, HostTime begin) {
 std::string heading_of(const LiveFacts& facts) {
   const RecordingHeader& header = facts.header;
   std::string text =
-      fmt::format("{} {}, plan {}: {} legs, about {}\n", name_of(facts.mode), printable(header.environment),
-                  printable(facts.plan_name), facts.legs, duration_text(facts.expected_s));
+      fmt::format("{} {}, plan {}: {} legs, about {}{}\n", name_of(facts.mode), printable(header.environment),
+                  printable(facts.plan_name), facts.legs, duration_text(facts.expected_s),
+                  facts.repeats ? ", again and again until stopped" : "");
   if (header.simulated)
     text += fmt::format("SIMULATED rig{}: {}\n",
                         header.simulation_seed ? fmt::format(", seed {}", *header.simulation_seed) : "",
@@ -93,9 +110,10 @@ std::string heading_of(const LiveFacts& facts) {
   if (model.name.empty())
     text += "no model: gyro against servo only (--model FILE)\n";
   else
-    text += fmt::format("model {}: {}, {} frames, pixels averaged {} x {}{}\n", printable(model.name),
-                        model.fusion ? "fusion" : "thermal only", model.frames, model.reduction,
-                        model.reduction, model.simulated ? ", trained on simulated data" : "");
+    text +=
+        fmt::format("model {}: {}, {} frames, pixels averaged {} x {}, {} weights{}\n", printable(model.name),
+                    model.fusion ? "fusion" : "thermal only", model.frames, model.reduction, model.reduction,
+                    printable(model.precision), model.simulated ? ", trained on simulated data" : "");
   if (facts.mode != LiveMode::replay)
     text += facts.recording ? "a session is kept\n" : "nothing is kept (--record keeps a session)\n";
   return text;
@@ -120,20 +138,32 @@ std::string scores_text(const live::LiveScores& scores) {
 }
 
 std::string ending_of(const LiveEnd& end, const live::LiveScores& scores) {
-  std::string text("\n");
-  text += scores_text(scores);
+  std::string text;
+  if (scores.frames > 0) text = fmt::format("\n{}", scores_text(scores));
   if (!end.session.empty()) text += "session  " + printable(end.session) + "\n";
+  if (end.is_error) return text;  // standard error tells the rest
   if (!end.message.empty()) text += "note     " + printable(end.message) + "\n";
   if (!end.advice.empty()) text += "try      " + printable(end.advice) + "\n";
   return text;
 }
 
-std::unique_ptr<LiveScreen> make_live_lines() {
-  return std::make_unique<LiveLines>();
+std::unique_ptr<LiveScreen> make_live_lines(OutputWriter& output) {
+  return std::make_unique<LiveLines>(output);
 }
 
-std::unique_ptr<MessageSink> make_live_json() {
-  return std::make_unique<LiveJson>();
+std::unique_ptr<MessageSink> make_live_json(OutputWriter& output) {
+  return std::make_unique<LiveJson>(output);
+}
+
+std::string dropped_line(const DroppedTexts& dropped) {
+  return fmt::format("({} lines were left out: the output was not read)\n", count_text(dropped.all()));
+}
+
+std::string dropped_object(const DroppedTexts& dropped) {
+  nlohmann::json object{{"event", "dropped"}, {"frames", dropped.frames}};
+  if (dropped.states > 0) object["states"] = dropped.states;
+  if (dropped.words > 0) object["events"] = dropped.words;
+  return json_line(object);
 }
 
 }  // namespace thermorig::app

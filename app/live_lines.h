@@ -5,14 +5,19 @@
 #include <string>
 
 #include "live_run.h"
+#include "output_writer.h"
 
 namespace thermorig::app {
 
 /// One line a second of the recording, a heading, and a table at the end.
-std::unique_ptr<LiveScreen> make_live_lines();
+std::unique_ptr<LiveScreen> make_live_lines(OutputWriter& output);
 
 /// The messages on standard output, one a line, without images.
-std::unique_ptr<MessageSink> make_live_json();
+std::unique_ptr<MessageSink> make_live_json(OutputWriter& output);
+
+/// What the output says of texts that it had no room for: a line, or an object.
+std::string dropped_line(const DroppedTexts& dropped);
+std::string dropped_object(const DroppedTexts& dropped);
 
 /// Speed, servo, gyro, thermal, fusion, errors, Kg, counted and apart, inference time: one line.
 std::string line_of(const LiveFrame& frame, HostTime begin);

@@ -56,16 +56,15 @@ const std::string& run_id() {
 
 json model_json(const LiveModel& model) {
   if (model.name.empty()) return {};
-  return {{"name", model.name},
-          {"frames", model.frames},
-          {"reduction", model.reduction},
-          {"fusion", model.fusion},
-          {"simulated", model.simulated}};
+  return {{"name", model.name},     {"frames", model.frames},       {"reduction", model.reduction},
+          {"fusion", model.fusion}, {"precision", model.precision}, {"simulated", model.simulated}};
 }
 
 // A camera's reads are coarse: a bridge that is read once in half a second is still alive.
-std::string state_of(Device device, const rig::DeviceHealth& health, bool gone) {
-  if (gone) return "lost";
+std::string state_of(Device device, const rig::RecordingProgress& progress) {
+  const rig::DeviceHealth& health = progress.health[device];
+  if (progress.gone[device]) return "lost";
+  if (progress.awaited[device]) return "awaited";
   if (!health.age_s) return "waiting";
   constexpr double late_periods = 3.0;
   constexpr double camera_late_s = 0.5,
@@ -75,8 +74,11 @@ std::string state_of(Device device, const rig::DeviceHealth& health, bool gone) 
   return *health.age_s > std::max(least_s, periods_s) ? "late" : "ok";
 }
 
-json device_json(Device device, const rig::DeviceHealth& health, bool gone) {
-  return {{"state", state_of(device, health, gone)},
+json device_json(Device device, const rig::RecordingProgress& progress) {
+  const rig::DeviceHealth& health = progress.health[device];
+  const std::optional<rig::AwaitedDevice>& awaited = progress.awaited[device];
+  return {{"state", state_of(device, progress)},
+          {"left_s", awaited ? number(awaited->left_s) : json()},
           {"expected_hz", number(health.expected_hz)},
           {"rate_min_hz", number(health.rate_min_hz)},
           {"rate_max_hz", number(health.rate_max_hz)},
@@ -128,6 +130,13 @@ std::string freshness(const TimedFrame& frame) {
   return frame.fresh_even > 0 || frame.fresh_odd > 0 ? "half" : "repeated";
 }
 
+std::string why_apart(const LiveFrame& frame) {
+  if (frame.row.counted) return "";
+  if (frame.row.reason_bits != 0)
+    return fmt::format("{}", fmt::join(reason_texts(frame.row.reason_bits), ", "));
+  return frame.sample.valid ? "window begins in another run" : "not valid";
+}
+
 std::vector<std::string> reason_texts(std::uint32_t bits) {
   std::vector<std::string> texts;
   for (std::size_t i = 0; i < reason_count; ++i)
@@ -152,6 +161,7 @@ json hello_message(const LiveFacts& facts) {
           {"model", model_json(header.live_model)},
           {"plan",
            {{"name", facts.plan_name},
+            {"repeats", facts.repeats},
             {"legs", facts.legs},
             {"frames_per_leg", facts.frames_per_leg},
             {"expected_s", number(facts.expected_s)}}}};
@@ -163,12 +173,11 @@ json state_message(const rig::RecordingProgress& progress, const LiveFacts& fact
   const bool keeps = facts.recording;
   json devices;
   for (const Device device : all_devices)
-    devices[std::string(thermorig::name_of(device))] =
-        device_json(device, progress.health[device], progress.gone[device]);
+    devices[std::string(thermorig::name_of(device))] = device_json(device, progress);
   return {{"event", "state"},
           {"time_s", number(progress.elapsed_s)},
           {"phase", rig::name_of(sweep.phase)},
-          {"eta_s", number(sweep.eta_s)},
+          {"eta_s", facts.repeats ? json() : number(sweep.eta_s)},
           {"done_share", number(sweep.done_share)},
           {"leg", sweep.leg},
           {"leg_count", sweep.leg_count},
@@ -195,6 +204,7 @@ json frame_message(const LiveFrame& frame, HostTime begin) {
           {"counted", row.counted},
           {"valid", frame.sample.valid},
           {"reasons", reason_texts(row.reason_bits)},
+          {"apart", row.counted ? json() : json(why_apart(frame))},
           {"leg", row.leg},
           {"run", row.run},
           {"commanded_dps", number(row.rate_commanded_dps)},

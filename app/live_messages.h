@@ -29,6 +29,7 @@ struct LiveFacts {
   std::size_t legs = 0;
   int frames_per_leg = 0;
   double expected_s = 0.0;
+  bool repeats = false;  // the plan again and again: no end is known
 };
 
 /// One frame and all that is said of it.
@@ -45,7 +46,8 @@ struct LiveEnd {
   int exit = 0;
   std::string message;
   std::string advice;
-  std::string session;  // empty: none
+  std::string session;    // empty: none
+  bool is_error = false;  // it is told on standard error as well
 };
 
 // The messages of docs/live_messages.md. `begin` is the host time of second 0. What is not known is null;
@@ -58,6 +60,10 @@ nlohmann::json frame_message(const LiveFrame& frame, HostTime begin);
 nlohmann::json image_message(const LiveFrame& frame, HostTime begin, bool mirrored);
 nlohmann::json event_message(const RecordingEvent& event, HostTime begin);
 nlohmann::json ended_message(const LiveEnd& end);
+
+/// Why a frame enters no figure: the reasons of the frame itself or, if it is valid, that its window is not.
+/// Empty if it is counted.
+std::string why_apart(const LiveFrame& frame);
 
 /// Names of the reasons whose bits are set.
 std::vector<std::string> reason_texts(std::uint32_t bits);

@@ -17,11 +17,12 @@ std::string sha256_of(const std::filesystem::path& path) {
 
 }  // namespace
 
-ChosenModel read_live_model(const std::filesystem::path& path) {
+ChosenModel read_live_model(const std::filesystem::path& path, const std::string& precision) {
   ChosenModel chosen;
   if (path.empty()) return chosen;
   require_existing(path);
   chosen.model = model::read_model(path);
+  if (precision == "fp16") chosen.precision = network::Precision::fp16_weights;
   const network::Shape& shape = chosen.model->weights.shape;
   chosen.facts = {.name = path.filename().string(),
                   .hash = sha256_of(path),
@@ -29,7 +30,8 @@ ChosenModel read_live_model(const std::filesystem::path& path) {
                   .reduction = shape.reduction,
                   .fusion = shape.fusion,
                   .simulated = chosen.model->provenance.simulated,
-                  .label_scale_dps = double{chosen.model->scaling.label_scale_dps}};
+                  .label_scale_dps = double{chosen.model->scaling.label_scale_dps},
+                  .precision = precision};
   return chosen;
 }
 

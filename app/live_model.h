@@ -8,6 +8,7 @@
 
 #include "thermorig/core/live_estimate.h"
 #include "thermorig/model/model.h"
+#include "thermorig/network/estimator.h"
 
 namespace thermorig::app {
 
@@ -15,10 +16,11 @@ namespace thermorig::app {
 struct ChosenModel {
   std::optional<model::Model> model;  // none: gyro against servo only
   LiveModel facts;
+  network::Precision precision = network::Precision::fp32;
 };
 
-/// Throws Error(not_a_session) if it is no model; nothing for an empty path.
-ChosenModel read_live_model(const std::filesystem::path& path);
+/// `precision`: fp32 or fp16. Throws Error(not_a_session) if it is no model; nothing for an empty path.
+ChosenModel read_live_model(const std::filesystem::path& path, const std::string& precision);
 
 /// What should be known before the first frame.
 std::vector<std::string> warnings_of(const ChosenModel& model, bool simulated_rig, int frames_per_leg);

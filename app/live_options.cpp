@@ -6,6 +6,7 @@
 #include <CLI/CLI.hpp>
 #include <charconv>
 #include <cmath>
+#include <initializer_list>
 
 #include "rig_words.h"
 #include "thermorig/core/error.h"
@@ -52,7 +53,11 @@ void add_result(CLI::App& command, LiveWords& words) {
   command.add_option("-o,--output", live.record.output, "Folder that holds the recordings (with --record)")
       ->type_name("DIR")
       ->default_str("recordings");
+  command.add_flag("!--no-gate", live.record.gate,
+                   "With --record: keep a session of a rig that is not fit for it");
   command.add_flag("--tui", live.tui, "Draw the image and the rates on the terminal");
+  add_sync(command, live.record.sync);
+  add_replug(command, live.record.replug_patience_s);
   add_json(command, live.record.json);
 }
 
@@ -66,11 +71,39 @@ double speed_of(const std::string& text) {
               fmt::format("--speed 1, --speed 10 or --speed max; {} at least", lowest_speed));
 }
 
+[[noreturn]] void refuse(const std::string& what, const std::string& advice) {
+  throw Error(ExitCode::bad_usage, what, "", advice);
+}
+
+/// Refuses each of `names` that was said, because of `why`.
+void refuse_said(const LiveWords& words, std::initializer_list<const char*> names, const std::string& why) {
+  for (const char* name : names)
+    if (words.command->count(name) > 0)
+      refuse(fmt::format("{} {}", name, why), fmt::format("leave {} out", name));
+}
+
+/// A word that would do nothing is a misunderstanding.
+void check_words_without_effect(const LiveWords& words) {
+  const LiveOptions& live = words.options;
+  if (live.replay)
+    refuse_said(words, {"--environment",    "--plan",        "--frames-per-leg",  "--valid-per-leg",
+                        "--speeds",         "--fast",        "--output",          "--camera",
+                        "--gyro",           "--servo",       "--camera-baud",     "--gyro-baud",
+                        "--servo-baud",     "--camera-rate", "--simulated-servo", "--simulated-camera",
+                        "--simulated-gyro", "--no-gate",     "--replug-patience", "--sync"},
+                "is for a rig; a replay takes all that from its session");
+  if (!live.keep)
+    refuse_said(words, {"--output"}, "says where a session is kept, and none is without --record");
+  if (words.no_page)
+    refuse_said(words, {"--page-port", "--new-token"}, "is for the page, and --no-page serves none");
+  if (live.record.fast)
+    refuse_said(words, {"--page-port", "--new-token"}, "is for the page, and --fast serves none");
+  if (live.model.empty())
+    refuse_said(words, {"--precision"}, "is that of a network, and there is no --model");
+}
+
 void check(const LiveWords& words) {
   const LiveOptions& live = words.options;
-  const auto refuse = [](const std::string& what, const std::string& advice) {
-    throw Error(ExitCode::bad_usage, what, "", advice);
-  };
   const bool names_rig = !words.seed.empty() || !live.record.rig.profile.empty();
   if (live.replay && names_rig) refuse("--replay and a rig exclude each other", "--replay SESSION alone");
   if (live.replay && live.keep)
@@ -86,6 +119,7 @@ void check(const LiveWords& words) {
     refuse("virtual time is too fast for a page", "leave --fast out, or --page");
   if (live.record.fast && live.loop)
     refuse("--loop has no end in virtual time", "leave --fast or --loop out");
+  check_words_without_effect(words);
 }
 
 }  // namespace
@@ -108,6 +142,12 @@ void add_live(CLI::App& root, LiveWords& words) {
       .add_option("-m,--model", live.model,
                   "Model (.onnx) that `thermorig train` wrote; without it gyro against servo only")
       ->type_name("FILE");
+  command
+      .add_option("--precision", live.precision, "Of the network's weights: fp32, or fp16, half the memory")
+      ->check(CLI::IsMember({"fp32", "fp16"}))
+      ->type_name("KIND")
+      ->capture_default_str();
+  words.command = &command;
   add_source(command, words);
   add_result(command, words);
   command.add_flag("--page", words.page, "Serve the page for a browser (default, but with --fast)");

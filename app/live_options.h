@@ -16,6 +16,7 @@ struct LiveWords {
   LiveOptions options;
   std::string seed, speed;
   bool page = false, no_page = false;  // neither: a page, but in virtual time
+  const CLI::App* command = nullptr;   // knows which words were said
 };
 
 void add_live(CLI::App& root, LiveWords& words);

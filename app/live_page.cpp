@@ -78,8 +78,8 @@ std::vector<rig::Order> orders_of(LiveRun& run, LivePage* page) {
 
 void tell_page(const LivePage& page, bool json) {
   std::FILE* stream = json ? stderr : stdout;
-  fmt::print(stream, "page  {}\n", page.url());
-  if (!page.note().empty()) fmt::print(stream, "note  {}\n", printable(page.note()));
+  print(stream, "page  {}\n", page.url());
+  if (!page.note().empty()) print(stream, "note  {}\n", printable(page.note()));
   std::fflush(stream);
 }
 

@@ -49,10 +49,12 @@ class Pace {
 /// One replay: steps, their rows, and the state four times a second of whichever clock is slower.
 class Replayer {
  public:
-  Replayer(const LiveOptions& options, const RawRecording& raw, LiveRun& run, LivePage* page, bool same_model)
+  Replayer(const LiveOptions& options, const RawRecording& raw, LiveRun& run, LivePage* page,
+           const LiveScreens& screens, bool same_model)
       : raw_(raw),
         run_(run),
         page_(page),
+        screens_(screens),
         replay_(raw),
         progress_(raw),
         pace_(raw.header.time_reference, options.speed),
@@ -90,7 +92,7 @@ class Replayer {
     if (page_ != nullptr)
       for (const rig::Order& order : page_->take_orders())
         if (order.kind == rig::OrderKind::stop) stopped_by_ = " of " + order.note;
-    return interrupted() || !stopped_by_.empty();
+    return interrupted() || !stopped_by_.empty() || screens_.alone();
   }
 
   /// The network's gate may collapse; of its own model the session has that event already.
@@ -111,6 +113,7 @@ class Replayer {
   const RawRecording& raw_;
   LiveRun& run_;
   LivePage* page_;
+  const LiveScreens& screens_;
   rig::LiveReplay replay_;
   ReplayProgress progress_;
   Pace pace_;
@@ -134,23 +137,24 @@ LiveFacts facts_of(const RawRecording& raw) {
 ExitCode replay_live(const LiveOptions& options) {
   require_existing(*options.replay);
   const RawRecording raw = session::read_raw(*options.replay);
-  const ChosenModel model = read_live_model(options.model);
-  outlive_readers();
+  const ChosenModel model = read_live_model(options.model, options.precision);
   watch_interrupts();
   const std::unique_ptr<LivePage> page =
       options.record.page.serve ? std::make_unique<LivePage>(options.record.page) : nullptr;
-  LiveRun run(facts_of(raw), model.model);
-  const LiveScreens screens(options, page.get(), run);
+  LiveRun run(facts_of(raw), model);
+  LiveScreens screens(options, page.get(), run);
   RecordingHeader header = raw.header;
   header.live_model = model.facts;
   run.begun(header);
   for (const std::string& warning : warnings_of(model, header.simulated, header.frames_per_leg))
     run.warn(warning);
-  const bool same_model = !model.facts.hash.empty() && model.facts.hash == raw.header.live_model.hash;
-  Replayer replayer(options, raw, run, page.get(), same_model);
+  const bool same_model = !model.facts.hash.empty() && model.facts.hash == raw.header.live_model.hash &&
+                          model.facts.precision == raw.header.live_model.precision;
+  Replayer replayer(options, raw, run, page.get(), screens, same_model);
   const bool finished = replayer.play();
   const ExitCode code = finished ? ExitCode::ok : ExitCode::interrupted;
-  run.ended({static_cast<int>(code), finished ? "" : replayer.ending(), "", options.replay->string()});
+  run.ended({static_cast<int>(code), finished ? "" : replayer.ending(), "", ""});
+  screens.finish(code);
   return code;
 }
 

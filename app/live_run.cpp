@@ -33,9 +33,9 @@ double label_scale_dps(const std::optional<model::Model>& model) {
 
 }  // namespace
 
-LiveRun::LiveRun(const LiveFacts& facts, const std::optional<model::Model>& model)
-    : facts_(facts), estimator_(model), scorer_(label_scale_dps(model)) {
-  if (model) scaling_ = model->scaling;
+LiveRun::LiveRun(const LiveFacts& facts, const ChosenModel& model)
+    : facts_(facts), estimator_(model.model, model.precision), scorer_(label_scale_dps(model.model)) {
+  if (model.model) scaling_ = model.model->scaling;
 }
 
 bool LiveRun::wanted(web::Topic topic) const {

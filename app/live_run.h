@@ -7,9 +7,9 @@
 #include <vector>
 
 #include "live_messages.h"
+#include "live_model.h"
 #include "thermorig/live/live_estimator.h"
 #include "thermorig/live/scores.h"
-#include "thermorig/model/model.h"
 #include "thermorig/rig/order.h"
 #include "thermorig/web/server.h"
 
@@ -36,7 +36,7 @@ struct LiveScreen {
 /// All calls come from the recording's thread.
 class LiveRun {
  public:
-  LiveRun(const LiveFacts& facts, const std::optional<model::Model>& model);
+  LiveRun(const LiveFacts& facts, const ChosenModel& model);
 
   void add(MessageSink& sink) { sinks_.push_back(&sink); }
   void add(LiveScreen& screen) { screens_.push_back(&screen); }

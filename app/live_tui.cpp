@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdio>
 #include <cstdlib>
 #include <string_view>
 #include <utility>
@@ -88,18 +87,31 @@ std::string figure(double value) {
   return std::isfinite(value) ? fmt::format("{:.1f}", value) : "-";
 }
 
+std::string signed_figure(double value) {
+  return std::isfinite(value) ? fmt::format("{:+.1f}", value) : "-";
+}
+
+/// ", waiting for the camera (12.0 s)"; empty if it is there.
+std::string absence_text(Device device, const rig::RecordingProgress& progress) {
+  const std::optional<rig::AwaitedDevice>& awaited = progress.awaited[device];
+  if (awaited)
+    return fmt::format(", waiting for the {} ({} left)", name_of(device), duration_text(awaited->left_s));
+  return progress.gone[device] ? fmt::format(", no {}", name_of(device)) : "";
+}
+
 class LiveTui : public LiveScreen {
  public:
-  explicit LiveTui(Colours colours) : colours_(colours) {}
+  LiveTui(OutputWriter& output, Colours colours) : output_(output), colours_(colours) {}
 
   void hello(const LiveFacts& facts) override {
     facts_ = facts;
-    print(heading_of(facts));
+    output_.write(heading_of(facts), Matter::word);
   }
   void state(const rig::RecordingProgress& progress) override {
-    state_ =
-        fmt::format("{:.1f} s  {}, leg {} of {}, {} left", progress.elapsed_s, name_of(progress.sweep.phase),
-                    progress.sweep.leg, progress.sweep.leg_count, duration_text(progress.sweep.eta_s));
+    state_ = fmt::format("{:.1f} s  {}, leg {} of {}, {}", progress.elapsed_s, name_of(progress.sweep.phase),
+                         progress.sweep.leg, progress.sweep.leg_count,
+                         facts_.repeats ? "until stopped" : duration_text(progress.sweep.eta_s) + " left");
+    for (const Device device : all_devices) state_ += absence_text(device, progress);
   }
   void frame(const LiveFrame& frame) override {
     const HostTime now = io::now();
@@ -108,19 +120,16 @@ class LiveTui : public LiveScreen {
     draw(frame);
   }
   void note(const std::string& sentence) override {
-    print(erasing() + printable(sentence) + "\n");
-    lines_ = 0;
+    if (output_.write(fmt::format("{}{}\n", erasing(), printable(sentence)), Matter::word)) lines_ = 0;
   }
-  void ended(const LiveEnd& end, const live::LiveScores& scores) override { print(ending_of(end, scores)); }
+  void ended(const LiveEnd& end, const live::LiveScores& scores) override {
+    output_.write_last(fmt::format("\r{}", ending_of(end, scores)));
+  }
 
  private:
-  static void print(const std::string& text) {
-    std::fwrite(text.data(), 1, text.size(), stdout);
-    std::fflush(stdout);
-  }
-
-  /// Up over what was drawn last, and clear to the end of the screen.
-  std::string erasing() const { return lines_ == 0 ? "" : fmt::format("\x1b[{}A\x1b[J", lines_); }
+  /// Up over what was drawn last, and clear to the end of the screen. The cursor stands behind a "^C" if the
+  /// terminal has echoed one.
+  std::string erasing() const { return lines_ == 0 ? "\r" : fmt::format("\r\x1b[{}A\x1b[J", lines_); }
 
   void draw(const LiveFrame& frame) {
     std::string text = half_blocks(frame.frame.frame, facts_.header.profile.camera.mirrored, colours_);
@@ -131,19 +140,18 @@ class LiveTui : public LiveScreen {
     figures += rates_text(frame);
     text += cut(figures, terminal_width() - 1);  // a full line would wrap
     const auto lines = static_cast<std::size_t>(std::count(text.begin(), text.end(), '\n'));
-    print(erasing() + text);
-    lines_ = lines;
+    if (output_.write(erasing() + text, Matter::frame)) lines_ = lines;
   }
 
   static std::string rates_text(const LiveFrame& frame) {
     const LiveEstimate& row = frame.row;
     const float label_dps = row.rate_commanded_dps;
-    std::string text = fmt::format("servo    {:>7} deg/s", figure(label_dps));
-    if (!row.counted) text += fmt::format("  apart: {}", fmt::join(reason_texts(row.reason_bits), ", "));
+    std::string text = fmt::format("servo    {:>7} deg/s", signed_figure(label_dps));
+    if (!row.counted) text += "  apart: " + why_apart(frame);
     const auto add = [&](const char* name, float rate_dps, live::Rate rate) {
       const double rmse_dps = frame.scores.rates[static_cast<std::size_t>(rate)].rmse_dps;
-      text += fmt::format("\n{:<8} {:>7}  error {:>7}  RMSE {:>6} deg/s", name, figure(rate_dps),
-                          figure(rate_dps - label_dps), figure(rmse_dps));
+      text += fmt::format("\n{:<8} {:>7}  error {:>7}  RMSE {:>6} deg/s", name, signed_figure(rate_dps),
+                          signed_figure(rate_dps - label_dps), figure(rmse_dps));
     };
     add("gyro", row.rate_gyro_dps, live::Rate::gyro);
     add("thermal", row.rate_thermal_dps, live::Rate::thermal);
@@ -153,6 +161,7 @@ class LiveTui : public LiveScreen {
                               frame.scores.apart, figure(frame.inference_us));
   }
 
+  OutputWriter& output_;
   Colours colours_;
   LiveFacts facts_;
   std::string state_;
@@ -185,8 +194,8 @@ std::string half_blocks(const ThermalFrame& frame, bool mirrored, Colours colour
   return text;
 }
 
-std::unique_ptr<LiveScreen> make_live_tui(Colours colours) {
-  return std::make_unique<LiveTui>(colours);
+std::unique_ptr<LiveScreen> make_live_tui(OutputWriter& output, Colours colours) {
+  return std::make_unique<LiveTui>(output, colours);
 }
 
 }  // namespace thermorig::app

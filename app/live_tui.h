@@ -5,6 +5,7 @@
 #include <string>
 
 #include "live_run.h"
+#include "output_writer.h"
 
 namespace thermorig::app {
 
@@ -19,6 +20,6 @@ std::string half_blocks(const ThermalFrame& frame, bool mirrored, Colours colour
 
 /// Draws over itself: image, rates, errors, figures. It changes no mode of the terminal, so that nothing is
 /// left behind however the program ends.
-std::unique_ptr<LiveScreen> make_live_tui(Colours colours);
+std::unique_ptr<LiveScreen> make_live_tui(OutputWriter& output, Colours colours);
 
 }  // namespace thermorig::app

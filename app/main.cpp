@@ -9,7 +9,9 @@
 #include "commands.h"
 #include "error_output.h"
 #include "options.h"
+#include "output.h"
 #include "thermorig/core/error.h"
+#include "thermorig/session/trial.h"
 
 namespace {
 
@@ -25,25 +27,27 @@ bool asks_for_json(int argc, const char* const* argv) {
 int run(int argc, const char* const* argv) {
   const app::CommandLine line = app::parse(argc, argv);
   if (!line.command) {
-    std::fputs(line.help.c_str(), stdout);
+    app::write_to(stdout, line.help);
     return static_cast<int>(ExitCode::ok);
   }
+  // Now, while there is one thread. Whatever a command reads of sessions may come from others.
+  if (!std::holds_alternative<app::VersionOptions>(*line.command)) session::try_sessions_first();
   return static_cast<int>(std::visit([](const auto& options) { return app::run(options); }, *line.command));
 }
 
-int flushed(int code) {
-  if (std::fflush(stdout) == 0 && std::ferror(stdout) == 0) return code;
-  throw Error(ExitCode::storage, "the output could not be written", "standard output",
-              "free some space; where another program read it, keep that one running");
+int printed(int code) {
+  app::require_printed();
+  return code;
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
   std::signal(SIGXFSZ, SIG_IGN);  // a file that may not grow is then an error of write(), as a full disk is
+  std::signal(SIGPIPE, SIG_IGN);  // and so is a reader that goes away: it ends neither a run nor a training
   const bool json = asks_for_json(argc, argv);
   try {
-    return flushed(run(argc, argv));
+    return printed(run(argc, argv));
   } catch (const Error& error) {
     return app::report(error, json);
   } catch (const std::bad_alloc&) {

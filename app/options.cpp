@@ -16,6 +16,7 @@ namespace {
 /// Everything that may be on the command line. CLI11 writes into it while it parses.
 struct Words {
   RecordOptions record;
+  DoctorOptions doctor;
   CalibrateOptions calibrate;
   PortsOptions ports;
   SimulateOptions simulate;
@@ -27,7 +28,7 @@ struct Words {
   EvaluateOptions evaluate;
   LiveWords live;
   ExportOptions export_;
-  std::string record_seed, calibrate_seed, calibration, simulate_seed, decode_device;
+  std::string record_seed, doctor_seed, calibrate_seed, calibration, simulate_seed, decode_device;
   bool version = false, version_json = false;
 };
 
@@ -38,6 +39,10 @@ void add_recording_of(CLI::App& command, RecordOptions& record) {
   command.add_flag("--fast", record.fast, "Virtual time: as fast as the machine can (simulated rig only)");
   command.add_flag("-n,--dry-run", record.dry_run,
                    "Print the plan and the checks; move nothing, write nothing");
+  command.add_flag("!--no-gate", record.gate,
+                   "Record with a rig that is not fit for it: what the gate finds is only said");
+  add_sync(command, record.sync);
+  add_replug(command, record.replug_patience_s);
   add_json(command, record.json);
 }
 
@@ -79,6 +84,25 @@ void add_record(CLI::App& root, Words& words) {
       "Examples:\n"
       "  thermorig record --simulated=3 --environment garden --plan quick\n"
       "  thermorig record --rig bench --environment kitchen");
+}
+
+void add_doctor(CLI::App& root, Words& words) {
+  RecordOptions& record = words.doctor.record;
+  record.environment = "laboratory";
+  CLI::App& command = *root.add_subcommand("doctor", "Say what stands between this machine and a recording");
+  command.add_option("-o,--output", record.output, "Folder that would hold the recordings")
+      ->type_name("DIR")
+      ->default_str("recordings");
+  command.add_option("--plan", record.plan, "Sweep plan that would be driven")
+      ->type_name("PLAN")
+      ->capture_default_str();
+  add_json(command, record.json);
+  add_rig(command, record.rig, words.doctor_seed);
+  command.footer(
+      "Moves nothing. Exit code 0, also with warnings; else that of the first check that is NOT OK.\n"
+      "Examples:\n"
+      "  thermorig doctor\n"
+      "  thermorig doctor --rig bench --plan paper");
 }
 
 void add_calibrate(CLI::App& root, Words& words) {
@@ -223,6 +247,10 @@ Command chosen(const CLI::App& root, Words& words) {
     if (!words.record_seed.empty()) words.record.rig.simulated_seed = seed_of(words.record_seed);
     return words.record;
   }
+  if (name == "doctor") {
+    if (!words.doctor_seed.empty()) words.doctor.record.rig.simulated_seed = seed_of(words.doctor_seed);
+    return words.doctor;
+  }
   if (name == "calibrate") return chosen_calibration(words);
   if (name == "simulate") {
     if (!words.simulate_seed.empty()) words.simulate.seed = seed_of(words.simulate_seed);
@@ -253,6 +281,7 @@ void describe(CLI::App& root, Words& words) {
   add_record(root, words);
   add_live(root, words.live);
   add_calibrate(root, words);
+  add_doctor(root, words);
   add_ports(root, words);
   add_simulate(root, words);
   add_inspect(root, words);

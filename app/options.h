@@ -39,18 +39,26 @@ struct RecordOptions {
   std::filesystem::path output = "recordings";
   std::string plan = "paper";  // paper, table-one, quick or a TOML file
   std::optional<int> frames_per_leg, valid_per_leg;
-  int frames_per_window = 1;       // valid ones in a row that every speed must be able to give
-  std::vector<double> speeds_dps;  // empty: the plan's own
-  bool fast = false;               // virtual time
+  int frames_per_window = 1;        // valid ones in a row that every speed must be able to give
+  std::vector<double> speeds_dps;   // empty: the plan's own
+  bool fast = false;                // virtual time
+  double replug_patience_s = 60.0;  // a device that goes is waited for so long; 0: the end at once
+  std::string sync = "125";         // frame, end or milliseconds: see rig::sync_policy_from
   PageOptions page;
   bool dry_run = false;
+  bool gate = true;  // a rig that is not fit is refused before it moves
   bool json = false;
+};
+
+struct DoctorOptions {
+  RecordOptions record;  // rig and plan as of a recording; without a rig the host alone
 };
 
 struct LiveOptions {
   RecordOptions record;                         // rig, environment, plan; output where a session is kept
   std::filesystem::path model;                  // empty: gyro against servo only
   bool keep = false;                            // a session, as `record` makes one
+  std::string precision = "fp32";               // of the network's weights: fp32, fp16
   bool loop = false;                            // the plan again and again, until it is stopped
   std::optional<std::filesystem::path> replay;  // a session instead of a rig
   double speed = 1.0;                           // of a replay; 0: as fast as possible
@@ -160,7 +168,7 @@ struct VersionOptions {
 
 using Command = std::variant<RecordOptions, CalibrateOptions, PortsOptions, SimulateOptions, InspectOptions,
                              RecoverOptions, ReprocessOptions, DecodeOptions, TrainOptions, EvaluateOptions,
-                             ExportOptions, VersionOptions, LiveOptions>;
+                             ExportOptions, VersionOptions, LiveOptions, DoctorOptions>;
 
 /// What the command line asks for.
 struct CommandLine {

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: MIT
 #include "output.h"
 
-#include <fmt/format.h>
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdlib>
 #include <nlohmann/json.hpp>
 
+#include "thermorig/core/error.h"
 #include "thermorig/io/host.h"
 
 namespace thermorig::app {
@@ -18,6 +18,17 @@ bool escapes_allowed(std::FILE* stream) {
   if (no_color != nullptr && *no_color != '\0') return false;
   if (terminal != nullptr && std::string_view(terminal) == "dumb") return false;
   return io::is_terminal(fileno(stream));
+}
+
+void write_to(std::FILE* stream, std::string_view text) {
+  std::fwrite(text.data(), 1, text.size(), stream);
+}
+
+void require_printed(const std::string& advice) {
+  if (std::fflush(stdout) == 0 && std::ferror(stdout) == 0) return;
+  throw Error(ExitCode::storage, "the output could not be written", "standard output",
+              "free some space; where another program read it, keep that one running" +
+                  (advice.empty() ? "" : "; " + advice));
 }
 
 namespace {
@@ -45,7 +56,7 @@ std::string json_line(const nlohmann::json& object) {
 
 void print_json(const nlohmann::json& object) {
   const std::string line = json_line(object);
-  std::fwrite(line.data(), 1, line.size(), stdout);
+  write_to(stdout, line);
   std::fflush(stdout);
 }
 

@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <fmt/format.h>
+
 #include <cstdint>
 #include <cstdio>
 #include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 namespace thermorig::app {
@@ -13,6 +16,25 @@ namespace thermorig::app {
 /// May colours and cursor movements be written to `stream`? Only to a terminal, and not if NO_COLOR is set
 /// (https://no-color.org).
 bool escapes_allowed(std::FILE* stream);
+
+/// Never throws: what a command makes does not depend on who reads what it prints. A failure stays with the
+/// stream, for require_printed().
+void write_to(std::FILE* stream, std::string_view text);
+
+template <typename... Parts>
+void print(std::FILE* stream, fmt::format_string<Parts...> format, Parts&&... parts) {
+  write_to(stream, fmt::format(format, std::forward<Parts>(parts)...));
+}
+
+/// To standard output.
+template <typename... Parts>
+void print(fmt::format_string<Parts...> format, Parts&&... parts) {
+  write_to(stdout, fmt::format(format, std::forward<Parts>(parts)...));
+}
+
+/// Flushes standard output. Throws Error(storage) if not all that was ever printed to it could be written;
+/// `advice`: where else the result is.
+void require_printed(const std::string& advice = "");
 
 /// `text` without control characters (a device's name or a file's attribute must not steer the terminal); a
 /// line break becomes a space.

@@ -99,13 +99,13 @@ std::string joined(const std::vector<std::string>& words) {
 void print_text_gyro(const PortFinding& finding, const RigProfile& profile) {
   if (!finding.text_format) return;
   const wire::TextFormat& format = *finding.text_format;
-  fmt::print("\nnote  the gyro on {} prints lines such as: {}\n", finding.info.path,
-             printable(format.sample_line));
-  fmt::print("      taken: {}\n", columns_text(format.columns));
-  fmt::print("      why: {}\n", assumptions_text(format));
+  print("\nnote  the gyro on {} prints lines such as: {}\n", finding.info.path,
+        printable(format.sample_line));
+  print("      taken: {}\n", columns_text(format.columns));
+  print("      why: {}\n", assumptions_text(format));
   if (columns_text(profile.gyro.text) != columns_text(format.columns))
-    fmt::print("      the profile says otherwise, and is kept: {}\n", columns_text(profile.gyro.text));
-  fmt::print("      check scale and columns: [gyro.text] in the profile\n");
+    print("      the profile says otherwise, and is kept: {}\n", columns_text(profile.gyro.text));
+  print("      check scale and columns: [gyro.text] in the profile\n");
 }
 
 /// What to type next, for copy and paste. The columns of a text gyro can only be said in a profile.
@@ -120,14 +120,14 @@ std::string next_command(const PortsOptions& options, const RigProfile& profile)
 
 void print_text(const PortsOptions& options, const std::vector<PortFinding>& findings,
                 const RigProfile& profile, const std::vector<std::string>& ambiguous) {
-  fmt::print("{}", table_text(findings));
-  for (const std::string& sentence : ambiguous) fmt::print("\nnote  {}\n", printable(sentence));
+  print("{}", table_text(findings));
+  for (const std::string& sentence : ambiguous) print("\nnote  {}\n", printable(sentence));
   for (const PortFinding& finding : findings) print_text_gyro(finding, profile);
   const std::vector<std::string> missing = missing_roles(findings);
-  if (!missing.empty()) fmt::print("\nmissing  {}\n", joined(missing));
-  if (!options.save.empty()) fmt::print("\nsaved {}\n", profile_path(options.save).string());
+  if (!missing.empty()) print("\nmissing  {}\n", joined(missing));
+  if (!options.save.empty()) print("\nsaved {}\n", profile_path(options.save).string());
   if (!missing.empty() || !ambiguous.empty()) return;  // there is nothing yet to record with
-  fmt::print("{}next  {}\n", options.save.empty() ? "\n" : "", next_command(options, profile));
+  print("{}next  {}\n", options.save.empty() ? "\n" : "", next_command(options, profile));
 }
 
 void print_result_json(const PortsOptions& options, const std::vector<PortFinding>& findings,
@@ -148,7 +148,7 @@ ExitCode run(const PortsOptions& options) {
     throw Error(ExitCode::device_missing, "this machine has no serial port", "",
                 "plug the devices in; without hardware: thermorig simulate");
   if (!options.json) {
-    fmt::print("listening to {} port{} for up to 6 s ...\n\n", ports.size(), ports.size() == 1 ? "" : "s");
+    print("listening to {} port{} for up to 6 s ...\n\n", ports.size(), ports.size() == 1 ? "" : "s");
     std::fflush(stdout);
   }
   std::vector<PortFinding> findings = rig::identify_devices(ports);

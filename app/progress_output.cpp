@@ -7,6 +7,8 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "interrupts.h"
+#include "live_lines.h"
 #include "output.h"
 #include "terminal_width.h"
 #include "thermorig/io/port.h"
@@ -24,6 +26,19 @@ std::string device_line(Device device, const DeviceHealth& health) {
   return fmt::format("{:<7} {:<16} age {:>7}  lost {}  bad {}", name_of(device),
                      rate_range_text(health.rate_min_hz, health.rate_max_hz), gap_text(*health.age_s),
                      count_text(health.lost), count_text(health.bad));
+}
+
+/// A device that went is waited for: for how long yet.
+std::string device_line(Device device, const RecordingProgress& progress) {
+  const auto& awaited = progress.awaited[device];
+  if (!awaited) return device_line(device, progress.health[device]);
+  return fmt::format("{:<7} AWAITED: {}; {:.0f} s left", name_of(device), awaited->why,
+                     std::ceil(awaited->left_s));
+}
+
+nlohmann::json json_of(const std::optional<rig::AwaitedDevice>& awaited) {
+  if (!awaited) return {};
+  return {{"why", awaited->why}, {"waited_s", awaited->waited_s}, {"left_s", awaited->left_s}};
 }
 
 std::string bar(double share) {
@@ -89,54 +104,54 @@ std::string left_text(const SweepProgress& sweep) {
 
 class TerminalOutput : public ProgressOutput {
  public:
-  ~TerminalOutput() override { erase(); }
-  TerminalOutput() : ProgressOutput(0.25) {}
+  ~TerminalOutput() override { output_.write(erasing(), Matter::word); }
+  explicit TerminalOutput(OutputWriter& output) : ProgressOutput(0.25), output_(output) {}
   TerminalOutput(const TerminalOutput&) = delete;
   TerminalOutput& operator=(const TerminalOutput&) = delete;
 
   void note(const std::string& sentence) override {
-    erase();
-    fmt::print("{}\n", printable(sentence));
-    std::fflush(stdout);
+    if (output_.write(fmt::format("{}{}\n", erasing(), printable(sentence)), Matter::word)) drawn_ = 0;
   }
 
  private:
   void draw(const RecordingProgress& progress) override {
-    erase();
     const std::vector<std::string> lines = status_lines(progress);
     const std::size_t width = terminal_width() - 1;  // a full line would wrap
-    for (const std::string& line : lines) fmt::print("{}\n", line.substr(0, width));
-    drawn_ = lines.size();
-    std::fflush(stdout);
+    std::string text = erasing();
+    for (const std::string& line : lines) text += line.substr(0, width) + "\n";
+    if (output_.write(std::move(text), Matter::frame)) drawn_ = lines.size();
   }
 
-  /// Up over what was drawn, and clear to the end of the screen.
-  void erase() {
-    if (drawn_ > 0) fmt::print("\x1b[{}A\x1b[J", drawn_);
-    drawn_ = 0;
-    std::fflush(stdout);
-  }
+  /// Up over what was drawn, and clear to the end of the screen. The cursor stands behind a "^C" if the
+  /// terminal has echoed one.
+  std::string erasing() const { return drawn_ == 0 ? "\r" : fmt::format("\r\x1b[{}A\x1b[J", drawn_); }
 
+  OutputWriter& output_;
   std::size_t drawn_ = 0;
 };
 
 class PlainOutput : public ProgressOutput {
  public:
-  PlainOutput() : ProgressOutput(10.0) {}
+  explicit PlainOutput(OutputWriter& output) : ProgressOutput(10.0), output_(output) {}
 
-  void note(const std::string& sentence) override {
-    fmt::print("{}\n", printable(sentence));
-    std::fflush(stdout);
-  }
+  void note(const std::string& sentence) override { output_.write(printable(sentence) + "\n", Matter::word); }
 
  private:
-  void draw(const RecordingProgress& progress) override { note(line(progress)); }
+  OutputWriter& output_;
+
+  void draw(const RecordingProgress& progress) override {
+    output_.write(line(progress) + "\n", Matter::state);
+  }
 
   static std::string line(const RecordingProgress& progress) {
     std::string text = fmt::format("{:>8}  {}, {}", duration_text(progress.elapsed_s),
                                    leg_text(progress.sweep), left_text(progress.sweep));
     if (has_quota(progress.sweep)) text += "; " + quota_text(progress.sweep);
     for (Device device : all_devices) {
+      if (const auto& awaited = progress.awaited[device]) {
+        text += fmt::format("; {} AWAITED, {:.0f} s left", name_of(device), std::ceil(awaited->left_s));
+        continue;
+      }
       const DeviceHealth& health = progress.health[device];
       text += fmt::format("; {} {} lost {} bad {}", name_of(device),
                           rate_range_text(health.rate_min_hz, health.rate_max_hz), count_text(health.lost),
@@ -174,19 +189,28 @@ nlohmann::json json_of(const RecordingProgress& progress) {
                         {"done_share", sweep.done_share},
                         {"eta_s", sweep.eta_s},
                         {"repeated", sweep.repeated}};
-  for (Device device : all_devices)
-    object["devices"][std::string(name_of(device))] = json_of(progress.health[device]);
+  for (Device device : all_devices) {
+    nlohmann::json& line = object["devices"][std::string(name_of(device))];
+    line = json_of(progress.health[device]);
+    line["awaited"] = json_of(progress.awaited[device]);
+  }
   return object;
 }
 
 class JsonOutput : public ProgressOutput {
  public:
-  JsonOutput() : ProgressOutput(1.0, Clock::recording) {}
+  explicit JsonOutput(OutputWriter& output) : ProgressOutput(1.0, Clock::recording), output_(output) {}
 
-  void note(const std::string& sentence) override { print_json({{"event", "note"}, {"message", sentence}}); }
+  void note(const std::string& sentence) override {
+    output_.write(json_line({{"event", "note"}, {"message", sentence}}), Matter::word);
+  }
 
  private:
-  void draw(const RecordingProgress& progress) override { print_json(json_of(progress)); }
+  OutputWriter& output_;
+
+  void draw(const RecordingProgress& progress) override {
+    output_.write(json_line(json_of(progress)), Matter::state);
+  }
 };
 
 bool worth_telling(const RecordingEvent& event) {
@@ -206,7 +230,7 @@ void ProgressOutput::show(const RecordingProgress& progress) {
 
 std::vector<std::string> status_lines(const RecordingProgress& progress) {
   std::vector<std::string> lines;
-  for (Device device : all_devices) lines.push_back(device_line(device, progress.health[device]));
+  for (Device device : all_devices) lines.push_back(device_line(device, progress));
   lines.push_back(fmt::format("{} {}  {}", bar(progress.sweep.done_share), left_text(progress.sweep),
                               leg_text(progress.sweep)));
   if (!has_quota(progress.sweep)) return lines;
@@ -215,10 +239,21 @@ std::vector<std::string> status_lines(const RecordingProgress& progress) {
   return lines;
 }
 
-std::unique_ptr<ProgressOutput> make_progress_output(bool json) {
-  if (json) return std::make_unique<JsonOutput>();
-  if (escapes_allowed(stdout)) return std::make_unique<TerminalOutput>();
-  return std::make_unique<PlainOutput>();
+std::unique_ptr<ProgressOutput> make_progress_output(OutputWriter& output, bool json) {
+  if (json) return std::make_unique<JsonOutput>(output);
+  if (escapes_allowed(stdout)) return std::make_unique<TerminalOutput>(output);
+  return std::make_unique<PlainOutput>(output);
+}
+
+OutputOptions progress_output_options(bool json, bool fast) {
+  OutputOptions options;
+  options.waits = fast;
+  options.hurried = interrupted;
+  if (json)
+    options.of_dropped = dropped_object;
+  else if (!escapes_allowed(stdout))
+    options.of_dropped = dropped_line;
+  return options;
 }
 
 }  // namespace thermorig::app

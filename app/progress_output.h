@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "output_writer.h"
 #include "thermorig/rig/recording.h"
 
 namespace thermorig::app {
@@ -37,7 +38,10 @@ class ProgressOutput {
 
 /// On a terminal a few lines that are drawn over at most four times a second; elsewhere a plain line every
 /// ten seconds; with `json` one object a second of the recording, in virtual time too.
-std::unique_ptr<ProgressOutput> make_progress_output(bool json);
+std::unique_ptr<ProgressOutput> make_progress_output(OutputWriter& output, bool json);
+
+/// Where it is written: virtual time waits for a slow reader, ports do not.
+OutputOptions progress_output_options(bool json, bool fast);
 
 /// The lines of the terminal: one a device, where the sweep stands, and which speeds have their valid frames.
 /// No escape codes.

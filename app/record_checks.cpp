@@ -65,15 +65,6 @@ Check check_plan(const RecordOptions& options, const ChosenRig& rig, const rig::
   return check;
 }
 
-/// The nearest folder that is there: the rest would be made.
-std::filesystem::path existing_part(std::filesystem::path folder) {
-  std::error_code ignored;
-  folder = std::filesystem::absolute(folder, ignored);
-  while (!std::filesystem::exists(folder, ignored) && folder.has_relative_path())
-    folder = folder.parent_path();
-  return folder;
-}
-
 /// Why nothing could be recorded to `folder`, empty if it could.
 std::string refusal_of(const std::filesystem::path& folder, std::uintmax_t free, std::uint64_t needed) {
   if (!std::filesystem::is_directory(folder)) return "; " + folder.string() + " is no folder";
@@ -84,9 +75,10 @@ std::string refusal_of(const std::filesystem::path& folder, std::uintmax_t free,
 Check check_output(const RecordOptions& options, const RigProfile& profile, const rig::SweepPlan& plan) {
   const double duration_s = rig::plan_duration_s(plan, profile.servo, profile.camera.output_rate_hz);
   Check check{.name = "output"};
-  double bytes = 0;
-  for (Device device : all_devices) bytes += rig::link_load(device, profile).bytes_per_s() * duration_s;
-  const auto needed = static_cast<std::uint64_t>(2 * bytes);  // the journal, and the session made of it
+  constexpr double copies = 2.0;  // the journal, and the session made of it
+  constexpr double spare = 1.5;   // legs are driven again, and go on until they have their valid frames
+  const auto needed =
+      static_cast<std::uint64_t>(spare * copies * recording_bytes_per_s(profile) * duration_s);
   const std::filesystem::path folder = existing_part(options.output / options.environment);
   std::error_code unknown;
   const std::uintmax_t space = std::filesystem::space(folder, unknown).available;
@@ -107,10 +99,10 @@ void print_longer_legs(const rig::SweepPlan& plan, const std::vector<rig::Expect
   };
   const auto turns = [&](const rig::ExpectedLeg& leg) { return is_longer(leg) && leg.course.turns_back(); };
   if (std::none_of(legs.begin(), legs.end(), is_longer)) return;
-  fmt::print("  more than {} frames: what a leg's {} valid ones are expected to take\n", plan.frames_per_leg,
-             plan.valid_per_leg);
+  print("  more than {} frames: what a leg's {} valid ones are expected to take\n", plan.frames_per_leg,
+        plan.valid_per_leg);
   if (std::any_of(legs.begin(), legs.end(), turns))
-    fmt::print(
+    print(
         "  the travel is too short for such a leg: it goes back and forth, and what it brings in the other\n"
         "  direction the leg of that direction need not bring again\n");
 }
@@ -122,18 +114,8 @@ void print_legs(const rig::SweepPlan& plan, const ChosenRig& rig) {
   for (const rig::ExpectedLeg& leg : legs)
     table.add({std::to_string(++number), fmt::format("{:+.1f}", leg.rate_dps),
                fmt::format("{:.0f}", leg.frames), duration_text(leg.duration_s)});
-  fmt::print("\n{}", table.text("  "));
+  print("\n{}", table.text("  "));
   print_longer_legs(plan, legs);
-}
-
-void print_checks(const std::vector<Check>& checks) {
-  Table table({"check", "", ""});
-  for (const Check& check : checks)
-    table.add({check.name, check.code == ExitCode::ok ? "ok" : "NOT OK", printable(check.result)});
-  fmt::print("\n{}", table.text());
-  for (const Check& check : checks)
-    if (check.code != ExitCode::ok && !check.advice.empty())
-      fmt::print("  try: {} ({})\n", printable(check.advice), check.name);
 }
 
 /// "6 legs of 30 frames, rests of 2.0 s and 2.0 s"; a plan without legs is one rest.
@@ -148,12 +130,7 @@ std::string legs_text(const rig::SweepPlan& plan) {
 nlohmann::json json_of(const rig::SweepPlan& plan, const RigProfile& profile,
                        const std::vector<Check>& checks) {
   nlohmann::json list = nlohmann::json::array();
-  for (const Check& check : checks)
-    list.push_back({{"name", check.name},
-                    {"ok", check.code == ExitCode::ok},
-                    {"exit_code", static_cast<int>(check.code)},
-                    {"result", check.result},
-                    {"advice", check.advice}});
+  for (const Check& check : checks) list.push_back(check_json(check));
   return {{"event", "summary"},
           {"dry_run", true},
           {"plan", plan.name},
@@ -168,6 +145,37 @@ nlohmann::json json_of(const rig::SweepPlan& plan, const RigProfile& profile,
 }
 
 }  // namespace
+
+void print_checks(const std::vector<Check>& checks) {
+  Table table({"check", "", ""});
+  for (const Check& check : checks) table.add({check.name, check.grade(), printable(check.result)});
+  print("\n{}", table.text());
+  for (const Check& check : checks)
+    if ((check.failed() || check.warning) && !check.advice.empty())
+      print("  try: {} ({})\n", printable(check.advice), check.name);
+}
+
+nlohmann::json check_json(const Check& check) {
+  return {{"name", check.name},
+          {"ok", !check.failed()},
+          {"exit_code", static_cast<int>(check.code)},
+          {"result", check.result},
+          {"advice", check.advice}};
+}
+
+double recording_bytes_per_s(const RigProfile& profile) {
+  double bytes_per_s = 0;
+  for (const Device device : all_devices) bytes_per_s += rig::link_load(device, profile).bytes_per_s();
+  return bytes_per_s;
+}
+
+std::filesystem::path existing_part(std::filesystem::path folder) {
+  std::error_code ignored;
+  folder = std::filesystem::absolute(folder, ignored);
+  while (!std::filesystem::exists(folder, ignored) && folder.has_relative_path())
+    folder = folder.parent_path();
+  return folder;
+}
 
 std::vector<Check> checks_before(const RecordOptions& options, const ChosenRig& rig,
                                  const rig::SweepPlan& plan) {
@@ -191,16 +199,15 @@ ExitCode print_dry_run(const RecordOptions& options, const ChosenRig& rig, const
   } else {
     const double duration_s =
         rig::plan_duration_s(plan, rig.profile.servo, rig.profile.camera.output_rate_hz);
-    fmt::print("plan {}: {}, about {}\n", plan.name, legs_text(plan), duration_text(duration_s));
+    print("plan {}: {}, about {}\n", plan.name, legs_text(plan), duration_text(duration_s));
     if (!plan.leg_rates_dps.empty()) {
       print_legs(plan, rig);
-      fmt::print("\n{}", yield_text(plan, rig.profile));
+      print("\n{}", yield_text(plan, rig.profile));
     }
     print_checks(checks);
   }
-  for (const Check& check : checks)
-    if (check.code != ExitCode::ok) return check.code;
-  if (!options.json) fmt::print("\nnothing has moved; the same command without --dry-run records\n");
+  if (const ExitCode code = doctor::exit_code_of(checks); code != ExitCode::ok) return code;
+  if (!options.json) print("\nnothing has moved; the same command without --dry-run records\n");
   return ExitCode::ok;
 }
 

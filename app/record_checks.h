@@ -1,23 +1,29 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include <string>
+#include <filesystem>
+#include <nlohmann/json_fwd.hpp>
 #include <vector>
 
 #include "chosen_rig.h"
 #include "options.h"
 #include "thermorig/core/error.h"
+#include "thermorig/doctor/check.h"
 #include "thermorig/rig/plan.h"
 
 namespace thermorig::app {
 
-/// One thing that was looked at before a recording, and what came of it.
-struct Check {
-  std::string name;
-  ExitCode code = ExitCode::ok;
-  std::string result;  // the figures, or what is wrong
-  std::string advice;
-};
+using doctor::Check;
+
+/// One line a check, and below them what to try.
+void print_checks(const std::vector<Check>& checks);
+nlohmann::json check_json(const Check& check);
+
+/// What the devices of a rig send, bytes a second: what its journal grows by.
+double recording_bytes_per_s(const RigProfile& profile);
+
+/// The nearest folder that is there: the rest would be made.
+std::filesystem::path existing_part(std::filesystem::path folder);
 
 /// All that can be said without moving anything and without opening a port.
 std::vector<Check> checks_before(const RecordOptions& options, const ChosenRig& rig,

@@ -17,6 +17,7 @@ ExitCode run(const RecordOptions& options) {
   require_output(options, rig, plan);
   const RecordSummary summary = record_session(options, rig, plan);
   print_summary(summary, options.json);
+  require_told(summary);
   return summary.result.exit;
 }
 

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
+#include "gate_json.h"
 #include "inspect_text.h"
 #include "output.h"
 
@@ -39,11 +40,6 @@ std::string lost_text(const session::Quality& quality) {
   return text;
 }
 
-std::string next_command(const RecordingResult& result) {
-  return result.session.empty() ? "thermorig recover " + result.journal.string()
-                                : "thermorig inspect " + result.session.string();
-}
-
 std::string journal_text(const RecordingResult& result) {
   return result.session.empty() ? "left as it is: " + result.journal.string()
                                 : "finalised, its bytes are in the session";
@@ -72,7 +68,7 @@ nlohmann::json speeds_json(const std::vector<rig::SpeedQuota>& speeds) {
 
 void print_speeds(const RecordSummary& summary) {
   const ShortSpeeds wanting = wanting_speeds(summary);
-  fmt::print(
+  print(
       "speeds   {} planned, {}\n", wanting.planned,
       wanting.count == 0 ? "none short of frames" : fmt::format("{} short: {}", wanting.count, wanting.text));
 }
@@ -80,14 +76,14 @@ void print_speeds(const RecordSummary& summary) {
 void print_figures(const RecordSummary& summary) {
   const RecordingResult& result = summary.result;
   const session::Quality& quality = result.quality;
-  fmt::print("frames   {} of {} in legs are valid ({}); {} in all\n", count_text(quality.valid),
-             count_text(quality.swept), share_text(quality.valid, quality.swept), count_text(quality.frames));
+  print("frames   {} of {} in legs are valid ({}); {} in all\n", count_text(quality.valid),
+        count_text(quality.swept), share_text(quality.valid, quality.swept), count_text(quality.frames));
   if (!summary.plan.for_calibration) print_speeds(summary);  // such a plan has no quota
-  fmt::print("streams  {}\n", lost_text(quality));
-  fmt::print("gaps     longest: {}\n", gaps_text(quality));
+  print("streams  {}\n", lost_text(quality));
+  print("gaps     longest: {}\n", gaps_text(quality));
   std::string verdict = quality.verdict;
   for (const std::string& reason : quality.verdict_reasons) verdict += "; " + reason;
-  fmt::print("verdict  {}\n", verdict);
+  print("verdict  {}\n", verdict);
 }
 
 nlohmann::json json_of(const RecordSummary& summary) {
@@ -111,37 +107,54 @@ nlohmann::json json_of(const RecordSummary& summary) {
                         {"verdict", quality.verdict},
                         {"verdict_reasons", quality.verdict_reasons},
                         {"next", next_command(result)}};
+  object["gate"] = gate_json(result.gate);
   object["recorder_cpu_share"] = summary.cpu_share ? nlohmann::json(*summary.cpu_share) : nlohmann::json();
   return object;
 }
 
 void print_text(const RecordSummary& summary) {
   const RecordingResult& result = summary.result;
-  fmt::print("\n");
+  print("\n");
   if (!result.session.empty()) {
-    fmt::print("session  {}\n", result.session.string());
+    print("session  {}\n", result.session.string());
     print_figures(summary);
   }
-  fmt::print("journal  {}\n", journal_text(result));
+  print("journal  {}\n", journal_text(result));
   if (summary.cpu_share)
-    fmt::print("recorder {} on the clock, {:.2f} % of one core\n", duration_text(result.duration_s),
-               100 * *summary.cpu_share);
+    print("recorder {} on the clock, {:.2f} % of one core\n", duration_text(result.duration_s),
+          100 * *summary.cpu_share);
   else
-    fmt::print("recorder {} of virtual time in {}\n", duration_text(result.duration_s),
-               duration_text(summary.wall_s));
-  if (!result.message.empty()) fmt::print("note     {}\n", printable(result.message));
+    print("recorder {} of virtual time in {}\n", duration_text(result.duration_s),
+          duration_text(summary.wall_s));
+  if (!result.message.empty()) print("note     {}\n", printable(result.message));
   if (!result.advice.empty() && result.advice != next_command(result))
-    fmt::print("try      {}\n", printable(result.advice));
-  fmt::print("\nnext  {}\n", next_command(result));
+    print("try      {}\n", printable(result.advice));
+  print("\nnext  {}\n", next_command(result));
 }
 
 }  // namespace
+
+std::string next_command(const RecordingResult& result) {
+  return result.session.empty() ? "thermorig recover " + result.journal.string()
+                                : "thermorig inspect " + result.session.string();
+}
 
 void print_summary(const RecordSummary& summary, bool json) {
   if (json)
     print_json(json_of(summary));
   else
     print_text(summary);
+}
+
+void require_told(const RecordSummary& summary) {
+  require_told(summary.unwritten, next_command(summary.result));
+}
+
+void require_told(const std::optional<Error>& unwritten, const std::string& next) {
+  if (unwritten)
+    throw Error(unwritten->code(), unwritten->what_happened(), unwritten->where(),
+                unwritten->advice() + "; " + next);
+  require_printed(next);
 }
 
 }  // namespace thermorig::app

@@ -42,12 +42,12 @@ void announce(const rig::RecordingOptions& recording, bool json) {
       plan.leg_rates_dps.empty()
           ? std::string("a rest")
           : fmt::format("{} legs of {} frames", plan.leg_rates_dps.size(), plan.frames_per_leg);
-  fmt::print("recording {}, plan {}: {}, about {}\n", recording.environment, plan.name, legs,
-             duration_text(duration_s));
+  print("recording {}, plan {}: {}, about {}\n", recording.environment, plan.name, legs,
+        duration_text(duration_s));
   if (recording.simulated)
-    fmt::print("SIMULATED rig{}: {}\n",
-               recording.simulation_seed ? fmt::format(", seed {}", *recording.simulation_seed) : "",
-               recording.simulation);
+    print("SIMULATED rig{}: {}\n",
+          recording.simulation_seed ? fmt::format(", seed {}", *recording.simulation_seed) : "",
+          recording.simulation);
   std::fflush(stdout);
 }
 
@@ -118,23 +118,25 @@ void check_recording_words(const RecordOptions& options) {
 }
 
 RecordSummary record_session(const RecordOptions& options, const ChosenRig& rig, const rig::SweepPlan& plan) {
-  outlive_readers();
   rig::RecordingOptions recording = recording_options(options, rig, plan);
   RecordSummary summary;
   summary.plan = plan;
   const HostTime begin = io::now();
   const auto ports = switch_on(options, rig, recording);  // outlives the recording
   announce(recording, options.json);
+  OutputWriter output(progress_output_options(options.json, options.fast));
   if (options.fast) {
-    summary.result = record_fast(rig, std::move(recording), *make_progress_output(options.json));
+    summary.result = record_fast(rig, std::move(recording), *make_progress_output(output, options.json));
   } else {
     CpuShare cpu;
     const std::unique_ptr<RecordPage> page =
         options.page.serve ? std::make_unique<RecordPage>(options, recording) : nullptr;
     summary.result =
-        record_on_ports(std::move(recording), *make_progress_output(options.json), cpu, page.get());
+        record_on_ports(std::move(recording), *make_progress_output(output, options.json), cpu, page.get());
     summary.cpu_share = cpu.share();
   }
+  output.finish();
+  summary.unwritten = output.failure(summary.result.exit);
   summary.wall_s = to_s(io::now() - begin);
   return summary;
 }

@@ -20,6 +20,8 @@ std::string name_of(RecoveryKind kind) {
       return "recovered";
     case RecoveryKind::already_there:
       return "already there";
+    case RecoveryKind::empty:
+      return "empty";
     case RecoveryKind::in_use:
       return "in use";
     case RecoveryKind::failed:
@@ -29,7 +31,7 @@ std::string name_of(RecoveryKind kind) {
 }
 
 ExitCode code_of(const RecoveryResult& result) {
-  if (result.kind == RecoveryKind::failed) return ExitCode::not_a_session;
+  if (result.kind == RecoveryKind::failed) return result.code;
   if (result.kind == RecoveryKind::in_use) return ExitCode::no_permission;
   return result.bytes_ignored > 0 ? ExitCode::finished_lossy : ExitCode::ok;
 }
@@ -70,19 +72,21 @@ nlohmann::json json_of(const RecoveryResult& result) {
           {"exit_code", static_cast<int>(code_of(result))}};
 }
 
-/// The worst of all: a failure before a recording in progress before a loss.
+/// The worst of all: the disk before a failure before a recording in progress before a loss.
 ExitCode code_of(const std::vector<RecoveryResult>& results) {
-  ExitCode worst = ExitCode::ok;
-  for (const RecoveryResult& result : results) worst = std::max(worst, code_of(result));
-  return worst;
+  for (const ExitCode code : {ExitCode::storage, ExitCode::not_a_session, ExitCode::failed,
+                              ExitCode::no_permission, ExitCode::finished_lossy})
+    for (const RecoveryResult& result : results)
+      if (code_of(result) == code) return code;
+  return ExitCode::ok;
 }
 
 void print_text(const std::filesystem::path& path, const std::vector<RecoveryResult>& results) {
-  if (results.empty()) fmt::print("nothing to recover in {}: no journal is left there\n", path.string());
-  for (const RecoveryResult& result : results) fmt::print("{}", text_of(result));
+  if (results.empty()) print("nothing to recover in {}: no journal is left there\n", path.string());
+  for (const RecoveryResult& result : results) print("{}", text_of(result));
   for (const RecoveryResult& result : results) {
     if (result.session.empty()) continue;
-    fmt::print("\nnext  thermorig inspect {}\n", result.session.string());
+    print("\nnext  thermorig inspect {}\n", result.session.string());
     break;
   }
 }

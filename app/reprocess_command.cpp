@@ -130,11 +130,11 @@ ExitCode run(const ReprocessOptions& options) {
     const session::Session session = make_again(path, calibrated);
     const State after = state_of(session);
     list.push_back(object_of(path, before, after));
-    if (!options.json) fmt::print("{}", words_of(path, before, after));
+    if (!options.json) print("{}", words_of(path, before, after));
     if (!calibrated) continue;
     const auto calibrations = applied(*calibrated, session.raw.header.profile);
     list.back()["calibrations"] = calibrations;
-    if (!options.json) fmt::print("{}", words_of(calibrations));
+    if (!options.json) print("{}", words_of(calibrations));
   }
   if (options.json) print_json(list);
   return ExitCode::ok;

@@ -12,6 +12,24 @@ void add_json(CLI::App& command, bool& json) {
   command.add_flag("--json", json, "Print JSON on standard output, for programs");
 }
 
+void add_sync(CLI::App& command, std::string& sync) {
+  command
+      .add_option(
+          "--sync", sync,
+          "When the disk must have it: frame (each), end, or so many ms that a loss of power costs at most")
+      ->type_name("WHEN")
+      ->capture_default_str();
+}
+
+void add_replug(CLI::App& command, double& patience_s) {
+  command
+      .add_option("--replug-patience", patience_s,
+                  "A device that goes during the run is waited for so long (0: the end at once)")
+      ->check(CLI::Range(0.0, 86400.0))
+      ->type_name("SECONDS")
+      ->capture_default_str();
+}
+
 void add_simulated_parts(CLI::App& command, std::optional<std::string>& servo,
                          std::optional<std::string>& camera, std::optional<std::string>& gyro) {
   command

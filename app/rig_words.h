@@ -15,6 +15,11 @@ namespace thermorig::app {
 
 // Words that several commands share.
 void add_json(CLI::App& command, bool& json);
+
+/// --sync: when what is recorded has to be on the disk.
+void add_sync(CLI::App& command, std::string& sync);
+/// --replug-patience: how long a device is waited for that goes.
+void add_replug(CLI::App& command, double& patience_s);
 void add_simulated_parts(CLI::App& command, std::optional<std::string>& servo,
                          std::optional<std::string>& camera, std::optional<std::string>& gyro);
 void add_rig(CLI::App& command, RigOptions& rig, std::string& seed);

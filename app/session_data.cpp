@@ -13,13 +13,13 @@ namespace thermorig::app {
 std::vector<windows::Acquisition> read_data(const std::vector<std::filesystem::path>& paths, bool json) {
   const bool told = !json && escapes_allowed(stdout);
   const auto tell = [](std::size_t done, std::size_t all) {
-    fmt::print("\rreading sessions: {} of {}", done, all);
+    print("\rreading sessions: {} of {}", done, all);
     std::fflush(stdout);
   };
   const std::vector<std::filesystem::path> files = dataset::find_sessions(paths);
   std::vector<windows::Acquisition> acquisitions =
       told ? dataset::read_acquisitions(files, tell) : dataset::read_acquisitions(files);
-  if (told) fmt::print("\r\x1b[K");
+  if (told) print("\r\x1b[K");
   return acquisitions;
 }
 

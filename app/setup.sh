@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: MIT
 # Installs the Debian packages that thermorig needs and that are missing. Never removes one.
-# Usage: bash app/setup.sh [tests] [deep] [bench] [page]   (the words add what tests, sanitizer runs, benchmarks and
-# browser tests need)
+# Usage: bash app/setup.sh [tests] [deep] [bench] [page] [usb] [coverage]   (the words add what tests, sanitizer runs,
+# benchmarks, browser tests, tests on the kernel's usb-serial driver and the coverage of lines need)
 set -euo pipefail
 
 packages=(g++ cmake ninja-build pkg-config ccache git ca-certificates
@@ -18,7 +18,9 @@ for part in "$@"; do
       gcc-arm-none-eabi libnewlib-arm-none-eabi qemu-system-arm) ;;
     bench) packages+=(libbenchmark-dev python3-numpy python3-h5py python3-serial) ;;
     page) packages+=(chromium) ;;
-    *) echo "setup.sh: unknown part '$part'; try: tests, deep, bench, page" >&2; exit 2 ;;
+    coverage) packages+=(gcovr python3) ;;
+    usb) packages+=(qemu-system-x86 busybox-static cpio python3) ;;
+    *) echo "setup.sh: unknown part '$part'; try: tests, deep, bench, page, usb, coverage" >&2; exit 2 ;;
   esac
 done
 

@@ -42,14 +42,14 @@ void announce(const SimulateOptions& options, const SimulatedPorts& ports) {
     print_json(object);
     return;
   }
-  fmt::print("SIMULATED rig, {}, seed {}; servo firmware: {}\n\n", options.environment, options.seed,
-             ports.firmware_description());
+  print("SIMULATED rig, {}, seed {}; servo firmware: {}\n\n", options.environment, options.seed,
+        ports.firmware_description());
   Table table({"role", "port"});
   for (Device device : all_devices) table.add({std::string(name_of(device)), paths[device]});
-  fmt::print("{}\n", table.text());
-  if (!options.profile.empty()) fmt::print("profile  {}\n", options.profile);
-  fmt::print("next  thermorig record --environment {} --camera {} --gyro {} --servo {}\nCtrl-C ends it\n",
-             options.environment, paths[Device::camera], paths[Device::gyro], paths[Device::servo]);
+  print("{}\n", table.text());
+  if (!options.profile.empty()) print("profile  {}\n", options.profile);
+  print("next  thermorig record --environment {} --camera {} --gyro {} --servo {}\nCtrl-C ends it\n",
+        options.environment, paths[Device::camera], paths[Device::gyro], paths[Device::servo]);
   std::fflush(stdout);
 }
 
@@ -73,7 +73,7 @@ void print_tally(const ServingTally& tally, bool json) {
     table.add({std::string(name_of(device)), bytes_text(port.bytes_delivered), bytes_text(port.bytes_unheard),
                bytes_text(port.bytes_overrun), bytes_text(port.bytes_received)});
   }
-  fmt::print("\n{}", table.text());
+  print("\n{}", table.text());
 }
 
 }  // namespace

@@ -40,13 +40,13 @@ void StudyProgress::started(const study::Progress& progress) {
   if (json_)
     print_json({{"event", "reused"}, {"jobs", progress.reused}});
   else
-    fmt::print("{} of {} jobs were done before\n", progress.reused, progress.all);
+    print("{} of {} jobs were done before\n", progress.reused, progress.all);
   std::fflush(stdout);
 }
 
 void StudyProgress::epoch_done(const study::Progress& progress) {
   if (!line_) return;
-  fmt::print("\r\x1b[K{}; {}", standing_text(progress), printable(progress.last));
+  print("\r\x1b[K{}; {}", standing_text(progress), printable(progress.last));
   std::fflush(stdout);
 }
 
@@ -61,12 +61,12 @@ void StudyProgress::job_done(const study::Progress& progress) {
                 {"elapsed_s", progress.elapsed_s},
                 {"eta_s", progress.eta_s}});
   else
-    fmt::print("{}; {}\n", standing_text(progress), printable(progress.last));
+    print("{}; {}\n", standing_text(progress), printable(progress.last));
   std::fflush(stdout);
 }
 
 void StudyProgress::end() {
-  if (line_) fmt::print("\r\x1b[K");
+  if (line_) print("\r\x1b[K");
 }
 
 }  // namespace thermorig::app

@@ -34,7 +34,7 @@ class PlainTrainOutput : public TrainOutput {
  protected:
   const TrainingConfig& config() const { return config_; }
   static void print(const std::string& text) {
-    fmt::print("{}", text);
+    write_to(stdout, text);
     std::fflush(stdout);
   }
 

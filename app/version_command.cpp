@@ -47,14 +47,14 @@ ExitCode run(const VersionOptions& options) {
                 {"avr_image", firmware == "AVR image"}});
     return ExitCode::ok;
   }
-  fmt::print("thermorig {} ({})\n", build::version, build::git);
-  fmt::print("compiler   {}, {}\n", compiler(), build::build_type);
+  print("thermorig {} ({})\n", build::version, build::git);
+  print("compiler   {}, {}\n", compiler(), build::build_type);
   const nlohmann::json used = libraries();
   std::string list;
   for (const auto& [name, version] : used.items())
     list += (list.empty() ? "" : ", ") + name + " " + version.get<std::string>();
-  fmt::print("libraries  {}\n", list);
-  fmt::print("firmware   the simulated ports run the {}\n", firmware);
+  print("libraries  {}\n", list);
+  print("firmware   the simulated ports run the {}\n", firmware);
   return ExitCode::ok;
 }
 

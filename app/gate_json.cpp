@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: MIT
+#include "gate_json.h"
+
+#include <nlohmann/json.hpp>
+
+namespace thermorig::app {
+
+namespace {
+
+using nlohmann::json;
+
+json violations_json(const rig::GateReport& report) {
+  json list = json::array();
+  for (const rig::GateViolation& violation : report.violations)
+    list.push_back({{"name", violation.name},
+                    {"device", name_of(violation.device)},
+                    {"figure", violation.figure},
+                    {"limit", violation.limit},
+                    {"advice", violation.advice}});
+  return list;
+}
+
+json devices_json(const rig::GateFacts& facts) {
+  json devices = json::object();
+  for (const Device device : all_devices) {
+    const auto& stream = facts.streams[device];
+    devices[std::string(name_of(device))] =
+        !stream ? json()
+                : json{{"messages", stream->messages},           {"rate_hz", stream->rate_hz},
+                       {"nominal_hz", stream->nominal_hz},       {"lost_share", stream->lost_share},
+                       {"damaged_share", stream->damaged_share}, {"uncertainty_s", stream->uncertainty_s}};
+  }
+  return devices;
+}
+
+}  // namespace
+
+json gate_json(const std::optional<rig::GateReport>& report) {
+  if (!report) return {};
+  const rig::GateFacts& facts = report->facts;
+  json object{{"passed", report->passed()},
+              {"span_s", facts.span_s},
+              {"violations", violations_json(*report)},
+              {"devices", devices_json(facts)},
+              {"images", json()},
+              {"rest", json()},
+              {"answers", json()}};
+  if (facts.images)
+    object["images"] = {{"even_fresh_share", facts.images->even_fresh_share},
+                        {"odd_fresh_share", facts.images->odd_fresh_share},
+                        {"stale_share", facts.images->stale_share},
+                        {"sensor_drift_c_per_min", facts.images->sensor_drift_c_per_min}};
+  if (facts.rest)
+    object["rest"] = {{"mean_dps", facts.rest->mean_dps},
+                      {"noise_dps", facts.rest->noise_dps},
+                      {"swing_dps", facts.rest->swing_dps}};
+  if (facts.answers)
+    object["answers"] = {{"pings", facts.answers->pings},
+                         {"answered", facts.answers->answered},
+                         {"round_trip_s", facts.answers->round_trip_s},
+                         {"firmware", facts.answers->firmware}};
+  return object;
+}
+
+}  // namespace thermorig::app
