@@ -5,6 +5,7 @@
 #include <chrono>
 #include <cmath>
 #include <iostream>
+#include <random>
 #include <thread>
 
 #include "thermorig/rig/profile_file.h"
@@ -19,18 +20,33 @@ class WatchedFirmware : public simulation::Firmware {
       : firmware_(std::move(firmware)), line_(std::move(line)) {}
 
   void receive(std::uint8_t byte, std::int64_t time_us) override {
-    line_->received.push_back({time_us, byte});
-    firmware_->receive(byte, time_us);
+    const std::uint8_t arrived = damaged(byte);
+    line_->received.push_back({time_us, arrived});
+    firmware_->receive(arrived, time_us);
   }
   simulation::FirmwareOutput run_until(std::int64_t time_us) override {
     line_->now_us = time_us;
-    return firmware_->run_until(time_us);
+    simulation::FirmwareOutput output = firmware_->run_until(time_us);
+    for (const simulation::PulseEdge& pulse : output.pulses) {
+      if (!line_->pulses.empty() && line_->pulses.back().width_us != pulse.width_us)
+        line_->turned_us = pulse.rise_us;
+      line_->pulses.push_back(pulse);
+    }
+    for (simulation::UartByte& byte : output.bytes) byte.value = damaged(byte.value);
+    return output;
   }
   std::string description() const override { return firmware_->description(); }
 
  private:
+  std::uint8_t damaged(std::uint8_t byte) {
+    const double share = line_->flips;
+    if (share == 0.0 || std::uniform_real_distribution<>()(random_) >= share) return byte;
+    return static_cast<std::uint8_t>(byte ^ (1U << (random_() % 8U)));
+  }
+
   std::unique_ptr<simulation::Firmware> firmware_;
   std::shared_ptr<ServoLine> line_;
+  std::mt19937 random_{7};
 };
 
 }  // namespace
@@ -64,6 +80,15 @@ double ServedRig::fastest_dps(std::int64_t from_us, std::int64_t to_us) const {
     if (time_us >= from_us && time_us <= to_us) fastest = std::max(fastest, std::abs(shaft[i].rate_dps));
   }
   return fastest;
+}
+
+std::int64_t ServedRig::last_motion_us(double rate_dps, std::int64_t until_us) const {
+  const auto& shaft = ports_->rig().shaft();
+  for (std::size_t i = shaft.size(); i-- > 0;) {
+    const auto time_us = static_cast<std::int64_t>(1000 * (i + 1));
+    if (time_us <= until_us && std::abs(shaft[i].rate_dps) >= rate_dps) return time_us;
+  }
+  return 0;
 }
 
 }  // namespace thermorig::tests

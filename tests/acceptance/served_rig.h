@@ -4,6 +4,7 @@
 #include <atomic>
 #include <cstdint>
 #include <filesystem>
+#include <limits>
 #include <memory>
 #include <string>
 #include <vector>
@@ -18,11 +19,14 @@ struct ReceivedByte {
   std::uint8_t value = 0;
 };
 
-/// What a look at the micro-controller's pins shows. `now_us` may be read at any time, `received` once the
-/// ports have stopped.
+/// What a look at the micro-controller's pins shows. `now_us` may be read at any time, the lists once
+/// the ports have stopped.
 struct ServoLine {
   std::atomic<std::int64_t> now_us = 0;
+  std::atomic<std::int64_t> turned_us = 0;  // when a pulse last differed from the one before it
+  std::atomic<double> flips = 0.0;  // share of the bytes, in both directions, of which a bit is turned
   std::vector<ReceivedByte> received;
+  std::vector<simulation::PulseEdge> pulses;  // on the servo pin
 };
 
 /// A simulated rig on three ports in this process, the AVR image in its servo where it is built. Keeps what
@@ -37,6 +41,11 @@ class ServedRig {
   /// Lets the micro-controller live for so long.
   void let_pass(std::int64_t mcu_us) const;
 
+  /// From here on a bit is turned in such a share of the bytes between host and micro-controller.
+  void flip_bits(double share) { line_->flips = share; }
+
+  const RigProfile& profile() const { return config_.profile; }
+
   SimulatedPorts& ports() { return *ports_; }
   const SimulatedPorts& ports() const { return *ports_; }
   const ServoLine& line() const { return *line_; }
@@ -46,6 +55,9 @@ class ServedRig {
   /// The shaft's largest speed, whatever its sign, from one to another time of the micro-controller, whose
   /// crystal is good for a millisecond in these tests.
   double fastest_dps(std::int64_t from_us, std::int64_t to_us) const;
+  /// When it last turned that fast, up to then; 0 if never.
+  std::int64_t last_motion_us(double rate_dps,
+                              std::int64_t until_us = std::numeric_limits<std::int64_t>::max()) const;
 
  private:
   simulation::VirtualRigConfig config_;

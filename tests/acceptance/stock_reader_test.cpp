@@ -7,7 +7,7 @@
 #include <sstream>
 
 #include "app/program.h"
-#include "other_program.h"
+#include "support/other_program.h"
 #include "thermorig/session/session.h"
 
 namespace thermorig::tests {
@@ -23,14 +23,14 @@ const std::string format_page = std::string(THERMORIG_SOURCE_DIR) + "/docs/recor
 
 TEST_F(FreshSession, IsInH5pyWhatTheFormatPageSays) {
   if (!python_has("h5py")) GTEST_SKIP() << "needs /usr/bin/python3 with h5py: apt-get install python3-h5py";
-  const Printed printed = run_script("read_with_h5py.py " + format_page + " " + path_.string());
+  const Printed printed = run_script("acceptance/read_with_h5py.py " + format_page + " " + path_.string());
   EXPECT_EQ(printed.code, 0) << printed.text;
 }
 
 TEST_F(FreshSession, HasNamedDimensionsAndCoordinatesInXarray) {
   if (!python_has("xarray, h5netcdf"))
     GTEST_SKIP() << "needs xarray with h5netcdf: apt-get install python3-xarray python3-h5netcdf";
-  const Printed printed = run_script("read_with_xarray.py " + path_.string());
+  const Printed printed = run_script("acceptance/read_with_xarray.py " + path_.string());
   EXPECT_EQ(printed.code, 0) << printed.text;
 }
 

@@ -6,7 +6,7 @@
 #include <numeric>
 
 #include "app/program.h"
-#include "other_program.h"
+#include "support/other_program.h"
 
 namespace thermorig::tests {
 namespace {
@@ -26,15 +26,17 @@ class VirtualTime : public ProgramTest {
 TEST_F(VirtualTime, GivesEqualBytesInEveryDatasetForEqualSeeds) {
   if (!python_has("h5py")) GTEST_SKIP() << "needs /usr/bin/python3 with h5py: apt-get install python3-h5py";
   const std::string first = recorded(5, "kitchen", "first");
-  const Printed same = run_script("compare_sessions.py " + first + " " + recorded(5, "kitchen", "second"));
+  const Printed same =
+      run_script("acceptance/compare_sessions.py " + first + " " + recorded(5, "kitchen", "second"));
   EXPECT_EQ(same.code, 0) << same.text;
-  const Printed other = run_script("compare_sessions.py " + first + " " + recorded(6, "kitchen", "third"));
+  const Printed other =
+      run_script("acceptance/compare_sessions.py " + first + " " + recorded(6, "kitchen", "third"));
   EXPECT_EQ(other.code, 1);
   for (const char* name : {"raw/camera/bytes", "raw/gyro/bytes", "raw/servo/arrival_ns", "camera/temperature",
                            "samples/rate_gyro", "@simulation_seed"})
     EXPECT_THAT(other.text, HasSubstr(name));
   const Printed elsewhere =
-      run_script("compare_sessions.py " + first + " " + recorded(5, "dining", "fourth"));
+      run_script("acceptance/compare_sessions.py " + first + " " + recorded(5, "dining", "fourth"));
   EXPECT_THAT(elsewhere.text, HasSubstr("camera/temperature"));
   EXPECT_THAT(elsewhere.text, ::testing::Not(HasSubstr("gyro/counts")));  // the room, not the gyro
 }

@@ -1,8 +1,12 @@
 // SPDX-License-Identifier: MIT
 #include <gmock/gmock.h>
 
+#include <fcntl.h>
 #include <signal.h>
+#include <sys/stat.h>
+#include <unistd.h>
 
+#include <array>
 #include <chrono>
 #include <cmath>
 #include <filesystem>
@@ -14,6 +18,7 @@
 #include "model/sample_models.h"
 #include "program.h"
 #include "thermorig/session/session.h"
+#include "web_server/page_client.h"
 
 namespace thermorig::tests {
 namespace {
@@ -84,8 +89,8 @@ TEST_F(Live, PrintsTheDocumentedMessages) {
   const json frame = of_kind(lines, "frame").at(30);
   EXPECT_EQ(keys_of(frame),
             (std::set<std::string>{"event", "index", "time_s", "begin_s", "end_s", "counted", "valid",
-                                   "reasons", "leg", "run", "commanded_dps", "gyro_dps", "thermal_dps",
-                                   "fusion_dps", "gain", "inference_us", "fresh", "scores"}));
+                                   "reasons", "apart", "leg", "run", "commanded_dps", "gyro_dps",
+                                   "thermal_dps", "fusion_dps", "gain", "inference_us", "fresh", "scores"}));
   EXPECT_EQ(keys_of(frame["scores"]),
             (std::set<std::string>{"counted", "apart", "integrated_s", "gain_mean", "gain_histogram",
                                    "gate_collapsed", "thermal", "gyro", "fusion"}));
@@ -105,6 +110,34 @@ TEST_F(Live, CountsFramesInLegsAndTheOthersApart) {
     if (frame["counted"]) {
       EXPECT_TRUE(frame["fusion_dps"].is_number()) << frame;
     }
+}
+
+TEST_F(Live, AReplayWarnsOfAGateThatCollapsesUnlessItsSessionDoesAlready) {
+  network::Shape shape;
+  shape.frames = 3;
+  shape.reduction = 3;
+  model::Model open_gate = model::sample_model(shape, 2);
+  for (float& weight : open_gate.weights.tensor("gain2.bias")) weight = 30.0F;
+  model::write_model(folder() / "open.onnx", open_gate);
+  const Outcome live =
+      run("live --simulated=3 --fast --json --record --model model.onnx --plan quick --speeds 60,120 "
+          "--frames-per-leg 40");
+  ASSERT_TRUE(of_kind(live.lines(), "event").size() > 4) << live.err;
+  const auto gate_events = [&](const std::string& model) {
+    std::size_t count = 0;
+    for (const json& event : of_kind(run("live --no-page --json --speed max --model " + model + " --replay " +
+                                         files(".h5").front().string())
+                                         .lines(),
+                                     "event"))
+      count += event["kind"] == "gate" ? 1 : 0;
+    return count;
+  };
+  EXPECT_EQ(gate_events("model.onnx"), 0U);
+  EXPECT_EQ(gate_events("open.onnx"), 1U) << "of a model that the session does not know";
+  fs::remove(files(".h5").front());
+  run("live --simulated=3 --fast --json --record --model open.onnx --plan quick --speeds 60,120 "
+      "--frames-per-leg 40");
+  EXPECT_EQ(gate_events("open.onnx"), 1U) << "the session's own, not twice";
 }
 
 TEST_F(Live, LeavesNothingOnTheDiskUnlessAsked) {
@@ -159,6 +192,176 @@ TEST_F(Live, RefusesWordsThatContradictEachOther) {
         "--replay x.h5 --speed 1e-300", "--simulated=3 --fast --loop", "--simulated=3 --tui --json",
         "--replay x.h5 --control", "--simulated=3 --no-page --control"})
     EXPECT_EQ(run(std::string("live ") + words).code, 2) << words;
+}
+
+TEST_F(Live, RefusesWordsThatWouldDoNothing) {
+  const std::string replay = "live --replay " + record_briefly().string() + " --no-page --speed max ";
+  ASSERT_EQ(run(replay).code, 0);
+  for (const char* word : {"--plan quick", "--environment garden", "--fast", "--loop", "--simulated-gyro raw",
+                           "--servo /dev/null", "--camera-rate 8", "--speeds 60", "--output x", "--no-gate",
+                           "--replug-patience 5"}) {
+    const Outcome outcome = run(replay + word);
+    EXPECT_EQ(outcome.code, 2) << word;
+    EXPECT_THAT(outcome.err, HasSubstr(std::string(word).substr(0, std::string(word).find(' '))));
+  }
+  for (const char* words :
+       {"live --simulated=3 --fast --output x", "live --simulated=3 --fast --page-port 0",
+        "live --simulated=3 --fast --new-token", "live --simulated=3 --no-page --page-port 0",
+        "live --simulated=3 --no-page --new-token", "live --simulated=3 --fast --precision fp16",
+        "record --simulated=3 --fast --environment garden --page-port 0",
+        "record --simulated=3 --fast --environment garden --new-token"})
+    EXPECT_EQ(run(words).code, 2) << words;
+}
+
+TEST_F(Live, SaysWhyAFrameIsApart) {
+  int windows = 0;
+  for (const json& frame : frames_of(run(fast))) {
+    EXPECT_EQ(frame["apart"].is_null(), frame["counted"].get<bool>()) << frame;
+    if (frame["counted"]) continue;
+    if (!frame["reasons"].empty()) {
+      EXPECT_THAT(frame["apart"].get<std::string>(), HasSubstr(frame["reasons"][0].get<std::string>()));
+    } else if (frame["valid"]) {
+      EXPECT_EQ(frame["apart"], "window begins in another run");
+      ++windows;
+    }
+  }
+  EXPECT_GT(windows, 0);
+}
+
+TEST_F(Live, EndsWithEndedWhateverHappens) {
+  const Outcome outcome =
+      run("live --servo /dev/nope --gyro /dev/nope2 --camera /dev/nope3 --json --no-page");
+  EXPECT_EQ(outcome.code, 4) << outcome.err;
+  ASSERT_FALSE(outcome.lines().empty());
+  EXPECT_EQ(outcome.lines().back()["event"], "ended");
+  EXPECT_EQ(outcome.lines().back()["exit"], 4);
+  EXPECT_THAT(outcome.lines().back()["message"].get<std::string>(), HasSubstr("/dev/nope"));
+  EXPECT_TRUE(of_kind(outcome.lines(), "error").empty());
+  EXPECT_THAT(outcome.err, HasSubstr("/dev/nope"));
+  EXPECT_THAT(run("live --servo /dev/nope --gyro /dev/nope2 --camera /dev/nope3 --no-page").out,
+              Not(HasSubstr("RMSE")))
+      << "no figures without a frame";
+}
+
+TEST_F(Live, ALoopHasNoTimeToGo) {
+  const pid_t process = start({"live", "--simulated=3", "--loop", "--no-page", "--json"});
+  std::this_thread::sleep_for(std::chrono::seconds(4));
+  kill(process, SIGINT);
+  const Outcome outcome = wait(process);
+  EXPECT_EQ(outcome.lines().front()["plan"]["repeats"], true);
+  ASSERT_FALSE(of_kind(outcome.lines(), "state").empty());
+  for (const json& state : of_kind(outcome.lines(), "state")) EXPECT_TRUE(state["eta_s"].is_null());
+}
+
+TEST_F(Live, RunsItsNetworkInHalfPrecisionAndSaysSo) {
+  const Outcome half = run(fast + "--record --precision fp16");
+  ASSERT_TRUE(half.code == 0 || half.code == 3) << half.err;
+  EXPECT_EQ(half.lines().front()["model"]["precision"], "fp16");
+  ASSERT_EQ(files(".h5").size(), 1U);
+  const std::string path = files(".h5").front().string();
+  EXPECT_EQ(session::read_session(path).raw.header.live_model.precision, "fp16");
+  EXPECT_TRUE(
+      frames_of(run("live --no-page --json --speed max --model model.onnx --precision fp16 --replay " +
+                    path)) == frames_of(half));
+  EXPECT_FALSE(frames_of(run("live --no-page --json --speed max --model model.onnx --replay " + path)) ==
+               frames_of(half));
+  EXPECT_THAT(run("live --no-page --speed max --model model.onnx --precision fp16 --replay " + path).out,
+              HasSubstr("fp16 weights"));
+}
+
+/// A pipe of one page in the place of background_out.txt, which nobody reads until somebody does.
+class UnreadOutput {
+ public:
+  explicit UnreadOutput(const fs::path& path) : path_(path) {
+    EXPECT_EQ(mkfifo(path.c_str(), 0600), 0);
+    pipe_ = open(path.c_str(), O_RDWR | O_NONBLOCK);
+    EXPECT_GE(fcntl(pipe_, F_SETPIPE_SZ, 4096), 4096);
+  }
+  ~UnreadOutput() { close(pipe_); }
+  UnreadOutput(const UnreadOutput&) = delete;
+  UnreadOutput& operator=(const UnreadOutput&) = delete;
+
+  /// What is there now.
+  std::string read_some() const {
+    std::string text;
+    std::array<char, 4096> part{};
+    for (ssize_t count = 0; (count = ::read(pipe_, part.data(), part.size())) > 0;)
+      text.append(part.data(), static_cast<std::size_t>(count));
+    return text;
+  }
+  void unlink() const { fs::remove(path_); }
+
+ private:
+  fs::path path_;
+  int pipe_ = -1;
+};
+
+TEST_F(Live, DrivesOnWhenNobodyReadsItsOutput) {
+  const UnreadOutput output(folder() / "background_out.txt");
+  const auto begin = std::chrono::steady_clock::now();
+  const pid_t process = start(
+      {"live", "--simulated=3", "--model", "model.onnx", "--no-page", "--json", "--record", "-o", "kept"});
+  std::this_thread::sleep_for(std::chrono::seconds(12));
+  kill(process, SIGINT);
+  output.unlink();
+  const Outcome outcome = wait(process);
+  EXPECT_EQ(outcome.code, 130) << outcome.err;
+  EXPECT_LT(std::chrono::steady_clock::now() - begin, std::chrono::seconds(30));
+  const std::vector<json> lines = Outcome{0, output.read_some(), ""}.lines();
+  ASSERT_FALSE(lines.empty());
+  EXPECT_EQ(lines.front()["event"], "hello");
+  ASSERT_EQ(files(".h5").size(), 1U);
+  const session::Session session = session::read_session(files(".h5").front());
+  EXPECT_GT(to_s(session.raw.end_time - session.raw.header.time_reference), 9.0) << "it went on";
+  EXPECT_FALSE(session.raw.legs.empty());
+  for (const RecordingEvent& event : session.raw.events)
+    EXPECT_THAT(event.message, Not(HasSubstr("watchdog"))) << "the servo was served all the time";
+}
+
+TEST_F(Live, IsStoppedByThePageWhenNobodyReadsItsOutput) {
+  const UnreadOutput output(folder() / "background_out.txt");
+  ASSERT_EQ(setenv("XDG_STATE_HOME", folder().c_str(), 1), 0);
+  const pid_t process = start({"live", "--simulated=3", "--model", "model.onnx", "--page-port", "0", "--json",
+                               "--record", "-o", "kept"});
+  unsetenv("XDG_STATE_HOME");
+  std::this_thread::sleep_for(std::chrono::seconds(8));  // the pipe is full by then, and the servo moves
+  std::ifstream state(folder() / "thermorig" / "page.json");
+  const json address = json::parse(state);
+  web::PageClient page(address["port"].get<std::uint16_t>());
+  EXPECT_EQ(page.post("/stop", address["token"], "{}").status, 204);
+  output.unlink();
+  EXPECT_EQ(wait(process).code, 130);
+  ASSERT_EQ(files(".h5").size(), 1U);
+  const session::Session session = session::read_session(files(".h5").front());
+  const auto stopped = std::find_if(session.raw.events.begin(), session.raw.events.end(),
+                                    [](const auto& event) { return event.kind == EventKind::stopped; });
+  ASSERT_NE(stopped, session.raw.events.end());
+  EXPECT_THAT(stopped->message, HasSubstr("page"));
+  EXPECT_LT(to_s(session.raw.end_time - stopped->time), 2.0) << "it came to rest and ended";
+}
+
+TEST_F(Live, TellsHowManyFramesItDroppedForAReaderThatStopped) {
+  const UnreadOutput output(folder() / "background_out.txt");
+  const pid_t process = start(
+      {"live", "--simulated=3", "--model", "model.onnx", "--no-page", "--json", "--record", "-o", "kept"});
+  std::this_thread::sleep_for(std::chrono::seconds(12));  // more than 128 kB
+  std::string text;
+  for (int look = 0; look < 300; ++look) {
+    text += output.read_some();
+    if (look == 150) kill(process, SIGINT);
+    if (text.find("\"ended\"") != std::string::npos) break;
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+  }
+  output.unlink();
+  const Outcome outcome = wait(process);
+  EXPECT_EQ(outcome.code, 130) << outcome.err;
+  const std::vector<json> lines = Outcome{0, text, ""}.lines();
+  EXPECT_EQ(lines.back()["event"], "ended");
+  std::size_t frames = of_kind(lines, "frame").size();
+  EXPECT_GE(of_kind(lines, "dropped").size(), 1U);
+  for (const json& dropped : of_kind(lines, "dropped")) frames += dropped["frames"].get<std::size_t>();
+  ASSERT_EQ(files(".h5").size(), 1U);
+  EXPECT_EQ(frames, session::read_session(files(".h5").front()).raw.estimates.size());
 }
 
 TEST_F(Live, ASessionDoesNotSteerTheTerminal) {
@@ -224,6 +427,10 @@ TEST_F(Live, KeepsItsSessionWhenTheReaderOfItsOutputGoesAway) {
     kinds.push_back(entry.path().extension());
   EXPECT_THAT(kinds, testing::Contains(".h5"));
   EXPECT_THAT(kinds, Not(testing::Contains(".journal")));
+  std::ifstream errors(folder() / "errors.txt");
+  EXPECT_THAT(std::string(std::istreambuf_iterator<char>(errors), {}),
+              HasSubstr("thermorig inspect kept/laboratory/"))
+      << "nobody read where it is";
 }
 
 TEST_F(Live, WritesNoEscapeCodeWhereNoneIsAllowed) {

@@ -185,7 +185,8 @@ TEST_F(Ports, ADeviceThatIsPulledOutEndsTheRecordingAndWhatCameIsKept) {
     std::this_thread::sleep_for(std::chrono::milliseconds(3500));
     end_simulation();
   });
-  const Outcome outcome = run("record --environment garden --plan quick --rig simulated.toml --json");
+  const Outcome outcome =
+      run("record --environment garden --plan quick --replug-patience 1 --rig simulated.toml --json");
   puller.join();
   EXPECT_EQ(outcome.code, 5) << outcome.err << outcome.out;
   const auto summary = outcome.lines().back();

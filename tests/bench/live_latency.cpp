@@ -13,6 +13,7 @@
 #include <fstream>
 #include <string_view>
 
+#include "fast_rig.h"
 #include "thermorig/core/quantile.h"
 #include "thermorig/live/live_estimator.h"
 #include "thermorig/live/scores.h"
@@ -24,7 +25,6 @@
 namespace thermorig::bench {
 namespace {
 
-constexpr double fast_camera_hz = 64.0, fast_gyro_hz = 1000.0;
 constexpr double hour_s = 3600.0;
 
 /// Figures in the order in which they are printed.
@@ -101,16 +101,6 @@ struct Latencies {
 };
 
 // ---- latency, dropped messages, processor ----
-
-simulation::VirtualRigConfig fast_rig() {
-  TableLink link = table_links(false).back();  // CDC
-  simulation::VirtualRigConfig config = rig_on(link, 1);
-  config.profile.camera.output_rate_hz = fast_camera_hz;
-  config.profile.gyro.output_rate_hz = fast_gyro_hz;
-  config.profile.camera.link.latency_s = *(config.camera_latency_s = 0.010);
-  config.profile.gyro.link.latency_s = 0.5 / fast_gyro_hz + *(config.gyro_latency_s = 0.001);
-  return config;
-}
 
 std::vector<Leg> legs_until(double end_s) {
   std::vector<Leg> legs;

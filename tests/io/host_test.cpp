@@ -53,6 +53,9 @@ TEST(UsbTopology, IsTheLastDeviceFolderOfTheSysfsPath) {
   EXPECT_EQ(usb_topology(root + "1-4/1-4:1.0"), "1-4");
   EXPECT_EQ(usb_topology(root + "1-10/1-10.3/1-10.3.1/1-10.3.1:1.1"), "1-10.3.1");
   EXPECT_EQ(usb_topology("/sys/devices/platform/serial8250"), "");
+  EXPECT_EQ(usb_interface(root + "1-4/1-4.2/1-4.2:1.1/ttyUSB0"), "1.1");
+  EXPECT_EQ(usb_interface(root + "1-4/1-4:1.2"), "1.2");
+  EXPECT_EQ(usb_interface("/sys/devices/platform/serial8250"), "");
 }
 
 TEST(SystemConsole, IsWhatTheKernelNamesWhole) {

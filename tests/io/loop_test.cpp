@@ -4,6 +4,9 @@
 #include <signal.h>
 #include <unistd.h>
 
+#include <filesystem>
+#include <fstream>
+#include <set>
 #include <stdexcept>
 #include <thread>
 
@@ -73,6 +76,64 @@ TEST(Loop, LosesNothingOfABurstWhileTheHandlerIsSlow) {
   loop.run();
   writer.join();
   EXPECT_EQ(received, sent);
+}
+
+/// What each epoll set of this process waits for, as the kernel tells: "/dev/pts/3", "anon_inode:[timerfd]".
+std::vector<std::multiset<std::string>> epoll_sets() {
+  std::vector<std::multiset<std::string>> sets;
+  for (const auto& entry : std::filesystem::directory_iterator("/proc/self/fdinfo")) {
+    std::ifstream info(entry.path());
+    std::multiset<std::string> members;
+    for (std::string key, fd; info >> key;) {
+      if (key != "tfd:" || !(info >> fd)) continue;
+      std::error_code closed_since;
+      members.insert(std::filesystem::read_symlink("/proc/self/fd/" + fd, closed_since));
+    }
+    if (!members.empty()) sets.push_back(members);
+  }
+  return sets;
+}
+
+// A poll of an empty terminal waits for the kernel's workers, with every other port and the servo's stop.
+TEST(Loop, DoesNotItselfAskATerminalWhetherItIsReady) {
+  Pty gyro, camera;
+  Loop loop;
+  Collected collected;
+  loop.open(port_at(gyro.path()), collected.handlers());
+  const auto servo = loop.open(port_at(camera.path()), collected.handlers());
+  loop.write(servo, numbered_bytes(100'000));  // more than it takes: nor does it ask whether there is room
+  const auto watched = [](const Pty& device) {
+    return std::multiset<std::string>{device.path(), "anon_inode:[eventfd]"};
+  };
+  gyro.write(Bytes{1});
+  camera.write(Bytes{2});
+  run_until(loop, [&] { return collected.bytes.size() == 2; });
+  std::vector<std::multiset<std::string>> with_a_terminal;
+  for (const auto& set : epoll_sets())
+    if (set.count(gyro.path()) + set.count(camera.path()) > 0) with_a_terminal.push_back(set);
+  EXPECT_THAT(with_a_terminal, testing::UnorderedElementsAre(watched(gyro), watched(camera)));
+}
+
+TEST(Loop, GivesEveryPortAndTheTimerTheirTurnWhileOneSendsWithoutEnd) {
+  Pty busy, quiet;
+  Loop loop;
+  std::size_t chunks = 0, heard_at = 0;
+  bool was_sent = false, is_over = false;
+  loop.open(port_at(busy.path()), {[&](std::span<const std::uint8_t> bytes, HostTime) {
+                                     ++chunks;
+                                     busy.write(bytes);  // there is always more to read
+                                   },
+                                   {}});
+  loop.open(port_at(quiet.path()), {[&](std::span<const std::uint8_t>, HostTime) { heard_at = chunks; }, {}});
+  busy.write(numbered_bytes(1000));
+  int ticks = 0;
+  loop.every(tick_period, [&](HostTime) {
+    if (++ticks >= 3 && chunks > 0 && !was_sent) was_sent = quiet.write(Bytes{1}) == 1;
+    is_over = heard_at > 0;
+    if (is_over || ticks > patience_ticks) loop.stop();
+  });
+  loop.run();
+  EXPECT_TRUE(is_over);
 }
 
 TEST(Loop, WritesInOrderEvenMoreThanTheSystemTakesAtOnce) {

@@ -89,6 +89,17 @@ TEST(OpenPort, RefusesToOpenAPortTwiceInOneProgram) {
   EXPECT_THAT(error.what_happened(), HasSubstr("in use by this process"));
 }
 
+TEST(OpenPort, DoesNotLookForItsHolderWhereItIsToBeBrief) {
+  Pty device;
+  const OtherRecorder other(device.path());
+  Loop loop;
+  Collected collected;
+  const Error error =
+      refusal_of([&] { loop.open(port_at(device.path()), collected.handlers(), Refusal::brief); });
+  EXPECT_EQ(error.code(), ExitCode::no_permission);
+  EXPECT_EQ(error.what_happened(), "port is in use");
+}
+
 TEST(OpenPort, IsFreeAgainAfterItsHolderWasKilled) {
   Pty device;
   { const OtherRecorder killed(device.path()); }

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <vector>
 
 namespace thermorig::labels {
@@ -142,6 +143,48 @@ TEST(LiveFrameGaps, CountMissingFramesOnceTheyStayAway) {
   Scene scene;
   for (int i = 0; i < 60; ++i) scene.frames.push_back(full_fresh_frame((i < 40 ? i : i + 4) * period_s));
   EXPECT_EQ(missing_in_all(live_gaps(scene, 0.125, CameraMode::full_fresh)), 4U);
+}
+
+/// Frames of a camera of 64 a second, each read when its turn comes in `reads_s`: the first at or after it.
+template <typename NextRead>
+Scene fast_scene(NextRead next_read_s) {
+  Scene scene;
+  for (int i = 0; i < 640; ++i) scene.frames.push_back(full_fresh_frame(next_read_s(i / 64.0) + 1e-5 * i));
+  return scene;
+}
+
+TEST(LiveFrameGaps, CallNothingMissingThatQueuesUpForAWhile) {
+  for (const double stall_s : {0.05, 0.1, 0.25, 0.7, 2.0}) {
+    const auto read_s = [stall_s](double time_s) {
+      return time_s > 5.0 && time_s < 5.0 + stall_s ? 5.0 + stall_s : time_s;
+    };
+    EXPECT_EQ(missing_in_all(live_gaps(fast_scene(read_s), 1.0 / 64.0, CameraMode::full_fresh)), 0U)
+        << stall_s;
+  }
+}
+
+TEST(LiveFrameGaps, CallNothingMissingWhereAllIsReadInGroups) {
+  for (const double group_s : {0.03, 0.05, 0.08, 0.15}) {
+    const auto read_s = [group_s](double time_s) {
+      return time_s > 3.0 && time_s < 8.0 ? group_s * std::ceil(time_s / group_s) : time_s;
+    };
+    EXPECT_EQ(missing_in_all(live_gaps(fast_scene(read_s), 1.0 / 64.0, CameraMode::full_fresh)), 0U)
+        << group_s;
+  }
+}
+
+TEST(LiveFrameGaps, CallNothingMissingWhereTheSystemIsLateForAWhile) {
+  const auto read_s = [](double time_s) { return time_s > 5.0 && time_s < 5.4 ? time_s + 0.15 : time_s; };
+  Scene scene = fast_scene(read_s);
+  for (std::size_t i = 1; i < scene.frames.size(); ++i)
+    scene.frames[i].stamp.time = std::max(scene.frames[i].stamp.time, scene.frames[i - 1].stamp.time);
+  EXPECT_EQ(missing_in_all(live_gaps(scene, 1.0 / 64.0, CameraMode::full_fresh)), 0U);
+}
+
+TEST(LiveFrameGaps, CountMissingFramesThatAStallOverran) {
+  Scene scene = fast_scene([](double time_s) { return time_s > 5.0 && time_s < 5.5 ? 5.5 : time_s; });
+  scene.frames.erase(scene.frames.begin() + 330, scene.frames.begin() + 340);  // of the 32 that came at once
+  EXPECT_EQ(missing_in_all(live_gaps(scene, 1.0 / 64.0, CameraMode::full_fresh)), 10U);
 }
 
 TEST(LiveFrameGaps, LearnThePeriodOfABoardThatIsSlowerThanItsName) {

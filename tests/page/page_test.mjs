@@ -137,6 +137,22 @@ describe('what is shown', () => {
     assert.match(await textOf(tab, '#leg-frames'), /8 of 40 frames, 1 leg repeated/);
     assert.equal((await tab.evaluate(() => document.getElementById('speeds').speeds)).length, 38);
     assert.match(await tab.getAttribute('#speeds', 'aria-label'), /−200: /);
+    server.send(state(11, { speeds: [] }));
+    await until(() => hidden(tab, 'speeds'), 'a replay has no box without bars');
+  });
+
+  test('a plan that repeats has no time to go', async () => {
+    const { tab } = await page([hello({ plan: { name: 'quick', repeats: true, legs: 4, frames_per_leg: 40, expected_s: 60 } }), state(70, { eta_s: null })]);
+    await until(async () => /^01:10, until it is stopped$/.test(await textOf(tab, '#elapsed')), 'the time');
+    assert.match(await textOf(tab, '#plan'), /again and again/);
+  });
+
+  test('a device that is waited for says for how long, and what to do', async () => {
+    const away = state(10);
+    away.devices.camera = { ...away.devices.camera, state: 'awaited', left_s: 41.2 };
+    const { tab } = await page([hello(), away]);
+    await until(async () => /camera: away, waited for 41 s more: plug it in again/.test(await textOf(tab, '#warnings')), 'the warning');
+    assert.match(await tab.locator('#health tbody tr').first().textContent(), /▲ away/);
   });
 });
 
@@ -227,8 +243,9 @@ describe('honest plots', () => {
 
 describe('keys', () => {
   test('Tab reaches every button, the note and the licences, in the order of the page', async () => {
-    const { tab } = await page([hello({ control: true }), ...span(0, 10)]);
+    const { tab } = await page([hello({ control: true }), ...span(0, 10), state(1.5, { phase: 'waiting' })]);
     await shown(tab, 9);
+    await until(() => tab.locator('#start').isEnabled(), 'it may be started');
     const reached = [];
     for (let i = 0; i < 20; ++i) {
       await tab.keyboard.press('Tab');
@@ -359,8 +376,9 @@ describe('keys', () => {
   });
 
   test('no key starts motion; the button asks first', async () => {
-    const { tab } = await page([hello({ control: true }), ...span(0, 10)]);
+    const { tab } = await page([hello({ control: true }), ...span(0, 10), state(1.5, { phase: 'waiting' })]);
     await shown(tab, 9);
+    await until(() => tab.locator('#start').isEnabled(), 'it may be started');
     for (const key of ['Enter', 's', 'g', 'x', '1', 'ArrowUp', 'Control+Enter', 'b', 'q']) await tab.keyboard.press(key);
     await tab.focus('#start');
     await tab.keyboard.press('Enter');
@@ -372,6 +390,8 @@ describe('keys', () => {
     await tab.click('#motion .go');
     await until(() => postsTo('/start').length === 1, 'the order to start');
     assert.equal(postsTo('/start')[0].headers.authorization, `Bearer ${token}`);
+    server.send(state(2, { phase: 'transit' }));
+    await until(() => tab.locator('#start').isDisabled(), 'a sweep that runs is not started again');
   });
 });
 
@@ -474,12 +494,14 @@ describe('connection', () => {
     for (const fragment of ['', '#t=', '#t=nonsense', `#t=${'f'.repeat(32)}`]) {
       const { tab } = await page([], { url: `http://127.0.0.1:${server.port}/${fragment}` });
       await until(async () => /open the URL that thermorig printed/.test(await textOf(tab, '#warnings')), `advice for "${fragment}"`);
+      assert.equal(await textOf(tab, '#mode-word'), 'NOT CONNECTED', fragment);
     }
     const { tab } = open.at(-1);
     server.greeting = [hello(), ...span(0, 10)];
     await tab.evaluate((t) => { location.hash = `#t=${t}`; }, token);
     await shown(tab, 9);
     await until(async () => await textOf(tab, '#warnings') === '', 'the advice goes');
+    assert.equal(await textOf(tab, '#mode-word'), 'RECORDING');
   });
 
   test('a reload finds the token in the address', async () => {
@@ -660,11 +682,27 @@ describe('looks', () => {
       server.send(state(65, { devices: late }));
       await until(async () => (await textOf(tab, '#health')).includes('▲'), 'a row with a warning');
       await screenshot(tab, `${theme}_late`);
-      for (const mode of ['recording', 'live', 'replay', 'connecting', 'ended']) {
+      for (const mode of ['recording', 'live', 'replay', 'connecting', 'refused', 'ended']) {
         await tab.evaluate((name) => { document.getElementById('mode').dataset.mode = name; }, mode);
         const [contrast, text] = await leastContrast(tab);
         assert.ok(contrast >= 4.5, `${mode}: ${contrast.toFixed(2)} of "${text}"`);
         if (mode === 'recording') t.diagnostic(`least contrast, ${theme}: ${contrast.toFixed(2)} ("${text.slice(0, 30)}")`);
+      }
+    });
+  }
+
+  for (const width of [1100, 1200, 1600]) {
+    test(`${width} px wide: no heading is cut`, async () => {
+      const { tab } = await page([hello({ control: true }), ...span(0, 520)], { width, height: 900, dark: width === 1600 });
+      await shown(tab, 519);
+      await screenshot(tab, `wide_${width}`);
+      const cut = await tab.evaluate(() => [...document.querySelectorAll('h2, h3, caption, th, .legend > span')].filter((e) => e.getClientRects().length > 0)
+        .filter((e) => e.scrollWidth > e.clientWidth + 1 && getComputedStyle(e).display !== 'inline').map((e) => e.textContent));
+      assert.deepEqual(cut, []);
+      for (const strip of await tab.locator('.strip').all()) {
+        const [heading, legend] = [await strip.locator('h2').boundingBox(), await strip.locator('.legend').boundingBox()];
+        assert.ok(legend.x >= heading.x + heading.width - 1, 'the legend stands beside its heading');
+        assert.ok((await strip.locator('.plot').boundingBox()).height > 50, 'a plot is left');
       }
     });
   }

@@ -105,7 +105,7 @@ TEST(CameraClock, NeedsTheCountOfMissingFrames) {
   received.append(std::vector<std::uint8_t>(10), HostTime(from_s(1.0)));
   TimedFrame frame;
   frame.span = {0, 10};
-  EXPECT_TRUE(fit_camera_clock(received, {frame}, {}, CameraProfile{}).times.empty());
+  EXPECT_TRUE(fit_camera_clock(received, std::vector{frame}, {}, CameraProfile{}).times.empty());
 }
 
 }  // namespace

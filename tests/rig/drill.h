@@ -2,6 +2,7 @@
 #pragma once
 
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -17,7 +18,22 @@ enum class Mishap : std::uint8_t {
   gyro_unplugged,
   servo_unplugged,
   host_frozen,
-  program_killed
+  program_killed,
+  // Signals from outside.
+  interrupted,
+  terminated,
+  hung_up,
+  quit,
+  aborted,
+  // What goes wrong inside: mishap.cpp, preloaded.
+  exception_thrown,
+  terminate_called,
+  null_dereferenced,
+  stack_overflown,
+  memory_gone,
+  // Of the world around.
+  disk_full,
+  line_noisy
 };
 std::string name_of(Mishap mishap);
 
@@ -28,16 +44,27 @@ class Drill : public ProgramTest {
   Drill();
 
   /// Runs `thermorig COMMAND...` with the rig, the environment and a plan of two legs of so many frames; in
-  /// the first leg the mishap happens. The ports are stopped afterwards.
+  /// the first leg the mishap happens. The ports are stopped afterwards. While this computer keeps everybody
+  /// waiting for longer than the servo waits for an answer, nothing but the servo's rest and limits can be
+  /// judged: such a run is void and another one takes its place, at most three times; the last one counts.
   Outcome suffer(const std::vector<std::string>& command, Mishap mishap, int frames_per_leg);
 
   /// In its own time, 300 ms after the last byte that it received before `mishap` took its commands away, the
-  /// servo turns by less than 1 deg/s, and it moved before.
+  /// servo turns by less than 1 deg/s, and it moved before. This and the next two print "drill: ..." with the
+  /// time that it took.
   void expect_rest(Mishap mishap) const;
 
   /// In its own time, 300 ms after the port was gone that `suffer` unplugged, the servo turns by less than
   /// 1 deg/s to the end, and it moved before.
   void expect_rest_at_once() const;
+
+  /// In its own time, 300 ms after the mishap that ended the program, the servo turns by less than 1 deg/s to
+  /// the end, and it moved before.
+  void expect_rest_after_the_end() const;
+
+  /// From the first pulse to the last no pulse asked for an angle or, from one to the next, for a speed
+  /// beyond the profile's limits.
+  void expect_within_limits() const;
 
   /// Every byte of each device in the session lies in one piece in what was delivered to the program, and but
   /// for what it could not read any more nothing is missing behind it.
@@ -45,14 +72,21 @@ class Drill : public ProgramTest {
 
   session::Session only_session() const;
 
-  ServedRig rig_{3, "garden"};
+  std::optional<ServedRig> rig_;
 
  private:
+  void make_rig();
+  Outcome suffer_once(const std::vector<std::string>& command, Mishap mishap, int frames_per_leg);
+  void expect_rest_in_the_end() const;
   void wait_until(const std::function<bool()>& happened) const;
   void strike(Mishap mishap, pid_t process);
   void unplug(Device device);
+  void print_rest(std::int64_t from_us, std::int64_t until_us) const;
 
+  std::string command_;
+  Mishap mishap_{};
   std::int64_t unplugged_us_ = 0;  // of the micro-controller
+  std::int64_t struck_us_ = 0;     // 0: the program ended before
 };
 
 }  // namespace thermorig::tests

@@ -139,6 +139,11 @@ TEST(SweepPlan, UnknownNameSaysWhatThereIs) {
   EXPECT_THAT(refusal([] { load_plan("papyrus", "kitchen", 1); }), HasSubstr("paper, table-one, quick"));
 }
 
+TEST(SweepPlan, ThatIsNoUtf8IsRefusedBeforeItIsRead) {
+  for (const char* text : {"'\xCA'\xCA", "name = \"\xFF\"\n"})
+    EXPECT_THAT(refusal([&] { parse_plan(text, "mine.toml", 1); }), HasSubstr("not UTF-8"));
+}
+
 TEST(PlanCheck, AcceptsTheBuiltInPlansOnTheDefaultRig) {
   for (const std::string& name : built_in_plan_names())
     EXPECT_NO_THROW(check_plan(load_plan(name, "garden", 1), ServoProfile{}, CameraProfile{})) << name;

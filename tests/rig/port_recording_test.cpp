@@ -24,7 +24,7 @@ class Ports : public ::testing::Test {
     ports_.start();
     options_.recording = recording_options(folder_, simulation::default_profile(), plan());
     options_.recording.virtual_time = false;
-    options_.recording.sync_while_recording = true;
+    options_.recording.sync.when = SyncWhen::period;
     for (const Device device : all_devices)
       options_.recording.profile.link(device).port = ports_.paths()[device];
     options_.progress_period = std::chrono::milliseconds(50);

@@ -3,6 +3,8 @@
 
 #include <unistd.h>
 
+#include <algorithm>
+
 #include "thermorig/journal/journal.h"
 #include "thermorig/rig/finalise.h"
 
@@ -14,13 +16,36 @@ SimulatedBus::SimulatedBus(const simulation::VirtualRigConfig& config)
 void SimulatedBus::send(Device to, std::span<const std::uint8_t> bytes, HostTime now) {
   std::vector<std::uint8_t> sent(bytes.begin(), bytes.end());
   if (to == Device::servo && to_servo) sent = to_servo(std::move(sent), now);
+  if (is_unplugged(to, now)) return;
   if (!sent.empty()) rig.send(to, sent, now);
 }
 
 std::vector<Chunk> SimulatedBus::advance(HostTime until) {
   std::vector<Chunk> chunks = rig.advance(until);
   if (is_cut) std::erase_if(chunks, [&](const Chunk& chunk) { return is_cut(chunk.device, chunk.arrived); });
+  std::erase_if(chunks, [&](const Chunk& chunk) { return is_unplugged(chunk.device, chunk.arrived); });
+  for (Chunk& chunk : chunks)
+    if (const Damage& damage = from_device[index_of(chunk.device)])
+      chunk.bytes = damage(std::move(chunk.bytes), chunk.arrived);
+  std::erase_if(chunks, [](const Chunk& chunk) { return chunk.bytes.empty(); });
+  now_ = until;
   return chunks;
+}
+
+bool SimulatedBus::is_unplugged(Device device, HostTime time) const {
+  return std::any_of(unplugged.begin(), unplugged.end(), [&](const simulation::Outage& outage) {
+    return outage.device == device && outage.begin <= time && time < outage.end;
+  });
+}
+
+std::vector<PortChange> SimulatedBus::take_changes() {
+  std::vector<PortChange> changes;
+  for (const Device device : all_devices) {
+    const bool is_gone = is_unplugged(device, now_);
+    if (is_gone != was_unplugged_[device]) changes.push_back({device, !is_gone});
+    was_unplugged_[device] = is_gone;
+  }
+  return changes;
 }
 
 TemporaryFolder::TemporaryFolder() {
@@ -53,7 +78,7 @@ RecordingOptions recording_options(const TemporaryFolder& folder, const RigProfi
   options.simulation = "virtual time, firmware's host build";
   options.creator = "thermorig test";
   options.virtual_time = true;
-  options.sync_while_recording = false;
+  options.sync.when = SyncWhen::end;
   return options;
 }
 

@@ -20,10 +20,18 @@ class SimulatedBus : public DeviceBus {
   explicit SimulatedBus(const simulation::VirtualRigConfig& config);
   void send(Device to, std::span<const std::uint8_t> bytes, HostTime now) override;
   std::vector<Chunk> advance(HostTime until) override;
+  std::vector<PortChange> take_changes() override;
 
   Damage to_servo;                               // what becomes of bytes to the servo
   std::function<bool(Device, HostTime)> is_cut;  // chunks that never arrive
+  std::vector<simulation::Outage> unplugged;     // neither way, and the port hangs up
+  Damage from_device[3];                         // what becomes of bytes of each device
   simulation::VirtualRig rig;
+
+ private:
+  bool is_unplugged(Device device, HostTime time) const;
+  HostTime now_{};
+  PerDevice<bool> was_unplugged_{};
 };
 
 /// A folder of its own for each test, gone afterwards.

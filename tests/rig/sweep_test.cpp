@@ -147,6 +147,21 @@ TEST(Sweep, RunsTwiceTheSameInVirtualTime) {
   EXPECT_EQ(raws[0].sent.time_ns, raws[1].sent.time_ns);
 }
 
+TEST(Sweep, ThatRepeatsEndsWhereTheNumbersOfLegsEnd) {
+  const TemporaryFolder folder;
+  SimulatedBus bus(simulation::default_rig(3, "kitchen"));
+  SweepPlan plan = short_plan();
+  plan.repeat = true;
+  plan.last_leg = 6;  // in the middle of the second round
+  const DrivenRun run = run_to_journal(bus, recording_options(folder, simulation::default_profile(), plan),
+                                       {.stop_at_s = 120.0});
+  ASSERT_FALSE(run.failure) << run.failure->what();
+  EXPECT_FALSE(run.stopped);
+  ASSERT_EQ(run.raw.legs.size(), 6U);
+  for (std::size_t i = 0; i < run.raw.legs.size(); ++i) EXPECT_EQ(run.raw.legs[i].leg, i + 1);
+  EXPECT_TRUE(has_event(run.raw, EventKind::finished));
+}
+
 TEST(Sweep, DrivesALegAgainAfterTheWatchdogTripped) {
   const TemporaryFolder folder;
   SimulatedBus bus(simulation::default_rig(6, "kitchen"));

@@ -2,6 +2,7 @@
 #include <gmock/gmock.h>
 
 #include <limits>
+#include <nlohmann/json.hpp>
 
 #include "synthetic_session.h"
 #include "thermorig/core/error.h"
@@ -67,6 +68,31 @@ TEST(Header, WithTimesBeyondAnyClockIsRefused) {
   refused([](RigProfile& rig) { rig.camera.output_rate_hz = 1e-300; });
   refused([](RigProfile& rig) { rig.gyro.output_rate_hz = 1e18; });
   refused([](RigProfile& rig) { rig.servo.settle_s = 1e20; });
+}
+
+TEST(Header, WithANumberThatIsNoneOfItsKindIsRefused) {
+  const nlohmann::json sound = nlohmann::json::parse(header_to_json_text(sound_header()));
+  const auto refused = [&](const char* where, const nlohmann::json& number) {
+    nlohmann::json changed = sound;
+    changed[nlohmann::json::json_pointer(where)] = number;
+    try {
+      header_from_json_text(changed.dump(), "test");
+      ADD_FAILURE() << where << " " << number;
+    } catch (const Error& error) {
+      EXPECT_EQ(error.code(), ExitCode::not_a_session);
+    }
+  };
+  for (const char* where : {"/acquisition", "/frames_per_leg", "/profile/gyro/sign",
+                            "/profile/gyro/text/rate/1", "/profile/camera/link/baud"}) {
+    refused(where, 3.3e21);
+    refused(where, 1.5);
+    refused(where, 1LL << 32U);
+    refused(where, "1");
+  }
+  refused("/simulation_seed", -1);
+  refused("/time_reference", 9.3e18);
+  refused("/time_reference", std::numeric_limits<std::uint64_t>::max());
+  EXPECT_NO_THROW(header_from_json_text(sound.dump(), "test"));
 }
 
 }  // namespace

@@ -86,6 +86,37 @@ TEST(Verdict, IsUsableWhenASpeedHasNoValidFrame) {
   EXPECT_THAT(quality.verdict_reasons, testing::Contains("1 of 3 speeds have no valid frame"));
 }
 
+TEST(Verdict, IsUsableWhenFewerThanHalfOfTheFramesAreValid) {
+  Session session = clean_session(150);
+  for (std::size_t i = 0; i < session.samples.size(); ++i)
+    session.samples[i].valid = session.samples[i].valid && i % 3 == 0;
+  const Quality quality = quality_of(session);
+  EXPECT_EQ(quality.verdict, "usable");
+  EXPECT_THAT(quality.verdict_reasons,
+              testing::Contains(testing::HasSubstr("of 150 frames within legs are valid")));
+}
+
+TEST(Verdict, QuotesTheFirstOfReasonsWithoutADuration) {
+  Session session = clean_session(60);
+  session.sync.clock[Device::servo].epochs = {{host_time_ns(1), ""},
+                                              {host_time_ns(2), "the board was reset"},
+                                              {host_time_ns(3), "it was reset again"}};
+  EXPECT_THAT(quality_of(session).verdict_reasons,
+              testing::Contains("the clock of the servo began anew 2 times, most: the board was reset"));
+}
+
+TEST(Quality, FramesThatACameraDidNotSendWhileItWasAwaitedAreNotLost) {
+  Session session = clean_session(150);
+  session.frames[50].missing_before = 3;
+  EXPECT_EQ(quality_of(session).stream[Device::camera].lost, 3U);
+  const RecordingEvent lost{session.frames[49].stamp.arrival, EventKind::device_lost, Device::camera,
+                            "unplugged"};
+  session.raw.events.push_back(lost);
+  EXPECT_EQ(quality_of(session).stream[Device::camera].lost, 0U);
+  session.raw.events.back().source = Device::gyro;  // another device's absence does not excuse them
+  EXPECT_EQ(quality_of(session).stream[Device::camera].lost, 3U);
+}
+
 TEST(Verdict, IsUsableWhenRecoveredOrADeviceWasLost) {
   Session session = clean_session(60);
   session.state = State::recovered;

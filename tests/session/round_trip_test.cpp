@@ -9,6 +9,7 @@
 
 #include "../../src/session/session_image.h"
 #include "equality.h"
+#include "leave.h"
 #include "synthetic_session.h"
 #include "temporary_folder.h"
 #include "thermorig/core/error.h"
@@ -130,7 +131,7 @@ TEST_F(SessionFile, AFolderThatIsNotWritableIsAStorageErrorWithAdvice) {
   fs::permissions(folder_, fs::perms::owner_read | fs::perms::owner_exec | fs::perms::others_read |
                                fs::perms::others_exec);
   const pid_t child = ::fork();
-  if (child == 0) ::_exit(write_as_nobody(path()));
+  if (child == 0) ::_exit(write_as_nobody(path()));  // who may write no counts of lines either
   int status = 0;
   ASSERT_EQ(::waitpid(child, &status, 0), child);
   fs::permissions(folder_, fs::perms::owner_all);
@@ -153,7 +154,7 @@ int write_to_full_disk(const fs::path& path) {
 
 TEST_F(SessionFile, AFullDiskIsAStorageErrorAndLeavesNoFile) {
   const pid_t child = ::fork();
-  if (child == 0) ::_exit(write_to_full_disk(path()));
+  if (child == 0) leave(write_to_full_disk(path()));
   int status = 0;
   ASSERT_EQ(::waitpid(child, &status, 0), child);
   ASSERT_TRUE(WIFEXITED(status));
@@ -163,20 +164,28 @@ TEST_F(SessionFile, AFullDiskIsAStorageErrorAndLeavesNoFile) {
 
 TEST_F(SessionFile, DoesNotDependOnTheNumberOfThreadsOrOnTheTimeOfDay) {
   const Session session = synthetic_session(150);
-  const auto one = build_image(session, 1).bytes;
-  EXPECT_TRUE(one == build_image(session, 7).bytes);
-  EXPECT_TRUE(one == build_image(session, 2).bytes);
+  const auto bytes_with = [&](unsigned threads) {
+    const SessionImage image = build_image(session, threads);
+    return std::vector<std::byte>(image.bytes.begin(), image.bytes.end());
+  };
+  const auto one = bytes_with(1);
+  EXPECT_TRUE(one == bytes_with(7));
+  EXPECT_TRUE(one == bytes_with(2));
 }
 
 TEST_F(SessionFile, ChecksWhatItWroteAgainstWhatWasMeant) {
-  const SessionImage image = build_image(synthetic_session(150), 2);
-  std::vector<char> bytes(image.bytes.size());
-  std::memcpy(bytes.data(), image.bytes.data(), bytes.size());
-  write_file(path(), bytes);
-  EXPECT_NO_THROW(check_written(path().string(), image.datasets));
-  bytes[bytes.size() / 2] = static_cast<char>(bytes[bytes.size() / 2] ^ 1);  // amid the raw chunks
-  write_file(path(), bytes);
-  EXPECT_THROW(check_written(path().string(), image.datasets), std::runtime_error);
+  SessionImage image = build_image(synthetic_session(150), 2);
+  std::vector<std::byte> written(image.bytes.begin(), image.bytes.end());
+  image.release();
+  EXPECT_NO_THROW(check_written(written, image));
+  const std::size_t step = written.size() / 97;
+  for (std::size_t at = 0; at < written.size(); at += step) {
+    written[at] ^= std::byte{1};
+    EXPECT_THROW(check_written(written, image), std::runtime_error) << at;
+    written[at] ^= std::byte{1};
+  }
+  image.datasets.front().rows += 1;
+  EXPECT_THROW(check_written(written, image), std::runtime_error);
 }
 
 }  // namespace

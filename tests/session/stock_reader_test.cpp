@@ -2,11 +2,10 @@
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 
-#include <array>
-#include <cstdio>
 #include <limits>
 
 #include "equality.h"
+#include "support/other_program.h"
 #include "synthetic_session.h"
 #include "temporary_folder.h"
 #include "thermorig/session/session.h"
@@ -14,64 +13,66 @@
 namespace thermorig::session {
 namespace {
 
-struct Output {
-  std::string text;
-  int status = -1;
-};
-
-Output run(const std::string& command) {
-  Output output;
-  FILE* pipe = ::popen((command + " 2>&1").c_str(), "r");
-  if (pipe == nullptr) return output;
-  std::array<char, 4096> buffer{};
-  while (const std::size_t count = std::fread(buffer.data(), 1, buffer.size(), pipe))
-    output.text.append(buffer.data(), count);
-  output.status = ::pclose(pipe);
-  return output;
-}
-
-/// Debian's Python with its h5py: another program than ours, with the stock filters.
+/// Sessions as h5py sees them.
 class StockReader : public InTemporaryFolder {
  protected:
   void SetUp() override {
     InTemporaryFolder::SetUp();
-    if (run("/usr/bin/python3 -c 'import h5py'").status != 0)
+    if (!tests::python_has("h5py"))
       GTEST_SKIP() << "needs /usr/bin/python3 with h5py: apt-get install python3-h5py";
   }
 
-  static Output check(const std::string& arguments) {
-    return run(
-        fmt::format("/usr/bin/python3 {}/tests/session/check_schema.py {}", THERMORIG_SOURCE_DIR, arguments));
+  static tests::Printed check(const std::string& arguments) {
+    return tests::run_script("session/check_schema.py " + arguments);
   }
 };
 
 TEST_F(StockReader, FindsNamesUnitsScalesFiltersAndValues) {
   write_session(path(), synthetic_session(150));
-  const Output output = check(path().string() + " 150");
-  EXPECT_EQ(output.status, 0) << output.text;
+  const tests::Printed output = check(path().string() + " 150");
+  EXPECT_EQ(output.code, 0) << output.text;
 }
 
 TEST_F(StockReader, FindsTheRowsOfALiveRun) {
   write_session(path(), synthetic_live_session(150));
-  const Output output = check(path().string() + " 150");
-  EXPECT_EQ(output.status, 0) << output.text;
+  const tests::Printed output = check(path().string() + " 150");
+  EXPECT_EQ(output.code, 0) << output.text;
 }
 
 TEST_F(StockReader, ReadsASessionInWhichNothingCame) {
   write_session(path(), synthetic_session(0));
-  const Output output = check(path().string() + " 0");
-  EXPECT_EQ(output.status, 0) << output.text;
+  const tests::Printed output = check(path().string() + " 0");
+  EXPECT_EQ(output.code, 0) << output.text;
 }
 
 TEST_F(StockReader, FindsEqualDatasetsInTwoFilesOfOneSession) {
   write_session(path("a.h5"), synthetic_session(100));
   write_session(path("b.h5"), synthetic_session(100));
-  const Output first = check("--digest " + path("a.h5").string());
-  EXPECT_EQ(first.status, 0);
+  const tests::Printed first = check("--digest " + path("a.h5").string());
+  EXPECT_EQ(first.code, 0);
   EXPECT_THAT(first.text, testing::HasSubstr("/samples/rate_label "));
   EXPECT_EQ(first.text, check("--digest " + path("b.h5").string()).text);
   write_session(path("c.h5"), synthetic_session(100, 2));
   EXPECT_NE(first.text, check("--digest " + path("c.h5").string()).text);
+}
+
+TEST_F(StockReader, FindsHowHardTheSceneIsAndWhichChecksumsWereAsked) {
+  const std::string source = fmt::format(
+      "import h5py; f = h5py.File(\"{}\"); a = []; "
+      "f.visititems(lambda n, o: a.extend(str(v) for k, v in o.attrs.items() if k in (\"difficulty\", "
+      "\"checksum_policy\"))); print(sorted(a))",
+      path().string());
+  const auto attributes = [&](const char* environment, ChecksumPolicy policy) {
+    Session session = synthetic_session(3);
+    session.raw.header.environment = environment;
+    session.raw.header.profile.camera.checksum = policy;
+    replace_session(path(), session);
+    return tests::run_python(source).text;
+  };
+  EXPECT_EQ(attributes("laboratory", ChecksumPolicy::word), "['low', 'word']\n");
+  EXPECT_EQ(attributes("kitchen", ChecksumPolicy::byte), "['byte', 'medium']\n");
+  EXPECT_EQ(attributes("garden", ChecksumPolicy::ignore), "['high', 'ignore']\n");
+  EXPECT_EQ(attributes("cellar", ChecksumPolicy::word), "['unknown', 'word']\n");
 }
 
 /// The session as format 1.0.0 held it.
@@ -97,9 +98,8 @@ Session without_what_is_new(Session session) {
 TEST_F(StockReader, SessionsOfFormat1_0AreStillRead) {
   const Session session = synthetic_session(70);
   write_session(path(), session);
-  const Output output = run(fmt::format("/usr/bin/python3 {}/tests/session/as_format_1_0.py {}",
-                                        THERMORIG_SOURCE_DIR, path().string()));
-  ASSERT_EQ(output.status, 0) << output.text;
+  const tests::Printed output = tests::run_script("session/as_format_1_0.py " + path().string());
+  ASSERT_EQ(output.code, 0) << output.text;
   const Session read = read_session(path());
   EXPECT_EQ(difference(without_what_is_new(session), read), "");
   EXPECT_EQ(difference(session.raw, read_raw(path())), "");

@@ -134,5 +134,16 @@ TEST(LinkTiming, ForgetsChunksOutOfWhichNoMessageEverCame) {
   EXPECT_EQ(timing.stamp({0, 100}).arrival, at_ms(50));  // the oldest that is still known
 }
 
+TEST(LinkTiming, HoldsNoMessageAfterAnAbsenceAgainstChunksBeforeIt) {
+  LinkTiming timing = link();
+  timing.chunk(100, at_ms(100));
+  timing.stamp({0, 100});
+  timing.restart();
+  timing.chunk(150, at_ms(5000));
+  const auto stamp = timing.stamp({100, 150});
+  EXPECT_EQ(stamp.arrival, at_ms(5000));
+  EXPECT_NEAR(ms(stamp.time), 4995.0, 1e-6);
+}
+
 }  // namespace
 }  // namespace thermorig::timing

@@ -56,5 +56,18 @@ TEST(McuTime, ToleratesTelemetryThatComesInOneGo) {
   EXPECT_EQ(time.unwrap(1'500'000, at_s(10)), 1'500'000);  // read late, with the one before
 }
 
+TEST(McuTime, JumpsByMoreThanAWrapOverAnAbsence) {
+  McuTime time;
+  time.restart();  // nothing was seen before
+  EXPECT_EQ(time.unwrap(1'000'000, at_s(10)), 1'000'000);
+  time.restart();
+  constexpr std::int64_t wrap = 1LL << 32U;
+  const std::int64_t after = time.unwrap(1'500'000, at_s(10.5));  // as if it had gone on all the time
+  EXPECT_EQ(after, 2 * wrap + 1'500'000);
+  EXPECT_EQ(time.unwrap(1'600'000, at_s(10.6)), after + 100'000);
+  time.restart();
+  EXPECT_GT(time.unwrap(0, at_s(20)), after + wrap);
+}
+
 }  // namespace
 }  // namespace thermorig::timing

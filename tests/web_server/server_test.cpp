@@ -399,6 +399,7 @@ TEST_F(RestartedServer, IsRefusedIfItsPortIsInUse) {
     EXPECT_EQ(error.code(), ExitCode::no_permission);
     EXPECT_THAT(error.what_happened(), HasSubstr("in use"));
     EXPECT_THAT(error.advice(), HasSubstr("--page-port"));
+    EXPECT_THAT(error.advice(), HasSubstr("'sport = :" + std::to_string(first->port()) + "'"));
   }
   EXPECT_EQ(state(), kept);
 }

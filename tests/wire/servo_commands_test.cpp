@@ -49,6 +49,28 @@ TEST(ServoTexts, TellEventsInWords) {
   EXPECT_EQ(wire::event_text({.kind = 77, .detail = 3}), "unknown event 77 (detail 3)");
 }
 
+TEST(ServoTexts, NameEveryCauseOfAReset) {
+  const auto reset = [](std::uint16_t cause) {
+    return wire::event_text({.kind = SERVO_EVENT_RESET, .detail = cause});
+  };
+  EXPECT_EQ(reset(0x01), "the servo's controller was reset (power-on)");
+  EXPECT_EQ(reset(0x0F), "the servo's controller was reset (power-on, reset pin, brown-out, hung firmware)");
+  EXPECT_EQ(reset(0x80), "the servo's controller was reset (unknown cause 128)");
+}
+
+TEST(ServoTexts, NameEveryFaultAndTheEndsOfALeg) {
+  const auto fault = [](std::uint16_t number) {
+    return wire::event_text({.kind = SERVO_EVENT_FAULT, .detail = number});
+  };
+  EXPECT_EQ(fault(SERVO_FAULT_NONE), "no fault");
+  EXPECT_EQ(fault(SERVO_FAULT_STOP_BYTE), "stopped by a stop byte");
+  EXPECT_EQ(fault(SERVO_FAULT_LIMIT), "an angle limit was reached");
+  EXPECT_EQ(fault(SERVO_FAULT_BAD_FRAMES), "three damaged frames in a row");
+  EXPECT_EQ(fault(99), "unknown fault 99");
+  EXPECT_EQ(wire::event_text({.kind = SERVO_EVENT_LEG_START, .detail = 4}), "leg 4: commanded speed reached");
+  EXPECT_EQ(wire::event_text({.kind = SERVO_EVENT_LEG_END, .detail = 4}), "leg 4: motion ended");
+}
+
 TEST(ServoTexts, DifferForEveryReasonAndCommand) {
   std::vector<std::string> texts;
   for (std::uint8_t reason = SERVO_REASON_UNKNOWN_TYPE; reason <= SERVO_REASON_BAD_VALUE; ++reason)

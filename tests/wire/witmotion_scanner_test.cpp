@@ -197,5 +197,19 @@ TEST(GyroScanner, ReadsTheProtocolThatTheProfileNames) {
   EXPECT_EQ(text.counters().messages, 2U);
 }
 
+TEST(GyroScanner, ReadsWhatTheProfileNames) {
+  const auto scan =
+      scan_any_chunking<GyroMessage>(wire::GyroScanner(GyroProfile{.protocol = GyroProtocol::witmotion}),
+                                     numbered_packets(1, 5), Stream::ends);
+  EXPECT_EQ(numbers_of(scan), (std::vector<int>{1, 2, 3, 4, 5}));
+  EXPECT_EQ(scan.counters, scan_witmotion(numbered_packets(1, 5), Stream::ends).counters);
+  const std::string lines = "1,2,3\n4,5,6\n7,8,9\n";
+  const GyroProfile text{.protocol = GyroProtocol::text};
+  const auto read = scan_any_chunking<GyroMessage>(wire::GyroScanner(text, wire::StreamStart::at_line_start),
+                                                   ByteVector(lines.begin(), lines.end()), Stream::ends);
+  EXPECT_EQ(read.messages.size(), 3U);
+  EXPECT_EQ(read.counters.bytes_in_messages, lines.size());
+}
+
 }  // namespace
 }  // namespace thermorig::test

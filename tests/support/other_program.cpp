@@ -21,12 +21,15 @@ Printed run_other(const std::string& command) {
 }
 
 Printed run_script(const std::string& name_and_arguments) {
-  return run_other(std::string("/usr/bin/python3 ") + THERMORIG_SOURCE_DIR + "/tests/acceptance/" +
-                   name_and_arguments);
+  return run_other(std::string("/usr/bin/python3 ") + THERMORIG_SOURCE_DIR + "/tests/" + name_and_arguments);
+}
+
+Printed run_python(const std::string& source) {
+  return run_other("/usr/bin/python3 -c '" + source + "'");
 }
 
 bool python_has(const std::string& modules) {
-  return run_other("/usr/bin/python3 -c 'import " + modules + "'").code == 0;
+  return run_python("import " + modules).code == 0;
 }
 
 }  // namespace thermorig::tests

@@ -12,8 +12,11 @@ struct Printed {
 };
 Printed run_other(const std::string& command);
 
-/// A script of this folder, run by Debian's Python.
+/// A script of tests/, named from there, run by Debian's Python: "session/falsify.py FILE".
 Printed run_script(const std::string& name_and_arguments);
+
+/// A line of Python, without single quotes.
+Printed run_python(const std::string& source);
 
 /// Whether Debian's Python has these modules: "h5py, xarray".
 bool python_has(const std::string& modules);

@@ -1,0 +1,125 @@
+// SPDX-License-Identifier: MIT
+#include "live_tui.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <array>
+#include <chrono>
+#include <cmath>
+#include <limits>
+#include <string>
+#include <thread>
+
+namespace thermorig::app {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+constexpr float nan = std::numeric_limits<float>::quiet_NaN();
+
+/// A screen whose terminal is a pipe.
+class LiveTui : public ::testing::Test {
+ protected:
+  LiveTui() {
+    EXPECT_EQ(pipe(ends_.data()), 0);
+    output_ = std::make_unique<OutputWriter>(OutputOptions{.descriptor = ends_[1], .waits = true});
+    screen_ = make_live_tui(*output_, Colours::cube);
+    progress_.sweep.phase = rig::SweepPhase::leg;
+    progress_.sweep.leg = 3;
+    progress_.sweep.leg_count = 8;
+    row_.rate_commanded_dps = 90.0F;
+    row_.rate_gyro_dps = 94.5F;
+    row_.rate_thermal_dps = 88.0F;
+    row_.rate_fusion_dps = 91.0F;
+    row_.gain = 0.25F;
+    row_.counted = true;
+    sample_.valid = true;
+    frame_.frame.temp_c.fill(22.0F);
+  }
+  ~LiveTui() override {
+    output_.reset();
+    for (const int end : ends_) close(end);
+  }
+
+  /// What a frame draws after such progress; less than a pipe holds.
+  std::string drawn() {
+    screen_->state(progress_);
+    std::this_thread::sleep_for(std::chrono::milliseconds(110));  // a picture each 100 ms at most
+    screen_->frame(
+        {.frame = frame_, .sample = sample_, .row = row_, .scores = scores_, .inference_us = 90.0});
+    std::string text;
+    std::array<char, 4096> part{};
+    while (text.find(" us\n") == std::string::npos) {
+      const ssize_t count = read(ends_[0], part.data(), part.size());
+      if (count <= 0) break;
+      text.append(part.data(), static_cast<std::size_t>(count));
+    }
+    return text;
+  }
+
+  std::array<int, 2> ends_{-1, -1};
+  std::unique_ptr<OutputWriter> output_;
+  std::unique_ptr<LiveScreen> screen_;
+  rig::RecordingProgress progress_;
+  TimedFrame frame_;
+  LabelledSample sample_;
+  LiveEstimate row_;
+  live::LiveScores scores_;
+};
+
+TEST_F(LiveTui, ShowsTheLegAndAllRatesWithTheirErrors) {
+  const std::string text = drawn();
+  EXPECT_THAT(text, HasSubstr("leg 3 of 8"));
+  EXPECT_THAT(text, HasSubstr("servo      +90.0 deg/s\n"));
+  EXPECT_THAT(text, HasSubstr("gyro       +94.5  error    +4.5"));
+  EXPECT_THAT(text, HasSubstr("thermal    +88.0  error    -2.0"));
+  EXPECT_THAT(text, HasSubstr("fusion     +91.0  error    +1.0"));
+  EXPECT_THAT(text, HasSubstr("Kg 0.25"));
+  EXPECT_THAT(text, Not(HasSubstr("waiting for")));
+  EXPECT_THAT(text, Not(HasSubstr("apart: ")));
+}
+
+TEST_F(LiveTui, SaysWhatIsWaitedForAndForHowLong) {
+  progress_.awaited[Device::servo] = rig::AwaitedDevice{.why = "unplugged", .waited_s = 48.0, .left_s = 12.0};
+  EXPECT_THAT(drawn(), HasSubstr(", waiting for the servo (12.0 s left)"));
+  progress_.awaited[Device::servo].reset();
+  EXPECT_THAT(drawn(), Not(HasSubstr("waiting for"))) << "it is back";
+}
+
+TEST_F(LiveTui, SaysWhatIsGoneAndWhatIsThereforeUnknown) {
+  progress_.gone[Device::gyro] = true;
+  row_.rate_gyro_dps = row_.rate_fusion_dps = row_.gain = nan;
+  const std::string text = drawn();
+  EXPECT_THAT(text, HasSubstr(", no gyro"));
+  EXPECT_THAT(text, Not(HasSubstr("no camera")));
+  EXPECT_THAT(text, HasSubstr("gyro           -  error       -"));
+  EXPECT_THAT(text, HasSubstr("fusion         -  error       -"));
+  EXPECT_THAT(text, HasSubstr("Kg -"));
+}
+
+TEST_F(LiveTui, SaysWhyAFrameIsApart) {
+  row_.counted = false;
+  EXPECT_THAT(drawn(), HasSubstr("  apart: ")) << "its window begins in another run";
+}
+
+TEST_F(LiveTui, DrawsOverThePictureBefore) {
+  const std::string first = drawn();
+  EXPECT_THAT(first, Not(HasSubstr("A\x1b[J")));
+  const auto lines = std::count(first.begin(), first.end(), '\n');
+  EXPECT_THAT(drawn(), HasSubstr("\x1b[" + std::to_string(lines) + "A\x1b[J"));
+}
+
+TEST_F(LiveTui, KeepsANoteAboveThePicture) {
+  drawn();
+  screen_->note("the servo's watchdog tripped\x1b[2J");
+  const std::string text = drawn();
+  EXPECT_THAT(text, HasSubstr("the servo's watchdog tripped[2J\n"));
+  EXPECT_LT(text.find("watchdog"), text.find("servo  "));
+  EXPECT_EQ(text.find("A\x1b[J", text.find("watchdog")), std::string::npos) << "it is not drawn over";
+}
+
+}  // namespace
+}  // namespace thermorig::app

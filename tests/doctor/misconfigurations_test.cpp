@@ -1,0 +1,498 @@
+// SPDX-License-Identifier: MIT
+// Rigs and machines that are wrong in one way each: doctor or the gate names what is wrong.
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <functional>
+#include <memory>
+#include <utility>
+
+#include "made_host.h"
+#include "rig/simulated_bus.h"
+#include "servo_link.h"
+#include "storage/memory_disk.h"
+#include "thermorig/core/frame.h"
+#include "thermorig/doctor/checks.h"
+#include "thermorig/wire/device_bytes.h"
+#include "thermorig/wire/reset_cause.h"
+
+namespace thermorig::doctor::test {
+namespace {
+
+using rig::test::SimulatedBus;
+
+/// Something that is wrong, and what must be said of it.
+struct Misconfiguration {
+  std::string name;
+  std::function<std::vector<Check>()> look;
+  std::string check;  // the one that must not be ok
+  std::string says;   // a part of its result
+  std::string advises;
+  std::optional<ExitCode> code;  // none: a warning
+};
+
+// ---- the machine --------------------------------------------------------------------------------------
+
+std::vector<Check> host_with(const std::function<void(const MadeHost&)>& wrong) {
+  const MadeHost host;
+  wrong(host);
+  return judge_host(host.facts());
+}
+
+const std::string user_outside = "root:x:0:\ndialout:x:20:\n";
+
+void take_group_away(const MadeHost& host) {
+  host.write("/proc/self/status",
+             "Uid:\t77777\t77777\t77777\t77777\nGid:\t1000\t1000\t1000\t1000\nGroups:\t1000 \n");
+  host.write("/etc/passwd", "anna:x:77777:1000::/home/anna:/bin/sh\n");
+}
+
+std::vector<Misconfiguration> wrong_machines() {
+  return {
+      {"no permission for the port",
+       [] {
+         return host_with([](const MadeHost& host) {
+           take_group_away(host);
+           host.write("/etc/group", user_outside);
+           std::filesystem::permissions(host.root() / "dev/ttyUSB0", std::filesystem::perms(0600));
+         });
+       },
+       "camera port", "may not be opened", "usermod -aG dialout anna", ExitCode::no_permission},
+      {"put into the group, not logged in again", [] { return host_with(take_group_away); }, "user",
+       "does not know it yet", "log out and in again", std::nullopt},
+      {"another program holds the port",
+       [] {
+         return host_with([](const MadeHost& host) {
+           host.write("/proc/4711/comm", "screen\n");
+           host.link("/proc/4711/fd/5", "/dev/ttyUSB0");
+         });
+       },
+       "camera port", "process 4711 (screen)", "stop that program", ExitCode::no_permission},
+      {"the port is not there",
+       [] { return host_with([](const MadeHost& host) { host.remove("/dev/ttyUSB1"); }); }, "gyro port",
+       "/dev/ttyUSB1 is not there", "USB cable", ExitCode::device_missing},
+      {"brltty's rule is installed",
+       [] {
+         return host_with([](const MadeHost& host) {
+           host.write(
+               "/usr/lib/udev/rules.d/85-brltty.rules",
+               "# 10C4:EA60 is only named here\n"
+               "ENV{PRODUCT}==\"1a86/7523/*\", ENV{BRLTTY_BRAILLE_DRIVER}=\"bm\", GOTO=\"brltty_usb_run\"\n");
+         });
+       },
+       "brltty", "1a86:7523", "85-brltty.rules", std::nullopt},
+      {"brltty has taken the adapter",
+       [] {
+         return host_with([](const MadeHost& host) {
+           host.write("/lib/udev/rules.d/85-brltty.rules",
+                      "ATTR{idVendor}==\"10C4\", ATTR{idProduct}==\"EA60\", RUN+=\"brltty\"\n");
+           host.plug_in("", "1-5", "10c4:ea60", "");
+           host.remove("/dev/ttyUSB1");
+         });
+       },
+       "brltty", "10c4:ea60 is plugged in and has no port", "apt remove brltty", ExitCode::device_missing},
+      {"ModemManager runs",
+       [] { return host_with([](const MadeHost& host) { host.write("/proc/801/comm", "ModemManager\n"); }); },
+       "ModemManager", "it runs", "ID_MM_PORT_IGNORE", std::nullopt},
+      {"a port that nobody asked for is held",
+       [] {
+         const MadeHost host;
+         host.write("/proc/4711/comm", "screen\n");
+         host.link("/proc/4711/fd/5", "/dev/ttyUSB0");
+         return judge_host(look_at_host(host.root(), {}));
+       },
+       "/dev/ttyUSB0", "process 4711 (screen)", "stop that program", std::nullopt},
+      {"USB autosuspend",
+       [] {
+         return host_with([](const MadeHost& host) {
+           host.write("/sys/devices/usb1/1-4.1/power/control", "auto\n");
+           host.write("/sys/devices/usb1/1-4.1/power/autosuspend_delay_ms", "2000\n");
+         });
+       },
+       "camera port power", "autosuspend", "sudo tee /sys/devices/usb1/1-4.1/power/control", std::nullopt},
+      {"the clock is jiffies",
+       [] {
+         return host_with([](const MadeHost& host) {
+           host.write("/sys/devices/system/clocksource/clocksource0/current_clocksource", "jiffies\n");
+         });
+       },
+       "clock", "jiffies", "clocksource=", ExitCode::failed},
+      {"the processor is kept slow",
+       [] {
+         return host_with([](const MadeHost& host) {
+           host.write("/sys/devices/system/cpu/cpu0/cpufreq/scaling_governor", "powersave\n");
+           host.write("/sys/devices/system/cpu/cpu0/cpufreq/scaling_driver", "acpi-cpufreq\n");
+         });
+       },
+       "processor", "powersave", "scaling_governor", std::nullopt},
+      {"on battery",
+       [] {
+         return host_with([](const MadeHost& host) {
+           host.write("/sys/class/power_supply/AC/type", "Mains\n");
+           host.write("/sys/class/power_supply/AC/online", "0\n");
+         });
+       },
+       "power", "on battery", "systemd-inhibit", std::nullopt},
+      {"an old HDF5 plugin path",
+       [] {
+         return host_with([](const MadeHost& host) {
+           host.write("/proc/self/environ", std::string("HDF5_PLUGIN_PATH=/opt/hdf5-1.8/plugin\0", 38));
+         });
+       },
+       "HDF5 plugins", "/opt/hdf5-1.8/plugin\", which is not there", "unset HDF5_PLUGIN_PATH", std::nullopt},
+      {"root",
+       [] {
+         return host_with([](const MadeHost& host) {
+           host.write("/proc/self/status", "Uid:\t0\t0\t0\t0\nGid:\t0\t0\t0\t0\nGroups:\t0 \n");
+         });
+       },
+       "user", "this is root", "a user of the group dialout", std::nullopt},
+  };
+}
+
+// ---- the disk -----------------------------------------------------------------------------------------
+
+/// A disk that refuses, or takes its time.
+class SickDisk : public storage_test::MemoryDisk {
+ public:
+  SickDisk() : MemoryDisk({.files = {}, .folders = {"/recordings"}}) {}
+  int create_error = 0;
+  int append_error = 0;
+  double sync_s = 0.001;
+  HostTime now{};
+
+  files::Answer<files::OpenFile> create(const Path& path, unsigned mode) override {
+    if (create_error != 0) return {files::OpenFile::none, create_error};
+    return MemoryDisk::create(path, mode);
+  }
+  files::Answer<std::size_t> append(files::OpenFile file,
+                                    std::span<const std::span<const std::byte>> parts) override {
+    if (append_error != 0) return {0, append_error};
+    now += std::chrono::milliseconds(1);
+    return MemoryDisk::append(file, parts);
+  }
+  int sync(files::OpenFile file) override {
+    now += from_s(sync_s);
+    return MemoryDisk::sync(file);
+  }
+};
+
+std::vector<Check> disk_with(const std::function<void(SickDisk&)>& wrong) {
+  SickDisk disk;
+  wrong(disk);
+  try {
+    return {judge_disk(measure_disk(disk, "/recordings", [&] { return disk.now; }), 20e3)};
+  } catch (const Error& error) {
+    return {{.name = "disk speed",
+             .code = error.code(),
+             .result = error.what_happened(),
+             .advice = error.advice()}};
+  }
+}
+
+std::vector<Misconfiguration> wrong_disks() {
+  return {
+      {"the disk is full", [] { return disk_with([](SickDisk& disk) { disk.append_error = ENOSPC; }); },
+       "disk speed", "No space left", "--output", ExitCode::storage},
+      {"the folder is read-only", [] { return disk_with([](SickDisk& disk) { disk.create_error = EROFS; }); },
+       "disk speed", "Read-only", "permissions", ExitCode::storage},
+      {"a slow disk", [] { return disk_with([](SickDisk& disk) { disk.sync_s = 20.0; }); }, "disk speed",
+       "too slow", "a disk of this machine", ExitCode::storage},
+      {"a disk whose syncs take long", [] { return disk_with([](SickDisk& disk) { disk.sync_s = 0.5; }); },
+       "disk speed", "more than 125 ms", "a disk of this machine", std::nullopt},
+  };
+}
+
+// ---- the rig ------------------------------------------------------------------------------------------
+
+/// What the doctor would hear of a rig: nothing is armed. An Error is a check as well.
+std::vector<Check> rig_with(const simulation::VirtualRigConfig& config, const RigProfile& profile,
+                            const std::function<void(SimulatedBus&)>& wrong) {
+  SimulatedBus bus(config);
+  wrong(bus);
+  rig::VirtualOptions options;
+  options.recording.profile = profile;
+  options.recording.plan = rig::test::short_plan();
+  options.recording.keep = false;
+  options.recording.wait_for_start = true;
+  options.recording.gate = rig::GateMode::warn;
+  bool heard = false;
+  options.progress = [&](const rig::RecordingProgress& progress) { heard = progress.heard_s >= 5.0; };
+  options.stop_requested = [&] { return heard; };
+  try {
+    const rig::RecordingResult result = rig::record_virtual(bus, options);
+    if (!result.gate)
+      return {{.name = "rig", .code = result.exit, .result = result.message, .advice = result.advice}};
+    return judge_rig(*result.gate);
+  } catch (const Error& error) {
+    return {{.name = "rig",
+             .code = error.code(),
+             .result = error.where() + ": " + error.what_happened(),
+             .advice = error.advice()}};
+  }
+}
+
+simulation::VirtualRigConfig good_rig() {
+  return simulation::default_rig(3, "kitchen");
+}
+
+std::vector<Check> rig_with(const std::function<void(SimulatedBus&)>& wrong) {
+  return rig_with(good_rig(), good_rig().profile, wrong);
+}
+
+std::vector<Check> device_with(const std::function<void(RigProfile&)>& differs) {
+  simulation::VirtualRigConfig config = good_rig();
+  differs(config.profile);
+  return rig_with(config, good_rig().profile, [](SimulatedBus&) {});
+}
+
+/// Loses every n-th chunk whole.
+SimulatedBus::Damage losing_every(int n) {
+  return [n, count = 0](std::vector<std::uint8_t> bytes, HostTime) mutable {
+    return ++count % n == 0 ? std::vector<std::uint8_t>() : bytes;
+  };
+}
+
+/// Works on whole camera frames: `change` gets one and its number, and says what is sent for it.
+SimulatedBus::Damage frame_by_frame(
+    std::function<std::vector<std::uint8_t>(std::vector<std::uint8_t> frame, std::size_t number)> change) {
+  return [change = std::move(change), kept = std::vector<std::uint8_t>(), number = std::size_t{0}](
+             std::vector<std::uint8_t> bytes, HostTime) mutable {
+    kept.insert(kept.end(), bytes.begin(), bytes.end());
+    std::vector<std::uint8_t> out;
+    while (kept.size() >= wire::camera_frame_bytes) {
+      const auto end = kept.begin() + static_cast<std::ptrdiff_t>(wire::camera_frame_bytes);
+      const auto sent = change({kept.begin(), end}, number++);
+      out.insert(out.end(), sent.begin(), sent.end());
+      kept.erase(kept.begin(), end);
+    }
+    return out;
+  };
+}
+
+std::vector<std::uint8_t> welcome_of_version(std::uint8_t version) {
+  std::vector<std::uint8_t> payload(SERVO_WELCOME_SIZE, 0);
+  payload[0] = version;
+  std::vector<std::uint8_t> bytes(SERVO_FRAME_MAX);
+  bytes.resize(servo_frame(bytes.data(), SERVO_WELCOME, 0, payload.data(), SERVO_WELCOME_SIZE));
+  return bytes;
+}
+
+/// Each port sends what the other one should, as it comes.
+void swap_camera_and_gyro(SimulatedBus& bus) {
+  const auto queues = std::make_shared<std::array<std::vector<std::uint8_t>, 2>>();
+  const auto crossed = [queues](std::size_t own) {
+    return [queues, own](const std::vector<std::uint8_t>& bytes, HostTime) {
+      auto& mine = (*queues)[own];
+      mine.insert(mine.end(), bytes.begin(), bytes.end());
+      return std::exchange((*queues)[1 - own], {});
+    };
+  };
+  bus.from_device[0] = crossed(0);
+  bus.from_device[1] = crossed(1);
+}
+
+/// The odd half of the chess pattern stays what it was in the first frame.
+std::vector<std::uint8_t> with_odd_half_of(const std::vector<std::uint8_t>& first,
+                                           std::vector<std::uint8_t> frame) {
+  constexpr std::size_t header_bytes = 4;
+  for (std::size_t pixel = 0; pixel < frame_pixels; ++pixel) {
+    if (subpage_of(pixel / frame_columns, pixel % frame_columns) == 0) continue;
+    const std::size_t at = header_bytes + 2 * pixel;
+    frame[at] = first[at];
+    frame[at + 1] = first[at + 1];
+  }
+  return frame;
+}
+
+std::vector<Misconfiguration> wrong_rigs() {
+  return {
+      {"camera and gyro are swapped", [] { return rig_with(swap_camera_and_gyro); }, "rig", "not the",
+       "thermorig ports", ExitCode::device_missing},
+      {"the gyro speaks another protocol",
+       [] { return device_with([](RigProfile& rig) { rig.gyro.protocol = GyroProtocol::text; }); }, "rig",
+       "WitMotion packets", "protocol = \"text\"", ExitCode::device_missing},
+      {"no servo",
+       [] {
+         return rig_with([](SimulatedBus& bus) {
+           bus.is_cut = [](Device device, HostTime) { return device == Device::servo; };
+         });
+       },
+       "rig", "hello", "thermorig ports", ExitCode::device_missing},
+      {"another version of the servo's firmware",
+       [] {
+         return rig_with([](SimulatedBus& bus) {
+           bus.from_device[2] = [](std::vector<std::uint8_t>, HostTime) { return welcome_of_version(7); };
+         });
+       },
+       "rig", "version 7", "reflash", ExitCode::device_missing},
+      {"the gyro sends half as often as the profile says",
+       [] { return device_with([](RigProfile& rig) { rig.gyro.output_rate_hz = 100.0; }); },
+       "gate: gyro_rate", "nominal 200", "output_rate_hz", ExitCode::check_failed},
+      {"the camera sends half as often as the profile says",
+       [] { return device_with([](RigProfile& rig) { rig.camera.output_rate_hz = 4.0; }); },
+       "gate: camera_rate", "nominal 8", "--camera-rate", ExitCode::check_failed},
+      {"the gyro loses 5 %",
+       [] {
+         return rig_with([](SimulatedBus& bus) {
+           bus.from_device[1] = [count = 0](std::vector<std::uint8_t> bytes, HostTime) mutable {
+             if (++count % 7 == 0) bytes.erase(bytes.begin() + 3);  // one of about 21 packets
+             return bytes;
+           };
+         });
+       },
+       "gate: gyro_damaged", "gyro's bytes", "cable", ExitCode::check_failed},
+      {"the camera drops a frame in six",
+       [] {
+         return rig_with([](SimulatedBus& bus) {
+           bus.from_device[0] = frame_by_frame([](std::vector<std::uint8_t> frame, std::size_t number) {
+             return number % 6 == 5 ? std::vector<std::uint8_t>() : frame;
+           });
+         });
+       },
+       "gate: camera_lost", "frames are missing", "cable", ExitCode::check_failed},
+      {"the camera sends each frame twice",
+       [] {
+         return rig_with([](SimulatedBus& bus) {
+           bus.from_device[0] =
+               frame_by_frame([kept = std::vector<std::uint8_t>()](std::vector<std::uint8_t> frame,
+                                                                   std::size_t number) mutable {
+                 if (number % 2 == 0) kept = std::move(frame);
+                 return kept;
+               });
+         });
+       },
+       "gate: camera_stale", "repeat", "lower frame rate", ExitCode::check_failed},
+      {"one half of the camera's chess pattern stands still",
+       [] {
+         simulation::VirtualRigConfig config = good_rig();
+         config.profile.camera.checksum = ChecksumPolicy::ignore;
+         return rig_with(config, config.profile, [](SimulatedBus& bus) {
+           bus.from_device[0] = frame_by_frame(
+               [first = std::vector<std::uint8_t>()](std::vector<std::uint8_t> frame, std::size_t) mutable {
+                 if (first.empty()) first = frame;
+                 return with_odd_half_of(first, std::move(frame));
+               });
+         });
+       },
+       "gate: camera_fresh", "half of the chess pattern", "frame rate", ExitCode::check_failed},
+      {"somebody turns the rig",
+       [] {
+         simulation::VirtualRigConfig config = good_rig();
+         config.hand_turns.push_back({host_time_ns(2'000'000'000), 8.0, 40.0});
+         return rig_with(config, config.profile, [](SimulatedBus&) {});
+       },
+       "gate: gyro_noise", "varies by", "leave it alone", ExitCode::check_failed},
+      {"the servo loses every fifth answer",
+       [] { return rig_with([](SimulatedBus& bus) { bus.from_device[2] = losing_every(5); }); },
+       "gate: servo_lost", "messages are missing", "cable", ExitCode::check_failed},
+      {"a servo that may turn faster than its firmware lets it",
+       [] {
+         rig::GateFacts facts;
+         facts.answers = rig::GateAnswers{.limit_rate_dps = 150.0};
+         return judge_rig(rig::judge(facts, good_rig().profile));
+       },
+       "gate: servo_limits", "220", "max_rate_dps", ExitCode::check_failed},
+      {"the servo's supply broke down",
+       [] {
+         rig::GateFacts facts;
+         facts.answers = rig::GateAnswers{.reset_cause = 4, .limit_rate_dps = 300.0};
+         return judge_rig(rig::judge(facts, good_rig().profile));
+       },
+       "servo board", "brown-out", "a supply of its own", std::nullopt},
+      {"the camera is cold",
+       [] {
+         simulation::VirtualRigConfig config = good_rig();
+         config.warm = false;
+         return rig_with(config, config.profile, [](SimulatedBus&) {});
+       },
+       "camera warm-up", "degC a minute", "4 minutes", std::nullopt},
+  };
+}
+
+std::vector<Misconfiguration> all_misconfigurations() {
+  std::vector<Misconfiguration> all = wrong_machines();
+  for (const auto& more : {wrong_disks(), wrong_rigs()}) all.insert(all.end(), more.begin(), more.end());
+  return all;
+}
+
+std::string text_of(const std::vector<Check>& checks) {
+  std::string text;
+  for (const Check& check : checks)
+    text += fmt::format("  {}: {}: {}\n", check.name, check.grade(), check.result);
+  return text;
+}
+
+TEST(Misconfigurations, AreNamedEachOfThem) {
+  const auto all = all_misconfigurations();
+  std::size_t named = 0;
+  for (const Misconfiguration& wrong : all) {
+    const std::vector<Check> checks = wrong.look();
+    const auto found = std::find_if(checks.begin(), checks.end(), [&](const Check& check) {
+      return check.name == wrong.check && (check.failed() || check.warning) &&
+             check.result.find(wrong.says) != std::string::npos;
+    });
+    if (found == checks.end()) {
+      ADD_FAILURE() << wrong.name << " is not named:\n" << text_of(checks);
+      continue;
+    }
+    EXPECT_EQ(found->code, wrong.code.value_or(ExitCode::ok)) << wrong.name;
+    EXPECT_EQ(found->warning, !wrong.code.has_value()) << wrong.name;
+    EXPECT_THAT(found->advice, ::testing::HasSubstr(wrong.advises)) << wrong.name;
+    fmt::print("{:<55} {:<8} {}\n", wrong.name, found->grade(), found->result);
+    ++named;
+  }
+  fmt::print("{} of {} misconfigurations are named\n", named, all.size());
+  EXPECT_GE(all.size(), 20U);
+}
+
+TEST(Misconfigurations, AnFtdiAsItComesIsNone) {
+  const auto checks = host_with(
+      [](const MadeHost& host) { host.write("/sys/bus/usb-serial/devices/ttyUSB1/latency_timer", "16\n"); });
+  const auto latency = std::find_if(checks.begin(), checks.end(),
+                                    [](const Check& check) { return check.name == "gyro port latency"; });
+  ASSERT_NE(latency, checks.end());
+  EXPECT_EQ(latency->grade(), "ok");
+  EXPECT_THAT(latency->result, ::testing::HasSubstr("asks for 1 ms"));
+}
+
+TEST(Misconfigurations, OnlyASupplyThatWasOnCanBreakDown) {
+  EXPECT_TRUE(wire::was_brown_out(0x04));
+  EXPECT_TRUE(wire::was_brown_out(0x06));
+  EXPECT_FALSE(wire::was_brown_out(0x05));  // switched on
+  EXPECT_FALSE(wire::was_brown_out(0x02));
+}
+
+TEST(Misconfigurations, TheDiskTestLeavesNoFileWhereverItEnds) {
+  SickDisk disk;
+  int named = 0;
+  measure_disk(disk, "/recordings", [&] {
+    named += static_cast<int>(disk.list("/recordings").value.size());
+    return disk.now;
+  });
+  EXPECT_EQ(named, 0);
+}
+
+TEST(Misconfigurations, AGoodMachineAndAGoodRigAreOk) {
+  const MadeHost host;
+  std::vector<Check> checks = judge_host(host.facts());
+  for (const auto& more : {rig_with([](SimulatedBus&) {}), disk_with([](SickDisk&) {})})
+    checks.insert(checks.end(), more.begin(), more.end());
+  EXPECT_GT(checks.size(), 12U);
+  for (const Check& check : checks) EXPECT_EQ(check.grade(), "ok") << check.name << ": " << check.result;
+  EXPECT_EQ(exit_code_of(checks), ExitCode::ok);
+}
+
+TEST(Misconfigurations, TheFirstThatFailedGivesTheExitCode) {
+  EXPECT_EQ(exit_code_of({{.name = "a", .warning = true},
+                          {.name = "b", .code = ExitCode::storage},
+                          {.name = "c", .code = ExitCode::no_permission}}),
+            ExitCode::storage);
+}
+
+}  // namespace
+}  // namespace thermorig::doctor::test

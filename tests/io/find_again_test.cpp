@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: MIT
+#include "thermorig/io/find_again.h"
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <filesystem>
+
+namespace thermorig::io {
+namespace {
+
+PortInfo usb(const std::string& path, const std::string& socket, const std::string& id) {
+  return {.path = path, .description = "", .usb_path = socket, .usb_id = id, .serial = ""};
+}
+
+const KnownPort camera{"/dev/ttyUSB0", usb("/dev/ttyUSB0", "1-4.1", "1a86:7523")};
+const KnownPort gyro{"/dev/ttyUSB1", usb("/dev/ttyUSB1", "1-4.2", "1a86:7523")};
+
+TEST(FindAgain, TakesTheSameSocketUnderWhateverName) {
+  const std::vector<PortInfo> listed{usb("/dev/ttyUSB0", "1-4.2", "1a86:7523"),
+                                     usb("/dev/ttyUSB7", "1-4.1", "1a86:7523")};
+  EXPECT_EQ(choose_again(camera, listed, "/dev/ttyUSB0", {gyro}), "/dev/ttyUSB7");
+}
+
+TEST(FindAgain, TakesTheNameThatWasGivenInAnotherSocket) {
+  const std::vector<PortInfo> listed{usb("/dev/ttyUSB3", "2-1", "1a86:7523")};
+  EXPECT_EQ(choose_again(camera, listed, "/dev/ttyUSB3", {gyro}), "/dev/ttyUSB3");
+}
+
+TEST(FindAgain, DoesNotTakeAnotherKindOfDevice) {
+  EXPECT_FALSE(choose_again(camera, {usb("/dev/ttyUSB0", "1-4.1", "0403:6001")}, "/dev/ttyUSB0", {gyro}));
+}
+
+TEST(FindAgain, DoesNotTakeTheSocketOfAnotherDeviceOfTheRig) {
+  EXPECT_FALSE(choose_again(camera, {usb("/dev/ttyUSB0", "1-4.2", "1a86:7523")}, "/dev/ttyUSB0", {gyro}));
+}
+
+PortInfo on_adapter(const std::string& path, const std::string& interface) {
+  PortInfo info = usb(path, "1-4", "0403:6010");
+  info.usb_interface = interface;
+  return info;
+}
+
+TEST(FindAgain, DoesNotExchangeTheTwoPortsOfOneAdapter) {
+  const KnownPort first{"/dev/ttyUSB0", on_adapter("/dev/ttyUSB0", "1.0")};
+  const KnownPort second{"/dev/ttyUSB1", on_adapter("/dev/ttyUSB1", "1.1")};
+  const std::vector<PortInfo> exchanged{on_adapter("/dev/ttyUSB0", "1.1"), on_adapter("/dev/ttyUSB1", "1.0")};
+  EXPECT_EQ(choose_again(first, exchanged, "/dev/ttyUSB0", {second}), "/dev/ttyUSB1");
+  EXPECT_EQ(choose_again(second, exchanged, "/dev/ttyUSB1", {first}), "/dev/ttyUSB0");
+  EXPECT_FALSE(choose_again(first, {exchanged[0]}, "/dev/ttyUSB0", {second}));
+}
+
+TEST(FindAgain, DoesNotTakeWhatAnotherDeviceOfTheRigHasOpen) {
+  KnownPort holder = gyro;
+  holder.open_path = "/dev/ttyUSB5";
+  EXPECT_FALSE(choose_again(camera, {usb("/dev/ttyUSB5", "2-1", "1a86:7523")}, "/dev/ttyUSB5", {holder}));
+  EXPECT_FALSE(choose_again(camera, {}, "/dev/ttyUSB5", {holder}));
+}
+
+TEST(FindAgain, OfWhatIsNotListedTakesTheName) {
+  const KnownPort link{"/tmp/port",
+                       {.path = "/dev/pts/3", .description = "", .usb_path = "", .usb_id = "", .serial = ""}};
+  EXPECT_EQ(choose_again(link, {}, "/dev/pts/9", {gyro}), "/dev/pts/9");
+  EXPECT_FALSE(choose_again(link, {}, std::nullopt, {gyro}));
+}
+
+TEST(FindAgain, FollowsALinkToAnotherPseudoTerminal) {
+  const Pty first, second;
+  const auto link = std::filesystem::temp_directory_path() / ("thermorig-link-" + std::to_string(getpid()));
+  std::filesystem::create_symlink(first.path(), link);
+  const KnownPort port = know_port(link);
+  EXPECT_EQ(port.info.path, first.path());
+  std::filesystem::remove(link);
+  EXPECT_FALSE(find_again(port, {}));
+  std::filesystem::create_symlink(second.path(), link);
+  EXPECT_EQ(find_again(port, {}), second.path());
+  std::filesystem::remove(link);
+}
+
+TEST(FindAgain, DoesNotTrustTheNumberOfAPseudoTerminal) {
+  const Pty pty;
+  EXPECT_FALSE(find_again(know_port(pty.path()), {}));
+}
+
+}  // namespace
+}  // namespace thermorig::io

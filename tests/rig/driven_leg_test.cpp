@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: MIT
+#include "thermorig/rig/driven_leg.h"
+
+#include <gtest/gtest.h>
+
+namespace thermorig::rig::test {
+namespace {
+
+HostTime at_s(double seconds) {
+  return HostTime{} + from_s(seconds);
+}
+
+/// Frames at 1, 2, 3, 4 s; telemetry until `heard_s`.
+DrivenLeg driven(double heard_s) {
+  DrivenLeg leg(LegRecord{.leg = 1}, 4, false);
+  leg.acknowledge(at_s(0.0));
+  leg.seen(at_s(0.1));
+  for (int i = 1; i <= 4; ++i) leg.frame(at_s(i), at_s(i + 0.1), from_s(0.0));
+  leg.seen(at_s(heard_s));
+  return leg;
+}
+
+TEST(DrivenLeg, IsWholeWithTheFramesThatWerePlanned) {
+  const DrivenLeg leg = driven(4.5);
+  EXPECT_TRUE(leg.is_whole());
+  EXPECT_EQ(leg.closed(at_s(5.0)).end, at_s(4.1));
+}
+
+TEST(DrivenLeg, ThatBrokeOffHasNoFramesBehindItsLastTelemetry) {
+  DrivenLeg leg = driven(2.5);
+  leg.broke_off();
+  EXPECT_FALSE(leg.is_whole());
+  EXPECT_EQ(leg.record().frames, 2U);
+  EXPECT_EQ(leg.closed(at_s(5.0)).end, at_s(2.1));
+}
+
+TEST(DrivenLeg, ThatBrokeOffBehindItsLastFrameStaysWhole) {
+  DrivenLeg leg = driven(4.5);
+  leg.broke_off();
+  EXPECT_TRUE(leg.is_whole());
+}
+
+TEST(DrivenLeg, GivesBackAFrameOfTheLegAfterIt) {
+  DrivenLeg leg = driven(4.5);
+  leg.take_back();
+  EXPECT_EQ(leg.record().frames, 3U);
+  EXPECT_EQ(leg.closed(at_s(5.0)).end, at_s(3.1));
+}
+
+}  // namespace
+}  // namespace thermorig::rig::test

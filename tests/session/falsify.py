@@ -1,0 +1,102 @@
+# SPDX-License-Identifier: MIT
+"""Changes one thing of a session by the rules of HDF5, with the stock library.
+
+usage: falsify.py WHOLE FOLDER   (writes FOLDER/<kind>.h5 for each kind)"""
+import os
+import shutil
+import sys
+import zlib
+
+import h5py
+import numpy
+
+
+def set_text(name, value):
+    def change(session):
+        session.attrs[name] = value
+    return change
+
+
+def replace(path, values, good_sum=True, **options):
+    """Another dataset in the place of the one at `path`; its checksum is that of the new values, or the old one."""
+    def change(session):
+        old = session[path]
+        new_values = numpy.asarray(values(old[...]))
+        crc = old.attrs["crc32"]
+        if good_sum:
+            crc = crc.dtype.type(zlib.crc32(new_values.tobytes()))
+        del session[path]
+        new = session.create_dataset(path, data=new_values, **options)
+        new.attrs["crc32"] = crc
+    return change
+
+
+def with_last(value):
+    def values(old):
+        old[-1] = value
+        return old
+    return values
+
+
+def link(kind):
+    def change(session):
+        del session["gyro/rate"]
+        session["gyro/rate"] = kind
+    return change
+
+
+def external(session):
+    rows = session["gyro/rate"].shape[0]
+    del session["gyro/rate"]
+    file = h5py.h5p.create(h5py.h5p.DATASET_CREATE)
+    file.set_external(b"/etc/passwd", 0, 4 * rows)
+    h5py.h5d.create(session["gyro"].id, b"rate", h5py.h5t.NATIVE_FLOAT, h5py.h5s.create_simple((rows,)), file)
+
+
+def other_text(session):
+    session["events/message"][0] = "nothing happened"
+
+
+def texts_of_fixed_size(session):
+    rows = session["events/message"].shape[0]
+    del session["events/message"]
+    session.create_dataset("events/message", data=numpy.full(rows, b"text", dtype="S8"))
+
+
+def settle(session):
+    session["samples"].attrs["settle_s"] = session["samples"].attrs["settle_s"] + 1.0
+
+
+def same(old):
+    return old
+
+
+PACKED = {"compression": "gzip", "chunks": True}
+KINDS = {
+    "another_format": set_text("format", "another"),
+    "no_format": lambda session: session.attrs.__delitem__("format"),
+    "another_version": set_text("format_version", "2.0.0"),
+    "another_state": set_text("state", "asleep"),
+    "attribute": settle,
+    "value": replace("gyro/rate", with_last(1.0), good_sum=False, **PACKED),
+    "text": other_text,
+    "fixed_text": texts_of_fixed_size,
+    "type": replace("gyro/rate", lambda old: old.astype(numpy.float64), **PACKED),
+    "rows": replace("gyro/rate", lambda old: old[:-1], **PACKED),
+    "axis": replace("gyro/time", lambda old: old.reshape(-1, 1), **PACKED),
+    "layout": replace("gyro/rate", same),
+    "filter": replace("gyro/rate", same, compression="lzf", chunks=True),
+    "chunks": replace("gyro/rate", same, compression="gzip", chunks=(8_000_000,), maxshape=(None,)),
+    "chunk_ends": replace("raw/camera/chunk_end", with_last(1), **PACKED),
+    "frame_number": replace("samples/frame", with_last(4_000_000), **PACKED),
+    "soft_link": link(h5py.SoftLink("/gyro/time")),
+    "external_link": link(h5py.ExternalLink("/etc/passwd", "/gyro/rate")),
+    "external": external,
+}
+
+whole, folder = sys.argv[1:]
+for kind, falsify in KINDS.items():
+    path = os.path.join(folder, kind + ".h5")
+    shutil.copyfile(whole, path)
+    with h5py.File(path, "r+") as file:
+        falsify(file)

@@ -1,0 +1,118 @@
+// SPDX-License-Identifier: MIT
+#include "thermorig/session/sealed_copy.h"
+
+#include <fcntl.h>
+#include <gmock/gmock.h>
+#include <sys/resource.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include "leave.h"
+#include "temporary_folder.h"
+#include "thermorig/core/error.h"
+
+namespace thermorig::session {
+namespace {
+
+using testing::HasSubstr;
+
+std::string text_of(const SealedCopy& copy) {
+  return {reinterpret_cast<const char*>(copy.bytes().data()), copy.bytes().size()};
+}
+
+template <typename Call>
+Error error_of(Call call) {
+  try {
+    call();
+  } catch (const Error& error) {
+    return error;
+  }
+  ADD_FAILURE() << "nothing was thrown";
+  return Error(ExitCode::ok, "", "", "");
+}
+
+class Sealed : public InTemporaryFolder {
+ protected:
+  void SetUp() override {
+    InTemporaryFolder::SetUp();
+    write_file(path(), {'a', 'b', 'c'});
+    ASSERT_EQ(::socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends_.data()), 0);
+  }
+  void TearDown() override {
+    for (const int end : ends_)
+      if (end >= 0) ::close(end);
+    InTemporaryFolder::TearDown();
+  }
+
+  /// The end is closed, or belongs to somebody else from now on.
+  int give_away(std::size_t end) { return std::exchange(ends_[end], -1); }
+
+  std::array<int, 2> ends_{-1, -1};
+};
+
+TEST_F(Sealed, CanBeHandedOnAsADescriptor) {
+  const SealedCopy copy(path());
+  const SealedCopy other(::dup(copy.fd()), "somewhere");
+  write_file(path(), {'x'});
+  EXPECT_EQ(text_of(other), "abc");
+  EXPECT_EQ(other.path(), "somewhere");
+}
+
+TEST_F(Sealed, CanBeSentThroughASocket) {
+  const SealedCopy copy(path());
+  ASSERT_TRUE(copy.send_bytes(ends_[0]));
+  const SealedCopy other(give_away(1), "somewhere");
+  EXPECT_EQ(text_of(other), "abc");
+  EXPECT_EQ(other.fd(), -1);
+}
+
+TEST_F(Sealed, SaysIfNobodyTakesWhatItSends) {
+  ::close(give_away(1));
+  EXPECT_FALSE(SealedCopy(path()).send_bytes(ends_[0]));
+}
+
+TEST_F(Sealed, IsNotMadeOfASocketThatEndsEarly) {
+  const std::uint64_t claimed = 10;
+  ASSERT_EQ(::send(ends_[0], &claimed, sizeof claimed, 0), ssize_t{sizeof claimed});
+  ASSERT_EQ(::send(ends_[0], "abc", 3, 0), 3);
+  ::close(give_away(0));
+  const Error error = error_of([&] { SealedCopy(give_away(1), "somewhere"); });
+  EXPECT_EQ(error.code(), ExitCode::storage);
+  EXPECT_THAT(error.what_happened(), HasSubstr("became shorter"));
+}
+
+TEST_F(Sealed, IsNotMadeOfASocketThatClaimsMoreThanThereIsMemory) {
+  const std::uint64_t claimed = std::uint64_t{1} << 62U;
+  ASSERT_EQ(::send(ends_[0], &claimed, sizeof claimed, 0), ssize_t{sizeof claimed});
+  EXPECT_EQ(error_of([&] { SealedCopy(give_away(1), "somewhere"); }).code(), ExitCode::failed);
+}
+
+TEST_F(Sealed, IsMadeOfBytesInMemory) {
+  std::array bytes{std::byte{'y'}, std::byte{'z'}};
+  const SealedCopy copy(bytes, "nowhere");
+  bytes[0] = std::byte{'!'};
+  EXPECT_EQ(text_of(copy), "yz");
+}
+
+TEST_F(Sealed, OfAnEmptyFileHasNoBytes) {
+  write_file(path(), {});
+  EXPECT_TRUE(SealedCopy(path()).bytes().empty());
+}
+
+TEST_F(Sealed, BelongsToWhomItMovedTo) {
+  SealedCopy copy(path());
+  const SealedCopy other(std::move(copy));
+  EXPECT_EQ(text_of(other), "abc");
+  EXPECT_GE(other.fd(), 0);
+}
+
+// Of a hole: it takes nothing of the disk.
+TEST_F(Sealed, OfMoreThanFourGibibytesIsRefused) {
+  std::filesystem::resize_file(path(), (4ULL << 30U) + 1);
+  const Error error = error_of([&] { SealedCopy{path()}; });
+  EXPECT_EQ(error.code(), ExitCode::not_a_session);
+  EXPECT_THAT(error.what_happened(), HasSubstr("larger than any session"));
+}
+
+}  // namespace
+}  // namespace thermorig::session

@@ -1,0 +1,127 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <array>
+#include <optional>
+#include <random>
+#include <string_view>
+
+#include "memory_disk.h"
+#include "thermorig/core/time.h"
+
+namespace thermorig::storage_test {
+
+enum class CallKind : std::uint8_t {
+  create,
+  open,
+  append,
+  read,
+  size,
+  sync,
+  reserve,
+  truncate,
+  close,
+  lock,
+  look,
+  list,
+  rename,
+  rename_to_new,
+  link,
+  remove,
+  make_folder,
+  remove_folder,
+  sync_folder,
+  free_bytes
+};
+inline constexpr std::array<std::string_view, 20> call_names{
+    "create",   "open",   "append",      "read",          "size",        "sync",      "reserve",
+    "truncate", "close",  "lock",        "look",          "list",        "rename",    "rename_to_new",
+    "link",     "remove", "make_folder", "remove_folder", "sync_folder", "free_bytes"};
+
+/// One call, as it can be made again.
+struct Call {
+  CallKind kind{};
+  HostTime time{};
+  files::OpenFile file = files::OpenFile::none;
+  std::string path, other_path;
+  Bytes bytes;
+  std::uint64_t number = 0;
+};
+
+/// Makes the call again. Ids of open files are those of the first time if all calls are made again.
+void apply(MemoryDisk& disk, const Call& call);
+/// The first `count` bytes of an append.
+void apply_part(MemoryDisk& disk, const Call& call, std::size_t count);
+
+enum class FaultKind : std::uint8_t {
+  io_error,        // EIO, nothing done; a sync drops what it was for
+  no_space,        // ENOSPC, nothing done
+  short_write,     // half of it, no error
+  done_but_error,  // EIO, but it is done all the same
+  not_supported    // EOPNOTSUPP
+};
+
+struct Fault {
+  FaultKind kind = FaultKind::io_error;
+  std::size_t call = 0;
+  bool lasting = false;  // every call that can fail in this way fails from then on
+};
+
+/// Can a call of this kind fail in this way?
+bool can_fail(CallKind call, FaultKind fault);
+
+/// Counts and, if asked to, keeps the calls to a disk in memory, and makes one of them fail. The end of a
+/// process needs no fault: it leaves what the calls up to then have left.
+class FaultDisk : public files::Disk {
+ public:
+  explicit FaultDisk(MemoryDisk& disk, std::optional<Fault> fault = {}) : disk_(disk), fault_(fault) {}
+
+  void keep_calls(const HostTime* clock) { clock_ = clock, keeps_ = true; }
+  const std::vector<Call>& calls() const { return calls_; }
+  std::size_t count() const { return count_; }
+  bool was_hit() const { return hit_; }
+  CallKind kind_hit() const { return kind_hit_; }
+  HostTime time_hit() const { return time_hit_; }
+  void set_clock(const HostTime* clock) { clock_ = clock; }
+
+  using Path = std::filesystem::path;
+  files::Answer<files::OpenFile> create(const Path& path, unsigned mode) override;
+  files::Answer<files::OpenFile> open(const Path& path) override;
+  files::Answer<std::size_t> append(files::OpenFile file,
+                                    std::span<const std::span<const std::byte>> parts) override;
+  files::Answer<std::size_t> read(files::OpenFile file, std::uint64_t offset,
+                                  std::span<std::byte> out) override;
+  files::Answer<std::uint64_t> size(files::OpenFile file) override;
+  int sync(files::OpenFile file) override;
+  int reserve(files::OpenFile file, std::uint64_t bytes) override;
+  int truncate(files::OpenFile file, std::uint64_t bytes) override;
+  int close(files::OpenFile file) override;
+  int lock(files::OpenFile file, Wait wait) override;
+  files::Answer<files::FileKind> look(const Path& path) override;
+  files::Answer<std::vector<files::FolderEntry>> list(const Path& folder) override;
+  int rename(const Path& from, const Path& to) override;
+  int rename_to_new(const Path& from, const Path& to) override;
+  int link(const Path& from, const Path& to) override;
+  int remove(const Path& file) override;
+  int make_folder(const Path& folder) override;
+  int remove_folder(const Path& folder) override;
+  int sync_folder(const Path& folder) override;
+  files::Answer<std::uint64_t> free_bytes(const Path& path) override;
+
+ private:
+  /// `make` does the call and gives its error number; what the caller shall see of it.
+  template <typename Make>
+  int with_fault(Call call, Make make);
+
+  MemoryDisk& disk_;
+  std::optional<Fault> fault_;
+  const HostTime* clock_ = nullptr;
+  bool keeps_ = false;
+  bool hit_ = false;
+  CallKind kind_hit_{};
+  HostTime time_hit_{};
+  std::size_t count_ = 0;
+  std::vector<Call> calls_;
+};
+
+}  // namespace thermorig::storage_test
