@@ -7,7 +7,6 @@
 set -euo pipefail
 cd "$(dirname "$0")/.."
 fuzz_seconds=${1:-20}
-# --repeat: see tests/run.sh.
 
 bash app/setup.sh tests deep page usb coverage
 
@@ -16,7 +15,7 @@ cmake --preset asan
 cmake --build --preset asan -j "$(nproc)"
 # Not the README: its blocks build and run the release again.
 ctest --test-dir build-asan --output-on-failure -j "$(nproc)" -LE rig
-ctest --test-dir build-asan --output-on-failure -L rig --repeat until-pass:2 -E "^Readme|Drill"
+bash tests/wall_clock.sh build-asan -L rig -E "^Readme|Drill"
 ctest --test-dir build-asan --output-on-failure -L rig -R Drill
 
 echo "== Exported C on Cortex-M boards in QEMU: what it takes"
@@ -36,7 +35,7 @@ bash tests/usb/run.sh build
 echo "== ThreadSanitizer"
 cmake --preset tsan
 cmake --build --preset tsan -j "$(nproc)" --target test_io test_simulated_ports test_rig test_session test_web_server
-ctest --test-dir build-tsan --output-on-failure --repeat until-pass:2 -R '^(Loop|Pty|Port|SimulatedPorts|PortRecording|SessionFile|PageServer|RestartedServer|Refusals)'
+bash tests/wall_clock.sh build-tsan -R '^(Loop|Pty|Port|SimulatedPorts|PortRecording|SessionFile|PageServer|RestartedServer|Refusals)'
 
 echo "== Line coverage"
 bash tests/coverage.sh

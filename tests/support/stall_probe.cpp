@@ -18,8 +18,8 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 constexpr auto period = std::chrono::milliseconds(10);
-constexpr auto look = std::chrono::seconds(1);
-constexpr auto patience = std::chrono::seconds(30);
+constexpr auto look = std::chrono::seconds(2);
+constexpr auto patience = std::chrono::seconds(120);
 constexpr int answer_ms = 1000;
 
 /// The program's side of a pseudo terminal, raw.

@@ -31,7 +31,7 @@ class StallProbe {
   std::thread thread_;
 };
 
-/// Returns once the machine let nothing wait for `limit_s` over a second, or after 30 s.
+/// Returns once the machine let nothing wait for `limit_s` over 2 s, or after 120 s.
 void wait_for_a_quiet_machine(double limit_s);
 
 }  // namespace thermorig::tests
