@@ -1,13 +1,15 @@
 // SPDX-License-Identifier: MIT
 // on_the_clock PROGRAM ARGUMENTS...: runs a test that needs the wall clock. Assertions that fail (exit code
 // 1) while this computer kept a byte waiting for longer than the servo waits for an answer say little: the
-// test runs again once the computer is quiet, three times at most, and the last run counts. Crashes count at
-// once. Drills look at the computer themselves: of them the servo's rest and limits are judged in every run.
+// test runs again once the computer is quiet, three times at most, and the last run counts. Crashes and what
+// a sanitizer finds count at once. Drills look at the computer themselves: of them the servo's rest and
+// limits are judged in every run.
 #include <spawn.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include <cstdio>
+#include <cstdlib>
 #include <string_view>
 
 #include "stall_probe.h"
@@ -41,6 +43,8 @@ int main(int count, char** words) {
     execv(words[0], words);
     return 127;
   }
+  for (const char* sanitizer : {"ASAN_OPTIONS", "UBSAN_OPTIONS"})  // whose own exit code is 1 as well
+    setenv(sanitizer, "exitcode=66", 0);
   for (int i = 1;; ++i) {
     if (i > 1) wait_for_a_quiet_machine(stall_s);
     const StallProbe probe;
