@@ -3,9 +3,7 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <array>
 #include <cstring>
-#include <span>
 
 #include "thermorig/doctor/checks.h"
 
@@ -22,16 +20,6 @@ constexpr double promised_loss_s = 0.125;  // of a loss of power
   throw Error(ExitCode::storage,
               fmt::format("a test file cannot be written: {}", std::strerror(error_number)), file.string(),
               "--output with another folder, or change its permissions");
-}
-
-void append_all(files::Disk& disk, files::OpenFile file, const std::filesystem::path& path,
-                std::span<const std::byte> bytes) {
-  while (!bytes.empty()) {
-    const std::array<std::span<const std::byte>, 1> one{bytes};
-    const auto written = disk.append(file, one);
-    if (!written.good()) refuse(path, written.error_number);
-    bytes = bytes.subspan(written.value);
-  }
 }
 
 /// Without a name from the beginning, so that nothing is left of it however the program ends.
@@ -68,7 +56,8 @@ DiskSpeed measure_disk(files::Disk& disk, const std::filesystem::path& folder,
   DiskSpeed speed;
   const HostTime begin = now();
   for (std::size_t i = 0; i < parts; ++i) {
-    append_all(disk, test.file, test.path, bytes);
+    if (const auto written = append_all(disk, test.file, bytes); !written.good())
+      refuse(test.path, written.error_number);
     const HostTime before = now();
     if (const int error = disk.sync(test.file); error != 0) refuse(test.path, error);
     speed.sync_s = std::max(speed.sync_s, to_s(now() - before));

@@ -66,15 +66,11 @@ void PartFile::refuse(const std::string& action, int error_number, const std::fi
 }
 
 void PartFile::write(std::span<const std::byte> bytes) {
-  while (!bytes.empty()) {
-    const auto written = disk_.append(file_, {&bytes, 1});
-    if (!written.good() || written.value == 0) {
-      is_whole_ = false;
-      refuse(fmt::format("cannot write {} ({} bytes missing)", noun_, bytes.size()),
-             written.good() ? ENOSPC : written.error_number, part_path_);
-    }
-    bytes = bytes.subspan(written.value);
-  }
+  const auto written = append_all(disk_, file_, bytes);
+  if (written.good()) return;
+  is_whole_ = false;
+  refuse(fmt::format("cannot write {} ({} bytes missing)", noun_, bytes.size() - written.value),
+         written.error_number, part_path_);
 }
 
 std::uint64_t PartFile::size() const {

@@ -189,6 +189,18 @@ Disk& real_disk() {
   return disk;
 }
 
+Answer<std::size_t> append_all(Disk& disk, OpenFile file, std::span<const std::byte> bytes) {
+  std::size_t done = 0;
+  while (done < bytes.size()) {
+    const auto rest = bytes.subspan(done);
+    const auto written = disk.append(file, {&rest, 1});
+    if (!written.good()) return {done, written.error_number};
+    if (written.value == 0) return {done, ENOSPC};
+    done += written.value;
+  }
+  return {done, 0};
+}
+
 fs::path folder_of(const fs::path& path) {
   return path.has_parent_path() ? path.parent_path() : fs::path(".");
 }

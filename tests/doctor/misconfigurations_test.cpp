@@ -162,6 +162,7 @@ class SickDisk : public storage_test::MemoryDisk {
   SickDisk() : MemoryDisk({.files = {}, .folders = {"/recordings"}}) {}
   int create_error = 0;
   int append_error = 0;
+  bool takes_nothing = false;  // and gives no reason
   double sync_s = 0.001;
   HostTime now{};
 
@@ -171,7 +172,7 @@ class SickDisk : public storage_test::MemoryDisk {
   }
   files::Answer<std::size_t> append(files::OpenFile file,
                                     std::span<const std::span<const std::byte>> parts) override {
-    if (append_error != 0) return {0, append_error};
+    if (append_error != 0 || takes_nothing) return {0, append_error};
     now += std::chrono::milliseconds(1);
     return MemoryDisk::append(file, parts);
   }
@@ -475,6 +476,12 @@ TEST(Misconfigurations, TheDiskTestLeavesNoFileWhereverItEnds) {
     return disk.now;
   });
   EXPECT_EQ(named, 0);
+}
+
+TEST(Misconfigurations, ADiskThatTakesNothingIsFull) {
+  const auto checks = disk_with([](SickDisk& disk) { disk.takes_nothing = true; });
+  EXPECT_EQ(checks.front().code, ExitCode::storage);
+  EXPECT_THAT(checks.front().result, ::testing::HasSubstr("No space left"));
 }
 
 TEST(Misconfigurations, AGoodMachineAndAGoodRigAreOk) {

@@ -88,6 +88,10 @@ class Disk {
 /// The system's.
 Disk& real_disk();
 
+/// All of `bytes` with as many calls as the disk needs: how many it took, and why not more (ENOSPC where it
+/// gave no reason).
+Answer<std::size_t> append_all(Disk& disk, OpenFile file, std::span<const std::byte> bytes);
+
 /// The folder that a name stands in: "." for a bare one.
 std::filesystem::path folder_of(const std::filesystem::path& path);
 
