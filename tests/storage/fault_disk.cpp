@@ -2,6 +2,7 @@
 #include "fault_disk.h"
 
 #include <cerrno>
+#include <stdexcept>
 
 namespace thermorig::storage_test {
 
@@ -10,8 +11,9 @@ using files::OpenFile;
 
 namespace {
 
-int append_bytes(MemoryDisk& disk, OpenFile file, std::span<const std::byte> bytes) {
-  return disk.append(file, {&bytes, 1}).error_number;
+void append_bytes(MemoryDisk& disk, OpenFile file, std::span<const std::byte> bytes) {
+  if (disk.append(file, {&bytes, 1}).error_number == EBADF)
+    throw std::logic_error("a logged call appends to a file that is not open");
 }
 
 Bytes joined(std::span<const std::span<const std::byte>> parts) {
@@ -32,10 +34,6 @@ int error_of(FaultKind kind) {
 }
 
 }  // namespace
-
-void apply_part(MemoryDisk& disk, const Call& call, std::size_t count) {
-  append_bytes(disk, call.file, std::span(call.bytes).first(count));
-}
 
 void apply(MemoryDisk& disk, const Call& call) {
   switch (call.kind) {

@@ -48,10 +48,9 @@ struct Call {
   std::uint64_t number = 0;
 };
 
-/// Makes the call again. Ids of open files are those of the first time if all calls are made again.
+/// Makes the call again. Ids of open files are those of the first time if all calls are made again, and none
+/// beside them; std::logic_error where an append shows that they are not.
 void apply(MemoryDisk& disk, const Call& call);
-/// The first `count` bytes of an append.
-void apply_part(MemoryDisk& disk, const Call& call, std::size_t count);
 
 enum class FaultKind : std::uint8_t {
   io_error,        // EIO, nothing done; a sync drops what it was for

@@ -74,7 +74,8 @@ RecordedSession record_session(int frames) {
     }
     recording.tick(now);
   }
-  session.raw = journal::read_journal(recording.file().journal, memory).recording;
+  MemoryDisk copy(memory.after_end());  // a read of its own would shift the numbers of later files
+  session.raw = journal::read_journal(recording.file().journal, copy).recording;
   const rig::RecordingResult result = rig::conclude(recording, now);
   session.concluded = disk.count();
   session.calls = disk.calls();
