@@ -4,18 +4,16 @@
 #include <fmt/format.h>
 
 #include <array>
-#include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "evaluate_numbers.h"
+#include "number_json.h"
 #include "output.h"
 #include "scores_json.h"
 
 namespace thermorig::app {
 
 namespace {
-
-using nlohmann::json;
 
 constexpr std::array<const char*, live::rate_count> rate_names{"thermal-only", "gyro", "fusion"};
 
@@ -67,23 +65,19 @@ std::string finalised_text(const LiveEvaluation& evaluated) {
                             count_text(finalised.windows), count_text(finalised.counted_in_both));
 }
 
-json number(double value) {
-  return std::isfinite(value) ? json(value) : json();
-}
-
-json model_json(const LiveModel& model) {
+nlohmann::json model_json(const LiveModel& model) {
   if (model.name.empty()) return {};
   return {{"name", model.name},     {"hash", model.hash},           {"frames", model.frames},
           {"fusion", model.fusion}, {"reduction", model.reduction}, {"simulated", model.simulated}};
 }
 
-json finalised_json(const LiveEvaluation& evaluated) {
+nlohmann::json finalised_json(const LiveEvaluation& evaluated) {
   const live::FinalisedRows& finalised = evaluated.finalised;
   return {{"compared", finalised.compared},
           {"windows", finalised.windows},
           {"counted_in_both", finalised.counted_in_both},
-          {"label_difference_mean_dps", number(finalised.label_difference_mean_dps)},
-          {"label_difference_max_dps", number(finalised.label_difference_max_dps)},
+          {"label_difference_mean_dps", number_json(finalised.label_difference_mean_dps)},
+          {"label_difference_max_dps", number_json(finalised.label_difference_max_dps)},
           {"scores", scores_json(evaluated.finalised_scores)}};
 }
 
@@ -94,7 +88,7 @@ std::string live_text(const LiveEvaluation& evaluated) {
          finalised_text(evaluated);
 }
 
-json live_json(const LiveEvaluation& evaluated) {
+nlohmann::json live_json(const LiveEvaluation& evaluated) {
   const RecordingHeader& header = evaluated.header;
   return {{"event", "live"},
           {"session", evaluated.session},

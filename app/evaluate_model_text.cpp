@@ -13,7 +13,6 @@ namespace thermorig::app {
 
 namespace {
 
-using nlohmann::json;
 using study::Errors;
 using study::Estimator;
 
@@ -89,15 +88,15 @@ std::string angles_text(const study::Evaluation& evaluation) {
 }
 
 /// Keys as in the report.
-json json_of(const Errors& errors) {
+nlohmann::json json_of(const Errors& errors) {
   return {{"windows", errors.windows},   {"mse", errors.mse},
           {"rmse_dps", errors.rmse_dps}, {"median_dps", errors.median_dps},
           {"p95_dps", errors.p95_dps},   {"outlier_share", errors.outlier_share},
           {"bias_dps", errors.bias_dps}};
 }
 
-json json_of(const study::EnvironmentErrors& environment) {
-  json errors;
+nlohmann::json json_of(const study::EnvironmentErrors& environment) {
+  nlohmann::json errors;
   for (const Estimator estimator : study::all_estimators)
     errors[study::field_name_of(estimator)] = json_of(environment.errors[index_of(estimator)]);
   return {{"name", environment.name}, {"acquisitions", environment.acquisitions}, {"errors", errors}};
@@ -115,13 +114,13 @@ std::string model_text(const std::string& name, const model::Model& model, const
   return text;
 }
 
-json model_json(const model::Model& model, const ModelEvaluation& evaluated) {
-  json object = json::parse(report::evaluation_json(model, evaluated.evaluation));
+nlohmann::json model_json(const model::Model& model, const ModelEvaluation& evaluated) {
+  nlohmann::json object = nlohmann::json::parse(report::evaluation_json(model, evaluated.evaluation));
   object["event"] = "summary";
   object["exit_code"] = 0;
   object["simulated"] = evaluated.evaluation.simulated;
   object["warnings"] = evaluated.warnings;
-  json& environments = object["environments"] = json::array();
+  nlohmann::json& environments = object["environments"] = nlohmann::json::array();
   for (const study::EnvironmentErrors& environment : evaluated.evaluation.environments)
     environments.push_back(json_of(environment));
   return object;

@@ -7,10 +7,8 @@ namespace thermorig::app {
 
 namespace {
 
-using nlohmann::json;
-
-json violations_json(const rig::GateReport& report) {
-  json list = json::array();
+nlohmann::json violations_json(const rig::GateReport& report) {
+  nlohmann::json list = nlohmann::json::array();
   for (const rig::GateViolation& violation : report.violations)
     list.push_back({{"name", violation.name},
                     {"device", name_of(violation.device)},
@@ -20,31 +18,32 @@ json violations_json(const rig::GateReport& report) {
   return list;
 }
 
-json devices_json(const rig::GateFacts& facts) {
-  json devices = json::object();
+nlohmann::json devices_json(const rig::GateFacts& facts) {
+  nlohmann::json devices = nlohmann::json::object();
   for (const Device device : all_devices) {
     const auto& stream = facts.streams[device];
     devices[std::string(name_of(device))] =
-        !stream ? json()
-                : json{{"messages", stream->messages},           {"rate_hz", stream->rate_hz},
-                       {"nominal_hz", stream->nominal_hz},       {"lost_share", stream->lost_share},
-                       {"damaged_share", stream->damaged_share}, {"uncertainty_s", stream->uncertainty_s}};
+        !stream ? nlohmann::json()
+                : nlohmann::json{
+                      {"messages", stream->messages},           {"rate_hz", stream->rate_hz},
+                      {"nominal_hz", stream->nominal_hz},       {"lost_share", stream->lost_share},
+                      {"damaged_share", stream->damaged_share}, {"uncertainty_s", stream->uncertainty_s}};
   }
   return devices;
 }
 
 }  // namespace
 
-json gate_json(const std::optional<rig::GateReport>& report) {
+nlohmann::json gate_json(const std::optional<rig::GateReport>& report) {
   if (!report) return {};
   const rig::GateFacts& facts = report->facts;
-  json object{{"passed", report->passed()},
-              {"span_s", facts.span_s},
-              {"violations", violations_json(*report)},
-              {"devices", devices_json(facts)},
-              {"images", json()},
-              {"rest", json()},
-              {"answers", json()}};
+  nlohmann::json object{{"passed", report->passed()},
+                        {"span_s", facts.span_s},
+                        {"violations", violations_json(*report)},
+                        {"devices", devices_json(facts)},
+                        {"images", nlohmann::json()},
+                        {"rest", nlohmann::json()},
+                        {"answers", nlohmann::json()}};
   if (facts.images)
     object["images"] = {{"even_fresh_share", facts.images->even_fresh_share},
                         {"odd_fresh_share", facts.images->odd_fresh_share},

@@ -4,8 +4,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
-#include <charconv>
 #include <cmath>
 #include <cstdint>
 #include <limits>
@@ -14,32 +12,12 @@
 
 #include "base64.h"
 #include "build_information.h"
+#include "number_json.h"
 #include "scores_json.h"
 
 namespace thermorig::app {
 
 namespace {
-
-using nlohmann::json;
-
-json number(double value) {
-  return std::isfinite(value) ? json(value) : json();
-}
-
-/// The double whose shortest text is the float's.
-json number(float value) {
-  if (!std::isfinite(value)) return {};
-  std::array<char, 32> text{};
-  const auto end = std::to_chars(text.data(), text.data() + text.size(), value).ptr;
-  double same = 0.0;
-  std::from_chars(text.data(), end, same);
-  return same;
-}
-
-template <typename Value>
-json number(const std::optional<Value>& value) {
-  return value ? number(*value) : json();
-}
 
 double seconds(HostTime time, HostTime begin) {
   return to_s(time - begin);
@@ -54,7 +32,7 @@ const std::string& run_id() {
   return id;
 }
 
-json model_json(const LiveModel& model) {
+nlohmann::json model_json(const LiveModel& model) {
   if (model.name.empty()) return {};
   return {{"name", model.name},     {"frames", model.frames},       {"reduction", model.reduction},
           {"fusion", model.fusion}, {"precision", model.precision}, {"simulated", model.simulated}};
@@ -74,24 +52,24 @@ std::string state_of(Device device, const rig::RecordingProgress& progress) {
   return *health.age_s > std::max(least_s, periods_s) ? "late" : "ok";
 }
 
-json device_json(Device device, const rig::RecordingProgress& progress) {
+nlohmann::json device_json(Device device, const rig::RecordingProgress& progress) {
   const rig::DeviceHealth& health = progress.health[device];
   const std::optional<rig::AwaitedDevice>& awaited = progress.awaited[device];
   return {{"state", state_of(device, progress)},
-          {"left_s", awaited ? number(awaited->left_s) : json()},
-          {"expected_hz", number(health.expected_hz)},
-          {"rate_min_hz", number(health.rate_min_hz)},
-          {"rate_max_hz", number(health.rate_max_hz)},
-          {"age_s", number(health.age_s)},
+          {"left_s", awaited ? number_json(awaited->left_s) : nlohmann::json()},
+          {"expected_hz", number_json(health.expected_hz)},
+          {"rate_min_hz", number_json(health.rate_min_hz)},
+          {"rate_max_hz", number_json(health.rate_max_hz)},
+          {"age_s", number_json(health.age_s)},
           {"messages", health.messages},
           {"lost", health.lost},
           {"bad", health.bad},
           {"skipped_bytes", health.skipped_bytes},
-          {"uncertainty_s", number(health.uncertainty_s)}};
+          {"uncertainty_s", number_json(health.uncertainty_s)}};
 }
 
-json speeds_json(const std::vector<rig::SpeedQuota>& speeds) {
-  json list = json::array();
+nlohmann::json speeds_json(const std::vector<rig::SpeedQuota>& speeds) {
+  nlohmann::json list = nlohmann::json::array();
   for (const rig::SpeedQuota& speed : speeds)
     list.push_back({{"rate_dps", speed.rate_dps}, {"valid", speed.valid}, {"quota", speed.wanted}});
   return list;
@@ -144,7 +122,7 @@ std::vector<std::string> reason_texts(std::uint32_t bits) {
   return texts;
 }
 
-json hello_message(const LiveFacts& facts) {
+nlohmann::json hello_message(const LiveFacts& facts) {
   const RecordingHeader& header = facts.header;
   return {{"event", "hello"},
           {"version", build_information::version},
@@ -154,47 +132,48 @@ json hello_message(const LiveFacts& facts) {
           {"simulated", header.simulated},
           {"simulation", header.simulation},
           {"environment", header.environment},
-          {"acquisition", header.acquisition > 0 ? json(header.acquisition) : json()},
+          {"acquisition", header.acquisition > 0 ? nlohmann::json(header.acquisition) : nlohmann::json()},
           {"start_utc", header.start_time_utc},
           {"control", facts.control},
-          {"frame_rate_hz", number(header.profile.camera.output_rate_hz)},
+          {"frame_rate_hz", number_json(header.profile.camera.output_rate_hz)},
           {"model", model_json(header.live_model)},
           {"plan",
            {{"name", facts.plan_name},
             {"repeats", facts.repeats},
             {"legs", facts.legs},
             {"frames_per_leg", facts.frames_per_leg},
-            {"expected_s", number(facts.expected_s)}}}};
+            {"expected_s", number_json(facts.expected_s)}}}};
 }
 
-json state_message(const rig::RecordingProgress& progress, const LiveFacts& facts,
-                   std::optional<std::uint64_t> disk_free_bytes) {
+nlohmann::json state_message(const rig::RecordingProgress& progress, const LiveFacts& facts,
+                             std::optional<std::uint64_t> disk_free_bytes) {
   const rig::SweepProgress& sweep = progress.sweep;
   const bool keeps = facts.recording;
-  json devices;
+  nlohmann::json devices;
   for (const Device device : all_devices)
     devices[std::string(thermorig::name_of(device))] = device_json(device, progress);
-  return {{"event", "state"},
-          {"time_s", number(progress.elapsed_s)},
-          {"phase", rig::name_of(sweep.phase)},
-          {"eta_s", facts.repeats ? json() : number(sweep.eta_s)},
-          {"done_share", number(sweep.done_share)},
-          {"leg", sweep.leg},
-          {"leg_count", sweep.leg_count},
-          {"rate_dps", number(sweep.rate_dps)},
-          {"next_rate_dps", number(sweep.next_rate_dps)},
-          {"frames", sweep.frames},
-          {"frames_per_leg", sweep.frames_per_leg},
-          {"repeated", sweep.repeated},
-          {"speeds", speeds_json(sweep.speeds)},
-          {"devices", devices},
-          {"kept_frames", keeps ? json(progress.health[Device::camera].messages) : json()},
-          {"kept_bytes", keeps ? json(progress.kept_bytes) : json()},
-          {"disk_free_bytes", keeps && disk_free_bytes ? json(*disk_free_bytes) : json()},
-          {"stopping", progress.stopping}};
+  return {
+      {"event", "state"},
+      {"time_s", number_json(progress.elapsed_s)},
+      {"phase", rig::name_of(sweep.phase)},
+      {"eta_s", facts.repeats ? nlohmann::json() : number_json(sweep.eta_s)},
+      {"done_share", number_json(sweep.done_share)},
+      {"leg", sweep.leg},
+      {"leg_count", sweep.leg_count},
+      {"rate_dps", number_json(sweep.rate_dps)},
+      {"next_rate_dps", number_json(sweep.next_rate_dps)},
+      {"frames", sweep.frames},
+      {"frames_per_leg", sweep.frames_per_leg},
+      {"repeated", sweep.repeated},
+      {"speeds", speeds_json(sweep.speeds)},
+      {"devices", devices},
+      {"kept_frames", keeps ? nlohmann::json(progress.health[Device::camera].messages) : nlohmann::json()},
+      {"kept_bytes", keeps ? nlohmann::json(progress.kept_bytes) : nlohmann::json()},
+      {"disk_free_bytes", keeps && disk_free_bytes ? nlohmann::json(*disk_free_bytes) : nlohmann::json()},
+      {"stopping", progress.stopping}};
 }
 
-json frame_message(const LiveFrame& frame, HostTime begin) {
+nlohmann::json frame_message(const LiveFrame& frame, HostTime begin) {
   const LiveEstimate& row = frame.row;
   return {{"event", "frame"},
           {"index", row.frame_index},
@@ -204,27 +183,27 @@ json frame_message(const LiveFrame& frame, HostTime begin) {
           {"counted", row.counted},
           {"valid", frame.sample.valid},
           {"reasons", reason_texts(row.reason_bits)},
-          {"apart", row.counted ? json() : json(why_apart(frame))},
+          {"apart", row.counted ? nlohmann::json() : nlohmann::json(why_apart(frame))},
           {"leg", row.leg},
           {"run", row.run},
-          {"commanded_dps", number(row.rate_commanded_dps)},
-          {"gyro_dps", number(row.rate_gyro_dps)},
-          {"thermal_dps", number(row.rate_thermal_dps)},
-          {"fusion_dps", number(row.rate_fusion_dps)},
-          {"gain", number(row.gain)},
-          {"inference_us", number(frame.inference_us)},
+          {"commanded_dps", number_json(row.rate_commanded_dps)},
+          {"gyro_dps", number_json(row.rate_gyro_dps)},
+          {"thermal_dps", number_json(row.rate_thermal_dps)},
+          {"fusion_dps", number_json(row.rate_fusion_dps)},
+          {"gain", number_json(row.gain)},
+          {"inference_us", number_json(frame.inference_us)},
           {"fresh", freshness(frame.frame)},
           {"scores", scores_json(frame.scores)}};
 }
 
-json image_message(const LiveFrame& frame, HostTime begin, bool mirrored) {
+nlohmann::json image_message(const LiveFrame& frame, HostTime begin, bool mirrored) {
   return {{"event", "image"},
           {"index", frame.row.frame_index},
           {"time_s", seconds(frame.row.time, begin)},
           {"pixels", base64(image_bytes(frame.frame.frame, mirrored))}};
 }
 
-json event_message(const RecordingEvent& event, HostTime begin) {
+nlohmann::json event_message(const RecordingEvent& event, HostTime begin) {
   return {{"event", "event"},
           {"time_s", seconds(event.time, begin)},
           {"kind", event_kind_names[static_cast<std::size_t>(event.kind)]},
@@ -232,12 +211,12 @@ json event_message(const RecordingEvent& event, HostTime begin) {
           {"message", event.message}};
 }
 
-json ended_message(const LiveEnd& end) {
+nlohmann::json ended_message(const LiveEnd& end) {
   return {{"event", "ended"},
           {"exit", end.exit},
           {"message", end.message},
           {"advice", end.advice},
-          {"session", end.session.empty() ? json() : json(end.session)}};
+          {"session", end.session.empty() ? nlohmann::json() : nlohmann::json(end.session)}};
 }
 
 }  // namespace thermorig::app

@@ -44,7 +44,7 @@ std::string health_text(const PortFinding& finding) {
   return fmt::format("{:.1f} /s", finding.rate_hz);
 }
 
-std::string speed_text(const PortFinding& finding) {
+std::string baud_text(const PortFinding& finding) {
   return finding.role && finding.baud > 0 ? std::to_string(finding.baud) : "-";
 }
 
@@ -52,7 +52,7 @@ std::string table_text(const std::vector<PortFinding>& findings) {
   Table table({"role", "port", "usb", ">baud", ">rate", "how known"});
   for (const PortFinding& finding : findings) {
     const std::string& usb = finding.info.usb_path;
-    table.add({role_text(finding), finding.info.path, usb.empty() ? "-" : usb, speed_text(finding),
+    table.add({role_text(finding), finding.info.path, usb.empty() ? "-" : usb, baud_text(finding),
                health_text(finding), printable(finding.problem.empty() ? finding.how : finding.problem)});
   }
   return table.text();

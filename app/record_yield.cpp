@@ -8,6 +8,7 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 
+#include "number_json.h"
 #include "output.h"
 #include "thermorig/rig/yield.h"
 
@@ -69,15 +70,11 @@ std::string quota_text(const rig::SweepPlan& plan) {
   return fmt::format("quota: {} valid frames a leg; a leg that has fewer goes on", plan.valid_per_leg);
 }
 
-nlohmann::json finite(double value) {
-  return std::isfinite(value) ? nlohmann::json(value) : nlohmann::json();
-}
-
 nlohmann::json json_of(const SpeedYield& speed) {
   nlohmann::json object{{"rate_dps", speed.rate_dps}, {"quota_s", speed.duration_s}};
   for (const SpeedYield::Windows& windows : speed.windows) {
     object["leg"].push_back(windows.leg);
-    object["sweep"].push_back(finite(windows.sweep));
+    object["sweep"].push_back(number_json(windows.sweep));
     object["travel_deg"].push_back(windows.travel_deg);
     object["possible"].push_back(windows.possible);
   }
@@ -109,7 +106,7 @@ nlohmann::json yield_json(const rig::SweepPlan& plan, const RigProfile& profile)
   for (const SpeedYield& speed : rig::plan_yield(plan, profile.servo, rate_hz))
     speeds.push_back(json_of(speed));
   return {{"valid_per_leg", plan.valid_per_leg},
-          {"stroke_deg", finite(stroke_deg(profile.servo))},
+          {"stroke_deg", number_json(stroke_deg(profile.servo))},
           {"quota_s", rig::plan_duration_s(plan, profile.servo, rate_hz)},
           {"speeds", speeds}};
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include <nlohmann/json.hpp>
 
+#include "number_json.h"
 #include "timing_remarks.h"
 #include "timing_text.h"
 
@@ -11,10 +12,6 @@ namespace {
 nlohmann::json estimate(const std::optional<Estimate>& value) {
   if (!value) return nullptr;
   return {{"value", value->value}, {"uncertainty", value->uncertainty}};
-}
-
-nlohmann::json number(const std::optional<double>& value) {
-  return value ? nlohmann::json(*value) : nlohmann::json();
 }
 
 nlohmann::json gaps_json(const ClockReport& clock, HostTime start) {
@@ -62,8 +59,8 @@ nlohmann::json gyro_json(const GyroErrors& gyro) {
   return {{"scale", estimate(gyro.scale)},
           {"scale_calibrated", gyro.scale_calibrated},
           {"bias_dps", estimate(gyro.bias_dps)},
-          {"bias_before_dps", number(gyro.bias_before_dps)},
-          {"bias_after_dps", number(gyro.bias_after_dps)},
+          {"bias_before_dps", number_json(gyro.bias_before_dps)},
+          {"bias_after_dps", number_json(gyro.bias_after_dps)},
           {"noise_dps", gyro.noise_dps},
           {"zeroes_itself", gyro.zeroes_itself}};
 }

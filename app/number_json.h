@@ -1,0 +1,15 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <nlohmann/json_fwd.hpp>
+#include <optional>
+
+namespace thermorig::app {
+
+/// null where there is no number: JSON has none for what is not finite.
+nlohmann::json number_json(double value);
+/// The double whose shortest text is the float's.
+nlohmann::json number_json(float value);
+nlohmann::json number_json(const std::optional<double>& value);
+
+}  // namespace thermorig::app
