@@ -83,7 +83,7 @@ std::string cut(const std::string& text, std::size_t width) {
   return lines;
 }
 
-std::string figure(double value) {
+std::string plain_figure(double value) {
   return std::isfinite(value) ? fmt::format("{:.1f}", value) : "-";
 }
 
@@ -151,14 +151,14 @@ class LiveTui : public LiveScreen {
     const auto add = [&](const char* name, float rate_dps, live::Rate rate) {
       const double rmse_dps = frame.scores.rates[static_cast<std::size_t>(rate)].rmse_dps;
       text += fmt::format("\n{:<8} {:>7}  error {:>7}  RMSE {:>6} deg/s", name, signed_figure(rate_dps),
-                          signed_figure(rate_dps - label_dps), figure(rmse_dps));
+                          signed_figure(rate_dps - label_dps), plain_figure(rmse_dps));
     };
     add("gyro", row.rate_gyro_dps, live::Rate::gyro);
     add("thermal", row.rate_thermal_dps, live::Rate::thermal);
     add("fusion", row.rate_fusion_dps, live::Rate::fusion);
     const std::string gain = std::isnan(row.gain) ? "-" : fmt::format("{:.2f}", row.gain);
     return text + fmt::format("\nKg {}  counted {}  apart {}  {} us\n", gain, frame.scores.counted,
-                              frame.scores.apart, figure(frame.inference_us));
+                              frame.scores.apart, plain_figure(frame.inference_us));
   }
 
   OutputWriter& output_;
