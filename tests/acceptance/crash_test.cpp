@@ -5,12 +5,11 @@
 #include <sys/resource.h>
 
 #include <csignal>
-#include <fstream>
 #include <random>
-#include <sstream>
 #include <thread>
 
 #include "recorder.h"
+#include "support/file_text.h"
 #include "support/other_program.h"
 #include "thermorig/journal/journal.h"
 
@@ -24,12 +23,6 @@ constexpr int long_leg = 40;                     // frames: none of these tests 
 constexpr std::int64_t after_life_us = 500'000;  // of the servo without its program
 constexpr std::uint8_t raw_stop = 0x21;          // protocols/servo_link.md
 constexpr double moving_dps = 30.0;
-
-std::string bytes_of(const std::filesystem::path& path) {
-  std::ostringstream bytes;
-  bytes << std::ifstream(path, std::ios::binary).rdbuf();
-  return bytes.str();
-}
 
 class Killed : public RecorderOnPorts, public testing::WithParamInterface<unsigned> {
  protected:
@@ -96,11 +89,11 @@ TEST_F(KilledOnce, RecoversToTheSameFileHoweverOften) {
   EXPECT_THAT(run("recover twin").code, AnyOf(0, 3));
   const auto sessions = files(".h5");
   ASSERT_EQ(sessions.size(), 2U);
-  const std::string first = bytes_of(sessions[0]);
-  EXPECT_EQ(first, bytes_of(sessions[1]));
+  const std::string first = file_text(sessions[0]);
+  EXPECT_EQ(first, file_text(sessions[1]));
   EXPECT_EQ(run("recover recordings").code, 0);
   EXPECT_EQ(files(".h5"), sessions);
-  EXPECT_EQ(bytes_of(sessions[0]), first);
+  EXPECT_EQ(file_text(sessions[0]), first);
 }
 
 TEST_F(KilledOnce, RecoversToAFileThatAStockReaderOpens) {

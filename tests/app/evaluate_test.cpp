@@ -6,10 +6,10 @@
 #include <chrono>
 #include <fstream>
 #include <set>
-#include <sstream>
 #include <thread>
 
 #include "program.h"
+#include "support/file_text.h"
 
 namespace thermorig::tests {
 namespace {
@@ -17,12 +17,6 @@ namespace {
 using testing::HasSubstr;
 using testing::Not;
 namespace fs = std::filesystem;
-
-std::string text_of(const fs::path& path) {
-  std::ostringstream text;
-  text << std::ifstream(path, std::ios::binary).rdbuf();
-  return text.str();
-}
 
 class EvaluateTest : public ProgramTest {
  protected:
@@ -91,9 +85,9 @@ TEST_F(EvaluateTest, WritesAReportInThreeForms) {
   EXPECT_TRUE(end.at("simulated").get<bool>());
   EXPECT_EQ(end.at("environments").size(), 2U);
   EXPECT_GE(end.at("warnings").size(), 2U);  // trained on these sessions; one epoch beats no gyro
-  EXPECT_THAT(text_of(folder() / "report/report.md"), HasSubstr("SIMULATED"));
-  EXPECT_TRUE(nlohmann::json::accept(text_of(folder() / "report/report.json")));
-  EXPECT_THAT(text_of(folder() / "report/report.html"), HasSubstr("</html>"));
+  EXPECT_THAT(file_text(folder() / "report/report.md"), HasSubstr("SIMULATED"));
+  EXPECT_TRUE(nlohmann::json::accept(file_text(folder() / "report/report.json")));
+  EXPECT_THAT(file_text(folder() / "report/report.html"), HasSubstr("</html>"));
 }
 
 TEST_F(EvaluateTest, SaysNothingOfAGateThatAThermalOnlyModelHasNot) {
@@ -114,13 +108,13 @@ TEST_F(EvaluateTest, RunsTheStudyAndDrawsItAgain) {
               HasSubstr("4 trainings of 1 epoch, preset paper, 3 acquisitions of the SIMULATED"));
   EXPECT_THAT(outcome.out, HasSubstr("4 of 4 jobs"));
   EXPECT_EQ(results().size(), 4U);
-  const std::string drawn = text_of(folder() / "study/report.md");
+  const std::string drawn = file_text(folder() / "study/report.md");
   EXPECT_THAT(drawn, HasSubstr("SIMULATED"));
   fs::remove(folder() / "study/report.md");
   ASSERT_EQ(run("evaluate --draw study").code, 0);
-  EXPECT_EQ(text_of(folder() / "study/report.md"), drawn);
+  EXPECT_EQ(file_text(folder() / "study/report.md"), drawn);
   ASSERT_EQ(run("evaluate --draw study/results -o elsewhere").code, 0);
-  EXPECT_EQ(text_of(folder() / "elsewhere/report.md"), drawn);
+  EXPECT_EQ(file_text(folder() / "elsewhere/report.md"), drawn);
 }
 
 TEST_F(EvaluateTest, RepeatsNoJobOfAStudy) {

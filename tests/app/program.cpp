@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "program.h"
+#include "support/file_text.h"
 
 #include <fcntl.h>
 #include <sys/wait.h>
@@ -13,12 +14,6 @@
 namespace thermorig::tests {
 
 namespace {
-
-std::string text_of(const std::filesystem::path& path) {
-  std::ostringstream text;
-  text << std::ifstream(path, std::ios::binary).rdbuf();
-  return text.str();
-}
 
 int code_of(int status) {
   return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
@@ -56,14 +51,14 @@ Outcome ProgramTest::run(const std::string& arguments) const {
   const std::string command =
       "cd " + folder_.string() + " && " + THERMORIG_PROGRAM + " " + arguments + " >out.txt 2>err.txt";
   const int status = std::system(command.c_str());
-  return {code_of(status), text_of(folder_ / "out.txt"), text_of(folder_ / "err.txt")};
+  return {code_of(status), file_text(folder_ / "out.txt"), file_text(folder_ / "err.txt")};
 }
 
 Outcome ProgramTest::run_on_terminal(const std::string& settings, const std::string& arguments) const {
   const std::string command = "cd " + folder_.string() + " && " + settings + " script -qec '" +
                               THERMORIG_PROGRAM + " " + arguments + "' /dev/null >out.txt 2>err.txt";
   const int status = std::system(command.c_str());
-  return {code_of(status), text_of(folder_ / "out.txt"), text_of(folder_ / "err.txt")};
+  return {code_of(status), file_text(folder_ / "out.txt"), file_text(folder_ / "err.txt")};
 }
 
 pid_t ProgramTest::start(const std::vector<std::string>& arguments) const {
@@ -81,7 +76,8 @@ pid_t ProgramTest::start(const std::vector<std::string>& arguments) const {
 Outcome ProgramTest::wait(pid_t process) const {
   int status = 0;
   waitpid(process, &status, 0);
-  return {code_of(status), text_of(folder_ / "background_out.txt"), text_of(folder_ / "background_err.txt")};
+  return {code_of(status), file_text(folder_ / "background_out.txt"),
+          file_text(folder_ / "background_err.txt")};
 }
 
 std::filesystem::path ProgramTest::record_briefly() const {

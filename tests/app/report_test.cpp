@@ -5,16 +5,12 @@
 
 #include "../report/made_results.h"
 #include "program.h"
+#include "support/file_text.h"
 
 namespace thermorig::tests {
 namespace {
 
 using ::testing::HasSubstr;
-
-std::string text_of(const std::filesystem::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(file), {}};
-}
 
 class Report : public ProgramTest {
  protected:
@@ -32,18 +28,18 @@ TEST_F(Report, IsDrawnFromResultFilesAlone) {
   const auto study = study_of(made_study());
   const Outcome outcome = run("evaluate --draw " + study.string());
   ASSERT_EQ(outcome.code, 0) << outcome.err;
-  EXPECT_THAT(text_of(study / "report.md"),
+  EXPECT_THAT(file_text(study / "report.md"),
               HasSubstr("| 0.0100 (20.0) | 0.0050 (14.1) | 0.0071 | 0.0036 | 6 of 6 |"));
-  EXPECT_THAT(text_of(study / "report.html"), HasSubstr("0.0050 (14.1)"));
-  EXPECT_EQ(nlohmann::json::parse(text_of(study / "report.json"))["format"], "thermorig-study-report");
+  EXPECT_THAT(file_text(study / "report.html"), HasSubstr("0.0050 (14.1)"));
+  EXPECT_EQ(nlohmann::json::parse(file_text(study / "report.json"))["format"], "thermorig-study-report");
 }
 
 TEST_F(Report, IsTheSameEachTime) {
   const auto study = study_of({made_result({}), made_result({.fusion = false})});
   ASSERT_EQ(run("evaluate --draw " + study.string()).code, 0);
-  const std::string first = text_of(study / "report.html");
+  const std::string first = file_text(study / "report.html");
   ASSERT_EQ(run("evaluate --draw " + study.string()).code, 0);
-  EXPECT_EQ(text_of(study / "report.html"), first);
+  EXPECT_EQ(file_text(study / "report.html"), first);
 }
 
 TEST_F(Report, GoesToAnotherFolderWhereAsked) {

@@ -2,20 +2,15 @@
 #include <gmock/gmock.h>
 
 #include <csignal>
-#include <fstream>
 #include <thread>
 
 #include "program.h"
+#include "support/file_text.h"
 
 namespace thermorig::tests {
 namespace {
 
 using ::testing::HasSubstr;
-
-std::string bytes_of(const std::filesystem::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(file), {}};
-}
 
 class SessionCommands : public ProgramTest {
  protected:
@@ -108,7 +103,7 @@ TEST_F(SessionCommands, RecoverMakesASessionOfAKilledRecording) {
 
 TEST_F(SessionCommands, RecoverStatesWhatATruncatedJournalLost) {
   const auto journal = killed_journal();
-  const std::string all = bytes_of(journal);
+  const std::string all = file_text(journal);
   const auto used = all.find_last_not_of('\0') + 1;  // the rest is reserve
   std::filesystem::resize_file(journal, used - 5);
   const Outcome outcome = run("recover " + journal.string());

@@ -5,11 +5,10 @@
 
 #include <algorithm>
 #include <csignal>
-#include <fstream>
-#include <iterator>
 #include <thread>
 
 #include "program.h"
+#include "support/file_text.h"
 
 namespace thermorig::tests {
 namespace {
@@ -18,11 +17,6 @@ namespace fs = std::filesystem;
 using ::testing::AllOf;
 using ::testing::HasSubstr;
 using ::testing::Not;
-
-std::string bytes_of(const fs::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(file), {}};
-}
 
 /// Two short recordings and a network that learns them in no time.
 class Train : public ProgramTest {
@@ -50,7 +44,7 @@ class Train : public ProgramTest {
   }
 
   std::ptrdiff_t epochs_kept(const std::string& model) const {
-    const std::string metrics = bytes_of(at(model + ".run") / "metrics.ndjson");
+    const std::string metrics = file_text(at(model + ".run") / "metrics.ndjson");
     return std::count(metrics.begin(), metrics.end(), '\n');
   }
 };
@@ -66,7 +60,7 @@ TEST_F(Train, MakesAModelAndSaysWhatItIsWorth) {
   EXPECT_GT(fs::file_size(at("model.onnx")), 89'644U * 4);
   for (const char* name : {"run.json", "metrics.ndjson", "checkpoint.bin", "model.onnx"})
     EXPECT_TRUE(fs::exists(at("model.run") / name)) << name;
-  EXPECT_EQ(bytes_of(at("model.run/model.onnx")), bytes_of(at("model.onnx")));
+  EXPECT_EQ(file_text(at("model.run/model.onnx")), file_text(at("model.onnx")));
 }
 
 TEST_F(Train, TellsProgramsTheSameAsJson) {
@@ -93,8 +87,8 @@ TEST_F(Train, GivesTheSameFileForTheSameSeedWhateverTheThreads) {
   ASSERT_EQ(run(small + "-o one.onnx --threads 1").code, 0);
   ASSERT_EQ(run(small + "-o two.onnx --threads 3").code, 0);
   ASSERT_EQ(run(small + "-o three.onnx --seed 2").code, 0);
-  EXPECT_EQ(bytes_of(at("one.onnx")), bytes_of(at("two.onnx")));
-  EXPECT_NE(bytes_of(at("one.onnx")), bytes_of(at("three.onnx")));
+  EXPECT_EQ(file_text(at("one.onnx")), file_text(at("two.onnx")));
+  EXPECT_NE(file_text(at("one.onnx")), file_text(at("three.onnx")));
 }
 
 TEST_F(Train, TakesThePaperToTheLetterOrAsItIsTold) {
@@ -122,7 +116,7 @@ TEST_F(Train, NeverOverwritesAModel) {
   const Outcome outcome = run(small + "-o model.onnx");
   EXPECT_EQ(outcome.code, 2);
   EXPECT_THAT(outcome.err, AllOf(HasSubstr("model.onnx"), HasSubstr("never overwritten"), HasSubstr("try:")));
-  EXPECT_EQ(bytes_of(at("model.onnx")), "mine");
+  EXPECT_EQ(file_text(at("model.onnx")), "mine");
   EXPECT_FALSE(fs::exists(at("model.run")));
 }
 
@@ -136,9 +130,9 @@ TEST_F(Train, NeverMixesTwoRuns) {
 
 TEST_F(Train, ResumesAFinishedRunToTheSameModel) {
   ASSERT_EQ(run(small + "-o model.onnx").code, 0);
-  const std::string before = bytes_of(at("model.onnx"));
+  const std::string before = file_text(at("model.onnx"));
   EXPECT_EQ(run(small + "-o model.onnx --resume").code, 0);
-  EXPECT_EQ(bytes_of(at("model.onnx")), before);
+  EXPECT_EQ(file_text(at("model.onnx")), before);
 }
 
 TEST_F(Train, RefusesToResumeWithOtherSettingsOrOtherData) {
@@ -172,7 +166,7 @@ TEST_F(Train, GoesOnAfterKillAsIfNothingHadHappened) {
   EXPECT_EQ(wait(process).code, 128 + SIGKILL);
   EXPECT_FALSE(fs::exists(at("model.onnx")));
   const auto kept = epochs_kept("model");
-  const std::string before = bytes_of(at("model.run/metrics.ndjson"));
+  const std::string before = file_text(at("model.run/metrics.ndjson"));
   const pid_t resumed = start({"train", "recordings", "--nf", "2", "--nr", "3", "--epochs", "5000",
                                "--threads", "2", "-o", "model.onnx", "--resume"});
   for (int look = 0; look < 3000 && epochs_kept("model") < kept + 2; ++look)
@@ -181,7 +175,7 @@ TEST_F(Train, GoesOnAfterKillAsIfNothingHadHappened) {
   const Outcome outcome = wait(resumed);
   EXPECT_EQ(outcome.code, 130) << outcome.err;
   EXPECT_THAT(outcome.out, HasSubstr("going on after epoch"));
-  EXPECT_TRUE(bytes_of(at("model.run/metrics.ndjson")).starts_with(before));
+  EXPECT_TRUE(file_text(at("model.run/metrics.ndjson")).starts_with(before));
   EXPECT_TRUE(fs::exists(at("model.onnx")));
 }
 
@@ -220,9 +214,9 @@ TEST_F(Train, SaysWhenTheDiskIsFull) {
   const std::string command = "cd " + folder().string() + " && ulimit -f 100 && " + THERMORIG_PROGRAM + " " +
                               small + "-o model.onnx >out.txt 2>err.txt";
   const int status = std::system(("sh -c '" + command + "'").c_str());
-  EXPECT_EQ(WEXITSTATUS(status), 7) << bytes_of(at("err.txt"));
+  EXPECT_EQ(WEXITSTATUS(status), 7) << file_text(at("err.txt"));
   EXPECT_FALSE(fs::exists(at("model.onnx")));
-  EXPECT_THAT(bytes_of(at("err.txt")), HasSubstr("checkpoint.bin"));
+  EXPECT_THAT(file_text(at("err.txt")), HasSubstr("checkpoint.bin"));
 }
 
 TEST_F(Train, DrawsOverOneLineOnATerminalAndNotWithNoColor) {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "boards.h"
+#include "support/file_text.h"
 
 #include <fmt/format.h>
 #include <unistd.h>
@@ -38,12 +39,6 @@ class Folder {
  private:
   std::filesystem::path path_;
 };
-
-std::string text_of(const std::filesystem::path& path) {
-  std::ostringstream text;
-  text << std::ifstream(path).rdbuf();
-  return text.str();
-}
 
 /// Standard output and error of a command are in `out`; false if it failed.
 bool succeeded(const std::string& command, const std::filesystem::path& out) {
@@ -125,14 +120,14 @@ BoardRun run_on(const Board& board, const embedded::CSource& source, int frames)
       "{}.c {}/board_main.c -o program -lm",
       folder.path().string(), board.compiler, header, name, frames, frames_to_push, name,
       THERMORIG_SOURCE_DIR "/tests/embedded");
-  if (!succeeded(compile, out)) return {.failure = compile + "\n" + text_of(out)};
+  if (!succeeded(compile, out)) return {.failure = compile + "\n" + file_text(out)};
   if (!succeeded(board.runner + " " + program.string(), out))
-    return {.failure = "it failed: " + text_of(out)};
-  BoardRun run = parsed(text_of(out));
+    return {.failure = "it failed: " + file_text(out)};
+  BoardRun run = parsed(file_text(out));
   if (board.object.empty() || !run.failure.empty()) return run;
   const std::string size = fmt::format("cd {} && {} -c {}.c -o network.o && arm-none-eabi-size network.o",
                                        folder.path().string(), board.object, name);
-  run.flash_bytes = succeeded(size, out) ? flash_of(text_of(out)) : 0;
+  run.flash_bytes = succeeded(size, out) ? flash_of(file_text(out)) : 0;
   return run;
 }
 

@@ -7,22 +7,17 @@
 #include <unistd.h>
 
 #include <csignal>
-#include <fstream>
 #include <functional>
 #include <iterator>
 
 #include "session/temporary_folder.h"
+#include "support/file_text.h"
 #include "thermorig/core/error.h"
 
 namespace thermorig::files {
 namespace {
 
 namespace fs = std::filesystem;
-
-std::string text_of(const fs::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(file), {}};
-}
 
 class WholeFile : public session::InTemporaryFolder {};
 class PartFileName : public session::InTemporaryFolder {};
@@ -54,7 +49,7 @@ TEST_F(WholeFile, TakesThePlaceOfAnOlderOne) {
   const fs::path file = folder_ / "a.bin";
   write_whole(file, "the longer text of before", "the model");
   write_whole(file, "new", "the model");
-  EXPECT_EQ(text_of(file), "new");
+  EXPECT_EQ(tests::file_text(file), "new");
 }
 
 TEST_F(WholeFile, IsLeftAloneWhereTheNewOneFails) {
@@ -69,7 +64,7 @@ TEST_F(WholeFile, IsLeftAloneWhereTheNewOneFails) {
   ::setrlimit(RLIMIT_FSIZE, &before);
   std::signal(SIGXFSZ, handler);
   EXPECT_EQ(refusal, "7: cannot write the model (4000 bytes missing): File too large");
-  EXPECT_EQ(text_of(file), "old");
+  EXPECT_EQ(tests::file_text(file), "old");
   EXPECT_EQ(entries_in(folder_), 1U);
 }
 
@@ -105,7 +100,7 @@ TEST_F(PartFileName, DoesNotTakeANameThatIsThere) {
               part.publish(false);
             }),
             "7: cannot name the model: File exists");
-  EXPECT_EQ(text_of(file), "old");
+  EXPECT_EQ(tests::file_text(file), "old");
   EXPECT_EQ(entries_in(folder_), 1U);
 }
 
