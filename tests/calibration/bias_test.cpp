@@ -7,7 +7,6 @@
 
 #include "calibrated_rig.h"
 #include "thermorig/calibration/calibration.h"
-#include "thermorig/core/error.h"
 
 namespace thermorig::calibration {
 namespace {
@@ -15,6 +14,7 @@ namespace {
 using rig::CalibrationKind;
 using test::plan_for;
 using test::record;
+using test::refusal;
 using test::rig_with;
 using ::testing::HasSubstr;
 
@@ -32,17 +32,6 @@ session::Session resting_session(double length_s, double (*rate_dps)(double time
 
 double ripple(double time_s) {
   return 0.05 * std::sin(time_s * 100.0);
-}
-
-std::string refusal(const session::Session& session) {
-  try {
-    measure_bias(session);
-  } catch (const Error& error) {
-    EXPECT_EQ(error.code(), ExitCode::finished_lossy);
-    EXPECT_FALSE(error.advice().empty());
-    return error.what_happened();
-  }
-  return "nothing was refused";
 }
 
 TEST(CalibrateBias, FindsTheBiasOfEachSimulatedGyroWithinItsUncertainty) {
@@ -115,13 +104,15 @@ TEST(CalibrateBias, CountsDriftAsUncertainty) {
 
 TEST(CalibrateBias, SaysWhyARestDoesNotTell) {
   const session::Session empty;
-  EXPECT_THAT(refusal(empty), HasSubstr("not at rest"));
-  EXPECT_THAT(refusal(resting_session(3.0, ripple)), HasSubstr("not at rest"));
-  EXPECT_THAT(refusal(resting_session(60.0, [](double) { return 0.25; })), HasSubstr("stuck"));
-  EXPECT_THAT(refusal(resting_session(60.0, [](double) { return std::nan(""); })), HasSubstr("not at rest"));
+  EXPECT_THAT(refusal([&] { measure_bias(empty); }), HasSubstr("not at rest"));
+  EXPECT_THAT(refusal([&] { measure_bias(resting_session(3.0, ripple)); }), HasSubstr("not at rest"));
+  EXPECT_THAT(refusal([&] { measure_bias(resting_session(60.0, [](double) { return 0.25; })); }),
+              HasSubstr("stuck"));
+  EXPECT_THAT(refusal([&] { measure_bias(resting_session(60.0, [](double) { return std::nan(""); })); }),
+              HasSubstr("not at rest"));
   session::Session zeroing = resting_session(60.0, ripple);
   zeroing.sync.gyro.zeroes_itself = true;
-  EXPECT_THAT(refusal(zeroing), HasSubstr("sets itself to zero"));
+  EXPECT_THAT(refusal([&] { measure_bias(zeroing); }), HasSubstr("sets itself to zero"));
 }
 
 TEST(CalibrateBias, ReportsAGyroThatSetsItselfToZero) {
@@ -129,7 +120,7 @@ TEST(CalibrateBias, ReportsAGyroThatSetsItselfToZero) {
   config.gyro_zeroes_itself = true;
   auto plan = plan_for(CalibrationKind::bias, config);
   plan.opening_rest_s = 20.0;
-  EXPECT_THAT(refusal(record(config, plan).session), HasSubstr("sets itself to zero"));
+  EXPECT_THAT(refusal([&] { measure_bias(record(config, plan).session); }), HasSubstr("sets itself to zero"));
 }
 
 TEST(CalibrateBias, GoesIntoTheProfileWithItsDate) {

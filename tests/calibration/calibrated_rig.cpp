@@ -11,6 +11,7 @@
 #include <limits>
 #include <map>
 
+#include "thermorig/core/error.h"
 #include "thermorig/rig/virtual_recording.h"
 
 namespace thermorig::calibration::test {
@@ -167,6 +168,17 @@ Recorded record(const simulation::VirtualRigConfig& config, const rig::SweepPlan
 
 rig::SweepPlan plan_for(rig::CalibrationKind kind, const simulation::VirtualRigConfig& config) {
   return rig::calibration_plan(kind, config.profile.servo, config.profile.camera);
+}
+
+std::string refusal(const std::function<void()>& measure) {
+  try {
+    measure();
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), ExitCode::finished_lossy);
+    EXPECT_FALSE(error.advice().empty());
+    return error.what_happened();
+  }
+  return "nothing was refused";
 }
 
 }  // namespace thermorig::calibration::test

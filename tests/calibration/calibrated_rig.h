@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <functional>
 #include <string>
 
 #include "thermorig/core/estimate.h"
@@ -42,5 +43,8 @@ Recorded record(const simulation::VirtualRigConfig& config, const rig::SweepPlan
 
 /// The plan of a calibration on that rig.
 rig::SweepPlan plan_for(rig::CalibrationKind kind, const simulation::VirtualRigConfig& config);
+
+/// What a measurement said that had to be refused, with the exit code and the advice of that.
+std::string refusal(const std::function<void()>& measure);
 
 }  // namespace thermorig::calibration::test

@@ -6,7 +6,6 @@
 
 #include "calibrated_rig.h"
 #include "thermorig/calibration/calibration.h"
-#include "thermorig/core/error.h"
 #include "thermorig/rig/finalise.h"
 
 namespace thermorig::calibration {
@@ -16,6 +15,7 @@ using rig::CalibrationKind;
 using test::plan_for;
 using test::record;
 using test::Recorded;
+using test::refusal;
 using test::rig_with;
 using ::testing::HasSubstr;
 
@@ -27,17 +27,6 @@ Recorded sweeps(const simulation::VirtualRigConfig& config) {
 double true_latency_s(const Recorded& recorded) {
   return recorded.camera_latency_s - recorded.gyro_latency_s +
          recorded.session.raw.header.profile.gyro.link.latency_s;
-}
-
-std::string refusal(const session::Session& session) {
-  try {
-    measure_latency(session);
-  } catch (const Error& error) {
-    EXPECT_EQ(error.code(), ExitCode::finished_lossy);
-    EXPECT_FALSE(error.advice().empty());
-    return error.what_happened();
-  }
-  return "nothing was refused";
 }
 
 TEST(CalibrateLatency, FindsWhatTheCameraTakesOnEveryServo) {
@@ -89,11 +78,12 @@ TEST(CalibrateLatency, CountsTheShiftThatASessionMadeByItself) {
 
 TEST(CalibrateLatency, SaysWhyASessionDoesNotTell) {
   const session::Session empty;
-  EXPECT_THAT(refusal(empty), HasSubstr("do not tell how late the camera is: "));
+  EXPECT_THAT(refusal([&] { measure_latency(empty); }), HasSubstr("do not tell how late the camera is: "));
   const auto config = rig_with(1);
   auto rest = plan_for(CalibrationKind::bias, config);
   rest.opening_rest_s = 10.0;
-  EXPECT_THAT(refusal(record(config, rest).session), HasSubstr("do not tell how late the camera is: "));
+  EXPECT_THAT(refusal([&] { measure_latency(record(config, rest).session); }),
+              HasSubstr("do not tell how late the camera is: "));
 }
 
 }  // namespace

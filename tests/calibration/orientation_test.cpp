@@ -4,7 +4,6 @@
 
 #include "calibrated_rig.h"
 #include "thermorig/calibration/calibration.h"
-#include "thermorig/core/error.h"
 #include "thermorig/rig/finalise.h"
 
 namespace thermorig::calibration {
@@ -13,6 +12,7 @@ namespace {
 using rig::CalibrationKind;
 using test::plan_for;
 using test::record;
+using test::refusal;
 using test::rig_with;
 using ::testing::HasSubstr;
 
@@ -25,17 +25,6 @@ session::Session recorded_in_error(std::uint64_t seed, const std::string& servo,
   RawRecording raw = record(config, plan_for(CalibrationKind::orientation, config)).session.raw;
   raw.header.profile = believed;
   return rig::build_session(std::move(raw));
-}
-
-std::string refusal(const session::Session& session) {
-  try {
-    measure_orientation(session);
-  } catch (const Error& error) {
-    EXPECT_EQ(error.code(), ExitCode::finished_lossy);
-    EXPECT_FALSE(error.advice().empty());
-    return error.what_happened();
-  }
-  return "nothing was refused";
 }
 
 TEST(CalibrateOrientation, FindsAxisSignAndMirrorWhateverTheProfileBelieves) {
@@ -57,17 +46,18 @@ TEST(CalibrateOrientation, FindsAxisSignAndMirrorWhateverTheProfileBelieves) {
 
 TEST(CalibrateOrientation, SaysWhyASessionDoesNotTell) {
   const session::Session empty;
-  EXPECT_THAT(refusal(empty), HasSubstr("hardly moved"));
+  EXPECT_THAT(refusal([&] { measure_orientation(empty); }), HasSubstr("hardly moved"));
   const auto config = rig_with(1);
   auto rest = plan_for(CalibrationKind::bias, config);
   rest.opening_rest_s = 10.0;
-  EXPECT_THAT(refusal(record(config, rest).session), HasSubstr("hardly moved"));
+  EXPECT_THAT(refusal([&] { measure_orientation(record(config, rest).session); }), HasSubstr("hardly moved"));
   session::Session loose = record(config, plan_for(CalibrationKind::orientation, config)).session;
   for (TimedGyro& sample : loose.gyro) sample.reading.rate_dps = {0.1F, 0.1F, 0.1F};
-  EXPECT_THAT(refusal(loose), HasSubstr("no axis of the gyro turns with the servo"));
+  EXPECT_THAT(refusal([&] { measure_orientation(loose); }),
+              HasSubstr("no axis of the gyro turns with the servo"));
   session::Session blind = record(config, plan_for(CalibrationKind::orientation, config)).session;
   for (TimedFrame& frame : blind.frames) frame.frame.temp_c.fill(21.0F);
-  EXPECT_THAT(refusal(blind), HasSubstr("do not tell which way they turn"));
+  EXPECT_THAT(refusal([&] { measure_orientation(blind); }), HasSubstr("do not tell which way they turn"));
 }
 
 }  // namespace

@@ -6,7 +6,6 @@
 
 #include "calibrated_rig.h"
 #include "thermorig/calibration/calibration.h"
-#include "thermorig/core/error.h"
 
 namespace thermorig::calibration {
 namespace {
@@ -15,6 +14,7 @@ using rig::CalibrationKind;
 using test::plan_for;
 using test::record;
 using test::Recorded;
+using test::refusal;
 using test::rig_with;
 using ::testing::HasSubstr;
 
@@ -23,18 +23,6 @@ Recorded turned_by_hand(simulation::VirtualRigConfig config, double angle_deg, d
   config.hand_turns.push_back(
       {.begin = config.start + from_s(15.0), .duration_s = duration_s, .angle_deg = angle_deg});
   return record(config, plan_for(CalibrationKind::bias, config));
-}
-
-template <typename Measure>
-std::string refusal(Measure measure) {
-  try {
-    measure();
-  } catch (const Error& error) {
-    EXPECT_EQ(error.code(), ExitCode::finished_lossy);
-    EXPECT_FALSE(error.advice().empty());
-    return error.what_happened();
-  }
-  return "nothing was refused";
 }
 
 TEST(CalibrateScaleByMarks, FindsTheGyrosScaleWhicheverWayTheRigIsTurned) {

@@ -20,30 +20,10 @@ constexpr double step_s = 0.01;
 constexpr double rest_begin_s = 1.4;  // the servo, armed, has gone where it should be
 constexpr double rest_end_s = 2.0;    // the first leg begins
 
-struct Command {
-  double time_s = 0.0;
-  std::vector<std::uint8_t> bytes;
-};
-
-std::vector<Command> commands(const ServoProfile& servo, const std::vector<Leg>& legs) {
-  std::uint8_t sequence = 0;
-  std::vector<Command> result{{0.3, wire::hello_bytes(sequence)}};
-  result.push_back({0.4, wire::configure_bytes(++sequence, servo)});
-  result.push_back({0.5, wire::arm_bytes(++sequence, 0.0)});
-  std::uint16_t number = 0;
-  for (const Leg& leg : legs)
-    result.push_back({leg.begin_s, wire::run_bytes(++sequence, {.leg = ++number,
-                                                                .turn_back = true,
-                                                                .rate_dps = leg.rate_dps,
-                                                                .acceleration_dps2 = servo.acceleration_dps2,
-                                                                .duration_s = leg.duration_s})});
-  return result;
-}
-
 pipeline::Streams drive(simulation::VirtualRig& rig, const RigProfile& profile, const std::vector<Leg>& legs,
                         double duration_s) {
   pipeline::Pipeline pipeline(profile);
-  const auto script = commands(profile.servo, legs);
+  const auto script = tests::servo_script(profile.servo, legs);
   auto next = script.begin();
   for (int step = 0; step * step_s < duration_s; ++step) {
     const HostTime now(from_s(step * step_s));

@@ -5,18 +5,15 @@
 #include <string>
 #include <vector>
 
+#include "support/servo_script.h"
 #include "thermorig/core/sample.h"
 #include "thermorig/core/sync.h"
 #include "thermorig/simulation/virtual_rig.h"
 
 namespace thermorig::motion {
 
-/// One leg of the simulated servo; it turns back where its travel ends.
-struct Leg {
-  double begin_s = 0.0;
-  double duration_s = 0.0;
-  double rate_dps = 0.0;
-};
+/// Of the simulated servo; it turns back where its travel ends.
+using Leg = tests::ScriptedLeg;
 
 /// Frames and gyro samples of a simulated rig with the times that the simulator knows: what is left to find
 /// is what images and gyro alone can tell.

@@ -13,26 +13,6 @@ constexpr double step_s = 0.01;
 constexpr int refresh_steps = 4;
 constexpr int ping_steps = 10;
 constexpr std::uint16_t ping_delay_max_us = 3000;
-
-struct TimedCommand {
-  double time_s = 0.0;
-  std::vector<std::uint8_t> bytes;
-};
-
-std::vector<TimedCommand> commands(const ServoProfile& servo, const std::vector<SweepLeg>& legs) {
-  std::uint8_t sequence = 0;
-  std::vector<TimedCommand> result{{0.3, wire::hello_bytes(sequence)}};
-  result.push_back({0.4, wire::configure_bytes(++sequence, servo)});
-  result.push_back({0.5, wire::arm_bytes(++sequence, 0.0)});
-  std::uint16_t number = 0;
-  for (const SweepLeg& leg : legs)
-    result.push_back({leg.begin_s, wire::run_bytes(++sequence, {.leg = ++number,
-                                                                .turn_back = true,
-                                                                .rate_dps = leg.rate_dps,
-                                                                .acceleration_dps2 = servo.acceleration_dps2,
-                                                                .duration_s = leg.duration_s})});
-  return result;
-}
 }  // namespace
 
 VirtualSweep drive(const simulation::VirtualRigConfig& config, const std::vector<SweepLeg>& legs,
@@ -45,7 +25,7 @@ VirtualSweep drive(const simulation::VirtualRigConfig& config, const std::vector
     rig.send(Device::servo, bytes, now);
     sweep.sent.append(bytes, now);
   };
-  const auto script = commands(config.profile.servo, legs);
+  const auto script = tests::servo_script(config.profile.servo, legs);
   auto next = script.begin();
   for (int step = 0; step * step_s < duration_s; ++step) {
     const HostTime now(from_s(step * step_s));

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "simulated_bus.h"
+#include "test_servos.h"
 #include "thermorig/rig/finalise.h"
 #include "thermorig/rig/yield.h"
 
@@ -12,19 +13,6 @@ namespace {
 
 constexpr CalibrationKind kinds[] = {CalibrationKind::bias, CalibrationKind::latency, CalibrationKind::scale,
                                      CalibrationKind::orientation};
-
-ServoProfile servo_of(double travel_deg) {
-  ServoProfile servo = simulation::default_profile().servo;
-  servo.travel_deg = travel_deg;
-  return servo;
-}
-
-ServoProfile continuous_servo() {
-  ServoProfile servo = servo_of(0.0);
-  servo.kind = ServoKind::continuous;
-  servo.full_rate_dps = 300.0;
-  return servo;
-}
 
 TEST(CalibrationPlan, CanBeDrivenByEveryServo) {
   for (const ServoProfile& servo :

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "thermorig/rig/yield.h"
+#include "test_servos.h"
 
 #include <gmock/gmock.h>
 
@@ -13,19 +14,6 @@ namespace thermorig::rig::test {
 namespace {
 
 constexpr double rate_hz = 8.0;
-
-ServoProfile servo_of(double travel_deg) {
-  ServoProfile servo = simulation::default_profile().servo;
-  servo.travel_deg = travel_deg;
-  return servo;
-}
-
-ServoProfile continuous_servo() {
-  ServoProfile servo = servo_of(0.0);
-  servo.kind = ServoKind::continuous;
-  servo.full_rate_dps = 300.0;
-  return servo;
-}
 
 SweepPlan plan_of(const std::vector<double>& rates_dps, int frames_per_leg, int valid_per_leg) {
   SweepPlan plan;

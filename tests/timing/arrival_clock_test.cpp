@@ -16,13 +16,6 @@ using simulation::UsbLink;
 
 constexpr double ms = 1e-3;
 
-std::vector<TestLink> links(bool loaded_host) {
-  return {{"ftdi16", UsbLink::ftdi, 0.016, loaded_host},
-          {"ftdi1", UsbLink::ftdi, 0.001, loaded_host},
-          {"ch340", UsbLink::ch340, 0.016, loaded_host},
-          {"cdc", UsbLink::cdc, 0.016, loaded_host}};
-}
-
 /// Errors of the final clock, and how they lie to what it says of itself.
 struct Score {
   ErrorSizes errors;

@@ -10,16 +10,7 @@
 namespace thermorig::timing {
 namespace {
 
-using simulation::UsbLink;
-
 constexpr double ms = 1e-3;
-
-std::vector<TestLink> links(bool loaded_host) {
-  return {{"ftdi16", UsbLink::ftdi, 0.016, loaded_host},
-          {"ftdi1", UsbLink::ftdi, 0.001, loaded_host},
-          {"ch340", UsbLink::ch340, 0.016, loaded_host},
-          {"cdc", UsbLink::cdc, 0.016, loaded_host}};
-}
 
 /// Errors from `begin_s` to `end_s` of the recording.
 ErrorSizes errors(const RecordedStream& stream, const std::vector<Stamp>& stamps, double begin_s,

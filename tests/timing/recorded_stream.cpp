@@ -69,6 +69,14 @@ void add_truth(const std::vector<simulation::SentMessage>& sent, double latency_
 }
 }  // namespace
 
+std::vector<TestLink> links(bool loaded_host) {
+  using simulation::UsbLink;
+  return {{"ftdi16", UsbLink::ftdi, 0.016, loaded_host},
+          {"ftdi1", UsbLink::ftdi, 0.001, loaded_host},
+          {"ch340", UsbLink::ch340, 0.016, loaded_host},
+          {"cdc", UsbLink::cdc, 0.016, loaded_host}};
+}
+
 RecordedStream record_stream(Device device, const TestLink& link, std::uint64_t seed, double duration_s,
                              const std::vector<simulation::Outage>& outages) {
   simulation::VirtualRigConfig config = rig_config(device, link, seed);

@@ -39,6 +39,9 @@ struct TestLink {
   bool loaded_host = false;
 };
 
+/// One of each kind, and an FTDI one with its timer at the least.
+std::vector<TestLink> links(bool loaded_host);
+
 RecordedStream record_stream(Device device, const TestLink& link, std::uint64_t seed, double duration_s,
                              const std::vector<simulation::Outage>& outages = {});
 
