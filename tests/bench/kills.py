@@ -16,8 +16,11 @@ import time
 import h5py
 
 LEDGER_PORTS = 1024  # tests/acceptance/read_ledger.h: two u64 each, bytes of all reads and of the last one
-PLAN = 'magnitudes_dps = [90.0, 45.0]\norder = "given"\nframes_per_leg = 10\nopening_rest_s = 0.3\nclosing_rest_s = 0.3\n'
-LONGEST_S = 9.0  # after the journal has appeared: as long as such a recording takes; it has valid frames after 5 s
+PLAN = 'magnitudes_dps = [90.0, 45.0]\norder = "given"\nframes_per_leg = {}\nopening_rest_s = 0.3\nclosing_rest_s = 0.3\n'
+# Frames a leg, and when it is killed after the journal has appeared: anywhere in a recording, which has its first valid frame
+# after some 5 s; or only where it has one.
+ANYWHERE = (10, 0.0, 9.0)
+SWEEPING = (25, 6.0, 16.0)
 DEVICES = ("camera", "gyro", "servo")
 
 
@@ -28,6 +31,7 @@ def arguments():
     parser.add_argument("--json", action="store_true")
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--jobs", type=int, default=2)
+    parser.add_argument("--sweeping", dest="moments", action="store_const", const=SWEEPING, default=ANYWHERE)
     return parser.parse_args()
 
 
@@ -41,23 +45,23 @@ def ledger_of(folder):
     return {port: (words[2 * port], words[2 * port + 1]) for port in range(LEDGER_PORTS) if words[2 * port]}
 
 
-def start(program, ledger, folder, number):
+def start(program, ledger, folder, number, frames):
     (folder / "ledger").write_bytes(bytes(16 * LEDGER_PORTS))
-    (folder / "plan.toml").write_text(PLAN)
+    (folder / "plan.toml").write_text(PLAN.format(frames))
     environment = dict(os.environ, LD_PRELOAD=str(ledger), THERMORIG_READ_LEDGER=str(folder / "ledger"))
     words = [program, "record", f"--simulated={number + 1}", "--environment", "garden", "--plan", "plan.toml", "--no-gate"]
     return subprocess.Popen(words, cwd=folder, env=environment, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
                             stdin=subprocess.DEVNULL)
 
 
-def kill_somewhere(process, folder, moment):
-    """Anywhere within a start in one of ten runs, else anywhere from the journal's creation on."""
-    if moment.random() < 0.1:
+def kill_somewhere(process, folder, moment, first_s, last_s):
+    """Anywhere within a start in one of ten runs where that may be, else between these times after the journal's creation."""
+    if first_s == 0.0 and moment.random() < 0.1:
         time.sleep(moment.uniform(0.0, 1.0))
     else:
         while process.poll() is None and not files(folder, ".journal"):
             time.sleep(0.002)
-        time.sleep(moment.uniform(0.0, LONGEST_S))
+        time.sleep(moment.uniform(first_s, last_s))
     process.send_signal(signal.SIGKILL)
     return process.wait() == -signal.SIGKILL
 
@@ -89,8 +93,9 @@ def one(options, number):
     result = {"number": number, "wrong": [], "lost_bytes": 0, "session": False, "check": None, "valid": 0}
     with tempfile.TemporaryDirectory() as name:
         folder = pathlib.Path(name)
-        process = start(program, preload.resolve(), folder, number)
-        result["killed"] = kill_somewhere(process, folder, moment)
+        frames, first_s, last_s = options.moments
+        process = start(program, preload.resolve(), folder, number, frames)
+        result["killed"] = kill_somewhere(process, folder, moment, first_s, last_s)
         ledger = ledger_of(folder)
         (folder / "recordings").mkdir(exist_ok=True)
         recovery = subprocess.run([program, "recover", "recordings", "--json"], cwd=folder, capture_output=True, text=True)

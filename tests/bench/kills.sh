@@ -2,7 +2,8 @@
 # SPDX-License-Identifier: MIT
 # kill -9 at seeded random moments of recordings on ports (`thermorig record --simulated`), recovery, and what is left held
 # against what read() had returned, which a preloaded ledger knows (tests/acceptance/read_ledger.c). Needs python3-h5py.
-# Usage: bash tests/bench/kills.sh [COUNT, default 500] [--json] [--seed N] [--jobs N]
+# Usage: bash tests/bench/kills.sh [COUNT, default 500] [--sweeping] [--json] [--seed N] [--jobs N]
+#   --sweeping  killed only where the recording has a valid frame, so that inspect --check must pass each of them
 set -euo pipefail
 cd "$(dirname "$0")/../.."
 build=${THERMORIG_BUILD:-build-bench}
