@@ -18,7 +18,7 @@ trap 'rm -rf "$folder"' EXIT
 process=$!
 
 memory_kb() { awk '/^VmRSS:/ { print $2 }' "/proc/$process/status" 2>/dev/null || echo 0; }
-handles() { find "/proc/$process/fd" -mindepth 1 2>/dev/null | wc -l; }
+handles() { { find "/proc/$process/fd" -mindepth 1 2>/dev/null || true; } | wc -l; }
 
 sleep 30 # the first sweep has begun, every pool was filled once
 before_kb=$(memory_kb)
