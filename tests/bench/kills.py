@@ -20,7 +20,7 @@ PLAN = 'magnitudes_dps = [90.0, 45.0]\norder = "given"\nframes_per_leg = {}\nope
 # Frames a leg, and when it is killed after the journal has appeared: anywhere in a recording, which has its first valid frame
 # after some 5 s; or only where it has one.
 ANYWHERE = (10, 0.0, 9.0)
-SWEEPING = (25, 6.0, 16.0)
+SWEEPING = (25, 8.0, 16.0)
 DEVICES = ("camera", "gyro", "servo")
 
 
