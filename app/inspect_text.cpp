@@ -40,6 +40,7 @@ std::string heading(const std::filesystem::path& path, const Session& session, c
   text +=
       fmt::format("  plan         {}, {} frames a leg\n", printable(header.plan_name), header.frames_per_leg);
   text += fmt::format("  made by      {} ({})\n", printable(header.creator), printable(header.creator_git));
+  if (!header.licence.empty()) text += fmt::format("  licence      {}\n", printable(header.licence));
   if (!header.firmware.empty()) text += fmt::format("  servo        {}\n", printable(header.firmware));
   return text;
 }
@@ -126,6 +127,7 @@ nlohmann::json header_json(const RecordingHeader& header) {
                         {"simulation", header.simulation},
                         {"plan", header.plan_name},
                         {"frames_per_leg", header.frames_per_leg},
+                        {"licence", header.licence},
                         {"creator", header.creator},
                         {"creator_git", header.creator_git},
                         {"servo_firmware", header.firmware}};

@@ -36,6 +36,8 @@ void add_recording_of(CLI::App& command, RecordOptions& record) {
   command.add_option("-o,--output", record.output, "Folder that holds the recordings")
       ->type_name("DIR")
       ->default_str("recordings");
+  command.add_option("--licence", record.licence, "Licence of the data, kept in the session: CC-BY-4.0")
+      ->type_name("TEXT");
   command.add_flag("--fast", record.fast, "Virtual time: as fast as the machine can (simulated rig only)");
   command.add_flag("-n,--dry-run", record.dry_run,
                    "Print the plan and the checks; move nothing, write nothing");

@@ -37,6 +37,7 @@ struct RecordOptions {
   RigOptions rig;
   std::string environment;
   std::filesystem::path output = "recordings";
+  std::string licence;         // of the data; empty: not stated
   std::string plan = "paper";  // paper, table-one, quick or a TOML file
   std::optional<int> frames_per_leg, valid_per_leg;
   int frames_per_window = 1;        // valid ones in a row that every speed must be able to give

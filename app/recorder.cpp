@@ -14,6 +14,7 @@
 #include "recording_setup.h"
 #include "thermorig/io/host.h"
 #include "thermorig/io/port.h"
+#include "thermorig/recording_header/header_json.h"
 #include "thermorig/rig/port_recording.h"
 #include "thermorig/rig/session_file.h"
 #include "thermorig/simulated_ports/simulated_ports.h"
@@ -106,6 +107,9 @@ rig::RecordingResult record_on_ports(rig::RecordingOptions recording, ProgressOu
 
 void check_recording_words(const RecordOptions& options) {
   rig::check_environment(options.environment);
+  if (!options.licence.empty() && !recording_header::is_licence(options.licence))
+    throw Error(ExitCode::bad_usage, "--licence is longer than 1000 bytes or holds control characters", "",
+                "name the licence: --licence CC-BY-4.0");
   if (options.fast && !options.rig.simulated_seed)
     throw Error(ExitCode::bad_usage, "--fast is virtual time, which only the simulated rig has", "",
                 "--simulated=3 --fast, or leave --fast out");

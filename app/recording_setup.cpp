@@ -48,6 +48,7 @@ rig::RecordingOptions recording_options(const RecordOptions& options, const Chos
   recording.environment = options.environment;
   recording.output = options.output;
   recording.title = fmt::format("{}, plan {}", options.environment, plan.name);
+  recording.licence = options.licence;
   recording.profile = rig.profile;
   recording.plan = plan;
   recording.sync = rig::sync_policy_from(options.sync);

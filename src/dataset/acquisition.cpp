@@ -68,7 +68,7 @@ Acquisition acquisition_of(const session::Session& session, const std::string& n
                           .environment = header.environment,
                           .number = header.acquisition,
                           .simulated = header.simulated,
-                          .licence = "not stated"};
+                          .licence = header.licence.empty() ? "not stated" : header.licence};
   append_samples(acquisition, session);
   windows::clear_unsound_frames(acquisition);
   const OpeningRest rest = opening_rest_of(session);

@@ -253,11 +253,13 @@ void header_keys(const Keys& keys, Header& header) {
 
 void to_json(nlohmann::json& out, const RecordingHeader& header) {
   header_keys(Writer{out}, header);
+  if (!header.licence.empty()) out["licence"] = header.licence;
   if (!header.live_model.name.empty()) out["live_model"] = header.live_model;
 }
 void from_json(const nlohmann::json& in, RecordingHeader& header) {
   const Reader keys{in};
   header_keys(keys, header);
+  keys.later("licence", header.licence);
   keys.later("live_model", header.live_model);
 }
 

@@ -64,6 +64,7 @@ RecordingHeader make_header(const RecordingOptions& options, HostTime now) {
   header.uuid = random_uuid();
   header.environment = options.environment;
   header.title = options.title;
+  header.licence = options.licence;
   header.time_reference = now;
   header.realtime_offset_ns = realtime_offset_ns(options, now);
   header.start_time_utc = io::utc_text(now, header.realtime_offset_ns);

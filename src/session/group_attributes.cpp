@@ -129,7 +129,7 @@ void write_root_attributes(hid_t root, const Session& session) {
   set_attribute(root, "kernel", header.kernel);
   set_attribute(root, "HDF5_Version", hdf5_version());
   set_attribute(root, "Conventions", "CF-1.10");
-  set_attribute(root, "license", "not stated");
+  set_attribute(root, "license", header.licence.empty() ? licence_not_stated : header.licence);
   set_attribute(root, "scalars_crc32",
                 scalars_crc32(session, recording_header::header_to_json_text(header), format_minor));
 }

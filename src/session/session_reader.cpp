@@ -76,6 +76,7 @@ class SessionFile {
     if (!is_of_session(header.time_reference, HostTime{}))
       throw Hdf5Failure("believe the time that it counts from");
     facts_.reference = header.time_reference;
+    header.licence = licence();
     return header;
   }
 
@@ -85,6 +86,16 @@ class SessionFile {
   unsigned minor_version() const { return facts_.minor_version; }
 
  private:
+  /// What the attribute says, not the header: owners of data state the licence of files that they have.
+  std::string licence() const {
+    if (!has_attribute(id(), "license")) return "";
+    const std::string licence = get_text_attribute(id(), "license");
+    if (licence.empty() || licence == licence_not_stated) return "";
+    if (!recording_header::is_licence(licence))
+      refuse(path_, "has an attribute `license` that is longer than 1000 bytes or holds control characters");
+    return licence;
+  }
+
   fs::path path_;
   FileFacts facts_;
   Handle file_;

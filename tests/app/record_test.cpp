@@ -163,6 +163,17 @@ TEST_F(Record, TellsOfItsProgressOnceASecondOfVirtualTime) {
   EXPECT_THAT(phases, ::testing::Contains("leg"));
 }
 
+TEST_F(Record, KeepsTheLicenceOfTheData) {
+  ASSERT_EQ(run(fast + "--licence CC-BY-4.0 " + brief_plan).code, 0);
+  const std::string session = files(".h5").at(0).string();
+  EXPECT_EQ(run("inspect --json " + session).lines()[0][0]["licence"], "CC-BY-4.0");
+  EXPECT_THAT(run("inspect " + session).out, HasSubstr("licence      CC-BY-4.0"));
+}
+
+TEST_F(Record, RefusesALicenceThatIsNoLineOfText) {
+  expect_refused(fast + "--licence " + std::string(1001, 'x') + " " + brief_plan, 2, "--licence is longer");
+}
+
 TEST_F(Record, RefusesSpeedsThatCannotGiveSoManyValidFramesInARow) {
   expect_refused(fast + "--simulated-servo 180 --speeds 20,200 --frames-per-window 6", 2,
                  "5 x 0.125 s for 6 frames in a row");

@@ -34,7 +34,13 @@ TEST(Acquisition, HasARowAFrame) {
   EXPECT_EQ(acquisition.environment, "garden");
   EXPECT_EQ(acquisition.number, 2);
   EXPECT_TRUE(acquisition.simulated);
-  EXPECT_EQ(acquisition.licence, "not stated");
+  EXPECT_EQ(acquisition.licence, "CC-BY-4.0");
+}
+
+TEST(Acquisition, SaysThatNoLicenceOfItsDataIsStated) {
+  Session session = made_session();
+  session.raw.header.licence.clear();
+  EXPECT_EQ(acquired(session).licence, "not stated");
 }
 
 TEST(Acquisition, TakesTheCommandedSpeedForItsLabel) {

@@ -37,6 +37,7 @@ TEST_F(FalsifiedSession, IsRefusedAndSaysWhatIsWrong) {
       {"another_format", "not a thermorig session"},
       {"no_format", "not a thermorig session"},
       {"another_version", "is a session of format version 2.0.0"},
+      {"no_licence", "an attribute `license`"},
       {"another_state", "the state asleep"},
       {"attribute", "the attributes: they differ from their checksum"},
       {"value", "/gyro/rate: its values differ from its checksum"},

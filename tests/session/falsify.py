@@ -76,6 +76,7 @@ KINDS = {
     "another_format": set_text("format", "another"),
     "no_format": lambda session: session.attrs.__delitem__("format"),
     "another_version": set_text("format_version", "2.0.0"),
+    "no_licence": set_text("license", "free\nnow"),
     "another_state": set_text("state", "asleep"),
     "attribute": settle,
     "value": replace("gyro/rate", with_last(1.0), good_sum=False, **PACKED),

@@ -56,6 +56,23 @@ TEST(Header, WithCalibrationsThatMakeNoSenseIsRefused) {
   refused([](RigProfile& rig) { rig.gyro.bias_uncertainty_dps = -1.0; });
 }
 
+TEST(Header, KeepsTheLicenceOfTheDataWhereOneIsStated) {
+  RecordingHeader header = sound_header();
+  header.licence = "";
+  EXPECT_FALSE(nlohmann::json::parse(header_to_json_text(header)).contains("licence"));
+  EXPECT_EQ(header_from_json_text(header_to_json_text(header), "test").licence, "");
+  header.licence = "CC-BY-4.0, früh";
+  EXPECT_EQ(header_from_json_text(header_to_json_text(header), "test").licence, "CC-BY-4.0, früh");
+}
+
+TEST(Header, WithALicenceThatIsNoLineOfTextIsRefused) {
+  RecordingHeader header = sound_header();
+  for (const std::string& none : {std::string("free\nnow"), std::string("\x1b[2J"), std::string(1001, 'x')}) {
+    header.licence = none;
+    EXPECT_THROW(header_to_json_text(header), Error);
+  }
+}
+
 TEST(Header, WithTimesBeyondAnyClockIsRefused) {
   const auto refused = [](auto change) {
     RecordingHeader header = sound_header();

@@ -33,6 +33,19 @@ TEST_F(StockReader, FindsNamesUnitsScalesFiltersAndValues) {
   EXPECT_EQ(output.code, 0) << output.text;
 }
 
+TEST_F(StockReader, MayStateTheLicenceOfASessionThatHasNone) {
+  Session session = synthetic_session(20);
+  session.raw.header.licence.clear();
+  write_session(path(), session);
+  EXPECT_EQ(read_session(path()).raw.header.licence, "");
+  const tests::Printed output =
+      tests::run_script("session/state_licence.py " + path().string() + " ODbL-1.0");
+  ASSERT_EQ(output.code, 0) << output.text;
+  EXPECT_THAT(output.text, testing::HasSubstr("was: not stated"));
+  EXPECT_EQ(read_session(path()).raw.header.licence, "ODbL-1.0");
+  EXPECT_EQ(read_raw(path()).header.licence, "ODbL-1.0");
+}
+
 TEST_F(StockReader, FindsTheRowsOfALiveRun) {
   write_session(path(), synthetic_live_session(150));
   const tests::Printed output = check(path().string() + " 150");

@@ -39,6 +39,7 @@ class SyntheticSession {
     header.environment = "garden";
     header.acquisition = 2;
     header.title = "garden, acquisition 2 (früh)";
+    header.licence = "CC-BY-4.0";
     header.start_time_utc = "2026-07-25T14:35:59.900001Z";
     header.time_reference = start_;
     header.simulated = true;

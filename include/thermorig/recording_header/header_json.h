@@ -8,10 +8,14 @@
 
 namespace thermorig::recording_header {
 
+/// A licence of data is a name ("CC-BY-4.0"), an address or a sentence: 1 to 1000 bytes without control
+/// characters.
+bool is_licence(std::string_view text);
+
 /// The header as one line of JSON; keys are the members' names (docs/journal_format.md, "Header"). Journals
 /// and sessions store this text. Text that is not UTF-8 is repaired. Throws Error(bad_usage) if a value could
 /// not be read back: an environment outside [a-z0-9-]{1,32}, a number that is not finite, an axis beyond
-/// 0..2.
+/// 0..2, a licence that is none.
 std::string header_to_json_text(const RecordingHeader& header);
 
 /// The inverse. Every value is checked before it is believed. Throws Error(not_a_session) with what is wrong;

@@ -39,6 +39,7 @@ struct RecordingOptions {
   std::string environment;
   std::filesystem::path output = "recordings";
   std::string title;
+  std::string licence;  // of the data; empty: not stated
   RigProfile profile;
   SweepPlan plan;
   bool simulated = false;
