@@ -47,8 +47,11 @@ std::vector<double> sorted_gains(std::span<const training::WindowEstimate> estim
   return gains;
 }
 
-/// Where half of the counts lie below, as if a bin's values were spread evenly over it.
-double histogram_median(const GainStatistics& statistics) {
+/// Where half of the values lie below, as if those of a bin, or of the part beyond where a gate counts as
+/// closed or open, were spread evenly over it. The parts come first: a collapsed gate lies deep in a bin.
+double median_by_counts(const GainStatistics& statistics) {
+  if (statistics.below_002 >= 0.5) return 0.5 * network::closed_gate / statistics.below_002;
+  if (statistics.above_098 >= 0.5) return 1.0 - 0.5 * (1.0 - network::open_gate) / statistics.above_098;
   const double half = static_cast<double>(statistics.windows()) / 2.0;
   double below = 0.0;
   for (std::size_t bin = 0; bin < GainStatistics::bins; ++bin) {
@@ -111,9 +114,9 @@ GainStatistics merged(std::span<const GainStatistics> parts) {
   if (sums.windows == 0.0) return all;
   all.mean = sums.gains / sums.windows;
   all.deviation = std::sqrt(std::max(0.0, sums.squares / sums.windows - all.mean * all.mean));
-  all.median = histogram_median(all);
   all.below_002 = sums.below / sums.windows;
   all.above_098 = sums.above / sums.windows;
+  all.median = median_by_counts(all);
   return all;
 }
 

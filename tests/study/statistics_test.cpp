@@ -78,6 +78,16 @@ TEST(GainStatistics, OfAllFoldsAreThoseOfAllWindows) {
   EXPECT_NEAR(merged.median, all.median, 0.05);  // within its bin
 }
 
+TEST(GainStatistics, OfCollapsedFoldsHaveAMedianWhereTheirGainsAre) {
+  const auto median_of = [](const std::vector<float>& first, const std::vector<float>& second) {
+    return summarise(std::vector{fold("a", gains(first), 1.0), fold("b", gains(second), 1.0)})
+        .at(0)
+        .gain.median;
+  };
+  EXPECT_LT(median_of({0.001F, 0.002F}, {0.0F, 0.03F}), 0.02);
+  EXPECT_GT(median_of({0.999F, 0.985F}, {1.0F, 0.96F}), 0.98);
+}
+
 TEST(Summary, IsMedianAndSpreadOfTheFolds) {
   const std::vector<JobResult> folds{fold("c", {}, 0.04), fold("a", {}, 0.01), fold("b", {}, 0.02)};
   const std::vector<SettingSummary> rows = summarise(folds);

@@ -140,7 +140,7 @@ struct SettingSummary {
   std::array<std::vector<double>, estimator_count> fold_mse;  // one a fold, in the order of the test's name
   std::array<Spread, estimator_count> mse;
   std::array<double, estimator_count> rmse_dps{};  // square root of the median, times the label scale
-  GainStatistics gain;  // over all windows of all folds; its median is interpolated within the histogram
+  GainStatistics gain;  // over all windows of all folds; its median is interpolated, see docs/evaluation.md
   std::size_t weights = 0;
   std::uint64_t multiply_adds = 0;
 };
