@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  * Frames to speeds by an exported network, as firmware would. In, for each frame: 1.0 where a new run begins
- * (else 0.0), the gyro's mean, 768 temperatures. Out: frames of the window, 0.0 where it is not full, fused speed,
- * thermal speed. All are floats in this machine's order. */
+ * (else 0.0), the gyro's mean, 768 temperatures. Out: frames of the window, 0.0 where it is not full, fused
+ * speed, thermal speed. All are floats in this machine's order. */
 #include <stdio.h>
 
 #include "network.h"
