@@ -108,7 +108,7 @@ rig::RecordingResult record_on_ports(rig::RecordingOptions recording, ProgressOu
 void check_recording_words(const RecordOptions& options) {
   rig::check_environment(options.environment);
   if (!options.licence.empty() && !recording_header::is_licence(options.licence))
-    throw Error(ExitCode::bad_usage, "--licence is longer than 1000 bytes or holds control characters", "",
+    throw Error(ExitCode::bad_usage, "--licence is no line of up to 1000 bytes of UTF-8", "",
                 "name the licence: --licence CC-BY-4.0");
   if (options.fast && !options.rig.simulated_seed)
     throw Error(ExitCode::bad_usage, "--fast is virtual time, which only the simulated rig has", "",

@@ -11,7 +11,6 @@ namespace thermorig::recording_header {
 namespace {
 
 constexpr int text_columns_max = 63;
-constexpr std::size_t longest_licence = 1000;  // bytes
 // Times of a session are sums of these: wide enough for any device, and no sum leaves the clock's range.
 constexpr double longest_constant_s = 10.0;
 constexpr double longest_settling_s = 3600.0;
@@ -87,17 +86,11 @@ bool gyro_is_sound(const GyroProfile& gyro) {
 
 }  // namespace
 
-bool is_licence(std::string_view text) {
-  const auto is_control = [](char c) { return (c >= 0 && c < ' ') || c == 127; };
-  return !text.empty() && text.size() <= longest_licence &&
-         std::none_of(text.begin(), text.end(), is_control);
-}
-
 std::optional<std::string> problem_of(const RecordingHeader& header) {
   if (!is_environment_name(header.environment))
     return "the environment's name is not made of 1 to 32 of a-z, 0-9 and '-'";
   if (!header.licence.empty() && !is_licence(header.licence))
-    return "the licence of the data is longer than 1000 bytes or holds control characters";
+    return "the licence of the data is no line of up to 1000 bytes of UTF-8";
   if (header.acquisition < 0 || header.frames_per_leg < 0)
     return "the acquisition number or the frames of a leg are negative";
   if (!numbers_are_finite(header.profile)) return "the profile holds a number that is not finite";

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "thermorig/recording_header/header_json.h"
 
+#include <algorithm>
 #include <array>
 #include <nlohmann/json.hpp>
 #include <stdexcept>
@@ -264,6 +265,28 @@ void from_json(const nlohmann::json& in, RecordingHeader& header) {
 }
 
 namespace recording_header {
+
+namespace {
+
+constexpr std::size_t longest_licence = 1000;  // bytes
+
+/// Only such text is read back as it was: other bytes are repaired, and grow.
+bool is_utf8(std::string_view text) {
+  try {
+    json(text).dump();
+    return true;
+  } catch (const json::type_error&) {
+    return false;
+  }
+}
+
+}  // namespace
+
+bool is_licence(std::string_view text) {
+  const auto is_control = [](char c) { return (c >= 0 && c < ' ') || c == 127; };
+  return !text.empty() && text.size() <= longest_licence &&
+         std::none_of(text.begin(), text.end(), is_control) && is_utf8(text);
+}
 
 std::string header_to_json_text(const RecordingHeader& header) {
   if (const auto problem = problem_of(header))

@@ -92,7 +92,7 @@ class SessionFile {
     const std::string licence = get_text_attribute(id(), "license");
     if (licence.empty() || licence == licence_not_stated) return "";
     if (!recording_header::is_licence(licence))
-      refuse(path_, "has an attribute `license` that is longer than 1000 bytes or holds control characters");
+      refuse(path_, "has an attribute `license` that is no line of up to 1000 bytes of UTF-8");
     return licence;
   }
 

@@ -171,7 +171,7 @@ TEST_F(Record, KeepsTheLicenceOfTheData) {
 }
 
 TEST_F(Record, RefusesALicenceThatIsNoLineOfText) {
-  expect_refused(fast + "--licence " + std::string(1001, 'x') + " " + brief_plan, 2, "--licence is longer");
+  expect_refused(fast + "--licence " + std::string(1001, 'x') + " " + brief_plan, 2, "--licence is no line");
 }
 
 TEST_F(Record, RefusesSpeedsThatCannotGiveSoManyValidFramesInARow) {

@@ -67,7 +67,8 @@ TEST(Header, KeepsTheLicenceOfTheDataWhereOneIsStated) {
 
 TEST(Header, WithALicenceThatIsNoLineOfTextIsRefused) {
   RecordingHeader header = sound_header();
-  for (const std::string& none : {std::string("free\nnow"), std::string("\x1b[2J"), std::string(1001, 'x')}) {
+  for (const std::string& none :
+       {std::string("free\nnow"), std::string("\x1b[2J"), std::string(400, '\xff'), std::string(1001, 'x')}) {
     header.licence = none;
     EXPECT_THROW(header_to_json_text(header), Error);
   }

@@ -8,8 +8,7 @@
 
 namespace thermorig::recording_header {
 
-/// A licence of data is a name ("CC-BY-4.0"), an address or a sentence: 1 to 1000 bytes without control
-/// characters.
+/// A licence of data is a name ("CC-BY-4.0"), an address or a sentence: a line of 1 to 1000 bytes of UTF-8.
 bool is_licence(std::string_view text);
 
 /// The header as one line of JSON; keys are the members' names (docs/journal_format.md, "Header"). Journals
