@@ -53,6 +53,10 @@ void add_result(CLI::App& command, LiveWords& words) {
   command.add_option("-o,--output", live.record.output, "Folder that holds the recordings (with --record)")
       ->type_name("DIR")
       ->default_str("recordings");
+  command
+      .add_option("--licence", live.record.licence,
+                  "Licence of the data, kept in the session (with --record)")
+      ->type_name("TEXT");
   command.add_flag("!--no-gate", live.record.gate,
                    "With --record: keep a session of a rig that is not fit for it");
   command.add_flag("--tui", live.tui, "Draw the image and the rates on the terminal");
@@ -90,10 +94,11 @@ void check_words_without_effect(const LiveWords& words) {
                         "--speeds",         "--fast",        "--output",          "--camera",
                         "--gyro",           "--servo",       "--camera-baud",     "--gyro-baud",
                         "--servo-baud",     "--camera-rate", "--simulated-servo", "--simulated-camera",
-                        "--simulated-gyro", "--no-gate",     "--replug-patience", "--sync"},
+                        "--simulated-gyro", "--no-gate",     "--replug-patience", "--sync",
+                        "--licence"},
                 "is for a rig; a replay takes all that from its session");
   if (!live.keep)
-    refuse_said(words, {"--output"}, "says where a session is kept, and none is without --record");
+    refuse_said(words, {"--output", "--licence"}, "is for a session, and none is kept without --record");
   if (words.no_page)
     refuse_said(words, {"--page-port", "--new-token"}, "is for the page, and --no-page serves none");
   if (live.record.fast)

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "attributes.h"
 
+#include <algorithm>
+
 namespace thermorig::session {
 
 namespace {
@@ -19,6 +21,18 @@ Handle open_scalar(hid_t object, const char* name) {
   const Handle space(H5Aget_space(attribute.get()), action("read", name));
   if (H5Sget_simple_extent_type(space.get()) != H5S_SCALAR) throw Hdf5Failure(action("read", name));
   return attribute;
+}
+
+/// As other tools write text: so many bytes, the rest filled up with zeros or blanks.
+std::string get_fixed_text(hid_t attribute, hid_t type, const char* name) {
+  constexpr std::size_t most = 65'536;  // a file may claim any size
+  const std::size_t size = H5Tget_size(type);
+  if (size == 0 || size > most) throw Hdf5Failure(action("read", name));
+  std::string text(size, '\0');
+  check(H5Aread(attribute, type, text.data()), action("read", name));
+  text.resize(std::min(text.find('\0'), size));
+  text.resize(text.find_last_not_of(' ') + 1);
+  return text;
 }
 
 }  // namespace
@@ -66,9 +80,11 @@ void get_raw_attribute(hid_t object, const char* name, hid_t type, void* data) {
 std::string get_text_attribute(hid_t object, const char* name) {
   const Handle attribute = open_scalar(object, name);
   const Handle stored(H5Aget_type(attribute.get()), action("read", name));
+  if (H5Tget_class(stored.get()) == H5T_STRING && H5Tis_variable_str(stored.get()) == 0)
+    return get_fixed_text(attribute.get(), stored.get(), name);
   if (H5Tis_variable_str(stored.get()) <= 0) throw Hdf5Failure(action("read", name));
   char* text = nullptr;
-  check(H5Aread(attribute.get(), text_type().get(), &text), action("read", name));
+  check(H5Aread(attribute.get(), stored.get(), &text), action("read", name));
   const std::string value = text == nullptr ? "" : text;
   H5free_memory(text);
   return value;

@@ -198,16 +198,17 @@ TEST_F(Live, RefusesWordsThatWouldDoNothing) {
   const std::string replay = "live --replay " + record_briefly().string() + " --no-page --speed max ";
   ASSERT_EQ(run(replay).code, 0);
   for (const char* word : {"--plan quick", "--environment garden", "--fast", "--loop", "--simulated-gyro raw",
-                           "--servo /dev/null", "--camera-rate 8", "--speeds 60", "--output x", "--no-gate",
-                           "--replug-patience 5"}) {
+                           "--servo /dev/null", "--camera-rate 8", "--speeds 60", "--output x", "--licence x",
+                           "--no-gate", "--replug-patience 5"}) {
     const Outcome outcome = run(replay + word);
     EXPECT_EQ(outcome.code, 2) << word;
     EXPECT_THAT(outcome.err, HasSubstr(std::string(word).substr(0, std::string(word).find(' '))));
   }
   for (const char* words :
-       {"live --simulated=3 --fast --output x", "live --simulated=3 --fast --page-port 0",
-        "live --simulated=3 --fast --new-token", "live --simulated=3 --no-page --page-port 0",
-        "live --simulated=3 --no-page --new-token", "live --simulated=3 --fast --precision fp16",
+       {"live --simulated=3 --fast --output x", "live --simulated=3 --fast --licence x",
+        "live --simulated=3 --fast --page-port 0", "live --simulated=3 --fast --new-token",
+        "live --simulated=3 --no-page --page-port 0", "live --simulated=3 --no-page --new-token",
+        "live --simulated=3 --fast --precision fp16",
         "record --simulated=3 --fast --environment garden --page-port 0",
         "record --simulated=3 --fast --environment garden --new-token"})
     EXPECT_EQ(run(words).code, 2) << words;

@@ -46,6 +46,16 @@ TEST_F(StockReader, MayStateTheLicenceOfASessionThatHasNone) {
   EXPECT_EQ(read_raw(path()).header.licence, "ODbL-1.0");
 }
 
+TEST_F(StockReader, MayStateALicenceInAnyKindOfText) {
+  for (const char* kind : {"variable", "ascii", "zeros"}) {
+    write_session(path(kind), synthetic_session(20));
+    const tests::Printed output =
+        tests::run_script("session/state_licence.py " + path(kind).string() + " ODbL-1.0 " + kind);
+    ASSERT_EQ(output.code, 0) << output.text;
+    EXPECT_EQ(read_session(path(kind)).raw.header.licence, "ODbL-1.0") << kind;
+  }
+}
+
 TEST_F(StockReader, FindsTheRowsOfALiveRun) {
   write_session(path(), synthetic_live_session(150));
   const tests::Printed output = check(path().string() + " 150");
