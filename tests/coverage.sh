@@ -19,10 +19,9 @@ bash app/setup.sh tests coverage
 cmake --preset coverage -B "$build" >/dev/null
 cmake --build "$build" -j "$(nproc)" --target "${modules[@]/#/test_}"
 
-# Three long series of recordings are left out: what they say of the size of errors is for the release, and the
-# lines are run by others. Without optimisation these took half of the time.
-series='ArrivalClock.StatesAnUncertaintyThatIsOfTheSizeOfItsErrors:LiveClock.IsGoodAfterTenSecondsOnEveryLink'
-series+=':ServoResponse.IsThatOfTheSimulatedServo'
+# Long series of recordings are left out: what they say of the size of errors is for the release, and the lines are
+# run by others. Without optimisation these took half of the time.
+series=$(paste -sd: tests/long_series.txt)
 find "$build" -name '*.gcda' -delete
 # As many at a time as there are cores; what they count of libraries in common is added up under a lock.
 run_tests() {

@@ -84,13 +84,13 @@ void RecorderOnPorts::wait_for_first_leg() const {
 std::filesystem::path RecorderOnPorts::only_journal() const {
   const auto journals = files(".journal");
   EXPECT_EQ(journals.size(), 1U);
-  return journals.empty() ? std::filesystem::path() : journals[0];
+  return journals[0];
 }
 
 session::Session RecorderOnPorts::only_session() const {
   const auto sessions = files(".h5");
   EXPECT_EQ(sessions.size(), 1U);
-  return sessions.empty() ? session::Session() : session::read_session(sessions[0]);
+  return session::read_session(sessions[0]);
 }
 
 std::optional<read_ledger_port> RecorderOnPorts::read_from(Device device) const {

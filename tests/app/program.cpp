@@ -26,8 +26,8 @@ void redirect(const std::filesystem::path& file, int descriptor) {
 
 }  // namespace
 
-std::vector<nlohmann::json> Outcome::lines() const {
-  std::vector<nlohmann::json> values;
+Checked<nlohmann::json> Outcome::lines() const {
+  Checked<nlohmann::json> values;
   std::istringstream stream(out);
   for (std::string line; std::getline(stream, line);) {
     values.push_back(nlohmann::json::parse(line, nullptr, false));
@@ -94,8 +94,8 @@ std::filesystem::path ProgramTest::write(const std::string& name, std::span<cons
   return folder_ / name;
 }
 
-std::vector<std::filesystem::path> ProgramTest::files(const std::string& extension) const {
-  std::vector<std::filesystem::path> found;
+Checked<std::filesystem::path> ProgramTest::files(const std::string& extension) const {
+  Checked<std::filesystem::path> found;
   for (const auto& entry : std::filesystem::recursive_directory_iterator(folder_))
     if (entry.path().extension() == extension) found.push_back(entry.path());
   std::sort(found.begin(), found.end());

@@ -11,6 +11,8 @@
 #include <string>
 #include <vector>
 
+#include "support/checked.h"
+
 namespace thermorig::tests {
 
 /// What a run of the program left behind.
@@ -20,7 +22,7 @@ struct Outcome {
   std::string err;
 
   /// Standard output, a JSON value a line. A line that is none fails the test.
-  std::vector<nlohmann::json> lines() const;
+  Checked<nlohmann::json> lines() const;
 };
 
 /// Runs the built program in a folder of its own, which is removed afterwards.
@@ -45,7 +47,7 @@ class ProgramTest : public ::testing::Test {
 
   std::filesystem::path write(const std::string& name, std::span<const std::uint8_t> bytes) const;
   const std::filesystem::path& folder() const { return folder_; }
-  std::vector<std::filesystem::path> files(const std::string& extension) const;
+  Checked<std::filesystem::path> files(const std::string& extension) const;
 
  private:
   std::filesystem::path folder_;

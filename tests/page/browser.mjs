@@ -24,6 +24,10 @@ export async function openTab(browser, { width = 1280, height = 800, dark = fals
   tab.on('console', (message) => {
     if (message.type() === 'error' && !/WebSocket connection|ERR_CONNECTION|Failed to load resource/.test(message.text())) troubles.push(message.text());
   });
+  tab.underWay = new Set();  // requests without an answer: they take real time
+  tab.on('request', (request) => tab.underWay.add(request));
+  tab.on('response', (response) => tab.underWay.delete(response.request()));
+  tab.on('requestfailed', (request) => tab.underWay.delete(request));
   if (clock) await tab.clock.install();
   return { tab, troubles, close: () => context.close() };
 }
@@ -48,4 +52,14 @@ export async function until(condition, what, milliseconds = 8000) {
     await new Promise((done) => setTimeout(done, 20));
   }
   throw new Error(`not within ${milliseconds} ms: ${what}`);
+}
+
+/** Runs the clock of a page, which stands still, until it happens, and so long at most. What has begun may end in real time. */
+export async function untilOnItsClock(tab, condition, what, milliseconds) {
+  for (let passed = 0; passed < milliseconds && !(await condition()); passed += 200) {
+    await tab.clock.runFor(200);
+    await new Promise((done) => setTimeout(done, 20));
+    await until(() => tab.underWay.size === 0, `answers, for ${what}`);
+  }
+  await until(condition, `${what}, within ${milliseconds} ms of the page's clock`);
 }

@@ -4,7 +4,7 @@ import assert from 'node:assert/strict';
 import { readdirSync, readFileSync, statSync } from 'node:fs';
 import { join } from 'node:path';
 import { after, afterEach, before, beforeEach, describe, test } from 'node:test';
-import { filesFolder, imagePixels, launch, openTab, screenshot, stripData, textOf, until } from './browser.mjs';
+import { filesFolder, imagePixels, launch, openTab, screenshot, stripData, textOf, until, untilOnItsClock } from './browser.mjs';
 import { FakeServer, token } from './fake_server.mjs';
 import { event, frame, hello, image, period, span, state } from './synthetic_run.mjs';
 
@@ -418,11 +418,7 @@ describe('connection', () => {
     assert.match(await textOf(tab, '#silence'), /no data for 6\d\.\d s/);
     server.greeting = [hello(), ...span(300, 310)];
     await server.open(port);
-    for (let i = 0; i < 25 && server.streams.size === 0; ++i) {
-      await tab.clock.runFor(200);
-      await pause(20);
-    }
-    assert.equal(server.streams.size, 1, 'found again within 5 s');
+    await untilOnItsClock(tab, () => server.streams.size === 1, 'found again', 5000);
     await until(async () => {
       await tab.clock.runFor(100);
       return hidden(tab, 'silence');
@@ -526,10 +522,7 @@ describe('connection', () => {
     await screenshot(tab, 'ended');
     server.greeting = [hello({ run: 'next' }), ...span(0, 5)];
     await server.open(port);
-    for (let i = 0; i < 30 && server.streams.size === 0; ++i) {
-      await tab.clock.runFor(200);
-      await pause(20);
-    }
+    await untilOnItsClock(tab, () => server.streams.size === 1, 'found again', 6000);
     await until(async () => await textOf(tab, '#mode-word') === 'RECORDING', 'the next run');
     assert.ok(await hidden(tab, 'ended'));
   });

@@ -1,16 +1,19 @@
 // SPDX-License-Identifier: MIT
 // The page on the program itself, which drives a simulated rig on the wall clock.
 import assert from 'node:assert/strict';
+import { execFile } from 'node:child_process';
 import { existsSync, mkdtempSync, rmSync } from 'node:fs';
 import { tmpdir } from 'node:os';
 import { join } from 'node:path';
 import { after, afterEach, before, describe, test } from 'node:test';
-import { imagePixels, launch, openTab, screenshot, stripData, textOf, until } from './browser.mjs';
+import { build, imagePixels, launch, openTab, screenshot, stripData, textOf, until, untilOnItsClock } from './browser.mjs';
 import { Program, whyNot } from './program.mjs';
 
 const source = process.env.THERMORIG_SOURCE;
 const model = join(source, 'docs/models/best.onnx');
 const rig = ['--simulated=3', '--plan', 'quick', '--frames-per-leg', '60', ...(existsSync(model) ? ['--model', model] : [])];
+/** Where the tests' launcher is built, it waits for a computer that stalls. */
+const quietMachine = () => new Promise((done) => execFile(join(build, 'bin/on_the_clock'), done));
 const pause = (milliseconds) => new Promise((done) => setTimeout(done, milliseconds));
 
 /** All that stands in the table of numbers, and for which frame. */
@@ -22,6 +25,13 @@ async function shownAtLeast(tab, index, program) {
   const events = () => program?.of('event').map(({ time_s: time, kind, message }) => `${time} ${kind} ${message}`).join('\n');
   await until(async () => await shown() || program?.of('ended').length > 0, `frame ${index} is shown\n${events()}`, 60_000);
   assert.ok(await shown(), `the run ended before frame ${index}:\n${events()}`);
+}
+
+/** Messages by their times, one after the other where some are the same: a stall may hold two frames back to one time. */
+function inTurn(messages) {
+  const waiting = new Map();
+  for (const message of messages) waiting.set(message.time_s, [...(waiting.get(message.time_s) ?? []), message]);
+  return (time) => waiting.get(time)?.shift();
 }
 
 /** What is said of the servo's motion: a failure counts at once. */
@@ -67,6 +77,7 @@ describe('the program', { skip: whyNot() || false }, () => {
       if (error.atOnce) throw error;
       t.diagnostic(`a second try, for the first one failed: ${error.message}`);
       await killAll();
+      await quietMachine();
       await work(t);
     }
   });
@@ -90,7 +101,6 @@ describe('the program', { skip: whyNot() || false }, () => {
       const told = scores[estimator]?.[figure] ?? null;
       assert.equal(value === '' ? null : Number(value), told, `${estimator} ${figure} of frame ${index}`);
     }
-    const byTime = new Map([...frames.values()].map((message) => [message.time_s, message]));
     const lines = { rate: (m) => [m.commanded_dps, m.thermal_dps, m.gyro_dps, m.fusion_dps], gain: (m) => [m.gain],
       error: (m) => [m.thermal_dps, m.gyro_dps, m.fusion_dps].map((value) => (value === null || m.commanded_dps === null ? null : value - m.commanded_dps)),
       angle: (m) => ['thermal', 'gyro', 'fusion'].map((key) => m.scores[key].angle_error_deg) };
@@ -98,8 +108,9 @@ describe('the program', { skip: whyNot() || false }, () => {
     for (const [id, values] of Object.entries(lines)) {
       const [times, ...columns] = await stripData(tab, id);
       const known = columns.map(() => 0);
+      const sent = inTurn([...frames.values()]);
       times.forEach((time, i) => {
-        const message = byTime.get(time);
+        const message = sent(time);
         if (message === undefined) {
           assert.ok(columns.every((column) => column[i] === null), `${id}: a point that the program did not send`);
           return;
@@ -210,13 +221,7 @@ describe('the program', { skip: whyNot() || false }, () => {
     const next = run('--page-port', new URL(url).port);
     assert.equal(await next.url(), url, 'the address holds');
     await until(() => next.of('frame').length > 10, 'frames again', 30_000);
-    let passed = 0;
-    const gone = () => tab.evaluate(() => document.getElementById('silence').hidden);
-    for (; passed <= 5000 && !(await gone()); passed += 200) {
-      await tab.clock.runFor(200);
-      await pause(30);
-    }
-    assert.ok(passed <= 5000, 'found within 5 s');
+    await untilOnItsClock(tab, () => tab.evaluate(() => document.getElementById('silence').hidden), 'found again', 5000);
     await tab.clock.resume();
     await shownAtLeast(tab, 20);
     assert.equal(await textOf(tab, '#warnings'), '');
