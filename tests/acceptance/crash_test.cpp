@@ -8,6 +8,7 @@
 #include <random>
 #include <thread>
 
+#include "growing_journal.h"
 #include "recorder.h"
 #include "support/file_text.h"
 #include "support/other_program.h"
@@ -194,9 +195,8 @@ TEST_F(SmallDisk, KeepsTheJournalUntilThereIsRoomForTheSession) {
   const pid_t process = start({"record", "--simulated=3", "--fast", "--environment", "garden"});
   const auto written = [this]() -> std::uint64_t {
     const auto journals = files(".journal");
-    return journals.empty() || !journal::is_journal(journals[0])
-               ? 0
-               : journal::read_journal(journals[0]).bytes_read;
+    const auto contents = journals.empty() ? std::nullopt : growing_journal(journals[0]);
+    return contents ? contents->bytes_read : 0;
   };
   while (written() < 400'000) std::this_thread::sleep_for(std::chrono::milliseconds(1));
   kill(process, SIGKILL);

@@ -10,7 +10,7 @@
 #include <fstream>
 #include <thread>
 
-#include "thermorig/journal/journal.h"
+#include "growing_journal.h"
 
 namespace thermorig::tests {
 
@@ -76,8 +76,7 @@ void RecorderOnPorts::wait_until(const std::function<bool()>& happened) {
 void RecorderOnPorts::wait_for_first_leg() const {
   wait_until([this] {
     const auto journals = files(".journal");
-    return !journals.empty() && journal::is_journal(journals[0]) &&
-           !messages_of(journal::read_journal(journals[0]).recording, EventKind::leg_start).empty();
+    return !journals.empty() && has_first_leg(journals[0]);
   });
 }
 

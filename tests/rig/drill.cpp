@@ -14,8 +14,8 @@
 #include <thread>
 #include <utility>
 
+#include "acceptance/growing_journal.h"
 #include "support/stall_probe.h"
-#include "thermorig/journal/journal.h"
 
 namespace thermorig::tests {
 
@@ -28,13 +28,6 @@ constexpr std::int64_t moved_before_us = 1'000'000;
 constexpr double rest_dps = 1.0;
 constexpr double moving_dps = 20.0;
 constexpr std::size_t unread_bytes = 8192;  // of a port whose reader is gone: what a pty holds, and more
-
-bool has_first_leg(const std::filesystem::path& journal) {
-  if (!journal::is_journal(journal)) return false;
-  const auto events = journal::read_journal(journal).recording.events;
-  return std::any_of(events.begin(), events.end(),
-                     [](const RecordingEvent& event) { return event.kind == EventKind::leg_start; });
-}
 
 bool has_ended(pid_t process) {
   siginfo_t info{};

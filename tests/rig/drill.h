@@ -48,8 +48,8 @@ class Drill : public ProgramTest {
   /// the first leg the mishap happens. The ports are stopped afterwards. While this computer keeps everybody
   /// waiting for longer than the servo waits for an answer, nothing but the servo's rest and limits can be
   /// judged: such a run is void and another one takes its place, at most three times; the last one counts. A
-  /// drill that fails then may be tried again later; other failures, and a servo that did not rest or left its
-  /// limits in any run, get no second try.
+  /// drill that fails then may be tried again later; other failures, and a servo that did not rest or left
+  /// its limits in any run, get no second try.
   Outcome suffer(const std::vector<std::string>& command, Mishap mishap, int frames_per_leg);
 
   /// In its own time, 300 ms after the last byte that it received before `mishap` took its commands away, the

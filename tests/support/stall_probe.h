@@ -8,7 +8,7 @@ namespace thermorig::tests {
 
 constexpr double stall_s =
     0.08;  // a computer that keeps a byte for so long: a command is sent again (CommanderTimes)
-constexpr int runs_max = 4;  // of a test, as long as they are void
+constexpr int runs_max = 4;                             // of a test, as long as they are void
 constexpr const char* no_second_try = "NO SECOND TRY";  // what tests/wall_clock.sh looks for
 
 /// Looks, for as long as it lives, at how long this machine keeps a byte that ought to be there at once:
