@@ -27,8 +27,8 @@ class EvaluateLiveTest : public ProgramTest {
                words);
   }
 
-  static std::vector<nlohmann::json> frames_of(const Outcome& outcome) {
-    std::vector<nlohmann::json> frames;
+  static Checked<nlohmann::json> frames_of(const Outcome& outcome) {
+    Checked<nlohmann::json> frames;
     for (const nlohmann::json& line : outcome.lines())
       if (line.at("event") == "frame") frames.push_back(line);
     return frames;

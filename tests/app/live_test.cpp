@@ -39,16 +39,16 @@ class Live : public ProgramTest {
     model::write_model(folder() / "model.onnx", model::sample_model(shape));
   }
 
-  static std::vector<json> of_kind(const std::vector<json>& lines, const std::string& kind) {
-    std::vector<json> chosen;
+  static Checked<json> of_kind(const std::vector<json>& lines, const std::string& kind) {
+    Checked<json> chosen;
     for (const json& line : lines)
       if (line.value("event", "") == kind) chosen.push_back(line);
     return chosen;
   }
 
   /// Frames without what the wall's clock told of them.
-  static std::vector<json> frames_of(const Outcome& outcome) {
-    std::vector<json> frames = of_kind(outcome.lines(), "frame");
+  static Checked<json> frames_of(const Outcome& outcome) {
+    Checked<json> frames = of_kind(outcome.lines(), "frame");
     for (json& frame : frames) frame.erase("inference_us");
     return frames;
   }
@@ -100,7 +100,7 @@ TEST_F(Live, PrintsTheDocumentedMessages) {
 }
 
 TEST_F(Live, CountsFramesInLegsAndTheOthersApart) {
-  const std::vector<json> frames = frames_of(run(fast));
+  const auto frames = frames_of(run(fast));
   ASSERT_GT(frames.size(), 50U);
   const json& scores = frames.back()["scores"];
   EXPECT_GT(scores["counted"], 10);
