@@ -50,13 +50,14 @@ export function state(time, changes = {}) {
     kept_frames: index, kept_bytes: 120000 + index * 1700, disk_free_bytes: 61e9, stopping: false, ...changes };
 }
 
-export function image(index, changes = {}) {
+/** `offset`, degC, is added to every pixel. */
+export function image(index, { offset = 0, ...changes } = {}) {
   const pixels = Buffer.alloc(768 * 2);
   for (let row = 0; row < 24; ++row) {
     for (let column = 0; column < 32; ++column) {
       const heat = Math.exp(-(((column - 8 - (index % 16)) / 4) ** 2) - (((row - 14) / 5) ** 2));
       const noise = Math.sin(row * 12.9898 + column * 78.233 + index) * 0.4;
-      pixels.writeInt16LE(Math.round(100 * (9 + row * 0.12 + 20 * heat + noise)), (row * 32 + column) * 2);
+      pixels.writeInt16LE(Math.round(100 * (9 + offset + row * 0.12 + 20 * heat + noise)), (row * 32 + column) * 2);
     }
   }
   return { event: 'image', index, time_s: index * period, pixels: pixels.toString('base64'), ...changes };
