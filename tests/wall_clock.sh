@@ -14,5 +14,6 @@ if grep -q 'NO SECOND TRY$' "$build/Testing/Temporary/LastTest.log"; then
   echo "One of these failures counts at once: NO SECOND TRY stands in its output." >&2
   exit 1
 fi
+"$build/bin/on_the_clock"  # until the machine is quiet
 # The same arguments again: ctest keeps what failed by number, and its -E shifts the numbers.
 run -j 1 "$@" --rerun-failed --no-tests=error

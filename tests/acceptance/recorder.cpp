@@ -3,6 +3,7 @@
 
 #include <fcntl.h>
 #include <sys/mman.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -56,16 +57,23 @@ pid_t RecorderOnPorts::start_recording(int frames_per_leg) {
     setenv(READ_LEDGER_VARIABLE, (folder() / "ledger").c_str(), 1);
     setenv("LD_PRELOAD", preload, 1);
   }
-  const pid_t process =
-      start({"record", "--environment", "garden", "--rig", "./rig.toml", "--plan", "plan.toml"});
+  process_ = start({"record", "--environment", "garden", "--rig", "./rig.toml", "--plan", "plan.toml"});
   unsetenv("LD_PRELOAD");
-  return process;
+  return process_;
 }
 
-void RecorderOnPorts::wait_until(const std::function<bool()>& happened) {
+bool RecorderOnPorts::has_ended() const {
+  siginfo_t ended{};  // the program stays a child to be waited for
+  return waitid(P_PID, static_cast<id_t>(process_), &ended, WEXITED | WNOHANG | WNOWAIT) == 0 &&
+         ended.si_pid == process_;
+}
+
+void RecorderOnPorts::wait_until(const std::function<bool()>& happened) const {
   const auto limit = std::chrono::steady_clock::now() + patience;
-  while (!happened()) {
-    if (std::chrono::steady_clock::now() > limit) {
+  for (;;) {
+    const bool last_look = has_ended() || std::chrono::steady_clock::now() > limit;
+    if (happened()) return;
+    if (last_look) {
       ADD_FAILURE() << "what the test waits for did not happen";
       return;
     }

@@ -25,8 +25,8 @@ class RecorderOnPorts : public ProgramTest {
 
   /// Waits until the journal says that the first leg has begun.
   void wait_for_first_leg() const;
-  /// Waits for something that must happen; gives up after a long time.
-  static void wait_until(const std::function<bool()>& happened);
+  /// Waits for something that must happen; gives up when the recording has ended, or after a long time.
+  void wait_until(const std::function<bool()>& happened) const;
 
   std::filesystem::path only_journal() const;
   session::Session only_session() const;
@@ -49,7 +49,10 @@ class RecorderOnPorts : public ProgramTest {
 
  private:
   void open_ledger();
+  bool has_ended() const;
+
   read_ledger* ledger_ = nullptr;
+  pid_t process_ = 0;
 };
 
 /// Events of one kind, their messages.
