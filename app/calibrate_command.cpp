@@ -158,7 +158,8 @@ std::string joined(const std::vector<std::filesystem::path>& paths) {
   return text;
 }
 
-std::string next_command(const CalibrateOptions& options, const std::vector<std::filesystem::path>& paths) {
+std::string next_calibration(const CalibrateOptions& options,
+                             const std::vector<std::filesystem::path>& paths) {
   const std::string marks =
       options.marks ? fmt::format(" --marks --angle {}", options.angle_deg.value_or(full_turn_deg)) : "";
   return fmt::format("thermorig calibrate {} --session {}{} --save PROFILE", name_of(options.kind),
@@ -181,7 +182,7 @@ void print_kept(const std::filesystem::path& kept, const std::string& next) {
 
 void print_result_json(const CalibrateOptions& options, const MeasuredSessions& measured,
                        const RigProfile& before, const std::filesystem::path& kept) {
-  nlohmann::json object = json_of(measured.result, before);
+  nlohmann::json object = calibration_json(measured.result, before);
   object["event"] = "summary";
   object["calibration"] = name_of(options.kind);
   object["measured_utc"] = measured.measured_utc;
@@ -213,7 +214,7 @@ ExitCode calibrate(const CalibrateOptions& options, const std::vector<std::files
   const MeasuredSessions measured = measure_sessions(options, paths);
   const RigProfile before = profile_before(options, path, measured.header);
   if (!path.empty()) refuse_mixture(measured.header.simulated, before, path);
-  const std::string next = next_command(options, measured.paths);
+  const std::string next = next_calibration(options, measured.paths);
   const bool json = options.record.json;
   if (json)
     print_result_json(options, measured, before, path);

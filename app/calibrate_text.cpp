@@ -151,7 +151,7 @@ std::string text_of(const CalibrationResult& result, const RigProfile& before) {
   return std::visit([&](const auto& found) { return words_of(found, before); }, result);
 }
 
-nlohmann::json json_of(const CalibrationResult& result, const RigProfile& before) {
+nlohmann::json calibration_json(const CalibrationResult& result, const RigProfile& before) {
   return std::visit([&](const auto& found) { return object_of(found, before); }, result);
 }
 

@@ -17,6 +17,6 @@ using CalibrationResult = std::variant<calibration::BiasResult, calibration::Lat
 std::string text_of(const CalibrationResult& result, const RigProfile& before);
 
 /// The same as an object with the keys `result` and `before`.
-nlohmann::json json_of(const CalibrationResult& result, const RigProfile& before);
+nlohmann::json calibration_json(const CalibrationResult& result, const RigProfile& before);
 
 }  // namespace thermorig::app

@@ -34,7 +34,7 @@ class MessagePrinter {
   void print(const Message& message) {
     const std::uint64_t index = count_++;
     if (index >= most_) return;
-    const std::string line = json_ ? json_line(json_of(message, index)) : text_of(message, index) + "\n";
+    const std::string line = json_ ? json_line(message_json(message, index)) : text_of(message, index) + "\n";
     write_to(stdout, line);
   }
 
@@ -100,7 +100,7 @@ void print_summary(const DecodeOptions& options, const std::string& name, const 
                 {"device", name_of(options.device)},
                 {"file", name},
                 {"messages_decoded", printer.count()},
-                {"counters", json_of(counters)},
+                {"counters", counters_json(counters)},
                 {"remarks", remarks}});
     return;
   }

@@ -142,7 +142,7 @@ std::string text_of(const wire::ServoMessage& message, std::uint64_t index) {
          (message.lost_before ? "  after a loss" : "");
 }
 
-nlohmann::json json_of(const wire::CameraMessage& message, std::uint64_t index) {
+nlohmann::json message_json(const wire::CameraMessage& message, std::uint64_t index) {
   nlohmann::json temp_c = nlohmann::json::array();
   for (float pixel : message.frame.temp_c) temp_c.push_back(hundredths(pixel));
   return {{"event", "frame"},
@@ -153,7 +153,7 @@ nlohmann::json json_of(const wire::CameraMessage& message, std::uint64_t index) 
           {"temp_c", std::move(temp_c)}};
 }
 
-nlohmann::json json_of(const wire::GyroMessage& message, std::uint64_t index) {
+nlohmann::json message_json(const wire::GyroMessage& message, std::uint64_t index) {
   const GyroReading& reading = message.reading;
   nlohmann::json object{{"event", "sample"},
                         {"index", index},
@@ -168,7 +168,7 @@ nlohmann::json json_of(const wire::GyroMessage& message, std::uint64_t index) {
   return object;
 }
 
-nlohmann::json json_of(const wire::ServoMessage& message, std::uint64_t index) {
+nlohmann::json message_json(const wire::ServoMessage& message, std::uint64_t index) {
   nlohmann::json object = std::visit([](const auto& body) { return body_json(body); }, message.body);
   object["index"] = index;
   object["byte"] = message.span.begin;
@@ -177,7 +177,7 @@ nlohmann::json json_of(const wire::ServoMessage& message, std::uint64_t index) {
   return object;
 }
 
-nlohmann::json json_of(const wire::Counters& counters) {
+nlohmann::json counters_json(const wire::Counters& counters) {
   return {{"bytes_received", counters.bytes_received},
           {"bytes_in_messages", counters.bytes_in_messages},
           {"bytes_in_damaged", counters.bytes_in_damaged},

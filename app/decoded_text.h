@@ -18,11 +18,11 @@ std::string text_of(const wire::CameraMessage& message, std::uint64_t index);
 std::string text_of(const wire::GyroMessage& message, std::uint64_t index);
 std::string text_of(const wire::ServoMessage& message, std::uint64_t index);
 
-nlohmann::json json_of(const wire::CameraMessage& message, std::uint64_t index);
-nlohmann::json json_of(const wire::GyroMessage& message, std::uint64_t index);
-nlohmann::json json_of(const wire::ServoMessage& message, std::uint64_t index);
+nlohmann::json message_json(const wire::CameraMessage& message, std::uint64_t index);
+nlohmann::json message_json(const wire::GyroMessage& message, std::uint64_t index);
+nlohmann::json message_json(const wire::ServoMessage& message, std::uint64_t index);
 
-nlohmann::json json_of(const wire::Counters& counters);
+nlohmann::json counters_json(const wire::Counters& counters);
 
 /// What became of every byte, and how many messages came of them: a few aligned lines.
 std::string text_of(const wire::Counters& counters);

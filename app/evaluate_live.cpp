@@ -37,7 +37,7 @@ std::optional<LiveEvaluation> evaluate(const fs::path& path) {
   return evaluated;
 }
 
-[[noreturn]] void refuse(const std::string& what, const std::string& where) {
+[[noreturn]] void refuse_evaluation(const std::string& what, const std::string& where) {
   throw Error(ExitCode::bad_usage, what, where,
               "make one with thermorig live --record, or hold a model against it: thermorig evaluate "
               "model.onnx SESSION");
@@ -61,12 +61,12 @@ ExitCode evaluate_live(const EvaluateOptions& options) {
   for (const fs::path& file : dataset::find_sessions(options.paths)) {
     const std::optional<LiveEvaluation> evaluated = evaluate(file);
     if (!evaluated && is_named(file, options.paths))
-      refuse("the session has no /estimates: it is not of a live run", file.string());
+      refuse_evaluation("the session has no /estimates: it is not of a live run", file.string());
     if (!evaluated) continue;  // found in a folder, beside others
     tell(*evaluated, told == 0, options.json);
     ++told;
   }
-  if (told == 0) refuse("none of the sessions has /estimates: none is of a live run", "");
+  if (told == 0) refuse_evaluation("none of the sessions has /estimates: none is of a live run", "");
   if (options.json) print_json({{"event", "summary"}, {"exit_code", 0}, {"sessions", told}});
   return ExitCode::ok;
 }

@@ -65,7 +65,7 @@ std::string finalised_text(const LiveEvaluation& evaluated) {
                             count_text(finalised.windows), count_text(finalised.counted_in_both));
 }
 
-nlohmann::json model_json(const LiveModel& model) {
+nlohmann::json evaluated_model_json(const LiveModel& model) {
   if (model.name.empty()) return {};
   return {{"name", model.name},     {"hash", model.hash},           {"frames", model.frames},
           {"fusion", model.fusion}, {"reduction", model.reduction}, {"simulated", model.simulated}};
@@ -95,7 +95,7 @@ nlohmann::json live_json(const LiveEvaluation& evaluated) {
           {"environment", header.environment},
           {"acquisition", header.acquisition},
           {"simulated", header.simulated},
-          {"model", model_json(header.live_model)},
+          {"model", evaluated_model_json(header.live_model)},
           {"frames", evaluated.screen.frames},
           {"scores", scores_json(evaluated.screen)},
           {"finalised", finalised_json(evaluated)}};

@@ -40,7 +40,7 @@ std::string words_of(const std::filesystem::path& path, const Inspected& inspect
 }
 
 nlohmann::json object_of(const std::filesystem::path& path, const Inspected& inspected, bool timing) {
-  nlohmann::json object = json_of(path, inspected.session, inspected.quality);
+  nlohmann::json object = inspected_json(path, inspected.session, inspected.quality);
   if (timing) object["timing"] = timing_json(inspected.session, inspected.quality);
   return object;
 }

@@ -108,7 +108,7 @@ nlohmann::json stream_json(const Quality::Stream& stream, const wire::Counters& 
           {"rate_mean_hz", stream.rate_mean_hz},
           {"rate_max_hz", stream.rate_max_hz},
           {"gap_max_s", stream.gap_max_s},
-          {"counters", json_of(counters)}};
+          {"counters", counters_json(counters)}};
 }
 
 nlohmann::json speeds_json(const Quality& quality) {
@@ -144,7 +144,8 @@ std::string text_of(const std::filesystem::path& path, const Session& session, c
                      verdict_text(quality));
 }
 
-nlohmann::json json_of(const std::filesystem::path& path, const Session& session, const Quality& quality) {
+nlohmann::json inspected_json(const std::filesystem::path& path, const Session& session,
+                              const Quality& quality) {
   nlohmann::json object = header_json(session.raw.header);
   object["file"] = path.string();
   object["state"] = name_of_state(session.state);

@@ -13,8 +13,8 @@ namespace thermorig::app {
 /// Everything that `inspect` says of a session: what it is, streams, frames by speed, reasons, verdict.
 std::string text_of(const std::filesystem::path& path, const session::Session& session,
                     const session::Quality& quality);
-nlohmann::json json_of(const std::filesystem::path& path, const session::Session& session,
-                       const session::Quality& quality);
+nlohmann::json inspected_json(const std::filesystem::path& path, const session::Session& session,
+                              const session::Quality& quality);
 
 /// Speeds of a plan with fewer frames than it asks for, those that were never driven included.
 struct ShortSpeeds {

@@ -24,14 +24,13 @@ namespace thermorig::app {
 
 namespace {
 
-constexpr auto state_period = std::chrono::milliseconds(250);
-constexpr PerDevice<bool> needed{{false, false, true}};  // what is left goes on
+constexpr PerDevice<bool> needed_devices{{false, false, true}};  // what is left goes on
 
 /// What the recording of a live run has beside that of `record`.
 void make_live(const LiveOptions& options, const ChosenModel& model, rig::RecordingOptions& recording) {
   recording.keep = options.keep;
   if (!options.keep) recording.gate = rig::GateMode::warn;
-  recording.needed = needed;
+  recording.needed = needed_devices;
   recording.wait_for_start = options.record.page.control;
   recording.live_model = model.facts;
 }
@@ -102,7 +101,7 @@ Outcome outcome_of(LiveRun& run, bool keeps, Drive drive) {
 ExitCode run(const LiveOptions& options) {
   if (options.replay) return replay_live(options);
   check_recording_words(options.record);
-  const ChosenRig rig = chosen_rig(options.record.rig, options.record.environment, needed);
+  const ChosenRig rig = chosen_rig(options.record.rig, options.record.environment, needed_devices);
   rig::SweepPlan plan = chosen_plan(options.record);
   plan.repeat = options.loop;
   rig::check_plan(plan, rig.profile.servo, rig.profile.camera);

@@ -13,12 +13,12 @@ namespace thermorig::app {
 
 namespace {
 
-constexpr std::array<const char*, live::rate_count> rate_names{"thermal", "gyro", "fusion"};
-constexpr const char* columns =
+constexpr std::array<const char*, live::rate_count> rate_titles{"thermal", "gyro", "fusion"};
+constexpr const char* column_titles =
     "    time     servo     gyro  (error)   thermal  (error)   fusion  (error)    Kg  counted  apart  "
     "network\n";
 
-std::string rate_text(float rate_dps) {
+std::string rate_cell(float rate_dps) {
   return std::isnan(rate_dps) ? "-" : fmt::format("{:+.1f}", rate_dps);
 }
 
@@ -26,7 +26,7 @@ std::string with_error(float rate_dps, float commanded_dps) {
   if (std::isnan(rate_dps)) return fmt::format("{:>7} {:>8}", "-", "");
   const std::string error =
       std::isnan(commanded_dps) ? "" : fmt::format("({:+.1f})", rate_dps - commanded_dps);
-  return fmt::format("{:>7} {:>8}", rate_text(rate_dps), error);
+  return fmt::format("{:>7} {:>8}", rate_cell(rate_dps), error);
 }
 
 std::string figure(double value, const char* format = "{:.4f}") {
@@ -45,7 +45,7 @@ class LiveLines : public LiveScreen {
   void frame(const LiveFrame& frame) override {
     if (last_ && frame.row.arrival - *last_ < std::chrono::seconds(1)) return;
     last_ = frame.row.arrival;
-    std::string text(lines_ % 40 == 0 ? columns : "");
+    std::string text(lines_ % 40 == 0 ? column_titles : "");
     text += line_of(frame, begin_) + "\n";
     if (output_.write(text, Matter::frame)) ++lines_;
   }
@@ -88,7 +88,7 @@ std::string line_of(const LiveFrame& frame, HostTime begin) {
   const LiveEstimate& row = frame.row;
   const float label = row.rate_commanded_dps;
   std::string line = fmt::format(
-      "{:>6.1f} s  {:>8}  {}  {}  {}  {:>4}  {:>7}  {:>5}", to_s(row.arrival - begin), rate_text(label),
+      "{:>6.1f} s  {:>8}  {}  {}  {}  {:>4}  {:>7}  {:>5}", to_s(row.arrival - begin), rate_cell(label),
       with_error(row.rate_gyro_dps, label), with_error(row.rate_thermal_dps, label),
       with_error(row.rate_fusion_dps, label), std::isnan(row.gain) ? "-" : fmt::format("{:.2f}", row.gain),
       frame.scores.counted, frame.scores.apart);
@@ -123,7 +123,7 @@ std::string scores_text(const live::LiveScores& scores) {
   Table table({"estimator", ">frames", ">RMSE deg/s", ">MSE", ">median*", ">IQR*", ">angle deg", ">deg/min"});
   for (std::size_t i = 0; i < live::rate_count; ++i) {
     const live::RateScores& rate = scores.rates[i];
-    table.add({rate_names[i], count_text(rate.frames), figure(rate.rmse_dps, "{:.2f}"),
+    table.add({rate_titles[i], count_text(rate.frames), figure(rate.rmse_dps, "{:.2f}"),
                figure(rate.mse, "{:.5f}"), figure(rate.recent_median_mse, "{:.5f}"),
                figure(rate.recent_iqr_mse, "{:.5f}"), figure(rate.angle_error_deg, "{:+.2f}"),
                figure(rate.drift_deg_per_min, "{:+.2f}")});

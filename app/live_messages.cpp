@@ -68,7 +68,7 @@ nlohmann::json device_json(Device device, const rig::RecordingProgress& progress
           {"uncertainty_s", number_json(health.uncertainty_s)}};
 }
 
-nlohmann::json speeds_json(const std::vector<rig::SpeedQuota>& speeds) {
+nlohmann::json quotas_json(const std::vector<rig::SpeedQuota>& speeds) {
   nlohmann::json list = nlohmann::json::array();
   for (const rig::SpeedQuota& speed : speeds)
     list.push_back({{"rate_dps", speed.rate_dps}, {"valid", speed.valid}, {"quota", speed.wanted}});
@@ -76,7 +76,7 @@ nlohmann::json speeds_json(const std::vector<rig::SpeedQuota>& speeds) {
 }
 
 /// Hundredths of a degree; a pixel that is not a number becomes the lowest.
-std::int16_t hundredths(float temp_c) {
+std::int16_t pixel_hundredths(float temp_c) {
   constexpr double limit = std::numeric_limits<std::int16_t>::max();
   if (!std::isfinite(temp_c)) return std::numeric_limits<std::int16_t>::min();
   return static_cast<std::int16_t>(std::clamp(std::round(100.0 * double{temp_c}), -limit, limit));
@@ -89,7 +89,8 @@ std::vector<std::uint8_t> image_bytes(const ThermalFrame& frame, bool mirrored) 
   for (std::size_t row = 0; row < frame_rows; ++row)
     for (std::size_t column = 0; column < frame_columns; ++column) {
       const std::size_t from = mirrored ? frame_columns - 1 - column : column;
-      const auto value = static_cast<std::uint16_t>(hundredths(frame.temp_c[row * frame_columns + from]));
+      const auto value =
+          static_cast<std::uint16_t>(pixel_hundredths(frame.temp_c[row * frame_columns + from]));
       bytes.push_back(static_cast<std::uint8_t>(value & 0xFFU));
       bytes.push_back(static_cast<std::uint8_t>(value >> 8U));
     }
@@ -165,7 +166,7 @@ nlohmann::json state_message(const rig::RecordingProgress& progress, const LiveF
       {"frames", sweep.frames},
       {"frames_per_leg", sweep.frames_per_leg},
       {"repeated", sweep.repeated},
-      {"speeds", speeds_json(sweep.speeds)},
+      {"speeds", quotas_json(sweep.speeds)},
       {"devices", devices},
       {"kept_frames", keeps ? nlohmann::json(progress.health[Device::camera].messages) : nlohmann::json()},
       {"kept_bytes", keeps ? nlohmann::json(progress.kept_bytes) : nlohmann::json()},

@@ -75,7 +75,7 @@ double speed_of(const std::string& text) {
               fmt::format("--speed 1, --speed 10 or --speed max; {} at least", lowest_speed));
 }
 
-[[noreturn]] void refuse(const std::string& what, const std::string& advice) {
+[[noreturn]] void refuse_option(const std::string& what, const std::string& advice) {
   throw Error(ExitCode::bad_usage, what, "", advice);
 }
 
@@ -83,7 +83,7 @@ double speed_of(const std::string& text) {
 void refuse_said(const LiveWords& words, std::initializer_list<const char*> names, const std::string& why) {
   for (const char* name : names)
     if (words.command->count(name) > 0)
-      refuse(fmt::format("{} {}", name, why), fmt::format("leave {} out", name));
+      refuse_option(fmt::format("{} {}", name, why), fmt::format("leave {} out", name));
 }
 
 /// A word that would do nothing is a misunderstanding.
@@ -110,20 +110,24 @@ void check_words_without_effect(const LiveWords& words) {
 void check(const LiveWords& words) {
   const LiveOptions& live = words.options;
   const bool names_rig = !words.seed.empty() || !live.record.rig.profile.empty();
-  if (live.replay && names_rig) refuse("--replay and a rig exclude each other", "--replay SESSION alone");
+  if (live.replay && names_rig)
+    refuse_option("--replay and a rig exclude each other", "--replay SESSION alone");
   if (live.replay && live.keep)
-    refuse("a replay is recorded already", "leave --record out; `thermorig evaluate` works on the session");
-  if (live.replay && live.loop) refuse("--loop is for a rig, not for a replay", "leave --loop out");
-  if (live.replay && live.record.page.control) refuse("a replay moves nothing", "leave --control out");
-  if (!live.replay && !words.speed.empty()) refuse("--speed is for --replay", "--replay SESSION --speed 10");
-  if (live.tui && live.record.json) refuse("--tui and --json exclude each other", "one of the two");
-  if (words.page && words.no_page) refuse("--page and --no-page exclude each other", "one of the two");
+    refuse_option("a replay is recorded already",
+                  "leave --record out; `thermorig evaluate` works on the session");
+  if (live.replay && live.loop) refuse_option("--loop is for a rig, not for a replay", "leave --loop out");
+  if (live.replay && live.record.page.control) refuse_option("a replay moves nothing", "leave --control out");
+  if (!live.replay && !words.speed.empty())
+    refuse_option("--speed is for --replay", "--replay SESSION --speed 10");
+  if (live.tui && live.record.json) refuse_option("--tui and --json exclude each other", "one of the two");
+  if (words.page && words.no_page) refuse_option("--page and --no-page exclude each other", "one of the two");
   if (words.no_page && live.record.page.control)
-    refuse("--control lets the page start motion, and --no-page serves none", "leave one of the two out");
+    refuse_option("--control lets the page start motion, and --no-page serves none",
+                  "leave one of the two out");
   if (live.record.fast && (words.page || live.record.page.control))
-    refuse("virtual time is too fast for a page", "leave --fast out, or --page");
+    refuse_option("virtual time is too fast for a page", "leave --fast out, or --page");
   if (live.record.fast && live.loop)
-    refuse("--loop has no end in virtual time", "leave --fast or --loop out");
+    refuse_option("--loop has no end in virtual time", "leave --fast or --loop out");
   check_words_without_effect(words);
 }
 

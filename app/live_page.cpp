@@ -79,6 +79,9 @@ std::vector<rig::Order> orders_of(LiveRun& run, LivePage* page) {
 void tell_page(const LivePage& page, bool json) {
   std::FILE* stream = json ? stderr : stdout;
   print(stream, "page  {}\n", page.url());
+  if (!web::page_is_built())
+    print(stream,
+          "note  this program was built without its page: bash app/setup.sh page, then build again\n");
   if (!page.note().empty()) print(stream, "note  {}\n", printable(page.note()));
   std::fflush(stream);
 }

@@ -22,8 +22,7 @@ namespace thermorig::app {
 
 namespace {
 
-constexpr auto state_period = std::chrono::milliseconds(250);
-constexpr double longest_s =
+constexpr double longest_replay_s =
     1e9;  // of a replay: what nanoseconds can hold, whatever a file says of its times
 constexpr auto longest_sleep = std::chrono::milliseconds(50);  // so that Ctrl-C and the page are heard
 
@@ -35,7 +34,7 @@ class Pace {
   /// How long until `time` is due, not negative.
   HostDuration wait(HostTime time) const {
     if (speed_ <= 0.0) return {};
-    const double passed_s = std::clamp(to_s(time - begin_) / speed_, 0.0, longest_s);
+    const double passed_s = std::clamp(to_s(time - begin_) / speed_, 0.0, longest_replay_s);
     const HostTime due = wall_begin_ + from_s(passed_s);
     return std::max(HostDuration{}, due - io::now());
   }

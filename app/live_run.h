@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <chrono>
 #include <memory>
 #include <optional>
 #include <string>
@@ -14,6 +15,9 @@
 #include "thermorig/web/server.h"
 
 namespace thermorig::app {
+
+/// A run says so often how it goes.
+inline constexpr auto state_period = std::chrono::milliseconds(250);
 
 /// Takes the messages of docs/live_messages.md: standard output, the page.
 struct MessageSink {

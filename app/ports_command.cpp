@@ -109,7 +109,7 @@ void print_text_gyro(const PortFinding& finding, const RigProfile& profile) {
 }
 
 /// What to type next, for copy and paste. The columns of a text gyro can only be said in a profile.
-std::string next_command(const PortsOptions& options, const RigProfile& profile) {
+std::string command_with_ports(const PortsOptions& options, const RigProfile& profile) {
   if (!options.save.empty()) return "thermorig record --environment kitchen --rig " + options.save;
   if (profile.gyro.protocol == GyroProtocol::text) return "thermorig ports --save bench";
   return fmt::format(
@@ -127,7 +127,7 @@ void print_text(const PortsOptions& options, const std::vector<PortFinding>& fin
   if (!missing.empty()) print("\nmissing  {}\n", joined(missing));
   if (!options.save.empty()) print("\nsaved {}\n", profile_path(options.save).string());
   if (!missing.empty() || !ambiguous.empty()) return;  // there is nothing yet to record with
-  print("{}next  {}\n", options.save.empty() ? "\n" : "", next_command(options, profile));
+  print("{}next  {}\n", options.save.empty() ? "\n" : "", command_with_ports(options, profile));
 }
 
 void print_result_json(const PortsOptions& options, const std::vector<PortFinding>& findings,

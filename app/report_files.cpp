@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: MIT
 #include "report_files.h"
 
+#include "output.h"
 #include "thermorig/core/error.h"
 #include "thermorig/files/whole_file.h"
+#include "thermorig/report/report.h"
 
 namespace thermorig::app {
 
@@ -15,6 +17,10 @@ void write_report(const std::filesystem::path& folder, const ReportTexts& texts)
   files::write_whole(folder / "report.md", texts.markdown, "the report");
   files::write_whole(folder / "report.json", texts.json, "the report");
   files::write_whole(folder / "report.html", texts.html, "the report");
+  if (!report::draws_charts())
+    print(stderr,
+          "note  report.html has no charts, as this program was built without node: bash app/setup.sh page, "
+          "then build again\n");
 }
 
 }  // namespace thermorig::app

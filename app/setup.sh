@@ -1,26 +1,28 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: MIT
 # Installs the Debian packages that thermorig needs and that are missing. Never removes one.
-# Usage: bash app/setup.sh [tests] [deep] [bench] [page] [usb] [coverage]   (the words add what tests, sanitizer runs,
-# benchmarks, browser tests, tests on the kernel's usb-serial driver and the coverage of lines need)
+# Usage: bash app/setup.sh [page] [tests] [deep] [bench] [browser] [usb] [coverage]   (the words add what the live page and
+# the charts of reports, tests, sanitizer runs, benchmarks, browser tests, tests on the kernel's usb-serial driver and the
+# coverage of lines need)
 set -euo pipefail
 
 packages=(g++ cmake ninja-build pkg-config ccache git ca-certificates
   libserialport-dev libboost-dev libhdf5-dev libfmt-dev libcli11-dev libtoml11-dev nlohmann-json3-dev
   zlib1g-dev libdeflate-dev libmd-dev libonnx-dev libprotobuf-dev protobuf-compiler
   gcc-avr avr-libc libsimavr-dev libelf-dev)
-# The charts of reports. A node that came from elsewhere brings its npm and conflicts with Debian's.
-command -v npm >/dev/null || packages+=(nodejs npm)
+# A node that came from elsewhere brings its npm and conflicts with Debian's.
+add_node() { command -v npm >/dev/null || packages+=(nodejs npm); }
 for part in "$@"; do
   case "$part" in
-    tests) packages+=(libgtest-dev libgmock-dev hdf5-tools python3-h5py python3-xarray python3-h5netcdf python3-matplotlib python3-onnx) ;;
+    page) add_node ;;
+    tests) add_node; packages+=(libgtest-dev libgmock-dev hdf5-tools python3-h5py python3-xarray python3-h5netcdf python3-matplotlib python3-onnx) ;;
     deep) packages+=(clang-14 libclang-rt-14-dev clang-format-14 g++-aarch64-linux-gnu qemu-user
       gcc-arm-none-eabi libnewlib-arm-none-eabi qemu-system-arm) ;;
     bench) packages+=(libbenchmark-dev python3-numpy python3-h5py python3-serial) ;;
-    page) packages+=(chromium) ;;
+    browser) packages+=(chromium) ;;
     coverage) packages+=(gcovr python3) ;;
     usb) packages+=(qemu-system-x86 busybox-static cpio python3) ;;
-    *) echo "setup.sh: unknown part '$part'; try: tests, deep, bench, page, usb, coverage" >&2; exit 2 ;;
+    *) echo "setup.sh: unknown part '$part'; try: page, tests, deep, bench, browser, usb, coverage" >&2; exit 2 ;;
   esac
 done
 

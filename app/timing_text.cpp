@@ -28,7 +28,7 @@ std::string signed_count(double value) {
                      count_text(static_cast<std::uint64_t>(std::llround(std::min(std::abs(value), 1e15)))));
 }
 
-std::string line(const std::string& name, const std::string& words) {
+std::string timing_line(const std::string& name, const std::string& words) {
   return fmt::format("{:<14}{}\n", name, words);
 }
 
@@ -91,16 +91,17 @@ std::string breaks_text(const Session& session) {
   for (const Device device : all_devices) {
     const ClockReport& clock = session.sync.clock[device];
     for (std::size_t i = 0; i < std::min(gaps_shown, clock.gaps.size()); ++i)
-      text += line("gap",
-                   fmt::format("{} {:.2f} s to {:.2f} s, {} missing", name_of(device),
-                               since_start_s(session, clock.gaps[i].begin),
-                               since_start_s(session, clock.gaps[i].end), count_text(clock.gaps[i].missing)));
+      text += timing_line(
+          "gap", fmt::format("{} {:.2f} s to {:.2f} s, {} missing", name_of(device),
+                             since_start_s(session, clock.gaps[i].begin),
+                             since_start_s(session, clock.gaps[i].end), count_text(clock.gaps[i].missing)));
     if (clock.gaps.size() > gaps_shown)
-      text += line("", fmt::format("and {} more of the {}", clock.gaps.size() - gaps_shown, name_of(device)));
+      text += timing_line(
+          "", fmt::format("and {} more of the {}", clock.gaps.size() - gaps_shown, name_of(device)));
     for (std::size_t i = 1; i < clock.epochs.size() && i <= gaps_shown; ++i)
-      text += line("new epoch", fmt::format("{} at {:.2f} s: {}", name_of(device),
-                                            since_start_s(session, clock.epochs[i].begin),
-                                            printable(clock.epochs[i].reason)));
+      text += timing_line("new epoch", fmt::format("{} at {:.2f} s: {}", name_of(device),
+                                                   since_start_s(session, clock.epochs[i].begin),
+                                                   printable(clock.epochs[i].reason)));
   }
   return text;
 }
@@ -128,33 +129,35 @@ std::string bias_text(const GyroErrors& gyro) {
 std::string gyro_text(const Session& session) {
   const GyroErrors& gyro = session.sync.gyro;
   const GyroProfile& profile = session.raw.header.profile.gyro;
-  std::string text = line("gyro bias", bias_text(gyro));
-  if (gyro.zeroes_itself) text += line("", "this gyro sets itself to zero at rest: its bias is hidden then");
-  text += line("gyro scale", fmt::format("{:.4f} +- {:.4f}, {}", gyro.scale.value, gyro.scale.uncertainty,
-                                         calibrated_text(gyro.scale_calibrated, profile.scale_measured_utc)));
-  return text + line("gyro noise", std::isfinite(gyro.noise_dps)
-                                       ? fmt::format("{:.3f} deg/s a sample at rest", gyro.noise_dps)
-                                       : "not known: there was no rest");
+  std::string text = timing_line("gyro bias", bias_text(gyro));
+  if (gyro.zeroes_itself)
+    text += timing_line("", "this gyro sets itself to zero at rest: its bias is hidden then");
+  text += timing_line("gyro scale",
+                      fmt::format("{:.4f} +- {:.4f}, {}", gyro.scale.value, gyro.scale.uncertainty,
+                                  calibrated_text(gyro.scale_calibrated, profile.scale_measured_utc)));
+  return text + timing_line("gyro noise", std::isfinite(gyro.noise_dps)
+                                              ? fmt::format("{:.3f} deg/s a sample at rest", gyro.noise_dps)
+                                              : "not known: there was no rest");
 }
 
 std::string servo_text(const Session& session, const session::Quality& quality) {
   const ServoResponse& servo = session.sync.servo;
   const ServoProfile& profile = session.raw.header.profile.servo;
   std::string text =
-      line("servo", fmt::format("{}: delay {:.1f} +- {:.1f} ms, loop {:.1f} Hz, damping 0.7",
-                                servo.fitted ? "fitted to the gyro" : "not fitted, as assumed",
-                                1e3 * servo.delay_s, 1e3 * servo.delay_uncertainty_s, servo.loop_hz));
+      timing_line("servo", fmt::format("{}: delay {:.1f} +- {:.1f} ms, loop {:.1f} Hz, damping 0.7",
+                                       servo.fitted ? "fitted to the gyro" : "not fitted, as assumed",
+                                       1e3 * servo.delay_s, 1e3 * servo.delay_uncertainty_s, servo.loop_hz));
   if (servo.fitted)
-    text += line(
+    text += timing_line(
         "", fmt::format("measured against the gyro: the error of its latency (+- {:.1f} ms) is in it as well",
                         1e3 * session.sync.clock[Device::gyro].latency_uncertainty_s));
-  text +=
-      line("servo scale", fmt::format("{:.4f} +- {:.4f}, {}", servo.scale.value, servo.scale.uncertainty,
-                                      calibrated_text(servo.scale_calibrated, profile.scale_measured_utc)));
+  text += timing_line("servo scale",
+                      fmt::format("{:.4f} +- {:.4f}, {}", servo.scale.value, servo.scale.uncertainty,
+                                  calibrated_text(servo.scale_calibrated, profile.scale_measured_utc)));
   if (std::isfinite(quality.label_residual_dps))
-    text +=
-        line("residual", fmt::format("{:.2f} deg/s RMS, corrected gyro minus label, over the valid frames",
-                                     quality.label_residual_dps));
+    text += timing_line("residual",
+                        fmt::format("{:.2f} deg/s RMS, corrected gyro minus label, over the valid frames",
+                                    quality.label_residual_dps));
   return text;
 }
 
@@ -189,16 +192,17 @@ std::string residual_table(const ServoResponse& servo) {
   return table.text();
 }
 
-std::string verdict_text(const session::Quality& quality) {
-  std::string text = line("verdict", quality.verdict);
-  for (const std::string& reason : quality.verdict_reasons) text += line("", printable(reason));
+std::string timing_verdict(const session::Quality& quality) {
+  std::string text = timing_line("verdict", quality.verdict);
+  for (const std::string& reason : quality.verdict_reasons) text += timing_line("", printable(reason));
   return text;
 }
 
 std::string remarks_text(const TimingRemarks& remarks) {
   std::string text;
-  for (const std::string& sentence : remarks.sentences) text += line(text.empty() ? "remarks" : "", sentence);
-  for (const std::string& command : remarks.advice) text += line("try", command);
+  for (const std::string& sentence : remarks.sentences)
+    text += timing_line(text.empty() ? "remarks" : "", sentence);
+  for (const std::string& command : remarks.advice) text += timing_line("try", command);
   return text;
 }
 
@@ -211,19 +215,19 @@ std::string reprocess_advice(const std::filesystem::path& path) {
 std::string timing_text(const std::filesystem::path& path, const Session& session,
                         const session::Quality& quality) {
   if (!has_timing(session))
-    return fmt::format("{}\n{}", path.string(), line("timing", reprocess_advice(path)));
+    return fmt::format("{}\n{}", path.string(), timing_line("timing", reprocess_advice(path)));
   const SyncReport& sync = session.sync;
   const std::string simulated = session.raw.header.simulated ? " (SIMULATED)" : "";
   std::string text =
       fmt::format("{}{}\n\n{}\n{}", path.string(), simulated, clock_table(sync), bound_table(sync));
   if (const std::string breaks = breaks_text(session); !breaks.empty()) text += fmt::format("\n{}", breaks);
-  text += fmt::format("\n{}{}{}", line("camera - gyro", offset_text(sync.camera_offset)), gyro_text(session),
-                      servo_text(session, quality));
+  text += fmt::format("\n{}{}{}", timing_line("camera - gyro", offset_text(sync.camera_offset)),
+                      gyro_text(session), servo_text(session, quality));
   if (std::isfinite(quality.label_uncertainty_dps))
-    text += line("label",
-                 fmt::format("+- {:.2f} deg/s in the median valid frame", quality.label_uncertainty_dps));
+    text += timing_line(
+        "label", fmt::format("+- {:.2f} deg/s in the median valid frame", quality.label_uncertainty_dps));
   if (!sync.servo.speeds.empty()) text += fmt::format("\n{}", residual_table(sync.servo));
-  return fmt::format("{}\n{}{}", text, verdict_text(quality), remarks_text(timing_remarks(session)));
+  return fmt::format("{}\n{}{}", text, timing_verdict(quality), remarks_text(timing_remarks(session)));
 }
 
 std::string timing_line(const std::filesystem::path& path, const Session& session,

@@ -8,7 +8,7 @@ set -euo pipefail
 cd "$(dirname "$0")/.."
 fuzz_seconds=${1:-20}
 
-bash app/setup.sh tests deep page usb coverage
+bash app/setup.sh tests deep browser usb coverage
 
 echo "== AddressSanitizer and UndefinedBehaviorSanitizer"
 cmake --preset asan
@@ -25,8 +25,8 @@ echo "== The network on AArch64, in an emulator"
 bash tests/network/aarch64.sh 'Estimator*:BatchEstimator*:*GoldenVectors*:Tensors*:Shape*'
 
 echo "== The live page in a browser"
-cmake --preset release -DTHERMORIG_TESTS=ON
-cmake --build --preset release -j "$(nproc)" --target thermorig usb_guest
+cmake --preset developer
+cmake --build --preset developer -j "$(nproc)" --target thermorig usb_guest
 bash tests/page/run.sh build
 
 echo "== Ports on the kernel's usb-serial driver, plugs pulled and put back"

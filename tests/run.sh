@@ -6,7 +6,7 @@ set -euo pipefail
 cd "$(dirname "$0")/.."
 
 bash app/setup.sh tests
-cmake --preset release -DTHERMORIG_TESTS=ON
-cmake --build --preset release -j "$(nproc)"
+cmake --preset developer
+cmake --build --preset developer -j "$(nproc)"
 ctest --test-dir build --output-on-failure -j "$(nproc)" -LE rig "$@"
 bash tests/wall_clock.sh build -L rig "$@"

@@ -19,7 +19,7 @@ constexpr double least_lead = 0.2;  // of the best axis over the next one
 constexpr double longest_gap_s = 0.1;
 constexpr double least_moving_dps = 5.0;
 
-[[noreturn]] void refuse(const std::string& what, const std::string& advice) {
+[[noreturn]] void refuse_orientation(const std::string& what, const std::string& advice) {
   throw Error(ExitCode::finished_lossy, what, "calibrate orientation", advice);
 }
 
@@ -91,12 +91,13 @@ Axis turning_axis(const session::Session& session) {
     }
   }
   if (moving_dps < least_moving_dps)
-    refuse("the servo hardly moved",
-           "sweeps in both directions: `thermorig calibrate orientation` drives them");
+    refuse_orientation("the servo hardly moved",
+                       "sweeps in both directions: `thermorig calibrate orientation` drives them");
   if (std::abs(best.correlation) < least_correlation || std::abs(best.correlation) - next < least_lead)
-    refuse(fmt::format("no axis of the gyro turns with the servo (the best follows it by {:.2f} of 1)",
-                       std::abs(best.correlation)),
-           "fix the gyro to the arm, with one of its axes along the servo's; is the servo's supply on?");
+    refuse_orientation(
+        fmt::format("no axis of the gyro turns with the servo (the best follows it by {:.2f} of 1)",
+                    std::abs(best.correlation)),
+        "fix the gyro to the arm, with one of its axes along the servo's; is the servo's supply on?");
   return best;
 }
 
@@ -120,8 +121,9 @@ OrientationResult measure_orientation(const session::Session& session) {
   const motion::Orientation image =
       motion::orientation(session.frames, gyro, {camera.field_of_view_deg, camera.mirrored}, errors);
   if (!image.mirrored || !(image.contrast > 0.0))
-    refuse("the images do not tell which way they turn: " + image.why_not,
-           "point the camera at something with warm and cold edges, and see that the lens is free");
+    refuse_orientation(
+        "the images do not tell which way they turn: " + image.why_not,
+        "point the camera at something with warm and cold edges, and see that the lens is free");
   return {.gyro_axis = profile.axis,
           .gyro_sign = profile.sign,
           .correlation = std::abs(axis.correlation),

@@ -13,12 +13,12 @@ namespace thermorig::calibration {
 namespace {
 
 constexpr double mark_uncertainty_deg = 0.5;      // by eye, against a line: of each of the two
-constexpr double least_moving_dps = 2.0;          // slower is rest: bias and noise are below
+constexpr double slowest_turn_dps = 2.0;          // slower is rest: bias and noise are below
 constexpr auto margin = std::chrono::seconds(2);  // hands begin and end slowly, below the limit
 constexpr double longest_step_s = 0.05;           // from one sample to the next; more is a gap
 constexpr double largest_scale_error = 0.25;
 
-[[noreturn]] void refuse(const std::string& what, const std::string& advice) {
+[[noreturn]] void refuse_scale(const std::string& what, const std::string& advice) {
   throw Error(ExitCode::finished_lossy, what, "calibrate scale", advice);
 }
 
@@ -36,7 +36,7 @@ std::span<const TimedGyro> within(std::span<const TimedGyro> gyro, const Stretch
 /// From the first motion to the last one in a rest of the servo, with a margin; none if nothing moved.
 std::optional<Stretch> moving_part(std::span<const TimedGyro> gyro, const Stretch& rest,
                                    const RestingGyro& resting) {
-  const double moving_dps = std::max(least_moving_dps, 8.0 * resting.noise_dps);
+  const double moving_dps = std::max(slowest_turn_dps, 8.0 * resting.noise_dps);
   Stretch moving{rest.end, rest.begin};
   for (const TimedGyro& sample : within(gyro, rest)) {
     if (std::abs(sample.rate_dps - resting.bias_dps) < moving_dps) continue;
@@ -53,12 +53,14 @@ Turn integrate(std::span<const TimedGyro> gyro, const Stretch& stretch, double b
   const TimedGyro* before = nullptr;
   for (const TimedGyro& sample : within(gyro, stretch)) {
     if (sample.reading.saturated)
-      refuse("the gyro was turned faster than it can measure", "turn the rig more slowly: 10 s or more");
+      refuse_scale("the gyro was turned faster than it can measure",
+                   "turn the rig more slowly: 10 s or more");
     if (before != nullptr) {
       const double step_s = to_s(sample.stamp.time - before->stamp.time);
       if (step_s > longest_step_s)
-        refuse(fmt::format("samples of the gyro are missing for {:.0f} ms within the turn", 1e3 * step_s),
-               "the same again; `thermorig inspect --timing` says which link loses data");
+        refuse_scale(
+            fmt::format("samples of the gyro are missing for {:.0f} ms within the turn", 1e3 * step_s),
+            "the same again; `thermorig inspect --timing` says which link loses data");
       turn.angle_deg += step_s * (0.5 * (sample.rate_dps + before->rate_dps) - bias_dps);
     }
     before = &sample;
@@ -84,15 +86,15 @@ std::optional<Turn> longest_turn(const session::Session& session, const RestingG
 ScaleResult measure_scale_by_marks(const session::Session& session, double angle_deg) {
   const auto resting = resting_gyro(session.servo, session.gyro);
   if (!resting || session.sync.gyro.zeroes_itself)
-    refuse("the gyro's bias cannot be told from the rests around the turn",
-           "leave the rig alone for 10 s before and after the turn");
+    refuse_scale("the gyro's bias cannot be told from the rests around the turn",
+                 "leave the rig alone for 10 s before and after the turn");
   const auto turn = longest_turn(session, *resting);
-  if (!turn) refuse("the rig was not turned", "turn the whole rig by hand from one mark to the other");
+  if (!turn) refuse_scale("the rig was not turned", "turn the whole rig by hand from one mark to the other");
   const double scale = std::abs(turn->angle_deg / angle_deg);
   if (!(std::abs(scale - 1.0) < largest_scale_error))
-    refuse(fmt::format("the gyro saw a turn of {:.1f} degrees, not of {:.1f}", std::abs(turn->angle_deg),
-                       std::abs(angle_deg)),
-           "one turn between the marks, in one direction, without turning back");
+    refuse_scale(fmt::format("the gyro saw a turn of {:.1f} degrees, not of {:.1f}",
+                             std::abs(turn->angle_deg), std::abs(angle_deg)),
+                 "one turn between the marks, in one direction, without turning back");
   const double marks = std::sqrt(2.0) * mark_uncertainty_deg / std::abs(angle_deg);
   const double drift = resting->spread_dps * turn->duration_s / std::abs(angle_deg);
   return {.gyro_scale = {scale, std::hypot(marks, drift)}, .turned_deg = std::abs(turn->angle_deg) / scale};

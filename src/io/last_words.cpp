@@ -32,7 +32,7 @@ constexpr std::array signals{SIGSEGV, SIGBUS,    SIGFPE,  SIGILL,  SIGABRT, SIGS
                              SIGINT,  SIGTERM,   SIGHUP,  SIGPIPE, SIGALRM, SIGUSR1,  SIGUSR2, SIGXCPU,
                              SIGXFSZ, SIGVTALRM, SIGPROF, SIGIO,   SIGPWR,  SIGSTKFLT};
 
-std::array<LastWords, 4> ports;
+std::array<LastWords, 4> kept_words;
 std::array<struct sigaction, signals.size()> before;
 alignas(std::max_align_t) std::array<std::byte, stack_bytes> stack;  // the usual one may be what overflowed
 static_assert(std::atomic<int>::is_always_lock_free);
@@ -83,7 +83,7 @@ void keep_last_words(int fd, std::span<const std::uint8_t> bytes) {
   assert(fd >= 0 && bytes.size() <= words_max);
   prepare_once();
   forget_last_words(fd);
-  for (LastWords& port : ports) {
+  for (LastWords& port : kept_words) {
     if (port.fd >= 0) continue;
     std::copy(bytes.begin(), bytes.end(), port.bytes.begin());
     port.size = bytes.size();
@@ -95,12 +95,12 @@ void keep_last_words(int fd, std::span<const std::uint8_t> bytes) {
 }
 
 void forget_last_words(int fd) {
-  for (LastWords& port : ports)
+  for (LastWords& port : kept_words)
     if (port.fd == fd) port.fd = -1;
 }
 
 void say_last_words() {
-  for (const LastWords& port : ports) {
+  for (const LastWords& port : kept_words) {
     const int fd = port.fd;
     if (fd < 0) continue;
     for (int tries = 0; tries < 3; ++tries) {

@@ -17,13 +17,13 @@ namespace thermorig::io {
 
 namespace {
 
-[[noreturn]] void refuse() {
+[[noreturn]] void refuse_terminal() {
   throw Error(ExitCode::failed, std::strerror(errno), "/dev/ptmx",
               "check that /dev/pts is mounted and that it has room for more terminals");
 }
 
 /// The program's side is set up from the device's side: without it the line discipline would echo.
-void make_raw(int master) {
+void switch_echo_off(int master) {
   termios settings{};
   if (tcgetattr(master, &settings) != 0) return;
   cfmakeraw(&settings);
@@ -37,13 +37,13 @@ Pty::Pty() {
   std::array<char, 64> name{};
   if (master_ < 0 || grantpt(master_) != 0 || unlockpt(master_) != 0 ||
       ptsname_r(master_, name.data(), name.size()) != 0)
-    refuse();
+    refuse_terminal();
   path_ = name.data();
   // Only after a first close does the kernel tell "nobody has it open" (POLLHUP).
   const int program = ::open(path_.c_str(), O_RDWR | O_NOCTTY | O_CLOEXEC);
-  if (program < 0) refuse();
+  if (program < 0) refuse_terminal();
   ::close(program);
-  make_raw(master_);
+  switch_echo_off(master_);
 }
 
 Pty::~Pty() {
@@ -75,7 +75,7 @@ bool Pty::is_open() {
   pollfd state{.fd = master_, .events = 0, .revents = 0};
   poll(&state, 1, 0);
   const bool open = (state.revents & POLLHUP) == 0;
-  if (was_open_ && !open) make_raw(master_);  // some kernels reset the settings at the last close
+  if (was_open_ && !open) switch_echo_off(master_);  // some kernels reset the settings at the last close
   was_open_ = open;
   return open;
 }

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "stretches.h"
+
 namespace thermorig::labels {
 
 namespace {
@@ -18,7 +20,6 @@ bool is_resting(const ServoState& state) {
   return holds && state.rate_dps == 0.0;
 }
 
-constexpr double constant_dps = 0.015;  // telemetry counts centidegrees per second
 constexpr std::int64_t longest_stretch_us = 5'000'000;
 constexpr std::size_t least_pulses = 5;
 }  // namespace

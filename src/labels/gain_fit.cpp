@@ -7,6 +7,7 @@
 #include <numeric>
 
 #include "least_squares.h"
+#include "pulse_period.h"
 #include "thermorig/labels/median.h"
 
 namespace thermorig::labels {
@@ -14,11 +15,10 @@ namespace thermorig::labels {
 namespace {
 constexpr std::size_t knots = 17;
 constexpr std::size_t unknowns = knots + 1;  // and the bias
-constexpr int parts = 5;                     // of a window: pulse periods
-constexpr double part_s = 0.02;
-constexpr double slowest_dps = 3.0;       // below it a window tells little
-constexpr double bend_deviation = 0.004;  // of a knot from the middle of its neighbours
-constexpr double gain_deviation = 0.05;   // of a knot from 1: a servo is no worse
+constexpr int parts_a_window = 5;            // of a window: pulse periods
+constexpr double slowest_dps = 3.0;          // below it a window tells little
+constexpr double bend_deviation = 0.004;     // of a knot from the middle of its neighbours
+constexpr double gain_deviation = 0.05;      // of a knot from 1: a servo is no worse
 constexpr double first_deviation_dps = 0.5;
 constexpr double least_deviation_dps = 0.03;
 constexpr double outlier = 5.0;
@@ -46,13 +46,13 @@ Place place_of(const PulseScale& scale, double value) {
 Window window_at(const ShaftCurve& curve, double model_s, const PulseScale& scale) {
   Window window;
   double before_deg = curve.angle_deg(model_s);
-  for (int part = 1; part <= parts; ++part) {
-    const double angle_deg = curve.angle_deg(model_s + part * part_s);
+  for (int part = 1; part <= parts_a_window; ++part) {
+    const double angle_deg = curve.angle_deg(model_s + part * pulse_period_s);
     const double turned_deg = angle_deg - before_deg;
-    const double value = scale.continuous() ? turned_deg / part_s : (before_deg + angle_deg) / 2.0;
+    const double value = scale.continuous() ? turned_deg / pulse_period_s : (before_deg + angle_deg) / 2.0;
     const auto [left, share] = place_of(scale, value);
-    window.row[left] += (1.0 - share) * turned_deg / (parts * part_s);
-    window.row[left + 1] += share * turned_deg / (parts * part_s);
+    window.row[left] += (1.0 - share) * turned_deg / (parts_a_window * pulse_period_s);
+    window.row[left + 1] += share * turned_deg / (parts_a_window * pulse_period_s);
     before_deg = angle_deg;
   }
   window.row[knots] = 1.0;
@@ -65,7 +65,7 @@ double model_dps(const Window& window) {
 
 std::vector<Window> windows(const ShaftCurve& curve, double begin_s, double end_s, double delay_s,
                             const PulseScale& scale, const GyroIntegral& gyro) {
-  constexpr double length_s = parts * part_s;
+  constexpr double length_s = parts_a_window * pulse_period_s;
   std::vector<Window> found;
   // No more than there are samples to fill them: the times of a damaged recording may lie ages apart.
   const auto samples = static_cast<double>(gyro.times_s().size());

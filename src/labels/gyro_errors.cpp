@@ -15,17 +15,16 @@
 namespace thermorig::labels {
 
 namespace {
-constexpr double settle_s = 0.5;  // a shaft that still moves is not at rest
+constexpr double rest_settle_s = 0.5;  // a shaft that still moves is not at rest
 constexpr double block_s = 0.25;
 constexpr std::size_t least_samples = 8;   // of a block
 constexpr double steady = 2.0;             // a block's deviation over that of most: the shaft moved
-constexpr double outlier = 6.0;            // a block's mean off that of most: a hand turned the rig
+constexpr double outlying_block = 6.0;     // a block's mean off that of most: a hand turned the rig
 constexpr double least_outlier_dps = 0.5;  // a bias wanders by as much
 constexpr double least_uncertainty_dps = 0.01;
 constexpr double unseen_drift_dps = 0.05;  // of a bias that was seen at one end of the recording alone
 constexpr double longest_silence_s = 0.5;  // of a gyro that measures: exact zeros about all axes
 constexpr double servo_scale_doubt = 0.015;
-constexpr double unknown_bias_dps = 20.0;
 constexpr double leg_deviation = 0.004;  // relative: a servo's slope along its travel
 constexpr double leg_deviation_dps = 0.1;
 
@@ -79,7 +78,7 @@ std::vector<Block> blocks_of(std::span<const TimedGyro> gyro, const std::vector<
                              HostTime origin) {
   std::vector<Block> blocks;
   for (std::size_t rest = 0; rest < rests.size(); ++rest)
-    for (double start_s = rests[rest].begin_s + settle_s; start_s + block_s <= rests[rest].end_s;
+    for (double start_s = rests[rest].begin_s + rest_settle_s; start_s + block_s <= rests[rest].end_s;
          start_s += block_s) {
       const HostTime begin = origin + from_s(start_s);
       if (const auto block = block_of(between(gyro, begin, begin + from_s(block_s)), rest))
@@ -109,7 +108,7 @@ void keep_quiet(std::vector<Block>& blocks) {
   std::erase_if(blocks, [&](const Block& block) { return block.deviation_dps > steady * noise_dps; });
   const std::vector<double> means = each(blocks, mean_of);
   const double centre_dps = median(means);
-  const double limit_dps = std::max(outlier * robust_deviation(means, centre_dps), least_outlier_dps);
+  const double limit_dps = std::max(outlying_block * robust_deviation(means, centre_dps), least_outlier_dps);
   std::erase_if(blocks,
                 [&](const Block& block) { return std::abs(block.mean_dps - centre_dps) > limit_dps; });
 }
@@ -146,7 +145,7 @@ std::optional<Estimate> bias_from_legs(std::span<const TimedGyro> gyro, std::spa
   equations.add_prior(1, 0.0, unknown_bias_dps);
   bool any = false;
   for (const Stretch& leg : steady_stretches(servo, origin, false)) {
-    const auto part = between(gyro, origin + from_s(leg.begin_s + settle_s), origin + from_s(leg.end_s));
+    const auto part = between(gyro, origin + from_s(leg.begin_s + rest_settle_s), origin + from_s(leg.end_s));
     const auto block = block_of(part, 0);
     if (!block) continue;
     const std::array<double, 2> row{leg.rate_dps, 1.0};

@@ -5,13 +5,13 @@
 #include <cmath>
 #include <limits>
 
+#include "thermorig/core/estimate.h"
 #include "thermorig/labels/median.h"
 
 namespace thermorig::labels {
 
 namespace {
 constexpr double hole_periods = 2.5;
-constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
 
 std::vector<double> seconds(std::span<const TimedGyro> gyro, HostTime origin) {
   std::vector<double> times;

@@ -5,10 +5,11 @@
 #include <cmath>
 #include <vector>
 
+#include "pulse_period.h"
+
 namespace thermorig::labels {
 
 namespace {
-constexpr double pulse_period_s = 0.02;
 
 /// Mean and standard deviation as numbers come.
 class Deviation {

@@ -7,6 +7,8 @@
 #include <limits>
 
 #include "label_terms.h"
+#include "pulse_period.h"
+#include "thermorig/core/estimate.h"
 #include "thermorig/labels/servo_response.h"
 #include "thermorig/labels/shaft_model.h"
 
@@ -15,10 +17,8 @@ namespace thermorig::labels {
 namespace {
 constexpr float coldest_c = -60.0F;
 constexpr float hottest_c = 400.0F;
-constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
 constexpr double disagreement = 3.0;     // standard deviations
 constexpr double longest_shift_s = 1.0;  // beyond it a time says nothing
-constexpr HostDuration pulse_period = std::chrono::microseconds(PulseTrain::period_us);
 
 std::uint32_t bit_if(Reason reason, bool holds) {
   return holds ? bit(reason) : 0U;

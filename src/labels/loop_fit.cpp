@@ -20,12 +20,12 @@ constexpr std::size_t coarse_changes = 16;
 constexpr std::size_t least_changes = 3;
 constexpr double least_share_followed = 0.9;  // of the gyro's variance
 constexpr double typical_dead_band_deg = 0.3, dead_band_doubt_deg = 0.3;
-constexpr double loop_doubt = 0.7;  // of its logarithm
+constexpr double loop_doubt_of_log = 0.7;  // of its logarithm
 constexpr double longest_delay_s = 0.15, earliest_delay_s = -0.05;
 constexpr double slowest_hz = 1.0, fastest_hz = 40.0, widest_dead_band_deg = 2.0;
 constexpr double least_residual_dps = 0.05;
 constexpr double repeated = 8.0;  // samples that tell the same: windows overlap, and what a model lacks lasts
-constexpr double outlier = 4.0;   // a hand on the rig: residual over that of most changes
+constexpr double outlying_change = 4.0;  // a hand on the rig: residual over that of most changes
 
 struct Sample {
   double time_s;
@@ -150,7 +150,7 @@ class Problem {
 
   double dead_band_deg() const { return continuous_ ? 0.0 : typical_dead_band_deg; }
   double penalty(const Parameters& p) const {
-    const double loop = (p.log_loop - log_loop_) / loop_doubt;
+    const double loop = (p.log_loop - log_loop_) / loop_doubt_of_log;
     const double band = (p.dead_band_deg - dead_band_deg()) / dead_band_doubt_deg;
     return loop * loop + band * band;
   }
@@ -202,7 +202,7 @@ Problem::Step Problem::step(const Parameters& p, double damping) const {
     equations.add(row, measured_[i] - found.factor * now[i] - found.constant_dps, deviation);
   }
   equations.add_prior(0, 0.0, longest_delay_s / damping);
-  equations.add_prior(1, log_loop_ - p.log_loop, loop_doubt);
+  equations.add_prior(1, log_loop_ - p.log_loop, loop_doubt_of_log);
   equations.add_prior(2, dead_band_deg() - p.dead_band_deg, continuous_ ? 1e-6 : dead_band_doubt_deg);
   equations.add_prior(1, 0.0, 1.0 / damping);
   equations.add_prior(2, 0.0, 1.0 / damping);
@@ -229,7 +229,7 @@ bool Problem::drop_outliers(const Parameters& p) {
     }
     residuals.push_back(std::sqrt(squares / static_cast<double>(change.samples.size())));
   }
-  const double limit = outlier * std::max(median(residuals), least_residual_dps);
+  const double limit = outlying_change * std::max(median(residuals), least_residual_dps);
   std::vector<Change> kept;
   for (std::size_t i = 0; i < changes_.size(); ++i)
     if (residuals[i] <= limit) kept.push_back(std::move(changes_[i]));
@@ -241,7 +241,7 @@ bool Problem::drop_outliers(const Parameters& p) {
   return dropped;
 }
 
-double residual_dps(const Problem& problem, const Parameters& p) {
+double loop_residual_dps(const Problem& problem, const Parameters& p) {
   return std::sqrt(problem.match(problem.predict(p)).squares / static_cast<double>(problem.samples()));
 }
 
@@ -250,7 +250,7 @@ Parameters descend(Problem& problem, Parameters p) {
   constexpr int rounds = 12;
   constexpr double enough = 1e-5;
   double damping = 1.0;
-  problem.set_residual(residual_dps(problem, p));
+  problem.set_residual(loop_residual_dps(problem, p));
   double cost = problem.cost(p);
   for (int i = 0; i < rounds; ++i) {
     const Parameters next = problem.step(p, damping).to;
@@ -262,7 +262,7 @@ Parameters descend(Problem& problem, Parameters p) {
     const bool done = cost - next_cost < enough * cost;
     damping /= 4.0;
     p = next;
-    problem.set_residual(residual_dps(problem, p));
+    problem.set_residual(loop_residual_dps(problem, p));
     cost = problem.cost(p);
     if (done) break;
   }
@@ -289,7 +289,7 @@ std::optional<LoopFit> fit_loop(std::span<const PulseAt> pulses, std::span<const
   const Match found = problem.match(problem.predict(p));
   if (found.share < least_share_followed || found.factor <= 0.0) return std::nullopt;
   const double uncertainty_s = problem.step(p, 1e-3).delay_uncertainty_s;
-  return LoopFit{{p.delay_s, uncertainty_s}, p.loop_hz(), p.dead_band_deg, residual_dps(problem, p)};
+  return LoopFit{{p.delay_s, uncertainty_s}, p.loop_hz(), p.dead_band_deg, loop_residual_dps(problem, p)};
 }
 
 }  // namespace thermorig::labels

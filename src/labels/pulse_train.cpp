@@ -4,10 +4,11 @@
 #include <algorithm>
 #include <cmath>
 
+#include "pulse_period.h"
+
 namespace thermorig::labels {
 
 namespace {
-constexpr std::int64_t message_us = 10'000;
 constexpr double least_change = 1e-9;
 
 /// a modulo b, not negative.

@@ -10,7 +10,7 @@ namespace thermorig::labels {
 
 namespace {
 constexpr std::size_t least_rests = 4;
-constexpr double least_uncertainty_dps = 0.05;  // what a bias wanders off until the next rest
+constexpr double least_bias_uncertainty_dps = 0.05;  // what a bias wanders off until the next rest
 }  // namespace
 
 GyroErrors assumed_gyro_errors(const GyroProfile& profile) {
@@ -34,7 +34,7 @@ void RunningBias::renew() {
   const std::vector<double> means(means_dps_.begin(), means_dps_.begin() + size);
   const double bias_dps = median(means);
   const double spread_dps = robust_deviation(means, bias_dps);
-  errors_.bias_dps = Estimate{bias_dps, std::hypot(least_uncertainty_dps, spread_dps)};
+  errors_.bias_dps = Estimate{bias_dps, std::hypot(least_bias_uncertainty_dps, spread_dps)};
   errors_.noise_dps = median({deviations_dps_.begin(), deviations_dps_.begin() + size});
 }
 

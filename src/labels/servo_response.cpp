@@ -11,6 +11,7 @@
 #include "gain_fit.h"
 #include "gyro_integral.h"
 #include "loop_fit.h"
+#include "pulse_period.h"
 #include "shaft_curve.h"
 #include "stretches.h"
 #include "thermorig/labels/median.h"
@@ -23,8 +24,6 @@ constexpr double gyro_scale_uncertainty = 0.03;  // as data sheets promise it
 constexpr double loop_doubt = 0.3;               // relative, of a bandwidth that nobody measured
 constexpr double delay_doubt_s = 0.01;
 constexpr double phase_lag = 1.4;  // a loop of damping 0.7 lags by 2 * 0.7 / (2 pi bandwidth)
-constexpr double least_loop_hz = 0.5;
-constexpr double unknown_bias_dps = 20.0;
 constexpr double least_delay_error_s = 3e-4;
 constexpr double shortest_frame_s = 1.0 / 64.0;  // the camera's fastest rate
 constexpr double longest_frame_s = 2.0;          // and its slowest
@@ -66,8 +65,7 @@ class FittedShaft {
 
   /// Mean rate as the corrected gyro should see it.
   double mean_dps(double begin_s, double end_s) const {
-    constexpr double part_s = 0.02;
-    const double parts = std::max(1.0, std::round((end_s - begin_s) / part_s));
+    const double parts = std::max(1.0, std::round((end_s - begin_s) / pulse_period_s));
     const double step_s = (end_s - begin_s) / parts;
     double turned_deg = 0.0;
     double before_deg = curve_.angle_deg(begin_s - response_.delay_s);

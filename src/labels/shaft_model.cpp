@@ -6,13 +6,13 @@
 #include <cstddef>
 #include <numbers>
 
+#include "pulse_period.h"
+
 namespace thermorig::labels {
 
 namespace {
-constexpr double pulse_period_s = 0.02;
 constexpr double decay = 0.7;             // damping, and for a first-order lag on the safe side
 constexpr double to_one_percent = 4.605;  // -ln(0.01)
-constexpr double least_loop_hz = 0.5;
 }  // namespace
 
 double gain_at(const ServoResponse& response, const PulseScale& scale, double value) {

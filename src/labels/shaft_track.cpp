@@ -5,12 +5,12 @@
 #include <limits>
 
 #include "hermite.h"
+#include "pulse_period.h"
 #include "thermorig/labels/shaft_model.h"
 
 namespace thermorig::labels {
 
 namespace {
-constexpr HostDuration pulse_period = std::chrono::microseconds(PulseTrain::period_us);
 constexpr HostDuration stride = std::chrono::milliseconds(4);  // of the running means
 constexpr std::size_t pulse_strides = pulse_period / stride;
 constexpr std::size_t slow_pulses = 5;

@@ -8,7 +8,6 @@
 namespace thermorig::labels {
 
 namespace {
-constexpr double constant_dps = 0.015;  // telemetry counts centidegrees per second
 constexpr std::int64_t gap_us = 50'000;
 constexpr HostDuration longest_stall = std::chrono::seconds(1);  // by the host's clock, which may have jumped
 constexpr double one_ramp_s = 0.1;                               // changes closer than this belong together

@@ -10,6 +10,12 @@
 
 namespace thermorig::labels {
 
+/// Commanded speeds that differ by less are the same one: telemetry counts centidegrees per second.
+inline constexpr double constant_dps = 0.015;
+
+/// Standard deviation of a bias that nothing tells.
+inline constexpr double unknown_bias_dps = 20.0;
+
 /// Part of a recording, in seconds from an origin.
 struct Stretch {
   double begin_s = 0.0;

@@ -5,10 +5,11 @@
 #include <cmath>
 #include <cstdlib>
 
+#include "pulse_period.h"
+
 namespace thermorig::labels {
 
 namespace {
-constexpr std::int64_t message_us = 10'000;
 constexpr std::int64_t tolerance_us = 1'000;  // one step of the motion law
 constexpr double coarsest_tick_us = 0.5;
 constexpr double resolution = 0.01;  // telemetry counts hundredths

@@ -6,13 +6,12 @@
 #include <limits>
 
 #include "seconds_between.h"
+#include "thermorig/core/estimate.h"
 #include "thermorig/windows/window_index.h"
 
 namespace thermorig::live {
 
 namespace {
-
-constexpr float unknown = std::numeric_limits<float>::quiet_NaN();
 
 /// Does the finished session know the row's frame? The clock of a running recorder is off by much less than
 /// half a period, and a stand-in for a frame that never came by seconds.

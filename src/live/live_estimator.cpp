@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "last_blocks.h"
+#include "thermorig/core/estimate.h"
 #include "thermorig/windows/scaling.h"
 #include "thermorig/windows/soundness.h"
 #include "thermorig/windows/window_index.h"
@@ -14,8 +15,6 @@
 namespace thermorig::live {
 
 namespace {
-
-constexpr float unknown = std::numeric_limits<float>::quiet_NaN();
 
 /// As windows::rates_of: unknown if one of them is.
 float mean_of(std::span<const float> rates_dps) {
@@ -26,7 +25,7 @@ float mean_of(std::span<const float> rates_dps) {
 
 /// A network from a stranger's file may say anything.
 float finite_or_unknown(float value) {
-  return std::isfinite(value) ? value : unknown;
+  return std::isfinite(value) ? value : static_cast<float>(unknown);
 }
 
 /// The network and the images of its window.

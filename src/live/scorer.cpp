@@ -8,6 +8,7 @@
 
 #include "recent_errors.h"
 #include "seconds_between.h"
+#include "thermorig/core/estimate.h"
 #include "thermorig/core/quantile.h"
 #include "thermorig/network/gate.h"
 
@@ -15,7 +16,6 @@ namespace thermorig::live {
 
 namespace {
 
-constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
 constexpr double seconds_a_minute = 60.0;
 constexpr double drift_after_s = 1.0;
 constexpr std::uint64_t gate_patience = 64;  // counted frames

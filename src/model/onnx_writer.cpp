@@ -20,7 +20,7 @@ using Names = std::initializer_list<std::string_view>;
 // The values of a tensor are stored as they lie in memory; ONNX asks for little endian.
 static_assert(std::endian::native == std::endian::little);
 
-constexpr int opset = 13;  // of 2020: what every engine still in use reads
+constexpr int written_opset = 13;  // of 2020: what every engine still in use reads
 constexpr int ir_version = 8;
 
 std::string description_of(const Model& model) {
@@ -183,7 +183,7 @@ std::string to_onnx(const Model& model, int batch) {
   file.set_ir_version(ir_version);
   set_producer(file, model.provenance.producer);
   file.set_doc_string(description_of(model));
-  file.add_opset_import()->set_version(opset);
+  file.add_opset_import()->set_version(written_opset);
   file.mutable_opset_import(0)->set_domain("");
   fill(*file.mutable_graph(), model.weights, batch);
   for (const auto& [key, value] : metadata_of(model)) {

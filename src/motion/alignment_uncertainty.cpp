@@ -10,7 +10,7 @@ namespace {
 
 constexpr double block_s = 4.0;  // longer than the errors of one sweep and the next go together
 constexpr double least_contrast = 0.02;
-constexpr float least_weight = 1e-3F;
+constexpr float least_seen_weight = 1e-3F;
 
 }  // namespace
 
@@ -29,8 +29,9 @@ Parameters Alignment::pull(std::size_t index, const Totals& totals) const {
       const float weighted = comparison.weight[i] * comparison.residual[i];
       if (weighted == 0.0F) continue;
       const float to_left =
-          (1.0F - place.part[column]) * weighted / std::max(least_weight, map_.weight()[left + k]);
-      const float to_right = place.part[column] * weighted / std::max(least_weight, map_.weight()[right + k]);
+          (1.0F - place.part[column]) * weighted / std::max(least_seen_weight, map_.weight()[left + k]);
+      const float to_right =
+          place.part[column] * weighted / std::max(least_seen_weight, map_.weight()[right + k]);
       for (std::size_t p = 0; p < parameter_count; ++p)
         pull[p] -=
             static_cast<double>(to_left * totals.push[left + k][p] + to_right * totals.push[right + k][p]);

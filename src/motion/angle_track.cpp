@@ -10,7 +10,7 @@ namespace {
 /// A rate may change unseen in a gap: at 2000 deg/s2, what a lost 40 ms can hide is a degree and a half.
 constexpr double shortest_gap_s = 0.04;
 constexpr double gap_periods = 3.5;
-constexpr double fastest_dps = 1e5;  // no gyro goes there: a reading beyond is rubbish
+constexpr double fastest_reading_dps = 1e5;  // no gyro goes there: a reading beyond is rubbish
 
 }  // namespace
 
@@ -19,7 +19,7 @@ AngleTrack::AngleTrack(std::span<const TimedGyro> gyro) {
   origin_ = gyro.front().stamp.time;
   knots_.reserve(gyro.size());
   for (const TimedGyro& sample : gyro)
-    if (std::abs(sample.rate_dps) < fastest_dps)  // false for NaN
+    if (std::abs(sample.rate_dps) < fastest_reading_dps)  // false for NaN
       append(to_s(sample.stamp.time - origin_), static_cast<double>(sample.rate_dps));
   number_stretches();
 }

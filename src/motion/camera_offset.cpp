@@ -12,7 +12,7 @@ namespace {
 
 constexpr std::size_t most_windows = 8;  // four thousand halves: more do not make it more certain
 constexpr double worst_uncertainty_s = 0.005;
-constexpr double least_contrast = 0.15;
+constexpr double least_offset_contrast = 0.15;
 // Pixels follow the scene with a lag of some ten milliseconds. Fine structure that passes fast is delayed a
 // little less by it than coarse structure: as much as the surroundings make of it is not known.
 constexpr double lag_error_s = 0.0003;
@@ -33,7 +33,8 @@ std::string refusal(std::span<const FreshHalf> halves) {
 }
 
 bool is_told(const Alignment& alignment) {
-  return alignment.uncertainty(offset_s) < worst_uncertainty_s && alignment.contrast() > least_contrast &&
+  return alignment.uncertainty(offset_s) < worst_uncertainty_s &&
+         alignment.contrast() > least_offset_contrast &&
          std::abs(alignment.parameters()[offset_s]) < largest_offset_s;
 }
 

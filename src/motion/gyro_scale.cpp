@@ -13,8 +13,7 @@
 namespace thermorig::motion {
 namespace {
 
-constexpr std::size_t most_windows = 8;
-constexpr double whole_turn_deg = 360.0;
+constexpr std::size_t most_scale_windows = 8;
 constexpr double least_overlap = 0.3;           // of the field of view, after a turn that just misses closing
 constexpr double searched_uncertainties = 3.0;  // of the scale that is assumed
 constexpr double free_scale = 0.1;              // the result owes nothing to that assumption
@@ -22,7 +21,7 @@ constexpr double step_pixels = 0.5;             // that far the ends of the turn
 constexpr double apart_pixels = 4.0;            // tries closer than that are the same place
 constexpr int most_steps = 250;
 constexpr double most_turned_deg = 18000.0;  // fifty turns in a window: not a rig
-constexpr double least_contrast = 0.1;
+constexpr double least_scale_contrast = 0.1;
 constexpr double worst_uncertainty = 0.01;
 constexpr double glance_s = 0.25;         // few halves see the end of a turn: each pair is a witness
 constexpr double model_error_deg = 0.15;  // a tenth of a pixel: lens and lag, seen differently at either end
@@ -134,7 +133,8 @@ std::optional<Estimate> scale_in(const Window& window, const Evidence& evidence,
   const bool is_elsewhere = std::abs(other.parameters[scale] - closed.parameters[scale]) > pixel;
   if (is_elsewhere && lead(closed, other, window, evidence, view.field_of_view_deg) < clear_lead)
     return std::nullopt;
-  if (closed.contrast < least_contrast || !(closed.uncertainty < worst_uncertainty)) return std::nullopt;
+  if (closed.contrast < least_scale_contrast || !(closed.uncertainty < worst_uncertainty))
+    return std::nullopt;
   return Estimate{closed.parameters[scale], std::hypot(closed.uncertainty, model_error_deg / turned_deg)};
 }
 
@@ -156,7 +156,7 @@ TurnResult gyro_scale(std::span<const TimedFrame> frames, std::span<const TimedG
   evidence.prior.uncertainty[scale] = free_scale;
   const double needed_deg = whole_turn_deg - (1.0 - least_overlap) * view.field_of_view_deg;
   std::vector<Estimate> told;
-  for (const Window& window : turning_windows(evidence.halves, most_windows)) {
+  for (const Window& window : turning_windows(evidence.halves, most_scale_windows)) {
     const double turned_deg = turned_in(window, evidence).span_deg();
     result.turned_deg = std::max(result.turned_deg, turned_deg);
     if (window.size() < fewest_halves || turned_deg < needed_deg || turned_deg > most_turned_deg) continue;

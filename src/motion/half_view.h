@@ -13,6 +13,8 @@
 
 namespace thermorig::motion {
 
+inline constexpr double whole_turn_deg = 360.0;
+
 inline constexpr std::size_t half_pixels = frame_pixels / 2;
 inline constexpr std::size_t half_rows = frame_rows / 2;  // pixels of one column in one chess half
 

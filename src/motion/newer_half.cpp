@@ -9,7 +9,7 @@
 namespace thermorig::motion {
 namespace {
 
-constexpr std::size_t most_windows = 4;
+constexpr std::size_t most_half_windows = 4;
 
 std::vector<double> misfit(const Window& window, const Evidence& evidence, const View& view) {
   std::vector<HalfView> views = views_of(window);
@@ -25,7 +25,7 @@ std::optional<unsigned> newer_half(std::span<const TimedFrame> frames, std::span
   const Evidence evidence = gather(frames, gyro, view, errors, 0U);
   if (!evidence.why_not.empty()) return std::nullopt;
   Contest contest(sweeping_block_s);
-  for (const Window& window : moving_windows(evidence.halves, most_windows)) {
+  for (const Window& window : moving_windows(evidence.halves, most_half_windows)) {
     if (window.size() < fewest_halves || fastest_dps(window) < slowest_useful_dps) continue;
     contest.add(window, misfit(window, evidence, view),
                 misfit(dealt_anew(window, evidence.track, 1U), evidence, view));

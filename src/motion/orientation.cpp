@@ -10,7 +10,7 @@
 namespace thermorig::motion {
 namespace {
 
-constexpr std::size_t most_windows = 3;
+constexpr std::size_t most_orientation_windows = 3;
 
 struct Fit {
   std::vector<double> misfit;
@@ -45,7 +45,7 @@ Orientation orientation(std::span<const TimedFrame> frames, std::span<const Time
   if (!evidence.why_not.empty()) return {.mirrored = {}, .contrast = 0.0, .why_not = evidence.why_not};
   Contest contest(sweeping_block_s);
   Explained explained;
-  for (const Window& window : moving_windows(evidence.halves, most_windows)) {
+  for (const Window& window : moving_windows(evidence.halves, most_orientation_windows)) {
     if (window.size() < fewest_halves || fastest_dps(window) < slowest_useful_dps) continue;
     const Fit mirrored = fit(window, evidence, {view.field_of_view_deg, true});
     const Fit upright = fit(window, evidence, {view.field_of_view_deg, false});

@@ -8,9 +8,8 @@ namespace thermorig::motion {
 namespace {
 
 constexpr std::size_t cell_values = 2 * half_rows;  // of one bin
-constexpr float least_weight = 1.5F;                // a single reading is no map
+constexpr float least_map_weight = 1.5F;            // a single reading is no map
 constexpr double most_bins = 20000.0;               // fifty turns: no window of a rig's goes so far
-constexpr double whole_turn_deg = 360.0;
 
 }  // namespace
 
@@ -85,8 +84,8 @@ void PanoramaMap::find_slopes() {
     const std::size_t left = neighbour(bin, -1) * cell_values;
     const std::size_t right = neighbour(bin, 1) * cell_values;
     for (std::size_t k = 0; k < cell_values; ++k) {
-      const bool known = weight_[here + k] > least_weight && weight_[left + k] > least_weight &&
-                         weight_[right + k] > least_weight;
+      const bool known = weight_[here + k] > least_map_weight && weight_[left + k] > least_map_weight &&
+                         weight_[right + k] > least_map_weight;
       known_[here + k] = known ? 1.0F : 0.0F;
       slope_[here + k] = known ? (mean_[right + k] - mean_[left + k]) / run : 0.0F;
     }

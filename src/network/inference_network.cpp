@@ -11,10 +11,6 @@ namespace {
 
 constexpr int vector = 16;  // floats of the longest one
 
-std::size_t at(int index) {
-  return static_cast<std::size_t>(index);
-}
-
 const InferenceKernels& kernels_of(InstructionSet set) {
 #ifdef THERMORIG_X86_64_KERNELS
   if (set == InstructionSet::avx512) return avx512::inference_kernels;

@@ -7,10 +7,6 @@ namespace thermorig::network {
 
 namespace {
 
-std::size_t at(int index) {
-  return static_cast<std::size_t>(index);
-}
-
 /// (filters, rest) to (rest, filters).
 AlignedFloats filters_last(std::span<const float> weight, std::size_t filters) {
   const std::size_t rest = weight.size() / filters;
@@ -20,7 +16,7 @@ AlignedFloats filters_last(std::span<const float> weight, std::size_t filters) {
   return packed;
 }
 
-AlignedFloats filled_up(std::span<const float> values) {
+AlignedFloats filled_up_weights(std::span<const float> values) {
   AlignedFloats copy((values.size() + 15) / 16 * 16);
   std::copy(values.begin(), values.end(), copy.data());
   return copy;
@@ -55,8 +51,8 @@ void InferenceDense::take(std::span<const float> weight, std::span<const float> 
     for (int channel = 0; channel < channels; ++channel)
       for (int output = 0; output < outputs; output += together) {
         const float* from = &weight[at(output * layer.inputs + channel * pixels + pixel)];
-        const int block = (first + output) / layer.width, column = (first + output) % layer.width;
-        const int input = block * layer.inputs + pixel * channels + channel;
+        const int part = (first + output) / layer.width, column = (first + output) % layer.width;
+        const int input = part * layer.inputs + pixel * channels + channel;
         float* to = weights.data() + input * layer.width + column;
         for (int p = 0; p < std::min(line, pixels - pixel); ++p)
           for (int o = 0; o < together; ++o) to[p * channels * layer.width + o] = from[o * layer.inputs + p];
@@ -75,18 +71,18 @@ void InferenceDense::halve(const InferenceKernels& kernels) {
 InferenceWeights::InferenceWeights(const Weights& weights, Precision precision,
                                    const InferenceKernels& kernels)
     : convolution1(filters_last(weights.tensor("conv1.weight"), filters1)),
-      bias1(filled_up(weights.tensor("conv1.bias"))),
+      bias1(filled_up_weights(weights.tensor("conv1.bias"))),
       convolution2(filters_last(weights.tensor("conv2.weight"), filters2)),
-      bias2(filled_up(weights.tensor("conv2.bias"))),
+      bias2(filled_up_weights(weights.tensor("conv2.bias"))),
       first(weights.shape.features(), first_outputs(weights.shape), kernels),
       second(hidden1, hidden2, kernels),
-      readout(filled_up(weights.tensor("speed3.weight"))),
+      readout(filled_up_weights(weights.tensor("speed3.weight"))),
       readout_bias(weights.tensor("speed3.bias")[0]) {
   first.take(weights.tensor("speed1.weight"), weights.tensor("speed1.bias"), 0, filters2);
   second.take(weights.tensor("speed2.weight"), weights.tensor("speed2.bias"), 0, hidden1);
   if (weights.shape.fusion) {
     first.take(weights.tensor("gain1.weight"), weights.tensor("gain1.bias"), hidden1, filters2);
-    gain_readout = filled_up(weights.tensor("gain2.weight"));
+    gain_readout = filled_up_weights(weights.tensor("gain2.weight"));
     gain_readout_bias = weights.tensor("gain2.bias")[0];
   }
   if (precision == Precision::fp16_weights) first.halve(kernels);

@@ -7,6 +7,10 @@
 
 namespace thermorig::network {
 
+inline std::size_t at(int index) {
+  return static_cast<std::size_t>(index);
+}
+
 /// A fully connected layer in the blocks that a kernel walks over.
 struct InferenceDense {
   AlignedFloats weights, bias;

@@ -5,11 +5,12 @@
 
 #include "page.h"
 #include "text.h"
+#include "thermorig/report/report.h"
 
 namespace thermorig::report {
 namespace {
 
-std::string escaped(const std::string& text) {
+std::string escaped_html(const std::string& text) {
   std::string out;
   for (const char c : clean(text)) switch (c) {
       case '&':
@@ -72,9 +73,9 @@ std::string element(const std::string& tag, const std::string& attributes, const
 
 std::string row_of(const Table& table, const std::vector<bool>& numbers,
                    const std::vector<std::string>& row) {
-  std::string out = "<tr>" + element("th", " scope=\"row\"", escaped(row.front()));
+  std::string out = "<tr>" + element("th", " scope=\"row\"", escaped_html(row.front()));
   for (std::size_t column = 1; column < row.size(); ++column) {
-    const std::string text = escaped(row[column]);
+    const std::string text = escaped_html(row[column]);
     out += element("td", numbers[column] ? " class=\"number\"" : "",
                    table.emphasised == column ? element("strong", "", text) : text);
   }
@@ -86,7 +87,7 @@ std::string groups_of(const Table& table) {
   std::string row = "<tr>";
   for (const ColumnGroup& group : table.groups)
     row += "<th scope=\"colgroup\" colspan=\"" + std::to_string(group.columns) + "\">" +
-           escaped(group.title) + "</th>";
+           escaped_html(group.title) + "</th>";
   return row + "</tr>\n";
 }
 
@@ -111,11 +112,11 @@ std::string table_of(const Table& table) {
   const auto numbers = number_columns(table);
   std::string out = "<div class=\"table\">";
   out += table.emphasised ? "<table class=\"verdicts\">\n" : "<table>\n";
-  out += element("caption", "", escaped(table.caption)) + "\n" + columns_of(table);
+  out += element("caption", "", escaped_html(table.caption)) + "\n" + columns_of(table);
   out += "<thead>" + groups_of(table) + "<tr>";
   for (std::size_t column = 0; column < table.header.size(); ++column)
     out += element("th", numbers[column] && column > 0 ? " scope=\"col\" class=\"number\"" : " scope=\"col\"",
-                   escaped(table.header[column]));
+                   escaped_html(table.header[column]));
   out += "</tr></thead>\n<tbody>\n";
   for (const auto& row : table.rows) out += row_of(table, numbers, row);
   return out + "</tbody></table></div>\n";
@@ -126,20 +127,23 @@ struct HtmlWriter {
   std::string& out;
   nlohmann::json& charts;
 
-  void operator()(const Paragraph& paragraph) const { out += "<p>" + escaped(paragraph.text) + "</p>\n"; }
+  void operator()(const Paragraph& paragraph) const {
+    out += "<p>" + escaped_html(paragraph.text) + "</p>\n";
+  }
   void operator()(const Table& table) const {
     if (!table.folded) {
       out += table_of(table);
       return;
     }
-    out += "<details><summary>" + escaped(table.caption) + "</summary>\n" + table_of(table) + "</details>\n";
+    out += "<details><summary>" + escaped_html(table.caption) + "</summary>\n" + table_of(table) +
+           "</details>\n";
   }
   void operator()(const Charts& group) const {
     out += group.small ? "<div class=\"charts small\">\n" : "<div class=\"charts\">\n";
     for (const Chart& chart : group.charts) {
-      out += "<figure><figcaption>" + escaped(chart.title) +
+      out += "<figure><figcaption>" + escaped_html(chart.title) +
              "</figcaption><div class=\"chart\" role=\"img\" " + "data-chart=\"" +
-             std::to_string(charts.size()) + "\" aria-label=\"" + escaped(chart.label) +
+             std::to_string(charts.size()) + "\" aria-label=\"" + escaped_html(chart.label) +
              "\"></div></figure>\n";
       charts.push_back(chart.data);
     }
@@ -154,25 +158,29 @@ std::string id_of(std::size_t index) {
 std::string contents_of(const Document& document) {
   std::string out = "<nav aria-label=\"Contents\"><ul>\n";
   for (std::size_t i = 0; i < document.sections.size(); ++i)
-    out += "<li><a href=\"#" + id_of(i) + "\">" + escaped(document.sections[i].heading) + "</a></li>\n";
+    out += "<li><a href=\"#" + id_of(i) + "\">" + escaped_html(document.sections[i].heading) + "</a></li>\n";
   return out + "</ul></nav>\n";
 }
 
 }  // namespace
 
+bool draws_charts() {
+  return has_charts;
+}
+
 std::string html_of(const Document& document) {
-  std::string content = "<h1>" + escaped(document.title) + "</h1>\n";
-  if (!document.banner.empty()) content += "<p class=\"banner\">" + escaped(document.banner) + "</p>\n";
+  std::string content = "<h1>" + escaped_html(document.title) + "</h1>\n";
+  if (!document.banner.empty()) content += "<p class=\"banner\">" + escaped_html(document.banner) + "</p>\n";
   content += contents_of(document);
   auto charts = nlohmann::json::array();
   for (std::size_t i = 0; i < document.sections.size(); ++i) {
     content += "<section aria-labelledby=\"" + id_of(i) + "\">\n<h2 id=\"" + id_of(i) + "\">" +
-               escaped(document.sections[i].heading) + "</h2>\n";
+               escaped_html(document.sections[i].heading) + "</h2>\n";
     for (const Block& block : document.sections[i].blocks) std::visit(HtmlWriter{content, charts}, block);
     content += "</section>\n";
   }
   std::string page(page_parts[0]);
-  page += escaped(document.title);
+  page += escaped_html(document.title);
   page += page_parts[1];
   page += content;
   page += page_parts[2];

@@ -10,4 +10,7 @@ namespace thermorig::report {
 /// charts' data, and after them. Made from charts/page.html by charts/build.mjs.
 extern const std::array<std::string_view, 4> page_parts;
 
+/// Whether these draw charts; else they say how to get them.
+extern const bool has_charts;
+
 }  // namespace thermorig::report

@@ -24,11 +24,6 @@ int frames_in(double duration_s, const CameraProfile& camera) {
   return std::max(2, static_cast<int>(std::lround(duration_s * camera.output_rate_hz)));
 }
 
-double stroke_deg(const ServoProfile& servo) {
-  const auto limit_deg = angle_limit_deg(servo);
-  return limit_deg ? 2.0 * *limit_deg : std::numeric_limits<double>::infinity();
-}
-
 /// The highest speed up to `wanted_dps` at which a leg of `frames` frames turns nowhere on its way.
 double speed_within_stroke(double wanted_dps, int frames, const ServoProfile& servo,
                            const CameraProfile& camera) {

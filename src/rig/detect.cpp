@@ -15,7 +15,7 @@ namespace thermorig::rig {
 
 namespace {
 
-constexpr auto tick_period = std::chrono::milliseconds(20);
+constexpr auto listening_tick = std::chrono::milliseconds(20);
 constexpr auto hello_period = std::chrono::milliseconds(200);
 
 /// One baud rate to listen at.
@@ -135,7 +135,7 @@ std::vector<PortFinding> identify_devices(const std::vector<io::PortInfo>& ports
   std::vector<std::unique_ptr<Listener>> listeners;
   for (const io::PortInfo& port : ports)
     listeners.push_back(std::make_unique<Listener>(loop, port, listen_s));
-  loop.every(tick_period, [&](HostTime now) {
+  loop.every(listening_tick, [&](HostTime now) {
     for (const auto& listener : listeners) listener->tick(now);
     if (std::all_of(listeners.begin(), listeners.end(), [](const auto& l) { return l->done(); })) loop.stop();
   });

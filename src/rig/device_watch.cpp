@@ -12,9 +12,8 @@ namespace thermorig::rig {
 
 namespace {
 
-constexpr std::size_t first_bytes_kept = 8192;  // enough to tell which device it is
-constexpr double silence_s = 3.0;               // then a device that has spoken before counts as lost
-constexpr double silent_periods = 10.0;         // or so many of its periods, if they are longer
+constexpr double silence_s = 3.0;        // then a device that has spoken before counts as lost
+constexpr double silent_periods = 10.0;  // or so many of its periods, if they are longer
 
 }  // namespace
 

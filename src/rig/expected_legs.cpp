@@ -13,10 +13,6 @@ namespace {
 constexpr double command_s = 0.1;  // from one leg's end to the servo's start of the next
 constexpr double transit_extra_s = 0.2;
 
-double sign_of(double value) {
-  return value < 0.0 ? -1.0 : 1.0;
-}
-
 /// Walks through a plan on paper.
 class Walk {
  public:

@@ -12,7 +12,7 @@ namespace thermorig::rig {
 
 namespace {
 
-constexpr double window_s = 5.0;
+constexpr double rate_window_s = 5.0;
 constexpr double periods_needed = 3.0;  // of the device that sends most seldom
 constexpr double periods_in_window = 5.0;
 constexpr double periods_of_silence = 1.5;  // that any stream may begin and end with
@@ -26,7 +26,7 @@ double longest_period_s(const RigProfile& profile, const PerDevice<bool>& gone) 
   return longest_s;
 }
 
-double share(double part_of, double whole) {
+double ratio(double part_of, double whole) {
   return whole > 0.0 ? part_of / whole : 0.0;
 }
 
@@ -71,7 +71,7 @@ double slope(const std::vector<double>& x, const std::vector<double>& y) {
 void GateWatch::begin(HostTime now, const GateCounts& counts, const RigProfile& profile) {
   *this = GateWatch();
   begin_ = now;
-  window_ = from_s(std::max(window_s, periods_in_window * longest_period_s(profile, counts.gone)));
+  window_ = from_s(std::max(rate_window_s, periods_in_window * longest_period_s(profile, counts.gone)));
   counted_.push_back({now, counts});
 }
 
@@ -155,14 +155,14 @@ std::optional<GateStream> GateWatch::stream(Device device, HostTime now, const G
   const wire::Counters& before = counted_.front().counts.wire[device];
   GateStream stream{.messages = heard.size(), .nominal_hz = nominal_hz};
   if (heard.size() > 1)
-    stream.rate_hz = share(static_cast<double>(heard.size() - 1), span_s(device, now, 1.0 / nominal_hz));
+    stream.rate_hz = ratio(static_cast<double>(heard.size() - 1), span_s(device, now, 1.0 / nominal_hz));
   double missing = static_cast<double>(after.lost - before.lost);
   for (const Heard& one : heard) missing += one.missing_before;
   if (device == Device::gyro) missing = std::max(missing, missing_by_time(heard));
-  stream.lost_share = share(missing, missing + static_cast<double>(heard.size()));
+  stream.lost_share = ratio(missing, missing + static_cast<double>(heard.size()));
   const auto damaged = static_cast<double>(after.bytes_skipped - before.bytes_skipped +
                                            after.bytes_in_damaged - before.bytes_in_damaged);
-  stream.damaged_share = share(damaged, static_cast<double>(after.bytes_received - before.bytes_received));
+  stream.damaged_share = ratio(damaged, static_cast<double>(after.bytes_received - before.bytes_received));
   if (!heard.empty()) stream.uncertainty_s = heard.back().uncertainty_s;
   return stream;
 }
@@ -170,7 +170,7 @@ std::optional<GateStream> GateWatch::stream(Device device, HostTime now, const G
 std::optional<GateImages> GateWatch::images() const {
   if (images_.size() < 2) return std::nullopt;
   const auto share_of = [this](auto is_so) {
-    return share(static_cast<double>(std::count_if(images_.begin(), images_.end(), is_so)),
+    return ratio(static_cast<double>(std::count_if(images_.begin(), images_.end(), is_so)),
                  static_cast<double>(images_.size()));
   };
   GateImages facts{.even_fresh_share = share_of([](const Image& image) { return image.even; }),

@@ -21,13 +21,13 @@ constexpr double rate_limit_dps = SERVO_LIMIT_RATE_CDPS / 100.0;
 constexpr double rest_limit_s = 3600.0;
 constexpr int frames_limit = 1'000'000;
 
-enum class Order : std::uint8_t { seeded, ascending, descending, given };
+enum class SpeedOrder : std::uint8_t { seeded, ascending, descending, given };
 
 /// A plan before its legs are laid out.
 struct Draft {
   std::string name;
   std::vector<double> magnitudes_dps;
-  Order order = Order::seeded;
+  SpeedOrder order = SpeedOrder::seeded;
   bool both_directions = true;
   int frames_per_leg = 57;
   std::optional<int> valid_per_leg;
@@ -58,11 +58,11 @@ std::vector<double> evenly_spaced(double min, double max, double step) {
   return values;
 }
 
-void put_in_order(std::vector<double>& magnitudes, Order order, std::uint64_t seed) {
-  if (order == Order::given) return;
+void put_in_order(std::vector<double>& magnitudes, SpeedOrder order, std::uint64_t seed) {
+  if (order == SpeedOrder::given) return;
   std::sort(magnitudes.begin(), magnitudes.end());
-  if (order == Order::descending) std::reverse(magnitudes.begin(), magnitudes.end());
-  if (order == Order::seeded) shuffle(magnitudes, seed);
+  if (order == SpeedOrder::descending) std::reverse(magnitudes.begin(), magnitudes.end());
+  if (order == SpeedOrder::seeded) shuffle(magnitudes, seed);
 }
 
 SweepPlan lay_out(Draft draft) {
@@ -168,7 +168,7 @@ Draft read_draft(TomlTable& file, std::uint64_t seed) {
   Draft draft;
   draft.name = file.text("name").value_or("unnamed");
   if (const auto order = file.choice("order", {"seeded", "ascending", "descending", "given"}))
-    draft.order = static_cast<Order>(*order);
+    draft.order = static_cast<SpeedOrder>(*order);
   draft.both_directions = file.boolean("both_directions").value_or(true);
   draft.frames_per_leg =
       static_cast<int>(file.integer("frames_per_leg", 1, frames_limit).value_or(draft.frames_per_leg));

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "servo_link.h"
 #include "thermorig/core/error.h"
@@ -129,6 +130,11 @@ double speed_limit_dps(const ServoProfile& servo) {
                                    ? std::min(servo.max_rate_dps, servo.full_rate_dps)
                                    : servo.max_rate_dps;
   return std::min(profile_limit, SERVO_LIMIT_RATE_CDPS / 100.0);
+}
+
+double stroke_deg(const ServoProfile& servo) {
+  const auto limit_deg = angle_limit_deg(servo);
+  return limit_deg ? 2.0 * *limit_deg : std::numeric_limits<double>::infinity();
 }
 
 std::optional<double> angle_limit_deg(const ServoProfile& servo) {

@@ -33,7 +33,7 @@ std::int64_t realtime_offset_ns(const RecordingOptions& options, HostTime now) {
   return options.virtual_time ? offset_ns + to_ns(io::now()) - to_ns(now) : offset_ns;
 }
 
-std::string what_is_sent(Device device) {
+std::string what_it_sends(Device device) {
   constexpr std::array<const char*, device_count> names{"camera frames", "gyro samples",
                                                         "messages of the servo link"};
   return names[index_of(device)];
@@ -120,7 +120,7 @@ Error silent_device(Device device, const RigProfile& profile, const wire::Counte
       evidence.gyro_protocol != profile.gyro.protocol)
     return other_gyro_protocol(evidence, where);
   return {ExitCode::device_missing,
-          fmt::format("it sends {} bytes, but no {} in them", counters.bytes_received, what_is_sent(device)),
+          fmt::format("it sends {} bytes, but no {} in them", counters.bytes_received, what_it_sends(device)),
           where,
           fmt::format("check the baud rate ({} now) and the device; `thermorig ports` tries the usual ones",
                       link.baud)};
@@ -135,7 +135,7 @@ Error unreadable_device(Device device, const RigProfile& profile, const Unreadab
   return {
       ExitCode::device_lost,
       fmt::format("for {:.1f} s it has sent {} bytes, but no {} in them", unreadable.span_s, unreadable.bytes,
-                  what_is_sent(device)),
+                  what_it_sends(device)),
       where,
       fmt::format("something changed its baud rate ({} is expected), or it hangs: unplug it and plug it in "
                   "again",

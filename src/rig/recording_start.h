@@ -12,6 +12,9 @@
 
 namespace thermorig::rig {
 
+/// Of a port's bytes so many are kept at first: enough to tell which device it is.
+inline constexpr std::size_t first_bytes_kept = 8192;
+
 /// What is known before the first byte, but for the acquisition's number.
 RecordingHeader make_header(const RecordingOptions& options, HostTime now);
 

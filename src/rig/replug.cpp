@@ -13,8 +13,7 @@ namespace thermorig::rig {
 
 namespace {
 
-constexpr std::size_t first_bytes_kept = 8192;  // enough to tell which device it is
-constexpr double hearing_s = 3.0;               // before bytes are taken for those of another device
+constexpr double hearing_s = 3.0;  // before bytes are taken for those of another device
 
 }  // namespace
 

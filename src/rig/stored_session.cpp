@@ -13,21 +13,21 @@ namespace thermorig::rig {
 
 namespace {
 
-[[noreturn]] void refuse(int error_number, const std::filesystem::path& path) {
+[[noreturn]] void refuse_storing(int error_number, const std::filesystem::path& path) {
   throw Error(ExitCode::not_a_session, std::string("cannot be read: ") + std::strerror(error_number),
               path.string(), "check the disk (dmesg)");
 }
 
 std::vector<std::byte> bytes_of(const std::filesystem::path& path, files::Disk& disk) {
   const auto opened = disk.open(path);
-  if (!opened.good()) refuse(opened.error_number, path);
+  if (!opened.good()) refuse_storing(opened.error_number, path);
   const files::ClosedOnExit file(disk, opened.value);
   const auto size = disk.size(file.get());
-  if (!size.good()) refuse(size.error_number, path);
-  if (size.value > session::SealedCopy::bytes_max) refuse(EFBIG, path);
+  if (!size.good()) refuse_storing(size.error_number, path);
+  if (size.value > session::SealedCopy::bytes_max) refuse_storing(EFBIG, path);
   std::vector<std::byte> bytes(size.value);
   const auto count = disk.read(file.get(), 0, bytes);
-  if (!count.good()) refuse(count.error_number, path);
+  if (!count.good()) refuse_storing(count.error_number, path);
   bytes.resize(count.value);
   return bytes;
 }

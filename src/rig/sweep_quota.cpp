@@ -15,7 +15,7 @@ namespace {
 // Of frames that have no label yet, so many may turn out invalid; and of a leg that goes back and forth, by
 // the session's labels, which see the bends of each sweep with better clocks.
 constexpr int margin_frames = 1;
-constexpr double reaction_s = 0.25;       // from here to the servo's next command
+constexpr double command_delay_s = 0.25;  // from here to the servo's next command
 constexpr double label_patience_s = 3.0;  // a frame waits a second at most for its label
 constexpr double patience = 1.5;          // a step may take so many times the frames that it should
 constexpr int least_growth = 5;           // and in any case so many times those of the plan
@@ -58,7 +58,7 @@ int SweepWalker::frames_that_fit() const {
   const double direction = rate_dps() < 0.0 ? -1.0 : 1.0;
   const double room_deg = *limit_deg - direction * last_telemetry_->state.angle_deg -
                           speed_dps * speed_dps / (2.0 * servo_.acceleration_dps2);
-  const double frames = (room_deg / speed_dps - reaction_s) * frames_.rate_hz();
+  const double frames = (room_deg / speed_dps - command_delay_s) * frames_.rate_hz();
   return static_cast<int>(std::clamp(frames - 1.0, 0.0, static_cast<double>(unlimited)));
 }
 

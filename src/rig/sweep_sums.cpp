@@ -13,10 +13,6 @@ namespace {
 
 constexpr double angle_tolerance_deg = 0.05;
 
-double sign_of(double value) {
-  return value < 0.0 ? -1.0 : 1.0;
-}
-
 /// The plan with nothing but these steps to drive.
 template <typename Steps>
 SweepPlan only(SweepPlan plan, const Steps& steps) {

@@ -50,11 +50,6 @@ class Loop {
 };
 constexpr double loop_step_s = 0.001;
 
-double stroke_deg(const ServoProfile& servo) {
-  const auto limit_deg = angle_limit_deg(servo);
-  return limit_deg ? 2.0 * *limit_deg : endless;
-}
-
 std::array<SpeedYield::Windows, window_frames_max> windows_of(const ExpectedLeg& leg,
                                                               const ServoProfile& servo,
                                                               double frame_rate_hz) {

@@ -38,7 +38,7 @@ std::string advice_for(int error_number) {
   }
 }
 
-[[noreturn]] void refuse(const std::string& action, int error_number, const fs::path& path) {
+[[noreturn]] void refuse_to_write(const std::string& action, int error_number, const fs::path& path) {
   throw Error(ExitCode::storage, fmt::format("{}: {}", action, std::strerror(error_number)), path.string(),
               advice_for(error_number));
 }
@@ -46,8 +46,8 @@ std::string advice_for(int error_number) {
 void write_file(const fs::path& path, const Session& session, bool overwrite, files::Disk& disk) {
   if (!overwrite) {
     const auto taken = disk.look(path);
-    if (!taken.good()) refuse("cannot look at the folder", taken.error_number, path);
-    if (taken.value != files::FileKind::missing) refuse("the session exists already", EEXIST, path);
+    if (!taken.good()) refuse_to_write("cannot look at the folder", taken.error_number, path);
+    if (taken.value != files::FileKind::missing) refuse_to_write("the session exists already", EEXIST, path);
   }
   files::PartFile part(path, "the session", advice_for, disk);
   SessionImage image = build_image(session, std::thread::hardware_concurrency());

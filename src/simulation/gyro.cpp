@@ -9,9 +9,9 @@
 namespace thermorig::simulation {
 namespace {
 
-constexpr double processing_shortest_s = 0.0005;
-constexpr double processing_longest_s = 0.0015;
-constexpr double processing_jitter_s = 0.0002;
+constexpr double conversion_shortest_s = 0.0005;
+constexpr double conversion_longest_s = 0.0015;
+constexpr double conversion_jitter_s = 0.0002;
 
 // A resonator's or RC oscillator's own wander beside its constant error: some 20 ppm in minutes.
 constexpr WanderLevel clock_wander{.thermal_amplitude = 15e-6, .walk = 0.4e-6};
@@ -47,7 +47,7 @@ Gyro::Gyro(const GyroProfile& profile, GyroGrade grade, std::uint64_t seed, cons
       period_ns_(1e9 / profile.output_rate_hz / (1.0 + random_.normal(quality_.clock_error))),
       phase_ns_(random_.uniform() * period_ns_),
       wander_(clock_wander, seed, "gyro clock wander"),
-      processing_s_(random_.uniform(processing_shortest_s, processing_longest_s)),
+      processing_s_(random_.uniform(conversion_shortest_s, conversion_longest_s)),
       scale_(1.0 + random_.normal(quality_.scale_error)),
       temp_c_(random_.uniform(26.0, 34.0)),
       zeroes_itself_(habits.zeroes_itself) {
@@ -97,7 +97,7 @@ SimulatedGyroSample Gyro::measure(const ShaftMark& end) {
         measured_dps(about_shaft ? sign_ * scale_ * mean_rate_dps(begin_, end) : 0.0, axis);
   }
   if (is_zeroed(end)) sample.rate_dps.fill(0.0);
-  const double processing_s = processing_s_ + processing_jitter_s * random_.uniform();
+  const double processing_s = processing_s_ + conversion_jitter_s * random_.uniform();
   sample.ready_ns = end.time_ns + std::llround(processing_s * 1e9);
   return sample;
 }

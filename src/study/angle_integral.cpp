@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "estimates.h"
+#include "thermorig/core/estimate.h"
 
 namespace thermorig::study {
 
@@ -13,7 +14,6 @@ namespace {
 
 using training::WindowEstimate;
 
-constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
 constexpr double seconds_a_minute = 60.0;
 
 /// What one window adds.

@@ -7,13 +7,12 @@
 #include <map>
 
 #include "estimates.h"
+#include "thermorig/core/estimate.h"
 #include "thermorig/core/quantile.h"
 
 namespace thermorig::study {
 
 namespace {
-
-constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
 
 /// Squared errors of the windows at one speed.
 struct SpeedSums {

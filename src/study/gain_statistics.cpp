@@ -7,6 +7,7 @@
 #include <numeric>
 #include <vector>
 
+#include "thermorig/core/estimate.h"
 #include "thermorig/core/quantile.h"
 #include "thermorig/network/gate.h"
 #include "thermorig/training/fit.h"
@@ -14,8 +15,6 @@
 namespace thermorig::study {
 
 namespace {
-
-constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
 
 GainStatistics no_gains() {
   GainStatistics statistics;

@@ -19,7 +19,6 @@ constexpr double wake_up_s = 100e-6;       // a reader wakes up so much more or 
 constexpr double rise_spread = 2.0;        // of what chance does, per rise
 constexpr double slide_spread_s = 0.2e-3;  // between two moments at which a sliding wait is shortest
 constexpr std::size_t fewest_cuts = 20;
-constexpr double uniform_deviation = 0.5 / std::numbers::sqrt3;
 
 /// Of evenly spread waits three quarters are within this above the least.
 constexpr double spread_share = 0.75;

@@ -12,9 +12,8 @@
 namespace thermorig::timing {
 
 namespace {
-constexpr double bits_per_byte = 10.0;                           // 8N1: start, 8 data, stop
-constexpr HostDuration farthest{1'000'000'000'000'000'000};      // 30 years: so that sums fit
-constexpr double uniform_deviation = 0.5 / std::numbers::sqrt3;  // of a spread of width 1
+constexpr double bits_per_byte = 10.0;                                  // 8N1: start, 8 data, stop
+constexpr HostDuration farthest_from_start{1'000'000'000'000'000'000};  // 30 years: so that sums fit
 }  // namespace
 
 double wire_time_s(std::uint64_t bytes, std::uint32_t baud) {
@@ -63,7 +62,7 @@ double LinkTiming::lost_before(const StreamSpan& span, const StampHint& hint) co
 }
 
 void LinkTiming::chunk(std::uint64_t end, HostTime arrived) {
-  arrived = std::clamp(arrived, HostTime(-farthest), HostTime(farthest));
+  arrived = std::clamp(arrived, HostTime(-farthest_from_start), HostTime(farthest_from_start));
   TimedChunk chunk{begin_, end, arrived, HostDuration::max()};
   if (!chunks_.empty()) {
     const TimedChunk& before = chunks_.back();

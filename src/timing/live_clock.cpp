@@ -8,20 +8,17 @@
 
 #include "lower_line.h"
 #include "parabola.h"
+#include "sliding_fit.h"
 
 namespace thermorig::timing {
 
 namespace {
 // The line runs on from the past, so it wants a shorter window than a parabola through the middle.
-constexpr double reference_wander_ppm = 1000.0;
-constexpr double reference_window_s = 8.0;
-constexpr double longest_window_s = 30.0;
-constexpr double messages_a_window = 40.0;
-constexpr double blocks_a_window = 20.0;
+constexpr double live_reference_window_s = 8.0;
+constexpr double longest_live_window_s = 30.0;
 
 constexpr double shortest_span_s = 1.0;  // a line through less says nothing
 constexpr std::size_t fewest_points = 4;
-constexpr double rate_slack_s = 0.005;
 constexpr double outage_s = 1.0;  // a busy host stalls for less
 constexpr double lost_periods = 0.6;
 constexpr double ahead_periods = 0.5;
@@ -31,13 +28,13 @@ constexpr std::uint32_t fewest_slow_watched = 3;  // each so long that many chun
 constexpr double slow_s = 0.1;
 constexpr double restless = 3.0;
 constexpr double forget_unrest = 0.7;  // a block
-constexpr double far_s = 1e9;
+constexpr double nowhere_near_s = 1e9;
 }  // namespace
 
 LiveClock::LiveClock(const PortProfile& link, double nominal_rate_hz)
     : rate_hz_(nominal_rate_hz), drift_(std::max(link.wander_ppm, 1.0) * 1e-6) {
   const double wander = drift_ * 1e6 / reference_wander_ppm;
-  window_s_ = std::min(reference_window_s * std::pow(wander, -2.0 / 3.0), longest_window_s);
+  window_s_ = std::min(live_reference_window_s * std::pow(wander, -2.0 / 3.0), longest_live_window_s);
   window_s_ = std::max(window_s_, messages_a_window / nominal_rate_hz);
   block_s_ = window_s_ / blocks_a_window;
 }
@@ -46,7 +43,7 @@ LiveClock::LiveClock(const PortProfile& link, double nominal_rate_hz)
 double LiveClock::count(const MessageProof& proof) {
   counted_ += 1.0;
   if (!proof.device_s) return counted_ / rate_hz_;
-  const bool is_time = std::isfinite(*proof.device_s) && std::abs(*proof.device_s) < far_s;
+  const bool is_time = std::isfinite(*proof.device_s) && std::abs(*proof.device_s) < nowhere_near_s;
   return is_time ? *proof.device_s : last_device_s_;
 }
 

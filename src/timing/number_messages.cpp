@@ -23,11 +23,11 @@ constexpr double quiet_periods = 0.2;    // a horizon is long enough if the leas
 constexpr std::size_t windows_a_horizon = 4;  // length of a window in which a period is measured
 constexpr double settled_periods = 0.2;
 constexpr double wander = 1000e-6;  // of a clock from its mean rate, at most
-constexpr double most_missing = 1e9;
-constexpr double far_s = 1e18;
+constexpr double most_missing_by_number = 1e9;
+constexpr double beyond_all_times_s = 1e18;
 constexpr double quicker_share = 0.35;
 constexpr std::size_t shortest_piece = 8;  // messages
-constexpr int passes = 3;
+constexpr int numbering_passes = 3;
 
 /// The least of `values` over each `length` of them: element i covers i .. i + length - 1.
 std::vector<double> least_ahead(std::span<const double> values, std::size_t length) {
@@ -76,7 +76,7 @@ class Numbering {
   std::vector<std::int64_t> run() {
     if (latest_s_.size() < 4 || !choose_horizon()) return number_;
     count_lost();
-    for (int pass = 0; pass < passes; ++pass) {
+    for (int pass = 0; pass < numbering_passes; ++pass) {
       if (const auto period_s = counted_period()) period_s_ = *period_s;
       count_lost();
     }
@@ -209,13 +209,13 @@ class Numbering {
         behind_s.push(std::max(late_s[i] - missing * period_s_, least_s));
       }
     };
-    number_until(1, -far_s);
+    number_until(1, -beyond_all_times_s);
     while (i < late_s.size()) {
       const double before_s = behind_s.least();
       const double lost = lost_before(i, ahead_s[i] - missing * period_s_ - before_s);
       const Place place =
           lost > 0.0 ? find_place(late_s, i, before_s + missing * period_s_, lost) : Place{i + 1, i + 1};
-      number_until(place.first, -far_s);
+      number_until(place.first, -beyond_all_times_s);
       missing += lost;
       // Where exactly they were lost is a guess: it must not make those right after it look early.
       number_until(place.settled, before_s);
@@ -229,7 +229,7 @@ class Numbering {
     const std::size_t near = std::min(i + horizon_ / 8, latest_s_.size());
     const double enough = has_suspect(i, near) ? suspect_periods : clear_periods;
     if (step_s < enough * period_s_) return 0.0;
-    return std::min(std::max(1.0, std::round(step_s / period_s_)), most_missing);
+    return std::min(std::max(1.0, std::round(step_s / period_s_)), most_missing_by_number);
   }
 
   /// Where messages are missing.

@@ -9,12 +9,8 @@ namespace {
 
 constexpr double knot_period_s = 1.0;
 
-// Rounding of stamps to a microsecond, and of offsets in seconds to a double.
-constexpr double rounding_s = 2e-6;
-
 constexpr double longest_s = 4e9;  // within the range of the host's clock
 
-constexpr double infinity = std::numeric_limits<double>::infinity();
 constexpr double stamp_tick_s = 1e-6 * static_cast<double>(stamp_tick_us);
 
 float outward(double seconds) {
@@ -49,11 +45,11 @@ PingBound one_sided(const SentStamp& stamp) {
 }
 
 Range lower_bound(const PingBound& bound, const ClockOrigin& origin) {
-  return {origin.offset_s(bound.receive_us, bound.not_before) - stamp_tick_s, infinity};
+  return {origin.offset_s(bound.receive_us, bound.not_before) - stamp_tick_s, unbounded};
 }
 
 Range upper_bound(const PingBound& bound, const ClockOrigin& origin) {
-  return {-infinity, origin.offset_s(bound.send_us, bound.not_after)};
+  return {-unbounded, origin.offset_s(bound.send_us, bound.not_after)};
 }
 
 double wander_of(const PortProfile& link) {

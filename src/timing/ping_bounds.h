@@ -32,10 +32,15 @@ inline constexpr std::int64_t stamp_tick_us = 4;
 /// of order by less, and no reset of a micro-controller is over in so little time.
 inline constexpr double order_tolerance_s = 0.2;
 
+/// Rounding of stamps to a microsecond, and of offsets in seconds to a double.
+inline constexpr double rounding_s = 2e-6;
+
+inline constexpr double unbounded = std::numeric_limits<double>::infinity();
+
 /// Bounds of an offset, or of its rate.
 struct Range {
-  double lo = -std::numeric_limits<double>::infinity();
-  double hi = std::numeric_limits<double>::infinity();
+  double lo = -unbounded;
+  double hi = unbounded;
   bool empty() const { return lo > hi; }
   double width() const { return hi - lo; }
 };

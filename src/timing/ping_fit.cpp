@@ -11,8 +11,6 @@
 namespace thermorig::timing {
 namespace {
 
-constexpr double infinity = std::numeric_limits<double>::infinity();
-
 /// Everything that belongs to one epoch.
 struct EpochData {
   ClockEpoch epoch;
@@ -114,7 +112,7 @@ std::vector<Asked> events_of(const EpochData& data, std::span<const std::int64_t
 /// Where nothing bounds the clock from below, the fastest message is taken to be late by the largest constant
 /// delay at most.
 Range closed(Range offset, double largest_constant_delay_s) {
-  if (offset.lo == -infinity) offset.lo = offset.hi - largest_constant_delay_s;
+  if (offset.lo == -unbounded) offset.lo = offset.hi - largest_constant_delay_s;
   return offset;
 }
 

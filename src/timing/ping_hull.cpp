@@ -7,19 +7,17 @@
 namespace thermorig::timing {
 namespace {
 
-constexpr double knot_period_s = 2.0;
+constexpr double hull_knot_period_s = 2.0;
 
 // Each pass narrows the rate, which narrows the bounds, which narrow the rate: from 2 % to a few ppm above
 // the wander in four.
-constexpr int passes = 5;
-
-constexpr double rounding_s = 2e-6;  // as in PingBounds
+constexpr int hull_passes = 5;
 
 Range intersection(const Range& a, const Range& b) {
   return {std::max(a.lo, b.lo), std::min(a.hi, b.hi)};
 }
 
-Range in_order(const Range& range) {
+Range range_in_order(const Range& range) {
   return range.empty() ? Range{range.hi, range.lo} : range;
 }
 
@@ -31,7 +29,7 @@ PingHull::PingHull(std::vector<Event> events, double wander)
   begins_.front() = 1;
   place_knots();
   rates_.assign(knots_.size(), {-max_rate, max_rate});
-  for (int pass = 0; pass < passes; ++pass) {
+  for (int pass = 0; pass < hull_passes; ++pass) {
     forward();
     backward();
     bound_rates();
@@ -42,7 +40,7 @@ PingHull::PingHull(std::vector<Event> events, double wander)
 void PingHull::place_knots() {
   for (std::size_t i = 0; i < events_.size(); ++i) {
     const bool last = i + 1 == events_.size();
-    if (knots_.empty() || last || events_[i].mcu_s - events_[knots_.back()].mcu_s >= knot_period_s)
+    if (knots_.empty() || last || events_[i].mcu_s - events_[knots_.back()].mcu_s >= hull_knot_period_s)
       knots_.push_back(i);
   }
 }
@@ -65,9 +63,9 @@ void PingHull::forward() {
     const Range both = intersection(reached, events_[i].given);
     if (both.lo - both.hi > rounding_s && !begins(i)) {
       split(i, both.lo - both.hi);
-      offsets_[i] = in_order(events_[i].given);
+      offsets_[i] = range_in_order(events_[i].given);
     } else {
-      offsets_[i] = in_order(both);
+      offsets_[i] = range_in_order(both);
     }
   }
 }
@@ -80,7 +78,7 @@ void PingHull::backward() {
     const double span_s = events_[i + 1].mcu_s - events_[i].mcu_s;
     const Range reached{offsets_[i + 1].lo - rates_[segment].hi * span_s,
                         offsets_[i + 1].hi - rates_[segment].lo * span_s};
-    offsets_[i] = in_order(intersection(offsets_[i], reached));
+    offsets_[i] = range_in_order(intersection(offsets_[i], reached));
   }
 }
 
@@ -122,7 +120,7 @@ void PingHull::bound_rates() {
     const double span_s = events_[knots_[last]].mcu_s - events_[knots_[first]].mcu_s;
     const double reach = wander_reach_s(span_s, wander_) / std::max(span_s, 1e-9);
     rates_[k] = intersection(rates_[k], {mean.lo - reach, mean.hi + reach});
-    if (rates_[k].empty()) rates_[k] = in_order(rates_[k]);
+    if (rates_[k].empty()) rates_[k] = range_in_order(rates_[k]);
   }
 }
 

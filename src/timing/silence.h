@@ -2,8 +2,12 @@
 #pragma once
 
 #include <cstddef>
+#include <numbers>
 
 namespace thermorig::timing {
+
+/// Standard deviation of a uniform spread of width 1.
+inline constexpr double uniform_deviation = 0.5 / std::numbers::sqrt3;
 
 /// What shows whether a link sends by its own clock or when its line falls silent.
 struct LineUse {

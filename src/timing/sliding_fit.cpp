@@ -9,12 +9,9 @@ namespace thermorig::timing {
 namespace {
 // A clock that wanders by 1000 ppm at most (an RC oscillator) is well followed by a parabola over 22 s. What
 // a parabola cannot follow of a random walk of the rate grows with wander * length^1.5.
-constexpr double reference_wander_ppm = 1000.0;
 constexpr double reference_window_s = 22.0;
 constexpr double shortest_window_s = 8.0;
 constexpr double longest_window_s = 100.0;
-constexpr double messages_a_window = 40.0;
-constexpr double blocks_a_window = 20.0;
 constexpr double shortest_block_s = 0.25;
 // Over a window the rate changes by no more than this share of the wander: what a walk of the rate does in so
 // much less than it takes to wander about. It keeps the ends, where the curve leaves its window, in place.

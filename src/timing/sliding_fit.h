@@ -9,6 +9,13 @@
 
 namespace thermorig::timing {
 
+/// Windows are measured against a clock that wanders so much, and hold so many messages and blocks.
+inline constexpr double reference_wander_ppm = 1000.0;
+inline constexpr double messages_a_window = 40.0;
+inline constexpr double blocks_a_window = 20.0;
+/// Over a short stretch a clock's mean rate is known no better than this, in time at either end.
+inline constexpr double rate_slack_s = 0.005;
+
 /// How a sliding fit is cut.
 struct SlidingWindow {
   double length_s = 60.0;  // of the device's clock, over which one parabola has to do

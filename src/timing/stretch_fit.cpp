@@ -13,10 +13,8 @@
 namespace thermorig::timing {
 
 namespace {
-// Over a short stretch its mean rate is known no better than this, in time at either end.
-constexpr double rate_slack_s = 0.005;
 // So close to the curve an inequality holds it up.
-constexpr double touching_s = 50e-6;
+constexpr double holding_up_s = 50e-6;
 constexpr double nowhere_s = 1e6;  // bounds of a stretch without any inequality
 
 // Beyond these no clock is; they keep nonsense finite.
@@ -109,7 +107,7 @@ class Stretching {
     for (std::size_t i = 0; i < below_s_.size(); ++i) below_s_[i] = level_s[i] - far_s;
     std::size_t index = 0;
     for_each_ceiling([&](std::size_t i, const Ceiling& ceiling) {
-      if (fit_.late_s[index++] > touching_s) return;
+      if (fit_.late_s[index++] > holding_up_s) return;
       below_s_[i] = std::max(below_s_[i], ceiling.y - delay_s - drift_ * std::abs(ceiling.x - x(i)));
     });
     carry(below_s_, -1.0);

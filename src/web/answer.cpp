@@ -25,7 +25,7 @@ Answer file_answer(const Asset& file, std::string_view accepted_encodings) {
   answer.fields = {{"Content-Type", std::string(file.type)},
                    {"ETag", std::string(file.etag)},
                    {"Vary", "Accept-Encoding"}};
-  const bool zipped = accepted_encodings.find("gzip") != std::string_view::npos;
+  const bool zipped = !file.bytes.empty() && accepted_encodings.find("gzip") != std::string_view::npos;
   if (zipped) answer.fields.emplace_back("Content-Encoding", "gzip");
   answer.body = zipped ? file.bytes : file.plain;
   return answer;

@@ -11,17 +11,15 @@ namespace thermorig::web {
 
 namespace {
 
-using nlohmann::json;
-
 /// Nothing that a client sends is deeper than one object; whatever is deeper is not even stored.
-json parse_flat(std::string_view text) {
+nlohmann::json parse_flat(std::string_view text) {
   bool deep = false;
-  const auto shallow = [&deep](int depth, json::parse_event_t, const json&) {
+  const auto shallow = [&deep](int depth, nlohmann::json::parse_event_t, const nlohmann::json&) {
     deep = deep || depth > 1;
     return !deep;
   };
-  auto value = json::parse(text, shallow, false);
-  return deep ? json(json::value_t::discarded) : value;
+  auto value = nlohmann::json::parse(text, shallow, false);
+  return deep ? nlohmann::json(nlohmann::json::value_t::discarded) : value;
 }
 
 /// One character of text that the parser has found to be UTF-8; moves on to the next.
@@ -57,7 +55,7 @@ std::optional<Refusal> check_note(std::string_view note) {
 }  // namespace
 
 std::variant<Order, Refusal> parse_order(OrderKind kind, std::string_view body) {
-  const json value = parse_flat(body);
+  const nlohmann::json value = parse_flat(body);
   if (!value.is_object()) return Refusal{400, "an order's body is a JSON object without objects in it"};
   Order order{kind, ""};
   if (kind != OrderKind::mark) return order;
@@ -70,7 +68,7 @@ std::variant<Order, Refusal> parse_order(OrderKind kind, std::string_view body) 
 }
 
 bool shows_token(std::string_view message, std::string_view token) {
-  const json value = parse_flat(message);
+  const nlohmann::json value = parse_flat(message);
   if (!value.is_object()) return false;
   const auto shown = value.find("token");
   return shown != value.end() && shown->is_string() &&

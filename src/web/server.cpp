@@ -6,6 +6,7 @@
 #include <cstdlib>
 #include <utility>
 
+#include "assets.h"
 #include "listeners.h"
 #include "page_loop.h"
 #include "state_file.h"
@@ -92,6 +93,10 @@ std::filesystem::path default_state_file() {
   const std::filesystem::path home = variable("HOME");
   if (home.is_absolute()) return home / ".local" / "state" / "thermorig" / "page.json";
   return {};
+}
+
+bool page_is_built() {
+  return has_page;
 }
 
 struct Server::Parts {

@@ -18,7 +18,7 @@ std::string lower(std::string name) {
   return name;
 }
 
-bool is_letter(char c) {
+bool is_small_letter(char c) {
   return c >= 'a' && c <= 'z';
 }
 
@@ -26,7 +26,8 @@ bool is_letter(char c) {
 bool has_word(const std::string& name, std::string_view text) {
   for (std::size_t at = name.find(text); at != std::string::npos; at = name.find(text, at + 1)) {
     const std::size_t end = at + text.size();
-    if ((at == 0 || !is_letter(name[at - 1])) && (end == name.size() || !is_letter(name[end]))) return true;
+    if ((at == 0 || !is_small_letter(name[at - 1])) && (end == name.size() || !is_small_letter(name[end])))
+      return true;
   }
   return false;
 }

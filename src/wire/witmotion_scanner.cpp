@@ -16,18 +16,18 @@ bool is_known_type(std::uint8_t type) {
   return (type >= witmotion::type_first && type <= witmotion::type_last) || type == witmotion::type_register;
 }
 
-bool is_start(Bytes rest) {
+bool is_packet_start(Bytes rest) {
   return rest[0] == witmotion::sync && is_known_type(rest[1]);
 }
 
 bool is_good(Bytes rest) {
-  return is_start(rest) && byte_sum8(rest.first(witmotion::sum_offset)) == rest[witmotion::sum_offset];
+  return is_packet_start(rest) && byte_sum8(rest.first(witmotion::sum_offset)) == rest[witmotion::sum_offset];
 }
 
 /// Whether a packet may stand before these bytes: another good one, or what the stream's end left of one.
 bool is_followed_well(Bytes rest) {
   if (rest.size() >= witmotion::packet_bytes) return is_good(rest);
-  return rest.empty() || (rest[0] == witmotion::sync && (rest.size() == 1 || is_start(rest)));
+  return rest.empty() || (rest[0] == witmotion::sync && (rest.size() == 1 || is_packet_start(rest)));
 }
 
 bool is_at_range_end(std::int16_t count) {
@@ -65,7 +65,7 @@ void WitmotionScanner::finish(std::vector<GyroMessage>& out) {
 std::size_t WitmotionScanner::step(Bytes rest, std::vector<GyroMessage>& out) {
   if (rest[0] != witmotion::sync) return skip(bytes_before(witmotion::sync, rest));
   if (rest.size() < 2) return 0;
-  if (!is_start(rest)) return skip(1);
+  if (!is_packet_start(rest)) return skip(1);
   if (!locked_) return search(rest, out);
   if (rest.size() < witmotion::packet_bytes) return 0;
   if (is_good(rest)) return take_packet(rest, out);

@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: MIT
 # The live page in a browser: bytes of all its files, gzipped, and the time to its first paint (five loads; a run of 400
-# frames behind it). Needs what `bash app/setup.sh page` installs.
+# frames behind it). Needs what `bash app/setup.sh browser` installs.
 # Usage: bash tests/bench/live_page.sh [--json] [--build FOLDER, default build]
 set -euo pipefail
 cd "$(dirname "$0")/../.."

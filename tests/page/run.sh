@@ -11,7 +11,7 @@ build=$(cd "$build" && pwd)
 chromium=${THERMORIG_CHROMIUM:-/usr/bin/chromium}
 
 if [ ! -x "$chromium" ]; then
-  echo "Skipped: the tests of the live page need a browser at $chromium (bash app/setup.sh page installs Debian's chromium)."
+  echo "Skipped: the tests of the live page need a browser at $chromium (bash app/setup.sh browser installs Debian's chromium)."
   exit 0
 fi
 if [ ! -f "$build/src/web/page/files/page.js" ]; then

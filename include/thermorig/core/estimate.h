@@ -1,7 +1,12 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <limits>
+
 namespace thermorig {
+
+/// A figure that is not known.
+inline constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
 
 /// A measured value and one standard deviation of it, in the unit that the name of the variable says.
 struct Estimate {

@@ -7,6 +7,9 @@
 
 namespace thermorig::labels {
 
+/// No servo's loop is taken to be slower.
+inline constexpr double least_loop_hz = 0.5;
+
 /// Gain of a response where the servo is commanded `value`, relative to its mean: straight between the knots,
 /// constant beyond the first and the last.
 double gain_at(const ServoResponse& response, const PulseScale& scale, double value);

@@ -9,6 +9,10 @@
 
 namespace thermorig::report {
 
+/// Whether the HTML texts draw their charts: node was there when the program was built. They say so
+/// themselves.
+bool draws_charts();
+
 // A study's results, drawn again from its result files at any time.
 
 /// Tables in the paper's layout (Nf and Nr against median and IQR, thermal-only and fusion) beside the

@@ -79,6 +79,14 @@ double speed_limit_dps(const ServoProfile& servo);
 /// Half of the angle that the servo may use around its middle; nothing for a continuous servo.
 std::optional<double> angle_limit_deg(const ServoProfile& servo);
 
+/// From one end of the travel to the other; infinite for a continuous servo.
+double stroke_deg(const ServoProfile& servo);
+
+/// The direction of a speed: -1 or 1.
+inline double sign_of(double rate_dps) {
+  return rate_dps < 0.0 ? -1.0 : 1.0;
+}
+
 /// About how long the plan takes on this rig, transits and rests included.
 double plan_duration_s(const SweepPlan& plan, const ServoProfile& servo, double frame_rate_hz);
 

@@ -45,6 +45,9 @@ struct ServerOptions {
 /// `$XDG_STATE_HOME/thermorig/page.json` or `~/.local/state/thermorig/page.json`; empty if neither is known.
 std::filesystem::path default_state_file();
 
+/// Whether the page was built into this program; else the server has its messages alone, and "/" says so.
+bool page_is_built();
+
 /// Serves the page and the messages on loopback (127.0.0.1 and ::1) from a thread of its own. Whatever its
 /// clients do costs the caller nothing but the copy of a message.
 class Server {

@@ -57,6 +57,8 @@ writeFileSync(target, `// Made by charts/build.mjs.
 
 namespace thermorig::report {
 
+const bool has_charts = true;
+
 const std::array<std::string_view, 4> page_parts{{
 ${parts.map(literal).join(',\n')}}};
 

@@ -78,6 +78,8 @@ ${entries.join('\n')}
 
 }  // namespace
 
+const bool has_page = true;
+
 std::optional<Asset> asset(std::string_view path) {
   for (const auto& [name, file] : assets) {
     if (name == path) return file;
