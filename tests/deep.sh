@@ -6,41 +6,40 @@
 # Usage: bash tests/deep.sh [seconds a fuzzer, default 20]
 set -euo pipefail
 cd "$(dirname "$0")/.."
+source tests/parts.sh
+source tests/far.sh
 fuzz_seconds=${1:-20}
+build() { cmake --build --preset "$@" -j "$(nproc)"; }
 
 bash app/setup.sh tests deep browser usb coverage
 
-echo "== AddressSanitizer and UndefinedBehaviorSanitizer"
 cmake --preset asan
-cmake --build --preset asan -j "$(nproc)"
+part "build with AddressSanitizer and UBSan" build asan
 # Not the long series, which say how large errors are: their lines are run by others.
-ctest --test-dir build-asan --output-on-failure -j "$(nproc)" -LE rig -E "^($(paste -sd'|' tests/long_series.txt))"
+part "unit tests with AddressSanitizer and UBSan" ctest --test-dir build-asan --output-on-failure -j "$(nproc)" -LE rig \
+  -E "^($(paste -sd'|' tests/long_series.txt))"
 # Not the README: its blocks build and run the release again.
-bash tests/wall_clock.sh build-asan -L rig -E "^Readme"
+part "tests on the clock with AddressSanitizer and UBSan" bash tests/wall_clock.sh build-asan -L rig -E "^Readme"
 
-echo "== Exported C on Cortex-M boards in QEMU: what it takes"
-build-asan/bin/test_embedded --gtest_brief=1 --gtest_filter='Cores/*'
+# Exported C on boards in QEMU: what it takes.
+part cortex_m far cortex_m src/embedded include/thermorig/embedded tests/embedded src/model include/thermorig/model \
+  -- build-asan/bin/test_embedded --gtest_brief=1 --gtest_filter='Cores/*'
+part aarch64 far aarch64 src/network include/thermorig/network tests/network src/core include/thermorig/core \
+  -- bash tests/network/aarch64.sh 'Estimator*:BatchEstimator*:*GoldenVectors*:Tensors*:Shape*'
 
-echo "== The network on AArch64, in an emulator"
-bash tests/network/aarch64.sh 'Estimator*:BatchEstimator*:*GoldenVectors*:Tensors*:Shape*'
-
-echo "== The live page in a browser"
 cmake --preset developer
-cmake --build --preset developer -j "$(nproc)" --target thermorig usb_guest
-bash tests/page/run.sh build
+part "build of the page and the guest" build developer --target thermorig usb_guest
+part "live page in a browser" bash tests/page/run.sh build
+# Ports on the kernel's usb-serial driver, plugs pulled and put back.
+part usb_guest far usb_guest src/io include/thermorig/io tests/usb -- bash tests/usb/run.sh build
 
-echo "== Ports on the kernel's usb-serial driver, plugs pulled and put back"
-bash tests/usb/run.sh build
-
-echo "== ThreadSanitizer"
 cmake --preset tsan
-cmake --build --preset tsan -j "$(nproc)" --target test_io test_simulated_ports test_rig test_session test_web_server
-bash tests/wall_clock.sh build-tsan -R '^(Loop|Pty|Port|SimulatedPorts|PortRecording|SessionFile|PageServer|RestartedServer|Refusals)'
+part "build with ThreadSanitizer" build tsan --target test_io test_simulated_ports test_rig test_session test_web_server
+part "threads with ThreadSanitizer" bash tests/wall_clock.sh build-tsan \
+  -R '^(Loop|Pty|Port|SimulatedPorts|PortRecording|SessionFile|PageServer|RestartedServer|Refusals)'
 
-echo "== Line coverage"
-bash tests/coverage.sh
+part "line coverage" bash tests/coverage.sh
 
-echo "== Fuzzers, $fuzz_seconds s each"
 cmake --preset fuzz
-cmake --build --preset fuzz -j "$(nproc)"
-bash tests/fuzz/run.sh "$fuzz_seconds" build-fuzz
+part "build of the fuzzers" build fuzz
+part "fuzzers, $fuzz_seconds s each" bash tests/fuzz/run.sh "$fuzz_seconds" build-fuzz

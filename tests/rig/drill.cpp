@@ -16,6 +16,7 @@
 
 #include "acceptance/growing_journal.h"
 #include "support/stall_probe.h"
+#include "support/void_runs.h"
 
 namespace thermorig::tests {
 
@@ -52,10 +53,6 @@ bool is_inside(Mishap mishap) {
 
 Drill::Drill() {
   make_rig();
-}
-
-void Drill::TearDown() {
-  if (HasFailure() && (is_unsafe_ || !is_void_)) std::cout << no_second_try << '\n';
 }
 
 void Drill::make_rig() {
@@ -118,13 +115,11 @@ void Drill::unplug(Device device) {
 }
 
 Outcome Drill::suffer(const std::vector<std::string>& command, Mishap mishap, int frames_per_leg) {
-  for (int run = 1;; ++run) {
-    wait_for_a_quiet_machine(stall_s);
+  for (VoidRuns runs(fmt::format("the drill {} of {}", name_of(mishap), command.front()));;) {
     const StallProbe probe;
     const Outcome outcome = suffer_once(command, mishap, frames_per_leg);
     const double stood_still_s = std::max(probe.worst_s(), rig_->ports().tally().worst_lag_s);
-    is_void_ = stood_still_s >= stall_s;
-    if (!is_void_ || run == runs_max) {
+    if (stood_still_s < stall_s || !runs.may_run_again(stood_still_s)) {
       if (struck_us_ == 0)
         ADD_FAILURE() << "it ended with " << outcome.code << " before anything moved\n"
                       << outcome.out << outcome.err;
@@ -132,8 +127,6 @@ Outcome Drill::suffer(const std::vector<std::string>& command, Mishap mishap, in
     }
     expect_rest_in_the_end();
     if (!rig_->line().pulses.empty()) expect_within_limits();
-    std::cout << fmt::format("run {} is void: this computer kept a byte waiting for {:.0f} ms\n", run,
-                             1e3 * stood_still_s);
     if (HasFailure()) return outcome;
     std::filesystem::remove_all(folder() / "recordings");
     make_rig();
@@ -174,9 +167,7 @@ Outcome Drill::suffer_once(const std::vector<std::string>& command, Mishap misha
 }
 
 void Drill::expect_rest_from(std::int64_t from_us, std::int64_t until_us) {
-  const double fastest_dps = rig_->fastest_dps(from_us + rest_us + crystal_us, until_us);
-  EXPECT_LT(fastest_dps, rest_dps);
-  is_unsafe_ |= fastest_dps >= rest_dps;
+  EXPECT_LT(rig_->fastest_dps(from_us + rest_us + crystal_us, until_us), rest_dps);
 }
 
 void Drill::expect_rest_in_the_end() {
@@ -233,7 +224,6 @@ void Drill::expect_within_limits() {
   const double middle_us = (servo.pulse_min_us + servo.pulse_max_us) / 2.0;
   const double most_deg = servo.travel_deg / 2.0 - servo.stop_margin_deg + step_us * deg_per_us;
   const simulation::PulseEdge* before = nullptr;
-  const bool was_unsafe = std::exchange(is_unsafe_, true);  // until all of them have been looked at
   for (const simulation::PulseEdge& pulse : rig_->line().pulses) {
     ASSERT_LE(std::abs(pulse.width_us - middle_us) * deg_per_us, most_deg) << "at " << pulse.rise_us << " us";
     const double passed_s =
@@ -245,7 +235,6 @@ void Drill::expect_within_limits() {
     }
     before = &pulse;
   }
-  is_unsafe_ = was_unsafe;
   EXPECT_NE(before, nullptr);
 }
 

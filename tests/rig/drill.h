@@ -42,7 +42,6 @@ std::string name_of(Mishap mishap);
 class Drill : public ProgramTest {
  protected:
   Drill();
-  void TearDown() override;
 
   /// Runs `thermorig COMMAND...` with the rig, the environment and a plan of two legs of so many frames; in
   /// the first leg the mishap happens. The ports are stopped afterwards. While this computer keeps everybody
@@ -91,8 +90,6 @@ class Drill : public ProgramTest {
   Mishap mishap_{};
   std::int64_t unplugged_us_ = 0;  // of the micro-controller
   std::int64_t struck_us_ = 0;     // 0: the program ended before
-  bool is_void_ = false;           // the last run
-  bool is_unsafe_ = false;         // in any run
 };
 
 }  // namespace thermorig::tests

@@ -1,28 +1,23 @@
 // SPDX-License-Identifier: MIT
 // on_the_clock PROGRAM ARGUMENTS...: runs a test that needs the wall clock. Assertions that fail (exit code
-// 1) while this computer kept a byte waiting for longer than the servo waits for an answer say little: the
-// test runs again once the computer is quiet, three times at most, and the last run counts. Crashes and what
-// a sanitizer finds count at once, and get no second try. Drills look at the computer themselves: of them the
-// servo's rest and limits are judged in every run. Without a program it waits until the computer is quiet.
+// 1) while this computer stood still for longer than the servo waits for an answer say nothing: that run is
+// void (void_runs.h). Crashes, what a sanitizer finds, and whatever fails while the computer ran count at
+// once. Drills look at the computer themselves: of them the servo's rest and limits are judged in void runs
+// too.
 #include <spawn.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include <cstdio>
 #include <cstdlib>
-#include <string_view>
+#include <filesystem>
+#include <string>
 
 #include "stall_probe.h"
+#include "void_runs.h"
 
 extern char** environ;
 
 namespace {
-
-bool is_drill(char** words) {
-  for (; *words != nullptr; ++words)
-    if (std::string_view(*words).find("Drill") != std::string_view::npos) return true;
-  return false;
-}
 
 int run(char** words) {
   pid_t process = 0;
@@ -32,25 +27,30 @@ int run(char** words) {
   return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
 }
 
+/// What a test calls itself: the filter of its program, or its program's first argument.
+std::string name_of(char** words) {
+  const std::string filter = "--gtest_filter=";
+  for (char** word = words; *word != nullptr; ++word)
+    if (std::string(*word).starts_with(filter)) return std::string(*word).substr(filter.size());
+  return words[1] != nullptr ? words[1] : words[0];
+}
+
 }  // namespace
 
 int main(int count, char** words) {
   using namespace thermorig::tests;
-  if (count < 2) {
-    wait_for_a_quiet_machine(stall_s);
-    return 0;
-  }
+  if (count < 2) return 2;
   ++words;
-  const int runs = is_drill(words) ? 1 : runs_max;
+  const std::string name = name_of(words);
+  const bool judges_itself = name.find("Drill") != std::string::npos;
   for (const char* sanitizer : {"ASAN_OPTIONS", "UBSAN_OPTIONS"})  // whose own exit code is 1 as well
     setenv(sanitizer, "exitcode=66", 0);
-  for (int i = 1;; ++i) {
-    if (i > 1) wait_for_a_quiet_machine(stall_s);
+  const auto build = std::filesystem::read_symlink("/proc/self/exe").parent_path().parent_path();
+  setenv("THERMORIG_LEDGER", (build / "Testing" / "void_runs.txt").c_str(), 0);  // drills note theirs as well
+  for (VoidRuns runs(name);;) {
     const StallProbe probe;
     const int code = run(words);
-    if (code > 1) std::printf("exit code %d: %s\n", code, no_second_try);
-    if (code != 1 || probe.worst_s() < stall_s || i == runs) return code;
-    std::printf("run %d is void: this computer kept a byte waiting for %.0f ms\n", i, 1e3 * probe.worst_s());
-    std::fflush(stdout);
+    if (code != 1 || judges_itself || probe.worst_s() < stall_s || !runs.may_run_again(probe.worst_s()))
+      return code;
   }
 }

@@ -1,0 +1,17 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: MIT
+# Everything: what CI runs, with the suites that CI leaves out where their folders have not changed. Prints how long each
+# part took, and writes the commit of this pass into tests/last_passes.txt, which is then to be committed.
+# Usage: bash tests/nightly.sh [seconds a fuzzer, default 20]
+set -euo pipefail
+cd "$(dirname "$0")/.."
+[ -z "$(git status --porcelain)" ] || { echo "there are changes that no commit has: a pass could not be named" >&2; exit 2; }
+commit=$(git rev-parse HEAD)
+export THERMORIG_EVERYTHING=1 THERMORIG_PARTS=${TMPDIR:-/tmp}/thermorig-parts.$$
+: >"$THERMORIG_PARTS"
+trap 'rm -f "$THERMORIG_PARTS"' EXIT
+bash tests/run.sh
+bash tests/deep.sh "${1:-20}"
+printf '%s\n' cortex_m aarch64 usb_guest everything | sed "s/\$/ $commit/" >tests/last_passes.txt
+echo "everything passed at $commit; commit tests/last_passes.txt. How long each part took:"
+cat "$THERMORIG_PARTS"
