@@ -35,7 +35,10 @@ Answer refusal_answer(const Refusal& refusal) {
   Answer answer{refusal.status, {{"Content-Type", "application/json"}}, ""};
   if (!refusal.allow.empty()) answer.fields.emplace_back("Allow", std::string(refusal.allow));
   if (refusal.status == 401) answer.fields.emplace_back("WWW-Authenticate", "Bearer");
-  if (refusal.status == 426) answer.fields.emplace_back("Upgrade", "websocket");
+  if (refusal.status == 426) {
+    answer.fields.emplace_back("Upgrade", "websocket");
+    answer.fields.emplace_back("Sec-WebSocket-Version", "13");
+  }
   answer.body = nlohmann::json{{"error", refusal.sentence}}.dump() + "\n";
   return answer;
 }

@@ -5,6 +5,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "thermorig/core/code_point.h"
 #include "token.h"
 
 namespace thermorig::web {
@@ -13,9 +14,11 @@ namespace {
 
 /// Nothing that a client sends is deeper than one object; whatever is deeper is not even stored.
 nlohmann::json parse_flat(std::string_view text) {
+  using Event = nlohmann::json::parse_event_t;
   bool deep = false;
-  const auto shallow = [&deep](int depth, nlohmann::json::parse_event_t, const nlohmann::json&) {
-    deep = deep || depth > 1;
+  const auto shallow = [&deep](int depth, Event event, const nlohmann::json&) {
+    const bool opens = event == Event::object_start || event == Event::array_start;
+    deep = deep || (opens && depth > 0);
     return !deep;
   };
   auto value = nlohmann::json::parse(text, shallow, false);
@@ -33,20 +36,11 @@ char32_t next_character(std::string_view text, std::size_t& at) {
   return character;
 }
 
-/// Control characters move a terminal's cursor; direction marks and line separators make a line read as
-/// another.
-bool is_printable(char32_t character) {
-  if (character < 0x20 || (character >= 0x7f && character < 0xa0)) return false;
-  if (character >= 0x200b && character <= 0x200f) return false;
-  if (character >= 0x2028 && character <= 0x202e) return false;
-  if (character >= 0x2060 && character <= 0x206f) return false;
-  return character != 0xfeff;
-}
-
 std::optional<Refusal> check_note(std::string_view note) {
   std::size_t characters = 0;
   for (std::size_t at = 0; at < note.size(); ++characters)
-    if (!is_printable(next_character(note, at))) return Refusal{400, "a note has printable characters only"};
+    if (!is_plain(next_character(note, at)))
+      return Refusal{400, "a note has visible characters only, in one line and one direction"};
   if (characters > note_characters_max)
     return Refusal{400, fmt::format("a note has at most {} characters", note_characters_max)};
   return std::nullopt;
@@ -56,7 +50,7 @@ std::optional<Refusal> check_note(std::string_view note) {
 
 std::variant<Order, Refusal> parse_order(OrderKind kind, std::string_view body) {
   const nlohmann::json value = parse_flat(body);
-  if (!value.is_object()) return Refusal{400, "an order's body is a JSON object without objects in it"};
+  if (!value.is_object()) return Refusal{400, "an order's body is a JSON object with nothing nested in it"};
   Order order{kind, ""};
   if (kind != OrderKind::mark) return order;
   const auto note = value.find("note");

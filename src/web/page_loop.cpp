@@ -16,6 +16,7 @@
 #include "assets.h"
 #include "beast.h"
 #include "client_json.h"
+#include "mark_limit.h"
 #include "request_check.h"
 #include "streams.h"
 
@@ -62,6 +63,14 @@ std::optional<std::string_view> only(const HttpRequest& request, http::field nam
   return count == 1 ? view(request[name]) : "";
 }
 
+/// A WebSocket that the handshake accepts, so that every refusal is one of ours: the version that there is,
+/// and a key of 16 bytes in base64.
+bool asks_for_stream(const HttpRequest& request) {
+  constexpr std::size_t key_size = 24;
+  return websocket::is_upgrade(request) && only(request, http::field::sec_websocket_version) == "13" &&
+         only(request, http::field::sec_websocket_key).value_or("").size() == key_size;
+}
+
 RequestHead head_of(const HttpRequest& request, bool body) {
   RequestHead head;
   head.method = view(request.method_string());
@@ -70,7 +79,7 @@ RequestHead head_of(const HttpRequest& request, bool body) {
   head.origin = only(request, http::field::origin);
   head.content_type = only(request, http::field::content_type);
   head.authorization = only(request, http::field::authorization);
-  head.upgrade = websocket::is_upgrade(request);
+  head.upgrade = asks_for_stream(request);
   head.body = body;
   return head;
 }
@@ -82,6 +91,9 @@ std::optional<Refusal> check_size(const HttpRequest& request) {
   // A length that is told in two ways is how one request is hidden in another.
   if (request.count(http::field::transfer_encoding) > 0)
     return Refusal{411, "a request's body needs a Content-Length; Transfer-Encoding is not taken"};
+  const auto length = only(request, http::field::content_length);
+  if (length && (length->empty() || length->find_first_not_of("0123456789") != std::string_view::npos))
+    return Refusal{400, "a request's length is told once, as a number"};
   return std::nullopt;
 }
 
@@ -264,6 +276,9 @@ struct PageLoop::Impl {
     const auto order = parse_order(order_kind(view(request.target())), request.body());
     if (const auto* refusal = std::get_if<Refusal>(&order)) return *refusal;
     if (leaving) return Refusal{503, "the run is over"};
+    if (std::get<Order>(order).kind == OrderKind::mark && !mark_limit.take(Clock::now()))
+      return Refusal{429, fmt::format("no more than {} marks can be set at once, then one in {:g} s",
+                                      options.marks, options.mark_period / 1.0s)};
     try {
       if (ordered) ordered(std::get<Order>(order));
     } catch (const std::exception&) {
@@ -341,6 +356,7 @@ struct PageLoop::Impl {
   const ServerOptions options;
   const Gate gate;
   const std::function<void(const Order&)> ordered;
+  MarkLimit mark_limit{options.marks, options.mark_period};
   std::list<tcp::acceptor> acceptors;
   asio::steady_timer tick{context}, grace{context};
   std::list<std::shared_ptr<Connection>> connections;

@@ -76,7 +76,7 @@ MaybeRefusal check_order(const RequestHead& head, const Gate& gate) {
 
 MaybeRefusal check_stream(const RequestHead& head) {
   if (auto refusal = check_origin(head)) return refusal;
-  if (!head.upgrade) return Refusal{426, "the stream is a WebSocket"};
+  if (!head.upgrade) return Refusal{426, "the stream is a WebSocket of version 13"};
   return std::nullopt;
 }
 

@@ -21,7 +21,7 @@ constexpr std::size_t note_characters_max = 200;
 struct RequestHead {
   std::string_view method, target;
   std::optional<std::string_view> host, origin, content_type, authorization;
-  bool upgrade = false;  // asks for a WebSocket
+  bool upgrade = false;  // asks for a WebSocket of version 13, and has a key
   bool body = false;     // bytes follow the headers
 };
 

@@ -61,6 +61,7 @@ bool still_runs(const PageState& before, std::uint16_t own_port) {
 struct Identity {
   std::string token;
   std::string note;
+  bool kept = false;  // in the state file
 };
 
 /// The token of last time if it may be used again, and the state file brought up to date.
@@ -71,7 +72,7 @@ Identity keep_identity(const ServerOptions& options, std::uint16_t port, const F
     return {make_token(),
             fmt::format("another live view runs on port {}: the token of this one is not kept in {}",
                         found.state->port, file)};
-  Identity own{found.state && !options.new_token ? found.state->token : make_token(), ""};
+  Identity own{found.state && !options.new_token ? found.state->token : make_token(), "", true};
   if (!found.refused.empty())
     own.note = fmt::format(
         "{} was not used, as {}: a new token was made, pages that are open have to be opened again", file,
@@ -102,6 +103,7 @@ bool page_is_built() {
 struct Server::Parts {
   std::uint16_t port = 0;
   Identity identity;
+  std::filesystem::path kept_in;
   std::unique_ptr<PageLoop> loop;
 };
 
@@ -111,6 +113,7 @@ Server::Server(const ServerOptions& options, std::function<void(const Order&)> o
   Listeners listeners = open_listeners(options.port, found.state);
   parts_->port = listeners.port();
   parts_->identity = keep_identity(options, parts_->port, found);
+  if (parts_->identity.kept) parts_->kept_in = options.state_file;
   parts_->loop =
       std::make_unique<PageLoop>(options, std::move(listeners), parts_->identity.token, std::move(ordered));
 }
@@ -122,7 +125,11 @@ std::uint16_t Server::port() const {
 }
 
 std::string Server::url() const {
-  return fmt::format("http://127.0.0.1:{}/#t={}", parts_->port, parts_->identity.token);
+  return url_of({parts_->port, parts_->identity.token});
+}
+
+const std::filesystem::path& Server::kept_in() const {
+  return parts_->kept_in;
 }
 
 const std::string& Server::note() const {

@@ -72,6 +72,10 @@ std::optional<PageState> parse(std::string_view text) {
 
 }  // namespace
 
+std::string url_of(const PageState& state) {
+  return fmt::format("http://127.0.0.1:{}/#t={}", state.port, state.token);
+}
+
 FoundState read_state(const std::filesystem::path& path) {
   const Descriptor file(::open(path.c_str(), O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC));
   if (file.number() < 0) {
@@ -97,7 +101,7 @@ void write_state(const std::filesystem::path& path, const PageState& state) {
                   fmt::format("cannot create the folder of the page's state: {}", error.message()),
                   path.parent_path().string(), files::usual_advice(error.value()));
   }
-  const nlohmann::json json{{"port", state.port}, {"token", state.token}};
+  const nlohmann::json json{{"port", state.port}, {"token", state.token}, {"url", url_of(state)}};
   files::write_whole(path, json.dump() + "\n", "the page's state");
 }
 

@@ -14,6 +14,9 @@ struct PageState {
   std::string token;
 };
 
+/// The address that opens the page: who has it has the token.
+std::string url_of(const PageState& state);
+
 struct FoundState {
   std::optional<PageState> state;
   std::string refused;  // why a file that is there was not believed; empty: it was, or there is none
@@ -22,7 +25,8 @@ struct FoundState {
 /// Believes a regular file alone, no link, that nobody else owns, may read or may write.
 FoundState read_state(const std::filesystem::path& path);
 
-/// Mode 0600, in a folder that is created with mode 0700. Throws Error(storage).
+/// Mode 0600, in a folder that is created with mode 0700; with the address that opens the page. Throws
+/// Error(storage).
 void write_state(const std::filesystem::path& path, const PageState& state);
 
 }  // namespace thermorig::web

@@ -49,6 +49,7 @@ struct Streams::Client {
         websocket::stream_base::decorator([host = std::move(host)](websocket::response_type& answer) {
           for (const auto& [name, value] : protecting_fields(host))
             answer.set({name.data(), name.size()}, value);
+          answer.set(boost::beast::http::field::server, "");  // else the library puts its name there
         }));
     stream.read_message_max(client_message_bytes_max);
     stream.auto_fragment(false);

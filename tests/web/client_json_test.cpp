@@ -36,10 +36,17 @@ TEST(ClientJson, RefusesEveryCharacterThatDoesNotPrint) {
     const bool prints = character >= 0x20 && (character < 0x7f || character > 0x9f);
     EXPECT_EQ(is_taken(fmt::format(R"({{"note":"a\u{:04x}"}})", character)), prints) << character;
   }
-  for (const int character : {0x200b, 0x200f, 0x2028, 0x202a, 0x202e, 0x2060, 0x2066, 0x2069, 0xfeff})
+  for (const int character : {0x00ad, 0x061c, 0x180e, 0x200b, 0x200f, 0x2028, 0x202a, 0x202e, 0x2060, 0x2066,
+                              0x2069, 0x3164, 0xfe00, 0xfeff})
     EXPECT_FALSE(is_taken(fmt::format(R"({{"note":"\u{:04x}"}})", character))) << character;
   for (const int character : {0xa0, 0xb0, 0x200a, 0x2010, 0x2030, 0x4e00, 0xffe6})
     EXPECT_TRUE(is_taken(fmt::format(R"({{"note":"\u{:04x}"}})", character))) << character;
+}
+
+TEST(ClientJson, RefusesTagCharactersAndTakesEmojis) {
+  EXPECT_FALSE(is_taken("{\"note\":\"stop\xf3\xa0\x81\x81\"}"));  // U+E0041, as bytes
+  EXPECT_FALSE(is_taken(R"({"note":"stop\udb40\udc41"})"));       // and as an escape
+  EXPECT_TRUE(is_taken(R"({"note":"\u2600\ufe0f \ud83c\udf27\ufe0f"})"));
 }
 
 TEST(ClientJson, RefusesWhatIsNotUtf8) {
@@ -55,6 +62,16 @@ TEST(ClientJson, IsNotImpressedByDepth) {
     EXPECT_FALSE(is_taken(deep));
     EXPECT_FALSE(shows_token(deep, a_token));
   }
+}
+
+TEST(ClientJson, RefusesWhateverIsNestedInAnObject) {
+  for (const std::string_view body :
+       {R"({"a":{}})", R"({"a":[]})", R"({"a":{"b":1}})", R"({"a":1,"b":[1]})"}) {
+    EXPECT_FALSE(is_taken(body)) << body;
+    EXPECT_FALSE(is_taken(body, OrderKind::stop)) << body;
+  }
+  EXPECT_FALSE(shows_token(R"({"a":{},"token":")" + a_token + "\"}", a_token));
+  EXPECT_TRUE(is_taken(R"({"a":null,"b":"{}"})"));
 }
 
 TEST(ClientJson, KnowsItsTokenAlone) {

@@ -10,6 +10,7 @@
 
 #include "../../src/web/token.h"
 #include "private_folder.h"
+#include "support/file_text.h"
 #include "thermorig/core/error.h"
 #include "thermorig/web/server.h"
 
@@ -53,6 +54,13 @@ TEST(StateFile, IsReadAsItWasWritten) {
   EXPECT_EQ(found.state->port, 8650);
   EXPECT_EQ(found.state->token, a_token);
   EXPECT_EQ(found.refused, "");
+}
+
+TEST(StateFile, HasTheAddressThatOpensThePage) {
+  const PrivateFolder folder;
+  const auto path = folder.path() / "page.json";
+  write_state(path, {8650, a_token});
+  EXPECT_THAT(tests::file_text(path), HasSubstr("\"url\":\"http://127.0.0.1:8650/#t=" + a_token + "\""));
 }
 
 TEST(StateFile, IsForItsUserAlone) {

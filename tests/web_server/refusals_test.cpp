@@ -238,6 +238,21 @@ TEST_F(Refusals, AStreamThatIsNoWebSocketIsRefused) {
   EXPECT_EQ(connect().get("/stream", own_origin()).status, 426);
 }
 
+TEST_F(Refusals, AWebSocketOfAnotherVersionOrWithoutAKeyIsRefusedAsEverythingElse) {
+  const std::string fields = own_origin() + "Connection: Upgrade\r\nUpgrade: websocket\r\n";
+  const std::string key = "Sec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\n";
+  for (const std::string& rest :
+       {key + "Sec-WebSocket-Version: 8\r\n", key, std::string("Sec-WebSocket-Version: 13\r\n"),
+        std::string("Sec-WebSocket-Version: 13\r\nSec-WebSocket-Key: short\r\n"),
+        key + key + "Sec-WebSocket-Version: 13\r\n"}) {
+    const auto reply = connect().get("/stream", fields + rest);
+    EXPECT_EQ(reply.status, 426) << rest;
+    EXPECT_THAT(reply.body, HasSubstr("{\"error\":")) << rest;
+    EXPECT_EQ(reply.field("Sec-WebSocket-Version"), "13") << rest;
+    EXPECT_EQ(reply.field("Content-Security-Policy").substr(0, 18), "default-src 'self'") << rest;
+  }
+}
+
 TEST_F(Refusals, PipelinedGarbageEndsTheConnection) {
   PageClient client = connect();
   client.send(fmt::format("GET /page.css HTTP/1.1\r\nHost: {}\r\n\r\n\x01\x02 garbage\r\n\r\n", host()));
@@ -267,6 +282,18 @@ TEST_F(Refusals, ConflictingLengthsAreRefused) {
   EXPECT_TRUE(orders().empty());
 }
 
+TEST_F(Refusals, ALengthThatIsToldTwiceIsRefusedThoughBothAgree) {
+  const std::string fields = own_origin() + json_type() + authorization();
+  EXPECT_EQ(stop_with(fields + "Content-Length: 2\r\n").status, 400);
+  const std::string head = "POST /stop HTTP/1.1\r\nHost: " + host() + "\r\n" + fields;
+  EXPECT_EQ(reply_to(head + "Content-Length: 2, 2\r\n\r\n{}").status, 400);
+  EXPECT_EQ(
+      reply_to("GET / HTTP/1.1\r\nHost: " + host() + "\r\nContent-Length: 0\r\nContent-Length: 0\r\n\r\n")
+          .status,
+      400);
+  EXPECT_TRUE(orders().empty());
+}
+
 TEST_F(Refusals, ARequestHiddenInABodyIsNotServed) {
   const std::string hidden = fmt::format("GET /page.css HTTP/1.1\r\nHost: {}\r\n\r\n", host());
   PageClient client = connect();
@@ -286,8 +313,9 @@ TEST_F(Refusals, AnotherTypeOfContentIsRefused) {
 
 TEST_F(Refusals, ABodyThatIsNoOrderIsRefused) {
   const std::string deep(30'000, '[');
-  for (const std::string& body : {std::string(""), std::string("{"), std::string("[]"), std::string("1"),
-                                  deep, std::string(R"({"a":{"b":1}})"), std::string("{\"note\":\"\xff\"}")})
+  for (const std::string& body :
+       {std::string(""), std::string("{"), std::string("[]"), std::string("1"), deep,
+        std::string(R"({"a":{}})"), std::string(R"({"a":{"b":1}})"), std::string("{\"note\":\"\xff\"}")})
     EXPECT_EQ(connect().post("/mark", token(), body).status, 400) << body.substr(0, 20);
   EXPECT_TRUE(orders().empty());
 }
@@ -301,7 +329,8 @@ TEST_F(Refusals, StartWithoutControlIsRefused) {
 
 TEST_F(Refusals, ControlCharactersInAMarkAreRefused) {
   for (const std::string note :
-       {R"(\u001b[2J)", R"(a\nb)", R"(\u0007)", R"(\u007f)", R"(\u009b31m)", R"(\u202eabc)"})
+       {R"(\u001b[2J)", R"(a\nb)", R"(\u0007)", R"(\u007f)", R"(\u009b31m)", R"(\u202eabc)", R"(\u061cabc)",
+        R"(a\u00adb)", R"(a\u180eb)", R"(a\udb40\udc41)"})
     EXPECT_EQ(connect().post("/mark", token(), fmt::format(R"({{"note":"{}"}})", note)).status, 400) << note;
   EXPECT_EQ(connect().post("/mark", token(), "{\"note\":\"\x1b[2J\"}").status, 400);
   EXPECT_TRUE(orders().empty());
@@ -324,6 +353,24 @@ TEST_F(Refusals, TheNinthClientIsRefusedWithASentence) {
   open.pop_back();
   ASSERT_TRUE(comes_true([&] { return server().clients() == 7; }));
   EXPECT_EQ(connect().upgrade().status, 101);
+}
+
+TEST_F(Refusals, TooManyMarksAreRefusedWithTheLimitAndAStopNeverIs) {
+  options_.marks = 3;
+  options_.mark_period = 1h;
+  for (int i = 0; i < 3; ++i) EXPECT_EQ(connect().post("/mark", token(), "{}").status, 204);
+  const auto reply = connect().post("/mark", token(), R"({"note":"one too many"})");
+  EXPECT_EQ(reply.status, 429);
+  EXPECT_THAT(reply.body, HasSubstr("3 marks"));
+  for (int i = 0; i < 10; ++i) EXPECT_EQ(connect().post("/stop", token(), "{}").status, 204);
+  EXPECT_EQ(orders().size(), 13U);
+}
+
+TEST_F(Refusals, AMarkThatIsRefusedForItsNoteDoesNotCount) {
+  options_.marks = 1;
+  options_.mark_period = 1h;
+  for (int i = 0; i < 5; ++i) EXPECT_EQ(connect().post("/mark", token(), R"({"note":7})").status, 400);
+  EXPECT_EQ(connect().post("/mark", token(), "{}").status, 204);
 }
 
 TEST_F(Refusals, StreamsThatWaitedTogetherDoNotExceedTheLimit) {

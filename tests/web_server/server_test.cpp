@@ -84,6 +84,11 @@ TEST_F(PageServer, PutsTheHeadersOnRefusalsAndStreamsAsWell) {
   EXPECT_EQ(connect().upgrade().field("X-Content-Type-Options"), "nosniff");
 }
 
+TEST_F(PageServer, NamesNoProductInItsAnswers) {
+  for (const Reply& reply : {connect().get("/"), connect().get("/none"), connect().upgrade()})
+    EXPECT_EQ(reply.field("Server"), "") << reply.headers;
+}
+
 TEST_F(PageServer, AnswersToEveryNameOfItsOwn) {
   const std::string port = std::to_string(server().port());
   for (const std::string name : {"localhost:", "127.0.0.1:", "[::1]:"})
@@ -410,6 +415,8 @@ TEST_F(RestartedServer, LeavesTheStateOfAnotherThatStillRuns) {
   const auto second = start();
   EXPECT_NE(second->port(), first->port());
   EXPECT_NE(token_of(second->url()), token_of(first->url()));
+  EXPECT_EQ(first->kept_in(), options_.state_file);
+  EXPECT_EQ(second->kept_in(), "") << "what is not there is not where to look for the address";
   EXPECT_THAT(second->note(), HasSubstr("another live view"));
   EXPECT_EQ(state(), kept);
 }

@@ -32,10 +32,12 @@ struct Order {
 struct ServerOptions {
   std::uint16_t port = 8650;                      // 0: any that is free
   bool control = false;                           // may the page start motion?
-  std::filesystem::path state_file;               // port and token, mode 0600; empty: nothing is kept
+  std::filesystem::path state_file;               // port, token, URL, mode 0600; empty: nothing is kept
   bool new_token = false;                         // a new one even if the state file has one
   std::size_t clients = 8;                        // open streams at a time
   std::size_t queue_bytes = 1U << 20U;            // of one client
+  std::size_t marks = 10;                         // that may be set at once, by all pages together
+  std::chrono::milliseconds mark_period{1'000};   // then one more in this time
   std::chrono::milliseconds header_time{10'000};  // until a request's headers are there; again for its body
   std::chrono::milliseconds token_time{5'000};    // until a stream has sent its token
   std::chrono::milliseconds stall_time{10'000};   // until a stream that takes nothing is closed
@@ -61,6 +63,9 @@ class Server {
 
   std::uint16_t port() const;
   std::string url() const;  // with the token in its fragment
+
+  /// The state file, which has the same address as `url`; empty if it is kept nowhere.
+  const std::filesystem::path& kept_in() const;
 
   /// A sentence for the user on a state file that was not used (others can read it, another server runs); or
   /// empty.
