@@ -142,6 +142,33 @@ describe('what is shown', () => {
     await until(() => hidden(tab, 'speeds'), 'a replay has no box without bars');
   });
 
+  test('sweep: frames are counted in a leg, and none are between two', async () => {
+    const { tab } = await page([hello(), state(10, { phase: 'transit', leg: 5, rate_dps: 0, next_rate_dps: -60, frames: 0, repeated: 2 })]);
+    await until(async () => await textOf(tab, '#leg') === 'leg 5 of 38, next −60 deg/s', 'the leg that comes');
+    assert.equal(await textOf(tab, '#leg-frames'), '2 legs repeated');
+    server.send(state(10.25, { phase: 'opening_rest', leg: 0, rate_dps: 0, next_rate_dps: 120, frames: 0, repeated: 0 }));
+    await until(async () => await textOf(tab, '#leg') === '38 legs, next +120 deg/s', 'no leg yet');
+    assert.equal(await textOf(tab, '#leg-frames'), '');
+  });
+
+  test('sweep: after the run it says what was driven, not what a leg lacks', async () => {
+    const speeds = [{ rate_dps: -40, valid: 30, quota: 30 }, { rate_dps: 40, valid: 31, quota: 30 }];
+    const over = { phase: 'done', leg: 2, leg_count: 2, rate_dps: 0, next_rate_dps: null, frames: 0, frames_per_leg: 30, repeated: 1, speeds };
+    const { tab } = await page([hello(), state(60, { ...over, done_share: 1 })]);
+    await until(async () => await textOf(tab, '#leg') === 'complete: all 2 legs', 'complete');
+    assert.equal(await textOf(tab, '#leg-frames'), '61 valid frames, 1 leg repeated');
+    server.send({ event: 'ended', exit: 0, message: 'Done.', advice: '', session: null });
+    await until(async () => await textOf(tab, '#mode-word') === 'ENDED', 'ENDED');
+    assert.equal(await textOf(tab, '#leg'), 'complete: all 2 legs');
+    server.send(hello({ run: 'stopped' }), state(20, { ...over, done_share: 0.4, leg: 1, repeated: 0 }));
+    await until(async () => await textOf(tab, '#leg') === 'ended early, in leg 1 of 2', 'stopped');
+    server.send(hello({ run: 'failed' }), state(20, { repeated: 0 }), { event: 'ended', exit: 5, message: 'The servo is gone.', advice: '', session: null });
+    await until(async () => await textOf(tab, '#leg') === 'ended early, in leg 7 of 38', 'an error within a leg');
+    assert.match(await textOf(tab, '#leg-frames'), /^\d+ valid frames$/);
+    server.send(hello({ run: 'next' }));
+    await until(async () => await textOf(tab, '#leg') === 'no sweep yet', 'the next run');
+  });
+
   test('a plan that repeats has no time to go', async () => {
     const { tab } = await page([hello({ plan: { name: 'quick', repeats: true, legs: 4, frames_per_leg: 40, expected_s: 60 } }), state(70, { eta_s: null })]);
     await until(async () => /^01:10, until it is stopped$/.test(await textOf(tab, '#elapsed')), 'the time');
@@ -318,6 +345,20 @@ describe('keys', () => {
     await until(async () => await tab.inputValue('#note') === '', 'the note is empty again');
   });
 
+  test('a mark that is refused says why, and its note stays', async () => {
+    const { tab } = await page([hello(), ...span(0, 10)]);
+    await shown(tab, 9);
+    server.answer = { status: 429, body: JSON.stringify({ error: 'no more than 10 marks can be set at once, then one in 1 s' }) };
+    await tab.fill('#note', 'a bird');
+    await tab.press('#note', 'Enter');
+    await until(async () => await textOf(tab, '#warnings') === '▲ The mark was not set: no more than 10 marks can be set at once, then one in 1 s.', 'the warning');
+    assert.equal(await tab.inputValue('#note'), 'a bird');
+    server.answer = { status: 204, body: '' };
+    await tab.press('#note', 'Enter');
+    await until(async () => await textOf(tab, '#warnings') === '', 'and goes when it is set');
+    assert.equal(await tab.inputValue('#note'), '');
+  });
+
   test('P pauses the plots and nothing else', async () => {
     const { tab } = await page([hello(), ...span(0, 20)]);
     await shown(tab, 19);
@@ -405,13 +446,17 @@ describe('connection', () => {
     await pause(200);
     await tab.clock.runFor(2500);
     assert.ok(await hidden(tab, 'silence'), 'not yet after 2.5 s');
+    assert.equal(await textOf(tab, '#mode-word'), 'RECORDING');
     const { port } = server;
     await server.close();
     await tab.clock.runFor(700);
     assert.ok(!(await hidden(tab, 'silence')), 'after 3.2 s');
     assert.match(await textOf(tab, '#silence'), /^no data for 3\.\d s, last frame \d\d:\d\d:\d\d$/);
-    assert.match(await tab.title(), /NO DATA/);
-    await screenshot(tab, 'no_data');
+    assert.equal(await tab.title(), '▲ NO DATA garden · thermorig');
+    assert.equal(await textOf(tab, '#mode-word'), 'NO DATA', 'nobody knows whether it still records');
+    assert.equal(await tab.getAttribute('#mode', 'data-mode'), 'silent');
+    assert.equal(await textOf(tab, '#elapsed'), 'last heard of at 00:05');
+    assert.equal(await textOf(tab, '#phase'), '');
     for (let i = 0; i < 12; ++i) {  // a minute without a program, so that the waits are at their longest
       await tab.clock.runFor(5000);
       await pause(30);
@@ -431,7 +476,9 @@ describe('connection', () => {
     const [times, servo] = await stripData(tab, 'rate');
     const gap = servo.indexOf(null);
     assert.ok(gap > 0 && times[gap + 1] - times[gap - 1] > 30, 'with a gap in the plots');
-    assert.ok(!(await tab.title()).includes('NO DATA'));
+    assert.equal(await tab.title(), '● RECORDING garden · thermorig');
+    assert.equal(await textOf(tab, '#mode-word'), 'RECORDING');
+    assert.equal(await textOf(tab, '#elapsed'), '00:38 of 05:58, 05:19 to go');
   });
 
   test('an open stream that says nothing is opened again', async () => {
@@ -611,7 +658,7 @@ describe('whatever comes', () => {
   });
 
   test('hostile texts are texts', async () => {
-    const evil = '<img src=x onerror="window.hit=1"><script>window.hit=1</script>\u001b[31mred\u0007\u202egnp';
+    const evil = '<img src=x onerror="window.hit=1"><script>window.hit=1</script>\u001b[31mred\u0007\u202egnp\u061c\u00ad\u180e\u2028\u{e0041}';
     const evilObject = (message) => Object.fromEntries(Object.entries(message).map(([key, value]) => [key, typeof value === 'string' && key !== 'event' ? evil : value]));
     const { tab } = await page([{ ...evilObject(hello()), model: { name: evil, fusion: false }, plan: { name: evil } }, ...span(0, 5),
       frame(5, { reasons: [evil], fresh: evil, counted: false }), { ...evilObject(event(5)) }, state(1, { phase: evil, devices: { [evil]: { state: evil } } })]);
@@ -624,7 +671,7 @@ describe('whatever comes', () => {
     for (const place of ['#environment', '#events', '#ended', '#fresh', '#history']) {
       const text = await textOf(tab, place);
       assert.ok(text.includes('<img src=x'), `${place} shows it as text`);
-      assert.ok(!/[\u0000-\u0008\u000b-\u001f\u202e]/.test(text), `${place} has no control characters`);
+      assert.ok(!/[\u0000-\u0008\u000b-\u001f\u2028\p{Default_Ignorable_Code_Point}]/u.test(text), `${place} has no character that steers or hides`);
     }
     await screenshot(tab, 'hostile');
   });
@@ -678,7 +725,7 @@ describe('looks', () => {
       server.send(state(65, { devices: late }));
       await until(async () => (await textOf(tab, '#health')).includes('▲'), 'a row with a warning');
       await screenshot(tab, `${theme}_late`);
-      for (const mode of ['recording', 'live', 'replay', 'connecting', 'refused', 'ended']) {
+      for (const mode of ['recording', 'live', 'replay', 'connecting', 'refused', 'silent', 'ended']) {
         await tab.evaluate((name) => { document.getElementById('mode').dataset.mode = name; }, mode);
         const [contrast, text] = await leastContrast(tab);
         assert.ok(contrast >= 4.5, `${mode}: ${contrast.toFixed(2)} of "${text}"`);

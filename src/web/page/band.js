@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 import { byId, bytes, clock, count, fields, number, plain, say } from './text.js';
 
-const words = { connecting: 'CONNECTING', refused: 'NOT CONNECTED', recording: 'RECORDING', live: 'LIVE', replay: 'REPLAY', ended: 'ENDED' };
-const marks = { connecting: '○', refused: '▲', recording: '●', live: '▶', replay: '»', ended: '■' };
+const words = { connecting: 'CONNECTING', refused: 'NOT CONNECTED', recording: 'RECORDING', live: 'LIVE', replay: 'REPLAY', ended: 'ENDED', silent: 'NO DATA' };
+const marks = { connecting: '○', refused: '▲', silent: '▲', recording: '●', live: '▶', replay: '»', ended: '■' };
 
 /** The state of the run in words, shape and colour; the title of the tab repeats it. */
 export class Band {
@@ -11,10 +11,12 @@ export class Band {
     this.environment = '';
     this.silent = false;
     this.planned = null;
+    this.last = {};  // newest state
     this.show();
   }
 
   hello(message) {
+    this.last = {};
     this.mode = message.mode === 'replay' ? 'replay' : message.recording === true ? 'recording' : 'live';
     this.environment = plain(message.environment, 60);
     this.repeats = fields(message.plan).repeats === true;
@@ -32,30 +34,38 @@ export class Band {
   }
 
   state(message) {
-    const now = number(message.time_s);
-    this.elapsed = now;
-    const left = number(message.eta_s);
-    const planned = left !== null && now !== null ? now + left : this.planned;
-    say(byId('elapsed'), now === null ? '' : `${clock(now)}${planned === null ? '' : ` of ${clock(planned)}`}${
-      left !== null ? `, ${clock(left)} to go` : this.repeats ? ', until it is stopped' : ''}`);
+    this.last = message;
     byId('start').disabled = message.phase !== 'waiting';  // it moves, or has
     const kept = number(message.kept_frames);
-    say(byId('phase'), this.phaseText(message, kept !== null));
     say(byId('kept'), kept === null ? (this.mode === 'replay' ? '' : 'nothing is kept') : `${count(kept)} frames kept`);
     byId('kept').title = number(message.kept_bytes) === null ? '' : bytes(message.kept_bytes);
     const free = number(message.disk_free_bytes);
     say(byId('disk'), free === null ? '' : `${bytes(free)} free`);
+    this.show();
   }
 
-  phaseText(message, keeps) {
-    if (message.phase === 'done' && this.mode !== 'ended') return keeps ? 'closing the file …' : 'done';
-    return message.stopping === true ? '▲ stopping' : plain(message.phase, 40).replaceAll('_', ' ');
+  /** What the program does now; nothing where nobody knows, or it does nothing any more. */
+  phaseText() {
+    if (this.shown === 'silent' || this.mode === 'ended') return '';
+    const { phase, stopping } = this.last;
+    if (phase === 'done') return number(this.last.kept_frames) === null ? 'done' : 'closing the file …';
+    return stopping === true ? '▲ stopping' : plain(phase, 40).replaceAll('_', ' ');
+  }
+
+  /** Time of the run: it counts down while the program tells it, and never by itself. */
+  elapsedText() {
+    const now = number(this.last.time_s);
+    if (now === null) return '';
+    if (this.mode === 'ended') return clock(now);
+    if (this.shown === 'silent') return `last heard of at ${clock(now)}`;
+    const left = number(this.last.eta_s);
+    const planned = left === null ? this.planned : now + left;
+    return `${clock(now)}${planned === null ? '' : ` of ${clock(planned)}`}${
+      left !== null ? `, ${clock(left)} to go` : this.repeats ? ', until it is stopped' : ''}`;
   }
 
   ended() {
     this.mode = 'ended';
-    say(byId('phase'), '');
-    say(byId('elapsed'), number(this.elapsed) === null ? '' : clock(this.elapsed));
     byId('start').hidden = true;
     this.show();
   }
@@ -63,9 +73,15 @@ export class Band {
   /** The program does not take this page's token. */
   refused() {
     this.mode = 'refused';
-    for (const id of ['environment', 'acquisition', 'phase', 'elapsed', 'kept', 'disk']) say(byId(id), '');
+    this.last = {};
+    for (const id of ['environment', 'acquisition', 'kept', 'disk']) say(byId(id), '');
     byId('start').hidden = true;
     this.show();
+  }
+
+  /** A run of which nothing comes any more is none that is known to go on, whatever it was. */
+  get shown() {
+    return this.silent && ['recording', 'live', 'replay'].includes(this.mode) ? 'silent' : this.mode;
   }
 
   silence(silent) {
@@ -75,9 +91,11 @@ export class Band {
   }
 
   show() {
-    byId('mode').dataset.mode = this.mode;
-    say(byId('mode-word'), words[this.mode]);
-    const title = `${marks[this.mode]} ${words[this.mode]}${this.environment === '' ? '' : ` ${this.environment}`} · thermorig`;
-    document.title = this.silent ? `▲ NO DATA · ${title}` : title;
+    byId('mode').dataset.mode = this.shown;
+    say(byId('mode-word'), words[this.shown]);
+    say(byId('phase'), this.phaseText());
+    say(byId('elapsed'), this.elapsedText());
+    const title = `${marks[this.shown]} ${words[this.shown]}${this.environment === '' ? '' : ` ${this.environment}`} · thermorig`;
+    if (document.title !== title) document.title = title;
   }
 }

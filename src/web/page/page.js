@@ -74,10 +74,10 @@ function clear() {
   closing = false;
   byId('stop').disabled = false;
   health.runIsOver(false);
+  sweep.clear();
   connection.expectSilence(0);
   byId('ended').hidden = true;
   byId('ended').replaceChildren();
-  byId('leg').textContent = 'no sweep yet';
   numbers.show({});
 }
 
@@ -114,6 +114,7 @@ const takers = {
       connection.expectSilence(closing ? closingTime : 0);
     }
     health.runIsOver(ended || closing);
+    sweep.runIsOver(ended || closing);
     band.state(message);
     sweep.show(message);
     const unwell = health.show(message.devices);
@@ -141,6 +142,7 @@ const takers = {
     ended = true;
     connection.expectSilence(Infinity);
     health.runIsOver(true);
+    sweep.runIsOver(true);
     warnings.set('devices', '');
     byId('stop').disabled = true;
     band.ended();

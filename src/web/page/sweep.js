@@ -4,8 +4,28 @@ import { byId, clock, count, fields, fixed, list, number, plain, say } from './t
 
 const signed = (value) => fixed(value, 0, { sign: true });
 
+/** The speed of the leg that is driven; between legs there is none. */
+const rateOfLeg = (state) => (state.phase === 'leg' ? number(state.rate_dps) : null);
+
 /** Where the sweep is, and what each speed has so far. */
 export class Sweep {
+  constructor() {
+    this.clear();
+  }
+
+  clear() {
+    this.over = false;
+    this.show({});
+    say(byId('leg'), 'no sweep yet');
+  }
+
+  /** Nothing is driven any more (or is again): no leg is counted. */
+  runIsOver(over) {
+    if (this.over === over) return;
+    this.over = over;
+    this.show(this.state);
+  }
+
   hello(message) {
     const plan = fields(message.plan);
     const name = plain(plan.name, 60);
@@ -14,25 +34,46 @@ export class Sweep {
   }
 
   show(state) {
-    const legs = number(state.leg_count);
-    const leg = number(state.leg);
-    const now = number(state.rate_dps);
+    this.state = state;
+    const share = Math.min(1, Math.max(0, number(state.done_share) ?? 0));
+    byId('done').value = share;
+    say(byId('leg'), this.over ? this.endText(state, share) : this.legText(state));
+    const repeated = number(state.repeated) ?? 0;
+    const texts = [this.framesText(state), repeated > 0 ? `${count(repeated)} ${repeated === 1 ? 'leg' : 'legs'} repeated` : ''];
+    say(byId('leg-frames'), texts.filter((text) => text !== '').join(', '));
+    this.showSpeeds(list(state.speeds), this.over ? null : rateOfLeg(state));
+  }
+
+  legText(state) {
+    const legs = number(state.leg_count) ?? 0;
+    const leg = number(state.leg) ?? 0;
+    const now = rateOfLeg(state);
     const next = number(state.next_rate_dps);
     const parts = [];
-    if (legs !== null && legs > 0 && leg !== null) parts.push(`leg ${count(leg)} of ${count(legs)}`);
+    if (legs > 0) parts.push(leg > 0 ? `leg ${count(leg)} of ${count(legs)}` : `${count(legs)} legs`);
     if (now !== null) parts.push(`now ${signed(now)}`);
     if (next !== null) parts.push(`next ${signed(next)}`);
-    say(byId('leg'), parts.length === 0 ? 'no sweep' : parts.join(', ') + (now === null && next === null ? '' : ' deg/s'));
-    const share = number(state.done_share);
-    byId('done').value = share === null ? 0 : Math.min(1, Math.max(0, share));
+    return parts.length === 0 ? 'no sweep' : parts.join(', ') + (now === null && next === null ? '' : ' deg/s');
+  }
+
+  endText(state, share) {
+    const legs = number(state.leg_count) ?? 0;
+    const leg = number(state.leg) ?? 0;
+    if (legs === 0) return 'no sweep';
+    if (share === 1) return `complete: all ${count(legs)} legs`;
+    return leg > 0 ? `ended early, in leg ${count(leg)} of ${count(legs)}` : `ended early, of ${count(legs)} legs`;
+  }
+
+  /** Of the leg while one is driven, of the whole sweep after it. */
+  framesText(state) {
+    if (this.over) {
+      const valid = list(state.speeds).map((speed) => Math.max(0, number(fields(speed).valid) ?? 0));
+      return valid.length === 0 ? '' : `${count(valid.reduce((sum, frames) => sum + frames, 0))} valid frames`;
+    }
     const frames = number(state.frames);
-    const wanted = number(state.frames_per_leg);
-    const repeated = number(state.repeated);
-    const texts = [];
-    if (frames !== null) texts.push(`${count(frames)}${wanted === null || wanted === 0 ? '' : ` of ${count(wanted)}`} frames`);
-    if (repeated !== null && repeated > 0) texts.push(`${count(repeated)} ${repeated === 1 ? 'leg' : 'legs'} repeated`);
-    say(byId('leg-frames'), texts.join(', '));
-    this.showSpeeds(list(state.speeds), now);
+    if (frames === null || state.phase !== 'leg') return '';
+    const wanted = number(state.frames_per_leg) ?? 0;
+    return `${count(frames)}${wanted === 0 ? '' : ` of ${count(wanted)}`} frames`;
   }
 
   showSpeeds(speeds, now) {

@@ -15,12 +15,15 @@ export function list(value) {
   return Array.isArray(value) ? value : [];
 }
 
-/** A text with control characters made visible, of bounded length. For textContent only. */
+// Drawn as nothing, or turns what follows: thermorig/core/code_point.h has the same.
+const unseen = /(?![\ufe0e\ufe0f])[\u007f-\u009f\u2028\u2029\ufff9-\ufffb\p{Default_Ignorable_Code_Point}]/gu;
+
+/** A text with control and invisible characters made visible, of bounded length. For textContent only. */
 export function plain(value, longest = 500) {
   if (typeof value === 'number' || typeof value === 'boolean') return String(value);
   if (typeof value !== 'string') return '';
   const shown = value.slice(0, longest).replace(/[\u0000-\u001f]/g, (c) => String.fromCharCode(0x2400 + c.charCodeAt(0)))
-    .replace(/[\u007f-\u009f\u200e\u200f\u202a-\u202e\u2066-\u2069]/g, '\u2421');
+    .replace(unseen, '\u2421');
   return value.length > longest ? `${shown}…` : shown;
 }
 
