@@ -7,7 +7,7 @@ set -euo pipefail
 cd "$(dirname "$0")/../.."
 source tests/bench/arguments.sh
 take_arguments --none "" "$@"
-output=$(bash tests/page/run.sh "$build" --test-name-pattern='packed|first paint')
+output=$(THERMORIG_FIGURES=1 bash tests/page/run.sh "$build" --test-name-pattern='packed|first paint')
 figure() { sed -nE "s/.*$1.*/\1/p" <<<"$output"; }
 gzip=$(figure 'page, gzip: ([0-9]+) bytes') median=$(figure 'paint, ms: median ([0-9]+)') greatest=$(figure 'paint, ms: .* greatest ([0-9]+)')
 if [ -z "$gzip" ] || [ -z "$greatest" ]; then

@@ -14,8 +14,17 @@ export function launch() {
     '--no-first-run', '--disable-background-networking', '--disable-component-update', '--disable-sync'] });
 }
 
-/** A tab; `troubles` collects whatever the browser complains of: errors of scripts and refusals of the policy. */
+const spare = new Map();  // tabs that were closed, by what they are like: a new one takes longer than most tests
+
+/**
+ * A tab; `troubles` collects whatever the browser complains of: errors of scripts and refusals of the policy. `close` leaves it empty, for
+ * another test, but where its clock stands still.
+ */
 export async function openTab(browser, { width = 1280, height = 800, dark = false, calm = false, clock = false } = {}) {
+  const kind = JSON.stringify({ width, height, dark, calm });
+  const waiting = spare.get(kind) ?? [];
+  spare.set(kind, waiting);
+  if (!clock && waiting.length > 0) return waiting.pop();
   const context = await browser.newContext({ viewport: { width, height }, colorScheme: dark ? 'dark' : 'light',
     reducedMotion: calm ? 'reduce' : 'no-preference', locale: 'en-GB' });
   const tab = await context.newPage();
@@ -29,7 +38,17 @@ export async function openTab(browser, { width = 1280, height = 800, dark = fals
   tab.on('response', (response) => tab.underWay.delete(response.request()));
   tab.on('requestfailed', (request) => tab.underWay.delete(request));
   if (clock) await tab.clock.install();
-  return { tab, troubles, close: () => context.close() };
+  const opened = { tab, troubles };
+  opened.close = async () => {
+    if (clock) return context.close();
+    await tab.mouse.move(0, 0);
+    await tab.evaluate(() => sessionStorage.clear());
+    await tab.goto('about:blank');
+    troubles.length = 0;
+    tab.underWay.clear();
+    waiting.push(opened);
+  };
+  return opened;
 }
 
 export const screenshot = (tab, name) => tab.screenshot({ path: join(output, `${name}.png`) });

@@ -457,6 +457,7 @@ describe('connection', () => {
     assert.equal(await tab.getAttribute('#mode', 'data-mode'), 'silent');
     assert.equal(await textOf(tab, '#elapsed'), 'last heard of at 00:05');
     assert.equal(await textOf(tab, '#phase'), '');
+    await screenshot(tab, 'no_data');
     for (let i = 0; i < 12; ++i) {  // a minute without a program, so that the waits are at their longest
       await tab.clock.runFor(5000);
       await pause(30);
@@ -515,6 +516,7 @@ describe('connection', () => {
     await until(async () => await textOf(tab, '#mode-word') === 'ENDED', 'ENDED');
     assert.equal(await textOf(tab, '#warnings'), '');
     assert.match(await textOf(tab, '#health'), /camera▲ lost.*gyroclosed.*servoclosed/, 'what was lost stays lost');
+    assert.equal(await tab.locator('#health tbody tr:nth-child(2) td:nth-child(5)').textContent(), '–', 'what is closed has no age');
     assert.equal(await tab.evaluate(() => document.getElementById('done').value), 0.25);
     assert.ok(await tab.locator('#stop').isDisabled());
     await tab.keyboard.press('Space');
@@ -761,7 +763,6 @@ describe('looks', () => {
   test('empty states say what is missing', async () => {
     const { tab } = await page([hello({ control: true, acquisition: null, recording: false })]);
     await until(async () => await textOf(tab, '#mode-word') === 'LIVE', 'LIVE');
-    await pause(300);
     await screenshot(tab, 'empty');
     assert.match(await textOf(tab, '#events'), /none yet/);
     assert.match(await textOf(tab, '#leg'), /no sweep/);
@@ -816,7 +817,7 @@ describe('looks', () => {
     assert.ok(total < 100_000);
   });
 
-  test('first paint, as a figure', async (t) => {
+  test('first paint, as a figure', { skip: process.env.THERMORIG_FIGURES === undefined && 'tests/bench/live_page.sh asks for it' }, async (t) => {
     const times = [];
     for (let i = 0; i < 5; ++i) {
       const { tab } = await page([hello(), ...span(0, 400)]);
