@@ -72,7 +72,7 @@ export class Health {
     const well = closed || device.state === 'ok';
     const hz = number(device.expected_hz);
     const sync = number(device.uncertainty_s);
-    const texts = [closed ? 'closed' : well ? 'ok' : told ? `▲ ${state}` : unknown, rateText(device), hz === null ? unknown : fixed(hz, hz < 20 ? 1 : 0), ageText(device.age_s),
+    const texts = [closed ? 'closed' : well ? 'ok' : told ? `▲ ${state}` : unknown, rateText(device), hz === null ? unknown : fixed(hz, hz < 20 ? 1 : 0), closed ? unknown : ageText(device.age_s),
       count(device.lost), count(device.bad), sync === null ? unknown : fixed(sync * 1000, 1)];
     texts.forEach((text, i) => say(row.cells[i + 1], text));
     const skipped = number(device.skipped_bytes);
