@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <cstddef>
+
 namespace thermorig {
 
 /// The first and the last of a run of Unicode code points.
@@ -9,8 +11,11 @@ struct CodePoints {
   char32_t last = 0;
 };
 
-constexpr bool contains(const CodePoints& span, char32_t code_point) {
-  return code_point >= span.first && code_point <= span.last;
+template <std::size_t count>
+constexpr bool is_within(const CodePoints (&spans)[count], char32_t code_point) {
+  for (const CodePoints& span : spans)
+    if (code_point >= span.first && code_point <= span.last) return true;
+  return false;
 }
 
 /// C0, delete and C1: they move a terminal's cursor, and begin its escape sequences.
@@ -27,9 +32,7 @@ constexpr bool separates_lines(char32_t code_point) {
 /// stands after them is drawn in another order than it is stored.
 constexpr bool changes_direction(char32_t code_point) {
   constexpr CodePoints controls[] = {{0x061c, 0x061c}, {0x200e, 0x200f}, {0x202a, 0x202e}, {0x2066, 0x2069}};
-  for (const CodePoints& span : controls)
-    if (contains(span, code_point)) return true;
-  return false;
+  return is_within(controls, code_point);
 }
 
 /// Nothing is drawn for it, so that two texts that differ look the same: Unicode's
@@ -55,9 +58,7 @@ constexpr bool is_invisible(char32_t code_point) {
       {0x1bca0, 0x1bca3},   // shorthand format controls
       {0x1d173, 0x1d17a},   // musical format controls
       {0xe0000, 0xe0fff}};  // tags, variation selectors 17 to 256
-  for (const CodePoints& span : ignorable)
-    if (contains(span, code_point)) return true;
-  return false;
+  return is_within(ignorable, code_point);
 }
 
 /// May it stand in one line of text that others wrote? Nothing that steers a terminal, breaks the line,
