@@ -506,6 +506,14 @@ describe('connection', () => {
     await until(() => [...server.streams].some((stream) => stream !== first), 'and another stream');
   });
 
+  test('a program that is gone while it closes its file is missed at once', async () => {
+    const { tab } = await page([hello(), ...span(0, 5), state(1, { phase: 'done', stopping: true })], { clock: true });
+    await until(async () => await textOf(tab, '#phase') === 'closing the file …', 'it says so');
+    await server.close();
+    await untilOnItsClock(tab, async () => await textOf(tab, '#mode-word') === 'NO DATA', 'NO DATA', 4000);
+    assert.equal(await textOf(tab, '#phase'), '');
+  });
+
   test('after a normal stop no device is late, and Stop has nothing to stop', async () => {
     const late = { ...state(0).devices, gyro: { ...state(0).devices.gyro, state: 'late' }, camera: { ...state(0).devices.camera, state: 'lost' } };
     const { tab } = await page([hello(), ...span(0, 5), state(1, { devices: late })]);

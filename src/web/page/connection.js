@@ -40,6 +40,10 @@ export class Connection {
     this.open();
   }
 
+  get isOpen() {
+    return this.socket?.readyState === WebSocket.OPEN;
+  }
+
   open() {
     clearTimeout(this.timer);
     this.timer = undefined;

@@ -183,7 +183,8 @@ function refuse() {
 /** Over everything but the band: nothing comes, and what is seen is old. */
 function showSilence() {
   const silent = Date.now() - lastHeard;
-  const over = silent > (closing ? closingTime : overlayAfter) && !ended && !refused;
+  const patience = closing && connection.isOpen ? closingTime : overlayAfter;  // a program that closes its file holds the stream
+  const over = silent > patience && !ended && !refused;
   byId('silence').hidden = !over;
   band.silence(over);
   if (!over) {
