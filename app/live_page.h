@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <cstdint>
+#include <filesystem>
 #include <memory>
 #include <string>
 #include <vector>
@@ -19,8 +21,10 @@ class LivePage : public MessageSink {
   ~LivePage() override;
 
   void take(web::Topic topic, const std::string& message) override;
-  std::string url() const;          // with the token
-  const std::string& note() const;  // on a state file that was not used, or empty
+  std::uint16_t port() const;
+  std::string url() const;                       // with the token
+  const std::filesystem::path& kept_in() const;  // a private file that has the URL; empty: there is none
+  const std::string& note() const;               // on a state file that was not used, or empty
 
   /// What the page ordered since the last call.
   std::vector<rig::Order> take_orders();
@@ -34,7 +38,8 @@ class LivePage : public MessageSink {
 std::vector<rig::Order> orders_of(LiveRun& run, LivePage* page);
 
 /// Prints where the page is, and what is to be said of its state file, once: on standard output or, where
-/// that is for programs, on standard error.
+/// that is for programs, on standard error. No token goes into a file that others may read: then it is said
+/// where the whole address is.
 void tell_page(const LivePage& page, bool json);
 
 }  // namespace thermorig::app

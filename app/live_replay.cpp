@@ -79,18 +79,21 @@ class Replayer {
 
  private:
   bool wait_for(HostTime time) {
-    if (stopped()) return false;
+    if (stopped(time)) return false;
     for (HostDuration left = pace_.wait(time); left > HostDuration{}; left = pace_.wait(time)) {
       std::this_thread::sleep_for(std::min<HostDuration>(left, longest_sleep));
-      if (stopped()) return false;
+      if (stopped(time)) return false;
     }
     return true;
   }
 
-  bool stopped() {
+  /// Takes the page's orders at `time`. A mark is seen, and kept nowhere: a session does not change.
+  bool stopped(HostTime time) {
     if (page_ != nullptr)
-      for (const rig::Order& order : page_->take_orders())
+      for (const rig::Order& order : page_->take_orders()) {
         if (order.kind == rig::OrderKind::stop) stopped_by_ = " of " + order.note;
+        if (order.kind == rig::OrderKind::mark) run_.tell({time, EventKind::mark, std::nullopt, order.note});
+      }
     return interrupted() || !stopped_by_.empty() || screens_.alone();
   }
 

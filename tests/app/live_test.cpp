@@ -17,6 +17,7 @@
 
 #include "model/sample_models.h"
 #include "program.h"
+#include "support/file_text.h"
 #include "thermorig/session/session.h"
 #include "web_server/page_client.h"
 
@@ -400,6 +401,38 @@ TEST_F(Live, TellsOfAStateFileThatWasNotUsed) {
   EXPECT_THAT(lines.out, HasSubstr("others may read or write it")) << lines.err;
   EXPECT_THAT(as_json.err, HasSubstr("others may read or write it"));
   EXPECT_EQ(as_json.lines().front()["event"], "hello");
+}
+
+TEST_F(Live, PutsNoTokenIntoAFileThatOthersMayRead) {
+  const fs::path session = record_briefly();
+  const std::string words = "live --page-port 0 --speed max --replay " + session.string();
+  constexpr auto open_mode = fs::perms::owner_read | fs::perms::owner_write | fs::perms::others_read;
+  constexpr auto own_mode = fs::perms::owner_read | fs::perms::owner_write;
+  const fs::path out = folder() / "out.txt",
+                 err = folder() / "err.txt";  // of run(), made by record_briefly()
+  for (const fs::path& file : {out, err}) fs::permissions(file, open_mode);
+  ASSERT_EQ(setenv("XDG_STATE_HOME", folder().c_str(), 1), 0);
+  const Outcome both_open = run(words);
+  const Outcome as_json = run(words + " --json");
+  fs::permissions(err, own_mode);
+  const Outcome own_errors = run(words);
+  fs::permissions(out, own_mode);
+  const Outcome own_output = run(words);
+  const Outcome terminal = run_on_terminal("TERM=xterm", words);
+  unsetenv("XDG_STATE_HOME");
+  const fs::path state = folder() / "thermorig" / "page.json";
+  const std::string url = json::parse(file_text(state)).value("url", "");
+  const std::string token = url.substr(url.find("#t=") + 3);
+  ASSERT_EQ(token.size(), 32U) << url;
+  for (const std::string& text : {both_open.out, both_open.err, as_json.out, as_json.err, own_errors.out})
+    EXPECT_THAT(text, Not(HasSubstr(token)));
+  for (const std::string& text : {both_open.out, as_json.err}) {
+    EXPECT_THAT(text, HasSubstr("page  http://127.0.0.1:"));
+    EXPECT_THAT(text, HasSubstr(state.string())) << "where the address is";
+  }
+  EXPECT_THAT(own_errors.out, HasSubstr("the whole address is on standard error, and \"url\" in "));
+  for (const std::string& text : {own_errors.err, own_output.out, terminal.out})
+    EXPECT_THAT(text, HasSubstr("/#t=" + token));
 }
 
 TEST_F(Live, DrawsPlainLinesWithoutATerminalAndSaysSo) {
