@@ -88,7 +88,7 @@ describe('the program', { skip: whyNot() || false }, () => {
     await tab.goto(await program.url());
     await shownAtLeast(tab, 40);
     const first = await imagePixels(tab);
-    await shownAtLeast(tab, 160, program);
+    await shownAtLeast(tab, 110, program);  // five seconds of its first leg: angles are counted
     assert.notDeepEqual(await imagePixels(tab), first, 'the image changes');
     await screenshot(tab, 'program');
 
@@ -168,7 +168,7 @@ describe('the program', { skip: whyNot() || false }, () => {
     const program = run('--page-port', '0', '--record', '--output', join(folder, 'recordings'));
     const { tab, close } = await openTab(browser, { dark: true });
     await tab.goto(await program.url());
-    await shownAtLeast(tab, 100);
+    await shownAtLeast(tab, 60);
     assert.equal(await textOf(tab, '#mode-word'), 'RECORDING');
     assert.match(await textOf(tab, '#kept'), /[1-9]\d* frames kept/);
     assert.match(await textOf(tab, '#disk'), /[kMGT]B free/);
@@ -178,7 +178,7 @@ describe('the program', { skip: whyNot() || false }, () => {
     const { session } = program.of('ended')[0];
     await until(async () => (await textOf(tab, '#ended')).includes(session), 'the page names the session');
     await program.ended;
-    const replay = new Program(folder, ['--replay', session, ...(existsSync(model) ? ['--model', model] : []), '--speed', '2', '--page-port', '0']);
+    const replay = new Program(folder, ['--replay', session, ...(existsSync(model) ? ['--model', model] : []), '--page-port', '0']);
     running.push(replay);
     await tab.goto('about:blank');  // the address may be the same
     await tab.goto(await replay.url());
@@ -190,6 +190,8 @@ describe('the program', { skip: whyNot() || false }, () => {
     const [one, two] = [program, replay].map((run) => rates(run.of('frame').find((message) => message.index === index)));
     assert.deepEqual(one, two, 'the same estimates');
     await screenshot(tab, 'program_replay');
+    await tab.keyboard.press('m');
+    await until(() => replay.of('event').some(({ kind }) => kind === 'mark'), 'its mark is seen, though it is kept nowhere');
     await close();
   });
 
