@@ -91,7 +91,7 @@ describe('what is shown', () => {
     assert.equal(await textOf(tab, '#numbers td[data-of="thermal"][data-figure="rmse_dps"]'), '6.10');
     assert.equal(await textOf(tab, '#numbers td[data-of="thermal"][data-figure="recent_median_mse"]'), '0.419');
     assert.equal(await textOf(tab, '#numbers td[data-of="thermal"][data-figure="drift_deg_per_min"]'), '−18.8');
-    assert.match(await textOf(tab, '#counted'), /260 frames counted, 39 apart/);
+    assert.match(await textOf(tab, '#counted'), /260 frames counted, 39 apart \(hatched\)/);
     assert.match(await textOf(tab, '#inference'), /61\.3 µs/);
   });
 
@@ -161,12 +161,22 @@ describe('what is shown', () => {
     await until(async () => await textOf(tab, '#mode-word') === 'ENDED', 'ENDED');
     assert.equal(await textOf(tab, '#leg'), 'complete: all 2 legs');
     server.send(hello({ run: 'stopped' }), state(20, { ...over, done_share: 0.4, leg: 1, repeated: 0 }));
-    await until(async () => await textOf(tab, '#leg') === 'ended early, in leg 1 of 2', 'stopped');
+    await until(async () => await textOf(tab, '#leg') === 'ended early: leg 1 of 2 is not complete', 'stopped');
     server.send(hello({ run: 'failed' }), state(20, { repeated: 0 }), { event: 'ended', exit: 5, message: 'The servo is gone.', advice: '', session: null });
-    await until(async () => await textOf(tab, '#leg') === 'ended early, in leg 7 of 38', 'an error within a leg');
+    await until(async () => await textOf(tab, '#leg') === 'ended early: leg 7 of 38 is not complete', 'an error within a leg');
     assert.match(await textOf(tab, '#leg-frames'), /^\d+ valid frames$/);
     server.send(hello({ run: 'next' }));
     await until(async () => await textOf(tab, '#leg') === 'no sweep yet', 'the next run');
+  });
+
+  test('before anything is driven the band says what it waits for, and nothing counts down', async () => {
+    const waiting = { phase: 'waiting', leg: 0, frames: 0, rate_dps: 0, eta_s: 27 };
+    const { tab } = await page([hello({ control: true }), state(3, waiting)]);
+    await until(async () => await textOf(tab, '#phase') === 'waits for Start sweep', 'what it waits for');
+    assert.equal(await textOf(tab, '#elapsed'), '00:03, 00:27 after the start');
+    server.send(hello({ run: 'at once' }), state(1, waiting));
+    await until(async () => await textOf(tab, '#phase') === 'checks the devices', 'the gate');
+    assert.equal(await textOf(tab, '#elapsed'), '00:01 of 00:28, 00:27 to go');
   });
 
   test('a plan that repeats has no time to go', async () => {
@@ -585,6 +595,20 @@ describe('connection', () => {
     await untilOnItsClock(tab, () => server.streams.size === 1, 'found again', 6000);
     await until(async () => await textOf(tab, '#mode-word') === 'RECORDING', 'the next run');
     assert.ok(await hidden(tab, 'ended'));
+  });
+
+  test('an end without words says that all went well, and a stop is no failure', async () => {
+    const end = (exit, message = '') => ({ event: 'ended', exit, message, advice: '', session: null });
+    const { tab } = await page([hello({ mode: 'replay', recording: false }), ...span(0, 5), end(0)]);
+    await until(async () => await textOf(tab, '#ended') === 'The replay is over.', 'the sentence');
+    assert.equal(await tab.getAttribute('#ended', 'data-well'), 'yes');
+    server.send(hello({ run: 'a sweep' }), end(0));
+    await until(async () => await textOf(tab, '#ended') === 'The run is complete.', 'that of a run');
+    for (const [exit, words, well] of [[130, 'stopped on request of the page', 'stopped'], [5, 'The servo is gone.', 'no']]) {
+      server.send(hello({ run: `${exit}` }), end(exit, words));
+      await until(async () => await textOf(tab, '#ended') === words, words);
+      assert.equal(await tab.getAttribute('#ended', 'data-well'), well);
+    }
   });
 
   test('frames that did not reach the page are told', async () => {

@@ -28,7 +28,8 @@ export class Band {
     say(byId('environment'), this.environment);
     say(byId('acquisition'), acquisition === null ? '' : `acquisition ${count(acquisition)}`);
     say(byId('stop'), this.mode === 'replay' ? 'Stop replay (Space)' : 'Stop servo (Space)');
-    byId('start').hidden = message.control !== true;
+    this.control = message.control === true;
+    byId('start').hidden = !this.control;
     say(byId('announcement'), `${words[this.mode]}${message.simulated === true ? ', simulated' : ''}`);
     this.show();
   }
@@ -44,10 +45,16 @@ export class Band {
     this.show();
   }
 
+  /** Nothing has been driven yet, and the time to go stands still. */
+  get waits() {
+    return this.last.phase === 'waiting' && this.last.stopping !== true;
+  }
+
   /** What the program does now; nothing where nobody knows, or it does nothing any more. */
   phaseText() {
     if (this.shown === 'silent' || this.mode === 'ended') return '';
     const { phase, stopping } = this.last;
+    if (this.waits) return this.control ? 'waits for Start sweep' : 'checks the devices';
     if (phase === 'done') return number(this.last.kept_frames) === null ? 'done' : 'closing the file …';
     return stopping === true ? '▲ stopping' : plain(phase, 40).replaceAll('_', ' ');
   }
@@ -59,6 +66,10 @@ export class Band {
     if (this.mode === 'ended') return clock(now);
     if (this.shown === 'silent') return `last heard of at ${clock(now)}`;
     const left = number(this.last.eta_s);
+    if (this.waits && this.control) {
+      const whole = left ?? this.planned;
+      return whole === null ? clock(now) : `${clock(now)}, ${clock(whole)} after the start`;
+    }
     const planned = left === null ? this.planned : now + left;
     return `${clock(now)}${planned === null ? '' : ` of ${clock(planned)}`}${
       left !== null ? `, ${clock(left)} to go` : this.repeats ? ', until it is stopped' : ''}`;

@@ -30,7 +30,7 @@ export class Numbers {
   show(frame) {
     const scores = fields(frame.scores);
     this.table.dataset.index = number(frame.index) ?? '';
-    say(byId('counted'), number(scores.counted) === null ? '' : `· ${count(scores.counted)} frames counted, ${count(scores.apart)} apart`);
+    say(byId('counted'), number(scores.counted) === null ? '' : `· ${count(scores.counted)} frames counted, ${count(scores.apart)} apart (hatched)`);
     figures.forEach(([, key, text], r) => estimators.forEach((estimator, c) => {
       const value = number(fields(scores[estimator])[key]);
       const cell = this.rows[r].cells[c + 1];

@@ -14,6 +14,7 @@ import { byId, count, fields, fixed, number, plain, say } from './text.js';
 import { Warnings } from './warnings.js';
 
 const overlayAfter = 3000;  // ms without a message; states come four a second
+const stoppedOnRequest = 130;  // exit code
 const closingTime = 60_000;  // ms in which a program that closes its file may say nothing
 const calmly = matchMedia('(prefers-reduced-motion: reduce)');
 // ms between drawings: at most a third of the time goes into them
@@ -139,6 +140,8 @@ const takers = {
     events.add(message);
   },
   ended(message) {
+    const exit = number(message.exit);
+    const said = plain(message.message) || (exit !== 0 ? '' : band.mode === 'replay' ? 'The replay is over.' : 'The run is complete.');
     ended = true;
     connection.expectSilence(Infinity);
     health.runIsOver(true);
@@ -146,14 +149,13 @@ const takers = {
     warnings.set('devices', '');
     byId('stop').disabled = true;
     band.ended();
-    const texts = [message.message, message.advice, plain(message.session) && `Session: ${plain(message.session)}`].map((text) => plain(text, 1000));
+    const texts = [said, message.advice, plain(message.session) && `Session: ${plain(message.session)}`].map((text) => plain(text, 1000));
     byId('ended').replaceChildren(...texts.filter((text) => text !== '').map((text, i) => {
       const paragraph = document.createElement(i === 0 ? 'strong' : 'p');
       paragraph.textContent = text;
       return paragraph;
     }));
-    const exit = number(message.exit);
-    byId('ended').dataset.well = exit === null || exit === 0 ? 'yes' : 'no';
+    byId('ended').dataset.well = exit === null || exit === 0 ? 'yes' : exit === stoppedOnRequest ? 'stopped' : 'no';
     byId('ended').hidden = byId('ended').childElementCount === 0;
   },
   dropped(message) {

@@ -61,7 +61,7 @@ export class Sweep {
     const leg = number(state.leg) ?? 0;
     if (legs === 0) return 'no sweep';
     if (share === 1) return `complete: all ${count(legs)} legs`;
-    return leg > 0 ? `ended early, in leg ${count(leg)} of ${count(legs)}` : `ended early, of ${count(legs)} legs`;
+    return leg > 0 ? `ended early: leg ${count(leg)} of ${count(legs)} is not complete` : `ended early, of ${count(legs)} legs`;
   }
 
   /** Of the leg while one is driven, of the whole sweep after it. */
