@@ -61,7 +61,10 @@ void add_rig(CLI::App& command, RigOptions& rig, std::string& seed) {
   command.add_option("--camera-baud", rig.camera_baud, "Baud rate of the camera")->type_name("N");
   command.add_option("--gyro-baud", rig.gyro_baud, "Baud rate of the gyro")->type_name("N");
   command.add_option("--servo-baud", rig.servo_baud, "Baud rate of the servo link")->type_name("N");
-  command.add_option("--camera-rate", rig.camera_rate_hz, "Frames a second that the camera is asked for")
+  command
+      .add_option("--camera-rate", rig.camera_rate_hz,
+                  "Frames a second that the camera was set to. Nothing is sent to it; a simulated one "
+                  "sends so many")
       ->type_name("HZ");
   add_simulated_parts(command, rig.simulated_servo, rig.simulated_camera, rig.simulated_gyro);
 }

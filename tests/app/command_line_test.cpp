@@ -20,6 +20,14 @@ TEST_F(CommandLine, GivesHelpWithAnExampleForEveryCommand) {
   }
 }
 
+TEST_F(CommandLine, DoesNotSayThatACameraIsToldItsRate) {
+  for (const char* command : {"record", "live", "calibrate", "doctor"}) {
+    const Outcome outcome = run(std::string(command) + " --help");
+    EXPECT_THAT(outcome.out, HasSubstr("camera was set to")) << command;
+    EXPECT_THAT(outcome.out, testing::Not(HasSubstr("asked for"))) << command;
+  }
+}
+
 TEST_F(CommandLine, SaysThatACommandIsMissing) {
   const Outcome outcome = run("");
   EXPECT_EQ(outcome.code, 2);
