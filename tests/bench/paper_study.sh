@@ -4,19 +4,22 @@
 # with a calibrated gyro), trains and tests (raw: both sweeps; calibrated: Nf = 3 only), keeps the small result files in
 # docs/study/{raw,calibrated}/results and writes their tables into docs/paper_study.md. May be stopped at any time: the same
 # command goes on and repeats no finished training.
-# Usage: bash tests/bench/paper_study.sh [--recordings FOLDER] [--reports FOLDER] [--draw]
+# Usage: bash tests/bench/paper_study.sh [--recordings FOLDER] [--reports FOLDER] [--baselines | --draw]
 #   --recordings  where the sessions lie or are recorded to (default build/paper-study)
 #   --reports     where report.html and report.json go (default build/paper-study/reports)
+#   --baselines   record what is missing, but train nothing: compute the gyro's rows of the result files that there are again.
+#                 Recordings that are not those of the results are refused
 #   --draw        only draw and write the tables of the result files that there are: records and trains nothing
 set -euo pipefail
 cd "$(dirname "$0")/../.."
-recordings=build/paper-study reports=build/paper-study/reports draw=0
+recordings=build/paper-study reports=build/paper-study/reports what=study
 while [ $# -gt 0 ]; do
   case "$1" in
     --recordings) recordings=$2; shift ;;
     --reports) reports=$2; shift ;;
-    --draw) draw=1 ;;
-    *) echo "usage: paper_study.sh [--recordings FOLDER] [--reports FOLDER] [--draw]" >&2; exit 2 ;;
+    --baselines) what=baselines ;;
+    --draw) what=draw ;;
+    *) echo "usage: paper_study.sh [--recordings FOLDER] [--reports FOLDER] [--baselines | --draw]" >&2; exit 2 ;;
   esac
   shift
 done
@@ -49,11 +52,19 @@ report() { # GYRO
 }
 
 mkdir -p "$recordings" "$reports"
-if [ "$draw" = 0 ]; then
+if [ "$what" != draw ]; then
   record raw "$recordings/raw"
   record calibrated "$recordings/calibrated"
-  study raw
-  study calibrated --nf 3 --history 6  # the same end frames as the raw study
 fi
+case "$what" in
+  study)
+    study raw
+    study calibrated --nf 3 --history 6  # the same end frames as the raw study
+    ;;
+  baselines)
+    study raw --baselines
+    study calibrated --baselines
+    ;;
+esac
 report raw
 report calibrated
