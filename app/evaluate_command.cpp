@@ -20,8 +20,12 @@ ExitCode run(const EvaluateOptions& options) {
   if (options.draw) return draw_study(options);
   if (options.live && options.study)
     throw Error(ExitCode::bad_usage, "--live and --study are two questions", "", "ask one after the other");
+  if (options.baselines && !options.study)
+    throw Error(ExitCode::bad_usage, "--baselines are those of a study", "",
+                "thermorig evaluate --study recordings -o study --baselines");
   if (options.paths.empty()) refuse_without_paths(options);
   if (options.live) return evaluate_live(options);
+  if (options.baselines) return renew_baselines(options);
   return options.study ? run_study(options) : evaluate_model(options);
 }
 

@@ -8,6 +8,7 @@
 #include "evaluate_live_text.h"
 #include "evaluate_parts.h"
 #include "output.h"
+#include "session_data.h"
 #include "thermorig/dataset/dataset.h"
 #include "thermorig/session/session.h"
 
@@ -24,10 +25,11 @@ live::LiveScores scores_of(const std::vector<LiveEstimate>& rows, const LiveMode
 }
 
 /// Nothing for a session that is not of a live run.
-std::optional<LiveEvaluation> evaluate(const fs::path& path) {
+std::optional<LiveEvaluation> evaluate(const fs::path& path, bool accept_bad) {
   const session::Session session = session::read_session(path);
   const RawRecording& raw = session.raw;
   if (raw.estimates.empty()) return std::nullopt;
+  if (const auto bad = dataset::bad_session(session, path)) require_good({*bad}, accept_bad);
   const windows::Acquisition finished = dataset::acquisition_of(session, path.string());
   LiveEvaluation evaluated{.session = path.string(), .header = raw.header};
   evaluated.screen = scores_of(raw.estimates, raw.header.live_model);
@@ -59,7 +61,7 @@ void tell(const LiveEvaluation& evaluated, bool first, bool json) {
 ExitCode evaluate_live(const EvaluateOptions& options) {
   std::size_t told = 0;
   for (const fs::path& file : dataset::find_sessions(options.paths)) {
-    const std::optional<LiveEvaluation> evaluated = evaluate(file);
+    const std::optional<LiveEvaluation> evaluated = evaluate(file, options.accept_bad);
     if (!evaluated && is_named(file, options.paths))
       refuse_evaluation("the session has no /estimates: it is not of a live run", file.string());
     if (!evaluated) continue;  // found in a folder, beside others

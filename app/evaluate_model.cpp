@@ -93,16 +93,20 @@ void write_model_report(const std::filesystem::path& folder, const model::Model&
 ExitCode evaluate_model(const EvaluateOptions& options) {
   require_existing(options.model);
   const model::Model model = model::read_model(options.model);
-  const std::vector<Acquisition> acquisitions = read_data(options.paths, options.json);
+  const dataset::Acquisitions data = read_data(words_of(options));
+  const std::vector<Acquisition>& acquisitions = data.acquisitions;
   const std::vector<training::WindowEstimate> estimates = estimates_of(model, acquisitions);
   ModelEvaluation evaluated;
   evaluated.evaluation = study::evaluate(estimates, acquisitions, config_of(model));
   evaluated.warnings = warnings_of(model, evaluated, acquisitions);
   if (!options.output.empty()) write_model_report(options.output, model, evaluated.evaluation);
-  if (options.json)
-    print_json(model_json(model, evaluated));
-  else
+  if (options.json) {
+    nlohmann::json object = model_json(model, evaluated);
+    add_choice_to(object, data);
+    print_json(object);
+  } else {
     print("{}", model_text(options.model.filename().string(), model, evaluated));
+  }
   return ExitCode::ok;
 }
 

@@ -60,6 +60,11 @@ void add_study_words(CLI::App& command, EvaluateOptions& options) {
                   "Draw the report of this folder's results again, without training anything")
       ->type_name("DIR")
       ->group(group);
+  command
+      .add_flag("--baselines", options.baselines,
+                "With --study: compute the gyro's rows of the results in DIR again, from the sessions that "
+                "they are of; trains nothing")
+      ->group(group);
 }
 
 /// Without --study and --live the first word is the model.
@@ -81,6 +86,8 @@ void add_evaluate(CLI::App& root, EvaluateOptions& options) {
       ->type_name("DIR");
   command.add_flag("--live", options.live,
                    "The figures of a live run's screen from its session, and with the finalised labels");
+  command.add_flag("--accept-bad", options.accept_bad,
+                   "Take sessions whose verdict is bad; without it one of these is refused");
   command.add_flag("--json", options.json, "Print JSON on standard output, for programs");
   add_study_words(command, options);
   command.footer(

@@ -12,5 +12,6 @@ ExitCode evaluate_model(const EvaluateOptions& options);
 ExitCode evaluate_live(const EvaluateOptions& options);
 ExitCode run_study(const EvaluateOptions& options);
 ExitCode draw_study(const EvaluateOptions& options);
+ExitCode renew_baselines(const EvaluateOptions& options);  // of a study's results; trains nothing
 
 }  // namespace thermorig::app

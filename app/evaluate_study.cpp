@@ -47,23 +47,25 @@ int workers_of(const EvaluateOptions& options) {
 }
 
 void announce(const EvaluateOptions& options, const std::vector<study::Job>& jobs,
-              const std::vector<windows::Acquisition>& acquisitions, int workers) {
-  const bool simulated = any_simulated(acquisitions);
+              const dataset::Acquisitions& data, int workers) {
+  const bool simulated = any_simulated(data.acquisitions);
   if (options.json) {
-    print_json({{"event", "start"},
-                {"jobs", jobs.size()},
-                {"epochs", options.epochs},
-                {"preset", options.preset},
-                {"history", jobs.front().history},
-                {"acquisitions", acquisitions.size()},
-                {"data_hash", jobs.front().data_hash},
-                {"workers", workers},
-                {"simulated", simulated}});
+    nlohmann::json start{{"event", "start"},
+                         {"jobs", jobs.size()},
+                         {"epochs", options.epochs},
+                         {"preset", options.preset},
+                         {"history", jobs.front().history},
+                         {"acquisitions", data.acquisitions.size()},
+                         {"data_hash", jobs.front().data_hash},
+                         {"workers", workers},
+                         {"simulated", simulated}};
+    add_choice_to(start, data);
+    print_json(start);
     return;
   }
   print("study over {}: {} trainings of {} epoch{}, preset {}, {} acquisitions{}, {} at a time\n",
         options.environment, jobs.size(), options.epochs, options.epochs == 1 ? "" : "s", options.preset,
-        acquisitions.size(), simulated ? " of the SIMULATED rig" : "", workers);
+        data.acquisitions.size(), simulated ? " of the SIMULATED rig" : "", workers);
   std::fflush(stdout);
 }
 
@@ -104,16 +106,21 @@ ExitCode tell_interrupted(const fs::path& folder, std::size_t done, std::size_t 
   return ExitCode::interrupted;
 }
 
+void require_results_folder(const EvaluateOptions& options) {
+  if (options.output.empty())
+    throw Error(ExitCode::bad_usage, "a study needs a folder for its results", "", "-o study");
+}
+
 }  // namespace
 
 ExitCode run_study(const EvaluateOptions& options) {
-  if (options.output.empty())
-    throw Error(ExitCode::bad_usage, "a study needs a folder for its results", "", "-o study");
-  const std::vector<windows::Acquisition> acquisitions = read_data(options.paths, options.json);
+  require_results_folder(options);
+  const dataset::Acquisitions data = read_data(words_of(options));
+  const std::vector<windows::Acquisition>& acquisitions = data.acquisitions;
   const std::vector<study::Job> jobs = study::jobs_of(config_of(options), acquisitions);
   const fs::path folder = options.output / "results";
   const int workers = workers_of(options);
-  announce(options, jobs, acquisitions, workers);
+  announce(options, jobs, data, workers);
   watch_interrupts();
   StudyProgress progress(options.json);
   const bool finished = study::run_jobs(jobs, acquisitions, folder, workers, progress.observer(interrupted));
@@ -129,6 +136,20 @@ ExitCode draw_study(const EvaluateOptions& options) {
   const std::vector<study::JobResult> results =
       study::read_results(nested ? *options.draw / "results" : *options.draw);
   conclude(options.output.empty() ? *options.draw : options.output, results, options.json);
+  return ExitCode::ok;
+}
+
+ExitCode renew_baselines(const EvaluateOptions& options) {
+  require_results_folder(options);
+  const fs::path folder = options.output / "results";
+  const dataset::Acquisitions data = read_data(words_of(options));
+  const study::RenewedBaselines renewed = study::renew_baselines(folder, data.acquisitions);
+  if (options.json)
+    print_json({{"event", "baselines"}, {"results", renewed.results}, {"changed", renewed.changed}});
+  else
+    print("baselines of {} results computed again, {} differ from before\n\n", renewed.results,
+          renewed.changed);
+  conclude(options.output, study::read_results(folder), options.json);
   return ExitCode::ok;
 }
 

@@ -133,6 +133,7 @@ struct TrainOptions {
   bool fusion = true;
   std::uint64_t seed = 1;
   bool resume = false;
+  bool accept_bad = false;  // sessions whose verdict is bad
   bool json = false;
 };
 
@@ -150,6 +151,8 @@ struct EvaluateOptions {
   int epochs = 40;
   std::optional<int> history;  // valid frames before a window's end; default: the largest Nf
   std::optional<int> workers;  // jobs side by side; default: cores
+  bool baselines = false;      // of a study: only compute the gyro's rows of its results again
+  bool accept_bad = false;     // sessions whose verdict is bad
   bool json = false;
 };
 

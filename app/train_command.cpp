@@ -44,24 +44,24 @@ int thread_count(const TrainOptions& options) {
 /// One call of `train`: reads, trains, writes.
 class Run {
  public:
-  Run(const TrainOptions& options, const TrainingConfig& config, std::vector<Acquisition> acquisitions)
+  Run(const TrainOptions& options, const TrainingConfig& config, dataset::Acquisitions data)
       : options_(options),
         config_(config),
-        acquisitions_(std::move(acquisitions)),
-        description_(description_of(config, acquisitions_)),
+        data_(std::move(data)),
+        description_(description_of(config, data_.acquisitions)),
         folder_(options.resume ? RunFolder::reopen(run_folder_of(options), description_)
                                : RunFolder::create(run_folder_of(options), description_)),
         output_(make_train_output(config, options.json)) {}
 
   ExitCode run() {
     const int threads = thread_count(options_);
-    output_->start({config_, acquisitions_, run_folder_of(options_).string(), description_.instruction_set,
-                    threads, epochs_before()});
+    output_->start({config_, data_, run_folder_of(options_).string(), description_.instruction_set, threads,
+                    epochs_before()});
     training::ThreadCrew crew(threads);
     watch_interrupts();
     begin_ = io::now();
     training::TrainingResult result =
-        training::train(config_, acquisitions_, crew, observer(), folder_.checkpoint());
+        training::train(config_, data_.acquisitions, crew, observer(), folder_.checkpoint());
     result.model.provenance.producer = producer();
     return finish(result);
   }
@@ -102,7 +102,7 @@ class Run {
     training::Fits fits;
     if (result.model.provenance.epoch_kept > 0) {
       write(result.model);
-      fits = training::fits_of(result.model, config_, acquisitions_);
+      fits = training::fits_of(result.model, config_, data_.acquisitions);
       end.fits = &fits;
       end.model = options_.output.string();
     }
@@ -112,7 +112,7 @@ class Run {
 
   const TrainOptions& options_;
   const TrainingConfig& config_;
-  std::vector<Acquisition> acquisitions_;
+  dataset::Acquisitions data_;
   training::RunDescription description_;
   RunFolder folder_;
   std::unique_ptr<TrainOutput> output_;
@@ -126,7 +126,8 @@ class Run {
 ExitCode run(const TrainOptions& options) {
   const TrainingConfig config = training_config(options);
   require_free(options.output, options.resume ? run_folder_of(options) / "model.onnx" : "");
-  return Run(options, config, read_data(options.paths, options.json)).run();
+  const SessionWords words{.paths = options.paths, .accept_bad = options.accept_bad, .json = options.json};
+  return Run(options, config, read_data(words)).run();
 }
 
 }  // namespace thermorig::app

@@ -71,6 +71,8 @@ void add_train(CLI::App& root, TrainOptions& options) {
                   "Folder for settings, metrics and checkpoint (default: FILE's name with .run)")
       ->type_name("DIR");
   command.add_flag("--resume", options.resume, "Go on with the run in that folder");
+  command.add_flag("--accept-bad", options.accept_bad,
+                   "Take sessions whose verdict is bad; without it one of these is refused");
   command.add_flag("--json", options.json, "Print JSON on standard output, for programs");
   command.footer(
       "Examples:\n"

@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "output.h"
+#include "session_data.h"
 #include "train_text.h"
 
 namespace thermorig::app {
@@ -93,26 +94,28 @@ class JsonTrainOutput final : public TrainOutput {
     const WindowCounts counts = count_windows(start);
     nlohmann::json environments = nlohmann::json::object();
     for (const auto& [name, row] : counts.environments) environments[name] = json_of(row);
-    print_json({{"event", "start"},
-                {"data", json_of(counts.all)},
-                {"environments", environments},
-                {"preset", config_.preset},
-                {"frames", config_.shape.frames},
-                {"reduction", config_.shape.reduction},
-                {"fusion", config_.shape.fusion},
-                {"weights", network::weight_count(config_.shape)},
-                {"epochs", config_.epochs},
-                {"epochs_done", start.epochs_done},
-                {"batch", config_.batch},
-                {"rate", config_.adam.rate},
-                {"auxiliary_thermal", config_.loss.auxiliary_thermal},
-                {"mirror", config_.mirror},
-                {"choose_epoch", config_.choose_epoch},
-                {"label_scale_dps", config_.label_scale_dps},
-                {"seed", config_.seed},
-                {"threads", start.threads},
-                {"instruction_set", start.instruction_set},
-                {"run_folder", start.run_folder}});
+    nlohmann::json object{{"event", "start"},
+                          {"data", json_of(counts.all)},
+                          {"environments", environments},
+                          {"preset", config_.preset},
+                          {"frames", config_.shape.frames},
+                          {"reduction", config_.shape.reduction},
+                          {"fusion", config_.shape.fusion},
+                          {"weights", network::weight_count(config_.shape)},
+                          {"epochs", config_.epochs},
+                          {"epochs_done", start.epochs_done},
+                          {"batch", config_.batch},
+                          {"rate", config_.adam.rate},
+                          {"auxiliary_thermal", config_.loss.auxiliary_thermal},
+                          {"mirror", config_.mirror},
+                          {"choose_epoch", config_.choose_epoch},
+                          {"label_scale_dps", config_.label_scale_dps},
+                          {"seed", config_.seed},
+                          {"threads", start.threads},
+                          {"instruction_set", start.instruction_set},
+                          {"run_folder", start.run_folder}};
+    add_choice_to(object, start.data);
+    print_json(object);
   }
 
   void step(const TrainStanding&) override {}

@@ -6,16 +6,16 @@
 #include <vector>
 
 #include "thermorig/core/error.h"
+#include "thermorig/dataset/dataset.h"
 #include "thermorig/training/fit.h"
 #include "thermorig/training/training.h"
-#include "thermorig/windows/acquisition.h"
 
 namespace thermorig::app {
 
 /// What is about to be trained, and on what.
 struct TrainStart {
   const training::TrainingConfig& config;
-  const std::vector<windows::Acquisition>& acquisitions;
+  const dataset::Acquisitions& data;
   std::string run_folder;
   std::string instruction_set;
   int threads = 1;

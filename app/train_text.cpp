@@ -97,7 +97,7 @@ std::string collapsed_text(const Fit& fit) {
 
 WindowCounts count_windows(const TrainStart& start) {
   WindowCounts counts;
-  for (const windows::Acquisition& acquisition : start.acquisitions) {
+  for (const windows::Acquisition& acquisition : start.data.acquisitions) {
     const std::size_t windows =
         windows::find_windows({&acquisition, 1}, start.config.shape.frames, start.config.history).size();
     if (windows == 0) counts.without.push_back(acquisition.name);

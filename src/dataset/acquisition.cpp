@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: MIT
 #include <fmt/format.h>
 
+#include <cmath>
+#include <limits>
 #include <map>
 
 #include "data_hash.h"
-#include "opening_rest.h"
 #include "session_name.h"
 #include "thermorig/core/error.h"
 #include "thermorig/dataset/dataset.h"
@@ -59,6 +60,12 @@ void append_samples(Acquisition& acquisition, const session::Session& session) {
   }
 }
 
+/// A file may hold any number.
+double rest_bias_dps(const GyroErrors& errors) {
+  const double bias_dps = errors.bias_before_dps.value_or(std::numeric_limits<double>::quiet_NaN());
+  return std::isfinite(bias_dps) ? bias_dps : std::numeric_limits<double>::quiet_NaN();
+}
+
 }  // namespace
 
 Acquisition acquisition_of(const session::Session& session, const std::string& name) {
@@ -71,9 +78,7 @@ Acquisition acquisition_of(const session::Session& session, const std::string& n
                           .licence = header.licence.empty() ? "not stated" : header.licence};
   append_samples(acquisition, session);
   windows::clear_unsound_frames(acquisition);
-  const OpeningRest rest = opening_rest_of(session);
-  acquisition.rest_bias_dps = rest.bias_dps;
-  acquisition.rest_samples = rest.samples;
+  acquisition.rest_bias_dps = rest_bias_dps(session.sync.gyro);
   acquisition.hash = data_hash(acquisition);
   return acquisition;
 }

@@ -27,16 +27,27 @@ session::Session read_in_turn(const fs::path& path) {
   return session::read_session(copy);
 }
 
-Acquisition acquisition_at(const fs::path& path) {
-  const session::Session session = read_in_turn(path);
+Acquisition acquisition_in(const session::Session& session) {
   return acquisition_of(session, name_of(session.raw.header));
+}
+
+/// What became of one file.
+struct FileRead {
+  std::optional<Acquisition> acquisition;  // none: its session is for a calibration
+  std::optional<BadSession> bad;
+};
+
+FileRead read_file(const fs::path& path) {
+  const session::Session session = read_in_turn(path);
+  if (session::is_for_calibration(session.raw.header)) return {};
+  return {acquisition_in(session), bad_session(session, path)};
 }
 
 /// Files are taken in order; one thread's file is read while others hash theirs.
 class Reading {
  public:
   Reading(const std::vector<fs::path>& files, const std::function<void(std::size_t, std::size_t)>& progress)
-      : files_(files), progress_(progress), acquisitions_(files.size()), failures_(files.size()) {}
+      : files_(files), progress_(progress), reads_(files.size()), failures_(files.size()) {}
 
   void work() {
     while (!failed_) {
@@ -47,16 +58,16 @@ class Reading {
   }
 
   /// Throws what went wrong with the first of the files.
-  std::vector<Acquisition> result() {
+  std::vector<FileRead> result() {
     for (const std::exception_ptr& failure : failures_)
       if (failure) std::rethrow_exception(failure);
-    return std::move(acquisitions_);
+    return std::move(reads_);
   }
 
  private:
   void read(std::size_t index) {
     try {
-      acquisitions_[index] = acquisition_at(files_[index]);
+      reads_[index] = read_file(files_[index]);
       const std::lock_guard turn(progress_turn_);
       ++done_;
       if (progress_) progress_(done_, files_.size());
@@ -68,7 +79,7 @@ class Reading {
 
   const std::vector<fs::path>& files_;
   const std::function<void(std::size_t, std::size_t)>& progress_;
-  std::vector<Acquisition> acquisitions_;
+  std::vector<FileRead> reads_;
   std::vector<std::exception_ptr> failures_;
   std::atomic<std::size_t> next_{0};
   std::atomic<bool> failed_{false};
@@ -76,10 +87,11 @@ class Reading {
   std::size_t done_ = 0;
 };
 
-void refuse_copies(const std::vector<Acquisition>& acquisitions, const std::vector<fs::path>& files) {
+void refuse_copies(const std::vector<FileRead>& reads, const std::vector<fs::path>& files) {
   std::map<std::string, std::size_t> seen;
   for (std::size_t index = 0; index < files.size(); ++index) {
-    const auto [first, is_new] = seen.emplace(acquisitions[index].hash, index);
+    if (!reads[index].acquisition) continue;
+    const auto [first, is_new] = seen.emplace(reads[index].acquisition->hash, index);
     if (is_new) continue;
     throw Error(ExitCode::not_a_session, "holds the same recording as " + files[first->second].string(),
                 files[index].string(),
@@ -93,15 +105,32 @@ void sort_by_name(std::vector<Acquisition>& acquisitions) {
             [&](const Acquisition& a, const Acquisition& b) { return key(a) < key(b); });
 }
 
-}  // namespace
-
-Acquisition read_acquisition(const fs::path& path) {
-  return acquisition_at(path);
+Acquisitions sorted_out(std::vector<FileRead> reads, const std::vector<fs::path>& files) {
+  Acquisitions sorted;
+  for (std::size_t index = 0; index < files.size(); ++index) {
+    FileRead& read = reads[index];
+    if (!read.acquisition) sorted.for_calibration.push_back(files[index]);
+    if (read.acquisition) sorted.acquisitions.push_back(std::move(*read.acquisition));
+    if (read.bad) sorted.bad.push_back(std::move(*read.bad));
+  }
+  sort_by_name(sorted.acquisitions);
+  return sorted;
 }
 
-std::vector<Acquisition> read_acquisitions(
-    const std::vector<fs::path>& files,
-    const std::function<void(std::size_t done, std::size_t all)>& progress) {
+}  // namespace
+
+std::optional<BadSession> bad_session(const session::Session& session, const fs::path& file) {
+  session::Quality quality = session::quality_of(session);
+  if (quality.verdict != "bad") return std::nullopt;
+  return BadSession{file, std::move(quality.verdict_reasons)};
+}
+
+Acquisition read_acquisition(const fs::path& path) {
+  return acquisition_in(read_in_turn(path));
+}
+
+Acquisitions read_acquisitions(const std::vector<fs::path>& files,
+                               const std::function<void(std::size_t done, std::size_t all)>& progress) {
   Reading reading(files, progress);
   const std::size_t cores = std::max(1U, std::thread::hardware_concurrency());
   std::vector<std::jthread> others;
@@ -109,10 +138,9 @@ std::vector<Acquisition> read_acquisitions(
     others.emplace_back([&reading] { reading.work(); });
   reading.work();
   others.clear();  // waits for them
-  std::vector<Acquisition> acquisitions = reading.result();
-  refuse_copies(acquisitions, files);
-  sort_by_name(acquisitions);
-  return acquisitions;
+  std::vector<FileRead> reads = reading.result();
+  refuse_copies(reads, files);
+  return sorted_out(std::move(reads), files);
 }
 
 }  // namespace thermorig::dataset

@@ -15,11 +15,6 @@ bool is_able(const ServoState& state) {
   return state.fault == ServoFault::none && state.motion != ServoMotion::disarmed;
 }
 
-bool is_resting(const ServoState& state) {
-  const bool holds = state.motion == ServoMotion::holding || state.motion == ServoMotion::disarmed;
-  return holds && state.rate_dps == 0.0;
-}
-
 constexpr std::int64_t longest_stretch_us = 5'000'000;
 constexpr std::size_t least_pulses = 5;
 }  // namespace
@@ -38,7 +33,7 @@ void CommandTrack::add(const TimedServo& servo) {
                .uncertainty_s = servo.stamp.uncertainty_s,
                .leg = servo.state.leg,
                .able = is_able(servo.state),
-               .resting = is_resting(servo.state),
+               .resting = is_at_rest(servo.state),
                .disagrees = check_.disagrees(servo)});
 }
 

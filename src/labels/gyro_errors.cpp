@@ -113,22 +113,37 @@ void keep_quiet(std::vector<Block>& blocks) {
                 [&](const Block& block) { return std::abs(block.mean_dps - centre_dps) > limit_dps; });
 }
 
-std::optional<double> bias_of_rest(const std::vector<Block>& blocks, std::size_t rest) {
+/// Of the rests from number `first` to before `end`.
+std::optional<double> bias_of_rests(const std::vector<Block>& blocks, std::size_t first, std::size_t end) {
   std::vector<double> means;
   for (const Block& block : blocks)
-    if (block.rest == rest) means.push_back(block.mean_dps);
+    if (first <= block.rest && block.rest < end) means.push_back(block.mean_dps);
   return means.empty() ? std::nullopt : std::optional(median(std::move(means)));
 }
 
-/// Bias and its uncertainty from quiet blocks: what they scatter, and what the bias drifted by.
-void note_rests(GyroErrors& errors, const std::vector<Block>& blocks, std::size_t rests) {
+/// How many of the rests begin before the first leg: the opening rest, and the one behind the drive to where
+/// that leg begins.
+std::size_t rests_before_legs(const std::vector<Stretch>& rests, std::span<const TimedServo> servo,
+                              HostTime origin) {
+  const auto leg = std::find_if(servo.begin(), servo.end(),
+                                [](const TimedServo& message) { return message.state.leg != 0; });
+  if (leg == servo.end()) return rests.size();
+  const double leg_s = to_s(leg->stamp.time - origin);
+  return static_cast<std::size_t>(std::count_if(
+      rests.begin(), rests.end(), [leg_s](const Stretch& rest) { return rest.begin_s < leg_s; }));
+}
+
+/// Bias and its uncertainty from quiet blocks: what they scatter, and what the bias drifted by. `opening`:
+/// how many of the `rests` come before the first leg.
+void note_rests(GyroErrors& errors, const std::vector<Block>& blocks, std::size_t opening,
+                std::size_t rests) {
   const std::vector<double> means = each(blocks, mean_of);
   const double bias_dps = median(means);
   const double scatter_dps = robust_deviation(means, bias_dps);
   const double seen = std::sqrt(static_cast<double>(means.size()));
   errors.noise_dps = median(each(blocks, deviation_of));
-  errors.bias_before_dps = bias_of_rest(blocks, 0);
-  if (rests > 1) errors.bias_after_dps = bias_of_rest(blocks, rests - 1);
+  errors.bias_before_dps = bias_of_rests(blocks, 0, opening);
+  if (rests > opening) errors.bias_after_dps = bias_of_rests(blocks, rests - 1, rests);
   const bool both = errors.bias_before_dps && errors.bias_after_dps;
   const double drift_dps = both ? *errors.bias_after_dps - *errors.bias_before_dps : 0.0;
   errors.bias_dps = Estimate{bias_dps, std::hypot(std::hypot(scatter_dps / seen, least_uncertainty_dps),
@@ -168,7 +183,7 @@ GyroErrors fit_gyro_errors(std::span<const TimedGyro> gyro, std::span<const Time
                                                                        origin + from_s(rest.end_s)));
   std::vector<Block> blocks = blocks_of(gyro, rests, origin);
   keep_quiet(blocks);
-  if (!blocks.empty()) note_rests(errors, blocks, rests.size());
+  if (!blocks.empty()) note_rests(errors, blocks, rests_before_legs(rests, servo, origin), rests.size());
   if (!blocks.empty() && !errors.zeroes_itself) return errors;
   if (errors.zeroes_itself) errors.bias_dps = assumed_gyro_errors(profile).bias_dps;
   const auto by_legs = bias_from_legs(gyro, servo, origin, errors);

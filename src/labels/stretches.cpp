@@ -12,11 +12,6 @@ constexpr std::int64_t gap_us = 50'000;
 constexpr HostDuration longest_stall = std::chrono::seconds(1);  // by the host's clock, which may have jumped
 constexpr double one_ramp_s = 0.1;                               // changes closer than this belong together
 
-bool is_rest(const ServoState& state) {
-  return (state.motion == ServoMotion::holding || state.motion == ServoMotion::disarmed) &&
-         state.rate_dps == 0.0;
-}
-
 bool is_motion(const ServoState& state) {
   return state.fault == ServoFault::none && state.motion == ServoMotion::steady && state.rate_dps != 0.0;
 }
@@ -32,7 +27,7 @@ std::vector<Stretch> steady_stretches(std::span<const TimedServo> servo, HostTim
   std::vector<Stretch> stretches;
   const TimedServo* before = nullptr;  // in the stretch that goes on
   for (const TimedServo& message : servo) {
-    if (!(rests ? is_rest(message.state) : is_motion(message.state))) {
+    if (!(rests ? is_at_rest(message.state) : is_motion(message.state))) {
       before = nullptr;
       continue;
     }

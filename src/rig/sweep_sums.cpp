@@ -61,10 +61,7 @@ double SweepWalker::arm_angle_deg() const {
 }
 
 bool SweepWalker::servo_at_rest() const {
-  if (!last_telemetry_) return false;
-  const ServoState& state = last_telemetry_->state;
-  const bool still = state.motion == ServoMotion::holding || state.motion == ServoMotion::disarmed;
-  return still && state.rate_dps == 0.0;
+  return last_telemetry_ && is_at_rest(last_telemetry_->state);
 }
 
 bool SweepWalker::servo_is_disarmed() const {

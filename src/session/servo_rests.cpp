@@ -7,18 +7,13 @@ namespace {
 
 constexpr auto coming_to_rest = std::chrono::seconds(1);
 
-bool stands_still(const ServoState& state) {
-  return state.rate_dps == 0.0 &&
-         (state.motion == ServoMotion::holding || state.motion == ServoMotion::disarmed);
-}
-
 }  // namespace
 
 std::vector<Stretch> servo_rests(std::span<const TimedServo> servo) {
   std::vector<Stretch> rests;
   bool resting = false;
   for (const TimedServo& message : servo) {
-    const bool still = stands_still(message.state);
+    const bool still = is_at_rest(message.state);
     if (still && !resting) rests.push_back({message.stamp.time + coming_to_rest, message.stamp.time});
     if (still) rests.back().end = message.stamp.time;
     resting = still;

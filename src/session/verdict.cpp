@@ -58,9 +58,8 @@ void judge_stream(Device device, const Quality::Stream& stream, Verdict& verdict
 
 /// A rest that a calibration asked for: there are no legs in which a frame could be valid.
 bool is_rest(const Session& session) {
-  const std::string& plan = session.raw.header.plan_toml;
-  return session.raw.legs.empty() && plan.find("\nfor_calibration = true\n") != std::string::npos &&
-         plan.find("\nleg_rates_dps = []") != std::string::npos;
+  return session.raw.legs.empty() && is_for_calibration(session.raw.header) &&
+         session.raw.header.plan_toml.find("\nleg_rates_dps = []") != std::string::npos;
 }
 
 void judge_samples(const Quality& quality, Verdict& verdict) {
@@ -141,6 +140,10 @@ void judge_epochs(const Session& session, Verdict& verdict) {
 }
 
 }  // namespace
+
+bool is_for_calibration(const RecordingHeader& header) {
+  return header.plan_toml.find("\nfor_calibration = true\n") != std::string::npos;
+}
 
 void judge(const Session& session, Quality& quality) {
   Verdict verdict;

@@ -2,8 +2,7 @@
 #include <algorithm>
 #include <chrono>
 
-#include "fingerprint.h"
-#include "thermorig/core/error.h"
+#include "left_out.h"
 #include "thermorig/study/study.h"
 
 namespace thermorig::study {
@@ -11,8 +10,6 @@ namespace thermorig::study {
 namespace {
 
 using windows::Acquisition;
-
-constexpr std::size_t kept_angle_points = 120;  // a result stays small
 
 training::TrainingConfig config_of(const Job& job) {
   training::TrainingConfig config = training::preset(job.preset);
@@ -25,36 +22,12 @@ training::TrainingConfig config_of(const Job& job) {
   return config;
 }
 
-[[noreturn]] void refuse(const Job& job, const std::string& what) {
-  throw Error(ExitCode::bad_usage, what, job.test, "make the jobs of these acquisitions again");
-}
-
-const Acquisition& test_of(const Job& job, std::span<const Acquisition> acquisitions) {
-  const auto found =
-      std::find_if(acquisitions.begin(), acquisitions.end(), [&](const Acquisition& acquisition) {
-        return acquisition.name == job.test && acquisition.hash == job.test_hash;
-      });
-  if (found == acquisitions.end()) refuse(job, "the acquisition to be tested on is not among the sessions");
-  if (fingerprint_of(acquisitions) != job.data_hash) refuse(job, "the job is of other sessions");
-  return *found;
-}
-
 std::vector<Acquisition> rest_of(const Acquisition& test, std::span<const Acquisition> acquisitions) {
   std::vector<Acquisition> rest;
   rest.reserve(acquisitions.size() - 1);
   for (const Acquisition& acquisition : acquisitions)
     if (&acquisition != &test) rest.push_back(acquisition);
   return rest;
-}
-
-Evaluation test(const model::Model& model, const Job& job, const Acquisition& acquisition) {
-  const std::span<const Acquisition> one(&acquisition, 1);
-  const std::vector<windows::Window> windows = windows::find_windows(one, job.frames, job.history);
-  EvaluationConfig config;
-  config.label_scale_dps = double{model.scaling.label_scale_dps};
-  config.fusion = job.fusion;
-  config.angle_points = kept_angle_points;
-  return evaluate(training::predict(model, one, windows), one, config);
 }
 
 /// What the epochs left in a result.
@@ -73,7 +46,7 @@ void take_training(JobResult& result, const training::TrainingResult& training) 
 std::optional<JobResult> run_job(const Job& job, std::span<const Acquisition> acquisitions,
                                  const training::Observer& observer) {
   const auto begin = std::chrono::steady_clock::now();
-  const Acquisition& left_out = test_of(job, acquisitions);
+  const Acquisition& left_out = left_out_of(job, acquisitions);
   const std::vector<Acquisition> rest = rest_of(left_out, acquisitions);
   network::SoloCrew crew;
   const training::TrainingResult training = training::train(config_of(job), rest, crew, observer);
@@ -84,7 +57,8 @@ std::optional<JobResult> run_job(const Job& job, std::span<const Acquisition> ac
   result.simulated = std::any_of(acquisitions.begin(), acquisitions.end(),
                                  [](const Acquisition& acquisition) { return acquisition.simulated; });
   result.instruction_set = network::name_of(network::best_instruction_set());
-  result.evaluation = test(training.model, job, left_out);
+  const auto estimates = training::predict(training.model, {&left_out, 1}, test_windows(job, left_out));
+  result.evaluation = evaluation_of(estimates, job, left_out, result.label_scale_dps);
   result.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   return result;
 }

@@ -10,6 +10,8 @@
 
 #include "program.h"
 #include "support/file_text.h"
+#include "thermorig/model/model.h"
+#include "thermorig/session/session.h"
 
 namespace thermorig::tests {
 namespace {
@@ -76,6 +78,50 @@ TEST_F(EvaluateTest, WarnsOfDataThatTheModelWasTrainedOn) {
   EXPECT_THAT(run("evaluate model.onnx others").out, Not(HasSubstr("trained on, or chosen by")));
 }
 
+TEST_F(EvaluateTest, RemovesTheBiasOfTheRestAndNotTheJerkOfArming) {
+  model::Model untrained;
+  untrained.weights = network::initial_weights({.frames = 3, .reduction = 3}, 4);
+  model::write_model(folder() / "model.onnx", untrained);
+  ASSERT_EQ(run("record --fast --environment office --simulated=6 --simulated-gyro raw " + brief_plan).code,
+            0);
+  const Outcome outcome = run("evaluate model.onnx recordings --json");
+  ASSERT_EQ(outcome.code, 0) << outcome.err;
+  const nlohmann::json errors = outcome.lines().back().at("errors");
+  EXPECT_GT(std::abs(errors.at("gyro").at("bias_dps").get<double>()), 2.0);
+  EXPECT_LT(std::abs(errors.at("gyro_unbiased").at("bias_dps").get<double>()), 0.3);
+}
+
+TEST_F(EvaluateTest, LeavesOutSessionsOfCalibrationsAndRefusesBadOnes) {
+  record_sessions();
+  train();
+  const fs::path file = files(".h5").front();
+  session::Session session = session::read_session(file);
+  session.raw.header.plan_toml += "for_calibration = true\n";
+  session::replace_session(file, session);
+  const Outcome outcome = run("evaluate model.onnx recordings");
+  ASSERT_EQ(outcome.code, 0) << outcome.err;
+  EXPECT_THAT(outcome.out, HasSubstr("left out, recorded for calibrations: recordings/garden/garden_acq-01"));
+  EXPECT_THAT(outcome.out, HasSubstr("tested on 2 acquisitions"));
+  EXPECT_EQ(run("evaluate model.onnx " + file.string()).code, 2);  // nothing is left
+
+  const fs::path other = files(".h5").at(1);
+  session = session::read_session(other);
+  session.counters[Device::camera].bad_checksum = 100'000;
+  session::replace_session(other, session);
+  for (const std::string& words : {std::string("evaluate model.onnx recordings"), small_study}) {
+    const Outcome refused = run(words);
+    EXPECT_EQ(refused.code, 9);
+    EXPECT_THAT(refused.err, HasSubstr("garden_acq-02"));
+    EXPECT_THAT(refused.err, HasSubstr("the session's verdict is bad: 9"));
+    EXPECT_THAT(refused.err, HasSubstr("--accept-bad"));
+  }
+  EXPECT_THAT(run("evaluate model.onnx recordings --accept-bad").out,
+              HasSubstr("bad, but accepted: recordings/garden/garden_acq-02"));
+  const nlohmann::json told = run("evaluate model.onnx recordings --accept-bad --json").lines().back();
+  EXPECT_EQ(told.at("left_out").size(), 1U);
+  EXPECT_EQ(told.at("bad").size(), 1U);
+}
+
 TEST_F(EvaluateTest, WritesAReportInThreeForms) {
   record_sessions();
   train();
@@ -115,6 +161,11 @@ TEST_F(EvaluateTest, RunsTheStudyAndDrawsItAgain) {
   EXPECT_EQ(file_text(folder() / "study/report.md"), drawn);
   ASSERT_EQ(run("evaluate --draw study/results -o elsewhere").code, 0);
   EXPECT_EQ(file_text(folder() / "elsewhere/report.md"), drawn);
+  fs::remove(folder() / "study/report.md");
+  const Outcome renewed = run("evaluate --study recordings -o study --baselines");
+  ASSERT_EQ(renewed.code, 0) << renewed.err;
+  EXPECT_THAT(renewed.out, HasSubstr("baselines of 4 results computed again, 0 differ from before"));
+  EXPECT_EQ(file_text(folder() / "study/report.md"), drawn);
 }
 
 TEST_F(EvaluateTest, RepeatsNoJobOfAStudy) {
@@ -182,6 +233,8 @@ TEST_F(EvaluateTest, RefusesWhatItCannotDo) {
   EXPECT_EQ(run("evaluate --study recordings -o study --environment kitchen").code, 2);
   EXPECT_EQ(run("evaluate --study recordings -o study --environment laboratory").code, 2);
   EXPECT_EQ(run("evaluate --draw missing").code, 2);
+  EXPECT_EQ(run("evaluate --baselines recordings -o study").code, 2);
+  EXPECT_EQ(run("evaluate --study recordings -o study --baselines").code, 2);  // there are no results
   EXPECT_FALSE(fs::exists(folder() / "study"));
 }
 

@@ -9,6 +9,7 @@
 
 #include "program.h"
 #include "support/file_text.h"
+#include "thermorig/session/session.h"
 
 namespace thermorig::tests {
 namespace {
@@ -208,6 +209,27 @@ TEST_F(Train, RefusesWhatIsNoSession) {
   const Outcome outcome = run(small + "-o model.onnx");
   EXPECT_EQ(outcome.code, 8);
   EXPECT_THAT(outcome.err, HasSubstr("bad.h5"));
+}
+
+TEST_F(Train, LeavesOutSessionsOfCalibrationsAndRefusesBadOnes) {
+  const fs::path file = files(".h5").front();
+  session::Session session = session::read_session(file);
+  session.counters[Device::camera].bad_checksum = 100'000;
+  session::replace_session(file, session);
+  const Outcome refused = run(small + "-o model.onnx");
+  EXPECT_EQ(refused.code, 9);
+  EXPECT_THAT(refused.err,
+              AllOf(HasSubstr("the session's verdict is bad"), HasSubstr(file.filename().string())));
+  EXPECT_FALSE(fs::exists(at("model.run")));
+  session.raw.header.plan_toml += "for_calibration = true\n";
+  session::replace_session(file, session);
+  const Outcome outcome = run(small + "-o model.onnx --no-choose-epoch");
+  ASSERT_EQ(outcome.code, 0) << outcome.err;
+  EXPECT_THAT(outcome.out, HasSubstr("left out, recorded for calibrations: recordings/garden/garden_acq-01"));
+  const auto start = run(small + "-o again.onnx --no-choose-epoch --json").lines().at(0);
+  EXPECT_EQ(start["data"]["acquisitions"], 1);
+  EXPECT_EQ(start["left_out"].size(), 1U);
+  EXPECT_TRUE(start["bad"].empty());
 }
 
 TEST_F(Train, SaysWhenTheDiskIsFull) {

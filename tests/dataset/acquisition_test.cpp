@@ -49,6 +49,16 @@ TEST(Acquisition, TakesTheCommandedSpeedForItsLabel) {
   EXPECT_NE(acquired(session).label_dps[100], session.samples[100].rate_label_dps);
 }
 
+TEST(Acquisition, HasTheStaticBiasThatTheSessionFoundBeforeItsFirstLeg) {
+  Session session = made_session();
+  session.sync.gyro.bias_before_dps = 0.39;
+  EXPECT_EQ(acquired(session).rest_bias_dps, 0.39);
+  session.sync.gyro.bias_before_dps.reset();
+  EXPECT_TRUE(std::isnan(acquired(session).rest_bias_dps));
+  session.sync.gyro.bias_before_dps = std::numeric_limits<double>::infinity();  // a file may say anything
+  EXPECT_TRUE(std::isnan(acquired(session).rest_bias_dps));
+}
+
 TEST(Acquisition, KnowsTheSpeedOfTheLegAndNoneOutsideLegs) {
   Session session = made_session();
   session.samples[70].leg = 0;

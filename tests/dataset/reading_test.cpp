@@ -13,14 +13,22 @@ namespace fs = std::filesystem;
 
 class Sessions : public session::InTemporaryFolder {
  protected:
-  /// A session file; recordings of other seeds differ.
-  fs::path write(const std::string& name, const std::string& environment, int number, std::uint32_t seed) {
+  static session::Session made(const std::string& environment, int number, std::uint32_t seed) {
     session::Session session = session::SyntheticSession(20, seed).take();
     session.raw.header.environment = environment;
     session.raw.header.acquisition = number;
+    return session;
+  }
+
+  fs::path write(const std::string& name, const session::Session& session) {
     fs::create_directories(path(name).parent_path());
     session::write_session(path(name), session);
     return path(name);
+  }
+
+  /// A session file; recordings of other seeds differ.
+  fs::path write(const std::string& name, const std::string& environment, int number, std::uint32_t seed) {
+    return write(name, made(environment, number, seed));
   }
 
   template <typename Action>
@@ -59,7 +67,7 @@ TEST_F(Sessions, AreSortedByEnvironmentAndNumberNotByFile) {
         ++calls;
         last = done;
         EXPECT_EQ(all, 3U);
-      });
+      }).acquisitions;
   ASSERT_EQ(acquisitions.size(), 3U);
   EXPECT_EQ(acquisitions[0].name, "garden_acq-09");
   EXPECT_EQ(acquisitions[1].name, "garden_acq-10");
@@ -90,6 +98,39 @@ TEST_F(Sessions, TheFirstDamagedOneIsNamed) {
     EXPECT_EQ(error.code(), ExitCode::not_a_session);
     EXPECT_EQ(error.where(), path("b.h5").string());
   }
+}
+
+TEST_F(Sessions, OfCalibrationsAreLeftOut) {
+  session::Session calibration = made("calibration", 1, 1);
+  calibration.raw.header.plan_toml = "name = \"calibrate-bias\"\nfor_calibration = true\nseed = 1\n";
+  const fs::path left_out = write("a.h5", calibration);
+  write("b.h5", made("calibration", 2, 2));  // the name of a place says nothing
+  write("copy.h5", calibration);
+  const Acquisitions read = read_acquisitions(find_sessions({folder_}));
+  EXPECT_EQ(read.for_calibration, (std::vector<fs::path>{left_out, path("copy.h5")}));
+  ASSERT_EQ(read.acquisitions.size(), 1U);
+  EXPECT_EQ(read.acquisitions[0].name, "calibration_acq-02");
+}
+
+TEST_F(Sessions, OfABadVerdictAreNamedWithItsReasons) {
+  session::Session good = made("garden", 1, 1), bad = made("garden", 2, 2);
+  for (session::Session* session : {&good, &bad}) {
+    for (const Device device : all_devices) session->counters[device] = {.messages = 1000};
+    for (ClockReport* clock : {&session->sync.clock[Device::camera], &session->sync.clock[Device::gyro],
+                               &session->sync.clock[Device::servo]})
+      clock->uncertainty_us = 100.0;
+    for (TimedFrame& frame : session->frames) frame.missing_before = 0;
+    session->sync.servo.fitted = false;
+  }
+  bad.counters[Device::gyro].messages = 0;
+  ASSERT_NE(session::quality_of(good).verdict, "bad") << session::quality_of(good).verdict_reasons.front();
+  write("a.h5", good);
+  const fs::path file = write("b.h5", bad);
+  const Acquisitions read = read_acquisitions(find_sessions({folder_}));
+  EXPECT_EQ(read.acquisitions.size(), 2U);
+  ASSERT_EQ(read.bad.size(), 1U);
+  EXPECT_EQ(read.bad[0].file, file);
+  EXPECT_EQ(read.bad[0].reasons, session::quality_of(bad).verdict_reasons);
 }
 
 TEST_F(Sessions, CutShortAreRefused) {

@@ -341,6 +341,62 @@ TEST(GyroErrors, OneDirectionAloneSaysLittle) {
   EXPECT_GT(errors.bias_dps->uncertainty, 2.0);
 }
 
+/// Of 12 s, servo and gyro a hundred times a second: rest with an arming that turns the shaft at 3 s, a drive
+/// to where the leg begins, rest, a leg from 7 s on, rest. The gyro shows its bias of 5 deg/s and what turns.
+struct ArmedAndDriven {
+  std::vector<TimedServo> servo;
+  std::vector<TimedGyro> gyro;
+
+  explicit ArmedAndDriven(double begin_s = 0.0) {
+    for (int i = static_cast<int>(100 * begin_s); i < 1200; ++i) add(0.01 * i);
+  }
+
+  GyroErrors errors() const { return fit_gyro_errors(gyro, servo, {}); }
+
+ private:
+  void add(double time_s) {
+    const bool drives = 4.0 <= time_s && time_s < 5.0, leg = 7.0 <= time_s && time_s < 9.0;
+    TimedServo message;
+    message.stamp.time = HostTime(from_s(time_s));
+    message.mcu_time_us = static_cast<std::int64_t>(std::llround(1e6 * time_s));
+    message.state.motion = drives || leg  ? ServoMotion::steady
+                           : time_s < 3.0 ? ServoMotion::disarmed
+                                          : ServoMotion::holding;
+    message.state.rate_dps = drives || leg ? 100.0 : 0.0;
+    message.state.leg = leg ? 1 : 0;
+    servo.push_back(message);
+    const bool arms = 3.0 <= time_s && time_s < 3.2;
+    const double noise_dps = servo.size() % 2 == 0 ? 0.1 : -0.1;
+    TimedGyro sample;
+    sample.stamp.time = message.stamp.time;
+    sample.rate_dps =
+        static_cast<float>(5.0 + noise_dps + message.state.rate_dps + (arms ? 1000.0 * (time_s - 3.0) : 0.0));
+    sample.reading.rate_dps.fill(sample.rate_dps);
+    gyro.push_back(sample);
+  }
+};
+
+TEST(GyroErrors, TheJerkOfArmingIsNoPartOfTheRestBeforeTheFirstLeg) {
+  const GyroErrors errors = ArmedAndDriven().errors();
+  ASSERT_TRUE(errors.bias_before_dps && errors.bias_after_dps);
+  EXPECT_NEAR(*errors.bias_before_dps, 5.0, 0.01);
+  EXPECT_NEAR(*errors.bias_after_dps, 5.0, 0.01);
+}
+
+TEST(GyroErrors, TheRestBeforeTheFirstLegIsThatBehindTheDriveToItAsWell) {
+  ArmedAndDriven drifted(3.2);  // of the rest before the drive there is less than of the one behind it
+  for (TimedGyro& sample : drifted.gyro)
+    if (sample.stamp.time >= HostTime(from_s(5.0))) sample.rate_dps += 0.2F;
+  ASSERT_TRUE(drifted.errors().bias_before_dps);
+  EXPECT_NEAR(*drifted.errors().bias_before_dps, 5.2, 0.01);
+}
+
+TEST(GyroErrors, ARestBehindTheFirstLegIsNotTheOneBefore) {
+  const GyroErrors errors = ArmedAndDriven(7.5).errors();
+  EXPECT_FALSE(errors.bias_before_dps);
+  EXPECT_TRUE(errors.bias_after_dps);
+}
+
 TEST(Fits, SurviveWhatARecordingCanHold) {
   const RigProfile profile;
   const auto both = [&](const std::vector<TimedGyro>& gyro, const std::vector<TimedServo>& servo) {

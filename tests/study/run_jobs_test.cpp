@@ -228,5 +228,42 @@ TEST_F(RunJobs, HaveNoResultsInAnEmptyFolder) {
   EXPECT_TRUE(results_of(jobs(), folder_).empty());
 }
 
+/// Results of a study whose gyros' static biases are known otherwise later. A hash of the data does not tell:
+/// no training sees them.
+class Baselines : public RunJobs {
+ protected:
+  Baselines() {
+    reused(folder_ / "before");
+    for (windows::Acquisition& acquisition : acquisitions_) acquisition.rest_bias_dps += 3.0;
+  }
+};
+
+TEST_F(Baselines, AreThoseOfAStudyThatIsRunAnew) {
+  const auto before = timeless(folder_ / "before");
+  reused(folder_ / "after");
+  const RenewedBaselines renewed = renew_baselines(folder_ / "before", acquisitions_);
+  EXPECT_EQ(renewed.results, 8U);
+  EXPECT_EQ(renewed.changed, 8U);
+  EXPECT_NE(timeless(folder_ / "before"), before);
+  EXPECT_EQ(timeless(folder_ / "before"), timeless(folder_ / "after"));
+  EXPECT_EQ(renew_baselines(folder_ / "before", acquisitions_).changed, 0U);
+}
+
+TEST_F(Baselines, OfOtherSessionsAreRefusedBeforeAnythingIsWritten) {
+  const auto before = timeless(folder_ / "before");
+  for (const bool another : {true, false}) {
+    if (another) acquisitions_[3].hash = "another";
+    if (!another) acquisitions_.pop_back();
+    EXPECT_THROW(renew_baselines(folder_ / "before", acquisitions_), Error);
+  }
+  EXPECT_EQ(timeless(folder_ / "before"), before);
+}
+
+TEST_F(Baselines, OfOtherWindowsAreRefused) {
+  for (windows::Acquisition& acquisition : acquisitions_)
+    acquisition.run[5] = 0;  // though the hash is the same
+  EXPECT_THROW(renew_baselines(folder_ / "before", acquisitions_), Error);
+}
+
 }  // namespace
 }  // namespace thermorig::study

@@ -88,7 +88,6 @@ class Turning {
       : acquisition_(acquisition), config_(config), random_(seed), scene_(random_) {
     bias_dps_ = static_cast<float>(config.gyro_bias_dps * random_.normal());
     acquisition.rest_bias_dps = bias_dps_;
-    acquisition.rest_samples = 2000;
   }
 
   void leg(float rate_dps, std::uint32_t run) {

@@ -33,4 +33,10 @@ struct ServoState {
   std::uint16_t leg = 0;  // the leg that is being driven, 0 for none (rest, transit)
 };
 
+/// The servo was told to stand still: it holds or is disarmed, and its commanded speed is 0.
+inline bool is_at_rest(const ServoState& state) {
+  const bool still = state.motion == ServoMotion::holding || state.motion == ServoMotion::disarmed;
+  return still && state.rate_dps == 0.0;
+}
+
 }  // namespace thermorig

@@ -80,9 +80,11 @@ struct CameraOffset {
 struct GyroErrors {
   Estimate scale{1.0, 0.03};
   bool scale_calibrated = false;
-  std::optional<Estimate> bias_dps;       // over the recording's rests, else of the profile; none: unknown
-  std::optional<double> bias_before_dps;  // at the opening rest
-  std::optional<double> bias_after_dps;   // at the closing rest
+  std::optional<Estimate> bias_dps;  // over the recording's rests, else of the profile; none: unknown
+  // At rest before the first leg: the static bias, all that there is to be known of it before anything turns.
+  // Arming moves the shaft, and a hand may turn the rig: such parts do not count. None: no quiet rest.
+  std::optional<double> bias_before_dps;
+  std::optional<double> bias_after_dps;                         // at the closing rest
   double noise_dps = std::numeric_limits<double>::quiet_NaN();  // of a sample at rest; NaN: no rest was seen
   bool zeroes_itself = false;   // runs of exact zeros at rest: the device hides its bias
   bool bias_from_legs = false;  // bias_dps is what remains of equal speeds in both directions, not of rests

@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -24,10 +25,25 @@ windows::Acquisition read_acquisition(const std::filesystem::path& path);
 /// each once. Throws Error(bad_usage) for a path that does not exist and where nothing is found.
 std::vector<std::filesystem::path> find_sessions(const std::vector<std::filesystem::path>& paths);
 
-/// Reads all of them, on all cores; `progress` is told of each finished file, one at a time. Sorted by
-/// environment, number, name. Throws Error(not_a_session) also where two files hold the same recording.
-std::vector<windows::Acquisition> read_acquisitions(
-    const std::vector<std::filesystem::path>& files,
-    const std::function<void(std::size_t done, std::size_t all)>& progress = {});
+/// A session whose verdict is bad, and why.
+struct BadSession {
+  std::filesystem::path file;
+  std::vector<std::string> reasons;  // of the verdict, at least one
+};
+
+/// What the verdict has against a session; none: it is good or usable.
+std::optional<BadSession> bad_session(const session::Session& session, const std::filesystem::path& file);
+
+/// What files hold for training and evaluation.
+struct Acquisitions {
+  std::vector<windows::Acquisition> acquisitions;      // sorted by environment, number, name
+  std::vector<std::filesystem::path> for_calibration;  // left out; in the order of the files
+  std::vector<BadSession> bad;                         // not left out; in the order of the files
+};
+
+/// Reads all of them, on all cores; `progress` is told of each finished file, one at a time. Throws
+/// Error(not_a_session) also where two files hold the same recording.
+Acquisitions read_acquisitions(const std::vector<std::filesystem::path>& files,
+                               const std::function<void(std::size_t done, std::size_t all)>& progress = {});
 
 }  // namespace thermorig::dataset

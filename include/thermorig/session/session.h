@@ -67,6 +67,10 @@ struct Quality {
 };
 Quality quality_of(const Session& session);
 
+/// Does the plan say that it was recorded for a calibration? Its legs, if there are any, show what that
+/// needs, and not the speeds of a data set.
+bool is_for_calibration(const RecordingHeader& header);
+
 /// Writes the file: to a temporary name in the same folder, read back and checked, synced, renamed to `path`.
 /// Never overwrites: throws Error(storage) if `path` exists. Schema: docs/recording_format.md.
 void write_session(const std::filesystem::path& path, const Session& session,

@@ -24,8 +24,9 @@ struct Errors {
   double bias_dps = 0.0;       // mean error
 };
 
-/// Who estimates. `gyro` is the mean gyro of the window as it is; `gyro_unbiased` the same less the mean over
-/// the opening rest: its static bias. Where there was no rest it is unknown, which is no windows and NaN.
+/// Who estimates. `gyro` is the mean gyro of the window as it is; `gyro_unbiased` the same less the static
+/// bias that it showed at rest before the first leg. Where there was no rest it is unknown, which is no
+/// windows and NaN.
 enum class Estimator : std::uint8_t { thermal, fusion, gyro, gyro_unbiased };
 inline constexpr std::size_t estimator_count = 4;
 inline constexpr std::array<Estimator, estimator_count> all_estimators{

@@ -91,6 +91,21 @@ std::vector<Job> jobs_of(const StudyConfig& config, std::span<const windows::Acq
 std::optional<JobResult> run_job(const Job& job, std::span<const windows::Acquisition> acquisitions,
                                  const training::Observer& observer = {});
 
+/// The result with the rows of those estimators computed anew that no training is behind: the gyro as it is
+/// and less its static bias. `acquisitions` are those that the job was made of; all else stays as it is.
+/// Throws Error(bad_usage) if they are others, or have other windows than the result.
+JobResult with_baselines(JobResult result, std::span<const windows::Acquisition> acquisitions);
+
+/// The same for all results in a folder, each replaced whole: which may be stopped and run again. Nothing is
+/// written if one of them cannot be renewed. Throws also as read_results(), and Error(no_permission) while a
+/// study runs there.
+struct RenewedBaselines {
+  std::size_t results = 0;  // that there are
+  std::size_t changed = 0;  // that say something else now
+};
+RenewedBaselines renew_baselines(const std::filesystem::path& folder,
+                                 std::span<const windows::Acquisition> acquisitions);
+
 /// Where a study stands. `eta_s` weighs what is left by multiply-adds and epochs.
 struct Progress {
   std::size_t done = 0, all = 0, reused = 0;  // reused: of those done, found in the folder

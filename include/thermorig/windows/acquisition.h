@@ -25,9 +25,7 @@ struct Acquisition {
   std::vector<HostTime> time;       // (N) middle of the newest exposure
   std::vector<std::uint32_t> run;   // (N) unbroken run of valid frames within one leg, from 1; 0: not valid
   std::vector<float> leg_rate_dps;  // (N) commanded speed of the leg that the frame lies in; 0 outside legs
-  double rest_bias_dps =
-      0.0;  // mean of the gyro over the opening rest, NaN if there is none: its static bias
-  std::uint64_t rest_samples = 0;  // gyro samples behind it
+  double rest_bias_dps = 0.0;       // of the gyro, at rest before the first leg (GyroErrors); NaN: not known
 
   std::size_t frames() const { return run.size(); }
 };
