@@ -20,7 +20,9 @@ Integer whole_number(const nlohmann::json& in) {
   const bool fits = in.is_number_unsigned()
                         ? std::in_range<Integer>(in.get<std::uint64_t>())
                         : in.is_number_integer() && std::in_range<Integer>(in.get<std::int64_t>());
-  if (!fits) throw std::out_of_range(in.dump() + " is no whole number, or too large");
+  if (!fits)
+    throw std::out_of_range((in.is_number() ? in.dump() : in.type_name()) +
+                            " is no whole number, or too large");
   return in.get<Integer>();
 }
 
@@ -269,6 +271,12 @@ namespace recording_header {
 namespace {
 
 constexpr std::size_t longest_licence = 1000;  // bytes
+constexpr int depth_max = 16;                  // a header has five levels
+
+/// What lies deeper is dropped while it is read: the library's other functions go down by recursion.
+bool is_shallow(int depth, json::parse_event_t, json&) {
+  return depth <= depth_max;
+}
 
 /// Only such text is read back as it was: other bytes are repaired, and grow.
 bool is_utf8(std::string_view text) {
@@ -278,6 +286,13 @@ bool is_utf8(std::string_view text) {
   } catch (const json::type_error&) {
     return false;
   }
+}
+
+/// The library begins its messages with "[json.exception.type_error.302] ".
+std::string without_library_name(std::string_view message) {
+  if (message.starts_with('[')) message.remove_prefix(std::min(message.find(']') + 1, message.size()));
+  message.remove_prefix(std::min(message.find_first_not_of(' '), message.size()));
+  return std::string(message);
 }
 
 }  // namespace
@@ -297,11 +312,11 @@ std::string header_to_json_text(const RecordingHeader& header) {
 RecordingHeader header_from_json_text(std::string_view text, const std::string& where) {
   const std::string advice = "the file is damaged or was not written by thermorig";
   const auto unreadable = [&](const std::exception& error) {
-    return Error(ExitCode::not_a_session, std::string("its header cannot be read: ") + error.what(), where,
-                 advice);
+    return Error(ExitCode::not_a_session, "its header cannot be read: " + without_library_name(error.what()),
+                 where, advice);
   };
   try {
-    auto header = nlohmann::json::parse(text).get<RecordingHeader>();
+    auto header = json::parse(text, is_shallow).get<RecordingHeader>();
     if (const auto problem = problem_of(header))
       throw Error(ExitCode::not_a_session, *problem, where, advice);
     return header;

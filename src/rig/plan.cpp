@@ -12,6 +12,7 @@
 #include "servo_link.h"
 #include "thermorig/core/error.h"
 #include "toml_table.h"
+#include "toml_text.h"
 
 namespace thermorig::rig {
 
@@ -20,6 +21,7 @@ namespace {
 constexpr double rate_limit_dps = SERVO_LIMIT_RATE_CDPS / 100.0;
 constexpr double rest_limit_s = 3600.0;
 constexpr int frames_limit = 1'000'000;
+constexpr std::size_t legs_limit = 65'535;  // each has a number of 16 bits in the servo's telemetry
 
 enum class SpeedOrder : std::uint8_t { seeded, ascending, descending, given };
 
@@ -102,9 +104,11 @@ void apply(Draft& draft, const PlanOverrides& overrides) {
   draft.closing_rest_s = overrides.closing_rest_s.value_or(draft.closing_rest_s);
   draft.seed = overrides.seed.value_or(draft.seed) & INT64_MAX;  // TOML knows signed numbers only
   if (draft.frames_per_leg < 1 || draft.frames_per_leg > frames_limit)
-    refuse_override(fmt::format("{} frames a leg", draft.frames_per_leg), "at least 1");
+    refuse_override(fmt::format("{} frames a leg", draft.frames_per_leg),
+                    fmt::format("1 to {}", frames_limit));
   if (draft.valid_per_leg.value_or(0) < 0 || draft.valid_per_leg.value_or(0) > frames_limit)
-    refuse_override(fmt::format("{} valid frames a leg", *draft.valid_per_leg), "0 (no quota) or more");
+    refuse_override(fmt::format("{} valid frames a leg", *draft.valid_per_leg),
+                    fmt::format("0 (no quota) to {}", frames_limit));
   for (const double rest_s : {draft.opening_rest_s, draft.closing_rest_s}) {
     if (!(rest_s >= 0.0 && rest_s <= rest_limit_s))
       refuse_override(fmt::format("a rest of {} s", rest_s), fmt::format("0 to {} s", rest_limit_s));
@@ -147,8 +151,8 @@ struct Speeds {
 Speeds read_speeds(TomlTable& file) {
   const double smallest = 0.01;  // the link counts hundredths
   const std::string allowed = "leg_rates_dps, magnitudes_dps, or min_dps with max_dps and step_dps";
-  const auto legs = file.numbers("leg_rates_dps", -rate_limit_dps, rate_limit_dps);
-  const auto magnitudes = file.numbers("magnitudes_dps", smallest, rate_limit_dps);
+  const auto legs = file.numbers("leg_rates_dps", -rate_limit_dps, rate_limit_dps, legs_limit);
+  const auto magnitudes = file.numbers("magnitudes_dps", smallest, rate_limit_dps, legs_limit);
   const auto min = file.number("min_dps", smallest, rate_limit_dps);
   const auto max = file.number("max_dps", smallest, rate_limit_dps);
   const auto step = file.number("step_dps", smallest, rate_limit_dps);
@@ -211,6 +215,9 @@ SweepPlan parse_plan(const std::string& text, const std::string& file_name, std:
   if (plan.leg_rates_dps.empty() && !plan.for_calibration)
     file.refuse("", "the plan has no speeds",
                 "leg_rates_dps, magnitudes_dps, or min_dps, max_dps and step_dps");
+  if (plan.leg_rates_dps.size() > legs_limit)
+    file.refuse("", fmt::format("the plan has {} legs", plan.leg_rates_dps.size()),
+                fmt::format("at most {}: fewer speeds, or both_directions = false", legs_limit));
   return plan;
 }
 

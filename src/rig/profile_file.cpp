@@ -14,6 +14,7 @@
 #include "servo_link.h"
 #include "thermorig/core/error.h"
 #include "toml_table.h"
+#include "toml_text.h"
 
 namespace thermorig::rig {
 

@@ -5,49 +5,47 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
-#include <fstream>
-#include <nlohmann/json.hpp>
 #include <sstream>
 #include <toml.hpp>
 #include <utility>
 
 #include "thermorig/core/error.h"
+#include "toml_text.h"
 
 namespace thermorig::rig {
 
+/// Of a text as it was read: the parser has seen one whose lines are shorter.
+struct TomlSource {
+  std::string file_name;
+  std::vector<std::size_t> lines;
+
+  std::string place(std::size_t line) const {
+    return line == 0 ? file_name : fmt::format("{}:{}", file_name, lines[std::min(line, lines.size()) - 1]);
+  }
+};
+
 struct TomlTable::Node {
   toml::value value;
-  std::string file_name;
+  std::shared_ptr<const TomlSource> source;
+
+  /// Counts the lines before it: only for an error.
+  std::string place() const { return source->place(value.location().line()); }
 };
 
 namespace {
-
-std::string place(const toml::value& value, const std::string& file_name) {
-  const auto line = value.location().line();
-  return line == 0 ? file_name : fmt::format("{}:{}", file_name, line);
-}
 
 [[noreturn]] void refuse_at(const std::string& where, const std::string& what, const std::string& advice) {
   throw Error(ExitCode::bad_usage, what, where, advice);
 }
 
 // The library's message is a drawing of the text; its line number is what people need.
-[[noreturn]] void refuse_syntax(const toml::syntax_error& error, const std::string& file_name) {
+[[noreturn]] void refuse_syntax(const toml::syntax_error& error, const TomlSource& source) {
   std::string first = error.what();
   first = first.substr(0, first.find('\n'));
   const std::string mark = "[error] ";
   if (const auto at = first.find(mark); at != std::string::npos) first.erase(0, at + mark.size());
-  refuse_at(fmt::format("{}:{}", file_name, error.location().line()), "not valid TOML: " + first,
+  refuse_at(source.place(error.location().line()), "not valid TOML: " + first,
             "correct that line; the format is described on https://toml.io");
-}
-
-/// As TOML has to be; the library reads beyond the end of keys that are not.
-void refuse_unless_utf8(const std::string& text, const std::string& file_name) {
-  try {
-    static_cast<void>(nlohmann::json(text).dump());
-  } catch (const nlohmann::json::type_error&) {
-    refuse_at(file_name, "it is not UTF-8 text", "a file saved as UTF-8");
-  }
 }
 
 }  // namespace
@@ -55,12 +53,13 @@ void refuse_unless_utf8(const std::string& text, const std::string& file_name) {
 TomlTable::TomlTable(std::shared_ptr<const Node> node) : node_(std::move(node)) {}
 
 TomlTable TomlTable::parse(const std::string& text, const std::string& file_name) {
-  refuse_unless_utf8(text, file_name);
-  std::istringstream stream(text + "\n");
+  TomlText prepared = prepared_toml(text, file_name);
+  const auto source = std::make_shared<const TomlSource>(TomlSource{file_name, std::move(prepared.lines)});
+  std::istringstream stream(prepared.text + "\n");
   try {
-    return TomlTable(std::make_shared<const Node>(Node{toml::parse(stream, file_name), file_name}));
+    return TomlTable(std::make_shared<const Node>(Node{toml::parse(stream, file_name), source}));
   } catch (const toml::syntax_error& error) {
-    refuse_syntax(error, file_name);
+    refuse_syntax(error, *source);
   }
 }
 
@@ -71,18 +70,18 @@ bool TomlTable::has(const std::string& key) const {
 std::optional<TomlTable::Node> TomlTable::find(const std::string& key) {
   known_.push_back(key);
   if (!has(key)) return std::nullopt;
-  return Node{node_->value.at(key), node_->file_name};
+  return Node{node_->value.at(key), node_->source};
 }
 
 double TomlTable::checked_number(const std::string& key, const Node& node, double min, double max) const {
   const toml::value& value = node.value;
-  const std::string where = place(value, node.file_name);
-  const std::string advice = fmt::format("a number from {} to {}", min, max);
-  if (!value.is_integer() && !value.is_floating()) refuse_at(where, key + " is not a number", advice);
+  const auto refuse = [&](const std::string& what) {
+    refuse_at(node.place(), what, fmt::format("a number from {} to {}", min, max));
+  };
+  if (!value.is_integer() && !value.is_floating()) refuse(key + " is not a number");
   const double number =
       value.is_integer() ? static_cast<double>(value.as_integer()) : static_cast<double>(value.as_floating());
-  if (!(number >= min && number <= max))
-    refuse_at(where, fmt::format("{} = {} is out of range", key, number), advice);
+  if (!(number >= min && number <= max)) refuse(fmt::format("{} = {} is out of range", key, number));
   return number;
 }
 
@@ -95,7 +94,7 @@ std::optional<double> TomlTable::number(const std::string& key, double min, doub
 std::optional<std::int64_t> TomlTable::integer(const std::string& key, std::int64_t min, std::int64_t max) {
   const auto node = find(key);
   if (!node) return std::nullopt;
-  const std::string where = place(node->value, node->file_name);
+  const std::string where = node->place();
   const std::string advice = fmt::format("a whole number from {} to {}", min, max);
   if (!node->value.is_integer()) refuse_at(where, key + " is not a whole number", advice);
   const std::int64_t number = node->value.as_integer();
@@ -108,26 +107,29 @@ std::optional<bool> TomlTable::boolean(const std::string& key) {
   const auto node = find(key);
   if (!node) return std::nullopt;
   if (!node->value.is_boolean())
-    refuse_at(place(node->value, node->file_name), key + " is neither true nor false", "true or false");
+    refuse_at(node->place(), key + " is neither true nor false", "true or false");
   return node->value.as_boolean();
 }
 
 std::optional<std::string> TomlTable::text(const std::string& key) {
   const auto node = find(key);
   if (!node) return std::nullopt;
-  if (!node->value.is_string())
-    refuse_at(place(node->value, node->file_name), key + " is not text", "text in quotation marks");
+  if (!node->value.is_string()) refuse_at(node->place(), key + " is not text", "text in quotation marks");
   return node->value.as_string().str;
 }
 
-std::optional<std::vector<double>> TomlTable::numbers(const std::string& key, double min, double max) {
+std::optional<std::vector<double>> TomlTable::numbers(const std::string& key, double min, double max,
+                                                      std::size_t count_max) {
   const auto node = find(key);
   if (!node) return std::nullopt;
-  if (!node->value.is_array())
-    refuse_at(place(node->value, node->file_name), key + " is not a list", "numbers in [ ]");
+  if (!node->value.is_array()) refuse_at(node->place(), key + " is not a list", "numbers in [ ]");
+  const toml::array& values = node->value.as_array();
+  if (values.size() > count_max)
+    refuse_at(node->place(), fmt::format("{} has {} numbers", key, values.size()),
+              fmt::format("at most {}", count_max));
   std::vector<double> numbers;
-  for (const toml::value& value : node->value.as_array())
-    numbers.push_back(checked_number(key, Node{value, node->file_name}, min, max));
+  for (const toml::value& value : values)
+    numbers.push_back(checked_number(key, Node{value, node->source}, min, max));
   return numbers;
 }
 
@@ -144,22 +146,22 @@ std::optional<std::size_t> TomlTable::choice(const std::string& key,
 
 TomlTable TomlTable::table(const std::string& key) {
   const auto node = find(key);
-  if (!node) return TomlTable(std::make_shared<const Node>(Node{toml::table{}, node_->file_name}));
-  if (!node->value.is_table())
-    refuse_at(place(node->value, node->file_name), key + " is not a table", fmt::format("[{}]", key));
+  if (!node) return TomlTable(std::make_shared<const Node>(Node{toml::table{}, node_->source}));
+  if (!node->value.is_table()) refuse_at(node->place(), key + " is not a table", fmt::format("[{}]", key));
   return TomlTable(std::make_shared<const Node>(*node));
 }
 
 void TomlTable::refuse_unknown() const {
   for (const auto& [key, value] : node_->value.as_table()) {
     if (std::find(known_.begin(), known_.end(), key) != known_.end()) continue;
-    refuse_at(place(value, node_->file_name), fmt::format("unknown key \"{}\"", key),
+    refuse_at(Node{value, node_->source}.place(), fmt::format("unknown key \"{}\"", key),
               fmt::format("one of: {}", fmt::join(known_, ", ")));
   }
 }
 
 void TomlTable::refuse(const std::string& key, const std::string& what, const std::string& advice) const {
-  refuse_at(has(key) ? place(node_->value.at(key), node_->file_name) : node_->file_name, what, advice);
+  refuse_at(has(key) ? Node{node_->value.at(key), node_->source}.place() : node_->source->file_name, what,
+            advice);
 }
 
 std::string toml_quoted(const std::string& text) {
@@ -174,15 +176,6 @@ std::string toml_quoted(const std::string& text) {
       quoted += character;
   }
   return quoted + "\"";
-}
-
-std::string read_text_file(const std::string& path, const std::string& what) {
-  std::ifstream file(path, std::ios::binary);
-  std::ostringstream text;
-  if (!file || !(text << file.rdbuf()))
-    throw Error(ExitCode::bad_usage, "the " + what + " cannot be read", path,
-                "check that the file exists, is not empty and may be read");
-  return text.str();
 }
 
 }  // namespace thermorig::rig

@@ -19,7 +19,9 @@ class TomlTable {
   std::optional<std::int64_t> integer(const std::string& key, std::int64_t min, std::int64_t max);
   std::optional<bool> boolean(const std::string& key);
   std::optional<std::string> text(const std::string& key);
-  std::optional<std::vector<double>> numbers(const std::string& key, double min, double max);
+  /// A list of at most `count_max`.
+  std::optional<std::vector<double>> numbers(const std::string& key, double min, double max,
+                                             std::size_t count_max);
   /// Index of the word among `allowed`.
   std::optional<std::size_t> choice(const std::string& key, const std::vector<std::string>& allowed);
   /// The table of that name; one without keys if there is none.
@@ -42,8 +44,5 @@ class TomlTable {
 
 /// A TOML string: quoted and escaped.
 std::string toml_quoted(const std::string& text);
-
-/// A whole file as text. Throws Error(bad_usage).
-std::string read_text_file(const std::string& path, const std::string& what);
 
 }  // namespace thermorig::rig

@@ -27,9 +27,9 @@ constexpr std::size_t description_bytes_max = 4U << 20U;
 nlohmann::json read_description(const fs::path& folder) {
   const fs::path path = folder / description_name;
   const auto text = files::read_whole(path, description_bytes_max, "the run's description");
-  nlohmann::json found = nlohmann::json::parse(text, nullptr, false);
-  if (found.is_discarded()) refuse_damaged(path);
-  return found;
+  auto found = description_from({reinterpret_cast<const char*>(text.data()), text.size()});
+  if (!found) refuse_damaged(path);
+  return *std::move(found);
 }
 
 void make_folder(const fs::path& path) {

@@ -87,6 +87,16 @@ nlohmann::json to_json(const EpochReport& report, const TrainingConfig& config) 
   return line;
 }
 
+std::optional<nlohmann::json> description_from(std::string_view text) {
+  constexpr int depth_max = 8;
+  const auto is_shallow = [](int depth, nlohmann::json::parse_event_t, const nlohmann::json&) {
+    return depth <= depth_max;  // what lies deeper is dropped while it is read
+  };
+  nlohmann::json found = nlohmann::json::parse(text, is_shallow, false);
+  if (found.is_discarded()) return std::nullopt;
+  return found;
+}
+
 std::string differences(const nlohmann::json& then, const nlohmann::json& now) {
   std::string text;
   if (!then.is_object() || !then.contains("settings") || !then.contains("data"))

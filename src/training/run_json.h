@@ -2,7 +2,9 @@
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>
+#include <optional>
 #include <string>
+#include <string_view>
 
 #include "thermorig/training/run_folder.h"
 
@@ -10,6 +12,9 @@ namespace thermorig::training {
 
 /// All that `run.json` holds.
 nlohmann::json to_json(const RunDescription& description);
+
+/// What a `run.json` says, no deeper than such a file ever is; nothing if it is not JSON.
+std::optional<nlohmann::json> description_from(std::string_view text);
 
 /// One line of `metrics.ndjson`.
 nlohmann::json to_json(const EpochReport& report, const TrainingConfig& config);

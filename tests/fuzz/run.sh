@@ -13,13 +13,22 @@ fi
 export UBSAN_OPTIONS=halt_on_error=1
 captures=${THERMORIG_CAPTURES:-../shared/captures}
 
+# Text grows deep and long before it does harm; bytes of a device do not.
+longest_input() {
+  case $1 in
+    header_json_* | plan_* | profile_* | result_* | run_* | text_gyro_* | web_*) echo 65536 ;;
+    *) echo 8192 ;;
+  esac
+}
+
 fuzz() {
   [ "$1" != session_fuzzer ] || export ASAN_OPTIONS=detect_leaks=0 # libhdf5 keeps what it once took
-  local name=$1 corpus=$build/corpus/$1 small=$build/corpus/$1.small dictionary=()
+  local name=$1 corpus=$build/corpus/$1 small=$build/corpus/$1.small dictionary=() longest
+  longest=$(longest_input "$1")
   mkdir -p "$corpus"
   python3 tests/fuzz/seeds.py "$name" protocols/vectors "$corpus" "$captures"
   [ ! -f "tests/fuzz/${name%_fuzzer}.dict" ] || dictionary=(-dict="tests/fuzz/${name%_fuzzer}.dict")
-  if ! "$build/bin/$name" -max_total_time="$seconds" -max_len=8192 -rss_limit_mb=2048 -timeout=20 -verbosity=0 \
+  if ! "$build/bin/$name" -max_total_time="$seconds" -max_len="$longest" -rss_limit_mb=2048 -timeout=20 -verbosity=0 \
     -print_final_stats=1 -artifact_prefix="$build/" "${dictionary[@]}" "$corpus" >"$build/$name.log" 2>&1; then
     tail -n 40 "$build/$name.log" >&2
     echo "$name: a finding, see above and $build" >&2
@@ -27,7 +36,7 @@ fuzz() {
   fi
   if [ "$(find "$corpus" -type f | wc -l)" -gt 500 ]; then # smaller files that reach the same
     rm -rf "$small" && mkdir "$small"
-    "$build/bin/$name" -merge=1 -max_len=8192 -rss_limit_mb=2048 "$small" "$corpus" >/dev/null 2>&1 &&
+    "$build/bin/$name" -merge=1 -max_len="$longest" -rss_limit_mb=2048 "$small" "$corpus" >/dev/null 2>&1 &&
       rm -rf "$corpus" && mv "$small" "$corpus"
   fi
   echo "$name: no finding in $seconds s, $(grep -o 'number_of_executed_units: *[0-9]*' "$build/$name.log" |

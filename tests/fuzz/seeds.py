@@ -13,27 +13,40 @@ captures = pathlib.Path(sys.argv[4]) if len(sys.argv) > 4 else None
 capture_bytes = 4096  # of each: a corpus is to stay small
 source = pathlib.Path(__file__).resolve().parent.parent.parent
 
+DEEP = 20_000 * "[" + 20_000 * "]"
 TEXTS = {
     "plan": [
         "magnitudes_dps = [7.5, 90.0]\norder = \"given\"\nvalid_per_leg = 0\nframes_per_leg = 12\nseed = 3\n",
         "name = \"x\"\nmin_dps = 10\nmax_dps = 100\nstep_dps = 7.5\norder = \"seeded\"\nboth_directions = false\n"
         "opening_rest_s = 1\nclosing_rest_s = 2.5\nrepeat = true\n",
         "leg_rates_dps = [-20.0, 20.0]\n",
+        "a=" + DEEP,
+        "magnitudes_dps = [" + 8_000 * "1.5, " + "2]\n",
     ],
     "profile": [
         "name = \"rig\"\n[camera]\nport = \"/dev/ttyUSB0\"\nbaud = 460800\noutput_rate_hz = 8\n[gyro]\n"
         "protocol = \"text\"\naxis = 2\nsign = -1\n[gyro.text]\nprefix = \"a/g:\"\nrate_columns = [3, -1, 5]\n"
         "[servo]\nkind = \"continuous\"\nfull_rate_dps = 220\ntravel_deg = 720\n",
+        "a" + 5_000 * ".a" + " = 1\n",
         "[servo]\nkind = \"positional\"\ntravel_deg = 180\npulse_min_us = 500\npulse_max_us = 2500\n",
     ],
-    "web": ["{\"note\":\"a mark\"}", "{}", "{\"token\":\"0123456789abcdef0123456789abcdef\"}"],
+    "web": [
+        "{\"note\":" + DEEP + "}",
+        "{\"note\":\"a mark\"}",
+        "{}",
+        "{\"token\":\"0123456789abcdef0123456789abcdef\"}",
+    ],
     "header_json": [
         "{\"uuid\":\"8d3f2a10-7f6e-4c55-9d0a-2b1c3d4e5f60\",\"environment\":\"garden\",\"acquisition\":2,"
         "\"title\":\"t\",\"start_time_utc\":\"2026-07-25T14:35:59.900001Z\",\"time_reference_ns\":1,"
         "\"simulated\":true,\"simulation_seed\":3}",
+        "{\"acquisition\":" + DEEP + "}",
     ],
-    "result": ["{\"job\":{\"kind\":\"held-out\",\"seed\":1},\"mae_dps\":1.5}"],
-    "run": ["{\"data\":[{\"name\":\"garden/1\",\"sha256\":\"00ff\"}],\"settings\":{\"epochs\":3}}"],
+    "result": ["{\"job\":" + DEEP + "}", "{\"job\":{\"kind\":\"held-out\",\"seed\":1},\"mae_dps\":1.5}"],
+    "run": [
+        "{\"data\":0,\"settings\":{\"epochs\":" + DEEP + "}}",
+        "{\"data\":[{\"name\":\"garden/1\",\"sha256\":\"00ff\"}],\"settings\":{\"epochs\":3}}",
+    ],
     "firmware": [],
     "journal": [],
     "session": [],

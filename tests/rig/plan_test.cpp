@@ -3,9 +3,13 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
 #include <set>
 
 #include "thermorig/core/error.h"
@@ -103,6 +107,10 @@ TEST(SweepPlan, AsksForFiftyValidFramesALegOrWhatAShorterOneGives) {
   EXPECT_EQ(load_plan("paper", "kitchen", 1, overrides).valid_per_leg, 0);
   overrides.valid_per_leg = -1;
   EXPECT_THAT(refusal([&] { load_plan("paper", "kitchen", 1, overrides); }), HasSubstr("-1 valid frames"));
+  overrides.valid_per_leg = 0;
+  overrides.frames_per_leg = 100'000'000;
+  EXPECT_THAT(refusal([&] { load_plan("paper", "kitchen", 1, overrides); }),
+              HasSubstr("100000000 frames a leg\n  try: 1 to 1000000"));
 }
 
 TEST(SweepPlan, TextGivesTheSamePlanBack) {
@@ -139,6 +147,66 @@ TEST(SweepPlan, UnknownNameSaysWhatThereIs) {
   EXPECT_THAT(refusal([] { load_plan("papyrus", "kitchen", 1); }), HasSubstr("paper, table-one, quick"));
 }
 
+TEST(SweepPlan, ThatIsNestedDeepIsRefusedBeforeItIsParsed) {
+  const auto parse = [](const std::string& text) {
+    return refusal([&] { parse_plan(text, "mine.toml", 1); });
+  };
+  const std::string deep(100'000, '[');
+  std::string dotted = "a";
+  for (int i = 0; i < 100'000; ++i) dotted += ".a";
+  std::string inlined = "a = ";
+  for (int i = 0; i < 50; ++i) inlined += "{a = ";
+  for (const std::string& text : {"a = " + deep, "\na = [\"]\", ']', \"\"\"]\"\"\"\", \"\\\"]\", " + deep,
+                                  dotted + " = 1", "[" + dotted + "]", inlined, "a = [ # ]\n" + deep})
+    EXPECT_THAT(parse(text), HasSubstr("nested more than 32 levels deep")) << text.substr(0, 40);
+  EXPECT_THAT(parse("\na = " + deep), HasSubstr("mine.toml:2"));
+  EXPECT_THAT(parse("name = \"" + std::string(100, '[') + "\" # " + std::string(100, '[') + "\n"),
+              HasSubstr("no speeds"))
+      << "texts and comments are not nested";
+}
+
+TEST(SweepPlan, TakesAListInOneLineAndNamesTheLinesOfTheFile) {
+  std::string list = "1.5";
+  for (int i = 1; i < 1000; ++i) list += ", 1.5";
+  EXPECT_EQ(parse_plan("magnitudes_dps = [" + list + "]\n", "mine.toml", 1).leg_rates_dps.size(), 2000U);
+  const auto parse = [](const std::string& text) {
+    return refusal([&] { parse_plan(text, "mine.toml", 1); });
+  };
+  EXPECT_THAT(parse("\nmagnitudes_dps = [" + list + ", 0]\n"), HasSubstr("mine.toml:2: magnitudes_dps = 0"));
+  EXPECT_THAT(parse("magnitudes_dps = [" + list + "]\nunknown = 1\n"), HasSubstr("mine.toml:2: unknown key"));
+  EXPECT_THAT(parse("magnitudes_dps = [" + list + "]\nx y\n"), HasSubstr("mine.toml:2: not valid TOML"));
+  EXPECT_THAT(parse("name = \"" + std::string(5000, 'x') + "\"\n"), HasSubstr("more than 4096 bytes"));
+}
+
+TEST(SweepPlan, HasNoMoreLegsThanThereAreNumbersForThem) {
+  const auto parse = [](int magnitudes) {
+    std::string list = "1.5";
+    for (int i = 1; i < magnitudes; ++i) list += ", 1.5";
+    return refusal([&] { parse_plan("magnitudes_dps = [" + list + "]\n", "mine.toml", 1); });
+  };
+  EXPECT_THAT(parse(32'768), HasSubstr("the plan has 65536 legs\n  try: at most 65535"));
+  EXPECT_THAT(parse(65'536),
+              HasSubstr("mine.toml:1: magnitudes_dps has 65536 numbers\n  try: at most 65535"));
+}
+
+TEST(SweepPlan, IsARegularFileOfAtMostAMegabyte) {
+  char name[] = "/tmp/plan_test.XXXXXX";
+  ASSERT_NE(::mkdtemp(name), nullptr);
+  const std::filesystem::path folder = name;
+  const auto load = [](const std::filesystem::path& path) {
+    return refusal([&] { load_plan(path.string(), "kitchen", 1); });
+  };
+  ASSERT_EQ(::mkfifo((folder / "pipe").c_str(), 0600), 0);
+  EXPECT_THAT(load(folder / "pipe"), HasSubstr("a pipe or a device"));
+  EXPECT_THAT(load("/dev/zero"), HasSubstr("a pipe or a device"));
+  EXPECT_THAT(load(folder), HasSubstr("it is a folder"));
+  std::ofstream(folder / "large.toml") << "magnitudes_dps = [40]\n" << std::string(1'000'000, '#');
+  EXPECT_THAT(load(folder / "large.toml"), HasSubstr("more than the 1000000 that are read"));
+  std::ofstream(folder / "small.toml") << "magnitudes_dps = [40]\n" << std::string(4000, '#');
+  EXPECT_EQ(load_plan((folder / "small.toml").string(), "kitchen", 1).leg_rates_dps.size(), 2U);
+  std::filesystem::remove_all(folder);
+}
+
 TEST(SweepPlan, ThatIsNoUtf8IsRefusedBeforeItIsRead) {
   for (const char* text : {"'\xCA'\xCA", "name = \"\xFF\"\n"})
     EXPECT_THAT(refusal([&] { parse_plan(text, "mine.toml", 1); }), HasSubstr("not UTF-8"));
@@ -170,6 +238,10 @@ TEST(PlanCheck, ShowsTheSumWhenTheLinkIsTooSlow) {
   EXPECT_THAT(text, HasSubstr("7.4 frames/s"));
   camera.output_rate_hz = 4.0;
   EXPECT_NO_THROW(check_plan(load_plan("quick", "kitchen", 1), ServoProfile{}, camera));
+  camera.link.baud = 1;
+  EXPECT_THAT(refusal([&] { check_plan(load_plan("quick", "kitchen", 1), ServoProfile{}, camera); }),
+              testing::Not(HasSubstr("at most")))
+      << "no rate is slow enough";
 }
 
 TEST(PlanCheck, RefusesLegsThatLeaveNoValidFrame) {

@@ -104,6 +104,19 @@ TEST(ProfileFile, RefusesCalibrationsThatMeanNothing) {
   EXPECT_THAT(refusal("[camera]\nwander_ppm = 0\n"), HasSubstr("out of range"));
 }
 
+TEST(ProfileFile, IsNeitherDeepNorAPipeNorADevice) {
+  EXPECT_THAT(refusal("a = " + std::string(10'000, '[')), HasSubstr("nested more than 32 levels deep"));
+  for (const char* device : {"/dev/zero", "/dev"}) {
+    try {
+      read_profile(device);
+      ADD_FAILURE() << device;
+    } catch (const Error& error) {
+      EXPECT_EQ(error.code(), ExitCode::bad_usage) << device;
+      EXPECT_THAT(error.what_happened(), HasSubstr("cannot read the rig profile: it is ")) << device;
+    }
+  }
+}
+
 TEST(ProfileFile, KeepsDefaultsForWhatIsLeftOut) {
   const RigProfile profile = parse_profile("[camera]\nport = \"/dev/ttyUSB1\"\n", "bench.toml");
   EXPECT_EQ(profile.camera.link.port, "/dev/ttyUSB1");

@@ -88,6 +88,25 @@ TEST(Header, WithTimesBeyondAnyClockIsRefused) {
   refused([](RigProfile& rig) { rig.servo.settle_s = 1e20; });
 }
 
+TEST(Header, ThatCannotBeReadIsToldInWordsForPeople) {
+  const auto told = [](const std::string& text) {
+    try {
+      header_from_json_text(text, "test");
+    } catch (const Error& error) {
+      return error.what_happened();
+    }
+    return std::string("nothing was refused");
+  };
+  EXPECT_EQ(told("{}").substr(0, 37), "its header cannot be read: key 'uuid'");
+  for (const char* text : {"", "{", "[]", "{\"uuid\": 3}"})
+    EXPECT_EQ(told(text).find("json.exception"), std::string::npos) << told(text);
+  nlohmann::json sound = nlohmann::json::parse(header_to_json_text(sound_header()));
+  sound["acquisition"] = "DEEP";
+  std::string deep = sound.dump();
+  deep.replace(deep.find("\"DEEP\""), 6, std::string(200'000, '[') + std::string(200'000, ']'));
+  EXPECT_EQ(told(deep), "its header cannot be read: array is no whole number, or too large");
+}
+
 TEST(Header, WithANumberThatIsNoneOfItsKindIsRefused) {
   const nlohmann::json sound = nlohmann::json::parse(header_to_json_text(sound_header()));
   const auto refused = [&](const char* where, const nlohmann::json& number) {

@@ -135,7 +135,9 @@ TEST_F(RunFolderTest, ThatIsNotThereIsRefused) {
 
 TEST_F(RunFolderTest, WithADescriptionThatIsNoneIsRefused) {
   RunFolder::create(run(), description_);
+  const std::string deep = std::string(200'000, '[') + std::string(200'000, ']');
   for (const std::string& bytes : {std::string(), std::string("[1,2"), std::string(100'000, '['),
+                                   "{\"settings\": {\"epochs\": " + deep + "}, \"data\": " + deep + "}",
                                    std::string("[]"), std::string("{\"settings\": 3, \"data\": {}}"),
                                    std::string("\xFF\xFE\x00", 3), std::string(5 << 20, ' ')}) {
     overwrite("run.json", bytes);
