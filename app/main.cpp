@@ -10,6 +10,7 @@
 #include "error_output.h"
 #include "options.h"
 #include "output.h"
+#include "standard_descriptors.h"
 #include "thermorig/core/error.h"
 #include "thermorig/session/trial.h"
 
@@ -43,6 +44,7 @@ int printed(int code) {
 }  // namespace
 
 int main(int argc, char** argv) {
+  app::open_standard_descriptors();
   std::signal(SIGXFSZ, SIG_IGN);  // a file that may not grow is then an error of write(), as a full disk is
   std::signal(SIGPIPE, SIG_IGN);  // and so is a reader that goes away: it ends neither a run nor a training
   const bool json = asks_for_json(argc, argv);
