@@ -13,6 +13,7 @@
 #include "output.h"
 #include "record_yield.h"
 #include "thermorig/io/port.h"
+#include "thermorig/rig/expected_size.h"
 #include "thermorig/rig/link_load.h"
 #include "thermorig/rig/yield.h"
 #include "thermorig/timing/link_timing.h"
@@ -35,8 +36,9 @@ Check check_link(Device device, const RigProfile& profile) {
                              count_text(baud), 100 * budget.load);
   if (budget.fits()) return check;
   check.code = ExitCode::bad_usage;
-  check.advice = fmt::format("a higher baud rate, on the device and in the rig profile, or at most {:.1f} /s",
-                             std::floor(budget.max_rate_hz * 10.0) / 10.0);
+  check.advice = "a higher baud rate, on the device and in the rig profile";
+  if (const double most_hz = std::floor(budget.max_rate_hz * 10.0) / 10.0; most_hz > 0.0)
+    check.advice += fmt::format(", or at most {:.1f} /s", most_hz);
   return check;
 }
 
@@ -65,30 +67,34 @@ Check check_plan(const RecordOptions& options, const ChosenRig& rig, const rig::
   return check;
 }
 
-/// Why nothing could be recorded to `folder`, empty if it could.
-std::string refusal_of(const std::filesystem::path& folder, std::uintmax_t free, std::uint64_t needed) {
-  if (!std::filesystem::is_directory(folder)) return "; " + folder.string() + " is no folder";
-  if (access(folder.c_str(), W_OK | X_OK) != 0) return "; it cannot be written";
-  return free > needed ? "" : "; that is too little";
+/// Why nothing could be recorded there, and what to try; both empty if it could.
+struct Refusal {
+  std::string why, advice;
+};
+
+Refusal refusal_of(const std::filesystem::path& folder, std::uintmax_t free, std::uint64_t needed) {
+  if (!std::filesystem::is_directory(folder))
+    return {"; " + folder.string() + " is no folder", "--output with another folder"};
+  if (access(folder.c_str(), W_OK | X_OK) != 0)
+    return {"; it cannot be written", "--output with another folder, or change its permissions"};
+  if (free < needed)
+    return {"; that is too little", "free some space, or record to another disk with --output"};
+  return {};
 }
 
 Check check_output(const RecordOptions& options, const RigProfile& profile, const rig::SweepPlan& plan) {
-  const double duration_s = rig::plan_duration_s(plan, profile.servo, profile.camera.output_rate_hz);
   Check check{.name = "output"};
-  constexpr double copies = 2.0;  // the journal, and the session made of it
-  constexpr double spare = 1.5;   // legs are driven again, and go on until they have their valid frames
-  const auto needed =
-      static_cast<std::uint64_t>(spare * copies * recording_bytes_per_s(profile) * duration_s);
+  const std::uint64_t needed = rig::expected_recording_bytes(plan, profile);
   const std::filesystem::path folder = existing_part(options.output / options.environment);
   std::error_code unknown;
   const std::uintmax_t space = std::filesystem::space(folder, unknown).available;
   const std::uintmax_t free = unknown ? std::numeric_limits<std::uintmax_t>::max() : space;
-  const std::string refusal = refusal_of(folder, free, needed);
+  const Refusal refusal = refusal_of(folder, free, needed);
   check.result = fmt::format("{}: about {} needed, {} free{}", options.output.string(), bytes_text(needed),
-                             unknown ? "unknown" : bytes_text(free), refusal);
-  if (refusal.empty()) return check;
+                             unknown ? "unknown" : bytes_text(free), refusal.why);
+  if (refusal.why.empty()) return check;
   check.code = ExitCode::storage;
-  check.advice = "--output with another folder, or change its permissions";
+  check.advice = refusal.advice;
   return check;
 }
 
@@ -148,11 +154,11 @@ nlohmann::json json_of(const rig::SweepPlan& plan, const RigProfile& profile,
 
 void print_checks(const std::vector<Check>& checks) {
   Table table({"check", "", ""});
-  for (const Check& check : checks) table.add({check.name, check.grade(), printable(check.result)});
+  for (const Check& check : checks) table.add({check.name, check.grade(), check.result});
   print("\n{}", table.text());
   for (const Check& check : checks)
     if ((check.failed() || check.warning) && !check.advice.empty())
-      print("  try: {} ({})\n", printable(check.advice), check.name);
+      print("  try: {} ({})\n", printable(check.advice), printable(check.name));
 }
 
 nlohmann::json check_json(const Check& check) {
@@ -199,7 +205,7 @@ ExitCode print_dry_run(const RecordOptions& options, const ChosenRig& rig, const
   } else {
     const double duration_s =
         rig::plan_duration_s(plan, rig.profile.servo, rig.profile.camera.output_rate_hz);
-    print("plan {}: {}, about {}\n", plan.name, legs_text(plan), duration_text(duration_s));
+    print("plan {}: {}, about {}\n", printable(plan.name), legs_text(plan), duration_text(duration_s));
     if (!plan.leg_rates_dps.empty()) {
       print_legs(plan, rig);
       print("\n{}", yield_text(plan, rig.profile));

@@ -7,13 +7,14 @@
 #include <utility>
 
 #include "thermorig/core/error.h"
+#include "thermorig/rig/expected_size.h"
 
 namespace thermorig::rig {
 
 namespace {
 
 constexpr auto look_period = std::chrono::seconds(1);
-constexpr auto delay_told_period = std::chrono::seconds(10);
+constexpr auto late_told_period = std::chrono::seconds(10);
 constexpr std::uint64_t smallest_step = 1U << 20U;
 
 double megabytes(std::uint64_t bytes) {
@@ -30,15 +31,26 @@ std::string when_synced(const SyncPolicy& policy) {
   return fmt::format("within {} ms", to_text(policy));
 }
 
-}  // namespace
-
-std::uint64_t session_bytes_beside(std::uint64_t journal_bytes) {
-  return journal_bytes / 2;
+/// As `doctor` judges a disk; else the sync began late: the computer was busy.
+bool is_of_disk(const LateSync& late, const SyncPolicy& policy) {
+  return late.lasted > policy.period;
 }
 
-void require_space(files::Disk& disk, const std::filesystem::path& path, std::uint64_t journal_bytes) {
+std::string text_of(const LateSync& late, const SyncPolicy& policy) {
+  const std::string cause =
+      is_of_disk(late, policy)
+          ? fmt::format("the disk is slow: a sync took {:.0f} ms", to_s(late.lasted) * 1e3)
+          : std::string("this computer is busy: a sync ended late");
+  return fmt::format(
+      "{}; what was received {:.0f} ms ago is on the disk only now, and a loss of power would "
+      "have cost as much",
+      cause, to_s(late.waited) * 1e3);
+}
+
+}  // namespace
+
+void require_space(files::Disk& disk, const std::filesystem::path& path, std::uint64_t needed) {
   const auto free = disk.free_bytes(files::folder_of(path));
-  const std::uint64_t needed = journal_bytes + session_bytes_beside(journal_bytes);
   if (!free.good() || free.value >= needed) return;  // unknown: let the writes tell
   throw Error(ExitCode::storage,
               fmt::format("not enough space for the recording and the session that is made of it: {:.1f} MB "
@@ -50,14 +62,12 @@ void require_space(files::Disk& disk, const std::filesystem::path& path, std::ui
 DiskWatch::DiskWatch(journal::JournalWriter& journal, const SyncPolicy& policy)
     : journal_(journal), policy_(policy), step_(std::max(smallest_step, journal.reserved() / 8)) {}
 
-std::vector<RecordingEvent> DiskWatch::look(HostTime now, std::optional<HostDuration> delay) {
+std::vector<RecordingEvent> DiskWatch::look(HostTime now, const std::optional<LateSync>& late) {
   std::vector<RecordingEvent> said;
-  if (delay && now >= next_delay_) {
-    next_delay_ = now + delay_told_period;
-    said.push_back(
-        warning(now, fmt::format("the disk is slow: what was received {:.0f} ms ago reached it only "
-                                 "now; a loss of power would have cost as much",
-                                 to_s(*delay) * 1e3)));
+  const bool is_told = late && (is_of_disk(*late, policy_) || late->waited > 2 * policy_.period);
+  if (is_told && now >= next_late_) {
+    next_late_ = now + late_told_period;
+    said.push_back(warning(now, text_of(*late, policy_)));
   }
   if (!next_look_)
     said.push_back(

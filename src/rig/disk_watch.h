@@ -13,12 +13,15 @@
 
 namespace thermorig::rig {
 
-/// What a session needs beside the journal that it is made of, bytes.
-std::uint64_t session_bytes_beside(std::uint64_t journal_bytes);
+/// Throws Error(storage) with what is missing unless `needed` bytes are free on the disk that `path` will lie
+/// on: those of a recording and of the session that is made of it.
+void require_space(files::Disk& disk, const std::filesystem::path& path, std::uint64_t needed);
 
-/// Throws Error(storage) with what is missing unless `journal_bytes` and the session that is made of them fit
-/// on the disk that `path` will lie on.
-void require_space(files::Disk& disk, const std::filesystem::path& path, std::uint64_t journal_bytes);
+/// A sync that ended later than was promised.
+struct LateSync {
+  HostDuration waited{};  // the oldest byte that it was for, until its end
+  HostDuration lasted{};  // the sync itself
+};
 
 /// Watches space and speed of the disk under a journal: lets its reserve grow before it ends, and says once
 /// what ought to be known.
@@ -26,9 +29,10 @@ class DiskWatch {
  public:
   DiskWatch(journal::JournalWriter& journal, const SyncPolicy& policy);
 
-  /// The first look says when the journal is synced. `delay`: longer than was promised, that bytes had to
-  /// wait for their sync. Looks at the disk once a second.
-  std::vector<RecordingEvent> look(HostTime now, std::optional<HostDuration> delay);
+  /// The first look says when the journal is synced. `late`: bytes had to wait for their sync for longer than
+  /// was promised: that is said where the sync itself took longer than the period, and from twice the period
+  /// on. Looks at the disk once a second.
+  std::vector<RecordingEvent> look(HostTime now, const std::optional<LateSync>& late);
 
  private:
   void look_at_reserve(HostTime now, std::vector<RecordingEvent>& said);
@@ -38,7 +42,7 @@ class DiskWatch {
   SyncPolicy policy_;
   std::uint64_t step_;  // of the reserve, bytes
   std::optional<HostTime> next_look_;
-  HostTime next_delay_{};  // that may be told of
+  HostTime next_late_{};  // that may be told of
   bool reserve_told_ = false;
   bool space_told_ = false;
 };

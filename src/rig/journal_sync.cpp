@@ -9,9 +9,13 @@ namespace thermorig::rig {
 
 using Clock = std::chrono::steady_clock;
 
-HostDuration pause_before_sync(HostDuration period, HostDuration lasted) {
-  const HostDuration margin = period / 8;  // for a sync that takes a little longer than the one before
-  return std::max(period - lasted - margin, period / 4);
+HostDuration pause_before_sync(HostDuration period, HostDuration expected) {
+  const HostDuration margin = period / 8;  // for a sync that takes a little longer than was expected
+  return std::max(period - expected - margin, period / 4);
+}
+
+HostDuration expected_sync(HostDuration expected, HostDuration lasted) {
+  return std::max(lasted, expected - expected / 32);
 }
 
 JournalSync::JournalSync(journal::JournalWriter& journal, const SyncPolicy& policy)
@@ -37,7 +41,7 @@ void JournalSync::frame() {
 
 void JournalSync::wait_for_turn(std::unique_lock<std::mutex>& lock, Clock::time_point begin) {
   // With each_frame as well: a camera that sends nothing leaves the others' bytes to the period.
-  wake_.wait_until(lock, begin + pause_before_sync(policy_.period, lasted_),
+  wake_.wait_until(lock, begin + pause_before_sync(policy_.period, expected_),
                    [this] { return stop_ || has_frame_; });
 }
 
@@ -60,9 +64,10 @@ void JournalSync::run() {
     }
     const Clock::time_point end = Clock::now();
     lock.lock();
-    lasted_ = std::chrono::duration_cast<HostDuration>(end - begin);
-    const auto delay = std::chrono::duration_cast<HostDuration>(end - waiting_since);
-    if (delay > policy_.period) delay_ = std::max(delay, delay_.value_or(HostDuration{}));
+    const LateSync sync{.waited = std::chrono::duration_cast<HostDuration>(end - waiting_since),
+                        .lasted = std::chrono::duration_cast<HostDuration>(end - begin)};
+    expected_ = expected_sync(expected_, sync.lasted);
+    if (sync.waited > policy_.period && (!late_ || sync.waited > late_->waited)) late_ = sync;
     failure_ = failure;
     if (failure) return;
   }
@@ -73,9 +78,9 @@ void JournalSync::check() {
   if (failure_) std::rethrow_exception(failure_);
 }
 
-std::optional<HostDuration> JournalSync::take_delay() {
+std::optional<LateSync> JournalSync::take_late() {
   const std::lock_guard lock(mutex_);
-  return std::exchange(delay_, std::nullopt);
+  return std::exchange(late_, std::nullopt);
 }
 
 }  // namespace thermorig::rig

@@ -7,14 +7,19 @@
 #include <optional>
 #include <thread>
 
+#include "disk_watch.h"
 #include "thermorig/journal/journal.h"
 #include "thermorig/rig/sync_policy.h"
 
 namespace thermorig::rig {
 
 /// When the next sync has to begin so that it ends within the period, counted from the begin of the one
-/// before; `lasted`: that one. At least a quarter of the period lies in between.
-HostDuration pause_before_sync(HostDuration period, HostDuration lasted);
+/// before; `expected`: what it takes. At least a quarter of the period lies in between.
+HostDuration pause_before_sync(HostDuration period, HostDuration expected);
+
+/// What the next sync is expected to take when the last one took `lasted`: a slow one is not forgotten at
+/// once.
+HostDuration expected_sync(HostDuration expected, HostDuration lasted);
 
 /// Syncs a journal on a thread of its own, so that the reading thread never waits for the disk. Nothing is
 /// handed over but the word that there is a frame, so there is no queue between the two.
@@ -32,9 +37,9 @@ class JournalSync {
   /// Throws what a sync threw.
   void check();
 
-  /// The longest that appended bytes have waited for their sync to end, if that was longer than was promised;
-  /// none if it was not, or was told before.
-  std::optional<HostDuration> take_delay();
+  /// Of the syncs that ended later than was promised, the one with the longest wait; none if there was none,
+  /// or it was told before.
+  std::optional<LateSync> take_late();
 
  private:
   void run();
@@ -46,8 +51,8 @@ class JournalSync {
   std::condition_variable wake_;
   bool stop_ = false;
   bool has_frame_ = false;
-  HostDuration lasted_{};
-  std::optional<HostDuration> delay_;
+  HostDuration expected_{};  // what a sync may take, by those before
+  std::optional<LateSync> late_;
   std::exception_ptr failure_;
   std::thread thread_;  // last: it uses everything above
 };

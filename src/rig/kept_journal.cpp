@@ -8,9 +8,9 @@
 #include "disk_watch.h"
 #include "file_lock.h"
 #include "journal_sync.h"
-#include "recording_start.h"
 #include "thermorig/core/error.h"
 #include "thermorig/journal/journal.h"
+#include "thermorig/rig/expected_size.h"
 #include "virtual_sync.h"
 
 namespace thermorig::rig {
@@ -18,7 +18,7 @@ namespace thermorig::rig {
 struct KeptJournal::Kept {
   Kept(const SessionFile& file, const RecordingHeader& header, const RecordingOptions& options,
        files::Disk& disk)
-      : journal(file.journal, header, expected_journal_bytes(options), disk),
+      : journal(file.journal, header, expected_journal_bytes(options.plan, options.profile), disk),
         lock(file.journal, FileLock::Wait::yes, disk),
         watch(journal, options.sync) {
     if (options.sync.when == SyncWhen::end) return;
@@ -43,7 +43,7 @@ KeptJournal::KeptJournal(const RecordingOptions& options, RecordingHeader& heade
   const FolderLock folder(options.output, options.environment, *disk_);
   file_ = folder.next(compact_utc(header.start_time_utc));
   header.acquisition = file_.acquisition;
-  require_space(*disk_, file_.journal, expected_journal_bytes(options));
+  require_space(*disk_, file_.journal, expected_recording_bytes(options.plan, options.profile));
   kept_ = std::make_unique<Kept>(file_, header, options, *disk_);
 }
 
@@ -76,13 +76,13 @@ void KeptJournal::frame() {
 
 std::vector<RecordingEvent> KeptJournal::check(HostTime now) {
   if (!kept_) return {};
-  std::optional<HostDuration> delay;
+  std::optional<LateSync> late;
   if (kept_->sync) {
     kept_->sync->check();
-    delay = kept_->sync->take_delay();
+    late = kept_->sync->take_late();
   }
   if (kept_->virtual_sync) kept_->virtual_sync->tick(now);
-  return kept_->watch.look(now, delay);
+  return kept_->watch.look(now, late);
 }
 
 void KeptJournal::close(HostTime end) {

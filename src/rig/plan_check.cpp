@@ -112,6 +112,7 @@ void check_quota(const SweepPlan& plan, const ServoProfile& servo, const CameraP
 void check_camera_link(const SweepPlan& plan, const CameraProfile& camera) {
   const auto budget = timing::link_budget(wire::camera_frame_bytes, camera.output_rate_hz, camera.link.baud);
   if (budget.fits()) return;
+  const double most_hz = std::floor(budget.max_rate_hz * 10.0) / 10.0;
   const double wire_ms = 1e3 * timing::wire_time_s(wire::camera_frame_bytes, camera.link.baud);
   refuse(
       plan,
@@ -119,8 +120,8 @@ void check_camera_link(const SweepPlan& plan, const CameraProfile& camera) {
           "the camera's link cannot carry {} frames/s: {} bytes x 10 bits / {} baud = {:.1f} ms > {:.1f} ms",
           camera.output_rate_hz, wire::camera_frame_bytes, camera.link.baud, wire_ms,
           1e3 / camera.output_rate_hz),
-      fmt::format("460800 baud (set it on the camera and in the rig profile), or at most {:.1f} frames/s",
-                  std::floor(budget.max_rate_hz * 10.0) / 10.0));
+      "460800 baud (set it on the camera and in the rig profile)" +
+          (most_hz > 0.0 ? fmt::format(", or at most {:.1f} frames/s", most_hz) : ""));
 }
 
 }  // namespace

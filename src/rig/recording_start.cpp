@@ -9,7 +9,6 @@
 #include "thermorig/io/host.h"
 #include "thermorig/io/port.h"
 #include "thermorig/rig/detect.h"
-#include "thermorig/rig/link_load.h"
 #include "thermorig/rig/profile_file.h"
 
 namespace thermorig::rig {
@@ -82,22 +81,6 @@ RecordingHeader make_header(const RecordingOptions& options, HostTime now) {
   header.host_name = io::host_name();
   header.kernel = io::kernel_release();
   return header;
-}
-
-std::uint64_t expected_journal_bytes(const RecordingOptions& options) {
-  const RigProfile& profile = options.profile;
-  constexpr double record_bytes = 40.0;      // the journal's own, of each chunk
-  constexpr double chunks_per_frame = 50.0;  // a frame comes in parts of 32 bytes or more
-  constexpr double sent_hz = 30.0;           // refreshes, pings and commands to the servo a second
-  constexpr double sent_bytes = 32.0;        // of one, at most
-  const LinkLoad camera = link_load(Device::camera, profile);
-  const LinkLoad gyro = link_load(Device::gyro, profile);
-  const LinkLoad servo = link_load(Device::servo, profile);
-  const double received_per_s = camera.bytes_per_s() + gyro.bytes_per_s() + servo.bytes_per_s();
-  const double chunks_per_s = chunks_per_frame * camera.rate_hz + gyro.rate_hz + servo.rate_hz + sent_hz;
-  const double bytes_per_s = received_per_s + sent_hz * sent_bytes + record_bytes * chunks_per_s;
-  const double duration_s = plan_duration_s(options.plan, profile.servo, profile.camera.output_rate_hz);
-  return static_cast<std::uint64_t>(bytes_per_s * (1.2 * duration_s + 10.0));
 }
 
 std::string place_of(Device device, const RigProfile& profile) {

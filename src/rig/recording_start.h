@@ -18,9 +18,6 @@ inline constexpr std::size_t first_bytes_kept = 8192;
 /// What is known before the first byte, but for the acquisition's number.
 RecordingHeader make_header(const RecordingOptions& options, HostTime now);
 
-/// Bytes that the journal of the whole plan will need, generously.
-std::uint64_t expected_journal_bytes(const RecordingOptions& options);
-
 /// "camera (/dev/ttyUSB0)", or the device alone if it has no port.
 std::string place_of(Device device, const RigProfile& profile);
 

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: MIT
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 
 #include <algorithm>
@@ -7,6 +8,8 @@
 #include <thread>
 
 #include "program.h"
+#include "thermorig/rig/expected_size.h"
+#include "thermorig/simulation/virtual_rig.h"
 
 namespace thermorig::tests {
 namespace {
@@ -82,6 +85,14 @@ TEST_F(Record, GivesTheDryRunAsJson) {
   EXPECT_EQ(lines[0]["legs_dps"].size(), 4U);
   EXPECT_GT(lines[0]["duration_s"], 6.0);
   for (const auto& check : lines[0]["checks"]) EXPECT_EQ(check["ok"], true) << check;
+}
+
+TEST_F(Record, AsksTheDiskForAsMuchOnADryRunAsWhenItRecords) {
+  const RigProfile profile = simulation::default_rig(3, "garden").profile;
+  const rig::SweepPlan plan = rig::load_plan("quick", "garden", 3, {.frames_per_leg = 45});
+  const double needed_mb = 1e-6 * static_cast<double>(rig::expected_recording_bytes(plan, profile));
+  EXPECT_THAT(run(fast + "-n --plan quick --frames-per-leg 45").out,
+              HasSubstr(fmt::format("about {:.1f} MB needed", needed_mb)));
 }
 
 TEST_F(Record, ShowsWhatEachSpeedYieldsBeforeAnythingMoves) {

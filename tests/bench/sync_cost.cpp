@@ -56,7 +56,7 @@ struct Figures {
 void keep_syncing(journal::JournalWriter& journal, const rig::SyncPolicy& policy,
                   const std::atomic<bool>& stop, const std::atomic<int>& frames, Figures& figures) {
   Clock::time_point begin = Clock::now();
-  HostDuration lasted{};
+  HostDuration expected{};
   int seen = 0;
   while (!stop) {
     Clock::time_point oldest = begin;
@@ -65,12 +65,12 @@ void keep_syncing(journal::JournalWriter& journal, const rig::SyncPolicy& policy
       seen = frames;
       oldest = Clock::now();
     } else {
-      std::this_thread::sleep_until(begin + rig::pause_before_sync(policy.period, lasted));
+      std::this_thread::sleep_until(begin + rig::pause_before_sync(policy.period, expected));
     }
     begin = Clock::now();
     journal.sync();
     const auto end = Clock::now();
-    lasted = std::chrono::duration_cast<HostDuration>(end - begin);
+    expected = rig::expected_sync(expected, std::chrono::duration_cast<HostDuration>(end - begin));
     figures.sync_ms.push_back(ms(end - begin));
     figures.age_ms.push_back(ms(end - oldest));
   }

@@ -13,6 +13,7 @@
 #include "thermorig/core/error.h"
 #include "thermorig/files/part_file.h"
 #include "thermorig/journal/journal.h"
+#include "thermorig/rig/expected_size.h"
 #include "thermorig/rig/finalise.h"
 #include "virtual_sync.h"
 
@@ -43,6 +44,16 @@ TEST(Space, IsLookedForBeforeAnythingIsRecorded) {
   EXPECT_EQ(again.steps, 0U);
   EXPECT_THAT(again.error, HasSubstr("MB missing"));
   EXPECT_TRUE(disk.after_end().files.empty());
+}
+
+TEST(Space, IsRefusedOneByteBelowWhatADryRunAsksFor) {
+  const rig::RecordingOptions& options = session().options;
+  const std::uint64_t needed = rig::expected_recording_bytes(options.plan, options.profile);
+  HostTime clock{};
+  MemoryDisk small = new_disk(needed - 1);
+  EXPECT_EQ(record_again(session(), small, &clock).steps, 0U);
+  MemoryDisk enough = new_disk(needed);
+  EXPECT_TRUE(record_again(session(), enough, &clock).announced);
 }
 
 /// Another program fills the disk two seconds into the recording.
