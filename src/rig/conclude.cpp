@@ -40,10 +40,25 @@ std::string absences_text(const std::vector<DeviceAbsence>& absences) {
   return text;
 }
 
-/// A plan that was finished in spite of it, and one that was not: either way the gap is named.
-void say_what_was_away(RecordingResult& result, const std::vector<DeviceAbsence>& absences) {
-  if (absences.empty()) return;
-  const std::string text = absences_text(absences);
+/// "the servo's watchdog tripped 3 times, the servo's board was reset"; empty without troubles.
+std::string troubles_text(const std::vector<SweepTrouble>& troubles) {
+  std::string text;
+  for (const SweepTrouble& trouble : troubles) {
+    text += (text.empty() ? "" : ", ") + trouble.what;
+    if (trouble.count > 1) text += fmt::format(" {} times", trouble.count);
+  }
+  return text;
+}
+
+/// A plan that was finished in spite of it, and one that was not: either way it is named.
+void say_what_interrupted(RecordingResult& result, const Recording& recording) {
+  std::string text = absences_text(recording.absences());
+  const std::string troubles = troubles_text(recording.troubles());
+  if (!troubles.empty() && !recording.failure()) {
+    text += (text.empty() ? "" : ", ") + troubles;
+    if (result.advice.empty()) result.advice = recording.troubles().front().advice;
+  }
+  if (text.empty()) return;
   if (result.message.empty())
     result.message =
         "the plan was finished; " + text + ", and the legs that this cut short were driven again";
@@ -99,7 +114,7 @@ RecordingResult conclude_unkept(Recording& recording, HostTime now) {
   result.gate = recording.gate(now);
   result.duration_s = progress.elapsed_s;
   say_how_it_ended(result, recording);
-  say_what_was_away(result, recording.absences());
+  say_what_interrupted(result, recording);
   return result;
 }
 
@@ -124,7 +139,7 @@ RecordingResult conclude(Recording& recording, HostTime now) {
   result.duration_s = to_s(now - session.raw.header.time_reference);
   result.gate = recording.gate(now);
   say_how_it_ended(result, recording);
-  say_what_was_away(result, recording.absences());
+  say_what_interrupted(result, recording);
   say_what_was_not_read_back(result, made, file.journal);
   return result;
 }

@@ -310,6 +310,10 @@ const std::string& Recording::gone_advice() const {
   return parts_->gone_advice;
 }
 
+const std::vector<SweepTrouble>& Recording::troubles() const {
+  return parts_->sweep.troubles();
+}
+
 const SessionFile& Recording::file() const {
   return parts_->journal.file();
 }

@@ -42,6 +42,8 @@ constexpr const char* supply_advice =
     "give the servo a supply of its own, with its ground joined to the board's and 470 uF or more near the "
     "servo";
 
+constexpr const char* record_again = "; then record again";
+
 /// Did the board's supply break down, so long ago at most when it was greeted?
 bool broke_down(const ServoCommander& commander, double within_s) {
   const auto& welcome = commander.welcome();
@@ -50,9 +52,8 @@ bool broke_down(const ServoCommander& commander, double within_s) {
 
 std::string advice_for(ServoFault fault) {
   if (fault == ServoFault::watchdog)
-    return "this computer was too busy to refresh it in time (end other programs), or its cable is bad; then "
-           "record again";
-  return "look at cable, supply and travel of the servo, then record again";
+    return "this computer was too busy to refresh it in time (end other programs), or its cable is bad";
+  return "look at cable, supply and travel of the servo";
 }
 
 }  // namespace
@@ -79,17 +80,28 @@ bool SweepWalker::watch_for_trouble(HostTime now) {
 
 void SweepWalker::trouble(HostTime now, const std::string& what, ServoFault fault) {
   event(now, EventKind::servo_fault, what);
+  const std::string advice = broke_down(commander_, rearm_patience_s) ? supply_advice : advice_for(fault);
+  count_trouble(what, advice);
   if (phase_ == SweepPhase::leg) leg_.broke_off();
   write_down_cut_leg(now);
   if (++failures_ > failures_allowed)
     throw Error(ExitCode::device_lost, fmt::format("{}; {} attempts in a row failed", what, failures_),
-                "servo", broke_down(commander_, rearm_patience_s) ? supply_advice : advice_for(fault));
+                "servo", advice + record_again);
   repeat_cut_leg(now);
   if (phase_ != SweepPhase::recovering) resume_ = phase_;
   commander_.clear();
   rearm_sent_ = false;
   if (commander_.was_reset()) commander_.greet();
   enter(SweepPhase::recovering, now);
+}
+
+void SweepWalker::count_trouble(const std::string& what, const std::string& advice) {
+  const auto known = std::find_if(troubles_.begin(), troubles_.end(),
+                                  [&](const SweepTrouble& trouble) { return trouble.what == what; });
+  if (known == troubles_.end())
+    troubles_.push_back({what, advice, 1});
+  else
+    ++known->count;
 }
 
 void SweepWalker::write_down_cut_leg(HostTime now) {
@@ -144,7 +156,7 @@ void SweepWalker::tick_recovering(HostTime now) {
   const double passed_s = to_s(now - phase_begin_);
   if (passed_s > recovery_rest_s() + rearm_patience_s)
     throw Error(ExitCode::device_lost, "the servo cannot be armed again after a fault", "servo",
-                advice_for(ServoFault::none));
+                advice_for(ServoFault::none) + record_again);
   if (commander_.was_reset()) return trouble(now, "the servo's board was reset");
   if (!commander_.idle() || !servo_at_rest()) return;
   if (passed_s < recovery_rest_s()) return;

@@ -203,6 +203,19 @@ TEST(Sweep, OutlastsAHostThatIsBusyForSeconds) {
   EXPECT_EQ(complete_legs(run).size(), plan.leg_rates_dps.size());
 }
 
+TEST(Sweep, SaysHowOftenTheWatchdogTrippedInARecordingThatTookLonger) {
+  const TemporaryFolder folder;
+  SimulatedBus bus(simulation::default_rig(6, "kitchen"));
+  bus.to_servo = busy_until(8.0);
+  VirtualOptions options;
+  options.recording = recording_options(folder, simulation::default_profile(), short_plan());
+  const RecordingResult result = record_virtual(bus, options);
+  EXPECT_THAT(result.message, ::testing::MatchesRegex("the plan was finished; the servo's watchdog tripped "
+                                                      "[0-9]+ times, and the legs that this cut short were "
+                                                      "driven again"));
+  EXPECT_THAT(result.advice, ::testing::HasSubstr("too busy"));
+}
+
 TEST(Sweep, NamesABusyHostWhenTheWatchdogTripsAgainAndAgain) {
   const TemporaryFolder folder;
   SimulatedBus bus(simulation::default_rig(6, "kitchen"));

@@ -93,7 +93,7 @@ struct RecordingProgress {
 /// How a recording ended. `session` is there whenever bytes could be kept.
 struct RecordingResult {
   ExitCode exit = ExitCode::ok;  // ok, finished_lossy, device_lost, interrupted
-  std::string message;           // what happened if not ok, or if a device was away; ready to print
+  std::string message;           // what happened if not ok, or if anything was interrupted; ready to print
   std::string advice;            // what to try, may be empty
   int acquisition = 0;
   std::filesystem::path session;  // empty if it was left as a journal (second Ctrl-C)
@@ -160,6 +160,7 @@ class Recording {
   std::vector<Device> gone() const;        // that it went on without, for a while at least
   const std::string& gone_advice() const;  // what to try for the first of them
   const std::vector<DeviceAbsence>& absences() const;  // that were waited for, and are over
+  const std::vector<SweepTrouble>& troubles() const;   // of the servo
 
   /// What the gate said before the start or, as long as it has not begun, would say now. None before all
   /// devices have sent for a second, and with GateMode::off.

@@ -53,6 +53,13 @@ struct SweepProgress {
   std::vector<SpeedQuota> speeds;  // of the whole plan, ascending
 };
 
+/// What interrupted the sweep, and how often.
+struct SweepTrouble {
+  std::string what;  // "the servo's watchdog tripped"
+  std::string advice;
+  int count = 0;
+};
+
 /// Drives the servo through a plan: rest, legs (with a transit where a leg does not fit from here), rest.
 /// A leg goes on until its speed has its valid frames; one that a fault cut short, or that lacks a frame or
 /// valid ones, is driven again under a new number. Pure: fed with frames, their labels and telemetry, it puts
@@ -89,6 +96,7 @@ class SweepWalker {
   bool confirmed_at_rest() const { return at_rest_; }  // at the end
   SweepPhase phase() const { return phase_; }
   SweepProgress progress(HostTime now) const;
+  const std::vector<SweepTrouble>& troubles() const { return troubles_; }  // so far, each kind once
 
   // What happened since the last call.
   std::vector<RecordingEvent> take_events();
@@ -134,6 +142,7 @@ class SweepWalker {
   void note_repeat(std::size_t step, HostTime now);
   void halt(HostTime now);
   void trouble(HostTime now, const std::string& what, ServoFault fault = ServoFault::none);
+  void count_trouble(const std::string& what, const std::string& advice);
   void write_down_cut_leg(HostTime now);
   void repeat_cut_leg(HostTime now);
   void tick_greeting(HostTime now);
@@ -197,6 +206,7 @@ class SweepWalker {
   std::optional<double> driven_angle_deg_;  // commanded last while it was armed
   bool plan_complete_ = false;
   bool at_rest_ = false;
+  std::vector<SweepTrouble> troubles_;
   std::vector<RecordingEvent> events_;
   std::vector<LegRecord> legs_;
 };
