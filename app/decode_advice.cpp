@@ -33,7 +33,9 @@ bool is_text_gyro(const DecodeOptions& options) {
 }
 
 std::string shown(const std::string& line, std::size_t fields) {
-  return fmt::format("a line reads \"{}\" ({} column{})", printable(line), fields, fields == 1 ? "" : "s");
+  constexpr std::size_t longest = 80;
+  if (line.size() > longest) return shown(line.substr(0, longest - 4) + " ...", fields);
+  return fmt::format("a line reads \"{}\" ({} column{})", line, fields, fields == 1 ? "" : "s");
 }
 
 /// A line of the dump and the options that may read it; empty if there is no text in it.
@@ -41,7 +43,13 @@ std::string advice_on_text(Bytes head) {
   if (const auto format = wire::guess_text_format(head, wire::StreamStart::at_line_start))
     return shown(format->sample_line, format->fields + (format->columns.prefix.empty() ? 0 : 1)) +
            ": --device gyro " + options_text(format->columns) + " (" + assumptions_text(*format) + ")";
-  if (const auto line = wire::first_text_line(head))
+  const auto line = wire::first_text_line(head);
+  if (line && line->fields >= wire::image_line_fields)
+    return shown(line->text, line->fields) +
+           ": an image as text, which no option reads; a camera has to send the frames of a GY-MCU90640 "
+           "board, "
+           "in bytes";
+  if (line)
     return shown(line->text, line->fields) +
            ": --device gyro --gyro-protocol text, and how to read it: --prefix, --columns, --scale, "
            "--time-column";

@@ -34,6 +34,11 @@ std::filesystem::path profile_path(const std::string& name) {
 RigProfile read_named_profile(const std::string& name) {
   const std::filesystem::path path = profile_path(name);
   if (std::filesystem::exists(path)) return rig::read_profile(path);
+  const std::filesystem::path here = std::filesystem::path(".") / (name + ".toml");
+  std::error_code hidden;
+  if (path != name && std::filesystem::exists(here, hidden))
+    throw Error(ExitCode::bad_usage, "there is no such profile; a name without '/' is not looked for here",
+                path.string(), "--rig " + here.string());
   throw Error(ExitCode::bad_usage, "there is no such profile", path.string(),
               "thermorig ports --save " + name);
 }

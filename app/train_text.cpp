@@ -54,8 +54,7 @@ std::string data_text(const TrainStart& start) {
   const WindowCounts counts = count_windows(start);
   Table table({"environment", ">acquisitions", ">frames", ">windows"});
   const auto add = [&](const std::string& name, const WindowCounts::Row& row) {
-    table.add(
-        {printable(name), count_text(row.acquisitions), count_text(row.frames), count_text(row.windows)});
+    table.add({name, count_text(row.acquisitions), count_text(row.frames), count_text(row.windows)});
   };
   for (const auto& [environment, row] : counts.environments) add(environment, row);
   if (counts.environments.size() > 1) add("all", counts.all);
@@ -80,6 +79,15 @@ std::string fit_text(const std::string& heading, const Fit& fit, const TrainingC
                         gain_text(fit.gain_mean), percent_text(fit.gain_below_002),
                         percent_text(fit.gain_above_098));
   return text;
+}
+
+/// The error, and where it is not all that chooses the epoch, the sum that does.
+std::string held_out_text(const training::EpochReport& report, const TrainingConfig& config) {
+  const std::string text = "  held-out MSE " + error_text(report.held_out_mse, config);
+  if (!config.shape.fusion || config.loss.auxiliary_thermal == 0) return text;
+  return text + fmt::format(" + {:g} x {} of the images = {}", config.loss.auxiliary_thermal,
+                            mse_text(report.held_out_thermal_mse),
+                            mse_text(training::held_out_score(report, config)));
 }
 
 /// On which windows the network is judged: those that it did not train on, if there are any.
@@ -124,9 +132,9 @@ std::string epoch_text(const training::EpochReport& report, const TrainingConfig
   std::string text = fmt::format("epoch {:>{}} of {}  loss {:.4f}  training MSE {}", report.epoch,
                                  fmt::formatted_size("{}", config.epochs), config.epochs, report.loss,
                                  error_text(report.training_mse, config));
-  if (config.choose_epoch) text += "  held-out MSE " + error_text(report.held_out_mse, config);
+  if (config.choose_epoch) text += held_out_text(report, config);
   if (config.shape.fusion) text += "  Kg " + gain_text(report.gain_mean);
-  if (config.choose_epoch && report.kept) text += "  best so far";
+  if (config.choose_epoch && report.kept) text += "  lowest so far";
   return text;
 }
 

@@ -47,7 +47,11 @@ class Descriptor {
 /// Looked at before it is opened: opening a pipe waits, and opening a port moves its lines.
 Descriptor open_regular(const fs::path& path, std::int64_t& size) {
   struct stat info {};
-  if (::stat(path.c_str(), &info) != 0 || !S_ISREG(info.st_mode)) refuse(path, "is not a regular file");
+  const bool is_there = ::stat(path.c_str(), &info) == 0;
+  if (is_there && S_ISDIR(info.st_mode))
+    throw Error(ExitCode::not_a_session, "this is a folder, not a session", path.string(),
+                "name the session files (.h5) in it, or below it");
+  if (!is_there || !S_ISREG(info.st_mode)) refuse(path, "is not a regular file");
   Descriptor file(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOCTTY));
   if (file.get() < 0) refuse(path, std::string("cannot be opened: ") + std::strerror(errno));
   if (::fstat(file.get(), &info) != 0 || !S_ISREG(info.st_mode)) refuse(path, "is not a regular file");

@@ -114,7 +114,7 @@ class Training {
                        .held_out_mse = held_out.fusion,
                        .held_out_thermal_mse = held_out.thermal,
                        .gain_mean = sums.gain / sums.windows};
-    report.kept = !config_.choose_epoch || score_of(report) < kept_score();
+    report.kept = !config_.choose_epoch || held_out_score(report, config_) < kept_score();
     done_.epochs.push_back(report);
     if (report.kept) {
       done_.kept = done_.weights;
@@ -123,16 +123,9 @@ class Training {
     if (observer_.epoch) observer_.epoch(report, done_);
   }
 
-  /// What chooses the epoch: the error on the held-out acquisition, weighed as the loss weighs its parts. The
-  /// fused error alone would tell how good that one acquisition's gyro happens to be.
-  double score_of(const EpochReport& report) const {
-    const double weight = trainer_config(config_).loss.auxiliary_thermal;
-    return report.held_out_mse + weight * report.held_out_thermal_mse;
-  }
-
   double kept_score() const {
     if (done_.epoch_kept == 0) return std::numeric_limits<double>::infinity();
-    return score_of(done_.epochs[static_cast<std::size_t>(done_.epoch_kept) - 1]);
+    return held_out_score(done_.epochs[static_cast<std::size_t>(done_.epoch_kept) - 1], config_);
   }
 
   void require_finite(double loss, std::size_t step, int epoch) const {
@@ -176,6 +169,11 @@ class Training {
 };
 
 }  // namespace
+
+double held_out_score(const EpochReport& report, const TrainingConfig& config) {
+  const double weight = trainer_config(config).loss.auxiliary_thermal;
+  return report.held_out_mse + weight * report.held_out_thermal_mse;
+}
 
 TrainingResult train(const TrainingConfig& config, std::span<const Acquisition> acquisitions,
                      network::Crew& crew, const Observer& observer, const std::optional<Checkpoint>& from) {

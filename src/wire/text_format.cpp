@@ -66,6 +66,7 @@ class Guess {
 
   std::optional<TextFormat> format() {
     if (table_.rows.size() < rows_needed || numbers_.size() < axes) return std::nullopt;
+    if (table_.names.size() >= image_line_fields) return std::nullopt;
     find_time();
     if (!find_named_rates()) find_rates_by_order();
     return format_;

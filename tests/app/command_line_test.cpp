@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include <gmock/gmock.h>
 
+#include <fstream>
+
 #include "program.h"
 
 namespace thermorig::tests {
@@ -53,6 +55,15 @@ TEST_F(CommandLine, SaysThatTheSeedBelongsToTheWord) {
   const Outcome outcome = run("record --environment garden --fast --simulated 3");
   EXPECT_EQ(outcome.code, 2);
   EXPECT_THAT(outcome.err, HasSubstr("try: --simulated=3"));
+}
+
+TEST_F(CommandLine, PointsToAProfileThatLiesHere) {
+  std::ofstream(folder() / "bench.toml") << "name = \"bench\"\n";
+  const Outcome outcome = run("record --environment garden --rig bench -n");
+  EXPECT_EQ(outcome.code, 2);
+  EXPECT_THAT(outcome.err, HasSubstr("try: --rig ./bench.toml"));
+  EXPECT_THAT(run("record --environment garden --rig other -n").err,
+              HasSubstr("thermorig ports --save other"));
 }
 
 TEST_F(CommandLine, TellsAnErrorAsJsonTooWhereJsonIsAskedFor) {

@@ -9,6 +9,7 @@ namespace thermorig::tests {
 namespace {
 
 using ::testing::HasSubstr;
+using ::testing::Not;
 using Bytes = std::vector<std::uint8_t>;
 
 void append(Bytes& to, std::span<const std::uint8_t> bytes) {
@@ -103,7 +104,7 @@ TEST_F(Decode, ShowsALineAndTheOptionsThatMayReadItWhereNoneCouldBeRead) {
   for (const char* options : {"--gyro-protocol text", "", "--gyro-protocol text --prefix G,"}) {
     const Outcome outcome = run_on_text(options, text);
     EXPECT_EQ(outcome.code, 4);
-    EXPECT_THAT(outcome.err, HasSubstr("\"a/g: 1 2 3 4 5 6\" (7 columns)"));
+    EXPECT_THAT(outcome.err, HasSubstr("\"a/g:\\t1\\t2\\t3\\t4\\t5\\t6\" (7 columns)"));
     EXPECT_THAT(outcome.err,
                 HasSubstr("--gyro-protocol text --prefix 'a/g:' --columns 3,4,5 --scale 0.00763359"));
   }
@@ -170,6 +171,18 @@ TEST_F(Decode, SaysWhoseBytesTheyAreIfNotTheNamedDevices) {
   EXPECT_EQ(outcome.code, 4);
   EXPECT_THAT(outcome.err, HasSubstr("not one message of a camera in 1,100 bytes"));
   EXPECT_THAT(outcome.err, HasSubstr("--device gyro"));
+}
+
+TEST_F(Decode, TakesAnImageAsTextForNoGyro) {
+  std::string row = "23.45";
+  for (int i = 1; i < 768; ++i) row += ", 23.45";
+  std::string text;
+  for (int i = 0; i < 8; ++i) text += row + "\n";
+  write("dump.txt", {reinterpret_cast<const std::uint8_t*>(text.data()), text.size()});
+  const Outcome outcome = run("decode --device camera dump.txt");
+  EXPECT_EQ(outcome.code, 4);
+  EXPECT_THAT(outcome.err, Not(HasSubstr("--device gyro")));
+  EXPECT_THAT(outcome.err, HasSubstr("(768 columns): an image as text, which no option reads"));
 }
 
 TEST_F(Decode, RefusesAFileThatIsEmptyMissingOrAFolder) {

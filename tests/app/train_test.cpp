@@ -53,9 +53,10 @@ class Train : public ProgramTest {
 TEST_F(Train, MakesAModelAndSaysWhatItIsWorth) {
   const Outcome outcome = run(small + "-o model.onnx");
   ASSERT_EQ(outcome.code, 0) << outcome.err;
-  for (const char* part : {"garden", "SIMULATED data", "fusion, Nf 2, Nr 3: 89,644 weights", "seed 1",
-                           "epoch 3 of 3", "training MSE", "RMSE", "deg/s", "gyro alone", "gate Kg",
-                           "held-out", "next  thermorig evaluate model.onnx"})
+  for (const char* part :
+       {"garden", "SIMULATED data", "fusion, Nf 2, Nr 3: 89,644 weights", "seed 1", "epoch 3 of 3",
+        "training MSE", "RMSE", "deg/s", "gyro alone", "gate Kg", "held-out", " + 0.5 x ",
+        " of the images = ", "lowest so far", "next  thermorig evaluate model.onnx"})
     EXPECT_THAT(outcome.out, HasSubstr(part));
   EXPECT_THAT(outcome.out, Not(HasSubstr("\x1b")));
   EXPECT_GT(fs::file_size(at("model.onnx")), 89'644U * 4);

@@ -57,6 +57,14 @@ TEST_F(Sessions, ThatAreNotThereAreRefused) {
   EXPECT_EQ(refusal([&] { find_sessions({folder_}); }).code(), ExitCode::bad_usage);
 }
 
+TEST_F(Sessions, ThatAreStillAJournalAreToBeRecovered) {
+  write_file(path("garden_acq-01.journal"), {'a'});
+  const Error error = refusal([&] { find_sessions({folder_}); });
+  EXPECT_EQ(error.advice(), "thermorig recover " + path("garden_acq-01.journal").string());
+  const fs::path session = write("a.h5", "garden", 2, 1);
+  EXPECT_EQ(find_sessions({folder_}), (std::vector<fs::path>{session}));
+}
+
 TEST_F(Sessions, AreSortedByEnvironmentAndNumberNotByFile) {
   write("a.h5", "kitchen", 1, 1);
   write("b.h5", "garden", 10, 2);

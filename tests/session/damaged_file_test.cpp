@@ -122,5 +122,15 @@ TEST_F(DamagedSession, OtherFilesAreRefusedWithASentence) {
     }
 }
 
+TEST_F(DamagedSession, AFolderIsNotCalledDamaged) {
+  try {
+    read_session(folder_);
+    FAIL();
+  } catch (const Error& error) {
+    EXPECT_EQ(error.what_happened(), "this is a folder, not a session");
+    EXPECT_EQ(error.advice(), "name the session files (.h5) in it, or below it");
+  }
+}
+
 }  // namespace
 }  // namespace thermorig::session

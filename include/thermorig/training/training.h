@@ -56,6 +56,11 @@ struct EpochReport {
   bool kept = false;                  // the best so far, or the last
 };
 
+/// What chooses the epoch, the lowest: the error on the held-out acquisition, weighed as the loss weighs its
+/// parts (held_out_mse + auxiliary_thermal * held_out_thermal_mse). The fused error alone would tell how good
+/// that one acquisition's gyro happens to be.
+double held_out_score(const EpochReport& report, const TrainingConfig& config);
+
 /// Everything that going on needs, between two epochs.
 struct Checkpoint {
   int epoch = 0;  // done

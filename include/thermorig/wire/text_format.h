@@ -7,10 +7,14 @@
 #include <string>
 #include <vector>
 
+#include "thermorig/core/frame.h"
 #include "thermorig/core/profile.h"
 #include "thermorig/wire/gyro_scanner.h"
 
 namespace thermorig::wire {
+
+/// Lines of so many columns are not of a gyro: a row of a thermal image, or the whole of it, printed as text.
+constexpr std::size_t image_line_fields = frame_columns;
 
 /// What the lines of a text gyro look like, and how they are probably to be read. Text does not say what its
 /// columns are: a guess to be checked by a person.
@@ -24,10 +28,10 @@ struct TextFormat {
   std::vector<std::string> assumptions;  // what was concluded from what, a sentence each
 };
 
-/// The format that most lines share: at least two of them, with at least three columns of numbers. From these
-/// lines come the prefix, the device's time (a column that runs like a clock, its unit by the line rate if
-/// the bytes took `heard_s` seconds to come) and the rates' columns: by their names where a header line or
-/// the columns have some, else by their order.
+/// The format that most lines share: at least two of them, with at least three columns of numbers and fewer
+/// than image_line_fields in all. From these lines come the prefix, the device's time (a column that runs
+/// like a clock, its unit by the line rate if the bytes took `heard_s` seconds to come) and the rates'
+/// columns: by their names where a header line or the columns have some, else by their order.
 std::optional<TextFormat> guess_text_format(std::span<const std::uint8_t> bytes,
                                             StreamStart start = StreamStart::anywhere, double heard_s = 0.0);
 
