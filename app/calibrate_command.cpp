@@ -123,7 +123,7 @@ void ask_for_turn(const CalibrateOptions& options, const rig::SweepPlan& plan) {
       "The servo stays still. Leave the rig alone for {:.0f} s, then turn the whole of it by hand {},\n"
       "smoothly, in about {:.0f} s, and leave it alone again until the {:.0f} s are over.\n",
       before_hand_turn_s, turn, turn_duration_s(options), plan.opening_rest_s);
-  std::fflush(stdout);
+  flush_output();
 }
 
 bool worth_measuring(const rig::RecordingResult& result) {
@@ -168,16 +168,16 @@ std::string next_calibration(const CalibrateOptions& options,
 
 void print_result(const MeasuredSessions& measured, const RigProfile& before) {
   for (const SkippedSession& session : measured.skipped)
-    print("skipped      {}: {}\n", session.path.string(), printable(session.reason));
-  print("\n{:<12} {}\n{}", "session", joined(measured.paths), text_of(measured.result, before));
-  std::fflush(stdout);
+    print("skipped      {}: {}\n", printable(session.path.string()), printable(session.reason));
+  print("\n{:<12} {}\n{}", "session", printable(joined(measured.paths)), text_of(measured.result, before));
+  flush_output();
 }
 
 void print_kept(const std::filesystem::path& kept, const std::string& next) {
   if (!kept.empty())
-    print("{:<12} written to {}\n", "profile", kept.string());
+    print("{:<12} written to {}\n", "profile", printable(kept.string()));
   else
-    print("{:<12} not written to any; keep it with\n{:<12} {}\n", "profile", "", next);
+    print("{:<12} not written to any; keep it with\n{:<12} {}\n", "profile", "", printable(next));
 }
 
 void print_result_json(const CalibrateOptions& options, const MeasuredSessions& measured,

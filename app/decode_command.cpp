@@ -106,7 +106,7 @@ void print_summary(const DecodeOptions& options, const std::string& name, const 
   }
   if (printer.left_out() > 0) print("... and {} more (--all prints them)\n", count_text(printer.left_out()));
   print("\n{}", text_of(counters));
-  for (const std::string& remark : remarks) print("\nnote  {}\n", remark);
+  for (const std::string& remark : remarks) print("\nnote  {}\n", printable(remark));
 }
 
 }  // namespace

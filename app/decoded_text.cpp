@@ -138,7 +138,7 @@ std::string text_of(const wire::GyroMessage& message, std::uint64_t index) {
 
 std::string text_of(const wire::ServoMessage& message, std::uint64_t index) {
   return place("message", index, message.span) +
-         std::visit([](const auto& body) { return body_text(body); }, message.body) +
+         printable(std::visit([](const auto& body) { return body_text(body); }, message.body)) +
          (message.lost_before ? "  after a loss" : "");
 }
 

@@ -126,7 +126,7 @@ ExitCode run(const DoctorOptions& options) {
     print_json(json_of(checks));
   } else {
     print_checks(checks);
-    print("\nverdict  {}\n", verdict_of(checks));
+    print("\nverdict  {}\n", printable(verdict_of(checks)));
     if (!names_rig(options.record.rig))
       print("next  thermorig doctor --rig PROFILE (listens to the rig as well; nothing moves)\n");
   }

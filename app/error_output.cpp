@@ -12,7 +12,7 @@
 namespace thermorig::app {
 
 int report(const Error& error, bool json) {
-  std::fflush(stdout);
+  flush_output();
   const bool colours = escapes_allowed(stderr);
   const std::string where = error.where().empty() ? "" : error.where() + ": ";
   print(stderr, "{}thermorig:{} {}\n", colours ? "\x1b[31m" : "", colours ? "\x1b[0m" : "",
@@ -26,7 +26,7 @@ int report(const Error& error, bool json) {
                 {"where", error.where()},
                 {"advice", error.advice()}});
   }
-  std::fflush(stdout);
+  flush_output();
   return code;
 }
 

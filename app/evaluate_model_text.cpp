@@ -60,7 +60,7 @@ std::string errors_text(const study::Evaluation& evaluation) {
 std::string environments_text(const std::vector<study::EnvironmentErrors>& environments) {
   Table table({"environment", ">acquisitions", ">thermal-only", ">fusion", ">gyro", ">gyro, bias removed"});
   for (const study::EnvironmentErrors& environment : environments) {
-    std::vector<std::string> row{printable(environment.name), std::to_string(environment.acquisitions)};
+    std::vector<std::string> row{environment.name, std::to_string(environment.acquisitions)};
     for (const Errors& errors : environment.errors)
       row.push_back(fmt::format("{} ({})", mse_text(errors.mse), rate_text(errors.rmse_dps)));
     table.add(row);
@@ -79,7 +79,7 @@ std::string angles_text(const study::Evaluation& evaluation) {
   Table table(
       {"drift of the angle, deg/min", ">thermal-only", ">fusion", ">gyro", ">gyro, bias removed", ">over"});
   for (std::size_t i = 0; i < evaluation.angles.size(); ++i) {
-    std::vector<std::string> row{printable(evaluation.names[i])};
+    std::vector<std::string> row{evaluation.names[i]};
     for (const double drift : evaluation.angles[i].drift_deg_per_min) row.push_back(angle_text(drift));
     row.push_back(duration_text(evaluation.angles[i].integrated_s));
     table.add(row);

@@ -64,9 +64,9 @@ void announce(const EvaluateOptions& options, const std::vector<study::Job>& job
     return;
   }
   print("study over {}: {} trainings of {} epoch{}, preset {}, {} acquisitions{}, {} at a time\n",
-        options.environment, jobs.size(), options.epochs, options.epochs == 1 ? "" : "s", options.preset,
-        data.acquisitions.size(), simulated ? " of the SIMULATED rig" : "", workers);
-  std::fflush(stdout);
+        printable(options.environment), jobs.size(), options.epochs, options.epochs == 1 ? "" : "s",
+        options.preset, data.acquisitions.size(), simulated ? " of the SIMULATED rig" : "", workers);
+  flush_output();
 }
 
 bool any_simulated(const std::vector<study::JobResult>& results) {
@@ -89,7 +89,7 @@ void conclude(const fs::path& folder, const std::vector<study::JobResult>& resul
                 {"simulated", any_simulated(results)},
                 {"report", (folder / "report.html").string()}});
   else
-    print("{}\nreport: {}\n", study_text(results), (folder / "report.html").string());
+    print("{}\nreport: {}\n", study_text(results), printable((folder / "report.html").string()));
 }
 
 ExitCode tell_interrupted(const fs::path& folder, std::size_t done, std::size_t all, bool json) {
@@ -102,7 +102,7 @@ ExitCode tell_interrupted(const fs::path& folder, std::size_t done, std::size_t 
     print(
         "stopped: {} of {} jobs are done. The same command goes on; thermorig evaluate --draw {} draws "
         "what there is.\n",
-        done, all, folder.string());
+        done, all, printable(folder.string()));
   return ExitCode::interrupted;
 }
 

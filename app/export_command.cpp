@@ -56,7 +56,7 @@ void print_needs(const BoardNeeds& needs) {
   const std::string constants = fmt::format("{} B of constants", count_text(needs.constant_bytes));
   if (needs.compiled)
     print("flash     {} B: {} and the code ({})\n", count_text(needs.compiled->flash_bytes), constants,
-          needs.compiled->compiler);
+          printable(needs.compiled->compiler));
   else
     print("flash     {}, and about 3 kB of code (arm-none-eabi-gcc would tell)\n", constants);
   print("RAM       {} B, and less than 512 B of stack\n", count_text(needs.state_bytes));
@@ -64,8 +64,8 @@ void print_needs(const BoardNeeds& needs) {
 
 void print_words(const ExportOptions& options, const model::Model& model, const std::vector<NewFile>& files,
                  const BoardNeeds& needs) {
-  print("model     {}: {}\n", options.model.string(), network_words(model));
-  for (const NewFile& file : files) print("written   {}\n", file.path.string());
+  print("model     {}: {}\n", printable(options.model.string()), network_words(model));
+  for (const NewFile& file : files) print("written   {}\n", printable(file.path.string()));
   if (!options.c_header) return;
   print_needs(needs);
   print("next      #include \"{}.h\"; docs/export.md tells how\n", options.name);

@@ -32,7 +32,7 @@ std::string origin(const RecordingHeader& header) {
 
 std::string heading(const std::filesystem::path& path, const Session& session, const Quality& quality) {
   const RecordingHeader& header = session.raw.header;
-  std::string text = path.string() + "\n";
+  std::string text = printable(path.string()) + "\n";
   text += fmt::format("  session      {}, {}\n", name_of_state(session.state), printable(origin(header)));
   text +=
       fmt::format("  recorded     {} acquisition {}, {}, {}\n", printable(header.environment),
@@ -93,7 +93,7 @@ std::string speed_table(const Quality& quality) {
 }
 
 std::string verdict_text(const Quality& quality) {
-  std::string text = "verdict  " + quality.verdict;
+  std::string text = "verdict  " + printable(quality.verdict);
   for (std::size_t i = 0; i < quality.verdict_reasons.size(); ++i)
     text += (i == 0 ? ": " : "; ") + printable(quality.verdict_reasons[i]);
   return text + "\n";

@@ -3,11 +3,12 @@
 
 #include <algorithm>
 #include <array>
+#include <cerrno>
 #include <cmath>
 #include <cstdlib>
 #include <nlohmann/json.hpp>
+#include <system_error>
 
-#include "thermorig/core/error.h"
 #include "thermorig/io/host.h"
 
 namespace thermorig::app {
@@ -20,44 +21,49 @@ bool escapes_allowed(std::FILE* stream) {
   return io::is_terminal(fileno(stream));
 }
 
-void write_to(std::FILE* stream, std::string_view text) {
-  std::fwrite(text.data(), 1, text.size(), stream);
-}
-
-void require_printed(const std::string& advice) {
-  if (std::fflush(stdout) == 0 && std::ferror(stdout) == 0) return;
-  throw Error(ExitCode::storage, "the output could not be written", "standard output",
-              "free some space; where another program read it, keep that one running" +
-                  (advice.empty() ? "" : "; " + advice));
-}
-
 namespace {
-/// U+0080..U+009F in UTF-8: some terminals take U+009B as the start of an escape sequence.
-bool is_c1(std::string_view pair) {
-  return pair.size() == 2 && pair[0] == '\xC2' && (static_cast<unsigned char>(pair[1]) & 0xE0U) == 0x80;
+int first_failure = 0;  // errno of standard output: the stream itself remembers only that there was one
+
+void note_failure(std::FILE* stream, bool failed) {
+  if (failed && stream == stdout && first_failure == 0) first_failure = errno;
 }
 }  // namespace
 
-std::string printable(std::string_view text) {
-  std::string clean;
-  for (std::size_t i = 0; i < text.size(); ++i) {
-    const char c = text[i] == '\n' || text[i] == '\t' ? ' ' : text[i];
-    if (is_c1(text.substr(i, 2)))
-      ++i;
-    else if (static_cast<unsigned char>(c) >= 0x20 && c != 0x7F)
-      clean += c;
-  }
-  return clean;
+void write_to(std::FILE* stream, std::string_view text) {
+  note_failure(stream, std::fwrite(text.data(), 1, text.size(), stream) < text.size());
+}
+
+void flush_output() {
+  note_failure(stdout, std::fflush(stdout) != 0);
+}
+
+void require_printed(const std::string& advice) {
+  flush_output();
+  if (std::ferror(stdout) == 0) return;
+  const Error error = unwritten_output(first_failure);
+  throw Error(error.code(), error.what_happened(), error.where(),
+              error.advice() + (advice.empty() ? "" : "; " + advice));
+}
+
+Error unwritten_output(int error_number) {
+  const auto told = [](const std::string& what, const char* advice) {
+    return Error(ExitCode::storage, what, "standard output", advice);
+  };
+  if (error_number == EPIPE)
+    return told("the reader of the output went away", "keep the program running that reads it");
+  const bool is_full = error_number == ENOSPC || error_number == EDQUOT || error_number == EFBIG;
+  return told("the output could not be written: " + std::generic_category().message(error_number),
+              is_full ? "free some space" : "let it go to another place: > FILE");
 }
 
 std::string json_line(const nlohmann::json& object) {
-  return object.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
+  return object.dump(-1, ' ', true, nlohmann::json::error_handler_t::replace) + "\n";
 }
 
 void print_json(const nlohmann::json& object) {
   const std::string line = json_line(object);
   write_to(stdout, line);
-  std::fflush(stdout);
+  flush_output();
 }
 
 std::string count_text(std::uint64_t count) {
@@ -121,6 +127,7 @@ Table::Table(std::vector<std::string> heading) {
 
 void Table::add(std::vector<std::string> row) {
   row.resize(right_.size());
+  std::transform(row.begin(), row.end(), row.begin(), printable);
   rows_.push_back(std::move(row));
 }
 

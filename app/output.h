@@ -11,6 +11,9 @@
 #include <utility>
 #include <vector>
 
+#include "thermorig/core/error.h"
+#include "thermorig/core/printable.h"
+
 namespace thermorig::app {
 
 /// May colours and cursor movements be written to `stream`? Only to a terminal, and not if NO_COLOR is set
@@ -32,15 +35,18 @@ void print(fmt::format_string<Parts...> format, Parts&&... parts) {
   write_to(stdout, fmt::format(format, std::forward<Parts>(parts)...));
 }
 
+/// Never throws, as write_to().
+void flush_output();
+
 /// Flushes standard output. Throws Error(storage) if not all that was ever printed to it could be written;
 /// `advice`: where else the result is.
 void require_printed(const std::string& advice = "");
 
-/// `text` without control characters (a device's name or a file's attribute must not steer the terminal); a
-/// line break becomes a space.
-std::string printable(std::string_view text);
+/// What is told where standard output took something not: its reader went away, its disk is full, ...
+Error unwritten_output(int error_number);
 
-/// One object as one line. Text that is not UTF-8 is replaced, NaN becomes null.
+/// One object as one line of ASCII: what is not, is escaped as JSON, and so steers no terminal. Text that is
+/// not UTF-8 is replaced, NaN becomes null.
 std::string json_line(const nlohmann::json& object);
 
 /// One object on one line of standard output, flushed.
@@ -56,7 +62,7 @@ std::string speed_text(double rate_dps);                       // +7.5 deg/s
 std::string share_text(std::uint64_t part, std::uint64_t of);  // 95.0 %, "-" of nothing
 
 /// Columns side by side, two spaces apart. A column whose heading begins with '>' is set flush right; the '>'
-/// is not printed.
+/// is not printed. Cells are printable(), as they often come from outside.
 class Table {
  public:
   explicit Table(std::vector<std::string> heading);

@@ -15,6 +15,7 @@
 #include <thread>
 #include <utility>
 
+#include "output.h"
 #include "thermorig/io/host.h"
 
 namespace thermorig::app {
@@ -135,7 +136,7 @@ struct OutputWriter::Parts {
 };
 
 OutputWriter::OutputWriter(const OutputOptions& options) : parts_(std::make_shared<Parts>(options)) {
-  std::fflush(stdout);  // what was printed before stands before
+  flush_output();  // what was printed before stands before
   parts_->thread = std::thread([parts = parts_] { parts->run(); });
 }
 
@@ -195,17 +196,11 @@ void OutputWriter::finish() {
 
 std::optional<Error> OutputWriter::failure(ExitCode code) const {
   const std::lock_guard lock(parts_->mutex);
-  const auto told = [](const std::string& what, const char* advice) {
-    return Error(ExitCode::storage, what, "standard output", advice);
-  };
   if (parts_->given_up && code != ExitCode::interrupted)
-    return told("the reader of the output took nothing any more: its last lines are lost",
-                "let the program go on that reads it");
+    return Error(ExitCode::storage, "the reader of the output took nothing any more: its last lines are lost",
+                 "standard output", "let the program go on that reads it");
   if (parts_->error == 0) return std::nullopt;
-  if (parts_->error == EPIPE)
-    return told("the reader of the output went away", "keep the program running that reads it");
-  return told("the output could not be written: " + std::generic_category().message(parts_->error),
-              "free some space");
+  return unwritten_output(parts_->error);
 }
 
 void OutputWriter::require_written(ExitCode code) const {

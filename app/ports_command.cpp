@@ -53,7 +53,7 @@ std::string table_text(const std::vector<PortFinding>& findings) {
   for (const PortFinding& finding : findings) {
     const std::string& usb = finding.info.usb_path;
     table.add({role_text(finding), finding.info.path, usb.empty() ? "-" : usb, baud_text(finding),
-               health_text(finding), printable(finding.problem.empty() ? finding.how : finding.problem)});
+               health_text(finding), finding.problem.empty() ? finding.how : finding.problem});
   }
   return table.text();
 }
@@ -99,23 +99,24 @@ std::string joined(const std::vector<std::string>& words) {
 void print_text_gyro(const PortFinding& finding, const RigProfile& profile) {
   if (!finding.text_format) return;
   const wire::TextFormat& format = *finding.text_format;
-  print("\nnote  the gyro on {} prints lines such as: {}\n", finding.info.path,
+  print("\nnote  the gyro on {} prints lines such as: {}\n", printable(finding.info.path),
         printable(format.sample_line));
-  print("      taken: {}\n", columns_text(format.columns));
-  print("      why: {}\n", assumptions_text(format));
+  print("      taken: {}\n", printable(columns_text(format.columns)));
+  print("      why: {}\n", printable(assumptions_text(format)));
   if (columns_text(profile.gyro.text) != columns_text(format.columns))
-    print("      the profile says otherwise, and is kept: {}\n", columns_text(profile.gyro.text));
+    print("      the profile says otherwise, and is kept: {}\n", printable(columns_text(profile.gyro.text)));
   print("      check scale and columns: [gyro.text] in the profile\n");
 }
 
 /// What to type next, for copy and paste. The columns of a text gyro can only be said in a profile.
 std::string command_with_ports(const PortsOptions& options, const RigProfile& profile) {
-  if (!options.save.empty()) return "thermorig record --environment kitchen --rig " + options.save;
+  if (!options.save.empty()) return "thermorig record --environment kitchen --rig " + printable(options.save);
   if (profile.gyro.protocol == GyroProtocol::text) return "thermorig ports --save bench";
   return fmt::format(
       "thermorig record --environment kitchen --camera {} --gyro {} --servo {}\nsave  thermorig ports --save "
       "bench",
-      profile.camera.link.port, profile.gyro.link.port, profile.servo.link.port);
+      printable(profile.camera.link.port), printable(profile.gyro.link.port),
+      printable(profile.servo.link.port));
 }
 
 void print_text(const PortsOptions& options, const std::vector<PortFinding>& findings,
@@ -125,7 +126,7 @@ void print_text(const PortsOptions& options, const std::vector<PortFinding>& fin
   for (const PortFinding& finding : findings) print_text_gyro(finding, profile);
   const std::vector<std::string> missing = missing_roles(findings);
   if (!missing.empty()) print("\nmissing  {}\n", joined(missing));
-  if (!options.save.empty()) print("\nsaved {}\n", profile_path(options.save).string());
+  if (!options.save.empty()) print("\nsaved {}\n", printable(profile_path(options.save).string()));
   if (!missing.empty() || !ambiguous.empty()) return;  // there is nothing yet to record with
   print("{}next  {}\n", options.save.empty() ? "\n" : "", command_with_ports(options, profile));
 }
@@ -149,7 +150,7 @@ ExitCode run(const PortsOptions& options) {
                 "plug the devices in; without hardware: thermorig simulate");
   if (!options.json) {
     print("listening to {} port{} for up to 6 s ...\n\n", ports.size(), ports.size() == 1 ? "" : "s");
-    std::fflush(stdout);
+    flush_output();
   }
   std::vector<PortFinding> findings = rig::identify_devices(ports);
   const auto role_first = [](const PortFinding& finding) {

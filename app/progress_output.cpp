@@ -32,7 +32,7 @@ std::string device_line(Device device, const DeviceHealth& health) {
 std::string device_line(Device device, const RecordingProgress& progress) {
   const auto& awaited = progress.awaited[device];
   if (!awaited) return device_line(device, progress.health[device]);
-  return fmt::format("{:<7} AWAITED: {}; {:.0f} s left", name_of(device), awaited->why,
+  return fmt::format("{:<7} AWAITED: {}; {:.0f} s left", name_of(device), printable(awaited->why),
                      std::ceil(awaited->left_s));
 }
 

@@ -41,7 +41,7 @@ std::string lost_text(const session::Quality& quality) {
 }
 
 std::string journal_text(const RecordingResult& result) {
-  return result.session.empty() ? "left as it is: " + result.journal.string()
+  return result.session.empty() ? "left as it is: " + printable(result.journal.string())
                                 : "finalised, its bytes are in the session";
 }
 
@@ -83,7 +83,7 @@ void print_figures(const RecordSummary& summary) {
   print("gaps     longest: {}\n", gaps_text(quality));
   std::string verdict = quality.verdict;
   for (const std::string& reason : quality.verdict_reasons) verdict += "; " + reason;
-  print("verdict  {}\n", verdict);
+  print("verdict  {}\n", printable(verdict));
 }
 
 nlohmann::json json_of(const RecordSummary& summary) {
@@ -116,7 +116,7 @@ void print_text(const RecordSummary& summary) {
   const RecordingResult& result = summary.result;
   print("\n");
   if (!result.session.empty()) {
-    print("session  {}\n", result.session.string());
+    print("session  {}\n", printable(result.session.string()));
     print_figures(summary);
   }
   print("journal  {}\n", journal_text(result));
@@ -129,7 +129,7 @@ void print_text(const RecordSummary& summary) {
   if (!result.message.empty()) print("note     {}\n", printable(result.message));
   if (!result.advice.empty() && result.advice != next_command(result))
     print("try      {}\n", printable(result.advice));
-  print("\nnext  {}\n", next_command(result));
+  print("\nnext  {}\n", printable(next_command(result)));
 }
 
 }  // namespace

@@ -43,13 +43,13 @@ void announce(const rig::RecordingOptions& recording, bool json) {
       plan.leg_rates_dps.empty()
           ? std::string("a rest")
           : fmt::format("{} legs of {} frames", plan.leg_rates_dps.size(), plan.frames_per_leg);
-  print("recording {}, plan {}: {}, about {}\n", recording.environment, plan.name, legs,
+  print("recording {}, plan {}: {}, about {}\n", recording.environment, printable(plan.name), legs,
         duration_text(duration_s));
   if (recording.simulated)
     print("SIMULATED rig{}: {}\n",
           recording.simulation_seed ? fmt::format(", seed {}", *recording.simulation_seed) : "",
           recording.simulation);
-  std::fflush(stdout);
+  flush_output();
 }
 
 rig::RecordingResult record_fast(const ChosenRig& rig, rig::RecordingOptions recording,

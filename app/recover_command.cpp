@@ -39,21 +39,22 @@ ExitCode code_of(const RecoveryResult& result) {
 std::string removed_text(const RecoveryResult& result) {
   std::string text;
   for (const auto& part : result.removed)
-    text += fmt::format("               removed {}, which a killed program left behind\n", part.string());
+    text += fmt::format("               removed {}, which a killed program left behind\n",
+                        printable(part.string()));
   return text;
 }
 
 std::string text_of(const RecoveryResult& result) {
   if (result.session.empty())
-    return fmt::format("{:<14} {}\n               {}\n", name_of(result.kind), result.source.string(),
-                       printable(result.message));
+    return fmt::format("{:<14} {}\n               {}\n", name_of(result.kind),
+                       printable(result.source.string()), printable(result.message));
   const std::string loss =
       result.bytes_ignored > 0
           ? fmt::format("{} at the torn end could not be read and are lost; the journal is kept",
                         bytes_text(result.bytes_ignored))
           : "nothing was lost";
   return fmt::format("{:<14} {}\n               {} frames, {} valid, from {} chunks; {}\n{}",
-                     name_of(result.kind), result.session.string(), count_text(result.frames),
+                     name_of(result.kind), printable(result.session.string()), count_text(result.frames),
                      count_text(result.valid), count_text(result.chunks), loss, removed_text(result));
 }
 
@@ -82,11 +83,12 @@ ExitCode code_of(const std::vector<RecoveryResult>& results) {
 }
 
 void print_text(const std::filesystem::path& path, const std::vector<RecoveryResult>& results) {
-  if (results.empty()) print("nothing to recover in {}: no journal is left there\n", path.string());
+  if (results.empty())
+    print("nothing to recover in {}: no journal is left there\n", printable(path.string()));
   for (const RecoveryResult& result : results) print("{}", text_of(result));
   for (const RecoveryResult& result : results) {
     if (result.session.empty()) continue;
-    print("\nnext  thermorig inspect {}\n", result.session.string());
+    print("\nnext  thermorig inspect {}\n", printable(result.session.string()));
     break;
   }
 }

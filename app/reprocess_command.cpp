@@ -48,7 +48,7 @@ std::optional<Moved> moved(const State& before, const State& after) {
 std::vector<std::string> applied(const RigProfile& from, const RigProfile& now) {
   std::vector<std::string> names;
   const auto add = [&](const char* name, const std::string& there, const std::string& here) {
-    if (!there.empty() && there == here) names.push_back(fmt::format("{} of {}", name, printable(here)));
+    if (!there.empty() && there == here) names.push_back(fmt::format("{} of {}", name, here));
   };
   add("orientation", from.camera.orientation_measured_utc, now.camera.orientation_measured_utc);
   add("camera latency", from.camera.link.latency_measured_utc, now.camera.link.latency_measured_utc);
@@ -74,11 +74,12 @@ std::string change(const std::string& before, const std::string& after) {
 
 std::string words_of(const std::filesystem::path& path, const State& before, const State& after) {
   const session::Quality& quality = after.quality;
-  std::string text = fmt::format("made again  {}  {} frames\n", path.string(), count_text(quality.frames)) +
-                     fmt::format("  valid    {} of {} in legs\n",
-                                 change(count_text(before.quality.valid), count_text(quality.valid)),
-                                 change(count_text(before.quality.swept), count_text(quality.swept))) +
-                     fmt::format("  verdict  {}\n", change(before.quality.verdict, quality.verdict));
+  std::string text =
+      fmt::format("made again  {}  {} frames\n", printable(path.string()), count_text(quality.frames)) +
+      fmt::format("  valid    {} of {} in legs\n",
+                  change(count_text(before.quality.valid), count_text(quality.valid)),
+                  change(count_text(before.quality.swept), count_text(quality.swept))) +
+      fmt::format("  verdict  {}\n", printable(change(before.quality.verdict, quality.verdict)));
   if (const auto by = moved(before, after))
     return text + fmt::format("  times    moved by {:.2f} ms in the median, by {:.2f} ms at most\n",
                               1e3 * by->median_s, 1e3 * by->max_s);
@@ -107,7 +108,7 @@ std::string words_of(const std::vector<std::string>& calibrations) {
   std::string text;
   for (const std::string& name : calibrations) text += (text.empty() ? "" : ", ") + name;
   return fmt::format("  applied  {}\n",
-                     text.empty() ? "nothing: the profile measured nothing of this rig" : text);
+                     text.empty() ? "nothing: the profile measured nothing of this rig" : printable(text));
 }
 
 /// Whether all can be made again, before the first one is.

@@ -19,7 +19,7 @@ dataset::Acquisitions read_files(const std::vector<fs::path>& files, bool json) 
   const bool told = !json && escapes_allowed(stdout);
   const auto tell = [](std::size_t done, std::size_t all) {
     print("\rreading sessions: {} of {}", done, all);
-    std::fflush(stdout);
+    flush_output();
   };
   dataset::Acquisitions data =
       told ? dataset::read_acquisitions(files, tell) : dataset::read_acquisitions(files);

@@ -42,15 +42,15 @@ void announce(const SimulateOptions& options, const SimulatedPorts& ports) {
     print_json(object);
     return;
   }
-  print("SIMULATED rig, {}, seed {}; servo firmware: {}\n\n", options.environment, options.seed,
+  print("SIMULATED rig, {}, seed {}; servo firmware: {}\n\n", printable(options.environment), options.seed,
         ports.firmware_description());
   Table table({"role", "port"});
   for (Device device : all_devices) table.add({std::string(name_of(device)), paths[device]});
   print("{}\n", table.text());
-  if (!options.profile.empty()) print("profile  {}\n", options.profile);
+  if (!options.profile.empty()) print("profile  {}\n", printable(options.profile));
   print("next  thermorig record --environment {} --camera {} --gyro {} --servo {}\nCtrl-C ends it\n",
-        options.environment, paths[Device::camera], paths[Device::gyro], paths[Device::servo]);
-  std::fflush(stdout);
+        printable(options.environment), paths[Device::camera], paths[Device::gyro], paths[Device::servo]);
+  flush_output();
 }
 
 void print_tally(const ServingTally& tally, bool json) {

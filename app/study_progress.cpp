@@ -41,13 +41,13 @@ void StudyProgress::started(const study::Progress& progress) {
     print_json({{"event", "reused"}, {"jobs", progress.reused}});
   else
     print("{} of {} jobs were done before\n", progress.reused, progress.all);
-  std::fflush(stdout);
+  flush_output();
 }
 
 void StudyProgress::epoch_done(const study::Progress& progress) {
   if (!line_) return;
   print("\r\x1b[K{}; {}", standing_text(progress), printable(progress.last));
-  std::fflush(stdout);
+  flush_output();
 }
 
 void StudyProgress::job_done(const study::Progress& progress) {
@@ -62,7 +62,7 @@ void StudyProgress::job_done(const study::Progress& progress) {
                 {"eta_s", progress.eta_s}});
   else
     print("{}; {}\n", standing_text(progress), printable(progress.last));
-  std::fflush(stdout);
+  flush_output();
 }
 
 void StudyProgress::end() {

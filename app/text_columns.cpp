@@ -48,14 +48,10 @@ std::string assumptions_text(const wire::TextFormat& format) {
 }
 
 nlohmann::json format_json(const wire::TextFormat& format) {
-  return {{"sample_line", printable(format.sample_line)},
-          {"fields", format.fields},
-          {"prefix", format.columns.prefix},
-          {"columns", format.columns.rate},
-          {"scale_dps", format.columns.scale_dps},
-          {"time_column", format.columns.time},
-          {"time_unit_s", format.columns.time_unit_s},
-          {"assumptions", format.assumptions}};
+  return {{"sample_line", format.sample_line},         {"fields", format.fields},
+          {"prefix", format.columns.prefix},           {"columns", format.columns.rate},
+          {"scale_dps", format.columns.scale_dps},     {"time_column", format.columns.time},
+          {"time_unit_s", format.columns.time_unit_s}, {"assumptions", format.assumptions}};
 }
 
 }  // namespace thermorig::app

@@ -29,7 +29,7 @@ std::string signed_count(double value) {
 }
 
 std::string timing_line(const std::string& name, const std::string& words) {
-  return fmt::format("{:<14}{}\n", name, words);
+  return fmt::format("{:<14}{}\n", name, printable(words));
 }
 
 std::string clock_table(const SyncReport& sync) {
@@ -41,7 +41,7 @@ std::string clock_table(const SyncReport& sync) {
       table.add({std::string(name_of(device)), "none", "-", "-", "-", "-", "-", "-", "-"});
       continue;
     }
-    table.add({std::string(name_of(device)), printable(clock.method), fmt::format("{:.3f}", clock.rate_hz),
+    table.add({std::string(name_of(device)), clock.method, fmt::format("{:.3f}", clock.rate_hz),
                signed_count(clock.skew_ppm), fmt::format("{:.1f}", clock.wander_ppm), ms(clock.late_p50_us),
                ms(clock.late_p95_us), ms(clock.late_max_us), ms(clock.uncertainty_us)});
   }
@@ -99,15 +99,15 @@ std::string breaks_text(const Session& session) {
       text += timing_line(
           "", fmt::format("and {} more of the {}", clock.gaps.size() - gaps_shown, name_of(device)));
     for (std::size_t i = 1; i < clock.epochs.size() && i <= gaps_shown; ++i)
-      text += timing_line("new epoch", fmt::format("{} at {:.2f} s: {}", name_of(device),
-                                                   since_start_s(session, clock.epochs[i].begin),
-                                                   printable(clock.epochs[i].reason)));
+      text += timing_line("new epoch",
+                          fmt::format("{} at {:.2f} s: {}", name_of(device),
+                                      since_start_s(session, clock.epochs[i].begin), clock.epochs[i].reason));
   }
   return text;
 }
 
 std::string offset_text(const CameraOffset& offset) {
-  if (!offset.offset_s) return fmt::format("not told by the images: {}", printable(offset.why_not));
+  if (!offset.offset_s) return fmt::format("not told by the images: {}", offset.why_not);
   return fmt::format("{:+.2f} +- {:.2f} ms by {} chess halves, {}", 1e3 * offset.offset_s->value,
                      1e3 * offset.offset_s->uncertainty, count_text(offset.halves),
                      offset.applied ? "applied to the camera's times" : "not applied");
@@ -115,7 +115,7 @@ std::string offset_text(const CameraOffset& offset) {
 
 std::string calibrated_text(bool calibrated, const std::string& utc) {
   if (!calibrated) return "assumed";
-  return utc.empty() ? "calibrated" : fmt::format("calibrated {}", printable(utc));
+  return utc.empty() ? "calibrated" : "calibrated " + utc;
 }
 
 std::string bias_text(const GyroErrors& gyro) {
@@ -162,7 +162,7 @@ std::string servo_text(const Session& session, const session::Quality& quality) 
 }
 
 std::string cell(const std::optional<double>& value, const char* form) {
-  if (!value) return {1, '-'};
+  if (!value) return "-";
   return fmt::format(fmt::runtime(form), *value);
 }
 
@@ -194,7 +194,7 @@ std::string residual_table(const ServoResponse& servo) {
 
 std::string timing_verdict(const session::Quality& quality) {
   std::string text = timing_line("verdict", quality.verdict);
-  for (const std::string& reason : quality.verdict_reasons) text += timing_line("", printable(reason));
+  for (const std::string& reason : quality.verdict_reasons) text += timing_line("", reason);
   return text;
 }
 
@@ -215,11 +215,11 @@ std::string reprocess_advice(const std::filesystem::path& path) {
 std::string timing_text(const std::filesystem::path& path, const Session& session,
                         const session::Quality& quality) {
   if (!has_timing(session))
-    return fmt::format("{}\n{}", path.string(), timing_line("timing", reprocess_advice(path)));
+    return fmt::format("{}\n{}", printable(path.string()), timing_line("timing", reprocess_advice(path)));
   const SyncReport& sync = session.sync;
   const std::string simulated = session.raw.header.simulated ? " (SIMULATED)" : "";
-  std::string text =
-      fmt::format("{}{}\n\n{}\n{}", path.string(), simulated, clock_table(sync), bound_table(sync));
+  std::string text = fmt::format("{}{}\n\n{}\n{}", printable(path.string()), simulated, clock_table(sync),
+                                 bound_table(sync));
   if (const std::string breaks = breaks_text(session); !breaks.empty()) text += fmt::format("\n{}", breaks);
   text += fmt::format("\n{}{}{}", timing_line("camera - gyro", offset_text(sync.camera_offset)),
                       gyro_text(session), servo_text(session, quality));
@@ -232,7 +232,7 @@ std::string timing_text(const std::filesystem::path& path, const Session& sessio
 
 std::string timing_line(const std::filesystem::path& path, const Session& session,
                         const session::Quality& quality) {
-  if (!has_timing(session)) return fmt::format("timing   {}\n", reprocess_advice(path));
+  if (!has_timing(session)) return fmt::format("timing   {}\n", printable(reprocess_advice(path)));
   std::string text = "timing   ";
   for (const Device device : all_devices) {
     const ClockReport& clock = session.sync.clock[device];

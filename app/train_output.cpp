@@ -36,7 +36,7 @@ class PlainTrainOutput : public TrainOutput {
   const TrainingConfig& config() const { return config_; }
   static void print(const std::string& text) {
     write_to(stdout, text);
-    std::fflush(stdout);
+    flush_output();
   }
 
  private:

@@ -28,7 +28,7 @@ std::string command_of(const fs::path& process) {
   std::string name;
   std::ifstream comm(process / "comm");
   std::getline(comm, name);
-  return printable(name);
+  return device_text(name);
 }
 
 bool is_process_folder(const std::string& name) {

@@ -13,6 +13,7 @@
 #include <sstream>
 
 #include "thermorig/core/error.h"
+#include "thermorig/core/printable.h"
 #include "thermorig/io/port.h"
 
 namespace thermorig::io {
@@ -24,7 +25,7 @@ struct FreePortList {
 };
 
 std::string text_or_empty(const char* text) {
-  return text == nullptr ? std::string() : printable(text);
+  return text == nullptr ? std::string() : device_text(text);
 }
 
 std::string sysfs_path_of(const std::string& port) {
@@ -57,21 +58,11 @@ PortInfo describe(const sp_port* port) {
 
 }  // namespace
 
-std::string printable(std::string_view text) {
-  std::string kept;
-  for (std::size_t i = 0; i < text.size(); ++i) {
-    const auto byte = static_cast<unsigned char>(text[i]);
-    // U+0080..U+009F in UTF-8: C2 80..9F. Some terminals take U+009B as the start of an escape sequence.
-    const bool c1 =
-        byte == 0xC2 && i + 1 < text.size() && (static_cast<unsigned char>(text[i + 1]) & 0xE0U) == 0x80;
-    if (c1)
-      ++i;
-    else if (byte >= 0x20 && byte != 0x7F)
-      kept += text[i];
-  }
-  const auto first = kept.find_first_not_of(' ');
-  if (first == std::string::npos) return {};
-  return kept.substr(first, kept.find_last_not_of(' ') - first + 1);
+std::string device_text(std::string_view text) {
+  constexpr const char* blanks = " \t\r\n";
+  const auto first = text.find_first_not_of(blanks);
+  if (first == std::string_view::npos) return {};
+  return printable(text.substr(first, text.find_last_not_of(blanks) - first + 1));
 }
 
 std::string usb_topology(std::string_view sysfs_path) {

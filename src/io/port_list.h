@@ -6,8 +6,8 @@
 
 namespace thermorig::io {
 
-/// Text from a device, fit for a terminal: control characters (of ASCII and C1) left out, blanks trimmed.
-std::string printable(std::string_view text);
+/// What a device says of itself: blanks and line ends around it left out, the rest printable().
+std::string device_text(std::string_view text);
 
 /// The USB topology in a sysfs path: ".../usb1/1-4/1-4.2/1-4.2:1.0/ttyUSB0" -> "1-4.2"; empty if there is
 /// none.

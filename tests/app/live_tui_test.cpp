@@ -116,7 +116,7 @@ TEST_F(LiveTui, KeepsANoteAboveThePicture) {
   drawn();
   screen_->note("the servo's watchdog tripped\x1b[2J");
   const std::string text = drawn();
-  EXPECT_THAT(text, HasSubstr("the servo's watchdog tripped[2J\n"));
+  EXPECT_THAT(text, HasSubstr("the servo's watchdog tripped\\u{1B}[2J\n"));
   EXPECT_LT(text.find("watchdog"), text.find("servo  "));
   EXPECT_EQ(text.find("A\x1b[J", text.find("watchdog")), std::string::npos) << "it is not drawn over";
 }

@@ -15,6 +15,7 @@ namespace thermorig::tests {
 namespace {
 
 using ::testing::HasSubstr;
+using ::testing::Not;
 
 constexpr int output = 9;  // one digit: what every shell takes behind ">&"
 
@@ -108,6 +109,19 @@ TEST_F(Unwritten, ResultsThatNobodyReadsAreExitCode7) {
   expect_told_by_each(
       {record, "inspect " + session, "recover recordings", "calibrate bias --simulated=3 --fast"});
   EXPECT_EQ(files(".h5").size(), 5U);
+}
+
+TEST_F(Unwritten, AReaderThatWentAwayIsNoFullDisk) {
+  const std::string session = record_briefly().string();
+  give_pipe_without_reader();
+  std::string many = "inspect";
+  for (int i = 0; i < 20; ++i) many += " " + session;
+  for (const std::string& command : {"inspect " + session, many, std::string("--version")}) {
+    const Outcome outcome = run_there(command);
+    EXPECT_EQ(outcome.code, 7);
+    EXPECT_THAT(outcome.err, HasSubstr("the reader of the output went away"));
+    EXPECT_THAT(outcome.err, Not(HasSubstr("space")));
+  }
 }
 
 TEST_F(Unwritten, ATextLongerThanABufferIsNoOtherFailure) {

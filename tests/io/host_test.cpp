@@ -38,13 +38,10 @@ TEST(Host, HasANameAndAKernel) {
   EXPECT_EQ(kernel_release().substr(0, 6), "Linux ");
 }
 
-TEST(Printable, LeavesOutWhatCouldSteerATerminal) {
-  EXPECT_EQ(printable("  USB \x1b[31mSerial\x07\x7f \r\n"), "USB [31mSerial");
-  EXPECT_EQ(printable("a\xC2\x9B"
-                      "2Jb"),
-            "a2Jb");
-  EXPECT_EQ(printable("Gerät"), "Gerät");
-  EXPECT_EQ(printable(" \t "), "");
+TEST(DeviceText, HasNoBlanksAroundItAndNothingThatSteersATerminal) {
+  EXPECT_EQ(device_text("  USB \x1b[31mSerial\x07 \r\n"), "USB \\u{1B}[31mSerial\\u{07}");
+  EXPECT_EQ(device_text("Gerät"), "Gerät");
+  EXPECT_EQ(device_text(" \t "), "");
 }
 
 TEST(UsbTopology, IsTheLastDeviceFolderOfTheSysfsPath) {

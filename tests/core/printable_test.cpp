@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: MIT
+#include "thermorig/core/printable.h"
+
+#include <gtest/gtest.h>
+
+namespace thermorig::test {
+namespace {
+
+using namespace std::string_literals;
+
+TEST(Printable, LeavesTextOfAnyScriptAsItIs) {
+  for (const char* text : {"", "garden_acq-01.h5", "C:\\n", "Gerät", "温度", "שלום", "🌡", "a\u00A0b"})
+    EXPECT_EQ(printable(text), text);
+}
+
+TEST(Printable, NamesWhatWouldSteerATerminal) {
+  EXPECT_EQ(printable("a\nb\x1b[2J"), "a\\nb\\u{1B}[2J");
+  EXPECT_EQ(printable("\ta\r\0\x7f"s), "\\ta\\r\\u{00}\\u{7F}"s);
+  EXPECT_EQ(printable("\u009B31m"), "\\u{9B}31m");
+}
+
+TEST(Printable, NamesWhatTurnsTheDirectionOrCannotBeSeen) {
+  EXPECT_EQ(printable("CC-BY\u202E4.0"), "CC-BY\\u{202E}4.0");
+  for (const char32_t character :
+       {0xAD, 0x61C, 0x180E, 0x200B, 0x200F, 0x2028, 0x2066, 0x2069, 0x3164, 0xFE0F, 0xFEFF, 0xE0041})
+    EXPECT_FALSE(is_visible(character)) << std::hex << static_cast<std::uint32_t>(character);
+  for (const char32_t character : {0x20, 0x7E, 0xA0, 0xAE, 0x2010, 0x2070, 0xFFFD, 0x1F600, 0x10FFFF})
+    EXPECT_TRUE(is_visible(character)) << std::hex << static_cast<std::uint32_t>(character);
+}
+
+TEST(Printable, NamesBytesThatAreNoUtf8) {
+  EXPECT_EQ(printable("\xFF"), "\\xFF");
+  EXPECT_EQ(printable("a\xC3"), "a\\xC3");                           // cut short
+  EXPECT_EQ(printable("\xC0\xAF"), "\\xC0\\xAF");                    // longer than it need be
+  EXPECT_EQ(printable("\xED\xA0\x80"), "\\xED\\xA0\\x80");           // half a pair of UTF-16
+  EXPECT_EQ(printable("\xF4\x90\x80\x80"), "\\xF4\\x90\\x80\\x80");  // beyond the last character
+  EXPECT_EQ(printable("\x9B"
+                      "31m"),
+            "\\x9B31m");
+}
+
+TEST(Printable, TwiceGivesTheSameAsOnce) {
+  const std::string once = printable("a\n\xFF\u202E");
+  EXPECT_EQ(printable(once), once);
+}
+
+}  // namespace
+}  // namespace thermorig::test
