@@ -377,11 +377,11 @@ TEST_F(Live, ASessionDoesNotSteerTheTerminal) {
   const std::string words = "live --no-page --speed max --replay hostile.h5";
   const Outcome lines = run(words);
   ASSERT_EQ(lines.code, 0) << lines.err;
-  EXPECT_THAT(lines.out, HasSubstr("tidy]0;title2J"));
-  EXPECT_THAT(lines.out, HasSubstr("said[2J"));
+  EXPECT_THAT(lines.out, HasSubstr("tidy\\u{1B}]0;title\\u{07}\\u{9B}2J"));
+  EXPECT_THAT(lines.out, HasSubstr("said\\u{1B}[2J"));
   for (const char* part : {"\x1b", "\x07", "\xc2\x9b"}) EXPECT_THAT(lines.out, Not(HasSubstr(part)));
   const Outcome screen = run_on_terminal("TERM=xterm", words + " --tui");
-  EXPECT_THAT(screen.out, HasSubstr("tidy]0;title2J"));
+  EXPECT_THAT(screen.out, HasSubstr("tidy\\u{1B}]0;title\\u{07}\\u{9B}2J"));
   for (const char* part : {"\x1b[2J", "\x1b]", "\x07", "\xc2\x9b"})
     EXPECT_THAT(screen.out, Not(HasSubstr(part)));
 }
