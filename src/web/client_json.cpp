@@ -25,22 +25,14 @@ nlohmann::json parse_flat(std::string_view text) {
   return deep ? nlohmann::json(nlohmann::json::value_t::discarded) : value;
 }
 
-/// One character of text that the parser has found to be UTF-8; moves on to the next.
-char32_t next_character(std::string_view text, std::size_t& at) {
-  const auto byte = static_cast<unsigned char>(text[at++]);
-  if (byte < 0x80) return byte;
-  const unsigned more = byte >= 0xf0 ? 3 : byte >= 0xe0 ? 2 : 1;
-  char32_t character = byte & (0x3fU >> more);
-  for (unsigned i = 0; i < more && at < text.size(); ++i)
-    character = (character << 6U) | (static_cast<unsigned char>(text[at++]) & 0x3fU);
-  return character;
-}
-
 std::optional<Refusal> check_note(std::string_view note) {
   std::size_t characters = 0;
-  for (std::size_t at = 0; at < note.size(); ++characters)
-    if (!is_plain(next_character(note, at)))
+  for (; !note.empty(); ++characters) {
+    const auto character = first_character(note);
+    if (!character || !is_plain(character->code_point))
       return Refusal{400, "a note has visible characters only, in one line and one direction"};
+    note.remove_prefix(character->bytes);
+  }
   if (characters > note_characters_max)
     return Refusal{400, fmt::format("a note has at most {} characters", note_characters_max)};
   return std::nullopt;

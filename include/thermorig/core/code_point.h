@@ -2,6 +2,8 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
+#include <string_view>
 
 namespace thermorig {
 
@@ -67,5 +69,14 @@ constexpr bool is_plain(char32_t code_point) {
   return !is_control(code_point) && !separates_lines(code_point) && !changes_direction(code_point) &&
          !is_invisible(code_point);
 }
+
+/// A character and how many bytes of UTF-8 it takes.
+struct Character {
+  char32_t code_point = 0;
+  std::size_t bytes = 1;
+};
+
+/// What `text`, which is not empty, begins with; nothing if that is not UTF-8 (RFC 3629).
+std::optional<Character> first_character(std::string_view text);
 
 }  // namespace thermorig

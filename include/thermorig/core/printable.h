@@ -6,10 +6,6 @@
 
 namespace thermorig {
 
-/// Whether a character shows as itself where text is printed: no control character, and none that is
-/// invisible or turns the direction of what follows.
-bool is_visible(char32_t character);
-
 /// Text from outside (file names, attributes, what devices send) as one line for people. What could steer a
 /// terminal, hide, or make the line read as another one is replaced by its name: "\n", "\t", "\r",
 /// "\u{202E}", and "\xFF" for a byte that is not UTF-8. All else stays, so twice gives the same as once.
