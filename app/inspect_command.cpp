@@ -9,6 +9,7 @@
 #include "inspect_text.h"
 #include "output.h"
 #include "thermorig/journal/journal.h"
+#include "thermorig/session/trial.h"
 #include "timing_text.h"
 
 namespace thermorig::app {
@@ -24,29 +25,34 @@ void refuse_journal(const std::filesystem::path& path) {
 struct Inspected {
   session::Session session;
   session::Quality quality;
+  std::vector<std::string> altered;  // attributes that are not as they were written
 };
 
 Inspected inspect(const std::filesystem::path& path) {
   require_existing(path);
   refuse_journal(path);
-  session::Session session = session::read_session(path);
+  const session::SealedCopy copy = session::tried_copy(path);
+  session::Session session = session::read_session(copy);
   session::Quality quality = session::quality_of(session);
-  return {std::move(session), std::move(quality)};
+  return {std::move(session), std::move(quality), session::altered_attributes(copy)};
 }
 
 std::string words_of(const std::filesystem::path& path, const Inspected& inspected, bool timing) {
-  return timing ? timing_text(path, inspected.session, inspected.quality)
-                : text_of(path, inspected.session, inspected.quality);
+  const std::string text = timing ? timing_text(path, inspected.session, inspected.quality)
+                                  : text_of(path, inspected.session, inspected.quality);
+  return text + altered_text(inspected.altered);
 }
 
 nlohmann::json object_of(const std::filesystem::path& path, const Inspected& inspected, bool timing) {
   nlohmann::json object = inspected_json(path, inspected.session, inspected.quality);
+  object["altered"] = inspected.altered;
   if (timing) object["timing"] = timing_json(inspected.session, inspected.quality);
   return object;
 }
 
-ExitCode verdict_code(const session::Quality& quality, bool check) {
-  return check && quality.verdict == "bad" ? ExitCode::check_failed : ExitCode::ok;
+ExitCode code_of(const Inspected& inspected) {
+  const bool is_well = inspected.quality.verdict != "bad" && inspected.altered.empty();
+  return is_well ? ExitCode::ok : ExitCode::check_failed;
 }
 
 nlohmann::json error_json(const std::filesystem::path& path, const Error& error) {
@@ -67,7 +73,7 @@ ExitCode run(const InspectOptions& options) {
     ExitCode result = ExitCode::ok;
     try {
       const Inspected inspected = inspect(path);
-      result = verdict_code(inspected.quality, options.check);
+      if (options.check) result = code_of(inspected);
       if (options.json)
         list.push_back(object_of(path, inspected, options.timing));
       else

@@ -137,6 +137,18 @@ nlohmann::json header_json(const RecordingHeader& header) {
 
 }  // namespace
 
+std::string altered_text(const std::vector<std::string>& altered) {
+  constexpr std::size_t most = 8;
+  if (altered.empty()) return "";
+  std::string text = fmt::format("altered  {} {} not as thermorig wrote {}:", altered.size(),
+                                 altered.size() == 1 ? "attribute is" : "attributes are",
+                                 altered.size() == 1 ? "it" : "them");
+  for (std::size_t i = 0; i < std::min(altered.size(), most); ++i)
+    text += (i == 0 ? " " : ", ") + printable(altered[i]);
+  if (altered.size() > most) text += fmt::format(" and {} more", altered.size() - most);
+  return text + "\n         what stands above is not taken from them; thermorig reprocess writes them anew\n";
+}
+
 std::string text_of(const std::filesystem::path& path, const Session& session, const Quality& quality) {
   const std::string speeds = quality.speeds.empty() ? "" : fmt::format("\n{}", speed_table(quality));
   return fmt::format("{}\n{}\n{}{}{}\n{}", heading(path, session, quality), stream_table(quality),

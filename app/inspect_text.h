@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <nlohmann/json_fwd.hpp>
 #include <string>
+#include <vector>
 
 #include "thermorig/rig/plan.h"
 #include "thermorig/session/session.h"
@@ -15,6 +16,9 @@ std::string text_of(const std::filesystem::path& path, const session::Session& s
                     const session::Quality& quality);
 nlohmann::json inspected_json(const std::filesystem::path& path, const session::Session& session,
                               const session::Quality& quality);
+
+/// Names attributes that are not as they were written; empty if there is none.
+std::string altered_text(const std::vector<std::string>& altered);
 
 /// Speeds of a plan with fewer frames than it asks for, those that were never driven included.
 struct ShortSpeeds {

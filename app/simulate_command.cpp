@@ -8,6 +8,7 @@
 #include "commands.h"
 #include "output.h"
 #include "thermorig/rig/profile_file.h"
+#include "thermorig/rig/session_file.h"
 #include "thermorig/simulated_ports/simulated_ports.h"
 
 namespace thermorig::app {
@@ -79,6 +80,7 @@ void print_tally(const ServingTally& tally, bool json) {
 }  // namespace
 
 ExitCode run(const SimulateOptions& options) {
+  rig::check_environment(options.environment);  // `record` is to take the name
   const sigset_t signals = hold_signals();
   const simulation::VirtualRigConfig config =
       simulated_rig(options.seed, options.environment, options.simulated_servo, options.simulated_camera,

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cerrno>
 #include <cstring>
+#include <initializer_list>
 #include <utility>
 
 #include "payload.h"
@@ -118,9 +119,15 @@ class RecordReader {
   std::uint64_t bytes_read_ = 0;
 };
 
+/// A time that no recorder can have written would run out of the clock's range wherever it is counted with.
+bool is_possible(std::initializer_list<HostTime> times, const RawRecording& recording) {
+  return std::all_of(times.begin(), times.end(),
+                     [&](HostTime time) { return is_of_recording(time, recording.header.time_reference); });
+}
+
 bool take_chunk(RawStream& stream, Bytes payload, RawRecording& recording) {
   const auto time = decode_time(payload);
-  if (!time) return false;
+  if (!time || !is_possible({*time}, recording)) return false;
   stream.append(payload.subspan(time_bytes), *time);
   recording.end_time = *time;
   return true;
@@ -128,7 +135,7 @@ bool take_chunk(RawStream& stream, Bytes payload, RawRecording& recording) {
 
 bool take_event(Bytes payload, RawRecording& recording) {
   auto event = decode_event(payload);
-  if (!event) return false;
+  if (!event || !is_possible({event->time}, recording)) return false;
   recording.end_time = event->time;
   recording.events.push_back(std::move(*event));
   return true;
@@ -136,14 +143,17 @@ bool take_event(Bytes payload, RawRecording& recording) {
 
 bool take_leg(Bytes payload, RawRecording& recording) {
   const auto leg = decode_leg(payload);
-  if (leg) recording.legs.push_back(*leg);
-  return leg.has_value();
+  if (!leg || !is_possible({leg->begin, leg->end}, recording)) return false;
+  recording.legs.push_back(*leg);
+  return true;
 }
 
 /// Frames are told once, in their order.
 bool take_estimate(Bytes payload, RawRecording& recording) {
   const auto row = decode_estimate(payload);
-  if (!row || (!recording.estimates.empty() && row->frame_index <= recording.estimates.back().frame_index))
+  if (!row || !is_possible({row->time, row->exposure_begin, row->exposure_end, row->arrival}, recording))
+    return false;
+  if (!recording.estimates.empty() && row->frame_index <= recording.estimates.back().frame_index)
     return false;
   recording.estimates.push_back(*row);
   return true;
@@ -151,7 +161,7 @@ bool take_estimate(Bytes payload, RawRecording& recording) {
 
 bool take_end(Bytes payload, RawRecording& recording) {
   const auto time = decode_time(payload);
-  if (!time) return false;
+  if (!time || !is_possible({*time}, recording)) return false;
   recording.end_time = *time;
   recording.complete = true;
   return true;

@@ -91,6 +91,7 @@ std::optional<std::string> problem_of(const RecordingHeader& header) {
     return "the environment's name is not made of 1 to 32 of a-z, 0-9 and '-'";
   if (!header.licence.empty() && !is_licence(header.licence))
     return "the licence of the data is no line of up to 1000 bytes of UTF-8";
+  if (!is_reference(header.time_reference)) return "it counts from a time that no host's clock shows";
   if (header.acquisition < 0 || header.frames_per_leg < 0)
     return "the acquisition number or the frames of a leg are negative";
   if (!numbers_are_finite(header.profile)) return "the profile holds a number that is not finite";

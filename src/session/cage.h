@@ -5,9 +5,27 @@
 
 namespace thermorig::session {
 
+/// Processor time that a reader of a session of so many bytes gets before it has inflated anything, and
+/// beyond which it is ended whatever it says; and time of the clock, on a machine that is busy with other
+/// things. A byte may stand for a thousand that were the same: what is sound may take a slow computer long.
+struct TimeLimits {
+  std::uint64_t cpu_s = 0;
+  std::uint64_t longest_cpu_s = 0;
+  std::uint64_t wall_s = 0;
+};
+TimeLimits time_limits(std::uint64_t session_bytes);
+
+/// For each so many bytes of data that it has read a reader gets a second more.
+inline constexpr std::uint64_t inflated_bytes_per_cpu_s = 4U << 20U;  // a slow computer reads five times that
+
+/// Counts data that were read; to be told by whoever reads.
+void count_inflated(std::uint64_t bytes);
+std::uint64_t inflated_bytes();  // async-signal-safe
+
 /// From here on this process can open, make and send nothing but through what it has open; it ends by a
 /// signal when it takes more memory or time than a sound session of so many bytes needs, and leaves no core
-/// file.
+/// file. The signals of time may be caught: SIGALRM, and SIGXCPU, which comes after `cpu_s` and every second
+/// of processor time from then on.
 void enter_cage(std::uint64_t session_bytes);
 
 }  // namespace thermorig::session

@@ -56,8 +56,6 @@ struct InnerAxis {
 
 inline constexpr std::uint64_t rows_max = 100'000'000;
 inline constexpr std::uint64_t frames_max = 10'000'000;
-/// Of any time from a session's reference: no sum or difference of two leaves the clock's range.
-inline constexpr double seconds_max = 1e9;
 inline constexpr std::uint64_t raw_bytes_max = std::uint64_t{1} << 35U;
 
 }  // namespace thermorig::session

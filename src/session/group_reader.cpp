@@ -8,6 +8,7 @@
 #include <numeric>
 
 #include "attributes.h"
+#include "cage.h"
 
 namespace thermorig::session {
 
@@ -138,6 +139,7 @@ std::uint32_t GroupReader::read_chunks(const Source& source, const std::string& 
     check(H5Dread(source.dataset.get(), type, memory.get(), space.get(), H5P_DEFAULT, buffer.data()),
           "read " + path + ": a chunk is damaged");
     crc = libdeflate_crc32(crc, buffer.data(), count[0] * row_bytes);
+    count_inflated(count[0] * row_bytes);
     take(start[0], count[0], buffer.data());
   }
   return crc;
@@ -168,7 +170,7 @@ std::vector<std::string> GroupReader::read_texts(const Column& info, int rank) c
 }
 
 HostDuration GroupReader::checked_time(double seconds) {
-  if (!std::isfinite(seconds) || std::abs(seconds) > seconds_max) throw Hdf5Failure("believe a time");
+  if (!std::isfinite(seconds) || std::abs(seconds) > farthest_time_s) throw Hdf5Failure("believe a time");
   return from_s(seconds);
 }
 

@@ -95,8 +95,30 @@ void command_columns(Archive& archive, Rows& commands) {
       [](auto& row) -> auto& { return row.time; });
   archive.texts(
       {"command_text", "1", "command to the servo"}, commands, [](const auto& row) { return row.text; },
-      nullptr);
+      [](auto& row, const std::string& text) { row.text = text; });
 }
+
+/// /quality/speed*: written for people; everybody can count them in /samples.
+template <typename Archive, typename Rows>
+void speed_columns(Archive& archive, Rows& speeds) {
+  archive.template axis<double>(
+      {"speed", "deg/s", "commanded speed [deg/s]"}, speeds, [](const auto& row) { return row.rate_dps; },
+      [](auto& row, double value) { row.rate_dps = value; });
+  archive.template field<std::int32_t>(
+      {"speed_frames", "1", "frames at this speed"}, speeds, [](auto& row) -> auto& { return row.frames; });
+  archive.template field<std::int32_t>(
+      {"speed_valid", "1", "valid frames at this speed"}, speeds,
+      [](auto& row) -> auto& { return row.valid; });
+}
+
+/// The texts of /rig: written for people; header_json holds them too.
+inline const Column profile_column{"profile_toml", "1", "profile of the rig, TOML"};
+inline const Column plan_column{"plan_toml", "1", "sweep plan, TOML"};
+
+/// A text that holds every other attribute against what was written: see stored_attributes.h.
+inline const Column attribute_sums_column{
+    "attribute_crc32", "1", "CRC-32 of each attribute that thermorig wrote",
+    "a line an attribute: CRC-32 of its type, shape and values, hexadecimal; a blank; object@name"};
 
 /// An answer to a ping, with the time at which the ping was sent.
 struct PingExchange {

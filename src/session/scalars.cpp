@@ -61,6 +61,8 @@ std::uint32_t scalars_crc32(const Session& session, const std::string& header_te
   if (minor_version >= 1) text += sync_text(session.sync);
   // So that a file whose /estimates is damaged is not taken for one that never had any.
   if (!session.raw.estimates.empty()) text += fmt::format(" {}", session.raw.estimates.size());
+  // So that nobody takes it for a file of a version that had no check sums of other attributes.
+  if (minor_version >= 3) text += fmt::format(" {}", minor_version);
   return libdeflate_crc32(0, text.data(), text.size());
 }
 

@@ -13,6 +13,7 @@
 #include <cerrno>
 #include <cstring>
 #include <utility>
+#include <vector>
 
 #include "refusal.h"
 #include "thermorig/core/error.h"
@@ -44,6 +45,10 @@ class Descriptor {
               path.string(), "close other programs");
 }
 
+[[noreturn]] void too_large(const fs::path& path) {
+  refuse(path, "is larger than any session: 4 GiB");
+}
+
 /// Looked at before it is opened: opening a pipe waits, and opening a port moves its lines.
 Descriptor open_regular(const fs::path& path, std::int64_t& size) {
   struct stat info {};
@@ -55,7 +60,7 @@ Descriptor open_regular(const fs::path& path, std::int64_t& size) {
   Descriptor file(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOCTTY));
   if (file.get() < 0) refuse(path, std::string("cannot be opened: ") + std::strerror(errno));
   if (::fstat(file.get(), &info) != 0 || !S_ISREG(info.st_mode)) refuse(path, "is not a regular file");
-  if (info.st_size > SealedCopy::bytes_max) refuse(path, "is larger than any session: 4 GiB");
+  if (info.st_size > SealedCopy::bytes_max) too_large(path);
   size = info.st_size;
   return Descriptor(file.release());
 }
@@ -71,6 +76,11 @@ bool may_be_a_file(std::int64_t size) {
 [[noreturn]] void unreadable(const fs::path& path, const char* why) {
   throw Error(ExitCode::storage, std::string("cannot be read: ") + why, path.string(),
               "check the disk (dmesg), and copy the file to another one");
+}
+
+[[noreturn]] void unreadable_on_disk(const fs::path& path, int error_number) {
+  throw Error(ExitCode::not_a_session, std::string("cannot be read: ") + std::strerror(error_number),
+              path.string(), "check the disk (dmesg)");
 }
 
 void fill(int from, std::span<std::byte> out, const fs::path& path) {
@@ -142,7 +152,7 @@ void copy(int from, int to, const fs::path& path) {
     write_all(to, buffer.data(), static_cast<std::size_t>(size), path);
     all += size;
   }
-  refuse(path, "is larger than any session: 4 GiB");
+  too_large(path);
 }
 
 }  // namespace
@@ -176,6 +186,7 @@ SealedCopy::SealedCopy(int fd, fs::path path) : path_(std::move(path)) {
 }
 
 SealedCopy::SealedCopy(std::span<const std::byte> bytes, fs::path path) : path_(std::move(path)) {
+  if (bytes.size() > static_cast<std::size_t>(bytes_max)) too_large(path_);
   bytes_ = private_copy(bytes.size(), path_,
                         [&](std::span<std::byte> out) { std::ranges::copy(bytes, out.begin()); });
 }
@@ -194,6 +205,19 @@ SealedCopy::SealedCopy(SealedCopy&& other) noexcept
     : path_(std::move(other.path_)),
       fd_(std::exchange(other.fd_, -1)),
       bytes_(std::exchange(other.bytes_, {})) {}
+
+SealedCopy copy_on(files::Disk& disk, const fs::path& path) {
+  const auto opened = disk.open(path);
+  if (!opened.good()) unreadable_on_disk(path, opened.error_number);
+  const files::ClosedOnExit file(disk, opened.value);
+  const auto size = disk.size(file.get());
+  if (!size.good()) unreadable_on_disk(path, size.error_number);
+  if (size.value > static_cast<std::uint64_t>(SealedCopy::bytes_max)) too_large(path);
+  std::vector<std::byte> bytes(size.value);
+  const auto count = disk.read(file.get(), 0, bytes);
+  if (!count.good()) unreadable_on_disk(path, count.error_number);
+  return SealedCopy(std::span(bytes).first(count.value), path);
+}
 
 void SealedCopy::map() {
   struct stat info {};

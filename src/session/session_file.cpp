@@ -4,13 +4,16 @@
 #include <cerrno>
 #include <cstring>
 #include <thread>
+#include <utility>
 
 #include "chunk_writer.h"
 #include "hdf5_handle.h"
 #include "session_image.h"
+#include "session_trial.h"
 #include "thermorig/core/error.h"
 #include "thermorig/files/part_file.h"
 #include "thermorig/session/session.h"
+#include "thermorig/session/trial.h"
 
 namespace thermorig::session {
 
@@ -43,17 +46,41 @@ std::string advice_for(int error_number) {
               advice_for(error_number));
 }
 
-void write_file(const fs::path& path, const Session& session, bool overwrite, files::Disk& disk) {
-  if (!overwrite) {
-    const auto taken = disk.look(path);
-    if (!taken.good()) refuse_to_write("cannot look at the folder", taken.error_number, path);
-    if (taken.value != files::FileKind::missing) refuse_to_write("the session exists already", EEXIST, path);
+/// What a reader would refuse never gets its name: nobody shall remove what it was made of.
+void require_readable_again(SealedCopy written) {
+  const std::string path = written.path().string();
+  try {
+    require_readable(std::move(written));
+  } catch (const Error& error) {
+    throw Error(error.code(), "what was made of it could not be read again: " + error.what_happened(), path,
+                "nothing was changed: its journal, or the session that it was to replace, is still there");
   }
+}
+
+std::vector<StoredAttribute> added_to(const SealedCopy& copy) {
+  altered_attributes(copy);  // a child looks at all of them first
+  return added_attributes(copy);
+}
+
+bool is_taken(const fs::path& path, files::Disk& disk) {
+  const auto taken = disk.look(path);
+  if (!taken.good()) refuse("cannot look at the folder", taken.error_number, path);
+  return taken.value != files::FileKind::missing;
+}
+
+void write_file(const fs::path& path, const Session& session, bool overwrite, files::Disk& disk) {
+  const bool is_there = is_taken(path, disk);
+  if (is_there && !overwrite) refuse("the session exists already", EEXIST, path);
   files::PartFile part(path, "the session", advice_for, disk);
-  SessionImage image = build_image(session, std::thread::hardware_concurrency());
+  std::vector<StoredAttribute> added =
+      is_there ? added_to(copy_on(disk, path)) : std::vector<StoredAttribute>{};
+  SessionImage image = build_image(session, std::thread::hardware_concurrency(), added);
+  added.clear();
   part.write(image.bytes);
   image.release();  // or there would be two of it
-  check_written(part.read_back(), image);
+  SealedCopy written(part.read_back(), path);
+  check_written(written.bytes(), image);
+  require_readable_again(std::move(written));
   part.sync();
   part.publish(overwrite);
 }

@@ -58,7 +58,7 @@ class ImageBuilder {
         quality_(quality_of(session)),
         chunks_(threads) {}
 
-  SessionImage build() {
+  SessionImage build(const std::vector<StoredAttribute>& added) {
     write_root_attributes(file_.get(), session_);
     // The largest first: they are compressed while the rest is being laid out.
     write_camera();
@@ -69,10 +69,12 @@ class ImageBuilder {
     if (!session_.raw.estimates.empty()) write_estimates();
     write_events();
     write_texts();
-    write_quality();
+    auto quality = write_quality();
     write_raw();
     SessionImage image;
     image.datasets = chunks_.finish();
+    quality.text(attribute_sums_column, attribute_sums(stored_attributes(file_.get())));
+    add_attributes(file_.get(), added);
     image.bytes = image_of(file_.get());
     image.crc = libdeflate_crc32(0, image.bytes.data(), image.bytes.size());
     image.file = std::move(file_);
@@ -146,23 +148,16 @@ class ImageBuilder {
     auto rig = group("/rig");
     write_rig_attributes(rig.id(), session_);
     set_attribute(rig.id(), "header_json", recording_header::header_to_json_text(header));
-    rig.text({"profile_toml", "1", "profile of the rig, TOML"}, header.profile_toml);
-    rig.text({"plan_toml", "1", "sweep plan, TOML"}, header.plan_toml);
+    rig.text(profile_column, header.profile_toml);
+    rig.text(plan_column, header.plan_toml);
   }
 
-  void write_quality() {
+  /// Stays open for what is known at the end alone.
+  GroupWriter write_quality() {
     auto quality = group("/quality");
     write_quality_attributes(quality.id(), quality_);
-    const auto& speeds = quality_.speeds;
-    quality.axis<double>(
-        {"speed", "deg/s", "commanded speed [deg/s]"}, speeds,
-        [](const auto& speed) { return speed.rate_dps; }, nullptr);
-    quality.field<std::int32_t>(
-        {"speed_frames", "1", "frames at this speed"}, speeds,
-        [](auto& speed) -> auto& { return speed.frames; });
-    quality.field<std::int32_t>(
-        {"speed_valid", "1", "valid frames at this speed"}, speeds,
-        [](auto& speed) -> auto& { return speed.valid; });
+    speed_columns(quality, quality_.speeds);
+    return quality;
   }
 
   void write_raw() {
@@ -212,9 +207,10 @@ void SessionImage::release() {
   file.close("close the file in memory");
 }
 
-SessionImage build_image(const Session& session, unsigned threads) {
+SessionImage build_image(const Session& session, unsigned threads,
+                         const std::vector<StoredAttribute>& added) {
   prepare_hdf5();
-  return ImageBuilder(session, threads).build();
+  return ImageBuilder(session, threads).build(added);
 }
 
 void check_written(std::span<const std::byte> bytes, const SessionImage& meant) {

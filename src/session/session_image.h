@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "hdf5_handle.h"
+#include "stored_attributes.h"
 #include "stored_dataset.h"
 #include "thermorig/session/session.h"
 
@@ -24,8 +25,10 @@ struct SessionImage {
   void release();
 };
 
-/// The bytes do not depend on `threads`. Throws Hdf5Failure, std::bad_alloc.
-SessionImage build_image(const Session& session, unsigned threads);
+/// The bytes do not depend on `threads`. `added`: attributes that somebody else has put into the file that
+/// this one is to replace. Throws Hdf5Failure, std::bad_alloc.
+SessionImage build_image(const Session& session, unsigned threads,
+                         const std::vector<StoredAttribute>& added = {});
 
 /// Holds what the disk gave back of a written file against what was meant, byte by byte, and against what the
 /// file was made of: opens it and looks at shapes and stored chunks. `meant.bytes` may be gone by then.

@@ -16,6 +16,7 @@
 #include "sample_columns.h"
 #include "scalars.h"
 #include "session_trial.h"
+#include "stored_attributes.h"
 #include "sync_attributes.h"
 #include "sync_columns.h"
 #include "thermorig/core/error.h"
@@ -30,10 +31,6 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr double longest_delay_s = 10.0;
-
-bool is_of_session(HostTime time, HostTime reference) {
-  return time >= reference - from_s(seconds_max) && time <= reference + from_s(seconds_max);
-}
 
 /// Of a version that this program reads: "1.<minor>.<patch>".
 std::optional<unsigned> minor_version_of(const std::string& version) {
@@ -73,8 +70,6 @@ class SessionFile {
   RecordingHeader read_header() {
     header_text_ = get_text_attribute(group("/rig").id(), "header_json");
     auto header = recording_header::header_from_json_text(header_text_, path_.string());
-    if (!is_of_session(header.time_reference, HostTime{}))
-      throw Hdf5Failure("believe the time that it counts from");
     facts_.reference = header.time_reference;
     header.licence = licence();
     return header;
@@ -106,7 +101,7 @@ void check_stream(const RawStream& stream, const std::string& name, HostTime ref
   const std::uint64_t end = stream.chunk_end.empty() ? 0 : stream.chunk_end.back();
   if (end != stream.bytes.size() || !std::is_sorted(stream.chunk_end.begin(), stream.chunk_end.end()))
     throw Hdf5Failure("believe the chunks of /raw/" + name);
-  const auto is_sound = [reference](std::int64_t ns) { return is_of_session(host_time_ns(ns), reference); };
+  const auto is_sound = [reference](std::int64_t ns) { return is_of_recording(host_time_ns(ns), reference); };
   if (!std::all_of(stream.time_ns.begin(), stream.time_ns.end(), is_sound))
     throw Hdf5Failure("believe the times of /raw/" + name);
 }
@@ -148,7 +143,7 @@ RawRecording read_recording(SessionFile& file) {
   raw.estimates = read_estimates(file);
   raw.complete = get_attribute<std::uint8_t>(file.id(), "closed_by_recorder") != 0;
   raw.end_time = host_time_ns(get_attribute<std::int64_t>(file.id(), "end_time_ns"));
-  if (!is_of_session(raw.end_time, reference)) throw Hdf5Failure("believe the time of its end");
+  if (!is_of_recording(raw.end_time, reference)) throw Hdf5Failure("believe the time of its end");
   return raw;
 }
 
@@ -250,6 +245,26 @@ Session read_foundation(SessionFile& file) {
   return session;
 }
 
+/// Tables and texts that only people look at: nothing is made of them, but they shall be what was written.
+void check_copies(const SessionFile& file) {
+  std::vector<TimedCommand> commands;
+  auto servo = file.group("/servo");
+  command_columns(servo, commands);
+  std::vector<Quality::Speed> speeds;
+  auto quality = file.group("/quality");
+  speed_columns(quality, speeds);
+  auto rig = file.group("/rig");
+  rig.text(profile_column);
+  rig.text(plan_column);
+}
+
+/// Reads all attributes, also those that nothing is made of.
+std::vector<std::string> read_altered(const SessionFile& file) {
+  const std::vector<StoredAttribute> attributes = stored_attributes(file.id());
+  if (file.minor_version() < 3) return {};
+  return altered_attributes(attributes, file.group("/quality").text(attribute_sums_column));
+}
+
 Session read_all(SessionFile& file) {
   Session session = read_foundation(file);
   auto camera = file.group("/camera");
@@ -264,7 +279,23 @@ Session read_all(SessionFile& file) {
   sample_columns(samples, session.samples);
   if (file.minor_version() == 0) complete_labels_of_1_0(session.samples);
   check_samples(session);
+  check_copies(file);
+  if (file.minor_version() >= 3) file.group("/quality").text(attribute_sums_column);
   return session;
+}
+
+/// A count of a reason, or a reason of the verdict, that the file may have, and the one made of it need not.
+bool is_of_its_quality(const StoredAttribute& stored) {
+  return stored.object == "/quality" &&
+         (stored.name.starts_with("reason_") || stored.name == "verdict_reasons");
+}
+
+std::vector<StoredAttribute> read_added(SessionFile& file) {
+  std::vector<StoredAttribute> attributes = stored_attributes(file.id());
+  if (file.minor_version() >= 3)
+    return without_named(std::move(attributes), file.group("/quality").text(attribute_sums_column));
+  std::erase_if(attributes, is_of_its_quality);
+  return attributes;
 }
 
 template <typename Read>
@@ -293,6 +324,14 @@ Session read_session(const fs::path& path) {
 
 RawRecording read_raw(const fs::path& path) {
   return read_or_explain(tried_copy(path), read_foundation).raw;
+}
+
+std::vector<StoredAttribute> added_attributes(const SealedCopy& copy) {
+  return read_or_explain(copy, read_added);
+}
+
+std::vector<std::string> altered_in(const SealedCopy& copy) {
+  return read_or_explain(copy, read_altered);
 }
 
 void read_for_nothing(const SealedCopy& copy) {

@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: MIT
 // Who tries files: a process that is forked off before the program has threads (thereafter a fork could find
 // a lock taken for ever), and which forks a child for each file that it is handed. A child that lives to the
-// end says so with one byte; one that does not leaves an end of file.
+// end says with one byte what it found, and one whose time is up says so too; one that dies leaves an end of
+// file.
 #include "thermorig/session/trial.h"
 
 #include <fcntl.h>
+#include <fmt/format.h>
 #include <sys/prctl.h>
 #include <sys/socket.h>
 #include <sys/uio.h>
@@ -16,6 +18,8 @@
 #include <cstdio>
 #include <cstring>
 #include <exception>
+#include <sstream>
+#include <string_view>
 
 #include "cage.h"
 #include "refusal.h"
@@ -28,10 +32,13 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::uint8_t survived = 1;
+constexpr std::size_t longest_answer = 1U << 20U;
 constexpr std::size_t descriptors = 2;  // of a message: the copy, and where to answer
 
 int to_trials = -1;  // a socket to the process that tries; none: nothing is tried
+
+/// What a child is to do; the byte of the parcel.
+enum class Task : std::uint8_t { read = 0, name_altered = 1 };
 
 /// A message of one byte and two descriptors, as the system wants it.
 struct Parcel {
@@ -50,8 +57,9 @@ struct Parcel {
   Parcel& operator=(const Parcel&) = delete;
 };
 
-bool send_parcel(int socket, const std::array<int, descriptors>& fds) {
+bool send_parcel(int socket, Task task, const std::array<int, descriptors>& fds) {
   Parcel parcel;
+  parcel.byte = static_cast<std::uint8_t>(task);
   cmsghdr* header = CMSG_FIRSTHDR(&parcel.message);
   header->cmsg_level = SOL_SOCKET;
   header->cmsg_type = SCM_RIGHTS;
@@ -63,7 +71,7 @@ bool send_parcel(int socket, const std::array<int, descriptors>& fds) {
   return sent == 1;
 }
 
-bool receive_parcel(int socket, std::array<int, descriptors>& fds) {
+bool receive_parcel(int socket, Task& task, std::array<int, descriptors>& fds) {
   Parcel parcel;
   ssize_t received = 0;
   do received = ::recvmsg(socket, &parcel.message, MSG_CMSG_CLOEXEC);
@@ -71,20 +79,66 @@ bool receive_parcel(int socket, std::array<int, descriptors>& fds) {
   const cmsghdr* header = CMSG_FIRSTHDR(&parcel.message);
   if (received != 1 || header == nullptr || header->cmsg_len != CMSG_LEN(sizeof fds)) return false;
   std::memcpy(fds.data(), CMSG_DATA(header), sizeof fds);
+  task = Task{parcel.byte};
   return true;
 }
 
-[[noreturn]] void try_file(int file, int answer) {
+int answers = -1;  // of the child: where its answer goes
+
+/// Async-signal-safe.
+[[noreturn]] void answer_and_exit(TrialEnd end) {
+  [[maybe_unused]] const ssize_t written = ::write(answers, &end, sizeof end);
+  ::_exit(0);
+}
+
+/// Comes every second of processor time beyond the first limit: data that were read meanwhile excuse it.
+void look_at_cpu_time(int /*signal*/) {
+  static volatile std::sig_atomic_t seconds_beyond = 0;
+  const std::sig_atomic_t seconds = seconds_beyond;
+  if (static_cast<std::uint64_t>(seconds) >= inflated_bytes() / inflated_bytes_per_cpu_s)
+    answer_and_exit(TrialEnd::no_cpu_time);
+  seconds_beyond = seconds + 1;
+}
+
+void end_of_wall_time(int /*signal*/) {
+  answer_and_exit(TrialEnd::no_wall_time);
+}
+
+TrialEnd end_of_reading(const SealedCopy& copy) {
+  try {
+    read_for_nothing(copy);
+    return TrialEnd::read;
+  } catch (const Error&) {
+    return TrialEnd::refused;
+  }
+}
+
+/// A line for each, behind the answer.
+[[noreturn]] void answer_with_altered(const SealedCopy& copy) {
+  std::string text(1, static_cast<char>(TrialEnd::read));
+  try {
+    for (const std::string& path : altered_in(copy)) text += path + "\n";
+  } catch (const Error&) {
+    answer_and_exit(TrialEnd::refused);
+  }
+  for (std::string_view left = text; !left.empty();) {
+    const ssize_t written = ::write(answers, left.data(), left.size());
+    if (written <= 0) break;
+    left.remove_prefix(static_cast<std::size_t>(written));
+  }
+  ::_exit(0);
+}
+
+/// A Ctrl-C is the program's: its children end when it does.
+[[noreturn]] void try_file(Task task, int file, int answer) {
+  ::prctl(PR_SET_PDEATHSIG, SIGKILL);
+  answer_when_time_is_up(answer);
   try {
     const SealedCopy copy(file, "session");
     ::prctl(PR_SET_NAME, "session-trial");
-    for (const int signal : {SIGINT, SIGTERM, SIGHUP}) std::signal(signal, SIG_DFL);
     enter_cage(copy.bytes().size());
-    try {
-      read_for_nothing(copy);
-    } catch (const Error&) {  // refused in the ordinary way: the program will say why
-    }
-    [[maybe_unused]] const ssize_t written = ::write(answer, &survived, sizeof survived);
+    if (task == Task::name_altered) answer_with_altered(copy);
+    answer_and_exit(end_of_reading(copy));
   } catch (const std::exception&) {  // too little memory, for one: the answer stays away
   }
   ::_exit(0);
@@ -97,8 +151,9 @@ bool receive_parcel(int socket, std::array<int, descriptors>& fds) {
   for (const int signal : {SIGINT, SIGTERM, SIGHUP, SIGQUIT, SIGTSTP}) std::signal(signal, SIG_IGN);
   std::signal(SIGCHLD, SIG_IGN);  // children vanish by themselves
   std::array<int, descriptors> fds{};
-  while (receive_parcel(socket, fds)) {
-    if (::fork() == 0) try_file(fds[0], fds[1]);
+  Task task{};
+  while (receive_parcel(socket, task, fds)) {
+    if (::fork() == 0) try_file(task, fds[0], fds[1]);
     for (const int fd : fds) ::close(fd);  // if there was no child, this alone is the answer
   }
   ::_exit(0);
@@ -120,32 +175,54 @@ void keep_only(int& socket) {
 }
 
 /// Hands over the copy, and where to answer.
-bool send_copy(const SealedCopy& copy, int answer) {
-  if (copy.fd() >= 0) return send_parcel(to_trials, {copy.fd(), answer});
+bool send_copy(const SealedCopy& copy, Task task, int answer) {
+  if (copy.fd() >= 0) return send_parcel(to_trials, task, {copy.fd(), answer});
   std::array<int, 2> ends{};
   if (::socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends.data()) != 0) no_trials();
-  const bool sent = send_parcel(to_trials, {ends[1], answer});
+  const bool sent = send_parcel(to_trials, task, {ends[1], answer});
   ::close(ends[1]);
   if (sent) copy.send_bytes(ends[0]);  // if the child goes before it has them, its answer stays away
   ::close(ends[0]);
   return sent;
 }
 
-bool survives(const SealedCopy& copy) {
+/// All that a child says, but no more than is sensible.
+std::string answer_to(const SealedCopy& copy, Task task) {
   std::array<int, 2> ends{};
   if (::pipe2(ends.data(), O_CLOEXEC) != 0) no_trials();
-  const bool sent = send_copy(copy, ends[1]);
+  const bool sent = send_copy(copy, task, ends[1]);
   ::close(ends[1]);
-  std::uint8_t answer = 0;
-  ssize_t size = 0;
-  do size = sent ? ::read(ends[0], &answer, sizeof answer) : -1;
-  while (size < 0 && sent && errno == EINTR);
+  std::string answer;
+  std::array<char, 4096> part{};
+  while (sent && answer.size() < longest_answer) {
+    const ssize_t size = ::read(ends[0], part.data(), part.size());
+    if (size < 0 && errno == EINTR) continue;
+    if (size <= 0) break;
+    answer.append(part.data(), static_cast<std::size_t>(size));
+  }
   ::close(ends[0]);
   if (!sent) no_trials();
-  return size == 1 && answer == survived;
+  return answer;
+}
+
+TrialEnd end_in(const std::string& answer) {
+  return answer.empty() ? TrialEnd::died : TrialEnd{static_cast<std::uint8_t>(answer.front())};
+}
+
+/// Says nothing of the file: a slow computer, or a busy one, may have a sound one in its hands.
+[[noreturn]] void no_time(const fs::path& path, const std::string& limit) {
+  throw Error(ExitCode::failed, "could not be read within " + limit, path.string(),
+              "try again when the computer has less to do; if that does not help, take a copy of it from "
+              "elsewhere, or its journal with thermorig recover");
 }
 
 }  // namespace
+
+void answer_when_time_is_up(int answer) {
+  answers = answer;
+  std::signal(SIGXCPU, look_at_cpu_time);
+  std::signal(SIGALRM, end_of_wall_time);
+}
 
 void try_sessions_first() {
   if (to_trials >= 0) return;
@@ -166,10 +243,43 @@ SealedCopy tried_copy(const fs::path& path) {
   return tried(SealedCopy(path));
 }
 
+void require_harmless(TrialEnd end, const SealedCopy& copy) {
+  const TimeLimits limits = time_limits(copy.bytes().size());
+  switch (end) {
+    case TrialEnd::read:
+    case TrialEnd::refused:
+      return;
+    case TrialEnd::no_cpu_time:
+      no_time(copy.path(), fmt::format("{} s of processor time and a second for every {} MiB of data in it",
+                                       limits.cpu_s, inflated_bytes_per_cpu_s >> 20U));
+    case TrialEnd::no_wall_time:
+      no_time(copy.path(), std::to_string(limits.wall_s) + " s");
+    case TrialEnd::died:
+      break;
+  }
+  refuse(copy.path(), "is damaged or hostile: the process that tried to read it first did not survive it");
+}
+
 SealedCopy tried(SealedCopy copy) {
-  if (to_trials >= 0 && !survives(copy))
-    refuse(copy.path(), "is damaged or hostile: the process that tried to read it first did not survive it");
+  if (to_trials >= 0) require_harmless(end_in(answer_to(copy, Task::read)), copy);
   return copy;
+}
+
+void require_readable(SealedCopy copy) {
+  const TrialEnd end = to_trials >= 0 ? end_in(answer_to(copy, Task::read)) : TrialEnd::refused;
+  require_harmless(end, copy);
+  if (end != TrialEnd::read) read_for_nothing(copy);  // says why it is refused; or nobody tries files
+}
+
+std::vector<std::string> altered_attributes(const SealedCopy& copy) {
+  if (to_trials < 0) return altered_in(copy);
+  const std::string answer = answer_to(copy, Task::name_altered);
+  require_harmless(end_in(answer), copy);
+  if (end_in(answer) == TrialEnd::refused) return altered_in(copy);  // says why
+  std::vector<std::string> paths;
+  std::istringstream lines(answer.substr(1));
+  for (std::string path; std::getline(lines, path);) paths.push_back(path);
+  return paths;
 }
 
 }  // namespace thermorig::session

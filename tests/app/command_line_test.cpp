@@ -75,6 +75,16 @@ TEST_F(CommandLine, TellsAnErrorAsJsonTooWhereJsonIsAskedFor) {
   EXPECT_EQ(lines[0]["exit_code"], 2);
 }
 
+TEST_F(CommandLine, RefusesANameOfAnEnvironmentInTheSameWordsWhereverItStands) {
+  const Outcome record = run("record --simulated --fast -e Wohnzimmer");
+  const Outcome simulate = run("simulate -e Wohnzimmer --profile simulated.toml");
+  EXPECT_EQ(simulate.code, 2);
+  EXPECT_EQ(simulate.err, record.err);
+  EXPECT_THAT(simulate.err, HasSubstr("\"Wohnzimmer\" cannot be the name of an environment"));
+  EXPECT_THAT(simulate.out, ::testing::IsEmpty());
+  EXPECT_TRUE(files(".toml").empty());
+}
+
 TEST_F(CommandLine, NamesVersionCommitCompilerAndLibraries) {
   EXPECT_THAT(run("--version").out, HasSubstr("thermorig "));
   const Outcome outcome = run("--version --json");

@@ -11,6 +11,7 @@ namespace thermorig::tests {
 namespace {
 
 using ::testing::HasSubstr;
+using ::testing::Not;
 
 class SessionCommands : public ProgramTest {
  protected:
@@ -48,6 +49,30 @@ TEST_F(SessionCommands, InspectGivesAnArrayOfSessionsAsJson) {
   EXPECT_GE(first["frames_swept"], 48);
   EXPECT_EQ(first["speeds"].size(), 4U);
   EXPECT_GT(first["streams"]["gyro"]["counters"]["messages"], 100);
+}
+
+TEST_F(SessionCommands, InspectNamesAnAttributeThatSomebodyHasChangedAndItsCheckFails) {
+  const auto session = record_briefly();
+  EXPECT_EQ(run("inspect --check " + session.string()).code, 0);
+  std::string bytes = file_text(session);
+  const std::string clock = "CLOCK_MONOTONIC";  // an attribute that is only for people
+  ASSERT_EQ(bytes.find(clock), bytes.rfind(clock));
+  bytes.replace(bytes.find(clock), clock.size(), "CLOCK_MONOTONIK");
+  write(session.string(), {reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size()});
+  const Outcome shown = run("inspect " + session.string());
+  EXPECT_EQ(shown.code, 0) << shown.err;
+  for (const char* option : {"", "--timing "}) {
+    const Outcome outcome = run("inspect --check " + std::string(option) + session.string());
+    EXPECT_EQ(outcome.code, 9) << option;
+    EXPECT_THAT(outcome.out,
+                HasSubstr("altered  1 attribute is not as thermorig wrote it: /sync@host_clock\n"));
+  }
+  EXPECT_EQ(run("inspect --json " + session.string()).lines()[0][0]["altered"],
+            nlohmann::json::array({"/sync@host_clock"}));
+  ASSERT_EQ(run("reprocess " + session.string()).code, 0);
+  const Outcome again = run("inspect --check " + session.string());
+  EXPECT_EQ(again.code, 0);
+  EXPECT_THAT(again.out, Not(HasSubstr("altered")));
 }
 
 TEST_F(SessionCommands, InspectRefusesWhatIsNoSessionAndStillShowsTheRest) {

@@ -12,6 +12,8 @@
 #include <bit>
 #include <csignal>
 #include <fstream>
+#include <functional>
+#include <limits>
 #include <random>
 
 #include "../support/same_row.h"
@@ -409,6 +411,51 @@ TEST_F(Journal, ARowOutOfItsOrderEndsTheReading) {
     EXPECT_FALSE(contents.recording.complete);
     EXPECT_EQ(contents.recording.estimates.size(), 1U);
     EXPECT_GT(contents.bytes_ignored, 0U);
+  }
+}
+
+// Whoever counts with such a time leaves the clock's range; a record of it has a good CRC all the same.
+TEST_F(Journal, ATimeThatNoRecorderCanHaveWrittenEndsTheReading) {
+  using Write = std::function<void(JournalWriter&, HostTime)>;
+  const std::vector<Write> writes{
+      [](JournalWriter& w, HostTime time) { w.received(Device::camera, Bytes{1}, time); },
+      [](JournalWriter& w, HostTime time) { w.sent(Bytes{1}, time); },
+      [](JournalWriter& w, HostTime time) {
+        w.event({time, EventKind::info, std::nullopt, "late"});
+      },
+      [](JournalWriter& w, HostTime time) {
+        w.leg({1, 0, 7.5, time, host_time_ns(15), 57, true});
+      },
+      [](JournalWriter& w, HostTime time) {
+        w.leg({1, 0, 7.5, host_time_ns(15), time, 57, true});
+      },
+      [](JournalWriter& w, HostTime time) {
+        LiveEstimate row = some_estimate(4);
+        row.arrival = time;
+        w.estimate(row);
+      },
+      [](JournalWriter& w, HostTime time) { w.close(time); }};
+  constexpr std::int64_t reference_ns = 5'000'000'000;  // of some_header()
+  constexpr std::int64_t farthest_ns = 1'000'000'000'000'000'000;
+  const auto records_read = [&](const Write& write, std::int64_t ns) {
+    const fs::path file = path("times.journal");
+    fs::remove(file);
+    {
+      JournalWriter writer(file, some_header(), 0);
+      writer.received(Device::gyro, Bytes{4}, host_time_ns(12));
+      write(writer, host_time_ns(ns));
+    }
+    const auto contents = read_journal(file);
+    EXPECT_EQ(contents.bytes_read + contents.bytes_ignored, fs::file_size(file));
+    return contents.records;
+  };
+  for (std::size_t i = 0; i < writes.size(); ++i) {
+    for (const std::int64_t ns :
+         {std::numeric_limits<std::int64_t>::min(), std::numeric_limits<std::int64_t>::max(),
+          reference_ns - farthest_ns - 1, reference_ns + farthest_ns + 1})
+      EXPECT_EQ(records_read(writes[i], ns), 2U) << "record " << i << " at " << ns;
+    for (const std::int64_t ns : {reference_ns - farthest_ns, reference_ns + farthest_ns})
+      EXPECT_EQ(records_read(writes[i], ns), 3U) << "record " << i << " at " << ns;
   }
 }
 

@@ -361,5 +361,28 @@ TEST(Reasons, WarmUpIsAWarningUnlessItIsToldNotToBe) {
   }
 }
 
+TEST(Reasons, WarmUpIsToldFromFramesThatComeTogetherAsFromOthers) {
+  for (const int frames_a_second : {4, 8, 64}) {
+    WarmUp warming(0.5), settled(0.5);
+    bool warms = false, settles = true;
+    for (int i = 0; i < 8 * frames_a_second; ++i) {
+      const double time_s = static_cast<double>(i) / frames_a_second;
+      warms = warming.push(HostTime(from_s(time_s)), static_cast<float>(30.0 + 0.55 / 60.0 * time_s));
+      settles = !settled.push(HostTime(from_s(time_s)), static_cast<float>(30.0 + 0.45 / 60.0 * time_s));
+    }
+    EXPECT_TRUE(warms) << frames_a_second;
+    EXPECT_TRUE(settles) << frames_a_second;
+  }
+}
+
+// A look at all others of the last 30 s for each of them would take an hour.
+TEST(Reasons, AMillionFramesAtNearlyOneTimeCostNoMoreEachThanOthers) {
+  WarmUp warm_up(0.5);
+  int changes = 0;
+  for (int i = 0; i < 1'000'000; ++i)
+    changes += warm_up.push(HostTime(std::chrono::microseconds(25 * i)), 30.0F) ? 1 : 0;
+  EXPECT_EQ(changes, 0);
+}
+
 }  // namespace
 }  // namespace thermorig::labels

@@ -14,7 +14,7 @@ DATASETS += [f"samples/{name}" for name in ("half", "rate_commanded", "rate_labe
                                             "rate_gyro_half", "gyro_spread")]
 DATASETS += [f"sync/servo/{name}" for name in ("knot_time", "offset", "skew_ppm", "residual_us", "epoch_begin",
                                                "epoch_reason", "gap_begin", "gap_end", "gap_missing")]
-DATASETS += ["sync/camera", "sync/gyro"]
+DATASETS += ["sync/camera", "sync/gyro", "quality/attribute_crc32"]
 DATASETS += [f"sync/{name}" for name in ("knot", "gain", "speed", "speed_residual", "speed_spread", "speed_frames")]
 LINK_KEYS = ("latency_uncertainty_s", "latency_measured_utc", "largest_constant_delay_s", "wander_ppm")
 KEYS = {"camera": ("orientation_measured_utc",),

@@ -15,6 +15,7 @@
 #include "temporary_folder.h"
 #include "thermorig/core/error.h"
 #include "thermorig/session/session.h"
+#include "unchecked_file.h"
 
 namespace thermorig::session {
 namespace {
@@ -51,8 +52,31 @@ Outcome outcome_of(const std::filesystem::path& path, const Session& truth) {
 TEST_F(DamagedSession, WithADelayOfTheServoBeyondAnyClockIsRefused) {
   Session session = synthetic_session(20);
   session.sync.servo.delay_s = 1e300;
-  write_session(path(), session);
+  write_unchecked(path(), session);
   EXPECT_EQ(read_and_compare(path(), session), refused);
+}
+
+// Whatever it was made of would be removed otherwise.
+TEST_F(DamagedSession, IsNeverWrittenNorPutInThePlaceOfASoundOne) {
+  const Session sound = synthetic_session(20);
+  Session session = sound;
+  session.sync.servo.delay_s = 1e300;
+  const auto refusal = [&](auto write) -> std::string {
+    try {
+      write(path(), session, files::real_disk());
+      return "written";
+    } catch (const Error& error) {
+      EXPECT_EQ(error.code(), ExitCode::not_a_session);
+      EXPECT_THAT(error.advice(), testing::HasSubstr("still there"));
+      return error.what_happened();
+    }
+  };
+  EXPECT_THAT(refusal(write_session),
+              testing::HasSubstr("could not be read again: cannot believe the servo"));
+  EXPECT_TRUE(std::filesystem::is_empty(folder_));
+  write_session(path(), sound);
+  EXPECT_THAT(refusal(replace_session), testing::HasSubstr("could not be read again"));
+  EXPECT_EQ(difference(sound, read_session(path())), "");
 }
 
 TEST_F(DamagedSession, WithTimesThatNoRunLastsIsRefused) {
@@ -61,13 +85,12 @@ TEST_F(DamagedSession, WithTimesThatNoRunLastsIsRefused) {
   const std::vector<std::function<void(RawRecording&)>> damages{
       [&](RawRecording& raw) { raw.received[Device::gyro].time_ns.back() = last_ns; },
       [&](RawRecording& raw) { raw.sent.time_ns.front() = first_ns; },
-      [&](RawRecording& raw) { raw.end_time = host_time_ns(last_ns); },
-      [&](RawRecording& raw) { raw.header.time_reference = host_time_ns(2'000'000'000'000'000'000); }};
+      [&](RawRecording& raw) { raw.end_time = host_time_ns(last_ns); }};
   for (std::size_t i = 0; i < damages.size(); ++i) {
     Session session = synthetic_session(20);
     damages[i](session.raw);
     const auto file = path(std::to_string(i) + ".h5");
-    write_session(file, session);
+    write_unchecked(file, session);
     try {
       read_raw(file);
       ADD_FAILURE() << "damage " << i;

@@ -2,12 +2,15 @@
 // Sound HDF5 that is no sound session: each is refused, in a sentence that says what of.
 #include <gmock/gmock.h>
 
+#include "session_image.h"
 #include "session_trial.h"
+#include "stored_attributes.h"
 #include "support/other_program.h"
 #include "synthetic_session.h"
 #include "temporary_folder.h"
 #include "thermorig/core/error.h"
 #include "thermorig/session/session.h"
+#include "thermorig/session/trial.h"
 
 namespace thermorig::session {
 namespace {
@@ -40,6 +43,16 @@ TEST_F(FalsifiedSession, IsRefusedAndSaysWhatIsWrong) {
       {"no_licence", "an attribute `license`"},
       {"another_state", "the state asleep"},
       {"attribute", "the attributes: they differ from their checksum"},
+      {"older_version", "the attributes: they differ from their checksum"},
+      {"no_sums", "/quality/attribute_crc32"},
+      {"fewer_sums", "/quality/attribute_crc32: its text differs from its checksum"},
+      {"quality_speed", "/quality/speed: its values differ from its checksum"},
+      {"quality_frames", "/quality/speed_frames: its values differ from its checksum"},
+      {"quality_valid", "/quality/speed_valid: its values differ from its checksum"},
+      {"profile_toml", "/rig/profile_toml: its text differs from its checksum"},
+      {"plan_toml", "/rig/plan_toml: its text differs from its checksum"},
+      {"command_time", "/servo/command_time: its values differ from its checksum"},
+      {"command_text", "/servo/command_text: its text differs from its checksum"},
       {"value", "/gyro/rate: its values differ from its checksum"},
       {"text", "/events/message: its text differs from its checksum"},
       {"fixed_text", "the type or the shape of /events/message"},
@@ -56,6 +69,29 @@ TEST_F(FalsifiedSession, IsRefusedAndSaysWhatIsWrong) {
       {"external", "data outside the file at /gyro/rate"}};
   for (const auto& [kind, sentence] : refusals)
     EXPECT_THAT(refusal_of(path(std::string(kind) + ".h5")), testing::HasSubstr(sentence)) << kind;
+  // Nothing is made of these, but people look at them.
+  const std::pair<const char*, const char*> altered[] = {
+      {"altered_number", "/@simulated"},        {"altered_sign", "/gyro@sign"},
+      {"altered_text", "/quality@verdict"},     {"altered_array", "/camera@axes"},
+      {"altered_units", "/gyro/rate@units"},    {"altered_type", "/camera@mirrored"},
+      {"removed", "/servo/state@flag_meanings"}};
+  for (const auto& [kind, attribute] : altered)
+    EXPECT_THAT(altered_attributes(SealedCopy(path(std::string(kind) + ".h5"))),
+                testing::ElementsAre(attribute))
+        << kind;
+  EXPECT_THAT(altered_attributes(SealedCopy(path("added.h5"))), testing::IsEmpty());
+}
+
+TEST_F(FalsifiedSession, NamesEveryAttributeThatIsMissing) {
+  const SessionImage image = build_image(synthetic_live_session(20), 1);
+  const auto all = stored_attributes(image.file.get());
+  EXPECT_GT(all.size(), 500U);
+  EXPECT_THAT(altered_attributes(all, attribute_sums(all)), testing::IsEmpty());
+  const auto missing = altered_attributes({}, attribute_sums(all));
+  EXPECT_EQ(missing.size(), all.size() - 1);  // the licence may be stated later
+  EXPECT_THAT(missing, testing::Not(testing::Contains("/@license")));
+  for (const char* text : {"x", "1234567 /a@b\n", "12345678 /a@b", "1234567g /a@b\n", "12345678\n"})
+    EXPECT_THROW(altered_attributes(all, text), Hdf5Failure) << text;
 }
 
 }  // namespace

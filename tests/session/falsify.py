@@ -71,8 +71,60 @@ def same(old):
     return old
 
 
+def set_attribute(path, name, value):
+    def change(session):
+        attributes = session[path].attrs
+        attributes.modify(name, numpy.asarray(value, dtype=attributes[name].dtype))
+    return change
+
+
+def set_text_attribute(path, name, value):
+    def change(session):
+        session[path].attrs[name] = value
+    return change
+
+
+def remove_attribute(path, name):
+    return lambda session: session[path].attrs.__delitem__(name)
+
+
+def other_value(path, value):
+    """One value of a dataset, in place; its checksum stays what it was."""
+    def change(session):
+        if session[path].shape:
+            session[path][0] = value
+        else:
+            session[path][()] = value
+    return change
+
+
+def with_attributes_of_others(session):
+    session.attrs["operator"] = "Ada"
+    session["gyro"].attrs["serial"] = numpy.arange(3)
+    session["gyro/rate"].attrs["reviewed"] = True
+    session.create_group("notes").attrs["text"] = "mine"
+
+
 PACKED = {"compression": "gzip", "chunks": True}
 KINDS = {
+    "quality_speed": other_value("quality/speed", 3.5),
+    "quality_frames": other_value("quality/speed_frames", 5),
+    "quality_valid": other_value("quality/speed_valid", 5),
+    "profile_toml": other_value("rig/profile_toml", "name = \"another\"\n"),
+    "plan_toml": other_value("rig/plan_toml", "frames_per_leg = 1\n"),
+    "command_time": other_value("servo/command_time", 0.5),
+    "command_text": other_value("servo/command_text", "nothing was sent"),
+    "older_version": set_text("format_version", "1.2.0"),
+    "no_sums": lambda session: session["quality"].__delitem__("attribute_crc32"),
+    "fewer_sums": other_value("quality/attribute_crc32", ""),
+    "altered_number": set_attribute("/", "simulated", 0),
+    "altered_sign": set_attribute("gyro", "sign", -1),
+    "altered_text": set_text_attribute("quality", "verdict", "superb"),
+    "altered_array": set_text_attribute("camera", "axes", ["row", "time", "column"]),
+    "altered_units": set_text_attribute("gyro/rate", "units", "rad/s"),
+    "altered_type": set_text_attribute("camera", "mirrored", "no"),
+    "removed": remove_attribute("servo/state", "flag_meanings"),
+    "added": with_attributes_of_others,
     "another_format": set_text("format", "another"),
     "no_format": lambda session: session.attrs.__delitem__("format"),
     "another_version": set_text("format_version", "2.0.0"),

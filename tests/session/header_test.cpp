@@ -107,6 +107,18 @@ TEST(Header, ThatCannotBeReadIsToldInWordsForPeople) {
   EXPECT_EQ(told(deep), "its header cannot be read: array is no whole number, or too large");
 }
 
+TEST(Header, ThatCountsFromATimeThatNoClockShowsIsRefused) {
+  nlohmann::json changed = nlohmann::json::parse(header_to_json_text(sound_header()));
+  for (const std::int64_t ns :
+       {std::numeric_limits<std::int64_t>::min(), std::numeric_limits<std::int64_t>::max(),
+        std::int64_t{1'000'000'000'000'000'001}, std::int64_t{-1'000'000'000'000'000'001}}) {
+    changed["time_reference"] = ns;
+    EXPECT_THROW(header_from_json_text(changed.dump(), "test"), Error) << ns;
+  }
+  changed["time_reference"] = 1'000'000'000'000'000'000;
+  EXPECT_NO_THROW(header_from_json_text(changed.dump(), "test"));
+}
+
 TEST(Header, WithANumberThatIsNoneOfItsKindIsRefused) {
   const nlohmann::json sound = nlohmann::json::parse(header_to_json_text(sound_header()));
   const auto refused = [&](const char* where, const nlohmann::json& number) {

@@ -3,19 +3,24 @@
 #include <fcntl.h>
 #include <gmock/gmock.h>
 #include <sys/resource.h>
+#include <sys/time.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
+#include <csignal>
 #include <cstdlib>
 #include <cstring>
 #include <filesystem>
 #include <iostream>
 #include <random>
+#include <tuple>
 
 #include "cage.h"
 #include "equality.h"
 #include "leave.h"
+#include "session_trial.h"
 #include "synthetic_session.h"
 #include "temporary_folder.h"
 #include "thermorig/core/error.h"
@@ -50,6 +55,11 @@ int code_of_reading(const std::filesystem::path& path, const Session& truth, int
     if (error.what_happened().find("hostile") != std::string::npos) ++died;
     return static_cast<int>(error.code());
   }
+}
+
+/// Read, refused, or given up on.
+bool is_an_ordinary_end(ExitCode code) {
+  return code == ExitCode::ok || code == ExitCode::not_a_session || code == ExitCode::failed;
 }
 
 class HostileSession : public InTemporaryFolder {
@@ -149,7 +159,7 @@ TEST_F(HostileSession, NeverHarmsTheProgram) {
     for (int i = 0; i < mutants; ++i) {
       write_file(path("mutant.h5"), mutant(random, places));
       const int code = code_of_reading(path("mutant.h5"), truth_, died);
-      if (code != 0 && code != static_cast<int>(ExitCode::not_a_session)) return 1 + code;
+      if (!is_an_ordinary_end(static_cast<ExitCode>(code))) return 1 + code;
       refused += code == 0 ? 0 : 1;
     }
     std::cout << mutants << " mutants: " << refused << " refused, " << died
@@ -163,15 +173,44 @@ TEST_F(HostileSession, NeverHarmsTheProgram) {
 class Cage : public InTemporaryFolder {
  protected:
   template <typename Body>
-  static int in_cage(Body body) {
+  static int in_cage(
+      Body body, void (*before)() = [] {}) {
     const pid_t child = ::fork();
     if (child == 0) {
+      before();
       enter_cage(1000);
       ::_exit(body());  // without counts of lines: it may open no file for them
     }
     int status = 0;
     ::waitpid(child, &status, 0);
     return status;
+  }
+};
+
+class Trial : public InTemporaryFolder {
+ protected:
+  template <typename Body>
+  static TrialEnd answer_of_a_child(Body body) {
+    std::array<int, 2> ends{};
+    EXPECT_EQ(::pipe(ends.data()), 0);
+    const pid_t child = ::fork();
+    if (child == 0) {
+      answer_when_time_is_up(ends[1]);
+      body();
+      ::_exit(1);
+    }
+    ::close(ends[1]);
+    TrialEnd answer = TrialEnd::died;
+    EXPECT_GE(::read(ends[0], &answer, sizeof answer), 0);
+    ::close(ends[0]);
+    ::waitpid(child, nullptr, 0);
+    return answer;
+  }
+  static TrialEnd answer_of_a_child_that_gets(int signal) {
+    return answer_of_a_child([signal] {
+      count_inflated(-inflated_bytes());  // of what this process has read itself
+      ::raise(signal);
+    });
   }
 };
 
@@ -187,6 +226,120 @@ TEST_F(Cage, EndsWhoeverIsBusyForTooLong) {
   int status = 0;
   ::waitpid(child, &status, 0);
   EXPECT_TRUE(WIFSIGNALED(status));
+}
+
+// Deflate shrinks up to a thousandfold: what takes long to read may be a small file.
+TEST(TimeLimits, SufficeForAFileOfZerosOnASlowComputer) {
+  constexpr std::uint64_t slow_bytes_per_s = 20'000'000;
+  for (const std::uint64_t bytes :
+       {std::uint64_t{100'000}, std::uint64_t{1'000'000}, std::uint64_t{4} << 30U}) {
+    const TimeLimits limits = time_limits(bytes);
+    const std::uint64_t inflated = 1000 * bytes;
+    EXPECT_GE(limits.cpu_s + inflated / inflated_bytes_per_cpu_s, inflated / slow_bytes_per_s);
+    EXPECT_GE(limits.longest_cpu_s, limits.cpu_s + inflated / inflated_bytes_per_cpu_s);
+    EXPECT_GE(limits.wall_s, std::min<std::uint64_t>(10 * limits.longest_cpu_s, 86'400));
+  }
+}
+
+TEST_F(Cage, TellsEverySecondBeyondTheFirstLimit) {
+  const int status = in_cage([] {
+    rlimit cpu{};
+    ::getrlimit(RLIMIT_CPU, &cpu);
+    const TimeLimits limits = time_limits(1000);
+    return cpu.rlim_cur == limits.cpu_s && cpu.rlim_max == limits.longest_cpu_s ? 0 : 1;
+  });
+  EXPECT_EQ(status, 0);
+}
+
+TEST_F(Cage, LetsAReaderGoOnThatWasTold) {
+  static volatile std::sig_atomic_t told = 0;
+  const auto wait_until_told = [] {
+    while (told < 2) {
+    }
+    return 0;
+  };
+  const int status = in_cage(wait_until_told, [] {
+    std::signal(SIGVTALRM, [](int) { told = told + 1; });
+    const itimerval every_ms{{0, 1000}, {0, 1000}};  // what SIGXCPU would take seconds for
+    ::setitimer(ITIMER_VIRTUAL, &every_ms, nullptr);
+  });
+  EXPECT_EQ(status, 0);
+}
+
+TEST_F(Trial, GoesOnAsLongAsItReadsData) {
+  const auto end_after = [](int signals) {
+    return answer_of_a_child([signals] {
+      count_inflated(2 * inflated_bytes_per_cpu_s - inflated_bytes());
+      for (int i = 0; i < signals; ++i) ::raise(SIGXCPU);
+    });
+  };
+  EXPECT_EQ(end_after(2), TrialEnd::died);  // it went on, and ended without an answer
+  EXPECT_EQ(end_after(3), TrialEnd::no_cpu_time);
+}
+
+// The file may be sound, and the computer slow or busy: what is said then must not be that it is damaged.
+TEST_F(Trial, NamesAlteredAttributesInTheChildAsWithoutOne) {
+  write_session(path(), synthetic_session(2));
+  std::vector<char> bytes = read_file(path());
+  const std::string clock = "CLOCK_MONOTONIC";
+  *(std::search(bytes.begin(), bytes.end(), clock.begin(), clock.end())) = 'X';
+  write_file(path(), bytes);
+  const std::vector<std::string> altered{"/sync@host_clock"};
+  EXPECT_EQ(altered_attributes(SealedCopy(path())), altered);
+  EXPECT_EQ(in_a_program([&] { return altered_attributes(SealedCopy(path())) == altered ? 0 : 1; }), 0);
+}
+
+TEST_F(Trial, ThatRunsOutOfTimeSaysSoAndNothingOfTheFile) {
+  write_session(path(), synthetic_session(2));
+  const SealedCopy copy(path());
+  const std::tuple<int, TrialEnd, const char*> ends[] = {
+      {SIGXCPU, TrialEnd::no_cpu_time, " s of processor time and a second for every 4 MiB of data in it"},
+      {SIGALRM, TrialEnd::no_wall_time, " s"}};
+  for (const auto& [signal, end, limit] : ends) {
+    EXPECT_EQ(answer_of_a_child_that_gets(signal), end);
+    try {
+      require_harmless(end, copy);
+      ADD_FAILURE() << limit;
+    } catch (const Error& error) {
+      EXPECT_EQ(error.code(), ExitCode::failed);
+      EXPECT_THAT(error.what_happened(), testing::StartsWith("could not be read within "));
+      EXPECT_THAT(error.what_happened(), testing::EndsWith(limit));
+    }
+  }
+}
+
+TEST_F(Trial, ThatEndsWithoutAnAnswerMeansADamagedOrHostileFile) {
+  write_session(path(), synthetic_session(2));
+  const SealedCopy copy(path());
+  EXPECT_EQ(answer_of_a_child_that_gets(SIGKILL), TrialEnd::died);
+  try {
+    require_harmless(TrialEnd::died, copy);
+    ADD_FAILURE();
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), ExitCode::not_a_session);
+    EXPECT_THAT(error.what_happened(), testing::HasSubstr("damaged or hostile"));
+  }
+}
+
+// Whoever ends a recording with Ctrl-C at a terminal sends it to all processes of the recorder.
+TEST_F(Trial, IsNotEndedByTheProgramsCtrlC) {
+  write_session(path(), synthetic_session(2));
+  const pid_t program = ::fork();
+  if (program == 0) {
+    ::setpgid(0, 0);  // a group of its own, as at a terminal
+    std::signal(SIGINT, SIG_IGN);
+    try_sessions_first();
+    const pid_t busy = ::fork();
+    while (busy == 0) ::kill(0, SIGINT);  // to all of the group
+    int died = 0, refused = 0;
+    for (int i = 0; i < 5; ++i) refused += code_of_reading(path(), synthetic_session(2), died) == 0 ? 0 : 1;
+    ::kill(busy, SIGKILL);
+    ::waitpid(busy, nullptr, 0);
+    leave(refused);
+  }
+  int status = 0;
+  ::waitpid(program, &status, 0);
+  EXPECT_EQ(status, 0);
 }
 
 #if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)  // a sanitizer needs both

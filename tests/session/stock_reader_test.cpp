@@ -9,6 +9,7 @@
 #include "synthetic_session.h"
 #include "temporary_folder.h"
 #include "thermorig/session/session.h"
+#include "thermorig/session/trial.h"
 
 namespace thermorig::session {
 namespace {
@@ -53,6 +54,18 @@ TEST_F(StockReader, MayStateALicenceInAnyKindOfText) {
         tests::run_script("session/state_licence.py " + path(kind).string() + " ODbL-1.0 " + kind);
     ASSERT_EQ(output.code, 0) << output.text;
     EXPECT_EQ(read_session(path(kind)).raw.header.licence, "ODbL-1.0") << kind;
+  }
+}
+
+TEST_F(StockReader, MayAddAttributesThatStayWhenTheSessionIsReplaced) {
+  write_session(path(), synthetic_session(20));
+  const tests::Printed added = tests::run_script("session/added_attributes.py add " + path().string());
+  ASSERT_EQ(added.code, 0) << added.text;
+  for (const int seed : {2, 3}) {
+    replace_session(path(), synthetic_session(20, seed));
+    EXPECT_THAT(altered_attributes(SealedCopy(path())), testing::IsEmpty());
+    const tests::Printed output = tests::run_script("session/added_attributes.py check " + path().string());
+    EXPECT_EQ(output.code, 0) << output.text;
   }
 }
 

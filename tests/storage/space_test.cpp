@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <limits>
 #include <new>
 #include <utility>
 
@@ -15,6 +16,7 @@
 #include "thermorig/journal/journal.h"
 #include "thermorig/rig/expected_size.h"
 #include "thermorig/rig/finalise.h"
+#include "thermorig/wire/device_bytes.h"
 #include "virtual_sync.h"
 
 namespace thermorig::storage_test {
@@ -258,6 +260,69 @@ std::string closed_journal(MemoryDisk& disk) {
     writer.event({session().raw.header.time_reference, EventKind::info, std::nullopt, "said"});
   writer.close(session().raw.header.time_reference);
   return path;
+}
+
+/// All records of it are sound; what they hold may not be.
+template <typename Write>
+MemoryDisk disk_with_records(Write write) {
+  MemoryDisk disk(new_disk().after_end());
+  disk.make_folder("/rec");
+  journal::JournalWriter writer("/rec/t.journal", session().raw.header, 0, disk);
+  writer.event({session().raw.header.time_reference, EventKind::info, std::nullopt, "said"});
+  write(writer);
+  return disk;
+}
+
+TEST(Recovery, KeepsAJournalThatHoldsATimeWhichNoRecorderCanHaveWritten) {
+  for (const std::int64_t ns :
+       {std::numeric_limits<std::int64_t>::min(), std::numeric_limits<std::int64_t>::max()}) {
+    MemoryDisk disks[] = {
+        disk_with_records([&](journal::JournalWriter& writer) { writer.close(host_time_ns(ns)); }),
+        disk_with_records([&](journal::JournalWriter& writer) {
+          writer.received(Device::camera, wire::camera_frame({}), host_time_ns(ns));
+          writer.close(host_time_ns(ns));
+        })};
+    for (MemoryDisk& disk : disks) {
+      const auto results = rig::recover(output_folder, disk);
+      ASSERT_EQ(results.size(), 1U);
+      EXPECT_EQ(results[0].kind, RecoveryKind::made);
+      EXPECT_EQ(results[0].state, session::State::recovered);
+      EXPECT_GT(results[0].bytes_ignored, 0U);
+      EXPECT_NE(journal_on(disk), "");
+      // What inspect does with it.
+      EXPECT_EQ(rig::recover("/rec/t.h5", disk)[0].kind, RecoveryKind::already_there);
+    }
+  }
+}
+
+// A frame of the very first moment that a journal may hold was exposed before it: no reader takes that.
+MemoryDisk disk_with_an_unreadable_recording() {
+  return disk_with_records([](journal::JournalWriter& writer) {
+    const HostTime earliest = session().raw.header.time_reference - from_s(farthest_time_s);
+    for (int i = 0; i < 3; ++i)
+      writer.received(Device::camera, wire::camera_frame({}), earliest + std::chrono::milliseconds(125 * i));
+    writer.close(earliest + std::chrono::seconds(1));
+  });
+}
+
+TEST(Recovery, KeepsAJournalWhoseSessionItsOwnReadersRefuse) {
+  MemoryDisk disk = disk_with_an_unreadable_recording();
+  for (int run = 0; run < 2; ++run) {  // and says the same again
+    const auto results = rig::recover(output_folder, disk);
+    ASSERT_EQ(results.size(), 1U);
+    EXPECT_EQ(results[0].kind, RecoveryKind::failed);
+    EXPECT_EQ(results[0].code, ExitCode::not_a_session);
+    EXPECT_THAT(results[0].message, HasSubstr("could not be read again: cannot believe a time"));
+    EXPECT_EQ(journal_on(disk), "/rec/t.journal");
+    EXPECT_EQ(disk.after_end().files.size(), 1U);  // neither a session nor a part of one
+  }
+}
+
+TEST(Finalise, KeepsAJournalWhoseSessionItsOwnReadersRefuse) {
+  MemoryDisk disk = disk_with_an_unreadable_recording();
+  EXPECT_THROW(rig::finalise("/rec/t.journal", "/rec/t.h5", disk), Error);
+  EXPECT_EQ(journal_on(disk), "/rec/t.journal");
+  EXPECT_EQ(disk.after_end().files.size(), 1U);
 }
 
 TEST(Finalise, RetiresAJournalThatIsWholeInTheSession) {

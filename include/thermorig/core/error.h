@@ -17,7 +17,7 @@ enum class ExitCode : int {
   no_permission = 6,   // not allowed to open the port or another program holds it
   storage = 7,         // full, read-only, I/O error
   not_a_session = 8,   // not a session, journal or model, or damaged
-  check_failed = 9,    // `inspect --check` verdict is "bad"
+  check_failed = 9,    // `inspect --check`: the verdict is "bad", or attributes were changed
   interrupted = 130,   // stopped by Ctrl-C after a clean close
 };
 

@@ -37,6 +37,10 @@ constexpr std::int64_t to_ns(HostTime time) {
   return time.time_since_epoch().count();
 }
 
+/// No host's clock stands further from its zero, and no time of a recording further from its reference, in
+/// seconds: 31.7 years. No sum or difference of two such times leaves the clock's range.
+inline constexpr double farthest_time_s = 1e9;
+
 /// A duration in seconds, as the rest of the program counts it.
 constexpr double to_s(HostDuration duration) {
   return static_cast<double>(duration.count()) * 1e-9;
@@ -45,6 +49,18 @@ constexpr double to_s(HostDuration duration) {
 /// Seconds to the nearest nanosecond.
 constexpr HostDuration from_s(double seconds) {
   return HostDuration(static_cast<std::int64_t>(seconds * 1e9 + (seconds < 0 ? -0.5 : 0.5)));
+}
+
+/// Whether a recording can count from that time of the host's clock.
+constexpr bool is_reference(HostTime time) {
+  constexpr HostTime farthest(from_s(farthest_time_s));
+  return time >= -farthest.time_since_epoch() + HostTime{} && time <= farthest;
+}
+
+/// Whether `time` can be one of a recording that counts from `reference`, for which is_reference() holds.
+constexpr bool is_of_recording(HostTime time, HostTime reference) {
+  constexpr HostDuration farthest = from_s(farthest_time_s);
+  return time >= reference - farthest && time <= reference + farthest;
 }
 
 }  // namespace thermorig

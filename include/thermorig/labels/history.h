@@ -26,6 +26,9 @@ class History {
     if (first_ > points_.size() / 2) forget();
   }
 
+  /// The last point of all(), of which there must be one. Its time stays.
+  Point& newest() { return points_.back(); }
+
   /// True if a point at or after `time` has come.
   bool reaches(HostTime time) const { return !points_.empty() && points_.back().time >= time; }
 

@@ -6,6 +6,8 @@
 #include <filesystem>
 #include <span>
 
+#include "thermorig/files/disk.h"
+
 namespace thermorig::session {
 
 /// What was read of a file, in memory, where nobody can change it any more: who looks at it twice sees the
@@ -20,7 +22,7 @@ class SealedCopy {
   /// Of a descriptor that another process made, or of a socket that it sends the bytes to; takes it over.
   /// Throws Error: storage, failed.
   explicit SealedCopy(int fd, std::filesystem::path path);
-  /// Of bytes that are in memory already. Throws Error(failed).
+  /// Of bytes that are in memory already. Throws Error: not_a_session if they are more than 4 GiB; failed.
   explicit SealedCopy(std::span<const std::byte> bytes, std::filesystem::path path);
   ~SealedCopy();
   SealedCopy(SealedCopy&& other) noexcept;
@@ -41,5 +43,9 @@ class SealedCopy {
   int fd_ = -1;
   std::span<const std::byte> bytes_;
 };
+
+/// SealedCopy of a file on any disk. Throws Error(not_a_session) if it cannot be read or is larger than 4
+/// GiB.
+SealedCopy copy_on(files::Disk& disk, const std::filesystem::path& path);
 
 }  // namespace thermorig::session

@@ -71,12 +71,16 @@ Quality quality_of(const Session& session);
 /// needs, and not the speeds of a data set.
 bool is_for_calibration(const RecordingHeader& header);
 
-/// Writes the file: to a temporary name in the same folder, read back and checked, synced, renamed to `path`.
-/// Never overwrites: throws Error(storage) if `path` exists. Schema: docs/recording_format.md.
+/// Writes the file: to a temporary name in the same folder, read back and checked, read as read_session() of
+/// a stranger's file does, synced, renamed to `path`. Never overwrites: throws Error(storage) if `path`
+/// exists, and what the reader says of a session that could not be read again. Schema:
+/// docs/recording_format.md.
 void write_session(const std::filesystem::path& path, const Session& session,
                    files::Disk& disk = files::real_disk());
 
-/// The same to replace an existing session (reprocess), by rename over it.
+/// The same to replace an existing session (reprocess), by rename over it. Attributes that somebody else has
+/// put into that file are kept, on the objects that both have; other objects are not. Throws also as
+/// read_session() does of the file that is there.
 void replace_session(const std::filesystem::path& path, const Session& session,
                      files::Disk& disk = files::real_disk());
 

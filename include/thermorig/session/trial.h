@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <string>
+#include <vector>
+
 #include "thermorig/session/sealed_copy.h"
 
 namespace thermorig::session {
@@ -12,11 +15,17 @@ namespace thermorig::session {
 void try_sessions_first();
 
 /// The copy of a file that a child process has read without harm: what read_session() does first. May be
-/// called from several threads. Throws Error(not_a_session) for a file that kills its reader or keeps it busy
-/// beyond the limits ("damaged or hostile"), and as SealedCopy does.
+/// called from several threads. Throws Error(not_a_session) for a file that kills its reader ("damaged or
+/// hostile"), Error(failed) for one that keeps it busy for longer than any sound file of its size keeps a
+/// slow computer ("could not be read within ..."), and as SealedCopy does.
 SealedCopy tried_copy(const std::filesystem::path& path);
 
 /// The same for a copy that was made already.
 SealedCopy tried(SealedCopy copy);
+
+/// Attributes that are not as thermorig wrote them, "/gyro@sign"; formats before 1.3 cannot tell. Nothing
+/// that read_session() gives is taken from them. A child process looks at them, if one tries files. Throws as
+/// tried_copy() and read_session() do.
+std::vector<std::string> altered_attributes(const SealedCopy& copy);
 
 }  // namespace thermorig::session

@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <vector>
+
+#include "hdf5_handle.h"
+#include "thermorig/session/sealed_copy.h"
+
+namespace thermorig::session {
+
+/// An attribute as it stands in a file, whoever wrote it: numbers, text, or anything else that holds no
+/// references and no lists of other than text.
+struct StoredAttribute {
+  std::string object;  // "/", "/gyro/rate"
+  std::string name;
+  Handle type;
+  Handle space;
+  std::vector<std::byte> bytes;    // the values; of text of variable length:
+  std::vector<std::string> texts;  // each of them
+
+  std::string path() const { return object + "@" + name; }
+};
+
+/// All attributes of all objects that can be reached by hard links, by name. What cannot be read, is larger
+/// than 1 MiB or holds references is left out: dimension scales.
+std::vector<StoredAttribute> stored_attributes(hid_t file);
+
+/// A line an attribute: CRC-32 of its type, shape and values, and its path. The licence is left out, which
+/// owners of data may state later.
+std::string attribute_sums(const std::vector<StoredAttribute>& attributes);
+
+/// Of the attributes that attribute_sums() named, the paths of those that are not there any more or have
+/// other values. Throws Hdf5Failure if `sums` is no such text.
+std::vector<std::string> altered_attributes(const std::vector<StoredAttribute>& attributes,
+                                            const std::string& sums);
+
+/// Those of them that `sums` does not name.
+std::vector<StoredAttribute> without_named(std::vector<StoredAttribute> attributes, const std::string& sums);
+
+/// The attributes of a session that thermorig did not write, and some that it did: what a file that replaces
+/// it has none of, is to be kept. Throws as read_session() does.
+std::vector<StoredAttribute> added_attributes(const SealedCopy& copy);
+
+/// Puts attributes on the same objects of another file, as far as these are there and have none of the name.
+void add_attributes(hid_t file, const std::vector<StoredAttribute>& attributes);
+
+}  // namespace thermorig::session
