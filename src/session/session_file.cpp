@@ -64,13 +64,13 @@ std::vector<StoredAttribute> added_to(const SealedCopy& copy) {
 
 bool is_taken(const fs::path& path, files::Disk& disk) {
   const auto taken = disk.look(path);
-  if (!taken.good()) refuse("cannot look at the folder", taken.error_number, path);
+  if (!taken.good()) refuse_to_write("cannot look at the folder", taken.error_number, path);
   return taken.value != files::FileKind::missing;
 }
 
 void write_file(const fs::path& path, const Session& session, bool overwrite, files::Disk& disk) {
   const bool is_there = is_taken(path, disk);
-  if (is_there && !overwrite) refuse("the session exists already", EEXIST, path);
+  if (is_there && !overwrite) refuse_to_write("the session exists already", EEXIST, path);
   files::PartFile part(path, "the session", advice_for, disk);
   std::vector<StoredAttribute> added =
       is_there ? added_to(copy_on(disk, path)) : std::vector<StoredAttribute>{};
