@@ -8,6 +8,9 @@
 #include <algorithm>
 #include <atomic>
 
+#include "call_filter.h"
+#include "sanitized.h"
+
 namespace thermorig::session {
 
 namespace {
@@ -20,13 +23,6 @@ constexpr std::uint64_t bytes_per_cpu_s = 1U << 20U;  // a slow computer reads t
 constexpr std::uint64_t inflated_per_byte = 1032;     // at most: deflate
 constexpr std::uint64_t wall_per_cpu = 12;            // a machine may be busy with other things
 constexpr std::uint64_t longest_wall_s = 86'400;
-
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-// A sanitizer takes terabytes of addresses at the start, and asks by a pipe whether an object can be read.
-constexpr bool is_sanitized = true;
-#else
-constexpr bool is_sanitized = false;
-#endif
 
 std::atomic<std::uint64_t> inflated = 0;
 static_assert(std::atomic<std::uint64_t>::is_always_lock_free);
@@ -67,6 +63,7 @@ void enter_cage(std::uint64_t session_bytes) {
   }
   ::prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0);
   ::alarm(static_cast<unsigned>(time.wall_s));
+  filter_calls();
 }
 
 }  // namespace thermorig::session

@@ -22,10 +22,12 @@ inline constexpr std::uint64_t inflated_bytes_per_cpu_s = 4U << 20U;  // a slow 
 void count_inflated(std::uint64_t bytes);
 std::uint64_t inflated_bytes();  // async-signal-safe
 
-/// From here on this process can open, make and send nothing but through what it has open; it ends by a
-/// signal when it takes more memory or time than a sound session of so many bytes needs, and leaves no core
-/// file. The signals of time may be caught: SIGALRM, and SIGXCPU, which comes after `cpu_s` and every second
-/// of processor time from then on.
+/// From here on this process can compute, and write to what it has open, and nothing else: the kernel refuses
+/// it all other calls. It ends by a signal when it takes more memory or time than a sound session of so many
+/// bytes needs, and leaves no core file. Where the kernel cannot filter calls (filter_calls()) it can open
+/// and make nothing, and change nothing of a file, but it could still remove one, or signal another process.
+/// The signals of time may be caught by who set that up before: SIGALRM, and SIGXCPU, which comes after
+/// `cpu_s` and every second of processor time from then on.
 void enter_cage(std::uint64_t session_bytes);
 
 }  // namespace thermorig::session

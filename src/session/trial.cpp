@@ -153,7 +153,10 @@ TrialEnd end_of_reading(const SealedCopy& copy) {
   std::array<int, descriptors> fds{};
   Task task{};
   while (receive_parcel(socket, task, fds)) {
-    if (::fork() == 0) try_file(task, fds[0], fds[1]);
+    if (::fork() == 0) {
+      ::close(socket);  // the files of others come there
+      try_file(task, fds[0], fds[1]);
+    }
     for (const int fd : fds) ::close(fd);  // if there was no child, this alone is the answer
   }
   ::_exit(0);

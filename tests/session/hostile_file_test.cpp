@@ -2,20 +2,28 @@
 // Files that were made to harm who reads them: a child reads first, and dies in our place.
 #include <fcntl.h>
 #include <gmock/gmock.h>
+#include <sys/mman.h>
+#include <sys/prctl.h>
+#include <sys/ptrace.h>
 #include <sys/resource.h>
+#include <sys/socket.h>
+#include <sys/syscall.h>
 #include <sys/time.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <array>
+#include <cerrno>
 #include <csignal>
 #include <cstdlib>
 #include <cstring>
 #include <filesystem>
+#include <functional>
 #include <iostream>
 #include <random>
 #include <tuple>
+#include <utility>
 
 #include "cage.h"
 #include "equality.h"
@@ -217,9 +225,9 @@ class Trial : public InTemporaryFolder {
 TEST_F(Cage, EndsWhoeverIsBusyForTooLong) {
   const pid_t child = ::fork();
   if (child == 0) {
-    enter_cage(0);
-    rlimit shorter{1, 1};  // the limit that it has set can only be lowered
+    rlimit shorter{1, 1};  // the limit that the cage sets would be higher, and is refused
     ::setrlimit(RLIMIT_CPU, &shorter);
+    enter_cage(0);
     std::mt19937 busy;
     while (true) busy.discard(1'000'000);
   }
@@ -242,13 +250,24 @@ TEST(TimeLimits, SufficeForAFileOfZerosOnASlowComputer) {
 }
 
 TEST_F(Cage, TellsEverySecondBeyondTheFirstLimit) {
-  const int status = in_cage([] {
-    rlimit cpu{};
-    ::getrlimit(RLIMIT_CPU, &cpu);
-    const TimeLimits limits = time_limits(1000);
-    return cpu.rlim_cur == limits.cpu_s && cpu.rlim_max == limits.longest_cpu_s ? 0 : 1;
-  });
-  EXPECT_EQ(status, 0);
+  std::array<int, 2> ends{};
+  ASSERT_EQ(::pipe(ends.data()), 0);
+  const pid_t child = ::fork();
+  if (child == 0) {
+    enter_cage(1000);
+    for (char there = 'x';; there = 0)  // until it is killed: in there it may neither ask nor wait
+      if (there != 0 && ::write(ends[1], &there, 1) != 1) ::_exit(1);
+  }
+  char there = 0;
+  EXPECT_EQ(::read(ends[0], &there, 1), 1);
+  rlimit cpu{};
+  EXPECT_EQ(::prlimit(child, RLIMIT_CPU, nullptr, &cpu), 0);
+  ::kill(child, SIGKILL);
+  ::waitpid(child, nullptr, 0);
+  for (const int end : ends) ::close(end);
+  const TimeLimits limits = time_limits(1000);
+  EXPECT_EQ(cpu.rlim_cur, limits.cpu_s);
+  EXPECT_EQ(cpu.rlim_max, limits.longest_cpu_s);
 }
 
 TEST_F(Cage, LetsAReaderGoOnThatWasTold) {
@@ -342,7 +361,84 @@ TEST_F(Trial, IsNotEndedByTheProgramsCtrlC) {
   EXPECT_EQ(status, 0);
 }
 
-#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)  // a sanitizer needs both
+/// Whether the kernel can refuse calls to a process, and this program knows how to ask.
+bool calls_are_filtered() {
+#if defined(__x86_64__) || defined(__aarch64__)
+  return ::prctl(PR_GET_SECCOMP, 0, 0, 0, 0) >= 0;
+#else
+  return false;
+#endif
+}
+
+/// Calls by which a process that was taken over could do harm. Asked of the kernel itself: a sanitizer stands
+/// before some of them in the C library.
+std::vector<std::pair<const char*, std::function<long()>>> harmful_calls(const std::string& file,
+                                                                         pid_t other) {
+  const char* name = file.c_str();
+  const auto memory = [](int protection) {
+    return ::syscall(__NR_mmap, nullptr, 4096, protection, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
+  };
+  return {{"unlinkat", [name] { return ::syscall(__NR_unlinkat, AT_FDCWD, name, 0); }},
+          {"renameat2", [name] { return ::syscall(__NR_renameat2, AT_FDCWD, name, AT_FDCWD, "away", 0); }},
+          {"fchmodat", [name] { return ::syscall(__NR_fchmodat, AT_FDCWD, name, 0777); }},
+          {"truncate", [name] { return ::syscall(__NR_truncate, name, 0); }},
+          {"openat to read", [name] { return ::syscall(__NR_openat, AT_FDCWD, name, O_RDONLY); }},
+          {"openat to write", [name] { return ::syscall(__NR_openat, AT_FDCWD, name, O_WRONLY); }},
+          {"socket", [] { return ::syscall(__NR_socket, AF_UNIX, SOCK_STREAM, 0); }},
+          {"kill", [other] { return ::syscall(__NR_kill, other, 0); }},
+          {"ptrace", [] { return ::syscall(__NR_ptrace, PTRACE_TRACEME, 0, nullptr, nullptr); }},
+          {"process_vm_readv",
+           [other] { return ::syscall(__NR_process_vm_readv, other, nullptr, 0, nullptr, 0, 0); }},
+          {"clone", [] { return ::syscall(__NR_clone, SIGCHLD, nullptr, nullptr, nullptr, 0); }},
+          {"execve", [] { return ::syscall(__NR_execve, "/bin/true", nullptr, nullptr); }},
+          {"prctl", [] { return ::syscall(__NR_prctl, PR_SET_DUMPABLE, 1, 0, 0, 0); }},
+          {"mmap to execute", [memory] { return memory(PROT_READ | PROT_EXEC); }}};
+}
+
+TEST_F(Cage, RefusesEveryCallThatCouldDoHarm) {
+  if (!calls_are_filtered()) GTEST_SKIP() << "this kernel or processor has no filter of system calls";
+  write_file(path("there"), {'x'});
+  const auto calls = harmful_calls(path("there").string(), ::getpid());
+  const int status = in_cage([&] {
+    for (std::size_t i = 0; i < calls.size(); ++i)
+      if (calls[i].second() != -1 || errno != EPERM) return static_cast<int>(i + 1);
+    return 0;
+  });
+  ASSERT_TRUE(WIFEXITED(status)) << "signal " << WTERMSIG(status);
+  EXPECT_EQ(WEXITSTATUS(status), 0) << calls[WEXITSTATUS(status) - 1U].first << " was not refused";
+  EXPECT_TRUE(std::filesystem::exists(path("there")));
+}
+
+TEST_F(Cage, LetsMemoryAndTheAnswerThrough) {
+  std::array<int, 2> ends{};
+  ASSERT_EQ(::pipe(ends.data()), 0);
+  EXPECT_EQ(in_cage([&] {
+              std::vector<std::vector<char>> memory;
+              for (std::size_t size = 16; size < 32'000'000; size *= 2) memory.emplace_back(size, 'x');
+              return ::write(ends[1], memory.back().data(), 1) == 1 ? 0 : 1;
+            }),
+            0);
+  char answer = 0;
+  EXPECT_EQ(::read(ends[0], &answer, 1), 1);
+  EXPECT_EQ(answer, 'x');
+  for (const int end : ends) ::close(end);
+}
+
+#if defined(__x86_64__)
+TEST_F(Cage, EndsWhoeverCallsByTheNumbersOfAnotherArchitecture) {
+  if (!calls_are_filtered()) GTEST_SKIP() << "this kernel has no filter of system calls";
+  constexpr long x32 = 0x40000000;
+  const int status = in_cage([] { return static_cast<int>(::syscall(x32 | __NR_getpid)) & 0; });
+  EXPECT_TRUE(WIFSIGNALED(status) && WTERMSIG(status) == SIGSYS);
+}
+#endif
+
+#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)  // a sanitizer needs all of it
+TEST_F(Cage, LetsNobodyIgnoreItsAlarm) {
+  if (!calls_are_filtered()) GTEST_SKIP() << "this kernel or processor has no filter of system calls";
+  EXPECT_EQ(in_cage([] { return std::signal(SIGALRM, SIG_IGN) == SIG_ERR ? 0 : 1; }), 0);
+}
+
 TEST_F(Cage, OpensNothing) {
   write_file(path("there"), {'x'});
   EXPECT_EQ(in_cage([&] { return ::open(path("there").c_str(), O_RDONLY) < 0 ? 0 : 1; }), 0);
