@@ -9,6 +9,7 @@
 #include "decode_advice.h"
 #include "decoded_text.h"
 #include "output.h"
+#include "thermorig/core/auto_zero.h"
 
 namespace thermorig::app {
 
@@ -49,37 +50,63 @@ class MessagePrinter {
   std::uint64_t count_ = 0;
 };
 
+/// What is learnt of a dump beside its messages.
+struct Learnt {
+  std::vector<std::uint8_t> head;  // its first bytes
+  AutoZero zeros;                  // of a gyro
+};
+
+void learn(const wire::GyroMessage& message, Learnt& learnt) {
+  learnt.zeros.add(message.reading.rate_dps);
+}
+template <typename Message>
+void learn(const Message&, Learnt&) {}
+
+std::string remark_on_zeros(const AutoZero& zeros) {
+  return fmt::format(
+      "the rates are exactly 0 about all axes for {} samples in a row: this gyro zeroes itself at rest and "
+      "so "
+      "hides its bias; switch that off in the device (WitMotion: registers 61 and 63)",
+      count_text(zeros.longest()));
+}
+
 template <typename Message, typename Scanner>
-wire::Counters decode(Scanner scanner, ByteSource& source, MessagePrinter& printer,
-                      std::vector<std::uint8_t>& head) {
+wire::Counters decode(Scanner scanner, ByteSource& source, MessagePrinter& printer, Learnt& learnt) {
   constexpr std::size_t head_bytes = 1 << 16;
+  std::vector<std::uint8_t>& head = learnt.head;
   std::vector<Message> messages;
+  const auto take = [&] {
+    for (const Message& message : messages) {
+      learn(message, learnt);
+      printer.print(message);
+    }
+    messages.clear();
+  };
   for (auto block = source.next(); !block.empty(); block = source.next()) {
     if (head.size() < head_bytes) head.insert(head.end(), block.begin(), block.end());
-    messages.clear();
     scanner.push(block, messages);
-    for (const Message& message : messages) printer.print(message);
+    take();
     require_printed();  // a stream of bytes need not end
   }
-  messages.clear();
   scanner.finish(messages);
-  for (const Message& message : messages) printer.print(message);
+  take();
   return scanner.counters();
 }
 
 wire::Counters decode(const DecodeOptions& options, ByteSource& source, MessagePrinter& printer,
-                      std::vector<std::uint8_t>& head) {
+                      Learnt& learnt) {
   switch (options.device) {
     case Device::camera:
       return decode<wire::CameraMessage>(wire::CameraScanner(checksum_policy(options.camera_checksum)),
-                                         source, printer, head);
+                                         source, printer, learnt);
     case Device::gyro:
       return decode<wire::GyroMessage>(
-          wire::GyroScanner(gyro_profile(options), wire::StreamStart::at_line_start), source, printer, head);
+          wire::GyroScanner(gyro_profile(options), wire::StreamStart::at_line_start), source, printer,
+          learnt);
     case Device::servo:
       break;
   }
-  return decode<wire::ServoMessage>(wire::ServoScanner(), source, printer, head);
+  return decode<wire::ServoMessage>(wire::ServoScanner(), source, printer, learnt);
 }
 
 [[noreturn]] void refuse_bytes(const DecodeOptions& options, const std::string& name,
@@ -114,12 +141,13 @@ void print_summary(const DecodeOptions& options, const std::string& name, const 
 ExitCode run(const DecodeOptions& options) {
   ByteSource source(options.file);
   MessagePrinter printer(options);
-  std::vector<std::uint8_t> head;
-  const wire::Counters counters = decode(options, source, printer, head);
-  const std::vector<std::string> remarks =
-      printer.count() > 0 ? remarks_on(options, head, counters) : std::vector<std::string>();
+  Learnt learnt;
+  const wire::Counters counters = decode(options, source, printer, learnt);
+  std::vector<std::string> remarks =
+      printer.count() > 0 ? remarks_on(options, learnt.head, counters) : std::vector<std::string>();
+  if (learnt.zeros.is_seen()) remarks.push_back(remark_on_zeros(learnt.zeros));
   print_summary(options, source.name(), counters, printer, remarks);
-  if (printer.count() == 0) refuse_bytes(options, source.name(), counters, head);
+  if (printer.count() == 0) refuse_bytes(options, source.name(), counters, learnt.head);
   return is_mostly_bad(counters) ? ExitCode::finished_lossy : ExitCode::ok;
 }
 

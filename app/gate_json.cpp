@@ -7,9 +7,9 @@ namespace thermorig::app {
 
 namespace {
 
-nlohmann::json violations_json(const rig::GateReport& report) {
+nlohmann::json violations_json(const std::vector<rig::GateViolation>& found) {
   nlohmann::json list = nlohmann::json::array();
-  for (const rig::GateViolation& violation : report.violations)
+  for (const rig::GateViolation& violation : found)
     list.push_back({{"name", violation.name},
                     {"device", name_of(violation.device)},
                     {"figure", violation.figure},
@@ -39,7 +39,8 @@ nlohmann::json gate_json(const std::optional<rig::GateReport>& report) {
   const rig::GateFacts& facts = report->facts;
   nlohmann::json object{{"passed", report->passed()},
                         {"span_s", facts.span_s},
-                        {"violations", violations_json(*report)},
+                        {"violations", violations_json(report->violations)},
+                        {"warnings", violations_json(report->warnings)},
                         {"devices", devices_json(facts)},
                         {"images", nlohmann::json()},
                         {"rest", nlohmann::json()},
@@ -52,7 +53,8 @@ nlohmann::json gate_json(const std::optional<rig::GateReport>& report) {
   if (facts.rest)
     object["rest"] = {{"mean_dps", facts.rest->mean_dps},
                       {"noise_dps", facts.rest->noise_dps},
-                      {"swing_dps", facts.rest->swing_dps}};
+                      {"swing_dps", facts.rest->swing_dps},
+                      {"zeroes_itself", facts.rest->zeroes_itself}};
   if (facts.answers)
     object["answers"] = {{"pings", facts.answers->pings},
                          {"answered", facts.answers->answered},

@@ -73,6 +73,11 @@ std::vector<Check> judge_rig(const rig::GateReport& report) {
                       .code = ExitCode::check_failed,
                       .result = rig::sentence(violation),
                       .advice = violation.advice});
+  for (const rig::GateViolation& warning : report.warnings)
+    checks.push_back({.name = "gate: " + warning.name,
+                      .result = rig::sentence(warning),
+                      .advice = warning.advice,
+                      .warning = true});
   return checks;
 }
 

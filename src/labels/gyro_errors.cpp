@@ -8,6 +8,7 @@
 
 #include "least_squares.h"
 #include "stretches.h"
+#include "thermorig/core/auto_zero.h"
 #include "thermorig/labels/median.h"
 #include "thermorig/labels/running_bias.h"
 #include "thermorig/labels/servo_response.h"
@@ -23,7 +24,6 @@ constexpr double outlying_block = 6.0;     // a block's mean off that of most: a
 constexpr double least_outlier_dps = 0.5;  // a bias wanders by as much
 constexpr double least_uncertainty_dps = 0.01;
 constexpr double unseen_drift_dps = 0.05;  // of a bias that was seen at one end of the recording alone
-constexpr double longest_silence_s = 0.5;  // of a gyro that measures: exact zeros about all axes
 constexpr double servo_scale_doubt = 0.015;
 constexpr double leg_deviation = 0.004;  // relative: a servo's slope along its travel
 constexpr double leg_deviation_dps = 0.1;
@@ -46,17 +46,14 @@ std::span<const TimedGyro> between(std::span<const TimedGyro> gyro, HostTime beg
   return {first, std::lower_bound(first, gyro.end(), std::max(begin, end), before)};
 }
 
-bool has_silence(std::span<const TimedGyro> gyro) {
-  const TimedGyro* first = nullptr;
-  for (const TimedGyro& sample : gyro) {
-    if (!is_zero(sample)) {
-      first = nullptr;
-      continue;
-    }
-    if (first == nullptr) first = &sample;
-    if (to_s(sample.stamp.time - first->stamp.time) > longest_silence_s) return true;
+bool zeroes_itself(std::span<const TimedGyro> gyro, const std::vector<Stretch>& rests, HostTime origin) {
+  AutoZero zeros;
+  for (const Stretch& rest : rests) {
+    zeros.pause();
+    for (const TimedGyro& sample : between(gyro, origin + from_s(rest.begin_s), origin + from_s(rest.end_s)))
+      zeros.add(sample.reading.rate_dps);
   }
-  return false;
+  return zeros.is_seen();
 }
 
 std::optional<Block> block_of(std::span<const TimedGyro> gyro, std::size_t rest) {
@@ -178,9 +175,7 @@ GyroErrors fit_gyro_errors(std::span<const TimedGyro> gyro, std::span<const Time
   if (gyro.empty() || servo.empty()) return errors;
   const HostTime origin = servo.front().stamp.time;
   const std::vector<Stretch> rests = steady_stretches(servo, origin, true);
-  for (const Stretch& rest : rests)
-    errors.zeroes_itself = errors.zeroes_itself || has_silence(between(gyro, origin + from_s(rest.begin_s),
-                                                                       origin + from_s(rest.end_s)));
+  errors.zeroes_itself = zeroes_itself(gyro, rests, origin);
   std::vector<Block> blocks = blocks_of(gyro, rests, origin);
   keep_quiet(blocks);
   if (!blocks.empty()) note_rests(errors, blocks, rests_before_legs(rests, servo, origin), rests.size());

@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "thermorig/core/auto_zero.h"
+
 namespace thermorig::rig {
 
 namespace {
@@ -98,12 +100,22 @@ void judge_rest(const GateRest& rest, const GyroProfile& gyro, const GateLimits&
          fmt::format("at most {:.2f} deg/s", limits.swing_dps), stand_still});
   const double off_dps = std::abs(rest.mean_dps - gyro.bias_dps);
   const double limit_dps = limits.bias_deviations * gyro.bias_uncertainty_dps;
-  if (!gyro.bias_measured_utc.empty() && off_dps > std::max(limit_dps, limits.swing_dps))
+  if (!rest.zeroes_itself && !gyro.bias_measured_utc.empty() &&
+      off_dps > std::max(limit_dps, limits.swing_dps))
     found.push_back({"gyro_bias", Device::gyro,
                      fmt::format("the gyro shows {:.2f} deg/s at rest, its bias was measured as {:.2f}",
                                  rest.mean_dps, gyro.bias_dps),
                      fmt::format("within {:.2f} deg/s of it", std::max(limit_dps, limits.swing_dps)),
                      "let the rig stand still; thermorig calibrate bias if it does"});
+}
+
+void warn_of_rest(const GateRest& rest, Violations& warnings) {
+  if (rest.zeroes_itself)
+    warnings.push_back(
+        {"gyro_zeroes", Device::gyro,
+         "the gyro zeroes itself at rest and so hides its bias: it reads exactly 0 about all axes",
+         fmt::format("fewer than {} such samples in a row", AutoZero::fewest_zeros),
+         "switch that off in the device (WitMotion: registers 61 and 63)"});
 }
 
 void judge_answers(const GateAnswers& answers, const ServoProfile& servo, const GateLimits& limits,
@@ -131,12 +143,13 @@ void judge_answers(const GateAnswers& answers, const ServoProfile& servo, const 
 }  // namespace
 
 GateReport judge(const GateFacts& facts, const RigProfile& profile, const GateLimits& limits) {
-  GateReport report{.facts = facts, .violations = {}};
+  GateReport report{.facts = facts, .violations = {}, .warnings = {}};
   Violations& found = report.violations;
   for (const Device device : all_devices)
     if (facts.streams[device]) judge_stream(device, *facts.streams[device], limits, found);
   if (facts.images) judge_images(*facts.images, limits, found);
   if (facts.rest) judge_rest(*facts.rest, profile.gyro, limits, found);
+  if (facts.rest) warn_of_rest(*facts.rest, report.warnings);
   if (facts.answers) judge_answers(*facts.answers, profile.servo, limits, found);
   return report;
 }

@@ -3,8 +3,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <utility>
 
+#include "thermorig/core/auto_zero.h"
 #include "thermorig/labels/freshness.h"
 #include "thermorig/rig/link_load.h"
 
@@ -185,16 +187,31 @@ std::optional<GateImages> GateWatch::images() const {
   return facts;
 }
 
+/// Those that are not exactly 0 about all axes.
+std::vector<GateWatch::Rate> GateWatch::measured_rates() const {
+  std::vector<Rate> rates;
+  std::copy_if(rates_.begin(), rates_.end(), std::back_inserter(rates),
+               [](const Rate& rate) { return rate.axes_dps != std::array<float, 3>{}; });
+  return rates;
+}
+
 std::optional<GateRest> GateWatch::rest() const {
   if (rates_.size() < 2) return std::nullopt;
   GateRest facts;
-  for (const Rate& rate : rates_) facts.mean_dps += double{rate.shaft_dps};
-  facts.mean_dps /= static_cast<double>(rates_.size());
+  AutoZero zeros;
+  for (const Rate& rate : rates_) zeros.add(rate.axes_dps);
+  facts.zeroes_itself = zeros.is_seen();
+  // The step from its bias to zero is none that the rig made.
+  const std::vector<Rate> rates =
+      facts.zeroes_itself ? measured_rates() : std::vector(rates_.begin(), rates_.end());
+  if (rates.empty()) return facts;
+  for (const Rate& rate : rates) facts.mean_dps += double{rate.shaft_dps};
+  facts.mean_dps /= static_cast<double>(rates.size());
   for (std::size_t axis = 0; axis < 3; ++axis) {
     double sum = 0.0, squares = 0.0, part_sum = 0.0, least = 0.0, most = 0.0;
     std::size_t in_part = 0, parts = 0;
-    HostTime part_begin = rates_.front().time;
-    for (const Rate& rate : rates_) {
+    HostTime part_begin = rates.front().time;
+    for (const Rate& rate : rates) {
       if (rate.time - part_begin >= part && in_part > 0) {
         const double mean = part_sum / static_cast<double>(in_part);
         least = parts == 0 ? mean : std::min(least, mean);
@@ -210,7 +227,7 @@ std::optional<GateRest> GateWatch::rest() const {
       part_sum += value;
       ++in_part;
     }
-    const auto count = static_cast<double>(rates_.size());
+    const auto count = static_cast<double>(rates.size());
     const double variance = squares / count - (sum / count) * (sum / count);
     facts.noise_dps = std::max(facts.noise_dps, std::sqrt(std::max(0.0, variance)));
     facts.swing_dps = std::max(facts.swing_dps, most - least);

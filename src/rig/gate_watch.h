@@ -80,6 +80,7 @@ class GateWatch {
   double span_s(Device device, HostTime now, double period_s) const;
   std::optional<GateImages> images() const;
   std::optional<GateRest> rest() const;
+  std::vector<Rate> measured_rates() const;
   GateAnswers answers(const GateCounts& counts) const;
 
   std::optional<HostTime> begin_;

@@ -195,8 +195,9 @@ bool Recording::Parts::passes_gate(HostTime now) {
   if (options.gate == GateMode::off) return true;
   if (gate_watch.heard_s(now) < GateWatch::needed_s(options.profile, gone)) return false;
   gate = judged(now);
-  for (const GateViolation& violation : gate->violations)
-    event({now, EventKind::warning, violation.device, "gate: " + sentence(violation)});
+  for (const auto* found : {&gate->violations, &gate->warnings})
+    for (const GateViolation& violation : *found)
+      event({now, EventKind::warning, violation.device, "gate: " + sentence(violation)});
   const bool moves = !options.plan.leg_rates_dps.empty();
   const bool refused = !gate->passed() && options.gate == GateMode::refuse && moves;
   if (refused) refuse(*gate, now);

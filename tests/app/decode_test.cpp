@@ -165,6 +165,19 @@ TEST_F(Decode, ShowsTelemetryOfTheServo) {
   EXPECT_THAT(outcome.out, HasSubstr("leg 4"));
 }
 
+TEST_F(Decode, RemarksThatAGyroZeroesItself) {
+  Bytes dump = gyro_dump(200);
+  write("moving.bin", dump);
+  EXPECT_EQ(run("decode --device gyro --json moving.bin").lines().back()["remarks"].size(), 0U);
+  for (int i = 0; i < 1000; ++i) append(dump, wire::witmotion_gyro_packet({0, 0, 0}, 30.0F));
+  write("zeroed.bin", dump);
+  const Outcome outcome = run("decode --device gyro zeroed.bin");
+  EXPECT_EQ(outcome.code, 0) << outcome.err;
+  EXPECT_THAT(outcome.out,
+              HasSubstr("note  the rates are exactly 0 about all axes for 1,000 samples in a row"));
+  EXPECT_THAT(outcome.out, HasSubstr("hides its bias"));
+}
+
 TEST_F(Decode, SaysWhoseBytesTheyAreIfNotTheNamedDevices) {
   write("dump.bin", gyro_dump(100));
   const Outcome outcome = run("decode --device camera dump.bin");

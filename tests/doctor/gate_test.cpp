@@ -106,6 +106,24 @@ TEST(Gate, OnlyWarnsWhereItIsToldTo) {
   EXPECT_TRUE(told);
 }
 
+TEST(Gate, WarnsOfAGyroThatZeroesItselfAndLetsItPass) {
+  const TemporaryFolder folder;
+  simulation::VirtualRigConfig config = simulation::default_rig(1, "kitchen");
+  config.gyro_zeroes_itself = true;
+  SimulatedBus bus(config);
+  const RecordingResult result = record_virtual(bus, gated(folder, config.profile, GateMode::refuse));
+  ASSERT_TRUE(result.gate);
+  EXPECT_TRUE(result.gate->passed());
+  ASSERT_EQ(result.gate->warnings.size(), 1U);
+  EXPECT_EQ(result.gate->warnings.front().name, "gyro_zeroes");
+  const session::Session session = session::read_session(result.session);
+  const bool told = std::any_of(session.raw.events.begin(), session.raw.events.end(), [](const auto& event) {
+    return event.kind == EventKind::warning && event.message.starts_with("gate: the gyro zeroes itself");
+  });
+  EXPECT_TRUE(told);
+  EXPECT_THAT(result.quality.verdict_reasons, testing::Contains(HasSubstr("zeroes itself")));
+}
+
 TEST(Gate, OfARestMovesNothingAndSoOnlyWarns) {
   const TemporaryFolder folder;
   const SlowGyro rig;

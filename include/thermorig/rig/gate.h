@@ -36,11 +36,13 @@ struct GateImages {
   double sensor_drift_c_per_min = 0.0;  // of the sensor's own temperature
 };
 
-/// What the gyro says at rest: of the axis that moves most.
+/// What the gyro says at rest: of the axis that moves most. Exact zeros of one that zeroes itself are left
+/// out.
 struct GateRest {
-  double mean_dps = 0.0;   // about the servo's axis, sign of the profile applied
-  double noise_dps = 0.0;  // standard deviation
-  double swing_dps = 0.0;  // between the largest and the smallest mean over half a second
+  double mean_dps = 0.0;       // about the servo's axis, sign of the profile applied
+  double noise_dps = 0.0;      // standard deviation
+  double swing_dps = 0.0;      // between the largest and the smallest mean over half a second
+  bool zeroes_itself = false;  // AutoZero: it hides its bias
 };
 
 /// How the servo answers, and what it says of itself.
@@ -94,6 +96,7 @@ struct GateViolation {
 struct GateReport {
   GateFacts facts;
   std::vector<GateViolation> violations;
+  std::vector<GateViolation> warnings;  // what a recording bears, but its user should know
   bool passed() const { return violations.empty(); }
 };
 

@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: MIT
+#include "thermorig/core/auto_zero.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace thermorig {
+
+namespace {
+constexpr float coarsest_dps = 0.25F;  // the noise of a sample is 0.05 to 0.13 deg/s
+}
+
+void AutoZero::add(const std::array<float, 3>& rate_dps) {
+  for (std::size_t axis = 0; axis < rate_dps.size(); ++axis) {
+    const float step_dps = std::abs(rate_dps[axis] - last_dps_[axis]);
+    if (step_dps > 0.0F) resolution_dps_ = std::min(resolution_dps_, step_dps);
+  }
+  last_dps_ = rate_dps;
+  const bool is_zero = std::all_of(rate_dps.begin(), rate_dps.end(), [](float rate) { return rate == 0.0F; });
+  zeros_ = is_zero ? zeros_ + 1 : 0;
+  longest_ = std::max(longest_, zeros_);
+}
+
+bool AutoZero::is_coarse() const {
+  return std::isfinite(resolution_dps_) && resolution_dps_ > coarsest_dps;
+}
+
+}  // namespace thermorig
