@@ -32,7 +32,24 @@ double sum_to(const std::vector<double>& sums, double place) {
   const auto left = std::min(static_cast<std::size_t>(place), sums.size() - 2);
   return std::lerp(sums[left], sums[left + 1], place - static_cast<double>(left));
 }
+/// Whether one of the samples that the gap lacks would have come at `begin` or later, but before `end`.
+bool would_have_come(const ClockGap& gap, HostTime begin, HostTime end) {
+  if (gap.missing == 0) return false;
+  const double step_s = to_s(gap.end - gap.begin) / (static_cast<double>(gap.missing) + 1.0);
+  const double before_begin = std::ceil(to_s(begin - gap.begin) / step_s);
+  const double number = std::clamp(before_begin, 1.0, static_cast<double>(gap.missing));
+  const HostTime first = gap.begin + from_s(number * step_s);
+  return begin <= first && first < end;
+}
 }  // namespace
+
+bool lacks_sample(std::span<const ClockGap> gaps, HostTime begin, HostTime end) {
+  const auto ends_before = [begin](const ClockGap& gap) { return gap.end <= begin; };
+  for (auto gap = std::partition_point(gaps.begin(), gaps.end(), ends_before);
+       gap != gaps.end() && gap->begin < end; ++gap)
+    if (would_have_come(*gap, begin, end)) return true;
+  return false;
+}
 
 void GyroTrack::add(const TimedGyro& gyro) {
   const float rate_dps = std::isfinite(gyro.rate_dps) ? gyro.rate_dps : 0.0F;

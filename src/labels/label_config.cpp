@@ -33,6 +33,7 @@ LabelConfig label_config(const RigProfile& profile, const std::optional<SyncRepo
   if (!sync) return config;
   config.response = sync->servo;
   config.gyro = sync->gyro;
+  config.gyro_gaps = sync->clock[Device::gyro].gaps;
   return config;
 }
 

@@ -41,6 +41,7 @@ std::span<const TimedGyro> GyroLine::interrupt(std::vector<TimedGyro>& out) {
   finish(out);
   scanner_.restart();
   timing_.restart();
+  losses_.interrupt();
   was_away_ = scanner_.counters().messages > 0;
   return std::span(out).subspan(first);
 }
@@ -53,9 +54,11 @@ std::span<const TimedGyro> GyroLine::take(std::vector<TimedGyro>& out) {
                    .stamp = timing_.stamp(message.span, hint(message)),
                    .rate_dps = sign_ * message.reading.rate_dps[axis_],
                    .lost_before = std::exchange(was_away_, false) || message.lost_before});
-    final_times_.put_next(out.back().stamp);
+    if (!final_times_.put_next(out.back().stamp)) losses_.sample(out.back(), timing_.missing());
   }
   messages_.clear();
+  counters_ = scanner_.counters();
+  counters_.lost += losses_.count();
   return std::span(out).subspan(first);
 }
 

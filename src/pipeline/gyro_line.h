@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "final_times.h"
+#include "gyro_losses.h"
 #include "restartable_scanner.h"
 #include "thermorig/core/profile.h"
 #include "thermorig/core/sample.h"
@@ -32,7 +33,9 @@ class GyroLine {
   /// waited.
   std::span<const TimedGyro> interrupt(std::vector<TimedGyro>& out);
 
-  const wire::Counters& counters() const { return scanner_.counters(); }
+  /// Of the scanner. While it records, samples that never came count as lost; a second pass has the gaps that
+  /// the first one found in the gyro's clock.
+  const wire::Counters& counters() const { return counters_; }
 
  private:
   std::span<const TimedGyro> take(std::vector<TimedGyro>& out);
@@ -40,6 +43,8 @@ class GyroLine {
   RestartableScanner<wire::GyroScanner, wire::GyroMessage> scanner_;
   timing::LinkTiming timing_;
   FinalTimes final_times_;
+  GyroLosses losses_;
+  wire::Counters counters_;
   std::size_t axis_;
   float sign_;
   bool was_away_ = false;                    // since the last sample

@@ -56,12 +56,12 @@ Quality::Stream stream_of(const wire::Counters& counters, const std::vector<doub
   return stream;
 }
 
-/// Whether the camera went between the two frames, and was waited for: what it did not send then is not lost
+/// Whether the device went between the two times, and was waited for: what it did not send then is not lost
 /// to any leg.
-bool was_awaited(const Session& session, const TimedFrame& before, const TimedFrame& frame) {
+bool was_awaited(const Session& session, Device device, HostTime before, HostTime after) {
   return std::any_of(session.raw.events.begin(), session.raw.events.end(), [&](const RecordingEvent& event) {
-    return event.kind == EventKind::device_lost && event.source == Device::camera &&
-           before.stamp.arrival <= event.time && event.time < frame.stamp.arrival;
+    return event.kind == EventKind::device_lost && event.source == device && before <= event.time &&
+           event.time < after;
   });
 }
 
@@ -70,12 +70,22 @@ Quality::Stream camera_stream(const Session& session) {
   for (std::size_t i = 0; i < session.frames.size(); ++i) {
     const TimedFrame& frame = session.frames[i];
     if (frame.missing_before == 0) continue;
-    if (i > 0 && was_awaited(session, session.frames[i - 1], frame)) continue;
+    if (i > 0 &&
+        was_awaited(session, Device::camera, session.frames[i - 1].stamp.arrival, frame.stamp.arrival))
+      continue;
     stream.lost += frame.missing_before;
   }
   stream.repeated = static_cast<std::uint64_t>(
       std::count_if(session.frames.begin(), session.frames.end(),
                     [](const auto& frame) { return frame.fresh_even == 0 && frame.fresh_odd == 0; }));
+  return stream;
+}
+
+/// A gyro numbers nothing: what never came shows in its steady rate, or in its own time.
+Quality::Stream gyro_stream(const Session& session) {
+  auto stream = stream_of(session.counters[Device::gyro], times_s(session.gyro));
+  for (const ClockGap& gap : session.sync.clock[Device::gyro].gaps)
+    if (!was_awaited(session, Device::gyro, gap.begin, gap.end)) stream.lost += gap.missing;
   return stream;
 }
 
@@ -170,7 +180,7 @@ void add_sync(const Session& session, Quality& quality) {
 Quality quality_of(const Session& session) {
   Quality quality;
   quality.stream[Device::camera] = camera_stream(session);
-  quality.stream[Device::gyro] = stream_of(session.counters[Device::gyro], times_s(session.gyro));
+  quality.stream[Device::gyro] = gyro_stream(session);
   quality.stream[Device::servo] = stream_of(session.counters[Device::servo], times_s(session.servo));
   quality.duration_s = to_s(session.raw.end_time - session.raw.header.time_reference);
   count_samples(session, quality);

@@ -17,11 +17,26 @@ constexpr double most_missing = 1e12;
 constexpr double countable_share =
     0.125;  // of a period: drift over a gap whose messages can still be counted
 
+constexpr double jitter_share =
+    0.95;                       // of the usual steps: they stray less from the median than that one does
+constexpr double strays = 2.0;  // so many times may one that lacks nothing
+
 double median_step_s(std::span<const double> device_s) {
   std::vector<double> steps;
   for (std::size_t i = 1; i < device_s.size(); ++i)
     if (device_s[i] > device_s[i - 1]) steps.push_back(device_s[i] - device_s[i - 1]);
   return quantile(steps, 0.5);
+}
+
+/// A longer step of the device's clock lacks something. A device that keeps no exact rhythm has longer ones
+/// now and then, by its own time; where messages were counted all steps are whole periods.
+double longest_whole_step_s(std::span<const double> device_s, double median_s) {
+  std::vector<double> strays_s;
+  for (std::size_t i = 1; i < device_s.size(); ++i) {
+    const double step_s = device_s[i] - device_s[i - 1];
+    if (step_s > 0.0 && step_s <= missing_periods * median_s) strays_s.push_back(std::abs(step_s - median_s));
+  }
+  return missing_periods * median_s + strays * quantile(strays_s, jitter_share);
 }
 
 class ArrivalFit {
@@ -76,13 +91,22 @@ class ArrivalFit {
   }
 
   void add_gaps() {
+    if (step_s_ <= 0.0) return;
+    const double whole_s = longest_whole_step_s(device_s_, step_s_);
     for (std::size_t i = 1; i < device_s_.size(); ++i) {
-      const double steps = step_s_ > 0.0 ? (device_s_[i] - device_s_[i - 1]) / step_s_ : 0.0;
-      if (steps > missing_periods)
-        result_.report.gaps.push_back(
-            {result_.times[i - 1].time, result_.times[i].time,
-             static_cast<std::uint64_t>(std::llround(std::min(steps, most_missing))) - 1});
+      const double step_s = device_s_[i] - device_s_[i - 1];
+      if (step_s > whole_s) add_gap(i, step_s / step_s_);
     }
+  }
+
+  /// Before message `i`, after so many steps of the device. One that tells a wrong time has not been away for
+  /// so long: no more is missing than the host's time has room for.
+  void add_gap(std::size_t i, double steps) {
+    const HostTime begin = result_.times[i - 1].time;
+    const HostTime end = result_.times[i].time;
+    const double room = std::ceil(to_s(end - begin) / step_s_) + 1.0;
+    const double whole = std::round(std::min({steps, room, most_missing}));
+    if (whole > 1.0) result_.report.gaps.push_back({begin, end, static_cast<std::uint64_t>(whole) - 1});
   }
 
   void summarise() {

@@ -81,6 +81,7 @@ void LiveClock::restart(double x, double y) {
 
 double LiveClock::shift(double x, double periods) {
   counted_ += periods;
+  missing_ += periods;
   watched_ = 0;
   watched_late_s_ = {};
   return x + periods / rate_hz_;

@@ -19,10 +19,12 @@ constexpr std::size_t fewest_horizons =
 constexpr double longest_stall_s = 0.3;  // of a reader on a busy host; anything longer is an outage
 constexpr double clear_periods = 0.6;    // so much later than before is a message lost
 constexpr double suspect_periods = 0.5;  // where bytes were lost
-constexpr double quiet_periods = 0.2;    // a horizon is long enough if the least lateness varies less
+constexpr double quiet_periods = 0.1;    // a horizon is long enough if the least lateness varies less
 constexpr std::size_t windows_a_horizon = 4;  // length of a window in which a period is measured
 constexpr double settled_periods = 0.2;
-constexpr double wander = 1000e-6;  // of a clock from its mean rate, at most
+constexpr double usual_share = 0.98;   // of the messages are no later than is usual
+constexpr double quiet_host_s = 0.05;  // later than a timer and a wake-up make it: the host is busy
+constexpr double wander = 1000e-6;     // of a clock from its mean rate, at most
 constexpr double most_missing_by_number = 1e9;
 constexpr double beyond_all_times_s = 1e18;
 constexpr double quicker_share = 0.35;
@@ -200,6 +202,7 @@ class Numbering {
   void count_lost() {
     const std::vector<double> late_s = lateness_s();
     const std::vector<double> ahead_s = least_ahead(late_s, horizon_);
+    usual_late_s_ = usual_lateness_s(late_s, ahead_s);
     LeastBehind behind_s(horizon_);
     double missing = 0.0;
     std::size_t i = 0;
@@ -220,6 +223,15 @@ class Numbering {
       // Where exactly they were lost is a guess: it must not make those right after it look early.
       number_until(place.settled, before_s);
     }
+  }
+
+  /// Behind the least late one of the next horizon: what a link's timer and the system's wake-up make. A busy
+  /// host knows no such limit.
+  double usual_lateness_s(std::span<const double> late_s, std::span<const double> ahead_s) const {
+    std::vector<double> behind_s(late_s.size());
+    for (std::size_t i = 0; i < late_s.size(); ++i) behind_s[i] = late_s[i] - ahead_s[i];
+    const double usual_s = quantile(behind_s, usual_share);
+    return usual_s < quiet_host_s ? usual_s + settled_periods * period_s_ : beyond_all_times_s;
   }
 
   double lost_before(std::size_t i, double step_s) const {
@@ -250,9 +262,12 @@ class Numbering {
     for (std::size_t k = first; k < std::min(first + horizon_, late_s.size()); ++k) {
       const bool is_near = k < first + near;
       if (is_better(late_s, k, place.first, is_near)) place.first = k;
-      if (late_s[k] > after_s + settled_periods * period_s_ + drift_s) continue;
-      place.settled = std::max(place.settled, k + 1);
-      if (!any_suspect_ || is_suspect(place.first) || !is_near) break;
+      if (late_s[k] <= after_s + settled_periods * period_s_ + drift_s) {
+        place.settled = std::max(place.settled, k + 1);
+        if (!any_suspect_ || is_suspect(place.first) || !is_near) break;
+      }
+      // Too late for one that was sent before the loss, and as late as is usual for one sent after it.
+      if (late_s[k] > before_s + usual_late_s_ && late_s[k] <= after_s + usual_late_s_) break;
     }
     place.settled = std::max(place.settled, place.first + 1);
     return place;
@@ -277,8 +292,9 @@ class Numbering {
   std::vector<double> latest_s_;  // since the first
   std::vector<std::int64_t> number_;
   double period_s_ = 0.0;
-  std::size_t horizon_ = 0;  // messages
-  double unrest_ = 0.0;      // of the least lateness from horizon to horizon, in periods
+  std::size_t horizon_ = 0;    // messages
+  double usual_late_s_ = 0.0;  // no later than that are nearly all messages
+  double unrest_ = 0.0;        // of the least lateness from horizon to horizon, in periods
   bool any_suspect_ = false;
 };
 }  // namespace

@@ -38,6 +38,32 @@ TEST(Runs, AreBrokenByALostFrame) {
   EXPECT_EQ(runs(rig.run(1.26)), (std::vector<std::uint32_t>{0, 0, 0, 1, 1, 1, 0, 2, 2, 2}));
 }
 
+TEST(GyroGap, IsWhereASampleThatTheFrameWouldHaveHadNeverCame) {
+  ScriptedRig rig;
+  const double stolen_s = 0.8;
+  rig.gyro_comes = [&](double t) { return std::abs(t - stolen_s) > 0.003; };
+  rig.config.gyro_gaps = {{at_s(stolen_s - 0.005), at_s(stolen_s + 0.005), 1}};
+  int gaps = 0;
+  for (const LabelledSample& sample : rig.run(1.26)) {
+    const bool is_there =
+        seconds(sample.exposure_begin) <= stolen_s && stolen_s < seconds(sample.exposure_end);
+    EXPECT_EQ((sample.reason_bits & bit(Reason::gyro_gap)) != 0, is_there) << sample.frame_index;
+    EXPECT_FALSE(is_there && sample.valid);
+    gaps += is_there ? 1 : 0;
+  }
+  EXPECT_GE(gaps, 1);
+}
+
+TEST(GyroGap, CountsThoseThatWouldStandEvenlyInIt) {
+  const std::vector<ClockGap> gaps{{at_s(1.0), at_s(1.4), 3}, {at_s(2.0), at_s(2.5), 0}};  // at 1.1, 1.2, 1.3
+  EXPECT_FALSE(lacks_sample(gaps, at_s(0.9), at_s(1.05)));
+  EXPECT_TRUE(lacks_sample(gaps, at_s(0.9), at_s(1.15)));
+  EXPECT_TRUE(lacks_sample(gaps, at_s(1.15), at_s(1.25)));
+  EXPECT_FALSE(lacks_sample(gaps, at_s(1.21), at_s(1.29)));
+  EXPECT_FALSE(lacks_sample(gaps, at_s(1.35), at_s(2.4)));
+  EXPECT_FALSE(lacks_sample({}, at_s(1.0), at_s(2.0)));
+}
+
 TEST(Labeller, GivesEveryFrameOnceAndInOrder) {
   const auto samples = ScriptedRig().run(10.0);
   ASSERT_EQ(samples.size(), 80U);

@@ -12,7 +12,10 @@ Session clean_session(std::size_t frames) {
   session.counters[Device::gyro] = {.messages = session.gyro.size()};
   session.counters[Device::servo] = {.messages = session.servo.size()};
   session.sync.gyro.zeroes_itself = false;
-  for (const Device device : all_devices) session.sync.clock[device].epochs.clear();
+  for (const Device device : all_devices) {
+    session.sync.clock[device].epochs.clear();
+    session.sync.clock[device].gaps.clear();
+  }
   return session;
 }
 
@@ -49,6 +52,23 @@ TEST(Quality, MissingFramesAreLostAndLeaveAGap) {
   EXPECT_EQ(quality.stream[Device::camera].lost, 3U);
   EXPECT_NEAR(quality.stream[Device::camera].gap_max_s, 0.5, 1e-6);
   EXPECT_EQ(quality.verdict, "usable");
+}
+
+TEST(Quality, SamplesThatTheGyrosRateLacksAreLost) {
+  Session session = clean_session(150);
+  const HostTime begin = session.gyro[100].stamp.time;
+  session.sync.clock[Device::gyro].gaps = {{begin, begin + from_s(0.1), 35}};
+  const Quality quality = quality_of(session);
+  EXPECT_EQ(quality.stream[Device::gyro].lost, 35U);
+  EXPECT_EQ(quality.verdict, "usable");
+}
+
+TEST(Quality, WhatAGyroThatWasAwaitedDidNotSendIsNotLost) {
+  Session session = clean_session(150);
+  const HostTime begin = session.gyro[100].stamp.time;
+  session.sync.clock[Device::gyro].gaps = {{begin, begin + from_s(5.0), 999}};
+  session.raw.events.push_back({begin + from_s(3.0), EventKind::device_lost, Device::gyro, "unplugged"});
+  EXPECT_EQ(quality_of(session).stream[Device::gyro].lost, 0U);
 }
 
 TEST(Quality, FramesThatRepeatTheOneBeforeAreCounted) {

@@ -46,6 +46,42 @@ Score pooled(Device device, const TestLink& link) {
   return score;
 }
 
+/// Gaps in the clock of a device that sends its own time, at 100 Hz and read at once.
+std::vector<ClockGap> gaps_by_own_time(const std::vector<double>& device_s, double own_error_s = 0.0) {
+  std::vector<LatestBegin> latest;
+  for (const double time_s : device_s)
+    latest.push_back({time_s, HostTime(from_s(5.0 + time_s)), false, 0.001, 0.0});
+  std::vector<double> told_s = device_s;
+  told_s[told_s.size() / 2] += own_error_s;
+  latest[latest.size() / 2].device_s += own_error_s;
+  return fit_arrivals(told_s, latest, PortProfile{}, 100.0).report.gaps;
+}
+
+std::vector<double> own_times(double jitter_s, double pause_s) {
+  std::mt19937 random(3);
+  std::uniform_real_distribution<double> stray_s(-jitter_s, jitter_s);
+  std::vector<double> times_s{0.0};
+  for (int i = 1; i < 2000; ++i)
+    times_s.push_back(times_s.back() + 0.01 + stray_s(random) + (i == 1000 ? pause_s : 0.0));
+  return times_s;
+}
+
+TEST(GapsByOwnTime, AreNotThePausesOfAnUnsteadyDevice) {
+  for (const double jitter_s : {0.0, 0.002, 0.006})
+    EXPECT_TRUE(gaps_by_own_time(own_times(jitter_s, 0.0)).empty());
+  for (const double jitter_s : {0.0, 0.002, 0.006}) {
+    const auto gaps = gaps_by_own_time(own_times(jitter_s, 0.05));
+    ASSERT_EQ(gaps.size(), 1U) << jitter_s;
+    EXPECT_NEAR(static_cast<double>(gaps[0].missing), 5.0, 1.0);
+  }
+}
+
+TEST(GapsByOwnTime, HaveNoMoreRoomThanTheHostsTime) {
+  std::uint64_t missing = 0;
+  for (const ClockGap& gap : gaps_by_own_time(own_times(0.0, 0.0), 3600.0)) missing += gap.missing;
+  EXPECT_LE(missing, 3U);
+}
+
 class EveryLink : public testing::TestWithParam<bool> {};
 
 TEST_P(EveryLink, KeepsTheGyroWithinItsLimits) {

@@ -83,6 +83,23 @@ TEST(Numbering, ClaimsNoLossOnADeviceWithoutASteadyRate) {
   EXPECT_EQ(number.back(), 3000);
 }
 
+/// A board that waits between its samples: each delay of its loop stays.
+TEST(Numbering, ClaimsNoLossOnADeviceWhoseLoopDawdles) {
+  for (const double jitter : {0.02, 0.2, 1.0})
+    for (unsigned seed = 1; seed <= 20; ++seed) {
+      std::mt19937 random(seed);
+      std::normal_distribution<double> stray(1.0, jitter);
+      std::uniform_real_distribution<double> late_s(0.0, 0.001);
+      std::vector<HostTime> latest;
+      double time_s = 0.0;
+      for (int i = 0; i < 6000; ++i) {
+        time_s += 0.01 * std::max(stray(random), 0.2);
+        latest.push_back(HostTime(from_s(std::ceil(time_s / 0.016) * 0.016 + late_s(random))));
+      }
+      EXPECT_EQ(number_messages(latest, {}, 100.0).back(), 5999) << jitter << ", seed " << seed;
+    }
+}
+
 TEST(Numbering, AscendsWhateverComes) {
   const auto none = [](int) { return false; };
   std::vector<std::vector<HostTime>> streams{{},

@@ -6,6 +6,7 @@
 #include <span>
 
 #include "thermorig/core/sample.h"
+#include "thermorig/core/sync.h"
 #include "thermorig/core/time.h"
 #include "thermorig/labels/history.h"
 
@@ -20,6 +21,10 @@ struct GyroMean {
   bool saturated = false;      // a sample at an end of the sensor's range: the mean says little
   float time_uncertainty_s = 0.0F;
 };
+
+/// Whether a sample with begin <= time < end never came: those that a gap lacks would stand evenly in it.
+/// `gaps` ascend.
+bool lacks_sample(std::span<const ClockGap> gaps, HostTime begin, HostTime end);
 
 /// The gyro's rate about the servo's axis over the last few seconds.
 class GyroTrack {

@@ -61,7 +61,9 @@ namespace thermorig::labels {
 ///   reversal             the model's slow mean has both signs in E, and leaves rate_tolerance_dps both ways
 ///   outside_leg          leg 0 in the telemetry in L or next to it, or no leg known
 ///   leg_change           two legs in the telemetry in L or next to it, neither of them 0
-///   gyro_gap             no gyro sample in E, or fewer than gyro_gap_share of what gyro_rate_hz gives in E
+///   gyro_gap             no gyro sample in E, or fewer than gyro_gap_share of what gyro_rate_hz gives in E,
+///   or
+///                        one that would lie in E never came (lacks_sample(), where a first pass found gaps)
 ///   gyro_unsteady        gyro_spread squared, less what the sensor's noise explains, exceeds the tolerance
 ///                        squared; not judged where a sample is saturated
 ///   gyro_disagrees       |mean gyro, corrected - rate_label as the gyro sees it| exceeds 3 standard

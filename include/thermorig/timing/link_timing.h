@@ -75,6 +75,10 @@ class LinkTiming {
   /// announced (a bug otherwise). Spans must come in order of their ends; older chunks are forgotten.
   Stamp stamp(const StreamSpan& span, const StampHint& hint = {});
 
+  /// Messages that never came, as the clock of a device with a steady rate counts so far:
+  /// LiveClock::missing().
+  double missing() const { return clock_ ? clock_->missing() : 0.0; }
+
   /// The device was away: nothing that was learnt of its clock holds for what comes next.
   void restart();
 

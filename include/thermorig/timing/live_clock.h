@@ -34,6 +34,10 @@ class LiveClock {
   /// that keeps no steady rate. Messages come in order, each once.
   std::optional<HostTime> place(const MessageProof& proof);
 
+  /// Messages that it counts as lost so far: falls where the stream catches up after all. Of a device that
+  /// sends its own time none are counted.
+  double missing() const { return missing_; }
+
   /// How far the clock may drift between the messages that hold its line up.
   double drift_s() const { return 0.5 * drift_ * window_s_; }
 
@@ -60,6 +64,7 @@ class LiveClock {
   double block_s_;
   std::optional<HostTime> origin_;
   double counted_ = -1.0;  // messages, lost ones included
+  double missing_ = 0.0;   // the lost ones
   double last_device_s_ = 0.0;
   std::vector<Ceiling> points_;
   std::vector<Block> blocks_;

@@ -19,8 +19,8 @@ struct Counters {
   std::uint64_t bad_checksum = 0;
   std::uint64_t bad_length = 0;  // a length or size field that this device never sends
   std::uint64_t bad_value = 0;   // a line or field that cannot be read as numbers, not finite
-  std::uint64_t lost = 0;        // messages that sequence numbers show to be missing
-  std::uint64_t resyncs = 0;     // times that bytes were skipped to find the next message
+  std::uint64_t lost = 0;     // messages that sequence numbers, or gaps in a steady rate, show to be missing
+  std::uint64_t resyncs = 0;  // times that bytes were skipped to find the next message
 
   /// Together with those of another piece of the stream.
   Counters& operator+=(const Counters& other) {
