@@ -64,7 +64,7 @@ constexpr std::array allowed_without_execution{__NR_mmap, __NR_mprotect};
 
 using Program = std::vector<sock_filter>;
 
-constexpr std::uint32_t refused = SECCOMP_RET_ERRNO | EPERM;
+constexpr std::uint32_t refused_call = SECCOMP_RET_ERRNO | EPERM;
 
 void load(Program& program, std::size_t offset) {
   program.push_back(BPF_STMT(BPF_LD | BPF_W | BPF_ABS, static_cast<std::uint32_t>(offset)));
@@ -91,7 +91,7 @@ void allow_without_execution(Program& program, int call) {
   unless(program, BPF_JEQ, static_cast<std::uint32_t>(call), 4);
   load(program, offsetof(seccomp_data, args) + 2 * sizeof(std::uint64_t));
   unless(program, BPF_JSET, PROT_EXEC, 1);
-  answer(program, refused);
+  answer(program, refused_call);
   answer(program, SECCOMP_RET_ALLOW);
 }
 
@@ -107,7 +107,7 @@ Program reading_only() {
   if (is_sanitized)
     for (const int call : allowed_to_sanitizers) allow(program, call);
   for (const int call : allowed_without_execution) allow_without_execution(program, call);
-  answer(program, refused);
+  answer(program, refused_call);
   return program;
 }
 

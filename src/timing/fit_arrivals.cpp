@@ -17,7 +17,7 @@ constexpr double most_missing = 1e12;
 constexpr double countable_share =
     0.125;  // of a period: drift over a gap whose messages can still be counted
 
-constexpr double jitter_share =
+constexpr double jitter_quantile =
     0.95;                       // of the usual steps: they stray less from the median than that one does
 constexpr double strays = 2.0;  // so many times may one that lacks nothing
 
@@ -36,7 +36,7 @@ double longest_whole_step_s(std::span<const double> device_s, double median_s) {
     const double step_s = device_s[i] - device_s[i - 1];
     if (step_s > 0.0 && step_s <= missing_periods * median_s) strays_s.push_back(std::abs(step_s - median_s));
   }
-  return missing_periods * median_s + strays * quantile(strays_s, jitter_share);
+  return missing_periods * median_s + strays * quantile(strays_s, jitter_quantile);
 }
 
 class ArrivalFit {

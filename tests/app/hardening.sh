@@ -2,14 +2,14 @@
 # SPDX-License-Identifier: MIT
 # What makes a mistake in the program hard to use for anything but a crash: read off the built program itself, since a
 # flag that was given need not have arrived. Exit code 77 where the build cannot have it.
-# Usage: hardening.sh SANITIZERS COMPILER PROGRAM LIBRARY...
-#   SANITIZERS  of the build; empty if there is none
+# Usage: hardening.sh UNHARDENED COMPILER PROGRAM LIBRARY...
+#   UNHARDENED  why the build is not hardened: its sanitizers, or that it is not optimised; empty if it is
 #   LIBRARY     static libraries of our own objects: in the program those of others are marked by their own flags
 set -euo pipefail
-sanitizers=$1 compiler=$2 program=$3
+unhardened=$1 compiler=$2 program=$3
 shift 3
-if [ -n "$sanitizers" ]; then
-  echo "skipped: a build with sanitizers ($sanitizers) is never installed, and _FORTIFY_SOURCE would hide calls from them"
+if [ -n "$unhardened" ]; then
+  echo "skipped: calls are not checked in a build with sanitizers or without optimisation ($unhardened)"
   exit 77
 fi
 export LC_ALL=C
