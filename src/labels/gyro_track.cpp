@@ -32,6 +32,7 @@ double sum_to(const std::vector<double>& sums, double place) {
   const auto left = std::min(static_cast<std::size_t>(place), sums.size() - 2);
   return std::lerp(sums[left], sums[left + 1], place - static_cast<double>(left));
 }
+
 /// Whether one of the samples that the gap lacks would have come at `begin` or later, but before `end`.
 bool would_have_come(const ClockGap& gap, HostTime begin, HostTime end) {
   if (gap.missing == 0) return false;
@@ -41,6 +42,9 @@ bool would_have_come(const ClockGap& gap, HostTime begin, HostTime end) {
   const HostTime first = gap.begin + from_s(number * step_s);
   return begin <= first && first < end;
 }
+
+constexpr double certain_periods = 10.0;
+constexpr double most_periods = 1e9;
 }  // namespace
 
 bool lacks_sample(std::span<const ClockGap> gaps, HostTime begin, HostTime end) {
@@ -90,6 +94,19 @@ GyroMean GyroTrack::over(HostTime begin, HostTime end) const {
   mean.deviation_dps = samples.value();
   note_spread(mean, points.subspan(first, last - first));
   return mean;
+}
+
+bool GyroTrack::lacks_sample(HostTime begin, HostTime end, double period_s) const {
+  const auto points = points_.all();
+  for (std::size_t i = std::max<std::size_t>(points_.first_at_or_after(begin), 1);
+       i < points.size() && points[i - 1].time < end; ++i) {
+    const ClockGap silence{points[i - 1].time, points[i].time, 0};
+    const double periods = std::min(to_s(silence.end - silence.begin) / period_s, most_periods);
+    if (periods < certain_periods) continue;
+    const auto missing = static_cast<std::uint64_t>(std::llround(periods)) - 1;
+    if (would_have_come({silence.begin, silence.end, missing}, begin, end)) return true;
+  }
+  return false;
 }
 
 }  // namespace thermorig::labels

@@ -203,7 +203,8 @@ std::uint32_t Labeller::gyro_reasons(const LabelledSample& sample, const GyroMea
   const double expected = to_s(sample.exposure_end - sample.exposure_begin) * config_.gyro_rate_hz;
   const double needed = config_.gyro_gap_share * expected;
   const bool gap = gyro.count == 0 || static_cast<double>(gyro.count) < needed ||
-                   lacks_sample(config_.gyro_gaps, sample.exposure_begin, sample.exposure_end);
+                   lacks_sample(config_.gyro_gaps, sample.exposure_begin, sample.exposure_end) ||
+                   gyro_.lacks_sample(sample.exposure_begin, sample.exposure_end, 1.0 / config_.gyro_rate_hz);
   const double tolerance = tolerance_dps(sample);
   const bool unsteady = gyro.count > 0 && unsteadiness_dps2(bias_.errors(), gyro) > tolerance * tolerance;
   return bit_if(Reason::gyro_gap, gap) | bit_if(Reason::gyro_unsteady, !gyro.saturated && unsteady) |

@@ -54,6 +54,18 @@ TEST(GyroGap, IsWhereASampleThatTheFrameWouldHaveHadNeverCame) {
   EXPECT_GE(gaps, 1);
 }
 
+TEST(GyroGap, OfTenSamplesAndMoreIsSeenByTheRunningRecorder) {
+  ScriptedRig rig;
+  rig.gyro_comes = [](double t) { return t < 0.7975 || t > 0.8625; };  // 13 of 25: more than half come
+  int gaps = 0;
+  for (const LabelledSample& sample : rig.run(1.26)) {
+    const bool is_there = seconds(sample.exposure_begin) <= 0.86 && 0.8 < seconds(sample.exposure_end);
+    EXPECT_EQ((sample.reason_bits & bit(Reason::gyro_gap)) != 0, is_there) << sample.frame_index;
+    gaps += is_there ? 1 : 0;
+  }
+  EXPECT_GE(gaps, 1);
+}
+
 TEST(GyroGap, CountsThoseThatWouldStandEvenlyInIt) {
   const std::vector<ClockGap> gaps{{at_s(1.0), at_s(1.4), 3}, {at_s(2.0), at_s(2.5), 0}};  // at 1.1, 1.2, 1.3
   EXPECT_FALSE(lacks_sample(gaps, at_s(0.9), at_s(1.05)));

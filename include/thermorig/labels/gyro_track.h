@@ -40,6 +40,11 @@ class GyroTrack {
   /// Of the samples with begin <= time < end.
   GyroMean over(HostTime begin, HostTime end) const;
 
+  /// Whether a sample with begin <= time < end never came, as far as the samples tell that have come, which
+  /// are due every `period_s`: a silence of ten periods is one, a shorter one may yet be a time that a clock
+  /// takes back.
+  bool lacks_sample(HostTime begin, HostTime end, double period_s) const;
+
  private:
   struct Point {
     HostTime time{};
