@@ -35,11 +35,11 @@ bool is_read_by_others(std::FILE* stream) {
 /// Where the address is that the output may not have.
 std::string whereabouts(const LivePage& page, bool on_standard_error) {
   if (!page.kept_in().empty())
-    return fmt::format("the whole address is {}\"url\" in {}",
+    return fmt::format("the address with its token stands {}under \"url\" in {}",
                        on_standard_error ? "on standard error, and " : "",
                        printable(page.kept_in().string()));
-  if (on_standard_error) return "the whole address is on standard error";
-  return "the whole address is kept nowhere; print to a terminal, or to a file that is yours alone";
+  if (on_standard_error) return "the address with its token stands on standard error";
+  return "the address with its token is kept nowhere; print to a terminal, or to a file that is yours alone";
 }
 
 /// The address alone, and where the token is; standard error, if it is another and nobody else's, gets both.
@@ -120,7 +120,8 @@ void tell_page(const LivePage& page, bool json) {
     print(stream, "page  {}\n", page.url());
   if (!web::page_is_built())
     print(stream,
-          "note  this program was built without its page: bash app/setup.sh page, then build again\n");
+          "note  this program was built without its page: bash app/setup.sh page, then cmake --preset "
+          "release && cmake --build build\n");
   if (!page.note().empty()) print(stream, "note  {}\n", printable(page.note()));
   std::fflush(stream);
 }

@@ -20,7 +20,7 @@ void write_report(const std::filesystem::path& folder, const ReportTexts& texts)
   if (!report::draws_charts())
     print(stderr,
           "note  report.html has no charts, as this program was built without node: bash app/setup.sh page, "
-          "then build again\n");
+          "then cmake --preset release && cmake --build build\n");
 }
 
 }  // namespace thermorig::app

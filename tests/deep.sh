@@ -22,16 +22,18 @@ part "unit tests with AddressSanitizer and UBSan" ctest --test-dir build-asan --
 part "tests on the clock with AddressSanitizer and UBSan" bash tests/wall_clock.sh build-asan -L rig -E "^Readme"
 
 # Exported C on boards in QEMU: what it takes.
-part cortex_m far cortex_m src/embedded include/thermorig/embedded tests/embedded src/model include/thermorig/model \
+build_files=(CMakeLists.txt CMakePresets.json tests/CMakeLists.txt app/setup.sh)
+mapfile -t embedded < <(printf '%s\n' {src,include/thermorig}/{core,files,network,windows,model,training,embedded})
+part cortex_m far cortex_m "${build_files[@]}" "${embedded[@]}" tests/embedded tests/support \
   -- build-asan/bin/test_embedded --gtest_brief=1 --gtest_filter='Cores/*'
-part aarch64 far aarch64 src/network include/thermorig/network tests/network src/core include/thermorig/core \
+part aarch64 far aarch64 app/setup.sh {src,include/thermorig}/{core,network} tests/network \
   -- bash tests/network/aarch64.sh 'Estimator*:BatchEstimator*:*GoldenVectors*:Tensors*:Shape*'
 
 cmake --preset developer
 part "build of the page and the guest" build developer --target thermorig usb_guest
 part "live page in a browser" bash tests/page/run.sh build
 # Ports on the kernel's usb-serial driver, plugs pulled and put back.
-part usb_guest far usb_guest src/io include/thermorig/io tests/usb -- bash tests/usb/run.sh build
+part usb_guest far usb_guest "${build_files[@]}" {src,include/thermorig}/{core,io} tests/usb -- bash tests/usb/run.sh build
 
 cmake --preset tsan
 part "build with ThreadSanitizer" build tsan --target test_io test_simulated_ports test_rig test_session test_web_server

@@ -7,8 +7,10 @@
 namespace thermorig {
 
 namespace {
-constexpr float coarsest_dps = 0.25F;  // the noise of a sample is 0.05 to 0.13 deg/s
-}
+// The noise of a sample is 0.05 to 0.13 deg/s: in steps of 0.061 (16 bits over +-2000 deg/s) it moves the
+// last bit every few samples, in steps of 0.1 it may not for fifty.
+constexpr float coarsest_dps = 0.07F;
+}  // namespace
 
 void AutoZero::add(const std::array<float, 3>& rate_dps) {
   for (std::size_t axis = 0; axis < rate_dps.size(); ++axis) {

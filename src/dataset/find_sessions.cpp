@@ -41,7 +41,8 @@ void search(const fs::path& folder, Found& found) {
     std::error_code broken_link;
     if (!entry->is_regular_file(broken_link)) continue;
     if (entry->path().extension() == ".h5") found.sessions.push_back(entry->path());
-    if (entry->path().extension() == ".journal") found.journal = entry->path();
+    if (entry->path().extension() == ".journal" && (found.journal.empty() || entry->path() < found.journal))
+      found.journal = entry->path();
   }
   if (failure) refuse_folder(folder, failure.message());
 }

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "header_check.h"
+#include "thermorig/core/code_point.h"
 #include "thermorig/core/error.h"
 
 namespace thermorig {
@@ -279,15 +280,6 @@ bool is_shallow(int depth, json::parse_event_t, json&) {
 }
 
 /// Only such text is read back as it was: other bytes are repaired, and grow.
-bool is_utf8(std::string_view text) {
-  try {
-    json(text).dump();
-    return true;
-  } catch (const json::type_error&) {
-    return false;
-  }
-}
-
 /// The library begins its messages with "[json.exception.type_error.302] ".
 std::string without_library_name(std::string_view message) {
   if (message.starts_with('[')) message.remove_prefix(std::min(message.find(']') + 1, message.size()));

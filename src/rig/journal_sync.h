@@ -42,6 +42,7 @@ class JournalSync {
   std::optional<LateSync> take_late();
 
  private:
+  void note_late(const LateSync& sync);
   void run();
   void wait_for_turn(std::unique_lock<std::mutex>& lock, std::chrono::steady_clock::time_point begin);
 

@@ -3,10 +3,10 @@
 
 #include <fmt/format.h>
 
-#include <nlohmann/json.hpp>
 #include <string_view>
 #include <utility>
 
+#include "thermorig/core/code_point.h"
 #include "thermorig/core/error.h"
 #include "thermorig/files/whole_file.h"
 
@@ -20,14 +20,6 @@ constexpr std::size_t line_bytes_max = 4096;
 constexpr std::size_t list_line_bytes = 80;  // of a list: it goes on in the next line
 
 /// As TOML has to be; the library reads beyond the end of keys that are not.
-void refuse_unless_utf8(const std::string& text, const std::string& file_name) {
-  try {
-    static_cast<void>(nlohmann::json(text).dump());
-  } catch (const nlohmann::json::type_error&) {
-    throw Error(ExitCode::bad_usage, "it is not UTF-8 text", file_name, "a file saved as UTF-8");
-  }
-}
-
 /// Goes through a text once. Where that is valid TOML, it knows what is a string or a comment; where it is
 /// not, the parser stops at the latest where the two would differ.
 class TomlPreparation {
@@ -126,7 +118,8 @@ class TomlPreparation {
 }  // namespace
 
 TomlText prepared_toml(const std::string& text, const std::string& file_name) {
-  refuse_unless_utf8(text, file_name);
+  if (!is_utf8(text))
+    throw Error(ExitCode::bad_usage, "it is not UTF-8 text", file_name, "a file saved as UTF-8");
   return TomlPreparation(text, file_name).take();
 }
 

@@ -22,7 +22,8 @@ enum class TrialEnd : std::uint8_t {
   read = 1,
   refused = 2,      // in the ordinary way: the program will say why
   no_cpu_time = 3,  // limits of the cage
-  no_wall_time = 4
+  no_wall_time = 4,
+  no_child = 5  // the computer has no room for a process: nothing was tried
 };
 
 /// From here on the limits of the cage on time end this process with an answer to the descriptor.

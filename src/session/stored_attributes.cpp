@@ -2,6 +2,7 @@
 #include "stored_attributes.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <libdeflate.h>
 
 #include <algorithm>
@@ -111,10 +112,26 @@ void take_attributes_of(hid_t file, const std::string& path, std::vector<StoredA
       found.push_back(std::move(*stored));
 }
 
+/// "8x3"; "" of a single value.
+std::string shape_of(hid_t space) {
+  std::vector<hsize_t> lengths(static_cast<std::size_t>(std::max(H5Sget_simple_extent_ndims(space), 0)));
+  if (!lengths.empty()) H5Sget_simple_extent_dims(space, lengths.data(), nullptr);
+  return fmt::format("{}", fmt::join(lengths, "x"));
+}
+
+std::string type_of(const StoredAttribute& stored) {
+  const hid_t type = stored.type.get();
+  const H5T_class_t kind = H5Tget_class(type);
+  const bool is_number = kind == H5T_INTEGER || kind == H5T_FLOAT;
+  return fmt::format("{} {} {} {}", static_cast<int>(kind), is_variable_text(type) ? 0 : H5Tget_size(type),
+                     kind == H5T_INTEGER ? static_cast<int>(H5Tget_sign(type)) : 0,
+                     is_number ? static_cast<int>(H5Tget_order(type)) : 0);
+}
+
 std::uint32_t sum_of(const StoredAttribute& stored) {
-  std::string text = fmt::format("{} {} {}", static_cast<int>(H5Tget_class(stored.type.get())),
-                                 H5Tget_size(stored.type.get()),
-                                 static_cast<int>(H5Sget_simple_extent_type(stored.space.get())));
+  std::string text = fmt::format("{} {} {}\n", type_of(stored),
+                                 static_cast<int>(H5Sget_simple_extent_type(stored.space.get())),
+                                 shape_of(stored.space.get()));
   text.append(reinterpret_cast<const char*>(stored.bytes.data()), stored.bytes.size());
   for (const std::string& value : stored.texts) text.append(value.c_str(), value.size() + 1);
   return libdeflate_crc32(0, text.data(), text.size());

@@ -7,6 +7,7 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
+#include <poll.h>
 #include <sys/prctl.h>
 #include <sys/socket.h>
 #include <sys/uio.h>
@@ -14,6 +15,7 @@
 
 #include <array>
 #include <cerrno>
+#include <chrono>
 #include <csignal>
 #include <cstdio>
 #include <cstring>
@@ -33,6 +35,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::size_t longest_answer = 1U << 20U;
+constexpr auto alarm_margin = std::chrono::seconds(10);
 constexpr std::size_t descriptors = 2;  // of a message: the copy, and where to answer
 
 int to_trials = -1;  // a socket to the process that tries; none: nothing is tried
@@ -153,11 +156,16 @@ TrialEnd end_of_reading(const SealedCopy& copy) {
   std::array<int, descriptors> fds{};
   Task task{};
   while (receive_parcel(socket, task, fds)) {
-    if (::fork() == 0) {
+    const pid_t child = ::fork();
+    if (child == 0) {
       ::close(socket);  // the files of others come there
       try_file(task, fds[0], fds[1]);
     }
-    for (const int fd : fds) ::close(fd);  // if there was no child, this alone is the answer
+    constexpr TrialEnd none = TrialEnd::no_child;
+    if (child < 0) {
+      [[maybe_unused]] const ssize_t written = ::write(fds[1], &none, sizeof none);
+    }
+    for (const int fd : fds) ::close(fd);
   }
   ::_exit(0);
 }
@@ -189,6 +197,19 @@ bool send_copy(const SealedCopy& copy, Task task, int answer) {
   return sent;
 }
 
+/// Until there is something to read, or nobody who could write it. A child that was taken over may have lost
+/// its alarm, so it is not waited for much longer than that.
+bool is_answered(int answer, std::chrono::steady_clock::time_point until) {
+  pollfd waiting{.fd = answer, .events = POLLIN, .revents = 0};
+  for (;;) {
+    const auto left = std::chrono::ceil<std::chrono::milliseconds>(until - std::chrono::steady_clock::now());
+    if (left.count() <= 0) return false;
+    const int ready = ::poll(&waiting, 1, static_cast<int>(left.count()));
+    if (ready > 0) return true;
+    if (ready < 0 && errno != EINTR) return false;
+  }
+}
+
 /// All that a child says, but no more than is sensible.
 std::string answer_to(const SealedCopy& copy, Task task) {
   std::array<int, 2> ends{};
@@ -197,7 +218,13 @@ std::string answer_to(const SealedCopy& copy, Task task) {
   ::close(ends[1]);
   std::string answer;
   std::array<char, 4096> part{};
+  const auto until = std::chrono::steady_clock::now() +
+                     std::chrono::seconds(time_limits(copy.bytes().size()).wall_s) + alarm_margin;
   while (sent && answer.size() < longest_answer) {
+    if (!is_answered(ends[0], until)) {
+      answer.assign(1, static_cast<char>(TrialEnd::no_wall_time));
+      break;
+    }
     const ssize_t size = ::read(ends[0], part.data(), part.size());
     if (size < 0 && errno == EINTR) continue;
     if (size <= 0) break;
@@ -257,6 +284,8 @@ void require_harmless(TrialEnd end, const SealedCopy& copy) {
                                        limits.cpu_s, inflated_bytes_per_cpu_s >> 20U));
     case TrialEnd::no_wall_time:
       no_time(copy.path(), std::to_string(limits.wall_s) + " s");
+    case TrialEnd::no_child:
+      no_trials();
     case TrialEnd::died:
       break;
   }

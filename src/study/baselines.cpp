@@ -62,16 +62,16 @@ JobResult with_baselines(JobResult result, std::span<const Acquisition> acquisit
   const Evaluation found =
       evaluation_of(gyro_estimates(result.job, left_out), result.job, left_out, result.label_scale_dps);
   if (!have_same_windows(found, result.evaluation))
-    throw Error(ExitCode::bad_usage, "the result is of other windows than the sessions have", result.job.test,
-                "run the study again: windows are found by another rule since");
+    throw Error(ExitCode::bad_usage, "the result was made of other windows than these sessions have",
+                result.job.test, "run the study again: the rule for windows has changed since");
   for (const Estimator estimator : baselines) take(estimator, found, result.evaluation);
   return result;
 }
 
 RenewedBaselines renew_baselines(const std::filesystem::path& folder,
                                  std::span<const Acquisition> acquisitions) {
-  std::vector<JobResult> renewed = read_results(folder);
   const FolderLock lock(folder);
+  std::vector<JobResult> renewed = read_results(folder);
   std::vector<bool> changed;
   for (JobResult& result : renewed) {
     const std::string before = to_json(result);

@@ -40,7 +40,7 @@ if [[ $(uname -m) == x86_64 ]] && "$compiler" -fcf-protection=full -E -x c /dev/
   marked=$(readelf -nW "$@" | grep -cE 'IBT, SHSTK' || true)
   holds "each object may be run with CET ($marked of $members)" test "$members" -eq "$marked"
   notes=$(readelf -nW "$program")
-  start=$(readelf -nW "$("$compiler" -print-file-name=Scrt1.o)")
+  start=$(readelf -nW "$("$compiler" -print-file-name=Scrt1.o)" 2> /dev/null || true)
   if shows start 'IBT, SHSTK'; then
     holds "the program may be run with CET" shows notes 'IBT, SHSTK'
   else

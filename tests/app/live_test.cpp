@@ -430,7 +430,8 @@ TEST_F(Live, PutsNoTokenIntoAFileThatOthersMayRead) {
     EXPECT_THAT(text, HasSubstr("page  http://127.0.0.1:"));
     EXPECT_THAT(text, HasSubstr(state.string())) << "where the address is";
   }
-  EXPECT_THAT(own_errors.out, HasSubstr("the whole address is on standard error, and \"url\" in "));
+  EXPECT_THAT(own_errors.out,
+              HasSubstr("the address with its token stands on standard error, and under \"url\" in "));
   for (const std::string& text : {own_errors.err, own_output.out, terminal.out})
     EXPECT_THAT(text, HasSubstr("/#t=" + token));
 }

@@ -91,6 +91,7 @@ TEST_F(OutsideText, SpeedsThatRanOneWayHaveADashForTheOther) {
   const Outcome outcome = run("inspect --timing s.h5");
   expect_clean(outcome.out, "inspect --timing");
   EXPECT_THAT(outcome.out, Not(HasSubstr("\\u{01}")));
+  EXPECT_THAT(outcome.out, testing::ContainsRegex("40\\.0 .* -"));  // never driven the other way
 }
 
 }  // namespace

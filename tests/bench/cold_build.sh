@@ -6,6 +6,7 @@
 set -euo pipefail
 cd "$(dirname "$0")/../.."
 case ${1-} in "" | --json) ;; *) echo "unknown: $1; try: bash tests/bench/cold_build.sh [--json]" >&2; exit 2 ;; esac
+export LC_ALL=C
 folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT
 git clone -q . "$folder/thermorig"

@@ -7,6 +7,7 @@
 #include "test_servos.h"
 #include "thermorig/rig/finalise.h"
 #include "thermorig/rig/yield.h"
+#include "thermorig/session/session.h"
 
 namespace thermorig::rig::test {
 namespace {
@@ -19,6 +20,9 @@ TEST(CalibrationPlan, CanBeDrivenByEveryServo) {
        {servo_of(2160.0), servo_of(270.0), servo_of(180.0), servo_of(60.0), continuous_servo()}) {
     for (const CalibrationKind kind : kinds) {
       const SweepPlan plan = calibration_plan(kind, servo, CameraProfile{});
+      RecordingHeader header;
+      header.plan_toml = to_toml(plan);
+      EXPECT_TRUE(session::is_for_calibration(header));  // training leaves it out
       EXPECT_EQ(plan.valid_per_leg, 0);
       EXPECT_NO_THROW(check_plan(plan, servo, CameraProfile{})) << plan.name;
       for (const ExpectedLeg& leg : expected_legs(plan, servo, 8.0))

@@ -57,10 +57,19 @@ TEST(Quality, MissingFramesAreLostAndLeaveAGap) {
 TEST(Quality, SamplesThatTheGyrosRateLacksAreLost) {
   Session session = clean_session(150);
   const HostTime begin = session.gyro[100].stamp.time;
-  session.sync.clock[Device::gyro].gaps = {{begin, begin + from_s(0.1), 35}};
+  session.sync.clock[Device::gyro].rate_hz = 200.0;
+  session.sync.clock[Device::gyro].gaps = {{begin, begin + from_s(0.18), 35}};
   const Quality quality = quality_of(session);
   EXPECT_EQ(quality.stream[Device::gyro].lost, 35U);
   EXPECT_EQ(quality.verdict, "usable");
+}
+
+TEST(Quality, AGapLacksNoMoreSamplesThanItHasRoomFor) {
+  Session session = clean_session(150);
+  const HostTime begin = session.gyro[100].stamp.time;
+  session.sync.clock[Device::gyro].rate_hz = 200.0;
+  session.sync.clock[Device::gyro].gaps = {{begin, begin + from_s(0.1), 1'000'000'000'000}};
+  EXPECT_EQ(quality_of(session).stream[Device::gyro].lost, 21U);
 }
 
 TEST(Quality, WhatAGyroThatWasAwaitedDidNotSendIsNotLost) {

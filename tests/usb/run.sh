@@ -9,6 +9,7 @@ build=${1:-build}
 
 skip() {
   echo "skipped: $1"
+  [ -z "${THERMORIG_EVERYTHING:-}" ] || exit 1 # a skip is no pass
   exit 0
 }
 

@@ -79,4 +79,6 @@ struct Character {
 /// What `text`, which is not empty, begins with; nothing if that is not UTF-8 (RFC 3629).
 std::optional<Character> first_character(std::string_view text);
 
+bool is_utf8(std::string_view text);
+
 }  // namespace thermorig

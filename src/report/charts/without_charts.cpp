@@ -17,7 +17,8 @@ const std::array<std::string_view, 4> page_parts{
      ".6rem;text-align:left}.number{text-align:right}.chart{display:none}</style>\n</head>\n"
      "<body>\n<p>This report has no charts: the thermorig that wrote it was built without node. To have "
      "them: "
-     "bash app/setup.sh page, build again, and write the report again.</p>\n<main>\n",
+     "bash app/setup.sh page, then cmake --preset release &amp;&amp; cmake --build build, and write the "
+     "report again.</p>\n<main>\n",
      "</main>\n<script type=\"application/json\" id=\"charts\">", "</script>\n</body>\n</html>\n"}};
 
 }  // namespace thermorig::report

@@ -12,7 +12,7 @@ constexpr Asset notice{"text/plain; charset=utf-8"sv,
                        "\"without-page\""sv,
                        {},
                        "This thermorig was built without its page. To have it: bash app/setup.sh page, then "
-                       "build again.\n"sv};
+                       "cmake --preset release && cmake --build build\n"sv};
 
 }  // namespace
 
