@@ -70,6 +70,7 @@ JobResult with_baselines(JobResult result, std::span<const Acquisition> acquisit
 
 RenewedBaselines renew_baselines(const std::filesystem::path& folder,
                                  std::span<const Acquisition> acquisitions) {
+  read_results(folder);  // refuses a folder without any, before a lock is left in it
   const FolderLock lock(folder);
   std::vector<JobResult> renewed = read_results(folder);
   std::vector<bool> changed;
