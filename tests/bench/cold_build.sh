@@ -19,7 +19,9 @@ for compiler in gcc g++; do
 code=\$?
 target=other
 for word; do [[ \$word =~ CMakeFiles/([^/]+)\.dir/ ]] && target=\${BASH_REMATCH[1]}; done
-echo "\$target \$(times | tail -n 1)" >>"$folder/compilers.txt"
+times >"$folder/times.\$\$" # of this shell, then of what it ran; a pipe would be another shell
+echo "\$target \$(tail -n 1 "$folder/times.\$\$")" >>"$folder/compilers.txt"
+rm "$folder/times.\$\$"
 exit \$code
 WRAPPER
   chmod +x "$folder/$compiler"
