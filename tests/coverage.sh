@@ -36,5 +36,7 @@ for module in "${modules[@]}"; do
   filters+=(--filter "src/$module/" --filter "include/thermorig/$module/")
   objects+=("$build/CMakeFiles/thermorig_$module.dir" "$build/tests/CMakeFiles/test_$module.dir")
 done
-gcovr --root . --object-directory "$build" "${filters[@]}" --json "$build/coverage.json" -j "$(nproc)" "${objects[@]}"
+# These two run in the child that reads hostile files, which may open no file to write its counts into: their tests look
+# at what the child may do.
+gcovr --root . --object-directory "$build" "${filters[@]}" --exclude 'src/session/(cage|call_filter)\.cpp' --json "$build/coverage.json" -j "$(nproc)" "${objects[@]}"
 python3 tests/coverage_table.py "$build/coverage.json" "$least" ${missing:+--missing} "${modules[@]}"
