@@ -1,9 +1,8 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: MIT
 # Installs the Debian packages that thermorig needs and that are missing. Never removes one.
-# Usage: bash app/setup.sh [page] [tests] [deep] [bench] [browser] [usb] [coverage]   (the words add what the live page and
-# the charts of reports, tests, sanitizer runs, benchmarks, browser tests, tests on the kernel's usb-serial driver and the
-# coverage of lines need)
+# Usage: bash app/setup.sh [page] [tests] [deep] [bench] [browser] [usb]   (the words add what the live page and
+# the charts of reports, tests, sanitizer runs, benchmarks, browser tests and tests on the kernel's usb-serial driver need)
 set -euo pipefail
 
 packages=(g++ cmake ninja-build pkg-config ccache git ca-certificates
@@ -16,13 +15,12 @@ for part in "$@"; do
   case "$part" in
     page) add_node ;;
     tests) add_node; packages+=(libgtest-dev libgmock-dev hdf5-tools python3-h5py python3-xarray python3-h5netcdf python3-matplotlib python3-onnx) ;;
-    deep) packages+=(clang-14 libclang-rt-14-dev clang-format-14 g++-aarch64-linux-gnu qemu-user
+    deep) packages+=(clang-14 libclang-rt-14-dev clang-format-14 clang-tidy-14 llvm-14 python3 g++-aarch64-linux-gnu qemu-user
       gcc-arm-none-eabi libnewlib-arm-none-eabi qemu-system-arm) ;;
     bench) packages+=(libbenchmark-dev python3-numpy python3-h5py python3-serial) ;;
     browser) packages+=(chromium) ;;
-    coverage) packages+=(gcovr python3) ;;
     usb) packages+=(qemu-system-x86 busybox-static cpio python3) ;;
-    *) echo "setup.sh: unknown part '$part'; try: page, tests, deep, bench, browser, usb, coverage" >&2; exit 2 ;;
+    *) echo "setup.sh: unknown part '$part'; try: page, tests, deep, bench, browser, usb" >&2; exit 2 ;;
   esac
 done
 

@@ -1,35 +1,32 @@
 # SPDX-License-Identifier: MIT
-"""Lines covered of each module, from gcovr's JSON; exit code 1 if one is below the limit."""
+"""Lines covered of each module, from a folder with one file of lcov's format a module; exit code 1 if one is below the limit."""
 
-import json
+import os
 import sys
 
 
-def lines_of_module(report, module):
+def lines_of_module(path):
     """(covered, missing) of a module's sources and headers; missing as "file:line"."""
-    covered, missing = 0, []
-    folders = (f"src/{module}/", f"include/thermorig/{module}/")
-    for file in report["files"]:
-        if not file["file"].startswith(folders):
-            continue
-        counts = {}  # a template's line stands once for each instance
-        for line in file["lines"]:
-            if not line.get("gcovr/noncode"):
-                counts[line["line_number"]] = counts.get(line["line_number"], 0) + line["count"]
-        covered += sum(1 for count in counts.values() if count > 0)
-        missing += [f"{file['file']}:{number}" for number, count in sorted(counts.items()) if count == 0]
-    return covered, missing
+    counts, file = {}, None
+    with open(path, encoding="utf-8") as source:
+        for record in source:
+            kind, _, rest = record.strip().partition(":")
+            if kind == "SF":
+                file = os.path.relpath(rest)
+            elif kind == "DA":
+                line, count = map(int, rest.split(",")[:2])
+                counts[file, line] = counts.get((file, line), 0) + count
+    missing = [f"{name}:{line}" for (name, line), count in sorted(counts.items()) if count == 0]
+    return len(counts) - len(missing), missing
 
 
 def main(arguments):
     show = "--missing" in arguments
-    path, least, *modules = [word for word in arguments if word != "--missing"]
-    with open(path, encoding="utf-8") as source:
-        report = json.load(source)
+    folder, least, *modules = [word for word in arguments if word != "--missing"]
     good = True
     print("module    lines  covered")
     for module in modules:
-        covered, missing = lines_of_module(report, module)
+        covered, missing = lines_of_module(os.path.join(folder, f"{module}.lcov"))
         total = covered + len(missing)
         share = 100.0 * covered / total if total else 0.0
         good = good and share >= float(least)

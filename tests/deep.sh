@@ -11,13 +11,16 @@ source tests/far.sh
 fuzz_seconds=${1:-20}
 build() { cmake --build --preset "$@" -j "$(nproc)"; }
 
-bash app/setup.sh tests deep browser usb coverage
+bash app/setup.sh tests deep browser usb
 
 cmake --preset asan
-part "build with AddressSanitizer and UBSan" build asan
+part "build with AddressSanitizer, UBSan and the fuzzers" build asan
+part "clang-tidy over what changed" python3 tests/tidy.py build-asan
+rm -rf build-asan/coverage
 # Not the long series, which say how large errors are: their lines are run by others.
 part "unit tests with AddressSanitizer and UBSan" ctest --test-dir build-asan --output-on-failure -j "$(nproc)" -LE rig \
   -E "^($(paste -sd'|' tests/long_series.txt))"
+part "line coverage" bash tests/coverage.sh
 # Not the README: its blocks build and run the release again.
 part "tests on the clock with AddressSanitizer and UBSan" bash tests/wall_clock.sh build-asan -L rig -E "^Readme"
 
@@ -40,8 +43,4 @@ part "build with ThreadSanitizer" build tsan --target test_io test_simulated_por
 part "threads with ThreadSanitizer" bash tests/wall_clock.sh build-tsan \
   -R '^(Loop|Pty|Port|SimulatedPorts|PortRecording|SessionFile|PageServer|RestartedServer|Refusals)'
 
-part "line coverage" bash tests/coverage.sh
-
-cmake --preset fuzz
-part "build of the fuzzers" build fuzz
-part "fuzzers, $fuzz_seconds s each" bash tests/fuzz/run.sh "$fuzz_seconds" build-fuzz
+part "fuzzers, $fuzz_seconds s each" bash tests/fuzz/run.sh "$fuzz_seconds" build-asan

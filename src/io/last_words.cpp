@@ -91,7 +91,7 @@ void keep_last_words(int fd, std::span<const std::uint8_t> bytes) {
     port.fd = fd;
     return;
   }
-  assert(!"more ports than there are places for last words");
+  assert(false && "more ports than there are places for last words");
 }
 
 void forget_last_words(int fd) {

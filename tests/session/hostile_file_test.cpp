@@ -27,7 +27,7 @@
 
 #include "cage.h"
 #include "equality.h"
-#include "leave.h"
+#include "sanitized.h"
 #include "session_trial.h"
 #include "synthetic_session.h"
 #include "temporary_folder.h"
@@ -47,7 +47,7 @@ int in_a_program(Body body) {
   if (child == 0) {
     try_sessions_first();
     ::alarm(3600);
-    leave(body());
+    ::_exit(body());
   }
   int status = 0;
   ::waitpid(child, &status, 0);
@@ -187,7 +187,7 @@ class Cage : public InTemporaryFolder {
     if (child == 0) {
       before();
       enter_cage(1000);
-      ::_exit(body());  // without counts of lines: it may open no file for them
+      ::_exit(body());
     }
     int status = 0;
     ::waitpid(child, &status, 0);
@@ -354,7 +354,7 @@ TEST_F(Trial, IsNotEndedByTheProgramsCtrlC) {
     for (int i = 0; i < 5; ++i) refused += code_of_reading(path(), synthetic_session(2), died) == 0 ? 0 : 1;
     ::kill(busy, SIGKILL);
     ::waitpid(busy, nullptr, 0);
-    leave(refused);
+    ::_exit(refused);
   }
   int status = 0;
   ::waitpid(program, &status, 0);
@@ -433,7 +433,7 @@ TEST_F(Cage, EndsWhoeverCallsByTheNumbersOfAnotherArchitecture) {
 }
 #endif
 
-#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)  // a sanitizer needs all of it
+#if !defined(THERMORIG_IS_SANITIZED)  // a sanitizer needs all of it
 TEST_F(Cage, LetsNobodyIgnoreItsAlarm) {
   if (!calls_are_filtered()) GTEST_SKIP() << "this kernel or processor has no filter of system calls";
   EXPECT_EQ(in_cage([] { return std::signal(SIGALRM, SIG_IGN) == SIG_ERR ? 0 : 1; }), 0);

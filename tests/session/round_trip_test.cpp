@@ -9,7 +9,6 @@
 
 #include "../../src/session/session_image.h"
 #include "equality.h"
-#include "leave.h"
 #include "synthetic_session.h"
 #include "temporary_folder.h"
 #include "thermorig/core/error.h"
@@ -132,7 +131,7 @@ TEST_F(SessionFile, AFolderThatIsNotWritableIsAStorageErrorWithAdvice) {
   fs::permissions(folder_, fs::perms::owner_read | fs::perms::owner_exec | fs::perms::others_read |
                                fs::perms::others_exec);
   const pid_t child = ::fork();
-  if (child == 0) ::_exit(write_as_nobody(path()));  // who may write no counts of lines either
+  if (child == 0) ::_exit(write_as_nobody(path()));
   int status = 0;
   ASSERT_EQ(::waitpid(child, &status, 0), child);
   fs::permissions(folder_, fs::perms::owner_all);
@@ -155,7 +154,7 @@ int write_to_full_disk(const fs::path& path) {
 
 TEST_F(SessionFile, AFullDiskIsAStorageErrorAndLeavesNoFile) {
   const pid_t child = ::fork();
-  if (child == 0) leave(write_to_full_disk(path()));
+  if (child == 0) ::_exit(write_to_full_disk(path()));
   int status = 0;
   ASSERT_EQ(::waitpid(child, &status, 0), child);
   ASSERT_TRUE(WIFEXITED(status));

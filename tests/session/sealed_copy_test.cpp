@@ -7,7 +7,6 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
-#include "leave.h"
 #include "temporary_folder.h"
 #include "thermorig/core/error.h"
 
