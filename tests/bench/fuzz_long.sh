@@ -3,6 +3,6 @@
 # Every fuzzer for many minutes. Usage: bash tests/bench/fuzz_long.sh [minutes a fuzzer, default 10]
 set -euo pipefail
 cd "$(dirname "$0")/../.."
-cmake --preset fuzz
-cmake --build --preset fuzz -j "$(nproc)"
-bash tests/fuzz/run.sh $((60 * ${1:-10})) build-fuzz
+cmake --preset asan
+cmake --build --preset asan -j "$(nproc)" --target fuzzers
+bash tests/fuzz/run.sh $((60 * ${1:-10})) build-asan
