@@ -25,7 +25,7 @@ class Project:
     def __init__(self, folder):
         self.folder = pathlib.Path(folder)
         self.git("init", "-q", "-b", "main")
-        for name in ("stale_tables.py", "bench/table_marks.py", "bench/table_layouts.py", "bench/all_tables.py",
+        for name in ("stale_tables.py", "wrap_documents.py", "bench/table_marks.py", "bench/table_layouts.py", "bench/all_tables.py",
                      "bench/all_tables.sh"):
             (self.folder / "tests" / name).parent.mkdir(parents=True, exist_ok=True)
             shutil.copy(TESTS / name, self.folder / "tests" / name)

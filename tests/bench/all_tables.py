@@ -11,6 +11,8 @@ import table_marks
 from table_layouts import LAYOUTS, OF_TEXT
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
+sys.path.insert(0, str(ROOT / "tests"))
+from wrap_documents import wrapped
 OUTPUTS = ROOT / "build/tables"
 
 
@@ -48,7 +50,7 @@ def body_of(mark, printed):
         body = printed
     if "\n| ---" not in body or body.rstrip().endswith("---: |") or body.rstrip().endswith("--- |"):
         raise ValueError("it printed no table")
-    return body
+    return wrapped(body)
 
 
 def make(mark, commit, outputs):
