@@ -167,6 +167,31 @@ class StaleTables(unittest.TestCase):
                 self.assertIn("left as it was", done.stdout)
                 self.assertEqual(self.project.read("docs/speeds.md"), before)
 
+    def test_what_a_sentence_rests_on_is_kept_for_who_writes_it(self):
+        begin = self.project.mark().replace("table", "figures")
+        self.project.document(begin, "The error is 0.5.", "")
+        before = self.project.read("docs/speeds.md")
+        done = self.project.all_tables()
+        self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+        self.assertIn("correct what stands below the mark", done.stdout)
+        self.assertIn(TABLE, self.project.read("build/tables/speeds.txt"))
+        self.assertEqual(self.project.read("docs/speeds.md"), before)
+
+    def test_what_trains_is_made_with_train_alone_and_before_tables(self):
+        self.project.write("tests/bench/train.sh", "echo 0.9 >build/trained\n")
+        self.project.write("tests/bench/speeds.sh", SCRIPT.replace("src/clock/error", "build/trained"))
+        self.project.write("build/trained", "0.4\n")
+        self.project.commit("a table of what is trained")
+        trained = self.project.mark().replace("table speeds", "files trained").replace("speeds.sh", "train.sh; with --train")
+        self.project.document(self.project.mark(), TABLE, f"<!-- end of table speeds -->\n\n{trained}")
+        commit = self.project.git("rev-parse", "--short=12", "HEAD")
+        self.project.all_tables()
+        self.assertIn("| 20 | 0.4 |", self.project.read("docs/speeds.md"))
+        done = self.project.all_tables("--train")
+        self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+        self.assertIn("| 20 | 0.9 |", self.project.read("docs/speeds.md"))
+        self.assertEqual(self.project.read("docs/speeds.md").count(f"commit {commit}"), 2)
+
     def test_tables_are_not_made_of_what_no_commit_has(self):
         self.project.write("src/clock/error", "0.7\n")
         done = self.project.all_tables()
