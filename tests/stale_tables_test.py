@@ -185,12 +185,14 @@ class StaleTables(unittest.TestCase):
         trained = self.project.mark().replace("table speeds", "files trained").replace("speeds.sh", "train.sh; with --train")
         self.project.document(self.project.mark(), TABLE, f"<!-- end of table speeds -->\n\n{trained}")
         commit = self.project.git("rev-parse", "--short=12", "HEAD")
+        self.project.write("build/paper-study/raw/old.h5", "of an older program")
         self.project.all_tables()
         self.assertIn("| 20 | 0.4 |", self.project.read("docs/speeds.md"))
         done = self.project.all_tables("--train")
         self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
         self.assertIn("| 20 | 0.9 |", self.project.read("docs/speeds.md"))
         self.assertEqual(self.project.read("docs/speeds.md").count(f"commit {commit}"), 2)
+        self.assertFalse((self.project.folder / "build/paper-study/raw").exists())
 
     def test_tables_are_not_made_of_what_no_commit_has(self):
         self.project.write("src/clock/error", "0.7\n")

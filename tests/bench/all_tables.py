@@ -3,6 +3,7 @@
 import argparse
 import json
 import pathlib
+import shutil
 import subprocess
 import sys
 import time
@@ -14,6 +15,7 @@ ROOT = pathlib.Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "tests"))
 from wrap_documents import wrapped
 OUTPUTS = ROOT / "build/tables"
+RECORDINGS = [ROOT / "build/paper-study" / gyro for gyro in ("raw", "calibrated")]  # and what was trained on them
 
 
 def commit_now():
@@ -103,7 +105,11 @@ def main(arguments):
             print(f"{mark.kind:8} {mark.name:20} {' '.join(mark.command)}{' (with --train)' if mark.train else ''}")
         return 0
     commit, outputs, good = commit_now(), {}, True
-    for mark in chosen(marks, options):
+    marks = chosen(marks, options)
+    if any(mark.train for mark in marks):
+        for folder in RECORDINGS:  # else older ones than the commit would be taken
+            shutil.rmtree(folder, ignore_errors=True)
+    for mark in marks:
         well, said = make(mark, commit, outputs)
         good = good and well
         print(f"{mark.document}: {mark.name}: {said}", flush=True)

@@ -6,7 +6,8 @@
 # Refused while program or tests differ from their commit: no table could name it. All of it takes many hours, mostly of
 # fuzzers and soaks; --list says which there are.
 # Usage: bash tests/bench/all_tables.sh [--list] [--train] [NAME...]
-#   --train   also what trains networks (models, study): recordings and trainings of hours, under build/paper-study
+#   --train   also what trains networks (models, study): recordings and trainings of hours, under build/paper-study, where
+#             what was recorded and trained before goes first
 #   NAME      these alone, whether they train or not
 set -euo pipefail
 cd "$(dirname "$0")/../.."
