@@ -1,10 +1,12 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: MIT
 # Everything: what CI runs, with the suites that CI leaves out where their folders have not changed. Prints how long each
-# part took, and writes the commit of this pass into tests/last_passes.txt, which is then to be committed.
+# part took, and writes the commit of this pass into tests/last_passes.txt and docs/reliability.md, which are then to be
+# committed.
 # Usage: bash tests/nightly.sh [seconds a fuzzer, default 20]
 set -euo pipefail
 cd "$(dirname "$0")/.."
+source tests/last_pass.sh
 [ -z "$(git status --porcelain)" ] || { echo "there are changes that no commit has: a pass could not be named" >&2; exit 2; }
 commit=$(git rev-parse HEAD)
 export THERMORIG_EVERYTHING=1 THERMORIG_PARTS=${TMPDIR:-/tmp}/thermorig-parts.$$
@@ -12,6 +14,6 @@ export THERMORIG_EVERYTHING=1 THERMORIG_PARTS=${TMPDIR:-/tmp}/thermorig-parts.$$
 trap 'rm -f "$THERMORIG_PARTS"' EXIT
 bash tests/run.sh
 bash tests/deep.sh "${1:-20}"
-printf '%s\n' cortex_m aarch64 usb_guest | sed "s/\$/ $commit/" >tests/last_passes.txt
-echo "everything passed at $commit; commit tests/last_passes.txt. How long each part took:"
+write_last_pass "$commit" "$(date -u +%Y-%m-%d)"
+echo "everything passed at $commit; commit tests/last_passes.txt and docs/reliability.md. How long each part took:"
 cat "$THERMORIG_PARTS"

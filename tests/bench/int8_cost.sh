@@ -6,10 +6,11 @@
 # Without a SESSION: garden acquisition 6 of the simulated Table I (seed 18, raw gyro), which the models of docs/models never saw.
 # Usage: bash tests/bench/int8_cost.sh [--json] [--model MODEL.onnx]... [--train FOLDER] [SESSION.h5...]
 #   --model   default: docs/models/best.onnx
-#   --train   the other shapes too: trains them (preset best, 40 epochs) on what `table_one.sh --gyro raw --keep FOLDER` recorded,
-#             garden 6 left out, and keeps them in FOLDER/models
+#   --train   the other shapes too: trains them (preset best, 40 epochs) on Table I with a raw gyro in FOLDER, which is recorded
+#             where it is not there, garden 6 left out, and keeps them in FOLDER/models
 set -euo pipefail
 cd "$(dirname "$0")/../.."
+source tests/bench/recordings.sh
 json=0 train='' models=() sessions=()
 while [ $# -gt 0 ]; do
   case "$1" in
@@ -29,6 +30,7 @@ folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT
 
 if [ -n "$train" ]; then
+  record_table_one raw "$train"
   mkdir -p "$train/models"
   for shape in "nf3_nr2 --nr 2" "nf3_nr3 --nr 3" "nf3_nr1_thermal --thermal-only"; do
     model=$train/models/${shape%% *}.onnx
@@ -39,7 +41,7 @@ if [ -n "$train" ]; then
   done
 fi
 if [ ${#sessions[@]} = 0 ]; then
-  "$thermorig" record --environment garden --simulated=18 --fast --plan table-one --simulated-gyro raw --output "$folder" >&2
+  record_left_out "$folder"
   sessions=("$folder"/garden/*.h5)
 fi
 

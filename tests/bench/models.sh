@@ -1,0 +1,47 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: MIT
+# The models of docs/models on garden acquisition 6 of the simulated Table I, which they never saw.
+# Usage: bash tests/bench/models.sh [--json | --train]
+#   --train   trains both anew instead, with seed 1, on the acquisitions in build/paper-study/raw, which are recorded where
+#             they are not there; the same recordings give the same files on the same instruction set
+set -euo pipefail
+cd "$(dirname "$0")/../.."
+source tests/bench/recordings.sh
+case ${1-} in "" | --json | --train) ;; *) echo "usage: models.sh [--json | --train]" >&2; exit 2 ;; esac
+thermorig=${THERMORIG_BUILD:-build}/bin/thermorig
+[ -x "$thermorig" ] || { echo "build first: bash tests/run.sh (or set THERMORIG_BUILD)" >&2; exit 1; }
+thermorig=$(realpath "$thermorig")
+folder=$(mktemp -d)
+trap 'rm -rf "$folder"' EXIT
+
+if [ "${1-}" = --train ]; then
+  recorded=build/paper-study/raw
+  record_table_one raw "$recorded"
+  for preset in paper best; do
+    "$thermorig" train "$recorded"/{laboratory,dining,kitchen}/*.h5 "$recorded"/garden/garden_acq-0[1-5]*.h5 \
+      -o "$folder/$preset.onnx" --preset "$preset"
+  done
+  mv "$folder"/{paper,best}.onnx docs/models/
+  exit
+fi
+record_left_out "$folder"
+reports=()
+for model in docs/models/{paper,best}.onnx; do
+  report=$folder/$(basename "$model" .onnx).json
+  "$thermorig" evaluate "$model" "$folder"/garden/*.h5 --json | tail -n 1 >"$report"
+  reports+=("$report")
+done
+python3 - "${1-}" "${reports[@]}" <<'PYTHON'
+import json
+import pathlib
+import sys
+
+form, *paths = sys.argv[1:]
+reports = {pathlib.Path(path).stem: json.loads(pathlib.Path(path).read_text()) for path in paths}
+if form == "--json":
+    print(json.dumps(reports))
+else:
+    for name, report in reports.items():
+        errors = ", ".join(f"{who} {error['rmse_dps']:.2f}" for who, error in report["errors"].items())
+        print(f"{name}: RMSE in deg/s: {errors}; mean Kg {report['gain']['mean']:.3f}")
+PYTHON

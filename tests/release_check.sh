@@ -1,0 +1,42 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: MIT
+# What a script can check of a release (docs/release.md); it names all that is not as it must be.
+# Usage: bash tests/release_check.sh
+set -euo pipefail
+cd "$(dirname "$0")/.."
+source tests/last_pass.sh
+failed=0
+wrong() { echo "NOT OK  $1" >&2; failed=1; }
+
+changes=$(git status --porcelain)
+[ -z "$changes" ] || wrong "there are changes that no commit has:
+$changes"
+
+version=$(sed -nE 's/^project\(thermorig VERSION ([0-9.]+) .*/\1/p' CMakeLists.txt)
+citation=$(sed -n 's/^version: //p' CITATION.cff)
+released=$(sed -n 's/^date-released: *//p' CITATION.cff | tr -d '"')
+heading=$(sed -n 's/^## //p' docs/CHANGELOG.md | head -1) # "0.1.0 (2026-12-01)"
+[ -n "$version" ] || wrong "CMakeLists.txt has no version"
+[ "$citation" = "$version" ] || wrong "CITATION.cff has version $citation, CMakeLists.txt $version"
+[ "${heading%% *}" = "$version" ] || wrong "the change log begins with $heading, CMakeLists.txt has version $version"
+[[ $heading =~ \(([0-9]{4}-[0-9]{2}-[0-9]{2})\)$ ]] || wrong "the change log's first heading has no date: $heading"
+[ "$released" = "${BASH_REMATCH[1]-none}" ] ||
+  wrong "CITATION.cff was released on ${released:-no date}, by the change log on ${BASH_REMATCH[1]-no date}"
+tagged=$(git rev-parse -q --verify "v$version^{commit}" || true)
+[ -z "$tagged" ] || [ "$tagged" = "$(git rev-parse HEAD)" ] || wrong "the tag v$version is of another commit"
+
+passed=$(last_pass)
+if [ -z "$passed" ]; then
+  wrong "no full pass of tests/nightly.sh is written down"
+elif ! git rev-parse -q --verify "$passed^{commit}" >/dev/null; then
+  wrong "the last full pass was at $passed, which this clone does not have"
+else
+  # What may differ: texts, results and pictures, and what a pass writes. Models may not: tests use them.
+  changed=$(git diff --name-only "$passed" -- . ':!*.md' ':!*.png' ':!docs/study' ':!CITATION.cff' ':!tests/last_passes.txt')
+  [ -z "$changed" ] || wrong "since the last full pass, at $passed, there have changed:
+$changed"
+fi
+
+python3 tests/stale_tables.py --strict || wrong "there are figures that are stale, or marks that are wrong"
+[ $failed = 0 ] || exit 1
+echo "version $version is fit to be tagged, as far as a script can tell"
