@@ -2,18 +2,20 @@
 """Lines covered of each module, from a folder with one file of lcov's format a module; exit code 1 if one is below the limit."""
 
 import os
+import re
 import sys
 
 
-def lines_of_module(path):
+def lines_of_module(path, module):
     """(covered, missing) of a module's sources and headers; missing as "file:line"."""
     counts, file = {}, None
+    own = re.compile(rf"(?:^|/)((?:src|include/thermorig)/{module}/[^/]+)$")  # behind paths of the build folder
     with open(path, encoding="utf-8") as source:
         for record in source:
             kind, _, rest = record.strip().partition(":")
             if kind == "SF":
-                file = os.path.relpath(rest)
-            elif kind == "DA":
+                file = found[1] if (found := own.search(rest)) else None
+            elif kind == "DA" and file:
                 line, count = map(int, rest.split(",")[:2])
                 counts[file, line] = counts.get((file, line), 0) + count
     missing = [f"{name}:{line}" for (name, line), count in sorted(counts.items()) if count == 0]
@@ -26,7 +28,7 @@ def main(arguments):
     good = True
     print("module    lines  covered")
     for module in modules:
-        covered, missing = lines_of_module(os.path.join(folder, f"{module}.lcov"))
+        covered, missing = lines_of_module(os.path.join(folder, f"{module}.lcov"), module)
         total = covered + len(missing)
         share = 100.0 * covered / total if total else 0.0
         good = good and share >= float(least)

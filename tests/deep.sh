@@ -20,7 +20,7 @@ rm -rf build-asan/coverage
 # Not the long series, which say how large errors are: their lines are run by others.
 part "unit tests with AddressSanitizer and UBSan" ctest --test-dir build-asan --output-on-failure -j "$(nproc)" -LE rig \
   -E "^($(paste -sd'|' tests/long_series.txt))"
-part "line coverage" bash tests/coverage.sh
+part "line coverage" bash tests/coverage.sh --counted
 # Not the README: its blocks build and run the release again.
 part "tests on the clock with AddressSanitizer and UBSan" bash tests/wall_clock.sh build-asan -L rig -E "^Readme"
 
