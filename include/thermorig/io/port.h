@@ -12,6 +12,7 @@
 #include "thermorig/core/chunk.h"
 #include "thermorig/core/profile.h"
 #include "thermorig/core/time.h"
+#include "thermorig/io/descriptor.h"
 
 namespace thermorig::io {
 
@@ -63,6 +64,9 @@ class Loop {
   /// ignores. Bytes that arrived before are thrown away. Throws Error: device_missing (no such port, not a
   /// serial port, baud refused), no_permission (not allowed, in use and by whom, or the system's console).
   PortId open(const PortProfile& link, PortHandlers handlers, Refusal refusal = Refusal::names_holder);
+
+  /// The same for what is open already and non-blocking: a terminal that was set up, one end of a socketpair.
+  PortId attach(Descriptor port, PortHandlers handlers);
 
   /// Queues bytes; they are written in order. Writing to a lost port does nothing.
   void write(PortId port, std::span<const std::uint8_t> bytes);
