@@ -118,7 +118,9 @@ TEST_F(PortNames, OfNoPortAreAnsweredWithThePortsThatExist) {
 }
 
 TEST_F(PortNames, ThatAreEmptyAreRefused) {
-  EXPECT_EQ(refusal_at("").code(), ExitCode::device_missing);
+  const Error error = refusal_at("");
+  EXPECT_EQ(error.code(), ExitCode::device_missing);
+  EXPECT_EQ(error.what_happened(), "no port is chosen");
 }
 
 TEST_F(PortNames, OfRegularFilesFoldersAndOtherDevicesAreRefused) {
