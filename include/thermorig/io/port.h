@@ -66,7 +66,8 @@ class Loop {
   /// serial port, baud refused), no_permission (not allowed, in use and by whom, or the system's console).
   PortId open(const PortProfile& link, PortHandlers handlers, Refusal refusal = Refusal::names_holder);
 
-  /// The same for what is open already and non-blocking: a terminal that was set up, one end of a socketpair.
+  /// Serves what is open already and non-blocking: a terminal that was set up, a socket (whose SIGPIPE,
+  /// where its other end is gone, is the caller's matter).
   PortId attach(Descriptor port, PortHandlers handlers);
 
   /// Queues bytes; they are written in order. Writing to a lost port does nothing.
