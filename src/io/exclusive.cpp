@@ -35,21 +35,6 @@ namespace {
 
 }  // namespace
 
-Descriptor::~Descriptor() {
-  close();
-}
-
-Descriptor::Descriptor(Descriptor&& other) noexcept : fd_(std::exchange(other.fd_, -1)) {}
-
-Descriptor& Descriptor::operator=(Descriptor&& other) noexcept {
-  std::swap(fd_, other.fd_);
-  return *this;
-}
-
-void Descriptor::close() {
-  if (fd_ >= 0) ::close(std::exchange(fd_, -1));
-}
-
 Descriptor open_exclusively(const std::string& path, Refusal refusal) {
   if (is_system_console(path))  // asked before open(), which already moves its control lines
     throw Error(ExitCode::no_permission, "this port is the system's console", path, existing_ports_text());
@@ -58,13 +43,15 @@ Descriptor open_exclusively(const std::string& path, Refusal refusal) {
   if (isatty(port.get()) != 1)  // also a /dev/ttyS* without a chip behind it
     throw Error(ExitCode::device_missing, "this is not a serial port, or no device is behind it", path,
                 existing_ports_text());
+  return lock_exclusively(std::move(port), path, refusal);
+}
+
+Descriptor lock_exclusively(Descriptor port, const std::string& path, Refusal refusal) {
   // TIOCEXCL does not stop root, so the lock is what two recorders see; pyserial's exclusive=True uses it
   // too.
-  if (flock(port.get(), LOCK_EX | LOCK_NB) != 0) {
-    port.close();
-    refuse_in_use(path, refusal);
-  }
-  return port;
+  if (flock(port.get(), LOCK_EX | LOCK_NB) == 0) return port;
+  port.close();  // else this process would be named, which holds it as well
+  refuse_in_use(path, refusal);
 }
 
 }  // namespace thermorig::io

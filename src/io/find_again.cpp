@@ -62,6 +62,8 @@ std::optional<std::string> choose_again(const KnownPort& port, const std::vector
   for (const PortInfo& info : listed)
     if (is_same_place(info, port.info) && info.usb_id == port.info.usb_id && !is_held(info.path, others))
       return info.path;
+  // The number of a pseudo terminal that is gone is given to the next one: somebody's shell.
+  if (port.name == port.info.path && is_pseudo_terminal_path(port.name)) return std::nullopt;
   if (!named || is_held(*named, others)) return std::nullopt;
   const PortInfo* info = with_path(listed, *named);
   if (info == nullptr) return named;
@@ -72,8 +74,6 @@ std::optional<std::string> choose_again(const KnownPort& port, const std::vector
 }
 
 std::optional<std::string> find_again(const KnownPort& port, const std::vector<KnownPort>& others) {
-  // The number of a pseudo terminal that is gone is given to the next one: somebody's shell.
-  if (port.name == port.info.path && is_pseudo_terminal_path(port.name)) return std::nullopt;
   return choose_again(port, listed_ports(), path_behind(port.name), others);
 }
 

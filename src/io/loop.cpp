@@ -14,6 +14,7 @@
 #include "read_watch.h"
 #include "thermorig/io/last_words.h"
 #include "thermorig/io/port.h"
+#include "tick_schedule.h"
 
 namespace thermorig::io {
 
@@ -30,16 +31,15 @@ bool is_not_yet(int error) {
 }
 
 /// One open port: what is read of it, and a queue of bytes to write. Nothing here asks the terminal whether
-/// it is ready: that may take long, see read_watch.h.
+/// it is ready: that may take long, see read_watch.h. How it was opened is no matter here.
 class PortTraffic : public std::enable_shared_from_this<PortTraffic> {
  public:
-  PortTraffic(asio::io_context& context, const PortProfile& link, Loop::PortHandlers handlers,
-              Refusal refusal)
-      : port_(link, refusal), context_(context), writing_(context), handlers_(std::move(handlers)) {}
+  PortTraffic(asio::io_context& context, Descriptor port, Loop::PortHandlers handlers)
+      : port_(std::move(port)), context_(context), writing_(context), handlers_(std::move(handlers)) {}
   ~PortTraffic() { close(); }
 
   void start() {
-    watch_.emplace(port_.fd(), [this, weak = weak_from_this()] { read_soon(weak); });
+    watch_.emplace(port_.get(), [this, weak = weak_from_this()] { read_soon(weak); });
   }
 
   void write(std::span<const std::uint8_t> bytes) {
@@ -49,13 +49,13 @@ class PortTraffic : public std::enable_shared_from_this<PortTraffic> {
   }
 
   void keep_last_words(std::span<const std::uint8_t> bytes) {
-    if (!closed_) io::keep_last_words(port_.fd(), bytes);
+    if (!closed_) io::keep_last_words(port_.get(), bytes);
   }
 
   void close() {
     if (closed_) return;
     closed_ = true;
-    forget_last_words(port_.fd());
+    forget_last_words(port_.get());
     queue_.clear();
     writing_.cancel();
     watch_.reset();
@@ -78,18 +78,17 @@ class PortTraffic : public std::enable_shared_from_this<PortTraffic> {
     if (has_something()) read_soon(weak_from_this());
   }
 
-  /// To read an empty terminal may take as long as to ask it. One that has hung up does not answer this;
-  /// read() tells why.
+  /// To read an empty terminal may take as long as to ask it. Of one that has hung up read() tells why.
   bool has_something() const {
     int waiting = 0;
-    return ioctl(port_.fd(), FIONREAD, &waiting) != 0 || waiting > 0;
+    return ioctl(port_.get(), FIONREAD, &waiting) != 0 || waiting > 0 || watch_->has_hung_up();
   }
 
   /// Reads and takes the time in one go, so that no other handler runs between read() and the clock. True if
   /// there was something.
   bool read_chunk() {
     std::array<std::uint8_t, read_size> buffer;
-    const ssize_t size = ::read(port_.fd(), buffer.data(), buffer.size());
+    const ssize_t size = ::read(port_.get(), buffer.data(), buffer.size());
     const int reason = errno;
     const HostTime arrived = now();
     if (size > 0)
@@ -103,7 +102,7 @@ class PortTraffic : public std::enable_shared_from_this<PortTraffic> {
 
   void write_queue() {
     while (!queue_.empty()) {
-      const ssize_t written = ::write(port_.fd(), queue_.data(), queue_.size());
+      const ssize_t written = ::write(port_.get(), queue_.data(), queue_.size());
       if (written < 0 && is_not_yet(errno)) return wait_to_write();
       if (written < 0) return queue_.clear();  // the port is gone: the reader finds out as well and says so
       queue_.erase(queue_.begin(), queue_.begin() + written);
@@ -124,7 +123,7 @@ class PortTraffic : public std::enable_shared_from_this<PortTraffic> {
     if (handlers_.lost) handlers_.lost(why);
   }
 
-  OpenPort port_;
+  Descriptor port_;
   asio::io_context& context_;
   asio::steady_timer writing_;
   Loop::PortHandlers handlers_;
@@ -141,17 +140,16 @@ struct Loop::Impl {
   asio::executor_work_guard<asio::io_context::executor_type> stays_up = asio::make_work_guard(context);
   std::vector<std::shared_ptr<PortTraffic>> ports;
   asio::steady_timer timer{context};
-  HostDuration period{};
+  TickSchedule schedule;
   std::function<void(HostTime)> tick;
   asio::signal_set signals{context};
   std::function<void(int)> signalled;
 
   void wait_for_tick() {
+    timer.expires_after(schedule.due() - now());
     timer.async_wait([this](error_code error) {
-      const auto late = std::chrono::steady_clock::now() - timer.expiry();
-      const bool replaced = late < late.zero();  // every() was called while this one waited its turn
-      if (error || replaced || !tick) return;
-      timer.expires_at(timer.expiry() + (late / period + 1) * period);
+      // Not due: every() was called while this one waited its turn.
+      if (error || !tick || !schedule.take(now())) return;
       wait_for_tick();
       const auto current = tick;  // the call may replace it
       current(now());
@@ -183,8 +181,12 @@ Loop::~Loop() {
 }
 
 Loop::PortId Loop::open(const PortProfile& link, PortHandlers handlers, Refusal refusal) {
-  assert(handlers.received);
-  impl_->ports.push_back(std::make_shared<PortTraffic>(impl_->context, link, std::move(handlers), refusal));
+  return attach(open_port(link, refusal), std::move(handlers));
+}
+
+Loop::PortId Loop::attach(Descriptor port, PortHandlers handlers) {
+  assert(port && handlers.received);
+  impl_->ports.push_back(std::make_shared<PortTraffic>(impl_->context, std::move(port), std::move(handlers)));
   impl_->ports.back()->start();
   return impl_->ports.size() - 1;
 }
@@ -202,10 +204,8 @@ void Loop::close(PortId port) {
 }
 
 void Loop::every(HostDuration period, std::function<void(HostTime)> tick) {
-  assert(period > HostDuration::zero());
-  impl_->period = period;
+  impl_->schedule = TickSchedule(period, now());
   impl_->tick = std::move(tick);
-  impl_->timer.expires_after(period);
   impl_->wait_for_tick();
 }
 

@@ -9,7 +9,9 @@
 
 #include <chrono>
 #include <cmath>
+#include <memory>
 #include <optional>
+#include <string>
 #include <thread>
 
 #include "thermorig/core/error.h"
@@ -89,48 +91,46 @@ void pulse_dtr(sp_port* port) {
   sp_set_dtr(port, SP_DTR_ON);
 }
 
+struct ClosePort {
+  void operator()(sp_port* port) const {
+    sp_close(port);
+    sp_free_port(port);
+  }
+};
+using SerialPort = std::unique_ptr<sp_port, ClosePort>;
+
+/// libserialport knows the ports that have a driver in sysfs; none of a pty.
+SerialPort serial_port_at(const std::string& path) {
+  sp_port* port = nullptr;
+  return SerialPort(sp_get_port_by_name(path.c_str(), &port) == SP_OK ? port : nullptr);
+}
+
+/// libserialport opens the port once more. The settings are the port's: they stay when that one is closed.
+void configure_serial(sp_port* port, int fd, const PortProfile& link, const std::string& path) {
+  require(sp_open(port, SP_MODE_READ_WRITE), path, "the port cannot be opened");
+  if (link.baud != 0) require_baud(port, link.baud, path);
+  require(sp_set_bits(port, 8), path, "8 data bits cannot be set");
+  require(sp_set_parity(port, SP_PARITY_NONE), path, "no parity cannot be set");
+  require(sp_set_stopbits(port, 1), path, "1 stop bit cannot be set");
+  require(sp_set_flowcontrol(port, SP_FLOWCONTROL_NONE), path, "no flow control cannot be set");
+  make_raw(fd);
+  // Not on ptys: there the mark outlives the last close and would lock out the next program.
+  ioctl(fd, TIOCEXCL);
+  ask_low_latency(fd, port);
+  if (link.reset_on_open) pulse_dtr(port);
+}
+
 }  // namespace
 
-void OpenPort::ClosePort::operator()(sp_port* port) const {
-  sp_close(port);
-  sp_free_port(port);
-}
-
-OpenPort::OpenPort(const PortProfile& link, Refusal refusal)
-    : path_(resolve_port(link.port)), descriptor_(open_exclusively(path_, refusal)) {
-  sp_port* serial = nullptr;
-  // libserialport knows the ports that have a driver in sysfs; ptys have none.
-  if (sp_get_port_by_name(path_.c_str(), &serial) == SP_OK) {
-    serial_.reset(serial);
-    configure_serial(link);
-  } else {
-    make_raw(fd());
-  }
-  tcflush(fd(), TCIFLUSH);  // what piled up before is older than any session
-}
-
-OpenPort::~OpenPort() {
-  close();
-}
-
-void OpenPort::close() {
-  serial_.reset();
-  descriptor_.close();
-}
-
-void OpenPort::configure_serial(const PortProfile& link) {
-  sp_port* port = serial_.get();
-  require(sp_open(port, SP_MODE_READ_WRITE), path_, "the port cannot be opened");
-  if (link.baud != 0) require_baud(port, link.baud, path_);
-  require(sp_set_bits(port, 8), path_, "8 data bits cannot be set");
-  require(sp_set_parity(port, SP_PARITY_NONE), path_, "no parity cannot be set");
-  require(sp_set_stopbits(port, 1), path_, "1 stop bit cannot be set");
-  require(sp_set_flowcontrol(port, SP_FLOWCONTROL_NONE), path_, "no flow control cannot be set");
-  make_raw(fd());
-  // Not on ptys: there the mark outlives the last close and would lock out the next program.
-  ioctl(fd(), TIOCEXCL);
-  ask_low_latency(fd(), port);
-  if (link.reset_on_open) pulse_dtr(port);
+Descriptor open_port(const PortProfile& link, Refusal refusal) {
+  const std::string path = resolve_port(link.port);
+  Descriptor port = open_exclusively(path, refusal);
+  if (const SerialPort serial = serial_port_at(path))
+    configure_serial(serial.get(), port.get(), link, path);
+  else
+    make_raw(port.get());
+  tcflush(port.get(), TCIFLUSH);  // what piled up before is older than any session
+  return port;
 }
 
 }  // namespace thermorig::io

@@ -13,8 +13,8 @@
 #include <thread>
 #include <utility>
 
-#include "exclusive.h"
 #include "thermorig/core/error.h"
+#include "thermorig/io/descriptor.h"
 #include "thermorig/io/host.h"
 
 namespace thermorig::io {
@@ -52,9 +52,10 @@ struct ReadWatch::Shared {
   }
 
   /// False: nobody listens any more.
-  bool tell() {
+  bool tell(std::uint32_t event) {
     const std::lock_guard lock(mutex);
     if (ended) return false;
+    if ((event & EPOLLHUP) != 0) hung_up = true;
     if (!std::exchange(told, true)) readable();
     return true;
   }
@@ -62,6 +63,7 @@ struct ReadWatch::Shared {
   Descriptor set, stop;  // what is waited for; what ends the wait
   std::mutex mutex;      // of all below
   bool told = false;
+  bool hung_up = false;
   bool ended = false;
   std::function<void()> readable;
 };
@@ -86,6 +88,11 @@ void ReadWatch::again() {
   shared_->told = false;
 }
 
+bool ReadWatch::has_hung_up() const {
+  const std::lock_guard lock(shared_->mutex);
+  return shared_->hung_up;
+}
+
 void ReadWatch::run(Shared& shared, int fd) {
   take_no_signals();
   if (!shared.begin(fd)) return;
@@ -93,8 +100,8 @@ void ReadWatch::run(Shared& shared, int fd) {
   while (true) {
     const int count = epoll_wait(shared.set.get(), events.data(), static_cast<int>(events.size()), -1);
     for (int i = 0; i < count; ++i) {
-      const bool is_stop = events.at(static_cast<std::size_t>(i)).data.fd == shared.stop.get();
-      if (is_stop || !shared.tell()) return;
+      const epoll_event& event = events.at(static_cast<std::size_t>(i));
+      if (event.data.fd == shared.stop.get() || !shared.tell(event.events)) return;
     }
   }
 }

@@ -6,7 +6,7 @@
 
 namespace thermorig::io {
 
-/// Tells when a terminal has something to read, from a thread of its own.
+/// Tells when a terminal (or a socket) has something to read, from a thread of its own.
 ///
 /// To ask a terminal may take long: Linux answers a poll of one that is empty only when a worker of the
 /// kernel has carried to it what is under way (n_tty_poll, flush_work), and on a computer that has more to do
@@ -24,6 +24,9 @@ class ReadWatch {
 
   /// What comes from now on is told of; what came before is the caller's to read.
   void again();
+
+  /// Whether the other end is known to be gone: then read() does not wait, and tells so after the last byte.
+  bool has_hung_up() const;
 
  private:
   struct Shared;

@@ -14,30 +14,24 @@ constexpr std::size_t waiting_max = 48 * 1024;
 
 }  // namespace
 
-int ServedPort::readable_fd() {
-  if (unplug_) {
-    pty_.unplug();
-    const std::lock_guard lock(mutex_);
-    if (next_) {
-      pty_ = std::move(*next_);
-      next_.reset();
-      unplug_ = false;
-    }
-  }
-  // While it is closed a wait would return at once: the terminal reports a hang-up for all that time.
-  return pty_.is_open() ? pty_.fd() : -1;
+void ServedPort::plug_in(std::unique_ptr<io::DeviceSide> next) {
+  const std::lock_guard lock(mutex_);
+  next_ = std::move(next);
+  changes_ = true;
 }
 
-std::string ServedPort::plug_in() {
-  io::Pty pty;
-  std::string path = pty.path();
+void ServedPort::follow_plug() {
   const std::lock_guard lock(mutex_);
-  next_.emplace(std::move(pty));
-  return path;
+  if (std::exchange(changes_, false)) side_ = std::move(next_);
+}
+
+int ServedPort::readable_fd() const {
+  // While it is closed a wait would return at once: the terminal reports a hang-up for all that time.
+  return is_open() ? side_->fd() : -1;
 }
 
 std::size_t ServedPort::write(std::span<const std::uint8_t> bytes) {
-  const std::size_t written = pty_.write(bytes);
+  const std::size_t written = side_->write(bytes);
   tally_.bytes_delivered += written;
   if (keeps_delivered_)
     delivered_.insert(delivered_.end(), bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(written));
@@ -46,7 +40,7 @@ std::size_t ServedPort::write(std::span<const std::uint8_t> bytes) {
 
 void ServedPort::deliver(std::span<const std::uint8_t> bytes) {
   deliver_waiting();
-  if (!pty_.is_open()) {
+  if (!is_open()) {
     tally_.bytes_unheard += bytes.size();
     return;
   }
@@ -59,7 +53,7 @@ void ServedPort::deliver(std::span<const std::uint8_t> bytes) {
 
 void ServedPort::deliver_waiting() {
   if (waiting_.empty()) return;
-  if (pty_.is_open()) {
+  if (is_open()) {
     waiting_.erase(waiting_.begin(), waiting_.begin() + static_cast<std::ptrdiff_t>(write(waiting_)));
   } else {
     tally_.bytes_unheard += waiting_.size();
@@ -68,7 +62,8 @@ void ServedPort::deliver_waiting() {
 }
 
 std::vector<std::uint8_t> ServedPort::receive() {
-  std::vector<std::uint8_t> bytes = pty_.read();
+  if (!side_) return {};
+  std::vector<std::uint8_t> bytes = side_->read();
   tally_.bytes_received += bytes.size();
   return bytes;
 }

@@ -64,22 +64,22 @@ TEST(FindAgain, OfWhatIsNotListedTakesTheName) {
   EXPECT_FALSE(choose_again(link, {}, std::nullopt, {gyro}));
 }
 
-TEST(FindAgain, FollowsALinkToAnotherPseudoTerminal) {
-  const Pty first, second;
-  const auto link = std::filesystem::temp_directory_path() / ("thermorig-link-" + std::to_string(getpid()));
-  std::filesystem::create_symlink(first.path(), link);
-  const KnownPort port = know_port(link);
-  EXPECT_EQ(port.info.path, first.path());
-  std::filesystem::remove(link);
-  EXPECT_FALSE(find_again(port, {}));
-  std::filesystem::create_symlink(second.path(), link);
-  EXPECT_EQ(find_again(port, {}), second.path());
-  std::filesystem::remove(link);
+TEST(FindAgain, DoesNotTrustTheNumberOfAPseudoTerminal) {
+  const KnownPort terminal{
+      "/dev/pts/3", {.path = "/dev/pts/3", .description = "", .usb_path = "", .usb_id = "", .serial = ""}};
+  EXPECT_FALSE(choose_again(terminal, {}, "/dev/pts/3", {gyro}));
 }
 
-TEST(FindAgain, DoesNotTrustTheNumberOfAPseudoTerminal) {
-  const Pty pty;
-  EXPECT_FALSE(find_again(know_port(pty.path()), {}));
+TEST(FindAgain, FollowsALinkToAnotherDeviceFile) {
+  const auto link = std::filesystem::temp_directory_path() / ("thermorig-link-" + std::to_string(getpid()));
+  std::filesystem::create_symlink("/dev/null", link);
+  const KnownPort port = know_port(link);
+  EXPECT_EQ(port.info.path, "/dev/null");
+  std::filesystem::remove(link);
+  EXPECT_FALSE(find_again(port, {}));
+  std::filesystem::create_symlink("/dev/zero", link);
+  EXPECT_EQ(find_again(port, {}), "/dev/zero");
+  std::filesystem::remove(link);
 }
 
 }  // namespace

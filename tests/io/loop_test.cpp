@@ -17,10 +17,10 @@ namespace thermorig::io {
 namespace {
 
 TEST(Loop, DeliversChunksInOrderWhateverTheirSizes) {
-  Pty device;
+  Wire device;
   Loop loop;
   Collected collected;
-  loop.open(port_at(device.path()), collected.handlers());
+  loop.attach(device.plug(), collected.handlers());
   const Bytes sent = numbered_bytes(40'000);
   std::size_t offset = 0;
   std::size_t size = 1;
@@ -35,16 +35,16 @@ TEST(Loop, DeliversChunksInOrderWhateverTheirSizes) {
 }
 
 TEST(Loop, StampsAChunkBetweenItsWritingAndItsHandling) {
-  Pty device;
+  Wire device;
   Loop loop;
   HostTime arrived{};
   HostTime handled{};
-  loop.open(port_at(device.path()), {[&](std::span<const std::uint8_t>, HostTime time) {
-                                       arrived = time;
-                                       handled = now();
-                                       loop.stop();
-                                     },
-                                     {}});
+  loop.attach(device.plug(), {[&](std::span<const std::uint8_t>, HostTime time) {
+                                arrived = time;
+                                handled = now();
+                                loop.stop();
+                              },
+                              {}});
   const HostTime written = now();
   device.write(Bytes{1, 2, 3});
   loop.run();
@@ -78,7 +78,13 @@ TEST(Loop, LosesNothingOfABurstWhileTheHandlerIsSlow) {
   EXPECT_EQ(received, sent);
 }
 
-/// What each epoll set of this process waits for, as the kernel tells: "/dev/pts/3", "anon_inode:[timerfd]".
+/// What the kernel calls what is open: "/dev/pts/3", "socket:[4711]", "anon_inode:[timerfd]".
+std::string what_is_open_as(const std::string& fd) {
+  std::error_code closed_since;
+  return std::filesystem::read_symlink("/proc/self/fd/" + fd, closed_since);
+}
+
+/// What each epoll set of this process waits for.
 std::vector<std::multiset<std::string>> epoll_sets() {
   std::vector<std::multiset<std::string>> sets;
   for (const auto& entry : std::filesystem::directory_iterator("/proc/self/fdinfo")) {
@@ -86,8 +92,7 @@ std::vector<std::multiset<std::string>> epoll_sets() {
     std::multiset<std::string> members;
     for (std::string key, fd; info >> key;) {
       if (key != "tfd:" || !(info >> fd)) continue;
-      std::error_code closed_since;
-      members.insert(std::filesystem::read_symlink("/proc/self/fd/" + fd, closed_since));
+      members.insert(what_is_open_as(fd));
     }
     if (!members.empty()) sets.push_back(members);
   }
@@ -95,36 +100,39 @@ std::vector<std::multiset<std::string>> epoll_sets() {
 }
 
 // A poll of an empty terminal waits for the kernel's workers, with every other port and the servo's stop.
-TEST(Loop, DoesNotItselfAskATerminalWhetherItIsReady) {
-  Pty gyro, camera;
+TEST(Loop, DoesNotItselfAskAPortWhetherItIsReady) {
+  Wire gyro, camera;
+  Descriptor gyro_port = gyro.plug(), camera_port = camera.plug();
+  const std::string gyro_name = what_is_open_as(std::to_string(gyro_port.get()));
+  const std::string camera_name = what_is_open_as(std::to_string(camera_port.get()));
   Loop loop;
   Collected collected;
-  loop.open(port_at(gyro.path()), collected.handlers());
-  const auto servo = loop.open(port_at(camera.path()), collected.handlers());
-  loop.write(servo, numbered_bytes(100'000));  // more than it takes: nor does it ask whether there is room
-  const auto watched = [](const Pty& device) {
-    return std::multiset<std::string>{device.path(), "anon_inode:[eventfd]"};
-  };
+  loop.attach(std::move(gyro_port), collected.handlers());
+  const auto full = loop.attach(std::move(camera_port), collected.handlers());
+  loop.write(full, numbered_bytes(100'000));  // more than it takes: nor does it ask whether there is room
   gyro.write(Bytes{1});
   camera.write(Bytes{2});
   run_until(loop, [&] { return collected.bytes.size() == 2; });
-  std::vector<std::multiset<std::string>> with_a_terminal;
+  std::vector<std::multiset<std::string>> with_a_port;
   for (const auto& set : epoll_sets())
-    if (set.count(gyro.path()) + set.count(camera.path()) > 0) with_a_terminal.push_back(set);
-  EXPECT_THAT(with_a_terminal, testing::UnorderedElementsAre(watched(gyro), watched(camera)));
+    if (set.count(gyro_name) + set.count(camera_name) > 0) with_a_port.push_back(set);
+  const auto watched = [](const std::string& port) {
+    return std::multiset<std::string>{port, "anon_inode:[eventfd]"};
+  };
+  EXPECT_THAT(with_a_port, testing::UnorderedElementsAre(watched(gyro_name), watched(camera_name)));
 }
 
 TEST(Loop, GivesEveryPortAndTheTimerTheirTurnWhileOneSendsWithoutEnd) {
-  Pty busy, quiet;
+  Wire busy, quiet;
   Loop loop;
   std::size_t chunks = 0, heard_at = 0;
   bool was_sent = false, is_over = false;
-  loop.open(port_at(busy.path()), {[&](std::span<const std::uint8_t> bytes, HostTime) {
-                                     ++chunks;
-                                     busy.write(bytes);  // there is always more to read
-                                   },
-                                   {}});
-  loop.open(port_at(quiet.path()), {[&](std::span<const std::uint8_t>, HostTime) { heard_at = chunks; }, {}});
+  loop.attach(busy.plug(), {[&](std::span<const std::uint8_t> bytes, HostTime) {
+                              ++chunks;
+                              busy.write(bytes);  // there is always more to read
+                            },
+                            {}});
+  loop.attach(quiet.plug(), {[&](std::span<const std::uint8_t>, HostTime) { heard_at = chunks; }, {}});
   busy.write(numbered_bytes(1000));
   int ticks = 0;
   loop.every(tick_period, [&](HostTime) {
@@ -137,14 +145,15 @@ TEST(Loop, GivesEveryPortAndTheTimerTheirTurnWhileOneSendsWithoutEnd) {
 }
 
 TEST(Loop, WritesInOrderEvenMoreThanTheSystemTakesAtOnce) {
-  Pty device;
+  Wire device;
   Loop loop;
   Collected collected;
-  const auto port = loop.open(port_at(device.path()), collected.handlers());
+  const auto port = loop.attach(device.plug(), collected.handlers());
   const Bytes sent = numbered_bytes(100'000);
   for (std::size_t begin = 0; begin < sent.size(); begin += 1000)
     loop.write(port, std::span(sent).subspan(begin, 1000));
-  Bytes received;
+  Bytes received = device.read();
+  EXPECT_LT(received.size(), sent.size()) << "the system takes all of it at once";
   run_until(loop, [&] {
     const Bytes some = device.read();
     received.insert(received.end(), some.begin(), some.end());
@@ -189,6 +198,20 @@ TEST(Loop, ReportsAnUnpluggedPortOnceAndGoesOnWithTheOthers) {
   EXPECT_TRUE(second.losses.empty());
 }
 
+TEST(Loop, ReadsAllThatCameBeforeAnEndAndReportsItOnce) {
+  Wire device;
+  Loop loop;
+  Collected collected;
+  loop.attach(device.plug(), collected.handlers());
+  const Bytes sent = numbered_bytes(40'000);
+  const std::size_t written = device.write(sent);
+  device.unplug();
+  run_until(loop, [&] { return !collected.losses.empty(); });
+  run_ticks(loop, 10);
+  EXPECT_EQ(collected.bytes, Bytes(sent.begin(), sent.begin() + static_cast<std::ptrdiff_t>(written)));
+  EXPECT_THAT(collected.losses, testing::ElementsAre("unplugged"));
+}
+
 TEST(Loop, DoesNotSpinOnAnUnpluggedPort) {
   Pty device;
   Loop loop;
@@ -203,16 +226,15 @@ TEST(Loop, DoesNotSpinOnAnUnpluggedPort) {
 }
 
 TEST(Loop, MayCloseAPortFromItsOwnHandler) {
-  Pty device;
+  Wire device;
   Loop loop;
   int calls = 0;
   Loop::PortId port = 0;
-  port =
-      loop.open(port_at(device.path()), {[&](std::span<const std::uint8_t>, HostTime) {
-                                           ++calls;
-                                           loop.close(port);
-                                         },
-                                         [&](const std::string&) { ADD_FAILURE() << "closed, not lost"; }});
+  port = loop.attach(device.plug(), {[&](std::span<const std::uint8_t>, HostTime) {
+                                       ++calls;
+                                       loop.close(port);
+                                     },
+                                     [&](const std::string&) { ADD_FAILURE() << "closed, not lost"; }});
   device.write(Bytes{1});
   run_until(loop, [&] { return calls > 0; });
   EXPECT_FALSE(device.is_open());
@@ -237,20 +259,20 @@ TEST(Loop, MayOpenAPortAgainAfterItWasClosed) {
 }
 
 TEST(Loop, LetsAnExceptionOfAHandlerOutOfRun) {
-  Pty device;
+  Wire device;
   Loop loop;
-  loop.open(port_at(device.path()),
-            {[](std::span<const std::uint8_t>, HostTime) { throw std::runtime_error("disk full"); }, {}});
+  loop.attach(device.plug(),
+              {[](std::span<const std::uint8_t>, HostTime) { throw std::runtime_error("disk full"); }, {}});
   device.write(Bytes{1});
   EXPECT_THROW(loop.run(), std::runtime_error);
   run_ticks(loop, 2);
 }
 
 TEST(Loop, CanBeDestroyedWhilePortsAreOpenAndBytesWait) {
-  Pty device;
+  Wire device;
   auto loop = std::make_unique<Loop>();
   Collected collected;
-  const auto port = loop->open(port_at(device.path()), collected.handlers());
+  const auto port = loop->attach(device.plug(), collected.handlers());
   loop->every(tick_period, [](HostTime) { ADD_FAILURE() << "the loop does not run"; });
   loop->on_signal([](int) {});
   loop->write(port, numbered_bytes(100'000));

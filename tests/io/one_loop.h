@@ -2,11 +2,16 @@
 #pragma once
 
 #include <gtest/gtest.h>
+#include <poll.h>
+#include <sys/socket.h>
 
+#include <algorithm>
+#include <array>
 #include <functional>
 #include <numeric>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "thermorig/core/error.h"
@@ -41,6 +46,46 @@ inline PortProfile port_at(const std::string& path) {
   link.port = path;
   return link;
 }
+
+/// A stream in place of a port, for all that needs no terminal: this side plays the device.
+class Wire {
+ public:
+  Wire() {
+    std::array<int, 2> ends{};
+    EXPECT_EQ(socketpair(AF_UNIX, SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0, ends.data()), 0);
+    device_ = Descriptor(ends[0]);
+    program_ = Descriptor(ends[1]);
+    const int least = 1;  // as little room as a terminal has
+    for (const int end : ends) setsockopt(end, SOL_SOCKET, SO_SNDBUF, &least, sizeof least);
+  }
+
+  /// The program's side, once.
+  Descriptor plug() { return std::move(program_); }
+
+  bool is_open() const {
+    pollfd state{.fd = device_.get(), .events = 0, .revents = 0};
+    poll(&state, 1, 0);
+    return (state.revents & POLLHUP) == 0;
+  }
+
+  /// How many bytes there was room for.
+  std::size_t write(std::span<const std::uint8_t> bytes) const {
+    return static_cast<std::size_t>(
+        std::max<ssize_t>(send(device_.get(), bytes.data(), bytes.size(), MSG_NOSIGNAL), 0));
+  }
+
+  Bytes read() const {
+    Bytes bytes(65536);
+    const ssize_t size = recv(device_.get(), bytes.data(), bytes.size(), 0);
+    bytes.resize(static_cast<std::size_t>(std::max<ssize_t>(size, 0)));
+    return bytes;
+  }
+
+  void unplug() { device_.close(); }
+
+ private:
+  Descriptor device_, program_;
+};
 
 /// Handlers that collect what arrives.
 struct Collected {

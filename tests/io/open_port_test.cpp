@@ -11,6 +11,7 @@
 #include <filesystem>
 #include <fstream>
 
+#include "../../src/io/exclusive.h"
 #include "one_loop.h"
 
 namespace thermorig::io {
@@ -69,44 +70,45 @@ class OtherRecorder {
   pid_t pid_ = -1;
 };
 
-TEST(OpenPort, NamesTheProcessThatHoldsThePort) {
-  Pty device;
-  const OtherRecorder other(device.path());
-  const Error error = refusal_at(device.path());
+/// The lock is the kernel's on any file: here on an ordinary one.
+class PortLock : public PortNames {
+ protected:
+  PortLock() { std::ofstream(path()) << "a port"; }
+  std::string path() const { return in_folder("ttyUSB0"); }
+  Descriptor lock(Refusal refusal = Refusal::names_holder) const {
+    return lock_exclusively(Descriptor(open(path().c_str(), O_RDWR | O_CLOEXEC)), path(), refusal);
+  }
+};
+
+TEST_F(PortLock, NamesTheProcessThatHoldsThePort) {
+  const OtherRecorder other(path());
+  const Error error = refusal_of([&] { lock(); });
   EXPECT_EQ(error.code(), ExitCode::no_permission);
   EXPECT_THAT(error.what_happened(),
               HasSubstr("in use by process " + std::to_string(other.pid()) + " (test_io)"));
-  EXPECT_EQ(error.where(), device.path());
+  EXPECT_EQ(error.where(), path());
 }
 
-TEST(OpenPort, RefusesToOpenAPortTwiceInOneProgram) {
-  Pty device;
-  Loop loop;
-  Collected collected;
-  loop.open(port_at(device.path()), collected.handlers());
-  const Error error = refusal_at(device.path());
+TEST_F(PortLock, NamesThisProgramWhereItHoldsThePortItself) {
+  const Descriptor held = lock();
+  const Error error = refusal_of([&] { lock(); });
   EXPECT_EQ(error.code(), ExitCode::no_permission);
   EXPECT_THAT(error.what_happened(), HasSubstr("in use by this process"));
 }
 
-TEST(OpenPort, DoesNotLookForItsHolderWhereItIsToBeBrief) {
-  Pty device;
-  const OtherRecorder other(device.path());
-  Loop loop;
-  Collected collected;
-  const Error error =
-      refusal_of([&] { loop.open(port_at(device.path()), collected.handlers(), Refusal::brief); });
+TEST_F(PortLock, DoesNotLookForItsHolderWhereItIsToBeBrief) {
+  const OtherRecorder other(path());
+  const Error error = refusal_of([&] { lock(Refusal::brief); });
   EXPECT_EQ(error.code(), ExitCode::no_permission);
   EXPECT_EQ(error.what_happened(), "port is in use");
 }
 
-TEST(OpenPort, IsFreeAgainAfterItsHolderWasKilled) {
-  Pty device;
-  { const OtherRecorder killed(device.path()); }
-  EXPECT_NO_THROW(open_and_close(device.path()));
+TEST_F(PortLock, IsFreeAgainAfterItsHolderWasKilled) {
+  { const OtherRecorder killed(path()); }
+  EXPECT_TRUE(lock());
 }
 
-TEST(OpenPort, SaysWhichPortsExistWhenThereIsNoSuchPort) {
+TEST_F(PortNames, OfNoPortAreAnsweredWithThePortsThatExist) {
   const Error error = refusal_at("/dev/ttyUSB987");
   EXPECT_EQ(error.code(), ExitCode::device_missing);
   EXPECT_EQ(error.where(), "/dev/ttyUSB987");
@@ -115,8 +117,10 @@ TEST(OpenPort, SaysWhichPortsExistWhenThereIsNoSuchPort) {
   for (const PortInfo& port : list_ports()) EXPECT_THAT(error.advice(), HasSubstr(port.path));
 }
 
-TEST(OpenPort, RefusesAnEmptyName) {
-  EXPECT_EQ(refusal_at("").code(), ExitCode::device_missing);
+TEST_F(PortNames, ThatAreEmptyAreRefused) {
+  const Error error = refusal_at("");
+  EXPECT_EQ(error.code(), ExitCode::device_missing);
+  EXPECT_EQ(error.what_happened(), "no port is chosen");
 }
 
 TEST_F(PortNames, OfRegularFilesFoldersAndOtherDevicesAreRefused) {
@@ -129,11 +133,9 @@ TEST_F(PortNames, OfRegularFilesFoldersAndOtherDevicesAreRefused) {
 }
 
 TEST_F(PortNames, ThatAreLinksLeadToTheDevice) {
-  Pty device;
-  std::filesystem::create_symlink(device.path(), in_folder("inner"));
+  std::filesystem::create_symlink("/dev/null", in_folder("inner"));
   std::filesystem::create_symlink("inner", in_folder("camera"));
-  EXPECT_EQ(resolve_port(in_folder("camera")), device.path());
-  EXPECT_NO_THROW(open_and_close(in_folder("camera")));
+  EXPECT_EQ(resolve_port(in_folder("camera")), "/dev/null");
 }
 
 TEST_F(PortNames, ThatAreDanglingLinksAreMissing) {
@@ -141,12 +143,13 @@ TEST_F(PortNames, ThatAreDanglingLinksAreMissing) {
   EXPECT_EQ(refusal_at(in_folder("camera")).code(), ExitCode::device_missing);
 }
 
-/// What opening gives to a user without rights, in a process of its own: root may open everything.
+/// What opening a device file gives to a user without rights, in a process of its own: root may open
+/// everything.
 int exit_code_as_nobody(const std::string& path) {
   const pid_t child = fork();
   if (child == 0) {
     if (geteuid() == 0 && setresuid(65534, 65534, 65534) != 0) _exit(99);
-    const Error error = refusal_at(path);
+    const Error error = refusal_of([&] { open_exclusively(path, Refusal::names_holder); });
     _exit(error.advice().find("dialout") == std::string::npos ? 98 : static_cast<int>(error.code()));
   }
   int status = 0;
@@ -154,13 +157,33 @@ int exit_code_as_nobody(const std::string& path) {
   return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
 }
 
-TEST(OpenPort, AdvisesTheGroupThatMayOpenPorts) {
-  Pty device;
-  ASSERT_EQ(chmod(device.path().c_str(), 0), 0);
-  EXPECT_EQ(exit_code_as_nobody(device.path()), static_cast<int>(ExitCode::no_permission));
+TEST_F(PortNames, OfPortsThatOnlyAGroupMayOpenComeWithThatAdvice) {
+  const std::string path = in_folder("ttyUSB0");
+  std::ofstream{path};
+  std::filesystem::permissions(in_folder(""), std::filesystem::perms::others_exec,
+                               std::filesystem::perm_options::add);
+  ASSERT_EQ(chmod(path.c_str(), 0), 0);
+  EXPECT_EQ(exit_code_as_nobody(path), static_cast<int>(ExitCode::no_permission));
 }
 
-TEST(OpenPort, MakesThePortRawAndLetsOneByteWakeTheReader) {
+/// What only a terminal shows.
+class OpenPort : public PortNames {};
+
+TEST_F(OpenPort, IsRefusedToAllOthersUnderWhateverName) {
+  Pty device;
+  std::filesystem::create_symlink(device.path(), in_folder("camera"));
+  Loop loop;
+  Collected collected;
+  loop.open(port_at(in_folder("camera")), collected.handlers());
+  const Error error = refusal_at(device.path());
+  EXPECT_EQ(error.code(), ExitCode::no_permission);
+  EXPECT_THAT(error.what_happened(), HasSubstr("in use by this process"));
+  const Error brief =
+      refusal_of([&] { loop.open(port_at(device.path()), collected.handlers(), Refusal::brief); });
+  EXPECT_EQ(brief.what_happened(), "port is in use");
+}
+
+TEST_F(OpenPort, MakesThePortRawAndLetsOneByteWakeTheReader) {
   Pty device;
   Loop loop;
   Collected collected;

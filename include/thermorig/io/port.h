@@ -12,6 +12,8 @@
 #include "thermorig/core/chunk.h"
 #include "thermorig/core/profile.h"
 #include "thermorig/core/time.h"
+#include "thermorig/io/descriptor.h"
+#include "thermorig/io/device_side.h"
 
 namespace thermorig::io {
 
@@ -64,6 +66,10 @@ class Loop {
   /// serial port, baud refused), no_permission (not allowed, in use and by whom, or the system's console).
   PortId open(const PortProfile& link, PortHandlers handlers, Refusal refusal = Refusal::names_holder);
 
+  /// Serves what is open already and non-blocking: a terminal that was set up, a socket (whose SIGPIPE,
+  /// where its other end is gone, is the caller's matter).
+  PortId attach(Descriptor port, PortHandlers handlers);
+
   /// Queues bytes; they are written in order. Writing to a lost port does nothing.
   void write(PortId port, std::span<const std::uint8_t> bytes);
 
@@ -90,23 +96,20 @@ class Loop {
 };
 
 /// A pseudo terminal that a program can open as a port; this side plays the device. As long as no program has
-/// it open, bytes written to it are lost, as those of a device on a port that nobody reads.
-class Pty {
+/// it open, bytes written to it are lost, as those of a device on a port that nobody reads; so is what finds
+/// no room, if the caller drops it, like an overrun.
+class Pty final : public DeviceSide {
  public:
   /// Throws Error(failed) when the system has no pseudo terminals left.
   Pty();
-  ~Pty();
+  ~Pty() override;
   Pty(Pty&&) noexcept;
   Pty& operator=(Pty&&) noexcept;
   const std::string& path() const;  // /dev/pts/N
-  int fd() const;                   // the device's side, non-blocking; -1 when unplugged
-  /// Whether a program has the port open now.
-  bool is_open();
-  /// How many bytes were written at once (0 while no program has it open); the rest is dropped by the caller
-  /// and counted, like an overrun.
-  std::size_t write(std::span<const std::uint8_t> bytes);
-  /// What the program wrote, up to 4096 bytes; empty if nothing waits.
-  std::vector<std::uint8_t> read();
+  int fd() const override;          // the device's side, non-blocking; -1 when unplugged
+  bool is_open() override;
+  std::size_t write(std::span<const std::uint8_t> bytes) override;
+  std::vector<std::uint8_t> read() override;
   void unplug();  // closes the device's side
 
  private:

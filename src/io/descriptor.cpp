@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: MIT
+#include "thermorig/io/descriptor.h"
+
+#include <unistd.h>
+
+#include <utility>
+
+namespace thermorig::io {
+
+Descriptor::~Descriptor() {
+  close();
+}
+
+Descriptor::Descriptor(Descriptor&& other) noexcept : fd_(std::exchange(other.fd_, -1)) {}
+
+Descriptor& Descriptor::operator=(Descriptor&& other) noexcept {
+  std::swap(fd_, other.fd_);
+  return *this;
+}
+
+void Descriptor::close() {
+  if (fd_ >= 0) ::close(std::exchange(fd_, -1));
+}
+
+}  // namespace thermorig::io
