@@ -15,6 +15,7 @@
 #include <utility>
 
 #include "acceptance/growing_journal.h"
+#include "servo_limits.h"
 #include "support/stall_probe.h"
 #include "support/void_runs.h"
 
@@ -217,25 +218,7 @@ void Drill::expect_rest_after_the_end() {
 }
 
 void Drill::expect_within_limits() {
-  constexpr double slack = 1.001;
-  constexpr double step_us = 1.0 / 16.0;  // of a pulse
-  const ServoProfile& servo = rig_->profile().servo;
-  const double deg_per_us = servo.travel_deg / (servo.pulse_max_us - servo.pulse_min_us);
-  const double middle_us = (servo.pulse_min_us + servo.pulse_max_us) / 2.0;
-  const double most_deg = servo.travel_deg / 2.0 - servo.stop_margin_deg + step_us * deg_per_us;
-  const simulation::PulseEdge* before = nullptr;
-  for (const simulation::PulseEdge& pulse : rig_->line().pulses) {
-    ASSERT_LE(std::abs(pulse.width_us - middle_us) * deg_per_us, most_deg) << "at " << pulse.rise_us << " us";
-    const double passed_s =
-        before == nullptr ? 0.0 : 1e-6 * static_cast<double>(pulse.rise_us - before->rise_us);
-    if (passed_s > 0.0 && passed_s < 0.03) {
-      const double turned_deg = std::abs(pulse.width_us - before->width_us) * deg_per_us;
-      ASSERT_LE(turned_deg, slack * servo.max_rate_dps * passed_s + 2.0 * step_us * deg_per_us)
-          << "at " << pulse.rise_us << " us";
-    }
-    before = &pulse;
-  }
-  EXPECT_NE(before, nullptr);
+  rig::test::expect_within_limits(rig_->line().pulses, rig_->profile().servo);
 }
 
 void Drill::expect_complete(const session::Session& session) const {
