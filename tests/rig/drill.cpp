@@ -8,7 +8,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
 #include <fstream>
 #include <iostream>
 #include <thread>
@@ -40,16 +39,10 @@ bool has_ended(pid_t process) {
 }  // namespace
 
 std::string name_of(Mishap mishap) {
-  constexpr const char* names[] = {
-      "CameraUnplugged", "GyroUnplugged",   "ServoUnplugged",   "HostFrozen",     "ProgramKilled",
-      "Interrupted",     "Terminated",      "HungUp",           "Quit",           "Aborted",
-      "ExceptionThrown", "TerminateCalled", "NullDereferenced", "StackOverflown", "MemoryGone",
-      "DiskFull",        "LineNoisy"};
+  constexpr const char* names[] = {"CameraUnplugged", "GyroUnplugged", "ServoUnplugged",
+                                   "HostFrozen",      "ProgramKilled", "Interrupted",
+                                   "HungUp",          "Quit",          "DiskFull"};
   return names[static_cast<std::size_t>(mishap)];
-}
-
-bool is_inside(Mishap mishap) {
-  return mishap >= Mishap::exception_thrown && mishap <= Mishap::memory_gone;
 }
 
 Drill::Drill() {
@@ -87,23 +80,14 @@ void Drill::strike(Mishap mishap, pid_t process) {
       return void(kill(process, SIGKILL));
     case Mishap::interrupted:
       return void(kill(process, SIGINT));
-    case Mishap::terminated:
-      return void(kill(process, SIGTERM));
     case Mishap::hung_up:
       return void(kill(process, SIGHUP));
     case Mishap::quit:
       return void(kill(process, SIGQUIT));
-    case Mishap::aborted:
-      return void(kill(process, SIGABRT));
     case Mishap::disk_full: {
       const rlimit nothing{0, RLIM_INFINITY};
       return void(prlimit(process, RLIMIT_FSIZE, &nothing, nullptr));
     }
-    case Mishap::line_noisy:
-      rig_->flip_bits(0.01);
-      return rig_->let_pass(1'500'000);
-    default:
-      kill(process, SIGUSR1);
   }
 }
 
@@ -143,12 +127,7 @@ Outcome Drill::suffer_once(const std::vector<std::string>& command, Mishap misha
   std::vector<std::string> words = command;
   for (const char* word : {"--environment", "garden", "--rig", "./rig.toml", "--plan", "plan.toml"})
     words.emplace_back(word);
-  if (is_inside(mishap)) {
-    setenv("LD_PRELOAD", THERMORIG_MISHAP_LIBRARY, 1);
-    setenv("THERMORIG_MISHAP", name_of(mishap).c_str(), 1);
-  }
   const pid_t process = start(words);
-  unsetenv("LD_PRELOAD");
   wait_until([this, process] {
     const auto journals = files(".journal");
     return has_ended(process) || (!journals.empty() && has_first_leg(journals.front()));

@@ -158,6 +158,17 @@ TEST_F(Ports, SwappedPortsAreExplained) {
   EXPECT_THAT(refused->what(), HasSubstr("that is the gyro, not the camera"));
 }
 
+TEST_F(Ports, TheOneThatSendsNothingIsNamed) {
+  const std::string silent = ports_.add([] { return std::vector<std::uint8_t>(); });
+  options_.recording.profile.camera.link.port = silent;
+  const auto refused = error();
+  ASSERT_TRUE(refused);
+  EXPECT_EQ(refused->code(), ExitCode::device_missing);
+  EXPECT_THAT(refused->what(), HasSubstr("camera (" + silent + ")"));
+  EXPECT_THAT(refused->advice(), HasSubstr("thermorig ports"));
+  EXPECT_TRUE(std::filesystem::is_empty(folder_.path()));
+}
+
 TEST_F(Ports, TwoRecordersDoNotShareAPort) {
   std::optional<Error> second;
   in_first_leg([&] { second = error(); });
