@@ -54,6 +54,15 @@ TEST_F(Ports, FindsTheThreeRolesOfASimulatedRigInAnyOrder) {
   EXPECT_EQ(simulation.lines().back()["event"], "summary");
 }
 
+/// Nobody speaks there, and it is no serial port.
+TEST_F(Ports, EndsWithAnErrorWhereRolesAreMissingAndSavesWhatThereIs) {
+  const Outcome outcome = run("ports --save ./found.toml /dev/null");
+  EXPECT_EQ(outcome.code, 4) << outcome.err;
+  EXPECT_THAT(outcome.out, HasSubstr("missing  camera, gyro, servo"));
+  EXPECT_THAT(outcome.out, HasSubstr("saved ./found.toml"));
+  EXPECT_TRUE(std::filesystem::exists(folder() / "found.toml"));
+}
+
 TEST_F(Ports, RecordRefusesTheSamePortForTwoRoles) {
   std::filesystem::create_symlink("/dev/zero", folder() / "link");
   const Outcome outcome =
