@@ -34,6 +34,7 @@ TEST_F(Detection, TellsTheDevicesByWhatTheySend) {
   EXPECT_EQ(findings[1].role, Device::camera);
   EXPECT_EQ(findings[2].role, Device::gyro);
   EXPECT_NEAR(findings[1].rate_hz, 8.0, 1.5);
+  EXPECT_THAT(findings[1].how, HasSubstr("camera frame(s), checksums good"));
   EXPECT_FALSE(findings[3].role);
   EXPECT_FALSE(findings[3].problem.empty());
 }
