@@ -142,7 +142,10 @@ void VirtualPorts::every(HostDuration period, std::function<void(HostTime)> tick
 
 void VirtualPorts::on_signal(std::function<void(int signal)> handler) {
   signalled_ = std::move(handler);
-  for (const int signal : requests_to_stop) std::signal(signal, catch_signal);
+  for (std::size_t i = 0; i < requests_to_stop.size(); ++i) {
+    caught[i] = 0;
+    std::signal(requests_to_stop[i], catch_signal);
+  }
 }
 
 bool VirtualPorts::is_pseudo_terminal(const std::string& name) const {
