@@ -41,6 +41,6 @@ part usb_guest far usb_guest "${build_files[@]}" {src,include/thermorig}/{core,i
 cmake --preset tsan
 part "build with ThreadSanitizer" build tsan --target test_io test_simulated_ports test_rig test_session test_web_server
 part "threads with ThreadSanitizer" bash tests/wall_clock.sh build-tsan \
-  -R '^(Loop|Pty|Port|SimulatedPorts|PortRecording|SessionFile|PageServer|RestartedServer|Refusals)'
+  -R '^(Loop|Pty|Port|SimulatedPorts|PortRecording|SessionFile|PageServer|RestartedServer|Refusals|PlugOn|FinalisingOn)'
 
 part "fuzzers, $fuzz_seconds s each" bash tests/fuzz/run.sh "$fuzz_seconds" build-asan

@@ -39,9 +39,9 @@ std::vector<Slot> slots_of_pty() {
 /// Listens on one port, slot by slot.
 class Listener {
  public:
-  Listener(io::Loop& loop, const io::PortInfo& info, double listen_s)
+  Listener(PortLoop& loop, const io::PortInfo& info, double listen_s)
       : loop_(loop),
-        has_baud_(!io::is_pseudo_terminal(info.path)),
+        has_baud_(!loop.is_pseudo_terminal(info.path)),
         slots_(has_baud_ ? slots_of_port() : slots_of_pty()),
         listen_s_(listen_s) {
     finding_.info = info;
@@ -65,13 +65,14 @@ class Listener {
   void open(HostTime now) {
     bytes_.clear();
     opened_ = now;
-    io::Loop::PortHandlers handlers;
+    PortLoop::PortHandlers handlers;
     handlers.received = [this](std::span<const std::uint8_t> bytes, HostTime) {
       bytes_.insert(bytes_.end(), bytes.begin(), bytes.end());
     };
     handlers.lost = [this](const std::string& why) { give_up(why); };
     try {
-      port_ = loop_.open({.port = finding_.info.path, .baud = slots_[slot_].baud}, std::move(handlers));
+      port_ = loop_.open({.port = finding_.info.path, .baud = slots_[slot_].baud}, std::move(handlers),
+                         io::Refusal::names_holder);
     } catch (const Error& error) {
       give_up(error.what_happened());
     }
@@ -100,13 +101,13 @@ class Listener {
     }
   }
 
-  io::Loop& loop_;
+  PortLoop& loop_;
   bool has_baud_;
   std::vector<Slot> slots_;
   double listen_s_;
   PortFinding finding_;
   std::size_t slot_ = 0;
-  std::optional<io::Loop::PortId> port_;
+  std::optional<PortLoop::PortId> port_;
   std::vector<std::uint8_t> bytes_;
   HostTime opened_{};
   HostTime last_hello_{};
@@ -131,7 +132,12 @@ std::string listed(const std::vector<const PortFinding*>& findings) {
 }  // namespace
 
 std::vector<PortFinding> identify_devices(const std::vector<io::PortInfo>& ports, double listen_s) {
-  io::Loop loop;
+  SystemPortLoop loop;
+  return identify_devices(ports, loop, listen_s);
+}
+
+std::vector<PortFinding> identify_devices(const std::vector<io::PortInfo>& ports, PortLoop& loop,
+                                          double listen_s) {
   std::vector<std::unique_ptr<Listener>> listeners;
   for (const io::PortInfo& port : ports)
     listeners.push_back(std::make_unique<Listener>(loop, port, listen_s));

@@ -8,7 +8,6 @@
 
 #include "port_search.h"
 #include "thermorig/io/last_words.h"
-#include "thermorig/io/port.h"
 #include "thermorig/wire/servo_messages.h"
 
 namespace thermorig::rig {
@@ -19,15 +18,15 @@ constexpr auto tick_period = std::chrono::milliseconds(10);
 constexpr auto last_words = std::chrono::milliseconds(50);  // for the stop byte to leave after a failure
 constexpr int tries_of_last_words = 1000;
 
-/// The recording with its three ports on one loop.
+/// The recording with its three ports on the loop.
 class PortSession {
  public:
-  explicit PortSession(const PortOptions& options);
+  PortSession(const PortOptions& options, PortLoop& loop);
   RecordingResult run();
 
  private:
-  io::Loop::PortId open(Device device);
-  io::Loop::PortId open(Device device, const PortProfile& link, io::Refusal refusal);
+  PortLoop::PortId open(Device device);
+  PortLoop::PortId open(Device device, const PortProfile& link, io::Refusal refusal);
   void open_ports();
   void look_for_ports(HostTime now);
   void reopen(Device device, const PortProfile& link, io::Refusal refusal);
@@ -41,22 +40,23 @@ class PortSession {
   RecordingResult leave_journal();
 
   const PortOptions& options_;
-  io::Loop loop_;
+  PortLoop& loop_;
   std::optional<Recording> recording_;
-  PerDevice<std::optional<io::Loop::PortId>> ports_;  // none: it is not there, and not needed
+  PerDevice<std::optional<PortLoop::PortId>> ports_;  // none: it is not there, and not needed
   std::vector<std::pair<Device, Error>> missing_;
   PortSearch search_;
   HostTime next_progress_{};
   int signals_ = 0;
 };
 
-PortSession::PortSession(const PortOptions& options) : options_(options) {
+PortSession::PortSession(const PortOptions& options, PortLoop& loop)
+    : options_(options), loop_(loop), search_(loop) {
   // Ports first: nothing is created on the disk for a rig that is not there.
   open_ports();
-  recording_.emplace(options.recording, io::now(), [this](std::span<const std::uint8_t> bytes) {
+  recording_.emplace(options.recording, loop_.now(), [this](std::span<const std::uint8_t> bytes) {
     loop_.write(*ports_[Device::servo], bytes);
   });
-  for (const auto& [device, error] : missing_) recording_->missing(device, error, io::now());
+  for (const auto& [device, error] : missing_) recording_->missing(device, error, loop_.now());
 }
 
 void PortSession::open_ports() {
@@ -78,20 +78,20 @@ void PortSession::open_ports() {
   }
 }
 
-io::Loop::PortId PortSession::open(Device device) {
+PortLoop::PortId PortSession::open(Device device) {
   const PortProfile& link = options_.recording.profile.link(device);
-  const io::Loop::PortId port = open(device, link, io::Refusal::names_holder);
+  const PortLoop::PortId port = open(device, link, io::Refusal::names_holder);
   search_.opened(device, link.port);
   return port;
 }
 
-io::Loop::PortId PortSession::open(Device device, const PortProfile& link, io::Refusal refusal) {
-  io::Loop::PortHandlers handlers;
+PortLoop::PortId PortSession::open(Device device, const PortProfile& link, io::Refusal refusal) {
+  PortLoop::PortHandlers handlers;
   handlers.received = [this, device](std::span<const std::uint8_t> bytes, HostTime arrived) {
     recording_->received(device, bytes, arrived);
   };
-  handlers.lost = [this, device](const std::string& why) { recording_->lost(device, why, io::now()); };
-  const io::Loop::PortId port = loop_.open(link, std::move(handlers), refusal);
+  handlers.lost = [this, device](const std::string& why) { recording_->lost(device, why, loop_.now()); };
+  const PortLoop::PortId port = loop_.open(link, std::move(handlers), refusal);
   if (device == Device::servo) loop_.keep_last_words(port, wire::stop_bytes());
   return port;
 }
@@ -113,7 +113,7 @@ void PortSession::look_for_ports(HostTime now) {
 void PortSession::reopen(Device device, const PortProfile& link, io::Refusal refusal) {
   ports_[device] = open(device, link, refusal);
   search_.reopened(device, link.port);
-  recording_->returned(device, io::now());
+  recording_->returned(device, loop_.now());
 }
 
 /// Once more, to say who holds it; that takes a while, so it is not asked at each try.
@@ -142,7 +142,7 @@ void PortSession::signalled() {
     notice(options_.recording.keep
                ? "stopping the servo, then closing the file (Ctrl-C again leaves it for `thermorig recover`)"
                : "stopping the servo");
-    recording_->request_stop(io::now());
+    recording_->request_stop(loop_.now());
   }
 }
 
@@ -171,7 +171,7 @@ void PortSession::run_loop() {
 
 RecordingResult PortSession::leave_journal() {
   RecordingResult result;
-  const HostTime now = io::now();
+  const HostTime now = loop_.now();
   result.duration_s = recording_->progress(now).elapsed_s;
   const SessionFile file = recording_->close(now);
   result.exit = ExitCode::interrupted;
@@ -187,19 +187,24 @@ RecordingResult PortSession::leave_journal() {
 
 RecordingResult PortSession::run() {
   run_loop();
-  if (options_.progress) options_.progress(recording_->progress(io::now()));
+  if (options_.progress) options_.progress(recording_->progress(loop_.now()));
   for (const Device device : all_devices)
     if (ports_[device]) loop_.close(*ports_[device]);
   if (signals_ > 1) return leave_journal();
   if (signals_ > 0)  // what was said of another Ctrl-C holds while the session is made, too
     for (const int signal : {SIGINT, SIGTERM, SIGHUP}) std::signal(signal, SIG_DFL);
-  return conclude(*recording_, io::now());
+  return conclude(*recording_, loop_.now());
 }
 
 }  // namespace
 
 RecordingResult record_ports(const PortOptions& options) {
-  return PortSession(options).run();
+  SystemPortLoop loop;
+  return record_ports(options, loop);
+}
+
+RecordingResult record_ports(const PortOptions& options, PortLoop& loop) {
+  return PortSession(options, loop).run();
 }
 
 }  // namespace thermorig::rig

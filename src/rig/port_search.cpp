@@ -11,7 +11,7 @@ constexpr auto longest_refusal = std::chrono::seconds(10);
 }  // namespace
 
 void PortSearch::opened(Device device, const std::string& name) {
-  sought_[device] = Sought{.port = io::know_port(name)};
+  sought_[device] = Sought{.port = loop_.know_port(name)};
   sought_[device].port->open_path = sought_[device].port->info.path;
 }
 
@@ -33,7 +33,7 @@ std::optional<std::string> PortSearch::look(Device device, HostTime now) {
   std::vector<io::KnownPort> others;
   for (const Device other : all_devices)
     if (other != device && sought_[other].port) others.push_back(*sought_[other].port);
-  auto found = io::find_again(*sought.port, others);
+  auto found = loop_.find_again(*sought.port, others);
   if (!found) forgive(sought);
   return found;
 }

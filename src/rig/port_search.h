@@ -7,13 +7,15 @@
 #include "thermorig/core/device.h"
 #include "thermorig/core/error.h"
 #include "thermorig/core/time.h"
-#include "thermorig/io/find_again.h"
+#include "thermorig/rig/port_loop.h"
 
 namespace thermorig::rig {
 
 /// Looks for the ports of devices that went, now and then.
 class PortSearch {
  public:
+  explicit PortSearch(const PortLoop& loop) : loop_(loop) {}
+
   static constexpr auto period = std::chrono::milliseconds(500);
   static constexpr auto long_period = std::chrono::seconds(10);  // once it was refused for good
 
@@ -42,6 +44,7 @@ class PortSearch {
   };
   static void forgive(Sought& sought);
 
+  const PortLoop& loop_;
   PerDevice<Sought> sought_;
 };
 

@@ -1,14 +1,11 @@
 // SPDX-License-Identifier: MIT
-// Ends that nobody chose: the program is killed, frozen, or loses its disk.
+// Ends that nobody chose: the program is killed, or loses its disk.
 #include <gmock/gmock.h>
 #include <sys/mount.h>
-#include <sys/resource.h>
 
 #include <csignal>
-#include <random>
-#include <thread>
 
-#include "growing_journal.h"
+#include "killed_recording.h"
 #include "recorder.h"
 #include "support/file_text.h"
 #include "support/other_program.h"
@@ -22,17 +19,15 @@ using ::testing::HasSubstr;
 
 constexpr int long_leg = 40;                     // frames: none of these tests reaches its end
 constexpr std::int64_t after_life_us = 500'000;  // of the servo without its program
-constexpr std::uint8_t raw_stop = 0x21;          // protocols/servo_link.md
 constexpr double moving_dps = 30.0;
 
-class Killed : public RecorderOnPorts, public testing::WithParamInterface<unsigned> {
+class Killed : public RecorderOnPorts {
  protected:
-  /// kill -9 at a seeded instant of the first leg; the servo then lives on for a while.
+  /// kill -9 in the first leg; the servo then lives on for a while.
   void kill_in_first_leg() {
     const pid_t process = start_recording(long_leg);
     wait_for_first_leg();
-    std::mt19937 random(GetParam());
-    rig_.let_pass(150'000 + static_cast<std::int64_t>(random() % 1'200'000));
+    rig_.let_pass(700'000);
     kill(process, SIGKILL);
     EXPECT_EQ(wait(process).code, 128 + SIGKILL);
     rig_.let_pass(after_life_us);
@@ -53,9 +48,7 @@ class Killed : public RecorderOnPorts, public testing::WithParamInterface<unsign
   }
 };
 
-INSTANTIATE_TEST_SUITE_P(Instants, Killed, testing::Values(1U, 2U, 3U));
-
-TEST_P(Killed, LosesNoChunkButPerhapsTheLastAndTheServoComesToRest) {
+TEST_F(Killed, LosesNoChunkButPerhapsTheLastAndTheServoComesToRest) {
   kill_in_first_leg();
   const Outcome outcome = run("recover recordings --json");
   ASSERT_THAT(outcome.code, AnyOf(0, 3)) << outcome.err;
@@ -71,13 +64,13 @@ TEST_P(Killed, LosesNoChunkButPerhapsTheLastAndTheServoComesToRest) {
   expect_rest_after_last_byte();
 }
 
-class KilledOnce : public RecorderOnPorts {
+class KilledOnce : public ProgramTest {
  protected:
-  void SetUp() override {
-    const pid_t process = start_recording(long_leg);
-    wait_for_first_leg();
-    kill(process, SIGKILL);
-    EXPECT_EQ(wait(process).code, 128 + SIGKILL);
+  void SetUp() override { record_and_be_killed(folder() / "recordings"); }
+  std::filesystem::path only_journal() const {
+    const auto journals = files(".journal");
+    EXPECT_EQ(journals.size(), 1U);
+    return journals[0];
   }
 };
 
@@ -105,60 +98,24 @@ TEST_F(KilledOnce, RecoversToAFileThatAStockReaderOpens) {
   EXPECT_EQ(printed.code, 0) << printed.text;
 }
 
-class Frozen : public RecorderOnPorts {};
-
-TEST_F(Frozen, StopsTheServoByItsWatchdogAndDrivesTheLegAgain) {
-  const pid_t process = start_recording(6);
-  wait_for_first_leg();
-  rig_.let_pass(200'000);
-  kill(process, SIGSTOP);
-  rig_.let_pass(1'000'000);
-  kill(process, SIGCONT);
-  const Outcome outcome = wait(process);
-  rig_.ports().stop();
-  EXPECT_THAT(outcome.code, AnyOf(0, 3)) << outcome.out << outcome.err;
-  const session::Session session = only_session();
-  EXPECT_EQ(session.state, session::State::complete);
-  EXPECT_THAT(messages_of(session.raw, EventKind::servo_fault), testing::Contains(HasSubstr("watchdog")));
-  EXPECT_FALSE(messages_of(session.raw, EventKind::leg_repeated).empty());
-  const auto& legs = session.raw.legs;
-  ASSERT_GE(legs.size(), 3U);
-  EXPECT_FALSE(legs[0].complete);
-  EXPECT_EQ(legs[0].step, 0);
-  EXPECT_TRUE(std::any_of(legs.begin(), legs.end(), [](const LegRecord& leg) {
-    return leg.step == 0 && leg.complete && leg.leg > 1 && leg.frames >= 6;
-  }));
-  // In the silence: moving before it, at rest 300 ms into it.
-  const auto& received = rig_.line().received;
-  const auto silence = std::adjacent_find(received.begin(), received.end(), [](const auto& a, const auto& b) {
-    return b.time_us - a.time_us > 700'000;
-  });
-  ASSERT_NE(silence, received.end());
-  EXPECT_GT(rig_.fastest_dps(silence->time_us - 100'000, silence->time_us), moving_dps);
-  EXPECT_LT(rig_.fastest_dps(silence->time_us + 301'000, (silence + 1)->time_us), 1.0);
-}
-
-class Disk : public RecorderOnPorts {};
+class Disk : public ProgramTest {};
 
 /// A limit on the size of files stands for a disk that takes no more: the next write fails.
-TEST_F(Disk, ThatTakesNoMoreStopsTheServoAndLeavesAJournalToRecover) {
-  const pid_t process = start_recording(long_leg);
-  wait_for_first_leg();
-  rig_.let_pass(300'000);
-  const std::uint64_t kept =
-      journal::read_journal(only_journal()).recording.received[Device::camera].bytes.size();
-  const rlimit limit{20'000, 20'000};  // less than the journal has, more than the program's output
-  ASSERT_EQ(prlimit(process, RLIMIT_FSIZE, &limit, nullptr), 0);
-  const Outcome outcome = wait(process);
-  rig_.let_pass(after_life_us);
-  rig_.ports().stop();
+TEST_F(Disk, ThatTakesNoMoreLeavesAJournalToRecover) {
+  const Outcome outcome = run_with_files_up_to(
+      300, "record --simulated=3 --fast --environment garden --plan quick --frames-per-leg 40");
   EXPECT_EQ(outcome.code, 7) << outcome.out << outcome.err;
   EXPECT_THAT(outcome.err, HasSubstr("try: "));
-  EXPECT_THAT(outcome.err, HasSubstr(only_journal().filename().string()));
-  EXPECT_EQ(rig_.line().received.back().value, raw_stop);
-  expect_rest_after_last_byte();
+  const auto journals = files(".journal");
+  ASSERT_EQ(journals.size(), 1U);
+  EXPECT_THAT(outcome.err, HasSubstr(journals[0].filename().string()));
+  EXPECT_GT(std::filesystem::file_size(journals[0]), 290U * 1024);
   EXPECT_THAT(run("recover recordings").code, AnyOf(0, 3));
-  EXPECT_GE(only_session().raw.received[Device::camera].bytes.size(), kept);
+  const auto sessions = files(".h5");
+  ASSERT_EQ(sessions.size(), 1U);
+  const session::Session session = session::read_session(sessions[0]);
+  EXPECT_EQ(session.state, session::State::recovered);
+  EXPECT_GT(session.frames.size(), 50U);
 }
 
 /// A small file system of its own, with as much room as is asked for.
@@ -192,15 +149,7 @@ TEST_F(SmallDisk, IsRefusedBeforeAnythingIsRecorded) {
 
 TEST_F(SmallDisk, KeepsTheJournalUntilThereIsRoomForTheSession) {
   if (!mount_small("8m")) GTEST_SKIP() << "needs the right to mount a file system";
-  const pid_t process = start({"record", "--simulated=3", "--fast", "--environment", "garden"});
-  const auto written = [this]() -> std::uint64_t {
-    const auto journals = files(".journal");
-    const auto contents = journals.empty() ? std::nullopt : growing_journal(journals[0]);
-    return contents ? contents->bytes_read : 0;
-  };
-  while (written() < 400'000) std::this_thread::sleep_for(std::chrono::milliseconds(1));
-  kill(process, SIGKILL);
-  EXPECT_EQ(wait(process).code, 128 + SIGKILL);
+  record_and_be_killed(folder() / "recordings");
   const auto journal = files(".journal").at(0);
   const auto on_disk = disk() / journal.filename();
   std::filesystem::copy_file(journal, on_disk);

@@ -5,7 +5,6 @@
 #include <chrono>
 #include <cmath>
 #include <iostream>
-#include <random>
 #include <thread>
 
 #include "thermorig/rig/profile_file.h"
@@ -20,9 +19,8 @@ class WatchedFirmware : public simulation::Firmware {
       : firmware_(std::move(firmware)), line_(std::move(line)) {}
 
   void receive(std::uint8_t byte, std::int64_t time_us) override {
-    const std::uint8_t arrived = damaged(byte);
-    line_->received.push_back({time_us, arrived});
-    firmware_->receive(arrived, time_us);
+    line_->received.push_back({time_us, byte});
+    firmware_->receive(byte, time_us);
   }
   simulation::FirmwareOutput run_until(std::int64_t time_us) override {
     line_->now_us = time_us;
@@ -32,21 +30,13 @@ class WatchedFirmware : public simulation::Firmware {
         line_->turned_us = pulse.rise_us;
       line_->pulses.push_back(pulse);
     }
-    for (simulation::UartByte& byte : output.bytes) byte.value = damaged(byte.value);
     return output;
   }
   std::string description() const override { return firmware_->description(); }
 
  private:
-  std::uint8_t damaged(std::uint8_t byte) {
-    const double share = line_->flips;
-    if (share == 0.0 || std::uniform_real_distribution<>()(random_) >= share) return byte;
-    return static_cast<std::uint8_t>(byte ^ (1U << (random_() % 8U)));
-  }
-
   std::unique_ptr<simulation::Firmware> firmware_;
   std::shared_ptr<ServoLine> line_;
-  std::mt19937 random_{7};
 };
 
 }  // namespace

@@ -24,7 +24,6 @@ struct ReceivedByte {
 struct ServoLine {
   std::atomic<std::int64_t> now_us = 0;
   std::atomic<std::int64_t> turned_us = 0;  // when a pulse last differed from the one before it
-  std::atomic<double> flips = 0.0;  // share of the bytes, in both directions, of which a bit is turned
   std::vector<ReceivedByte> received;
   std::vector<simulation::PulseEdge> pulses;  // on the servo pin
 };
@@ -40,9 +39,6 @@ class ServedRig {
 
   /// Lets the micro-controller live for so long.
   void let_pass(std::int64_t mcu_us) const;
-
-  /// From here on a bit is turned in such a share of the bytes between host and micro-controller.
-  void flip_bits(double share) { line_->flips = share; }
 
   const RigProfile& profile() const { return config_.profile; }
 

@@ -44,14 +44,9 @@ class Signal : public RecorderOnPorts {
   }
 };
 
-class EndingSignal : public Signal, public testing::WithParamInterface<int> {};
-
-INSTANTIATE_TEST_SUITE_P(Signals, EndingSignal, testing::Values(SIGINT, SIGTERM, SIGHUP),
-                         [](const auto& signal) { return std::string("SIG") + sigabbrev_np(signal.param); });
-
-TEST_P(EndingSignal, StopsTheServoAndClosesTheSession) {
+TEST_F(Signal, ToTerminateStopsTheServoAndClosesTheSession) {
   const pid_t process = recording_in_first_leg();
-  kill(process, GetParam());
+  kill(process, SIGTERM);
   const Outcome outcome = wait(process);
   rig_.ports().stop();
   EXPECT_EQ(outcome.code, 130) << outcome.out << outcome.err;

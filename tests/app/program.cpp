@@ -54,6 +54,13 @@ Outcome ProgramTest::run(const std::string& arguments) const {
   return {code_of(status), file_text(folder_ / "out.txt"), file_text(folder_ / "err.txt")};
 }
 
+Outcome ProgramTest::run_with_files_up_to(int kib, const std::string& arguments) const {
+  const std::string command = "cd " + folder_.string() + " && ulimit -f " + std::to_string(2 * kib) + " && " +
+                              THERMORIG_PROGRAM + " " + arguments + " >out.txt 2>err.txt";
+  const int status = std::system(command.c_str());
+  return {code_of(status), file_text(folder_ / "out.txt"), file_text(folder_ / "err.txt")};
+}
+
 Outcome ProgramTest::run_on_terminal(const std::string& settings, const std::string& arguments) const {
   const std::string command = "cd " + folder_.string() + " && " + settings + " script -qec '" +
                               THERMORIG_PROGRAM + " " + arguments + "' /dev/null >out.txt 2>err.txt";

@@ -34,6 +34,9 @@ class ProgramTest : public ::testing::Test {
   /// Runs `thermorig ARGUMENTS`; the arguments are words of a shell.
   Outcome run(const std::string& arguments) const;
 
+  /// The same, which may write no file beyond so many KiB.
+  Outcome run_with_files_up_to(int kib, const std::string& arguments) const;
+
   /// The same on a terminal, with NAME=VALUE words before it; what the terminal got is in `out`.
   Outcome run_on_terminal(const std::string& settings, const std::string& arguments) const;
 

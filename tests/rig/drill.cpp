@@ -8,13 +8,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
 #include <fstream>
 #include <iostream>
 #include <thread>
 #include <utility>
 
 #include "acceptance/growing_journal.h"
+#include "servo_limits.h"
 #include "support/stall_probe.h"
 #include "support/void_runs.h"
 
@@ -39,16 +39,10 @@ bool has_ended(pid_t process) {
 }  // namespace
 
 std::string name_of(Mishap mishap) {
-  constexpr const char* names[] = {
-      "CameraUnplugged", "GyroUnplugged",   "ServoUnplugged",   "HostFrozen",     "ProgramKilled",
-      "Interrupted",     "Terminated",      "HungUp",           "Quit",           "Aborted",
-      "ExceptionThrown", "TerminateCalled", "NullDereferenced", "StackOverflown", "MemoryGone",
-      "DiskFull",        "LineNoisy"};
+  constexpr const char* names[] = {"CameraUnplugged", "GyroUnplugged", "ServoUnplugged",
+                                   "HostFrozen",      "ProgramKilled", "Interrupted",
+                                   "HungUp",          "Quit",          "DiskFull"};
   return names[static_cast<std::size_t>(mishap)];
-}
-
-bool is_inside(Mishap mishap) {
-  return mishap >= Mishap::exception_thrown && mishap <= Mishap::memory_gone;
 }
 
 Drill::Drill() {
@@ -86,23 +80,14 @@ void Drill::strike(Mishap mishap, pid_t process) {
       return void(kill(process, SIGKILL));
     case Mishap::interrupted:
       return void(kill(process, SIGINT));
-    case Mishap::terminated:
-      return void(kill(process, SIGTERM));
     case Mishap::hung_up:
       return void(kill(process, SIGHUP));
     case Mishap::quit:
       return void(kill(process, SIGQUIT));
-    case Mishap::aborted:
-      return void(kill(process, SIGABRT));
     case Mishap::disk_full: {
       const rlimit nothing{0, RLIM_INFINITY};
       return void(prlimit(process, RLIMIT_FSIZE, &nothing, nullptr));
     }
-    case Mishap::line_noisy:
-      rig_->flip_bits(0.01);
-      return rig_->let_pass(1'500'000);
-    default:
-      kill(process, SIGUSR1);
   }
 }
 
@@ -142,12 +127,7 @@ Outcome Drill::suffer_once(const std::vector<std::string>& command, Mishap misha
   std::vector<std::string> words = command;
   for (const char* word : {"--environment", "garden", "--rig", "./rig.toml", "--plan", "plan.toml"})
     words.emplace_back(word);
-  if (is_inside(mishap)) {
-    setenv("LD_PRELOAD", THERMORIG_MISHAP_LIBRARY, 1);
-    setenv("THERMORIG_MISHAP", name_of(mishap).c_str(), 1);
-  }
   const pid_t process = start(words);
-  unsetenv("LD_PRELOAD");
   wait_until([this, process] {
     const auto journals = files(".journal");
     return has_ended(process) || (!journals.empty() && has_first_leg(journals.front()));
@@ -217,25 +197,7 @@ void Drill::expect_rest_after_the_end() {
 }
 
 void Drill::expect_within_limits() {
-  constexpr double slack = 1.001;
-  constexpr double step_us = 1.0 / 16.0;  // of a pulse
-  const ServoProfile& servo = rig_->profile().servo;
-  const double deg_per_us = servo.travel_deg / (servo.pulse_max_us - servo.pulse_min_us);
-  const double middle_us = (servo.pulse_min_us + servo.pulse_max_us) / 2.0;
-  const double most_deg = servo.travel_deg / 2.0 - servo.stop_margin_deg + step_us * deg_per_us;
-  const simulation::PulseEdge* before = nullptr;
-  for (const simulation::PulseEdge& pulse : rig_->line().pulses) {
-    ASSERT_LE(std::abs(pulse.width_us - middle_us) * deg_per_us, most_deg) << "at " << pulse.rise_us << " us";
-    const double passed_s =
-        before == nullptr ? 0.0 : 1e-6 * static_cast<double>(pulse.rise_us - before->rise_us);
-    if (passed_s > 0.0 && passed_s < 0.03) {
-      const double turned_deg = std::abs(pulse.width_us - before->width_us) * deg_per_us;
-      ASSERT_LE(turned_deg, slack * servo.max_rate_dps * passed_s + 2.0 * step_us * deg_per_us)
-          << "at " << pulse.rise_us << " us";
-    }
-    before = &pulse;
-  }
-  EXPECT_NE(before, nullptr);
+  rig::test::expect_within_limits(rig_->line().pulses, rig_->profile().servo);
 }
 
 void Drill::expect_complete(const session::Session& session) const {

@@ -19,21 +19,10 @@ enum class Mishap : std::uint8_t {
   servo_unplugged,
   host_frozen,
   program_killed,
-  // Signals from outside.
   interrupted,
-  terminated,
   hung_up,
   quit,
-  aborted,
-  // What goes wrong inside: mishap.cpp, preloaded.
-  exception_thrown,
-  terminate_called,
-  null_dereferenced,
-  stack_overflown,
-  memory_gone,
-  // Of the world around.
-  disk_full,
-  line_noisy
+  disk_full
 };
 std::string name_of(Mishap mishap);
 

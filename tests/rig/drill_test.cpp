@@ -21,17 +21,13 @@ bool has_event(const session::Session& session, EventKind kind) {
                      [&](const RecordingEvent& event) { return event.kind == kind; });
 }
 
-class RecordDrill : public Drill, public testing::WithParamInterface<Mishap> {};
-INSTANTIATE_TEST_SUITE_P(Mishaps, RecordDrill,
-                         testing::Values(Mishap::camera_unplugged, Mishap::gyro_unplugged,
-                                         Mishap::servo_unplugged),
-                         [](const auto& mishap) { return name_of(mishap.param); });
+class RecordDrill : public Drill {};
 
-TEST_P(RecordDrill, EndsAtRestWithAllThatWasRead) {
-  const Outcome outcome = suffer(record, GetParam(), long_leg);
+TEST_F(RecordDrill, OfAServoThatIsUnpluggedEndsAtRestWithAllThatWasRead) {
+  const Outcome outcome = suffer(record, Mishap::servo_unplugged, long_leg);
   EXPECT_EQ(outcome.code, 5) << outcome.out << outcome.err;
   EXPECT_THAT(outcome.out + outcome.err, HasSubstr("check cable and power"));
-  expect_rest(GetParam());
+  expect_rest(Mishap::servo_unplugged);
   expect_rest_at_once();
   expect_complete(only_session());
 }
@@ -60,14 +56,6 @@ TEST_F(LiveDrill, GoesOnWithoutTheGyro) {
   const session::Session session = only_session();
   expect_complete(session);
   EXPECT_EQ(session.raw.estimates.size(), session.frames.size());
-}
-
-TEST_F(LiveDrill, EndsWithoutTheServo) {
-  const Outcome outcome = suffer(live, Mishap::servo_unplugged, long_leg);
-  EXPECT_EQ(outcome.code, 5) << outcome.out << outcome.err;
-  EXPECT_THAT(outcome.out + outcome.err, HasSubstr("check cable and power"));
-  expect_rest(Mishap::servo_unplugged);
-  expect_complete(only_session());
 }
 
 TEST_F(LiveDrill, OfAFrozenHostStopsTheServoByItsWatchdogAndGoesOn) {

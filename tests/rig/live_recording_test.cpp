@@ -180,6 +180,8 @@ TEST(LiveRecording, GoesOnWithoutAGyroThatIsNotNeeded) {
   EXPECT_EQ(run.count(EventKind::finished), 1);
   ASSERT_GT(run.rows.size(), 50U);
   for (const Told& row : run.rows) EXPECT_TRUE(std::isnan(std::bit_cast<float>(row.gyro_bits)));
+  const session::Session session = session::read_session(result.session);
+  EXPECT_EQ(session.raw.estimates.size(), session.frames.size());
 }
 
 TEST(LiveRecording, GoesOnByTimeWithoutACameraAndTellsTheGyroAgainstTheServo) {

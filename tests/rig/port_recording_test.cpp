@@ -9,22 +9,19 @@
 #include <memory>
 
 #include "simulated_bus.h"
-#include "thermorig/rig/detect.h"
-#include "thermorig/simulated_ports/simulated_ports.h"
+#include "thermorig/rig/finalise.h"
+#include "virtual_ports.h"
 
 namespace thermorig::rig::test {
 namespace {
 
 using ::testing::HasSubstr;
 
-/// A simulated rig on three pseudo terminals, and a plan of five seconds.
+/// A simulated rig on three ports, and a plan of five seconds.
 class Ports : public ::testing::Test {
  protected:
   Ports() {
-    ports_.start();
     options_.recording = recording_options(folder_, simulation::default_profile(), plan());
-    options_.recording.virtual_time = false;
-    options_.recording.sync.when = SyncWhen::period;
     for (const Device device : all_devices)
       options_.recording.profile.link(device).port = ports_.paths()[device];
     options_.progress_period = std::chrono::milliseconds(50);
@@ -38,9 +35,11 @@ class Ports : public ::testing::Test {
     return load_plan("quick", "kitchen", 1, overrides);
   }
 
+  RecordingResult record() { return record_ports(options_, ports_); }
+
   std::optional<Error> error() {
     try {
-      record_ports(options_);
+      record();
     } catch (const Error& error) {
       return error;
     }
@@ -57,32 +56,60 @@ class Ports : public ::testing::Test {
   }
 
   TemporaryFolder folder_;
-  SimulatedPorts ports_{simulation::default_rig(1, "kitchen"), FirmwareChoice::host_build};
+  VirtualPorts ports_{simulation::default_rig(1, "kitchen")};
   PortOptions options_;
 };
 
 TEST_F(Ports, RecordAWholePlan) {
-  const RecordingResult result = record_ports(options_);
-  EXPECT_TRUE(result.exit == ExitCode::ok || result.exit == ExitCode::finished_lossy) << result.message;
+  const RecordingResult result = record();
+  EXPECT_EQ(result.exit, ExitCode::ok) << result.message;
   EXPECT_EQ(result.state, session::State::complete);
   const session::Session session = session::read_session(result.session);
   ASSERT_EQ(session.raw.legs.size(), 2U);
   for (const LegRecord& leg : session.raw.legs) EXPECT_EQ(leg.frames, 8);
-  EXPECT_FALSE(std::filesystem::exists(session.raw.header.environment + ".journal"));
+  const auto folder = std::filesystem::recursive_directory_iterator(folder_.path());
+  EXPECT_TRUE(std::none_of(begin(folder), end(folder),
+                           [](const auto& entry) { return entry.path().extension() == ".journal"; }));
 }
 
-TEST_F(Ports, CtrlCStopsTheServoAndClosesTheFile) {
-  in_first_leg([] { std::raise(SIGINT); });
-  const RecordingResult result = record_ports(options_);
+class EachSignal : public Ports, public ::testing::WithParamInterface<int> {};
+INSTANTIATE_TEST_SUITE_P(Signals, EachSignal, ::testing::Values(SIGINT, SIGTERM, SIGHUP),
+                         [](const auto& signal) { return std::string("SIG") + sigabbrev_np(signal.param); });
+
+TEST_P(EachSignal, StopsTheServoAndClosesTheFile) {
+  in_first_leg([] { std::raise(GetParam()); });
+  const RecordingResult result = record();
   EXPECT_EQ(result.exit, ExitCode::interrupted);
   EXPECT_EQ(result.state, session::State::partial);
   const session::Session session = session::read_session(result.session);
   EXPECT_EQ(session.servo.back().state.motion, ServoMotion::disarmed);
 }
 
+TEST_F(Ports, CtrlCTwiceStopsTheServoAndLeavesAJournalThatBecomesASession) {
+  in_first_leg([] { std::raise(SIGINT); });
+  std::string noticed;
+  options_.notice = [&](const std::string& sentence) {
+    noticed += sentence;
+    std::raise(SIGINT);
+  };
+  const RecordingResult left = record();
+  EXPECT_EQ(left.exit, ExitCode::interrupted);
+  EXPECT_THAT(noticed, HasSubstr("stopping the servo"));
+  EXPECT_TRUE(left.session.empty());
+  EXPECT_EQ(left.advice, "thermorig recover " + left.journal.string());
+  const auto recovered = recover(left.journal);
+  ASSERT_EQ(recovered.size(), 1U);
+  const session::Session session = session::read_session(recovered[0].session);
+  EXPECT_EQ(session.state, session::State::partial);
+  EXPECT_TRUE(session.raw.complete);  // closed by the recorder
+  EXPECT_EQ(session.servo.back().state.motion, ServoMotion::disarmed);
+  for (const Device device : all_devices)
+    EXPECT_TRUE(session.raw.received[device].bytes == ports_.delivered(device)) << name_of(device);
+}
+
 TEST_F(Ports, AnUnpluggedCameraEndsTheRecordingProperly) {
   in_first_leg([this] { ports_.unplug(Device::camera); });
-  const RecordingResult result = record_ports(options_);
+  const RecordingResult result = record();
   EXPECT_EQ(result.exit, ExitCode::device_lost);
   EXPECT_THAT(result.message, HasSubstr("camera"));
   EXPECT_EQ(session::read_session(result.session).servo.back().state.motion, ServoMotion::disarmed);
@@ -90,7 +117,7 @@ TEST_F(Ports, AnUnpluggedCameraEndsTheRecordingProperly) {
 
 TEST_F(Ports, AnUnpluggedServoEndsTheRecordingProperly) {
   in_first_leg([this] { ports_.unplug(Device::servo); });
-  const RecordingResult result = record_ports(options_);
+  const RecordingResult result = record();
   EXPECT_EQ(result.exit, ExitCode::device_lost);
   EXPECT_THAT(result.message, HasSubstr("servo"));
   EXPECT_TRUE(std::filesystem::exists(result.session));
@@ -107,7 +134,7 @@ TEST_F(Ports, AMissingPortLeavesNothingBehind) {
 TEST_F(Ports, AMissingPortThatIsNotNeededKeepsItsOwnAdvice) {
   options_.recording.profile.gyro.link.port.clear();
   options_.recording.needed[Device::gyro] = false;
-  const RecordingResult result = record_ports(options_);
+  const RecordingResult result = record();
   EXPECT_EQ(result.exit, ExitCode::finished_lossy);
   EXPECT_THAT(result.advice, HasSubstr("--gyro PORT"));
 }
@@ -131,24 +158,21 @@ TEST_F(Ports, SwappedPortsAreExplained) {
   EXPECT_THAT(refused->what(), HasSubstr("that is the gyro, not the camera"));
 }
 
-TEST_F(Ports, AreIdentifiedByListening) {
-  std::vector<io::PortInfo> infos;
-  for (const Device device : {Device::servo, Device::camera, Device::gyro})
-    infos.push_back({.path = ports_.paths()[device]});
-  infos.push_back({.path = "/dev/pts/987654"});
-  const auto findings = identify_devices(infos);
-  ASSERT_EQ(findings.size(), 4U);
-  EXPECT_EQ(findings[0].role, Device::servo);
-  EXPECT_EQ(findings[1].role, Device::camera);
-  EXPECT_EQ(findings[2].role, Device::gyro);
-  EXPECT_FALSE(findings[3].role);
-  EXPECT_FALSE(findings[3].problem.empty());
+TEST_F(Ports, TheOneThatSendsNothingIsNamed) {
+  const std::string silent = ports_.add([] { return std::vector<std::uint8_t>(); });
+  options_.recording.profile.camera.link.port = silent;
+  const auto refused = error();
+  ASSERT_TRUE(refused);
+  EXPECT_EQ(refused->code(), ExitCode::device_missing);
+  EXPECT_THAT(refused->what(), HasSubstr("camera (" + silent + ")"));
+  EXPECT_THAT(refused->advice(), HasSubstr("thermorig ports"));
+  EXPECT_TRUE(std::filesystem::is_empty(folder_.path()));
 }
 
 TEST_F(Ports, TwoRecordersDoNotShareAPort) {
   std::optional<Error> second;
   in_first_leg([&] { second = error(); });
-  const RecordingResult result = record_ports(options_);
+  const RecordingResult result = record();
   ASSERT_TRUE(second);
   EXPECT_EQ(second->code(), ExitCode::no_permission);
   EXPECT_EQ(result.state, session::State::complete);

@@ -51,7 +51,7 @@ RigProfile unusual_profile() {
   return profile;
 }
 
-std::string refusal(const std::string& text) {
+std::string refusal_of_profile(const std::string& text) {
   try {
     parse_profile(text, "bench.toml");
   } catch (const Error& error) {
@@ -95,17 +95,19 @@ TEST(ProfileFile, GivesCalibrationsBack) {
 }
 
 TEST(ProfileFile, RefusesCalibrationsThatMeanNothing) {
-  EXPECT_THAT(refusal("[gyro]\nscale = 0.1\n"), HasSubstr("from 0.5 to 2"));
-  EXPECT_THAT(refusal("[gyro]\nscale_uncertainty = -0.1\n"), HasSubstr("out of range"));
-  EXPECT_THAT(refusal("[gyro]\nbias_dps = nan\n"), HasSubstr("out of range"));
-  EXPECT_THAT(refusal("[gyro]\nbias_measured_utc = \"yesterday\"\n"), HasSubstr("bench.toml:2"));
-  EXPECT_THAT(refusal("[camera]\nlatency_measured_utc = \"2026-07-25 at noon\"\n"), HasSubstr("not a date"));
-  EXPECT_THAT(refusal("[servo]\nloop_hz = 0\n"), HasSubstr("from 0.5 to 100"));
-  EXPECT_THAT(refusal("[camera]\nwander_ppm = 0\n"), HasSubstr("out of range"));
+  EXPECT_THAT(refusal_of_profile("[gyro]\nscale = 0.1\n"), HasSubstr("from 0.5 to 2"));
+  EXPECT_THAT(refusal_of_profile("[gyro]\nscale_uncertainty = -0.1\n"), HasSubstr("out of range"));
+  EXPECT_THAT(refusal_of_profile("[gyro]\nbias_dps = nan\n"), HasSubstr("out of range"));
+  EXPECT_THAT(refusal_of_profile("[gyro]\nbias_measured_utc = \"yesterday\"\n"), HasSubstr("bench.toml:2"));
+  EXPECT_THAT(refusal_of_profile("[camera]\nlatency_measured_utc = \"2026-07-25 at noon\"\n"),
+              HasSubstr("not a date"));
+  EXPECT_THAT(refusal_of_profile("[servo]\nloop_hz = 0\n"), HasSubstr("from 0.5 to 100"));
+  EXPECT_THAT(refusal_of_profile("[camera]\nwander_ppm = 0\n"), HasSubstr("out of range"));
 }
 
 TEST(ProfileFile, IsNeitherDeepNorAPipeNorADevice) {
-  EXPECT_THAT(refusal("a = " + std::string(10'000, '[')), HasSubstr("nested more than 32 levels deep"));
+  EXPECT_THAT(refusal_of_profile("a = " + std::string(10'000, '[')),
+              HasSubstr("nested more than 32 levels deep"));
   for (const char* device : {"/dev/zero", "/dev"}) {
     try {
       read_profile(device);
@@ -130,19 +132,21 @@ TEST(ProfileFile, WritesACommentForPeople) {
 }
 
 TEST(ProfileFile, NamesLineAndWhatIsAllowed) {
-  EXPECT_THAT(refusal("[camera]\n\nbauds = 9600\n"), HasSubstr("bench.toml:3: unknown key \"bauds\""));
-  EXPECT_THAT(refusal("[camera]\n\nbauds = 9600\n"), HasSubstr("output_rate_hz"));
-  EXPECT_THAT(refusal("[kamera]\nbaud = 9600\n"), HasSubstr("unknown key \"kamera\""));
-  EXPECT_THAT(refusal("[gyro]\naxis = \"w\"\n"), HasSubstr("one of: x, y, z"));
-  EXPECT_THAT(refusal("[gyro]\nsign = 0\n"), HasSubstr("1 or -1"));
-  EXPECT_THAT(refusal("[servo]\nmax_rate_dps = 900\n"), HasSubstr("from 0.1 to 300"));
-  EXPECT_THAT(refusal("[servo]\nmax_rate_dps = \"fast\"\n"), HasSubstr("not a number"));
-  EXPECT_THAT(refusal("[servo]\nacceleration_dps2 = inf\n"), HasSubstr("out of range"));
-  EXPECT_THAT(refusal("[servo]\npulse_min_us = 2000\npulse_max_us = 1000\n"), HasSubstr("bench.toml:2"));
-  EXPECT_THAT(refusal("[servo]\nkind = \"continuous\"\n"), HasSubstr("full_rate_dps"));
-  EXPECT_THAT(refusal("[servo]\ntravel_deg = 10\nstop_margin_deg = 5\n"), HasSubstr("no travel"));
-  EXPECT_THAT(refusal("camera = 3\n"), HasSubstr("not a table"));
-  EXPECT_THAT(refusal("[camera]\nport = \n"), HasSubstr("bench.toml:2: not valid TOML"));
+  EXPECT_THAT(refusal_of_profile("[camera]\n\nbauds = 9600\n"),
+              HasSubstr("bench.toml:3: unknown key \"bauds\""));
+  EXPECT_THAT(refusal_of_profile("[camera]\n\nbauds = 9600\n"), HasSubstr("output_rate_hz"));
+  EXPECT_THAT(refusal_of_profile("[kamera]\nbaud = 9600\n"), HasSubstr("unknown key \"kamera\""));
+  EXPECT_THAT(refusal_of_profile("[gyro]\naxis = \"w\"\n"), HasSubstr("one of: x, y, z"));
+  EXPECT_THAT(refusal_of_profile("[gyro]\nsign = 0\n"), HasSubstr("1 or -1"));
+  EXPECT_THAT(refusal_of_profile("[servo]\nmax_rate_dps = 900\n"), HasSubstr("from 0.1 to 300"));
+  EXPECT_THAT(refusal_of_profile("[servo]\nmax_rate_dps = \"fast\"\n"), HasSubstr("not a number"));
+  EXPECT_THAT(refusal_of_profile("[servo]\nacceleration_dps2 = inf\n"), HasSubstr("out of range"));
+  EXPECT_THAT(refusal_of_profile("[servo]\npulse_min_us = 2000\npulse_max_us = 1000\n"),
+              HasSubstr("bench.toml:2"));
+  EXPECT_THAT(refusal_of_profile("[servo]\nkind = \"continuous\"\n"), HasSubstr("full_rate_dps"));
+  EXPECT_THAT(refusal_of_profile("[servo]\ntravel_deg = 10\nstop_margin_deg = 5\n"), HasSubstr("no travel"));
+  EXPECT_THAT(refusal_of_profile("camera = 3\n"), HasSubstr("not a table"));
+  EXPECT_THAT(refusal_of_profile("[camera]\nport = \n"), HasSubstr("bench.toml:2: not valid TOML"));
 }
 
 TEST(ProfileFile, IsWrittenAndReadAgain) {

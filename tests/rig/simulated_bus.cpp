@@ -4,14 +4,16 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <utility>
 
 #include "thermorig/journal/journal.h"
 #include "thermorig/rig/finalise.h"
 
 namespace thermorig::rig::test {
 
-SimulatedBus::SimulatedBus(const simulation::VirtualRigConfig& config)
-    : rig(config, simulation::make_host_firmware()) {}
+SimulatedBus::SimulatedBus(const simulation::VirtualRigConfig& config,
+                           std::unique_ptr<simulation::Firmware> firmware)
+    : rig(config, std::move(firmware)) {}
 
 void SimulatedBus::send(Device to, std::span<const std::uint8_t> bytes, HostTime now) {
   std::vector<std::uint8_t> sent(bytes.begin(), bytes.end());
@@ -69,9 +71,14 @@ SweepPlan short_plan() {
 
 RecordingOptions recording_options(const TemporaryFolder& folder, const RigProfile& profile,
                                    const SweepPlan& plan) {
+  return recording_options(folder.path(), profile, plan);
+}
+
+RecordingOptions recording_options(const std::filesystem::path& folder, const RigProfile& profile,
+                                   const SweepPlan& plan) {
   RecordingOptions options;
   options.environment = "kitchen";
-  options.output = folder.path();
+  options.output = folder;
   options.profile = profile;
   options.plan = plan;
   options.simulated = true;

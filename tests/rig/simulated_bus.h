@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <functional>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -17,7 +18,8 @@ class SimulatedBus : public DeviceBus {
  public:
   using Damage = std::function<std::vector<std::uint8_t>(std::vector<std::uint8_t> bytes, HostTime now)>;
 
-  explicit SimulatedBus(const simulation::VirtualRigConfig& config);
+  explicit SimulatedBus(const simulation::VirtualRigConfig& config,
+                        std::unique_ptr<simulation::Firmware> firmware = simulation::make_host_firmware());
   void send(Device to, std::span<const std::uint8_t> bytes, HostTime now) override;
   std::vector<Chunk> advance(HostTime until) override;
   std::vector<PortChange> take_changes() override;
@@ -48,6 +50,8 @@ class TemporaryFolder {
 /// Two short pairs of legs on the default rig, without a quota.
 SweepPlan short_plan();
 
+RecordingOptions recording_options(const std::filesystem::path& folder, const RigProfile& profile,
+                                   const SweepPlan& plan);
 RecordingOptions recording_options(const TemporaryFolder& folder, const RigProfile& profile,
                                    const SweepPlan& plan);
 

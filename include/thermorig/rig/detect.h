@@ -9,7 +9,7 @@
 
 #include "thermorig/core/device.h"
 #include "thermorig/core/profile.h"
-#include "thermorig/io/port.h"
+#include "thermorig/rig/port_loop.h"
 #include "thermorig/wire/text_format.h"
 
 namespace thermorig::rig {
@@ -43,6 +43,10 @@ struct PortFinding {
 /// Listens on all ports at once, at the usual bauds one after another; what is still unknown then is greeted
 /// as a servo. Within `listen_s` seconds. A pty has no baud: it is listened to once.
 std::vector<PortFinding> identify_devices(const std::vector<io::PortInfo>& ports, double listen_s = 6.0);
+
+/// The same on the ports and the clock of `loop`, which serves nothing else.
+std::vector<PortFinding> identify_devices(const std::vector<io::PortInfo>& ports, PortLoop& loop,
+                                          double listen_s = 6.0);
 
 /// The profile with the ports, bauds and gyro protocol that were found. The guessed columns of a text gyro
 /// are taken where the profile had no text gyro before; columns that a person has set stay. Roles found twice

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "thermorig/core/time.h"
+#include "thermorig/rig/port_loop.h"
 #include "thermorig/rig/recording.h"
 
 namespace thermorig::rig {
@@ -15,9 +16,13 @@ struct PortOptions {
       notice;  // one-line remarks ("stopping the servo ..."); may be empty
 };
 
-/// Opens the three ports, records the plan on the wall clock, finalises. SIGINT, SIGTERM and SIGHUP stop the
-/// servo and close the file; a second one leaves the journal for `recover`. Throws Error: device_missing (a
-/// port is missing, silent, or carries another device's bytes), no_permission, storage, bad_usage.
+/// Opens the three ports of this computer, records the plan on the wall clock, finalises. SIGINT, SIGTERM and
+/// SIGHUP stop the servo and close the file; a second one leaves the journal for `recover`. Throws Error:
+/// device_missing (a port is missing, silent, or carries another device's bytes), no_permission, storage,
+/// bad_usage.
 RecordingResult record_ports(const PortOptions& options);
+
+/// The same on the ports and the clock of `loop`, which serves nothing else.
+RecordingResult record_ports(const PortOptions& options, PortLoop& loop);
 
 }  // namespace thermorig::rig
