@@ -317,15 +317,16 @@ TEST_F(PageServer, PublishingIsBoundedWhileTheServersThreadIsBusy) {
 
 TEST_F(PageServer, SaysGoodbyeWithItsLastWords) {
   auto last = std::make_unique<Server>(options_, nullptr);
+  std::future<void> end;  // goes after the clients, whose going would end it
   std::optional<PageClient> client = open_stream(last->port(), token_of(last->url()));
   PageClient idle(last->port());
   ASSERT_TRUE(comes_true([&] { return last->clients() == 1; }));
   last->publish(Topic::ended, "ended");
-  auto end = std::async(std::launch::async, [&] { last.reset(); });
+  end = std::async(std::launch::async, [&] { last.reset(); });
   EXPECT_THAT(take(*client, 1), ElementsAre("ended"));
   EXPECT_EQ(client->receive().close_code, 1001);
   client.reset();
-  end.get();  // without a tick of the clock
+  EXPECT_EQ(end.wait_for(10s), std::future_status::ready) << "nobody is waited for who is done";
   EXPECT_TRUE(idle.is_closed());
 }
 
