@@ -14,11 +14,13 @@
 namespace thermorig::app {
 
 bool escapes_allowed(std::FILE* stream) {
-  const char* no_color = std::getenv("NO_COLOR");
-  const char* terminal = std::getenv("TERM");
+  return escapes_allowed(io::is_terminal(fileno(stream)), std::getenv("NO_COLOR"), std::getenv("TERM"));
+}
+
+bool escapes_allowed(bool is_terminal, const char* no_color, const char* term) {
   if (no_color != nullptr && *no_color != '\0') return false;
-  if (terminal != nullptr && std::string_view(terminal) == "dumb") return false;
-  return io::is_terminal(fileno(stream));
+  if (term != nullptr && std::string_view(term) == "dumb") return false;
+  return is_terminal;
 }
 
 namespace {

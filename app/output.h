@@ -16,9 +16,13 @@
 
 namespace thermorig::app {
 
-/// May colours and cursor movements be written to `stream`? Only to a terminal, and not if NO_COLOR is set
-/// (https://no-color.org).
+/// May colours and cursor movements be written to `stream`? Only to a terminal that is not "dumb", and not if
+/// NO_COLOR is set (https://no-color.org).
 bool escapes_allowed(std::FILE* stream);
+
+/// The same of a stream that is a terminal or is none, where NO_COLOR and TERM have these values; null: not
+/// set.
+bool escapes_allowed(bool is_terminal, const char* no_color, const char* term);
 
 /// Never throws: what a command makes does not depend on who reads what it prints. A failure stays with the
 /// stream, for require_printed().

@@ -123,10 +123,10 @@ struct OutputWriter::Parts {
 
   /// True if all was written, or cannot be; false if the reader was given up.
   bool wait_for_reader(std::unique_lock<std::mutex>& lock) {
-    auto deadline = std::chrono::steady_clock::now() + options.patience;
+    auto deadline = options.now() + options.patience;
     for (std::uint64_t seen = taken; !texts.empty();) {
       changed.wait_for(lock, look_period);
-      const auto now = std::chrono::steady_clock::now();
+      const auto now = options.now();
       if (taken != seen || (options.waits && !hurried())) deadline = now + options.patience;
       if (now >= deadline) return false;
       seen = taken;

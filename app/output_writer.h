@@ -24,10 +24,12 @@ struct DroppedTexts {
 };
 
 struct OutputOptions {
+  using Time = std::chrono::steady_clock::time_point;
   int descriptor = 1;  // standard output
   bool waits = false;  // write() waits for room and drops nothing: nothing moves by the wall's clock
   std::size_t bytes = 512U * 1024;                             // that may wait for the reader
   std::chrono::milliseconds patience{2000};                    // at the end, for a reader that takes nothing
+  std::function<Time()> now = std::chrono::steady_clock::now;  // what patience is counted on
   std::function<bool()> hurried;                               // Ctrl-C: waits no longer; may be empty
   std::function<std::string(const DroppedTexts&)> of_dropped;  // tells of a gap where it is; may be empty
 };

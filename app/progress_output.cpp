@@ -239,19 +239,24 @@ std::vector<std::string> status_lines(const RecordingProgress& progress) {
   return lines;
 }
 
-std::unique_ptr<ProgressOutput> make_progress_output(OutputWriter& output, bool json) {
-  if (json) return std::make_unique<JsonOutput>(output);
-  if (escapes_allowed(stdout)) return std::make_unique<TerminalOutput>(output);
+ProgressStyle progress_style(bool json) {
+  if (json) return ProgressStyle::json;
+  return escapes_allowed(stdout) ? ProgressStyle::terminal : ProgressStyle::lines;
+}
+
+std::unique_ptr<ProgressOutput> make_progress_output(OutputWriter& output, ProgressStyle style) {
+  if (style == ProgressStyle::json) return std::make_unique<JsonOutput>(output);
+  if (style == ProgressStyle::terminal) return std::make_unique<TerminalOutput>(output);
   return std::make_unique<PlainOutput>(output);
 }
 
-OutputOptions progress_output_options(bool json, bool fast) {
+OutputOptions progress_output_options(ProgressStyle style, bool fast) {
   OutputOptions options;
   options.waits = fast;
   options.hurried = interrupted;
-  if (json)
+  if (style == ProgressStyle::json)
     options.of_dropped = dropped_object;
-  else if (!escapes_allowed(stdout))
+  else if (style == ProgressStyle::lines)
     options.of_dropped = dropped_line;
   return options;
 }

@@ -36,12 +36,19 @@ class ProgressOutput {
   std::optional<HostTime> drawn_;
 };
 
-/// On a terminal a few lines that are drawn over at most four times a second; elsewhere a plain line every
-/// ten seconds; with `json` one object a second of the recording, in virtual time too.
-std::unique_ptr<ProgressOutput> make_progress_output(OutputWriter& output, bool json);
+enum class ProgressStyle : std::uint8_t {
+  terminal,  // a few lines that are drawn over at most four times a second
+  lines,     // a plain one every ten seconds
+  json,      // an object a second of the recording, in virtual time too
+};
 
-/// Where it is written: virtual time waits for a slow reader, ports do not.
-OutputOptions progress_output_options(bool json, bool fast);
+/// Of what is told on standard output.
+ProgressStyle progress_style(bool json);
+
+std::unique_ptr<ProgressOutput> make_progress_output(OutputWriter& output, ProgressStyle style);
+
+/// How it is written: virtual time waits for a slow reader, ports do not.
+OutputOptions progress_output_options(ProgressStyle style, bool fast);
 
 /// The lines of the terminal: one a device, where the sweep stands, and which speeds have their valid frames.
 /// No escape codes.

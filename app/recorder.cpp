@@ -128,15 +128,16 @@ RecordSummary record_session(const RecordOptions& options, const ChosenRig& rig,
   const HostTime begin = io::now();
   const auto ports = switch_on(options, rig, recording);  // outlives the recording
   announce(recording, options.json);
-  OutputWriter output(progress_output_options(options.json, options.fast));
+  const ProgressStyle style = progress_style(options.json);
+  OutputWriter output(progress_output_options(style, options.fast));
   if (options.fast) {
-    summary.result = record_fast(rig, std::move(recording), *make_progress_output(output, options.json));
+    summary.result = record_fast(rig, std::move(recording), *make_progress_output(output, style));
   } else {
     CpuShare cpu;
     const std::unique_ptr<RecordPage> page =
         options.page.serve ? std::make_unique<RecordPage>(options, recording) : nullptr;
     summary.result =
-        record_on_ports(std::move(recording), *make_progress_output(output, options.json), cpu, page.get());
+        record_on_ports(std::move(recording), *make_progress_output(output, style), cpu, page.get());
     summary.cpu_share = cpu.share();
   }
   output.finish();

@@ -21,7 +21,6 @@
 #include <boost/asio/steady_timer.hpp>
 #include <boost/asio/use_awaitable.hpp>
 #include <boost/beast/core/flat_buffer.hpp>
-#include <boost/beast/core/tcp_stream.hpp>
 #include <boost/beast/http/message.hpp>
 #include <boost/beast/http/parser.hpp>
 #include <boost/beast/http/read.hpp>
@@ -33,6 +32,12 @@ namespace thermorig::web {
 
 // g++ 12 destroys a class that is made within a co_await expression twice: what a coroutine of this folder is
 // handed there is a variable of the caller's. (A reference and a token, as here, are no such class.)
+
+/// Whoever waits for the socket gets an error.
+inline void close(boost::asio::ip::tcp::socket& socket) {
+  boost::system::error_code no_matter;
+  socket.close(no_matter);
+}
 
 /// Makes a coroutine wait for an operation, and get its error as a value.
 inline auto into(boost::system::error_code& error) {

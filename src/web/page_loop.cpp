@@ -28,7 +28,7 @@ namespace http = beast::http;
 namespace websocket = beast::websocket;
 using asio::ip::tcp;
 using boost::system::error_code;
-using Clock = std::chrono::steady_clock;
+using Time = ServerOptions::Time;
 using std::chrono_literals::operator""ms;
 using std::chrono_literals::operator""s;
 
@@ -39,17 +39,18 @@ constexpr auto answer_time = 10s;
 constexpr auto last_words_time = 300ms;
 constexpr auto lingering_time = 1s;
 constexpr std::size_t lingering_bytes_max = 256 * 1024;
-constexpr auto tick_period_max = 1s;
+constexpr auto tick_period = 100ms;
 
 using Parser = http::request_parser<http::string_body>;
 using HttpAnswer = http::response<http::string_body>;
 
 /// A connection before it becomes a stream, if it does.
 struct Connection {
-  explicit Connection(tcp::socket socket) : stream(std::move(socket)) {}
+  Connection(tcp::socket opened, Time first_deadline) : socket(std::move(opened)), deadline(first_deadline) {}
 
-  beast::tcp_stream stream;
+  tcp::socket socket;
   bool idle = true;  // waits for a request
+  Time deadline;     // of what it is doing
 };
 
 std::string_view view(beast::string_view text) {
@@ -164,7 +165,8 @@ struct PageLoop::Impl {
     if (connections.size() >= connections_max) evict_connection();
     error_code no_matter;
     socket.set_option(tcp::no_delay(true), no_matter);
-    const auto connection = std::make_shared<Connection>(std::move(socket));
+    const auto connection =
+        std::make_shared<Connection>(std::move(socket), options.now() + options.header_time);
     connections.push_back(connection);
     spawn(serve(connection), [this, connection] { forget(connection); });
   }
@@ -174,7 +176,7 @@ struct PageLoop::Impl {
     auto oldest =
         std::find_if(connections.begin(), connections.end(), [](const auto& other) { return other->idle; });
     if (oldest == connections.end()) oldest = connections.begin();
-    (*oldest)->stream.close();
+    close((*oldest)->socket);
     connections.erase(oldest);
   }
 
@@ -196,8 +198,8 @@ struct PageLoop::Impl {
     parser.body_limit(body_bytes_max);
     error_code error;
     connection->idle = true;
-    connection->stream.expires_after(options.header_time);
-    co_await http::async_read_header(connection->stream, buffer, parser, into(error));
+    connection->deadline = options.now() + options.header_time;
+    co_await http::async_read_header(connection->socket, buffer, parser, into(error));
     connection->idle = false;
     if (error) {
       const HttpRequest unknown;
@@ -223,7 +225,7 @@ struct PageLoop::Impl {
     }
     std::string host = host_of(parser.get(), gate);
     connections.remove(connection);  // whose socket goes to the stream
-    streams.open(std::move(connection->stream), parser.release(), std::move(host));
+    streams.open(std::move(connection->socket), parser.release(), std::move(host));
     co_return false;
   }
 
@@ -235,8 +237,8 @@ struct PageLoop::Impl {
     if (http.result() != http::status::no_content) http.content_length(http.body().size());
     if (request.method() == http::verb::head) http.body().clear();
     error_code error;
-    connection.stream.expires_after(answer_time);
-    co_await http::async_write(connection.stream, http, into(error));
+    connection.deadline = options.now() + answer_time;
+    co_await http::async_write(connection.socket, http, into(error));
     co_return stays && !error;
   }
 
@@ -245,18 +247,18 @@ struct PageLoop::Impl {
     co_await send(connection, request, answer);
     // Closing while bytes are unread would reset the connection, and the client might never see the answer.
     error_code error;
-    connection.stream.socket().shutdown(tcp::socket::shutdown_send, error);
+    connection.socket.shutdown(tcp::socket::shutdown_send, error);
     std::array<char, 4096> unread{};
-    connection.stream.expires_after(lingering_time);
+    connection.deadline = options.now() + lingering_time;
     for (std::size_t bytes = 0; !error && bytes < lingering_bytes_max;)
-      bytes += co_await connection.stream.async_read_some(asio::buffer(unread), into(error));
-    connection.stream.close();
+      bytes += co_await connection.socket.async_read_some(asio::buffer(unread), into(error));
+    close(connection.socket);
   }
 
   asio::awaitable<bool> take_order(Connection& connection, Parser& parser, beast::flat_buffer& buffer) {
     error_code error;
-    connection.stream.expires_after(options.header_time);
-    co_await http::async_read(connection.stream, buffer, parser, into(error));
+    connection.deadline = options.now() + options.header_time;
+    co_await http::async_read(connection.socket, buffer, parser, into(error));
     std::optional<Refusal> refusal;
     if (error) {
       refusal = refusal_of(error);
@@ -276,7 +278,7 @@ struct PageLoop::Impl {
     const auto order = parse_order(order_kind(view(request.target())), request.body());
     if (const auto* refusal = std::get_if<Refusal>(&order)) return *refusal;
     if (leaving) return Refusal{503, "the run is over"};
-    if (std::get<Order>(order).kind == OrderKind::mark && !mark_limit.take(Clock::now()))
+    if (std::get<Order>(order).kind == OrderKind::mark && !mark_limit.take(options.now()))
       return Refusal{429, fmt::format("no more than {} marks can be set at once, then one in {:g} s",
                                       options.marks, options.mark_period / 1.0s)};
     try {
@@ -287,14 +289,24 @@ struct PageLoop::Impl {
     return std::nullopt;
   }
 
+  // --- time --------------------------------------------------------------------------------------------
+
   void wait_for_tick() {
-    tick.expires_after(std::min<Clock::duration>(tick_period_max, options.stall_time / 4));
+    tick.expires_after(tick_period);
     tick.async_wait([this](error_code error) {
-      if (error || leaving) return;
+      if (error) return;
       wait_for_tick();
       distribute();  // in case that the memory for publish()'s handler was missing
-      streams.cut_stalled();
+      end_what_is_overdue();
     });
+  }
+
+  void end_what_is_overdue() {
+    const Time now = options.now();
+    for (const auto& connection : connections)
+      if (now >= connection->deadline) close(connection->socket);
+    streams.end_what_is_overdue();
+    if (leaving && now >= leaving_deadline) context.stop();
   }
 
   // --- messages ----------------------------------------------------------------------------------------
@@ -315,13 +327,12 @@ struct PageLoop::Impl {
   void leave() {
     // First what ends this thread whatever happens: distribute() may find no memory.
     leaving = true;
-    grace.expires_after(last_words_time);
-    grace.async_wait([this](error_code) { context.stop(); });
-    tick.cancel();
+    leaving_deadline = options.now() + last_words_time;
+    wait_for_tick();
     error_code no_matter;
     for (tcp::acceptor& acceptor : acceptors) acceptor.close(no_matter);
     for (const auto& connection : connections)
-      if (connection->idle) connection->stream.close();
+      if (connection->idle) close(connection->socket);
     distribute();
     streams.leave();
     stop_if_done();
@@ -345,9 +356,9 @@ struct PageLoop::Impl {
 
   /// What is left is called back, finds itself closed and ends, so that nothing is destroyed half-way.
   void close_all() {
-    for (const auto& connection : connections) connection->stream.close();
+    for (const auto& connection : connections) close(connection->socket);
     streams.cut_all();
-    grace.cancel();
+    tick.cancel();
     do context.restart();
     while (context.poll() > 0);
   }
@@ -358,10 +369,11 @@ struct PageLoop::Impl {
   const std::function<void(const Order&)> ordered;
   MarkLimit mark_limit{options.marks, options.mark_period};
   std::list<tcp::acceptor> acceptors;
-  asio::steady_timer tick{context}, grace{context};
+  asio::steady_timer tick{context};
   std::list<std::shared_ptr<Connection>> connections;
   Streams streams{context, options, gate.token, [this] { stop_if_done(); }};
   bool leaving = false;
+  Time leaving_deadline;
 
   std::mutex hand_over_mutex;
   MessageQueue hand_over;  // guarded, as the next one is

@@ -17,7 +17,7 @@ class PageLoop {
  public:
   PageLoop(const ServerOptions& options, Listeners listeners, std::string token,
            std::function<void(const Order&)> ordered);
-  /// Sends what is queued, for at most 300 ms.
+  /// Sends what is queued, for 300 ms and the rest of a tick at most.
   ~PageLoop();
   PageLoop(const PageLoop&) = delete;
   PageLoop& operator=(const PageLoop&) = delete;

@@ -17,34 +17,32 @@ namespace thermorig::web {
 namespace asio = boost::asio;
 namespace beast = boost::beast;
 namespace websocket = beast::websocket;
+using asio::ip::tcp;
 using boost::system::error_code;
-using Clock = std::chrono::steady_clock;
+using Time = ServerOptions::Time;
+using std::chrono_literals::operator""s;
 
 namespace {
 
 constexpr std::size_t unknown_max = 16;  // that have not shown their token yet
+constexpr auto closing_time = 5s;        // until the other side has said goodbye as well
 
 /// Without compression: what is sent is small, and takes no memory for each page.
-using Stream = websocket::stream<beast::tcp_stream, false>;
+using Stream = websocket::stream<tcp::socket, false>;
 
 }  // namespace
 
 struct Streams::Client {
-  Client(beast::tcp_stream connection, std::size_t queue_bytes)
-      : stream(std::move(connection)),
-        token_deadline(stream.get_executor()),
-        wake(stream.get_executor()),
-        queue(queue_bytes) {
-    wake.expires_at(Clock::time_point::max());
+  Client(tcp::socket connection, std::size_t queue_bytes)
+      : stream(std::move(connection)), wake(stream.get_executor()), queue(queue_bytes) {
+    wake.expires_at(asio::steady_timer::time_point::max());
   }
 
   void set_up(const ServerOptions& options, std::string host) {
-    stream.next_layer().expires_never();  // the stream has time limits of its own
-    websocket::stream_base::timeout limits{};
-    limits.handshake_timeout = options.token_time;
-    limits.idle_timeout = options.silent_time;
-    limits.keep_alive_pings = true;  // after half of it
-    stream.set_option(limits);
+    deadline = options.now() + options.token_time;
+    stream.control_callback([this, &options](websocket::frame_type kind, beast::string_view) {
+      if (kind == websocket::frame_type::pong) heard(options.now());
+    });
     stream.set_option(
         websocket::stream_base::decorator([host = std::move(host)](websocket::response_type& answer) {
           for (const auto& [name, value] : protecting_fields(host))
@@ -56,15 +54,24 @@ struct Streams::Client {
     stream.text(true);
   }
 
-  void cut() { stream.next_layer().close(); }
+  void cut() { close(stream.next_layer()); }
+
+  void heard(Time now) {
+    heard_at = now;
+    asked_at.reset();
+  }
 
   Stream stream;
-  asio::steady_timer token_deadline, wake;  // wake: cancelled whenever there is something to do
+  asio::steady_timer wake;  // cancelled whenever there is something to do
   MessageQueue queue;
-  std::optional<Clock::time_point> writing_since;
-  bool known = false;    // has shown the token
-  bool leaving = false;  // closed as soon as the queue is empty
-  bool closing = false;  // a stream can be closed once only
+  std::optional<Time> deadline;  // of its token, or of its goodbye
+  std::optional<Time> writing_since;
+  Time heard_at;
+  std::optional<Time> asked_at;  // by a ping that it has not answered
+  bool pinging = false;          // one ping can be on its way at a time
+  bool known = false;            // has shown the token
+  bool leaving = false;          // closed as soon as the queue is empty
+  bool closing = false;          // a stream can be closed once only
   bool gone = false;
 };
 
@@ -87,7 +94,7 @@ std::optional<Refusal> Streams::check(std::size_t bytes_ahead) const {
   return Refusal{503, fmt::format("{} pages are open already; close one of them", options_.clients)};
 }
 
-void Streams::open(beast::tcp_stream connection, HttpRequest request, std::string host) {
+void Streams::open(tcp::socket connection, HttpRequest request, std::string host) {
   evict_unknown();
   const auto client = std::make_shared<Client>(std::move(connection), options_.queue_bytes);
   client->set_up(options_, std::move(host));
@@ -108,14 +115,12 @@ void Streams::evict_unknown() {
 void Streams::part_with(const ClientPointer& client) {
   if (client->known && !client->gone) --count_;
   client->gone = true;
-  client->token_deadline.cancel();
   client->wake.cancel();
   clients_.remove(client);
   if (clients_.empty()) emptied_();
 }
 
 asio::awaitable<void> Streams::hold(ClientPointer client, HttpRequest request) {
-  wait_for_token(client);
   error_code error;
   co_await client->stream.async_accept(request, into(error));
   if (error) co_return;
@@ -132,14 +137,8 @@ asio::awaitable<void> Streams::hold(ClientPointer client, HttpRequest request) {
     reason = websocket::close_code::policy_error;  // a page has nothing to say after its token
   }
   if (std::exchange(client->closing, true)) co_return;
+  client->deadline = options_.now() + closing_time;
   co_await client->stream.async_close(reason, into(error));
-}
-
-void Streams::wait_for_token(const ClientPointer& client) {
-  client->token_deadline.expires_after(options_.token_time);
-  client->token_deadline.async_wait([client](error_code error) {
-    if (!error && !client->known) client->cut();
-  });
 }
 
 std::uint16_t Streams::refused_because(const Client& client, std::string_view message) const {
@@ -152,7 +151,8 @@ std::uint16_t Streams::refused_because(const Client& client, std::string_view me
 
 void Streams::welcome(const ClientPointer& client) {
   client->known = true;
-  client->token_deadline.cancel();
+  client->deadline.reset();
+  client->heard(options_.now());
   ++count_;
   // A quarter stays free for what happens while it reads this.
   for (Message& message : backlog_.for_new_client(options_.queue_bytes - options_.queue_bytes / 4))
@@ -166,7 +166,7 @@ asio::awaitable<void> Streams::write_queue(ClientPointer client) {
     const auto message = client->queue.pop();
     if (message) {
       const auto text = text_of(*message);
-      client->writing_since = Clock::now();
+      client->writing_since = options_.now();
       co_await client->stream.async_write(asio::buffer(*text), into(error));
       client->writing_since.reset();
       if (error) co_return;
@@ -188,9 +188,30 @@ void Streams::send(const std::deque<Message>& messages) {
   for (const ClientPointer& client : clients_) client->wake.cancel();
 }
 
-void Streams::cut_stalled() {
-  for (const ClientPointer& client : clients_)
-    if (client->writing_since && Clock::now() - *client->writing_since > options_.stall_time) client->cut();
+void Streams::end_what_is_overdue() {
+  const Time now = options_.now();
+  for (const ClientPointer& client : clients_) {
+    if (is_overdue(*client, now))
+      client->cut();
+    else
+      ask_if_silent(client, now);
+  }
+}
+
+bool Streams::is_overdue(const Client& client, Time now) const {
+  const auto older = [now](const std::optional<Time>& time, auto limit) {
+    return time && now - *time >= limit;
+  };
+  return older(client.deadline, 0s) || older(client.writing_since, options_.stall_time) ||
+         older(client.asked_at, options_.silent_time / 2);
+}
+
+void Streams::ask_if_silent(const ClientPointer& client, Time now) const {
+  if (!client->known || client->closing || client->asked_at || client->pinging) return;
+  if (now - client->heard_at < options_.silent_time / 2) return;
+  client->asked_at = now;
+  client->pinging = true;
+  client->stream.async_ping({}, [client](error_code) { client->pinging = false; });
 }
 
 void Streams::leave() {

@@ -30,11 +30,11 @@ class Streams {
   /// May one more be opened now? `bytes_ahead`: that came before the answer to its request.
   std::optional<Refusal> check(std::size_t bytes_ahead) const;
   /// `host`: of the answer's headers.
-  void open(boost::beast::tcp_stream connection, HttpRequest request, std::string host);
+  void open(boost::asio::ip::tcp::socket connection, HttpRequest request, std::string host);
 
   void send(const std::deque<Message>& messages);
-  /// Cuts those that have taken nothing for too long.
-  void cut_stalled();
+  /// Cuts those that show no token, take nothing or answer no ping for too long; asks those that are silent.
+  void end_what_is_overdue();
 
   /// Closes each as soon as what waits for it is sent.
   void leave();
@@ -52,10 +52,11 @@ class Streams {
   void spawn(boost::asio::awaitable<void> work, Done done);
   boost::asio::awaitable<void> hold(ClientPointer client, HttpRequest request);
   boost::asio::awaitable<void> write_queue(ClientPointer client);
-  void wait_for_token(const ClientPointer& client);
   std::uint16_t refused_because(const Client& client, std::string_view message) const;
   void welcome(const ClientPointer& client);
   void evict_unknown();
+  bool is_overdue(const Client& client, ServerOptions::Time now) const;
+  void ask_if_silent(const ClientPointer& client, ServerOptions::Time now) const;
   void part_with(const ClientPointer& client);
 
   boost::asio::io_context& context_;

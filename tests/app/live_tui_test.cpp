@@ -100,6 +100,19 @@ TEST_F(LiveTui, SaysWhatIsGoneAndWhatIsThereforeUnknown) {
   EXPECT_THAT(text, HasSubstr("Kg -"));
 }
 
+TEST_F(LiveTui, ASessionsNamesDoNotSteerTheTerminal) {
+  LiveFacts facts;
+  facts.header.simulated = true;
+  facts.plan_name = facts.header.simulation = facts.header.live_model.name =
+      "tidy\x1b]0;title\x07\xc2\x9b"
+      "2J";
+  screen_->hello(facts);
+  screen_->note("said\x1b[2J");
+  const std::string text = drawn();
+  EXPECT_THAT(text, HasSubstr("plan tidy\\u{1B}]0;title\\u{07}\\u{9B}2J"));
+  for (const char* part : {"\x1b[2J", "\x1b]", "\x07", "\xc2\x9b"}) EXPECT_THAT(text, Not(HasSubstr(part)));
+}
+
 TEST_F(LiveTui, SaysWhyAFrameIsApart) {
   row_.counted = false;
   EXPECT_THAT(drawn(), HasSubstr("  apart: ")) << "its window begins in another run";

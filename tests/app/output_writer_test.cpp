@@ -4,19 +4,18 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <fcntl.h>
-#include <unistd.h>
-
-#include <array>
+#include <algorithm>
+#include <atomic>
 #include <chrono>
 #include <csignal>
 #include <future>
 #include <nlohmann/json.hpp>
 #include <sstream>
 #include <string>
-#include <thread>
 #include <vector>
 
+#include "pipe.h"
+#include "support/hand_clock.h"
 #include "thermorig/core/error.h"
 
 namespace thermorig::app {
@@ -24,62 +23,11 @@ namespace {
 
 using namespace std::chrono_literals;
 using nlohmann::json;
-
-/// A pipe that holds one page, and its reader.
-class Pipe {
- public:
-  Pipe() {
-    EXPECT_EQ(pipe2(ends_.data(), O_CLOEXEC), 0);
-    EXPECT_GE(fcntl(ends_[1], F_SETPIPE_SZ, 4096), 4096);
-  }
-  ~Pipe() {
-    close_reader();
-    close(ends_[1]);
-  }
-  Pipe(const Pipe&) = delete;
-  Pipe& operator=(const Pipe&) = delete;
-
-  int writer() const { return ends_[1]; }
-  int reader() const { return ends_[0]; }
-  void close_reader() {
-    if (ends_[0] >= 0) close(std::exchange(ends_[0], -1));
-  }
-
-  /// All that comes until `marker` has come.
-  std::string read_until(const std::string& marker) const {
-    std::string text;
-    std::array<char, 512> part{};
-    while (text.find(marker) == std::string::npos) {
-      const ssize_t count = read(ends_[0], part.data(), part.size());
-      if (count <= 0) break;
-      text.append(part.data(), static_cast<std::size_t>(count));
-    }
-    return text;
-  }
-
-  /// What is in it now.
-  std::string rest() const {
-    fcntl(ends_[0], F_SETFL, O_NONBLOCK);
-    return read_until("no such text");
-  }
-
- private:
-  std::array<int, 2> ends_{};
-};
+using tests::comes_true;
+using tests::Pipe;
 
 std::string frame_text(int number) {
   return json{{"event", "frame"}, {"index", number}, {"filling", std::string(300, 'x')}}.dump() + "\n";
-}
-
-OutputOptions options_of(const Pipe& pipe) {
-  OutputOptions options;
-  options.descriptor = pipe.writer();
-  options.bytes = 32'000;
-  options.patience = 200ms;
-  options.of_dropped = [](const DroppedTexts& dropped) {
-    return json{{"event", "dropped"}, {"frames", dropped.frames}, {"states", dropped.states}}.dump() + "\n";
-  };
-  return options;
 }
 
 std::vector<json> objects(const std::string& text) {
@@ -95,20 +43,42 @@ std::vector<json> objects(const std::string& text) {
 class Output : public ::testing::Test {
  protected:
   Output() { std::signal(SIGPIPE, SIG_IGN); }
+
+  /// Its patience lasts for ever, as its clock stands.
+  OutputOptions options_of(const Pipe& pipe) const {
+    OutputOptions options;
+    options.descriptor = pipe.writer();
+    options.bytes = 32'000;
+    options.patience = 200ms;
+    options.now = [this] { return clock_.now(); };
+    options.of_dropped = [](const DroppedTexts& dropped) {
+      return json{{"event", "dropped"}, {"frames", dropped.frames}, {"states", dropped.states}}.dump() + "\n";
+    };
+    return options;
+  }
+
+  /// The clock goes on by so much whenever it is looked at.
+  void let_time_pass(OutputOptions& options, std::chrono::milliseconds between_looks) {
+    options.now = [this, between_looks] {
+      clock_.advance(between_looks);
+      return clock_.now();
+    };
+  }
+
+  tests::HandClock clock_;
 };
 
 TEST_F(Output, DropsFramesForAReaderThatStopsAndTellsHowManyWhereTheyAreMissing) {
   const Pipe pipe;
   OutputWriter output(options_of(pipe));
-  constexpr int sent = 400;
-  for (int i = 0; i < 200; ++i) output.write(frame_text(i), Matter::frame);
+  int sent = 0;
+  const auto send = [&] { return output.write(frame_text(sent++), Matter::frame); };
+  while (sent < 200) send();
   EXPECT_TRUE(output.write("{\"event\":\"event\"}\n", Matter::word))
       << "words have room where frames have none";
   auto reader = std::async(std::launch::async, [&] { return pipe.read_until("ended"); });
-  for (int i = 200; i < sent; ++i) {
-    output.write(frame_text(i), Matter::frame);
-    std::this_thread::sleep_for(1ms);
-  }
+  EXPECT_TRUE(comes_true(send)) << "it takes frames again";
+  for (int more = 0; more < 100; ++more) send();
   output.write_last("{\"event\":\"ended\"}\n");
   output.finish();
   int next = 0, gaps = 0, events = 0;
@@ -148,7 +118,7 @@ TEST_F(NonBlockingOutput, OfAReaderThatStallsAndGoesOnKeepsOrderAndCountsWhatIsD
   EXPECT_GT(refused, 0);
   EXPECT_FALSE(output.failed());
   auto reader = std::async(std::launch::async, [&] { return pipe_.read_until("ended"); });
-  while (!send()) std::this_thread::sleep_for(1ms);
+  EXPECT_TRUE(comes_true(send));
   for (int more = 0; more < 100; ++more) send();
   output.write_last("{\"event\":\"ended\"}\n");
   output.finish();
@@ -189,7 +159,9 @@ TEST_F(NonBlockingOutput, NoticesAReaderThatGoesAwayWhileItIsFull) {
 }
 
 TEST_F(NonBlockingOutput, SaysThatAReaderWasGivenUp) {
-  OutputWriter output(options_of(pipe_));
+  OutputOptions options = options_of(pipe_);
+  let_time_pass(options, 50ms);
+  OutputWriter output(options);
   for (int i = 0; i < 50; ++i) output.write(frame_text(i), Matter::frame);
   output.finish();
   ASSERT_TRUE(output.failure());
@@ -201,56 +173,77 @@ TEST_F(NonBlockingOutput, SaysThatAReaderWasGivenUp) {
 
 TEST_F(Output, GivesUpAReaderThatTakesNothingAndLeavesWholeLines) {
   const Pipe pipe;
-  const auto begin = std::chrono::steady_clock::now();
-  {
-    OutputWriter output(options_of(pipe));
-    for (int i = 0; i < 1000; ++i) output.write(frame_text(i), Matter::frame);
-    EXPECT_LT(std::chrono::steady_clock::now() - begin, 5s) << "writing waits for nobody";
-    for (int i = 0; i < 1000; ++i) output.write("{\"event\":\"event\"}\n", Matter::word);
-    output.write_last("{\"event\":\"ended\"}\n");
-    output.finish();
-    EXPECT_FALSE(output.failed());
-  }
-  EXPECT_LT(std::chrono::steady_clock::now() - begin, 10s);
+  OutputOptions options = options_of(pipe);
+  let_time_pass(options, 50ms);
+  OutputWriter output(options);
+  // If one of these waited, it would be for ever.
+  for (int i = 0; i < 1000; ++i) output.write(frame_text(i), Matter::frame);
+  for (int i = 0; i < 1000; ++i) output.write("{\"event\":\"event\"}\n", Matter::word);
+  output.write_last("{\"event\":\"ended\"}\n");
+  ASSERT_TRUE(pipe.fills());
+  const auto begin = clock_.now();
+  output.finish();
+  EXPECT_FALSE(output.failed());
+  EXPECT_GE(clock_.now() - begin, options.patience);
   EXPECT_GE(objects(pipe.rest()).size(), 5U);
 }
 
 TEST_F(Output, WaitsAtTheEndForAReaderThatReadsSlowly) {
+  constexpr int frames = 100;
+  constexpr int more_than_the_pipe_holds = 14;  // once they are read, others were written
   const Pipe pipe;
+  OutputOptions options = options_of(pipe);
+  options.bytes = 512 * 1024;
+  std::atomic<int> texts_read = 0, texts_seen = 0;
+  options.now = [&, almost = options.patience - 1ms] {
+    if (texts_read - texts_seen >= more_than_the_pipe_holds) {
+      texts_seen = texts_read.load();
+      clock_.advance(almost);
+    }
+    return clock_.now();
+  };
+  std::atomic<bool> finished = false;
   auto reader = std::async(std::launch::async, [&] {
     std::string text;
-    std::array<char, 512> part{};
     while (text.find("ended") == std::string::npos) {
-      const auto count = read(pipe.reader(), part.data(), part.size());
-      if (count <= 0) break;
-      text.append(part.data(), static_cast<std::size_t>(count));
-      std::this_thread::sleep_for(20ms);
+      text += pipe.read_until("\n");
+      texts_read = static_cast<int>(std::count(text.begin(), text.end(), '\n'));
+      const auto is_awaited = [&] { return finished || texts_read - texts_seen < more_than_the_pipe_holds; };
+      if (!comes_true(is_awaited)) break;
     }
     return text;
   });
-  OutputOptions options = options_of(pipe);
-  options.patience = 1s;  // the reader makes room every 160 ms, and is done after more than that
-  options.bytes = 512 * 1024;
   OutputWriter output(options);
-  for (int i = 0; i < 100; ++i) EXPECT_TRUE(output.write(frame_text(i), Matter::frame));
+  const auto begin = clock_.now();
+  for (int i = 0; i < frames; ++i) EXPECT_TRUE(output.write(frame_text(i), Matter::frame));
   output.write_last("{\"event\":\"ended\"}\n");
   output.finish();
-  EXPECT_EQ(objects(reader.get()).size(), 101U);
+  finished = true;
+  EXPECT_EQ(objects(reader.get()).size(), frames + 1U);
+  EXPECT_GT(clock_.now() - begin, 3 * options.patience);
 }
 
 TEST_F(Output, DropsNothingWhereTheReaderMayHoldTheProgramUp) {
-  const Pipe pipe;
-  OutputOptions options = options_of(pipe);
-  options.waits = true;
-  auto reader = std::async(std::launch::async, [&] {
-    std::this_thread::sleep_for(400ms);  // longer than the patience
-    return pipe.read_until("ended");
-  });
-  OutputWriter output(options);
-  for (int i = 0; i < 500; ++i) output.write(frame_text(i), Matter::frame);
-  output.write_last("{\"event\":\"ended\"}\n");
-  output.finish();
-  EXPECT_EQ(objects(reader.get()).size(), 501U);
+  for (const int frames : {20, 500}) {  // fewer than there is room for: it waits at the end only
+    const Pipe pipe;
+    OutputOptions options = options_of(pipe);
+    options.waits = true;
+    let_time_pass(options, 2 * options.patience);
+    std::atomic<int> waits = 0;
+    options.hurried = [&] {
+      ++waits;
+      return false;
+    };
+    auto reader = std::async(std::launch::async, [&] {
+      EXPECT_TRUE(comes_true([&] { return waits >= 5; }));
+      return pipe.read_until("ended");
+    });
+    OutputWriter output(options);
+    for (int i = 0; i < frames; ++i) output.write(frame_text(i), Matter::frame);
+    output.write_last("{\"event\":\"ended\"}\n");
+    output.finish();
+    EXPECT_EQ(objects(reader.get()).size(), frames + 1U);
+  }
 }
 
 TEST_F(Output, WaitsForNoReaderAfterCtrlC) {
@@ -258,8 +251,10 @@ TEST_F(Output, WaitsForNoReaderAfterCtrlC) {
   OutputOptions options = options_of(pipe);
   options.waits = true;
   options.hurried = [] { return true; };
+  let_time_pass(options, 50ms);
   OutputWriter output(options);
   for (int i = 0; i < 500; ++i) output.write(frame_text(i), Matter::frame);
+  ASSERT_TRUE(pipe.fills());
   output.finish();
   EXPECT_GE(objects(pipe.rest()).size(), 5U);
 }
@@ -269,8 +264,7 @@ TEST_F(Output, SaysThatItsReaderWentAway) {
   pipe.close_reader();
   OutputWriter output(options_of(pipe));
   output.write("gone\n", Matter::word);
-  for (int look = 0; look < 1000 && !output.failed(); ++look) std::this_thread::sleep_for(1ms);
-  EXPECT_TRUE(output.failed());
+  EXPECT_TRUE(comes_true([&] { return output.failed(); }));
   output.write("gone\n", Matter::word);
   output.finish();
   try {

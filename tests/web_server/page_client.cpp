@@ -18,9 +18,10 @@ namespace {
 using Clock = std::chrono::steady_clock;
 constexpr std::string_view end_of_headers = "\r\n\r\n";
 constexpr auto patience = std::chrono::seconds(10);
+constexpr int opcode_text = 1, opcode_close = 8, opcode_ping = 9, opcode_pong = 10;
 
 std::chrono::milliseconds left(Clock::time_point until) {
-  return std::chrono::duration_cast<std::chrono::milliseconds>(until - Clock::now());
+  return std::chrono::ceil<std::chrono::milliseconds>(until - Clock::now());
 }
 
 std::size_t number(std::string_view bytes) {
@@ -155,28 +156,43 @@ void PageClient::send_frame(int opcode, std::string_view payload, bool masked) {
   send(frame);
 }
 
+std::optional<PageClient::Frame> PageClient::next_frame(Clock::time_point until) {
+  if (!have(2, until)) return std::nullopt;
+  std::size_t size = received_[1] & 127, header = 2;
+  if (size >= 126) {
+    header = size == 126 ? 4 : 10;
+    if (!have(header, until)) return std::nullopt;
+    size = number(std::string_view(received_).substr(2, header - 2));
+  }
+  if (!have(header + size, until)) return std::nullopt;
+  Frame frame{received_[0] & 15, received_.substr(header, size)};
+  received_.erase(0, header + size);
+  if (frame.opcode == opcode_ping) send_frame(opcode_pong, frame.payload);
+  return frame;
+}
+
 Arrival PageClient::receive(std::chrono::milliseconds time) {
   const auto until = Clock::now() + time;
-  for (;;) {
-    const auto end = [&] { return Arrival{ended_ ? Arrival::Kind::closed : Arrival::Kind::silence, "", 0}; };
-    if (!have(2, until)) return end();
-    const int opcode = received_[0] & 15;
-    std::size_t size = received_[1] & 127, header = 2;
-    if (size >= 126) {
-      header = size == 126 ? 4 : 10;
-      if (!have(header, until)) return end();
-      size = number(std::string_view(received_).substr(2, header - 2));
-    }
-    if (!have(header + size, until)) return end();
-    const std::string payload = received_.substr(header, size);
-    received_.erase(0, header + size);
-    if (opcode == 1) return {Arrival::Kind::text, payload, 0};
-    if (opcode == 8) {
-      send_frame(8, payload);
-      return {Arrival::Kind::closed, "", static_cast<int>(number(payload.substr(0, 2)))};
-    }
-    if (opcode == 9) send_frame(10, payload);
+  while (const auto frame = next_frame(until)) {
+    if (frame->opcode == opcode_text) return {Arrival::Kind::text, frame->payload, 0};
+    if (frame->opcode != opcode_close) continue;
+    send_frame(opcode_close, frame->payload);
+    return {Arrival::Kind::closed, "", static_cast<int>(number(frame->payload.substr(0, 2)))};
   }
+  return {ended_ ? Arrival::Kind::closed : Arrival::Kind::silence, "", 0};
+}
+
+bool PageClient::await(int opcode) {
+  const auto until = Clock::now() + patience;
+  while (const auto frame = next_frame(until))
+    if (frame->opcode == opcode) return true;
+  return false;
+}
+
+bool PageClient::answer_ping() {
+  if (!await(opcode_ping)) return false;
+  send_frame(opcode_ping, "");  // behind the pong: once this one is answered, that one was read
+  return await(opcode_pong);
 }
 
 PageClient open_stream(std::uint16_t port, const std::string& token, int receive_buffer_bytes) {

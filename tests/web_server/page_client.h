@@ -50,10 +50,18 @@ class PageClient {
   void send_text(std::string_view payload) { send_frame(1, payload); }
   /// The next message; answers pings on the way.
   Arrival receive(std::chrono::milliseconds time = std::chrono::seconds(10));
+  /// Waits for the other side's ping, and until it has read the answer; messages on the way are lost.
+  bool answer_ping();
 
   std::string host() const;
 
  private:
+  struct Frame {
+    int opcode = 0;
+    std::string payload;
+  };
+  std::optional<Frame> next_frame(std::chrono::steady_clock::time_point until);
+  bool await(int opcode);
   bool fill(std::chrono::milliseconds time);
   bool have(std::size_t bytes, std::chrono::steady_clock::time_point until);
 

@@ -3,33 +3,26 @@
 
 #include <gtest/gtest.h>
 
-#include <chrono>
-#include <functional>
 #include <mutex>
 #include <optional>
 #include <string>
-#include <thread>
 #include <vector>
 
 #include "page_client.h"
+#include "support/hand_clock.h"
 #include "thermorig/web/server.h"
 
 namespace thermorig::web {
 
-/// Waits for what another thread does; ten seconds are for machines that stall.
-inline bool comes_true(const std::function<bool()>& condition) {
-  const auto until = std::chrono::steady_clock::now() + std::chrono::seconds(10);
-  while (!condition()) {
-    if (std::chrono::steady_clock::now() > until) return false;
-    std::this_thread::sleep_for(std::chrono::milliseconds(2));
-  }
-  return true;
-}
+using tests::comes_true;
 
-/// A server on a free port, and the orders that it took.
+/// A server on a free port whose time stands still unless a test moves it, and the orders that it took.
 class ServedPage : public ::testing::Test {
  protected:
-  ServedPage() { options_.port = 0; }
+  ServedPage() {
+    options_.port = 0;
+    options_.now = [this] { return clock_.now(); };
+  }
 
   Server& server() {
     if (!server_) {
@@ -72,6 +65,7 @@ class ServedPage : public ::testing::Test {
   std::string json_type() { return "Content-Type: application/json\r\n"; }
   std::string authorization() { return "Authorization: Bearer " + token() + "\r\n"; }
 
+  tests::HandClock clock_;
   ServerOptions options_;
 
  private:

@@ -30,6 +30,7 @@ struct Order {
 
 /// docs/live_page.md says what is checked, in which order, and what the limits are.
 struct ServerOptions {
+  using Time = std::chrono::steady_clock::time_point;
   std::uint16_t port = 8650;                      // 0: any that is free
   bool control = false;                           // may the page start motion?
   std::filesystem::path state_file;               // port, token, URL, mode 0600; empty: nothing is kept
@@ -42,6 +43,7 @@ struct ServerOptions {
   std::chrono::milliseconds token_time{5'000};    // until a stream has sent its token
   std::chrono::milliseconds stall_time{10'000};   // until a stream that takes nothing is closed
   std::chrono::milliseconds silent_time{20'000};  // until a stream is closed that answers no ping
+  std::function<Time()> now = std::chrono::steady_clock::now;  // of these limits; for the server's thread
 };
 
 /// `$XDG_STATE_HOME/thermorig/page.json` or `~/.local/state/thermorig/page.json`; empty if neither is known.
