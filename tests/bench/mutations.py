@@ -155,11 +155,12 @@ def apply(path, folder):
 
 def finds(command, folder, number, log):
     """The first test that failed, or None."""
-    environment = {**os.environ, "THERMORIG_MUTANT": str(number), "GTEST_FAIL_FAST": "1"}
+    environment = {**os.environ, "THERMORIG_MUTANT": str(number), "GTEST_FAIL_FAST": "1",
+                   "LSAN_OPTIONS": f"suppressions={folder}/tests/leaks_of_libraries.txt:print_suppressions=0"}
     with open(log, "w", encoding="utf-8") as output:
         try:
             code = subprocess.run(command, cwd=folder, env=environment, stdout=output, stderr=subprocess.STDOUT,
-                                  timeout=1800).returncode
+                                  timeout=900).returncode
         except subprocess.TimeoutExpired:
             return "hangs"
     if code == 0:
@@ -169,13 +170,27 @@ def finds(command, folder, number, log):
     return next((name for name in found.groups() if name), "") if found else f"exit code {code}"
 
 
+def with_sanitizers(names, folder):
+    """The programs of these tests, built with AddressSanitizer and UBSan: they see leaks and what lies out of bounds."""
+    targets = [f"test_{name}" for name in names]
+    with open(f"{folder}/asan.log", "a", encoding="utf-8") as log:
+        for command in (["cmake", "--preset", "asan", "-DTHERMORIG_WERROR=OFF"],
+                        ["cmake", "--build", "--preset", "asan", "-j", str(os.cpu_count()), "--target", *targets]):
+            subprocess.run(command, cwd=folder, check=True, stdout=log, stderr=log)
+    return "build-asan"
+
+
+def program(build, name, clock):
+    return [f"{build}/bin/test_{name}", "--gtest_brief=1", f"--gtest_filter=-{clock}"]
+
+
 def run(path, folder, build, form):
     clock = ":".join(Path(folder, "tests/on_the_clock.txt").read_text(encoding="utf-8").split())
     results = []
     for number, one in enumerate(chosen(path), 1):
         begin = time.monotonic()
-        near = [(f"test_{name}", [f"{build}/bin/test_{name}", "--gtest_brief=1", f"--gtest_filter=-{clock}"])
-                for name in AREAS[one["area"]][2]]
+        names = AREAS[one["area"]][2]
+        near = [(f"test_{name}", program(build, name, clock)) for name in names]
         suites = [*near,
                   ("unit", ["ctest", "--test-dir", build, "-LE", "rig", "--stop-on-failure", "-j", str(os.cpu_count())]),
                   ("on the clock", ["bash", "tests/wall_clock.sh", build, "-L", "rig", "-E", "^Readme"])]
@@ -184,6 +199,10 @@ def run(path, folder, build, form):
             test = finds(command, folder, number, f"{build}/mutant-{number}.log")
             if test is not None:
                 break
+        for name in names if test is None else []:
+            suite = f"test_{name} with sanitizers"
+            test = test or finds(program(with_sanitizers(names, folder), name, clock), folder, number,
+                                 f"{build}/mutant-{number}.log")
         results.append({"number": number, "area": one["area"], "file": one["file"], "kind": one["kind"],
                         "line": one["line"].strip(), "found_by": suite if test is not None else None, "test": test,
                         "seconds": round(time.monotonic() - begin, 1)})
