@@ -10,6 +10,7 @@
 #include "decoded_text.h"
 #include "output.h"
 #include "thermorig/core/auto_zero.h"
+#include "thermorig/sensors/gyro_protocol.h"
 
 namespace thermorig::app {
 
@@ -19,7 +20,7 @@ constexpr std::uint64_t usual_lines = 10;
 
 GyroProfile gyro_profile(const DecodeOptions& options) {
   GyroProfile profile;
-  profile.protocol = options.gyro_protocol == "text" ? GyroProtocol::text : GyroProtocol::witmotion;
+  profile.protocol = options.gyro_protocol;
   profile.text = text_columns(options);
   return profile;
 }
@@ -101,7 +102,7 @@ wire::Counters decode(const DecodeOptions& options, ByteSource& source, MessageP
                                          source, printer, learnt);
     case Device::gyro:
       return decode<wire::GyroMessage>(
-          wire::GyroScanner(gyro_profile(options), wire::StreamStart::at_line_start), source, printer,
+          sensors::gyro_scanner(gyro_profile(options), sensors::StreamStart::at_line_start), source, printer,
           learnt);
     case Device::servo:
       break;

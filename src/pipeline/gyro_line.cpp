@@ -4,6 +4,8 @@
 #include <cassert>
 #include <utility>
 
+#include "thermorig/sensors/gyro_protocol.h"
+
 namespace thermorig::pipeline {
 
 namespace {
@@ -16,7 +18,7 @@ timing::StampHint hint(const wire::GyroMessage& message) {
 }  // namespace
 
 GyroLine::GyroLine(const GyroProfile& profile, const Fits& fits)
-    : scanner_([profile] { return wire::GyroScanner(profile); }),
+    : scanner_([profile] { return sensors::gyro_scanner(profile); }),
       timing_(profile.link, profile.output_rate_hz),
       final_times_(fits.times[Device::gyro]),
       axis_(static_cast<std::size_t>(profile.axis)),

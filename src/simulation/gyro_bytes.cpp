@@ -5,13 +5,14 @@
 #include <cmath>
 #include <string>
 
+#include "thermorig/core/error.h"
 #include "thermorig/simulation/gyro.h"
 #include "thermorig/wire/device_bytes.h"
 
 namespace thermorig::simulation {
 namespace {
 
-std::vector<std::uint8_t> witmotion_bytes(const SimulatedGyroSample& sample) {
+std::vector<std::uint8_t> witmotion_bytes(const SimulatedGyroSample& sample, const GyroProfile&) {
   std::array<std::int16_t, 3> counts{};
   for (std::size_t axis = 0; axis < 3; ++axis)
     counts[axis] = static_cast<std::int16_t>(
@@ -26,7 +27,8 @@ std::string number_text(double rate_dps, double scale_dps) {
   return scale_dps < 0.5 ? fmt::format("{:.0f}", value) : fmt::format("{:.4f}", value);
 }
 
-std::vector<std::uint8_t> text_bytes(const SimulatedGyroSample& sample, const TextColumns& columns) {
+std::vector<std::uint8_t> text_bytes(const SimulatedGyroSample& sample, const GyroProfile& profile) {
+  const TextColumns& columns = profile.text;
   const int last = std::max(*std::max_element(columns.rate.begin(), columns.rate.end()), columns.time);
   std::vector<std::string> fields(static_cast<std::size_t>(last + 1), "0");
   for (std::size_t axis = 0; axis < 3; ++axis)
@@ -40,10 +42,22 @@ std::vector<std::uint8_t> text_bytes(const SimulatedGyroSample& sample, const Te
   return {line.begin(), line.end()};
 }
 
+constexpr std::array encoders{GyroEncoder{"witmotion", witmotion_bytes}, GyroEncoder{"text", text_bytes}};
+
 }  // namespace
 
+std::span<const GyroEncoder> gyro_encoders() {
+  return encoders;
+}
+
 std::vector<std::uint8_t> gyro_bytes(const SimulatedGyroSample& sample, const GyroProfile& profile) {
-  return profile.protocol == GyroProtocol::text ? text_bytes(sample, profile.text) : witmotion_bytes(sample);
+  const auto found = std::find_if(encoders.begin(), encoders.end(), [&](const GyroEncoder& encoder) {
+    return encoder.name == profile.protocol;
+  });
+  if (found == encoders.end())
+    throw Error(ExitCode::bad_usage, "the simulated gyro does not speak \"" + profile.protocol + "\"",
+                "the gyro's protocol", "one that `thermorig decode --help` lists");
+  return found->bytes(sample, profile);
 }
 
 }  // namespace thermorig::simulation

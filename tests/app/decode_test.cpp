@@ -40,6 +40,13 @@ class Decode : public ProgramTest {
   }
 };
 
+TEST_F(Decode, NamesTheNearestOfTheGyroProtocolsForAnUnknownOne) {
+  const Outcome outcome = run("decode --device gyro --gyro-protocol witmoton dump.bin");
+  EXPECT_EQ(outcome.code, 2);
+  EXPECT_THAT(outcome.err, HasSubstr("did you mean \"witmotion\"?"));
+  EXPECT_THAT(outcome.err, HasSubstr("text"));
+}
+
 TEST_F(Decode, CountsTheFramesAndEveryByte) {
   Bytes dump{1, 2, 3};
   append(dump, camera_dump(12));

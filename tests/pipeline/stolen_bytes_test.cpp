@@ -21,18 +21,18 @@ constexpr double duration_s = 16.0;
 
 struct GyroKind {
   const char* name;
-  GyroProtocol protocol;
+  std::string protocol;
   bool sends_time;
   double rate_hz;
   GyroGrade grade;
 };
 
 constexpr GyroKind gyro_kinds[] = {
-    {"WitMotion at 200 Hz", GyroProtocol::witmotion, false, 200.0, GyroGrade::typical},
-    {"WitMotion at 100 Hz", GyroProtocol::witmotion, false, 100.0, GyroGrade::calibrated},
-    {"text at 200 Hz", GyroProtocol::text, false, 200.0, GyroGrade::mpu6050_raw},
-    {"text at 50 Hz", GyroProtocol::text, false, 50.0, GyroGrade::typical},
-    {"text with its time at 100 Hz", GyroProtocol::text, true, 100.0, GyroGrade::mpu6050_raw}};
+    {"WitMotion at 200 Hz", "witmotion", false, 200.0, GyroGrade::typical},
+    {"WitMotion at 100 Hz", "witmotion", false, 100.0, GyroGrade::calibrated},
+    {"text at 200 Hz", "text", false, 200.0, GyroGrade::mpu6050_raw},
+    {"text at 50 Hz", "text", false, 50.0, GyroGrade::typical},
+    {"text with its time at 100 Hz", "text", true, 100.0, GyroGrade::mpu6050_raw}};
 
 constexpr simulation::LinkConfig gyro_links[] = {{.kind = UsbLink::ftdi, .latency_timer_s = 0.016},
                                                  {.kind = UsbLink::ftdi, .latency_timer_s = 0.001},

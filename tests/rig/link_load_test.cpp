@@ -15,7 +15,7 @@ TEST(LinkLoad, IsThatOfTheDefaultRig) {
 
 TEST(LinkLoad, OfATextGyroGrowsWithItsColumns) {
   RigProfile profile;
-  profile.gyro.protocol = GyroProtocol::text;
+  profile.gyro.protocol = "text";
   const auto three_columns = link_load(Device::gyro, profile).message_bytes;
   EXPECT_GT(three_columns, 20U);
   profile.gyro.text.prefix = "a/g:";

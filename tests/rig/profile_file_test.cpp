@@ -29,7 +29,7 @@ RigProfile unusual_profile() {
   profile.camera.mirrored = false;
   profile.camera.orientation_measured_utc = "2026-07-26";
   profile.camera.checksum = ChecksumPolicy::ignore;
-  profile.gyro.protocol = GyroProtocol::text;
+  profile.gyro.protocol = "text";
   profile.gyro.text = {
       .prefix = "a/g:", .rate = {3, -1, 5}, .scale_dps = 1.0 / 131.0, .time = 0, .time_unit_s = 1e-6};
   profile.gyro.axis = 0;
@@ -134,6 +134,7 @@ TEST(ProfileFile, NamesLineAndWhatIsAllowed) {
   EXPECT_THAT(refusal("[camera]\n\nbauds = 9600\n"), HasSubstr("output_rate_hz"));
   EXPECT_THAT(refusal("[kamera]\nbaud = 9600\n"), HasSubstr("unknown key \"kamera\""));
   EXPECT_THAT(refusal("[gyro]\naxis = \"w\"\n"), HasSubstr("one of: x, y, z"));
+  EXPECT_THAT(refusal("[gyro]\nprotocol = \"textt\"\n"), HasSubstr("did you mean \"text\"?"));
   EXPECT_THAT(refusal("[gyro]\nsign = 0\n"), HasSubstr("1 or -1"));
   EXPECT_THAT(refusal("[servo]\nmax_rate_dps = 900\n"), HasSubstr("from 0.1 to 300"));
   EXPECT_THAT(refusal("[servo]\nmax_rate_dps = \"fast\"\n"), HasSubstr("not a number"));

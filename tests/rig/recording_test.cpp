@@ -135,7 +135,7 @@ TEST(Recording, SaysWhichProtocolTheGyroSpeaks) {
   const TemporaryFolder folder;
   SimulatedBus bus(simulation::default_rig(1, "kitchen"));
   VirtualOptions options = virtual_options(folder, short_plan());
-  options.recording.profile.gyro.protocol = GyroProtocol::text;  // the simulated one sends packets
+  options.recording.profile.gyro.protocol = "text";  // the simulated one sends packets
   const auto error = error_of(bus, options);
   ASSERT_TRUE(error);
   EXPECT_EQ(error->code(), ExitCode::device_missing);

@@ -11,9 +11,9 @@
 
 #include "thermorig/core/error.h"
 #include "thermorig/io/port.h"
+#include "thermorig/sensors/gyro_protocol.h"
 #include "thermorig/simulated_ports/avr_firmware.h"
 #include "thermorig/wire/camera_scanner.h"
-#include "thermorig/wire/gyro_scanner.h"
 #include "thermorig/wire/servo_messages.h"
 
 namespace thermorig {
@@ -63,7 +63,7 @@ class Listener {
   std::vector<wire::GyroMessage> gyro;
   std::vector<wire::ServoMessage> servo;
   wire::CameraScanner camera_scanner;
-  wire::GyroScanner gyro_scanner{simulation::default_profile().gyro};
+  sensors::GyroScanner gyro_scanner = sensors::gyro_scanner(simulation::default_profile().gyro);
   wire::ServoScanner servo_scanner;
 
  private:

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "frame_statistics.h"
-#include "thermorig/wire/gyro_scanner.h"
+#include "thermorig/sensors/gyro_protocol.h"
 
 namespace thermorig::simulation {
 namespace {
@@ -100,7 +100,7 @@ TEST(Gyro, AveragesOverItsIntervalInsteadOfSampling) {
 
 TEST(GyroBytes, OfAWitmotionComeBackAsTheSameRates) {
   const GyroProfile profile;
-  wire::GyroScanner scanner(profile);
+  sensors::GyroScanner scanner = sensors::gyro_scanner(profile);
   std::vector<wire::GyroMessage> messages;
   const auto samples = samples_at(150.0, profile, GyroGrade::typical, 1, 1.0);
   for (const auto& sample : samples) scanner.push(gyro_bytes(sample, profile), messages);
@@ -111,10 +111,10 @@ TEST(GyroBytes, OfAWitmotionComeBackAsTheSameRates) {
 
 TEST(GyroBytes, OfATextGyroComeBackInTheProfilesColumns) {
   const GyroProfile profile{
-      .protocol = GyroProtocol::text,
+      .protocol = "text",
       .text = {.prefix = "a/g:", .rate = {3, 4, 5}, .scale_dps = 1.0 / 131.0, .time = 6, .time_unit_s = 1e-3},
       .output_rate_hz = 100.0};
-  wire::GyroScanner scanner(profile);
+  sensors::GyroScanner scanner = sensors::gyro_scanner(profile);
   std::vector<wire::GyroMessage> messages;
   const auto samples = samples_at(-60.0, profile, GyroGrade::mpu6050_raw, 1, 1.0);
   for (const auto& sample : samples) scanner.push(gyro_bytes(sample, profile), messages);
