@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "gyro_line.h"
 
+#include <algorithm>
 #include <cassert>
 #include <utility>
 
@@ -60,7 +61,8 @@ std::span<const TimedGyro> GyroLine::take(std::vector<TimedGyro>& out) {
   }
   messages_.clear();
   counters_ = scanner_.counters();
-  counters_.lost += losses_.count();
+  // The same loss may show in numbers that the protocol has and in the samples' times.
+  counters_.lost = std::max(counters_.lost, losses_.count());
   return std::span(out).subspan(first);
 }
 
