@@ -206,6 +206,10 @@ void add_text_gyro(CLI::App& command, DecodeOptions& decode) {
       ->check(known_gyro_protocol())
       ->capture_default_str();
   command
+      .add_option("--gyro-setting", decode.gyro_settings,
+                  "What the profile says of the protocol, e.g. raw_scale_dps=0.0573")
+      ->type_name("NAME=NUMBER");
+  command
       .add_option("--columns", decode.columns,
                   "Text gyro: columns of x,y,z from 0, -1 for none (default 0,1,2)")
       ->delimiter(',')
