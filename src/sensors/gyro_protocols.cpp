@@ -14,9 +14,10 @@ namespace thermorig::sensors {
 // Each in the file of its name.
 GyroProtocol witmotion_gyro();
 GyroProtocol text_gyro();
+GyroProtocol mavlink_gyro();
 
 std::span<const GyroProtocol> gyro_protocols() {
-  static const std::array table{witmotion_gyro(), text_gyro()};
+  static const std::array table{witmotion_gyro(), text_gyro(), mavlink_gyro()};
   return table;
 }
 

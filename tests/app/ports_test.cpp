@@ -11,6 +11,7 @@
 
 #include "program.h"
 #include "thermorig/io/port.h"
+#include "thermorig/simulation/gyro.h"
 #include "thermorig/wire/device_bytes.h"
 
 namespace thermorig::tests {
@@ -146,6 +147,19 @@ TEST_F(Ports, SavesTheColumnsOfATextGyroAndAsksToCheckThem) {
 
   const auto found = run("ports --json " + gyro.path()).lines()[0]["ports"][0];
   EXPECT_EQ(found["text_format"]["columns"], nlohmann::json({1, 2, 3}));
+}
+
+TEST_F(Ports, KnowsAFlightControllerAndSavesItsProtocol) {
+  const Speaker gyro([sample = simulation::SimulatedGyroSample()]() mutable {
+    ++sample.index;
+    sample.device_time_us += 20'000;
+    return simulation::gyro_bytes(sample, {.protocol = "mavlink", .output_rate_hz = 50.0});
+  });
+  const Outcome outcome = run("ports --save bench.toml " + gyro.path());
+  EXPECT_THAT(outcome.out, HasSubstr("MAVLink packets"));
+  std::ifstream file(folder() / "bench.toml");
+  EXPECT_THAT(std::string(std::istreambuf_iterator<char>(file), {}), HasSubstr("protocol = \"mavlink\""));
+  EXPECT_EQ(run("ports --json " + gyro.path()).lines()[0]["ports"][0]["gyro_protocol"], "mavlink");
 }
 
 TEST_F(Ports, RecordNamesThePortThatSendsNothing) {

@@ -23,5 +23,13 @@ TEST(LinkLoad, OfATextGyroGrowsWithItsColumns) {
   EXPECT_EQ(link_load(Device::gyro, profile).message_bytes, three_columns + 4 * 8 + 4);
 }
 
+TEST(LinkLoad, OfAFlightControllerIsThatOfTheMessageItIsToSend) {
+  RigProfile profile;
+  profile.gyro.protocol = "mavlink";
+  EXPECT_EQ(link_load(Device::gyro, profile).message_bytes, 10U + 24 + 2);
+  profile.gyro.settings = {{"message", 105.0}};
+  EXPECT_EQ(link_load(Device::gyro, profile).message_bytes, 10U + 63 + 2);
+}
+
 }  // namespace
 }  // namespace thermorig::rig

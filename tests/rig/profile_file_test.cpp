@@ -77,6 +77,24 @@ TEST(ProfileFile, GivesTheSameProfileBack) {
   EXPECT_EQ(again.servo.full_rate_dps, 250.5);
 }
 
+TEST(ProfileFile, GivesTheSettingsOfTheGyrosProtocolBack) {
+  RigProfile profile;
+  profile.gyro.protocol = "mavlink";
+  profile.gyro.settings = {{"system", 42.0}, {"raw_scale_dps", 0.0573}};
+  const std::string text = profile_text(profile);
+  EXPECT_THAT(text, HasSubstr("[gyro.mavlink]\nsystem = 42 "));
+  EXPECT_EQ(parse_profile(text, "bench.toml").gyro.settings, profile.gyro.settings);
+  EXPECT_THAT(profile_text(RigProfile()), testing::Not(HasSubstr("gyro.mavlink")));
+}
+
+TEST(ProfileFile, RefusesSettingsThatTheGyrosProtocolDoesNotHave) {
+  const std::string mavlink = "[gyro]\nprotocol = \"mavlink\"\n[gyro.mavlink]\n";
+  EXPECT_THAT(refusal(mavlink + "sistem = 1\n"), HasSubstr("bench.toml:4: unknown key \"sistem\""));
+  EXPECT_THAT(refusal(mavlink + "system = 256\n"), HasSubstr("from 0 to 255"));
+  EXPECT_THAT(refusal(mavlink + "system = 1.5\n"), HasSubstr("not a whole number"));
+  EXPECT_THAT(refusal("[gyro.mavlink]\nsystem = 1\n"), HasSubstr("unknown key \"mavlink\""));
+}
+
 TEST(ProfileFile, GivesCalibrationsBack) {
   const RigProfile profile = unusual_profile();
   const RigProfile again = parse_profile(profile_text(profile), "bench.toml");

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The gyros' golden vectors: protocols/vectors/{witmotion,text_gyro}.txt.
+// The gyros' golden vectors: protocols/vectors/{witmotion,text_gyro,mavlink_gyro}.txt.
 #include <gtest/gtest.h>
 
 #include <string>
@@ -67,6 +67,28 @@ TEST(GoldenVectors, TextStreamsAreReadAsDescribed) {
     expect_counters(scan.counters, fields, "readings");
     ASSERT_EQ(scan.messages.size(), count_in(fields, "readings"));
     if (!scan.messages.empty()) expect_reading(scan.messages.back().reading, fields);
+  }
+}
+
+TEST(GoldenVectors, MavlinkStreamsAreReadAsDescribed) {
+  for (const GoldenVector& vector : read_vectors("mavlink_gyro.txt")) {
+    SCOPED_TRACE(vector.name);
+    const Fields fields = fields_in(vector);
+    GyroProfile profile{.protocol = "mavlink"};
+    for (const char* setting : {"system", "message", "raw_scale_dps"})
+      if (fields.contains(setting)) profile.settings[setting] = std::stod(fields.at(setting));
+    const auto scan =
+        scan_any_chunking<wire::GyroMessage>(sensors::gyro_scanner(profile), vector.bytes, Stream::ends);
+    expect_counters(scan.counters, fields, "readings");
+    EXPECT_EQ(scan.counters.lost, count_in(fields, "lost"));
+    ASSERT_EQ(scan.messages.size(), count_in(fields, "readings"));
+    if (scan.messages.empty()) continue;
+    const GyroReading& reading = scan.messages.back().reading;
+    expect_reading(reading, fields);
+    EXPECT_EQ(reading.temp_c.has_value(), fields.contains("temp_cdeg"));
+    if (reading.temp_c) {
+      EXPECT_FLOAT_EQ(*reading.temp_c, std::stof(fields.at("temp_cdeg")) / 100.0F);
+    }
   }
 }
 
