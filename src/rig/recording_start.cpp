@@ -103,6 +103,9 @@ Error silent_device(Device device, const RigProfile& profile, const wire::Counte
   if (device == Device::gyro && evidence.role == Device::gyro &&
       evidence.gyro_protocol != profile.gyro.protocol)
     return other_gyro_protocol(evidence, profile.gyro, where);
+  if (evidence.role == device && evidence.messages == 0)
+    return {ExitCode::device_missing, "it sends " + evidence.text, where,
+            fmt::format("set the device to send {}", what_it_sends(device))};
   return {ExitCode::device_missing,
           fmt::format("it sends {} bytes, but no {} in them", counters.bytes_received, what_it_sends(device)),
           where,
