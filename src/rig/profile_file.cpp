@@ -75,7 +75,7 @@ class ProfileWriter {
   }
   template <typename Integer>
   void integer(const char* key, Integer value, std::int64_t, std::int64_t, const char* comment) {
-    line(key, std::to_string(value), comment);
+    line(key, fmt::format("{}", value), comment);
   }
   void boolean(const char* key, bool value, const char* comment) {
     line(key, value ? "true" : "false", comment);
