@@ -7,10 +7,9 @@
 
 #include "output.h"
 #include "text_columns.h"
+#include "thermorig/sensors/gyro_protocol.h"
 #include "thermorig/wire/camera_scanner.h"
-#include "thermorig/wire/gyro_scanner.h"
 #include "thermorig/wire/servo_messages.h"
-#include "thermorig/wire/text_format.h"
 
 namespace thermorig::app {
 
@@ -29,7 +28,7 @@ std::size_t messages_in(Scanner scanner, Bytes bytes) {
 }
 
 bool is_text_gyro(const DecodeOptions& options) {
-  return options.device == Device::gyro && options.gyro_protocol == "text";
+  return options.device == Device::gyro && sensors::gyro_protocol(options.gyro_protocol).has_columns;
 }
 
 std::string shown(const std::string& line, std::size_t fields) {
@@ -40,11 +39,11 @@ std::string shown(const std::string& line, std::size_t fields) {
 
 /// A line of the dump and the options that may read it; empty if there is no text in it.
 std::string advice_on_text(Bytes head) {
-  if (const auto format = wire::guess_text_format(head, wire::StreamStart::at_line_start))
+  if (const auto format = sensors::guess_text_format(head, sensors::StreamStart::at_line_start))
     return shown(format->sample_line, format->fields + (format->columns.prefix.empty() ? 0 : 1)) +
            ": --device gyro " + options_text(format->columns) + " (" + assumptions_text(*format) + ")";
-  const auto line = wire::first_text_line(head);
-  if (line && line->fields >= wire::image_line_fields)
+  const auto line = sensors::first_text_line(head);
+  if (line && line->fields >= sensors::image_line_fields)
     return shown(line->text, line->fields) +
            ": an image as text, which no option reads; a camera has to send the frames of a GY-MCU90640 "
            "board, "
@@ -77,18 +76,23 @@ std::string advice_on_device(const DecodeOptions& options, Bytes head) {
     return "--device camera";
   if (options.device != Device::servo && messages_in<wire::ServoMessage>(wire::ServoScanner(), head) > 0)
     return "--device servo";
-  if (messages_in<wire::GyroMessage>(wire::WitmotionScanner(), head) >= convincing_packets)
-    return options.device == Device::gyro ? "--gyro-protocol witmotion" : "--device gyro";
+  for (const sensors::GyroProtocol& protocol : sensors::gyro_protocols()) {
+    const auto found = protocol.recognise(head, 0.0);
+    if (!found || protocol.has_columns || found->messages < convincing_packets) continue;
+    const std::string name = fmt::format("--gyro-protocol {}", protocol.name);
+    if (options.device == Device::gyro) return name;
+    return protocol.name == DecodeOptions().gyro_protocol ? "--device gyro" : "--device gyro " + name;
+  }
   return "";
 }
 
-bool reads_clock_as_rate(const wire::TextFormat& format, const DecodeOptions& options) {
+bool reads_clock_as_rate(const sensors::TextFormat& format, const DecodeOptions& options) {
   return std::find(options.columns.begin(), options.columns.end(), format.columns.time) !=
          options.columns.end();
 }
 
 /// Whether the lines say, rather than let guess, that other columns hold the rates.
-bool speaks_for_others(const wire::TextFormat& format, const DecodeOptions& options) {
+bool speaks_for_others(const sensors::TextFormat& format, const DecodeOptions& options) {
   if (format.columns.prefix != options.prefix) return false;
   const bool others =
       !std::equal(options.columns.begin(), options.columns.end(), format.columns.rate.begin());
@@ -135,7 +139,7 @@ std::vector<std::string> remarks_on(const DecodeOptions& options, std::span<cons
     return is_mostly_bad(counters) ? std::vector<std::string>{"most messages are damaged"}
                                    : std::vector<std::string>{};
   if (is_mostly_bad(counters)) return {"most lines could not be read: " + advice_on_text(head)};
-  const auto format = wire::guess_text_format(head, wire::StreamStart::at_line_start);
+  const auto format = sensors::guess_text_format(head, sensors::StreamStart::at_line_start);
   if (format && speaks_for_others(*format, options))
     return {"the lines speak for other columns: " + advice_on_text(head)};
   return {};

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <charconv>
 #include <limits>
 #include <nlohmann/json.hpp>
 
@@ -10,6 +12,8 @@
 #include "decoded_text.h"
 #include "output.h"
 #include "thermorig/core/auto_zero.h"
+#include "thermorig/core/error.h"
+#include "thermorig/sensors/gyro_protocol.h"
 
 namespace thermorig::app {
 
@@ -17,9 +21,32 @@ namespace {
 
 constexpr std::uint64_t usual_lines = 10;
 
+[[noreturn]] void refuse_setting(const std::string& word, const sensors::GyroProtocol& protocol) {
+  std::string known;
+  for (const sensors::GyroSetting& setting : protocol.settings)
+    known += fmt::format("{}{}, {} to {}", known.empty() ? "" : "; ", setting.name, setting.min, setting.max);
+  throw Error(ExitCode::bad_usage,
+              fmt::format("\"{}\" is no setting of {}, or out of range", word, protocol.name),
+              "--gyro-setting", known.empty() ? "it has none" : "NAME=NUMBER with one of: " + known);
+}
+
+/// "name=number" as the profile would say it.
+void set(const std::string& word, GyroProfile& profile) {
+  const sensors::GyroProtocol& protocol = sensors::gyro_protocol(profile.protocol);
+  const std::size_t equals = std::min(word.find('='), word.size());
+  const std::string name = word.substr(0, equals);
+  const char* const end = word.data() + word.size();
+  double value = 0.0;
+  const auto [at, error] = std::from_chars(word.data() + std::min(equals + 1, word.size()), end, value);
+  if (error != std::errc() || at != end || !sensors::is_allowed(protocol, name, value))
+    refuse_setting(word, protocol);
+  profile.settings[name] = value;
+}
+
 GyroProfile gyro_profile(const DecodeOptions& options) {
   GyroProfile profile;
-  profile.protocol = options.gyro_protocol == "text" ? GyroProtocol::text : GyroProtocol::witmotion;
+  profile.protocol = options.gyro_protocol;
+  for (const std::string& word : options.gyro_settings) set(word, profile);
   profile.text = text_columns(options);
   return profile;
 }
@@ -101,7 +128,7 @@ wire::Counters decode(const DecodeOptions& options, ByteSource& source, MessageP
                                          source, printer, learnt);
     case Device::gyro:
       return decode<wire::GyroMessage>(
-          wire::GyroScanner(gyro_profile(options), wire::StreamStart::at_line_start), source, printer,
+          sensors::gyro_scanner(gyro_profile(options), sensors::StreamStart::at_line_start), source, printer,
           learnt);
     case Device::servo:
       break;

@@ -7,7 +7,7 @@
 
 #include "thermorig/wire/camera_scanner.h"
 #include "thermorig/wire/counters.h"
-#include "thermorig/wire/gyro_scanner.h"
+#include "thermorig/wire/gyro_message.h"
 #include "thermorig/wire/servo_messages.h"
 
 namespace thermorig::app {

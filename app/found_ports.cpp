@@ -49,8 +49,7 @@ nlohmann::json json_of(const PortFinding& finding) {
                         {"rate_hz", finding.rate_hz},        {"how", finding.how},
                         {"problem", finding.problem}};
   object["role"] = finding.role ? nlohmann::json(name_of(*finding.role)) : nlohmann::json();
-  if (finding.role == Device::gyro)
-    object["gyro_protocol"] = finding.gyro_protocol == GyroProtocol::text ? "text" : "witmotion";
+  if (finding.role == Device::gyro) object["gyro_protocol"] = finding.gyro_protocol;
   if (finding.text_format) object["text_format"] = format_json(*finding.text_format);
   return object;
 }
@@ -73,7 +72,7 @@ std::string joined(const std::vector<std::string>& words) {
 /// Text does not say what its columns are: how they were read is shown, to be checked by a person.
 std::string text_gyro_text(const PortFinding& finding, const RigProfile& profile) {
   if (!finding.text_format) return "";
-  const wire::TextFormat& format = *finding.text_format;
+  const sensors::TextFormat& format = *finding.text_format;
   std::string text = fmt::format("\nnote  the gyro on {} prints lines such as: {}\n",
                                  printable(finding.info.path), printable(format.sample_line));
   text += fmt::format("      taken: {}\n", printable(columns_text(format.columns)));
@@ -84,11 +83,12 @@ std::string text_gyro_text(const PortFinding& finding, const RigProfile& profile
   return text + "      check scale and columns: [gyro.text] in the profile\n";
 }
 
-/// What to type next, for copy and paste. The columns of a text gyro can only be said in a profile.
+/// What to type next, for copy and paste. Another gyro protocol than the usual one can only be said in a
+/// profile.
 std::string command_with_ports(const FoundPorts& found) {
   if (!found.saved.name.empty())
     return "thermorig record --environment kitchen --rig " + printable(found.saved.name);
-  if (found.profile.gyro.protocol == GyroProtocol::text) return "thermorig ports --save bench";
+  if (found.profile.gyro.protocol != GyroProfile().protocol) return "thermorig ports --save bench";
   return fmt::format(
       "thermorig record --environment kitchen --camera {} --gyro {} --servo {}\nsave  thermorig ports --save "
       "bench",

@@ -111,6 +111,7 @@ struct DecodeOptions {
   Device device = Device::camera;
   std::string file;  // "-": standard input
   std::string gyro_protocol = "witmotion";
+  std::vector<std::string> gyro_settings;  // NAME=NUMBER
   std::vector<int> columns{0, 1, 2};
   std::string prefix;
   double scale_dps = 1.0;

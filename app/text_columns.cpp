@@ -41,13 +41,13 @@ std::string options_text(const TextColumns& columns) {
   return text;
 }
 
-std::string assumptions_text(const wire::TextFormat& format) {
+std::string assumptions_text(const sensors::TextFormat& format) {
   std::string text;
   for (const std::string& assumption : format.assumptions) text += (text.empty() ? "" : "; ") + assumption;
   return text;
 }
 
-nlohmann::json format_json(const wire::TextFormat& format) {
+nlohmann::json format_json(const sensors::TextFormat& format) {
   return {{"sample_line", format.sample_line},         {"fields", format.fields},
           {"prefix", format.columns.prefix},           {"columns", format.columns.rate},
           {"scale_dps", format.columns.scale_dps},     {"time_column", format.columns.time},

@@ -4,7 +4,7 @@
 #include <nlohmann/json_fwd.hpp>
 #include <string>
 
-#include "thermorig/wire/text_format.h"
+#include "thermorig/sensors/text_format.h"
 
 namespace thermorig::app {
 
@@ -15,8 +15,8 @@ std::string columns_text(const TextColumns& columns);
 std::string options_text(const TextColumns& columns);
 
 /// What the columns were concluded from, as one sentence.
-std::string assumptions_text(const wire::TextFormat& format);
+std::string assumptions_text(const sensors::TextFormat& format);
 
-nlohmann::json format_json(const wire::TextFormat& format);
+nlohmann::json format_json(const sensors::TextFormat& format);
 
 }  // namespace thermorig::app

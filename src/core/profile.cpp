@@ -3,6 +3,11 @@
 
 namespace thermorig {
 
+double GyroProfile::setting(const std::string& setting_name) const {
+  const auto found = settings.find(setting_name);
+  return found == settings.end() ? 0.0 : found->second;
+}
+
 PortProfile& RigProfile::link(Device device) {
   return const_cast<PortProfile&>(static_cast<const RigProfile&>(*this).link(device));
 }

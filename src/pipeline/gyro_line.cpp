@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: MIT
 #include "gyro_line.h"
 
+#include <algorithm>
 #include <cassert>
 #include <utility>
+
+#include "thermorig/sensors/gyro_protocol.h"
 
 namespace thermorig::pipeline {
 
@@ -16,7 +19,7 @@ timing::StampHint hint(const wire::GyroMessage& message) {
 }  // namespace
 
 GyroLine::GyroLine(const GyroProfile& profile, const Fits& fits)
-    : scanner_([profile] { return wire::GyroScanner(profile); }),
+    : scanner_([profile] { return sensors::gyro_scanner(profile); }),
       timing_(profile.link, profile.output_rate_hz),
       final_times_(fits.times[Device::gyro]),
       axis_(static_cast<std::size_t>(profile.axis)),
@@ -58,7 +61,8 @@ std::span<const TimedGyro> GyroLine::take(std::vector<TimedGyro>& out) {
   }
   messages_.clear();
   counters_ = scanner_.counters();
-  counters_.lost += losses_.count();
+  // The same loss may show in numbers that the protocol has and in the samples' times.
+  counters_.lost = std::max(counters_.lost, losses_.count());
   return std::span(out).subspan(first);
 }
 

@@ -12,8 +12,9 @@
 #include "thermorig/core/profile.h"
 #include "thermorig/core/sample.h"
 #include "thermorig/pipeline/pipeline.h"
+#include "thermorig/sensors/gyro_scanner.h"
 #include "thermorig/timing/link_timing.h"
-#include "thermorig/wire/gyro_scanner.h"
+#include "thermorig/wire/gyro_message.h"
 
 namespace thermorig::pipeline {
 
@@ -40,7 +41,7 @@ class GyroLine {
  private:
   std::span<const TimedGyro> take(std::vector<TimedGyro>& out);
 
-  RestartableScanner<wire::GyroScanner, wire::GyroMessage> scanner_;
+  RestartableScanner<sensors::GyroScanner, wire::GyroMessage> scanner_;
   timing::LinkTiming timing_;
   FinalTimes final_times_;
   GyroLosses losses_;

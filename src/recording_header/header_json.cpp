@@ -59,8 +59,6 @@ namespace thermorig {
 NLOHMANN_JSON_SERIALIZE_ENUM(ChecksumPolicy, {{ChecksumPolicy::word, "word"},
                                               {ChecksumPolicy::byte, "byte"},
                                               {ChecksumPolicy::ignore, "ignore"}})
-NLOHMANN_JSON_SERIALIZE_ENUM(GyroProtocol,
-                             {{GyroProtocol::witmotion, "witmotion"}, {GyroProtocol::text, "text"}})
 NLOHMANN_JSON_SERIALIZE_ENUM(ServoKind,
                              {{ServoKind::positional, "positional"}, {ServoKind::continuous, "continuous"}})
 
@@ -208,9 +206,11 @@ void from_json(const nlohmann::json& in, CameraProfile& camera) {
 }
 void to_json(nlohmann::json& out, const GyroProfile& gyro) {
   gyro_keys(Writer{out}, gyro);
+  if (!gyro.settings.empty()) out["settings"] = gyro.settings;
 }
 void from_json(const nlohmann::json& in, GyroProfile& gyro) {
   gyro_keys(Reader{in}, gyro);
+  Reader{in}.later("settings", gyro.settings);
 }
 void to_json(nlohmann::json& out, const ServoProfile& servo) {
   servo_keys(Writer{out}, servo);

@@ -4,10 +4,9 @@
 #include <vector>
 
 #include "thermorig/rig/detect.h"
+#include "thermorig/sensors/gyro_protocol.h"
 #include "thermorig/wire/camera_scanner.h"
-#include "thermorig/wire/gyro_scanner.h"
 #include "thermorig/wire/servo_messages.h"
-#include "thermorig/wire/text_format.h"
 
 namespace thermorig::rig {
 
@@ -37,11 +36,6 @@ Evidence as_camera(std::span<const std::uint8_t> bytes) {
                   messages);
 }
 
-Evidence as_witmotion(std::span<const std::uint8_t> bytes) {
-  std::vector<wire::GyroMessage> messages;
-  return found_by(wire::WitmotionScanner(), bytes, Device::gyro, 2, "WitMotion gyro packets", messages);
-}
-
 Evidence as_servo(std::span<const std::uint8_t> bytes) {
   std::vector<wire::ServoMessage> messages;
   Evidence evidence =
@@ -52,15 +46,15 @@ Evidence as_servo(std::span<const std::uint8_t> bytes) {
   return evidence;
 }
 
-Evidence as_text_gyro(std::span<const std::uint8_t> bytes, double heard_s) {
-  Evidence evidence{.gyro_protocol = GyroProtocol::text};
-  evidence.text_format = wire::guess_text_format(bytes, wire::StreamStart::anywhere, heard_s);
-  if (!evidence.text_format) return evidence;
-  evidence.role = Device::gyro;
-  evidence.messages = evidence.text_format->lines;
-  evidence.explained_share = share(evidence.text_format->bytes, bytes.size());
-  evidence.text = fmt::format("{} lines of numbers, as a text gyro prints them", evidence.messages);
-  return evidence;
+Evidence as_gyro(const sensors::GyroProtocol& protocol, std::span<const std::uint8_t> bytes, double heard_s) {
+  const auto found = protocol.recognise(bytes, heard_s);
+  if (!found) return {};
+  return {.role = Device::gyro,
+          .gyro_protocol = std::string(protocol.name),
+          .messages = found->messages,
+          .explained_share = share(found->bytes, bytes.size()),
+          .text = found->text,
+          .text_format = found->text_format};
 }
 
 }  // namespace
@@ -68,8 +62,10 @@ Evidence as_text_gyro(std::span<const std::uint8_t> bytes, double heard_s) {
 Evidence classify(std::span<const std::uint8_t> bytes, double heard_s) {
   Evidence best{.text = bytes.empty() ? "silent"
                                       : fmt::format("{} bytes that no known device sends", bytes.size())};
-  for (const Evidence& evidence :
-       {as_camera(bytes), as_witmotion(bytes), as_servo(bytes), as_text_gyro(bytes, heard_s)}) {
+  std::vector<Evidence> candidates{as_camera(bytes), as_servo(bytes)};
+  for (const sensors::GyroProtocol& protocol : sensors::gyro_protocols())
+    candidates.push_back(as_gyro(protocol, bytes, heard_s));
+  for (const Evidence& evidence : candidates) {
     const bool convincing = evidence.role && evidence.explained_share >= share_needed;
     if (convincing && evidence.explained_share > best.explained_share) best = evidence;
   }

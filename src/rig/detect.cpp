@@ -114,9 +114,10 @@ class Listener {
 };
 
 void apply_gyro(const PortFinding& finding, GyroProfile& gyro) {
-  const bool had_columns = gyro.protocol == GyroProtocol::text;
+  if (gyro.protocol == finding.gyro_protocol) return;
   gyro.protocol = finding.gyro_protocol;
-  if (finding.text_format && !had_columns) gyro.text = finding.text_format->columns;
+  gyro.settings.clear();
+  if (finding.text_format) gyro.text = finding.text_format->columns;
 }
 
 /// "A and B", "A, B and C".

@@ -2,17 +2,21 @@
 #include "thermorig/rig/profile_file.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <unistd.h>
 
 #include <cerrno>
+#include <cmath>
 #include <cstdint>
 #include <fstream>
+#include <span>
 #include <string_view>
 #include <system_error>
 #include <vector>
 
 #include "servo_link.h"
 #include "thermorig/core/error.h"
+#include "thermorig/sensors/gyro_protocol.h"
 #include "toml_table.h"
 #include "toml_text.h"
 
@@ -54,6 +58,9 @@ class ProfileReader {
   void choice(const char* key, Choice& value, const std::vector<std::string>& words, const char*) {
     if (const auto found = table_.choice(key, words)) value = static_cast<Choice>(*found);
   }
+  void name(const char* key, std::string& value, const std::vector<std::string>& names, const char*) {
+    if (const auto found = table_.choice(key, names)) value = names[*found];
+  }
 
  private:
   TomlTable& table_;
@@ -68,7 +75,7 @@ class ProfileWriter {
   }
   template <typename Integer>
   void integer(const char* key, Integer value, std::int64_t, std::int64_t, const char* comment) {
-    line(key, std::to_string(value), comment);
+    line(key, fmt::format("{}", value), comment);
   }
   void boolean(const char* key, bool value, const char* comment) {
     line(key, value ? "true" : "false", comment);
@@ -81,6 +88,9 @@ class ProfileWriter {
   void choice(const char* key, Choice value, const std::vector<std::string>& words, const char* comment) {
     line(key, toml_quoted(words.at(static_cast<std::size_t>(value))), comment);
   }
+  void name(const char* key, const std::string& value, const std::vector<std::string>&, const char* comment) {
+    text(key, value, comment);
+  }
   std::string take() { return std::move(text_); }
 
  private:
@@ -92,6 +102,12 @@ class ProfileWriter {
 
 // One list of keys for reading and writing. Ranges are those in which the value means something at all;
 // whether a plan can be driven is checked against the plan.
+
+/// "a, b or c".
+std::string any_of(const std::vector<std::string>& names) {
+  const auto all_but_last = std::span(names).first(names.size() - 1);
+  return fmt::format("{} or {}", fmt::join(all_but_last, ", "), names.back());
+}
 
 constexpr const char* measured = "when that was calibrated, UTC; empty: an assumption";
 
@@ -128,7 +144,8 @@ template <typename Visitor>
 void visit_gyro(Visitor& visitor, GyroProfile& gyro) {
   visit_link(visitor, gyro.link);
   visitor.text("model", gyro.model, "free text");
-  visitor.choice("protocol", gyro.protocol, {"witmotion", "text"}, "witmotion or text");
+  const std::vector<std::string> protocols = sensors::gyro_protocol_names();
+  visitor.name("protocol", gyro.protocol, protocols, any_of(protocols).c_str());
   visitor.number("output_rate_hz", gyro.output_rate_hz, 1.0, 8000.0, "samples a second, nominal");
   visitor.choice("axis", gyro.axis, {"x", "y", "z"}, "the servo's axis: x, y or z");
   visitor.integer("sign", gyro.sign, -1, 1, "1 or -1: a positive command then gives a positive rate");
@@ -150,6 +167,24 @@ void visit_text_columns(Visitor& visitor, TextColumns& text) {
   visitor.number("scale_dps", text.scale_dps, 1e-9, 1e6, "degrees per second of one unit");
   visitor.integer("time_column", text.time, -1, 63, "column of the device's time; -1: none");
   visitor.number("time_unit_s", text.time_unit_s, 1e-9, 1.0, "seconds of one unit of it");
+}
+
+bool has_settings(const GyroProfile& gyro) {
+  return !sensors::gyro_protocol(gyro.protocol).settings.empty();
+}
+
+/// What the gyro's protocol wants to know beside the columns.
+template <typename Visitor>
+void visit_settings(Visitor& visitor, GyroProfile& gyro) {
+  for (const sensors::GyroSetting& setting : sensors::gyro_protocol(gyro.protocol).settings) {
+    double value = gyro.setting(setting.name);
+    if (setting.is_whole)
+      visitor.integer(setting.name, value, std::llround(setting.min), std::llround(setting.max),
+                      setting.comment);
+    else
+      visitor.number(setting.name, value, setting.min, setting.max, setting.comment);
+    if (value != 0.0) gyro.settings[setting.name] = value;
+  }
 }
 
 template <typename Visitor>
@@ -213,6 +248,12 @@ RigProfile parse_profile(const std::string& text, const std::string& file_name) 
   visit_camera(camera_reader, profile.camera);
   visit_gyro(gyro_reader, profile.gyro);
   visit_text_columns(columns_reader, profile.gyro.text);
+  if (has_settings(profile.gyro)) {
+    TomlTable settings = gyro.table(profile.gyro.protocol);
+    ProfileReader settings_reader(settings);
+    visit_settings(settings_reader, profile.gyro);
+    settings.refuse_unknown();
+  }
   visit_servo(servo_reader, profile.servo);
   for (const TomlTable* table : {&root, &camera, &gyro, &columns, &servo}) table->refuse_unknown();
   check_consistency(profile, gyro, servo);
@@ -233,6 +274,10 @@ std::string profile_text(const RigProfile& profile) {
   visit_gyro(writer, copy.gyro);
   writer.heading("gyro.text");
   visit_text_columns(writer, copy.gyro.text);
+  if (has_settings(copy.gyro)) {
+    writer.heading("gyro." + copy.gyro.protocol);
+    visit_settings(writer, copy.gyro);
+  }
   writer.heading("servo");
   visit_servo(writer, copy.servo);
   return writer.take();

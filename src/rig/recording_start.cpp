@@ -10,6 +10,7 @@
 #include "thermorig/io/port.h"
 #include "thermorig/rig/detect.h"
 #include "thermorig/rig/profile_file.h"
+#include "thermorig/sensors/gyro_protocol.h"
 
 namespace thermorig::rig {
 
@@ -45,15 +46,15 @@ Error other_role(Device device, const Evidence& evidence, ExitCode code, const s
           where, "`thermorig ports` finds the right port of each device"};
 }
 
-Error other_gyro_protocol(const Evidence& evidence, const std::string& where) {
-  const bool is_text = evidence.gyro_protocol == GyroProtocol::text;
+Error other_gyro_protocol(const Evidence& evidence, const GyroProfile& profile, const std::string& where) {
+  const bool has_columns = sensors::gyro_protocol(evidence.gyro_protocol).has_columns;
   return {ExitCode::device_missing,
           fmt::format("it sends {}, where the rig profile expects {}", evidence.text,
-                      is_text ? "WitMotion packets" : "lines of text"),
+                      sensors::gyro_protocol(profile.protocol).sends),
           where,
           fmt::format("say protocol = \"{}\" in the [gyro] section of the rig profile{}; "
                       "`thermorig ports --save NAME` writes one",
-                      is_text ? "text" : "witmotion", is_text ? ", and which columns hold the rates" : "")};
+                      evidence.gyro_protocol, has_columns ? ", and which columns hold the rates" : "")};
 }
 
 }  // namespace
@@ -101,7 +102,10 @@ Error silent_device(Device device, const RigProfile& profile, const wire::Counte
     return other_role(device, evidence, ExitCode::device_missing, where);
   if (device == Device::gyro && evidence.role == Device::gyro &&
       evidence.gyro_protocol != profile.gyro.protocol)
-    return other_gyro_protocol(evidence, where);
+    return other_gyro_protocol(evidence, profile.gyro, where);
+  if (evidence.role == device && evidence.messages == 0)
+    return {ExitCode::device_missing, "it sends " + evidence.text, where,
+            fmt::format("set the device to send {}", what_it_sends(device))};
   return {ExitCode::device_missing,
           fmt::format("it sends {} bytes, but no {} in them", counters.bytes_received, what_it_sends(device)),
           where,

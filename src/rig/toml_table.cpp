@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "thermorig/core/error.h"
+#include "thermorig/core/nearest_name.h"
 #include "toml_text.h"
 
 namespace thermorig::rig {
@@ -139,8 +140,7 @@ std::optional<std::size_t> TomlTable::choice(const std::string& key,
   if (!word) return std::nullopt;
   const auto found = std::find(allowed.begin(), allowed.end(), *word);
   if (found == allowed.end())
-    refuse(key, fmt::format("{} = \"{}\" is not known", key, *word),
-           fmt::format("one of: {}", fmt::join(allowed, ", ")));
+    refuse(key, fmt::format("{} = \"{}\" is not known", key, *word), advice_on_name(*word, allowed));
   return static_cast<std::size_t>(found - allowed.begin());
 }
 

@@ -149,7 +149,7 @@ void write_camera_attributes(hid_t group, const Session& session) {
 void write_gyro_attributes(hid_t group, const Session& session) {
   const auto& gyro = session.raw.header.profile.gyro;
   write_link(group, gyro.model, gyro.link);
-  set_attribute(group, "protocol", gyro.protocol == GyroProtocol::witmotion ? "witmotion" : "text");
+  set_attribute(group, "protocol", gyro.protocol);
   set_attribute(group, "rate_setting_hz", gyro.output_rate_hz);
   set_attribute(group, "axis_used", gyro.axis);
   set_attribute(group, "sign", gyro.sign);

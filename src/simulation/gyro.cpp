@@ -87,7 +87,8 @@ bool Gyro::is_zeroed(const ShaftMark& end) {
 }
 
 SimulatedGyroSample Gyro::measure(const ShaftMark& end) {
-  SimulatedGyroSample sample{.temp_c = temp_c_, .begin = begin_, .end = end};
+  SimulatedGyroSample sample{
+      .index = static_cast<std::uint64_t>(samples_), .temp_c = temp_c_, .begin = begin_, .end = end};
   sample.device_time_us = std::llround(static_cast<double>(samples_) * nominal_period_us_);
   const double step_dps = quality_.bias_walk_dps * std::sqrt(period_ns_ * 1e-9);
   for (std::size_t axis = 0; axis < 3; ++axis) {

@@ -7,7 +7,7 @@
 
 #include "gy_mcu90640.h"
 #include "interrupted_frame.h"
-#include "reassembly.h"
+#include "thermorig/wire/reassembly.h"
 
 namespace thermorig::wire {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "checksums.h"
+#include "thermorig/wire/checksums.h"
 
 #include <cstddef>
 

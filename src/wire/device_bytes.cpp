@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "checksums.h"
 #include "thermorig/core/error.h"
+#include "thermorig/wire/checksums.h"
 
 namespace thermorig::wire {
 

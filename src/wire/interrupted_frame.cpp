@@ -3,8 +3,8 @@
 
 #include <algorithm>
 
-#include "checksums.h"
 #include "gy_mcu90640.h"
+#include "thermorig/wire/checksums.h"
 
 namespace thermorig::wire {
 

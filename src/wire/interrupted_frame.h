@@ -4,8 +4,8 @@
 #include <cstddef>
 #include <optional>
 
-#include "reassembly.h"
 #include "thermorig/core/profile.h"
+#include "thermorig/wire/reassembly.h"
 
 namespace thermorig::wire {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "reassembly.h"
+#include "thermorig/wire/reassembly.h"
 
 #include <cstring>
 

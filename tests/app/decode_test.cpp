@@ -2,6 +2,7 @@
 #include <gmock/gmock.h>
 
 #include "program.h"
+#include "thermorig/simulation/gyro.h"
 #include "thermorig/wire/device_bytes.h"
 #include "thermorig/wire/servo_messages.h"
 
@@ -39,6 +40,54 @@ class Decode : public ProgramTest {
     return run("decode --device gyro " + options + " dump.txt");
   }
 };
+
+TEST_F(Decode, NamesTheNearestOfTheGyroProtocolsForAnUnknownOne) {
+  const Outcome outcome = run("decode --device gyro --gyro-protocol witmoton dump.bin");
+  EXPECT_EQ(outcome.code, 2);
+  EXPECT_THAT(outcome.err, HasSubstr("did you mean \"witmotion\"?"));
+  EXPECT_THAT(outcome.err, HasSubstr("text"));
+}
+
+/// RAW_IMU of a flight controller: 100 a second, about x as many deg/s as its number.
+Bytes controller_dump(int samples) {
+  const GyroProfile profile{
+      .protocol = "mavlink", .settings = {{"raw_scale_dps", 0.0625}}, .output_rate_hz = 100.0};
+  Bytes dump;
+  for (int i = 0; i < samples; ++i) {
+    simulation::SimulatedGyroSample sample;
+    sample.rate_dps = {static_cast<double>(i), -0.0625, 0.0};
+    sample.index = static_cast<std::uint64_t>(i);
+    sample.device_time_us = 10'000 * i;
+    append(dump, simulation::gyro_bytes(sample, profile));
+  }
+  return dump;
+}
+
+TEST_F(Decode, ReadsAFlightControllerWhoseScaleIsSaid) {
+  write("dump.bin", controller_dump(20));
+  const std::string mavlink = "decode --device gyro --gyro-protocol mavlink ";
+  const Outcome outcome = run(mavlink + "--gyro-setting raw_scale_dps=0.0625 --json dump.bin");
+  ASSERT_EQ(outcome.code, 0) << outcome.err;
+  const auto lines = outcome.lines();
+  ASSERT_EQ(lines.size(), 21U);
+  EXPECT_EQ(lines[19]["rate_dps"], nlohmann::json({19.0, -0.0625, 0.0}));
+  EXPECT_EQ(lines[19]["device_time_us"], 190'000);
+  EXPECT_EQ(lines[20]["counters"]["replies"], 1);  // the heartbeat
+  EXPECT_EQ(run(mavlink + "dump.bin").code, 4);    // counts without a scale are no rates
+  const Outcome misspelt = run(mavlink + "--gyro-setting raw_scale=1 dump.bin");
+  EXPECT_EQ(misspelt.code, 2);
+  EXPECT_THAT(misspelt.err, HasSubstr("raw_scale_dps"));
+}
+
+TEST_F(Decode, SaysThatADumpIsAFlightControllers) {
+  GyroProfile profile{.protocol = "mavlink"};
+  Bytes dump;
+  for (int i = 0; i < 20; ++i)
+    append(dump, simulation::gyro_bytes({.index = static_cast<std::uint64_t>(i)}, profile));
+  write("dump.bin", dump);
+  EXPECT_THAT(run("decode --device gyro dump.bin").err, HasSubstr("--gyro-protocol mavlink"));
+  EXPECT_THAT(run("decode --device camera dump.bin").err, HasSubstr("--device gyro --gyro-protocol mavlink"));
+}
 
 TEST_F(Decode, CountsTheFramesAndEveryByte) {
   Bytes dump{1, 2, 3};

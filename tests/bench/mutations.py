@@ -24,7 +24,7 @@ from pathlib import Path
 
 # How many breaks, and where. What is near is tried first: its own test programs.
 AREAS = {
-    "wire": (3, ["src/wire/*.cpp"], ["wire"]),
+    "wire": (3, ["src/wire/*.cpp", "src/sensors/*.cpp"], ["wire", "sensors"]),
     "timing": (3, ["src/timing/*.cpp"], ["timing"]),
     "labels": (3, ["src/labels/*.cpp"], ["labels"]),
     "journal": (3, ["src/journal/*.cpp"], ["journal", "storage"]),

@@ -123,7 +123,7 @@ std::vector<Misconfiguration> wrong_rigs() {
       {"camera and gyro are swapped", [] { return rig_with(swap_camera_and_gyro); }, "rig", "not the",
        "thermorig ports", ExitCode::device_missing},
       {"the gyro speaks another protocol",
-       [] { return device_with([](RigProfile& rig) { rig.gyro.protocol = GyroProtocol::text; }); }, "rig",
+       [] { return device_with([](RigProfile& rig) { rig.gyro.protocol = "text"; }); }, "rig",
        "WitMotion packets", "protocol = \"text\"", ExitCode::device_missing},
       {"no servo",
        [] {

@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: MIT
 #include <cmath>
 
+#include "../support/gyro_scanners.h"
 #include "scanner_fuzz.h"
-#include "thermorig/wire/text_format.h"
+#include "thermorig/sensors/text_format.h"
 
 namespace {
 
-void require_finite(const thermorig::wire::TextGyroScanner& fresh, thermorig::test::ByteSpan input) {
-  thermorig::wire::TextGyroScanner scanner = fresh;
+void require_finite(const thermorig::sensors::GyroScanner& fresh, thermorig::test::ByteSpan input) {
+  thermorig::sensors::GyroScanner scanner = fresh;
   std::vector<thermorig::wire::GyroMessage> messages;
   scanner.push(input, messages);
   for (const auto& message : messages)
@@ -18,7 +19,7 @@ void require_finite(const thermorig::wire::TextGyroScanner& fresh, thermorig::te
 /// A format that is guessed names columns that are there, and its scale is a number.
 void require_format_fits(thermorig::test::ByteSpan input) {
   using thermorig::test::require;
-  const auto format = thermorig::wire::guess_text_format(input);
+  const auto format = thermorig::sensors::guess_text_format(input);
   if (!format) return;
   const auto fields = static_cast<int>(format->fields);
   for (const int column : format->columns.rate)
@@ -41,8 +42,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   timed.scale_dps = 1.0 / 131.0;
   timed.time = 0;
   for (const TextColumns& columns : {TextColumns{}, timed}) {
-    for (const auto start : {wire::StreamStart::anywhere, wire::StreamStart::at_line_start}) {
-      const wire::TextGyroScanner scanner(columns, start);
+    for (const auto start : {sensors::StreamStart::anywhere, sensors::StreamStart::at_line_start}) {
+      const sensors::GyroScanner scanner = test::text_scanner(columns, start);
       test::fuzz_scanner<wire::GyroMessage>(scanner, input, pending_max);
       require_finite(scanner, input);
     }

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: MIT
+#include "../support/gyro_scanners.h"
 #include "scanner_fuzz.h"
 #include "thermorig/wire/device_bytes.h"
 
@@ -6,9 +7,9 @@
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace thermorig;
   const test::ByteSpan input(data, size);
-  test::fuzz_scanner<wire::GyroMessage>(wire::WitmotionScanner(), input, 2 * wire::witmotion_packet_bytes);
+  test::fuzz_scanner<wire::GyroMessage>(test::witmotion_scanner(), input, 2 * wire::witmotion_packet_bytes);
 
-  wire::WitmotionScanner scanner;
+  sensors::GyroScanner scanner = test::witmotion_scanner();
   std::vector<wire::GyroMessage> messages;
   scanner.push(input, messages);
   const std::size_t before = messages.size();

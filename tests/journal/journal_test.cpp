@@ -39,7 +39,7 @@ RecordingHeader some_header() {
   header.profile.name = "bench rig";
   header.profile.camera.link.port = "/dev/ttyUSB7";
   header.profile.camera.checksum = ChecksumPolicy::byte;
-  header.profile.gyro.protocol = GyroProtocol::text;
+  header.profile.gyro.protocol = "text";
   header.profile.gyro.text.rate = {3, -1, 5};
   header.profile.gyro.axis = 0;
   header.profile.gyro.sign = -1;

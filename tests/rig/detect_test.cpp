@@ -19,8 +19,10 @@ namespace {
 using ::testing::HasSubstr;
 
 /// Half a second of what one device of a simulated rig sends, from the middle of a message on.
-std::vector<std::uint8_t> bytes_of(Device device, double duration_s = 0.5) {
-  simulation::VirtualRig rig(simulation::default_rig(1, "kitchen"), simulation::make_host_firmware());
+std::vector<std::uint8_t> bytes_of(
+    Device device, double duration_s = 0.5,
+    const simulation::VirtualRigConfig& config = simulation::default_rig(1, "kitchen")) {
+  simulation::VirtualRig rig(config, simulation::make_host_firmware());
   std::vector<std::uint8_t> bytes;
   for (const Chunk& chunk : rig.advance(HostTime{} + from_s(1.0 + duration_s)))
     if (chunk.device == device && to_s(chunk.arrived - HostTime{}) > 1.0)
@@ -38,7 +40,7 @@ TEST(Classify, TellsTheThreeDevicesApart) {
     const Evidence evidence = classify(bytes_of(device));
     EXPECT_EQ(evidence.role, device) << name_of(device) << ": " << evidence.text;
   }
-  EXPECT_EQ(classify(bytes_of(Device::gyro)).gyro_protocol, GyroProtocol::witmotion);
+  EXPECT_EQ(classify(bytes_of(Device::gyro)).gyro_protocol, "witmotion");
 }
 
 TEST(Classify, KnowsAGyroThatPrintsLines) {
@@ -46,7 +48,7 @@ TEST(Classify, KnowsAGyroThatPrintsLines) {
   for (int i = 0; i < 20; ++i) text += "a/g:\t-124\t88\t16012\t-33\t" + std::to_string(i) + "\t7\r\n";
   const Evidence evidence = classify(as_bytes(text));
   EXPECT_EQ(evidence.role, Device::gyro);
-  EXPECT_EQ(evidence.gyro_protocol, GyroProtocol::text);
+  EXPECT_EQ(evidence.gyro_protocol, "text");
   EXPECT_EQ(evidence.messages, 20U);
   ASSERT_TRUE(evidence.text_format.has_value());
   EXPECT_EQ(evidence.text_format->columns.prefix, "a/g:");
@@ -57,6 +59,16 @@ TEST(Classify, TellsTheUnitOfATextGyrosClockByHowLongItListened) {
   std::string text = "ms,gx,gy,gz\n";
   for (int i = 0; i < 20; ++i) text += std::to_string(1000 + 2 * i) + ",0.5,-1,2\n";
   EXPECT_EQ(classify(as_bytes(text), 0.04).text_format->columns.time_unit_s, 1e-3);
+}
+
+TEST(Classify, KnowsAFlightController) {
+  simulation::VirtualRigConfig config = simulation::default_rig(1, "kitchen");
+  config.profile.gyro.protocol = "mavlink";
+  const Evidence evidence = classify(bytes_of(Device::gyro, 0.5, config));
+  EXPECT_EQ(evidence.role, Device::gyro);
+  EXPECT_EQ(evidence.gyro_protocol, "mavlink");
+  EXPECT_GE(evidence.messages, 98U);
+  EXPECT_GT(evidence.explained_share, 0.95);
 }
 
 TEST(Classify, DoesNotGuess) {
@@ -114,7 +126,7 @@ TEST(Findings, BecomeTheProfile) {
 
 PortFinding text_gyro_finding() {
   PortFinding found = finding("/dev/ttyUSB0", Device::gyro, 115200);
-  found.gyro_protocol = GyroProtocol::text;
+  found.gyro_protocol = "text";
   found.text_format.emplace();
   found.text_format->columns.rate = {1, 2, 3};
   found.text_format->columns.time = 0;
@@ -124,15 +136,29 @@ PortFinding text_gyro_finding() {
 TEST(Findings, BringTheColumnsOfATextGyro) {
   std::vector<std::string> ambiguous;
   const RigProfile profile = apply_findings(default_profile, {text_gyro_finding()}, ambiguous);
-  EXPECT_EQ(profile.gyro.protocol, GyroProtocol::text);
+  EXPECT_EQ(profile.gyro.protocol, "text");
   EXPECT_EQ(profile.gyro.text.rate, (std::array<int, 3>{1, 2, 3}));
   EXPECT_EQ(profile.gyro.text.time, 0);
+}
+
+TEST(Findings, OfAnotherProtocolTakeTheSettingsOfTheOldOneAway) {
+  std::vector<std::string> ambiguous;
+  RigProfile edited;
+  edited.gyro.protocol = "mavlink";
+  edited.gyro.settings = {{"system", 3.0}};
+  PortFinding found = finding("/dev/ttyACM0", Device::gyro, 115200);
+  found.gyro_protocol = "mavlink";
+  EXPECT_EQ(apply_findings(edited, {found}, ambiguous).gyro.settings.at("system"), 3.0);
+  found.gyro_protocol = "witmotion";
+  const RigProfile profile = apply_findings(edited, {found}, ambiguous);
+  EXPECT_EQ(profile.gyro.protocol, "witmotion");
+  EXPECT_TRUE(profile.gyro.settings.empty());
 }
 
 TEST(Findings, KeepTheColumnsThatAPersonHasSet) {
   std::vector<std::string> ambiguous;
   RigProfile edited;
-  edited.gyro.protocol = GyroProtocol::text;
+  edited.gyro.protocol = "text";
   edited.gyro.text.rate = {5, 6, 7};
   const RigProfile profile = apply_findings(edited, {text_gyro_finding()}, ambiguous);
   EXPECT_EQ(profile.gyro.text.rate, (std::array<int, 3>{5, 6, 7}));

@@ -13,9 +13,9 @@
 #include "simulated_bus.h"
 #include "thermorig/rig/frozen_watch.h"
 #include "thermorig/rig/port_recording.h"
+#include "thermorig/sensors/gyro_protocol.h"
 #include "thermorig/simulated_ports/simulated_ports.h"
 #include "thermorig/wire/camera_scanner.h"
-#include "thermorig/wire/gyro_scanner.h"
 
 namespace thermorig::rig::test {
 namespace {
@@ -40,15 +40,16 @@ SimulatedBus::Damage garbage(double begin_s, double end_s) {
 }
 
 /// From `begin_s` to `end_s` the device repeats its last message, as often as it would have sent others.
-template <typename Scanner, typename Message>
-SimulatedBus::Damage frozen(double begin_s, double end_s) {
+template <typename Message, typename Scanner>
+SimulatedBus::Damage frozen(Scanner scanner, double begin_s, double end_s) {
   struct State {
     Scanner scanner;
     std::vector<Message> messages;
     std::vector<std::uint8_t> before;
     std::size_t owed = 0;
   };
-  return [=, state = std::make_shared<State>()](std::vector<std::uint8_t> bytes, HostTime now) {
+  return [=, state = std::make_shared<State>(State{std::move(scanner), {}, {}, 0})](
+             std::vector<std::uint8_t> bytes, HostTime now) {
     if (now < at_s(begin_s)) {
       state->scanner.push(bytes, state->messages);
       state->before.insert(state->before.end(), bytes.begin(), bytes.end());
@@ -63,8 +64,12 @@ SimulatedBus::Damage frozen(double begin_s, double end_s) {
   };
 }
 
-const auto frozen_camera = frozen<wire::CameraScanner, wire::CameraMessage>;
-const auto frozen_gyro = frozen<wire::WitmotionScanner, wire::GyroMessage>;
+SimulatedBus::Damage frozen_camera(double begin_s, double end_s) {
+  return frozen<wire::CameraMessage>(wire::CameraScanner(), begin_s, end_s);
+}
+SimulatedBus::Damage frozen_gyro(double begin_s, double end_s) {
+  return frozen<wire::GyroMessage>(sensors::gyro_scanner({}), begin_s, end_s);
+}
 
 /// A recording of the short plan with legs of five seconds.
 struct Troubled {

@@ -15,12 +15,20 @@ TEST(LinkLoad, IsThatOfTheDefaultRig) {
 
 TEST(LinkLoad, OfATextGyroGrowsWithItsColumns) {
   RigProfile profile;
-  profile.gyro.protocol = GyroProtocol::text;
+  profile.gyro.protocol = "text";
   const auto three_columns = link_load(Device::gyro, profile).message_bytes;
   EXPECT_GT(three_columns, 20U);
   profile.gyro.text.prefix = "a/g:";
   profile.gyro.text.rate = {4, 5, 6};
   EXPECT_EQ(link_load(Device::gyro, profile).message_bytes, three_columns + 4 * 8 + 4);
+}
+
+TEST(LinkLoad, OfAFlightControllerIsThatOfTheMessageItIsToSend) {
+  RigProfile profile;
+  profile.gyro.protocol = "mavlink";
+  EXPECT_EQ(link_load(Device::gyro, profile).message_bytes, 10U + 24 + 2);
+  profile.gyro.settings = {{"message", 105.0}};
+  EXPECT_EQ(link_load(Device::gyro, profile).message_bytes, 10U + 63 + 2);
 }
 
 }  // namespace

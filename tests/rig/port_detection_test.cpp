@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "thermorig/rig/detect.h"
+#include "thermorig/simulation/gyro.h"
 #include "thermorig/wire/device_bytes.h"
 #include "virtual_ports.h"
 
@@ -74,12 +75,24 @@ TEST_F(Detection, GuessesTheColumnsOfAGyroThatPrintsLines) {
     return std::vector<std::uint8_t>(line.begin(), line.end());
   };
   const auto findings = identify({ports_.add(lines)});
-  EXPECT_EQ(findings.at(0).gyro_protocol, GyroProtocol::text);
+  EXPECT_EQ(findings.at(0).gyro_protocol, "text");
   ASSERT_TRUE(findings[0].text_format) << findings[0].how;
   EXPECT_THAT(findings[0].text_format->sample_line, HasSubstr(",0.5,-1.25,"));
   EXPECT_EQ(findings[0].text_format->columns.rate, (std::array<int, 3>{1, 2, 3}));
   EXPECT_EQ(findings[0].text_format->columns.time, 0);
   EXPECT_EQ(findings[0].text_format->columns.time_unit_s, 1e-3);
+}
+
+TEST_F(Detection, KnowsAFlightController) {
+  const auto findings = identify({ports_.add([sample = simulation::SimulatedGyroSample()]() mutable {
+    ++sample.index;
+    sample.device_time_us += 20'000;
+    return simulation::gyro_bytes(sample, {.protocol = "mavlink", .output_rate_hz = 50.0});
+  })});
+  EXPECT_EQ(findings.at(0).role, Device::gyro);
+  EXPECT_THAT(findings[0].how, HasSubstr("MAVLink packets"));
+  std::vector<std::string> ambiguous;
+  EXPECT_EQ(apply_findings(RigProfile{}, findings, ambiguous).gyro.protocol, "mavlink");
 }
 
 }  // namespace

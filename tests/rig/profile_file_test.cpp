@@ -29,7 +29,7 @@ RigProfile unusual_profile() {
   profile.camera.mirrored = false;
   profile.camera.orientation_measured_utc = "2026-07-26";
   profile.camera.checksum = ChecksumPolicy::ignore;
-  profile.gyro.protocol = GyroProtocol::text;
+  profile.gyro.protocol = "text";
   profile.gyro.text = {
       .prefix = "a/g:", .rate = {3, -1, 5}, .scale_dps = 1.0 / 131.0, .time = 0, .time_unit_s = 1e-6};
   profile.gyro.axis = 0;
@@ -75,6 +75,24 @@ TEST(ProfileFile, GivesTheSameProfileBack) {
   EXPECT_EQ(again.gyro.axis, 0);
   EXPECT_EQ(again.servo.kind, ServoKind::continuous);
   EXPECT_EQ(again.servo.full_rate_dps, 250.5);
+}
+
+TEST(ProfileFile, GivesTheSettingsOfTheGyrosProtocolBack) {
+  RigProfile profile;
+  profile.gyro.protocol = "mavlink";
+  profile.gyro.settings = {{"system", 42.0}, {"raw_scale_dps", 0.0573}};
+  const std::string text = profile_text(profile);
+  EXPECT_THAT(text, HasSubstr("[gyro.mavlink]\nsystem = 42 "));
+  EXPECT_EQ(parse_profile(text, "bench.toml").gyro.settings, profile.gyro.settings);
+  EXPECT_THAT(profile_text(RigProfile()), testing::Not(HasSubstr("gyro.mavlink")));
+}
+
+TEST(ProfileFile, RefusesSettingsThatTheGyrosProtocolDoesNotHave) {
+  const std::string mavlink = "[gyro]\nprotocol = \"mavlink\"\n[gyro.mavlink]\n";
+  EXPECT_THAT(refusal(mavlink + "sistem = 1\n"), HasSubstr("bench.toml:4: unknown key \"sistem\""));
+  EXPECT_THAT(refusal(mavlink + "system = 256\n"), HasSubstr("from 0 to 255"));
+  EXPECT_THAT(refusal(mavlink + "system = 1.5\n"), HasSubstr("not a whole number"));
+  EXPECT_THAT(refusal("[gyro.mavlink]\nsystem = 1\n"), HasSubstr("unknown key \"mavlink\""));
 }
 
 TEST(ProfileFile, GivesCalibrationsBack) {
@@ -137,6 +155,7 @@ TEST(ProfileFile, NamesLineAndWhatIsAllowed) {
   EXPECT_THAT(refusal_of_profile("[camera]\n\nbauds = 9600\n"), HasSubstr("output_rate_hz"));
   EXPECT_THAT(refusal_of_profile("[kamera]\nbaud = 9600\n"), HasSubstr("unknown key \"kamera\""));
   EXPECT_THAT(refusal_of_profile("[gyro]\naxis = \"w\"\n"), HasSubstr("one of: x, y, z"));
+  EXPECT_THAT(refusal_of_profile("[gyro]\nprotocol = \"textt\"\n"), HasSubstr("did you mean \"text\"?"));
   EXPECT_THAT(refusal_of_profile("[gyro]\nsign = 0\n"), HasSubstr("1 or -1"));
   EXPECT_THAT(refusal_of_profile("[servo]\nmax_rate_dps = 900\n"), HasSubstr("from 0.1 to 300"));
   EXPECT_THAT(refusal_of_profile("[servo]\nmax_rate_dps = \"fast\"\n"), HasSubstr("not a number"));

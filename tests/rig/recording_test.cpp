@@ -135,11 +135,26 @@ TEST(Recording, SaysWhichProtocolTheGyroSpeaks) {
   const TemporaryFolder folder;
   SimulatedBus bus(simulation::default_rig(1, "kitchen"));
   VirtualOptions options = virtual_options(folder, short_plan());
-  options.recording.profile.gyro.protocol = GyroProtocol::text;  // the simulated one sends packets
+  options.recording.profile.gyro.protocol = "text";  // the simulated one sends packets
   const auto error = error_of(bus, options);
   ASSERT_TRUE(error);
   EXPECT_EQ(error->code(), ExitCode::device_missing);
   EXPECT_THAT(error->advice(), HasSubstr("protocol = \"witmotion\""));
+}
+
+TEST(Recording, SaysThatAFlightControllerSendsNoGyroThatCanBeRead) {
+  const TemporaryFolder folder;
+  simulation::VirtualRigConfig config = simulation::default_rig(1, "kitchen");
+  config.profile.gyro.protocol = "mavlink";
+  config.profile.gyro.settings = {{"raw_scale_dps", 0.0573}};  // it sends RAW_IMU
+  SimulatedBus bus(config);
+  VirtualOptions options = virtual_options(folder, short_plan());
+  options.recording.profile.gyro.protocol = "mavlink";  // without a scale
+  const auto error = error_of(bus, options);
+  ASSERT_TRUE(error);
+  EXPECT_EQ(error->code(), ExitCode::device_missing);
+  EXPECT_THAT(error->what_happened(), HasSubstr("MAVLink packets, none of SCALED_IMU"));
+  EXPECT_THAT(error->advice(), HasSubstr("gyro samples"));
 }
 
 TEST(Recording, SaysThatTheGyroPrintsText) {

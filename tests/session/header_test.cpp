@@ -56,6 +56,44 @@ TEST(Header, WithCalibrationsThatMakeNoSenseIsRefused) {
   refused([](RigProfile& rig) { rig.gyro.bias_uncertainty_dps = -1.0; });
 }
 
+TEST(Header, WithAGyroProtocolThatIsNotKnownIsRefusedAndTheNearestNamed) {
+  const std::string text = header_to_json_text(sound_header());
+  ASSERT_EQ(sound_header().profile.gyro.protocol, "witmotion");
+  std::string misspelt = text;
+  misspelt.replace(misspelt.find("\"witmotion\""), 11, "\"witmocion\"");
+  try {
+    header_from_json_text(misspelt, "test");
+    FAIL() << "nothing was refused";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), ExitCode::not_a_session);
+    EXPECT_THAT(error.what_happened(), ::testing::HasSubstr("did you mean \"witmotion\"?"));
+  }
+}
+
+TEST(Header, SaysSettingsOfTheGyroOnlyWhereThereAreSome) {
+  EXPECT_FALSE(
+      nlohmann::json::parse(header_to_json_text(sound_header()))["profile"]["gyro"].contains("settings"));
+}
+
+TEST(Header, KeepsTheSettingsOfTheGyrosProtocol) {
+  RecordingHeader header = sound_header();
+  header.profile.gyro.protocol = "mavlink";
+  header.profile.gyro.settings = {{"system", 3.0}, {"raw_scale_dps", 0.0573}};
+  const GyroProfile read = header_from_json_text(header_to_json_text(header), "test").profile.gyro;
+  EXPECT_EQ(read.protocol, "mavlink");
+  EXPECT_EQ(read.settings, header.profile.gyro.settings);
+  for (const double wrong : {-1.0, 256.0, 1.5, std::numeric_limits<double>::quiet_NaN()}) {
+    header.profile.gyro.settings = {{"system", wrong}};
+    EXPECT_THROW(header_to_json_text(header), Error) << wrong;
+  }
+}
+
+TEST(Header, WithASettingThatTheGyrosProtocolDoesNotHaveIsRefused) {
+  RecordingHeader header = sound_header();
+  header.profile.gyro.settings = {{"system", 1.0}};
+  EXPECT_THROW(header_to_json_text(header), Error);
+}
+
 TEST(Header, KeepsTheLicenceOfTheDataWhereOneIsStated) {
   RecordingHeader header = sound_header();
   header.licence = "";

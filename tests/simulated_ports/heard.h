@@ -8,9 +8,9 @@
 #include <vector>
 
 #include "thermorig/core/device.h"
+#include "thermorig/sensors/gyro_protocol.h"
 #include "thermorig/simulation/virtual_rig.h"
 #include "thermorig/wire/camera_scanner.h"
-#include "thermorig/wire/gyro_scanner.h"
 #include "thermorig/wire/servo_messages.h"
 
 namespace thermorig {
@@ -48,7 +48,7 @@ struct Heard {
   std::vector<wire::GyroMessage> gyro;
   std::vector<wire::ServoMessage> servo;
   wire::CameraScanner camera_scanner;
-  wire::GyroScanner gyro_scanner{simulation::default_profile().gyro};
+  sensors::GyroScanner gyro_scanner = sensors::gyro_scanner(simulation::default_profile().gyro);
   wire::ServoScanner servo_scanner;
 };
 

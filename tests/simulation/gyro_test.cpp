@@ -4,11 +4,12 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <map>
 #include <string>
 #include <vector>
 
 #include "frame_statistics.h"
-#include "thermorig/wire/gyro_scanner.h"
+#include "thermorig/sensors/gyro_protocol.h"
 
 namespace thermorig::simulation {
 namespace {
@@ -100,7 +101,7 @@ TEST(Gyro, AveragesOverItsIntervalInsteadOfSampling) {
 
 TEST(GyroBytes, OfAWitmotionComeBackAsTheSameRates) {
   const GyroProfile profile;
-  wire::GyroScanner scanner(profile);
+  sensors::GyroScanner scanner = sensors::gyro_scanner(profile);
   std::vector<wire::GyroMessage> messages;
   const auto samples = samples_at(150.0, profile, GyroGrade::typical, 1, 1.0);
   for (const auto& sample : samples) scanner.push(gyro_bytes(sample, profile), messages);
@@ -111,10 +112,10 @@ TEST(GyroBytes, OfAWitmotionComeBackAsTheSameRates) {
 
 TEST(GyroBytes, OfATextGyroComeBackInTheProfilesColumns) {
   const GyroProfile profile{
-      .protocol = GyroProtocol::text,
+      .protocol = "text",
       .text = {.prefix = "a/g:", .rate = {3, 4, 5}, .scale_dps = 1.0 / 131.0, .time = 6, .time_unit_s = 1e-3},
       .output_rate_hz = 100.0};
-  wire::GyroScanner scanner(profile);
+  sensors::GyroScanner scanner = sensors::gyro_scanner(profile);
   std::vector<wire::GyroMessage> messages;
   const auto samples = samples_at(-60.0, profile, GyroGrade::mpu6050_raw, 1, 1.0);
   for (const auto& sample : samples) scanner.push(gyro_bytes(sample, profile), messages);
@@ -124,6 +125,34 @@ TEST(GyroBytes, OfATextGyroComeBackInTheProfilesColumns) {
     ASSERT_TRUE(messages[i].reading.device_time_us.has_value());
     EXPECT_EQ(*messages[i].reading.device_time_us, samples[i].device_time_us);
   }
+}
+
+/// `tolerance_dps`: half of the message's step. `step_us`: of its time.
+void expect_mavlink_comes_back(const std::map<std::string, double>& settings, double tolerance_dps,
+                               std::int64_t step_us) {
+  const GyroProfile profile{.protocol = "mavlink", .settings = settings, .output_rate_hz = 100.0};
+  sensors::GyroScanner scanner = sensors::gyro_scanner(profile);
+  std::vector<wire::GyroMessage> messages;
+  const auto samples = samples_at(-60.0, profile, GyroGrade::typical, 1, 3.0);
+  for (const auto& sample : samples) scanner.push(gyro_bytes(sample, profile), messages);
+  EXPECT_EQ(scanner.counters().replies, 3U);  // a heartbeat a second
+  EXPECT_EQ(scanner.counters().lost, 0U);
+  ASSERT_EQ(messages.size(), samples.size());
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    const GyroReading& reading = messages[i].reading;
+    for (std::size_t axis = 0; axis < 3; ++axis)
+      EXPECT_NEAR(reading.rate_dps[axis], samples[i].rate_dps[axis], tolerance_dps);
+    EXPECT_EQ(reading.device_time_us, samples[i].device_time_us / step_us * step_us);
+    ASSERT_TRUE(reading.temp_c.has_value());
+    EXPECT_NEAR(*reading.temp_c, samples[i].temp_c, 0.006);
+  }
+}
+
+TEST(GyroBytes, OfAFlightControllerComeBackInEachOfItsMessages) {
+  expect_mavlink_comes_back({}, 0.0287, 1000);  // SCALED_IMU: mrad/s, ms
+  expect_mavlink_comes_back({{"message", 105.0}}, 1e-4, 1);
+  expect_mavlink_comes_back({{"raw_scale_dps", 0.01}}, 0.0051, 1);
+  expect_mavlink_comes_back({{"system", 7.0}, {"component", 200.0}}, 0.0287, 1000);
 }
 
 }  // namespace

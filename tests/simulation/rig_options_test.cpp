@@ -9,9 +9,9 @@
 #include <vector>
 
 #include "scripted_firmware.h"
+#include "thermorig/sensors/gyro_protocol.h"
 #include "thermorig/simulation/virtual_rig.h"
 #include "thermorig/wire/camera_scanner.h"
-#include "thermorig/wire/gyro_scanner.h"
 #include "thermorig/wire/servo_messages.h"
 
 namespace thermorig::simulation {
@@ -119,8 +119,8 @@ TEST(RigHandTurn, IsSeenByTheGyroAndByTheTruth) {
   const auto& shaft = rig->shaft();
   EXPECT_NEAR(shaft[9500].angle_deg - shaft[1900].angle_deg, -360.0, 0.5);
   EXPECT_NEAR(shaft[4999].rate_dps, -120.0, 0.5);
-  const auto gyro = decoded<wire::GyroScanner, wire::GyroMessage>(wire::GyroScanner(config.profile.gyro),
-                                                                  chunks, Device::gyro);
+  const auto gyro = decoded<sensors::GyroScanner, wire::GyroMessage>(
+      sensors::gyro_scanner(config.profile.gyro), chunks, Device::gyro);
   const auto rate_dps = [&](std::size_t i) { return static_cast<double>(gyro[i].reading.rate_dps[2]); };
   double turned_deg = 0.0, bias_dps = 0.0;
   for (std::size_t i = 200; i < 380; ++i) bias_dps += rate_dps(i) / 180.0;  // the servo has gone to its angle
@@ -138,8 +138,8 @@ TEST(RigGyro, ThatZeroesItselfShowsExactZerosAfterASecondAtRestUntilItTurns) {
   config.hand_turns = {{.begin = at_s(4.0), .duration_s = 3.0, .angle_deg = 90.0}};
   std::vector<Chunk> chunks;
   run_resting(config, 10.0, &chunks);
-  const auto gyro = decoded<wire::GyroScanner, wire::GyroMessage>(wire::GyroScanner(config.profile.gyro),
-                                                                  chunks, Device::gyro);
+  const auto gyro = decoded<sensors::GyroScanner, wire::GyroMessage>(
+      sensors::gyro_scanner(config.profile.gyro), chunks, Device::gyro);
   const auto zeros = [&](double from_s, double to_s) {
     int count = 0;
     for (auto i = static_cast<std::size_t>(200.0 * from_s); i < static_cast<std::size_t>(200.0 * to_s); ++i)

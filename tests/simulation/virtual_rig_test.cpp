@@ -9,9 +9,9 @@
 
 #include "scripted_firmware.h"
 #include "thermorig/labels/freshness.h"
+#include "thermorig/sensors/gyro_protocol.h"
 #include "thermorig/wire/camera_scanner.h"
 #include "thermorig/wire/device_bytes.h"
-#include "thermorig/wire/gyro_scanner.h"
 
 namespace thermorig::simulation {
 namespace {
@@ -90,7 +90,7 @@ TEST(VirtualRig, SendsEveryFrameAndSampleThatItRemembersInOrder) {
   rig.keep_truth(true);
   const auto chunks = run(rig, 10.0, 0.02);
   const auto frames = frames_of(chunks);
-  wire::GyroScanner scanner(default_profile().gyro);
+  sensors::GyroScanner scanner = sensors::gyro_scanner(default_profile().gyro);
   std::vector<wire::GyroMessage> gyro;
   scanner.push(bytes_of(chunks, Device::gyro), gyro);
   EXPECT_NEAR(static_cast<double>(frames.size()), 10.0 * 8.0 * 0.98, 2.0);

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "thermorig/wire/camera_scanner.h"
-#include "thermorig/wire/gyro_scanner.h"
+#include "thermorig/wire/gyro_message.h"
 #include "thermorig/wire/servo_messages.h"
 
 namespace thermorig::test {

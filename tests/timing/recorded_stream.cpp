@@ -5,9 +5,9 @@
 #include <cmath>
 #include <map>
 
+#include "thermorig/sensors/gyro_protocol.h"
 #include "thermorig/timing/link_timing.h"
 #include "thermorig/wire/camera_scanner.h"
-#include "thermorig/wire/gyro_scanner.h"
 
 namespace thermorig::timing {
 
@@ -23,7 +23,7 @@ struct Understood {
 class Scanners {
  public:
   Scanners(Device device, const RigProfile& profile)
-      : device_(device), camera_(profile.camera.checksum), gyro_(profile.gyro) {}
+      : device_(device), camera_(profile.camera.checksum), gyro_(sensors::gyro_scanner(profile.gyro)) {}
 
   void push(std::span<const std::uint8_t> bytes, std::vector<Understood>& out) {
     if (device_ == Device::camera) {
@@ -40,7 +40,7 @@ class Scanners {
  private:
   Device device_;
   wire::CameraScanner camera_;
-  wire::GyroScanner gyro_;
+  sensors::GyroScanner gyro_;
   std::vector<wire::CameraMessage> frames_;
   std::vector<wire::GyroMessage> samples_;
 };

@@ -7,6 +7,7 @@
 
 #include "app/program.h"
 #include "support/other_program.h"
+#include "thermorig/session/session.h"
 
 namespace thermorig::tests {
 namespace {
@@ -39,6 +40,28 @@ TEST_F(VirtualTime, GivesEqualBytesInEveryDatasetForEqualSeeds) {
       run_script("acceptance/compare_sessions.py " + first + " " + recorded(5, "dining", "fourth"));
   EXPECT_THAT(elsewhere.text, HasSubstr("camera/temperature"));
   EXPECT_THAT(elsewhere.text, ::testing::Not(HasSubstr("gyro/counts")));  // the room, not the gyro
+}
+
+/// A rig whose gyro is a flight controller, in each of its messages; 115200 baud do not carry 200 HIGHRES_IMU
+/// a second.
+TEST_F(VirtualTime, RecordsAFlightControllerAsAnyGyro) {
+  for (const std::string setting : {"message = 26", "message = 105", "raw_scale_dps = 0.05"}) {
+    SCOPED_TRACE(setting);
+    const std::string profile =
+        "[gyro]\nbaud = 460800\nprotocol = \"mavlink\"\n[gyro.mavlink]\n" + setting + "\n";
+    write("mavlink.toml", {reinterpret_cast<const std::uint8_t*>(profile.data()), profile.size()});
+    const Outcome outcome =
+        run("record --fast --json --simulated=5 --environment kitchen --rig mavlink.toml " + brief_plan);
+    ASSERT_EQ(outcome.code, 0) << outcome.err;
+    const auto summary = outcome.lines().back();
+    EXPECT_EQ(summary["verdict"], "good");
+    const auto session = session::read_session(folder() / summary.value("session", ""));
+    EXPECT_EQ(session.raw.header.profile.gyro.protocol, "mavlink");
+    EXPECT_EQ(session.counters[Device::gyro].lost, 0U);
+    EXPECT_EQ(session.counters[Device::gyro].bad_checksum, 0U);
+    ASSERT_GT(session.gyro.size(), 1000U);
+    for (const TimedGyro& sample : session.gyro) ASSERT_TRUE(sample.reading.device_time_us.has_value());
+  }
 }
 
 /// The paper's Table I: 18 acquisitions, 51,561 frames. Of each speed it has 61 frames indoors and 51 in the

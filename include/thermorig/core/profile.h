@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <map>
 #include <string>
 
 #include "thermorig/core/device.h"
@@ -35,8 +36,6 @@ struct CameraProfile {
   ChecksumPolicy checksum = ChecksumPolicy::word;
 };
 
-enum class GyroProtocol : std::uint8_t { witmotion, text };
-
 /// Columns of a text gyro. A line is split on commas, semicolons, tabs and spaces.
 struct TextColumns {
   std::string prefix;                // a line must start with it (it is cut off); empty: any line
@@ -49,11 +48,12 @@ struct TextColumns {
 struct GyroProfile {
   PortProfile link{.baud = 115200, .latency_s = 0.0, .latency_uncertainty_s = 0.002};
   std::string model = "WitMotion";
-  GyroProtocol protocol = GyroProtocol::witmotion;
-  TextColumns text;
-  double output_rate_hz = 200.0;  // nominal
-  int axis = 2;                   // which of x, y, z is the servo's axis: 0, 1, 2
-  int sign = 1;                   // +1 or -1: so that a positive commanded speed gives a positive rate
+  std::string protocol = "witmotion";      // a name of sensors/gyro_protocol.h
+  TextColumns text;                        // of a protocol that has columns
+  std::map<std::string, double> settings;  // of its protocol, by name; one that is not stated is 0
+  double output_rate_hz = 200.0;           // nominal
+  int axis = 2;                            // which of x, y, z is the servo's axis: 0, 1, 2
+  int sign = 1;  // +1 or -1: so that a positive commanded speed gives a positive rate
   // rate about the axis = scale * true rate + bias, sign applied. Stored rates are never corrected.
   double scale = 1.0;
   double scale_uncertainty = 0.03;  // as a data sheet promises it
@@ -61,6 +61,8 @@ struct GyroProfile {
   double bias_dps = 0.0;
   double bias_uncertainty_dps = 20.0;
   std::string bias_measured_utc;
+
+  double setting(const std::string& setting_name) const;
 };
 
 enum class ServoKind : std::uint8_t { positional = 0, continuous = 1 };

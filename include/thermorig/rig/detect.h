@@ -10,18 +10,18 @@
 #include "thermorig/core/device.h"
 #include "thermorig/core/profile.h"
 #include "thermorig/rig/port_loop.h"
-#include "thermorig/wire/text_format.h"
+#include "thermorig/sensors/text_format.h"
 
 namespace thermorig::rig {
 
 /// What some bytes look like. Pure: no port, no clock.
 struct Evidence {
   std::optional<Device> role;
-  GyroProtocol gyro_protocol = GyroProtocol::witmotion;
-  std::uint64_t messages = 0;                   // good messages of that role
-  double explained_share = 0.0;                 // share of the bytes that lie in them, 0..1
-  std::string text;                             // "12 camera frames (GY-MCU90640), checksums good"
-  std::optional<wire::TextFormat> text_format;  // of a text gyro
+  std::string gyro_protocol;                       // of a gyro: a name of sensors/gyro_protocol.h
+  std::uint64_t messages = 0;                      // good messages of that role
+  double explained_share = 0.0;                    // share of the bytes that lie in them, 0..1
+  std::string text;                                // "12 camera frames (GY-MCU90640), checksums good"
+  std::optional<sensors::TextFormat> text_format;  // of a text gyro
 };
 
 /// Which device sends such bytes? At least two good messages (one camera frame) that hold most of the bytes.
@@ -32,12 +32,12 @@ Evidence classify(std::span<const std::uint8_t> bytes, double heard_s = 0.0);
 struct PortFinding {
   io::PortInfo info;
   std::optional<Device> role;
-  std::uint32_t baud = 0;  // at which it spoke; 0 for a pseudo terminal
-  GyroProtocol gyro_protocol = GyroProtocol::witmotion;
-  std::string how;                              // evidence, ready to print; or "silent at 6 baud rates"
-  std::string problem;                          // could not be opened: why; else empty
-  double rate_hz = 0.0;                         // messages a second while listening
-  std::optional<wire::TextFormat> text_format;  // of a text gyro: its columns are a guess
+  std::uint32_t baud = 0;                          // at which it spoke; 0 for a pseudo terminal
+  std::string gyro_protocol;                       // of a gyro: a name of sensors/gyro_protocol.h
+  std::string how;                                 // evidence, ready to print; or "silent at 6 baud rates"
+  std::string problem;                             // could not be opened: why; else empty
+  double rate_hz = 0.0;                            // messages a second while listening
+  std::optional<sensors::TextFormat> text_format;  // of a text gyro: its columns are a guess
 };
 
 /// Listens on all ports at once, at the usual bauds one after another; what is still unknown then is greeted

@@ -4,6 +4,8 @@
 #include <array>
 #include <cstdint>
 #include <optional>
+#include <span>
+#include <string_view>
 #include <vector>
 
 #include "thermorig/core/profile.h"
@@ -28,6 +30,7 @@ struct GyroQuality {
 };
 
 struct SimulatedGyroSample {
+  std::uint64_t index = 0;           // from 0
   std::array<double, 3> rate_dps{};  // x, y, z as measured, clipped and on the grid of counts
   double temp_c = 25.0;
   std::int64_t device_time_us = 0;  // by its own clock, at the end of the interval
@@ -75,7 +78,15 @@ class Gyro {
   bool started_ = false;
 };
 
-/// The sample as the profile's protocol puts it on the wire: a WitMotion packet or a line of text.
+/// How the simulated gyro speaks a protocol. It shares no code with what reads it (sensors), but the names.
+struct GyroEncoder {
+  std::string_view name;
+  std::vector<std::uint8_t> (*bytes)(const SimulatedGyroSample& sample, const GyroProfile& profile);
+};
+
+std::span<const GyroEncoder> gyro_encoders();
+
+/// The sample as the profile's protocol puts it on the wire. Throws Error(bad_usage) if no encoder speaks it.
 std::vector<std::uint8_t> gyro_bytes(const SimulatedGyroSample& sample, const GyroProfile& profile);
 
 }  // namespace thermorig::simulation

@@ -4,9 +4,9 @@
 #include <algorithm>
 #include <string>
 
-#include "scan.h"
 #include "support/captures.h"
-#include "thermorig/wire/gyro_scanner.h"
+#include "support/gyro_scanners.h"
+#include "wire/scan.h"
 
 namespace thermorig::test {
 namespace {
@@ -18,12 +18,12 @@ ByteVector bytes_of(const std::string& text) {
 }
 
 Scan<GyroMessage> scan_text(const std::string& text, const TextColumns& columns = {}) {
-  return scan_any_chunking<GyroMessage>(wire::TextGyroScanner(columns), bytes_of(text), Stream::ends);
+  return scan_any_chunking<GyroMessage>(text_scanner(columns), bytes_of(text), Stream::ends);
 }
 
 /// A stream that is known to begin with a line.
 Scan<GyroMessage> scan_file(const std::string& text, const TextColumns& columns = {}) {
-  return scan_any_chunking<GyroMessage>(wire::TextGyroScanner(columns, wire::StreamStart::at_line_start),
+  return scan_any_chunking<GyroMessage>(text_scanner(columns, sensors::StreamStart::at_line_start),
                                         bytes_of(text), Stream::ends);
 }
 
@@ -135,7 +135,7 @@ TEST(TextGyroScanner, ReadsEveryLineOfAStreamThatBeginsWithOne) {
 }
 
 TEST(TextGyroScanner, DeliversTheFirstSampleOnceASecondOneAgrees) {
-  wire::TextGyroScanner scanner({}, wire::StreamStart::at_line_start);
+  sensors::GyroScanner scanner = text_scanner({}, sensors::StreamStart::at_line_start);
   std::vector<GyroMessage> messages;
   scanner.push(bytes_of("1,2,3\n4,5"), messages);
   EXPECT_TRUE(messages.empty());
@@ -220,7 +220,7 @@ TEST(TextGyroScanner, SurvivesBinaryNoise) {
   for (std::uint64_t seed = 1; seed <= 10; ++seed) {
     ByteVector bytes = random_bytes(20000, seed);
     append(bytes, bytes_of("\n1,2,3\n1,2,3\n"));
-    const auto scan = scan_any_chunking<GyroMessage>(wire::TextGyroScanner({}), bytes);
+    const auto scan = scan_any_chunking<GyroMessage>(text_scanner({}), bytes);
     EXPECT_GE(scan.messages.size(), 1U);
     EXPECT_LE(scan.messages.size(), 2U);
   }
@@ -233,7 +233,7 @@ TEST(TextGyroScanner, ReadsARealLogOfAnMpu6050) {
   columns.rate = {1, 2, 3};
   columns.time = 0;
   columns.time_unit_s = 1.0;
-  const auto scan = scan_any_chunking<GyroMessage>(wire::TextGyroScanner(columns), *bytes);
+  const auto scan = scan_any_chunking<GyroMessage>(text_scanner(columns), *bytes);
   const auto lines = static_cast<std::size_t>(std::count(bytes->begin(), bytes->end(), '\n'));
   EXPECT_EQ(scan.messages.size(), lines - 1);  // the first line names the columns
   EXPECT_EQ(scan.counters.bad_value, 0U);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "thermorig/wire/text_format.h"
+#include "thermorig/sensors/text_format.h"
 
 #include <fmt/format.h>
 #include <gmock/gmock.h>
@@ -7,8 +7,9 @@
 
 #include <functional>
 
-#include "scan.h"
 #include "support/captures.h"
+#include "support/gyro_scanners.h"
+#include "wire/scan.h"
 
 namespace thermorig::test {
 namespace {
@@ -16,9 +17,9 @@ namespace {
 using testing::ElementsAre;
 using testing::HasSubstr;
 
-std::optional<wire::TextFormat> guess(const std::string& text, double heard_s = 0.0) {
+std::optional<sensors::TextFormat> guess(const std::string& text, double heard_s = 0.0) {
   const ByteVector bytes(text.begin(), text.end());
-  return wire::guess_text_format(bytes, wire::StreamStart::anywhere, heard_s);
+  return sensors::guess_text_format(bytes, sensors::StreamStart::anywhere, heard_s);
 }
 
 /// Twenty lines by number, behind the tail of one.
@@ -110,16 +111,16 @@ TEST(TextFormat, IsNoneWithoutLinesOfNumbers) {
   EXPECT_FALSE(guess("hello\nworld\nnothing here 1 2\nand more\n").has_value());
   EXPECT_FALSE(guess("1,2,3\n4,5,6\n7,8").has_value());  // one whole line
   const ByteVector noise = random_bytes(20000, 5);
-  EXPECT_FALSE(wire::guess_text_format(noise).has_value());
+  EXPECT_FALSE(sensors::guess_text_format(noise).has_value());
 }
 
 TEST(TextFormat, ShowsTheFirstLineWhateverItHolds) {
   const std::string text = "\r\n\x01\x02\r\nready, 3 axes\r\n1,2,3\r\n";
-  const auto line = wire::first_text_line(ByteVector(text.begin(), text.end()));
+  const auto line = sensors::first_text_line(ByteVector(text.begin(), text.end()));
   ASSERT_TRUE(line.has_value());
   EXPECT_EQ(line->text, "ready, 3 axes");
   EXPECT_EQ(line->fields, 3U);
-  EXPECT_FALSE(wire::first_text_line(random_bytes(100, 1)).has_value());
+  EXPECT_FALSE(sensors::first_text_line(random_bytes(100, 1)).has_value());
 }
 
 TEST(TextFormat, ReadsTheLinesItWasGuessedFrom) {
@@ -127,7 +128,7 @@ TEST(TextFormat, ReadsTheLinesItWasGuessedFrom) {
   const ByteVector bytes(text.begin(), text.end());
   const auto format = guess(text);
   ASSERT_TRUE(format.has_value());
-  const auto scan = scan_any_chunking<wire::GyroMessage>(wire::TextGyroScanner(format->columns), bytes);
+  const auto scan = scan_any_chunking<wire::GyroMessage>(text_scanner(format->columns), bytes);
   EXPECT_EQ(scan.messages.size(), 20U);
   EXPECT_EQ(scan.messages.back().reading.device_time_us, 190'000);
   EXPECT_EQ(scan.messages.back().reading.rate_dps, (std::array<float, 3>{1.5F, 3.0F, -3.0F}));
@@ -136,7 +137,7 @@ TEST(TextFormat, ReadsTheLinesItWasGuessedFrom) {
 TEST(TextFormat, OfARealLogIsInItsHeader) {
   const auto bytes = read_capture("mpu6050_usb_serial/set-1_rotate-360ccw-around-z-pointing-up_gyro.csv");
   if (!bytes) GTEST_SKIP() << "no captures in " << captures_folder();
-  const auto format = wire::guess_text_format(*bytes, wire::StreamStart::at_line_start);
+  const auto format = sensors::guess_text_format(*bytes, sensors::StreamStart::at_line_start);
   ASSERT_TRUE(format.has_value());
   EXPECT_THAT(format->columns.rate, ElementsAre(1, 2, 3));
   EXPECT_EQ(format->columns.time, 0);

@@ -5,7 +5,7 @@
 #include <numbers>
 #include <string_view>
 
-namespace thermorig::wire {
+namespace thermorig::sensors {
 
 namespace {
 
@@ -71,4 +71,4 @@ std::optional<double> named_time_unit_s(const std::string& name) {
   return std::nullopt;
 }
 
-}  // namespace thermorig::wire
+}  // namespace thermorig::sensors

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "thermorig/wire/text_format.h"
+#include "thermorig/sensors/text_format.h"
 
 #include <fmt/format.h>
 
@@ -10,7 +10,7 @@
 #include "column_names.h"
 #include "text_table.h"
 
-namespace thermorig::wire {
+namespace thermorig::sensors {
 
 namespace {
 
@@ -141,4 +141,4 @@ std::optional<TextFormat> guess_text_format(std::span<const std::uint8_t> bytes,
   return Guess(table, heard_s).format();
 }
 
-}  // namespace thermorig::wire
+}  // namespace thermorig::sensors

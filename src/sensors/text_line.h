@@ -8,7 +8,7 @@
 #include "thermorig/core/profile.h"
 #include "thermorig/core/reading.h"
 
-namespace thermorig::wire {
+namespace thermorig::sensors {
 
 /// What one line of a text gyro says.
 struct TextLine {
@@ -20,4 +20,4 @@ struct TextLine {
 /// Reads a line without its line end. Source: protocols/text_gyro.md.
 TextLine read_text_line(const TextColumns& columns, std::string_view line);
 
-}  // namespace thermorig::wire
+}  // namespace thermorig::sensors

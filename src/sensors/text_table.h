@@ -5,9 +5,9 @@
 #include <string>
 #include <vector>
 
-#include "thermorig/wire/gyro_scanner.h"
+#include "thermorig/sensors/gyro_scanner.h"
 
-namespace thermorig::wire {
+namespace thermorig::sensors {
 
 /// The lines of a stream that have one format, as a table of numbers.
 struct TextTable {
@@ -22,4 +22,4 @@ struct TextTable {
 /// The most frequent format among the whole lines of `bytes`; no rows if there is no line of numbers.
 TextTable most_frequent_table(std::span<const std::uint8_t> bytes, StreamStart start);
 
-}  // namespace thermorig::wire
+}  // namespace thermorig::sensors

@@ -8,7 +8,7 @@
 #include <string_view>
 #include <vector>
 
-namespace thermorig::wire {
+namespace thermorig::sensors {
 
 /// A line of text as it stands in a stream.
 struct RawLine {
@@ -38,4 +38,4 @@ std::vector<TextField> split_fields(std::string_view line);
 /// The whole text as a number, which may be infinite or NaN; none if it is no number.
 std::optional<double> read_number(std::string_view text);
 
-}  // namespace thermorig::wire
+}  // namespace thermorig::sensors

@@ -8,9 +8,9 @@
 #include <utility>
 
 #include "text_fields.h"
-#include "thermorig/wire/text_format.h"
+#include "thermorig/sensors/text_format.h"
 
-namespace thermorig::wire {
+namespace thermorig::sensors {
 
 namespace {
 
@@ -109,4 +109,4 @@ TextTable most_frequent_table(std::span<const std::uint8_t> bytes, StreamStart s
   return formats.most_frequent();
 }
 
-}  // namespace thermorig::wire
+}  // namespace thermorig::sensors

@@ -9,9 +9,9 @@
 
 #include "thermorig/core/frame.h"
 #include "thermorig/core/profile.h"
-#include "thermorig/wire/gyro_scanner.h"
+#include "thermorig/sensors/gyro_scanner.h"
 
-namespace thermorig::wire {
+namespace thermorig::sensors {
 
 /// Lines of so many columns are not of a gyro: a row of a thermal image, or the whole of it, printed as text.
 constexpr std::size_t image_line_fields = frame_columns;
@@ -44,4 +44,4 @@ struct CountedLine {
 /// The first whole line of printable text that is not blank; none if there is no such line.
 std::optional<CountedLine> first_text_line(std::span<const std::uint8_t> bytes);
 
-}  // namespace thermorig::wire
+}  // namespace thermorig::sensors

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <charconv>
 
-namespace thermorig::wire {
+namespace thermorig::sensors {
 
 namespace {
 
@@ -68,4 +68,4 @@ std::optional<double> read_number(std::string_view text) {
   return number;
 }
 
-}  // namespace thermorig::wire
+}  // namespace thermorig::sensors

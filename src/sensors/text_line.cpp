@@ -9,7 +9,7 @@
 
 #include "text_fields.h"
 
-namespace thermorig::wire {
+namespace thermorig::sensors {
 
 namespace {
 
@@ -93,4 +93,4 @@ TextLine read_text_line(const TextColumns& columns, std::string_view line) {
   return result;
 }
 
-}  // namespace thermorig::wire
+}  // namespace thermorig::sensors

@@ -3,9 +3,9 @@
 
 #include <random>
 
-#include "scan.h"
+#include "support/gyro_scanners.h"
 #include "thermorig/wire/device_bytes.h"
-#include "thermorig/wire/gyro_scanner.h"
+#include "wire/scan.h"
 
 namespace thermorig::test {
 namespace {
@@ -14,7 +14,7 @@ using wire::GyroMessage;
 using wire::witmotion_packet_bytes;
 
 Scan<GyroMessage> scan_witmotion(ByteSpan bytes, Stream stream = Stream::goes_on) {
-  return scan_any_chunking<GyroMessage>(wire::WitmotionScanner(), bytes, stream);
+  return scan_any_chunking<GyroMessage>(witmotion_scanner(), bytes, stream);
 }
 
 /// A count whose bytes are those that a gyro packet begins with.
@@ -184,13 +184,13 @@ TEST(WitmotionScanner, GivesEveryPacketThatIsFarEnoughFromDamage) {
 TEST(GyroScanner, ReadsTheProtocolThatTheProfileNames) {
   GyroProfile profile;
   std::vector<GyroMessage> messages;
-  wire::GyroScanner witmotion(profile);
+  sensors::GyroScanner witmotion = sensors::gyro_scanner(profile);
   witmotion.push(numbered_packets(1, 3), messages);
   EXPECT_EQ(messages.size(), 3U);
   EXPECT_EQ(witmotion.counters().messages, 3U);
 
-  profile.protocol = GyroProtocol::text;
-  wire::GyroScanner text(profile);
+  profile.protocol = "text";
+  sensors::GyroScanner text = sensors::gyro_scanner(profile);
   const std::string lines = "start\n1,2,3\n4,5,6\n";
   text.push({reinterpret_cast<const std::uint8_t*>(lines.data()), lines.size()}, messages);
   EXPECT_EQ(messages.size(), 5U);
@@ -198,15 +198,15 @@ TEST(GyroScanner, ReadsTheProtocolThatTheProfileNames) {
 }
 
 TEST(GyroScanner, ReadsWhatTheProfileNames) {
-  const auto scan =
-      scan_any_chunking<GyroMessage>(wire::GyroScanner(GyroProfile{.protocol = GyroProtocol::witmotion}),
-                                     numbered_packets(1, 5), Stream::ends);
+  const auto scan = scan_any_chunking<GyroMessage>(
+      sensors::gyro_scanner(GyroProfile{.protocol = "witmotion"}), numbered_packets(1, 5), Stream::ends);
   EXPECT_EQ(numbers_of(scan), (std::vector<int>{1, 2, 3, 4, 5}));
   EXPECT_EQ(scan.counters, scan_witmotion(numbered_packets(1, 5), Stream::ends).counters);
   const std::string lines = "1,2,3\n4,5,6\n7,8,9\n";
-  const GyroProfile text{.protocol = GyroProtocol::text};
-  const auto read = scan_any_chunking<GyroMessage>(wire::GyroScanner(text, wire::StreamStart::at_line_start),
-                                                   ByteVector(lines.begin(), lines.end()), Stream::ends);
+  const GyroProfile text{.protocol = "text"};
+  const auto read =
+      scan_any_chunking<GyroMessage>(sensors::gyro_scanner(text, sensors::StreamStart::at_line_start),
+                                     ByteVector(lines.begin(), lines.end()), Stream::ends);
   EXPECT_EQ(read.messages.size(), 3U);
   EXPECT_EQ(read.counters.bytes_in_messages, lines.size());
 }

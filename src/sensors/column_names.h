@@ -5,7 +5,7 @@
 #include <optional>
 #include <string>
 
-namespace thermorig::wire {
+namespace thermorig::sensors {
 
 // What names such as "gx_dps", "gyro.x", "t_ms" say about a column.
 
@@ -20,4 +20,4 @@ bool names_time(const std::string& name);
 /// Seconds of one unit; none where the name has no unit.
 std::optional<double> named_time_unit_s(const std::string& name);
 
-}  // namespace thermorig::wire
+}  // namespace thermorig::sensors

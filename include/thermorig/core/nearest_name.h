@@ -1,0 +1,14 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <span>
+#include <string>
+#include <string_view>
+
+namespace thermorig {
+
+/// What to type instead of a name that is not known: `did you mean "text"? one of: text, witmotion`, the
+/// nearest first. There must be a name; without one that is near only the list.
+std::string advice_on_name(std::string_view unknown, std::span<const std::string> names);
+
+}  // namespace thermorig

@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "thermorig/core/profile.h"
+#include "thermorig/sensors/gyro_scanner.h"
+#include "thermorig/sensors/text_format.h"
+
+namespace thermorig::sensors {
+
+/// Why some bytes look like a gyro of one protocol.
+struct GyroEvidence {
+  std::uint64_t messages = 0;             // samples
+  std::uint64_t bytes = 0;                // in good messages of any kind
+  std::string text;                       // "12 WitMotion gyro packets"
+  std::optional<TextFormat> text_format;  // of lines of text: a guess
+};
+
+/// A number that a profile says in [gyro.<protocol>]. Not stated: 0.
+struct GyroSetting {
+  const char* name;
+  double min, max;
+  bool is_whole;
+  const char* comment;
+};
+
+/// All that the program knows of one gyro protocol. Others ask this, and never compare names.
+struct GyroProtocol {
+  std::string_view name;     // in profiles, sessions and `decode --gyro-protocol`
+  std::string_view sends;    // in words, many of them: "WitMotion packets"
+  bool has_columns = false;  // it sends lines of text; [gyro.text] says what their columns are
+  std::span<const GyroSetting> settings;
+
+  /// Bytes of one sample's message, at most.
+  std::uint64_t (*message_bytes)(const GyroProfile& profile);
+  GyroScanner (*scanner)(const GyroProfile& profile, StreamStart start);
+  /// Nothing if the bytes, which came in `heard_s` seconds (0: not known), hold too few messages of it.
+  std::optional<GyroEvidence> (*recognise)(std::span<const std::uint8_t> bytes, double heard_s);
+};
+
+/// The table. The first one is what a profile has that names none.
+std::span<const GyroProtocol> gyro_protocols();
+
+std::vector<std::string> gyro_protocol_names();
+
+/// Nothing if there is none of that name.
+const GyroProtocol* find_gyro_protocol(std::string_view name);
+
+/// Throws Error(bad_usage) if there is none of that name: it lists those there are.
+const GyroProtocol& gyro_protocol(std::string_view name);
+
+/// Whether a profile may state this setting of the protocol with this value.
+bool is_allowed(const GyroProtocol& protocol, std::string_view setting, double value);
+
+/// A scanner of the protocol that the profile names. Throws as gyro_protocol() does.
+GyroScanner gyro_scanner(const GyroProfile& profile, StreamStart start = StreamStart::anywhere);
+
+}  // namespace thermorig::sensors

@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: MIT
+#include "thermorig/core/nearest_name.h"
+
+#include <algorithm>
+#include <numeric>
+#include <vector>
+
+namespace thermorig {
+
+namespace {
+
+/// Characters to insert, remove or replace (Levenshtein).
+std::size_t edits_between(std::string_view from, std::string_view to) {
+  std::vector<std::size_t> row(to.size() + 1);
+  std::iota(row.begin(), row.end(), std::size_t{0});
+  for (std::size_t i = 0; i < from.size(); ++i) {
+    std::size_t diagonal = row[0]++;
+    for (std::size_t j = 0; j < to.size(); ++j) {
+      const std::size_t replaced = diagonal + (from[i] == to[j] ? 0 : 1);
+      diagonal = row[j + 1];
+      row[j + 1] = std::min({replaced, diagonal + 1, row[j] + 1});
+    }
+  }
+  return row.back();
+}
+
+}  // namespace
+
+std::string advice_on_name(std::string_view unknown, std::span<const std::string> names) {
+  constexpr std::size_t longest_compared = 64;
+  unknown = unknown.substr(0, longest_compared);
+  std::vector<std::string> sorted(names.begin(), names.end());
+  std::stable_sort(sorted.begin(), sorted.end(), [&](const std::string& a, const std::string& b) {
+    return edits_between(unknown, a) < edits_between(unknown, b);
+  });
+  const std::string& nearest = sorted.front();
+  const bool is_near = 2 * edits_between(unknown, nearest) <= nearest.size();
+  std::string advice = is_near ? "did you mean \"" + nearest + "\"? one of: " : "one of: ";
+  for (const std::string& name : sorted) advice += (&name == &nearest ? "" : ", ") + name;
+  return advice;
+}
+
+}  // namespace thermorig

@@ -1,0 +1,176 @@
+// SPDX-License-Identifier: MIT
+// Gyros that print text. Source: protocols/text_gyro.md.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cassert>
+#include <utility>
+
+#include "text_fields.h"
+#include "text_line.h"
+#include "thermorig/sensors/gyro_protocol.h"
+#include "thermorig/wire/byte_ledger.h"
+#include "thermorig/wire/reassembly.h"
+
+namespace thermorig::sensors {
+
+namespace {
+
+using wire::Bytes;
+using wire::GyroMessage;
+
+constexpr std::size_t line_bytes_max = 256;  // without the line end; no gyro prints longer lines
+constexpr std::size_t line_window = line_bytes_max + 2;
+constexpr std::size_t learning_window = 4 * line_window;
+
+/// Reads gyros that print one line of text a sample.
+///
+/// Text has no checksum. What can be told from it is: without a prefix, the first line of a stream that was
+/// joined anywhere may be the tail of one and is not read; a line with another number of fields than the
+/// lines before is damaged. How many fields are usual, two samples in a row tell, so the first one waits for
+/// the second.
+class TextGyroScanner {
+ public:
+  TextGyroScanner(TextColumns columns, StreamStart start);
+  void push(Bytes bytes, std::vector<GyroMessage>& out);
+  /// The stream ends here: what only waits for the bytes behind it is decided. A line without an end stays
+  /// pending, since it may be cut inside a number. The last call.
+  void finish(std::vector<GyroMessage>& out);
+  const wire::Counters& counters() const { return ledger_.counters; }
+
+ private:
+  std::size_t step(Bytes rest, std::vector<GyroMessage>& out);
+  std::size_t skip_to_line_end(Bytes rest);
+  std::size_t take_line(const RawLine& line, Bytes rest, std::vector<GyroMessage>& out);
+  std::size_t pass_over(std::size_t bytes);
+  std::size_t learn_fields(Bytes rest) const;
+  bool has_usual_fields(std::size_t fields);
+
+  TextColumns columns_;
+  wire::ByteLedger ledger_;
+  std::vector<std::uint8_t> pending_;  // received, not yet booked
+  bool at_line_start_;
+  std::size_t usual_fields_ = 0;  // of the lines so far, 0: none yet
+  std::size_t other_fields_ = 0;  // of the line before, if that was not the usual number
+  bool ended_ = false;
+};
+
+TextGyroScanner::TextGyroScanner(TextColumns columns, StreamStart start)
+    : columns_(std::move(columns)),
+      at_line_start_(!columns_.prefix.empty() || start == StreamStart::at_line_start) {}
+
+void TextGyroScanner::push(Bytes bytes, std::vector<GyroMessage>& out) {
+  assert(!ended_);
+  ledger_.receive(bytes.size());
+  wire::reassemble(pending_, bytes, learning_window, [&](Bytes rest) { return step(rest, out); });
+  assert(pending_.size() == ledger_.counters.bytes_pending);
+}
+
+void TextGyroScanner::finish(std::vector<GyroMessage>& out) {
+  ended_ = true;
+  wire::reassemble_end(pending_, [&](Bytes rest) { return step(rest, out); });
+  assert(pending_.size() == ledger_.counters.bytes_pending);
+}
+
+std::size_t TextGyroScanner::step(Bytes rest, std::vector<GyroMessage>& out) {
+  if (!at_line_start_) return skip_to_line_end(rest);
+  const auto line = first_line(rest.first(std::min(rest.size(), line_window)), ended_);
+  if (line && line->text.size() <= line_bytes_max) return take_line(*line, rest, out);
+  if (!line && rest.size() < line_window) return 0;
+  ++ledger_.counters.bad_length;
+  return skip_to_line_end(rest);
+}
+
+std::size_t TextGyroScanner::skip_to_line_end(Bytes rest) {
+  const std::size_t size = std::min(wire::bytes_before('\n', rest), wire::bytes_before('\r', rest));
+  at_line_start_ = size < rest.size();
+  const std::size_t skipped = at_line_start_ ? size + 1 : size;
+  ledger_.book_gap(skipped);
+  return skipped;
+}
+
+std::size_t TextGyroScanner::take_line(const RawLine& line, Bytes rest, std::vector<GyroMessage>& out) {
+  const TextLine read = read_text_line(columns_, line.text);
+  if (is_blank(line.text) || !read.is_sample) return pass_over(line.bytes);
+  if (read.reading && usual_fields_ == 0) usual_fields_ = learn_fields(rest);
+  if (read.reading && usual_fields_ == 0) return 0;
+  const bool is_usual = read.reading && has_usual_fields(read.fields);
+  if (read.reading && !is_usual && ledger_.counters.messages == 0) return pass_over(line.bytes);
+  if (!is_usual) {
+    ++ledger_.counters.bad_value;
+    ledger_.mark_damage(line.bytes);
+    ledger_.book_gap(line.bytes);
+    return line.bytes;
+  }
+  const StreamSpan span = ledger_.book_message(line.bytes);
+  out.push_back({*read.reading, span, ledger_.take_gap()});
+  ++ledger_.counters.messages;
+  return line.bytes;
+}
+
+std::size_t TextGyroScanner::pass_over(std::size_t bytes) {
+  ledger_.book_filler(bytes);
+  return bytes;
+}
+
+/// The number of columns of the first two samples in a row that agree: one line alone may be a banner or the
+/// tail of a line. 0 while more bytes are needed; the first line's where the window has no such two.
+std::size_t TextGyroScanner::learn_fields(Bytes rest) const {
+  const Bytes window = rest.first(std::min(rest.size(), learning_window));
+  std::size_t first = 0;
+  std::size_t before = 0;
+  std::size_t at = 0;
+  while (const auto line = first_line(window.subspan(at), ended_)) {
+    at += line->bytes;
+    const TextLine read = read_text_line(columns_, line->text);
+    if (!read.reading || line->text.size() > line_bytes_max) continue;
+    if (read.fields == before) return read.fields;
+    before = read.fields;
+    if (first == 0) first = read.fields;
+  }
+  return ended_ || window.size() == learning_window ? first : 0;
+}
+
+/// A lost line feed or comma changes the number of fields. Two lines in a row set a new usual number.
+bool TextGyroScanner::has_usual_fields(std::size_t fields) {
+  if (other_fields_ == fields) usual_fields_ = fields;
+  other_fields_ = fields == usual_fields_ ? 0 : fields;
+  return fields == usual_fields_;
+}
+
+constexpr std::uint64_t field_bytes = 8;  // a number as text, such as "-123.45", and its separator
+constexpr std::uint64_t line_end_bytes = 2;
+
+/// A line as long as the columns that are read; what a device prints behind them is not known.
+std::uint64_t text_message_bytes(const GyroProfile& profile) {
+  const TextColumns& text = profile.text;
+  const int last = std::max(text.time, *std::max_element(text.rate.begin(), text.rate.end()));
+  return text.prefix.size() + field_bytes * static_cast<std::uint64_t>(last + 1) + line_end_bytes;
+}
+
+GyroScanner text_scanner(const GyroProfile& profile, StreamStart start) {
+  return GyroScanner(TextGyroScanner(profile.text, start));
+}
+
+std::optional<GyroEvidence> recognise_text(Bytes bytes, double heard_s) {
+  std::optional<TextFormat> format = guess_text_format(bytes, StreamStart::anywhere, heard_s);
+  if (!format) return std::nullopt;
+  return GyroEvidence{.messages = format->lines,
+                      .bytes = format->bytes,
+                      .text = fmt::format("{} lines of numbers, as a text gyro prints them", format->lines),
+                      .text_format = std::move(format)};
+}
+
+}  // namespace
+
+GyroProtocol text_gyro() {
+  return {.name = "text",
+          .sends = "lines of text",
+          .has_columns = true,
+          .settings = {},
+          .message_bytes = text_message_bytes,
+          .scanner = text_scanner,
+          .recognise = recognise_text};
+}
+
+}  // namespace thermorig::sensors

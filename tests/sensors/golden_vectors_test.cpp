@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: MIT
+// The gyros' golden vectors: protocols/vectors/{witmotion,text_gyro,mavlink_gyro}.txt.
+#include <gtest/gtest.h>
+
+#include <string>
+
+#include "support/gyro_scanners.h"
+#include "wire/scan.h"
+#include "wire/vector_fields.h"
+
+namespace thermorig::test {
+namespace {
+
+/// What the vector says about the last reading.
+void expect_reading(const GyroReading& reading, const Fields& fields) {
+  if (fields.contains("counts")) {
+    const auto counts = numbers_in(fields.at("counts"));
+    for (std::size_t axis = 0; axis < 3; ++axis) EXPECT_EQ(reading.counts[axis], counts.at(axis));
+  }
+  if (fields.contains("rate_dps")) {
+    const auto rates_dps = numbers_in(fields.at("rate_dps"));
+    for (std::size_t axis = 0; axis < 3; ++axis)
+      EXPECT_EQ(reading.rate_dps[axis], static_cast<float>(rates_dps.at(axis)));
+  }
+  EXPECT_EQ(reading.saturated, count_in(fields, "saturated") == 1);
+  EXPECT_EQ(reading.device_time_us.has_value(), fields.contains("time_us"));
+  if (fields.contains("time_us")) {
+    EXPECT_EQ(reading.device_time_us, std::stoll(fields.at("time_us")));
+  }
+}
+
+TEST(GoldenVectors, WitmotionStreamsAreReadAsDescribed) {
+  for (const GoldenVector& vector : read_vectors("witmotion.txt")) {
+    SCOPED_TRACE(vector.name);
+    const Fields fields = fields_in(vector);
+    const auto scan = scan_any_chunking<wire::GyroMessage>(witmotion_scanner(), vector.bytes, Stream::ends);
+    expect_counters(scan.counters, fields, "readings");
+    ASSERT_EQ(scan.messages.size(), count_in(fields, "readings"));
+    if (scan.messages.empty()) continue;
+    const GyroReading& reading = scan.messages.back().reading;
+    expect_reading(reading, fields);
+    EXPECT_EQ(reading.temp_c, std::stof(fields.at("temp_cdeg")) / 100.0F);
+    for (std::size_t axis = 0; axis < 3; ++axis)
+      EXPECT_EQ(reading.rate_dps[axis], static_cast<float>(reading.counts[axis] * 2000.0 / 32768.0));
+  }
+}
+
+TextColumns columns_in(const Fields& fields) {
+  TextColumns columns;
+  if (fields.contains("prefix")) columns.prefix = fields.at("prefix");
+  if (fields.contains("scale_dps")) columns.scale_dps = std::stod(fields.at("scale_dps"));
+  if (fields.contains("time")) columns.time = std::stoi(fields.at("time"));
+  if (fields.contains("time_unit_s")) columns.time_unit_s = std::stod(fields.at("time_unit_s"));
+  if (fields.contains("rate")) {
+    const auto rate = numbers_in(fields.at("rate"));
+    for (std::size_t axis = 0; axis < 3; ++axis) columns.rate[axis] = static_cast<int>(rate.at(axis));
+  }
+  return columns;
+}
+
+TEST(GoldenVectors, TextStreamsAreReadAsDescribed) {
+  for (const GoldenVector& vector : read_vectors("text_gyro.txt")) {
+    SCOPED_TRACE(vector.name);
+    const Fields fields = fields_in(vector);
+    const sensors::GyroScanner scanner = text_scanner(columns_in(fields));
+    const auto scan = scan_any_chunking<wire::GyroMessage>(scanner, vector.bytes, Stream::ends);
+    expect_counters(scan.counters, fields, "readings");
+    ASSERT_EQ(scan.messages.size(), count_in(fields, "readings"));
+    if (!scan.messages.empty()) expect_reading(scan.messages.back().reading, fields);
+  }
+}
+
+TEST(GoldenVectors, MavlinkStreamsAreReadAsDescribed) {
+  for (const GoldenVector& vector : read_vectors("mavlink_gyro.txt")) {
+    SCOPED_TRACE(vector.name);
+    const Fields fields = fields_in(vector);
+    GyroProfile profile{.protocol = "mavlink"};
+    for (const char* setting : {"system", "message", "raw_scale_dps"})
+      if (fields.contains(setting)) profile.settings[setting] = std::stod(fields.at(setting));
+    const auto scan =
+        scan_any_chunking<wire::GyroMessage>(sensors::gyro_scanner(profile), vector.bytes, Stream::ends);
+    expect_counters(scan.counters, fields, "readings");
+    EXPECT_EQ(scan.counters.lost, count_in(fields, "lost"));
+    ASSERT_EQ(scan.messages.size(), count_in(fields, "readings"));
+    if (scan.messages.empty()) continue;
+    const GyroReading& reading = scan.messages.back().reading;
+    expect_reading(reading, fields);
+    EXPECT_EQ(reading.temp_c.has_value(), fields.contains("temp_cdeg"));
+    if (reading.temp_c) {
+      EXPECT_FLOAT_EQ(*reading.temp_c, std::stof(fields.at("temp_cdeg")) / 100.0F);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace thermorig::test
