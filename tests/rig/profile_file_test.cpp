@@ -89,10 +89,11 @@ TEST(ProfileFile, GivesTheSettingsOfTheGyrosProtocolBack) {
 
 TEST(ProfileFile, RefusesSettingsThatTheGyrosProtocolDoesNotHave) {
   const std::string mavlink = "[gyro]\nprotocol = \"mavlink\"\n[gyro.mavlink]\n";
-  EXPECT_THAT(refusal(mavlink + "sistem = 1\n"), HasSubstr("bench.toml:4: unknown key \"sistem\""));
-  EXPECT_THAT(refusal(mavlink + "system = 256\n"), HasSubstr("from 0 to 255"));
-  EXPECT_THAT(refusal(mavlink + "system = 1.5\n"), HasSubstr("not a whole number"));
-  EXPECT_THAT(refusal("[gyro.mavlink]\nsystem = 1\n"), HasSubstr("unknown key \"mavlink\""));
+  EXPECT_THAT(refusal_of_profile(mavlink + "sistem = 1\n"),
+              HasSubstr("bench.toml:4: unknown key \"sistem\""));
+  EXPECT_THAT(refusal_of_profile(mavlink + "system = 256\n"), HasSubstr("from 0 to 255"));
+  EXPECT_THAT(refusal_of_profile(mavlink + "system = 1.5\n"), HasSubstr("not a whole number"));
+  EXPECT_THAT(refusal_of_profile("[gyro.mavlink]\nsystem = 1\n"), HasSubstr("unknown key \"mavlink\""));
 }
 
 TEST(ProfileFile, GivesCalibrationsBack) {
