@@ -36,6 +36,8 @@ if [ -z "$counted" ]; then
 fi
 
 for module in "${modules[@]}"; do
+  # Of a program that was built anew since, the counts are of tests that may be gone.
+  find "$counts" -name "$module-*.profraw" ! -newer "$build/bin/test_$module" -delete 2>/dev/null || true
   files=("$counts/$module"-*.profraw)
   [ -e "${files[0]}" ] || { echo "$counts has no counts of $module: run bash tests/coverage.sh" >&2; exit 2; }
   llvm-profdata-14 merge -o "$counts/$module.profdata" "${files[@]}"

@@ -73,8 +73,8 @@ def units_of(build, paths):
 
 def check(build, unit, lines):
     line_filter = json.dumps([{"name": path, "lines": ranges} for path, ranges in lines.items()])
-    done = subprocess.run(("clang-tidy-14", "-p", build, "--quiet", f"--line-filter={line_filter}",
-                           "--extra-arg=-Wno-unknown-warning-option", unit), capture_output=True, text=True, cwd=ROOT)
+    done = subprocess.run(("clang-tidy-14", "-p", build, "--quiet", "--header-filter=.*",
+                           f"--line-filter={line_filter}", "--extra-arg=-Wno-unknown-warning-option", unit), capture_output=True, text=True, cwd=ROOT)
     return done.returncode, done.stdout.strip() or (done.stderr.strip() if done.returncode else "")
 
 
@@ -88,6 +88,9 @@ def main(arguments):
     else:
         lines = changed_lines(arguments[1] if len(arguments) > 1 else default_base())
     units = units_of(build, lines)
+    seen = set().union(*(sources_of(unit) for unit in units)) if units else set()
+    for path in sorted(path for path in lines if path.endswith((".cpp", ".c")) and path not in seen):
+        print(f"not read: {path} is compiled in no part of {build}")
     with ThreadPoolExecutor(os.cpu_count()) as pool:
         results = list(pool.map(lambda unit: check(build, unit, lines), units))
     failed = [text for code, text in results if code]

@@ -47,7 +47,7 @@ struct ReadWatch::Shared {
   /// Asks the terminal for the first time; nobody closes it meanwhile. False: nobody listens any more.
   bool begin(int fd) {
     const std::lock_guard lock(mutex);
-    if (!ended) add(set.get(), fd, EPOLLIN | EPOLLET);
+    if (!ended) add(set.get(), fd, EPOLLIN | EPOLLRDHUP | EPOLLET);
     return !ended;
   }
 
@@ -55,7 +55,7 @@ struct ReadWatch::Shared {
   bool tell(std::uint32_t event) {
     const std::lock_guard lock(mutex);
     if (ended) return false;
-    if ((event & EPOLLHUP) != 0) hung_up = true;
+    if ((event & (EPOLLHUP | EPOLLRDHUP)) != 0) hung_up = true;
     if (!std::exchange(told, true)) readable();
     return true;
   }

@@ -296,17 +296,17 @@ struct PageLoop::Impl {
     tick.async_wait([this](error_code error) {
       if (error) return;
       wait_for_tick();
-      distribute();  // in case that the memory for publish()'s handler was missing
-      end_what_is_overdue();
+      end_what_is_overdue();  // first, for what follows may find no memory
+      distribute();           // in case that the memory for publish()'s handler was missing
     });
   }
 
   void end_what_is_overdue() {
     const Time now = options.now();
+    if (leaving && now >= leaving_deadline) context.stop();
     for (const auto& connection : connections)
       if (now >= connection->deadline) close(connection->socket);
     streams.end_what_is_overdue();
-    if (leaving && now >= leaving_deadline) context.stop();
   }
 
   // --- messages ----------------------------------------------------------------------------------------

@@ -180,6 +180,7 @@ asio::awaitable<void> Streams::write_queue(ClientPointer client) {
 }
 
 void Streams::send(const std::deque<Message>& messages) {
+  if (messages.empty()) return;
   for (const Message& message : messages) {
     backlog_.keep(message);
     for (const ClientPointer& client : clients_)
@@ -209,9 +210,9 @@ bool Streams::is_overdue(const Client& client, Time now) const {
 void Streams::ask_if_silent(const ClientPointer& client, Time now) const {
   if (!client->known || client->closing || client->asked_at || client->pinging) return;
   if (now - client->heard_at < options_.silent_time / 2) return;
+  client->stream.async_ping({}, [client](error_code) { client->pinging = false; });  // never from within
   client->asked_at = now;
   client->pinging = true;
-  client->stream.async_ping({}, [client](error_code) { client->pinging = false; });
 }
 
 void Streams::leave() {

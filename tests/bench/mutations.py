@@ -17,6 +17,7 @@ import json
 import os
 import random
 import re
+import signal
 import subprocess
 import sys
 import time
@@ -153,16 +154,26 @@ def apply(path, folder):
     Path(folder, "include/mutant.h").write_text(HEADER, encoding="utf-8")
 
 
-def finds(command, folder, number, log):
+def run_tests(command, folder, environment, output, limit_s):
+    """Its exit code, or None where it did not end in time: then everything that it started is ended."""
+    process = subprocess.Popen(command, cwd=folder, env=environment, stdout=output, stderr=subprocess.STDOUT,
+                               start_new_session=True)
+    try:
+        return process.wait(limit_s)
+    except subprocess.TimeoutExpired:
+        os.killpg(process.pid, signal.SIGKILL)
+        process.wait()
+        return None
+
+
+def finds(command, folder, number, log, limit_s=900.0):
     """The first test that failed, or None."""
     environment = {**os.environ, "THERMORIG_MUTANT": str(number), "GTEST_FAIL_FAST": "1",
                    "LSAN_OPTIONS": f"suppressions={folder}/tests/leaks_of_libraries.txt:print_suppressions=0"}
     with open(log, "w", encoding="utf-8") as output:
-        try:
-            code = subprocess.run(command, cwd=folder, env=environment, stdout=output, stderr=subprocess.STDOUT,
-                                  timeout=900).returncode
-        except subprocess.TimeoutExpired:
-            return "hangs"
+        code = run_tests(command, folder, environment, output, limit_s)
+    if code is None:
+        return "hangs"
     if code == 0:
         return None
     text = Path(log).read_text(encoding="utf-8", errors="replace")
@@ -184,19 +195,33 @@ def program(build, name, clock):
     return [f"{build}/bin/test_{name}", "--gtest_brief=1", f"--gtest_filter=-{clock}"]
 
 
+def limits_of(suites, folder, log):
+    """Of each suite, how long it may take with a break. Ends the program where one fails without any."""
+    limits = {}
+    for suite, command in suites:
+        begin = time.monotonic()
+        failed = finds(command, folder, 0, log)
+        if failed is not None:
+            sys.exit(f"{suite} fails without a break: {failed} ({log})")
+        limits[suite] = 60.0 + 5.0 * (time.monotonic() - begin)
+    return limits
+
+
 def run(path, folder, build, form):
     clock = ":".join(Path(folder, "tests/on_the_clock.txt").read_text(encoding="utf-8").split())
+    every = [*((f"test_{name}", program(build, name, clock)) for _, _, names in AREAS.values() for name in names),
+             ("unit", ["ctest", "--test-dir", build, "-LE", "rig", "--stop-on-failure", "-j", str(os.cpu_count())]),
+             ("on the clock", ["bash", "tests/wall_clock.sh", build, "-L", "rig", "-E", "^Readme"])]
+    limits = limits_of(every, folder, f"{build}/unbroken.log")
     results = []
     for number, one in enumerate(chosen(path), 1):
         begin = time.monotonic()
         names = AREAS[one["area"]][2]
-        near = [(f"test_{name}", program(build, name, clock)) for name in names]
-        suites = [*near,
-                  ("unit", ["ctest", "--test-dir", build, "-LE", "rig", "--stop-on-failure", "-j", str(os.cpu_count())]),
-                  ("on the clock", ["bash", "tests/wall_clock.sh", build, "-L", "rig", "-E", "^Readme"])]
+        suites = [(suite, command) for suite, command in every
+                  if suite in ("unit", "on the clock") or suite in [f"test_{name}" for name in names]]
         suite, test = "", None
         for suite, command in suites:
-            test = finds(command, folder, number, f"{build}/mutant-{number}.log")
+            test = finds(command, folder, number, f"{build}/mutant-{number}.log", limits[suite])
             if test is not None:
                 break
         for name in names if test is None else []:

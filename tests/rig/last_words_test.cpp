@@ -49,6 +49,7 @@ __attribute__((noinline)) int overflow(int depth) {  // NOLINT: that is what it 
   return overflow(depth + 1) + frame[0];
 }
 
+#ifdef THERMORIG_MEMORY_MAY_BE_GONE
 /// No allocation of this process succeeds any more.
 void use_up_memory() {
   const rlimit nothing{0, 0};
@@ -59,6 +60,7 @@ void use_up_memory() {
     size /= 2;
   }
 }
+#endif
 
 const Death deaths[] = {
     {"Quit", raise_signal<SIGQUIT>},

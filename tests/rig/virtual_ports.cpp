@@ -105,10 +105,12 @@ std::string VirtualPorts::resolved(const std::string& name) const {
   return *path;
 }
 
-PortLoop::PortId VirtualPorts::open(const PortProfile& link, PortHandlers handlers, io::Refusal) {
+PortLoop::PortId VirtualPorts::open(const PortProfile& link, PortHandlers handlers, io::Refusal refusal) {
   Port& port = *port_at(resolved(link.port));
   if (port.is_held || port.opened)
-    throw Error(ExitCode::no_permission, "port is in use by another program", port.path, "end it");
+    throw Error(ExitCode::no_permission,
+                refusal == io::Refusal::brief ? "port is in use" : "port is in use by another program",
+                port.path, "end it");
   opened_.push_back({.path = port.path, .baud = link.baud, .handlers = std::move(handlers)});
   port.opened = opened_.size() - 1;
   return *port.opened;

@@ -27,7 +27,8 @@ class HandClock {
   Time now() const { return Time(std::chrono::hours(1) + std::chrono::nanoseconds(passed_ns_)); }
   void advance(std::chrono::nanoseconds time) { passed_ns_ += time.count(); }
 
-  /// Moves on in steps until the condition holds; each step is there to be seen for some milliseconds.
+  /// Moves on in steps until the condition holds. Who looks at the clock now and then only may miss many
+  /// steps: this shows that something comes, not when.
   bool advance_until(const std::function<bool()>& condition, std::chrono::nanoseconds step) {
     return comes_true([&] {
       if (condition()) return true;

@@ -44,7 +44,7 @@ struct PortFinding {
 /// as a servo. Within `listen_s` seconds. A pty has no baud: it is listened to once.
 std::vector<PortFinding> identify_devices(const std::vector<io::PortInfo>& ports, double listen_s = 6.0);
 
-/// The same on the ports and the clock of `loop`, which serves nothing else.
+/// The same on the ports and the clock of `loop`, which serves nothing else, and is not run again after it.
 std::vector<PortFinding> identify_devices(const std::vector<io::PortInfo>& ports, PortLoop& loop,
                                           double listen_s = 6.0);
 

@@ -22,7 +22,7 @@ struct PortOptions {
 /// bad_usage.
 RecordingResult record_ports(const PortOptions& options);
 
-/// The same on the ports and the clock of `loop`, which serves nothing else.
+/// The same on the ports and the clock of `loop`, which serves nothing else, and is not run again after it.
 RecordingResult record_ports(const PortOptions& options, PortLoop& loop);
 
 }  // namespace thermorig::rig
