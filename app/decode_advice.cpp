@@ -79,7 +79,7 @@ std::string advice_on_device(const DecodeOptions& options, Bytes head) {
   for (const sensors::GyroProtocol& protocol : sensors::gyro_protocols()) {
     const auto found = protocol.recognise(head, 0.0);
     if (!found || protocol.has_columns || found->messages < convincing_packets) continue;
-    const std::string name = fmt::format("--gyro-protocol {}", protocol.name);
+    std::string name = fmt::format("--gyro-protocol {}", protocol.name);
     if (options.device == Device::gyro) return name;
     return protocol.name == DecodeOptions().gyro_protocol ? "--device gyro" : "--device gyro " + name;
   }
@@ -123,10 +123,10 @@ bool is_mostly_bad(const wire::Counters& counters) {
 
 std::string advice_on_nothing(const DecodeOptions& options, std::span<const std::uint8_t> head,
                               const wire::Counters& counters) {
-  const std::string device = advice_on_device(options, head);
+  std::string device = advice_on_device(options, head);
   if (!device.empty()) return device;
   if (options.device == Device::camera && counters.bad_checksum > 0) return advice_on_camera(options, head);
-  const std::string text = advice_on_text(head);
+  std::string text = advice_on_text(head);
   if (!text.empty()) return text;
   return "another baud rate when the dump is taken: wrong ones give bytes without sense";
 }

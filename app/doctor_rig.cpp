@@ -52,7 +52,7 @@ rig::RecordingResult listen(rig::RecordingOptions recording, const ChosenRig& ri
   }
   bool stopped = false;
   const auto notice = [&](const std::string&) { stopped = true; };  // said of a signal alone
-  const rig::RecordingResult result = rig::record_ports(
+  rig::RecordingResult result = rig::record_ports(
       {.recording = std::move(recording), .orders = orders, .progress = progress, .notice = notice});
   if (stopped)
     throw Error(ExitCode::interrupted, "stopped before there was a verdict", "rig", "let it listen for 5 s");

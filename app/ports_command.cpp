@@ -16,7 +16,7 @@ namespace {
 
 /// The ports that were named, described as far as the system knows them; without names all that it lists.
 std::vector<io::PortInfo> ports_to_hear(const std::vector<std::string>& named) {
-  const std::vector<io::PortInfo> listed = io::list_ports();
+  std::vector<io::PortInfo> listed = io::list_ports();
   if (named.empty()) return listed;
   std::vector<io::PortInfo> ports;
   for (const std::string& name : named) {

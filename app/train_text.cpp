@@ -83,7 +83,7 @@ std::string fit_text(const std::string& heading, const Fit& fit, const TrainingC
 
 /// The error, and where it is not all that chooses the epoch, the sum that does.
 std::string held_out_text(const training::EpochReport& report, const TrainingConfig& config) {
-  const std::string text = "  held-out MSE " + error_text(report.held_out_mse, config);
+  std::string text = "  held-out MSE " + error_text(report.held_out_mse, config);
   if (!config.shape.fusion || config.loss.auxiliary_thermal == 0) return text;
   return text + fmt::format(" + {:g} x {} of the images = {}", config.loss.auxiliary_thermal,
                             mse_text(report.held_out_thermal_mse),

@@ -36,7 +36,7 @@ HostDuration settling_time(const LabelConfig& config) {
 }
 }  // namespace
 
-Labeller::Labeller(LabelConfig config)
+Labeller::Labeller(const LabelConfig& config)
     : config_(config),
       response_(config.response.fitted ? config.response : assumed_response(config.servo)),
       settle_(settling_time(config)),

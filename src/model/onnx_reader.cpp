@@ -78,7 +78,8 @@ network::Weights weights_of(const NetworkGraph& graph, const network::Shape& sha
 }
 
 std::string producer_of(const onnx::ModelProto& file) {
-  const std::string name = file.producer_name(), version = file.producer_version();
+  const std::string& name = file.producer_name();
+  const std::string& version = file.producer_version();
   return plain_text(version.empty() ? name : name + " " + version);
 }
 

@@ -1,12 +1,10 @@
 // SPDX-License-Identifier: MIT
 #include "thermorig/pipeline/frame_pairs.h"
 
-#include <utility>
-
 namespace thermorig::pipeline {
 
 void FramePairs::add(std::vector<TimedFrame> frames) {
-  for (TimedFrame& frame : frames) frames_.push_back(std::move(frame));
+  for (const TimedFrame& frame : frames) frames_.push_back(frame);
 }
 
 void FramePairs::add(const std::vector<LabelledSample>& samples) {
@@ -16,7 +14,7 @@ void FramePairs::add(const std::vector<LabelledSample>& samples) {
 std::vector<FramePair> FramePairs::take() {
   std::vector<FramePair> pairs;
   while (!frames_.empty() && !samples_.empty()) {
-    pairs.push_back({std::move(frames_.front()), samples_.front()});
+    pairs.push_back({frames_.front(), samples_.front()});
     frames_.pop_front();
     samples_.pop_front();
   }

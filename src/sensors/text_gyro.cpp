@@ -155,10 +155,12 @@ GyroScanner text_scanner(const GyroProfile& profile, StreamStart start) {
 std::optional<GyroEvidence> recognise_text(Bytes bytes, double heard_s) {
   std::optional<TextFormat> format = guess_text_format(bytes, StreamStart::anywhere, heard_s);
   if (!format) return std::nullopt;
-  return GyroEvidence{.messages = format->lines,
-                      .bytes = format->bytes,
-                      .text = fmt::format("{} lines of numbers, as a text gyro prints them", format->lines),
-                      .text_format = std::move(format)};
+  GyroEvidence evidence{
+      .messages = format->lines,
+      .bytes = format->bytes,
+      .text = fmt::format("{} lines of numbers, as a text gyro prints them", format->lines)};
+  evidence.text_format = std::move(format);
+  return evidence;
 }
 
 }  // namespace

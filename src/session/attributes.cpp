@@ -85,7 +85,7 @@ std::string get_text_attribute(hid_t object, const char* name) {
   if (H5Tis_variable_str(stored.get()) <= 0) throw Hdf5Failure(action("read", name));
   char* text = nullptr;
   check(H5Aread(attribute.get(), stored.get(), &text), action("read", name));
-  const std::string value = text == nullptr ? "" : text;
+  std::string value = text == nullptr ? "" : text;
   H5free_memory(text);
   return value;
 }

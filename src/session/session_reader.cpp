@@ -84,7 +84,7 @@ class SessionFile {
   /// What the attribute says, not the header: owners of data state the licence of files that they have.
   std::string licence() const {
     if (!has_attribute(id(), "license")) return "";
-    const std::string licence = get_text_attribute(id(), "license");
+    std::string licence = get_text_attribute(id(), "license");
     if (licence.empty() || licence == licence_not_stated) return "";
     if (!recording_header::is_licence(licence))
       refuse(path_, "has an attribute `license` that is no line of up to 1000 bytes of UTF-8");

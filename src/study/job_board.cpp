@@ -45,7 +45,7 @@ void JobBoard::job_done(std::size_t index) {
   if (observer_.job_done) observer_.job_done(progress(index));
 }
 
-void JobBoard::failed(std::exception_ptr failure) {
+void JobBoard::failed(const std::exception_ptr& failure) {
   const std::lock_guard lock(mutex_);
   if (!failure_) failure_ = failure;
 }

@@ -23,7 +23,7 @@ class JobBoard {
 
   void epoch_done(std::size_t index, int epoch);
   void job_done(std::size_t index);
-  void failed(std::exception_ptr failure);  // the first is kept
+  void failed(const std::exception_ptr& failure);  // the first is kept
 
   /// Is the run to end before its jobs are done?
   bool stopping();

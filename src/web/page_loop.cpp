@@ -140,7 +140,7 @@ struct PageLoop::Impl {
   /// Runs a coroutine; what it throws (memory, a bug) ends that connection and nothing else.
   template <typename Done>
   void spawn(asio::awaitable<void> work, Done done) {
-    asio::co_spawn(context, std::move(work), [done = std::move(done)](std::exception_ptr) { done(); });
+    asio::co_spawn(context, std::move(work), [done = std::move(done)](const std::exception_ptr&) { done(); });
   }
 
   // --- connections -------------------------------------------------------------------------------------

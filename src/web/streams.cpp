@@ -84,7 +84,7 @@ Streams::~Streams() = default;
 /// Runs a coroutine; what it throws (memory, a bug) ends that stream and nothing else.
 template <typename Done>
 void Streams::spawn(asio::awaitable<void> work, Done done) {
-  asio::co_spawn(context_, std::move(work), [done = std::move(done)](std::exception_ptr) { done(); });
+  asio::co_spawn(context_, std::move(work), [done = std::move(done)](const std::exception_ptr&) { done(); });
 }
 
 std::optional<Refusal> Streams::check(std::size_t bytes_ahead) const {

@@ -72,7 +72,7 @@ namespace thermorig::labels {
 /// in one leg; a frame lost on the way makes the next one invalid, and so ends the run.
 class Labeller {
  public:
-  explicit Labeller(LabelConfig config);
+  explicit Labeller(const LabelConfig& config);
 
   void add(const TimedFrame& frame);  // all its members must be filled in
   void add(const TimedGyro& gyro) { gyro_.add(gyro); }
