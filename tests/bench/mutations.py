@@ -195,16 +195,15 @@ def program(build, name, clock):
     return [f"{build}/bin/test_{name}", "--gtest_brief=1", f"--gtest_filter=-{clock}"]
 
 
-def limits_of(suites, folder, log):
-    """Of each suite, how long it may take with a break. Ends the program where one fails without any."""
-    limits = {}
-    for suite, command in suites:
+def limit_of(suite, command, folder, log, limits):
+    """How long it may take with a break, seconds. Ends the program where it fails without any."""
+    if suite not in limits:
         begin = time.monotonic()
         failed = finds(command, folder, 0, log)
         if failed is not None:
             sys.exit(f"{suite} fails without a break: {failed} ({log})")
         limits[suite] = 60.0 + 5.0 * (time.monotonic() - begin)
-    return limits
+    return limits[suite]
 
 
 def run(path, folder, build, form):
@@ -212,8 +211,7 @@ def run(path, folder, build, form):
     every = [*((f"test_{name}", program(build, name, clock)) for _, _, names in AREAS.values() for name in names),
              ("unit", ["ctest", "--test-dir", build, "-LE", "rig", "--stop-on-failure", "-j", str(os.cpu_count())]),
              ("on the clock", ["bash", "tests/wall_clock.sh", build, "-L", "rig", "-E", "^Readme"])]
-    limits = limits_of(every, folder, f"{build}/unbroken.log")
-    results = []
+    results, limits = [], {}
     for number, one in enumerate(chosen(path), 1):
         begin = time.monotonic()
         names = AREAS[one["area"]][2]
@@ -221,7 +219,8 @@ def run(path, folder, build, form):
                   if suite in ("unit", "on the clock") or suite in [f"test_{name}" for name in names]]
         suite, test = "", None
         for suite, command in suites:
-            test = finds(command, folder, number, f"{build}/mutant-{number}.log", limits[suite])
+            test = finds(command, folder, number, f"{build}/mutant-{number}.log",
+                         limit_of(suite, command, folder, f"{build}/unbroken.log", limits))
             if test is not None:
                 break
         for name in names if test is None else []:
