@@ -6,6 +6,7 @@
 #include "profile_path.h"
 #include "thermorig/core/error.h"
 #include "thermorig/io/port.h"
+#include "thermorig/simulation/panorama.h"
 
 namespace thermorig::app {
 
@@ -22,9 +23,10 @@ void check_words(const RigOptions& options) {
   if (simulated && names_a_port(options))
     throw Error(ExitCode::bad_usage, "--simulated and ports exclude each other", "",
                 "--simulated alone, or --camera, --gyro and --servo");
-  if (!simulated && (options.simulated_servo || options.simulated_camera || options.simulated_gyro))
+  const SimulatedParts& parts = options.parts;
+  if (!simulated && (parts.servo || parts.camera || parts.gyro || parts.scene))
     throw Error(ExitCode::bad_usage,
-                "--simulated-servo, --simulated-camera and --simulated-gyro need --simulated", "",
+                "--simulated-servo, --simulated-camera, --simulated-gyro and --scene need --simulated", "",
                 "--simulated=3");
 }
 
@@ -90,13 +92,13 @@ simulation::GyroGrade gyro_grade(const std::string& name) {
 }  // namespace
 
 simulation::VirtualRigConfig simulated_rig(std::uint64_t seed, const std::string& environment,
-                                           const std::optional<std::string>& servo,
-                                           const std::optional<std::string>& camera,
-                                           const std::optional<std::string>& gyro) {
+                                           const SimulatedParts& parts) {
   simulation::VirtualRigConfig config = simulation::default_rig(seed, environment);
-  config.profile.servo = simulated_servo(servo.value_or("winch"), config.profile.servo);
-  config.half_fresh = camera.value_or("half") == "half";
-  config.gyro_grade = gyro_grade(gyro.value_or("typical"));
+  config.profile.servo = simulated_servo(parts.servo.value_or("winch"), config.profile.servo);
+  config.half_fresh = parts.camera.value_or("half") == "half";
+  config.gyro_grade = gyro_grade(parts.gyro.value_or("typical"));
+  config.scene = parts.scene.value_or(simulation::scene_of(environment));
+  simulation::require_scene(config.scene);
   return config;
 }
 
@@ -105,8 +107,7 @@ ChosenRig chosen_rig(const RigOptions& options, const std::string& environment,
   check_words(options);
   ChosenRig chosen;
   if (options.simulated_seed) {
-    chosen.simulated = simulated_rig(*options.simulated_seed, environment, options.simulated_servo,
-                                     options.simulated_camera, options.simulated_gyro);
+    chosen.simulated = simulated_rig(*options.simulated_seed, environment, options.parts);
     chosen.profile = chosen.simulated->profile;
   }
   if (!options.profile.empty()) chosen.profile = read_named_profile(options.profile);

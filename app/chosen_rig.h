@@ -22,10 +22,9 @@ ChosenRig chosen_rig(const RigOptions& options, const std::string& environment,
                      const PerDevice<bool>& needed = {{true, true, true}});
 
 /// A simulated rig with one of the servos "winch", "180", "270", "continuous" and one of the cameras "half",
-/// "full", one of the gyros "calibrated", "typical", "raw".
+/// "full", one of the gyros "calibrated", "typical", "raw". Throws Error(bad_usage) for a scene that there is
+/// not.
 simulation::VirtualRigConfig simulated_rig(std::uint64_t seed, const std::string& environment,
-                                           const std::optional<std::string>& servo,
-                                           const std::optional<std::string>& camera,
-                                           const std::optional<std::string>& gyro);
+                                           const SimulatedParts& parts);
 
 }  // namespace thermorig::app

@@ -158,7 +158,7 @@ void add_simulate(CLI::App& root, Words& words) {
       ->capture_default_str();
   command.add_option("--profile", simulate.profile, "Write a profile of the three ports to this file")
       ->type_name("FILE");
-  add_simulated_parts(command, simulate.simulated_servo, simulate.simulated_camera, simulate.simulated_gyro);
+  add_simulated_parts(command, simulate.parts);
   add_json(command, simulate.json);
   command.footer("Example:\n  thermorig simulate --seed 3 --environment garden --profile simulated.toml");
 }

@@ -13,14 +13,20 @@
 
 namespace thermorig::app {
 
+/// What a simulated rig differs in from the default one.
+struct SimulatedParts {
+  std::optional<std::string> servo;   // winch (default), 180, 270, continuous
+  std::optional<std::string> camera;  // half (default), full: fresh halves a frame
+  std::optional<std::string> gyro;    // calibrated, typical (default), raw: bias and scale
+  std::optional<std::string> scene;   // what the camera sees; none: the environment's own
+};
+
 /// Which rig: a simulated one, three ports, or a profile; and what differs from its defaults.
 struct RigOptions {
   std::optional<std::uint64_t> simulated_seed;  // none: real ports
   PerDevice<std::string> ports;                 // empty: from the profile
   std::string profile;                          // name or file, empty: none
-  std::optional<std::string> simulated_servo;   // winch (default), 180, 270, continuous
-  std::optional<std::string> simulated_camera;  // half (default), full: fresh halves a frame
-  std::optional<std::string> simulated_gyro;    // calibrated, typical (default), raw: bias and scale
+  SimulatedParts parts;
   std::optional<std::uint32_t> camera_baud, gyro_baud, servo_baud;
   std::optional<double> camera_rate_hz;
 };
@@ -84,8 +90,8 @@ struct PortsOptions {
 struct SimulateOptions {
   std::uint64_t seed = 1;
   std::string environment = "laboratory";
-  std::optional<std::string> simulated_servo, simulated_camera, simulated_gyro;  // as in RigOptions
-  std::string profile;                                                           // file to write, empty: none
+  SimulatedParts parts;
+  std::string profile;  // file to write, empty: none
   bool json = false;
 };
 

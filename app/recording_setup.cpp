@@ -13,12 +13,13 @@ namespace thermorig::app {
 namespace {
 
 /// What the simulated rig differs in from the default one, for the session's own description of it.
-std::string simulated_parts(const RigOptions& rig) {
-  std::string parts;
-  if (rig.simulated_servo) parts += ", servo " + *rig.simulated_servo;
-  if (rig.simulated_camera) parts += ", camera " + *rig.simulated_camera;
-  if (rig.simulated_gyro) parts += ", gyro " + *rig.simulated_gyro;
-  return parts;
+std::string differences_text(const SimulatedParts& parts, const simulation::VirtualRigConfig& rig) {
+  std::string text;
+  if (parts.servo) text += ", servo " + *parts.servo;
+  if (parts.camera) text += ", camera " + *parts.camera;
+  if (parts.gyro) text += ", gyro " + *parts.gyro;
+  if (rig.scene != rig.environment) text += ", scene " + rig.scene;
+  return text;
 }
 
 void mark_pseudo_terminals(rig::RecordingOptions& recording) {
@@ -78,7 +79,7 @@ std::unique_ptr<SimulatedPorts> switch_on(const RecordOptions& options, const Ch
     ports = simulated_ports(*rig.simulated, recording);
   else
     mark_pseudo_terminals(recording);
-  recording.simulation += simulated_parts(options.rig);
+  if (rig.simulated) recording.simulation += differences_text(options.rig.parts, *rig.simulated);
   return ports;
 }
 

@@ -30,23 +30,27 @@ void add_replug(CLI::App& command, double& patience_s) {
       ->capture_default_str();
 }
 
-void add_simulated_parts(CLI::App& command, std::optional<std::string>& servo,
-                         std::optional<std::string>& camera, std::optional<std::string>& gyro) {
+void add_simulated_parts(CLI::App& command, SimulatedParts& parts) {
   command
-      .add_option("--simulated-servo", servo,
+      .add_option("--simulated-servo", parts.servo,
                   "Servo of the simulated rig: winch (default), 180, 270, continuous")
       ->check(CLI::IsMember({"winch", "180", "270", "continuous"}))
       ->type_name("KIND");
   command
-      .add_option("--simulated-camera", camera,
+      .add_option("--simulated-camera", parts.camera,
                   "Fresh chess halves in a simulated frame: half (default), full")
       ->check(CLI::IsMember({"half", "full"}))
       ->type_name("KIND");
   command
-      .add_option("--simulated-gyro", gyro,
+      .add_option("--simulated-gyro", parts.gyro,
                   "Bias, scale and noise of the simulated gyro: calibrated, typical (default), raw")
       ->check(CLI::IsMember({"calibrated", "typical", "raw"}))
       ->type_name("KIND");
+  command
+      .add_option("--scene", parts.scene,
+                  "What the simulated camera sees: laboratory, dining, kitchen, garden (default: the "
+                  "environment's, else laboratory)")
+      ->type_name("NAME");
 }
 
 void add_rig(CLI::App& command, RigOptions& rig, std::string& seed) {
@@ -66,7 +70,7 @@ void add_rig(CLI::App& command, RigOptions& rig, std::string& seed) {
                   "Frames a second that the camera was set to. Nothing is sent to it; a simulated one "
                   "sends so many")
       ->type_name("HZ");
-  add_simulated_parts(command, rig.simulated_servo, rig.simulated_camera, rig.simulated_gyro);
+  add_simulated_parts(command, rig.parts);
 }
 
 std::uint64_t seed_of(const std::string& text) {

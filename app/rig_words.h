@@ -20,8 +20,7 @@ void add_json(CLI::App& command, bool& json);
 void add_sync(CLI::App& command, std::string& sync);
 /// --replug-patience: how long a device is waited for that goes.
 void add_replug(CLI::App& command, double& patience_s);
-void add_simulated_parts(CLI::App& command, std::optional<std::string>& servo,
-                         std::optional<std::string>& camera, std::optional<std::string>& gyro);
+void add_simulated_parts(CLI::App& command, SimulatedParts& parts);
 void add_rig(CLI::App& command, RigOptions& rig, std::string& seed);
 
 /// Throws Error(bad_usage) unless it is a whole number from 0 to 2^64 - 1.

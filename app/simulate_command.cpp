@@ -31,19 +31,21 @@ RigProfile profile_of(const simulation::VirtualRigConfig& config, const PerDevic
   return profile;
 }
 
-void announce(const SimulateOptions& options, const SimulatedPorts& ports) {
+void announce(const SimulateOptions& options, const std::string& scene, const SimulatedPorts& ports) {
   const auto& paths = ports.paths();
   if (options.json) {
     nlohmann::json object{{"event", "ready"},
                           {"seed", options.seed},
                           {"environment", options.environment},
+                          {"scene", scene},
                           {"firmware", ports.firmware_description()}};
     for (Device device : all_devices) object[std::string(name_of(device))] = paths[device];
     object["profile"] = options.profile.empty() ? nlohmann::json() : nlohmann::json(options.profile);
     print_json(object);
     return;
   }
-  print("SIMULATED rig, {}, seed {}; servo firmware: {}\n\n", printable(options.environment), options.seed,
+  print("SIMULATED rig, {}{}, seed {}; servo firmware: {}\n\n", printable(options.environment),
+        scene == options.environment ? "" : " (scene: " + scene + ")", options.seed,
         ports.firmware_description());
   Table table({"role", "port"});
   for (Device device : all_devices) table.add({std::string(name_of(device)), paths[device]});
@@ -82,13 +84,11 @@ void print_tally(const ServingTally& tally, bool json) {
 ExitCode run(const SimulateOptions& options) {
   rig::check_environment(options.environment);  // `record` is to take the name
   const sigset_t signals = hold_signals();
-  const simulation::VirtualRigConfig config =
-      simulated_rig(options.seed, options.environment, options.simulated_servo, options.simulated_camera,
-                    options.simulated_gyro);
+  const simulation::VirtualRigConfig config = simulated_rig(options.seed, options.environment, options.parts);
   SimulatedPorts ports(config, FirmwareChoice::avr_image);
   if (!options.profile.empty()) rig::write_profile(options.profile, profile_of(config, ports.paths()));
   ports.start();
-  announce(options, ports);
+  announce(options, config.scene, ports);
   int signal = 0;
   sigwait(&signals, &signal);
   ports.stop();

@@ -1,17 +1,58 @@
 // SPDX-License-Identifier: MIT
 #include "thermorig/simulation/panorama.h"
 
+#include <algorithm>
+#include <array>
+
 #include "scenes.h"
+#include "thermorig/core/error.h"
+#include "thermorig/core/nearest_name.h"
 #include "thermorig/simulation/random.h"
 
 namespace thermorig::simulation {
 
-Panorama make_panorama(std::string_view environment, std::uint64_t seed) {
+namespace {
+
+struct Scene {
+  std::string_view name;
+  Panorama (*make)(Random& random);
+};
+
+constexpr std::array scenes{Scene{"laboratory", laboratory_scene}, Scene{"dining", dining_scene},
+                            Scene{"kitchen", kitchen_scene}, Scene{"garden", garden_scene}};
+
+const Scene* find_scene(std::string_view name) {
+  const auto* found =
+      std::find_if(scenes.begin(), scenes.end(), [&](const Scene& scene) { return scene.name == name; });
+  return found == scenes.end() ? nullptr : found;
+}
+
+}  // namespace
+
+std::vector<std::string> scene_names() {
+  std::vector<std::string> names;
+  for (const Scene& scene : scenes) names.emplace_back(scene.name);
+  return names;
+}
+
+std::string scene_of(std::string_view environment) {
+  return std::string(find_scene(environment) == nullptr ? scenes.front().name : environment);
+}
+
+void require_scene(std::string_view scene) {
+  if (find_scene(scene) == nullptr)
+    throw Error(ExitCode::bad_usage, "the simulated rig has no scene \"" + std::string(scene) + '"',
+                "--scene", advice_on_name(scene, scene_names()));
+}
+
+Panorama make_panorama(std::string_view environment, std::uint64_t seed, std::string_view scene) {
+  require_scene(scene);
   Random random(seed, environment);
-  if (environment == "dining") return dining_scene(random);
-  if (environment == "kitchen") return kitchen_scene(random);
-  if (environment == "garden") return garden_scene(random);
-  return laboratory_scene(random);
+  return find_scene(scene)->make(random);
+}
+
+Panorama make_panorama(std::string_view environment, std::uint64_t seed) {
+  return make_panorama(environment, seed, scene_of(environment));
 }
 
 }  // namespace thermorig::simulation

@@ -89,7 +89,10 @@ VirtualRig::Parts::Parts(const VirtualRigConfig& rig, std::unique_ptr<Firmware> 
       plant(rig.profile.servo, rig.servo_loop_hz, rig.seed),
       hand(rig.hand_turns, rig.start),
       shaft(plant.angle_deg() + hand.angle_deg(0)),
-      camera(camera_config(rig), make_panorama(rig.environment, rig.seed), rig.seed),
+      camera(
+          camera_config(rig),
+          make_panorama(rig.environment, rig.seed, rig.scene.empty() ? scene_of(rig.environment) : rig.scene),
+          rig.seed),
       gyro(rig.profile.gyro, rig.gyro_grade, rig.seed,
            {.latency_s = rig.gyro_latency_s, .zeroes_itself = rig.gyro_zeroes_itself}),
       camera_sender{UartLine(rig.profile.camera.link.baud), {}, 0},

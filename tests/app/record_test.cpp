@@ -61,6 +61,20 @@ TEST_F(Record, GivesEventsAsJsonLinesWithTheSummaryLast) {
   EXPECT_EQ(summary["speeds_short"], 0);
 }
 
+TEST_F(Record, SaysWhichSceneStandsForAnEnvironmentThatHasNone) {
+  const std::string of_kitchn = "record --simulated=3 --fast --environment kitchn ";
+  const Outcome outcome = run(of_kitchn + brief_plan);
+  EXPECT_THAT(outcome.out,
+              HasSubstr("SIMULATED rig, seed 3: virtual time, firmware's host build, scene laboratory"));
+  EXPECT_THAT(run(of_kitchn + "--scene kitchen " + brief_plan).out, HasSubstr(", scene kitchen\n"));
+  EXPECT_THAT(run(fast + brief_plan).out, Not(HasSubstr("scene")));
+}
+
+TEST_F(Record, RefusesASceneThatThereIsNot) {
+  expect_refused(fast + "--scene kitchn", 2, "did you mean \"kitchen\"?");
+  expect_refused("record --environment garden --scene kitchen", 2, "--scene need --simulated");
+}
+
 TEST_F(Record, NeverUsesANumberTwice) {
   const auto first = record_briefly();
   std::filesystem::rename(first, first.parent_path() / "garden_acq-07_20200101T000000Z.h5");

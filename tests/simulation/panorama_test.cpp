@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "thermorig/core/error.h"
 #include "thermorig/simulation/optics.h"
 
 namespace thermorig::simulation {
@@ -19,6 +20,23 @@ TEST(Panorama, ChangesWithTheSeedAndWithTheEnvironment) {
   const auto kitchen = make_panorama("kitchen", 5).temp_c;
   EXPECT_NE(kitchen, make_panorama("kitchen", 6).temp_c);
   EXPECT_NE(kitchen, make_panorama("dining", 5).temp_c);
+}
+
+TEST(Panorama, OfANameWithoutASceneIsALaboratory) {
+  EXPECT_EQ(scene_of("attic"), "laboratory");
+  EXPECT_EQ(scene_of("garden"), "garden");
+  EXPECT_EQ(make_panorama("attic", 5).temp_c, make_panorama("attic", 5, "laboratory").temp_c);
+  EXPECT_NE(make_panorama("attic", 5).temp_c, make_panorama("attic", 5, "garden").temp_c);
+}
+
+TEST(Panorama, OfASceneThatThereIsNotIsRefused) {
+  try {
+    make_panorama("attic", 5, "kitchn");
+    FAIL() << "nothing was refused";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), ExitCode::bad_usage);
+    EXPECT_EQ(error.advice(), "did you mean \"kitchen\"? one of: kitchen, dining, garden, laboratory");
+  }
 }
 
 TEST(Panorama, KeepsToTemperaturesThatTheSensorCanShow) {

@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -27,9 +28,19 @@ struct Panorama {
   }
 };
 
-/// The surroundings of one acquisition. `environment` is laboratory, dining, kitchen or garden; any other
-/// name looks like a laboratory, so that a recording may carry a name of its own. Equal arguments give equal
-/// panoramas.
-Panorama make_panorama(std::string_view environment, std::uint64_t seed);
+/// What the surroundings may be: laboratory, dining, kitchen, garden.
+std::vector<std::string> scene_names();
+
+/// The scene of the environment's name; the laboratory where there is none of it, so that a recording may
+/// carry a name of its own.
+std::string scene_of(std::string_view environment);
+
+/// Throws Error(bad_usage) if there is no such scene: it lists those there are.
+void require_scene(std::string_view scene);
+
+/// The surroundings of one acquisition. Equal arguments give equal panoramas; environments of one scene
+/// differ. Throws as require_scene() does.
+Panorama make_panorama(std::string_view environment, std::uint64_t seed, std::string_view scene);
+Panorama make_panorama(std::string_view environment, std::uint64_t seed);  // scene_of(environment)
 
 }  // namespace thermorig::simulation

@@ -43,8 +43,8 @@ struct HandTurn {
 /// Everything that a simulated rig is made of. The rest follows from `seed` and `environment`.
 struct VirtualRigConfig {
   std::uint64_t seed = 1;
-  std::string environment =
-      "laboratory";    // laboratory, dining, kitchen, garden; any other name looks like a laboratory
+  std::string environment = "laboratory";  // a name, as a recording has it
+  std::string scene = {};                  // one of scene_names(); empty: scene_of(environment)
   RigProfile profile;  // lens, rates, bauds, servo geometry: what the program is told as well
   GyroGrade gyro_grade = GyroGrade::typical;
   bool half_fresh = true;             // one fresh chess half a frame; false: both
