@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include <gtest/gtest.h>
 
+#include <limits>
+
 #include "thermorig/core/device.h"
 #include "thermorig/core/frame.h"
 #include "thermorig/core/profile.h"
@@ -15,6 +17,9 @@ TEST(Time, RoundsSecondsToTheNearestNanosecond) {
   EXPECT_EQ(from_s(-0.0000000006).count(), -1);
   EXPECT_EQ(from_s(0.0000000004).count(), 0);
   EXPECT_DOUBLE_EQ(to_s(from_s(-12.5)), -12.5);
+  EXPECT_DOUBLE_EQ(to_s(from_s(1e300)), 4e9);
+  EXPECT_DOUBLE_EQ(to_s(from_s(-std::numeric_limits<double>::infinity())), -4e9);
+  EXPECT_EQ(from_s(std::numeric_limits<double>::quiet_NaN()).count(), 0);
 }
 
 TEST(Frame, SubpagesAreAChessboard) {

@@ -46,9 +46,13 @@ constexpr double to_s(HostDuration duration) {
   return static_cast<double>(duration.count()) * 1e-9;
 }
 
-/// Seconds to the nearest nanosecond.
+/// Seconds to the nearest nanosecond. What is longer than 127 years is as long as that, so that a sum
+/// with another such duration is one; what is not a number is none.
 constexpr HostDuration from_s(double seconds) {
-  return HostDuration(static_cast<std::int64_t>(seconds * 1e9 + (seconds < 0 ? -0.5 : 0.5)));
+  constexpr double most_s = 4e9;
+  if (seconds != seconds) return HostDuration{};
+  const double within_s = seconds < -most_s ? -most_s : seconds > most_s ? most_s : seconds;
+  return HostDuration(static_cast<std::int64_t>(within_s * 1e9 + (within_s < 0 ? -0.5 : 0.5)));
 }
 
 /// Whether a recording can count from that time of the host's clock.
