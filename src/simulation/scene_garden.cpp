@@ -62,19 +62,23 @@ Panorama open_land(Random& random, const Weather& weather) {
 }
 
 void add_walls(Panorama& land, Random& random, const Weather& weather) {
-  for (int n = random.integer(1, 3); n > 0; --n)
+  for (int n = random.integer(1, 3); n > 0; --n) {
+    const double surface_c = weather.air_c + 10.0 * weather.sun + random.normal(1.0);
     fill_patch(land, {any_azimuth(random), random.uniform(15.0, 40.0), -5.0, random.uniform(6.0, 16.0)},
-               weather.air_c + 10.0 * weather.sun + random.normal(1.0));
+               surface_c);
+  }
 }
 
 void add_plants(Panorama& land, Random& random, const Weather& weather) {
-  for (int n = random.integer(4, 12); n > 0; --n)
+  for (int n = random.integer(4, 12); n > 0; --n) {
+    const double surface_c = weather.air_c + random.normal(1.0) + 2.0 * weather.sun;
     fill_patch(land, {any_azimuth(random), random.uniform(1.5, 4.0), -6.0, random.uniform(8.0, 20.0)},
-               weather.air_c + random.normal(1.0) + 2.0 * weather.sun);
+               surface_c);
+  }
   for (int n = random.integer(6, 16); n > 0; --n) {
     const double low_deg = random.uniform(-25.0, -6.0);
-    fill_ellipse(land, {any_azimuth(random), random.uniform(4.0, 14.0), low_deg, low_deg + 8.0},
-                 weather.air_c + random.normal(1.5) + 6.0 * weather.sun * random.uniform());
+    const double surface_c = weather.air_c + random.normal(1.5) + 6.0 * weather.sun * random.uniform();
+    fill_ellipse(land, {any_azimuth(random), random.uniform(4.0, 14.0), low_deg, low_deg + 8.0}, surface_c);
   }
 }
 

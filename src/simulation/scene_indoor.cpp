@@ -36,36 +36,43 @@ void add_texture(Panorama& room, Random& random, double amplitude_k) {
 
 void add_corners(Panorama& room, Random& random) {
   const double first_deg = random.uniform(0.0, 90.0);
-  for (int corner = 0; corner < 4; ++corner)
-    add_to_patch(room, {first_deg + 90.0 * corner + random.normal(8.0), 2.0, -45.0, 45.0},
-                 -random.uniform(0.2, 0.6));
+  for (int corner = 0; corner < 4; ++corner) {
+    const double change_k = -random.uniform(0.2, 0.6);
+    add_to_patch(room, {first_deg + 90.0 * corner + random.normal(8.0), 2.0, -45.0, 45.0}, change_k);
+  }
 }
 
 void add_openings(Panorama& room, Random& random) {
   const double season = random.sign();  // windows are all warm or all cold
-  for (int n = random.integer(1, 3); n > 0; --n)
+  for (int n = random.integer(1, 3); n > 0; --n) {
+    const double change_k = season * random.uniform(1.5, 5.0);
     add_to_patch(room, {any_azimuth(random), random.uniform(10.0, 28.0), -6.0, random.uniform(14.0, 26.0)},
-                 season * random.uniform(1.5, 5.0));
-  for (int n = random.integer(1, 2); n > 0; --n)
-    add_to_patch(room, {any_azimuth(random), random.uniform(9.0, 16.0), -45.0, 14.0}, random.normal(0.6));
+                 change_k);
+  }
+  for (int n = random.integer(1, 2); n > 0; --n) {
+    const double change_k = random.normal(0.6);
+    add_to_patch(room, {any_azimuth(random), random.uniform(9.0, 16.0), -45.0, 14.0}, change_k);
+  }
 }
 
 void add_ceiling(Panorama& room, Random& random) {
   for (int n = random.integer(2, 5); n > 0; --n) {
     const double low_deg = random.uniform(16.0, 32.0);
-    add_to_patch(room, {any_azimuth(random), random.uniform(4.0, 14.0), low_deg, low_deg + 2.0},
-                 random.uniform(2.0, 9.0));
+    const double change_k = random.uniform(2.0, 9.0);
+    add_to_patch(room, {any_azimuth(random), random.uniform(4.0, 14.0), low_deg, low_deg + 2.0}, change_k);
   }
-  for (int n = random.integer(0, 2); n > 0; --n)
-    add_spot(room, {any_azimuth(random), 6.0, 18.0, 22.0}, -random.uniform(2.0, 6.0));
+  for (int n = random.integer(0, 2); n > 0; --n) {
+    const double change_k = -random.uniform(2.0, 6.0);
+    add_spot(room, {any_azimuth(random), 6.0, 18.0, 22.0}, change_k);
+  }
 }
 
 void add_furniture(Panorama& room, Random& random, int fewest, int most) {
   for (int n = random.integer(fewest, most); n > 0; --n) {
     const double low_deg = random.uniform(-30.0, -4.0);
     const double height_deg = random.uniform(3.0, 14.0);
-    add_spot(room, {any_azimuth(random), random.uniform(3.0, 16.0), low_deg, low_deg + height_deg},
-             random.normal(0.8));
+    const double change_k = random.normal(0.8);
+    add_spot(room, {any_azimuth(random), random.uniform(3.0, 16.0), low_deg, low_deg + height_deg}, change_k);
   }
 }
 
@@ -76,21 +83,22 @@ void add_people(Panorama& room, Random& random, int fewest, int most) {
 void add_screens(Panorama& room, Random& random) {
   for (int n = random.integer(2, 5); n > 0; --n) {
     const double low_deg = random.uniform(-12.0, -3.0);
-    add_to_patch(room, {any_azimuth(random), random.uniform(5.0, 12.0), low_deg, low_deg + 5.0},
-                 random.uniform(3.0, 12.0));
+    const double change_k = random.uniform(3.0, 12.0);
+    add_to_patch(room, {any_azimuth(random), random.uniform(5.0, 12.0), low_deg, low_deg + 5.0}, change_k);
   }
 }
 
 void add_hot_things(Panorama& room, Random& random) {
   for (int n = random.integer(2, 5); n > 0; --n) {
     const double low_deg = random.uniform(-16.0, -4.0);
-    add_spot(room, {any_azimuth(random), random.uniform(1.0, 2.5), low_deg, low_deg + 2.0},
-             random.uniform(5.0, 30.0));
+    const double change_k = random.uniform(5.0, 30.0);
+    add_spot(room, {any_azimuth(random), random.uniform(1.0, 2.5), low_deg, low_deg + 2.0}, change_k);
   }
 }
 
 void add_kitchen_machines(Panorama& room, Random& random) {
-  add_spot(room, {any_azimuth(random), random.uniform(3.0, 6.0), -18.0, -14.0}, random.uniform(8.0, 40.0));
+  const double change_k = random.uniform(8.0, 40.0);
+  add_spot(room, {any_azimuth(random), random.uniform(3.0, 6.0), -18.0, -14.0}, change_k);
   const double fridge_deg = any_azimuth(random);
   add_to_patch(room, {fridge_deg, 14.0, -40.0, 12.0}, -random.uniform(0.2, 1.0));
   add_to_patch(room, {fridge_deg, 8.0, -40.0, -34.0}, random.uniform(3.0, 8.0));

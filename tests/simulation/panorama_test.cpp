@@ -22,6 +22,18 @@ TEST(Panorama, ChangesWithTheSeedAndWithTheEnvironment) {
   EXPECT_NE(kitchen, make_panorama("dining", 5).temp_c);
 }
 
+TEST(Panorama, IsTheSameWhateverCompilesIt) {
+  const auto expect_seen = [](const char* environment, double ahead_c, double elsewhere_c) {
+    const Panorama panorama = make_panorama(environment, 5);
+    EXPECT_NEAR(panorama.at(90, 100), ahead_c, 1e-3) << environment;
+    EXPECT_NEAR(panorama.at(60, 1000), elsewhere_c, 1e-3) << environment;
+  };
+  expect_seen("laboratory", 22.2097, 21.0024);
+  expect_seen("dining", 24.7338, 28.0006);
+  expect_seen("kitchen", 22.9960, 22.0429);
+  expect_seen("garden", 30.9179, 39.0481);
+}
+
 TEST(Panorama, OfANameWithoutASceneIsALaboratory) {
   EXPECT_EQ(scene_of("attic"), "laboratory");
   EXPECT_EQ(scene_of("garden"), "garden");

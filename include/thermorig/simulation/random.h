@@ -10,7 +10,8 @@ namespace thermorig::simulation {
 
 /// Random numbers that depend on nothing but the seed: xoshiro256++ started by splitmix64 (Blackman and
 /// Vigna, prng.di.unimi.it), with transforms of our own, because those of <random> differ between standard
-/// libraries.
+/// libraries. Who draws twice in the arguments of one call gets an order that differs between compilers, and
+/// another world: each draw there has a line of its own (or stands in braces, which are read in order).
 class Random {
  public:
   /// `stream` names the part of the rig that draws: parts with other names draw independent numbers, so that
