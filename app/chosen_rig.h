@@ -22,8 +22,7 @@ ChosenRig chosen_rig(const RigOptions& options, const std::string& environment,
                      const PerDevice<bool>& needed = {{true, true, true}});
 
 /// A simulated rig with one of the servos "winch", "180", "270", "continuous" and one of the cameras "half",
-/// "full", one of the gyros "calibrated", "typical", "raw". Throws Error(bad_usage) for a scene that there is
-/// not.
+/// "full", one of the gyros "calibrated", "typical", "raw".
 simulation::VirtualRigConfig simulated_rig(std::uint64_t seed, const std::string& environment,
                                            const SimulatedParts& parts);
 

@@ -1,9 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "options.h"
 
-#include <fmt/format.h>
-#include <fmt/ranges.h>
-
 #include <CLI/CLI.hpp>
 #include <string_view>
 
@@ -11,7 +8,6 @@
 #include "live_options.h"
 #include "rig_words.h"
 #include "thermorig/core/error.h"
-#include "thermorig/core/nearest_name.h"
 #include "thermorig/sensors/gyro_protocol.h"
 
 namespace thermorig::app {
@@ -191,19 +187,9 @@ void add_reprocess(CLI::App& root, Words& words) {
   command.footer("Example:\n  thermorig reprocess recordings/garden/*.h5");
 }
 
-CLI::Validator known_gyro_protocol() {
-  const std::vector<std::string> names = sensors::gyro_protocol_names();
-  const auto problem = [names](const std::string& name) {
-    return sensors::find_gyro_protocol(name)
-               ? std::string()
-               : fmt::format("\"{}\" is not known: {}", name, advice_on_name(name, names));
-  };
-  return {problem, fmt::format("{{{}}}", fmt::join(names, ","))};
-}
-
 void add_text_gyro(CLI::App& command, DecodeOptions& decode) {
   command.add_option("--gyro-protocol", decode.gyro_protocol, "What the gyro speaks")
-      ->check(known_gyro_protocol())
+      ->check(one_of(sensors::gyro_protocol_names()))
       ->capture_default_str();
   command
       .add_option("--gyro-setting", decode.gyro_settings,

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include <algorithm>
 #include <nlohmann/json.hpp>
+#include <utility>
 
 #include "commands.h"
 #include "found_ports.h"
@@ -47,10 +48,10 @@ ExitCode run(const PortsOptions& options) {
     print("listening to {} port{} for up to 6 s ...\n\n", ports.size(), ports.size() == 1 ? "" : "s");
     flush_output();
   }
-  const std::vector<rig::PortFinding> findings = rig::identify_devices(ports);
+  std::vector<rig::PortFinding> findings = rig::identify_devices(ports);
   SavedProfile saved{.name = options.save, .file = {}};
   if (!saved.name.empty()) saved.file = profile_path(saved.name);
-  const FoundPorts found = found_ports(findings, profile_before(saved.file), saved);
+  const FoundPorts found = found_ports(std::move(findings), profile_before(saved.file), saved);
   if (!saved.name.empty()) rig::write_profile(saved.file, found.profile);
   if (options.json)
     print_json(json_of(found));

@@ -1,10 +1,17 @@
 // SPDX-License-Identifier: MIT
 #include "rig_words.h"
 
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <charconv>
+#include <utility>
 
 #include "thermorig/core/error.h"
+#include "thermorig/core/nearest_name.h"
+#include "thermorig/simulation/panorama.h"
 
 namespace thermorig::app {
 
@@ -30,6 +37,15 @@ void add_replug(CLI::App& command, double& patience_s) {
       ->capture_default_str();
 }
 
+CLI::Validator one_of(std::vector<std::string> names) {
+  std::string listed = fmt::format("{{{}}}", fmt::join(names, ","));
+  const auto problem = [names = std::move(names)](const std::string& name) {
+    if (std::find(names.begin(), names.end(), name) != names.end()) return std::string();
+    return fmt::format("\"{}\" is not known: {}", name, advice_on_name(name, names));
+  };
+  return {problem, std::move(listed)};
+}
+
 void add_simulated_parts(CLI::App& command, SimulatedParts& parts) {
   command
       .add_option("--simulated-servo", parts.servo,
@@ -48,8 +64,8 @@ void add_simulated_parts(CLI::App& command, SimulatedParts& parts) {
       ->type_name("KIND");
   command
       .add_option("--scene", parts.scene,
-                  "What the simulated camera sees: laboratory, dining, kitchen, garden (default: the "
-                  "environment's, else laboratory)")
+                  "What the simulated camera sees (default: the environment's, else laboratory)")
+      ->check(one_of(simulation::scene_names()))
       ->type_name("NAME");
 }
 

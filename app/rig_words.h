@@ -4,12 +4,14 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "options.h"
 
 namespace CLI {
 class App;
-}
+class Validator;
+}  // namespace CLI
 
 namespace thermorig::app {
 
@@ -20,6 +22,8 @@ void add_json(CLI::App& command, bool& json);
 void add_sync(CLI::App& command, std::string& sync);
 /// --replug-patience: how long a device is waited for that goes.
 void add_replug(CLI::App& command, double& patience_s);
+/// A word that must be one of `names`; for any other the nearest is named.
+CLI::Validator one_of(std::vector<std::string> names);
 void add_simulated_parts(CLI::App& command, SimulatedParts& parts);
 void add_rig(CLI::App& command, RigOptions& rig, std::string& seed);
 

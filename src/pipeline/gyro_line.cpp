@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "gyro_line.h"
 
-#include <algorithm>
 #include <cassert>
 #include <utility>
 
@@ -20,6 +19,7 @@ timing::StampHint hint(const wire::GyroMessage& message) {
 
 GyroLine::GyroLine(const GyroProfile& profile, const Fits& fits)
     : scanner_([profile] { return sensors::gyro_scanner(profile); }),
+      message_bytes_(sensors::gyro_protocol(profile.protocol).message_bytes(profile)),
       timing_(profile.link, profile.output_rate_hz),
       final_times_(fits.times[Device::gyro]),
       axis_(static_cast<std::size_t>(profile.axis)),
@@ -61,8 +61,7 @@ std::span<const TimedGyro> GyroLine::take(std::vector<TimedGyro>& out) {
   }
   messages_.clear();
   counters_ = scanner_.counters();
-  // The same loss may show in numbers that the protocol has and in the samples' times.
-  counters_.lost = std::max(counters_.lost, losses_.count());
+  counters_.lost += losses_.count();
   return std::span(out).subspan(first);
 }
 

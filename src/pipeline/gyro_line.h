@@ -38,10 +38,14 @@ class GyroLine {
   /// the first one found in the gyro's clock.
   const wire::Counters& counters() const { return counters_; }
 
+  /// Bytes of a sample's message, at most.
+  std::uint64_t message_bytes() const { return message_bytes_; }
+
  private:
   std::span<const TimedGyro> take(std::vector<TimedGyro>& out);
 
   RestartableScanner<sensors::GyroScanner, wire::GyroMessage> scanner_;
+  std::uint64_t message_bytes_;
   timing::LinkTiming timing_;
   FinalTimes final_times_;
   GyroLosses losses_;

@@ -11,10 +11,9 @@
 
 namespace thermorig::pipeline {
 
-/// How many samples of a gyro never came, as well as can be told while it goes on sending, whether its
-/// protocol numbers them or not. By the steps of its own time where it sends one, else by the clock that
-/// counts at its steady rate. That clock takes back what only came late, so a loss counts when it has stood
-/// for some seconds.
+/// How many samples of a gyro never came, as well as can be told while it goes on sending: no gyro numbers
+/// its samples. By the steps of its own time where it sends one, else by the clock that counts at its steady
+/// rate. That clock takes back what only came late, so a loss counts when it has stood for some seconds.
 class GyroLosses {
  public:
   /// The next sample. `counted`: samples missing so far by the clock, LinkTiming::missing().

@@ -7,7 +7,6 @@
 #include "gyro_line.h"
 #include "servo_line.h"
 #include "servo_link.h"
-#include "thermorig/sensors/gyro_protocol.h"
 #include "thermorig/wire/device_bytes.h"
 
 namespace thermorig::pipeline {
@@ -22,17 +21,14 @@ struct Pipeline::Stages {
   ServoLine servo;
   labels::Labeller labeller;
   Streams streams;
-  std::uint64_t gyro_message_bytes;
 };
 
 Pipeline::Pipeline(const RigProfile& profile, const Fits& fits)
-    : stages_(new Stages{
-          .camera = CameraLine(profile.camera, fits),
-          .gyro = GyroLine(profile.gyro, fits),
-          .servo = ServoLine(profile.servo, fits),
-          .labeller = labels::Labeller(labels::label_config(profile, fits.sync)),
-          .streams = {},
-          .gyro_message_bytes = sensors::gyro_protocol(profile.gyro.protocol).message_bytes(profile.gyro)}) {}
+    : stages_(new Stages{.camera = CameraLine(profile.camera, fits),
+                         .gyro = GyroLine(profile.gyro, fits),
+                         .servo = ServoLine(profile.servo, fits),
+                         .labeller = labels::Labeller(labels::label_config(profile, fits.sync)),
+                         .streams = {}}) {}
 
 Pipeline::~Pipeline() = default;
 Pipeline::Pipeline(Pipeline&&) noexcept = default;
@@ -41,13 +37,13 @@ Pipeline& Pipeline::operator=(Pipeline&&) noexcept = default;
 void Pipeline::expect(const PerDevice<std::uint64_t>& bytes) {
   Streams& streams = stages_->streams;
   streams.frames.reserve(bytes[Device::camera] / wire::camera_frame_bytes);
-  streams.gyro.reserve(bytes[Device::gyro] / stages_->gyro_message_bytes);
+  streams.gyro.reserve(bytes[Device::gyro] / stages_->gyro.message_bytes());
   streams.servo.reserve(bytes[Device::servo] / telemetry_bytes);
 }
 
 std::vector<LabelledSample> Pipeline::feed(Device from, std::span<const std::uint8_t> chunk,
                                            HostTime arrived) {
-  auto& [camera, gyro, servo, labeller, streams, gyro_message_bytes] = *stages_;
+  auto& [camera, gyro, servo, labeller, streams] = *stages_;
   switch (from) {  // each line: bytes -> messages (bad bytes are counted, not thrown) -> timed samples
     case Device::camera:
       for (const TimedFrame& frame : camera.push(chunk, arrived, streams.frames)) labeller.add(frame);
@@ -67,7 +63,7 @@ void Pipeline::sent(std::span<const std::uint8_t> bytes, HostTime before_write) 
 }
 
 std::vector<LabelledSample> Pipeline::interrupt(Device device, HostTime now) {
-  auto& [camera, gyro, servo, labeller, streams, gyro_message_bytes] = *stages_;
+  auto& [camera, gyro, servo, labeller, streams] = *stages_;
   switch (device) {
     case Device::camera:
       for (const TimedFrame& frame : camera.interrupt(streams.frames)) labeller.add(frame);
@@ -83,7 +79,7 @@ std::vector<LabelledSample> Pipeline::interrupt(Device device, HostTime now) {
 }
 
 std::vector<LabelledSample> Pipeline::finish() {
-  auto& [camera, gyro, servo, labeller, streams, gyro_message_bytes] = *stages_;
+  auto& [camera, gyro, servo, labeller, streams] = *stages_;
   for (const TimedFrame& frame : camera.finish(streams.frames)) labeller.add(frame);
   for (const TimedGyro& sample : gyro.finish(streams.gyro)) labeller.add(sample);
   for (const TimedServo& state : servo.finish(streams)) labeller.add(state);

@@ -62,7 +62,6 @@ struct Sender {
 
 struct Packet {
   std::size_t size = 0;  // of the whole
-  std::uint8_t sequence = 0;
   Sender sender;
   const mavlink::Message* message = nullptr;  // none: not one of those that are known here
   Bytes checked;                              // what the checksum is of: all but the sync
@@ -101,7 +100,6 @@ Packet packet_at(Bytes rest) {
   const Bytes address = rest.subspan(header.address);
   Packet packet;
   packet.size = packet_size(rest);
-  packet.sequence = address[0];
   packet.sender = {address[1], address[2], address[3]};
   if (header.is_v2) packet.sender.message |= unsigned{address[4]} << 8 | unsigned{address[5]} << 16;
   packet.message = find_message(packet.sender.message);
@@ -239,7 +237,6 @@ class MavlinkScanner {
   std::size_t take_packet(const Packet& packet, std::vector<GyroMessage>& out);
   bool is_chosen(const Sender& sender);
   std::optional<GyroReading> reading_of(const Packet& packet);
-  void count_lost(const Packet& packet);
   std::size_t refuse_packet(std::size_t size);
   std::size_t skip(std::size_t bytes);
 
@@ -248,9 +245,7 @@ class MavlinkScanner {
   wire::ByteLedger ledger_;
   std::vector<std::uint8_t> pending_;  // received, not yet booked
   std::optional<Sender> chosen_;
-  std::optional<std::uint8_t> sequence_;  // of the chosen sender's last packet
-  bool is_missing_ = false;               // a packet of it, since its last sample
-  bool locked_ = false;                   // the packets before came in a row
+  bool locked_ = false;  // the packets before came in a row
   bool ended_ = false;
 };
 
@@ -277,7 +272,6 @@ std::size_t MavlinkScanner::wait() {
 std::size_t MavlinkScanner::take_packet(const Packet& packet, std::vector<GyroMessage>& out) {
   locked_ = true;
   const std::optional<GyroReading> reading = reading_of(packet);
-  count_lost(packet);
   if (reading && !is_sound(*reading)) {
     ++ledger_.counters.bad_value;
     ledger_.mark_damage(packet.size);
@@ -289,8 +283,7 @@ std::size_t MavlinkScanner::take_packet(const Packet& packet, std::vector<GyroMe
     ++ledger_.counters.replies;
     return packet.size;
   }
-  const bool had_gap = ledger_.take_gap();
-  out.push_back({*reading, span, std::exchange(is_missing_, false) || had_gap});
+  out.push_back({*reading, span, ledger_.take_gap()});
   ++ledger_.counters.messages;
   return packet.size;
 }
@@ -311,19 +304,6 @@ std::optional<GyroReading> MavlinkScanner::reading_of(const Packet& packet) {
   if (packet.sender.message == mavlink::scaled_imu.id) return read_scaled_imu(payload);
   if (packet.sender.message == mavlink::raw_imu.id) return read_raw_imu(payload, raw_scale_dps_);
   return read_highres_imu(payload);
-}
-
-/// A sender numbers its packets, whatever they carry. A number from behind is one that came again, or the
-/// sender has begun anew.
-void MavlinkScanner::count_lost(const Packet& packet) {
-  if (!chosen_ || packet.sender.system != chosen_->system || packet.sender.component != chosen_->component)
-    return;
-  const auto missing =
-      static_cast<std::uint8_t>(packet.sequence - sequence_.value_or(packet.sequence - 1U) - 1U);
-  sequence_ = packet.sequence;
-  if (missing == 0 || missing > 127) return;
-  ledger_.counters.lost += missing;
-  is_missing_ = true;
 }
 
 std::size_t MavlinkScanner::refuse_packet(std::size_t size) {

@@ -81,19 +81,16 @@ Quality::Stream camera_stream(const Session& session) {
   return stream;
 }
 
-/// What never came shows in the gyro's steady rate or in its own time, and again in the numbers of a protocol
-/// that has some.
+/// A gyro numbers nothing: what never came shows in its steady rate, or in its own time.
 Quality::Stream gyro_stream(const Session& session) {
   auto stream = stream_of(session.counters[Device::gyro], times_s(session.gyro));
   const ClockReport& clock = session.sync.clock[Device::gyro];
-  std::uint64_t missing = 0;
   for (const ClockGap& gap : clock.gaps) {
     if (was_awaited(session, Device::gyro, gap.begin, gap.end)) continue;
     // Before format 1.3 one wrong time of the gyro could make a gap of any size.
     const double room = std::ceil(std::max(to_s(gap.end - gap.begin), 0.0) * clock.rate_hz) + 1.0;
-    missing += static_cast<std::uint64_t>(std::min(static_cast<double>(gap.missing), room));
+    stream.lost += static_cast<std::uint64_t>(std::min(static_cast<double>(gap.missing), room));
   }
-  stream.lost = std::max(stream.lost, missing);
   return stream;
 }
 

@@ -39,16 +39,13 @@ std::string scene_of(std::string_view environment) {
   return std::string(find_scene(environment) == nullptr ? scenes.front().name : environment);
 }
 
-void require_scene(std::string_view scene) {
-  if (find_scene(scene) == nullptr)
+Panorama make_panorama(std::string_view environment, std::uint64_t seed, std::string_view scene) {
+  const Scene* found = find_scene(scene);
+  if (found == nullptr)
     throw Error(ExitCode::bad_usage, "the simulated rig has no scene \"" + std::string(scene) + '"',
                 "--scene", advice_on_name(scene, scene_names()));
-}
-
-Panorama make_panorama(std::string_view environment, std::uint64_t seed, std::string_view scene) {
-  require_scene(scene);
   Random random(seed, environment);
-  return find_scene(scene)->make(random);
+  return found->make(random);
 }
 
 Panorama make_panorama(std::string_view environment, std::uint64_t seed) {

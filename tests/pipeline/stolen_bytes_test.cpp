@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-// Another process reads the gyro's port as well: what it gets, this one never sees. Most gyros number
-// nothing, so the loss shows in the steady rate alone, or in the gyro's own time; where a protocol has
-// numbers too, it must not count twice. What only comes late must not look like it.
+// Another process reads the gyro's port as well: what it gets, this one never sees. No gyro numbers its
+// samples, so the loss shows in its steady rate alone, or in its own time - and what only comes late must not
+// look like it.
 #include <gtest/gtest.h>
 
 #include <algorithm>
