@@ -41,8 +41,8 @@ void watch(LiveRun& run, const ChosenModel& model, rig::RecordingOptions& record
     run.begun(header);
     for (const std::string& warning : warnings_of(model, simulated, frames)) run.warn(warning);
   };
-  recording.observe = [&run](const TimedFrame& frame, const LabelledSample& sample, HostTime arrived) {
-    return std::optional(run.frame(frame, sample, arrived));
+  recording.observe = [&run](const Measurement& measurement, HostTime arrived) {
+    return std::optional(run.add(measurement, arrived));
   };
 }
 

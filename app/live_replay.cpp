@@ -15,7 +15,7 @@
 #include "live_screens.h"
 #include "replay_progress.h"
 #include "thermorig/io/port.h"
-#include "thermorig/rig/live_replay.h"
+#include "thermorig/pipeline/causal_replay.h"
 #include "thermorig/session/session.h"
 
 namespace thermorig::app {
@@ -64,9 +64,9 @@ class Replayer {
     while (const auto moment = replay_.next()) {
       if (!wait_for(moment->time)) return false;
       progress_.add(*moment);
-      for (const pipeline::FramePair& pair : moment->pairs) {
-        progress_.add(pair.sample);
-        run_.frame(pair.frame, pair.sample, moment->time);
+      for (const Measurement& measurement : moment->measurements) {
+        progress_.add(measurement.sample);
+        run_.add(measurement, moment->time);
       }
       tell_gate(moment->time);
       tell(moment->time, false);
@@ -116,7 +116,7 @@ class Replayer {
   LiveRun& run_;
   LivePage* page_;
   const LiveScreens& screens_;
-  rig::LiveReplay replay_;
+  pipeline::CausalReplay replay_;
   ReplayProgress progress_;
   Pace pace_;
   bool same_model_;         // as when the session was made

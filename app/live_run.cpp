@@ -58,20 +58,20 @@ void LiveRun::begun(const RecordingHeader& header) {
   for (LiveScreen* screen : screens_) screen->hello(facts_);
 }
 
-LiveEstimate LiveRun::frame(const TimedFrame& frame, const LabelledSample& sample, HostTime arrived) {
+LiveEstimate LiveRun::add(const Measurement& measurement, HostTime arrived) {
   const HostTime before = io::now();
-  const LiveEstimate row = estimator_.add(frame, sample, arrived);
+  const LiveEstimate row = estimator_.add(measurement, arrived);
   const double took_us = std::round(1e7 * to_s(io::now() - before)) / 10.0;
   const bool asked = !std::isnan(row.rate_thermal_dps);
   scorer_.add(row);
   const live::LiveScores scores = scorer_.scores();
   now_ = arrived;
-  const LiveFrame seen{frame, sample, row, scores, asked ? took_us : std::nan("")};
+  const LiveFrame seen{measurement.frame, measurement.sample, row, scores, asked ? took_us : std::nan("")};
   if (wanted(web::Topic::frame)) publish(web::Topic::frame, frame_message(seen, begin_));
   if (wanted(web::Topic::image))
     publish(web::Topic::image, image_message(seen, begin_, facts_.header.profile.camera.mirrored));
   for (LiveScreen* screen : screens_) screen->frame(seen);
-  if (++frames_ == scene_frame) warn_of_scene(frame.frame);
+  if (++frames_ == scene_frame) warn_of_scene(measurement.frame.frame);
   warn_of_gate(scores);
   return row;
 }

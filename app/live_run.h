@@ -46,7 +46,7 @@ class LiveRun {
   void add(LiveScreen& screen) { screens_.push_back(&screen); }
 
   void begun(const RecordingHeader& header);
-  LiveEstimate frame(const TimedFrame& frame, const LabelledSample& sample, HostTime arrived);
+  LiveEstimate add(const Measurement& measurement, HostTime arrived);
   void progress(const rig::RecordingProgress& progress);
   void tell(const RecordingEvent& event);
   void warn(const std::string& sentence);

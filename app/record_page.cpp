@@ -11,8 +11,8 @@ RecordPage::RecordPage(const RecordOptions& options, rig::RecordingOptions& reco
   tell_page(page_, options.json);
   recording.wait_for_start = options.page.control;
   recording.begun = [this](const RecordingHeader& header) { run_.begun(header); };
-  recording.observe = [this](const TimedFrame& frame, const LabelledSample& sample, HostTime arrived) {
-    run_.frame(frame, sample, arrived);
+  recording.observe = [this](const Measurement& measurement, HostTime arrived) {
+    run_.add(measurement, arrived);
     return std::optional<LiveEstimate>();
   };
 }

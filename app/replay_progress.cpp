@@ -17,12 +17,10 @@ void ReplayProgress::note_gone(HostTime now) {
 }
 
 void ReplayProgress::add(const pipeline::ReplayMoment& moment) {
-  note_gone(moment.time);
-  for (const pipeline::FramePair& pair : moment.pairs) {
-    if (gone_[Device::camera]) break;  // these stand for its frames
-    meters_[Device::camera].message(pair.frame.stamp.arrival);
-    uncertainty_s_[Device::camera] = pair.frame.stamp.uncertainty_s;
-    missing_frames_ += pair.frame.missing_before;
+  for (const TimedFrame& frame : moment.streams.frames) {
+    meters_[Device::camera].message(moment.time);
+    uncertainty_s_[Device::camera] = frame.stamp.uncertainty_s;
+    missing_frames_ += frame.missing_before;
   }
   for (const TimedGyro& gyro : moment.streams.gyro) {
     meters_[Device::gyro].message(moment.time);
@@ -62,7 +60,7 @@ rig::SweepProgress ReplayProgress::sweep(HostTime now) const {
   return sweep;
 }
 
-rig::RecordingProgress ReplayProgress::at(HostTime now, const rig::LiveReplay& replay) {
+rig::RecordingProgress ReplayProgress::at(HostTime now, const pipeline::CausalReplay& replay) {
   rig::RecordingProgress progress;
   progress.time = now;
   progress.elapsed_s = to_s(now - raw_.header.time_reference);

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "thermorig/core/raw_recording.h"
-#include "thermorig/rig/live_replay.h"
+#include "thermorig/pipeline/causal_replay.h"
 #include "thermorig/rig/recording.h"
 
 namespace thermorig::app {
@@ -16,7 +16,7 @@ class ReplayProgress {
   void add(const LabelledSample& sample);
 
   /// With the events since the last call.
-  rig::RecordingProgress at(HostTime now, const rig::LiveReplay& replay);
+  rig::RecordingProgress at(HostTime now, const pipeline::CausalReplay& replay);
 
  private:
   void note_gone(HostTime now);

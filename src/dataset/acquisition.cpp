@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: MIT
 #include <fmt/format.h>
 
+#include <cassert>
 #include <cmath>
 #include <limits>
 #include <map>
 
 #include "data_hash.h"
 #include "session_name.h"
-#include "thermorig/core/error.h"
 #include "thermorig/dataset/dataset.h"
 #include "thermorig/windows/soundness.h"
 
@@ -16,16 +16,6 @@ namespace thermorig::dataset {
 namespace {
 
 using windows::Acquisition;
-
-/// Windows are neighbouring rows, so rows must be the frames one after the other.
-void require_a_row_a_frame(const session::Session& session, const std::string& name) {
-  bool good = session.samples.size() == session.frames.size();
-  for (std::size_t row = 0; good && row < session.samples.size(); ++row)
-    good = session.samples[row].frame_index == row;
-  if (!good)
-    throw Error(ExitCode::not_a_session, "its samples are not one a frame, in order", name,
-                "make them again from the raw bytes: thermorig reprocess FILE");
-}
 
 void reserve(Acquisition& acquisition, std::size_t frames) {
   acquisition.temp_c.reserve(frames * frame_pixels);
@@ -53,8 +43,10 @@ void append(Acquisition& acquisition, const LabelledSample& sample, const Therma
 void append_samples(Acquisition& acquisition, const session::Session& session) {
   const std::map<std::uint16_t, float> rates = leg_rates(session.raw.legs);
   reserve(acquisition, session.samples.size());
-  for (const LabelledSample& sample : session.samples) {
-    append(acquisition, sample, session.frames[sample.frame_index].frame);
+  assert(session.samples.size() == session.frames.size());
+  for (std::size_t i = 0; i < session.samples.size(); ++i) {
+    const LabelledSample& sample = session.samples[i];
+    append(acquisition, sample, session.frames[i].frame);
     const auto rate = rates.find(sample.leg);
     acquisition.leg_rate_dps.push_back(sample.leg == 0 || rate == rates.end() ? 0.0F : rate->second);
   }
@@ -69,7 +61,6 @@ double rest_bias_dps(const GyroErrors& errors) {
 }  // namespace
 
 Acquisition acquisition_of(const session::Session& session, const std::string& name) {
-  require_a_row_a_frame(session, name);
   const RecordingHeader& header = session.raw.header;
   Acquisition acquisition{.name = name,
                           .environment = header.environment,

@@ -49,10 +49,11 @@ Labeller::Labeller(const LabelConfig& config)
 
 std::uint32_t Labeller::frame_reasons(const TimedFrame& frame) {
   const bool unsure = static_cast<double>(frame.stamp.uncertainty_s) > config_.clock_limit_s;
-  return bit_if(Reason::camera_gap, frame.missing_before > 0) |
-         bit_if(Reason::camera_not_fresh, frame.stale) | bit_if(Reason::sync_lost, frame.late || unsure) |
-         bit_if(Reason::checksum, frame.resync_before) |
-         bit_if(Reason::warm_up, warm_up_.push(frame.stamp.time, frame.frame.sensor_temp_c)) |
+  const std::uint32_t reasons =
+      bit_if(Reason::camera_gap, frame.missing_before > 0) | bit_if(Reason::camera_not_fresh, frame.stale) |
+      bit_if(Reason::sync_lost, frame.late || unsure) | bit_if(Reason::checksum, frame.resync_before);
+  if (frame.stands_in) return reasons;
+  return reasons | bit_if(Reason::warm_up, warm_up_.push(frame.stamp.time, frame.frame.sensor_temp_c)) |
          bit_if(Reason::out_of_range, has_pixel_out_of_range(frame.frame));
 }
 

@@ -77,11 +77,6 @@ LiveEstimate row_of(const LabelledSample& sample, HostTime arrived) {
           .leg = sample.leg};
 }
 
-/// Stands for a camera that is not there: gyro and label are all there is to compare.
-bool has_no_image(std::span<const float> temp_c) {
-  return std::all_of(temp_c.begin(), temp_c.end(), [](float pixel_c) { return std::isnan(pixel_c); });
-}
-
 bool gap_before(const TimedFrame& frame) {
   return frame.resync_before || frame.missing_before > 0;
 }
@@ -111,12 +106,13 @@ LiveEstimator::~LiveEstimator() = default;
 LiveEstimator::LiveEstimator(LiveEstimator&&) noexcept = default;
 LiveEstimator& LiveEstimator::operator=(LiveEstimator&&) noexcept = default;
 
-LiveEstimate LiveEstimator::add(const TimedFrame& frame, const LabelledSample& sample, HostTime arrived) {
+LiveEstimate LiveEstimator::add(const Measurement& measurement, HostTime arrived) {
   Parts& parts = *parts_;
+  const TimedFrame& frame = measurement.frame;
+  const LabelledSample& sample = measurement.sample;
   const std::span<const float> temp_c(frame.frame.temp_c);
   const bool sound_image = windows::is_sound_image(temp_c);
-  const bool no_image = has_no_image(temp_c);  // a frame that came so has no run: the labeller refuses it
-  const bool sound = (sound_image || no_image) && windows::is_sound_rate(sample.rate_commanded_dps) &&
+  const bool sound = (sound_image || frame.stands_in) && windows::is_sound_rate(sample.rate_commanded_dps) &&
                      windows::is_sound_rate(sample.rate_gyro_dps);
   parts.in_a_row = !sound_image ? 0 : gap_before(frame) ? 1 : std::min(parts.in_a_row + 1, parts.frames);
   parts.labels.push(sample.rate_commanded_dps);
@@ -125,7 +121,7 @@ LiveEstimate LiveEstimator::add(const TimedFrame& frame, const LabelledSample& s
   LiveEstimate row = row_of(sample, arrived);
   row.rate_commanded_dps = mean_of(parts.labels.all());
   row.rate_gyro_dps = mean_of(parts.gyro.all());
-  row.counted = parts.rule.push(sound ? row.run : 0) && (no_image || parts.in_a_row == parts.frames);
+  row.counted = parts.rule.push(sound ? row.run : 0) && (frame.stands_in || parts.in_a_row == parts.frames);
   if (parts.thermal) {
     parts.thermal->push(temp_c);
     if (parts.in_a_row == parts.frames) parts.thermal->estimate(row);

@@ -5,22 +5,29 @@
 
 namespace thermorig::pipeline {
 
-CausalReplay::CausalReplay(const RawRecording& raw)
-    : end_time_(raw.end_time), replay_(raw), pipeline_(raw.header.profile) {}
+namespace {
 
-std::optional<ReplayMoment> CausalReplay::next() {
-  if (const auto step = replay_.next()) return moment(step->time, step->from, feed(pipeline_, *step));
-  if (std::exchange(ended_, true)) return std::nullopt;
-  return moment(end_time_, std::nullopt, pipeline_.finish());
+std::optional<HostTime> camera_gone(const RawRecording& raw) {
+  for (const RecordingEvent& event : raw.events)
+    if (event.kind == EventKind::missing && event.source == Device::camera) return event.time;
+  return std::nullopt;
 }
 
-ReplayMoment CausalReplay::moment(HostTime time, std::optional<Device> from,
-                                  const std::vector<LabelledSample>& samples) {
-  ReplayMoment moment{time, from, pipeline_.take_streams(), {}};
-  pairs_.add(std::exchange(moment.streams.frames, {}));
-  pairs_.add(samples);
-  moment.pairs = pairs_.take();
-  return moment;
+}  // namespace
+
+CausalReplay::CausalReplay(const RawRecording& raw)
+    : end_time_(raw.end_time), replay_(raw), pipeline_(raw.header.profile), camera_gone_(camera_gone(raw)) {}
+
+std::optional<ReplayMoment> CausalReplay::next() {
+  if (const auto step = replay_.next()) {
+    if (camera_gone_ && step->time > *camera_gone_)
+      pipeline_.stand_in_for_camera(*std::exchange(camera_gone_, std::nullopt));
+    std::vector<Measurement> measurements = feed(pipeline_, *step);
+    return ReplayMoment{step->time, step->from, pipeline_.take_streams(), std::move(measurements)};
+  }
+  if (std::exchange(ended_, true)) return std::nullopt;
+  std::vector<Measurement> measurements = pipeline_.finish();
+  return ReplayMoment{end_time_, std::nullopt, pipeline_.take_streams(), std::move(measurements)};
 }
 
 }  // namespace thermorig::pipeline

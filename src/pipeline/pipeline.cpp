@@ -3,8 +3,10 @@
 
 #include <utility>
 
+#include "absent_camera.h"
 #include "camera_line.h"
 #include "gyro_line.h"
+#include "measurements.h"
 #include "servo_line.h"
 #include "servo_link.h"
 #include "thermorig/wire/device_bytes.h"
@@ -20,7 +22,29 @@ struct Pipeline::Stages {
   GyroLine gyro;
   ServoLine servo;
   labels::Labeller labeller;
+  double frame_rate_hz;  // nominal
+  Measurements measurements;
   Streams streams;
+  std::optional<AbsentCamera> absent_camera;
+
+  template <typename Timed>
+  void add(std::span<const Timed> samples) {
+    for (const Timed& sample : samples) {
+      labeller.add(sample);
+      measurements.add(sample);
+    }
+  }
+
+  /// The camera's own frames; once others stand in for them they are of no more use.
+  void add_frames(std::span<const TimedFrame> frames) {
+    if (!absent_camera || !absent_camera->has_begun()) add(frames);
+  }
+
+  /// The frames whose telemetry and gyro samples are all there.
+  std::vector<Measurement> complete(HostTime now) {
+    if (absent_camera) add(absent_camera->due(now, streams.stand_ins));
+    return measurements.with(labeller.take(now));
+  }
 };
 
 Pipeline::Pipeline(const RigProfile& profile, const Fits& fits)
@@ -28,7 +52,10 @@ Pipeline::Pipeline(const RigProfile& profile, const Fits& fits)
                          .gyro = GyroLine(profile.gyro, fits),
                          .servo = ServoLine(profile.servo, fits),
                          .labeller = labels::Labeller(labels::label_config(profile, fits.sync)),
-                         .streams = {}}) {}
+                         .frame_rate_hz = profile.camera.output_rate_hz,
+                         .measurements = {},
+                         .streams = {},
+                         .absent_camera = {}}) {}
 
 Pipeline::~Pipeline() = default;
 Pipeline::Pipeline(Pipeline&&) noexcept = default;
@@ -41,49 +68,56 @@ void Pipeline::expect(const PerDevice<std::uint64_t>& bytes) {
   streams.servo.reserve(bytes[Device::servo] / telemetry_bytes);
 }
 
-std::vector<LabelledSample> Pipeline::feed(Device from, std::span<const std::uint8_t> chunk,
-                                           HostTime arrived) {
-  auto& [camera, gyro, servo, labeller, streams] = *stages_;
+std::vector<Measurement> Pipeline::feed(Device from, std::span<const std::uint8_t> chunk, HostTime arrived) {
+  Stages& stages = *stages_;
   switch (from) {  // each line: bytes -> messages (bad bytes are counted, not thrown) -> timed samples
     case Device::camera:
-      for (const TimedFrame& frame : camera.push(chunk, arrived, streams.frames)) labeller.add(frame);
+      stages.add_frames(stages.camera.push(chunk, arrived, stages.streams.frames));
       break;
     case Device::gyro:
-      for (const TimedGyro& sample : gyro.push(chunk, arrived, streams.gyro)) labeller.add(sample);
+      stages.add(stages.gyro.push(chunk, arrived, stages.streams.gyro));
       break;
     case Device::servo:
-      for (const TimedServo& state : servo.push(chunk, arrived, streams)) labeller.add(state);
+      stages.add(stages.servo.push(chunk, arrived, stages.streams));
       break;
   }
-  return labeller.take(arrived);  // the frames whose telemetry and gyro samples are all there, labelled
+  return stages.complete(arrived);
 }
 
 void Pipeline::sent(std::span<const std::uint8_t> bytes, HostTime before_write) {
   stages_->servo.sent(bytes, before_write);
 }
 
-std::vector<LabelledSample> Pipeline::interrupt(Device device, HostTime now) {
-  auto& [camera, gyro, servo, labeller, streams] = *stages_;
+std::vector<Measurement> Pipeline::interrupt(Device device, HostTime now) {
+  Stages& stages = *stages_;
   switch (device) {
     case Device::camera:
-      for (const TimedFrame& frame : camera.interrupt(streams.frames)) labeller.add(frame);
+      stages.add_frames(stages.camera.interrupt(stages.streams.frames));
       break;
     case Device::gyro:
-      for (const TimedGyro& sample : gyro.interrupt(streams.gyro)) labeller.add(sample);
+      stages.add(stages.gyro.interrupt(stages.streams.gyro));
       break;
     case Device::servo:
-      servo.interrupt(streams);  // a frame of the servo link ends with its flag: nothing waits
+      stages.servo.interrupt(stages.streams);  // a frame of the servo link ends with its flag: nothing waits
       break;
   }
-  return labeller.take(now);
+  return stages.complete(now);
 }
 
-std::vector<LabelledSample> Pipeline::finish() {
-  auto& [camera, gyro, servo, labeller, streams] = *stages_;
-  for (const TimedFrame& frame : camera.finish(streams.frames)) labeller.add(frame);
-  for (const TimedGyro& sample : gyro.finish(streams.gyro)) labeller.add(sample);
-  for (const TimedServo& state : servo.finish(streams)) labeller.add(state);
-  return labeller.finish();
+void Pipeline::stand_in_for_camera(HostTime since) {
+  stages_->absent_camera.emplace(stages_->frame_rate_hz, since);
+}
+
+bool Pipeline::stands_in_for_camera() const {
+  return stages_->absent_camera && stages_->absent_camera->has_begun();
+}
+
+std::vector<Measurement> Pipeline::finish() {
+  Stages& stages = *stages_;
+  stages.add_frames(stages.camera.finish(stages.streams.frames));
+  stages.add(stages.gyro.finish(stages.streams.gyro));
+  stages.add(stages.servo.finish(stages.streams));
+  return stages.measurements.with(stages.labeller.finish());
 }
 
 Streams Pipeline::take_streams() {

@@ -35,7 +35,7 @@ std::optional<ReplayStep> Replay::next() {
   return ReplayStep{.from = device, .bytes = stream.chunk(index), .time = stream.time(index)};
 }
 
-std::vector<LabelledSample> feed(Pipeline& pipeline, const ReplayStep& step) {
+std::vector<Measurement> feed(Pipeline& pipeline, const ReplayStep& step) {
   if (step.is_interruption) return pipeline.interrupt(*step.from, step.time);
   if (step.from) return pipeline.feed(*step.from, step.bytes, step.time);
   pipeline.sent(step.bytes, step.time);

@@ -30,8 +30,8 @@ Decoded decode(const RawRecording& raw, const pipeline::Fits& fits) {
   Decoded decoded;
   pipeline::Pipeline pipeline(raw.header.profile, fits);
   pipeline.expect(byte_counts(raw.received));
-  const auto keep = [&](std::vector<LabelledSample> samples) {
-    decoded.samples.insert(decoded.samples.end(), samples.begin(), samples.end());
+  const auto keep = [&](const std::vector<Measurement>& measurements) {
+    for (const Measurement& measurement : measurements) decoded.samples.push_back(measurement.sample);
   };
   pipeline::Replay replay(raw);
   while (const auto step = replay.next()) keep(pipeline::feed(pipeline, *step));

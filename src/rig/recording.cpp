@@ -27,44 +27,23 @@ void Recording::received(Device from, std::span<const std::uint8_t> bytes, HostT
   parts.journal.received(from, bytes, arrived);
   parts.devices.received(from, bytes);
   parts.replug.received(from, bytes, arrived);
-  const auto samples = parts.pipeline.feed(from, bytes, arrived);
-  parts.take(parts.pipeline.take_streams(), samples, arrived);
+  const std::vector<Measurement> measurements = parts.pipeline.feed(from, bytes, arrived);
+  parts.take(parts.pipeline.take_streams(), measurements, arrived);
 }
 
 // Who watches comes last: the servo's next command does not wait for a network.
-void Recording::Parts::take(pipeline::Streams streams, const std::vector<LabelledSample>& samples,
+void Recording::Parts::take(const pipeline::Streams& streams, const std::vector<Measurement>& measurements,
                             HostTime arrived) {
-  if (!samples.empty()) last_sample = samples.back();
+  if (!measurements.empty()) last_sample = measurements.back().sample;
   guarded(arrived, [&] { take_streams(streams, arrived); });
-  if (absent_camera) {
-    absent_camera->add(streams, arrived, samples_seen);
-    take_absent(arrived);
-    if (absent_camera->has_begun()) return;  // what a camera sends that is back is kept, and no more
-  }
-  samples_seen += samples.size();
-  for (const LabelledSample& sample : samples) sweep.sample(sample);
-  if (options.observe) observe(std::move(streams.frames), samples, arrived);
+  for (const Measurement& measurement : measurements) sweep.sample(measurement.sample);
+  observe(measurements, arrived);
 }
 
-void Recording::Parts::take_absent(HostTime arrived) {
-  for (const TimedFrame& frame : absent_camera->take_frames()) sweep.frame(frame);
-  for (const pipeline::FramePair& pair : absent_camera->take_pairs()) {
-    last_sample = pair.sample;
-    sweep.sample(pair.sample);
-    observe(pair, arrived);
-  }
-}
-
-void Recording::Parts::observe(const pipeline::FramePair& pair, HostTime arrived) {
+void Recording::Parts::observe(const std::vector<Measurement>& measurements, HostTime arrived) {
   if (!options.observe) return;
-  if (const auto row = options.observe(pair.frame, pair.sample, arrived)) journal.estimate(*row);
-}
-
-void Recording::Parts::observe(std::vector<TimedFrame> frames, const std::vector<LabelledSample>& samples,
-                               HostTime arrived) {
-  pairs.add(std::move(frames));
-  pairs.add(samples);
-  for (const pipeline::FramePair& pair : pairs.take()) observe(pair, arrived);
+  for (const Measurement& measurement : measurements)
+    if (const auto row = options.observe(measurement, arrived)) journal.estimate(*row);
 }
 
 void Recording::Parts::take_streams(const pipeline::Streams& streams, HostTime arrived) {
@@ -72,8 +51,9 @@ void Recording::Parts::take_streams(const pipeline::Streams& streams, HostTime a
   for (const TimedFrame& frame : streams.frames) {
     if (devices.frame(frame, arrived, pipeline.counters(Device::camera))) replug.message(Device::camera);
     gate_watch.frame(frame);
-    if (!absent_camera || !absent_camera->has_begun()) sweep.frame(frame);
+    if (!pipeline.stands_in_for_camera()) sweep.frame(frame);
   }
+  for (const TimedFrame& frame : streams.stand_ins) sweep.frame(frame);
   for (const TimedGyro& gyro : streams.gyro) {
     if (devices.gyro(gyro, arrived, pipeline.counters(Device::gyro))) {
       replug.message(Device::gyro);
@@ -357,14 +337,7 @@ RecordingProgress Recording::progress(HostTime now) {
 
 SessionFile Recording::close(HostTime now) {
   Parts& parts = *parts_;
-  const auto samples = parts.pipeline.finish();
-  const auto frames = parts.pipeline.take_streams().frames;
-  if (parts.absent_camera) {
-    parts.absent_camera->finish();
-    parts.take_absent(now);
-  }
-  const bool has_camera = !parts.absent_camera || !parts.absent_camera->has_begun();
-  if (parts.options.observe && has_camera) parts.observe(frames, samples, now);
+  parts.observe(parts.pipeline.finish(), now);
   parts.drain_sweep(now);
   parts.journal.close(now);
   return file();

@@ -36,7 +36,7 @@ void Recording::Parts::lose(Device device, const Error& error, HostTime now, boo
   interrupt(device, now);
   if (gone_advice.empty()) gone_advice = error.advice();
   gone[device] = was_gone[device] = true;
-  if (device == Device::camera) absent_camera.emplace(options.profile, now);
+  if (device == Device::camera) pipeline.stand_in_for_camera(now);
   event({now, EventKind::missing, device,
          fmt::format("{}: {}; going on without it", error.where(), error.what_happened())});
 }
@@ -99,8 +99,8 @@ void Recording::Parts::lose_port_again(Device device, const Error& error, HostTi
 /// From here on the device's bytes are a stream anew: the same in a replay, which knows it from the event.
 void Recording::Parts::interrupt(Device device, HostTime now) {
   devices.forget(device);
-  const auto samples = pipeline.interrupt(device, now);
-  take(pipeline.take_streams(), samples, now);
+  const std::vector<Measurement> measurements = pipeline.interrupt(device, now);
+  take(pipeline.take_streams(), measurements, now);
 }
 
 void Recording::Parts::look_for_returns(HostTime now) {

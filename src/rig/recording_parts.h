@@ -12,9 +12,7 @@
 #include "kept_journal.h"
 #include "recording_start.h"
 #include "servo_link.h"
-#include "thermorig/pipeline/frame_pairs.h"
 #include "thermorig/pipeline/pipeline.h"
-#include "thermorig/rig/absent_camera.h"
 #include "thermorig/rig/recording.h"
 #include "thermorig/rig/replug.h"
 
@@ -35,10 +33,8 @@ struct Recording::Parts {
         replug(options.profile, options.replug_patience_s),
         devices(options.profile, options.start_patience_s, now) {}
 
-  void take(pipeline::Streams streams, const std::vector<LabelledSample>& samples, HostTime arrived);
-  void observe(std::vector<TimedFrame> frames, const std::vector<LabelledSample>& samples, HostTime arrived);
-  void observe(const pipeline::FramePair& pair, HostTime arrived);
-  void take_absent(HostTime arrived);
+  void take(const pipeline::Streams& streams, const std::vector<Measurement>& measurements, HostTime arrived);
+  void observe(const std::vector<Measurement>& measurements, HostTime arrived);
   void take_streams(const pipeline::Streams& streams, HostTime arrived);
   void begin_when_ready(HostTime now);
   void check_devices(HostTime now);
@@ -83,9 +79,6 @@ struct Recording::Parts {
   RecordingHeader header;
   KeptJournal journal;
   pipeline::Pipeline pipeline;
-  pipeline::FramePairs pairs;
-  std::optional<AbsentCamera> absent_camera;  // where the recording goes on without one
-  std::uint64_t samples_seen = 0;
   ServoCommander commander;
   SweepWalker sweep;
   Replug replug;

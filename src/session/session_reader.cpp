@@ -228,9 +228,12 @@ void complete_labels_of_1_0(std::vector<LabelledSample>& samples) {
   }
 }
 
+/// Windows are neighbouring rows, so rows must be the frames one after the other.
 void check_samples(const Session& session) {
-  for (const auto& sample : session.samples)
-    if (sample.frame_index >= session.frames.size()) throw Hdf5Failure("believe /samples/frame");
+  bool good = session.samples.size() == session.frames.size();
+  for (std::size_t row = 0; good && row < session.samples.size(); ++row)
+    good = session.samples[row].frame_index == row;
+  if (!good) throw Hdf5Failure("believe /samples/frame: the samples are not one a frame, in order");
 }
 
 /// The session without what was decoded.

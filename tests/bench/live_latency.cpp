@@ -17,7 +17,6 @@
 #include "thermorig/core/quantile.h"
 #include "thermorig/live/live_estimator.h"
 #include "thermorig/live/scores.h"
-#include "thermorig/pipeline/frame_pairs.h"
 #include "thermorig/pipeline/replay.h"
 #include "thermorig/wire/servo_messages.h"
 #include "timing_rig.h"
@@ -48,18 +47,15 @@ class LiveChain {
 
   /// How many frames the step completed.
   std::size_t feed(const pipeline::ReplayStep& step) {
-    const std::vector<LabelledSample> samples = pipeline::feed(pipeline_, step);
-    pipeline::Streams streams = pipeline_.take_streams();
+    const std::vector<Measurement> measurements = pipeline::feed(pipeline_, step);
+    const pipeline::Streams streams = pipeline_.take_streams();
     frames_ += streams.frames.size();
     gyro_ += streams.gyro.size();
-    pairs_.add(std::move(streams.frames));
-    pairs_.add(samples);
-    const std::vector<pipeline::FramePair> pairs = pairs_.take();
-    for (const pipeline::FramePair& pair : pairs) {
-      scorer_.add(estimator_.add(pair.frame, pair.sample, step.time));
+    for (const Measurement& measurement : measurements) {
+      scorer_.add(estimator_.add(measurement, step.time));
       scores_ = scorer_.scores();
     }
-    return pairs.size();
+    return measurements.size();
   }
 
   std::size_t frames() const { return frames_; }
@@ -68,7 +64,6 @@ class LiveChain {
 
  private:
   pipeline::Pipeline pipeline_;
-  pipeline::FramePairs pairs_;
   live::LiveEstimator estimator_;
   live::Scorer scorer_;
   live::LiveScores scores_;

@@ -5,7 +5,6 @@
 #include <limits>
 
 #include "../session/synthetic_session.h"
-#include "thermorig/core/error.h"
 #include "thermorig/dataset/dataset.h"
 
 namespace thermorig::dataset {
@@ -79,26 +78,6 @@ TEST(Acquisition, TakesNoFrameForValidThatIsNot) {
   const Acquisition acquisition = acquired(session);
   for (const std::size_t frame : {100U, 101U, 102U, 103U}) EXPECT_EQ(acquisition.run[frame], 0U) << frame;
   EXPECT_EQ(acquisition.run[104], 2U);
-}
-
-TEST(Acquisition, RefusesSamplesThatAreNotOneAFrame) {
-  const auto refused = [](const Session& session) {
-    try {
-      acquired(session);
-    } catch (const Error& error) {
-      return error.code() == ExitCode::not_a_session;
-    }
-    return false;
-  };
-  Session twice = made_session();
-  twice.samples[7].frame_index = 6;
-  EXPECT_TRUE(refused(twice));
-  Session longer = made_session();
-  longer.samples.push_back(longer.samples.back());
-  EXPECT_TRUE(refused(longer));
-  Session shorter = made_session();
-  shorter.samples.pop_back();
-  EXPECT_TRUE(refused(shorter));
 }
 
 TEST(Acquisition, OfNothingIsEmpty) {

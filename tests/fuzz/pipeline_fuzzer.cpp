@@ -115,13 +115,19 @@ void check(const wire::Counters& counters) {
 pipeline::Streams decode(const std::vector<Chunk>& chunks, const pipeline::Fits& fits) {
   pipeline::Pipeline pipeline{RigProfile{}, fits};
   std::uint32_t samples = 0;
-  const auto take = [&](const std::vector<LabelledSample>& taken) {
-    for (const LabelledSample& sample : taken) check(sample, samples++);
+  std::size_t gyro = 0, servo = 0;
+  const auto take = [&](const std::vector<Measurement>& taken) {
+    for (const Measurement& measurement : taken) {
+      check(measurement.sample, samples++);
+      gyro += measurement.gyro.size();
+      servo += measurement.servo.size();
+    }
   };
   for (const Chunk& chunk : chunks) take(pipeline.feed(chunk.device, chunk.bytes, chunk.arrived));
   take(pipeline.finish());
   pipeline::Streams streams = pipeline.take_streams();
   require(samples == streams.frames.size());
+  require(gyro <= streams.gyro.size() && servo <= streams.servo.size());
   for (const Device device : all_devices) check(pipeline.counters(device));
   return streams;
 }

@@ -29,14 +29,11 @@ RawRecording recording_of(const pipeline::VirtualSweep& sweep) {
   return raw;
 }
 
-std::vector<CausalPair> pairs_of(const pipeline::VirtualSweep& sweep) {
+std::vector<CausalMeasurement> measurements_of(const pipeline::VirtualSweep& sweep) {
   pipeline::Pipeline pipeline(sweep.config.profile);
-  pipeline::FramePairs waiting;
-  std::vector<CausalPair> pairs;
-  const auto take = [&](const std::vector<LabelledSample>& samples, HostTime arrived) {
-    waiting.add(pipeline.take_streams().frames);
-    waiting.add(samples);
-    for (pipeline::FramePair& pair : waiting.take()) pairs.push_back({std::move(pair), arrived});
+  std::vector<CausalMeasurement> measurements;
+  const auto take = [&](std::vector<Measurement> completed, HostTime arrived) {
+    for (Measurement& measurement : completed) measurements.push_back({std::move(measurement), arrived});
   };
   std::size_t next = 0;
   for (const Chunk& chunk : sweep.chunks) {
@@ -45,26 +42,27 @@ std::vector<CausalPair> pairs_of(const pipeline::VirtualSweep& sweep) {
     take(pipeline.feed(chunk.device, chunk.bytes, chunk.arrived), chunk.arrived);
   }
   take(pipeline.finish(), end_of(sweep));
-  return pairs;
+  return measurements;
 }
 
-std::vector<LiveEstimate> rows_of(const std::vector<CausalPair>& pairs,
+std::vector<LiveEstimate> rows_of(const std::vector<CausalMeasurement>& measurements,
                                   const std::optional<model::Model>& model) {
   LiveEstimator estimator(model);
   std::vector<LiveEstimate> rows;
-  for (const auto& [pair, arrived] : pairs) rows.push_back(estimator.add(pair.frame, pair.sample, arrived));
+  for (const auto& [measurement, arrived] : measurements) rows.push_back(estimator.add(measurement, arrived));
   return rows;
 }
 
-windows::Acquisition acquisition_of(const std::vector<CausalPair>& pairs) {
+windows::Acquisition acquisition_of(const std::vector<CausalMeasurement>& measurements) {
   windows::Acquisition acquisition;
-  for (const auto& [pair, arrived] : pairs) {
-    const auto& temp_c = pair.frame.frame.temp_c;
+  for (const auto& [measurement, arrived] : measurements) {
+    const auto& temp_c = measurement.frame.frame.temp_c;
     acquisition.temp_c.insert(acquisition.temp_c.end(), temp_c.begin(), temp_c.end());
-    acquisition.label_dps.push_back(pair.sample.rate_commanded_dps);
-    acquisition.gyro_dps.push_back(pair.sample.rate_gyro_dps);
-    acquisition.time.push_back(pair.sample.time);
-    acquisition.run.push_back(pair.sample.valid ? pair.sample.run : 0);
+    const LabelledSample& sample = measurement.sample;
+    acquisition.label_dps.push_back(sample.rate_commanded_dps);
+    acquisition.gyro_dps.push_back(sample.rate_gyro_dps);
+    acquisition.time.push_back(sample.time);
+    acquisition.run.push_back(sample.valid ? sample.run : 0);
   }
   windows::clear_unsound_frames(acquisition);
   return acquisition;

@@ -7,15 +7,15 @@
 
 #include "../pipeline/virtual_sweep.h"
 #include "thermorig/core/live_estimate.h"
+#include "thermorig/core/measurement.h"
 #include "thermorig/model/model.h"
-#include "thermorig/pipeline/frame_pairs.h"
 #include "thermorig/windows/acquisition.h"
 
 namespace thermorig::live {
 
-/// A frame, its sample, and when the chunk arrived that completed the two.
-struct CausalPair {
-  pipeline::FramePair pair;
+/// A measurement, and when the chunk arrived that completed it.
+struct CausalMeasurement {
+  Measurement measurement;
   HostTime arrived{};
 };
 
@@ -26,13 +26,13 @@ pipeline::VirtualSweep two_legs();
 RawRecording recording_of(const pipeline::VirtualSweep& sweep);
 
 /// What a live run of it sees, fed chunk by chunk as a recorder does it: not by way of a replay.
-std::vector<CausalPair> pairs_of(const pipeline::VirtualSweep& sweep);
+std::vector<CausalMeasurement> measurements_of(const pipeline::VirtualSweep& sweep);
 
-std::vector<LiveEstimate> rows_of(const std::vector<CausalPair>& pairs,
+std::vector<LiveEstimate> rows_of(const std::vector<CausalMeasurement>& measurements,
                                   const std::optional<model::Model>& model);
 
-/// What training would make of these frames and samples.
-windows::Acquisition acquisition_of(const std::vector<CausalPair>& pairs);
+/// What training would make of them.
+windows::Acquisition acquisition_of(const std::vector<CausalMeasurement>& measurements);
 
 /// Seeded weights, pixels scaled as these frames need it.
 model::Model model_for(const windows::Acquisition& acquisition, const network::Shape& shape);

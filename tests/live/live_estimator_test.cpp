@@ -19,9 +19,9 @@ namespace {
 constexpr float unknown = std::numeric_limits<float>::quiet_NaN();
 
 /// One run for all tests: nothing in it changes.
-const std::vector<CausalPair>& run() {
-  static const std::vector<CausalPair> pairs = pairs_of(two_legs());
-  return pairs;
+const std::vector<CausalMeasurement>& run() {
+  static const std::vector<CausalMeasurement> measurements = measurements_of(two_legs());
+  return measurements;
 }
 
 model::Model model_of(const network::Shape& shape) {
@@ -101,22 +101,23 @@ INSTANTIATE_TEST_SUITE_P(OfAnyShape, LiveEstimates,
 TEST(LiveEstimator, TellsTheFramesTimesAndReasonsAsTheSampleHasThem) {
   const auto rows = rows_of(run(), model_of({}));
   for (std::size_t i = 0; i < rows.size(); ++i) {
-    const auto& [pair, arrived] = run()[i];
+    const auto& [measurement, arrived] = run()[i];
+    const LabelledSample& sample = measurement.sample;
     EXPECT_EQ(rows[i].frame_index, i);
-    EXPECT_EQ(rows[i].time, pair.sample.time);
-    EXPECT_EQ(rows[i].exposure_begin, pair.sample.exposure_begin);
-    EXPECT_EQ(rows[i].exposure_end, pair.sample.exposure_end);
+    EXPECT_EQ(rows[i].time, sample.time);
+    EXPECT_EQ(rows[i].exposure_begin, sample.exposure_begin);
+    EXPECT_EQ(rows[i].exposure_end, sample.exposure_end);
     EXPECT_EQ(rows[i].arrival, arrived);
-    EXPECT_EQ(rows[i].reason_bits, pair.sample.reason_bits);
-    EXPECT_EQ(rows[i].run, pair.sample.run);
-    EXPECT_EQ(rows[i].leg, pair.sample.leg);
+    EXPECT_EQ(rows[i].reason_bits, sample.reason_bits);
+    EXPECT_EQ(rows[i].run, sample.run);
+    EXPECT_EQ(rows[i].leg, sample.leg);
   }
 }
 
 TEST(LiveEstimator, WithoutANetworkHoldsTheGyroOfEachFrameAgainstItsLabel) {
   const auto rows = rows_of(run(), std::nullopt);
   for (std::size_t i = 0; i < rows.size(); ++i) {
-    const LabelledSample& sample = run()[i].pair.sample;
+    const LabelledSample& sample = run()[i].measurement.sample;
     EXPECT_TRUE(same_bits(rows[i].rate_commanded_dps, sample.rate_commanded_dps));
     EXPECT_TRUE(same_bits(rows[i].rate_gyro_dps, sample.rate_gyro_dps));
     EXPECT_FALSE(has_thermal(rows[i]) || has_fusion(rows[i]));
@@ -127,7 +128,7 @@ TEST(LiveEstimator, WithoutANetworkHoldsTheGyroOfEachFrameAgainstItsLabel) {
 TEST(LiveEstimator, AsksForNoMemoryFrameByFrame) {
   LiveEstimator estimator(model_of({}));
   const std::size_t before = allocations();
-  for (const auto& [pair, arrived] : run()) estimator.add(pair.frame, pair.sample, arrived);
+  for (const auto& [measurement, arrived] : run()) estimator.add(measurement, arrived);
   EXPECT_EQ(allocations(), before);
 }
 
@@ -144,15 +145,15 @@ class AChangedFrame : public testing::Test {
       if (rows[i].counted && rows[i + 8].counted && rows[i].run == rows[i + 8].run) return i + 3;
     return 0;
   }
-  std::vector<LiveEstimate> rows() const { return rows_of(pairs_, model_); }
+  std::vector<LiveEstimate> rows() const { return rows_of(measurements_, model_); }
 
   model::Model model_ = model_of({.frames = 3, .reduction = 2});
-  std::vector<CausalPair> pairs_ = run();
+  std::vector<CausalMeasurement> measurements_ = run();
   std::size_t place_ = place();
 };
 
 TEST_F(AChangedFrame, WithoutGyroLeavesTheThermalHeadAlone) {
-  pairs_[place_].pair.sample.rate_gyro_dps = unknown;
+  measurements_[place_].measurement.sample.rate_gyro_dps = unknown;
   const auto changed = rows(), as_it_was = rows_of(run(), model_);
   for (std::size_t i = place_; i < place_ + 3; ++i) {
     EXPECT_EQ(changed[i].rate_thermal_dps, as_it_was[i].rate_thermal_dps);
@@ -164,7 +165,7 @@ TEST_F(AChangedFrame, WithoutGyroLeavesTheThermalHeadAlone) {
 }
 
 TEST_F(AChangedFrame, WithoutALabelIsEstimatedButNotCounted) {
-  pairs_[place_].pair.sample.rate_commanded_dps = unknown;
+  measurements_[place_].measurement.sample.rate_commanded_dps = unknown;
   const auto changed = rows();
   for (std::size_t i = place_; i < place_ + 3; ++i) {
     EXPECT_TRUE(has_thermal(changed[i]) && has_fusion(changed[i]));
@@ -174,7 +175,7 @@ TEST_F(AChangedFrame, WithoutALabelIsEstimatedButNotCounted) {
 }
 
 TEST_F(AChangedFrame, AfterAGapBeginsAWindowOfItsOwn) {
-  pairs_[place_].pair.frame.missing_before = 1;
+  measurements_[place_].measurement.frame.missing_before = 1;
   const auto changed = rows();
   EXPECT_FALSE(has_thermal(changed[place_]));
   EXPECT_FALSE(has_thermal(changed[place_ + 1]));
@@ -184,7 +185,7 @@ TEST_F(AChangedFrame, AfterAGapBeginsAWindowOfItsOwn) {
 }
 
 TEST_F(AChangedFrame, AfterDamagedBytesBeginsAWindowOfItsOwn) {
-  pairs_[place_].pair.frame.resync_before = true;
+  measurements_[place_].measurement.frame.resync_before = true;
   const auto changed = rows();
   EXPECT_FALSE(has_thermal(changed[place_]) || has_thermal(changed[place_ + 1]));
   EXPECT_TRUE(has_thermal(changed[place_ + 2]));
@@ -192,7 +193,7 @@ TEST_F(AChangedFrame, AfterDamagedBytesBeginsAWindowOfItsOwn) {
 
 TEST_F(AChangedFrame, WithAPixelThatIsNoTemperatureIsInNoWindow) {
   for (const float wrong : {unknown, 1000.0F, std::numeric_limits<float>::infinity()}) {
-    pairs_[place_].pair.frame.frame.temp_c[7] = wrong;
+    measurements_[place_].measurement.frame.frame.temp_c[7] = wrong;
     const auto changed = rows();
     for (std::size_t i = place_; i < place_ + 3; ++i) {
       EXPECT_FALSE(has_thermal(changed[i]));

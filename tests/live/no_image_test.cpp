@@ -11,19 +11,21 @@ namespace {
 
 TEST(LiveEstimator, ComparesGyroAndServoWhereThereIsNoImage) {
   LiveEstimator estimator{std::nullopt};
-  TimedFrame frame;
+  Measurement measurement;
+  TimedFrame& frame = measurement.frame;
+  frame.stands_in = true;
   frame.frame.temp_c.fill(std::numeric_limits<float>::quiet_NaN());
-  LabelledSample sample;
+  LabelledSample& sample = measurement.sample;
   sample.rate_commanded_dps = 40.0F;
   sample.rate_gyro_dps = 42.0F;
   sample.valid = true;
   sample.run = 1;
-  EXPECT_TRUE(estimator.add(frame, sample, HostTime{}).counted);
+  EXPECT_TRUE(estimator.add(measurement, HostTime{}).counted);
   sample.run = 0;
-  EXPECT_FALSE(estimator.add(frame, sample, HostTime{}).counted);
+  EXPECT_FALSE(estimator.add(measurement, HostTime{}).counted);
   sample.run = 2;
-  frame.frame.temp_c[0] = 20.0F;  // an image, and a damaged one
-  EXPECT_FALSE(estimator.add(frame, sample, HostTime{}).counted);
+  frame.stands_in = false;  // an image, and a damaged one
+  EXPECT_FALSE(estimator.add(measurement, HostTime{}).counted);
 }
 
 }  // namespace

@@ -16,9 +16,9 @@ TEST(HalfPrecision, StaysWithinATenthOfADegreeASecond) {
   LiveEstimator full(model), half(model, network::Precision::fp16_weights);
   double furthest_dps = 0.0;
   int compared = 0, different = 0;
-  for (const CausalPair& seen : pairs_of(two_legs())) {
-    const LiveEstimate one = full.add(seen.pair.frame, seen.pair.sample, seen.arrived);
-    const LiveEstimate other = half.add(seen.pair.frame, seen.pair.sample, seen.arrived);
+  for (const auto& [measurement, arrived] : measurements_of(two_legs())) {
+    const LiveEstimate one = full.add(measurement, arrived);
+    const LiveEstimate other = half.add(measurement, arrived);
     EXPECT_EQ(std::isfinite(one.rate_fusion_dps), std::isfinite(other.rate_fusion_dps));
     if (!one.counted) continue;
     for (const auto rate : {&LiveEstimate::rate_thermal_dps, &LiveEstimate::rate_fusion_dps})

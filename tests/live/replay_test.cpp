@@ -14,16 +14,16 @@ std::vector<LiveEstimate> replayed(const RawRecording& raw, const std::optional<
   LiveEstimator estimator(model);
   std::vector<LiveEstimate> rows;
   while (const auto moment = replay.next())
-    for (const pipeline::FramePair& pair : moment->pairs)
-      rows.push_back(estimator.add(pair.frame, pair.sample, moment->time));
+    for (const Measurement& measurement : moment->measurements)
+      rows.push_back(estimator.add(measurement, moment->time));
   return rows;
 }
 
 TEST(AReplay, GivesTheRowsOfTheLiveRunBitForBit) {
   const pipeline::VirtualSweep sweep = two_legs();
-  const auto pairs = pairs_of(sweep);
-  const model::Model model = model_for(acquisition_of(pairs), {.frames = 3, .reduction = 2});
-  const auto rows = rows_of(pairs, model);
+  const auto measurements = measurements_of(sweep);
+  const model::Model model = model_for(acquisition_of(measurements), {.frames = 3, .reduction = 2});
+  const auto rows = rows_of(measurements, model);
   EXPECT_GE(rows.size() + 1, sweep.frames.size());
   EXPECT_TRUE(same_rows(replayed(recording_of(sweep), model), rows));
 }
@@ -38,7 +38,7 @@ TEST(AReplay, TellsTheLastFramesAtTheEndOfTheRecording) {
   const auto rows = replayed(raw, std::nullopt);
   ASSERT_FALSE(rows.empty());
   EXPECT_EQ(rows.back().arrival, raw.end_time);
-  EXPECT_TRUE(same_rows(rows, rows_of(pairs_of(sweep), std::nullopt)));
+  EXPECT_TRUE(same_rows(rows, rows_of(measurements_of(sweep), std::nullopt)));
 }
 
 TEST(AReplay, WalksWhatCameAndWhatWasSentInOrderOfTime) {
@@ -59,7 +59,7 @@ TEST(AReplay, WalksWhatCameAndWhatWasSentInOrderOfTime) {
 TEST(AReplay, OfNothingEndsAtOnce) {
   const RawRecording raw;
   pipeline::CausalReplay replay(raw);
-  EXPECT_TRUE(replay.next()->pairs.empty());
+  EXPECT_TRUE(replay.next()->measurements.empty());
   EXPECT_FALSE(replay.next());
 }
 

@@ -223,8 +223,9 @@ void expect_same(const RateScores& a, const RateScores& b) {
 }
 
 TEST(Scorer, GivesTheFiguresOfARunFromItsRows) {
-  const auto pairs = pairs_of(two_legs());
-  const auto rows = rows_of(pairs, model_for(acquisition_of(pairs), {.frames = 3, .reduction = 2}));
+  const auto measurements = measurements_of(two_legs());
+  const auto rows =
+      rows_of(measurements, model_for(acquisition_of(measurements), {.frames = 3, .reduction = 2}));
   Scorer during(150.0);
   for (const LiveEstimate& each : rows) {
     during.add(each);

@@ -45,8 +45,8 @@ Passed pass(const RawRecording& raw, const Fits& fits) {
   Passed passed;
   Replay replay(raw);
   while (const auto step = replay.next())
-    for (const LabelledSample& sample : feed(pipeline, *step)) passed.samples.push_back(sample);
-  for (const LabelledSample& sample : pipeline.finish()) passed.samples.push_back(sample);
+    for (const Measurement& made : feed(pipeline, *step)) passed.samples.push_back(made.sample);
+  for (const Measurement& made : pipeline.finish()) passed.samples.push_back(made.sample);
   passed.streams = pipeline.take_streams();
   return passed;
 }
@@ -173,9 +173,9 @@ TEST(Interruption, IsTheSameInACausalReplay) {
   CausalReplay replay(raw);
   std::size_t index = 0;
   while (const auto moment = replay.next())
-    for (const FramePair& pair : moment->pairs) {
-      EXPECT_EQ(pair.frame.stamp.time, passed.streams.frames.at(index).stamp.time);
-      EXPECT_EQ(pair.sample.reason_bits, passed.samples.at(index).reason_bits);
+    for (const Measurement& measurement : moment->measurements) {
+      EXPECT_EQ(measurement.frame.stamp.time, passed.streams.frames.at(index).stamp.time);
+      EXPECT_EQ(measurement.sample.reason_bits, passed.samples.at(index).reason_bits);
       ++index;
     }
   EXPECT_EQ(index, passed.samples.size());

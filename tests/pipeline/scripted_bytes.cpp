@@ -5,6 +5,7 @@
 #include <cmath>
 #include <random>
 
+#include "support/at_s.h"
 #include "thermorig/timing/link_timing.h"
 #include "thermorig/wire/device_bytes.h"
 #include "thermorig/wire/servo_messages.h"
@@ -12,10 +13,6 @@
 namespace thermorig::pipeline {
 
 namespace {
-HostTime at_s(double seconds) {
-  return HostTime(from_s(seconds));
-}
-
 double commanded_dps(double t) {
   return std::clamp(std::min(t - 1.0, 4.0 - t) * 2000.0, 0.0, 100.0);
 }
@@ -123,8 +120,11 @@ Result run(const RigProfile& profile, const std::vector<Chunk>& chunks, const Fi
   PerDevice<std::uint64_t> bytes;
   for (const Chunk& chunk : chunks) bytes[chunk.device] += chunk.bytes.size();
   pipeline.expect(bytes);
-  const auto take = [&](std::vector<LabelledSample> samples) {
-    result.samples.insert(result.samples.end(), samples.begin(), samples.end());
+  const auto take = [&](std::vector<Measurement> measurements) {
+    for (Measurement& measurement : measurements) {
+      result.samples.push_back(measurement.sample);
+      result.measurements.push_back(std::move(measurement));
+    }
   };
   std::size_t next = 0;
   for (const Chunk& chunk : chunks) {

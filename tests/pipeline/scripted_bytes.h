@@ -36,7 +36,8 @@ std::vector<Chunk> chunks_across_messages(const ScriptedRecording& recording, un
                                           std::size_t longest);
 
 struct Result {
-  std::vector<LabelledSample> samples;
+  std::vector<Measurement> measurements;
+  std::vector<LabelledSample> samples;  // of them
   Streams streams;
   PerDevice<wire::Counters> counters;
 };

@@ -11,6 +11,7 @@
 #include <thread>
 
 #include "simulated_bus.h"
+#include "support/at_s.h"
 #include "thermorig/rig/frozen_watch.h"
 #include "thermorig/rig/port_recording.h"
 #include "thermorig/sensors/gyro_protocol.h"
@@ -22,10 +23,6 @@ namespace {
 
 using ::testing::AllOf;
 using ::testing::HasSubstr;
-
-HostTime at_s(double time_s) {
-  return HostTime(from_s(time_s));
-}
 
 bool within(HostTime now, double begin_s, double end_s) {
   return now >= at_s(begin_s) && now < at_s(end_s);

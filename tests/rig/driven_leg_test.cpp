@@ -3,12 +3,10 @@
 
 #include <gtest/gtest.h>
 
+#include "support/at_s.h"
+
 namespace thermorig::rig::test {
 namespace {
-
-HostTime at_s(double seconds) {
-  return HostTime{} + from_s(seconds);
-}
 
 /// Frames at 1, 2, 3, 4 s; telemetry until `heard_s`.
 DrivenLeg driven(double heard_s) {

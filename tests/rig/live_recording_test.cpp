@@ -7,7 +7,7 @@
 #include <cmath>
 
 #include "simulated_bus.h"
-#include "thermorig/rig/live_replay.h"
+#include "thermorig/pipeline/causal_replay.h"
 #include "thermorig/rig/recording.h"
 
 namespace thermorig::rig::test {
@@ -24,7 +24,8 @@ struct Told {
   bool operator==(const Told&) const = default;
 };
 
-Told told(const TimedFrame& frame, const LabelledSample& sample, HostTime arrived) {
+Told told(const Measurement& measurement, HostTime arrived) {
+  const LabelledSample& sample = measurement.sample;
   return {sample.frame_index,
           sample.time,
           sample.exposure_begin,
@@ -34,7 +35,7 @@ Told told(const TimedFrame& frame, const LabelledSample& sample, HostTime arrive
           std::bit_cast<std::uint32_t>(sample.rate_gyro_dps),
           sample.reason_bits,
           sample.run,
-          std::bit_cast<std::uint32_t>(frame.frame.temp_c[100]),
+          std::bit_cast<std::uint32_t>(measurement.frame.frame.temp_c[100]),
           sample.leg};
 }
 
@@ -46,9 +47,9 @@ struct Watched {
 
   Watched(const TemporaryFolder& folder, const RigProfile& profile) {
     options.recording = recording_options(folder, profile, short_plan());
-    options.recording.observe = [this](const TimedFrame& frame, const LabelledSample& sample,
-                                       HostTime arrived) {
-      rows.push_back(told(frame, sample, arrived));
+    options.recording.observe = [this](const Measurement& measurement, HostTime arrived) {
+      rows.push_back(told(measurement, arrived));
+      const LabelledSample& sample = measurement.sample;
       return std::optional(LiveEstimate{.frame_index = sample.frame_index,
                                         .time = sample.time,
                                         .exposure_begin = sample.exposure_begin,
@@ -69,10 +70,10 @@ struct Watched {
 
 std::vector<Told> replayed(const RawRecording& raw) {
   std::vector<Told> rows;
-  LiveReplay replay(raw);
+  pipeline::CausalReplay replay(raw);
   while (const auto moment = replay.next())
-    for (const pipeline::FramePair& pair : moment->pairs)
-      rows.push_back(told(pair.frame, pair.sample, moment->time));
+    for (const Measurement& measurement : moment->measurements)
+      rows.push_back(told(measurement, moment->time));
   return rows;
 }
 

@@ -9,6 +9,7 @@
 #include <cmath>
 
 #include "simulated_bus.h"
+#include "support/at_s.h"
 #include "thermorig/pipeline/interruptions.h"
 #include "thermorig/rig/finalise.h"
 #include "thermorig/wire/servo_messages.h"
@@ -18,10 +19,6 @@ namespace {
 
 using ::testing::AllOf;
 using ::testing::HasSubstr;
-
-HostTime at_s(double time_s) {
-  return HostTime(from_s(time_s));
-}
 
 std::vector<RecordingEvent> events_of(const RawRecording& raw, EventKind kind) {
   std::vector<RecordingEvent> found;

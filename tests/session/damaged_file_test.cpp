@@ -56,6 +56,19 @@ TEST_F(DamagedSession, WithADelayOfTheServoBeyondAnyClockIsRefused) {
   EXPECT_EQ(read_and_compare(path(), session), refused);
 }
 
+TEST_F(DamagedSession, WhoseSamplesAreNotOneAFrameInOrderIsRefused) {
+  const Session sound = synthetic_session(20);
+  Session twice = sound, longer = sound, shorter = sound;
+  twice.samples[7].frame_index = 6;
+  longer.samples.push_back(longer.samples.back());
+  shorter.samples.pop_back();
+  for (const Session& session : {twice, longer, shorter}) {
+    write_unchecked(path(), session);
+    EXPECT_EQ(read_and_compare(path(), session), refused);
+    std::filesystem::remove(path());
+  }
+}
+
 // Whatever it was made of would be removed otherwise.
 TEST_F(DamagedSession, IsNeverWrittenNorPutInThePlaceOfASoundOne) {
   const Session sound = synthetic_session(20);

@@ -6,6 +6,7 @@
 #include <variant>
 #include <vector>
 
+#include "support/at_s.h"
 #include "thermorig/simulation/virtual_rig.h"
 #include "thermorig/wire/servo_messages.h"
 
@@ -13,10 +14,6 @@
 
 namespace thermorig::simulation {
 namespace {
-
-HostTime at_s(double seconds) {
-  return host_time_ns(0) + from_s(seconds);
-}
 
 /// Writes the commands that are due, refreshes every 40 ms, and keeps what the servo answers.
 class Driver {

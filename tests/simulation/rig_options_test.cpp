@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "scripted_firmware.h"
+#include "support/at_s.h"
 #include "thermorig/sensors/gyro_protocol.h"
 #include "thermorig/simulation/virtual_rig.h"
 #include "thermorig/wire/camera_scanner.h"
@@ -16,10 +17,6 @@
 
 namespace thermorig::simulation {
 namespace {
-
-HostTime at_s(double seconds) {
-  return host_time_ns(0) + from_s(seconds);
-}
 
 /// A rig whose shaft rests, after it ran for some time.
 std::unique_ptr<VirtualRig> run_resting(const VirtualRigConfig& config, double seconds,

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "scripted_firmware.h"
+#include "support/at_s.h"
 #include "thermorig/labels/freshness.h"
 #include "thermorig/sensors/gyro_protocol.h"
 #include "thermorig/wire/camera_scanner.h"
@@ -15,10 +16,6 @@
 
 namespace thermorig::simulation {
 namespace {
-
-HostTime at_s(double seconds) {
-  return host_time_ns(0) + from_s(seconds);
-}
 
 std::unique_ptr<ScriptedFirmware> sweep(double rate_dps) {
   return std::make_unique<ScriptedFirmware>(

@@ -3,12 +3,10 @@
 
 #include <gtest/gtest.h>
 
+#include "support/at_s.h"
+
 namespace thermorig::timing {
 namespace {
-
-HostTime at_s(double seconds) {
-  return HostTime(from_s(seconds));
-}
 
 TEST(McuTime, FollowsTheCounterWhereItDoesNotWrap) {
   McuTime time;

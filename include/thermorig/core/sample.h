@@ -42,8 +42,9 @@ struct TimedFrame {
   HostTime exposure_end{};           // end of the newest half's exposure
   bool resync_before = false;        // bytes were skipped between the frame before and this one
   std::uint16_t missing_before = 0;  // frames that never came between the frame before and this one
-  bool late = false;   // read more than half a frame period after it was due: its time is not known
-  bool stale = false;  // repeats the frame before, or the half that was due did not come
+  bool late = false;       // read more than half a frame period after it was due: its time is not known
+  bool stale = false;      // repeats the frame before, or the half that was due did not come
+  bool stands_in = false;  // for one of a camera that is missing: it has no image, every pixel is NaN
 };
 
 struct TimedGyro {

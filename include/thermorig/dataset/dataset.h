@@ -13,8 +13,7 @@
 namespace thermorig::dataset {
 
 /// What training needs of a session. Frames that no network may see (a label, gyro mean or pixel that is no
-/// sound number) are in no run, whatever the file says. Throws Error(not_a_session) where samples are not one
-/// a frame.
+/// sound number) are in no run, whatever the file says. The session's samples are one a frame, in order.
 windows::Acquisition acquisition_of(const session::Session& session, const std::string& name);
 
 /// Reads a session file; the name is "<environment>_acq-<number>". Throws Error(not_a_session) as

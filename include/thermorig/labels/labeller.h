@@ -51,6 +51,7 @@ namespace thermorig::labels {
 ///   checksum             TimedFrame::resync_before
 ///   out_of_range         a pixel below -60 or above 400 degC, or not a number
 ///   warm_up              WarmUp: a warning, unless warm_up_invalidates
+///                        (neither of these two for a frame that stands in for one of a missing camera)
 ///   servo_ramp           the model's slow mean (100 ms) leaves rate_commanded by more than tolerance =
 ///                        max(rate_tolerance_dps, rate_tolerance_share * |rate_commanded|) within E, both
 ///                        with scale and gain and without; or E is not covered

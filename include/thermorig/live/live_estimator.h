@@ -5,7 +5,7 @@
 #include <optional>
 
 #include "thermorig/core/live_estimate.h"
-#include "thermorig/core/sample.h"
+#include "thermorig/core/measurement.h"
 #include "thermorig/model/model.h"
 #include "thermorig/network/estimator.h"
 
@@ -28,8 +28,8 @@ class LiveEstimator {
   LiveEstimator(LiveEstimator&&) noexcept;
   LiveEstimator& operator=(LiveEstimator&&) noexcept;
 
-  /// A frame, its sample, and when the chunk arrived that completed them.
-  LiveEstimate add(const TimedFrame& frame, const LabelledSample& sample, HostTime arrived);
+  /// `arrived`: of the chunk that completed the measurement.
+  LiveEstimate add(const Measurement& measurement, HostTime arrived);
 
  private:
   struct Parts;

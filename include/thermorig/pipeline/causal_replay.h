@@ -4,7 +4,6 @@
 #include <optional>
 #include <vector>
 
-#include "thermorig/pipeline/frame_pairs.h"
 #include "thermorig/pipeline/pipeline.h"
 #include "thermorig/pipeline/replay.h"
 
@@ -14,12 +13,13 @@ namespace thermorig::pipeline {
 struct ReplayMoment {
   HostTime time{};             // of the step; at the end that of the recording's end
   std::optional<Device> from;  // whose bytes they were; none: they went to the servo, or the recording ended
-  Streams streams;             // decoded from them, but the frames, which come with their samples:
-  std::vector<FramePair> pairs;
+  Streams streams;             // decoded from them
+  std::vector<Measurement> measurements;  // completed by them
 };
 
-/// A recording again as it was while it was made: step by step, through a pipeline without fits. Pairs and
-/// their times are those of the recording, bit for bit, the last ones included that came when it was closed.
+/// A recording again as it was while it was made: step by step, through a pipeline without fits. Measurements
+/// and their times are those of the recording, bit for bit: the last ones included that came when it was
+/// closed, and those that stood in for a camera that had gone.
 class CausalReplay {
  public:
   /// `raw` must outlive it.
@@ -31,12 +31,10 @@ class CausalReplay {
   const wire::Counters& counters(Device device) const { return pipeline_.counters(device); }
 
  private:
-  ReplayMoment moment(HostTime time, std::optional<Device> from, const std::vector<LabelledSample>& samples);
-
   HostTime end_time_;
   Replay replay_;
   Pipeline pipeline_;
-  FramePairs pairs_;
+  std::optional<HostTime> camera_gone_;  // not yet, or never: it has still to be stood in for
   bool ended_ = false;
 };
 

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "thermorig/core/device.h"
+#include "thermorig/core/measurement.h"
 #include "thermorig/core/profile.h"
 #include "thermorig/core/raw_recording.h"
 #include "thermorig/core/sample.h"
@@ -32,9 +33,11 @@ struct Fits {
   std::optional<SyncReport> sync;
 };
 
-/// Everything that came out of the bytes, in arrival order, besides labels.
+/// Everything that came out of the bytes, at the moment at which it came, in arrival order: for those who
+/// watch the devices, and for a first pass. What belongs together comes later, as measurements.
 struct Streams {
   std::vector<TimedFrame> frames;
+  std::vector<TimedFrame> stand_ins;  // made since: see stand_in_for_camera()
   std::vector<TimedGyro> gyro;
   std::vector<TimedServo> servo;
   std::vector<TimedPong> pongs;
@@ -43,7 +46,7 @@ struct Streams {
   std::vector<ClockEpoch> servo_epochs;  // of the servo's clock, begun since: a reset, a wrong baud, ...
 };
 
-/// The flow of the whole program: bytes -> messages -> timed samples -> labelled samples.
+/// The flow of the whole program: bytes -> messages -> timed samples -> labelled measurements.
 /// Recording, finalising, replay and live are this one object, fed from different places.
 /// Pure: it opens nothing, starts nothing, reads no clock.
 class Pipeline {
@@ -57,23 +60,28 @@ class Pipeline {
   /// and again while the streams grow.
   void expect(const PerDevice<std::uint64_t>& bytes);
 
-  /// One chunk of bytes in, zero or more labelled samples out. The caller brings the time, which should not
-  /// run backwards from one call to the next, whichever device it is for. Every camera frame gives exactly
-  /// one sample, here or in finish(), in the order of the frames.
-  std::vector<LabelledSample> feed(Device from, std::span<const std::uint8_t> chunk, HostTime arrived);
+  /// One chunk of bytes in, zero or more measurements out. The caller brings the time, which should not run
+  /// backwards from one call to the next, whichever device it is for. Every camera frame gives exactly one
+  /// measurement, here or in finish(), in the order of the frames.
+  std::vector<Measurement> feed(Device from, std::span<const std::uint8_t> chunk, HostTime arrived);
 
   /// Bytes that were written to the servo, and the time before write(): one side of the servo's clock. In
   /// order of time with feed().
   void sent(std::span<const std::uint8_t> bytes, HostTime before_write);
 
   /// The device went away: pulled out, silent, or sending what nobody can read. What comes from it later is
-  /// of a clock anew, and nothing reaches over the gap. Returns the samples that this completes.
-  std::vector<LabelledSample> interrupt(Device device, HostTime now);
+  /// of a clock anew, and nothing reaches over the gap. Returns the measurements that this completes.
+  std::vector<Measurement> interrupt(Device device, HostTime now);
 
-  /// No more bytes will come: the samples that still wait for telemetry or gyro.
-  std::vector<LabelledSample> finish();
+  /// The camera is missing since then, and nobody waits for it: a frame without an image takes the place of
+  /// each that would have come. Once the first has, the camera's own are in the streams only.
+  void stand_in_for_camera(HostTime since);
+  bool stands_in_for_camera() const;  // the first of these frames has come
 
-  /// What was decoded since the last call. Live callers take it after each feed and throw most of it away.
+  /// No more bytes will come: the measurements that still wait for telemetry or gyro.
+  std::vector<Measurement> finish();
+
+  /// What was decoded since the last call. Live callers take it after each feed.
   Streams take_streams();
 
   const wire::Counters& counters(Device device) const;

@@ -42,7 +42,7 @@ class Replay {
   std::size_t next_sent_ = 0;
 };
 
-/// The step into the pipeline, and the samples that it completed.
-std::vector<LabelledSample> feed(Pipeline& pipeline, const ReplayStep& step);
+/// The step into the pipeline, and the measurements that it completed.
+std::vector<Measurement> feed(Pipeline& pipeline, const ReplayStep& step);
 
 }  // namespace thermorig::pipeline

@@ -12,6 +12,7 @@
 
 #include "thermorig/core/error.h"
 #include "thermorig/core/live_estimate.h"
+#include "thermorig/core/measurement.h"
 #include "thermorig/core/profile.h"
 #include "thermorig/core/raw_recording.h"
 #include "thermorig/core/sample.h"
@@ -29,10 +30,9 @@
 
 namespace thermorig::rig {
 
-/// Told of each frame and its sample, in order; `arrived`: of the chunk that completed the two. What it
-/// returns is kept with the recording.
-using FrameObserver = std::function<std::optional<LiveEstimate>(
-    const TimedFrame& frame, const LabelledSample& sample, HostTime arrived)>;
+/// Told of each measurement, in order; `arrived`: of the chunk that completed it. What it returns is kept
+/// with the recording.
+using Observer = std::function<std::optional<LiveEstimate>(const Measurement& measurement, HostTime arrived)>;
 
 /// What a recording is made of and where it goes.
 struct RecordingOptions {
@@ -57,7 +57,7 @@ struct RecordingOptions {
   GateMode gate = GateMode::off;   // else the rig is listened to for 3 s and judged before it is armed
   PerDevice<bool> needed{{true, true, true}};  // without one that is not, it goes on; the servo always is
   std::function<void(const RecordingHeader&)> begun;  // once, before anything else; may be empty
-  FrameObserver observe;                              // may be empty
+  Observer observe;                                   // may be empty
   LiveModel live_model;                               // of the network that `observe` asks
 };
 
