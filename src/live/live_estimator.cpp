@@ -6,8 +6,8 @@
 #include <limits>
 #include <vector>
 
-#include "last_blocks.h"
 #include "thermorig/core/estimate.h"
+#include "thermorig/windows/last_blocks.h"
 #include "thermorig/windows/scaling.h"
 #include "thermorig/windows/soundness.h"
 #include "thermorig/windows/window_index.h"
@@ -15,13 +15,6 @@
 namespace thermorig::live {
 
 namespace {
-
-/// As windows::rates_of: unknown if one of them is.
-float mean_of(std::span<const float> rates_dps) {
-  double sum = 0.0;
-  for (const float rate_dps : rates_dps) sum += rate_dps;
-  return static_cast<float>(sum / static_cast<double>(rates_dps.size()));
-}
 
 /// A network from a stranger's file may say anything.
 float finite_or_unknown(float value) {
@@ -60,7 +53,7 @@ class ThermalWindow {
   network::Estimator estimator_;
   windows::Scaling scaling_;
   std::vector<float> prepared_;
-  LastBlocks images_;
+  windows::LastBlocks images_;
 };
 
 LiveEstimate row_of(const LabelledSample& sample, HostTime arrived) {
@@ -94,7 +87,7 @@ struct LiveEstimator::Parts {
 
   int frames;
   windows::WindowRule rule;
-  LastBlocks labels, gyro;
+  windows::LastBlocks labels, gyro;
   std::optional<ThermalWindow> thermal;  // without a network: none
   int in_a_row = 0;                      // sound images without a gap between them, up to `frames`
 };
@@ -119,8 +112,8 @@ LiveEstimate LiveEstimator::add(const Measurement& measurement, HostTime arrived
   parts.gyro.push(sample.rate_gyro_dps);
 
   LiveEstimate row = row_of(sample, arrived);
-  row.rate_commanded_dps = mean_of(parts.labels.all());
-  row.rate_gyro_dps = mean_of(parts.gyro.all());
+  row.rate_commanded_dps = windows::mean_rate(parts.labels.all());
+  row.rate_gyro_dps = windows::mean_rate(parts.gyro.all());
   row.counted = parts.rule.push(sound ? row.run : 0) && (frame.stands_in || parts.in_a_row == parts.frames);
   if (parts.thermal) {
     parts.thermal->push(temp_c);

@@ -89,6 +89,10 @@ void InferenceNetwork::dense1() {
   kernels_.dense(weights_.first.layer, features_.data(), places_.data(), listed_, hidden_.data());
 }
 
+float fusion_of(const Output& output, float gyro) {
+  return output.gain * output.thermal + (1.0F - output.gain) * gyro;  // paper eq. 2
+}
+
 Output InferenceNetwork::heads(float gyro) {
   const int listed = kernels_.list_nonzero(hidden_.data(), hidden1, places_.data());
   kernels_.dense(weights_.second.layer, hidden_.data(), places_.data(), listed, readout_.data());
@@ -100,7 +104,7 @@ Output InferenceNetwork::heads(float gyro) {
   const float logit = weights_.gain_readout_bias +
                       kernels_.dot(hidden_.data() + hidden1, weights_.gain_readout.data(), whole);
   output.gain = 1.0F / (1.0F + std::exp(-logit));
-  output.fusion = output.gain * output.thermal + (1.0F - output.gain) * gyro;  // paper eq. 2
+  output.fusion = fusion_of(output, gyro);
   return output;
 }
 

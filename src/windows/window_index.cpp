@@ -34,15 +34,20 @@ std::vector<Window> find_windows(std::span<const Acquisition> acquisitions, int 
   return windows;
 }
 
+float mean_rate(std::span<const float> rates_dps) {
+  double sum = 0.0;
+  for (const float rate_dps : rates_dps) sum += rate_dps;
+  return static_cast<float>(sum / static_cast<double>(rates_dps.size()));
+}
+
 WindowRates rates_of(const Acquisition& acquisition, const Window& window, int frames) {
   assert(window.last < acquisition.frames() && static_cast<int>(window.last) + 1 >= frames);
-  double label = 0.0, gyro = 0.0;
-  const std::size_t end = std::size_t{window.last} + 1;
-  for (std::size_t frame = end - static_cast<std::size_t>(frames); frame < end; ++frame) {
-    label += acquisition.label_dps[frame];
-    gyro += acquisition.gyro_dps[frame];
-  }
-  return {static_cast<float>(label / frames), static_cast<float>(gyro / frames)};
+  const auto count = static_cast<std::size_t>(frames);
+  const std::size_t first = std::size_t{window.last} + 1 - count;
+  const auto mean = [&](const std::vector<float>& rates_dps) {
+    return mean_rate(std::span(rates_dps).subspan(first, count));
+  };
+  return {mean(acquisition.label_dps), mean(acquisition.gyro_dps)};
 }
 
 }  // namespace thermorig::windows

@@ -21,6 +21,9 @@ enum class Precision : unsigned char {
   fp16_weights
 };  // fp16: the two big layers' weights are stored in half precision, those beyond it as its largest, 65504
 
+/// The fusion of these with another mean gyro, normalised, bit for bit as the network would have made it.
+float fusion_of(const Output& output, float gyro);
+
 /// Runs the network on one window at a time. Allocates only when made. Not for two threads at once.
 class Estimator {
  public:

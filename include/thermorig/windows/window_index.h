@@ -35,6 +35,9 @@ struct Window {
 /// All windows of the acquisitions, in order.
 std::vector<Window> find_windows(std::span<const Acquisition> acquisitions, int frames, int history = 0);
 
+/// Mean of the rates of a window's frames: unknown if one of them is.
+float mean_rate(std::span<const float> rates_dps);
+
 /// Label and gyro of a window: the means of its frames'.
 struct WindowRates {
   float label_dps = 0.0F;

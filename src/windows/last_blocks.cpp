@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT
-#include "last_blocks.h"
+#include "thermorig/windows/last_blocks.h"
 
 #include <algorithm>
 #include <cassert>
 
-namespace thermorig::live {
+namespace thermorig::windows {
 
 void LastBlocks::push(std::span<const float> block) {
   assert(block.size() == size_);
@@ -13,4 +13,4 @@ void LastBlocks::push(std::span<const float> block) {
   next_ = (next_ + 1) % count_;
 }
 
-}  // namespace thermorig::live
+}  // namespace thermorig::windows

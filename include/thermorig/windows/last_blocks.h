@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <algorithm>
 #include <limits>
 #include <span>
 #include <vector>
 
-namespace thermorig::live {
+namespace thermorig::windows {
 
 /// The last `count` blocks of `size` numbers, as one array, oldest first; NaN before there were so many.
 /// Every block is kept twice, `count` places apart, so that the last ones stand in a row wherever the newest
@@ -18,6 +19,8 @@ class LastBlocks {
   void push(std::span<const float> block);
   void push(float number) { push({&number, 1}); }
 
+  void clear() { std::fill(values_.begin(), values_.end(), std::numeric_limits<float>::quiet_NaN()); }
+
   std::span<const float> all() const { return std::span(values_).subspan(next_ * size_, count_ * size_); }
 
  private:
@@ -26,4 +29,4 @@ class LastBlocks {
   std::vector<float> values_;
 };
 
-}  // namespace thermorig::live
+}  // namespace thermorig::windows

@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <string_view>
+
+namespace thermorig {
+
+/// How far an estimate can be trusted.
+enum class EstimateState : std::uint8_t {
+  absent,    // it says nothing: see the reason
+  starting,  // it says something, and still learns what its sigma needs
+  good
+};
+inline constexpr std::array<std::string_view, 3> estimate_state_names{"absent", "starting", "good"};
+
+/// Why an estimate is not good.
+enum class EstimateReason : std::uint8_t {
+  none,
+  window_incomplete,  // fewer frames in a row than it looks at
+  no_image,           // no camera, or a pixel that is out of range
+  no_gyro,            // no gyro sample in the exposure of a frame that it looks at
+  no_rest             // the rig has not been at rest yet, for as long as it needs
+};
+inline constexpr std::array<std::string_view, 5> estimate_reason_names{"none", "window_incomplete",
+                                                                       "no_image", "no_gyro", "no_rest"};
+
+inline constexpr std::size_t most_estimate_values = 4;
+
+/// What an estimator says of the motion about the servo's axis when a frame has come. NaN: not known.
+struct RateEstimate {
+  static constexpr float not_known = std::numeric_limits<float>::quiet_NaN();
+
+  float rate_dps = not_known;        // mean over the exposures of the run's window, which ends with the frame
+  float rate_sigma_dps = not_known;  // one standard deviation, as the estimator states it; NaN: not stated
+  double angle_deg = not_known;      // since the estimator's own origin, at the end of the frame's exposure
+  float angle_sigma_deg = not_known;
+  EstimateState state = EstimateState::absent;
+  EstimateReason reason = EstimateReason::none;
+  std::array<float, most_estimate_values> values{not_known, not_known, not_known, not_known};  // by name
+};
+
+}  // namespace thermorig

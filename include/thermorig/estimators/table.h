@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "thermorig/core/measurement.h"
+#include "thermorig/core/profile.h"
+#include "thermorig/estimators/estimator.h"
+#include "thermorig/model/model.h"
+#include "thermorig/network/estimator.h"
+
+namespace thermorig::estimators {
+
+class NetworkWindow;
+
+/// What an estimator looks at.
+struct Inputs {
+  bool image = false;
+  bool gyro = false;
+  bool rest = false;  // that the servo is told to stand still
+};
+
+/// What an estimator is made of.
+struct Setup {
+  int frames = 1;  // of the run's window: rates are means over so many exposures
+  GyroProfile gyro;
+  std::shared_ptr<NetworkWindow> network;  // of the run, where it has one
+};
+
+/// An estimator that there is.
+struct Entry {
+  std::string_view name;   // e.g. "gyro-rest": in files, messages and on the command line
+  std::string_view title;  // for people: "gyro, bias of the opening rest removed"
+  Inputs inputs;
+  bool needs_network = false;
+  bool needs_fusion = false;                 // a network that has a gate
+  std::span<const std::string_view> values;  // names of RateEstimate::values, at most most_estimate_values
+  std::unique_ptr<Estimator> (*make)(const Setup& setup) = nullptr;
+};
+
+/// All that there are, in the order in which they are shown.
+std::span<const Entry> all_entries();
+
+std::vector<std::string> names();
+
+/// Throws Error(bad_usage) for a name that there is not: it lists those there are, the nearest first.
+const Entry& entry(std::string_view name);
+
+/// The names of those that can run with this model, or without one.
+std::vector<std::string> names_for(const std::optional<model::Model>& model);
+
+/// Several estimators of one run.
+class Bank {
+ public:
+  /// Without names: all that can run. Throws Error(bad_usage) for a name that there is not, and for one that
+  /// needs a network, or one with fusion, that `model` is not.
+  Bank(std::span<const std::string> names, const std::optional<model::Model>& model, const GyroProfile& gyro,
+       network::Precision precision = network::Precision::fp32);
+  ~Bank();
+  Bank(Bank&&) noexcept;
+  Bank& operator=(Bank&&) noexcept;
+
+  std::span<const Entry* const> entries() const;
+  int frames() const;  // of the window; 1 without a network
+
+  /// One estimate an entry, in their order, until the next call. Allocates nothing.
+  std::span<const RateEstimate> add(const Measurement& measurement);
+
+  void reset();
+
+ private:
+  struct Parts;
+  std::unique_ptr<Parts> parts_;
+};
+
+}  // namespace thermorig::estimators

@@ -1,0 +1,126 @@
+// SPDX-License-Identifier: MIT
+// The two estimates of the paper's network: its thermal head alone, and what its gate makes of that and the
+// gyro (paper eq. 2). It was trained on windows, and states no sigma.
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "entries.h"
+#include "network_window.h"
+#include "thermorig/windows/soundness.h"
+#include "window_rates.h"
+
+namespace thermorig::estimators {
+
+namespace {
+
+constexpr std::array<std::string_view, 1> fusion_values{"gain"};
+
+/// A network from a stranger's file may say anything.
+float finite_or_unknown(float value) {
+  return std::isfinite(value) ? value : RateEstimate::not_known;
+}
+
+/// Speed over time, a step a frame; from where the first speed is known.
+class AngleOfFrames {
+ public:
+  double add(float rate_dps, HostTime time) {
+    const double step_s = last_ ? std::max(0.0, to_s(time - *last_)) : 0.0;
+    last_ = time;
+    if (std::isfinite(rate_dps)) angle_deg_ += double{rate_dps} * step_s;
+    return angle_deg_;
+  }
+
+ private:
+  std::optional<HostTime> last_;
+  double angle_deg_ = 0.0;
+};
+
+class ThermalEstimator : public Estimator {
+ public:
+  explicit ThermalEstimator(const Setup& setup) : network_(setup.network) {}
+
+  std::optional<RateEstimate> add(const Observation& observation) override {
+    const auto& output = network_->look(observation);
+    RateEstimate estimate;
+    if (output)
+      estimate.rate_dps = finite_or_unknown(output->thermal * network_->label_scale_dps());
+    else
+      estimate.reason = network_->reason();
+    if (std::isfinite(estimate.rate_dps)) estimate.state = EstimateState::good;
+    estimate.angle_deg = angle_.add(estimate.rate_dps, observation.frame.exposure_end);
+    return estimate;
+  }
+
+  void reset() override {
+    network_->reset();
+    angle_ = {};
+  }
+
+ private:
+  std::shared_ptr<NetworkWindow> network_;
+  AngleOfFrames angle_;
+};
+
+class FusionEstimator : public Estimator {
+ public:
+  explicit FusionEstimator(const Setup& setup) : network_(setup.network), gyro_(setup.frames) {}
+
+  std::optional<RateEstimate> add(const Observation& observation) override {
+    const auto& output = network_->look(observation);
+    const float gyro_dps = gyro_.add(observation.gyro_mean_dps);
+    RateEstimate estimate;
+    if (!output)
+      estimate.reason = network_->reason();
+    else if (!windows::is_sound_rate(gyro_dps))
+      estimate.reason = EstimateReason::no_gyro;
+    else
+      fuse(*output, gyro_dps, estimate);
+    estimate.angle_deg = angle_.add(estimate.rate_dps, observation.frame.exposure_end);
+    return estimate;
+  }
+
+  void reset() override {
+    network_->reset();
+    gyro_.reset();
+    angle_ = {};
+  }
+
+ private:
+  void fuse(const network::Output& output, float gyro_dps, RateEstimate& estimate) const {
+    const float scale_dps = network_->label_scale_dps();
+    estimate.rate_dps = finite_or_unknown(network::fusion_of(output, gyro_dps / scale_dps) * scale_dps);
+    estimate.values[0] = finite_or_unknown(output.gain);
+    if (std::isfinite(estimate.rate_dps)) estimate.state = EstimateState::good;
+  }
+
+  std::shared_ptr<NetworkWindow> network_;
+  WindowRates gyro_;
+  AngleOfFrames angle_;
+};
+
+}  // namespace
+
+Entry cnn_thermal() {
+  return {.name = "cnn-thermal",
+          .title = "thermal head of the network",
+          .inputs = {.image = true},
+          .needs_network = true,
+          .make = [](const Setup& setup) -> std::unique_ptr<Estimator> {
+            return std::make_unique<ThermalEstimator>(setup);
+          }};
+}
+
+Entry cnn_fusion() {
+  return {.name = "cnn-fusion",
+          .title = "network's fusion of camera and gyro",
+          .inputs = {.image = true, .gyro = true},
+          .needs_network = true,
+          .needs_fusion = true,
+          .values = fusion_values,
+          .make = [](const Setup& setup) -> std::unique_ptr<Estimator> {
+            return std::make_unique<FusionEstimator>(setup);
+          }};
+}
+
+}  // namespace thermorig::estimators

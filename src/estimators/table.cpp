@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: MIT
+#include "thermorig/estimators/table.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+
+#include "entries.h"
+#include "thermorig/core/error.h"
+#include "thermorig/core/nearest_name.h"
+
+namespace thermorig::estimators {
+
+std::span<const Entry> all_entries() {
+  static const std::array table{gyro(), gyro_rest(), cnn_thermal(), cnn_fusion()};
+  return table;
+}
+
+std::vector<std::string> names() {
+  std::vector<std::string> names;
+  for (const Entry& entry : all_entries()) names.emplace_back(entry.name);
+  return names;
+}
+
+const Entry& entry(std::string_view name) {
+  const auto table = all_entries();
+  const auto found =
+      std::find_if(table.begin(), table.end(), [&](const Entry& one) { return one.name == name; });
+  if (found != table.end()) return *found;
+  throw Error(ExitCode::bad_usage, fmt::format("the estimator \"{}\" is not known", name), "the estimator",
+              advice_on_name(name, names()));
+}
+
+std::vector<std::string> names_for(const std::optional<model::Model>& model) {
+  std::vector<std::string> names;
+  for (const Entry& entry : all_entries()) {
+    const bool has_network = model || !entry.needs_network;
+    const bool has_fusion = !entry.needs_fusion || (model && model->weights.shape.fusion);
+    if (has_network && has_fusion) names.emplace_back(entry.name);
+  }
+  return names;
+}
+
+}  // namespace thermorig::estimators
