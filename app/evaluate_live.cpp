@@ -18,9 +18,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
-live::LiveScores scores_of(const std::vector<LiveEstimate>& rows, const LiveModel& model) {
-  live::Scorer scorer(model.label_scale_dps);
-  for (const LiveEstimate& row : rows) scorer.add(row);
+live::LiveScores scores_of(const std::vector<EstimateRow>& rows, const RecordingHeader& header) {
+  live::Scorer scorer(header.estimators, header.live_model.label_scale_dps);
+  for (const EstimateRow& row : rows) scorer.add(row);
   return scorer.scores();
 }
 
@@ -32,10 +32,10 @@ std::optional<LiveEvaluation> evaluate(const fs::path& path, bool accept_bad) {
   if (const auto bad = dataset::bad_session(session, path)) require_good({*bad}, accept_bad);
   const windows::Acquisition finished = dataset::acquisition_of(session, path.string());
   LiveEvaluation evaluated{.session = path.string(), .header = raw.header};
-  evaluated.screen = scores_of(raw.estimates, raw.header.live_model);
+  evaluated.screen = scores_of(raw.estimates, raw.header);
   evaluated.finalised = live::finalised_rows(
       raw.estimates, finished, std::max(1, raw.header.live_model.frames), session.frame_period_s);
-  evaluated.finalised_scores = scores_of(evaluated.finalised.rows, raw.header.live_model);
+  evaluated.finalised_scores = scores_of(evaluated.finalised.rows, raw.header);
   return evaluated;
 }
 

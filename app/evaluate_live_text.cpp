@@ -3,7 +3,6 @@
 
 #include <fmt/format.h>
 
-#include <array>
 #include <nlohmann/json.hpp>
 
 #include "evaluate_numbers.h"
@@ -15,8 +14,6 @@ namespace thermorig::app {
 
 namespace {
 
-constexpr std::array<const char*, live::rate_count> rate_names{"thermal-only", "gyro", "fusion"};
-
 std::string facts_text(const LiveEvaluation& evaluated) {
   const RecordingHeader& header = evaluated.header;
   const LiveModel& model = header.live_model;
@@ -24,19 +21,18 @@ std::string facts_text(const LiveEvaluation& evaluated) {
                                                  : fmt::format("{} ({}, Nf {}, Nr {})", printable(model.name),
                                                                model.fusion ? "fusion" : "thermal-only",
                                                                model.frames, model.reduction);
-  return fmt::format("{}: {} acquisition {}{}, live with {}\n{} frames shown: {} counted, {} apart\n\n",
+  return fmt::format("{}: {} acquisition {}{}, live with {}\n{} frames shown: {} counted, {} excluded\n\n",
                      printable(evaluated.session), printable(header.environment), header.acquisition,
                      header.simulated ? ", SIMULATED rig" : "", network, count_text(evaluated.screen.frames),
-                     count_text(evaluated.screen.counted), count_text(evaluated.screen.apart));
+                     count_text(evaluated.screen.counted), count_text(evaluated.screen.excluded));
 }
 
 std::string screen_text(const live::LiveScores& scores) {
   Table table({"on the screen", ">frames", ">MSE", ">RMSE deg/s", ">median, last minute", ">IQR",
                ">angle deg", ">drift deg/min"});
-  for (std::size_t i = 0; i < live::rate_count; ++i) {
-    const live::RateScores& rate = scores.rates[i];
+  for (const live::EstimatorScores& rate : scores.estimators) {
     if (rate.frames == 0) continue;
-    table.add({rate_names[i], count_text(rate.frames), mse_text(rate.mse), rate_text(rate.rmse_dps),
+    table.add({printable(rate.name), count_text(rate.frames), mse_text(rate.mse), rate_text(rate.rmse_dps),
                mse_text(rate.recent_median_mse), mse_text(rate.recent_iqr_mse),
                angle_text(rate.angle_error_deg), angle_text(rate.drift_deg_per_min)});
   }
@@ -51,11 +47,11 @@ std::string gate_text(const live::LiveScores& scores) {
 
 std::string finalised_text(const LiveEvaluation& evaluated) {
   Table table({"finalised labels", ">frames", ">MSE", ">RMSE deg/s", ">MSE less the screen's"});
-  for (std::size_t i = 0; i < live::rate_count; ++i) {
-    const live::RateScores& rate = evaluated.finalised_scores.rates[i];
+  for (std::size_t i = 0; i < evaluated.finalised_scores.estimators.size(); ++i) {
+    const live::EstimatorScores& rate = evaluated.finalised_scores.estimators[i];
     if (rate.frames == 0) continue;
-    table.add({rate_names[i], count_text(rate.frames), mse_text(rate.mse), rate_text(rate.rmse_dps),
-               fmt::format("{:+.1e}", rate.mse - evaluated.screen.rates[i].mse)});
+    table.add({printable(rate.name), count_text(rate.frames), mse_text(rate.mse), rate_text(rate.rmse_dps),
+               fmt::format("{:+.1e}", rate.mse - evaluated.screen.estimators[i].mse)});
   }
   const live::FinalisedRows& finalised = evaluated.finalised;
   return table.text() + fmt::format(

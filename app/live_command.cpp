@@ -27,12 +27,14 @@ namespace {
 constexpr PerDevice<bool> needed_devices{{false, false, true}};  // what is left goes on
 
 /// What the recording of a live run has beside that of `record`.
-void make_live(const LiveOptions& options, const ChosenModel& model, rig::RecordingOptions& recording) {
+void make_live(const LiveOptions& options, const ChosenModel& model, const estimators::Bank& bank,
+               rig::RecordingOptions& recording) {
   recording.keep = options.keep;
   if (!options.keep) recording.gate = rig::GateMode::warn;
   recording.needed = needed_devices;
   recording.wait_for_start = options.record.page.control;
   recording.live_model = model.facts;
+  recording.estimators = live::columns_of(bank);
 }
 
 void watch(LiveRun& run, const ChosenModel& model, rig::RecordingOptions& recording) {
@@ -107,12 +109,13 @@ ExitCode run(const LiveOptions& options) {
   rig::check_plan(plan, rig.profile.servo, rig.profile.camera);
   if (options.keep) require_output(options.record, rig, plan);
   const ChosenModel model = read_live_model(options.model, options.precision);
+  estimators::Bank bank(options.estimators, model.model, rig.profile.gyro, model.precision);
   rig::RecordingOptions recording = recording_options(options.record, rig, plan);
-  make_live(options, model, recording);
+  make_live(options, model, bank, recording);
   const std::unique_ptr<LivePage> page =
       options.record.page.serve ? std::make_unique<LivePage>(options.record.page) : nullptr;
   const auto ports = switch_on(options.record, rig, recording);  // outlives the recording
-  LiveRun run(live_facts(LiveMode::live, options.record, recording), model);
+  LiveRun run(live_facts(LiveMode::live, options.record, recording), model, std::move(bank));
   LiveScreens screens(options, page.get(), run);
   watch(run, model, recording);
   const auto drive = [&] {

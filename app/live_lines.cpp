@@ -3,7 +3,7 @@
 
 #include <fmt/format.h>
 
-#include <array>
+#include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
 
@@ -13,20 +13,15 @@ namespace thermorig::app {
 
 namespace {
 
-constexpr std::array<const char*, live::rate_count> rate_titles{"thermal", "gyro", "fusion"};
-constexpr const char* column_titles =
-    "    time     servo     gyro  (error)   thermal  (error)   fusion  (error)    Kg  counted  apart  "
-    "network\n";
+constexpr std::size_t narrowest = 8;
+
+/// As wide as the name over it.
+std::size_t width_of(const EstimatorColumn& estimator) {
+  return std::max(narrowest, estimator.name.size() + 2);
+}
 
 std::string rate_cell(float rate_dps) {
   return std::isnan(rate_dps) ? "-" : fmt::format("{:+.1f}", rate_dps);
-}
-
-std::string with_error(float rate_dps, float commanded_dps) {
-  if (std::isnan(rate_dps)) return fmt::format("{:>7} {:>8}", "-", "");
-  const std::string error =
-      std::isnan(commanded_dps) ? "" : fmt::format("({:+.1f})", rate_dps - commanded_dps);
-  return fmt::format("{:>7} {:>8}", rate_cell(rate_dps), error);
 }
 
 std::string figure(double value, const char* format = "{:.4f}") {
@@ -39,13 +34,14 @@ class LiveLines : public LiveScreen {
 
   void hello(const LiveFacts& facts) override {
     begin_ = facts.header.time_reference;
+    titles_ = titles_of(facts.header.estimators);
     output_.write(heading_of(facts), Matter::word);
   }
   void state(const rig::RecordingProgress&) override {}
   void frame(const LiveFrame& frame) override {
     if (last_ && frame.row.arrival - *last_ < std::chrono::seconds(1)) return;
     last_ = frame.row.arrival;
-    std::string text(lines_ % 40 == 0 ? column_titles : "");
+    std::string text(lines_ % 40 == 0 ? titles_ : "");
     text += line_of(frame, begin_) + "\n";
     if (output_.write(text, Matter::frame)) ++lines_;
   }
@@ -57,6 +53,7 @@ class LiveLines : public LiveScreen {
  private:
   OutputWriter& output_;
   HostTime begin_{};
+  std::string titles_;
   std::optional<HostTime> last_;
   int lines_ = 0;
 };
@@ -84,16 +81,24 @@ class LiveJson : public MessageSink {
 
 }  // namespace
 
+std::string titles_of(const std::vector<EstimatorColumn>& estimators) {
+  std::string line = "    time     servo";
+  for (const EstimatorColumn& column : estimators)
+    line += fmt::format("{:>{}}", column.name, width_of(column));
+  if (live::gain_of(estimators, {})) line += "    Kg";
+  return line + "  counted  excluded       took\n";
+}
+
 std::string line_of(const LiveFrame& frame, HostTime begin) {
-  const LiveEstimate& row = frame.row;
-  const float label = row.rate_commanded_dps;
-  std::string line = fmt::format(
-      "{:>6.1f} s  {:>8}  {}  {}  {}  {:>4}  {:>7}  {:>5}", to_s(row.arrival - begin), rate_cell(label),
-      with_error(row.rate_gyro_dps, label), with_error(row.rate_thermal_dps, label),
-      with_error(row.rate_fusion_dps, label), std::isnan(row.gain) ? "-" : fmt::format("{:.2f}", row.gain),
-      frame.scores.counted, frame.scores.apart);
-  if (std::isfinite(frame.inference_us)) line += fmt::format("  {:.0f} us", frame.inference_us);
-  return line;
+  const EstimateRow& row = frame.row;
+  std::string line =
+      fmt::format("{:>6.1f} s  {:>8}", to_s(row.arrival - begin), rate_cell(row.rate_commanded_dps));
+  for (std::size_t i = 0; i < frame.estimators.size(); ++i)
+    line += fmt::format("{:>{}}", rate_cell(row.estimates[i].rate_dps), width_of(frame.estimators[i]));
+  if (const std::optional<float> gain = live::gain_of(frame.estimators, row))
+    line += fmt::format("  {:>4}", std::isnan(*gain) ? "-" : fmt::format("{:.2f}", *gain));
+  return line + fmt::format("  {:>7}  {:>8}  {:>6.0f} us", frame.scores.counted, frame.scores.excluded,
+                            frame.inference_us);
 }
 
 std::string heading_of(const LiveFacts& facts) {
@@ -108,7 +113,7 @@ std::string heading_of(const LiveFacts& facts) {
                         printable(header.simulation));
   const LiveModel& model = header.live_model;
   if (model.name.empty())
-    text += "no model: gyro against servo only (--model FILE)\n";
+    text += "no model: the gyro alone against the servo (--model FILE)\n";
   else
     text +=
         fmt::format("model {}: {}, {} frames, pixels averaged {} x {}, {} weights{}\n", printable(model.name),
@@ -121,16 +126,14 @@ std::string heading_of(const LiveFacts& facts) {
 
 std::string scores_text(const live::LiveScores& scores) {
   Table table({"estimator", ">frames", ">RMSE deg/s", ">MSE", ">median*", ">IQR*", ">angle deg", ">deg/min"});
-  for (std::size_t i = 0; i < live::rate_count; ++i) {
-    const live::RateScores& rate = scores.rates[i];
-    table.add({rate_titles[i], count_text(rate.frames), figure(rate.rmse_dps, "{:.2f}"),
-               figure(rate.mse, "{:.5f}"), figure(rate.recent_median_mse, "{:.5f}"),
-               figure(rate.recent_iqr_mse, "{:.5f}"), figure(rate.angle_error_deg, "{:+.2f}"),
-               figure(rate.drift_deg_per_min, "{:+.2f}")});
-  }
+  for (const live::EstimatorScores& one : scores.estimators)
+    table.add({printable(one.name), count_text(one.frames), figure(one.rmse_dps, "{:.2f}"),
+               figure(one.mse, "{:.5f}"), figure(one.recent_median_mse, "{:.5f}"),
+               figure(one.recent_iqr_mse, "{:.5f}"), figure(one.angle_error_deg, "{:+.2f}"),
+               figure(one.drift_deg_per_min, "{:+.2f}")});
   std::string text = table.text();
-  text += fmt::format("{} of {} frames counted, {} apart; * of the last minute\n", count_text(scores.counted),
-                      count_text(scores.frames), count_text(scores.apart));
+  text += fmt::format("{} of {} frames counted, {} excluded; * of the last minute\n",
+                      count_text(scores.counted), count_text(scores.frames), count_text(scores.excluded));
   if (std::isfinite(scores.gain_mean))
     text += fmt::format("Kg {:.2f} on average{}\n", scores.gain_mean,
                         scores.gate_collapsed ? ": the gate has collapsed" : "");

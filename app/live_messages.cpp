@@ -14,6 +14,7 @@
 #include "build_information.h"
 #include "number_json.h"
 #include "scores_json.h"
+#include "thermorig/estimators/table.h"
 
 namespace thermorig::app {
 
@@ -36,6 +37,35 @@ nlohmann::json model_json(const LiveModel& model) {
   if (model.name.empty()) return {};
   return {{"name", model.name},     {"frames", model.frames},       {"reduction", model.reduction},
           {"fusion", model.fusion}, {"precision", model.precision}, {"simulated", model.simulated}};
+}
+
+nlohmann::json estimators_json(const std::vector<EstimatorColumn>& estimators) {
+  nlohmann::json list = nlohmann::json::array();
+  for (const EstimatorColumn& column : estimators)
+    list.push_back(
+        {{"name", column.name}, {"title", estimators::entry(column.name).title}, {"values", column.values}});
+  return list;
+}
+
+nlohmann::json estimate_json(const RateEstimate& estimate, const EstimatorColumn& column) {
+  nlohmann::json values = nlohmann::json::object();
+  for (std::size_t i = 0; i < column.values.size(); ++i)
+    values[column.values[i]] = number_json(estimate.values[i]);
+  const bool has_reason = estimate.reason != EstimateReason::none;
+  return {{"rate_dps", number_json(estimate.rate_dps)},
+          {"rate_sigma_dps", number_json(estimate.rate_sigma_dps)},
+          {"angle_deg", number_json(estimate.angle_deg)},
+          {"angle_sigma_deg", number_json(estimate.angle_sigma_deg)},
+          {"state", thermorig::name_of(estimate.state)},
+          {"reason", has_reason ? nlohmann::json(thermorig::name_of(estimate.reason)) : nlohmann::json()},
+          {"values", std::move(values)}};
+}
+
+nlohmann::json estimates_json(const LiveFrame& frame) {
+  nlohmann::json estimates = nlohmann::json::object();
+  for (std::size_t i = 0; i < frame.estimators.size(); ++i)
+    estimates[frame.estimators[i].name] = estimate_json(frame.row.estimates[i], frame.estimators[i]);
+  return estimates;
 }
 
 // A camera's reads are coarse: a bridge that is read once in half a second is still alive.
@@ -109,7 +139,7 @@ std::string freshness(const TimedFrame& frame) {
   return frame.fresh_even > 0 || frame.fresh_odd > 0 ? "half" : "repeated";
 }
 
-std::string why_apart(const LiveFrame& frame) {
+std::string why_excluded(const LiveFrame& frame) {
   if (frame.row.counted) return "";
   if (frame.row.reason_bits != 0)
     return fmt::format("{}", fmt::join(reason_texts(frame.row.reason_bits), ", "));
@@ -138,6 +168,7 @@ nlohmann::json hello_message(const LiveFacts& facts) {
           {"control", facts.control},
           {"frame_rate_hz", number_json(header.profile.camera.output_rate_hz)},
           {"model", model_json(header.live_model)},
+          {"estimators", estimators_json(header.estimators)},
           {"plan",
            {{"name", facts.plan_name},
             {"repeats", facts.repeats},
@@ -175,7 +206,7 @@ nlohmann::json state_message(const rig::RecordingProgress& progress, const LiveF
 }
 
 nlohmann::json frame_message(const LiveFrame& frame, HostTime begin) {
-  const LiveEstimate& row = frame.row;
+  const EstimateRow& row = frame.row;
   return {{"event", "frame"},
           {"index", row.frame_index},
           {"time_s", seconds(row.time, begin)},
@@ -184,14 +215,11 @@ nlohmann::json frame_message(const LiveFrame& frame, HostTime begin) {
           {"counted", row.counted},
           {"valid", frame.sample.valid},
           {"reasons", reason_texts(row.reason_bits)},
-          {"apart", row.counted ? nlohmann::json() : nlohmann::json(why_apart(frame))},
+          {"excluded", row.counted ? nlohmann::json() : nlohmann::json(why_excluded(frame))},
           {"leg", row.leg},
           {"run", row.run},
           {"commanded_dps", number_json(row.rate_commanded_dps)},
-          {"gyro_dps", number_json(row.rate_gyro_dps)},
-          {"thermal_dps", number_json(row.rate_thermal_dps)},
-          {"fusion_dps", number_json(row.rate_fusion_dps)},
-          {"gain", number_json(row.gain)},
+          {"estimates", estimates_json(frame)},
           {"inference_us", number_json(frame.inference_us)},
           {"fresh", freshness(frame.frame)},
           {"scores", scores_json(frame.scores)}};

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "thermorig/core/live_estimate.h"
+#include "thermorig/core/estimate_row.h"
 #include "thermorig/core/sample.h"
 #include "thermorig/live/scores.h"
 #include "thermorig/rig/recording.h"
@@ -36,9 +36,10 @@ struct LiveFacts {
 struct LiveFrame {
   const TimedFrame& frame;
   const LabelledSample& sample;
-  const LiveEstimate& row;
+  const std::vector<EstimatorColumn>& estimators;  // of the row
+  const EstimateRow& row;
   const live::LiveScores& scores;
-  double inference_us = 0.0;  // NaN: no network was asked
+  double inference_us = 0.0;  // that all estimators took together
 };
 
 /// How it ended.
@@ -63,7 +64,7 @@ nlohmann::json ended_message(const LiveEnd& end);
 
 /// Why a frame enters no figure: the reasons of the frame itself or, if it is valid, that its window is not.
 /// Empty if it is counted.
-std::string why_apart(const LiveFrame& frame);
+std::string why_excluded(const LiveFrame& frame);
 
 /// Names of the reasons whose bits are set.
 std::vector<std::string> reason_texts(std::uint32_t bits);

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "thermorig/core/live_estimate.h"
+#include "thermorig/core/estimate_row.h"
 #include "thermorig/model/model.h"
 #include "thermorig/network/estimator.h"
 

@@ -10,6 +10,7 @@
 
 #include "rig_words.h"
 #include "thermorig/core/error.h"
+#include "thermorig/estimators/table.h"
 
 namespace thermorig::app {
 
@@ -149,13 +150,17 @@ void add_live(CLI::App& root, LiveWords& words) {
       *root.add_subcommand("live", "Show the network's estimate against the servo while the rig moves");
   command
       .add_option("-m,--model", live.model,
-                  "Model (.onnx) that `thermorig train` wrote; without it gyro against servo only")
+                  "Model (.onnx) that `thermorig train` wrote; without it the gyro alone against the servo")
       ->type_name("FILE");
   command
       .add_option("--precision", live.precision, "Of the network's weights: fp32, or fp16, half the memory")
       ->check(CLI::IsMember({"fp32", "fp16"}))
       ->type_name("KIND")
       ->capture_default_str();
+  command.add_option("--estimators", live.estimators, "Those to run, by name (default: all that can)")
+      ->check(one_of(estimators::names()))
+      ->delimiter(',')
+      ->type_name("NAME,...");
   words.command = &command;
   add_source(command, words);
   add_result(command, words);

@@ -33,8 +33,11 @@ double label_scale_dps(const std::optional<model::Model>& model) {
 
 }  // namespace
 
-LiveRun::LiveRun(const LiveFacts& facts, const ChosenModel& model)
-    : facts_(facts), estimator_(model.model, model.precision), scorer_(label_scale_dps(model.model)) {
+LiveRun::LiveRun(const LiveFacts& facts, const ChosenModel& model, estimators::Bank bank)
+    : facts_(facts),
+      columns_(live::columns_of(bank)),
+      estimates_(std::move(bank)),
+      scorer_(columns_, label_scale_dps(model.model)) {
   if (model.model) scaling_ = model.model->scaling;
 }
 
@@ -53,20 +56,20 @@ void LiveRun::publish(web::Topic topic, const nlohmann::json& message) {
 
 void LiveRun::begun(const RecordingHeader& header) {
   facts_.header = header;
+  facts_.header.estimators = columns_;
   begin_ = now_ = header.time_reference;
   publish(web::Topic::hello, hello_message(facts_));
   for (LiveScreen* screen : screens_) screen->hello(facts_);
 }
 
-LiveEstimate LiveRun::add(const Measurement& measurement, HostTime arrived) {
+EstimateRow LiveRun::add(const Measurement& measurement, HostTime arrived) {
   const HostTime before = io::now();
-  const LiveEstimate row = estimator_.add(measurement, arrived);
+  const EstimateRow row = estimates_.add(measurement, arrived);
   const double took_us = std::round(1e7 * to_s(io::now() - before)) / 10.0;
-  const bool asked = !std::isnan(row.rate_thermal_dps);
   scorer_.add(row);
   const live::LiveScores scores = scorer_.scores();
   now_ = arrived;
-  const LiveFrame seen{measurement.frame, measurement.sample, row, scores, asked ? took_us : std::nan("")};
+  const LiveFrame seen{measurement.frame, measurement.sample, columns_, row, scores, took_us};
   if (wanted(web::Topic::frame)) publish(web::Topic::frame, frame_message(seen, begin_));
   if (wanted(web::Topic::image))
     publish(web::Topic::image, image_message(seen, begin_, facts_.header.profile.camera.mirrored));

@@ -9,7 +9,7 @@
 
 #include "live_messages.h"
 #include "live_model.h"
-#include "thermorig/live/live_estimator.h"
+#include "thermorig/live/live_estimates.h"
 #include "thermorig/live/scores.h"
 #include "thermorig/rig/order.h"
 #include "thermorig/web/server.h"
@@ -40,13 +40,13 @@ struct LiveScreen {
 /// All calls come from the recording's thread.
 class LiveRun {
  public:
-  LiveRun(const LiveFacts& facts, const ChosenModel& model);
+  LiveRun(const LiveFacts& facts, const ChosenModel& model, estimators::Bank bank);
 
   void add(MessageSink& sink) { sinks_.push_back(&sink); }
   void add(LiveScreen& screen) { screens_.push_back(&screen); }
 
   void begun(const RecordingHeader& header);
-  LiveEstimate add(const Measurement& measurement, HostTime arrived);
+  EstimateRow add(const Measurement& measurement, HostTime arrived);
   void progress(const rig::RecordingProgress& progress);
   void tell(const RecordingEvent& event);
   void warn(const std::string& sentence);
@@ -65,7 +65,8 @@ class LiveRun {
 
   LiveFacts facts_;
   std::optional<windows::Scaling> scaling_;
-  live::LiveEstimator estimator_;
+  std::vector<EstimatorColumn> columns_;  // of the rows
+  live::LiveEstimates estimates_;
   live::Scorer scorer_;
   std::vector<MessageSink*> sinks_;
   std::vector<LiveScreen*> screens_;

@@ -143,22 +143,24 @@ class LiveTui : public LiveScreen {
     if (output_.write(erasing() + text, Matter::frame)) lines_ = lines;
   }
 
+  static std::string rate_text(const std::string& name, float rate_dps, float label_dps, double rmse_dps) {
+    return fmt::format("\n{:<11} {:>7}  error {:>7}  RMSE {:>6} deg/s", name, signed_figure(rate_dps),
+                       signed_figure(rate_dps - label_dps), plain_figure(rmse_dps));
+  }
+
   static std::string rates_text(const LiveFrame& frame) {
-    const LiveEstimate& row = frame.row;
+    const EstimateRow& row = frame.row;
     const float label_dps = row.rate_commanded_dps;
-    std::string text = fmt::format("servo    {:>7} deg/s", signed_figure(label_dps));
-    if (!row.counted) text += "  apart: " + why_apart(frame);
-    const auto add = [&](const char* name, float rate_dps, live::Rate rate) {
-      const double rmse_dps = frame.scores.rates[static_cast<std::size_t>(rate)].rmse_dps;
-      text += fmt::format("\n{:<8} {:>7}  error {:>7}  RMSE {:>6} deg/s", name, signed_figure(rate_dps),
-                          signed_figure(rate_dps - label_dps), plain_figure(rmse_dps));
-    };
-    add("gyro", row.rate_gyro_dps, live::Rate::gyro);
-    add("thermal", row.rate_thermal_dps, live::Rate::thermal);
-    add("fusion", row.rate_fusion_dps, live::Rate::fusion);
-    const std::string gain = std::isnan(row.gain) ? "-" : fmt::format("{:.2f}", row.gain);
-    return text + fmt::format("\nKg {}  counted {}  apart {}  {} us\n", gain, frame.scores.counted,
-                              frame.scores.apart, plain_figure(frame.inference_us));
+    std::string text = fmt::format("servo       {:>7} deg/s", signed_figure(label_dps));
+    if (!row.counted) text += "  excluded: " + why_excluded(frame);
+    for (std::size_t i = 0; i < frame.estimators.size(); ++i)
+      text += rate_text(frame.estimators[i].name, row.estimates[i].rate_dps, label_dps,
+                        frame.scores.estimators[i].rmse_dps);
+    const std::optional<float> gain = live::gain_of(frame.estimators, row);
+    const std::string gate =
+        gain ? "Kg " + (std::isnan(*gain) ? "-" : fmt::format("{:.2f}", *gain)) + "  " : "";
+    return text + fmt::format("\n{}counted {}  excluded {}  {} us\n", gate, frame.scores.counted,
+                              frame.scores.excluded, plain_figure(frame.inference_us));
   }
 
   OutputWriter& output_;

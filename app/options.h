@@ -66,6 +66,7 @@ struct LiveOptions {
   std::filesystem::path model;                  // empty: gyro against servo only
   bool keep = false;                            // a session, as `record` makes one
   std::string precision = "fp32";               // of the network's weights: fp32, fp16
+  std::vector<std::string> estimators;          // by name; empty: all that can run
   bool loop = false;                            // the plan again and again, until it is stopped
   std::optional<std::filesystem::path> replay;  // a session instead of a rig
   double speed = 1.0;                           // of a replay; 0: as fast as possible

@@ -9,7 +9,7 @@ namespace thermorig::app {
 
 namespace {
 
-nlohmann::json scores_json(const live::RateScores& scores) {
+nlohmann::json estimator_json(const live::EstimatorScores& scores) {
   return {{"frames", scores.frames},
           {"mse", number_json(scores.mse)},
           {"rmse_dps", number_json(scores.rmse_dps)},
@@ -23,16 +23,15 @@ nlohmann::json scores_json(const live::RateScores& scores) {
 }  // namespace
 
 nlohmann::json scores_json(const live::LiveScores& scores) {
-  const auto of = [&](live::Rate rate) { return scores_json(scores.rates[static_cast<std::size_t>(rate)]); };
+  nlohmann::json estimators = nlohmann::json::object();
+  for (const live::EstimatorScores& one : scores.estimators) estimators[one.name] = estimator_json(one);
   return {{"counted", scores.counted},
-          {"apart", scores.apart},
+          {"excluded", scores.excluded},
           {"integrated_s", number_json(scores.integrated_s)},
           {"gain_mean", number_json(scores.gain_mean)},
           {"gain_histogram", scores.gain_histogram},
           {"gate_collapsed", scores.gate_collapsed},
-          {"thermal", of(live::Rate::thermal)},
-          {"gyro", of(live::Rate::gyro)},
-          {"fusion", of(live::Rate::fusion)}};
+          {"estimators", std::move(estimators)}};
 }
 
 }  // namespace thermorig::app

@@ -6,6 +6,7 @@
 
 #include "network_window.h"
 #include "thermorig/core/error.h"
+#include "thermorig/core/estimate_row.h"
 #include "thermorig/core/measurement.h"
 #include "thermorig/estimators/table.h"
 
@@ -22,6 +23,16 @@ void require_runnable(const Entry& entry, const std::optional<model::Model>& mod
         ExitCode::bad_usage,
         fmt::format("the estimator \"{}\" needs a network with fusion, and the model has none", entry.name),
         "the estimator", "a model that was trained with fusion, or \"cnn-thermal\"");
+}
+
+void require_each_once(const std::vector<std::string>& names) {
+  for (auto name = names.begin(); name != names.end(); ++name)
+    if (std::find(names.begin(), name, *name) != name)
+      throw Error(ExitCode::bad_usage, fmt::format("the estimator \"{}\" is named twice", *name),
+                  "the estimators", "name each once");
+  if (names.size() > most_estimators)
+    throw Error(ExitCode::bad_usage, fmt::format("{} estimators are too many", names.size()),
+                "the estimators", fmt::format("{} at most", most_estimators));
 }
 
 /// Since when the servo has been told to stand still, by its own telemetry.
@@ -68,6 +79,7 @@ Bank::Bank(std::span<const std::string> names, const std::optional<model::Model>
     : parts_(std::make_unique<Parts>()) {
   const std::vector<std::string> all =
       names.empty() ? names_for(model) : std::vector(names.begin(), names.end());
+  require_each_once(all);
   parts_->setup.gyro = gyro;
   if (model) {
     parts_->setup.network = std::make_shared<NetworkWindow>(*model, precision);

@@ -149,13 +149,23 @@ bool take_leg(Bytes payload, RawRecording& recording) {
 }
 
 /// Frames are told once, in their order.
-bool take_estimate(Bytes payload, RawRecording& recording) {
-  const auto row = decode_estimate(payload);
+bool take_row(const std::optional<EstimateRow>& row, RawRecording& recording) {
   if (!row || !is_possible({row->time, row->exposure_begin, row->exposure_end, row->arrival}, recording))
     return false;
   if (!recording.estimates.empty() && row->frame_index <= recording.estimates.back().frame_index)
     return false;
   recording.estimates.push_back(*row);
+  return true;
+}
+
+bool take_estimates(Bytes payload, RawRecording& recording) {
+  return take_row(decode_estimates(payload, recording.header.estimators.size()), recording);
+}
+
+/// Of before format 2, when the header did not name estimators.
+bool take_estimate(Bytes payload, RawRecording& recording) {
+  if (!take_row(decode_estimate(payload), recording)) return false;
+  recording.header.estimators = columns_before_format_2(recording.header.live_model);
   return true;
 }
 
@@ -181,6 +191,8 @@ bool take(const RecordFront& front, Bytes payload, RawRecording& recording) {
       return take_leg(payload, recording);
     case RecordType::estimate:
       return take_estimate(payload, recording);
+    case RecordType::estimates:
+      return take_estimates(payload, recording);
     case RecordType::end:
       return take_end(payload, recording);
     case RecordType::header:

@@ -56,7 +56,8 @@ struct JournalWriter::File {
 };
 
 JournalWriter::JournalWriter(const std::filesystem::path& path, const RecordingHeader& header,
-                             std::uint64_t reserve_bytes, files::Disk& disk) {
+                             std::uint64_t reserve_bytes, files::Disk& disk)
+    : estimators_(header.estimators.size()) {
   const std::string text = recording_header::header_to_json_text(header);
   if (text.size() > payload_max_bytes)
     throw Error(ExitCode::bad_usage, "the profile and the plan are too long to be stored", path.string(),
@@ -92,8 +93,8 @@ void JournalWriter::leg(const LegRecord& leg) {
   file_->append(RecordType::leg, 0, encode_leg(leg));
 }
 
-void JournalWriter::estimate(const LiveEstimate& row) {
-  file_->append(RecordType::estimate, 0, encode_estimate(row));
+void JournalWriter::estimate(const EstimateRow& row) {
+  file_->append(RecordType::estimates, 0, encode_estimates(row, estimators_));
 }
 
 void JournalWriter::sync() {

@@ -24,6 +24,57 @@ bool is_kind(std::uint8_t kind) {
   return kind <= static_cast<std::uint8_t>(last_event_kind);
 }
 
+// A row: what every one has, then its estimates. Of before format 2: the same front, then others.
+constexpr std::size_t row_bytes = 51;
+constexpr std::size_t estimate_bytes = 38;
+constexpr std::size_t old_row_bytes = 67;
+constexpr std::size_t old_estimators = 3;
+
+float get_float(const std::uint8_t* bytes) {
+  return std::bit_cast<float>(get_little_endian<std::uint32_t>(bytes));
+}
+
+void put_float(std::uint8_t* bytes, float value) {
+  put_little_endian(bytes, std::bit_cast<std::uint32_t>(value));
+}
+
+void put_estimate(std::uint8_t* bytes, const RateEstimate& estimate) {
+  put_float(bytes, estimate.rate_dps);
+  put_float(bytes + 4, estimate.rate_sigma_dps);
+  put_little_endian(bytes + 8, std::bit_cast<std::uint64_t>(estimate.angle_deg));
+  put_float(bytes + 16, estimate.angle_sigma_deg);
+  bytes[20] = static_cast<std::uint8_t>(estimate.state);
+  bytes[21] = static_cast<std::uint8_t>(estimate.reason);
+  for (std::size_t i = 0; i < most_estimate_values; ++i) put_float(bytes + 22 + 4 * i, estimate.values[i]);
+}
+
+/// False for a state or a reason that there is not.
+bool get_estimate(const std::uint8_t* bytes, RateEstimate& estimate) {
+  if (bytes[20] >= estimate_state_names.size() || bytes[21] >= estimate_reason_names.size()) return false;
+  estimate.rate_dps = get_float(bytes);
+  estimate.rate_sigma_dps = get_float(bytes + 4);
+  estimate.angle_deg = std::bit_cast<double>(get_little_endian<std::uint64_t>(bytes + 8));
+  estimate.angle_sigma_deg = get_float(bytes + 16);
+  estimate.state = static_cast<EstimateState>(bytes[20]);
+  estimate.reason = static_cast<EstimateReason>(bytes[21]);
+  for (std::size_t i = 0; i < most_estimate_values; ++i) estimate.values[i] = get_float(bytes + 22 + 4 * i);
+  return true;
+}
+
+EstimateRow row_of_front(std::span<const std::uint8_t> payload) {
+  const auto time = [&](std::size_t at) {
+    return host_time_ns(get_little_endian<std::int64_t>(&payload[at]));
+  };
+  EstimateRow row;
+  row.frame_index = get_little_endian<std::uint32_t>(&payload[0]);
+  row.time = time(4);
+  row.exposure_begin = time(12);
+  row.exposure_end = time(20);
+  row.arrival = time(28);
+  row.rate_commanded_dps = get_float(&payload[36]);
+  return row;
+}
+
 }  // namespace
 
 std::array<std::uint8_t, time_bytes> encode_time(HostTime time) {
@@ -83,44 +134,41 @@ std::optional<LegRecord> decode_leg(std::span<const std::uint8_t> payload) {
   return leg;
 }
 
-std::array<std::uint8_t, estimate_bytes> encode_estimate(const LiveEstimate& row) {
-  std::array<std::uint8_t, estimate_bytes> bytes{};
+std::vector<std::uint8_t> encode_estimates(const EstimateRow& row, std::size_t count) {
+  std::vector<std::uint8_t> bytes(row_bytes + count * estimate_bytes);
   put_little_endian(&bytes[0], row.frame_index);
   put_little_endian(&bytes[4], to_ns(row.time));
   put_little_endian(&bytes[12], to_ns(row.exposure_begin));
   put_little_endian(&bytes[20], to_ns(row.exposure_end));
   put_little_endian(&bytes[28], to_ns(row.arrival));
-  put_little_endian(&bytes[36], std::bit_cast<std::uint32_t>(row.rate_commanded_dps));
-  put_little_endian(&bytes[40], std::bit_cast<std::uint32_t>(row.rate_gyro_dps));
-  put_little_endian(&bytes[44], std::bit_cast<std::uint32_t>(row.rate_thermal_dps));
-  put_little_endian(&bytes[48], std::bit_cast<std::uint32_t>(row.rate_fusion_dps));
-  put_little_endian(&bytes[52], std::bit_cast<std::uint32_t>(row.gain));
-  put_little_endian(&bytes[56], row.reason_bits);
-  put_little_endian(&bytes[60], row.run);
-  put_little_endian(&bytes[64], row.leg);
-  bytes[66] = row.counted ? 1 : 0;
+  put_float(&bytes[36], row.rate_commanded_dps);
+  put_little_endian(&bytes[40], row.reason_bits);
+  put_little_endian(&bytes[44], row.run);
+  put_little_endian(&bytes[48], row.leg);
+  bytes[50] = row.counted ? 1 : 0;
+  for (std::size_t i = 0; i < count; ++i)
+    put_estimate(&bytes[row_bytes + i * estimate_bytes], row.estimates[i]);
   return bytes;
 }
 
-std::optional<LiveEstimate> decode_estimate(std::span<const std::uint8_t> payload) {
-  if (payload.size() != estimate_bytes || payload[66] > 1) return std::nullopt;
-  const auto time = [&](std::size_t at) {
-    return host_time_ns(get_little_endian<std::int64_t>(&payload[at]));
-  };
-  const auto number = [&](std::size_t at) {
-    return std::bit_cast<float>(get_little_endian<std::uint32_t>(&payload[at]));
-  };
-  LiveEstimate row;
-  row.frame_index = get_little_endian<std::uint32_t>(&payload[0]);
-  row.time = time(4);
-  row.exposure_begin = time(12);
-  row.exposure_end = time(20);
-  row.arrival = time(28);
-  row.rate_commanded_dps = number(36);
-  row.rate_gyro_dps = number(40);
-  row.rate_thermal_dps = number(44);
-  row.rate_fusion_dps = number(48);
-  row.gain = number(52);
+std::optional<EstimateRow> decode_estimates(std::span<const std::uint8_t> payload, std::size_t count) {
+  if (payload.size() != row_bytes + count * estimate_bytes || payload[50] > 1) return std::nullopt;
+  EstimateRow row = row_of_front(payload);
+  row.reason_bits = get_little_endian<std::uint32_t>(&payload[40]);
+  row.run = get_little_endian<std::uint32_t>(&payload[44]);
+  row.leg = get_little_endian<std::uint16_t>(&payload[48]);
+  row.counted = payload[50] == 1;
+  for (std::size_t i = 0; i < count; ++i)
+    if (!get_estimate(&payload[row_bytes + i * estimate_bytes], row.estimates[i])) return std::nullopt;
+  return row;
+}
+
+std::optional<EstimateRow> decode_estimate(std::span<const std::uint8_t> payload) {
+  if (payload.size() != old_row_bytes || payload[66] > 1) return std::nullopt;
+  EstimateRow row = row_of_front(payload);
+  for (std::size_t i = 0; i < old_estimators; ++i)
+    row.estimates[i] = rate_only(get_float(&payload[40 + 4 * i]));
+  row.estimates[old_estimators - 1].values[0] = get_float(&payload[52]);  // Kg
   row.reason_bits = get_little_endian<std::uint32_t>(&payload[56]);
   row.run = get_little_endian<std::uint32_t>(&payload[60]);
   row.leg = get_little_endian<std::uint16_t>(&payload[64]);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <span>
@@ -24,8 +25,11 @@ std::optional<RecordingEvent> decode_event(std::span<const std::uint8_t> payload
 std::vector<std::uint8_t> encode_leg(const LegRecord& leg);
 std::optional<LegRecord> decode_leg(std::span<const std::uint8_t> payload);
 
-inline constexpr std::size_t estimate_bytes = 67;
-std::array<std::uint8_t, estimate_bytes> encode_estimate(const LiveEstimate& row);
-std::optional<LiveEstimate> decode_estimate(std::span<const std::uint8_t> payload);
+/// `count`: of the recording's estimators.
+std::vector<std::uint8_t> encode_estimates(const EstimateRow& row, std::size_t count);
+std::optional<EstimateRow> decode_estimates(std::span<const std::uint8_t> payload, std::size_t count);
+
+/// Of before format 2: gyro, thermal head and fusion stand in the places of columns_before_format_2().
+std::optional<EstimateRow> decode_estimate(std::span<const std::uint8_t> payload);
 
 }  // namespace thermorig::journal

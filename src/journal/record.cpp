@@ -23,7 +23,7 @@ std::uint32_t crc_of(const FrontBytes& front, std::span<const std::span<const st
 
 bool is_type(std::uint8_t type) {
   return type >= static_cast<std::uint8_t>(RecordType::header) &&
-         type <= static_cast<std::uint8_t>(RecordType::estimate);
+         type <= static_cast<std::uint8_t>(RecordType::estimates);
 }
 
 }  // namespace

@@ -16,7 +16,8 @@ enum class RecordType : std::uint8_t {
   event = 4,
   leg = 5,
   end = 6,
-  estimate = 7
+  estimate = 7,  // of before format 2 of sessions: three estimators, in fixed places
+  estimates = 9
 };
 
 /// The fixed front of every record, 32 bytes, little-endian; a CRC-32 of its first 28 bytes and of the

@@ -13,17 +13,19 @@ namespace thermorig::live {
 
 namespace {
 
+constexpr auto unknown_dps = static_cast<float>(unknown);
+
 /// Does the finished session know the row's frame? The clock of a running recorder is off by much less than
 /// half a period, and a stand-in for a frame that never came by seconds.
-bool is_known(const LiveEstimate& row, const windows::Acquisition& finished, double frame_period_s) {
+bool is_known(const EstimateRow& row, const windows::Acquisition& finished, double frame_period_s) {
   if (row.frame_index >= finished.frames()) return false;
   return std::abs(seconds_between(finished.time[row.frame_index], row.time)) <= frame_period_s / 2.0;
 }
 
 /// Unknown for a frame that has too few before it.
-windows::WindowRates rates_at(const windows::Acquisition& finished, std::uint32_t frame, int frames) {
-  if (std::size_t{frame} + 1 < static_cast<std::size_t>(frames)) return {unknown, unknown};
-  return windows::rates_of(finished, {0, frame}, frames);
+float label_at(const windows::Acquisition& finished, std::uint32_t frame, int frames) {
+  if (std::size_t{frame} + 1 < static_cast<std::size_t>(frames)) return unknown_dps;
+  return windows::rates_of(finished, {0, frame}, frames).label_dps;
 }
 
 /// Is the frame the last one of a window?
@@ -36,22 +38,19 @@ std::vector<bool> window_ends(const windows::Acquisition& finished, int frames) 
 
 }  // namespace
 
-FinalisedRows finalised_rows(std::span<const LiveEstimate> rows, const windows::Acquisition& finished,
+FinalisedRows finalised_rows(std::span<const EstimateRow> rows, const windows::Acquisition& finished,
                              int frames, double frame_period_s) {
   const std::vector<bool> ends = window_ends(finished, frames);
   FinalisedRows finalised;
   finalised.windows = static_cast<std::uint64_t>(std::count(ends.begin(), ends.end(), true));
   double sum_dps = 0.0, largest_dps = 0.0;
-  for (const LiveEstimate& row : rows) {
-    LiveEstimate& better = finalised.rows.emplace_back(row);
-    const windows::WindowRates rates = is_known(row, finished, frame_period_s)
-                                           ? rates_at(finished, row.frame_index, frames)
-                                           : windows::WindowRates{unknown, unknown};
-    better.rate_commanded_dps = rates.label_dps;
-    better.rate_gyro_dps = rates.gyro_dps;
+  for (const EstimateRow& row : rows) {
+    EstimateRow& better = finalised.rows.emplace_back(row);
+    better.rate_commanded_dps =
+        is_known(row, finished, frame_period_s) ? label_at(finished, row.frame_index, frames) : unknown_dps;
     const double difference_dps =
-        static_cast<double>(rates.label_dps) - static_cast<double>(row.rate_commanded_dps);
-    better.counted = row.counted && std::isfinite(difference_dps) && std::isfinite(rates.gyro_dps);
+        static_cast<double>(better.rate_commanded_dps) - static_cast<double>(row.rate_commanded_dps);
+    better.counted = row.counted && std::isfinite(difference_dps);
     if (!better.counted) continue;
     ++finalised.compared;
     finalised.counted_in_both += ends[row.frame_index] ? 1 : 0;

@@ -20,12 +20,9 @@ constexpr double seconds_a_minute = 60.0;
 constexpr double drift_after_s = 1.0;
 constexpr std::uint64_t gate_patience = 64;  // counted frames
 
-std::array<float, rate_count> rates_of(const LiveEstimate& row) {
-  return {row.rate_thermal_dps, row.rate_gyro_dps, row.rate_fusion_dps};  // as enum Rate
-}
-
 /// Of one estimator.
-struct RateSums {
+struct EstimatorSums {
+  std::string name;
   std::uint64_t frames = 0;
   double squares = 0.0;  // (deg/s)^2
   RecentErrors recent;   // normalised
@@ -40,13 +37,14 @@ struct RateSums {
     integrated_s += step_s;
   }
 
-  RateScores scores(double label_scale_dps) const;
+  EstimatorScores scores(double label_scale_dps) const;
 };
 
-RateScores RateSums::scores(double label_scale_dps) const {
+EstimatorScores EstimatorSums::scores(double label_scale_dps) const {
   const double mean_square = frames > 0 ? squares / static_cast<double>(frames) : unknown;
   const std::vector<double>& sorted = recent.sorted();
-  return {.frames = frames,
+  return {.name = name,
+          .frames = frames,
           .mse = mean_square / (label_scale_dps * label_scale_dps),
           .rmse_dps = std::sqrt(mean_square),
           .recent = sorted.size(),
@@ -85,64 +83,78 @@ struct Before {
 };
 
 /// A counted window stands for the time since the frame before, if that is of the same run.
-double step_of(const std::optional<Before>& before, const LiveEstimate& row) {
+double step_of(const std::optional<Before>& before, const EstimateRow& row) {
   if (!before || before->run != row.run || before->frame_index + 1 != row.frame_index) return 0.0;
   return std::max(0.0, seconds_between(before->time, row.time));
 }
 
 }  // namespace
 
+std::optional<float> gain_of(std::span<const EstimatorColumn> estimators, const EstimateRow& row) {
+  for (std::size_t i = 0; i < estimators.size(); ++i)
+    for (std::size_t k = 0; k < estimators[i].values.size(); ++k)
+      if (estimators[i].values[k] == "gain") return row.estimates[i].values[k];
+  return std::nullopt;
+}
+
 struct Scorer::Parts {
   double label_scale_dps;
   std::uint64_t frames = 0, counted = 0;
   double integrated_s = 0.0;
-  std::array<RateSums, rate_count> rates;
+  std::vector<EstimatorColumn> columns;
+  std::vector<EstimatorSums> estimators;
   GainSums gains;
   std::optional<Before> before;
 
-  void count(const LiveEstimate& row, double step_s);
+  void count(const EstimateRow& row, double step_s);
 };
 
-void Scorer::Parts::count(const LiveEstimate& row, double step_s) {
+void Scorer::Parts::count(const EstimateRow& row, double step_s) {
   ++counted;
   integrated_s += step_s;
-  const auto estimates = rates_of(row);
-  for (std::size_t i = 0; i < rate_count; ++i) {
-    const double error_dps = static_cast<double>(estimates[i]) - static_cast<double>(row.rate_commanded_dps);
-    if (std::isfinite(error_dps)) rates[i].add(row.time, error_dps, step_s, label_scale_dps);
+  for (std::size_t i = 0; i < estimators.size(); ++i) {
+    const double error_dps =
+        static_cast<double>(row.estimates[i].rate_dps) - static_cast<double>(row.rate_commanded_dps);
+    if (std::isfinite(error_dps)) estimators[i].add(row.time, error_dps, step_s, label_scale_dps);
   }
-  if (row.gain >= 0.0F && row.gain <= 1.0F) gains.add(row.gain);
+  const std::optional<float> gain = gain_of(columns, row);
+  if (gain && *gain >= 0.0F && *gain <= 1.0F) gains.add(*gain);
 }
 
-Scorer::Scorer(double label_scale_dps) : parts_(std::make_unique<Parts>(Parts{label_scale_dps})) {}
+Scorer::Scorer(std::span<const EstimatorColumn> estimators, double label_scale_dps)
+    : parts_(std::make_unique<Parts>(Parts{label_scale_dps})) {
+  parts_->columns.assign(estimators.begin(), estimators.end());
+  for (const EstimatorColumn& column : estimators) parts_->estimators.push_back({.name = column.name});
+}
 
 Scorer::~Scorer() = default;
 Scorer::Scorer(Scorer&&) noexcept = default;
 Scorer& Scorer::operator=(Scorer&&) noexcept = default;
 
-void Scorer::add(const LiveEstimate& row) {
+void Scorer::add(const EstimateRow& row) {
   Parts& parts = *parts_;
   ++parts.frames;
-  for (RateSums& rate : parts.rates) rate.recent.forget_before(row.time);
+  for (EstimatorSums& sums : parts.estimators) sums.recent.forget_before(row.time);
   if (row.counted) parts.count(row, step_of(parts.before, row));
   parts.before = Before{row.frame_index, row.run, row.time};
 }
 
 void Scorer::reset_angle() {
   parts_->integrated_s = 0.0;
-  for (RateSums& rate : parts_->rates) rate.angle_deg = rate.integrated_s = 0.0;
+  for (EstimatorSums& sums : parts_->estimators) sums.angle_deg = sums.integrated_s = 0.0;
 }
 
 LiveScores Scorer::scores() const {
   const Parts& parts = *parts_;
   LiveScores scores{.frames = parts.frames,
                     .counted = parts.counted,
-                    .apart = parts.frames - parts.counted,
+                    .excluded = parts.frames - parts.counted,
                     .integrated_s = parts.integrated_s,
                     .gain_histogram = parts.gains.histogram,
                     .gain_mean = parts.gains.mean(),
                     .gate_collapsed = parts.gains.collapsed()};
-  for (std::size_t i = 0; i < rate_count; ++i) scores.rates[i] = parts.rates[i].scores(parts.label_scale_dps);
+  for (const EstimatorSums& sums : parts.estimators)
+    scores.estimators.push_back(sums.scores(parts.label_scale_dps));
   return scores;
 }
 

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 
 #include "thermorig/core/nearest_name.h"
 #include "thermorig/recording_header/header_json.h"
@@ -70,10 +71,29 @@ bool calibrations_are_sound(const RigProfile& rig) {
          rig.servo.scale_uncertainty >= 0;
 }
 
+/// 1 to 32 of a-z, 0-9, '-' and '_'.
+bool is_estimator_word(const std::string& word) {
+  const auto is_allowed = [](char one) {
+    return (one >= 'a' && one <= 'z') || (one >= '0' && one <= '9') || one == '-' || one == '_';
+  };
+  return !word.empty() && word.size() <= 32 && std::all_of(word.begin(), word.end(), is_allowed);
+}
+
 /// Its label scale divides, its frames are a window of rows; the rest is only told.
 bool live_model_is_sound(const LiveModel& model) {
   return is_within(model.label_scale_dps, 1e-3, 1e6) && model.frames >= 0 && model.frames <= most_frames &&
          model.reduction >= 0;
+}
+
+/// Names are words, each once, and each estimator has few values.
+bool estimators_are_sound(const std::vector<EstimatorColumn>& estimators) {
+  std::set<std::string> names;
+  const auto is_sound = [&](const EstimatorColumn& column) {
+    return is_estimator_word(column.name) && names.insert(column.name).second &&
+           column.values.size() <= most_estimate_values &&
+           std::all_of(column.values.begin(), column.values.end(), is_estimator_word);
+  };
+  return estimators.size() <= most_estimators && std::all_of(estimators.begin(), estimators.end(), is_sound);
 }
 
 bool is_column(int column) {
@@ -122,6 +142,7 @@ std::optional<std::string> problem_of(const RecordingHeader& header) {
   if (!gyro_is_sound(header.profile.gyro)) return "the gyro's axis, sign or columns are out of range";
   if (std::string problem = problem_of_protocol(header.profile.gyro); !problem.empty()) return problem;
   if (!live_model_is_sound(header.live_model)) return "the live model's label scale or shape is out of range";
+  if (!estimators_are_sound(header.estimators)) return "the names of its estimators are not sound";
   return std::nullopt;
 }
 

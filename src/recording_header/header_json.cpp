@@ -172,6 +172,12 @@ void servo_keys(const Keys& keys, Servo& servo) {
   keys.later("scale_measured_utc", servo.scale_measured_utc);
 }
 
+template <typename Keys, typename Column>
+void estimator_keys(const Keys& keys, Column& column) {
+  keys.required("name", column.name);
+  keys.required("values", column.values);
+}
+
 template <typename Keys, typename Model>
 void live_model_keys(const Keys& keys, Model& model) {
   keys.required("name", model.name);
@@ -218,6 +224,12 @@ void to_json(nlohmann::json& out, const ServoProfile& servo) {
 void from_json(const nlohmann::json& in, ServoProfile& servo) {
   servo_keys(Reader{in}, servo);
 }
+void to_json(nlohmann::json& out, const EstimatorColumn& column) {
+  estimator_keys(Writer{out}, column);
+}
+void from_json(const nlohmann::json& in, EstimatorColumn& column) {
+  estimator_keys(Reader{in}, column);
+}
 void to_json(nlohmann::json& out, const LiveModel& model) {
   live_model_keys(Writer{out}, model);
 }
@@ -259,12 +271,14 @@ void to_json(nlohmann::json& out, const RecordingHeader& header) {
   header_keys(Writer{out}, header);
   if (!header.licence.empty()) out["licence"] = header.licence;
   if (!header.live_model.name.empty()) out["live_model"] = header.live_model;
+  if (!header.estimators.empty()) out["estimators"] = header.estimators;
 }
 void from_json(const nlohmann::json& in, RecordingHeader& header) {
   const Reader keys{in};
   header_keys(keys, header);
   keys.later("licence", header.licence);
   keys.later("live_model", header.live_model);
+  keys.later("estimators", header.estimators);
 }
 
 namespace recording_header {

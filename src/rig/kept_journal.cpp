@@ -65,7 +65,7 @@ void KeptJournal::leg(const LegRecord& leg) {
   if (kept_) kept_->journal.leg(leg);
 }
 
-void KeptJournal::estimate(const LiveEstimate& row) {
+void KeptJournal::estimate(const EstimateRow& row) {
   if (kept_) kept_->journal.estimate(row);
 }
 

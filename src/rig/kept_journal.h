@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "thermorig/core/device.h"
-#include "thermorig/core/live_estimate.h"
+#include "thermorig/core/estimate_row.h"
 #include "thermorig/core/raw_recording.h"
 #include "thermorig/rig/recording.h"
 #include "thermorig/rig/session_file.h"
@@ -28,7 +28,7 @@ class KeptJournal {
   void sent(std::span<const std::uint8_t> bytes, HostTime time);
   void event(const RecordingEvent& event);
   void leg(const LegRecord& leg);
-  void estimate(const LiveEstimate& row);
+  void estimate(const EstimateRow& row);
   void frame();  // a whole frame has been received: it may be synced now
 
   /// Every 10 ms or so. Throws what a sync threw; gives what is to be said of the disk, its space and its

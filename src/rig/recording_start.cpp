@@ -77,6 +77,7 @@ RecordingHeader make_header(const RecordingOptions& options, HostTime now) {
   header.plan_toml = to_toml(options.plan);
   header.frames_per_leg = options.plan.frames_per_leg;
   header.live_model = options.live_model;
+  header.estimators = options.estimators;
   header.creator = options.creator;
   header.creator_git = options.creator_git;
   header.host_name = io::host_name();

@@ -1,37 +1,109 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <string>
 #include <vector>
 
 #include "device_columns.h"
-#include "thermorig/core/live_estimate.h"
+#include "thermorig/core/estimate_row.h"
 #include "thermorig/core/validity.h"
 
 namespace thermorig::session {
 
-/// What the screen said of each frame: speeds over the window that ends with it.
-template <typename Archive, typename Rows>
-void estimate_rate_columns(Archive& archive, Rows& rows) {
-  archive.template field<float>(
-      {"rate_commanded", "deg/s", "label: mean commanded speed over the window [deg/s]", "NaN: unknown"},
-      rows, [](auto& row) -> auto& { return row.rate_commanded_dps; });
-  archive.template field<float>(
-      {"rate_gyro", "deg/s", "gyro: mean rate over the window [deg/s]", "bias not removed; NaN: unknown"},
-      rows, [](auto& row) -> auto& { return row.rate_gyro_dps; });
-  archive.template field<float>(
-      {"rate_thermal", "deg/s", "speed by the thermal head [deg/s]", "NaN: no estimate"}, rows,
-      [](auto& row) -> auto& { return row.rate_thermal_dps; });
-  archive.template field<float>(
-      {"rate_fusion", "deg/s", "speed by fusion [deg/s]", "NaN: no estimate"}, rows,
-      [](auto& row) -> auto& { return row.rate_fusion_dps; });
-  archive.template field<float>(
-      {"gain", "1", "Kg: share of the thermal head in the fusion", "NaN: no fusion"}, rows,
-      [](auto& row) -> auto& { return row.gain; });
+/// The estimators of a recording, and their values by "estimator.value".
+struct EstimateAxes {
+  struct Value {
+    std::size_t estimator, value;
+  };
+  std::vector<std::string> estimators;
+  std::vector<std::string> value_names;
+  std::vector<Value> values;
+
+  explicit EstimateAxes(const std::vector<EstimatorColumn>& columns) {
+    for (std::size_t i = 0; i < columns.size(); ++i) {
+      estimators.push_back(columns[i].name);
+      for (std::size_t k = 0; k < columns[i].values.size(); ++k) {
+        value_names.push_back(columns[i].name + "." + columns[i].values[k]);
+        values.push_back({i, k});
+      }
+    }
+  }
+};
+
+/// A number of each estimator: `at(estimate)` refers to it.
+template <typename Stored, typename Archive, typename Rows, typename At>
+void estimate_elements(Archive& archive, const Column& info, const InnerAxis& axis, Rows& rows, At at) {
+  archive.template elements<Stored>(
+      info, axis, rows, [at](const auto& row, std::size_t i) { return at(row.estimates[i]); },
+      [at](auto& row, std::size_t i, Stored value) { at(row.estimates[i]) = value; });
 }
 
-/// /estimates: a row a frame that a live run showed. Archive is GroupWriter or GroupReader.
+/// One of a few words of each estimator, as its number.
+template <typename Word, typename Archive, typename Rows, typename At>
+void estimate_words(Archive& archive, const Column& info, const InnerAxis& axis, Rows& rows, At at) {
+  archive.template elements<std::uint8_t>(
+      info, axis, rows,
+      [at](const auto& row, std::size_t i) { return static_cast<std::uint8_t>(at(row.estimates[i])); },
+      [at, count = info.flags.values.size()](auto& row, std::size_t i, std::uint8_t value) {
+        if (value >= count) throw Hdf5Failure("believe a state or a reason of /estimates");
+        at(row.estimates[i]) = static_cast<Word>(value);
+      });
+}
+
+/// What was said of each frame by each estimator.
 template <typename Archive, typename Rows>
-void estimate_columns(Archive& archive, Rows& rows) {
+void estimate_columns_by_name(Archive& archive, Rows& rows, const EstimateAxes& axes) {
+  const InnerAxis axis =
+      archive.named_axis({"estimator", "1", "who says it, as in the table of estimators"}, axes.estimators);
+  estimate_elements<float>(
+      archive, {"rate", "deg/s", "speed: mean over the window [deg/s]", "NaN: it says nothing"}, axis, rows,
+      [](auto& estimate) -> auto& { return estimate.rate_dps; });
+  estimate_elements<float>(
+      archive,
+      {"rate_sigma", "deg/s", "standard deviation of rate as it is stated [deg/s]", "NaN: not stated"}, axis,
+      rows, [](auto& estimate) -> auto& { return estimate.rate_sigma_dps; });
+  estimate_elements<double>(
+      archive, {"angle", "deg", "angle since the estimator's own origin [deg]", "NaN: it says nothing"}, axis,
+      rows, [](auto& estimate) -> auto& { return estimate.angle_deg; });
+  estimate_elements<float>(
+      archive, {"angle_sigma", "deg", "standard deviation of angle as it is stated [deg]", "NaN: not stated"},
+      axis, rows, [](auto& estimate) -> auto& { return estimate.angle_sigma_deg; });
+  estimate_words<EstimateState>(
+      archive, {"state", "1", "how far it can be trusted", "", flag_values(estimate_state_names)}, axis, rows,
+      [](auto& estimate) -> auto& { return estimate.state; });
+  estimate_words<EstimateReason>(
+      archive, {"reason", "1", "why it is not good", "", flag_values(estimate_reason_names)}, axis, rows,
+      [](auto& estimate) -> auto& { return estimate.reason; });
+  if (axes.values.empty()) return;
+  const InnerAxis value =
+      archive.named_axis({"value_name", "1", "estimator and name of the value"}, axes.value_names);
+  // A copy: it is asked again when the chunks are made.
+  const auto at = [places = axes.values](auto& row, std::size_t i) -> auto& {
+    return row.estimates[places[i].estimator].values[places[i].value];
+  };
+  archive.template elements<float>({"value", "1", "what else it says", "NaN: not known"}, value, rows, at,
+                                   [at](auto& row, std::size_t i, float number) { at(row, i) = number; });
+}
+
+/// Before format 2 three estimators stood in columns of their own.
+template <typename Archive, typename Rows>
+void estimate_columns_before_format_2(Archive& archive, Rows& rows) {
+  const auto rate_column = [&](const char* name, std::size_t place) {
+    archive.template column<float>({name, "deg/s", name}, rows, nullptr, [place](auto& row, float rate_dps) {
+      row.estimates[place] = rate_only(rate_dps);
+    });
+  };
+  rate_column("rate_gyro", 0);
+  rate_column("rate_thermal", 1);
+  rate_column("rate_fusion", 2);
+  archive.template column<float>({"gain", "1", "gain"}, rows, nullptr,
+                                 [](auto& row, float gain) { row.estimates[2].values[0] = gain; });
+}
+
+/// /estimates: a row a frame that a live run showed, without what the estimators say. Archive is GroupWriter
+/// or GroupReader.
+template <typename Archive, typename Rows>
+void estimate_row_columns(Archive& archive, Rows& rows) {
   archive.time_axis(
       {"time", "s", "time since time_reference [s]",
        "middle of the exposure of the frame's newest half, as it was known then"},
@@ -40,10 +112,12 @@ void estimate_columns(Archive& archive, Rows& rows) {
       {"frame", "1", "index into /camera where the times agree",
        "ascending; without a camera rows go on by time, and a frame of the same index is another one"},
       rows, [](auto& row) -> auto& { return row.frame_index; });
-  estimate_rate_columns(archive, rows);
+  archive.template field<float>(
+      {"rate_commanded", "deg/s", "label: mean commanded speed over the window [deg/s]", "NaN: unknown"},
+      rows, [](auto& row) -> auto& { return row.rate_commanded_dps; });
   archive.template column<std::uint8_t>(
       {"counted", "1", "does the window enter the figures?", "1: all its frames lie in one valid run",
-       flag_values({"apart", "counted"})},
+       flag_values({"excluded", "counted"})},
       rows, [](const auto& row) { return row.counted ? 1 : 0; },
       [](auto& row, std::uint8_t value) { row.counted = value != 0; });
   archive.template field<std::uint32_t>(

@@ -203,7 +203,7 @@ void write_samples_attributes(hid_t group, const Session& session) {
 
 void write_estimates_attributes(hid_t group, const Session& session) {
   const LiveModel& model = session.raw.header.live_model;
-  plot_as(group, model.fusion ? "rate_fusion" : "rate_gyro", {"time"}, {"rate_commanded"});
+  plot_as(group, "rate", {"time", "estimator"}, {"rate_commanded"});
   set_attribute(group, "model", model.name);
   set_attribute(group, "model_hash", model.hash);
   set_attribute(group, "model_frames", model.frames);

@@ -145,12 +145,18 @@ std::uint32_t GroupReader::read_chunks(const Source& source, const std::string& 
   return crc;
 }
 
-std::vector<std::string> GroupReader::read_texts(const Column& info, int rank) const {
+InnerAxis GroupReader::named_axis(const Column& info, const std::vector<std::string>& names) const {
+  if (read_texts(info, {names.size()}) != names)
+    throw Hdf5Failure("believe " + path_ + "/" + info.name + ": the header has other names");
+  return {-1, names.size()};
+}
+
+std::vector<std::string> GroupReader::read_texts(const Column& info,
+                                                 const std::vector<hsize_t>& shape) const {
   const std::string path = path_ + "/" + info.name;
   const Source source = open(info.name);
-  const std::size_t rows = rank == 0 ? 1 : rows_;
-  const std::vector<hsize_t> expected(static_cast<std::size_t>(rank), rows_);
-  if (source.dims != expected || H5Tis_variable_str(source.type.get()) <= 0)
+  const std::size_t rows = shape.empty() ? 1 : shape.front();
+  if (source.dims != shape || H5Tis_variable_str(source.type.get()) <= 0)
     throw Hdf5Failure("accept the type or the shape of " + path);
   check_size(info.name, rows, sizeof(char*));
   std::vector<char*> texts(rows, nullptr);

@@ -123,13 +123,16 @@ class GroupReader {
 
   template <typename Row, typename Get, typename Set>
   void texts(const Column& info, std::vector<Row>& rows, Get /*get*/, Set set) {
-    const auto values = read_texts(info, 1);
+    const auto values = read_texts(info, {rows_});
     for (std::size_t i = 0; i < rows.size(); ++i) set(rows[i], values[i]);
   }
 
   InnerAxis inner_axis(const Column&, std::uint8_t size) const { return {-1, size}; }
 
-  std::string text(const Column& info) { return read_texts(info, 0).front(); }
+  /// Throws Hdf5Failure if the axis has other names.
+  InnerAxis named_axis(const Column& info, const std::vector<std::string>& names) const;
+
+  std::string text(const Column& info) { return read_texts(info, {}).front(); }
 
  private:
   using Take = std::function<void(std::size_t first, std::size_t rows, const std::byte* in)>;
@@ -142,7 +145,7 @@ class GroupReader {
             const Take& take) const;
   std::uint32_t read_chunks(const Source& source, const std::string& path, hid_t type, std::size_t row_bytes,
                             const Take& take) const;
-  std::vector<std::string> read_texts(const Column& info, int rank) const;
+  std::vector<std::string> read_texts(const Column& info, const std::vector<hsize_t>& shape) const;
   static HostDuration checked_time(double seconds);
 
   std::string path_;

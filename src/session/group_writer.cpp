@@ -91,6 +91,10 @@ void GroupWriter::make_scale(hid_t dataset, const char* name) {
   check(H5DSset_scale(dataset, name), "make a scale of " + path_ + "/" + name);
 }
 
+void GroupWriter::attach_rows(hid_t dataset) const {
+  if (row_scale_ >= 0) check(H5DSattach_scale(dataset, row_scale_, 0), "attach a scale in " + path_);
+}
+
 void GroupWriter::add_bare_axis(const char* name, const char* long_name, std::uint64_t rows) {
   rows_ = rows;
   const hsize_t size = rows;
@@ -138,7 +142,7 @@ void GroupWriter::add(const Column& info, hid_t type, std::size_t element_bytes,
                  "create " + path);
   last_dataset_ = dataset.get();
   describe(last_dataset_, info, type);
-  if (row_scale_ >= 0) check(H5DSattach_scale(last_dataset_, row_scale_, 0), "attach a scale to " + path);
+  attach_rows(last_dataset_);
   for (unsigned i = 0; i < inner.size(); ++i)
     check(H5DSattach_scale(last_dataset_, inner[i].scale, i + 1), "attach a scale to " + path);
   chunks_.add(std::move(dataset),
@@ -146,7 +150,13 @@ void GroupWriter::add(const Column& info, hid_t type, std::size_t element_bytes,
               std::move(fill));
 }
 
-void GroupWriter::add_texts(const Column& info, const std::vector<std::string>& values) {
+InnerAxis GroupWriter::named_axis(const Column& info, const std::vector<std::string>& names) {
+  const hid_t scale = add_texts(info, names);
+  make_scale(scale, info.name);
+  return {scale, names.size()};
+}
+
+hid_t GroupWriter::add_texts(const Column& info, const std::vector<std::string>& values) {
   const hsize_t size = values.size();
   const Handle space(H5Screate_simple(1, &size, nullptr), "make a dataspace");
   const Handle type = text_type();
@@ -164,7 +174,7 @@ void GroupWriter::add_texts(const Column& info, const std::vector<std::string>& 
     check(H5Dwrite(dataset, type.get(), H5S_ALL, H5S_ALL, H5P_DEFAULT, texts.data()), "write " + path);
   describe(dataset, info, type.get());
   set_attribute(dataset, "crc32", crc);
-  if (row_scale_ >= 0) check(H5DSattach_scale(dataset, row_scale_, 0), "attach a scale to " + path);
+  return dataset;
 }
 
 void GroupWriter::set_image(const char* name) const {

@@ -119,10 +119,13 @@ class GroupWriter {
   void texts(const Column& info, const std::vector<Row>& rows, Get get, Set /*set*/) {
     std::vector<std::string> values;
     for (const auto& row : rows) values.push_back(get(row));
-    add_texts(info, values);
+    attach_rows(add_texts(info, values));
   }
 
   InnerAxis inner_axis(const Column& info, std::uint8_t size);
+
+  /// An axis within a row whose places have names.
+  InnerAxis named_axis(const Column& info, const std::vector<std::string>& names);
 
   /// Attributes of a dataset of this group that has just been written.
   void set_image(const char* name) const;
@@ -135,8 +138,9 @@ class GroupWriter {
   void add_bare_axis(const char* name, const char* long_name, std::uint64_t rows);
   void add(const Column& info, hid_t type, std::size_t element_bytes, std::span<const InnerAxis> inner,
            ChunkWriter::Fill fill);
-  void add_texts(const Column& info, const std::vector<std::string>& values);
+  hid_t add_texts(const Column& info, const std::vector<std::string>& values);
   void make_scale(hid_t dataset, const char* name);
+  void attach_rows(hid_t dataset) const;
   hid_t keep(Handle dataset);
 
   std::string path_;

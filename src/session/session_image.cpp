@@ -133,7 +133,8 @@ class ImageBuilder {
   void write_estimates() {
     auto estimates = group("/estimates");
     write_estimates_attributes(estimates.id(), session_);
-    estimate_columns(estimates, session_.raw.estimates);
+    estimate_row_columns(estimates, session_.raw.estimates);
+    estimate_columns_by_name(estimates, session_.raw.estimates, EstimateAxes(session_.raw.header.estimators));
     estimates.set_computed_mask("reason_bits", computed_bits);
   }
 

@@ -115,13 +115,19 @@ RawStream read_stream(const SessionFile& file, const std::string& name, const ch
   return stream;
 }
 
-/// Of a live run; other sessions have none.
-std::vector<LiveEstimate> read_estimates(const SessionFile& file) {
-  std::vector<LiveEstimate> rows;
+/// Of a live run; other sessions have none. Before format 2 the header named no estimators.
+std::vector<EstimateRow> read_estimates(const SessionFile& file, RecordingHeader& header) {
+  std::vector<EstimateRow> rows;
   if (!file.has_group("/estimates")) return rows;
   auto group = file.group("/estimates");
-  estimate_columns(group, rows);
-  const auto not_ascending = [](const LiveEstimate& a, const LiveEstimate& b) {
+  estimate_row_columns(group, rows);
+  if (header.estimators.empty()) {
+    estimate_columns_before_format_2(group, rows);
+    header.estimators = columns_before_format_2(header.live_model);
+  } else {
+    estimate_columns_by_name(group, rows, EstimateAxes(header.estimators));
+  }
+  const auto not_ascending = [](const EstimateRow& a, const EstimateRow& b) {
     return a.frame_index >= b.frame_index;
   };
   if (std::adjacent_find(rows.begin(), rows.end(), not_ascending) != rows.end())
@@ -140,7 +146,7 @@ RawRecording read_recording(SessionFile& file) {
   event_columns(events, raw.events);
   auto servo = file.group("/servo");
   step_columns(servo, raw.legs);
-  raw.estimates = read_estimates(file);
+  raw.estimates = read_estimates(file, raw.header);
   raw.complete = get_attribute<std::uint8_t>(file.id(), "closed_by_recorder") != 0;
   raw.end_time = host_time_ns(get_attribute<std::int64_t>(file.id(), "end_time_ns"));
   if (!is_of_recording(raw.end_time, reference)) throw Hdf5Failure("believe the time of its end");

@@ -73,7 +73,7 @@ TEST_F(Live, PrintsTheDocumentedMessages) {
   EXPECT_EQ(keys_of(lines.front()),
             (std::set<std::string>{"event", "version", "run", "mode", "recording", "simulated", "simulation",
                                    "environment", "acquisition", "start_utc", "control", "frame_rate_hz",
-                                   "model", "plan"}));
+                                   "model", "estimators", "plan"}));
   EXPECT_EQ(lines.front()["event"], "hello");
   EXPECT_THAT(lines.front()["run"].get<std::string>(), MatchesRegex("[0-9a-f]{16}"));
   EXPECT_EQ(lines.front()["mode"], "live");
@@ -91,26 +91,66 @@ TEST_F(Live, PrintsTheDocumentedMessages) {
   const json frame = of_kind(lines, "frame").at(30);
   EXPECT_EQ(keys_of(frame),
             (std::set<std::string>{"event", "index", "time_s", "begin_s", "end_s", "counted", "valid",
-                                   "reasons", "apart", "leg", "run", "commanded_dps", "gyro_dps",
-                                   "thermal_dps", "fusion_dps", "gain", "inference_us", "fresh", "scores"}));
+                                   "reasons", "excluded", "leg", "run", "commanded_dps", "estimates",
+                                   "inference_us", "fresh", "scores"}));
   EXPECT_EQ(keys_of(frame["scores"]),
-            (std::set<std::string>{"counted", "apart", "integrated_s", "gain_mean", "gain_histogram",
-                                   "gate_collapsed", "thermal", "gyro", "fusion"}));
+            (std::set<std::string>{"counted", "excluded", "integrated_s", "gain_mean", "gain_histogram",
+                                   "gate_collapsed", "estimators"}));
   EXPECT_EQ(frame["scores"]["gain_histogram"].size(), 20U);
   EXPECT_TRUE(of_kind(lines, "image").empty());
   EXPECT_THAT(outcome.out, Not(HasSubstr("NaN")));
 }
 
-TEST_F(Live, CountsFramesInLegsAndTheOthersApart) {
+TEST_F(Live, NamesItsEstimatorsOnceAndThenWhatEachSays) {
+  const auto lines = run(fast).lines();
+  const json estimators = of_kind(lines, "hello").at(0)["estimators"];
+  ASSERT_GE(estimators.size(), 4U);
+  EXPECT_EQ(estimators[0]["name"], "gyro");
+  EXPECT_EQ(
+      estimators.back(),
+      (json{{"name", "cnn-fusion"}, {"title", "network's fusion of camera and gyro"}, {"values", {"gain"}}}));
+  const json frame = of_kind(lines, "frame").at(30);
+  EXPECT_EQ(frame["estimates"].size(), estimators.size());
+  for (const json& estimator : estimators) {
+    const std::string name = estimator["name"];
+    EXPECT_EQ(keys_of(frame["estimates"][name]),
+              (std::set<std::string>{"rate_dps", "rate_sigma_dps", "angle_deg", "angle_sigma_deg", "state",
+                                     "reason", "values"}));
+    EXPECT_EQ(frame["estimates"][name]["values"].size(), estimator["values"].size());
+    EXPECT_TRUE(frame["scores"]["estimators"].contains(name));
+  }
+}
+
+TEST_F(Live, RunsTheEstimatorsThatAreNamed) {
+  const auto lines = run(fast + " --estimators gyro-rest,gyro").lines();
+  const json estimators = of_kind(lines, "hello").at(0)["estimators"];
+  ASSERT_EQ(estimators.size(), 2U);
+  EXPECT_EQ(estimators[0]["name"], "gyro-rest");
+  EXPECT_EQ(of_kind(lines, "frame").at(30)["estimates"].size(), 2U);
+}
+
+TEST_F(Live, RefusesEstimatorsThatThereAreNotOrThatCannotRun) {
+  const Outcome typo = run(fast + " --estimators gyro-rset");
+  EXPECT_EQ(typo.code, 2);
+  EXPECT_THAT(typo.err, HasSubstr("did you mean \"gyro-rest\"?"));
+  const Outcome twice = run(fast + " --estimators gyro,gyro");
+  EXPECT_EQ(twice.code, 2);
+  EXPECT_THAT(twice.err, HasSubstr("named twice"));
+  const Outcome without = run("live --simulated=3 --fast --estimators cnn-fusion");
+  EXPECT_EQ(without.code, 2);
+  EXPECT_THAT(without.err, AllOf(HasSubstr("needs a network"), HasSubstr("--model FILE")));
+}
+
+TEST_F(Live, CountsFramesInLegsAndExcludesTheOthers) {
   const auto frames = frames_of(run(fast));
   ASSERT_GT(frames.size(), 50U);
   const json& scores = frames.back()["scores"];
   EXPECT_GT(scores["counted"], 10);
-  EXPECT_GT(scores["apart"], 10);
-  EXPECT_EQ(scores["counted"].get<std::size_t>() + scores["apart"].get<std::size_t>(), frames.size());
+  EXPECT_GT(scores["excluded"], 10);
+  EXPECT_EQ(scores["counted"].get<std::size_t>() + scores["excluded"].get<std::size_t>(), frames.size());
   for (const json& frame : frames)
     if (frame["counted"]) {
-      EXPECT_TRUE(frame["fusion_dps"].is_number()) << frame;
+      EXPECT_TRUE(frame["estimates"]["cnn-fusion"]["rate_dps"].is_number()) << frame;
     }
 }
 
@@ -177,7 +217,7 @@ TEST_F(Live, ASessionKeepsOneRowAFrame) {
 TEST_F(Live, WorksWithoutAModelAndSaysSo) {
   const Outcome outcome = run("live --simulated=3 --fast " + plan);
   ASSERT_EQ(outcome.code, 0) << outcome.err;
-  EXPECT_THAT(outcome.out, HasSubstr("no model: gyro against servo only"));
+  EXPECT_THAT(outcome.out, HasSubstr("no model: the gyro alone against the servo"));
   EXPECT_THAT(outcome.out, HasSubstr("RMSE deg/s"));
 }
 
@@ -216,15 +256,15 @@ TEST_F(Live, RefusesWordsThatWouldDoNothing) {
     EXPECT_EQ(run(words).code, 2) << words;
 }
 
-TEST_F(Live, SaysWhyAFrameIsApart) {
+TEST_F(Live, SaysWhyAFrameIsExcluded) {
   int windows = 0;
   for (const json& frame : frames_of(run(fast))) {
-    EXPECT_EQ(frame["apart"].is_null(), frame["counted"].get<bool>()) << frame;
+    EXPECT_EQ(frame["excluded"].is_null(), frame["counted"].get<bool>()) << frame;
     if (frame["counted"]) continue;
     if (!frame["reasons"].empty()) {
-      EXPECT_THAT(frame["apart"].get<std::string>(), HasSubstr(frame["reasons"][0].get<std::string>()));
+      EXPECT_THAT(frame["excluded"].get<std::string>(), HasSubstr(frame["reasons"][0].get<std::string>()));
     } else if (frame["valid"]) {
-      EXPECT_EQ(frame["apart"], "window begins in another run");
+      EXPECT_EQ(frame["excluded"], "window begins in another run");
       ++windows;
     }
   }

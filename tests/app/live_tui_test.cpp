@@ -12,6 +12,8 @@
 #include <string>
 #include <thread>
 
+#include "../support/paper_estimates.h"
+
 namespace thermorig::app {
 namespace {
 
@@ -30,11 +32,12 @@ class LiveTui : public ::testing::Test {
     progress_.sweep.phase = rig::SweepPhase::leg;
     progress_.sweep.leg = 3;
     progress_.sweep.leg_count = 8;
+    for (const EstimatorColumn& column : paper_columns) scores_.estimators.push_back({.name = column.name});
     row_.rate_commanded_dps = 90.0F;
-    row_.rate_gyro_dps = 94.5F;
-    row_.rate_thermal_dps = 88.0F;
-    row_.rate_fusion_dps = 91.0F;
-    row_.gain = 0.25F;
+    gyro_dps(row_) = 94.5F;
+    thermal_dps(row_) = 88.0F;
+    fusion_dps(row_) = 91.0F;
+    kg(row_) = 0.25F;
     row_.counted = true;
     sample_.valid = true;
     frame_.frame.temp_c.fill(22.0F);
@@ -48,8 +51,12 @@ class LiveTui : public ::testing::Test {
   std::string drawn() {
     screen_->state(progress_);
     std::this_thread::sleep_for(std::chrono::milliseconds(110));  // a picture each 100 ms at most
-    screen_->frame(
-        {.frame = frame_, .sample = sample_, .row = row_, .scores = scores_, .inference_us = 90.0});
+    screen_->frame({.frame = frame_,
+                    .sample = sample_,
+                    .estimators = paper_columns,
+                    .row = row_,
+                    .scores = scores_,
+                    .inference_us = 90.0});
     std::string text;
     std::array<char, 4096> part{};
     while (text.find(" us\n") == std::string::npos) {
@@ -66,20 +73,20 @@ class LiveTui : public ::testing::Test {
   rig::RecordingProgress progress_;
   TimedFrame frame_;
   LabelledSample sample_;
-  LiveEstimate row_;
+  EstimateRow row_;
   live::LiveScores scores_;
 };
 
 TEST_F(LiveTui, ShowsTheLegAndAllRatesWithTheirErrors) {
   const std::string text = drawn();
   EXPECT_THAT(text, HasSubstr("leg 3 of 8"));
-  EXPECT_THAT(text, HasSubstr("servo      +90.0 deg/s\n"));
-  EXPECT_THAT(text, HasSubstr("gyro       +94.5  error    +4.5"));
-  EXPECT_THAT(text, HasSubstr("thermal    +88.0  error    -2.0"));
-  EXPECT_THAT(text, HasSubstr("fusion     +91.0  error    +1.0"));
+  EXPECT_THAT(text, HasSubstr("servo         +90.0 deg/s\n"));
+  EXPECT_THAT(text, HasSubstr("gyro          +94.5  error    +4.5"));
+  EXPECT_THAT(text, HasSubstr("cnn-thermal   +88.0  error    -2.0"));
+  EXPECT_THAT(text, HasSubstr("cnn-fusion    +91.0  error    +1.0"));
   EXPECT_THAT(text, HasSubstr("Kg 0.25"));
   EXPECT_THAT(text, Not(HasSubstr("waiting for")));
-  EXPECT_THAT(text, Not(HasSubstr("apart: ")));
+  EXPECT_THAT(text, Not(HasSubstr("excluded: ")));
 }
 
 TEST_F(LiveTui, SaysWhatIsWaitedForAndForHowLong) {
@@ -91,12 +98,12 @@ TEST_F(LiveTui, SaysWhatIsWaitedForAndForHowLong) {
 
 TEST_F(LiveTui, SaysWhatIsGoneAndWhatIsThereforeUnknown) {
   progress_.gone[Device::gyro] = true;
-  row_.rate_gyro_dps = row_.rate_fusion_dps = row_.gain = nan;
+  gyro_dps(row_) = fusion_dps(row_) = kg(row_) = nan;
   const std::string text = drawn();
   EXPECT_THAT(text, HasSubstr(", no gyro"));
   EXPECT_THAT(text, Not(HasSubstr("no camera")));
-  EXPECT_THAT(text, HasSubstr("gyro           -  error       -"));
-  EXPECT_THAT(text, HasSubstr("fusion         -  error       -"));
+  EXPECT_THAT(text, HasSubstr("gyro              -  error       -"));
+  EXPECT_THAT(text, HasSubstr("cnn-fusion        -  error       -"));
   EXPECT_THAT(text, HasSubstr("Kg -"));
 }
 
@@ -113,9 +120,9 @@ TEST_F(LiveTui, ASessionsNamesDoNotSteerTheTerminal) {
   for (const char* part : {"\x1b[2J", "\x1b]", "\x07", "\xc2\x9b"}) EXPECT_THAT(text, Not(HasSubstr(part)));
 }
 
-TEST_F(LiveTui, SaysWhyAFrameIsApart) {
+TEST_F(LiveTui, SaysWhyAFrameIsExcluded) {
   row_.counted = false;
-  EXPECT_THAT(drawn(), HasSubstr("  apart: ")) << "its window begins in another run";
+  EXPECT_THAT(drawn(), HasSubstr("  excluded: ")) << "its window begins in another run";
 }
 
 TEST_F(LiveTui, DrawsOverThePictureBefore) {

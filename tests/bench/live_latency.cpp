@@ -15,7 +15,7 @@
 
 #include "fast_rig.h"
 #include "thermorig/core/quantile.h"
-#include "thermorig/live/live_estimator.h"
+#include "thermorig/live/live_estimates.h"
 #include "thermorig/live/scores.h"
 #include "thermorig/pipeline/replay.h"
 #include "thermorig/wire/servo_messages.h"
@@ -64,7 +64,7 @@ class LiveChain {
 
  private:
   pipeline::Pipeline pipeline_;
-  live::LiveEstimator estimator_;
+  live::LiveEstimates estimator_;
   live::Scorer scorer_;
   live::LiveScores scores_;
   std::size_t frames_ = 0, gyro_ = 0;

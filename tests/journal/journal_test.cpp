@@ -16,6 +16,9 @@
 #include <limits>
 #include <random>
 
+#include "../../src/journal/payload.h"
+#include "../../src/journal/record.h"
+#include "../support/paper_estimates.h"
 #include "../support/same_row.h"
 #include "thermorig/core/error.h"
 
@@ -369,27 +372,35 @@ TEST_F(Journal, OtherFilesAreNotJournals) {
   EXPECT_TRUE(is_journal(path()));
 }
 
-LiveEstimate some_estimate(std::uint32_t index) {
+EstimateRow some_estimate(std::uint32_t index) {
   const float unknown = std::bit_cast<float>(0x7FC01234U);  // a NaN with bits of its own
-  return {.frame_index = index,
-          .time = host_time_ns(1'000'000'001),
-          .exposure_begin = host_time_ns(-2),
-          .exposure_end = host_time_ns(3),
-          .arrival = host_time_ns(4'000'000'000'000),
-          .rate_commanded_dps = -40.1F,
-          .rate_gyro_dps = unknown,
-          .rate_thermal_dps = -0.0F,
-          .rate_fusion_dps = 1e-42F,
-          .gain = 0.25F,
-          .reason_bits = 0x1F0F1U,
-          .run = 4'000'000'000U,
-          .leg = 65535,
-          .counted = index % 2 == 1};
+  EstimateRow row{.frame_index = index,
+                  .time = host_time_ns(1'000'000'001),
+                  .exposure_begin = host_time_ns(-2),
+                  .exposure_end = host_time_ns(3),
+                  .arrival = host_time_ns(4'000'000'000'000),
+                  .rate_commanded_dps = -40.1F,
+                  .reason_bits = 0x1F0F1U,
+                  .run = 4'000'000'000U,
+                  .leg = 65535,
+                  .counted = index % 2 == 1};
+  RateEstimate& fusion = row.estimates[of_fusion];
+  fusion = {1e-42F, 0.5F, -1e300, 3.0F, EstimateState::starting, EstimateReason::no_rest, {0.25F}};
+  fusion.values[3] = unknown;
+  row.estimates[of_gyro].rate_dps = unknown;
+  row.estimates[of_thermal] = rate_only(-0.0F);
+  return row;
+}
+
+RecordingHeader live_header() {
+  RecordingHeader header = some_header();
+  header.estimators = paper_columns;
+  return header;
 }
 
 TEST_F(Journal, GivesBackTheRowsOfALiveRunBitForBit) {
-  JournalWriter writer(path(), some_header(), 0);
-  std::vector<LiveEstimate> rows;
+  JournalWriter writer(path(), live_header(), 0);
+  std::vector<EstimateRow> rows;
   for (const std::uint32_t index : {0U, 1U, 5U, 4'294'967'295U}) {
     rows.push_back(some_estimate(index));
     writer.estimate(rows.back());
@@ -397,13 +408,100 @@ TEST_F(Journal, GivesBackTheRowsOfALiveRunBitForBit) {
   writer.close(host_time_ns(9));
   const auto contents = read_journal(path());
   EXPECT_TRUE(contents.recording.complete);
+  EXPECT_EQ(contents.recording.header.estimators, paper_columns);
   EXPECT_TRUE(live::same_rows(contents.recording.estimates, rows));
+}
+
+/// The bytes of a journal with that header alone, and one record behind it.
+Bytes with_record(const Bytes& journal, RecordType type, const Bytes& payload) {
+  FrontBytes first;
+  std::copy_n(journal.begin(), front_bytes, first.begin());
+  const auto header = decode_front(first);
+  const std::size_t end = front_bytes + header->length;
+  Bytes bytes(journal.begin(), journal.begin() + static_cast<std::ptrdiff_t>(end));
+  const RecordFront front{.type = type,
+                          .journal_id = header->journal_id,
+                          .sequence = 1,
+                          .length = static_cast<std::uint32_t>(payload.size())};
+  const std::span<const std::uint8_t> part(payload);
+  const FrontBytes encoded = encode_front(front, {&part, 1});
+  bytes.insert(bytes.end(), encoded.begin(), encoded.end());
+  bytes.insert(bytes.end(), payload.begin(), payload.end());
+  return bytes;
+}
+
+TEST_F(Journal, EndsAtARowOfOtherEstimatorsThanTheHeaderNames) {
+  JournalWriter(path(), live_header(), 0).close(host_time_ns(9));
+  const Bytes journal = read_file(path());
+  for (const std::size_t count : {2U, 3U, 4U}) {
+    const Bytes bytes =
+        with_record(journal, RecordType::estimates, encode_estimates(some_estimate(3), count));
+    const auto contents = read_journal(write_file(bytes));
+    EXPECT_EQ(contents.recording.estimates.size(), count == 3 ? 1U : 0U);
+    EXPECT_EQ(contents.bytes_ignored > 0, count != 3);
+  }
+}
+
+TEST_F(Journal, EndsAtARowWithAStateOrAReasonThatThereIsNot) {
+  JournalWriter(path(), live_header(), 0).close(host_time_ns(9));
+  const Bytes journal = read_file(path());
+  for (const std::size_t place : {51U + 20U, 51U + 21U}) {
+    Bytes payload = encode_estimates(some_estimate(3), 3);
+    payload[place] = 77;
+    const auto contents = read_journal(write_file(with_record(journal, RecordType::estimates, payload)));
+    EXPECT_TRUE(contents.recording.estimates.empty());
+    EXPECT_GT(contents.bytes_ignored, 0U);
+  }
+}
+
+/// A row as it was written before format 2 of sessions.
+Bytes row_before_format_2() {
+  Bytes payload(67);
+  const auto put = [&](std::size_t at, auto value) {
+    for (std::size_t i = 0; i < sizeof value; ++i)
+      payload[at + i] = static_cast<std::uint8_t>(static_cast<std::uint64_t>(value) >> (8 * i));
+  };
+  put(0, std::uint32_t{12});
+  for (const std::size_t at : {4U, 12U, 20U, 28U}) put(at, std::uint64_t{1'000'000'000} + at);
+  put(36, std::bit_cast<std::uint32_t>(-40.0F));
+  put(40, std::bit_cast<std::uint32_t>(-39.0F));
+  put(44, std::bit_cast<std::uint32_t>(-42.0F));
+  put(48, std::bit_cast<std::uint32_t>(-41.0F));
+  put(52, std::bit_cast<std::uint32_t>(0.75F));
+  put(56, std::uint32_t{0x10});
+  put(60, std::uint32_t{7});
+  put(64, std::uint16_t{9});
+  payload[66] = 1;
+  return payload;
+}
+
+TEST_F(Journal, ReadsTheRowsOfRecordingsOfBeforeFormat2) {
+  RecordingHeader header = some_header();
+  header.live_model = {
+      .name = "best.onnx", .hash = std::string(64, 'a'), .frames = 3, .reduction = 1, .fusion = true};
+  JournalWriter(path(), header, 0).close(host_time_ns(9));
+  const fs::path old =
+      write_file(with_record(read_file(path()), RecordType::estimate, row_before_format_2()));
+  const RawRecording recording = read_journal(old).recording;
+  EXPECT_EQ(recording.header.estimators, paper_columns);
+  const EstimateRow expected = with_rates({.frame_index = 12,
+                                           .time = host_time_ns(1'000'000'004),
+                                           .exposure_begin = host_time_ns(1'000'000'012),
+                                           .exposure_end = host_time_ns(1'000'000'020),
+                                           .arrival = host_time_ns(1'000'000'028),
+                                           .rate_commanded_dps = -40.0F,
+                                           .reason_bits = 0x10,
+                                           .run = 7,
+                                           .leg = 9,
+                                           .counted = true},
+                                          -39.0F, -42.0F, -41.0F, 0.75F);
+  EXPECT_TRUE(live::same_rows(recording.estimates, {expected}));
 }
 
 TEST_F(Journal, ARowOutOfItsOrderEndsTheReading) {
   for (const std::uint32_t second : {3U, 2U}) {
     const fs::path file = path(second == 3U ? "twice.journal" : "back.journal");
-    JournalWriter writer(file, some_header(), 0);
+    JournalWriter writer(file, live_header(), 0);
     writer.estimate(some_estimate(3));
     writer.estimate(some_estimate(second));
     writer.close(host_time_ns(9));
@@ -430,7 +528,7 @@ TEST_F(Journal, ATimeThatNoRecorderCanHaveWrittenEndsTheReading) {
         w.leg({1, 0, 7.5, host_time_ns(15), time, 57, true});
       },
       [](JournalWriter& w, HostTime time) {
-        LiveEstimate row = some_estimate(4);
+        EstimateRow row = some_estimate(4);
         row.arrival = time;
         w.estimate(row);
       },

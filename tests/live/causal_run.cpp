@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "causal_run.h"
 
-#include "thermorig/live/live_estimator.h"
+#include "thermorig/live/live_estimates.h"
 #include "thermorig/pipeline/pipeline.h"
 #include "thermorig/windows/soundness.h"
 
@@ -45,10 +45,18 @@ std::vector<CausalMeasurement> measurements_of(const pipeline::VirtualSweep& swe
   return measurements;
 }
 
-std::vector<LiveEstimate> rows_of(const std::vector<CausalMeasurement>& measurements,
-                                  const std::optional<model::Model>& model) {
-  LiveEstimator estimator(model);
-  std::vector<LiveEstimate> rows;
+estimators::Bank paper_bank(const std::optional<model::Model>& model, network::Precision precision) {
+  const std::vector<EstimatorColumn> columns =
+      columns_before_format_2({.name = model ? "model" : "", .fusion = model && model->weights.shape.fusion});
+  std::vector<std::string> names;
+  for (const EstimatorColumn& column : columns) names.push_back(column.name);
+  return {names, model, GyroProfile(), precision};
+}
+
+std::vector<EstimateRow> rows_of(const std::vector<CausalMeasurement>& measurements,
+                                 const std::optional<model::Model>& model) {
+  LiveEstimates estimator(paper_bank(model));
+  std::vector<EstimateRow> rows;
   for (const auto& [measurement, arrived] : measurements) rows.push_back(estimator.add(measurement, arrived));
   return rows;
 }

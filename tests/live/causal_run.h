@@ -6,8 +6,9 @@
 #include <vector>
 
 #include "../pipeline/virtual_sweep.h"
-#include "thermorig/core/live_estimate.h"
+#include "thermorig/core/estimate_row.h"
 #include "thermorig/core/measurement.h"
+#include "thermorig/estimators/table.h"
 #include "thermorig/model/model.h"
 #include "thermorig/windows/acquisition.h"
 
@@ -28,8 +29,12 @@ RawRecording recording_of(const pipeline::VirtualSweep& sweep);
 /// What a live run of it sees, fed chunk by chunk as a recorder does it: not by way of a replay.
 std::vector<CausalMeasurement> measurements_of(const pipeline::VirtualSweep& sweep);
 
-std::vector<LiveEstimate> rows_of(const std::vector<CausalMeasurement>& measurements,
-                                  const std::optional<model::Model>& model);
+/// The estimators of the paper: those of them that the model lets run.
+estimators::Bank paper_bank(const std::optional<model::Model>& model,
+                            network::Precision precision = network::Precision::fp32);
+
+std::vector<EstimateRow> rows_of(const std::vector<CausalMeasurement>& measurements,
+                                 const std::optional<model::Model>& model);
 
 /// What training would make of them.
 windows::Acquisition acquisition_of(const std::vector<CausalMeasurement>& measurements);

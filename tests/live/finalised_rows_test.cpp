@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 
+#include "../support/paper_estimates.h"
 #include "../support/same_row.h"
 
 namespace thermorig::live {
@@ -30,30 +31,25 @@ windows::Acquisition finished() {
   return acquisition;
 }
 
-LiveEstimate row(std::uint32_t frame, float label_dps = 100.0F) {
-  return {.frame_index = frame,
-          .time = time_of(frame),
-          .rate_commanded_dps = label_dps,
-          .rate_gyro_dps = 7.0F,
-          .rate_thermal_dps = 8.0F,
-          .rate_fusion_dps = 9.0F,
-          .gain = 0.5F,
-          .counted = true};
+EstimateRow row(std::uint32_t frame, float label_dps = 100.0F) {
+  return with_rates(
+      {.frame_index = frame, .time = time_of(frame), .rate_commanded_dps = label_dps, .counted = true}, 7.0F,
+      8.0F, 9.0F, 0.5F);
 }
 
-TEST(FinalisedRows, HaveTheWindowsMeansOfTheFinishedSession) {
-  const std::vector<LiveEstimate> rows{row(5)};
+TEST(FinalisedRows, HaveTheLabelsOfTheFinishedSessionAndWhatWasSaidThen) {
+  const std::vector<EstimateRow> rows{row(5)};
   const FinalisedRows finalised = finalised_rows(rows, finished(), 3, period_s);
   ASSERT_EQ(finalised.rows.size(), 1U);
   EXPECT_EQ(finalised.rows[0].rate_commanded_dps, 104.0F);
-  EXPECT_EQ(finalised.rows[0].rate_gyro_dps, 204.0F);
-  EXPECT_EQ(finalised.rows[0].rate_thermal_dps, 8.0F);
-  EXPECT_EQ(finalised.rows[0].rate_fusion_dps, 9.0F);
+  EXPECT_EQ(gyro_dps(finalised.rows[0]), 7.0F);
+  EXPECT_EQ(thermal_dps(finalised.rows[0]), 8.0F);
+  EXPECT_EQ(fusion_dps(finalised.rows[0]), 9.0F);
   EXPECT_TRUE(finalised.rows[0].counted);
 }
 
 TEST(FinalisedRows, TellHowFarTheLabelsWere) {
-  const std::vector<LiveEstimate> rows{row(5, 103.0F), row(6, 108.0F)};  // finalised: 104 and 105
+  const std::vector<EstimateRow> rows{row(5, 103.0F), row(6, 108.0F)};  // finalised: 104 and 105
   const FinalisedRows finalised = finalised_rows(rows, finished(), 3, period_s);
   EXPECT_EQ(finalised.compared, 2U);
   EXPECT_DOUBLE_EQ(finalised.label_difference_mean_dps, -1.0);
@@ -61,7 +57,7 @@ TEST(FinalisedRows, TellHowFarTheLabelsWere) {
 }
 
 TEST(FinalisedRows, CountWhereTheLiveRunCounted) {
-  std::vector<LiveEstimate> rows{row(4), row(5), row(6)};
+  std::vector<EstimateRow> rows{row(4), row(5), row(6)};
   rows[1].counted = false;
   const FinalisedRows finalised = finalised_rows(rows, finished(), 3, period_s);
   EXPECT_TRUE(finalised.rows[0].counted);  // although the finished session has no window there
@@ -72,26 +68,25 @@ TEST(FinalisedRows, CountWhereTheLiveRunCounted) {
 }
 
 TEST(FinalisedRows, KnowNothingOfFramesThatTheSessionHasNot) {
-  const std::vector<LiveEstimate> rows{row(1), row(10), row(4'294'967'295U), row(5, unknown)};
+  const std::vector<EstimateRow> rows{row(1), row(10), row(4'294'967'295U), row(5, unknown)};
   const FinalisedRows finalised = finalised_rows(rows, finished(), 3, period_s);
   EXPECT_EQ(finalised.compared, 0U);
   EXPECT_TRUE(std::isnan(finalised.label_difference_mean_dps));
   EXPECT_TRUE(std::isnan(finalised.label_difference_max_dps));
-  for (const LiveEstimate& each : finalised.rows) EXPECT_FALSE(each.counted);
+  for (const EstimateRow& each : finalised.rows) EXPECT_FALSE(each.counted);
 }
 
 TEST(FinalisedRows, AreNotJoinedToFramesOfACameraThatCameBack) {
-  std::vector<LiveEstimate> rows{row(5), row(6), row(7), row(8)};
+  std::vector<EstimateRow> rows{row(5), row(6), row(7), row(8)};
   rows[1].time += from_s(0.49 * period_s);  // what a running recorder knows
   rows[2].time += from_s(0.51 * period_s);
   rows[3].time -= from_s(10.0);  // stood in for a frame that never came
   const FinalisedRows finalised = finalised_rows(rows, finished(), 3, period_s);
   EXPECT_EQ(finalised.compared, 2U);
   EXPECT_EQ(finalised.counted_in_both, 2U);
-  EXPECT_EQ(finalised.rows[1].rate_gyro_dps, 205.0F);
+  EXPECT_EQ(finalised.rows[1].rate_commanded_dps, 105.0F);
   for (const std::size_t i : {2U, 3U}) {
     EXPECT_TRUE(std::isnan(finalised.rows[i].rate_commanded_dps));
-    EXPECT_TRUE(std::isnan(finalised.rows[i].rate_gyro_dps));
     EXPECT_FALSE(finalised.rows[i].counted);
   }
 }

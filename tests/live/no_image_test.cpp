@@ -4,13 +4,13 @@
 #include <cmath>
 #include <limits>
 
-#include "thermorig/live/live_estimator.h"
+#include "thermorig/live/live_estimates.h"
 
 namespace thermorig::live {
 namespace {
 
-TEST(LiveEstimator, ComparesGyroAndServoWhereThereIsNoImage) {
-  LiveEstimator estimator{std::nullopt};
+TEST(LiveEstimates, ComparesGyroAndServoWhereThereIsNoImage) {
+  LiveEstimates estimator(estimators::Bank({}, std::nullopt, GyroProfile()));
   Measurement measurement;
   TimedFrame& frame = measurement.frame;
   frame.stands_in = true;

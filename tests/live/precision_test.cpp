@@ -4,8 +4,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "../support/paper_estimates.h"
 #include "causal_run.h"
-#include "thermorig/live/live_estimator.h"
+#include "thermorig/live/live_estimates.h"
 #include "thermorig/model/model.h"
 
 namespace thermorig::live {
@@ -13,17 +14,18 @@ namespace {
 
 TEST(HalfPrecision, StaysWithinATenthOfADegreeASecond) {
   const auto model = std::optional(model::read_model(THERMORIG_SOURCE_DIR "/docs/models/best.onnx"));
-  LiveEstimator full(model), half(model, network::Precision::fp16_weights);
+  LiveEstimates full(paper_bank(model)), half(paper_bank(model, network::Precision::fp16_weights));
   double furthest_dps = 0.0;
   int compared = 0, different = 0;
   for (const auto& [measurement, arrived] : measurements_of(two_legs())) {
-    const LiveEstimate one = full.add(measurement, arrived);
-    const LiveEstimate other = half.add(measurement, arrived);
-    EXPECT_EQ(std::isfinite(one.rate_fusion_dps), std::isfinite(other.rate_fusion_dps));
+    const EstimateRow one = full.add(measurement, arrived);
+    const EstimateRow other = half.add(measurement, arrived);
+    EXPECT_EQ(std::isfinite(fusion_dps(one)), std::isfinite(fusion_dps(other)));
     if (!one.counted) continue;
-    for (const auto rate : {&LiveEstimate::rate_thermal_dps, &LiveEstimate::rate_fusion_dps})
-      furthest_dps = std::max(furthest_dps, std::abs(double{one.*rate} - double{other.*rate}));
-    different += one.rate_fusion_dps != other.rate_fusion_dps ? 1 : 0;
+    for (const PaperEstimator of : {of_thermal, of_fusion})
+      furthest_dps = std::max(
+          furthest_dps, std::abs(double{one.estimates[of].rate_dps} - double{other.estimates[of].rate_dps}));
+    different += fusion_dps(one) != fusion_dps(other) ? 1 : 0;
     ++compared;
   }
   RecordProperty("furthest_dps", std::to_string(furthest_dps));

@@ -3,16 +3,16 @@
 
 #include "../support/same_row.h"
 #include "causal_run.h"
-#include "thermorig/live/live_estimator.h"
+#include "thermorig/live/live_estimates.h"
 #include "thermorig/pipeline/causal_replay.h"
 
 namespace thermorig::live {
 namespace {
 
-std::vector<LiveEstimate> replayed(const RawRecording& raw, const std::optional<model::Model>& model) {
+std::vector<EstimateRow> replayed(const RawRecording& raw, const std::optional<model::Model>& model) {
   pipeline::CausalReplay replay(raw);
-  LiveEstimator estimator(model);
-  std::vector<LiveEstimate> rows;
+  LiveEstimates estimator(paper_bank(model));
+  std::vector<EstimateRow> rows;
   while (const auto moment = replay.next())
     for (const Measurement& measurement : moment->measurements)
       rows.push_back(estimator.add(measurement, moment->time));

@@ -6,6 +6,7 @@
 #include <cstring>
 #include <limits>
 
+#include "../support/paper_estimates.h"
 #include "causal_run.h"
 #include "thermorig/live/scores.h"
 
@@ -16,42 +17,39 @@ constexpr float unknown = std::numeric_limits<float>::quiet_NaN();
 constexpr double frame_s = 0.125;
 
 /// Frame `index` of one run: commanded 100 deg/s, and how far each estimate is off.
-LiveEstimate row(std::uint32_t index, float thermal_off = 20.0F, float gyro_off = -2.0F,
-                 float fusion_off = 4.0F) {
-  return {.frame_index = index,
-          .time = HostTime(from_s(100.0 + index * frame_s)),
-          .rate_commanded_dps = 100.0F,
-          .rate_gyro_dps = 100.0F + gyro_off,
-          .rate_thermal_dps = 100.0F + thermal_off,
-          .rate_fusion_dps = 100.0F + fusion_off,
-          .gain = 0.25F,
-          .run = 1,
-          .leg = 1,
-          .counted = true};
+EstimateRow row(std::uint32_t index, float thermal_off = 20.0F, float gyro_off = -2.0F,
+                float fusion_off = 4.0F) {
+  return with_rates({.frame_index = index,
+                     .time = HostTime(from_s(100.0 + index * frame_s)),
+                     .rate_commanded_dps = 100.0F,
+                     .run = 1,
+                     .leg = 1,
+                     .counted = true},
+                    100.0F + gyro_off, 100.0F + thermal_off, 100.0F + fusion_off, 0.25F);
 }
 
-const RateScores& of(const LiveScores& scores, Rate rate) {
-  return scores.rates[static_cast<std::size_t>(rate)];
+const EstimatorScores& of(const LiveScores& scores, PaperEstimator estimator) {
+  return scores.estimators[estimator];
 }
 
-LiveScores scores_of(const std::vector<LiveEstimate>& rows, double scale_dps = 200.0) {
-  Scorer scorer(scale_dps);
-  for (const LiveEstimate& each : rows) scorer.add(each);
+LiveScores scores_of(const std::vector<EstimateRow>& rows, double scale_dps = 200.0) {
+  Scorer scorer(paper_columns, scale_dps);
+  for (const EstimateRow& each : rows) scorer.add(each);
   return scorer.scores();
 }
 
-std::vector<LiveEstimate> rows_of_a_run(std::uint32_t count) {
-  std::vector<LiveEstimate> rows;
+std::vector<EstimateRow> rows_of_a_run(std::uint32_t count) {
+  std::vector<EstimateRow> rows;
   for (std::uint32_t i = 0; i < count; ++i) rows.push_back(row(i));
   return rows;
 }
 
 TEST(Scorer, KnowsNothingBeforeTheFirstFrame) {
-  const LiveScores scores = Scorer().scores();
+  const LiveScores scores = Scorer(paper_columns).scores();
   EXPECT_EQ(scores.frames, 0U);
   EXPECT_TRUE(std::isnan(scores.gain_mean));
   EXPECT_FALSE(scores.gate_collapsed);
-  for (const RateScores& rate : scores.rates) {
+  for (const EstimatorScores& rate : scores.estimators) {
     EXPECT_EQ(rate.frames, 0U);
     for (const double figure : {rate.mse, rate.rmse_dps, rate.recent_median_mse, rate.recent_iqr_mse,
                                 rate.angle_error_deg, rate.drift_deg_per_min})
@@ -61,45 +59,45 @@ TEST(Scorer, KnowsNothingBeforeTheFirstFrame) {
 
 TEST(Scorer, MeansSquaredErrorsOverTheWholeRun) {
   const LiveScores scores = scores_of({row(0, 20.0F), row(1, 40.0F)});
-  const RateScores& thermal = of(scores, Rate::thermal);
+  const EstimatorScores& thermal = of(scores, of_thermal);
   EXPECT_EQ(thermal.frames, 2U);
   EXPECT_DOUBLE_EQ(thermal.rmse_dps, std::sqrt(1000.0));
   EXPECT_DOUBLE_EQ(thermal.mse, 1000.0 / 40'000.0);
-  EXPECT_DOUBLE_EQ(of(scores, Rate::gyro).mse, 4.0 / 40'000.0);
-  EXPECT_DOUBLE_EQ(of(scores_of({row(0)}, 100.0), Rate::fusion).mse, 16.0 / 10'000.0);
+  EXPECT_DOUBLE_EQ(of(scores, of_gyro).mse, 4.0 / 40'000.0);
+  EXPECT_DOUBLE_EQ(of(scores_of({row(0)}, 100.0), of_fusion).mse, 16.0 / 10'000.0);
 }
 
 TEST(Scorer, CountsFramesApartThatAreNotCounted) {
   auto rows = rows_of_a_run(3);
   rows[1] = row(1, 1000.0F, 1000.0F, 1000.0F);
   rows[1].counted = false;
-  rows[1].gain = 0.99F;
+  kg(rows[1]) = 0.99F;
   const LiveScores scores = scores_of(rows);
   EXPECT_EQ(scores.frames, 3U);
   EXPECT_EQ(scores.counted, 2U);
-  EXPECT_EQ(scores.apart, 1U);
-  EXPECT_EQ(of(scores, Rate::thermal).frames, 2U);
-  EXPECT_DOUBLE_EQ(of(scores, Rate::thermal).rmse_dps, 20.0);
+  EXPECT_EQ(scores.excluded, 1U);
+  EXPECT_EQ(of(scores, of_thermal).frames, 2U);
+  EXPECT_DOUBLE_EQ(of(scores, of_thermal).rmse_dps, 20.0);
   EXPECT_EQ(scores.gain_histogram[19], 0U);
 }
 
 TEST(Scorer, LeavesOutAnEstimatorThatSaysNothing) {
   auto rows = rows_of_a_run(20);
-  for (LiveEstimate& each : rows) each.rate_fusion_dps = each.gain = unknown;
+  for (EstimateRow& each : rows) fusion_dps(each) = kg(each) = unknown;
   const LiveScores scores = scores_of(rows);
-  EXPECT_EQ(of(scores, Rate::fusion).frames, 0U);
-  EXPECT_TRUE(std::isnan(of(scores, Rate::fusion).mse));
-  EXPECT_TRUE(std::isnan(of(scores, Rate::fusion).angle_error_deg));
+  EXPECT_EQ(of(scores, of_fusion).frames, 0U);
+  EXPECT_TRUE(std::isnan(of(scores, of_fusion).mse));
+  EXPECT_TRUE(std::isnan(of(scores, of_fusion).angle_error_deg));
   EXPECT_TRUE(std::isnan(scores.gain_mean));
-  EXPECT_EQ(of(scores, Rate::gyro).frames, 20U);
+  EXPECT_EQ(of(scores, of_gyro).frames, 20U);
 }
 
 TEST(Scorer, TellsMedianAndSpreadOfTheLastMinuteAlone) {
-  std::vector<LiveEstimate> rows;
+  std::vector<EstimateRow> rows;
   for (std::uint32_t i = 0; i < 1000; ++i)
     rows.push_back(row(i, i < 400 ? 500.0F : static_cast<float>(i % 3) * 10));
   const LiveScores scores = scores_of(rows);  // the last 60 s: rows 520 to 999
-  const RateScores& thermal = of(scores, Rate::thermal);
+  const EstimatorScores& thermal = of(scores, of_thermal);
   EXPECT_EQ(thermal.frames, 1000U);
   EXPECT_EQ(thermal.recent, 480U);
   EXPECT_DOUBLE_EQ(thermal.recent_median_mse, 100.0 / 40'000.0);  // a third each of 0, 100 and 400
@@ -108,8 +106,8 @@ TEST(Scorer, TellsMedianAndSpreadOfTheLastMinuteAlone) {
 
 TEST(Scorer, InterpolatesMedianAndSpread) {
   const LiveScores scores = scores_of({row(0, 1.0F), row(1, 2.0F), row(2, 3.0F), row(3, 4.0F)}, 1.0);
-  EXPECT_DOUBLE_EQ(of(scores, Rate::thermal).recent_median_mse, 6.5);  // of 1, 4, 9, 16
-  EXPECT_DOUBLE_EQ(of(scores, Rate::thermal).recent_iqr_mse, 10.75 - 3.25);
+  EXPECT_DOUBLE_EQ(of(scores, of_thermal).recent_median_mse, 6.5);  // of 1, 4, 9, 16
+  EXPECT_DOUBLE_EQ(of(scores, of_thermal).recent_iqr_mse, 10.75 - 3.25);
 }
 
 TEST(Scorer, ForgetsTheMinuteAlsoWhileNothingIsCounted) {
@@ -117,22 +115,22 @@ TEST(Scorer, ForgetsTheMinuteAlsoWhileNothingIsCounted) {
   rows.push_back(row(600));
   rows.back().counted = false;
   const LiveScores scores = scores_of(rows);
-  EXPECT_EQ(of(scores, Rate::gyro).recent, 0U);
-  EXPECT_TRUE(std::isnan(of(scores, Rate::gyro).recent_median_mse));
-  EXPECT_EQ(of(scores, Rate::gyro).frames, 8U);
+  EXPECT_EQ(of(scores, of_gyro).recent, 0U);
+  EXPECT_TRUE(std::isnan(of(scores, of_gyro).recent_median_mse));
+  EXPECT_EQ(of(scores, of_gyro).frames, 8U);
 }
 
 TEST(Scorer, IntegratesAnglesOverTheTimeSinceTheFrameBefore) {
   const LiveScores scores = scores_of(rows_of_a_run(17));
   EXPECT_NEAR(scores.integrated_s, 2.0, 1e-9);
-  EXPECT_NEAR(of(scores, Rate::thermal).angle_error_deg, 40.0, 1e-6);
-  EXPECT_NEAR(of(scores, Rate::gyro).angle_error_deg, -4.0, 1e-6);
-  EXPECT_NEAR(of(scores, Rate::gyro).drift_deg_per_min, -120.0, 1e-6);
+  EXPECT_NEAR(of(scores, of_thermal).angle_error_deg, 40.0, 1e-6);
+  EXPECT_NEAR(of(scores, of_gyro).angle_error_deg, -4.0, 1e-6);
+  EXPECT_NEAR(of(scores, of_gyro).drift_deg_per_min, -120.0, 1e-6);
 }
 
 TEST(Scorer, TellsNoDriftBeforeTheFirstSecond) {
-  EXPECT_TRUE(std::isnan(of(scores_of(rows_of_a_run(8)), Rate::gyro).drift_deg_per_min));
-  EXPECT_FALSE(std::isnan(of(scores_of(rows_of_a_run(10)), Rate::gyro).drift_deg_per_min));
+  EXPECT_TRUE(std::isnan(of(scores_of(rows_of_a_run(8)), of_gyro).drift_deg_per_min));
+  EXPECT_FALSE(std::isnan(of(scores_of(rows_of_a_run(10)), of_gyro).drift_deg_per_min));
 }
 
 TEST(Scorer, IntegratesNothingAcrossAGapOrAnotherRun) {
@@ -147,23 +145,23 @@ TEST(Scorer, IntegratesNothingAcrossAGapOrAnotherRun) {
 }
 
 TEST(Scorer, BeginsItsAnglesAnewWhenAsked) {
-  Scorer scorer;
-  for (const LiveEstimate& each : rows_of_a_run(17)) scorer.add(each);
+  Scorer scorer(paper_columns);
+  for (const EstimateRow& each : rows_of_a_run(17)) scorer.add(each);
   scorer.reset_angle();
   EXPECT_EQ(scorer.scores().integrated_s, 0.0);
-  EXPECT_EQ(of(scorer.scores(), Rate::thermal).angle_error_deg, 0.0);
-  EXPECT_TRUE(std::isnan(of(scorer.scores(), Rate::thermal).drift_deg_per_min));
-  EXPECT_EQ(of(scorer.scores(), Rate::thermal).frames, 17U);
+  EXPECT_EQ(of(scorer.scores(), of_thermal).angle_error_deg, 0.0);
+  EXPECT_TRUE(std::isnan(of(scorer.scores(), of_thermal).drift_deg_per_min));
+  EXPECT_EQ(of(scorer.scores(), of_thermal).frames, 17U);
   scorer.add(row(17));
-  EXPECT_NEAR(of(scorer.scores(), Rate::thermal).angle_error_deg, 2.5, 1e-6);
+  EXPECT_NEAR(of(scorer.scores(), of_thermal).angle_error_deg, 2.5, 1e-6);
 }
 
 TEST(Scorer, PutsGainsIntoBinsOfATwentieth) {
   auto rows = rows_of_a_run(4);
-  rows[0].gain = 0.0F;
-  rows[1].gain = 0.051F;
-  rows[2].gain = 1.0F;
-  rows[3].gain = 5.0F;  // no gain
+  kg(rows[0]) = 0.0F;
+  kg(rows[1]) = 0.051F;
+  kg(rows[2]) = 1.0F;
+  kg(rows[3]) = 5.0F;  // no gain
   const LiveScores scores = scores_of(rows);
   EXPECT_EQ(scores.gain_histogram[0], 1U);
   EXPECT_EQ(scores.gain_histogram[1], 1U);
@@ -174,21 +172,21 @@ TEST(Scorer, PutsGainsIntoBinsOfATwentieth) {
 TEST(Scorer, SeesAGateCollapseWhenItHasStayedOnOneSide) {
   for (const float gain : {0.01F, 0.99F}) {
     auto rows = rows_of_a_run(64);
-    for (LiveEstimate& each : rows) each.gain = gain;
+    for (EstimateRow& each : rows) kg(each) = gain;
     EXPECT_TRUE(scores_of(rows).gate_collapsed);
-    rows[40].gain = 0.5F;
+    kg(rows[40]) = 0.5F;
     EXPECT_FALSE(scores_of(rows).gate_collapsed);
-    rows[40].gain = 1.0F - gain;
+    kg(rows[40]) = 1.0F - gain;
     EXPECT_FALSE(scores_of(rows).gate_collapsed);
     rows.pop_back();
-    rows[40].gain = gain;
+    kg(rows[40]) = gain;
     EXPECT_FALSE(scores_of(rows).gate_collapsed);
   }
 }
 
 TEST(Scorer, TakesRowsOfAnyTimes) {
   const auto at = [](std::uint32_t index, std::int64_t ns) {
-    LiveEstimate each = row(index);
+    EstimateRow each = row(index);
     each.time = host_time_ns(ns);
     return each;
   };
@@ -200,20 +198,20 @@ TEST(Scorer, TakesRowsOfAnyTimes) {
 }
 
 TEST(Scorer, HoldsNoMoreAfterADayThanAfterAnHour) {
-  Scorer scorer;
+  Scorer scorer(paper_columns);
   std::uint32_t index = 0;
   const auto run_for = [&](double seconds) {
     for (; index * frame_s < seconds; ++index) scorer.add(row(index, static_cast<float>(index % 50)));
   };
   run_for(3600.0);
-  EXPECT_EQ(of(scorer.scores(), Rate::thermal).recent, 480U);
+  EXPECT_EQ(of(scorer.scores(), of_thermal).recent, 480U);
   run_for(86'400.0);
-  EXPECT_EQ(of(scorer.scores(), Rate::thermal).recent, 480U);
+  EXPECT_EQ(of(scorer.scores(), of_thermal).recent, 480U);
 }
 
 /// A figure that is NaN in both is the same.
-void expect_same(const RateScores& a, const RateScores& b) {
-  const auto figures = [](const RateScores& s) {
+void expect_same(const EstimatorScores& a, const EstimatorScores& b) {
+  const auto figures = [](const EstimatorScores& s) {
     return std::array{
         s.mse, s.rmse_dps, s.recent_median_mse, s.recent_iqr_mse, s.angle_error_deg, s.drift_deg_per_min};
   };
@@ -226,13 +224,14 @@ TEST(Scorer, GivesTheFiguresOfARunFromItsRows) {
   const auto measurements = measurements_of(two_legs());
   const auto rows =
       rows_of(measurements, model_for(acquisition_of(measurements), {.frames = 3, .reduction = 2}));
-  Scorer during(150.0);
-  for (const LiveEstimate& each : rows) {
+  Scorer during(paper_columns, 150.0);
+  for (const EstimateRow& each : rows) {
     during.add(each);
     during.scores();  // looking changes nothing
   }
   const LiveScores live = during.scores(), stored = scores_of(rows, 150.0);
-  for (std::size_t i = 0; i < rate_count; ++i) expect_same(live.rates[i], stored.rates[i]);
+  for (std::size_t i = 0; i < live.estimators.size(); ++i)
+    expect_same(live.estimators[i], stored.estimators[i]);
   EXPECT_EQ(live.gain_histogram, stored.gain_histogram);
   EXPECT_EQ(live.gain_mean, stored.gain_mean);
   EXPECT_GT(live.counted, 30U);

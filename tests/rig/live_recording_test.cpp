@@ -50,12 +50,12 @@ struct Watched {
     options.recording.observe = [this](const Measurement& measurement, HostTime arrived) {
       rows.push_back(told(measurement, arrived));
       const LabelledSample& sample = measurement.sample;
-      return std::optional(LiveEstimate{.frame_index = sample.frame_index,
-                                        .time = sample.time,
-                                        .exposure_begin = sample.exposure_begin,
-                                        .exposure_end = sample.exposure_end,
-                                        .arrival = arrived,
-                                        .rate_commanded_dps = sample.rate_commanded_dps});
+      return std::optional(EstimateRow{.frame_index = sample.frame_index,
+                                       .time = sample.time,
+                                       .exposure_begin = sample.exposure_begin,
+                                       .exposure_end = sample.exposure_end,
+                                       .arrival = arrived,
+                                       .rate_commanded_dps = sample.rate_commanded_dps});
     };
     options.progress = [this](const RecordingProgress& progress) {
       events.insert(events.end(), progress.events.begin(), progress.events.end());
@@ -224,7 +224,7 @@ TEST(LiveRecording, RowsAndFramesOfOneIndexAreApartInTimeWhereTheCameraCameBack)
   const RecordingResult result = record_virtual(bus, run.options);
   ASSERT_EQ(result.exit, ExitCode::finished_lossy) << result.message;
   const session::Session session = session::read_session(result.session);
-  const std::vector<LiveEstimate>& rows = session.raw.estimates;
+  const std::vector<EstimateRow>& rows = session.raw.estimates;
   std::size_t of_frames = 0, of_others = 0;
   for (std::size_t i = 0; i < rows.size() && i < session.samples.size(); ++i) {
     ASSERT_EQ(rows[i].frame_index, i);

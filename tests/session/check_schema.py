@@ -89,12 +89,20 @@ def check_estimates(file):
     if "estimates" not in file:
         return
     estimates = file["estimates"]
-    for name in ("frame", "rate_commanded", "rate_gyro", "rate_thermal", "rate_fusion", "gain", "counted", "reason_bits",
+    for name in ("frame", "rate_commanded", "counted", "reason_bits",
                  "leg", "run", "exposure_begin", "exposure_end", "arrival_ns"):
         if estimates[name].shape != estimates["time"].shape:
             yield f"estimates/{name} is not as long as time"
+    names = [name.decode() for name in estimates["estimator"][()]]
+    for name in ("rate", "rate_sigma", "angle", "angle_sigma", "state", "reason"):
+        if estimates[name].shape != (len(estimates["time"]), len(names)):
+            yield f"estimates/{name} is not a column an estimator"
+        if [len(axis) for axis in estimates[name].dims] != [1, 1] or estimates[name].dims[1][0] != estimates["estimator"]:
+            yield f"estimates/{name} does not name its estimators"
+    if [name.decode() for name in estimates["value_name"][()]] != ["cnn-fusion.gain"]:
+        yield "estimates/value_name is not what the estimators say besides"
     attributes = estimates.attrs
-    if (attributes["NX_class"], attributes["signal"], attributes["model"]) != ("NXdata", "rate_fusion", "best.onnx"):
+    if (attributes["NX_class"], attributes["signal"], attributes["model"]) != ("NXdata", "rate", "best.onnx"):
         yield "estimates is not marked for viewers, or does not name its model"
 
 

@@ -160,7 +160,8 @@ inline std::string difference(const RawRecording& a, const RawRecording& b) {
   if (!same(a.sent, b.sent)) names += "sent ";
   if (!same(a.events, b.events)) names += "events ";
   if (!same(a.legs, b.legs)) names += "legs ";
-  if (!live::same_rows(a.estimates, b.estimates)) names += "estimates ";
+  if (!live::same_rows(a.estimates, b.estimates) || a.header.estimators != b.header.estimators)
+    names += "estimates ";
   if (a.complete != b.complete || a.end_time != b.end_time) names += "end ";
   const auto &x = a.header, &y = b.header;
   if (x.uuid != y.uuid || x.environment != y.environment || x.title != y.title ||

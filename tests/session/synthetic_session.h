@@ -5,6 +5,7 @@
 #include <limits>
 #include <random>
 
+#include "../support/paper_estimates.h"
 #include "servo_link.h"
 #include "thermorig/session/session.h"
 #include "thermorig/wire/device_bytes.h"
@@ -212,24 +213,25 @@ inline Session synthetic_session(std::size_t frames, std::uint32_t seed = 1) {
 inline Session synthetic_live_session(std::size_t frames) {
   Session session = synthetic_session(frames);
   session.raw.header.live_model = {"best.onnx", std::string(64, 'a'), 3, 1, true, true, 200.0};
+  session.raw.header.estimators = paper_columns;
   for (std::size_t i = 0; i < session.samples.size(); i += 2) {
     const LabelledSample& sample = session.samples[i];
     const auto number = static_cast<float>(i);
-    LiveEstimate row{.frame_index = sample.frame_index,
-                     .time = sample.time + HostDuration(i),
-                     .exposure_begin = sample.exposure_begin,
-                     .exposure_end = sample.exposure_end,
-                     .arrival = sample.time + std::chrono::milliseconds(40),
-                     .rate_commanded_dps = sample.rate_commanded_dps,
-                     .rate_gyro_dps = 0.1F * number,
-                     .rate_thermal_dps = -0.0F,
-                     .rate_fusion_dps = 1.0F / (number + 3.0F),
-                     .gain = 0.001F * number,
-                     .reason_bits = sample.reason_bits,
-                     .run = sample.run,
-                     .leg = sample.leg,
-                     .counted = i % 4 == 0};
-    if (i % 6 == 0) row.rate_fusion_dps = row.gain = std::numeric_limits<float>::quiet_NaN();
+    EstimateRow row{.frame_index = sample.frame_index,
+                    .time = sample.time + HostDuration(i),
+                    .exposure_begin = sample.exposure_begin,
+                    .exposure_end = sample.exposure_end,
+                    .arrival = sample.time + std::chrono::milliseconds(40),
+                    .rate_commanded_dps = sample.rate_commanded_dps,
+                    .reason_bits = sample.reason_bits,
+                    .run = sample.run,
+                    .leg = sample.leg,
+                    .counted = i % 4 == 0};
+    row = with_rates(row, 0.1F * number, -0.0F, 1.0F / (number + 3.0F), 0.001F * number);
+    row.estimates[of_gyro].rate_sigma_dps = 0.5F + number;
+    row.estimates[of_gyro].angle_deg = 1e3 / (static_cast<double>(i) + 7.0);
+    row.estimates[of_thermal].angle_sigma_deg = 0.25F * number;
+    if (i % 6 == 0) row.estimates[of_fusion] = {.reason = EstimateReason::no_gyro};
     session.raw.estimates.push_back(row);
   }
   return session;

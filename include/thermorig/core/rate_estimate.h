@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <limits>
@@ -28,6 +29,13 @@ enum class EstimateReason : std::uint8_t {
 inline constexpr std::array<std::string_view, 5> estimate_reason_names{"none", "window_incomplete",
                                                                        "no_image", "no_gyro", "no_rest"};
 
+constexpr std::string_view name_of(EstimateState state) {
+  return estimate_state_names[static_cast<std::size_t>(state)];
+}
+constexpr std::string_view name_of(EstimateReason reason) {
+  return estimate_reason_names[static_cast<std::size_t>(reason)];
+}
+
 inline constexpr std::size_t most_estimate_values = 4;
 
 /// What an estimator says of the motion about the servo's axis when a frame has come. NaN: not known.
@@ -42,5 +50,13 @@ struct RateEstimate {
   EstimateReason reason = EstimateReason::none;
   std::array<float, most_estimate_values> values{not_known, not_known, not_known, not_known};  // by name
 };
+
+/// Of an estimator that stated nothing else: good where the rate is known.
+inline RateEstimate rate_only(float rate_dps) {
+  RateEstimate estimate;
+  estimate.rate_dps = rate_dps;
+  estimate.state = std::isfinite(rate_dps) ? EstimateState::good : EstimateState::absent;
+  return estimate;
+}
 
 }  // namespace thermorig

@@ -12,7 +12,7 @@
 
 #include "thermorig/core/chunk.h"
 #include "thermorig/core/device.h"
-#include "thermorig/core/live_estimate.h"
+#include "thermorig/core/estimate_row.h"
 #include "thermorig/core/profile.h"
 #include "thermorig/core/time.h"
 
@@ -40,8 +40,9 @@ struct RecordingHeader {
   std::string creator_git;
   std::string host_name;
   std::string kernel;
-  std::string firmware;  // what the servo answered to hello, empty if unknown
-  LiveModel live_model;  // without a name: no network ran
+  std::string firmware;                     // what the servo answered to hello, empty if unknown
+  LiveModel live_model;                     // without a name: no network ran
+  std::vector<EstimatorColumn> estimators;  // of a live run, at most most_estimators; else empty
 };
 
 enum class EventKind : std::uint8_t {
@@ -105,9 +106,9 @@ struct RawRecording {
   RawStream sent;  // host to servo
   std::vector<RecordingEvent> events;
   std::vector<LegRecord> legs;
-  std::vector<LiveEstimate> estimates;  // what a live run showed, frame indices ascending; else empty
-  bool complete = false;                // closed by the recorder, not cut short
-  HostTime end_time{};                  // of the last record
+  std::vector<EstimateRow> estimates;  // what a live run showed, frame indices ascending; else empty
+  bool complete = false;               // closed by the recorder, not cut short
+  HostTime end_time{};                 // of the last record
 };
 
 }  // namespace thermorig

@@ -32,7 +32,7 @@ class JournalWriter {
   void sent(std::span<const std::uint8_t> bytes, HostTime time);  // to the servo
   void event(const RecordingEvent& event);
   void leg(const LegRecord& leg);
-  void estimate(const LiveEstimate& row);  // of a live run; frame indices ascend from one to the next
+  void estimate(const EstimateRow& row);  // of the header's estimators; frame indices ascend
 
   /// fdatasync: what has been appended survives a loss of power. May be called from another thread, but not
   /// while or after close() runs.
@@ -53,6 +53,7 @@ class JournalWriter {
 
  private:
   struct File;
+  std::size_t estimators_;  // of the recording
   std::unique_ptr<File> file_;
 };
 

@@ -5,15 +5,15 @@
 #include <span>
 #include <vector>
 
-#include "thermorig/core/live_estimate.h"
+#include "thermorig/core/estimate_row.h"
 #include "thermorig/windows/acquisition.h"
 
 namespace thermorig::live {
 
 /// The rows of a live run with what the finished session knows better.
 struct FinalisedRows {
-  /// Label and gyro mean are the finalised ones; counted where the live run counted and both are known.
-  std::vector<LiveEstimate> rows;
+  /// The label is the finalised one; counted where the live run counted and it is known.
+  std::vector<EstimateRow> rows;
   std::uint64_t compared = 0;            // counted rows
   std::uint64_t windows = 0;             // of the finished session: what `evaluate` counts
   std::uint64_t counted_in_both = 0;     // of these the live run counted so many
@@ -24,7 +24,7 @@ struct FinalisedRows {
 /// Rows and frames are joined by the frame's index where their times are at most half a frame period apart:
 /// a row that stands in for a frame of a camera that was not there may have the index of one that came when
 /// it was back. `frames`: Nf, 1 without a network. `frame_period_s`: of the finished session.
-FinalisedRows finalised_rows(std::span<const LiveEstimate> rows, const windows::Acquisition& finished,
+FinalisedRows finalised_rows(std::span<const EstimateRow> rows, const windows::Acquisition& finished,
                              int frames, double frame_period_s);
 
 }  // namespace thermorig::live

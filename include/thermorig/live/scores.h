@@ -4,17 +4,22 @@
 #include <array>
 #include <cstdint>
 #include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
 
-#include "thermorig/core/live_estimate.h"
+#include "thermorig/core/estimate_row.h"
 
 namespace thermorig::live {
 
-enum class Rate : std::uint8_t { thermal, gyro, fusion };
-inline constexpr std::size_t rate_count = 3;
+/// Kg in a row, NaN where it is not known; nothing where no estimator has a value "gain".
+std::optional<float> gain_of(std::span<const EstimatorColumn> estimators, const EstimateRow& row);
 
 /// Of one estimator against the label. MSEs are normalised (divided by label_scale_dps squared); NaN without
 /// frames.
-struct RateScores {
+struct EstimatorScores {
+  std::string name;
   std::uint64_t frames = 0;        // counted, where this estimator said something
   double mse = 0.0;                // over the whole run
   double rmse_dps = 0.0;           // over the whole run
@@ -25,15 +30,15 @@ struct RateScores {
   double drift_deg_per_min = 0.0;  // angle_error_deg over the integrated time; NaN before the first second
 };
 
-/// The figures of the screen. Frames that are not `counted` are shown and counted apart, and enter no figure.
+/// The figures of the screen. Frames that are not `counted` are shown, and excluded from every figure.
 struct LiveScores {
   std::uint64_t frames = 0;  // all
   std::uint64_t counted = 0;
-  std::uint64_t apart = 0;    // not counted
-  double integrated_s = 0.0;  // since the last reset
-  std::array<RateScores, rate_count> rates;
+  std::uint64_t excluded = 0;                      // not counted
+  double integrated_s = 0.0;                       // since the last reset
+  std::vector<EstimatorScores> estimators;         // in the rows' order
   std::array<std::uint64_t, 20> gain_histogram{};  // Kg of the counted frames, bins of 0.05
-  double gain_mean = 0.0;                          // NaN without a fusion estimate
+  double gain_mean = 0.0;                          // NaN where no estimator has a gate
   /// Kg stays below 0.02, or above 0.98: in each of the last 64 counted frames that have one.
   bool gate_collapsed = false;
 };
@@ -44,12 +49,13 @@ struct LiveScores {
 /// the same figures to the last digit, on the screen and from a file.
 class Scorer {
  public:
-  explicit Scorer(double label_scale_dps = 200.0);
+  /// `estimators`: of the rows. The gate's figures are of the first that has a value "gain".
+  explicit Scorer(std::span<const EstimatorColumn> estimators, double label_scale_dps = 200.0);
   ~Scorer();
   Scorer(Scorer&&) noexcept;
   Scorer& operator=(Scorer&&) noexcept;
 
-  void add(const LiveEstimate& row);
+  void add(const EstimateRow& row);
   void reset_angle();
   LiveScores scores() const;
 

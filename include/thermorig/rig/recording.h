@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "thermorig/core/error.h"
-#include "thermorig/core/live_estimate.h"
+#include "thermorig/core/estimate_row.h"
 #include "thermorig/core/measurement.h"
 #include "thermorig/core/profile.h"
 #include "thermorig/core/raw_recording.h"
@@ -32,7 +32,7 @@ namespace thermorig::rig {
 
 /// Told of each measurement, in order; `arrived`: of the chunk that completed it. What it returns is kept
 /// with the recording.
-using Observer = std::function<std::optional<LiveEstimate>(const Measurement& measurement, HostTime arrived)>;
+using Observer = std::function<std::optional<EstimateRow>(const Measurement& measurement, HostTime arrived)>;
 
 /// What a recording is made of and where it goes.
 struct RecordingOptions {
@@ -59,6 +59,7 @@ struct RecordingOptions {
   std::function<void(const RecordingHeader&)> begun;  // once, before anything else; may be empty
   Observer observe;                                   // may be empty
   LiveModel live_model;                               // of the network that `observe` asks
+  std::vector<EstimatorColumn> estimators;            // of the rows that it returns
 };
 
 /// A device that went while it is needed: the recording waits for it.

@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: MIT
+#include "thermorig/live/live_estimates.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "thermorig/windows/last_blocks.h"
+#include "thermorig/windows/soundness.h"
+#include "thermorig/windows/window_index.h"
+
+namespace thermorig::live {
+
+namespace {
+
+EstimateRow row_of(const LabelledSample& sample, HostTime arrived) {
+  return {.frame_index = sample.frame_index,
+          .time = sample.time,
+          .exposure_begin = sample.exposure_begin,
+          .exposure_end = sample.exposure_end,
+          .arrival = arrived,
+          .reason_bits = sample.reason_bits,
+          .run = sample.valid ? sample.run : 0,
+          .leg = sample.leg};
+}
+
+bool gap_before(const TimedFrame& frame) {
+  return frame.resync_before || frame.missing_before > 0;
+}
+
+}  // namespace
+
+struct LiveEstimates::Parts {
+  explicit Parts(estimators::Bank given)
+      : bank(std::move(given)), rule(bank.frames()), labels(static_cast<std::size_t>(bank.frames()), 1) {}
+
+  estimators::Bank bank;
+  windows::WindowRule rule;
+  windows::LastBlocks labels;
+  int in_a_row = 0;  // sound images without a gap between them, up to the window's frames
+};
+
+LiveEstimates::LiveEstimates(estimators::Bank bank) : parts_(std::make_unique<Parts>(std::move(bank))) {}
+
+LiveEstimates::~LiveEstimates() = default;
+LiveEstimates::LiveEstimates(LiveEstimates&&) noexcept = default;
+LiveEstimates& LiveEstimates::operator=(LiveEstimates&&) noexcept = default;
+
+EstimateRow LiveEstimates::add(const Measurement& measurement, HostTime arrived) {
+  Parts& parts = *parts_;
+  const TimedFrame& frame = measurement.frame;
+  const LabelledSample& sample = measurement.sample;
+  const int frames = parts.bank.frames();
+  const bool sound_image = windows::is_sound_image(frame.frame.temp_c);
+  const bool sound = (sound_image || frame.stands_in) && windows::is_sound_rate(sample.rate_commanded_dps) &&
+                     windows::is_sound_rate(sample.rate_gyro_dps);
+  parts.in_a_row = !sound_image ? 0 : gap_before(frame) ? 1 : std::min(parts.in_a_row + 1, frames);
+  parts.labels.push(sample.rate_commanded_dps);
+  EstimateRow row = row_of(sample, arrived);
+  row.rate_commanded_dps = windows::mean_rate(parts.labels.all());
+  row.counted = parts.rule.push(sound ? row.run : 0) && (frame.stands_in || parts.in_a_row == frames);
+  std::ranges::copy(parts.bank.add(measurement), row.estimates.begin());
+  return row;
+}
+
+std::vector<EstimatorColumn> columns_of(const estimators::Bank& bank) {
+  std::vector<EstimatorColumn> columns;
+  for (const estimators::Entry* entry : bank.entries())
+    columns.push_back({std::string(entry->name), {entry->values.begin(), entry->values.end()}});
+  return columns;
+}
+
+}  // namespace thermorig::live
