@@ -10,7 +10,6 @@
 #include "profile_json.h"
 #include "thermorig/core/code_point.h"
 #include "thermorig/core/error.h"
-#include "whole_number.h"
 
 // Keys are the members' names: one list serves both directions. Keys that came after format 1.0.0 may be
 // absent: their members keep the defaults.

@@ -87,15 +87,6 @@ Problem problem_of_settings(const GyroProfile& gyro) {
   return std::nullopt;
 }
 
-void take_fields(const std::vector<ProfileField>& fields, ProfileSource& source, RigProfile& profile) {
-  for (const ProfileField& field : fields) {
-    const std::optional<FieldValue> value = source.find(field);
-    if (!value) continue;
-    if (const Problem problem = problem_of_value(field, *value)) source.refuse(*problem);
-    field.set(profile, *value);
-  }
-}
-
 }  // namespace
 
 std::string ProfileProblem::text() const {
@@ -111,11 +102,18 @@ std::optional<ProfileProblem> problem_of(const RigProfile& profile) {
   return found ? found : problem_of_all(profile);
 }
 
-RigProfile read_profile_from(ProfileSource& source) {
+RigProfile profile_from(const std::function<std::optional<FieldValue>(const ProfileField& field)>& find,
+                        const std::function<void(const ProfileProblem& problem)>& refuse) {
   RigProfile profile;
-  take_fields(profile_fields(), source, profile);
-  take_fields(setting_fields(profile.gyro.protocol), source, profile);
-  if (const Problem problem = problem_of_all(profile)) source.refuse(*problem);
+  const auto take = [&](const ProfileField& field) {
+    const std::optional<FieldValue> value = find(field);
+    if (!value) return;
+    if (const Problem problem = problem_of_value(field, *value)) refuse(*problem);
+    field.set(profile, *value);
+  };
+  for (const ProfileField& field : profile_fields()) take(field);
+  for (const ProfileField& field : setting_fields(profile.gyro.protocol)) take(field);
+  if (const Problem problem = problem_of_all(profile)) refuse(*problem);
   return profile;
 }
 

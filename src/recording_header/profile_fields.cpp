@@ -17,264 +17,182 @@ namespace thermorig::recording_header {
 
 namespace {
 
-/// Grows by a line for each field. `member` refers to the field in a profile, constant or not.
-class FieldList {
+using Fields = std::vector<ProfileField>;
+using Words = std::vector<std::string>;
+
+/// Adds the fields of one table that are members of one part of the profile.
+template <typename Part>
+class Table {
  public:
-  void begin_table(std::string name) { table_ = std::move(name); }
+  using Find = std::function<const Part&(const RigProfile&)>;
+
+  Table(Fields& fields, std::string name, Find part)
+      : fields_(fields), name_(std::move(name)), part_(std::move(part)) {}
 
   template <typename Member>
-  void number(const char* name, const char* unit, double min, double max, const char* help, Member member) {
-    using Number = std::remove_reference_t<decltype(member(std::declval<RigProfile&>()))>;
+  void number(const char* name, Member member, const char* unit, double min, double max, const char* help) {
+    using Number = std::decay_t<std::invoke_result_t<Member, Part&>>;
     using Outside = std::conditional_t<std::is_integral_v<Number>, std::int64_t, double>;
     add<Outside>({.name = name, .unit = unit, .help = help, .min = min, .max = max}, member);
   }
-  template <typename Member>
-  void boolean(const char* name, const char* help, Member member) {
+  void boolean(const char* name, bool Part::*member, const char* help) {
     add<bool>({.name = name, .help = help}, member);
   }
-  template <typename Member>
-  void text(const char* name, const char* help, Member member) {
-    add<std::string>({.name = name, .help = help}, member);
-  }
-  template <typename Member>
-  void date(const char* name, const char* help, Member member) {
-    add<std::string>({.name = name, .help = help, .is_date = true}, member);
-  }
-  template <typename Member>
-  void one_of(const std::vector<std::string>& words, const char* name, const std::string& help,
-              Member member) {
+  void text(const char* name, std::string Part::*member, const std::string& help, const Words& words = {}) {
     add<std::string>({.name = name, .help = help, .words = words}, member);
   }
+  void date(const char* name, std::string Part::*member, const char* help) {
+    add<std::string>({.name = name, .help = help, .is_date = true}, member);
+  }
   /// The member is the index of its word.
-  template <typename Member>
-  void choice(const std::vector<std::string>& words, const char* name, const char* help, Member member) {
+  template <typename Choice>
+  void choice(const char* name, Choice Part::*member, const Words& words, const char* help) {
     ProfileField field{.name = name, .help = help, .words = words};
-    field.get = [member, words](const RigProfile& profile) -> FieldValue {
-      const auto index = static_cast<std::size_t>(member(profile));
+    field.get = [part = part_, member, words](const RigProfile& profile) -> FieldValue {
+      const auto index = static_cast<std::size_t>(part(profile).*member);
       return index < words.size() ? words[index] : std::to_string(index);
     };
-    field.set = [member, words](RigProfile& profile, const FieldValue& value) {
-      auto& place = member(profile);
+    field.set = [part = part_, member, words](RigProfile& profile, const FieldValue& value) {
       const auto word = std::find(words.begin(), words.end(), std::get<std::string>(value));
-      place = static_cast<std::remove_reference_t<decltype(place)>>(word - words.begin());
+      writable(part(profile)).*member = static_cast<Choice>(word - words.begin());
     };
     keep(std::move(field));
   }
 
-  std::vector<ProfileField> take() { return std::move(fields_); }
-
  private:
   template <typename Outside, typename Member>
   void add(ProfileField field, Member member) {
-    field.get = [member](const RigProfile& profile) -> FieldValue {
-      return static_cast<Outside>(member(profile));
+    field.get = [part = part_, member](const RigProfile& profile) -> FieldValue {
+      return static_cast<Outside>(std::invoke(member, part(profile)));
     };
-    field.set = [member](RigProfile& profile, const FieldValue& value) {
-      auto& place = member(profile);
+    field.set = [part = part_, member](RigProfile& profile, const FieldValue& value) {
+      auto& place = std::invoke(member, writable(part(profile)));
       place = static_cast<std::remove_reference_t<decltype(place)>>(std::get<Outside>(value));
     };
     keep(std::move(field));
   }
 
+  /// `set` has it of a profile that is not constant.
+  static Part& writable(const Part& part) { return const_cast<Part&>(part); }
+
   void keep(ProfileField field) {
-    field.table = table_;
+    field.table = name_;
     field.standard = field.get(RigProfile());
     fields_.push_back(std::move(field));
   }
 
-  std::string table_;
-  std::vector<ProfileField> fields_;
+  Fields& fields_;
+  std::string name_;
+  Find part_;
 };
 
 constexpr double largest_whole = 1e15;  // of a double that counts: far below where it skips numbers
 constexpr const char* measured = "when that was calibrated, UTC; empty: an assumption";
-constexpr const char* one_deviation = "one standard deviation of it";
+constexpr const char* deviation = "one standard deviation of it";
 
-void add_link(FieldList& list, Device device) {
-  list.text(
-      "port", "e.g. /dev/serial/by-id/...; empty: not chosen yet", [=](auto& profile) -> auto& {
-        return profile.link(device).port;
-      });
-  list.text(
-      "usb_path", "USB topology, e.g. 1-4.2; may be empty", [=](auto& profile) -> auto& {
-        return profile.link(device).usb_path;
-      });
-  list.number(
-      "baud", "bit/s", 0, 12'000'000,
-      "bits per second, 8N1; 0: does not apply (USB-CDC)", [=](auto& profile) -> auto& {
-        return profile.link(device).baud;
-      });
-  list.number(
-      "latency_s", "s", -0.1, 1,
-      "constant delay from the sample to its first byte", [=](auto& profile) -> auto& {
-        return profile.link(device).latency_s;
-      });
-  list.number(
-      "latency_uncertainty_s", "s", 0, 1,
-      one_deviation, [=](auto& profile) -> auto& { return profile.link(device).latency_uncertainty_s; });
-  list.date(
-      "latency_measured_utc",
-      measured, [=](auto& profile) -> auto& { return profile.link(device).latency_measured_utc; });
-  list.number(
-      "largest_constant_delay_s", "s", 0, 1,
-      "even the fastest byte is read at most so late; one-way lower bounds rest on it",
-      [=](auto& profile) -> auto& { return profile.link(device).largest_constant_delay_s; });
-  list.number(
-      "wander_ppm", "1e-6", 0.1, 50'000,
-      "the device's clock stays so close to its mean rate", [=](auto& profile) -> auto& {
-        return profile.link(device).wander_ppm;
-      });
-  list.boolean(
-      "reset_on_open",
-      "toggle DTR after opening", [=](auto& profile) -> auto& { return profile.link(device).reset_on_open; });
+void add_link(Fields& fields, const std::string& name, Device device) {
+  using Link = PortProfile;
+  Table<Link> table(fields, name, [=](const RigProfile& rig) -> const Link& { return rig.link(device); });
+  table.text("port", &Link::port, "e.g. /dev/serial/by-id/...; empty: not chosen yet");
+  table.text("usb_path", &Link::usb_path, "USB topology, e.g. 1-4.2; may be empty");
+  table.number("baud", &Link::baud, "bit/s", 0, 12e6, "bits per second, 8N1; 0: does not apply (USB-CDC)");
+  table.number("latency_s", &Link::latency_s, "s", -0.1, 1,
+               "constant delay from the sample to its first byte");
+  table.number("latency_uncertainty_s", &Link::latency_uncertainty_s, "s", 0, 1, deviation);
+  table.date("latency_measured_utc", &Link::latency_measured_utc, measured);
+  table.number("largest_constant_delay_s", &Link::largest_constant_delay_s, "s", 0, 1,
+               "even the fastest byte is read at most so late; one-way lower bounds rest on it");
+  table.number("wander_ppm", &Link::wander_ppm, "1e-6", 0.1, 50'000,
+               "the device's clock stays so close to its mean rate");
+  table.boolean("reset_on_open", &Link::reset_on_open, "toggle DTR after opening");
 }
 
-void add_camera(FieldList& list) {
-  list.begin_table("camera");
-  add_link(list, Device::camera);
-  list.text(
-      "model", "free text", [](auto& profile) -> auto& { return profile.camera.model; });
-  list.number(
-      "output_rate_hz", "Hz", 0.1, 64, "frames a second, nominal",
-      [](auto& profile) -> auto& { return profile.camera.output_rate_hz; });
-  list.number(
-      "field_of_view_deg", "deg", 1, 180, "horizontal: 55 (BAB) or 110 (BAA)",
-      [](auto& profile) -> auto& { return profile.camera.field_of_view_deg; });
-  list.boolean(
-      "mirrored", "the order on the wire is a mirror image of the scene",
-      [](auto& profile) -> auto& { return profile.camera.mirrored; });
-  list.date(
-      "orientation_measured_utc",
-      "when `mirrored` and the gyro's axis and sign were calibrated, UTC; empty: assumptions",
-      [](auto& profile) -> auto& { return profile.camera.orientation_measured_utc; });
-  list.choice(
-      {"word", "byte", "ignore"}, "checksum", "word, byte or ignore",
-      [](auto& profile) -> auto& { return profile.camera.checksum; });
+void add_camera(Fields& fields) {
+  using Camera = CameraProfile;
+  add_link(fields, "camera", Device::camera);
+  Table<Camera> table(fields, "camera", &RigProfile::camera);
+  table.text("model", &Camera::model, "free text");
+  table.number("output_rate_hz", &Camera::output_rate_hz, "Hz", 0.1, 64, "frames a second, nominal");
+  table.number("field_of_view_deg", &Camera::field_of_view_deg, "deg", 1, 180,
+               "horizontal: 55 (BAB) or 110 (BAA)");
+  table.boolean("mirrored", &Camera::mirrored, "the order on the wire is a mirror image of the scene");
+  table.date("orientation_measured_utc", &Camera::orientation_measured_utc,
+             "when `mirrored` and the gyro's axis and sign were calibrated, UTC; empty: assumptions");
+  table.choice("checksum", &Camera::checksum, {"word", "byte", "ignore"}, "word, byte or ignore");
 }
 
 /// "a, b or c".
-std::string any_of(const std::vector<std::string>& names) {
+std::string any_of(const Words& names) {
   const auto all_but_last = std::span(names).first(names.size() - 1);
   return fmt::format("{} or {}", fmt::join(all_but_last, ", "), names.back());
 }
 
-void add_gyro(FieldList& list) {
-  list.begin_table("gyro");
-  add_link(list, Device::gyro);
-  list.text(
-      "model", "free text", [](auto& profile) -> auto& { return profile.gyro.model; });
-  const std::vector<std::string> protocols = sensors::gyro_protocol_names();
-  list.one_of(
-      protocols, "protocol", any_of(protocols), [](auto& profile) -> auto& { return profile.gyro.protocol; });
-  list.number(
-      "output_rate_hz", "Hz", 1, 8000, "samples a second, nominal",
-      [](auto& profile) -> auto& { return profile.gyro.output_rate_hz; });
-  list.choice(
-      {"x", "y", "z"}, "axis", "the servo's axis: x, y or z",
-      [](auto& profile) -> auto& { return profile.gyro.axis; });
-  list.number(
-      "sign", "1", -1, 1, "1 or -1: a positive command then gives a positive rate",
-      [](auto& profile) -> auto& { return profile.gyro.sign; });
-  list.number(
-      "scale", "1", 0.5, 2, "measured rate = scale * true rate + bias, sign applied",
-      [](auto& profile) -> auto& { return profile.gyro.scale; });
-  list.number(
-      "scale_uncertainty", "1", 0, 1, one_deviation,
-      [](auto& profile) -> auto& { return profile.gyro.scale_uncertainty; });
-  list.date(
-      "scale_measured_utc", measured, [](auto& profile) -> auto& { return profile.gyro.scale_measured_utc; });
-  list.number(
-      "bias_dps", "deg/s", -200, 200, "measured rate at rest, sign applied",
-      [](auto& profile) -> auto& { return profile.gyro.bias_dps; });
-  list.number(
-      "bias_uncertainty_dps", "deg/s", 0, 200, one_deviation,
-      [](auto& profile) -> auto& { return profile.gyro.bias_uncertainty_dps; });
-  list.date(
-      "bias_measured_utc", measured, [](auto& profile) -> auto& { return profile.gyro.bias_measured_utc; });
+void add_gyro(Fields& fields) {
+  using Gyro = GyroProfile;
+  const Words protocols = sensors::gyro_protocol_names();
+  add_link(fields, "gyro", Device::gyro);
+  Table<Gyro> table(fields, "gyro", &RigProfile::gyro);
+  table.text("model", &Gyro::model, "free text");
+  table.text("protocol", &Gyro::protocol, any_of(protocols), protocols);
+  table.number("output_rate_hz", &Gyro::output_rate_hz, "Hz", 1, 8000, "samples a second, nominal");
+  table.choice("axis", &Gyro::axis, {"x", "y", "z"}, "the servo's axis: x, y or z");
+  table.number("sign", &Gyro::sign, "1", -1, 1, "1 or -1: a positive command then gives a positive rate");
+  table.number("scale", &Gyro::scale, "1", 0.5, 2, "measured rate = scale * true rate + bias, sign applied");
+  table.number("scale_uncertainty", &Gyro::scale_uncertainty, "1", 0, 1, deviation);
+  table.date("scale_measured_utc", &Gyro::scale_measured_utc, measured);
+  table.number("bias_dps", &Gyro::bias_dps, "deg/s", -200, 200, "measured rate at rest, sign applied");
+  table.number("bias_uncertainty_dps", &Gyro::bias_uncertainty_dps, "deg/s", 0, 200, deviation);
+  table.date("bias_measured_utc", &Gyro::bias_measured_utc, measured);
 }
 
-void add_text_columns(FieldList& list) {
-  constexpr int last_column = 63;
-  list.begin_table("gyro.text");
-  list.text(
-      "prefix", "lines must start with it; empty: any line",
-      [](auto& profile) -> auto& { return profile.gyro.text.prefix; });
-  list.number(
-      "x_column", "1", -1, last_column, "columns from 0; -1: not sent",
-      [](auto& profile) -> auto& { return profile.gyro.text.rate[0]; });
-  list.number(
-      "y_column", "1", -1, last_column, "likewise",
-      [](auto& profile) -> auto& { return profile.gyro.text.rate[1]; });
-  list.number(
-      "z_column", "1", -1, last_column, "likewise",
-      [](auto& profile) -> auto& { return profile.gyro.text.rate[2]; });
-  list.number(
-      "scale_dps", "deg/s", 1e-9, 1e6, "degrees per second of one unit",
-      [](auto& profile) -> auto& { return profile.gyro.text.scale_dps; });
-  list.number(
-      "time_column", "1", -1, last_column, "column of the device's time; -1: none",
-      [](auto& profile) -> auto& { return profile.gyro.text.time; });
-  list.number(
-      "time_unit_s", "s", 1e-9, 1, "seconds of one unit of it",
-      [](auto& profile) -> auto& { return profile.gyro.text.time_unit_s; });
+void add_text_columns(Fields& fields) {
+  using Text = TextColumns;
+  constexpr int last = 63;
+  const auto rate = [](std::size_t axis) {
+    return [=](auto& text) -> auto& {
+      return text.rate[axis];
+    };
+  };
+  Table<Text> table(fields, "gyro.text", [](const RigProfile& rig) -> const Text& { return rig.gyro.text; });
+  table.text("prefix", &Text::prefix, "lines must start with it; empty: any line");
+  table.number("x_column", rate(0), "1", -1, last, "columns from 0; -1: not sent");
+  table.number("y_column", rate(1), "1", -1, last, "likewise");
+  table.number("z_column", rate(2), "1", -1, last, "likewise");
+  table.number("scale_dps", &Text::scale_dps, "deg/s", 1e-9, 1e6, "degrees per second of one unit");
+  table.number("time_column", &Text::time, "1", -1, last, "column of the device's time; -1: none");
+  table.number("time_unit_s", &Text::time_unit_s, "s", 1e-9, 1, "seconds of one unit of it");
 }
 
-void add_servo(FieldList& list) {
-  constexpr double pulse_min_us = SERVO_LIMIT_PULSE_MIN_US;
-  constexpr double pulse_max_us = SERVO_LIMIT_PULSE_MAX_US;
-  constexpr double span_max = SERVO_LIMIT_SPAN / 100.0;
-  list.begin_table("servo");
-  add_link(list, Device::servo);
-  list.text(
-      "model", "free text", [](auto& profile) -> auto& { return profile.servo.model; });
-  list.choice(
-      {"positional", "continuous"}, "kind", "positional or continuous",
-      [](auto& profile) -> auto& { return profile.servo.kind; });
-  list.number(
-      "travel_deg", "deg", 0, span_max,
-      "positional: angle from shortest to longest pulse; continuous: what its cable bears, 0: any",
-      [](auto& profile) -> auto& { return profile.servo.travel_deg; });
-  list.number(
-      "full_rate_dps", "deg/s", 0, span_max / 2, "continuous: speed at the longest pulse",
-      [](auto& profile) -> auto& { return profile.servo.full_rate_dps; });
-  list.number(
-      "pulse_min_us", "us", pulse_min_us, pulse_max_us, "shortest pulse",
-      [](auto& profile) -> auto& { return profile.servo.pulse_min_us; });
-  list.number(
-      "pulse_max_us", "us", pulse_min_us, pulse_max_us, "longest pulse",
-      [](auto& profile) -> auto& { return profile.servo.pulse_max_us; });
-  list.number(
-      "max_rate_dps", "deg/s", 0.1, SERVO_LIMIT_RATE_CDPS / 100.0, "never commanded beyond",
-      [](auto& profile) -> auto& { return profile.servo.max_rate_dps; });
-  list.number(
-      "acceleration_dps2", "deg/s^2", SERVO_LIMIT_ACCELERATION_MIN_DPS2, SERVO_LIMIT_ACCELERATION_DPS2,
-      "of every ramp", [](auto& profile) -> auto& { return profile.servo.acceleration_dps2; });
-  list.number(
-      "stop_margin_deg", "deg", 0, 1000, "kept from either end of the travel",
-      [](auto& profile) -> auto& { return profile.servo.stop_margin_deg; });
-  list.number(
-      "settle_s", "s", 0, 10, "after a change of speed, until the shaft follows",
-      [](auto& profile) -> auto& { return profile.servo.settle_s; });
-  list.number(
-      "loop_hz", "Hz", 0.5, 100, "bandwidth of the servo's own loop, until a recording tells better",
-      [](auto& profile) -> auto& { return profile.servo.loop_hz; });
-  list.number(
-      "scale", "1", 0.5, 2, "shaft angle per commanded angle",
-      [](auto& profile) -> auto& { return profile.servo.scale; });
-  list.number(
-      "scale_uncertainty", "1", 0, 1, one_deviation,
-      [](auto& profile) -> auto& { return profile.servo.scale_uncertainty; });
-  list.date(
-      "scale_measured_utc", measured,
-      [](auto& profile) -> auto& { return profile.servo.scale_measured_utc; });
+void add_servo(Fields& fields) {
+  using Servo = ServoProfile;
+  constexpr double shortest_us = SERVO_LIMIT_PULSE_MIN_US, longest_us = SERVO_LIMIT_PULSE_MAX_US;
+  constexpr double rate_max = SERVO_LIMIT_RATE_CDPS / 100.0, span_max = SERVO_LIMIT_SPAN / 100.0;
+  add_link(fields, "servo", Device::servo);
+  Table<Servo> table(fields, "servo", &RigProfile::servo);
+  table.text("model", &Servo::model, "free text");
+  table.choice("kind", &Servo::kind, {"positional", "continuous"}, "positional or continuous");
+  table.number("travel_deg", &Servo::travel_deg, "deg", 0, span_max,
+               "positional: angle from shortest to longest pulse; continuous: what its cable bears, 0: any");
+  table.number("full_rate_dps", &Servo::full_rate_dps, "deg/s", 0, span_max / 2,
+               "continuous: speed at the longest pulse");
+  table.number("pulse_min_us", &Servo::pulse_min_us, "us", shortest_us, longest_us, "shortest pulse");
+  table.number("pulse_max_us", &Servo::pulse_max_us, "us", shortest_us, longest_us, "longest pulse");
+  table.number("max_rate_dps", &Servo::max_rate_dps, "deg/s", 0.1, rate_max, "never commanded beyond");
+  table.number("acceleration_dps2", &Servo::acceleration_dps2, "deg/s^2", SERVO_LIMIT_ACCELERATION_MIN_DPS2,
+               SERVO_LIMIT_ACCELERATION_DPS2, "of every ramp");
+  table.number("stop_margin_deg", &Servo::stop_margin_deg, "deg", 0, 1000,
+               "kept from either end of the travel");
+  table.number("settle_s", &Servo::settle_s, "s", 0, 10, "after a change of speed, until the shaft follows");
+  table.number("loop_hz", &Servo::loop_hz, "Hz", 0.5, 100,
+               "bandwidth of the servo's own loop, until a recording tells better");
+  table.number("scale", &Servo::scale, "1", 0.5, 2, "shaft angle per commanded angle");
+  table.number("scale_uncertainty", &Servo::scale_uncertainty, "1", 0, 1, deviation);
+  table.date("scale_measured_utc", &Servo::scale_measured_utc, measured);
 }
 
 ProfileField setting_field(const std::string& table, const sensors::GyroSetting& setting) {
-  ProfileField field{.table = table,
-                     .name = setting.name,
-                     .help = setting.comment,
-                     .min = setting.min,
-                     .max = setting.max};
+  ProfileField field{
+      .table = table, .name = setting.name, .help = setting.comment, .min = setting.min, .max = setting.max};
   // A value that is not whole stays what it is, so that the check finds it.
   field.get = [name = field.name, is_whole = setting.is_whole](const RigProfile& profile) -> FieldValue {
     const double value = profile.gyro.setting(name);
@@ -294,15 +212,14 @@ ProfileField setting_field(const std::string& table, const sensors::GyroSetting&
 }  // namespace
 
 const std::vector<ProfileField>& profile_fields() {
-  static const std::vector<ProfileField> fields = [] {
-    FieldList list;
-    list.text(
-        "name", "how this rig is called", [](auto& profile) -> auto& { return profile.name; });
+  static const Fields fields = [] {
+    Fields list;
+    Table<RigProfile>(list, "", std::identity()).text("name", &RigProfile::name, "how this rig is called");
     add_camera(list);
     add_gyro(list);
     add_text_columns(list);
     add_servo(list);
-    return list.take();
+    return list;
   }();
   return fields;
 }

@@ -6,7 +6,6 @@
 #include <stdexcept>
 
 #include "thermorig/recording_header/profile_fields.h"
-#include "whole_number.h"
 
 namespace thermorig::recording_header {
 
@@ -22,27 +21,14 @@ json::json_pointer place_of(const std::string& table) {
   return json::json_pointer(place);
 }
 
-class JsonProfile : public ProfileSource {
- public:
-  explicit JsonProfile(const json& tables) : tables_(tables) {}
-
-  std::optional<FieldValue> find(const ProfileField& field) override {
-    const json::json_pointer place = place_of(field.table) / field.name;
-    if (!tables_.contains(place)) return std::nullopt;
-    const json& value = tables_.at(place);
-    if (std::holds_alternative<bool>(field.standard)) return value.get<bool>();
-    if (std::holds_alternative<std::int64_t>(field.standard)) return whole_number<std::int64_t>(value);
-    if (std::holds_alternative<double>(field.standard)) return value.get<double>();
-    return value.get<std::string>();
-  }
-
-  [[noreturn]] void refuse(const ProfileProblem& problem) const override {
-    throw std::out_of_range("the profile's " + problem.text());
-  }
-
- private:
-  const json& tables_;
-};
+std::optional<FieldValue> value_in(const json& tables, const ProfileField& field) {
+  const json::json_pointer place = place_of(field.table) / field.name;
+  if (!tables.contains(place)) return std::nullopt;
+  const json& value = tables.at(place);
+  if (std::holds_alternative<std::int64_t>(field.standard)) return whole_number<std::int64_t>(value);
+  return std::visit([&](const auto& like) -> FieldValue { return value.get<std::decay_t<decltype(like)>>(); },
+                    field.standard);
+}
 
 // Before session format 2.0 the keys were those of the structures in memory: what belongs to a port in
 // "link", columns of text in an array, the gyro's axis as its index, settings of whatever protocol in
@@ -106,8 +92,9 @@ json profile_to_json(const RigProfile& profile) {
 
 RigProfile profile_from_json(const json& in) {
   const json tables = is_of_format_1(in) ? of_format_2(in) : in;
-  JsonProfile source(tables);
-  return read_profile_from(source);
+  return profile_from(
+      [&](const ProfileField& field) { return value_in(tables, field); },
+      [](const ProfileProblem& problem) { throw std::out_of_range("the profile's " + problem.text()); });
 }
 
 }  // namespace thermorig::recording_header

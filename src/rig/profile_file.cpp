@@ -25,18 +25,25 @@ using recording_header::FieldValue;
 using recording_header::ProfileField;
 using recording_header::ProfileProblem;
 
-/// A TOML text, whose tables are those of the fields.
-class TomlProfile : public recording_header::ProfileSource {
+std::optional<FieldValue> value_in(TomlTable& table, const ProfileField& field) {
+  if (std::holds_alternative<bool>(field.standard)) return table.boolean(field.name);
+  if (std::holds_alternative<std::int64_t>(field.standard))
+    return table.integer(field.name, std::llround(field.min), std::llround(field.max));
+  if (std::holds_alternative<double>(field.standard)) return table.number(field.name, field.min, field.max);
+  return table.text(field.name);
+}
+
+/// The tables of a text, by the names that fields have for them.
+class TomlTables {
  public:
-  explicit TomlProfile(TomlTable root) { tables_.emplace("", std::move(root)); }
+  explicit TomlTables(TomlTable root) { tables_.emplace("", std::move(root)); }
 
-  std::optional<FieldValue> find(const ProfileField& field) override {
-    const auto read = [&](const auto& standard) { return value_in(table(field.table), field, standard); };
-    return std::visit(read, field.standard);
-  }
-
-  [[noreturn]] void refuse(const ProfileProblem& problem) const override {
-    tables_.at(problem.table).refuse(problem.name, problem.what, problem.allowed);
+  /// "gyro.text" is a table within "gyro".
+  TomlTable& operator[](const std::string& name) {
+    if (const auto found = tables_.find(name); found != tables_.end()) return found->second;
+    const std::size_t dot = name.rfind('.');
+    TomlTable& parent = (*this)[dot == std::string::npos ? "" : name.substr(0, dot)];
+    return tables_.emplace(name, parent.table(name.substr(dot + 1))).first->second;
   }
 
   void refuse_unknown() const {
@@ -44,27 +51,6 @@ class TomlProfile : public recording_header::ProfileSource {
   }
 
  private:
-  /// "gyro.text" is a table within "gyro".
-  TomlTable& table(const std::string& name) {
-    if (const auto found = tables_.find(name); found != tables_.end()) return found->second;
-    const std::size_t dot = name.rfind('.');
-    TomlTable& parent = table(dot == std::string::npos ? "" : name.substr(0, dot));
-    return tables_.emplace(name, parent.table(name.substr(dot + 1))).first->second;
-  }
-
-  static std::optional<FieldValue> value_in(TomlTable& table, const ProfileField& field, bool) {
-    return table.boolean(field.name);
-  }
-  static std::optional<FieldValue> value_in(TomlTable& table, const ProfileField& field, std::int64_t) {
-    return table.integer(field.name, std::llround(field.min), std::llround(field.max));
-  }
-  static std::optional<FieldValue> value_in(TomlTable& table, const ProfileField& field, double) {
-    return table.number(field.name, field.min, field.max);
-  }
-  static std::optional<FieldValue> value_in(TomlTable& table, const ProfileField& field, const std::string&) {
-    return table.text(field.name);
-  }
-
   std::map<std::string, TomlTable> tables_;
 };
 
@@ -81,9 +67,13 @@ std::string toml_value(const FieldValue& value) {
 }  // namespace
 
 RigProfile parse_profile(const std::string& text, const std::string& file_name) {
-  TomlProfile source(TomlTable::parse(text, file_name));
-  RigProfile profile = recording_header::read_profile_from(source);
-  source.refuse_unknown();
+  TomlTables tables(TomlTable::parse(text, file_name));
+  RigProfile profile = recording_header::profile_from(
+      [&](const ProfileField& field) { return value_in(tables[field.table], field); },
+      [&](const ProfileProblem& problem) {
+        tables[problem.table].refuse(problem.name, problem.what, problem.allowed);
+      });
+  tables.refuse_unknown();
   return profile;
 }
 

@@ -18,8 +18,8 @@ struct FormatVersion {
 
 inline constexpr const char* format_name = "thermorig-session";
 inline constexpr const char* licence_not_stated = "not stated";
-inline constexpr FormatVersion format_version{2, 0};        // that is written
-inline constexpr FormatVersion first_format_version{1, 0};  // that is read; any minor version of either major
+inline constexpr FormatVersion format_version{2, 0};  // that is written
+inline constexpr unsigned first_format_major = 1;     // that is read, whatever the minor version
 
 // What came with which version.
 inline constexpr FormatVersion with_sync_report{1, 1};  // and bounds of times, halves, two labels

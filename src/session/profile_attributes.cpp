@@ -39,34 +39,18 @@ void set_value(hid_t group, const std::string& name, const FieldValue& value) {
     set(std::get<std::string>(value));
 }
 
-class StoredProfile : public recording_header::ProfileSource {
- public:
-  StoredProfile(hid_t file, const std::filesystem::path& path) : file_(file), path_(path) {
-    const GroupReader all(file, profile_group, {});
-  }
-
-  std::optional<FieldValue> find(const ProfileField& field) override {
-    const std::string path = group_of_table(field.table);
-    if (check(H5Lexists(file_, path.c_str(), H5P_DEFAULT), "look for " + path) == 0) return std::nullopt;
-    const GroupReader group(file_, path, {});
-    const char* const name = field.name.c_str();
-    if (!has_attribute(group.id(), name)) return std::nullopt;
-    if (std::holds_alternative<bool>(field.standard))
-      return get_attribute<std::uint8_t>(group.id(), name) != 0;
-    if (std::holds_alternative<std::int64_t>(field.standard))
-      return get_attribute<std::int64_t>(group.id(), name);
-    if (std::holds_alternative<double>(field.standard)) return get_attribute<double>(group.id(), name);
-    return get_text_attribute(group.id(), name);
-  }
-
-  [[noreturn]] void refuse(const ProfileProblem& problem) const override {
-    session::refuse(path_, "its profile cannot be believed: " + problem.text());
-  }
-
- private:
-  hid_t file_;
-  const std::filesystem::path& path_;
-};
+std::optional<FieldValue> value_in(hid_t file, const ProfileField& field) {
+  const std::string path = group_of_table(field.table);
+  if (check(H5Lexists(file, path.c_str(), H5P_DEFAULT), "look for " + path) == 0) return std::nullopt;
+  const GroupReader group(file, path, {});
+  const char* const name = field.name.c_str();
+  if (!has_attribute(group.id(), name)) return std::nullopt;
+  if (std::holds_alternative<bool>(field.standard)) return get_attribute<std::uint8_t>(group.id(), name) != 0;
+  if (std::holds_alternative<std::int64_t>(field.standard))
+    return get_attribute<std::int64_t>(group.id(), name);
+  if (std::holds_alternative<double>(field.standard)) return get_attribute<double>(group.id(), name);
+  return get_text_attribute(group.id(), name);
+}
 
 }  // namespace
 
@@ -82,8 +66,11 @@ void write_profile(const std::function<GroupWriter(const std::string& path)>& ma
 }
 
 RigProfile read_profile(hid_t file, const std::filesystem::path& path) {
-  StoredProfile source(file, path);
-  return recording_header::read_profile_from(source);
+  const GroupReader must_be_there(file, profile_group, {});
+  return recording_header::profile_from([&](const ProfileField& field) { return value_in(file, field); },
+                                        [&](const ProfileProblem& problem) {
+                                          refuse(path, "its profile cannot be believed: " + problem.text());
+                                        });
 }
 
 }  // namespace thermorig::session

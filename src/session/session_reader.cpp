@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: MIT
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -41,7 +43,7 @@ std::optional<FormatVersion> version_of(const std::string& text) {
   char behind = 0;
   const int fields =
       std::sscanf(text.c_str(), "%3u.%3u.%3u%c", &version.major, &version.minor, &patch, &behind);
-  if (fields != 3 || version.major < first_format_version.major || version.major > format_version.major)
+  if (fields != 3 || version.major < first_format_major || version.major > format_version.major)
     return std::nullopt;
   return version;
 }
@@ -59,8 +61,8 @@ class SessionFile {
     const std::string version = get_text_attribute(id(), "format_version");
     const auto known = version_of(version);
     if (!known)
-      refuse(path, "is a session of format version " + version + ", and this program reads " +
-                       first_format_version.text() + " to " + format_version.text());
+      refuse(path, fmt::format("is a session of format version {}, and this program reads versions {} to {}",
+                               version, first_format_major, format_version.major));
     facts_.version = *known;
   }
 

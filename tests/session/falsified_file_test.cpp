@@ -39,7 +39,7 @@ TEST_F(FalsifiedSession, IsRefusedAndSaysWhatIsWrong) {
   const std::pair<const char*, const char*> refusals[] = {
       {"another_format", "not a thermorig session"},
       {"no_format", "not a thermorig session"},
-      {"another_version", "is a session of format version 3.0.0, and this program reads 1.0 to 2.0"},
+      {"another_version", "is a session of format version 3.0.0, and this program reads versions 1 to 2"},
       {"no_licence", "an attribute `license`"},
       {"another_state", "the state asleep"},
       {"attribute", "the attributes: they differ from their checksum"},

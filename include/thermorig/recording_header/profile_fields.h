@@ -54,21 +54,9 @@ struct ProfileProblem {
 /// Nothing if every value is allowed, and all of them together describe a rig.
 std::optional<ProfileProblem> problem_of(const RigProfile& profile);
 
-/// Where a profile is read from.
-class ProfileSource {
- public:
-  virtual ~ProfileSource() = default;
-
-  /// The field's value, of the field's type, in range or not; nothing if it is not stated. Throws for a value
-  /// of another type.
-  virtual std::optional<FieldValue> find(const ProfileField& field) = 0;
-
-  /// Throws what is thrown for such a source.
-  [[noreturn]] virtual void refuse(const ProfileProblem& problem) const = 0;
-};
-
-/// A profile of what the source states; other fields have their standard value. What is not allowed is
-/// refused.
-RigProfile read_profile_from(ProfileSource& source);
+/// A profile of what `find` knows of each field: a value of the field's type, in range or not, or nothing,
+/// which stands for the standard value. Of what is not allowed the first is given to `refuse`, which throws.
+RigProfile profile_from(const std::function<std::optional<FieldValue>(const ProfileField& field)>& find,
+                        const std::function<void(const ProfileProblem& problem)>& refuse);
 
 }  // namespace thermorig::recording_header
