@@ -62,7 +62,6 @@ session::Session make_again(const std::filesystem::path& path, const std::option
   if (!calibrated) return rig::reprocess(path);
   RawRecording raw = session::read_raw(path);
   calibration::take_calibrations(*calibrated, raw.header.profile);
-  raw.header.profile_toml = rig::profile_text(raw.header.profile);
   session::Session session = rig::build_session(std::move(raw));
   session::replace_session(path, session);
   return session;

@@ -2,33 +2,14 @@
 #include "thermorig/recording_header/header_json.h"
 
 #include <algorithm>
-#include <array>
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 #include <type_traits>
-#include <utility>
 
 #include "header_check.h"
+#include "profile_json.h"
 #include "thermorig/core/code_point.h"
 #include "thermorig/core/error.h"
-
-namespace thermorig {
-namespace {
-
-/// The library casts whatever number stands there. Throws std::out_of_range.
-template <typename Integer>
-Integer whole_number(const nlohmann::json& in) {
-  const bool fits = in.is_number_unsigned()
-                        ? std::in_range<Integer>(in.get<std::uint64_t>())
-                        : in.is_number_integer() && std::in_range<Integer>(in.get<std::int64_t>());
-  if (!fits)
-    throw std::out_of_range((in.is_number() ? in.dump() : in.type_name()) +
-                            " is no whole number, or too large");
-  return in.get<Integer>();
-}
-
-}  // namespace
-}  // namespace thermorig
 
 // Keys are the members' names: one list serves both directions. Keys that came after format 1.0.0 may be
 // absent: their members keep the defaults.
@@ -38,7 +19,7 @@ template <>
 struct adl_serializer<thermorig::HostTime> {
   static void to_json(json& out, const thermorig::HostTime& time) { out = thermorig::to_ns(time); }
   static void from_json(const json& in, thermorig::HostTime& time) {
-    time = thermorig::host_time_ns(thermorig::whole_number<std::int64_t>(in));
+    time = thermorig::host_time_ns(thermorig::recording_header::whole_number<std::int64_t>(in));
   }
 };
 
@@ -48,7 +29,8 @@ struct adl_serializer<std::optional<std::uint64_t>> {
     out = value ? json(*value) : json(nullptr);
   }
   static void from_json(const json& in, std::optional<std::uint64_t>& value) {
-    value = in.is_null() ? std::nullopt : std::optional(thermorig::whole_number<std::uint64_t>(in));
+    value = in.is_null() ? std::nullopt
+                         : std::optional(thermorig::recording_header::whole_number<std::uint64_t>(in));
   }
 };
 
@@ -56,15 +38,10 @@ struct adl_serializer<std::optional<std::uint64_t>> {
 
 namespace thermorig {
 
-NLOHMANN_JSON_SERIALIZE_ENUM(ChecksumPolicy, {{ChecksumPolicy::word, "word"},
-                                              {ChecksumPolicy::byte, "byte"},
-                                              {ChecksumPolicy::ignore, "ignore"}})
-NLOHMANN_JSON_SERIALIZE_ENUM(ServoKind,
-                             {{ServoKind::positional, "positional"}, {ServoKind::continuous, "continuous"}})
-
 namespace {
 
 using nlohmann::json;
+using recording_header::whole_number;
 
 struct Writer {
   json& out;
@@ -86,11 +63,6 @@ void read(const json& in, Value& value) {
     in.get_to(value);
 }
 
-template <typename Value, std::size_t size>
-void read(const json& in, std::array<Value, size>& values) {
-  for (std::size_t i = 0; i < size; ++i) read(in.at(i), values[i]);
-}
-
 struct Reader {
   const json& in;
   template <typename Value>
@@ -102,75 +74,6 @@ struct Reader {
     if (const auto found = in.find(key); found != in.end()) read(*found, value);
   }
 };
-
-template <typename Keys, typename Columns>
-void text_keys(const Keys& keys, Columns& columns) {
-  keys.required("prefix", columns.prefix);
-  keys.required("rate", columns.rate);
-  keys.required("scale_dps", columns.scale_dps);
-  keys.required("time", columns.time);
-  keys.required("time_unit_s", columns.time_unit_s);
-}
-
-template <typename Keys, typename Link>
-void port_keys(const Keys& keys, Link& link) {
-  keys.required("port", link.port);
-  keys.required("usb_path", link.usb_path);
-  keys.required("baud", link.baud);
-  keys.required("latency_s", link.latency_s);
-  keys.later("latency_uncertainty_s", link.latency_uncertainty_s);
-  keys.later("latency_measured_utc", link.latency_measured_utc);
-  keys.later("largest_constant_delay_s", link.largest_constant_delay_s);
-  keys.later("wander_ppm", link.wander_ppm);
-  keys.required("reset_on_open", link.reset_on_open);
-}
-
-template <typename Keys, typename Camera>
-void camera_keys(const Keys& keys, Camera& camera) {
-  keys.required("link", camera.link);
-  keys.required("model", camera.model);
-  keys.required("output_rate_hz", camera.output_rate_hz);
-  keys.required("field_of_view_deg", camera.field_of_view_deg);
-  keys.required("mirrored", camera.mirrored);
-  keys.later("orientation_measured_utc", camera.orientation_measured_utc);
-  keys.required("checksum", camera.checksum);
-}
-
-template <typename Keys, typename Gyro>
-void gyro_keys(const Keys& keys, Gyro& gyro) {
-  keys.required("link", gyro.link);
-  keys.required("model", gyro.model);
-  keys.required("protocol", gyro.protocol);
-  keys.required("text", gyro.text);
-  keys.required("output_rate_hz", gyro.output_rate_hz);
-  keys.required("axis", gyro.axis);
-  keys.required("sign", gyro.sign);
-  keys.later("scale", gyro.scale);
-  keys.later("scale_uncertainty", gyro.scale_uncertainty);
-  keys.later("scale_measured_utc", gyro.scale_measured_utc);
-  keys.later("bias_dps", gyro.bias_dps);
-  keys.later("bias_uncertainty_dps", gyro.bias_uncertainty_dps);
-  keys.later("bias_measured_utc", gyro.bias_measured_utc);
-}
-
-template <typename Keys, typename Servo>
-void servo_keys(const Keys& keys, Servo& servo) {
-  keys.required("link", servo.link);
-  keys.required("model", servo.model);
-  keys.required("kind", servo.kind);
-  keys.required("travel_deg", servo.travel_deg);
-  keys.required("full_rate_dps", servo.full_rate_dps);
-  keys.required("pulse_min_us", servo.pulse_min_us);
-  keys.required("pulse_max_us", servo.pulse_max_us);
-  keys.required("max_rate_dps", servo.max_rate_dps);
-  keys.required("acceleration_dps2", servo.acceleration_dps2);
-  keys.required("stop_margin_deg", servo.stop_margin_deg);
-  keys.required("settle_s", servo.settle_s);
-  keys.later("loop_hz", servo.loop_hz);
-  keys.later("scale", servo.scale);
-  keys.later("scale_uncertainty", servo.scale_uncertainty);
-  keys.later("scale_measured_utc", servo.scale_measured_utc);
-}
 
 template <typename Keys, typename Column>
 void estimator_keys(const Keys& keys, Column& column) {
@@ -192,38 +95,6 @@ void live_model_keys(const Keys& keys, Model& model) {
 
 }  // namespace
 
-void to_json(nlohmann::json& out, const TextColumns& columns) {
-  text_keys(Writer{out}, columns);
-}
-void from_json(const nlohmann::json& in, TextColumns& columns) {
-  text_keys(Reader{in}, columns);
-}
-void to_json(nlohmann::json& out, const PortProfile& link) {
-  port_keys(Writer{out}, link);
-}
-void from_json(const nlohmann::json& in, PortProfile& link) {
-  port_keys(Reader{in}, link);
-}
-void to_json(nlohmann::json& out, const CameraProfile& camera) {
-  camera_keys(Writer{out}, camera);
-}
-void from_json(const nlohmann::json& in, CameraProfile& camera) {
-  camera_keys(Reader{in}, camera);
-}
-void to_json(nlohmann::json& out, const GyroProfile& gyro) {
-  gyro_keys(Writer{out}, gyro);
-  if (!gyro.settings.empty()) out["settings"] = gyro.settings;
-}
-void from_json(const nlohmann::json& in, GyroProfile& gyro) {
-  gyro_keys(Reader{in}, gyro);
-  Reader{in}.later("settings", gyro.settings);
-}
-void to_json(nlohmann::json& out, const ServoProfile& servo) {
-  servo_keys(Writer{out}, servo);
-}
-void from_json(const nlohmann::json& in, ServoProfile& servo) {
-  servo_keys(Reader{in}, servo);
-}
 void to_json(nlohmann::json& out, const EstimatorColumn& column) {
   estimator_keys(Writer{out}, column);
 }
@@ -236,8 +107,6 @@ void to_json(nlohmann::json& out, const LiveModel& model) {
 void from_json(const nlohmann::json& in, LiveModel& model) {
   live_model_keys(Reader{in}, model);
 }
-
-NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(RigProfile, name, camera, gyro, servo)
 
 namespace {
 
@@ -253,8 +122,6 @@ void header_keys(const Keys& keys, Header& header) {
   keys.required("simulated", header.simulated);
   keys.required("simulation_seed", header.simulation_seed);
   keys.required("simulation", header.simulation);
-  keys.required("profile", header.profile);
-  keys.required("profile_toml", header.profile_toml);
   keys.required("plan_name", header.plan_name);
   keys.required("plan_toml", header.plan_toml);
   keys.required("frames_per_leg", header.frames_per_leg);
@@ -309,24 +176,28 @@ bool is_licence(std::string_view text) {
          std::none_of(text.begin(), text.end(), is_control) && is_utf8(text);
 }
 
-std::string header_to_json_text(const RecordingHeader& header) {
+std::string header_to_json_text(const RecordingHeader& header, ProfilePlace place) {
   if (const auto problem = problem_of(header))
     throw Error(ExitCode::bad_usage, *problem, "recording header", "correct the profile or the command line");
-  return nlohmann::json(header).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+  json object(header);
+  if (place == ProfilePlace::in_header) object["profile"] = profile_to_json(header.profile);
+  return object.dump(-1, ' ', false, json::error_handler_t::replace);
 }
 
-RecordingHeader header_from_json_text(std::string_view text, const std::string& where) {
+RecordingHeader header_from_json_text(std::string_view text, const std::string& where, ProfilePlace place) {
   const std::string advice = "the file is damaged or was not written by thermorig";
   const auto unreadable = [&](const std::exception& error) {
     return Error(ExitCode::not_a_session, "its header cannot be read: " + without_library_name(error.what()),
                  where, advice);
   };
   try {
-    auto header = json::parse(text, is_shallow).get<RecordingHeader>();
+    const json object = json::parse(text, is_shallow);
+    auto header = object.get<RecordingHeader>();
+    if (place == ProfilePlace::in_header) header.profile = profile_from_json(object.at("profile"));
     if (const auto problem = problem_of(header))
       throw Error(ExitCode::not_a_session, *problem, where, advice);
     return header;
-  } catch (const nlohmann::json::exception& error) {
+  } catch (const json::exception& error) {
     throw unreadable(error);
   } catch (const std::out_of_range& error) {
     throw unreadable(error);

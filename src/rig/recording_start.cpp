@@ -72,7 +72,6 @@ RecordingHeader make_header(const RecordingOptions& options, HostTime now) {
   header.simulation_seed = options.simulation_seed;
   header.simulation = options.simulation;
   header.profile = options.profile;
-  header.profile_toml = profile_text(options.profile);
   header.plan_name = options.plan.name;
   header.plan_toml = to_toml(options.plan);
   header.frames_per_leg = options.plan.frames_per_leg;

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "column.h"
+#include "format.h"
 #include "hdf5_handle.h"
 #include "thermorig/core/sample.h"
 
@@ -34,7 +35,7 @@ void stamp_columns(Archive& archive, Rows& rows) {
   archive.template field<float>(
       {"time_uncertainty", "s", "standard deviation of time [s]"}, rows,
       [](auto& row) -> auto& { return row.stamp.uncertainty_s; });
-  if (archive.minor_version() >= 1) bound_columns(archive, rows);
+  if (archive.version() >= with_sync_report) bound_columns(archive, rows);
   archive.template column<std::int64_t>(
       {"arrival_ns", "ns", "host clock when the last byte was read [ns]"}, rows,
       [](const auto& row) { return to_ns(row.stamp.arrival); },
@@ -105,7 +106,7 @@ void camera_columns(Archive& archive, Rows& frames) {
   archive.time_column(
       {"exposure_end", "s", "end of the newest half's exposure [s]"}, frames,
       [](auto& row) -> auto& { return row.exposure_end; });
-  if (archive.minor_version() >= 1) half_columns(archive, frames);
+  if (archive.version() >= with_sync_report) half_columns(archive, frames);
   archive.template column<std::uint8_t>(
       {"status", "1", "state of the frame", "", flag_masks({"resync_before", "stale", "late"})}, frames,
       [](const auto& row) { return (row.resync_before ? 1 : 0) | (row.stale ? 2 : 0) | (row.late ? 4 : 0); },

@@ -1,12 +1,30 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <fmt/format.h>
+
+#include <compare>
+#include <string>
+
 namespace thermorig::session {
+
+/// Of the session format, without the patch.
+struct FormatVersion {
+  unsigned major = 0, minor = 0;
+
+  friend auto operator<=>(const FormatVersion&, const FormatVersion&) = default;
+  std::string text() const { return fmt::format("{}.{}", major, minor); }
+};
 
 inline constexpr const char* format_name = "thermorig-session";
 inline constexpr const char* licence_not_stated = "not stated";
-inline constexpr const char* format_version = "1.3.0";
-inline constexpr unsigned format_major = 1;
-inline constexpr unsigned format_minor = 3;
+inline constexpr FormatVersion format_version{2, 0};  // that is written
+inline constexpr unsigned first_format_major = 1;     // that is read, whatever the minor version
+
+// What came with which version.
+inline constexpr FormatVersion with_sync_report{1, 1};  // and bounds of times, halves, two labels
+inline constexpr FormatVersion with_attribute_sums{1, 3};
+inline constexpr FormatVersion with_named_estimators{2, 0};
+inline constexpr FormatVersion with_profile_apart{2, 0};  // in groups of its own, not in the header
 
 }  // namespace thermorig::session

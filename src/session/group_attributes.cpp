@@ -12,7 +12,6 @@
 #include "scalars.h"
 #include "sync_attributes.h"
 #include "thermorig/core/validity.h"
-#include "thermorig/recording_header/header_json.h"
 
 namespace thermorig::session {
 
@@ -20,16 +19,6 @@ namespace {
 
 std::uint8_t flag(bool value) {
   return value ? 1 : 0;
-}
-
-void write_link(hid_t group, const std::string& model, const PortProfile& link) {
-  set_attribute(group, "model", model);
-  set_attribute(group, "port", link.port);
-  set_attribute(group, "usb_path", link.usb_path);
-  set_attribute(group, "baud", link.baud);
-  set_attribute(group, "latency_s", link.latency_s);
-  set_attribute(group, "latency_uncertainty_s", link.latency_uncertainty_s);
-  set_attribute(group, "latency_measured", link.latency_measured_utc);
 }
 
 /// Writes what sync_attributes.h lists.
@@ -43,18 +32,6 @@ struct AttributeWriter {
     set_attribute(group, name, value.value_or(std::numeric_limits<double>::quiet_NaN()));
   }
 };
-
-const char* name_of(ChecksumPolicy policy) {
-  switch (policy) {
-    case ChecksumPolicy::word:
-      return "word";
-    case ChecksumPolicy::byte:
-      return "byte";
-    case ChecksumPolicy::ignore:
-      break;
-  }
-  return "ignore";
-}
 
 /// How hard the scene is for the camera: the order of contrast in the environments of the published rig.
 const char* difficulty_of(const std::string& environment) {
@@ -110,7 +87,7 @@ void write_root_attributes(hid_t root, const Session& session) {
   set_attribute(root, "NX_class", "NXroot");
   set_attribute(root, "default", "samples");
   set_attribute(root, "format", format_name);
-  set_attribute(root, "format_version", format_version);
+  set_attribute(root, "format_version", format_version.text() + ".0");
   set_attribute(root, "uuid", header.uuid);
   set_attribute(root, "title", header.title);
   set_attribute(root, "start_time", header.start_time_utc);
@@ -130,53 +107,16 @@ void write_root_attributes(hid_t root, const Session& session) {
   set_attribute(root, "HDF5_Version", hdf5_version());
   set_attribute(root, "Conventions", "CF-1.10");
   set_attribute(root, "license", header.licence.empty() ? licence_not_stated : header.licence);
-  set_attribute(root, "scalars_crc32",
-                scalars_crc32(session, recording_header::header_to_json_text(header), format_minor));
+  set_attribute(root, "scalars_crc32", scalars_crc32(session, header_text(header), format_version));
 }
 
 void write_camera_attributes(hid_t group, const Session& session) {
-  const auto& camera = session.raw.header.profile.camera;
-  write_link(group, camera.model, camera.link);
-  set_attribute(group, "output_rate_setting_hz", camera.output_rate_hz);
-  set_attribute(group, "field_of_view_deg", camera.field_of_view_deg);
-  set_attribute(group, "mirrored", flag(camera.mirrored));
-  set_attribute(group, "orientation_measured", camera.orientation_measured_utc);
-  set_attribute(group, "checksum_policy", name_of(camera.checksum));
   set_attribute(group, "mode", session.camera_mode);
   set_attribute(group, "frame_period_s", session.frame_period_s);
 }
 
-void write_gyro_attributes(hid_t group, const Session& session) {
-  const auto& gyro = session.raw.header.profile.gyro;
-  write_link(group, gyro.model, gyro.link);
-  set_attribute(group, "protocol", gyro.protocol);
-  set_attribute(group, "rate_setting_hz", gyro.output_rate_hz);
-  set_attribute(group, "axis_used", gyro.axis);
-  set_attribute(group, "sign", gyro.sign);
-  set_attribute(group, "scale", gyro.scale);
-  set_attribute(group, "scale_uncertainty", gyro.scale_uncertainty);
-  set_attribute(group, "scale_measured", gyro.scale_measured_utc);
-  set_attribute(group, "bias_dps", gyro.bias_dps);
-  set_attribute(group, "bias_uncertainty_dps", gyro.bias_uncertainty_dps);
-  set_attribute(group, "bias_measured", gyro.bias_measured_utc);
-}
-
 void write_servo_attributes(hid_t group, const Session& session) {
-  const auto& servo = session.raw.header.profile.servo;
-  write_link(group, servo.model, servo.link);
   set_attribute(group, "firmware", session.raw.header.firmware);
-  set_attribute(group, "kind", servo.kind == ServoKind::positional ? "positional" : "continuous");
-  set_attribute(group, "travel_deg", servo.travel_deg);
-  set_attribute(group, "full_rate_dps", servo.full_rate_dps);
-  set_attribute(group, "pulse_min_us", servo.pulse_min_us);
-  set_attribute(group, "pulse_max_us", servo.pulse_max_us);
-  set_attribute(group, "max_rate_dps", servo.max_rate_dps);
-  set_attribute(group, "acceleration_dps2", servo.acceleration_dps2);
-  set_attribute(group, "stop_margin_deg", servo.stop_margin_deg);
-  set_attribute(group, "loop_hz", servo.loop_hz);
-  set_attribute(group, "scale", servo.scale);
-  set_attribute(group, "scale_uncertainty", servo.scale_uncertainty);
-  set_attribute(group, "scale_measured", servo.scale_measured_utc);
 }
 
 void write_sync_attributes(hid_t group, const Session& session) {
@@ -224,7 +164,6 @@ void write_environment_attributes(hid_t group, const Session& session) {
 
 void write_rig_attributes(hid_t group, const Session& session) {
   const auto& header = session.raw.header;
-  set_attribute(group, "name", header.profile.name);
   set_attribute(group, "plan_name", header.plan_name);
   set_attribute(group, "frames_per_leg", header.frames_per_leg);
   set_attribute(group, "firmware", header.firmware);

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "column.h"
+#include "format.h"
 #include "hdf5_handle.h"
 #include "stored_type.h"
 #include "thermorig/core/time.h"
@@ -18,7 +19,7 @@ namespace thermorig::session {
 /// What a reader must know of the file as a whole.
 struct FileFacts {
   std::uint64_t bytes = 0;
-  unsigned minor_version = 0;
+  FormatVersion version;
   HostTime reference{};
 };
 
@@ -31,8 +32,8 @@ class GroupReader {
 
   hid_t id() const { return group_.get(); }
 
-  /// Minor version of the format that the file has: what came later is not in it.
-  unsigned minor_version() const { return facts_.minor_version; }
+  /// Of the format that the file has: what came later is not in it.
+  FormatVersion version() const { return facts_.version; }
 
   template <typename Stored, typename Row, typename Get, typename Set>
   void axis(const Column& info, std::vector<Row>& rows, Get get, Set set,

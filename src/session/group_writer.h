@@ -26,8 +26,8 @@ class GroupWriter {
 
   hid_t id() const { return group_.get(); }
 
-  /// Minor version of the format that is written.
-  static constexpr unsigned minor_version() { return format_minor; }
+  /// Of the format that is written.
+  static constexpr FormatVersion version() { return format_version; }
 
   /// The column that is the axis of the table's rows: the columns after it are attached to it.
   template <typename Stored, typename Row, typename Get, typename Set>

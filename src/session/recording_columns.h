@@ -111,7 +111,7 @@ void speed_columns(Archive& archive, Rows& speeds) {
       [](auto& row) -> auto& { return row.valid; });
 }
 
-/// The texts of /rig: written for people; header_json holds them too.
+/// The texts of /rig: written for people; header_json held them too. The profile before format 2.0.
 inline const Column profile_column{"profile_toml", "1", "profile of the rig, TOML"};
 inline const Column plan_column{"plan_toml", "1", "sweep plan, TOML"};
 

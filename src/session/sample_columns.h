@@ -98,7 +98,7 @@ void sample_columns(Archive& archive, Rows& samples) {
   archive.template field<std::uint32_t>(
       {"run", "1", "unbroken run of valid frames of one leg", "from 1; 0: not valid"}, samples,
       [](auto& row) -> auto& { return row.run; });
-  if (archive.minor_version() >= 1) half_rate_columns(archive, samples);
+  if (archive.version() >= with_sync_report) half_rate_columns(archive, samples);
   archive.time_column(
       {"exposure_begin", "s", "start of the exposure [s]"}, samples,
       [](auto& row) -> auto& { return row.exposure_begin; });

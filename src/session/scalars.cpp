@@ -13,6 +13,7 @@
 
 #include "counters_list.h"
 #include "sync_attributes.h"
+#include "thermorig/recording_header/header_json.h"
 
 namespace thermorig::session {
 
@@ -26,6 +27,10 @@ std::string name_of(State state) {
       break;
   }
   return "partial";
+}
+
+std::string header_text(const RecordingHeader& header) {
+  return recording_header::header_to_json_text(header, recording_header::ProfilePlace::elsewhere);
 }
 
 namespace {
@@ -50,7 +55,7 @@ std::string sync_text(const SyncReport& sync) {
 }
 }  // namespace
 
-std::uint32_t scalars_crc32(const Session& session, const std::string& header_text, unsigned minor_version) {
+std::uint32_t scalars_crc32(const Session& session, const std::string& header_text, FormatVersion version) {
   std::string text =
       fmt::format("{} {} {} {} {} {}", name_of(session.state), session.raw.complete,
                   to_ns(session.raw.end_time), session.settle_s, session.camera_mode, session.frame_period_s);
@@ -58,11 +63,12 @@ std::uint32_t scalars_crc32(const Session& session, const std::string& header_te
     for (const auto& counter : counter_names)
       text += fmt::format(" {}", session.counters[device].*counter.member);
   text += header_text;
-  if (minor_version >= 1) text += sync_text(session.sync);
+  if (version >= with_sync_report) text += sync_text(session.sync);
   // So that a file whose /estimates is damaged is not taken for one that never had any.
   if (!session.raw.estimates.empty()) text += fmt::format(" {}", session.raw.estimates.size());
   // So that nobody takes it for a file of a version that had no check sums of other attributes.
-  if (minor_version >= 3) text += fmt::format(" {}", minor_version);
+  if (version >= with_attribute_sums)
+    text += version.major == 1 ? fmt::format(" {}", version.minor) : fmt::format(" {}", version.text());
   return libdeflate_crc32(0, text.data(), text.size());
 }
 

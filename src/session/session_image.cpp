@@ -13,11 +13,12 @@
 #include "file_image.h"
 #include "group_attributes.h"
 #include "group_writer.h"
+#include "profile_attributes.h"
 #include "recording_columns.h"
 #include "sample_columns.h"
+#include "scalars.h"
 #include "sent_bytes.h"
 #include "sync_columns.h"
-#include "thermorig/recording_header/header_json.h"
 
 namespace thermorig::session {
 
@@ -97,7 +98,6 @@ class ImageBuilder {
   void write_gyro() {
     auto gyro = group("/gyro");
     plot_as(gyro.id(), "rate", {"time"});
-    write_gyro_attributes(gyro.id(), session_);
     gyro_columns(gyro, session_.gyro);
   }
 
@@ -148,8 +148,8 @@ class ImageBuilder {
     write_environment_attributes(group("/environment").id(), session_);
     auto rig = group("/rig");
     write_rig_attributes(rig.id(), session_);
-    set_attribute(rig.id(), "header_json", recording_header::header_to_json_text(header));
-    rig.text(profile_column, header.profile_toml);
+    set_attribute(rig.id(), "header_json", header_text(header));
+    write_profile([this](const std::string& path) { return group(path.c_str()); }, header.profile);
     rig.text(plan_column, header.plan_toml);
   }
 

@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: MIT
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <limits>
 #include <optional>
+#include <set>
 
 #include "attributes.h"
 #include "counters_list.h"
@@ -11,6 +14,7 @@
 #include "file_image.h"
 #include "format.h"
 #include "group_reader.h"
+#include "profile_attributes.h"
 #include "recording_columns.h"
 #include "refusal.h"
 #include "sample_columns.h"
@@ -32,13 +36,16 @@ namespace fs = std::filesystem;
 
 constexpr double longest_delay_s = 10.0;
 
-/// Of a version that this program reads: "1.<minor>.<patch>".
-std::optional<unsigned> minor_version_of(const std::string& version) {
-  unsigned major = 0, minor = 0, patch = 0;
+/// "<major>.<minor>.<patch>", of a major version that this program reads.
+std::optional<FormatVersion> version_of(const std::string& text) {
+  FormatVersion version;
+  unsigned patch = 0;
   char behind = 0;
-  const int fields = std::sscanf(version.c_str(), "%3u.%3u.%3u%c", &major, &minor, &patch, &behind);
-  if (fields != 3 || major != format_major) return std::nullopt;
-  return minor;
+  const int fields =
+      std::sscanf(text.c_str(), "%3u.%3u.%3u%c", &version.major, &version.minor, &patch, &behind);
+  if (fields != 3 || version.major < first_format_major || version.major > format_version.major)
+    return std::nullopt;
+  return version;
 }
 
 /// A session file that has shown its format; gives access to its groups.
@@ -52,11 +59,11 @@ class SessionFile {
     if (!has_attribute(id(), "format") || get_text_attribute(id(), "format") != format_name)
       refuse(path, "is HDF5, but not a thermorig session");
     const std::string version = get_text_attribute(id(), "format_version");
-    const auto minor_version = minor_version_of(version);
-    if (!minor_version)
-      refuse(path,
-             "is a session of format version " + version + ", and this program reads " + format_version);
-    facts_.minor_version = *minor_version;
+    const auto known = version_of(version);
+    if (!known)
+      refuse(path, fmt::format("is a session of format version {}, and this program reads versions {} to {}",
+                               version, first_format_major, format_version.major));
+    facts_.version = *known;
   }
 
   hid_t id() const { return file_.get(); }
@@ -68,8 +75,12 @@ class SessionFile {
   }
 
   RecordingHeader read_header() {
+    using recording_header::ProfilePlace;
+    const bool is_apart = version() >= with_profile_apart;
     header_text_ = get_text_attribute(group("/rig").id(), "header_json");
-    auto header = recording_header::header_from_json_text(header_text_, path_.string());
+    auto header = recording_header::header_from_json_text(
+        header_text_, path_.string(), is_apart ? ProfilePlace::elsewhere : ProfilePlace::in_header);
+    if (is_apart) header.profile = profile();
     facts_.reference = header.time_reference;
     header.licence = licence();
     return header;
@@ -78,9 +89,17 @@ class SessionFile {
   /// As it stands in the file; of use after read_header().
   const std::string& header_text() const { return header_text_; }
 
-  unsigned minor_version() const { return facts_.minor_version; }
+  FormatVersion version() const { return facts_.version; }
 
  private:
+  /// Other readers may change what stands in attributes: these must be what was written.
+  RigProfile profile() const {
+    const std::string sums = group("/quality").text(attribute_sums_column);
+    const std::vector<std::string> altered = altered_attributes(id(), profile_group, sums);
+    if (!altered.empty()) throw Hdf5Failure("believe " + altered.front() + ": it differs from its checksum");
+    return read_profile(id(), path_);
+  }
+
   /// What the attribute says, not the header: owners of data state the licence of files that they have.
   std::string licence() const {
     if (!has_attribute(id(), "license")) return "";
@@ -121,7 +140,7 @@ std::vector<EstimateRow> read_estimates(const SessionFile& file, RecordingHeader
   if (!file.has_group("/estimates")) return rows;
   auto group = file.group("/estimates");
   estimate_row_columns(group, rows);
-  if (header.estimators.empty()) {
+  if (file.version() < with_named_estimators) {
     estimate_columns_before_format_2(group, rows);
     header.estimators = columns_before_format_2(header.live_model);
   } else {
@@ -247,9 +266,9 @@ Session read_foundation(SessionFile& file) {
   Session session;
   session.raw = read_recording(file);
   read_scalars(file, session);
-  if (file.minor_version() >= 1) read_sync_scalars(file, session.sync);
+  if (file.version() >= with_sync_report) read_sync_scalars(file, session.sync);
   if (get_attribute<std::uint32_t>(file.id(), "scalars_crc32") !=
-      scalars_crc32(session, file.header_text(), file.minor_version()))
+      scalars_crc32(session, file.header_text(), file.version()))
     throw Hdf5Failure("believe the attributes: they differ from their checksum");
   return session;
 }
@@ -263,14 +282,14 @@ void check_copies(const SessionFile& file) {
   auto quality = file.group("/quality");
   speed_columns(quality, speeds);
   auto rig = file.group("/rig");
-  rig.text(profile_column);
+  if (file.version() < with_profile_apart) rig.text(profile_column);
   rig.text(plan_column);
 }
 
 /// Reads all attributes, also those that nothing is made of.
 std::vector<std::string> read_altered(const SessionFile& file) {
   const std::vector<StoredAttribute> attributes = stored_attributes(file.id());
-  if (file.minor_version() < 3) return {};
+  if (file.version() < with_attribute_sums) return {};
   return altered_attributes(attributes, file.group("/quality").text(attribute_sums_column));
 }
 
@@ -283,13 +302,13 @@ Session read_all(SessionFile& file) {
   auto servo = file.group("/servo");
   servo_columns(servo, session.servo);
   session.pongs = read_pongs(file);
-  if (file.minor_version() >= 1) read_sync_tables(file, session.sync);
+  if (file.version() >= with_sync_report) read_sync_tables(file, session.sync);
   auto samples = file.group("/samples");
   sample_columns(samples, session.samples);
-  if (file.minor_version() == 0) complete_labels_of_1_0(session.samples);
+  if (file.version() < with_sync_report) complete_labels_of_1_0(session.samples);
   check_samples(session);
   check_copies(file);
-  if (file.minor_version() >= 3) file.group("/quality").text(attribute_sums_column);
+  if (file.version() >= with_attribute_sums) file.group("/quality").text(attribute_sums_column);
   return session;
 }
 
@@ -299,11 +318,50 @@ bool is_of_its_quality(const StoredAttribute& stored) {
          (stored.name.starts_with("reason_") || stored.name == "verdict_reasons");
 }
 
+/// A copy of the profile's, as sessions had them before format 2.0.
+bool is_of_the_profile(const StoredAttribute& stored) {
+  static const std::set<std::string, std::less<>> names{"model",
+                                                        "port",
+                                                        "usb_path",
+                                                        "baud",
+                                                        "latency_s",
+                                                        "latency_uncertainty_s",
+                                                        "latency_measured",
+                                                        "output_rate_setting_hz",
+                                                        "field_of_view_deg",
+                                                        "mirrored",
+                                                        "orientation_measured",
+                                                        "checksum_policy",
+                                                        "protocol",
+                                                        "rate_setting_hz",
+                                                        "axis_used",
+                                                        "sign",
+                                                        "scale",
+                                                        "scale_uncertainty",
+                                                        "scale_measured",
+                                                        "bias_dps",
+                                                        "bias_uncertainty_dps",
+                                                        "bias_measured",
+                                                        "kind",
+                                                        "travel_deg",
+                                                        "full_rate_dps",
+                                                        "pulse_min_us",
+                                                        "pulse_max_us",
+                                                        "max_rate_dps",
+                                                        "acceleration_dps2",
+                                                        "stop_margin_deg",
+                                                        "loop_hz"};
+  if (stored.object == "/rig") return stored.name == "name";
+  return (stored.object == "/camera" || stored.object == "/gyro" || stored.object == "/servo") &&
+         names.contains(stored.name);
+}
+
 std::vector<StoredAttribute> read_added(SessionFile& file) {
   std::vector<StoredAttribute> attributes = stored_attributes(file.id());
-  if (file.minor_version() >= 3)
+  if (file.version() >= with_attribute_sums)
     return without_named(std::move(attributes), file.group("/quality").text(attribute_sums_column));
   std::erase_if(attributes, is_of_its_quality);
+  std::erase_if(attributes, is_of_the_profile);
   return attributes;
 }
 

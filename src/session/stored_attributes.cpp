@@ -32,12 +32,19 @@ herr_t collect_attribute(hid_t /*object*/, const char* name, const H5A_info_t* /
   return 0;
 }
 
-/// "/", "/gyro", "/gyro/rate". What the library cannot reach is not among them.
-std::vector<std::string> objects_in(hid_t file) {
+/// "/gyro", "/gyro/rate" of "/gyro". What the library cannot reach is not among them.
+std::vector<std::string> objects_in(hid_t file, const std::string& group) {
   std::vector<std::string> names;
-  H5Ovisit2(file, H5_INDEX_NAME, H5_ITER_INC, collect_object, &names, H5O_INFO_BASIC);
-  for (std::string& name : names) name = name == "." ? "/" : "/" + name;
+  H5Ovisit_by_name2(file, group.c_str(), H5_INDEX_NAME, H5_ITER_INC, collect_object, &names, H5O_INFO_BASIC,
+                    H5P_DEFAULT);
+  const std::string before = group == "/" ? "/" : group + "/";
+  for (std::string& name : names) name = name == "." ? group : before + name;
   return names;
+}
+
+/// Of an attribute's path: "/gyro" is, of "/gyro@sign" and "/gyro/rate@units".
+bool is_within(const std::string& path, const std::string& group) {
+  return path.starts_with(group) && (path[group.size()] == '@' || path[group.size()] == '/');
 }
 
 bool is_variable_text(hid_t type) {
@@ -176,9 +183,9 @@ void add_attribute(hid_t file, const StoredAttribute& stored) {
 
 }  // namespace
 
-std::vector<StoredAttribute> stored_attributes(hid_t file) {
+std::vector<StoredAttribute> stored_attributes(hid_t file, const std::string& group) {
   std::vector<StoredAttribute> found;
-  for (const std::string& path : objects_in(file)) take_attributes_of(file, path, found);
+  for (const std::string& path : objects_in(file, group)) take_attributes_of(file, path, found);
   return found;
 }
 
@@ -198,6 +205,12 @@ std::vector<std::string> altered_attributes(const std::vector<StoredAttribute>& 
   }
   std::vector<std::string> paths;
   for (const auto& [path, sum] : expected) paths.push_back(path);
+  return paths;
+}
+
+std::vector<std::string> altered_attributes(hid_t file, const std::string& group, const std::string& sums) {
+  std::vector<std::string> paths = altered_attributes(stored_attributes(file, group), sums);
+  std::erase_if(paths, [&](const std::string& path) { return !is_within(path, group); });
   return paths;
 }
 

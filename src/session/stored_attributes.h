@@ -23,9 +23,9 @@ struct StoredAttribute {
   std::string path() const { return object + "@" + name; }
 };
 
-/// All attributes of all objects that can be reached by hard links, by name. What cannot be read, is larger
-/// than 1 MiB or holds references is left out: dimension scales.
-std::vector<StoredAttribute> stored_attributes(hid_t file);
+/// All attributes of a group and of all objects in it that can be reached by hard links, by name. What cannot
+/// be read, is larger than 1 MiB or holds references is left out: dimension scales.
+std::vector<StoredAttribute> stored_attributes(hid_t file, const std::string& group = "/");
 
 /// A line an attribute: CRC-32 of its type, shape and values, and its path. The licence is left out, which
 /// owners of data may state later.
@@ -35,6 +35,9 @@ std::string attribute_sums(const std::vector<StoredAttribute>& attributes);
 /// other values. Throws Hdf5Failure if `sums` is no such text.
 std::vector<std::string> altered_attributes(const std::vector<StoredAttribute>& attributes,
                                             const std::string& sums);
+
+/// The same of the attributes of a group and of what is in it alone.
+std::vector<std::string> altered_attributes(hid_t file, const std::string& group, const std::string& sums);
 
 /// Those of them that `sums` does not name.
 std::vector<StoredAttribute> without_named(std::vector<StoredAttribute> attributes, const std::string& sums);

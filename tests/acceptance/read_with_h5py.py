@@ -1,7 +1,9 @@
 # SPDX-License-Identifier: MIT
-"""Holds a recorded session against the tables of docs/recording_format.md with stock h5py, no code of this project.
+"""Holds a recorded session against the tables of docs/recording_format.md, and of profile.md beside it, with stock h5py,
+no code of this project.
 
 usage: read_with_h5py.py FORMAT_PAGE FILE    exit code 0: as documented; else a sentence for each deviation"""
+import pathlib
 import re
 import sys
 
@@ -57,13 +59,36 @@ def deviations_of_row(file, group, names, kind, units, letters):
             yield from deviations_of_type(dataset, kind, letters)
 
 
+def profile_rows(page):
+    """(group, key) of every row of the tables of docs/profile.md."""
+    group = "rig/profile"
+    for line in page.splitlines():
+        if line.startswith("## `["):
+            group = "rig/profile/" + line[5:-2].replace(".", "/")
+        key = re.match(r"\| `(\w+)` \|", line)
+        if key:
+            yield group, key.group(1)
+
+
+def deviations_of_profile(page, file):
+    """Each key of the profile is an attribute of its table's group; a table of settings may be missing."""
+    documented = {}
+    for group, key in profile_rows(page):
+        documented.setdefault(group, set()).add(key)
+    for group, keys in documented.items():
+        if group in file and set(file[group].attrs) != keys:
+            yield f"{group} has the attributes {sorted(file[group].attrs)}, documented are {sorted(keys)}"
+    if not {"rig/profile", "rig/profile/camera", "rig/profile/gyro/text", "rig/profile/servo"} <= documented.keys():
+        yield "the tables of the profile's page cannot be read any more"
+
+
 def has_named_axes(dataset):
     if dataset.attrs.get("CLASS") == b"DIMENSION_SCALE":
         return True
     return all(len(dim) == 1 and dim[0].name for dim in dataset.dims)
 
 
-def check(page, path):
+def check(page, profile_page, path):
     documented, letters, letters_of_group = {}, {}, {}
     with h5py.File(path, "r") as file:
         for section, names, kind, units in rows(page):
@@ -83,11 +108,14 @@ def check(page, path):
                 if not has_named_axes(item):
                     yield f"{item.name} has an axis without a name"
                 item[()]
+        yield from deviations_of_profile(profile_page, file)
     if len(documented) != len({group for groups in GROUPS.values() for group in groups}) or letters.get("N", 0) == 0:
         yield "the tables of the format page cannot be read any more"
 
 
 if __name__ == "__main__":
-    problems = list(check(open(sys.argv[1], encoding="utf-8").read(), sys.argv[2]))
+    format_page = pathlib.Path(sys.argv[1])
+    problems = list(check(format_page.read_text(encoding="utf-8"),
+                          format_page.with_name("profile.md").read_text(encoding="utf-8"), sys.argv[2]))
     print("\n".join(problems))
     sys.exit(1 if problems else 0)

@@ -71,7 +71,7 @@ def compare(session, ledger):
     wrong, worst = [], 0
     with h5py.File(session, "r") as file:  # stock, no flag
         for device in DEVICES:
-            port = file[device].attrs["port"]
+            port = file["rig/profile"][device].attrs["port"]
             port = port.decode() if isinstance(port, bytes) else port
             kept = file["raw"][device]["bytes"].shape[0]
             read, last = ledger.get(int(port.rsplit("/", 1)[1]), (0, 0))

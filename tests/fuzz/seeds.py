@@ -4,6 +4,7 @@ and texts as the program writes them. The model fuzzer's are files.
 
 Usage: seeds.py FUZZER VECTORS_FOLDER CORPUS_FOLDER [CAPTURES_FOLDER]. A vector's second column is its hex.
 """
+import json
 import pathlib
 import shutil
 import sys
@@ -14,6 +15,20 @@ capture_bytes = 4096  # of each: a corpus is to stay small
 source = pathlib.Path(__file__).resolve().parent.parent.parent
 
 DEEP = 20_000 * "[" + 20_000 * "]"
+LINK = {"port": "p", "usb_path": "1-4.2", "baud": 9600, "latency_s": 0.01, "reset_on_open": False}
+FORMAT_1_PROFILE = {
+    "name": "rig",
+    "camera": {"link": LINK, "model": "m", "output_rate_hz": 8, "field_of_view_deg": 55, "mirrored": True, "checksum": "word"},
+    "gyro": {"link": LINK, "model": "m", "protocol": "mavlink", "settings": {"system": 3.0, "raw_scale_dps": 0.05},
+             "text": {"prefix": "", "rate": [0, 1, 2], "scale_dps": 1, "time": -1, "time_unit_s": 0.001},
+             "output_rate_hz": 200, "axis": 2, "sign": 1},
+    "servo": {"link": LINK, "model": "m", "kind": "positional", "travel_deg": 270, "full_rate_dps": 0, "pulse_min_us": 500,
+              "pulse_max_us": 2500, "max_rate_dps": 220, "acceleration_dps2": 2000, "stop_margin_deg": 2, "settle_s": 0.2}}
+FORMAT_1_HEADER = {
+    "uuid": "8d3f2a10-7f6e-4c55-9d0a-2b1c3d4e5f60", "environment": "garden", "acquisition": 2, "title": "t",
+    "start_time_utc": "2026-07-25T14:35:59.900001Z", "time_reference": 1, "realtime_offset_ns": 0, "simulated": True,
+    "simulation_seed": 3, "simulation": "", "profile": FORMAT_1_PROFILE, "profile_toml": "", "plan_name": "", "plan_toml": "",
+    "frames_per_leg": 3, "creator": "", "creator_git": "", "host_name": "", "kernel": "", "firmware": ""}
 TEXTS = {
     "plan": [
         "magnitudes_dps = [7.5, 90.0]\norder = \"given\"\nvalid_per_leg = 0\nframes_per_leg = 12\nseed = 3\n",
@@ -41,6 +56,7 @@ TEXTS = {
         "\"title\":\"t\",\"start_time_utc\":\"2026-07-25T14:35:59.900001Z\",\"time_reference_ns\":1,"
         "\"simulated\":true,\"simulation_seed\":3}",
         "{\"acquisition\":" + DEEP + "}",
+        json.dumps(FORMAT_1_HEADER),
     ],
     "result": ["{\"job\":" + DEEP + "}", "{\"job\":{\"kind\":\"held-out\",\"seed\":1},\"mae_dps\":1.5}"],
     "run": [

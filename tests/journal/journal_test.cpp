@@ -8,6 +8,7 @@
 #include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
+#include <zlib.h>
 
 #include <bit>
 #include <csignal>
@@ -20,6 +21,8 @@
 #include "../../src/journal/record.h"
 #include "../support/paper_estimates.h"
 #include "../support/same_row.h"
+#include "support/format_1_header.h"
+#include "support/unusual_profile.h"
 #include "thermorig/core/error.h"
 
 namespace thermorig::journal {
@@ -47,7 +50,8 @@ RecordingHeader some_header() {
   header.profile.gyro.axis = 0;
   header.profile.gyro.sign = -1;
   header.profile.servo.kind = ServoKind::continuous;
-  header.profile.servo.travel_deg = 0.1;
+  header.profile.servo.travel_deg = 720.1;
+  header.profile.servo.full_rate_dps = 250.5;
   header.plan_toml = "legs = [7.5, -7.5]\n";
   header.frames_per_leg = 57;
   return header;
@@ -158,6 +162,43 @@ TEST_F(Journal, GivesBackTheWholeHeader) {
   EXPECT_EQ(header.profile.servo.kind, sent.profile.servo.kind);
   EXPECT_EQ(header.profile.servo.travel_deg, sent.profile.servo.travel_deg);
   EXPECT_EQ(header.plan_toml, sent.plan_toml);
+}
+
+TEST_F(Journal, GivesBackEveryFieldOfTheProfile) {
+  RecordingHeader header = some_header();
+  header.profile = tests::unusual_profile();
+  JournalWriter(path(), header, 0).close(host_time_ns(18));
+  EXPECT_EQ(tests::difference(read_journal(path()).recording.header.profile, header.profile), "");
+}
+
+void put_number(Bytes& bytes, std::size_t at, std::uint32_t number) {
+  for (std::size_t i = 0; i < 4; ++i) bytes[at + i] = static_cast<std::uint8_t>(number >> (8 * i));
+}
+
+/// The same records behind a header with another text.
+Bytes with_header_text(const Bytes& journal, std::uint64_t header_end, const std::string& text) {
+  constexpr std::size_t length_at = 24, sum_at = 28, payload_at = 32;
+  Bytes bytes(journal.begin(), journal.begin() + payload_at);
+  bytes.insert(bytes.end(), text.begin(), text.end());
+  put_number(bytes, length_at, static_cast<std::uint32_t>(text.size()));
+  const auto sum = ::crc32(::crc32(0, bytes.data(), sum_at), bytes.data() + payload_at,
+                           static_cast<unsigned>(text.size()));
+  put_number(bytes, sum_at, static_cast<std::uint32_t>(sum));
+  bytes.insert(bytes.end(), journal.begin() + static_cast<std::ptrdiff_t>(header_end), journal.end());
+  return bytes;
+}
+
+TEST_F(Journal, OfTheTimeBeforeSessionFormat2IsRead) {
+  RecordingHeader header = some_header();
+  header.profile = tests::unusual_profile();
+  const SmallJournal small(path());
+  const fs::path old =
+      write_file(with_header_text(read_file(path()), small.ends.front(), tests::format_1_header(header)));
+  const JournalContents contents = read_journal(old);
+  EXPECT_EQ(contents.records, small.ends.size());
+  EXPECT_EQ(contents.bytes_ignored, 0U);
+  EXPECT_EQ(tests::difference(contents.recording.header.profile, header.profile), "");
+  EXPECT_EQ(contents.recording.header.plan_toml, header.plan_toml);
 }
 
 TEST_F(Journal, CutAtAnyByteKeepsEveryRecordBeforeTheCut) {

@@ -39,17 +39,22 @@ TEST_F(FalsifiedSession, IsRefusedAndSaysWhatIsWrong) {
   const std::pair<const char*, const char*> refusals[] = {
       {"another_format", "not a thermorig session"},
       {"no_format", "not a thermorig session"},
-      {"another_version", "is a session of format version 2.0.0"},
+      {"another_version", "is a session of format version 3.0.0, and this program reads versions 1 to 2"},
       {"no_licence", "an attribute `license`"},
       {"another_state", "the state asleep"},
       {"attribute", "the attributes: they differ from their checksum"},
-      {"older_version", "the attributes: they differ from their checksum"},
+      {"older_version", "its header cannot be read: key 'profile' not found"},
+      {"newer_minor", "the attributes: they differ from their checksum"},
       {"no_sums", "/quality/attribute_crc32"},
       {"fewer_sums", "/quality/attribute_crc32: its text differs from its checksum"},
       {"quality_speed", "/quality/speed: its values differ from its checksum"},
       {"quality_frames", "/quality/speed_frames: its values differ from its checksum"},
       {"quality_valid", "/quality/speed_valid: its values differ from its checksum"},
-      {"profile_toml", "/rig/profile_toml: its text differs from its checksum"},
+      {"profile_value", "/rig/profile/gyro@scale: it differs from its checksum"},
+      {"profile_text", "/rig/profile/servo@kind: it differs from its checksum"},
+      {"profile_field", "/rig/profile/camera@mirrored: it differs from its checksum"},
+      {"profile_table", "/rig/profile/gyro"},
+      {"profile", "/rig/profile"},
       {"plan_toml", "/rig/plan_toml: its text differs from its checksum"},
       {"command_time", "/servo/command_time: its values differ from its checksum"},
       {"command_text", "/servo/command_text: its text differs from its checksum"},
@@ -71,9 +76,9 @@ TEST_F(FalsifiedSession, IsRefusedAndSaysWhatIsWrong) {
     EXPECT_THAT(refusal_of(path(std::string(kind) + ".h5")), testing::HasSubstr(sentence)) << kind;
   // Nothing is made of these, but people look at them.
   const std::pair<const char*, const char*> altered[] = {
-      {"altered_number", "/@simulated"},        {"altered_sign", "/gyro@sign"},
+      {"altered_number", "/@simulated"},        {"altered_count", "/environment@acquisition_number"},
       {"altered_text", "/quality@verdict"},     {"altered_array", "/camera@axes"},
-      {"altered_units", "/gyro/rate@units"},    {"altered_type", "/camera@mirrored"},
+      {"altered_units", "/gyro/rate@units"},    {"altered_type", "/quality@frames"},
       {"removed", "/servo/state@flag_meanings"}};
   for (const auto& [kind, attribute] : altered)
     EXPECT_THAT(altered_attributes(SealedCopy(path(std::string(kind) + ".h5"))),

@@ -4,6 +4,8 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 
+#include "support/format_1_header.h"
+#include "support/unusual_profile.h"
 #include "synthetic_session.h"
 #include "thermorig/core/error.h"
 #include "thermorig/recording_header/header_json.h"
@@ -17,26 +19,59 @@ RecordingHeader sound_header() {
 
 TEST(Header, KeepsCalibrationsAndWhatBoundsRestOn) {
   RecordingHeader header = sound_header();
-  RigProfile& rig = header.profile;
-  rig.camera.link.latency_uncertainty_s = 0.00031;
-  rig.camera.link.latency_measured_utc = "2026-07-20T09:00:00Z";
-  rig.camera.orientation_measured_utc = "2026-07-21T09:00:00Z";
-  rig.gyro.link.largest_constant_delay_s = 0.0013;
-  rig.servo.link.wander_ppm = 42.0;
-  rig.gyro.scale = 1.013;
-  rig.gyro.bias_dps = -0.75;
-  rig.servo.loop_hz = 11.5;
-  rig.servo.scale_uncertainty = 0.002;
+  header.profile = tests::unusual_profile();
   const RigProfile read = header_from_json_text(header_to_json_text(header), "test").profile;
-  EXPECT_EQ(read.camera.link.latency_uncertainty_s, 0.00031);
-  EXPECT_EQ(read.camera.link.latency_measured_utc, "2026-07-20T09:00:00Z");
-  EXPECT_EQ(read.camera.orientation_measured_utc, "2026-07-21T09:00:00Z");
-  EXPECT_EQ(read.gyro.link.largest_constant_delay_s, 0.0013);
-  EXPECT_EQ(read.servo.link.wander_ppm, 42.0);
-  EXPECT_EQ(read.gyro.scale, 1.013);
-  EXPECT_EQ(read.gyro.bias_dps, -0.75);
-  EXPECT_EQ(read.servo.loop_hz, 11.5);
-  EXPECT_EQ(read.servo.scale_uncertainty, 0.002);
+  EXPECT_EQ(tests::difference(read, header.profile), "");
+}
+
+TEST(Header, OfTheTimeBeforeSessionFormat2IsRead) {
+  RecordingHeader header = sound_header();
+  header.profile = tests::unusual_profile();
+  const std::string text = tests::format_1_header(header);
+  EXPECT_EQ(tests::difference(header_from_json_text(text, "test").profile, header.profile), "");
+}
+
+TEST(Header, OfTheTimeBeforeSessionFormat2ThatIsNoneIsRefused) {
+  const nlohmann::json sound = nlohmann::json::parse(tests::format_1_header(sound_header()));
+  const auto refused = [&](const char* where, const nlohmann::json& value) {
+    nlohmann::json changed = sound;
+    changed[nlohmann::json::json_pointer(where)] = value;
+    EXPECT_THROW(header_from_json_text(changed.dump(), "test"), Error) << where << " " << value;
+  };
+  refused("/profile/camera/link", 3);
+  refused("/profile/gyro/link", nlohmann::json::array());
+  refused("/profile/gyro/text", "columns");
+  refused("/profile/gyro/text/rate", {0, 1});
+  refused("/profile/gyro/axis", 3);
+  refused("/profile/gyro/axis", -1);
+  refused("/profile/gyro/settings", {{"system", "one"}});
+  for (const char* where : {"/profile/gyro/sign", "/profile/gyro/text/rate/1", "/profile/camera/link/baud"})
+    for (const nlohmann::json& number :
+         {nlohmann::json(3.3e21), nlohmann::json(1.5), nlohmann::json(1LL << 32U), nlohmann::json("1")})
+      refused(where, number);
+  EXPECT_NO_THROW(header_from_json_text(sound.dump(), "test"));
+}
+
+TEST(Header, ThatHoldsAValueOutOfRangeSaysFieldValueAndRange) {
+  nlohmann::json changed = nlohmann::json::parse(header_to_json_text(sound_header()));
+  changed["profile"]["gyro"]["latency_s"] = 5;
+  try {
+    header_from_json_text(changed.dump(), "test");
+    FAIL() << "nothing was refused";
+  } catch (const Error& error) {
+    EXPECT_THAT(error.what_happened(), ::testing::HasSubstr("the profile's [gyro] latency_s = 5 is out of "
+                                                            "range: a number from -0.1 to 1"));
+  }
+}
+
+TEST(Header, WithoutTheProfileSaysNothingOfIt) {
+  RecordingHeader header = sound_header();
+  header.profile = tests::unusual_profile();
+  const std::string text = header_to_json_text(header, ProfilePlace::elsewhere);
+  EXPECT_FALSE(nlohmann::json::parse(text).contains("profile"));
+  const RigProfile read = header_from_json_text(text, "test", ProfilePlace::elsewhere).profile;
+  EXPECT_EQ(tests::difference(read, RigProfile()), "");
+  EXPECT_THROW(header_from_json_text(text, "test"), Error);
 }
 
 TEST(Header, WithCalibrationsThatMakeNoSenseIsRefused) {
@@ -68,11 +103,6 @@ TEST(Header, WithAGyroProtocolThatIsNotKnownIsRefusedAndTheNearestNamed) {
     EXPECT_EQ(error.code(), ExitCode::not_a_session);
     EXPECT_THAT(error.what_happened(), ::testing::HasSubstr("did you mean \"witmotion\"?"));
   }
-}
-
-TEST(Header, SaysSettingsOfTheGyroOnlyWhereThereAreSome) {
-  EXPECT_FALSE(
-      nlohmann::json::parse(header_to_json_text(sound_header()))["profile"]["gyro"].contains("settings"));
 }
 
 TEST(Header, KeepsTheSettingsOfTheGyrosProtocol) {
@@ -170,7 +200,7 @@ TEST(Header, WithANumberThatIsNoneOfItsKindIsRefused) {
     }
   };
   for (const char* where : {"/acquisition", "/frames_per_leg", "/profile/gyro/sign",
-                            "/profile/gyro/text/rate/1", "/profile/camera/link/baud"}) {
+                            "/profile/gyro/text/y_column", "/profile/camera/baud"}) {
     refused(where, 3.3e21);
     refused(where, 1.5);
     refused(where, 1LL << 32U);

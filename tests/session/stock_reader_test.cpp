@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "equality.h"
+#include "format_1_file.h"
 #include "support/other_program.h"
 #include "synthetic_session.h"
 #include "temporary_folder.h"
@@ -96,7 +97,7 @@ TEST_F(StockReader, FindsHowHardTheSceneIsAndWhichChecksumsWereAsked) {
   const std::string source = fmt::format(
       "import h5py; f = h5py.File(\"{}\"); a = []; "
       "f.visititems(lambda n, o: a.extend(str(v) for k, v in o.attrs.items() if k in (\"difficulty\", "
-      "\"checksum_policy\"))); print(sorted(a))",
+      "\"checksum\"))); print(sorted(a))",
       path().string());
   const auto attributes = [&](const char* environment, ChecksumPolicy policy) {
     Session session = synthetic_session(3);
@@ -133,7 +134,7 @@ Session without_what_is_new(Session session) {
 
 TEST_F(StockReader, SessionsOfFormat1_0AreStillRead) {
   const Session session = synthetic_session(70);
-  write_session(path(), session);
+  write_format_1(path(), session);
   const tests::Printed output = tests::run_script("session/as_format_1_0.py " + path().string());
   ASSERT_EQ(output.code, 0) << output.text;
   const Session read = read_session(path());
@@ -143,6 +144,19 @@ TEST_F(StockReader, SessionsOfFormat1_0AreStillRead) {
   EXPECT_EQ(read.raw.header.profile.camera.link.latency_uncertainty_s,
             assumed.camera.link.latency_uncertainty_s);
   EXPECT_EQ(read.raw.header.profile.gyro.scale_uncertainty, assumed.gyro.scale_uncertainty);
+  replace_session(path(), read);
+  write_session(path("new.h5"), read_session(path()));
+  EXPECT_TRUE(read_file(path()) == read_file(path("new.h5"))) << "something of format 1.0 was kept";
+}
+
+TEST_F(StockReader, FindsTheProfileInAGroupForEachTable) {
+  write_session(path(), synthetic_session(3));
+  const tests::Printed output = tests::run_python(
+      fmt::format("import h5py; p = h5py.File(\"{}\")[\"rig/profile\"]; g = p[\"gyro\"].attrs; "
+                  "print(p.attrs[\"name\"], p[\"camera\"].attrs[\"baud\"], g[\"axis\"], g[\"scale\"], "
+                  "p[\"gyro/text\"].attrs[\"time_column\"], len(p[\"servo\"].attrs))",
+                  path().string()));
+  EXPECT_EQ(output.text, "rig 460800 z 1.0 -1 23\n");
 }
 
 }  // namespace

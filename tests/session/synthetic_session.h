@@ -46,7 +46,6 @@ class SyntheticSession {
     header.simulated = true;
     header.simulation_seed = 3;
     header.simulation = "made for a test";
-    header.profile_toml = "name = \"rig\"\n";
     header.plan_toml = "frames_per_leg = 57\n";
     header.creator = "thermorig test";
   }

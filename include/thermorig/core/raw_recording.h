@@ -32,7 +32,6 @@ struct RecordingHeader {
   std::optional<std::uint64_t> simulation_seed;
   std::string simulation;  // how: "virtual time, firmware's host build", "ports, AVR image", ...
   RigProfile profile;
-  std::string profile_toml;  // the profile as text, kept for people
   std::string plan_name;
   std::string plan_toml;  // the sweep plan as text
   int frames_per_leg = 0;

@@ -1,0 +1,153 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <hdf5.h>
+#include <libdeflate.h>
+
+#include <filesystem>
+#include <string>
+
+#include "attributes.h"
+#include "format.h"
+#include "hdf5_handle.h"
+#include "scalars.h"
+#include "stored_attributes.h"
+#include "support/format_1_header.h"
+#include "unchecked_file.h"
+
+namespace thermorig::session {
+
+/// A session file that is changed in place.
+class EditedFile {
+ public:
+  explicit EditedFile(const std::filesystem::path& path)
+      : file_(H5Fopen(path.c_str(), H5F_ACC_RDWR, H5P_DEFAULT), "open it again") {}
+
+  hid_t id() const { return file_.get(); }
+
+  /// An attribute, whether it is there or not.
+  template <typename Value>
+  void replace(const std::string& path, const char* name, const Value& value) const {
+    const Handle object = open(path);
+    if (has_attribute(object.get(), name)) check(H5Adelete(object.get(), name), "remove an attribute");
+    set_attribute(object.get(), name, value);
+  }
+
+  void replace_text(const std::string& path, const std::string& text) const {
+    const Handle dataset = open(path);
+    const char* const start = text.c_str();
+    check(H5Dwrite(dataset.get(), text_type().get(), H5S_ALL, H5S_ALL, H5P_DEFAULT, &start), "write text");
+    replace(path, "crc32", libdeflate_crc32(0, start, text.size() + 1));
+  }
+
+  /// As a forger would: no attribute differs from its check sum.
+  void renew_sums() const {
+    auto attributes = stored_attributes(id());
+    std::erase_if(attributes, [](const auto& stored) { return stored.object == "/quality/attribute_crc32"; });
+    replace_text("/quality/attribute_crc32", attribute_sums(attributes));
+  }
+
+ private:
+  Handle open(const std::string& path) const {
+    return Handle(H5Oopen(id(), path.c_str(), H5P_DEFAULT), "open " + path);
+  }
+
+  Handle file_;
+};
+
+/// Makes a file of format 1.3 of one that is written now: the profile in the header, as a text, and as
+/// attributes of the devices' groups.
+class Format1File {
+ public:
+  Format1File(const std::filesystem::path& path, const Session& session)
+      : profile_(session.raw.header.profile), file_(path) {
+    check(H5Ldelete(file_.id(), "/rig/profile", H5P_DEFAULT), "remove the profile");
+    move_profile();
+    const std::string header = tests::format_1_header(session.raw.header);
+    replace("/rig", "header_json", header);
+    replace("/", "format_version", "1.3.0");
+    replace("/", "scalars_crc32", scalars_crc32(session, header, {1, 3}));
+    file_.renew_sums();
+  }
+
+ private:
+  template <typename Value>
+  void replace(const std::string& path, const char* name, const Value& value) const {
+    file_.replace(path, name, value);
+  }
+
+  void move_link(const char* group, const std::string& model, const PortProfile& link) const {
+    replace(group, "model", model);
+    replace(group, "port", link.port);
+    replace(group, "usb_path", link.usb_path);
+    replace(group, "baud", link.baud);
+    replace(group, "latency_s", link.latency_s);
+    replace(group, "latency_uncertainty_s", link.latency_uncertainty_s);
+    replace(group, "latency_measured", link.latency_measured_utc);
+  }
+
+  void move_profile() const {
+    replace("/rig", "name", profile_.name);
+    move_camera();
+    move_gyro();
+    move_servo();
+    const Handle scalar(H5Screate(H5S_SCALAR), "make a dataspace");
+    Handle(H5Dcreate2(file_.id(), "/rig/profile_toml", text_type().get(), scalar.get(), H5P_DEFAULT,
+                      H5P_DEFAULT, H5P_DEFAULT),
+           "create a text")
+        .close("close a text");
+    file_.replace_text("/rig/profile_toml", "name = \"rig\"\n");
+  }
+
+  void move_camera() const {
+    const CameraProfile& camera = profile_.camera;
+    move_link("/camera", camera.model, camera.link);
+    replace("/camera", "output_rate_setting_hz", camera.output_rate_hz);
+    replace("/camera", "field_of_view_deg", camera.field_of_view_deg);
+    replace("/camera", "mirrored", static_cast<std::uint8_t>(camera.mirrored));
+    replace("/camera", "orientation_measured", camera.orientation_measured_utc);
+    replace("/camera", "checksum_policy", "word");
+  }
+
+  void move_gyro() const {
+    const GyroProfile& gyro = profile_.gyro;
+    move_link("/gyro", gyro.model, gyro.link);
+    replace("/gyro", "protocol", gyro.protocol);
+    replace("/gyro", "rate_setting_hz", gyro.output_rate_hz);
+    replace("/gyro", "axis_used", gyro.axis);
+    replace("/gyro", "sign", gyro.sign);
+    replace("/gyro", "scale", gyro.scale);
+    replace("/gyro", "scale_uncertainty", gyro.scale_uncertainty);
+    replace("/gyro", "scale_measured", gyro.scale_measured_utc);
+    replace("/gyro", "bias_dps", gyro.bias_dps);
+    replace("/gyro", "bias_uncertainty_dps", gyro.bias_uncertainty_dps);
+    replace("/gyro", "bias_measured", gyro.bias_measured_utc);
+  }
+
+  void move_servo() const {
+    const ServoProfile& servo = profile_.servo;
+    move_link("/servo", servo.model, servo.link);
+    replace("/servo", "kind", "positional");
+    replace("/servo", "travel_deg", servo.travel_deg);
+    replace("/servo", "full_rate_dps", servo.full_rate_dps);
+    replace("/servo", "pulse_min_us", servo.pulse_min_us);
+    replace("/servo", "pulse_max_us", servo.pulse_max_us);
+    replace("/servo", "max_rate_dps", servo.max_rate_dps);
+    replace("/servo", "acceleration_dps2", servo.acceleration_dps2);
+    replace("/servo", "stop_margin_deg", servo.stop_margin_deg);
+    replace("/servo", "loop_hz", servo.loop_hz);
+    replace("/servo", "scale", servo.scale);
+    replace("/servo", "scale_uncertainty", servo.scale_uncertainty);
+    replace("/servo", "scale_measured", servo.scale_measured_utc);
+  }
+
+  const RigProfile& profile_;
+  EditedFile file_;
+};
+
+inline void write_format_1(const std::filesystem::path& path, const Session& session) {
+  write_unchecked(path, session);
+  const Format1File file(path, session);
+}
+
+}  // namespace thermorig::session
