@@ -79,11 +79,13 @@ Problem problem_of_all(const RigProfile& profile) {
 
 Problem problem_of_settings(const GyroProfile& gyro) {
   const std::vector<ProfileField> known = setting_fields(gyro.protocol);
-  for (const auto& [name, value] : gyro.settings)
-    if (std::none_of(known.begin(), known.end(),
-                     [&](const ProfileField& field) { return field.name == name; }))
+  for (const auto& setting : gyro.settings) {
+    const std::string& name = setting.first;
+    const auto is_it = [&](const ProfileField& field) { return field.name == name; };
+    if (std::none_of(known.begin(), known.end(), is_it))
       return ProfileProblem{"gyro." + gyro.protocol, name, name + " is not one of its settings",
                             "those that the protocol has"};
+  }
   return std::nullopt;
 }
 

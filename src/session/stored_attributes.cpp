@@ -42,7 +42,7 @@ std::vector<std::string> objects_in(hid_t file, const std::string& group) {
   return names;
 }
 
-/// Of an attribute's path: "/gyro" is, of "/gyro@sign" and "/gyro/rate@units".
+/// Of an attribute's path: "/gyro" is, of "/gyro@signal" and "/gyro/rate@units".
 bool is_within(const std::string& path, const std::string& group) {
   return path.starts_with(group) && (path[group.size()] == '@' || path[group.size()] == '/');
 }

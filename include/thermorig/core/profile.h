@@ -88,7 +88,8 @@ struct ServoProfile {
   std::string scale_measured_utc;  // empty: an assumption
 };
 
-/// One rig: what is connected, and how. Read from and written to TOML by `rig/profile_file.h`.
+/// One rig: what is connected, and how. Each member has a line in src/recording_header/profile_fields.cpp, by
+/// which it is read, written and checked: as TOML, in a journal, in a session.
 struct RigProfile {
   std::string name = "rig";
   CameraProfile camera;

@@ -23,9 +23,9 @@ SealedCopy tried_copy(const std::filesystem::path& path);
 /// The same for a copy that was made already.
 SealedCopy tried(SealedCopy copy);
 
-/// Attributes that are not as thermorig wrote them, "/gyro@sign"; formats before 1.3 cannot tell. Nothing
-/// that read_session() gives is taken from them. A child process looks at them, if one tries files. Throws as
-/// tried_copy() and read_session() do.
+/// Attributes that are not as thermorig wrote them, "/gyro@signal"; formats before 1.3 cannot tell. Nothing
+/// that read_session() gives is taken from them: it refuses a session whose profile was changed. A child
+/// process looks at them, if one tries files. Throws as tried_copy() and read_session() do.
 std::vector<std::string> altered_attributes(const SealedCopy& copy);
 
 }  // namespace thermorig::session
