@@ -38,6 +38,8 @@ class GyroFilter {
     predict(step_s);
     const double innovation = read_dps - state_[reading];
     const double variance = covariance_(reading, reading) + noise_dps2_;
+    lag_dps2_ += lag_share * (innovation * last_innovation_dps_ - lag_dps2_);
+    last_innovation_dps_ = innovation;
     if (innovation * innovation > surprise * surprise * variance) accelerate(innovation / step_s, step_s);
     update(reading, innovation, noise_dps2_);
   }
@@ -89,6 +91,7 @@ class GyroFilter {
     const double unseen = unseen_deg(lost_s(step_s, period_s_));
     covariance_(angle, angle) += unseen * unseen;
     accelerate(steady_acceleration_dps2 * scale_, step_s);
+    if (lag_dps2_ > 0.0) accelerate(std::sqrt(lag_dps2_) / step_s, step_s);
   }
 
   /// Discrete white noise of the acceleration: it is constant over the step (Bar-Shalom, Li and Kirubarajan,
@@ -107,6 +110,10 @@ class GyroFilter {
   }
 
   double scale_, period_s_;
+  // Innovations that follow each other have nothing in common, unless the filter lags (R. K. Mehra, On the
+  // identification of variances and adaptive Kalman filtering, 1970): the mean of their products.
+  static constexpr double lag_share = 1.0 / 16.0;
+  double lag_dps2_ = 0.0, last_innovation_dps_ = 0.0;
   double noise_dps2_ = assumed_noise_dps * assumed_noise_dps;
   Eigen::Vector3d state_;
   Eigen::Matrix3d covariance_ = Eigen::Matrix3d::Zero();
