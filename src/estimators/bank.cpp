@@ -2,9 +2,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <limits>
 
 #include "network_window.h"
+#include "observer.h"
 #include "thermorig/core/error.h"
 #include "thermorig/core/estimate_row.h"
 #include "thermorig/core/measurement.h"
@@ -35,33 +35,6 @@ void require_each_once(const std::vector<std::string>& names) {
                 "the estimators", fmt::format("{} at most", most_estimators));
 }
 
-/// Since when the servo has been told to stand still, by its own telemetry.
-class Stillness {
- public:
-  void add(std::span<const TimedServo> states) {
-    for (const TimedServo& state : states) {
-      if (!is_at_rest(state.state))
-        since_.reset();
-      else if (!since_ || state.lost_before)
-        since_ = state.stamp.time;
-    }
-  }
-
-  std::optional<HostTime> since() const { return since_; }
-  void reset() { since_.reset(); }
-
- private:
-  std::optional<HostTime> since_;
-};
-
-/// The same frame without what was seen: times and gaps.
-void blank_into(const TimedFrame& frame, TimedFrame& blank) {
-  blank = frame;
-  blank.frame.temp_c.fill(std::numeric_limits<float>::quiet_NaN());
-  blank.frame.sensor_temp_c = std::numeric_limits<float>::quiet_NaN();
-  blank.fresh_even = blank.fresh_odd = 0;
-}
-
 }  // namespace
 
 struct Bank::Parts {
@@ -69,9 +42,7 @@ struct Bank::Parts {
   Setup setup;
   std::vector<std::unique_ptr<Estimator>> estimators;
   std::vector<RateEstimate> estimates;
-  TimedFrame blank;
-  Stillness stillness;
-  std::uint64_t count = 0;
+  Observer observer;
 };
 
 Bank::Bank(std::span<const std::string> names, const std::optional<model::Model>& model,
@@ -108,25 +79,16 @@ int Bank::frames() const {
 
 std::span<const RateEstimate> Bank::add(const Measurement& measurement) {
   Parts& parts = *parts_;
-  parts.stillness.add(measurement.servo);
-  blank_into(measurement.frame, parts.blank);
-  const std::uint64_t index = parts.count++;
+  parts.observer.take(measurement);
   for (std::size_t i = 0; i < parts.entries.size(); ++i) {
-    const Inputs& sees = parts.entries[i]->inputs;
-    const Observation observation{
-        .index = index,
-        .frame = sees.image ? measurement.frame : parts.blank,
-        .gyro_mean_dps = sees.gyro ? measurement.sample.rate_gyro_dps : RateEstimate::not_known,
-        .gyro = sees.gyro ? std::span<const TimedGyro>(measurement.gyro) : std::span<const TimedGyro>(),
-        .still_since = sees.rest ? parts.stillness.since() : std::nullopt};
+    const Observation observation = parts.observer.seen_with(parts.entries[i]->inputs);
     parts.estimates[i] = parts.estimators[i]->add(observation).value_or(RateEstimate{});
   }
   return parts.estimates;
 }
 
 void Bank::reset() {
-  parts_->stillness.reset();
-  parts_->count = 0;
+  parts_->observer.reset();
   for (const auto& estimator : parts_->estimators) estimator->reset();
 }
 

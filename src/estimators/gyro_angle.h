@@ -1,26 +1,89 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <algorithm>
 #include <cmath>
+#include <limits>
 #include <optional>
 #include <span>
+#include <utility>
 
+#include "thermorig/core/profile.h"
 #include "thermorig/core/sample.h"
+#include "thermorig/windows/soundness.h"
 
 namespace thermorig::estimators {
+
+/// What a shaft may have turned by beside a straight line through both ends of a time in which nothing
+/// measured it, one standard deviation: it may have left its speed and come back to it.
+inline double unseen_deg(double gap_s) {
+  constexpr double acceleration_dps2 = 2000.0;
+  constexpr double speed_dps = 200.0;
+  return std::min(acceleration_dps2 * gap_s * gap_s / 16.0, speed_dps * gap_s);
+}
+
+/// How much of the time between two samples was lost: a sample is the mean over its period.
+inline double lost_s(double step_s, double period_s) {
+  return step_s > 1.5 * period_s ? step_s - period_s : 0.0;
+}
+
+inline double exposure_s(const TimedFrame& frame) {
+  return to_s(frame.exposure_end - frame.exposure_begin);
+}
+
+/// Of a mean over samples whose times are not sure, and which stand for half a period about them.
+inline double mean_shift_dps(double change_dps, double length_s, const GyroProfile& gyro) {
+  const double time_s = std::hypot(gyro.link.latency_uncertainty_s, 0.5 / gyro.output_rate_hz);
+  return length_s > 0.0 ? change_dps * std::min(1.0, time_s / length_s) : 0.0;
+}
+
+/// No order of messages and no fit of a clock sets times back so far: its device's clock began anew.
+constexpr HostDuration clock_begins_anew = std::chrono::seconds(1);
+
+/// The least and the greatest rate of some samples.
+struct RateExtent {
+  double low_dps = std::numeric_limits<double>::infinity(), high_dps = -low_dps;
+  void add(double rate_dps) {
+    low_dps = std::min(low_dps, rate_dps);
+    high_dps = std::max(high_dps, rate_dps);
+  }
+};
 
 /// What a gyro has turned by since its first sample: trapezoids between neighbouring samples, also where some
 /// were lost between them.
 class GyroAngle {
  public:
+  explicit GyroAngle(double period_s) : period_s_(period_s) {}
+
+  /// Those of a frame.
   void add(std::span<const TimedGyro> samples) {
+    before_ = std::exchange(newest_, {});
     for (const TimedGyro& sample : samples) add(sample);
   }
 
-  double turned_deg() const { return turned_deg_; }  // bias not removed
-  double path_deg() const { return path_deg_; }      // the same of |rate|: what an error of scale acts on
-  double elapsed_s() const { return elapsed_s_; }    // from the first sample to the last
+  /// How much the rate changed over the last two frames: no frame shows more of it.
+  double change_dps() const {
+    const double change_dps =
+        std::max(newest_.high_dps, before_.high_dps) - std::min(newest_.low_dps, before_.low_dps);
+    return std::max(0.0, change_dps);
+  }
+
   bool has_begun() const { return last_.has_value(); }
+
+  struct Turn {
+    double angle_deg = 0.0;         // bias not removed
+    double rate_dps = 0.0;          // of the last sample
+    double elapsed_s = 0.0;         // since the first sample
+    double unseen_sigma_deg = 0.0;  // while samples were lost
+  };
+  /// Up to a time; after the last sample its rate goes on. Only once it has begun.
+  Turn until(HostTime time) const {
+    const double step_s = std::max(0.0, to_s(time - last_->time));
+    return {turn_.angle_deg + last_->rate_dps * step_s, last_->rate_dps, turn_.elapsed_s + step_s,
+            std::hypot(turn_.unseen_sigma_deg, unseen_deg(lost_s(step_s, period_s_)))};
+  }
+
+  void reset() { *this = GyroAngle(period_s_); }
 
  private:
   struct Point {
@@ -29,21 +92,26 @@ class GyroAngle {
   };
 
   void add(const TimedGyro& sample) {
+    if (!windows::is_sound_rate(sample.rate_dps)) return;
     const Point point{sample.stamp.time, double{sample.rate_dps}};
-    if (!std::isfinite(point.rate_dps)) return;
-    if (last_ && point.time <= last_->time) return;  // a clock that began anew
+    newest_.add(point.rate_dps);
+    if (last_ && point.time <= last_->time) {
+      if (last_->time - point.time >= clock_begins_anew) last_ = point;
+      return;
+    }
     if (last_) {
       const double step_s = to_s(point.time - last_->time);
-      const double rate_dps = 0.5 * (point.rate_dps + last_->rate_dps);
-      turned_deg_ += rate_dps * step_s;
-      path_deg_ += std::abs(rate_dps) * step_s;
-      elapsed_s_ += step_s;
+      turn_.angle_deg += 0.5 * (point.rate_dps + last_->rate_dps) * step_s;
+      turn_.elapsed_s += step_s;
+      turn_.unseen_sigma_deg = std::hypot(turn_.unseen_sigma_deg, unseen_deg(lost_s(step_s, period_s_)));
     }
     last_ = point;
   }
 
+  double period_s_;
   std::optional<Point> last_;
-  double turned_deg_ = 0.0, path_deg_ = 0.0, elapsed_s_ = 0.0;
+  RateExtent newest_, before_;  // of the last frame and the one before
+  Turn turn_;                   // up to the last sample
 };
 
 }  // namespace thermorig::estimators

@@ -1,10 +1,14 @@
 // SPDX-License-Identifier: MIT
 // The gyro less the bias that it showed in the opening rest: what most people do.
+#include <algorithm>
 #include <array>
 #include <cmath>
 
 #include "entries.h"
 #include "gyro_angle.h"
+#include "gyro_rests.h"
+#include "thermorig/core/statistics.h"
+#include "thermorig/windows/soundness.h"
 #include "window_rates.h"
 
 namespace thermorig::estimators {
@@ -12,35 +16,13 @@ namespace thermorig::estimators {
 namespace {
 
 constexpr std::array<std::string_view, 1> rest_values{"bias_dps"};
-constexpr double least_rest_s = 1.0;
-constexpr HostDuration settling = std::chrono::milliseconds(500);  // of shaft and gyro after a stop
-constexpr double wander_dps = 0.05;  // that a bias moves by within minutes: acceptance of a consumer gyro
-
-/// Mean and spread of samples, one by one.
-class RunningMean {
- public:
-  void add(double value) {
-    ++count_;
-    const double off = value - mean_;
-    mean_ += off / static_cast<double>(count_);
-    squares_ += off * (value - mean_);
-  }
-
-  std::size_t count() const { return count_; }
-  double mean() const { return mean_; }
-  double uncertainty() const {
-    const auto count = static_cast<double>(count_);
-    return count_ < 2 ? 0.0 : std::sqrt(squares_ / (count - 1.0) / count);
-  }
-
- private:
-  std::size_t count_ = 0;
-  double mean_ = 0.0, squares_ = 0.0;
-};
+constexpr double least_rest_s = 0.5;
+constexpr double wander_dps = 0.005;  // of a bias, a square root of a second: a consumer gyro's
 
 class GyroRestEstimator : public Estimator {
  public:
-  explicit GyroRestEstimator(const Setup& setup) : setup_(setup), rates_(setup.frames) {}
+  explicit GyroRestEstimator(const Setup& setup)
+      : setup_(setup), rates_(setup.frames), angle_(1.0 / setup.gyro.output_rate_hz) {}
 
   std::optional<RateEstimate> add(const Observation& observation) override {
     learn(observation);
@@ -51,17 +33,17 @@ class GyroRestEstimator : public Estimator {
       estimate.reason = EstimateReason::no_rest;
       return estimate;
     }
+    const HostTime now = observation.frame.exposure_end;
     estimate.values[0] = static_cast<float>(bias_.mean());
-    if (angle_.has_begun()) {
-      estimate.angle_deg = angle_.turned_deg() - bias_.mean() * angle_.elapsed_s();
-      estimate.angle_sigma_deg = sigma(angle_.elapsed_s(), angle_.path_deg());
-    }
-    if (!std::isfinite(gyro_dps)) {
+    if (angle_.has_begun()) tell_angle(now, estimate);
+    if (!windows::is_sound_rate(gyro_dps)) {
       estimate.reason = EstimateReason::no_gyro;
       return estimate;
     }
-    estimate.rate_dps = static_cast<float>(double{gyro_dps} - bias_.mean());
-    estimate.rate_sigma_dps = sigma(1.0, double{estimate.rate_dps});
+    const double rate_dps = double{gyro_dps} - bias_.mean();
+    estimate.rate_dps = static_cast<float>(rate_dps);
+    estimate.rate_sigma_dps = static_cast<float>(
+        std::hypot(bias_sigma_dps(now), scale_error() * rate_dps, mean_sigma_dps(observation.frame)));
     estimate.state = has_moved_ ? EstimateState::good : EstimateState::starting;
     return estimate;
   }
@@ -74,31 +56,64 @@ class GyroRestEstimator : public Estimator {
   /// Only until the rig first moves: what is behind stays removed, be it right or wrong by then.
   void learn(const Observation& observation) {
     if (has_moved_) return;
-    if (!observation.still_since) {
-      has_moved_ = is_known();
-      return;
-    }
+    if (observation.is_told_to_move) has_moved_ = is_known();
+    if (!observation.still_since) rests_.interrupt();
     for (const TimedGyro& sample : observation.gyro) {
-      const HostTime time = sample.stamp.time;
-      if (time < *observation.still_since + settling || !std::isfinite(sample.rate_dps)) continue;
-      bias_.add(double{sample.rate_dps});
-      if (!first_) first_ = time;
-      rest_s_ = to_s(time - *first_);
+      if (!has_settled(observation, sample.stamp.time)) continue;
+      if (const auto rest = rests_.add(sample)) learn(*rest, sample.stamp.time);
     }
   }
 
-  float sigma(double duration, double turned) const {
-    const double scale = std::hypot(setup_.gyro.scale - 1.0, setup_.gyro.scale_uncertainty);
-    return static_cast<float>(
-        std::hypot(std::hypot(bias_.uncertainty(), wander_dps) * duration, scale * turned));
+  void learn(const RestBlock& rest, HostTime now) {
+    bias_.add(rest.mean_dps());
+    variance_dps2_ += rest.mean_variance();
+    rest_s_ += rest.length_s;
+    noise_dps2_ = rest.samples.sample_variance();
+    known_since_ = now;
+  }
+
+  /// For how long the bias has wandered from the mean that was learnt: during the rest it was a third of what
+  /// it is after so long (variance).
+  double age_s(HostTime now) const { return std::max(0.0, to_s(now - known_since_)) + rest_s_ / 3.0; }
+
+  /// Of the mean of the rest's blocks.
+  double rest_noise_dps() const { return std::sqrt(variance_dps2_) / static_cast<double>(bias_.count()); }
+
+  double bias_sigma_dps(HostTime now) const {
+    return std::hypot(rest_noise_dps(), wander_dps * std::sqrt(age_s(now)));
+  }
+
+  /// Of the mean over a frame's exposure: noise, and where it begins and ends.
+  double mean_sigma_dps(const TimedFrame& frame) const {
+    const double length_s = exposure_s(frame);
+    const double samples = std::max(1.0, length_s * setup_.gyro.output_rate_hz);
+    return std::hypot(std::sqrt(noise_dps2_ / samples),
+                      mean_shift_dps(angle_.change_dps(), length_s, setup_.gyro));
+  }
+
+  double scale_error() const { return std::hypot(setup_.gyro.scale - 1.0, setup_.gyro.scale_uncertainty); }
+
+  void tell_angle(HostTime now, RateEstimate& estimate) const {
+    const GyroAngle::Turn turn = angle_.until(now);
+    estimate.angle_deg = turn.angle_deg - bias_.mean() * turn.elapsed_s;
+    const double age = age_s(now);
+    const double wandered_deg = wander_dps * std::sqrt(age * age * age / 3.0);  // integral of a random walk
+    const double sigma_deg =
+        std::hypot(rest_noise_dps() * turn.elapsed_s, wandered_deg, turn.unseen_sigma_deg);
+    const double late_deg = setup_.gyro.link.latency_uncertainty_s * turn.rate_dps;
+    estimate.angle_sigma_deg =
+        static_cast<float>(std::hypot(sigma_deg, scale_error() * estimate.angle_deg, late_deg));
   }
 
   Setup setup_;
   WindowRates rates_;
   GyroAngle angle_;
-  RunningMean bias_;
-  std::optional<HostTime> first_;
+  GyroRests rests_;
+  RunningStatistics bias_;      // of the means of its blocks
+  double variance_dps2_ = 0.0;  // of those means, their sum
+  double noise_dps2_ = 0.0;     // variance of a sample
   double rest_s_ = 0.0;
+  HostTime known_since_{};
   bool has_moved_ = false;  // after a rest that was long enough
 };
 

@@ -19,6 +19,7 @@ struct Observation {
   std::span<const TimedGyro> gyro;      // since the measurement before; blank: empty
   std::optional<HostTime> still_since;  // the servo is told to stand still, and has been since then; blank,
                                         // or it moves, or nothing is known: none
+  bool is_told_to_move = false;         // by what the servo says of itself; blank: false
 };
 
 /// Follows the motion about the servo's axis, measurement by measurement: causal, deterministic, and without

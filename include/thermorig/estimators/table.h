@@ -22,7 +22,7 @@ class NetworkWindow;
 struct Inputs {
   bool image = false;
   bool gyro = false;
-  bool rest = false;  // that the servo is told to stand still
+  bool rest = false;  // whether the servo is told to stand still, or to move
 };
 
 /// What an estimator is made of.
