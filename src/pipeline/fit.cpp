@@ -90,8 +90,8 @@ PerDevice<ClockFit> fit_clocks(const RawRecording& raw, Streams& streams, const 
   clocks[Device::servo] = fit_pieces(
       raw, Device::servo, streams.servo, nominal_telemetry_hz, [&, &servo = servo](auto begin, auto end) {
         if (end - begin == streams.servo.size())
-          return fit_servo_clock(raw.received[Device::servo], raw.sent, streams, servo);
-        return fit_servo_clock(raw.received[Device::servo], raw.sent, servo_piece(streams, begin, end),
+          return fit_servo_clock(raw.received[Device::servo], raw.sent[Device::servo], streams, servo);
+        return fit_servo_clock(raw.received[Device::servo], raw.sent[Device::servo], servo_piece(streams, begin, end),
                                servo);
       });
   put_times(clocks[Device::camera].times, streams.frames);

@@ -58,8 +58,8 @@ std::vector<LabelledSample> Pipeline::feed(Device from, std::span<const std::uin
   return labeller.take(arrived);  // the frames whose telemetry and gyro samples are all there, labelled
 }
 
-void Pipeline::sent(std::span<const std::uint8_t> bytes, HostTime before_write) {
-  stages_->servo.sent(bytes, before_write);
+void Pipeline::sent(Device to, std::span<const std::uint8_t> bytes, HostTime before_write) {
+  if (to == Device::servo) stages_->servo.sent(bytes, before_write);
 }
 
 std::vector<LabelledSample> Pipeline::interrupt(Device device, HostTime now) {

@@ -53,8 +53,8 @@ PortSession::PortSession(const PortOptions& options, PortLoop& loop)
     : options_(options), loop_(loop), search_(loop) {
   // Ports first: nothing is created on the disk for a rig that is not there.
   open_ports();
-  recording_.emplace(options.recording, loop_.now(), [this](std::span<const std::uint8_t> bytes) {
-    loop_.write(*ports_[Device::servo], bytes);
+  recording_.emplace(options.recording, loop_.now(), [this](Device to, std::span<const std::uint8_t> bytes) {
+    loop_.write(*ports_[to], bytes);
   });
   for (const auto& [device, error] : missing_) recording_->missing(device, error, loop_.now());
 }

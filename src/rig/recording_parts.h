@@ -23,10 +23,10 @@ namespace thermorig::rig {
 /// What a recording consists of. Bytes, time and ends: recording.cpp; devices that go, and come back:
 /// recording_devices.cpp.
 struct Recording::Parts {
-  Parts(const RecordingOptions& given, HostTime now, SendToServo send_to_servo)
+  Parts(const RecordingOptions& given, HostTime now, Send send_to)
       : options(given),
         begin(now),
-        send(std::move(send_to_servo)),
+        send(std::move(send_to)),
         header(make_header(options, now)),
         journal(options, header),
         pipeline(options.profile),
@@ -59,7 +59,7 @@ struct Recording::Parts {
   void look_for_returns(HostTime now);
   void note_back(Device device, HostTime now);
   void greet_again(HostTime now);
-  void write_to_servo(const std::vector<std::uint8_t>& bytes, HostTime now);
+  void write_to(Device device, const std::vector<std::uint8_t>& bytes, HostTime now);
   void note_epoch(const ClockEpoch& epoch, HostTime now);
   void event(const RecordingEvent& event);
   void fail(const Error& error, HostTime now);
@@ -79,7 +79,7 @@ struct Recording::Parts {
 
   RecordingOptions options;
   HostTime begin;
-  SendToServo send;
+  Send send;
   RecordingHeader header;
   KeptJournal journal;
   pipeline::Pipeline pipeline;
