@@ -6,14 +6,9 @@
 #include "camera_line.h"
 #include "gyro_line.h"
 #include "servo_line.h"
-#include "servo_link.h"
-#include "thermorig/wire/device_bytes.h"
+#include "thermorig/sensors/device_stream.h"
 
 namespace thermorig::pipeline {
-
-namespace {
-constexpr std::uint64_t telemetry_bytes = SERVO_TELEMETRY_SIZE + 6;  // type, sequence, CRC, two flags
-}  // namespace
 
 struct Pipeline::Stages {
   CameraLine camera;
@@ -21,29 +16,41 @@ struct Pipeline::Stages {
   ServoLine servo;
   labels::Labeller labeller;
   Streams streams;
+  PerDevice<std::uint64_t> message_bytes;  // at most
 };
+
+namespace {
+PerDevice<std::uint64_t> message_bytes(const RigProfile& profile) {
+  PerDevice<std::uint64_t> bytes;
+  for (const Device device : all_devices)
+    bytes[device] = sensors::device_stream(device, profile).message_bytes;
+  return bytes;
+}
+}  // namespace
 
 Pipeline::Pipeline(const RigProfile& profile, const Fits& fits)
     : stages_(new Stages{.camera = CameraLine(profile.camera, fits),
                          .gyro = GyroLine(profile.gyro, fits),
                          .servo = ServoLine(profile.servo, fits),
                          .labeller = labels::Labeller(labels::label_config(profile, fits.sync)),
-                         .streams = {}}) {}
+                         .streams = {},
+                         .message_bytes = message_bytes(profile)}) {}
 
 Pipeline::~Pipeline() = default;
 Pipeline::Pipeline(Pipeline&&) noexcept = default;
 Pipeline& Pipeline::operator=(Pipeline&&) noexcept = default;
 
 void Pipeline::expect(const PerDevice<std::uint64_t>& bytes) {
+  const auto messages = [&](Device device) { return bytes[device] / stages_->message_bytes[device]; };
   Streams& streams = stages_->streams;
-  streams.frames.reserve(bytes[Device::camera] / wire::camera_frame_bytes);
-  streams.gyro.reserve(bytes[Device::gyro] / stages_->gyro.message_bytes());
-  streams.servo.reserve(bytes[Device::servo] / telemetry_bytes);
+  streams.frames.reserve(messages(Device::camera));
+  streams.gyro.reserve(messages(Device::gyro));
+  streams.servo.reserve(messages(Device::servo));
 }
 
 std::vector<LabelledSample> Pipeline::feed(Device from, std::span<const std::uint8_t> chunk,
                                            HostTime arrived) {
-  auto& [camera, gyro, servo, labeller, streams] = *stages_;
+  auto& [camera, gyro, servo, labeller, streams, message_bytes] = *stages_;
   switch (from) {  // each line: bytes -> messages (bad bytes are counted, not thrown) -> timed samples
     case Device::camera:
       for (const TimedFrame& frame : camera.push(chunk, arrived, streams.frames)) labeller.add(frame);
@@ -63,7 +70,7 @@ void Pipeline::sent(Device to, std::span<const std::uint8_t> bytes, HostTime bef
 }
 
 std::vector<LabelledSample> Pipeline::interrupt(Device device, HostTime now) {
-  auto& [camera, gyro, servo, labeller, streams] = *stages_;
+  auto& [camera, gyro, servo, labeller, streams, message_bytes] = *stages_;
   switch (device) {
     case Device::camera:
       for (const TimedFrame& frame : camera.interrupt(streams.frames)) labeller.add(frame);
@@ -79,7 +86,7 @@ std::vector<LabelledSample> Pipeline::interrupt(Device device, HostTime now) {
 }
 
 std::vector<LabelledSample> Pipeline::finish() {
-  auto& [camera, gyro, servo, labeller, streams] = *stages_;
+  auto& [camera, gyro, servo, labeller, streams, message_bytes] = *stages_;
   for (const TimedFrame& frame : camera.finish(streams.frames)) labeller.add(frame);
   for (const TimedGyro& sample : gyro.finish(streams.gyro)) labeller.add(sample);
   for (const TimedServo& state : servo.finish(streams)) labeller.add(state);

@@ -6,6 +6,7 @@
 
 #include "thermorig/core/nearest_name.h"
 #include "thermorig/recording_header/header_json.h"
+#include "thermorig/sensors/camera_protocol.h"
 #include "thermorig/sensors/gyro_protocol.h"
 
 namespace thermorig::recording_header {
@@ -86,12 +87,18 @@ bool gyro_is_sound(const GyroProfile& gyro) {
          is_column(gyro.text.time) && std::all_of(rate.begin(), rate.end(), is_column);
 }
 
-/// Empty if the table has the gyro's protocol and that protocol all of the settings.
-std::string problem_of_protocol(const GyroProfile& gyro) {
+std::string unknown_protocol(const char* role, const std::string& name,
+                             const std::vector<std::string>& known) {
+  return std::string("it names a ") + role + " protocol \"" + name +
+         "\" that is not known: " + advice_on_name(name, known);
+}
+
+/// Empty if the tables have the protocols of camera and gyro, and that of the gyro all of the settings.
+std::string problem_of_protocols(const CameraProfile& camera, const GyroProfile& gyro) {
+  if (sensors::find_camera_protocol(camera.protocol) == nullptr)
+    return unknown_protocol("camera", camera.protocol, sensors::camera_protocol_names());
   const sensors::GyroProtocol* protocol = sensors::find_gyro_protocol(gyro.protocol);
-  if (protocol == nullptr)
-    return "it names a gyro protocol \"" + gyro.protocol +
-           "\" that is not known: " + advice_on_name(gyro.protocol, sensors::gyro_protocol_names());
+  if (protocol == nullptr) return unknown_protocol("gyro", gyro.protocol, sensors::gyro_protocol_names());
   for (const auto& [name, value] : gyro.settings)
     if (!sensors::is_allowed(*protocol, name, value))
       return "the gyro's setting \"" + name + "\" is not one of its protocol, or out of range";
@@ -120,7 +127,9 @@ std::optional<std::string> problem_of(const RecordingHeader& header) {
   if (!calibrations_are_sound(header.profile))
     return "the profile holds a scale or a loop's bandwidth that is not positive, or a negative uncertainty";
   if (!gyro_is_sound(header.profile.gyro)) return "the gyro's axis, sign or columns are out of range";
-  if (std::string problem = problem_of_protocol(header.profile.gyro); !problem.empty()) return problem;
+  if (std::string problem = problem_of_protocols(header.profile.camera, header.profile.gyro);
+      !problem.empty())
+    return problem;
   if (!live_model_is_sound(header.live_model)) return "the live model's label scale or shape is out of range";
   return std::nullopt;
 }

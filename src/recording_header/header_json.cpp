@@ -129,6 +129,7 @@ template <typename Keys, typename Camera>
 void camera_keys(const Keys& keys, Camera& camera) {
   keys.required("link", camera.link);
   keys.required("model", camera.model);
+  keys.later("protocol", camera.protocol);
   keys.required("output_rate_hz", camera.output_rate_hz);
   keys.required("field_of_view_deg", camera.field_of_view_deg);
   keys.required("mirrored", camera.mirrored);

@@ -16,6 +16,7 @@
 
 #include "servo_link.h"
 #include "thermorig/core/error.h"
+#include "thermorig/sensors/camera_protocol.h"
 #include "thermorig/sensors/gyro_protocol.h"
 #include "toml_table.h"
 #include "toml_text.h"
@@ -105,6 +106,7 @@ class ProfileWriter {
 
 /// "a, b or c".
 std::string any_of(const std::vector<std::string>& names) {
+  if (names.size() == 1) return names.front();
   const auto all_but_last = std::span(names).first(names.size() - 1);
   return fmt::format("{} or {}", fmt::join(all_but_last, ", "), names.back());
 }
@@ -131,6 +133,8 @@ template <typename Visitor>
 void visit_camera(Visitor& visitor, CameraProfile& camera) {
   visit_link(visitor, camera.link);
   visitor.text("model", camera.model, "free text");
+  const std::vector<std::string> protocols = sensors::camera_protocol_names();
+  visitor.name("protocol", camera.protocol, protocols, any_of(protocols).c_str());
   visitor.number("output_rate_hz", camera.output_rate_hz, 0.1, 64.0, "frames a second, nominal");
   visitor.number("field_of_view_deg", camera.field_of_view_deg, 1.0, 180.0,
                  "horizontal: 55 (BAB) or 110 (BAA)");

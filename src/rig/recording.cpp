@@ -112,6 +112,7 @@ void Recording::tick(HostTime now) {
   Parts& parts = *parts_;
   for (const RecordingEvent& happened : parts.journal.check(now)) parts.event(happened);
   if (done()) return;
+  parts.ask_for_streams(now);
   parts.guarded(now, [&] {
     parts.check_devices(now);
     parts.look_for_returns(now);
@@ -141,6 +142,12 @@ void Recording::Parts::greet_again(HostTime now) {
     if (!commander.gave_up()) throw;
     commander.greet();
   }
+}
+
+void Recording::Parts::ask_for_streams(HostTime now) {
+  for (const Device device : all_devices)
+    if (!port_lost[device])
+      write_to(device, requests.due(device, pipeline.counters(device).messages, now), now);
 }
 
 void Recording::Parts::write_to(Device device, const std::vector<std::uint8_t>& bytes, HostTime now) {

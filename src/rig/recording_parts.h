@@ -17,6 +17,7 @@
 #include "thermorig/rig/absent_camera.h"
 #include "thermorig/rig/recording.h"
 #include "thermorig/rig/replug.h"
+#include "thermorig/rig/stream_requests.h"
 
 namespace thermorig::rig {
 
@@ -32,6 +33,7 @@ struct Recording::Parts {
         pipeline(options.profile),
         commander(options.profile.servo),
         sweep(options.plan, options.profile.servo, options.profile.camera.output_rate_hz, commander),
+        requests(options.profile),
         replug(options.profile, options.replug_patience_s),
         devices(options.profile, options.start_patience_s, now) {}
 
@@ -59,6 +61,7 @@ struct Recording::Parts {
   void look_for_returns(HostTime now);
   void note_back(Device device, HostTime now);
   void greet_again(HostTime now);
+  void ask_for_streams(HostTime now);
   void write_to(Device device, const std::vector<std::uint8_t>& bytes, HostTime now);
   void note_epoch(const ClockEpoch& epoch, HostTime now);
   void event(const RecordingEvent& event);
@@ -88,6 +91,7 @@ struct Recording::Parts {
   std::uint64_t samples_seen = 0;
   ServoCommander commander;
   SweepWalker sweep;
+  StreamRequests requests;
   Replug replug;
   DeviceWatch devices;
   PerDevice<bool> port_lost{};

@@ -137,6 +137,7 @@ void write_root_attributes(hid_t root, const Session& session) {
 void write_camera_attributes(hid_t group, const Session& session) {
   const auto& camera = session.raw.header.profile.camera;
   write_link(group, camera.model, camera.link);
+  set_attribute(group, "protocol", camera.protocol);
   set_attribute(group, "output_rate_setting_hz", camera.output_rate_hz);
   set_attribute(group, "field_of_view_deg", camera.field_of_view_deg);
   set_attribute(group, "mirrored", flag(camera.mirrored));

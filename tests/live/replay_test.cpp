@@ -56,6 +56,22 @@ TEST(AReplay, WalksWhatCameAndWhatWasSentInOrderOfTime) {
   EXPECT_GT(sent, raw.sent[Device::servo].bytes.size() * 9 / 10);
 }
 
+TEST(AReplay, SaysToWhichDeviceBytesWent) {
+  RawRecording raw;
+  const std::vector<std::uint8_t> byte{1};
+  raw.sent[Device::servo].append(byte, host_time_ns(10));
+  raw.sent[Device::gyro].append(byte, host_time_ns(20));
+  raw.sent[Device::servo].append(byte, host_time_ns(30));
+  raw.sent[Device::camera].append(byte, host_time_ns(30));
+  raw.sent[Device::gyro].append(byte, host_time_ns(40));
+  raw.received[Device::camera].append(byte, host_time_ns(30));
+  pipeline::Replay replay(raw);
+  std::vector<std::optional<Device>> to;
+  while (const auto step = replay.next()) to.push_back(step->to);
+  EXPECT_EQ(to, (std::vector<std::optional<Device>>{Device::servo, Device::gyro, Device::camera,
+                                                    Device::servo, std::nullopt}));
+}
+
 TEST(AReplay, OfNothingEndsAtOnce) {
   const RawRecording raw;
   pipeline::CausalReplay replay(raw);
