@@ -7,9 +7,9 @@
 
 #include "output.h"
 #include "text_columns.h"
+#include "thermorig/sensors/camera_protocol.h"
+#include "thermorig/sensors/device_stream.h"
 #include "thermorig/sensors/gyro_protocol.h"
-#include "thermorig/wire/camera_scanner.h"
-#include "thermorig/wire/servo_messages.h"
 
 namespace thermorig::app {
 
@@ -19,12 +19,25 @@ using Bytes = std::span<const std::uint8_t>;
 
 constexpr std::size_t convincing_packets = 4;  // a packet's sum is weak
 
-template <typename Message, typename Scanner>
-std::size_t messages_in(Scanner scanner, Bytes bytes) {
-  std::vector<Message> messages;
-  scanner.push(bytes, messages);
-  scanner.finish(messages);
-  return messages.size();
+ChecksumPolicy checksum_policy(const std::string& name) {
+  if (name == "ignore") return ChecksumPolicy::ignore;
+  return name == "byte" ? ChecksumPolicy::byte : ChecksumPolicy::word;
+}
+
+std::size_t frames_in(Bytes bytes, const DecodeOptions& options) {
+  sensors::CameraScanner scanner = sensors::camera_scanner(camera_profile(options));
+  std::vector<wire::CameraMessage> frames;
+  scanner.push(bytes, frames);
+  scanner.finish(frames);
+  return frames.size();
+}
+
+/// "the frames of a GY-MCU90640 board", and those of every other camera.
+std::string frames_of_all_cameras() {
+  std::string text;
+  for (const sensors::CameraProtocol& camera : sensors::camera_protocols())
+    text += fmt::format("{}the {}", text.empty() ? "" : " or ", camera.sends);
+  return text;
 }
 
 bool is_text_gyro(const DecodeOptions& options) {
@@ -45,9 +58,8 @@ std::string advice_on_text(Bytes head) {
   const auto line = sensors::first_text_line(head);
   if (line && line->fields >= sensors::image_line_fields)
     return shown(line->text, line->fields) +
-           ": an image as text, which no option reads; a camera has to send the frames of a GY-MCU90640 "
-           "board, "
-           "in bytes";
+           ": an image as text, which no option reads; a camera has to send " + frames_of_all_cameras() +
+           ", in bytes";
   if (line)
     return shown(line->text, line->fields) +
            ": --device gyro --gyro-protocol text, and how to read it: --prefix, --columns, --scale, "
@@ -57,9 +69,10 @@ std::string advice_on_text(Bytes head) {
 
 /// Another way to form the check sum that gives frames; empty if there is none.
 std::string advice_on_checksum(const DecodeOptions& options, Bytes head) {
+  DecodeOptions other = options;
   for (const char* name : {"word", "byte", "ignore"}) {
-    const wire::CameraScanner scanner(checksum_policy(name));
-    if (name != options.camera_checksum && messages_in<wire::CameraMessage>(scanner, head) > 0)
+    other.camera_checksum = name;
+    if (name != options.camera_checksum && frames_in(head, other) > 0)
       return fmt::format("--camera-checksum {}: so the frames can be read", name);
   }
   return "";
@@ -70,18 +83,25 @@ std::string advice_on_camera(const DecodeOptions& options, Bytes head) {
   return checksum.empty() ? "another cable or baud rate: bytes are lost or changed in the frames" : checksum;
 }
 
-/// Whose bytes they look like, if not the named device's.
+/// The option that names the protocol, of a device that may have others.
+std::string protocol_option(const sensors::Recognised& found) {
+  if (found.role == Device::servo) return "";
+  return fmt::format("--{}-protocol {}", name_of(found.role), found.protocol);
+}
+
+bool is_usual(const sensors::Recognised& found) {
+  return found.protocol == sensors::device_stream(found.role, RigProfile()).protocol;
+}
+
+/// Whose bytes they look like, if not the named device's. Text is told apart by its lines.
 std::string advice_on_device(const DecodeOptions& options, Bytes head) {
-  if (options.device != Device::camera && messages_in<wire::CameraMessage>(wire::CameraScanner(), head) > 0)
-    return "--device camera";
-  if (options.device != Device::servo && messages_in<wire::ServoMessage>(wire::ServoScanner(), head) > 0)
-    return "--device servo";
-  for (const sensors::GyroProtocol& protocol : sensors::gyro_protocols()) {
-    const auto found = protocol.recognise(head, 0.0);
-    if (!found || protocol.has_columns || found->messages < convincing_packets) continue;
-    std::string name = fmt::format("--gyro-protocol {}", protocol.name);
-    if (options.device == Device::gyro) return name;
-    return protocol.name == DecodeOptions().gyro_protocol ? "--device gyro" : "--device gyro " + name;
+  for (const sensors::Recognised& found : sensors::recognise(head, 0.0)) {
+    const bool convinces = found.role != Device::gyro || found.evidence.messages >= convincing_packets;
+    if (found.evidence.text_format || !convinces) continue;
+    const std::string protocol = protocol_option(found);
+    if (options.device == found.role) return protocol;
+    const std::string device = fmt::format("--device {}", name_of(found.role));
+    return is_usual(found) ? device : device + " " + protocol;
   }
   return "";
 }
@@ -111,9 +131,11 @@ TextColumns text_columns(const DecodeOptions& options) {
   return columns;
 }
 
-ChecksumPolicy checksum_policy(const std::string& name) {
-  if (name == "ignore") return ChecksumPolicy::ignore;
-  return name == "byte" ? ChecksumPolicy::byte : ChecksumPolicy::word;
+CameraProfile camera_profile(const DecodeOptions& options) {
+  CameraProfile profile;
+  profile.protocol = options.camera_protocol;
+  profile.checksum = checksum_policy(options.camera_checksum);
+  return profile;
 }
 
 bool is_mostly_bad(const wire::Counters& counters) {

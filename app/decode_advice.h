@@ -17,7 +17,7 @@ namespace thermorig::app {
 /// How the options say that a gyro's lines are to be read.
 TextColumns text_columns(const DecodeOptions& options);
 
-ChecksumPolicy checksum_policy(const std::string& name);
+CameraProfile camera_profile(const DecodeOptions& options);
 
 /// More messages were damaged or unreadable than good.
 bool is_mostly_bad(const wire::Counters& counters);

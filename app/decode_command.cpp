@@ -14,6 +14,7 @@
 #include "thermorig/core/auto_zero.h"
 #include "thermorig/core/error.h"
 #include "thermorig/sensors/gyro_protocol.h"
+#include "thermorig/sensors/servo_protocol.h"
 
 namespace thermorig::app {
 
@@ -124,8 +125,8 @@ wire::Counters decode(const DecodeOptions& options, ByteSource& source, MessageP
                       Learnt& learnt) {
   switch (options.device) {
     case Device::camera:
-      return decode<wire::CameraMessage>(wire::CameraScanner(checksum_policy(options.camera_checksum)),
-                                         source, printer, learnt);
+      return decode<wire::CameraMessage>(sensors::camera_scanner(camera_profile(options)), source, printer,
+                                         learnt);
     case Device::gyro:
       return decode<wire::GyroMessage>(
           sensors::gyro_scanner(gyro_profile(options), sensors::StreamStart::at_line_start), source, printer,
@@ -133,7 +134,7 @@ wire::Counters decode(const DecodeOptions& options, ByteSource& source, MessageP
     case Device::servo:
       break;
   }
-  return decode<wire::ServoMessage>(wire::ServoScanner(), source, printer, learnt);
+  return decode<wire::ServoMessage>(sensors::servo_protocol().scanner(), source, printer, learnt);
 }
 
 [[noreturn]] void refuse_bytes(const DecodeOptions& options, const std::string& name,

@@ -49,7 +49,7 @@ nlohmann::json json_of(const PortFinding& finding) {
                         {"rate_hz", finding.rate_hz},        {"how", finding.how},
                         {"problem", finding.problem}};
   object["role"] = finding.role ? nlohmann::json(name_of(*finding.role)) : nlohmann::json();
-  if (finding.role == Device::gyro) object["gyro_protocol"] = finding.gyro_protocol;
+  if (finding.role == Device::gyro) object["gyro_protocol"] = finding.protocol;
   if (finding.text_format) object["text_format"] = format_json(*finding.text_format);
   return object;
 }

@@ -8,6 +8,7 @@
 #include "live_options.h"
 #include "rig_words.h"
 #include "thermorig/core/error.h"
+#include "thermorig/sensors/camera_protocol.h"
 #include "thermorig/sensors/gyro_protocol.h"
 
 namespace thermorig::app {
@@ -220,6 +221,9 @@ void add_decode(CLI::App& root, Words& words) {
   command.add_option("--lines", decode.lines, "Messages to print, a line each (default 10, with --json all)")
       ->type_name("N");
   command.add_flag("--all", decode.all, "Print every message");
+  command.add_option("--camera-protocol", decode.camera_protocol, "What the camera speaks")
+      ->check(one_of(sensors::camera_protocol_names()))
+      ->capture_default_str();
   command.add_option("--camera-checksum", decode.camera_checksum, "How the camera's check sum is formed")
       ->check(CLI::IsMember({"word", "byte", "ignore"}))
       ->capture_default_str();

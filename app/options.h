@@ -117,7 +117,8 @@ struct ReprocessOptions {
 struct DecodeOptions {
   Device device = Device::camera;
   std::string file;  // "-": standard input
-  std::string gyro_protocol = "witmotion";
+  std::string camera_protocol = CameraProfile().protocol;
+  std::string gyro_protocol = GyroProfile().protocol;
   std::vector<std::string> gyro_settings;  // NAME=NUMBER
   std::vector<int> columns{0, 1, 2};
   std::string prefix;

@@ -32,6 +32,9 @@ struct Message {
 inline constexpr Message heartbeat{0, 50, 9, 9};
 inline constexpr Message scaled_imu{26, 170, 22, 24};
 inline constexpr Message raw_imu{27, 144, 26, 29};
+inline constexpr Message request_data_stream{66, 148, 6, 6};
+inline constexpr Message command_long{76, 152, 33, 33};
+inline constexpr Message command_ack{77, 143, 3, 10};
 inline constexpr Message highres_imu{105, 93, 62, 63};
 
 // Offsets in the payloads.
@@ -40,6 +43,19 @@ inline constexpr std::size_t raw_imu_time_us = 0, raw_imu_gyro = 14, raw_imu_id 
                              raw_imu_temperature = 27;
 inline constexpr std::size_t highres_imu_time_us = 0, highres_imu_gyro = 20, highres_imu_temperature = 56,
                              highres_imu_updated = 60, highres_imu_id = 62;
+
+inline constexpr std::size_t command_long_parameters = 0, command_long_command = 28, command_long_system = 30,
+                             command_long_component = 31, command_long_confirmation = 32;
+inline constexpr std::size_t data_stream_rate_hz = 0, data_stream_system = 2, data_stream_component = 3,
+                             data_stream_id = 4, data_stream_start = 5;
+inline constexpr std::size_t command_ack_command = 0, command_ack_result = 2;
+
+inline constexpr std::uint16_t set_message_interval = 511;  // parameters: message, interval in us
+inline constexpr std::uint8_t raw_sensors_stream = 1;
+inline constexpr std::uint8_t result_accepted = 0, result_unsupported = 3;
+
+// Who we are: a ground station.
+inline constexpr std::uint8_t host_system = 255, host_component = 190;
 
 // Bits of highres_imu_updated.
 inline constexpr std::uint16_t updated_gyro = 0x0038;

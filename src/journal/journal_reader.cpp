@@ -125,10 +125,10 @@ bool is_possible(std::initializer_list<HostTime> times, const RawRecording& reco
                      [&](HostTime time) { return is_of_recording(time, recording.header.time_reference); });
 }
 
-bool take_chunk(RawStream& stream, Bytes payload, RawRecording& recording) {
+bool take_chunk(PerDevice<RawStream>& streams, std::uint8_t device, Bytes payload, RawRecording& recording) {
   const auto time = decode_time(payload);
-  if (!time || !is_possible({*time}, recording)) return false;
-  stream.append(payload.subspan(time_bytes), *time);
+  if (device >= device_count || !time || !is_possible({*time}, recording)) return false;
+  streams[static_cast<Device>(device)].append(payload.subspan(time_bytes), *time);
   recording.end_time = *time;
   return true;
 }
@@ -181,10 +181,9 @@ bool take_end(Bytes payload, RawRecording& recording) {
 bool take(const RecordFront& front, Bytes payload, RawRecording& recording) {
   switch (front.type) {
     case RecordType::received:
-      return front.device < device_count &&
-             take_chunk(recording.received[static_cast<Device>(front.device)], payload, recording);
+      return take_chunk(recording.received, front.device, payload, recording);
     case RecordType::sent:
-      return take_chunk(recording.sent, payload, recording);
+      return take_chunk(recording.sent, front.device, payload, recording);
     case RecordType::event:
       return take_event(payload, recording);
     case RecordType::leg:

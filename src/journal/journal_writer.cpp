@@ -81,8 +81,8 @@ void JournalWriter::received(Device from, std::span<const std::uint8_t> bytes, H
   file_->append(RecordType::received, static_cast<std::uint8_t>(from), encode_time(arrived), bytes);
 }
 
-void JournalWriter::sent(std::span<const std::uint8_t> bytes, HostTime time) {
-  file_->append(RecordType::sent, static_cast<std::uint8_t>(Device::servo), encode_time(time), bytes);
+void JournalWriter::sent(Device to, std::span<const std::uint8_t> bytes, HostTime time) {
+  file_->append(RecordType::sent, static_cast<std::uint8_t>(to), encode_time(time), bytes);
 }
 
 void JournalWriter::event(const RecordingEvent& event) {

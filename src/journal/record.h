@@ -17,14 +17,14 @@ enum class RecordType : std::uint8_t {
   leg = 5,
   end = 6,
   estimate = 7,  // of before format 2 of sessions: three estimators, in fixed places
-  estimates = 9
+  estimates = 8
 };
 
 /// The fixed front of every record, 32 bytes, little-endian; a CRC-32 of its first 28 bytes and of the
 /// payload stands in its last four. Table: docs/journal_format.md.
 struct RecordFront {
   RecordType type = RecordType::header;
-  std::uint8_t device = 0;  // of a received chunk, else 0
+  std::uint8_t device = 0;  // of a chunk that was received or sent, else 0
   std::uint64_t journal_id = 0;
   std::uint64_t sequence = 0;  // 0 for the header, then one more each record
   std::uint32_t length = 0;    // of the payload that follows, bytes

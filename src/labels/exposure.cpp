@@ -53,10 +53,8 @@ void ExposureRule::expose_halves(const Freshness& freshness, TimedFrame& frame) 
 }
 
 bool ExposureRule::look(TimedFrame& frame) {
-  freshness_ = detector_.push(frame.frame);
+  freshness_ = {frame.fresh_even, frame.fresh_odd};
   if (looked_++ > 0) vote_.push(freshness_);
-  frame.fresh_even = freshness_.even;
-  frame.fresh_odd = freshness_.odd;
   frame.stale = is_stale(freshness_);
   return looked_ > 1 && mode() == CameraMode::half_fresh && freshness_.both_fresh();
 }

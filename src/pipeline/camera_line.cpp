@@ -22,7 +22,7 @@ labels::ExposureRule exposure_rule(const CameraProfile& profile, const Fits& fit
 CameraLine::CameraLine(const CameraProfile& profile, const Fits& fits)
     : profile_(profile),
       period_s_(frame_period_s(profile, fits)),
-      scanner_([policy = profile.checksum] { return wire::CameraScanner(policy); }),
+      scanner_(sensors::camera_scanner(profile)),
       timing_(profile.link, profile.output_rate_hz),
       final_times_(fits.times[Device::camera]),
       exposure_(exposure_rule(profile, fits)),
@@ -79,6 +79,8 @@ std::span<const TimedFrame> CameraLine::take(std::vector<TimedFrame>& out) {
     TimedFrame& frame = out.emplace_back();
     frame.frame = message.frame;
     frame.span = message.span;
+    frame.fresh_even = message.fresh.even;
+    frame.fresh_odd = message.fresh.odd;
     frame.resync_before = message.resync_before;
     const bool lost_before = exposure_.look(frame) || message.resync_before;
     frame.stamp = timing_.stamp(message.span, {.lost_before = lost_before, .device_s = {}});

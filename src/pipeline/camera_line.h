@@ -8,14 +8,13 @@
 #include <vector>
 
 #include "final_times.h"
-#include "restartable_scanner.h"
 #include "thermorig/core/profile.h"
 #include "thermorig/core/sample.h"
 #include "thermorig/labels/exposure.h"
 #include "thermorig/labels/frame_gaps.h"
 #include "thermorig/pipeline/pipeline.h"
+#include "thermorig/sensors/camera_protocol.h"
 #include "thermorig/timing/link_timing.h"
-#include "thermorig/wire/camera_scanner.h"
 
 namespace thermorig::pipeline {
 
@@ -47,7 +46,7 @@ class CameraLine {
 
   CameraProfile profile_;
   double period_s_;
-  RestartableScanner<wire::CameraScanner, wire::CameraMessage> scanner_;
+  sensors::CameraScanner scanner_;
   timing::LinkTiming timing_;
   FinalTimes final_times_;
   labels::ExposureRule exposure_;

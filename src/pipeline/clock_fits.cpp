@@ -6,14 +6,14 @@
 
 #include "message_spans.h"
 #include "ping_exchanges.h"
+#include "thermorig/sensors/gyro_protocol.h"
+#include "thermorig/sensors/servo_protocol.h"
 #include "thermorig/timing/arrivals.h"
 #include "thermorig/timing/ping_clock.h"
 
 namespace thermorig::pipeline {
 
 namespace {
-
-constexpr double own_clock_error_share = 0.1;  // beyond it a gyro's time is not in the unit that we think
 
 ClockFit fit_one_way(const RawStream& received, std::span<const StreamSpan> spans,
                      std::span<const double> device_s, const PortProfile& link, double nominal_rate_hz) {
@@ -29,8 +29,9 @@ std::vector<double> turns_s(std::span<const labels::FrameGap> gaps, double rate_
   return device_s;
 }
 
-/// The gyro's own time of each sample, if it sends one with each that goes about as fast as the host's.
-std::vector<double> own_times_s(std::span<const TimedGyro> gyro) {
+/// The gyro's own time of each sample, if there is one with each and they go as fast as its clock can be.
+std::vector<double> own_times_s(std::span<const TimedGyro> gyro, const ClockProperties& clock) {
+  if (!clock.sends_time()) return {};
   std::vector<double> device_s;
   double forward_s = 0.0;
   for (const TimedGyro& sample : gyro) {
@@ -40,7 +41,7 @@ std::vector<double> own_times_s(std::span<const TimedGyro> gyro) {
     device_s.push_back(time_s);
   }
   const double host_s = to_s(gyro.back().stamp.time - gyro.front().stamp.time);
-  const bool is_believable = std::abs(forward_s - host_s) <= own_clock_error_share * host_s;
+  const bool is_believable = std::abs(forward_s - host_s) <= clock.rate_error_max * host_s;
   return is_believable ? device_s : std::vector<double>{};
 }
 
@@ -78,7 +79,7 @@ ClockFit fit_gyro_clock(const RawStream& received, std::span<const TimedGyro> gy
                         const GyroProfile& profile) {
   const auto spans = spans_of(gyro);
   if (!holds(received, spans)) return {};
-  auto device_s = own_times_s(gyro);
+  auto device_s = own_times_s(gyro, sensors::gyro_protocol(profile.protocol).clock(profile));
   if (device_s.empty()) device_s = counted_times_s(received, gyro, spans, profile);
   return fit_one_way(received, spans, device_s, profile.link, profile.output_rate_hz);
 }
@@ -89,7 +90,8 @@ ClockFit fit_servo_clock(const RawStream& received, const RawStream& sent, const
   if (!holds(received, spans)) return {};
   const auto exchanges = ping_exchanges(received, sent, streams, profile.link.baud);
   if (exchanges.empty())
-    return fit_one_way(received, spans, telemetry_times_s(streams.servo), profile.link, nominal_telemetry_hz);
+    return fit_one_way(received, spans, telemetry_times_s(streams.servo), profile.link,
+                       sensors::servo_protocol().rate_hz);
   timing::PingFit fit =
       timing::fit_pings(mcu_times_us(streams.servo), exchanges,
                         sent_stamps(received, streams.servo, profile.link.baud), profile.link);

@@ -13,8 +13,6 @@
 
 namespace thermorig::pipeline {
 
-inline constexpr double nominal_telemetry_hz = 100.0;  // protocols/servo_link.md
-
 /// The clock of one device over a recording: the time of each of its messages, and how it did. Without
 /// `times` too little came, and the causal ones stand.
 struct ClockFit {
@@ -26,7 +24,7 @@ struct ClockFit {
 ClockFit fit_camera_clock(const RawStream& received, std::span<const TimedFrame> frames,
                           std::span<const labels::FrameGap> gaps, const CameraProfile& profile);
 
-/// By the gyro's own time where it sends one, else by counting its samples.
+/// By the gyro's own time where its clock sends one, else by counting its samples.
 ClockFit fit_gyro_clock(const RawStream& received, std::span<const TimedGyro> gyro,
                         const GyroProfile& profile);
 

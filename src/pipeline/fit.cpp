@@ -13,6 +13,7 @@
 #include "thermorig/motion/panorama_fit.h"
 #include "thermorig/pipeline/interruptions.h"
 #include "thermorig/pipeline/pipeline.h"
+#include "thermorig/sensors/servo_protocol.h"
 #include "thermorig/timing/arrivals.h"
 
 namespace thermorig::pipeline {
@@ -88,11 +89,12 @@ PerDevice<ClockFit> fit_clocks(const RawRecording& raw, Streams& streams, const 
                               std::span<const TimedGyro>(streams.gyro).subspan(begin, end - begin), gyro);
       });
   clocks[Device::servo] = fit_pieces(
-      raw, Device::servo, streams.servo, nominal_telemetry_hz, [&, &servo = servo](auto begin, auto end) {
+      raw, Device::servo, streams.servo, sensors::servo_protocol().rate_hz,
+      [&, &servo = servo](auto begin, auto end) {
         if (end - begin == streams.servo.size())
-          return fit_servo_clock(raw.received[Device::servo], raw.sent, streams, servo);
-        return fit_servo_clock(raw.received[Device::servo], raw.sent, servo_piece(streams, begin, end),
-                               servo);
+          return fit_servo_clock(raw.received[Device::servo], raw.sent[Device::servo], streams, servo);
+        return fit_servo_clock(raw.received[Device::servo], raw.sent[Device::servo],
+                               servo_piece(streams, begin, end), servo);
       });
   put_times(clocks[Device::camera].times, streams.frames);
   put_times(clocks[Device::gyro].times, streams.gyro);

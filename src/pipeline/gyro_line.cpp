@@ -4,8 +4,6 @@
 #include <cassert>
 #include <utility>
 
-#include "thermorig/sensors/gyro_protocol.h"
-
 namespace thermorig::pipeline {
 
 namespace {
@@ -18,8 +16,7 @@ timing::StampHint hint(const wire::GyroMessage& message) {
 }  // namespace
 
 GyroLine::GyroLine(const GyroProfile& profile, const Fits& fits)
-    : scanner_([profile] { return sensors::gyro_scanner(profile); }),
-      message_bytes_(sensors::gyro_protocol(profile.protocol).message_bytes(profile)),
+    : scanner_(sensors::gyro_scanner(profile)),
       timing_(profile.link, profile.output_rate_hz),
       final_times_(fits.times[Device::gyro]),
       axis_(static_cast<std::size_t>(profile.axis)),

@@ -8,13 +8,11 @@
 
 #include "final_times.h"
 #include "gyro_losses.h"
-#include "restartable_scanner.h"
 #include "thermorig/core/profile.h"
 #include "thermorig/core/sample.h"
 #include "thermorig/pipeline/pipeline.h"
-#include "thermorig/sensors/gyro_scanner.h"
+#include "thermorig/sensors/gyro_protocol.h"
 #include "thermorig/timing/link_timing.h"
-#include "thermorig/wire/gyro_message.h"
 
 namespace thermorig::pipeline {
 
@@ -38,14 +36,10 @@ class GyroLine {
   /// the first one found in the gyro's clock.
   const wire::Counters& counters() const { return counters_; }
 
-  /// Bytes of a sample's message, at most.
-  std::uint64_t message_bytes() const { return message_bytes_; }
-
  private:
   std::span<const TimedGyro> take(std::vector<TimedGyro>& out);
 
-  RestartableScanner<sensors::GyroScanner, wire::GyroMessage> scanner_;
-  std::uint64_t message_bytes_;
+  sensors::GyroScanner scanner_;
   timing::LinkTiming timing_;
   FinalTimes final_times_;
   GyroLosses losses_;

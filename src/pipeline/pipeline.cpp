@@ -8,14 +8,9 @@
 #include "gyro_line.h"
 #include "measurements.h"
 #include "servo_line.h"
-#include "servo_link.h"
-#include "thermorig/wire/device_bytes.h"
+#include "thermorig/sensors/device_stream.h"
 
 namespace thermorig::pipeline {
-
-namespace {
-constexpr std::uint64_t telemetry_bytes = SERVO_TELEMETRY_SIZE + 6;  // type, sequence, CRC, two flags
-}  // namespace
 
 struct Pipeline::Stages {
   CameraLine camera;
@@ -25,6 +20,7 @@ struct Pipeline::Stages {
   double frame_rate_hz;  // nominal
   Measurements measurements;
   Streams streams;
+  PerDevice<std::uint64_t> message_bytes;  // at most
   std::optional<AbsentCamera> absent_camera;
 
   template <typename Timed>
@@ -47,6 +43,15 @@ struct Pipeline::Stages {
   }
 };
 
+namespace {
+PerDevice<std::uint64_t> message_bytes(const RigProfile& profile) {
+  PerDevice<std::uint64_t> bytes;
+  for (const Device device : all_devices)
+    bytes[device] = sensors::device_stream(device, profile).message_bytes;
+  return bytes;
+}
+}  // namespace
+
 Pipeline::Pipeline(const RigProfile& profile, const Fits& fits)
     : stages_(new Stages{.camera = CameraLine(profile.camera, fits),
                          .gyro = GyroLine(profile.gyro, fits),
@@ -55,6 +60,7 @@ Pipeline::Pipeline(const RigProfile& profile, const Fits& fits)
                          .frame_rate_hz = profile.camera.output_rate_hz,
                          .measurements = {},
                          .streams = {},
+                         .message_bytes = message_bytes(profile),
                          .absent_camera = {}}) {}
 
 Pipeline::~Pipeline() = default;
@@ -62,10 +68,11 @@ Pipeline::Pipeline(Pipeline&&) noexcept = default;
 Pipeline& Pipeline::operator=(Pipeline&&) noexcept = default;
 
 void Pipeline::expect(const PerDevice<std::uint64_t>& bytes) {
+  const auto messages = [&](Device device) { return bytes[device] / stages_->message_bytes[device]; };
   Streams& streams = stages_->streams;
-  streams.frames.reserve(bytes[Device::camera] / wire::camera_frame_bytes);
-  streams.gyro.reserve(bytes[Device::gyro] / stages_->gyro.message_bytes());
-  streams.servo.reserve(bytes[Device::servo] / telemetry_bytes);
+  streams.frames.reserve(messages(Device::camera));
+  streams.gyro.reserve(messages(Device::gyro));
+  streams.servo.reserve(messages(Device::servo));
 }
 
 std::vector<Measurement> Pipeline::feed(Device from, std::span<const std::uint8_t> chunk, HostTime arrived) {
@@ -84,8 +91,8 @@ std::vector<Measurement> Pipeline::feed(Device from, std::span<const std::uint8_
   return stages.complete(arrived);
 }
 
-void Pipeline::sent(std::span<const std::uint8_t> bytes, HostTime before_write) {
-  stages_->servo.sent(bytes, before_write);
+void Pipeline::sent(Device to, std::span<const std::uint8_t> bytes, HostTime before_write) {
+  if (to == Device::servo) stages_->servo.sent(bytes, before_write);
 }
 
 std::vector<Measurement> Pipeline::interrupt(Device device, HostTime now) {

@@ -3,42 +3,48 @@
 
 namespace thermorig::pipeline {
 
-std::optional<Device> Replay::earliest() const {
+namespace {
+
+/// Whose next chunk is the first of all.
+std::optional<Device> earliest(const PerDevice<RawStream>& streams, const PerDevice<std::size_t>& next) {
   std::optional<Device> earliest;
   for (const Device device : all_devices) {
-    const RawStream& stream = raw_.received[device];
-    if (next_received_[device] == stream.chunk_count()) continue;
-    if (!earliest ||
-        stream.time(next_received_[device]) < raw_.received[*earliest].time(next_received_[*earliest]))
+    if (next[device] == streams[device].chunk_count()) continue;
+    if (!earliest || streams[device].time(next[device]) < streams[*earliest].time(next[*earliest]))
       earliest = device;
   }
   return earliest;
 }
 
+}  // namespace
+
 std::optional<ReplayStep> Replay::next() {
-  const std::optional<Device> device = earliest();
+  const std::optional<Device> from = earliest(raw_.received, next_received_);
+  const auto arrival = [&] { return raw_.received[*from].time(next_received_[*from]); };
   if (next_interruption_ < interruptions_.size()) {
     const Interruption& gone = interruptions_[next_interruption_];
-    if (!device || gone.time < raw_.received[*device].time(next_received_[*device])) {
+    if (!from || gone.time < arrival()) {
       ++next_interruption_;
-      return ReplayStep{.from = gone.device, .bytes = {}, .time = gone.time, .is_interruption = true};
+      return ReplayStep{
+          .from = gone.device, .to = {}, .bytes = {}, .time = gone.time, .is_interruption = true};
     }
   }
-  if (!device) return std::nullopt;
-  const RawStream& stream = raw_.received[*device];
-  const std::size_t index = next_received_[*device];
-  if (next_sent_ < raw_.sent.chunk_count() && raw_.sent.time(next_sent_) <= stream.time(index)) {
-    const std::size_t sent = next_sent_++;
-    return ReplayStep{.from = std::nullopt, .bytes = raw_.sent.chunk(sent), .time = raw_.sent.time(sent)};
+  if (!from) return std::nullopt;
+  const std::optional<Device> to = earliest(raw_.sent, next_sent_);
+  if (to && raw_.sent[*to].time(next_sent_[*to]) <= arrival()) {
+    const std::size_t sent = next_sent_[*to]++;
+    return ReplayStep{
+        .from = {}, .to = to, .bytes = raw_.sent[*to].chunk(sent), .time = raw_.sent[*to].time(sent)};
   }
-  ++next_received_[*device];
-  return ReplayStep{.from = device, .bytes = stream.chunk(index), .time = stream.time(index)};
+  const std::size_t index = next_received_[*from]++;
+  const RawStream& stream = raw_.received[*from];
+  return ReplayStep{.from = from, .to = {}, .bytes = stream.chunk(index), .time = stream.time(index)};
 }
 
 std::vector<Measurement> feed(Pipeline& pipeline, const ReplayStep& step) {
   if (step.is_interruption) return pipeline.interrupt(*step.from, step.time);
   if (step.from) return pipeline.feed(*step.from, step.bytes, step.time);
-  pipeline.sent(step.bytes, step.time);
+  pipeline.sent(*step.to, step.bytes, step.time);
   return {};
 }
 

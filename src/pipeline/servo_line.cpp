@@ -9,10 +9,11 @@ namespace thermorig::pipeline {
 
 ServoLine::ServoLine(const ServoProfile& profile, const Fits& fits)
     : link_(profile.link),
-      scanner_([] { return wire::ServoScanner(); }),
+      scanner_(sensors::servo_protocol().scanner()),
       timing_(profile.link),
       final_times_(fits.times[Device::servo]),
       baud_(profile.link.baud),
+      mcu_time_(sensors::servo_protocol().clock),
       pings_(profile.link.baud),
       clock_(profile.link),
       is_causal_(fits.times[Device::servo].empty()) {}

@@ -9,14 +9,13 @@
 
 #include "final_times.h"
 #include "ping_ledger.h"
-#include "restartable_scanner.h"
 #include "thermorig/core/profile.h"
 #include "thermorig/core/sample.h"
 #include "thermorig/pipeline/pipeline.h"
+#include "thermorig/sensors/servo_protocol.h"
 #include "thermorig/timing/link_timing.h"
 #include "thermorig/timing/mcu_time.h"
 #include "thermorig/timing/ping_clock.h"
-#include "thermorig/wire/servo_messages.h"
 
 namespace thermorig::pipeline {
 
@@ -49,7 +48,7 @@ class ServoLine {
   HostTime begun_by(const StreamSpan& span) const;
 
   PortProfile link_;
-  RestartableScanner<wire::ServoScanner, wire::ServoMessage> scanner_;
+  sensors::ServoScanner scanner_;
   timing::LinkTiming timing_;
   FinalTimes final_times_;
   std::uint32_t baud_;

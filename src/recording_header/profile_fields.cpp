@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "servo_link.h"
+#include "thermorig/sensors/camera_protocol.h"
 #include "thermorig/sensors/gyro_protocol.h"
 
 namespace thermorig::recording_header {
@@ -107,11 +108,20 @@ void add_link(Fields& fields, const std::string& name, Device device) {
   table.boolean("reset_on_open", &Link::reset_on_open, "toggle DTR after opening");
 }
 
+/// "a, b or c".
+std::string any_of(const Words& names) {
+  if (names.size() == 1) return names.front();
+  const auto all_but_last = std::span(names).first(names.size() - 1);
+  return fmt::format("{} or {}", fmt::join(all_but_last, ", "), names.back());
+}
+
 void add_camera(Fields& fields) {
   using Camera = CameraProfile;
+  const Words protocols = sensors::camera_protocol_names();
   add_link(fields, "camera", Device::camera);
   Table<Camera> table(fields, "camera", &RigProfile::camera);
   table.text("model", &Camera::model, "free text");
+  table.text("protocol", &Camera::protocol, any_of(protocols), protocols);
   table.number("output_rate_hz", &Camera::output_rate_hz, "Hz", 0.1, 64, "frames a second, nominal");
   table.number("field_of_view_deg", &Camera::field_of_view_deg, "deg", 1, 180,
                "horizontal: 55 (BAB) or 110 (BAA)");
@@ -119,12 +129,6 @@ void add_camera(Fields& fields) {
   table.date("orientation_measured_utc", &Camera::orientation_measured_utc,
              "when `mirrored` and the gyro's axis and sign were calibrated, UTC; empty: assumptions");
   table.choice("checksum", &Camera::checksum, {"word", "byte", "ignore"}, "word, byte or ignore");
-}
-
-/// "a, b or c".
-std::string any_of(const Words& names) {
-  const auto all_but_last = std::span(names).first(names.size() - 1);
-  return fmt::format("{} or {}", fmt::join(all_but_last, ", "), names.back());
 }
 
 void add_gyro(Fields& fields) {

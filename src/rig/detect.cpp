@@ -7,58 +7,49 @@
 #include <memory>
 #include <utility>
 
-#include "servo_link.h"
 #include "thermorig/core/error.h"
-#include "thermorig/wire/servo_messages.h"
+#include "thermorig/sensors/device_stream.h"
 
 namespace thermorig::rig {
 
 namespace {
 
 constexpr auto listening_tick = std::chrono::milliseconds(20);
-constexpr auto hello_period = std::chrono::milliseconds(200);
+constexpr auto greeting_period = std::chrono::milliseconds(200);
 
-/// One baud rate to listen at.
-struct Slot {
-  std::uint32_t baud = 0;
-  double share = 0.0;  // of the whole time
-  bool hello = false;
-};
-
-// The cameras' own rates first, then those of gyros; the servo's last, and long: an Arduino boots for a
-// second or two after its port was opened.
-std::vector<Slot> slots_of_port() {
-  return {{460800, 0.12}, {115200, 0.15}, {9600, 0.11},
-          {230400, 0.08}, {38400, 0.08},  {SERVO_LINK_BAUD, 0.42, true}};
+/// A pty has no baud rate: it is listened to once, and greeted by all that want to be greeted.
+std::vector<sensors::SearchStep> steps_of_pty() {
+  constexpr double listen_share = 0.2, greet_share = 0.3;
+  std::vector<sensors::SearchStep> steps = sensors::search_steps();
+  std::erase_if(steps, [&](const auto& step) { return &step != &steps.front() && step.greeting.empty(); });
+  for (sensors::SearchStep& step : steps) step.at.share = step.greeting.empty() ? listen_share : greet_share;
+  return steps;
 }
 
-std::vector<Slot> slots_of_pty() {
-  return {{115200, 0.2}, {SERVO_LINK_BAUD, 0.3, true}};
-}
-
-/// Listens on one port, slot by slot.
+/// Listens on one port, step by step.
 class Listener {
  public:
   Listener(PortLoop& loop, const io::PortInfo& info, double listen_s)
       : loop_(loop),
         has_baud_(!loop.is_pseudo_terminal(info.path)),
-        slots_(has_baud_ ? slots_of_port() : slots_of_pty()),
+        steps_(has_baud_ ? sensors::search_steps() : steps_of_pty()),
         listen_s_(listen_s) {
     finding_.info = info;
-    finding_.how = fmt::format("silent at {} baud rates", slots_.size());
+    finding_.how = fmt::format("silent at {} baud rates", steps_.size());
   }
 
-  bool done() const { return slot_ == slots_.size(); }
+  bool done() const { return step_ == steps_.size(); }
   const PortFinding& finding() const { return finding_; }
 
   void tick(HostTime now) {
     if (done()) return;
     if (!port_) return open(now);
-    if (slots_[slot_].hello && now - last_hello_ >= hello_period) {
-      loop_.write(*port_, wire::hello_bytes(0));
-      last_hello_ = now;
+    const sensors::SearchStep& step = steps_[step_];
+    if (!step.greeting.empty() && now - last_greeting_ >= greeting_period) {
+      loop_.write(*port_, step.greeting);
+      last_greeting_ = now;
     }
-    if (to_s(now - opened_) >= slots_[slot_].share * listen_s_) judge(now);
+    if (to_s(now - opened_) >= step.at.share * listen_s_) judge(now);
   }
 
  private:
@@ -71,7 +62,7 @@ class Listener {
     };
     handlers.lost = [this](const std::string& why) { give_up(why); };
     try {
-      port_ = loop_.open({.port = finding_.info.path, .baud = slots_[slot_].baud}, std::move(handlers),
+      port_ = loop_.open({.port = finding_.info.path, .baud = steps_[step_].at.baud}, std::move(handlers),
                          io::Refusal::names_holder);
     } catch (const Error& error) {
       give_up(error.what_happened());
@@ -81,7 +72,7 @@ class Listener {
   void give_up(const std::string& why) {
     finding_.problem = why;
     finding_.how = why;
-    slot_ = slots_.size();
+    step_ = steps_.size();
   }
 
   void judge(HostTime now) {
@@ -91,31 +82,31 @@ class Listener {
     if (!bytes_.empty()) finding_.how = evidence.text;
     if (evidence.role) {
       finding_.role = evidence.role;
-      finding_.baud = has_baud_ ? slots_[slot_].baud : 0;
-      finding_.gyro_protocol = evidence.gyro_protocol;
+      finding_.baud = has_baud_ ? steps_[step_].at.baud : 0;
+      finding_.protocol = evidence.protocol;
       finding_.text_format = evidence.text_format;
       finding_.rate_hz = static_cast<double>(evidence.messages) / to_s(now - opened_);
-      slot_ = slots_.size();
+      step_ = steps_.size();
     } else {
-      ++slot_;
+      ++step_;
     }
   }
 
   PortLoop& loop_;
   bool has_baud_;
-  std::vector<Slot> slots_;
+  std::vector<sensors::SearchStep> steps_;
   double listen_s_;
   PortFinding finding_;
-  std::size_t slot_ = 0;
+  std::size_t step_ = 0;
   std::optional<PortLoop::PortId> port_;
   std::vector<std::uint8_t> bytes_;
   HostTime opened_{};
-  HostTime last_hello_{};
+  HostTime last_greeting_{};
 };
 
 void apply_gyro(const PortFinding& finding, GyroProfile& gyro) {
-  if (gyro.protocol == finding.gyro_protocol) return;
-  gyro.protocol = finding.gyro_protocol;
+  if (gyro.protocol == finding.protocol) return;
+  gyro.protocol = finding.protocol;
   gyro.settings.clear();
   if (finding.text_format) gyro.text = finding.text_format->columns;
 }
@@ -166,6 +157,7 @@ RigProfile apply_findings(RigProfile profile, const std::vector<PortFinding>& fi
     link.port = of_role[0]->info.path;
     link.usb_path = of_role[0]->info.usb_path;
     if (of_role[0]->baud != 0) link.baud = of_role[0]->baud;
+    if (device == Device::camera) profile.camera.protocol = of_role[0]->protocol;
     if (device == Device::gyro) apply_gyro(*of_role[0], profile.gyro);
   }
   return profile;

@@ -53,8 +53,8 @@ void KeptJournal::received(Device from, std::span<const std::uint8_t> bytes, Hos
   if (kept_) kept_->journal.received(from, bytes, arrived);
 }
 
-void KeptJournal::sent(std::span<const std::uint8_t> bytes, HostTime time) {
-  if (kept_) kept_->journal.sent(bytes, time);
+void KeptJournal::sent(Device to, std::span<const std::uint8_t> bytes, HostTime time) {
+  if (kept_) kept_->journal.sent(to, bytes, time);
 }
 
 void KeptJournal::event(const RecordingEvent& event) {

@@ -25,7 +25,7 @@ class KeptJournal {
   KeptJournal& operator=(const KeptJournal&) = delete;
 
   void received(Device from, std::span<const std::uint8_t> bytes, HostTime arrived);
-  void sent(std::span<const std::uint8_t> bytes, HostTime time);
+  void sent(Device to, std::span<const std::uint8_t> bytes, HostTime time);
   void event(const RecordingEvent& event);
   void leg(const LegRecord& leg);
   void estimate(const EstimateRow& row);

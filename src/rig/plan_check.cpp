@@ -9,8 +9,8 @@
 #include "thermorig/core/error.h"
 #include "thermorig/rig/plan.h"
 #include "thermorig/rig/yield.h"
+#include "thermorig/sensors/camera_protocol.h"
 #include "thermorig/timing/link_timing.h"
-#include "thermorig/wire/device_bytes.h"
 
 namespace thermorig::rig {
 
@@ -110,16 +110,16 @@ void check_quota(const SweepPlan& plan, const ServoProfile& servo, const CameraP
 }
 
 void check_camera_link(const SweepPlan& plan, const CameraProfile& camera) {
-  const auto budget = timing::link_budget(wire::camera_frame_bytes, camera.output_rate_hz, camera.link.baud);
+  const std::uint64_t frame_bytes = sensors::camera_protocol(camera.protocol).message_bytes;
+  const auto budget = timing::link_budget(frame_bytes, camera.output_rate_hz, camera.link.baud);
   if (budget.fits()) return;
   const double most_hz = std::floor(budget.max_rate_hz * 10.0) / 10.0;
-  const double wire_ms = 1e3 * timing::wire_time_s(wire::camera_frame_bytes, camera.link.baud);
+  const double wire_ms = 1e3 * timing::wire_time_s(frame_bytes, camera.link.baud);
   refuse(
       plan,
       fmt::format(
           "the camera's link cannot carry {} frames/s: {} bytes x 10 bits / {} baud = {:.1f} ms > {:.1f} ms",
-          camera.output_rate_hz, wire::camera_frame_bytes, camera.link.baud, wire_ms,
-          1e3 / camera.output_rate_hz),
+          camera.output_rate_hz, frame_bytes, camera.link.baud, wire_ms, 1e3 / camera.output_rate_hz),
       "460800 baud (set it on the camera and in the rig profile)" +
           (most_hz > 0.0 ? fmt::format(", or at most {:.1f} frames/s", most_hz) : ""));
 }

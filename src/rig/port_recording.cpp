@@ -8,7 +8,7 @@
 
 #include "port_search.h"
 #include "thermorig/io/last_words.h"
-#include "thermorig/wire/servo_messages.h"
+#include "thermorig/sensors/servo_protocol.h"
 
 namespace thermorig::rig {
 
@@ -53,8 +53,8 @@ PortSession::PortSession(const PortOptions& options, PortLoop& loop)
     : options_(options), loop_(loop), search_(loop) {
   // Ports first: nothing is created on the disk for a rig that is not there.
   open_ports();
-  recording_.emplace(options.recording, loop_.now(), [this](std::span<const std::uint8_t> bytes) {
-    loop_.write(*ports_[Device::servo], bytes);
+  recording_.emplace(options.recording, loop_.now(), [this](Device to, std::span<const std::uint8_t> bytes) {
+    if (ports_[to]) loop_.write(*ports_[to], bytes);
   });
   for (const auto& [device, error] : missing_) recording_->missing(device, error, loop_.now());
 }
@@ -92,7 +92,7 @@ PortLoop::PortId PortSession::open(Device device, const PortProfile& link, io::R
   };
   handlers.lost = [this, device](const std::string& why) { recording_->lost(device, why, loop_.now()); };
   const PortLoop::PortId port = loop_.open(link, std::move(handlers), refusal);
-  if (device == Device::servo) loop_.keep_last_words(port, wire::stop_bytes());
+  if (device == Device::servo) loop_.keep_last_words(port, sensors::servo_protocol().last_words());
   return port;
 }
 
@@ -153,7 +153,7 @@ void PortSession::run_loop() {
     loop_.run();
   } catch (...) {          // e.g. the disk is full: the servo must not run on until its watchdog notices
     io::say_last_words();  // at once: there may be no memory left for more
-    loop_.write(*ports_[Device::servo], wire::stop_bytes());
+    loop_.write(*ports_[Device::servo], sensors::servo_protocol().last_words());
     bool is_over = false;
     loop_.every(last_words, [&](HostTime) {
       is_over = true;

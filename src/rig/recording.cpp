@@ -11,7 +11,7 @@
 
 namespace thermorig::rig {
 
-Recording::Recording(const RecordingOptions& options, HostTime now, SendToServo send)
+Recording::Recording(const RecordingOptions& options, HostTime now, Send send)
     : parts_(std::make_unique<Parts>(options, now, std::move(send))) {
   if (options.begun) options.begun(parts_->header);
   parts_->may_start = !options.wait_for_start;
@@ -92,6 +92,7 @@ void Recording::tick(HostTime now) {
   Parts& parts = *parts_;
   for (const RecordingEvent& happened : parts.journal.check(now)) parts.event(happened);
   if (done()) return;
+  parts.ask_for_streams(now);
   parts.guarded(now, [&] {
     parts.check_devices(now);
     parts.look_for_returns(now);
@@ -105,7 +106,7 @@ void Recording::Parts::drive(HostTime now) {
   if (replug.awaits(Device::servo)) return greet_again(now);
   sweep.tick(now);
   try {
-    write_to_servo(commander.poll(now), now);
+    write_to(Device::servo, commander.poll(now), now);
   } catch (const Error& error) {
     if (!commander.gave_up() || !waits()) throw;
     lose(Device::servo, error, now);
@@ -116,18 +117,24 @@ void Recording::Parts::drive(HostTime now) {
 void Recording::Parts::greet_again(HostTime now) {
   if (!replug.has_port(Device::servo)) return;
   try {
-    write_to_servo(commander.poll(now), now);
+    write_to(Device::servo, commander.poll(now), now);
   } catch (const Error&) {
     if (!commander.gave_up()) throw;
     commander.greet();
   }
 }
 
-void Recording::Parts::write_to_servo(const std::vector<std::uint8_t>& bytes, HostTime now) {
+void Recording::Parts::ask_for_streams(HostTime now) {
+  for (const Device device : all_devices)
+    if (!port_lost[device])
+      write_to(device, requests.due(device, pipeline.counters(device).messages, now), now);
+}
+
+void Recording::Parts::write_to(Device device, const std::vector<std::uint8_t>& bytes, HostTime now) {
   if (bytes.empty()) return;
-  journal.sent(bytes, now);
-  pipeline.sent(bytes, now);
-  send(bytes);
+  journal.sent(device, bytes, now);
+  pipeline.sent(device, bytes, now);
+  send(device, bytes);
 }
 
 void Recording::Parts::begin_when_ready(HostTime now) {
@@ -227,7 +234,7 @@ void Recording::request_stop(HostTime now, const std::string& who) {
                who.empty() ? "stopped on request" : "stopped on request of " + who});
   if (parts.replug.awaits(Device::servo)) {
     // It may be there and not have answered yet: the byte alone can be sent.
-    if (parts.replug.has_port(Device::servo)) parts.write_to_servo(wire::stop_bytes(), now);
+    if (parts.replug.has_port(Device::servo)) parts.write_to(Device::servo, wire::stop_bytes(), now);
     parts.servo_gone = true;
   }
   parts.sweep.request_stop(now);

@@ -127,6 +127,7 @@ void Recording::Parts::note_back(Device device, HostTime now) {
 void Recording::returned(Device device, HostTime now) {
   Parts& parts = *parts_;
   parts.port_lost[device] = false;
+  parts.requests.port_opened(device);
   parts.replug.port_opened(device, now);
 }
 

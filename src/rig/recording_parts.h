@@ -15,21 +15,23 @@
 #include "thermorig/pipeline/pipeline.h"
 #include "thermorig/rig/recording.h"
 #include "thermorig/rig/replug.h"
+#include "thermorig/rig/stream_requests.h"
 
 namespace thermorig::rig {
 
 /// What a recording consists of. Bytes, time and ends: recording.cpp; devices that go, and come back:
 /// recording_devices.cpp.
 struct Recording::Parts {
-  Parts(const RecordingOptions& given, HostTime now, SendToServo send_to_servo)
+  Parts(const RecordingOptions& given, HostTime now, Send send_to)
       : options(given),
         begin(now),
-        send(std::move(send_to_servo)),
+        send(std::move(send_to)),
         header(make_header(options, now)),
         journal(options, header),
         pipeline(options.profile),
         commander(options.profile.servo),
         sweep(options.plan, options.profile.servo, options.profile.camera.output_rate_hz, commander),
+        requests(options.profile),
         replug(options.profile, options.replug_patience_s),
         devices(options.profile, options.start_patience_s, now) {}
 
@@ -55,7 +57,8 @@ struct Recording::Parts {
   void look_for_returns(HostTime now);
   void note_back(Device device, HostTime now);
   void greet_again(HostTime now);
-  void write_to_servo(const std::vector<std::uint8_t>& bytes, HostTime now);
+  void ask_for_streams(HostTime now);
+  void write_to(Device device, const std::vector<std::uint8_t>& bytes, HostTime now);
   void note_epoch(const ClockEpoch& epoch, HostTime now);
   void event(const RecordingEvent& event);
   void fail(const Error& error, HostTime now);
@@ -75,12 +78,13 @@ struct Recording::Parts {
 
   RecordingOptions options;
   HostTime begin;
-  SendToServo send;
+  Send send;
   RecordingHeader header;
   KeptJournal journal;
   pipeline::Pipeline pipeline;
   ServoCommander commander;
   SweepWalker sweep;
+  StreamRequests requests;
   Replug replug;
   DeviceWatch devices;
   PerDevice<bool> port_lost{};

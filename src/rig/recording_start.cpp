@@ -10,7 +10,7 @@
 #include "thermorig/io/port.h"
 #include "thermorig/rig/detect.h"
 #include "thermorig/rig/profile_file.h"
-#include "thermorig/sensors/gyro_protocol.h"
+#include "thermorig/sensors/device_stream.h"
 
 namespace thermorig::rig {
 
@@ -46,15 +46,14 @@ Error other_role(Device device, const Evidence& evidence, ExitCode code, const s
           where, "`thermorig ports` finds the right port of each device"};
 }
 
-Error other_gyro_protocol(const Evidence& evidence, const GyroProfile& profile, const std::string& where) {
-  const bool has_columns = sensors::gyro_protocol(evidence.gyro_protocol).has_columns;
+Error other_protocol(Device device, const Evidence& evidence, std::string_view expected,
+                     const std::string& where) {
   return {ExitCode::device_missing,
-          fmt::format("it sends {}, where the rig profile expects {}", evidence.text,
-                      sensors::gyro_protocol(profile.protocol).sends),
-          where,
-          fmt::format("say protocol = \"{}\" in the [gyro] section of the rig profile{}; "
+          fmt::format("it sends {}, where the rig profile expects {}", evidence.text, expected), where,
+          fmt::format("say protocol = \"{}\" in the [{}] section of the rig profile{}; "
                       "`thermorig ports --save NAME` writes one",
-                      evidence.gyro_protocol, has_columns ? ", and which columns hold the rates" : "")};
+                      evidence.protocol, name_of(device),
+                      evidence.text_format ? ", and which columns hold the rates" : "")};
 }
 
 }  // namespace
@@ -100,9 +99,9 @@ Error silent_device(Device device, const RigProfile& profile, const wire::Counte
   const Evidence evidence = classify(first_bytes);
   if (evidence.role && *evidence.role != device)
     return other_role(device, evidence, ExitCode::device_missing, where);
-  if (device == Device::gyro && evidence.role == Device::gyro &&
-      evidence.gyro_protocol != profile.gyro.protocol)
-    return other_gyro_protocol(evidence, profile.gyro, where);
+  const sensors::DeviceStream expected = sensors::device_stream(device, profile);
+  if (evidence.role == device && evidence.protocol != expected.protocol)
+    return other_protocol(device, evidence, expected.sends, where);
   if (evidence.role == device && evidence.messages == 0)
     return {ExitCode::device_missing, "it sends " + evidence.text, where,
             fmt::format("set the device to send {}", what_it_sends(device))};

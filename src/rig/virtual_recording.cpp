@@ -26,7 +26,7 @@ RecordingResult record_virtual(DeviceBus& bus, const VirtualOptions& options) {
   recording_options.virtual_time = true;
   recording_options.sync.when = SyncWhen::end;
   Recording recording(recording_options, now,
-                      [&](std::span<const std::uint8_t> bytes) { bus.send(Device::servo, bytes, now); });
+                      [&](Device to, std::span<const std::uint8_t> bytes) { bus.send(to, bytes, now); });
   HostTime next_progress = now;
   UnevenSteps steps;
   while (!recording.done()) {

@@ -1,12 +1,9 @@
 // SPDX-License-Identifier: MIT
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <array>
 #include <cmath>
 
-#include "thermorig/core/error.h"
-#include "thermorig/core/nearest_name.h"
+#include "protocol_table.h"
 #include "thermorig/sensors/gyro_protocol.h"
 
 namespace thermorig::sensors {
@@ -22,22 +19,15 @@ std::span<const GyroProtocol> gyro_protocols() {
 }
 
 std::vector<std::string> gyro_protocol_names() {
-  std::vector<std::string> names;
-  for (const GyroProtocol& protocol : gyro_protocols()) names.emplace_back(protocol.name);
-  return names;
+  return names_in(gyro_protocols());
 }
 
 const GyroProtocol* find_gyro_protocol(std::string_view name) {
-  const auto table = gyro_protocols();
-  const auto found = std::find_if(table.begin(), table.end(),
-                                  [&](const GyroProtocol& protocol) { return protocol.name == name; });
-  return found == table.end() ? nullptr : &*found;
+  return find_in(gyro_protocols(), name);
 }
 
 const GyroProtocol& gyro_protocol(std::string_view name) {
-  if (const GyroProtocol* found = find_gyro_protocol(name)) return *found;
-  throw Error(ExitCode::bad_usage, fmt::format("the gyro protocol \"{}\" is not known", name),
-              "the gyro's protocol", advice_on_name(name, gyro_protocol_names()));
+  return required_in(gyro_protocols(), name, "gyro");
 }
 
 bool is_allowed(const GyroProtocol& protocol, std::string_view setting, double value) {

@@ -222,12 +222,19 @@ class MavlinkScanner {
     assert(!ended_);
     ledger_.receive(bytes.size());
     wire::reassemble(pending_, bytes, longest_look, [&](Bytes rest) { return step(rest, out); });
-    assert(pending_.size() == ledger_.counters.bytes_pending);
+    assert(pending_.size() == ledger_.waiting());
   }
   void finish(std::vector<GyroMessage>& out) {
     ended_ = true;
     wire::reassemble_end(pending_, [&](Bytes rest) { return step(rest, out); });
-    assert(pending_.size() == ledger_.counters.bytes_pending);
+    assert(pending_.size() == ledger_.waiting());
+  }
+  /// The sender is chosen anew: what comes back may be another controller.
+  void restart() {
+    ledger_.restart();
+    pending_.clear();
+    chosen_.reset();
+    locked_ = ended_ = false;
   }
   const wire::Counters& counters() const { return ledger_.counters; }
 
@@ -320,18 +327,99 @@ std::size_t MavlinkScanner::skip(std::size_t bytes) {
   return bytes;
 }
 
-/// Of the message that the profile names, else of the usual one.
-std::uint64_t mavlink_message_bytes(const GyroProfile& profile) {
+constexpr std::array<UsualBaud, 2> mavlink_bauds{{{115200, 0.15}, {57600, 0.04}}};
+
+/// The message that the profile names, else RAW_IMU where its scale is stated, else the usual one.
+const mavlink::Message& expected_message(const GyroProfile& profile) {
   const mavlink::Message* named = find_message(static_cast<std::uint32_t>(profile.setting("message")));
-  const mavlink::Message& message = named == nullptr || named->id == 0 ? mavlink::scaled_imu : *named;
-  return mavlink::header_v2_bytes + message.payload + mavlink::checksum_bytes;
+  if (named != nullptr && named->id != mavlink::heartbeat.id) return *named;
+  return profile.setting("raw_scale_dps") > 0.0 ? mavlink::raw_imu : mavlink::scaled_imu;
+}
+
+/// SCALED_IMU has 32 bits of milliseconds since the boot, the others 64 of microseconds.
+ClockProperties mavlink_clock(const GyroProfile& profile) {
+  if (expected_message(profile).id == mavlink::scaled_imu.id)
+    return {.tick_s = 1e-3, .wrap_ticks = std::uint64_t{1} << 32U};
+  return {.tick_s = 1e-6};
+}
+
+std::uint64_t mavlink_message_bytes(const GyroProfile& profile) {
+  return mavlink::header_v2_bytes + expected_message(profile).payload + mavlink::checksum_bytes;
+}
+
+template <typename Number>
+void put(std::vector<std::uint8_t>& bytes, std::size_t at, Number value) {
+  for (std::size_t i = 0; i < sizeof(Number); ++i)
+    bytes[at + i] = static_cast<std::uint8_t>(value >> (8 * i));
+}
+
+/// Appends a packet of ours; `sync` says of which version.
+void append_packet(std::uint8_t sync, unsigned number, const mavlink::Message& message,
+                   std::vector<std::uint8_t> payload, std::vector<std::uint8_t>& out) {
+  const PacketHeader header = header_of(sync);
+  if (header.is_v2)
+    while (payload.size() > 1 && payload.back() == 0) payload.pop_back();
+  std::vector<std::uint8_t> packet(header.bytes);
+  packet[0] = sync;
+  packet[mavlink::length_offset] = static_cast<std::uint8_t>(payload.size());
+  packet[header.address] = static_cast<std::uint8_t>(number);
+  packet[header.address + 1] = mavlink::host_system;
+  packet[header.address + 2] = mavlink::host_component;
+  packet[header.address + 3] = static_cast<std::uint8_t>(message.id);
+  packet.insert(packet.end(), payload.begin(), payload.end());
+  std::uint16_t crc = 0xFFFF;
+  for (const std::uint8_t byte : std::span(packet).subspan(1)) crc = crc_with(crc, byte);
+  crc = crc_with(crc, message.crc_extra);
+  packet.push_back(static_cast<std::uint8_t>(crc & 0xFFU));
+  packet.push_back(static_cast<std::uint8_t>(crc >> 8));
+  out.insert(out.end(), packet.begin(), packet.end());
+}
+
+std::uint8_t setting_byte(const GyroProfile& profile, const char* name) {
+  return static_cast<std::uint8_t>(profile.setting(name));
+}
+
+std::vector<std::uint8_t> interval_command(const GyroProfile& profile, unsigned asked) {
+  std::vector<std::uint8_t> payload(mavlink::command_long.payload);
+  const auto parameter = [&](std::size_t index, double value) {
+    put(payload, mavlink::command_long_parameters + 4 * index,
+        std::bit_cast<std::uint32_t>(static_cast<float>(value)));
+  };
+  parameter(0, expected_message(profile).id);
+  parameter(1, 1e6 / profile.output_rate_hz);
+  put(payload, mavlink::command_long_command, mavlink::set_message_interval);
+  payload[mavlink::command_long_system] = setting_byte(profile, "system");
+  payload[mavlink::command_long_component] = setting_byte(profile, "component");
+  payload[mavlink::command_long_confirmation] = static_cast<std::uint8_t>(std::min(asked, 255U));
+  return payload;
+}
+
+std::vector<std::uint8_t> data_stream_request(const GyroProfile& profile) {
+  std::vector<std::uint8_t> payload(mavlink::request_data_stream.payload);
+  put(payload, mavlink::data_stream_rate_hz, static_cast<std::uint16_t>(std::lround(profile.output_rate_hz)));
+  payload[mavlink::data_stream_system] = setting_byte(profile, "system");
+  payload[mavlink::data_stream_component] = setting_byte(profile, "component");
+  payload[mavlink::data_stream_id] = mavlink::raw_sensors_stream;
+  payload[mavlink::data_stream_start] = 1;
+  return payload;
+}
+
+/// The message at the profile's rate. Who does not do that when it is asked first may be of the time before
+/// that command: it is asked for its stream of raw sensors as well, in the packet of that time.
+std::vector<std::uint8_t> mavlink_request(const GyroProfile& profile, unsigned asked) {
+  std::vector<std::uint8_t> bytes;
+  append_packet(mavlink::sync_v2, 2 * asked, mavlink::command_long, interval_command(profile, asked), bytes);
+  if (asked > 0)
+    append_packet(mavlink::sync_v1, 2 * asked + 1, mavlink::request_data_stream, data_stream_request(profile),
+                  bytes);
+  return bytes;
 }
 
 GyroScanner mavlink_scanner(const GyroProfile& profile, StreamStart) {
   return GyroScanner(MavlinkScanner(profile));
 }
 
-std::optional<GyroEvidence> recognise_mavlink(Bytes bytes, double) {
+std::optional<Evidence> recognise_mavlink(Bytes bytes, double) {
   MavlinkScanner scanner{GyroProfile()};
   std::vector<GyroMessage> messages;
   scanner.push(bytes, messages);
@@ -339,7 +427,7 @@ std::optional<GyroEvidence> recognise_mavlink(Bytes bytes, double) {
   if (counters.messages + counters.replies < 2) return std::nullopt;
   const std::string samples =
       messages.empty() ? "none of SCALED_IMU or HIGHRES_IMU" : fmt::format("{} of a gyro", messages.size());
-  return GyroEvidence{
+  return Evidence{
       .messages = messages.size(),
       .bytes = counters.bytes_in_messages,
       .text = fmt::format("{} MAVLink packets, {}", counters.messages + counters.replies, samples),
@@ -352,9 +440,12 @@ GyroProtocol mavlink_gyro() {
   return {.name = "mavlink",
           .sends = "MAVLink packets",
           .settings = mavlink_settings,
+          .bauds = mavlink_bauds,
+          .clock = mavlink_clock,
           .message_bytes = mavlink_message_bytes,
           .scanner = mavlink_scanner,
-          .recognise = recognise_mavlink};
+          .recognise = recognise_mavlink,
+          .request = mavlink_request};
 }
 
 }  // namespace thermorig::sensors

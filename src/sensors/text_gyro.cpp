@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cassert>
 #include <utility>
 
@@ -34,8 +35,10 @@ class TextGyroScanner {
   TextGyroScanner(TextColumns columns, StreamStart start);
   void push(Bytes bytes, std::vector<GyroMessage>& out);
   /// The stream ends here: what only waits for the bytes behind it is decided. A line without an end stays
-  /// pending, since it may be cut inside a number. The last call.
+  /// pending, since it may be cut inside a number.
   void finish(std::vector<GyroMessage>& out);
+  /// How many columns are usual is forgotten: what comes back may print others.
+  void restart();
   const wire::Counters& counters() const { return ledger_.counters; }
 
  private:
@@ -63,13 +66,20 @@ void TextGyroScanner::push(Bytes bytes, std::vector<GyroMessage>& out) {
   assert(!ended_);
   ledger_.receive(bytes.size());
   wire::reassemble(pending_, bytes, learning_window, [&](Bytes rest) { return step(rest, out); });
-  assert(pending_.size() == ledger_.counters.bytes_pending);
+  assert(pending_.size() == ledger_.waiting());
 }
 
 void TextGyroScanner::finish(std::vector<GyroMessage>& out) {
   ended_ = true;
   wire::reassemble_end(pending_, [&](Bytes rest) { return step(rest, out); });
-  assert(pending_.size() == ledger_.counters.bytes_pending);
+  assert(pending_.size() == ledger_.waiting());
+}
+
+void TextGyroScanner::restart() {
+  const wire::ByteLedger ledger = ledger_;
+  *this = TextGyroScanner(columns_, StreamStart::anywhere);
+  ledger_ = ledger;
+  ledger_.restart();
 }
 
 std::size_t TextGyroScanner::step(Bytes rest, std::vector<GyroMessage>& out) {
@@ -138,6 +148,13 @@ bool TextGyroScanner::has_usual_fields(std::size_t fields) {
   return fields == usual_fields_;
 }
 
+constexpr std::array<UsualBaud, 2> text_bauds{{{115200, 0.15}, {9600, 0.11}}};
+
+/// When the time begins again, no line tells.
+ClockProperties text_clock(const GyroProfile& profile) {
+  return {.tick_s = profile.text.time < 0 ? 0.0 : profile.text.time_unit_s};
+}
+
 constexpr std::uint64_t field_bytes = 8;  // a number as text, such as "-123.45", and its separator
 constexpr std::uint64_t line_end_bytes = 2;
 
@@ -152,13 +169,12 @@ GyroScanner text_scanner(const GyroProfile& profile, StreamStart start) {
   return GyroScanner(TextGyroScanner(profile.text, start));
 }
 
-std::optional<GyroEvidence> recognise_text(Bytes bytes, double heard_s) {
+std::optional<Evidence> recognise_text(Bytes bytes, double heard_s) {
   std::optional<TextFormat> format = guess_text_format(bytes, StreamStart::anywhere, heard_s);
   if (!format) return std::nullopt;
-  GyroEvidence evidence{
-      .messages = format->lines,
-      .bytes = format->bytes,
-      .text = fmt::format("{} lines of numbers, as a text gyro prints them", format->lines)};
+  Evidence evidence{.messages = format->lines,
+                    .bytes = format->bytes,
+                    .text = fmt::format("{} lines of numbers, as a text gyro prints them", format->lines)};
   evidence.text_format = std::move(format);
   return evidence;
 }
@@ -170,6 +186,8 @@ GyroProtocol text_gyro() {
           .sends = "lines of text",
           .has_columns = true,
           .settings = {},
+          .bauds = text_bauds,
+          .clock = text_clock,
           .message_bytes = text_message_bytes,
           .scanner = text_scanner,
           .recognise = recognise_text};

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "thermorig/sensors/gyro_scanner.h"
+#include "thermorig/sensors/scanner.h"
 
 namespace thermorig::sensors {
 

@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include <array>
 #include <cassert>
 #include <limits>
 
@@ -63,8 +64,9 @@ GyroReading read_packet(Bytes rest) {
 class WitmotionScanner {
  public:
   void push(Bytes bytes, std::vector<GyroMessage>& out);
-  /// The stream ends here: what only waits for the bytes behind it is decided. The last call.
+  /// The stream ends here: what only waits for the bytes behind it is decided.
   void finish(std::vector<GyroMessage>& out);
+  void restart();
   const wire::Counters& counters() const { return ledger_.counters; }
 
  private:
@@ -83,13 +85,19 @@ void WitmotionScanner::push(Bytes bytes, std::vector<GyroMessage>& out) {
   assert(!ended_);
   ledger_.receive(bytes.size());
   wire::reassemble(pending_, bytes, 2 * witmotion::packet_bytes, [&](Bytes rest) { return step(rest, out); });
-  assert(pending_.size() == ledger_.counters.bytes_pending);
+  assert(pending_.size() == ledger_.waiting());
 }
 
 void WitmotionScanner::finish(std::vector<GyroMessage>& out) {
   ended_ = true;
   wire::reassemble_end(pending_, [&](Bytes rest) { return step(rest, out); });
-  assert(pending_.size() == ledger_.counters.bytes_pending);
+  assert(pending_.size() == ledger_.waiting());
+}
+
+void WitmotionScanner::restart() {
+  ledger_.restart();
+  pending_.clear();
+  locked_ = ended_ = false;
 }
 
 std::size_t WitmotionScanner::step(Bytes rest, std::vector<GyroMessage>& out) {
@@ -129,6 +137,14 @@ std::size_t WitmotionScanner::skip(std::size_t bytes) {
   return bytes;
 }
 
+constexpr std::array<UsualBaud, 4> witmotion_bauds{
+    {{115200, 0.15}, {9600, 0.11}, {230400, 0.08}, {38400, 0.08}}};
+
+/// Packets of the gyro carry no time.
+ClockProperties witmotion_clock(const GyroProfile&) {
+  return {};
+}
+
 std::uint64_t witmotion_message_bytes(const GyroProfile&) {
   return witmotion::packet_bytes;
 }
@@ -137,15 +153,15 @@ GyroScanner witmotion_scanner(const GyroProfile&, StreamStart) {
   return GyroScanner(WitmotionScanner());
 }
 
-std::optional<GyroEvidence> recognise_witmotion(Bytes bytes, double) {
+std::optional<Evidence> recognise_witmotion(Bytes bytes, double) {
   WitmotionScanner scanner;
   std::vector<GyroMessage> messages;
   scanner.push(bytes, messages);
   if (messages.size() < 2) return std::nullopt;
-  return GyroEvidence{.messages = messages.size(),
-                      .bytes = scanner.counters().bytes_in_messages,
-                      .text = fmt::format("{} WitMotion gyro packets", messages.size()),
-                      .text_format = {}};
+  return Evidence{.messages = messages.size(),
+                  .bytes = scanner.counters().bytes_in_messages,
+                  .text = fmt::format("{} WitMotion gyro packets", messages.size()),
+                  .text_format = {}};
 }
 
 }  // namespace
@@ -154,6 +170,8 @@ GyroProtocol witmotion_gyro() {
   return {.name = "witmotion",
           .sends = "WitMotion packets",
           .settings = {},
+          .bauds = witmotion_bauds,
+          .clock = witmotion_clock,
           .message_bytes = witmotion_message_bytes,
           .scanner = witmotion_scanner,
           .recognise = recognise_witmotion};

@@ -29,6 +29,10 @@ std::map<std::uint32_t, std::int64_t> ping_times(const std::vector<wire::SentFra
 
 }  // namespace
 
+std::string sent_group(Device to) {
+  return to == Device::servo ? "sent" : "sent_" + std::string(name_of(to));
+}
+
 std::vector<PingExchange> ping_exchanges(const std::vector<TimedPong>& pongs, const RawStream& sent) {
   const auto times = ping_times(wire::read_sent(sent.bytes), sent);
   std::vector<PingExchange> exchanges;

@@ -54,8 +54,8 @@ class ImageBuilder {
   ImageBuilder(const Session& session, unsigned threads)
       : session_(session),
         file_(create_in_memory()),
-        exchanges_(ping_exchanges(session.pongs, session.raw.sent)),
-        commands_(timed_commands(session.raw.sent)),
+        exchanges_(ping_exchanges(session.pongs, session.raw.sent[Device::servo])),
+        commands_(timed_commands(session.raw.sent[Device::servo])),
         quality_(quality_of(session)),
         chunks_(threads) {}
 
@@ -168,8 +168,12 @@ class ImageBuilder {
       write_raw_attributes(raw.id(), session_.counters[device]);
       raw_columns(raw, session_.raw.received[device], "arrival_ns", "host clock when read() returned [ns]");
     }
-    auto sent = group("/raw/sent");
-    raw_columns(sent, session_.raw.sent, "sent_ns", "host clock before write() was called [ns]");
+    for (const Device device : all_devices) {
+      const RawStream& stream = session_.raw.sent[device];
+      if (device != Device::servo && stream.chunk_count() == 0) continue;
+      auto sent = group(("/raw/" + sent_group(device)).c_str());
+      raw_columns(sent, stream, "sent_ns", "host clock before write() was called [ns]");
+    }
   }
 
   const Session& session_;

@@ -19,6 +19,7 @@
 #include "refusal.h"
 #include "sample_columns.h"
 #include "scalars.h"
+#include "sent_bytes.h"
 #include "session_trial.h"
 #include "stored_attributes.h"
 #include "sync_attributes.h"
@@ -70,8 +71,8 @@ class SessionFile {
 
   GroupReader group(const std::string& path) const { return GroupReader(id(), path, facts_); }
 
-  bool has_group(const char* path) const {
-    return check(H5Lexists(id(), path, H5P_DEFAULT), "look for groups") > 0;
+  bool has_group(const std::string& path) const {
+    return check(H5Lexists(id(), path.c_str(), H5P_DEFAULT), "look for groups") > 0;
   }
 
   RecordingHeader read_header() {
@@ -160,7 +161,9 @@ RawRecording read_recording(SessionFile& file) {
   const HostTime reference = raw.header.time_reference;
   for (const Device device : all_devices)
     raw.received[device] = read_stream(file, std::string(name_of(device)), "arrival_ns", reference);
-  raw.sent = read_stream(file, "sent", "sent_ns", reference);
+  for (const Device device : all_devices)
+    if (device == Device::servo || file.has_group("/raw/" + sent_group(device)))
+      raw.sent[device] = read_stream(file, sent_group(device), "sent_ns", reference);
   auto events = file.group("/events");
   event_columns(events, raw.events);
   auto servo = file.group("/servo");

@@ -7,8 +7,8 @@
 #include <numbers>
 #include <string>
 
+#include "encoder_table.h"
 #include "mavlink.h"
-#include "thermorig/core/error.h"
 #include "thermorig/simulation/gyro.h"
 #include "thermorig/wire/device_bytes.h"
 
@@ -147,36 +147,128 @@ std::vector<std::uint8_t> imu_packet(const SimulatedGyroSample& sample, std::uin
   return mavlink_packet(mavlink::scaled_imu, number, profile, scaled_imu_payload(sample));
 }
 
+std::uint64_t samples_a_second(const GyroProfile& profile) {
+  return static_cast<std::uint64_t>(std::max(1.0, std::round(profile.output_rate_hz)));
+}
+
+std::vector<std::uint8_t> heartbeat_packet(std::uint64_t number, const GyroProfile& profile) {
+  const std::vector<std::uint8_t> quadrotor{0, 0, 0, 0, 2, 3, 0, 4, 3};  // ArduPilot's, active, version 3
+  return mavlink_packet(mavlink::heartbeat, number, profile, quadrotor);
+}
+
 /// Once a second a heartbeat comes behind the sample. Packets of both kinds are numbered together.
 std::vector<std::uint8_t> mavlink_bytes(const SimulatedGyroSample& sample, const GyroProfile& profile) {
-  const auto samples_a_second = static_cast<std::uint64_t>(std::max(1.0, std::round(profile.output_rate_hz)));
-  const std::uint64_t heartbeats = (sample.index + samples_a_second - 1) / samples_a_second;
-  const std::uint64_t number = sample.index + heartbeats;
+  const std::uint64_t second = samples_a_second(profile);
+  const std::uint64_t number = sample.index + (sample.index + second - 1) / second;
   std::vector<std::uint8_t> bytes = imu_packet(sample, number, profile);
-  if (sample.index % samples_a_second != 0) return bytes;
-  const std::vector<std::uint8_t> quadrotor{0, 0, 0, 0, 2, 3, 0, 4, 3};  // ArduPilot's, active, version 3
-  const auto heartbeat = mavlink_packet(mavlink::heartbeat, number + 1, profile, quadrotor);
+  if (sample.index % second != 0) return bytes;
+  const auto heartbeat = heartbeat_packet(number + 1, profile);
   bytes.insert(bytes.end(), heartbeat.begin(), heartbeat.end());
   return bytes;
 }
 
-constexpr std::array encoders{GyroEncoder{"witmotion", witmotion_bytes}, GyroEncoder{"text", text_bytes},
-                              GyroEncoder{"mavlink", mavlink_bytes}};
+/// A controller that nobody asked for anything sends its heartbeat.
+std::vector<std::uint8_t> mavlink_idle_bytes(const SimulatedGyroSample& sample, const GyroProfile& profile) {
+  const std::uint64_t second = samples_a_second(profile);
+  if (sample.index % second != 0) return {};
+  return heartbeat_packet(sample.index / second, profile);
+}
+
+std::uint32_t u32_at(std::span<const std::uint8_t> bytes, std::size_t at) {
+  std::uint32_t value = 0;
+  for (std::size_t i = 0; i < 4; ++i) value |= std::uint32_t{bytes[at + i]} << (8 * i);
+  return value;
+}
+
+/// The payload of a packet of version 2 or 1 at the front of the bytes, as long as the message's own; empty
+/// if it is another message or its check sum is wrong. `bytes` then are those behind it.
+std::vector<std::uint8_t> take_payload(const mavlink::Message& message,
+                                       std::span<const std::uint8_t>& bytes) {
+  if (bytes.empty()) return {};
+  const bool is_v2 = bytes[0] == mavlink::sync_v2;
+  const std::size_t header = is_v2 ? mavlink::header_v2_bytes : mavlink::header_v1_bytes;
+  const std::size_t id_at = is_v2 ? 7 : 5;
+  if (bytes.size() < header || (!is_v2 && bytes[0] != mavlink::sync_v1) || bytes[id_at] != message.id)
+    return {};
+  const std::size_t end = header + bytes[mavlink::length_offset];
+  if (bytes.size() < end + mavlink::checksum_bytes) return {};
+  const std::uint16_t sum = x25(bytes.subspan(1, end - 1), message.crc_extra);
+  if (bytes[end] != (sum & 0xFFU) || bytes[end + 1] != sum >> 8) return {};
+  std::vector<std::uint8_t> payload(bytes.begin() + static_cast<std::ptrdiff_t>(header),
+                                    bytes.begin() + static_cast<std::ptrdiff_t>(end));
+  payload.resize(message.payload);
+  bytes = bytes.subspan(end + mavlink::checksum_bytes);
+  return payload;
+}
+
+bool is_for_us(std::uint8_t addressee, double own) {
+  return addressee == 0 || addressee == static_cast<std::uint8_t>(std::max(1.0, own));
+}
+
+/// Which message imu_packet() sends.
+std::uint32_t imu_message(const GyroProfile& profile) {
+  const auto named = static_cast<std::uint32_t>(profile.setting("message"));
+  const bool is_raw = profile.setting("raw_scale_dps") > 0.0;
+  if (named != 0) return named;
+  return is_raw ? mavlink::raw_imu.id : mavlink::scaled_imu.id;
+}
+
+/// Whether it commands the message that this controller sends, at the rate that it has.
+bool commands_samples(std::span<const std::uint8_t> payload, const GyroProfile& profile) {
+  const auto parameter = [&](std::size_t index) {
+    return std::bit_cast<float>(u32_at(payload, mavlink::command_long_parameters + 4 * index));
+  };
+  const bool is_own = is_for_us(payload[mavlink::command_long_system], profile.setting("system")) &&
+                      is_for_us(payload[mavlink::command_long_component], profile.setting("component"));
+  const unsigned command =
+      payload[mavlink::command_long_command] | unsigned{payload[mavlink::command_long_command + 1]} << 8;
+  return is_own && command == mavlink::set_message_interval &&
+         parameter(0) == static_cast<float>(imu_message(profile)) &&
+         std::abs(parameter(1) * profile.output_rate_hz - 1e6) < 1e3;
+}
+
+bool requests_samples(std::span<const std::uint8_t> payload, const GyroProfile& profile) {
+  const unsigned rate_hz =
+      payload[mavlink::data_stream_rate_hz] | unsigned{payload[mavlink::data_stream_rate_hz + 1]} << 8;
+  return is_for_us(payload[mavlink::data_stream_system], profile.setting("system")) &&
+         is_for_us(payload[mavlink::data_stream_component], profile.setting("component")) &&
+         payload[mavlink::data_stream_id] == mavlink::raw_sensors_stream &&
+         payload[mavlink::data_stream_start] == 1 && rate_hz == std::lround(profile.output_rate_hz);
+}
+
+/// Commands are acknowledged; what they are for, a controller of old does not know.
+Heard mavlink_hear(std::span<const std::uint8_t> bytes, const GyroProfile& profile, GyroStart start) {
+  Heard heard;
+  const bool is_old = start == GyroStart::when_asked_of_old;
+  if (const auto command = take_payload(mavlink::command_long, bytes); !command.empty()) {
+    heard.asks_for_stream = !is_old && commands_samples(command, profile);
+    std::vector<std::uint8_t> answer(mavlink::command_ack.payload_min);
+    put_little_endian(answer, mavlink::command_ack_command, mavlink::set_message_interval);
+    answer[mavlink::command_ack_result] =
+        heard.asks_for_stream ? mavlink::result_accepted : mavlink::result_unsupported;
+    heard.answer = mavlink_packet(mavlink::command_ack, 0, profile, answer);
+  }
+  if (const auto request = take_payload(mavlink::request_data_stream, bytes); !request.empty())
+    heard.asks_for_stream = heard.asks_for_stream || requests_samples(request, profile);
+  return heard;
+}
+
+constexpr std::array all_gyro_encoders{
+    GyroEncoder{"witmotion", witmotion_bytes}, GyroEncoder{"text", text_bytes},
+    GyroEncoder{"mavlink", mavlink_bytes, mavlink_hear, mavlink_idle_bytes}};
 
 }  // namespace
 
 std::span<const GyroEncoder> gyro_encoders() {
-  return encoders;
+  return all_gyro_encoders;
+}
+
+const GyroEncoder& gyro_encoder(const GyroProfile& profile) {
+  return encoder_named(gyro_encoders(), profile.protocol, "gyro");
 }
 
 std::vector<std::uint8_t> gyro_bytes(const SimulatedGyroSample& sample, const GyroProfile& profile) {
-  const auto found = std::find_if(encoders.begin(), encoders.end(), [&](const GyroEncoder& encoder) {
-    return encoder.name == profile.protocol;
-  });
-  if (found == encoders.end())
-    throw Error(ExitCode::bad_usage, "the simulated gyro does not speak \"" + profile.protocol + "\"",
-                "the gyro's protocol", "one that `thermorig decode --help` lists");
-  return found->bytes(sample, profile);
+  return gyro_encoder(profile).bytes(sample, profile);
 }
 
 }  // namespace thermorig::simulation

@@ -13,7 +13,6 @@
 #include "thermorig/simulation/servo_side.h"
 #include "thermorig/simulation/shaft.h"
 #include "thermorig/simulation/usb_link.h"
-#include "thermorig/wire/device_bytes.h"
 
 namespace thermorig::simulation {
 namespace {
@@ -48,6 +47,7 @@ struct Sender {
   UartLine line;
   std::vector<SentMessage> sent;  // where truth is kept
   std::uint64_t count = 0;
+  bool streams = true;  // else it waits to be asked for its messages
 };
 
 }  // namespace
@@ -60,7 +60,9 @@ struct VirtualRig::Parts {
   void turn_shaft(std::int64_t until_ns);
   void send_frames();
   void send_gyro();
+  void send_idle(const SimulatedGyroSample& sample);
   void send(Device device, Sender& sender, const Message& message);
+  void heard(Device device, Sender& sender, const Heard& heard, std::int64_t time_ns);
   StreamSpan pass_on(Device device, std::vector<TimedByte>& bytes);
   bool is_out(Device device, std::int64_t time_ns) const;
   HostTime host_time(std::int64_t time_ns) const { return config.start + HostDuration(time_ns); }
@@ -72,6 +74,8 @@ struct VirtualRig::Parts {
   Shaft shaft;
   Camera camera;
   Gyro gyro;
+  const CameraEncoder& camera_encoder;
+  const GyroEncoder& gyro_encoder;
   Sender camera_sender, gyro_sender;
   std::array<UsbPath, device_count> paths;              // by device
   std::array<std::uint64_t, device_count> passed_on{};  // bytes that reach the host
@@ -95,8 +99,10 @@ VirtualRig::Parts::Parts(const VirtualRigConfig& rig, std::unique_ptr<Firmware> 
           rig.seed),
       gyro(rig.profile.gyro, rig.gyro_grade, rig.seed,
            {.latency_s = rig.gyro_latency_s, .zeroes_itself = rig.gyro_zeroes_itself}),
-      camera_sender{UartLine(rig.profile.camera.link.baud), {}, 0},
-      gyro_sender{UartLine(rig.profile.gyro.link.baud), {}, 0},
+      camera_encoder(simulation::camera_encoder(rig.profile.camera)),
+      gyro_encoder(simulation::gyro_encoder(rig.profile.gyro)),
+      camera_sender{UartLine(rig.profile.camera.link.baud), {}, 0, camera_encoder.hear == nullptr},
+      gyro_sender{UartLine(rig.profile.gyro.link.baud), {}, 0, rig.gyro_start == GyroStart::by_itself},
       paths{UsbPath(rig.links[Device::camera], rig.seed, name_of(Device::camera)),
             UsbPath(rig.links[Device::gyro], rig.seed, name_of(Device::gyro)),
             UsbPath(rig.links[Device::servo], rig.seed, name_of(Device::servo))} {}
@@ -159,20 +165,41 @@ void VirtualRig::Parts::send(Device device, Sender& sender, const Message& messa
                          .arrives = span.size() == message.bytes.size()});
 }
 
+/// An answer goes out behind what the line carries by then.
+void VirtualRig::Parts::heard(Device device, Sender& sender, const Heard& heard, std::int64_t time_ns) {
+  sender.streams = sender.streams || heard.asks_for_stream;
+  line_bytes.clear();
+  sender.line.send(heard.answer, time_ns, line_bytes);
+  pass_on(device, line_bytes);
+}
+
 /// A bridge whose line is still busy with the frame before leaves a frame out.
 void VirtualRig::Parts::send_frames() {
   for (const SimulatedFrame& frame : camera.follow(shaft)) {
-    if (camera_sender.line.backlog_ns(frame.ready_ns) > 0) continue;
+    if (!camera_sender.streams || camera_sender.line.backlog_ns(frame.ready_ns) > 0) continue;
     send(Device::camera, camera_sender,
-         {wire::camera_frame(frame.frame), frame.ready_ns, frame.exposure_begin, frame.exposure_end});
+         {camera_encoder.bytes(frame, config.profile.camera), frame.ready_ns, frame.exposure_begin,
+          frame.exposure_end});
   }
+}
+
+/// No sample: nothing of it is kept as truth.
+void VirtualRig::Parts::send_idle(const SimulatedGyroSample& sample) {
+  if (gyro_encoder.idle_bytes == nullptr) return;
+  line_bytes.clear();
+  gyro_sender.line.send(gyro_encoder.idle_bytes(sample, config.profile.gyro), sample.ready_ns, line_bytes);
+  pass_on(Device::gyro, line_bytes);
 }
 
 void VirtualRig::Parts::send_gyro() {
   for (const SimulatedGyroSample& sample : gyro.follow(shaft)) {
+    if (!gyro_sender.streams) {
+      send_idle(sample);
+      continue;
+    }
     if (gyro_sender.line.backlog_ns(sample.ready_ns) > gyro_backlog_ns) continue;
     send(Device::gyro, gyro_sender,
-         {gyro_bytes(sample, config.profile.gyro), sample.ready_ns, sample.begin, sample.end});
+         {gyro_encoder.bytes(sample, config.profile.gyro), sample.ready_ns, sample.begin, sample.end});
   }
 }
 
@@ -182,9 +209,17 @@ VirtualRig::VirtualRig(const VirtualRigConfig& config, std::unique_ptr<Firmware>
 VirtualRig::~VirtualRig() = default;
 
 void VirtualRig::send(Device to, std::span<const std::uint8_t> bytes, HostTime now) {
-  if (to != Device::servo) return;
-  const std::int64_t now_ns = std::max(parts_->now_ns, (now - parts_->config.start).count());
-  parts_->servo.send(bytes, parts_->paths[index_of(to)].outgoing_ns(now_ns));
+  Parts& parts = *parts_;
+  const std::int64_t now_ns = std::max(parts.now_ns, (now - parts.config.start).count());
+  const std::int64_t begin_ns = parts.paths[index_of(to)].outgoing_ns(now_ns);
+  const RigProfile& profile = parts.config.profile;
+  if (to == Device::servo)
+    parts.servo.send(bytes, begin_ns);
+  else if (to == Device::camera && parts.camera_encoder.hear != nullptr)
+    parts.heard(to, parts.camera_sender, parts.camera_encoder.hear(bytes, profile.camera), begin_ns);
+  else if (to == Device::gyro && parts.gyro_encoder.hear != nullptr)
+    parts.heard(to, parts.gyro_sender, parts.gyro_encoder.hear(bytes, profile.gyro, parts.config.gyro_start),
+                begin_ns);
 }
 
 std::vector<Chunk> VirtualRig::advance(HostTime until) {

@@ -2,25 +2,29 @@
 #include "thermorig/timing/mcu_time.h"
 
 #include <algorithm>
+#include <cassert>
 #include <cmath>
 
 namespace thermorig::timing {
 
-namespace {
-constexpr double wrap_us = 4294967296.0;  // 2^32
-constexpr double clock_error_share =
-    0.02;  // a ceramic resonator is within 0.5 %, an RC oscillator within 2 %
+McuTime::McuTime(const ClockProperties& clock)
+    : wrap_us_(std::llround(static_cast<double>(clock.wrap_ticks) * clock.tick_s * 1e6)),
+      rate_error_max_(clock.rate_error_max) {
+  assert(wrap_us_ > 0);
+}
 
 /// Microseconds from `before` to `now` with as many wraps as fit the host's clock, or nothing if none fits.
-std::optional<std::int64_t> advance_us(std::uint32_t before, std::uint32_t now, double host_us) {
-  const double least_us = now - before;  // modulo 2^32
+std::optional<std::int64_t> McuTime::advance_us(std::uint32_t before, std::uint32_t now,
+                                                double host_us) const {
+  const auto wrap_us = static_cast<double>(wrap_us_);
+  const std::int64_t step_us = std::int64_t{now} - before;
+  const auto least_us = static_cast<double>(step_us < 0 ? step_us + wrap_us_ : step_us);
   const double wraps = std::max(0.0, std::round((host_us - least_us) / wrap_us));
   const double advance = least_us + wraps * wrap_us;
-  const double tolerance_us = McuTime::tolerance_s * 1e6 + clock_error_share * host_us;
+  const double tolerance_us = tolerance_s * 1e6 + rate_error_max_ * host_us;
   if (std::abs(advance - host_us) > tolerance_us) return std::nullopt;
   return static_cast<std::int64_t>(advance);
 }
-}  // namespace
 
 std::int64_t McuTime::unwrap(std::uint32_t mcu_us, HostTime at) {
   std::int64_t unwrapped_us = restarted_us_ + mcu_us;
@@ -34,8 +38,7 @@ std::int64_t McuTime::unwrap(std::uint32_t mcu_us, HostTime at) {
 
 void McuTime::restart() {
   if (!last_) return;
-  constexpr std::int64_t wrap = std::int64_t{1} << 32U;
-  restarted_us_ = (last_->unwrapped_us / wrap + 2) * wrap;
+  restarted_us_ = (last_->unwrapped_us / wrap_us_ + 2) * wrap_us_;
   last_.reset();
 }
 

@@ -12,8 +12,13 @@ void ByteLedger::receive(std::size_t bytes) {
   counters.bytes_pending += bytes;
 }
 
+void ByteLedger::restart() {
+  position_ = damage_end_ = counters.bytes_received;
+  in_gap_ = gap_ = false;
+}
+
 void ByteLedger::advance(std::size_t bytes) {
-  assert(bytes <= counters.bytes_pending);
+  assert(bytes <= waiting());
   counters.bytes_pending -= bytes;
   position_ += bytes;
 }

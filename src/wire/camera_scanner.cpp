@@ -35,14 +35,16 @@ bool may_be_cut_header(Bytes rest) {
                      [](std::uint8_t byte) { return byte == gy_mcu90640::sync; });
 }
 
-float temp_c_at(Bytes rest, std::size_t at) {
-  return static_cast<float>(i16_at(rest, at)) / static_cast<float>(gy_mcu90640::counts_per_kelvin);
+using Words = std::array<std::int16_t, frame_pixels>;
+
+Words words_of(Bytes rest) {
+  Words words;
+  for (std::size_t i = 0; i < frame_pixels; ++i) words[i] = i16_at(rest, gy_mcu90640::pixels_offset + 2 * i);
+  return words;
 }
 
-void read_frame(Bytes rest, ThermalFrame& frame) {
-  for (std::size_t i = 0; i < frame_pixels; ++i)
-    frame.temp_c[i] = temp_c_at(rest, gy_mcu90640::pixels_offset + 2 * i);
-  frame.sensor_temp_c = temp_c_at(rest, gy_mcu90640::sensor_temp_offset);
+float temp_c_of(std::int16_t word) {
+  return static_cast<float>(word) / static_cast<float>(gy_mcu90640::counts_per_kelvin);
 }
 
 }  // namespace
@@ -53,13 +55,20 @@ void CameraScanner::push(std::span<const std::uint8_t> bytes, std::vector<Camera
   assert(!ended_);
   ledger_.receive(bytes.size());
   reassemble(pending_, bytes, bytes_to_decide, [&](Bytes rest) { return step(rest, out); });
-  assert(pending_.size() == ledger_.counters.bytes_pending);
+  assert(pending_.size() == ledger_.waiting());
 }
 
 void CameraScanner::finish(std::vector<CameraMessage>& out) {
   ended_ = true;
   reassemble_end(pending_, [&](Bytes rest) { return step(rest, out); });
-  assert(pending_.size() == ledger_.counters.bytes_pending);
+  assert(pending_.size() == ledger_.waiting());
+}
+
+void CameraScanner::restart() {
+  ledger_.restart();
+  pending_.clear();
+  freshness_.restart();
+  ended_ = false;
 }
 
 std::size_t CameraScanner::step(Bytes rest, std::vector<CameraMessage>& out) {
@@ -93,8 +102,11 @@ std::size_t CameraScanner::take_frame(Bytes rest, std::vector<CameraMessage>& ou
 }
 
 std::size_t CameraScanner::book_frame(Bytes frame, std::size_t bytes, std::vector<CameraMessage>& out) {
+  const Words words = words_of(frame);
   CameraMessage& message = out.emplace_back();
-  read_frame(frame, message.frame);
+  std::transform(words.begin(), words.end(), message.frame.temp_c.begin(), temp_c_of);
+  message.frame.sensor_temp_c = temp_c_of(i16_at(frame, gy_mcu90640::sensor_temp_offset));
+  message.fresh = freshness_.push(words);
   message.resync_before = ledger_.take_gap();
   message.span = ledger_.book_message(bytes);
   ++ledger_.counters.messages;

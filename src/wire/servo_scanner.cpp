@@ -20,6 +20,13 @@ void ServoScanner::finish(std::vector<ServoMessage>&) {
   ended_ = true;
 }
 
+void ServoScanner::restart() {
+  const ByteLedger ledger = ledger_;
+  *this = ServoScanner();
+  ledger_ = ledger;
+  ledger_.restart();
+}
+
 /// Bytes of a frame that has not ended wait as pending; an overlong one is booked as damaged while it lasts.
 void ServoScanner::take(std::uint8_t byte, std::vector<ServoMessage>& out) {
   ledger_.receive(1);
@@ -45,10 +52,10 @@ bool ServoScanner::is_open() const {
 
 void ServoScanner::take_nothing(std::uint8_t byte, bool was_overlong) {
   if (byte == SERVO_LINK_FLAG) {  // it opens a frame; a flag before it was an idle one
-    ledger_.book_filler(ledger_.counters.bytes_pending - 1);
+    ledger_.book_filler(ledger_.waiting() - 1);
   } else if (decoder_.overlong) {
     if (!was_overlong) ++ledger_.counters.bad_length;
-    book_damage(ledger_.counters.bytes_pending);
+    book_damage(ledger_.waiting());
   }
 }
 
@@ -60,11 +67,11 @@ void ServoScanner::take_frame(std::vector<ServoMessage>& out) {
     const std::size_t size = servo_payload_size(type);
     const bool wrong_length = size != 0 && size != payload.size();
     ++(wrong_length ? ledger_.counters.bad_length : ledger_.counters.bad_value);
-    return book_damage(ledger_.counters.bytes_pending);
+    return book_damage(ledger_.waiting());
   }
   ServoMessage message{std::move(*body), decoder_.body[1], {}, false};
   message.lost_before = find_loss(message);
-  message.span = ledger_.book_message(ledger_.counters.bytes_pending);
+  message.span = ledger_.book_message(ledger_.waiting());
   ++(std::holds_alternative<ServoState>(message.body) ? ledger_.counters.messages : ledger_.counters.replies);
   out.push_back(std::move(message));
 }
@@ -72,16 +79,16 @@ void ServoScanner::take_frame(std::vector<ServoMessage>& out) {
 /// The flag that ends a damaged frame may as well open the next one: it stays pending.
 void ServoScanner::take_damaged(bool was_overlong) {
   if (!was_overlong) ++ledger_.counters.bad_checksum;
-  book_damage(ledger_.counters.bytes_pending - 1);
+  book_damage(ledger_.waiting() - 1);
 }
 
 /// The servo never sends a stop byte: noise, which throws away the frame around it.
 void ServoScanner::take_stop(bool was_open, bool was_overlong) {
   if (was_open && !was_overlong) {
     ++ledger_.counters.bad_checksum;
-    ledger_.mark_damage(ledger_.counters.bytes_pending - 1);
+    ledger_.mark_damage(ledger_.waiting() - 1);
   }
-  ledger_.book_gap(ledger_.counters.bytes_pending);
+  ledger_.book_gap(ledger_.waiting());
 }
 
 void ServoScanner::book_damage(std::uint64_t bytes) {

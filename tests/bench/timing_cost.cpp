@@ -49,11 +49,12 @@ std::vector<ChunkPlace> chunks_by_arrival(const RawRecording& raw) {
 /// A live pipeline over all bytes, as the recorder feeds it; what it decodes is thrown away.
 double live_s(const RawRecording& raw, const std::vector<ChunkPlace>& chunks) {
   pipeline::Pipeline live(raw.header.profile);
+  const RawStream& to_servo = raw.sent[Device::servo];
   const double before_s = processor_s();
   std::size_t sent = 0;
   for (const ChunkPlace& chunk : chunks) {
-    for (; sent < raw.sent.chunk_count() && raw.sent.time(sent) <= chunk.arrived; ++sent)
-      live.sent(raw.sent.chunk(sent), raw.sent.time(sent));
+    for (; sent < to_servo.chunk_count() && to_servo.time(sent) <= chunk.arrived; ++sent)
+      live.sent(Device::servo, to_servo.chunk(sent), to_servo.time(sent));
     live.feed(chunk.device, raw.received[chunk.device].chunk(chunk.index), chunk.arrived);
     live.take_streams();
   }

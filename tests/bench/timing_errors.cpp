@@ -78,12 +78,12 @@ void judge_stream(Device device, const std::vector<Timed>& decoded, const std::v
 /// Pings and their answers, for the baseline that knows nothing else.
 std::vector<RoundTrip> round_trips(const Recorded& recorded) {
   std::map<std::uint32_t, HostTime> pinged;
-  const RawStream& sent = recorded.raw.sent;
+  const RawStream& sent = recorded.raw.sent[Device::servo];
   for (std::size_t i = 0; i < sent.chunk_count(); ++i)
     for (const wire::SentFrame& frame : wire::read_sent(sent.chunk(i)))
       if (frame.type == SERVO_PING) pinged[servo_get_u32(frame.payload.data())] = sent.time(i);
   std::vector<RoundTrip> trips;
-  timing::McuTime mcu_time;
+  timing::McuTime mcu_time(sensors::servo_protocol().clock);
   for (const TimedPong& pong : recorded.live.pongs) {
     const auto ping = pinged.find(pong.token);
     if (ping == pinged.end()) continue;

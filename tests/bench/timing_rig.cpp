@@ -52,8 +52,8 @@ class Host {
     const std::vector<std::uint8_t> bytes = commander_.poll(now);
     if (bytes.empty()) return;
     recorded_.rig->send(Device::servo, bytes, now);
-    recorded_.raw.sent.append(bytes, now);
-    pipeline_.sent(bytes, now);
+    recorded_.raw.sent[Device::servo].append(bytes, now);
+    pipeline_.sent(Device::servo, bytes, now);
   }
 
   Recorded finish(HostTime now) {

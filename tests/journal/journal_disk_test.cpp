@@ -140,7 +140,7 @@ TEST_F(JournalDisk, ADiskThatTakesPartsOfARecordGetsTheRest) {
 TEST_F(JournalDisk, ADiskThatTakesNothingIsFull) {
   JournalWriter writer(path(), small_header(), 0, disk_);
   disk_.most_at_once = 0;
-  const Error error = error_of([&] { writer.sent(Bytes{1}, host_time_ns(1)); });
+  const Error error = error_of([&] { writer.sent(Device::servo, Bytes{1}, host_time_ns(1)); });
   EXPECT_THAT(error.what_happened(), HasSubstr("No space left"));
   EXPECT_THAT(error.advice(), HasSubstr("free some space"));
 }
@@ -150,7 +150,7 @@ TEST_F(JournalDisk, AfterAFailureNothingIsWrittenAndTheFirstOneIsTold) {
     JournalWriter writer(path(), small_header(), 0, disk_);
     const auto size = writer.bytes_written();
     const auto strike = [&] {
-      call == std::string("sync") ? writer.sync() : writer.sent(Bytes{1}, host_time_ns(1));
+      call == std::string("sync") ? writer.sync() : writer.sent(Device::servo, Bytes{1}, host_time_ns(1));
     };
     disk_.errors = {{call, EIO}};
     const Error first = error_of(strike);
@@ -180,7 +180,7 @@ TEST_F(JournalDisk, AJournalThatCannotBeClosedIsToldSo) {
 TEST_F(JournalDisk, AClosedJournalTakesNothingMore) {
   JournalWriter writer(path(), small_header(), 0, disk_);
   writer.close(host_time_ns(2));
-  const Error error = error_of([&] { writer.sent(Bytes{1}, host_time_ns(3)); });
+  const Error error = error_of([&] { writer.sent(Device::servo, Bytes{1}, host_time_ns(3)); });
   EXPECT_EQ(error.code(), ExitCode::storage);
   EXPECT_THAT(error.what_happened(), HasSubstr("the journal is closed"));
 }
@@ -188,7 +188,7 @@ TEST_F(JournalDisk, AClosedJournalTakesNothingMore) {
 TEST_F(JournalDisk, AWriterThatMovesGoesOn) {
   JournalWriter first(path(), small_header(), 0, disk_);
   JournalWriter second = std::move(first);
-  second.sent(Bytes{1}, host_time_ns(1));
+  second.sent(Device::servo, Bytes{1}, host_time_ns(1));
   JournalWriter other(folder_ / "two.journal", small_header(), 0, disk_);
   other = std::move(second);
   other.close(host_time_ns(2));

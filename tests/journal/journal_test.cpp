@@ -94,7 +94,7 @@ struct SmallJournal {
     mark();
     writer.received(Device::camera, Bytes{1, 2, 3}, host_time_ns(11)), mark();
     writer.received(Device::gyro, Bytes{4}, host_time_ns(12)), mark();
-    writer.sent(Bytes{0x7E, 9}, host_time_ns(13)), mark();
+    writer.sent(Device::servo, Bytes{0x7E, 9}, host_time_ns(13)), mark();
     writer.event({host_time_ns(14), EventKind::warning, Device::gyro, "late \n bytes"}), mark();
     writer.leg({7, 2, -7.5, host_time_ns(1), host_time_ns(15), 57, true}), mark();
     writer.received(Device::camera, Bytes{}, host_time_ns(16)), mark();
@@ -118,7 +118,7 @@ std::string summary(const JournalContents& contents) {
       text += "," + std::to_string(raw.chunk_end[i]) + "@" + std::to_string(raw.time_ns[i]);
   };
   for (const Device device : all_devices) stream(contents.recording.received[device]);
-  stream(contents.recording.sent);
+  for (const Device device : all_devices) stream(contents.recording.sent[device]);
   for (const auto& event : contents.recording.events) text += event.message;
   return text + std::to_string(contents.recording.legs.size());
 }
@@ -136,7 +136,7 @@ TEST_F(Journal, GivesBackEveryRecord) {
   EXPECT_THAT(camera.chunk_end, testing::ElementsAre(3, 3));
   EXPECT_THAT(camera.time_ns, testing::ElementsAre(11, 16));
   EXPECT_EQ(recording.received[Device::servo].bytes, (Bytes{5, 6}));
-  EXPECT_EQ(recording.sent.bytes, (Bytes{0x7E, 9}));
+  EXPECT_EQ(recording.sent[Device::servo].bytes, (Bytes{0x7E, 9}));
   ASSERT_EQ(recording.events.size(), 1U);
   EXPECT_EQ(recording.events[0].message, "late \n bytes");
   EXPECT_EQ(recording.events[0].source, Device::gyro);
@@ -199,6 +199,34 @@ TEST_F(Journal, OfTheTimeBeforeSessionFormat2IsRead) {
   EXPECT_EQ(contents.bytes_ignored, 0U);
   EXPECT_EQ(tests::difference(contents.recording.header.profile, header.profile), "");
   EXPECT_EQ(contents.recording.header.plan_toml, header.plan_toml);
+}
+
+TEST_F(Journal, KeepsApartWhatWentToEachDevice) {
+  {
+    JournalWriter writer(path(), some_header(), 0);
+    writer.sent(Device::gyro, Bytes{1, 2}, host_time_ns(13));
+    writer.sent(Device::servo, Bytes{3}, host_time_ns(14));
+    writer.sent(Device::camera, Bytes{4}, host_time_ns(15));
+    writer.sent(Device::gyro, Bytes{5}, host_time_ns(16));
+    writer.close(host_time_ns(18));
+  }
+  const PerDevice<RawStream> sent = read_journal(path()).recording.sent;
+  EXPECT_EQ(sent[Device::camera].bytes, (Bytes{4}));
+  EXPECT_EQ(sent[Device::gyro].bytes, (Bytes{1, 2, 5}));
+  EXPECT_THAT(sent[Device::gyro].time_ns, testing::ElementsAre(13, 16));
+  EXPECT_EQ(sent[Device::servo].bytes, (Bytes{3}));
+}
+
+TEST_F(Journal, EndsWhereBytesWentToADeviceThatNoRigHas) {
+  {
+    JournalWriter writer(path(), some_header(), 0);
+    writer.sent(Device::servo, Bytes{3}, host_time_ns(14));
+    writer.sent(static_cast<Device>(device_count), Bytes{4}, host_time_ns(15));
+    writer.close(host_time_ns(18));
+  }
+  const JournalContents contents = read_journal(path());
+  EXPECT_EQ(contents.records, 2U);
+  EXPECT_FALSE(contents.recording.complete);
 }
 
 TEST_F(Journal, CutAtAnyByteKeepsEveryRecordBeforeTheCut) {
@@ -558,7 +586,7 @@ TEST_F(Journal, ATimeThatNoRecorderCanHaveWrittenEndsTheReading) {
   using Write = std::function<void(JournalWriter&, HostTime)>;
   const std::vector<Write> writes{
       [](JournalWriter& w, HostTime time) { w.received(Device::camera, Bytes{1}, time); },
-      [](JournalWriter& w, HostTime time) { w.sent(Bytes{1}, time); },
+      [](JournalWriter& w, HostTime time) { w.sent(Device::servo, Bytes{1}, time); },
       [](JournalWriter& w, HostTime time) {
         w.event({time, EventKind::info, std::nullopt, "late"});
       },

@@ -17,16 +17,16 @@ namespace {
 constexpr double period_s = 0.125;
 
 /// Which halves are fresh, a letter a frame: 'E'ven, 'O'dd, 'B'oth, 'N'one; lower case where it is stale.
-std::string fresh_halves(const std::vector<ThermalFrame>& frames, CameraMode* mode) {
+std::string fresh_halves(const std::vector<Freshness>& frames, CameraMode* mode) {
   ExposureRule rule(period_s);
   std::string result;
   HostTime time{};
-  for (const ThermalFrame& frame : frames) {
+  for (const Freshness& fresh : frames) {
     TimedFrame timed;
-    timed.frame = frame;
+    timed.fresh_even = fresh.even;
+    timed.fresh_odd = fresh.odd;
     timed.stamp.time = time += from_s(period_s);
     rule.apply(timed);
-    const Freshness fresh{.even = timed.fresh_even, .odd = timed.fresh_odd};
     const char letter = fresh.both_fresh() ? 'B' : fresh.none_fresh() ? 'N' : fresh.even_fresh() ? 'E' : 'O';
     result += static_cast<char>(timed.stale ? letter + ('a' - 'A') : letter);
   }
@@ -40,8 +40,8 @@ TEST(RealFrames, OfTheSerialBridgeAreFoundFullFresh) {
   wire::CameraScanner scanner(ChecksumPolicy::word);
   std::vector<wire::CameraMessage> messages;
   scanner.push(*bytes, messages);
-  std::vector<ThermalFrame> frames;
-  for (const wire::CameraMessage& message : messages) frames.push_back(message.frame);
+  std::vector<Freshness> frames;
+  for (const wire::CameraMessage& message : messages) frames.push_back(message.fresh);
   ASSERT_EQ(frames.size(), 128U);
   CameraMode mode{};
   EXPECT_EQ(fresh_halves(frames, &mode), std::string(128, 'B'));
@@ -51,11 +51,14 @@ TEST(RealFrames, OfTheSerialBridgeAreFoundFullFresh) {
 TEST(RealFrames, OfOneSubpageAFrameAreFoundHalfFreshAndAlternating) {
   const auto bytes = test::read_capture("mlx90640_float_frames/static-scene-500-frames.f32");
   if (!bytes) GTEST_SKIP() << "no captures on this machine";
-  std::vector<ThermalFrame> frames(bytes->size() / (frame_pixels * sizeof(float)));
+  std::vector<Freshness> frames;
+  FreshnessDetector<float> detector;
+  std::array<float, frame_pixels> pixels{};
+  for (std::size_t at = 0; at + sizeof pixels <= bytes->size(); at += sizeof pixels) {
+    std::memcpy(pixels.data(), bytes->data() + at, sizeof pixels);
+    frames.push_back(detector.push(pixels));
+  }
   ASSERT_EQ(frames.size(), 500U);
-  for (std::size_t i = 0; i < frames.size(); ++i)
-    std::memcpy(frames[i].temp_c.data(), bytes->data() + i * frame_pixels * sizeof(float),
-                frame_pixels * sizeof(float));
   CameraMode mode{};
   const std::string halves = fresh_halves(frames, &mode);
   EXPECT_EQ(mode, CameraMode::half_fresh);

@@ -23,7 +23,7 @@ RawRecording recording_of(const pipeline::VirtualSweep& sweep) {
   RawRecording raw;
   raw.header.profile = sweep.config.profile;
   for (const Chunk& chunk : sweep.chunks) raw.received[chunk.device].append(chunk.bytes, chunk.arrived);
-  raw.sent = sweep.sent;
+  raw.sent[Device::servo] = sweep.sent;
   raw.complete = true;
   raw.end_time = end_of(sweep);
   return raw;
@@ -38,7 +38,7 @@ std::vector<CausalMeasurement> measurements_of(const pipeline::VirtualSweep& swe
   std::size_t next = 0;
   for (const Chunk& chunk : sweep.chunks) {
     for (; next < sweep.sent.chunk_count() && sweep.sent.time(next) <= chunk.arrived; ++next)
-      pipeline.sent(sweep.sent.chunk(next), sweep.sent.time(next));
+      pipeline.sent(Device::servo, sweep.sent.chunk(next), sweep.sent.time(next));
     take(pipeline.feed(chunk.device, chunk.bytes, chunk.arrived), chunk.arrived);
   }
   take(pipeline.finish(), end_of(sweep));

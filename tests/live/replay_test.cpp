@@ -53,7 +53,23 @@ TEST(AReplay, WalksWhatCameAndWhatWasSentInOrderOfTime) {
     (step->from ? bytes[*step->from] : sent) += step->bytes.size();
   }
   for (const Device device : all_devices) EXPECT_EQ(bytes[device], raw.received[device].bytes.size());
-  EXPECT_GT(sent, raw.sent.bytes.size() * 9 / 10);
+  EXPECT_GT(sent, raw.sent[Device::servo].bytes.size() * 9 / 10);
+}
+
+TEST(AReplay, SaysToWhichDeviceBytesWent) {
+  RawRecording raw;
+  const std::vector<std::uint8_t> byte{1};
+  raw.sent[Device::servo].append(byte, host_time_ns(10));
+  raw.sent[Device::gyro].append(byte, host_time_ns(20));
+  raw.sent[Device::servo].append(byte, host_time_ns(30));
+  raw.sent[Device::camera].append(byte, host_time_ns(30));
+  raw.sent[Device::gyro].append(byte, host_time_ns(40));
+  raw.received[Device::camera].append(byte, host_time_ns(30));
+  pipeline::Replay replay(raw);
+  std::vector<std::optional<Device>> to;
+  while (const auto step = replay.next()) to.push_back(step->to);
+  EXPECT_EQ(to, (std::vector<std::optional<Device>>{Device::servo, Device::gyro, Device::camera,
+                                                    Device::servo, std::nullopt}));
 }
 
 TEST(AReplay, OfNothingEndsAtOnce) {

@@ -43,19 +43,14 @@ unsigned newer_half_of(simulation::VirtualRigConfig config) {
   config.half_fresh = true;
   simulation::VirtualRig rig(config, simulation::make_host_firmware());
   const auto frames = drive(rig, config.profile, {}, 1.0).frames;
-  labels::FreshnessDetector detector;
-  detector.push(frames.at(0).frame);
-  return detector.push(frames.at(1).frame).odd_fresh() ? 1U : 0U;
+  return labels::Freshness{frames.at(1).fresh_even, frames.at(1).fresh_odd}.odd_fresh() ? 1U : 0U;
 }
 
 void time_frames(std::vector<TimedFrame>& frames, const std::vector<simulation::SentMessage>& sent,
                  bool half_fresh, unsigned newer) {
-  labels::FreshnessDetector detector;
   for (std::size_t i = 0; i < frames.size(); ++i) {
     TimedFrame& frame = frames[i];
-    const labels::Freshness fresh = detector.push(frame.frame);
-    frame.fresh_even = fresh.even;
-    frame.fresh_odd = fresh.odd;
+    const labels::Freshness fresh{frame.fresh_even, frame.fresh_odd};
     frame.stale = frame.late = false;
     frame.exposure_begin = sent[i].exposure_begin;
     frame.exposure_end = sent[i].exposure_end;

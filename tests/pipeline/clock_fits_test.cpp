@@ -43,8 +43,10 @@ GyroStream stream_of(int samples, double own_unit_s = 1.0) {
   return stream;
 }
 
+/// Of lines of text, the time in their first column.
 GyroProfile profile() {
-  GyroProfile gyro;
+  GyroProfile gyro{.protocol = "text"};
+  gyro.text.time = 0;
   gyro.link.baud = 115200;
   return gyro;
 }
@@ -74,6 +76,14 @@ TEST(GyroClock, CountsWhereTheOwnTimeIsInAnotherUnitOrMissing) {
   stream = stream_of(4000);
   stream.gyro[17].reading.device_time_us.reset();
   EXPECT_NEAR(fit_gyro_clock(stream.received, stream.gyro, profile()).report.skew_ppm, 0.0, 50.0);
+}
+
+TEST(GyroClock, CountsWhereTheProtocolsClockSendsNoTime) {
+  const GyroStream stream = stream_of(4000);
+  GyroProfile without_column = profile();
+  without_column.text.time = -1;
+  const ClockFit counted = fit_gyro_clock(stream.received, stream.gyro, without_column);
+  EXPECT_NEAR(counted.report.skew_ppm, 0.0, 50.0);
 }
 
 TEST(GyroClock, SaysNothingWithoutTheBytes) {

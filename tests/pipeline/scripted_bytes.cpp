@@ -129,7 +129,7 @@ Result run(const RigProfile& profile, const std::vector<Chunk>& chunks, const Fi
   std::size_t next = 0;
   for (const Chunk& chunk : chunks) {
     for (; next < sent.chunk_count() && sent.time(next) <= chunk.arrived; ++next)
-      pipeline.sent(sent.chunk(next), sent.time(next));
+      pipeline.sent(Device::servo, sent.chunk(next), sent.time(next));
     take(pipeline.feed(chunk.device, chunk.bytes, chunk.arrived));
   }
   take(pipeline.finish());
@@ -141,7 +141,7 @@ Result run(const RigProfile& profile, const std::vector<Chunk>& chunks, const Fi
 Fits first_pass(const RigProfile& profile, const std::vector<Chunk>& chunks, const RawStream& sent) {
   RawRecording raw;
   raw.header.profile = profile;
-  raw.sent = sent;
+  raw.sent[Device::servo] = sent;
   for (const Chunk& chunk : chunks) raw.received[chunk.device].append(chunk.bytes, chunk.arrived);
   return fit(raw, run(profile, chunks, {}, sent).streams);
 }

@@ -40,7 +40,7 @@ TEST(Classify, TellsTheThreeDevicesApart) {
     const Evidence evidence = classify(bytes_of(device));
     EXPECT_EQ(evidence.role, device) << name_of(device) << ": " << evidence.text;
   }
-  EXPECT_EQ(classify(bytes_of(Device::gyro)).gyro_protocol, "witmotion");
+  EXPECT_EQ(classify(bytes_of(Device::gyro)).protocol, "witmotion");
 }
 
 TEST(Classify, KnowsAGyroThatPrintsLines) {
@@ -48,7 +48,7 @@ TEST(Classify, KnowsAGyroThatPrintsLines) {
   for (int i = 0; i < 20; ++i) text += "a/g:\t-124\t88\t16012\t-33\t" + std::to_string(i) + "\t7\r\n";
   const Evidence evidence = classify(as_bytes(text));
   EXPECT_EQ(evidence.role, Device::gyro);
-  EXPECT_EQ(evidence.gyro_protocol, "text");
+  EXPECT_EQ(evidence.protocol, "text");
   EXPECT_EQ(evidence.messages, 20U);
   ASSERT_TRUE(evidence.text_format.has_value());
   EXPECT_EQ(evidence.text_format->columns.prefix, "a/g:");
@@ -66,7 +66,7 @@ TEST(Classify, KnowsAFlightController) {
   config.profile.gyro.protocol = "mavlink";
   const Evidence evidence = classify(bytes_of(Device::gyro, 0.5, config));
   EXPECT_EQ(evidence.role, Device::gyro);
-  EXPECT_EQ(evidence.gyro_protocol, "mavlink");
+  EXPECT_EQ(evidence.protocol, "mavlink");
   EXPECT_GE(evidence.messages, 98U);
   EXPECT_GT(evidence.explained_share, 0.95);
 }
@@ -126,7 +126,7 @@ TEST(Findings, BecomeTheProfile) {
 
 PortFinding text_gyro_finding() {
   PortFinding found = finding("/dev/ttyUSB0", Device::gyro, 115200);
-  found.gyro_protocol = "text";
+  found.protocol = "text";
   found.text_format.emplace();
   found.text_format->columns.rate = {1, 2, 3};
   found.text_format->columns.time = 0;
@@ -147,9 +147,9 @@ TEST(Findings, OfAnotherProtocolTakeTheSettingsOfTheOldOneAway) {
   edited.gyro.protocol = "mavlink";
   edited.gyro.settings = {{"system", 3.0}};
   PortFinding found = finding("/dev/ttyACM0", Device::gyro, 115200);
-  found.gyro_protocol = "mavlink";
+  found.protocol = "mavlink";
   EXPECT_EQ(apply_findings(edited, {found}, ambiguous).gyro.settings.at("system"), 3.0);
-  found.gyro_protocol = "witmotion";
+  found.protocol = "witmotion";
   const RigProfile profile = apply_findings(edited, {found}, ambiguous);
   EXPECT_EQ(profile.gyro.protocol, "witmotion");
   EXPECT_TRUE(profile.gyro.settings.empty());

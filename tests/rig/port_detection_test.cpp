@@ -75,7 +75,7 @@ TEST_F(Detection, GuessesTheColumnsOfAGyroThatPrintsLines) {
     return std::vector<std::uint8_t>(line.begin(), line.end());
   };
   const auto findings = identify({ports_.add(lines)});
-  EXPECT_EQ(findings.at(0).gyro_protocol, "text");
+  EXPECT_EQ(findings.at(0).protocol, "text");
   ASSERT_TRUE(findings[0].text_format) << findings[0].how;
   EXPECT_THAT(findings[0].text_format->sample_line, HasSubstr(",0.5,-1.25,"));
   EXPECT_EQ(findings[0].text_format->columns.rate, (std::array<int, 3>{1, 2, 3}));

@@ -331,7 +331,7 @@ TEST(Recovery, LeavesAJournalAloneThatIsBeingWritten) {
   SimulatedBus bus(simulation::default_rig(1, "kitchen"));
   HostTime now{};
   Recording recording(recording_options(folder, simulation::default_profile(), short_plan()), now,
-                      [](auto) {});
+                      [](auto...) {});
   const auto results = recover(folder.path());
   ASSERT_EQ(results.size(), 1U);
   EXPECT_EQ(results[0].kind, RecoveryKind::in_use);

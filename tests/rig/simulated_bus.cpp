@@ -92,7 +92,7 @@ RecordingOptions recording_options(const std::filesystem::path& folder, const Ri
 DrivenRun run_to_journal(SimulatedBus& bus, const RecordingOptions& options, const RunOptions& run_options) {
   HostTime now{};
   Recording recording(options, now,
-                      [&](std::span<const std::uint8_t> bytes) { bus.send(Device::servo, bytes, now); });
+                      [&](Device to, std::span<const std::uint8_t> bytes) { bus.send(to, bytes, now); });
   DrivenRun run;
   run.file = recording.file();
   while (!recording.done()) {

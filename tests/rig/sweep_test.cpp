@@ -143,8 +143,8 @@ TEST(Sweep, RunsTwiceTheSameInVirtualTime) {
     EXPECT_EQ(raws[0].received[device].chunk_end, raws[1].received[device].chunk_end);
     EXPECT_EQ(raws[0].received[device].time_ns, raws[1].received[device].time_ns);
   }
-  EXPECT_EQ(raws[0].sent.bytes, raws[1].sent.bytes);
-  EXPECT_EQ(raws[0].sent.time_ns, raws[1].sent.time_ns);
+  EXPECT_EQ(raws[0].sent[Device::servo].bytes, raws[1].sent[Device::servo].bytes);
+  EXPECT_EQ(raws[0].sent[Device::servo].time_ns, raws[1].sent[Device::servo].time_ns);
 }
 
 TEST(Sweep, ThatRepeatsEndsWhereTheNumbersOfLegsEnd) {

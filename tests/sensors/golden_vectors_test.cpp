@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: MIT
-// The gyros' golden vectors: protocols/vectors/{witmotion,text_gyro,mavlink_gyro}.txt.
+// The gyros' golden vectors: protocols/vectors/{witmotion,text_gyro,mavlink_gyro,mavlink_request}.txt.
 #include <gtest/gtest.h>
 
 #include <string>
 
 #include "support/gyro_scanners.h"
+#include "thermorig/sensors/device_stream.h"
 #include "wire/scan.h"
 #include "wire/vector_fields.h"
 
@@ -89,6 +90,20 @@ TEST(GoldenVectors, MavlinkStreamsAreReadAsDescribed) {
     if (reading.temp_c) {
       EXPECT_FLOAT_EQ(*reading.temp_c, std::stof(fields.at("temp_cdeg")) / 100.0F);
     }
+  }
+}
+
+TEST(GoldenVectors, MavlinkIsAskedAsDescribed) {
+  for (const GoldenVector& vector : read_vectors("mavlink_request.txt")) {
+    SCOPED_TRACE(vector.name);
+    const Fields fields = fields_in(vector);
+    RigProfile profile;
+    profile.gyro.protocol = "mavlink";
+    profile.gyro.output_rate_hz = std::stod(fields.at("rate_hz"));
+    for (const char* setting : {"system", "component", "message", "raw_scale_dps"})
+      if (fields.contains(setting)) profile.gyro.settings[setting] = std::stod(fields.at(setting));
+    const auto asked = static_cast<unsigned>(count_in(fields, "asked"));
+    EXPECT_EQ(sensors::stream_request(Device::gyro, profile, asked), vector.bytes);
   }
 }
 

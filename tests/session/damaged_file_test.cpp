@@ -97,7 +97,7 @@ TEST_F(DamagedSession, WithTimesThatNoRunLastsIsRefused) {
   constexpr std::int64_t last_ns = std::numeric_limits<std::int64_t>::max();
   const std::vector<std::function<void(RawRecording&)>> damages{
       [&](RawRecording& raw) { raw.received[Device::gyro].time_ns.back() = last_ns; },
-      [&](RawRecording& raw) { raw.sent.time_ns.front() = first_ns; },
+      [&](RawRecording& raw) { raw.sent[Device::servo].time_ns.front() = first_ns; },
       [&](RawRecording& raw) { raw.end_time = host_time_ns(last_ns); }};
   for (std::size_t i = 0; i < damages.size(); ++i) {
     Session session = synthetic_session(20);

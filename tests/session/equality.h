@@ -157,7 +157,8 @@ inline std::string difference(const RawRecording& a, const RawRecording& b) {
   std::string names;
   for (const Device device : all_devices)
     if (!same(a.received[device], b.received[device])) names += std::string(name_of(device)) + "-bytes ";
-  if (!same(a.sent, b.sent)) names += "sent ";
+  for (const Device device : all_devices)
+    if (!same(a.sent[device], b.sent[device])) names += std::string(name_of(device)) + "-sent ";
   if (!same(a.events, b.events)) names += "events ";
   if (!same(a.legs, b.legs)) names += "legs ";
   if (!live::same_rows(a.estimates, b.estimates) || a.header.estimators != b.header.estimators)

@@ -44,6 +44,22 @@ TEST_F(SessionFile, GivesBackTheRowsOfALiveRunBitForBit) {
   EXPECT_EQ(raw.header.live_model.hash, std::string(64, 'a'));
 }
 
+TEST_F(SessionFile, KeepsWhatWentToEachDevice) {
+  Session session = synthetic_session(20);
+  session.raw.sent[Device::gyro].append(std::array<std::uint8_t, 3>{0xFD, 33, 0}, host_time_ns(5));
+  session.raw.sent[Device::camera].append(std::array<std::uint8_t, 1>{0xA5}, host_time_ns(6));
+  write_session(path(), session);
+  EXPECT_EQ(difference(session.raw, read_raw(path())), "");
+}
+
+TEST_F(SessionFile, HasNoGroupForADeviceThatNothingWentTo) {
+  write_session(path(), synthetic_session(20));
+  const Handle file(H5Fopen(path().c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), "open it");
+  EXPECT_GT(H5Lexists(file.get(), "/raw/sent", H5P_DEFAULT), 0);
+  EXPECT_EQ(H5Lexists(file.get(), "/raw/sent_gyro", H5P_DEFAULT), 0);
+  EXPECT_EQ(H5Lexists(file.get(), "/raw/sent_camera", H5P_DEFAULT), 0);
+}
+
 TEST_F(SessionFile, WithRowsOfALiveRunOutOfOrderIsRefused) {
   Session session = synthetic_live_session(20);
   std::swap(session.raw.estimates[3], session.raw.estimates[4]);

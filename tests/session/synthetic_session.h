@@ -194,9 +194,9 @@ class SyntheticSession {
     std::array<std::uint8_t, SERVO_FRAME_MAX> frame{};
     const auto size = servo_frame(frame.data(), SERVO_PING, 9, payload.data(), SERVO_PING_SIZE);
     // In two writes: the second ends the ping.
-    session_.raw.sent.append(std::span(frame).first(3), at(0.010));
-    session_.raw.sent.append(std::span(frame).subspan(3, size - 3U), at(0.011));
-    session_.raw.sent.append(std::array<std::uint8_t, 1>{SERVO_LINK_STOP}, at(0.012));
+    session_.raw.sent[Device::servo].append(std::span(frame).first(3), at(0.010));
+    session_.raw.sent[Device::servo].append(std::span(frame).subspan(3, size - 3U), at(0.011));
+    session_.raw.sent[Device::servo].append(std::array<std::uint8_t, 1>{SERVO_LINK_STOP}, at(0.012));
   }
 
   const HostTime start_ = host_time_ns(123'456'789'012'345);

@@ -9,7 +9,6 @@
 
 #include "scripted_firmware.h"
 #include "support/at_s.h"
-#include "thermorig/labels/freshness.h"
 #include "thermorig/sensors/gyro_protocol.h"
 #include "thermorig/wire/camera_scanner.h"
 #include "thermorig/wire/device_bytes.h"
@@ -151,11 +150,7 @@ TEST(VirtualRig, SkipsEverySecondHalfFreshFrameThatDoesNotFitItsLine) {
   VirtualRig rig(config, sweep(0.0));
   const auto frames = frames_of(run(rig, 20.0, 0.1));
   EXPECT_NEAR(static_cast<double>(frames.size()), 20.0 * 3.92, 2.0);
-  labels::FreshnessDetector detector;
-  for (const auto& message : frames) {
-    const auto freshness = detector.push(message.frame);
-    EXPECT_TRUE(freshness.even_fresh() && freshness.odd_fresh());
-  }
+  for (const auto& message : frames) EXPECT_TRUE(message.fresh.both_fresh());
 }
 
 TEST(VirtualRig, StartsAtItsHostTime) {

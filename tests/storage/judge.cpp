@@ -46,7 +46,7 @@ std::string what_is_wrong(const RawRecording& raw, const RecordedSession& truth)
   for (const Device device : all_devices)
     if (!is_front_of(raw.received[device], truth.received[device].chunks))
       return "chunks that the " + std::string(name_of(device)) + " never sent";
-  if (!is_front_of(raw.sent, truth.sent.chunks)) return "bytes that were never sent";
+  if (!is_front_of(raw.sent[Device::servo], truth.sent.chunks)) return "bytes that were never sent";
   if (!are_front_of(of_the_rig(raw.events), of_the_rig(truth.raw.events)))
     return "events that never happened";
   if (raw.header.environment != "kitchen" || raw.header.acquisition != 1) return "another header";
@@ -69,7 +69,7 @@ void read_session(files::Disk& disk, const RecordedSession& truth, Found& found)
     const session::Session session = read_image(bytes_of(disk, found.session), found.session);
     found.has_session = true;
     found.wrong = what_is_wrong(session.raw, truth);
-    found.sent = session.raw.sent.chunk_count();
+    found.sent = session.raw.sent[Device::servo].chunk_count();
     for (const Device device : all_devices) found.kept[device] = session.raw.received[device].chunk_count();
     const bool is_whole = std::all_of(all_devices.begin(), all_devices.end(), [&](Device device) {
       return found.kept[device] == truth.received[device].calls.size();
@@ -136,7 +136,7 @@ std::optional<Found> Judge::read(const DiskImage& image) {
     Found found;
     found.is_loud = is_torn;
     found.wrong = what_is_wrong(contents.recording, truth_);
-    found.sent = contents.recording.sent.chunk_count();
+    found.sent = contents.recording.sent[Device::servo].chunk_count();
     for (const Device device : all_devices)
       found.kept[device] = contents.recording.received[device].chunk_count();
     return found;

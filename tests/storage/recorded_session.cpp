@@ -59,10 +59,10 @@ RecordedSession record_session(int frames) {
   rig::test::SimulatedBus bus(simulation::default_rig(1, "kitchen"));
   rig::RecordingOptions options = session.options;
   options.disk = &disk;
-  rig::Recording recording(options, now, [&](std::span<const std::uint8_t> bytes) {
+  rig::Recording recording(options, now, [&](Device to, std::span<const std::uint8_t> bytes) {
     session.sent.chunks.append(bytes, now);
     session.sent.calls.push_back(disk.count());
-    bus.send(Device::servo, bytes, now);
+    bus.send(to, bytes, now);
   });
   while (!recording.done()) {
     now += step;
@@ -89,7 +89,7 @@ RecordedAgain record_again(const RecordedSession& session, files::Disk& disk, Ho
   rig::RecordingOptions options = session.options;
   options.disk = &disk;
   try {
-    rig::Recording recording(options, *clock, [](std::span<const std::uint8_t>) {});
+    rig::Recording recording(options, *clock, [](Device, std::span<const std::uint8_t>) {});
     for (const RecordedSession::Step& at : session.steps) {
       *clock = at.now;
       for (const Chunk& chunk : at.chunks) {

@@ -64,7 +64,7 @@ class Filled : public testing::Test {
   void SetUp() override {
     rig::RecordingOptions options = session().options;
     options.disk = &disk_;
-    rig::Recording recording(options, HostTime{}, [](std::span<const std::uint8_t>) {});
+    rig::Recording recording(options, HostTime{}, [](Device, std::span<const std::uint8_t>) {});
     HostTime now{};
     for (const RecordedSession::Step& at : session().steps) {
       now = at.now;

@@ -11,7 +11,8 @@ namespace thermorig::test {
 
 inline bool same(const wire::CameraMessage& a, const wire::CameraMessage& b) {
   return a.frame.temp_c == b.frame.temp_c && a.frame.sensor_temp_c == b.frame.sensor_temp_c &&
-         a.span == b.span && a.resync_before == b.resync_before;
+         a.fresh.even == b.fresh.even && a.fresh.odd == b.fresh.odd && a.span == b.span &&
+         a.resync_before == b.resync_before;
 }
 
 inline bool same(const wire::GyroMessage& a, const wire::GyroMessage& b) {

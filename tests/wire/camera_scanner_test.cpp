@@ -88,6 +88,20 @@ TEST(CameraScanner, FindsTheNextFrameAfterOneOfHeaderLikePixelsIsCutShort) {
   EXPECT_EQ(scan.counters.bad_checksum, 1U);
 }
 
+TEST(CameraScanner, TellsWhichHalvesAreFreshByTheWordsOnTheWire) {
+  ThermalFrame half = frame_of_noise(1);
+  for (std::size_t i = 0; i < frame_pixels; ++i)
+    if (subpage_of(i / frame_columns, i % frame_columns) == 1) half.temp_c[i] += 0.01F;
+  const auto scan = scan_camera(camera_stream({frame_of_noise(1), half, half}));
+  ASSERT_EQ(scan.messages.size(), 3U);
+  EXPECT_EQ(scan.messages[0].fresh.even, 384);
+  EXPECT_EQ(scan.messages[0].fresh.odd, 384);
+  EXPECT_EQ(scan.messages[1].fresh.even, 0);
+  EXPECT_EQ(scan.messages[1].fresh.odd, 384);
+  EXPECT_EQ(scan.messages[2].fresh.even, 0);
+  EXPECT_EQ(scan.messages[2].fresh.odd, 0);
+}
+
 TEST(CameraScanner, CountsRepliesBetweenFrames) {
   ByteVector bytes = camera_stream({frame_of_noise(1)});
   append(bytes, wire::camera_emissivity_reply(95));

@@ -29,6 +29,7 @@ enum class ChecksumPolicy : std::uint8_t { word, byte, ignore };
 struct CameraProfile {
   PortProfile link{.baud = 460800, .latency_s = 0.0, .latency_uncertainty_s = 0.010, .wander_ppm = 1000.0};
   std::string model = "GY-MCU90640";
+  std::string protocol = "gy-mcu90640";  // a name of sensors/camera_protocol.h
   double output_rate_hz = 8.0;           // frames a second that it was set to, nominal
   double field_of_view_deg = 55.0;       // horizontal: 55 (BAB) or 110 (BAA)
   bool mirrored = true;                  // the order on the wire is a mirror image of the scene

@@ -102,7 +102,7 @@ struct RawStream {
 struct RawRecording {
   RecordingHeader header;
   PerDevice<RawStream> received;
-  RawStream sent;  // host to servo
+  PerDevice<RawStream> sent;  // by the host, to each device
   std::vector<RecordingEvent> events;
   std::vector<LegRecord> legs;
   std::vector<EstimateRow> estimates;  // what a live run showed, frame indices ascending; else empty

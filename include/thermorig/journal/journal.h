@@ -29,7 +29,7 @@ class JournalWriter {
   JournalWriter& operator=(JournalWriter&&) noexcept;
 
   void received(Device from, std::span<const std::uint8_t> bytes, HostTime arrived);
-  void sent(std::span<const std::uint8_t> bytes, HostTime time);  // to the servo
+  void sent(Device to, std::span<const std::uint8_t> bytes, HostTime time);
   void event(const RecordingEvent& event);
   void leg(const LegRecord& leg);
   void estimate(const EstimateRow& row);  // of the header's estimators; frame indices ascend

@@ -36,8 +36,8 @@ class ExposureRule {
 
   /// Each frame in order: look(), then expose(). apply() is both.
   ///
-  /// Fills in fresh_even, fresh_odd and stale of a frame whose temperatures are known. True if the halves
-  /// show that frames are missing before it: the source is half-fresh, and both are fresh.
+  /// Fills in stale of a frame whose fresh_even and fresh_odd are known. True if the halves show that frames
+  /// are missing before it: the source is half-fresh, and both are fresh.
   ///
   /// stale: half-fresh: no half is fresh, or only one and the same one as the last time that only one was
   /// (the other half was lost); full-fresh: not both halves are fresh.
@@ -63,7 +63,6 @@ class ExposureRule {
 
   HostDuration frame_period_;
   std::optional<CameraMode> mode_;
-  FreshnessDetector detector_;
   Freshness freshness_;  // of the frame that was looked at
   ModeVote vote_;
   Half last_single_ = Half::none;  // the half that alone was fresh, the last time that only one was

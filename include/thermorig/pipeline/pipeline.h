@@ -65,9 +65,9 @@ class Pipeline {
   /// measurement, here or in finish(), in the order of the frames.
   std::vector<Measurement> feed(Device from, std::span<const std::uint8_t> chunk, HostTime arrived);
 
-  /// Bytes that were written to the servo, and the time before write(): one side of the servo's clock. In
-  /// order of time with feed().
-  void sent(std::span<const std::uint8_t> bytes, HostTime before_write);
+  /// Bytes that were written to a device, and the time before write(), in order of time with feed(). Those to
+  /// the servo are one side of its clock.
+  void sent(Device to, std::span<const std::uint8_t> bytes, HostTime before_write);
 
   /// The device went away: pulled out, silent, or sending what nobody can read. What comes from it later is
   /// of a clock anew, and nothing reaches over the gap. Returns the measurements that this completes.

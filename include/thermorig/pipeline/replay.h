@@ -13,9 +13,10 @@
 
 namespace thermorig::pipeline {
 
-/// Bytes that came in one read(), or that went to the servo in one write(); or a device that went away.
+/// Bytes that came in one read(), or that went to a device in one write(); or a device that went away.
 struct ReplayStep {
-  std::optional<Device> from;  // none: they went to the servo
+  std::optional<Device> from;  // none: they went to one
+  std::optional<Device> to;
   std::span<const std::uint8_t> bytes;
   HostTime time{};               // of arrival; before write()
   bool is_interruption = false;  // of `from`: there are no bytes
@@ -33,13 +34,11 @@ class Replay {
   std::optional<ReplayStep> next();
 
  private:
-  std::optional<Device> earliest() const;
-
   const RawRecording& raw_;
   std::vector<Interruption> interruptions_;
   std::size_t next_interruption_ = 0;
   PerDevice<std::size_t> next_received_{};
-  std::size_t next_sent_ = 0;
+  PerDevice<std::size_t> next_sent_{};
 };
 
 /// The step into the pipeline, and the measurements that it completed.

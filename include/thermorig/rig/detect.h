@@ -17,7 +17,7 @@ namespace thermorig::rig {
 /// What some bytes look like. Pure: no port, no clock.
 struct Evidence {
   std::optional<Device> role;
-  std::string gyro_protocol;                       // of a gyro: a name of sensors/gyro_protocol.h
+  std::string protocol;                            // of that role: a name of its table in sensors
   std::uint64_t messages = 0;                      // good messages of that role
   double explained_share = 0.0;                    // share of the bytes that lie in them, 0..1
   std::string text;                                // "12 camera frames (GY-MCU90640), checksums good"
@@ -33,8 +33,8 @@ struct PortFinding {
   io::PortInfo info;
   std::optional<Device> role;
   std::uint32_t baud = 0;                          // at which it spoke; 0 for a pseudo terminal
-  std::string gyro_protocol;                       // of a gyro: a name of sensors/gyro_protocol.h
-  std::string how;                                 // evidence, ready to print; or "silent at 6 baud rates"
+  std::string protocol;                            // of that role: a name of its table in sensors
+  std::string how;                                 // evidence, ready to print; or "silent at 7 baud rates"
   std::string problem;                             // could not be opened: why; else empty
   double rate_hz = 0.0;                            // messages a second while listening
   std::optional<sensors::TextFormat> text_format;  // of a text gyro: its columns are a guess
@@ -48,7 +48,7 @@ std::vector<PortFinding> identify_devices(const std::vector<io::PortInfo>& ports
 std::vector<PortFinding> identify_devices(const std::vector<io::PortInfo>& ports, PortLoop& loop,
                                           double listen_s = 6.0);
 
-/// The profile with the ports, bauds and gyro protocol that were found. The guessed columns of a text gyro
+/// The profile with the ports, bauds and protocols that were found. The guessed columns of a text gyro
 /// are taken where the profile had no text gyro before; columns that a person has set stay. Roles found twice
 /// are left alone and reported through `ambiguous` (one sentence each).
 RigProfile apply_findings(RigProfile profile, const std::vector<PortFinding>& findings,

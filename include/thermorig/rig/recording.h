@@ -113,10 +113,10 @@ using ProgressHandler = std::function<void(const RecordingProgress&)>;
 /// recording properly: see failure().
 class Recording {
  public:
-  using SendToServo = std::function<void(std::span<const std::uint8_t>)>;
+  using Send = std::function<void(Device to, std::span<const std::uint8_t>)>;
 
   /// Chooses the number and creates the journal. `now` becomes second 0. Throws Error: bad_usage, storage.
-  Recording(const RecordingOptions& options, HostTime now, SendToServo send);
+  Recording(const RecordingOptions& options, HostTime now, Send send);
   ~Recording();
   Recording(const Recording&) = delete;
   Recording& operator=(const Recording&) = delete;
@@ -139,7 +139,7 @@ class Recording {
   /// A device was not there to begin with: `why` says so, and what to try.
   void missing(Device device, const Error& why, HostTime now);
 
-  /// Moves everything on; bytes for the servo go out through the callback. Every 10 ms or so.
+  /// Moves everything on; bytes for the devices go out through the callback. Every 10 ms or so.
   void tick(HostTime now);
 
   /// Ctrl-C: stops the servo, then done(). `who` asked for it, for the log: "the page".

@@ -8,19 +8,15 @@
 #include <string_view>
 #include <vector>
 
+#include "thermorig/core/clock_properties.h"
 #include "thermorig/core/profile.h"
-#include "thermorig/sensors/gyro_scanner.h"
-#include "thermorig/sensors/text_format.h"
+#include "thermorig/sensors/evidence.h"
+#include "thermorig/sensors/scanner.h"
+#include "thermorig/wire/gyro_message.h"
 
 namespace thermorig::sensors {
 
-/// Why some bytes look like a gyro of one protocol.
-struct GyroEvidence {
-  std::uint64_t messages = 0;             // samples
-  std::uint64_t bytes = 0;                // in good messages of any kind
-  std::string text;                       // "12 WitMotion gyro packets"
-  std::optional<TextFormat> text_format;  // of lines of text: a guess
-};
+using GyroScanner = Scanner<wire::GyroMessage>;
 
 /// A number that a profile says in [gyro.<protocol>]. Not stated: 0.
 struct GyroSetting {
@@ -36,12 +32,17 @@ struct GyroProtocol {
   std::string_view sends;    // in words, many of them: "WitMotion packets"
   bool has_columns = false;  // it sends lines of text; [gyro.text] says what their columns are
   std::span<const GyroSetting> settings;
+  std::span<const UsualBaud> bauds;
+
+  ClockProperties (*clock)(const GyroProfile& profile);
 
   /// Bytes of one sample's message, at most.
   std::uint64_t (*message_bytes)(const GyroProfile& profile);
   GyroScanner (*scanner)(const GyroProfile& profile, StreamStart start);
   /// Nothing if the bytes, which came in `heard_s` seconds (0: not known), hold too few messages of it.
-  std::optional<GyroEvidence> (*recognise)(std::span<const std::uint8_t> bytes, double heard_s);
+  std::optional<Evidence> (*recognise)(std::span<const std::uint8_t> bytes, double heard_s);
+  /// What makes it send samples; `asked`: how often it was asked already, in vain. None: it sends by itself.
+  std::vector<std::uint8_t> (*request)(const GyroProfile& profile, unsigned asked) = nullptr;
 };
 
 /// The table. The first one is what a profile has that names none.

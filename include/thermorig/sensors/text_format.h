@@ -9,7 +9,7 @@
 
 #include "thermorig/core/frame.h"
 #include "thermorig/core/profile.h"
-#include "thermorig/sensors/gyro_scanner.h"
+#include "thermorig/sensors/scanner.h"
 
 namespace thermorig::sensors {
 

@@ -3,9 +3,13 @@
 
 #include <cstdint>
 #include <optional>
+#include <span>
+#include <string_view>
 #include <vector>
 
 #include "thermorig/core/frame.h"
+#include "thermorig/core/profile.h"
+#include "thermorig/simulation/heard.h"
 #include "thermorig/simulation/optics.h"
 #include "thermorig/simulation/pixel_noise.h"
 #include "thermorig/simulation/random.h"
@@ -73,5 +77,18 @@ class Camera {
   PixelColumns sum_c_{};     // of lagged_c_ over the exposure so far
   ThermalFrame frame_;       // both halves as they were read last
 };
+
+/// How the simulated camera speaks a protocol. It shares no code with what reads it (sensors), but the names.
+struct CameraEncoder {
+  std::string_view name;
+  std::vector<std::uint8_t> (*bytes)(const SimulatedFrame& frame, const CameraProfile& profile);
+  /// None: it is deaf and sends by itself. One that listens sends frames once it was asked to.
+  Heard (*hear)(std::span<const std::uint8_t> bytes, const CameraProfile& profile) = nullptr;
+};
+
+std::span<const CameraEncoder> camera_encoders();
+
+/// Of the profile's protocol. Throws Error(bad_usage) if there is none.
+const CameraEncoder& camera_encoder(const CameraProfile& profile);
 
 }  // namespace thermorig::simulation

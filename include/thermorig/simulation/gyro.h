@@ -10,6 +10,7 @@
 
 #include "thermorig/core/profile.h"
 #include "thermorig/simulation/clock_wander.h"
+#include "thermorig/simulation/heard.h"
 #include "thermorig/simulation/random.h"
 #include "thermorig/simulation/shaft.h"
 #include "thermorig/simulation/virtual_rig.h"
@@ -82,11 +83,19 @@ class Gyro {
 struct GyroEncoder {
   std::string_view name;
   std::vector<std::uint8_t> (*bytes)(const SimulatedGyroSample& sample, const GyroProfile& profile);
+  /// None: it is deaf. `start`: on what it starts to send samples.
+  Heard (*hear)(std::span<const std::uint8_t> bytes, const GyroProfile& profile, GyroStart start) = nullptr;
+  /// What it sends in place of a sample before it was asked to send samples. None: nothing.
+  std::vector<std::uint8_t> (*idle_bytes)(const SimulatedGyroSample& sample,
+                                          const GyroProfile& profile) = nullptr;
 };
 
 std::span<const GyroEncoder> gyro_encoders();
 
-/// The sample as the profile's protocol puts it on the wire. Throws Error(bad_usage) if no encoder speaks it.
+/// Of the profile's protocol. Throws Error(bad_usage) if there is none.
+const GyroEncoder& gyro_encoder(const GyroProfile& profile);
+
+/// The sample as the profile's protocol puts it on the wire. Throws as gyro_encoder() does.
 std::vector<std::uint8_t> gyro_bytes(const SimulatedGyroSample& sample, const GyroProfile& profile);
 
 }  // namespace thermorig::simulation

@@ -18,6 +18,13 @@ namespace thermorig::simulation {
 enum class UsbLink : std::uint8_t { ftdi, ch340, cdc };
 enum class GyroGrade : std::uint8_t { calibrated, typical, mpu6050_raw };
 
+/// When a gyro begins to send samples. Protocols whose gyros are deaf have but the first.
+enum class GyroStart : std::uint8_t {
+  by_itself,
+  when_asked,
+  when_asked_of_old  // by the request that older devices of its protocol know
+};
+
 struct LinkConfig {
   UsbLink kind = UsbLink::ftdi;
   double latency_timer_s = 0.016;  // FTDI only
@@ -54,6 +61,7 @@ struct VirtualRigConfig {
   std::optional<double>
       camera_latency_s;  // of this board, from the exposure's end to the first byte; drawn if not set
   std::optional<double> gyro_latency_s;
+  GyroStart gyro_start = GyroStart::by_itself;
   bool gyro_zeroes_itself = false;  // at rest, after a second, as WitMotion's do
   std::vector<Outage> outages;
   std::vector<HandTurn> hand_turns;
@@ -88,7 +96,8 @@ class VirtualRig {
   VirtualRig(const VirtualRigConfig& config, std::unique_ptr<Firmware> firmware);
   ~VirtualRig();
 
-  /// Bytes from the host to a device, written at host time `now` (not before the last `advance`).
+  /// Bytes from the host to a device, written at host time `now` (not before the last `advance`). A camera or
+  /// gyro hears of a write what stands whole in it.
   void send(Device to, std::span<const std::uint8_t> bytes, HostTime now);
 
   /// Runs the rig to host time `until` and returns the chunks that arrive up to then, in order of arrival.

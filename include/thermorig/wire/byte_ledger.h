@@ -18,6 +18,12 @@ class ByteLedger {
   /// `bytes` more have come in and wait to be booked.
   void receive(std::size_t bytes);
 
+  /// Bytes that have come in and are not booked yet.
+  std::uint64_t waiting() const { return counters.bytes_received - position_; }
+
+  /// The stream was interrupted here: what waits stays pending for ever, and the next byte begins anew.
+  void restart();
+
   /// The next `bytes` are a good message. Returns where it stands.
   StreamSpan book_message(std::size_t bytes);
 

@@ -7,6 +7,7 @@
 
 #include "thermorig/core/chunk.h"
 #include "thermorig/core/frame.h"
+#include "thermorig/core/freshness.h"
 #include "thermorig/core/profile.h"
 #include "thermorig/wire/byte_ledger.h"
 #include "thermorig/wire/counters.h"
@@ -15,6 +16,7 @@ namespace thermorig::wire {
 
 struct CameraMessage {
   ThermalFrame frame;
+  Freshness fresh;  // against the message before
   StreamSpan span;
   bool resync_before = false;  // bytes were skipped or damaged since the message before
 };
@@ -34,8 +36,12 @@ class CameraScanner {
   /// Takes the next bytes of the stream and appends the frames that they complete to `out`.
   void push(std::span<const std::uint8_t> bytes, std::vector<CameraMessage>& out);
 
-  /// The stream ends here: what only waits for the bytes behind it is decided. The last call.
+  /// The stream ends here: what only waits for the bytes behind it is decided.
   void finish(std::vector<CameraMessage>& out);
+
+  /// After finish(): the stream was interrupted, and what comes next is a stream anew. Spans and counters go
+  /// on.
+  void restart();
 
   const Counters& counters() const { return ledger_.counters; }
 
@@ -52,6 +58,7 @@ class CameraScanner {
 
   ChecksumPolicy checksum_;
   ByteLedger ledger_;
+  FreshnessDetector<std::int16_t> freshness_;
   std::vector<std::uint8_t> pending_;  // received, not yet booked
   bool ended_ = false;
 };

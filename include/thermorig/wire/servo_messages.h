@@ -70,6 +70,10 @@ class ServoScanner {
   /// No more bytes will come. Nothing depends on it: a frame ends with its flag, and what has not ended stays
   /// pending. As the other scanners have it.
   void finish(std::vector<ServoMessage>& out);
+
+  /// After finish(): the stream was interrupted, and what comes next is a stream anew. Spans and counters go
+  /// on.
+  void restart();
   const Counters& counters() const { return ledger_.counters; }
 
  private:

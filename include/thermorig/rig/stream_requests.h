@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "thermorig/core/device.h"
+#include "thermorig/core/profile.h"
+#include "thermorig/core/time.h"
+
+namespace thermorig::rig {
+
+/// Asks cameras and gyros that do not send by themselves for their streams: when the port has opened, and
+/// again each second in which no message came. What is said, the device's protocol knows; most say nothing.
+class StreamRequests {
+ public:
+  explicit StreamRequests(const RigProfile& profile) : profile_(profile) {}
+
+  /// Its port is open anew: whatever it was asked, it may have forgotten.
+  void port_opened(Device device) { streams_[device] = {}; }
+
+  /// What is to be sent to a device whose port is open, mostly nothing. `messages`: heard of it so far.
+  std::vector<std::uint8_t> due(Device device, std::uint64_t messages, HostTime now);
+
+ private:
+  struct Stream {
+    std::optional<HostTime> since;  // it was asked, or a message came
+    std::uint64_t messages = 0;
+    unsigned asked = 0;  // in vain
+  };
+
+  RigProfile profile_;
+  PerDevice<Stream> streams_;
+};
+
+}  // namespace thermorig::rig

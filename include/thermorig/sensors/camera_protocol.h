@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "thermorig/core/clock_properties.h"
+#include "thermorig/core/profile.h"
+#include "thermorig/sensors/evidence.h"
+#include "thermorig/sensors/scanner.h"
+#include "thermorig/wire/camera_scanner.h"
+
+namespace thermorig::sensors {
+
+using CameraScanner = Scanner<wire::CameraMessage>;
+
+/// All that the program knows of one camera protocol. Others ask this, and never compare names.
+struct CameraProtocol {
+  std::string_view name;   // in profiles and sessions
+  std::string_view sends;  // in words, many of them: "frames of a GY-MCU90640 board"
+  std::span<const UsualBaud> bauds;
+  ClockProperties clock;
+  std::uint64_t message_bytes;  // of one frame, at most
+
+  CameraScanner (*scanner)(const CameraProfile& profile);
+  /// Nothing if the bytes hold no frame of it.
+  std::optional<Evidence> (*recognise)(std::span<const std::uint8_t> bytes);
+  /// What makes it send frames; `asked`: how often it was asked already, in vain. None: it sends by itself.
+  std::vector<std::uint8_t> (*request)(const CameraProfile& profile, unsigned asked) = nullptr;
+};
+
+/// The table. The first one is what a profile has that names none.
+std::span<const CameraProtocol> camera_protocols();
+
+std::vector<std::string> camera_protocol_names();
+
+/// Nothing if there is none of that name.
+const CameraProtocol* find_camera_protocol(std::string_view name);
+
+/// Throws Error(bad_usage) if there is none of that name: it lists those there are.
+const CameraProtocol& camera_protocol(std::string_view name);
+
+/// A scanner of the protocol that the profile names. Throws as camera_protocol() does.
+CameraScanner camera_scanner(const CameraProfile& profile);
+
+}  // namespace thermorig::sensors

@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <string_view>
+#include <vector>
+
+#include "thermorig/core/clock_properties.h"
+#include "thermorig/core/device.h"
+#include "thermorig/core/profile.h"
+#include "thermorig/sensors/evidence.h"
+
+namespace thermorig::sensors {
+
+// The tables of all roles, for those who ask of any device.
+
+/// What a device sends, as the table and the rig's profile have it.
+struct DeviceStream {
+  std::string_view protocol;  // its name in the table
+  std::string_view sends;     // in words, many of them
+  std::uint64_t message_bytes = 0;
+  double rate_hz = 0.0;  // messages a second, nominal
+  ClockProperties clock;
+};
+
+/// Throws Error(bad_usage) if the profile names a protocol that the table does not have.
+DeviceStream device_stream(Device device, const RigProfile& profile);
+
+/// What makes a camera or gyro send its stream; `asked`: how often it was asked already, in vain. Empty: it
+/// sends by itself.
+std::vector<std::uint8_t> stream_request(Device device, const RigProfile& profile, unsigned asked);
+
+/// One that some bytes may come from.
+struct Recognised {
+  Device role;
+  std::string_view protocol;
+  Evidence evidence;
+};
+
+/// All that recognise the bytes, which came in `heard_s` seconds (0: not known).
+std::vector<Recognised> recognise(std::span<const std::uint8_t> bytes, double heard_s);
+
+/// A stretch of a search at one baud rate.
+struct SearchStep {
+  UsualBaud at;
+  std::vector<std::uint8_t> greeting;  // to be sent again and again; empty: just listen
+};
+
+/// Every usual baud rate once, with its largest share: those of cameras first, then those of gyros, at last
+/// those at which one has to be greeted. The shares are of the time of the whole search.
+std::vector<SearchStep> search_steps();
+
+}  // namespace thermorig::sensors

@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: MIT
+#include "thermorig/sensors/device_stream.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "thermorig/sensors/camera_protocol.h"
+#include "thermorig/sensors/gyro_protocol.h"
+#include "thermorig/sensors/servo_protocol.h"
+
+namespace thermorig::sensors {
+
+namespace {
+
+template <typename Protocol, typename Profile>
+std::vector<std::uint8_t> request_of(const Protocol& protocol, const Profile& profile, unsigned asked) {
+  return protocol.request == nullptr ? std::vector<std::uint8_t>() : protocol.request(profile, asked);
+}
+
+void add_steps(std::span<const UsualBaud> bauds, const std::vector<std::uint8_t>& greeting,
+               std::vector<SearchStep>& steps) {
+  for (const UsualBaud& usual : bauds) {
+    const auto same = std::find_if(steps.begin(), steps.end(),
+                                   [&](const auto& step) { return step.at.baud == usual.baud; });
+    if (same == steps.end())
+      steps.push_back({usual, greeting});
+    else
+      same->at.share = std::max(same->at.share, usual.share);
+  }
+}
+
+}  // namespace
+
+DeviceStream device_stream(Device device, const RigProfile& profile) {
+  switch (device) {
+    case Device::camera: {
+      const CameraProtocol& camera = camera_protocol(profile.camera.protocol);
+      return {camera.name, camera.sends, camera.message_bytes, profile.camera.output_rate_hz, camera.clock};
+    }
+    case Device::gyro: {
+      const GyroProtocol& gyro = gyro_protocol(profile.gyro.protocol);
+      return {gyro.name, gyro.sends, gyro.message_bytes(profile.gyro), profile.gyro.output_rate_hz,
+              gyro.clock(profile.gyro)};
+    }
+    case Device::servo:
+      break;
+  }
+  const ServoProtocol& servo = servo_protocol();
+  return {servo.name, servo.sends, servo.message_bytes, servo.rate_hz, servo.clock};
+}
+
+std::vector<std::uint8_t> stream_request(Device device, const RigProfile& profile, unsigned asked) {
+  switch (device) {
+    case Device::camera:
+      return request_of(camera_protocol(profile.camera.protocol), profile.camera, asked);
+    case Device::gyro:
+      return request_of(gyro_protocol(profile.gyro.protocol), profile.gyro, asked);
+    case Device::servo:
+      break;
+  }
+  return {};
+}
+
+std::vector<Recognised> recognise(std::span<const std::uint8_t> bytes, double heard_s) {
+  std::vector<Recognised> found;
+  const auto add = [&](Device role, std::string_view protocol, std::optional<Evidence> evidence) {
+    if (evidence) found.push_back({role, protocol, *std::move(evidence)});
+  };
+  for (const CameraProtocol& camera : camera_protocols())
+    add(Device::camera, camera.name, camera.recognise(bytes));
+  add(Device::servo, servo_protocol().name, servo_protocol().recognise(bytes));
+  for (const GyroProtocol& gyro : gyro_protocols())
+    add(Device::gyro, gyro.name, gyro.recognise(bytes, heard_s));
+  return found;
+}
+
+std::vector<SearchStep> search_steps() {
+  std::vector<SearchStep> steps;
+  for (const CameraProtocol& camera : camera_protocols()) add_steps(camera.bauds, {}, steps);
+  for (const GyroProtocol& gyro : gyro_protocols()) add_steps(gyro.bauds, {}, steps);
+  add_steps(servo_protocol().bauds, servo_protocol().greeting(), steps);
+  return steps;
+}
+
+}  // namespace thermorig::sensors

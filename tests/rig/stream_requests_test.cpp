@@ -1,0 +1,116 @@
+// SPDX-License-Identifier: MIT
+#include "thermorig/rig/stream_requests.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "simulated_bus.h"
+#include "thermorig/rig/finalise.h"
+#include "thermorig/sensors/device_stream.h"
+
+namespace thermorig::rig::test {
+namespace {
+
+using ::testing::IsEmpty;
+
+HostTime at_s(double seconds) {
+  return HostTime(from_s(seconds));
+}
+
+RigProfile with_flight_controller() {
+  RigProfile profile = simulation::default_profile();
+  profile.gyro.protocol = "mavlink";
+  return profile;
+}
+
+/// What the profile's gyro is asked when it was asked so often in vain.
+std::vector<std::uint8_t> asked(const RigProfile& profile, unsigned times) {
+  return sensors::stream_request(Device::gyro, profile, times);
+}
+
+TEST(StreamRequests, AskWhenThePortHasOpenedAndEachSecondWithoutAMessage) {
+  const RigProfile profile = with_flight_controller();
+  StreamRequests requests(profile);
+  EXPECT_EQ(requests.due(Device::gyro, 0, at_s(0.0)), asked(profile, 0));
+  EXPECT_THAT(requests.due(Device::gyro, 0, at_s(0.9)), IsEmpty());
+  EXPECT_EQ(requests.due(Device::gyro, 0, at_s(1.0)), asked(profile, 1));
+  EXPECT_THAT(requests.due(Device::gyro, 0, at_s(1.5)), IsEmpty());
+  EXPECT_EQ(requests.due(Device::gyro, 0, at_s(2.0)), asked(profile, 2));
+  EXPECT_THAT(requests.due(Device::gyro, 7, at_s(2.9)), IsEmpty());
+  EXPECT_THAT(requests.due(Device::gyro, 7, at_s(3.8)), IsEmpty());
+  EXPECT_EQ(requests.due(Device::gyro, 7, at_s(3.9)), asked(profile, 0)) << "it went silent later";
+  requests.port_opened(Device::gyro);
+  EXPECT_EQ(requests.due(Device::gyro, 7, at_s(4.0)), asked(profile, 0));
+}
+
+TEST(StreamRequests, SayNothingToDevicesThatSendByThemselves) {
+  StreamRequests requests(simulation::default_profile());
+  for (const Device device : all_devices)
+    for (const double seconds : {0.0, 1.0, 2.0, 60.0})
+      EXPECT_THAT(requests.due(device, 0, at_s(seconds)), IsEmpty());
+}
+
+simulation::VirtualRigConfig rig_with_flight_controller(simulation::GyroStart start) {
+  simulation::VirtualRigConfig config = simulation::default_rig(1, "kitchen");
+  config.profile = with_flight_controller();
+  config.gyro_start = start;
+  return config;
+}
+
+DrivenRun record(SimulatedBus& bus, const RigProfile& profile) {
+  const TemporaryFolder folder;
+  return run_to_journal(bus, recording_options(folder, profile, short_plan()));
+}
+
+TEST(ARecording, MakesAFlightControllerSendItsSamples) {
+  const auto config = rig_with_flight_controller(simulation::GyroStart::when_asked);
+  SimulatedBus bus(config);
+  const DrivenRun run = record(bus, config.profile);
+  EXPECT_FALSE(run.failure) << run.failure->what_happened();
+  EXPECT_EQ(run.raw.sent[Device::gyro].bytes, asked(config.profile, 0));
+  EXPECT_THAT(run.raw.sent[Device::camera].bytes, IsEmpty());
+  const session::Session session = build_session(run.raw);
+  EXPECT_GT(session.gyro.size(), 1000U);
+  EXPECT_EQ(session.counters[Device::gyro].bytes_skipped, 0U);
+  EXPECT_TRUE(session.gyro.front().reading.device_time_us.has_value());
+}
+
+TEST(ARecording, AsksAFlightControllerOfOldTheOldWay) {
+  const auto config = rig_with_flight_controller(simulation::GyroStart::when_asked_of_old);
+  SimulatedBus bus(config);
+  const DrivenRun run = record(bus, config.profile);
+  EXPECT_FALSE(run.failure) << run.failure->what_happened();
+  const RawStream& sent = run.raw.sent[Device::gyro];
+  ASSERT_EQ(sent.chunk_count(), 2U);
+  EXPECT_TRUE(std::ranges::equal(sent.chunk(0), asked(config.profile, 0)));
+  EXPECT_TRUE(std::ranges::equal(sent.chunk(1), asked(config.profile, 1)));
+  EXPECT_NEAR(to_s(sent.time(1) - sent.time(0)), 1.0, 0.01);
+  EXPECT_GT(build_session(run.raw).gyro.size(), 1000U);
+}
+
+TEST(ARecording, AsksAFlightControllerAnewThatCameBack) {
+  auto config = rig_with_flight_controller(simulation::GyroStart::by_itself);
+  SimulatedBus bus(config);
+  bus.unplugged = {{Device::gyro, at_s(6.0), at_s(8.0)}};
+  const TemporaryFolder folder;
+  RecordingOptions options = recording_options(folder, config.profile, short_plan());
+  options.replug_patience_s = 20.0;
+  VirtualOptions virtual_options{.recording = options};
+  const RecordingResult result = record_virtual(bus, virtual_options);
+  const RawRecording raw = session::read_raw(result.session);
+  const RawStream& sent = raw.sent[Device::gyro];
+  ASSERT_EQ(sent.chunk_count(), 2U);
+  EXPECT_LT(to_s(sent.time(0) - HostTime{}), 0.1);
+  EXPECT_NEAR(to_s(sent.time(1) - HostTime{}), 8.0, 0.1);
+}
+
+TEST(ARecording, SendsNothingToAGyroThatSendsByItself) {
+  SimulatedBus bus(simulation::default_rig(1, "kitchen"));
+  const DrivenRun run = record(bus, simulation::default_profile());
+  EXPECT_FALSE(run.failure);
+  EXPECT_THAT(run.raw.sent[Device::gyro].bytes, IsEmpty());
+  EXPECT_THAT(run.raw.sent[Device::camera].bytes, IsEmpty());
+}
+
+}  // namespace
+}  // namespace thermorig::rig::test

@@ -1,0 +1,109 @@
+// SPDX-License-Identifier: MIT
+#include "thermorig/sensors/camera_protocol.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "thermorig/core/error.h"
+#include "thermorig/simulation/camera.h"
+
+namespace thermorig::sensors {
+namespace {
+
+using ::testing::ElementsAreArray;
+using ::testing::HasSubstr;
+
+/// What the simulated camera answers when it is asked for its frames.
+std::vector<std::uint8_t> simulated_answer(const CameraProfile& profile) {
+  const CameraProtocol& protocol = camera_protocol(profile.protocol);
+  const simulation::CameraEncoder& encoder = simulation::camera_encoder(profile);
+  if (protocol.request == nullptr) return {};
+  return encoder.hear(protocol.request(profile, 0), profile).answer;
+}
+
+/// Five frames that it sends of a protocol, each warmer than the one before.
+std::vector<std::uint8_t> simulated_bytes(const CameraProfile& profile) {
+  std::vector<std::uint8_t> bytes;
+  for (int i = 0; i < 5; ++i) {
+    simulation::SimulatedFrame frame;
+    frame.frame.temp_c.fill(20.0F + static_cast<float>(i));
+    frame.frame.sensor_temp_c = 31.5F;
+    const auto message = simulation::camera_encoder(profile).bytes(frame, profile);
+    bytes.insert(bytes.end(), message.begin(), message.end());
+  }
+  return bytes;
+}
+
+TEST(CameraProtocols, AreThoseThatTheSimulatedRigSpeaks) {
+  std::vector<std::string> spoken;
+  for (const simulation::CameraEncoder& encoder : simulation::camera_encoders())
+    spoken.emplace_back(encoder.name);
+  EXPECT_THAT(camera_protocol_names(), ElementsAreArray(spoken));
+}
+
+TEST(CameraProtocols, BeginWithTheOneOfAProfileThatNamesNone) {
+  EXPECT_EQ(camera_protocols().front().name, CameraProfile().protocol);
+}
+
+TEST(CameraProtocols, ReadWhatTheSimulatedRigSends) {
+  for (const CameraProtocol& protocol : camera_protocols()) {
+    SCOPED_TRACE(protocol.name);
+    CameraProfile profile;
+    profile.protocol = protocol.name;
+    CameraScanner scanner = camera_scanner(profile);
+    std::vector<wire::CameraMessage> messages;
+    scanner.push(simulated_answer(profile), messages);
+    scanner.push(simulated_bytes(profile), messages);
+    scanner.finish(messages);
+    ASSERT_EQ(messages.size(), 5U);
+    EXPECT_NEAR(messages[3].frame.temp_c[100], 23.0F, 0.01F);
+    EXPECT_NEAR(messages[3].frame.sensor_temp_c, 31.5F, 0.01F);
+    for (const wire::CameraMessage& message : messages) {
+      EXPECT_FALSE(message.resync_before);
+      EXPECT_TRUE(message.fresh.both_fresh());
+      EXPECT_LE(message.span.size(), protocol.message_bytes);
+    }
+  }
+}
+
+TEST(CameraProtocols, AskCamerasThatListenAndNoOthers) {
+  for (const CameraProtocol& protocol : camera_protocols()) {
+    CameraProfile profile;
+    profile.protocol = protocol.name;
+    const simulation::CameraEncoder& encoder = simulation::camera_encoder(profile);
+    ASSERT_EQ(protocol.request == nullptr, encoder.hear == nullptr);
+    EXPECT_TRUE(protocol.request == nullptr ||
+                encoder.hear(protocol.request(profile, 0), profile).asks_for_stream);
+  }
+}
+
+TEST(CameraProtocols, AreRecognisedByTheirOwnBytesAlone) {
+  for (const CameraProtocol& sender : camera_protocols()) {
+    CameraProfile profile;
+    profile.protocol = sender.name;
+    const auto bytes = simulated_bytes(profile);
+    for (const CameraProtocol& protocol : camera_protocols()) {
+      SCOPED_TRACE(std::string(sender.name) + " as " + std::string(protocol.name));
+      const auto evidence = protocol.recognise(std::span(bytes).subspan(3));
+      ASSERT_EQ(evidence.has_value(), protocol.name == sender.name);
+      EXPECT_EQ(evidence ? evidence->messages : 4U, 4U);
+    }
+  }
+}
+
+TEST(CameraProtocols, RefuseANameThatIsNotAmongThemAndNameTheNearest) {
+  CameraProfile profile;
+  profile.protocol = "gy-mcu9064";
+  EXPECT_EQ(find_camera_protocol(profile.protocol), nullptr);
+  try {
+    camera_scanner(profile);
+    FAIL() << "nothing was refused";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), ExitCode::bad_usage);
+    EXPECT_THAT(error.what_happened(), HasSubstr("the camera protocol \"gy-mcu9064\" is not known"));
+    EXPECT_THAT(error.advice(), HasSubstr("gy-mcu90640"));
+  }
+}
+
+}  // namespace
+}  // namespace thermorig::sensors

@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: MIT
+#include "thermorig/sensors/device_stream.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "thermorig/wire/device_bytes.h"
+#include "thermorig/wire/servo_messages.h"
+
+namespace thermorig::sensors {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::IsEmpty;
+
+TEST(DeviceStream, OfTheDefaultRigIsWhatItsProtocolsSay) {
+  const RigProfile profile;
+  const DeviceStream camera = device_stream(Device::camera, profile);
+  EXPECT_EQ(camera.protocol, "gy-mcu90640");
+  EXPECT_EQ(camera.message_bytes, 1544U);
+  EXPECT_EQ(camera.rate_hz, 8.0);
+  EXPECT_FALSE(camera.clock.sends_time());
+  const DeviceStream gyro = device_stream(Device::gyro, profile);
+  EXPECT_EQ(gyro.protocol, "witmotion");
+  EXPECT_EQ(gyro.message_bytes, 11U);
+  EXPECT_FALSE(gyro.clock.sends_time());
+  const DeviceStream servo = device_stream(Device::servo, profile);
+  EXPECT_EQ(servo.message_bytes, wire::telemetry_bytes(1, {}).size());
+  EXPECT_EQ(servo.rate_hz, 100.0);
+  EXPECT_EQ(servo.clock.tick_s, 1e-6);
+  EXPECT_EQ(servo.clock.wrap_ticks, std::uint64_t{1} << 32U);
+}
+
+TEST(DeviceStream, OfAGyroKnowsItsClockByTheProfile) {
+  RigProfile profile;
+  profile.gyro.protocol = "text";
+  EXPECT_FALSE(device_stream(Device::gyro, profile).clock.sends_time());
+  profile.gyro.text.time = 0;
+  profile.gyro.text.time_unit_s = 1e-6;
+  EXPECT_EQ(device_stream(Device::gyro, profile).clock.tick_s, 1e-6);
+  profile.gyro.protocol = "mavlink";
+  EXPECT_EQ(device_stream(Device::gyro, profile).clock.tick_s, 1e-3);
+  profile.gyro.settings = {{"message", 105.0}};
+  EXPECT_EQ(device_stream(Device::gyro, profile).clock.tick_s, 1e-6);
+  EXPECT_EQ(device_stream(Device::gyro, profile).clock.wrap_ticks, 0U);
+}
+
+TEST(SearchSteps, GoOverEveryUsualBaudRateOnceAndGreetTheServoLast) {
+  std::vector<std::uint32_t> bauds;
+  double shares = 0.0;
+  const std::vector<SearchStep> steps = search_steps();
+  for (const SearchStep& step : steps) {
+    bauds.push_back(step.at.baud);
+    shares += step.at.share;
+  }
+  EXPECT_THAT(bauds, ElementsAre(460800, 115200, 9600, 230400, 38400, 57600, 250000));
+  EXPECT_LE(shares, 1.0 + 1e-9);
+  EXPECT_EQ(steps.back().greeting, wire::hello_bytes(0));
+  for (std::size_t i = 0; i + 1 < steps.size(); ++i) EXPECT_THAT(steps[i].greeting, IsEmpty());
+}
+
+TEST(Recognise, SaysOfEveryRoleWhatSpeaksForIt) {
+  EXPECT_THAT(recognise({}, 0.0), IsEmpty());
+  const auto found = recognise(wire::camera_frame({}), 0.0);
+  ASSERT_EQ(found.size(), 1U);
+  EXPECT_EQ(found[0].role, Device::camera);
+  EXPECT_EQ(found[0].protocol, "gy-mcu90640");
+  EXPECT_EQ(found[0].evidence.bytes, 1544U);
+  std::vector<std::uint8_t> telemetry = wire::telemetry_bytes(1, {});
+  EXPECT_THAT(recognise(telemetry, 0.0), IsEmpty()) << "one message may be chance";
+  const auto more = wire::telemetry_bytes(2, {});
+  telemetry.insert(telemetry.end(), more.begin(), more.end());
+  ASSERT_EQ(recognise(telemetry, 0.0).size(), 1U);
+  EXPECT_EQ(recognise(telemetry, 0.0)[0].role, Device::servo);
+}
+
+}  // namespace
+}  // namespace thermorig::sensors
