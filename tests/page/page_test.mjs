@@ -6,9 +6,10 @@ import { join } from 'node:path';
 import { after, afterEach, before, beforeEach, describe, test } from 'node:test';
 import { filesFolder, imagePixels, launch, openTab, screenshot, stripData, textOf, until, untilOnItsClock } from './browser.mjs';
 import { FakeServer, token } from './fake_server.mjs';
-import { event, frame, hello, image, period, span, state } from './synthetic_run.mjs';
+import { estimators, event, frame, hello, image, period, span, state } from './synthetic_run.mjs';
 
 const strips = ['rate', 'error', 'angle', 'gain'];
+const five = estimators(5).map(({ name }) => name);
 const known = (column) => column.filter((value) => value !== null && value !== undefined);
 const pause = (milliseconds) => new Promise((done) => setTimeout(done, milliseconds));
 
@@ -30,6 +31,10 @@ async function page(messages, options = {}) {
 const shown = (tab, index) => until(() => tab.evaluate((wanted) => document.getElementById('numbers').dataset.index === String(wanted), index), `frame ${index} is shown`);
 
 const hidden = (tab, id) => tab.evaluate((name) => document.getElementById(name).hidden, id);
+/** A cell of the table of estimators. */
+const cellOf = (tab, name, figure) => tab.locator(`#numbers td[data-estimator="${name}"][data-figure="${figure}"]`);
+const valueOf = (tab, name, figure) => cellOf(tab, name, figure).locator('.value').textContent();
+const rowOf = (tab, name) => tab.locator('#numbers tbody tr', { has: tab.locator(`td[data-estimator="${name}"]`) });
 const pressed = (tab, key) => tab.getAttribute(`button[data-key="${key}"]`, 'aria-pressed');
 const postsTo = (path) => server.posts.filter((post) => post.path === path);
 
@@ -67,31 +72,30 @@ describe('what is shown', () => {
   test('differences are estimate minus servo', async () => {
     const { tab } = await page([hello(), ...span(0, 40)]);
     await shown(tab, 39);
-    const [times, thermal, gyro, fusion] = await stripData(tab, 'error');
+    const [times, ...columns] = await stripData(tab, 'error');
     times.forEach((time, i) => {
       const message = frame(i);
       assert.equal(time, message.time_s);
-      assert.equal(thermal[i], message.thermal_dps - message.commanded_dps);
-      assert.equal(gyro[i], message.gyro_dps - message.commanded_dps);
-      assert.equal(fusion[i], message.fusion_dps - message.commanded_dps);
+      assert.deepEqual(columns.map((column) => column[i]), five.map((name) => message.estimates[name].rate_dps - message.commanded_dps));
     });
   });
 
   test('the table has the figures of the newest frame, rounded', async () => {
     const { tab } = await page([hello(), ...span(0, 300)]);
     await shown(tab, 299);
-    const { scores } = frame(299);
-    for (const name of ['thermal', 'gyro', 'fusion']) {
-      for (const figure of ['frames', 'recent_median_mse', 'recent_iqr_mse', 'rmse_dps', 'angle_error_deg', 'drift_deg_per_min']) {
-        const cell = tab.locator(`#numbers td[data-of="${name}"][data-figure="${figure}"]`);
-        assert.equal(Number(await cell.getAttribute('data-value')), scores[name][figure], `${name} ${figure}`);
-        assert.notEqual(await cell.textContent(), '–');
+    const { scores, estimates, commanded_dps: commanded } = frame(299);
+    for (const name of five) {
+      const told = { ...scores.estimators[name], rate: estimates[name].rate_dps, error: estimates[name].rate_dps - commanded, angle: scores.estimators[name].angle_error_deg };
+      for (const figure of ['rate', 'error', 'angle', 'frames', 'recent_median_mse', 'recent_iqr_mse', 'rmse_dps', 'drift_deg_per_min']) {
+        assert.equal(Number(await cellOf(tab, name, figure).getAttribute('data-value')), told[figure], `${name} ${figure}`);
+        assert.notEqual(await valueOf(tab, name, figure), '–');
       }
     }
-    assert.equal(await textOf(tab, '#numbers td[data-of="thermal"][data-figure="rmse_dps"]'), '6.10');
-    assert.equal(await textOf(tab, '#numbers td[data-of="thermal"][data-figure="recent_median_mse"]'), '0.419');
-    assert.equal(await textOf(tab, '#numbers td[data-of="thermal"][data-figure="drift_deg_per_min"]'), '−18.8');
-    assert.match(await textOf(tab, '#counted'), /260 frames counted, 39 apart \(hatched\)/);
+    assert.equal(await valueOf(tab, 'cnn-thermal', 'rmse_dps'), '6.10');
+    assert.equal(await valueOf(tab, 'cnn-thermal', 'recent_median_mse'), '0.419');
+    assert.equal(await valueOf(tab, 'cnn-thermal', 'drift_deg_per_min'), '−18.8');
+    assert.match(await textOf(tab, '#counted'), /260 frames counted, 39 excluded \(hatched\)/);
+    assert.match(await textOf(tab, '#which'), /the newest frame/);
     assert.match(await textOf(tab, '#inference'), /61\.3 µs/);
   });
 
@@ -234,7 +238,7 @@ describe('honest plots', () => {
     assert.ok(await tab.evaluate(() => [...document.querySelectorAll('.plot')].every((plot) => plot.strip.cursor.idx === document.querySelector('#error .plot').strip.cursor.idx)), 'one cursor');
   });
 
-  test('frames apart do not set the scale of the differences', async () => {
+  test('excluded frames do not set the scale of the differences', async () => {
     const { tab } = await page([hello(), ...span(0, 120)]);
     await shown(tab, 119);
     const scale = await tab.evaluate(() => document.querySelector('#error .plot').strip.scales.y.max);
@@ -285,7 +289,7 @@ describe('keys', () => {
     await shown(tab, 9);
     await until(() => tab.locator('#start').isEnabled(), 'it may be started');
     const reached = [];
-    for (let i = 0; i < 20; ++i) {
+    for (let i = 0; i < 25; ++i) {
       await tab.keyboard.press('Tab');
       const name = await tab.evaluate(() => {
         const element = document.activeElement;
@@ -295,13 +299,13 @@ describe('keys', () => {
       reached.push(name);
       assert.ok(await tab.evaluate(() => getComputedStyle(document.activeElement).outlineStyle !== 'none'), `${name} shows its focus`);
     }
-    assert.deepEqual(reached, ['start', 'stop', 'all-events', 'm', 'note', 'p', 'r', 'c', 'l', 'i', 'f', '?', 'licences']);
+    assert.deepEqual(reached, ['start', 'stop', 'all-events', ...five, 'm', 'note', 'p', 'r', 'c', 'l', 'i', 'f', '?', 'licences']);
   });
 
   test('Space stops the servo wherever the focus is, with the token, but not within the note', async () => {
     const { tab } = await page([hello({ control: true }), ...span(0, 10)]);
     await shown(tab, 9);
-    for (const place of [null, '#start', '#all-events', 'button[data-key="p"]', 'footer a', '#stop']) {
+    for (const place of [null, '#start', '#all-events', '#numbers button', 'button[data-key="p"]', 'footer a', '#stop']) {
       if (place !== null) await tab.focus(place);
       const before = server.posts.length;
       await tab.keyboard.press('Space');
@@ -315,6 +319,7 @@ describe('keys', () => {
       assert.equal(post.body, '{}');
     }
     assert.equal(await pressed(tab, 'p'), 'false', 'Space did not press the button');
+    assert.equal(await tab.locator('#numbers button').first().getAttribute('aria-pressed'), 'true', 'nor that of a line');
     await tab.keyboard.press('?');
     assert.ok(await tab.locator('#help').isVisible());
     let count = server.posts.length;
@@ -389,7 +394,12 @@ describe('keys', () => {
     await until(async () => /on this page only/.test(await textOf(tab, '#zero')), 'the page says so');
     const [, ...angles] = await stripData(tab, 'angle');
     for (const column of angles) assert.equal(column.at(-1), 0);
-    assert.equal(await textOf(tab, '#numbers td[data-of="gyro"][data-figure="drift_deg_per_min"]'), '96.3', 'figures stay');
+    for (const name of five) assert.equal(await valueOf(tab, name, 'angle'), '0.0', name);
+    assert.equal(await valueOf(tab, 'gyro', 'drift_deg_per_min'), '+96.3', 'figures stay');
+    server.send(...span(100, 120));
+    await shown(tab, 119);
+    const moved = frame(119).scores.estimators.gyro.angle_error_deg - frame(99).scores.estimators.gyro.angle_error_deg;
+    assert.ok(moved > 1 && Math.abs(Number(await cellOf(tab, 'gyro', 'angle').getAttribute('data-value')) - moved) < 1e-9, 'errors since then');
     assert.equal(server.posts.length, 0);
   });
 
@@ -640,26 +650,28 @@ describe('whatever comes', () => {
     }
     server.send('not json', '[]', 'null', '17', '"x"', '{}', '{"event":null}', '{"event":"__proto__"}', '{"event":"constructor"}', { event: 'tomorrow', a: 1 });
     server.send(state(2, { devices: { camera: null, other: { state: 'odd' } }, speeds: [null, {}, { rate_dps: 1 }] }));
-    server.send(frame(5, { scores: null }), frame(6, { scores: { thermal: null, gain_histogram: [null, 'x'] } }), frame(7, { reasons: [null, 3, {}] }));
+    server.send(frame(5, { scores: null }), frame(6, { scores: { estimators: { gyro: null }, gain_histogram: [null, 'x'] } }), frame(7, { reasons: [null, 3, {}] }));
     server.send(hello({ run: 'after' }), ...span(0, 10));
     await shown(tab, 9);
     assert.equal(await textOf(tab, '#mode-word'), 'RECORDING');
   });
 
-  test('without a network or without fusion the page says what is missing', async () => {
-    const bare = (index) => frame(index, { thermal_dps: null, fusion_dps: null, gain: null, inference_us: null,
-      scores: { ...frame(index).scores, thermal: null, fusion: null, gain_mean: null } });
-    const { tab } = await page([hello({ model: null }), ...Array.from({ length: 40 }, (_, i) => bare(i)), image(39), state(5)]);
+  test('without a network nothing of one is shown, and a sentence says so', async () => {
+    const bare = (index) => frame(index, { inference_us: null, scores: { ...frame(index, {}, 2).scores, gain_mean: null, gain_histogram: null } }, 2);
+    const { tab } = await page([hello({ model: null, estimators: estimators(2) }), ...Array.from({ length: 40 }, (_, i) => bare(i)), image(39), state(5)]);
     await shown(tab, 39);
-    assert.match(await textOf(tab, '#no-gain'), /No network runs/);
+    assert.equal(await textOf(tab, '#no-gain'), 'No network runs, so there is no fusion gain Kg.');
     assert.ok(await hidden(tab, 'gain') && await hidden(tab, 'histogram-part'));
-    assert.equal(await textOf(tab, '#numbers td[data-of="fusion"][data-figure="rmse_dps"]'), '–');
-    const [, thermal, gyro] = await stripData(tab, 'error');
-    assert.equal(known(thermal).length, 0);
-    assert.equal(known(gyro).length, 40);
+    assert.equal(await tab.locator('#numbers tbody tr').count(), 2);
+    assert.doesNotMatch(await textOf(tab, '#numbers'), /thermal|fusion/);
+    const [, ...columns] = await stripData(tab, 'error');
+    assert.deepEqual(columns.map((column) => known(column).length), [40, 40]);
     await screenshot(tab, 'no_network');
-    server.send(hello({ run: 'b', model: { name: 'small.onnx', frames: 1, reduction: 0, fusion: false, simulated: false } }));
-    await until(async () => /small\.onnx has no fusion/.test(await textOf(tab, '#no-gain')), 'a network without fusion');
+    server.send(hello({ run: 'b', model: { name: 'small.onnx', frames: 1, reduction: 0, fusion: false, simulated: false }, estimators: estimators(4) }));
+    await until(async () => await textOf(tab, '#no-gain') === 'No estimator of this run has a fusion gain Kg.', 'a network without fusion');
+    server.send(hello({ run: 'c' }));
+    await until(() => hidden(tab, 'no-gain'), 'with fusion there is nothing to say');
+    assert.ok(!(await hidden(tab, 'gain')) && !(await hidden(tab, 'histogram-part')));
   });
 
   test('without a camera there is no image, and no temperature', async () => {
@@ -685,24 +697,60 @@ describe('whatever comes', () => {
   });
 
   test('without a gyro its lines are gaps and the rest goes on', async () => {
-    const { tab } = await page([hello(), ...Array.from({ length: 40 }, (_, i) => frame(i, { gyro_dps: null, fusion_dps: null, gain: null }))]);
+    const gone = { rate_dps: null, rate_sigma_dps: null, angle_deg: null, angle_sigma_deg: null, state: 'absent', reason: 'no_gyro', values: {} };
+    const { tab } = await page([hello(), ...Array.from({ length: 40 }, (_, i) => frame(i, { estimates: { ...frame(i).estimates, gyro: gone, 'cnn-fusion': gone } }))]);
     await shown(tab, 39);
-    const [, thermal, gyro, fusion] = await stripData(tab, 'error');
-    assert.deepEqual([thermal, gyro, fusion].map((column) => known(column).length), [40, 0, 0]);
+    const [, ...columns] = await stripData(tab, 'error');
+    assert.deepEqual(columns.map((column) => known(column).length), [0, 40, 40, 40, 0]);
+    assert.equal(await valueOf(tab, 'gyro', 'rate'), '–');
+    assert.equal(await rowOf(tab, 'gyro').locator('.state').textContent(), '▲ absent: no gyro');
+    assert.equal(await rowOf(tab, 'gyro-rest').locator('.state').textContent(), '', 'what is good has no word');
+  });
+
+  test('estimators that are none are left out, and names of the language are names', async () => {
+    const odd = [null, 3, {}, { name: '' }, { name: 7, title: 'x' }, { name: 'a', title: null, values: [null, 3, 'gain_dps', ''] }, { name: 'a', title: 'again' },
+      { name: '__proto__', title: 'first' }, { name: 'constructor', title: 'second', values: 'gain' }, { name: 'toString' }];
+    const { tab } = await page([hello({ estimators: odd })]);
+    const good = (rate) => ({ rate_dps: rate, state: 'good', values: { gain_dps: 0.25 } });
+    const sent = JSON.stringify(frame(0, { estimates: { a: good(10), constructor: { ...good(20), rate_sigma_dps: -1 } } }));
+    server.send(sent.replace('"estimates":{', `"estimates":{"__proto__":${JSON.stringify(good(30))},`));
+    await shown(tab, 0);
+    const [, , ...columns] = await stripData(tab, 'rate');
+    assert.deepEqual(columns, [[10], [30], [20], [null]]);
+    assert.equal(await rowOf(tab, 'a').locator('.values').textContent(), 'gain 0.25 deg/s');
+    assert.equal(await rowOf(tab, 'toString').locator('.state').textContent(), '▲ absent');
+    assert.equal(await cellOf(tab, 'constructor', 'rate').locator('.sigma').textContent(), '', 'a sigma below zero is none');
+    for (const nothing of [null, [], 'gyro', { gyro: {} }]) {
+      server.send(hello({ run: `${JSON.stringify(nothing)}`, estimators: nothing }), ...span(0, 3));
+      await until(async () => !(await hidden(tab, 'no-estimators')), 'a sentence in the place of the table');
+      assert.equal(await textOf(tab, '#no-estimators'), 'The program has told of no estimator.');
+      assert.equal((await stripData(tab, 'rate')).length, 2, 'the servo alone');
+      server.send(hello({ run: 'between' }));
+      await until(() => hidden(tab, 'no-estimators'), 'estimators again');
+    }
+  });
+
+  test('more estimators than lines can be told apart are counted in a warning', async () => {
+    const many = Array.from({ length: 11 }, (_, i) => ({ name: `number ${i}`, title: '', values: [] }));
+    const { tab } = await page([hello({ estimators: many }), ...span(0, 3)]);
+    await until(async () => await textOf(tab, '#warnings') === '▲ 3 more estimators run than this page shows.', 'the warning');
+    assert.equal(await tab.locator('#numbers tbody tr').count(), 8);
+    server.send(hello({ run: 'b' }));
+    await until(async () => await textOf(tab, '#warnings') === '', 'and goes');
   });
 
   test('hostile texts are texts', async () => {
     const evil = '<img src=x onerror="window.hit=1"><script>window.hit=1</script>\u001b[31mred\u0007\u202egnp\u061c\u00ad\u180e\u2028\u{e0041}';
     const evilObject = (message) => Object.fromEntries(Object.entries(message).map(([key, value]) => [key, typeof value === 'string' && key !== 'event' ? evil : value]));
-    const { tab } = await page([{ ...evilObject(hello()), model: { name: evil, fusion: false }, plan: { name: evil } }, ...span(0, 5),
-      frame(5, { reasons: [evil], fresh: evil, counted: false }), { ...evilObject(event(5)) }, state(1, { phase: evil, devices: { [evil]: { state: evil } } })]);
+    const { tab } = await page([{ ...evilObject(hello()), model: { name: evil, fusion: false }, plan: { name: evil }, estimators: [{ name: evil, title: evil, values: [evil] }] }, ...span(0, 5),
+      frame(5, { reasons: [evil], excluded: evil, fresh: evil, counted: false, estimates: { [evil]: { state: evil, reason: evil, values: { [evil]: 1 } } } }), { ...evilObject(event(5)) }, state(1, { phase: evil, devices: { [evil]: { state: evil } } })]);
     await shown(tab, 5);
     server.send({ event: 'ended', exit: 1, message: evil, advice: evil, session: evil });
     await until(async () => await textOf(tab, '#mode-word') === 'ENDED', 'the end');
     await tab.click('#all-events');
     assert.equal(await tab.evaluate(() => window.hit), undefined);
     assert.equal(await tab.locator('img, script:not([src])').count(), 0);
-    for (const place of ['#environment', '#events', '#ended', '#fresh', '#history']) {
+    for (const place of ['#environment', '#events', '#ended', '#fresh', '#history', '#numbers', '#titles', '#numbers .state', '#numbers .values']) {
       const text = await textOf(tab, place);
       assert.ok(text.includes('<img src=x'), `${place} shows it as text`);
       assert.ok(!/[\u0000-\u0008\u000b-\u001f\u2028\p{Default_Ignorable_Code_Point}]/u.test(text), `${place} has no character that steers or hides`);
@@ -712,7 +760,8 @@ describe('whatever comes', () => {
 
   test('texts without spaces and very long ones do not widen the page', async () => {
     const long = 'x'.repeat(3000);
-    const { tab } = await page([hello({ environment: long, plan: { name: long } }), ...span(0, 5), event(1, { message: long, source: long }),
+    const { tab } = await page([hello({ environment: long, plan: { name: long }, estimators: [...estimators(2), { name: long, title: long, values: [long] }] }), ...span(0, 5),
+      frame(5, { estimates: { [long]: { state: long, reason: long, values: { [long]: 1 } } } }), event(1, { message: long, source: long }),
       { event: 'ended', exit: 1, message: long, advice: long, session: long }], { width: 400 });
     await until(async () => await textOf(tab, '#mode-word') === 'ENDED', 'the end');
     assert.deepEqual(await tab.evaluate(() => [...document.querySelectorAll('body *')].filter((e) => e.getBoundingClientRect().right > innerWidth)
@@ -768,19 +817,18 @@ describe('looks', () => {
     });
   }
 
-  for (const width of [1100, 1200, 1600]) {
+  for (const width of [700, 800, 900, 1100, 1200, 1240, 1600]) {
     test(`${width} px wide: no heading is cut`, async () => {
       const { tab } = await page([hello({ control: true }), ...span(0, 520)], { width, height: 900, dark: width === 1600 });
       await shown(tab, 519);
       await screenshot(tab, `wide_${width}`);
-      const cut = await tab.evaluate(() => [...document.querySelectorAll('h2, h3, caption, th, .legend > span')].filter((e) => e.getClientRects().length > 0)
+      const cut = await tab.evaluate(() => [...document.querySelectorAll('h2, h3, caption, th, #numbers .n, #servo')].filter((e) => e.getClientRects().length > 0)
         .filter((e) => e.scrollWidth > e.clientWidth + 1 && getComputedStyle(e).display !== 'inline').map((e) => e.textContent));
       assert.deepEqual(cut, []);
-      for (const strip of await tab.locator('.strip').all()) {
-        const [heading, legend] = [await strip.locator('h2').boundingBox(), await strip.locator('.legend').boundingBox()];
-        assert.ok(legend.x >= heading.x + heading.width - 1, 'the legend stands beside its heading');
-        assert.ok((await strip.locator('.plot').boundingBox()).height > 50, 'a plot is left');
-      }
+      for (const table of await tab.locator('main .table').all()) assert.ok(await table.evaluate((e) => e.scrollWidth <= e.clientWidth), 'the table fits');
+      for (const strip of await tab.locator('.strip').all()) assert.ok((await strip.locator('.plot').boundingBox()).height > 50, 'a plot is left');
+      const [heading, servo] = [await tab.locator('#rate h2').boundingBox(), await tab.locator('#servo').boundingBox()];
+      assert.ok(servo.x >= heading.x + heading.width - 1, 'the servo stands beside its heading');
     });
   }
 
