@@ -635,6 +635,223 @@ describe('connection', () => {
   });
 });
 
+describe('estimators', () => {
+  const names = (count) => estimators(count).map(({ name }) => name);
+  const switchOf = (tab, name) => rowOf(tab, name).locator('button');
+  const shownLines = (tab, id) => tab.evaluate((strip) => document.querySelector(`#${strip} .plot`).strip.series.slice(1).map(({ show }) => show), id);
+  const alphas = (tab, id) => tab.evaluate((strip) => document.querySelector(`#${strip} .plot`).strip.series.slice(1).map(({ alpha }) => alpha), id);
+
+  for (const [count, dark] of [[1, false], [3, true], [5, false], [8, true]]) {
+    test(`a run with ${count}: a row and a line each, in the order of hello, on one screen`, async () => {
+      const { tab } = await page([hello({ estimators: estimators(count) }), ...span(0, 300, count)], { dark });
+      await shown(tab, 299);
+      await screenshot(tab, `estimators_${count}`);
+      assert.deepEqual(await tab.locator('#numbers tbody th').allTextContents(), names(count));
+      const { estimates, scores, commanded_dps: commanded } = frame(299, {}, count);
+      const newest = async (id) => (await stripData(tab, id)).slice(1).map((column) => column.at(-1));
+      assert.deepEqual(await newest('rate'), [commanded, ...names(count).map((name) => estimates[name].rate_dps)]);
+      assert.deepEqual(await newest('error'), names(count).map((name) => estimates[name].rate_dps - commanded));
+      assert.deepEqual(await newest('angle'), names(count).map((name) => scores.estimators[name].angle_error_deg));
+      assert.deepEqual(await newest('gain'), count >= 5 ? [estimates['cnn-fusion'].values.gain] : []);
+      assert.equal(await hidden(tab, 'gain'), count < 5);
+      assert.equal(await hidden(tab, 'histogram-part'), count < 5);
+      assert.ok(await tab.evaluate(() => document.documentElement.scrollHeight <= innerHeight && document.documentElement.scrollWidth <= innerWidth));
+      for (const column of ['.picture', '.estimators', '.strips', '.figures']) {
+        assert.ok(await tab.evaluate((name) => { const e = document.querySelector(name); return e.scrollHeight <= e.clientHeight + 1 && e.scrollWidth <= e.clientWidth + 1; }, column), `${column} fits`);
+      }
+      assert.ok(await tab.locator('.table', { has: tab.locator('#numbers') }).evaluate((e) => e.scrollWidth <= e.clientWidth), 'the table fits');
+    });
+  }
+
+  test('a run with other estimators has other rows and lines', async () => {
+    const { tab } = await page([hello({ estimators: estimators(2) }), ...span(0, 30, 2)]);
+    await shown(tab, 29);
+    server.send(hello({ run: 'b', estimators: estimators(8).slice(3, 7) }), ...span(0, 20, 8));
+    await shown(tab, 19);
+    const others = names(8).slice(3, 7);
+    assert.deepEqual(await tab.locator('#numbers tbody th').allTextContents(), others);
+    const [, ...columns] = await stripData(tab, 'error');
+    assert.deepEqual(columns.map((column) => column[5]), others.map((name) => frame(5, {}, 8).estimates[name].rate_dps - frame(5).commanded_dps));
+  });
+
+  test('titles are words on the page: at the names, and all of them in the help', async () => {
+    const { tab } = await page([hello(), ...span(0, 20)]);
+    await shown(tab, 19);
+    assert.match(await switchOf(tab, 'gyro').getAttribute('title'), /^gyro as it is /);
+    assert.match(await rowOf(tab, 'gyro').locator('.remarks').textContent(), /gyro as it is/);
+    await tab.keyboard.press('?');
+    assert.ok(await tab.locator('#titles').isVisible());
+    assert.deepEqual(await tab.locator('#titles dd').allTextContents(), estimators(5).map(({ title }) => title));
+  });
+
+  test('a stated sigma stands beside its value, a named value with its unit, and what is not good says why', async () => {
+    const estimates = { ...frame(20).estimates };
+    estimates['gyro-rest'] = { rate_dps: null, angle_deg: 3, angle_sigma_deg: 0.4, state: 'absent', reason: 'no_rest', values: { bias_dps: null } };
+    estimates['gyro-kalman'] = { ...estimates['gyro-kalman'], state: 'starting', reason: null, values: { bias_dps: -0.0123, scale: 1.0042 } };
+    const { tab } = await page([hello(), ...span(0, 20), frame(20, { estimates })]);
+    await shown(tab, 20);
+    const sigma = (name, figure) => cellOf(tab, name, figure).locator('.sigma').textContent();
+    assert.equal(await sigma('gyro', 'rate'), '±2.2');
+    assert.equal(await sigma('gyro', 'angle'), '±0.55');
+    assert.equal(await sigma('cnn-thermal', 'rate'), '', 'none is stated');
+    const remark = (name, what) => rowOf(tab, name).locator(`.${what}`).textContent();
+    assert.equal(await remark('gyro-rest', 'state'), '▲ absent: no rest');
+    assert.equal(await remark('gyro-rest', 'values'), '');
+    assert.equal(await remark('gyro-kalman', 'state'), '◌ starting');
+    assert.equal(await remark('gyro-kalman', 'values'), 'bias −0.0123 deg/s, scale 1.00');
+    assert.equal(await remark('cnn-fusion', 'values'), `Kg ${estimates['cnn-fusion'].values.gain.toFixed(2)}`);
+  });
+
+  test('a drift tells over how many seconds it was integrated, and is none below ten', async () => {
+    const { tab } = await page([hello(), ...span(0, 60), frame(60, { scores: { ...frame(60).scores, integrated_s: 9.9 } })]);
+    await shown(tab, 60);
+    assert.match(await textOf(tab, '#numbers thead'), /drift, °\/minfrom 10 s on/);
+    assert.equal(await valueOf(tab, 'gyro', 'drift_deg_per_min'), '–');
+    assert.equal(await cellOf(tab, 'gyro', 'drift_deg_per_min').getAttribute('data-value'), '');
+    server.send(frame(61, { scores: { ...frame(61).scores, integrated_s: 312.4 } }));
+    await shown(tab, 61);
+    assert.match(await textOf(tab, '#numbers thead'), /drift, °\/minover 312 s/);
+    assert.equal(await valueOf(tab, 'gyro', 'drift_deg_per_min'), '+96.3');
+    server.send(frame(62, { scores: { ...frame(62).scores, integrated_s: null } }));
+    await shown(tab, 62);
+    assert.equal(await valueOf(tab, 'gyro', 'drift_deg_per_min'), '–', 'nobody knows over how long');
+  });
+
+  test('the table has the values of the frame under the pointer', async () => {
+    const { tab } = await page([hello(), ...span(0, 24 * 20)]);
+    await shown(tab, 479);
+    await tab.keyboard.press('p');
+    const box = await tab.locator('#angle .u-over').boundingBox();
+    await tab.mouse.move(box.x + box.width / 2, box.y + box.height / 2);
+    await until(async () => /under the pointer/.test(await textOf(tab, '#which')), 'the table says so');
+    const index = Number(/frame (\d+),/.exec(await textOf(tab, '#which'))[1]);
+    assert.ok(index > 200 && index < 280, `${index}`);
+    for (const name of five) assert.equal(Number(await cellOf(tab, name, 'rate').getAttribute('data-value')), frame(index).estimates[name].rate_dps);
+    assert.equal(await textOf(tab, '#servo output'), frame(index).commanded_dps.toFixed(1).replace(/^(?=\d)/, '+').replace('-', '−'));
+    await tab.mouse.move(0, 0);
+    await until(async () => /of frame 479, paused/.test(await textOf(tab, '#which')), 'the newest that is drawn');
+  });
+
+  test('a click on a name or Enter switches its lines off and on, and the scale follows', async () => {
+    const { tab } = await page([hello(), ...span(0, 200)]);
+    await shown(tab, 199);
+    const top = () => tab.evaluate(() => document.querySelector('#angle .plot').strip.scales.y.max);
+    const all = await top();
+    await switchOf(tab, 'gyro').click();
+    await until(async () => await top() < all / 3, 'the scale of the others');
+    assert.deepEqual(await shownLines(tab, 'rate'), [true, false, true, true, true, true], 'the servo stays');
+    for (const id of ['error', 'angle']) assert.deepEqual(await shownLines(tab, id), [false, true, true, true, true], id);
+    assert.equal(await switchOf(tab, 'gyro').getAttribute('aria-pressed'), 'false');
+    assert.notEqual(await valueOf(tab, 'gyro', 'rate'), '–', 'its figures stay');
+    await switchOf(tab, 'cnn-fusion').focus();
+    await tab.keyboard.press('Enter');
+    assert.deepEqual(await shownLines(tab, 'gain'), [false]);
+    server.send(...span(200, 210));
+    await shown(tab, 209);
+    assert.deepEqual(await shownLines(tab, 'error'), [false, true, true, true, false], 'new frames change nothing');
+    server.send(hello({ run: 'again' }), ...span(0, 10));
+    await shown(tab, 9);
+    assert.deepEqual(await shownLines(tab, 'error'), [false, true, true, true, false], 'nor does a next run of the same ones');
+    await switchOf(tab, 'gyro').click();
+    assert.deepEqual(await shownLines(tab, 'error'), [true, true, true, true, false]);
+    assert.deepEqual(await tab.evaluate(() => [Object.keys(localStorage), Object.keys(sessionStorage)]), [[], ['thermorig token']], 'nothing of it is kept');
+    assert.equal(server.posts.length, 0);
+  });
+
+  test('all lines can be off', async () => {
+    const { tab } = await page([hello({ estimators: estimators(2) }), ...span(0, 50, 2)]);
+    await shown(tab, 49);
+    for (const name of names(2)) await switchOf(tab, name).click();
+    server.send(...span(50, 60, 2));
+    await shown(tab, 59);
+    assert.deepEqual(await shownLines(tab, 'error'), [false, false]);
+    const { min, max } = await tab.evaluate(() => document.querySelector('#error .plot').strip.scales.y);
+    assert.ok(min < 0 && max > 0 && max < 3);
+  });
+
+  test('the pointer on a name or the focus brings its line forward, with its sigma as a band', async () => {
+    const { tab } = await page([hello(), ...span(0, 200)]);
+    await shown(tab, 199);
+    await tab.keyboard.press('p');
+    // Half a sigma beside the line at a frame whose neighbours are counted: under no line, within the band.
+    const inBand = (id, name, value, sigma) => tab.evaluate(([strip, index, offset]) => {
+      const { strip: plot } = document.querySelector(`#${strip} .plot`);
+      const at = 12 + 24 * 5;
+      const [x, y] = [plot.valToPos(plot.data[0][at], 'x', true), plot.valToPos(plot.data[index][at] + offset, 'y', true)];
+      return [...plot.ctx.getImageData(Math.round(x), Math.round(y), 1, 1).data].join();
+    }, [id, five.indexOf(name) + 1, sigma * value]);
+    const sigma = frame(132).estimates.gyro.angle_sigma_deg;
+    const [within, beyond] = [() => inBand('angle', 'gyro', 0.7, sigma), () => inBand('angle', 'gyro', 2.5, sigma)];
+    const before = [await within(), await beyond()];
+    await rowOf(tab, 'gyro').hover();
+    await until(async () => await within() !== before[0], 'the band');
+    assert.equal(await beyond(), before[1], 'which ends');
+    const faint = (await alphas(tab, 'error')).map((alpha) => alpha < 1);
+    assert.deepEqual(faint, [false, true, true, true, true]);
+    await tab.mouse.move(0, 0);
+    await until(async () => await within() === before[0], 'it goes');
+    assert.ok((await alphas(tab, 'error')).every((alpha) => alpha === 1));
+    await tab.focus('#all-events');
+    await tab.keyboard.press('Tab');
+    await until(async () => await within() !== before[0], 'the focus shows it as well');
+    await tab.keyboard.press('Enter');
+    assert.equal(await within(), before[0], 'a line that is off has no band');
+    assert.ok((await alphas(tab, 'error')).every((alpha) => alpha === 1), 'and none is before the others');
+  });
+
+  /** Colour and dashes of the lines in the table, and the colour of the paper, in the theme of the tab. */
+  const linesOf = (tab) => tab.evaluate(() => ({ paper: getComputedStyle(document.body).backgroundColor,
+    lines: [...document.querySelectorAll('#numbers line')].map((line) => ({ colour: getComputedStyle(line).stroke, dash: line.getAttribute('stroke-dasharray'),
+      width: line.getAttribute('stroke-width') })) }));
+  const linear = (colour) => colour.match(/[\d.]+/g).slice(0, 3).map((c) => c / 255).map((c) => (c <= 0.04045 ? c / 12.92 : ((c + 0.055) / 1.055) ** 2.4));
+  const luminance = (colour) => linear(colour).reduce((sum, c, i) => sum + c * [0.2126, 0.7152, 0.0722][i], 0);
+  /** Linear RGB as people see it who lack one kind of cones: Machado, Oliveira and Fernandes 2009, severity 1. */
+  const eyes = {
+    normal: [[1, 0, 0], [0, 1, 0], [0, 0, 1]],
+    protanope: [[0.152286, 1.052583, -0.204868], [0.114503, 0.786281, 0.099216], [-0.003882, -0.048116, 1.051998]],
+    deuteranope: [[0.367322, 0.860646, -0.227968], [0.280085, 0.672501, 0.047413], [-0.01182, 0.04294, 0.968881]],
+    tritanope: [[1.255528, -0.076749, -0.178779], [-0.078411, 0.930809, 0.147602], [0.004733, 0.691367, 0.3039]],
+  };
+  /** CIE 1976 L*a*b* of linear sRGB. */
+  function lab(rgb) {
+    const [x, y, z] = [[0.4124, 0.3576, 0.1805, 0.9505], [0.2126, 0.7152, 0.0722, 1], [0.0193, 0.1192, 0.9505, 1.089]]
+      .map(([r, g, b, white]) => (r * rgb[0] + g * rgb[1] + b * rgb[2]) / white).map((t) => (t > 0.008856 ? Math.cbrt(t) : 7.787 * t + 16 / 116));
+    return [116 * y - 16, 500 * (x - y), 200 * (y - z)];
+  }
+  const seenBy = (eye, colour) => lab(eye.map((row) => Math.min(1, Math.max(0, row.reduce((sum, share, i) => sum + share * linear(colour)[i], 0)))));
+
+  for (const dark of [false, true]) {
+    test(`${dark ? 'dark' : 'light'}: eight lines differ in colour for every eye, and in dashes where there is no colour`, async (t) => {
+      const { tab } = await page([hello({ estimators: estimators(8) }), ...span(0, 3, 8)], { dark });
+      await shown(tab, 2);
+      const { lines, paper } = await linesOf(tab);
+      assert.equal(new Set(lines.map(({ dash }) => dash)).size, 8, 'no two have the same dashes');
+      for (const { colour } of lines) {
+        const [one, two] = [luminance(colour), luminance(paper)];
+        assert.ok((Math.max(one, two) + 0.05) / (Math.min(one, two) + 0.05) >= 3, `${colour} on ${paper}`);
+      }
+      for (const [name, eye] of Object.entries(eyes)) {
+        const seen = lines.map(({ colour }) => seenBy(eye, colour));
+        const pairs = seen.flatMap((one, i) => seen.slice(0, i).map((two, k) => [Math.hypot(...one.map((c, a) => c - two[a])), lines[i].colour, lines[k].colour]));
+        const [distance, one, two] = pairs.sort((a, b) => a[0] - b[0])[0];
+        t.diagnostic(`${name}: least distance ${distance.toFixed(0)} (${one}, ${two})`);
+        assert.ok(distance >= 15, `${name}: ${one} and ${two} are ${distance.toFixed(1)} apart`);
+      }
+    });
+  }
+
+  test('each estimator of the paper has its own line in every run', async () => {
+    const { tab } = await page([hello({ estimators: estimators(8) }), ...span(0, 3, 8)]);
+    await shown(tab, 2);
+    const own = async (name) => (await linesOf(tab)).lines[(await tab.locator('#numbers tbody th').allTextContents()).indexOf(name)];
+    const before = await Promise.all(['gyro', 'cnn-thermal', 'cnn-fusion'].map(own));
+    assert.deepEqual(before.map(({ colour }) => colour), ['rgb(0, 114, 178)', 'rgb(168, 82, 138)', 'rgb(213, 94, 0)']);
+    server.send(hello({ run: 'b', estimators: estimators(5).toReversed() }), ...span(0, 4, 5));
+    await shown(tab, 3);
+    assert.deepEqual(await Promise.all(['gyro', 'cnn-thermal', 'cnn-fusion'].map(own)), before);
+  });
+});
+
 describe('whatever comes', () => {
   const nothing = (message) => Object.fromEntries(Object.keys(message).map((key) => [key, key === 'event' ? message.event : null]));
 
