@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-import { fieldsOf, noEstimate, stateText, valuesText } from './estimators.js';
+import { noEstimate, scoresOf, stateText, valuesText } from './estimators.js';
 import { lineSample } from './line_sample.js';
 import { byId, count, fields, fixed, number, say, significant, unknown } from './text.js';
 
@@ -60,31 +60,35 @@ export class EstimatorTable {
   }
 
   makeRow(estimator) {
-    const button = make('button', { type: 'button', title: `${estimator.title} (a click switches its lines off or on)` }, lineSample(estimator.line),
-      make('span', {}, estimator.label));
-    button.setAttribute('aria-pressed', String(estimator.shown));
-    button.addEventListener('click', () => {
-      estimator.shown = !estimator.shown;
-      button.setAttribute('aria-pressed', String(estimator.shown));
-      this.onSwitch();
-      this.onHighlight(estimator);
-    });
-    const row = make('tr', {}, make('th', { scope: 'row' }, button));
+    const row = make('tr', {}, make('th', { scope: 'row' }, this.makeSwitch(estimator)));
     row.addEventListener('pointerenter', () => this.onHighlight(estimator));
     row.addEventListener('pointerleave', () => this.onHighlight(null));
-    button.addEventListener('focus', () => button.matches(':focus-visible') && this.onHighlight(estimator));
-    button.addEventListener('blur', () => this.onHighlight(null));
     const cells = columns.map((column) => {
-      const cell = Object.assign(row.insertCell(), { className: 'n' });
+      const cell = make('td', { className: 'n' }, make('span', { className: 'value' }), ...(column.sigma === undefined ? [] : [make('small', { className: 'sigma' })]));
       Object.assign(cell.dataset, { estimator: estimator.name, figure: column.of, label: `${column.label}, ${column.unit}` });
-      cell.append(make('span', { className: 'value' }), ...(column.sigma === undefined ? [] : [make('small', { className: 'sigma' })]));
       return cell;
     });
     const remarks = ['state', 'values', 'title'].map((className) => make('span', { className }));
-    const last = Object.assign(row.insertCell(), { className: 'remarks', title: estimator.title });
-    last.append(...remarks);
     say(remarks[2], estimator.title);
+    row.append(...cells, make('td', { className: 'remarks', title: estimator.title }, ...remarks));
     return { row, cells, remarks };
+  }
+
+  /** The name with its line, as the button that switches the line. */
+  makeSwitch(estimator) {
+    const button = make('button', { type: 'button', title: `${estimator.title} (a click switches its lines off or on)` }, lineSample(estimator.line),
+      make('span', {}, estimator.label));
+    const press = () => button.setAttribute('aria-pressed', String(estimator.shown));
+    press();
+    button.addEventListener('click', () => {
+      estimator.shown = !estimator.shown;
+      press();
+      this.onSwitch();
+      this.onHighlight(estimator);
+    });
+    button.addEventListener('focus', () => button.matches(':focus-visible') && this.onHighlight(estimator));
+    button.addEventListener('blur', () => this.onHighlight(null));
+    return button;
   }
 
   showValue(cell, { text }, value) {
@@ -95,7 +99,6 @@ export class EstimatorTable {
   /** `row` of the history, or null; its angle errors as they are shown; `which` frame it is, in words. */
   showFrame(row, angles, which) {
     say(byId('which'), row === null ? '' : `· rates and angles of ${which}`);
-    this.table.dataset.drawn = row?.index ?? '';
     this.rows.forEach(({ row: line, cells, remarks }, i) => {
       const estimate = row?.estimates[i] ?? noEstimate;
       frameColumns.forEach((column, c) => {
@@ -118,7 +121,7 @@ export class EstimatorTable {
     const over = lasts ? `over ${count(seconds)} s` : `from ${leastDriftSeconds} s on`;
     this.heads[driftColumn].lastChild.data = over;
     this.rows.forEach(({ cells }, i) => {
-      const own = fieldsOf(scores.estimators, this.estimators[i].name);
+      const own = scoresOf(frame, this.estimators[i]);
       scoreColumns.forEach((column, c) => {
         const value = number(own[column.of]);
         this.showValue(cells[frameColumns.length + c], column, column.of === columns[driftColumn].of && !lasts ? null : value);

@@ -35,11 +35,8 @@ export function sameEstimators(some, others) {
 /** Where the fusion's gain stands among the values of an estimator; -1 without. */
 export const gainOf = (estimator) => estimator.values.indexOf('gain');
 
-/** The fields under a name that `object` has itself, whatever the name is. */
-export function fieldsOf(object, name) {
-  const all = fields(object);
-  return Object.hasOwn(all, name) ? fields(all[name]) : {};
-}
+/** What the scores of a frame's message say of one estimator. */
+export const scoresOf = (message, estimator) => fields(fields(fields(message.scores).estimators)[estimator.name]);
 
 /** A standard deviation, or null. */
 function sigma(value) {
@@ -51,7 +48,7 @@ export const noEstimate = Object.freeze({ rate: null, rateSigma: null, error: nu
 
 /** What a frame's message says of one estimator, as numbers and nulls. `error` and `angle` are differences from the servo. */
 export function estimateOf(message, estimator) {
-  const told = fieldsOf(message.estimates, estimator.name);
+  const told = fields(fields(message.estimates)[estimator.name]);
   const rate = number(told.rate_dps);
   const commanded = number(message.commanded_dps);
   const values = fields(told.values);
@@ -59,11 +56,11 @@ export function estimateOf(message, estimator) {
     rate,
     rateSigma: sigma(told.rate_sigma_dps),
     error: rate === null || commanded === null ? null : rate - commanded,
-    angle: number(fieldsOf(fields(message.scores).estimators, estimator.name).angle_error_deg),
+    angle: number(scoresOf(message, estimator).angle_error_deg),
     angleSigma: sigma(told.angle_sigma_deg),
     state: plain(told.state, 30) || 'absent',
     reason: plain(told.reason, 60).replaceAll('_', ' '),
-    values: estimator.values.map((name) => (Object.hasOwn(values, name) ? number(values[name]) : null)),
+    values: estimator.values.map((name) => number(values[name])),
   };
 }
 
