@@ -6,9 +6,10 @@ import { join } from 'node:path';
 import { after, afterEach, before, beforeEach, describe, test } from 'node:test';
 import { filesFolder, imagePixels, launch, openTab, screenshot, stripData, textOf, until, untilOnItsClock } from './browser.mjs';
 import { FakeServer, token } from './fake_server.mjs';
-import { event, frame, hello, image, period, span, state } from './synthetic_run.mjs';
+import { estimators, event, frame, hello, image, period, span, state } from './synthetic_run.mjs';
 
 const strips = ['rate', 'error', 'angle', 'gain'];
+const five = estimators(5).map(({ name }) => name);
 const known = (column) => column.filter((value) => value !== null && value !== undefined);
 const pause = (milliseconds) => new Promise((done) => setTimeout(done, milliseconds));
 
@@ -30,6 +31,10 @@ async function page(messages, options = {}) {
 const shown = (tab, index) => until(() => tab.evaluate((wanted) => document.getElementById('numbers').dataset.index === String(wanted), index), `frame ${index} is shown`);
 
 const hidden = (tab, id) => tab.evaluate((name) => document.getElementById(name).hidden, id);
+/** A cell of the table of estimators. */
+const cellOf = (tab, name, figure) => tab.locator(`#numbers td[data-estimator="${name}"][data-figure="${figure}"]`);
+const valueOf = (tab, name, figure) => cellOf(tab, name, figure).locator('.value').textContent();
+const rowOf = (tab, name) => tab.locator('#numbers tbody tr', { has: tab.locator(`td[data-estimator="${name}"]`) });
 const pressed = (tab, key) => tab.getAttribute(`button[data-key="${key}"]`, 'aria-pressed');
 const postsTo = (path) => server.posts.filter((post) => post.path === path);
 
@@ -67,31 +72,30 @@ describe('what is shown', () => {
   test('differences are estimate minus servo', async () => {
     const { tab } = await page([hello(), ...span(0, 40)]);
     await shown(tab, 39);
-    const [times, thermal, gyro, fusion] = await stripData(tab, 'error');
+    const [times, ...columns] = await stripData(tab, 'error');
     times.forEach((time, i) => {
       const message = frame(i);
       assert.equal(time, message.time_s);
-      assert.equal(thermal[i], message.thermal_dps - message.commanded_dps);
-      assert.equal(gyro[i], message.gyro_dps - message.commanded_dps);
-      assert.equal(fusion[i], message.fusion_dps - message.commanded_dps);
+      assert.deepEqual(columns.map((column) => column[i]), five.map((name) => message.estimates[name].rate_dps - message.commanded_dps));
     });
   });
 
   test('the table has the figures of the newest frame, rounded', async () => {
     const { tab } = await page([hello(), ...span(0, 300)]);
     await shown(tab, 299);
-    const { scores } = frame(299);
-    for (const name of ['thermal', 'gyro', 'fusion']) {
-      for (const figure of ['frames', 'recent_median_mse', 'recent_iqr_mse', 'rmse_dps', 'angle_error_deg', 'drift_deg_per_min']) {
-        const cell = tab.locator(`#numbers td[data-of="${name}"][data-figure="${figure}"]`);
-        assert.equal(Number(await cell.getAttribute('data-value')), scores[name][figure], `${name} ${figure}`);
-        assert.notEqual(await cell.textContent(), '–');
+    const { scores, estimates, commanded_dps: commanded } = frame(299);
+    for (const name of five) {
+      const told = { ...scores.estimators[name], rate: estimates[name].rate_dps, error: estimates[name].rate_dps - commanded, angle: scores.estimators[name].angle_error_deg };
+      for (const figure of ['rate', 'error', 'angle', 'frames', 'recent_median_mse', 'recent_iqr_mse', 'rmse_dps', 'drift_deg_per_min']) {
+        assert.equal(Number(await cellOf(tab, name, figure).getAttribute('data-value')), told[figure], `${name} ${figure}`);
+        assert.notEqual(await valueOf(tab, name, figure), '–');
       }
     }
-    assert.equal(await textOf(tab, '#numbers td[data-of="thermal"][data-figure="rmse_dps"]'), '6.10');
-    assert.equal(await textOf(tab, '#numbers td[data-of="thermal"][data-figure="recent_median_mse"]'), '0.419');
-    assert.equal(await textOf(tab, '#numbers td[data-of="thermal"][data-figure="drift_deg_per_min"]'), '−18.8');
-    assert.match(await textOf(tab, '#counted'), /260 frames counted, 39 apart \(hatched\)/);
+    assert.equal(await valueOf(tab, 'cnn-thermal', 'rmse_dps'), '6.10');
+    assert.equal(await valueOf(tab, 'cnn-thermal', 'recent_median_mse'), '0.419');
+    assert.equal(await valueOf(tab, 'cnn-thermal', 'drift_deg_per_min'), '−18.8');
+    assert.match(await textOf(tab, '#counted'), /260 frames counted, 39 excluded \(hatched\)/);
+    assert.match(await textOf(tab, '#which'), /the newest frame/);
     assert.match(await textOf(tab, '#inference'), /61\.3 µs/);
   });
 
@@ -234,7 +238,7 @@ describe('honest plots', () => {
     assert.ok(await tab.evaluate(() => [...document.querySelectorAll('.plot')].every((plot) => plot.strip.cursor.idx === document.querySelector('#error .plot').strip.cursor.idx)), 'one cursor');
   });
 
-  test('frames apart do not set the scale of the differences', async () => {
+  test('excluded frames do not set the scale of the differences', async () => {
     const { tab } = await page([hello(), ...span(0, 120)]);
     await shown(tab, 119);
     const scale = await tab.evaluate(() => document.querySelector('#error .plot').strip.scales.y.max);
@@ -285,7 +289,7 @@ describe('keys', () => {
     await shown(tab, 9);
     await until(() => tab.locator('#start').isEnabled(), 'it may be started');
     const reached = [];
-    for (let i = 0; i < 20; ++i) {
+    for (let i = 0; i < 25; ++i) {
       await tab.keyboard.press('Tab');
       const name = await tab.evaluate(() => {
         const element = document.activeElement;
@@ -295,13 +299,13 @@ describe('keys', () => {
       reached.push(name);
       assert.ok(await tab.evaluate(() => getComputedStyle(document.activeElement).outlineStyle !== 'none'), `${name} shows its focus`);
     }
-    assert.deepEqual(reached, ['start', 'stop', 'all-events', 'm', 'note', 'p', 'r', 'c', 'l', 'i', 'f', '?', 'licences']);
+    assert.deepEqual(reached, ['start', 'stop', 'all-events', ...five, 'm', 'note', 'p', 'r', 'c', 'l', 'i', 'f', '?', 'licences']);
   });
 
   test('Space stops the servo wherever the focus is, with the token, but not within the note', async () => {
     const { tab } = await page([hello({ control: true }), ...span(0, 10)]);
     await shown(tab, 9);
-    for (const place of [null, '#start', '#all-events', 'button[data-key="p"]', 'footer a', '#stop']) {
+    for (const place of [null, '#start', '#all-events', '#numbers button', 'button[data-key="p"]', 'footer a', '#stop']) {
       if (place !== null) await tab.focus(place);
       const before = server.posts.length;
       await tab.keyboard.press('Space');
@@ -315,6 +319,7 @@ describe('keys', () => {
       assert.equal(post.body, '{}');
     }
     assert.equal(await pressed(tab, 'p'), 'false', 'Space did not press the button');
+    assert.equal(await tab.locator('#numbers button').first().getAttribute('aria-pressed'), 'true', 'nor that of a line');
     await tab.keyboard.press('?');
     assert.ok(await tab.locator('#help').isVisible());
     let count = server.posts.length;
@@ -389,7 +394,12 @@ describe('keys', () => {
     await until(async () => /on this page only/.test(await textOf(tab, '#zero')), 'the page says so');
     const [, ...angles] = await stripData(tab, 'angle');
     for (const column of angles) assert.equal(column.at(-1), 0);
-    assert.equal(await textOf(tab, '#numbers td[data-of="gyro"][data-figure="drift_deg_per_min"]'), '96.3', 'figures stay');
+    for (const name of five) assert.equal(await valueOf(tab, name, 'angle'), '0.0', name);
+    assert.equal(await valueOf(tab, 'gyro', 'drift_deg_per_min'), '+96.3', 'figures stay');
+    server.send(...span(100, 120));
+    await shown(tab, 119);
+    const moved = frame(119).scores.estimators.gyro.angle_error_deg - frame(99).scores.estimators.gyro.angle_error_deg;
+    assert.ok(moved > 1 && Math.abs(Number(await cellOf(tab, 'gyro', 'angle').getAttribute('data-value')) - moved) < 1e-9, 'errors since then');
     assert.equal(server.posts.length, 0);
   });
 
@@ -625,6 +635,223 @@ describe('connection', () => {
   });
 });
 
+describe('estimators', () => {
+  const names = (count) => estimators(count).map(({ name }) => name);
+  const switchOf = (tab, name) => rowOf(tab, name).locator('button');
+  const shownLines = (tab, id) => tab.evaluate((strip) => document.querySelector(`#${strip} .plot`).strip.series.slice(1).map(({ show }) => show), id);
+  const alphas = (tab, id) => tab.evaluate((strip) => document.querySelector(`#${strip} .plot`).strip.series.slice(1).map(({ alpha }) => alpha), id);
+
+  for (const [count, dark] of [[1, false], [3, true], [5, false], [8, true]]) {
+    test(`a run with ${count}: a row and a line each, in the order of hello, on one screen`, async () => {
+      const { tab } = await page([hello({ estimators: estimators(count) }), ...span(0, 300, count)], { dark });
+      await shown(tab, 299);
+      await screenshot(tab, `estimators_${count}`);
+      assert.deepEqual(await tab.locator('#numbers tbody th').allTextContents(), names(count));
+      const { estimates, scores, commanded_dps: commanded } = frame(299, {}, count);
+      const newest = async (id) => (await stripData(tab, id)).slice(1).map((column) => column.at(-1));
+      assert.deepEqual(await newest('rate'), [commanded, ...names(count).map((name) => estimates[name].rate_dps)]);
+      assert.deepEqual(await newest('error'), names(count).map((name) => estimates[name].rate_dps - commanded));
+      assert.deepEqual(await newest('angle'), names(count).map((name) => scores.estimators[name].angle_error_deg));
+      assert.deepEqual(await newest('gain'), count >= 5 ? [estimates['cnn-fusion'].values.gain] : []);
+      assert.equal(await hidden(tab, 'gain'), count < 5);
+      assert.equal(await hidden(tab, 'histogram-part'), count < 5);
+      assert.ok(await tab.evaluate(() => document.documentElement.scrollHeight <= innerHeight && document.documentElement.scrollWidth <= innerWidth));
+      for (const column of ['.picture', '.estimators', '.strips', '.figures']) {
+        assert.ok(await tab.evaluate((name) => { const e = document.querySelector(name); return e.scrollHeight <= e.clientHeight + 1 && e.scrollWidth <= e.clientWidth + 1; }, column), `${column} fits`);
+      }
+      assert.ok(await tab.locator('.table', { has: tab.locator('#numbers') }).evaluate((e) => e.scrollWidth <= e.clientWidth), 'the table fits');
+    });
+  }
+
+  test('a run with other estimators has other rows and lines', async () => {
+    const { tab } = await page([hello({ estimators: estimators(2) }), ...span(0, 30, 2)]);
+    await shown(tab, 29);
+    server.send(hello({ run: 'b', estimators: estimators(8).slice(3, 7) }), ...span(0, 20, 8));
+    await shown(tab, 19);
+    const others = names(8).slice(3, 7);
+    assert.deepEqual(await tab.locator('#numbers tbody th').allTextContents(), others);
+    const [, ...columns] = await stripData(tab, 'error');
+    assert.deepEqual(columns.map((column) => column[5]), others.map((name) => frame(5, {}, 8).estimates[name].rate_dps - frame(5).commanded_dps));
+  });
+
+  test('titles are words on the page: at the names, and all of them in the help', async () => {
+    const { tab } = await page([hello(), ...span(0, 20)]);
+    await shown(tab, 19);
+    assert.match(await switchOf(tab, 'gyro').getAttribute('title'), /^gyro as it is /);
+    assert.match(await rowOf(tab, 'gyro').locator('.remarks').textContent(), /gyro as it is/);
+    await tab.keyboard.press('?');
+    assert.ok(await tab.locator('#titles').isVisible());
+    assert.deepEqual(await tab.locator('#titles dd').allTextContents(), estimators(5).map(({ title }) => title));
+  });
+
+  test('a stated sigma stands beside its value, a named value with its unit, and what is not good says why', async () => {
+    const estimates = { ...frame(20).estimates };
+    estimates['gyro-rest'] = { rate_dps: null, angle_deg: 3, angle_sigma_deg: 0.4, state: 'absent', reason: 'no_rest', values: { bias_dps: null } };
+    estimates['gyro-kalman'] = { ...estimates['gyro-kalman'], state: 'starting', reason: null, values: { bias_dps: -0.0123, scale: 1.0042 } };
+    const { tab } = await page([hello(), ...span(0, 20), frame(20, { estimates })]);
+    await shown(tab, 20);
+    const sigma = (name, figure) => cellOf(tab, name, figure).locator('.sigma').textContent();
+    assert.equal(await sigma('gyro', 'rate'), '±2.2');
+    assert.equal(await sigma('gyro', 'angle'), '±0.55');
+    assert.equal(await sigma('cnn-thermal', 'rate'), '', 'none is stated');
+    const remark = (name, what) => rowOf(tab, name).locator(`.${what}`).textContent();
+    assert.equal(await remark('gyro-rest', 'state'), '▲ absent: no rest');
+    assert.equal(await remark('gyro-rest', 'values'), '');
+    assert.equal(await remark('gyro-kalman', 'state'), '◌ starting');
+    assert.equal(await remark('gyro-kalman', 'values'), 'bias −0.0123 deg/s, scale 1.00');
+    assert.equal(await remark('cnn-fusion', 'values'), `Kg ${estimates['cnn-fusion'].values.gain.toFixed(2)}`);
+  });
+
+  test('a drift tells over how many seconds it was integrated, and is none below ten', async () => {
+    const { tab } = await page([hello(), ...span(0, 60), frame(60, { scores: { ...frame(60).scores, integrated_s: 9.9 } })]);
+    await shown(tab, 60);
+    assert.match(await textOf(tab, '#numbers thead'), /drift, °\/minfrom 10 s on/);
+    assert.equal(await valueOf(tab, 'gyro', 'drift_deg_per_min'), '–');
+    assert.equal(await cellOf(tab, 'gyro', 'drift_deg_per_min').getAttribute('data-value'), '');
+    server.send(frame(61, { scores: { ...frame(61).scores, integrated_s: 312.4 } }));
+    await shown(tab, 61);
+    assert.match(await textOf(tab, '#numbers thead'), /drift, °\/minover 312 s/);
+    assert.equal(await valueOf(tab, 'gyro', 'drift_deg_per_min'), '+96.3');
+    server.send(frame(62, { scores: { ...frame(62).scores, integrated_s: null } }));
+    await shown(tab, 62);
+    assert.equal(await valueOf(tab, 'gyro', 'drift_deg_per_min'), '–', 'nobody knows over how long');
+  });
+
+  test('the table has the values of the frame under the pointer', async () => {
+    const { tab } = await page([hello(), ...span(0, 24 * 20)]);
+    await shown(tab, 479);
+    await tab.keyboard.press('p');
+    const box = await tab.locator('#angle .u-over').boundingBox();
+    await tab.mouse.move(box.x + box.width / 2, box.y + box.height / 2);
+    await until(async () => /under the pointer/.test(await textOf(tab, '#which')), 'the table says so');
+    const index = Number(/frame (\d+),/.exec(await textOf(tab, '#which'))[1]);
+    assert.ok(index > 200 && index < 280, `${index}`);
+    for (const name of five) assert.equal(Number(await cellOf(tab, name, 'rate').getAttribute('data-value')), frame(index).estimates[name].rate_dps);
+    assert.equal(await textOf(tab, '#servo output'), frame(index).commanded_dps.toFixed(1).replace(/^(?=\d)/, '+').replace('-', '−'));
+    await tab.mouse.move(0, 0);
+    await until(async () => /of frame 479, paused/.test(await textOf(tab, '#which')), 'the newest that is drawn');
+  });
+
+  test('a click on a name or Enter switches its lines off and on, and the scale follows', async () => {
+    const { tab } = await page([hello(), ...span(0, 200)]);
+    await shown(tab, 199);
+    const top = () => tab.evaluate(() => document.querySelector('#angle .plot').strip.scales.y.max);
+    const all = await top();
+    await switchOf(tab, 'gyro').click();
+    await until(async () => await top() < all / 3, 'the scale of the others');
+    assert.deepEqual(await shownLines(tab, 'rate'), [true, false, true, true, true, true], 'the servo stays');
+    for (const id of ['error', 'angle']) assert.deepEqual(await shownLines(tab, id), [false, true, true, true, true], id);
+    assert.equal(await switchOf(tab, 'gyro').getAttribute('aria-pressed'), 'false');
+    assert.notEqual(await valueOf(tab, 'gyro', 'rate'), '–', 'its figures stay');
+    await switchOf(tab, 'cnn-fusion').focus();
+    await tab.keyboard.press('Enter');
+    assert.deepEqual(await shownLines(tab, 'gain'), [false]);
+    server.send(...span(200, 210));
+    await shown(tab, 209);
+    assert.deepEqual(await shownLines(tab, 'error'), [false, true, true, true, false], 'new frames change nothing');
+    server.send(hello({ run: 'again' }), ...span(0, 10));
+    await shown(tab, 9);
+    assert.deepEqual(await shownLines(tab, 'error'), [false, true, true, true, false], 'nor does a next run of the same ones');
+    await switchOf(tab, 'gyro').click();
+    assert.deepEqual(await shownLines(tab, 'error'), [true, true, true, true, false]);
+    assert.deepEqual(await tab.evaluate(() => [Object.keys(localStorage), Object.keys(sessionStorage)]), [[], ['thermorig token']], 'nothing of it is kept');
+    assert.equal(server.posts.length, 0);
+  });
+
+  test('all lines can be off', async () => {
+    const { tab } = await page([hello({ estimators: estimators(2) }), ...span(0, 50, 2)]);
+    await shown(tab, 49);
+    for (const name of names(2)) await switchOf(tab, name).click();
+    server.send(...span(50, 60, 2));
+    await shown(tab, 59);
+    assert.deepEqual(await shownLines(tab, 'error'), [false, false]);
+    const { min, max } = await tab.evaluate(() => document.querySelector('#error .plot').strip.scales.y);
+    assert.ok(min < 0 && max > 0 && max < 3);
+  });
+
+  test('the pointer on a name or the focus brings its line forward, with its sigma as a band', async () => {
+    const { tab } = await page([hello(), ...span(0, 200)]);
+    await shown(tab, 199);
+    await tab.keyboard.press('p');
+    // Half a sigma beside the line at a frame whose neighbours are counted: under no line, within the band.
+    const inBand = (id, name, value, sigma) => tab.evaluate(([strip, index, offset]) => {
+      const { strip: plot } = document.querySelector(`#${strip} .plot`);
+      const at = 12 + 24 * 5;
+      const [x, y] = [plot.valToPos(plot.data[0][at], 'x', true), plot.valToPos(plot.data[index][at] + offset, 'y', true)];
+      return [...plot.ctx.getImageData(Math.round(x), Math.round(y), 1, 1).data].join();
+    }, [id, five.indexOf(name) + 1, sigma * value]);
+    const sigma = frame(132).estimates.gyro.angle_sigma_deg;
+    const [within, beyond] = [() => inBand('angle', 'gyro', 0.7, sigma), () => inBand('angle', 'gyro', 2.5, sigma)];
+    const before = [await within(), await beyond()];
+    await rowOf(tab, 'gyro').hover();
+    await until(async () => await within() !== before[0], 'the band');
+    assert.equal(await beyond(), before[1], 'which ends');
+    const faint = (await alphas(tab, 'error')).map((alpha) => alpha < 1);
+    assert.deepEqual(faint, [false, true, true, true, true]);
+    await tab.mouse.move(0, 0);
+    await until(async () => await within() === before[0], 'it goes');
+    assert.ok((await alphas(tab, 'error')).every((alpha) => alpha === 1));
+    await tab.focus('#all-events');
+    await tab.keyboard.press('Tab');
+    await until(async () => await within() !== before[0], 'the focus shows it as well');
+    await tab.keyboard.press('Enter');
+    assert.equal(await within(), before[0], 'a line that is off has no band');
+    assert.ok((await alphas(tab, 'error')).every((alpha) => alpha === 1), 'and none is before the others');
+  });
+
+  /** Colour and dashes of the lines in the table, and the colour of the paper, in the theme of the tab. */
+  const linesOf = (tab) => tab.evaluate(() => ({ paper: getComputedStyle(document.body).backgroundColor,
+    lines: [...document.querySelectorAll('#numbers line')].map((line) => ({ colour: getComputedStyle(line).stroke, dash: line.getAttribute('stroke-dasharray'),
+      width: line.getAttribute('stroke-width') })) }));
+  const linear = (colour) => colour.match(/[\d.]+/g).slice(0, 3).map((c) => c / 255).map((c) => (c <= 0.04045 ? c / 12.92 : ((c + 0.055) / 1.055) ** 2.4));
+  const luminance = (colour) => linear(colour).reduce((sum, c, i) => sum + c * [0.2126, 0.7152, 0.0722][i], 0);
+  /** Linear RGB as people see it who lack one kind of cones: Machado, Oliveira and Fernandes 2009, severity 1. */
+  const eyes = {
+    normal: [[1, 0, 0], [0, 1, 0], [0, 0, 1]],
+    protanope: [[0.152286, 1.052583, -0.204868], [0.114503, 0.786281, 0.099216], [-0.003882, -0.048116, 1.051998]],
+    deuteranope: [[0.367322, 0.860646, -0.227968], [0.280085, 0.672501, 0.047413], [-0.01182, 0.04294, 0.968881]],
+    tritanope: [[1.255528, -0.076749, -0.178779], [-0.078411, 0.930809, 0.147602], [0.004733, 0.691367, 0.3039]],
+  };
+  /** CIE 1976 L*a*b* of linear sRGB. */
+  function lab(rgb) {
+    const [x, y, z] = [[0.4124, 0.3576, 0.1805, 0.9505], [0.2126, 0.7152, 0.0722, 1], [0.0193, 0.1192, 0.9505, 1.089]]
+      .map(([r, g, b, white]) => (r * rgb[0] + g * rgb[1] + b * rgb[2]) / white).map((t) => (t > 0.008856 ? Math.cbrt(t) : 7.787 * t + 16 / 116));
+    return [116 * y - 16, 500 * (x - y), 200 * (y - z)];
+  }
+  const seenBy = (eye, colour) => lab(eye.map((row) => Math.min(1, Math.max(0, row.reduce((sum, share, i) => sum + share * linear(colour)[i], 0)))));
+
+  for (const dark of [false, true]) {
+    test(`${dark ? 'dark' : 'light'}: eight lines differ in colour for every eye, and in dashes where there is no colour`, async (t) => {
+      const { tab } = await page([hello({ estimators: estimators(8) }), ...span(0, 3, 8)], { dark });
+      await shown(tab, 2);
+      const { lines, paper } = await linesOf(tab);
+      assert.equal(new Set(lines.map(({ dash }) => dash)).size, 8, 'no two have the same dashes');
+      for (const { colour } of lines) {
+        const [one, two] = [luminance(colour), luminance(paper)];
+        assert.ok((Math.max(one, two) + 0.05) / (Math.min(one, two) + 0.05) >= 3, `${colour} on ${paper}`);
+      }
+      for (const [name, eye] of Object.entries(eyes)) {
+        const seen = lines.map(({ colour }) => seenBy(eye, colour));
+        const pairs = seen.flatMap((one, i) => seen.slice(0, i).map((two, k) => [Math.hypot(...one.map((c, a) => c - two[a])), lines[i].colour, lines[k].colour]));
+        const [distance, one, two] = pairs.sort((a, b) => a[0] - b[0])[0];
+        t.diagnostic(`${name}: least distance ${distance.toFixed(0)} (${one}, ${two})`);
+        assert.ok(distance >= 15, `${name}: ${one} and ${two} are ${distance.toFixed(1)} apart`);
+      }
+    });
+  }
+
+  test('each estimator of the paper has its own line in every run', async () => {
+    const { tab } = await page([hello({ estimators: estimators(8) }), ...span(0, 3, 8)]);
+    await shown(tab, 2);
+    const own = async (name) => (await linesOf(tab)).lines[(await tab.locator('#numbers tbody th').allTextContents()).indexOf(name)];
+    const before = await Promise.all(['gyro', 'cnn-thermal', 'cnn-fusion'].map(own));
+    assert.deepEqual(before.map(({ colour }) => colour), ['rgb(0, 114, 178)', 'rgb(168, 82, 138)', 'rgb(213, 94, 0)']);
+    server.send(hello({ run: 'b', estimators: estimators(5).toReversed() }), ...span(0, 4, 5));
+    await shown(tab, 3);
+    assert.deepEqual(await Promise.all(['gyro', 'cnn-thermal', 'cnn-fusion'].map(own)), before);
+  });
+});
+
 describe('whatever comes', () => {
   const nothing = (message) => Object.fromEntries(Object.keys(message).map((key) => [key, key === 'event' ? message.event : null]));
 
@@ -640,26 +867,28 @@ describe('whatever comes', () => {
     }
     server.send('not json', '[]', 'null', '17', '"x"', '{}', '{"event":null}', '{"event":"__proto__"}', '{"event":"constructor"}', { event: 'tomorrow', a: 1 });
     server.send(state(2, { devices: { camera: null, other: { state: 'odd' } }, speeds: [null, {}, { rate_dps: 1 }] }));
-    server.send(frame(5, { scores: null }), frame(6, { scores: { thermal: null, gain_histogram: [null, 'x'] } }), frame(7, { reasons: [null, 3, {}] }));
+    server.send(frame(5, { scores: null }), frame(6, { scores: { estimators: { gyro: null }, gain_histogram: [null, 'x'] } }), frame(7, { reasons: [null, 3, {}] }));
     server.send(hello({ run: 'after' }), ...span(0, 10));
     await shown(tab, 9);
     assert.equal(await textOf(tab, '#mode-word'), 'RECORDING');
   });
 
-  test('without a network or without fusion the page says what is missing', async () => {
-    const bare = (index) => frame(index, { thermal_dps: null, fusion_dps: null, gain: null, inference_us: null,
-      scores: { ...frame(index).scores, thermal: null, fusion: null, gain_mean: null } });
-    const { tab } = await page([hello({ model: null }), ...Array.from({ length: 40 }, (_, i) => bare(i)), image(39), state(5)]);
+  test('without a network nothing of one is shown, and a sentence says so', async () => {
+    const bare = (index) => frame(index, { inference_us: null, scores: { ...frame(index, {}, 2).scores, gain_mean: null, gain_histogram: null } }, 2);
+    const { tab } = await page([hello({ model: null, estimators: estimators(2) }), ...Array.from({ length: 40 }, (_, i) => bare(i)), image(39), state(5)]);
     await shown(tab, 39);
-    assert.match(await textOf(tab, '#no-gain'), /No network runs/);
+    assert.equal(await textOf(tab, '#no-gain'), 'No network runs, so there is no fusion gain Kg.');
     assert.ok(await hidden(tab, 'gain') && await hidden(tab, 'histogram-part'));
-    assert.equal(await textOf(tab, '#numbers td[data-of="fusion"][data-figure="rmse_dps"]'), '–');
-    const [, thermal, gyro] = await stripData(tab, 'error');
-    assert.equal(known(thermal).length, 0);
-    assert.equal(known(gyro).length, 40);
+    assert.equal(await tab.locator('#numbers tbody tr').count(), 2);
+    assert.doesNotMatch(await textOf(tab, '#numbers'), /thermal|fusion/);
+    const [, ...columns] = await stripData(tab, 'error');
+    assert.deepEqual(columns.map((column) => known(column).length), [40, 40]);
     await screenshot(tab, 'no_network');
-    server.send(hello({ run: 'b', model: { name: 'small.onnx', frames: 1, reduction: 0, fusion: false, simulated: false } }));
-    await until(async () => /small\.onnx has no fusion/.test(await textOf(tab, '#no-gain')), 'a network without fusion');
+    server.send(hello({ run: 'b', model: { name: 'small.onnx', frames: 1, reduction: 0, fusion: false, simulated: false }, estimators: estimators(4) }));
+    await until(async () => await textOf(tab, '#no-gain') === 'No estimator of this run has a fusion gain Kg.', 'a network without fusion');
+    server.send(hello({ run: 'c' }));
+    await until(() => hidden(tab, 'no-gain'), 'with fusion there is nothing to say');
+    assert.ok(!(await hidden(tab, 'gain')) && !(await hidden(tab, 'histogram-part')));
   });
 
   test('without a camera there is no image, and no temperature', async () => {
@@ -685,24 +914,60 @@ describe('whatever comes', () => {
   });
 
   test('without a gyro its lines are gaps and the rest goes on', async () => {
-    const { tab } = await page([hello(), ...Array.from({ length: 40 }, (_, i) => frame(i, { gyro_dps: null, fusion_dps: null, gain: null }))]);
+    const gone = { rate_dps: null, rate_sigma_dps: null, angle_deg: null, angle_sigma_deg: null, state: 'absent', reason: 'no_gyro', values: {} };
+    const { tab } = await page([hello(), ...Array.from({ length: 40 }, (_, i) => frame(i, { estimates: { ...frame(i).estimates, gyro: gone, 'cnn-fusion': gone } }))]);
     await shown(tab, 39);
-    const [, thermal, gyro, fusion] = await stripData(tab, 'error');
-    assert.deepEqual([thermal, gyro, fusion].map((column) => known(column).length), [40, 0, 0]);
+    const [, ...columns] = await stripData(tab, 'error');
+    assert.deepEqual(columns.map((column) => known(column).length), [0, 40, 40, 40, 0]);
+    assert.equal(await valueOf(tab, 'gyro', 'rate'), '–');
+    assert.equal(await rowOf(tab, 'gyro').locator('.state').textContent(), '▲ absent: no gyro');
+    assert.equal(await rowOf(tab, 'gyro-rest').locator('.state').textContent(), '', 'what is good has no word');
+  });
+
+  test('estimators that are none are left out, and names of the language are names', async () => {
+    const odd = [null, 3, {}, { name: '' }, { name: 7, title: 'x' }, { name: 'a', title: null, values: [null, 3, 'gain_dps', ''] }, { name: 'a', title: 'again' },
+      { name: '__proto__', title: 'first' }, { name: 'constructor', title: 'second', values: 'gain' }, { name: 'toString' }];
+    const { tab } = await page([hello({ estimators: odd })]);
+    const good = (rate) => ({ rate_dps: rate, state: 'good', values: { gain_dps: 0.25 } });
+    const sent = JSON.stringify(frame(0, { estimates: { a: good(10), constructor: { ...good(20), rate_sigma_dps: -1 } } }));
+    server.send(sent.replace('"estimates":{', `"estimates":{"__proto__":${JSON.stringify(good(30))},`));
+    await shown(tab, 0);
+    const [, , ...columns] = await stripData(tab, 'rate');
+    assert.deepEqual(columns, [[10], [30], [20], [null]]);
+    assert.equal(await rowOf(tab, 'a').locator('.values').textContent(), 'gain 0.25 deg/s');
+    assert.equal(await rowOf(tab, 'toString').locator('.state').textContent(), '▲ absent');
+    assert.equal(await cellOf(tab, 'constructor', 'rate').locator('.sigma').textContent(), '', 'a sigma below zero is none');
+    for (const nothing of [null, [], 'gyro', { gyro: {} }]) {
+      server.send(hello({ run: `${JSON.stringify(nothing)}`, estimators: nothing }), ...span(0, 3));
+      await until(async () => !(await hidden(tab, 'no-estimators')), 'a sentence in the place of the table');
+      assert.equal(await textOf(tab, '#no-estimators'), 'The program has told of no estimator.');
+      assert.equal((await stripData(tab, 'rate')).length, 2, 'the servo alone');
+      server.send(hello({ run: 'between' }));
+      await until(() => hidden(tab, 'no-estimators'), 'estimators again');
+    }
+  });
+
+  test('more estimators than lines can be told apart are counted in a warning', async () => {
+    const many = Array.from({ length: 11 }, (_, i) => ({ name: `number ${i}`, title: '', values: [] }));
+    const { tab } = await page([hello({ estimators: many }), ...span(0, 3)]);
+    await until(async () => await textOf(tab, '#warnings') === '▲ 3 more estimators run than this page shows.', 'the warning');
+    assert.equal(await tab.locator('#numbers tbody tr').count(), 8);
+    server.send(hello({ run: 'b' }));
+    await until(async () => await textOf(tab, '#warnings') === '', 'and goes');
   });
 
   test('hostile texts are texts', async () => {
     const evil = '<img src=x onerror="window.hit=1"><script>window.hit=1</script>\u001b[31mred\u0007\u202egnp\u061c\u00ad\u180e\u2028\u{e0041}';
     const evilObject = (message) => Object.fromEntries(Object.entries(message).map(([key, value]) => [key, typeof value === 'string' && key !== 'event' ? evil : value]));
-    const { tab } = await page([{ ...evilObject(hello()), model: { name: evil, fusion: false }, plan: { name: evil } }, ...span(0, 5),
-      frame(5, { reasons: [evil], fresh: evil, counted: false }), { ...evilObject(event(5)) }, state(1, { phase: evil, devices: { [evil]: { state: evil } } })]);
+    const { tab } = await page([{ ...evilObject(hello()), model: { name: evil, fusion: false }, plan: { name: evil }, estimators: [{ name: evil, title: evil, values: [evil] }] }, ...span(0, 5),
+      frame(5, { reasons: [evil], excluded: evil, fresh: evil, counted: false, estimates: { [evil]: { state: evil, reason: evil, values: { [evil]: 1 } } } }), { ...evilObject(event(5)) }, state(1, { phase: evil, devices: { [evil]: { state: evil } } })]);
     await shown(tab, 5);
     server.send({ event: 'ended', exit: 1, message: evil, advice: evil, session: evil });
     await until(async () => await textOf(tab, '#mode-word') === 'ENDED', 'the end');
     await tab.click('#all-events');
     assert.equal(await tab.evaluate(() => window.hit), undefined);
     assert.equal(await tab.locator('img, script:not([src])').count(), 0);
-    for (const place of ['#environment', '#events', '#ended', '#fresh', '#history']) {
+    for (const place of ['#environment', '#events', '#ended', '#fresh', '#history', '#numbers', '#titles', '#numbers .state', '#numbers .values']) {
       const text = await textOf(tab, place);
       assert.ok(text.includes('<img src=x'), `${place} shows it as text`);
       assert.ok(!/[\u0000-\u0008\u000b-\u001f\u2028\p{Default_Ignorable_Code_Point}]/u.test(text), `${place} has no character that steers or hides`);
@@ -712,7 +977,8 @@ describe('whatever comes', () => {
 
   test('texts without spaces and very long ones do not widen the page', async () => {
     const long = 'x'.repeat(3000);
-    const { tab } = await page([hello({ environment: long, plan: { name: long } }), ...span(0, 5), event(1, { message: long, source: long }),
+    const { tab } = await page([hello({ environment: long, plan: { name: long }, estimators: [...estimators(2), { name: long, title: long, values: [long] }] }), ...span(0, 5),
+      frame(5, { estimates: { [long]: { state: long, reason: long, values: { [long]: 1 } } } }), event(1, { message: long, source: long }),
       { event: 'ended', exit: 1, message: long, advice: long, session: long }], { width: 400 });
     await until(async () => await textOf(tab, '#mode-word') === 'ENDED', 'the end');
     assert.deepEqual(await tab.evaluate(() => [...document.querySelectorAll('body *')].filter((e) => e.getBoundingClientRect().right > innerWidth)
@@ -768,19 +1034,18 @@ describe('looks', () => {
     });
   }
 
-  for (const width of [1100, 1200, 1600]) {
+  for (const width of [700, 800, 900, 1100, 1200, 1240, 1600]) {
     test(`${width} px wide: no heading is cut`, async () => {
       const { tab } = await page([hello({ control: true }), ...span(0, 520)], { width, height: 900, dark: width === 1600 });
       await shown(tab, 519);
       await screenshot(tab, `wide_${width}`);
-      const cut = await tab.evaluate(() => [...document.querySelectorAll('h2, h3, caption, th, .legend > span')].filter((e) => e.getClientRects().length > 0)
+      const cut = await tab.evaluate(() => [...document.querySelectorAll('h2, h3, caption, th, #numbers .n, #servo')].filter((e) => e.getClientRects().length > 0)
         .filter((e) => e.scrollWidth > e.clientWidth + 1 && getComputedStyle(e).display !== 'inline').map((e) => e.textContent));
       assert.deepEqual(cut, []);
-      for (const strip of await tab.locator('.strip').all()) {
-        const [heading, legend] = [await strip.locator('h2').boundingBox(), await strip.locator('.legend').boundingBox()];
-        assert.ok(legend.x >= heading.x + heading.width - 1, 'the legend stands beside its heading');
-        assert.ok((await strip.locator('.plot').boundingBox()).height > 50, 'a plot is left');
-      }
+      for (const table of await tab.locator('main .table').all()) assert.ok(await table.evaluate((e) => e.scrollWidth <= e.clientWidth), 'the table fits');
+      for (const strip of await tab.locator('.strip').all()) assert.ok((await strip.locator('.plot').boundingBox()).height > 50, 'a plot is left');
+      const [heading, servo] = [await tab.locator('#rate h2').boundingBox(), await tab.locator('#servo').boundingBox()];
+      assert.ok(servo.x >= heading.x + heading.width - 1, 'the servo stands beside its heading');
     });
   }
 

@@ -16,9 +16,23 @@ const rig = ['--simulated=3', '--plan', 'quick', '--frames-per-leg', '60', ...(e
 const quietMachine = () => new Promise((done) => execFile(join(build, 'bin/on_the_clock'), done));
 const pause = (milliseconds) => new Promise((done) => setTimeout(done, milliseconds));
 
-/** All that stands in the table of numbers, and for which frame. */
+/** All that stands in the table of estimators, and for which frame. */
 const numbersOf = (tab) => tab.evaluate(() => ({ index: Number(document.getElementById('numbers').dataset.index),
-  cells: [...document.querySelectorAll('#numbers td')].map(({ dataset }) => [dataset.of, dataset.figure, dataset.value]) }));
+  cells: [...document.querySelectorAll('#numbers td[data-figure]')].map(({ dataset }) => [dataset.estimator, dataset.figure, dataset.value]) }));
+
+const minus = (one, two) => (one === null || two === null ? null : one - two);
+
+/** What the table shall have, by the name of the column. */
+function figureOf(message, name, figure) {
+  const [estimate, scores] = [message.estimates[name], message.scores.estimators[name]];
+  switch (figure) {
+    case 'rate': return estimate.rate_dps;
+    case 'error': return minus(estimate.rate_dps, message.commanded_dps);
+    case 'angle': return scores.angle_error_deg;
+    case 'drift_deg_per_min': return message.scores.integrated_s < 10 ? null : scores[figure];
+    default: return scores[figure];
+  }
+}
 
 async function shownAtLeast(tab, index, program) {
   const shown = async () => (await numbersOf(tab)).index >= index;
@@ -96,14 +110,18 @@ describe('the program', { skip: whyNot() || false }, () => {
     const { index, cells } = await numbersOf(tab);
     await until(() => program.of('frame').at(-1).index > index, 'the lines of all of it');
     const frames = new Map(program.of('frame').map((message) => [message.index, message]));
-    const { scores } = frames.get(index);
+    const { estimators } = program.of('hello')[0];
+    const names = estimators.map(({ name }) => name);
+    assert.deepEqual(await tab.locator('#numbers tbody th').allTextContents(), names, 'a row each');
+    assert.equal(cells.length, 8 * names.length);
     for (const [estimator, figure, value] of cells) {
-      const told = scores[estimator]?.[figure] ?? null;
-      assert.equal(value === '' ? null : Number(value), told, `${estimator} ${figure} of frame ${index}`);
+      assert.equal(value === '' ? null : Number(value), figureOf(frames.get(index), estimator, figure), `${estimator} ${figure} of frame ${index}`);
     }
-    const lines = { rate: (m) => [m.commanded_dps, m.thermal_dps, m.gyro_dps, m.fusion_dps], gain: (m) => [m.gain],
-      error: (m) => [m.thermal_dps, m.gyro_dps, m.fusion_dps].map((value) => (value === null || m.commanded_dps === null ? null : value - m.commanded_dps)),
-      angle: (m) => ['thermal', 'gyro', 'fusion'].map((key) => m.scores[key].angle_error_deg) };
+    const each = (figure) => (message) => names.map((name) => figureOf(message, name, figure));
+    const fusion = estimators.filter(({ values }) => values.includes('gain')).map(({ name }) => name);
+    assert.equal(await tab.locator('#gain').isVisible(), fusion.length > 0, 'Kg only where there is one');
+    const lines = { rate: (m) => [m.commanded_dps, ...each('rate')(m)], error: each('error'), angle: each('angle'),
+      gain: (m) => fusion.map((name) => m.estimates[name].values.gain) };
     let compared = 0;
     for (const [id, values] of Object.entries(lines)) {
       const [times, ...columns] = await stripData(tab, id);
@@ -186,7 +204,7 @@ describe('the program', { skip: whyNot() || false }, () => {
     await shownAtLeast(tab, 20);
     assert.match(await tab.title(), /REPLAY/);
     const { index } = await numbersOf(tab);
-    const rates = ({ commanded_dps, thermal_dps, gyro_dps, fusion_dps, gain }) => ({ commanded_dps, thermal_dps, gyro_dps, fusion_dps, gain });
+    const rates = ({ commanded_dps, estimates }) => ({ commanded_dps, estimates });
     const [one, two] = [program, replay].map((run) => rates(run.of('frame').find((message) => message.index === index)));
     assert.deepEqual(one, two, 'the same estimates');
     await screenshot(tab, 'program_replay');

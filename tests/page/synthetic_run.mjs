@@ -5,35 +5,59 @@ export const period = 0.125;  // s between frames
 const rates = [-180, -120, -60, 60, 120, 180];
 const framesOfLeg = 24;
 
+/** What each estimator does wrong: `noise` (`rampNoise` between legs) and `bias`, deg/s, `drift`, deg/min; what it states of itself. */
+const table = [
+  { name: 'gyro', title: 'gyro as it is', values: [], bias: 1.6, noise: 0.5, spread: 1.8, drift: 96.3, sigma: 2.2 },
+  { name: 'gyro-rest', title: 'gyro, bias of the opening rest removed', values: ['bias_dps'], noise: 0.5, spread: 0.6, drift: 1.2, sigma: 0.06 },
+  { name: 'gyro-kalman', title: 'gyro, bias followed by a Kalman filter', values: ['bias_dps', 'scale'], noise: 0.3, spread: 0.4, drift: 0.4, sigma: 0.04 },
+  { name: 'cnn-thermal', title: 'thermal head of the network', values: [], scale: 0.98, noise: 5, rampNoise: 40, spread: 6.1, drift: -18.8 },
+  { name: 'cnn-fusion', title: "network's fusion of camera and gyro", values: ['gain'], noise: 1.4, rampNoise: 12, spread: 1.5, drift: 2.4 },
+  { name: 'image-shift', title: 'shift between two images', values: ['latency_s'], noise: 8, spread: 9.5, drift: 31, sigma: 7.5 },
+  { name: 'camera-odometer', title: 'turns that the camera recognises', values: [], noise: 3, spread: 3.3, drift: 0.1, sigma: 3 },
+  { name: 'two-gyros', title: 'mean of both gyros', values: ['bias_dps'], bias: 0.7, noise: 0.4, spread: 0.9, drift: -41, sigma: 1.1 },
+];
+
+/** The first so many of the table, as they stand in a hello. */
+export const estimators = (count) => table.slice(0, count).map(({ name, title, values }) => ({ name, title, values }));
+
 export function hello(changes = {}) {
   return { event: 'hello', version: '0.1.0', run: '0123456789abcdef', mode: 'live', recording: true, simulated: true, simulation: 'ports, seed 1', environment: 'garden',
     acquisition: 3, start_utc: '2026-01-02T03:04:05Z', control: false, frame_rate_hz: 8, model: { name: 'model.onnx', frames: 3, reduction: 1,
-      fusion: true, simulated: true }, plan: { name: 'paper', legs: 38, frames_per_leg: 40, expected_s: 358 }, ...changes };
+      fusion: true, simulated: true }, estimators: estimators(5), plan: { name: 'paper', legs: 38, frames_per_leg: 40, expected_s: 358 }, ...changes };
 }
 
 const legOf = (index) => Math.floor(index / framesOfLeg);
 const rateOf = (leg) => rates[(leg * 5) % rates.length];
 const wave = (index, k) => Math.sin(index * k) + 0.6 * Math.sin(index * k * 2.7 + 1);
 
-function scoresOf(index, spread, slope) {
+function scoresOf(index, { spread, drift }) {
   return { frames: index, mse: (spread / 200) ** 2, rmse_dps: spread, recent: Math.min(index, 430), recent_median_mse: 0.45 * (spread / 200) ** 2,
-    recent_iqr_mse: 1.1 * (spread / 200) ** 2, angle_error_deg: slope * index * period / 60 + spread * 0.05 * wave(index, 0.021), drift_deg_per_min: slope };
+    recent_iqr_mse: 1.1 * (spread / 200) ** 2, angle_error_deg: drift * index * period / 60 + spread * 0.05 * wave(index, 0.021), drift_deg_per_min: drift };
 }
 
-export function frame(index, changes = {}) {
+const valueOf = (name, index) => ({ gain: 0.5 + 0.18 * wave(index, 0.11), bias_dps: 1.63, scale: 1.0042, latency_s: 0.0312 })[name];
+
+function estimateOf(index, commanded, ramp, { values, scale = 1.004, bias = 0, noise, rampNoise = noise, sigma }, k) {
+  return { rate_dps: commanded * scale + bias + (ramp ? rampNoise : noise) * wave(index, 1.9 - 0.2 * k), rate_sigma_dps: sigma ?? null, angle_deg: index * 1.5,
+    angle_sigma_deg: sigma === undefined ? null : sigma * index * period / 10, state: 'good', reason: null,
+    values: Object.fromEntries(values.map((name) => [name, valueOf(name, index)])) };
+}
+
+/** `of`: how many estimators the run has. */
+export function frame(index, changes = {}, of = 5) {
   const leg = legOf(index);
   const ramp = index % framesOfLeg < 3;
   const before = rateOf(leg - (leg > 0 ? 1 : 0));
   const share = Math.min(1, (index % framesOfLeg) / 3);
   const commanded = before + (rateOf(leg) - before) * share;
   const counted = index - 3 * (leg + 1);
+  const each = (make) => Object.fromEntries(table.slice(0, of).map((estimator, k) => [estimator.name, make(estimator, k)]));
   return { event: 'frame', index, time_s: index * period, begin_s: index * period - 0.25, end_s: index * period + 0.06, counted: !ramp, valid: !ramp,
-    reasons: ramp ? ['servo_ramp', 'frame_overlap'] : [], leg: leg + 1, run: ramp ? 0 : leg + 1, commanded_dps: commanded,
-    gyro_dps: commanded * 1.004 + 1.6 + 0.5 * wave(index, 1.9), thermal_dps: commanded * 0.98 + (ramp ? 40 : 5) * wave(index, 1.3),
-    fusion_dps: commanded + (ramp ? 12 : 1.4) * wave(index, 0.9), gain: 0.5 + 0.18 * wave(index, 0.11), inference_us: 61.25, fresh: index % 9 === 0 ? 'half' : 'both',
-    scores: { counted, apart: 3 * (leg + 1), integrated_s: counted * period, gain_mean: 0.44, gain_histogram: Array.from({ length: 20 }, (_, i) =>
-      Math.round(counted * Math.exp(-(((i - 9) / 3.2) ** 2)) / 5.6)), gate_collapsed: false, thermal: scoresOf(counted, 6.1, -18.8),
-    gyro: scoresOf(counted, 1.8, 96.3), fusion: scoresOf(counted, 1.5, 2.4) }, ...changes };
+    reasons: ramp ? ['servo_ramp', 'frame_overlap'] : [], excluded: ramp ? 'servo_ramp, frame_overlap' : null, leg: leg + 1, run: ramp ? 0 : leg + 1,
+    commanded_dps: commanded, estimates: each((estimator, k) => estimateOf(index, commanded, ramp, estimator, k)), inference_us: 61.25,
+    fresh: index % 9 === 0 ? 'half' : 'both', scores: { counted, excluded: 3 * (leg + 1), integrated_s: counted * period, gain_mean: 0.44,
+      gain_histogram: Array.from({ length: 20 }, (_, i) => Math.round(counted * Math.exp(-(((i - 9) / 3.2) ** 2)) / 5.6)), gate_collapsed: false,
+      estimators: each((estimator) => scoresOf(counted, estimator)) }, ...changes };
 }
 
 export function state(time, changes = {}) {
@@ -67,11 +91,11 @@ export function event(index, changes = {}) {
   return { event: 'event', time_s: index * period, kind: 'leg_start', source: 'servo', message: `leg ${legOf(index) + 1} at ${rateOf(legOf(index))} deg/s`, ...changes };
 }
 
-/** The messages of frames `from` to `to` (without it), in the order in which a program sends them. */
-export function* span(from, to) {
+/** The messages of frames `from` to `to` (without it), in the order in which a program sends them, of a run with `of` estimators. */
+export function* span(from, to, of = 5) {
   for (let index = from; index < to; ++index) {
     if (index % framesOfLeg === 0) yield event(index);
-    yield frame(index);
+    yield frame(index, {}, of);
     yield image(index);
     if (index % 2 === 0) yield state(index * period);
   }

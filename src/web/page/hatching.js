@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 import { colourOf } from './theme.js';
 
-/** Spans of time of frames that are not counted, neighbours as one. Each frame reaches half way to the next. */
-export function spansApart(rows) {
+/** Spans of time of excluded frames, neighbours as one. Each frame reaches half way to the next. */
+export function excludedSpans(rows) {
   const spans = [];
   rows.forEach((row, i) => {
     if (row.gap || row.counted) return;
@@ -29,7 +29,7 @@ export function drawHatching(plot, spans) {
     const right = plot.valToPos(end, 'x', true);
     if (right > bbox.left && left < bbox.left + bbox.width) ctx.rect(left, bbox.top, Math.max(1, right - left), bbox.height);
   }
-  ctx.fillStyle = colourOf('apart');
+  ctx.fillStyle = colourOf('excluded');
   ctx.fill();
   ctx.clip();
   ctx.beginPath();
@@ -41,7 +41,7 @@ export function drawHatching(plot, spans) {
     ctx.moveTo(x, bbox.top + bbox.height);
     ctx.lineTo(x + bbox.height, bbox.top);
   }
-  ctx.strokeStyle = colourOf('apart-line');
+  ctx.strokeStyle = colourOf('excluded-line');
   ctx.lineWidth = devicePixelRatio;
   ctx.stroke();
   ctx.restore();

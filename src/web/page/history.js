@@ -1,46 +1,35 @@
 // SPDX-License-Identifier: MIT
-import { fields, list, number, plain } from './text.js';
+import { estimateOf, noEstimate } from './estimators.js';
+import { list, number, plain } from './text.js';
 
 export const shownSeconds = 60;
 // A minute at 64 frames/s, the fastest that a camera of the rig can do.
 const mostFrames = 64 * (shownSeconds + 2);
 
-const minus = (a, b) => (a === null || b === null ? null : a - b);
-
-/** One frame's message as numbers and nulls. */
-function rowOf(message) {
-  const scores = fields(message.scores);
-  const commanded = number(message.commanded_dps);
-  const row = {
+/** One frame's message as numbers and nulls, with an estimate for each of `estimators`. */
+function rowOf(message, estimators) {
+  return {
     index: number(message.index),
     time: number(message.time_s),
     begin: number(message.begin_s),
     end: number(message.end_s),
     counted: message.counted === true,
-    valid: message.valid === true,
     reasons: list(message.reasons).slice(0, 16).map((reason) => plain(reason, 60)).filter((reason) => reason !== ''),
-    apart: plain(message.apart, 200),
-    commanded,
-    gain: number(message.gain),
-    values: {},
-    errors: {},
-    angles: {},
+    excluded: plain(message.excluded, 200),
+    commanded: number(message.commanded_dps),
+    estimates: estimators.map((estimator) => estimateOf(message, estimator)),
   };
-  for (const key of ['thermal', 'gyro', 'fusion']) {
-    row.values[key] = number(message[`${key}_dps`]);
-    row.errors[key] = minus(row.values[key], commanded);
-    row.angles[key] = number(fields(scores[key]).angle_error_deg);
-  }
-  return row;
 }
 
 /** The frames of the last minute in their order; where frames are missing, a row without values. */
 export class History {
   constructor() {
-    this.clear();
+    this.clear([]);
   }
 
-  clear() {
+  /** `estimators`: those of the run that begins. */
+  clear(estimators) {
+    this.estimators = estimators;
     this.rows = [];
     this.steps = [];  // seconds between the last frames
     this.period = 0.125;
@@ -64,7 +53,7 @@ export class History {
 
   /** False for what is no frame or is known already (a page that comes back gets the last 512 frames again). */
   add(message) {
-    const row = rowOf(message);
+    const row = rowOf(message, this.estimators);
     if (row.time === null || row.index === null) return false;
     const last = this.last;
     if (last !== null && (row.index <= last.index || row.time <= last.time)) return false;
@@ -79,8 +68,7 @@ export class History {
   }
 
   gap(before, after) {
-    const nothing = { thermal: null, gyro: null, fusion: null };
     return { index: before.index, time: (before.time + after.time) / 2, gap: true, counted: true, reasons: [], commanded: null,
-      gain: null, values: nothing, errors: nothing, angles: nothing };
+      estimates: this.estimators.map(() => noEstimate) };
   }
 }

@@ -3,7 +3,7 @@ import { byId } from './text.js';
 
 /** Keys and the buttons of the same name. Space is the stop, wherever the focus is, but in the note's field. */
 export class Keys {
-  /** `actions`: what each key does; `stop` is apart from them. */
+  /** `actions`: what each key does; `stop`: what Space does. */
   constructor(actions, stop) {
     this.actions = actions;
     this.stop = stop;

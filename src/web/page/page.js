@@ -2,11 +2,13 @@
 // The page of a live run: docs/live_messages.md says what comes, docs/live_page.md who may ask for it.
 import { Band } from './band.js';
 import { Connection } from './connection.js';
+import { EstimatorTable } from './estimator_table.js';
+import { estimatorsOf, gainOf, sameEstimators } from './estimators.js';
 import { Events } from './events.js';
+import { GainHistogram } from './gain_histogram.js';
 import { Health } from './health.js';
 import { History } from './history.js';
 import { Keys } from './keys.js';
-import { Numbers } from './numbers.js';
 import { Strips } from './strips.js';
 import { Sweep } from './sweep.js';
 import { ThermalImage } from './thermal_image.js';
@@ -24,13 +26,16 @@ const history = new History();
 const band = new Band();
 const warnings = new Warnings();
 const image = new ThermalImage();
-const strips = new Strips(history);
+const table = new EstimatorTable(() => strips.showLines(), (estimator) => strips.highlight(estimator));
+const histogram = new GainHistogram();
+const strips = new Strips(history, (row, angles, pointed) =>
+  table.showFrame(row, angles, pointed ? `frame ${row?.index}, under the pointer` : strips?.paused ? `frame ${row?.index}, paused` : 'the newest frame'));
 const health = new Health();
-const numbers = new Numbers();
 const sweep = new Sweep();
 const events = new Events();
 
 let run = null;          // its id; two replays of one session have two
+let estimators = [];     // of the run
 let ended = false;
 let refused = false;     // the program does not take our token: nothing will come
 let closing = false;     // done, but the file is still written
@@ -53,7 +58,7 @@ function redraw() {
     const begun = performance.now();
     image.draw();
     strips.draw(now);
-    if (frame !== null) numbers.show(frame);
+    if (frame !== null) showScores(frame);
     frame = null;
     // Painting comes after the script: the next picture tells how long both took.
     requestAnimationFrame(() => {
@@ -62,8 +67,13 @@ function redraw() {
   }), Math.max(0, drawn + drawnEvery() - Date.now()));
 }
 
+function showScores(message) {
+  table.showScores(message);
+  histogram.show(message);
+}
+
 function clear() {
-  history.clear();
+  history.clear(estimators);
   strips.clear();
   image.clear();
   events.clear();
@@ -79,30 +89,40 @@ function clear() {
   connection.expectSilence(0);
   byId('ended').hidden = true;
   byId('ended').replaceChildren();
-  numbers.show({});
+  showScores({});
 }
 
-/** What the page can show of this run, in a sentence where that is not all. */
-function showFusion(model) {
-  const there = fields(model).fusion === true;
-  strips.withFusion(there);
-  byId('histogram-part').hidden = !there;
-  byId('no-gain').hidden = there;
-  say(byId('no-gain'), there ? '' : model === null || model === undefined
-    ? 'No network runs: the gyro alone is compared with the servo, and there is no Kg.'
-    : `${plain(fields(model).name, 80) || 'The network'} has no fusion: there is no Kg.`);
+/** The estimators of a run. False if they are those of the run before, whose lines may be switched off. */
+function takeEstimators(message) {
+  const listed = estimatorsOf(message.estimators);
+  const others = !sameEstimators(listed.estimators, estimators);
+  if (others) {
+    estimators = listed.estimators;
+    for (const view of [strips, table, histogram]) view.setEstimators(estimators);
+  }
+  warnings.set('estimators', listed.left <= 0 ? '' : `${count(listed.left)} more ${listed.left === 1 ? 'estimator runs' : 'estimators run'} than this page shows.`);
+  return others;
+}
+
+/** What the page cannot show of this run, in a sentence. */
+function showNoGain(model) {
+  const there = estimators.some((estimator) => gainOf(estimator) >= 0);
+  byId('no-gain').hidden = there || estimators.length === 0;
+  say(byId('no-gain'), model === null || model === undefined ? 'No network runs, so there is no fusion gain Kg.'
+    : 'No estimator of this run has a fusion gain Kg.');
 }
 
 const takers = {
   hello(message) {
     refused = false;
     const name = plain(message.run, 40);
-    if (name !== run) clear();
+    const others = takeEstimators(message);
+    if (name !== run || others) clear();
     run = name;
     history.expect(message.frame_rate_hz);
     band.hello(message);
     sweep.hello(message);
-    showFusion(message.model);
+    showNoGain(message.model);
     const model = fields(message.model);
     warnings.set('model', model.simulated === true && message.simulated !== true
       ? `${plain(model.name, 80)} was trained on data of a simulated rig; its errors here say little.` : '');
@@ -129,7 +149,6 @@ const takers = {
     lastFrame = new Date();
     image.freshness(message.fresh);
     const scores = fields(message.scores);
-    strips.showDrift(scores);
     warnings.set('gate', scores.gate_collapsed === true
       ? 'The gate has collapsed: Kg stays below 0.02 or above 0.98, so fusion follows one sensor alone. Check the network and the gyro.' : '');
   },
@@ -261,8 +280,7 @@ byId('motion').addEventListener('close', async () => {
 });
 
 health.show({});
-numbers.show({});
-showFusion({ fusion: true });
+showScores({});
 strips.draw(null);
 let connection = null;
 new Keys(actions, stop);

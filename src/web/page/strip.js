@@ -1,63 +1,43 @@
 // SPDX-License-Identifier: MIT
 import uPlot from 'uplot';
 import { drawHatching } from './hatching.js';
-import { colourOf, lines } from './theme.js';
-import { byId, clock, fixed, say, unknown } from './text.js';
+import { drawSigmaBand } from './sigma_band.js';
+import { clock, byId, fixed } from './text.js';
+import { colourOf } from './theme.js';
 
 const font = '12px system-ui, sans-serif';
-const swatch = 'http://www.w3.org/2000/svg';
+const isShown = ({ estimator }) => estimator === undefined || estimator.shown;
 
-/** A short piece of a line, as in the plot. */
-function sample(key) {
-  const svg = document.createElementNS(swatch, 'svg');
-  svg.setAttribute('width', '20');
-  svg.setAttribute('height', '8');
-  svg.setAttribute('aria-hidden', 'true');
-  const line = document.createElementNS(swatch, 'line');
-  for (const [name, value] of Object.entries({ x1: 0, x2: 20, y1: 4, y2: 4, class: key,
-    'stroke-width': lines[key].width + 0.5, 'stroke-dasharray': lines[key].dash.join(' ') || 'none' })) {
-    line.setAttribute(name, value);
-  }
-  svg.append(line);
-  return svg;
-}
-
-/** One plot over the last minute. `read(row)` gives one value, or null, for each of `keys`. */
+/**
+ * One plot over the last minute. Its lines: `read(row)` gives a value or null, `sigma(row)` that of the band, `style` how it is drawn,
+ * `estimator` whose it is; without one it is always shown.
+ */
 export class Strip {
-  /** `limits(rows, values)`: lowest and highest of the vertical axis. */
-  constructor(id, { keys, read, limits, digits, unit = '', sign = true, axis = false, ticks }) {
+  /** `limits(rows, columns)`: lowest and highest of the vertical axis, from the lines that are shown; `onCursor()` when it moved. */
+  constructor(id, { limits, axis = false, ticks, onCursor = () => {} }) {
     this.section = byId(id);
     this.box = this.section.querySelector('.plot');
-    this.keys = keys;
-    this.read = read;
     this.limits = limits;
-    this.digits = digits;
+    this.axis = axis;
     this.ticks = ticks;
-    this.unit = unit;
-    this.sign = sign;
+    this.onCursor = onCursor;
+    this.setLines([]);
+    new ResizeObserver(() => this.resize()).observe(this.box);
+  }
+
+  /** Other lines, in an empty plot. */
+  setLines(lines) {
+    this.lines = lines;
+    this.highlighted = null;
     this.rows = [];
     this.spans = [];
     this.window = [0, 60];
     this.vertical = [-1, 1];
-    this.makeLegend();
-    this.plot = new uPlot(this.options(axis), [[], ...keys.map(() => [])], this.box);
+    this.plot?.destroy();
+    this.plot = new uPlot(this.options(this.axis), [[], ...lines.map(() => [])], this.box);
     this.box.strip = this.plot;  // for whoever asks the page for its data
-    new ResizeObserver(() => this.resize()).observe(this.box);
+    this.showLines();
     this.resize();
-  }
-
-  makeLegend() {
-    const legend = this.section.querySelector('.legend');
-    this.legend = this.keys.map((key) => {
-      const item = document.createElement('span');
-      const value = document.createElement('output');
-      const name = document.createElement('span');
-      name.textContent = lines[key].name;
-      item.append(sample(key), name, value);
-      item.hidden = false;
-      legend.append(item);
-      return { item, value };
-    });
   }
 
   options(axis) {
@@ -69,6 +49,7 @@ export class Strip {
       legend: { show: false },
       padding: [7, 18, axis ? 0 : 4, 0],
       cursor: { sync: { key: 'time' }, drag: { x: false, y: false }, points: { size: 6 } },
+      focus: { alpha: 0.25 },
       scales: { x: { time: false, range: () => this.window }, y: { range: () => this.vertical } },
       axes: [
         { ...shared, space: 60, size: axis ? 22 : 0, ticks: { ...shared.ticks, show: axis },
@@ -76,11 +57,16 @@ export class Strip {
         { ...shared, size: 44, gap: 3, space: 26, ...(this.ticks && { splits: () => this.ticks }),
           values: (plot, splits) => splits.map((at) => fixed(at, splits.some((other) => other % 1 !== 0) ? 1 : 0)) },
       ],
-      series: [{}, ...this.keys.map((key) => ({ stroke: () => colourOf(key), width: lines[key].width, dash: lines[key].dash,
+      series: [{}, ...this.lines.map(({ style }) => ({ stroke: () => colourOf(style.colour), width: style.width, dash: style.dash,
         spanGaps: false, points: { show: false } }))],
-      hooks: { drawClear: [(plot) => drawHatching(plot, this.spans)], drawAxes: [(plot) => this.drawZero(plot)],
-        setCursor: [() => this.showCursor()] },
+      hooks: { drawClear: [(plot) => drawHatching(plot, this.spans)], drawAxes: [(plot) => this.drawUnderLines(plot)],
+        setCursor: [() => this.onCursor()] },
     };
+  }
+
+  drawUnderLines(plot) {
+    this.drawZero(plot);
+    if (this.highlighted !== null && isShown(this.highlighted)) drawSigmaBand(plot, this.rows, this.highlighted);
   }
 
   drawZero(plot) {
@@ -107,21 +93,25 @@ export class Strip {
     this.rows = rows;
     this.spans = spans;
     this.window = window;
-    const columns = this.keys.map(() => []);
-    for (const row of rows) this.read(row).forEach((value, i) => columns[i].push(value));
-    this.vertical = this.limits(rows, columns);
+    const columns = this.lines.map(({ read }) => rows.map(read));
+    this.vertical = this.limits(rows, columns.filter((column, i) => isShown(this.lines[i])));
     this.plot.setData([rows.map((row) => row.time), ...columns]);
-    this.showCursor();
   }
 
-  /** Values under the cursor, or the newest. */
-  showCursor() {
-    const at = this.plot.cursor.idx ?? this.rows.length - 1;
-    const row = this.rows[at];
-    const values = row === undefined ? this.keys.map(() => null) : this.read(row);
-    this.legend.forEach(({ value }, i) => {
-      say(value, values[i] === null ? unknown : `${fixed(values[i], this.digits, { sign: this.sign })}${this.unit}`);
+  /** Lines that were switched come or go, and the scale is that of those that are left. */
+  showLines() {
+    this.lines.forEach((line, i) => {
+      if (this.plot.series[i + 1].show !== isShown(line)) this.plot.setSeries(i + 1, { show: isShown(line) });
     });
+    this.draw(this.rows, this.spans, this.window);
+  }
+
+  /** One line before the others, with the sigma that is stated; null: none. */
+  highlight(estimator) {
+    const i = this.lines.findIndex((line) => line.estimator === estimator && isShown(line));
+    this.highlighted = this.lines[i] ?? null;
+    this.plot.setSeries(i < 0 ? null : i + 1, { focus: true });
+    this.redraw();
   }
 
   redraw() {

@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: MIT
-import { spansApart } from './hatching.js';
+import { gainOf } from './estimators.js';
+import { excludedSpans } from './hatching.js';
 import { shownSeconds } from './history.js';
+import { lineSample } from './line_sample.js';
 import { Strip } from './strip.js';
-import { byId, fixed, fields, number, say } from './text.js';
-import { onThemeChange } from './theme.js';
-
-const estimators = ['thermal', 'gyro', 'fusion'];
-const all = ['servo', ...estimators];
+import { byId, fixed, say } from './text.js';
+import { onThemeChange, servoLine } from './theme.js';
 
 /** Least and greatest of the columns where `wanted`, with a margin, never narrower than `least` around zero. */
 function extremes(rows, columns, wanted, least) {
@@ -23,7 +22,7 @@ function extremes(rows, columns, wanted, least) {
   return [low - margin, high + margin];
 }
 
-/** Frames apart may lie anywhere; they set the scale only where there are no others. */
+/** Excluded frames may lie anywhere; they set the scale only where there are no others. */
 function countedFirst(least) {
   return (rows, columns) => {
     const counted = rows.some((row) => row.counted && !row.gap);
@@ -35,22 +34,40 @@ const everything = (least) => (rows, columns) => extremes(rows, columns, () => t
 
 /** The four plots over time, with one cursor and one time axis. */
 export class Strips {
-  constructor(history) {
+  /** `onCursor(row, angles, pointed)`: the frame under the pointer, or the newest that is drawn, or null, and its angle errors as they are shown. */
+  constructor(history, onCursor) {
     this.history = history;
+    this.onCursor = onCursor;
     this.paused = false;
-    this.offsets = { thermal: 0, gyro: 0, fusion: 0 };
-    const of = (kind) => (row) => estimators.map((key) => row[kind][key]);
-    this.error = new Strip('error', { keys: estimators, read: of('errors'), limits: countedFirst(2), digits: 1, axis: true });
-    this.rate = new Strip('rate', { keys: all, read: (row) => [row.commanded, ...of('values')(row)], limits: everything(10), digits: 1 });
-    this.angle = new Strip('angle', { keys: estimators, read: (row) => this.shownAngles(row), limits: everything(1), digits: 1, unit: '°' });
-    this.gain = new Strip('gain', { keys: ['kg'], read: (row) => [row.gain], limits: () => [-0.02, 1.02], digits: 2, sign: false, axis: true, ticks: [0, 0.5, 1] });
+    this.error = new Strip('error', { limits: countedFirst(2), axis: true });
+    this.rate = new Strip('rate', { limits: everything(10), onCursor: () => this.showCursor() });
+    this.angle = new Strip('angle', { limits: everything(1) });
+    this.gain = new Strip('gain', { limits: () => [-0.02, 1.02], axis: true, ticks: [0, 0.5, 1] });
     this.strips = [this.error, this.rate, this.angle, this.gain];
     for (const strip of this.strips) this.explain(strip);
+    byId('servo').prepend(lineSample(servoLine));
+    this.setEstimators([]);
     onThemeChange(() => this.strips.forEach((strip) => strip.redraw()));
   }
 
-  shownAngles(row) {
-    return estimators.map((key) => (row.angles[key] === null ? null : row.angles[key] - this.offsets[key]));
+  /** The estimators of another run. */
+  setEstimators(estimators) {
+    this.estimators = estimators;
+    this.offsets = estimators.map(() => 0);
+    const lines = (read, sigma) => estimators.map((estimator, i) => ({ estimator, style: estimator.line,
+      read: (row) => read(row.estimates[i], i), sigma: (row) => sigma(row.estimates[i]) }));
+    this.rate.setLines([{ style: servoLine, read: (row) => row.commanded, sigma: () => null }, ...lines(({ rate }) => rate, ({ rateSigma }) => rateSigma)]);
+    this.error.setLines(lines(({ error }) => error, ({ rateSigma }) => rateSigma));
+    this.angle.setLines(lines((estimate, i) => this.shownAngle(estimate, i), ({ angleSigma }) => angleSigma));
+    const gains = lines(({ values }, i) => values[gainOf(estimators[i])] ?? null, () => null).filter(({ estimator }) => gainOf(estimator) >= 0);
+    this.gain.setLines(gains);
+    this.gain.section.hidden = gains.length === 0;
+    this.showCursor();
+  }
+
+  /** The angle error of an estimate since the zero that was set on this page. */
+  shownAngle({ angle }, i) {
+    return angle === null ? null : angle - this.offsets[i];
   }
 
   /** Why a frame is not counted, beside the pointer. */
@@ -62,7 +79,7 @@ export class Strips {
         tip.hidden = true;
         return;
       }
-      say(tip, `frame ${row.index}, not counted: ${(row.apart || row.reasons.join(', ')).replaceAll('_', ' ') || 'no reason given'}`);
+      say(tip, `frame ${row.index}, not counted: ${(row.excluded || row.reasons.join(', ')).replaceAll('_', ' ') || 'no reason given'}`);
       tip.hidden = false;
       tip.style.left = `${Math.min(event.clientX + 12, innerWidth - tip.offsetWidth - 8)}px`;
       tip.style.top = `${Math.max(4, event.clientY - tip.offsetHeight - 8)}px`;
@@ -72,38 +89,48 @@ export class Strips {
     });
   }
 
-  withFusion(there) {
-    this.gain.section.hidden = !there;
-  }
-
   draw(now) {
     if (this.paused) return;
     const { rows } = this.history;
     const end = Math.max(now ?? 0, this.history.last?.time ?? 0, shownSeconds);
-    const spans = spansApart(rows);
+    const spans = excludedSpans(rows);
     const shown = [...rows];  // of its own: what is drawn while paused stays as it is
     for (const strip of this.strips) strip.draw(shown, spans, [end - shownSeconds, end]);
+    this.showCursor();
+  }
+
+  showCursor() {
+    const { plot, rows } = this.rate;
+    const { idx } = plot.cursor;
+    const row = rows[idx ?? rows.length - 1] ?? null;
+    say(byId('servo').lastElementChild, fixed(row?.commanded, 1, { sign: true }));
+    this.onCursor(row, row?.estimates.map((estimate, i) => this.shownAngle(estimate, i)) ?? [], typeof idx === 'number');
+  }
+
+  /** Lines that were switched off or on. */
+  showLines() {
+    for (const strip of this.strips) strip.showLines();
+  }
+
+  /** An estimator's lines before the others; null: none. */
+  highlight(estimator) {
+    for (const strip of this.strips) strip.highlight(estimator);
   }
 
   resetAngle() {
     const last = this.history.last;
-    for (const key of estimators) this.offsets[key] = last?.angles[key] ?? 0;
-    this.zero = new Date().toLocaleTimeString('en-GB');
+    this.offsets = this.estimators.map((estimator, i) => last?.estimates[i].angle ?? 0);
+    this.showZero(`· zero set at ${new Date().toLocaleTimeString('en-GB')}, on this page only`);
     this.angle.draw(this.angle.rows, this.angle.spans, this.angle.window);
-    this.showDrift(this.scores);
+    this.showCursor();
   }
 
   clear() {
-    this.offsets = { thermal: 0, gyro: 0, fusion: 0 };
-    this.zero = undefined;
-    this.showDrift({});
+    this.offsets = this.estimators.map(() => 0);
+    this.showZero('');
   }
 
-  showDrift(scores) {
-    this.scores = scores;
-    const drifts = estimators.map((key) => [key, number(fields(fields(scores)[key]).drift_deg_per_min)])
-      .filter(([, drift]) => drift !== null).map(([key, drift]) => `${key} ${fixed(drift, 1, { sign: true })}`);
-    const zero = this.zero === undefined ? '' : `${drifts.length > 0 ? ' · ' : ''}zero set at ${this.zero}, on this page only`;
-    say(byId('zero'), (drifts.length > 0 ? `drift of the run, °/min: ${drifts.join(', ')}` : '') + zero);
+  showZero(text) {
+    say(byId('zero'), text);
   }
 }

@@ -18,10 +18,16 @@ export function onThemeChange(redraw) {
 }
 
 /** Dashes tell the lines apart where colours do not. */
-export const lines = {
-  servo: { name: 'servo', dash: [6, 4], width: 1.5 },
-  thermal: { name: 'thermal', dash: [3, 3], width: 1.5 },
-  gyro: { name: 'gyro', dash: [10, 4], width: 1.5 },
-  fusion: { name: 'fusion', dash: [], width: 2 },
-  kg: { name: 'Kg', dash: [], width: 1.5 },
-};
+export const servoLine = { colour: 'servo', dash: [6, 4], width: 1.5 };
+
+/** A line for each estimator of a run, the freest first; `of`: whose it is in every run. */
+export const estimatorLines = [
+  { colour: 'line-1', dash: [12, 3, 2, 3], width: 1.5 },
+  { colour: 'line-2', dash: [5, 2], width: 1.5 },
+  { colour: 'line-3', dash: [2, 5], width: 2 },
+  { colour: 'line-4', dash: [12, 3, 2, 3, 2, 3], width: 1.5 },
+  { colour: 'line-5', dash: [20, 5], width: 1.5 },
+  { colour: 'line-6', dash: [10, 4], width: 1.5, of: 'gyro' },
+  { colour: 'line-7', dash: [3, 3], width: 1.5, of: 'cnn-thermal' },
+  { colour: 'line-8', dash: [], width: 2, of: 'cnn-fusion' },
+];
