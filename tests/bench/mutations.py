@@ -86,7 +86,7 @@ def breaks_of_line(line):
             yield "change", f"{indent}{{ if (%M%) {left} {OTHER_OPERATOR[sign]} {value}; else {left} {sign} {value}; }}"
     elif found := re.fullmatch(r"(\s+)([\w.>\[\]-]+ = .+|[\w.>:-]+\(.*\));", line):
         indent, statement = found.groups()
-        if balanced(statement) and not statement.startswith(("return", "throw", "static_assert", "co_", "using")):
+        if balanced(statement) and not statement.startswith(("return", "throw", "static_assert", "assert", "co_", "using")):
             yield "skip", f"{indent}{{ if (!%M%) {statement}; }}"
 
 
