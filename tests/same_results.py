@@ -4,10 +4,10 @@
     /usr/bin/python3 tests/same_results.py FOLDER --remember --program OLD    once, with the program before the change
     /usr/bin/python3 tests/same_results.py FOLDER [--program build/bin/thermorig] [--relative 1e-9]
 
-FOLDER holds sessions (.h5), made by the program before the change; --remember adds to it what that program trains on them
-(model.onnx) and how it judges (evaluation.json). The comparison makes each session again from its raw bytes, in a copy,
-and compares every dataset and every attribute of a group with the file before, bit for bit; then a small training with the
-same seed, and all numbers of `evaluate` and `evaluate --live`. What has another name or place since stands in RENAMED.
+FOLDER holds sessions (.h5), made by the program before the change; --remember adds to it what that program trains on
+them (model.onnx) and how it judges (evaluation.json). The comparison makes each session again from its raw bytes, in a
+copy, and compares every dataset and every attribute of a group with the file before, bit for bit; then a small training
+with the same seed, and all numbers of `evaluate` and `evaluate --live`. What has another name or place since stands in RENAMED.
 --relative allows floating-point numbers to differ by that share of the larger one. Exit code 1 on any difference.
 """
 import argparse
@@ -23,8 +23,8 @@ import h5py
 import numpy
 import onnx
 
-# What a dataset or an attribute ("/sync@method") is called now, by its name before: a name, or a function of the open file
-# that gives its values, e.g. lambda file: file["/estimates/rate"][:, 0].
+# What a dataset or an attribute ("/sync@method") is called now, by its name before: a name, or a function of the open
+# file that gives its values, e.g. lambda file: file["/estimates/rate"][:, 0].
 RENAMED = {}
 # Keys of the JSON that `evaluate` prints, now by before.
 RENAMED_KEYS = {}
@@ -169,7 +169,8 @@ def compare_models(before, now):
     if without_texts(before) == without_texts(now):
         return "equal but for its texts", []
     weights = {tensor.name: tensor.raw_data for tensor in onnx.load(now).graph.initializer}
-    other = [tensor.name for tensor in onnx.load(before).graph.initializer if weights.get(tensor.name) != tensor.raw_data]
+    other = [tensor.name for tensor in onnx.load(before).graph.initializer
+             if weights.get(tensor.name) != tensor.raw_data]
     return "differs", [f"model: other weights in {', '.join(other) or 'none, but the graph is another'}"]
 
 
