@@ -7,7 +7,8 @@
 FOLDER holds sessions (.h5), made by the program before the change; --remember adds to it what that program trains on
 them (model.onnx) and how it judges (evaluation.json). The comparison makes each session again from its raw bytes, in a
 copy, and compares every dataset and every attribute of a group with the file before, bit for bit; then a small training
-with the same seed, and all numbers of `evaluate` and `evaluate --live`. What has another name or place since stands in RENAMED.
+with the same seed, and all numbers of `evaluate` and `evaluate --live`. What has another name or place since stands in
+RENAMED.
 --relative allows floating-point numbers to differ by that share of the larger one. Exit code 1 on any difference.
 """
 import argparse
