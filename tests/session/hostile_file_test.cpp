@@ -154,16 +154,11 @@ TEST_F(HostileSession, IsReadAndTriedUnderALimitOfFileSizesAsWell) {
   EXPECT_EQ(status, 0);
 }
 
-// Mutants ($THERMORIG_MUTANTS: how many; with sanitizers few, as session_fuzzer reads millions), each read by
-// a program that goes on: whatever libhdf5 does with them, it does to a child.
+// Mutants ($THERMORIG_MUTANTS: how many), each read by a program that goes on: whatever libhdf5 does with
+// them, it does to a child.
 TEST_F(HostileSession, NeverHarmsTheProgram) {
   const char* asked = std::getenv("THERMORIG_MUTANTS");
-#ifdef THERMORIG_FEW_POINTS
-  const int usual = 100;
-#else
-  const int usual = 400;
-#endif
-  const int mutants = asked == nullptr ? usual : std::atoi(asked);
+  const int mutants = asked == nullptr ? 400 : std::atoi(asked);
   const auto report = path("died");
   const int status = in_a_program([&] {
     std::mt19937 random(23);
