@@ -86,7 +86,7 @@ def breaks_of_line(line):
             yield "change", f"{indent}{{ if (%M%) {left} {OTHER_OPERATOR[sign]} {value}; else {left} {sign} {value}; }}"
     elif found := re.fullmatch(r"(\s+)([\w.>\[\]-]+ = .+|[\w.>:-]+\(.*\));", line):
         indent, statement = found.groups()
-        if balanced(statement) and not statement.startswith(("return", "throw", "static_assert", "co_", "using")):
+        if balanced(statement) and not statement.startswith(("return", "throw", "static_assert", "assert", "co_", "using")):
             yield "skip", f"{indent}{{ if (!%M%) {statement}; }}"
 
 
@@ -206,27 +206,28 @@ def limit_of(suite, command, folder, log, limits):
     return limits[suite]
 
 
+def suites_of(names, folder, build, clock, every):
+    """(name, command) of each suite, the nearest first. What sanitizers need is built only where it is come to."""
+    yield from ((f"test_{name}", program(build, name, clock)) for name in names)
+    sanitized = with_sanitizers(names, folder)
+    yield from ((f"test_{name} with sanitizers", program(sanitized, name, clock)) for name in names)
+    yield from every
+
+
 def run(path, folder, build, form):
     clock = ":".join(Path(folder, "tests/on_the_clock.txt").read_text(encoding="utf-8").split())
-    every = [*((f"test_{name}", program(build, name, clock)) for _, _, names in AREAS.values() for name in names),
-             ("unit", ["ctest", "--test-dir", build, "-LE", "rig", "--stop-on-failure", "-j", str(os.cpu_count())]),
+    every = [("unit", ["ctest", "--test-dir", build, "-LE", "rig", "--stop-on-failure", "-j", str(os.cpu_count())]),
              ("on the clock", ["bash", "tests/wall_clock.sh", build, "-L", "rig", "-E", "^Readme"])]
     results, limits = [], {}
     for number, one in enumerate(chosen(path), 1):
         begin = time.monotonic()
         names = AREAS[one["area"]][2]
-        suites = [(suite, command) for suite, command in every
-                  if suite in ("unit", "on the clock") or suite in [f"test_{name}" for name in names]]
         suite, test = "", None
-        for suite, command in suites:
+        for suite, command in suites_of(names, folder, build, clock, every):
             test = finds(command, folder, number, f"{build}/mutant-{number}.log",
                          limit_of(suite, command, folder, f"{build}/unbroken.log", limits))
             if test is not None:
                 break
-        for name in names if test is None else []:
-            suite = f"test_{name} with sanitizers"
-            test = test or finds(program(with_sanitizers(names, folder), name, clock), folder, number,
-                                 f"{build}/mutant-{number}.log")
         results.append({"number": number, "area": one["area"], "file": one["file"], "kind": one["kind"],
                         "line": one["line"].strip(), "found_by": suite if test is not None else None, "test": test,
                         "seconds": round(time.monotonic() - begin, 1)})

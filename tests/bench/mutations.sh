@@ -1,8 +1,7 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: MIT
 # Do the tests notice a break? Breaks the program in the 20 places of tests/bench/mutations.jsonl, one at a time, and runs
-# what CI runs until a test fails: the module's own tests, all unit tests, those on the clock, the module's own tests with
-# sanitizers. Exit code 1 if a break is not found. An entry that cannot be compiled, or changes nothing that anyone could
+# what CI runs until a test fails: the module's own tests, the same with sanitizers, all unit tests, those on the clock. Exit code 1 if a break is not found. An entry that cannot be compiled, or changes nothing that anyone could
 # see, says so ("left_out"), and the next one drawn takes its place.
 # Usage: bash tests/bench/mutations.sh [--json] | --draw SEED   (--draw prints a new list)
 set -euo pipefail

@@ -378,12 +378,25 @@ TEST(Reasons, WarmUpIsToldFromFramesThatComeTogetherAsFromOthers) {
   }
 }
 
+TEST(Reasons, WarmUpIsToldToAPercentWhereTheFrameRateChanges) {
+  WarmUp warming(0.5), settled(0.5);
+  bool warms = false, settles = true;
+  double time_s = 0.0;
+  for (int i = 0; i < 160; ++i) {
+    warms = warming.push(HostTime(from_s(time_s)), static_cast<float>(30.0 + 0.505 / 60.0 * time_s));
+    settles = !settled.push(HostTime(from_s(time_s)), static_cast<float>(30.0 + 0.495 / 60.0 * time_s));
+    time_s += time_s < 4.0 ? 1.0 / 8.0 : 1.0 / 32.0;
+  }
+  EXPECT_TRUE(warms);
+  EXPECT_TRUE(settles);
+}
+
 // A look at all others of the last 30 s for each of them would take an hour.
 TEST(Reasons, AMillionFramesAtNearlyOneTimeCostNoMoreEachThanOthers) {
   WarmUp warm_up(0.5);
   int changes = 0;
   for (int i = 0; i < 1'000'000; ++i)
-    changes += warm_up.push(HostTime(std::chrono::microseconds(25 * i)), 30.0F) ? 1 : 0;
+    changes += warm_up.push(HostTime(std::chrono::microseconds(8 * i)), 30.0F) ? 1 : 0;
   EXPECT_EQ(changes, 0);
 }
 

@@ -105,8 +105,9 @@ TEST(StolenBytes, CountAsLostSamplesOfEveryKindOfGyro) {
     for (const simulation::LinkConfig& link : gyro_links) {
       const auto config = rig_with(kind, link, false, ++seed);
       const HeardGyro heard = hear_gyro(config, duration_s, thief(seed));
-      const auto stolen =
-          static_cast<double>(hear_gyro(config, duration_s, nothing_is_stolen).samples - heard.samples);
+      const HeardGyro whole = hear_gyro(config, duration_s, nothing_is_stolen);
+      EXPECT_EQ(whole.lost() + whole.lost_live, 0U) << kind.name << ", seed " << seed;
+      const auto stolen = static_cast<double>(whole.samples - heard.samples);
       ASSERT_GT(stolen, 0.0) << kind.name;
       EXPECT_NEAR(static_cast<double>(heard.lost()), stolen, std::max(2.0, 0.1 * stolen))
           << kind.name << ", seed " << seed;
@@ -119,13 +120,12 @@ TEST(StolenBytes, CountAsLostSamplesOfEveryKindOfGyro) {
 TEST(StolenBytes, AreNotSeenWhereReadsOnlyComeLate) {
   std::uint64_t seed = 100;
   for (const GyroKind& kind : gyro_kinds)
-    for (const simulation::LinkConfig& link : gyro_links)
-      for (const bool loaded_host : {false, true}) {
-        const HeardGyro heard =
-            hear_gyro(rig_with(kind, link, loaded_host, ++seed), duration_s, nothing_is_stolen);
-        EXPECT_EQ(heard.lost(), 0U) << kind.name << ", seed " << seed;
-        EXPECT_EQ(heard.lost_live, 0U) << kind.name << ", seed " << seed;
-      }
+    for (const simulation::LinkConfig& link : gyro_links) {
+      // On an idle computer nothing is late: StolenBytes.CountAsLostSamplesOfEveryKindOfGyro looks at that.
+      const HeardGyro heard = hear_gyro(rig_with(kind, link, true, ++seed), duration_s, nothing_is_stolen);
+      EXPECT_EQ(heard.lost(), 0U) << kind.name << ", seed " << seed;
+      EXPECT_EQ(heard.lost_live, 0U) << kind.name << ", seed " << seed;
+    }
 }
 
 TEST(StolenBytes, AreMissedWhereTheyWereStolen) {

@@ -78,6 +78,7 @@ const Death deaths[] = {
 /// Dies in the first leg, or exits with 1 if an exception came out of it; with 0 if it lived.
 [[noreturn]] void record_and_die(const TemporaryFolder& folder, const Death& death, int servo_port) {
   alarm(120);
+  std::signal(SIGQUIT, SIG_DFL);  // a shell's background job ignores it
   const rlimit no_core{0, 0};
   setrlimit(RLIMIT_CORE, &no_core);
   VirtualPorts ports(simulation::default_rig(1, "kitchen"));

@@ -223,6 +223,17 @@ TEST_F(PageServer, NobodyIsClosedBeforeItWasAsked) {
   EXPECT_EQ(server().clients(), 1U);
 }
 
+TEST_F(PageServer, AClientThatTookAllItWasSentIsNotTakenForStalled) {
+  PageClient client = open_stream(server().port(), token());
+  ASSERT_TRUE(comes_true([&] { return server().clients() == 1; }));
+  server().publish(Topic::frame, "frame");
+  EXPECT_THAT(take(client, 1), ElementsAre("frame"));
+  EXPECT_EQ(connect().get("/page.css").status, 200);  // by then its thread knows that the frame is written
+  clock_.advance(1h);
+  EXPECT_TRUE(client.answer_ping());
+  EXPECT_EQ(server().clients(), 1U);
+}
+
 TEST_F(PageServer, CountsAClientUntilItLeaves) {
   {
     PageClient client = open_stream(server().port(), token());
