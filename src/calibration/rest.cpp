@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "thermorig/core/statistics.h"
+
 namespace thermorig::calibration {
 
 namespace {
@@ -53,17 +55,11 @@ std::vector<Part> parts_of(std::span<const TimedServo> servo, std::span<const Ti
   return parts;
 }
 
-double quantile(std::vector<double> values, double share) {
-  const auto index = static_cast<std::size_t>(share * static_cast<double>(values.size() - 1));
-  std::nth_element(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(index), values.end());
-  return values[index];
-}
-
 template <typename Value>
 double quantile_of(const std::vector<Part>& parts, double share, Value value) {
   std::vector<double> values;
   for (const Part& part : parts) values.push_back(value(part));
-  return quantile(std::move(values), share);
+  return lower_quantile(values, share);
 }
 
 /// Somebody touched the rig: a part is noisier than the quiet ones, or its mean lies far from theirs. Hands

@@ -61,7 +61,7 @@ class GyroFilter {
   /// At rest a gyro reads its bias.
   void learn(const RestBlock& rest) {
     constexpr double share = 0.1;
-    noise_dps2_ += share * (rest.samples.sample_variance() - noise_dps2_);
+    noise_dps2_ += share * (rest.noise_variance() - noise_dps2_);
     update(bias, rest.mean_dps() - state_[bias], rest.mean_variance());
   }
 

@@ -68,7 +68,7 @@ class GyroRestEstimator : public Estimator {
     bias_.add(rest.mean_dps());
     variance_dps2_ += rest.mean_variance();
     rest_s_ += rest.length_s;
-    noise_dps2_ = rest.samples.sample_variance();
+    noise_dps2_ = rest.noise_variance();
     known_since_ = now;
   }
 

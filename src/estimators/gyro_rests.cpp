@@ -14,6 +14,7 @@ constexpr double block_s = 0.25;
 constexpr double longest_pause_s = 0.25;  // between samples, within a rest
 constexpr std::size_t fewest_samples = 4;
 constexpr double largest_noise_dps = 0.5;                          // of a gyro of today: 0.05 to 0.3
+constexpr double least_noise_dps = 0.02;                           // of steps of 0.06, if nothing else
 constexpr double mean_slack_dps = 0.02;                            // a step of the gyro's counts is 0.06
 constexpr HostDuration settling = std::chrono::milliseconds(500);  // of shaft and gyro after a stop
 
@@ -26,6 +27,10 @@ bool is_zero(const GyroReading& reading) {
 
 bool has_settled(const Observation& observation, HostTime time) {
   return observation.still_since && time >= *observation.still_since + settling;
+}
+
+double RestBlock::noise_variance() const {
+  return std::max(samples.sample_variance(), least_noise_dps * least_noise_dps);
 }
 
 std::optional<RestBlock> GyroRests::add(const TimedGyro& sample) {

@@ -16,7 +16,8 @@ struct RestBlock {
   double length_s = 0.0;
   RunningStatistics samples;
   double mean_dps() const { return samples.mean(); }
-  double mean_variance() const { return samples.sample_variance() / static_cast<double>(samples.count()); }
+  double noise_variance() const;  // of one sample
+  double mean_variance() const { return noise_variance() / static_cast<double>(samples.count()); }
 };
 
 /// About all axes exactly: some gyros set themselves to zero at rest, which hides their bias.

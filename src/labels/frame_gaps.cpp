@@ -7,6 +7,8 @@
 #include <limits>
 #include <utility>
 
+#include "thermorig/core/statistics.h"
+
 namespace thermorig::labels {
 
 namespace {
@@ -102,8 +104,8 @@ void LiveFrameGaps::learn_period(HostTime time) {
   if (interval_count_ < least_intervals) return;
   const std::size_t count = std::min(interval_count_, kept_intervals);
   std::array<double, kept_intervals> sorted = intervals_s_;
-  std::nth_element(sorted.begin(), sorted.begin() + count / 2, sorted.begin() + count);
-  if (sorted[count / 2] > 0.0) period_s_ = sorted[count / 2];
+  const double usual_s = reordering_median(std::span(sorted).first(count));
+  if (usual_s > 0.0) period_s_ = usual_s;
 }
 
 std::uint16_t LiveFrameGaps::missing(double late_periods, const TimedFrame& frame, CameraMode mode) {

@@ -8,7 +8,7 @@
 
 #include "least_squares.h"
 #include "pulse_period.h"
-#include "thermorig/labels/median.h"
+#include "thermorig/core/statistics.h"
 
 namespace thermorig::labels {
 

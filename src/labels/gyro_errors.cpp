@@ -9,7 +9,7 @@
 #include "least_squares.h"
 #include "stretches.h"
 #include "thermorig/core/auto_zero.h"
-#include "thermorig/labels/median.h"
+#include "thermorig/core/statistics.h"
 #include "thermorig/labels/running_bias.h"
 #include "thermorig/labels/servo_response.h"
 

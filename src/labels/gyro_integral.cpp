@@ -6,7 +6,7 @@
 #include <limits>
 
 #include "thermorig/core/estimate.h"
-#include "thermorig/labels/median.h"
+#include "thermorig/core/statistics.h"
 
 namespace thermorig::labels {
 

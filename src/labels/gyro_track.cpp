@@ -6,26 +6,11 @@
 #include <vector>
 
 #include "pulse_period.h"
+#include "thermorig/core/statistics.h"
 
 namespace thermorig::labels {
 
 namespace {
-
-/// Mean and standard deviation as numbers come.
-class Deviation {
- public:
-  void add(double value) {
-    count_ += 1.0;
-    const double off = value - mean_;
-    mean_ += off / count_;
-    squares_ += off * (value - mean_);
-  }
-  double mean() const { return mean_; }
-  double value() const { return count_ > 0.0 ? std::sqrt(squares_ / count_) : 0.0; }
-
- private:
-  double count_ = 0.0, mean_ = 0.0, squares_ = 0.0;
-};
 
 /// A sum of samples up to a place between two of them.
 double sum_to(const std::vector<double>& sums, double place) {
@@ -70,10 +55,10 @@ void GyroTrack::note_spread(GyroMean& mean, std::span<const Point> points) {
   if (window >= count) return;
   std::vector<double> sums{0.0};
   for (const Point& point : points) sums.push_back(sums.back() + static_cast<double>(point.rate_dps));
-  Deviation smoothed;
+  RunningStatistics smoothed;
   for (double from = 0.0; from + window <= count; from += 1.0)
     smoothed.add((sum_to(sums, from + window) - sum_to(sums, from)) / window);
-  mean.spread_dps = smoothed.value();
+  mean.spread_dps = std::sqrt(smoothed.variance());
   mean.averaged = window;
 }
 
@@ -82,7 +67,7 @@ GyroMean GyroTrack::over(HostTime begin, HostTime end) const {
   const std::size_t first = points_.first_at_or_after(begin);
   const std::size_t last = std::max(points_.first_at_or_after(end), first);
   GyroMean mean;
-  Deviation samples;
+  RunningStatistics samples;
   for (const Point& point : points.subspan(first, last - first)) {
     samples.add(static_cast<double>(point.rate_dps));
     mean.saturated = mean.saturated || point.saturated;
@@ -91,7 +76,7 @@ GyroMean GyroTrack::over(HostTime begin, HostTime end) const {
   mean.count = last - first;
   if (mean.count == 0) return mean;
   mean.rate_dps = samples.mean();
-  mean.deviation_dps = samples.value();
+  mean.deviation_dps = std::sqrt(samples.variance());
   note_spread(mean, points.subspan(first, last - first));
   return mean;
 }

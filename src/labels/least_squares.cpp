@@ -1,15 +1,10 @@
 // SPDX-License-Identifier: MIT
 #include "least_squares.h"
 
-#include <algorithm>
+#include <Eigen/Cholesky>
 #include <cassert>
-#include <cmath>
 
 namespace thermorig::labels {
-
-namespace {
-constexpr double least_pivot = 1e-300;
-}
 
 void LeastSquares::add(std::span<const double> row, double value, double deviation) {
   add_part(0, row, value, deviation);
@@ -30,28 +25,12 @@ void LeastSquares::add_prior(std::size_t unknown, double value, double deviation
   add_part(unknown, std::span(&one, 1), value, deviation);
 }
 
-/// Cholesky: the matrix is symmetric and positive definite.
 std::vector<double> LeastSquares::solve_for(std::vector<double> right) const {
-  std::vector<double> lower(matrix_);
-  for (std::size_t j = 0; j < size_; ++j) {
-    double pivot = lower[j * size_ + j];
-    for (std::size_t k = 0; k < j; ++k) pivot -= lower[j * size_ + k] * lower[j * size_ + k];
-    const double root = std::sqrt(std::max(pivot, least_pivot));
-    lower[j * size_ + j] = root;
-    for (std::size_t i = j + 1; i < size_; ++i) {
-      double sum = lower[i * size_ + j];
-      for (std::size_t k = 0; k < j; ++k) sum -= lower[i * size_ + k] * lower[j * size_ + k];
-      lower[i * size_ + j] = sum / root;
-    }
-  }
-  for (std::size_t i = 0; i < size_; ++i) {
-    for (std::size_t k = 0; k < i; ++k) right[i] -= lower[i * size_ + k] * right[k];
-    right[i] /= lower[i * size_ + i];
-  }
-  for (std::size_t i = size_; i-- > 0;) {
-    for (std::size_t k = i + 1; k < size_; ++k) right[i] -= lower[k * size_ + i] * right[k];
-    right[i] /= lower[i * size_ + i];
-  }
+  using Matrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+  const auto size = static_cast<Eigen::Index>(size_);
+  const Eigen::Map<const Matrix> matrix(matrix_.data(), size, size);
+  Eigen::Map<Eigen::VectorXd> answer(right.data(), size);
+  answer = matrix.ldlt().solve(answer).eval();
   return right;
 }
 

@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "least_squares.h"
-#include "thermorig/labels/median.h"
+#include "thermorig/core/statistics.h"
 
 namespace thermorig::labels {
 

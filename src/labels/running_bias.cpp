@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "thermorig/labels/median.h"
+#include "thermorig/core/statistics.h"
 
 namespace thermorig::labels {
 

@@ -14,7 +14,7 @@
 #include "pulse_period.h"
 #include "shaft_curve.h"
 #include "stretches.h"
-#include "thermorig/labels/median.h"
+#include "thermorig/core/statistics.h"
 #include "thermorig/labels/shaft_model.h"
 
 namespace thermorig::labels {

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "thermorig/core/statistics.h"
+
 namespace thermorig::motion {
 namespace {
 
@@ -34,7 +36,8 @@ double bin_of(std::span<const HalfView> views, double pitch_deg) {
         static_cast<float>(std::abs(view.half.rate_dps) * std::max(bin_time_s, bin_per_smear * exposure_s)));
   }
   if (bins_deg.empty()) return pitch_deg;
-  return std::clamp(static_cast<double>(median(bins_deg)), pitch_deg, widest_bin_pixels * pitch_deg);
+  return std::clamp(static_cast<double>(reordering_median(bins_deg)), pitch_deg,
+                    widest_bin_pixels * pitch_deg);
 }
 
 PanoramaMap empty_map(std::span<const HalfView> views, const Layout& layout, double reach_deg) {

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "thermorig/core/statistics.h"
+
 namespace thermorig::motion {
 namespace {
 
@@ -43,9 +45,7 @@ void AngleTrack::number_stretches() {
   std::vector<double> steps_s;
   steps_s.reserve(knots_.size() - 1);
   for (std::size_t i = 1; i < knots_.size(); ++i) steps_s.push_back(knots_[i].time_s - knots_[i - 1].time_s);
-  const auto middle = steps_s.begin() + static_cast<std::ptrdiff_t>(steps_s.size() / 2);
-  std::nth_element(steps_s.begin(), middle, steps_s.end());
-  const double gap_s = std::max(shortest_gap_s, gap_periods * *middle);
+  const double gap_s = std::max(shortest_gap_s, gap_periods * reordering_median(steps_s));
   for (std::size_t i = 1; i < knots_.size(); ++i)
     knots_[i].stretch = knots_[i - 1].stretch + (knots_[i].time_s - knots_[i - 1].time_s > gap_s ? 1 : 0);
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "normal_equations.h"
 
+#include <Eigen/LU>
 #include <cmath>
 
 namespace thermorig::motion {
@@ -12,22 +13,6 @@ Parameters scales_of(const Matrix& matrix) {
   for (std::size_t i = 0; i < parameter_count; ++i)
     scales[i] = matrix[i][i] > 0.0 ? 1.0 / std::sqrt(matrix[i][i]) : 0.0;
   return scales;
-}
-
-void eliminate(Matrix& rest, Matrix& inverted, std::size_t pivot) {
-  const double by = 1.0 / rest[pivot][pivot];
-  for (std::size_t j = 0; j < parameter_count; ++j) {
-    rest[pivot][j] *= by;
-    inverted[pivot][j] *= by;
-  }
-  for (std::size_t i = 0; i < parameter_count; ++i) {
-    const double factor = rest[i][pivot];
-    if (i == pivot || factor == 0.0) continue;
-    for (std::size_t j = 0; j < parameter_count; ++j) {
-      rest[i][j] -= factor * rest[pivot][j];
-      inverted[i][j] -= factor * inverted[pivot][j];
-    }
-  }
 }
 
 }  // namespace
@@ -45,16 +30,13 @@ Matrix scaled(const Matrix& matrix, double factor) {
 }
 
 Matrix inverse(const Matrix& matrix) {
+  using Square = Eigen::Matrix<double, parameter_count, parameter_count, Eigen::RowMajor>;
+  using Diagonal = Eigen::Map<const Eigen::Matrix<double, parameter_count, 1>>;
   const Parameters scales = scales_of(matrix);
-  Matrix rest{};
+  const auto scale = Diagonal(scales.data()).asDiagonal();
+  const Square scaled = scale * Eigen::Map<const Square>(matrix.front().data()) * scale;
   Matrix inverted{};
-  for (std::size_t i = 0; i < parameter_count; ++i) {
-    inverted[i][i] = 1.0;
-    for (std::size_t j = 0; j < parameter_count; ++j) rest[i][j] = scales[i] * matrix[i][j] * scales[j];
-  }
-  for (std::size_t pivot = 0; pivot < parameter_count; ++pivot) eliminate(rest, inverted, pivot);
-  for (std::size_t i = 0; i < parameter_count; ++i)
-    for (std::size_t j = 0; j < parameter_count; ++j) inverted[i][j] *= scales[i] * scales[j];
+  Eigen::Map<Square>(inverted.front().data()) = scale * scaled.inverse() * scale;
   return inverted;
 }
 

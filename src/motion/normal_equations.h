@@ -22,7 +22,7 @@ void add_product(Matrix& matrix, double weight, const Parameters& a, const Param
 
 Matrix scaled(const Matrix& matrix, double factor);
 
-/// Inverse of a symmetric positive definite matrix (Gauss-Jordan; priors on the diagonal keep it so).
+/// Inverse of a symmetric positive definite matrix (priors on the diagonal keep it so).
 Matrix inverse(const Matrix& matrix);
 
 Parameters product(const Matrix& matrix, const Parameters& vector);

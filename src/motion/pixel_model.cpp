@@ -6,6 +6,8 @@
 #include <limits>
 #include <vector>
 
+#include "thermorig/core/statistics.h"
+
 namespace thermorig::motion {
 namespace {
 
@@ -60,16 +62,10 @@ float median_around(const FramePixels& frame, std::size_t index) {
       const float temp_c = frame[static_cast<std::size_t>(y) * frame_columns + static_cast<std::size_t>(x)];
       if (!std::isnan(temp_c)) around.push_back(temp_c);
     }
-  return median(around);
+  return reordering_median(around);
 }
 
 }  // namespace
-
-float median(std::span<float> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
 
 PixelModel::PixelModel(std::span<const HalfView> views) {
   const FramePixels mean = mean_frame(views);
@@ -111,7 +107,7 @@ void PixelModel::learn(const std::array<Residuals, 2>& residuals) {
     for (std::size_t i = 0; i < half_pixels; ++i)
       if (half.weight[i] > 0.0F) variances.push_back(half.square[i] / half.weight[i]);
   if (variances.empty()) return;
-  const float typical = std::max(least_variance, median(variances));
+  const float typical = std::max(least_variance, reordering_median(variances));
   for (const unsigned parity : {0U, 1U})
     for (std::size_t i = 0; i < half_pixels; ++i) {
       const Residuals& half = residuals[parity];

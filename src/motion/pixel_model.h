@@ -36,7 +36,4 @@ class PixelModel {
   std::array<HalfPixels, 2> weight_{};
 };
 
-/// The middle one; the values change their order.
-float median(std::span<float> values);
-
 }  // namespace thermorig::motion

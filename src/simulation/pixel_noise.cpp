@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "thermorig/core/statistics.h"
+
 namespace thermorig::simulation {
 namespace {
 
@@ -25,8 +27,7 @@ double median_squared_radius() {
   for (std::size_t row = 0; row < frame_rows; ++row)
     for (std::size_t column = 0; column < frame_columns; ++column)
       radii.push_back(squared_radius(row, column));
-  std::nth_element(radii.begin(), radii.begin() + frame_pixels / 2, radii.end());
-  return radii[frame_pixels / 2];
+  return reordering_median(radii);
 }
 
 }  // namespace

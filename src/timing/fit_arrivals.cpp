@@ -4,8 +4,8 @@
 #include <cstddef>
 #include <utility>
 
-#include "quantile.h"
 #include "stretch_fit.h"
+#include "thermorig/core/statistics.h"
 #include "thermorig/timing/arrivals.h"
 
 namespace thermorig::timing {
@@ -25,7 +25,7 @@ double median_step_s(std::span<const double> device_s) {
   std::vector<double> steps;
   for (std::size_t i = 1; i < device_s.size(); ++i)
     if (device_s[i] > device_s[i - 1]) steps.push_back(device_s[i] - device_s[i - 1]);
-  return quantile(steps, 0.5);
+  return lower_quantile(steps, 0.5);
 }
 
 /// A longer step of the device's clock lacks something. A device that keeps no exact rhythm has longer ones
@@ -36,7 +36,7 @@ double longest_whole_step_s(std::span<const double> device_s, double median_s) {
     const double step_s = device_s[i] - device_s[i - 1];
     if (step_s > 0.0 && step_s <= missing_periods * median_s) strays_s.push_back(std::abs(step_s - median_s));
   }
-  return missing_periods * median_s + strays * quantile(strays_s, jitter_quantile);
+  return missing_periods * median_s + strays * lower_quantile(strays_s, jitter_quantile);
 }
 
 class ArrivalFit {
@@ -117,9 +117,9 @@ class ArrivalFit {
     if (late_s_.empty() || result_.times.size() < 2) return;
     report.method = "one-way";
     summarise_rate(report);
-    report.late_p50_us = quantile(late_s_, 0.5) * 1e6;
-    report.late_p95_us = quantile(late_s_, 0.95) * 1e6;
-    report.late_max_us = quantile(late_s_, 1.0) * 1e6;
+    report.late_p50_us = lower_quantile(late_s_, 0.5) * 1e6;
+    report.late_p95_us = lower_quantile(late_s_, 0.95) * 1e6;
+    report.late_max_us = lower_quantile(late_s_, 1.0) * 1e6;
     summarise_bounds(report);
   }
 
@@ -142,8 +142,8 @@ class ArrivalFit {
       uncertainties.push_back(1e6 * static_cast<double>(time.uncertainty_s));
     }
     report.bound_us = *std::max_element(widths.begin(), widths.end());
-    report.bound_median_us = quantile(widths, 0.5);
-    report.uncertainty_us = quantile(uncertainties, 0.5);
+    report.bound_median_us = lower_quantile(widths, 0.5);
+    report.uncertainty_us = lower_quantile(uncertainties, 0.5);
   }
 
   std::vector<double> device_s_;

@@ -8,8 +8,8 @@
 #include <limits>
 #include <numbers>
 
-#include "quantile.h"
 #include "silence.h"
+#include "thermorig/core/statistics.h"
 
 namespace thermorig::timing {
 
@@ -44,7 +44,7 @@ class Lateness {
   LeastLateness run() {
     fill_blocks();
     const double covered = covered_share();
-    typical_least_s_ = quantile(message_least_s_, 0.5);
+    typical_least_s_ = lower_quantile(message_least_s_, 0.5);
     wait_share_ = wait_share();
     mean_rise_s_ = mean_rise(0, knots_.size());
     LeastLateness result{.at_knots_s = {}, .longest_hold_s = silence_s_};
@@ -59,8 +59,10 @@ class Lateness {
     std::vector<double> wire_s;
     for (const LatestBegin& begin : latest_)
       if (!begin.inside) wire_s.push_back(begin.wire_s);
-    return longest_silence_s(
-        {.step_s = step_s_, .message_s = quantile(wire_s, 0.5), .chunks = latest_.size(), .cuts = cuts});
+    return longest_silence_s({.step_s = step_s_,
+                              .message_s = lower_quantile(wire_s, 0.5),
+                              .chunks = latest_.size(),
+                              .cuts = cuts});
   }
 
   std::size_t block_of(std::size_t i, std::size_t block) const {
@@ -110,7 +112,7 @@ class Lateness {
     const bool by_message = by_cuts_ && 2 * message_spreads_s_.size() > message_least_s_.size();
     std::vector<double>& spreads_s = by_message ? message_spreads_s_ : block_spreads_s_;
     if (spreads_s.empty()) return 1.0;
-    return std::clamp((quantile(spreads_s, 0.5) - wake_up_s) / even_spread_s, 0.0, 1.0);
+    return std::clamp((lower_quantile(spreads_s, 0.5) - wake_up_s) / even_spread_s, 0.0, 1.0);
   }
 
   /// How much of a USB frame slid past within the window around a knot: the least waits of its blocks then
@@ -125,7 +127,7 @@ class Lateness {
     }
     if (least_s.empty()) return 0.0;
     jitter_s /= static_cast<double>(least_s.size());
-    return std::clamp(2.0 * (quantile(least_s, 0.5) - jitter_s) / usb_frame_s, 0.0, 1.0);
+    return std::clamp(2.0 * (lower_quantile(least_s, 0.5) - jitter_s) / usb_frame_s, 0.0, 1.0);
   }
 
   double mean_rise(std::size_t begin, std::size_t end) const {
@@ -140,7 +142,7 @@ class Lateness {
     std::vector<double> held_s;
     for (const LatestBegin& begin : latest_)
       if (begin.inside) held_s.push_back(begin.held_s);
-    return quantile(held_s, 0.1) > 1.5 * usb_frame_s ? 1.0 : 0.5;
+    return lower_quantile(held_s, 0.1) > 1.5 * usb_frame_s ? 1.0 : 0.5;
   }
 
   Estimate at(std::size_t knot, double covered) {

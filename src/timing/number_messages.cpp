@@ -6,7 +6,7 @@
 #include <optional>
 
 #include "lower_line.h"
-#include "quantile.h"
+#include "thermorig/core/statistics.h"
 #include "thermorig/timing/arrivals.h"
 
 namespace thermorig::timing {
@@ -194,7 +194,7 @@ class Numbering {
       const double step = (ahead_s[i] - ahead_s[i - horizon_]) / period_s_;
       steps.push_back(std::abs(step - std::round(step)));
     }
-    return quantile(steps, 0.75);
+    return lower_quantile(steps, 0.75);
   }
 
   /// Walks along the messages. Where all that follow for a horizon are later than the least late ones before
@@ -230,7 +230,7 @@ class Numbering {
   double usual_lateness_s(std::span<const double> late_s, std::span<const double> ahead_s) const {
     std::vector<double> behind_s(late_s.size());
     for (std::size_t i = 0; i < late_s.size(); ++i) behind_s[i] = late_s[i] - ahead_s[i];
-    const double usual_s = quantile(behind_s, usual_share);
+    const double usual_s = lower_quantile(behind_s, usual_share);
     return usual_s < quiet_host_s ? usual_s + settled_periods * period_s_ : beyond_all_times_s;
   }
 

@@ -5,21 +5,9 @@
 #include <cmath>
 
 #include "ping_epochs.h"
+#include "thermorig/core/statistics.h"
 
 namespace thermorig::timing {
-namespace {
-
-/// The value below which `share` of the values lie; they are put in another order.
-template <typename Value>
-double percentile(std::vector<Value>& values, double share) {
-  if (values.empty()) return 0.0;
-  const auto at = static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
-  std::nth_element(values.begin(), values.begin() + at, values.end());
-  return static_cast<double>(values[static_cast<std::size_t>(at)]);
-}
-
-}  // namespace
-
 PingReport::PingReport(const PortProfile& link) : link_(link) {
   report_.largest_constant_delay_s = link.largest_constant_delay_s;
 }
@@ -65,7 +53,7 @@ void PingReport::find_gaps(std::span<const std::int64_t> mcu_us, std::span<const
   for (std::size_t i = 1; i < mcu_us.size(); ++i)
     if (mcu_us[i] > mcu_us[i - 1]) periods_s.push_back(seconds_between(mcu_us[i - 1], mcu_us[i]));
   if (periods_s.empty()) return;
-  const double period_s = percentile(periods_s, 0.5);
+  const double period_s = lower_quantile(periods_s, 0.5);
   report_.rate_hz = 1.0 / period_s;
   for (std::size_t i = 1; i < mcu_us.size(); ++i) {
     const double missing = std::round(seconds_between(mcu_us[i - 1], mcu_us[i]) / period_s) - 1.0;
@@ -80,7 +68,7 @@ void PingReport::measure_widths(std::span<const TimeEstimate> times) {
     if (std::isfinite(time.earlier_s)) widths_s.push_back(time.earlier_s + time.later_s);
   if (widths_s.empty()) return;
   report_.bound_us = static_cast<double>(*std::max_element(widths_s.begin(), widths_s.end())) * 1e6;
-  report_.bound_median_us = percentile(widths_s, 0.5) * 1e6;
+  report_.bound_median_us = double{lower_quantile(widths_s, 0.5)} * 1e6;
   report_.uncertainty_us = report_.bound_median_us / std::sqrt(12.0);
 }
 
@@ -101,9 +89,9 @@ ClockReport PingReport::finish(std::span<const std::int64_t> mcu_us, std::span<c
   find_gaps(mcu_us, times);
   measure_widths(times);
   measure_rates(mcu_us);
-  report_.late_p50_us = percentile(late_s_, 0.5) * 1e6;
-  report_.late_p95_us = percentile(late_s_, 0.95) * 1e6;
-  report_.late_max_us = percentile(late_s_, 1.0) * 1e6;
+  report_.late_p50_us = lower_quantile(late_s_, 0.5) * 1e6;
+  report_.late_p95_us = lower_quantile(late_s_, 0.95) * 1e6;
+  report_.late_max_us = lower_quantile(late_s_, 1.0) * 1e6;
   return std::move(report_);
 }
 

@@ -8,7 +8,7 @@
 
 #include "least_lateness.h"
 #include "lower_line.h"
-#include "quantile.h"
+#include "thermorig/core/statistics.h"
 
 namespace thermorig::timing {
 
@@ -150,7 +150,7 @@ class Stretching {
       ClockKnot out{.time = host_time(origin_, host_s)};
       out.offset_s = to_s(out.time.time_since_epoch()) - (knot.x + x0_);
       out.skew_ppm = (fit_.slope - 1.0 + curve.slope(knot.x)) * 1e6;
-      out.residual_us = quantile(late_s, 0.5) * 1e6;
+      out.residual_us = lower_quantile(late_s, 0.5) * 1e6;
       fit_.knots.push_back(out);
     }
   }

@@ -62,6 +62,23 @@ TEST(Gyro, BridgesLostSamplesAndSaysHowMuchMayBeHiddenThere) {
   EXPECT_NEAR(last.angle_sigma_deg, 2000.0 * 0.1 * 0.1 / 16.0, 0.01);
 }
 
+TEST(Gyro, CountsItsAngleOnAfterItsClockBeganAnew) {
+  HandMadeRig rig = steady(40.0F);
+  rig.is_told_to_move = [](double) { return true; };
+  auto run = measurements_of(rig);
+  const std::size_t half = run.size() / 2;
+  for (std::size_t i = half; i < run.size(); ++i) {
+    run[i].frame.exposure_begin -= std::chrono::hours(1);
+    run[i].frame.exposure_end -= std::chrono::hours(1);
+    for (TimedGyro& sample : run[i].gyro) sample.stamp.time -= std::chrono::hours(1);
+  }
+  for (const std::string name : {"gyro", "gyro-kalman"}) {
+    const auto estimates = estimates_of(name, exact_gyro(), run);
+    for (std::size_t i = half + 1; i < run.size(); ++i)
+      EXPECT_NEAR(estimates[i].angle_deg - estimates[i - 1].angle_deg, 40.0 * 0.125, 1e-6) << name;
+  }
+}
+
 TEST(Gyro, OfAWindowIsTheMeanOfItsFrames) {
   HandMadeRig rig = steady(0.0F);
   rig.gyro_dps = [](double time_s) { return static_cast<float>(100.0 * time_s); };

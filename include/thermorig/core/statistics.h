@@ -1,9 +1,59 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <algorithm>
+#include <cmath>
 #include <cstddef>
+#include <ranges>
+#include <span>
+#include <vector>
 
 namespace thermorig {
+
+/// The value that stands at `rank` (from 0) once they are sorted; they are put in another order. There is
+/// one.
+template <std::ranges::random_access_range Values>
+std::ranges::range_value_t<Values> value_of_rank(Values&& values, std::size_t rank) {
+  const auto place = values.begin() + static_cast<std::ptrdiff_t>(rank);
+  std::nth_element(values.begin(), place, values.end());
+  return *place;
+}
+
+/// The one below which `share` (0..1) of the values lie, rounded down to one of them; they are put in another
+/// order. 0 of none.
+template <std::ranges::random_access_range Values>
+std::ranges::range_value_t<Values> lower_quantile(Values&& values, double share) {
+  if (std::ranges::empty(values)) return {};
+  const double rank = share * static_cast<double>(std::ranges::size(values) - 1);
+  return value_of_rank(values, static_cast<std::size_t>(std::floor(rank)));
+}
+
+/// The same, rounded up.
+template <std::ranges::random_access_range Values>
+std::ranges::range_value_t<Values> upper_quantile(Values&& values, double share) {
+  if (std::ranges::empty(values)) return {};
+  const double rank = share * static_cast<double>(std::ranges::size(values) - 1);
+  return value_of_rank(values, static_cast<std::size_t>(std::ceil(rank)));
+}
+
+/// The middle value; of an even number, the upper one of the two in the middle. They are put in another
+/// order. 0 of none.
+template <std::ranges::random_access_range Values>
+std::ranges::range_value_t<Values> reordering_median(Values&& values) {
+  if (std::ranges::empty(values)) return {};
+  return value_of_rank(values, std::ranges::size(values) / 2);
+}
+
+/// The same of a copy.
+double median(std::vector<double> values);
+
+/// Standard deviation about `centre` as the middle half of the values has it: 1.4826 times the median
+/// absolute deviation.
+double robust_deviation(std::vector<double> values, double centre);
+
+/// The value below which `share` (0..1) of the sorted values lie: linear interpolation between order
+/// statistics, as NumPy's default. NaN of none.
+double quantile(std::span<const double> sorted, double share);
 
 /// Mean and variance of numbers as they come (Welford's algorithm).
 class RunningStatistics {

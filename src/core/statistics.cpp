@@ -1,11 +1,19 @@
 // SPDX-License-Identifier: MIT
-#include "thermorig/core/quantile.h"
+#include "thermorig/core/statistics.h"
 
-#include <algorithm>
-#include <cstddef>
 #include <limits>
 
 namespace thermorig {
+
+double median(std::vector<double> values) {
+  return reordering_median(values);
+}
+
+double robust_deviation(std::vector<double> values, double centre) {
+  constexpr double of_normal = 1.4826;
+  for (double& value : values) value = std::abs(value - centre);
+  return of_normal * reordering_median(values);
+}
 
 double quantile(std::span<const double> sorted, double share) {
   if (sorted.empty()) return std::numeric_limits<double>::quiet_NaN();
