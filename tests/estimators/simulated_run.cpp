@@ -39,7 +39,7 @@ std::vector<Measurement> measurements_of(const pipeline::VirtualSweep& sweep) {
   std::size_t next = 0;
   for (const Chunk& chunk : sweep.chunks) {
     for (; next < sweep.sent.chunk_count() && sweep.sent.time(next) <= chunk.arrived; ++next)
-      pipeline.sent(sweep.sent.chunk(next), sweep.sent.time(next));
+      pipeline.sent(Device::servo, sweep.sent.chunk(next), sweep.sent.time(next));
     take(pipeline.feed(chunk.device, chunk.bytes, chunk.arrived));
   }
   take(pipeline.finish());
