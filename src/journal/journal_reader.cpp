@@ -159,6 +159,7 @@ bool take_row(const std::optional<EstimateRow>& row, RawRecording& recording) {
 }
 
 bool take_estimates(Bytes payload, RawRecording& recording) {
+  if (recording.header.estimators.empty()) return false;
   return take_row(decode_estimates(payload, recording.header.estimators.size()), recording);
 }
 

@@ -511,6 +511,14 @@ TEST_F(Journal, EndsAtARowOfOtherEstimatorsThanTheHeaderNames) {
   }
 }
 
+TEST_F(Journal, EndsAtARowWhereTheHeaderNamesNoEstimators) {
+  JournalWriter(path(), some_header(), 0).close(host_time_ns(9));
+  const Bytes row = encode_estimates(some_estimate(3), 0);
+  const auto contents = read_journal(write_file(with_record(read_file(path()), RecordType::estimates, row)));
+  EXPECT_TRUE(contents.recording.estimates.empty());
+  EXPECT_GT(contents.bytes_ignored, 0U);
+}
+
 TEST_F(Journal, EndsAtARowWithAStateOrAReasonThatThereIsNot) {
   JournalWriter(path(), live_header(), 0).close(host_time_ns(9));
   const Bytes journal = read_file(path());

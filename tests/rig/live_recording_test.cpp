@@ -47,6 +47,7 @@ struct Watched {
 
   Watched(const TemporaryFolder& folder, const RigProfile& profile) {
     options.recording = recording_options(folder, profile, short_plan());
+    options.recording.estimators = {{.name = "gyro", .values = {}}};
     options.recording.observe = [this](const Measurement& measurement, HostTime arrived) {
       rows.push_back(told(measurement, arrived));
       const LabelledSample& sample = measurement.sample;
