@@ -15,6 +15,7 @@ import argparse
 import json
 import math
 import pathlib
+import re
 import shutil
 import subprocess
 import sys
@@ -26,9 +27,61 @@ import onnx
 
 # What a dataset or an attribute ("/sync@method") is called now, by its name before: a name, or a function of the open
 # file that gives its values, e.g. lambda file: file["/estimates/rate"][:, 0].
-RENAMED = {}
-# Keys of the JSON that `evaluate` prints, now by before.
-RENAMED_KEYS = {}
+def profile(table, key, convert=None):
+    """What stood with a device's group until format 2 and is an attribute of the profile since."""
+    def values(file):
+        value = file["/rig/profile" + table].attrs[key]
+        return convert(value) if convert else value
+    return values
+
+
+def estimate(name):
+    """A column that an estimator had until format 2; NaN where the run had no such estimator."""
+    def values(file):
+        group = file["/estimates"]
+        names = [one.decode() for one in group["estimator"][()]]
+        rates = group["rate"][()]
+        return rates[:, names.index(name)] if name in names else numpy.full(len(rates), numpy.nan, rates.dtype)
+    return values
+
+
+def gain(file):
+    group = file["/estimates"]
+    names = [one.decode() for one in group["value_name"][()]] if "value_name" in group else []
+    found = group["value"][:, names.index("cnn-fusion.gain")] if "cnn-fusion.gain" in names else None
+    return found if found is not None else numpy.full(len(group["time"]), numpy.nan, "f4")
+
+
+LINK = {"port": "port", "usb_path": "usb_path", "baud": "baud", "latency_s": "latency_s", "model": "model",
+        "latency_uncertainty_s": "latency_uncertainty_s", "latency_measured": "latency_measured_utc"}
+FIELDS = {
+    "/camera": LINK | {"checksum_policy": "checksum", "field_of_view_deg": "field_of_view_deg", "mirrored": "mirrored",
+                       "orientation_measured": "orientation_measured_utc", "output_rate_setting_hz": "output_rate_hz"},
+    "/gyro": LINK | {"protocol": "protocol", "rate_setting_hz": "output_rate_hz", "sign": "sign", "scale": "scale",
+                     "scale_uncertainty": "scale_uncertainty", "scale_measured": "scale_measured_utc",
+                     "bias_dps": "bias_dps", "bias_uncertainty_dps": "bias_uncertainty_dps",
+                     "bias_measured": "bias_measured_utc"},
+    "/servo": LINK | {key: key for key in ("kind", "travel_deg", "full_rate_dps", "pulse_min_us", "pulse_max_us",
+                                           "max_rate_dps", "acceleration_dps2", "stop_margin_deg", "loop_hz", "scale",
+                                           "scale_uncertainty")} | {"scale_measured": "scale_measured_utc"},
+}
+RENAMED = {f"{group}@{old}": profile(group, new) for group, keys in FIELDS.items() for old, new in keys.items()}
+RENAMED |= {
+    "/gyro@axis_used": profile("/gyro", "axis", lambda axis: numpy.int32("xyz".index(axis))),
+    "/gyro@sign": profile("/gyro", "sign", numpy.int32),
+    **{f"/{device}@baud": profile(f"/{device}", "baud", numpy.uint32) for device in ("camera", "gyro", "servo")},
+    "/rig@name": profile("", "name"),
+    "/estimates/rate_gyro": estimate("gyro"),
+    "/estimates/rate_thermal": estimate("cnn-thermal"),
+    "/estimates/rate_fusion": estimate("cnn-fusion"),
+    "/estimates/gain": gain,
+}
+# Places in the JSON that `evaluate` prints, now by before: patterns that are replaced.
+RENAMED_PLACES = [(r"scores/apart$", "scores/excluded"), (r"scores/gyro/", "scores/estimators/gyro/"),
+                  (r"scores/(thermal|fusion)/", r"scores/estimators/cnn-\1/")]
+# The labels that a live run's estimates are held against when it is over are the finished ones, and the estimates
+# those that were shown: until format 2 the gyro's was the finished session's as well.
+JUDGED_OTHERWISE = r"finalised/scores/gyro/"
 # What tells of the program or the form of the file, not of the recording's results.
 DESCRIPTIONS = {
     "/@Conventions", "/@HDF5_Version", "/@creator", "/@creator_git", "/@default", "/@format", "/@format_version",
@@ -139,7 +192,13 @@ def compare_numbers(before, now, relative):
     before, now = numbers(before), numbers(now)
     differences = []
     for name, value in before.items():
-        path = "/".join(RENAMED_KEYS.get(part, part) for part in name.split("/"))
+        if re.search(JUDGED_OTHERWISE, name):
+            continue
+        path = name
+        for before_pattern, now_pattern in RENAMED_PLACES:
+            path = re.sub(before_pattern, now_pattern, path)
+        if path not in now and value is None:  # no such estimator ran, and nothing is said of it any more
+            continue
         if path not in now:
             differences.append(f"{path}: is not there any more")
             continue

@@ -616,7 +616,7 @@ TEST_F(Journal, ATimeThatNoRecorderCanHaveWrittenEndsTheReading) {
     const fs::path file = path("times.journal");
     fs::remove(file);
     {
-      JournalWriter writer(file, some_header(), 0);
+      JournalWriter writer(file, live_header(), 0);
       writer.received(Device::gyro, Bytes{4}, host_time_ns(12));
       write(writer, host_time_ns(ns));
     }
