@@ -65,7 +65,7 @@ class GyroEstimator : public Estimator {
 
 Entry gyro() {
   return {.name = "gyro",
-          .title = "gyro as it is",
+          .title = "gyro as it is, bias not removed",
           .inputs = {.gyro = true},
           .make = [](const Setup& setup) -> std::unique_ptr<Estimator> {
             return std::make_unique<GyroEstimator>(setup);
