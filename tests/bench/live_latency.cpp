@@ -43,7 +43,7 @@ model::Model reference_model() {
 /// All that a live run does with bytes, but the journal and the page.
 class LiveChain {
  public:
-  explicit LiveChain(const RigProfile& profile) : pipeline_(profile), estimator_(reference_model()) {}
+  explicit LiveChain(const RigProfile& profile) : LiveChain(profile, {{}, reference_model(), profile.gyro}) {}
 
   /// How many frames the step completed.
   std::size_t feed(const pipeline::ReplayStep& step) {
@@ -52,7 +52,7 @@ class LiveChain {
     frames_ += streams.frames.size();
     gyro_ += streams.gyro.size();
     for (const Measurement& measurement : measurements) {
-      scorer_.add(estimator_.add(measurement, step.time));
+      scorer_.add(estimates_.add(measurement, step.time));
       scores_ = scorer_.scores();
     }
     return measurements.size();
@@ -63,9 +63,12 @@ class LiveChain {
   const live::LiveScores& scores() const { return scores_; }
 
  private:
+  LiveChain(const RigProfile& profile, estimators::Bank bank)
+      : pipeline_(profile), scorer_(live::columns_of(bank)), estimates_(std::move(bank)) {}
+
   pipeline::Pipeline pipeline_;
-  live::LiveEstimates estimator_;
   live::Scorer scorer_;
+  live::LiveEstimates estimates_;
   live::LiveScores scores_;
   std::size_t frames_ = 0, gyro_ = 0;
 };
@@ -249,7 +252,9 @@ void add_long_run(Figures& figures, double hours) {
     if (std::fread(bytes.data(), 1, bytes.size(), from) != bytes.size()) break;
     const HostTime time = host_time_ns(front.time_ns);
     const bool received = front.place < device_count;
-    chain.feed({received ? std::optional(all_devices[front.place]) : std::nullopt, bytes, time});
+    const auto from_device = received ? std::optional(all_devices[front.place]) : std::nullopt;
+    const auto to_device = received ? std::nullopt : std::optional(Device::servo);
+    chain.feed({.from = from_device, .to = to_device, .bytes = bytes, .time = time});
     if (to_s(time - config.start) < hour * hour_s) continue;
     fmt::print(stderr, "after {:.0f} h: {:.3f} MB\n", hour, resident_mb());
     if (hour == 1.0 || hour == hours)

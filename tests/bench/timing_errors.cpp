@@ -8,6 +8,7 @@
 
 #include "servo_link.h"
 #include "thermorig/pipeline/pipeline.h"
+#include "thermorig/sensors/servo_protocol.h"
 #include "thermorig/timing/link_timing.h"
 #include "thermorig/timing/mcu_time.h"
 #include "thermorig/wire/sent_commands.h"
