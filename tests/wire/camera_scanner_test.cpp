@@ -296,5 +296,20 @@ TEST(CameraScanner, DecidesADamagedLastFrameAtTheEndOfTheStream) {
   EXPECT_EQ(scan.counters.bytes_in_damaged, frame_size);
 }
 
+TEST(CameraScanner, RestartedHoldsTheNextFrameAgainstNoneAndForgetsTheHalfThatHadCome) {
+  wire::CameraScanner scanner(ChecksumPolicy::word);
+  std::vector<wire::CameraMessage> messages;
+  const ByteVector frame = camera_stream({uniform_frame(20.0F)});
+  scanner.push(frame, messages);
+  scanner.push(std::span(frame).first(frame_size / 2), messages);
+  scanner.restart();
+  scanner.push(frame, messages);
+  ASSERT_EQ(messages.size(), 2U);
+  EXPECT_EQ(messages[1].fresh.even + messages[1].fresh.odd, 768) << "no frame of this stream was before it";
+  EXPECT_FALSE(messages[1].resync_before);
+  EXPECT_EQ(messages[1].span.end, 2 * frame_size + frame_size / 2);
+  EXPECT_EQ(scanner.counters().bytes_skipped + scanner.counters().bytes_in_damaged, 0U);
+}
+
 }  // namespace
 }  // namespace thermorig::test

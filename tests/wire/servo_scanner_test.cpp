@@ -230,5 +230,20 @@ TEST(ServoScanner, FindsNothingInNoise) {
   }
 }
 
+TEST(ServoScanner, RestartedForgetsTheSequenceAndTheHalfOfAFrameThatHadCome) {
+  wire::ServoScanner scanner;
+  std::vector<ServoMessage> messages;
+  const ByteVector before = numbered_telemetry(1), after = numbered_telemetry(40);
+  scanner.push(before, messages);
+  scanner.push(std::span(before).first(before.size() / 2), messages);
+  scanner.restart();
+  scanner.push(after, messages);
+  ASSERT_EQ(messages.size(), 2U);
+  EXPECT_FALSE(messages[1].lost_before) << "the numbers of another stream tell nothing";
+  EXPECT_EQ(scanner.counters().lost, 0U);
+  EXPECT_EQ(messages[1].span.end, before.size() + before.size() / 2 + after.size());
+  EXPECT_EQ(scanner.counters().bytes_received, messages[1].span.end);
+}
+
 }  // namespace
 }  // namespace thermorig::test
