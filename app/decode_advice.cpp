@@ -98,7 +98,7 @@ std::string advice_on_device(const DecodeOptions& options, Bytes head) {
   for (const sensors::Recognised& found : sensors::recognise(head, 0.0)) {
     const bool convinces = found.role != Device::gyro || found.evidence.messages >= convincing_packets;
     if (found.evidence.text_format || !convinces) continue;
-    const std::string protocol = protocol_option(found);
+    std::string protocol = protocol_option(found);
     if (options.device == found.role) return protocol;
     const std::string device = fmt::format("--device {}", name_of(found.role));
     return is_usual(found) ? device : device + " " + protocol;
