@@ -1,9 +1,17 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <memory>
+
 #include "thermorig/estimators/table.h"
 
 namespace thermorig::estimators {
+
+/// Entry::make of an estimator of that class.
+template <typename Made>
+std::unique_ptr<Estimator> made(const Setup& setup) {
+  return std::make_unique<Made>(setup);
+}
 
 // Each in the file of its name; the two of the network in network_estimators.cpp.
 Entry gyro();

@@ -67,9 +67,7 @@ Entry gyro() {
   return {.name = "gyro",
           .title = "gyro as it is, bias not removed",
           .inputs = {.gyro = true},
-          .make = [](const Setup& setup) -> std::unique_ptr<Estimator> {
-            return std::make_unique<GyroEstimator>(setup);
-          }};
+          .make = made<GyroEstimator>};
 }
 
 }  // namespace thermorig::estimators

@@ -18,7 +18,6 @@ namespace thermorig::estimators {
 namespace {
 
 constexpr std::array<std::string_view, 2> kalman_values{"bias_dps", "bias_sigma_dps"};
-constexpr double bias_walk_dps = 0.005;           // a square root of a second: a consumer gyro's
 constexpr double steady_acceleration_dps2 = 5.0;  // of a shaft that keeps its speed
 constexpr double assumed_noise_dps = 0.1;         // of one sample, until a rest has shown it
 constexpr double surprise = 3.0;                  // standard deviations of an innovation: the speed changes
@@ -297,9 +296,7 @@ Entry gyro_kalman() {
           .title = "gyro, Kalman filter of angle, rate and bias",
           .inputs = {.gyro = true, .rest = true},
           .values = kalman_values,
-          .make = [](const Setup& setup) -> std::unique_ptr<Estimator> {
-            return std::make_unique<GyroKalmanEstimator>(setup);
-          }};
+          .make = made<GyroKalmanEstimator>};
 }
 
 }  // namespace thermorig::estimators

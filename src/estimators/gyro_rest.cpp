@@ -17,7 +17,6 @@ namespace {
 
 constexpr std::array<std::string_view, 1> rest_values{"bias_dps"};
 constexpr double least_rest_s = 0.5;
-constexpr double wander_dps = 0.005;  // of a bias, a square root of a second: a consumer gyro's
 
 class GyroRestEstimator : public Estimator {
  public:
@@ -80,7 +79,7 @@ class GyroRestEstimator : public Estimator {
   double rest_noise_dps() const { return std::sqrt(variance_dps2_) / static_cast<double>(bias_.count()); }
 
   double bias_sigma_dps(HostTime now) const {
-    return std::hypot(rest_noise_dps(), wander_dps * std::sqrt(age_s(now)));
+    return std::hypot(rest_noise_dps(), bias_walk_dps * std::sqrt(age_s(now)));
   }
 
   /// Of the mean over a frame's exposure: noise, and where it begins and ends.
@@ -97,7 +96,8 @@ class GyroRestEstimator : public Estimator {
     const GyroAngle::Turn turn = angle_.until(now);
     estimate.angle_deg = turn.angle_deg - bias_.mean() * turn.elapsed_s;
     const double age = age_s(now);
-    const double wandered_deg = wander_dps * std::sqrt(age * age * age / 3.0);  // integral of a random walk
+    const double wandered_deg =
+        bias_walk_dps * std::sqrt(age * age * age / 3.0);  // integral of a random walk
     const double sigma_deg =
         std::hypot(rest_noise_dps() * turn.elapsed_s, wandered_deg, turn.unseen_sigma_deg);
     const double late_deg = setup_.gyro.link.latency_uncertainty_s * turn.rate_dps;
@@ -124,9 +124,7 @@ Entry gyro_rest() {
           .title = "gyro, bias of the opening rest removed",
           .inputs = {.gyro = true, .rest = true},
           .values = rest_values,
-          .make = [](const Setup& setup) -> std::unique_ptr<Estimator> {
-            return std::make_unique<GyroRestEstimator>(setup);
-          }};
+          .make = made<GyroRestEstimator>};
 }
 
 }  // namespace thermorig::estimators

@@ -11,6 +11,9 @@
 
 namespace thermorig::estimators {
 
+/// By how much a bias wanders, a square root of a second: a consumer gyro's.
+inline constexpr double bias_walk_dps = 0.005;
+
 /// A quarter of a second of a gyro at rest: its mean is its bias, the spread of its samples is its noise.
 struct RestBlock {
   double length_s = 0.0;

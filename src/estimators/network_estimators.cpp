@@ -106,9 +106,7 @@ Entry cnn_thermal() {
           .title = "thermal head of the network",
           .inputs = {.image = true},
           .needs_network = true,
-          .make = [](const Setup& setup) -> std::unique_ptr<Estimator> {
-            return std::make_unique<ThermalEstimator>(setup);
-          }};
+          .make = made<ThermalEstimator>};
 }
 
 Entry cnn_fusion() {
@@ -118,9 +116,7 @@ Entry cnn_fusion() {
           .needs_network = true,
           .needs_fusion = true,
           .values = fusion_values,
-          .make = [](const Setup& setup) -> std::unique_ptr<Estimator> {
-            return std::make_unique<FusionEstimator>(setup);
-          }};
+          .make = made<FusionEstimator>};
 }
 
 }  // namespace thermorig::estimators

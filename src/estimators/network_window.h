@@ -8,6 +8,7 @@
 #include "thermorig/estimators/estimator.h"
 #include "thermorig/model/model.h"
 #include "thermorig/network/estimator.h"
+#include "thermorig/windows/frames_in_a_row.h"
 #include "thermorig/windows/last_blocks.h"
 #include "thermorig/windows/scaling.h"
 
@@ -33,7 +34,7 @@ class NetworkWindow {
   windows::Scaling scaling_;
   std::vector<float> prepared_;
   windows::LastBlocks images_;
-  int in_a_row_ = 0;  // sound images without a gap between them, up to Nf
+  windows::FramesInARow in_a_row_;
   std::optional<std::uint64_t> seen_;
   std::optional<network::Output> output_;
   EstimateReason reason_ = EstimateReason::window_incomplete;

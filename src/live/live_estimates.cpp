@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "thermorig/windows/frames_in_a_row.h"
 #include "thermorig/windows/last_blocks.h"
 #include "thermorig/windows/soundness.h"
 #include "thermorig/windows/window_index.h"
@@ -23,20 +24,19 @@ EstimateRow row_of(const LabelledSample& sample, HostTime arrived) {
           .leg = sample.leg};
 }
 
-bool gap_before(const TimedFrame& frame) {
-  return frame.resync_before || frame.missing_before > 0;
-}
-
 }  // namespace
 
 struct LiveEstimates::Parts {
   explicit Parts(estimators::Bank given)
-      : bank(std::move(given)), rule(bank.frames()), labels(static_cast<std::size_t>(bank.frames()), 1) {}
+      : bank(std::move(given)),
+        rule(bank.frames()),
+        labels(static_cast<std::size_t>(bank.frames()), 1),
+        in_a_row(bank.frames()) {}
 
   estimators::Bank bank;
   windows::WindowRule rule;
   windows::LastBlocks labels;
-  int in_a_row = 0;  // sound images without a gap between them, up to the window's frames
+  windows::FramesInARow in_a_row;
 };
 
 LiveEstimates::LiveEstimates(estimators::Bank bank) : parts_(std::make_unique<Parts>(std::move(bank))) {}
@@ -50,14 +50,13 @@ EstimateRow LiveEstimates::add(const Measurement& measurement, HostTime arrived)
   const TimedFrame& frame = measurement.frame;
   const LabelledSample& sample = measurement.sample;
   const int frames = parts.bank.frames();
-  const bool sound_image = windows::is_sound_image(frame.frame.temp_c);
-  const bool sound = (sound_image || frame.stands_in) && windows::is_sound_rate(sample.rate_commanded_dps) &&
+  const int in_a_row = parts.in_a_row.push(frame);
+  const bool sound = (in_a_row > 0 || frame.stands_in) && windows::is_sound_rate(sample.rate_commanded_dps) &&
                      windows::is_sound_rate(sample.rate_gyro_dps);
-  parts.in_a_row = !sound_image ? 0 : gap_before(frame) ? 1 : std::min(parts.in_a_row + 1, frames);
   parts.labels.push(sample.rate_commanded_dps);
   EstimateRow row = row_of(sample, arrived);
   row.rate_commanded_dps = windows::mean_rate(parts.labels.all());
-  row.counted = parts.rule.push(sound ? row.run : 0) && (frame.stands_in || parts.in_a_row == frames);
+  row.counted = parts.rule.push(sound ? row.run : 0) && (frame.stands_in || in_a_row == frames);
   std::ranges::copy(parts.bank.add(measurement), row.estimates.begin());
   return row;
 }

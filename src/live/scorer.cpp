@@ -9,7 +9,7 @@
 #include "recent_errors.h"
 #include "seconds_between.h"
 #include "thermorig/core/estimate.h"
-#include "thermorig/core/quantile.h"
+#include "thermorig/core/statistics.h"
 #include "thermorig/network/gate.h"
 
 namespace thermorig::live {

@@ -7,7 +7,7 @@
 #include <limits>
 #include <utility>
 
-#include "thermorig/labels/median.h"
+#include "thermorig/core/statistics.h"
 
 namespace thermorig::pipeline {
 
@@ -22,7 +22,7 @@ double median_period_s(const std::vector<TimedFrame>& frames, const std::vector<
   for (std::size_t i = 0; i + span < frames.size(); ++i)
     periods.push_back(to_s(frames[i + span].stamp.time - frames[i].stamp.time) /
                       (number[i + span] - number[i]));
-  return labels::median(std::move(periods));
+  return median(std::move(periods));
 }
 
 /// The turn of each frame, missing ones counted.

@@ -8,7 +8,7 @@
 
 #include "estimates.h"
 #include "thermorig/core/estimate.h"
-#include "thermorig/core/quantile.h"
+#include "thermorig/core/statistics.h"
 
 namespace thermorig::study {
 

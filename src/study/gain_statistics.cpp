@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "thermorig/core/estimate.h"
-#include "thermorig/core/quantile.h"
+#include "thermorig/core/statistics.h"
 #include "thermorig/network/gate.h"
 #include "thermorig/training/fit.h"
 

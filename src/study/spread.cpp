@@ -2,7 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "thermorig/core/quantile.h"
+#include "thermorig/core/statistics.h"
 #include "thermorig/study/evaluation.h"
 
 namespace thermorig::study {

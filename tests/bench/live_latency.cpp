@@ -14,7 +14,7 @@
 #include <string_view>
 
 #include "fast_rig.h"
-#include "thermorig/core/quantile.h"
+#include "thermorig/core/statistics.h"
 #include "thermorig/live/live_estimates.h"
 #include "thermorig/live/scores.h"
 #include "thermorig/pipeline/replay.h"

@@ -43,20 +43,5 @@ TEST(ByteLedger, TellsOfAGapOnceAndOfFillerNever) {
   EXPECT_EQ(ledger.counters.bytes_skipped, 5U);
 }
 
-TEST(ByteLedger, CountersOfTwoPiecesOfAStreamAddUp) {
-  wire::ByteLedger first, second;
-  first.receive(10);
-  first.book_message(4);
-  second.receive(7);
-  second.book_gap(7);
-  wire::Counters together = first.counters;
-  together += second.counters;
-  EXPECT_EQ(together.bytes_received, 17U);
-  EXPECT_EQ(together.bytes_in_messages, 4U);
-  EXPECT_EQ(together.bytes_skipped, 7U);
-  EXPECT_EQ(together.bytes_pending, 6U);
-  EXPECT_EQ(together.resyncs, 1U);
-}
-
 }  // namespace
 }  // namespace thermorig::test
