@@ -31,7 +31,7 @@ struct Inspected {
 Inspected inspect(const std::filesystem::path& path) {
   require_existing(path);
   refuse_journal(path);
-  const session::SealedCopy copy = session::tried_copy(path);
+  const sandbox::SealedCopy copy = session::tried_copy(path);
   session::Session session = session::read_session(copy);
   session::Quality quality = session::quality_of(session);
   return {std::move(session), std::move(quality), session::altered_attributes(copy)};

@@ -22,7 +22,7 @@ using windows::Acquisition;
 std::mutex hdf5_turn;  // the library may be in one thread at a time
 
 session::Session read_in_turn(const fs::path& path) {
-  const session::SealedCopy copy = session::tried_copy(path);  // by a process of its own: side by side
+  const sandbox::SealedCopy copy = session::tried_copy(path);  // by a process of its own: side by side
   const std::lock_guard turn(hdf5_turn);
   return session::read_session(copy);
 }

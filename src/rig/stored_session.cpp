@@ -6,7 +6,7 @@
 namespace thermorig::rig {
 
 session::Session stored_session(const std::filesystem::path& path, files::Disk& disk) {
-  return session::read_session(session::tried(session::copy_on(disk, path)));
+  return session::read_session(session::tried(sandbox::copy_on(disk, path)));
 }
 
 }  // namespace thermorig::rig

@@ -8,7 +8,7 @@
 #include <numeric>
 
 #include "attributes.h"
-#include "cage.h"
+#include "thermorig/sandbox/sandbox.h"
 
 namespace thermorig::session {
 
@@ -139,7 +139,7 @@ std::uint32_t GroupReader::read_chunks(const Source& source, const std::string& 
     check(H5Dread(source.dataset.get(), type, memory.get(), space.get(), H5P_DEFAULT, buffer.data()),
           "read " + path + ": a chunk is damaged");
     crc = libdeflate_crc32(crc, buffer.data(), count[0] * row_bytes);
-    count_inflated(count[0] * row_bytes);
+    sandbox::count_inflated(count[0] * row_bytes);
     take(start[0], count[0], buffer.data());
   }
   return crc;

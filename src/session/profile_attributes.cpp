@@ -7,8 +7,8 @@
 
 #include "attributes.h"
 #include "group_reader.h"
-#include "refusal.h"
 #include "thermorig/recording_header/profile_fields.h"
+#include "thermorig/sandbox/refusal.h"
 
 namespace thermorig::session {
 
@@ -69,7 +69,8 @@ RigProfile read_profile(hid_t file, const std::filesystem::path& path) {
   const GroupReader must_be_there(file, profile_group, {});
   return recording_header::profile_from([&](const ProfileField& field) { return value_in(file, field); },
                                         [&](const ProfileProblem& problem) {
-                                          refuse(path, "its profile cannot be believed: " + problem.text());
+                                          sandbox::refuse(
+                                              path, "its profile cannot be believed: " + problem.text());
                                         });
 }
 

@@ -9,7 +9,7 @@
 #include "chunk_writer.h"
 #include "hdf5_handle.h"
 #include "session_image.h"
-#include "session_trial.h"
+#include "tasks.h"
 #include "thermorig/core/error.h"
 #include "thermorig/files/part_file.h"
 #include "thermorig/session/session.h"
@@ -47,7 +47,7 @@ std::string advice_for(int error_number) {
 }
 
 /// What a reader would refuse never gets its name: nobody shall remove what it was made of.
-void require_readable_again(SealedCopy written) {
+void require_readable_again(sandbox::SealedCopy written) {
   const std::string path = written.path().string();
   try {
     require_readable(std::move(written));
@@ -57,7 +57,7 @@ void require_readable_again(SealedCopy written) {
   }
 }
 
-std::vector<StoredAttribute> added_to(const SealedCopy& copy) {
+std::vector<StoredAttribute> added_to(const sandbox::SealedCopy& copy) {
   altered_attributes(copy);  // a child looks at all of them first
   return added_attributes(copy);
 }
@@ -73,12 +73,12 @@ void write_file(const fs::path& path, const Session& session, bool overwrite, fi
   if (is_there && !overwrite) refuse_to_write("the session exists already", EEXIST, path);
   files::PartFile part(path, "the session", advice_for, disk);
   std::vector<StoredAttribute> added =
-      is_there ? added_to(copy_on(disk, path)) : std::vector<StoredAttribute>{};
+      is_there ? added_to(sandbox::copy_on(disk, path)) : std::vector<StoredAttribute>{};
   SessionImage image = build_image(session, std::thread::hardware_concurrency(), added);
   added.clear();
   part.write(image.bytes);
   image.release();  // or there would be two of it
-  SealedCopy written(part.read_back(), path);
+  sandbox::SealedCopy written(part.read_back(), path);
   check_written(written.bytes(), image);
   require_readable_again(std::move(written));
   part.sync();

@@ -16,16 +16,16 @@
 #include "group_reader.h"
 #include "profile_attributes.h"
 #include "recording_columns.h"
-#include "refusal.h"
 #include "sample_columns.h"
 #include "scalars.h"
 #include "sent_bytes.h"
-#include "session_trial.h"
 #include "stored_attributes.h"
 #include "sync_attributes.h"
 #include "sync_columns.h"
+#include "tasks.h"
 #include "thermorig/core/error.h"
 #include "thermorig/recording_header/header_json.h"
+#include "thermorig/sandbox/refusal.h"
 #include "thermorig/session/session.h"
 #include "thermorig/session/trial.h"
 
@@ -52,18 +52,19 @@ std::optional<FormatVersion> version_of(const std::string& text) {
 /// A session file that has shown its format; gives access to its groups.
 class SessionFile {
  public:
-  explicit SessionFile(const SealedCopy& copy) : path_(copy.path()) {
+  explicit SessionFile(const sandbox::SealedCopy& copy) : path_(copy.path()) {
     const fs::path& path = path_;
     facts_.bytes = copy.bytes().size();
-    if (copy.bytes().empty()) refuse(path, "is empty");
+    if (copy.bytes().empty()) sandbox::refuse(path, "is empty");
     file_ = open_file_image(copy.bytes(), "open it as HDF5");
     if (!has_attribute(id(), "format") || get_text_attribute(id(), "format") != format_name)
-      refuse(path, "is HDF5, but not a thermorig session");
+      sandbox::refuse(path, "is HDF5, but not a thermorig session");
     const std::string version = get_text_attribute(id(), "format_version");
     const auto known = version_of(version);
     if (!known)
-      refuse(path, fmt::format("is a session of format version {}, and this program reads versions {} to {}",
-                               version, first_format_major, format_version.major));
+      sandbox::refuse(
+          path, fmt::format("is a session of format version {}, and this program reads versions {} to {}",
+                            version, first_format_major, format_version.major));
     facts_.version = *known;
   }
 
@@ -107,7 +108,7 @@ class SessionFile {
     std::string licence = get_text_attribute(id(), "license");
     if (licence.empty() || licence == licence_not_stated) return "";
     if (!recording_header::is_licence(licence))
-      refuse(path_, "has an attribute `license` that is no line of up to 1000 bytes of UTF-8");
+      sandbox::refuse(path_, "has an attribute `license` that is no line of up to 1000 bytes of UTF-8");
     return licence;
   }
 
@@ -369,22 +370,22 @@ std::vector<StoredAttribute> read_added(SessionFile& file) {
 }
 
 template <typename Read>
-auto read_or_explain(const SealedCopy& copy, Read read) {
+auto read_or_explain(const sandbox::SealedCopy& copy, Read read) {
   try {
     prepare_hdf5();
     const ClearedErrors cleared;
     SessionFile file(copy);
     return read(file);
   } catch (const Hdf5Failure& failure) {
-    refuse(copy.path(), failure.what());
+    sandbox::refuse(copy.path(), failure.what());
   } catch (const std::bad_alloc&) {
-    refuse(copy.path(), "claims to be larger than the memory of this computer");
+    sandbox::refuse(copy.path(), "claims to be larger than the memory of this computer");
   }
 }
 
 }  // namespace
 
-Session read_session(const SealedCopy& copy) {
+Session read_session(const sandbox::SealedCopy& copy) {
   return read_or_explain(copy, read_all);
 }
 
@@ -396,15 +397,15 @@ RawRecording read_raw(const fs::path& path) {
   return read_or_explain(tried_copy(path), read_foundation).raw;
 }
 
-std::vector<StoredAttribute> added_attributes(const SealedCopy& copy) {
+std::vector<StoredAttribute> added_attributes(const sandbox::SealedCopy& copy) {
   return read_or_explain(copy, read_added);
 }
 
-std::vector<std::string> altered_in(const SealedCopy& copy) {
+std::vector<std::string> altered_in(const sandbox::SealedCopy& copy) {
   return read_or_explain(copy, read_altered);
 }
 
-void read_for_nothing(const SealedCopy& copy) {
+void read_for_nothing(const sandbox::SealedCopy& copy) {
   read_or_explain(copy, read_all);
 }
 

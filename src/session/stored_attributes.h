@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "hdf5_handle.h"
-#include "thermorig/session/sealed_copy.h"
+#include "thermorig/sandbox/sealed_copy.h"
 
 namespace thermorig::session {
 
@@ -44,7 +44,7 @@ std::vector<StoredAttribute> without_named(std::vector<StoredAttribute> attribut
 
 /// The attributes of a session that thermorig did not write, and some that it did: what a file that replaces
 /// it has none of, is to be kept. Throws as read_session() does.
-std::vector<StoredAttribute> added_attributes(const SealedCopy& copy);
+std::vector<StoredAttribute> added_attributes(const sandbox::SealedCopy& copy);
 
 /// Puts attributes on the same objects of another file, as far as these are there and have none of the name.
 void add_attributes(hid_t file, const std::vector<StoredAttribute>& attributes);

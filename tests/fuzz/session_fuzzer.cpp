@@ -163,7 +163,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
   FuzzScript script(data, size);
   const Bytes bytes = edited(script);
-  const session::SealedCopy copy(std::as_bytes(std::span(bytes)), "fuzz");
+  const sandbox::SealedCopy copy(std::as_bytes(std::span(bytes)), "fuzz");
   test::read_or_refuse(ExitCode::not_a_session, [&] {
     const session::Session read = session::read_session(copy);
     fuzz_require(read.samples.size() <= 100'000);

@@ -25,13 +25,14 @@
 #include <tuple>
 #include <utility>
 
-#include "cage.h"
+#include "../../src/sandbox/child_limits.h"
+#include "../../src/sandbox/sanitized.h"
 #include "equality.h"
-#include "sanitized.h"
-#include "session_trial.h"
 #include "synthetic_session.h"
+#include "tasks.h"
 #include "temporary_folder.h"
 #include "thermorig/core/error.h"
+#include "thermorig/sandbox/sandbox.h"
 #include "thermorig/session/session.h"
 #include "thermorig/session/trial.h"
 
@@ -133,7 +134,7 @@ TEST_F(HostileSession, IsReadWhereNothingIsWrong) {
 }
 
 TEST_F(HostileSession, IsTheVeryCopyThatWasTried) {
-  const SealedCopy copy(path("whole.h5"));
+  const sandbox::SealedCopy copy(path("whole.h5"));
   write_file(path("whole.h5"), {'x'});
   EXPECT_EQ(difference(truth_, read_session(copy)), "");
   EXPECT_NE(::pwrite(copy.fd(), "x", 1, 0), 1);
@@ -146,7 +147,7 @@ TEST_F(HostileSession, IsReadAndTriedUnderALimitOfFileSizesAsWell) {
     ::getrlimit(RLIMIT_FSIZE, &before);
     const rlimit limit{1000, before.rlim_max};  // `ulimit -f`: smaller than any session
     ::setrlimit(RLIMIT_FSIZE, &limit);
-    const bool is_file = SealedCopy(path("whole.h5")).fd() >= 0;
+    const bool is_file = sandbox::SealedCopy(path("whole.h5")).fd() >= 0;
     const int code = code_of_reading(path("whole.h5"), truth_, died);
     ::setrlimit(RLIMIT_FSIZE, &before);
     return is_file ? 101 : code;
@@ -178,15 +179,15 @@ TEST_F(HostileSession, NeverHarmsTheProgram) {
   EXPECT_EQ(WEXITSTATUS(status), 0);
 }
 
-class Cage : public InTemporaryFolder {
+class Sandbox : public InTemporaryFolder {
  protected:
   template <typename Body>
-  static int in_cage(
+  static int in_sandbox(
       Body body, void (*before)() = [] {}) {
     const pid_t child = ::fork();
     if (child == 0) {
       before();
-      enter_cage(1000);
+      sandbox::enter(1000);
       ::_exit(body());
     }
     int status = 0;
@@ -198,36 +199,36 @@ class Cage : public InTemporaryFolder {
 class Trial : public InTemporaryFolder {
  protected:
   template <typename Body>
-  static TrialEnd answer_of_a_child(Body body) {
+  static sandbox::End answer_of_a_child(Body body) {
     std::array<int, 2> ends{};
     EXPECT_EQ(::pipe(ends.data()), 0);
     const pid_t child = ::fork();
     if (child == 0) {
-      answer_when_time_is_up(ends[1]);
+      sandbox::answer_when_time_is_up(ends[1]);
       body();
       ::_exit(1);
     }
     ::close(ends[1]);
-    TrialEnd answer = TrialEnd::died;
+    sandbox::End answer = sandbox::End::died;
     EXPECT_GE(::read(ends[0], &answer, sizeof answer), 0);
     ::close(ends[0]);
     ::waitpid(child, nullptr, 0);
     return answer;
   }
-  static TrialEnd answer_of_a_child_that_gets(int signal) {
+  static sandbox::End answer_of_a_child_that_gets(int signal) {
     return answer_of_a_child([signal] {
-      count_inflated(-inflated_bytes());  // of what this process has read itself
+      sandbox::count_inflated(-sandbox::inflated_bytes());  // of what this process has read itself
       ::raise(signal);
     });
   }
 };
 
-TEST_F(Cage, EndsWhoeverIsBusyForTooLong) {
+TEST_F(Sandbox, EndsWhoeverIsBusyForTooLong) {
   const pid_t child = ::fork();
   if (child == 0) {
-    rlimit shorter{1, 1};  // the limit that the cage sets would be higher, and is refused
+    rlimit shorter{1, 1};  // the limit that the sandbox sets would be higher, and is refused
     ::setrlimit(RLIMIT_CPU, &shorter);
-    enter_cage(0);
+    sandbox::enter(0);
     std::mt19937 busy;
     while (true) busy.discard(1'000'000);
   }
@@ -241,20 +242,20 @@ TEST(TimeLimits, SufficeForAFileOfZerosOnASlowComputer) {
   constexpr std::uint64_t slow_bytes_per_s = 20'000'000;
   for (const std::uint64_t bytes :
        {std::uint64_t{100'000}, std::uint64_t{1'000'000}, std::uint64_t{4} << 30U}) {
-    const TimeLimits limits = time_limits(bytes);
+    const sandbox::TimeLimits limits = sandbox::time_limits(bytes);
     const std::uint64_t inflated = 1000 * bytes;
-    EXPECT_GE(limits.cpu_s + inflated / inflated_bytes_per_cpu_s, inflated / slow_bytes_per_s);
-    EXPECT_GE(limits.longest_cpu_s, limits.cpu_s + inflated / inflated_bytes_per_cpu_s);
+    EXPECT_GE(limits.cpu_s + inflated / sandbox::inflated_bytes_per_cpu_s, inflated / slow_bytes_per_s);
+    EXPECT_GE(limits.longest_cpu_s, limits.cpu_s + inflated / sandbox::inflated_bytes_per_cpu_s);
     EXPECT_GE(limits.wall_s, std::min<std::uint64_t>(10 * limits.longest_cpu_s, 86'400));
   }
 }
 
-TEST_F(Cage, TellsEverySecondBeyondTheFirstLimit) {
+TEST_F(Sandbox, TellsEverySecondBeyondTheFirstLimit) {
   std::array<int, 2> ends{};
   ASSERT_EQ(::pipe(ends.data()), 0);
   const pid_t child = ::fork();
   if (child == 0) {
-    enter_cage(1000);
+    sandbox::enter(1000);
     for (char there = 'x';; there = 0)  // until it is killed: in there it may neither ask nor wait
       if (there != 0 && ::write(ends[1], &there, 1) != 1) ::_exit(1);
   }
@@ -265,19 +266,19 @@ TEST_F(Cage, TellsEverySecondBeyondTheFirstLimit) {
   ::kill(child, SIGKILL);
   ::waitpid(child, nullptr, 0);
   for (const int end : ends) ::close(end);
-  const TimeLimits limits = time_limits(1000);
+  const sandbox::TimeLimits limits = sandbox::time_limits(1000);
   EXPECT_EQ(cpu.rlim_cur, limits.cpu_s);
   EXPECT_EQ(cpu.rlim_max, limits.longest_cpu_s);
 }
 
-TEST_F(Cage, LetsAReaderGoOnThatWasTold) {
+TEST_F(Sandbox, LetsAReaderGoOnThatWasTold) {
   static volatile std::sig_atomic_t told = 0;
   const auto wait_until_told = [] {
     while (told < 2) {
     }
     return 0;
   };
-  const int status = in_cage(wait_until_told, [] {
+  const int status = in_sandbox(wait_until_told, [] {
     std::signal(SIGVTALRM, [](int) { told = told + 1; });
     const itimerval every_ms{{0, 1000}, {0, 1000}};  // what SIGXCPU would take seconds for
     ::setitimer(ITIMER_VIRTUAL, &every_ms, nullptr);
@@ -288,12 +289,12 @@ TEST_F(Cage, LetsAReaderGoOnThatWasTold) {
 TEST_F(Trial, GoesOnAsLongAsItReadsData) {
   const auto end_after = [](int signals) {
     return answer_of_a_child([signals] {
-      count_inflated(2 * inflated_bytes_per_cpu_s - inflated_bytes());
+      sandbox::count_inflated(2 * sandbox::inflated_bytes_per_cpu_s - sandbox::inflated_bytes());
       for (int i = 0; i < signals; ++i) ::raise(SIGXCPU);
     });
   };
-  EXPECT_EQ(end_after(2), TrialEnd::died);  // it went on, and ended without an answer
-  EXPECT_EQ(end_after(3), TrialEnd::no_cpu_time);
+  EXPECT_EQ(end_after(2), sandbox::End::died);  // it went on, and ended without an answer
+  EXPECT_EQ(end_after(3), sandbox::End::no_cpu_time);
 }
 
 // The file may be sound, and the computer slow or busy: what is said then must not be that it is damaged.
@@ -304,20 +305,21 @@ TEST_F(Trial, NamesAlteredAttributesInTheChildAsWithoutOne) {
   *(std::search(bytes.begin(), bytes.end(), clock.begin(), clock.end())) = 'X';
   write_file(path(), bytes);
   const std::vector<std::string> altered{"/sync@host_clock"};
-  EXPECT_EQ(altered_attributes(SealedCopy(path())), altered);
-  EXPECT_EQ(in_a_program([&] { return altered_attributes(SealedCopy(path())) == altered ? 0 : 1; }), 0);
+  EXPECT_EQ(altered_attributes(sandbox::SealedCopy(path())), altered);
+  EXPECT_EQ(in_a_program([&] { return altered_attributes(sandbox::SealedCopy(path())) == altered ? 0 : 1; }),
+            0);
 }
 
 TEST_F(Trial, ThatRunsOutOfTimeSaysSoAndNothingOfTheFile) {
   write_session(path(), synthetic_session(2));
-  const SealedCopy copy(path());
-  const std::tuple<int, TrialEnd, const char*> ends[] = {
-      {SIGXCPU, TrialEnd::no_cpu_time, " s of processor time and a second for every 4 MiB of data in it"},
-      {SIGALRM, TrialEnd::no_wall_time, " s"}};
+  const sandbox::SealedCopy copy(path());
+  const std::tuple<int, sandbox::End, const char*> ends[] = {
+      {SIGXCPU, sandbox::End::no_cpu_time, " s of processor time and a second for every 4 MiB of data in it"},
+      {SIGALRM, sandbox::End::no_wall_time, " s"}};
   for (const auto& [signal, end, limit] : ends) {
     EXPECT_EQ(answer_of_a_child_that_gets(signal), end);
     try {
-      require_harmless(end, copy);
+      sandbox::require_harmless(end, copy);
       ADD_FAILURE() << limit;
     } catch (const Error& error) {
       EXPECT_EQ(error.code(), ExitCode::failed);
@@ -329,10 +331,10 @@ TEST_F(Trial, ThatRunsOutOfTimeSaysSoAndNothingOfTheFile) {
 
 TEST_F(Trial, ThatEndsWithoutAnAnswerMeansADamagedOrHostileFile) {
   write_session(path(), synthetic_session(2));
-  const SealedCopy copy(path());
-  EXPECT_EQ(answer_of_a_child_that_gets(SIGKILL), TrialEnd::died);
+  const sandbox::SealedCopy copy(path());
+  EXPECT_EQ(answer_of_a_child_that_gets(SIGKILL), sandbox::End::died);
   try {
-    require_harmless(TrialEnd::died, copy);
+    sandbox::require_harmless(sandbox::End::died, copy);
     ADD_FAILURE();
   } catch (const Error& error) {
     EXPECT_EQ(error.code(), ExitCode::not_a_session);
@@ -395,11 +397,11 @@ std::vector<std::pair<const char*, std::function<long()>>> harmful_calls(const s
           {"mmap to execute", [memory] { return memory(PROT_READ | PROT_EXEC); }}};
 }
 
-TEST_F(Cage, RefusesEveryCallThatCouldDoHarm) {
+TEST_F(Sandbox, RefusesEveryCallThatCouldDoHarm) {
   if (!calls_are_filtered()) GTEST_SKIP() << "this kernel or processor has no filter of system calls";
   write_file(path("there"), {'x'});
   const auto calls = harmful_calls(path("there").string(), ::getpid());
-  const int status = in_cage([&] {
+  const int status = in_sandbox([&] {
     for (std::size_t i = 0; i < calls.size(); ++i)
       if (calls[i].second() != -1 || errno != EPERM) return static_cast<int>(i + 1);
     return 0;
@@ -409,10 +411,10 @@ TEST_F(Cage, RefusesEveryCallThatCouldDoHarm) {
   EXPECT_TRUE(std::filesystem::exists(path("there")));
 }
 
-TEST_F(Cage, LetsMemoryAndTheAnswerThrough) {
+TEST_F(Sandbox, LetsMemoryAndTheAnswerThrough) {
   std::array<int, 2> ends{};
   ASSERT_EQ(::pipe(ends.data()), 0);
-  EXPECT_EQ(in_cage([&] {
+  EXPECT_EQ(in_sandbox([&] {
               std::vector<std::vector<char>> memory;
               for (std::size_t size = 16; size < 32'000'000; size *= 2) memory.emplace_back(size, 'x');
               return ::write(ends[1], memory.back().data(), 1) == 1 ? 0 : 1;
@@ -425,27 +427,27 @@ TEST_F(Cage, LetsMemoryAndTheAnswerThrough) {
 }
 
 #if defined(__x86_64__)
-TEST_F(Cage, EndsWhoeverCallsByTheNumbersOfAnotherArchitecture) {
+TEST_F(Sandbox, EndsWhoeverCallsByTheNumbersOfAnotherArchitecture) {
   if (!calls_are_filtered()) GTEST_SKIP() << "this kernel has no filter of system calls";
   constexpr long x32 = 0x40000000;
-  const int status = in_cage([] { return static_cast<int>(::syscall(x32 | __NR_getpid)) & 0; });
+  const int status = in_sandbox([] { return static_cast<int>(::syscall(x32 | __NR_getpid)) & 0; });
   EXPECT_TRUE(WIFSIGNALED(status) && WTERMSIG(status) == SIGSYS);
 }
 #endif
 
 #if !defined(THERMORIG_IS_SANITIZED)  // a sanitizer needs all of it
-TEST_F(Cage, LetsNobodyIgnoreItsAlarm) {
+TEST_F(Sandbox, LetsNobodyIgnoreItsAlarm) {
   if (!calls_are_filtered()) GTEST_SKIP() << "this kernel or processor has no filter of system calls";
-  EXPECT_EQ(in_cage([] { return std::signal(SIGALRM, SIG_IGN) == SIG_ERR ? 0 : 1; }), 0);
+  EXPECT_EQ(in_sandbox([] { return std::signal(SIGALRM, SIG_IGN) == SIG_ERR ? 0 : 1; }), 0);
 }
 
-TEST_F(Cage, OpensNothing) {
+TEST_F(Sandbox, OpensNothing) {
   write_file(path("there"), {'x'});
-  EXPECT_EQ(in_cage([&] { return ::open(path("there").c_str(), O_RDONLY) < 0 ? 0 : 1; }), 0);
+  EXPECT_EQ(in_sandbox([&] { return ::open(path("there").c_str(), O_RDONLY) < 0 ? 0 : 1; }), 0);
 }
 
-TEST_F(Cage, GivesNoMoreMemoryThanASessionNeeds) {
-  EXPECT_EQ(in_cage([] {
+TEST_F(Sandbox, GivesNoMoreMemoryThanASessionNeeds) {
+  EXPECT_EQ(in_sandbox([] {
               try {
                 std::vector<char> much(3ULL << 30U);
                 return 1;

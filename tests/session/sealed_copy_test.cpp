@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "thermorig/session/sealed_copy.h"
+#include "thermorig/sandbox/sealed_copy.h"
 
 #include <fcntl.h>
 #include <gmock/gmock.h>
@@ -15,7 +15,7 @@ namespace {
 
 using testing::HasSubstr;
 
-std::string text_of(const SealedCopy& copy) {
+std::string text_of(const sandbox::SealedCopy& copy) {
   return {reinterpret_cast<const char*>(copy.bytes().data()), copy.bytes().size()};
 }
 
@@ -50,24 +50,24 @@ class Sealed : public InTemporaryFolder {
 };
 
 TEST_F(Sealed, CanBeHandedOnAsADescriptor) {
-  const SealedCopy copy(path());
-  const SealedCopy other(::dup(copy.fd()), "somewhere");
+  const sandbox::SealedCopy copy(path());
+  const sandbox::SealedCopy other(::dup(copy.fd()), "somewhere");
   write_file(path(), {'x'});
   EXPECT_EQ(text_of(other), "abc");
   EXPECT_EQ(other.path(), "somewhere");
 }
 
 TEST_F(Sealed, CanBeSentThroughASocket) {
-  const SealedCopy copy(path());
+  const sandbox::SealedCopy copy(path());
   ASSERT_TRUE(copy.send_bytes(ends_[0]));
-  const SealedCopy other(give_away(1), "somewhere");
+  const sandbox::SealedCopy other(give_away(1), "somewhere");
   EXPECT_EQ(text_of(other), "abc");
   EXPECT_EQ(other.fd(), -1);
 }
 
 TEST_F(Sealed, SaysIfNobodyTakesWhatItSends) {
   ::close(give_away(1));
-  EXPECT_FALSE(SealedCopy(path()).send_bytes(ends_[0]));
+  EXPECT_FALSE(sandbox::SealedCopy(path()).send_bytes(ends_[0]));
 }
 
 TEST_F(Sealed, IsNotMadeOfASocketThatEndsEarly) {
@@ -75,7 +75,7 @@ TEST_F(Sealed, IsNotMadeOfASocketThatEndsEarly) {
   ASSERT_EQ(::send(ends_[0], &claimed, sizeof claimed, 0), ssize_t{sizeof claimed});
   ASSERT_EQ(::send(ends_[0], "abc", 3, 0), 3);
   ::close(give_away(0));
-  const Error error = error_of([&] { SealedCopy(give_away(1), "somewhere"); });
+  const Error error = error_of([&] { sandbox::SealedCopy(give_away(1), "somewhere"); });
   EXPECT_EQ(error.code(), ExitCode::storage);
   EXPECT_THAT(error.what_happened(), HasSubstr("became shorter"));
 }
@@ -83,24 +83,24 @@ TEST_F(Sealed, IsNotMadeOfASocketThatEndsEarly) {
 TEST_F(Sealed, IsNotMadeOfASocketThatClaimsMoreThanThereIsMemory) {
   const std::uint64_t claimed = std::uint64_t{1} << 62U;
   ASSERT_EQ(::send(ends_[0], &claimed, sizeof claimed, 0), ssize_t{sizeof claimed});
-  EXPECT_EQ(error_of([&] { SealedCopy(give_away(1), "somewhere"); }).code(), ExitCode::failed);
+  EXPECT_EQ(error_of([&] { sandbox::SealedCopy(give_away(1), "somewhere"); }).code(), ExitCode::failed);
 }
 
 TEST_F(Sealed, IsMadeOfBytesInMemory) {
   std::array bytes{std::byte{'y'}, std::byte{'z'}};
-  const SealedCopy copy(bytes, "nowhere");
+  const sandbox::SealedCopy copy(bytes, "nowhere");
   bytes[0] = std::byte{'!'};
   EXPECT_EQ(text_of(copy), "yz");
 }
 
 TEST_F(Sealed, OfAnEmptyFileHasNoBytes) {
   write_file(path(), {});
-  EXPECT_TRUE(SealedCopy(path()).bytes().empty());
+  EXPECT_TRUE(sandbox::SealedCopy(path()).bytes().empty());
 }
 
 TEST_F(Sealed, BelongsToWhomItMovedTo) {
-  SealedCopy copy(path());
-  const SealedCopy other(std::move(copy));
+  sandbox::SealedCopy copy(path());
+  const sandbox::SealedCopy other(std::move(copy));
   EXPECT_EQ(text_of(other), "abc");
   EXPECT_GE(other.fd(), 0);
 }
@@ -108,7 +108,7 @@ TEST_F(Sealed, BelongsToWhomItMovedTo) {
 // Of a hole: it takes nothing of the disk.
 TEST_F(Sealed, OfMoreThanFourGibibytesIsRefused) {
   std::filesystem::resize_file(path(), (4ULL << 30U) + 1);
-  const Error error = error_of([&] { SealedCopy{path()}; });
+  const Error error = error_of([&] { sandbox::SealedCopy{path()}; });
   EXPECT_EQ(error.code(), ExitCode::not_a_session);
   EXPECT_THAT(error.what_happened(), HasSubstr("larger than any session"));
 }

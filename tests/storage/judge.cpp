@@ -54,7 +54,7 @@ std::string what_is_wrong(const RawRecording& raw, const RecordedSession& truth)
 }
 
 session::Session read_image(const Bytes& bytes, const fs::path& path) {
-  return session::read_session(session::SealedCopy(std::as_bytes(std::span(bytes)), path));
+  return session::read_session(sandbox::SealedCopy(std::as_bytes(std::span(bytes)), path));
 }
 
 Bytes bytes_of(files::Disk& disk, const fs::path& path) {

@@ -12,7 +12,7 @@
 #include "thermorig/core/sample.h"
 #include "thermorig/core/sync.h"
 #include "thermorig/files/disk.h"
-#include "thermorig/session/sealed_copy.h"
+#include "thermorig/sandbox/sealed_copy.h"
 #include "thermorig/wire/counters.h"
 
 namespace thermorig::session {
@@ -88,7 +88,7 @@ void replace_session(const std::filesystem::path& path, const Session& session,
 /// version, and as tried_copy() does (trial.h).
 Session read_session(const std::filesystem::path& path);
 /// The same of a copy that was made before.
-Session read_session(const SealedCopy& copy);
+Session read_session(const sandbox::SealedCopy& copy);
 
 /// Reads only what is needed to make the session again: header, raw bytes, events, legs.
 RawRecording read_raw(const std::filesystem::path& path);

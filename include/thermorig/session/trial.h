@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "thermorig/session/sealed_copy.h"
+#include "thermorig/sandbox/sealed_copy.h"
 
 namespace thermorig::session {
 
@@ -17,15 +17,15 @@ void try_sessions_first();
 /// The copy of a file that a child process has read without harm: what read_session() does first. May be
 /// called from several threads. Throws Error(not_a_session) for a file that kills its reader ("damaged or
 /// hostile"), Error(failed) for one that keeps it busy for longer than any sound file of its size keeps a
-/// slow computer ("could not be read within ..."), and as SealedCopy does.
-SealedCopy tried_copy(const std::filesystem::path& path);
+/// slow computer ("could not be read within ..."), and as sandbox::SealedCopy does.
+sandbox::SealedCopy tried_copy(const std::filesystem::path& path);
 
 /// The same for a copy that was made already.
-SealedCopy tried(SealedCopy copy);
+sandbox::SealedCopy tried(sandbox::SealedCopy copy);
 
 /// Attributes that are not as thermorig wrote them, "/gyro@signal"; formats before 1.3 cannot tell. Nothing
 /// that read_session() gives is taken from them: it refuses a session whose profile was changed. A child
 /// process looks at them, if one tries files. Throws as tried_copy() and read_session() do.
-std::vector<std::string> altered_attributes(const SealedCopy& copy);
+std::vector<std::string> altered_attributes(const sandbox::SealedCopy& copy);
 
 }  // namespace thermorig::session

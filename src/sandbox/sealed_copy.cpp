@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "thermorig/session/sealed_copy.h"
+#include "thermorig/sandbox/sealed_copy.h"
 
 #include <fcntl.h>
 #include <sys/mman.h>
@@ -15,10 +15,10 @@
 #include <utility>
 #include <vector>
 
-#include "refusal.h"
 #include "thermorig/core/error.h"
+#include "thermorig/sandbox/refusal.h"
 
-namespace thermorig::session {
+namespace thermorig::sandbox {
 
 namespace {
 
@@ -230,4 +230,4 @@ void SealedCopy::map() {
   bytes_ = {static_cast<const std::byte*>(at), size};
 }
 
-}  // namespace thermorig::session
+}  // namespace thermorig::sandbox

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-namespace thermorig::session {
+namespace thermorig::sandbox {
 
 /// From here on the kernel refuses this process every system call (EPERM) but the few that reading what is
 /// already in memory needs: memory that is not executable, time, locks, writing to what is open, the end. The
@@ -10,4 +10,4 @@ namespace thermorig::session {
 /// limits hold. Needs PR_SET_NO_NEW_PRIVS.
 void filter_calls();
 
-}  // namespace thermorig::session
+}  // namespace thermorig::sandbox

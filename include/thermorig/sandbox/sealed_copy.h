@@ -8,7 +8,7 @@
 
 #include "thermorig/files/disk.h"
 
-namespace thermorig::session {
+namespace thermorig::sandbox {
 
 /// What was read of a file, in memory, where nobody can change it any more: who looks at it twice sees the
 /// same. Move-only; another process that is handed fd(), or what send_bytes() sends, sees the same bytes.
@@ -48,4 +48,4 @@ class SealedCopy {
 /// GiB.
 SealedCopy copy_on(files::Disk& disk, const std::filesystem::path& path);
 
-}  // namespace thermorig::session
+}  // namespace thermorig::sandbox

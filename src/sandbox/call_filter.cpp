@@ -20,7 +20,7 @@
 
 #include "sanitized.h"
 
-namespace thermorig::session {
+namespace thermorig::sandbox {
 
 namespace {
 
@@ -121,4 +121,4 @@ void filter_calls() {
   ::prctl(PR_SET_SECCOMP, SECCOMP_MODE_FILTER, &filter, 0, 0);
 }
 
-}  // namespace thermorig::session
+}  // namespace thermorig::sandbox

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-namespace thermorig::session {
+namespace thermorig::sandbox {
 
 /// Whether this was built with a sanitizer that needs more than the program: terabytes of addresses, and a
 /// pipe by which it asks whether an object can be read.
@@ -18,4 +18,4 @@ inline constexpr bool is_sanitized = true;
 inline constexpr bool is_sanitized = false;
 #endif
 
-}  // namespace thermorig::session
+}  // namespace thermorig::sandbox

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "cage.h"
+#include "child_limits.h"
 
 #include <sys/prctl.h>
 #include <sys/resource.h>
@@ -10,8 +10,9 @@
 
 #include "call_filter.h"
 #include "sanitized.h"
+#include "thermorig/sandbox/sandbox.h"
 
-namespace thermorig::session {
+namespace thermorig::sandbox {
 
 namespace {
 
@@ -51,7 +52,7 @@ std::uint64_t inflated_bytes() {
   return inflated.load(std::memory_order_relaxed);
 }
 
-void enter_cage(std::uint64_t session_bytes) {
+void enter(std::uint64_t session_bytes) {
   const TimeLimits time = time_limits(session_bytes);
   limit(RLIMIT_CORE, 0);
   limit(RLIMIT_FSIZE, 0);
@@ -66,4 +67,4 @@ void enter_cage(std::uint64_t session_bytes) {
   filter_calls();
 }
 
-}  // namespace thermorig::session
+}  // namespace thermorig::sandbox

@@ -3,7 +3,7 @@
 
 #include <cstdint>
 
-namespace thermorig::session {
+namespace thermorig::sandbox {
 
 /// Processor time that a reader of a session of so many bytes gets before it has inflated anything, and
 /// beyond which it is ended whatever it says; and time of the clock, on a machine that is busy with other
@@ -18,9 +18,7 @@ TimeLimits time_limits(std::uint64_t session_bytes);
 /// For each so many bytes of data that it has read a reader gets a second more.
 inline constexpr std::uint64_t inflated_bytes_per_cpu_s = 4U << 20U;  // a slow computer reads five times that
 
-/// Counts data that were read; to be told by whoever reads.
-void count_inflated(std::uint64_t bytes);
-std::uint64_t inflated_bytes();  // async-signal-safe
+std::uint64_t inflated_bytes();  // that were counted; async-signal-safe
 
 /// From here on this process can compute, and write to what it has open, and nothing else: the kernel refuses
 /// it all other calls. It ends by a signal when it takes more memory or time than a sound session of so many
@@ -28,6 +26,9 @@ std::uint64_t inflated_bytes();  // async-signal-safe
 /// and make nothing, and change nothing of a file, but it could still remove one, or signal another process.
 /// The signals of time may be caught by who set that up before: SIGALRM, and SIGXCPU, which comes after
 /// `cpu_s` and every second of processor time from then on.
-void enter_cage(std::uint64_t session_bytes);
+void enter(std::uint64_t session_bytes);
 
-}  // namespace thermorig::session
+/// From here on the limits on time end this process with an answer to the descriptor.
+void answer_when_time_is_up(int answer);
+
+}  // namespace thermorig::sandbox

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
-#include "refusal.h"
+#include "thermorig/sandbox/refusal.h"
 
 #include "thermorig/core/error.h"
 
-namespace thermorig::session {
+namespace thermorig::sandbox {
 
 void refuse(const std::filesystem::path& path, const std::string& what) {
   throw Error(ExitCode::not_a_session, what, path.string(),
@@ -11,4 +11,4 @@ void refuse(const std::filesystem::path& path, const std::string& what) {
               "elsewhere, or its journal with thermorig recover");
 }
 
-}  // namespace thermorig::session
+}  // namespace thermorig::sandbox
