@@ -15,7 +15,7 @@ Recording::Recording(const RecordingOptions& options, HostTime now, Send send)
     : parts_(std::make_unique<Parts>(options, now, std::move(send))) {
   if (options.begun) options.begun(parts_->header);
   parts_->may_start = !options.wait_for_start;
-  parts_->sweep.greet();
+  parts_->commander.greet();
 }
 
 Recording::~Recording() = default;
@@ -212,8 +212,9 @@ void Recording::Parts::check_devices(HostTime now) {
 }
 
 void Recording::Parts::drain_sweep(HostTime now) {
-  for (const RecordingEvent& happened : sweep.take_events()) event(happened);
-  for (const LegRecord& leg : sweep.take_legs()) journal.leg(leg);
+  const SweepNews news = sweep.take_news();
+  for (const RecordingEvent& happened : news.events) event(happened);
+  for (const LegRecord& leg : news.legs) journal.leg(leg);
   if (sweep.done() && sweep.plan_complete() && !failure && !stopped && !std::exchange(finish_noted, true))
     event({now, EventKind::finished, std::nullopt, "the plan is complete"});
 }

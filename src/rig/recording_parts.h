@@ -12,6 +12,7 @@
 #include "kept_journal.h"
 #include "recording_start.h"
 #include "servo_link.h"
+#include "sweep_walker.h"
 #include "thermorig/pipeline/pipeline.h"
 #include "thermorig/rig/recording.h"
 #include "thermorig/rig/replug.h"
