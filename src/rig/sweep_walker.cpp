@@ -101,8 +101,9 @@ void SweepWalker::tick(HostTime now) {
     case SweepPhase::closing_rest:
       return tick_closing_rest(now);
     case SweepPhase::halting:
-      if (stop_.has_halted(passed, telemetry_)) enter(SweepPhase::done, now);
-      return;
+      if (!stop_.has_halted(passed, telemetry_)) return;
+      news_.is_complete = true;
+      return enter(SweepPhase::done, now);
     case SweepPhase::stopping:
       return tick_stopping(now);
     case SweepPhase::waiting:
@@ -267,7 +268,6 @@ void SweepWalker::tick_closing_rest(HostTime now) {
   if (left_leg_ || steps_.awaits_labels()) return;  // it may have to be driven again
   if (!steps_.empty()) return frames_.is_between_frames(now) ? next_leg(now) : void();
   if (to_s(now - phase_begin_) < plan_.closing_rest_s) return;
-  plan_complete_ = true;
   commander_.halt();
   enter(SweepPhase::halting, now);
 }

@@ -25,6 +25,7 @@ namespace thermorig::rig {
 struct SweepNews {
   std::vector<RecordingEvent> events;
   std::vector<LegRecord> legs;
+  bool is_complete = false;  // the plan was driven to its end, and the servo is at rest
 };
 
 /// Drives the servo through a plan: rest, legs (with a transit where a leg does not fit from here), rest.
@@ -58,7 +59,6 @@ class SweepWalker {
   void go_on(HostTime now);
 
   bool done() const { return phase_ == SweepPhase::done; }
-  bool plan_complete() const { return plan_complete_; }
   SweepPhase phase() const { return phase_; }
   SweepProgress progress(HostTime now) const;
   const std::vector<SweepTrouble>& troubles() const { return recovery_.troubles(); }  // each kind once
@@ -111,7 +111,6 @@ class SweepWalker {
   SweepRecovery recovery_;
   ServoStop stop_;
   int repeated_ = 0;
-  bool plan_complete_ = false;
   SweepNews news_;
 };
 

@@ -155,7 +155,7 @@ class Recording {
   /// Why it ended early, if not by request_stop().
   const std::optional<Error>& failure() const;
   bool stopped() const;                    // by request_stop()
-  const std::string& stopped_by() const;   // who asked for it; empty: a signal
+  std::string stopped_by() const;          // who asked for it; empty: a signal
   bool was_ready() const;                  // every device was there, and the gate did not refuse the rig
   bool keeps() const;                      // false: there is no journal
   std::vector<Device> gone() const;        // that it went on without, for a while at least
