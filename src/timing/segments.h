@@ -10,7 +10,7 @@
 namespace thermorig::timing {
 
 /// Messages, and inequalities on them, that one curve explains.
-struct Stretch {
+struct Segment {
   std::size_t begin = 0;  // messages
   std::size_t end = 0;
   std::size_t latest_begin = 0;  // inequalities
@@ -25,7 +25,7 @@ std::vector<double> clean_device_s(std::span<const double> device_s);
 /// Splits where the device's clock steps back, and where it says nothing for longer than `longest_gap_s`:
 /// over such a gap nothing carries, since the clock may have wandered and the count of what is missing is a
 /// guess.
-std::vector<Stretch> find_stretches(std::span<const double> device_s, std::span<const LatestBegin> latest,
-                                    double longest_gap_s);
+std::vector<Segment> find_segments(std::span<const double> device_s, std::span<const LatestBegin> latest,
+                                   double longest_gap_s);
 
 }  // namespace thermorig::timing

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "stretches.h"
+#include "segments.h"
 
 #include <cmath>
 
@@ -12,7 +12,7 @@ bool is_clock(double device_s) {
   return std::isfinite(device_s) && std::abs(device_s) < no_clock_s;
 }
 
-/// Inequalities come in the order of the messages: those of a stretch are the next ones, as long as they do
+/// Inequalities come in the order of the messages: those of a segment are the next ones, as long as they do
 /// not step back and lie within it.
 std::size_t end_of_latest(std::span<const LatestBegin> latest, std::size_t begin, double last_s) {
   std::size_t end = begin;
@@ -38,21 +38,21 @@ std::vector<double> clean_device_s(std::span<const double> device_s) {
   return clean;
 }
 
-std::vector<Stretch> find_stretches(std::span<const double> device_s, std::span<const LatestBegin> latest,
-                                    double longest_gap_s) {
-  std::vector<Stretch> stretches;
+std::vector<Segment> find_segments(std::span<const double> device_s, std::span<const LatestBegin> latest,
+                                   double longest_gap_s) {
+  std::vector<Segment> segments;
   for (std::size_t i = 0; i < device_s.size(); ++i) {
     const double step_s = i == 0 ? 0.0 : device_s[i] - device_s[i - 1];
     if (i == 0 || step_s < 0.0 || step_s > longest_gap_s)
-      stretches.push_back({.begin = i, .end = i, .new_epoch = step_s < 0.0});
-    stretches.back().end = i + 1;
+      segments.push_back({.begin = i, .end = i, .new_epoch = step_s < 0.0});
+    segments.back().end = i + 1;
   }
   std::size_t next = 0;
-  for (Stretch& stretch : stretches) {
-    stretch.latest_begin = next;
-    next = stretch.latest_end = end_of_latest(latest, next, device_s[stretch.end - 1]);
+  for (Segment& segment : segments) {
+    segment.latest_begin = next;
+    next = segment.latest_end = end_of_latest(latest, next, device_s[segment.end - 1]);
   }
-  return stretches;
+  return segments;
 }
 
 }  // namespace thermorig::timing

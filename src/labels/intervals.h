@@ -17,7 +17,7 @@ inline constexpr double constant_dps = 0.015;
 inline constexpr double unknown_bias_dps = 20.0;
 
 /// Part of a recording, in seconds from an origin.
-struct Stretch {
+struct Interval {
   double begin_s = 0.0;
   double end_s = 0.0;
   double rate_dps = 0.0;  // commanded
@@ -26,10 +26,10 @@ struct Stretch {
 
 /// Where telemetry without a gap reports one speed and no change of it. `rests`: the servo holds or is
 /// disarmed; else it moves.
-std::vector<Stretch> steady_stretches(std::span<const TimedServo> servo, HostTime origin, bool rests);
+std::vector<Interval> steady_intervals(std::span<const TimedServo> servo, HostTime origin, bool rests);
 
 /// Where the commanded speed changes, by telemetry without a gap: from the first to the last change of a
 /// ramp.
-std::vector<Stretch> speed_changes(std::span<const TimedServo> servo, HostTime origin);
+std::vector<Interval> speed_changes(std::span<const TimedServo> servo, HostTime origin);
 
 }  // namespace thermorig::labels

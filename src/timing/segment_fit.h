@@ -4,14 +4,14 @@
 #include <span>
 #include <vector>
 
+#include "segments.h"
 #include "sliding_fit.h"
-#include "stretches.h"
 #include "thermorig/core/profile.h"
 
 namespace thermorig::timing {
 
-/// One stretch of a device's clock. Host times count in seconds from `origin`.
-struct StretchFit {
+/// One segment of a device's clock. Host times count in seconds from `origin`.
+struct SegmentFit {
   std::vector<double> time_s;     // of each message: its first byte began
   std::vector<double> earlier_s;  // bounds about it
   std::vector<double> later_s;
@@ -29,7 +29,7 @@ struct DeviceClock {
   double largest_constant_delay_s = 0.0;
 };
 
-StretchFit fit_stretch(std::span<const double> device_s, std::span<const LatestBegin> latest,
+SegmentFit fit_segment(std::span<const double> device_s, std::span<const LatestBegin> latest,
                        const DeviceClock& device, HostTime origin);
 
 }  // namespace thermorig::timing

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "stretches.h"
+#include "intervals.h"
 
 #include <cmath>
 #include <cstdlib>
@@ -23,9 +23,9 @@ bool follows(const TimedServo& before, const TimedServo& after) {
 }
 }  // namespace
 
-std::vector<Stretch> steady_stretches(std::span<const TimedServo> servo, HostTime origin, bool rests) {
-  std::vector<Stretch> stretches;
-  const TimedServo* before = nullptr;  // in the stretch that goes on
+std::vector<Interval> steady_intervals(std::span<const TimedServo> servo, HostTime origin, bool rests) {
+  std::vector<Interval> intervals;
+  const TimedServo* before = nullptr;  // in the interval that goes on
   for (const TimedServo& message : servo) {
     if (!(rests ? is_at_rest(message.state) : is_motion(message.state))) {
       before = nullptr;
@@ -33,16 +33,16 @@ std::vector<Stretch> steady_stretches(std::span<const TimedServo> servo, HostTim
     }
     const double time_s = to_s(message.stamp.time - origin);
     if (before == nullptr || !follows(*before, message))
-      stretches.push_back({time_s, time_s, message.state.rate_dps});
-    stretches.back().end_s = time_s;
-    stretches.back().leg = message.state.leg;
+      intervals.push_back({time_s, time_s, message.state.rate_dps});
+    intervals.back().end_s = time_s;
+    intervals.back().leg = message.state.leg;
     before = &message;
   }
-  return stretches;
+  return intervals;
 }
 
-std::vector<Stretch> speed_changes(std::span<const TimedServo> servo, HostTime origin) {
-  std::vector<Stretch> changes;
+std::vector<Interval> speed_changes(std::span<const TimedServo> servo, HostTime origin) {
+  std::vector<Interval> changes;
   for (std::size_t i = 1; i < servo.size(); ++i) {
     const TimedServo& before = servo[i - 1];
     const TimedServo& after = servo[i];

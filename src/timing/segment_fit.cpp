@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "stretch_fit.h"
+#include "segment_fit.h"
 
 #include <algorithm>
 #include <cmath>
@@ -15,7 +15,7 @@ namespace thermorig::timing {
 namespace {
 // So close to the curve an inequality holds it up.
 constexpr double holding_up_s = 50e-6;
-constexpr double nowhere_s = 1e6;  // bounds of a stretch without any inequality
+constexpr double nowhere_s = 1e6;  // bounds of a segment without any inequality
 
 // Beyond these no clock is; they keep nonsense finite.
 constexpr double slowest = 0.01;  // host seconds a device second
@@ -37,12 +37,12 @@ HostTime host_time(HostTime origin, double seconds) {
   return origin + from_s(seconds);
 }
 
-/// A stretch in coordinates in which its clock is nearly level: x device seconds since its begin, y host
+/// A segment in coordinates in which its clock is nearly level: x device seconds since its begin, y host
 /// seconds minus `slope` x.
-class Stretching {
+class SegmentFitting {
  public:
-  Stretching(std::span<const double> device_s, std::span<const LatestBegin> latest, const DeviceClock& device,
-             HostTime origin)
+  SegmentFitting(std::span<const double> device_s, std::span<const LatestBegin> latest,
+                 const DeviceClock& device, HostTime origin)
       : device_s_(device_s), latest_(latest), device_(device), origin_(origin), x0_(device_s.front()) {
     for (const LatestBegin& begin : latest)
       ceilings_.push_back({begin.device_s - x0_, since(origin, begin.latest)});
@@ -52,7 +52,7 @@ class Stretching {
     drift_ = device.wander * std::abs(fit_.slope) + rate_slack_s / std::max(length_s, rate_slack_s);
   }
 
-  StretchFit run() {
+  SegmentFit run() {
     if (ceilings_.empty()) return nowhere();
     SlidingFit curve(ceilings_, device_.window, drift_);
     for (const Ceiling& ceiling : ceilings_) fit_.late_s.push_back(ceiling.y - curve.at(ceiling.x));
@@ -156,7 +156,7 @@ class Stretching {
   }
 
   /// Without any inequality nothing is known but that nothing is known.
-  StretchFit nowhere() {
+  SegmentFit nowhere() {
     for (std::size_t i = 0; i < device_s_.size(); ++i) fit_.time_s.push_back(x(i));
     fit_.earlier_s.assign(device_s_.size(), nowhere_s);
     fit_.later_s = fit_.uncertainty_s = fit_.earlier_s;
@@ -172,13 +172,13 @@ class Stretching {
   std::vector<Ceiling> ceilings_;
   std::vector<double> above_s_;
   std::vector<double> below_s_;
-  StretchFit fit_;
+  SegmentFit fit_;
 };
 }  // namespace
 
-StretchFit fit_stretch(std::span<const double> device_s, std::span<const LatestBegin> latest,
+SegmentFit fit_segment(std::span<const double> device_s, std::span<const LatestBegin> latest,
                        const DeviceClock& device, HostTime origin) {
-  return Stretching(device_s, latest, device, origin).run();
+  return SegmentFitting(device_s, latest, device, origin).run();
 }
 
 }  // namespace thermorig::timing
