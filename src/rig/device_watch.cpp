@@ -9,7 +9,7 @@
 
 #include "device_presence.h"
 #include "thermorig/rig/detect.h"
-#include "thermorig/rig/link_load.h"
+#include "thermorig/rig/expected_size.h"
 #include "thermorig/sensors/device_stream.h"
 
 namespace thermorig::rig {

@@ -149,8 +149,8 @@ void Recording::Parts::begin_when_ready(HostTime now) {
   if (!start.is_due(now, counts())) return;
   if (const auto report = start.judged()) {
     for (const auto* found : {&report->violations, &report->warnings})
-      for (const GateViolation& violation : *found)
-        event({now, EventKind::warning, violation.device, "gate: " + sentence(violation)});
+      for (const PreflightViolation& violation : *found)
+        event({now, EventKind::warning, violation.device, "preflight: " + sentence(violation)});
     if (start.is_to_be_refused()) return refuse(*report, now);
   }
   start.begin();
@@ -163,24 +163,24 @@ PerDevice<bool> Recording::Parts::done_without() const {
   return without;
 }
 
-GateCounts Recording::Parts::counts() const {
-  GateCounts counts{.welcome = commander.welcome(),
-                    .wire = {},
-                    .pings = commander.pings(),
-                    .retries = commander.retries(),
-                    .gone = done_without()};
+PreflightCounts Recording::Parts::counts() const {
+  PreflightCounts counts{.welcome = commander.welcome(),
+                         .wire = {},
+                         .pings = commander.pings(),
+                         .retries = commander.retries(),
+                         .gone = done_without()};
   for (const Device device : all_devices) counts.wire[device] = pipeline.counters(device);
   return counts;
 }
 
-void Recording::Parts::refuse(const GateReport& report, HostTime now) {
-  const GateViolation& first = report.violations.front();
+void Recording::Parts::refuse(const PreflightReport& report, HostTime now) {
+  const PreflightViolation& first = report.violations.front();
   const std::size_t more = report.violations.size() - 1;
   end.failure =
       Error(ExitCode::check_failed,
             sentence(first) + (more == 0 ? std::string() : fmt::format(" (and {} more)", more)),
             place_of(first.device, options.profile),
-            first.advice + "; nothing has moved and no file is left (--no-gate records all the same)");
+            first.advice + "; nothing has moved and no file is left (--no-preflight records all the same)");
   start.refuse();
   sweep.request_stop(now);
 }
@@ -248,39 +248,20 @@ bool Recording::done() const {
   return parts_->sweep.done() || parts_->end.servo_is_gone;
 }
 
-const std::optional<Error>& Recording::failure() const {
-  return parts_->end.failure;
-}
-
-bool Recording::stopped() const {
-  return parts_->end.stopped_by.has_value();
-}
-
-bool Recording::was_ready() const {
-  return parts_->start.was_ready();
-}
-
-std::string Recording::stopped_by() const {
-  return parts_->end.stopped_by.value_or("");
-}
-
-bool Recording::keeps() const {
-  return parts_->options.keep;
-}
-
-std::vector<Device> Recording::gone() const {
-  std::vector<Device> gone;
+RecordingOutcome Recording::outcome(HostTime now) const {
+  const Parts& parts = *parts_;
+  RecordingOutcome outcome{.is_kept = parts.options.keep,
+                           .was_ready = parts.start.was_ready(),
+                           .failure = parts.end.failure,
+                           .stopped_by = parts.end.stopped_by,
+                           .gone = {},
+                           .gone_advice = parts.gone_advice,
+                           .absences = parts.absences,
+                           .troubles = parts.sweep.troubles(),
+                           .preflight = parts.start.report(now, parts.counts())};
   for (const Device device : all_devices)
-    if (parts_->presence[device].was_done_without()) gone.push_back(device);
-  return gone;
-}
-
-const std::string& Recording::gone_advice() const {
-  return parts_->gone_advice;
-}
-
-const std::vector<SweepTrouble>& Recording::troubles() const {
-  return parts_->sweep.troubles();
+    if (parts.presence[device].was_done_without()) outcome.gone.push_back(device);
+  return outcome;
 }
 
 const SessionFile& Recording::file() const {
@@ -293,10 +274,6 @@ files::Disk& Recording::disk() const {
 
 const SweepPlan& Recording::plan() const {
   return parts_->options.plan;
-}
-
-std::optional<GateReport> Recording::gate(HostTime now) const {
-  return parts_->start.report(now, parts_->counts());
 }
 
 RecordingProgress Recording::progress(HostTime now) {

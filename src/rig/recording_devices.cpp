@@ -152,8 +152,4 @@ std::vector<Device> Recording::lost_ports() const {
   return lost;
 }
 
-const std::vector<DeviceAbsence>& Recording::absences() const {
-  return parts_->absences;
-}
-
 }  // namespace thermorig::rig

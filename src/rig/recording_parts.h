@@ -52,8 +52,8 @@ struct Recording::Parts {
   void begin_when_ready(HostTime now);
   void check_devices(HostTime now);
   PerDevice<bool> done_without() const;
-  GateCounts counts() const;
-  void refuse(const GateReport& report, HostTime now);
+  PreflightCounts counts() const;
+  void refuse(const PreflightReport& report, HostTime now);
   void drive(HostTime now);
   void drain_sweep(HostTime now);
   void note_return(Device device, HostTime now);

@@ -60,7 +60,7 @@ RecordingHeader make_header(const RecordingOptions& options, HostTime now) {
 
 RecordingStart::RecordingStart(const RecordingOptions& options)
     : profile_(options.profile),
-      mode_(options.gate),
+      mode_(options.preflight),
       moves_(!options.plan.leg_rates_dps.empty()),
       is_allowed_(!options.wait_for_start) {}
 
@@ -72,7 +72,7 @@ bool RecordingStart::greeted() {
   return !std::exchange(is_greeted_, true);
 }
 
-void RecordingStart::ready(HostTime now, const GateCounts& counts) {
+void RecordingStart::ready(HostTime now, const PreflightCounts& counts) {
   if (state_ == State::awaiting_devices) {
     state_ = State::ready;
     listen_anew(now, counts);
@@ -80,30 +80,30 @@ void RecordingStart::ready(HostTime now, const GateCounts& counts) {
   watch_.counted(now, counts);
 }
 
-void RecordingStart::listen_anew(HostTime now, const GateCounts& counts) {
+void RecordingStart::listen_anew(HostTime now, const PreflightCounts& counts) {
   if (state_ == State::ready) watch_.begin(now, counts, profile_);
 }
 
-bool RecordingStart::is_due(HostTime now, const GateCounts& counts) {
+bool RecordingStart::is_due(HostTime now, const PreflightCounts& counts) {
   if (!is_allowed_) return false;
-  if (mode_ == GateMode::off) return true;
-  if (watch_.heard_s(now) < GateWatch::needed_s(profile_, counts.gone)) return false;
+  if (mode_ == PreflightMode::off) return true;
+  if (watch_.heard_s(now) < PreflightWatch::needed_s(profile_, counts.gone)) return false;
   report_ = judge_now(now, counts);
   return true;
 }
 
 bool RecordingStart::is_to_be_refused() const {
-  return report_ && !report_->passed() && mode_ == GateMode::refuse && moves_;
+  return report_ && !report_->passed() && mode_ == PreflightMode::refuse && moves_;
 }
 
-GateReport RecordingStart::judge_now(HostTime now, const GateCounts& counts) const {
+PreflightReport RecordingStart::judge_now(HostTime now, const PreflightCounts& counts) const {
   return judge(watch_.facts(now, counts, profile_), profile_);
 }
 
-std::optional<GateReport> RecordingStart::report(HostTime now, const GateCounts& counts) const {
+std::optional<PreflightReport> RecordingStart::report(HostTime now, const PreflightCounts& counts) const {
   constexpr double least_s = 1.0;
   if (report_) return report_;
-  if (mode_ == GateMode::off || watch_.heard_s(now) < least_s) return std::nullopt;
+  if (mode_ == PreflightMode::off || watch_.heard_s(now) < least_s) return std::nullopt;
   return judge_now(now, counts);
 }
 

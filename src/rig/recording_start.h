@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <optional>
 
-#include "gate_watch.h"
+#include "preflight_watch.h"
 #include "thermorig/core/raw_recording.h"
 #include "thermorig/rig/recording.h"
 
@@ -24,14 +24,14 @@ class RecordingStart {
   /// The servo has answered. False: that is known.
   bool greeted();
   /// Every device is there, at each tick until it begins.
-  void ready(HostTime now, const GateCounts& counts);
+  void ready(HostTime now, const PreflightCounts& counts);
   /// What came before does not count: a device was away, or was not there yet.
-  void listen_anew(HostTime now, const GateCounts& counts);
+  void listen_anew(HostTime now, const PreflightCounts& counts);
 
   /// May something move? Judges the rig, once, before the servo is armed, which may already turn it.
-  bool is_due(HostTime now, const GateCounts& counts);
+  bool is_due(HostTime now, const PreflightCounts& counts);
   /// What it was judged then; none where nothing is judged.
-  const std::optional<GateReport>& judged() const { return report_; }
+  const std::optional<PreflightReport>& judged() const { return report_; }
   /// Something would move that is not fit for it.
   bool is_to_be_refused() const;
   void begin() { state_ = State::begun; }
@@ -40,24 +40,24 @@ class RecordingStart {
   bool was_ready() const { return state_ == State::ready || state_ == State::begun; }
   bool has_begun() const { return state_ == State::begun; }
 
-  GateWatch& watch() { return watch_; }
+  PreflightWatch& watch() { return watch_; }
   double heard_s(HostTime now) const { return watch_.heard_s(now); }
   /// What was said of the rig before it began or, as long as it has not, would be said now. None before all
   /// devices have sent for a second, and where nothing is judged.
-  std::optional<GateReport> report(HostTime now, const GateCounts& counts) const;
+  std::optional<PreflightReport> report(HostTime now, const PreflightCounts& counts) const;
 
  private:
-  GateReport judge_now(HostTime now, const GateCounts& counts) const;
+  PreflightReport judge_now(HostTime now, const PreflightCounts& counts) const;
 
   enum class State : std::uint8_t { awaiting_devices, ready, begun, refused };
   RigProfile profile_;
-  GateMode mode_;
+  PreflightMode mode_;
   bool moves_;
   bool is_allowed_;
   bool is_greeted_ = false;
   State state_ = State::awaiting_devices;
-  GateWatch watch_;
-  std::optional<GateReport> report_;  // of the time before it began
+  PreflightWatch watch_;
+  std::optional<PreflightReport> report_;  // of the time before it began
 };
 
 }  // namespace thermorig::rig

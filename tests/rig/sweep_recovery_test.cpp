@@ -126,7 +126,7 @@ TEST(ServoStop, DisarmsAServoThatHasComeToRest) {
   WillingServo servo;
   ServoStop stop(servo.commander);
   ServoTelemetry telemetered;
-  telemetered.take(telemetry(1.0, ServoMotion::running));
+  telemetered.take(telemetry(1.0, ServoMotion::steady));
   EXPECT_FALSE(stop.has_halted(from_s(0.1), telemetered));
   EXPECT_FALSE(stop.is_disarming());
   telemetered.take(telemetry(1.1, ServoMotion::holding));
@@ -141,7 +141,7 @@ TEST(ServoStop, GivesUpOnAServoThatDoesNotComeToRest) {
   WillingServo servo;
   ServoStop stop(servo.commander);
   ServoTelemetry telemetered;
-  telemetered.take(telemetry(1.0, ServoMotion::running));
+  telemetered.take(telemetry(1.0, ServoMotion::steady));
   EXPECT_FALSE(stop.has_halted(from_s(5.0), telemetered));
   EXPECT_THROW(stop.has_halted(from_s(5.1), telemetered), Error);
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "gate_json.h"
+#include "preflight_json.h"
 
 #include <nlohmann/json.hpp>
 
@@ -7,9 +7,9 @@ namespace thermorig::app {
 
 namespace {
 
-nlohmann::json violations_json(const std::vector<rig::GateViolation>& found) {
+nlohmann::json violations_json(const std::vector<rig::PreflightViolation>& found) {
   nlohmann::json list = nlohmann::json::array();
-  for (const rig::GateViolation& violation : found)
+  for (const rig::PreflightViolation& violation : found)
     list.push_back({{"name", violation.name},
                     {"device", name_of(violation.device)},
                     {"figure", violation.figure},
@@ -18,7 +18,7 @@ nlohmann::json violations_json(const std::vector<rig::GateViolation>& found) {
   return list;
 }
 
-nlohmann::json devices_json(const rig::GateFacts& facts) {
+nlohmann::json devices_json(const rig::PreflightFacts& facts) {
   nlohmann::json devices = nlohmann::json::object();
   for (const Device device : all_devices) {
     const auto& stream = facts.streams[device];
@@ -34,9 +34,9 @@ nlohmann::json devices_json(const rig::GateFacts& facts) {
 
 }  // namespace
 
-nlohmann::json gate_json(const std::optional<rig::GateReport>& report) {
+nlohmann::json preflight_json(const std::optional<rig::PreflightReport>& report) {
   if (!report) return {};
-  const rig::GateFacts& facts = report->facts;
+  const rig::PreflightFacts& facts = report->facts;
   nlohmann::json object{{"passed", report->passed()},
                         {"span_s", facts.span_s},
                         {"violations", violations_json(report->violations)},

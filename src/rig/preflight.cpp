@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "thermorig/rig/gate.h"
+#include "thermorig/rig/preflight.h"
 
 #include <fmt/format.h>
 
@@ -12,7 +12,7 @@ namespace thermorig::rig {
 
 namespace {
 
-using Violations = std::vector<GateViolation>;
+using Violations = std::vector<PreflightViolation>;
 
 std::string what_is_sent(Device device) {
   constexpr const char* names[] = {"frames", "samples", "messages"};
@@ -34,7 +34,8 @@ std::string_view rate_advice(Device device, bool slow) {
          "this computer busy";
 }
 
-void judge_stream(Device device, const GateStream& stream, const GateLimits& limits, Violations& found) {
+void judge_stream(Device device, const PreflightStream& stream, const PreflightLimits& limits,
+                  Violations& found) {
   const std::string name(name_of(device));
   const double low_hz = limits.rate_low * stream.nominal_hz;
   const double high_hz = limits.rate_high * stream.nominal_hz;
@@ -66,7 +67,7 @@ void judge_stream(Device device, const GateStream& stream, const GateLimits& lim
                      "looks at latency timers"});
 }
 
-void judge_images(const GateImages& images, const GateLimits& limits, Violations& found) {
+void judge_images(const PreflightImages& images, const PreflightLimits& limits, Violations& found) {
   const double least_fresh = std::min(images.even_fresh_share, images.odd_fresh_share);
   if (least_fresh < limits.fresh_share)
     found.push_back({"camera_fresh", Device::camera,
@@ -84,7 +85,8 @@ void judge_images(const GateImages& images, const GateLimits& limits, Violations
          "ask the camera for a lower frame rate, or switch it off and on"});
 }
 
-void judge_rest(const GateRest& rest, const GyroProfile& gyro, const GateLimits& limits, Violations& found) {
+void judge_rest(const PreflightRest& rest, const GyroProfile& gyro, const PreflightLimits& limits,
+                Violations& found) {
   const std::string stand_still =
       "let the rig stand on something firm and leave it alone until the sweep begins; a motor or a fan "
       "beside "
@@ -109,7 +111,7 @@ void judge_rest(const GateRest& rest, const GyroProfile& gyro, const GateLimits&
                      "let the rig stand still; thermorig calibrate bias if it does"});
 }
 
-void warn_of_rest(const GateRest& rest, Violations& warnings) {
+void warn_of_rest(const PreflightRest& rest, Violations& warnings) {
   if (rest.zeroes_itself)
     warnings.push_back(
         {"gyro_zeroes", Device::gyro,
@@ -118,7 +120,7 @@ void warn_of_rest(const GateRest& rest, Violations& warnings) {
          "switch that off in the device (WitMotion: registers 61 and 63)"});
 }
 
-void judge_answers(const GateAnswers& answers, const ServoProfile& servo, const GateLimits& limits,
+void judge_answers(const PreflightAnswers& answers, const ServoProfile& servo, const PreflightLimits& limits,
                    Violations& found) {
   if (answers.limit_rate_dps > 0.0 && servo.max_rate_dps > answers.limit_rate_dps)
     found.push_back({"servo_limits", Device::servo,
@@ -142,8 +144,8 @@ void judge_answers(const GateAnswers& answers, const ServoProfile& servo, const 
 
 }  // namespace
 
-GateReport judge(const GateFacts& facts, const RigProfile& profile, const GateLimits& limits) {
-  GateReport report{.facts = facts, .violations = {}, .warnings = {}};
+PreflightReport judge(const PreflightFacts& facts, const RigProfile& profile, const PreflightLimits& limits) {
+  PreflightReport report{.facts = facts, .violations = {}, .warnings = {}};
   Violations& found = report.violations;
   for (const Device device : all_devices)
     if (facts.streams[device]) judge_stream(device, *facts.streams[device], limits, found);
@@ -154,7 +156,7 @@ GateReport judge(const GateFacts& facts, const RigProfile& profile, const GateLi
   return report;
 }
 
-std::string sentence(const GateViolation& violation) {
+std::string sentence(const PreflightViolation& violation) {
   return fmt::format("{}; the limit is {}", violation.figure, violation.limit);
 }
 

@@ -6,14 +6,14 @@
 
 #include "thermorig/core/sample.h"
 #include "thermorig/core/time.h"
-#include "thermorig/rig/gate.h"
+#include "thermorig/rig/preflight.h"
 #include "thermorig/wire/counters.h"
 #include "thermorig/wire/servo_messages.h"
 
 namespace thermorig::rig {
 
-/// Counters of everything that the gate compares, at one moment.
-struct GateCounts {
+/// Counters of everything that the preflight check compares, at one moment.
+struct PreflightCounts {
   std::optional<wire::ServoWelcome> welcome;  // of the servo
   PerDevice<wire::Counters> wire;
   std::uint64_t pings = 0;
@@ -23,15 +23,15 @@ struct GateCounts {
 
 /// Listens to a rig that is not armed: from begin() on, at most the last five seconds, or a few messages of a
 /// device that sends more seldom. Pure.
-class GateWatch {
+class PreflightWatch {
  public:
   static constexpr double least_s = 3.0;  // so long at least: 24 frames of a camera at 8 Hz
 
   /// All devices send: what came before does not count. `profile` names their nominal rates.
-  void begin(HostTime now, const GateCounts& counts, const RigProfile& profile);
+  void begin(HostTime now, const PreflightCounts& counts, const RigProfile& profile);
 
   /// The counters now and then, at each tick: they are compared over the same time as the messages.
-  void counted(HostTime now, const GateCounts& counts);
+  void counted(HostTime now, const PreflightCounts& counts);
 
   /// For how long it must listen before it can judge: `least_s`, and three messages of every device
   /// that is there.
@@ -45,7 +45,7 @@ class GateWatch {
   void servo(const TimedServo& servo);
   void round_trip(HostDuration time, HostTime arrived);  // of a ping that was answered
 
-  GateFacts facts(HostTime now, const GateCounts& counts, const RigProfile& profile) const;
+  PreflightFacts facts(HostTime now, const PreflightCounts& counts, const RigProfile& profile) const;
 
  private:
   struct Heard {
@@ -66,7 +66,7 @@ class GateWatch {
   };
   struct Counted {
     HostTime time{};
-    GateCounts counts;
+    PreflightCounts counts;
   };
   struct RoundTrip {
     HostTime time{};  // of the answer
@@ -75,13 +75,13 @@ class GateWatch {
   void hear(Device device, const Stamp& stamp, Heard heard);
   template <typename Entry>
   void forget_old(std::deque<Entry>& entries) const;
-  std::optional<GateStream> stream(Device device, HostTime now, const GateCounts& counts,
-                                   const RigProfile& profile) const;
+  std::optional<PreflightStream> stream(Device device, HostTime now, const PreflightCounts& counts,
+                                        const RigProfile& profile) const;
   double span_s(Device device, HostTime now, double period_s) const;
-  std::optional<GateImages> images() const;
-  std::optional<GateRest> rest() const;
+  std::optional<PreflightImages> images() const;
+  std::optional<PreflightRest> rest() const;
   std::vector<Rate> measured_rates() const;
-  GateAnswers answers(const GateCounts& counts) const;
+  PreflightAnswers answers(const PreflightCounts& counts) const;
 
   std::optional<HostTime> begin_;
   HostDuration window_{};

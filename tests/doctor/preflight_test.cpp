@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "thermorig/rig/gate.h"
+#include "thermorig/rig/preflight.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -16,10 +16,10 @@ namespace {
 
 using ::testing::HasSubstr;
 
-VirtualOptions gated(const TemporaryFolder& folder, const RigProfile& profile, GateMode mode) {
+VirtualOptions checked(const TemporaryFolder& folder, const RigProfile& profile, PreflightMode mode) {
   VirtualOptions options;
   options.recording = recording_options(folder, profile, short_plan());
-  options.recording.gate = mode;
+  options.recording.preflight = mode;
   return options;
 }
 
@@ -46,19 +46,19 @@ double shaft_travel_deg(const SimulatedBus& bus) {
   return most->angle_deg - least->angle_deg;
 }
 
-TEST(Gate, LetsAGoodRigPassAndKeepsItsFigures) {
+TEST(Preflight, LetsAGoodRigPassAndKeepsItsFigures) {
   const TemporaryFolder folder;
   SimulatedBus bus(simulation::default_rig(1, "kitchen"));
   const RecordingResult result =
-      record_virtual(bus, gated(folder, simulation::default_profile(), GateMode::refuse));
+      record_virtual(bus, checked(folder, simulation::default_profile(), PreflightMode::refuse));
   EXPECT_EQ(result.exit, ExitCode::ok) << result.message;
-  ASSERT_TRUE(result.gate);
-  EXPECT_TRUE(result.gate->passed());
-  EXPECT_NEAR(result.gate->facts.streams[Device::gyro]->rate_hz, 200.0, 4.0);
-  EXPECT_GE(result.gate->facts.span_s, 3.0);
+  ASSERT_TRUE(result.preflight);
+  EXPECT_TRUE(result.preflight->passed());
+  EXPECT_NEAR(result.preflight->facts.streams[Device::gyro]->rate_hz, 200.0, 4.0);
+  EXPECT_GE(result.preflight->facts.span_s, 3.0);
 }
 
-TEST(Gate, EverySimulatedRigPasses) {
+TEST(Preflight, EverySimulatedRigPasses) {
   for (const auto grade : {simulation::GyroGrade::calibrated, simulation::GyroGrade::typical,
                            simulation::GyroGrade::mpu6050_raw})
     for (const bool half_fresh : {true, false})
@@ -70,74 +70,74 @@ TEST(Gate, EverySimulatedRigPasses) {
         for (const Device device : all_devices) config.links[device].kind = link;
         SimulatedBus bus(config);
         const TemporaryFolder folder;
-        VirtualOptions options = gated(folder, config.profile, GateMode::refuse);
+        VirtualOptions options = checked(folder, config.profile, PreflightMode::refuse);
         options.recording.keep = false;
         EXPECT_FALSE(error_of(bus, options))
             << static_cast<int>(grade) << half_fresh << static_cast<int>(link);
       }
 }
 
-TEST(Gate, RefusesARigBeforeAnythingMovesAndLeavesNoFile) {
+TEST(Preflight, RefusesARigBeforeAnythingMovesAndLeavesNoFile) {
   const TemporaryFolder folder;
   const SlowGyro rig;
   SimulatedBus bus(rig.config);
   bus.rig.keep_truth(true);
-  const auto error = error_of(bus, gated(folder, rig.profile, GateMode::refuse));
+  const auto error = error_of(bus, checked(folder, rig.profile, PreflightMode::refuse));
   ASSERT_TRUE(error);
   EXPECT_EQ(error->code(), ExitCode::check_failed);
   EXPECT_THAT(error->what_happened(), HasSubstr("the limit is 160 to 250 (nominal 200)"));
   EXPECT_THAT(error->advice(), HasSubstr("output_rate_hz"));
-  EXPECT_THAT(error->advice(), HasSubstr("--no-gate"));
+  EXPECT_THAT(error->advice(), HasSubstr("--no-preflight"));
   EXPECT_TRUE(std::filesystem::is_empty(folder.path()));
   EXPECT_EQ(shaft_travel_deg(bus), 0.0);
 }
 
-TEST(Gate, OnlyWarnsWhereItIsToldTo) {
+TEST(Preflight, OnlyWarnsWhereItIsToldTo) {
   const TemporaryFolder folder;
   const SlowGyro rig;
   SimulatedBus bus(rig.config);
-  const RecordingResult result = record_virtual(bus, gated(folder, rig.profile, GateMode::warn));
-  ASSERT_TRUE(result.gate);
-  EXPECT_FALSE(result.gate->passed());
+  const RecordingResult result = record_virtual(bus, checked(folder, rig.profile, PreflightMode::warn));
+  ASSERT_TRUE(result.preflight);
+  EXPECT_FALSE(result.preflight->passed());
   const session::Session session = session::read_session(result.session);
   const bool told = std::any_of(session.raw.events.begin(), session.raw.events.end(), [](const auto& event) {
-    return event.kind == EventKind::warning && event.message.starts_with("gate: 100.");
+    return event.kind == EventKind::warning && event.message.starts_with("preflight: 100.");
   });
   EXPECT_TRUE(told);
 }
 
-TEST(Gate, WarnsOfAGyroThatZeroesItselfAndLetsItPass) {
+TEST(Preflight, WarnsOfAGyroThatZeroesItselfAndLetsItPass) {
   const TemporaryFolder folder;
   simulation::VirtualRigConfig config = simulation::default_rig(1, "kitchen");
   config.gyro_zeroes_itself = true;
   SimulatedBus bus(config);
-  const RecordingResult result = record_virtual(bus, gated(folder, config.profile, GateMode::refuse));
-  ASSERT_TRUE(result.gate);
-  EXPECT_TRUE(result.gate->passed());
-  ASSERT_EQ(result.gate->warnings.size(), 1U);
-  EXPECT_EQ(result.gate->warnings.front().name, "gyro_zeroes");
+  const RecordingResult result = record_virtual(bus, checked(folder, config.profile, PreflightMode::refuse));
+  ASSERT_TRUE(result.preflight);
+  EXPECT_TRUE(result.preflight->passed());
+  ASSERT_EQ(result.preflight->warnings.size(), 1U);
+  EXPECT_EQ(result.preflight->warnings.front().name, "gyro_zeroes");
   const session::Session session = session::read_session(result.session);
   const bool told = std::any_of(session.raw.events.begin(), session.raw.events.end(), [](const auto& event) {
-    return event.kind == EventKind::warning && event.message.starts_with("gate: the gyro zeroes itself");
+    return event.kind == EventKind::warning && event.message.starts_with("preflight: the gyro zeroes itself");
   });
   EXPECT_TRUE(told);
   EXPECT_THAT(result.quality.verdict_reasons, testing::Contains(HasSubstr("zeroes itself")));
 }
 
-TEST(Gate, OfARestMovesNothingAndSoOnlyWarns) {
+TEST(Preflight, OfARestMovesNothingAndSoOnlyWarns) {
   const TemporaryFolder folder;
   const SlowGyro rig;
   SimulatedBus bus(rig.config);
-  VirtualOptions options = gated(folder, rig.profile, GateMode::refuse);
+  VirtualOptions options = checked(folder, rig.profile, PreflightMode::refuse);
   options.recording.plan.leg_rates_dps.clear();
   EXPECT_FALSE(error_of(bus, options));
 }
 
-TEST(Gate, ListensBeforeTheServoIsArmed) {
+TEST(Preflight, ListensBeforeTheServoIsArmed) {
   const TemporaryFolder folder;
   SimulatedBus bus(simulation::default_rig(1, "kitchen"));
   bus.rig.keep_truth(true);
-  VirtualOptions options = gated(folder, simulation::default_profile(), GateMode::refuse);
+  VirtualOptions options = checked(folder, simulation::default_profile(), PreflightMode::refuse);
   std::optional<double> armed_after_s;
   options.progress_period = std::chrono::milliseconds(10);
   options.progress = [&](const RecordingProgress& progress) {
@@ -151,7 +151,7 @@ TEST(Gate, ListensBeforeTheServoIsArmed) {
 
 /// Start is allowed `wait_s` after the rig was switched on.
 VirtualOptions waiting(const TemporaryFolder& folder, double wait_s) {
-  VirtualOptions options = gated(folder, simulation::default_profile(), GateMode::refuse);
+  VirtualOptions options = checked(folder, simulation::default_profile(), PreflightMode::refuse);
   options.recording.wait_for_start = true;
   const auto time = std::make_shared<HostTime>();
   options.progress_period = std::chrono::milliseconds(10);
@@ -175,14 +175,14 @@ SimulatedBus::Damage spoilt(double begin_s, double end_s) {
   };
 }
 
-TEST(Gate, ForgetsLossesOfLongAgo) {
+TEST(Preflight, ForgetsLossesOfLongAgo) {
   const TemporaryFolder folder;
   SimulatedBus bus(simulation::default_rig(1, "kitchen"));
   bus.from_device[index_of(Device::gyro)] = spoilt(5.0, 7.0);
   EXPECT_FALSE(error_of(bus, waiting(folder, 20.0)));
 }
 
-TEST(Gate, DoesNotDiluteLossesOfJustNow) {
+TEST(Preflight, DoesNotDiluteLossesOfJustNow) {
   const TemporaryFolder folder;
   SimulatedBus bus(simulation::default_rig(1, "kitchen"));
   bus.from_device[index_of(Device::gyro)] = spoilt(119.0, 119.5);
@@ -192,7 +192,7 @@ TEST(Gate, DoesNotDiluteLossesOfJustNow) {
   EXPECT_THAT(error->what_happened(), HasSubstr("bytes belong to no good message"));
 }
 
-TEST(Gate, ListensAnewOnceADeviceThatWasAwayIsBack) {
+TEST(Preflight, ListensAnewOnceADeviceThatWasAwayIsBack) {
   const TemporaryFolder folder;
   SimulatedBus bus(simulation::default_rig(1, "kitchen"));
   bus.unplugged = {{Device::camera, HostTime(from_s(15.0)), HostTime(from_s(21.0))}};
@@ -208,7 +208,7 @@ TEST(Gate, ListensAnewOnceADeviceThatWasAwayIsBack) {
   EXPECT_GT(*armed, HostTime(from_s(24.0)));
 }
 
-TEST(Gate, RefusesADeviceThatHasFallenSilent) {
+TEST(Preflight, RefusesADeviceThatHasFallenSilent) {
   const TemporaryFolder folder;
   SimulatedBus bus(simulation::default_rig(1, "kitchen"));
   bus.is_cut = [](Device device, HostTime now) {
@@ -219,28 +219,28 @@ TEST(Gate, RefusesADeviceThatHasFallenSilent) {
   EXPECT_THAT(error->what_happened(), HasSubstr("frames a second come from the camera"));
 }
 
-TEST(Gate, JudgesABiasThatWasMeasured) {
+TEST(Preflight, JudgesABiasThatWasMeasured) {
   RigProfile profile = simulation::default_profile();
-  GateFacts facts;
-  facts.rest = GateRest{.mean_dps = 4.0, .noise_dps = 0.1};
+  PreflightFacts facts;
+  facts.rest = PreflightRest{.mean_dps = 4.0, .noise_dps = 0.1};
   EXPECT_TRUE(judge(facts, profile).passed());  // nobody has measured it
   profile.gyro.bias_dps = 1.0;
   profile.gyro.bias_uncertainty_dps = 0.1;
   profile.gyro.bias_measured_utc = "2026-07-25T14:35:12Z";
-  const GateReport report = judge(facts, profile);
+  const PreflightReport report = judge(facts, profile);
   ASSERT_EQ(report.violations.size(), 1U);
   EXPECT_EQ(report.violations[0].name, "gyro_bias");
   facts.rest->mean_dps = 1.9;
   EXPECT_TRUE(judge(facts, profile).passed());
 }
 
-TEST(Gate, JudgesClocksAndAnswers) {
-  GateFacts facts;
+TEST(Preflight, JudgesClocksAndAnswers) {
+  PreflightFacts facts;
   facts.streams[Device::servo] =
-      GateStream{.messages = 300, .rate_hz = 100, .nominal_hz = 100, .uncertainty_s = 0.012};
-  facts.answers = GateAnswers{.pings = 30, .answered = 20, .round_trip_s = 0.09};
+      PreflightStream{.messages = 300, .rate_hz = 100, .nominal_hz = 100, .uncertainty_s = 0.012};
+  facts.answers = PreflightAnswers{.pings = 30, .answered = 20, .round_trip_s = 0.09};
   std::vector<std::string> names;
-  for (const GateViolation& violation : judge(facts, simulation::default_profile()).violations)
+  for (const PreflightViolation& violation : judge(facts, simulation::default_profile()).violations)
     names.push_back(violation.name);
   EXPECT_THAT(names, ::testing::ElementsAre("servo_clock", "servo_answers", "servo_round_trip"));
 }

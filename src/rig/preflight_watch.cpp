@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "gate_watch.h"
+#include "preflight_watch.h"
 
 #include <algorithm>
 #include <cmath>
@@ -7,8 +7,9 @@
 #include <utility>
 
 #include "thermorig/core/auto_zero.h"
+#include "thermorig/core/statistics.h"
 #include "thermorig/labels/freshness.h"
-#include "thermorig/rig/link_load.h"
+#include "thermorig/rig/expected_size.h"
 
 namespace thermorig::rig {
 
@@ -30,13 +31,6 @@ double longest_period_s(const RigProfile& profile, const PerDevice<bool>& gone) 
 
 double ratio(double part_of, double whole) {
   return whole > 0.0 ? part_of / whole : 0.0;
-}
-
-double median(std::vector<double> values) {
-  if (values.empty()) return 0.0;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
 }
 
 /// Messages that the gaps between the device's own times have room for; 0 where it sends none. Arrivals would
@@ -70,36 +64,36 @@ double slope(const std::vector<double>& x, const std::vector<double>& y) {
 
 }  // namespace
 
-void GateWatch::begin(HostTime now, const GateCounts& counts, const RigProfile& profile) {
-  *this = GateWatch();
+void PreflightWatch::begin(HostTime now, const PreflightCounts& counts, const RigProfile& profile) {
+  *this = PreflightWatch();
   begin_ = now;
   window_ = from_s(std::max(rate_window_s, periods_in_window * longest_period_s(profile, counts.gone)));
   counted_.push_back({now, counts});
 }
 
-double GateWatch::needed_s(const RigProfile& profile, const PerDevice<bool>& gone) {
+double PreflightWatch::needed_s(const RigProfile& profile, const PerDevice<bool>& gone) {
   return std::max(least_s, periods_needed * longest_period_s(profile, gone));
 }
 
-void GateWatch::counted(HostTime now, const GateCounts& counts) {
+void PreflightWatch::counted(HostTime now, const PreflightCounts& counts) {
   if (!begin_) return;
   if (now - counted_.back().time >= count_period) counted_.push_back({now, counts});
   while (counted_.size() > 1 && now - counted_[1].time >= window_) counted_.pop_front();
 }
 
 template <typename Entry>
-void GateWatch::forget_old(std::deque<Entry>& entries) const {
+void PreflightWatch::forget_old(std::deque<Entry>& entries) const {
   while (entries.back().time - entries.front().time > window_) entries.pop_front();
 }
 
-void GateWatch::hear(Device device, const Stamp& stamp, Heard heard) {
+void PreflightWatch::hear(Device device, const Stamp& stamp, Heard heard) {
   heard.time = stamp.arrival;
   heard.uncertainty_s = double{stamp.uncertainty_s};
   heard_[device].push_back(heard);
   forget_old(heard_[device]);
 }
 
-void GateWatch::frame(const TimedFrame& frame) {
+void PreflightWatch::frame(const TimedFrame& frame) {
   if (!begin_) return;
   hear(Device::camera, frame.stamp, {.missing_before = frame.missing_before});
   const labels::Freshness fresh{frame.fresh_even, frame.fresh_odd};
@@ -108,18 +102,18 @@ void GateWatch::frame(const TimedFrame& frame) {
   forget_old(images_);
 }
 
-void GateWatch::gyro(const TimedGyro& gyro) {
+void PreflightWatch::gyro(const TimedGyro& gyro) {
   if (!begin_) return;
   hear(Device::gyro, gyro.stamp, {.device_us = gyro.reading.device_time_us});
   rates_.push_back({gyro.stamp.arrival, gyro.reading.rate_dps, gyro.rate_dps});
   forget_old(rates_);
 }
 
-void GateWatch::servo(const TimedServo& servo) {
+void PreflightWatch::servo(const TimedServo& servo) {
   if (begin_) hear(Device::servo, servo.stamp, {});
 }
 
-void GateWatch::round_trip(HostDuration time, HostTime arrived) {
+void PreflightWatch::round_trip(HostDuration time, HostTime arrived) {
   if (!begin_) return;
   round_trips_.push_back({arrived, to_s(time)});
   forget_old(round_trips_);
@@ -127,8 +121,9 @@ void GateWatch::round_trip(HostDuration time, HostTime arrived) {
 
 // ---- figures ------------------------------------------------------------------------------------------
 
-GateFacts GateWatch::facts(HostTime now, const GateCounts& counts, const RigProfile& profile) const {
-  GateFacts facts{.span_s = std::min(heard_s(now), to_s(window_))};
+PreflightFacts PreflightWatch::facts(HostTime now, const PreflightCounts& counts,
+                                     const RigProfile& profile) const {
+  PreflightFacts facts{.span_s = std::min(heard_s(now), to_s(window_))};
   for (const Device device : all_devices) facts.streams[device] = stream(device, now, counts, profile);
   facts.images = images();
   facts.rest = rest();
@@ -138,7 +133,7 @@ GateFacts GateWatch::facts(HostTime now, const GateCounts& counts, const RigProf
 
 /// From the first message to the last; what is silent before or behind them for longer than a stream of that
 /// period may be counts as well.
-double GateWatch::span_s(Device device, HostTime now, double period_s) const {
+double PreflightWatch::span_s(Device device, HostTime now, double period_s) const {
   const auto& heard = heard_[device];
   const HostDuration silence = from_s(periods_of_silence * period_s);
   const HostTime begin = std::min(heard.front().time, std::max(*begin_, now - window_) + silence);
@@ -147,15 +142,16 @@ double GateWatch::span_s(Device device, HostTime now, double period_s) const {
 
 /// None: the device is not there, which is known, or it is too early to tell. One that is and sends too
 /// little has a rate all the same.
-std::optional<GateStream> GateWatch::stream(Device device, HostTime now, const GateCounts& counts,
-                                            const RigProfile& profile) const {
+std::optional<PreflightStream> PreflightWatch::stream(Device device, HostTime now,
+                                                      const PreflightCounts& counts,
+                                                      const RigProfile& profile) const {
   const auto& heard = heard_[device];
   const double nominal_hz = link_load(device, profile).rate_hz;
   if (heard.size() < 2 && (counts.gone[device] || heard_s(now) * nominal_hz < periods_needed))
     return std::nullopt;
   const wire::Counters& after = counts.wire[device];
   const wire::Counters& before = counted_.front().counts.wire[device];
-  GateStream stream{.messages = heard.size(), .nominal_hz = nominal_hz};
+  PreflightStream stream{.messages = heard.size(), .nominal_hz = nominal_hz};
   if (heard.size() > 1)
     stream.rate_hz = ratio(static_cast<double>(heard.size() - 1), span_s(device, now, 1.0 / nominal_hz));
   double missing = static_cast<double>(after.lost - before.lost);
@@ -169,15 +165,15 @@ std::optional<GateStream> GateWatch::stream(Device device, HostTime now, const G
   return stream;
 }
 
-std::optional<GateImages> GateWatch::images() const {
+std::optional<PreflightImages> PreflightWatch::images() const {
   if (images_.size() < 2) return std::nullopt;
   const auto share_of = [this](auto is_so) {
     return ratio(static_cast<double>(std::count_if(images_.begin(), images_.end(), is_so)),
                  static_cast<double>(images_.size()));
   };
-  GateImages facts{.even_fresh_share = share_of([](const Image& image) { return image.even; }),
-                   .odd_fresh_share = share_of([](const Image& image) { return image.odd; }),
-                   .stale_share = share_of([](const Image& image) { return image.stale; })};
+  PreflightImages facts{.even_fresh_share = share_of([](const Image& image) { return image.even; }),
+                        .odd_fresh_share = share_of([](const Image& image) { return image.odd; }),
+                        .stale_share = share_of([](const Image& image) { return image.stale; })};
   std::vector<double> minutes, temperatures_c;
   for (const Image& image : images_) {
     minutes.push_back(to_s(image.time - images_.front().time) / 60.0);
@@ -188,16 +184,16 @@ std::optional<GateImages> GateWatch::images() const {
 }
 
 /// Those that are not exactly 0 about all axes.
-std::vector<GateWatch::Rate> GateWatch::measured_rates() const {
+std::vector<PreflightWatch::Rate> PreflightWatch::measured_rates() const {
   std::vector<Rate> rates;
   std::copy_if(rates_.begin(), rates_.end(), std::back_inserter(rates),
                [](const Rate& rate) { return rate.axes_dps != std::array<float, 3>{}; });
   return rates;
 }
 
-std::optional<GateRest> GateWatch::rest() const {
+std::optional<PreflightRest> PreflightWatch::rest() const {
   if (rates_.size() < 2) return std::nullopt;
-  GateRest facts;
+  PreflightRest facts;
   AutoZero zeros;
   for (const Rate& rate : rates_) zeros.add(rate.axes_dps);
   facts.zeroes_itself = zeros.is_seen();
@@ -235,12 +231,12 @@ std::optional<GateRest> GateWatch::rest() const {
   return facts;
 }
 
-GateAnswers GateWatch::answers(const GateCounts& counts) const {
+PreflightAnswers PreflightWatch::answers(const PreflightCounts& counts) const {
   constexpr std::uint64_t on_their_way = 1;  // the last ping may not have come back yet
-  const GateCounts& before = counted_.front().counts;
+  const PreflightCounts& before = counted_.front().counts;
   const std::uint64_t sent = counts.pings - before.pings;
-  GateAnswers facts{.pings = sent > on_their_way ? sent - on_their_way : 0,
-                    .retries = counts.retries - before.retries};
+  PreflightAnswers facts{.pings = sent > on_their_way ? sent - on_their_way : 0,
+                         .retries = counts.retries - before.retries};
   std::vector<double> round_trips_s;
   for (const RoundTrip& one : round_trips_)
     if (one.time >= counted_.front().time) round_trips_s.push_back(one.took_s);

@@ -12,14 +12,14 @@
 namespace thermorig::rig {
 
 /// What a recording does with a rig that is not fit for it.
-enum class GateMode : std::uint8_t {
+enum class PreflightMode : std::uint8_t {
   off,     // nothing is judged
   warn,    // an event says so, and the recording goes on
   refuse,  // nothing moves, no file is left
 };
 
 /// What one device sent while the rig stood still.
-struct GateStream {
+struct PreflightStream {
   std::uint64_t messages = 0;
   double rate_hz = 0.0;        // by the arrivals of the first and the last
   double nominal_hz = 0.0;     // by the profile
@@ -29,7 +29,7 @@ struct GateStream {
 };
 
 /// What the camera's images say.
-struct GateImages {
+struct PreflightImages {
   double even_fresh_share = 0.0;  // frames in which that chess half is new, 0..1
   double odd_fresh_share = 0.0;
   double stale_share = 0.0;             // frames that repeat the one before, or whose due half did not come
@@ -38,7 +38,7 @@ struct GateImages {
 
 /// What the gyro says at rest: of the axis that moves most. Exact zeros of one that zeroes itself are left
 /// out.
-struct GateRest {
+struct PreflightRest {
   double mean_dps = 0.0;       // about the servo's axis, sign of the profile applied
   double noise_dps = 0.0;      // standard deviation
   double swing_dps = 0.0;      // between the largest and the smallest mean over half a second
@@ -46,7 +46,7 @@ struct GateRest {
 };
 
 /// How the servo answers, and what it says of itself.
-struct GateAnswers {
+struct PreflightAnswers {
   std::uint64_t pings = 0;     // that are old enough to have been answered
   std::uint64_t answered = 0;  // of those
   double round_trip_s = 0.0;   // median, without what the firmware held them back on purpose
@@ -59,16 +59,17 @@ struct GateAnswers {
 };
 
 /// What is known of a rig at rest, before it moves. Parts of devices that are not there are absent.
-struct GateFacts {
+struct PreflightFacts {
   double span_s = 0.0;  // for how long all devices were heard
-  PerDevice<std::optional<GateStream>> streams;
-  std::optional<GateImages> images;
-  std::optional<GateRest> rest;
-  std::optional<GateAnswers> answers;
+  PerDevice<std::optional<PreflightStream>> streams;
+  std::optional<PreflightImages> images;
+  std::optional<PreflightRest> rest;
+  std::optional<PreflightAnswers> answers;
 };
 
-/// Beyond these a rig is not fit to record. Where each comes from stands in docs/reliability.md, "The gate".
-struct GateLimits {
+/// Beyond these a rig is not fit to record. Where each comes from stands in docs/reliability.md, "The
+/// preflight check".
+struct PreflightLimits {
   double rate_low = 0.8;  // of the nominal rate: the next setting of any device is at least 2 away
   double rate_high = 1.25;
   double lost_share = 0.01;
@@ -84,7 +85,7 @@ struct GateLimits {
 };
 
 /// One figure beyond its limit.
-struct GateViolation {
+struct PreflightViolation {
   std::string name;  // "gyro_rate", the same in every version: for programs
   Device device = Device::camera;
   std::string figure;  // "the gyro sends 100.1 messages a second"
@@ -93,17 +94,18 @@ struct GateViolation {
 };
 
 /// What was seen, and what of it is beyond its limit.
-struct GateReport {
-  GateFacts facts;
-  std::vector<GateViolation> violations;
-  std::vector<GateViolation> warnings;  // what a recording bears, but its user should know
+struct PreflightReport {
+  PreflightFacts facts;
+  std::vector<PreflightViolation> violations;
+  std::vector<PreflightViolation> warnings;  // what a recording bears, but its user should know
   bool passed() const { return violations.empty(); }
 };
 
 /// Pure: the same facts give the same report. `profile` names nominal rates, protocol and the measured bias.
-GateReport judge(const GateFacts& facts, const RigProfile& profile, const GateLimits& limits = {});
+PreflightReport judge(const PreflightFacts& facts, const RigProfile& profile,
+                      const PreflightLimits& limits = {});
 
 /// "the gyro sends 100.1 messages a second; the limit is 160 to 250 (nominal 200)".
-std::string sentence(const GateViolation& violation);
+std::string sentence(const PreflightViolation& violation);
 
 }  // namespace thermorig::rig
