@@ -17,7 +17,7 @@ using Checks = std::vector<doctor::Check>;
 
 constexpr double listen_s = 5.0;
 
-/// Stops the recording, which never began, when the gate has heard enough.
+/// Stops the recording, which never began, when the preflight check has heard enough.
 class Listening {
  public:
   std::vector<rig::Order> orders() const {
@@ -34,7 +34,7 @@ rig::RecordingOptions listening_options(const RecordOptions& options, const Chos
   rig::RecordingOptions recording = recording_options(options, rig, chosen_plan(options));
   recording.keep = false;
   recording.wait_for_start = true;
-  recording.gate = rig::GateMode::warn;
+  recording.preflight = rig::PreflightMode::warn;
   recording.replug_patience_s = 0.0;  // a rig that is pulled out meanwhile is not fit
   return recording;
 }
@@ -71,7 +71,7 @@ doctor::Check refusal(const Error& error) {
 Checks listen_to_rig(const RecordOptions& options, const ChosenRig& rig) {
   try {
     const rig::RecordingResult result = listen(listening_options(options, rig), rig);
-    if (result.exit == ExitCode::interrupted && result.gate) return doctor::judge_rig(*result.gate);
+    if (result.exit == ExitCode::interrupted && result.preflight) return doctor::judge_rig(*result.preflight);
     return {{.name = "rig", .code = result.exit, .result = result.message, .advice = result.advice}};
   } catch (const Error& error) {
     if (error.code() == ExitCode::interrupted) throw;

@@ -9,8 +9,8 @@
 
 namespace thermorig::app {
 
-/// Opens the rig's ports, listens for some seconds and applies the gate: nothing is armed, nothing moves,
-/// nothing is written. A simulated rig is listened to in virtual time.
+/// Opens the rig's ports, listens for some seconds and applies the preflight check: nothing is armed, nothing
+/// moves, nothing is written. A simulated rig is listened to in virtual time.
 std::vector<doctor::Check> listen_to_rig(const RecordOptions& options, const ChosenRig& rig);
 
 }  // namespace thermorig::app

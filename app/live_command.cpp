@@ -30,7 +30,7 @@ constexpr PerDevice<bool> needed_devices{{false, false, true}};  // what is left
 void make_live(const LiveOptions& options, const ChosenModel& model, const estimators::Bank& bank,
                rig::RecordingOptions& recording) {
   recording.keep = options.keep;
-  if (!options.keep) recording.gate = rig::GateMode::warn;
+  if (!options.keep) recording.preflight = rig::PreflightMode::warn;
   recording.needed = needed_devices;
   recording.wait_for_start = options.record.page.control;
   recording.live_model = model.facts;

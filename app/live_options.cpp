@@ -58,7 +58,7 @@ void add_result(CLI::App& command, LiveWords& words) {
       .add_option("--licence", live.record.licence,
                   "Licence of the data, kept in the session (with --record)")
       ->type_name("TEXT");
-  command.add_flag("!--no-gate", live.record.gate,
+  command.add_flag("!--no-preflight", live.record.preflight,
                    "With --record: keep a session of a rig that is not fit for it");
   command.add_flag("--tui", live.tui, "Draw the image and the rates on the terminal");
   add_sync(command, live.record.sync);
@@ -91,11 +91,11 @@ void refuse_said(const LiveWords& words, std::initializer_list<const char*> name
 void check_words_without_effect(const LiveWords& words) {
   const LiveOptions& live = words.options;
   if (live.replay)
-    refuse_said(words, {"--environment",    "--plan",        "--frames-per-leg",  "--valid-per-leg",
-                        "--speeds",         "--fast",        "--output",          "--camera",
-                        "--gyro",           "--servo",       "--camera-baud",     "--gyro-baud",
-                        "--servo-baud",     "--camera-rate", "--simulated-servo", "--simulated-camera",
-                        "--simulated-gyro", "--no-gate",     "--replug-patience", "--sync",
+    refuse_said(words, {"--environment",    "--plan",         "--frames-per-leg",  "--valid-per-leg",
+                        "--speeds",         "--fast",         "--output",          "--camera",
+                        "--gyro",           "--servo",        "--camera-baud",     "--gyro-baud",
+                        "--servo-baud",     "--camera-rate",  "--simulated-servo", "--simulated-camera",
+                        "--simulated-gyro", "--no-preflight", "--replug-patience", "--sync",
                         "--licence"},
                 "is for a rig; a replay takes all that from its session");
   if (!live.keep)

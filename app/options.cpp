@@ -43,8 +43,8 @@ void add_recording_of(CLI::App& command, RecordOptions& record) {
   command.add_flag("--fast", record.fast, "Virtual time: as fast as the machine can (simulated rig only)");
   command.add_flag("-n,--dry-run", record.dry_run,
                    "Print the plan and the checks; move nothing, write nothing");
-  command.add_flag("!--no-gate", record.gate,
-                   "Record with a rig that is not fit for it: what the gate finds is only said");
+  command.add_flag("!--no-preflight", record.preflight,
+                   "Record with a rig that is not fit for it: what the preflight check finds is only said");
   add_sync(command, record.sync);
   add_replug(command, record.replug_patience_s);
   add_json(command, record.json);

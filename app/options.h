@@ -53,7 +53,7 @@ struct RecordOptions {
   std::string sync = "125";         // frame, end or milliseconds: see rig::sync_policy_from
   PageOptions page;
   bool dry_run = false;
-  bool gate = true;  // a rig that is not fit is refused before it moves
+  bool preflight = true;  // a rig that is not fit is refused before it moves
   bool json = false;
 };
 

@@ -14,7 +14,6 @@
 #include "record_yield.h"
 #include "thermorig/io/port.h"
 #include "thermorig/rig/expected_size.h"
-#include "thermorig/rig/link_load.h"
 #include "thermorig/rig/yield.h"
 #include "thermorig/timing/link_timing.h"
 

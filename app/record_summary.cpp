@@ -6,9 +6,9 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
-#include "gate_json.h"
 #include "inspect_text.h"
 #include "output.h"
+#include "preflight_json.h"
 
 namespace thermorig::app {
 
@@ -107,7 +107,7 @@ nlohmann::json json_of(const RecordSummary& summary) {
                         {"verdict", quality.verdict},
                         {"verdict_reasons", quality.verdict_reasons},
                         {"next", next_command(result)}};
-  object["gate"] = gate_json(result.gate);
+  object["preflight"] = preflight_json(result.preflight);
   object["recorder_cpu_share"] = summary.cpu_share ? nlohmann::json(*summary.cpu_share) : nlohmann::json();
   return object;
 }

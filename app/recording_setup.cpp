@@ -54,7 +54,7 @@ rig::RecordingOptions recording_options(const RecordOptions& options, const Chos
   recording.plan = plan;
   recording.sync = rig::sync_policy_from(options.sync);
   recording.replug_patience_s = options.replug_patience_s;
-  recording.gate = options.gate ? rig::GateMode::refuse : rig::GateMode::warn;
+  recording.preflight = options.preflight ? rig::PreflightMode::refuse : rig::PreflightMode::warn;
   recording.simulated = rig.simulated.has_value();
   recording.simulation_seed = options.rig.simulated_seed;
   recording.creator = std::string("thermorig ") + build_information::version;

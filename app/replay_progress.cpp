@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "thermorig/rig/link_load.h"
+#include "thermorig/rig/expected_size.h"
 
 namespace thermorig::app {
 

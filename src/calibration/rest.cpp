@@ -20,12 +20,12 @@ struct Part {
   std::size_t samples = 0;
 };
 
-/// Mean and standard deviation of the samples in `stretch`; `next` moves on behind them.
-Part part_of(std::span<const TimedGyro> gyro, const Stretch& stretch, std::size_t& next) {
-  while (next < gyro.size() && gyro[next].stamp.time < stretch.begin) ++next;
+/// Mean and standard deviation of the samples in `rest`; `next` moves on behind them.
+Part part_of(std::span<const TimedGyro> gyro, const Rest& rest, std::size_t& next) {
+  while (next < gyro.size() && gyro[next].stamp.time < rest.begin) ++next;
   double sum = 0.0, squares = 0.0;
   Part part;
-  for (; next < gyro.size() && gyro[next].stamp.time < stretch.end; ++next) {
+  for (; next < gyro.size() && gyro[next].stamp.time < rest.end; ++next) {
     const double rate_dps = gyro[next].rate_dps;
     if (!std::isfinite(rate_dps) || gyro[next].reading.saturated) continue;
     sum += rate_dps;
@@ -42,7 +42,7 @@ Part part_of(std::span<const TimedGyro> gyro, const Stretch& stretch, std::size_
 std::vector<Part> parts_of(std::span<const TimedServo> servo, std::span<const TimedGyro> gyro) {
   std::vector<Part> parts;
   std::size_t next = 0, fullest = 0;
-  for (const Stretch& rest : rests_of(servo, gyro))
+  for (const Rest& rest : rests_of(servo, gyro))
     for (HostTime begin = rest.begin; begin + part_length <= rest.end && next < gyro.size();) {
       parts.push_back(part_of(gyro, {begin, begin + part_length}, next));
       begin += part_length;
@@ -83,10 +83,10 @@ double mean_of(std::span<const Part> parts) {
 
 }  // namespace
 
-std::vector<Stretch> rests_of(std::span<const TimedServo> servo, std::span<const TimedGyro> gyro) {
+std::vector<Rest> rests_of(std::span<const TimedServo> servo, std::span<const TimedGyro> gyro) {
   if (!servo.empty() || gyro.empty()) return session::servo_rests(servo);
-  const Stretch all{gyro.front().stamp.time, gyro.back().stamp.time};
-  return all.end > all.begin ? std::vector<Stretch>{all} : std::vector<Stretch>{};
+  const Rest all{gyro.front().stamp.time, gyro.back().stamp.time};
+  return all.end > all.begin ? std::vector<Rest>{all} : std::vector<Rest>{};
 }
 
 std::optional<RestingGyro> resting_gyro(std::span<const TimedServo> servo, std::span<const TimedGyro> gyro) {

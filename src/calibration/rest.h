@@ -11,11 +11,11 @@
 
 namespace thermorig::calibration {
 
-using session::Stretch;
+using session::Rest;
 
-/// Stretches in which nothing turned the gyro: the servo's rests. Where there is no telemetry at all, nothing
+/// Times in which nothing turned the gyro: the servo's rests. Where there is no telemetry at all, nothing
 /// drove: the whole time of the gyro.
-std::vector<Stretch> rests_of(std::span<const TimedServo> servo, std::span<const TimedGyro> gyro);
+std::vector<Rest> rests_of(std::span<const TimedServo> servo, std::span<const TimedGyro> gyro);
 
 /// What the gyro shows while nothing turns it.
 struct RestingGyro {

@@ -27,31 +27,31 @@ struct Turn {
   double duration_s = 0.0;
 };
 
-std::span<const TimedGyro> within(std::span<const TimedGyro> gyro, const Stretch& stretch) {
+std::span<const TimedGyro> within(std::span<const TimedGyro> gyro, const Rest& rest) {
   const auto before = [](const TimedGyro& sample, HostTime time) { return sample.stamp.time < time; };
-  const auto begin = std::lower_bound(gyro.begin(), gyro.end(), stretch.begin, before);
-  return {begin, std::lower_bound(begin, gyro.end(), stretch.end, before)};
+  const auto begin = std::lower_bound(gyro.begin(), gyro.end(), rest.begin, before);
+  return {begin, std::lower_bound(begin, gyro.end(), rest.end, before)};
 }
 
 /// From the first motion to the last one in a rest of the servo, with a margin; none if nothing moved.
-std::optional<Stretch> moving_part(std::span<const TimedGyro> gyro, const Stretch& rest,
-                                   const RestingGyro& resting) {
+std::optional<Rest> moving_part(std::span<const TimedGyro> gyro, const Rest& rest,
+                                const RestingGyro& resting) {
   const double moving_dps = std::max(slowest_turn_dps, 8.0 * resting.noise_dps);
-  Stretch moving{rest.end, rest.begin};
+  Rest moving{rest.end, rest.begin};
   for (const TimedGyro& sample : within(gyro, rest)) {
     if (std::abs(sample.rate_dps - resting.bias_dps) < moving_dps) continue;
     moving.begin = std::min(moving.begin, sample.stamp.time);
     moving.end = std::max(moving.end, sample.stamp.time);
   }
   if (moving.end < moving.begin) return std::nullopt;
-  return Stretch{std::max(rest.begin, moving.begin - margin), std::min(rest.end, moving.end + margin)};
+  return Rest{std::max(rest.begin, moving.begin - margin), std::min(rest.end, moving.end + margin)};
 }
 
-/// The gyro's rate without its bias, summed up over the stretch.
-Turn integrate(std::span<const TimedGyro> gyro, const Stretch& stretch, double bias_dps) {
+/// The gyro's rate without its bias, summed up over a rest of the servo, or a part of it.
+Turn integrate(std::span<const TimedGyro> gyro, const Rest& rest, double bias_dps) {
   Turn turn;
   const TimedGyro* before = nullptr;
-  for (const TimedGyro& sample : within(gyro, stretch)) {
+  for (const TimedGyro& sample : within(gyro, rest)) {
     if (sample.reading.saturated)
       refuse_scale("the gyro was turned faster than it can measure",
                    "turn the rig more slowly: 10 s or more");
@@ -65,14 +65,14 @@ Turn integrate(std::span<const TimedGyro> gyro, const Stretch& stretch, double b
     }
     before = &sample;
   }
-  turn.duration_s = std::max(0.0, to_s(stretch.end - stretch.begin));
+  turn.duration_s = std::max(0.0, to_s(rest.end - rest.begin));
   return turn;
 }
 
 /// The longest motion while the servo stood still.
 std::optional<Turn> longest_turn(const session::Session& session, const RestingGyro& resting) {
   std::optional<Turn> longest;
-  for (const Stretch& rest : rests_of(session.servo, session.gyro)) {
+  for (const Rest& rest : rests_of(session.servo, session.gyro)) {
     const auto moving = moving_part(session.gyro, rest, resting);
     if (!moving) continue;
     const Turn turn = integrate(session.gyro, *moving, resting.bias_dps);

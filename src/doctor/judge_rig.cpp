@@ -15,14 +15,14 @@ namespace {
 // (its data sheet asks for 4 minutes).
 constexpr double warm_drift_c_per_min = 1.5;
 
-std::string stream_text(const rig::GateStream& stream) {
+std::string stream_text(const rig::PreflightStream& stream) {
   return fmt::format(
       "{:.1f} /s (nominal {:.4g}), {:.1f} % lost, {:.1f} % of the bytes damaged, times known to {:.1f} ms",
       stream.rate_hz, stream.nominal_hz, 100.0 * stream.lost_share, 100.0 * stream.damaged_share,
       1e3 * stream.uncertainty_s);
 }
 
-Check warm_up_check(const rig::GateImages& images) {
+Check warm_up_check(const rig::PreflightImages& images) {
   Check check{.name = "camera warm-up",
               .result = fmt::format("its own temperature changes by {:+.1f} degC a minute",
                                     images.sensor_drift_c_per_min)};
@@ -32,7 +32,7 @@ Check warm_up_check(const rig::GateImages& images) {
   return check;
 }
 
-Check board_check(const rig::GateAnswers& answers) {
+Check board_check(const rig::PreflightAnswers& answers) {
   Check check{
       .name = "servo board",
       .result = fmt::format("firmware {}, on for {:.0f} s, at most {:.0f} deg/s, watchdog {} ms",
@@ -48,9 +48,9 @@ Check board_check(const rig::GateAnswers& answers) {
 
 }  // namespace
 
-std::vector<Check> judge_rig(const rig::GateReport& report) {
+std::vector<Check> judge_rig(const rig::PreflightReport& report) {
   std::vector<Check> checks;
-  const rig::GateFacts& facts = report.facts;
+  const rig::PreflightFacts& facts = report.facts;
   for (const Device device : all_devices)
     if (facts.streams[device])
       checks.push_back(
@@ -68,13 +68,13 @@ std::vector<Check> judge_rig(const rig::GateReport& report) {
          .result = fmt::format("{} of {} pings, {:.1f} ms there and back", facts.answers->answered,
                                facts.answers->pings, 1e3 * facts.answers->round_trip_s)});
   }
-  for (const rig::GateViolation& violation : report.violations)
-    checks.push_back({.name = "gate: " + violation.name,
+  for (const rig::PreflightViolation& violation : report.violations)
+    checks.push_back({.name = "preflight: " + violation.name,
                       .code = ExitCode::check_failed,
                       .result = rig::sentence(violation),
                       .advice = violation.advice});
-  for (const rig::GateViolation& warning : report.warnings)
-    checks.push_back({.name = "gate: " + warning.name,
+  for (const rig::PreflightViolation& warning : report.warnings)
+    checks.push_back({.name = "preflight: " + warning.name,
                       .result = rig::sentence(warning),
                       .advice = warning.advice,
                       .warning = true});

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "stretches.h"
+#include "intervals.h"
 
 namespace thermorig::labels {
 
@@ -15,7 +15,7 @@ bool is_able(const ServoState& state) {
   return state.fault == ServoFault::none && state.motion != ServoMotion::disarmed;
 }
 
-constexpr std::int64_t longest_stretch_us = 5'000'000;
+constexpr std::int64_t longest_constant_us = 5'000'000;
 constexpr std::size_t least_pulses = 5;
 }  // namespace
 
@@ -118,10 +118,10 @@ CommandSpan CommandTrack::over(HostTime begin, HostTime end) const {
 }
 
 /// How far back the speed of the last of `points`, which lie around a span, is that of the ones before it.
-std::int64_t CommandTrack::stretch_begin_us(std::span<const Point> points) const {
+std::int64_t CommandTrack::constant_begin_us(std::span<const Point> points) const {
   const Point* point = &points.back();
   const Point* const first = points_.all().data();
-  const std::int64_t earliest_us = point->mcu_time_us - longest_stretch_us;
+  const std::int64_t earliest_us = point->mcu_time_us - longest_constant_us;
   const double rate_dps = point->rate_dps;
   while (point != first && !is_gap(point[-1], *point) && point[-1].mcu_time_us > earliest_us &&
          std::abs(point[-1].rate_dps - rate_dps) <= constant_dps)
@@ -150,9 +150,9 @@ std::optional<double> CommandTrack::pulse_rate_dps(std::int64_t begin_us, std::i
 std::optional<double> CommandTrack::constant_rate_dps(HostTime begin, HostTime end) const {
   const auto points = around(begin, end);
   if (!covers(points, begin, end)) return std::nullopt;
-  const std::int64_t begin_us = stretch_begin_us(points);
+  const std::int64_t begin_us = constant_begin_us(points);
   if (begin_us > points.front().mcu_time_us) return std::nullopt;
-  // The first pulses of the stretch may still show the speed before it.
+  // The first pulses at a speed may still show the speed before it.
   return pulse_rate_dps(begin_us + PulseTrain::period_us, points.back().mcu_time_us);
 }
 

@@ -6,8 +6,8 @@
 #include <span>
 #include <vector>
 
+#include "intervals.h"
 #include "least_squares.h"
-#include "stretches.h"
 #include "thermorig/core/auto_zero.h"
 #include "thermorig/core/statistics.h"
 #include "thermorig/labels/running_bias.h"
@@ -46,9 +46,9 @@ std::span<const TimedGyro> between(std::span<const TimedGyro> gyro, HostTime beg
   return {first, std::lower_bound(first, gyro.end(), std::max(begin, end), before)};
 }
 
-bool zeroes_itself(std::span<const TimedGyro> gyro, const std::vector<Stretch>& rests, HostTime origin) {
+bool zeroes_itself(std::span<const TimedGyro> gyro, const std::vector<Interval>& rests, HostTime origin) {
   AutoZero zeros;
-  for (const Stretch& rest : rests) {
+  for (const Interval& rest : rests) {
     zeros.pause();
     for (const TimedGyro& sample : between(gyro, origin + from_s(rest.begin_s), origin + from_s(rest.end_s)))
       zeros.add(sample.reading.rate_dps);
@@ -71,7 +71,7 @@ std::optional<Block> block_of(std::span<const TimedGyro> gyro, std::size_t rest)
 }
 
 /// Blocks in the rests, each rest without the time that the shaft needs to settle.
-std::vector<Block> blocks_of(std::span<const TimedGyro> gyro, const std::vector<Stretch>& rests,
+std::vector<Block> blocks_of(std::span<const TimedGyro> gyro, const std::vector<Interval>& rests,
                              HostTime origin) {
   std::vector<Block> blocks;
   for (std::size_t rest = 0; rest < rests.size(); ++rest)
@@ -120,14 +120,14 @@ std::optional<double> bias_of_rests(const std::vector<Block>& blocks, std::size_
 
 /// How many of the rests begin before the first leg: the opening rest, and the one behind the drive to where
 /// that leg begins.
-std::size_t rests_before_legs(const std::vector<Stretch>& rests, std::span<const TimedServo> servo,
+std::size_t rests_before_legs(const std::vector<Interval>& rests, std::span<const TimedServo> servo,
                               HostTime origin) {
   const auto leg = std::find_if(servo.begin(), servo.end(),
                                 [](const TimedServo& message) { return message.state.leg != 0; });
   if (leg == servo.end()) return rests.size();
   const double leg_s = to_s(leg->stamp.time - origin);
   return static_cast<std::size_t>(std::count_if(
-      rests.begin(), rests.end(), [leg_s](const Stretch& rest) { return rest.begin_s < leg_s; }));
+      rests.begin(), rests.end(), [leg_s](const Interval& rest) { return rest.begin_s < leg_s; }));
 }
 
 /// Bias and its uncertainty from quiet blocks: what they scatter, and what the bias drifted by. `opening`:
@@ -156,7 +156,7 @@ std::optional<Estimate> bias_from_legs(std::span<const TimedGyro> gyro, std::spa
   equations.add_prior(0, assumed.scale.value, share_doubt);
   equations.add_prior(1, 0.0, unknown_bias_dps);
   bool any = false;
-  for (const Stretch& leg : steady_stretches(servo, origin, false)) {
+  for (const Interval& leg : steady_intervals(servo, origin, false)) {
     const auto part = between(gyro, origin + from_s(leg.begin_s + rest_settle_s), origin + from_s(leg.end_s));
     const auto block = block_of(part, 0);
     if (!block) continue;
@@ -174,7 +174,7 @@ GyroErrors fit_gyro_errors(std::span<const TimedGyro> gyro, std::span<const Time
   GyroErrors errors = assumed_gyro_errors(profile);
   if (gyro.empty() || servo.empty()) return errors;
   const HostTime origin = servo.front().stamp.time;
-  const std::vector<Stretch> rests = steady_stretches(servo, origin, true);
+  const std::vector<Interval> rests = steady_intervals(servo, origin, true);
   errors.zeroes_itself = zeroes_itself(gyro, rests, origin);
   std::vector<Block> blocks = blocks_of(gyro, rests, origin);
   keep_quiet(blocks);

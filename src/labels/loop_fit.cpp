@@ -73,7 +73,7 @@ std::vector<Sample> samples_of(const GyroIntegral& gyro, double begin_s, double 
   return samples;
 }
 
-std::vector<Change> prepare(std::span<const PulseAt> pulses, std::span<const Stretch> changes,
+std::vector<Change> prepare(std::span<const PulseAt> pulses, std::span<const Interval> changes,
                             const GyroIntegral& gyro, std::size_t most) {
   std::vector<Change> prepared;
   const std::size_t stride = std::max<std::size_t>((changes.size() + most - 1) / most, 1);
@@ -279,7 +279,7 @@ Parameters coarse(const Problem& problem) {
 }
 }  // namespace
 
-std::optional<LoopFit> fit_loop(std::span<const PulseAt> pulses, std::span<const Stretch> changes,
+std::optional<LoopFit> fit_loop(std::span<const PulseAt> pulses, std::span<const Interval> changes,
                                 const GyroIntegral& gyro, const ServoProfile& profile) {
   Problem problem(prepare(pulses, changes, gyro, most_changes), profile);
   if (problem.changes() < least_changes) return std::nullopt;

@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "gyro_integral.h"
+#include "intervals.h"
 #include "shaft_curve.h"
-#include "stretches.h"
 #include "thermorig/core/estimate.h"
 #include "thermorig/core/profile.h"
 
@@ -25,7 +25,7 @@ struct LoopFit {
 /// the pulses and the gyro's own filter play no part) most like the gyro's, around the changes of speed; up
 /// to a factor and a constant, which are found elsewhere. None if there are fewer than three changes that the
 /// gyro saw, or the gyro does not follow them.
-std::optional<LoopFit> fit_loop(std::span<const PulseAt> pulses, std::span<const Stretch> changes,
+std::optional<LoopFit> fit_loop(std::span<const PulseAt> pulses, std::span<const Interval> changes,
                                 const GyroIntegral& gyro, const ServoProfile& profile);
 
 }  // namespace thermorig::labels

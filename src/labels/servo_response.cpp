@@ -10,10 +10,10 @@
 
 #include "gain_fit.h"
 #include "gyro_integral.h"
+#include "intervals.h"
 #include "loop_fit.h"
 #include "pulse_period.h"
 #include "shaft_curve.h"
-#include "stretches.h"
 #include "thermorig/core/statistics.h"
 #include "thermorig/labels/shaft_model.h"
 
@@ -85,17 +85,17 @@ class FittedShaft {
   PulseScale scale_;
 };
 
-std::map<long long, Residuals> residuals_of(const std::vector<Stretch>& stretches, const FittedShaft& shaft,
+std::map<long long, Residuals> residuals_of(const std::vector<Interval>& intervals, const FittedShaft& shaft,
                                             const GyroIntegral& gyro, double bias_dps, double settle,
                                             double frame_s) {
   std::map<long long, Residuals> by_speed;  // by centidegrees per second
-  for (const Stretch& stretch : stretches) {
-    if (stretch.leg == 0) continue;  // on the way to a start: nobody planned that speed
-    for (double from_s = stretch.begin_s + settle; from_s + frame_s <= stretch.end_s; from_s += frame_s) {
+  for (const Interval& interval : intervals) {
+    if (interval.leg == 0) continue;  // on the way to a start: nobody planned that speed
+    for (double from_s = interval.begin_s + settle; from_s + frame_s <= interval.end_s; from_s += frame_s) {
       const double rate_dps = gyro.mean_dps(from_s, from_s + frame_s) - bias_dps;
       if (!std::isfinite(rate_dps)) continue;
-      by_speed[std::llround(100.0 * stretch.rate_dps)].add(rate_dps -
-                                                           shaft.mean_dps(from_s, from_s + frame_s));
+      by_speed[std::llround(100.0 * interval.rate_dps)].add(rate_dps -
+                                                            shaft.mean_dps(from_s, from_s + frame_s));
     }
   }
   return by_speed;
@@ -164,7 +164,7 @@ ServoResponse fit_servo_response(std::span<const TimedServo> servo, std::span<co
   response.scale = absolute_scale(gain->ratio, errors, profile);
   response.scale_calibrated = response.scale_calibrated || errors.scale_calibrated;
   const FittedShaft shaft(curve, response, scale);
-  note_residuals(response, residuals_of(steady_stretches(servo, origin, false), shaft, integral,
+  note_residuals(response, residuals_of(steady_intervals(servo, origin, false), shaft, integral,
                                         gain->bias_dps, settle_s(response),
                                         std::clamp(frame_period_s, shortest_frame_s, longest_frame_s)));
   return response;

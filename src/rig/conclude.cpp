@@ -51,12 +51,12 @@ std::string troubles_text(const std::vector<SweepTrouble>& troubles) {
 }
 
 /// A plan that was finished in spite of it, and one that was not: either way it is named.
-void say_what_interrupted(RecordingResult& result, const Recording& recording) {
-  std::string text = absences_text(recording.absences());
-  const std::string troubles = troubles_text(recording.troubles());
-  if (!troubles.empty() && !recording.failure()) {
+void say_what_interrupted(RecordingResult& result, const RecordingOutcome& outcome) {
+  std::string text = absences_text(outcome.absences);
+  const std::string troubles = troubles_text(outcome.troubles);
+  if (!troubles.empty() && !outcome.failure) {
     text += (text.empty() ? "" : ", ") + troubles;
-    if (result.advice.empty()) result.advice = recording.troubles().front().advice;
+    if (result.advice.empty()) result.advice = outcome.troubles.front().advice;
   }
   if (text.empty()) return;
   if (result.message.empty())
@@ -66,21 +66,21 @@ void say_what_interrupted(RecordingResult& result, const Recording& recording) {
     result.message += "; " + text;
 }
 
-void say_how_it_ended(RecordingResult& result, const Recording& recording) {
-  if (recording.failure()) {
-    const bool is_held = recording.failure()->code() == ExitCode::no_permission;
+void say_how_it_ended(RecordingResult& result, const RecordingOutcome& outcome) {
+  if (outcome.failure) {
+    const bool is_held = outcome.failure->code() == ExitCode::no_permission;
     result.exit = is_held ? ExitCode::no_permission : ExitCode::device_lost;
-    result.message = recording.failure()->where() + ": " + recording.failure()->what_happened();
-    result.advice = recording.failure()->advice();
-  } else if (recording.stopped()) {
+    result.message = outcome.failure->where() + ": " + outcome.failure->what_happened();
+    result.advice = outcome.failure->advice();
+  } else if (outcome.stopped_by) {
     result.exit = ExitCode::interrupted;
-    result.message = recording.stopped_by().empty() ? "stopped on request"
-                                                    : "stopped on request of " + recording.stopped_by();
-    if (recording.keeps()) result.message += "; everything up to then is in the session";
-  } else if (!recording.gone().empty()) {
+    result.message =
+        outcome.stopped_by->empty() ? "stopped on request" : "stopped on request of " + *outcome.stopped_by;
+    if (outcome.is_kept) result.message += "; everything up to then is in the session";
+  } else if (!outcome.gone.empty()) {
     result.exit = ExitCode::finished_lossy;
-    result.message = "the plan was finished, in part without the " + names_of(recording.gone());
-    result.advice = recording.gone_advice();
+    result.message = "the plan was finished, in part without the " + names_of(outcome.gone);
+    result.advice = outcome.gone_advice;
   } else if (result.quality.verdict == "bad") {
     result.exit = ExitCode::finished_lossy;
     result.message = "the plan was finished, but its quality is bad";
@@ -89,7 +89,7 @@ void say_how_it_ended(RecordingResult& result, const Recording& recording) {
     result.exit = ExitCode::finished_lossy;
     result.message = fmt::format("the plan was finished, but {} of {} speeds have too few valid frames",
                                  wanting, result.speeds.size());
-    if (recording.keeps()) result.advice = "thermorig inspect " + result.session.string();
+    if (outcome.is_kept) result.advice = "thermorig inspect " + result.session.string();
   }
 }
 
@@ -105,28 +105,33 @@ void say_what_was_not_read_back(RecordingResult& result, const Finalised& made,
   if (result.advice.empty()) result.advice = "check the disk (dmesg)";
 }
 
+/// What is said of any recording, kept or not.
+void conclude_with(RecordingResult& result, const RecordingOutcome& outcome) {
+  result.preflight = outcome.preflight;
+  say_how_it_ended(result, outcome);
+  say_what_interrupted(result, outcome);
+}
+
 RecordingResult conclude_unkept(Recording& recording, HostTime now) {
   const RecordingProgress progress = recording.progress(now);
   recording.close(now);
   RecordingResult result;
   result.state = session::State::partial;
   result.speeds = progress.sweep.speeds;
-  result.gate = recording.gate(now);
   result.duration_s = progress.elapsed_s;
-  say_how_it_ended(result, recording);
-  say_what_interrupted(result, recording);
+  conclude_with(result, recording.outcome(now));
   return result;
 }
 
 }  // namespace
 
 RecordingResult conclude(Recording& recording, HostTime now) {
-  if (!recording.was_ready() && recording.failure()) {
-    const Error failure = *recording.failure();
+  const RecordingOutcome outcome = recording.outcome(now);
+  if (!outcome.was_ready && outcome.failure) {
     recording.discard(now);
-    throw failure;
+    throw Error(*outcome.failure);
   }
-  if (!recording.keeps()) return conclude_unkept(recording, now);
+  if (!outcome.is_kept) return conclude_unkept(recording, now);
   const SessionFile file = recording.close(now);
   const Finalised made = finalise(file.journal, file.session, recording.disk());
   const session::Session& session = made.session;
@@ -137,9 +142,7 @@ RecordingResult conclude(Recording& recording, HostTime now) {
   result.quality = session::quality_of(session);
   result.speeds = speeds_of(session, recording.plan());
   result.duration_s = to_s(now - session.raw.header.time_reference);
-  result.gate = recording.gate(now);
-  say_how_it_ended(result, recording);
-  say_what_interrupted(result, recording);
+  conclude_with(result, recording.outcome(now));
   say_what_was_not_read_back(result, made, file.journal);
   return result;
 }

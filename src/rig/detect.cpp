@@ -14,6 +14,7 @@ namespace thermorig::rig {
 
 namespace {
 
+constexpr double share_needed = 0.3;  // a short look begins and ends in the middle of a message
 constexpr auto listening_tick = std::chrono::milliseconds(20);
 constexpr auto greeting_period = std::chrono::milliseconds(200);
 
@@ -122,6 +123,22 @@ std::string listed(const std::vector<const PortFinding*>& findings) {
 }
 
 }  // namespace
+
+Evidence classify(std::span<const std::uint8_t> bytes, double heard_s) {
+  Evidence best{.text = bytes.empty() ? "silent"
+                                      : fmt::format("{} bytes that no known device sends", bytes.size())};
+  for (sensors::Recognised& found : sensors::recognise(bytes, heard_s)) {
+    const double share = static_cast<double>(found.evidence.bytes) / static_cast<double>(bytes.size());
+    if (share < share_needed || share <= best.explained_share) continue;
+    best = {.role = found.role,
+            .protocol = std::string(found.protocol),
+            .messages = found.evidence.messages,
+            .explained_share = share,
+            .text = std::move(found.evidence.text),
+            .text_format = std::move(found.evidence.text_format)};
+  }
+  return best;
+}
 
 std::vector<PortFinding> identify_devices(const std::vector<io::PortInfo>& ports, double listen_s) {
   SystemPortLoop loop;

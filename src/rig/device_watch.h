@@ -4,8 +4,8 @@
 #include <cstdint>
 #include <optional>
 #include <span>
-#include <vector>
 
+#include "first_bytes.h"
 #include "thermorig/core/device.h"
 #include "thermorig/core/error.h"
 #include "thermorig/core/profile.h"
@@ -24,12 +24,12 @@ class DeviceWatch {
   DeviceWatch(const RigProfile& profile, double start_patience_s, HostTime begin);
 
   /// What came from a device, before anything is made of it.
-  void received(Device device, std::span<const std::uint8_t> bytes);
+  void received(Device device, std::span<const std::uint8_t> bytes) { first_bytes_[device].add(bytes); }
 
   // A good message was in it. Each returns false if it only repeats what is known to be frozen.
-  bool frame(const TimedFrame& frame, HostTime arrived, const wire::Counters& counters);
-  bool gyro(const TimedGyro& gyro, HostTime arrived, const wire::Counters& counters);
-  bool servo(const TimedServo& servo, HostTime arrived, const wire::Counters& counters);
+  bool frame(const TimedFrame& frame, HostTime arrived);
+  bool gyro(const TimedGyro& gyro, HostTime arrived);
+  bool servo(const TimedServo& servo, HostTime arrived);
 
   /// The device went: whatever comes next is looked at anew.
   void forget(Device device) { frozen_.forget(device); }
@@ -37,14 +37,14 @@ class DeviceWatch {
   bool has_spoken(Device device) const { return meters_[device].count() > 0; }
 
   /// Why the device counts as lost: it is frozen, or has sent nothing usable for longer than its patience.
-  std::optional<Error> trouble(Device device, HostTime now, const wire::Counters& counters) const;
+  std::optional<Error> trouble(Device device, HostTime now) const;
 
   DeviceHealth health(Device device, HostTime now, const wire::Counters& counters) const;
 
  private:
-  void good(Device device, const Stamp& stamp, HostTime arrived, const wire::Counters& counters);
+  void good(Device device, const Stamp& stamp, HostTime arrived);
   double patience_s(Device device) const;
-  Error silence(Device device, double silent_s, const wire::Counters& counters) const;
+  Error silence(Device device, double silent_s) const;
 
   RigProfile profile_;
   double start_patience_s_;
@@ -53,8 +53,7 @@ class DeviceWatch {
   PerDevice<RateMeter> meters_;
   PerDevice<std::optional<float>> uncertainty_s_;  // of the newest message's time
   std::uint64_t missing_frames_ = 0;
-  PerDevice<std::vector<std::uint8_t>> first_bytes_;  // since the last good message
-  PerDevice<std::uint64_t> bytes_at_good_{};
+  PerDevice<FirstBytes> first_bytes_;  // since the last good message
 };
 
 }  // namespace thermorig::rig

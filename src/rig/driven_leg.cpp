@@ -50,4 +50,18 @@ LegRecord DrivenLeg::closed(HostTime now) const {
   return record;
 }
 
+void LeftLeg::frame(HostTime middle, HostTime arrival, HostDuration doubt, HostDuration delay) {
+  if (!leg_.is_over()) {
+    leg_.frame(middle, arrival, doubt);
+    last_is_late_ = leg_.missing() <= 0 && arrival > left_ + delay;
+  }
+  if (++frames_ > 1) last_is_late_ = false;
+}
+
+DrivenLeg LeftLeg::settled() const {
+  DrivenLeg leg = leg_;
+  if (last_is_late_) leg.take_back();
+  return leg;
+}
+
 }  // namespace thermorig::rig

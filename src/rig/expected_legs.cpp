@@ -4,6 +4,7 @@
 #include <cmath>
 #include <map>
 
+#include "servo_travel.h"
 #include "thermorig/rig/yield.h"
 
 namespace thermorig::rig {
@@ -17,7 +18,7 @@ constexpr double transit_extra_s = 0.2;
 class Walk {
  public:
   Walk(const SweepPlan& plan, const ServoProfile& servo, double frame_rate_hz)
-      : plan_(plan), servo_(servo), frame_rate_hz_(frame_rate_hz) {}
+      : plan_(plan), servo_(servo), travel_(servo), frame_rate_hz_(frame_rate_hz) {}
 
   ExpectedLeg drive(double rate_dps) {
     ExpectedLeg leg{.rate_dps = rate_dps, .course = {}, .frames_for_quota = frames_for_quota(rate_dps)};
@@ -25,7 +26,7 @@ class Walk {
     leg.frames = std::clamp(leg.frames_for_quota, planned, frames_growth_max * planned);
     leg.transit_s = go_to_start(rate_dps, leg.frames);
     leg.course = leg_course(rate_dps, before_dps_, leg.frames, servo_, frame_rate_hz_);
-    leg.duration_s = (leg.frames + 0.5) / frame_rate_hz_ + command_s;
+    leg.duration_s = leg_duration_s(leg.frames, frame_rate_hz_);
     const LegYield yield = leg_yield(leg.course, leg.frames, 1, frame_rate_hz_);
     valid_[rate_dps] += yield.own;
     valid_[-rate_dps] += yield.other;
@@ -45,24 +46,21 @@ class Walk {
 
   /// Seconds to where the leg fits. Leaves the servo where the leg ends.
   double go_to_start(double rate_dps, double frames) {
-    const auto limit_deg = angle_limit_deg(servo_);
-    if (!limit_deg) return 0.0;
-    const double travel_deg = std::min(
-        leg_travel_deg(rate_dps, frames, frame_rate_hz_, servo_.acceleration_dps2), 2.0 * *limit_deg);
-    const double direction = sign_of(rate_dps);
+    const double way_deg = travel_.way_deg(rate_dps, frames, frame_rate_hz_);
     double transit_s = 0.0;
-    if (direction * angle_deg_ + travel_deg > *limit_deg) {
-      const double start_deg = -direction * travel_deg / 2.0;
+    if (ServoTravel::end_deg(rate_dps, way_deg, angle_deg_) > travel_.limit_deg()) {
+      const double start_deg = ServoTravel::start_deg(rate_dps, way_deg);
       transit_s = std::abs(start_deg - angle_deg_) / speed_limit_dps(servo_) + transit_extra_s;
       angle_deg_ = start_deg;
       before_dps_ = 0.0;
     }
-    angle_deg_ += direction * travel_deg;
+    angle_deg_ += sign_of(rate_dps) * way_deg;
     return transit_s;
   }
 
   const SweepPlan& plan_;
   const ServoProfile& servo_;
+  ServoTravel travel_;
   double frame_rate_hz_;
   double angle_deg_ = 0.0;
   double before_dps_ = 0.0;
@@ -71,6 +69,10 @@ class Walk {
 };
 
 }  // namespace
+
+double leg_duration_s(double frames, double frame_rate_hz) {
+  return (frames + 0.5) / frame_rate_hz + command_s;
+}
 
 std::vector<ExpectedLeg> expected_legs(const SweepPlan& plan, const ServoProfile& servo,
                                        double frame_rate_hz) {

@@ -1,9 +1,14 @@
 // SPDX-License-Identifier: MIT
 #include "thermorig/rig/expected_size.h"
 
-#include "thermorig/rig/link_load.h"
+#include "thermorig/sensors/device_stream.h"
 
 namespace thermorig::rig {
+
+LinkLoad link_load(Device device, const RigProfile& profile) {
+  const sensors::DeviceStream stream = sensors::device_stream(device, profile);
+  return {stream.message_bytes, stream.rate_hz};
+}
 
 std::uint64_t expected_journal_bytes(const SweepPlan& plan, const RigProfile& profile) {
   constexpr double record_bytes = 40.0;      // the journal's own, of each chunk

@@ -4,11 +4,11 @@
 #include <algorithm>
 #include <utility>
 
-#include "retire_journal.h"
 #include "thermorig/core/error.h"
 #include "thermorig/journal/journal.h"
 #include "thermorig/pipeline/pipeline.h"
 #include "thermorig/pipeline/replay.h"
+#include "thermorig/rig/session_file.h"
 
 namespace thermorig::rig {
 

@@ -3,7 +3,10 @@
 
 #include <algorithm>
 #include <cassert>
+#include <cmath>
 #include <vector>
+
+#include "thermorig/core/statistics.h"
 
 namespace thermorig::rig {
 
@@ -11,6 +14,7 @@ namespace {
 constexpr std::size_t frames_kept = 16;
 constexpr std::size_t frames_needed = 8;      // before the measured rate replaces the nominal one
 constexpr std::size_t frames_predicting = 4;  // the latest: an error of the period adds up over them
+constexpr double half_way_tolerance = 0.15;   // periods: more than a tick
 }  // namespace
 
 HostTime newest_middle(const TimedFrame& frame) {
@@ -32,9 +36,8 @@ double FrameSchedule::rate_hz() const {
   for (std::size_t i = 0; i + half < seen_.size(); ++i)
     periods_s.push_back(to_s(seen_[i + half].middle - seen_[i].middle) /
                         static_cast<double>(seen_[i + half].number - seen_[i].number));
-  const auto median = periods_s.begin() + static_cast<std::ptrdiff_t>(periods_s.size() / 2);
-  std::nth_element(periods_s.begin(), median, periods_s.end());
-  return *median > 0.0 ? 1.0 / *median : nominal_rate_hz_;
+  const double period_s = reordering_median(periods_s);
+  return period_s > 0.0 ? 1.0 / period_s : nominal_rate_hz_;
 }
 
 // A read can be late but never early: the earliest that one of the latest frames foretells is right.
@@ -47,6 +50,12 @@ HostTime FrameSchedule::next_middle() const {
   for (std::size_t i = first; i < seen_.size(); ++i)
     earliest = std::min(earliest, seen_[i].middle + (next - seen_[i].number) * period);
   return earliest;
+}
+
+bool FrameSchedule::is_between_frames(HostTime now) const {
+  if (seen_.empty()) return true;
+  const double phase = std::abs(to_s(now - next_middle())) * rate_hz();
+  return std::abs(phase - std::floor(phase) - 0.5) < half_way_tolerance;
 }
 
 HostDuration FrameSchedule::delay() const {

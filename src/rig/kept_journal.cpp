@@ -11,7 +11,6 @@
 #include "thermorig/core/error.h"
 #include "thermorig/journal/journal.h"
 #include "thermorig/rig/expected_size.h"
-#include "virtual_sync.h"
 
 namespace thermorig::rig {
 

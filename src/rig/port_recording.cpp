@@ -177,7 +177,7 @@ RecordingResult PortSession::leave_journal() {
   result.exit = ExitCode::interrupted;
   result.message = "stopped twice";
   result.state = session::State::partial;
-  if (!recording_->keeps()) return result;
+  if (!options_.recording.keep) return result;
   result.message += "; the recording was left as a journal";
   result.advice = "thermorig recover " + file.journal.string();
   result.acquisition = file.acquisition;

@@ -14,8 +14,7 @@ namespace thermorig::rig {
 Recording::Recording(const RecordingOptions& options, HostTime now, Send send)
     : parts_(std::make_unique<Parts>(options, now, std::move(send))) {
   if (options.begun) options.begun(parts_->header);
-  parts_->may_start = !options.wait_for_start;
-  parts_->sweep.greet();
+  parts_->commander.greet();
 }
 
 Recording::~Recording() = default;
@@ -26,7 +25,7 @@ void Recording::received(Device from, std::span<const std::uint8_t> bytes, HostT
   Parts& parts = *parts_;
   parts.journal.received(from, bytes, arrived);
   parts.devices.received(from, bytes);
-  parts.replug.received(from, bytes, arrived);
+  parts.presence[from].received(bytes, arrived);
   const std::vector<Measurement> measurements = parts.pipeline.feed(from, bytes, arrived);
   parts.take(parts.pipeline.take_streams(), measurements, arrived);
 }
@@ -49,25 +48,25 @@ void Recording::Parts::observe(const std::vector<Measurement>& measurements, Hos
 void Recording::Parts::take_streams(const pipeline::Streams& streams, HostTime arrived) {
   if (!streams.frames.empty()) journal.frame();
   for (const TimedFrame& frame : streams.frames) {
-    if (devices.frame(frame, arrived, pipeline.counters(Device::camera))) replug.message(Device::camera);
-    gate_watch.frame(frame);
+    if (devices.frame(frame, arrived)) presence[Device::camera].message();
+    start.watch().frame(frame);
     if (!pipeline.stands_in_for_camera()) sweep.frame(frame);
   }
   for (const TimedFrame& frame : streams.stand_ins) sweep.frame(frame);
   for (const TimedGyro& gyro : streams.gyro) {
-    if (devices.gyro(gyro, arrived, pipeline.counters(Device::gyro))) {
-      replug.message(Device::gyro);
+    if (devices.gyro(gyro, arrived)) {
+      presence[Device::gyro].message();
       note_return(Device::gyro, arrived);
     }
-    gate_watch.gyro(gyro);
+    start.watch().gyro(gyro);
   }
   for (const wire::ServoMessage& message : streams.servo_answers) commander.answer(message, arrived);
   for (const TimedPong& pong : streams.pongs)
-    if (const auto round_trip = commander.pong(pong)) gate_watch.round_trip(*round_trip, arrived);
+    if (const auto round_trip = commander.pong(pong)) start.watch().round_trip(*round_trip, arrived);
   for (const ClockEpoch& epoch : streams.servo_epochs) note_epoch(epoch, arrived);
   for (const TimedServo& servo : streams.servo) {
-    if (devices.servo(servo, arrived, pipeline.counters(Device::servo))) replug.message(Device::servo);
-    gate_watch.servo(servo);
+    if (devices.servo(servo, arrived)) presence[Device::servo].message();
+    start.watch().servo(servo);
     sweep.telemetry(servo);
   }
 }
@@ -75,10 +74,10 @@ void Recording::Parts::take_streams(const pipeline::Streams& streams, HostTime a
 /// It is back after as many messages that tell something new as one that is waited for. A camera is never:
 /// rows stand in for it already.
 void Recording::Parts::note_return(Device device, HostTime now) {
-  if (!gone[device] || ++good_while_gone[device] < Replug::messages_needed(device)) return;
-  gone[device] = false;
+  if (!presence[device].is_done_without() || !presence[device].is_back()) return;
+  presence[device].come_back();
   event({now, EventKind::device_back, device, fmt::format("{}: it is back", name_of(device))});
-  listen_anew(now);
+  start.listen_anew(now, counts());
 }
 
 void Recording::Parts::note_epoch(const ClockEpoch& epoch, HostTime now) {
@@ -98,12 +97,12 @@ void Recording::tick(HostTime now) {
     parts.look_for_returns(now);
     parts.begin_when_ready(now);
   });
-  if (!parts.servo_gone) parts.guarded(now, [&] { parts.drive(now); });
+  if (!parts.end.servo_is_gone) parts.guarded(now, [&] { parts.drive(now); });
   parts.drain_sweep(now);
 }
 
 void Recording::Parts::drive(HostTime now) {
-  if (replug.awaits(Device::servo)) return greet_again(now);
+  if (presence[Device::servo].is_awaited()) return greet_again(now);
   sweep.tick(now);
   try {
     write_to(Device::servo, commander.poll(now), now);
@@ -115,7 +114,7 @@ void Recording::Parts::drive(HostTime now) {
 
 /// The servo went: until it answers hello it is asked again and again, as long as its port is there.
 void Recording::Parts::greet_again(HostTime now) {
-  if (!replug.has_port(Device::servo)) return;
+  if (!presence[Device::servo].has_port()) return;
   try {
     write_to(Device::servo, commander.poll(now), now);
   } catch (const Error&) {
@@ -126,7 +125,7 @@ void Recording::Parts::greet_again(HostTime now) {
 
 void Recording::Parts::ask_for_streams(HostTime now) {
   for (const Device device : all_devices)
-    if (!port_lost[device])
+    if (presence[device].has_port())
       write_to(device, requests.due(device, pipeline.counters(device).messages, now), now);
 }
 
@@ -138,84 +137,66 @@ void Recording::Parts::write_to(Device device, const std::vector<std::uint8_t>& 
 }
 
 void Recording::Parts::begin_when_ready(HostTime now) {
-  if (began || failure || stopped || replug.awaits_any()) return;
-  if (!greeting_noted && commander.greeted()) {
-    greeting_noted = true;
+  if (start.has_begun() || end.is_coming() || awaits_any()) return;
+  if (commander.greeted() && start.greeted())
     event({now, EventKind::info, Device::servo,
            fmt::format("firmware {} answered hello", commander.welcome()->firmware)});
-  }
   const bool all_speak = std::all_of(all_devices.begin(), all_devices.end(), [&](Device device) {
-    return devices.has_spoken(device) || gone[device];
+    return devices.has_spoken(device) || presence[device].is_done_without();
   });
   if (!all_speak || !commander.greeted() || !commander.idle()) return;
-  if (!std::exchange(was_ready, true)) listen_anew(now);
-  gate_watch.counted(now, counts());
-  if (!may_start || !passes_gate(now)) return;
-  began = true;
+  start.ready(now, counts());
+  if (!start.is_due(now, counts())) return;
+  if (const auto report = start.judged()) {
+    for (const auto* found : {&report->violations, &report->warnings})
+      for (const PreflightViolation& violation : *found)
+        event({now, EventKind::warning, violation.device, "preflight: " + sentence(violation)});
+    if (start.is_to_be_refused()) return refuse(*report, now);
+  }
+  start.begin();
   sweep.start(now);
 }
 
-// ---- gate ---------------------------------------------------------------------------------------------
+PerDevice<bool> Recording::Parts::done_without() const {
+  PerDevice<bool> without;
+  for (const Device device : all_devices) without[device] = presence[device].is_done_without();
+  return without;
+}
 
-GateCounts Recording::Parts::counts() const {
-  GateCounts counts{.welcome = commander.welcome(),
-                    .wire = {},
-                    .pings = commander.pings(),
-                    .retries = commander.retries(),
-                    .gone = gone};
+PreflightCounts Recording::Parts::counts() const {
+  PreflightCounts counts{.welcome = commander.welcome(),
+                         .wire = {},
+                         .pings = commander.pings(),
+                         .retries = commander.retries(),
+                         .gone = done_without()};
   for (const Device device : all_devices) counts.wire[device] = pipeline.counters(device);
   return counts;
 }
 
-GateReport Recording::Parts::judged(HostTime now) const {
-  return rig::judge(gate_watch.facts(now, counts(), options.profile), options.profile);
-}
-
-/// What came before does not count: a device was away, or was not there yet.
-void Recording::Parts::listen_anew(HostTime now) {
-  if (was_ready && !began) gate_watch.begin(now, counts(), options.profile);
-}
-
-/// Once, before the servo is armed, which may already turn it: what is wrong is said, and refused where
-/// something would move.
-bool Recording::Parts::passes_gate(HostTime now) {
-  if (options.gate == GateMode::off) return true;
-  if (gate_watch.heard_s(now) < GateWatch::needed_s(options.profile, gone)) return false;
-  gate = judged(now);
-  for (const auto* found : {&gate->violations, &gate->warnings})
-    for (const GateViolation& violation : *found)
-      event({now, EventKind::warning, violation.device, "gate: " + sentence(violation)});
-  const bool moves = !options.plan.leg_rates_dps.empty();
-  const bool refused = !gate->passed() && options.gate == GateMode::refuse && moves;
-  if (refused) refuse(*gate, now);
-  return !refused;
-}
-
-void Recording::Parts::refuse(const GateReport& report, HostTime now) {
-  const GateViolation& first = report.violations.front();
+void Recording::Parts::refuse(const PreflightReport& report, HostTime now) {
+  const PreflightViolation& first = report.violations.front();
   const std::size_t more = report.violations.size() - 1;
-  failure = Error(ExitCode::check_failed,
-                  sentence(first) + (more == 0 ? std::string() : fmt::format(" (and {} more)", more)),
-                  place_of(first.device, options.profile),
-                  first.advice + "; nothing has moved and no file is left (--no-gate records all the same)");
-  was_ready = false;
+  end.failure =
+      Error(ExitCode::check_failed,
+            sentence(first) + (more == 0 ? std::string() : fmt::format(" (and {} more)", more)),
+            place_of(first.device, options.profile),
+            first.advice + "; nothing has moved and no file is left (--no-preflight records all the same)");
+  start.refuse();
   sweep.request_stop(now);
 }
 
 void Recording::Parts::check_devices(HostTime now) {
-  if (failure || stopped) return;
   for (const Device device : all_devices) {
-    if (gone[device] || failure || replug.awaits(device)) continue;
-    if (const auto trouble = devices.trouble(device, now, pipeline.counters(device)))
-      lose(device, *trouble, now);
+    if (end.is_coming() || !presence[device].is_there()) continue;
+    if (const auto trouble = devices.trouble(device, now)) lose(device, *trouble, now);
   }
 }
 
 void Recording::Parts::drain_sweep(HostTime now) {
-  for (const RecordingEvent& happened : sweep.take_events()) event(happened);
-  for (const LegRecord& leg : sweep.take_legs()) journal.leg(leg);
-  if (sweep.done() && sweep.plan_complete() && !failure && !stopped && !std::exchange(finish_noted, true))
-    event({now, EventKind::finished, std::nullopt, "the plan is complete"});
+  const SweepNews news = sweep.take_news();
+  for (const RecordingEvent& happened : news.events) event(happened);
+  for (const LegRecord& leg : news.legs) journal.leg(leg);
+  if (news.is_complete) event({now, EventKind::finished, std::nullopt, "the plan is complete"});
 }
 
 void Recording::Parts::event(const RecordingEvent& happened) {
@@ -227,15 +208,15 @@ void Recording::Parts::event(const RecordingEvent& happened) {
 
 void Recording::request_stop(HostTime now, const std::string& who) {
   Parts& parts = *parts_;
-  if (parts.stopped || done()) return;
-  parts.stopped = true;
-  parts.stopped_by = who;
+  if (parts.end.stopped_by || done()) return;
+  parts.end.stopped_by = who;
   parts.event({now, EventKind::stopped, std::nullopt,
                who.empty() ? "stopped on request" : "stopped on request of " + who});
-  if (parts.replug.awaits(Device::servo)) {
+  const DevicePresence& servo = parts.presence[Device::servo];
+  if (servo.is_awaited()) {
     // It may be there and not have answered yet: the byte alone can be sent.
-    if (parts.replug.has_port(Device::servo)) parts.write_to(Device::servo, wire::stop_bytes(), now);
-    parts.servo_gone = true;
+    if (servo.has_port()) parts.write_to(Device::servo, wire::stop_bytes(), now);
+    parts.end.servo_is_gone = true;
   }
   parts.sweep.request_stop(now);
 }
@@ -246,7 +227,7 @@ void Recording::mark(const std::string& note, HostTime now) {
 
 void Recording::allow_start(HostTime now) {
   Parts& parts = *parts_;
-  if (std::exchange(parts.may_start, true)) return;
+  if (!parts.start.allow()) return;
   parts.event({now, EventKind::info, std::nullopt, "the start was allowed"});
 }
 
@@ -264,42 +245,23 @@ void Recording::carry_out(const Order& order, HostTime now) {
 }
 
 bool Recording::done() const {
-  return parts_->sweep.done() || parts_->servo_gone;
+  return parts_->sweep.done() || parts_->end.servo_is_gone;
 }
 
-const std::optional<Error>& Recording::failure() const {
-  return parts_->failure;
-}
-
-bool Recording::stopped() const {
-  return parts_->stopped;
-}
-
-bool Recording::was_ready() const {
-  return parts_->was_ready;
-}
-
-const std::string& Recording::stopped_by() const {
-  return parts_->stopped_by;
-}
-
-bool Recording::keeps() const {
-  return parts_->options.keep;
-}
-
-std::vector<Device> Recording::gone() const {
-  std::vector<Device> gone;
+RecordingOutcome Recording::outcome(HostTime now) const {
+  const Parts& parts = *parts_;
+  RecordingOutcome outcome{.is_kept = parts.options.keep,
+                           .was_ready = parts.start.was_ready(),
+                           .failure = parts.end.failure,
+                           .stopped_by = parts.end.stopped_by,
+                           .gone = {},
+                           .gone_advice = parts.gone_advice,
+                           .absences = parts.absences,
+                           .troubles = parts.sweep.troubles(),
+                           .preflight = parts.start.report(now, parts.counts())};
   for (const Device device : all_devices)
-    if (parts_->was_gone[device]) gone.push_back(device);
-  return gone;
-}
-
-const std::string& Recording::gone_advice() const {
-  return parts_->gone_advice;
-}
-
-const std::vector<SweepTrouble>& Recording::troubles() const {
-  return parts_->sweep.troubles();
+    if (parts.presence[device].was_done_without()) outcome.gone.push_back(device);
+  return outcome;
 }
 
 const SessionFile& Recording::file() const {
@@ -314,31 +276,22 @@ const SweepPlan& Recording::plan() const {
   return parts_->options.plan;
 }
 
-std::optional<GateReport> Recording::gate(HostTime now) const {
-  constexpr double least_s = 1.0;
-  if (parts_->gate) return parts_->gate;
-  if (parts_->options.gate == GateMode::off || parts_->gate_watch.heard_s(now) < least_s) return std::nullopt;
-  return parts_->judged(now);
-}
-
 RecordingProgress Recording::progress(HostTime now) {
   Parts& parts = *parts_;
   RecordingProgress progress;
   progress.time = now;
   progress.elapsed_s = to_s(now - parts.begin);
   progress.sweep = parts.sweep.progress(now);
-  for (const Device device : all_devices)
+  for (const Device device : all_devices) {
     progress.health[device] = parts.devices.health(device, now, parts.pipeline.counters(device));
+    progress.awaited[device] = parts.presence[device].awaited(now);
+  }
   progress.events = std::exchange(parts.new_events, {});
   progress.last_sample = parts.last_sample;
-  progress.gone = parts.gone;
-  for (const Device device : all_devices)
-    if (parts.replug.awaits(device))
-      progress.awaited[device] = AwaitedDevice{parts.replug.why(device), parts.replug.waited_s(device, now),
-                                               parts.replug.left_s(device, now)};
+  progress.gone = parts.done_without();
   progress.kept_bytes = parts.journal.bytes();
-  progress.heard_s = parts.gate_watch.heard_s(now);
-  progress.stopping = parts.stopped || parts.failure.has_value();
+  progress.heard_s = parts.start.heard_s(now);
+  progress.stopping = parts.end.is_coming();
   return progress;
 }
 

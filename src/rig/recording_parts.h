@@ -7,17 +7,24 @@
 #include <utility>
 #include <vector>
 
+#include "device_presence.h"
 #include "device_watch.h"
-#include "gate_watch.h"
 #include "kept_journal.h"
 #include "recording_start.h"
-#include "servo_link.h"
+#include "sweep_walker.h"
 #include "thermorig/pipeline/pipeline.h"
 #include "thermorig/rig/recording.h"
-#include "thermorig/rig/replug.h"
 #include "thermorig/rig/stream_requests.h"
 
 namespace thermorig::rig {
+
+/// How a recording ends.
+struct RecordingEnd {
+  std::optional<Error> failure;
+  std::optional<std::string> stopped_by;  // on request; empty: of a signal
+  bool servo_is_gone = false;             // it cannot be stopped from here
+  bool is_coming() const { return failure || stopped_by; }
+};
 
 /// What a recording consists of. Bytes, time and ends: recording.cpp; devices that go, and come back:
 /// recording_devices.cpp.
@@ -32,26 +39,27 @@ struct Recording::Parts {
         commander(options.profile.servo),
         sweep(options.plan, options.profile.servo, options.profile.camera.output_rate_hz, commander),
         requests(options.profile),
-        replug(options.profile, options.replug_patience_s),
-        devices(options.profile, options.start_patience_s, now) {}
+        devices(options.profile, options.start_patience_s, now),
+        presence{{presence_of(Device::camera), presence_of(Device::gyro), presence_of(Device::servo)}},
+        start(options) {}
 
+  DevicePresence presence_of(Device device) const {
+    return {device, options.profile, options.replug_patience_s};
+  }
   void take(const pipeline::Streams& streams, const std::vector<Measurement>& measurements, HostTime arrived);
   void observe(const std::vector<Measurement>& measurements, HostTime arrived);
   void take_streams(const pipeline::Streams& streams, HostTime arrived);
   void begin_when_ready(HostTime now);
   void check_devices(HostTime now);
-  GateCounts counts() const;
-  GateReport judged(HostTime now) const;
-  void listen_anew(HostTime now);
-  bool passes_gate(HostTime now);
-  void refuse(const GateReport& report, HostTime now);
+  PerDevice<bool> done_without() const;
+  PreflightCounts counts() const;
+  void refuse(const PreflightReport& report, HostTime now);
   void drive(HostTime now);
   void drain_sweep(HostTime now);
   void note_return(Device device, HostTime now);
+  bool awaits_any() const;
   bool waits() const;
-  bool is_halting() const;
-  void miss_at_the_end(Device device, const Error& error, HostTime now);
-  void await(Device device, const Error& error, bool has_port, HostTime now);
+  void await(Device device, const Error& error, HostTime now);
   void lose_port_again(Device device, const Error& error, HostTime now);
   void interrupt(Device device, HostTime now);
   void look_for_returns(HostTime now);
@@ -63,7 +71,6 @@ struct Recording::Parts {
   void event(const RecordingEvent& event);
   void fail(const Error& error, HostTime now);
   void lose(Device device, const Error& error, HostTime now, bool has_port = true);
-  bool is_needed(Device device) const { return device == Device::servo || options.needed[device]; }
 
   /// Runs `step`; what the rig's devices refuse ends the recording, a disk that refuses is thrown on.
   template <typename Step>
@@ -85,27 +92,14 @@ struct Recording::Parts {
   ServoCommander commander;
   SweepWalker sweep;
   StreamRequests requests;
-  Replug replug;
   DeviceWatch devices;
-  PerDevice<bool> port_lost{};
+  PerDevice<DevicePresence> presence;
+  RecordingStart start;
+  RecordingEnd end;
   std::vector<DeviceAbsence> absences;
-  GateWatch gate_watch;
-  std::optional<GateReport> gate;  // of the time before the start
+  std::string gone_advice;  // of the first that it went on without
   std::vector<RecordingEvent> new_events;
   std::optional<LabelledSample> last_sample;
-  std::optional<Error> failure;
-  PerDevice<bool> gone{};                      // not there, not needed
-  PerDevice<bool> was_gone{};                  // for a while at least
-  PerDevice<std::uint64_t> good_while_gone{};  // messages
-  std::string gone_advice;                     // of the first
-  bool was_ready = false;                      // every device was there, and the servo was greeted
-  bool began = false;
-  bool may_start = false;
-  bool greeting_noted = false;
-  bool stopped = false;
-  std::string stopped_by;
-  bool finish_noted = false;
-  bool servo_gone = false;
 };
 
 }  // namespace thermorig::rig

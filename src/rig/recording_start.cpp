@@ -5,12 +5,10 @@
 
 #include <array>
 #include <random>
+#include <utility>
 
 #include "thermorig/io/host.h"
 #include "thermorig/io/port.h"
-#include "thermorig/rig/detect.h"
-#include "thermorig/rig/profile_file.h"
-#include "thermorig/sensors/device_stream.h"
 
 namespace thermorig::rig {
 
@@ -31,29 +29,6 @@ std::string random_uuid() {
 std::int64_t realtime_offset_ns(const RecordingOptions& options, HostTime now) {
   const std::int64_t offset_ns = io::realtime_offset_ns();
   return options.virtual_time ? offset_ns + to_ns(io::now()) - to_ns(now) : offset_ns;
-}
-
-std::string what_it_sends(Device device) {
-  constexpr std::array<const char*, device_count> names{"camera frames", "gyro samples",
-                                                        "messages of the servo link"};
-  return names[index_of(device)];
-}
-
-Error other_role(Device device, const Evidence& evidence, ExitCode code, const std::string& where) {
-  return {code,
-          fmt::format("it sends {}: that is the {}, not the {}", evidence.text, name_of(*evidence.role),
-                      name_of(device)),
-          where, "`thermorig ports` finds the right port of each device"};
-}
-
-Error other_protocol(Device device, const Evidence& evidence, std::string_view expected,
-                     const std::string& where) {
-  return {ExitCode::device_missing,
-          fmt::format("it sends {}, where the rig profile expects {}", evidence.text, expected), where,
-          fmt::format("say protocol = \"{}\" in the [{}] section of the rig profile{}; "
-                      "`thermorig ports --save NAME` writes one",
-                      evidence.protocol, name_of(device),
-                      evidence.text_format ? ", and which columns hold the rates" : "")};
 }
 
 }  // namespace
@@ -83,49 +58,53 @@ RecordingHeader make_header(const RecordingOptions& options, HostTime now) {
   return header;
 }
 
-std::string place_of(Device device, const RigProfile& profile) {
-  const std::string& port = profile.link(device).port;
-  return port.empty() ? std::string(name_of(device)) : fmt::format("{} ({})", name_of(device), port);
+RecordingStart::RecordingStart(const RecordingOptions& options)
+    : profile_(options.profile),
+      mode_(options.preflight),
+      moves_(!options.plan.leg_rates_dps.empty()),
+      is_allowed_(!options.wait_for_start) {}
+
+bool RecordingStart::allow() {
+  return !std::exchange(is_allowed_, true);
 }
 
-Error silent_device(Device device, const RigProfile& profile, const wire::Counters& counters,
-                    std::span<const std::uint8_t> first_bytes) {
-  const PortProfile& link = profile.link(device);
-  const std::string where = place_of(device, profile);
-  if (counters.bytes_received == 0)
-    return {ExitCode::device_missing,
-            device == Device::servo ? "it does not answer hello" : "it sends nothing", where,
-            "check power and cable; `thermorig ports` shows which port speaks"};
-  const Evidence evidence = classify(first_bytes);
-  if (evidence.role && *evidence.role != device)
-    return other_role(device, evidence, ExitCode::device_missing, where);
-  const sensors::DeviceStream expected = sensors::device_stream(device, profile);
-  if (evidence.role == device && evidence.protocol != expected.protocol)
-    return other_protocol(device, evidence, expected.sends, where);
-  if (evidence.role == device && evidence.messages == 0)
-    return {ExitCode::device_missing, "it sends " + evidence.text, where,
-            fmt::format("set the device to send {}", what_it_sends(device))};
-  return {ExitCode::device_missing,
-          fmt::format("it sends {} bytes, but no {} in them", counters.bytes_received, what_it_sends(device)),
-          where,
-          fmt::format("check the baud rate ({} now) and the device; `thermorig ports` tries the usual ones",
-                      link.baud)};
+bool RecordingStart::greeted() {
+  return !std::exchange(is_greeted_, true);
 }
 
-Error unreadable_device(Device device, const RigProfile& profile, const Unreadable& unreadable,
-                        std::span<const std::uint8_t> first_bytes) {
-  const std::string where = place_of(device, profile);
-  const Evidence evidence = classify(first_bytes);
-  if (evidence.role && *evidence.role != device)
-    return other_role(device, evidence, ExitCode::device_lost, where);
-  return {
-      ExitCode::device_lost,
-      fmt::format("for {:.1f} s it has sent {} bytes, but no {} in them", unreadable.span_s, unreadable.bytes,
-                  what_it_sends(device)),
-      where,
-      fmt::format("something changed its baud rate ({} is expected), or it hangs: unplug it and plug it in "
-                  "again",
-                  profile.link(device).baud)};
+void RecordingStart::ready(HostTime now, const PreflightCounts& counts) {
+  if (state_ == State::awaiting_devices) {
+    state_ = State::ready;
+    listen_anew(now, counts);
+  }
+  watch_.counted(now, counts);
+}
+
+void RecordingStart::listen_anew(HostTime now, const PreflightCounts& counts) {
+  if (state_ == State::ready) watch_.begin(now, counts, profile_);
+}
+
+bool RecordingStart::is_due(HostTime now, const PreflightCounts& counts) {
+  if (!is_allowed_) return false;
+  if (mode_ == PreflightMode::off) return true;
+  if (watch_.heard_s(now) < PreflightWatch::needed_s(profile_, counts.gone)) return false;
+  report_ = judge_now(now, counts);
+  return true;
+}
+
+bool RecordingStart::is_to_be_refused() const {
+  return report_ && !report_->passed() && mode_ == PreflightMode::refuse && moves_;
+}
+
+PreflightReport RecordingStart::judge_now(HostTime now, const PreflightCounts& counts) const {
+  return judge(watch_.facts(now, counts, profile_), profile_);
+}
+
+std::optional<PreflightReport> RecordingStart::report(HostTime now, const PreflightCounts& counts) const {
+  constexpr double least_s = 1.0;
+  if (report_) return report_;
+  if (mode_ == PreflightMode::off || watch_.heard_s(now) < least_s) return std::nullopt;
+  return judge_now(now, counts);
 }
 
 }  // namespace thermorig::rig

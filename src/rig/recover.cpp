@@ -11,8 +11,6 @@
 #include <string_view>
 
 #include "file_lock.h"
-#include "retire_journal.h"
-#include "stored_session.h"
 #include "thermorig/core/error.h"
 #include "thermorig/journal/journal.h"
 #include "thermorig/rig/finalise.h"

@@ -11,6 +11,7 @@
 
 #include "file_lock.h"
 #include "thermorig/core/error.h"
+#include "thermorig/session/trial.h"
 
 namespace thermorig::rig {
 
@@ -99,6 +100,19 @@ std::string compact_utc(const std::string& utc) {
 std::filesystem::path session_of(const std::filesystem::path& journal) {
   std::filesystem::path session = journal;
   return session.replace_extension(".h5");
+}
+
+session::Session stored_session(const std::filesystem::path& path, files::Disk& disk) {
+  return session::read_session(session::tried(sandbox::copy_on(disk, path)));
+}
+
+void retire_journal(const std::filesystem::path& journal, files::Disk& disk) {
+  const int removed = disk.remove(journal);
+  if (removed == 0 || removed == ENOENT) return;
+  throw Error(
+      ExitCode::storage,
+      std::string("the session is complete, but its journal cannot be removed: ") + std::strerror(removed),
+      journal.string(), "check the disk (dmesg), then remove the journal");
 }
 
 }  // namespace thermorig::rig

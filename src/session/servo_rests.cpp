@@ -9,8 +9,8 @@ constexpr auto coming_to_rest = std::chrono::seconds(1);
 
 }  // namespace
 
-std::vector<Stretch> servo_rests(std::span<const TimedServo> servo) {
-  std::vector<Stretch> rests;
+std::vector<Rest> servo_rests(std::span<const TimedServo> servo) {
+  std::vector<Rest> rests;
   bool resting = false;
   for (const TimedServo& message : servo) {
     const bool still = is_at_rest(message.state);
@@ -18,7 +18,7 @@ std::vector<Stretch> servo_rests(std::span<const TimedServo> servo) {
     if (still) rests.back().end = message.stamp.time;
     resting = still;
   }
-  std::erase_if(rests, [](const Stretch& rest) { return rest.end <= rest.begin; });
+  std::erase_if(rests, [](const Rest& rest) { return rest.end <= rest.begin; });
   return rests;
 }
 

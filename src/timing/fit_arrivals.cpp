@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <utility>
 
-#include "stretch_fit.h"
+#include "segment_fit.h"
 #include "thermorig/core/statistics.h"
 #include "thermorig/timing/arrivals.h"
 
@@ -54,7 +54,7 @@ class ArrivalFit {
 
   ArrivalClock run() {
     result_.times.reserve(device_s_.size());
-    for (const Stretch& stretch : find_stretches(device_s_, latest_, longest_gap_s())) add(stretch);
+    for (const Segment& segment : find_segments(device_s_, latest_, longest_gap_s())) add(segment);
     add_gaps();
     summarise();
     return std::move(result_);
@@ -66,28 +66,28 @@ class ArrivalFit {
     return std::max(std::min(countable_s, 0.5 * clock_.window.length_s), missing_periods * step_s_);
   }
 
-  void add(const Stretch& stretch) {
-    const std::size_t count = stretch.end - stretch.begin;
-    const StretchFit fit = fit_stretch(
-        std::span(device_s_).subspan(stretch.begin, count),
-        latest_.subspan(stretch.latest_begin, stretch.latest_end - stretch.latest_begin), clock_, origin_);
+  void add(const Segment& segment) {
+    const std::size_t count = segment.end - segment.begin;
+    const SegmentFit fit = fit_segment(
+        std::span(device_s_).subspan(segment.begin, count),
+        latest_.subspan(segment.latest_begin, segment.latest_end - segment.latest_begin), clock_, origin_);
     for (std::size_t i = 0; i < count; ++i) {
       HostTime time = origin_ + from_s(fit.time_s[i] - link_.latency_s);
-      if (!stretch.new_epoch && !result_.times.empty()) time = std::max(time, result_.times.back().time);
+      if (!segment.new_epoch && !result_.times.empty()) time = std::max(time, result_.times.back().time);
       result_.times.push_back({.time = time,
                                .uncertainty_s = static_cast<float>(fit.uncertainty_s[i]),
                                .earlier_s = static_cast<float>(fit.earlier_s[i]),
                                .later_s = static_cast<float>(fit.later_s[i])});
     }
-    if (stretch.begin == 0 || stretch.new_epoch) begin_epoch(stretch);
+    if (segment.begin == 0 || segment.new_epoch) begin_epoch(segment);
     late_s_.insert(late_s_.end(), fit.late_s.begin(), fit.late_s.end());
     auto& knots = result_.report.knots;
     knots.insert(knots.end(), fit.knots.begin(), fit.knots.end());
   }
 
-  void begin_epoch(const Stretch& stretch) {
+  void begin_epoch(const Segment& segment) {
     result_.report.epochs.push_back(
-        {result_.times[stretch.begin].time, stretch.new_epoch ? "the device's clock stepped back" : ""});
+        {result_.times[segment.begin].time, segment.new_epoch ? "the device's clock stepped back" : ""});
   }
 
   void add_gaps() {

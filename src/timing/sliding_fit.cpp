@@ -62,7 +62,7 @@ Moments SlidingFit::moments(std::size_t begin, std::size_t end, double middle) c
 
 void SlidingFit::fit_knot(std::size_t block) {
   const double x = 0.5 * (blocks_[block].first_x + blocks_[block].last_x);
-  // At the ends of the stretch the window stays whole and the knot moves away from its middle.
+  // At the ends of the segment the window stays whole and the knot moves away from its middle.
   const double first_x = blocks_.front().first_x;
   const double last_x = std::max(first_x, blocks_.back().last_x - window_.length_s);
   const double begin_x = std::clamp(x - 0.5 * window_.length_s, first_x, last_x);

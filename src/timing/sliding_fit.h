@@ -13,7 +13,7 @@ namespace thermorig::timing {
 inline constexpr double reference_wander_ppm = 1000.0;
 inline constexpr double messages_a_window = 40.0;
 inline constexpr double blocks_a_window = 20.0;
-/// Over a short stretch a clock's mean rate is known no better than this, in time at either end.
+/// Over a short segment a clock's mean rate is known no better than this, in time at either end.
 inline constexpr double rate_slack_s = 0.005;
 
 /// How a sliding fit is cut.
@@ -25,7 +25,7 @@ struct SlidingWindow {
   static SlidingWindow of(double wander_ppm, double message_rate_hz);
 };
 
-/// The highest smooth curve below all of a stretch's ceilings: a parabola for each block of them, the best
+/// The highest smooth curve below all of a segment's ceilings: a parabola for each block of them, the best
 /// one over a window around it, blended from knot to knot. All parabolas of a knot keep below all ceilings of
 /// its window, so the blend does too.
 class SlidingFit {

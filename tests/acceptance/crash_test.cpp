@@ -39,11 +39,11 @@ class Killed : public RecorderOnPorts {
   /// at opening (head) or waited in the terminal, unread, when the program died (tail).
   void expect_all_that_was_read(const session::Session& session) {
     for (const Device device : all_devices) {
-      const Stretch stretch = stretch_of(device, session);
+      const Extent extent = extent_of(device, session);
       const auto read = read_from(device);
       if (!read) continue;
-      EXPECT_LE(stretch.size, read->bytes) << name_of(device);
-      EXPECT_GE(stretch.size, read->bytes - read->last_bytes) << name_of(device);
+      EXPECT_LE(extent.size, read->bytes) << name_of(device);
+      EXPECT_GE(extent.size, read->bytes - read->last_bytes) << name_of(device);
     }
   }
 };

@@ -67,10 +67,10 @@ TEST_F(RecordedBytes, HoldEveryByteThatWasDeliveredFromTheFirstReadToTheLast) {
   const session::Session session = recorded();
   const PerDevice<std::size_t> bytes_per_s{{8 * camera_message_bytes, 200 * gyro_message_bytes, 100 * 30}};
   for (const Device device : all_devices) {
-    const Stretch stretch = stretch_of(device, session);
-    EXPECT_LT(stretch.head, bytes_per_s[device]) << name_of(device);
-    EXPECT_LT(stretch.tail, bytes_per_s[device]) << name_of(device);
-    EXPECT_EQ(stretch.size, read_from(device).value_or(read_ledger_port{stretch.size, 0}).bytes)
+    const Extent extent = extent_of(device, session);
+    EXPECT_LT(extent.head, bytes_per_s[device]) << name_of(device);
+    EXPECT_LT(extent.tail, bytes_per_s[device]) << name_of(device);
+    EXPECT_EQ(extent.size, read_from(device).value_or(read_ledger_port{extent.size, 0}).bytes)
         << name_of(device);
     EXPECT_EQ(rig_.ports().tally().ports[device].bytes_overrun, 0U) << name_of(device);
   }

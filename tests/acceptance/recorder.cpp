@@ -106,7 +106,7 @@ std::optional<read_ledger_port> RecorderOnPorts::read_from(Device device) const 
   return number < READ_LEDGER_PORTS ? std::optional(ledger_->ports[number]) : std::nullopt;
 }
 
-RecorderOnPorts::Stretch RecorderOnPorts::stretch_of(Device device, const session::Session& session) const {
+RecorderOnPorts::Extent RecorderOnPorts::extent_of(Device device, const session::Session& session) const {
   const std::vector<std::uint8_t>& delivered = rig_.ports().delivered(device);
   const std::vector<std::uint8_t>& recorded = session.raw.received[device].bytes;
   EXPECT_FALSE(recorded.empty()) << name_of(device);

@@ -36,10 +36,10 @@ class RecorderOnPorts : public ProgramTest {
 
   /// Every byte of `device` in the session lies in one piece in what was delivered to the program. Where that
   /// piece begins and how much was delivered behind it.
-  struct Stretch {
+  struct Extent {
     std::size_t head = 0, size = 0, tail = 0;
   };
-  Stretch stretch_of(Device device, const session::Session& session) const;
+  Extent extent_of(Device device, const session::Session& session) const;
 
   /// From 300 ms after the last byte that the servo received, in its own time, the shaft turns by less than
   /// 1 deg/s.

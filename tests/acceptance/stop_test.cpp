@@ -37,8 +37,8 @@ class Signal : public RecorderOnPorts {
     ASSERT_FALSE(session.servo.empty());
     EXPECT_EQ(session.servo.back().state.motion, ServoMotion::disarmed);
     for (const Device device : all_devices) {
-      const Stretch stretch = stretch_of(device, session);
-      EXPECT_EQ(stretch.size, read_from(device).value_or(read_ledger_port{stretch.size, 0}).bytes)
+      const Extent extent = extent_of(device, session);
+      EXPECT_EQ(extent.size, read_from(device).value_or(read_ledger_port{extent.size, 0}).bytes)
           << name_of(device);
     }
   }

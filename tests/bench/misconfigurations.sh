@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: MIT
-# Machines and rigs that are wrong in one way each: which of them `thermorig doctor` or the gate names.
+# Machines and rigs that are wrong in one way each: which of them `thermorig doctor` or the preflight check names.
 # Usage: bash tests/bench/misconfigurations.sh [--json] [build folder, default build]
 set -euo pipefail
 cd "$(dirname "$0")/../.."

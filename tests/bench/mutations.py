@@ -30,7 +30,7 @@ AREAS = {
     "labels": (3, ["src/labels/*.cpp"], ["labels"]),
     "journal": (3, ["src/journal/*.cpp"], ["journal", "storage"]),
     "session": (2, ["src/session/*.cpp"], ["session"]),
-    "sweep": (2, ["src/rig/sweep*.cpp"], ["rig"]),
+    "sweep": (2, ["src/rig/sweep*.cpp", "src/rig/step*.cpp", "src/rig/servo_stop.cpp"], ["rig"]),
     "live": (2, ["src/live/*.cpp"], ["live"]),
     "web": (2, ["src/web/*.cpp"], ["web", "web_server"]),
 }

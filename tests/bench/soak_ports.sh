@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: MIT
 # Minutes of a live run on the simulated rig's ports, on the wall clock, the plan again and again, with a session kept:
-# memory and file handles of the process every ten seconds, from 30 s on. Without the gate: the machine may be busy. At the
+# memory and file handles of the process every ten seconds, from 30 s on. Without the preflight check: the machine may be busy. At the
 # end one Ctrl-C; the session must pass its check.
 # Usage: bash tests/bench/soak_ports.sh [minutes, default 60] [--json] [--build FOLDER, default build]
 set -euo pipefail
@@ -13,7 +13,7 @@ minutes=$number
 seconds=$(awk "BEGIN { print int(60 * $minutes) }")
 folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT
-"$program" live --simulated=3 --plan quick --loop --no-page --record --no-gate -o "$folder" \
+"$program" live --simulated=3 --plan quick --loop --no-page --record --no-preflight -o "$folder" \
   >"$folder/log.txt" 2>&1 &
 process=$!
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Rigs and machines that are wrong in one way each: doctor or the gate names what is wrong.
+// Rigs and machines that are wrong in one way each: doctor or the preflight check names what is wrong.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

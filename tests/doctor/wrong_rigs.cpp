@@ -26,15 +26,15 @@ std::vector<Check> rig_with(const simulation::VirtualRigConfig& config, const Ri
   options.recording.plan = rig::test::short_plan();
   options.recording.keep = false;
   options.recording.wait_for_start = true;
-  options.recording.gate = rig::GateMode::warn;
+  options.recording.preflight = rig::PreflightMode::warn;
   bool heard = false;
   options.progress = [&](const rig::RecordingProgress& progress) { heard = progress.heard_s >= 5.0; };
   options.stop_requested = [&] { return heard; };
   try {
     const rig::RecordingResult result = rig::record_virtual(bus, options);
-    if (!result.gate)
+    if (!result.preflight)
       return {{.name = "rig", .code = result.exit, .result = result.message, .advice = result.advice}};
-    return judge_rig(*result.gate);
+    return judge_rig(*result.preflight);
   } catch (const Error& error) {
     return {{.name = "rig",
              .code = error.code(),
@@ -141,10 +141,10 @@ std::vector<Misconfiguration> wrong_rigs() {
        "rig", "version 7", "reflash", ExitCode::device_missing},
       {"the gyro sends half as often as the profile says",
        [] { return device_with([](RigProfile& rig) { rig.gyro.output_rate_hz = 100.0; }); },
-       "gate: gyro_rate", "nominal 200", "output_rate_hz", ExitCode::check_failed},
+       "preflight: gyro_rate", "nominal 200", "output_rate_hz", ExitCode::check_failed},
       {"the camera sends half as often as the profile says",
        [] { return device_with([](RigProfile& rig) { rig.camera.output_rate_hz = 4.0; }); },
-       "gate: camera_rate", "nominal 8", "--camera-rate", ExitCode::check_failed},
+       "preflight: camera_rate", "nominal 8", "--camera-rate", ExitCode::check_failed},
       {"the gyro loses 5 %",
        [] {
          return rig_with([](SimulatedBus& bus) {
@@ -154,7 +154,7 @@ std::vector<Misconfiguration> wrong_rigs() {
            };
          });
        },
-       "gate: gyro_damaged", "gyro's bytes", "cable", ExitCode::check_failed},
+       "preflight: gyro_damaged", "gyro's bytes", "cable", ExitCode::check_failed},
       {"the camera drops a frame in six",
        [] {
          return rig_with([](SimulatedBus& bus) {
@@ -163,7 +163,7 @@ std::vector<Misconfiguration> wrong_rigs() {
            });
          });
        },
-       "gate: camera_lost", "frames are missing", "cable", ExitCode::check_failed},
+       "preflight: camera_lost", "frames are missing", "cable", ExitCode::check_failed},
       {"the camera sends each frame twice",
        [] {
          return rig_with([](SimulatedBus& bus) {
@@ -175,7 +175,7 @@ std::vector<Misconfiguration> wrong_rigs() {
                });
          });
        },
-       "gate: camera_stale", "repeat", "lower frame rate", ExitCode::check_failed},
+       "preflight: camera_stale", "repeat", "lower frame rate", ExitCode::check_failed},
       {"one half of the camera's chess pattern stands still",
        [] {
          simulation::VirtualRigConfig config = good_rig();
@@ -188,28 +188,28 @@ std::vector<Misconfiguration> wrong_rigs() {
                });
          });
        },
-       "gate: camera_fresh", "half of the chess pattern", "frame rate", ExitCode::check_failed},
+       "preflight: camera_fresh", "half of the chess pattern", "frame rate", ExitCode::check_failed},
       {"somebody turns the rig",
        [] {
          simulation::VirtualRigConfig config = good_rig();
          config.hand_turns.push_back({host_time_ns(2'000'000'000), 8.0, 40.0});
          return rig_with(config, config.profile, [](SimulatedBus&) {});
        },
-       "gate: gyro_noise", "varies by", "leave it alone", ExitCode::check_failed},
+       "preflight: gyro_noise", "varies by", "leave it alone", ExitCode::check_failed},
       {"the servo loses every fifth answer",
        [] { return rig_with([](SimulatedBus& bus) { bus.from_device[2] = losing_every(5); }); },
-       "gate: servo_lost", "messages are missing", "cable", ExitCode::check_failed},
+       "preflight: servo_lost", "messages are missing", "cable", ExitCode::check_failed},
       {"a servo that may turn faster than its firmware lets it",
        [] {
-         rig::GateFacts facts;
-         facts.answers = rig::GateAnswers{.limit_rate_dps = 150.0};
+         rig::PreflightFacts facts;
+         facts.answers = rig::PreflightAnswers{.limit_rate_dps = 150.0};
          return judge_rig(rig::judge(facts, good_rig().profile));
        },
-       "gate: servo_limits", "220", "max_rate_dps", ExitCode::check_failed},
+       "preflight: servo_limits", "220", "max_rate_dps", ExitCode::check_failed},
       {"the servo's supply broke down",
        [] {
-         rig::GateFacts facts;
-         facts.answers = rig::GateAnswers{.reset_cause = 4, .limit_rate_dps = 300.0};
+         rig::PreflightFacts facts;
+         facts.answers = rig::PreflightAnswers{.reset_cause = 4, .limit_rate_dps = 300.0};
          return judge_rig(rig::judge(facts, good_rig().profile));
        },
        "servo board", "brown-out", "a supply of its own", std::nullopt},

@@ -43,7 +43,7 @@ TEST(PulseTrain, FindsAPulseInEveryPeriodWhereTheWidthChanges) {
   }
 }
 
-TEST(PulseTrain, KnowsThePulsesOfAStretchWithoutChange) {
+TEST(PulseTrain, KnowsThePulsesBetweenTwoChanges) {
   const auto found = pulses([](double t) { return t < 0.2 ? 50.0 * t : 10.0; });
   EXPECT_GE(found.size(), 49U);
   EXPECT_EQ(found.back().value, 10.0);

@@ -179,7 +179,7 @@ describe('what is shown', () => {
     await until(async () => await textOf(tab, '#phase') === 'waits for Start sweep', 'what it waits for');
     assert.equal(await textOf(tab, '#elapsed'), '00:03, 00:27 after the start');
     server.send(hello({ run: 'at once' }), state(1, waiting));
-    await until(async () => await textOf(tab, '#phase') === 'checks the devices', 'the gate');
+    await until(async () => await textOf(tab, '#phase') === 'checks the devices', 'the preflight check');
     assert.equal(await textOf(tab, '#elapsed'), '00:01 of 00:28, 00:27 to go');
   });
 

@@ -19,7 +19,7 @@ class EndDrill : public Drill, public testing::WithParamInterface<End> {
  protected:
   std::vector<std::string> command() const {
     if (GetParam().live) return {"live", "--record", "--no-page"};
-    return {"record", "--no-gate"};
+    return {"record", "--no-preflight"};
   }
 };
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "thermorig/rig/link_load.h"
+#include "thermorig/rig/expected_size.h"
 
 #include <gtest/gtest.h>
 

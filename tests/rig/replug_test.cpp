@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: MIT
 // Devices that go and come back while a plan is driven, in virtual time.
-#include "thermorig/rig/replug.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

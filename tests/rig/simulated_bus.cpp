@@ -104,8 +104,9 @@ DrivenRun run_to_journal(SimulatedBus& bus, const RecordingOptions& options, con
     recording.tick(now);
     if (run_options.each_step) run_options.each_step(recording, now);
   }
-  run.failure = recording.failure();
-  run.stopped = recording.stopped();
+  const RecordingOutcome outcome = recording.outcome(now);
+  run.failure = outcome.failure;
+  run.stopped = outcome.stopped_by.has_value();
   run.end = now;
   recording.close(now);
   run.raw = journal::read_journal(run.file.journal).recording;

@@ -24,7 +24,7 @@ using Rests = std::vector<std::pair<std::int64_t, std::int64_t>>;
 /// In milliseconds.
 Rests rests_of(const std::string& motions) {
   Rests rests;
-  for (const Stretch& rest : servo_rests(servo_of(motions)))
+  for (const Rest& rest : servo_rests(servo_of(motions)))
     rests.emplace_back(to_ns(rest.begin) / 1'000'000, to_ns(rest.end) / 1'000'000);
   return rests;
 }

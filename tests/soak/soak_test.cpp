@@ -143,7 +143,7 @@ void record_one(std::uint64_t seed, Tally& tally) {
   const TemporaryFolder folder;
   VirtualOptions options;
   options.recording = recording_options(folder, config.profile, plan);
-  options.recording.gate = GateMode::refuse;
+  options.recording.preflight = PreflightMode::refuse;
   options.recording.replug_patience_s = 20.0;
   HostTime last{};
   options.progress = [&](const RecordingProgress& progress) { last = progress.time; };

@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "disk_watch.h"
+#include "journal_sync.h"
 #include "judge.h"
 #include "thermorig/core/error.h"
 #include "thermorig/files/part_file.h"
@@ -17,7 +18,6 @@
 #include "thermorig/rig/expected_size.h"
 #include "thermorig/rig/finalise.h"
 #include "thermorig/wire/device_bytes.h"
-#include "virtual_sync.h"
 
 namespace thermorig::storage_test {
 namespace {

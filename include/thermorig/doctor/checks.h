@@ -10,7 +10,7 @@
 #include "thermorig/doctor/check.h"
 #include "thermorig/doctor/host_facts.h"
 #include "thermorig/files/disk.h"
-#include "thermorig/rig/gate.h"
+#include "thermorig/rig/preflight.h"
 
 namespace thermorig::doctor {
 
@@ -35,8 +35,8 @@ DiskSpeed measure_disk(files::Disk& disk, const std::filesystem::path& folder,
 /// `needed_bytes_per_s`: what a recording writes.
 Check judge_disk(const DiskSpeed& speed, double needed_bytes_per_s);
 
-/// The gate's figures, a line a device and one for the rest; what only a doctor says (warm-up, brown-out) as
-/// warnings.
-std::vector<Check> judge_rig(const rig::GateReport& report);
+/// The figures of the preflight check, a line a device and one for the rest; what only a doctor says
+/// (warm-up, brown-out) as warnings.
+std::vector<Check> judge_rig(const rig::PreflightReport& report);
 
 }  // namespace thermorig::doctor

@@ -85,7 +85,7 @@ class CommandTrack {
   static void note_states(CommandSpan& span, std::span<const Point> points);
   void note_motion(CommandSpan& span, std::span<const Point> points, HostTime begin, HostTime end) const;
 
-  std::int64_t stretch_begin_us(std::span<const Point> points) const;
+  std::int64_t constant_begin_us(std::span<const Point> points) const;
   std::optional<double> pulse_rate_dps(std::int64_t begin_us, std::int64_t end_us) const;
 
   PulseScale scale_;

@@ -48,9 +48,11 @@ class DrivenLeg {
 
   bool acknowledged() const { return acknowledged_; }
   bool turn_back() const { return turn_back_; }
-  std::optional<HostTime> left() const { return left_; }
   const LegRecord& record() const { return record_; }
 
+  /// The RUN command that was sent last ends then.
+  void run_until(HostTime time) { run_ends_ = time; }
+  HostTime run_ends() const { return run_ends_; }
   double run_rate_dps() const { return run_rate_dps_; }
   /// On its way back the servo must not be turned round once more: a renewed RUN keeps its direction.
   void keep_direction(double driven_dps);
@@ -66,6 +68,7 @@ class DrivenLeg {
   int wanted_ = 0;
   bool turn_back_ = false;
   double run_rate_dps_ = 0.0;
+  HostTime run_ends_{};
   bool acknowledged_ = false;
   bool over_ = false;
   struct Counted {
@@ -74,6 +77,29 @@ class DrivenLeg {
   std::vector<Counted> counted_;
   std::optional<HostTime> first_seen_, last_seen_;
   std::optional<HostTime> left_;
+};
+
+/// A leg behind its end, while its last frame is still on its way. Where a frame is lost, a clock that knows
+/// the past alone takes the next one for it, read late: halfway between the arrivals of the two, the later is
+/// doubted. It is the last one after all if one more comes in time.
+class LeftLeg {
+ public:
+  LeftLeg(const DrivenLeg& leg, HostTime left) : leg_(leg), left_(left) { leg_.leave(left); }
+
+  /// The same as DrivenLeg::frame(). `delay`: from a frame's middle to its arrival, when nothing is late.
+  void frame(HostTime middle, HostTime arrival, HostDuration doubt, HostDuration delay);
+
+  /// Nothing more will come.
+  bool is_settled() const { return leg_.is_over() && !last_is_late_; }
+  HostTime left() const { return left_; }
+  /// The leg as it is, without a last frame that is doubted.
+  DrivenLeg settled() const;
+
+ private:
+  DrivenLeg leg_;
+  HostTime left_;
+  int frames_ = 0;             // since it was left
+  bool last_is_late_ = false;  // what was counted as its last frame may be the one after
 };
 
 }  // namespace thermorig::rig

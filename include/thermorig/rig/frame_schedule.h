@@ -17,12 +17,14 @@ class FrameSchedule {
 
   void frame(const TimedFrame& frame);
 
-  bool has_frames() const { return !seen_.empty(); }
   double rate_hz() const;
   HostDuration period() const { return from_s(1.0 / rate_hz()); }
 
   /// Middle of the newest half's exposure of the frame after the latest. There must have been a frame.
   HostTime next_middle() const;
+
+  /// About halfway between the middles of two frames; at any time before there is one.
+  bool is_between_frames(HostTime now) const;
 
   /// From that middle to the frame's arrival, when nothing is late. There must have been a frame.
   HostDuration delay() const;

@@ -18,10 +18,10 @@
 #include "thermorig/core/sample.h"
 #include "thermorig/core/time.h"
 #include "thermorig/files/disk.h"
-#include "thermorig/rig/gate.h"
 #include "thermorig/rig/health.h"
 #include "thermorig/rig/order.h"
 #include "thermorig/rig/plan.h"
+#include "thermorig/rig/preflight.h"
 #include "thermorig/rig/quota.h"
 #include "thermorig/rig/session_file.h"
 #include "thermorig/rig/sweep.h"
@@ -54,7 +54,8 @@ struct RecordingOptions {
   bool virtual_time = false;       // times are the simulator's: the start is dated with the wall's clock
   bool keep = true;                // false: no folder, no journal, no session, nothing on the disk
   bool wait_for_start = false;     // nothing moves before allow_start()
-  GateMode gate = GateMode::off;   // else the rig is listened to for 3 s and judged before it is armed
+  PreflightMode preflight =
+      PreflightMode::off;  // else the rig is listened to for 3 s and judged before it is armed
   PerDevice<bool> needed{{true, true, true}};  // without one that is not, it goes on; the servo always is
   std::function<void(const RecordingHeader&)> begun;  // once, before anything else; may be empty
   Observer observe;                                   // may be empty
@@ -91,6 +92,21 @@ struct RecordingProgress {
   double heard_s = 0.0;  // since all devices send and the servo has answered
 };
 
+/// What has happened to a recording.
+struct RecordingOutcome {
+  bool is_kept = true;                    // false: there is no journal
+  bool was_ready = false;                 // every device was there, and the preflight check did not refuse it
+  std::optional<Error> failure;           // why it ended early, if not on request
+  std::optional<std::string> stopped_by;  // who asked for the end; empty: a signal
+  std::vector<Device> gone;               // that it went on without, for a while at least
+  std::string gone_advice;                // what to try for the first of them
+  std::vector<DeviceAbsence> absences;    // that were waited for, and are over
+  std::vector<SweepTrouble> troubles;     // of the servo, each kind once
+  // What the preflight check said before the start or, as long as it has not begun, would say now. None
+  // before all devices have sent for a second, and with PreflightMode::off.
+  std::optional<PreflightReport> preflight;
+};
+
 /// How a recording ended. `session` is there whenever bytes could be kept.
 struct RecordingResult {
   ExitCode exit = ExitCode::ok;  // ok, finished_lossy, device_lost, interrupted
@@ -101,16 +117,16 @@ struct RecordingResult {
   std::filesystem::path journal;  // exists only if `session` is empty
   session::State state = session::State::complete;
   session::Quality quality;
-  std::vector<SpeedQuota> speeds;  // of the plan, ascending, by the labels in the session
-  double duration_s = 0.0;         // on the recording's clock
-  std::optional<GateReport> gate;  // of the rig at rest; none if it was not judged
+  std::vector<SpeedQuota> speeds;            // of the plan, ascending, by the labels in the session
+  double duration_s = 0.0;                   // on the recording's clock
+  std::optional<PreflightReport> preflight;  // of the rig at rest; none if it was not judged
 };
 
 using ProgressHandler = std::function<void(const RecordingProgress&)>;
 
 /// One acquisition from its first byte to the closed journal: chunk -> journal -> pipeline -> commander and
 /// sweep. The caller owns the ports and the clock. Errors of the servo or of a device that went away end the
-/// recording properly: see failure().
+/// recording properly: see outcome().
 class Recording {
  public:
   using Send = std::function<void(Device to, std::span<const std::uint8_t>)>;
@@ -152,20 +168,7 @@ class Recording {
   /// The servo is at rest, or gone: nothing more will be recorded.
   bool done() const;
 
-  /// Why it ended early, if not by request_stop().
-  const std::optional<Error>& failure() const;
-  bool stopped() const;                    // by request_stop()
-  const std::string& stopped_by() const;   // who asked for it; empty: a signal
-  bool was_ready() const;                  // every device was there, and the gate did not refuse the rig
-  bool keeps() const;                      // false: there is no journal
-  std::vector<Device> gone() const;        // that it went on without, for a while at least
-  const std::string& gone_advice() const;  // what to try for the first of them
-  const std::vector<DeviceAbsence>& absences() const;  // that were waited for, and are over
-  const std::vector<SweepTrouble>& troubles() const;   // of the servo
-
-  /// What the gate said before the start or, as long as it has not begun, would say now. None before all
-  /// devices have sent for a second, and with GateMode::off.
-  std::optional<GateReport> gate(HostTime now) const;
+  RecordingOutcome outcome(HostTime now) const;
 
   RecordingProgress progress(HostTime now);
 

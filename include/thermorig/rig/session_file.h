@@ -8,6 +8,7 @@
 
 #include "thermorig/core/time.h"
 #include "thermorig/files/disk.h"
+#include "thermorig/session/session.h"
 
 namespace thermorig::rig {
 
@@ -55,5 +56,11 @@ std::string compact_utc(const std::string& utc);
 
 /// The session that a journal becomes: same name, `.h5`.
 std::filesystem::path session_of(const std::filesystem::path& journal);
+
+/// session::read_session() of a file on any disk.
+session::Session stored_session(const std::filesystem::path& path, files::Disk& disk);
+
+/// Removes a journal whose session holds every byte of it and is on the disk. Throws Error(storage).
+void retire_journal(const std::filesystem::path& journal, files::Disk& disk);
 
 }  // namespace thermorig::rig

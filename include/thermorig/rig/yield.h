@@ -65,6 +65,9 @@ struct ExpectedLeg {
   double duration_s = 0.0;
 };
 
+/// From a leg's first command to the next one, once it has had so many frames.
+double leg_duration_s(double frames, double frame_rate_hz);
+
 /// All of them, in driving order. A leg that goes back and forth also fills the quota of the other direction.
 std::vector<ExpectedLeg> expected_legs(const SweepPlan& plan, const ServoProfile& servo,
                                        double frame_rate_hz);

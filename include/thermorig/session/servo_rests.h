@@ -9,13 +9,13 @@
 
 namespace thermorig::session {
 
-/// From `begin` to before `end`.
-struct Stretch {
+/// The servo is told to stand still, from `begin` to before `end`.
+struct Rest {
   HostTime begin{};
   HostTime end{};
 };
 
-/// Stretches in which the servo was told to stand still and had a second to come to rest, in order.
-std::vector<Stretch> servo_rests(std::span<const TimedServo> servo);
+/// Those of a recording, in order, without the second that it has to come to rest.
+std::vector<Rest> servo_rests(std::span<const TimedServo> servo);
 
 }  // namespace thermorig::session

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 import { colourOf } from './theme.js';
 
-/** Stretches of neighbours that have a value and a sigma: points of time, lower and upper edge. */
+/** Runs of neighbours that have a value and a sigma: points of time, lower and upper edge. */
 function stretches(rows, line) {
   const found = [[]];
   for (const row of rows) {
