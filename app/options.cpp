@@ -2,7 +2,6 @@
 #include "options.h"
 
 #include <CLI/CLI.hpp>
-#include <string_view>
 
 #include "learning_options.h"
 #include "live_options.h"

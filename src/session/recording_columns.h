@@ -2,7 +2,6 @@
 #pragma once
 
 #include <string>
-#include <vector>
 
 #include "device_columns.h"
 #include "thermorig/core/raw_recording.h"

@@ -1,9 +1,6 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include <string_view>
-#include <vector>
-
 #include "device_columns.h"
 #include "thermorig/core/validity.h"
 
