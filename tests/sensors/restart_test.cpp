@@ -11,6 +11,7 @@
 #include "thermorig/sensors/gyro_protocol.h"
 #include "thermorig/sensors/servo_protocol.h"
 #include "thermorig/simulation/gyro.h"
+#include "thermorig/wire/counter_names.h"
 #include "thermorig/wire/device_bytes.h"
 #include "thermorig/wire/servo_messages.h"
 
@@ -24,19 +25,9 @@ void append(ByteVector& bytes, std::span<const std::uint8_t> more) {
 }
 
 /// Of two pieces of a stream together.
-wire::Counters sum_of(const wire::Counters& a, const wire::Counters& b) {
-  return {.bytes_received = a.bytes_received + b.bytes_received,
-          .bytes_in_messages = a.bytes_in_messages + b.bytes_in_messages,
-          .bytes_in_damaged = a.bytes_in_damaged + b.bytes_in_damaged,
-          .bytes_skipped = a.bytes_skipped + b.bytes_skipped,
-          .bytes_pending = a.bytes_pending + b.bytes_pending,
-          .messages = a.messages + b.messages,
-          .replies = a.replies + b.replies,
-          .bad_checksum = a.bad_checksum + b.bad_checksum,
-          .bad_length = a.bad_length + b.bad_length,
-          .bad_value = a.bad_value + b.bad_value,
-          .lost = a.lost + b.lost,
-          .resyncs = a.resyncs + b.resyncs};
+wire::Counters sum_of(wire::Counters counters, const wire::Counters& others) {
+  for (const auto& counter : wire::counter_names) counters.*counter.member += others.*counter.member;
+  return counters;
 }
 
 template <typename Message>
