@@ -7,7 +7,6 @@
 #include <initializer_list>
 #include <span>
 #include <string_view>
-#include <type_traits>
 #include <vector>
 
 namespace thermorig::session {
@@ -54,10 +53,6 @@ struct InnerAxis {
   hid_t scale = -1;
   std::uint64_t size = 0;
 };
-
-/// The type of the member that `At`, a pointer to it or a function, refers to.
-template <typename At, typename Row>
-using MemberOf = std::remove_cvref_t<std::invoke_result_t<At, const Row&>>;
 
 inline constexpr std::uint64_t rows_max = 100'000'000;
 inline constexpr std::uint64_t frames_max = 10'000'000;

@@ -20,10 +20,10 @@ inline constexpr std::int64_t unknown = std::numeric_limits<std::int64_t>::min()
 /// Within these the true time lies, if the latency is what it is taken for.
 template <typename Archive, typename Rows>
 void bound_columns(Archive& archive, Rows& rows) {
-  archive.field(
+  archive.template field<float>(
       {"time_earlier", "s", "the true time is at most so much before time [s]"}, rows,
       [](auto& row) -> auto& { return row.stamp.earlier_s; });
-  archive.field(
+  archive.template field<float>(
       {"time_later", "s", "the true time is at most so much after time [s]"}, rows,
       [](auto& row) -> auto& { return row.stamp.later_s; });
 }
@@ -31,7 +31,7 @@ void bound_columns(Archive& archive, Rows& rows) {
 /// Members that every timed message has, besides its `time`.
 template <typename Archive, typename Rows>
 void stamp_columns(Archive& archive, Rows& rows) {
-  archive.field(
+  archive.template field<float>(
       {"time_uncertainty", "s", "standard deviation of time [s]"}, rows,
       [](auto& row) -> auto& { return row.stamp.uncertainty_s; });
   if (archive.version() >= with_sync_report) bound_columns(archive, rows);
@@ -44,7 +44,7 @@ void stamp_columns(Archive& archive, Rows& rows) {
 /// Where the message stands in /raw.
 template <typename Archive, typename Rows>
 void span_columns(Archive& archive, Rows& rows) {
-  archive.field(
+  archive.template field<std::uint64_t>(
       {"byte_begin", "1", "offset of the first byte in the raw stream"}, rows,
       [](auto& row) -> auto& { return row.span.begin; });
   archive.template column<std::uint32_t>(
@@ -82,20 +82,23 @@ void camera_columns(Archive& archive, Rows& frames) {
   const std::array<InnerAxis, 2> pixels{
       archive.inner_axis({"row", "1", "row, in the order of the sensor"}, frame_rows),
       archive.inner_axis({"column", "1", "column, in the order of the sensor"}, frame_columns)};
-  archive.block(
+  archive.template block<float>(
       {"temperature", "degC", "temperature [degC]",
        "as sent: nothing repaired. If the attribute mirrored of this group is 1, reverse the columns to see "
        "the scene"},
       pixels, frames, [](auto& row) -> auto& { return row.frame.temp_c; });
-  archive.field(
+  archive.template field<float>(
       {"sensor_temperature", "degC", "temperature of the sensor itself [degC]"}, frames,
       [](auto& row) -> auto& { return row.frame.sensor_temp_c; });
-  archive.field({"fresh_even", "1", "pixels of the even chess half that differ from the frame before"},
-                frames, &TimedFrame::fresh_even);
-  archive.field({"fresh_odd", "1", "pixels of the odd chess half that differ from the frame before"}, frames,
-                &TimedFrame::fresh_odd);
-  archive.field({"missing_before", "1", "frames that never came between the frame before and this one"},
-                frames, &TimedFrame::missing_before);
+  archive.template field<std::uint16_t>(
+      {"fresh_even", "1", "pixels of the even chess half that differ from the frame before"}, frames,
+      &TimedFrame::fresh_even);
+  archive.template field<std::uint16_t>(
+      {"fresh_odd", "1", "pixels of the odd chess half that differ from the frame before"}, frames,
+      &TimedFrame::fresh_odd);
+  archive.template field<std::uint16_t>(
+      {"missing_before", "1", "frames that never came between the frame before and this one"}, frames,
+      &TimedFrame::missing_before);
   archive.time_column({"exposure_begin", "s", "start of the older half's exposure [s]"}, frames,
                       &TimedFrame::exposure_begin);
   archive.time_column({"exposure_end", "s", "end of the newest half's exposure [s]"}, frames,
@@ -118,14 +121,14 @@ void gyro_columns(Archive& archive, Rows& gyro) {
   archive.time_axis(
       {"time", "s", "time since time_reference [s]", "the instant of the sample"}, gyro,
       [](auto& row) -> auto& { return row.stamp.time; });
-  archive.field(
+  archive.template field<float>(
       {"rate", "deg/s", "rate about the servo's axis [deg/s]", "axis and sign applied, bias not removed"},
       gyro, &TimedGyro::rate_dps);
   const std::array<InnerAxis, 1> axes{archive.inner_axis({"axis", "1", "axis: 0 x, 1 y, 2 z"}, 3)};
-  archive.block(
+  archive.template block<float>(
       {"rate_xyz", "deg/s", "rate about x, y, z as sent [deg/s]"}, axes, gyro,
       [](auto& row) -> auto& { return row.reading.rate_dps; });
-  archive.block(
+  archive.template block<std::int16_t>(
       {"counts", "1", "x, y, z as on the wire", "0 where the protocol has no counts"}, axes, gyro,
       [](auto& row) -> auto& { return row.reading.counts; });
   archive.template column<std::uint8_t>(
@@ -163,14 +166,15 @@ void servo_columns(Archive& archive, Rows& servo) {
   archive.time_axis(
       {"time", "s", "time since time_reference [s]", "the instant at which the telemetry held"}, servo,
       [](auto& row) -> auto& { return row.stamp.time; });
-  archive.field(
+  archive.template field<std::uint32_t>(
       {"device_ticks", "us", "servo's clock, wraps at 2^32 [us]"}, servo,
       [](auto& row) -> auto& { return row.state.mcu_us; });
-  archive.field({"device_time_us", "us", "servo's clock, unwrapped [us]"}, servo, &TimedServo::mcu_time_us);
-  archive.field(
+  archive.template field<std::int64_t>({"device_time_us", "us", "servo's clock, unwrapped [us]"}, servo,
+                                       &TimedServo::mcu_time_us);
+  archive.template field<float>(
       {"angle_commanded", "deg", "commanded angle [deg]"}, servo,
       [](auto& row) -> auto& { return row.state.angle_deg; });
-  archive.field(
+  archive.template field<float>(
       {"rate_commanded", "deg/s", "commanded speed [deg/s]", "after the acceleration limit"}, servo,
       [](auto& row) -> auto& { return row.state.rate_dps; });
   archive.template column<float>(
@@ -189,7 +193,7 @@ void servo_columns(Archive& archive, Rows& servo) {
        flag_values({"none", "watchdog", "stop_byte", "limit", "bad_frames"})},
       servo, [](const auto& row) { return row.state.fault; },
       [](auto& row, std::uint8_t value) { row.state.fault = checked_enum(value, ServoFault::bad_frames); });
-  archive.field(
+  archive.template field<std::uint16_t>(
       {"leg", "1", "leg that is driven", "0: none (rest or transit); else a value of step_leg"}, servo,
       [](auto& row) -> auto& { return row.state.leg; });
   archive.template column<std::uint8_t>(

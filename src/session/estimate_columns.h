@@ -110,11 +110,11 @@ void estimate_row_columns(Archive& archive, Rows& rows) {
   archive.time_axis({"time", "s", "time since time_reference [s]",
                      "middle of the exposure of the frame's newest half, as it was known then"},
                     rows, &EstimateRow::time, frames_max);
-  archive.field(
+  archive.template field<std::uint32_t>(
       {"frame", "1", "index into /camera where the times agree",
        "ascending; without a camera rows go on by time, and a frame of the same index is another one"},
       rows, &EstimateRow::frame_index);
-  archive.field(
+  archive.template field<float>(
       {"rate_commanded", "deg/s", "label: mean commanded speed over the window [deg/s]", "NaN: unknown"},
       rows, &EstimateRow::rate_commanded_dps);
   archive.template column<std::uint8_t>(
@@ -122,12 +122,14 @@ void estimate_row_columns(Archive& archive, Rows& rows) {
        flag_values({"excluded", "counted"})},
       rows, [](const auto& row) { return row.counted ? 1 : 0; },
       [](auto& row, std::uint8_t value) { row.counted = value != 0; });
-  archive.field({"reason_bits", "1", "all reasons against the frame", "", flag_masks(reason_names)}, rows,
-                &EstimateRow::reason_bits);
-  archive.field({"leg", "1", "leg that was driven", "0: none; else a value of step_leg"}, rows,
-                &EstimateRow::leg);
-  archive.field({"run", "1", "unbroken run of valid frames of one leg", "from 1; 0: not valid"}, rows,
-                &EstimateRow::run);
+  archive.template field<std::uint32_t>(
+      {"reason_bits", "1", "all reasons against the frame", "", flag_masks(reason_names)}, rows,
+      &EstimateRow::reason_bits);
+  archive.template field<std::uint16_t>(
+      {"leg", "1", "leg that was driven", "0: none; else a value of step_leg"}, rows, &EstimateRow::leg);
+  archive.template field<std::uint32_t>(
+      {"run", "1", "unbroken run of valid frames of one leg", "from 1; 0: not valid"}, rows,
+      &EstimateRow::run);
   archive.time_column({"exposure_begin", "s", "start of the exposure [s]"}, rows,
                       &EstimateRow::exposure_begin);
   archive.time_column({"exposure_end", "s", "end of the exposure [s]"}, rows, &EstimateRow::exposure_end);

@@ -35,11 +35,11 @@ class GroupReader {
   /// Of the format that the file has: what came later is not in it.
   FormatVersion version() const { return facts_.version; }
 
-  template <typename Row, typename At>
+  template <typename Stored, typename Row, typename At>
   void axis(const Column& info, std::vector<Row>& rows, At at) {
     begin_rows(info.name, rows_max, sizeof(Row));
     rows.resize(rows_);
-    field(info, rows, at);
+    this->field<Stored>(info, rows, at);
   }
 
   template <typename Row>
@@ -79,16 +79,13 @@ class GroupReader {
     read(info, stored_type<Stored>(), sizeof(Stored), {}, take);
   }
 
-  template <typename Row, typename At>
+  template <typename Stored, typename Row, typename At>
   void field(const Column& info, std::vector<Row>& rows, At at) {
-    using Stored = MemberOf<At, Row>;
-    const auto set = [at](Row& row, Stored value) { std::invoke(at, row) = value; };
-    this->column<Stored>(info, rows, nullptr, set);
+    this->column<Stored>(info, rows, nullptr, [at](Row& row, Stored value) { std::invoke(at, row) = value; });
   }
 
-  template <typename Row, typename At>
+  template <typename Stored, typename Row, typename At>
   void block(const Column& info, std::span<const InnerAxis> inner, std::vector<Row>& rows, At at) {
-    using Stored = typename MemberOf<At, Row>::value_type;
     const auto take = [&rows, &at](std::size_t first, std::size_t count, const std::byte* in) {
       for (std::size_t i = 0; i < count; ++i) {
         auto& values = std::invoke(at, rows[first + i]);

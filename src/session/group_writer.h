@@ -31,10 +31,10 @@ class GroupWriter {
   static constexpr FormatVersion version() { return format_version; }
 
   /// The column that is the axis of the table's rows: the columns after it are attached to it.
-  template <typename Row, typename At>
+  template <typename Stored, typename Row, typename At>
   void axis(const Column& info, const std::vector<Row>& rows, At at) {
     begin_axis(rows.size());
-    field(info, rows, at);
+    this->field<Stored>(info, rows, at);
     end_axis(info.name);
   }
 
@@ -76,16 +76,15 @@ class GroupWriter {
         });
   }
 
-  /// A member that is stored as it is: `at` is a pointer to it, or at(row) refers to it.
-  template <typename Row, typename At>
+  /// A member: `at` is a pointer to it, or at(row) refers to it.
+  template <typename Stored, typename Row, typename At>
   void field(const Column& info, const std::vector<Row>& rows, At at) {
-    this->column<MemberOf<At, Row>>(info, rows, at, nullptr);
+    this->column<Stored>(info, rows, at, nullptr);
   }
 
-  /// `at` refers to a std::array of as many elements as the inner axes span.
-  template <typename Row, typename At>
+  /// `at` refers to a std::array<Stored, ...> of as many elements as the inner axes span.
+  template <typename Stored, typename Row, typename At>
   void block(const Column& info, std::span<const InnerAxis> inner, const std::vector<Row>& rows, At at) {
-    using Stored = typename MemberOf<At, Row>::value_type;
     add(info, stored_type<Stored>(), sizeof(Stored), inner,
         [&rows, at](auto first, auto count, std::byte* out) {
           for (std::size_t i = 0; i < count; ++i) {

@@ -18,11 +18,12 @@ void raw_columns(Archive& archive, Stream& stream, const char* time_name, const 
     return value;
   };
   archive.bare_axis("byte", "byte, from the first ever read or sent", stream.bytes, "bytes", raw_bytes_max);
-  archive.field({"bytes", "1", "bytes"}, stream.bytes, self);
+  archive.template field<std::uint8_t>({"bytes", "1", "bytes"}, stream.bytes, self);
   archive.bare_axis("chunk", "chunk, as one read() or write() moved it", stream.chunk_end, "chunk_end");
   archive.share_axis(stream.time_ns);
-  archive.field({"chunk_end", "1", "offset one past the chunk's last byte"}, stream.chunk_end, self);
-  archive.field({time_name, "ns", time_long_name}, stream.time_ns, self);
+  archive.template field<std::uint64_t>({"chunk_end", "1", "offset one past the chunk's last byte"},
+                                        stream.chunk_end, self);
+  archive.template field<std::int64_t>({time_name, "ns", time_long_name}, stream.time_ns, self);
 }
 
 inline constexpr std::uint8_t host_source = 255;
@@ -51,14 +52,16 @@ void event_columns(Archive& archive, Rows& events) {
 /// The legs as they were driven: /servo/step_*.
 template <typename Archive, typename Rows>
 void step_columns(Archive& archive, Rows& legs) {
-  archive.axis({"step_leg", "1", "number of the leg", "what the column leg carries, from 1"}, legs,
-               &LegRecord::leg);
-  archive.field({"step_plan", "1", "index into the plan's legs", "from 0; a repeated leg has the same"}, legs,
-                &LegRecord::step);
+  archive.template axis<std::uint16_t>(
+      {"step_leg", "1", "number of the leg", "what the column leg carries, from 1"}, legs, &LegRecord::leg);
+  archive.template field<std::int32_t>(
+      {"step_plan", "1", "index into the plan's legs", "from 0; a repeated leg has the same"}, legs,
+      &LegRecord::step);
   archive.time_column({"step_start", "s", "the command was acknowledged [s]"}, legs, &LegRecord::begin);
   archive.time_column({"step_end", "s", "the last frame of the leg arrived [s]"}, legs, &LegRecord::end);
-  archive.field({"step_rate", "deg/s", "commanded speed [deg/s]"}, legs, &LegRecord::rate_dps);
-  archive.field({"step_frames", "1", "frames of the leg"}, legs, &LegRecord::frames);
+  archive.template field<double>({"step_rate", "deg/s", "commanded speed [deg/s]"}, legs,
+                                 &LegRecord::rate_dps);
+  archive.template field<std::int32_t>({"step_frames", "1", "frames of the leg"}, legs, &LegRecord::frames);
   archive.template column<std::uint8_t>(
       {"step_complete", "1", "was the leg driven to its end?", "", flag_values({"cut_short", "complete"})},
       legs, [](const auto& row) { return row.complete ? 1 : 0; },
@@ -82,9 +85,12 @@ void command_columns(Archive& archive, Rows& commands) {
 /// /quality/speed*: written for people; everybody can count them in /samples.
 template <typename Archive, typename Rows>
 void speed_columns(Archive& archive, Rows& speeds) {
-  archive.axis({"speed", "deg/s", "commanded speed [deg/s]"}, speeds, &Quality::Speed::rate_dps);
-  archive.field({"speed_frames", "1", "frames at this speed"}, speeds, &Quality::Speed::frames);
-  archive.field({"speed_valid", "1", "valid frames at this speed"}, speeds, &Quality::Speed::valid);
+  archive.template axis<double>({"speed", "deg/s", "commanded speed [deg/s]"}, speeds,
+                                &Quality::Speed::rate_dps);
+  archive.template field<std::int32_t>({"speed_frames", "1", "frames at this speed"}, speeds,
+                                       &Quality::Speed::frames);
+  archive.template field<std::int32_t>({"speed_valid", "1", "valid frames at this speed"}, speeds,
+                                       &Quality::Speed::valid);
 }
 
 /// The texts of /rig. Before format 2.0 header_json held them too, and they were for people.
@@ -107,23 +113,23 @@ void ping_columns(Archive& archive, Rows& exchanges) {
   archive.time_axis(
       {"time", "s", "time since time_reference at which the answer arrived [s]"}, exchanges,
       [](auto& row) -> auto& { return row.pong.arrival; });
-  archive.field(
+  archive.template field<std::uint32_t>(
       {"token", "1", "number that ping and answer share"}, exchanges,
       [](auto& row) -> auto& { return row.pong.token; });
-  archive.field({"host_send_ns", "ns", "host clock before the ping was written [ns]",
-                 "-2^63: the ping is not in /raw/sent"},
-                exchanges, &PingExchange::host_send_ns);
+  archive.template field<std::int64_t>({"host_send_ns", "ns", "host clock before the ping was written [ns]",
+                                        "-2^63: the ping is not in /raw/sent"},
+                                       exchanges, &PingExchange::host_send_ns);
   archive.template column<std::int64_t>(
       {"host_receive_ns", "ns", "host clock when the answer's last byte was read [ns]"}, exchanges,
       [](const auto& row) { return to_ns(row.pong.arrival); },
       [](auto& row, std::int64_t ns) { row.pong.arrival = host_time_ns(ns); });
-  archive.field(
+  archive.template field<std::uint32_t>(
       {"device_receive_ticks", "us", "servo's clock when the ping's last byte came in [us]"}, exchanges,
       [](auto& row) -> auto& { return row.pong.receive_us; });
-  archive.field(
+  archive.template field<std::uint32_t>(
       {"device_send_ticks", "us", "servo's clock when the answer's first byte went out [us]"}, exchanges,
       [](auto& row) -> auto& { return row.pong.send_us; });
-  archive.field(
+  archive.template field<std::uint64_t>(
       {"byte_begin", "1", "offset of the first byte in the raw stream"}, exchanges,
       [](auto& row) -> auto& { return row.pong.span.begin; });
   archive.template column<std::uint32_t>(

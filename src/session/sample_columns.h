@@ -21,22 +21,23 @@ inline constexpr int no_step = 65535;
 /// What came with format 1.1: the label by the pulses, and all three speeds for each half of the frame.
 template <typename Archive, typename Rows>
 void half_rate_columns(Archive& archive, Rows& samples) {
-  archive.field({"rate_commanded", "deg/s",
-                 "commanded: mean speed over the exposure by the servo's pulses [deg/s]", "NaN: unknown"},
-                samples, &LabelledSample::rate_commanded_dps);
+  archive.template field<float>(
+      {"rate_commanded", "deg/s", "commanded: mean speed over the exposure by the servo's pulses [deg/s]",
+       "NaN: unknown"},
+      samples, &LabelledSample::rate_commanded_dps);
   const std::array<InnerAxis, 1> half{half_axis(archive)};
-  archive.block(
+  archive.template block<float>(
       {"rate_label_half", "deg/s", "rate_label over each half's own exposure [deg/s]", "NaN: unknown"}, half,
       samples, &LabelledSample::rate_label_half_dps);
-  archive.block({"rate_commanded_half", "deg/s", "rate_commanded over each half's own exposure [deg/s]",
-                 "NaN: unknown"},
-                half, samples, &LabelledSample::rate_commanded_half_dps);
-  archive.block(
+  archive.template block<float>({"rate_commanded_half", "deg/s",
+                                 "rate_commanded over each half's own exposure [deg/s]", "NaN: unknown"},
+                                half, samples, &LabelledSample::rate_commanded_half_dps);
+  archive.template block<float>(
       {"rate_gyro_half", "deg/s", "rate_gyro over each half's own exposure [deg/s]", "NaN: no sample"}, half,
       samples, &LabelledSample::rate_gyro_half_dps);
-  archive.field({"gyro_spread", "deg/s", "gyro: standard deviation over the exposure [deg/s]",
-                 "after a running mean over one pulse period; NaN: unknown"},
-                samples, &LabelledSample::gyro_spread_dps);
+  archive.template field<float>({"gyro_spread", "deg/s", "gyro: standard deviation over the exposure [deg/s]",
+                                 "after a running mean over one pulse period; NaN: unknown"},
+                                samples, &LabelledSample::gyro_spread_dps);
 }
 
 /// /samples: one row a frame. Legs are numbered from 1 in the order of the rows of /servo/step_*. Archive is
@@ -46,25 +47,27 @@ void sample_columns(Archive& archive, Rows& samples) {
   archive.time_axis(
       {"time", "s", "time since time_reference [s]", "middle of the exposure of the frame's newest half"},
       samples, &LabelledSample::time, frames_max);
-  archive.field({"frame", "1", "index into /camera"}, samples, &LabelledSample::frame_index);
-  archive.field(
+  archive.template field<std::uint32_t>({"frame", "1", "index into /camera"}, samples,
+                                        &LabelledSample::frame_index);
+  archive.template field<float>(
       {"rate_label", "deg/s", "label: mean speed of the shaft over the exposure by the servo model [deg/s]",
        "NaN: unknown"},
       samples, &LabelledSample::rate_label_dps);
-  archive.field(
+  archive.template field<float>(
       {"rate_label_min", "deg/s", "least speed of the shaft by the servo model over the exposure [deg/s]"},
       samples, &LabelledSample::rate_label_min_dps);
-  archive.field(
+  archive.template field<float>(
       {"rate_label_max", "deg/s", "greatest speed of the shaft by the servo model over the exposure [deg/s]"},
       samples, &LabelledSample::rate_label_max_dps);
-  archive.field({"angle_label", "deg", "commanded angle at time [deg]", "NaN: unknown"}, samples,
-                &LabelledSample::angle_label_deg);
-  archive.field(
+  archive.template field<float>({"angle_label", "deg", "commanded angle at time [deg]", "NaN: unknown"},
+                                samples, &LabelledSample::angle_label_deg);
+  archive.template field<float>(
       {"rate_gyro", "deg/s", "gyro: mean rate over the exposure [deg/s]", "bias not removed; NaN: no sample"},
       samples, &LabelledSample::rate_gyro_dps);
-  archive.field({"gyro_count", "1", "gyro samples in the mean"}, samples, &LabelledSample::gyro_count);
-  archive.field({"label_uncertainty", "deg/s", "standard deviation of rate_label [deg/s]"}, samples,
-                &LabelledSample::label_uncertainty_dps);
+  archive.template field<std::uint16_t>({"gyro_count", "1", "gyro samples in the mean"}, samples,
+                                        &LabelledSample::gyro_count);
+  archive.template field<float>({"label_uncertainty", "deg/s", "standard deviation of rate_label [deg/s]"},
+                                samples, &LabelledSample::label_uncertainty_dps);
   archive.template column<std::uint8_t>(
       {"valid", "1", "can the sample be trusted?", "1: no reason against it but warnings",
        flag_values({"invalid", "valid"})},
@@ -73,17 +76,20 @@ void sample_columns(Archive& archive, Rows& samples) {
   archive.template column<std::uint8_t>(
       {"reason", "1", "first reason against the sample", "", first_reason_flags()}, samples,
       [](const auto& row) { return row.first_reason(); }, [](auto&, std::uint8_t) {});
-  archive.field({"reason_bits", "1", "all reasons against the sample",
-                 "bits outside the attribute computed_mask are not computed by this version: always 0",
-                 flag_masks(reason_names)},
-                samples, &LabelledSample::reason_bits);
-  archive.field({"leg", "1", "leg that was driven", "0: none; else a value of step_leg"}, samples,
-                &LabelledSample::leg);
+  archive.template field<std::uint32_t>(
+      {"reason_bits", "1", "all reasons against the sample",
+       "bits outside the attribute computed_mask are not computed by this version: always 0",
+       flag_masks(reason_names)},
+      samples, &LabelledSample::reason_bits);
+  archive.template field<std::uint16_t>(
+      {"leg", "1", "leg that was driven", "0: none; else a value of step_leg"}, samples,
+      &LabelledSample::leg);
   archive.template column<std::uint16_t>(
       {"step", "1", "row of /servo/step_*", "65535: outside legs"}, samples,
       [](const auto& row) { return row.leg == 0 ? no_step : row.leg - 1; }, [](auto&, std::uint16_t) {});
-  archive.field({"run", "1", "unbroken run of valid frames of one leg", "from 1; 0: not valid"}, samples,
-                &LabelledSample::run);
+  archive.template field<std::uint32_t>(
+      {"run", "1", "unbroken run of valid frames of one leg", "from 1; 0: not valid"}, samples,
+      &LabelledSample::run);
   if (archive.version() >= with_sync_report) half_rate_columns(archive, samples);
   archive.time_column({"exposure_begin", "s", "start of the exposure [s]"}, samples,
                       &LabelledSample::exposure_begin);

@@ -13,14 +13,15 @@ template <typename Archive, typename Clock>
 void clock_columns(Archive& archive, Clock& clock) {
   archive.time_axis({"knot_time", "s", "time since time_reference of each knot of the fitted clock [s]"},
                     clock.knots, &ClockKnot::time);
-  archive.field({"offset", "s", "host time minus the device's time at the knot [s]"}, clock.knots,
-                &ClockKnot::offset_s);
-  archive.field(
+  archive.template field<double>({"offset", "s", "host time minus the device's time at the knot [s]"},
+                                 clock.knots, &ClockKnot::offset_s);
+  archive.template field<double>(
       {"skew_ppm", "1e-6", "how much faster than the device's time host time runs at the knot [ppm]"},
       clock.knots, &ClockKnot::skew_ppm);
-  archive.field({"residual_us", "us", "what the clock leaves unexplained at the knot [us]",
-                 "one-way: median lateness of the chunks around; two-way: half the width of the bounds"},
-                clock.knots, &ClockKnot::residual_us);
+  archive.template field<double>(
+      {"residual_us", "us", "what the clock leaves unexplained at the knot [us]",
+       "one-way: median lateness of the chunks around; two-way: half the width of the bounds"},
+      clock.knots, &ClockKnot::residual_us);
   archive.time_axis(
       {"epoch_begin", "s", "time since time_reference at which an epoch of the clock begins [s]"},
       clock.epochs, &ClockEpoch::begin);
@@ -29,7 +30,8 @@ void clock_columns(Archive& archive, Clock& clock) {
       {"gap_begin", "s", "time since time_reference of the last message before messages were lost [s]"},
       clock.gaps, &ClockGap::begin);
   archive.time_column({"gap_end", "s", "time of the first message after it [s]"}, clock.gaps, &ClockGap::end);
-  archive.field({"gap_missing", "1", "messages that were lost"}, clock.gaps, &ClockGap::missing);
+  archive.template field<std::uint64_t>({"gap_missing", "1", "messages that were lost"}, clock.gaps,
+                                        &ClockGap::missing);
 }
 
 /// Of the servo model: its gain over the pulse widths, and what it leaves of the gyro, by commanded speed.
@@ -37,18 +39,20 @@ template <typename Archive, typename Response>
 void response_columns(Archive& archive, Response& response) {
   archive.bare_axis("knot", "knot, evenly spaced from the shortest pulse to the longest", response.gain,
                     "gain");
-  archive.field(
+  archive.template field<double>(
       {"gain", "1", "servo model: slope over its mean at each knot", "straight between knots; empty: 1"},
       response.gain, [](auto& value) -> auto& { return value; });
   auto& speeds = response.speeds;
-  archive.axis({"speed", "deg/s", "commanded speed [deg/s]"}, speeds, &ServoResponse::AtSpeed::rate_dps);
-  archive.field({"speed_residual", "deg/s", "corrected gyro minus servo model: mean [deg/s]"}, speeds,
-                &ServoResponse::AtSpeed::residual_dps);
-  archive.field(
+  archive.template axis<double>({"speed", "deg/s", "commanded speed [deg/s]"}, speeds,
+                                &ServoResponse::AtSpeed::rate_dps);
+  archive.template field<double>(
+      {"speed_residual", "deg/s", "corrected gyro minus servo model: mean [deg/s]"}, speeds,
+      &ServoResponse::AtSpeed::residual_dps);
+  archive.template field<double>(
       {"speed_spread", "deg/s", "corrected gyro minus servo model: root mean square about the mean [deg/s]"},
       speeds, &ServoResponse::AtSpeed::spread_dps);
-  archive.field({"speed_frames", "1", "frame periods that took part"}, speeds,
-                &ServoResponse::AtSpeed::frames);
+  archive.template field<std::uint32_t>({"speed_frames", "1", "frame periods that took part"}, speeds,
+                                        &ServoResponse::AtSpeed::frames);
 }
 
 }  // namespace thermorig::session
