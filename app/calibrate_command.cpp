@@ -25,17 +25,7 @@ constexpr double hand_turn_s = 20.0;
 constexpr double before_hand_turn_s = 15.0;
 
 std::string name_of(CalibrationKind kind) {
-  switch (kind) {
-    case CalibrationKind::bias:
-      return "bias";
-    case CalibrationKind::latency:
-      return "latency";
-    case CalibrationKind::scale:
-      return "scale";
-    case CalibrationKind::orientation:
-      break;
-  }
-  return "orientation";
+  return std::string(calibration_names[static_cast<std::size_t>(kind)]);
 }
 
 [[noreturn]] void bad_usage(const std::string& what, const std::string& advice) {

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "chosen_rig.h"
 
-#include <filesystem>
-
 #include "profile_path.h"
 #include "thermorig/core/error.h"
 #include "thermorig/io/port.h"

@@ -7,9 +7,9 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <numeric>
-#include <type_traits>
 
 #include "output.h"
+#include "thermorig/wire/counter_names.h"
 
 namespace thermorig::app {
 
@@ -178,18 +178,9 @@ nlohmann::json message_json(const wire::ServoMessage& message, std::uint64_t ind
 }
 
 nlohmann::json counters_json(const wire::Counters& counters) {
-  return {{"bytes_received", counters.bytes_received},
-          {"bytes_in_messages", counters.bytes_in_messages},
-          {"bytes_in_damaged", counters.bytes_in_damaged},
-          {"bytes_skipped", counters.bytes_skipped},
-          {"bytes_pending", counters.bytes_pending},
-          {"messages", counters.messages},
-          {"replies", counters.replies},
-          {"bad_checksum", counters.bad_checksum},
-          {"bad_length", counters.bad_length},
-          {"bad_value", counters.bad_value},
-          {"lost", counters.lost},
-          {"resyncs", counters.resyncs}};
+  nlohmann::json object;
+  for (const auto& counter : wire::counter_names) object[counter.name] = counters.*counter.member;
+  return object;
 }
 
 std::string text_of(const wire::Counters& counters) {

@@ -43,13 +43,9 @@ rig::RecordingResult listen(rig::RecordingOptions recording, const ChosenRig& ri
   Listening listening;
   const auto orders = [&] { return listening.orders(); };
   const auto progress = [&](const rig::RecordingProgress& seen) { listening.progress(seen); };
-  if (rig.simulated) {
-    VirtualBus bus(*rig.simulated);
-    return rig::record_virtual(bus, {.recording = std::move(recording),
-                                     .start = rig.simulated->start,
-                                     .orders = orders,
-                                     .progress = progress});
-  }
+  if (rig.simulated)
+    return record_virtual(*rig.simulated,
+                          {.recording = std::move(recording), .orders = orders, .progress = progress});
   bool stopped = false;
   const auto notice = [&](const std::string&) { stopped = true; };  // said of a signal alone
   rig::RecordingResult result = rig::record_ports(

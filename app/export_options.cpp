@@ -2,6 +2,7 @@
 #include <CLI/CLI.hpp>
 
 #include "learning_options.h"
+#include "rig_words.h"
 
 namespace thermorig::app {
 
@@ -24,7 +25,7 @@ void add_export(CLI::App& root, ExportOptions& options) {
   command.add_option("-o,--output", options.output, "Folder to write to")
       ->type_name("DIR")
       ->default_str("the present one");
-  command.add_flag("--json", options.json, "Print JSON on standard output, for programs");
+  add_json(command, options.json);
   command.footer("Example:\n  thermorig export model.onnx --c-header --weights int8 -o firmware/src");
 }
 

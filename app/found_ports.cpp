@@ -2,6 +2,7 @@
 #include "found_ports.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <nlohmann/json.hpp>
@@ -64,9 +65,7 @@ std::vector<std::string> missing_roles(const std::vector<PortFinding>& findings)
 }
 
 std::string joined(const std::vector<std::string>& words) {
-  std::string text;
-  for (const std::string& word : words) text += (text.empty() ? "" : ", ") + word;
-  return text;
+  return fmt::format("{}", fmt::join(words, ", "));
 }
 
 /// Text does not say what its columns are: how they were read is shown, to be checked by a person.

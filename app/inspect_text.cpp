@@ -10,6 +10,7 @@
 
 #include "decoded_text.h"
 #include "output.h"
+#include "speed_pairs.h"
 #include "timing_text.h"
 
 namespace thermorig::app {
@@ -18,11 +19,6 @@ namespace {
 
 using session::Quality;
 using session::Session;
-
-std::string name_of_state(session::State state) {
-  if (state == session::State::complete) return "complete";
-  return state == session::State::recovered ? "recovered" : "partial";
-}
 
 std::string origin(const RecordingHeader& header) {
   if (!header.simulated) return "recorded from ports";
@@ -33,7 +29,7 @@ std::string origin(const RecordingHeader& header) {
 std::string heading(const std::filesystem::path& path, const Session& session, const Quality& quality) {
   const RecordingHeader& header = session.raw.header;
   std::string text = printable(path.string()) + "\n";
-  text += fmt::format("  session      {}, {}\n", name_of_state(session.state), printable(origin(header)));
+  text += fmt::format("  session      {}, {}\n", session::name_of(session.state), printable(origin(header)));
   text +=
       fmt::format("  recorded     {} acquisition {}, {}, {}\n", printable(header.environment),
                   header.acquisition, printable(header.start_time_utc), duration_text(quality.duration_s));
@@ -72,21 +68,11 @@ long centi(double rate_dps) {
   return std::lround(rate_dps * 100);
 }
 
-/// One row a magnitude: the speed is driven in both directions.
 std::string speed_table(const Quality& quality) {
-  struct Pair {
-    const Quality::Speed* forward = nullptr;
-    const Quality::Speed* backward = nullptr;
-  };
-  std::map<long, Pair> pairs;
-  for (const Quality::Speed& speed : quality.speeds) {
-    Pair& pair = pairs[std::abs(centi(speed.rate_dps))];
-    (speed.rate_dps < 0 ? pair.backward : pair.forward) = &speed;
-  }
   const auto frames = [](const Quality::Speed* speed) { return speed ? std::to_string(speed->frames) : "-"; };
   const auto valid = [](const Quality::Speed* speed) { return speed ? std::to_string(speed->valid) : "-"; };
   Table table({">deg/s", ">frames +", ">valid +", ">frames -", ">valid -"});
-  for (const auto& [magnitude, pair] : pairs)
+  for (const auto& [magnitude, pair] : by_magnitude(quality.speeds))
     table.add({fmt::format("{:.1f}", static_cast<double>(magnitude) / 100), frames(pair.forward),
                valid(pair.forward), frames(pair.backward), valid(pair.backward)});
   return table.text();
@@ -160,7 +146,7 @@ nlohmann::json inspected_json(const std::filesystem::path& path, const Session& 
                               const Quality& quality) {
   nlohmann::json object = header_json(session.raw.header);
   object["file"] = path.string();
-  object["state"] = name_of_state(session.state);
+  object["state"] = session::name_of(session.state);
   object["duration_s"] = quality.duration_s;
   object["camera_mode"] = session.camera_mode;
   object["frames"] = quality.frames;

@@ -61,15 +61,12 @@ using Orders = std::function<std::vector<rig::Order>()>;
 rig::RecordingResult drive_fast(const ChosenRig& rig, rig::RecordingOptions recording, LiveRun& run,
                                 const Orders& ordered) {
   watch_interrupts();
-  VirtualBus bus(*rig.simulated);
-  rig::VirtualOptions options;
-  options.recording = std::move(recording);
-  options.start = rig.simulated->start;
-  options.stop_requested = interrupted;
-  options.orders = ordered;
-  options.progress = [&](const rig::RecordingProgress& progress) { run.progress(progress); };
-  options.progress_period = state_period;
-  return rig::record_virtual(bus, options);
+  return record_virtual(*rig.simulated,
+                        {.recording = std::move(recording),
+                         .stop_requested = interrupted,
+                         .orders = ordered,
+                         .progress = [&](const rig::RecordingProgress& progress) { run.progress(progress); },
+                         .progress_period = state_period});
 }
 
 rig::RecordingResult drive_ports(rig::RecordingOptions recording, LiveRun& run, const Orders& ordered) {

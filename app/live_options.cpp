@@ -20,25 +20,11 @@ constexpr double lowest_speed = 0.001;  // a second takes a quarter of an hour
 
 void add_source(CLI::App& command, LiveWords& words) {
   LiveOptions& live = words.options;
-  command
-      .add_option("-e,--environment", live.record.environment,
-                  "Where the rig stands: a-z, 0-9 and '-', e.g. garden")
-      ->type_name("NAME")
-      ->capture_default_str();
+  add_environment(command, live.record.environment).capture_default_str();
   command.add_option("--plan", live.record.plan, "Sweep plan: quick, paper, table-one or a TOML file")
       ->type_name("PLAN")
       ->capture_default_str();
-  command.add_option("--frames-per-leg", live.record.frames_per_leg, "Camera frames in each leg of the plan")
-      ->type_name("N");
-  command
-      .add_option("--valid-per-leg", live.record.valid_per_leg,
-                  "Valid frames that each leg must bring (0: no quota, the default)")
-      ->type_name("N");
-  command
-      .add_option("--speeds", live.record.speeds_dps,
-                  "Magnitudes to sweep, deg/s, each driven as +v and -v: 30,60,90")
-      ->delimiter(',')
-      ->type_name("V,V,...");
+  add_legs(command, live.record, " (0: no quota, the default)");
   command.add_flag("--loop", live.loop, "The plan again and again, until it is stopped");
   command.add_option("--replay", live.replay, "Replay this session (.h5) instead of driving a rig")
       ->type_name("SESSION");
@@ -51,9 +37,7 @@ void add_source(CLI::App& command, LiveWords& words) {
 void add_result(CLI::App& command, LiveWords& words) {
   LiveOptions& live = words.options;
   command.add_flag("--record", live.keep, "Keep a session, with the estimates in it");
-  command.add_option("-o,--output", live.record.output, "Folder that holds the recordings (with --record)")
-      ->type_name("DIR")
-      ->default_str("recordings");
+  add_folder(command, live.record.output, "Folder that holds the recordings (with --record)");
   command
       .add_option("--licence", live.record.licence,
                   "Licence of the data, kept in the session (with --record)")
@@ -110,7 +94,7 @@ void check_words_without_effect(const LiveWords& words) {
 
 void check(const LiveWords& words) {
   const LiveOptions& live = words.options;
-  const bool names_rig = !words.seed.empty() || !live.record.rig.profile.empty();
+  const bool names_rig = live.record.rig.simulated_seed || !live.record.rig.profile.empty();
   if (live.replay && names_rig)
     refuse_option("--replay and a rig exclude each other", "--replay SESSION alone");
   if (live.replay && live.keep)
@@ -167,7 +151,7 @@ void add_live(CLI::App& root, LiveWords& words) {
   command.add_flag("--page", words.page, "Serve the page for a browser (default, but with --fast)");
   command.add_flag("--no-page", words.no_page, "Serve no page");
   add_page(command, live.record.page);
-  add_rig(command, live.record.rig, words.seed);
+  add_rig(command, live.record.rig);
   command.footer(
       "Examples:\n"
       "  thermorig live --simulated=3 --model model.onnx\n"
@@ -178,7 +162,6 @@ void add_live(CLI::App& root, LiveWords& words) {
 LiveOptions chosen_live(const LiveWords& words) {
   check(words);
   LiveOptions live = words.options;
-  if (!words.seed.empty()) live.record.rig.simulated_seed = seed_of(words.seed);
   if (!words.speed.empty()) live.speed = speed_of(words.speed);
   if (!live.record.valid_per_leg)
     live.record.valid_per_leg = live.keep ? std::nullopt : std::optional<int>(0);

@@ -14,7 +14,7 @@ namespace thermorig::app {
 /// What stands on the command line of `live`, before it is understood. CLI11 writes into it.
 struct LiveWords {
   LiveOptions options;
-  std::string seed, speed;
+  std::string speed;
   bool page = false, no_page = false;  // neither: a page, but in virtual time
   const CLI::App* command = nullptr;   // knows which words were said
 };

@@ -8,7 +8,6 @@
 #include <cmath>
 #include <cstdlib>
 #include <string_view>
-#include <utility>
 #include <vector>
 
 #include "live_lines.h"

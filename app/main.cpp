@@ -1,6 +1,11 @@
 // SPDX-License-Identifier: MIT
+#include <fcntl.h>
+#include <unistd.h>
+
+#include <cerrno>
 #include <csignal>
 #include <cstdio>
+#include <cstdlib>
 #include <exception>
 #include <new>
 #include <string_view>
@@ -10,13 +15,22 @@
 #include "error_output.h"
 #include "options.h"
 #include "output.h"
-#include "standard_descriptors.h"
 #include "thermorig/core/error.h"
 #include "thermorig/session/trial.h"
 
 namespace {
 
 using namespace thermorig;
+
+/// Opens /dev/null on those of the descriptors 0 to 2 that are closed. A file, a port or a socket that came
+/// to lie there would be taken for standard input, output or errors: before anything else is opened.
+void open_standard_descriptors() {
+  for (const int descriptor : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) {
+    if (fcntl(descriptor, F_GETFD) >= 0 || errno != EBADF) continue;
+    // The system gives the lowest number that is free, and those below are not.
+    if (open("/dev/null", O_RDWR) != descriptor) std::_Exit(static_cast<int>(ExitCode::failed));
+  }
+}
 
 /// Known before parsing, so that an error in the command line is told in the form that was asked for.
 bool asks_for_json(int argc, const char* const* argv) {
@@ -44,7 +58,7 @@ int printed(int code) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  app::open_standard_descriptors();
+  open_standard_descriptors();
   std::signal(SIGXFSZ, SIG_IGN);  // a file that may not grow is then an error of write(), as a full disk is
   std::signal(SIGPIPE, SIG_IGN);  // and so is a reader that goes away: it ends neither a run nor a training
   const bool json = asks_for_json(argc, argv);

@@ -2,7 +2,7 @@
 #include "options.h"
 
 #include <CLI/CLI.hpp>
-#include <string_view>
+#include <algorithm>
 
 #include "learning_options.h"
 #include "live_options.h"
@@ -30,14 +30,12 @@ struct Words {
   EvaluateOptions evaluate;
   LiveWords live;
   ExportOptions export_;
-  std::string record_seed, doctor_seed, calibrate_seed, calibration, simulate_seed, decode_device;
+  std::string calibration, decode_device;
   bool version = false, version_json = false;
 };
 
 void add_recording_of(CLI::App& command, RecordOptions& record) {
-  command.add_option("-o,--output", record.output, "Folder that holds the recordings")
-      ->type_name("DIR")
-      ->default_str("recordings");
+  add_folder(command, record.output, "Folder that holds the recordings");
   command.add_option("--licence", record.licence, "Licence of the data, kept in the session: CC-BY-4.0")
       ->type_name("TEXT");
   command.add_flag("--fast", record.fast, "Virtual time: as fast as the machine can (simulated rig only)");
@@ -53,37 +51,23 @@ void add_recording_of(CLI::App& command, RecordOptions& record) {
 void add_record(CLI::App& root, Words& words) {
   RecordOptions& record = words.record;
   CLI::App& command = *root.add_subcommand("record", "Record one labelled session");
-  command
-      .add_option("-e,--environment", record.environment,
-                  "Where the rig stands: a-z, 0-9 and '-', e.g. garden")
-      ->type_name("NAME")
-      ->required();
+  add_environment(command, record.environment).required();
   command.add_option("--plan", record.plan, "Sweep plan: paper, table-one, quick or a TOML file")
       ->type_name("PLAN")
       ->capture_default_str();
-  command.add_option("--frames-per-leg", record.frames_per_leg, "Camera frames in each leg of the plan")
-      ->type_name("N");
-  command
-      .add_option("--valid-per-leg", record.valid_per_leg,
-                  "Valid frames that each leg must bring; it goes on until it has them (0: no quota)")
-      ->type_name("N");
+  add_legs(command, record, "; it goes on until it has them (0: no quota)");
   command
       .add_option("--frames-per-window", record.frames_per_window,
                   "Refuse speeds that cannot give so many valid frames in a row (1 to 6)")
       ->check(CLI::Range(1, 6))
       ->type_name("N");
-  command
-      .add_option("--speeds", record.speeds_dps,
-                  "Magnitudes to sweep, deg/s, each driven as +v and -v: 30,60,90")
-      ->delimiter(',')
-      ->type_name("V,V,...");
   add_recording_of(command, record);
   CLI::Option* page =
       command.add_flag("--page", record.page.serve, "Serve a page that shows the recording, for a browser");
   add_page(command, record.page);
   command.get_option("--page-port")->needs(page);
   command.get_option("--new-token")->needs(page);
-  add_rig(command, record.rig, words.record_seed);
+  add_rig(command, record.rig);
   command.footer(
       "Examples:\n"
       "  thermorig record --simulated=3 --environment garden --plan quick\n"
@@ -94,14 +78,12 @@ void add_doctor(CLI::App& root, Words& words) {
   RecordOptions& record = words.doctor.record;
   record.environment = "laboratory";
   CLI::App& command = *root.add_subcommand("doctor", "Say what stands between this machine and a recording");
-  command.add_option("-o,--output", record.output, "Folder that would hold the recordings")
-      ->type_name("DIR")
-      ->default_str("recordings");
+  add_folder(command, record.output, "Folder that would hold the recordings");
   command.add_option("--plan", record.plan, "Sweep plan that would be driven")
       ->type_name("PLAN")
       ->capture_default_str();
   add_json(command, record.json);
-  add_rig(command, record.rig, words.doctor_seed);
+  add_rig(command, record.rig);
   command.footer(
       "Moves nothing. Exit code 0, also with warnings; else that of the first check that is NOT OK.\n"
       "Examples:\n"
@@ -128,7 +110,7 @@ void add_calibrate(CLI::App& root, Words& words) {
       ->type_name("DEG");
   calibrate.record.environment = "calibration";
   add_recording_of(command, calibrate.record);
-  add_rig(command, calibrate.record.rig, words.calibrate_seed);
+  add_rig(command, calibrate.record.rig);
   command.footer(
       "Examples:\n"
       "  thermorig calibrate latency --rig bench\n"
@@ -149,7 +131,9 @@ void add_simulate(CLI::App& root, Words& words) {
   CLI::App& command =
       *root.add_subcommand("simulate", "Offer a simulated rig on three virtual ports until Ctrl-C");
   command.add_option("--seed", simulate.seed, "Seed of the simulated world")->capture_default_str();
-  command.add_flag("--simulated{1}", words.simulate_seed, "The same, as the other commands have it");
+  add_seed(
+      command, [&simulate](std::uint64_t seed) { simulate.seed = seed; },
+      "The same, as the other commands have it");
   command.add_option("-e,--environment", simulate.environment, "laboratory, dining, kitchen or garden")
       ->type_name("NAME")
       ->capture_default_str();
@@ -239,38 +223,24 @@ Device device_of(const std::string& name) {
 }
 
 rig::CalibrationKind calibration_of(const std::string& name) {
-  if (name == "bias") return rig::CalibrationKind::bias;
-  if (name == "latency") return rig::CalibrationKind::latency;
-  return name == "scale" ? rig::CalibrationKind::scale : rig::CalibrationKind::orientation;
-}
-
-CalibrateOptions chosen_calibration(Words& words) {
-  words.calibrate.kind = calibration_of(words.calibration);
-  if (!words.calibrate_seed.empty())
-    words.calibrate.record.rig.simulated_seed = seed_of(words.calibrate_seed);
-  return words.calibrate;
+  const auto found = std::find(calibration_names.begin(), calibration_names.end(), name);
+  return static_cast<rig::CalibrationKind>(found - calibration_names.begin());
 }
 
 Command chosen(const CLI::App& root, Words& words) {
   if (words.version) return VersionOptions{words.version_json};
   const std::string& name = root.get_subcommands().front()->get_name();
-  if (name == "record") {
-    if (!words.record_seed.empty()) words.record.rig.simulated_seed = seed_of(words.record_seed);
-    return words.record;
-  }
-  if (name == "doctor") {
-    if (!words.doctor_seed.empty()) words.doctor.record.rig.simulated_seed = seed_of(words.doctor_seed);
-    return words.doctor;
-  }
-  if (name == "calibrate") return chosen_calibration(words);
-  if (name == "simulate") {
-    if (!words.simulate_seed.empty()) words.simulate.seed = seed_of(words.simulate_seed);
-    return words.simulate;
+  if (name == "calibrate") {
+    words.calibrate.kind = calibration_of(words.calibration);
+    return words.calibrate;
   }
   if (name == "decode") {
     words.decode.device = device_of(words.decode_device);
     return words.decode;
   }
+  if (name == "record") return words.record;
+  if (name == "doctor") return words.doctor;
+  if (name == "simulate") return words.simulate;
   if (name == "ports") return words.ports;
   if (name == "live") return chosen_live(words.live);
   if (name == "inspect") return words.inspect;

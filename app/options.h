@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <variant>
 #include <vector>
 
@@ -72,6 +74,9 @@ struct LiveOptions {
   double speed = 1.0;                           // of a replay; 0: as fast as possible
   bool tui = false;
 };
+
+/// In the order of rig::CalibrationKind.
+inline constexpr std::array<std::string_view, 4> calibration_names{"bias", "latency", "scale", "orientation"};
 
 struct CalibrateOptions {
   rig::CalibrationKind kind = rig::CalibrationKind::bias;

@@ -55,13 +55,10 @@ void announce(const rig::RecordingOptions& recording, bool json) {
 rig::RecordingResult record_fast(const ChosenRig& rig, rig::RecordingOptions recording,
                                  ProgressOutput& output) {
   watch_interrupts();  // the first closes the recording; the second ends the program and leaves the journal
-  VirtualBus bus(*rig.simulated);
-  rig::VirtualOptions options;
-  options.recording = std::move(recording);
-  options.start = rig.simulated->start;
-  options.stop_requested = interrupted;
-  options.progress = [&](const rig::RecordingProgress& progress) { output.show(progress); };
-  return rig::record_virtual(bus, options);
+  return record_virtual(*rig.simulated,
+                        {.recording = std::move(recording),
+                         .stop_requested = interrupted,
+                         .progress = [&](const rig::RecordingProgress& progress) { output.show(progress); }});
 }
 
 /// Share of one core that the recording thread used between the first and the last look at it: without

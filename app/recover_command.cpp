@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include <fmt/format.h>
 
+#include <array>
 #include <nlohmann/json.hpp>
 
 #include "commands.h"
@@ -15,19 +16,8 @@ using rig::RecoveryKind;
 using rig::RecoveryResult;
 
 std::string name_of(RecoveryKind kind) {
-  switch (kind) {
-    case RecoveryKind::made:
-      return "recovered";
-    case RecoveryKind::already_there:
-      return "already there";
-    case RecoveryKind::empty:
-      return "empty";
-    case RecoveryKind::in_use:
-      return "in use";
-    case RecoveryKind::failed:
-      break;
-  }
-  return "failed";
+  static constexpr std::array names{"recovered", "already there", "empty", "failed", "in use"};
+  return names[static_cast<std::size_t>(kind)];
 }
 
 ExitCode code_of(const RecoveryResult& result) {

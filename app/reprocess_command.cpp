@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
@@ -10,6 +11,7 @@
 #include "output.h"
 #include "profile_path.h"
 #include "thermorig/calibration/calibration.h"
+#include "thermorig/core/statistics.h"
 #include "thermorig/rig/finalise.h"
 #include "thermorig/rig/profile_file.h"
 
@@ -40,8 +42,7 @@ std::optional<Moved> moved(const State& before, const State& after) {
   std::vector<double> by_s;
   for (std::size_t i = 0; i < after.times.size(); ++i)
     by_s.push_back(std::abs(to_s(after.times[i] - before.times[i])));
-  std::sort(by_s.begin(), by_s.end());
-  return Moved{by_s[by_s.size() / 2], by_s.back()};
+  return Moved{reordering_median(by_s), *std::max_element(by_s.begin(), by_s.end())};
 }
 
 /// What a session's profile says now because that of `--rig` said so, each with its date.
@@ -58,13 +59,18 @@ std::vector<std::string> applied(const RigProfile& from, const RigProfile& now) 
   return names;
 }
 
-session::Session make_again(const std::filesystem::path& path, const std::optional<RigProfile>& calibrated) {
-  if (!calibrated) return rig::reprocess(path);
+/// A session from its own raw bytes, and what others had put into its file that is not in it any more.
+struct MadeAgain {
+  session::Session session;
+  std::vector<std::string> left_out;
+};
+
+MadeAgain make_again(const std::filesystem::path& path, const std::optional<RigProfile>& calibrated) {
   RawRecording raw = session::read_raw(path);
-  calibration::take_calibrations(*calibrated, raw.header.profile);
-  session::Session session = rig::build_session(std::move(raw));
-  session::replace_session(path, session);
-  return session;
+  if (calibrated) calibration::take_calibrations(*calibrated, raw.header.profile);
+  MadeAgain made{rig::build_session(std::move(raw)), {}};
+  made.left_out = session::replace_session(path, made.session);
+  return made;
 }
 
 std::string change(const std::string& before, const std::string& after) {
@@ -104,10 +110,9 @@ nlohmann::json object_of(const std::filesystem::path& path, const State& before,
 }
 
 std::string words_of(const std::vector<std::string>& calibrations) {
-  std::string text;
-  for (const std::string& name : calibrations) text += (text.empty() ? "" : ", ") + name;
-  return fmt::format("  applied  {}\n",
-                     text.empty() ? "nothing: the profile measured nothing of this rig" : printable(text));
+  return fmt::format("  applied  {}\n", calibrations.empty()
+                                            ? "nothing: the profile measured nothing of this rig"
+                                            : printable(fmt::format("{}", fmt::join(calibrations, ", "))));
 }
 
 /// Whether all can be made again, before the first one is.
@@ -127,12 +132,16 @@ ExitCode run(const ReprocessOptions& options) {
   nlohmann::json list = nlohmann::json::array();
   for (const auto& path : options.files) {
     const State before = state_of(session::read_session(path));
-    const session::Session session = make_again(path, calibrated);
-    const State after = state_of(session);
+    const MadeAgain made = make_again(path, calibrated);
+    const State after = state_of(made.session);
     list.push_back(object_of(path, before, after));
+    list.back()["left_out"] = made.left_out;
     if (!options.json) print("{}", words_of(path, before, after));
+    if (!options.json && !made.left_out.empty())
+      print("  left out {}: what others add is not copied, but for attributes\n",
+            printable(fmt::format("{}", fmt::join(made.left_out, ", "))));
     if (!calibrated) continue;
-    const auto calibrations = applied(*calibrated, session.raw.header.profile);
+    const auto calibrations = applied(*calibrated, made.session.raw.header.profile);
     list.back()["calibrations"] = calibrations;
     if (!options.json) print("{}", words_of(calibrations));
   }

@@ -15,6 +15,17 @@
 
 namespace thermorig::app {
 
+namespace {
+std::uint64_t seed_of(const std::string& text) {
+  std::uint64_t seed = 0;
+  const char* end = text.data() + text.size();
+  const auto [at, error] = std::from_chars(text.data(), end, seed);
+  if (error == std::errc() && at == end) return seed;
+  throw Error(ExitCode::bad_usage, "the seed '" + text + "' is not a whole number from 0 to 2^64 - 1", "",
+              "--simulated=3");
+}
+}  // namespace
+
 void add_json(CLI::App& command, bool& json) {
   command.add_flag("--json", json, "Print JSON on standard output, for programs");
 }
@@ -69,8 +80,40 @@ void add_simulated_parts(CLI::App& command, SimulatedParts& parts) {
       ->type_name("NAME");
 }
 
-void add_rig(CLI::App& command, RigOptions& rig, std::string& seed) {
-  command.add_flag("--simulated{1}", seed, "Use the simulated rig; =SEED chooses another world (default 1)");
+void add_seed(CLI::App& command, std::function<void(std::uint64_t)> take, const std::string& meaning) {
+  command.add_flag("--simulated{1}", meaning)->each([take = std::move(take)](const std::string& text) {
+    take(seed_of(text));
+  });
+}
+
+CLI::Option& add_environment(CLI::App& command, std::string& environment) {
+  return *command
+              .add_option("-e,--environment", environment,
+                          "Where the rig stands: a-z, 0-9 and '-', e.g. garden")
+              ->type_name("NAME");
+}
+
+void add_legs(CLI::App& command, RecordOptions& record, const std::string& quota) {
+  command.add_option("--frames-per-leg", record.frames_per_leg, "Camera frames in each leg of the plan")
+      ->type_name("N");
+  command
+      .add_option("--valid-per-leg", record.valid_per_leg, "Valid frames that each leg must bring" + quota)
+      ->type_name("N");
+  command
+      .add_option("--speeds", record.speeds_dps,
+                  "Magnitudes to sweep, deg/s, each driven as +v and -v: 30,60,90")
+      ->delimiter(',')
+      ->type_name("V,V,...");
+}
+
+void add_folder(CLI::App& command, std::filesystem::path& folder, const std::string& meaning) {
+  command.add_option("-o,--output", folder, meaning)->type_name("DIR")->default_str("recordings");
+}
+
+void add_rig(CLI::App& command, RigOptions& rig) {
+  add_seed(
+      command, [&rig](std::uint64_t seed) { rig.simulated_seed = seed; },
+      "Use the simulated rig; =SEED chooses another world (default 1)");
   command.add_option("--camera", rig.ports[Device::camera], "Port of the camera, e.g. /dev/ttyUSB0")
       ->type_name("PORT");
   command.add_option("--gyro", rig.ports[Device::gyro], "Port of the gyro")->type_name("PORT");
@@ -87,15 +130,6 @@ void add_rig(CLI::App& command, RigOptions& rig, std::string& seed) {
                   "sends so many")
       ->type_name("HZ");
   add_simulated_parts(command, rig.parts);
-}
-
-std::uint64_t seed_of(const std::string& text) {
-  std::uint64_t seed = 0;
-  const char* end = text.data() + text.size();
-  const auto [at, error] = std::from_chars(text.data(), end, seed);
-  if (error == std::errc() && at == end) return seed;
-  throw Error(ExitCode::bad_usage, "the seed '" + text + "' is not a whole number from 0 to 2^64 - 1", "",
-              "--simulated=3");
 }
 
 }  // namespace thermorig::app

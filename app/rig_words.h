@@ -2,7 +2,7 @@
 #pragma once
 
 #include <cstdint>
-#include <optional>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -10,6 +10,7 @@
 
 namespace CLI {
 class App;
+class Option;
 class Validator;
 }  // namespace CLI
 
@@ -25,9 +26,14 @@ void add_replug(CLI::App& command, double& patience_s);
 /// A word that must be one of `names`; for any other the nearest is named.
 CLI::Validator one_of(std::vector<std::string> names);
 void add_simulated_parts(CLI::App& command, SimulatedParts& parts);
-void add_rig(CLI::App& command, RigOptions& rig, std::string& seed);
-
-/// Throws Error(bad_usage) unless it is a whole number from 0 to 2^64 - 1.
-std::uint64_t seed_of(const std::string& text);
+/// --simulated[=SEED]. Parsing throws Error(bad_usage) unless it is a whole number from 0 to 2^64 - 1.
+void add_seed(CLI::App& command, std::function<void(std::uint64_t)> take, const std::string& meaning);
+void add_rig(CLI::App& command, RigOptions& rig);
+/// Where the rig stands.
+CLI::Option& add_environment(CLI::App& command, std::string& environment);
+/// Frames and speeds of a plan's legs. `quota`: what --valid-per-leg says of its default.
+void add_legs(CLI::App& command, RecordOptions& record, const std::string& quota);
+/// --output: the folder; `meaning`: what it is to the command.
+void add_folder(CLI::App& command, std::filesystem::path& folder, const std::string& meaning);
 
 }  // namespace thermorig::app

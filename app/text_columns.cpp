@@ -2,6 +2,7 @@
 #include "text_columns.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <nlohmann/json.hpp>
 
@@ -42,9 +43,7 @@ std::string options_text(const TextColumns& columns) {
 }
 
 std::string assumptions_text(const sensors::TextFormat& format) {
-  std::string text;
-  for (const std::string& assumption : format.assumptions) text += (text.empty() ? "" : "; ") + assumption;
-  return text;
+  return fmt::format("{}", fmt::join(format.assumptions, "; "));
 }
 
 nlohmann::json format_json(const sensors::TextFormat& format) {

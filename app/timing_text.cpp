@@ -5,10 +5,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
 #include <string_view>
 
 #include "output.h"
+#include "speed_pairs.h"
 #include "timing_remarks.h"
 
 namespace thermorig::app {
@@ -166,23 +166,13 @@ std::string cell(const std::optional<double>& value, const char* form) {
   return fmt::format(fmt::runtime(form), *value);
 }
 
-/// One row a magnitude, both directions beside each other.
 std::string residual_table(const ServoResponse& servo) {
-  struct Pair {
-    const ServoResponse::AtSpeed* forward = nullptr;
-    const ServoResponse::AtSpeed* backward = nullptr;
-  };
-  std::map<long, Pair> pairs;
-  for (const ServoResponse::AtSpeed& speed : servo.speeds) {
-    Pair& pair = pairs[std::lround(std::abs(speed.rate_dps) * 100)];
-    (speed.rate_dps < 0 ? pair.backward : pair.forward) = &speed;
-  }
   Table table({">deg/s", ">frames +", ">gyro - label", ">spread", ">frames -", ">gyro - label", ">spread"});
   const auto frames = [](const auto* speed) { return speed ? std::to_string(speed->frames) : "-"; };
   const auto value = [](const auto* speed, double ServoResponse::AtSpeed::*member) {
     return speed ? std::optional(speed->*member) : std::nullopt;
   };
-  for (const auto& [magnitude, pair] : pairs)
+  for (const auto& [magnitude, pair] : by_magnitude(servo.speeds))
     table.add({fmt::format("{:.1f}", static_cast<double>(magnitude) / 100), frames(pair.forward),
                cell(value(pair.forward, &ServoResponse::AtSpeed::residual_dps), "{:+.2f}"),
                cell(value(pair.forward, &ServoResponse::AtSpeed::spread_dps), "{:.2f}"),

@@ -9,7 +9,6 @@
 #include "thermorig/io/port.h"
 #include "thermorig/training/run_folder.h"
 #include "thermorig/training/thread_crew.h"
-#include "train_config.h"
 #include "train_files.h"
 #include "train_output.h"
 
@@ -20,6 +19,26 @@ namespace {
 using training::RunFolder;
 using training::TrainingConfig;
 using windows::Acquisition;
+
+/// The preset with what the command line changes. Throws Error(bad_usage) for what cannot be.
+TrainingConfig training_config(const TrainOptions& options) {
+  TrainingConfig config = training::preset(options.preset);
+  config.shape.frames = options.frames.value_or(config.shape.frames);
+  config.shape.reduction = options.reduction.value_or(config.shape.reduction);
+  config.shape.fusion = options.fusion;
+  config.epochs = options.epochs.value_or(config.epochs);
+  config.batch = options.batch.value_or(config.batch);
+  if (options.rate) config.adam.rate = static_cast<float>(*options.rate);
+  if (options.auxiliary_thermal)
+    config.loss.auxiliary_thermal = static_cast<float>(*options.auxiliary_thermal);
+  if (options.label_scale_dps) config.label_scale_dps = static_cast<float>(*options.label_scale_dps);
+  config.mirror = options.mirror.value_or(config.mirror);
+  config.choose_epoch = options.choose_epoch.value_or(config.choose_epoch);
+  config.seed = options.seed;
+  config.preset = training::preset_of(config);
+  training::check(config);
+  return config;
+}
 
 std::string producer() {
   return std::string("thermorig ") + build_information::version;

@@ -2,6 +2,7 @@
 #include <CLI/CLI.hpp>
 
 #include "learning_options.h"
+#include "rig_words.h"
 
 namespace thermorig::app {
 
@@ -73,7 +74,7 @@ void add_train(CLI::App& root, TrainOptions& options) {
   command.add_flag("--resume", options.resume, "Go on with the run in that folder");
   command.add_flag("--accept-bad", options.accept_bad,
                    "Take sessions whose verdict is bad; without it one of these is refused");
-  command.add_flag("--json", options.json, "Print JSON on standard output, for programs");
+  add_json(command, options.json);
   command.footer(
       "Examples:\n"
       "  thermorig train recordings/ -o model.onnx\n"

@@ -3,7 +3,6 @@
 
 #include <memory>
 #include <string>
-#include <vector>
 
 #include "thermorig/core/error.h"
 #include "thermorig/dataset/dataset.h"

@@ -6,15 +6,7 @@
 
 namespace thermorig::app {
 
-/// The simulated rig as the devices of a recording in virtual time, with the firmware's host build.
-class VirtualBus : public rig::DeviceBus {
- public:
-  explicit VirtualBus(const simulation::VirtualRigConfig& config);
-  void send(Device to, std::span<const std::uint8_t> bytes, HostTime now) override;
-  std::vector<Chunk> advance(HostTime until) override;
-
- private:
-  simulation::VirtualRig rig_;
-};
+/// rig::record_virtual() of a simulated rig, with the firmware's host build, from the rig's own start.
+rig::RecordingResult record_virtual(const simulation::VirtualRigConfig& config, rig::VirtualOptions options);
 
 }  // namespace thermorig::app

@@ -71,6 +71,7 @@ RENAMED |= {
     "/gyro@sign": profile("/gyro", "sign", numpy.int32),
     **{f"/{device}@baud": profile(f"/{device}", "baud", numpy.uint32) for device in ("camera", "gyro", "servo")},
     "/rig@name": profile("", "name"),
+    "/servo@firmware": "/rig@firmware",
     "/estimates/rate_gyro": estimate("gyro"),
     "/estimates/rate_thermal": estimate("cnn-thermal"),
     "/estimates/rate_fusion": estimate("cnn-fusion"),

@@ -5,7 +5,6 @@
 #include <span>
 #include <vector>
 
-#include "thermorig/core/estimate.h"
 #include "thermorig/core/sample.h"
 #include "thermorig/session/servo_rests.h"
 

@@ -4,8 +4,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "thermorig/embedded/c_source.h"
-
 namespace thermorig::embedded {
 
 namespace {
@@ -24,11 +22,6 @@ std::int8_t nearest(float weight, float scale) {
 }
 
 }  // namespace
-
-float Quantised::weight(std::size_t index) const {
-  const std::size_t row_size = values.size() / scales.size();
-  return static_cast<float>(values[index]) * scales[index / row_size];
-}
 
 Quantised quantise(std::span<const float> weights, std::size_t rows) {
   Quantised quantised;
@@ -49,17 +42,6 @@ bool is_bias(const network::Tensor& tensor) {
 bool fits_8_bits(const network::Tensor& tensor) {
   return tensor.name == "conv1.weight" || tensor.name == "conv2.weight" || tensor.name == "speed1.weight" ||
          tensor.name == "gain1.weight";
-}
-
-model::Model quantised(const model::Model& model) {
-  model::Model result = model;
-  for (const network::Tensor& tensor : network::tensors_of(model.weights.shape)) {
-    if (!fits_8_bits(tensor)) continue;
-    const std::span<float> weights = result.weights.tensor(tensor.name);
-    const Quantised small = quantise(weights, static_cast<std::size_t>(tensor.dimensions.front()));
-    for (std::size_t i = 0; i < weights.size(); ++i) weights[i] = small.weight(i);
-  }
-  return result;
 }
 
 }  // namespace thermorig::embedded

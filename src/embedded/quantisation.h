@@ -14,8 +14,6 @@ namespace thermorig::embedded {
 struct Quantised {
   std::vector<std::int8_t> values;
   std::vector<float> scales;  // one a row; 0: a row of zeros
-
-  float weight(std::size_t index) const;
 };
 
 /// `weights` finite, of `rows` equal rows.

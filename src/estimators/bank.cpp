@@ -87,9 +87,4 @@ std::span<const RateEstimate> Bank::add(const Measurement& measurement) {
   return parts.estimates;
 }
 
-void Bank::reset() {
-  parts_->observer.reset();
-  for (const auto& estimator : parts_->estimators) estimator->reset();
-}
-
 }  // namespace thermorig::estimators

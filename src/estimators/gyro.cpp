@@ -34,11 +34,6 @@ class GyroEstimator : public Estimator {
     return estimate;
   }
 
-  void reset() override {
-    rates_.reset();
-    angle_.reset();
-  }
-
  private:
   void tell_angle(HostTime time, RateEstimate& estimate) const {
     const GyroAngle::Turn turn = angle_.until(time);

@@ -83,8 +83,6 @@ class GyroAngle {
             std::hypot(turn_.unseen_sigma_deg, unseen_deg(lost_s(step_s, period_s_)))};
   }
 
-  void reset() { *this = GyroAngle(period_s_); }
-
  private:
   struct Point {
     HostTime time{};

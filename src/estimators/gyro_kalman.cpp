@@ -203,14 +203,6 @@ class GyroKalmanEstimator : public Estimator {
     return estimate;
   }
 
-  void reset() override {
-    filter_ = GyroFilter(gyro_);
-    history_.clear();
-    rests_.interrupt();
-    rates_.reset();
-    sigmas_.reset();
-  }
-
  private:
   void follow(const TimedGyro& sample) {
     const HostTime time = sample.stamp.time;

@@ -47,8 +47,6 @@ class GyroRestEstimator : public Estimator {
     return estimate;
   }
 
-  void reset() override { *this = GyroRestEstimator(setup_); }
-
  private:
   bool is_known() const { return rest_s_ >= least_rest_s; }
 

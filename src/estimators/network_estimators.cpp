@@ -52,11 +52,6 @@ class ThermalEstimator : public Estimator {
     return estimate;
   }
 
-  void reset() override {
-    network_->reset();
-    angle_ = {};
-  }
-
  private:
   std::shared_ptr<NetworkWindow> network_;
   AngleOfFrames angle_;
@@ -78,12 +73,6 @@ class FusionEstimator : public Estimator {
       fuse(*output, gyro_dps, estimate);
     estimate.angle_deg = angle_.add(estimate.rate_dps, observation.frame.exposure_end);
     return estimate;
-  }
-
-  void reset() override {
-    network_->reset();
-    gyro_.reset();
-    angle_ = {};
   }
 
  private:

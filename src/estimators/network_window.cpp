@@ -24,10 +24,4 @@ const std::optional<network::Output>& NetworkWindow::look(const Observation& obs
   return output_;
 }
 
-void NetworkWindow::reset() {
-  in_a_row_ = windows::FramesInARow(shape().frames);
-  seen_.reset();
-  output_.reset();
-}
-
 }  // namespace thermorig::estimators

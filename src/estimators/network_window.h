@@ -27,7 +27,6 @@ class NetworkWindow {
   EstimateReason reason() const { return reason_; }  // why the last look saw nothing
   const network::Shape& shape() const { return estimator_.shape(); }
   float label_scale_dps() const { return scaling_.label_scale_dps; }
-  void reset();
 
  private:
   network::Estimator estimator_;

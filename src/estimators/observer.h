@@ -33,8 +33,6 @@ class Observer {
   /// Of the measurement that was taken last.
   Observation seen_with(const Inputs& inputs) const;
 
-  void reset() { *this = Observer(); }
-
  private:
   const Measurement* measurement_ = nullptr;
   TimedFrame blank_;  // its frame without what was seen

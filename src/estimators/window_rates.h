@@ -19,8 +19,6 @@ class WindowRates {
     return windows::mean_rate(rates_dps_.all());
   }
 
-  void reset() { rates_dps_.clear(); }
-
  private:
   windows::LastBlocks rates_dps_;
 };

@@ -18,12 +18,6 @@ utsname system_names() {
   return names;
 }
 
-double cpu_s(clockid_t clock) {
-  timespec used{};
-  clock_gettime(clock, &used);
-  return static_cast<double>(used.tv_sec) + static_cast<double>(used.tv_nsec) * 1e-9;
-}
-
 }  // namespace
 
 std::string host_name() {
@@ -35,12 +29,10 @@ std::string kernel_release() {
   return std::string(names.sysname) + " " + names.release + " " + names.machine;
 }
 
-double process_cpu_s() {
-  return cpu_s(CLOCK_PROCESS_CPUTIME_ID);
-}
-
 double thread_cpu_s() {
-  return cpu_s(CLOCK_THREAD_CPUTIME_ID);
+  timespec used{};
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &used);
+  return static_cast<double>(used.tv_sec) + static_cast<double>(used.tv_nsec) * 1e-9;
 }
 
 void take_no_signals() {

@@ -39,7 +39,6 @@ class JournalFile {
   void abandon();
 
   std::uint64_t size() const { return size_; }
-  const std::filesystem::path& path() const { return path_; }
 
  private:
   void reserve_or_refuse(std::uint64_t bytes);

@@ -126,8 +126,4 @@ std::uint64_t JournalWriter::bytes_written() const {
   return file_->bytes_written.load(std::memory_order_relaxed);
 }
 
-const std::filesystem::path& JournalWriter::path() const {
-  return file_->file.path();
-}
-
 }  // namespace thermorig::journal

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "thermorig/core/estimate.h"
 #include "thermorig/core/statistics.h"

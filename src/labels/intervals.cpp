@@ -3,7 +3,6 @@
 
 #include <cmath>
 #include <cstdlib>
-#include <optional>
 
 namespace thermorig::labels {
 

@@ -3,7 +3,6 @@
 
 #include <optional>
 #include <span>
-#include <vector>
 
 #include "gyro_integral.h"
 #include "intervals.h"

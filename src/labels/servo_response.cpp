@@ -5,7 +5,6 @@
 #include <cmath>
 #include <map>
 #include <numbers>
-#include <optional>
 #include <vector>
 
 #include "gain_fit.h"

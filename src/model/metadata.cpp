@@ -5,7 +5,6 @@
 #include <libdeflate.h>
 
 #include <charconv>
-#include <cmath>
 
 #include "names.h"
 #include "refusal.h"

@@ -119,13 +119,6 @@ void PanoramaMap::expect(const Place& place, unsigned parity, Expected& expected
   }
 }
 
-double PanoramaMap::explained() const {
-  double sum = 0.0;
-  for (std::size_t i = 0; i < weight_.size(); ++i)
-    if (weight_[i] > 0.0F) sum += static_cast<double>(sum_[i]) * sum_[i] / weight_[i];
-  return sum;
-}
-
 double PanoramaMap::freedom() const {
   return static_cast<double>(
       std::count_if(weight_.begin(), weight_.end(), [](float weight) { return weight > 0.0F; }));

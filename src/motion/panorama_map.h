@@ -43,9 +43,7 @@ class PanoramaMap {
   };
   void expect(const Place& place, unsigned parity, Expected& expected) const;
 
-  /// Sum over all values of what the map explains: the values' variance is what is left of their squares.
-  double explained() const;
-  /// How many values were needed to explain it.
+  /// How many values were needed to explain what was added.
   double freedom() const;
 
   std::size_t size() const { return weight_.size(); }

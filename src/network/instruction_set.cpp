@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "thermorig/network/instruction_set.h"
 
+#include <array>
+
 namespace thermorig::network {
 
 namespace {
@@ -27,15 +29,8 @@ bool runs_avx512() {
 }  // namespace
 
 std::string_view name_of(InstructionSet set) {
-  switch (set) {
-    case InstructionSet::avx2:
-      return "AVX2";
-    case InstructionSet::avx512:
-      return "AVX-512";
-    case InstructionSet::baseline:
-      break;
-  }
-  return "baseline";
+  static constexpr std::array names{"baseline", "AVX2", "AVX-512"};
+  return names[static_cast<std::size_t>(set)];
 }
 
 std::vector<InstructionSet> instruction_sets() {

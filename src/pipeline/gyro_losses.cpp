@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "thermorig/core/statistics.h"
+
 namespace thermorig::pipeline {
 
 namespace {
@@ -28,9 +30,7 @@ void GyroLosses::interrupt() {
 }
 
 double GyroLosses::usual_step_s() const {
-  std::array<double, kept_steps> sorted = steps_s_;
-  std::nth_element(sorted.begin(), sorted.begin() + kept_steps / 2, sorted.end());
-  return sorted[kept_steps / 2];
+  return reordering_median(std::array(steps_s_));
 }
 
 /// A time that is not the gyro's, torn as its line may be, has no room between the two samples.

@@ -123,7 +123,6 @@ void header_keys(const Keys& keys, Header& header) {
   keys.required("simulation_seed", header.simulation_seed);
   keys.required("simulation", header.simulation);
   keys.required("plan_name", header.plan_name);
-  keys.required("plan_toml", header.plan_toml);
   keys.required("frames_per_leg", header.frames_per_leg);
   keys.required("creator", header.creator);
   keys.required("creator_git", header.creator_git);
@@ -176,15 +175,18 @@ bool is_licence(std::string_view text) {
          std::none_of(text.begin(), text.end(), is_control) && is_utf8(text);
 }
 
-std::string header_to_json_text(const RecordingHeader& header, ProfilePlace place) {
+std::string header_to_json_text(const RecordingHeader& header, ProfileAndPlan place) {
   if (const auto problem = problem_of(header))
     throw Error(ExitCode::bad_usage, *problem, "recording header", "correct the profile or the command line");
   json object(header);
-  if (place == ProfilePlace::in_header) object["profile"] = profile_to_json(header.profile);
+  if (place == ProfileAndPlan::in_header) {
+    object["profile"] = profile_to_json(header.profile);
+    object["plan_toml"] = header.plan_toml;
+  }
   return object.dump(-1, ' ', false, json::error_handler_t::replace);
 }
 
-RecordingHeader header_from_json_text(std::string_view text, const std::string& where, ProfilePlace place) {
+RecordingHeader header_from_json_text(std::string_view text, const std::string& where, ProfileAndPlan place) {
   const std::string advice = "the file is damaged or was not written by thermorig";
   const auto unreadable = [&](const std::exception& error) {
     return Error(ExitCode::not_a_session, "its header cannot be read: " + without_library_name(error.what()),
@@ -193,7 +195,10 @@ RecordingHeader header_from_json_text(std::string_view text, const std::string& 
   try {
     const json object = json::parse(text, is_shallow);
     auto header = object.get<RecordingHeader>();
-    if (place == ProfilePlace::in_header) header.profile = profile_from_json(object.at("profile"));
+    if (place == ProfileAndPlan::in_header) {
+      header.profile = profile_from_json(object.at("profile"));
+      object.at("plan_toml").get_to(header.plan_toml);
+    }
     if (const auto problem = problem_of(header))
       throw Error(ExitCode::not_a_session, *problem, where, advice);
     return header;

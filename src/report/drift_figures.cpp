@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "drift_figures.h"
 
-#include <algorithm>
 #include <cmath>
 
 namespace thermorig::report {

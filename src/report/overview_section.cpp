@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <set>
@@ -10,18 +11,10 @@
 namespace thermorig::report {
 namespace {
 
-std::string seeds_text(const StudyView& view) {
-  std::string text;
-  for (const std::uint64_t seed : view.seeds) text += fmt::format("{}{}", text.empty() ? "" : ", ", seed);
-  return text;
-}
-
 std::string instruction_sets(const StudyView& view) {
   std::set<std::string> sets;
   for (const auto& result : view.results) sets.insert(result.instruction_set);
-  std::string text;
-  for (const std::string& set : sets) text += (text.empty() ? "" : ", ") + set;
-  return text;
+  return fmt::format("{}", fmt::join(sets, ", "));
 }
 
 std::string hours_text(const StudyView& view) {
@@ -57,9 +50,8 @@ std::vector<std::string> gaps_of(const StudyView& view) {
 Paragraph completeness(const StudyView& view) {
   const auto gaps = gaps_of(view);
   if (gaps.empty()) return {"Every setting of both sweeps has all its folds."};
-  std::string text = "Not every setting has all its folds. Missing, for the seed of the tables: ";
-  for (const std::string& gap : gaps) text += (&gap == &gaps.front() ? "" : "; ") + gap;
-  return {text + "."};
+  return {fmt::format("Not every setting has all its folds. Missing, for the seed of the tables: {}.",
+                      fmt::join(gaps, "; "))};
 }
 
 Paragraph unit(const StudyView& view) {
@@ -82,7 +74,7 @@ Section overview_section(const StudyView& view) {
       {"epochs", std::to_string(view.epochs)},
       {"settings", clean(view.settings_text)},
       {"valid frames in a row at every window's end", std::to_string(view.history)},
-      {"seeds", seeds_text(view)},
+      {"seeds", fmt::format("{}", fmt::join(view.seeds, ", "))},
       {"seed of the tables", std::to_string(view.table_seed)},
       {"instruction set", clean(instruction_sets(view))},
       {"time of all jobs, added up", hours_text(view)},

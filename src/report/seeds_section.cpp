@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include <fmt/format.h>
 
-#include <set>
-
 #include "sections.h"
 #include "seed_spread.h"
 #include "text.h"

@@ -100,10 +100,4 @@ Finalised finalise(const std::filesystem::path& journal, const std::filesystem::
   return made;
 }
 
-session::Session reprocess(const std::filesystem::path& session_path) {
-  session::Session session = build_session(session::read_raw(session_path));
-  session::replace_session(session_path, session);
-  return session;
-}
-
 }  // namespace thermorig::rig

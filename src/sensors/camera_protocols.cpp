@@ -18,10 +18,6 @@ std::vector<std::string> camera_protocol_names() {
   return names_in(camera_protocols());
 }
 
-const CameraProtocol* find_camera_protocol(std::string_view name) {
-  return find_in(camera_protocols(), name);
-}
-
 const CameraProtocol& camera_protocol(std::string_view name) {
   return required_in(camera_protocols(), name, "camera");
 }

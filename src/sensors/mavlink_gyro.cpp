@@ -9,7 +9,6 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
-#include <utility>
 
 #include "mavlink.h"
 #include "thermorig/sensors/gyro_protocol.h"

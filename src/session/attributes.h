@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include <cstdint>
-#include <span>
 #include <string>
 #include <vector>
 
@@ -25,11 +23,6 @@ template <typename Number>
 requires std::integral<Number> || std::floating_point<Number>
 void set_attribute(hid_t object, const char* name, Number value) {
   set_raw_attribute(object, name, stored_type<Number>(), 0, &value);
-}
-
-template <typename Number>
-void set_array_attribute(hid_t object, const char* name, std::span<const Number> values) {
-  set_raw_attribute(object, name, stored_type<Number>(), values.size(), values.data());
 }
 
 bool has_attribute(hid_t object, const char* name);

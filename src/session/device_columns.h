@@ -4,7 +4,6 @@
 #include <array>
 #include <cmath>
 #include <limits>
-#include <vector>
 
 #include "column.h"
 #include "format.h"
@@ -93,19 +92,17 @@ void camera_columns(Archive& archive, Rows& frames) {
       [](auto& row) -> auto& { return row.frame.sensor_temp_c; });
   archive.template field<std::uint16_t>(
       {"fresh_even", "1", "pixels of the even chess half that differ from the frame before"}, frames,
-      [](auto& row) -> auto& { return row.fresh_even; });
+      &TimedFrame::fresh_even);
   archive.template field<std::uint16_t>(
       {"fresh_odd", "1", "pixels of the odd chess half that differ from the frame before"}, frames,
-      [](auto& row) -> auto& { return row.fresh_odd; });
+      &TimedFrame::fresh_odd);
   archive.template field<std::uint16_t>(
       {"missing_before", "1", "frames that never came between the frame before and this one"}, frames,
-      [](auto& row) -> auto& { return row.missing_before; });
-  archive.time_column(
-      {"exposure_begin", "s", "start of the older half's exposure [s]"}, frames,
-      [](auto& row) -> auto& { return row.exposure_begin; });
-  archive.time_column(
-      {"exposure_end", "s", "end of the newest half's exposure [s]"}, frames,
-      [](auto& row) -> auto& { return row.exposure_end; });
+      &TimedFrame::missing_before);
+  archive.time_column({"exposure_begin", "s", "start of the older half's exposure [s]"}, frames,
+                      &TimedFrame::exposure_begin);
+  archive.time_column({"exposure_end", "s", "end of the newest half's exposure [s]"}, frames,
+                      &TimedFrame::exposure_end);
   if (archive.version() >= with_sync_report) half_columns(archive, frames);
   archive.template column<std::uint8_t>(
       {"status", "1", "state of the frame", "", flag_masks({"resync_before", "stale", "late"})}, frames,
@@ -126,7 +123,7 @@ void gyro_columns(Archive& archive, Rows& gyro) {
       [](auto& row) -> auto& { return row.stamp.time; });
   archive.template field<float>(
       {"rate", "deg/s", "rate about the servo's axis [deg/s]", "axis and sign applied, bias not removed"},
-      gyro, [](auto& row) -> auto& { return row.rate_dps; });
+      gyro, &TimedGyro::rate_dps);
   const std::array<InnerAxis, 1> axes{archive.inner_axis({"axis", "1", "axis: 0 x, 1 y, 2 z"}, 3)};
   archive.template block<float>(
       {"rate_xyz", "deg/s", "rate about x, y, z as sent [deg/s]"}, axes, gyro,
@@ -172,9 +169,8 @@ void servo_columns(Archive& archive, Rows& servo) {
   archive.template field<std::uint32_t>(
       {"device_ticks", "us", "servo's clock, wraps at 2^32 [us]"}, servo,
       [](auto& row) -> auto& { return row.state.mcu_us; });
-  archive.template field<std::int64_t>(
-      {"device_time_us", "us", "servo's clock, unwrapped [us]"}, servo,
-      [](auto& row) -> auto& { return row.mcu_time_us; });
+  archive.template field<std::int64_t>({"device_time_us", "us", "servo's clock, unwrapped [us]"}, servo,
+                                       &TimedServo::mcu_time_us);
   archive.template field<float>(
       {"angle_commanded", "deg", "commanded angle [deg]"}, servo,
       [](auto& row) -> auto& { return row.state.angle_deg; });

@@ -25,6 +25,7 @@ inline constexpr unsigned first_format_major = 1;     // that is read, whatever 
 inline constexpr FormatVersion with_sync_report{1, 1};  // and bounds of times, halves, two labels
 inline constexpr FormatVersion with_attribute_sums{1, 3};
 inline constexpr FormatVersion with_named_estimators{2, 0};
-inline constexpr FormatVersion with_profile_apart{2, 0};  // in groups of its own, not in the header
+inline constexpr FormatVersion with_profile_apart{
+    2, 0};  // in groups of its own, not in the header; the plan too
 
 }  // namespace thermorig::session

@@ -6,12 +6,12 @@
 #include <limits>
 
 #include "attributes.h"
-#include "counters_list.h"
 #include "format.h"
 #include "group_writer.h"
 #include "scalars.h"
 #include "sync_attributes.h"
 #include "thermorig/core/validity.h"
+#include "thermorig/wire/counter_names.h"
 
 namespace thermorig::session {
 
@@ -115,10 +115,6 @@ void write_camera_attributes(hid_t group, const Session& session) {
   set_attribute(group, "frame_period_s", session.frame_period_s);
 }
 
-void write_servo_attributes(hid_t group, const Session& session) {
-  set_attribute(group, "firmware", session.raw.header.firmware);
-}
-
 void write_sync_attributes(hid_t group, const Session& session) {
   set_attribute(group, "method", "one-way and two-way bounds of each device's clock, minus its latency");
   set_attribute(group, "host_clock", "CLOCK_MONOTONIC");
@@ -170,7 +166,8 @@ void write_rig_attributes(hid_t group, const Session& session) {
 }
 
 void write_raw_attributes(hid_t group, const wire::Counters& counters) {
-  for (const auto& counter : counter_names) set_attribute(group, counter.name, counters.*counter.member);
+  for (const auto& counter : wire::counter_names)
+    set_attribute(group, counter.name, counters.*counter.member);
 }
 
 void write_quality_attributes(hid_t group, const Quality& quality) {

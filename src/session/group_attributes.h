@@ -9,7 +9,6 @@ namespace thermorig::session {
 void write_root_attributes(hid_t root, const Session& session);
 
 void write_camera_attributes(hid_t group, const Session& session);
-void write_servo_attributes(hid_t group, const Session& session);
 void write_sync_attributes(hid_t group, const Session& session);
 void write_clock_attributes(hid_t group, const ClockReport& clock);
 void write_samples_attributes(hid_t group, const Session& session);

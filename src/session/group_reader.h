@@ -35,12 +35,11 @@ class GroupReader {
   /// Of the format that the file has: what came later is not in it.
   FormatVersion version() const { return facts_.version; }
 
-  template <typename Stored, typename Row, typename Get, typename Set>
-  void axis(const Column& info, std::vector<Row>& rows, Get get, Set set,
-            std::uint64_t rows_limit = rows_max) {
-    begin_rows(info.name, rows_limit, sizeof(Row));
+  template <typename Stored, typename Row, typename At>
+  void axis(const Column& info, std::vector<Row>& rows, At at) {
+    begin_rows(info.name, rows_max, sizeof(Row));
     rows.resize(rows_);
-    this->column<Stored>(info, rows, get, set);
+    this->field<Stored>(info, rows, at);
   }
 
   template <typename Row>
@@ -63,7 +62,7 @@ class GroupReader {
   template <typename Row, typename At>
   void time_column(const Column& info, std::vector<Row>& rows, At at) {
     const auto set = [this, at](Row& row, double seconds) {
-      at(row) = facts_.reference + checked_time(seconds);
+      std::invoke(at, row) = facts_.reference + checked_time(seconds);
     };
     this->column<double>(info, rows, nullptr, set);
   }
@@ -82,18 +81,14 @@ class GroupReader {
 
   template <typename Stored, typename Row, typename At>
   void field(const Column& info, std::vector<Row>& rows, At at) {
-    const auto set = [at](Row& row, Stored value) {
-      auto& member = at(row);
-      member = static_cast<std::remove_reference_t<decltype(member)>>(value);
-    };
-    this->column<Stored>(info, rows, nullptr, set);
+    this->column<Stored>(info, rows, nullptr, [at](Row& row, Stored value) { std::invoke(at, row) = value; });
   }
 
   template <typename Stored, typename Row, typename At>
   void block(const Column& info, std::span<const InnerAxis> inner, std::vector<Row>& rows, At at) {
     const auto take = [&rows, &at](std::size_t first, std::size_t count, const std::byte* in) {
       for (std::size_t i = 0; i < count; ++i) {
-        auto& values = at(rows[first + i]);
+        auto& values = std::invoke(at, rows[first + i]);
         std::memcpy(values.data(), in, sizeof values);
         in += sizeof values;
       }
@@ -122,10 +117,10 @@ class GroupReader {
     elements<double>(info, inner, rows, nullptr, set);
   }
 
-  template <typename Row, typename Get, typename Set>
-  void texts(const Column& info, std::vector<Row>& rows, Get /*get*/, Set set) {
+  template <typename Row>
+  void texts(const Column& info, std::vector<Row>& rows, std::string Row::*at) {
     const auto values = read_texts(info, {rows_});
-    for (std::size_t i = 0; i < rows.size(); ++i) set(rows[i], values[i]);
+    for (std::size_t i = 0; i < rows.size(); ++i) rows[i].*at = values[i];
   }
 
   InnerAxis inner_axis(const Column&, std::uint8_t size) const { return {-1, size}; }

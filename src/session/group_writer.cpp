@@ -91,6 +91,16 @@ void GroupWriter::make_scale(hid_t dataset, const char* name) {
   check(H5DSset_scale(dataset, name), "make a scale of " + path_ + "/" + name);
 }
 
+void GroupWriter::begin_axis(std::uint64_t rows) {
+  rows_ = rows;
+  row_scale_ = -1;
+}
+
+void GroupWriter::end_axis(const char* name) {
+  make_scale(last_dataset_, name);
+  row_scale_ = last_dataset_;
+}
+
 void GroupWriter::attach_rows(hid_t dataset) const {
   if (row_scale_ >= 0) check(H5DSattach_scale(dataset, row_scale_, 0), "attach a scale in " + path_);
 }

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cstdint>
 #include <cstring>
+#include <functional>
 #include <span>
 #include <string>
 #include <vector>
@@ -30,14 +31,11 @@ class GroupWriter {
   static constexpr FormatVersion version() { return format_version; }
 
   /// The column that is the axis of the table's rows: the columns after it are attached to it.
-  template <typename Stored, typename Row, typename Get, typename Set>
-  void axis(const Column& info, const std::vector<Row>& rows, Get get, Set set,
-            std::uint64_t /*rows_limit*/ = rows_max) {
-    rows_ = rows.size();
-    row_scale_ = -1;
-    this->column<Stored>(info, rows, get, set);
-    make_scale(last_dataset_, info.name);
-    row_scale_ = last_dataset_;
+  template <typename Stored, typename Row, typename At>
+  void axis(const Column& info, const std::vector<Row>& rows, At at) {
+    begin_axis(rows.size());
+    this->field<Stored>(info, rows, at);
+    end_axis(info.name);
   }
 
   /// An axis without coordinates, as netCDF has them. `counted_by`: a dataset that is as long as the axis.
@@ -51,16 +49,19 @@ class GroupWriter {
   template <typename Row>
   void share_axis(const std::vector<Row>& /*rows*/) const {}
 
-  /// Seconds since the time reference, to the nanosecond. `at(row)` refers to the time.
+  /// Seconds since the time reference, to the nanosecond. `at` refers to the time.
   template <typename Row, typename At>
   void time_axis(const Column& info, const std::vector<Row>& rows, At at,
-                 std::uint64_t rows_limit = rows_max) {
-    const auto get = [at, reference = reference_](const Row& row) { return to_s(at(row) - reference); };
-    axis<double>(info, rows, get, nullptr, rows_limit);
+                 std::uint64_t /*rows_limit*/ = rows_max) {
+    begin_axis(rows.size());
+    time_column(info, rows, at);
+    end_axis(info.name);
   }
   template <typename Row, typename At>
   void time_column(const Column& info, const std::vector<Row>& rows, At at) {
-    const auto get = [at, reference = reference_](const Row& row) { return to_s(at(row) - reference); };
+    const auto get = [at, reference = reference_](const Row& row) {
+      return to_s(std::invoke(at, row) - reference);
+    };
     this->column<double>(info, rows, get, nullptr);
   }
 
@@ -69,25 +70,25 @@ class GroupWriter {
     add(info, stored_type<Stored>(), sizeof(Stored), {},
         [&rows, get](auto first, auto count, std::byte* out) {
           for (std::size_t i = 0; i < count; ++i, out += sizeof(Stored)) {
-            const auto value = static_cast<Stored>(get(rows[first + i]));
+            const auto value = static_cast<Stored>(std::invoke(get, rows[first + i]));
             std::memcpy(out, &value, sizeof value);
           }
         });
   }
 
-  /// A member that is stored as it is: `at(row)` refers to it.
+  /// A member: `at` is a pointer to it, or at(row) refers to it.
   template <typename Stored, typename Row, typename At>
   void field(const Column& info, const std::vector<Row>& rows, At at) {
     this->column<Stored>(info, rows, at, nullptr);
   }
 
-  /// `at(row)` refers to a std::array<Stored, ...> of as many elements as the inner axes span.
+  /// `at` refers to a std::array<Stored, ...> of as many elements as the inner axes span.
   template <typename Stored, typename Row, typename At>
   void block(const Column& info, std::span<const InnerAxis> inner, const std::vector<Row>& rows, At at) {
     add(info, stored_type<Stored>(), sizeof(Stored), inner,
         [&rows, at](auto first, auto count, std::byte* out) {
           for (std::size_t i = 0; i < count; ++i) {
-            const auto& values = at(rows[first + i]);
+            const auto& values = std::invoke(at, rows[first + i]);
             out = std::copy_n(reinterpret_cast<const std::byte*>(values.data()), sizeof values, out);
           }
         });
@@ -115,10 +116,10 @@ class GroupWriter {
     elements<double>(info, inner, rows, get, nullptr);
   }
 
-  template <typename Row, typename Get, typename Set>
-  void texts(const Column& info, const std::vector<Row>& rows, Get get, Set /*set*/) {
+  template <typename Row>
+  void texts(const Column& info, const std::vector<Row>& rows, std::string Row::*at) {
     std::vector<std::string> values;
-    for (const auto& row : rows) values.push_back(get(row));
+    for (const auto& row : rows) values.push_back(row.*at);
     attach_rows(add_texts(info, values));
   }
 
@@ -139,6 +140,8 @@ class GroupWriter {
   void add(const Column& info, hid_t type, std::size_t element_bytes, std::span<const InnerAxis> inner,
            ChunkWriter::Fill fill);
   hid_t add_texts(const Column& info, const std::vector<std::string>& values);
+  void begin_axis(std::uint64_t rows);
+  void end_axis(const char* name);
   void make_scale(hid_t dataset, const char* name);
   void attach_rows(hid_t dataset) const;
   hid_t keep(Handle dataset);

@@ -2,8 +2,8 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <utility>
 
+#include "thermorig/core/statistics.h"
 #include "thermorig/core/validity.h"
 #include "thermorig/session/session.h"
 #include "verdict.h"
@@ -133,19 +133,12 @@ void count_samples(const Session& session, Quality& quality) {
   }
 }
 
-double median(std::vector<float> values) {
-  if (values.empty()) return std::numeric_limits<double>::quiet_NaN();
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
-
 double label_uncertainty_dps(const std::vector<LabelledSample>& samples) {
   std::vector<float> values;
   for (const auto& sample : samples)
     if (sample.valid && !std::isnan(sample.label_uncertainty_dps))
       values.push_back(sample.label_uncertainty_dps);
-  return median(std::move(values));
+  return values.empty() ? std::numeric_limits<double>::quiet_NaN() : double{reordering_median(values)};
 }
 
 /// Root mean square of the corrected gyro minus the label over the frames within legs against which nothing

@@ -2,10 +2,10 @@
 #pragma once
 
 #include <string>
-#include <vector>
 
 #include "device_columns.h"
 #include "thermorig/core/raw_recording.h"
+#include "thermorig/session/session.h"
 
 namespace thermorig::session {
 
@@ -30,8 +30,7 @@ inline constexpr std::uint8_t host_source = 255;
 
 template <typename Archive, typename Rows>
 void event_columns(Archive& archive, Rows& events) {
-  archive.time_axis(
-      {"time", "s", "time since time_reference [s]"}, events, [](auto& row) -> auto& { return row.time; });
+  archive.time_axis({"time", "s", "time since time_reference [s]"}, events, &RecordingEvent::time);
   archive.template column<std::uint8_t>(
       {"kind", "1", "kind of the event", "", flag_values(event_kind_names)}, events,
       [](const auto& row) { return row.kind; },
@@ -47,34 +46,22 @@ void event_columns(Archive& archive, Rows& events) {
       [](auto& row, std::uint8_t value) {
         if (value != host_source) row.source = checked_enum(value, Device::servo);
       });
-  archive.texts(
-      {"message", "1", "what happened"}, events, [](const auto& row) { return row.message; },
-      [](auto& row, const std::string& text) { row.message = text; });
+  archive.texts({"message", "1", "what happened"}, events, &RecordingEvent::message);
 }
 
 /// The legs as they were driven: /servo/step_*.
 template <typename Archive, typename Rows>
 void step_columns(Archive& archive, Rows& legs) {
-  const auto leg = [](auto& row) -> auto& {
-    return row.leg;
-  };
   archive.template axis<std::uint16_t>(
-      {"step_leg", "1", "number of the leg", "what the column leg carries, from 1"}, legs, leg,
-      [](auto& row, std::uint16_t value) { row.leg = value; });
+      {"step_leg", "1", "number of the leg", "what the column leg carries, from 1"}, legs, &LegRecord::leg);
   archive.template field<std::int32_t>(
       {"step_plan", "1", "index into the plan's legs", "from 0; a repeated leg has the same"}, legs,
-      [](auto& row) -> auto& { return row.step; });
-  archive.time_column(
-      {"step_start", "s", "the command was acknowledged [s]"}, legs,
-      [](auto& row) -> auto& { return row.begin; });
-  archive.time_column(
-      {"step_end", "s", "the last frame of the leg arrived [s]"}, legs,
-      [](auto& row) -> auto& { return row.end; });
-  archive.template field<double>(
-      {"step_rate", "deg/s", "commanded speed [deg/s]"}, legs,
-      [](auto& row) -> auto& { return row.rate_dps; });
-  archive.template field<std::int32_t>(
-      {"step_frames", "1", "frames of the leg"}, legs, [](auto& row) -> auto& { return row.frames; });
+      &LegRecord::step);
+  archive.time_column({"step_start", "s", "the command was acknowledged [s]"}, legs, &LegRecord::begin);
+  archive.time_column({"step_end", "s", "the last frame of the leg arrived [s]"}, legs, &LegRecord::end);
+  archive.template field<double>({"step_rate", "deg/s", "commanded speed [deg/s]"}, legs,
+                                 &LegRecord::rate_dps);
+  archive.template field<std::int32_t>({"step_frames", "1", "frames of the leg"}, legs, &LegRecord::frames);
   archive.template column<std::uint8_t>(
       {"step_complete", "1", "was the leg driven to its end?", "", flag_values({"cut_short", "complete"})},
       legs, [](const auto& row) { return row.complete ? 1 : 0; },
@@ -90,28 +77,23 @@ struct TimedCommand {
 /// /servo/command_*: written for people; /raw/sent holds the bytes.
 template <typename Archive, typename Rows>
 void command_columns(Archive& archive, Rows& commands) {
-  archive.time_axis(
-      {"command_time", "s", "time since time_reference before the command was written [s]"}, commands,
-      [](auto& row) -> auto& { return row.time; });
-  archive.texts(
-      {"command_text", "1", "command to the servo"}, commands, [](const auto& row) { return row.text; },
-      [](auto& row, const std::string& text) { row.text = text; });
+  archive.time_axis({"command_time", "s", "time since time_reference before the command was written [s]"},
+                    commands, &TimedCommand::time);
+  archive.texts({"command_text", "1", "command to the servo"}, commands, &TimedCommand::text);
 }
 
 /// /quality/speed*: written for people; everybody can count them in /samples.
 template <typename Archive, typename Rows>
 void speed_columns(Archive& archive, Rows& speeds) {
-  archive.template axis<double>(
-      {"speed", "deg/s", "commanded speed [deg/s]"}, speeds, [](const auto& row) { return row.rate_dps; },
-      [](auto& row, double value) { row.rate_dps = value; });
-  archive.template field<std::int32_t>(
-      {"speed_frames", "1", "frames at this speed"}, speeds, [](auto& row) -> auto& { return row.frames; });
-  archive.template field<std::int32_t>(
-      {"speed_valid", "1", "valid frames at this speed"}, speeds,
-      [](auto& row) -> auto& { return row.valid; });
+  archive.template axis<double>({"speed", "deg/s", "commanded speed [deg/s]"}, speeds,
+                                &Quality::Speed::rate_dps);
+  archive.template field<std::int32_t>({"speed_frames", "1", "frames at this speed"}, speeds,
+                                       &Quality::Speed::frames);
+  archive.template field<std::int32_t>({"speed_valid", "1", "valid frames at this speed"}, speeds,
+                                       &Quality::Speed::valid);
 }
 
-/// The texts of /rig: written for people; header_json held them too. The profile before format 2.0.
+/// The texts of /rig. Before format 2.0 header_json held them too, and they were for people.
 inline const Column profile_column{"profile_toml", "1", "profile of the rig, TOML"};
 inline const Column plan_column{"plan_toml", "1", "sweep plan, TOML"};
 
@@ -134,10 +116,9 @@ void ping_columns(Archive& archive, Rows& exchanges) {
   archive.template field<std::uint32_t>(
       {"token", "1", "number that ping and answer share"}, exchanges,
       [](auto& row) -> auto& { return row.pong.token; });
-  archive.template field<std::int64_t>(
-      {"host_send_ns", "ns", "host clock before the ping was written [ns]",
-       "-2^63: the ping is not in /raw/sent"},
-      exchanges, [](auto& row) -> auto& { return row.host_send_ns; });
+  archive.template field<std::int64_t>({"host_send_ns", "ns", "host clock before the ping was written [ns]",
+                                        "-2^63: the ping is not in /raw/sent"},
+                                       exchanges, &PingExchange::host_send_ns);
   archive.template column<std::int64_t>(
       {"host_receive_ns", "ns", "host clock when the answer's last byte was read [ns]"}, exchanges,
       [](const auto& row) { return to_ns(row.pong.arrival); },

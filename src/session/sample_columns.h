@@ -1,9 +1,6 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include <string_view>
-#include <vector>
-
 #include "device_columns.h"
 #include "thermorig/core/validity.h"
 
@@ -27,22 +24,20 @@ void half_rate_columns(Archive& archive, Rows& samples) {
   archive.template field<float>(
       {"rate_commanded", "deg/s", "commanded: mean speed over the exposure by the servo's pulses [deg/s]",
        "NaN: unknown"},
-      samples, [](auto& row) -> auto& { return row.rate_commanded_dps; });
+      samples, &LabelledSample::rate_commanded_dps);
   const std::array<InnerAxis, 1> half{half_axis(archive)};
   archive.template block<float>(
       {"rate_label_half", "deg/s", "rate_label over each half's own exposure [deg/s]", "NaN: unknown"}, half,
-      samples, [](auto& row) -> auto& { return row.rate_label_half_dps; });
-  archive.template block<float>(
-      {"rate_commanded_half", "deg/s", "rate_commanded over each half's own exposure [deg/s]",
-       "NaN: unknown"},
-      half, samples, [](auto& row) -> auto& { return row.rate_commanded_half_dps; });
+      samples, &LabelledSample::rate_label_half_dps);
+  archive.template block<float>({"rate_commanded_half", "deg/s",
+                                 "rate_commanded over each half's own exposure [deg/s]", "NaN: unknown"},
+                                half, samples, &LabelledSample::rate_commanded_half_dps);
   archive.template block<float>(
       {"rate_gyro_half", "deg/s", "rate_gyro over each half's own exposure [deg/s]", "NaN: no sample"}, half,
-      samples, [](auto& row) -> auto& { return row.rate_gyro_half_dps; });
-  archive.template field<float>(
-      {"gyro_spread", "deg/s", "gyro: standard deviation over the exposure [deg/s]",
-       "after a running mean over one pulse period; NaN: unknown"},
-      samples, [](auto& row) -> auto& { return row.gyro_spread_dps; });
+      samples, &LabelledSample::rate_gyro_half_dps);
+  archive.template field<float>({"gyro_spread", "deg/s", "gyro: standard deviation over the exposure [deg/s]",
+                                 "after a running mean over one pulse period; NaN: unknown"},
+                                samples, &LabelledSample::gyro_spread_dps);
 }
 
 /// /samples: one row a frame. Legs are numbered from 1 in the order of the rows of /servo/step_*. Archive is
@@ -51,31 +46,28 @@ template <typename Archive, typename Rows>
 void sample_columns(Archive& archive, Rows& samples) {
   archive.time_axis(
       {"time", "s", "time since time_reference [s]", "middle of the exposure of the frame's newest half"},
-      samples, [](auto& row) -> auto& { return row.time; }, frames_max);
-  archive.template field<std::uint32_t>(
-      {"frame", "1", "index into /camera"}, samples, [](auto& row) -> auto& { return row.frame_index; });
+      samples, &LabelledSample::time, frames_max);
+  archive.template field<std::uint32_t>({"frame", "1", "index into /camera"}, samples,
+                                        &LabelledSample::frame_index);
   archive.template field<float>(
       {"rate_label", "deg/s", "label: mean speed of the shaft over the exposure by the servo model [deg/s]",
        "NaN: unknown"},
-      samples, [](auto& row) -> auto& { return row.rate_label_dps; });
+      samples, &LabelledSample::rate_label_dps);
   archive.template field<float>(
       {"rate_label_min", "deg/s", "least speed of the shaft by the servo model over the exposure [deg/s]"},
-      samples, [](auto& row) -> auto& { return row.rate_label_min_dps; });
+      samples, &LabelledSample::rate_label_min_dps);
   archive.template field<float>(
       {"rate_label_max", "deg/s", "greatest speed of the shaft by the servo model over the exposure [deg/s]"},
-      samples, [](auto& row) -> auto& { return row.rate_label_max_dps; });
-  archive.template field<float>(
-      {"angle_label", "deg", "commanded angle at time [deg]", "NaN: unknown"}, samples,
-      [](auto& row) -> auto& { return row.angle_label_deg; });
+      samples, &LabelledSample::rate_label_max_dps);
+  archive.template field<float>({"angle_label", "deg", "commanded angle at time [deg]", "NaN: unknown"},
+                                samples, &LabelledSample::angle_label_deg);
   archive.template field<float>(
       {"rate_gyro", "deg/s", "gyro: mean rate over the exposure [deg/s]", "bias not removed; NaN: no sample"},
-      samples, [](auto& row) -> auto& { return row.rate_gyro_dps; });
-  archive.template field<std::uint16_t>(
-      {"gyro_count", "1", "gyro samples in the mean"}, samples,
-      [](auto& row) -> auto& { return row.gyro_count; });
-  archive.template field<float>(
-      {"label_uncertainty", "deg/s", "standard deviation of rate_label [deg/s]"}, samples,
-      [](auto& row) -> auto& { return row.label_uncertainty_dps; });
+      samples, &LabelledSample::rate_gyro_dps);
+  archive.template field<std::uint16_t>({"gyro_count", "1", "gyro samples in the mean"}, samples,
+                                        &LabelledSample::gyro_count);
+  archive.template field<float>({"label_uncertainty", "deg/s", "standard deviation of rate_label [deg/s]"},
+                                samples, &LabelledSample::label_uncertainty_dps);
   archive.template column<std::uint8_t>(
       {"valid", "1", "can the sample be trusted?", "1: no reason against it but warnings",
        flag_values({"invalid", "valid"})},
@@ -88,23 +80,21 @@ void sample_columns(Archive& archive, Rows& samples) {
       {"reason_bits", "1", "all reasons against the sample",
        "bits outside the attribute computed_mask are not computed by this version: always 0",
        flag_masks(reason_names)},
-      samples, [](auto& row) -> auto& { return row.reason_bits; });
+      samples, &LabelledSample::reason_bits);
   archive.template field<std::uint16_t>(
       {"leg", "1", "leg that was driven", "0: none; else a value of step_leg"}, samples,
-      [](auto& row) -> auto& { return row.leg; });
+      &LabelledSample::leg);
   archive.template column<std::uint16_t>(
       {"step", "1", "row of /servo/step_*", "65535: outside legs"}, samples,
       [](const auto& row) { return row.leg == 0 ? no_step : row.leg - 1; }, [](auto&, std::uint16_t) {});
   archive.template field<std::uint32_t>(
       {"run", "1", "unbroken run of valid frames of one leg", "from 1; 0: not valid"}, samples,
-      [](auto& row) -> auto& { return row.run; });
+      &LabelledSample::run);
   if (archive.version() >= with_sync_report) half_rate_columns(archive, samples);
-  archive.time_column(
-      {"exposure_begin", "s", "start of the exposure [s]"}, samples,
-      [](auto& row) -> auto& { return row.exposure_begin; });
-  archive.time_column(
-      {"exposure_end", "s", "end of the exposure [s]"}, samples,
-      [](auto& row) -> auto& { return row.exposure_end; });
+  archive.time_column({"exposure_begin", "s", "start of the exposure [s]"}, samples,
+                      &LabelledSample::exposure_begin);
+  archive.time_column({"exposure_end", "s", "end of the exposure [s]"}, samples,
+                      &LabelledSample::exposure_end);
 }
 
 }  // namespace thermorig::session

@@ -5,32 +5,26 @@
 #include <fmt/format.h>
 #include <libdeflate.h>
 
+#include <array>
 #include <cmath>
 #include <cstdio>
 #include <ctime>
 #include <limits>
 #include <optional>
 
-#include "counters_list.h"
 #include "sync_attributes.h"
 #include "thermorig/recording_header/header_json.h"
+#include "thermorig/wire/counter_names.h"
 
 namespace thermorig::session {
 
 std::string name_of(State state) {
-  switch (state) {
-    case State::complete:
-      return "complete";
-    case State::recovered:
-      return "recovered";
-    case State::partial:
-      break;
-  }
-  return "partial";
+  static constexpr std::array names{"complete", "recovered", "partial"};
+  return names[static_cast<std::size_t>(state)];
 }
 
 std::string header_text(const RecordingHeader& header) {
-  return recording_header::header_to_json_text(header, recording_header::ProfilePlace::elsewhere);
+  return recording_header::header_to_json_text(header, recording_header::ProfileAndPlan::elsewhere);
 }
 
 namespace {
@@ -60,7 +54,7 @@ std::uint32_t scalars_crc32(const Session& session, const std::string& header_te
       fmt::format("{} {} {} {} {} {}", name_of(session.state), session.raw.complete,
                   to_ns(session.raw.end_time), session.settle_s, session.camera_mode, session.frame_period_s);
   for (const Device device : all_devices)
-    for (const auto& counter : counter_names)
+    for (const auto& counter : wire::counter_names)
       text += fmt::format(" {}", session.counters[device].*counter.member);
   text += header_text;
   if (version >= with_sync_report) text += sync_text(session.sync);

@@ -9,8 +9,6 @@
 
 namespace thermorig::session {
 
-std::string name_of(State state);
-
 /// The header as it stands in a file that is written: without the profile, which has groups of its own.
 std::string header_text(const RecordingHeader& header);
 

@@ -57,9 +57,9 @@ void require_readable_again(sandbox::SealedCopy written) {
   }
 }
 
-std::vector<StoredAttribute> added_to(const sandbox::SealedCopy& copy) {
+AddedByOthers added_to(const sandbox::SealedCopy& copy) {
   altered_attributes(copy);  // a child looks at all of them first
-  return added_attributes(copy);
+  return added_by_others(copy);
 }
 
 bool is_taken(const fs::path& path, files::Disk& disk) {
@@ -68,14 +68,15 @@ bool is_taken(const fs::path& path, files::Disk& disk) {
   return taken.value != files::FileKind::missing;
 }
 
-void write_file(const fs::path& path, const Session& session, bool overwrite, files::Disk& disk) {
+/// The groups and datasets that others had put into the file that was there.
+std::vector<std::string> write_file(const fs::path& path, const Session& session, bool overwrite,
+                                    files::Disk& disk) {
   const bool is_there = is_taken(path, disk);
   if (is_there && !overwrite) refuse_to_write("the session exists already", EEXIST, path);
   files::PartFile part(path, "the session", advice_for, disk);
-  std::vector<StoredAttribute> added =
-      is_there ? added_to(sandbox::copy_on(disk, path)) : std::vector<StoredAttribute>{};
-  SessionImage image = build_image(session, std::thread::hardware_concurrency(), added);
-  added.clear();
+  AddedByOthers added = is_there ? added_to(sandbox::copy_on(disk, path)) : AddedByOthers{};
+  SessionImage image = build_image(session, std::thread::hardware_concurrency(), added.attributes);
+  added.attributes.clear();
   part.write(image.bytes);
   image.release();  // or there would be two of it
   sandbox::SealedCopy written(part.read_back(), path);
@@ -83,11 +84,13 @@ void write_file(const fs::path& path, const Session& session, bool overwrite, fi
   require_readable_again(std::move(written));
   part.sync();
   part.publish(overwrite);
+  return std::move(added.objects);
 }
 
-void write_or_explain(const fs::path& path, const Session& session, bool overwrite, files::Disk& disk) {
+std::vector<std::string> write_or_explain(const fs::path& path, const Session& session, bool overwrite,
+                                          files::Disk& disk) {
   try {
-    write_file(path, session, overwrite, disk);
+    return write_file(path, session, overwrite, disk);
   } catch (const Hdf5Failure& failure) {
     throw Error(ExitCode::storage, failure.what(), path.string(), advice_for(EIO));
   }
@@ -99,8 +102,8 @@ void write_session(const fs::path& path, const Session& session, files::Disk& di
   write_or_explain(path, session, false, disk);
 }
 
-void replace_session(const fs::path& path, const Session& session, files::Disk& disk) {
-  write_or_explain(path, session, true, disk);
+std::vector<std::string> replace_session(const fs::path& path, const Session& session, files::Disk& disk) {
+  return write_or_explain(path, session, true, disk);
 }
 
 }  // namespace thermorig::session

@@ -104,7 +104,6 @@ class ImageBuilder {
   void write_servo() {
     auto servo = group("/servo");
     plot_as(servo.id(), "rate_commanded", {"time"});
-    write_servo_attributes(servo.id(), session_);
     servo_columns(servo, session_.servo);
     step_columns(servo, session_.raw.legs);
     command_columns(servo, commands_);

@@ -9,7 +9,6 @@
 #include <set>
 
 #include "attributes.h"
-#include "counters_list.h"
 #include "estimate_columns.h"
 #include "file_image.h"
 #include "format.h"
@@ -28,6 +27,7 @@
 #include "thermorig/sandbox/refusal.h"
 #include "thermorig/session/session.h"
 #include "thermorig/session/trial.h"
+#include "thermorig/wire/counter_names.h"
 
 namespace thermorig::session {
 
@@ -77,12 +77,15 @@ class SessionFile {
   }
 
   RecordingHeader read_header() {
-    using recording_header::ProfilePlace;
+    using recording_header::ProfileAndPlan;
     const bool is_apart = version() >= with_profile_apart;
     header_text_ = get_text_attribute(group("/rig").id(), "header_json");
     auto header = recording_header::header_from_json_text(
-        header_text_, path_.string(), is_apart ? ProfilePlace::elsewhere : ProfilePlace::in_header);
-    if (is_apart) header.profile = profile();
+        header_text_, path_.string(), is_apart ? ProfileAndPlan::elsewhere : ProfileAndPlan::in_header);
+    if (is_apart) {
+      header.profile = profile();
+      header.plan_toml = group("/rig").text(plan_column);
+    }
     facts_.reference = header.time_reference;
     header.licence = licence();
     return header;
@@ -190,7 +193,7 @@ void read_scalars(const SessionFile& file, Session& session) {
   session.frame_period_s = get_attribute<double>(camera.id(), "frame_period_s");
   for (const Device device : all_devices) {
     const auto raw = file.group("/raw/" + std::string(name_of(device)));
-    for (const auto& counter : counter_names)
+    for (const auto& counter : wire::counter_names)
       session.counters[device].*counter.member = get_attribute<std::uint64_t>(raw.id(), counter.name);
   }
 }
@@ -285,8 +288,9 @@ void check_copies(const SessionFile& file) {
   std::vector<Quality::Speed> speeds;
   auto quality = file.group("/quality");
   speed_columns(quality, speeds);
+  if (file.version() >= with_profile_apart) return;
   auto rig = file.group("/rig");
-  if (file.version() < with_profile_apart) rig.text(profile_column);
+  rig.text(profile_column);
   rig.text(plan_column);
 }
 
@@ -346,6 +350,7 @@ bool is_of_the_profile(const StoredAttribute& stored) {
                                                         "bias_dps",
                                                         "bias_uncertainty_dps",
                                                         "bias_measured",
+                                                        "firmware",
                                                         "kind",
                                                         "travel_deg",
                                                         "full_rate_dps",
@@ -360,13 +365,15 @@ bool is_of_the_profile(const StoredAttribute& stored) {
          names.contains(stored.name);
 }
 
-std::vector<StoredAttribute> read_added(SessionFile& file) {
+AddedByOthers read_added(SessionFile& file) {
   std::vector<StoredAttribute> attributes = stored_attributes(file.id());
-  if (file.version() >= with_attribute_sums)
-    return without_named(std::move(attributes), file.group("/quality").text(attribute_sums_column));
+  if (file.version() >= with_attribute_sums) {
+    const std::string sums = file.group("/quality").text(attribute_sums_column);
+    return {without_named(std::move(attributes), sums), objects_without_named(file.id(), sums)};
+  }
   std::erase_if(attributes, is_of_its_quality);
   std::erase_if(attributes, is_of_the_profile);
-  return attributes;
+  return {std::move(attributes), {}};
 }
 
 template <typename Read>
@@ -397,7 +404,7 @@ RawRecording read_raw(const fs::path& path) {
   return read_or_explain(tried_copy(path), read_foundation).raw;
 }
 
-std::vector<StoredAttribute> added_attributes(const sandbox::SealedCopy& copy) {
+AddedByOthers added_by_others(const sandbox::SealedCopy& copy) {
   return read_or_explain(copy, read_added);
 }
 

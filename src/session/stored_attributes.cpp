@@ -13,6 +13,7 @@
 #include <utility>
 
 #include "attributes.h"
+#include "recording_columns.h"
 
 namespace thermorig::session {
 
@@ -218,6 +219,21 @@ std::vector<StoredAttribute> without_named(std::vector<StoredAttribute> attribut
   const std::map<std::string, std::uint32_t> named = sums_in(sums);
   std::erase_if(attributes, [&](const StoredAttribute& stored) { return named.contains(stored.path()); });
   return attributes;
+}
+
+std::vector<std::string> objects_without_named(hid_t file, const std::string& sums) {
+  std::vector<std::string> others;
+  const std::map<std::string, std::uint32_t> named = sums_in(sums);
+  for (const std::string& path : objects_in(file, "/")) {
+    const auto is_in_it = [&](const auto& line) { return is_within(line.first, path); };
+    const auto holds_it = [&](const std::string& other) { return path.starts_with(other + "/"); };
+    if (path == "/" || path == std::string("/quality/") + attribute_sums_column.name ||
+        std::any_of(named.begin(), named.end(), is_in_it) ||
+        std::any_of(others.begin(), others.end(), holds_it))
+      continue;
+    others.push_back(path);
+  }
+  return others;
 }
 
 void add_attributes(hid_t file, const std::vector<StoredAttribute>& attributes) {

@@ -42,9 +42,19 @@ std::vector<std::string> altered_attributes(hid_t file, const std::string& group
 /// Those of them that `sums` does not name.
 std::vector<StoredAttribute> without_named(std::vector<StoredAttribute> attributes, const std::string& sums);
 
-/// The attributes of a session that thermorig did not write, and some that it did: what a file that replaces
-/// it has none of, is to be kept. Throws as read_session() does.
-std::vector<StoredAttribute> added_attributes(const sandbox::SealedCopy& copy);
+/// Groups and datasets without an attribute that `sums` names, and without such an object in them: the
+/// outermost alone.
+std::vector<std::string> objects_without_named(hid_t file, const std::string& sums);
+
+/// What thermorig did not write in a session.
+struct AddedByOthers {
+  std::vector<StoredAttribute>
+      attributes;                    // and some that it did: what a file that replaces it lacks is kept
+  std::vector<std::string> objects;  // outermost groups and datasets; formats before 1.3 cannot tell
+};
+
+/// Throws as read_session() does.
+AddedByOthers added_by_others(const sandbox::SealedCopy& copy);
 
 /// Puts attributes on the same objects of another file, as far as these are there and have none of the name.
 void add_attributes(hid_t file, const std::vector<StoredAttribute>& attributes);

@@ -11,35 +11,27 @@ namespace thermorig::session {
 /// Of one device: knots of its fitted clock, epochs and gaps.
 template <typename Archive, typename Clock>
 void clock_columns(Archive& archive, Clock& clock) {
-  archive.time_axis(
-      {"knot_time", "s", "time since time_reference of each knot of the fitted clock [s]"}, clock.knots,
-      [](auto& row) -> auto& { return row.time; });
-  archive.template field<double>(
-      {"offset", "s", "host time minus the device's time at the knot [s]"}, clock.knots,
-      [](auto& row) -> auto& { return row.offset_s; });
+  archive.time_axis({"knot_time", "s", "time since time_reference of each knot of the fitted clock [s]"},
+                    clock.knots, &ClockKnot::time);
+  archive.template field<double>({"offset", "s", "host time minus the device's time at the knot [s]"},
+                                 clock.knots, &ClockKnot::offset_s);
   archive.template field<double>(
       {"skew_ppm", "1e-6", "how much faster than the device's time host time runs at the knot [ppm]"},
-      clock.knots, [](auto& row) -> auto& { return row.skew_ppm; });
+      clock.knots, &ClockKnot::skew_ppm);
   archive.template field<double>(
       {"residual_us", "us", "what the clock leaves unexplained at the knot [us]",
        "one-way: median lateness of the chunks around; two-way: half the width of the bounds"},
-      clock.knots, [](auto& row) -> auto& { return row.residual_us; });
+      clock.knots, &ClockKnot::residual_us);
   archive.time_axis(
       {"epoch_begin", "s", "time since time_reference at which an epoch of the clock begins [s]"},
-      clock.epochs, [](auto& row) -> auto& { return row.begin; });
-  archive.texts(
-      {"epoch_reason", "1", "why the epoch before ended"}, clock.epochs,
-      [](const auto& row) { return row.reason; },
-      [](auto& row, const std::string& text) { row.reason = text; });
+      clock.epochs, &ClockEpoch::begin);
+  archive.texts({"epoch_reason", "1", "why the epoch before ended"}, clock.epochs, &ClockEpoch::reason);
   archive.time_axis(
       {"gap_begin", "s", "time since time_reference of the last message before messages were lost [s]"},
-      clock.gaps, [](auto& row) -> auto& { return row.begin; });
-  archive.time_column(
-      {"gap_end", "s", "time of the first message after it [s]"}, clock.gaps,
-      [](auto& row) -> auto& { return row.end; });
-  archive.template field<std::uint64_t>(
-      {"gap_missing", "1", "messages that were lost"}, clock.gaps,
-      [](auto& row) -> auto& { return row.missing; });
+      clock.gaps, &ClockGap::begin);
+  archive.time_column({"gap_end", "s", "time of the first message after it [s]"}, clock.gaps, &ClockGap::end);
+  archive.template field<std::uint64_t>({"gap_missing", "1", "messages that were lost"}, clock.gaps,
+                                        &ClockGap::missing);
 }
 
 /// Of the servo model: its gain over the pulse widths, and what it leaves of the gyro, by commanded speed.
@@ -51,18 +43,16 @@ void response_columns(Archive& archive, Response& response) {
       {"gain", "1", "servo model: slope over its mean at each knot", "straight between knots; empty: 1"},
       response.gain, [](auto& value) -> auto& { return value; });
   auto& speeds = response.speeds;
-  archive.template axis<double>(
-      {"speed", "deg/s", "commanded speed [deg/s]"}, speeds, [](const auto& row) { return row.rate_dps; },
-      [](auto& row, double value) { row.rate_dps = value; });
+  archive.template axis<double>({"speed", "deg/s", "commanded speed [deg/s]"}, speeds,
+                                &ServoResponse::AtSpeed::rate_dps);
   archive.template field<double>(
       {"speed_residual", "deg/s", "corrected gyro minus servo model: mean [deg/s]"}, speeds,
-      [](auto& row) -> auto& { return row.residual_dps; });
+      &ServoResponse::AtSpeed::residual_dps);
   archive.template field<double>(
       {"speed_spread", "deg/s", "corrected gyro minus servo model: root mean square about the mean [deg/s]"},
-      speeds, [](auto& row) -> auto& { return row.spread_dps; });
-  archive.template field<std::uint32_t>(
-      {"speed_frames", "1", "frame periods that took part"}, speeds,
-      [](auto& row) -> auto& { return row.frames; });
+      speeds, &ServoResponse::AtSpeed::spread_dps);
+  archive.template field<std::uint32_t>({"speed_frames", "1", "frame periods that took part"}, speeds,
+                                        &ServoResponse::AtSpeed::frames);
 }
 
 }  // namespace thermorig::session

@@ -8,8 +8,6 @@
 #include <sstream>
 #include <string>
 
-#include "thermorig/core/validity.h"
-
 namespace thermorig::session {
 
 namespace {

@@ -267,8 +267,4 @@ const GyroEncoder& gyro_encoder(const GyroProfile& profile) {
   return encoder_named(gyro_encoders(), profile.protocol, "gyro");
 }
 
-std::vector<std::uint8_t> gyro_bytes(const SimulatedGyroSample& sample, const GyroProfile& profile) {
-  return gyro_encoder(profile).bytes(sample, profile);
-}
-
 }  // namespace thermorig::simulation

@@ -40,16 +40,12 @@ std::string scene_of(std::string_view environment) {
 }
 
 Panorama make_panorama(std::string_view environment, std::uint64_t seed, std::string_view scene) {
-  const Scene* found = find_scene(scene);
+  const Scene* found = find_scene(scene.empty() ? scene_of(environment) : scene);
   if (found == nullptr)
     throw Error(ExitCode::bad_usage, "the simulated rig has no scene \"" + std::string(scene) + '"',
                 "--scene", advice_on_name(scene, scene_names()));
   Random random(seed, environment);
   return found->make(random);
-}
-
-Panorama make_panorama(std::string_view environment, std::uint64_t seed) {
-  return make_panorama(environment, seed, scene_of(environment));
 }
 
 }  // namespace thermorig::simulation

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "thermorig/simulation/pixel_noise.h"
 
-#include <algorithm>
 #include <cmath>
 
 #include "thermorig/core/statistics.h"

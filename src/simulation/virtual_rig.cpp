@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <array>
-#include <string>
 
 #include "thermorig/simulation/camera.h"
 #include "thermorig/simulation/gyro.h"
@@ -93,10 +92,7 @@ VirtualRig::Parts::Parts(const VirtualRigConfig& rig, std::unique_ptr<Firmware> 
       plant(rig.profile.servo, rig.servo_loop_hz, rig.seed),
       hand(rig.hand_turns, rig.start),
       shaft(plant.angle_deg() + hand.angle_deg(0)),
-      camera(
-          camera_config(rig),
-          make_panorama(rig.environment, rig.seed, rig.scene.empty() ? scene_of(rig.environment) : rig.scene),
-          rig.seed),
+      camera(camera_config(rig), make_panorama(rig.environment, rig.seed, rig.scene), rig.seed),
       gyro(rig.profile.gyro, rig.gyro_grade, rig.seed,
            {.latency_s = rig.gyro_latency_s, .zeroes_itself = rig.gyro_zeroes_itself}),
       camera_encoder(simulation::camera_encoder(rig.profile.camera)),

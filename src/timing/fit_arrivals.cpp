@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <utility>
 
+#include "clock_summary.h"
 #include "segment_fit.h"
 #include "thermorig/core/statistics.h"
 #include "thermorig/timing/arrivals.h"
@@ -117,20 +118,13 @@ class ArrivalFit {
     if (late_s_.empty() || result_.times.size() < 2) return;
     report.method = "one-way";
     summarise_rate(report);
-    report.late_p50_us = lower_quantile(late_s_, 0.5) * 1e6;
-    report.late_p95_us = lower_quantile(late_s_, 0.95) * 1e6;
-    report.late_max_us = lower_quantile(late_s_, 1.0) * 1e6;
+    summarise_lateness(late_s_, report);
     summarise_bounds(report);
   }
 
   void summarise_rate(ClockReport& report) const {
     if (report.knots.empty()) return;
-    double sum = 0.0;
-    for (const ClockKnot& knot : report.knots) sum += knot.skew_ppm;
-    report.skew_ppm = sum / static_cast<double>(report.knots.size());
-    double squares = 0.0;
-    for (const ClockKnot& knot : report.knots) squares += std::pow(knot.skew_ppm - report.skew_ppm, 2);
-    report.wander_ppm = std::sqrt(squares / static_cast<double>(report.knots.size()));
+    summarise_skew(report);
     if (step_s_ > 0.0) report.rate_hz = 1.0 / (step_s_ * (1.0 + report.skew_ppm * 1e-6));
   }
 

@@ -2,11 +2,9 @@
 #include "least_lateness.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstddef>
 #include <limits>
-#include <numbers>
 
 #include "silence.h"
 #include "thermorig/core/statistics.h"

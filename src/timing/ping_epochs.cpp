@@ -2,7 +2,6 @@
 #include "ping_epochs.h"
 
 #include <array>
-#include <cmath>
 #include <cstdio>
 #include <utility>
 

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "clock_summary.h"
 #include "ping_epochs.h"
 #include "thermorig/core/statistics.h"
 
@@ -72,26 +73,13 @@ void PingReport::measure_widths(std::span<const TimeEstimate> times) {
   report_.uncertainty_us = report_.bound_median_us / std::sqrt(12.0);
 }
 
-void PingReport::measure_rates(std::span<const std::int64_t> mcu_us) {
-  if (mcu_us.size() > 1 && !report_.knots.empty()) {
-    double sum = 0.0;
-    for (const ClockKnot& knot : report_.knots) sum += knot.skew_ppm;
-    report_.skew_ppm = sum / static_cast<double>(report_.knots.size());
-    double squares = 0.0;
-    for (const ClockKnot& knot : report_.knots) squares += std::pow(knot.skew_ppm - report_.skew_ppm, 2);
-    report_.wander_ppm = std::sqrt(squares / static_cast<double>(report_.knots.size()));
-  }
-}
-
 ClockReport PingReport::finish(std::span<const std::int64_t> mcu_us, std::span<const TimeEstimate> times,
                                bool two_way) {
   report_.method = two_way ? "two-way" : "one-way";
   find_gaps(mcu_us, times);
   measure_widths(times);
-  measure_rates(mcu_us);
-  report_.late_p50_us = lower_quantile(late_s_, 0.5) * 1e6;
-  report_.late_p95_us = lower_quantile(late_s_, 0.95) * 1e6;
-  report_.late_max_us = lower_quantile(late_s_, 1.0) * 1e6;
+  if (mcu_us.size() > 1) summarise_skew(report_);
+  summarise_lateness(late_s_, report_);
   return std::move(report_);
 }
 

@@ -27,7 +27,6 @@ class PingReport {
   void add_lateness(const PingHull& hull);
   void find_gaps(std::span<const std::int64_t> mcu_us, std::span<const TimeEstimate> times);
   void measure_widths(std::span<const TimeEstimate> times);
-  void measure_rates(std::span<const std::int64_t> mcu_us);
 
   PortProfile link_;
   ClockReport report_;

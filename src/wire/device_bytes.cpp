@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "thermorig/core/error.h"
 #include "thermorig/wire/checksums.h"
 
 namespace thermorig::wire {
@@ -25,12 +24,6 @@ std::int16_t centi(float value) {
   return static_cast<std::int16_t>(std::max(-32768.0, std::min(32767.0, rounded)));
 }
 
-std::vector<std::uint8_t> camera_command(std::uint8_t command, std::uint8_t value) {
-  std::vector<std::uint8_t> bytes{gy_mcu90640::command_sync, command, value};
-  bytes.push_back(byte_sum8(bytes));
-  return bytes;
-}
-
 }  // namespace
 
 std::vector<std::uint8_t> camera_frame(const ThermalFrame& frame) {
@@ -45,12 +38,6 @@ std::vector<std::uint8_t> camera_frame(const ThermalFrame& frame) {
   return bytes;
 }
 
-std::vector<std::uint8_t> camera_emissivity_reply(std::uint8_t hundredths) {
-  std::vector<std::uint8_t> bytes{gy_mcu90640::sync, gy_mcu90640::sync, hundredths};
-  bytes.push_back(byte_sum8(bytes));
-  return bytes;
-}
-
 std::array<std::uint8_t, witmotion_packet_bytes> witmotion_packet(std::uint8_t type,
                                                                   const std::array<std::int16_t, 4>& words) {
   std::array<std::uint8_t, witmotion_packet_bytes> bytes{witmotion::sync, type};
@@ -62,27 +49,6 @@ std::array<std::uint8_t, witmotion_packet_bytes> witmotion_packet(std::uint8_t t
 std::array<std::uint8_t, witmotion_packet_bytes> witmotion_gyro_packet(
     const std::array<std::int16_t, 3>& counts, float temp_c) {
   return witmotion_packet(witmotion::type_gyro, {counts[0], counts[1], counts[2], centi(temp_c)});
-}
-
-std::vector<std::uint8_t> camera_rate_command(double output_rate_hz) {
-  constexpr std::array rates_hz{0.5, 1.0, 2.0, 4.0, 8.0};
-  const auto found = std::find(rates_hz.begin(), rates_hz.end(), output_rate_hz);
-  if (found == rates_hz.end())
-    throw Error(ExitCode::bad_usage, "the camera has no such output rate", "output_rate_hz",
-                "0.5, 1, 2, 4 or 8 frames a second");
-  return camera_command(gy_mcu90640::command_rate, static_cast<std::uint8_t>(found - rates_hz.begin()));
-}
-
-std::vector<std::uint8_t> camera_automatic_command() {
-  return camera_command(gy_mcu90640::command_output, gy_mcu90640::output_automatic);
-}
-
-std::vector<std::uint8_t> camera_query_command() {
-  return camera_command(gy_mcu90640::command_output, gy_mcu90640::output_query);
-}
-
-std::vector<std::uint8_t> camera_read_emissivity_command() {
-  return camera_command(gy_mcu90640::command_read_emissivity, 1);
 }
 
 }  // namespace thermorig::wire

@@ -132,16 +132,4 @@ std::vector<std::uint8_t> stop_bytes() {
   return {SERVO_LINK_STOP};
 }
 
-std::vector<std::uint8_t> telemetry_bytes(std::uint8_t sequence, const ServoState& state) {
-  return PayloadWriter()
-      .u32(state.mcu_us)
-      .i32(field<std::int32_t>(100.0 * state.angle_deg, "angle_cdeg"))
-      .i32(field<std::int32_t>(100.0 * state.rate_dps, "rate_cdps"))
-      .u16(field<std::uint16_t>(double{SERVO_TICKS_PER_US} * state.pulse_us, "pulse_ticks"))
-      .u8(static_cast<std::uint8_t>(SERVO_FINE_TICKS | static_cast<unsigned>(state.motion)))
-      .u8(static_cast<std::uint8_t>(state.fault))
-      .u16(state.leg)
-      .frame(SERVO_TELEMETRY, sequence);
-}
-
 }  // namespace thermorig::wire

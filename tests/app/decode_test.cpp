@@ -2,6 +2,7 @@
 #include <gmock/gmock.h>
 
 #include "program.h"
+#include "support/telemetry_bytes.h"
 #include "thermorig/simulation/gyro.h"
 #include "thermorig/wire/device_bytes.h"
 #include "thermorig/wire/servo_messages.h"
@@ -58,7 +59,7 @@ Bytes controller_dump(int samples) {
     sample.rate_dps = {static_cast<double>(i), -0.0625, 0.0};
     sample.index = static_cast<std::uint64_t>(i);
     sample.device_time_us = 10'000 * i;
-    append(dump, simulation::gyro_bytes(sample, profile));
+    append(dump, simulation::gyro_encoder(profile).bytes(sample, profile));
   }
   return dump;
 }
@@ -83,7 +84,7 @@ TEST_F(Decode, SaysThatADumpIsAFlightControllers) {
   GyroProfile profile{.protocol = "mavlink"};
   Bytes dump;
   for (int i = 0; i < 20; ++i)
-    append(dump, simulation::gyro_bytes({.index = static_cast<std::uint64_t>(i)}, profile));
+    append(dump, simulation::gyro_encoder(profile).bytes({.index = static_cast<std::uint64_t>(i)}, profile));
   write("dump.bin", dump);
   EXPECT_THAT(run("decode --device gyro dump.bin").err, HasSubstr("--gyro-protocol mavlink"));
   EXPECT_THAT(run("decode --device camera dump.bin").err, HasSubstr("--device gyro --gyro-protocol mavlink"));
@@ -201,7 +202,7 @@ TEST_F(Decode, TakesTheLastFrameWithoutAChecksumAndTheOnlyPacketOfAGyro) {
 }
 
 TEST_F(Decode, ShowsTelemetryOfTheServo) {
-  const auto bytes = wire::telemetry_bytes(0, {.mcu_us = 1'000'000,
+  const auto bytes = test::telemetry_bytes(0, {.mcu_us = 1'000'000,
                                                .angle_deg = 12.5,
                                                .rate_dps = -80.0,
                                                .pulse_us = 1500.0F,

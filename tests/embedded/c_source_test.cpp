@@ -5,13 +5,13 @@
 #include <cstdlib>
 
 #include "boards.h"
+#include "quantised_model.h"
 #include "thermorig/core/error.h"
 
 namespace thermorig::tests {
 namespace {
 
 using embedded::c_source;
-using embedded::quantised;
 using embedded::WeightKind;
 using ::testing::HasSubstr;
 using ::testing::Not;

@@ -3,12 +3,12 @@
 #include <gtest/gtest.h>
 
 #include "boards.h"
+#include "quantised_model.h"
 
 namespace thermorig::tests {
 namespace {
 
 using embedded::c_source;
-using embedded::quantised;
 using embedded::WeightKind;
 
 /// A core and its board in QEMU.

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include <gtest/gtest.h>
 
+#include "quantised_model.h"
 #include "support/synthetic_acquisitions.h"
 #include "thermorig/embedded/c_source.h"
 #include "thermorig/network/crew.h"
@@ -41,7 +42,7 @@ Mse mse_of(const model::Model& model, const Acquisitions& test) {
 TEST(Quantisation, RaisesTheTestErrorOfATrainedNetworkByAtMostAFewPercent) {
   const model::Model model = trained(synthetic::make_acquisitions({"laboratory", "garden"}, 3, 1));
   const Acquisitions test = synthetic::make_acquisitions({"garden"}, 2, 2);
-  const Mse before = mse_of(model, test), after = mse_of(embedded::quantised(model), test);
+  const Mse before = mse_of(model, test), after = mse_of(quantised(model), test);
   EXPECT_GT(before.fusion, 0.0);
   EXPECT_LE(after.fusion, 1.05 * before.fusion);
   EXPECT_LE(after.thermal, 1.05 * before.thermal);

@@ -5,11 +5,10 @@
 #include <cmath>
 
 #include "boards.h"
+#include "quantised_model.h"
 
 namespace thermorig::tests {
 namespace {
-
-using embedded::quantised;
 
 const network::Shape shape{.frames = 2, .reduction = 3};
 

@@ -50,18 +50,6 @@ TEST(EveryEstimator, SaysOfAFrameNothingThatDependsOnWhatComesLater) {
   }
 }
 
-TEST(EveryEstimator, SaysTheSameAgainAfterAReset) {
-  const auto run = short_run();
-  Bank bank = bank_of_all();
-  const Estimates first = all_estimates_of(bank, run);
-  bank.reset();
-  expect_same(all_estimates_of(bank, run), first);
-  // Whatever it has seen: the second half, backwards in time after the first.
-  all_estimates_of(bank, {run.begin() + 30, run.end()});
-  bank.reset();
-  expect_same(all_estimates_of(bank, run), first);
-}
-
 TEST(EveryEstimator, AsksForNoMemoryMeasurementByMeasurement) {
   const auto run = short_run();
   Bank bank = bank_of_all();

@@ -9,6 +9,7 @@
 #include <span>
 #include <vector>
 
+#include "../support/telemetry_bytes.h"
 #include "thermorig/pipeline/pipeline.h"
 #include "thermorig/wire/device_bytes.h"
 
@@ -66,7 +67,7 @@ std::vector<std::uint8_t> good_telemetry(Script& script) {
   state.motion = static_cast<ServoMotion>(script.byte() % 5);
   state.fault = static_cast<ServoFault>(script.byte() % 16 == 0);
   state.leg = script.byte() % 4;
-  return wire::telemetry_bytes(sequence, state);
+  return test::telemetry_bytes(sequence, state);
 }
 
 std::vector<std::uint8_t> good_message(Device device, Script& script) {

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: MIT
+#include "../support/telemetry_bytes.h"
 #include "scanner_fuzz.h"
 
 /// Any bytes; telemetry behind them must come out; every event, reason and command has a text.
@@ -17,7 +18,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
       test::require(!wire::reason_text(nack->reason).empty(), "a reason has a text");
   }
   const std::size_t before = messages.size();
-  for (std::uint8_t i = 0; i < 2; ++i) scanner.push(wire::telemetry_bytes(i, ServoState{}), messages);
+  for (std::uint8_t i = 0; i < 2; ++i) scanner.push(test::telemetry_bytes(i, ServoState{}), messages);
   test::require(messages.size() > before, "frames behind garbage are found");
   return 0;
 }

@@ -6,6 +6,7 @@
 #include <random>
 
 #include "support/at_s.h"
+#include "support/telemetry_bytes.h"
 #include "thermorig/timing/link_timing.h"
 #include "thermorig/wire/device_bytes.h"
 #include "thermorig/wire/servo_messages.h"
@@ -39,7 +40,7 @@ void add_telemetry(ScriptedRecording& recording, double duration_s) {
     state.motion = state.rate_dps > 0.0 ? ServoMotion::steady : ServoMotion::holding;
     state.leg = t > 1.0 && t < 4.0 ? 7 : 0;
     recording.messages.push_back(
-        {Device::servo, at_s(t), wire::telemetry_bytes(static_cast<std::uint8_t>(i), state)});
+        {Device::servo, at_s(t), test::telemetry_bytes(static_cast<std::uint8_t>(i), state)});
   }
 }
 

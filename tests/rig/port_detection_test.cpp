@@ -87,7 +87,8 @@ TEST_F(Detection, KnowsAFlightController) {
   const auto findings = identify({ports_.add([sample = simulation::SimulatedGyroSample()]() mutable {
     ++sample.index;
     sample.device_time_us += 20'000;
-    return simulation::gyro_bytes(sample, {.protocol = "mavlink", .output_rate_hz = 50.0});
+    const GyroProfile profile{.protocol = "mavlink", .output_rate_hz = 50.0};
+    return simulation::gyro_encoder(profile).bytes(sample, profile);
   })});
   EXPECT_EQ(findings.at(0).role, Device::gyro);
   EXPECT_THAT(findings[0].how, HasSubstr("MAVLink packets"));

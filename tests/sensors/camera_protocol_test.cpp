@@ -94,7 +94,6 @@ TEST(CameraProtocols, AreRecognisedByTheirOwnBytesAlone) {
 TEST(CameraProtocols, RefuseANameThatIsNotAmongThemAndNameTheNearest) {
   CameraProfile profile;
   profile.protocol = "gy-mcu9064";
-  EXPECT_EQ(find_camera_protocol(profile.protocol), nullptr);
   try {
     camera_scanner(profile);
     FAIL() << "nothing was refused";

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "thermorig/sensors/device_stream.h"
+#include "support/telemetry_bytes.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -25,7 +26,7 @@ TEST(DeviceStream, OfTheDefaultRigIsWhatItsProtocolsSay) {
   EXPECT_EQ(gyro.message_bytes, 11U);
   EXPECT_FALSE(gyro.clock.sends_time());
   const DeviceStream servo = device_stream(Device::servo, profile);
-  EXPECT_EQ(servo.message_bytes, wire::telemetry_bytes(1, {}).size());
+  EXPECT_EQ(servo.message_bytes, test::telemetry_bytes(1, {}).size());
   EXPECT_EQ(servo.rate_hz, 100.0);
   EXPECT_EQ(servo.clock.tick_s, 1e-6);
   EXPECT_EQ(servo.clock.wrap_ticks, std::uint64_t{1} << 32U);
@@ -66,9 +67,9 @@ TEST(Recognise, SaysOfEveryRoleWhatSpeaksForIt) {
   EXPECT_EQ(found[0].role, Device::camera);
   EXPECT_EQ(found[0].protocol, "gy-mcu90640");
   EXPECT_EQ(found[0].evidence.bytes, 1544U);
-  std::vector<std::uint8_t> telemetry = wire::telemetry_bytes(1, {});
+  std::vector<std::uint8_t> telemetry = test::telemetry_bytes(1, {});
   EXPECT_THAT(recognise(telemetry, 0.0), IsEmpty()) << "one message may be chance";
-  const auto more = wire::telemetry_bytes(2, {});
+  const auto more = test::telemetry_bytes(2, {});
   telemetry.insert(telemetry.end(), more.begin(), more.end());
   ASSERT_EQ(recognise(telemetry, 0.0).size(), 1U);
   EXPECT_EQ(recognise(telemetry, 0.0)[0].role, Device::servo);

@@ -23,7 +23,7 @@ std::vector<std::uint8_t> simulated_bytes(const GyroProfile& profile) {
     sample.rate_dps = {1.5, -20.0, 0.1 * i};
     sample.index = static_cast<std::uint64_t>(i);
     sample.device_time_us = 5000 * i;
-    const auto message = simulation::gyro_bytes(sample, profile);
+    const auto message = simulation::gyro_encoder(profile).bytes(sample, profile);
     bytes.insert(bytes.end(), message.begin(), message.end());
   }
   return bytes;

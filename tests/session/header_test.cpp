@@ -67,9 +67,9 @@ TEST(Header, ThatHoldsAValueOutOfRangeSaysFieldValueAndRange) {
 TEST(Header, WithoutTheProfileSaysNothingOfIt) {
   RecordingHeader header = sound_header();
   header.profile = tests::unusual_profile();
-  const std::string text = header_to_json_text(header, ProfilePlace::elsewhere);
+  const std::string text = header_to_json_text(header, ProfileAndPlan::elsewhere);
   EXPECT_FALSE(nlohmann::json::parse(text).contains("profile"));
-  const RigProfile read = header_from_json_text(text, "test", ProfilePlace::elsewhere).profile;
+  const RigProfile read = header_from_json_text(text, "test", ProfileAndPlan::elsewhere).profile;
   EXPECT_EQ(tests::difference(read, RigProfile()), "");
   EXPECT_THROW(header_from_json_text(text, "test"), Error);
 }

@@ -70,6 +70,20 @@ TEST_F(StockReader, MayAddAttributesThatStayWhenTheSessionIsReplaced) {
   }
 }
 
+TEST_F(StockReader, MayAddGroupsAndDatasetsThatAreNamedWhenTheyGo) {
+  write_session(path(), synthetic_session(20));
+  const std::string add = fmt::format(
+      "import h5py; f = h5py.File(\"{}\", \"r+\"); f.create_group(\"notes/by_hand\"); f[\"notes/weather\"] = "
+      "3; "
+      "f[\"gyro/filtered\"] = [1.0, 2.0]",
+      path().string());
+  ASSERT_EQ(tests::run_python(add).code, 0);
+  EXPECT_THAT(replace_session(path(), synthetic_session(20)),
+              testing::UnorderedElementsAre("/gyro/filtered", "/notes"));
+  EXPECT_THAT(replace_session(path(), synthetic_live_session(150)), testing::IsEmpty());
+  EXPECT_THAT(replace_session(path(), synthetic_session(20)), testing::IsEmpty());
+}
+
 TEST_F(StockReader, FindsTheRowsOfALiveRun) {
   write_session(path(), synthetic_live_session(150));
   const tests::Printed output = check(path().string() + " 150");

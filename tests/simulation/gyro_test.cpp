@@ -104,7 +104,7 @@ TEST(GyroBytes, OfAWitmotionComeBackAsTheSameRates) {
   sensors::GyroScanner scanner = sensors::gyro_scanner(profile);
   std::vector<wire::GyroMessage> messages;
   const auto samples = samples_at(150.0, profile, GyroGrade::typical, 1, 1.0);
-  for (const auto& sample : samples) scanner.push(gyro_bytes(sample, profile), messages);
+  for (const auto& sample : samples) scanner.push(gyro_encoder(profile).bytes(sample, profile), messages);
   ASSERT_EQ(messages.size(), samples.size());
   for (std::size_t i = 0; i < samples.size(); ++i)
     EXPECT_NEAR(messages[i].reading.rate_dps[2], samples[i].rate_dps[2], 1e-3);
@@ -118,7 +118,7 @@ TEST(GyroBytes, OfATextGyroComeBackInTheProfilesColumns) {
   sensors::GyroScanner scanner = sensors::gyro_scanner(profile);
   std::vector<wire::GyroMessage> messages;
   const auto samples = samples_at(-60.0, profile, GyroGrade::mpu6050_raw, 1, 1.0);
-  for (const auto& sample : samples) scanner.push(gyro_bytes(sample, profile), messages);
+  for (const auto& sample : samples) scanner.push(gyro_encoder(profile).bytes(sample, profile), messages);
   ASSERT_EQ(messages.size(), samples.size());
   for (std::size_t i = 0; i < samples.size(); ++i) {
     EXPECT_NEAR(messages[i].reading.rate_dps[2], samples[i].rate_dps[2], 1e-3);
@@ -134,7 +134,7 @@ void expect_mavlink_comes_back(const std::map<std::string, double>& settings, do
   sensors::GyroScanner scanner = sensors::gyro_scanner(profile);
   std::vector<wire::GyroMessage> messages;
   const auto samples = samples_at(-60.0, profile, GyroGrade::typical, 1, 3.0);
-  for (const auto& sample : samples) scanner.push(gyro_bytes(sample, profile), messages);
+  for (const auto& sample : samples) scanner.push(gyro_encoder(profile).bytes(sample, profile), messages);
   EXPECT_EQ(scanner.counters().replies, 3U);  // a heartbeat a second
   EXPECT_EQ(scanner.counters().lost, 0U);
   ASSERT_EQ(messages.size(), samples.size());

@@ -9,6 +9,7 @@
 
 #include "scripted_firmware.h"
 #include "support/at_s.h"
+#include "support/camera_commands.h"
 #include "thermorig/sensors/gyro_protocol.h"
 #include "thermorig/wire/camera_scanner.h"
 #include "thermorig/wire/device_bytes.h"
@@ -138,7 +139,7 @@ TEST(VirtualRig, BringsBytesToTheServoAfterTheirTimeOnTheWire) {
 TEST(VirtualRig, LeavesBytesToCameraAndGyroUnanswered) {
   VirtualRig asked(default_rig(2, "laboratory"), sweep(0.0));
   VirtualRig left_alone(default_rig(2, "laboratory"), sweep(0.0));
-  asked.send(Device::camera, wire::camera_read_emissivity_command(), at_s(0.0));
+  asked.send(Device::camera, test::camera_command(gy_mcu90640::command_read_emissivity, 1), at_s(0.0));
   asked.send(Device::gyro, std::vector<std::uint8_t>{0xFF, 0xAA}, at_s(0.0));
   expect_equal(run(asked, 1.0, 0.1), run(left_alone, 1.0, 0.1));
 }

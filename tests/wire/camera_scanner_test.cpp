@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "camera_stream.h"
+#include "support/camera_commands.h"
 #include "support/captures.h"
 
 namespace thermorig::test {
@@ -104,9 +105,9 @@ TEST(CameraScanner, TellsWhichHalvesAreFreshByTheWordsOnTheWire) {
 
 TEST(CameraScanner, CountsRepliesBetweenFrames) {
   ByteVector bytes = camera_stream({frame_of_noise(1)});
-  append(bytes, wire::camera_emissivity_reply(95));
+  append(bytes, camera_emissivity_reply(95));
   append(bytes, camera_stream({frame_of_noise(2)}));
-  append(bytes, wire::camera_emissivity_reply(90));  // its emissivity is the sync byte
+  append(bytes, camera_emissivity_reply(90));  // its emissivity is the sync byte
   append(bytes, camera_stream({frame_of_noise(3)}));
   const auto scan = scan_camera(bytes);
   EXPECT_EQ(scan.messages.size(), 3U);
@@ -221,7 +222,7 @@ TEST(CameraScanner, WithoutAChecksumNeedsTheNextHeaderInItsPlace) {
 
 TEST(CameraScanner, WithoutAChecksumAReplyBehindAFrameVouchesForItToo) {
   ByteVector bytes = camera_stream({frame_of_noise(1)});
-  append(bytes, wire::camera_emissivity_reply(95));
+  append(bytes, camera_emissivity_reply(95));
   EXPECT_EQ(scan_camera(bytes, ChecksumPolicy::ignore).messages.size(), 1U);
 }
 
@@ -246,7 +247,7 @@ TEST(CameraScanner, FindsEveryFrameOfARealRecordingWithoutItsChecksums) {
 /// Three frames; a reply stands inside the second one, `offset` bytes from its start.
 ByteVector stream_with_interrupted_frame(std::size_t offset) {
   ByteVector bytes = camera_stream({frame_of_noise(1), frame_of_noise(2), frame_of_noise(3)});
-  const auto reply = wire::camera_emissivity_reply(95);
+  const auto reply = camera_emissivity_reply(95);
   bytes.insert(bytes.begin() + static_cast<std::ptrdiff_t>(frame_size + offset), reply.begin(), reply.end());
   return bytes;
 }
@@ -282,7 +283,7 @@ TEST(CameraScanner, RecoversAnInterruptedFrameOfAByteSum) {
   for (std::size_t i = 0; i < frame_size - 2; ++i) sum += bytes[i];
   bytes[frame_size - 2] = static_cast<std::uint8_t>(sum & 0xFFU);
   bytes[frame_size - 1] = static_cast<std::uint8_t>((sum >> 8U) & 0xFFU);
-  const auto reply = wire::camera_emissivity_reply(95);
+  const auto reply = camera_emissivity_reply(95);
   bytes.insert(bytes.begin() + 1001, reply.begin(), reply.end());
   EXPECT_EQ(scan_camera(bytes, ChecksumPolicy::byte).messages.size(), 1U);
 }

@@ -4,7 +4,6 @@
 #include <gtest/gtest.h>
 
 #include "camera_stream.h"
-#include "thermorig/core/error.h"
 
 namespace thermorig::test {
 namespace {
@@ -24,16 +23,6 @@ TEST(DeviceBytes, ClipTemperaturesThatDoNotFit) {
   ASSERT_EQ(scan.messages.size(), 2U);
   EXPECT_FLOAT_EQ(scan.messages[0].frame.temp_c[5], 327.67F);
   EXPECT_FLOAT_EQ(scan.messages[1].frame.temp_c[5], -327.68F);
-}
-
-TEST(DeviceBytes, RefuseACameraRateThatTheBoardDoesNotHave) {
-  try {
-    wire::camera_rate_command(3.0);
-    FAIL() << "3 Hz was accepted";
-  } catch (const Error& error) {
-    EXPECT_EQ(error.code(), ExitCode::bad_usage);
-    EXPECT_NE(error.advice().find("8"), std::string::npos);
-  }
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "camera_stream.h"
+#include "support/camera_commands.h"
 #include "vector_fields.h"
 
 namespace thermorig::test {
@@ -42,15 +43,17 @@ TEST(GoldenVectors, CameraStreamsAreReadAsDescribed) {
 TEST(GoldenVectors, CameraCommandsAreEncodedAsDescribed) {
   std::map<std::string, ByteVector> commands;
   for (const GoldenVector& vector : read_vectors("gy_mcu90640.txt")) commands[vector.name] = vector.bytes;
-  EXPECT_EQ(wire::camera_rate_command(0.5), commands.at("command_rate_0.5"));
-  EXPECT_EQ(wire::camera_rate_command(1), commands.at("command_rate_1"));
-  EXPECT_EQ(wire::camera_rate_command(2), commands.at("command_rate_2"));
-  EXPECT_EQ(wire::camera_rate_command(4), commands.at("command_rate_4"));
-  EXPECT_EQ(wire::camera_rate_command(8), commands.at("command_rate_8"));
-  EXPECT_EQ(wire::camera_query_command(), commands.at("command_query"));
-  EXPECT_EQ(wire::camera_automatic_command(), commands.at("command_automatic"));
-  EXPECT_EQ(wire::camera_read_emissivity_command(), commands.at("command_read_emissivity"));
-  EXPECT_EQ(wire::camera_emissivity_reply(95), commands.at("emissivity_reply"));
+  EXPECT_EQ(camera_command(gy_mcu90640::command_rate, 0), commands.at("command_rate_0.5"));
+  EXPECT_EQ(camera_command(gy_mcu90640::command_rate, 1), commands.at("command_rate_1"));
+  EXPECT_EQ(camera_command(gy_mcu90640::command_rate, 2), commands.at("command_rate_2"));
+  EXPECT_EQ(camera_command(gy_mcu90640::command_rate, 3), commands.at("command_rate_4"));
+  EXPECT_EQ(camera_command(gy_mcu90640::command_rate, 4), commands.at("command_rate_8"));
+  EXPECT_EQ(camera_command(gy_mcu90640::command_output, gy_mcu90640::output_query),
+            commands.at("command_query"));
+  EXPECT_EQ(camera_command(gy_mcu90640::command_output, gy_mcu90640::output_automatic),
+            commands.at("command_automatic"));
+  EXPECT_EQ(camera_command(gy_mcu90640::command_read_emissivity, 1), commands.at("command_read_emissivity"));
+  EXPECT_EQ(camera_emissivity_reply(95), commands.at("emissivity_reply"));
 }
 
 }  // namespace

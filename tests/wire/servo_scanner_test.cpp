@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "scan.h"
+#include "support/telemetry_bytes.h"
 #include "thermorig/wire/servo_messages.h"
 
 namespace thermorig::test {
@@ -29,7 +30,7 @@ ByteVector numbered_telemetry(unsigned index) {
   state.pulse_us = 0x217E / 16.0F;  // a stop byte and a flag: both have to be escaped
   state.motion = ServoMotion::steady;
   state.leg = 7;
-  return wire::telemetry_bytes(static_cast<std::uint8_t>(index), state);
+  return test::telemetry_bytes(static_cast<std::uint8_t>(index), state);
 }
 
 ByteVector event_bytes(std::uint8_t sequence, std::uint8_t kind) {

@@ -8,6 +8,7 @@
 #include <string>
 
 #include "scan.h"
+#include "support/telemetry_bytes.h"
 #include "support/vectors.h"
 #include "thermorig/wire/servo_messages.h"
 
@@ -156,7 +157,7 @@ TEST(ServoVectors, TelemetryEncodesToItsBytesWithFineTicks) {
     const Described message = described(vector.meaning);
     if (message.type != "telemetry" || (message["motion"] & SERVO_FINE_TICKS) == 0) continue;
     const auto state = std::get<ServoState>(expected_message(message).body);
-    EXPECT_EQ(wire::telemetry_bytes(message.sequence, state), vector.bytes) << vector.name;
+    EXPECT_EQ(test::telemetry_bytes(message.sequence, state), vector.bytes) << vector.name;
     ++checked;
   }
   EXPECT_GE(checked, 3);

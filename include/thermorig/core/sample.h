@@ -3,7 +3,6 @@
 
 #include <array>
 #include <cstdint>
-#include <string>
 
 #include "thermorig/core/chunk.h"
 #include "thermorig/core/frame.h"
@@ -68,13 +67,6 @@ struct TimedPong {
   std::uint32_t token = 0;
   std::uint32_t receive_us = 0;  // micro-controller time at which the ping's last byte came in
   std::uint32_t send_us = 0;     // micro-controller time at which the answer's first byte went out
-  StreamSpan span;
-  HostTime arrival{};
-};
-
-/// Something that the servo firmware said outside telemetry: an event or an acknowledgement.
-struct TimedServoNotice {
-  std::string text;  // e.g. "watchdog tripped", ready for a log
   StreamSpan span;
   HostTime arrival{};
 };

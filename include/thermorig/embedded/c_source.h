@@ -30,7 +30,4 @@ struct CSource {
 /// Throws Error(bad_usage) if `name` is no identifier.
 CSource c_source(const model::Model& model, WeightKind kind, const std::string& name);
 
-/// The model whose weights are what the int8 source computes with: for judging what that costs.
-model::Model quantised(const model::Model& model);
-
 }  // namespace thermorig::embedded

@@ -30,9 +30,6 @@ class Estimator {
 
   /// Nothing where it has nothing to say of this measurement, not even why.
   virtual std::optional<RateEstimate> add(const Observation& observation) = 0;
-
-  /// As it was made: its angle begins anew, and all that it learnt is forgotten.
-  virtual void reset() = 0;
 };
 
 }  // namespace thermorig::estimators

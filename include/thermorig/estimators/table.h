@@ -71,8 +71,6 @@ class Bank {
   /// One estimate an entry, in their order, until the next call. Allocates nothing.
   std::span<const RateEstimate> add(const Measurement& measurement);
 
-  void reset();
-
  private:
   struct Parts;
   std::unique_ptr<Parts> parts_;

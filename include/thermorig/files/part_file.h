@@ -34,9 +34,6 @@ class PartFile {
   /// Gives it its name and syncs the folder. Without `overwrite` an existing name is refused.
   void publish(bool overwrite);
 
-  /// Where it lies until then.
-  const std::filesystem::path& part_path() const { return part_path_; }
-
  private:
   [[noreturn]] void refuse(const std::string& action, int error_number,
                            const std::filesystem::path& where) const;

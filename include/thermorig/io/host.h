@@ -11,9 +11,6 @@ std::string host_name();
 /// Operating system, release and machine, e.g. "Linux 6.1.0-18-amd64 x86_64".
 std::string kernel_release();
 
-/// Processor time that this process has used since it started, all threads, user and system, seconds.
-double process_cpu_s();
-
 /// Processor time that the calling thread has used since it started, user and system, seconds.
 double thread_cpu_s();
 

@@ -5,7 +5,6 @@
 #include <filesystem>
 #include <memory>
 #include <span>
-#include <string>
 
 #include "thermorig/core/raw_recording.h"
 #include "thermorig/files/disk.h"
@@ -49,7 +48,6 @@ class JournalWriter {
   void close(HostTime end);
 
   std::uint64_t bytes_written() const;
-  const std::filesystem::path& path() const;
 
  private:
   struct File;

@@ -3,7 +3,6 @@
 
 #include <array>
 #include <cstddef>
-#include <optional>
 
 #include "thermorig/core/profile.h"
 #include "thermorig/core/sync.h"

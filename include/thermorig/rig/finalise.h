@@ -59,7 +59,4 @@ struct RecoveryResult {
 std::vector<RecoveryResult> recover(const std::filesystem::path& path,
                                     files::Disk& disk = files::real_disk());
 
-/// Makes a session again from its own raw bytes, with this version's clocks and label rules; replaces it.
-session::Session reprocess(const std::filesystem::path& session);
-
 }  // namespace thermorig::rig

@@ -38,9 +38,6 @@ std::span<const CameraProtocol> camera_protocols();
 
 std::vector<std::string> camera_protocol_names();
 
-/// Nothing if there is none of that name.
-const CameraProtocol* find_camera_protocol(std::string_view name);
-
 /// Throws Error(bad_usage) if there is none of that name: it lists those there are.
 const CameraProtocol& camera_protocol(std::string_view name);
 

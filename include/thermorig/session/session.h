@@ -67,6 +67,9 @@ struct Quality {
 };
 Quality quality_of(const Session& session);
 
+/// "complete", "recovered" or "partial".
+std::string name_of(State state);
+
 /// Does the plan say that it was recorded for a calibration? Its legs, if there are any, show what that
 /// needs, and not the speeds of a data set.
 bool is_for_calibration(const RecordingHeader& header);
@@ -79,10 +82,11 @@ void write_session(const std::filesystem::path& path, const Session& session,
                    files::Disk& disk = files::real_disk());
 
 /// The same to replace an existing session (reprocess), by rename over it. Attributes that somebody else has
-/// put into that file are kept, on the objects that both have; other objects are not. Throws also as
-/// read_session() does of the file that is there.
-void replace_session(const std::filesystem::path& path, const Session& session,
-                     files::Disk& disk = files::real_disk());
+/// put into that file are kept, on the objects that both have; other objects are not: returns the paths of
+/// the outermost ones ("/notes"), of a file of format 1.3 or later. Throws also as read_session() does of the
+/// file that is there.
+std::vector<std::string> replace_session(const std::filesystem::path& path, const Session& session,
+                                         files::Disk& disk = files::real_disk());
 
 /// Reads a whole session. Throws Error(not_a_session) if it is not one, is damaged, or is of another major
 /// version, and as tried_copy() does (trial.h).

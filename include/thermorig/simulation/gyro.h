@@ -95,7 +95,4 @@ std::span<const GyroEncoder> gyro_encoders();
 /// Of the profile's protocol. Throws Error(bad_usage) if there is none.
 const GyroEncoder& gyro_encoder(const GyroProfile& profile);
 
-/// The sample as the profile's protocol puts it on the wire. Throws as gyro_encoder() does.
-std::vector<std::uint8_t> gyro_bytes(const SimulatedGyroSample& sample, const GyroProfile& profile);
-
 }  // namespace thermorig::simulation

@@ -35,9 +35,9 @@ std::vector<std::string> scene_names();
 /// carry a name of its own.
 std::string scene_of(std::string_view environment);
 
-/// The surroundings of one acquisition. Equal arguments give equal panoramas; environments of one scene
-/// differ. Throws Error(bad_usage) if there is no such scene: it lists those there are.
-Panorama make_panorama(std::string_view environment, std::uint64_t seed, std::string_view scene);
-Panorama make_panorama(std::string_view environment, std::uint64_t seed);  // scene_of(environment)
+/// The surroundings of one acquisition; `scene` empty: that of the environment, scene_of(). Equal arguments
+/// give equal panoramas; environments of one scene differ. Throws Error(bad_usage) if there is no such scene:
+/// it lists those there are.
+Panorama make_panorama(std::string_view environment, std::uint64_t seed, std::string_view scene = {});
 
 }  // namespace thermorig::simulation

@@ -19,8 +19,6 @@ class LastBlocks {
   void push(std::span<const float> block);
   void push(float number) { push({&number, 1}); }
 
-  void clear() { std::fill(values_.begin(), values_.end(), std::numeric_limits<float>::quiet_NaN()); }
-
   std::span<const float> all() const { return std::span(values_).subspan(next_ * size_, count_ * size_); }
 
  private:

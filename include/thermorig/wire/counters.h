@@ -21,23 +21,6 @@ struct Counters {
   std::uint64_t bad_value = 0;   // a line or field that cannot be read as numbers, not finite
   std::uint64_t lost = 0;     // messages that sequence numbers, or gaps in a steady rate, show to be missing
   std::uint64_t resyncs = 0;  // times that bytes were skipped to find the next message
-
-  /// Together with those of another piece of the stream.
-  Counters& operator+=(const Counters& other) {
-    bytes_received += other.bytes_received;
-    bytes_in_messages += other.bytes_in_messages;
-    bytes_in_damaged += other.bytes_in_damaged;
-    bytes_skipped += other.bytes_skipped;
-    bytes_pending += other.bytes_pending;
-    messages += other.messages;
-    replies += other.replies;
-    bad_checksum += other.bad_checksum;
-    bad_length += other.bad_length;
-    bad_value += other.bad_value;
-    lost += other.lost;
-    resyncs += other.resyncs;
-    return *this;
-  }
   bool operator==(const Counters&) const = default;
 };
 

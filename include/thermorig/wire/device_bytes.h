@@ -4,8 +4,6 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
-#include <span>
-#include <string>
 #include <vector>
 
 #include "gy_mcu90640.h"
@@ -23,9 +21,6 @@ inline constexpr std::size_t witmotion_packet_bytes = witmotion::packet_bytes;
 /// One GY-MCU90640 frame. Temperatures are rounded to hundredths and clipped to int16.
 std::vector<std::uint8_t> camera_frame(const ThermalFrame& frame);
 
-/// A GY-MCU90640 reply to "read emissivity", which may stand between frames or inside one.
-std::vector<std::uint8_t> camera_emissivity_reply(std::uint8_t hundredths);
-
 /// One WitMotion packet of the given type; `words` are d0..d7 as four signed numbers.
 std::array<std::uint8_t, witmotion_packet_bytes> witmotion_packet(std::uint8_t type,
                                                                   const std::array<std::int16_t, 4>& words);
@@ -36,11 +31,5 @@ std::array<std::uint8_t, witmotion_packet_bytes> witmotion_gyro_packet(
 
 /// Degrees per second of one WitMotion count.
 inline constexpr double witmotion_dps_per_count = witmotion::full_scale_dps / witmotion::counts_full_scale;
-
-/// The camera's commands.
-std::vector<std::uint8_t> camera_rate_command(double output_rate_hz);  // 0.5, 1, 2, 4 or 8; else throws Error
-std::vector<std::uint8_t> camera_automatic_command();
-std::vector<std::uint8_t> camera_query_command();
-std::vector<std::uint8_t> camera_read_emissivity_command();  // answered with a reply
 
 }  // namespace thermorig::wire

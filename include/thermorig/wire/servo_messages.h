@@ -124,9 +124,6 @@ std::vector<std::uint8_t> go_to_bytes(std::uint8_t sequence, const GoToCommand& 
 /// The raw stop byte: stops the servo in any state, outside any frame.
 std::vector<std::uint8_t> stop_bytes();
 
-// The other direction, for simulated servos and tests: as firmware 1.1.0 and later send it.
-std::vector<std::uint8_t> telemetry_bytes(std::uint8_t sequence, const ServoState& state);
-
 /// "the angle, rate or duration lies beyond a limit": for logs and errors. Unknown numbers are named as such.
 std::string reason_text(std::uint8_t reason);
 std::string command_name(std::uint8_t type);
