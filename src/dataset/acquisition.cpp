@@ -2,11 +2,10 @@
 #include <fmt/format.h>
 
 #include <cassert>
-#include <cmath>
-#include <limits>
 #include <map>
 
 #include "data_hash.h"
+#include "rates_without_network.h"
 #include "session_name.h"
 #include "thermorig/dataset/dataset.h"
 #include "thermorig/windows/soundness.h"
@@ -52,12 +51,6 @@ void append_samples(Acquisition& acquisition, const session::Session& session) {
   }
 }
 
-/// A file may hold any number.
-double rest_bias_dps(const GyroErrors& errors) {
-  const double bias_dps = errors.bias_before_dps.value_or(std::numeric_limits<double>::quiet_NaN());
-  return std::isfinite(bias_dps) ? bias_dps : std::numeric_limits<double>::quiet_NaN();
-}
-
 }  // namespace
 
 Acquisition acquisition_of(const session::Session& session, const std::string& name) {
@@ -69,7 +62,7 @@ Acquisition acquisition_of(const session::Session& session, const std::string& n
                           .licence = header.licence.empty() ? "not stated" : header.licence};
   append_samples(acquisition, session);
   windows::clear_unsound_frames(acquisition);
-  acquisition.rest_bias_dps = rest_bias_dps(session.sync.gyro);
+  acquisition.rates = rates_without_network(session);
   acquisition.hash = data_hash(acquisition);
   return acquisition;
 }

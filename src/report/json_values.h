@@ -8,7 +8,7 @@
 namespace thermorig::report {
 
 // Parts of both JSON reports. Keys carry units; NaN becomes null.
-nlohmann::json errors_json(const study::Errors& errors);
+nlohmann::json errors_json(const study::PerEstimator<study::Errors>& errors);
 nlohmann::json gain_json(const study::GainStatistics& gain);
 nlohmann::json speeds_json(const std::vector<study::SpeedErrors>& speeds);
 /// Drift and worst error, without the lines.

@@ -20,10 +20,10 @@ auto row_key(const Job& job) {
 using Folds = std::vector<const JobResult*>;
 
 void add_errors(SettingSummary& summary, const Folds& folds, double label_scale_dps) {
-  for (std::size_t i = 0; i < estimator_count; ++i) {
-    for (const JobResult* fold : folds) summary.fold_mse[i].push_back(fold->evaluation.errors[i].mse);
-    summary.mse[i] = spread_of(summary.fold_mse[i]);
-    summary.rmse_dps[i] = std::sqrt(summary.mse[i].median) * label_scale_dps;
+  for (const std::string& name : all_estimators()) {
+    for (const JobResult* fold : folds) summary.fold_mse[name].push_back(fold->evaluation.errors[name].mse);
+    summary.mse[name] = spread_of(summary.fold_mse[name]);
+    summary.rmse_dps[name] = std::sqrt(summary.mse[name].median) * label_scale_dps;
   }
 }
 
