@@ -16,15 +16,6 @@ namespace {
 
 using windows::Acquisition;
 
-void reserve(Acquisition& acquisition, std::size_t frames) {
-  acquisition.temp_c.reserve(frames * frame_pixels);
-  acquisition.label_dps.reserve(frames);
-  acquisition.gyro_dps.reserve(frames);
-  acquisition.time.reserve(frames);
-  acquisition.run.reserve(frames);
-  acquisition.leg_rate_dps.reserve(frames);
-}
-
 std::map<std::uint16_t, float> leg_rates(const std::vector<LegRecord>& legs) {
   std::map<std::uint16_t, float> rates;
   for (const LegRecord& leg : legs) rates[leg.leg] = static_cast<float>(leg.rate_dps);
@@ -41,7 +32,7 @@ void append(Acquisition& acquisition, const LabelledSample& sample, const Therma
 
 void append_samples(Acquisition& acquisition, const session::Session& session) {
   const std::map<std::uint16_t, float> rates = leg_rates(session.raw.legs);
-  reserve(acquisition, session.samples.size());
+  acquisition.temp_c.reserve(session.samples.size() * frame_pixels);
   assert(session.samples.size() == session.frames.size());
   for (std::size_t i = 0; i < session.samples.size(); ++i) {
     const LabelledSample& sample = session.samples[i];

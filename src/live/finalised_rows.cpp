@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "seconds_between.h"
 #include "thermorig/core/estimate.h"

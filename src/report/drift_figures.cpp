@@ -5,15 +5,8 @@
 #include <cmath>
 
 namespace thermorig::report {
-namespace {
 
 using study::JobResult;
-
-double median_or_nan(const std::vector<double>& values) {
-  return values.empty() ? std::numeric_limits<double>::quiet_NaN() : study::spread_of(values).median;
-}
-
-}  // namespace
 
 const study::AngleTrack* track_of(const StudyView& view, const std::string& estimator,
                                   const std::string& fold) {
@@ -30,13 +23,13 @@ FoldDrift drift_of(const StudyView& view, const std::string& estimator, const st
 
 DriftSummary drift_summary(const StudyView& view, const std::string& estimator) {
   std::vector<double> drifts;
-  double worst = std::numeric_limits<double>::quiet_NaN();
+  double worst = unknown;
   for (const std::string& fold : view.folds) {
     const FoldDrift drift = drift_of(view, estimator, fold);
     if (std::isfinite(drift.deg_per_min)) drifts.push_back(std::abs(drift.deg_per_min));
     worst = std::fmax(worst, drift.worst_deg);
   }
-  return {median_or_nan(drifts), worst, drifts.size()};
+  return {study::spread_of(drifts).median, worst, drifts.size()};
 }
 
 double fusion_drift(const StudyView& view, std::uint64_t seed) {
@@ -46,7 +39,7 @@ double fusion_drift(const StudyView& view, std::uint64_t seed) {
     const double drift = result->evaluation.angles.front().drift_deg_per_min[study::fusion_name];
     if (std::isfinite(drift)) drifts.push_back(std::abs(drift));
   }
-  return median_or_nan(drifts);
+  return study::spread_of(drifts).median;
 }
 
 }  // namespace thermorig::report

@@ -1,17 +1,14 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include <limits>
-#include <optional>
-
 #include "study_view.h"
 
 namespace thermorig::report {
 
 /// How far an integrated estimate goes wrong on one fold.
 struct FoldDrift {
-  double deg_per_min = std::numeric_limits<double>::quiet_NaN();
-  double worst_deg = std::numeric_limits<double>::quiet_NaN();
+  double deg_per_min = unknown;
+  double worst_deg = unknown;
 };
 
 /// At the reference setting, of StudyView::job_of().

@@ -1,8 +1,12 @@
 // SPDX-License-Identifier: MIT
 #include "json_values.h"
 
+#include <fmt/format.h>
+
+#include <cmath>
+#include <cstdlib>
+
 #include "gain_figures.h"
-#include "sections.h"
 
 namespace thermorig::report {
 
@@ -44,6 +48,17 @@ json drift_json(const study::AngleTrack& track) {
     drift[name] = {{"drift_deg_per_min", track.drift_deg_per_min[name]},
                    {"worst_deg", track.worst_deg[name]}};
   return {{"integrated_s", track.integrated_s}, {"estimators", drift}};
+}
+
+json drawn(double value) {
+  if (!std::isfinite(value)) return nullptr;
+  return std::strtod(fmt::format("{:.4g}", value).c_str(), nullptr);
+}
+
+json drawn(const std::vector<double>& values) {
+  json array = json::array();
+  for (const double value : values) array.push_back(drawn(value));
+  return array;
 }
 
 std::string json_text(const json& value) {

@@ -14,6 +14,10 @@ nlohmann::json speeds_json(const std::vector<study::SpeedErrors>& speeds);
 /// Drift and worst error, without the lines.
 nlohmann::json drift_json(const study::AngleTrack& track);
 
+/// The number with four significant digits, null if it is not finite: for drawing.
+nlohmann::json drawn(double value);
+nlohmann::json drawn(const std::vector<double>& values);
+
 /// One text: indented, bytes that are no UTF-8 replaced, ends with a line end.
 std::string json_text(const nlohmann::json& json);
 

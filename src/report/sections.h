@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "document.h"
+#include "json_values.h"
 #include "study_view.h"
 
 namespace thermorig::report {
@@ -36,9 +37,5 @@ struct EstimatorTrack {
   const study::AngleTrack* track;
 };
 Chart angle_chart(const std::string& title, const std::vector<EstimatorTrack>& tracks);
-
-/// The number with four significant digits, null if it is not finite: for drawing.
-nlohmann::json drawn(double value);
-nlohmann::json drawn(const std::vector<double>& values);
 
 }  // namespace thermorig::report

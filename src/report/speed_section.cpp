@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <map>
 
 #include "sections.h"
@@ -23,9 +22,7 @@ struct PooledMse {
     sum += mse * static_cast<double>(count);
     windows += count;
   }
-  double mse() const {
-    return windows == 0 ? std::numeric_limits<double>::quiet_NaN() : sum / static_cast<double>(windows);
-  }
+  double mse() const { return windows == 0 ? unknown : sum / static_cast<double>(windows); }
 };
 
 struct PooledSpeed {

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: MIT
+#include <algorithm>
+
 #include "folder_lock.h"
 #include "left_out.h"
 #include "result_file.h"
@@ -10,17 +12,14 @@ namespace {
 
 using windows::Acquisition;
 
-bool have_same_speeds(const std::vector<SpeedErrors>& a, const std::vector<SpeedErrors>& b) {
-  bool same = a.size() == b.size();
-  for (std::size_t i = 0; same && i < a.size(); ++i)
-    same = a[i].rate_dps == b[i].rate_dps && a[i].windows == b[i].windows;
-  return same;
-}
-
 /// Are they over the same windows, so that their rows may stand in one table?
 bool have_same_windows(const Evaluation& a, const Evaluation& b) {
-  return a.errors[gyro_name].windows == b.errors[gyro_name].windows && have_same_speeds(a.speeds, b.speeds) &&
-         a.angles.size() == 1 && b.angles.size() == 1 && a.angles[0].time_s == b.angles[0].time_s;
+  const auto is_same = [](const SpeedErrors& one, const SpeedErrors& other) {
+    return one.rate_dps == other.rate_dps && one.windows == other.windows;
+  };
+  return a.errors[gyro_name].windows == b.errors[gyro_name].windows &&
+         std::ranges::equal(a.speeds, b.speeds, is_same) && a.angles.size() == 1 && b.angles.size() == 1 &&
+         a.angles[0].time_s == b.angles[0].time_s;
 }
 
 void take(const std::string& name, const Evaluation& from, Evaluation& to) {
@@ -32,8 +31,6 @@ void take(const std::string& name, const Evaluation& from, Evaluation& to) {
   to.angles[0].worst_deg[name] = from.angles[0].worst_deg[name];
 }
 
-}  // namespace
-
 JobResult with_baselines(JobResult result, std::span<const Acquisition> acquisitions) {
   const Acquisition& left_out = left_out_of(result.job, acquisitions);
   const auto judged = judged_windows({&left_out, 1}, test_windows(result.job, left_out), result.job.frames);
@@ -44,6 +41,8 @@ JobResult with_baselines(JobResult result, std::span<const Acquisition> acquisit
   for (const std::string& name : baselines()) take(name, found, result.evaluation);
   return result;
 }
+
+}  // namespace
 
 RenewedBaselines renew_baselines(const std::filesystem::path& folder,
                                  std::span<const Acquisition> acquisitions) {

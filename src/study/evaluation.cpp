@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "thermorig/study/evaluation.h"
 
+#include <algorithm>
 #include <cassert>
 #include <map>
 
@@ -36,13 +37,10 @@ std::vector<EnvironmentErrors> errors_by_environment(std::span<const JudgedWindo
   return environments;
 }
 
-/// The windows of acquisition `index`; they stand together.
-std::span<const JudgedWindow> part_of(std::span<const JudgedWindow> judged, std::size_t index) {
-  std::size_t begin = 0;
-  while (begin < judged.size() && judged[begin].window.acquisition != index) ++begin;
-  std::size_t end = begin;
-  while (end < judged.size() && judged[end].window.acquisition == index) ++end;
-  return judged.subspan(begin, end - begin);
+std::span<const JudgedWindow> part_of(std::span<const JudgedWindow> judged, std::size_t acquisition) {
+  const auto part = std::ranges::equal_range(judged, acquisition, {},
+                                             [](const JudgedWindow& one) { return one.window.acquisition; });
+  return {part.begin(), part.end()};
 }
 
 }  // namespace

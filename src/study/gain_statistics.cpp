@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <numeric>
 #include <vector>
 
@@ -15,13 +14,6 @@
 namespace thermorig::study {
 
 namespace {
-
-GainStatistics no_gains() {
-  GainStatistics statistics;
-  statistics.mean = statistics.deviation = statistics.median = unknown;
-  statistics.below_002 = statistics.above_098 = unknown;
-  return statistics;
-}
 
 double mean_of(const std::vector<double>& values) {
   return std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
@@ -83,7 +75,7 @@ bool collapsed(const GainStatistics& gain) {
 
 GainStatistics gain_statistics(std::span<const JudgedWindow> judged) {
   const std::vector<double> gains = sorted_gains(judged);
-  GainStatistics statistics = no_gains();
+  GainStatistics statistics;
   if (gains.empty()) return statistics;
   for (const double gain : gains) ++statistics.histogram[network::gain_bin(gain)];
   statistics.mean = mean_of(gains);
@@ -98,7 +90,7 @@ GainStatistics gain_statistics(std::span<const JudgedWindow> judged) {
 }
 
 GainStatistics merged(std::span<const GainStatistics> parts) {
-  GainStatistics all = no_gains();
+  GainStatistics all;
   GainSums sums;
   for (const GainStatistics& part : parts) {
     if (part.windows() == 0) continue;

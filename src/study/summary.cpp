@@ -5,6 +5,7 @@
 #include <tuple>
 
 #include "gain_statistics.h"
+#include "thermorig/core/statistics.h"
 #include "thermorig/study/study.h"
 
 namespace thermorig::study {
@@ -47,6 +48,12 @@ SettingSummary summary_of(const Folds& folds) {
 }
 
 }  // namespace
+
+Spread spread_of(std::vector<double> values) {
+  std::erase_if(values, [](double value) { return std::isnan(value); });
+  std::sort(values.begin(), values.end());
+  return {quantile(values, 0.5), quantile(values, 0.75) - quantile(values, 0.25)};
+}
 
 std::vector<SettingSummary> summarise(std::span<const JobResult> results) {
   std::map<decltype(row_key(Job{})), Folds> rows;

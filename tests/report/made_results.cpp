@@ -35,10 +35,8 @@ std::vector<study::SpeedErrors> speeds_of(const MadeJob& job) {
 
 study::GainStatistics gain_of(const MadeJob& job) {
   study::GainStatistics gain;
-  if (!job.fusion) {
-    gain.mean = gain.deviation = gain.median = gain.below_002 = gain.above_098 = unknown;
-    return gain;
-  }
+  if (!job.fusion) return gain;
+  gain.deviation = 0.0;
   gain.histogram[static_cast<std::size_t>(job.gain * study::GainStatistics::bins)] = 4 * windows_a_speed;
   gain.mean = gain.median = job.gain;
   gain.below_002 = job.gain < 0.02 ? 1.0 : 0.0;

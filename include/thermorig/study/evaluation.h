@@ -57,8 +57,8 @@ struct SpeedErrors {
 struct GainStatistics {
   static constexpr std::size_t bins = network::gain_bins;
   std::array<std::uint64_t, bins> histogram{};  // of width 0.05; 1.0 lies in the last
-  double mean = 0.0, deviation = 0.0, median = 0.0;
-  double below_002 = 0.0, above_098 = 0.0;  // shares: a collapsed gate
+  double mean = unknown, deviation = unknown, median = unknown;
+  double below_002 = unknown, above_098 = unknown;  // shares: a collapsed gate
 
   std::uint64_t windows() const;  // sum of the histogram; 0: all else is NaN
 };
@@ -110,8 +110,8 @@ struct EvaluationConfig {
   std::size_t angle_points = 300;  // at most so many points a line, at least 2
 };
 
-/// Evaluates rates against labels. `acquisitions` are those that the windows point into; the windows of an
-/// acquisition stand together, in ascending order. Deterministic.
+/// Evaluates rates against labels. `acquisitions` are those that the windows point into; windows are in
+/// ascending order, by acquisition and newest frame. Deterministic.
 Evaluation evaluate(std::span<const JudgedWindow> judged, std::span<const windows::Acquisition> acquisitions,
                     const EvaluationConfig& config = {});
 
