@@ -19,22 +19,15 @@ namespace {
 
 using windows::Acquisition;
 
-std::vector<training::WindowEstimate> estimates_of(const model::Model& model,
-                                                   const std::vector<Acquisition>& acquisitions) {
+std::vector<study::JudgedWindow> judged_by(const model::Model& model,
+                                           const std::vector<Acquisition>& acquisitions) {
   const std::vector<windows::Window> windows =
       windows::find_windows(acquisitions, model.weights.shape.frames);
   if (windows.empty())
     throw Error(ExitCode::bad_usage,
                 fmt::format("the sessions have no window of {} valid frames", model.weights.shape.frames), "",
                 "thermorig inspect --check says what is wrong with them");
-  return training::predict(model, acquisitions, windows);
-}
-
-study::EvaluationConfig config_of(const model::Model& model) {
-  study::EvaluationConfig config;
-  config.label_scale_dps = double{model.scaling.label_scale_dps};
-  config.fusion = model.weights.shape.fusion;
-  return config;
+  return study::judged_windows(model, acquisitions, windows);
 }
 
 /// Tested acquisitions that the model knows already.
@@ -51,16 +44,12 @@ std::vector<std::string> seen_in_training(const model::Model& model,
   return seen;
 }
 
-const study::Errors& errors_of(const study::Evaluation& evaluation, study::Estimator estimator) {
-  return evaluation.errors[static_cast<std::size_t>(estimator)];
-}
-
-/// Who a fusion ought to beat, and does not; in words, empty if it does.
-std::string better_gyro(const study::Evaluation& evaluation) {
-  const double fusion = errors_of(evaluation, study::Estimator::fusion).mse;
-  if (errors_of(evaluation, study::Estimator::gyro).mse < fusion) return "the gyro alone";
-  const bool unbiased = errors_of(evaluation, study::Estimator::gyro_unbiased).mse < fusion;
-  return unbiased ? "the gyro with its static bias removed" : "";
+/// Those that need no network, and that a fusion ought to beat and does not.
+std::vector<std::string> better_baselines(const study::Evaluation& evaluation) {
+  std::vector<std::string> better;
+  for (const std::string& name : study::baselines())
+    if (evaluation.errors[name].mse < evaluation.errors[study::fusion_name].mse) better.push_back(name);
+  return better;
 }
 
 std::vector<std::string> warnings_of(const model::Model& model, const ModelEvaluation& evaluated,
@@ -76,8 +65,10 @@ std::vector<std::string> warnings_of(const model::Model& model, const ModelEvalu
         fmt::format("the gate has collapsed (mean Kg {}): {}", gain_text(evaluated.evaluation.gain.mean),
                     evaluated.evaluation.gain.mean < 0.5 ? "the gyro alone decides, the images are not used"
                                                          : "the images alone decide, the gyro is not used"));
-  if (const std::string better = better_gyro(evaluated.evaluation); !better.empty())
-    warnings.push_back(better + " has a lower MSE than the fusion");
+  const std::vector<std::string> better = better_baselines(evaluated.evaluation);
+  if (!better.empty())
+    warnings.push_back(fmt::format("without a network, {} {} a lower MSE than {}", fmt::join(better, ", "),
+                                   better.size() == 1 ? "has" : "have", study::fusion_name));
   return warnings;
 }
 
@@ -95,9 +86,9 @@ ExitCode evaluate_model(const EvaluateOptions& options) {
   const model::Model model = model::read_model(options.model);
   const dataset::Acquisitions data = read_data(words_of(options));
   const std::vector<Acquisition>& acquisitions = data.acquisitions;
-  const std::vector<training::WindowEstimate> estimates = estimates_of(model, acquisitions);
   ModelEvaluation evaluated;
-  evaluated.evaluation = study::evaluate(estimates, acquisitions, config_of(model));
+  evaluated.evaluation = study::evaluate(judged_by(model, acquisitions), acquisitions,
+                                         {.label_scale_dps = double{model.scaling.label_scale_dps}});
   evaluated.warnings = warnings_of(model, evaluated, acquisitions);
   if (!options.output.empty()) write_model_report(options.output, model, evaluated.evaluation);
   if (options.json) {

@@ -14,11 +14,6 @@ namespace thermorig::app {
 namespace {
 
 using study::Errors;
-using study::Estimator;
-
-std::size_t index_of(Estimator estimator) {
-  return static_cast<std::size_t>(estimator);
-}
 
 std::string simulated_text(bool simulated) {
   return simulated ? ", SIMULATED rig" : "";
@@ -47,21 +42,28 @@ std::string tested_text(const ModelEvaluation& evaluated) {
 std::string errors_text(const study::Evaluation& evaluation) {
   Table table(
       {"estimator", ">windows", ">MSE", ">RMSE deg/s", ">median", ">95 %", "> >30 deg/s", ">mean error"});
-  for (const Estimator estimator : study::all_estimators) {
-    const Errors& errors = evaluation.errors[index_of(estimator)];
-    table.add({study::name_of(estimator), count_text(errors.windows), mse_text(errors.mse),
-               rate_text(errors.rmse_dps), rate_text(errors.median_dps), rate_text(errors.p95_dps),
-               percent_text(errors.outlier_share), rate_text(errors.bias_dps)});
+  for (const std::string& name : study::all_estimators()) {
+    const Errors& errors = evaluation.errors[name];
+    table.add({name, count_text(errors.windows), mse_text(errors.mse), rate_text(errors.rmse_dps),
+               rate_text(errors.median_dps), rate_text(errors.p95_dps), percent_text(errors.outlier_share),
+               rate_text(errors.bias_dps)});
   }
   return table.text() + "\n";
 }
 
-/// MSE beside RMSE: one column an estimator.
+/// A table with a column an estimator, between these.
+Table estimator_table(std::vector<std::string> header, const std::vector<std::string>& last) {
+  for (const std::string& name : study::all_estimators()) header.push_back(">" + name);
+  header.insert(header.end(), last.begin(), last.end());
+  return Table(header);
+}
+
+/// MSE beside RMSE.
 std::string environments_text(const std::vector<study::EnvironmentErrors>& environments) {
-  Table table({"environment", ">acquisitions", ">thermal-only", ">fusion", ">gyro", ">gyro, bias removed"});
+  Table table = estimator_table({"environment", ">acquisitions"}, {});
   for (const study::EnvironmentErrors& environment : environments) {
     std::vector<std::string> row{environment.name, std::to_string(environment.acquisitions)};
-    for (const Errors& errors : environment.errors)
+    for (const Errors& errors : environment.errors.values())
       row.push_back(fmt::format("{} ({})", mse_text(errors.mse), rate_text(errors.rmse_dps)));
     table.add(row);
   }
@@ -76,30 +78,15 @@ std::string gate_text(const study::GainStatistics& gain) {
 }
 
 std::string angles_text(const study::Evaluation& evaluation) {
-  Table table(
-      {"drift of the angle, deg/min", ">thermal-only", ">fusion", ">gyro", ">gyro, bias removed", ">over"});
+  Table table = estimator_table({"drift of the angle, deg/min"}, {">over"});
   for (std::size_t i = 0; i < evaluation.angles.size(); ++i) {
     std::vector<std::string> row{evaluation.names[i]};
-    for (const double drift : evaluation.angles[i].drift_deg_per_min) row.push_back(angle_text(drift));
+    for (const double drift : evaluation.angles[i].drift_deg_per_min.values())
+      row.push_back(angle_text(drift));
     row.push_back(duration_text(evaluation.angles[i].integrated_s));
     table.add(row);
   }
   return table.text();
-}
-
-/// Keys as in the report.
-nlohmann::json json_of(const Errors& errors) {
-  return {{"windows", errors.windows},   {"mse", errors.mse},
-          {"rmse_dps", errors.rmse_dps}, {"median_dps", errors.median_dps},
-          {"p95_dps", errors.p95_dps},   {"outlier_share", errors.outlier_share},
-          {"bias_dps", errors.bias_dps}};
-}
-
-nlohmann::json json_of(const study::EnvironmentErrors& environment) {
-  nlohmann::json errors;
-  for (const Estimator estimator : study::all_estimators)
-    errors[study::field_name_of(estimator)] = json_of(environment.errors[index_of(estimator)]);
-  return {{"name", environment.name}, {"acquisitions", environment.acquisitions}, {"errors", errors}};
 }
 
 }  // namespace
@@ -120,9 +107,6 @@ nlohmann::json model_json(const model::Model& model, const ModelEvaluation& eval
   object["exit_code"] = 0;
   object["simulated"] = evaluated.evaluation.simulated;
   object["warnings"] = evaluated.warnings;
-  nlohmann::json& environments = object["environments"] = nlohmann::json::array();
-  for (const study::EnvironmentErrors& environment : evaluated.evaluation.environments)
-    environments.push_back(json_of(environment));
   return object;
 }
 

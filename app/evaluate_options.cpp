@@ -62,8 +62,8 @@ void add_study_words(CLI::App& command, EvaluateOptions& options) {
       ->group(group);
   command
       .add_flag("--baselines", options.baselines,
-                "With --study: compute the gyro's rows of the results in DIR again, from the sessions that "
-                "they are of; trains nothing")
+                "With --study: compute the rows that need no training in the results in DIR again, from "
+                "the sessions that they are of")
       ->group(group);
 }
 

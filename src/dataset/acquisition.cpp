@@ -2,11 +2,10 @@
 #include <fmt/format.h>
 
 #include <cassert>
-#include <cmath>
-#include <limits>
 #include <map>
 
 #include "data_hash.h"
+#include "rates_without_network.h"
 #include "session_name.h"
 #include "thermorig/dataset/dataset.h"
 #include "thermorig/windows/soundness.h"
@@ -16,15 +15,6 @@ namespace thermorig::dataset {
 namespace {
 
 using windows::Acquisition;
-
-void reserve(Acquisition& acquisition, std::size_t frames) {
-  acquisition.temp_c.reserve(frames * frame_pixels);
-  acquisition.label_dps.reserve(frames);
-  acquisition.gyro_dps.reserve(frames);
-  acquisition.time.reserve(frames);
-  acquisition.run.reserve(frames);
-  acquisition.leg_rate_dps.reserve(frames);
-}
 
 std::map<std::uint16_t, float> leg_rates(const std::vector<LegRecord>& legs) {
   std::map<std::uint16_t, float> rates;
@@ -42,7 +32,7 @@ void append(Acquisition& acquisition, const LabelledSample& sample, const Therma
 
 void append_samples(Acquisition& acquisition, const session::Session& session) {
   const std::map<std::uint16_t, float> rates = leg_rates(session.raw.legs);
-  reserve(acquisition, session.samples.size());
+  acquisition.temp_c.reserve(session.samples.size() * frame_pixels);
   assert(session.samples.size() == session.frames.size());
   for (std::size_t i = 0; i < session.samples.size(); ++i) {
     const LabelledSample& sample = session.samples[i];
@@ -50,12 +40,6 @@ void append_samples(Acquisition& acquisition, const session::Session& session) {
     const auto rate = rates.find(sample.leg);
     acquisition.leg_rate_dps.push_back(sample.leg == 0 || rate == rates.end() ? 0.0F : rate->second);
   }
-}
-
-/// A file may hold any number.
-double rest_bias_dps(const GyroErrors& errors) {
-  const double bias_dps = errors.bias_before_dps.value_or(std::numeric_limits<double>::quiet_NaN());
-  return std::isfinite(bias_dps) ? bias_dps : std::numeric_limits<double>::quiet_NaN();
 }
 
 }  // namespace
@@ -69,7 +53,7 @@ Acquisition acquisition_of(const session::Session& session, const std::string& n
                           .licence = header.licence.empty() ? "not stated" : header.licence};
   append_samples(acquisition, session);
   windows::clear_unsound_frames(acquisition);
-  acquisition.rest_bias_dps = rest_bias_dps(session.sync.gyro);
+  acquisition.rates = rates_without_network(session);
   acquisition.hash = data_hash(acquisition);
   return acquisition;
 }

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "seconds_between.h"
 #include "thermorig/core/estimate.h"
@@ -25,7 +24,7 @@ bool is_known(const EstimateRow& row, const windows::Acquisition& finished, doub
 /// Unknown for a frame that has too few before it.
 float label_at(const windows::Acquisition& finished, std::uint32_t frame, int frames) {
   if (std::size_t{frame} + 1 < static_cast<std::size_t>(frames)) return unknown_dps;
-  return windows::rates_of(finished, {0, frame}, frames).label_dps;
+  return windows::mean_rate(finished.label_dps, {0, frame}, frames);
 }
 
 /// Is the frame the last one of a window?

@@ -3,68 +3,59 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <optional>
 
 #include "recent_errors.h"
 #include "seconds_between.h"
-#include "thermorig/core/estimate.h"
 #include "thermorig/core/statistics.h"
+#include "thermorig/estimators/errors.h"
 #include "thermorig/network/gate.h"
 
 namespace thermorig::live {
 
 namespace {
 
-constexpr double seconds_a_minute = 60.0;
 constexpr double drift_after_s = 1.0;
 constexpr std::uint64_t gate_patience = 64;  // counted frames
 
 /// Of one estimator.
 struct EstimatorSums {
   std::string name;
-  std::uint64_t frames = 0;
-  double squares = 0.0;  // (deg/s)^2
-  RecentErrors recent;   // normalised
-  double angle_deg = 0.0;
-  double integrated_s = 0.0;
+  estimators::RateErrors errors;
+  RecentErrors recent;  // normalised
+  estimators::AngleError angle;
 
   void add(HostTime time, double error_dps, double step_s, double label_scale_dps) {
-    ++frames;
-    squares += error_dps * error_dps;
+    errors.add(error_dps);
     recent.add(time, error_dps * error_dps / (label_scale_dps * label_scale_dps));
-    angle_deg += error_dps * step_s;
-    integrated_s += step_s;
+    angle.add(error_dps, step_s);
   }
 
   EstimatorScores scores(double label_scale_dps) const;
 };
 
 EstimatorScores EstimatorSums::scores(double label_scale_dps) const {
-  const double mean_square = frames > 0 ? squares / static_cast<double>(frames) : unknown;
   const std::vector<double>& sorted = recent.sorted();
   return {.name = name,
-          .frames = frames,
-          .mse = mean_square / (label_scale_dps * label_scale_dps),
-          .rmse_dps = std::sqrt(mean_square),
+          .frames = errors.count(),
+          .mse = errors.mse(label_scale_dps),
+          .rmse_dps = errors.rmse_dps(),
           .recent = sorted.size(),
           .recent_median_mse = quantile(sorted, 0.5),
           .recent_iqr_mse = quantile(sorted, 0.75) - quantile(sorted, 0.25),
-          .angle_error_deg = frames > 0 ? angle_deg : unknown,
-          .drift_deg_per_min =
-              integrated_s < drift_after_s ? unknown : seconds_a_minute * angle_deg / integrated_s};
+          .angle_error_deg = errors.count() > 0 ? angle.angle_deg() : unknown,
+          .drift_deg_per_min = angle.integrated_s() < drift_after_s ? unknown : angle.drift_deg_per_min()};
 }
 
 /// Gains of the counted frames.
 struct GainSums {
-  std::array<std::uint64_t, 20> histogram{};
+  std::array<std::uint64_t, network::gain_bins> histogram{};
   std::uint64_t frames = 0;
   double sum = 0.0;
   std::uint64_t closed = 0, open = 0;  // how many of the last in a row
 
   void add(double gain) {
-    const auto bin = static_cast<std::size_t>(gain * static_cast<double>(histogram.size()));
-    ++histogram[std::min(bin, histogram.size() - 1)];
+    ++histogram[network::gain_bin(gain)];
     ++frames;
     sum += gain;
     closed = gain < network::closed_gate ? closed + 1 : 0;
@@ -141,7 +132,7 @@ void Scorer::add(const EstimateRow& row) {
 
 void Scorer::reset_angle() {
   parts_->integrated_s = 0.0;
-  for (EstimatorSums& sums : parts_->estimators) sums.angle_deg = sums.integrated_s = 0.0;
+  for (EstimatorSums& sums : parts_->estimators) sums.angle = {};
 }
 
 LiveScores Scorer::scores() const {

@@ -8,8 +8,6 @@
 namespace thermorig::report {
 namespace {
 
-using study::Estimator;
-
 std::string drift_cell(const FoldDrift& drift) {
   return fmt::format("{} ({})", rate_text(drift.deg_per_min), angle_text(drift.worst_deg));
 }
@@ -21,16 +19,15 @@ Table drift_table(const StudyView& view) {
       "{}",
       view.reference_text(), view.ours());
   table.header = {"fold"};
-  for (const Estimator estimator : study::all_estimators) table.header.push_back(label_of(estimator));
+  table.header.insert(table.header.end(), view.estimators.begin(), view.estimators.end());
   for (const std::string& fold : view.folds) {
     std::vector<std::string> row{clean(fold)};
-    for (const Estimator estimator : study::all_estimators)
-      row.push_back(drift_cell(drift_of(view, estimator, fold)));
+    for (const std::string& name : view.estimators) row.push_back(drift_cell(drift_of(view, name, fold)));
     table.rows.push_back(row);
   }
   std::vector<std::string> last{"median |drift| (worst of all)"};
-  for (const Estimator estimator : study::all_estimators) {
-    const DriftSummary drift = drift_summary(view, estimator);
+  for (const std::string& name : view.estimators) {
+    const DriftSummary drift = drift_summary(view, name);
     last.push_back(drift_cell({drift.median_deg_per_min, drift.worst_deg}));
   }
   table.rows.push_back(last);
@@ -39,9 +36,8 @@ Table drift_table(const StudyView& view) {
 
 std::vector<EstimatorTrack> tracks_of(const StudyView& view, const std::string& fold) {
   std::vector<EstimatorTrack> tracks;
-  for (const Estimator estimator : study::all_estimators)
-    if (const study::JobResult* result = track_of(view, estimator, fold))
-      tracks.push_back({estimator, &result->evaluation.angles.front()});
+  for (const std::string& name : view.estimators)
+    if (const study::AngleTrack* track = track_of(view, name, fold)) tracks.push_back({name, track});
   return tracks;
 }
 
@@ -52,16 +48,12 @@ Chart angle_chart(const std::string& title, const std::vector<EstimatorTrack>& t
   chart.title = title;
   chart.label = "Error of the integrated angle over time, a line an estimator. Drift and worst error:";
   auto lines = nlohmann::json::array();
-  for (const auto& [estimator, track] : tracks) {
-    const auto index = static_cast<std::size_t>(estimator);
-    if (track->error_deg[index].empty()) continue;
-    chart.label +=
-        fmt::format(" {} {} deg/min, {} deg;", label_of(estimator),
-                    rate_text(track->drift_deg_per_min[index]), angle_text(track->worst_deg[index]));
-    lines.push_back({{"name", label_of(estimator)},
-                     {"key", series_key(estimator)},
-                     {"x", drawn(track->time_s)},
-                     {"y", drawn(track->error_deg[index])}});
+  for (const auto& [name, track] : tracks) {
+    if (track->error_deg[name].empty()) continue;
+    chart.label += fmt::format(" {} {} deg/min, {} deg;", name, rate_text(track->drift_deg_per_min[name]),
+                               angle_text(track->worst_deg[name]));
+    lines.push_back(
+        {{"name", name}, {"key", name}, {"x", drawn(track->time_s)}, {"y", drawn(track->error_deg[name])}});
   }
   chart.label.back() = '.';
   chart.data = {{"kind", "lines"}, {"x", "integrated time, s"}, {"y", "angle error, deg"}, {"lines", lines}};

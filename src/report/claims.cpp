@@ -58,17 +58,12 @@ std::string judging_text(const StudyView& view) {
 }
 
 std::vector<Claim> claims_of(const StudyView& view) {
-  return {lower_median_claim(view),
-          smaller_spread_claim(view),
-          growth_claim(view, false),
-          growth_claim(view, true),
-          less_growth_claim(view),
-          best_frames_claim(view, false),
-          best_frames_claim(view, true),
-          drift_claim(view),
-          gain_peak_claim(view),
-          beats_gyro_claim(view, study::Estimator::gyro),
-          beats_gyro_claim(view, study::Estimator::gyro_unbiased)};
+  std::vector<Claim> claims{
+      lower_median_claim(view),      smaller_spread_claim(view), growth_claim(view, false),
+      growth_claim(view, true),      less_growth_claim(view),    best_frames_claim(view, false),
+      best_frames_claim(view, true), drift_claim(view),          gain_peak_claim(view)};
+  for (const std::string& name : view.baselines) claims.push_back(beats_claim(view, name));
+  return claims;
 }
 
 }  // namespace thermorig::report

@@ -38,6 +38,6 @@ Claim less_growth_claim(const StudyView& view);
 Claim best_frames_claim(const StudyView& view, bool fusion);
 Claim drift_claim(const StudyView& view);
 Claim gain_peak_claim(const StudyView& view);
-Claim beats_gyro_claim(const StudyView& view, study::Estimator gyro);
+Claim beats_claim(const StudyView& view, const std::string& baseline);
 
 }  // namespace thermorig::report

@@ -54,8 +54,8 @@ Chart cost_chart(const StudyView& view, const Cost& cost) {
                 {"y", cost.title},
                 {"categories", categories},
                 {"bars",
-                 {{{"name", "thermal-only"}, {"key", "thermal"}, {"values", thermal}},
-                  {{"name", "fusion"}, {"key", "fusion"}, {"values", fusion}}}}};
+                 {{{"name", "thermal-only"}, {"key", study::thermal_name}, {"values", thermal}},
+                  {{"name", "fusion"}, {"key", study::fusion_name}, {"values", fusion}}}}};
   return chart;
 }
 

@@ -1,24 +1,22 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include <limits>
-
 #include "study_view.h"
 
 namespace thermorig::report {
 
 /// How far an integrated estimate goes wrong on one fold.
 struct FoldDrift {
-  double deg_per_min = std::numeric_limits<double>::quiet_NaN();
-  double worst_deg = std::numeric_limits<double>::quiet_NaN();
+  double deg_per_min = unknown;
+  double worst_deg = unknown;
 };
 
-/// At the reference setting. Thermal-only's is of the thermal-only network, fusion's of the fused one, the
-/// gyro's of either.
-FoldDrift drift_of(const StudyView& view, study::Estimator estimator, const std::string& fold);
+/// At the reference setting, of StudyView::job_of().
+FoldDrift drift_of(const StudyView& view, const std::string& estimator, const std::string& fold);
 
-/// The result whose angle track shows this estimator on a fold, nothing if no job has it.
-const study::JobResult* track_of(const StudyView& view, study::Estimator estimator, const std::string& fold);
+/// The angle track that shows this estimator on a fold, nothing if no job has it.
+const study::AngleTrack* track_of(const StudyView& view, const std::string& estimator,
+                                  const std::string& fold);
 
 /// Median over folds of |deg/min|, and the largest worst; NaN without folds.
 struct DriftSummary {
@@ -26,7 +24,7 @@ struct DriftSummary {
   double worst_deg = 0.0;
   std::size_t folds = 0;
 };
-DriftSummary drift_summary(const StudyView& view, study::Estimator estimator);
+DriftSummary drift_summary(const StudyView& view, const std::string& estimator);
 
 /// Median |deg/min| over the folds of one seed's fused networks.
 double fusion_drift(const StudyView& view, std::uint64_t seed);

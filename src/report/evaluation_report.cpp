@@ -14,12 +14,12 @@ namespace thermorig::report {
 namespace {
 
 using model::Model;
-using study::Estimator;
 using study::Evaluation;
 
-std::vector<Estimator> estimators_of(const Model& model) {
-  if (model.weights.shape.fusion) return {study::all_estimators.begin(), study::all_estimators.end()};
-  return {Estimator::thermal, Estimator::gyro, Estimator::gyro_unbiased};
+std::vector<std::string> estimators_of(const Model& model) {
+  std::vector<std::string> names(study::all_estimators().begin(), study::all_estimators().end());
+  if (!model.weights.shape.fusion) std::erase(names, study::fusion_name);
+  return names;
 }
 
 std::string names_of(const std::vector<model::Provenance::Data>& data) {
@@ -55,10 +55,10 @@ Section errors_section(const Model& model, const Evaluation& evaluation) {
                               model.scaling.label_scale_dps);
   table.header = {"estimator",       "windows",        "MSE",       "RMSE", "median |error|",
                   "95th percentile", "above 30 deg/s", "mean error"};
-  for (const Estimator estimator : estimators_of(model)) {
-    const study::Errors& errors = evaluation.errors[static_cast<std::size_t>(estimator)];
-    table.rows.push_back({label_of(estimator), count_text(errors.windows), mse_text(errors.mse),
-                          rate_text(errors.rmse_dps), rate_text(errors.median_dps), rate_text(errors.p95_dps),
+  for (const std::string& name : estimators_of(model)) {
+    const study::Errors& errors = evaluation.errors[name];
+    table.rows.push_back({name, count_text(errors.windows), mse_text(errors.mse), rate_text(errors.rmse_dps),
+                          rate_text(errors.median_dps), rate_text(errors.p95_dps),
                           share_text(errors.outlier_share), rate_text(errors.bias_dps)});
   }
   return {"Errors", {table}};
@@ -75,9 +75,9 @@ Section gain_section(const study::GainStatistics& gain) {
 }
 
 std::vector<EstimatorTrack> tracks_of(const study::AngleTrack& track,
-                                      const std::vector<Estimator>& estimators) {
+                                      const std::vector<std::string>& estimators) {
   std::vector<EstimatorTrack> tracks;
-  for (const Estimator estimator : estimators) tracks.push_back({estimator, &track});
+  for (const std::string& name : estimators) tracks.push_back({name, &track});
   return tracks;
 }
 
@@ -88,17 +88,16 @@ Section angles_section(const Model& model, const Evaluation& evaluation) {
   Table table;
   table.caption = "Drift in deg/min and, in brackets, the worst angle error in deg";
   table.header = {"acquisition"};
-  for (const Estimator estimator : estimators) table.header.push_back(label_of(estimator));
+  table.header.insert(table.header.end(), estimators.begin(), estimators.end());
   for (std::size_t i = 0; i < evaluation.angles.size(); ++i) {
     const study::AngleTrack& track = evaluation.angles[i];
-    const std::string name = i < evaluation.names.size() ? clean(evaluation.names[i]) : std::to_string(i + 1);
-    charts.charts.push_back(angle_chart(name, tracks_of(track, estimators)));
-    std::vector<std::string> row{name};
-    for (const Estimator estimator : estimators) {
-      const auto index = static_cast<std::size_t>(estimator);
-      row.push_back(fmt::format("{} ({})", rate_text(track.drift_deg_per_min[index]),
-                                angle_text(track.worst_deg[index])));
-    }
+    const std::string title =
+        i < evaluation.names.size() ? clean(evaluation.names[i]) : std::to_string(i + 1);
+    charts.charts.push_back(angle_chart(title, tracks_of(track, estimators)));
+    std::vector<std::string> row{title};
+    for (const std::string& name : estimators)
+      row.push_back(fmt::format("{} ({})", rate_text(track.drift_deg_per_min[name]),
+                                angle_text(track.worst_deg[name])));
     table.rows.push_back(row);
   }
   return {"Angle by integration", {charts, table}};
@@ -133,15 +132,17 @@ std::string evaluation_html(const Model& model, const Evaluation& evaluation) {
 std::string evaluation_json(const Model& model, const Evaluation& evaluation) {
   using nlohmann::json;
   const network::Shape& shape = model.weights.shape;
-  json errors, angles = json::array();
-  for (const Estimator estimator : estimators_of(model))
-    errors[series_key(estimator)] = errors_json(evaluation.errors[static_cast<std::size_t>(estimator)]);
+  json environments = json::array(), angles = json::array();
+  for (const study::EnvironmentErrors& environment : evaluation.environments)
+    environments.push_back({{"name", environment.name},
+                            {"acquisitions", environment.acquisitions},
+                            {"errors", errors_json(environment.errors)}});
   for (std::size_t i = 0; i < evaluation.angles.size(); ++i) {
     angles.push_back(drift_json(evaluation.angles[i]));
     if (i < evaluation.names.size()) angles.back()["name"] = evaluation.names[i];
   }
   return json_text({{"format", "thermorig-evaluation-report"},
-                    {"version", 1},
+                    {"version", 2},
                     {"model",
                      {{"frames", shape.frames},
                       {"reduction", shape.reduction},
@@ -153,7 +154,8 @@ std::string evaluation_json(const Model& model, const Evaluation& evaluation) {
                       {"simulated", model.provenance.simulated}}},
                     {"label_scale_dps", model.scaling.label_scale_dps},
                     {"acquisitions", evaluation.names},
-                    {"errors", errors},
+                    {"errors", errors_json(evaluation.errors)},
+                    {"environments", environments},
                     {"speeds", speeds_json(evaluation.speeds)},
                     {"gain", gain_json(evaluation.gain)},
                     {"angles", angles}});

@@ -14,12 +14,12 @@ Table setup_table(const StudyView& view, bool fusion) {
   table.header = {"fold"};
   for (const Setting& setting : view.settings())
     table.header.push_back(setting_text(setting.frames, setting.reduction));
-  const auto index = static_cast<std::size_t>(estimator_of(fusion));
   for (const std::string& fold : view.folds) {
     std::vector<std::string> row{clean(fold)};
     for (const Setting& setting : view.settings()) {
       const study::JobResult* result = view.job(setting, fusion, fold);
-      row.push_back(result == nullptr ? no_result : mse_text(result->evaluation.errors[index].mse));
+      row.push_back(result == nullptr ? no_result
+                                      : mse_text(result->evaluation.errors[estimator_of(fusion)].mse));
     }
     table.rows.push_back(row);
   }
@@ -38,19 +38,18 @@ Table detail_table(const StudyView& view) {
                   " in deg/s: RMSE / median |error| / 95th percentile / |error| above 30 deg/s / mean "
                   "error";
   table.header = {"fold", "windows"};
-  for (const auto estimator : study::all_estimators) table.header.push_back(label_of(estimator));
+  table.header.insert(table.header.end(), view.estimators.begin(), view.estimators.end());
   for (const std::string& fold : view.folds) {
     const study::JobResult* thermal = view.job(view.reference, false, fold);
-    const study::JobResult* fusion = view.job(view.reference, true, fold);
-    const study::JobResult* any = fusion != nullptr ? fusion : thermal;
-    if (any == nullptr) continue;
-    const auto& gyro = any->evaluation.errors;
-    table.rows.push_back({clean(fold),
-                          count_text(thermal != nullptr ? thermal->evaluation.errors[0].windows
-                                                        : any->evaluation.errors[1].windows),
-                          thermal == nullptr ? no_result : detail_cell(thermal->evaluation.errors[0]),
-                          fusion == nullptr ? no_result : detail_cell(fusion->evaluation.errors[1]),
-                          detail_cell(gyro[2]), detail_cell(gyro[3])});
+    const study::JobResult* own = thermal != nullptr ? thermal : view.job(view.reference, true, fold);
+    if (own == nullptr) continue;
+    std::vector<std::string> row{clean(fold),
+                                 count_text(own->evaluation.errors[estimator_of(own->job.fusion)].windows)};
+    for (const std::string& name : view.estimators) {
+      const study::JobResult* result = view.job_of(name, fold);
+      row.push_back(result == nullptr ? no_result : detail_cell(result->evaluation.errors[name]));
+    }
+    table.rows.push_back(row);
   }
   return table;
 }

@@ -1,18 +1,27 @@
 // SPDX-License-Identifier: MIT
 #include "json_values.h"
 
+#include <fmt/format.h>
+
+#include <cmath>
+#include <cstdlib>
+
 #include "gain_figures.h"
-#include "sections.h"
 
 namespace thermorig::report {
 
 using nlohmann::json;
 
-json errors_json(const study::Errors& errors) {
-  return {{"windows", errors.windows},   {"mse", errors.mse},
-          {"rmse_dps", errors.rmse_dps}, {"median_dps", errors.median_dps},
-          {"p95_dps", errors.p95_dps},   {"outlier_share", errors.outlier_share},
-          {"bias_dps", errors.bias_dps}};
+json errors_json(const study::PerEstimator<study::Errors>& errors) {
+  json by_name;
+  for (const std::string& name : study::all_estimators()) {
+    const study::Errors& one = errors[name];
+    by_name[name] = {{"windows", one.windows},   {"mse", one.mse},
+                     {"rmse_dps", one.rmse_dps}, {"median_dps", one.median_dps},
+                     {"p95_dps", one.p95_dps},   {"outlier_share", one.outlier_share},
+                     {"bias_dps", one.bias_dps}};
+  }
+  return by_name;
 }
 
 json gain_json(const study::GainStatistics& gain) {
@@ -27,8 +36,7 @@ json speeds_json(const std::vector<study::SpeedErrors>& speeds) {
   json array = json::array();
   for (const study::SpeedErrors& speed : speeds) {
     json mse;
-    for (const study::Estimator estimator : study::all_estimators)
-      mse[series_key(estimator)] = speed.mse[static_cast<std::size_t>(estimator)];
+    for (const std::string& name : study::all_estimators()) mse[name] = speed.mse[name];
     array.push_back({{"rate_dps", speed.rate_dps}, {"windows", speed.windows}, {"mse", mse}});
   }
   return array;
@@ -36,12 +44,21 @@ json speeds_json(const std::vector<study::SpeedErrors>& speeds) {
 
 json drift_json(const study::AngleTrack& track) {
   json drift;
-  for (const study::Estimator estimator : study::all_estimators) {
-    const auto index = static_cast<std::size_t>(estimator);
-    drift[series_key(estimator)] = {{"drift_deg_per_min", track.drift_deg_per_min[index]},
-                                    {"worst_deg", track.worst_deg[index]}};
-  }
+  for (const std::string& name : study::all_estimators())
+    drift[name] = {{"drift_deg_per_min", track.drift_deg_per_min[name]},
+                   {"worst_deg", track.worst_deg[name]}};
   return {{"integrated_s", track.integrated_s}, {"estimators", drift}};
+}
+
+json drawn(double value) {
+  if (!std::isfinite(value)) return nullptr;
+  return std::strtod(fmt::format("{:.4g}", value).c_str(), nullptr);
+}
+
+json drawn(const std::vector<double>& values) {
+  json array = json::array();
+  for (const double value : values) array.push_back(drawn(value));
+  return array;
 }
 
 std::string json_text(const json& value) {

@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <span>
+#include <string>
 #include <vector>
 
 #include "document.h"
+#include "json_values.h"
 #include "study_view.h"
 
 namespace thermorig::report {
@@ -23,23 +26,16 @@ Section folds_section(const StudyView& view);
 
 /// Errors by speed, both directions of a magnitude in one row, of any number of evaluations together.
 std::vector<Block> speed_blocks(const std::vector<study::SpeedErrors>& speeds, double label_scale_dps,
-                                const std::vector<study::Estimator>& estimators);
+                                std::span<const std::string> estimators);
 
 /// Histogram of Kg.
 Chart gain_chart(const std::string& title, const study::GainStatistics& gain);
 
-/// Angle errors over integrated time. `tracks`: one an estimator, null for none.
+/// Angle errors over integrated time. `tracks`: one an estimator.
 struct EstimatorTrack {
-  study::Estimator estimator;
+  std::string estimator;
   const study::AngleTrack* track;
 };
 Chart angle_chart(const std::string& title, const std::vector<EstimatorTrack>& tracks);
-
-/// Stable name of an estimator in charts and JSON: "thermal", "fusion", "gyro", "gyro_unbiased".
-std::string series_key(study::Estimator estimator);
-
-/// The number with four significant digits, null if it is not finite: for drawing.
-nlohmann::json drawn(double value);
-nlohmann::json drawn(const std::vector<double>& values);
 
 }  // namespace thermorig::report

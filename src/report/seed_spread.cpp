@@ -8,11 +8,11 @@
 namespace thermorig::report {
 
 double median_of(const study::SettingSummary& summary) {
-  return summary.mse[static_cast<std::size_t>(estimator_of(summary.fusion))].median;
+  return summary.mse[estimator_of(summary.fusion)].median;
 }
 
 double iqr_of(const study::SettingSummary& summary) {
-  return summary.mse[static_cast<std::size_t>(estimator_of(summary.fusion))].iqr;
+  return summary.mse[estimator_of(summary.fusion)].iqr;
 }
 
 std::vector<const study::SettingSummary*> reference_seeds(const StudyView& view, bool fusion) {

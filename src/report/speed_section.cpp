@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <map>
 
 #include "sections.h"
@@ -12,7 +11,6 @@
 namespace thermorig::report {
 namespace {
 
-using study::Estimator;
 using study::SpeedErrors;
 
 /// Squared errors of several parts added up, each with its windows; parts without a figure are left out.
@@ -24,40 +22,30 @@ struct PooledMse {
     sum += mse * static_cast<double>(count);
     windows += count;
   }
-  double mse() const {
-    return windows == 0 ? std::numeric_limits<double>::quiet_NaN() : sum / static_cast<double>(windows);
-  }
+  double mse() const { return windows == 0 ? unknown : sum / static_cast<double>(windows); }
 };
 
 struct PooledSpeed {
   std::uint64_t windows = 0;
-  std::array<PooledMse, study::estimator_count> errors{};
+  study::PerEstimator<PooledMse> errors;
 };
 
-/// By signed speed, over the folds at the reference setting: thermal-only of its own network, the rest of the
-/// fused one, or of either where only one has results.
+/// By signed speed, over the folds at the reference setting, each estimator's of StudyView::job_of().
 std::vector<SpeedErrors> pooled_speeds(const StudyView& view) {
   std::map<double, PooledSpeed> pooled;
   for (const std::string& fold : view.folds) {
-    const study::JobResult* thermal = view.job(view.reference, false, fold);
-    const study::JobResult* fusion = view.job(view.reference, true, fold);
-    const study::JobResult* any = fusion != nullptr ? fusion : thermal;
+    const study::JobResult* any = view.job_of(study::gyro_name, fold);
     if (any == nullptr) continue;
-    for (const SpeedErrors& speed : any->evaluation.speeds) {
-      pooled[speed.rate_dps].windows += speed.windows;
-      for (const Estimator estimator : {Estimator::fusion, Estimator::gyro, Estimator::gyro_unbiased}) {
-        const auto index = static_cast<std::size_t>(estimator);
-        pooled[speed.rate_dps].errors[index].add(speed.mse[index], speed.windows);
-      }
-    }
-    if (thermal == nullptr) continue;
-    for (const SpeedErrors& speed : thermal->evaluation.speeds)
-      pooled[speed.rate_dps].errors[0].add(speed.mse[0], speed.windows);
+    for (const SpeedErrors& speed : any->evaluation.speeds) pooled[speed.rate_dps].windows += speed.windows;
+    for (const std::string& name : view.estimators)
+      if (const study::JobResult* result = view.job_of(name, fold))
+        for (const SpeedErrors& speed : result->evaluation.speeds)
+          pooled[speed.rate_dps].errors[name].add(speed.mse[name], speed.windows);
   }
   std::vector<SpeedErrors> speeds;
   for (const auto& [rate_dps, sums] : pooled) {
-    SpeedErrors speed{rate_dps, sums.windows, {}};
-    for (std::size_t i = 0; i < study::estimator_count; ++i) speed.mse[i] = sums.errors[i].mse();
+    SpeedErrors speed{rate_dps, sums.windows};
+    for (const std::string& name : view.estimators) speed.mse[name] = sums.errors[name].mse();
     speeds.push_back(speed);
   }
   return speeds;
@@ -65,38 +53,35 @@ std::vector<SpeedErrors> pooled_speeds(const StudyView& view) {
 
 struct Magnitude {
   std::uint64_t negative = 0, positive = 0;
-  std::array<PooledMse, study::estimator_count> errors{};
+  study::PerEstimator<PooledMse> errors;
 };
 
 Table magnitude_table(const std::vector<SpeedErrors>& speeds, double label_scale_dps,
-                      const std::vector<Estimator>& estimators) {
+                      std::span<const std::string> estimators) {
   std::map<double, Magnitude> magnitudes;
   for (const SpeedErrors& speed : speeds) {
     Magnitude& magnitude = magnitudes[std::abs(speed.rate_dps)];
     (speed.rate_dps < 0.0 ? magnitude.negative : magnitude.positive) += speed.windows;
-    for (std::size_t i = 0; i < study::estimator_count; ++i)
-      magnitude.errors[i].add(speed.mse[i], speed.windows);
+    for (const std::string& name : estimators) magnitude.errors[name].add(speed.mse[name], speed.windows);
   }
   Table table;
   table.caption = "Windows and RMSE in deg/s by commanded speed";
   table.folded = magnitudes.size() > 8;
   table.groups = {{"", 1}, {"windows", 2}, {"RMSE, deg/s", estimators.size()}};
   table.header = {"|speed|, deg/s", "negative", "positive"};
-  for (const Estimator estimator : estimators) table.header.push_back(label_of(estimator));
+  table.header.insert(table.header.end(), estimators.begin(), estimators.end());
   for (const auto& [rate_dps, magnitude] : magnitudes) {
     std::vector<std::string> row{fmt::format("{:g}", rate_dps), count_text(magnitude.negative),
                                  count_text(magnitude.positive)};
-    for (const Estimator estimator : estimators) {
-      const double mse = magnitude.errors[static_cast<std::size_t>(estimator)].mse();
-      row.push_back(rate_text(std::sqrt(mse) * label_scale_dps));
-    }
+    for (const std::string& name : estimators)
+      row.push_back(rate_text(std::sqrt(magnitude.errors[name].mse()) * label_scale_dps));
     table.rows.push_back(row);
   }
   return table;
 }
 
 Chart speed_chart(const std::vector<SpeedErrors>& speeds, double label_scale_dps,
-                  const std::vector<Estimator>& estimators) {
+                  std::span<const std::string> estimators) {
   Chart chart;
   chart.title = "RMSE by commanded speed";
   chart.label = fmt::format(
@@ -104,14 +89,13 @@ Chart speed_chart(const std::vector<SpeedErrors>& speeds, double label_scale_dps
       "figures stand in the table below.",
       speeds.size());
   auto lines = nlohmann::json::array();
-  for (const Estimator estimator : estimators) {
+  for (const std::string& name : estimators) {
     std::vector<double> x, y;
     for (const SpeedErrors& speed : speeds) {
       x.push_back(speed.rate_dps);
-      y.push_back(std::sqrt(speed.mse[static_cast<std::size_t>(estimator)]) * label_scale_dps);
+      y.push_back(std::sqrt(speed.mse[name]) * label_scale_dps);
     }
-    lines.push_back(
-        {{"name", label_of(estimator)}, {"key", series_key(estimator)}, {"x", drawn(x)}, {"y", drawn(y)}});
+    lines.push_back({{"name", name}, {"key", name}, {"x", drawn(x)}, {"y", drawn(y)}});
   }
   chart.data = {{"kind", "lines"},
                 {"x", "commanded speed, deg/s"},
@@ -124,7 +108,7 @@ Chart speed_chart(const std::vector<SpeedErrors>& speeds, double label_scale_dps
 }  // namespace
 
 std::vector<Block> speed_blocks(const std::vector<SpeedErrors>& speeds, double label_scale_dps,
-                                const std::vector<Estimator>& estimators) {
+                                std::span<const std::string> estimators) {
   if (speeds.empty()) return {Paragraph{"No windows with a speed."}};
   const auto [least, most] =
       std::minmax_element(speeds.begin(), speeds.end(),
@@ -139,9 +123,8 @@ std::vector<Block> speed_blocks(const std::vector<SpeedErrors>& speeds, double l
 }
 
 Section speed_section(const StudyView& view) {
-  const std::vector<Estimator> estimators(study::all_estimators.begin(), study::all_estimators.end());
   return {"Error by speed, " + view.reference_text(),
-          speed_blocks(pooled_speeds(view), view.label_scale_dps, estimators)};
+          speed_blocks(pooled_speeds(view), view.label_scale_dps, view.estimators)};
 }
 
 }  // namespace thermorig::report

@@ -28,23 +28,18 @@ json setting_json(const StudyView& view, const study::SettingSummary& summary) {
   const Setting setting{summary.frames, summary.reduction};
   json folds = json::array();
   for (const study::JobResult* result : view.jobs(setting, summary.fusion, summary.seed)) {
-    json errors;
-    for (const study::Estimator estimator : study::all_estimators)
-      errors[series_key(estimator)] =
-          errors_json(result->evaluation.errors[static_cast<std::size_t>(estimator)]);
-    folds.push_back(
-        {{"test", result->job.test}, {"errors", errors}, {"gain", gain_json(result->evaluation.gain)}});
+    folds.push_back({{"test", result->job.test},
+                     {"errors", errors_json(result->evaluation.errors)},
+                     {"gain", gain_json(result->evaluation.gain)}});
     if (!result->evaluation.angles.empty())
       folds.back()["angle"] = drift_json(result->evaluation.angles.front());
   }
   json estimators;
-  for (const study::Estimator estimator : study::all_estimators) {
-    const auto index = static_cast<std::size_t>(estimator);
-    estimators[series_key(estimator)] = {{"median_mse", summary.mse[index].median},
-                                         {"iqr_mse", summary.mse[index].iqr},
-                                         {"rmse_dps", summary.rmse_dps[index]},
-                                         {"fold_mse", summary.fold_mse[index]}};
-  }
+  for (const std::string& name : study::all_estimators())
+    estimators[name] = {{"median_mse", summary.mse[name].median},
+                        {"iqr_mse", summary.mse[name].iqr},
+                        {"rmse_dps", summary.rmse_dps[name]},
+                        {"fold_mse", summary.fold_mse[name]}};
   return {{"frames", summary.frames},
           {"reduction", summary.reduction},
           {"fusion", summary.fusion},
@@ -92,7 +87,7 @@ std::string study_json(std::span<const study::JobResult> results) {
   json studies = json::array();
   for (const StudyView& view : views_of(results)) studies.push_back(study_of(view));
   return json_text({{"format", "thermorig-study-report"},
-                    {"version", 1},
+                    {"version", 2},
                     {"mse_unit", "(speed / label_scale_dps)^2"},
                     {"paper", paper_json()},
                     {"studies", studies}});

@@ -41,6 +41,17 @@ Setting reference_of(const std::vector<SettingSummary>& summaries) {
   return {chosen->frames, chosen->reduction};
 }
 
+std::vector<std::string> baselines_in(const std::vector<JobResult>& results) {
+  std::vector<std::string> names;
+  std::copy_if(study::baselines().begin(), study::baselines().end(), std::back_inserter(names),
+               [&](const std::string& name) {
+                 return std::any_of(results.begin(), results.end(), [&](const JobResult& result) {
+                   return result.evaluation.errors[name].windows > 0;
+                 });
+               });
+  return names;
+}
+
 StudyView view_of(std::vector<JobResult> results) {
   std::sort(results.begin(), results.end(),
             [](const JobResult& a, const JobResult& b) { return a.job < b.job; });
@@ -61,6 +72,9 @@ StudyView view_of(std::vector<JobResult> results) {
   view.folds.assign(folds.begin(), folds.end());
   view.seeds.assign(seeds.begin(), seeds.end());
   view.table_seed = commonest_seed(results);
+  view.baselines = baselines_in(results);
+  view.estimators = {std::string(study::thermal_name), std::string(study::fusion_name)};
+  view.estimators.insert(view.estimators.end(), view.baselines.begin(), view.baselines.end());
   view.summaries = study::summarise(results);
   view.reference = reference_of(view.summaries);
   view.results = std::move(results);
@@ -133,6 +147,12 @@ const JobResult* StudyView::job(Setting setting, bool fusion, const std::string&
   return nullptr;
 }
 
+const JobResult* StudyView::job_of(std::string_view estimator, const std::string& fold) const {
+  if (estimator == study::thermal_name) return job(reference, false, fold);
+  const JobResult* fused = job(reference, true, fold);
+  return fused != nullptr || estimator == study::fusion_name ? fused : job(reference, false, fold);
+}
+
 std::string StudyView::folds_text(const SettingSummary& summary) const {
   return fmt::format("{} of {} folds", summary.folds, folds.size());
 }
@@ -152,10 +172,6 @@ std::vector<StudyView> views_of(std::span<const JobResult> results) {
   std::vector<StudyView> views;
   for (auto& [key, group] : groups) views.push_back(view_of(std::move(group)));
   return views;
-}
-
-study::Estimator estimator_of(bool fusion) {
-  return fusion ? study::Estimator::fusion : study::Estimator::thermal;
 }
 
 double rmse_of(double mse, double label_scale_dps) {

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "thermorig/study/study.h"
@@ -23,12 +24,14 @@ struct StudyView {
   int epochs = 0, history = 0;
   std::vector<study::JobResult> results;  // sorted by job, each job once
   std::vector<study::SettingSummary> summaries;
-  std::vector<std::string> folds;    // names of all test acquisitions seen, sorted
-  std::vector<std::uint64_t> seeds;  // ascending
-  Setting reference;                 // that both sweeps share: the paper's where it has results
-  std::uint64_t table_seed = 1;      // whose results stand in the tables: the one with most
-  double label_scale_dps = 0.0;      // what MSEs are divided by, squared
-  bool simulated = false;            // any of it
+  std::vector<std::string> folds;       // names of all test acquisitions seen, sorted
+  std::vector<std::uint64_t> seeds;     // ascending
+  std::vector<std::string> baselines;   // of study::baselines() those that any result says something of
+  std::vector<std::string> estimators;  // both of the network, and these
+  Setting reference;                    // that both sweeps share: the paper's where it has results
+  std::uint64_t table_seed = 1;         // whose results stand in the tables: the one with most
+  double label_scale_dps = 0.0;         // what MSEs are divided by, squared
+  bool simulated = false;               // any of it
 
   /// "ours, SIMULATED rig" or "ours, real data".
   std::string ours() const;
@@ -51,6 +54,9 @@ struct StudyView {
     return jobs(setting, fusion, table_seed);
   }
   const study::JobResult* job(Setting setting, bool fusion, const std::string& fold) const;
+  /// At the reference, whose numbers an estimator is judged by: thermal's is of the thermal-only network,
+  /// fusion's of the fused one, a baseline's of the fused one or else of the other. Nothing without a result.
+  const study::JobResult* job_of(std::string_view estimator, const std::string& fold) const;
   std::string folds_text(const study::SettingSummary& summary) const;  // "4 of 6 folds"
 };
 
@@ -58,7 +64,10 @@ struct StudyView {
 std::vector<StudyView> views_of(std::span<const study::JobResult> results);
 
 /// Whose numbers a set-up is judged by.
-study::Estimator estimator_of(bool fusion);
+constexpr std::string_view estimator_of(bool fusion) {
+  return fusion ? study::fusion_name : study::thermal_name;
+}
+
 /// Root of an MSE in deg/s.
 double rmse_of(double mse, double label_scale_dps);
 

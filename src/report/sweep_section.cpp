@@ -13,7 +13,6 @@ namespace thermorig::report {
 namespace {
 
 using nlohmann::json;
-using study::Estimator;
 using study::SettingSummary;
 
 struct Sweep {
@@ -68,12 +67,11 @@ std::vector<std::string> setting_row(const StudyView& view, const Sweep& sweep, 
 }
 
 /// What no network is needed for: the same number stands beside both set-ups.
-std::vector<std::string> gyro_row(const StudyView& view, Estimator estimator) {
+std::vector<std::string> baseline_row(const StudyView& view, const std::string& name) {
   const SettingSummary* summary = view.find_any(view.reference);
-  const auto index = static_cast<std::size_t>(estimator);
-  const std::string median = summary == nullptr ? no_result : value_text(view, summary->mse[index].median);
-  const std::string iqr = summary == nullptr ? no_result : spread_text(*summary, summary->mse[index].iqr);
-  return {fmt::format("{} (Nf = {})", label_of(estimator), view.reference.frames),
+  const std::string median = summary == nullptr ? no_result : value_text(view, summary->mse[name].median);
+  const std::string iqr = summary == nullptr ? no_result : spread_text(*summary, summary->mse[name].iqr);
+  return {fmt::format("{} (Nf = {})", name, view.reference.frames),
           no_value,
           no_value,
           no_value,
@@ -96,31 +94,29 @@ Table paper_table(const StudyView& view, const Sweep& sweep) {
       table.header.emplace_back(column);
   table.header.emplace_back("folds");
   for (const Setting& setting : sweep.settings) table.rows.push_back(setting_row(view, sweep, setting));
-  table.rows.push_back(gyro_row(view, Estimator::gyro));
-  table.rows.push_back(gyro_row(view, Estimator::gyro_unbiased));
+  for (const std::string& name : view.baselines) table.rows.push_back(baseline_row(view, name));
   return table;
 }
 
-const SettingSummary* summary_for(const StudyView& view, const Setting& setting, Estimator estimator) {
-  if (estimator == Estimator::thermal) return view.find(setting, false);
-  return estimator == Estimator::fusion ? view.find(setting, true) : view.find_any(setting);
+const SettingSummary* summary_for(const StudyView& view, const Setting& setting, const std::string& name) {
+  if (name == study::thermal_name) return view.find(setting, false);
+  return name == study::fusion_name ? view.find(setting, true) : view.find_any(setting);
 }
 
 Table estimator_table(const StudyView& view, const Sweep& sweep) {
   Table table;
-  table.caption = fmt::format("All four estimators on the same windows, {}: median MSE (RMSE in deg/s), IQR",
-                              view.ours());
+  table.caption =
+      fmt::format("All estimators on the same windows, {}: median MSE (RMSE in deg/s), IQR", view.ours());
   table.header = {"estimator"};
   for (const Setting& setting : sweep.settings)
     table.header.push_back(fmt::format("{} = {}", sweep.axis_name, setting.*sweep.axis));
-  for (const Estimator estimator : study::all_estimators) {
-    std::vector<std::string> row{label_of(estimator)};
+  for (const std::string& name : view.estimators) {
+    std::vector<std::string> row{name};
     for (const Setting& setting : sweep.settings) {
-      const SettingSummary* summary = summary_for(view, setting, estimator);
-      const auto index = static_cast<std::size_t>(estimator);
+      const SettingSummary* summary = summary_for(view, setting, name);
       row.push_back(summary == nullptr ? no_result
-                                       : value_text(view, summary->mse[index].median) + ", IQR\u00a0" +
-                                             spread_text(*summary, summary->mse[index].iqr));
+                                       : value_text(view, summary->mse[name].median) + ", IQR\u00a0" +
+                                             spread_text(*summary, summary->mse[name].iqr));
     }
     table.rows.push_back(row);
   }
@@ -132,7 +128,7 @@ json fold_points(const StudyView& view, const Sweep& sweep, bool fusion) {
   for (const Setting& setting : sweep.settings) {
     json folds = json::array();
     for (const study::JobResult* result : view.jobs(setting, fusion)) {
-      const auto& errors = result->evaluation.errors[static_cast<std::size_t>(estimator_of(fusion))];
+      const auto& errors = result->evaluation.errors[estimator_of(fusion)];
       folds.push_back({{"fold", clean(result->job.test)}, {"mse", drawn(errors.mse)}});
     }
     points.push_back(folds);
@@ -140,14 +136,17 @@ json fold_points(const StudyView& view, const Sweep& sweep, bool fusion) {
   return points;
 }
 
-json gyro_line(const StudyView& view, const Sweep& sweep, Estimator estimator) {
-  json values = json::array();
-  for (const Setting& setting : sweep.settings) {
-    const SettingSummary* summary = view.find_any(setting);
-    values.push_back(summary == nullptr ? json(nullptr)
-                                        : drawn(summary->mse[static_cast<std::size_t>(estimator)].median));
+json baseline_lines(const StudyView& view, const Sweep& sweep) {
+  json lines = json::array();
+  for (const std::string& name : view.baselines) {
+    json values = json::array();
+    for (const Setting& setting : sweep.settings) {
+      const SettingSummary* summary = view.find_any(setting);
+      values.push_back(summary == nullptr ? json(nullptr) : drawn(summary->mse[name].median));
+    }
+    lines.push_back({{"name", name + " (median)"}, {"key", name}, {"values", values}});
   }
-  return {{"name", label_of(estimator) + " (median)"}, {"key", series_key(estimator)}, {"values", values}};
+  return lines;
 }
 
 json paper_medians(const Sweep& sweep, bool fusion) {
@@ -157,7 +156,7 @@ json paper_medians(const Sweep& sweep, bool fusion) {
     values.push_back(row ? json(fusion ? row->median_fusion : row->median_thermal) : json(nullptr));
   }
   return {{"name", fmt::format("paper, real data: {} (median)", fusion ? "fusion" : "thermal-only")},
-          {"key", fusion ? "fusion" : "thermal"},
+          {"key", estimator_of(fusion)},
           {"values", values}};
 }
 
@@ -178,9 +177,9 @@ Chart box_chart(const StudyView& view, const Sweep& sweep) {
       {"scale", view.label_scale_dps},
       {"categories", categories},
       {"boxes",
-       {{{"name", "thermal-only"}, {"key", "thermal"}, {"points", fold_points(view, sweep, false)}},
-        {{"name", "fusion"}, {"key", "fusion"}, {"points", fold_points(view, sweep, true)}}}},
-      {"lines", {gyro_line(view, sweep, Estimator::gyro), gyro_line(view, sweep, Estimator::gyro_unbiased)}},
+       {{{"name", "thermal-only"}, {"key", study::thermal_name}, {"points", fold_points(view, sweep, false)}},
+        {{"name", "fusion"}, {"key", study::fusion_name}, {"points", fold_points(view, sweep, true)}}}},
+      {"lines", baseline_lines(view, sweep)},
       {"paper", {paper_medians(sweep, false), paper_medians(sweep, true)}}};
   return chart;
 }

@@ -43,10 +43,6 @@ std::string setting_text(int frames, int reduction) {
   return fmt::format("Nf = {}, Nr = {}", frames, reduction);
 }
 
-std::string label_of(study::Estimator estimator) {
-  return estimator == study::Estimator::gyro ? "gyro-only" : study::name_of(estimator);
-}
-
 std::string clean(const std::string& text) {
   const nlohmann::json raw = text;
   const auto valid = raw.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);

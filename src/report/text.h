@@ -4,8 +4,6 @@
 #include <cstddef>
 #include <string>
 
-#include "thermorig/study/evaluation.h"
-
 namespace thermorig::report {
 
 /// Stands where there is no value.
@@ -19,9 +17,6 @@ std::string angle_text(double deg);                   // "-12.3", "577"
 std::string share_text(double share);                 // "12 %"
 std::string count_text(std::size_t n);                // "750,274"
 std::string setting_text(int frames, int reduction);  // "Nf = 3, Nr = 1"
-
-/// Name of an estimator in tables: as study::name_of, but "gyro-only" as the paper says.
-std::string label_of(study::Estimator estimator);
 
 /// The text with bytes that are no UTF-8 replaced and control characters turned into spaces.
 std::string clean(const std::string& text);

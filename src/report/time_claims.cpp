@@ -16,8 +16,6 @@
 namespace thermorig::report {
 namespace {
 
-using study::Estimator;
-
 constexpr double stays_share = 0.1;  // fusion "stays with the truth" where it drifts at most this of the gyro
 constexpr double near_peak = 0.1;    // "near 0.55"
 
@@ -34,9 +32,9 @@ Verdict drift_verdict(const StudyView& view, double gyro) {
   return verdicts.size() == 1 ? *verdicts.begin() : Verdict::too_close;
 }
 
-std::string drift_text(const StudyView& view, Estimator estimator) {
+std::string drift_text(const StudyView& view, const std::string& estimator) {
   const DriftSummary drift = drift_summary(view, estimator);
-  return fmt::format("{} {} (worst angle {} deg)", label_of(estimator), rate_text(drift.median_deg_per_min),
+  return fmt::format("{} {} (worst angle {} deg)", estimator, rate_text(drift.median_deg_per_min),
                      angle_text(drift.worst_deg));
 }
 
@@ -44,19 +42,19 @@ std::string drift_text(const StudyView& view, Estimator estimator) {
 
 Claim drift_claim(const StudyView& view) {
   Claim claim{"drift", "Gyro-only integration drifts away and fusion stays with the truth"};
-  const DriftSummary fusion = drift_summary(view, Estimator::fusion),
-                     gyro = drift_summary(view, Estimator::gyro);
+  const std::string fusion_name(study::fusion_name);
+  const DriftSummary fusion = drift_summary(view, fusion_name),
+                     gyro = drift_summary(view, std::string(study::gyro_name));
   if (fusion.folds == 0 || gyro.folds == 0) {
     claim.evidence = "no angle of both at " + view.reference_text();
     return claim;
   }
   claim.verdict = drift_verdict(view, gyro.median_deg_per_min);
-  claim.evidence = fmt::format(
-      "median |drift| over folds, deg/min: {}; {}; {}. It is said to hold where fusion drifts at most a "
-      "tenth "
-      "as fast as the gyro, in part where it is only slower",
-      drift_text(view, Estimator::fusion), drift_text(view, Estimator::gyro),
-      drift_text(view, Estimator::gyro_unbiased));
+  claim.evidence = "median |drift| over folds, deg/min: " + drift_text(view, fusion_name);
+  for (const std::string& name : view.baselines) claim.evidence += "; " + drift_text(view, name);
+  claim.evidence +=
+      ". It is said to hold where fusion drifts at most a tenth as fast as the gyro, in part where it is "
+      "only slower";
   return claim;
 }
 

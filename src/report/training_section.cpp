@@ -24,8 +24,7 @@ std::vector<double> median_curve(const std::vector<const study::JobResult*>& job
 
 double median_test(const std::vector<const study::JobResult*>& jobs, bool fusion) {
   std::vector<double> folds;
-  for (const study::JobResult* job : jobs)
-    folds.push_back(job->evaluation.errors[static_cast<std::size_t>(estimator_of(fusion))].mse);
+  for (const study::JobResult* job : jobs) folds.push_back(job->evaluation.errors[estimator_of(fusion)].mse);
   return study::spread_of(folds).median;
 }
 
@@ -56,10 +55,8 @@ Chart curve_chart(const std::vector<Curve>& curves) {
     const char* name = curve.fusion ? "fusion" : "thermal-only";
     chart.label +=
         fmt::format(" {} from {} to {};", name, mse_text(curve.mse.front()), mse_text(curve.mse.back()));
-    lines.push_back({{"name", name},
-                     {"key", series_key(estimator_of(curve.fusion))},
-                     {"x", drawn(epochs)},
-                     {"y", drawn(curve.mse)}});
+    lines.push_back(
+        {{"name", name}, {"key", estimator_of(curve.fusion)}, {"x", drawn(epochs)}, {"y", drawn(curve.mse)}});
   }
   chart.label.back() = '.';
   chart.data = {{"kind", "lines"}, {"x", "epoch"},   {"y", "training MSE"},

@@ -7,8 +7,8 @@
 
 namespace thermorig::study {
 
-/// Integrates over the windows of one acquisition, in ascending order.
-AngleTrack angle_track(std::span<const training::WindowEstimate> estimates,
-                       std::span<const windows::Acquisition> acquisitions, const EvaluationConfig& config);
+/// Integrates over the windows of one acquisition, in ascending order; at most so many points a line.
+AngleTrack angle_track(std::span<const JudgedWindow> judged, const windows::Acquisition& acquisition,
+                       std::size_t points);
 
 }  // namespace thermorig::study

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include <limits>
+#include <algorithm>
 
 #include "folder_lock.h"
 #include "left_out.h"
@@ -12,61 +12,37 @@ namespace {
 
 using windows::Acquisition;
 
-constexpr std::array baselines{Estimator::gyro, Estimator::gyro_unbiased};
-
-/// What is known of the job's windows without any network.
-std::vector<training::WindowEstimate> gyro_estimates(const Job& job, const Acquisition& left_out) {
-  constexpr float unknown = std::numeric_limits<float>::quiet_NaN();
-  std::vector<training::WindowEstimate> estimates;
-  for (const windows::Window& window : test_windows(job, left_out)) {
-    const windows::WindowRates rates = windows::rates_of(left_out, window, job.frames);
-    estimates.push_back({.window = window,
-                         .time = left_out.time[window.last],
-                         .label_dps = rates.label_dps,
-                         .gyro_dps = rates.gyro_dps,
-                         .thermal_dps = unknown,
-                         .fusion_dps = unknown,
-                         .gain = unknown});
-  }
-  return estimates;
-}
-
-bool have_same_speeds(const std::vector<SpeedErrors>& a, const std::vector<SpeedErrors>& b) {
-  bool same = a.size() == b.size();
-  for (std::size_t i = 0; same && i < a.size(); ++i)
-    same = a[i].rate_dps == b[i].rate_dps && a[i].windows == b[i].windows;
-  return same;
-}
-
 /// Are they over the same windows, so that their rows may stand in one table?
 bool have_same_windows(const Evaluation& a, const Evaluation& b) {
-  const auto gyro = static_cast<std::size_t>(Estimator::gyro);
-  return a.errors[gyro].windows == b.errors[gyro].windows && have_same_speeds(a.speeds, b.speeds) &&
-         a.angles.size() == 1 && b.angles.size() == 1 && a.angles[0].time_s == b.angles[0].time_s;
+  const auto is_same = [](const SpeedErrors& one, const SpeedErrors& other) {
+    return one.rate_dps == other.rate_dps && one.windows == other.windows;
+  };
+  return a.errors[gyro_name].windows == b.errors[gyro_name].windows &&
+         std::ranges::equal(a.speeds, b.speeds, is_same) && a.angles.size() == 1 && b.angles.size() == 1 &&
+         a.angles[0].time_s == b.angles[0].time_s;
 }
 
-void take(Estimator estimator, const Evaluation& from, Evaluation& to) {
-  const auto i = static_cast<std::size_t>(estimator);
-  to.errors[i] = from.errors[i];
+void take(const std::string& name, const Evaluation& from, Evaluation& to) {
+  to.errors[name] = from.errors[name];
   for (std::size_t speed = 0; speed < to.speeds.size(); ++speed)
-    to.speeds[speed].mse[i] = from.speeds[speed].mse[i];
-  to.angles[0].error_deg[i] = from.angles[0].error_deg[i];
-  to.angles[0].drift_deg_per_min[i] = from.angles[0].drift_deg_per_min[i];
-  to.angles[0].worst_deg[i] = from.angles[0].worst_deg[i];
+    to.speeds[speed].mse[name] = from.speeds[speed].mse[name];
+  to.angles[0].error_deg[name] = from.angles[0].error_deg[name];
+  to.angles[0].drift_deg_per_min[name] = from.angles[0].drift_deg_per_min[name];
+  to.angles[0].worst_deg[name] = from.angles[0].worst_deg[name];
 }
-
-}  // namespace
 
 JobResult with_baselines(JobResult result, std::span<const Acquisition> acquisitions) {
   const Acquisition& left_out = left_out_of(result.job, acquisitions);
-  const Evaluation found =
-      evaluation_of(gyro_estimates(result.job, left_out), result.job, left_out, result.label_scale_dps);
+  const auto judged = judged_windows({&left_out, 1}, test_windows(result.job, left_out), result.job.frames);
+  const Evaluation found = evaluation_of(judged, left_out, result.label_scale_dps);
   if (!have_same_windows(found, result.evaluation))
     throw Error(ExitCode::bad_usage, "the result was made of other windows than these sessions have",
                 result.job.test, "run the study again: the rule for windows has changed since");
-  for (const Estimator estimator : baselines) take(estimator, found, result.evaluation);
+  for (const std::string& name : baselines()) take(name, found, result.evaluation);
   return result;
 }
+
+}  // namespace
 
 RenewedBaselines renew_baselines(const std::filesystem::path& folder,
                                  std::span<const Acquisition> acquisitions) {

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <numeric>
 #include <vector>
 
@@ -16,18 +15,6 @@ namespace thermorig::study {
 
 namespace {
 
-GainStatistics no_gains() {
-  GainStatistics statistics;
-  statistics.mean = statistics.deviation = statistics.median = unknown;
-  statistics.below_002 = statistics.above_098 = unknown;
-  return statistics;
-}
-
-std::size_t bin_of(double gain) {
-  const double bin = std::floor(gain * static_cast<double>(GainStatistics::bins));
-  return static_cast<std::size_t>(std::clamp(bin, 0.0, static_cast<double>(GainStatistics::bins - 1)));
-}
-
 double mean_of(const std::vector<double>& values) {
   return std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
 }
@@ -38,10 +25,10 @@ double deviation_of(const std::vector<double>& values, double mean) {
   return std::sqrt(squares / static_cast<double>(values.size()));
 }
 
-std::vector<double> sorted_gains(std::span<const training::WindowEstimate> estimates) {
+std::vector<double> sorted_gains(std::span<const JudgedWindow> judged) {
   std::vector<double> gains;
-  for (const training::WindowEstimate& estimate : estimates)
-    if (std::isfinite(estimate.gain)) gains.push_back(estimate.gain);
+  for (const JudgedWindow& one : judged)
+    if (std::isfinite(one.gain)) gains.push_back(one.gain);
   std::sort(gains.begin(), gains.end());
   return gains;
 }
@@ -86,11 +73,11 @@ bool collapsed(const GainStatistics& gain) {
   return gain.windows() > 0 && training::gate_collapsed(gain.mean);
 }
 
-GainStatistics gain_statistics(std::span<const training::WindowEstimate> estimates) {
-  const std::vector<double> gains = sorted_gains(estimates);
-  GainStatistics statistics = no_gains();
+GainStatistics gain_statistics(std::span<const JudgedWindow> judged) {
+  const std::vector<double> gains = sorted_gains(judged);
+  GainStatistics statistics;
   if (gains.empty()) return statistics;
-  for (const double gain : gains) ++statistics.histogram[bin_of(gain)];
+  for (const double gain : gains) ++statistics.histogram[network::gain_bin(gain)];
   statistics.mean = mean_of(gains);
   statistics.deviation = deviation_of(gains, statistics.mean);
   statistics.median = quantile(gains, 0.5);
@@ -103,7 +90,7 @@ GainStatistics gain_statistics(std::span<const training::WindowEstimate> estimat
 }
 
 GainStatistics merged(std::span<const GainStatistics> parts) {
-  GainStatistics all = no_gains();
+  GainStatistics all;
   GainSums sums;
   for (const GainStatistics& part : parts) {
     if (part.windows() == 0) continue;

@@ -8,7 +8,7 @@
 namespace thermorig::study {
 
 /// Kg over the windows where it is a number.
-GainStatistics gain_statistics(std::span<const training::WindowEstimate> estimates);
+GainStatistics gain_statistics(std::span<const JudgedWindow> judged);
 
 /// Of all windows of all parts together; the median is interpolated within the histogram's bin.
 GainStatistics merged(std::span<const GainStatistics> parts);

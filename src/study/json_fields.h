@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <nlohmann/json.hpp>
@@ -36,15 +35,6 @@ class Fields {
   std::vector<std::string> texts(const char* field) const;
   Fields object(const char* field) const;
   std::vector<Fields> objects(const char* field) const;
-
-  template <std::size_t N>
-  std::array<double, N> array(const char* field) const {
-    const std::vector<double> values = numbers(field);
-    if (values.size() != N) refuse(field, "has another length");
-    std::array<double, N> array{};
-    std::copy(values.begin(), values.end(), array.begin());
-    return array;
-  }
 
   template <std::size_t N>
   std::array<std::uint64_t, N> counts(const char* field) const {

@@ -35,13 +35,10 @@ std::vector<windows::Window> test_windows(const Job& job, const Acquisition& lef
   return windows::find_windows({&left_out, 1}, job.frames, job.history);
 }
 
-Evaluation evaluation_of(std::span<const training::WindowEstimate> estimates, const Job& job,
-                         const Acquisition& left_out, double label_scale_dps) {
-  EvaluationConfig config;
-  config.label_scale_dps = label_scale_dps;
-  config.fusion = job.fusion;
-  config.angle_points = kept_angle_points;
-  return evaluate(estimates, {&left_out, 1}, config);
+Evaluation evaluation_of(std::span<const JudgedWindow> judged, const Acquisition& left_out,
+                         double label_scale_dps) {
+  return evaluate(judged, {&left_out, 1},
+                  {.label_scale_dps = label_scale_dps, .angle_points = kept_angle_points});
 }
 
 }  // namespace thermorig::study

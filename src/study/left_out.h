@@ -14,8 +14,8 @@ const windows::Acquisition& left_out_of(const Job& job, std::span<const windows:
 /// The windows that a job is tested on, of the acquisition that is left out.
 std::vector<windows::Window> test_windows(const Job& job, const windows::Acquisition& left_out);
 
-/// What a result keeps of the estimates of these windows.
-Evaluation evaluation_of(std::span<const training::WindowEstimate> estimates, const Job& job,
-                         const windows::Acquisition& left_out, double label_scale_dps);
+/// What a result keeps of these windows.
+Evaluation evaluation_of(std::span<const JudgedWindow> judged, const windows::Acquisition& left_out,
+                         double label_scale_dps);
 
 }  // namespace thermorig::study

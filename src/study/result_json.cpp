@@ -1,5 +1,9 @@
 // SPDX-License-Identifier: MIT
+#include <algorithm>
+#include <array>
 #include <nlohmann/json.hpp>
+#include <string_view>
+#include <utility>
 
 #include "json_fields.h"
 #include "thermorig/study/study.h"
@@ -11,13 +15,40 @@ namespace {
 using nlohmann::json;
 
 constexpr const char* format_name = "thermorig study result";
-constexpr int format_version = 1;
+constexpr int format_version = 2;  // 1 had other names of estimators
 
-json estimator_keys() {
-  json keys = json::array();
-  for (const Estimator estimator : all_estimators) keys.push_back(field_name_of(estimator));
-  return keys;
-}
+constexpr std::array<std::pair<std::string_view, std::string_view>, 3> names_before_version_2{
+    {{"thermal", thermal_name}, {"fusion", fusion_name}, {"gyro_unbiased", "gyro-rest"}}};
+
+/// The estimators of a file, by their place in its lists.
+class EstimatorAxis {
+ public:
+  explicit EstimatorAxis(std::vector<std::string> names) : names_(std::move(names)) {
+    for (std::string& name : names_)
+      for (const auto& [before, now] : names_before_version_2)
+        if (name == before) name = now;
+  }
+
+  std::size_t size() const { return names_.size(); }
+
+  /// What the file says of those that there are today. `values`: one a name.
+  template <typename Value>
+  void place(const std::vector<Value>& values, PerEstimator<Value>& placed) const {
+    for (const std::string& name : all_estimators()) {
+      const auto found = std::find(names_.begin(), names_.end(), name);
+      if (found != names_.end()) placed[name] = values[static_cast<std::size_t>(found - names_.begin())];
+    }
+  }
+
+  void place(const Fields& fields, const char* field, PerEstimator<double>& placed) const {
+    const std::vector<double> values = fields.numbers(field);
+    if (values.size() != size()) fields.refuse(field, "has another length");
+    place(values, placed);
+  }
+
+ private:
+  std::vector<std::string> names_;
+};
 
 json json_of(const Job& job) {
   return {{"engine", job.engine},     {"frames", job.frames},       {"reduction", job.reduction},
@@ -63,11 +94,13 @@ Errors errors_from(const Fields& fields) {
 }
 
 json json_of(const SpeedErrors& speed) {
-  return {{"rate_dps", speed.rate_dps}, {"windows", speed.windows}, {"mse", speed.mse}};
+  return {{"rate_dps", speed.rate_dps}, {"windows", speed.windows}, {"mse", speed.mse.values()}};
 }
 
-SpeedErrors speed_from(const Fields& fields) {
-  return {fields.number("rate_dps"), fields.count("windows"), fields.array<estimator_count>("mse")};
+SpeedErrors speed_from(const Fields& fields, const EstimatorAxis& axis) {
+  SpeedErrors speed{fields.number("rate_dps"), fields.count("windows")};
+  axis.place(fields, "mse", speed.mse);
+  return speed;
 }
 
 json json_of(const GainStatistics& gain) {
@@ -87,25 +120,26 @@ GainStatistics gain_from(const Fields& fields) {
 }
 
 json json_of(const AngleTrack& track) {
-  return {{"integrated_s", track.integrated_s},           {"time_s", track.time_s},
-          {"commanded_deg", track.commanded_deg},         {"error_deg", track.error_deg},
-          {"drift_deg_per_min", track.drift_deg_per_min}, {"worst_deg", track.worst_deg}};
+  return {{"integrated_s", track.integrated_s},
+          {"time_s", track.time_s},
+          {"commanded_deg", track.commanded_deg},
+          {"error_deg", track.error_deg.values()},
+          {"drift_deg_per_min", track.drift_deg_per_min.values()},
+          {"worst_deg", track.worst_deg.values()}};
 }
 
-AngleTrack track_from(const Fields& fields) {
+AngleTrack track_from(const Fields& fields, const EstimatorAxis& axis) {
   AngleTrack track;
   track.integrated_s = fields.number("integrated_s");
   track.time_s = fields.numbers("time_s");
   track.commanded_deg = fields.numbers("commanded_deg");
   if (track.commanded_deg.size() != track.time_s.size()) fields.refuse("commanded_deg", "has another length");
-  const std::vector<std::vector<double>> lines = fields.rows("error_deg", estimator_count);
-  for (std::size_t i = 0; i < estimator_count; ++i) {
-    if (!lines[i].empty() && lines[i].size() != track.time_s.size())
-      fields.refuse("error_deg", "has another length");
-    track.error_deg[i] = lines[i];
-  }
-  track.drift_deg_per_min = fields.array<estimator_count>("drift_deg_per_min");
-  track.worst_deg = fields.array<estimator_count>("worst_deg");
+  const std::vector<std::vector<double>> lines = fields.rows("error_deg", axis.size());
+  for (const std::vector<double>& line : lines)
+    if (!line.empty() && line.size() != track.time_s.size()) fields.refuse("error_deg", "has another length");
+  axis.place(lines, track.error_deg);
+  axis.place(fields, "drift_deg_per_min", track.drift_deg_per_min);
+  axis.place(fields, "worst_deg", track.worst_deg);
   return track;
 }
 
@@ -117,23 +151,22 @@ json list_of(const std::vector<Part>& parts) {
 }
 
 json json_of(const Evaluation& evaluation) {
-  json errors = json::array();
-  for (const Errors& part : evaluation.errors) errors.push_back(json_of(part));
-  return {{"errors", errors},
+  return {{"errors", list_of(evaluation.errors.values())},
           {"speeds", list_of(evaluation.speeds)},
           {"gain", json_of(evaluation.gain)},
           {"angles", list_of(evaluation.angles)},
           {"names", evaluation.names}};
 }
 
-Evaluation evaluation_from(const Fields& fields) {
+Evaluation evaluation_from(const Fields& fields, const EstimatorAxis& axis) {
   Evaluation evaluation;
-  const std::vector<Fields> errors = fields.objects("errors");
-  if (errors.size() != estimator_count) fields.refuse("errors", "has another length");
-  for (std::size_t i = 0; i < estimator_count; ++i) evaluation.errors[i] = errors_from(errors[i]);
-  for (const Fields& speed : fields.objects("speeds")) evaluation.speeds.push_back(speed_from(speed));
+  std::vector<Errors> errors;
+  for (const Fields& one : fields.objects("errors")) errors.push_back(errors_from(one));
+  if (errors.size() != axis.size()) fields.refuse("errors", "has another length");
+  axis.place(errors, evaluation.errors);
+  for (const Fields& speed : fields.objects("speeds")) evaluation.speeds.push_back(speed_from(speed, axis));
   evaluation.gain = gain_from(fields.object("gain"));
-  for (const Fields& track : fields.objects("angles")) evaluation.angles.push_back(track_from(track));
+  for (const Fields& track : fields.objects("angles")) evaluation.angles.push_back(track_from(track, axis));
   evaluation.names = fields.texts("names");
   if (evaluation.names.size() != evaluation.angles.size()) fields.refuse("names", "has another length");
   return evaluation;
@@ -144,7 +177,7 @@ Evaluation evaluation_from(const Fields& fields) {
 std::string to_json(const JobResult& result) {
   const json object{{"format", format_name},
                     {"version", format_version},
-                    {"estimators", estimator_keys()},
+                    {"estimators", all_estimators()},
                     {"job", json_of(result.job)},
                     {"evaluation", json_of(result.evaluation)},
                     {"simulated", result.simulated},
@@ -163,11 +196,10 @@ JobResult result_from_json(const std::string& text, const std::string& where) {
   const json object = parsed(text, where);
   const Fields fields(object, where, "");
   if (fields.text("format") != format_name) fields.refuse("format", "is another");
-  if (fields.integer("version", 0, 1'000'000) != format_version)
-    fields.refuse("version", "is not known here");
+  if (fields.integer("version", 1, 1'000'000) > format_version) fields.refuse("version", "is not known here");
   JobResult result;
   result.job = job_from(fields.object("job"));
-  result.evaluation = evaluation_from(fields.object("evaluation"));
+  result.evaluation = evaluation_from(fields.object("evaluation"), EstimatorAxis(fields.texts("estimators")));
   result.simulated = result.evaluation.simulated = fields.truth("simulated");
   result.label_scale_dps = fields.number("label_scale_dps");
   result.training_windows = fields.count("training_windows");

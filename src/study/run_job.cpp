@@ -57,8 +57,8 @@ std::optional<JobResult> run_job(const Job& job, std::span<const Acquisition> ac
   result.simulated = std::any_of(acquisitions.begin(), acquisitions.end(),
                                  [](const Acquisition& acquisition) { return acquisition.simulated; });
   result.instruction_set = network::name_of(network::best_instruction_set());
-  const auto estimates = training::predict(training.model, {&left_out, 1}, test_windows(job, left_out));
-  result.evaluation = evaluation_of(estimates, job, left_out, result.label_scale_dps);
+  const auto judged = judged_windows(training.model, {&left_out, 1}, test_windows(job, left_out));
+  result.evaluation = evaluation_of(judged, left_out, result.label_scale_dps);
   result.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   return result;
 }

@@ -5,6 +5,7 @@
 #include <tuple>
 
 #include "gain_statistics.h"
+#include "thermorig/core/statistics.h"
 #include "thermorig/study/study.h"
 
 namespace thermorig::study {
@@ -20,10 +21,10 @@ auto row_key(const Job& job) {
 using Folds = std::vector<const JobResult*>;
 
 void add_errors(SettingSummary& summary, const Folds& folds, double label_scale_dps) {
-  for (std::size_t i = 0; i < estimator_count; ++i) {
-    for (const JobResult* fold : folds) summary.fold_mse[i].push_back(fold->evaluation.errors[i].mse);
-    summary.mse[i] = spread_of(summary.fold_mse[i]);
-    summary.rmse_dps[i] = std::sqrt(summary.mse[i].median) * label_scale_dps;
+  for (const std::string& name : all_estimators()) {
+    for (const JobResult* fold : folds) summary.fold_mse[name].push_back(fold->evaluation.errors[name].mse);
+    summary.mse[name] = spread_of(summary.fold_mse[name]);
+    summary.rmse_dps[name] = std::sqrt(summary.mse[name].median) * label_scale_dps;
   }
 }
 
@@ -47,6 +48,12 @@ SettingSummary summary_of(const Folds& folds) {
 }
 
 }  // namespace
+
+Spread spread_of(std::vector<double> values) {
+  std::erase_if(values, [](double value) { return std::isnan(value); });
+  std::sort(values.begin(), values.end());
+  return {quantile(values, 0.5), quantile(values, 0.75) - quantile(values, 0.25)};
+}
 
 std::vector<SettingSummary> summarise(std::span<const JobResult> results) {
   std::map<decltype(row_key(Job{})), Folds> rows;

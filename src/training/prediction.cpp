@@ -44,7 +44,6 @@ std::vector<WindowEstimate> predict(const model::Model& model,
   estimates.reserve(set.size());
   for (std::size_t index = 0; index < set.size(); ++index)
     estimates.push_back({.window = set.window(index),
-                         .time = set.acquisition_of(index).time[set.window(index).last],
                          .label_dps = set.rates(index).label_dps,
                          .gyro_dps = set.rates(index).gyro_dps,
                          .thermal_dps = outputs[index].thermal * scale_dps,

@@ -40,14 +40,14 @@ float mean_rate(std::span<const float> rates_dps) {
   return static_cast<float>(sum / static_cast<double>(rates_dps.size()));
 }
 
-WindowRates rates_of(const Acquisition& acquisition, const Window& window, int frames) {
-  assert(window.last < acquisition.frames() && static_cast<int>(window.last) + 1 >= frames);
+float mean_rate(std::span<const float> rates_dps, const Window& window, int frames) {
+  assert(window.last < rates_dps.size() && static_cast<int>(window.last) + 1 >= frames);
   const auto count = static_cast<std::size_t>(frames);
-  const std::size_t first = std::size_t{window.last} + 1 - count;
-  const auto mean = [&](const std::vector<float>& rates_dps) {
-    return mean_rate(std::span(rates_dps).subspan(first, count));
-  };
-  return {mean(acquisition.label_dps), mean(acquisition.gyro_dps)};
+  return mean_rate(rates_dps.subspan(std::size_t{window.last} + 1 - count, count));
+}
+
+WindowRates rates_of(const Acquisition& acquisition, const Window& window, int frames) {
+  return {mean_rate(acquisition.label_dps, window, frames), mean_rate(acquisition.gyro_dps, window, frames)};
 }
 
 }  // namespace thermorig::windows

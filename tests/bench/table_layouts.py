@@ -220,10 +220,10 @@ def export_sizes(text):
 @layout("models")
 def models(reports):
     def row(name, report):
-        rmse = [f"{report['errors'][who]['rmse_dps']:,.2f}" for who in ("fusion", "thermal", "gyro", "gyro_unbiased")]
+        rmse = [f"{report['errors'][who]['rmse_dps']:,.2f}" for who in ("cnn-fusion", "cnn-thermal", "gyro", "gyro-rest")]
         gain = report["gain"]
         return [f"`{name}.onnx`", *rmse, f"{gain['mean']:.3f}" + (", collapsed" if gain["collapsed"] else "")]
-    return table(["", "fusion", "its thermal part", "gyro", "gyro, static bias removed", "mean Kg"],
+    return table(["", "fusion", "its thermal part", "gyro", "gyro-rest", "mean Kg"],
                  [row(name, report) for name, report in reports.items()])
 
 

@@ -6,6 +6,7 @@
 
 #include "../session/synthetic_session.h"
 #include "thermorig/dataset/dataset.h"
+#include "thermorig/estimators/table.h"
 
 namespace thermorig::dataset {
 namespace {
@@ -19,6 +20,12 @@ Session made_session() {
 
 Acquisition acquired(const Session& session) {
   return acquisition_of(session, "garden_acq-02");
+}
+
+std::vector<float> rates(const Acquisition& acquisition, const std::string& estimator) {
+  for (const windows::RateSeries& series : acquisition.rates)
+    if (series.name == estimator) return series.rate_dps;
+  return {};
 }
 
 TEST(Acquisition, HasARowAFrame) {
@@ -48,14 +55,43 @@ TEST(Acquisition, TakesTheCommandedSpeedForItsLabel) {
   EXPECT_NE(acquired(session).label_dps[100], session.samples[100].rate_label_dps);
 }
 
-TEST(Acquisition, HasTheStaticBiasThatTheSessionFoundBeforeItsFirstLeg) {
+TEST(Acquisition, HoldsWhatEveryEstimatorSaysThatNeedsNoNetwork) {
+  const Acquisition acquisition = acquired(made_session());
+  const std::vector<std::string> names = estimators::names_for(std::nullopt);
+  ASSERT_EQ(acquisition.rates.size(), names.size());
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    EXPECT_EQ(acquisition.rates[i].name, names[i]);
+    EXPECT_EQ(acquisition.rates[i].rate_dps.size(), acquisition.frames());
+  }
+  EXPECT_TRUE(std::isnan(rates(acquisition, "gyro")[0]));  // as its mean is
+  for (std::size_t i = 1; i < acquisition.frames(); ++i)
+    EXPECT_EQ(rates(acquisition, "gyro")[i], acquisition.gyro_dps[i]);
+}
+
+TEST(Acquisition, ShowsItsEstimatorsTheSamplesUpToEachFrameAndNoneThatComesLater) {
   Session session = made_session();
-  session.sync.gyro.bias_before_dps = 0.39;
-  EXPECT_EQ(acquired(session).rest_bias_dps, 0.39);
-  session.sync.gyro.bias_before_dps.reset();
-  EXPECT_TRUE(std::isnan(acquired(session).rest_bias_dps));
-  session.sync.gyro.bias_before_dps = std::numeric_limits<double>::infinity();  // a file may say anything
-  EXPECT_TRUE(std::isnan(acquired(session).rest_bias_dps));
+  const std::vector<float> before = rates(acquired(session), "gyro-kalman");
+  const HostTime end = session.frames[60].exposure_end;
+  for (TimedGyro& sample : session.gyro)
+    if (sample.stamp.time > end) sample.rate_dps += 100.0F;
+  const std::vector<float> after = rates(acquired(session), "gyro-kalman");
+  ASSERT_TRUE(std::isfinite(before[60]) && std::isfinite(before[65]));
+  EXPECT_EQ(std::vector(before.begin() + 2, before.begin() + 61),
+            std::vector(after.begin() + 2, after.begin() + 61));
+  EXPECT_NEAR(after[65] - before[65], 100.0F, 5.0F);
+}
+
+TEST(Acquisition, SurvivesTimesThatNoRecordingHas) {
+  Session session = made_session();
+  session.frames[3].exposure_end = HostTime::max();
+  session.frames[4].exposure_begin = HostTime::min();
+  session.gyro[5].stamp.time = HostTime::min();
+  session.servo[5].stamp.time = HostTime::min();
+  session.gyro.back().stamp.time = session.servo.back().stamp.time = HostTime::max();
+  const Acquisition acquisition = acquired(session);
+  for (const windows::RateSeries& series : acquisition.rates)
+    EXPECT_TRUE(std::isnan(series.rate_dps[3]) && std::isnan(series.rate_dps[4])) << series.name;
+  EXPECT_TRUE(std::isfinite(rates(acquisition, "gyro")[5]));
 }
 
 TEST(Acquisition, KnowsTheSpeedOfTheLegAndNoneOutsideLegs) {

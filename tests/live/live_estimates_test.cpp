@@ -56,7 +56,7 @@ TEST_P(LiveRows, SayOfAWindowWhatThePredictionSays) {
   const auto found = windows::find_windows({&acquisition, 1}, GetParam().frames);
   for (const training::WindowEstimate& window : training::predict(model, {&acquisition, 1}, found)) {
     const EstimateRow& row = rows[window.window.last];
-    EXPECT_EQ(row.time, window.time);
+    EXPECT_EQ(row.time, acquisition.time[window.window.last]);
     EXPECT_EQ(row.rate_commanded_dps, window.label_dps);
     EXPECT_EQ(gyro_dps(row), window.gyro_dps);
     EXPECT_NEAR(thermal_dps(row), window.thermal_dps, 0.01F);  // the batch's kernels sum in another order

@@ -22,13 +22,14 @@ model::Model made_model(bool fusion) {
   return model;
 }
 
-TEST(EvaluationReport, ShowsAllFourEstimatorsOfAFusedModel) {
+TEST(EvaluationReport, ShowsAllEstimatorsOfAFusedModel) {
   const auto evaluation = made_result({}).evaluation;
   const std::string text = report::evaluation_markdown(made_model(true), evaluation);
-  EXPECT_THAT(text, HasSubstr("| thermal-only | 160 | 0.1000 | 63.2 |"));
-  EXPECT_THAT(text, HasSubstr("| fusion | 160 | 0.0100 | 20.0 | 14.0 | 40.0 | 10 % | 0.10 |"));
-  EXPECT_THAT(text, HasSubstr("| gyro-only | 160 | 0.0200 | 28.3 |"));
-  EXPECT_THAT(text, HasSubstr("| gyro, static bias removed | 160 | 0.00050 |"));
+  EXPECT_THAT(text, HasSubstr("| cnn-thermal | 160 | 0.1000 | 63.2 |"));
+  EXPECT_THAT(text, HasSubstr("| cnn-fusion | 160 | 0.0100 | 20.0 | 14.0 | 40.0 | 10 % | 0.10 |"));
+  EXPECT_THAT(text, HasSubstr("| gyro | 160 | 0.0200 | 28.3 |"));
+  EXPECT_THAT(text, HasSubstr("| gyro-rest | 160 | 0.00050 |"));
+  EXPECT_THAT(text, HasSubstr("| gyro-kalman | 0 | - |"));
   EXPECT_THAT(text, HasSubstr("trained on SIMULATED data"));
   EXPECT_THAT(text, HasSubstr("0 % below 0.02, 0 % above 0.98: open."));
 }
@@ -36,8 +37,8 @@ TEST(EvaluationReport, ShowsAllFourEstimatorsOfAFusedModel) {
 TEST(EvaluationReport, LeavesFusionAndGateOutOfAThermalOnlyModel) {
   const auto evaluation = made_result({.fusion = false}).evaluation;
   const std::string text = report::evaluation_markdown(made_model(false), evaluation);
-  EXPECT_THAT(text, HasSubstr("| thermal-only | 160 | 0.0100 |"));
-  EXPECT_THAT(text, Not(HasSubstr("| fusion |")));
+  EXPECT_THAT(text, HasSubstr("| cnn-thermal | 160 | 0.0100 |"));
+  EXPECT_THAT(text, Not(HasSubstr("| cnn-fusion |")));
   EXPECT_THAT(text, Not(HasSubstr("The gate Kg")));
 }
 
@@ -51,7 +52,7 @@ TEST(EvaluationReport, IsAPageThatHostileModelsCannotBreak) {
 TEST(EvaluationReport, HoldsItsNumbersAsJson) {
   const auto evaluation = made_result({}).evaluation;
   const auto json = nlohmann::json::parse(report::evaluation_json(made_model(true), evaluation));
-  EXPECT_EQ(json["errors"]["fusion"]["mse"], 0.01);
+  EXPECT_EQ(json["errors"]["cnn-fusion"]["mse"], 0.01);
   EXPECT_EQ(json["speeds"].size(), 4U);
   EXPECT_EQ(json["speeds"][0]["rate_dps"], -200.0);
   EXPECT_EQ(json["angles"][0]["name"], "garden-1");

@@ -12,14 +12,18 @@ constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
 constexpr std::uint64_t windows_a_speed = 40;
 
 study::Errors errors_of(double mse) {
-  if (std::isnan(mse)) return {0, mse, mse, mse, mse, mse, mse};
+  if (std::isnan(mse)) return {};
   const double rmse = std::sqrt(mse) * scale_dps;
   return {4 * windows_a_speed, mse, rmse, 0.7 * rmse, 2.0 * rmse, 0.1, 0.1};
 }
 
-std::array<double, study::estimator_count> mse_of(const MadeJob& job) {
-  const double thermal = job.fusion ? 10.0 * job.mse : job.mse;  // a fused network's own y_th is worse
-  return {thermal, job.fusion ? job.mse : unknown, job.gyro_mse, job.unbiased_mse};
+study::PerEstimator<double> mse_of(const MadeJob& job) {
+  study::PerEstimator<double> mse(unknown);
+  mse[study::thermal_name] = job.fusion ? 10.0 * job.mse : job.mse;  // a fused network's own y_th is worse
+  if (job.fusion) mse[study::fusion_name] = job.mse;
+  mse["gyro"] = job.gyro_mse;
+  mse["gyro-rest"] = job.rest_mse;
+  return mse;
 }
 
 std::vector<study::SpeedErrors> speeds_of(const MadeJob& job) {
@@ -31,10 +35,8 @@ std::vector<study::SpeedErrors> speeds_of(const MadeJob& job) {
 
 study::GainStatistics gain_of(const MadeJob& job) {
   study::GainStatistics gain;
-  if (!job.fusion) {
-    gain.mean = gain.deviation = gain.median = gain.below_002 = gain.above_098 = unknown;
-    return gain;
-  }
+  if (!job.fusion) return gain;
+  gain.deviation = 0.0;
   gain.histogram[static_cast<std::size_t>(job.gain * study::GainStatistics::bins)] = 4 * windows_a_speed;
   gain.mean = gain.median = job.gain;
   gain.below_002 = job.gain < 0.02 ? 1.0 : 0.0;
@@ -44,18 +46,20 @@ study::GainStatistics gain_of(const MadeJob& job) {
 
 study::AngleTrack track_of(const MadeJob& job) {
   study::AngleTrack track;
-  track.drift_deg_per_min = {2.0 * job.drift_deg_per_min, job.fusion ? job.drift_deg_per_min : unknown,
-                             job.gyro_drift_deg_per_min, 0.1};
+  track.drift_deg_per_min[study::thermal_name] = 2.0 * job.drift_deg_per_min;
+  if (job.fusion) track.drift_deg_per_min[study::fusion_name] = job.drift_deg_per_min;
+  track.drift_deg_per_min["gyro"] = job.gyro_drift_deg_per_min;
+  track.drift_deg_per_min["gyro-rest"] = 0.1;
   track.integrated_s = 60.0;
   for (double time_s = 0.0; time_s <= 60.0; time_s += 2.0) {
     track.time_s.push_back(time_s);
     track.commanded_deg.push_back(0.0);
-    for (std::size_t i = 0; i < study::estimator_count; ++i)
-      if (std::isfinite(track.drift_deg_per_min[i]))
-        track.error_deg[i].push_back(track.drift_deg_per_min[i] * time_s / 60.0);
+    for (const std::string& name : study::all_estimators())
+      if (std::isfinite(track.drift_deg_per_min[name]))
+        track.error_deg[name].push_back(track.drift_deg_per_min[name] * time_s / 60.0);
   }
-  for (std::size_t i = 0; i < study::estimator_count; ++i)
-    track.worst_deg[i] = std::abs(track.drift_deg_per_min[i]);
+  for (const std::string& name : study::all_estimators())
+    track.worst_deg[name] = std::abs(track.drift_deg_per_min[name]);
   return track;
 }
 
@@ -72,7 +76,8 @@ study::JobResult made_result(const MadeJob& made) {
   result.job.test_hash = "hash of " + made.fold;
   result.job.data_hash = "0123456789abcdef";
   const auto mse = mse_of(made);
-  for (std::size_t i = 0; i < study::estimator_count; ++i) result.evaluation.errors[i] = errors_of(mse[i]);
+  for (const std::string& name : study::all_estimators())
+    result.evaluation.errors[name] = errors_of(mse[name]);
   result.evaluation.speeds = speeds_of(made);
   result.evaluation.gain = gain_of(made);
   result.evaluation.angles = {track_of(made)};

@@ -14,10 +14,10 @@ struct MadeJob {
   bool fusion = true;
   std::uint64_t seed = 1;
   std::string fold = "garden-1";
-  double mse = 0.01;       // of the set-up's own estimator
-  double gyro_mse = 0.02;  // of the gyro
-  double unbiased_mse = 0.0005;
-  double gain = 0.55;  // in one bin of the histogram
+  double mse = 0.01;         // of the set-up's own estimator
+  double gyro_mse = 0.02;    // of the gyro
+  double rest_mse = 0.0005;  // of gyro-rest; gyro-kalman says nothing
+  double gain = 0.55;        // in one bin of the histogram
   double drift_deg_per_min = 1.0;
   double gyro_drift_deg_per_min = -60.0;
 };

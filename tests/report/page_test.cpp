@@ -55,7 +55,7 @@ TEST(Page, HasTheSameTablesAsTheMarkdown) {
   EXPECT_THAT(page, HasSubstr("<th scope=\"row\">3</th><td class=\"number\">0.005</td>"));
   EXPECT_THAT(page, HasSubstr("<td class=\"number\">0.0050 (14.1)</td>"));
   EXPECT_THAT(page, HasSubstr("<th scope=\"colgroup\" colspan=\"4\">paper, real data</th>"));
-  EXPECT_THAT(page, HasSubstr("gyro, static bias removed (Nf = 3)"));
+  EXPECT_THAT(page, HasSubstr("gyro-rest (Nf = 3)"));
   EXPECT_THAT(page, HasSubstr("class=\"banner\">SIMULATED"));
   EXPECT_THAT(page, HasSubstr("<strong>does not hold</strong>"));
 }
@@ -117,8 +117,11 @@ TEST(Page, CannotBeInjectedInto) {
 
 TEST(Page, ShowsNothingForWhatIsNotANumber) {
   auto results = std::vector{made_result({})};
-  for (auto& errors : results[0].evaluation.errors) errors.mse = errors.rmse_dps = std::nan("");
-  for (auto& speed : results[0].evaluation.speeds) speed.mse.fill(std::nan(""));
+  for (const std::string& name : study::all_estimators()) {
+    study::Errors& errors = results[0].evaluation.errors[name];
+    errors.mse = errors.rmse_dps = std::nan("");
+  }
+  for (auto& speed : results[0].evaluation.speeds) speed.mse = study::PerEstimator<double>(std::nan(""));
   results[0].evaluation.angles.clear();
   results[0].training_mse = {std::nan("")};
   const std::string page = report::study_html(results);

@@ -28,10 +28,10 @@ TEST(StudyJson, HoldsEveryFoldAsItWas) {
     ASSERT_FALSE(setting.is_null()) << job.frames << ' ' << job.reduction;
     for (const json& fold : setting["folds"]) {
       if (fold["test"] != job.test) continue;
-      EXPECT_EQ(fold["errors"]["gyro"]["mse"], result.evaluation.errors[2].mse);
-      EXPECT_EQ(fold["errors"][job.fusion ? "fusion" : "thermal"]["mse"],
-                result.evaluation.errors[job.fusion ? 1 : 0].mse);
-      EXPECT_EQ(fold["errors"]["thermal"]["windows"], result.evaluation.errors[0].windows);
+      EXPECT_EQ(fold["errors"]["gyro"]["mse"], result.evaluation.errors["gyro"].mse);
+      EXPECT_EQ(fold["errors"][job.fusion ? "cnn-fusion" : "cnn-thermal"]["mse"],
+                result.evaluation.errors[job.fusion ? "cnn-fusion" : "cnn-thermal"].mse);
+      EXPECT_EQ(fold["errors"]["cnn-thermal"]["windows"], result.evaluation.errors["cnn-thermal"].windows);
       EXPECT_EQ(fold["angle"]["estimators"]["gyro"]["drift_deg_per_min"], -60.0);
     }
   }
@@ -40,9 +40,9 @@ TEST(StudyJson, HoldsEveryFoldAsItWas) {
 TEST(StudyJson, HoldsMediansSpreadsAndCosts) {
   const json report = json::parse(report::study_json(made_study()));
   const json setting = setting_of(report, 3, 1, true, 1);
-  EXPECT_NEAR(setting["estimators"]["fusion"]["median_mse"], 0.005, 1e-12);
-  EXPECT_NEAR(setting["estimators"]["fusion"]["iqr_mse"], 0.005 * 2.5 / 3.5, 1e-12);
-  EXPECT_NEAR(setting["estimators"]["fusion"]["rmse_dps"], 14.142, 1e-3);
+  EXPECT_NEAR(setting["estimators"]["cnn-fusion"]["median_mse"], 0.005, 1e-12);
+  EXPECT_NEAR(setting["estimators"]["cnn-fusion"]["iqr_mse"], 0.005 * 2.5 / 3.5, 1e-12);
+  EXPECT_NEAR(setting["estimators"]["cnn-fusion"]["rmse_dps"], 14.142, 1e-3);
   EXPECT_EQ(setting["weights"], 750274);
   EXPECT_EQ(setting["multiply_adds"], 1553480);
   EXPECT_EQ(setting["folds_done"], 6);
@@ -66,7 +66,7 @@ TEST(StudyJson, SaysWhatTheNumbersAre) {
 TEST(StudyJson, WritesNullForWhatIsNotKnown) {
   const json report = json::parse(report::study_json(std::vector{made_result({.fusion = false})}));
   const json setting = report["studies"][0]["settings"][0];
-  EXPECT_TRUE(setting["folds"][0]["errors"]["fusion"]["mse"].is_null());
+  EXPECT_TRUE(setting["folds"][0]["errors"]["cnn-fusion"]["mse"].is_null());
   EXPECT_TRUE(setting["gain"].is_null());
 }
 

@@ -21,21 +21,14 @@ inline windows::Acquisition plain_acquisition(const std::string& name, std::size
   return acquisition;
 }
 
-/// An estimate whose errors against `label_dps` are these.
-inline training::WindowEstimate estimate(std::uint32_t last, float label_dps, float thermal_error,
-                                         float fusion_error, float gyro_error, float gain = 0.5F) {
-  training::WindowEstimate estimate;
-  estimate.window = {0, last};
-  estimate.label_dps = label_dps;
-  estimate.thermal_dps = label_dps + thermal_error;
-  estimate.fusion_dps = label_dps + fusion_error;
-  estimate.gyro_dps = label_dps + gyro_error;
-  estimate.gain = gain;
-  return estimate;
-}
-
-inline std::size_t index(Estimator estimator) {
-  return static_cast<std::size_t>(estimator);
+/// A window that estimators are wrong of by so much.
+inline JudgedWindow judged(std::uint32_t last, float label_dps, float thermal_error, float fusion_error,
+                           float gyro_error, float gain = 0.5F) {
+  JudgedWindow judged{.window = {0, last}, .label_dps = label_dps, .gain = gain};
+  judged.rate_dps[thermal_name] = label_dps + thermal_error;
+  judged.rate_dps[fusion_name] = label_dps + fusion_error;
+  judged.rate_dps[gyro_name] = label_dps + gyro_error;
+  return judged;
 }
 
 }  // namespace thermorig::study

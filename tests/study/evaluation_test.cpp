@@ -6,23 +6,26 @@
 #include <cmath>
 #include <limits>
 
+#include "../support/synthetic_acquisitions.h"
 #include "estimates_of.h"
+#include "thermorig/estimators/table.h"
+#include "thermorig/training/prediction.h"
 
 namespace thermorig::study {
 namespace {
 
 constexpr float nan = std::numeric_limits<float>::quiet_NaN();
 
-Evaluation evaluated(const std::vector<training::WindowEstimate>& estimates,
-                     const windows::Acquisition& acquisition, const EvaluationConfig& config = {}) {
+Evaluation evaluated(const std::vector<JudgedWindow>& estimates, const windows::Acquisition& acquisition,
+                     const EvaluationConfig& config = {}) {
   return evaluate(estimates, std::span(&acquisition, 1), config);
 }
 
 TEST(Evaluation, GivesTheErrorsOfEachEstimator) {
   const windows::Acquisition acquisition = plain_acquisition("a", 10, 100.0F);
   const Evaluation evaluation =
-      evaluated({estimate(2, 100, 10, -2, 40), estimate(3, 100, -30, 4, 40)}, acquisition);
-  const Errors& thermal = evaluation.errors[index(Estimator::thermal)];
+      evaluated({judged(2, 100, 10, -2, 40), judged(3, 100, -30, 4, 40)}, acquisition);
+  const Errors& thermal = evaluation.errors[thermal_name];
   EXPECT_EQ(thermal.windows, 2U);
   EXPECT_DOUBLE_EQ(thermal.mse, 500.0 / 40'000.0);
   EXPECT_DOUBLE_EQ(thermal.rmse_dps, std::sqrt(500.0));
@@ -30,75 +33,97 @@ TEST(Evaluation, GivesTheErrorsOfEachEstimator) {
   EXPECT_DOUBLE_EQ(thermal.p95_dps, 29.0);
   EXPECT_DOUBLE_EQ(thermal.bias_dps, -10.0);
   EXPECT_DOUBLE_EQ(thermal.outlier_share, 0.0);  // 30 deg/s is none yet
-  EXPECT_DOUBLE_EQ(evaluation.errors[index(Estimator::fusion)].mse, 10.0 / 40'000.0);
-  EXPECT_DOUBLE_EQ(evaluation.errors[index(Estimator::gyro)].outlier_share, 1.0);
+  EXPECT_DOUBLE_EQ(evaluation.errors[fusion_name].mse, 10.0 / 40'000.0);
+  EXPECT_DOUBLE_EQ(evaluation.errors[gyro_name].outlier_share, 1.0);
 }
 
 TEST(Evaluation, NormalisesByTheLabelScale) {
   const windows::Acquisition acquisition = plain_acquisition("a", 10, 100.0F);
-  const Evaluation evaluation =
-      evaluated({estimate(2, 100, 10, 0, 0)}, acquisition, {.label_scale_dps = 10.0});
-  EXPECT_DOUBLE_EQ(evaluation.errors[index(Estimator::thermal)].mse, 1.0);
-  EXPECT_DOUBLE_EQ(evaluation.errors[index(Estimator::thermal)].rmse_dps, 10.0);
+  const Evaluation evaluation = evaluated({judged(2, 100, 10, 0, 0)}, acquisition, {.label_scale_dps = 10.0});
+  EXPECT_DOUBLE_EQ(evaluation.errors[thermal_name].mse, 1.0);
+  EXPECT_DOUBLE_EQ(evaluation.errors[thermal_name].rmse_dps, 10.0);
 }
 
-TEST(Evaluation, RemovesTheBiasOfTheRestFromTheGyro) {
-  windows::Acquisition acquisition = plain_acquisition("a", 10, 100.0F);
-  acquisition.rest_bias_dps = 7.0;
-  const Evaluation evaluation =
-      evaluated({estimate(2, 100, 0, 0, 8), estimate(3, 100, 0, 0, 6)}, acquisition);
-  EXPECT_DOUBLE_EQ(evaluation.errors[index(Estimator::gyro)].bias_dps, 7.0);
-  EXPECT_DOUBLE_EQ(evaluation.errors[index(Estimator::gyro_unbiased)].bias_dps, 0.0);
-  EXPECT_DOUBLE_EQ(evaluation.errors[index(Estimator::gyro_unbiased)].rmse_dps, 1.0);
+TEST(Evaluation, ComparesEveryEstimatorOfTheTableThatNeedsNoNetwork) {
+  std::vector<std::string> names{"cnn-thermal", "cnn-fusion"};
+  for (const estimators::Entry& entry : estimators::all_entries())
+    if (!entry.needs_network) names.emplace_back(entry.name);
+  const auto compared = all_estimators();
+  EXPECT_EQ(std::vector(compared.begin(), compared.end()), names);
+  EXPECT_EQ(baselines().front(), "gyro");
 }
 
-TEST(Evaluation, SaysUnknownWhereThereWasNoRest) {
-  windows::Acquisition acquisition = plain_acquisition("a", 10, 100.0F);
-  acquisition.rest_bias_dps = nan;
-  const Evaluation evaluation =
-      evaluated({estimate(2, 100, 0, 0, 8), estimate(3, 100, 0, 0, 6)}, acquisition);
-  const Errors& unbiased = evaluation.errors[index(Estimator::gyro_unbiased)];
-  EXPECT_EQ(unbiased.windows, 0U);
-  EXPECT_TRUE(std::isnan(unbiased.mse) && std::isnan(unbiased.p95_dps) && std::isnan(unbiased.bias_dps));
-  EXPECT_TRUE(std::isnan(evaluation.speeds.at(0).mse[index(Estimator::gyro_unbiased)]));
-  EXPECT_TRUE(evaluation.angles.at(0).error_deg[index(Estimator::gyro_unbiased)].empty());
-  EXPECT_EQ(evaluation.errors[index(Estimator::gyro)].windows, 2U);
+TEST(Evaluation, SaysUnknownOfAnEstimatorThatSaysNothing) {
+  const windows::Acquisition acquisition = plain_acquisition("a", 10, 100.0F);
+  const Evaluation evaluation = evaluated({judged(2, 100, 0, 0, 8), judged(3, 100, 0, 0, 6)}, acquisition);
+  const Errors& rest = evaluation.errors["gyro-rest"];
+  EXPECT_EQ(rest.windows, 0U);
+  EXPECT_TRUE(std::isnan(rest.mse) && std::isnan(rest.p95_dps) && std::isnan(rest.bias_dps));
+  EXPECT_TRUE(std::isnan(evaluation.speeds.at(0).mse["gyro-rest"]));
+  EXPECT_TRUE(evaluation.angles.at(0).error_deg["gyro-rest"].empty());
+  EXPECT_EQ(evaluation.errors[gyro_name].windows, 2U);
 }
 
 TEST(Evaluation, LeavesWindowsWithoutAGyroOutOfWhatNeedsOne) {
   const windows::Acquisition acquisition = plain_acquisition("a", 10, 100.0F);
   const Evaluation evaluation =
-      evaluated({estimate(2, 100, 5, nan, nan, nan), estimate(3, 100, 5, 1, 2)}, acquisition);
-  EXPECT_EQ(evaluation.errors[index(Estimator::thermal)].windows, 2U);
-  EXPECT_EQ(evaluation.errors[index(Estimator::fusion)].windows, 1U);
-  EXPECT_EQ(evaluation.errors[index(Estimator::gyro)].windows, 1U);
-  EXPECT_DOUBLE_EQ(evaluation.errors[index(Estimator::gyro)].rmse_dps, 2.0);
+      evaluated({judged(2, 100, 5, nan, nan, nan), judged(3, 100, 5, 1, 2)}, acquisition);
+  EXPECT_EQ(evaluation.errors[thermal_name].windows, 2U);
+  EXPECT_EQ(evaluation.errors[fusion_name].windows, 1U);
+  EXPECT_EQ(evaluation.errors[gyro_name].windows, 1U);
+  EXPECT_DOUBLE_EQ(evaluation.errors[gyro_name].rmse_dps, 2.0);
   EXPECT_EQ(evaluation.gain.windows(), 1U);
 }
 
 TEST(Evaluation, LeavesWindowsWithoutALabelOut) {
   const windows::Acquisition acquisition = plain_acquisition("a", 10, 100.0F);
-  const Evaluation evaluation =
-      evaluated({estimate(2, nan, 5, 1, 2), estimate(3, 100, 5, 1, 2)}, acquisition);
-  EXPECT_EQ(evaluation.errors[index(Estimator::thermal)].windows, 1U);
+  const Evaluation evaluation = evaluated({judged(2, nan, 5, 1, 2), judged(3, 100, 5, 1, 2)}, acquisition);
+  EXPECT_EQ(evaluation.errors[thermal_name].windows, 1U);
   EXPECT_EQ(evaluation.speeds.at(0).windows, 1U);
 }
 
-TEST(Evaluation, SaysNothingOfTheFusionOfAThermalOnlyModel) {
-  const windows::Acquisition acquisition = plain_acquisition("a", 10, 100.0F);
-  const Evaluation evaluation = evaluated({estimate(2, 100, 5, 5, 2, 1.0F)}, acquisition, {.fusion = false});
-  EXPECT_EQ(evaluation.errors[index(Estimator::thermal)].windows, 1U);
-  EXPECT_EQ(evaluation.errors[index(Estimator::fusion)].windows, 0U);
-  EXPECT_TRUE(std::isnan(evaluation.errors[index(Estimator::fusion)].mse));
-  EXPECT_EQ(evaluation.gain.windows(), 0U);
-  EXPECT_TRUE(std::isnan(evaluation.gain.mean));
-  EXPECT_TRUE(evaluation.angles.at(0).error_deg[index(Estimator::fusion)].empty());
+TEST(JudgedWindows, HoldMeansOverTheirFrames) {
+  windows::Acquisition acquisition = plain_acquisition("a", 4, 100.0F);
+  acquisition.label_dps = {10, 20, 40, 80};
+  acquisition.rates = {{"gyro", {1, 2, 4, 8}}, {"gyro-rest", {nan, 2, 4, 8}}};
+  const std::vector<windows::Window> windows{{0, 1}, {0, 3}};
+  const std::vector<JudgedWindow> judged = judged_windows(std::span(&acquisition, 1), windows, 2);
+  ASSERT_EQ(judged.size(), 2U);
+  EXPECT_EQ(judged[1].window, windows[1]);
+  EXPECT_EQ(judged[1].label_dps, 60.0F);
+  EXPECT_EQ(judged[1].rate_dps["gyro"], 6.0F);
+  EXPECT_EQ(judged[0].rate_dps["gyro"], 1.5F);
+  EXPECT_TRUE(std::isnan(judged[0].rate_dps["gyro-rest"]));  // of one of its frames it says nothing
+  EXPECT_EQ(judged[1].rate_dps["gyro-rest"], 6.0F);
+  EXPECT_TRUE(std::isnan(judged[1].rate_dps["gyro-kalman"]) && std::isnan(judged[1].rate_dps[thermal_name]));
+}
+
+TEST(JudgedWindows, SayWhatAModelPredicts) {
+  const std::vector<windows::Acquisition> acquisitions = synthetic::make_acquisitions({"garden"}, 1, 1);
+  for (const bool fusion : {true, false}) {
+    model::Model model;
+    model.weights = network::initial_weights({.frames = 2, .reduction = 3, .fusion = fusion}, 1);
+    const auto windows = windows::find_windows(acquisitions, 2);
+    const auto judged = judged_windows(model, acquisitions, windows);
+    const auto predicted = training::predict(model, acquisitions, windows);
+    ASSERT_EQ(judged.size(), windows.size());
+    EXPECT_EQ(judged[7].rate_dps[thermal_name], predicted[7].thermal_dps);
+    EXPECT_EQ(judged[7].rate_dps[gyro_name], predicted[7].gyro_dps);
+    EXPECT_EQ(judged[7].label_dps, predicted[7].label_dps);
+    if (fusion) {
+      EXPECT_EQ(judged[7].rate_dps[fusion_name], predicted[7].fusion_dps);
+      EXPECT_EQ(judged[7].gain, predicted[7].gain);
+    }
+    const Evaluation evaluation = evaluate(judged, acquisitions);
+    EXPECT_EQ(evaluation.errors[fusion_name].windows, fusion ? windows.size() : 0U);
+    EXPECT_EQ(evaluation.gain.windows(), fusion ? windows.size() : 0U);
+  }
 }
 
 TEST(Evaluation, OfNoWindowsIsUnknown) {
   const windows::Acquisition acquisition = plain_acquisition("a", 10, 100.0F);
   const Evaluation evaluation = evaluated({}, acquisition);
-  for (const Errors& errors : evaluation.errors) {
+  for (const Errors& errors : evaluation.errors.values()) {
     EXPECT_EQ(errors.windows, 0U);
     EXPECT_TRUE(std::isnan(errors.mse));
   }
@@ -109,15 +134,15 @@ TEST(Evaluation, OfNoWindowsIsUnknown) {
 TEST(Evaluation, DividesByCommandedSpeedWithItsSign) {
   windows::Acquisition acquisition = plain_acquisition("a", 10, 100.0F);
   acquisition.leg_rate_dps = {50, 50, 50, 50, -50, -50, -50, 20, 20, 20};
-  const Evaluation evaluation = evaluated({estimate(3, 50, 20, 0, 0), estimate(5, -50, 40, 0, 0),
-                                           estimate(6, -50, -40, 0, 0), estimate(9, 20, 0, 0, 0)},
-                                          acquisition);
+  const Evaluation evaluation = evaluated(
+      {judged(3, 50, 20, 0, 0), judged(5, -50, 40, 0, 0), judged(6, -50, -40, 0, 0), judged(9, 20, 0, 0, 0)},
+      acquisition);
   ASSERT_EQ(evaluation.speeds.size(), 3U);
   EXPECT_DOUBLE_EQ(evaluation.speeds[0].rate_dps, -50.0);
   EXPECT_EQ(evaluation.speeds[0].windows, 2U);
-  EXPECT_DOUBLE_EQ(evaluation.speeds[0].mse[index(Estimator::thermal)], 0.04);
+  EXPECT_DOUBLE_EQ(evaluation.speeds[0].mse[thermal_name], 0.04);
   EXPECT_DOUBLE_EQ(evaluation.speeds[1].rate_dps, 20.0);
-  EXPECT_DOUBLE_EQ(evaluation.speeds[2].mse[index(Estimator::thermal)], 0.01);
+  EXPECT_DOUBLE_EQ(evaluation.speeds[2].mse[thermal_name], 0.01);
 }
 
 TEST(Evaluation, TellsTheEnvironmentsApart) {
@@ -126,29 +151,27 @@ TEST(Evaluation, TellsTheEnvironmentsApart) {
                                                  plain_acquisition("c", 10, 100.0F)};
   acquisitions[0].environment = acquisitions[2].environment = "kitchen";
   acquisitions[2].simulated = true;
-  std::vector<training::WindowEstimate> estimates{estimate(4, 100, 10, 0, 0), estimate(4, 100, 20, 0, 0)};
+  std::vector<JudgedWindow> estimates{judged(4, 100, 10, 0, 0), judged(4, 100, 20, 0, 0)};
   estimates[1].window.acquisition = 1;
-  const Evaluation evaluation = evaluate(estimates, acquisitions, 200.0);
+  const Evaluation evaluation = evaluate(estimates, acquisitions);
   ASSERT_EQ(evaluation.environments.size(), 2U);
   EXPECT_EQ(evaluation.environments[0].name, "garden");
   EXPECT_EQ(evaluation.environments[0].acquisitions, 1U);
-  EXPECT_DOUBLE_EQ(evaluation.environments[0].errors[index(Estimator::thermal)].rmse_dps, 20.0);
+  EXPECT_DOUBLE_EQ(evaluation.environments[0].errors[thermal_name].rmse_dps, 20.0);
   EXPECT_EQ(evaluation.environments[1].acquisitions, 2U);
-  EXPECT_DOUBLE_EQ(evaluation.environments[1].errors[index(Estimator::thermal)].rmse_dps, 10.0);
+  EXPECT_DOUBLE_EQ(evaluation.environments[1].errors[thermal_name].rmse_dps, 10.0);
   EXPECT_TRUE(evaluation.simulated);
 }
 
-TEST(Evaluation, JudgesEachAcquisitionByItsOwnBias) {
-  std::vector<windows::Acquisition> acquisitions{plain_acquisition("a", 10, 100.0F),
-                                                 plain_acquisition("b", 10, 100.0F)};
-  acquisitions[0].rest_bias_dps = 5.0;
-  acquisitions[1].rest_bias_dps = -3.0;
-  std::vector<training::WindowEstimate> estimates{estimate(4, 100, 0, 0, 5), estimate(4, 100, 0, 0, -3)};
+TEST(Evaluation, HasAnAngleForEachAcquisition) {
+  const std::vector<windows::Acquisition> acquisitions{plain_acquisition("a", 10, 100.0F),
+                                                       plain_acquisition("b", 10, 100.0F)};
+  std::vector<JudgedWindow> estimates{judged(4, 100, 0, 0, 5), judged(4, 100, 0, 0, -3)};
   estimates[1].window.acquisition = 1;
-  const Evaluation evaluation = evaluate(estimates, acquisitions, 200.0);
-  EXPECT_DOUBLE_EQ(evaluation.errors[index(Estimator::gyro_unbiased)].rmse_dps, 0.0);
+  const Evaluation evaluation = evaluate(estimates, acquisitions);
   EXPECT_EQ(evaluation.names, (std::vector<std::string>{"a", "b"}));
-  EXPECT_DOUBLE_EQ(evaluation.angles.at(1).worst_deg[index(Estimator::gyro)], 0.3);
+  EXPECT_DOUBLE_EQ(evaluation.angles.at(0).worst_deg[gyro_name], 0.5);
+  EXPECT_DOUBLE_EQ(evaluation.angles.at(1).worst_deg[gyro_name], 0.3);
 }
 
 }  // namespace

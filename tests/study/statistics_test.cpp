@@ -14,17 +14,18 @@ namespace {
 
 GainStatistics gains(const std::vector<float>& values) {
   const windows::Acquisition acquisition = plain_acquisition("a", values.size() + 1, 60.0F);
-  std::vector<training::WindowEstimate> estimates;
+  std::vector<JudgedWindow> estimates;
   for (std::size_t i = 0; i < values.size(); ++i)
-    estimates.push_back(estimate(static_cast<std::uint32_t>(i + 1), 60, 0, 0, 0, values[i]));
-  return evaluate(estimates, std::span(&acquisition, 1), 200.0).gain;
+    estimates.push_back(judged(static_cast<std::uint32_t>(i + 1), 60, 0, 0, 0, values[i]));
+  return evaluate(estimates, std::span(&acquisition, 1)).gain;
 }
 
 JobResult fold(const std::string& test, const GainStatistics& gain, double mse) {
   JobResult result;
   result.job.test = test;
   result.evaluation.gain = gain;
-  for (Errors& errors : result.evaluation.errors) errors = {.windows = 10, .mse = mse};
+  for (const std::string& name : all_estimators())
+    result.evaluation.errors[name] = {.windows = 10, .mse = mse};
   return result;
 }
 
@@ -93,10 +94,10 @@ TEST(Summary, IsMedianAndSpreadOfTheFolds) {
   const std::vector<SettingSummary> rows = summarise(folds);
   ASSERT_EQ(rows.size(), 1U);
   EXPECT_EQ(rows[0].folds, 3U);
-  EXPECT_EQ(rows[0].fold_mse[0], (std::vector<double>{0.01, 0.02, 0.04}));
-  EXPECT_DOUBLE_EQ(rows[0].mse[0].median, 0.02);
-  EXPECT_DOUBLE_EQ(rows[0].mse[0].iqr, 0.015);
-  EXPECT_DOUBLE_EQ(rows[0].rmse_dps[0], 200.0 * std::sqrt(0.02));
+  EXPECT_EQ(rows[0].fold_mse[thermal_name], (std::vector<double>{0.01, 0.02, 0.04}));
+  EXPECT_DOUBLE_EQ(rows[0].mse[thermal_name].median, 0.02);
+  EXPECT_DOUBLE_EQ(rows[0].mse[thermal_name].iqr, 0.015);
+  EXPECT_DOUBLE_EQ(rows[0].rmse_dps[thermal_name], 200.0 * std::sqrt(0.02));
 }
 
 TEST(Summary, PutsOnlyFoldsOfOneSettingInARow) {

@@ -87,7 +87,7 @@ class Turning {
   Turning(Acquisition& acquisition, const AcquisitionConfig& config, std::uint64_t seed)
       : acquisition_(acquisition), config_(config), random_(seed), scene_(random_) {
     bias_dps_ = static_cast<float>(config.gyro_bias_dps * random_.normal());
-    acquisition.rest_bias_dps = bias_dps_;
+    acquisition.rates = {{"gyro", {}}, {"gyro-rest", {}}};
   }
 
   void leg(float rate_dps, std::uint32_t run) {
@@ -100,6 +100,8 @@ class Turning {
     const auto noise_dps = static_cast<float>(config_.gyro_noise_dps * random_.normal());
     acquisition_.label_dps.push_back(rate_dps);
     acquisition_.gyro_dps.push_back(rate_dps + bias_dps_ + noise_dps);
+    acquisition_.rates[0].rate_dps.push_back(acquisition_.gyro_dps.back());
+    acquisition_.rates[1].rate_dps.push_back(rate_dps + noise_dps);
     acquisition_.time.push_back(HostTime(from_s(time_s_)));
     acquisition_.run.push_back(run);
     acquisition_.leg_rate_dps.push_back(rate_dps);

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "thermorig/core/estimate_row.h"
+#include "thermorig/network/gate.h"
 
 namespace thermorig::live {
 
@@ -34,19 +35,19 @@ struct EstimatorScores {
 struct LiveScores {
   std::uint64_t frames = 0;  // all
   std::uint64_t counted = 0;
-  std::uint64_t excluded = 0;                      // not counted
-  double integrated_s = 0.0;                       // since the last reset
-  std::vector<EstimatorScores> estimators;         // in the rows' order
-  std::array<std::uint64_t, 20> gain_histogram{};  // Kg of the counted frames, bins of 0.05
-  double gain_mean = 0.0;                          // NaN where no estimator has a gate
+  std::uint64_t excluded = 0;                                      // not counted
+  double integrated_s = 0.0;                                       // since the last reset
+  std::vector<EstimatorScores> estimators;                         // in the rows' order
+  std::array<std::uint64_t, network::gain_bins> gain_histogram{};  // Kg of the counted frames
+  double gain_mean = 0.0;                                          // NaN where no estimator has a gate
   /// Kg stays below 0.02, or above 0.98: in each of the last 64 counted frames that have one.
   bool gate_collapsed = false;
 };
 
 /// Follows a live run row by row. A counted window stands for the time since the frame before, if that is of
-/// the same run: so angles are integrated as study::AngleTrack does it. "Last minute" is by the rows' times.
-/// Memory is bounded: the last minute's errors and sums. The same rows give
-/// the same figures to the last digit, on the screen and from a file.
+/// the same run, as in study::AngleTrack; the sums are the same too (estimators/errors.h). "Last minute" is
+/// by the rows' times. Memory is bounded: the last minute's errors and sums. The same rows give the same
+/// figures to the last digit, on the screen and from a file.
 class Scorer {
  public:
   /// `estimators`: of the rows. The gate's figures are of the first that has a value "gain".

@@ -16,8 +16,8 @@ bool draws_charts();
 // A study's results, drawn again from its result files at any time.
 
 /// Tables in the paper's layout (Nf and Nr against median and IQR, thermal-only and fusion) beside the
-/// paper's own figures, always with gyro-only and gyro with static bias removed; gate statistics, drift,
-/// cost. Says "simulated" where the data are.
+/// paper's own figures, always with the estimators that need no network; gate statistics, drift, cost. Says
+/// "simulated" where the data are.
 std::string study_markdown(std::span<const study::JobResult> results);
 
 /// The same as one JSON object.

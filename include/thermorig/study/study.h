@@ -91,14 +91,11 @@ std::vector<Job> jobs_of(const StudyConfig& config, std::span<const windows::Acq
 std::optional<JobResult> run_job(const Job& job, std::span<const windows::Acquisition> acquisitions,
                                  const training::Observer& observer = {});
 
-/// The result with the rows of those estimators computed anew that no training is behind: the gyro as it is
-/// and less its static bias. `acquisitions` are those that the job was made of; all else stays as it is.
-/// Throws Error(bad_usage) if they are others, or have other windows than the result.
-JobResult with_baselines(JobResult result, std::span<const windows::Acquisition> acquisitions);
-
-/// The same for all results in a folder, each replaced whole: which may be stopped and run again. Nothing is
-/// written if one of them cannot be renewed. Throws also as read_results(), and Error(no_permission) while a
-/// study runs there.
+/// Computes the rows of the baselines() anew, which no training is behind, in all results of a folder, each
+/// replaced whole: which may be stopped and run again; all else stays as it is. `acquisitions` are those that
+/// the results were made of. Nothing is written if one of them cannot be renewed. Throws as read_results(),
+/// Error(bad_usage) if the acquisitions are others or have other windows than a result, and
+/// Error(no_permission) while a study runs there.
 struct RenewedBaselines {
   std::size_t results = 0;  // that there are
   std::size_t changed = 0;  // that say something else now
@@ -152,9 +149,9 @@ struct SettingSummary {
   std::string preset;
   int epochs = 0;
   std::size_t folds = 0;
-  std::array<std::vector<double>, estimator_count> fold_mse;  // one a fold, in the order of the test's name
-  std::array<Spread, estimator_count> mse;
-  std::array<double, estimator_count> rmse_dps{};  // square root of the median, times the label scale
+  PerEstimator<std::vector<double>> fold_mse;  // one a fold, in the order of the test's name
+  PerEstimator<Spread> mse;
+  PerEstimator<double> rmse_dps;  // square root of the median, times the label scale
   GainStatistics gain;  // over all windows of all folds; its median is interpolated, see docs/evaluation.md
   std::size_t weights = 0;
   std::uint64_t multiply_adds = 0;

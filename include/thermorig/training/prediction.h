@@ -12,7 +12,6 @@ namespace thermorig::training {
 /// What a model says of one window, beside the truth that it is held against. deg/s.
 struct WindowEstimate {
   windows::Window window;
-  HostTime time{};         // of the newest frame
   float label_dps = 0.0F;  // mean of the frames' labels
   float gyro_dps = 0.0F;   // mean of the frames' gyro means
   float thermal_dps = 0.0F;

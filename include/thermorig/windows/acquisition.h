@@ -9,6 +9,12 @@
 
 namespace thermorig::windows {
 
+/// What an estimator without a network says of the frames of one session.
+struct RateSeries {
+  std::string name;             // of the table of estimators, e.g. "gyro-rest"
+  std::vector<float> rate_dps;  // (N) mean over the frame's exposure, NaN where it says nothing
+};
+
 /// What training and evaluation know of one session: a row a frame (N frames).
 struct Acquisition {
   std::string name;         // "<environment>_acq-<number>": a re-recorded simulated session has it again
@@ -25,7 +31,7 @@ struct Acquisition {
   std::vector<HostTime> time;       // (N) middle of the newest exposure
   std::vector<std::uint32_t> run;   // (N) unbroken run of valid frames within one leg, from 1; 0: not valid
   std::vector<float> leg_rate_dps;  // (N) commanded speed of the leg that the frame lies in; 0 outside legs
-  double rest_bias_dps = 0.0;       // of the gyro, at rest before the first leg (GyroErrors); NaN: not known
+  std::vector<RateSeries> rates;    // of all estimators that need no network; not in the hash
 
   std::size_t frames() const { return run.size(); }
 };

@@ -38,6 +38,9 @@ std::vector<Window> find_windows(std::span<const Acquisition> acquisitions, int 
 /// Mean of the rates of a window's frames: unknown if one of them is.
 float mean_rate(std::span<const float> rates_dps);
 
+/// The same of a window of an acquisition, of whose frames these are the rates.
+float mean_rate(std::span<const float> rates_dps, const Window& window, int frames);
+
 /// Label and gyro of a window: the means of its frames'.
 struct WindowRates {
   float label_dps = 0.0F;

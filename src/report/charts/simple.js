@@ -2,7 +2,7 @@
 import { axis, legend, number, textStyle, tooltip } from './theme.js';
 
 /** What may cover what, from below. */
-const order = ['gyro', 'gyro_unbiased', 'thermal', 'fusion'];
+const order = ['gyro', 'gyro-rest', 'gyro-kalman', 'cnn-thermal', 'cnn-fusion'];
 
 /** Lines over a common axis: angle errors, errors by speed, training curves. */
 export function linesOption(chart, theme) {
@@ -31,7 +31,7 @@ export function linesOption(chart, theme) {
 export function histogramOption(chart, theme) {
   const all = chart.counts.reduce((sum, count) => sum + count, 0);
   const width = 1 / chart.counts.length;
-  const colour = theme.colourOf('fusion');
+  const colour = theme.colourOf('cnn-fusion');
   return {
     textStyle: textStyle(theme),
     grid: { left: 66, right: 18, top: 14, bottom: 50 },

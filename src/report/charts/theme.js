@@ -3,10 +3,11 @@
 
 /** Dashes and widths tell the estimators apart where colours do not. */
 const strokes = {
-  thermal: { type: 'solid', width: 1.8 },
-  fusion: { type: 'solid', width: 1.8 },
+  'cnn-thermal': { type: 'solid', width: 1.8 },
+  'cnn-fusion': { type: 'solid', width: 1.8 },
   gyro: { type: [7, 4], width: 3 },
-  gyro_unbiased: { type: [2, 3], width: 2 },
+  'gyro-rest': { type: [2, 3], width: 2 },
+  'gyro-kalman': { type: [8, 3, 2, 3], width: 2 },
 };
 
 export function themeNow() {
