@@ -38,9 +38,9 @@ std::vector<EnvironmentErrors> errors_by_environment(std::span<const JudgedWindo
 }
 
 std::span<const JudgedWindow> part_of(std::span<const JudgedWindow> judged, std::size_t acquisition) {
-  const auto part = std::ranges::equal_range(judged, acquisition, {},
-                                             [](const JudgedWindow& one) { return one.window.acquisition; });
-  return {part.begin(), part.end()};
+  const auto of = [](const JudgedWindow& one) { return one.window.acquisition; };
+  return {std::ranges::lower_bound(judged, acquisition, {}, of),
+          std::ranges::upper_bound(judged, acquisition, {}, of)};
 }
 
 }  // namespace
