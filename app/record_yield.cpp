@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <nlohmann/json.hpp>
 
 #include "number_json.h"
@@ -17,11 +16,7 @@ namespace thermorig::app {
 namespace {
 
 using rig::SpeedYield;
-
-double stroke_deg(const ServoProfile& servo) {
-  const auto limit_deg = rig::angle_limit_deg(servo);
-  return limit_deg ? 2.0 * *limit_deg : std::numeric_limits<double>::infinity();
-}
+using rig::stroke_deg;
 
 std::string windows_text(double windows) {
   return windows < 9.95 ? fmt::format("{:.1f}", windows) : fmt::format("{:.0f}", windows);
