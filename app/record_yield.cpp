@@ -4,7 +4,6 @@
 #include <fmt/format.h>
 
 #include <cmath>
-#include <limits>
 #include <nlohmann/json.hpp>
 
 #include "number_json.h"
@@ -16,11 +15,7 @@ namespace thermorig::app {
 namespace {
 
 using rig::SpeedYield;
-
-double stroke_deg(const ServoProfile& servo) {
-  const auto limit_deg = rig::angle_limit_deg(servo);
-  return limit_deg ? 2.0 * *limit_deg : std::numeric_limits<double>::infinity();
-}
+using rig::stroke_deg;
 
 std::string windows_text(double windows) {
   return windows < 9.95 ? fmt::format("{:.1f}", windows) : fmt::format("{:.0f}", windows);

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <algorithm>
+#include <cmath>
+
 #include "thermorig/core/profile.h"
 #include "thermorig/rig/plan.h"
 
@@ -10,30 +13,40 @@ namespace thermorig::rig {
 /// without a cable.
 class ServoTravel {
  public:
-  explicit ServoTravel(const ServoProfile& servo);
-
-  double limit_deg() const { return limit_deg_; }  // from the middle to either end
+  explicit ServoTravel(const ServoProfile& servo)
+      : acceleration_dps2_(servo.acceleration_dps2), stroke_deg_(stroke_deg(servo)) {}
 
   /// A leg of so many frames is longer than from end to end: it must turn back.
-  bool is_too_short_for(double rate_dps, double frames, double frame_rate_hz) const;
+  bool is_too_short_for(double rate_dps, double frames, double frame_rate_hz) const {
+    return leg_travel_deg(rate_dps, frames, frame_rate_hz, acceleration_dps2_) > stroke_deg_;
+  }
 
   /// What such a leg covers, at most from end to end.
-  double way_deg(double rate_dps, double frames, double frame_rate_hz) const;
+  double way_deg(double rate_dps, double frames, double frame_rate_hz) const {
+    return std::min(leg_travel_deg(rate_dps, frames, frame_rate_hz, acceleration_dps2_), stroke_deg_);
+  }
 
   /// Where a leg begins that lies even about the middle.
   static double start_deg(double rate_dps, double way_deg) { return -sign_of(rate_dps) * way_deg / 2.0; }
 
-  /// How far from the middle, in its direction, a leg ends that begins here: to be held against the limit.
-  static double end_deg(double rate_dps, double way_deg, double from_deg) {
-    return sign_of(rate_dps) * from_deg + way_deg;
+  /// Does a leg that begins here end before the end of the travel, or so little beyond it?
+  bool has_room(double rate_dps, double way_deg, double from_deg, double beyond_deg = 0.0) const {
+    return sign_of(rate_dps) * from_deg + way_deg <= stroke_deg_ / 2.0 + beyond_deg;
   }
 
   /// Camera frames at this speed before the servo must brake for its end, at most so many.
-  int frames_left(double rate_dps, double from_deg, double frame_rate_hz, int most) const;
+  int frames_left(double rate_dps, double from_deg, double frame_rate_hz, int most) const {
+    constexpr double command_delay_s = 0.25;  // from here to the servo's next command
+    const double speed_dps = std::abs(rate_dps);
+    const double room_deg =
+        stroke_deg_ / 2.0 - sign_of(rate_dps) * from_deg - speed_dps * speed_dps / (2.0 * acceleration_dps2_);
+    const double frames = (room_deg / speed_dps - command_delay_s) * frame_rate_hz;
+    return static_cast<int>(std::clamp(frames - 1.0, 0.0, static_cast<double>(most)));
+  }
 
  private:
   double acceleration_dps2_;
-  double limit_deg_;
+  double stroke_deg_;  // from end to end
 };
 
 }  // namespace thermorig::rig

@@ -135,8 +135,9 @@ void SweepWalker::next_leg(HostTime now) {
   const double rate_dps = steps_.rate_dps();
   const double rate_hz = frames_.rate_hz();
   const double way_deg = travel.way_deg(rate_dps, quota_.leg_frames(steps_.front().index, rate_hz), rate_hz);
-  const double end_deg = ServoTravel::end_deg(rate_dps, way_deg, telemetry_.angle_deg());
-  if (!telemetry_.has_come() || end_deg <= travel.limit_deg() + angle_tolerance_deg) return begin_leg(now);
+  if (!telemetry_.has_come() ||
+      travel.has_room(rate_dps, way_deg, telemetry_.angle_deg(), angle_tolerance_deg))
+    return begin_leg(now);
   const double target_deg = ServoTravel::start_deg(rate_dps, way_deg);
   const double expected_s = std::abs(target_deg - telemetry_.angle_deg()) / servo_.max_rate_dps;
   commander_.go_to({.angle_deg = target_deg,

@@ -11,7 +11,8 @@ namespace {
 using ::testing::AnyOf;
 using ::testing::HasSubstr;
 
-const std::vector<std::string> live{"live", "--record", "--no-page", "--no-preflight", "--replug-patience", "0"};
+const std::vector<std::string> live{"live",           "--record",          "--no-page",
+                                    "--no-preflight", "--replug-patience", "0"};
 const std::vector<std::string> record{"record", "--no-preflight", "--replug-patience", "0"};
 
 constexpr int long_leg = 40;  // frames: no leg ends before the mishap

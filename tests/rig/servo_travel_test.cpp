@@ -33,7 +33,14 @@ TEST(ServoTravel, AContinuousServoHasNoEnd) {
 TEST(ServoTravel, ALegLiesEvenAboutTheMiddleInItsDirection) {
   EXPECT_EQ(ServoTravel::start_deg(30.0, 100.0), -50.0);
   EXPECT_EQ(ServoTravel::start_deg(-30.0, 100.0), 50.0);
-  EXPECT_EQ(ServoTravel::end_deg(-30.0, 100.0, 50.0), 50.0);
+}
+
+TEST(ServoTravel, HasRoomForALegThatEndsBeforeItsEnd) {
+  const ServoTravel travel(servo_of_400());
+  EXPECT_TRUE(travel.has_room(30.0, 300.0, -100.0));
+  EXPECT_FALSE(travel.has_room(-30.0, 300.0, -100.0));
+  EXPECT_FALSE(travel.has_room(30.0, 300.03, -100.0));
+  EXPECT_TRUE(travel.has_room(30.0, 300.03, -100.0, 0.05));
 }
 
 TEST(ServoTravel, LeavesRoomForTheCommandAndTheBraking) {
