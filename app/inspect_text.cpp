@@ -54,13 +54,10 @@ std::string stream_table(const Quality& quality) {
 }
 
 std::string frames_text(const Quality& quality) {
-  std::string text = fmt::format("frames   {} of {} in legs are valid ({}); {} in all\n",
-                                 count_text(quality.valid), count_text(quality.swept),
-                                 share_text(quality.valid, quality.swept), count_text(quality.frames));
   std::string reasons;
   for (const auto& [name, count] : quality.reason_counts)
     if (count > 0) reasons += fmt::format("{}{} {}", reasons.empty() ? "" : ", ", name, count_text(count));
-  return text + "flagged  " + (reasons.empty() ? "none" : reasons) + "\n";
+  return valid_frames_text(quality) + "flagged  " + (reasons.empty() ? "none" : reasons) + "\n";
 }
 
 /// A speed in hundredths, so that it can be looked up.
@@ -123,6 +120,19 @@ nlohmann::json header_json(const RecordingHeader& header) {
 
 }  // namespace
 
+nlohmann::json quality_json(const Quality& quality) {
+  return {{"frames", quality.frames},
+          {"frames_swept", quality.swept},
+          {"frames_valid", quality.valid},
+          {"verdict", quality.verdict}};
+}
+
+std::string valid_frames_text(const Quality& quality) {
+  return fmt::format("frames   {} of {} in legs are valid ({}); {} in all\n", count_text(quality.valid),
+                     count_text(quality.swept), share_text(quality.valid, quality.swept),
+                     count_text(quality.frames));
+}
+
 std::string altered_text(const std::vector<std::string>& altered) {
   constexpr std::size_t most = 8;
   if (altered.empty()) return "";
@@ -149,15 +159,12 @@ nlohmann::json inspected_json(const std::filesystem::path& path, const Session& 
   object["state"] = session::name_of(session.state);
   object["duration_s"] = quality.duration_s;
   object["camera_mode"] = session.camera_mode;
-  object["frames"] = quality.frames;
-  object["frames_swept"] = quality.swept;
-  object["frames_valid"] = quality.valid;
+  object.update(quality_json(quality));
   object["reasons"] = quality.reason_counts;
   object["speeds"] = speeds_json(quality);
   for (Device device : all_devices)
     object["streams"][std::string(name_of(device))] =
         stream_json(quality.stream[device], session.counters[device]);
-  object["verdict"] = quality.verdict;
   object["verdict_reasons"] = quality.verdict_reasons;
   return object;
 }

@@ -17,6 +17,11 @@ std::string text_of(const std::filesystem::path& path, const session::Session& s
 nlohmann::json inspected_json(const std::filesystem::path& path, const session::Session& session,
                               const session::Quality& quality);
 
+/// What a command tells of a session that it made or looked at: frames, those in legs, those that are valid,
+/// verdict.
+nlohmann::json quality_json(const session::Quality& quality);
+std::string valid_frames_text(const session::Quality& quality);
+
 /// Names attributes that are not as they were written; empty if there is none.
 std::string altered_text(const std::vector<std::string>& altered);
 

@@ -76,8 +76,7 @@ void print_speeds(const RecordSummary& summary) {
 void print_figures(const RecordSummary& summary) {
   const RecordingResult& result = summary.result;
   const session::Quality& quality = result.quality;
-  print("frames   {} of {} in legs are valid ({}); {} in all\n", count_text(quality.valid),
-        count_text(quality.swept), share_text(quality.valid, quality.swept), count_text(quality.frames));
+  print("{}", valid_frames_text(quality));
   if (!summary.plan.for_calibration) print_speeds(summary);  // such a plan has no quota
   print("streams  {}\n", lost_text(quality));
   print("gaps     longest: {}\n", gaps_text(quality));
@@ -98,15 +97,12 @@ nlohmann::json json_of(const RecordSummary& summary) {
                         {"journal", result.journal.string()},
                         {"duration_s", result.duration_s},
                         {"wall_s", summary.wall_s},
-                        {"frames", quality.frames},
-                        {"frames_swept", quality.swept},
-                        {"frames_valid", quality.valid},
                         {"speeds", speeds_json(result.speeds)},
                         {"speeds_short", wanting_speeds(summary).count},
                         {"worst_gap_s", worst_gap_s(quality)},
-                        {"verdict", quality.verdict},
                         {"verdict_reasons", quality.verdict_reasons},
                         {"next", next_command(result)}};
+  object.update(quality_json(quality));
   object["preflight"] = preflight_json(result.preflight);
   object["recorder_cpu_share"] = summary.cpu_share ? nlohmann::json(*summary.cpu_share) : nlohmann::json();
   return object;

@@ -8,6 +8,7 @@
 
 #include "commands.h"
 #include "existing_file.h"
+#include "inspect_text.h"
 #include "output.h"
 #include "profile_path.h"
 #include "thermorig/calibration/calibration.h"
@@ -92,17 +93,9 @@ std::string words_of(const std::filesystem::path& path, const State& before, con
 }
 
 nlohmann::json object_of(const std::filesystem::path& path, const State& before, const State& after) {
-  const session::Quality& quality = after.quality;
-  nlohmann::json object{{"file", path.string()},
-                        {"frames", quality.frames},
-                        {"frames_swept", quality.swept},
-                        {"frames_valid", quality.valid},
-                        {"verdict", quality.verdict},
-                        {"before",
-                         {{"frames", before.quality.frames},
-                          {"frames_swept", before.quality.swept},
-                          {"frames_valid", before.quality.valid},
-                          {"verdict", before.quality.verdict}}}};
+  nlohmann::json object = quality_json(after.quality);
+  object["file"] = path.string();
+  object["before"] = quality_json(before.quality);
   const auto by = moved(before, after);
   object["moved_median_s"] = by ? nlohmann::json(by->median_s) : nlohmann::json();
   object["moved_max_s"] = by ? nlohmann::json(by->max_s) : nlohmann::json();
