@@ -12,11 +12,11 @@
 #include <variant>
 
 #include "commands.h"
-#include "error_output.h"
 #include "options.h"
-#include "output.h"
+#include "print/error_output.h"
+#include "print/output.h"
 #include "thermorig/core/error.h"
-#include "thermorig/session/trial.h"
+#include "thermorig/storage/session/trial.h"
 
 namespace {
 

@@ -5,7 +5,7 @@
 #include <algorithm>
 
 #include "learning_options.h"
-#include "live_options.h"
+#include "live/live_options.h"
 #include "rig_words.h"
 #include "thermorig/core/error.h"
 #include "thermorig/sensors/camera_protocol.h"

@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "thermorig/core/device.h"
-#include "thermorig/rig/plan.h"
+#include "thermorig/rig/sweep/plan.h"
 
 namespace thermorig::app {
 

@@ -6,8 +6,8 @@
 
 #include "build_information.h"
 #include "commands.h"
-#include "output.h"
-#include "thermorig/simulated_ports/simulated_ports.h"
+#include "print/output.h"
+#include "thermorig/simulation/simulated_ports/simulated_ports.h"
 
 namespace thermorig::app {
 

@@ -10,7 +10,7 @@
 
 #include "thermorig/core/profile.h"
 #include "thermorig/core/sample.h"
-#include "thermorig/windows/soundness.h"
+#include "thermorig/network/soundness.h"
 
 namespace thermorig::estimators {
 
@@ -90,7 +90,7 @@ class GyroAngle {
   };
 
   void add(const TimedGyro& sample) {
-    if (!windows::is_sound_rate(sample.rate_dps)) return;
+    if (!network::is_sound_rate(sample.rate_dps)) return;
     const Point point{sample.stamp.time, double{sample.rate_dps}};
     newest_.add(point.rate_dps);
     if (last_ && point.time <= last_->time) {

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "thermorig/windows/soundness.h"
+#include "thermorig/network/soundness.h"
 
 namespace thermorig::estimators {
 
@@ -35,7 +35,7 @@ double RestBlock::noise_variance() const {
 
 std::optional<RestBlock> GyroRests::add(const TimedGyro& sample) {
   const HostTime time = sample.stamp.time;
-  if (!windows::is_sound_rate(sample.rate_dps)) {
+  if (!network::is_sound_rate(sample.rate_dps)) {
     interrupt();
     return std::nullopt;
   }

@@ -7,7 +7,7 @@
 
 #include "entries.h"
 #include "network_window.h"
-#include "thermorig/windows/soundness.h"
+#include "thermorig/network/soundness.h"
 #include "window_rates.h"
 
 namespace thermorig::estimators {
@@ -67,7 +67,7 @@ class FusionEstimator : public Estimator {
     RateEstimate estimate;
     if (!output)
       estimate.reason = network_->reason();
-    else if (!windows::is_sound_rate(gyro_dps))
+    else if (!network::is_sound_rate(gyro_dps))
       estimate.reason = EstimateReason::no_gyro;
     else
       fuse(*output, gyro_dps, estimate);

@@ -16,7 +16,7 @@ const std::optional<network::Output>& NetworkWindow::look(const Observation& obs
   const TimedFrame& frame = observation.frame;
   const std::span<const float> temp_c(frame.frame.temp_c);
   const int in_a_row = in_a_row_.push(frame);
-  windows::prepare_frame(temp_c, shape(), scaling_, prepared_);
+  network::prepare_frame(temp_c, shape(), scaling_, prepared_);
   images_.push(prepared_);
   output_.reset();
   reason_ = in_a_row > 0 ? EstimateReason::window_incomplete : EstimateReason::no_image;

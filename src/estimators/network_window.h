@@ -6,11 +6,11 @@
 #include <vector>
 
 #include "thermorig/estimators/estimator.h"
-#include "thermorig/model/model.h"
 #include "thermorig/network/estimator.h"
-#include "thermorig/windows/frames_in_a_row.h"
-#include "thermorig/windows/last_blocks.h"
-#include "thermorig/windows/scaling.h"
+#include "thermorig/network/frames_in_a_row.h"
+#include "thermorig/network/last_blocks.h"
+#include "thermorig/network/model/model.h"
+#include "thermorig/network/scaling.h"
 
 namespace thermorig::estimators {
 
@@ -30,10 +30,10 @@ class NetworkWindow {
 
  private:
   network::Estimator estimator_;
-  windows::Scaling scaling_;
+  network::Scaling scaling_;
   std::vector<float> prepared_;
-  windows::LastBlocks images_;
-  windows::FramesInARow in_a_row_;
+  network::LastBlocks images_;
+  network::FramesInARow in_a_row_;
   std::optional<std::uint64_t> seen_;
   std::optional<network::Output> output_;
   EstimateReason reason_ = EstimateReason::window_incomplete;

@@ -3,8 +3,8 @@
 
 #include <cstddef>
 
-#include "thermorig/windows/last_blocks.h"
-#include "thermorig/windows/window_index.h"
+#include "thermorig/network/last_blocks.h"
+#include "thermorig/network/window_index.h"
 
 namespace thermorig::estimators {
 
@@ -16,11 +16,11 @@ class WindowRates {
   /// The next frame's rate; returns the mean of the window that it ends.
   float add(float rate_dps) {
     rates_dps_.push(rate_dps);
-    return windows::mean_rate(rates_dps_.all());
+    return network::mean_rate(rates_dps_.all());
   }
 
  private:
-  windows::LastBlocks rates_dps_;
+  network::LastBlocks rates_dps_;
 };
 
 }  // namespace thermorig::estimators

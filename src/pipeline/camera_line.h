@@ -10,11 +10,11 @@
 #include "final_times.h"
 #include "thermorig/core/profile.h"
 #include "thermorig/core/sample.h"
-#include "thermorig/labels/exposure.h"
-#include "thermorig/labels/frame_gaps.h"
+#include "thermorig/pipeline/labels/exposure.h"
+#include "thermorig/pipeline/labels/frame_gaps.h"
 #include "thermorig/pipeline/pipeline.h"
+#include "thermorig/pipeline/timing/link_timing.h"
 #include "thermorig/sensors/camera_protocol.h"
-#include "thermorig/timing/link_timing.h"
 
 namespace thermorig::pipeline {
 

@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "thermorig/core/sample.h"
-#include "thermorig/labels/frame_gaps.h"
-#include "thermorig/labels/freshness.h"
+#include "thermorig/pipeline/labels/frame_gaps.h"
+#include "thermorig/pipeline/labels/freshness.h"
 
 namespace thermorig::pipeline {
 

@@ -6,10 +6,10 @@
 
 #include "message_spans.h"
 #include "ping_exchanges.h"
+#include "thermorig/pipeline/timing/arrivals.h"
+#include "thermorig/pipeline/timing/ping_clock.h"
 #include "thermorig/sensors/gyro_protocol.h"
 #include "thermorig/sensors/servo_protocol.h"
-#include "thermorig/timing/arrivals.h"
-#include "thermorig/timing/ping_clock.h"
 
 namespace thermorig::pipeline {
 

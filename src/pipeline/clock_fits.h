@@ -8,7 +8,7 @@
 #include "thermorig/core/raw_recording.h"
 #include "thermorig/core/sample.h"
 #include "thermorig/core/sync.h"
-#include "thermorig/labels/frame_gaps.h"
+#include "thermorig/pipeline/labels/frame_gaps.h"
 #include "thermorig/pipeline/pipeline.h"
 
 namespace thermorig::pipeline {

@@ -9,12 +9,12 @@
 #include "final_times.h"
 #include "joined_clock.h"
 #include "message_spans.h"
-#include "thermorig/labels/servo_response.h"
-#include "thermorig/motion/panorama_fit.h"
 #include "thermorig/pipeline/interruptions.h"
+#include "thermorig/pipeline/labels/servo_response.h"
+#include "thermorig/pipeline/motion/panorama_fit.h"
 #include "thermorig/pipeline/pipeline.h"
+#include "thermorig/pipeline/timing/arrivals.h"
 #include "thermorig/sensors/servo_protocol.h"
-#include "thermorig/timing/arrivals.h"
 
 namespace thermorig::pipeline {
 

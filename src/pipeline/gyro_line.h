@@ -11,8 +11,8 @@
 #include "thermorig/core/profile.h"
 #include "thermorig/core/sample.h"
 #include "thermorig/pipeline/pipeline.h"
+#include "thermorig/pipeline/timing/link_timing.h"
 #include "thermorig/sensors/gyro_protocol.h"
-#include "thermorig/timing/link_timing.h"
 
 namespace thermorig::pipeline {
 

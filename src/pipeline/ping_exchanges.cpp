@@ -6,7 +6,7 @@
 
 #include "message_spans.h"
 #include "ping_ledger.h"
-#include "thermorig/timing/arrivals.h"
+#include "thermorig/pipeline/timing/arrivals.h"
 
 namespace thermorig::pipeline {
 

@@ -6,7 +6,7 @@
 
 #include "thermorig/core/raw_recording.h"
 #include "thermorig/pipeline/pipeline.h"
-#include "thermorig/timing/ping_clock.h"
+#include "thermorig/pipeline/timing/ping_clock.h"
 
 namespace thermorig::pipeline {
 

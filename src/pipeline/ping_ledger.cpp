@@ -4,8 +4,8 @@
 #include <algorithm>
 
 #include "servo_link.h"
-#include "thermorig/timing/link_timing.h"
-#include "thermorig/wire/sent_commands.h"
+#include "thermorig/pipeline/timing/link_timing.h"
+#include "thermorig/sensors/wire/sent_commands.h"
 
 namespace thermorig::pipeline {
 

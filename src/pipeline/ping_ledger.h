@@ -9,7 +9,7 @@
 
 #include "thermorig/core/sample.h"
 #include "thermorig/core/time.h"
-#include "thermorig/timing/ping_clock.h"
+#include "thermorig/pipeline/timing/ping_clock.h"
 
 namespace thermorig::pipeline {
 

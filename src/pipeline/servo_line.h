@@ -12,10 +12,10 @@
 #include "thermorig/core/profile.h"
 #include "thermorig/core/sample.h"
 #include "thermorig/pipeline/pipeline.h"
+#include "thermorig/pipeline/timing/link_timing.h"
+#include "thermorig/pipeline/timing/mcu_time.h"
+#include "thermorig/pipeline/timing/ping_clock.h"
 #include "thermorig/sensors/servo_protocol.h"
-#include "thermorig/timing/link_timing.h"
-#include "thermorig/timing/mcu_time.h"
-#include "thermorig/timing/ping_clock.h"
 
 namespace thermorig::pipeline {
 

@@ -12,8 +12,8 @@
 
 #include "mavlink.h"
 #include "thermorig/sensors/gyro_protocol.h"
-#include "thermorig/wire/byte_ledger.h"
-#include "thermorig/wire/reassembly.h"
+#include "thermorig/sensors/wire/byte_ledger.h"
+#include "thermorig/sensors/wire/reassembly.h"
 
 namespace thermorig::sensors {
 

@@ -10,8 +10,8 @@
 #include "text_fields.h"
 #include "text_line.h"
 #include "thermorig/sensors/gyro_protocol.h"
-#include "thermorig/wire/byte_ledger.h"
-#include "thermorig/wire/reassembly.h"
+#include "thermorig/sensors/wire/byte_ledger.h"
+#include "thermorig/sensors/wire/reassembly.h"
 
 namespace thermorig::sensors {
 

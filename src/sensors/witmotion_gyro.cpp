@@ -9,9 +9,9 @@
 #include <limits>
 
 #include "thermorig/sensors/gyro_protocol.h"
-#include "thermorig/wire/byte_ledger.h"
-#include "thermorig/wire/checksums.h"
-#include "thermorig/wire/reassembly.h"
+#include "thermorig/sensors/wire/byte_ledger.h"
+#include "thermorig/sensors/wire/checksums.h"
+#include "thermorig/sensors/wire/reassembly.h"
 
 namespace thermorig::sensors {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "thermorig/simulation/camera.h"
+#include "camera.h"
 
 #include <cmath>
 

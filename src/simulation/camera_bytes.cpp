@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
 #include <array>
 
+#include "camera.h"
 #include "encoder_table.h"
-#include "thermorig/simulation/camera.h"
-#include "thermorig/wire/device_bytes.h"
+#include "thermorig/sensors/wire/device_bytes.h"
 
 namespace thermorig::simulation {
 namespace {

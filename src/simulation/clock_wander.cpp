@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "thermorig/simulation/clock_wander.h"
+#include "clock_wander.h"
 
 #include <algorithm>
 #include <cmath>

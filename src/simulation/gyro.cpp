@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT
-#include "thermorig/simulation/gyro.h"
+#include "gyro.h"
 
 #include <algorithm>
 #include <cmath>
 
-#include "thermorig/wire/device_bytes.h"
+#include "thermorig/sensors/wire/device_bytes.h"
 
 namespace thermorig::simulation {
 namespace {

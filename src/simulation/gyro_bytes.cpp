@@ -8,9 +8,9 @@
 #include <string>
 
 #include "encoder_table.h"
+#include "gyro.h"
 #include "mavlink.h"
-#include "thermorig/simulation/gyro.h"
-#include "thermorig/wire/device_bytes.h"
+#include "thermorig/sensors/wire/device_bytes.h"
 
 namespace thermorig::simulation {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "thermorig/simulation/hand.h"
+#include "hand.h"
 
 #include <algorithm>
 #include <cassert>

@@ -2,7 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "thermorig/simulation/usb_link.h"
+#include "usb_link.h"
 
 namespace thermorig::simulation {
 namespace {

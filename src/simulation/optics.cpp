@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "thermorig/simulation/optics.h"
+#include "optics.h"
 
 #include <algorithm>
 #include <cmath>

@@ -4,10 +4,10 @@
 #include <algorithm>
 #include <array>
 
+#include "random.h"
 #include "scenes.h"
 #include "thermorig/core/error.h"
 #include "thermorig/core/nearest_name.h"
-#include "thermorig/simulation/random.h"
 
 namespace thermorig::simulation {
 

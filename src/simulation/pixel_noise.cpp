@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "thermorig/simulation/pixel_noise.h"
+#include "pixel_noise.h"
 
 #include <cmath>
 

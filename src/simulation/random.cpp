@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "thermorig/simulation/random.h"
+#include "random.h"
 
 #include <bit>
 #include <cmath>

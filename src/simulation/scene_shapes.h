@@ -3,8 +3,8 @@
 
 #include <vector>
 
+#include "random.h"
 #include "thermorig/simulation/panorama.h"
-#include "thermorig/simulation/random.h"
 
 namespace thermorig::simulation {
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include "random.h"
 #include "thermorig/simulation/panorama.h"
-#include "thermorig/simulation/random.h"
 
 namespace thermorig::simulation {
 

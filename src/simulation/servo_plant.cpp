@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: MIT
-#include "thermorig/simulation/servo_plant.h"
+#include "servo_plant.h"
 
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 
-#include "thermorig/simulation/shaft.h"
+#include "shaft.h"
 
 namespace thermorig::simulation {
 namespace {

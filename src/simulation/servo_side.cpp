@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT
-#include "thermorig/simulation/servo_side.h"
+#include "servo_side.h"
 
 #include <algorithm>
 #include <cmath>
 
-#include "thermorig/simulation/random.h"
+#include "random.h"
 
 namespace thermorig::simulation {
 namespace {

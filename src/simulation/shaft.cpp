@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "thermorig/simulation/shaft.h"
+#include "shaft.h"
 
 #include <algorithm>
 #include <cassert>

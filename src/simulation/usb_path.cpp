@@ -3,7 +3,7 @@
 #include <cmath>
 #include <string>
 
-#include "thermorig/simulation/usb_link.h"
+#include "usb_link.h"
 
 namespace thermorig::simulation {
 

@@ -4,14 +4,14 @@
 #include <algorithm>
 #include <array>
 
-#include "thermorig/simulation/camera.h"
-#include "thermorig/simulation/gyro.h"
-#include "thermorig/simulation/hand.h"
+#include "camera.h"
+#include "gyro.h"
+#include "hand.h"
+#include "servo_plant.h"
+#include "servo_side.h"
+#include "shaft.h"
 #include "thermorig/simulation/panorama.h"
-#include "thermorig/simulation/servo_plant.h"
-#include "thermorig/simulation/servo_side.h"
-#include "thermorig/simulation/shaft.h"
-#include "thermorig/simulation/usb_link.h"
+#include "usb_link.h"
 
 namespace thermorig::simulation {
 namespace {

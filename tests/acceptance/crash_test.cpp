@@ -9,7 +9,7 @@
 #include "recorder.h"
 #include "support/file_text.h"
 #include "support/other_program.h"
-#include "thermorig/journal/journal.h"
+#include "thermorig/storage/journal/journal.h"
 
 namespace thermorig::tests {
 namespace {

@@ -5,7 +5,7 @@
 #include <filesystem>
 #include <optional>
 
-#include "thermorig/journal/journal.h"
+#include "thermorig/storage/journal/journal.h"
 
 namespace thermorig::tests {
 

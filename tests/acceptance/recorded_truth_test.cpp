@@ -11,7 +11,7 @@
 #include "rig/simulated_bus.h"
 #include "rig/virtual_ports.h"
 #include "servo_link.h"
-#include "thermorig/rig/port_recording.h"
+#include "thermorig/rig/recording/port_recording.h"
 
 namespace thermorig::tests {
 namespace {

@@ -9,7 +9,7 @@
 #include "read_ledger.h"
 #include "served_rig.h"
 #include "thermorig/core/raw_recording.h"
-#include "thermorig/session/session.h"
+#include "thermorig/storage/session/session.h"
 
 namespace thermorig::tests {
 

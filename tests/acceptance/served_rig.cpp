@@ -7,7 +7,7 @@
 #include <iostream>
 #include <thread>
 
-#include "thermorig/rig/profile_file.h"
+#include "thermorig/rig/profile/profile_file.h"
 
 namespace thermorig::tests {
 

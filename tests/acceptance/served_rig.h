@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "thermorig/simulated_ports/simulated_ports.h"
+#include "thermorig/simulation/simulated_ports/simulated_ports.h"
 
 namespace thermorig::tests {
 

@@ -5,7 +5,7 @@
 #include <map>
 
 #include "app/program.h"
-#include "thermorig/session/session.h"
+#include "thermorig/storage/session/session.h"
 
 namespace thermorig::tests {
 namespace {

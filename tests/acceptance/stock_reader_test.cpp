@@ -8,7 +8,7 @@
 
 #include "app/program.h"
 #include "support/other_program.h"
-#include "thermorig/session/session.h"
+#include "thermorig/storage/session/session.h"
 
 namespace thermorig::tests {
 namespace {

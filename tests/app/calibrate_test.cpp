@@ -4,7 +4,7 @@
 #include <fstream>
 
 #include "program.h"
-#include "thermorig/rig/profile_file.h"
+#include "thermorig/rig/profile/profile_file.h"
 
 namespace thermorig::tests {
 namespace {

@@ -2,10 +2,10 @@
 #include <gmock/gmock.h>
 
 #include "program.h"
+#include "simulation/gyro.h"
 #include "support/telemetry_bytes.h"
-#include "thermorig/simulation/gyro.h"
-#include "thermorig/wire/device_bytes.h"
-#include "thermorig/wire/servo_messages.h"
+#include "thermorig/sensors/wire/device_bytes.h"
+#include "thermorig/sensors/wire/servo_messages.h"
 
 namespace thermorig::tests {
 namespace {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include <gtest/gtest.h>
 
-#include "output.h"
+#include "print/output.h"
 
 namespace thermorig::app {
 namespace {

@@ -2,8 +2,8 @@
 #include <gmock/gmock.h>
 
 #include "program.h"
-#include "thermorig/model/model.h"
-#include "thermorig/session/session.h"
+#include "thermorig/network/model/model.h"
+#include "thermorig/storage/session/session.h"
 
 namespace thermorig::tests {
 namespace {

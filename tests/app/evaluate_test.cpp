@@ -10,8 +10,8 @@
 
 #include "program.h"
 #include "support/file_text.h"
-#include "thermorig/model/model.h"
-#include "thermorig/session/session.h"
+#include "thermorig/network/model/model.h"
+#include "thermorig/storage/session/session.h"
 
 namespace thermorig::tests {
 namespace {

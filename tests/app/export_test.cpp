@@ -5,7 +5,7 @@
 #include <sstream>
 
 #include "program.h"
-#include "thermorig/model/model.h"
+#include "thermorig/network/model/model.h"
 
 namespace thermorig::tests {
 namespace {

@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: MIT
 // What `thermorig ports` says of devices that it heard.
-#include "found_ports.h"
+#include "record/found_ports.h"
 
 #include <gmock/gmock.h>
 
 #include <nlohmann/json.hpp>
 
 #include "rig/virtual_ports.h"
-#include "thermorig/rig/profile_file.h"
-#include "thermorig/wire/device_bytes.h"
+#include "thermorig/rig/profile/profile_file.h"
+#include "thermorig/sensors/wire/device_bytes.h"
 
 namespace thermorig::app {
 namespace {

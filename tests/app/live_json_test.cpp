@@ -9,8 +9,8 @@
 #include <sstream>
 #include <string>
 
-#include "live_facts.h"
-#include "live_lines.h"
+#include "live/live_facts.h"
+#include "live/live_lines.h"
 #include "pipe.h"
 
 namespace thermorig::app {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "live_page.h"
+#include "live/live_page.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -19,7 +19,7 @@
 #include "program.h"
 #include "support/file_text.h"
 #include "support/hand_clock.h"
-#include "thermorig/session/session.h"
+#include "thermorig/storage/session/session.h"
 #include "web_server/page_client.h"
 
 namespace thermorig::tests {

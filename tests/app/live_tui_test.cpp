@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "live_tui.h"
+#include "live/live_tui.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

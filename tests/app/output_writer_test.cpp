@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "output_writer.h"
+#include "print/output_writer.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "progress_output.h"
+#include "record/progress_output.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

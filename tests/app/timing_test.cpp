@@ -7,7 +7,7 @@
 #include <sstream>
 
 #include "program.h"
-#include "thermorig/session/session.h"
+#include "thermorig/storage/session/session.h"
 
 namespace thermorig::tests {
 namespace {

@@ -9,7 +9,7 @@
 
 #include "program.h"
 #include "support/file_text.h"
-#include "thermorig/session/session.h"
+#include "thermorig/storage/session/session.h"
 
 namespace thermorig::tests {
 namespace {

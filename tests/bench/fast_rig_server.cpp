@@ -7,8 +7,8 @@
 #include <exception>
 
 #include "fast_rig.h"
-#include "thermorig/rig/profile_file.h"
-#include "thermorig/simulated_ports/simulated_ports.h"
+#include "thermorig/rig/profile/profile_file.h"
+#include "thermorig/simulation/simulated_ports/simulated_ports.h"
 
 namespace thermorig::bench {
 namespace {

@@ -16,8 +16,8 @@
 #include <vector>
 
 #include "../network/random_windows.h"
-#include "inference_network.h"
 #include "multiply_add_peak.h"
+#include "network/inference_network.h"
 #include "read_bandwidth.h"
 
 namespace {

@@ -15,10 +15,10 @@
 
 #include "fast_rig.h"
 #include "thermorig/core/statistics.h"
-#include "thermorig/live/live_estimates.h"
-#include "thermorig/live/scores.h"
+#include "thermorig/estimators/live/live_estimates.h"
+#include "thermorig/estimators/live/scores.h"
 #include "thermorig/pipeline/replay.h"
-#include "thermorig/wire/servo_messages.h"
+#include "thermorig/sensors/wire/servo_messages.h"
 #include "timing_rig.h"
 
 namespace thermorig::bench {

@@ -25,14 +25,14 @@ from pathlib import Path
 
 # How many breaks, and where. What is near is tried first: its own test programs.
 AREAS = {
-    "wire": (3, ["src/wire/*.cpp", "src/sensors/*.cpp"], ["wire", "sensors"]),
-    "timing": (3, ["src/timing/*.cpp"], ["timing"]),
-    "labels": (3, ["src/labels/*.cpp"], ["labels"]),
-    "journal": (3, ["src/journal/*.cpp"], ["journal", "storage"]),
-    "session": (2, ["src/session/*.cpp"], ["session"]),
-    "sweep": (2, ["src/rig/sweep*.cpp", "src/rig/step*.cpp", "src/rig/servo_stop.cpp"], ["rig"]),
-    "live": (2, ["src/live/*.cpp"], ["live"]),
-    "web": (2, ["src/web/*.cpp"], ["web", "web_server"]),
+    "wire": (3, ["src/sensors/wire/*.cpp", "src/sensors/*.cpp"], ["wire", "sensors"]),
+    "timing": (3, ["src/pipeline/timing/*.cpp"], ["timing"]),
+    "labels": (3, ["src/pipeline/labels/*.cpp"], ["labels"]),
+    "journal": (3, ["src/storage/journal/*.cpp"], ["journal", "storage"]),
+    "session": (2, ["src/storage/session/*.cpp"], ["session"]),
+    "sweep": (2, ["src/rig/sweep*.cpp", "src/rig/step*.cpp", "src/rig/sweep/servo_stop.cpp"], ["rig"]),
+    "live": (2, ["src/estimators/live/*.cpp"], ["live"]),
+    "web": (2, ["src/io/web/*.cpp"], ["web", "web_server"]),
 }
 OTHER_OPERATOR = {"<": "<=", "<=": "<", ">": ">=", ">=": ">", "==": "!=", "!=": "==", "&&": "||", "||": "&&",
                   "+": "-", "-": "+", "*": "/", "/": "*", "+=": "-=", "-=": "+="}

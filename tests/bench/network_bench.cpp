@@ -15,9 +15,9 @@
 #include <string>
 #include <vector>
 
-#include "batch_gradients.h"
-#include "denormals.h"
 #include "multiply_add_peak.h"
+#include "network/batch_gradients.h"
+#include "network/denormals.h"
 
 namespace {
 

@@ -11,8 +11,8 @@
 #include <vector>
 
 #include "thermorig/pipeline/pipeline.h"
-#include "thermorig/rig/finalise.h"
-#include "thermorig/session/session.h"
+#include "thermorig/rig/recording/finalise.h"
+#include "thermorig/storage/session/session.h"
 
 namespace {
 

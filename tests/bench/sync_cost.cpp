@@ -14,9 +14,9 @@
 #include <thread>
 #include <vector>
 
-#include "journal_sync.h"
-#include "thermorig/journal/journal.h"
-#include "thermorig/rig/sync_policy.h"
+#include "rig/recording/journal_sync.h"
+#include "thermorig/rig/recording/sync_policy.h"
+#include "thermorig/storage/journal/journal.h"
 
 namespace {
 

@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "thermorig/pipeline/pipeline.h"
-#include "thermorig/rig/finalise.h"
+#include "thermorig/rig/recording/finalise.h"
 #include "timing_rig.h"
 
 namespace thermorig::bench {

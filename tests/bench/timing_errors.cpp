@@ -8,10 +8,10 @@
 
 #include "servo_link.h"
 #include "thermorig/pipeline/pipeline.h"
+#include "thermorig/pipeline/timing/link_timing.h"
+#include "thermorig/pipeline/timing/mcu_time.h"
 #include "thermorig/sensors/servo_protocol.h"
-#include "thermorig/timing/link_timing.h"
-#include "thermorig/timing/mcu_time.h"
-#include "thermorig/wire/sent_commands.h"
+#include "thermorig/sensors/wire/sent_commands.h"
 #include "timing_baselines.h"
 #include "timing_rig.h"
 #include "timing_truth.h"

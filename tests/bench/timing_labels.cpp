@@ -9,10 +9,10 @@
 #include <map>
 #include <string>
 
-#include "thermorig/calibration/calibration.h"
+#include "simulation/random.h"
 #include "thermorig/core/error.h"
-#include "thermorig/rig/finalise.h"
-#include "thermorig/simulation/random.h"
+#include "thermorig/rig/calibration/calibration.h"
+#include "thermorig/rig/recording/finalise.h"
 #include "timing_rig.h"
 #include "timing_truth.h"
 

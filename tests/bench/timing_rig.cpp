@@ -5,7 +5,7 @@
 #include <iterator>
 #include <utility>
 
-#include "thermorig/rig/servo_commander.h"
+#include "thermorig/rig/sweep/servo_commander.h"
 
 namespace thermorig::bench {
 namespace {

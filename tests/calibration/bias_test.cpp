@@ -6,7 +6,7 @@
 #include <random>
 
 #include "calibrated_rig.h"
-#include "thermorig/calibration/calibration.h"
+#include "thermorig/rig/calibration/calibration.h"
 
 namespace thermorig::calibration {
 namespace {

@@ -12,7 +12,7 @@
 #include <map>
 
 #include "thermorig/core/error.h"
-#include "thermorig/rig/virtual_recording.h"
+#include "thermorig/rig/recording/virtual_recording.h"
 
 namespace thermorig::calibration::test {
 

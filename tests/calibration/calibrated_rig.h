@@ -5,9 +5,9 @@
 #include <string>
 
 #include "thermorig/core/estimate.h"
-#include "thermorig/rig/plan.h"
-#include "thermorig/session/session.h"
+#include "thermorig/rig/sweep/plan.h"
 #include "thermorig/simulation/virtual_rig.h"
+#include "thermorig/storage/session/session.h"
 
 namespace thermorig::calibration::test {
 

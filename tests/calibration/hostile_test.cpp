@@ -5,8 +5,8 @@
 #include <limits>
 
 #include "calibrated_rig.h"
-#include "thermorig/calibration/calibration.h"
 #include "thermorig/core/error.h"
+#include "thermorig/rig/calibration/calibration.h"
 
 namespace thermorig::calibration {
 namespace {

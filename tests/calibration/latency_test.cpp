@@ -5,8 +5,8 @@
 #include <cmath>
 
 #include "calibrated_rig.h"
-#include "thermorig/calibration/calibration.h"
-#include "thermorig/rig/finalise.h"
+#include "thermorig/rig/calibration/calibration.h"
+#include "thermorig/rig/recording/finalise.h"
 
 namespace thermorig::calibration {
 namespace {

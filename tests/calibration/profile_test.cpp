@@ -4,8 +4,8 @@
 #include <array>
 #include <cmath>
 
-#include "thermorig/calibration/calibration.h"
 #include "thermorig/core/error.h"
+#include "thermorig/rig/calibration/calibration.h"
 
 namespace thermorig::calibration {
 namespace {

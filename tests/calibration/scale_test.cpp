@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "calibrated_rig.h"
-#include "thermorig/calibration/calibration.h"
+#include "thermorig/rig/calibration/calibration.h"
 
 namespace thermorig::calibration {
 namespace {

@@ -5,14 +5,14 @@
 #include <limits>
 
 #include "../session/synthetic_session.h"
-#include "thermorig/dataset/dataset.h"
 #include "thermorig/estimators/table.h"
+#include "thermorig/learning/dataset/dataset.h"
 
 namespace thermorig::dataset {
 namespace {
 
+using network::Acquisition;
 using session::Session;
-using windows::Acquisition;
 
 Session made_session() {
   return session::SyntheticSession(130, 5).take();
@@ -23,7 +23,7 @@ Acquisition acquired(const Session& session) {
 }
 
 std::vector<float> rates(const Acquisition& acquisition, const std::string& estimator) {
-  for (const windows::RateSeries& series : acquisition.rates)
+  for (const network::RateSeries& series : acquisition.rates)
     if (series.name == estimator) return series.rate_dps;
   return {};
 }
@@ -89,7 +89,7 @@ TEST(Acquisition, SurvivesTimesThatNoRecordingHas) {
   session.servo[5].stamp.time = HostTime::min();
   session.gyro.back().stamp.time = session.servo.back().stamp.time = HostTime::max();
   const Acquisition acquisition = acquired(session);
-  for (const windows::RateSeries& series : acquisition.rates)
+  for (const network::RateSeries& series : acquisition.rates)
     EXPECT_TRUE(std::isnan(series.rate_dps[3]) && std::isnan(series.rate_dps[4])) << series.name;
   EXPECT_TRUE(std::isfinite(rates(acquisition, "gyro")[5]));
 }

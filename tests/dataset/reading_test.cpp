@@ -4,7 +4,7 @@
 #include "../session/synthetic_session.h"
 #include "../session/temporary_folder.h"
 #include "thermorig/core/error.h"
-#include "thermorig/dataset/dataset.h"
+#include "thermorig/learning/dataset/dataset.h"
 
 namespace thermorig::dataset {
 namespace {

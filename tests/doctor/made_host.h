@@ -4,7 +4,7 @@
 #include <filesystem>
 #include <string>
 
-#include "thermorig/doctor/host_facts.h"
+#include "thermorig/rig/doctor/host_facts.h"
 
 namespace thermorig::doctor::test {
 

@@ -9,7 +9,7 @@
 
 #include "made_host.h"
 #include "storage/memory_disk.h"
-#include "thermorig/wire/reset_cause.h"
+#include "thermorig/sensors/wire/reset_cause.h"
 #include "wrong_rigs.h"
 
 namespace thermorig::doctor::test {

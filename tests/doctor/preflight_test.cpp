@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "thermorig/rig/preflight.h"
+#include "thermorig/rig/recording/preflight.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

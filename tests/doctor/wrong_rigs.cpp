@@ -8,7 +8,7 @@
 
 #include "servo_link.h"
 #include "thermorig/core/frame.h"
-#include "thermorig/wire/device_bytes.h"
+#include "thermorig/sensors/wire/device_bytes.h"
 
 namespace thermorig::doctor::test {
 

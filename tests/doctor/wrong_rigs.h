@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "rig/simulated_bus.h"
-#include "thermorig/doctor/checks.h"
+#include "thermorig/rig/doctor/checks.h"
 
 namespace thermorig::doctor::test {
 

@@ -139,7 +139,7 @@ std::vector<Speeds> expected_speeds(const model::Model& model) {
   std::vector<Speeds> all;
   for (int frame = 0; frame < frames_to_push; ++frame) {
     Prepared next{std::vector<float>(shape.pixels()), frames.between(-200.0F, 200.0F)};
-    windows::prepare_frame(frames.next(), shape, model.scaling, next.pixels);
+    network::prepare_frame(frames.next(), shape, model.scaling, next.pixels);
     window.push_back(std::move(next));
     if (window.size() > static_cast<std::size_t>(shape.frames)) window.pop_front();
     if (window.size() == static_cast<std::size_t>(shape.frames))

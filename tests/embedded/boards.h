@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "thermorig/embedded/c_source.h"
+#include "thermorig/network/embedded/c_source.h"
 #include "thermorig/network/estimator.h"
 
 namespace thermorig::tests {
@@ -42,7 +42,7 @@ inline constexpr int frames_to_push = 9;
 /// `frames_to_push` frames that a generator makes.
 BoardRun run_on(const Board& board, const embedded::CSource& source, int frames);
 
-/// The same frames through windows::prepare_frame and network::Estimator.
+/// The same frames through network::prepare_frame and network::Estimator.
 std::vector<Speeds> expected_speeds(const model::Model& model);
 
 /// First weights of a network, made a little larger, with a scaling that suits the generator's frames.

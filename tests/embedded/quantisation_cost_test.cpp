@@ -3,15 +3,15 @@
 
 #include "quantised_model.h"
 #include "support/synthetic_acquisitions.h"
-#include "thermorig/embedded/c_source.h"
+#include "thermorig/learning/training/prediction.h"
+#include "thermorig/learning/training/training.h"
 #include "thermorig/network/crew.h"
-#include "thermorig/training/prediction.h"
-#include "thermorig/training/training.h"
+#include "thermorig/network/embedded/c_source.h"
 
 namespace thermorig::tests {
 namespace {
 
-using Acquisitions = std::vector<windows::Acquisition>;
+using Acquisitions = std::vector<network::Acquisition>;
 
 model::Model trained(const Acquisitions& acquisitions) {
   training::TrainingConfig config = training::preset("best");
@@ -28,7 +28,7 @@ struct Mse {
 
 Mse mse_of(const model::Model& model, const Acquisitions& test) {
   const auto estimates =
-      training::predict(model, test, windows::find_windows(test, model.weights.shape.frames));
+      training::predict(model, test, network::find_windows(test, model.weights.shape.frames));
   Mse mse;
   for (const training::WindowEstimate& estimate : estimates) {
     const double thermal = estimate.thermal_dps - estimate.label_dps;

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include "../../src/embedded/quantisation.h"
-#include "thermorig/model/model.h"
+#include "network/embedded/quantisation.h"
+#include "thermorig/network/model/model.h"
 
 namespace thermorig::tests {
 

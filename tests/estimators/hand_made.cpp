@@ -7,8 +7,8 @@
 #include <cstdint>
 #include <limits>
 
+#include "simulation/random.h"
 #include "support/at_s.h"
-#include "thermorig/simulation/random.h"
 
 namespace thermorig::estimators {
 

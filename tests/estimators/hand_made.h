@@ -8,7 +8,7 @@
 
 #include "thermorig/core/measurement.h"
 #include "thermorig/estimators/table.h"
-#include "thermorig/model/model.h"
+#include "thermorig/network/model/model.h"
 
 namespace thermorig::estimators {
 

@@ -7,8 +7,8 @@
 
 #include "hand_made.h"
 #include "thermorig/network/estimator.h"
-#include "thermorig/windows/scaling.h"
-#include "thermorig/windows/window_index.h"
+#include "thermorig/network/scaling.h"
+#include "thermorig/network/window_index.h"
 
 namespace thermorig::estimators {
 namespace {
@@ -25,7 +25,7 @@ std::vector<float> window_of(const std::vector<Measurement>& run, std::size_t la
   const network::Shape& shape = model.weights.shape;
   std::vector<float> window, prepared(shape.pixels());
   for (std::size_t i = last + 1 - static_cast<std::size_t>(shape.frames); i <= last; ++i) {
-    windows::prepare_frame(run[i].frame.frame.temp_c, shape, model.scaling, prepared);
+    network::prepare_frame(run[i].frame.frame.temp_c, shape, model.scaling, prepared);
     window.insert(window.end(), prepared.begin(), prepared.end());
   }
   return window;
@@ -35,7 +35,7 @@ float mean_gyro_dps(const std::vector<Measurement>& run, std::size_t last, int f
   std::vector<float> rates_dps;
   for (std::size_t i = last + 1 - static_cast<std::size_t>(frames); i <= last; ++i)
     rates_dps.push_back(run[i].sample.rate_gyro_dps);
-  return windows::mean_rate(rates_dps);
+  return network::mean_rate(rates_dps);
 }
 
 class OfAShape : public testing::TestWithParam<network::Shape> {};

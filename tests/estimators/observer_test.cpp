@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // What an estimator is shown: what its entry declares, and nothing else.
-#include "../../src/estimators/observer.h"
+#include "estimators/observer.h"
 
 #include <gtest/gtest.h>
 

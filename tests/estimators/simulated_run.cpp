@@ -6,8 +6,8 @@
 #include <iterator>
 #include <utility>
 
+#include "simulation/gyro.h"
 #include "thermorig/pipeline/pipeline.h"
-#include "thermorig/simulation/gyro.h"
 
 namespace thermorig::estimators {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "thermorig/files/whole_file.h"
+#include "thermorig/io/files/whole_file.h"
 
 #include <gtest/gtest.h>
 #include <sys/resource.h>

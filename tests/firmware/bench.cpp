@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "thermorig/simulated_ports/avr_firmware.h"
+#include "simulation/simulated_ports/avr_firmware.h"
 
 namespace thermorig::firmware_test {
 namespace {

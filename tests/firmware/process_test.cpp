@@ -6,8 +6,8 @@
 #include <fstream>
 
 #include "bench.h"
+#include "simulation/simulated_ports/avr_firmware.h"
 #include "thermorig/core/error.h"
-#include "thermorig/simulated_ports/avr_firmware.h"
 
 namespace thermorig::firmware_test {
 namespace {

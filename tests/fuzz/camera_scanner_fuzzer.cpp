@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "scanner_fuzz.h"
-#include "thermorig/wire/device_bytes.h"
+#include "thermorig/sensors/wire/device_bytes.h"
 
 /// Every checksum policy on any bytes; and a good frame behind them must come out, whatever they were.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {

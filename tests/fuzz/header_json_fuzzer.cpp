@@ -4,7 +4,7 @@
 #include <string>
 
 #include "fuzz_require.h"
-#include "thermorig/recording_header/header_json.h"
+#include "thermorig/storage/recording_header/header_json.h"
 
 namespace {
 

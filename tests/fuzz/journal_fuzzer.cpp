@@ -10,9 +10,9 @@
 #include <vector>
 
 #include "fuzz_require.h"
-#include "record.h"
-#include "thermorig/journal/journal.h"
-#include "thermorig/recording_header/header_json.h"
+#include "storage/journal/record.h"
+#include "thermorig/storage/journal/journal.h"
+#include "thermorig/storage/recording_header/header_json.h"
 
 namespace {
 

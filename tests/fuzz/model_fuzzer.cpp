@@ -12,7 +12,7 @@
 #include <string>
 
 #include "thermorig/core/error.h"
-#include "thermorig/model/model.h"
+#include "thermorig/network/model/model.h"
 
 namespace {
 

@@ -11,7 +11,7 @@
 
 #include "../support/telemetry_bytes.h"
 #include "thermorig/pipeline/pipeline.h"
-#include "thermorig/wire/device_bytes.h"
+#include "thermorig/sensors/wire/device_bytes.h"
 
 namespace {
 

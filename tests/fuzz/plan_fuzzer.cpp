@@ -5,7 +5,7 @@
 #include <string>
 
 #include "fuzz_require.h"
-#include "thermorig/rig/plan.h"
+#include "thermorig/rig/sweep/plan.h"
 
 namespace {
 

@@ -4,7 +4,7 @@
 #include <string>
 
 #include "fuzz_require.h"
-#include "thermorig/rig/profile_file.h"
+#include "thermorig/rig/profile/profile_file.h"
 
 namespace {
 

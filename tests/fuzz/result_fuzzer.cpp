@@ -4,7 +4,7 @@
 #include <string>
 
 #include "fuzz_require.h"
-#include "thermorig/study/study.h"
+#include "thermorig/learning/study/study.h"
 
 namespace {
 

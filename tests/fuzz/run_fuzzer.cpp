@@ -8,9 +8,9 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
-#include "checkpoint_bytes.h"
 #include "fuzz_require.h"
-#include "run_json.h"
+#include "learning/training/checkpoint_bytes.h"
+#include "learning/training/run_json.h"
 
 namespace {
 

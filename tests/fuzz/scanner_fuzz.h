@@ -9,7 +9,7 @@
 
 #include "../support/chunking.h"
 #include "../support/same_message.h"
-#include "thermorig/wire/counters.h"
+#include "thermorig/sensors/wire/counters.h"
 
 namespace thermorig::test {
 

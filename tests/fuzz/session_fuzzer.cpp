@@ -13,8 +13,8 @@
 
 #include "fuzz_require.h"
 #include "session/synthetic_session.h"
-#include "session_image.h"
-#include "thermorig/session/session.h"
+#include "storage/session/session_image.h"
+#include "thermorig/storage/session/session.h"
 
 namespace {
 

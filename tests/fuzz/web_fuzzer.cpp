@@ -4,11 +4,11 @@
 #include <cstdint>
 #include <string>
 
-#include "assets.h"
-#include "client_json.h"
 #include "fuzz_require.h"
-#include "request_check.h"
-#include "token.h"
+#include "io/web/assets.h"
+#include "io/web/client_json.h"
+#include "io/web/request_check.h"
+#include "io/web/token.h"
 
 namespace thermorig::web {
 

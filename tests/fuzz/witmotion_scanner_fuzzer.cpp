@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "../support/gyro_scanners.h"
 #include "scanner_fuzz.h"
-#include "thermorig/wire/device_bytes.h"
+#include "thermorig/sensors/wire/device_bytes.h"
 
 /// Any bytes; and good packets behind them must come out, whatever they were.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {

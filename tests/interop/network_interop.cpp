@@ -19,7 +19,7 @@
 #include "onnx_runtime.h"
 #include "seeded_values.h"
 #include "thermorig/core/error.h"
-#include "thermorig/model/model.h"
+#include "thermorig/network/model/model.h"
 #include "thermorig/network/trainer.h"
 
 namespace {

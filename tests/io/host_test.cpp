@@ -6,7 +6,7 @@
 #include <chrono>
 #include <ctime>
 
-#include "../../src/io/port_list.h"
+#include "io/port_list.h"
 #include "thermorig/io/port.h"
 
 namespace thermorig::io {

@@ -11,7 +11,7 @@
 #include <filesystem>
 #include <fstream>
 
-#include "../../src/io/exclusive.h"
+#include "io/exclusive.h"
 #include "one_loop.h"
 
 namespace thermorig::io {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "../../src/io/tick_schedule.h"
+#include "io/tick_schedule.h"
 
 #include <gtest/gtest.h>
 

@@ -5,7 +5,7 @@
 #include <map>
 #include <string>
 
-#include "thermorig/files/disk.h"
+#include "thermorig/io/files/disk.h"
 
 namespace thermorig::journal {
 

@@ -7,10 +7,10 @@
 #include <cerrno>
 #include <fstream>
 
-#include "../../src/journal/record.h"
 #include "failing_disk.h"
+#include "storage/journal/record.h"
 #include "thermorig/core/error.h"
-#include "thermorig/journal/journal.h"
+#include "thermorig/storage/journal/journal.h"
 
 namespace thermorig::journal {
 namespace {

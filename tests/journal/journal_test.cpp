@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "thermorig/journal/journal.h"
+#include "thermorig/storage/journal/journal.h"
 
 #include <fcntl.h>
 #include <gmock/gmock.h>
@@ -17,10 +17,10 @@
 #include <limits>
 #include <random>
 
-#include "../../src/journal/payload.h"
-#include "../../src/journal/record.h"
 #include "../support/paper_estimates.h"
 #include "../support/same_row.h"
+#include "storage/journal/payload.h"
+#include "storage/journal/record.h"
 #include "support/format_1_header.h"
 #include "support/unusual_profile.h"
 #include "thermorig/core/error.h"

@@ -8,8 +8,8 @@
 
 #include "support/captures.h"
 #include "thermorig/core/profile.h"
-#include "thermorig/labels/exposure.h"
-#include "thermorig/wire/camera_scanner.h"
+#include "thermorig/pipeline/labels/exposure.h"
+#include "thermorig/sensors/wire/camera_scanner.h"
 
 namespace thermorig::labels {
 namespace {

@@ -6,13 +6,13 @@
 #include <limits>
 
 #include "scripted_rig.h"
+#include "simulation/servo_side.h"
 #include "thermorig/core/validity.h"
-#include "thermorig/labels/exposure.h"
-#include "thermorig/labels/servo_response.h"
+#include "thermorig/pipeline/labels/exposure.h"
+#include "thermorig/pipeline/labels/servo_response.h"
 #include "thermorig/pipeline/pipeline.h"
-#include "thermorig/simulation/servo_side.h"
+#include "thermorig/sensors/wire/servo_messages.h"
 #include "thermorig/simulation/virtual_rig.h"
-#include "thermorig/wire/servo_messages.h"
 
 namespace thermorig::labels {
 namespace {

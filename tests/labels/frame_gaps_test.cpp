@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "thermorig/labels/frame_gaps.h"
+#include "thermorig/pipeline/labels/frame_gaps.h"
 
 #include <gtest/gtest.h>
 

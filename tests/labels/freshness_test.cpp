@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "thermorig/labels/freshness.h"
+#include "thermorig/pipeline/labels/freshness.h"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "thermorig/labels/labeller.h"
+#include "thermorig/pipeline/labels/labeller.h"
 
 #include <gtest/gtest.h>
 

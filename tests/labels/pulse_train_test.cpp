@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "thermorig/labels/pulse_train.h"
+#include "thermorig/pipeline/labels/pulse_train.h"
 
 #include <gtest/gtest.h>
 

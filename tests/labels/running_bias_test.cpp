@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "thermorig/labels/running_bias.h"
+#include "thermorig/pipeline/labels/running_bias.h"
 
 #include <gtest/gtest.h>
 

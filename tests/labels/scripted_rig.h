@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "thermorig/core/sample.h"
-#include "thermorig/labels/labeller.h"
+#include "thermorig/pipeline/labels/labeller.h"
 
 namespace thermorig::labels {
 

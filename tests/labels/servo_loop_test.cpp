@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: MIT
-#include "thermorig/labels/servo_loop.h"
+#include "thermorig/pipeline/labels/servo_loop.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <numbers>
 
+#include "pipeline/labels/shaft_model.h"
 #include "thermorig/core/sync.h"
-#include "thermorig/labels/shaft_model.h"
 
 namespace thermorig::labels {
 namespace {

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
 #include "causal_run.h"
 
-#include "thermorig/live/live_estimates.h"
+#include "thermorig/estimators/live/live_estimates.h"
+#include "thermorig/network/soundness.h"
 #include "thermorig/pipeline/pipeline.h"
-#include "thermorig/windows/soundness.h"
 
 namespace thermorig::live {
 
@@ -61,8 +61,8 @@ std::vector<EstimateRow> rows_of(const std::vector<CausalMeasurement>& measureme
   return rows;
 }
 
-windows::Acquisition acquisition_of(const std::vector<CausalMeasurement>& measurements) {
-  windows::Acquisition acquisition;
+network::Acquisition acquisition_of(const std::vector<CausalMeasurement>& measurements) {
+  network::Acquisition acquisition;
   for (const auto& [measurement, arrived] : measurements) {
     const auto& temp_c = measurement.frame.frame.temp_c;
     acquisition.temp_c.insert(acquisition.temp_c.end(), temp_c.begin(), temp_c.end());
@@ -72,14 +72,14 @@ windows::Acquisition acquisition_of(const std::vector<CausalMeasurement>& measur
     acquisition.time.push_back(sample.time);
     acquisition.run.push_back(sample.valid ? sample.run : 0);
   }
-  windows::clear_unsound_frames(acquisition);
+  network::clear_unsound_frames(acquisition);
   return acquisition;
 }
 
-model::Model model_for(const windows::Acquisition& acquisition, const network::Shape& shape) {
+model::Model model_for(const network::Acquisition& acquisition, const network::Shape& shape) {
   model::Model model;
   model.weights = network::initial_weights(shape, 4);
-  model.scaling = windows::scaling_of({&acquisition, 1}, 150.0F);
+  model.scaling = network::scaling_of({&acquisition, 1}, 150.0F);
   return model;
 }
 

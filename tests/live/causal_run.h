@@ -9,8 +9,8 @@
 #include "thermorig/core/estimate_row.h"
 #include "thermorig/core/measurement.h"
 #include "thermorig/estimators/table.h"
-#include "thermorig/model/model.h"
-#include "thermorig/windows/acquisition.h"
+#include "thermorig/network/acquisition.h"
+#include "thermorig/network/model/model.h"
 
 namespace thermorig::live {
 
@@ -37,9 +37,9 @@ std::vector<EstimateRow> rows_of(const std::vector<CausalMeasurement>& measureme
                                  const std::optional<model::Model>& model);
 
 /// What training would make of them.
-windows::Acquisition acquisition_of(const std::vector<CausalMeasurement>& measurements);
+network::Acquisition acquisition_of(const std::vector<CausalMeasurement>& measurements);
 
 /// Seeded weights, pixels scaled as these frames need it.
-model::Model model_for(const windows::Acquisition& acquisition, const network::Shape& shape);
+model::Model model_for(const network::Acquisition& acquisition, const network::Shape& shape);
 
 }  // namespace thermorig::live

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "thermorig/live/finalised_rows.h"
+#include "thermorig/estimators/live/finalised_rows.h"
 
 #include <gtest/gtest.h>
 
@@ -20,8 +20,8 @@ HostTime time_of(std::uint32_t frame) {
 }
 
 /// Ten frames: the third is not valid.
-windows::Acquisition finished() {
-  windows::Acquisition acquisition;
+network::Acquisition finished() {
+  network::Acquisition acquisition;
   for (std::size_t i = 0; i < 10; ++i) {
     acquisition.label_dps.push_back(100.0F + static_cast<float>(i));
     acquisition.gyro_dps.push_back(200.0F + static_cast<float>(i));

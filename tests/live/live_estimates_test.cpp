@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "thermorig/live/live_estimates.h"
+#include "thermorig/estimators/live/live_estimates.h"
 
 #include <gtest/gtest.h>
 
@@ -10,9 +10,9 @@
 #include "../support/paper_estimates.h"
 #include "../support/same_row.h"
 #include "causal_run.h"
+#include "thermorig/learning/training/prediction.h"
 #include "thermorig/network/estimator.h"
-#include "thermorig/training/prediction.h"
-#include "thermorig/windows/window_index.h"
+#include "thermorig/network/window_index.h"
 
 namespace thermorig::live {
 namespace {
@@ -39,21 +39,21 @@ bool has_fusion(const EstimateRow& row) {
 class LiveRows : public testing::TestWithParam<network::Shape> {};
 
 TEST_P(LiveRows, AreCountedWhereTrainingFindsAWindow) {
-  const windows::Acquisition acquisition = acquisition_of(run());
+  const network::Acquisition acquisition = acquisition_of(run());
   const auto rows = rows_of(run(), model_of(GetParam()));
-  std::vector<windows::Window> counted;
+  std::vector<network::Window> counted;
   for (const EstimateRow& row : rows)
     if (row.counted) counted.push_back({0, row.frame_index});
-  EXPECT_EQ(counted, windows::find_windows({&acquisition, 1}, GetParam().frames));
+  EXPECT_EQ(counted, network::find_windows({&acquisition, 1}, GetParam().frames));
   EXPECT_GT(counted.size(), 30U);
   EXPECT_LT(counted.size(), rows.size());
 }
 
 TEST_P(LiveRows, SayOfAWindowWhatThePredictionSays) {
-  const windows::Acquisition acquisition = acquisition_of(run());
+  const network::Acquisition acquisition = acquisition_of(run());
   const model::Model model = model_of(GetParam());
   const auto rows = rows_of(run(), model);
-  const auto found = windows::find_windows({&acquisition, 1}, GetParam().frames);
+  const auto found = network::find_windows({&acquisition, 1}, GetParam().frames);
   for (const training::WindowEstimate& window : training::predict(model, {&acquisition, 1}, found)) {
     const EstimateRow& row = rows[window.window.last];
     EXPECT_EQ(row.time, acquisition.time[window.window.last]);
@@ -67,9 +67,9 @@ TEST_P(LiveRows, SayOfAWindowWhatThePredictionSays) {
 }
 
 TEST_P(LiveRows, SayOfEveryCompleteWindowWhatTheEstimatorSaysBitForBit) {
-  const windows::Acquisition acquisition = acquisition_of(run());
+  const network::Acquisition acquisition = acquisition_of(run());
   const model::Model model = model_of(GetParam());
-  const auto prepared = windows::prepare(acquisition, GetParam(), model.scaling);
+  const auto prepared = network::prepare(acquisition, GetParam(), model.scaling);
   const auto frames = static_cast<std::size_t>(GetParam().frames);
   network::Estimator estimator(model.weights);
   const auto rows = rows_of(run(), model);

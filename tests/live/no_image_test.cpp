@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "thermorig/live/live_estimates.h"
+#include "thermorig/estimators/live/live_estimates.h"
 
 namespace thermorig::live {
 namespace {

@@ -6,8 +6,8 @@
 
 #include "../support/paper_estimates.h"
 #include "causal_run.h"
-#include "thermorig/live/live_estimates.h"
-#include "thermorig/model/model.h"
+#include "thermorig/estimators/live/live_estimates.h"
+#include "thermorig/network/model/model.h"
 
 namespace thermorig::live {
 namespace {

@@ -3,7 +3,7 @@
 
 #include "../support/same_row.h"
 #include "causal_run.h"
-#include "thermorig/live/live_estimates.h"
+#include "thermorig/estimators/live/live_estimates.h"
 #include "thermorig/pipeline/causal_replay.h"
 
 namespace thermorig::live {

@@ -8,7 +8,7 @@
 
 #include "../support/paper_estimates.h"
 #include "causal_run.h"
-#include "thermorig/live/scores.h"
+#include "thermorig/estimators/live/scores.h"
 
 namespace thermorig::live {
 namespace {

@@ -6,7 +6,7 @@
 #include <string_view>
 #include <vector>
 
-#include "thermorig/model/model.h"
+#include "thermorig/network/model/model.h"
 
 namespace thermorig::model {
 

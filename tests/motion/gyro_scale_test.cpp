@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "thermorig/motion/panorama_fit.h"
+#include "thermorig/pipeline/motion/panorama_fit.h"
 #include "turning_rig.h"
 
 namespace thermorig::motion {

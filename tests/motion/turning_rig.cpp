@@ -8,10 +8,10 @@
 #include <iterator>
 #include <random>
 
-#include "thermorig/labels/freshness.h"
+#include "thermorig/pipeline/labels/freshness.h"
 #include "thermorig/pipeline/pipeline.h"
+#include "thermorig/sensors/wire/servo_messages.h"
 #include "thermorig/simulation/firmware.h"
-#include "thermorig/wire/servo_messages.h"
 
 namespace thermorig::motion {
 namespace {

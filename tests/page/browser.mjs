@@ -5,7 +5,7 @@ import { join } from 'node:path';
 import { chromium } from 'playwright-core';
 
 export const build = process.env.THERMORIG_BUILD;
-export const filesFolder = join(build, 'src/web/page/files');
+export const filesFolder = join(build, 'src/io/web/page/files');
 const output = process.env.THERMORIG_PAGE_OUTPUT;
 mkdirSync(output, { recursive: true });
 

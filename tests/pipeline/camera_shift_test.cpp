@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "../../src/pipeline/camera_shift.h"
+#include "pipeline/camera_shift.h"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "../../src/pipeline/clock_fits.h"
+#include "pipeline/clock_fits.h"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@
 #include <limits>
 #include <random>
 
-#include "thermorig/timing/link_timing.h"
+#include "thermorig/pipeline/timing/link_timing.h"
 
 namespace thermorig::pipeline {
 namespace {

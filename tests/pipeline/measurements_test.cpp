@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-#include "../../src/pipeline/measurements.h"
+#include "pipeline/measurements.h"
 #include "scripted_bytes.h"
 
 namespace thermorig::pipeline {

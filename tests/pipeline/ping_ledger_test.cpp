@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
-#include "../../src/pipeline/ping_ledger.h"
+#include "pipeline/ping_ledger.h"
 
 #include <gtest/gtest.h>
 
-#include "thermorig/wire/servo_messages.h"
+#include "thermorig/sensors/wire/servo_messages.h"
 
 namespace thermorig::pipeline {
 namespace {

@@ -8,7 +8,7 @@
 
 #include "scripted_bytes.h"
 #include "servo_link.h"
-#include "thermorig/wire/device_bytes.h"
+#include "thermorig/sensors/wire/device_bytes.h"
 
 namespace thermorig::pipeline {
 namespace {

@@ -7,9 +7,9 @@
 
 #include "support/at_s.h"
 #include "support/telemetry_bytes.h"
-#include "thermorig/timing/link_timing.h"
-#include "thermorig/wire/device_bytes.h"
-#include "thermorig/wire/servo_messages.h"
+#include "thermorig/pipeline/timing/link_timing.h"
+#include "thermorig/sensors/wire/device_bytes.h"
+#include "thermorig/sensors/wire/servo_messages.h"
 
 namespace thermorig::pipeline {
 

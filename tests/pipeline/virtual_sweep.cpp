@@ -4,7 +4,7 @@
 #include <iterator>
 #include <utility>
 
-#include "thermorig/wire/servo_messages.h"
+#include "thermorig/sensors/wire/servo_messages.h"
 
 namespace thermorig::pipeline {
 

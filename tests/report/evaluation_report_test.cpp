@@ -4,7 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "made_results.h"
-#include "thermorig/report/report.h"
+#include "thermorig/learning/report/report.h"
 
 namespace thermorig::tests {
 namespace {

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "thermorig/study/study.h"
+#include "thermorig/learning/study/study.h"
 
 namespace thermorig::tests {
 

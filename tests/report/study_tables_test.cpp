@@ -6,7 +6,7 @@
 
 #include "made_results.h"
 #include "thermorig/core/error.h"
-#include "thermorig/report/report.h"
+#include "thermorig/learning/report/report.h"
 
 namespace thermorig::tests {
 namespace {

@@ -7,8 +7,8 @@
 
 #include "servo_link.h"
 #include "simulated_bus.h"
-#include "thermorig/rig/finalise.h"
-#include "thermorig/rig/servo_commander.h"
+#include "thermorig/rig/recording/finalise.h"
+#include "thermorig/rig/sweep/servo_commander.h"
 
 namespace thermorig::rig::test {
 namespace {

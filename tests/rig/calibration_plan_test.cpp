@@ -5,9 +5,9 @@
 
 #include "simulated_bus.h"
 #include "test_servos.h"
-#include "thermorig/rig/finalise.h"
-#include "thermorig/rig/yield.h"
-#include "thermorig/session/session.h"
+#include "thermorig/rig/recording/finalise.h"
+#include "thermorig/rig/sweep/yield.h"
+#include "thermorig/storage/session/session.h"
 
 namespace thermorig::rig::test {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "thermorig/rig/detect.h"
+#include "thermorig/rig/discovery/detect.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -11,7 +11,7 @@
 #include <iterator>
 
 #include "simulated_bus.h"
-#include "thermorig/wire/device_bytes.h"
+#include "thermorig/sensors/wire/device_bytes.h"
 
 namespace thermorig::rig::test {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "device_presence.h"
+#include "rig/recording/device_presence.h"
 
 #include <gmock/gmock.h>
 

@@ -10,13 +10,13 @@
 #include <random>
 #include <thread>
 
+#include "rig/recording/frozen_watch.h"
 #include "simulated_bus.h"
 #include "support/at_s.h"
-#include "thermorig/rig/frozen_watch.h"
-#include "thermorig/rig/port_recording.h"
+#include "thermorig/rig/recording/port_recording.h"
 #include "thermorig/sensors/gyro_protocol.h"
-#include "thermorig/simulated_ports/simulated_ports.h"
-#include "thermorig/wire/camera_scanner.h"
+#include "thermorig/sensors/wire/camera_scanner.h"
+#include "thermorig/simulation/simulated_ports/simulated_ports.h"
 
 namespace thermorig::rig::test {
 namespace {

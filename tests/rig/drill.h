@@ -8,7 +8,7 @@
 
 #include "acceptance/served_rig.h"
 #include "app/program.h"
-#include "thermorig/session/session.h"
+#include "thermorig/storage/session/session.h"
 
 namespace thermorig::tests {
 

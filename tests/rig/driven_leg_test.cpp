@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "thermorig/rig/driven_leg.h"
+#include "thermorig/rig/sweep/driven_leg.h"
 
 #include <gtest/gtest.h>
 

@@ -11,9 +11,9 @@
 #include <string_view>
 
 #include "simulated_bus.h"
-#include "thermorig/rig/finalise.h"
-#include "thermorig/rig/port_recording.h"
-#include "thermorig/simulated_ports/simulated_ports.h"
+#include "thermorig/rig/recording/finalise.h"
+#include "thermorig/rig/recording/port_recording.h"
+#include "thermorig/simulation/simulated_ports/simulated_ports.h"
 #include "virtual_ports.h"
 #include "watched_disk.h"
 

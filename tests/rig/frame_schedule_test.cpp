@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "thermorig/rig/frame_schedule.h"
+#include "thermorig/rig/sweep/frame_schedule.h"
 
 #include <gtest/gtest.h>
 

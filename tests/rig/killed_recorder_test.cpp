@@ -12,8 +12,8 @@
 #include <random>
 
 #include "simulated_bus.h"
-#include "thermorig/rig/finalise.h"
-#include "thermorig/rig/port_recording.h"
+#include "thermorig/rig/recording/finalise.h"
+#include "thermorig/rig/recording/port_recording.h"
 #include "virtual_ports.h"
 #include "watched_disk.h"
 

@@ -16,8 +16,8 @@
 #include <vector>
 
 #include "simulated_bus.h"
-#include "thermorig/rig/port_recording.h"
-#include "thermorig/wire/servo_messages.h"
+#include "thermorig/rig/recording/port_recording.h"
+#include "thermorig/sensors/wire/servo_messages.h"
 #include "virtual_ports.h"
 
 namespace thermorig::rig::test {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "thermorig/rig/expected_size.h"
+#include "thermorig/rig/sweep/expected_size.h"
 
 #include <gtest/gtest.h>
 

@@ -8,7 +8,7 @@
 
 #include "simulated_bus.h"
 #include "thermorig/pipeline/causal_replay.h"
-#include "thermorig/rig/recording.h"
+#include "thermorig/rig/recording/recording.h"
 
 namespace thermorig::rig::test {
 namespace {

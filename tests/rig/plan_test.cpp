@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "thermorig/rig/plan.h"
+#include "thermorig/rig/sweep/plan.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -5,9 +5,9 @@
 
 #include <fmt/format.h>
 
-#include "thermorig/rig/detect.h"
-#include "thermorig/simulation/gyro.h"
-#include "thermorig/wire/device_bytes.h"
+#include "simulation/gyro.h"
+#include "thermorig/rig/discovery/detect.h"
+#include "thermorig/sensors/wire/device_bytes.h"
 #include "virtual_ports.h"
 
 namespace thermorig::rig::test {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "thermorig/rig/port_recording.h"
+#include "thermorig/rig/recording/port_recording.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -9,7 +9,7 @@
 #include <memory>
 
 #include "simulated_bus.h"
-#include "thermorig/rig/finalise.h"
+#include "thermorig/rig/recording/finalise.h"
 #include "virtual_ports.h"
 
 namespace thermorig::rig::test {

@@ -6,8 +6,8 @@
 #include <csignal>
 
 #include "simulated_bus.h"
-#include "thermorig/rig/port_recording.h"
-#include "thermorig/simulated_ports/simulated_ports.h"
+#include "thermorig/rig/recording/port_recording.h"
+#include "thermorig/simulation/simulated_ports/simulated_ports.h"
 #include "virtual_ports.h"
 
 namespace thermorig::rig::test {

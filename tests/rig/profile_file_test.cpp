@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "thermorig/rig/profile_file.h"
+#include "thermorig/rig/profile/profile_file.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

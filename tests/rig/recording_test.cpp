@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "thermorig/rig/recording.h"
+#include "thermorig/rig/recording/recording.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -10,8 +10,8 @@
 #include <iterator>
 
 #include "simulated_bus.h"
-#include "thermorig/journal/journal.h"
-#include "thermorig/rig/finalise.h"
+#include "thermorig/rig/recording/finalise.h"
+#include "thermorig/storage/journal/journal.h"
 
 namespace thermorig::rig::test {
 namespace {

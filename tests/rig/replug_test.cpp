@@ -10,8 +10,8 @@
 #include "simulated_bus.h"
 #include "support/at_s.h"
 #include "thermorig/pipeline/interruptions.h"
-#include "thermorig/rig/finalise.h"
-#include "thermorig/wire/servo_messages.h"
+#include "thermorig/rig/recording/finalise.h"
+#include "thermorig/sensors/wire/servo_messages.h"
 
 namespace thermorig::rig::test {
 namespace {

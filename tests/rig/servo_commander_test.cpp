@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "thermorig/rig/servo_commander.h"
+#include "thermorig/rig/sweep/servo_commander.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -12,9 +12,9 @@
 #include "journal/failing_disk.h"
 #include "servo_limits.h"
 #include "simulated_bus.h"
-#include "thermorig/rig/port_recording.h"
-#include "thermorig/simulated_ports/simulated_ports.h"
-#include "thermorig/wire/servo_messages.h"
+#include "thermorig/rig/recording/port_recording.h"
+#include "thermorig/sensors/wire/servo_messages.h"
+#include "thermorig/simulation/simulated_ports/simulated_ports.h"
 #include "virtual_ports.h"
 
 namespace thermorig::rig::test {

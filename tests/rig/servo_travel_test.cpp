@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "servo_travel.h"
+#include "rig/sweep/servo_travel.h"
 
 #include <gtest/gtest.h>
 

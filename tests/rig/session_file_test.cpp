@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "thermorig/rig/session_file.h"
+#include "thermorig/rig/recording/session_file.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

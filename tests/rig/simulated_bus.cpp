@@ -6,8 +6,8 @@
 #include <algorithm>
 #include <utility>
 
-#include "thermorig/journal/journal.h"
-#include "thermorig/rig/finalise.h"
+#include "thermorig/rig/recording/finalise.h"
+#include "thermorig/storage/journal/journal.h"
 
 namespace thermorig::rig::test {
 

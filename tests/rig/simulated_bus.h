@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "thermorig/rig/virtual_recording.h"
+#include "thermorig/rig/recording/virtual_recording.h"
 #include "thermorig/simulation/virtual_rig.h"
 
 namespace thermorig::rig::test {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "step_queue.h"
+#include "thermorig/rig/sweep/step_queue.h"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "step_quota.h"
+#include "thermorig/rig/sweep/step_quota.h"
 
 #include <gmock/gmock.h>
 

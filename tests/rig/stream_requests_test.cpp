@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: MIT
-#include "thermorig/rig/stream_requests.h"
+#include "rig/recording/stream_requests.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "simulated_bus.h"
-#include "thermorig/rig/finalise.h"
+#include "thermorig/rig/recording/finalise.h"
 #include "thermorig/sensors/device_stream.h"
 
 namespace thermorig::rig::test {

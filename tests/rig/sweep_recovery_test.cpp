@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: MIT
-#include "sweep_recovery.h"
+#include "thermorig/rig/sweep/sweep_recovery.h"
 
 #include <gmock/gmock.h>
 
-#include "servo_stop.h"
-#include "servo_telemetry.h"
 #include "support/at_s.h"
 #include "test_servos.h"
-#include "thermorig/wire/servo_messages.h"
+#include "thermorig/rig/sweep/servo_stop.h"
+#include "thermorig/rig/sweep/servo_telemetry.h"
+#include "thermorig/sensors/wire/servo_messages.h"
 
 namespace thermorig::rig::test {
 namespace {

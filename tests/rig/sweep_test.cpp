@@ -8,7 +8,7 @@
 #include <set>
 
 #include "simulated_bus.h"
-#include "thermorig/rig/finalise.h"
+#include "thermorig/rig/recording/finalise.h"
 
 namespace thermorig::rig::test {
 namespace {

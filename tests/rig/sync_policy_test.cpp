@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "thermorig/rig/sync_policy.h"
+#include "thermorig/rig/recording/sync_policy.h"
 
 #include <gtest/gtest.h>
 

@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "thermorig/rig/port_loop.h"
+#include "thermorig/rig/discovery/port_loop.h"
 #include "thermorig/simulation/virtual_rig.h"
 
 namespace thermorig::rig::test {

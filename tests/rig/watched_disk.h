@@ -6,7 +6,7 @@
 #include <string_view>
 #include <utility>
 
-#include "thermorig/files/disk.h"
+#include "thermorig/io/files/disk.h"
 
 namespace thermorig::rig::test {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "thermorig/rig/yield.h"
+#include "thermorig/rig/sweep/yield.h"
 #include "test_servos.h"
 
 #include <gmock/gmock.h>
@@ -8,7 +8,7 @@
 #include <map>
 
 #include "simulated_bus.h"
-#include "thermorig/rig/finalise.h"
+#include "thermorig/rig/recording/finalise.h"
 
 namespace thermorig::rig::test {
 namespace {

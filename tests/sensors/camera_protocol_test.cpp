@@ -4,8 +4,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "simulation/camera.h"
 #include "thermorig/core/error.h"
-#include "thermorig/simulation/camera.h"
 
 namespace thermorig::sensors {
 namespace {

@@ -5,8 +5,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "thermorig/wire/device_bytes.h"
-#include "thermorig/wire/servo_messages.h"
+#include "thermorig/sensors/wire/device_bytes.h"
+#include "thermorig/sensors/wire/servo_messages.h"
 
 namespace thermorig::sensors {
 namespace {

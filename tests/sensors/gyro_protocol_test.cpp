@@ -6,8 +6,8 @@
 
 #include <set>
 
+#include "simulation/gyro.h"
 #include "thermorig/core/error.h"
-#include "thermorig/simulation/gyro.h"
 
 namespace thermorig::sensors {
 namespace {

@@ -5,15 +5,15 @@
 #include <span>
 #include <vector>
 
+#include "simulation/gyro.h"
 #include "support/same_message.h"
 #include "support/telemetry_bytes.h"
 #include "thermorig/sensors/camera_protocol.h"
 #include "thermorig/sensors/gyro_protocol.h"
 #include "thermorig/sensors/servo_protocol.h"
-#include "thermorig/simulation/gyro.h"
-#include "thermorig/wire/counter_names.h"
-#include "thermorig/wire/device_bytes.h"
-#include "thermorig/wire/servo_messages.h"
+#include "thermorig/sensors/wire/counter_names.h"
+#include "thermorig/sensors/wire/device_bytes.h"
+#include "thermorig/sensors/wire/servo_messages.h"
 
 namespace thermorig::sensors {
 namespace {

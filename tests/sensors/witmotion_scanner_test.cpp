@@ -4,7 +4,7 @@
 #include <random>
 
 #include "support/gyro_scanners.h"
-#include "thermorig/wire/device_bytes.h"
+#include "thermorig/sensors/wire/device_bytes.h"
 #include "wire/scan.h"
 
 namespace thermorig::test {

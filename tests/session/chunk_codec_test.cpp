@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "../../src/session/chunk_codec.h"
+#include "storage/session/chunk_codec.h"
 
 #include <gtest/gtest.h>
 

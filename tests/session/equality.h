@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "../support/same_row.h"
-#include "thermorig/session/session.h"
+#include "thermorig/storage/session/session.h"
 
 namespace thermorig::session {
 

@@ -2,15 +2,15 @@
 // Sound HDF5 that is no sound session: each is refused, in a sentence that says what of.
 #include <gmock/gmock.h>
 
-#include "session_image.h"
-#include "stored_attributes.h"
+#include "storage/session/session_image.h"
+#include "storage/session/stored_attributes.h"
+#include "storage/session/tasks.h"
 #include "support/other_program.h"
 #include "synthetic_session.h"
-#include "tasks.h"
 #include "temporary_folder.h"
 #include "thermorig/core/error.h"
-#include "thermorig/session/session.h"
-#include "thermorig/session/trial.h"
+#include "thermorig/storage/session/session.h"
+#include "thermorig/storage/session/trial.h"
 
 namespace thermorig::session {
 namespace {

@@ -7,11 +7,11 @@
 #include <filesystem>
 #include <string>
 
-#include "attributes.h"
-#include "format.h"
-#include "hdf5_handle.h"
-#include "scalars.h"
-#include "stored_attributes.h"
+#include "storage/session/attributes.h"
+#include "storage/session/format.h"
+#include "storage/session/hdf5_handle.h"
+#include "storage/session/scalars.h"
+#include "storage/session/stored_attributes.h"
 #include "support/format_1_header.h"
 #include "unchecked_file.h"
 

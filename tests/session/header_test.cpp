@@ -8,7 +8,7 @@
 #include "support/unusual_profile.h"
 #include "synthetic_session.h"
 #include "thermorig/core/error.h"
-#include "thermorig/recording_header/header_json.h"
+#include "thermorig/storage/recording_header/header_json.h"
 
 namespace thermorig::recording_header {
 namespace {

@@ -25,16 +25,16 @@
 #include <tuple>
 #include <utility>
 
-#include "../../src/sandbox/child_limits.h"
-#include "../../src/sandbox/sanitized.h"
 #include "equality.h"
+#include "storage/sandbox/child_limits.h"
+#include "storage/sandbox/sanitized.h"
+#include "storage/session/tasks.h"
 #include "synthetic_session.h"
-#include "tasks.h"
 #include "temporary_folder.h"
 #include "thermorig/core/error.h"
-#include "thermorig/sandbox/sandbox.h"
-#include "thermorig/session/session.h"
-#include "thermorig/session/trial.h"
+#include "thermorig/storage/sandbox/sandbox.h"
+#include "thermorig/storage/session/session.h"
+#include "thermorig/storage/session/trial.h"
 
 namespace thermorig::session {
 namespace {

@@ -4,13 +4,13 @@
 
 #include "equality.h"
 #include "format_1_file.h"
-#include "session_image.h"
+#include "storage/session/session_image.h"
 #include "support/unusual_profile.h"
 #include "synthetic_session.h"
 #include "temporary_folder.h"
 #include "thermorig/core/error.h"
-#include "thermorig/session/session.h"
-#include "thermorig/session/trial.h"
+#include "thermorig/storage/session/session.h"
+#include "thermorig/storage/session/trial.h"
 
 namespace thermorig::session {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "thermorig/recording_header/profile_fields.h"
+#include "thermorig/storage/recording_header/profile_fields.h"
 
 #include <gmock/gmock.h>
 

@@ -2,7 +2,7 @@
 #include <gmock/gmock.h>
 
 #include "synthetic_session.h"
-#include "thermorig/session/session.h"
+#include "thermorig/storage/session/session.h"
 
 namespace thermorig::session {
 namespace {

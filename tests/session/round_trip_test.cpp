@@ -7,12 +7,12 @@
 
 #include <csignal>
 
-#include "../../src/session/session_image.h"
 #include "equality.h"
+#include "storage/session/session_image.h"
 #include "synthetic_session.h"
 #include "temporary_folder.h"
 #include "thermorig/core/error.h"
-#include "thermorig/session/session.h"
+#include "thermorig/storage/session/session.h"
 #include "unchecked_file.h"
 
 namespace thermorig::session {

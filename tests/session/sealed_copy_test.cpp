@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "thermorig/sandbox/sealed_copy.h"
+#include "thermorig/storage/sandbox/sealed_copy.h"
 
 #include <fcntl.h>
 #include <gmock/gmock.h>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "thermorig/session/servo_rests.h"
+#include "thermorig/storage/session/servo_rests.h"
 
 #include <gtest/gtest.h>
 

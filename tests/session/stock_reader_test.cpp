@@ -9,8 +9,8 @@
 #include "support/other_program.h"
 #include "synthetic_session.h"
 #include "temporary_folder.h"
-#include "thermorig/session/session.h"
-#include "thermorig/session/trial.h"
+#include "thermorig/storage/session/session.h"
+#include "thermorig/storage/session/trial.h"
 
 namespace thermorig::session {
 namespace {

@@ -7,8 +7,8 @@
 
 #include "../support/paper_estimates.h"
 #include "servo_link.h"
-#include "thermorig/session/session.h"
-#include "thermorig/wire/device_bytes.h"
+#include "thermorig/sensors/wire/device_bytes.h"
+#include "thermorig/storage/session/session.h"
 
 namespace thermorig::session {
 

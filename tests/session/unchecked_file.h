@@ -4,7 +4,7 @@
 #include <filesystem>
 #include <fstream>
 
-#include "session_image.h"
+#include "storage/session/session_image.h"
 
 namespace thermorig::session {
 

@@ -4,7 +4,7 @@
 #include <algorithm>
 
 #include "dead_firmware.h"
-#include "thermorig/simulated_ports/avr_firmware.h"
+#include "simulation/simulated_ports/avr_firmware.h"
 #include "virtual_ports.h"
 
 namespace thermorig {

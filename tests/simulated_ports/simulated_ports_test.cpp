@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // The rig on pseudo terminals and the wall clock: what rig_server_test.cpp cannot show.
-#include "thermorig/simulated_ports/simulated_ports.h"
+#include "thermorig/simulation/simulated_ports/simulated_ports.h"
 
 #include <gmock/gmock.h>
 

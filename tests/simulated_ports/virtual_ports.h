@@ -6,8 +6,8 @@
 #include <memory>
 #include <utility>
 
-#include "../../src/simulated_ports/rig_server.h"
 #include "heard.h"
+#include "simulation/simulated_ports/rig_server.h"
 
 namespace thermorig {
 

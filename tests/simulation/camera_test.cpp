@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "thermorig/simulation/camera.h"
+#include "simulation/camera.h"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "thermorig/simulation/clock_wander.h"
+#include "simulation/clock_wander.h"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@
 #include <cmath>
 #include <vector>
 
-#include "thermorig/simulation/servo_side.h"
+#include "simulation/servo_side.h"
 
 namespace thermorig::simulation {
 namespace {

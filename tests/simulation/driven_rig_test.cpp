@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "support/at_s.h"
+#include "thermorig/sensors/wire/servo_messages.h"
 #include "thermorig/simulation/virtual_rig.h"
-#include "thermorig/wire/servo_messages.h"
 
 // The rig with the real firmware in it, driven over the servo link as a host does.
 

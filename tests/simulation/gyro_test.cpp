@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "thermorig/simulation/gyro.h"
+#include "simulation/gyro.h"
 
 #include <gtest/gtest.h>
 

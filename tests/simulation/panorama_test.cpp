@@ -6,8 +6,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "simulation/optics.h"
 #include "thermorig/core/error.h"
-#include "thermorig/simulation/optics.h"
 
 namespace thermorig::simulation {
 namespace {

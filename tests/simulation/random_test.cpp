@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "thermorig/simulation/random.h"
+#include "simulation/random.h"
 
 #include <gtest/gtest.h>
 

@@ -11,9 +11,9 @@
 #include "scripted_firmware.h"
 #include "support/at_s.h"
 #include "thermorig/sensors/gyro_protocol.h"
+#include "thermorig/sensors/wire/camera_scanner.h"
+#include "thermorig/sensors/wire/servo_messages.h"
 #include "thermorig/simulation/virtual_rig.h"
-#include "thermorig/wire/camera_scanner.h"
-#include "thermorig/wire/servo_messages.h"
 
 namespace thermorig::simulation {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "thermorig/simulation/servo_plant.h"
+#include "simulation/servo_plant.h"
 
 #include <gtest/gtest.h>
 
@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "frame_statistics.h"
-#include "thermorig/simulation/shaft.h"
+#include "simulation/shaft.h"
 
 namespace thermorig::simulation {
 namespace {

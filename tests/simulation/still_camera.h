@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "thermorig/simulation/camera.h"
+#include "simulation/camera.h"
 
 namespace thermorig::simulation {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "thermorig/simulation/usb_link.h"
+#include "simulation/usb_link.h"
 
 #include <gtest/gtest.h>
 

@@ -11,8 +11,8 @@
 #include "support/at_s.h"
 #include "support/camera_commands.h"
 #include "thermorig/sensors/gyro_protocol.h"
-#include "thermorig/wire/camera_scanner.h"
-#include "thermorig/wire/device_bytes.h"
+#include "thermorig/sensors/wire/camera_scanner.h"
+#include "thermorig/sensors/wire/device_bytes.h"
 
 namespace thermorig::simulation {
 namespace {

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: MIT
-#include "disk_watch.h"
+#include "rig/recording/disk_watch.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "journal_sync.h"
 #include "memory_disk.h"
 #include "recorded_session.h"
+#include "rig/recording/journal_sync.h"
 
 namespace thermorig::storage_test {
 namespace {

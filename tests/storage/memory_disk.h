@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "thermorig/files/disk.h"
+#include "thermorig/io/files/disk.h"
 
 namespace thermorig::storage_test {
 

@@ -5,8 +5,8 @@
 
 #include "rig/simulated_bus.h"
 #include "thermorig/core/error.h"
-#include "thermorig/journal/journal.h"
-#include "thermorig/rig/finalise.h"
+#include "thermorig/rig/recording/finalise.h"
+#include "thermorig/storage/journal/journal.h"
 
 namespace thermorig::storage_test {
 

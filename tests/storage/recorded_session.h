@@ -7,7 +7,7 @@
 #include "fault_disk.h"
 #include "thermorig/core/chunk.h"
 #include "thermorig/core/raw_recording.h"
-#include "thermorig/rig/recording.h"
+#include "thermorig/rig/recording/recording.h"
 
 namespace thermorig::storage_test {
 

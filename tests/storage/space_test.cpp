@@ -9,15 +9,15 @@
 #include <new>
 #include <utility>
 
-#include "disk_watch.h"
-#include "journal_sync.h"
 #include "judge.h"
+#include "rig/recording/disk_watch.h"
+#include "rig/recording/journal_sync.h"
 #include "thermorig/core/error.h"
-#include "thermorig/files/part_file.h"
-#include "thermorig/journal/journal.h"
-#include "thermorig/rig/expected_size.h"
-#include "thermorig/rig/finalise.h"
-#include "thermorig/wire/device_bytes.h"
+#include "thermorig/io/files/part_file.h"
+#include "thermorig/rig/recording/finalise.h"
+#include "thermorig/rig/sweep/expected_size.h"
+#include "thermorig/sensors/wire/device_bytes.h"
+#include "thermorig/storage/journal/journal.h"
 
 namespace thermorig::storage_test {
 namespace {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // What the parser gets of a TOML text. For each value it looks through the whole line: so no line may grow
 // with a list, whatever the list's length.
-#include "toml_text.h"
+#include "thermorig/rig/profile/toml_text.h"
 
 #include <gtest/gtest.h>
 

@@ -5,14 +5,14 @@
 #include <limits>
 
 #include "estimates_of.h"
-#include "thermorig/study/evaluation.h"
+#include "thermorig/learning/study/evaluation.h"
 
 namespace thermorig::study {
 namespace {
 
 constexpr float nan = std::numeric_limits<float>::quiet_NaN();
 
-AngleTrack track_of(const std::vector<JudgedWindow>& estimates, const windows::Acquisition& acquisition,
+AngleTrack track_of(const std::vector<JudgedWindow>& estimates, const network::Acquisition& acquisition,
                     std::size_t points = 300) {
   return evaluate(estimates, std::span(&acquisition, 1), {.angle_points = points}).angles.at(0);
 }
@@ -44,7 +44,7 @@ TEST(AngleTrack, IntegratesNothingWhereNoWindowEnds) {
 }
 
 TEST(AngleTrack, TakesTheTrueTimeBetweenFrames) {
-  windows::Acquisition acquisition = plain_acquisition("a", 4, 60.0F);
+  network::Acquisition acquisition = plain_acquisition("a", 4, 60.0F);
   acquisition.time[3] = acquisition.time[2] + from_s(0.25);
   const AngleTrack track = track_of({judged(3, 60, 4, 0, 0)}, acquisition);
   EXPECT_NEAR(track.integrated_s, 0.25, 1e-9);
@@ -75,7 +75,7 @@ TEST(AngleTrack, GoesOnWithoutAnEstimatorThatNeverSaysAnything) {
 
 TEST(AngleTrack, IsThinnedFromTheBeginningToTheEnd) {
   const std::vector<JudgedWindow> estimates = steady(1, 1000, 2.0F);
-  const windows::Acquisition acquisition = plain_acquisition("a", 1001, 60.0F);
+  const network::Acquisition acquisition = plain_acquisition("a", 1001, 60.0F);
   const AngleTrack few = track_of(estimates, acquisition, 25);
   ASSERT_EQ(few.time_s.size(), 25U);
   EXPECT_DOUBLE_EQ(few.time_s.front(), 0.0);

@@ -3,13 +3,13 @@
 
 #include <vector>
 
-#include "thermorig/study/evaluation.h"
+#include "thermorig/learning/study/evaluation.h"
 
 namespace thermorig::study {
 
 /// An acquisition of N frames, 0.1 s apart, all in run 1 and one leg at `rate_dps`; no pixels.
-inline windows::Acquisition plain_acquisition(const std::string& name, std::size_t frames, float rate_dps) {
-  windows::Acquisition acquisition;
+inline network::Acquisition plain_acquisition(const std::string& name, std::size_t frames, float rate_dps) {
+  network::Acquisition acquisition;
   acquisition.name = name;
   acquisition.environment = "garden";
   acquisition.label_dps.assign(frames, rate_dps);

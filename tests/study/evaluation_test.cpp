@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "thermorig/study/evaluation.h"
+#include "thermorig/learning/study/evaluation.h"
 
 #include <gtest/gtest.h>
 
@@ -9,20 +9,20 @@
 #include "../support/synthetic_acquisitions.h"
 #include "estimates_of.h"
 #include "thermorig/estimators/table.h"
-#include "thermorig/training/prediction.h"
+#include "thermorig/learning/training/prediction.h"
 
 namespace thermorig::study {
 namespace {
 
 constexpr float nan = std::numeric_limits<float>::quiet_NaN();
 
-Evaluation evaluated(const std::vector<JudgedWindow>& estimates, const windows::Acquisition& acquisition,
+Evaluation evaluated(const std::vector<JudgedWindow>& estimates, const network::Acquisition& acquisition,
                      const EvaluationConfig& config = {}) {
   return evaluate(estimates, std::span(&acquisition, 1), config);
 }
 
 TEST(Evaluation, GivesTheErrorsOfEachEstimator) {
-  const windows::Acquisition acquisition = plain_acquisition("a", 10, 100.0F);
+  const network::Acquisition acquisition = plain_acquisition("a", 10, 100.0F);
   const Evaluation evaluation =
       evaluated({judged(2, 100, 10, -2, 40), judged(3, 100, -30, 4, 40)}, acquisition);
   const Errors& thermal = evaluation.errors[thermal_name];
@@ -38,7 +38,7 @@ TEST(Evaluation, GivesTheErrorsOfEachEstimator) {
 }
 
 TEST(Evaluation, NormalisesByTheLabelScale) {
-  const windows::Acquisition acquisition = plain_acquisition("a", 10, 100.0F);
+  const network::Acquisition acquisition = plain_acquisition("a", 10, 100.0F);
   const Evaluation evaluation = evaluated({judged(2, 100, 10, 0, 0)}, acquisition, {.label_scale_dps = 10.0});
   EXPECT_DOUBLE_EQ(evaluation.errors[thermal_name].mse, 1.0);
   EXPECT_DOUBLE_EQ(evaluation.errors[thermal_name].rmse_dps, 10.0);
@@ -54,7 +54,7 @@ TEST(Evaluation, ComparesEveryEstimatorOfTheTableThatNeedsNoNetwork) {
 }
 
 TEST(Evaluation, SaysUnknownOfAnEstimatorThatSaysNothing) {
-  const windows::Acquisition acquisition = plain_acquisition("a", 10, 100.0F);
+  const network::Acquisition acquisition = plain_acquisition("a", 10, 100.0F);
   const Evaluation evaluation = evaluated({judged(2, 100, 0, 0, 8), judged(3, 100, 0, 0, 6)}, acquisition);
   const Errors& rest = evaluation.errors["gyro-rest"];
   EXPECT_EQ(rest.windows, 0U);
@@ -65,7 +65,7 @@ TEST(Evaluation, SaysUnknownOfAnEstimatorThatSaysNothing) {
 }
 
 TEST(Evaluation, LeavesWindowsWithoutAGyroOutOfWhatNeedsOne) {
-  const windows::Acquisition acquisition = plain_acquisition("a", 10, 100.0F);
+  const network::Acquisition acquisition = plain_acquisition("a", 10, 100.0F);
   const Evaluation evaluation =
       evaluated({judged(2, 100, 5, nan, nan, nan), judged(3, 100, 5, 1, 2)}, acquisition);
   EXPECT_EQ(evaluation.errors[thermal_name].windows, 2U);
@@ -76,17 +76,17 @@ TEST(Evaluation, LeavesWindowsWithoutAGyroOutOfWhatNeedsOne) {
 }
 
 TEST(Evaluation, LeavesWindowsWithoutALabelOut) {
-  const windows::Acquisition acquisition = plain_acquisition("a", 10, 100.0F);
+  const network::Acquisition acquisition = plain_acquisition("a", 10, 100.0F);
   const Evaluation evaluation = evaluated({judged(2, nan, 5, 1, 2), judged(3, 100, 5, 1, 2)}, acquisition);
   EXPECT_EQ(evaluation.errors[thermal_name].windows, 1U);
   EXPECT_EQ(evaluation.speeds.at(0).windows, 1U);
 }
 
 TEST(JudgedWindows, HoldMeansOverTheirFrames) {
-  windows::Acquisition acquisition = plain_acquisition("a", 4, 100.0F);
+  network::Acquisition acquisition = plain_acquisition("a", 4, 100.0F);
   acquisition.label_dps = {10, 20, 40, 80};
   acquisition.rates = {{"gyro", {1, 2, 4, 8}}, {"gyro-rest", {nan, 2, 4, 8}}};
-  const std::vector<windows::Window> windows{{0, 1}, {0, 3}};
+  const std::vector<network::Window> windows{{0, 1}, {0, 3}};
   const std::vector<JudgedWindow> judged = judged_windows(std::span(&acquisition, 1), windows, 2);
   ASSERT_EQ(judged.size(), 2U);
   EXPECT_EQ(judged[1].window, windows[1]);
@@ -99,11 +99,11 @@ TEST(JudgedWindows, HoldMeansOverTheirFrames) {
 }
 
 TEST(JudgedWindows, SayWhatAModelPredicts) {
-  const std::vector<windows::Acquisition> acquisitions = synthetic::make_acquisitions({"garden"}, 1, 1);
+  const std::vector<network::Acquisition> acquisitions = synthetic::make_acquisitions({"garden"}, 1, 1);
   for (const bool fusion : {true, false}) {
     model::Model model;
     model.weights = network::initial_weights({.frames = 2, .reduction = 3, .fusion = fusion}, 1);
-    const auto windows = windows::find_windows(acquisitions, 2);
+    const auto windows = network::find_windows(acquisitions, 2);
     const auto judged = judged_windows(model, acquisitions, windows);
     const auto predicted = training::predict(model, acquisitions, windows);
     ASSERT_EQ(judged.size(), windows.size());
@@ -121,7 +121,7 @@ TEST(JudgedWindows, SayWhatAModelPredicts) {
 }
 
 TEST(Evaluation, OfNoWindowsIsUnknown) {
-  const windows::Acquisition acquisition = plain_acquisition("a", 10, 100.0F);
+  const network::Acquisition acquisition = plain_acquisition("a", 10, 100.0F);
   const Evaluation evaluation = evaluated({}, acquisition);
   for (const Errors& errors : evaluation.errors.values()) {
     EXPECT_EQ(errors.windows, 0U);
@@ -132,7 +132,7 @@ TEST(Evaluation, OfNoWindowsIsUnknown) {
 }
 
 TEST(Evaluation, DividesByCommandedSpeedWithItsSign) {
-  windows::Acquisition acquisition = plain_acquisition("a", 10, 100.0F);
+  network::Acquisition acquisition = plain_acquisition("a", 10, 100.0F);
   acquisition.leg_rate_dps = {50, 50, 50, 50, -50, -50, -50, 20, 20, 20};
   const Evaluation evaluation = evaluated(
       {judged(3, 50, 20, 0, 0), judged(5, -50, 40, 0, 0), judged(6, -50, -40, 0, 0), judged(9, 20, 0, 0, 0)},
@@ -146,7 +146,7 @@ TEST(Evaluation, DividesByCommandedSpeedWithItsSign) {
 }
 
 TEST(Evaluation, TellsTheEnvironmentsApart) {
-  std::vector<windows::Acquisition> acquisitions{plain_acquisition("a", 10, 100.0F),
+  std::vector<network::Acquisition> acquisitions{plain_acquisition("a", 10, 100.0F),
                                                  plain_acquisition("b", 10, 100.0F),
                                                  plain_acquisition("c", 10, 100.0F)};
   acquisitions[0].environment = acquisitions[2].environment = "kitchen";
@@ -164,7 +164,7 @@ TEST(Evaluation, TellsTheEnvironmentsApart) {
 }
 
 TEST(Evaluation, HasAnAngleForEachAcquisition) {
-  const std::vector<windows::Acquisition> acquisitions{plain_acquisition("a", 10, 100.0F),
+  const std::vector<network::Acquisition> acquisitions{plain_acquisition("a", 10, 100.0F),
                                                        plain_acquisition("b", 10, 100.0F)};
   std::vector<JudgedWindow> estimates{judged(4, 100, 0, 0, 5), judged(4, 100, 0, 0, -3)};
   estimates[1].window.acquisition = 1;

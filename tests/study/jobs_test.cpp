@@ -7,17 +7,17 @@
 
 #include "support/synthetic_acquisitions.h"
 #include "thermorig/core/error.h"
-#include "thermorig/study/study.h"
+#include "thermorig/learning/study/study.h"
 
 namespace thermorig::study {
 namespace {
 
-std::vector<windows::Acquisition> small_acquisitions() {
+std::vector<network::Acquisition> small_acquisitions() {
   const synthetic::AcquisitionConfig config{.rates_dps = {50.0F}, .frames_per_leg = 6};
   return synthetic::make_acquisitions({"garden", "laboratory"}, 3, 1, config);
 }
 
-std::string refusal(const StudyConfig& config, const std::vector<windows::Acquisition>& acquisitions) {
+std::string refusal(const StudyConfig& config, const std::vector<network::Acquisition>& acquisitions) {
   try {
     jobs_of(config, acquisitions);
   } catch (const Error& error) {
@@ -63,14 +63,14 @@ TEST(Jobs, EndAllWindowsAtTheSameFrames) {
 }
 
 TEST(Jobs, DoNotDependOnTheOrderOfTheAcquisitions) {
-  std::vector<windows::Acquisition> acquisitions = small_acquisitions();
+  std::vector<network::Acquisition> acquisitions = small_acquisitions();
   const std::vector<Job> jobs = jobs_of({}, acquisitions);
   std::reverse(acquisitions.begin(), acquisitions.end());
   EXPECT_EQ(jobs_of({}, acquisitions), jobs);
 }
 
 TEST(Jobs, AreOthersWithOtherData) {
-  std::vector<windows::Acquisition> acquisitions = small_acquisitions();
+  std::vector<network::Acquisition> acquisitions = small_acquisitions();
   const std::vector<Job> jobs = jobs_of({}, acquisitions);
   acquisitions.pop_back();  // of the laboratory: training data of every fold
   const std::vector<Job> others = jobs_of({}, acquisitions);
@@ -87,7 +87,7 @@ TEST(Jobs, CanBeOfOneSetUpAlone) {
 }
 
 TEST(Jobs, AreRefusedWhereNothingCanBeLeftOut) {
-  std::vector<windows::Acquisition> acquisitions = small_acquisitions();
+  std::vector<network::Acquisition> acquisitions = small_acquisitions();
   StudyConfig config;
   config.environment = "kitchen";
   EXPECT_THAT(refusal(config, acquisitions), testing::HasSubstr("at least two of the environment kitchen"));
@@ -97,7 +97,7 @@ TEST(Jobs, AreRefusedWhereNothingCanBeLeftOut) {
 }
 
 TEST(Jobs, AreRefusedForTwoAcquisitionsOfOneName) {
-  std::vector<windows::Acquisition> acquisitions = small_acquisitions();
+  std::vector<network::Acquisition> acquisitions = small_acquisitions();
   acquisitions[1].name = acquisitions[0].name;
   EXPECT_THAT(refusal({}, acquisitions), testing::HasSubstr("same name"));
 }

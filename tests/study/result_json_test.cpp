@@ -9,7 +9,7 @@
 
 #include "estimates_of.h"
 #include "thermorig/core/error.h"
-#include "thermorig/study/study.h"
+#include "thermorig/learning/study/study.h"
 
 namespace thermorig::study {
 namespace {
@@ -18,7 +18,7 @@ using nlohmann::json;
 
 /// As large as one of the paper's: 50 speeds, an angle of 120 points.
 JobResult paper_sized() {
-  windows::Acquisition acquisition = plain_acquisition("garden_acq-01", 2600, 100.0F);
+  network::Acquisition acquisition = plain_acquisition("garden_acq-01", 2600, 100.0F);
   std::mt19937_64 random(1);
   std::vector<JudgedWindow> estimates;
   for (std::uint32_t i = 1; i < 2600; ++i) {

@@ -11,7 +11,7 @@
 
 #include "support/synthetic_acquisitions.h"
 #include "thermorig/core/error.h"
-#include "thermorig/study/study.h"
+#include "thermorig/learning/study/study.h"
 
 namespace thermorig::study {
 namespace {
@@ -69,7 +69,7 @@ class RunJobs : public ::testing::Test {
 
   fs::path folder_;
   StudyConfig config_;
-  std::vector<windows::Acquisition> acquisitions_ = synthetic::make_acquisitions(
+  std::vector<network::Acquisition> acquisitions_ = synthetic::make_acquisitions(
       {"garden", "laboratory"}, 2, 1, {.rates_dps = {-100.0F, 100.0F}, .frames_per_leg = 12});
 };
 
@@ -234,7 +234,7 @@ class Baselines : public RunJobs {
  protected:
   Baselines() {
     reused(folder_ / "before");
-    for (windows::Acquisition& acquisition : acquisitions_)
+    for (network::Acquisition& acquisition : acquisitions_)
       for (float& rate_dps : acquisition.rates.at(1).rate_dps) rate_dps += 3.0F;
   }
 };
@@ -261,7 +261,7 @@ TEST_F(Baselines, OfOtherSessionsAreRefusedBeforeAnythingIsWritten) {
 }
 
 TEST_F(Baselines, OfOtherWindowsAreRefused) {
-  for (windows::Acquisition& acquisition : acquisitions_)
+  for (network::Acquisition& acquisition : acquisitions_)
     acquisition.run[5] = 0;  // though the hash is the same
   EXPECT_THROW(renew_baselines(folder_ / "before", acquisitions_), Error);
 }

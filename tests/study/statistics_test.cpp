@@ -6,14 +6,14 @@
 #include <numeric>
 
 #include "estimates_of.h"
-#include "thermorig/study/evaluation.h"
-#include "thermorig/study/study.h"
+#include "thermorig/learning/study/evaluation.h"
+#include "thermorig/learning/study/study.h"
 
 namespace thermorig::study {
 namespace {
 
 GainStatistics gains(const std::vector<float>& values) {
-  const windows::Acquisition acquisition = plain_acquisition("a", values.size() + 1, 60.0F);
+  const network::Acquisition acquisition = plain_acquisition("a", values.size() + 1, 60.0F);
   std::vector<JudgedWindow> estimates;
   for (std::size_t i = 0; i < values.size(); ++i)
     estimates.push_back(judged(static_cast<std::uint32_t>(i + 1), 60, 0, 0, 0, values[i]));

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "gy_mcu90640.h"
-#include "thermorig/wire/checksums.h"
+#include "thermorig/sensors/wire/checksums.h"
 
 namespace thermorig::test {
 

@@ -4,7 +4,7 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
-#include "thermorig/recording_header/header_json.h"
+#include "thermorig/storage/recording_header/header_json.h"
 
 namespace thermorig::tests {
 

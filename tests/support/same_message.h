@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include "thermorig/wire/camera_scanner.h"
-#include "thermorig/wire/gyro_message.h"
-#include "thermorig/wire/servo_messages.h"
+#include "thermorig/sensors/wire/camera_scanner.h"
+#include "thermorig/sensors/wire/gyro_message.h"
+#include "thermorig/sensors/wire/servo_messages.h"
 
 namespace thermorig::test {
 

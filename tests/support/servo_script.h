@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "thermorig/core/profile.h"
-#include "thermorig/wire/servo_messages.h"
+#include "thermorig/sensors/wire/servo_messages.h"
 
 namespace thermorig::tests {
 

@@ -12,7 +12,7 @@ namespace thermorig::synthetic {
 
 namespace {
 
-using windows::Acquisition;
+using network::Acquisition;
 
 constexpr double field_of_view_deg = 55.0;
 

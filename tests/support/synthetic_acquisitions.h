@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "thermorig/windows/acquisition.h"
+#include "thermorig/network/acquisition.h"
 
 namespace thermorig::synthetic {
 
@@ -20,11 +20,11 @@ struct AcquisitionConfig {
 };
 
 /// One acquisition. Equal arguments give equal bits on every machine.
-windows::Acquisition make_acquisition(const std::string& environment, int number, std::uint64_t seed,
+network::Acquisition make_acquisition(const std::string& environment, int number, std::uint64_t seed,
                                       const AcquisitionConfig& config = {});
 
 /// `count` of each environment, numbered from 1.
-std::vector<windows::Acquisition> make_acquisitions(const std::vector<std::string>& environments, int count,
+std::vector<network::Acquisition> make_acquisitions(const std::vector<std::string>& environments, int count,
                                                     std::uint64_t seed, const AcquisitionConfig& config = {});
 
 }  // namespace thermorig::synthetic

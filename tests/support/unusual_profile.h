@@ -5,7 +5,7 @@
 
 #include <string>
 
-#include "thermorig/recording_header/profile_fields.h"
+#include "thermorig/storage/recording_header/profile_fields.h"
 
 namespace thermorig::tests {
 

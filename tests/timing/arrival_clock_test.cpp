@@ -7,7 +7,7 @@
 #include <random>
 
 #include "recorded_stream.h"
-#include "thermorig/timing/arrivals.h"
+#include "thermorig/pipeline/timing/arrivals.h"
 
 namespace thermorig::timing {
 namespace {

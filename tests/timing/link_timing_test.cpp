@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "thermorig/timing/link_timing.h"
+#include "thermorig/pipeline/timing/link_timing.h"
 
 #include <gtest/gtest.h>
 

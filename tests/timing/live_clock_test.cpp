@@ -5,7 +5,7 @@
 #include <random>
 
 #include "recorded_stream.h"
-#include "thermorig/timing/link_timing.h"
+#include "thermorig/pipeline/timing/link_timing.h"
 
 namespace thermorig::timing {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "thermorig/timing/ping_clock.h"
+#include "thermorig/pipeline/timing/ping_clock.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

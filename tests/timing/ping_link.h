@@ -8,7 +8,7 @@
 #include <random>
 #include <vector>
 
-#include "thermorig/timing/ping_clock.h"
+#include "thermorig/pipeline/timing/ping_clock.h"
 
 namespace thermorig::timing {
 

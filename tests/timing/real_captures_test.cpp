@@ -6,7 +6,7 @@
 #include <string>
 
 #include "../support/captures.h"
-#include "thermorig/timing/arrivals.h"
+#include "thermorig/pipeline/timing/arrivals.h"
 
 namespace thermorig::timing {
 namespace {

@@ -5,9 +5,9 @@
 #include <cmath>
 #include <map>
 
+#include "thermorig/pipeline/timing/link_timing.h"
 #include "thermorig/sensors/gyro_protocol.h"
-#include "thermorig/timing/link_timing.h"
-#include "thermorig/wire/camera_scanner.h"
+#include "thermorig/sensors/wire/camera_scanner.h"
 
 namespace thermorig::timing {
 

@@ -10,8 +10,8 @@
 
 #include "thermorig/core/raw_recording.h"
 #include "thermorig/core/sample.h"
+#include "thermorig/pipeline/timing/arrivals.h"
 #include "thermorig/simulation/virtual_rig.h"
-#include "thermorig/timing/arrivals.h"
 
 namespace thermorig::timing {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "sliding_fit.h"
+#include "pipeline/timing/sliding_fit.h"
 
 #include <gtest/gtest.h>
 

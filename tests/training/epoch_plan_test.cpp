@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "../../src/training/epoch_plan.h"
+#include "learning/training/epoch_plan.h"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@
 #include <array>
 #include <numeric>
 
-#include "../../src/training/draw.h"
+#include "learning/training/draw.h"
 
 namespace thermorig::training {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "thermorig/training/prediction.h"
+#include "thermorig/learning/training/prediction.h"
 
 #include <gtest/gtest.h>
 
@@ -11,20 +11,20 @@ namespace {
 
 class Prediction : public testing::Test {
  protected:
-  std::vector<windows::Acquisition> data_ = small_data();
+  std::vector<network::Acquisition> data_ = small_data();
   model::Model model_{.weights = network::initial_weights({.frames = 2, .reduction = 3}, 4),
-                      .scaling = windows::scaling_of(small_data(), 150.0F)};
+                      .scaling = network::scaling_of(small_data(), 150.0F)};
 };
 
 TEST_F(Prediction, SaysOfEachWindowWhatTheEstimatorSays) {
-  const auto windows = windows::find_windows(data_, 2);
+  const auto windows = network::find_windows(data_, 2);
   const auto estimates = predict(model_, data_, windows);
   ASSERT_EQ(estimates.size(), windows.size());
   network::Estimator estimator(model_.weights);
   for (std::size_t i = 0; i < windows.size(); i += 13) {
-    const windows::Acquisition& acquisition = data_[windows[i].acquisition];
-    const auto frames = windows::prepare(acquisition, model_.weights.shape, model_.scaling);
-    const windows::WindowRates rates = windows::rates_of(acquisition, windows[i], 2);
+    const network::Acquisition& acquisition = data_[windows[i].acquisition];
+    const auto frames = network::prepare(acquisition, model_.weights.shape, model_.scaling);
+    const network::WindowRates rates = network::rates_of(acquisition, windows[i], 2);
     const std::size_t size = model_.weights.shape.pixels();
     const network::Output output = estimator.estimate(
         std::span(frames).subspan((windows[i].last - 1) * size, 2 * size), rates.gyro_dps / 150.0F);
@@ -39,7 +39,7 @@ TEST_F(Prediction, SaysOfEachWindowWhatTheEstimatorSays) {
 
 TEST_F(Prediction, OfAThermalOnlyModelHasOneSpeed) {
   model_.weights = network::initial_weights({.frames = 2, .reduction = 3, .fusion = false}, 4);
-  for (const WindowEstimate& estimate : predict(model_, data_, windows::find_windows(data_, 2))) {
+  for (const WindowEstimate& estimate : predict(model_, data_, network::find_windows(data_, 2))) {
     EXPECT_EQ(estimate.fusion_dps, estimate.thermal_dps);
     EXPECT_EQ(estimate.gain, 1.0F);
   }
@@ -51,7 +51,7 @@ TEST_F(Prediction, OfNoWindowIsNothing) {
 }
 
 TEST_F(Prediction, KeepsTheOrderOfTheWindowsThatItIsGiven) {
-  const std::vector<windows::Window> order{{3, 20}, {0, 5}, {3, 4}};
+  const std::vector<network::Window> order{{3, 20}, {0, 5}, {3, 4}};
   const auto estimates = predict(model_, data_, order);
   for (std::size_t i = 0; i < order.size(); ++i) EXPECT_EQ(estimates[i].window, order[i]);
 }

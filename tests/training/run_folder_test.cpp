@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "thermorig/training/run_folder.h"
+#include "thermorig/learning/training/run_folder.h"
 
 #include <gtest/gtest.h>
 #include <stdlib.h>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "thermorig/training/thread_crew.h"
+#include "thermorig/learning/training/thread_crew.h"
 
 #include <gtest/gtest.h>
 

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "support/synthetic_acquisitions.h"
-#include "thermorig/training/training.h"
+#include "thermorig/learning/training/training.h"
 
 namespace thermorig::training {
 
@@ -17,12 +17,12 @@ inline TrainingConfig small_config(int epochs = 3) {
 }
 
 /// 4 acquisitions of 44 windows.
-inline std::vector<windows::Acquisition> small_data() {
+inline std::vector<network::Acquisition> small_data() {
   return synthetic::make_acquisitions({"garden", "kitchen"}, 2, 1);
 }
 
 inline TrainingResult trained(const TrainingConfig& config,
-                              const std::vector<windows::Acquisition>& acquisitions,
+                              const std::vector<network::Acquisition>& acquisitions,
                               const Observer& observer = {}, const std::optional<Checkpoint>& from = {}) {
   network::SoloCrew crew;
   return train(config, acquisitions, crew, observer, from);

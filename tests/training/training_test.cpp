@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "thermorig/training/training.h"
+#include "thermorig/learning/training/training.h"
 
 #include <gtest/gtest.h>
 
@@ -9,15 +9,15 @@
 #include <set>
 
 #include "thermorig/core/error.h"
-#include "thermorig/training/fit.h"
-#include "thermorig/training/thread_crew.h"
-#include "thermorig/windows/window_index.h"
+#include "thermorig/learning/training/fit.h"
+#include "thermorig/learning/training/thread_crew.h"
+#include "thermorig/network/window_index.h"
 #include "trained.h"
 
 namespace thermorig::training {
 namespace {
 
-using windows::Acquisition;
+using network::Acquisition;
 
 constexpr float nan = std::numeric_limits<float>::quiet_NaN();
 
@@ -191,7 +191,7 @@ TEST(Training, EndsWithARaggedBatchAndGoesThroughEveryWindow) {
     steps.push_back(step);
     EXPECT_EQ(all, 8U);
   };
-  ASSERT_EQ(windows::find_windows(data, 2).size(), 176U);
+  ASSERT_EQ(network::find_windows(data, 2).size(), 176U);
   EXPECT_TRUE(std::isfinite(trained(config, data, observer).epochs[0].loss));
   EXPECT_EQ(steps, std::vector<std::size_t>{8});
 }

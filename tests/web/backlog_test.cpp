@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "../../src/web/backlog.h"
+#include "io/web/backlog.h"
 
 #include <fmt/format.h>
 #include <gmock/gmock.h>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "../../src/web/client_json.h"
+#include "io/web/client_json.h"
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>

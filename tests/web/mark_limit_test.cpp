@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "../../src/web/mark_limit.h"
+#include "io/web/mark_limit.h"
 
 #include <gtest/gtest.h>
 

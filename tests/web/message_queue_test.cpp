@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "../../src/web/message_queue.h"
+#include "io/web/message_queue.h"
 
 #include <fmt/format.h>
 #include <gmock/gmock.h>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "../../src/web/request_check.h"
+#include "io/web/request_check.h"
 
 #include <gtest/gtest.h>
 

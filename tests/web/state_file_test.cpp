@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "../../src/web/state_file.h"
+#include "io/web/state_file.h"
 
 #include <gmock/gmock.h>
 #include <sys/stat.h>
@@ -8,11 +8,11 @@
 #include <cstdlib>
 #include <fstream>
 
-#include "../../src/web/token.h"
+#include "io/web/token.h"
 #include "private_folder.h"
 #include "support/file_text.h"
 #include "thermorig/core/error.h"
-#include "thermorig/web/server.h"
+#include "thermorig/io/web/server.h"
 
 namespace thermorig::web {
 

@@ -10,7 +10,7 @@
 
 #include "page_client.h"
 #include "support/hand_clock.h"
-#include "thermorig/web/server.h"
+#include "thermorig/io/web/server.h"
 
 namespace thermorig::web {
 

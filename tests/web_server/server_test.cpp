@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "thermorig/web/server.h"
+#include "thermorig/io/web/server.h"
 
 #include <fmt/format.h>
 #include <gmock/gmock.h>

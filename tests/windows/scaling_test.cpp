@@ -5,9 +5,9 @@
 
 #include "support/synthetic_acquisitions.h"
 #include "thermorig/core/frame.h"
-#include "thermorig/windows/scaling.h"
+#include "thermorig/network/scaling.h"
 
-namespace thermorig::windows {
+namespace thermorig::network {
 namespace {
 
 /// Frames of one temperature each.
@@ -98,4 +98,4 @@ TEST(Prepare, LaysFramesBehindEachOtherSoThatAWindowIsAPart) {
 }
 
 }  // namespace
-}  // namespace thermorig::windows
+}  // namespace thermorig::network

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "thermorig/windows/soundness.h"
+#include "thermorig/network/soundness.h"
 
 #include <gtest/gtest.h>
 
@@ -7,9 +7,9 @@
 
 #include "support/synthetic_acquisitions.h"
 #include "thermorig/core/frame.h"
-#include "thermorig/windows/window_index.h"
+#include "thermorig/network/window_index.h"
 
-namespace thermorig::windows {
+namespace thermorig::network {
 namespace {
 
 constexpr float nan = std::numeric_limits<float>::quiet_NaN();
@@ -69,4 +69,4 @@ TEST_F(UnsoundFrames, LeaveNoWindowAcrossThem) {
 }
 
 }  // namespace
-}  // namespace thermorig::windows
+}  // namespace thermorig::network

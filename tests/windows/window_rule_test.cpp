@@ -3,9 +3,9 @@
 
 #include <limits>
 
-#include "thermorig/windows/window_index.h"
+#include "thermorig/network/window_index.h"
 
-namespace thermorig::windows {
+namespace thermorig::network {
 namespace {
 
 Acquisition with_runs(std::vector<std::uint32_t> runs) {
@@ -77,4 +77,4 @@ TEST(RatesOf, LookAtNoFrameOutsideTheWindow) {
 }
 
 }  // namespace
-}  // namespace thermorig::windows
+}  // namespace thermorig::network

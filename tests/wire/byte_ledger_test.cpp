@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "thermorig/wire/byte_ledger.h"
+#include "thermorig/sensors/wire/byte_ledger.h"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "thermorig/wire/camera_scanner.h"
+#include "thermorig/sensors/wire/camera_scanner.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

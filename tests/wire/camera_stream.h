@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "scan.h"
-#include "thermorig/wire/camera_scanner.h"
-#include "thermorig/wire/device_bytes.h"
+#include "thermorig/sensors/wire/camera_scanner.h"
+#include "thermorig/sensors/wire/device_bytes.h"
 
 namespace thermorig::test {
 

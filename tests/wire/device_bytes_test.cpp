@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "thermorig/wire/device_bytes.h"
+#include "thermorig/sensors/wire/device_bytes.h"
 
 #include <gtest/gtest.h>
 

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: MIT
-#include "thermorig/wire/sent_commands.h"
+#include "thermorig/sensors/wire/sent_commands.h"
 
 #include <gtest/gtest.h>
 
 #include <initializer_list>
 
-#include "thermorig/wire/servo_messages.h"
+#include "thermorig/sensors/wire/servo_messages.h"
 
 namespace thermorig::wire {
 namespace {

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "thermorig/wire/servo_messages.h"
+#include "thermorig/sensors/wire/servo_messages.h"
 
 namespace thermorig::test {
 namespace {

@@ -3,7 +3,7 @@
 
 #include "scan.h"
 #include "support/telemetry_bytes.h"
-#include "thermorig/wire/servo_messages.h"
+#include "thermorig/sensors/wire/servo_messages.h"
 
 namespace thermorig::test {
 namespace {

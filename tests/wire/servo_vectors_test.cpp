@@ -10,7 +10,7 @@
 #include "scan.h"
 #include "support/telemetry_bytes.h"
 #include "support/vectors.h"
-#include "thermorig/wire/servo_messages.h"
+#include "thermorig/sensors/wire/servo_messages.h"
 
 namespace thermorig::test {
 namespace {

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "support/vectors.h"
-#include "thermorig/wire/counters.h"
+#include "thermorig/sensors/wire/counters.h"
 
 namespace thermorig::test {
 

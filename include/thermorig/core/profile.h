@@ -89,8 +89,9 @@ struct ServoProfile {
   std::string scale_measured_utc;  // empty: an assumption
 };
 
-/// One rig: what is connected, and how. Each member has a line in src/recording_header/profile_fields.cpp, by
-/// which it is read, written and checked: as TOML, in a journal, in a session.
+/// One rig: what is connected, and how. Each member has a line in
+/// src/storage/recording_header/profile_fields.cpp, by which it is read, written and checked: as TOML, in a
+/// journal, in a session.
 struct RigProfile {
   std::string name = "rig";
   CameraProfile camera;

@@ -11,8 +11,8 @@
 #include "thermorig/core/measurement.h"
 #include "thermorig/core/profile.h"
 #include "thermorig/estimators/estimator.h"
-#include "thermorig/model/model.h"
 #include "thermorig/network/estimator.h"
+#include "thermorig/network/model/model.h"
 
 namespace thermorig::estimators {
 

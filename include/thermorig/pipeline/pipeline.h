@@ -14,11 +14,11 @@
 #include "thermorig/core/sample.h"
 #include "thermorig/core/sync.h"
 #include "thermorig/core/time.h"
-#include "thermorig/labels/frame_gaps.h"
-#include "thermorig/labels/freshness.h"
-#include "thermorig/labels/labeller.h"
-#include "thermorig/wire/counters.h"
-#include "thermorig/wire/servo_messages.h"
+#include "thermorig/pipeline/labels/frame_gaps.h"
+#include "thermorig/pipeline/labels/freshness.h"
+#include "thermorig/pipeline/labels/labeller.h"
+#include "thermorig/sensors/wire/counters.h"
+#include "thermorig/sensors/wire/servo_messages.h"
 
 namespace thermorig::pipeline {
 

@@ -12,7 +12,7 @@
 #include "thermorig/core/profile.h"
 #include "thermorig/sensors/evidence.h"
 #include "thermorig/sensors/scanner.h"
-#include "thermorig/wire/camera_scanner.h"
+#include "thermorig/sensors/wire/camera_scanner.h"
 
 namespace thermorig::sensors {
 

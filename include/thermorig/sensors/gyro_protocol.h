@@ -12,7 +12,7 @@
 #include "thermorig/core/profile.h"
 #include "thermorig/sensors/evidence.h"
 #include "thermorig/sensors/scanner.h"
-#include "thermorig/wire/gyro_message.h"
+#include "thermorig/sensors/wire/gyro_message.h"
 
 namespace thermorig::sensors {
 

@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "thermorig/wire/counters.h"
+#include "thermorig/sensors/wire/counters.h"
 
 namespace thermorig::sensors {
 

@@ -10,7 +10,7 @@
 #include "thermorig/core/clock_properties.h"
 #include "thermorig/sensors/evidence.h"
 #include "thermorig/sensors/scanner.h"
-#include "thermorig/wire/servo_messages.h"
+#include "thermorig/sensors/wire/servo_messages.h"
 
 namespace thermorig::sensors {
 

@@ -8,11 +8,11 @@
 #include <vector>
 
 #include "thermorig/core/error.h"
-#include "thermorig/dataset/dataset.h"
-#include "thermorig/model/model.h"
+#include "thermorig/learning/dataset/dataset.h"
 #include "thermorig/network/estimator.h"
-#include "thermorig/windows/scaling.h"
-#include "thermorig/windows/window_index.h"
+#include "thermorig/network/model/model.h"
+#include "thermorig/network/scaling.h"
+#include "thermorig/network/window_index.h"
 
 namespace {
 
@@ -23,15 +23,15 @@ struct Differences {
   float fusion = 0.0F, thermal = 0.0F;  // largest, normalised
 };
 
-void look_at(const model::Model& model, const windows::Acquisition& acquisition, Differences& differences) {
+void look_at(const model::Model& model, const network::Acquisition& acquisition, Differences& differences) {
   const network::Shape& shape = model.weights.shape;
   network::Estimator full(model.weights), half(model.weights, network::Precision::fp16_weights);
-  const std::vector<float> frames = windows::prepare(acquisition, shape, model.scaling);
-  for (const auto& window : windows::find_windows({&acquisition, 1}, shape.frames)) {
+  const std::vector<float> frames = network::prepare(acquisition, shape, model.scaling);
+  for (const auto& window : network::find_windows({&acquisition, 1}, shape.frames)) {
     const std::size_t first = window.last + 1U - static_cast<std::size_t>(shape.frames);
     const auto pixels = std::span(frames).subspan(first * shape.pixels(), shape.inputs());
     const float gyro =
-        windows::rates_of(acquisition, window, shape.frames).gyro_dps / model.scaling.label_scale_dps;
+        network::rates_of(acquisition, window, shape.frames).gyro_dps / model.scaling.label_scale_dps;
     const auto a = full.estimate(pixels, gyro), b = half.estimate(pixels, gyro);
     differences.fusion = std::max(differences.fusion, std::abs(a.fusion - b.fusion));
     differences.thermal = std::max(differences.thermal, std::abs(a.thermal - b.thermal));

@@ -7,7 +7,7 @@
 
 #include "seeded_values.h"
 #include "thermorig/core/error.h"
-#include "thermorig/model/model.h"
+#include "thermorig/network/model/model.h"
 #include "thermorig/network/trainer.h"
 #include "worker.h"
 #include "workload.h"

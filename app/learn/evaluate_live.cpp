@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: MIT
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+#include <optional>
+
+#include "evaluate_live_text.h"
+#include "evaluate_parts.h"
+#include "print/output.h"
+#include "session_data.h"
+#include "thermorig/learning/dataset/dataset.h"
+#include "thermorig/storage/session/session.h"
+
+namespace thermorig::app {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+live::LiveScores scores_of(const std::vector<EstimateRow>& rows, const RecordingHeader& header) {
+  live::Scorer scorer(header.estimators, header.live_model.label_scale_dps);
+  for (const EstimateRow& row : rows) scorer.add(row);
+  return scorer.scores();
+}
+
+/// Nothing for a session that is not of a live run.
+std::optional<LiveEvaluation> evaluate(const fs::path& path, bool accept_bad) {
+  const session::Session session = session::read_session(path);
+  const RawRecording& raw = session.raw;
+  if (raw.estimates.empty()) return std::nullopt;
+  if (const auto bad = dataset::bad_session(session, path)) require_good({*bad}, accept_bad);
+  const network::Acquisition finished = dataset::acquisition_of(session, path.string());
+  LiveEvaluation evaluated{.session = path.string(), .header = raw.header};
+  evaluated.screen = scores_of(raw.estimates, raw.header);
+  evaluated.finalised = live::finalised_rows(
+      raw.estimates, finished, std::max(1, raw.header.live_model.frames), session.frame_period_s);
+  evaluated.finalised_scores = scores_of(evaluated.finalised.rows, raw.header);
+  return evaluated;
+}
+
+[[noreturn]] void refuse_evaluation(const std::string& what, const std::string& where) {
+  throw Error(ExitCode::bad_usage, what, where,
+              "make one with thermorig live --record, or hold a model against it: thermorig evaluate "
+              "model.onnx SESSION");
+}
+
+bool is_named(const fs::path& file, const std::vector<fs::path>& paths) {
+  return std::find(paths.begin(), paths.end(), file) != paths.end();
+}
+
+void tell(const LiveEvaluation& evaluated, bool first, bool json) {
+  if (json)
+    print_json(live_json(evaluated));
+  else
+    print("{}{}", first ? "" : "\n", live_text(evaluated));
+}
+
+}  // namespace
+
+ExitCode evaluate_live(const EvaluateOptions& options) {
+  std::size_t told = 0;
+  for (const fs::path& file : dataset::find_sessions(options.paths)) {
+    const std::optional<LiveEvaluation> evaluated = evaluate(file, options.accept_bad);
+    if (!evaluated && is_named(file, options.paths))
+      refuse_evaluation("the session has no /estimates: it is not of a live run", file.string());
+    if (!evaluated) continue;  // found in a folder, beside others
+    tell(*evaluated, told == 0, options.json);
+    ++told;
+  }
+  if (told == 0) refuse_evaluation("none of the sessions has /estimates: none is of a live run", "");
+  if (options.json) print_json({{"event", "summary"}, {"exit_code", 0}, {"sessions", told}});
+  return ExitCode::ok;
+}
+
+}  // namespace thermorig::app

@@ -1,0 +1,104 @@
+// SPDX-License-Identifier: MIT
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+
+#include "evaluate_model_text.h"
+#include "evaluate_numbers.h"
+#include "evaluate_parts.h"
+#include "existing_file.h"
+#include "print/output.h"
+#include "report_files.h"
+#include "session_data.h"
+#include "thermorig/learning/report/report.h"
+
+namespace thermorig::app {
+
+namespace {
+
+using network::Acquisition;
+
+std::vector<study::JudgedWindow> judged_by(const model::Model& model,
+                                           const std::vector<Acquisition>& acquisitions) {
+  const std::vector<network::Window> windows =
+      network::find_windows(acquisitions, model.weights.shape.frames);
+  if (windows.empty())
+    throw Error(ExitCode::bad_usage,
+                fmt::format("the sessions have no window of {} valid frames", model.weights.shape.frames), "",
+                "thermorig inspect --check says what is wrong with them");
+  return study::judged_windows(model, acquisitions, windows);
+}
+
+/// Tested acquisitions that the model knows already.
+std::vector<std::string> seen_in_training(const model::Model& model,
+                                          const std::vector<Acquisition>& acquisitions) {
+  std::vector<std::string> seen;
+  const auto add = [&](const std::vector<model::Provenance::Data>& data) {
+    for (const model::Provenance::Data& known : data)
+      for (const Acquisition& acquisition : acquisitions)
+        if (!known.hash.empty() && known.hash == acquisition.hash) seen.push_back(acquisition.name);
+  };
+  add(model.provenance.training);
+  add(model.provenance.held_out);
+  return seen;
+}
+
+/// Those that need no network, and that a fusion ought to beat and does not.
+std::vector<std::string> better_baselines(const study::Evaluation& evaluation) {
+  std::vector<std::string> better;
+  for (const std::string& name : study::baselines())
+    if (evaluation.errors[name].mse < evaluation.errors[study::fusion_name].mse) better.push_back(name);
+  return better;
+}
+
+std::vector<std::string> warnings_of(const model::Model& model, const ModelEvaluation& evaluated,
+                                     const std::vector<Acquisition>& acquisitions) {
+  std::vector<std::string> warnings;
+  const std::vector<std::string> seen = seen_in_training(model, acquisitions);
+  if (!seen.empty())
+    warnings.push_back(
+        fmt::format("the model was trained on, or chosen by, {} of the tested acquisitions: {}", seen.size(),
+                    fmt::join(seen, ", ")));
+  if (study::collapsed(evaluated.evaluation.gain))
+    warnings.push_back(
+        fmt::format("the gate has collapsed (mean Kg {}): {}", gain_text(evaluated.evaluation.gain.mean),
+                    evaluated.evaluation.gain.mean < 0.5 ? "the gyro alone decides, the images are not used"
+                                                         : "the images alone decide, the gyro is not used"));
+  const std::vector<std::string> better = better_baselines(evaluated.evaluation);
+  if (!better.empty())
+    warnings.push_back(fmt::format("without a network, {} {} a lower MSE than {}", fmt::join(better, ", "),
+                                   better.size() == 1 ? "has" : "have", study::fusion_name));
+  return warnings;
+}
+
+void write_model_report(const std::filesystem::path& folder, const model::Model& model,
+                        const study::Evaluation& evaluation) {
+  write_report(folder, {.markdown = report::evaluation_markdown(model, evaluation),
+                        .json = report::evaluation_json(model, evaluation),
+                        .html = report::evaluation_html(model, evaluation)});
+}
+
+}  // namespace
+
+ExitCode evaluate_model(const EvaluateOptions& options) {
+  require_existing(options.model);
+  const model::Model model = model::read_model(options.model);
+  const dataset::Acquisitions data = read_data(words_of(options));
+  const std::vector<Acquisition>& acquisitions = data.acquisitions;
+  ModelEvaluation evaluated;
+  evaluated.evaluation = study::evaluate(judged_by(model, acquisitions), acquisitions,
+                                         {.label_scale_dps = double{model.scaling.label_scale_dps}});
+  evaluated.warnings = warnings_of(model, evaluated, acquisitions);
+  if (!options.output.empty()) write_model_report(options.output, model, evaluated.evaluation);
+  if (options.json) {
+    nlohmann::json object = model_json(model, evaluated);
+    add_choice_to(object, data);
+    print_json(object);
+  } else {
+    print("{}", model_text(options.model.filename().string(), model, evaluated));
+  }
+  return ExitCode::ok;
+}
+
+}  // namespace thermorig::app

@@ -1,0 +1,113 @@
+// SPDX-License-Identifier: MIT
+#include "evaluate_model_text.h"
+
+#include <fmt/format.h>
+
+#include <nlohmann/json.hpp>
+
+#include "evaluate_numbers.h"
+#include "print/output.h"
+#include "thermorig/learning/report/report.h"
+
+namespace thermorig::app {
+
+namespace {
+
+using study::Errors;
+
+std::string simulated_text(bool simulated) {
+  return simulated ? ", SIMULATED rig" : "";
+}
+
+std::string facts_text(const std::string& name, const model::Model& model) {
+  const network::Shape& shape = model.weights.shape;
+  const model::Provenance& origin = model.provenance;
+  std::string text =
+      fmt::format("{}: {}, Nf {}, Nr {}, {} weights, {} multiply-adds a window\n", printable(name),
+                  shape.fusion ? "fusion" : "thermal-only", shape.frames, shape.reduction,
+                  count_text(network::weight_count(shape)), count_text(network::multiply_adds(shape)));
+  if (origin.training.empty()) return text + "trained on: not stated\n";
+  return text + fmt::format("trained on {} acquisition{}, preset {}, seed {}, epoch {} of {}{}\n",
+                            origin.training.size(), origin.training.size() == 1 ? "" : "s",
+                            printable(origin.preset), origin.seed, origin.epoch_kept, origin.epochs,
+                            simulated_text(origin.simulated));
+}
+
+std::string tested_text(const ModelEvaluation& evaluated) {
+  return fmt::format("tested on {} acquisition{}{}\n\n", evaluated.evaluation.names.size(),
+                     evaluated.evaluation.names.size() == 1 ? "" : "s",
+                     simulated_text(evaluated.evaluation.simulated));
+}
+
+std::string errors_text(const study::Evaluation& evaluation) {
+  Table table(
+      {"estimator", ">windows", ">MSE", ">RMSE deg/s", ">median", ">95 %", "> >30 deg/s", ">mean error"});
+  for (const std::string& name : study::all_estimators()) {
+    const Errors& errors = evaluation.errors[name];
+    table.add({name, count_text(errors.windows), mse_text(errors.mse), rate_text(errors.rmse_dps),
+               rate_text(errors.median_dps), rate_text(errors.p95_dps), percent_text(errors.outlier_share),
+               rate_text(errors.bias_dps)});
+  }
+  return table.text() + "\n";
+}
+
+/// A table with a column an estimator, between these.
+Table estimator_table(std::vector<std::string> header, const std::vector<std::string>& last) {
+  for (const std::string& name : study::all_estimators()) header.push_back(">" + name);
+  header.insert(header.end(), last.begin(), last.end());
+  return Table(header);
+}
+
+/// MSE beside RMSE.
+std::string environments_text(const std::vector<study::EnvironmentErrors>& environments) {
+  Table table = estimator_table({"environment", ">acquisitions"}, {});
+  for (const study::EnvironmentErrors& environment : environments) {
+    std::vector<std::string> row{environment.name, std::to_string(environment.acquisitions)};
+    for (const Errors& errors : environment.errors.values())
+      row.push_back(fmt::format("{} ({})", mse_text(errors.mse), rate_text(errors.rmse_dps)));
+    table.add(row);
+  }
+  return "MSE (RMSE deg/s) by environment\n" + table.text() + "\n";
+}
+
+std::string gate_text(const study::GainStatistics& gain) {
+  if (gain.windows() == 0) return "";
+  return fmt::format("gate Kg: mean {}, deviation {}, median {}; below 0.02 in {}, above 0.98 in {}\n\n",
+                     gain_text(gain.mean), gain_text(gain.deviation), gain_text(gain.median),
+                     percent_text(gain.below_002), percent_text(gain.above_098));
+}
+
+std::string angles_text(const study::Evaluation& evaluation) {
+  Table table = estimator_table({"drift of the angle, deg/min"}, {">over"});
+  for (std::size_t i = 0; i < evaluation.angles.size(); ++i) {
+    std::vector<std::string> row{evaluation.names[i]};
+    for (const double drift : evaluation.angles[i].drift_deg_per_min.values())
+      row.push_back(angle_text(drift));
+    row.push_back(duration_text(evaluation.angles[i].integrated_s));
+    table.add(row);
+  }
+  return table.text();
+}
+
+}  // namespace
+
+std::string model_text(const std::string& name, const model::Model& model, const ModelEvaluation& evaluated) {
+  std::string text = facts_text(name, model) + tested_text(evaluated) + errors_text(evaluated.evaluation);
+  if (evaluated.evaluation.environments.size() > 1)
+    text += environments_text(evaluated.evaluation.environments);
+  text += gate_text(evaluated.evaluation.gain) + angles_text(evaluated.evaluation);
+  if (!evaluated.warnings.empty()) text += "\n";
+  for (const std::string& warning : evaluated.warnings) text += "warning: " + printable(warning) + "\n";
+  return text;
+}
+
+nlohmann::json model_json(const model::Model& model, const ModelEvaluation& evaluated) {
+  nlohmann::json object = nlohmann::json::parse(report::evaluation_json(model, evaluated.evaluation));
+  object["event"] = "summary";
+  object["exit_code"] = 0;
+  object["simulated"] = evaluated.evaluation.simulated;
+  object["warnings"] = evaluated.warnings;
+  return object;
+}
+
+}  // namespace thermorig::app

@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: MIT
+#include "session_data.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+
+#include "print/output.h"
+#include "thermorig/core/error.h"
+
+namespace thermorig::app {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+dataset::Acquisitions read_files(const std::vector<fs::path>& files, bool json) {
+  const bool told = !json && escapes_allowed(stdout);
+  const auto tell = [](std::size_t done, std::size_t all) {
+    print("\rreading sessions: {} of {}", done, all);
+    flush_output();
+  };
+  dataset::Acquisitions data =
+      told ? dataset::read_acquisitions(files, tell) : dataset::read_acquisitions(files);
+  if (told) print("\r\x1b[K");
+  return data;
+}
+
+std::vector<std::string> files_of(const std::vector<dataset::BadSession>& bad) {
+  std::vector<std::string> files;
+  for (const dataset::BadSession& session : bad) files.push_back(session.file.string());
+  return files;
+}
+
+std::vector<std::string> strings_of(const std::vector<fs::path>& files) {
+  return {files.begin(), files.end()};
+}
+
+/// "a.h5, b.h5, c.h5 and 4 more".
+std::string some_of(const std::vector<std::string>& files) {
+  constexpr std::size_t most = 3;
+  const std::vector<std::string> first(
+      files.begin(), files.begin() + static_cast<std::ptrdiff_t>(std::min(most, files.size())));
+  const std::string names = printable(fmt::format("{}", fmt::join(first, ", ")));
+  return files.size() > most ? fmt::format("{} and {} more", names, files.size() - most) : names;
+}
+
+void tell_choice(const dataset::Acquisitions& data) {
+  if (!data.for_calibration.empty())
+    print("left out, recorded for calibrations: {}\n", some_of(strings_of(data.for_calibration)));
+  if (!data.bad.empty()) print("bad, but accepted: {}\n", some_of(files_of(data.bad)));
+}
+
+void require_any(const dataset::Acquisitions& data) {
+  if (!data.acquisitions.empty()) return;
+  throw Error(ExitCode::bad_usage, "was recorded for a calibration, and there is no other session",
+              data.for_calibration.front().string(),
+              "record some to learn from: thermorig record --environment NAME");
+}
+
+}  // namespace
+
+void require_good(const std::vector<dataset::BadSession>& bad, bool accepted) {
+  if (bad.empty() || accepted) return;
+  const std::string others = bad.size() > 1 ? fmt::format(" (and {} more are bad)", bad.size() - 1) : "";
+  throw Error(ExitCode::check_failed,
+              fmt::format("the session's verdict is bad: {}{}", fmt::join(bad.front().reasons, "; "), others),
+              bad.front().file.string(),
+              "leave it out, make it again from its raw bytes (thermorig reprocess FILE), or take it as it "
+              "is: --accept-bad");
+}
+
+dataset::Acquisitions read_data(const SessionWords& words) {
+  dataset::Acquisitions data = read_files(dataset::find_sessions(words.paths), words.json);
+  require_any(data);
+  require_good(data.bad, words.accept_bad);
+  if (!words.json) tell_choice(data);
+  return data;
+}
+
+void add_choice_to(nlohmann::json& object, const dataset::Acquisitions& data) {
+  object["left_out"] = strings_of(data.for_calibration);
+  object["bad"] = files_of(data.bad);
+}
+
+SessionWords words_of(const EvaluateOptions& options) {
+  return {.paths = options.paths, .accept_bad = options.accept_bad, .json = options.json};
+}
+
+bool any_simulated(const std::vector<network::Acquisition>& acquisitions) {
+  return std::any_of(acquisitions.begin(), acquisitions.end(),
+                     [](const network::Acquisition& acquisition) { return acquisition.simulated; });
+}
+
+}  // namespace thermorig::app

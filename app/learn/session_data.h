@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <filesystem>
+#include <nlohmann/json_fwd.hpp>
+#include <vector>
+
+#include "options.h"
+#include "thermorig/learning/dataset/dataset.h"
+
+namespace thermorig::app {
+
+/// Which sessions are read, and how that is told.
+struct SessionWords {
+  const std::vector<std::filesystem::path>& paths;  // files, or folders that hold them
+  bool accept_bad = false;                          // a verdict "bad" is no reason to refuse
+  bool json = false;                                // nothing is printed
+};
+
+/// Reads the sessions that the paths name, telling on a terminal how far it is. Says in a line which were
+/// left out, since they were recorded for calibrations, and which are bad, but were accepted. Throws as
+/// dataset does, Error(check_failed) for a bad one, Error(bad_usage) where all are for calibrations.
+dataset::Acquisitions read_data(const SessionWords& words);
+
+/// Throws Error(check_failed), naming the first of the bad sessions, unless they are accepted.
+void require_good(const std::vector<dataset::BadSession>& bad, bool accepted);
+
+/// For programs: adds `left_out` and `bad`, lists of files.
+void add_choice_to(nlohmann::json& object, const dataset::Acquisitions& data);
+
+/// What `evaluate` is told of its sessions.
+SessionWords words_of(const EvaluateOptions& options);
+
+/// Is any of them of the simulated rig?
+bool any_simulated(const std::vector<network::Acquisition>& acquisitions);
+
+}  // namespace thermorig::app

@@ -1,0 +1,152 @@
+// SPDX-License-Identifier: MIT
+#include <algorithm>
+#include <thread>
+
+#include "build_information.h"
+#include "commands.h"
+#include "interrupts.h"
+#include "session_data.h"
+#include "thermorig/io/port.h"
+#include "thermorig/learning/training/run_folder.h"
+#include "thermorig/learning/training/thread_crew.h"
+#include "train_files.h"
+#include "train_output.h"
+
+namespace thermorig::app {
+
+namespace {
+
+using network::Acquisition;
+using training::RunFolder;
+using training::TrainingConfig;
+
+/// The preset with what the command line changes. Throws Error(bad_usage) for what cannot be.
+TrainingConfig training_config(const TrainOptions& options) {
+  TrainingConfig config = training::preset(options.preset);
+  config.shape.frames = options.frames.value_or(config.shape.frames);
+  config.shape.reduction = options.reduction.value_or(config.shape.reduction);
+  config.shape.fusion = options.fusion;
+  config.epochs = options.epochs.value_or(config.epochs);
+  config.batch = options.batch.value_or(config.batch);
+  if (options.rate) config.adam.rate = static_cast<float>(*options.rate);
+  if (options.auxiliary_thermal)
+    config.loss.auxiliary_thermal = static_cast<float>(*options.auxiliary_thermal);
+  if (options.label_scale_dps) config.label_scale_dps = static_cast<float>(*options.label_scale_dps);
+  config.mirror = options.mirror.value_or(config.mirror);
+  config.choose_epoch = options.choose_epoch.value_or(config.choose_epoch);
+  config.seed = options.seed;
+  config.preset = training::preset_of(config);
+  training::check(config);
+  return config;
+}
+
+std::string producer() {
+  return std::string("thermorig ") + build_information::version;
+}
+
+training::RunDescription description_of(const TrainingConfig& config,
+                                        const std::vector<Acquisition>& acquisitions) {
+  training::RunDescription description{
+      .config = config,
+      .data = {},
+      .instruction_set = std::string(network::name_of(network::best_instruction_set())),
+      .producer = producer()};
+  for (const Acquisition& acquisition : acquisitions)
+    description.data.push_back({acquisition.name, acquisition.hash});
+  return description;
+}
+
+int thread_count(const TrainOptions& options) {
+  return options.threads.value_or(std::clamp(static_cast<int>(std::thread::hardware_concurrency()), 1, 64));
+}
+
+/// One call of `train`: reads, trains, writes.
+class Run {
+ public:
+  Run(const TrainOptions& options, const TrainingConfig& config, dataset::Acquisitions data)
+      : options_(options),
+        config_(config),
+        data_(std::move(data)),
+        description_(description_of(config, data_.acquisitions)),
+        folder_(options.resume ? RunFolder::reopen(run_folder_of(options), description_)
+                               : RunFolder::create(run_folder_of(options), description_)),
+        output_(make_train_output(config, options.json)) {}
+
+  ExitCode run() {
+    const int threads = thread_count(options_);
+    output_->start({config_, data_, run_folder_of(options_).string(), description_.instruction_set, threads,
+                    epochs_before()});
+    training::ThreadCrew crew(threads);
+    watch_interrupts();
+    begin_ = io::now();
+    training::TrainingResult result =
+        training::train(config_, data_.acquisitions, crew, observer(), folder_.checkpoint());
+    result.model.provenance.producer = producer();
+    return finish(result);
+  }
+
+ private:
+  int epochs_before() const { return folder_.checkpoint() ? folder_.checkpoint()->epoch : 0; }
+  double elapsed_s() const { return to_s(io::now() - begin_); }
+
+  training::Observer observer() {
+    training::Observer observer;
+    observer.step = [this](std::size_t step, std::size_t steps, int epoch, double loss) {
+      standing_ = {epochs_before(), epoch, step, steps, loss, elapsed_s()};
+      output_->step(standing_);
+    };
+    observer.epoch = [this](const training::EpochReport& report, const training::Checkpoint& checkpoint) {
+      standing_.elapsed_s = elapsed_s();
+      folder_.save(checkpoint, seconds_before_ + standing_.elapsed_s);
+      output_->epoch(report, standing_);
+    };
+    observer.stop = [] { return interrupted(); };
+    return observer;
+  }
+
+  /// In the run folder first: there it is safe, whatever became of the place that was asked for.
+  void write(const model::Model& model) const {
+    const bool free = is_free(options_.output, folder_.model_path());
+    model::write_model(folder_.model_path(), model);
+    if (!free)
+      throw Error(ExitCode::storage, "a file came into being there meanwhile, and is not overwritten",
+                  options_.output.string(), "take the model from " + folder_.model_path().string());
+    model::write_model(options_.output, model);
+  }
+
+  ExitCode finish(const training::TrainingResult& result) {
+    TrainEnd end{.config = config_, .result = result};
+    end.exit = result.stopped ? ExitCode::interrupted : ExitCode::ok;
+    end.seconds = seconds_before_ + elapsed_s();
+    training::Fits fits;
+    if (result.model.provenance.epoch_kept > 0) {
+      write(result.model);
+      fits = training::fits_of(result.model, config_, data_.acquisitions);
+      end.fits = &fits;
+      end.model = options_.output.string();
+    }
+    output_->end(end);
+    return end.exit;
+  }
+
+  const TrainOptions& options_;
+  const TrainingConfig& config_;
+  dataset::Acquisitions data_;
+  training::RunDescription description_;
+  RunFolder folder_;
+  std::unique_ptr<TrainOutput> output_;
+  double seconds_before_ = folder_.seconds();
+  HostTime begin_{};
+  TrainStanding standing_;
+};
+
+}  // namespace
+
+ExitCode run(const TrainOptions& options) {
+  const TrainingConfig config = training_config(options);
+  require_free(options.output, options.resume ? run_folder_of(options) / "model.onnx" : "");
+  const SessionWords words{.paths = options.paths, .accept_bad = options.accept_bad, .json = options.json};
+  return Run(options, config, read_data(words)).run();
+}
+
+}  // namespace thermorig::app

@@ -1,0 +1,128 @@
+// SPDX-License-Identifier: MIT
+#include <functional>
+#include <memory>
+
+#include "commands.h"
+#include "interrupts.h"
+#include "live_facts.h"
+#include "live_model.h"
+#include "live_page.h"
+#include "live_replay.h"
+#include "live_run.h"
+#include "live_screens.h"
+#include "print/error_output.h"
+#include "record/chosen_rig.h"
+#include "record/record_checks.h"
+#include "record/record_summary.h"
+#include "record/recorder.h"
+#include "record/recording_setup.h"
+#include "record/virtual_bus.h"
+#include "thermorig/rig/recording/port_recording.h"
+#include "thermorig/rig/recording/virtual_recording.h"
+
+namespace thermorig::app {
+
+namespace {
+
+constexpr PerDevice<bool> needed_devices{{false, false, true}};  // what is left goes on
+
+/// What the recording of a live run has beside that of `record`.
+void make_live(const LiveOptions& options, const ChosenModel& model, const estimators::Bank& bank,
+               rig::RecordingOptions& recording) {
+  recording.keep = options.keep;
+  if (!options.keep) recording.preflight = rig::PreflightMode::warn;
+  recording.needed = needed_devices;
+  recording.wait_for_start = options.record.page.control;
+  recording.live_model = model.facts;
+  recording.estimators = live::columns_of(bank);
+}
+
+void watch(LiveRun& run, const ChosenModel& model, rig::RecordingOptions& recording) {
+  recording.begun = [&run, &model, simulated = recording.simulated,
+                     frames = recording.plan.frames_per_leg](const RecordingHeader& header) {
+    run.begun(header);
+    for (const std::string& warning : warnings_of(model, simulated, frames)) run.warn(warning);
+  };
+  recording.observe = [&run](const Measurement& measurement, HostTime arrived) {
+    return std::optional(run.add(measurement, arrived));
+  };
+}
+
+/// What is asked of the recording: by the network, by the page, and by the absence of anybody who watches.
+std::vector<rig::Order> orders(const LiveOptions& options, LiveRun& run, LivePage* page,
+                               const LiveScreens& screens) {
+  std::vector<rig::Order> all = orders_of(run, page);
+  if (!options.keep && screens.alone()) all.push_back({rig::OrderKind::stop, "its reader, who went away"});
+  return all;
+}
+
+using Orders = std::function<std::vector<rig::Order>()>;
+
+rig::RecordingResult drive_fast(const ChosenRig& rig, rig::RecordingOptions recording, LiveRun& run,
+                                const Orders& ordered) {
+  watch_interrupts();
+  return record_virtual(*rig.simulated,
+                        {.recording = std::move(recording),
+                         .stop_requested = interrupted,
+                         .orders = ordered,
+                         .progress = [&](const rig::RecordingProgress& progress) { run.progress(progress); },
+                         .progress_period = state_period});
+}
+
+rig::RecordingResult drive_ports(rig::RecordingOptions recording, LiveRun& run, const Orders& ordered) {
+  rig::PortOptions options;
+  options.recording = std::move(recording);
+  options.orders = ordered;
+  options.progress = [&](const rig::RecordingProgress& progress) { run.progress(progress); };
+  options.progress_period = state_period;
+  options.notice = [&](const std::string& sentence) { run.note(sentence); };
+  return rig::record_ports(options);
+}
+
+struct Outcome {
+  ExitCode exit = ExitCode::ok;
+  std::string next;  // what to type to see what was kept; empty: nothing was
+};
+
+/// `ended` tells of an Error as well, and is the last object of --json.
+template <typename Drive>
+Outcome outcome_of(LiveRun& run, bool keeps, Drive drive) {
+  try {
+    const rig::RecordingResult result = told(run, drive);
+    return {result.exit, keeps ? next_command(result) : ""};
+  } catch (const Error& error) {
+    return {static_cast<ExitCode>(report(error, false)), ""};
+  }
+}
+
+}  // namespace
+
+ExitCode run(const LiveOptions& options) {
+  if (options.replay) return replay_live(options);
+  check_recording_words(options.record);
+  const ChosenRig rig = chosen_rig(options.record.rig, options.record.environment, needed_devices);
+  rig::SweepPlan plan = chosen_plan(options.record);
+  plan.repeat = options.loop;
+  rig::check_plan(plan, rig.profile.servo, rig.profile.camera);
+  if (options.keep) require_output(options.record, rig, plan);
+  const ChosenModel model = read_live_model(options.model, options.precision);
+  estimators::Bank bank(options.estimators, model.model, rig.profile.gyro, model.precision);
+  rig::RecordingOptions recording = recording_options(options.record, rig, plan);
+  make_live(options, model, bank, recording);
+  const std::unique_ptr<LivePage> page =
+      options.record.page.serve ? std::make_unique<LivePage>(options.record.page) : nullptr;
+  const auto ports = switch_on(options.record, rig, recording);  // outlives the recording
+  LiveRun run(live_facts(LiveMode::live, options.record, recording), model, std::move(bank));
+  LiveScreens screens(options, page.get(), run);
+  watch(run, model, recording);
+  const auto drive = [&] {
+    const Orders ordered = [&] { return orders(options, run, page.get(), screens); };
+    return options.record.fast ? drive_fast(rig, std::move(recording), run, ordered)
+                               : drive_ports(std::move(recording), run, ordered);
+  };
+  const Outcome outcome = outcome_of(run, options.keep, drive);
+  screens.finish(outcome.exit, outcome.next);
+  return outcome.exit;
+}
+
+}  // namespace thermorig::app

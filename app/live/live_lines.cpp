@@ -1,0 +1,172 @@
+// SPDX-License-Identifier: MIT
+#include "live_lines.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "print/output.h"
+
+namespace thermorig::app {
+
+namespace {
+
+constexpr std::size_t narrowest = 8;
+
+/// As wide as the name over it.
+std::size_t width_of(const EstimatorColumn& estimator) {
+  return std::max(narrowest, estimator.name.size() + 2);
+}
+
+std::string rate_cell(float rate_dps) {
+  return std::isnan(rate_dps) ? "-" : fmt::format("{:+.1f}", rate_dps);
+}
+
+std::string figure(double value, const char* format = "{:.4f}") {
+  return std::isfinite(value) ? fmt::format(fmt::runtime(format), value) : "-";
+}
+
+class LiveLines : public LiveScreen {
+ public:
+  explicit LiveLines(OutputWriter& output) : output_(output) {}
+
+  void hello(const LiveFacts& facts) override {
+    begin_ = facts.header.time_reference;
+    titles_ = titles_of(facts.header.estimators);
+    output_.write(heading_of(facts), Matter::word);
+  }
+  void state(const rig::RecordingProgress&) override {}
+  void frame(const LiveFrame& frame) override {
+    if (last_ && frame.row.arrival - *last_ < std::chrono::seconds(1)) return;
+    last_ = frame.row.arrival;
+    std::string text(lines_ % 40 == 0 ? titles_ : "");
+    text += line_of(frame, begin_) + "\n";
+    if (output_.write(text, Matter::frame)) ++lines_;
+  }
+  void note(const std::string& sentence) override { output_.write(printable(sentence) + "\n", Matter::word); }
+  void ended(const LiveEnd& end, const live::LiveScores& scores) override {
+    output_.write_last(ending_of(end, scores));
+  }
+
+ private:
+  OutputWriter& output_;
+  HostTime begin_{};
+  std::string titles_;
+  std::optional<HostTime> last_;
+  int lines_ = 0;
+};
+
+Matter matter_of(web::Topic topic) {
+  if (topic == web::Topic::frame) return Matter::frame;
+  return topic == web::Topic::state ? Matter::state : Matter::word;
+}
+
+class LiveJson : public MessageSink {
+ public:
+  explicit LiveJson(OutputWriter& output) : output_(output) {}
+
+  bool wants(web::Topic topic) const override { return topic != web::Topic::image; }
+  void take(web::Topic topic, const std::string& message) override {
+    if (topic == web::Topic::ended)
+      output_.write_last(message + "\n");
+    else
+      output_.write(message + "\n", matter_of(topic));
+  }
+
+ private:
+  OutputWriter& output_;
+};
+
+}  // namespace
+
+std::string titles_of(const std::vector<EstimatorColumn>& estimators) {
+  std::string line = "    time     servo";
+  for (const EstimatorColumn& column : estimators)
+    line += fmt::format("{:>{}}", column.name, width_of(column));
+  if (live::gain_of(estimators, {})) line += "    Kg";
+  return line + "  counted  excluded       took\n";
+}
+
+std::string line_of(const LiveFrame& frame, HostTime begin) {
+  const EstimateRow& row = frame.row;
+  std::string line =
+      fmt::format("{:>6.1f} s  {:>8}", to_s(row.arrival - begin), rate_cell(row.rate_commanded_dps));
+  for (std::size_t i = 0; i < frame.estimators.size(); ++i)
+    line += fmt::format("{:>{}}", rate_cell(row.estimates[i].rate_dps), width_of(frame.estimators[i]));
+  if (const std::optional<float> gain = live::gain_of(frame.estimators, row))
+    line += fmt::format("  {:>4}", std::isnan(*gain) ? "-" : fmt::format("{:.2f}", *gain));
+  return line + fmt::format("  {:>7}  {:>8}  {:>6.0f} us", frame.scores.counted, frame.scores.excluded,
+                            frame.inference_us);
+}
+
+std::string heading_of(const LiveFacts& facts) {
+  const RecordingHeader& header = facts.header;
+  std::string text =
+      fmt::format("{} {}, plan {}: {} legs, about {}{}\n", name_of(facts.mode), printable(header.environment),
+                  printable(facts.plan_name), facts.legs, duration_text(facts.expected_s),
+                  facts.repeats ? ", again and again until stopped" : "");
+  if (header.simulated)
+    text += fmt::format("SIMULATED rig{}: {}\n",
+                        header.simulation_seed ? fmt::format(", seed {}", *header.simulation_seed) : "",
+                        printable(header.simulation));
+  const LiveModel& model = header.live_model;
+  if (model.name.empty())
+    text += "no model: the gyro alone against the servo (--model FILE)\n";
+  else
+    text +=
+        fmt::format("model {}: {}, {} frames, pixels averaged {} x {}, {} weights{}\n", printable(model.name),
+                    model.fusion ? "fusion" : "thermal only", model.frames, model.reduction, model.reduction,
+                    printable(model.precision), model.simulated ? ", trained on simulated data" : "");
+  if (facts.mode != LiveMode::replay)
+    text += facts.recording ? "a session is kept\n" : "nothing is kept (--record keeps a session)\n";
+  return text;
+}
+
+std::string scores_text(const live::LiveScores& scores) {
+  Table table({"estimator", ">frames", ">RMSE deg/s", ">MSE", ">median*", ">IQR*", ">angle deg", ">deg/min"});
+  for (const live::EstimatorScores& one : scores.estimators)
+    table.add({printable(one.name), count_text(one.frames), figure(one.rmse_dps, "{:.2f}"),
+               figure(one.mse, "{:.5f}"), figure(one.recent_median_mse, "{:.5f}"),
+               figure(one.recent_iqr_mse, "{:.5f}"), figure(one.angle_error_deg, "{:+.2f}"),
+               figure(one.drift_deg_per_min, "{:+.2f}")});
+  std::string text = table.text();
+  text += fmt::format("{} of {} frames counted, {} excluded; * of the last minute\n",
+                      count_text(scores.counted), count_text(scores.frames), count_text(scores.excluded));
+  if (std::isfinite(scores.gain_mean))
+    text += fmt::format("Kg {:.2f} on average{}\n", scores.gain_mean,
+                        scores.gate_collapsed ? ": the gate has collapsed" : "");
+  return text;
+}
+
+std::string ending_of(const LiveEnd& end, const live::LiveScores& scores) {
+  std::string text;
+  if (scores.frames > 0) text = fmt::format("\n{}", scores_text(scores));
+  if (!end.session.empty()) text += "session  " + printable(end.session) + "\n";
+  if (end.is_error) return text;  // standard error tells the rest
+  if (!end.message.empty()) text += "note     " + printable(end.message) + "\n";
+  if (!end.advice.empty()) text += "try      " + printable(end.advice) + "\n";
+  return text;
+}
+
+std::unique_ptr<LiveScreen> make_live_lines(OutputWriter& output) {
+  return std::make_unique<LiveLines>(output);
+}
+
+std::unique_ptr<MessageSink> make_live_json(OutputWriter& output) {
+  return std::make_unique<LiveJson>(output);
+}
+
+std::string dropped_line(const DroppedTexts& dropped) {
+  return fmt::format("({} lines were left out: the output was not read)\n", count_text(dropped.all()));
+}
+
+std::string dropped_object(const DroppedTexts& dropped) {
+  nlohmann::json object{{"event", "dropped"}, {"frames", dropped.frames}};
+  if (dropped.states > 0) object["states"] = dropped.states;
+  if (dropped.words > 0) object["events"] = dropped.words;
+  return json_line(object);
+}
+
+}  // namespace thermorig::app

@@ -1,0 +1,202 @@
+// SPDX-License-Identifier: MIT
+#include "live_tui.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdlib>
+#include <string_view>
+#include <vector>
+
+#include "live_lines.h"
+#include "print/output.h"
+#include "print/terminal_width.h"
+#include "thermorig/io/port.h"
+
+namespace thermorig::app {
+
+namespace {
+
+constexpr auto draw_period = std::chrono::milliseconds(100);
+
+struct Colour {
+  int red, green, blue;
+};
+
+/// Inferno at nine places, straight lines between them: enough for a terminal.
+Colour inferno(double share) {
+  constexpr std::array<Colour, 9> stops{{{0, 0, 4},
+                                         {31, 12, 72},
+                                         {85, 15, 109},
+                                         {136, 34, 106},
+                                         {186, 54, 85},
+                                         {227, 89, 51},
+                                         {249, 140, 10},
+                                         {249, 201, 50},
+                                         {252, 255, 164}}};
+  const double place = (share > 0.0 ? std::min(share, 1.0) : 0.0) * (stops.size() - 1);
+  const std::size_t below = std::min(static_cast<std::size_t>(place), stops.size() - 2);
+  const double part = place - static_cast<double>(below);
+  const auto mix = [&](int from, int to) { return static_cast<int>(std::lround(from + part * (to - from))); };
+  const Colour& one = stops[below];
+  const Colour& other = stops[below + 1];
+  return {mix(one.red, other.red), mix(one.green, other.green), mix(one.blue, other.blue)};
+}
+
+int cube_index(const Colour& colour) {
+  const auto level = [](int value) { return (value * 5 + 127) / 255; };
+  return 16 + 36 * level(colour.red) + 6 * level(colour.green) + level(colour.blue);
+}
+
+std::string colour_code(int ground, const Colour& colour, Colours colours) {
+  if (colours == Colours::cube) return fmt::format("\x1b[{};5;{}m", ground, cube_index(colour));
+  return fmt::format("\x1b[{};2;{};{};{}m", ground, colour.red, colour.green, colour.blue);
+}
+
+struct Range {
+  float low, high;
+};
+
+Range range_of(const ThermalFrame& frame) {
+  std::vector<float> pixels;
+  for (const float temp_c : frame.temp_c)
+    if (std::isfinite(temp_c)) pixels.push_back(temp_c);
+  if (pixels.empty()) return {0.0F, 1.0F};
+  std::sort(pixels.begin(), pixels.end());
+  const auto at = [&](double share) {
+    return pixels[static_cast<std::size_t>(share * static_cast<double>(pixels.size() - 1))];
+  };
+  return {at(0.02), std::max(at(0.98), at(0.02) + 0.1F)};
+}
+
+/// Lines of plain text, none of them longer than `width`.
+std::string cut(const std::string& text, std::size_t width) {
+  std::string lines;
+  for (std::size_t at = 0; at < text.size();) {
+    const std::size_t end = text.find('\n', at);
+    lines += text.substr(at, std::min(end - at, width)) + "\n";
+    at = end + 1;
+  }
+  return lines;
+}
+
+std::string plain_figure(double value) {
+  return std::isfinite(value) ? fmt::format("{:.1f}", value) : "-";
+}
+
+std::string signed_figure(double value) {
+  return std::isfinite(value) ? fmt::format("{:+.1f}", value) : "-";
+}
+
+/// ", waiting for the camera (12.0 s)"; empty if it is there.
+std::string absence_text(Device device, const rig::RecordingProgress& progress) {
+  const std::optional<rig::AwaitedDevice>& awaited = progress.awaited[device];
+  if (awaited)
+    return fmt::format(", waiting for the {} ({} left)", name_of(device), duration_text(awaited->left_s));
+  return progress.gone[device] ? fmt::format(", no {}", name_of(device)) : "";
+}
+
+class LiveTui : public LiveScreen {
+ public:
+  LiveTui(OutputWriter& output, Colours colours) : output_(output), colours_(colours) {}
+
+  void hello(const LiveFacts& facts) override {
+    facts_ = facts;
+    output_.write(heading_of(facts), Matter::word);
+  }
+  void state(const rig::RecordingProgress& progress) override {
+    state_ = fmt::format("{:.1f} s  {}, leg {} of {}, {}", progress.elapsed_s, name_of(progress.sweep.phase),
+                         progress.sweep.leg, progress.sweep.leg_count,
+                         facts_.repeats ? "until stopped" : duration_text(progress.sweep.eta_s) + " left");
+    for (const Device device : all_devices) state_ += absence_text(device, progress);
+  }
+  void frame(const LiveFrame& frame) override {
+    const HostTime now = io::now();
+    if (drawn_at_ && now - *drawn_at_ < draw_period) return;
+    drawn_at_ = now;
+    draw(frame);
+  }
+  void note(const std::string& sentence) override {
+    if (output_.write(fmt::format("{}{}\n", erasing(), printable(sentence)), Matter::word)) lines_ = 0;
+  }
+  void ended(const LiveEnd& end, const live::LiveScores& scores) override {
+    output_.write_last(fmt::format("\r{}", ending_of(end, scores)));
+  }
+
+ private:
+  /// Up over what was drawn last, and clear to the end of the screen. The cursor stands behind a "^C" if the
+  /// terminal has echoed one.
+  std::string erasing() const { return lines_ == 0 ? "\r" : fmt::format("\r\x1b[{}A\x1b[J", lines_); }
+
+  void draw(const LiveFrame& frame) {
+    std::string text = half_blocks(frame.frame.frame, facts_.header.profile.camera.mirrored, colours_);
+    const Range range = range_of(frame.frame.frame);
+    std::string figures =
+        fmt::format("{:.1f} to {:.1f} degC, {}\n", range.low, range.high, freshness(frame.frame));
+    figures += state_ + "\n";
+    figures += rates_text(frame);
+    text += cut(figures, terminal_width() - 1);  // a full line would wrap
+    const auto lines = static_cast<std::size_t>(std::count(text.begin(), text.end(), '\n'));
+    if (output_.write(erasing() + text, Matter::frame)) lines_ = lines;
+  }
+
+  static std::string rate_text(const std::string& name, float rate_dps, float label_dps, double rmse_dps) {
+    return fmt::format("\n{:<11} {:>7}  error {:>7}  RMSE {:>6} deg/s", name, signed_figure(rate_dps),
+                       signed_figure(rate_dps - label_dps), plain_figure(rmse_dps));
+  }
+
+  static std::string rates_text(const LiveFrame& frame) {
+    const EstimateRow& row = frame.row;
+    const float label_dps = row.rate_commanded_dps;
+    std::string text = fmt::format("servo       {:>7} deg/s", signed_figure(label_dps));
+    if (!row.counted) text += "  excluded: " + why_excluded(frame);
+    for (std::size_t i = 0; i < frame.estimators.size(); ++i)
+      text += rate_text(frame.estimators[i].name, row.estimates[i].rate_dps, label_dps,
+                        frame.scores.estimators[i].rmse_dps);
+    const std::optional<float> gain = live::gain_of(frame.estimators, row);
+    const std::string gate =
+        gain ? "Kg " + (std::isnan(*gain) ? "-" : fmt::format("{:.2f}", *gain)) + "  " : "";
+    return text + fmt::format("\n{}counted {}  excluded {}  {} us\n", gate, frame.scores.counted,
+                              frame.scores.excluded, plain_figure(frame.inference_us));
+  }
+
+  OutputWriter& output_;
+  Colours colours_;
+  LiveFacts facts_;
+  std::string state_;
+  std::optional<HostTime> drawn_at_;
+  std::size_t lines_ = 0;
+};
+
+}  // namespace
+
+Colours terminal_colours() {
+  const char* color_term = std::getenv("COLORTERM");
+  const std::string_view says = color_term == nullptr ? "" : color_term;
+  return says == "truecolor" || says == "24bit" ? Colours::true_colour : Colours::cube;
+}
+
+std::string half_blocks(const ThermalFrame& frame, bool mirrored, Colours colours) {
+  const Range range = range_of(frame);
+  const auto colour = [&](std::size_t row, std::size_t column) {
+    const std::size_t from = mirrored ? frame_columns - 1 - column : column;
+    const float temp_c = frame.temp_c[row * frame_columns + from];
+    return inferno(double{temp_c - range.low} / double{range.high - range.low});
+  };
+  std::string text;
+  for (std::size_t row = 0; row < frame_rows; row += 2) {
+    for (std::size_t column = 0; column < frame_columns; ++column)
+      text += colour_code(38, colour(row, column), colours) +
+              colour_code(48, colour(row + 1, column), colours) + "\u2580";
+    text += "\x1b[0m\n";
+  }
+  return text;
+}
+
+std::unique_ptr<LiveScreen> make_live_tui(OutputWriter& output, Colours colours) {
+  return std::make_unique<LiveTui>(output, colours);
+}
+
+}  // namespace thermorig::app

@@ -1,0 +1,136 @@
+// SPDX-License-Identifier: MIT
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+
+#include "chosen_rig.h"
+#include "commands.h"
+#include "doctor_rig.h"
+#include "print/output.h"
+#include "record_checks.h"
+#include "recording_setup.h"
+#include "thermorig/io/port.h"
+#include "thermorig/rig/doctor/checks.h"
+
+namespace thermorig::app {
+
+namespace {
+
+using Checks = std::vector<Check>;
+
+void add(Checks& checks, const Checks& more) {
+  checks.insert(checks.end(), more.begin(), more.end());
+}
+
+bool names_rig(const RigOptions& rig) {
+  bool names = rig.simulated_seed.has_value() || !rig.profile.empty();
+  for (const Device device : all_devices) names = names || !rig.ports[device].empty();
+  return names;
+}
+
+/// The rig's ports, links followed; one that is not there keeps its name, and the check says so.
+std::vector<doctor::AskedPort> ports_of(const ChosenRig& rig) {
+  std::vector<doctor::AskedPort> ports;
+  for (const Device device : all_devices) {
+    std::string path = rig.profile.link(device).port;
+    try {
+      path = io::resolve_port(path);
+    } catch (const Error&) {
+      if (path.find('/') == std::string::npos) path = "/dev/" + path;
+    }
+    ports.push_back({path, device});
+  }
+  return ports;
+}
+
+Check disk_check(const RecordOptions& options, const RigProfile& profile) {
+  try {
+    const auto folder = existing_part(options.output);
+    return doctor::judge_disk(doctor::measure_disk(files::real_disk(), folder, io::now),
+                              recording_bytes_per_s(profile));
+  } catch (const Error& error) {
+    return {.name = "disk speed",
+            .code = error.code(),
+            .result = error.where() + ": " + error.what_happened(),
+            .advice = error.advice()};
+  }
+}
+
+/// Nothing is opened that is known to refuse.
+void add_rig_checks(const RecordOptions& options, const ChosenRig& rig, Checks& checks) {
+  Checks host;
+  if (!rig.simulated) {
+    host = doctor::judge_host(doctor::look_at_host("/", ports_of(rig)));
+    for (const Check& check : host)
+      if (check.code == ExitCode::device_missing || check.code == ExitCode::no_permission) {
+        add(checks, host);
+        return;
+      }
+  } else {
+    host = doctor::judge_machine(doctor::look_at_host("/", {}));  // of no port
+  }
+  add(checks, host);
+  add(checks, listen_to_rig(options, rig));
+}
+
+Checks all_checks(const RecordOptions& options) {
+  Checks checks;
+  if (!names_rig(options.rig)) {
+    add(checks, doctor::judge_host(doctor::look_at_host("/", {})));
+    checks.push_back(disk_check(options, RigProfile()));
+    return checks;
+  }
+  const ChosenRig rig = chosen_rig(options.rig, options.environment);
+  const rig::SweepPlan plan = chosen_plan(options);
+  for (const Check& check : checks_before(options, rig, plan))
+    if (!check.name.ends_with(" port")) checks.push_back(check);  // looked at more closely below
+  checks.push_back(disk_check(options, rig.profile));
+  add_rig_checks(options, rig, checks);
+  return checks;
+}
+
+std::size_t count_warnings(const Checks& checks) {
+  return static_cast<std::size_t>(std::count_if(
+      checks.begin(), checks.end(), [](const Check& check) { return !check.failed() && check.warning; }));
+}
+
+/// "not fit to record: camera link, gyro stream", "fit to record, with 2 warnings", "fit to record".
+std::string verdict_of(const Checks& checks) {
+  std::string failed;
+  for (const Check& check : checks)
+    if (check.failed()) failed += (failed.empty() ? "" : ", ") + check.name;
+  if (!failed.empty()) return "not fit to record: " + failed;
+  const std::size_t warnings = count_warnings(checks);
+  if (warnings == 0) return "fit to record";
+  return fmt::format("fit to record, with {} warning{}", warnings, warnings == 1 ? "" : "s");
+}
+
+nlohmann::json json_of(const Checks& checks) {
+  nlohmann::json list = nlohmann::json::array();
+  for (const Check& check : checks) {
+    list.push_back(check_json(check));
+    list.back()["grade"] = check.failed() ? "failed" : check.warning ? "warning" : "ok";
+  }
+  return {{"verdict", verdict_of(checks)},
+          {"warnings", count_warnings(checks)},
+          {"exit_code", static_cast<int>(doctor::exit_code_of(checks))},
+          {"checks", list}};
+}
+
+}  // namespace
+
+ExitCode run(const DoctorOptions& options) {
+  const Checks checks = all_checks(options.record);
+  if (options.record.json) {
+    print_json(json_of(checks));
+  } else {
+    print_checks(checks);
+    print("\nverdict  {}\n", printable(verdict_of(checks)));
+    if (!names_rig(options.record.rig))
+      print("next  thermorig doctor --rig PROFILE (listens to the rig as well; nothing moves)\n");
+  }
+  return doctor::exit_code_of(checks);
+}
+
+}  // namespace thermorig::app

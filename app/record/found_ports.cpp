@@ -1,0 +1,133 @@
+// SPDX-License-Identifier: MIT
+#include "found_ports.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+#include <utility>
+
+#include "print/output.h"
+#include "print/text_columns.h"
+
+namespace thermorig::app {
+
+namespace {
+
+using rig::PortFinding;
+
+std::string role_text(const PortFinding& finding) {
+  if (finding.role) return std::string(name_of(*finding.role));
+  return finding.problem.empty() ? "unknown" : "closed";
+}
+
+std::string health_text(const PortFinding& finding) {
+  if (!finding.problem.empty()) return "-";
+  if (!finding.role) return "-";
+  if (finding.rate_hz <= 0) return "answers";
+  return fmt::format("{:.1f} /s", finding.rate_hz);
+}
+
+std::string baud_text(const PortFinding& finding) {
+  return finding.role && finding.baud > 0 ? std::to_string(finding.baud) : "-";
+}
+
+std::string table_text(const std::vector<PortFinding>& findings) {
+  Table table({"role", "port", "usb", ">baud", ">rate", "how known"});
+  for (const PortFinding& finding : findings) {
+    const std::string& usb = finding.info.usb_path;
+    table.add({role_text(finding), finding.info.path, usb.empty() ? "-" : usb, baud_text(finding),
+               health_text(finding), finding.problem.empty() ? finding.how : finding.problem});
+  }
+  return table.text();
+}
+
+nlohmann::json json_of(const PortFinding& finding) {
+  nlohmann::json object{{"port", finding.info.path},         {"description", finding.info.description},
+                        {"usb_path", finding.info.usb_path}, {"usb_id", finding.info.usb_id},
+                        {"serial", finding.info.serial},     {"baud", finding.baud},
+                        {"rate_hz", finding.rate_hz},        {"how", finding.how},
+                        {"problem", finding.problem}};
+  object["role"] = finding.role ? nlohmann::json(name_of(*finding.role)) : nlohmann::json();
+  if (finding.role == Device::gyro) object["gyro_protocol"] = finding.protocol;
+  if (finding.text_format) object["text_format"] = format_json(*finding.text_format);
+  return object;
+}
+
+std::vector<std::string> missing_roles(const std::vector<PortFinding>& findings) {
+  std::vector<std::string> missing;
+  for (Device device : all_devices)
+    if (std::none_of(findings.begin(), findings.end(),
+                     [&](const auto& finding) { return finding.role == device; }))
+      missing.emplace_back(name_of(device));
+  return missing;
+}
+
+std::string joined(const std::vector<std::string>& words) {
+  return fmt::format("{}", fmt::join(words, ", "));
+}
+
+/// Text does not say what its columns are: how they were read is shown, to be checked by a person.
+std::string text_gyro_text(const PortFinding& finding, const RigProfile& profile) {
+  if (!finding.text_format) return "";
+  const sensors::TextFormat& format = *finding.text_format;
+  std::string text = fmt::format("\nnote  the gyro on {} prints lines such as: {}\n",
+                                 printable(finding.info.path), printable(format.sample_line));
+  text += fmt::format("      taken: {}\n", printable(columns_text(format.columns)));
+  text += fmt::format("      why: {}\n", printable(assumptions_text(format)));
+  if (columns_text(profile.gyro.text) != columns_text(format.columns))
+    text += fmt::format("      the profile says otherwise, and is kept: {}\n",
+                        printable(columns_text(profile.gyro.text)));
+  return text + "      check scale and columns: [gyro.text] in the profile\n";
+}
+
+/// What to type next, for copy and paste. Another gyro protocol than the usual one can only be said in a
+/// profile.
+std::string command_with_ports(const FoundPorts& found) {
+  if (!found.saved.name.empty())
+    return "thermorig record --environment kitchen --rig " + printable(found.saved.name);
+  if (found.profile.gyro.protocol != GyroProfile().protocol) return "thermorig ports --save bench";
+  return fmt::format(
+      "thermorig record --environment kitchen --camera {} --gyro {} --servo {}\nsave  thermorig ports --save "
+      "bench",
+      printable(found.profile.camera.link.port), printable(found.profile.gyro.link.port),
+      printable(found.profile.servo.link.port));
+}
+
+}  // namespace
+
+FoundPorts found_ports(std::vector<PortFinding> findings, const RigProfile& profile, SavedProfile saved) {
+  const auto role_first = [](const PortFinding& finding) {
+    return finding.role ? index_of(*finding.role) : device_count;
+  };
+  std::stable_sort(findings.begin(), findings.end(),
+                   [&](const auto& a, const auto& b) { return role_first(a) < role_first(b); });
+  FoundPorts found;
+  found.missing = missing_roles(findings);
+  found.profile = rig::apply_findings(profile, findings, found.ambiguous);
+  found.findings = std::move(findings);
+  found.saved = std::move(saved);
+  return found;
+}
+
+std::string text_of(const FoundPorts& found) {
+  std::string text = table_text(found.findings);
+  for (const std::string& sentence : found.ambiguous)
+    text += fmt::format("\nnote  {}\n", printable(sentence));
+  for (const PortFinding& finding : found.findings) text += text_gyro_text(finding, found.profile);
+  if (!found.missing.empty()) text += fmt::format("\nmissing  {}\n", joined(found.missing));
+  if (!found.saved.name.empty()) text += fmt::format("\nsaved {}\n", printable(found.saved.file.string()));
+  if (!found.is_whole_rig()) return text;  // there is nothing yet to record with
+  return text + fmt::format("{}next  {}\n", found.saved.name.empty() ? "\n" : "", command_with_ports(found));
+}
+
+nlohmann::json json_of(const FoundPorts& found) {
+  nlohmann::json ports = nlohmann::json::array();
+  for (const PortFinding& finding : found.findings) ports.push_back(json_of(finding));
+  nlohmann::json object{{"ports", ports}, {"missing", found.missing}, {"ambiguous", found.ambiguous}};
+  object["saved"] = found.saved.name.empty() ? nlohmann::json() : nlohmann::json(found.saved.file.string());
+  return object;
+}
+
+}  // namespace thermorig::app

@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <filesystem>
+#include <nlohmann/json_fwd.hpp>
+#include <string>
+#include <vector>
+
+#include "thermorig/rig/discovery/detect.h"
+
+namespace thermorig::app {
+
+/// A profile that the ports are saved in: as it was named, and where that is. Both empty: nowhere.
+struct SavedProfile {
+  std::string name;
+  std::filesystem::path file;
+};
+
+/// What `thermorig ports` found.
+struct FoundPorts {
+  std::vector<rig::PortFinding> findings;  // camera, gyro, servo, then what has no role
+  std::vector<std::string> missing;        // roles
+  std::vector<std::string> ambiguous;      // sentences about roles that were found twice
+  RigProfile profile;                      // with the ports that were found
+  SavedProfile saved;
+
+  bool is_whole_rig() const { return missing.empty() && ambiguous.empty(); }
+};
+
+/// `profile` keeps everything but its ports: people edit such files.
+FoundPorts found_ports(std::vector<rig::PortFinding> findings, const RigProfile& profile, SavedProfile saved);
+
+/// A table of the ports, what is to be known of them, and what to type next.
+std::string text_of(const FoundPorts& found);
+
+nlohmann::json json_of(const FoundPorts& found);
+
+}  // namespace thermorig::app

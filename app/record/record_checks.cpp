@@ -1,0 +1,219 @@
+// SPDX-License-Identifier: MIT
+#include "record_checks.h"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <limits>
+#include <nlohmann/json.hpp>
+
+#include "print/output.h"
+#include "record_yield.h"
+#include "thermorig/io/port.h"
+#include "thermorig/pipeline/timing/link_timing.h"
+#include "thermorig/rig/sweep/expected_size.h"
+#include "thermorig/rig/sweep/yield.h"
+
+namespace thermorig::app {
+
+namespace {
+
+Check check_link(Device device, const RigProfile& profile) {
+  const rig::LinkLoad load = rig::link_load(device, profile);
+  const std::uint32_t baud = profile.link(device).baud;
+  Check check{.name = std::string(name_of(device)) + " link"};
+  if (baud == 0) {
+    check.result = "USB, no baud rate";
+    return check;
+  }
+  const timing::LinkBudget budget = timing::link_budget(load.message_bytes, load.rate_hz, baud);
+  check.result = fmt::format("{} B x {:.0f} /s x 10 bit = {} bit/s of {} ({:.0f} %)", load.message_bytes,
+                             load.rate_hz, count_text(static_cast<std::uint64_t>(load.bytes_per_s() * 10)),
+                             count_text(baud), 100 * budget.load);
+  if (budget.fits()) return check;
+  check.code = ExitCode::bad_usage;
+  check.advice = "a higher baud rate, on the device and in the rig profile";
+  if (const double most_hz = std::floor(budget.max_rate_hz * 10.0) / 10.0; most_hz > 0.0)
+    check.advice += fmt::format(", or at most {:.1f} /s", most_hz);
+  return check;
+}
+
+Check check_port(Device device, const RigProfile& profile) {
+  Check check{.name = std::string(name_of(device)) + " port"};
+  try {
+    check.result = io::resolve_port(profile.link(device).port);
+  } catch (const Error& error) {
+    check.code = error.code();
+    check.result = error.where() + ": " + error.what_happened();
+    check.advice = error.advice();
+  }
+  return check;
+}
+
+Check check_plan(const RecordOptions& options, const ChosenRig& rig, const rig::SweepPlan& plan) {
+  Check check{.name = "plan"};
+  try {
+    rig::check_plan(plan, rig.profile.servo, rig.profile.camera, options.frames_per_window);
+    check.result = "every speed and every leg is within the servo's limits";
+  } catch (const Error& error) {
+    check.code = error.code();
+    check.result = error.what_happened();
+    check.advice = error.advice();
+  }
+  return check;
+}
+
+/// Why nothing could be recorded there, and what to try; both empty if it could.
+struct Refusal {
+  std::string why, advice;
+};
+
+Refusal refusal_of(const std::filesystem::path& folder, std::uintmax_t free, std::uint64_t needed) {
+  if (!std::filesystem::is_directory(folder))
+    return {"; " + folder.string() + " is no folder", "--output with another folder"};
+  if (access(folder.c_str(), W_OK | X_OK) != 0)
+    return {"; it cannot be written", "--output with another folder, or change its permissions"};
+  if (free < needed)
+    return {"; that is too little", "free some space, or record to another disk with --output"};
+  return {};
+}
+
+Check check_output(const RecordOptions& options, const RigProfile& profile, const rig::SweepPlan& plan) {
+  Check check{.name = "output"};
+  const std::uint64_t needed = rig::expected_recording_bytes(plan, profile);
+  const std::filesystem::path folder = existing_part(options.output / options.environment);
+  std::error_code unknown;
+  const std::uintmax_t space = std::filesystem::space(folder, unknown).available;
+  const std::uintmax_t free = unknown ? std::numeric_limits<std::uintmax_t>::max() : space;
+  const Refusal refusal = refusal_of(folder, free, needed);
+  check.result = fmt::format("{}: about {} needed, {} free{}", options.output.string(), bytes_text(needed),
+                             unknown ? "unknown" : bytes_text(free), refusal.why);
+  if (refusal.why.empty()) return check;
+  check.code = ExitCode::storage;
+  check.advice = refusal.advice;
+  return check;
+}
+
+/// Why some legs have more frames than the plan says.
+void print_longer_legs(const rig::SweepPlan& plan, const std::vector<rig::ExpectedLeg>& legs) {
+  const auto is_longer = [&](const rig::ExpectedLeg& leg) {
+    return leg.frames > static_cast<double>(plan.frames_per_leg);
+  };
+  const auto turns = [&](const rig::ExpectedLeg& leg) { return is_longer(leg) && leg.course.turns_back(); };
+  if (std::none_of(legs.begin(), legs.end(), is_longer)) return;
+  print("  more than {} frames: what a leg's {} valid ones are expected to take\n", plan.frames_per_leg,
+        plan.valid_per_leg);
+  if (std::any_of(legs.begin(), legs.end(), turns))
+    print(
+        "  the travel is too short for such a leg: it goes back and forth, and what it brings in the other\n"
+        "  direction the leg of that direction need not bring again\n");
+}
+
+void print_legs(const rig::SweepPlan& plan, const ChosenRig& rig) {
+  Table table({">leg", ">deg/s", ">frames", ">time"});
+  std::size_t number = 0;
+  const auto legs = rig::expected_legs(plan, rig.profile.servo, rig.profile.camera.output_rate_hz);
+  for (const rig::ExpectedLeg& leg : legs)
+    table.add({std::to_string(++number), fmt::format("{:+.1f}", leg.rate_dps),
+               fmt::format("{:.0f}", leg.frames), duration_text(leg.duration_s)});
+  print("\n{}", table.text("  "));
+  print_longer_legs(plan, legs);
+}
+
+/// "6 legs of 30 frames, rests of 2.0 s and 2.0 s"; a plan without legs is one rest.
+std::string legs_text(const rig::SweepPlan& plan) {
+  if (plan.leg_rates_dps.empty())
+    return "a rest of " + duration_text(plan.opening_rest_s + plan.closing_rest_s);
+  return fmt::format("{} legs of {} frames, rests of {} and {}", plan.leg_rates_dps.size(),
+                     plan.frames_per_leg, duration_text(plan.opening_rest_s),
+                     duration_text(plan.closing_rest_s));
+}
+
+nlohmann::json json_of(const rig::SweepPlan& plan, const RigProfile& profile,
+                       const std::vector<Check>& checks) {
+  nlohmann::json list = nlohmann::json::array();
+  for (const Check& check : checks) list.push_back(check_json(check));
+  return {{"event", "summary"},
+          {"dry_run", true},
+          {"plan", plan.name},
+          {"legs_dps", plan.leg_rates_dps},
+          {"frames_per_leg", plan.frames_per_leg},
+          {"valid_per_leg", plan.valid_per_leg},
+          {"opening_rest_s", plan.opening_rest_s},
+          {"closing_rest_s", plan.closing_rest_s},
+          {"duration_s", rig::plan_duration_s(plan, profile.servo, profile.camera.output_rate_hz)},
+          {"yield", yield_json(plan, profile)},
+          {"checks", list}};
+}
+
+}  // namespace
+
+void print_checks(const std::vector<Check>& checks) {
+  Table table({"check", "", ""});
+  for (const Check& check : checks) table.add({check.name, check.grade(), check.result});
+  print("\n{}", table.text());
+  for (const Check& check : checks)
+    if ((check.failed() || check.warning) && !check.advice.empty())
+      print("  try: {} ({})\n", printable(check.advice), printable(check.name));
+}
+
+nlohmann::json check_json(const Check& check) {
+  return {{"name", check.name},
+          {"ok", !check.failed()},
+          {"exit_code", static_cast<int>(check.code)},
+          {"result", check.result},
+          {"advice", check.advice}};
+}
+
+double recording_bytes_per_s(const RigProfile& profile) {
+  double bytes_per_s = 0;
+  for (const Device device : all_devices) bytes_per_s += rig::link_load(device, profile).bytes_per_s();
+  return bytes_per_s;
+}
+
+std::filesystem::path existing_part(std::filesystem::path folder) {
+  std::error_code ignored;
+  folder = std::filesystem::absolute(folder, ignored);
+  while (!std::filesystem::exists(folder, ignored) && folder.has_relative_path())
+    folder = folder.parent_path();
+  return folder;
+}
+
+std::vector<Check> checks_before(const RecordOptions& options, const ChosenRig& rig,
+                                 const rig::SweepPlan& plan) {
+  std::vector<Check> checks{check_plan(options, rig, plan)};
+  for (Device device : all_devices) checks.push_back(check_link(device, rig.profile));
+  if (!rig.simulated)
+    for (Device device : all_devices) checks.push_back(check_port(device, rig.profile));
+  checks.push_back(check_output(options, rig.profile, plan));
+  return checks;
+}
+
+void require_output(const RecordOptions& options, const ChosenRig& rig, const rig::SweepPlan& plan) {
+  const Check check = check_output(options, rig.profile, plan);
+  if (check.code != ExitCode::ok) throw Error(check.code, check.result, "--output", check.advice);
+}
+
+ExitCode print_dry_run(const RecordOptions& options, const ChosenRig& rig, const rig::SweepPlan& plan) {
+  const std::vector<Check> checks = checks_before(options, rig, plan);
+  if (options.json) {
+    print_json(json_of(plan, rig.profile, checks));
+  } else {
+    const double duration_s =
+        rig::plan_duration_s(plan, rig.profile.servo, rig.profile.camera.output_rate_hz);
+    print("plan {}: {}, about {}\n", printable(plan.name), legs_text(plan), duration_text(duration_s));
+    if (!plan.leg_rates_dps.empty()) {
+      print_legs(plan, rig);
+      print("\n{}", yield_text(plan, rig.profile));
+    }
+    print_checks(checks);
+  }
+  if (const ExitCode code = doctor::exit_code_of(checks); code != ExitCode::ok) return code;
+  if (!options.json) print("\nnothing has moved; the same command without --dry-run records\n");
+  return ExitCode::ok;
+}
+
+}  // namespace thermorig::app

@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: MIT
+#include "record_page.h"
+
+#include "live/live_facts.h"
+
+namespace thermorig::app {
+
+RecordPage::RecordPage(const RecordOptions& options, rig::RecordingOptions& recording)
+    : page_(options.page),
+      run_(live_facts(LiveMode::record, options, recording), ChosenModel{},
+           estimators::Bank({}, {}, recording.profile.gyro)) {
+  run_.add(page_);
+  tell_page(page_, options.json);
+  recording.wait_for_start = options.page.control;
+  recording.begun = [this](const RecordingHeader& header) { run_.begun(header); };
+  recording.observe = [this](const Measurement& measurement, HostTime arrived) {
+    run_.add(measurement, arrived);
+    return std::optional<EstimateRow>();
+  };
+}
+
+}  // namespace thermorig::app

@@ -1,0 +1,146 @@
+// SPDX-License-Identifier: MIT
+#include "recorder.h"
+
+#include <fmt/format.h>
+
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "interrupts.h"
+#include "live/live_facts.h"
+#include "print/output.h"
+#include "progress_output.h"
+#include "record_page.h"
+#include "recording_setup.h"
+#include "thermorig/io/host.h"
+#include "thermorig/io/port.h"
+#include "thermorig/rig/recording/port_recording.h"
+#include "thermorig/rig/recording/session_file.h"
+#include "thermorig/simulation/simulated_ports/simulated_ports.h"
+#include "thermorig/storage/recording_header/header_json.h"
+#include "virtual_bus.h"
+
+namespace thermorig::app {
+
+namespace {
+
+void announce(const rig::RecordingOptions& recording, bool json) {
+  const rig::SweepPlan& plan = recording.plan;
+  const double duration_s =
+      rig::plan_duration_s(plan, recording.profile.servo, recording.profile.camera.output_rate_hz);
+  if (json) {
+    print_json({{"event", "start"},
+                {"environment", recording.environment},
+                {"plan", plan.name},
+                {"legs", plan.leg_rates_dps.size()},
+                {"frames_per_leg", plan.frames_per_leg},
+                {"expected_s", duration_s},
+                {"simulated", recording.simulated},
+                {"simulation", recording.simulation}});
+    return;
+  }
+  const std::string legs =
+      plan.leg_rates_dps.empty()
+          ? std::string("a rest")
+          : fmt::format("{} legs of {} frames", plan.leg_rates_dps.size(), plan.frames_per_leg);
+  print("recording {}, plan {}: {}, about {}\n", recording.environment, printable(plan.name), legs,
+        duration_text(duration_s));
+  if (recording.simulated)
+    print("SIMULATED rig{}: {}\n",
+          recording.simulation_seed ? fmt::format(", seed {}", *recording.simulation_seed) : "",
+          recording.simulation);
+  flush_output();
+}
+
+rig::RecordingResult record_fast(const ChosenRig& rig, rig::RecordingOptions recording,
+                                 ProgressOutput& output) {
+  watch_interrupts();  // the first closes the recording; the second ends the program and leaves the journal
+  return record_virtual(*rig.simulated,
+                        {.recording = std::move(recording),
+                         .stop_requested = interrupted,
+                         .progress = [&](const rig::RecordingProgress& progress) { output.show(progress); }});
+}
+
+/// Share of one core that the recording thread used between the first and the last look at it: without
+/// opening and without finalising.
+class CpuShare {
+ public:
+  void look() {
+    const HostTime now = io::now();
+    const double cpu_s = io::thread_cpu_s();
+    if (!begin_) begin_ = {now, cpu_s};
+    end_ = {now, cpu_s};
+  }
+  std::optional<double> share() const {
+    if (!begin_ || end_.time <= begin_->time) return std::nullopt;
+    return (end_.cpu_s - begin_->cpu_s) / to_s(end_.time - begin_->time);
+  }
+
+ private:
+  struct Look {
+    HostTime time{};
+    double cpu_s = 0;
+  };
+  std::optional<Look> begin_;
+  Look end_;
+};
+
+rig::RecordingResult record_on_ports(rig::RecordingOptions recording, ProgressOutput& output, CpuShare& cpu,
+                                     RecordPage* page) {
+  rig::PortOptions options;
+  options.recording = std::move(recording);
+  options.progress = [&](const rig::RecordingProgress& progress) {
+    cpu.look();
+    output.show(progress);
+    if (page != nullptr) page->progress(progress);
+  };
+  if (page != nullptr) options.orders = [page] { return page->take_orders(); };
+  options.notice = [&](const std::string& sentence) { output.note(sentence); };
+  const auto drive = [&] { return rig::record_ports(options); };
+  return page == nullptr ? drive() : told(*page, drive);
+}
+
+}  // namespace
+
+void check_recording_words(const RecordOptions& options) {
+  rig::check_environment(options.environment);
+  if (!options.licence.empty() && !recording_header::is_licence(options.licence))
+    throw Error(ExitCode::bad_usage, "--licence is no line of up to 1000 bytes of UTF-8", "",
+                "name the licence: --licence CC-BY-4.0");
+  if (options.fast && !options.rig.simulated_seed)
+    throw Error(ExitCode::bad_usage, "--fast is virtual time, which only the simulated rig has", "",
+                "--simulated=3 --fast, or leave --fast out");
+  if (options.fast && options.page.serve)
+    throw Error(ExitCode::bad_usage, "virtual time is too fast for a page", "",
+                "leave --fast out, or --page");
+  if (options.page.control && !options.page.serve)
+    throw Error(ExitCode::bad_usage, "--control lets a page start motion, and no page is served", "",
+                "--page --control, or leave --control out");
+}
+
+RecordSummary record_session(const RecordOptions& options, const ChosenRig& rig, const rig::SweepPlan& plan) {
+  rig::RecordingOptions recording = recording_options(options, rig, plan);
+  RecordSummary summary;
+  summary.plan = plan;
+  const HostTime begin = io::now();
+  const auto ports = switch_on(options, rig, recording);  // outlives the recording
+  announce(recording, options.json);
+  const ProgressStyle style = progress_style(options.json);
+  OutputWriter output(progress_output_options(style, options.fast));
+  if (options.fast) {
+    summary.result = record_fast(rig, std::move(recording), *make_progress_output(output, style));
+  } else {
+    CpuShare cpu;
+    const std::unique_ptr<RecordPage> page =
+        options.page.serve ? std::make_unique<RecordPage>(options, recording) : nullptr;
+    summary.result =
+        record_on_ports(std::move(recording), *make_progress_output(output, style), cpu, page.get());
+    summary.cpu_share = cpu.share();
+  }
+  output.finish();
+  summary.unwritten = output.failure(summary.result.exit);
+  summary.wall_s = to_s(io::now() - begin);
+  return summary;
+}
+
+}  // namespace thermorig::app

@@ -1,0 +1,170 @@
+// SPDX-License-Identifier: MIT
+#include "decode_advice.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "print/output.h"
+#include "print/text_columns.h"
+#include "thermorig/sensors/camera_protocol.h"
+#include "thermorig/sensors/device_stream.h"
+#include "thermorig/sensors/gyro_protocol.h"
+
+namespace thermorig::app {
+
+namespace {
+
+using Bytes = std::span<const std::uint8_t>;
+
+constexpr std::size_t convincing_packets = 4;  // a packet's sum is weak
+
+ChecksumPolicy checksum_policy(const std::string& name) {
+  if (name == "ignore") return ChecksumPolicy::ignore;
+  return name == "byte" ? ChecksumPolicy::byte : ChecksumPolicy::word;
+}
+
+std::size_t frames_in(Bytes bytes, const DecodeOptions& options) {
+  sensors::CameraScanner scanner = sensors::camera_scanner(camera_profile(options));
+  std::vector<wire::CameraMessage> frames;
+  scanner.push(bytes, frames);
+  scanner.finish(frames);
+  return frames.size();
+}
+
+/// "the frames of a GY-MCU90640 board", and those of every other camera.
+std::string frames_of_all_cameras() {
+  std::string text;
+  for (const sensors::CameraProtocol& camera : sensors::camera_protocols())
+    text += fmt::format("{}the {}", text.empty() ? "" : " or ", camera.sends);
+  return text;
+}
+
+bool is_text_gyro(const DecodeOptions& options) {
+  return options.device == Device::gyro && sensors::gyro_protocol(options.gyro_protocol).has_columns;
+}
+
+std::string shown(const std::string& line, std::size_t fields) {
+  constexpr std::size_t longest = 80;
+  if (line.size() > longest) return shown(line.substr(0, longest - 4) + " ...", fields);
+  return fmt::format("a line reads \"{}\" ({} column{})", line, fields, fields == 1 ? "" : "s");
+}
+
+/// A line of the dump and the options that may read it; empty if there is no text in it.
+std::string advice_on_text(Bytes head) {
+  if (const auto format = sensors::guess_text_format(head, sensors::StreamStart::at_line_start))
+    return shown(format->sample_line, format->fields + (format->columns.prefix.empty() ? 0 : 1)) +
+           ": --device gyro " + options_text(format->columns) + " (" + assumptions_text(*format) + ")";
+  const auto line = sensors::first_text_line(head);
+  if (line && line->fields >= sensors::image_line_fields)
+    return shown(line->text, line->fields) +
+           ": an image as text, which no option reads; a camera has to send " + frames_of_all_cameras() +
+           ", in bytes";
+  if (line)
+    return shown(line->text, line->fields) +
+           ": --device gyro --gyro-protocol text, and how to read it: --prefix, --columns, --scale, "
+           "--time-column";
+  return "";
+}
+
+/// Another way to form the check sum that gives frames; empty if there is none.
+std::string advice_on_checksum(const DecodeOptions& options, Bytes head) {
+  DecodeOptions other = options;
+  for (const char* name : {"word", "byte", "ignore"}) {
+    other.camera_checksum = name;
+    if (name != options.camera_checksum && frames_in(head, other) > 0)
+      return fmt::format("--camera-checksum {}: so the frames can be read", name);
+  }
+  return "";
+}
+
+std::string advice_on_camera(const DecodeOptions& options, Bytes head) {
+  const std::string checksum = advice_on_checksum(options, head);
+  return checksum.empty() ? "another cable or baud rate: bytes are lost or changed in the frames" : checksum;
+}
+
+/// The option that names the protocol, of a device that may have others.
+std::string protocol_option(const sensors::Recognised& found) {
+  if (found.role == Device::servo) return "";
+  return fmt::format("--{}-protocol {}", name_of(found.role), found.protocol);
+}
+
+bool is_usual(const sensors::Recognised& found) {
+  return found.protocol == sensors::device_stream(found.role, RigProfile()).protocol;
+}
+
+/// Whose bytes they look like, if not the named device's. Text is told apart by its lines.
+std::string advice_on_device(const DecodeOptions& options, Bytes head) {
+  for (const sensors::Recognised& found : sensors::recognise(head, 0.0)) {
+    const bool convinces = found.role != Device::gyro || found.evidence.messages >= convincing_packets;
+    if (found.evidence.text_format || !convinces) continue;
+    std::string protocol = protocol_option(found);
+    if (options.device == found.role) return protocol;
+    const std::string device = fmt::format("--device {}", name_of(found.role));
+    return is_usual(found) ? device : device + " " + protocol;
+  }
+  return "";
+}
+
+bool reads_clock_as_rate(const sensors::TextFormat& format, const DecodeOptions& options) {
+  return std::find(options.columns.begin(), options.columns.end(), format.columns.time) !=
+         options.columns.end();
+}
+
+/// Whether the lines say, rather than let guess, that other columns hold the rates.
+bool speaks_for_others(const sensors::TextFormat& format, const DecodeOptions& options) {
+  if (format.columns.prefix != options.prefix) return false;
+  const bool others =
+      !std::equal(options.columns.begin(), options.columns.end(), format.columns.rate.begin());
+  return (others && format.rates_known) || (format.columns.time >= 0 && reads_clock_as_rate(format, options));
+}
+
+}  // namespace
+
+TextColumns text_columns(const DecodeOptions& options) {
+  TextColumns columns;
+  std::copy(options.columns.begin(), options.columns.end(), columns.rate.begin());
+  columns.prefix = options.prefix;
+  columns.scale_dps = options.scale_dps;
+  columns.time = options.time_column;
+  columns.time_unit_s = options.time_unit_s;
+  return columns;
+}
+
+CameraProfile camera_profile(const DecodeOptions& options) {
+  CameraProfile profile;
+  profile.protocol = options.camera_protocol;
+  profile.checksum = checksum_policy(options.camera_checksum);
+  return profile;
+}
+
+bool is_mostly_bad(const wire::Counters& counters) {
+  return counters.bad_checksum + counters.bad_length + counters.bad_value >
+         counters.messages + counters.replies;
+}
+
+std::string advice_on_nothing(const DecodeOptions& options, std::span<const std::uint8_t> head,
+                              const wire::Counters& counters) {
+  std::string device = advice_on_device(options, head);
+  if (!device.empty()) return device;
+  if (options.device == Device::camera && counters.bad_checksum > 0) return advice_on_camera(options, head);
+  std::string text = advice_on_text(head);
+  if (!text.empty()) return text;
+  return "another baud rate when the dump is taken: wrong ones give bytes without sense";
+}
+
+std::vector<std::string> remarks_on(const DecodeOptions& options, std::span<const std::uint8_t> head,
+                                    const wire::Counters& counters) {
+  if (is_mostly_bad(counters) && options.device == Device::camera)
+    return {"most frames are damaged: " + advice_on_camera(options, head)};
+  if (!is_text_gyro(options))
+    return is_mostly_bad(counters) ? std::vector<std::string>{"most messages are damaged"}
+                                   : std::vector<std::string>{};
+  if (is_mostly_bad(counters)) return {"most lines could not be read: " + advice_on_text(head)};
+  const auto format = sensors::guess_text_format(head, sensors::StreamStart::at_line_start);
+  if (format && speaks_for_others(*format, options))
+    return {"the lines speak for other columns: " + advice_on_text(head)};
+  return {};
+}
+
+}  // namespace thermorig::app

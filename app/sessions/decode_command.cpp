@@ -1,0 +1,182 @@
+// SPDX-License-Identifier: MIT
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
+#include <limits>
+#include <nlohmann/json.hpp>
+
+#include "byte_source.h"
+#include "commands.h"
+#include "decode_advice.h"
+#include "print/decoded_text.h"
+#include "print/output.h"
+#include "thermorig/core/auto_zero.h"
+#include "thermorig/core/error.h"
+#include "thermorig/sensors/gyro_protocol.h"
+#include "thermorig/sensors/servo_protocol.h"
+
+namespace thermorig::app {
+
+namespace {
+
+constexpr std::uint64_t usual_lines = 10;
+
+[[noreturn]] void refuse_setting(const std::string& word, const sensors::GyroProtocol& protocol) {
+  std::string known;
+  for (const sensors::GyroSetting& setting : protocol.settings)
+    known += fmt::format("{}{}, {} to {}", known.empty() ? "" : "; ", setting.name, setting.min, setting.max);
+  throw Error(ExitCode::bad_usage,
+              fmt::format("\"{}\" is no setting of {}, or out of range", word, protocol.name),
+              "--gyro-setting", known.empty() ? "it has none" : "NAME=NUMBER with one of: " + known);
+}
+
+/// "name=number" as the profile would say it.
+void set(const std::string& word, GyroProfile& profile) {
+  const sensors::GyroProtocol& protocol = sensors::gyro_protocol(profile.protocol);
+  const std::size_t equals = std::min(word.find('='), word.size());
+  const std::string name = word.substr(0, equals);
+  const char* const end = word.data() + word.size();
+  double value = 0.0;
+  const auto [at, error] = std::from_chars(word.data() + std::min(equals + 1, word.size()), end, value);
+  if (error != std::errc() || at != end || !sensors::is_allowed(protocol, name, value))
+    refuse_setting(word, protocol);
+  profile.settings[name] = value;
+}
+
+GyroProfile gyro_profile(const DecodeOptions& options) {
+  GyroProfile profile;
+  profile.protocol = options.gyro_protocol;
+  for (const std::string& word : options.gyro_settings) set(word, profile);
+  profile.text = text_columns(options);
+  return profile;
+}
+
+/// Prints messages as they come: all of them, or the first few.
+class MessagePrinter {
+ public:
+  explicit MessagePrinter(const DecodeOptions& options)
+      : json_(options.json),
+        most_(options.all ? every : options.lines.value_or(options.json ? every : usual_lines)) {}
+
+  template <typename Message>
+  void print(const Message& message) {
+    const std::uint64_t index = count_++;
+    if (index >= most_) return;
+    const std::string line = json_ ? json_line(message_json(message, index)) : text_of(message, index) + "\n";
+    write_to(stdout, line);
+  }
+
+  std::uint64_t count() const { return count_; }
+  std::uint64_t left_out() const { return count_ > most_ ? count_ - most_ : 0; }
+
+ private:
+  static constexpr std::uint64_t every = std::numeric_limits<std::uint64_t>::max();
+
+  bool json_;
+  std::uint64_t most_;
+  std::uint64_t count_ = 0;
+};
+
+/// What is learnt of a dump beside its messages.
+struct Learnt {
+  std::vector<std::uint8_t> head;  // its first bytes
+  AutoZero zeros;                  // of a gyro
+};
+
+void learn(const wire::GyroMessage& message, Learnt& learnt) {
+  learnt.zeros.add(message.reading.rate_dps);
+}
+template <typename Message>
+void learn(const Message&, Learnt&) {}
+
+std::string remark_on_zeros(const AutoZero& zeros) {
+  return fmt::format(
+      "the rates are exactly 0 about all axes for {} samples in a row: this gyro zeroes itself at rest and "
+      "so "
+      "hides its bias; switch that off in the device (WitMotion: registers 61 and 63)",
+      count_text(zeros.longest()));
+}
+
+template <typename Message, typename Scanner>
+wire::Counters decode(Scanner scanner, ByteSource& source, MessagePrinter& printer, Learnt& learnt) {
+  constexpr std::size_t head_bytes = 1 << 16;
+  std::vector<std::uint8_t>& head = learnt.head;
+  std::vector<Message> messages;
+  const auto take = [&] {
+    for (const Message& message : messages) {
+      learn(message, learnt);
+      printer.print(message);
+    }
+    messages.clear();
+  };
+  for (auto block = source.next(); !block.empty(); block = source.next()) {
+    if (head.size() < head_bytes) head.insert(head.end(), block.begin(), block.end());
+    scanner.push(block, messages);
+    take();
+    require_printed();  // a stream of bytes need not end
+  }
+  scanner.finish(messages);
+  take();
+  return scanner.counters();
+}
+
+wire::Counters decode(const DecodeOptions& options, ByteSource& source, MessagePrinter& printer,
+                      Learnt& learnt) {
+  switch (options.device) {
+    case Device::camera:
+      return decode<wire::CameraMessage>(sensors::camera_scanner(camera_profile(options)), source, printer,
+                                         learnt);
+    case Device::gyro:
+      return decode<wire::GyroMessage>(
+          sensors::gyro_scanner(gyro_profile(options), sensors::StreamStart::at_line_start), source, printer,
+          learnt);
+    case Device::servo:
+      break;
+  }
+  return decode<wire::ServoMessage>(sensors::servo_protocol().scanner(), source, printer, learnt);
+}
+
+[[noreturn]] void refuse_bytes(const DecodeOptions& options, const std::string& name,
+                               const wire::Counters& counters, std::span<const std::uint8_t> head) {
+  const std::string device(name_of(options.device));
+  if (counters.bytes_received == 0)
+    throw Error(ExitCode::device_missing, "there are no bytes", name,
+                "a dump that the " + device + " has sent");
+  throw Error(ExitCode::device_missing,
+              fmt::format("not one message of a {} in {} bytes", device, count_text(counters.bytes_received)),
+              name, advice_on_nothing(options, head, counters));
+}
+
+void print_summary(const DecodeOptions& options, const std::string& name, const wire::Counters& counters,
+                   const MessagePrinter& printer, const std::vector<std::string>& remarks) {
+  if (options.json) {
+    print_json({{"event", "summary"},
+                {"device", name_of(options.device)},
+                {"file", name},
+                {"messages_decoded", printer.count()},
+                {"counters", counters_json(counters)},
+                {"remarks", remarks}});
+    return;
+  }
+  if (printer.left_out() > 0) print("... and {} more (--all prints them)\n", count_text(printer.left_out()));
+  print("\n{}", text_of(counters));
+  for (const std::string& remark : remarks) print("\nnote  {}\n", printable(remark));
+}
+
+}  // namespace
+
+ExitCode run(const DecodeOptions& options) {
+  ByteSource source(options.file);
+  MessagePrinter printer(options);
+  Learnt learnt;
+  const wire::Counters counters = decode(options, source, printer, learnt);
+  std::vector<std::string> remarks =
+      printer.count() > 0 ? remarks_on(options, learnt.head, counters) : std::vector<std::string>();
+  if (learnt.zeros.is_seen()) remarks.push_back(remark_on_zeros(learnt.zeros));
+  print_summary(options, source.name(), counters, printer, remarks);
+  if (printer.count() == 0) refuse_bytes(options, source.name(), counters, learnt.head);
+  return is_mostly_bad(counters) ? ExitCode::finished_lossy : ExitCode::ok;
+}
+
+}  // namespace thermorig::app

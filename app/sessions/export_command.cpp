@@ -1,0 +1,118 @@
+// SPDX-License-Identifier: MIT
+#include <fmt/format.h>
+
+#include <nlohmann/json.hpp>
+
+#include "commands.h"
+#include "existing_file.h"
+#include "export_files.h"
+#include "export_size.h"
+#include "print/output.h"
+#include "thermorig/network/embedded/c_source.h"
+#include "thermorig/network/model/model.h"
+
+namespace thermorig::app {
+
+namespace {
+
+void require_kind(const ExportOptions& options) {
+  if (options.c_header || options.batch) return;
+  throw Error(
+      ExitCode::bad_usage, "export needs to be told what", "",
+      "--c-header for small boards, or --batch 1 for ONNX with a fixed batch; the model file itself is "
+      "ONNX with any batch");
+}
+
+/// What the C sources take on a board.
+struct BoardNeeds {
+  std::size_t constant_bytes = 0;
+  std::size_t state_bytes = 0;
+  std::optional<CompiledSize> compiled;
+};
+
+std::vector<NewFile> c_files(const ExportOptions& options, const model::Model& model, BoardNeeds& needs) {
+  const auto kind = options.weights == "int8" ? embedded::WeightKind::int8 : embedded::WeightKind::float32;
+  embedded::CSource source = embedded::c_source(model, kind, options.name);
+  needs = {source.constant_bytes, source.working_bytes, std::nullopt};
+  std::vector<NewFile> files;
+  for (embedded::SourceFile& file : source.files)
+    files.push_back({options.output / file.name, std::move(file.text)});
+  return files;
+}
+
+NewFile onnx_file(const ExportOptions& options, const model::Model& model) {
+  const std::string name = fmt::format("{}-batch{}.onnx", options.model.stem().string(), *options.batch);
+  return {options.output / name, model::to_onnx(model, *options.batch)};
+}
+
+std::string network_words(const model::Model& model) {
+  const network::Shape& shape = model.weights.shape;
+  return fmt::format("Nf {}, Nr {}, {}, {} weights{}", shape.frames, shape.reduction,
+                     shape.fusion ? "fusion" : "thermal-only", count_text(network::weight_count(shape)),
+                     model.provenance.simulated ? ", TRAINED ON SIMULATED DATA" : "");
+}
+
+void print_needs(const BoardNeeds& needs) {
+  const std::string constants = fmt::format("{} B of constants", count_text(needs.constant_bytes));
+  if (needs.compiled)
+    print("flash     {} B: {} and the code ({})\n", count_text(needs.compiled->flash_bytes), constants,
+          printable(needs.compiled->compiler));
+  else
+    print("flash     {}, and about 3 kB of code (arm-none-eabi-gcc would tell)\n", constants);
+  print("RAM       {} B, and less than 512 B of stack\n", count_text(needs.state_bytes));
+}
+
+void print_words(const ExportOptions& options, const model::Model& model, const std::vector<NewFile>& files,
+                 const BoardNeeds& needs) {
+  print("model     {}: {}\n", printable(options.model.string()), network_words(model));
+  for (const NewFile& file : files) print("written   {}\n", printable(file.path.string()));
+  if (!options.c_header) return;
+  print_needs(needs);
+  print("next      #include \"{}.h\"; docs/export.md tells how\n", options.name);
+}
+
+void print_object(const ExportOptions& options, const model::Model& model, const std::vector<NewFile>& files,
+                  const BoardNeeds& needs) {
+  const network::Shape& shape = model.weights.shape;
+  nlohmann::json object{{"model", options.model.string()},
+                        {"frames", shape.frames},
+                        {"reduction", shape.reduction},
+                        {"fusion", shape.fusion},
+                        {"weights", network::weight_count(shape)},
+                        {"simulated", model.provenance.simulated},
+                        {"files", nlohmann::json::array()},
+                        {"batch", nullptr},
+                        {"c_header", nullptr}};
+  for (const NewFile& file : files) object["files"].push_back(file.path.string());
+  if (options.batch) object["batch"] = *options.batch;
+  if (options.c_header)
+    object["c_header"] = {
+        {"name", options.name},
+        {"weights", options.weights},
+        {"constant_bytes", needs.constant_bytes},
+        {"flash_bytes", needs.compiled ? nlohmann::json(needs.compiled->flash_bytes) : nlohmann::json()},
+        {"compiler", needs.compiled ? nlohmann::json(needs.compiled->compiler) : nlohmann::json()},
+        {"state_bytes", needs.state_bytes}};
+  print_json(object);
+}
+
+}  // namespace
+
+ExitCode run(const ExportOptions& options) {
+  require_kind(options);
+  require_existing(options.model);
+  const model::Model model = model::read_model(options.model);
+  BoardNeeds needs;
+  std::vector<NewFile> files;
+  if (options.c_header) files = c_files(options, model, needs);
+  if (options.batch) files.push_back(onnx_file(options, model));
+  write_new_files(files);
+  if (options.c_header) needs.compiled = compiled_size(options.output / (options.name + ".c"));
+  if (options.json)
+    print_object(options, model, files, needs);
+  else
+    print_words(options, model, files, needs);
+  return ExitCode::ok;
+}
+
+}  // namespace thermorig::app

@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: MIT
+#include "export_files.h"
+
+#include <list>
+#include <span>
+
+#include "thermorig/core/error.h"
+#include "thermorig/io/files/part_file.h"
+
+namespace thermorig::app {
+
+namespace {
+
+void require_folder(const std::filesystem::path& folder) {
+  std::error_code failure;
+  if (!folder.empty()) std::filesystem::create_directories(folder, failure);
+  if (failure)
+    throw Error(ExitCode::storage, "the folder cannot be made: " + failure.message(), folder.string(),
+                files::usual_advice(failure.value()));
+}
+
+void require_absent(const std::filesystem::path& path) {
+  std::error_code hidden;  // a folder that may not be searched: creating the file says so
+  if (!std::filesystem::exists(std::filesystem::symlink_status(path, hidden))) return;
+  throw Error(ExitCode::storage, "it exists already, and nothing is overwritten", path.string(),
+              "another folder with -o, or remove it first");
+}
+
+}  // namespace
+
+void write_new_files(const std::vector<NewFile>& files) {
+  for (const NewFile& file : files) {
+    require_folder(file.path.parent_path());
+    require_absent(file.path);
+  }
+  std::list<files::PartFile> parts;
+  for (const NewFile& file : files) {
+    parts.emplace_back(file.path, "the export");
+    parts.back().write(std::as_bytes(std::span(file.bytes)));
+    parts.back().sync();
+  }
+  for (files::PartFile& part : parts) part.publish(false);
+}
+
+}  // namespace thermorig::app

@@ -1,0 +1,100 @@
+// SPDX-License-Identifier: MIT
+#include <fmt/format.h>
+
+#include <array>
+#include <nlohmann/json.hpp>
+
+#include "commands.h"
+#include "print/output.h"
+#include "thermorig/rig/recording/finalise.h"
+
+namespace thermorig::app {
+
+namespace {
+
+using rig::RecoveryKind;
+using rig::RecoveryResult;
+
+std::string name_of(RecoveryKind kind) {
+  static constexpr std::array names{"recovered", "already there", "empty", "failed", "in use"};
+  return names[static_cast<std::size_t>(kind)];
+}
+
+ExitCode code_of(const RecoveryResult& result) {
+  if (result.kind == RecoveryKind::failed) return result.code;
+  if (result.kind == RecoveryKind::in_use) return ExitCode::no_permission;
+  return result.bytes_ignored > 0 ? ExitCode::finished_lossy : ExitCode::ok;
+}
+
+std::string removed_text(const RecoveryResult& result) {
+  std::string text;
+  for (const auto& part : result.removed)
+    text += fmt::format("               removed {}, which a killed program left behind\n",
+                        printable(part.string()));
+  return text;
+}
+
+std::string text_of(const RecoveryResult& result) {
+  if (result.session.empty())
+    return fmt::format("{:<14} {}\n               {}\n", name_of(result.kind),
+                       printable(result.source.string()), printable(result.message));
+  const std::string loss =
+      result.bytes_ignored > 0
+          ? fmt::format("{} at the torn end could not be read and are lost; the journal is kept",
+                        bytes_text(result.bytes_ignored))
+          : "nothing was lost";
+  return fmt::format("{:<14} {}\n               {} frames, {} valid, from {} chunks; {}\n{}",
+                     name_of(result.kind), printable(result.session.string()), count_text(result.frames),
+                     count_text(result.valid), count_text(result.chunks), loss, removed_text(result));
+}
+
+nlohmann::json json_of(const RecoveryResult& result) {
+  nlohmann::json removed = nlohmann::json::array();
+  for (const auto& part : result.removed) removed.push_back(part.string());
+  return {{"result", name_of(result.kind)},
+          {"source", result.source.string()},
+          {"session", result.session.string()},
+          {"frames", result.frames},
+          {"frames_valid", result.valid},
+          {"chunks", result.chunks},
+          {"bytes_lost", result.bytes_ignored},
+          {"message", result.message},
+          {"removed", removed},
+          {"exit_code", static_cast<int>(code_of(result))}};
+}
+
+/// The worst of all: the disk before a failure before a recording in progress before a loss.
+ExitCode code_of(const std::vector<RecoveryResult>& results) {
+  for (const ExitCode code : {ExitCode::storage, ExitCode::not_a_session, ExitCode::failed,
+                              ExitCode::no_permission, ExitCode::finished_lossy})
+    for (const RecoveryResult& result : results)
+      if (code_of(result) == code) return code;
+  return ExitCode::ok;
+}
+
+void print_text(const std::filesystem::path& path, const std::vector<RecoveryResult>& results) {
+  if (results.empty())
+    print("nothing to recover in {}: no journal is left there\n", printable(path.string()));
+  for (const RecoveryResult& result : results) print("{}", text_of(result));
+  for (const RecoveryResult& result : results) {
+    if (result.session.empty()) continue;
+    print("\nnext  thermorig inspect {}\n", printable(result.session.string()));
+    break;
+  }
+}
+
+}  // namespace
+
+ExitCode run(const RecoverOptions& options) {
+  const std::vector<RecoveryResult> results = rig::recover(options.path);
+  if (options.json) {
+    nlohmann::json list = nlohmann::json::array();
+    for (const RecoveryResult& result : results) list.push_back(json_of(result));
+    print_json(list);
+  } else {
+    print_text(options.path, results);
+  }
+  return code_of(results);
+}
+
+}  // namespace thermorig::app

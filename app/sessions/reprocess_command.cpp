@@ -1,0 +1,145 @@
+// SPDX-License-Identifier: MIT
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "commands.h"
+#include "existing_file.h"
+#include "print/inspect_text.h"
+#include "print/output.h"
+#include "record/profile_path.h"
+#include "thermorig/core/statistics.h"
+#include "thermorig/rig/calibration/calibration.h"
+#include "thermorig/rig/profile/profile_file.h"
+#include "thermorig/rig/recording/finalise.h"
+
+namespace thermorig::app {
+
+namespace {
+
+/// What a session said of itself before and after.
+struct State {
+  session::Quality quality;
+  std::vector<HostTime> times;  // of its frames
+};
+
+State state_of(const session::Session& session) {
+  State state{session::quality_of(session), {}};
+  for (const LabelledSample& sample : session.samples) state.times.push_back(sample.time);
+  return state;
+}
+
+/// How far the frames' times went, forward and back alike.
+struct Moved {
+  double median_s = 0.0;
+  double max_s = 0.0;
+};
+
+std::optional<Moved> moved(const State& before, const State& after) {
+  if (before.times.size() != after.times.size() || after.times.empty()) return std::nullopt;
+  std::vector<double> by_s;
+  for (std::size_t i = 0; i < after.times.size(); ++i)
+    by_s.push_back(std::abs(to_s(after.times[i] - before.times[i])));
+  return Moved{reordering_median(by_s), *std::max_element(by_s.begin(), by_s.end())};
+}
+
+/// What a session's profile says now because that of `--rig` said so, each with its date.
+std::vector<std::string> applied(const RigProfile& from, const RigProfile& now) {
+  std::vector<std::string> names;
+  const auto add = [&](const char* name, const std::string& there, const std::string& here) {
+    if (!there.empty() && there == here) names.push_back(fmt::format("{} of {}", name, here));
+  };
+  add("orientation", from.camera.orientation_measured_utc, now.camera.orientation_measured_utc);
+  add("camera latency", from.camera.link.latency_measured_utc, now.camera.link.latency_measured_utc);
+  add("gyro scale", from.gyro.scale_measured_utc, now.gyro.scale_measured_utc);
+  add("gyro bias", from.gyro.bias_measured_utc, now.gyro.bias_measured_utc);
+  add("servo scale", from.servo.scale_measured_utc, now.servo.scale_measured_utc);
+  return names;
+}
+
+/// A session from its own raw bytes, and what others had put into its file that is not in it any more.
+struct MadeAgain {
+  session::Session session;
+  std::vector<std::string> left_out;
+};
+
+MadeAgain make_again(const std::filesystem::path& path, const std::optional<RigProfile>& calibrated) {
+  RawRecording raw = session::read_raw(path);
+  if (calibrated) calibration::take_calibrations(*calibrated, raw.header.profile);
+  MadeAgain made{rig::build_session(std::move(raw)), {}};
+  made.left_out = session::replace_session(path, made.session);
+  return made;
+}
+
+std::string change(const std::string& before, const std::string& after) {
+  return before == after ? after : fmt::format("{} -> {}", before, after);
+}
+
+std::string words_of(const std::filesystem::path& path, const State& before, const State& after) {
+  const session::Quality& quality = after.quality;
+  std::string text =
+      fmt::format("made again  {}  {} frames\n", printable(path.string()), count_text(quality.frames)) +
+      fmt::format("  valid    {} of {} in legs\n",
+                  change(count_text(before.quality.valid), count_text(quality.valid)),
+                  change(count_text(before.quality.swept), count_text(quality.swept))) +
+      fmt::format("  verdict  {}\n", printable(change(before.quality.verdict, quality.verdict)));
+  if (const auto by = moved(before, after))
+    return text + fmt::format("  times    moved by {:.2f} ms in the median, by {:.2f} ms at most\n",
+                              1e3 * by->median_s, 1e3 * by->max_s);
+  return text + fmt::format("  times    {} frames before, {} now\n", before.times.size(), after.times.size());
+}
+
+nlohmann::json object_of(const std::filesystem::path& path, const State& before, const State& after) {
+  nlohmann::json object = quality_json(after.quality);
+  object["file"] = path.string();
+  object["before"] = quality_json(before.quality);
+  const auto by = moved(before, after);
+  object["moved_median_s"] = by ? nlohmann::json(by->median_s) : nlohmann::json();
+  object["moved_max_s"] = by ? nlohmann::json(by->max_s) : nlohmann::json();
+  return object;
+}
+
+std::string words_of(const std::vector<std::string>& calibrations) {
+  return fmt::format("  applied  {}\n", calibrations.empty()
+                                            ? "nothing: the profile measured nothing of this rig"
+                                            : printable(fmt::format("{}", fmt::join(calibrations, ", "))));
+}
+
+/// Whether all can be made again, before the first one is.
+void check_files(const std::vector<std::filesystem::path>& files) {
+  for (const auto& path : files) {
+    require_existing(path);
+    session::read_raw(path);
+  }
+}
+
+}  // namespace
+
+ExitCode run(const ReprocessOptions& options) {
+  std::optional<RigProfile> calibrated;
+  if (!options.profile.empty()) calibrated = read_named_profile(options.profile);
+  check_files(options.files);
+  nlohmann::json list = nlohmann::json::array();
+  for (const auto& path : options.files) {
+    const State before = state_of(session::read_session(path));
+    const MadeAgain made = make_again(path, calibrated);
+    const State after = state_of(made.session);
+    list.push_back(object_of(path, before, after));
+    list.back()["left_out"] = made.left_out;
+    if (!options.json) print("{}", words_of(path, before, after));
+    if (!options.json && !made.left_out.empty())
+      print("  left out {}: what others add is not copied, but for attributes\n",
+            printable(fmt::format("{}", fmt::join(made.left_out, ", "))));
+    if (!calibrated) continue;
+    const auto calibrations = applied(*calibrated, made.session.raw.header.profile);
+    list.back()["calibrations"] = calibrations;
+    if (!options.json) print("{}", words_of(calibrations));
+  }
+  if (options.json) print_json(list);
+  return ExitCode::ok;
+}
+
+}  // namespace thermorig::app

@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstdint>
+#include <string_view>
+#include <vector>
+
+#include "thermorig/io/files/part_file.h"
+
+namespace thermorig::files {
+
+/// Writes all or nothing, over an older file: temporary name, sync, rename. Throws Error(storage).
+void write_whole(const std::filesystem::path& path, std::string_view bytes, const std::string& noun,
+                 Advice advice = usual_advice);
+
+/// The bytes of a regular file of at most `bytes_max`. Throws Error(not_a_session), before anything is read,
+/// for what is missing, larger, a folder or a pipe.
+std::vector<std::uint8_t> read_whole(const std::filesystem::path& path, std::size_t bytes_max,
+                                     const std::string& noun);
+
+}  // namespace thermorig::files

@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "thermorig/network/acquisition.h"
+#include "thermorig/storage/session/session.h"
+
+namespace thermorig::dataset {
+
+/// What training needs of a session. Frames that no network may see (a label, gyro mean or pixel that is no
+/// sound number) are in no run, whatever the file says. The session's samples are one a frame, in order.
+network::Acquisition acquisition_of(const session::Session& session, const std::string& name);
+
+/// Reads a session file; the name is "<environment>_acq-<number>". Throws Error(not_a_session) as
+/// session::read_session does.
+network::Acquisition read_acquisition(const std::filesystem::path& path);
+
+/// The session files (.h5) that the paths name: files as they are, folders searched to any depth; sorted,
+/// each once. Throws Error(bad_usage) for a path that does not exist and where nothing is found.
+std::vector<std::filesystem::path> find_sessions(const std::vector<std::filesystem::path>& paths);
+
+/// A session whose verdict is bad, and why.
+struct BadSession {
+  std::filesystem::path file;
+  std::vector<std::string> reasons;  // of the verdict, at least one
+};
+
+/// What the verdict has against a session; none: it is good or usable.
+std::optional<BadSession> bad_session(const session::Session& session, const std::filesystem::path& file);
+
+/// What files hold for training and evaluation.
+struct Acquisitions {
+  std::vector<network::Acquisition> acquisitions;      // sorted by environment, number, name
+  std::vector<std::filesystem::path> for_calibration;  // left out; in the order of the files
+  std::vector<BadSession> bad;                         // not left out; in the order of the files
+};
+
+/// Reads all of them, on all cores; `progress` is told of each finished file, one at a time. Throws
+/// Error(not_a_session) also where two files hold the same recording.
+Acquisitions read_acquisitions(const std::vector<std::filesystem::path>& files,
+                               const std::function<void(std::size_t done, std::size_t all)>& progress = {});
+
+}  // namespace thermorig::dataset

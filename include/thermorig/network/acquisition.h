@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "thermorig/core/time.h"
+
+namespace thermorig::network {
+
+/// What an estimator without a network says of the frames of one session.
+struct RateSeries {
+  std::string name;             // of the table of estimators, e.g. "gyro-rest"
+  std::vector<float> rate_dps;  // (N) mean over the frame's exposure, NaN where it says nothing
+};
+
+/// What training and evaluation know of one session: a row a frame (N frames).
+struct Acquisition {
+  std::string name;         // "<environment>_acq-<number>": a re-recorded simulated session has it again
+  std::string environment;  // e.g. "garden"
+  int number = 0;           // acquisition number within the environment
+  bool simulated = false;
+  std::string licence;  // of the data, as the session says it; "not stated" if it does not
+  std::string hash;  // SHA-256, hexadecimal, of frames, labels, gyro means, times and runs: not of the file,
+                     // whose name and creation time do not matter to a model
+  std::vector<float> temp_c;     // (N, 24, 32)
+  std::vector<float> label_dps;  // (N) commanded speed over the exposure, NaN if unknown
+  std::vector<float>
+      gyro_dps;  // (N) mean of the gyro over the exposure, bias not removed, NaN if there is none
+  std::vector<HostTime> time;       // (N) middle of the newest exposure
+  std::vector<std::uint32_t> run;   // (N) unbroken run of valid frames within one leg, from 1; 0: not valid
+  std::vector<float> leg_rate_dps;  // (N) commanded speed of the leg that the frame lies in; 0 outside legs
+  std::vector<RateSeries> rates;    // of all estimators that need no network; not in the hash
+
+  std::size_t frames() const { return run.size(); }
+};
+
+}  // namespace thermorig::network

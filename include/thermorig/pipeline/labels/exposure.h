@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+
+#include "thermorig/core/sample.h"
+#include "thermorig/core/time.h"
+#include "thermorig/pipeline/labels/freshness.h"
+
+namespace thermorig::labels {
+
+/// Says over which time a frame was exposed and whether it shows what it should.
+///
+/// The sensor exposes one chess half for a refresh period, then the other. With t the frame's stamp and P the
+/// time between frames:
+///
+///     half-fresh: a refresh period is P;     the halves saw [t - 2P, t - P] and [t - P, t]
+///     full-fresh: a refresh period is P / 2; the halves saw [t - P, t - P/2] and [t - P/2, t]
+///
+/// Where the mode is not given it is decided causally, frame by frame, by a ModeVote over the frames so far.
+///
+/// Each half of TimedFrame::half gets its own period. Half-fresh: the half that alone is fresh was exposed
+/// last. Where both are, frames are missing before this one, and which half was the last follows from how
+/// many periods went by since it was last known. Full-fresh: nothing in a frame tells the order of its
+/// halves, only motion does. Where the order is unknown both halves get the whole span. A half that is not
+/// fresh keeps the interval of its last fresh reading.
+class ExposureRule {
+ public:
+  /// `frame_period_s` > 0: time between frames, nominal or measured. `newer_half`: the half that a full-fresh
+  /// source exposes last, 0 even, 1 odd.
+  explicit ExposureRule(double frame_period_s, std::optional<CameraMode> mode = std::nullopt,
+                        std::optional<unsigned> newer_half = std::nullopt);
+
+  /// Each frame in order: look(), then expose(). apply() is both.
+  ///
+  /// Fills in stale of a frame whose fresh_even and fresh_odd are known. True if the halves show that frames
+  /// are missing before it: the source is half-fresh, and both are fresh.
+  ///
+  /// stale: half-fresh: no half is fresh, or only one and the same one as the last time that only one was
+  /// (the other half was lost); full-fresh: not both halves are fresh.
+  bool look(TimedFrame& frame);
+
+  /// Fills in half, exposure_begin and exposure_end of the frame that was looked at; its stamp is known.
+  void expose(TimedFrame& frame);
+
+  void apply(TimedFrame& frame) {
+    look(frame);
+    expose(frame);
+  }
+
+  /// The mode that the frame before was taken in.
+  CameraMode mode() const { return mode_.value_or(vote_.mode()); }
+
+ private:
+  enum class Half : std::uint8_t { none, even, odd };
+  bool is_stale(const Freshness& freshness);
+  std::optional<unsigned> newest_half(const Freshness& freshness, HostTime time) const;
+  void note_newest(const Freshness& freshness, HostTime time);
+  void expose_halves(const Freshness& freshness, TimedFrame& frame);
+
+  HostDuration frame_period_;
+  std::optional<CameraMode> mode_;
+  Freshness freshness_;  // of the frame that was looked at
+  ModeVote vote_;
+  Half last_single_ = Half::none;  // the half that alone was fresh, the last time that only one was
+  std::array<std::optional<HalfExposure>, 2> half_{};  // of the last fresh reading
+  std::optional<unsigned> newest_;                     // half-fresh: half that was exposed last,
+  HostTime newest_time_{};                             // at this time
+  std::optional<unsigned> newer_half_;
+  std::size_t looked_ = 0;  // frames
+};
+
+}  // namespace thermorig::labels

@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "thermorig/core/sample.h"
+#include "thermorig/core/time.h"
+#include "thermorig/pipeline/labels/pulse_scale.h"
+
+namespace thermorig::labels {
+
+/// One pulse on the servo's pin.
+struct Pulse {
+  HostTime end{};             // only now the servo knows its width
+  std::int64_t start_us = 0;  // by the micro-controller's clock
+  double value = 0.0;         // commanded angle, deg, or rate, deg/s
+  double rate_dps = 0.0;      // reported with it
+  bool restart = false;       // what came before it is not known
+};
+
+/// The pulses behind the telemetry, which reports the last pulse that was started. Telemetry comes every 10
+/// ms, pulses every 20 ms of the same clock: where the width changes from one message to the next, a pulse
+/// started with the message, and from then on their phase is known. Pulses that no message showed are taken
+/// to run straight between their neighbours.
+class PulseTrain {
+ public:
+  static constexpr std::int64_t period_us = 20'000;
+
+  /// More than `gap` between two messages, by the servo's clock, is a gap: what came in it is not known.
+  PulseTrain(const PulseScale& scale, HostDuration gap);
+
+  /// Appends the pulses that the message tells of. Where an armed servo reports no pulse, the commanded angle
+  /// (or rate) of the message stands in for it.
+  void add(const TimedServo& servo, std::vector<Pulse>& out);
+
+ private:
+  struct Seen {
+    std::int64_t time_us = 0;
+    double value = 0.0;
+  };
+  double value(const ServoState& state) const;
+  std::int64_t start_us(std::int64_t time_us) const;
+  void learn_phase(const TimedServo& servo, double value);
+  void fill(const TimedServo& servo, const Seen& pulse, std::vector<Pulse>& out) const;
+
+  PulseScale scale_;
+  std::int64_t gap_us_;
+  std::optional<Seen> before_;            // the last message
+  std::optional<Seen> last_;              // the last pulse, by its start
+  std::optional<std::int64_t> phase_us_;  // start of a pulse, modulo the period
+};
+
+}  // namespace thermorig::labels

@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "thermorig/core/profile.h"
+#include "thermorig/core/time.h"
+#include "thermorig/pipeline/timing/ceiling.h"
+
+namespace thermorig::timing {
+
+/// What the bytes alone prove of a message when it is stamped.
+struct MessageProof {
+  HostTime latest{};               // its first byte had begun by then
+  bool tight = false;              // a read ended within or at the end of it: else it only waited with others
+  double lost_before = 0.0;        // messages that fit into the bytes skipped before it; 0 if none were
+  std::optional<double> device_s;  // its own time
+};
+
+/// The clock of a device that sends at a steady rate, from what arrived so far: the highest line below all
+/// inequalities of the last seconds, on the count of messages (or the device's own time). Lost messages are
+/// counted once it is clear that the stream does not catch up.
+class LiveClock {
+ public:
+  /// `nominal_rate_hz` > 0.
+  LiveClock(const PortProfile& link, double nominal_rate_hz);
+
+  /// When the message's first byte began, never after its proof. None while too little came, and of a device
+  /// that keeps no steady rate. Messages come in order, each once.
+  std::optional<HostTime> place(const MessageProof& proof);
+
+  /// Messages that it counts as lost so far: falls where the stream catches up after all. Of a device that
+  /// sends its own time none are counted.
+  double missing() const { return missing_; }
+
+  /// How far the clock may drift between the messages that hold its line up.
+  double drift_s() const { return 0.5 * drift_ * window_s_; }
+
+ private:
+  struct Block {
+    std::size_t points = 0;
+    double begin_x = 0.0;
+  };
+  double count(const MessageProof& proof);
+  void restart(double x, double y);
+  double late_s(double x, double y) const { return y - line_at(x); }
+  double line_at(double x) const { return level_ + slope_ * (x - line_x_); }
+  double period_s() const { return std::max(slope_, 1e-3) / rate_hz_; }
+  double recount(const MessageProof& proof, double x, double y);
+  double shift(double x, double periods);
+  bool watch(double late_s, double x);
+  void add(double x, double y);
+  void close_block(double x);
+  void fit(double x);
+
+  double rate_hz_;
+  double drift_;  // of the clock against its mean rate
+  double window_s_;
+  double block_s_;
+  std::optional<HostTime> origin_;
+  double counted_ = -1.0;  // messages, lost ones included
+  double missing_ = 0.0;   // the lost ones
+  double last_device_s_ = 0.0;
+  std::vector<Ceiling> points_;
+  std::vector<Block> blocks_;
+  std::size_t open_begin_ = 0;  // first point of the open block
+  double open_x_ = 0.0;
+  double first_x_ = 0.0;  // since the last restart
+  bool fitted_ = false;
+  bool rate_known_ = false;
+  double slope_ = 1.0;
+  double mean_slope_ = 1.0;
+  double level_ = 0.0;
+  double line_x_ = 0.0;
+  double watch_x_ = 0.0;  // begin of the span being watched
+  double least_late_s_ = 0.0;
+  std::uint32_t watched_ = 0;
+  std::array<double, 2> watched_late_s_{};  // least lateness in the two spans before
+  double unrest_ = 0.0;                     // how often the count was corrected lately
+};
+
+}  // namespace thermorig::timing

@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <optional>
+#include <span>
+#include <string>
+
+#include "thermorig/core/estimate.h"
+#include "thermorig/core/profile.h"
+#include "thermorig/storage/session/session.h"
+
+namespace thermorig::calibration {
+
+// Each takes a finished session that was recorded for it (or any other that happens to show what is needed),
+// and says what it found; apply() writes it into a rig profile, with the date. Throw Error(finished_lossy)
+// with the reason where the session cannot tell. Uncertainties are one standard deviation.
+
+/// 60 s at rest: the gyro's bias about the servo's axis. The uncertainty is the spread among parts of the
+/// rest, drift included: what another part of the like would differ by. Throws as well where the gyro zeroes
+/// itself at rest and so hides its bias.
+struct BiasResult {
+  Estimate bias_dps;
+  double noise_dps = 0.0;  // standard deviation of a sample
+  double drift_dps = 0.0;  // last parts minus first parts
+  double rest_s = 0.0;     // that took part
+};
+BiasResult measure_bias(const session::Session& session);
+
+/// Sweeps back and forth: how long the camera takes from the exposure's end to its first byte, beyond what
+/// the gyro takes from its sample to its own (whose latency the profile states).
+struct LatencyResult {
+  Estimate camera_latency_s;  // new value for the profile: what was subtracted plus the measured offset
+  double before_s = 0.0;      // what the session's profile says
+  Estimate offset_s;          // new value minus before
+  std::uint32_t halves = 0;   // chess halves that took part
+};
+LatencyResult measure_latency(const session::Session& session);
+
+/// A whole turn that closes in the image, by the servo (winch, continuous) or by hand: the gyro's scale, and
+/// with it the servo's where the servo drove.
+struct ScaleResult {
+  Estimate gyro_scale;
+  std::optional<Estimate> servo_scale;
+  double turned_deg = 0.0;
+};
+ScaleResult measure_scale(const session::Session& session);
+
+/// The same without an image: the rig was turned by `angle_deg` between marks by hand, from rest to rest,
+/// while the servo stood still. Takes the marks to be met to half a degree each.
+ScaleResult measure_scale_by_marks(const session::Session& session, double angle_deg);
+
+/// Which way is positive: the gyro's axis and sign against the commands, the image against the gyro.
+struct OrientationResult {
+  int gyro_axis = 2;  // the axis that turns with the servo
+  int gyro_sign = 1;
+  double correlation = 0.0;  // of that axis with the commands, 0..1
+  bool mirrored = true;
+  double contrast = 0.0;  // how much better the image fits so than the other way round, 0..1
+};
+OrientationResult measure_orientation(const session::Session& session);
+
+/// Several sessions of the like as one result: means by weight, no surer than the sessions agree with each
+/// other. `results` is not empty. Throws Error(finished_lossy) where orientations contradict each other.
+BiasResult combined(std::span<const BiasResult> results);
+LatencyResult combined(std::span<const LatencyResult> results);
+ScaleResult combined(std::span<const ScaleResult> results);
+OrientationResult combined(std::span<const OrientationResult> results);
+
+void apply(const BiasResult& result, const std::string& utc, RigProfile& profile);
+void apply(const LatencyResult& result, const std::string& utc, RigProfile& profile);
+void apply(const ScaleResult& result, const std::string& utc, RigProfile& profile);
+void apply(const OrientationResult& result, const std::string& utc, RigProfile& profile);
+
+/// Calibrations of `from` into `into`, whose ports, rates and geometry stay: for a session that was recorded
+/// before its rig was calibrated. Only what was measured is taken (what has a date).
+void take_calibrations(const RigProfile& from, RigProfile& into);
+
+}  // namespace thermorig::calibration

@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "thermorig/storage/sandbox/sealed_copy.h"
+
+namespace thermorig::sandbox {
+
+/// What a child does with a copy. The lines that it returns go to the program; an Error means that it refuses
+/// the copy in the ordinary way.
+using Task = std::vector<std::string> (*)(const SealedCopy& copy);
+
+/// From here on ask() has a child process do one of these tasks, with limits on memory and time, no files and
+/// no way out. To be called once, at the start of a program, while it has no second thread. Throws
+/// Error(failed) if there can be no child.
+void start(std::vector<Task> tasks);
+bool is_started();
+
+/// How a child's task ended; the first byte of what it answers.
+enum class End : std::uint8_t {
+  died = 0,  // no answer
+  done = 1,
+  refused = 2,      // in the ordinary way: the program will say why
+  no_cpu_time = 3,  // limits of the sandbox
+  no_wall_time = 4,
+  no_child = 5  // the computer has no room for a process: nothing was tried
+};
+
+struct Answer {
+  End end = End::died;
+  std::vector<std::string> lines;
+};
+
+/// A child does the task of that number, and is waited for. May be called from several threads. Throws
+/// Error(failed) if there can be no child.
+Answer ask(const SealedCopy& copy, std::size_t task);
+
+/// Passes a copy by that its reader may have, or may refuse in the ordinary way. Throws Error(not_a_session)
+/// for one that killed its reader ("damaged or hostile"), Error(failed) for one that kept it busy for longer
+/// than any sound file of its size keeps a slow computer ("could not be read within ...").
+void require_harmless(End end, const SealedCopy& copy);
+
+/// Counts data that were read: whoever reads much gets time for it. To be told by the task.
+void count_inflated(std::uint64_t bytes);
+
+}  // namespace thermorig::sandbox

@@ -1,0 +1,100 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "thermorig/core/raw_recording.h"
+#include "thermorig/core/sample.h"
+#include "thermorig/core/sync.h"
+#include "thermorig/io/files/disk.h"
+#include "thermorig/sensors/wire/counters.h"
+#include "thermorig/storage/sandbox/sealed_copy.h"
+
+namespace thermorig::session {
+
+enum class State : std::uint8_t { complete, recovered, partial };
+
+/// A recording with everything that was made of it: what one `.h5` file holds.
+struct Session {
+  RawRecording raw;
+  State state = State::complete;
+  std::vector<TimedFrame> frames;
+  std::vector<TimedGyro> gyro;
+  std::vector<TimedServo> servo;
+  std::vector<TimedPong> pongs;
+  std::vector<LabelledSample> samples;  // one a frame, same order
+  PerDevice<wire::Counters> counters;
+  double settle_s = 0.2;        // of the label rule
+  std::string camera_mode;      // "half-fresh" or "full-fresh"
+  double frame_period_s = 0.0;  // measured
+  SyncReport sync;              // clocks, camera offset, gyro errors, servo response
+};
+
+/// Figures of `/quality`, computed from a session; also what `inspect` prints.
+struct Quality {
+  struct Stream {
+    std::uint64_t received = 0, lost = 0, bad = 0, repeated = 0;
+    double rate_min_hz = 0, rate_mean_hz = 0, rate_max_hz = 0;  // over windows of one second
+    double gap_max_s = 0;
+  };
+  struct Speed {
+    double rate_dps = 0;
+    int frames = 0, valid = 0;
+  };
+  struct Clock {
+    double uncertainty_s = 0;  // median over the messages; NaN: the clock could not be fitted
+    double bound_s = 0;        // median width of the bounds; NaN likewise
+  };
+  PerDevice<Stream> stream;
+  double duration_s = 0;
+  std::uint64_t frames = 0, swept = 0, valid = 0;      // swept: within legs
+  std::map<std::string, std::uint64_t> reason_counts;  // by name, frames within legs
+  std::uint64_t sound = 0;        // within legs, with no reason but that the gyro disagrees
+  std::uint64_t disagreeing = 0;  // of these, where it does
+  std::vector<Speed> speeds;      // ascending
+  PerDevice<Clock> clock;
+  std::optional<Estimate> camera_offset_s;  // of the camera against the gyro, by the images
+  double label_uncertainty_dps = 0;         // median over the valid frames; NaN if there is none
+  double label_residual_dps = 0;            // root mean square of corrected gyro minus label over the frames
+                                            // that are valid or would be but for the gyro; NaN if not fitted
+  std::string verdict;                      // "good", "usable" or "bad"
+  std::vector<std::string> verdict_reasons;
+};
+Quality quality_of(const Session& session);
+
+/// "complete", "recovered" or "partial".
+std::string name_of(State state);
+
+/// Does the plan say that it was recorded for a calibration? Its legs, if there are any, show what that
+/// needs, and not the speeds of a data set.
+bool is_for_calibration(const RecordingHeader& header);
+
+/// Writes the file: to a temporary name in the same folder, read back and checked, read as read_session() of
+/// a stranger's file does, synced, renamed to `path`. Never overwrites: throws Error(storage) if `path`
+/// exists, and what the reader says of a session that could not be read again. Schema:
+/// docs/recording_format.md.
+void write_session(const std::filesystem::path& path, const Session& session,
+                   files::Disk& disk = files::real_disk());
+
+/// The same to replace an existing session (reprocess), by rename over it. Attributes that somebody else has
+/// put into that file are kept, on the objects that both have; other objects are not: returns the paths of
+/// the outermost ones ("/notes"), of a file of format 1.3 or later. Throws also as read_session() does of the
+/// file that is there.
+std::vector<std::string> replace_session(const std::filesystem::path& path, const Session& session,
+                                         files::Disk& disk = files::real_disk());
+
+/// Reads a whole session. Throws Error(not_a_session) if it is not one, is damaged, or is of another major
+/// version, and as tried_copy() does (trial.h).
+Session read_session(const std::filesystem::path& path);
+/// The same of a copy that was made before.
+Session read_session(const sandbox::SealedCopy& copy);
+
+/// Reads only what is needed to make the session again: header, raw bytes, events, legs.
+RawRecording read_raw(const std::filesystem::path& path);
+
+}  // namespace thermorig::session

@@ -1,0 +1,91 @@
+// SPDX-License-Identifier: MIT
+#include "thermorig/io/files/whole_file.h"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstring>
+
+#include "thermorig/core/error.h"
+
+namespace thermorig::files {
+
+namespace {
+
+/// A file that is open for reading, closed with this object.
+class SourceFile {
+ public:
+  SourceFile(const std::filesystem::path& path, const std::string& noun) : path_(path), noun_(noun) {
+    // A pipe without a writer would block the program for good.
+    descriptor_ = ::open(path.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC);
+    if (descriptor_ < 0) refuse(std::strerror(errno));
+  }
+  ~SourceFile() { ::close(descriptor_); }
+  SourceFile(const SourceFile&) = delete;
+  SourceFile& operator=(const SourceFile&) = delete;
+
+  std::size_t size(std::size_t bytes_max) const {
+    struct stat info {};
+    if (::fstat(descriptor_, &info) != 0) refuse(std::strerror(errno));
+    if (S_ISDIR(info.st_mode)) refuse("it is a folder");
+    if (!S_ISREG(info.st_mode)) refuse("it is no regular file but a pipe or a device");
+    if (static_cast<std::uint64_t>(info.st_size) > bytes_max)
+      refuse(fmt::format("it has {} bytes, more than the {} that are read at most", info.st_size, bytes_max));
+    return static_cast<std::size_t>(info.st_size);
+  }
+
+  std::vector<std::uint8_t> read(std::size_t bytes) const {
+    std::vector<std::uint8_t> content(bytes);
+    std::size_t done = 0;
+    while (done < bytes) {
+      const ssize_t count = ::read(descriptor_, content.data() + done, bytes - done);
+      if (count < 0 && errno == EINTR) continue;
+      if (count < 0) refuse(std::strerror(errno));
+      if (count == 0) refuse("it becomes shorter while it is read");
+      done += static_cast<std::size_t>(count);
+    }
+    return content;
+  }
+
+ private:
+  [[noreturn]] void refuse(const std::string& reason) const {
+    throw Error(ExitCode::not_a_session, fmt::format("cannot read {}: {}", noun_, reason), path_.string(),
+                "check the path");
+  }
+
+  const std::filesystem::path& path_;
+  const std::string& noun_;
+  int descriptor_ = -1;
+};
+
+/// A rename would put a file in the place of /dev/null.
+void require_replaceable(const std::filesystem::path& path, const std::string& noun) {
+  std::error_code hidden;  // what cannot be looked at is refused when it is created
+  const auto status = std::filesystem::status(path, hidden);
+  if (std::filesystem::exists(status) && !std::filesystem::is_regular_file(status))
+    throw Error(ExitCode::storage,
+                fmt::format("cannot write {}: the name is taken by a folder, a pipe or a device", noun),
+                path.string(), "choose another name");
+}
+
+}  // namespace
+
+void write_whole(const std::filesystem::path& path, std::string_view bytes, const std::string& noun,
+                 Advice advice) {
+  require_replaceable(path, noun);
+  PartFile part(path, noun, advice);
+  part.write(std::as_bytes(std::span(bytes)));
+  part.sync();
+  part.publish(true);
+}
+
+std::vector<std::uint8_t> read_whole(const std::filesystem::path& path, std::size_t bytes_max,
+                                     const std::string& noun) {
+  const SourceFile file(path, noun);
+  return file.read(file.size(bytes_max));
+}
+
+}  // namespace thermorig::files

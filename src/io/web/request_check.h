@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "thermorig/io/web/server.h"
+
+namespace thermorig::web {
+
+constexpr std::size_t request_line_bytes_max = 8 * 1024;
+constexpr std::size_t header_bytes_max = 16 * 1024;
+constexpr std::size_t body_bytes_max = 64 * 1024;
+constexpr std::size_t client_message_bytes_max = 4 * 1024;
+constexpr std::size_t note_characters_max = 200;
+
+/// What the checks look at. A field that comes twice counts as "", which equals nothing.
+struct RequestHead {
+  std::string_view method, target;
+  std::optional<std::string_view> host, origin, content_type, authorization;
+  bool upgrade = false;  // asks for a WebSocket of version 13, and has a key
+  bool body = false;     // bytes follow the headers
+};
+
+/// What a request is held against.
+struct Gate {
+  std::uint16_t port = 0;
+  std::string token;
+  bool control = false;
+};
+
+/// An answer that ends a request.
+struct Refusal {
+  unsigned status = 400;
+  std::string sentence;
+  std::string_view allow = {};  // of a 405
+};
+
+/// What a request asks for.
+enum class Route : std::uint8_t { asset, stream, order };
+
+/// The route of a target, which must match exactly: no query, no other spelling.
+std::optional<Route> route(std::string_view target);
+
+/// The order of /stop, /mark or /start.
+OrderKind order_kind(std::string_view target);
+
+/// Everything that is checked before a body is read, in the order of docs/live_page.md: host, target, method,
+/// origin, type of content, token, permission to start. Nothing if all is well.
+std::optional<Refusal> check(const RequestHead& head, const Gate& gate);
+
+}  // namespace thermorig::web

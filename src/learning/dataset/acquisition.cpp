@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: MIT
+#include <fmt/format.h>
+
+#include <cassert>
+#include <map>
+
+#include "data_hash.h"
+#include "rates_without_network.h"
+#include "session_name.h"
+#include "thermorig/learning/dataset/dataset.h"
+#include "thermorig/network/soundness.h"
+
+namespace thermorig::dataset {
+
+namespace {
+
+using network::Acquisition;
+
+std::map<std::uint16_t, float> leg_rates(const std::vector<LegRecord>& legs) {
+  std::map<std::uint16_t, float> rates;
+  for (const LegRecord& leg : legs) rates[leg.leg] = static_cast<float>(leg.rate_dps);
+  return rates;
+}
+
+void append(Acquisition& acquisition, const LabelledSample& sample, const ThermalFrame& frame) {
+  acquisition.temp_c.insert(acquisition.temp_c.end(), frame.temp_c.begin(), frame.temp_c.end());
+  acquisition.label_dps.push_back(sample.rate_commanded_dps);
+  acquisition.gyro_dps.push_back(sample.rate_gyro_dps);
+  acquisition.time.push_back(sample.time);
+  acquisition.run.push_back(sample.valid ? sample.run : 0);
+}
+
+void append_samples(Acquisition& acquisition, const session::Session& session) {
+  const std::map<std::uint16_t, float> rates = leg_rates(session.raw.legs);
+  acquisition.temp_c.reserve(session.samples.size() * frame_pixels);
+  assert(session.samples.size() == session.frames.size());
+  for (std::size_t i = 0; i < session.samples.size(); ++i) {
+    const LabelledSample& sample = session.samples[i];
+    append(acquisition, sample, session.frames[i].frame);
+    const auto rate = rates.find(sample.leg);
+    acquisition.leg_rate_dps.push_back(sample.leg == 0 || rate == rates.end() ? 0.0F : rate->second);
+  }
+}
+
+}  // namespace
+
+Acquisition acquisition_of(const session::Session& session, const std::string& name) {
+  const RecordingHeader& header = session.raw.header;
+  Acquisition acquisition{.name = name,
+                          .environment = header.environment,
+                          .number = header.acquisition,
+                          .simulated = header.simulated,
+                          .licence = header.licence.empty() ? "not stated" : header.licence};
+  append_samples(acquisition, session);
+  network::clear_unsound_frames(acquisition);
+  acquisition.rates = rates_without_network(session);
+  acquisition.hash = data_hash(acquisition);
+  return acquisition;
+}
+
+std::string name_of(const RecordingHeader& header) {
+  return fmt::format("{}_acq-{:02}", header.environment, header.acquisition);
+}
+
+}  // namespace thermorig::dataset

@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: MIT
+#include <algorithm>
+#include <set>
+
+#include "thermorig/core/error.h"
+#include "thermorig/learning/dataset/dataset.h"
+
+namespace thermorig::dataset {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+/// Sorted; of a file that is reached on two ways the first name stays.
+std::vector<fs::path> each_once(std::vector<fs::path> files) {
+  std::sort(files.begin(), files.end());
+  std::set<fs::path> seen;
+  std::erase_if(files, [&](const fs::path& path) {
+    std::error_code failure;
+    const fs::path real = fs::canonical(path, failure);
+    return !seen.insert(failure ? path : real).second;
+  });
+  return files;
+}
+
+[[noreturn]] void refuse_folder(const fs::path& folder, const std::string& why) {
+  throw Error(ExitCode::bad_usage, "the folder cannot be searched: " + why, folder.string(),
+              "change its permissions, or name the session files themselves");
+}
+
+/// What lies in the folders: sessions, and the first journal that waits to be made one.
+struct Found {
+  std::vector<fs::path> sessions;
+  fs::path journal;
+};
+
+void search(const fs::path& folder, Found& found) {
+  std::error_code failure;
+  fs::recursive_directory_iterator entry(folder, failure);
+  for (; !failure && entry != fs::recursive_directory_iterator(); entry.increment(failure)) {
+    std::error_code broken_link;
+    if (!entry->is_regular_file(broken_link)) continue;
+    if (entry->path().extension() == ".h5") found.sessions.push_back(entry->path());
+    if (entry->path().extension() == ".journal" && (found.journal.empty() || entry->path() < found.journal))
+      found.journal = entry->path();
+  }
+  if (failure) refuse_folder(folder, failure.message());
+}
+
+void add_path(const fs::path& path, Found& found) {
+  std::error_code hidden;  // where a folder may not be searched, opening says so
+  const fs::file_status status = fs::status(path, hidden);
+  if (status.type() == fs::file_type::not_found)
+    throw Error(ExitCode::bad_usage, "there is no such file or folder", path.string(),
+                "check the name: ls recordings/*");
+  if (fs::is_directory(status))
+    search(path, found);
+  else
+    found.sessions.push_back(path);
+}
+
+[[noreturn]] void refuse_without_sessions(const fs::path& place, const fs::path& journal) {
+  throw Error(ExitCode::bad_usage,
+              journal.empty() ? "there is no session (.h5) in it"
+                              : "there is no session (.h5) in it, but a journal of which one can be made",
+              place.string(),
+              journal.empty()
+                  ? "record some: thermorig record --simulated --fast --environment garden --plan table-one"
+                  : "thermorig recover " + journal.string());
+}
+
+}  // namespace
+
+std::vector<fs::path> find_sessions(const std::vector<fs::path>& paths) {
+  Found found;
+  for (const fs::path& path : paths) add_path(path, found);
+  if (found.sessions.empty()) refuse_without_sessions(paths.empty() ? "" : paths.front(), found.journal);
+  return each_once(std::move(found.sessions));
+}
+
+}  // namespace thermorig::dataset

@@ -1,0 +1,15 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <vector>
+
+#include "thermorig/network/acquisition.h"
+#include "thermorig/storage/session/session.h"
+
+namespace thermorig::dataset {
+
+/// What the estimators that need no network say of each frame. They see what a live run sees, in its order,
+/// at the times that the finished session knows.
+std::vector<network::RateSeries> rates_without_network(const session::Session& session);
+
+}  // namespace thermorig::dataset

@@ -1,0 +1,164 @@
+// SPDX-License-Identifier: MIT
+// A model on sessions.
+#include <fmt/format.h>
+
+#include "gain_figures.h"
+#include "html.h"
+#include "json_values.h"
+#include "markdown.h"
+#include "sections.h"
+#include "text.h"
+#include "thermorig/learning/report/report.h"
+
+namespace thermorig::report {
+namespace {
+
+using model::Model;
+using study::Evaluation;
+
+std::vector<std::string> estimators_of(const Model& model) {
+  std::vector<std::string> names(study::all_estimators().begin(), study::all_estimators().end());
+  if (!model.weights.shape.fusion) std::erase(names, study::fusion_name);
+  return names;
+}
+
+std::string names_of(const std::vector<model::Provenance::Data>& data) {
+  std::string text;
+  for (const auto& entry : data) text += (text.empty() ? "" : ", ") + clean(entry.name);
+  return text.empty() ? "none" : text;
+}
+
+Section model_section(const Model& model) {
+  const network::Shape& shape = model.weights.shape;
+  const model::Provenance& from = model.provenance;
+  Table table;
+  table.header = {"what", "value"};
+  table.rows = {
+      {"network", fmt::format("{}, {}", setting_text(shape.frames, shape.reduction),
+                              shape.fusion ? "fusion" : "thermal-only")},
+      {"weights", count_text(network::weight_count(shape))},
+      {"multiply-adds of a window", count_text(network::multiply_adds(shape))},
+      {"made by", clean(from.producer)},
+      {"preset", clean(from.preset)},
+      {"seed", std::to_string(from.seed)},
+      {"epochs trained, kept", fmt::format("{}, {}", from.epochs, from.epoch_kept)},
+      {"trained on", fmt::format("{}{}", from.simulated ? "SIMULATED data: " : "", names_of(from.training))},
+      {"held out to choose the epoch", names_of(from.held_out)},
+      {"licence of the training data", clean(from.data_licence)}};
+  std::erase_if(table.rows, [](const auto& row) { return row[1].empty(); });
+  return {"The model", {table}};
+}
+
+Section errors_section(const Model& model, const Evaluation& evaluation) {
+  Table table;
+  table.caption = fmt::format("Errors over all windows (MSE: (speed / {:g} deg/s)^2; the rest in deg/s)",
+                              model.scaling.label_scale_dps);
+  table.header = {"estimator",       "windows",        "MSE",       "RMSE", "median |error|",
+                  "95th percentile", "above 30 deg/s", "mean error"};
+  for (const std::string& name : estimators_of(model)) {
+    const study::Errors& errors = evaluation.errors[name];
+    table.rows.push_back({name, count_text(errors.windows), mse_text(errors.mse), rate_text(errors.rmse_dps),
+                          rate_text(errors.median_dps), rate_text(errors.p95_dps),
+                          share_text(errors.outlier_share), rate_text(errors.bias_dps)});
+  }
+  return {"Errors", {table}};
+}
+
+Section gain_section(const study::GainStatistics& gain) {
+  return {
+      "The gate Kg",
+      {Charts{{gain_chart("Kg over all windows", gain)}},
+       Paragraph{fmt::format("Mean {:.2f}, standard deviation {:.2f}, median {:.2f}; {} below 0.02, {} above "
+                             "0.98: {}.",
+                             gain.mean, gain.deviation, gain.median, share_text(gain.below_002),
+                             share_text(gain.above_098), gate_text(gain))}}};
+}
+
+std::vector<EstimatorTrack> tracks_of(const study::AngleTrack& track,
+                                      const std::vector<std::string>& estimators) {
+  std::vector<EstimatorTrack> tracks;
+  for (const std::string& name : estimators) tracks.push_back({name, &track});
+  return tracks;
+}
+
+Section angles_section(const Model& model, const Evaluation& evaluation) {
+  const auto estimators = estimators_of(model);
+  Charts charts;
+  charts.small = evaluation.angles.size() > 2;
+  Table table;
+  table.caption = "Drift in deg/min and, in brackets, the worst angle error in deg";
+  table.header = {"acquisition"};
+  table.header.insert(table.header.end(), estimators.begin(), estimators.end());
+  for (std::size_t i = 0; i < evaluation.angles.size(); ++i) {
+    const study::AngleTrack& track = evaluation.angles[i];
+    const std::string title =
+        i < evaluation.names.size() ? clean(evaluation.names[i]) : std::to_string(i + 1);
+    charts.charts.push_back(angle_chart(title, tracks_of(track, estimators)));
+    std::vector<std::string> row{title};
+    for (const std::string& name : estimators)
+      row.push_back(fmt::format("{} ({})", rate_text(track.drift_deg_per_min[name]),
+                                angle_text(track.worst_deg[name])));
+    table.rows.push_back(row);
+  }
+  return {"Angle by integration", {charts, table}};
+}
+
+Section speeds_section(const Model& model, const Evaluation& evaluation) {
+  return {"Error by speed",
+          speed_blocks(evaluation.speeds, model.scaling.label_scale_dps, estimators_of(model))};
+}
+
+Document document_of(const Model& model, const Evaluation& evaluation) {
+  Document document;
+  document.title = "A model on sessions";
+  if (model.provenance.simulated) document.banner = "The model was trained on SIMULATED data.";
+  document.sections = {errors_section(model, evaluation), speeds_section(model, evaluation)};
+  if (evaluation.gain.windows() > 0) document.sections.push_back(gain_section(evaluation.gain));
+  if (!evaluation.angles.empty()) document.sections.push_back(angles_section(model, evaluation));
+  document.sections.push_back(model_section(model));
+  return document;
+}
+
+}  // namespace
+
+std::string evaluation_markdown(const Model& model, const Evaluation& evaluation) {
+  return markdown_of(document_of(model, evaluation));
+}
+
+std::string evaluation_html(const Model& model, const Evaluation& evaluation) {
+  return html_of(document_of(model, evaluation));
+}
+
+std::string evaluation_json(const Model& model, const Evaluation& evaluation) {
+  using nlohmann::json;
+  const network::Shape& shape = model.weights.shape;
+  json environments = json::array(), angles = json::array();
+  for (const study::EnvironmentErrors& environment : evaluation.environments)
+    environments.push_back({{"name", environment.name},
+                            {"acquisitions", environment.acquisitions},
+                            {"errors", errors_json(environment.errors)}});
+  for (std::size_t i = 0; i < evaluation.angles.size(); ++i) {
+    angles.push_back(drift_json(evaluation.angles[i]));
+    if (i < evaluation.names.size()) angles.back()["name"] = evaluation.names[i];
+  }
+  return json_text({{"format", "thermorig-evaluation-report"},
+                    {"version", 2},
+                    {"model",
+                     {{"frames", shape.frames},
+                      {"reduction", shape.reduction},
+                      {"fusion", shape.fusion},
+                      {"weights", network::weight_count(shape)},
+                      {"multiply_adds", network::multiply_adds(shape)},
+                      {"preset", model.provenance.preset},
+                      {"seed", model.provenance.seed},
+                      {"simulated", model.provenance.simulated}}},
+                    {"label_scale_dps", model.scaling.label_scale_dps},
+                    {"acquisitions", evaluation.names},
+                    {"errors", errors_json(evaluation.errors)},
+                    {"environments", environments},
+                    {"speeds", speeds_json(evaluation.speeds)},
+                    {"gain", gain_json(evaluation.gain)},
+                    {"angles", angles}});
+}
+
+}  // namespace thermorig::report

@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: MIT
+#include "thermorig/learning/study/evaluation.h"
+#include "thermorig/learning/training/prediction.h"
+
+namespace thermorig::study {
+
+std::vector<JudgedWindow> judged_windows(std::span<const network::Acquisition> acquisitions,
+                                         std::span<const network::Window> windows, int frames) {
+  std::vector<JudgedWindow> judged;
+  judged.reserve(windows.size());
+  for (const network::Window& window : windows) {
+    const network::Acquisition& acquisition = acquisitions[window.acquisition];
+    JudgedWindow& one = judged.emplace_back(JudgedWindow{window});
+    one.label_dps = network::mean_rate(acquisition.label_dps, window, frames);
+    for (const network::RateSeries& series : acquisition.rates)
+      one.rate_dps[series.name] = network::mean_rate(series.rate_dps, window, frames);
+  }
+  return judged;
+}
+
+std::vector<JudgedWindow> judged_windows(const model::Model& model,
+                                         std::span<const network::Acquisition> acquisitions,
+                                         std::span<const network::Window> windows) {
+  const network::Shape& shape = model.weights.shape;
+  std::vector<JudgedWindow> judged = judged_windows(acquisitions, windows, shape.frames);
+  const auto estimates = training::predict(model, acquisitions, windows);
+  for (std::size_t i = 0; i < judged.size(); ++i) {
+    judged[i].rate_dps[thermal_name] = estimates[i].thermal_dps;
+    if (!shape.fusion) continue;
+    judged[i].rate_dps[fusion_name] = estimates[i].fusion_dps;
+    judged[i].gain = estimates[i].gain;
+  }
+  return judged;
+}
+
+}  // namespace thermorig::study

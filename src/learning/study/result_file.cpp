@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: MIT
+#include "result_file.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "fingerprint.h"
+#include "thermorig/core/error.h"
+#include "thermorig/io/files/whole_file.h"
+
+namespace thermorig::study {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::size_t max_file_bytes = 4'000'000;  // a result has below 20 kB
+const std::string noun = "the result";
+
+/// Only letters, digits, '-' and '_': a name in a session must not lead out of the folder.
+std::string safe_name(const std::string& text) {
+  std::string name = text.substr(0, 80);
+  std::replace_if(
+      name.begin(), name.end(),
+      [](char c) {
+        const bool letter = (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z');
+        return !letter && !(c >= '0' && c <= '9') && c != '-' && c != '_';
+      },
+      '_');
+  return name;
+}
+
+/// Every field of a job on a line of its own.
+std::string text_of(const Job& job) {
+  return fmt::format("{}\n{}\n{}\n{}\n{}\n{}\n{}\n{}\n{}\n{}\n{}\n{}\n", job.engine, job.frames,
+                     job.reduction, job.fusion, job.seed, job.preset, job.settings, job.epochs, job.history,
+                     job.test, job.test_hash, job.data_hash);
+}
+
+}  // namespace
+
+std::string file_name_of(const Job& job) {
+  constexpr std::size_t digits = 12;
+  return fmt::format("{}_nf{}_nr{}_{}_{}_seed{}_{}.json", safe_name(job.test), job.frames, job.reduction,
+                     job.fusion ? "fusion" : "thermal", safe_name(job.preset), job.seed,
+                     fingerprint_of(text_of(job)).substr(0, digits));
+}
+
+void write_result(const fs::path& folder, const JobResult& result) {
+  files::write_whole(folder / file_name_of(result.job), to_json(result), noun);
+}
+
+JobResult read_result(const fs::path& path) {
+  const std::vector<std::uint8_t> bytes = files::read_whole(path, max_file_bytes, noun);
+  return result_from_json({bytes.begin(), bytes.end()}, path.string());
+}
+
+std::optional<JobResult> find_result(const fs::path& folder, const Job& job) {
+  const fs::path path = folder / file_name_of(job);
+  std::error_code hidden;  // a folder that may not be searched: reading says so
+  if (fs::status(path, hidden).type() == fs::file_type::not_found) return std::nullopt;
+  JobResult result = read_result(path);
+  if (result.job == job) return result;
+  throw Error(ExitCode::not_a_session, "this result holds another job than its name says", path.string(),
+              "delete it and run the study again: only this job is then repeated");
+}
+
+void remove_parts(const fs::path& folder) {
+  std::error_code ignored;  // what cannot be removed is in nobody's way
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder, ignored))
+    if (entry.path().extension() == ".part" && entry.is_regular_file(ignored))
+      fs::remove(entry.path(), ignored);
+}
+
+}  // namespace thermorig::study

@@ -1,0 +1,215 @@
+// SPDX-License-Identifier: MIT
+#include <algorithm>
+#include <array>
+#include <nlohmann/json.hpp>
+#include <string_view>
+#include <utility>
+
+#include "json_fields.h"
+#include "thermorig/learning/study/study.h"
+
+namespace thermorig::study {
+
+namespace {
+
+using nlohmann::json;
+
+constexpr const char* format_name = "thermorig study result";
+constexpr int format_version = 2;  // 1 had other names of estimators
+
+constexpr std::array<std::pair<std::string_view, std::string_view>, 3> names_before_version_2{
+    {{"thermal", thermal_name}, {"fusion", fusion_name}, {"gyro_unbiased", "gyro-rest"}}};
+
+/// The estimators of a file, by their place in its lists.
+class EstimatorAxis {
+ public:
+  explicit EstimatorAxis(std::vector<std::string> names) : names_(std::move(names)) {
+    for (std::string& name : names_)
+      for (const auto& [before, now] : names_before_version_2)
+        if (name == before) name = now;
+  }
+
+  std::size_t size() const { return names_.size(); }
+
+  /// What the file says of those that there are today. `values`: one a name.
+  template <typename Value>
+  void place(const std::vector<Value>& values, PerEstimator<Value>& placed) const {
+    for (const std::string& name : all_estimators()) {
+      const auto found = std::find(names_.begin(), names_.end(), name);
+      if (found != names_.end()) placed[name] = values[static_cast<std::size_t>(found - names_.begin())];
+    }
+  }
+
+  void place(const Fields& fields, const char* field, PerEstimator<double>& placed) const {
+    const std::vector<double> values = fields.numbers(field);
+    if (values.size() != size()) fields.refuse(field, "has another length");
+    place(values, placed);
+  }
+
+ private:
+  std::vector<std::string> names_;
+};
+
+json json_of(const Job& job) {
+  return {{"engine", job.engine},     {"frames", job.frames},       {"reduction", job.reduction},
+          {"fusion", job.fusion},     {"seed", job.seed},           {"preset", job.preset},
+          {"settings", job.settings}, {"epochs", job.epochs},       {"history", job.history},
+          {"test", job.test},         {"test_hash", job.test_hash}, {"data_hash", job.data_hash}};
+}
+
+Job job_from(const Fields& fields) {
+  Job job;
+  job.engine = fields.integer("engine", 0, 1'000'000);
+  job.frames = fields.integer("frames", network::min_frames, network::max_frames);
+  job.reduction = fields.integer("reduction", network::min_reduction, network::max_reduction);
+  job.fusion = fields.truth("fusion");
+  job.seed = fields.seed("seed");
+  job.preset = fields.text("preset");
+  job.settings = fields.text("settings");
+  job.epochs = fields.integer("epochs", 1, 1'000'000);
+  job.history = fields.integer("history", 0, 1'000'000);
+  job.test = fields.text("test");
+  job.test_hash = fields.text("test_hash");
+  job.data_hash = fields.text("data_hash");
+  return job;
+}
+
+json json_of(const Errors& errors) {
+  return {{"windows", errors.windows},        {"mse", errors.mse},
+          {"rmse_dps", errors.rmse_dps},      {"median_dps", errors.median_dps},
+          {"p95_dps", errors.p95_dps},        {"outlier_share", errors.outlier_share},
+          {"mean_error_dps", errors.bias_dps}};
+}
+
+Errors errors_from(const Fields& fields) {
+  Errors errors;
+  errors.windows = fields.count("windows");
+  errors.mse = fields.number("mse");
+  errors.rmse_dps = fields.number("rmse_dps");
+  errors.median_dps = fields.number("median_dps");
+  errors.p95_dps = fields.number("p95_dps");
+  errors.outlier_share = fields.number("outlier_share");
+  errors.bias_dps = fields.number("mean_error_dps");
+  return errors;
+}
+
+json json_of(const SpeedErrors& speed) {
+  return {{"rate_dps", speed.rate_dps}, {"windows", speed.windows}, {"mse", speed.mse.values()}};
+}
+
+SpeedErrors speed_from(const Fields& fields, const EstimatorAxis& axis) {
+  SpeedErrors speed{fields.number("rate_dps"), fields.count("windows")};
+  axis.place(fields, "mse", speed.mse);
+  return speed;
+}
+
+json json_of(const GainStatistics& gain) {
+  return {{"histogram", gain.histogram}, {"mean", gain.mean},           {"deviation", gain.deviation},
+          {"median", gain.median},       {"below_002", gain.below_002}, {"above_098", gain.above_098}};
+}
+
+GainStatistics gain_from(const Fields& fields) {
+  GainStatistics gain;
+  gain.histogram = fields.counts<GainStatistics::bins>("histogram");
+  gain.mean = fields.number("mean");
+  gain.deviation = fields.number("deviation");
+  gain.median = fields.number("median");
+  gain.below_002 = fields.number("below_002");
+  gain.above_098 = fields.number("above_098");
+  return gain;
+}
+
+json json_of(const AngleTrack& track) {
+  return {{"integrated_s", track.integrated_s},
+          {"time_s", track.time_s},
+          {"commanded_deg", track.commanded_deg},
+          {"error_deg", track.error_deg.values()},
+          {"drift_deg_per_min", track.drift_deg_per_min.values()},
+          {"worst_deg", track.worst_deg.values()}};
+}
+
+AngleTrack track_from(const Fields& fields, const EstimatorAxis& axis) {
+  AngleTrack track;
+  track.integrated_s = fields.number("integrated_s");
+  track.time_s = fields.numbers("time_s");
+  track.commanded_deg = fields.numbers("commanded_deg");
+  if (track.commanded_deg.size() != track.time_s.size()) fields.refuse("commanded_deg", "has another length");
+  const std::vector<std::vector<double>> lines = fields.rows("error_deg", axis.size());
+  for (const std::vector<double>& line : lines)
+    if (!line.empty() && line.size() != track.time_s.size()) fields.refuse("error_deg", "has another length");
+  axis.place(lines, track.error_deg);
+  axis.place(fields, "drift_deg_per_min", track.drift_deg_per_min);
+  axis.place(fields, "worst_deg", track.worst_deg);
+  return track;
+}
+
+template <typename Part>
+json list_of(const std::vector<Part>& parts) {
+  json list = json::array();
+  for (const Part& part : parts) list.push_back(json_of(part));
+  return list;
+}
+
+json json_of(const Evaluation& evaluation) {
+  return {{"errors", list_of(evaluation.errors.values())},
+          {"speeds", list_of(evaluation.speeds)},
+          {"gain", json_of(evaluation.gain)},
+          {"angles", list_of(evaluation.angles)},
+          {"names", evaluation.names}};
+}
+
+Evaluation evaluation_from(const Fields& fields, const EstimatorAxis& axis) {
+  Evaluation evaluation;
+  std::vector<Errors> errors;
+  for (const Fields& one : fields.objects("errors")) errors.push_back(errors_from(one));
+  if (errors.size() != axis.size()) fields.refuse("errors", "has another length");
+  axis.place(errors, evaluation.errors);
+  for (const Fields& speed : fields.objects("speeds")) evaluation.speeds.push_back(speed_from(speed, axis));
+  evaluation.gain = gain_from(fields.object("gain"));
+  for (const Fields& track : fields.objects("angles")) evaluation.angles.push_back(track_from(track, axis));
+  evaluation.names = fields.texts("names");
+  if (evaluation.names.size() != evaluation.angles.size()) fields.refuse("names", "has another length");
+  return evaluation;
+}
+
+}  // namespace
+
+std::string to_json(const JobResult& result) {
+  const json object{{"format", format_name},
+                    {"version", format_version},
+                    {"estimators", all_estimators()},
+                    {"job", json_of(result.job)},
+                    {"evaluation", json_of(result.evaluation)},
+                    {"simulated", result.simulated},
+                    {"label_scale_dps", result.label_scale_dps},
+                    {"training_windows", result.training_windows},
+                    {"training_mse", result.training_mse},
+                    {"epoch_kept", result.epoch_kept},
+                    {"weights", result.weights},
+                    {"multiply_adds", result.multiply_adds},
+                    {"seconds", result.seconds},
+                    {"instruction_set", result.instruction_set}};
+  return object.dump(-1, ' ', false, json::error_handler_t::replace) + "\n";
+}
+
+JobResult result_from_json(const std::string& text, const std::string& where) {
+  const json object = parsed(text, where);
+  const Fields fields(object, where, "");
+  if (fields.text("format") != format_name) fields.refuse("format", "is another");
+  if (fields.integer("version", 1, 1'000'000) > format_version) fields.refuse("version", "is not known here");
+  JobResult result;
+  result.job = job_from(fields.object("job"));
+  result.evaluation = evaluation_from(fields.object("evaluation"), EstimatorAxis(fields.texts("estimators")));
+  result.simulated = result.evaluation.simulated = fields.truth("simulated");
+  result.label_scale_dps = fields.number("label_scale_dps");
+  result.training_windows = fields.count("training_windows");
+  result.training_mse = fields.numbers("training_mse");
+  result.epoch_kept = fields.integer("epoch_kept", 0, 1'000'000);
+  result.weights = fields.count("weights");
+  result.multiply_adds = fields.count("multiply_adds");
+  result.seconds = fields.number("seconds");
+  result.instruction_set = fields.text("instruction_set");
+  return result;
+}
+
+}  // namespace thermorig::study

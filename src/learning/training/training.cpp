@@ -1,0 +1,185 @@
+// SPDX-License-Identifier: MIT
+#include "thermorig/learning/training/training.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+#include <limits>
+#include <set>
+
+#include "epoch_plan.h"
+#include "estimates.h"
+#include "held_out.h"
+#include "thermorig/core/error.h"
+
+namespace thermorig::training {
+
+namespace {
+
+using network::Acquisition;
+
+constexpr std::size_t steps_between_reports = 50;
+
+network::TrainerConfig trainer_config(const TrainingConfig& config) {
+  network::TrainerConfig trainer{.loss = config.loss, .adam = config.adam};
+  if (!config.shape.fusion) trainer.loss.auxiliary_thermal = 0.0F;  // y_th is all there is: nothing to help
+  return trainer;
+}
+
+/// Licences of the data, each once.
+std::string licence_of(std::span<const Acquisition> acquisitions) {
+  std::set<std::string> licences;
+  for (const Acquisition& acquisition : acquisitions) licences.insert(acquisition.licence);
+  return fmt::format("{}", fmt::join(licences, "; "));
+}
+
+/// Means over the windows of an epoch, step by step.
+struct EpochSums {
+  double windows = 0.0, loss = 0.0, squared_error = 0.0, gain = 0.0;
+
+  void add(const network::StepLoss& step, std::size_t size) {
+    const auto share = static_cast<double>(size);
+    windows += share;
+    loss += share * step.loss;
+    squared_error += share * step.squared_error;
+    gain += share * step.gain_mean;
+  }
+};
+
+class Training {
+ public:
+  Training(const TrainingConfig& config, std::span<const Acquisition> acquisitions, network::Crew& crew,
+           const Observer& observer, const std::optional<Checkpoint>& from)
+      : config_(config),
+        acquisitions_(acquisitions),
+        observer_(observer),
+        division_(divide(config, acquisitions)),
+        scaling_(network::scaling_of(acquisitions, config.label_scale_dps, division_.held_out_acquisition)),
+        training_(acquisitions, division_.training, config.shape, scaling_),
+        held_out_(acquisitions, division_.held_out, config.shape, scaling_),
+        buffer_(training_),
+        done_(from ? *from : beginning(config)),
+        trainer_(done_.weights, trainer_config(config), crew) {
+    if (from) trainer_.restore(from->weights, from->optimiser);
+  }
+
+  TrainingResult run() {
+    while (done_.epoch < config_.epochs && !stopped_) run_epoch(done_.epoch + 1);
+    return {.model = model(), .epochs = done_.epochs, .stopped = stopped_, .windows = training_.size()};
+  }
+
+ private:
+  static Checkpoint beginning(const TrainingConfig& config) {
+    Checkpoint start;
+    start.weights = network::initial_weights(config.shape, config.seed);
+    start.kept = start.weights;
+    return start;
+  }
+
+  void run_epoch(int epoch) {
+    const EpochPlan plan = epoch_plan(training_.size(), config_.seed, epoch, config_.mirror);
+    const auto size = static_cast<std::size_t>(config_.batch);
+    const std::size_t steps = (plan.order.size() + size - 1) / size;
+    EpochSums sums;
+    for (std::size_t step = 0; step < steps; ++step) {
+      fill(plan, step * size, std::min(plan.order.size(), (step + 1) * size));
+      const network::StepLoss loss = trainer_.step(buffer_.batch());
+      require_finite(loss.loss, step + 1, epoch);
+      sums.add(loss, buffer_.size());
+      if (observer_.step && ((step + 1) % steps_between_reports == 0 || step + 1 == steps))
+        observer_.step(step + 1, steps, epoch, sums.loss / sums.windows);
+      stopped_ = observer_.stop && observer_.stop();
+      if (stopped_) return;
+    }
+    end_epoch(epoch, sums);
+  }
+
+  void fill(const EpochPlan& plan, std::size_t begin, std::size_t end) {
+    buffer_.clear();
+    for (std::size_t place = begin; place < end; ++place)
+      buffer_.add(plan.order[place], plan.mirrored[place]);
+  }
+
+  void end_epoch(int epoch, const EpochSums& sums) {
+    done_.epoch = epoch;
+    done_.weights = trainer_.weights();
+    done_.optimiser = trainer_.optimiser();
+    require_finite_weights(epoch);
+    const SquaredErrors held_out = squared_errors(done_.weights, held_out_);
+    EpochReport report{.epoch = epoch,
+                       .loss = sums.loss / sums.windows,
+                       .training_mse = sums.squared_error / sums.windows,
+                       .held_out_mse = held_out.fusion,
+                       .held_out_thermal_mse = held_out.thermal,
+                       .gain_mean = sums.gain / sums.windows};
+    report.kept = !config_.choose_epoch || held_out_score(report, config_) < kept_score();
+    done_.epochs.push_back(report);
+    if (report.kept) {
+      done_.kept = done_.weights;
+      done_.epoch_kept = epoch;
+    }
+    if (observer_.epoch) observer_.epoch(report, done_);
+  }
+
+  double kept_score() const {
+    if (done_.epoch_kept == 0) return std::numeric_limits<double>::infinity();
+    return held_out_score(done_.epochs[static_cast<std::size_t>(done_.epoch_kept) - 1], config_);
+  }
+
+  void require_finite(double loss, std::size_t step, int epoch) const {
+    if (std::isfinite(loss)) return;
+    throw Error(ExitCode::failed,
+                fmt::format("the loss is not a number any more, at step {} of epoch {}", step, epoch),
+                "training", fmt::format("a smaller learning rate: --rate {:.2g}", config_.adam.rate / 10));
+  }
+
+  void require_finite_weights(int epoch) const {
+    const bool good = std::all_of(done_.weights.values.begin(), done_.weights.values.end(),
+                                  [](float value) { return std::isfinite(value); });
+    if (!good) require_finite(std::numeric_limits<double>::quiet_NaN(), training_.size(), epoch);
+  }
+
+  model::Model model() const {
+    model::Provenance provenance{.preset = config_.preset,
+                                 .seed = config_.seed,
+                                 .epochs = done_.epoch,
+                                 .epoch_kept = done_.epoch_kept,
+                                 .data_licence = licence_of(acquisitions_)};
+    for (std::size_t index = 0; index < acquisitions_.size(); ++index) {
+      const Acquisition& acquisition = acquisitions_[index];
+      const bool chooses = division_.held_out_acquisition == static_cast<std::uint32_t>(index);
+      (chooses ? provenance.held_out : provenance.training).push_back({acquisition.name, acquisition.hash});
+      provenance.simulated = provenance.simulated || acquisition.simulated;
+    }
+    return {.weights = done_.kept, .scaling = scaling_, .provenance = provenance};
+  }
+
+  const TrainingConfig& config_;
+  std::span<const Acquisition> acquisitions_;
+  const Observer& observer_;
+  Division division_;
+  network::Scaling scaling_;
+  WindowSet training_, held_out_;
+  BatchBuffer buffer_;
+  Checkpoint done_;
+  network::Trainer trainer_;
+  bool stopped_ = false;
+};
+
+}  // namespace
+
+double held_out_score(const EpochReport& report, const TrainingConfig& config) {
+  const double weight = trainer_config(config).loss.auxiliary_thermal;
+  return report.held_out_mse + weight * report.held_out_thermal_mse;
+}
+
+TrainingResult train(const TrainingConfig& config, std::span<const Acquisition> acquisitions,
+                     network::Crew& crew, const Observer& observer, const std::optional<Checkpoint>& from) {
+  check(config);
+  assert(!from || (from->weights.shape == config.shape && from->kept.shape == config.shape));
+  return Training(config, acquisitions, crew, observer, from).run();
+}
+
+}  // namespace thermorig::training

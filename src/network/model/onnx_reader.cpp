@@ -1,0 +1,111 @@
+// SPDX-License-Identifier: MIT
+#include <fmt/format.h>
+#include <google/protobuf/stubs/logging.h>
+#include <onnx/onnx_pb.h>
+
+#include <algorithm>
+
+#include "metadata.h"
+#include "network_graph.h"
+#include "refusal.h"
+#include "size_limit.h"
+#include "tensor_values.h"
+#include "text.h"
+#include "thermorig/core/error.h"
+#include "thermorig/network/model/model.h"
+#include "wire_check.h"
+
+namespace thermorig::model {
+
+namespace {
+
+constexpr const char* usual_advice =
+    "give a model that thermorig train has written, or one exported as docs/model_format.md says";
+
+bool begins_with(std::span<const std::uint8_t> bytes, std::string_view start) {
+  return bytes.size() >= start.size() &&
+         std::equal(start.begin(), start.end(), bytes.begin(),
+                    [](char a, std::uint8_t b) { return static_cast<std::uint8_t>(a) == b; });
+}
+
+/// ONNX has no mark at its beginning; other files that are likely here have.
+void check_kind(std::span<const std::uint8_t> bytes) {
+  if (bytes.empty()) throw Refusal("it is empty");
+  if (bytes.size() > file_bytes_max)
+    throw Refusal(fmt::format("it has {} MB; a model of this network has 4 at most", bytes.size() >> 20U));
+  if (begins_with(bytes, "\x89HDF")) throw Refusal("it is an HDF5 file, perhaps a session, not a model");
+  if (begins_with(bytes, "PK"))
+    throw Refusal("it is a zip archive, perhaps PyTorch's own kind of file, not ONNX",
+                  "export the network with torch.onnx.export: docs/model_format.md shows how");
+}
+
+onnx::ModelProto parse(std::span<const std::uint8_t> bytes) {
+  const google::protobuf::LogSilencer silencer;
+  onnx::ModelProto file;
+  if (!file.ParseFromArray(bytes.data(), static_cast<int>(bytes.size())))
+    throw Refusal("it is no ONNX file, or a damaged one");
+  return file;
+}
+
+/// From opset 9 on (2018) the operators of this network mean what they mean today; 22 is the newest at the
+/// time of writing.
+void check_versions(const onnx::ModelProto& file) {
+  if (!file.has_graph()) throw Refusal("it is no ONNX file: it has no graph");
+  int standard = 0;
+  for (const auto& set : file.opset_import()) {
+    if (!set.domain().empty() && set.domain() != "ai.onnx") continue;
+    ++standard;
+    if (set.version() < 9 || set.version() > 22)
+      throw Refusal(fmt::format("it is made for version {} of ONNX's operators", set.version()),
+                    "export it with an opset_version from 9 to 22, best 13");
+  }
+  if (standard != 1) throw Refusal("it does not say which version of ONNX's operators it is made for");
+}
+
+std::vector<std::pair<std::string, std::string>> entries_of(const onnx::ModelProto& file) {
+  std::vector<std::pair<std::string, std::string>> entries;
+  for (const auto& entry : file.metadata_props()) entries.emplace_back(entry.key(), entry.value());
+  return entries;
+}
+
+network::Weights weights_of(const NetworkGraph& graph, const network::Shape& shape) {
+  network::Weights weights{shape, std::vector<float>(network::weight_count(shape))};
+  for (const network::Tensor& tensor : network::tensors_of(shape)) {
+    const TensorSource& source = graph.tensors.at(std::string(tensor.name));
+    copy_floats(*source.tensor, tensor.dimensions, source.transposed, weights.tensor(tensor.name));
+  }
+  return weights;
+}
+
+std::string producer_of(const onnx::ModelProto& file) {
+  const std::string& name = file.producer_name();
+  const std::string& version = file.producer_version();
+  return plain_text(version.empty() ? name : name + " " + version);
+}
+
+Model model_of(std::span<const std::uint8_t> bytes) {
+  check_kind(bytes);
+  check_wire(bytes);
+  const onnx::ModelProto file = parse(bytes);
+  check_versions(file);
+  const NetworkGraph graph = network_of(file.graph());
+  const Metadata metadata(entries_of(file));
+  network::Shape shape = graph.shape;
+  metadata.complete(shape);
+  Model model{weights_of(graph, shape), metadata.scaling(), metadata.provenance(producer_of(file))};
+  metadata.check(model.weights);
+  return model;
+}
+
+}  // namespace
+
+Model from_onnx(std::span<const std::uint8_t> bytes, const std::string& where) {
+  try {
+    return model_of(bytes);
+  } catch (const Refusal& refusal) {
+    throw Error(ExitCode::not_a_session, refusal.what(), where,
+                refusal.advice().empty() ? usual_advice : refusal.advice());
+  }
+}
+
+}  // namespace thermorig::model

@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: MIT
+#include "thermorig/network/soundness.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "thermorig/core/frame.h"
+
+namespace thermorig::network {
+
+namespace {
+
+constexpr float fastest_dps = 10'000.0F;                 // five times the range of any gyro at hand
+constexpr float coldest_c = -60.0F, hottest_c = 400.0F;  // as Reason::out_of_range
+
+bool is_temperature(float temp_c) {
+  return coldest_c <= temp_c && temp_c <= hottest_c;
+}
+
+bool is_sound(const Acquisition& acquisition, std::size_t frame) {
+  const auto pixels = std::span(acquisition.temp_c).subspan(frame * frame_pixels, frame_pixels);
+  return is_sound_rate(acquisition.label_dps[frame]) && is_sound_rate(acquisition.gyro_dps[frame]) &&
+         is_sound_image(pixels);
+}
+
+}  // namespace
+
+bool is_sound_rate(float rate_dps) {
+  return std::abs(rate_dps) <= fastest_dps;  // false for NaN
+}
+
+bool is_sound_image(std::span<const float> temp_c) {
+  return std::all_of(temp_c.begin(), temp_c.end(), is_temperature);
+}
+
+void clear_unsound_frames(Acquisition& acquisition) {
+  for (std::size_t frame = 0; frame < acquisition.frames(); ++frame)
+    if (acquisition.run[frame] != 0 && !is_sound(acquisition, frame)) acquisition.run[frame] = 0;
+}
+
+}  // namespace thermorig::network

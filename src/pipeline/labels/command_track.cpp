@@ -1,0 +1,173 @@
+// SPDX-License-Identifier: MIT
+#include "thermorig/pipeline/labels/command_track.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "intervals.h"
+
+namespace thermorig::labels {
+
+namespace {
+/// Coming to rest is a ramp like any other: how every leg ends. A stop by the firmware itself carries a
+/// fault.
+bool is_able(const ServoState& state) {
+  return state.fault == ServoFault::none && state.motion != ServoMotion::disarmed;
+}
+
+constexpr std::int64_t longest_constant_us = 5'000'000;
+constexpr std::size_t least_pulses = 5;
+}  // namespace
+
+CommandTrack::CommandTrack(const PulseScale& scale, HostDuration gap, HostDuration length)
+    : scale_(scale), gap_(gap), train_(scale, gap), check_(scale), points_(length), pulses_(length) {}
+
+void CommandTrack::add(const TimedServo& servo) {
+  train_.add(servo, new_pulses_);
+  for (const Pulse& pulse : new_pulses_) pulses_.add({pulse.end, pulse.start_us, pulse.value});
+  new_pulses_.clear();
+  points_.add({.time = servo.stamp.time,
+               .mcu_time_us = servo.mcu_time_us,
+               .rate_dps = servo.state.rate_dps,
+               .angle_deg = servo.state.angle_deg,
+               .uncertainty_s = servo.stamp.uncertainty_s,
+               .leg = servo.state.leg,
+               .able = is_able(servo.state),
+               .resting = is_at_rest(servo.state),
+               .disagrees = check_.disagrees(servo)});
+}
+
+/// From the last point at or before `begin` to the first at or after `end`, as far as there are any; the
+/// nearest one where all lie on one side.
+std::span<const CommandTrack::Point> CommandTrack::around(HostTime begin, HostTime end) const {
+  const auto points = points_.all();
+  if (points.empty()) return points;
+  const std::size_t first = std::max<std::size_t>(points_.first_after(begin), 1) - 1;
+  const std::size_t last = std::min(points_.first_at_or_after(end), points.size() - 1);
+  return points.subspan(first, std::max(first, last) - first + 1);
+}
+
+bool CommandTrack::is_gap(const Point& before, const Point& after) const {
+  return std::chrono::microseconds(after.mcu_time_us - before.mcu_time_us) > gap_;
+}
+
+bool CommandTrack::covers(std::span<const Point> points, HostTime begin, HostTime end) const {
+  if (points.empty() || points.front().time > begin || points.back().time < end) return false;
+  const auto gap = [this](const Point& before, const Point& after) { return is_gap(before, after); };
+  return std::adjacent_find(points.begin(), points.end(), gap) == points.end();
+}
+
+/// Straight between the points on either side, constant beyond the first and the last. There must be a point.
+CommandTrack::Point CommandTrack::at(HostTime time) const {
+  const auto points = points_.all();
+  const std::size_t after = points_.first_after(time);
+  if (after == 0) return points.front();
+  if (after == points.size()) return points.back();
+  Point point = points[after - 1];
+  const Point& next = points[after];
+  const double share = to_s(time - point.time) / to_s(next.time - point.time);
+  point.time = time;
+  point.rate_dps += share * (next.rate_dps - point.rate_dps);
+  point.angle_deg += share * (next.angle_deg - point.angle_deg);
+  return point;
+}
+
+void CommandTrack::note_states(CommandSpan& span, std::span<const Point> points) {
+  std::uint16_t leg = 0;
+  span.outside_leg = points.empty();
+  for (const Point& point : points) {
+    span.able = span.able && point.able;
+    span.resting = span.resting && point.resting;
+    span.disagrees = span.disagrees || point.disagrees;
+    span.time_uncertainty_s = std::max(span.time_uncertainty_s, point.uncertainty_s);
+    span.outside_leg = span.outside_leg || point.leg == 0;
+    span.several_legs = span.several_legs || (leg != 0 && point.leg != 0 && point.leg != leg);
+    if (point.leg != 0) leg = point.leg;
+  }
+}
+
+void CommandTrack::note_motion(CommandSpan& span, std::span<const Point> points, HostTime begin,
+                               HostTime end) const {
+  Point before = at(begin);
+  const Point last = at(end);
+  span.rate_change_dps = last.rate_dps - before.rate_dps;
+  span.rate_min_dps = span.rate_max_dps = before.rate_dps;
+  span.angle_min_deg = span.angle_max_deg = before.angle_deg;
+  double integral_deg = 0.0;
+  const auto step_to = [&](const Point& point) {
+    integral_deg += 0.5 * (before.rate_dps + point.rate_dps) * to_s(point.time - before.time);
+    span.rate_min_dps = std::min(span.rate_min_dps, point.rate_dps);
+    span.rate_max_dps = std::max(span.rate_max_dps, point.rate_dps);
+    span.angle_min_deg = std::min(span.angle_min_deg, point.angle_deg);
+    span.angle_max_deg = std::max(span.angle_max_deg, point.angle_deg);
+    before = point;
+  };
+  for (const Point& point : points)
+    if (begin < point.time && point.time < end) step_to(point);
+  step_to(last);
+  if (span.covered) span.rate_mean_dps = begin < end ? integral_deg / to_s(end - begin) : last.rate_dps;
+}
+
+CommandSpan CommandTrack::over(HostTime begin, HostTime end) const {
+  const auto points = around(begin, end);
+  CommandSpan span;
+  span.covered = covers(points, begin, end);
+  note_states(span, points);
+  if (!points.empty()) note_motion(span, points, begin, end);
+  return span;
+}
+
+/// How far back the speed of the last of `points`, which lie around a span, is that of the ones before it.
+std::int64_t CommandTrack::constant_begin_us(std::span<const Point> points) const {
+  const Point* point = &points.back();
+  const Point* const first = points_.all().data();
+  const std::int64_t earliest_us = point->mcu_time_us - longest_constant_us;
+  const double rate_dps = point->rate_dps;
+  while (point != first && !is_gap(point[-1], *point) && point[-1].mcu_time_us > earliest_us &&
+         std::abs(point[-1].rate_dps - rate_dps) <= constant_dps)
+    --point;
+  return point->mcu_time_us;
+}
+
+/// Of the pulses that start in the span.
+std::optional<double> CommandTrack::pulse_rate_dps(std::int64_t begin_us, std::int64_t end_us) const {
+  double count = 0.0, time_s = 0.0, value = 0.0, square = 0.0, product = 0.0;
+  const auto pulses = pulses_.all();
+  for (std::size_t i = pulses.size(); i-- > 0 && pulses[i].start_us >= begin_us;) {
+    if (pulses[i].start_us > end_us) continue;
+    const double off_s = static_cast<double>(pulses[i].start_us - end_us) * 1e-6;
+    count += 1.0;
+    time_s += off_s;
+    value += pulses[i].value;
+    square += off_s * off_s;
+    product += off_s * pulses[i].value;
+  }
+  if (count < static_cast<double>(least_pulses)) return std::nullopt;
+  if (scale_.continuous()) return value / count;
+  return (product - time_s * value / count) / (square - time_s * time_s / count);
+}
+
+std::optional<double> CommandTrack::constant_rate_dps(HostTime begin, HostTime end) const {
+  const auto points = around(begin, end);
+  if (!covers(points, begin, end)) return std::nullopt;
+  const std::int64_t begin_us = constant_begin_us(points);
+  if (begin_us > points.front().mcu_time_us) return std::nullopt;
+  // The first pulses at a speed may still show the speed before it.
+  return pulse_rate_dps(begin_us + PulseTrain::period_us, points.back().mcu_time_us);
+}
+
+double CommandTrack::angle_deg(HostTime time) const {
+  return covers(around(time, time), time, time) ? at(time).angle_deg
+                                                : std::numeric_limits<double>::quiet_NaN();
+}
+
+std::uint16_t CommandTrack::leg(HostTime time) const {
+  const auto points = points_.all();
+  const std::size_t after = points_.first_after(time);
+  if (after == 0) return 0;
+  const Point& point = points[after - 1];
+  const bool known = after < points.size() ? !is_gap(point, points[after]) : time - point.time <= gap_;
+  return known ? point.leg : std::uint16_t{0};
+}
+
+}  // namespace thermorig::labels

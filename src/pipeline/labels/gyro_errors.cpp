@@ -1,0 +1,193 @@
+// SPDX-License-Identifier: MIT
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "intervals.h"
+#include "least_squares.h"
+#include "thermorig/core/auto_zero.h"
+#include "thermorig/core/statistics.h"
+#include "thermorig/pipeline/labels/running_bias.h"
+#include "thermorig/pipeline/labels/servo_response.h"
+
+namespace thermorig::labels {
+
+namespace {
+constexpr double rest_settle_s = 0.5;  // a shaft that still moves is not at rest
+constexpr double block_s = 0.25;
+constexpr std::size_t least_samples = 8;   // of a block
+constexpr double steady = 2.0;             // a block's deviation over that of most: the shaft moved
+constexpr double outlying_block = 6.0;     // a block's mean off that of most: a hand turned the rig
+constexpr double least_outlier_dps = 0.5;  // a bias wanders by as much
+constexpr double least_uncertainty_dps = 0.01;
+constexpr double unseen_drift_dps = 0.05;  // of a bias that was seen at one end of the recording alone
+constexpr double servo_scale_doubt = 0.015;
+constexpr double leg_deviation = 0.004;  // relative: a servo's slope along its travel
+constexpr double leg_deviation_dps = 0.1;
+
+struct Block {
+  std::size_t rest = 0;  // number of the rest it lies in
+  double mean_dps = 0.0;
+  double deviation_dps = 0.0;
+};
+
+bool is_zero(const TimedGyro& sample) {
+  const auto& rate = sample.reading.rate_dps;
+  return std::all_of(rate.begin(), rate.end(), [](float axis) { return axis == 0.0F; });
+}
+
+/// Gyro samples from one time to another.
+std::span<const TimedGyro> between(std::span<const TimedGyro> gyro, HostTime begin, HostTime end) {
+  const auto before = [](const TimedGyro& sample, HostTime time) { return sample.stamp.time < time; };
+  const auto first = std::lower_bound(gyro.begin(), gyro.end(), begin, before);
+  return {first, std::lower_bound(first, gyro.end(), std::max(begin, end), before)};
+}
+
+bool zeroes_itself(std::span<const TimedGyro> gyro, const std::vector<Interval>& rests, HostTime origin) {
+  AutoZero zeros;
+  for (const Interval& rest : rests) {
+    zeros.pause();
+    for (const TimedGyro& sample : between(gyro, origin + from_s(rest.begin_s), origin + from_s(rest.end_s)))
+      zeros.add(sample.reading.rate_dps);
+  }
+  return zeros.is_seen();
+}
+
+std::optional<Block> block_of(std::span<const TimedGyro> gyro, std::size_t rest) {
+  double count = 0.0, sum = 0.0, squares = 0.0;
+  for (const TimedGyro& sample : gyro) {
+    const auto rate_dps = static_cast<double>(sample.rate_dps);
+    if (is_zero(sample) || !std::isfinite(rate_dps)) continue;
+    count += 1.0;
+    sum += rate_dps;
+    squares += rate_dps * rate_dps;
+  }
+  if (count < static_cast<double>(least_samples)) return std::nullopt;
+  const double mean = sum / count;
+  return Block{rest, mean, std::sqrt(std::max(0.0, squares / count - mean * mean))};
+}
+
+/// Blocks in the rests, each rest without the time that the shaft needs to settle.
+std::vector<Block> blocks_of(std::span<const TimedGyro> gyro, const std::vector<Interval>& rests,
+                             HostTime origin) {
+  std::vector<Block> blocks;
+  for (std::size_t rest = 0; rest < rests.size(); ++rest)
+    for (double start_s = rests[rest].begin_s + rest_settle_s; start_s + block_s <= rests[rest].end_s;
+         start_s += block_s) {
+      const HostTime begin = origin + from_s(start_s);
+      if (const auto block = block_of(between(gyro, begin, begin + from_s(block_s)), rest))
+        blocks.push_back(*block);
+    }
+  return blocks;
+}
+
+template <typename Of>
+std::vector<double> each(const std::vector<Block>& blocks, Of of) {
+  std::vector<double> values;
+  values.reserve(blocks.size());
+  for (const Block& block : blocks) values.push_back(of(block));
+  return values;
+}
+
+double mean_of(const Block& block) {
+  return block.mean_dps;
+}
+double deviation_of(const Block& block) {
+  return block.deviation_dps;
+}
+
+/// Leaves out what a moving shaft or a hand on the rig made: blocks that vary, and those far from most.
+void keep_quiet(std::vector<Block>& blocks) {
+  const double noise_dps = median(each(blocks, deviation_of));
+  std::erase_if(blocks, [&](const Block& block) { return block.deviation_dps > steady * noise_dps; });
+  const std::vector<double> means = each(blocks, mean_of);
+  const double centre_dps = median(means);
+  const double limit_dps = std::max(outlying_block * robust_deviation(means, centre_dps), least_outlier_dps);
+  std::erase_if(blocks,
+                [&](const Block& block) { return std::abs(block.mean_dps - centre_dps) > limit_dps; });
+}
+
+/// Of the rests from number `first` to before `end`.
+std::optional<double> bias_of_rests(const std::vector<Block>& blocks, std::size_t first, std::size_t end) {
+  std::vector<double> means;
+  for (const Block& block : blocks)
+    if (first <= block.rest && block.rest < end) means.push_back(block.mean_dps);
+  return means.empty() ? std::nullopt : std::optional(median(std::move(means)));
+}
+
+/// How many of the rests begin before the first leg: the opening rest, and the one behind the drive to where
+/// that leg begins.
+std::size_t rests_before_legs(const std::vector<Interval>& rests, std::span<const TimedServo> servo,
+                              HostTime origin) {
+  const auto leg = std::find_if(servo.begin(), servo.end(),
+                                [](const TimedServo& message) { return message.state.leg != 0; });
+  if (leg == servo.end()) return rests.size();
+  const double leg_s = to_s(leg->stamp.time - origin);
+  return static_cast<std::size_t>(std::count_if(
+      rests.begin(), rests.end(), [leg_s](const Interval& rest) { return rest.begin_s < leg_s; }));
+}
+
+/// Bias and its uncertainty from quiet blocks: what they scatter, and what the bias drifted by. `opening`:
+/// how many of the `rests` come before the first leg.
+void note_rests(GyroErrors& errors, const std::vector<Block>& blocks, std::size_t opening,
+                std::size_t rests) {
+  const std::vector<double> means = each(blocks, mean_of);
+  const double bias_dps = median(means);
+  const double scatter_dps = robust_deviation(means, bias_dps);
+  const double seen = std::sqrt(static_cast<double>(means.size()));
+  errors.noise_dps = median(each(blocks, deviation_of));
+  errors.bias_before_dps = bias_of_rests(blocks, 0, opening);
+  if (rests > opening) errors.bias_after_dps = bias_of_rests(blocks, rests - 1, rests);
+  const bool both = errors.bias_before_dps && errors.bias_after_dps;
+  const double drift_dps = both ? *errors.bias_after_dps - *errors.bias_before_dps : 0.0;
+  errors.bias_dps = Estimate{bias_dps, std::hypot(std::hypot(scatter_dps / seen, least_uncertainty_dps),
+                                                  both ? drift_dps / std::sqrt(12.0) : unseen_drift_dps)};
+}
+
+/// Bias from steady legs: what the gyro shows beside a share of the commanded speed. The share is known as
+/// well as gyro and servo are, so one direction alone says little, and both say much.
+std::optional<Estimate> bias_from_legs(std::span<const TimedGyro> gyro, std::span<const TimedServo> servo,
+                                       HostTime origin, const GyroErrors& assumed) {
+  LeastSquares equations(2);
+  const double share_doubt = std::hypot(assumed.scale.uncertainty, servo_scale_doubt);
+  equations.add_prior(0, assumed.scale.value, share_doubt);
+  equations.add_prior(1, 0.0, unknown_bias_dps);
+  bool any = false;
+  for (const Interval& leg : steady_intervals(servo, origin, false)) {
+    const auto part = between(gyro, origin + from_s(leg.begin_s + rest_settle_s), origin + from_s(leg.end_s));
+    const auto block = block_of(part, 0);
+    if (!block) continue;
+    const std::array<double, 2> row{leg.rate_dps, 1.0};
+    equations.add(row, block->mean_dps, std::hypot(leg_deviation_dps, leg_deviation * leg.rate_dps));
+    any = true;
+  }
+  if (!any) return std::nullopt;
+  return Estimate{equations.solve()[1], std::sqrt(equations.variance(std::array{0.0, 1.0}))};
+}
+}  // namespace
+
+GyroErrors fit_gyro_errors(std::span<const TimedGyro> gyro, std::span<const TimedServo> servo,
+                           const GyroProfile& profile) {
+  GyroErrors errors = assumed_gyro_errors(profile);
+  if (gyro.empty() || servo.empty()) return errors;
+  const HostTime origin = servo.front().stamp.time;
+  const std::vector<Interval> rests = steady_intervals(servo, origin, true);
+  errors.zeroes_itself = zeroes_itself(gyro, rests, origin);
+  std::vector<Block> blocks = blocks_of(gyro, rests, origin);
+  keep_quiet(blocks);
+  if (!blocks.empty()) note_rests(errors, blocks, rests_before_legs(rests, servo, origin), rests.size());
+  if (!blocks.empty() && !errors.zeroes_itself) return errors;
+  if (errors.zeroes_itself) errors.bias_dps = assumed_gyro_errors(profile).bias_dps;
+  const auto by_legs = bias_from_legs(gyro, servo, origin, errors);
+  if (by_legs &&
+      (!errors.bias_dps || errors.zeroes_itself || by_legs->uncertainty < errors.bias_dps->uncertainty)) {
+    errors.bias_dps = by_legs;
+    errors.bias_from_legs = true;
+  }
+  return errors;
+}
+
+}  // namespace thermorig::labels

@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: MIT
+#include "thermorig/pipeline/labels/label_config.h"
+
+#include <cmath>
+
+namespace thermorig::labels {
+
+namespace {
+/// Of the constant between the camera's clock and the one that the servo model hangs on: a fitted response
+/// hangs on the gyro's, against which the camera's latency is measured; an assumed one on the servo's.
+double latency_uncertainty_s(const RigProfile& profile, const std::optional<SyncReport>& sync) {
+  const bool by_gyro = sync && sync->servo.fitted;
+  const bool shifted = sync && sync->camera_offset.applied && sync->camera_offset.offset_s;
+  if (by_gyro && shifted) return sync->camera_offset.offset_s->uncertainty;
+  const PortProfile& camera = profile.camera.link;
+  if (by_gyro && !camera.latency_measured_utc.empty()) return camera.latency_uncertainty_s;
+  const double camera_s =
+      shifted ? sync->clock[Device::camera].latency_uncertainty_s : camera.latency_uncertainty_s;
+  const PortProfile& other = by_gyro ? profile.gyro.link : profile.servo.link;
+  return std::hypot(camera_s, other.latency_uncertainty_s);
+}
+}  // namespace
+
+LabelConfig label_config(const RigProfile& profile, const std::optional<SyncReport>& sync) {
+  LabelConfig config;
+  config.settle_s = profile.servo.settle_s;
+  config.gyro_rate_hz = profile.gyro.output_rate_hz;
+  config.stop_margin_deg = profile.servo.stop_margin_deg;
+  config.travel_deg = profile.servo.kind == ServoKind::positional ? profile.servo.travel_deg : 0.0;
+  config.servo = profile.servo;
+  config.gyro_profile = profile.gyro;
+  config.latency_uncertainty_s = latency_uncertainty_s(profile, sync);
+  if (!sync) return config;
+  config.response = sync->servo;
+  config.gyro = sync->gyro;
+  config.gyro_gaps = sync->clock[Device::gyro].gaps;
+  return config;
+}
+
+}  // namespace thermorig::labels

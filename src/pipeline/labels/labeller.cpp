@@ -1,0 +1,237 @@
+// SPDX-License-Identifier: MIT
+#include "thermorig/pipeline/labels/labeller.h"
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+#include <limits>
+
+#include "label_terms.h"
+#include "pulse_period.h"
+#include "shaft_model.h"
+#include "thermorig/core/estimate.h"
+#include "thermorig/pipeline/labels/servo_response.h"
+
+namespace thermorig::labels {
+
+namespace {
+constexpr float coldest_c = -60.0F;
+constexpr float hottest_c = 400.0F;
+constexpr double disagreement = 3.0;     // standard deviations
+constexpr double longest_shift_s = 1.0;  // beyond it a time says nothing
+
+std::uint32_t bit_if(Reason reason, bool holds) {
+  return holds ? bit(reason) : 0U;
+}
+
+bool has_pixel_out_of_range(const ThermalFrame& frame) {
+  unsigned within = 0;
+  for (const float temp_c : frame.temp_c)  // counted without a branch, so it runs in vectors
+    within += static_cast<unsigned>(temp_c >= coldest_c) & static_cast<unsigned>(temp_c <= hottest_c);
+  return within < frame_pixels;
+}
+
+HostDuration settling_time(const LabelConfig& config) {
+  return from_s(config.response.fitted ? settle_s(config.response) : config.settle_s);
+}
+}  // namespace
+
+Labeller::Labeller(const LabelConfig& config)
+    : config_(config),
+      response_(config.response.fitted ? config.response : assumed_response(config.servo)),
+      settle_(settling_time(config)),
+      lag_(from_s(response_.delay_s) + pulse_period),
+      command_(PulseScale(config.servo), from_s(config.telemetry_gap_s), from_s(config.history_s)),
+      shaft_(config.servo, response_, from_s(config.telemetry_gap_s), from_s(config.history_s)),
+      gyro_(from_s(config.history_s)),
+      bias_(config.gyro.value_or(assumed_gyro_errors(config.gyro_profile))),
+      warm_up_(config.warm_up_k_per_min) {}
+
+std::uint32_t Labeller::frame_reasons(const TimedFrame& frame) {
+  const bool unsure = static_cast<double>(frame.stamp.uncertainty_s) > config_.clock_limit_s;
+  const std::uint32_t reasons =
+      bit_if(Reason::camera_gap, frame.missing_before > 0) | bit_if(Reason::camera_not_fresh, frame.stale) |
+      bit_if(Reason::sync_lost, frame.late || unsure) | bit_if(Reason::checksum, frame.resync_before);
+  if (frame.stands_in) return reasons;
+  return reasons | bit_if(Reason::warm_up, warm_up_.push(frame.stamp.time, frame.frame.sensor_temp_c)) |
+         bit_if(Reason::out_of_range, has_pixel_out_of_range(frame.frame));
+}
+
+void Labeller::add(const TimedFrame& frame) {
+  assert(frame.exposure_begin <= frame.exposure_end);
+  const std::uint32_t reasons = frame_reasons(frame);
+  pending_.push_back(
+      {frame_count_, frame.stamp, frame.exposure_begin, frame.exposure_end, frame.half, reasons});
+  ++frame_count_;
+}
+
+void Labeller::add(const TimedServo& servo) {
+  command_.add(servo);
+  shaft_.add(servo);
+}
+
+bool Labeller::has_all(const PendingFrame& frame) const {
+  return command_.reaches(frame.exposure_end) && shaft_.reaches(frame.exposure_end) &&
+         gyro_.reaches(frame.exposure_end);
+}
+
+std::vector<LabelledSample> Labeller::take(HostTime now) {
+  std::vector<LabelledSample> samples;
+  const HostDuration wait = from_s(config_.wait_s);
+  while (!pending_.empty() && (has_all(pending_.front()) || now - pending_.front().stamp.arrival >= wait)) {
+    samples.push_back(label(pending_.front()));
+    pending_.pop_front();
+  }
+  return samples;
+}
+
+std::vector<LabelledSample> Labeller::finish() {
+  std::vector<LabelledSample> samples;
+  for (const PendingFrame& frame : pending_) samples.push_back(label(frame));
+  pending_.clear();
+  return samples;
+}
+
+LabelledSample Labeller::label(const PendingFrame& frame) {
+  LabelledSample sample;
+  sample.frame_index = frame.index;
+  sample.exposure_begin = frame.exposure_begin;
+  sample.exposure_end = frame.exposure_end;
+  sample.time = frame.exposure_end - (frame.exposure_end - frame.exposure_begin) / 4;
+  sample.reason_bits = frame.reason_bits;
+  label_motion(sample, frame);
+  label_halves(sample, frame);
+  label_gyro(sample);
+  const std::uint32_t harmless =
+      config_.warm_up_invalidates ? warning_bits & ~bit(Reason::warm_up) : warning_bits;
+  sample.valid = (sample.reason_bits & ~harmless) == 0;
+  number_run(sample);
+  return sample;
+}
+
+/// `span`: what was commanded over it.
+Labeller::Rates Labeller::rates(HostTime begin, HostTime end, const CommandSpan& span) const {
+  if (!span.covered) return {unknown, unknown};
+  const double commanded_dps = command_.constant_rate_dps(begin, end).value_or(span.rate_mean_dps);
+  const bool modelled = begin < end && shaft_.covers(begin, end);
+  return {commanded_dps, modelled ? shaft_.mean_dps(begin, end) : unknown};
+}
+
+void Labeller::label_motion(LabelledSample& sample, const PendingFrame& frame) {
+  const HostTime begin = sample.exposure_begin, end = sample.exposure_end;
+  const CommandSpan exposure = command_.over(begin, end);
+  const Rates mean = rates(begin, end, exposure);
+  sample.rate_commanded_dps = static_cast<float>(mean.commanded_dps);
+  sample.rate_label_dps = static_cast<float>(mean.model_dps);
+  sample.angle_label_deg = static_cast<float>(command_.angle_deg(sample.time));
+  sample.leg = command_.leg(sample.time);
+  const bool known = std::isfinite(mean.model_dps);
+  const ShaftRates shaft = known ? shaft_.over(begin, end) : ShaftRates{};
+  sample.rate_label_min_dps = static_cast<float>(known ? shaft.range.min_dps : unknown);
+  sample.rate_label_max_dps = static_cast<float>(known ? shaft.range.max_dps : unknown);
+  const double time_s = std::hypot(std::hypot(frame.stamp.uncertainty_s, exposure.time_uncertainty_s),
+                                   config_.latency_uncertainty_s, response_.delay_uncertainty_s);
+  const double scale_dps = response_.scale.uncertainty / response_.scale.value * mean.model_dps;
+  const double model_dps = known ? model_deviation_dps(response_, mean.commanded_dps) : unknown;
+  sample.label_uncertainty_dps =
+      static_cast<float>(known ? std::hypot(time_error_dps(sample, time_s), scale_dps, model_dps) : unknown);
+  sample.reason_bits |= command_reasons(sample) | model_reasons(sample, shaft);
+}
+
+/// Largest change of the label when the exposure is moved by half or all of `time_s`, either way.
+double Labeller::time_error_dps(const LabelledSample& sample, double time_s) const {
+  double error_dps = 0.0;
+  for (const double share : {-1.0, -0.5, 0.5, 1.0}) {
+    const HostDuration shift = from_s(share * std::fmin(time_s, longest_shift_s));
+    const double moved_dps = shaft_.mean_dps(sample.exposure_begin + shift, sample.exposure_end + shift);
+    error_dps = std::max(error_dps, std::abs(moved_dps - static_cast<double>(sample.rate_label_dps)));
+  }
+  return error_dps;
+}
+
+void Labeller::label_halves(LabelledSample& sample, const PendingFrame& frame) const {
+  for (std::size_t i = 0; i < frame.half.size(); ++i) {
+    const auto& [begin, end] = frame.half[i];
+    const Rates mean = rates(begin, end, command_.over(begin, end));
+    sample.rate_commanded_half_dps[i] = static_cast<float>(mean.commanded_dps);
+    sample.rate_label_half_dps[i] = static_cast<float>(mean.model_dps);
+    sample.rate_gyro_half_dps[i] = static_cast<float>(gyro_.over(begin, end).rate_dps);
+  }
+}
+
+double Labeller::tolerance_dps(const LabelledSample& sample) const {
+  const double rate_dps = std::abs(static_cast<double>(sample.rate_commanded_dps));
+  return std::max(config_.rate_tolerance_dps, config_.rate_tolerance_share * rate_dps);
+}
+
+std::uint32_t Labeller::command_reasons(const LabelledSample& sample) const {
+  const HostTime begin = sample.exposure_begin, end = sample.exposure_end;
+  const CommandSpan exposure = command_.over(begin, end);
+  const CommandSpan settled = command_.over(begin - settle_, end);
+  const CommandSpan shown = command_.over(begin - lag_, end - lag_);
+  const double limit_deg = 0.5 * config_.travel_deg - config_.stop_margin_deg;
+  const bool beyond = exposure.angle_min_deg < -limit_deg || exposure.angle_max_deg > limit_deg;
+  return bit_if(Reason::limit_hit, config_.travel_deg > 0.0 && beyond) |
+         bit_if(Reason::outside_leg, shown.outside_leg || sample.leg == 0) |
+         bit_if(Reason::leg_change, shown.several_legs) |
+         bit_if(Reason::servo_lost, !settled.covered || !settled.able) |
+         bit_if(Reason::telemetry_disagrees, settled.disagrees);
+}
+
+std::uint32_t Labeller::model_reasons(const LabelledSample& sample, const ShaftRates& shaft) const {
+  const auto commanded_dps = static_cast<double>(sample.rate_commanded_dps);
+  const auto strays = [&](const RateRange& range) {
+    return std::max(commanded_dps - range.min_dps, range.max_dps - commanded_dps) > tolerance_dps(sample);
+  };
+  const bool ramps = strays(shaft.slow) && strays(shaft.plain_slow);
+  const double sign_dps = config_.rate_tolerance_dps;
+  return bit_if(Reason::servo_ramp, std::isnan(sample.rate_label_dps) || ramps) |
+         bit_if(Reason::reversal,
+                shaft.plain_slow.min_dps < -sign_dps && shaft.plain_slow.max_dps > sign_dps);
+}
+
+void Labeller::label_gyro(LabelledSample& sample) {
+  const GyroMean mean = gyro_.over(sample.exposure_begin, sample.exposure_end);
+  constexpr std::size_t most = std::numeric_limits<std::uint16_t>::max();
+  sample.rate_gyro_dps = static_cast<float>(mean.rate_dps);
+  sample.gyro_count = static_cast<std::uint16_t>(std::min(mean.count, most));
+  sample.gyro_spread_dps = static_cast<float>(mean.count > 0 ? mean.spread_dps : unknown);
+  sample.reason_bits |= gyro_reasons(sample, mean);
+  if (!config_.gyro) learn_bias(sample, mean);
+}
+
+std::uint32_t Labeller::gyro_reasons(const LabelledSample& sample, const GyroMean& gyro) const {
+  const double expected = to_s(sample.exposure_end - sample.exposure_begin) * config_.gyro_rate_hz;
+  const double needed = config_.gyro_gap_share * expected;
+  const bool gap = gyro.count == 0 || static_cast<double>(gyro.count) < needed ||
+                   lacks_sample(config_.gyro_gaps, sample.exposure_begin, sample.exposure_end) ||
+                   gyro_.lacks_sample(sample.exposure_begin, sample.exposure_end, 1.0 / config_.gyro_rate_hz);
+  const double tolerance = tolerance_dps(sample);
+  const bool unsteady = gyro.count > 0 && unsteadiness_dps2(bias_.errors(), gyro) > tolerance * tolerance;
+  return bit_if(Reason::gyro_gap, gap) | bit_if(Reason::gyro_unsteady, !gyro.saturated && unsteady) |
+         bit_if(Reason::gyro_disagrees, gyro_disagrees(sample, gyro));
+}
+
+bool Labeller::gyro_disagrees(const LabelledSample& sample, const GyroMean& gyro) const {
+  if (std::isnan(sample.rate_label_dps)) return false;
+  // Whole samples stand for an exposure that begins and ends anywhere between two of them.
+  const double between_samples_s = 1.0 / (std::sqrt(12.0) * config_.gyro_rate_hz);
+  const double time_s = std::hypot(response_.delay_uncertainty_s, gyro.time_uncertainty_s, between_samples_s);
+  const double time_dps = time_error_dps(sample, time_s);
+  const auto label_dps = static_cast<double>(sample.rate_label_dps);
+  return std::abs(gyro_deviations(bias_.errors(), response_, gyro, label_dps, time_dps)) > disagreement;
+}
+
+/// A frame that was exposed while the servo had long been at rest shows the gyro's bias.
+void Labeller::learn_bias(const LabelledSample& sample, const GyroMean& gyro) {
+  const CommandSpan rest = command_.over(sample.exposure_begin - 2 * settle_, sample.exposure_end);
+  if (rest.covered && rest.resting) bias_.add(gyro);
+}
+
+void Labeller::number_run(LabelledSample& sample) {
+  if (sample.valid && sample.leg != run_leg_) ++run_;
+  run_leg_ = sample.valid ? sample.leg : std::uint16_t{0};
+  if (sample.valid) sample.run = run_;
+}
+
+}  // namespace thermorig::labels

@@ -1,0 +1,172 @@
+// SPDX-License-Identifier: MIT
+#include "thermorig/pipeline/labels/servo_response.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <numbers>
+#include <vector>
+
+#include "gain_fit.h"
+#include "gyro_integral.h"
+#include "intervals.h"
+#include "loop_fit.h"
+#include "pulse_period.h"
+#include "shaft_curve.h"
+#include "shaft_model.h"
+#include "thermorig/core/statistics.h"
+
+namespace thermorig::labels {
+
+namespace {
+constexpr double gyro_scale_uncertainty = 0.03;  // as data sheets promise it
+constexpr double loop_doubt = 0.3;               // relative, of a bandwidth that nobody measured
+constexpr double delay_doubt_s = 0.01;
+constexpr double phase_lag = 1.4;  // a loop of damping 0.7 lags by 2 * 0.7 / (2 pi bandwidth)
+constexpr double least_delay_error_s = 3e-4;
+constexpr double shortest_frame_s = 1.0 / 64.0;  // the camera's fastest rate
+constexpr double longest_frame_s = 2.0;          // and its slowest
+
+/// Two measurements of one thing; where they contradict each other, neither is as good as it says.
+Estimate combined(const Estimate& a, const Estimate& b) {
+  const double weight_a = 1.0 / (a.uncertainty * a.uncertainty);
+  const double weight_b = 1.0 / (b.uncertainty * b.uncertainty);
+  const double value = (weight_a * a.value + weight_b * b.value) / (weight_a + weight_b);
+  const double apart = std::abs(a.value - b.value) / std::hypot(a.uncertainty, b.uncertainty);
+  return {value, std::max(1.0, apart) / std::sqrt(weight_a + weight_b)};
+}
+
+/// Shaft angle per commanded angle: what the profile says, and what the gyro says as far as its own scale is
+/// known.
+Estimate absolute_scale(const Estimate& ratio, const GyroErrors& errors, const ServoProfile& profile) {
+  const double gyro_share = errors.scale.uncertainty / std::max(errors.scale.value, 1e-3);
+  const Estimate by_gyro{ratio.value, std::hypot(ratio.uncertainty, ratio.value * gyro_share, 1e-6)};
+  const Estimate by_profile{profile.scale, std::max(profile.scale_uncertainty, 1e-6)};
+  return combined(by_gyro, by_profile);
+}
+
+/// Collects residuals of one commanded speed.
+struct Residuals {
+  double sum = 0.0, squares = 0.0;
+  std::uint32_t count = 0;
+  void add(double residual) {
+    sum += residual;
+    squares += residual * residual;
+    ++count;
+  }
+};
+
+/// Angles of the model, gain and gyro_ratio in it.
+class FittedShaft {
+ public:
+  FittedShaft(const ShaftCurve& curve, const ServoResponse& response, const PulseScale& scale)
+      : curve_(curve), response_(response), scale_(scale) {}
+
+  /// Mean rate as the corrected gyro should see it.
+  double mean_dps(double begin_s, double end_s) const {
+    const double parts = std::max(1.0, std::round((end_s - begin_s) / pulse_period_s));
+    const double step_s = (end_s - begin_s) / parts;
+    double turned_deg = 0.0;
+    double before_deg = curve_.angle_deg(begin_s - response_.delay_s);
+    for (double part = 1.0; part <= parts; part += 1.0) {
+      const double angle_deg = curve_.angle_deg(begin_s + part * step_s - response_.delay_s);
+      const double value =
+          scale_.continuous() ? (angle_deg - before_deg) / step_s : (angle_deg + before_deg) / 2.0;
+      turned_deg += gain_at(response_, scale_, value) * (angle_deg - before_deg);
+      before_deg = angle_deg;
+    }
+    return response_.gyro_ratio.value * turned_deg / (end_s - begin_s);
+  }
+
+ private:
+  const ShaftCurve& curve_;
+  const ServoResponse& response_;
+  PulseScale scale_;
+};
+
+std::map<long long, Residuals> residuals_of(const std::vector<Interval>& intervals, const FittedShaft& shaft,
+                                            const GyroIntegral& gyro, double bias_dps, double settle,
+                                            double frame_s) {
+  std::map<long long, Residuals> by_speed;  // by centidegrees per second
+  for (const Interval& interval : intervals) {
+    if (interval.leg == 0) continue;  // on the way to a start: nobody planned that speed
+    for (double from_s = interval.begin_s + settle; from_s + frame_s <= interval.end_s; from_s += frame_s) {
+      const double rate_dps = gyro.mean_dps(from_s, from_s + frame_s) - bias_dps;
+      if (!std::isfinite(rate_dps)) continue;
+      by_speed[std::llround(100.0 * interval.rate_dps)].add(rate_dps -
+                                                            shaft.mean_dps(from_s, from_s + frame_s));
+    }
+  }
+  return by_speed;
+}
+
+void note_residuals(ServoResponse& response, const std::map<long long, Residuals>& by_speed) {
+  double squares = 0.0, count = 0.0;
+  for (const auto& [centi_dps, residuals] : by_speed) {
+    const double n = residuals.count;
+    const double mean = residuals.sum / n;
+    response.speeds.push_back({.rate_dps = 0.01 * static_cast<double>(centi_dps),
+                               .residual_dps = mean,
+                               .spread_dps = std::sqrt(std::max(0.0, residuals.squares / n - mean * mean)),
+                               .frames = residuals.count});
+    squares += residuals.squares;
+    count += n;
+  }
+  if (count > 0.0) response.residual_dps = std::sqrt(squares / count);
+}
+
+float median_clock_uncertainty_s(std::span<const TimedGyro> gyro) {
+  std::vector<double> values;
+  values.reserve(gyro.size());
+  for (const TimedGyro& sample : gyro) values.push_back(static_cast<double>(sample.stamp.uncertainty_s));
+  return static_cast<float>(median(std::move(values)));
+}
+}  // namespace
+
+ServoResponse assumed_response(const ServoProfile& profile) {
+  ServoResponse response;
+  response.loop_hz = std::max(profile.loop_hz, least_loop_hz);
+  const double lag_s = phase_lag / (2.0 * std::numbers::pi * response.loop_hz);
+  response.delay_uncertainty_s = std::hypot(delay_doubt_s, loop_doubt * lag_s);
+  response.scale = {profile.scale, profile.scale_uncertainty};
+  response.scale_calibrated = !profile.scale_measured_utc.empty();
+  response.gyro_ratio = {profile.scale, std::hypot(profile.scale_uncertainty, gyro_scale_uncertainty)};
+  return response;
+}
+
+ServoResponse fit_servo_response(std::span<const TimedServo> servo, std::span<const TimedGyro> gyro,
+                                 const GyroErrors& errors, const ServoProfile& profile,
+                                 double frame_period_s) {
+  ServoResponse response = assumed_response(profile);
+  if (servo.empty() || gyro.empty()) return response;
+  const HostTime origin = servo.front().stamp.time;
+  const PulseScale scale(profile);
+  const GyroIntegral integral(gyro, errors, origin);
+  const std::vector<PulseAt> pulses = all_pulses(servo, scale, origin);
+  if (pulses.empty() || integral.period_s() <= 0.0) return response;
+  const auto loop = fit_loop(pulses, speed_changes(servo, origin), integral, profile);
+  if (!loop) return response;
+  const double end_s = pulses.back().end_s;
+  const ShaftCurve curve(pulses, scale.continuous(), loop->loop_hz, loop->dead_band_deg, end_s);
+  const double bias_uncertainty_dps = errors.bias_dps ? errors.bias_dps->uncertainty : unknown_bias_dps;
+  const auto gain = fit_gain(curve, pulses.front().end_s, end_s, loop->delay_s.value, scale, integral,
+                             bias_uncertainty_dps);
+  if (!gain) return response;
+  response.fitted = true;
+  response.delay_s = loop->delay_s.value;
+  response.delay_uncertainty_s =
+      std::hypot(loop->delay_s.uncertainty, median_clock_uncertainty_s(gyro), least_delay_error_s);
+  response.loop_hz = loop->loop_hz;
+  response.dead_band_deg = loop->dead_band_deg;
+  response.gyro_ratio = gain->ratio;
+  response.gain = gain->gain;
+  response.scale = absolute_scale(gain->ratio, errors, profile);
+  response.scale_calibrated = response.scale_calibrated || errors.scale_calibrated;
+  const FittedShaft shaft(curve, response, scale);
+  note_residuals(response, residuals_of(steady_intervals(servo, origin, false), shaft, integral,
+                                        gain->bias_dps, settle_s(response),
+                                        std::clamp(frame_period_s, shortest_frame_s, longest_frame_s)));
+  return response;
+}
+
+}  // namespace thermorig::labels

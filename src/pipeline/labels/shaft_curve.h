@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "thermorig/core/sample.h"
+#include "thermorig/core/time.h"
+#include "thermorig/pipeline/labels/pulse_train.h"
+#include "thermorig/pipeline/labels/servo_loop.h"
+
+namespace thermorig::labels {
+
+/// A pulse of a whole recording, its end in seconds.
+struct PulseAt {
+  double end_s = 0.0;
+  double value = 0.0;
+  double rate_dps = 0.0;  // commanded with it
+  bool restart = false;
+};
+
+/// All pulses that telemetry tells of, in order of time.
+std::vector<PulseAt> all_pulses(std::span<const TimedServo> servo, const PulseScale& scale, HostTime origin);
+
+/// What the loop, scale and gain 1 and no delay, makes of some pulses.
+class ShaftCurve {
+ public:
+  /// `pulses` is not empty. The loop starts as if it had long followed the first one.
+  ShaftCurve(std::span<const PulseAt> pulses, bool continuous, double loop_hz, double dead_band_deg,
+             double until_s);
+
+  /// Angle at a time; before the first and beyond the last point, that of the point.
+  double angle_deg(double time_s) const;
+
+  /// Mean rate over [begin_s, end_s].
+  double mean_dps(double begin_s, double end_s) const {
+    return (angle_deg(end_s) - angle_deg(begin_s)) / (end_s - begin_s);
+  }
+
+ private:
+  struct Point {
+    double time_s;
+    double angle_deg;
+    double rate_dps;
+  };
+  std::vector<Point> points_;
+};
+
+}  // namespace thermorig::labels

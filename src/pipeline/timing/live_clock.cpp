@@ -1,0 +1,162 @@
+// SPDX-License-Identifier: MIT
+#include "thermorig/pipeline/timing/live_clock.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "lower_line.h"
+#include "parabola.h"
+#include "sliding_fit.h"
+
+namespace thermorig::timing {
+
+namespace {
+// The line runs on from the past, so it wants a shorter window than a parabola through the middle.
+constexpr double live_reference_window_s = 8.0;
+constexpr double longest_live_window_s = 30.0;
+
+constexpr double shortest_span_s = 1.0;  // a line through less says nothing
+constexpr std::size_t fewest_points = 4;
+constexpr double outage_s = 1.0;  // a busy host stalls for less
+constexpr double lost_periods = 0.6;
+constexpr double ahead_periods = 0.5;
+constexpr double watch_s = 0.3;  // beyond a stall of the reader
+constexpr std::uint32_t fewest_watched = 6;
+constexpr std::uint32_t fewest_slow_watched = 3;  // each so long that many chunks bring it
+constexpr double slow_s = 0.1;
+constexpr double restless = 3.0;
+constexpr double forget_unrest = 0.7;  // a block
+constexpr double nowhere_near_s = 1e9;
+}  // namespace
+
+LiveClock::LiveClock(const PortProfile& link, double nominal_rate_hz)
+    : rate_hz_(nominal_rate_hz), drift_(std::max(link.wander_ppm, 1.0) * 1e-6) {
+  const double wander = drift_ * 1e6 / reference_wander_ppm;
+  window_s_ = std::min(live_reference_window_s * std::pow(wander, -2.0 / 3.0), longest_live_window_s);
+  window_s_ = std::max(window_s_, messages_a_window / nominal_rate_hz);
+  block_s_ = window_s_ / blocks_a_window;
+}
+
+/// The message's place on the device's clock.
+double LiveClock::count(const MessageProof& proof) {
+  counted_ += 1.0;
+  if (!proof.device_s) return counted_ / rate_hz_;
+  const bool is_time = std::isfinite(*proof.device_s) && std::abs(*proof.device_s) < nowhere_near_s;
+  return is_time ? *proof.device_s : last_device_s_;
+}
+
+std::optional<HostTime> LiveClock::place(const MessageProof& proof) {
+  if (!origin_) origin_ = proof.latest;
+  const double y = to_s(proof.latest - *origin_);
+  double x = count(proof);
+  if (proof.device_s && x < last_device_s_) {  // a reset
+    rate_known_ = false;
+    restart(x, y);
+  }
+  last_device_s_ = x;
+  if (fitted_ && !proof.device_s) x = recount(proof, x, y);
+  if (fitted_ && late_s(x, y) > outage_s) restart(x, y);
+  if (proof.tight) add(x, y);
+  if (!fitted_ || unrest_ > restless) return std::nullopt;
+  const double line_s = line_at(x);
+  if (!std::isfinite(line_s)) return std::nullopt;
+  return *origin_ + from_s(std::clamp(line_s, y - outage_s, y));
+}
+
+/// Forgets what was; a rate that was known stays known.
+void LiveClock::restart(double x, double y) {
+  points_.clear();
+  blocks_.clear();
+  open_begin_ = 0;
+  first_x_ = open_x_ = x;
+  fitted_ = rate_known_;
+  slope_ = mean_slope_;
+  level_ = y;
+  line_x_ = x;
+  watched_ = 0;
+  watched_late_s_ = {};
+}
+
+double LiveClock::shift(double x, double periods) {
+  counted_ += periods;
+  missing_ += periods;
+  watched_ = 0;
+  watched_late_s_ = {};
+  return x + periods / rate_hz_;
+}
+
+/// Counts what was lost, or takes back what was counted too much.
+double LiveClock::recount(const MessageProof& proof, double x, double y) {
+  const double late_periods = late_s(x, y) / period_s();
+  if (late_periods < -ahead_periods) {
+    unrest_ += 1.0;
+    return shift(x, std::round(late_periods));
+  }
+  if (late_s(x, y) > outage_s) return shift(x, std::round(late_periods));
+  // Of what the skipped bytes may have been as many as its proof has room for; the watch finds the rest.
+  const double lost = std::min(proof.lost_before, std::floor(late_periods + 1.0 - lost_periods));
+  if (lost > 0.0) return shift(x, lost);
+  if (!proof.tight) return x;
+  if (!watch(late_s(x, y), x)) return x;
+  const double behind = std::min(watched_late_s_[0], watched_late_s_[1]) / period_s();
+  if (behind <= lost_periods) return x;
+  unrest_ += 1.0;
+  return shift(x, std::round(behind));
+}
+
+/// Keeps the least lateness of the two last spans that are long enough to be sure; true as one ends.
+bool LiveClock::watch(double late, double x) {
+  if (watched_ == 0) watch_x_ = x;
+  least_late_s_ = watched_ == 0 ? late : std::min(least_late_s_, late);
+  const std::uint32_t enough = period_s() < slow_s ? fewest_watched : fewest_slow_watched;
+  if (++watched_ < enough || x - watch_x_ < watch_s) return false;
+  watched_ = 0;
+  watched_late_s_ = {watched_late_s_[1], least_late_s_};
+  return true;
+}
+
+void LiveClock::add(double x, double y) {
+  if (points_.empty()) first_x_ = open_x_ = x;
+  if (x >= open_x_ + block_s_) close_block(x);
+  points_.push_back({x, y});
+  if (fitted_ && points_.size() < fewest_points) level_ = std::min(level_, y - slope_ * (x - line_x_));
+}
+
+void LiveClock::close_block(double x) {
+  keep_lower_hull(points_, open_begin_, 0.0);
+  blocks_.push_back({points_.size() - open_begin_, open_x_});
+  std::size_t old = 0;
+  std::size_t old_points = 0;
+  for (; old < blocks_.size() && blocks_[old].begin_x < x - window_s_; ++old)
+    old_points += blocks_[old].points;
+  points_.erase(points_.begin(), points_.begin() + static_cast<std::ptrdiff_t>(old_points));
+  blocks_.erase(blocks_.begin(), blocks_.begin() + static_cast<std::ptrdiff_t>(old));
+  open_begin_ = points_.size();
+  open_x_ = x;
+  unrest_ *= forget_unrest;
+  fit(x);
+}
+
+void LiveClock::fit(double x) {
+  if (points_.size() < 2) return;
+  const double begin_x = points_.front().x;
+  const double span_s = points_.back().x - begin_x;
+  if (!rate_known_ && span_s < shortest_span_s) return;
+  const double drift = drift_ + rate_slack_s / std::max(span_s, 1e-3);
+  const double reference =
+      rate_known_ && span_s < 0.5 * window_s_ ? mean_slope_ : lower_line_slope(points_, mean_slope_);
+  std::vector<Ceiling> level(points_);
+  for (Ceiling& point : level) point.y -= points_.front().y + reference * (point.x - begin_x);
+  const double middle = begin_x + 0.5 * span_s;
+  const double half = std::max(0.5 * span_s, 1e-3);
+  const Parabola line = highest_below(level, middle, half, {0.0, half * half / 3.0},
+                                      {rate_known_ && span_s < 0.5 * window_s_ ? drift_ : drift, 0.0});
+  slope_ = reference + line.b;
+  line_x_ = x;
+  level_ = points_.front().y + reference * (x - begin_x) + line.at(x);
+  fitted_ = true;
+  if (span_s >= 0.9 * window_s_ || !rate_known_) mean_slope_ = slope_;
+  if (span_s >= 0.5 * window_s_) rate_known_ = true;
+}
+
+}  // namespace thermorig::timing

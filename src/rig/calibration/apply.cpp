@@ -1,0 +1,107 @@
+// SPDX-License-Identifier: MIT
+#include <cmath>
+
+#include "thermorig/rig/calibration/calibration.h"
+
+namespace thermorig::calibration {
+
+namespace {
+
+/// Millionths are far below what any calibration tells, and a profile is read by people.
+double rounded(double value) {
+  return std::round(value * 1e6) / 1e6;
+}
+
+}  // namespace
+
+void apply(const BiasResult& result, const std::string& utc, RigProfile& profile) {
+  profile.gyro.bias_dps = rounded(result.bias_dps.value);
+  profile.gyro.bias_uncertainty_dps = rounded(result.bias_dps.uncertainty);
+  profile.gyro.bias_measured_utc = utc;
+}
+
+void apply(const LatencyResult& result, const std::string& utc, RigProfile& profile) {
+  profile.camera.link.latency_s = rounded(result.camera_latency_s.value);
+  profile.camera.link.latency_uncertainty_s = rounded(result.camera_latency_s.uncertainty);
+  profile.camera.link.latency_measured_utc = utc;
+}
+
+void apply(const ScaleResult& result, const std::string& utc, RigProfile& profile) {
+  profile.gyro.scale = rounded(result.gyro_scale.value);
+  profile.gyro.scale_uncertainty = rounded(result.gyro_scale.uncertainty);
+  profile.gyro.scale_measured_utc = utc;
+  if (!result.servo_scale) return;
+  profile.servo.scale = rounded(result.servo_scale->value);
+  profile.servo.scale_uncertainty = rounded(result.servo_scale->uncertainty);
+  profile.servo.scale_measured_utc = utc;
+}
+
+namespace {
+
+/// Bias and scale of another axis say nothing about this one; with the other sign the bias has it too.
+void turn_gyro(int axis, int sign, GyroProfile& gyro) {
+  if (gyro.axis != axis) {
+    const GyroProfile unknown;
+    gyro.bias_dps = unknown.bias_dps;
+    gyro.bias_uncertainty_dps = unknown.bias_uncertainty_dps;
+    gyro.bias_measured_utc.clear();
+    gyro.scale = unknown.scale;
+    gyro.scale_uncertainty = unknown.scale_uncertainty;
+    gyro.scale_measured_utc.clear();
+  } else if (gyro.sign != sign) {
+    gyro.bias_dps = -gyro.bias_dps;
+  }
+  gyro.axis = axis;
+  gyro.sign = sign;
+}
+
+}  // namespace
+
+void apply(const OrientationResult& result, const std::string& utc, RigProfile& profile) {
+  turn_gyro(result.gyro_axis, result.gyro_sign, profile.gyro);
+  profile.camera.mirrored = result.mirrored;
+  profile.camera.orientation_measured_utc = utc;
+}
+
+namespace {
+
+/// The camera's was measured against the gyro's, which belongs to it.
+void take_latency(const RigProfile& from, RigProfile& into) {
+  if (from.camera.link.latency_measured_utc.empty()) return;
+  into.camera.link.latency_s = from.camera.link.latency_s;
+  into.camera.link.latency_uncertainty_s = from.camera.link.latency_uncertainty_s;
+  into.camera.link.latency_measured_utc = from.camera.link.latency_measured_utc;
+  into.gyro.link.latency_s = from.gyro.link.latency_s;
+  into.gyro.link.latency_uncertainty_s = from.gyro.link.latency_uncertainty_s;
+}
+
+void take_gyro(const GyroProfile& from, GyroProfile& into) {
+  if (!from.scale_measured_utc.empty()) {
+    into.scale = from.scale;
+    into.scale_uncertainty = from.scale_uncertainty;
+    into.scale_measured_utc = from.scale_measured_utc;
+  }
+  if (from.bias_measured_utc.empty()) return;
+  into.bias_dps = from.bias_dps;
+  into.bias_uncertainty_dps = from.bias_uncertainty_dps;
+  into.bias_measured_utc = from.bias_measured_utc;
+}
+
+}  // namespace
+
+/// Orientation first: bias and scale belong to the axis and sign that they were measured with.
+void take_calibrations(const RigProfile& from, RigProfile& into) {
+  if (!from.camera.orientation_measured_utc.empty()) {
+    turn_gyro(from.gyro.axis, from.gyro.sign, into.gyro);
+    into.camera.mirrored = from.camera.mirrored;
+    into.camera.orientation_measured_utc = from.camera.orientation_measured_utc;
+  }
+  take_latency(from, into);
+  if (into.gyro.axis == from.gyro.axis && into.gyro.sign == from.gyro.sign) take_gyro(from.gyro, into.gyro);
+  if (from.servo.scale_measured_utc.empty()) return;
+  into.servo.scale = from.servo.scale;
+  into.servo.scale_uncertainty = from.servo.scale_uncertainty;
+  into.servo.scale_measured_utc = from.servo.scale_measured_utc;
+}
+
+}  // namespace thermorig::calibration

@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: MIT
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "thermorig/core/error.h"
+#include "thermorig/rig/calibration/calibration.h"
+
+namespace thermorig::calibration {
+
+namespace {
+
+constexpr double least_uncertainty = 1e-9;  // one that is stated as nothing must not outweigh all others
+
+/// Weighted by 1 / uncertainty^2. Where the values differ by more than they claim to know, their scatter
+/// decides (the Birge ratio of metrology).
+Estimate weighted_mean(std::span<const Estimate> estimates) {
+  double weights = 0.0, sum = 0.0, chi2 = 0.0;
+  const auto weight = [](const Estimate& estimate) {
+    const double uncertainty = std::max(estimate.uncertainty, least_uncertainty);
+    return 1.0 / (uncertainty * uncertainty);
+  };
+  for (const Estimate& estimate : estimates) {
+    weights += weight(estimate);
+    sum += weight(estimate) * estimate.value;
+  }
+  const double mean = sum / weights;
+  for (const Estimate& estimate : estimates)
+    chi2 += weight(estimate) * (estimate.value - mean) * (estimate.value - mean);
+  const double freedom = std::max(1.0, static_cast<double>(estimates.size()) - 1.0);
+  return {mean, std::sqrt(std::max(1.0, chi2 / freedom) / weights)};
+}
+
+template <typename Result, typename Value>
+Estimate mean_of(std::span<const Result> results, Value value) {
+  std::vector<Estimate> estimates;
+  for (const Result& result : results)
+    if (const std::optional<Estimate> estimate = value(result)) estimates.push_back(*estimate);
+  return weighted_mean(estimates);
+}
+
+}  // namespace
+
+/// The bias of one session is not that of the next: the uncertainty is that of a session, not of the mean.
+BiasResult combined(std::span<const BiasResult> results) {
+  BiasResult all = results.front();
+  all.bias_dps = mean_of(results, [](const BiasResult& result) { return std::optional(result.bias_dps); });
+  all.rest_s = 0.0;
+  for (const BiasResult& result : results) {
+    all.rest_s += result.rest_s;
+    all.noise_dps = std::max(all.noise_dps, result.noise_dps);
+    if (std::abs(result.drift_dps) > std::abs(all.drift_dps)) all.drift_dps = result.drift_dps;
+    const double off_dps = result.bias_dps.value - all.bias_dps.value;
+    all.bias_dps.uncertainty =
+        std::max(all.bias_dps.uncertainty, std::hypot(off_dps, result.bias_dps.uncertainty));
+  }
+  return all;
+}
+
+LatencyResult combined(std::span<const LatencyResult> results) {
+  LatencyResult all = results.front();
+  all.camera_latency_s =
+      mean_of(results, [](const LatencyResult& result) { return std::optional(result.camera_latency_s); });
+  all.offset_s = {all.camera_latency_s.value - all.before_s, all.camera_latency_s.uncertainty};
+  all.halves = 0;
+  for (const LatencyResult& result : results) all.halves += result.halves;
+  return all;
+}
+
+ScaleResult combined(std::span<const ScaleResult> results) {
+  ScaleResult all = results.front();
+  all.gyro_scale =
+      mean_of(results, [](const ScaleResult& result) { return std::optional(result.gyro_scale); });
+  const bool driven = std::any_of(results.begin(), results.end(),
+                                  [](const ScaleResult& result) { return result.servo_scale.has_value(); });
+  if (driven)
+    all.servo_scale = mean_of(results, [](const ScaleResult& result) { return result.servo_scale; });
+  all.turned_deg = 0.0;
+  for (const ScaleResult& result : results) all.turned_deg += result.turned_deg;
+  return all;
+}
+
+OrientationResult combined(std::span<const OrientationResult> results) {
+  OrientationResult all = results.front();
+  for (const OrientationResult& result : results) {
+    if (result.gyro_axis != all.gyro_axis || result.gyro_sign != all.gyro_sign ||
+        result.mirrored != all.mirrored)
+      throw Error(ExitCode::finished_lossy, "the sessions contradict each other about the orientation",
+                  "calibrate orientation", "sessions of one rig only, put together in the same way");
+    all.correlation = std::min(all.correlation, result.correlation);
+    all.contrast = std::min(all.contrast, result.contrast);
+  }
+  return all;
+}
+
+}  // namespace thermorig::calibration

@@ -1,0 +1,134 @@
+// SPDX-License-Identifier: MIT
+#include <fmt/format.h>
+
+#include <array>
+#include <cmath>
+#include <vector>
+
+#include "thermorig/core/error.h"
+#include "thermorig/pipeline/labels/servo_response.h"
+#include "thermorig/pipeline/motion/panorama_fit.h"
+#include "thermorig/rig/calibration/calibration.h"
+
+namespace thermorig::calibration {
+
+namespace {
+
+constexpr double least_correlation = 0.7;
+constexpr double least_lead = 0.2;  // of the best axis over the next one
+constexpr double longest_gap_s = 0.1;
+constexpr double least_moving_dps = 5.0;
+
+[[noreturn]] void refuse_orientation(const std::string& what, const std::string& advice) {
+  throw Error(ExitCode::finished_lossy, what, "calibrate orientation", advice);
+}
+
+/// Correlation of two series that come in pairs.
+class Correlation {
+ public:
+  void add(double x, double y) {
+    count_ += 1;
+    const double dx = x - mean_x_, dy = y - mean_y_;
+    mean_x_ += dx / count_;
+    mean_y_ += dy / count_;
+    xx_ += dx * (x - mean_x_);
+    yy_ += dy * (y - mean_y_);
+    xy_ += dx * (y - mean_y_);
+  }
+  double value() const { return xx_ > 0 && yy_ > 0 ? xy_ / std::sqrt(xx_ * yy_) : 0.0; }
+  double spread_x() const { return count_ > 0 ? std::sqrt(xx_ / count_) : 0.0; }
+
+ private:
+  double count_ = 0, mean_x_ = 0, mean_y_ = 0, xx_ = 0, yy_ = 0, xy_ = 0;
+};
+
+/// The commanded speed at times that only grow; none where telemetry does not reach.
+class CommandedRate {
+ public:
+  explicit CommandedRate(std::span<const TimedServo> servo) : servo_(servo) {}
+  std::optional<double> at(HostTime time) {
+    while (next_ < servo_.size() && servo_[next_].stamp.time <= time) ++next_;
+    if (next_ == 0 || next_ == servo_.size()) return std::nullopt;
+    const TimedServo& before = servo_[next_ - 1];
+    const TimedServo& after = servo_[next_];
+    const double span_s = to_s(after.stamp.time - before.stamp.time);
+    if (span_s > longest_gap_s) return std::nullopt;
+    const double share = to_s(time - before.stamp.time) / span_s;
+    return before.state.rate_dps + share * (after.state.rate_dps - before.state.rate_dps);
+  }
+
+ private:
+  std::span<const TimedServo> servo_;
+  std::size_t next_ = 0;
+};
+
+struct Axis {
+  std::size_t index = 0;
+  double correlation = 0.0;  // signed
+};
+
+Axis turning_axis(const session::Session& session) {
+  std::array<Correlation, 3> axes;
+  CommandedRate commanded(session.servo);
+  const HostDuration delay = from_s(session.sync.servo.delay_s);
+  for (const TimedGyro& sample : session.gyro) {
+    const auto rate_dps = commanded.at(sample.stamp.time - delay);
+    if (!rate_dps) continue;
+    for (std::size_t axis = 0; axis < 3; ++axis)
+      if (std::isfinite(sample.reading.rate_dps[axis]))
+        axes[axis].add(*rate_dps, sample.reading.rate_dps[axis]);
+  }
+  double moving_dps = 0.0, next = 0.0;
+  Axis best;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    moving_dps = std::max(moving_dps, axes[axis].spread_x());
+    const double value = axes[axis].value();
+    if (std::abs(value) > std::abs(best.correlation)) {
+      next = std::abs(best.correlation);
+      best = {axis, value};
+    } else {
+      next = std::max(next, std::abs(value));
+    }
+  }
+  if (moving_dps < least_moving_dps)
+    refuse_orientation("the servo hardly moved",
+                       "sweeps in both directions: `thermorig calibrate orientation` drives them");
+  if (std::abs(best.correlation) < least_correlation || std::abs(best.correlation) - next < least_lead)
+    refuse_orientation(
+        fmt::format("no axis of the gyro turns with the servo (the best follows it by {:.2f} of 1)",
+                    std::abs(best.correlation)),
+        "fix the gyro to the arm, with one of its axes along the servo's; is the servo's supply on?");
+  return best;
+}
+
+/// The gyro as it would have been decoded with that axis and sign.
+std::vector<TimedGyro> about(const std::vector<TimedGyro>& gyro, std::size_t axis, int sign) {
+  std::vector<TimedGyro> turned = gyro;
+  for (TimedGyro& sample : turned) sample.rate_dps = static_cast<float>(sign) * sample.reading.rate_dps[axis];
+  return turned;
+}
+
+}  // namespace
+
+OrientationResult measure_orientation(const session::Session& session) {
+  const Axis axis = turning_axis(session);
+  GyroProfile profile = session.raw.header.profile.gyro;
+  profile.axis = static_cast<int>(axis.index);
+  profile.sign = axis.correlation < 0 ? -1 : 1;
+  const std::vector<TimedGyro> gyro = about(session.gyro, axis.index, profile.sign);
+  const GyroErrors errors = labels::fit_gyro_errors(gyro, session.servo, profile);
+  const CameraProfile& camera = session.raw.header.profile.camera;
+  const motion::Orientation image =
+      motion::orientation(session.frames, gyro, {camera.field_of_view_deg, camera.mirrored}, errors);
+  if (!image.mirrored || !(image.contrast > 0.0))
+    refuse_orientation(
+        "the images do not tell which way they turn: " + image.why_not,
+        "point the camera at something with warm and cold edges, and see that the lens is free");
+  return {.gyro_axis = profile.axis,
+          .gyro_sign = profile.sign,
+          .correlation = std::abs(axis.correlation),
+          .mirrored = *image.mirrored,
+          .contrast = image.contrast};
+}
+
+}  // namespace thermorig::calibration

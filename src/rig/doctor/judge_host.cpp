@@ -1,0 +1,207 @@
+// SPDX-License-Identifier: MIT
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+
+#include "thermorig/rig/doctor/checks.h"
+
+namespace thermorig::doctor {
+
+namespace {
+
+Check user_check(const HostFacts& facts) {
+  Check check{.name = "user"};
+  const std::string user = facts.user.empty() ? "this user" : facts.user;
+  const std::string group = facts.serial_group.empty() ? "dialout" : facts.serial_group;
+  if (facts.is_root) {
+    check.warning = true;
+    check.result = "this is root: nothing protects the system, and the recordings will be root's";
+    check.advice = fmt::format("work as a user of the group {}", group);
+  } else if (facts.in_group) {
+    check.result = fmt::format("{} is in the group {}", user, group);
+  } else if (facts.group_file_names_user) {
+    check.warning = true;
+    check.result =
+        fmt::format("{} was put into the group {}, but this login does not know it yet", user, group);
+    check.advice = "log out and in again";
+  } else {
+    check.warning = true;
+    check.result = fmt::format("{} is not in the group {}, which serial ports belong to", user, group);
+    check.advice = fmt::format("sudo usermod -aG {} {}, then log out and in again", group,
+                               facts.user.empty() ? "$USER" : facts.user);
+  }
+  return check;
+}
+
+std::string name_of_port(const PortFacts& port) {
+  return port.asked.role ? std::string(name_of(*port.asked.role)) + " port" : port.asked.path;
+}
+
+Check access_failure(const PortFacts& port, const HostFacts& facts) {
+  Check check{.name = name_of_port(port), .result = port.asked.path};
+  if (!port.usb_id.empty()) check.result += fmt::format(" ({}, {})", port.usb_id, port.driver);
+  if (!port.exists) {
+    check.code = ExitCode::device_missing;
+    check.result += " is not there";
+    check.advice = "check the USB cable; thermorig ports shows which ports there are";
+  } else if (!port.may_open) {
+    check.code = ExitCode::no_permission;
+    check.result += " may not be opened by this user";
+    check.advice = user_check(facts).advice;
+    if (check.advice.empty()) check.advice = "see who owns it: ls -l " + port.asked.path;
+  } else if (port.holder) {
+    check.code = ExitCode::no_permission;
+    check.result += fmt::format(" is held by {}", *port.holder);
+    check.advice = "stop that program";
+  } else {
+    check.result += " can be opened, nobody that this user can see holds it";
+  }
+  return check;
+}
+
+/// A warning where nobody asked for this port.
+Check access_check(const PortFacts& port, const HostFacts& facts) {
+  Check check = access_failure(port, facts);
+  if (port.asked.role || !check.failed()) return check;
+  check.code = ExitCode::ok;
+  check.warning = true;
+  return check;
+}
+
+/// Only what is not as it should be: most adapters have neither.
+void add_usb_checks(const PortFacts& port, std::vector<Check>& checks) {
+  if (port.latency_timer_ms) {
+    const bool lowered = *port.latency_timer_ms > 1;  // io::Loop::open asks for it (ASYNC_LOW_LATENCY)
+    checks.push_back(
+        {.name = name_of_port(port) + " latency",
+         .result = fmt::format("the FTDI latency timer is {} ms{}", *port.latency_timer_ms,
+                               lowered ? "; a recording asks for 1 ms while it has the port open" : "")});
+  }
+  if (port.may_suspend) {
+    checks.push_back({.name = name_of_port(port) + " power",
+                      .result = "USB autosuspend is on for it: it may fall asleep between messages",
+                      .advice = fmt::format("echo on | sudo tee {}/power/control", port.usb_device.string()),
+                      .warning = true});
+  }
+}
+
+bool asked_port_is_missing(const HostFacts& facts) {
+  return std::any_of(facts.ports.begin(), facts.ports.end(),
+                     [](const PortFacts& port) { return port.asked.role && !port.exists; });
+}
+
+Check braille_check(const HostFacts& facts) {
+  Check check{.name = "brltty"};
+  const std::string advice =
+      "sudo apt remove brltty, or switch its rule off: sudo ln -s /dev/null /etc/udev/rules.d/" +
+      facts.braille_rule.substr(facts.braille_rule.rfind('/') + 1) +
+      " && sudo udevadm control --reload; then unplug the adapter and plug it in again";
+  if (facts.braille_adapters.empty()) {
+    check.result = "it takes no adapter that a rig uses";
+  } else if (!facts.adapters_without_port.empty()) {
+    if (asked_port_is_missing(facts))
+      check.code = ExitCode::device_missing;
+    else
+      check.warning = true;
+    check.result = fmt::format("an adapter {} is plugged in and has no port: brltty takes it ({})",
+                               fmt::join(facts.adapters_without_port, ", "), facts.braille_rule);
+    check.advice = advice;
+  } else {
+    check.warning = true;
+    check.result = fmt::format("its rules take adapters {} as braille displays ({})",
+                               fmt::join(facts.braille_adapters, ", "), facts.braille_rule);
+    check.advice = advice;
+  }
+  return check;
+}
+
+Check modem_check(const HostFacts& facts) {
+  Check check{.name = "ModemManager"};
+  const bool all_ignored =
+      !facts.ports.empty() && std::all_of(facts.ports.begin(), facts.ports.end(), [](const PortFacts& port) {
+        return port.usb_id.empty() || port.modem_manager_ignores;
+      });
+  if (!facts.modem_manager) {
+    check.result = "none that this user can see runs";
+  } else if (all_ignored) {
+    check.result = "it runs and leaves these ports alone";
+  } else {
+    check.warning = true;
+    check.result = "it runs: it writes modem commands to new ports for about 10 s";
+    check.advice =
+        "sudo systemctl mask --now ModemManager, or a udev rule that sets "
+        "ENV{ID_MM_PORT_IGNORE}=\"1\" for these ports";
+  }
+  return check;
+}
+
+Check clock_check(const HostFacts& facts) {
+  Check check{.name = "clock",
+              .result = facts.clock_source.empty() ? "not told by the system" : facts.clock_source};
+  if (facts.clock_source == "jiffies") {
+    check.code = ExitCode::failed;
+    check.result += ": it steps by 1 to 10 ms, no frame can be timed with it";
+    check.advice = "a kernel with high resolution timers; look for clocksource= in /proc/cmdline";
+  } else if (facts.clock_source == "acpi_pm" || facts.clock_source == "hpet") {
+    check.warning = true;
+    check.result += ": each look at it takes about a microsecond, and the kernel had a reason to leave tsc";
+    check.advice = "journalctl -k | grep -i clocksource tells the reason";
+  }
+  return check;
+}
+
+Check governor_check(const HostFacts& facts) {
+  Check check{.name = "processor",
+              .result = facts.governor.empty() ? "its speed is not governed" : facts.governor};
+  if (facts.governor == "powersave" && !facts.governor_is_active_driver) {
+    check.warning = true;
+    check.result += ": it stays at its lowest speed";
+    check.advice = "echo performance | sudo tee /sys/devices/system/cpu/cpu*/cpufreq/scaling_governor";
+  }
+  return check;
+}
+
+Check power_check(const HostFacts& facts) {
+  Check check{.name = "power", .result = "mains, or a machine without a battery"};
+  if (facts.on_battery) {
+    check.warning = true;
+    check.result = "on battery: the system may suspend during a recording";
+    check.advice = "plug it in, or: systemd-inhibit thermorig record ...";
+  }
+  return check;
+}
+
+Check plugin_check(const HostFacts& facts) {
+  Check check{.name = "HDF5 plugins", .result = "no folder of them is named"};
+  if (facts.plugin_path) {
+    check.warning = true;
+    check.result =
+        fmt::format("HDF5_PLUGIN_PATH is \"{}\"{}: other programs load code from there for sessions",
+                    *facts.plugin_path, facts.plugin_path_exists ? "" : ", which is not there");
+    check.advice = "unset HDF5_PLUGIN_PATH; sessions need no plugin";
+  }
+  return check;
+}
+
+}  // namespace
+
+std::vector<Check> judge_host(const HostFacts& facts) {
+  std::vector<Check> checks{user_check(facts)};
+  for (const PortFacts& port : facts.ports) {
+    checks.push_back(access_check(port, facts));
+    add_usb_checks(port, checks);
+  }
+  for (const auto& judge_one : {braille_check, modem_check}) checks.push_back(judge_one(facts));
+  for (const Check& check : judge_machine(facts)) checks.push_back(check);
+  return checks;
+}
+
+std::vector<Check> judge_machine(const HostFacts& facts) {
+  std::vector<Check> checks;
+  for (const auto& judge_one : {clock_check, governor_check, power_check, plugin_check})
+    checks.push_back(judge_one(facts));
+  return checks;
+}
+
+}  // namespace thermorig::doctor

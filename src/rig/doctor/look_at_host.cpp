@@ -1,0 +1,247 @@
+// SPDX-License-Identifier: MIT
+#include <fmt/format.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <fstream>
+#include <set>
+#include <sstream>
+
+#include "system_text.h"
+#include "thermorig/io/holder.h"
+#include "thermorig/rig/doctor/host_facts.h"
+#include "udev_rules.h"
+
+namespace thermorig::doctor {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+// Adapters that these rigs are made with and that brltty's rules claim: CH340 and CP210x.
+constexpr std::array<const char*, 2> braille_like_ids{"1a86:7523", "10c4:ea60"};
+
+std::optional<long> number(const std::string& text) {
+  long value = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  return error == std::errc() && end != text.data() ? std::optional(value) : std::nullopt;
+}
+
+/// Who this process is, as /proc says it.
+struct Process {
+  long user = -1;
+  std::set<long> groups;
+};
+
+Process this_process(const fs::path& root) {
+  Process process;
+  for (const std::string& line : lines_of(root / "proc/self/status")) {
+    std::istringstream words(line);
+    std::string key;
+    long value = 0;
+    words >> key;
+    if (key == "Uid:") {
+      words >> value >> process.user;  // the effective one is the second
+    } else if (key == "Gid:") {
+      words >> value >> value;
+      process.groups.insert(value);
+    } else if (key == "Groups:") {
+      while (words >> value) process.groups.insert(value);
+    }
+  }
+  return process;
+}
+
+std::string user_name(const fs::path& root, long user) {
+  for (const std::string& line : lines_of(root / "etc/passwd")) {
+    const auto fields = split(line, ':');
+    if (fields.size() > 2 && number(fields[2]) == user) return fields[0];
+  }
+  return {};
+}
+
+void look_at_groups(const fs::path& root, const Process& process, HostFacts& facts) {
+  facts.is_root = process.user == 0;
+  facts.user = user_name(root, process.user);
+  for (const std::string& line : lines_of(root / "etc/group")) {
+    const auto fields = split(line, ':');
+    if (fields.size() < 3 || (fields[0] != "dialout" && fields[0] != "uucp")) continue;
+    if (facts.serial_group == "dialout") continue;  // Debian has both; the ports are dialout's
+    facts.serial_group = fields[0];
+    facts.in_group = process.groups.count(number(fields[2]).value_or(-1)) > 0;
+    const auto members = fields.size() > 3 ? split(fields[3], ',') : std::vector<std::string>();
+    facts.group_file_names_user = std::find(members.begin(), members.end(), facts.user) != members.end();
+  }
+}
+
+/// By owner, group and mode; the real system is asked itself, since access lists count as well.
+bool may_open(const fs::path& root, const fs::path& port, const Process& process) {
+  if (root == "/") return access(port.c_str(), R_OK | W_OK) == 0;
+  struct stat status {};
+  if (stat((root / port.relative_path()).c_str(), &status) != 0) return false;
+  if (process.user == 0) return true;
+  if (process.user == static_cast<long>(status.st_uid)) return (status.st_mode & 0600U) == 0600U;
+  if (process.groups.count(static_cast<long>(status.st_gid)) > 0) return (status.st_mode & 0060U) == 0060U;
+  return (status.st_mode & 0006U) == 0006U;
+}
+
+/// The folder of a USB device in /sys that `device` lies in; empty if there is none.
+fs::path usb_device_of(const fs::path& device) {
+  std::error_code missing;
+  fs::path folder = fs::canonical(device, missing);
+  if (missing) return {};
+  for (; folder.has_relative_path(); folder = folder.parent_path())
+    if (fs::exists(folder / "idVendor", missing)) return folder;
+  return {};
+}
+
+std::string usb_id_of(const fs::path& usb_device) {
+  return first_line(usb_device / "idVendor") + ":" + first_line(usb_device / "idProduct");
+}
+
+bool suspends(const fs::path& usb_device) {
+  const auto delay_ms = number(first_line(usb_device / "power/autosuspend_delay_ms"));
+  return first_line(usb_device / "power/control") == "auto" && delay_ms.value_or(0) >= 0;
+}
+
+/// Whether udev has marked this port or its device: the database that `udevadm info` shows.
+bool modem_manager_ignores(const fs::path& root, const std::string& name) {
+  const std::string number = first_line(root / "sys/class/tty" / name / "dev");  // "188:0"
+  for (const std::string& line : lines_of(root / "run/udev/data" / ("c" + number)))
+    if (line == "E:ID_MM_PORT_IGNORE=1" || line == "E:ID_MM_DEVICE_IGNORE=1") return true;
+  return false;
+}
+
+PortFacts look_at_port(const fs::path& root, const AskedPort& asked, const Process& process) {
+  PortFacts facts{.asked = asked};
+  const fs::path path(asked.path);
+  const std::string name = path.filename();
+  std::error_code missing;
+  facts.exists = fs::exists(root / path.relative_path(), missing);
+  if (!facts.exists) return facts;
+  facts.may_open = may_open(root, path, process);
+  facts.holder = io::other_holder_of(asked.path, root / "proc");
+  const fs::path device = root / "sys/class/tty" / name / "device";
+  const fs::path usb_device = usb_device_of(device);
+  if (usb_device.empty()) return facts;
+  facts.usb_id = usb_id_of(usb_device);
+  facts.usb_device = "/" / usb_device.lexically_relative(fs::canonical(root, missing));
+  facts.driver = fs::read_symlink(device / "driver", missing).filename();
+  if (const auto timer = number(first_line(root / "sys/bus/usb-serial/devices" / name / "latency_timer")))
+    facts.latency_timer_ms = static_cast<int>(*timer);
+  facts.may_suspend = suspends(usb_device);
+  facts.modem_manager_ignores = modem_manager_ignores(root, name);
+  return facts;
+}
+
+std::vector<AskedPort> usb_ports(const fs::path& root) {
+  std::vector<AskedPort> ports;
+  std::error_code missing;
+  for (fs::directory_iterator port(root / "sys/class/tty", missing), end; !missing && port != end;
+       port.increment(missing)) {
+    const std::string name = port->path().filename();
+    if (!name.starts_with("ttyUSB") && !name.starts_with("ttyACM")) continue;
+    ports.push_back({"/dev/" + name, std::nullopt});
+  }
+  std::sort(ports.begin(), ports.end(), [](const auto& a, const auto& b) { return a.path < b.path; });
+  return ports;
+}
+
+void look_for_braille(const fs::path& root, HostFacts& facts) {
+  for (const RuleFile& file : udev_rules(root)) {
+    if (file.path.filename().string().find("brltty") == std::string::npos) continue;
+    for (const char* id : braille_like_ids)
+      if (std::any_of(file.lines.begin(), file.lines.end(),
+                      [id](const std::string& rule) { return names_device(rule, id); })) {
+        facts.braille_rule = file.path;
+        facts.braille_adapters.emplace_back(id);
+      }
+  }
+}
+
+bool has_port(const fs::path& usb_device) {
+  std::error_code error;
+  for (fs::recursive_directory_iterator entry(usb_device, error), end; !error && entry != end;
+       entry.increment(error))
+    if (entry->path().filename().string().starts_with("tty")) return true;
+  return false;
+}
+
+void look_for_lost_adapters(const fs::path& root, HostFacts& facts) {
+  std::error_code missing;
+  for (fs::directory_iterator device(root / "sys/bus/usb/devices", missing), end; !missing && device != end;
+       device.increment(missing)) {
+    const fs::path folder = fs::canonical(device->path(), missing);
+    if (missing || !fs::exists(folder / "idVendor", missing)) continue;
+    const std::string id = usb_id_of(folder);
+    const bool is_claimed = std::find(facts.braille_adapters.begin(), facts.braille_adapters.end(), id) !=
+                            facts.braille_adapters.end();
+    if (is_claimed && !has_port(folder)) facts.adapters_without_port.push_back(id);
+  }
+}
+
+bool runs(const fs::path& root, const std::string& command) {
+  std::error_code missing;
+  for (fs::directory_iterator process(root / "proc", missing), end; !missing && process != end;
+       process.increment(missing))
+    if (first_line(process->path() / "comm") == command) return true;
+  return false;
+}
+
+bool is_on_battery(const fs::path& root) {
+  bool has_mains = false;
+  bool plugged_in = false;
+  std::error_code missing;
+  for (fs::directory_iterator supply(root / "sys/class/power_supply", missing), end;
+       !missing && supply != end; supply.increment(missing)) {
+    if (first_line(supply->path() / "type") != "Mains") continue;
+    has_mains = true;
+    plugged_in = plugged_in || first_line(supply->path() / "online") == "1";
+  }
+  return has_mains && !plugged_in;
+}
+
+/// A variable of this process's environment, as it was when the process began.
+std::optional<std::string> variable(const fs::path& root, const std::string& name) {
+  std::ifstream in(root / "proc/self/environ", std::ios::binary);
+  for (std::string entry; std::getline(in, entry, '\0');)
+    if (entry.starts_with(name + "=")) return entry.substr(name.size() + 1);
+  return std::nullopt;
+}
+
+void look_at_plugins(const fs::path& root, HostFacts& facts) {
+  facts.plugin_path = variable(root, "HDF5_PLUGIN_PATH");
+  if (!facts.plugin_path) return;
+  std::error_code missing;
+  facts.plugin_path_exists = fs::is_directory(root / fs::path(*facts.plugin_path).relative_path(), missing);
+}
+
+void look_at_processor(const fs::path& root, HostFacts& facts) {
+  facts.clock_source = first_line(root / "sys/devices/system/clocksource/clocksource0/current_clocksource");
+  const fs::path frequency = root / "sys/devices/system/cpu/cpu0/cpufreq";
+  facts.governor = first_line(frequency / "scaling_governor");
+  const std::string driver = first_line(frequency / "scaling_driver");
+  facts.governor_is_active_driver = driver.starts_with("intel_pstate") || driver.starts_with("amd-pstate");
+}
+
+}  // namespace
+
+HostFacts look_at_host(const fs::path& root, const std::vector<AskedPort>& asked) {
+  HostFacts facts;
+  const Process process = this_process(root);
+  look_at_groups(root, process, facts);
+  for (const AskedPort& port : asked.empty() ? usb_ports(root) : asked)
+    facts.ports.push_back(look_at_port(root, port, process));
+  look_for_braille(root, facts);
+  look_for_lost_adapters(root, facts);
+  facts.modem_manager = runs(root, "ModemManager");
+  look_at_processor(root, facts);
+  facts.on_battery = is_on_battery(root);
+  look_at_plugins(root, facts);
+  return facts;
+}
+
+}  // namespace thermorig::doctor

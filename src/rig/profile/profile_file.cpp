@@ -1,0 +1,121 @@
+// SPDX-License-Identifier: MIT
+#include "thermorig/rig/profile/profile_file.h"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cmath>
+#include <cstdint>
+#include <fstream>
+#include <map>
+#include <system_error>
+#include <utility>
+
+#include "thermorig/core/error.h"
+#include "thermorig/rig/profile/toml_table.h"
+#include "thermorig/rig/profile/toml_text.h"
+#include "thermorig/storage/recording_header/profile_fields.h"
+
+namespace thermorig::rig {
+
+namespace {
+
+using recording_header::FieldValue;
+using recording_header::ProfileField;
+using recording_header::ProfileProblem;
+
+std::optional<FieldValue> value_in(TomlTable& table, const ProfileField& field) {
+  if (std::holds_alternative<bool>(field.standard)) return table.boolean(field.name);
+  if (std::holds_alternative<std::int64_t>(field.standard))
+    return table.integer(field.name, std::llround(field.min), std::llround(field.max));
+  if (std::holds_alternative<double>(field.standard)) return table.number(field.name, field.min, field.max);
+  return table.text(field.name);
+}
+
+/// The tables of a text, by the names that fields have for them.
+class TomlTables {
+ public:
+  explicit TomlTables(TomlTable root) { tables_.emplace("", std::move(root)); }
+
+  /// "gyro.text" is a table within "gyro".
+  TomlTable& operator[](const std::string& name) {
+    if (const auto found = tables_.find(name); found != tables_.end()) return found->second;
+    const std::size_t dot = name.rfind('.');
+    TomlTable& parent = (*this)[dot == std::string::npos ? "" : name.substr(0, dot)];
+    return tables_.emplace(name, parent.table(name.substr(dot + 1))).first->second;
+  }
+
+  void refuse_unknown() const {
+    for (const auto& [name, table] : tables_) table.refuse_unknown();
+  }
+
+ private:
+  std::map<std::string, TomlTable> tables_;
+};
+
+std::string toml_value(const FieldValue& value) {
+  if (const auto* const text = std::get_if<std::string>(&value)) return toml_quoted(*text);
+  return std::visit([](const auto& plain) { return fmt::format("{}", plain); }, value);
+}
+
+[[noreturn]] void refuse_writing(const std::filesystem::path& path, const std::string& why) {
+  throw Error(ExitCode::storage, "the rig profile cannot be written: " + why, path.string(),
+              "choose a folder that you may write to");
+}
+
+}  // namespace
+
+RigProfile parse_profile(const std::string& text, const std::string& file_name) {
+  TomlTables tables(TomlTable::parse(text, file_name));
+  RigProfile profile = recording_header::profile_from(
+      [&](const ProfileField& field) { return value_in(tables[field.table], field); },
+      [&](const ProfileProblem& problem) {
+        tables[problem.table].refuse(problem.name, problem.what, problem.allowed);
+      });
+  tables.refuse_unknown();
+  return profile;
+}
+
+RigProfile read_profile(const std::filesystem::path& path) {
+  return parse_profile(read_text_file(path.string(), "rig profile"), path.string());
+}
+
+std::string profile_text(const RigProfile& profile) {
+  std::string text = "# A rig of thermorig: what is connected, and how. Keys may be left out.\n";
+  std::string table;
+  recording_header::for_each_field(profile, [&](const ProfileField& field, const FieldValue& value) {
+    if (field.table != table) text += fmt::format("\n[{}]\n", field.table);
+    table = field.table;
+    const std::string line = fmt::format("{} = {}", field.name, toml_value(value));
+    text += fmt::format("{:<32}  # {}\n", line, field.help);
+  });
+  return text;
+}
+
+void require_profile_storage(const std::filesystem::path& path) {
+  std::error_code hidden;
+  if (std::filesystem::exists(path, hidden)) read_profile(path);
+  std::filesystem::path folder = std::filesystem::absolute(path).parent_path();
+  while (!std::filesystem::exists(folder, hidden) && folder.has_relative_path())
+    folder = folder.parent_path();
+  if (!std::filesystem::is_directory(folder, hidden))
+    refuse_writing(path, folder.string() + " is not a folder");
+  if (::access(folder.c_str(), W_OK | X_OK) != 0)
+    refuse_writing(path, folder.string() + ": " + std::generic_category().message(errno));
+}
+
+void write_profile(const std::filesystem::path& path, const RigProfile& profile) {
+  const std::filesystem::path temporary = path.string() + ".new";
+  std::error_code failure;
+  if (path.has_parent_path()) std::filesystem::create_directories(path.parent_path(), failure);
+  if (failure) refuse_writing(path, "its folder cannot be made: " + failure.message());
+  std::ofstream file(temporary, std::ios::binary | std::ios::trunc);
+  file << profile_text(profile);
+  file.close();
+  if (!file) refuse_writing(path, "writing failed");
+  std::filesystem::rename(temporary, path, failure);
+  if (failure) refuse_writing(path, failure.message());
+}
+
+}  // namespace thermorig::rig

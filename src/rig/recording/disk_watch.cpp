@@ -1,0 +1,118 @@
+// SPDX-License-Identifier: MIT
+#include "disk_watch.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <utility>
+
+#include "thermorig/core/error.h"
+#include "thermorig/rig/sweep/expected_size.h"
+
+namespace thermorig::rig {
+
+namespace {
+
+constexpr auto look_period = std::chrono::seconds(1);
+constexpr auto late_told_period = std::chrono::seconds(10);
+constexpr std::uint64_t smallest_step = 1U << 20U;
+
+double megabytes(std::uint64_t bytes) {
+  return static_cast<double>(bytes) / 1e6;
+}
+
+RecordingEvent warning(HostTime now, std::string message) {
+  return {now, EventKind::warning, std::nullopt, std::move(message)};
+}
+
+std::string when_synced(const SyncPolicy& policy) {
+  if (policy.when == SyncWhen::each_frame) return "after each frame";
+  if (policy.when == SyncWhen::end) return "at its end";
+  return fmt::format("within {} ms", to_text(policy));
+}
+
+/// As `doctor` judges a disk; else the sync began late: the computer was busy.
+bool is_of_disk(const LateSync& late, const SyncPolicy& policy) {
+  return late.lasted > policy.period;
+}
+
+std::string text_of(const LateSync& late, const SyncPolicy& policy) {
+  const std::string cause =
+      is_of_disk(late, policy)
+          ? fmt::format("the disk is slow: a sync took {:.0f} ms", to_s(late.lasted) * 1e3)
+          : std::string("this computer is busy: a sync ended late");
+  return fmt::format(
+      "{}; what was received {:.0f} ms ago is on the disk only now, and a loss of power would "
+      "have cost as much",
+      cause, to_s(late.waited) * 1e3);
+}
+
+}  // namespace
+
+void require_space(files::Disk& disk, const std::filesystem::path& path, std::uint64_t needed) {
+  const auto free = disk.free_bytes(files::folder_of(path));
+  if (!free.good() || free.value >= needed) return;  // unknown: let the writes tell
+  throw Error(ExitCode::storage,
+              fmt::format("not enough space for the recording and the session that is made of it: {:.1f} MB "
+                          "needed, {:.1f} MB free, {:.1f} MB missing",
+                          megabytes(needed), megabytes(free.value), megabytes(needed - free.value)),
+              path.string(), "free some space, or record to another disk with --output");
+}
+
+DiskWatch::DiskWatch(journal::JournalWriter& journal, const SyncPolicy& policy)
+    : journal_(journal), policy_(policy), step_(std::max(smallest_step, journal.reserved() / 8)) {}
+
+std::vector<RecordingEvent> DiskWatch::look(HostTime now, const std::optional<LateSync>& late) {
+  std::vector<RecordingEvent> said;
+  const bool is_told = late && (is_of_disk(*late, policy_) || late->waited > 2 * policy_.period);
+  if (is_told && now >= next_late_) {
+    next_late_ = now + late_told_period;
+    said.push_back(warning(now, text_of(*late, policy_)));
+  }
+  if (!next_look_)
+    said.push_back(
+        {now, EventKind::info, std::nullopt,
+         fmt::format("the disk: the recording is synced {}; {:.1f} MB are {}", when_synced(policy_),
+                     megabytes(journal_.reserved()),
+                     journal_.can_reserve() ? "reserved for it"
+                                            : "expected, and this file system cannot reserve them")});
+  if (next_look_ && now < *next_look_) return said;
+  next_look_ = now + look_period;
+  look_at_reserve(now, said);
+  look_at_space(now, said);
+  return said;
+}
+
+void DiskWatch::look_at_reserve(HostTime now, std::vector<RecordingEvent>& said) {
+  if (journal_.bytes_written() + step_ / 2 <= journal_.reserved()) return;
+  const std::uint64_t wanted = std::max(journal_.reserved(), journal_.bytes_written()) + step_;
+  if (journal_.reserve(wanted)) {
+    reserve_told_ = false;
+    return;
+  }
+  if (std::exchange(reserve_told_, true)) return;
+  const std::uint64_t left = journal_.reserved() - std::min(journal_.reserved(), journal_.bytes_written());
+  said.push_back(
+      warning(now, fmt::format("the disk is nearly full: the recording has {:.1f} MB reserved that are "
+                               "not used up, and there is no room to reserve more",
+                               megabytes(left))));
+}
+
+void DiskWatch::look_at_space(HostTime now, std::vector<RecordingEvent>& said) {
+  const std::uint64_t expected = std::max(journal_.bytes_written(), journal_.reserved());
+  const std::uint64_t unwritten = journal_.can_reserve() ? 0 : expected - journal_.bytes_written();
+  const std::uint64_t needed = unwritten + session_bytes_beside(expected);
+  const std::uint64_t free = journal_.free_bytes();
+  if (free >= needed) {
+    space_told_ = false;
+    return;
+  }
+  if (std::exchange(space_told_, true)) return;
+  said.push_back(
+      warning(now, fmt::format("the disk is nearly full: {:.1f} MB are free, where the session that is "
+                               "made at the end{} needs up to {:.1f} MB",
+                               megabytes(free), unwritten > 0 ? " and the rest of the recording" : "",
+                               megabytes(needed))));
+}
+
+}  // namespace thermorig::rig

@@ -1,0 +1,210 @@
+// SPDX-License-Identifier: MIT
+#include "thermorig/rig/recording/port_recording.h"
+
+#include <fmt/format.h>
+
+#include <csignal>
+#include <utility>
+
+#include "port_search.h"
+#include "thermorig/io/last_words.h"
+#include "thermorig/sensors/servo_protocol.h"
+
+namespace thermorig::rig {
+
+namespace {
+
+constexpr auto tick_period = std::chrono::milliseconds(10);
+constexpr auto last_words = std::chrono::milliseconds(50);  // for the stop byte to leave after a failure
+constexpr int tries_of_last_words = 1000;
+
+/// The recording with its three ports on the loop.
+class PortSession {
+ public:
+  PortSession(const PortOptions& options, PortLoop& loop);
+  RecordingResult run();
+
+ private:
+  PortLoop::PortId open(Device device);
+  PortLoop::PortId open(Device device, const PortProfile& link, io::Refusal refusal);
+  void open_ports();
+  void look_for_ports(HostTime now);
+  void reopen(Device device, const PortProfile& link, io::Refusal refusal);
+  void refuse(Device device, const PortProfile& link, HostTime now);
+  void tick(HostTime now);
+  void signalled();
+  void notice(const std::string& sentence) {
+    if (options_.notice) options_.notice(sentence);
+  }
+  void run_loop();
+  RecordingResult leave_journal();
+
+  const PortOptions& options_;
+  PortLoop& loop_;
+  std::optional<Recording> recording_;
+  PerDevice<std::optional<PortLoop::PortId>> ports_;  // none: it is not there, and not needed
+  std::vector<std::pair<Device, Error>> missing_;
+  PortSearch search_;
+  HostTime next_progress_{};
+  int signals_ = 0;
+};
+
+PortSession::PortSession(const PortOptions& options, PortLoop& loop)
+    : options_(options), loop_(loop), search_(loop) {
+  // Ports first: nothing is created on the disk for a rig that is not there.
+  open_ports();
+  recording_.emplace(options.recording, loop_.now(), [this](Device to, std::span<const std::uint8_t> bytes) {
+    if (ports_[to]) loop_.write(*ports_[to], bytes);
+  });
+  for (const auto& [device, error] : missing_) recording_->missing(device, error, loop_.now());
+}
+
+void PortSession::open_ports() {
+  for (const Device device : all_devices) {
+    const bool needed = device == Device::servo || options_.recording.needed[device];
+    if (!needed && options_.recording.profile.link(device).port.empty()) {
+      missing_.emplace_back(
+          device, Error(ExitCode::device_missing, "no port is named for it", std::string(name_of(device)),
+                        fmt::format("--{} PORT, or a rig profile that names it", name_of(device))));
+      continue;
+    }
+    try {
+      ports_[device] = open(device);
+    } catch (const Error& error) {
+      if (needed || error.code() != ExitCode::device_missing) throw;
+      missing_.emplace_back(device, error);
+      search_.missing(device, options_.recording.profile.link(device).port);
+    }
+  }
+}
+
+PortLoop::PortId PortSession::open(Device device) {
+  const PortProfile& link = options_.recording.profile.link(device);
+  const PortLoop::PortId port = open(device, link, io::Refusal::names_holder);
+  search_.opened(device, link.port);
+  return port;
+}
+
+PortLoop::PortId PortSession::open(Device device, const PortProfile& link, io::Refusal refusal) {
+  PortLoop::PortHandlers handlers;
+  handlers.received = [this, device](std::span<const std::uint8_t> bytes, HostTime arrived) {
+    recording_->received(device, bytes, arrived);
+  };
+  handlers.lost = [this, device](const std::string& why) { recording_->lost(device, why, loop_.now()); };
+  const PortLoop::PortId port = loop_.open(link, std::move(handlers), refusal);
+  if (device == Device::servo) loop_.keep_last_words(port, sensors::servo_protocol().last_words());
+  return port;
+}
+
+void PortSession::look_for_ports(HostTime now) {
+  for (const Device device : recording_->lost_ports()) {
+    const auto found = search_.look(device, now);
+    if (!found) continue;
+    PortProfile link = options_.recording.profile.link(device);
+    link.port = *found;
+    try {
+      reopen(device, link, io::Refusal::brief);
+    } catch (const Error& error) {
+      if (search_.is_hopeless(device, error, now)) refuse(device, link, now);
+    }
+  }
+}
+
+void PortSession::reopen(Device device, const PortProfile& link, io::Refusal refusal) {
+  ports_[device] = open(device, link, refusal);
+  search_.reopened(device, link.port);
+  recording_->returned(device, loop_.now());
+}
+
+/// Once more, to say who holds it; that takes a while, so it is not asked at each try.
+void PortSession::refuse(Device device, const PortProfile& link, HostTime now) {
+  try {
+    reopen(device, link, io::Refusal::names_holder);
+  } catch (const Error& error) {
+    recording_->refused(device, error, now);
+  }
+}
+
+void PortSession::tick(HostTime now) {
+  if (options_.orders)
+    for (const Order& order : options_.orders()) recording_->carry_out(order, now);
+  recording_->tick(now);
+  look_for_ports(now);
+  if (options_.progress && now >= next_progress_) {
+    options_.progress(recording_->progress(now));
+    next_progress_ = now + options_.progress_period;
+  }
+  if (recording_->done()) loop_.stop();
+}
+
+void PortSession::signalled() {
+  if (++signals_ == 1) {
+    notice(options_.recording.keep
+               ? "stopping the servo, then closing the file (Ctrl-C again leaves it for `thermorig recover`)"
+               : "stopping the servo");
+    recording_->request_stop(loop_.now());
+  }
+}
+
+void PortSession::run_loop() {
+  loop_.on_signal([this](int) { signalled(); });
+  loop_.every(tick_period, [this](HostTime now) { tick(now); });
+  try {
+    loop_.run();
+  } catch (...) {          // e.g. the disk is full: the servo must not run on until its watchdog notices
+    io::say_last_words();  // at once: there may be no memory left for more
+    loop_.write(*ports_[Device::servo], sensors::servo_protocol().last_words());
+    bool is_over = false;
+    loop_.every(last_words, [&](HostTime) {
+      is_over = true;
+      loop_.stop();
+    });
+    for (int tries = 0; !is_over && tries < tries_of_last_words; ++tries) {
+      try {
+        loop_.run();
+      } catch (const std::exception&) {  // of a journal that takes no more: the first one counts
+      }
+    }
+    throw;
+  }
+}
+
+RecordingResult PortSession::leave_journal() {
+  RecordingResult result;
+  const HostTime now = loop_.now();
+  result.duration_s = recording_->progress(now).elapsed_s;
+  const SessionFile file = recording_->close(now);
+  result.exit = ExitCode::interrupted;
+  result.message = "stopped twice";
+  result.state = session::State::partial;
+  if (!options_.recording.keep) return result;
+  result.message += "; the recording was left as a journal";
+  result.advice = "thermorig recover " + file.journal.string();
+  result.acquisition = file.acquisition;
+  result.journal = file.journal;
+  return result;
+}
+
+RecordingResult PortSession::run() {
+  run_loop();
+  if (options_.progress) options_.progress(recording_->progress(loop_.now()));
+  for (const Device device : all_devices)
+    if (ports_[device]) loop_.close(*ports_[device]);
+  if (signals_ > 1) return leave_journal();
+  if (signals_ > 0)  // what was said of another Ctrl-C holds while the session is made, too
+    for (const int signal : {SIGINT, SIGTERM, SIGHUP}) std::signal(signal, SIG_DFL);
+  return conclude(*recording_, loop_.now());
+}
+
+}  // namespace
+
+RecordingResult record_ports(const PortOptions& options) {
+  SystemPortLoop loop;
+  return record_ports(options, loop);
+}
+
+RecordingResult record_ports(const PortOptions& options, PortLoop& loop) {
+  return PortSession(options, loop).run();
+}
+
+}  // namespace thermorig::rig

@@ -1,0 +1,163 @@
+// SPDX-License-Identifier: MIT
+#include "thermorig/rig/recording/preflight.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "thermorig/core/auto_zero.h"
+
+namespace thermorig::rig {
+
+namespace {
+
+using Violations = std::vector<PreflightViolation>;
+
+std::string what_is_sent(Device device) {
+  constexpr const char* names[] = {"frames", "samples", "messages"};
+  return names[index_of(device)];
+}
+
+std::string_view rate_advice(Device device, bool slow) {
+  if (device == Device::camera)
+    return "say the rate that the camera was set to (--camera-rate, output_rate_hz in the rig profile), or "
+           "set "
+           "the camera; a link that is too slow for the rate gives fewer frames as well";
+  if (device == Device::gyro)
+    return slow ? "say the rate that the gyro was set to (output_rate_hz in the rig profile), or set the "
+                  "gyro; "
+                  "at 9600 baud not more than 87 samples a second go through"
+                : "say the rate that the gyro was set to (output_rate_hz in the rig profile)";
+  return "reflash the servo's board with the firmware of this program (firmware_servo); end programs that "
+         "keep "
+         "this computer busy";
+}
+
+void judge_stream(Device device, const PreflightStream& stream, const PreflightLimits& limits,
+                  Violations& found) {
+  const std::string name(name_of(device));
+  const double low_hz = limits.rate_low * stream.nominal_hz;
+  const double high_hz = limits.rate_high * stream.nominal_hz;
+  if (stream.rate_hz < low_hz || stream.rate_hz > high_hz)
+    found.push_back(
+        {name + "_rate", device,
+         fmt::format("{:.1f} {} a second come from the {}", stream.rate_hz, what_is_sent(device), name),
+         fmt::format("{:.4g} to {:.4g} (nominal {:.4g})", low_hz, high_hz, stream.nominal_hz),
+         std::string(rate_advice(device, stream.rate_hz < low_hz))});
+  if (stream.lost_share > limits.lost_share)
+    found.push_back({name + "_lost", device,
+                     fmt::format("{:.1f} % of the {}'s {} are missing", 100.0 * stream.lost_share, name,
+                                 what_is_sent(device)),
+                     fmt::format("at most {:.1f} %", 100.0 * limits.lost_share),
+                     "another cable or USB port, without a hub; end programs that keep this computer busy"});
+  if (stream.damaged_share > limits.damaged_share)
+    found.push_back({name + "_damaged", device,
+                     fmt::format("{:.1f} % of the {}'s bytes belong to no good message",
+                                 100.0 * stream.damaged_share, name),
+                     fmt::format("at most {:.1f} %", 100.0 * limits.damaged_share),
+                     "another cable, a shorter one; check the baud rate (thermorig ports), and that no other "
+                     "program reads this port"});
+  if (stream.uncertainty_s > limits.uncertainty_s[device])
+    found.push_back({name + "_clock", device,
+                     fmt::format("the times of the {}'s {} are known to {:.1f} ms", name,
+                                 what_is_sent(device), 1e3 * stream.uncertainty_s),
+                     fmt::format("at most {:.1f} ms", 1e3 * limits.uncertainty_s[device]),
+                     "end programs that keep this computer busy; a USB port without a hub; thermorig doctor "
+                     "looks at latency timers"});
+}
+
+void judge_images(const PreflightImages& images, const PreflightLimits& limits, Violations& found) {
+  const double least_fresh = std::min(images.even_fresh_share, images.odd_fresh_share);
+  if (least_fresh < limits.fresh_share)
+    found.push_back({"camera_fresh", Device::camera,
+                     fmt::format("the even and the odd half of the chess pattern are new in {:.0f} % and "
+                                 "{:.0f} % of the frames",
+                                 100.0 * images.even_fresh_share, 100.0 * images.odd_fresh_share),
+                     fmt::format("each in at least {:.0f} %", 100.0 * limits.fresh_share),
+                     "set the camera's frame rate again and switch it off and on; a bridge that sends more "
+                     "often than its sensor measures repeats frames"});
+  if (images.stale_share > limits.stale_share)
+    found.push_back(
+        {"camera_stale", Device::camera,
+         fmt::format("{:.0f} % of the frames repeat what the one before showed", 100.0 * images.stale_share),
+         fmt::format("at most {:.0f} %", 100.0 * limits.stale_share),
+         "ask the camera for a lower frame rate, or switch it off and on"});
+}
+
+void judge_rest(const PreflightRest& rest, const GyroProfile& gyro, const PreflightLimits& limits,
+                Violations& found) {
+  const std::string stand_still =
+      "let the rig stand on something firm and leave it alone until the sweep begins; a motor or a fan "
+      "beside "
+      "it shakes it";
+  if (rest.noise_dps > limits.noise_dps)
+    found.push_back({"gyro_noise", Device::gyro,
+                     fmt::format("the gyro's rate varies by {:.2f} deg/s at rest", rest.noise_dps),
+                     fmt::format("at most {:.2f} deg/s", limits.noise_dps), stand_still});
+  else if (rest.swing_dps > limits.swing_dps)
+    found.push_back(
+        {"gyro_swing", Device::gyro,
+         fmt::format("the rig turns: the gyro's mean rate changes by {:.2f} deg/s at rest", rest.swing_dps),
+         fmt::format("at most {:.2f} deg/s", limits.swing_dps), stand_still});
+  const double off_dps = std::abs(rest.mean_dps - gyro.bias_dps);
+  const double limit_dps = limits.bias_deviations * gyro.bias_uncertainty_dps;
+  if (!rest.zeroes_itself && !gyro.bias_measured_utc.empty() &&
+      off_dps > std::max(limit_dps, limits.swing_dps))
+    found.push_back({"gyro_bias", Device::gyro,
+                     fmt::format("the gyro shows {:.2f} deg/s at rest, its bias was measured as {:.2f}",
+                                 rest.mean_dps, gyro.bias_dps),
+                     fmt::format("within {:.2f} deg/s of it", std::max(limit_dps, limits.swing_dps)),
+                     "let the rig stand still; thermorig calibrate bias if it does"});
+}
+
+void warn_of_rest(const PreflightRest& rest, Violations& warnings) {
+  if (rest.zeroes_itself)
+    warnings.push_back(
+        {"gyro_zeroes", Device::gyro,
+         "the gyro zeroes itself at rest and so hides its bias: it reads exactly 0 about all axes",
+         fmt::format("fewer than {} such samples in a row", AutoZero::fewest_zeros),
+         "switch that off in the device (WitMotion: registers 61 and 63)"});
+}
+
+void judge_answers(const PreflightAnswers& answers, const ServoProfile& servo, const PreflightLimits& limits,
+                   Violations& found) {
+  if (answers.limit_rate_dps > 0.0 && servo.max_rate_dps > answers.limit_rate_dps)
+    found.push_back({"servo_limits", Device::servo,
+                     fmt::format("the rig profile lets the servo turn at {:.4g} deg/s", servo.max_rate_dps),
+                     fmt::format("{:.4g} deg/s, by its firmware", answers.limit_rate_dps),
+                     "a lower max_rate_dps in the rig profile, or the firmware of this program "
+                     "(firmware_servo)"});
+  const auto answered = static_cast<double>(answers.answered);
+  const auto pings = static_cast<double>(answers.pings);
+  if (answers.pings > 0 && answered < limits.answered_share * pings)
+    found.push_back({"servo_answers", Device::servo,
+                     fmt::format("the servo answered {} of {} pings", answers.answered, answers.pings),
+                     fmt::format("at least {:.0f} %", 100.0 * limits.answered_share),
+                     "another cable, a shorter one; check the supply of the servo's board"});
+  if (answers.round_trip_s > limits.round_trip_s)
+    found.push_back({"servo_round_trip", Device::servo,
+                     fmt::format("the servo's answers take {:.0f} ms", 1e3 * answers.round_trip_s),
+                     fmt::format("at most {:.0f} ms: later ones count as lost", 1e3 * limits.round_trip_s),
+                     "end programs that keep this computer busy; a USB port without a hub"});
+}
+
+}  // namespace
+
+PreflightReport judge(const PreflightFacts& facts, const RigProfile& profile, const PreflightLimits& limits) {
+  PreflightReport report{.facts = facts, .violations = {}, .warnings = {}};
+  Violations& found = report.violations;
+  for (const Device device : all_devices)
+    if (facts.streams[device]) judge_stream(device, *facts.streams[device], limits, found);
+  if (facts.images) judge_images(*facts.images, limits, found);
+  if (facts.rest) judge_rest(*facts.rest, profile.gyro, limits, found);
+  if (facts.rest) warn_of_rest(*facts.rest, report.warnings);
+  if (facts.answers) judge_answers(*facts.answers, profile.servo, limits, found);
+  return report;
+}
+
+std::string sentence(const PreflightViolation& violation) {
+  return fmt::format("{}; the limit is {}", violation.figure, violation.limit);
+}
+
+}  // namespace thermorig::rig

@@ -1,0 +1,254 @@
+// SPDX-License-Identifier: MIT
+#include "preflight_watch.h"
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+#include <utility>
+
+#include "thermorig/core/auto_zero.h"
+#include "thermorig/core/statistics.h"
+#include "thermorig/pipeline/labels/freshness.h"
+#include "thermorig/rig/sweep/expected_size.h"
+
+namespace thermorig::rig {
+
+namespace {
+
+constexpr double rate_window_s = 5.0;
+constexpr double periods_needed = 3.0;  // of the device that sends most seldom
+constexpr double periods_in_window = 5.0;
+constexpr double periods_of_silence = 1.5;  // that any stream may begin and end with
+constexpr auto part = std::chrono::milliseconds(500);
+constexpr auto count_period = std::chrono::milliseconds(100);
+
+double longest_period_s(const RigProfile& profile, const PerDevice<bool>& gone) {
+  double longest_s = 0.0;
+  for (const Device device : all_devices)
+    if (!gone[device]) longest_s = std::max(longest_s, 1.0 / link_load(device, profile).rate_hz);
+  return longest_s;
+}
+
+double ratio(double part_of, double whole) {
+  return whole > 0.0 ? part_of / whole : 0.0;
+}
+
+/// Messages that the gaps between the device's own times have room for; 0 where it sends none. Arrivals would
+/// not do: a USB link delivers several samples at once.
+template <typename Entry>
+double missing_by_time(const std::deque<Entry>& heard) {
+  std::vector<double> steps_s;
+  for (std::size_t i = 1; i < heard.size(); ++i)
+    if (heard[i].device_us && heard[i - 1].device_us)
+      steps_s.push_back(1e-6 * static_cast<double>(*heard[i].device_us - *heard[i - 1].device_us));
+  const double period_s = median(steps_s);
+  if (period_s <= 0.0) return 0.0;
+  double missing = 0.0;
+  for (const double step_s : steps_s) missing += std::max(0.0, std::round(step_s / period_s) - 1.0);
+  return missing;
+}
+
+/// Slope of the straight line through (x, y), least squares.
+double slope(const std::vector<double>& x, const std::vector<double>& y) {
+  const auto count = static_cast<double>(x.size());
+  double sum_x = 0.0, sum_y = 0.0, sum_xx = 0.0, sum_xy = 0.0;
+  for (std::size_t i = 0; i < x.size(); ++i) {
+    sum_x += x[i];
+    sum_y += y[i];
+    sum_xx += x[i] * x[i];
+    sum_xy += x[i] * y[i];
+  }
+  const double spread = count * sum_xx - sum_x * sum_x;
+  return spread > 0.0 ? (count * sum_xy - sum_x * sum_y) / spread : 0.0;
+}
+
+}  // namespace
+
+void PreflightWatch::begin(HostTime now, const PreflightCounts& counts, const RigProfile& profile) {
+  *this = PreflightWatch();
+  begin_ = now;
+  window_ = from_s(std::max(rate_window_s, periods_in_window * longest_period_s(profile, counts.gone)));
+  counted_.push_back({now, counts});
+}
+
+double PreflightWatch::needed_s(const RigProfile& profile, const PerDevice<bool>& gone) {
+  return std::max(least_s, periods_needed * longest_period_s(profile, gone));
+}
+
+void PreflightWatch::counted(HostTime now, const PreflightCounts& counts) {
+  if (!begin_) return;
+  if (now - counted_.back().time >= count_period) counted_.push_back({now, counts});
+  while (counted_.size() > 1 && now - counted_[1].time >= window_) counted_.pop_front();
+}
+
+template <typename Entry>
+void PreflightWatch::forget_old(std::deque<Entry>& entries) const {
+  while (entries.back().time - entries.front().time > window_) entries.pop_front();
+}
+
+void PreflightWatch::hear(Device device, const Stamp& stamp, Heard heard) {
+  heard.time = stamp.arrival;
+  heard.uncertainty_s = double{stamp.uncertainty_s};
+  heard_[device].push_back(heard);
+  forget_old(heard_[device]);
+}
+
+void PreflightWatch::frame(const TimedFrame& frame) {
+  if (!begin_) return;
+  hear(Device::camera, frame.stamp, {.missing_before = frame.missing_before});
+  const labels::Freshness fresh{frame.fresh_even, frame.fresh_odd};
+  images_.push_back({frame.stamp.arrival, fresh.even_fresh(), fresh.odd_fresh(), frame.stale,
+                     double{frame.frame.sensor_temp_c}});
+  forget_old(images_);
+}
+
+void PreflightWatch::gyro(const TimedGyro& gyro) {
+  if (!begin_) return;
+  hear(Device::gyro, gyro.stamp, {.device_us = gyro.reading.device_time_us});
+  rates_.push_back({gyro.stamp.arrival, gyro.reading.rate_dps, gyro.rate_dps});
+  forget_old(rates_);
+}
+
+void PreflightWatch::servo(const TimedServo& servo) {
+  if (begin_) hear(Device::servo, servo.stamp, {});
+}
+
+void PreflightWatch::round_trip(HostDuration time, HostTime arrived) {
+  if (!begin_) return;
+  round_trips_.push_back({arrived, to_s(time)});
+  forget_old(round_trips_);
+}
+
+// ---- figures ------------------------------------------------------------------------------------------
+
+PreflightFacts PreflightWatch::facts(HostTime now, const PreflightCounts& counts,
+                                     const RigProfile& profile) const {
+  PreflightFacts facts{.span_s = std::min(heard_s(now), to_s(window_))};
+  for (const Device device : all_devices) facts.streams[device] = stream(device, now, counts, profile);
+  facts.images = images();
+  facts.rest = rest();
+  if (facts.streams[Device::servo]) facts.answers = answers(counts);
+  return facts;
+}
+
+/// From the first message to the last; what is silent before or behind them for longer than a stream of that
+/// period may be counts as well.
+double PreflightWatch::span_s(Device device, HostTime now, double period_s) const {
+  const auto& heard = heard_[device];
+  const HostDuration silence = from_s(periods_of_silence * period_s);
+  const HostTime begin = std::min(heard.front().time, std::max(*begin_, now - window_) + silence);
+  return to_s(std::max(heard.back().time, now - silence) - begin);
+}
+
+/// None: the device is not there, which is known, or it is too early to tell. One that is and sends too
+/// little has a rate all the same.
+std::optional<PreflightStream> PreflightWatch::stream(Device device, HostTime now,
+                                                      const PreflightCounts& counts,
+                                                      const RigProfile& profile) const {
+  const auto& heard = heard_[device];
+  const double nominal_hz = link_load(device, profile).rate_hz;
+  if (heard.size() < 2 && (counts.gone[device] || heard_s(now) * nominal_hz < periods_needed))
+    return std::nullopt;
+  const wire::Counters& after = counts.wire[device];
+  const wire::Counters& before = counted_.front().counts.wire[device];
+  PreflightStream stream{.messages = heard.size(), .nominal_hz = nominal_hz};
+  if (heard.size() > 1)
+    stream.rate_hz = ratio(static_cast<double>(heard.size() - 1), span_s(device, now, 1.0 / nominal_hz));
+  double missing = static_cast<double>(after.lost - before.lost);
+  for (const Heard& one : heard) missing += one.missing_before;
+  if (device == Device::gyro) missing = std::max(missing, missing_by_time(heard));
+  stream.lost_share = ratio(missing, missing + static_cast<double>(heard.size()));
+  const auto damaged = static_cast<double>(after.bytes_skipped - before.bytes_skipped +
+                                           after.bytes_in_damaged - before.bytes_in_damaged);
+  stream.damaged_share = ratio(damaged, static_cast<double>(after.bytes_received - before.bytes_received));
+  if (!heard.empty()) stream.uncertainty_s = heard.back().uncertainty_s;
+  return stream;
+}
+
+std::optional<PreflightImages> PreflightWatch::images() const {
+  if (images_.size() < 2) return std::nullopt;
+  const auto share_of = [this](auto is_so) {
+    return ratio(static_cast<double>(std::count_if(images_.begin(), images_.end(), is_so)),
+                 static_cast<double>(images_.size()));
+  };
+  PreflightImages facts{.even_fresh_share = share_of([](const Image& image) { return image.even; }),
+                        .odd_fresh_share = share_of([](const Image& image) { return image.odd; }),
+                        .stale_share = share_of([](const Image& image) { return image.stale; })};
+  std::vector<double> minutes, temperatures_c;
+  for (const Image& image : images_) {
+    minutes.push_back(to_s(image.time - images_.front().time) / 60.0);
+    temperatures_c.push_back(image.sensor_c);
+  }
+  facts.sensor_drift_c_per_min = slope(minutes, temperatures_c);
+  return facts;
+}
+
+/// Those that are not exactly 0 about all axes.
+std::vector<PreflightWatch::Rate> PreflightWatch::measured_rates() const {
+  std::vector<Rate> rates;
+  std::copy_if(rates_.begin(), rates_.end(), std::back_inserter(rates),
+               [](const Rate& rate) { return rate.axes_dps != std::array<float, 3>{}; });
+  return rates;
+}
+
+std::optional<PreflightRest> PreflightWatch::rest() const {
+  if (rates_.size() < 2) return std::nullopt;
+  PreflightRest facts;
+  AutoZero zeros;
+  for (const Rate& rate : rates_) zeros.add(rate.axes_dps);
+  facts.zeroes_itself = zeros.is_seen();
+  // The step from its bias to zero is none that the rig made.
+  const std::vector<Rate> rates =
+      facts.zeroes_itself ? measured_rates() : std::vector(rates_.begin(), rates_.end());
+  if (rates.empty()) return facts;
+  for (const Rate& rate : rates) facts.mean_dps += double{rate.shaft_dps};
+  facts.mean_dps /= static_cast<double>(rates.size());
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    double sum = 0.0, squares = 0.0, part_sum = 0.0, least = 0.0, most = 0.0;
+    std::size_t in_part = 0, parts = 0;
+    HostTime part_begin = rates.front().time;
+    for (const Rate& rate : rates) {
+      if (rate.time - part_begin >= part && in_part > 0) {
+        const double mean = part_sum / static_cast<double>(in_part);
+        least = parts == 0 ? mean : std::min(least, mean);
+        most = parts == 0 ? mean : std::max(most, mean);
+        ++parts;
+        part_begin = rate.time;
+        part_sum = 0.0;
+        in_part = 0;
+      }
+      const double value = double{rate.axes_dps[axis]};
+      sum += value;
+      squares += value * value;
+      part_sum += value;
+      ++in_part;
+    }
+    const auto count = static_cast<double>(rates.size());
+    const double variance = squares / count - (sum / count) * (sum / count);
+    facts.noise_dps = std::max(facts.noise_dps, std::sqrt(std::max(0.0, variance)));
+    facts.swing_dps = std::max(facts.swing_dps, most - least);
+  }
+  return facts;
+}
+
+PreflightAnswers PreflightWatch::answers(const PreflightCounts& counts) const {
+  constexpr std::uint64_t on_their_way = 1;  // the last ping may not have come back yet
+  const PreflightCounts& before = counted_.front().counts;
+  const std::uint64_t sent = counts.pings - before.pings;
+  PreflightAnswers facts{.pings = sent > on_their_way ? sent - on_their_way : 0,
+                         .retries = counts.retries - before.retries};
+  std::vector<double> round_trips_s;
+  for (const RoundTrip& one : round_trips_)
+    if (one.time >= counted_.front().time) round_trips_s.push_back(one.took_s);
+  facts.answered = std::min<std::uint64_t>(round_trips_s.size(), facts.pings);
+  facts.round_trip_s = median(std::move(round_trips_s));
+  if (!counts.welcome) return facts;
+  facts.firmware = counts.welcome->firmware;
+  facts.uptime_s = 1e-6 * counts.welcome->uptime_us;
+  facts.reset_cause = counts.welcome->reset_cause;
+  facts.limit_rate_dps = counts.welcome->limit_rate_dps;
+  facts.watchdog_ms = counts.welcome->watchdog_ms;
+  return facts;
+}
+
+}  // namespace thermorig::rig

@@ -1,0 +1,221 @@
+// SPDX-License-Identifier: MIT
+#include <signal.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <charconv>
+#include <cstring>
+#include <new>
+#include <optional>
+#include <string_view>
+
+#include "file_lock.h"
+#include "thermorig/core/error.h"
+#include "thermorig/rig/recording/finalise.h"
+#include "thermorig/rig/recording/session_file.h"
+#include "thermorig/storage/journal/journal.h"
+
+namespace thermorig::rig {
+
+namespace {
+
+std::uint64_t chunks_of(const RawRecording& raw) {
+  std::uint64_t chunks = 0;
+  for (const Device device : all_devices) chunks += raw.received[device].chunk_count();
+  return chunks;
+}
+
+std::uint64_t valid_in(const session::Session& session) {
+  return static_cast<std::uint64_t>(std::count_if(session.samples.begin(), session.samples.end(),
+                                                  [](const LabelledSample& sample) { return sample.valid; }));
+}
+
+RecoveryResult describe(RecoveryKind kind, const std::filesystem::path& source,
+                        const std::filesystem::path& path, const session::Session& session,
+                        std::uint64_t bytes_ignored) {
+  return {.kind = kind,
+          .source = source,
+          .session = path,
+          .state = session.state,
+          .frames = session.frames.size(),
+          .valid = valid_in(session),
+          .chunks = chunks_of(session.raw),
+          .bytes_ignored = bytes_ignored,
+          .message = {},
+          .removed = {}};
+}
+
+bool is_there(const std::filesystem::path& path, files::Disk& disk) {
+  const auto there = disk.look(path);
+  if (!there.good())
+    throw Error(ExitCode::storage, std::string("cannot be looked at: ") + std::strerror(there.error_number),
+                path.string(), "check its permissions and the disk (dmesg)");
+  return there.value != files::FileKind::missing;
+}
+
+/// A session that was made before. Its journal, if it was kept, still knows what could not be read.
+RecoveryResult already_there(const std::filesystem::path& source, const std::filesystem::path& session,
+                             files::Disk& disk) {
+  const std::uint64_t bytes_ignored = is_there(source, disk) && journal::is_journal(source, disk)
+                                          ? journal::read_journal(source, disk).bytes_ignored
+                                          : 0;
+  return describe(RecoveryKind::already_there, source, session, stored_session(session, disk), bytes_ignored);
+}
+
+/// Is it `<session>.<process>.part`, as a session is called while it is written, of a process that is no
+/// more? One of our own number is of a process before us, as we have none under way.
+bool is_abandoned_part(const std::filesystem::path& path, const std::filesystem::path& session) {
+  const std::string name = path.filename().string();
+  const std::string prefix = session.filename().string() + ".";
+  constexpr std::string_view suffix = ".part";
+  if (!name.starts_with(prefix) || !name.ends_with(suffix)) return false;
+  pid_t process = 0;
+  const char* const end = name.data() + name.size() - suffix.size();
+  const auto [at, error] = std::from_chars(name.data() + prefix.size(), end, process);
+  if (error != std::errc() || at != end || process <= 0) return false;
+  return process == ::getpid() || (::kill(process, 0) != 0 && errno == ESRCH);
+}
+
+std::vector<files::FolderEntry> entries_of(const std::filesystem::path& folder, files::Disk& disk) {
+  auto entries = disk.list(folder);
+  if (!entries.good())
+    throw Error(ExitCode::storage,
+                std::string("the folder cannot be read: ") + std::strerror(entries.error_number),
+                folder.string(), "check its permissions and the disk (dmesg)");
+  std::sort(entries.value.begin(), entries.value.end(),
+            [](const auto& a, const auto& b) { return a.path < b.path; });
+  return std::move(entries.value);
+}
+
+/// The journal's lock is held: nobody else makes this session now.
+std::vector<std::filesystem::path> remove_abandoned_parts(const std::filesystem::path& session,
+                                                          files::Disk& disk) {
+  std::vector<std::filesystem::path> removed;
+  for (const files::FolderEntry& entry : entries_of(files::folder_of(session), disk)) {
+    if (entry.kind != files::FileKind::file || !is_abandoned_part(entry.path, session)) continue;
+    if (disk.remove(entry.path) == 0) removed.push_back(entry.path);  // litter harms nobody
+  }
+  return removed;
+}
+
+RecoveryResult remove_empty(const std::filesystem::path& journal, bool is_ours, files::Disk& disk) {
+  if (!is_ours)
+    return {.kind = RecoveryKind::in_use,
+            .source = journal,
+            .message =
+                "nothing is recorded in it, and this file system cannot tell whether a program is about "
+                "to: left as it is"};
+  retire_journal(journal, disk);
+  return {.kind = RecoveryKind::empty,
+          .source = journal,
+          .message = "nothing had been recorded in it when its program ended: removed"};
+}
+
+/// A torn tail stays on the disk, as it may interest somebody; a journal that was used up is removed, unless
+/// somebody may still be writing it: `is_ours` says that nobody does, and its end record that nobody will.
+RecoveryResult make_session(const std::filesystem::path& journal, const std::filesystem::path& session_path,
+                            bool is_ours, files::Disk& disk) {
+  if (is_there(session_path, disk)) return already_there(journal, session_path, disk);
+  if (journal::holds_nothing(journal, disk)) return remove_empty(journal, is_ours, disk);
+  journal::JournalContents contents = journal::read_journal(journal, disk);
+  const bool may_go = contents.bytes_ignored == 0 && (is_ours || contents.recording.complete);
+  const session::Session session = build_session(std::move(contents.recording));
+  session::write_session(session_path, session, disk);
+  if (may_go) retire_journal(journal, disk);
+  return describe(RecoveryKind::made, journal, session_path, session, contents.bytes_ignored);
+}
+
+/// Its own recorder has finished or discarded it since it was found.
+std::optional<RecoveryResult> gone(const std::filesystem::path& journal, files::Disk& disk) {
+  const std::filesystem::path session = session_of(journal);
+  if (!is_there(session, disk)) return std::nullopt;
+  return already_there(journal, session, disk);
+}
+
+/// None if the journal is not there any more, and no session of it.
+std::optional<RecoveryResult> recover_journal(const std::filesystem::path& journal, files::Disk& disk) {
+  // A recorder holds its folder from the choice of a name until its journal is locked.
+  std::optional<FileLock> folder(std::in_place, files::folder_of(journal), FileLock::Wait::yes, disk);
+  std::optional<FileLock> lock;
+  try {
+    lock.emplace(journal, FileLock::Wait::no, disk);
+  } catch (const Error&) {
+    if (is_there(journal, disk)) throw;
+    return gone(journal, disk);
+  }
+  const bool is_ours = folder->is_certain() && lock->is_certain();
+  folder.reset();
+  if (!lock->is_held())
+    return RecoveryResult{
+        .kind = RecoveryKind::in_use, .source = journal, .message = "is being recorded by another program"};
+  if (!is_there(journal, disk)) return gone(journal, disk);  // what was locked has no name any more
+  std::vector<std::filesystem::path> removed = remove_abandoned_parts(session_of(journal), disk);
+  RecoveryResult result = make_session(journal, session_of(journal), is_ours, disk);
+  result.removed = std::move(removed);
+  return result;
+}
+
+RecoveryResult failed(const std::filesystem::path& source, const Error& error) {
+  std::string message = error.what_happened();
+  if (error.code() == ExitCode::storage) {
+    if (error.where() != source.string()) message = error.where() + ": " + message;
+    message += "; " + error.advice();
+  }
+  return {
+      .kind = RecoveryKind::failed, .source = source, .message = std::move(message), .code = error.code()};
+}
+
+/// Whatever fails of one journal keeps nobody from the others.
+std::optional<RecoveryResult> try_to_recover(const std::filesystem::path& journal, files::Disk& disk) {
+  try {
+    return recover_journal(journal, disk);
+  } catch (const Error& error) {
+    return failed(journal, error);
+  } catch (const std::bad_alloc&) {
+    return failed(journal, Error(ExitCode::failed, "there is not enough memory to make its session",
+                                 journal.string(), ""));
+  } catch (const std::exception& error) {
+    return failed(journal, Error(ExitCode::failed, error.what(), journal.string(), ""));
+  }
+}
+
+void recover_all(const std::filesystem::path& folder, files::Disk& disk,
+                 std::vector<RecoveryResult>& results) {
+  std::vector<files::FolderEntry> entries;
+  try {
+    entries = entries_of(folder, disk);
+  } catch (const Error& error) {  // e.g. lost+found
+    results.push_back(failed(folder, error));
+  }
+  for (const files::FolderEntry& entry : entries) {
+    if (entry.kind == files::FileKind::folder) recover_all(entry.path, disk, results);
+    if (entry.kind != files::FileKind::file || entry.path.extension() != ".journal") continue;
+    if (auto result = try_to_recover(entry.path, disk)) results.push_back(std::move(*result));
+  }
+}
+
+}  // namespace
+
+std::vector<RecoveryResult> recover(const std::filesystem::path& path, files::Disk& disk) {
+  const auto there = disk.look(path);
+  if (there.good() && there.value == files::FileKind::folder) {
+    std::vector<RecoveryResult> results;
+    recover_all(path, disk, results);
+    return results;
+  }
+  const bool is_journal_name = path.extension() == ".journal";
+  if (!is_there(path, disk)) {
+    if (is_journal_name && is_there(session_of(path), disk))
+      return {already_there(path, session_of(path), disk)};
+    throw Error(ExitCode::bad_usage, "no such file or folder", path.string(),
+                "the folder of the recordings, or a .journal file in it");
+  }
+  if (is_journal_name || journal::is_journal(path, disk)) {
+    auto result = recover_journal(path, disk);
+    return result ? std::vector{std::move(*result)} : std::vector<RecoveryResult>{};
+  }
+  return {already_there(path, path, disk)};
+}
+
+}  // namespace thermorig::rig

@@ -1,0 +1,99 @@
+// SPDX-License-Identifier: MIT
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "thermorig/rig/sweep/plan.h"
+
+namespace thermorig::rig {
+
+namespace {
+
+constexpr double quiet_s = 60.0;  // the bias's own noise is then far below its drift; or a turn by hand
+constexpr double pause_s = 3.0;   // at rest before and after a motion: it shows the gyro's bias
+constexpr double reversal_s = 2.0;
+constexpr double fastest_reversal_dps = 120.0;
+constexpr int reversals = 28;
+constexpr double slow_rate_dps = 30.0;
+constexpr double slow_sweep_s = 3.0;
+constexpr int slow_sweeps = 4;
+constexpr double turn_deg = 420.0;  // the picture closes after 360: the rest overlaps
+constexpr double turn_rate_dps = 40.0;
+
+int frames_in(double duration_s, const CameraProfile& camera) {
+  return std::max(2, static_cast<int>(std::lround(duration_s * camera.output_rate_hz)));
+}
+
+/// The highest speed up to `wanted_dps` at which a leg of `frames` frames turns nowhere on its way.
+double speed_within_stroke(double wanted_dps, int frames, const ServoProfile& servo,
+                           const CameraProfile& camera) {
+  constexpr double step_dps = 1.0;
+  double rate_dps = std::min(wanted_dps, speed_limit_dps(servo));
+  while (rate_dps > step_dps &&
+         leg_travel_deg(rate_dps, frames, camera.output_rate_hz, servo.acceleration_dps2) > stroke_deg(servo))
+    rate_dps -= step_dps;
+  return rate_dps;
+}
+
+SweepPlan resting_plan(const std::string& name) {
+  SweepPlan plan;
+  plan.name = name;
+  plan.for_calibration = true;
+  plan.opening_rest_s = quiet_s;
+  plan.closing_rest_s = 0.0;
+  return plan;
+}
+
+SweepPlan moving_plan(const std::string& name, int frames_per_leg) {
+  SweepPlan plan = resting_plan(name);
+  plan.opening_rest_s = pause_s;
+  plan.closing_rest_s = pause_s;
+  plan.frames_per_leg = frames_per_leg;
+  return plan;
+}
+
+// Each speed there and back, so that nothing lies between two legs but the reversal itself. Several speeds,
+// so that a delay cannot be mistaken for a shift by a whole number of periods.
+SweepPlan latency_plan(const ServoProfile& servo, const CameraProfile& camera) {
+  constexpr double shares[] = {1.0, 0.625, 0.875, 0.5, 0.75};
+  SweepPlan plan = moving_plan("calibrate-latency", frames_in(reversal_s, camera));
+  const double fastest_dps = speed_within_stroke(fastest_reversal_dps, plan.frames_per_leg, servo, camera);
+  for (int i = 0; i < reversals / 2; ++i) {
+    const double rate_dps = fastest_dps * shares[static_cast<std::size_t>(i) % std::size(shares)];
+    plan.leg_rates_dps.insert(plan.leg_rates_dps.end(), {rate_dps, -rate_dps});
+  }
+  return plan;
+}
+
+SweepPlan orientation_plan(const ServoProfile& servo, const CameraProfile& camera) {
+  SweepPlan plan = moving_plan("calibrate-orientation", frames_in(slow_sweep_s, camera));
+  const double rate_dps = speed_within_stroke(slow_rate_dps, plan.frames_per_leg, servo, camera);
+  for (int i = 0; i < slow_sweeps; ++i) plan.leg_rates_dps.push_back(i % 2 == 0 ? rate_dps : -rate_dps);
+  return plan;
+}
+
+SweepPlan scale_plan(const ServoProfile& servo, const CameraProfile& camera) {
+  SweepPlan plan = moving_plan("calibrate-scale", frames_in(turn_deg / turn_rate_dps, camera));
+  const double rate_dps = speed_within_stroke(turn_rate_dps, plan.frames_per_leg, servo, camera);
+  if (rate_dps < turn_rate_dps) return resting_plan("calibrate-scale");
+  plan.leg_rates_dps = {rate_dps, -rate_dps};
+  return plan;
+}
+
+}  // namespace
+
+SweepPlan calibration_plan(CalibrationKind kind, const ServoProfile& servo, const CameraProfile& camera) {
+  switch (kind) {
+    case CalibrationKind::latency:
+      return latency_plan(servo, camera);
+    case CalibrationKind::orientation:
+      return orientation_plan(servo, camera);
+    case CalibrationKind::scale:
+      return scale_plan(servo, camera);
+    case CalibrationKind::bias:
+      break;
+  }
+  return resting_plan("calibrate-bias");
+}
+
+}  // namespace thermorig::rig

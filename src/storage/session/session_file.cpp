@@ -1,0 +1,109 @@
+// SPDX-License-Identifier: MIT
+#include <fmt/format.h>
+
+#include <cerrno>
+#include <cstring>
+#include <thread>
+#include <utility>
+
+#include "chunk_writer.h"
+#include "hdf5_handle.h"
+#include "session_image.h"
+#include "tasks.h"
+#include "thermorig/core/error.h"
+#include "thermorig/io/files/part_file.h"
+#include "thermorig/storage/session/session.h"
+#include "thermorig/storage/session/trial.h"
+
+namespace thermorig::session {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+std::string advice_for(int error_number) {
+  switch (error_number) {
+    case ENOSPC:
+    case EDQUOT:
+    case EFBIG:
+      return "free some space or choose another disk, then run thermorig recover: the journal is still there";
+    case EACCES:
+    case EPERM:
+    case EROFS:
+      return "choose a folder that you may write to with --output";
+    case EEXIST:
+      return "choose another name: a session is never overwritten";
+    case ENOENT:
+    case ENOTDIR:
+      return "create the folder first, or choose another with --output";
+    default:
+      return "check the disk (dmesg), then run thermorig recover: the journal is still there";
+  }
+}
+
+[[noreturn]] void refuse_to_write(const std::string& action, int error_number, const fs::path& path) {
+  throw Error(ExitCode::storage, fmt::format("{}: {}", action, std::strerror(error_number)), path.string(),
+              advice_for(error_number));
+}
+
+/// What a reader would refuse never gets its name: nobody shall remove what it was made of.
+void require_readable_again(sandbox::SealedCopy written) {
+  const std::string path = written.path().string();
+  try {
+    require_readable(std::move(written));
+  } catch (const Error& error) {
+    throw Error(error.code(), "what was made of it could not be read again: " + error.what_happened(), path,
+                "nothing was changed: its journal, or the session that it was to replace, is still there");
+  }
+}
+
+AddedByOthers added_to(const sandbox::SealedCopy& copy) {
+  altered_attributes(copy);  // a child looks at all of them first
+  return added_by_others(copy);
+}
+
+bool is_taken(const fs::path& path, files::Disk& disk) {
+  const auto taken = disk.look(path);
+  if (!taken.good()) refuse_to_write("cannot look at the folder", taken.error_number, path);
+  return taken.value != files::FileKind::missing;
+}
+
+/// The groups and datasets that others had put into the file that was there.
+std::vector<std::string> write_file(const fs::path& path, const Session& session, bool overwrite,
+                                    files::Disk& disk) {
+  const bool is_there = is_taken(path, disk);
+  if (is_there && !overwrite) refuse_to_write("the session exists already", EEXIST, path);
+  files::PartFile part(path, "the session", advice_for, disk);
+  AddedByOthers added = is_there ? added_to(sandbox::copy_on(disk, path)) : AddedByOthers{};
+  SessionImage image = build_image(session, std::thread::hardware_concurrency(), added.attributes);
+  added.attributes.clear();
+  part.write(image.bytes);
+  image.release();  // or there would be two of it
+  sandbox::SealedCopy written(part.read_back(), path);
+  check_written(written.bytes(), image);
+  require_readable_again(std::move(written));
+  part.sync();
+  part.publish(overwrite);
+  return std::move(added.objects);
+}
+
+std::vector<std::string> write_or_explain(const fs::path& path, const Session& session, bool overwrite,
+                                          files::Disk& disk) {
+  try {
+    return write_file(path, session, overwrite, disk);
+  } catch (const Hdf5Failure& failure) {
+    throw Error(ExitCode::storage, failure.what(), path.string(), advice_for(EIO));
+  }
+}
+
+}  // namespace
+
+void write_session(const fs::path& path, const Session& session, files::Disk& disk) {
+  write_or_explain(path, session, false, disk);
+}
+
+std::vector<std::string> replace_session(const fs::path& path, const Session& session, files::Disk& disk) {
+  return write_or_explain(path, session, true, disk);
+}
+
+}  // namespace thermorig::session

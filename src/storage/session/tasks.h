@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "thermorig/storage/sandbox/sealed_copy.h"
+
+namespace thermorig::session {
+
+/// Everything that reading the copy asks of libhdf5 and of this program, for nothing: throws as
+/// read_session() does.
+void read_for_nothing(const sandbox::SealedCopy& copy);
+
+/// What altered_attributes() looks for, in this process.
+std::vector<std::string> altered_in(const sandbox::SealedCopy& copy);
+
+/// Whether whoever opens this copy as a session gets one: as a program does that reads a stranger's file, a
+/// child process first. Throws as tried_copy() and read_session() do.
+void require_readable(const sandbox::SealedCopy& copy);
+
+}  // namespace thermorig::session
