@@ -6,7 +6,7 @@
 
 #include "learning_options.h"
 #include "live/live_options.h"
-#include "rig_words.h"
+#include "rig_options.h"
 #include "thermorig/core/error.h"
 #include "thermorig/sensors/camera_protocol.h"
 #include "thermorig/sensors/gyro_protocol.h"
@@ -28,7 +28,7 @@ struct Words {
   DecodeOptions decode;
   TrainOptions train;
   EvaluateOptions evaluate;
-  LiveWords live;
+  LiveCommandLine live;
   ExportOptions export_;
   std::string calibration, decode_device;
   bool version = false, version_json = false;

@@ -33,15 +33,15 @@ std::vector<study::JudgedWindow> judged_by(const model::Model& model,
 /// Tested acquisitions that the model knows already.
 std::vector<std::string> seen_in_training(const model::Model& model,
                                           const std::vector<Acquisition>& acquisitions) {
-  std::vector<std::string> seen;
+  std::vector<std::string> trained_on;
   const auto add = [&](const std::vector<model::Provenance::Data>& data) {
     for (const model::Provenance::Data& known : data)
       for (const Acquisition& acquisition : acquisitions)
-        if (!known.hash.empty() && known.hash == acquisition.hash) seen.push_back(acquisition.name);
+        if (!known.hash.empty() && known.hash == acquisition.hash) trained_on.push_back(acquisition.name);
   };
   add(model.provenance.training);
   add(model.provenance.held_out);
-  return seen;
+  return trained_on;
 }
 
 /// Those that need no network, and that a fusion ought to beat and does not.
@@ -55,11 +55,11 @@ std::vector<std::string> better_baselines(const study::Evaluation& evaluation) {
 std::vector<std::string> warnings_of(const model::Model& model, const ModelEvaluation& evaluated,
                                      const std::vector<Acquisition>& acquisitions) {
   std::vector<std::string> warnings;
-  const std::vector<std::string> seen = seen_in_training(model, acquisitions);
-  if (!seen.empty())
+  const std::vector<std::string> trained_on = seen_in_training(model, acquisitions);
+  if (!trained_on.empty())
     warnings.push_back(
-        fmt::format("the model was trained on, or chosen by, {} of the tested acquisitions: {}", seen.size(),
-                    fmt::join(seen, ", ")));
+        fmt::format("the model was trained on, or chosen by, {} of the tested acquisitions: {}",
+                    trained_on.size(), fmt::join(trained_on, ", ")));
   if (study::collapsed(evaluated.evaluation.gain))
     warnings.push_back(
         fmt::format("the gate has collapsed (mean Kg {}): {}", gain_text(evaluated.evaluation.gain.mean),

@@ -71,7 +71,7 @@ void require_good(const std::vector<dataset::BadSession>& bad, bool accepted) {
               "is: --accept-bad");
 }
 
-dataset::Acquisitions read_data(const SessionWords& words) {
+dataset::Acquisitions read_data(const SessionOptions& words) {
   dataset::Acquisitions data = read_files(dataset::find_sessions(words.paths), words.json);
   require_any(data);
   require_good(data.bad, words.accept_bad);
@@ -84,7 +84,7 @@ void add_choice_to(nlohmann::json& object, const dataset::Acquisitions& data) {
   object["bad"] = files_of(data.bad);
 }
 
-SessionWords words_of(const EvaluateOptions& options) {
+SessionOptions words_of(const EvaluateOptions& options) {
   return {.paths = options.paths, .accept_bad = options.accept_bad, .json = options.json};
 }
 

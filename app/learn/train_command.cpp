@@ -8,7 +8,7 @@
 #include "session_data.h"
 #include "thermorig/io/port.h"
 #include "thermorig/learning/training/run_folder.h"
-#include "thermorig/learning/training/thread_crew.h"
+#include "thermorig/learning/training/thread_pool.h"
 #include "train_files.h"
 #include "train_output.h"
 
@@ -76,11 +76,11 @@ class Run {
     const int threads = thread_count(options_);
     output_->start({config_, data_, run_folder_of(options_).string(), description_.instruction_set, threads,
                     epochs_before()});
-    training::ThreadCrew crew(threads);
+    training::ThreadPool workers(threads);
     watch_interrupts();
     begin_ = io::now();
     training::TrainingResult result =
-        training::train(config_, data_.acquisitions, crew, observer(), folder_.checkpoint());
+        training::train(config_, data_.acquisitions, workers, observer(), folder_.checkpoint());
     result.model.provenance.producer = producer();
     return finish(result);
   }
@@ -145,7 +145,7 @@ class Run {
 ExitCode run(const TrainOptions& options) {
   const TrainingConfig config = training_config(options);
   require_free(options.output, options.resume ? run_folder_of(options) / "model.onnx" : "");
-  const SessionWords words{.paths = options.paths, .accept_bad = options.accept_bad, .json = options.json};
+  const SessionOptions words{.paths = options.paths, .accept_bad = options.accept_bad, .json = options.json};
   return Run(options, config, read_data(words)).run();
 }
 

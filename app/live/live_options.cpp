@@ -8,7 +8,7 @@
 #include <cmath>
 #include <initializer_list>
 
-#include "rig_words.h"
+#include "rig_options.h"
 #include "thermorig/core/error.h"
 #include "thermorig/estimators/table.h"
 
@@ -18,7 +18,7 @@ namespace {
 
 constexpr double lowest_speed = 0.001;  // a second takes a quarter of an hour
 
-void add_source(CLI::App& command, LiveWords& words) {
+void add_source(CLI::App& command, LiveCommandLine& words) {
   LiveOptions& live = words.options;
   add_environment(command, live.record.environment).capture_default_str();
   command.add_option("--plan", live.record.plan, "Sweep plan: quick, paper, table-one or a TOML file")
@@ -34,7 +34,7 @@ void add_source(CLI::App& command, LiveWords& words) {
                    "Virtual time: as fast as the machine can (simulated rig only)");
 }
 
-void add_result(CLI::App& command, LiveWords& words) {
+void add_result(CLI::App& command, LiveCommandLine& words) {
   LiveOptions& live = words.options;
   command.add_flag("--record", live.keep, "Keep a session, with the estimates in it");
   add_folder(command, live.record.output, "Folder that holds the recordings (with --record)");
@@ -65,14 +65,15 @@ double speed_of(const std::string& text) {
 }
 
 /// Refuses each of `names` that was said, because of `why`.
-void refuse_said(const LiveWords& words, std::initializer_list<const char*> names, const std::string& why) {
+void refuse_said(const LiveCommandLine& words, std::initializer_list<const char*> names,
+                 const std::string& why) {
   for (const char* name : names)
     if (words.command->count(name) > 0)
       refuse_option(fmt::format("{} {}", name, why), fmt::format("leave {} out", name));
 }
 
 /// A word that would do nothing is a misunderstanding.
-void check_words_without_effect(const LiveWords& words) {
+void check_words_without_effect(const LiveCommandLine& words) {
   const LiveOptions& live = words.options;
   if (live.replay)
     refuse_said(words, {"--environment",    "--plan",         "--frames-per-leg",  "--valid-per-leg",
@@ -92,7 +93,7 @@ void check_words_without_effect(const LiveWords& words) {
     refuse_said(words, {"--precision"}, "is that of a network, and there is no --model");
 }
 
-void check(const LiveWords& words) {
+void check(const LiveCommandLine& words) {
   const LiveOptions& live = words.options;
   const bool names_rig = live.record.rig.simulated_seed || !live.record.rig.profile.empty();
   if (live.replay && names_rig)
@@ -126,7 +127,7 @@ void add_page(CLI::App& command, PageOptions& page) {
   command.add_flag("--control", page.control, "The page may start motion, and motion waits for its Start");
 }
 
-void add_live(CLI::App& root, LiveWords& words) {
+void add_live(CLI::App& root, LiveCommandLine& words) {
   LiveOptions& live = words.options;
   live.record.environment = "laboratory";
   live.record.plan = "quick";
@@ -159,7 +160,7 @@ void add_live(CLI::App& root, LiveWords& words) {
       "  thermorig live --replay session.h5 --model model.onnx --speed 10");
 }
 
-LiveOptions chosen_live(const LiveWords& words) {
+LiveOptions chosen_live(const LiveCommandLine& words) {
   check(words);
   LiveOptions live = words.options;
   if (!words.speed.empty()) live.speed = speed_of(words.speed);

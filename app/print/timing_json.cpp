@@ -95,7 +95,7 @@ nlohmann::json timing_json(const session::Session& session, const session::Quali
           {"camera_offset", offset_json(session.sync.camera_offset)},
           {"gyro", gyro_json(session.sync.gyro)},
           {"servo", servo_json(session.sync.servo)},
-          {"label_uncertainty_dps", quality.label_uncertainty_dps},
+          {"rate_shaft_uncertainty_dps", quality.rate_shaft_uncertainty_dps},
           {"label_residual_dps", quality.label_residual_dps},
           {"verdict", quality.verdict},
           {"verdict_reasons", quality.verdict_reasons},

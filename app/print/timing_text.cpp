@@ -213,9 +213,9 @@ std::string timing_text(const std::filesystem::path& path, const Session& sessio
   if (const std::string breaks = breaks_text(session); !breaks.empty()) text += fmt::format("\n{}", breaks);
   text += fmt::format("\n{}{}{}", timing_line("camera - gyro", offset_text(sync.camera_offset)),
                       gyro_text(session), servo_text(session, quality));
-  if (std::isfinite(quality.label_uncertainty_dps))
-    text += timing_line(
-        "label", fmt::format("+- {:.2f} deg/s in the median valid frame", quality.label_uncertainty_dps));
+  if (std::isfinite(quality.rate_shaft_uncertainty_dps))
+    text += timing_line("label", fmt::format("+- {:.2f} deg/s in the median valid frame",
+                                             quality.rate_shaft_uncertainty_dps));
   if (!sync.servo.speeds.empty()) text += fmt::format("\n{}", residual_table(sync.servo));
   return fmt::format("{}\n{}{}", text, timing_verdict(quality), remarks_text(timing_remarks(session)));
 }
@@ -230,8 +230,8 @@ std::string timing_line(const std::filesystem::path& path, const Session& sessio
                 ? fmt::format("{} unknown, ", name_of(device))
                 : fmt::format("{} +- {:.2f} ms, ", name_of(device), clock.uncertainty_us / 1e3);
   }
-  if (std::isfinite(quality.label_uncertainty_dps))
-    text += fmt::format("label +- {:.2f} deg/s, ", quality.label_uncertainty_dps);
+  if (std::isfinite(quality.rate_shaft_uncertainty_dps))
+    text += fmt::format("label +- {:.2f} deg/s, ", quality.rate_shaft_uncertainty_dps);
   text.resize(text.size() - std::string_view(", ").size());
   return text + "; more with --timing\n";
 }

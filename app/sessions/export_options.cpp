@@ -2,7 +2,7 @@
 #include <CLI/CLI.hpp>
 
 #include "learning_options.h"
-#include "rig_words.h"
+#include "rig_options.h"
 
 namespace thermorig::app {
 

@@ -12,7 +12,7 @@
 #include "asio.h"
 #include "open_port.h"
 #include "read_watch.h"
-#include "thermorig/io/last_words.h"
+#include "thermorig/io/emergency_bytes.h"
 #include "thermorig/io/port.h"
 #include "tick_schedule.h"
 
@@ -48,14 +48,14 @@ class PortTraffic : public std::enable_shared_from_this<PortTraffic> {
     if (!waiting_to_write_) write_queue();
   }
 
-  void keep_last_words(std::span<const std::uint8_t> bytes) {
-    if (!closed_) io::keep_last_words(port_.get(), bytes);
+  void keep_emergency_bytes(std::span<const std::uint8_t> bytes) {
+    if (!closed_) io::keep_emergency_bytes(port_.get(), bytes);
   }
 
   void close() {
     if (closed_) return;
     closed_ = true;
-    forget_last_words(port_.get());
+    forget_emergency_bytes(port_.get());
     queue_.clear();
     writing_.cancel();
     watch_.reset();
@@ -169,7 +169,7 @@ struct Loop::Impl {
 Loop::Loop() : impl_(std::make_unique<Impl>()) {}
 
 Loop::~Loop() {
-  say_last_words();  // of ports that nobody closed: an exception is on its way
+  send_emergency_bytes();  // of ports that nobody closed: an exception is on its way
   for (const auto& port : impl_->ports) port->close();
   impl_->tick = nullptr;
   impl_->signalled = nullptr;
@@ -195,8 +195,8 @@ void Loop::write(PortId port, std::span<const std::uint8_t> bytes) {
   impl_->ports.at(port)->write(bytes);
 }
 
-void Loop::keep_last_words(PortId port, std::span<const std::uint8_t> bytes) {
-  impl_->ports.at(port)->keep_last_words(bytes);
+void Loop::keep_emergency_bytes(PortId port, std::span<const std::uint8_t> bytes) {
+  impl_->ports.at(port)->keep_emergency_bytes(bytes);
 }
 
 void Loop::close(PortId port) {

@@ -13,13 +13,13 @@ namespace thermorig::network {
 struct Trainer::Parts {
   using Phase = void (Parts::*)(Share);
 
-  Parts(const Weights& weights, const TrainerConfig& settings, Crew& workers)
-      : config(settings), crew(workers), network(weights, settings.set), gradients(network) {}
+  Parts(const Weights& weights, const TrainerConfig& settings, Workers& pool)
+      : config(settings), workers(pool), network(weights, settings.set), gradients(network) {}
 
-  /// Lets the crew do a phase and waits for all.
+  /// Lets the workers do a phase and waits for all.
   void run(Phase next) {
     phase = next;
-    crew.run(work);
+    workers.run(work);
   }
 
   // The phases that are shared out. Nothing is summed across workers, so their number does not show.
@@ -38,7 +38,7 @@ struct Trainer::Parts {
   AdamStep next_adam_step() const;
 
   TrainerConfig config;
-  Crew& crew;
+  Workers& workers;
   BatchNetwork network;
   BatchGradients gradients;
   std::uint64_t steps = 0;
@@ -48,7 +48,7 @@ struct Trainer::Parts {
   // Made once: a function made anew for each phase could allocate.
   const std::function<void(int)> work = [this](int worker) {
     const FlushDenormals flush;
-    (this->*phase)({worker, crew.size()});
+    (this->*phase)({worker, workers.size()});
   };
 };
 
@@ -86,8 +86,8 @@ AdamStep Trainer::Parts::next_adam_step() const {
           .one_minus_beta2 = 1.0F - adam.beta2};
 }
 
-Trainer::Trainer(const Weights& weights, const TrainerConfig& config, Crew& crew)
-    : parts_(std::make_unique<Parts>(weights, config, crew)) {}
+Trainer::Trainer(const Weights& weights, const TrainerConfig& config, Workers& workers)
+    : parts_(std::make_unique<Parts>(weights, config, workers)) {}
 
 Trainer::~Trainer() = default;
 Trainer::Trainer(Trainer&&) noexcept = default;

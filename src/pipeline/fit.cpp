@@ -2,7 +2,7 @@
 #include <utility>
 #include <vector>
 
-#include "camera_line.h"
+#include "camera_decoder.h"
 #include "camera_rhythm.h"
 #include "camera_shift.h"
 #include "clock_fits.h"

@@ -4,18 +4,18 @@
 #include <utility>
 
 #include "absent_camera.h"
-#include "camera_line.h"
-#include "gyro_line.h"
+#include "camera_decoder.h"
+#include "gyro_decoder.h"
 #include "measurements.h"
-#include "servo_line.h"
+#include "servo_decoder.h"
 #include "thermorig/sensors/device_stream.h"
 
 namespace thermorig::pipeline {
 
 struct Pipeline::Stages {
-  CameraLine camera;
-  GyroLine gyro;
-  ServoLine servo;
+  CameraDecoder camera;
+  GyroDecoder gyro;
+  ServoDecoder servo;
   labels::Labeller labeller;
   double frame_rate_hz;  // nominal
   Measurements measurements;
@@ -53,9 +53,9 @@ PerDevice<std::uint64_t> message_bytes(const RigProfile& profile) {
 }  // namespace
 
 Pipeline::Pipeline(const RigProfile& profile, const Fits& fits)
-    : stages_(new Stages{.camera = CameraLine(profile.camera, fits),
-                         .gyro = GyroLine(profile.gyro, fits),
-                         .servo = ServoLine(profile.servo, fits),
+    : stages_(new Stages{.camera = CameraDecoder(profile.camera, fits),
+                         .gyro = GyroDecoder(profile.gyro, fits),
+                         .servo = ServoDecoder(profile.servo, fits),
                          .labeller = labels::Labeller(labels::label_config(profile, fits.sync)),
                          .frame_rate_hz = profile.camera.output_rate_hz,
                          .measurements = {},

@@ -56,7 +56,7 @@ const ServoProtocol& servo_protocol() {
                                       .scanner = servo_scanner,
                                       .recognise = recognise_servo,
                                       .greeting = hello,
-                                      .last_words = wire::stop_bytes};
+                                      .emergency_bytes = wire::stop_bytes};
   return protocol;
 }
 

@@ -31,7 +31,7 @@ def check_use(path):
     """What a person does first: valid labels against the gyro, a frame by its place and time."""
     with xarray.open_dataset(path, engine="h5netcdf", group="samples") as samples:
         valid = samples.where(samples.valid == 1, drop=True)
-        if valid.sizes["time"] == 0 or float(abs(valid.rate_label - valid.rate_gyro).median()) > 10:
+        if valid.sizes["time"] == 0 or float(abs(valid.rate_shaft - valid.rate_gyro).median()) > 10:
             yield "valid labels and the gyro do not go together"
         with xarray.open_dataset(path, engine="h5netcdf", group="camera") as camera:
             if camera.temperature.dims != ("time", "row", "column") or camera.temperature.isel(time=0).shape != (24, 32):

@@ -176,9 +176,9 @@ TEST_F(RecordedTruth, ValidLabelsAreTheShaftsTrueMeanSpeed) {
     if (!sample.valid) continue;
     ++valid;
     EXPECT_LT(std::abs(to_s(sample.exposure_end - truth.exposure_end)), 0.05);
-    EXPECT_NEAR(sample.rate_label_dps, truth.mean_rate_dps, 2.0 + 0.04 * std::abs(truth.mean_rate_dps))
+    EXPECT_NEAR(sample.rate_shaft_dps, truth.mean_rate_dps, 2.0 + 0.04 * std::abs(truth.mean_rate_dps))
         << sample.frame_index;
-    EXPECT_NEAR(std::abs(sample.rate_label_dps), 90.0, 0.02 * 90.0)
+    EXPECT_NEAR(std::abs(sample.rate_shaft_dps), 90.0, 0.02 * 90.0)
         << sample.frame_index;  // rule V0's own limit
   }
   EXPECT_GE(valid, 8U);

@@ -15,7 +15,7 @@ namespace {
 
 class WatchedFirmware : public simulation::Firmware {
  public:
-  WatchedFirmware(std::unique_ptr<simulation::Firmware> firmware, std::shared_ptr<ServoLine> line)
+  WatchedFirmware(std::unique_ptr<simulation::Firmware> firmware, std::shared_ptr<ServoDecoder> line)
       : firmware_(std::move(firmware)), line_(std::move(line)) {}
 
   void receive(std::uint8_t byte, std::int64_t time_us) override {
@@ -36,13 +36,13 @@ class WatchedFirmware : public simulation::Firmware {
 
  private:
   std::unique_ptr<simulation::Firmware> firmware_;
-  std::shared_ptr<ServoLine> line_;
+  std::shared_ptr<ServoDecoder> line_;
 };
 
 }  // namespace
 
 ServedRig::ServedRig(std::uint64_t seed, const std::string& environment)
-    : config_(simulation::default_rig(seed, environment)), line_(std::make_shared<ServoLine>()) {
+    : config_(simulation::default_rig(seed, environment)), line_(std::make_shared<ServoDecoder>()) {
   ports_ = std::make_unique<SimulatedPorts>(
       config_, std::make_unique<WatchedFirmware>(make_firmware(FirmwareChoice::avr_image), line_));
   if (ports_->firmware_description() != "AVR image")

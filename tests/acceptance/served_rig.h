@@ -21,7 +21,7 @@ struct ReceivedByte {
 
 /// What a look at the micro-controller's pins shows. `now_us` may be read at any time, the lists once
 /// the ports have stopped.
-struct ServoLine {
+struct ServoDecoder {
   std::atomic<std::int64_t> now_us = 0;
   std::atomic<std::int64_t> turned_us = 0;  // when a pulse last differed from the one before it
   std::vector<ReceivedByte> received;
@@ -44,7 +44,7 @@ class ServedRig {
 
   SimulatedPorts& ports() { return *ports_; }
   const SimulatedPorts& ports() const { return *ports_; }
-  const ServoLine& line() const { return *line_; }
+  const ServoDecoder& line() const { return *line_; }
 
   // After ports().stop().
   std::int64_t last_byte_us() const { return line_->received.back().time_us; }
@@ -57,7 +57,7 @@ class ServedRig {
 
  private:
   simulation::VirtualRigConfig config_;
-  std::shared_ptr<ServoLine> line_;
+  std::shared_ptr<ServoDecoder> line_;
   std::unique_ptr<SimulatedPorts> ports_;
 };
 

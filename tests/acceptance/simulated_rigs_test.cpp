@@ -45,9 +45,9 @@ class SimulatedRig : public ProgramTest {
                   std::max(1.0, 0.02 * std::abs(rate_dps)))
           << sample.frame_index;
       // The servo's own scale is off by about a percent, the gyro's by which it is judged by 3.
-      EXPECT_NEAR(sample.rate_label_dps, sample.rate_commanded_dps, 1.0 + 0.04 * std::abs(rate_dps))
+      EXPECT_NEAR(sample.rate_shaft_dps, sample.rate_commanded_dps, 1.0 + 0.04 * std::abs(rate_dps))
           << sample.frame_index;
-      EXPECT_NEAR(sample.rate_gyro_dps, sample.rate_label_dps, 12.0) << sample.frame_index;
+      EXPECT_NEAR(sample.rate_gyro_dps, sample.rate_shaft_dps, 12.0) << sample.frame_index;
     }
   }
 
@@ -81,7 +81,7 @@ TEST_F(SimulatedRig, ThatTurnsWithoutEndNeverTurnsBack) {
   EXPECT_EQ(count(session, Reason::limit_hit), 0U);
   for (const LabelledSample& sample : session.samples) {
     if (!sample.valid) continue;
-    EXPECT_GT(sample.rate_label_dps * session.raw.legs.at(sample.leg - 1U).rate_dps, 0.0)
+    EXPECT_GT(sample.rate_shaft_dps * session.raw.legs.at(sample.leg - 1U).rate_dps, 0.0)
         << sample.frame_index;
   }
   const auto quality = session::quality_of(session);

@@ -61,7 +61,7 @@ TEST_F(Dumped, ShowsEveryGroupAndUnitInItsHeader) {
   const Printed header = run_other("h5dump -H " + path_.string());
   ASSERT_EQ(header.code, 0);
   for (const char* part : {"GROUP \"camera\"", "GROUP \"gyro\"", "GROUP \"servo\"", "GROUP \"samples\"",
-                           "GROUP \"raw\"", "DATASET \"temperature\"", "DATASET \"rate_label\"",
+                           "GROUP \"raw\"", "DATASET \"temperature\"", "DATASET \"rate_shaft\"",
                            "DATASET \"chunk_end\"", "ATTRIBUTE \"units\"", "ATTRIBUTE \"DIMENSION_LIST\""})
     EXPECT_NE(header.text.find(part), std::string::npos) << part;
 }

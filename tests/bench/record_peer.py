@@ -111,7 +111,7 @@ def label(camera, gyro, servo):
         area = np.concatenate([[0.0], np.cumsum(np.diff(times) * 0.5 * (values[1:] + values[:-1]))])
         return (np.interp(high, times, area) - np.interp(low, times, area)) / (high - low)
 
-    rate_label = mean(servo_time, rate, begin, end)
+    rate_shaft = mean(servo_time, rate, begin, end)
     settled_low = np.searchsorted(servo_time, begin - 0.2)
     settled_high = np.searchsorted(servo_time, end)
     changes = np.concatenate([[0], np.cumsum(np.abs(np.diff(rate)) > 0.05)])
@@ -142,7 +142,7 @@ def label(camera, gyro, servo):
         "servo/rate_commanded": rate.astype(np.float32),
         "servo/pulse_width": (rows[:, 3] / np.where(fine, 16, 2)).astype(np.float32),
         "servo/state": rows[:, 4].astype(np.uint8) & 0x7F,
-        "samples/rate_label": rate_label.astype(np.float32),
+        "samples/rate_shaft": rate_shaft.astype(np.float32),
         "samples/rate_gyro": rate_gyro.astype(np.float32),
         "samples/gyro_count": count.astype(np.uint16),
         "samples/valid": valid.astype(np.uint8),

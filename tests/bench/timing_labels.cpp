@@ -93,10 +93,10 @@ LabelScore score(const session::Session& session, const simulation::VirtualRig& 
     if (truth == nullptr || sample.leg == 0) continue;
     ++result.frames;
     if (sample.valid) {
-      const double error_dps = static_cast<double>(sample.rate_label_dps) - truth->mean_rate_dps;
+      const double error_dps = static_cast<double>(sample.rate_shaft_dps) - truth->mean_rate_dps;
       result.error_dps.push_back(static_cast<float>(error_dps));
       result.beyond_three +=
-          !(std::abs(error_dps) <= 3.0 * static_cast<double>(sample.label_uncertainty_dps));
+          !(std::abs(error_dps) <= 3.0 * static_cast<double>(sample.rate_shaft_uncertainty_dps));
     }
     const double commanded_dps = sample.rate_commanded_dps;
     if (!std::isfinite(commanded_dps) || commanded_dps == 0.0) continue;
@@ -180,7 +180,7 @@ void add_label_figures(const std::string& row, const std::string& key, LabelScor
   const auto valid = static_cast<double>(score.error_dps.size());
   const auto add = [&](const std::string& column, const std::string& figure, const std::string& unit,
                        std::optional<double> value, std::optional<double> at_most, const std::string& note) {
-    figures.push_back({.section = "Labels: rate_label against the shaft, 20 to 200 deg/s",
+    figures.push_back({.section = "Labels: rate_shaft against the shaft, 20 to 200 deg/s",
                        .row = row,
                        .column = column,
                        .key = fmt::format("labels_{}_{}", key, figure),

@@ -75,11 +75,11 @@ LabelTruth label_truth(const session::Session& session, const std::vector<simula
     const LabelledSample& sample = session.samples[i];
     if (!sample.valid || next == sent.size() || sent[next].span.begin != session.frames[i].span.begin)
       continue;
-    const double error_dps = sample.rate_label_dps - sent[next].mean_rate_dps;
+    const double error_dps = sample.rate_shaft_dps - sent[next].mean_rate_dps;
     ++truth.frames;
     truth.error_dps += error_dps * error_dps;
-    truth.uncertainty_dps += sample.label_uncertainty_dps;
-    truth.worst = std::max(truth.worst, std::abs(error_dps) / sample.label_uncertainty_dps);
+    truth.uncertainty_dps += sample.rate_shaft_uncertainty_dps;
+    truth.worst = std::max(truth.worst, std::abs(error_dps) / sample.rate_shaft_uncertainty_dps);
   }
   if (truth.frames == 0) return truth;
   truth.error_dps = std::sqrt(truth.error_dps / truth.frames);

@@ -20,7 +20,7 @@ struct GyroTruth {
   double bias_dps = 0.0;
 };
 
-/// How far `rate_label` is from the shaft's true mean speed over the exposure, among valid frames.
+/// How far `rate_shaft` is from the shaft's true mean speed over the exposure, among valid frames.
 struct LabelTruth {
   int frames = 0;
   double error_dps = 0.0;        // root mean square

@@ -52,7 +52,7 @@ TEST(Acquisition, SaysThatNoLicenceOfItsDataIsStated) {
 TEST(Acquisition, TakesTheCommandedSpeedForItsLabel) {
   const Session session = made_session();
   EXPECT_EQ(acquired(session).label_dps[100], session.samples[100].rate_commanded_dps);
-  EXPECT_NE(acquired(session).label_dps[100], session.samples[100].rate_label_dps);
+  EXPECT_NE(acquired(session).label_dps[100], session.samples[100].rate_shaft_dps);
 }
 
 TEST(Acquisition, HoldsWhatEveryEstimatorSaysThatNeedsNoNetwork) {

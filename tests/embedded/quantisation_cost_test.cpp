@@ -5,8 +5,8 @@
 #include "support/synthetic_acquisitions.h"
 #include "thermorig/learning/training/prediction.h"
 #include "thermorig/learning/training/training.h"
-#include "thermorig/network/crew.h"
 #include "thermorig/network/embedded/c_source.h"
+#include "thermorig/network/workers.h"
 
 namespace thermorig::tests {
 namespace {
@@ -18,8 +18,8 @@ model::Model trained(const Acquisitions& acquisitions) {
   config.shape = {.frames = 3, .reduction = 3};
   config.choose_epoch = false;
   config.epochs = 12;
-  network::SoloCrew crew;
-  return training::train(config, acquisitions, crew).model;
+  network::CallingThread workers;
+  return training::train(config, acquisitions, workers).model;
 }
 
 struct Mse {

@@ -72,8 +72,8 @@ TEST(Labels, ReachNoEstimator) {
     const float gyro_dps = measurement.sample.rate_gyro_dps;
     measurement.sample = LabelledSample();
     measurement.sample.rate_gyro_dps = gyro_dps;
-    measurement.sample.rate_label_dps = measurement.sample.rate_commanded_dps = 77.0F;
-    measurement.sample.angle_label_deg = 777.0F;
+    measurement.sample.rate_shaft_dps = measurement.sample.rate_commanded_dps = 77.0F;
+    measurement.sample.angle_commanded_deg = 777.0F;
     measurement.sample.leg = 7;
     measurement.sample.run = 7;
     measurement.sample.valid = true;

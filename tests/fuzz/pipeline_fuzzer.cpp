@@ -101,10 +101,10 @@ void check(const LabelledSample& sample, std::uint32_t index) {
   require(sample.valid == ((sample.reason_bits & ~warning_bits) == 0));
   require(sample.valid == (sample.run > 0));
   require(std::isnan(sample.rate_gyro_dps) == (sample.gyro_count == 0));
-  if (std::isnan(sample.rate_label_dps)) return require(!sample.valid);
-  require(sample.rate_label_min_dps <= sample.rate_label_dps + 0.01F);
-  require(sample.rate_label_max_dps >= sample.rate_label_dps - 0.01F);
-  require(sample.label_uncertainty_dps > 0.0F);
+  if (std::isnan(sample.rate_shaft_dps)) return require(!sample.valid);
+  require(sample.rate_shaft_min_dps <= sample.rate_shaft_dps + 0.01F);
+  require(sample.rate_shaft_max_dps >= sample.rate_shaft_dps - 0.01F);
+  require(sample.rate_shaft_uncertainty_dps > 0.0F);
 }
 
 void check(const wire::Counters& counters) {

@@ -78,8 +78,8 @@ void write_training(const Arguments& a) {
   config.loss.auxiliary_thermal = std::stof(a.at(3));
   const std::uint64_t seed = std::stoull(a.at(4));
   const std::size_t samples = std::stoul(a.at(5)), steps = std::stoul(a.at(6));
-  network::SoloCrew crew;
-  network::Trainer trainer(interop::seeded_weights(shape, seed), config, crew);
+  network::CallingThread workers;
+  network::Trainer trainer(interop::seeded_weights(shape, seed), config, workers);
   std::ofstream file(a.at(7), std::ios::binary);
   append<float>(file, trainer.gradients(interop::SeededBatch(shape, seed, 0, samples).batch()));
   std::vector<double> losses;

@@ -163,10 +163,10 @@ Verdict judge(const TrueTimes& recording, const std::vector<LabelledSample>& sam
       if (!sample.valid) ++verdict.rejected;
     }
     if (!sample.valid) continue;
-    const double error = sample.rate_label_dps - recording.sent_frames[sample.frame_index].mean_rate_dps;
+    const double error = sample.rate_shaft_dps - recording.sent_frames[sample.frame_index].mean_rate_dps;
     ++verdict.valid;
     verdict.rms_dps += error * error;
-    if (!(std::abs(error) <= 3.0 * sample.label_uncertainty_dps)) ++verdict.beyond;
+    if (!(std::abs(error) <= 3.0 * sample.rate_shaft_uncertainty_dps)) ++verdict.beyond;
   }
   verdict.rms_dps = std::sqrt(verdict.rms_dps / static_cast<double>(verdict.valid));
   return verdict;
@@ -267,8 +267,8 @@ TEST(ServoResponse, IsAsGoodAsAssumedWhereNoLegTold) {
   const SyncReport sync = fit(recording, recording.profile);
   std::size_t known = 0;
   for (const LabelledSample& sample : label(recording, label_config(recording.profile, sync)))
-    if (std::isfinite(sample.rate_label_dps)) {
-      EXPECT_GE(sample.label_uncertainty_dps, 0.25F);  // what is assumed of a servo
+    if (std::isfinite(sample.rate_shaft_dps)) {
+      EXPECT_GE(sample.rate_shaft_uncertainty_dps, 0.25F);  // what is assumed of a servo
       ++known;
     }
   EXPECT_GT(known, 100U);

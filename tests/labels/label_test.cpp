@@ -22,10 +22,10 @@ TEST(Label, OfASteadySweepIsItsSpeed) {
   const auto samples = ScriptedRig().run(2.0);
   const LabelledSample& sample = ending_at(samples, 1.0);
   EXPECT_NEAR(sample.rate_commanded_dps, 100.0, 1e-2);
-  EXPECT_NEAR(sample.rate_label_dps, 100.0, 0.5);  // the ripple of 50 pulses a second over 12.5 of them
-  EXPECT_NEAR(sample.rate_label_min_dps, 100.0, 0.5);
-  EXPECT_NEAR(sample.rate_label_max_dps, 100.0, 0.5);
-  EXPECT_LE(sample.rate_label_min_dps, sample.rate_label_max_dps);
+  EXPECT_NEAR(sample.rate_shaft_dps, 100.0, 0.5);  // the ripple of 50 pulses a second over 12.5 of them
+  EXPECT_NEAR(sample.rate_shaft_min_dps, 100.0, 0.5);
+  EXPECT_NEAR(sample.rate_shaft_max_dps, 100.0, 0.5);
+  EXPECT_LE(sample.rate_shaft_min_dps, sample.rate_shaft_max_dps);
   EXPECT_EQ(sample.leg, 1);
   EXPECT_EQ(sample.reason_bits, 0U);
   EXPECT_TRUE(sample.valid);
@@ -49,9 +49,9 @@ TEST(Label, OfAChangingSpeedLagsAsTheServoDoes) {
   // The pulse shows the command of 1 ms before it starts, ends 1.3 ms later (its width is about 0.8 ms),
   // holds for 20 ms; then the delay and the loop's own lag.
   const double lag_s = 0.001 + 0.0008 + 0.010 + 0.012 + 1.4 / (2.0 * std::numbers::pi * 6.0);
-  EXPECT_NEAR(sample.rate_label_dps, 1.02 * 40.0 * (1.875 - lag_s), 0.15);
-  EXPECT_NEAR(sample.rate_label_min_dps, 1.02 * 40.0 * (1.76 - lag_s), 0.3);
-  EXPECT_NEAR(sample.rate_label_max_dps, 1.02 * 40.0 * (1.99 - lag_s), 0.3);
+  EXPECT_NEAR(sample.rate_shaft_dps, 1.02 * 40.0 * (1.875 - lag_s), 0.15);
+  EXPECT_NEAR(sample.rate_shaft_min_dps, 1.02 * 40.0 * (1.76 - lag_s), 0.3);
+  EXPECT_NEAR(sample.rate_shaft_max_dps, 1.02 * 40.0 * (1.99 - lag_s), 0.3);
 }
 
 TEST(Label, OfEachHalfIsOverItsOwnExposure) {
@@ -61,8 +61,8 @@ TEST(Label, OfEachHalfIsOverItsOwnExposure) {
   const LabelledSample sample = ending_at(rig.run(3.0), 2.0);  // frame 15: the odd half is the newest
   EXPECT_NEAR(sample.rate_commanded_half_dps[0], 40.0 * 1.8125, 1e-3);
   EXPECT_NEAR(sample.rate_commanded_half_dps[1], 40.0 * 1.9375, 1e-3);
-  EXPECT_NEAR(sample.rate_label_half_dps[1] - sample.rate_label_half_dps[0], 40.0 * 0.125, 0.5);
-  EXPECT_NEAR((sample.rate_label_half_dps[0] + sample.rate_label_half_dps[1]) / 2.0, sample.rate_label_dps,
+  EXPECT_NEAR(sample.rate_shaft_half_dps[1] - sample.rate_shaft_half_dps[0], 40.0 * 0.125, 0.5);
+  EXPECT_NEAR((sample.rate_shaft_half_dps[0] + sample.rate_shaft_half_dps[1]) / 2.0, sample.rate_shaft_dps,
               1e-3);
   EXPECT_NEAR(sample.rate_gyro_half_dps[0], 10.0, 1e-5);
   EXPECT_NEAR(sample.rate_gyro_half_dps[1], 20.0, 1e-5);
@@ -103,7 +103,7 @@ TEST(Label, GivesTheAngleInTheMiddleOfTheNewestHalf) {
   rig.angle_deg = [](double t) { return -200.0 + 100.0 * t; };
   const LabelledSample sample = ending_at(rig.run(2.0), 1.0);
   EXPECT_NEAR(seconds(sample.time), 0.9375, 1e-9);
-  EXPECT_NEAR(sample.angle_label_deg, -200.0 + 93.75, 1e-3);
+  EXPECT_NEAR(sample.angle_commanded_deg, -200.0 + 93.75, 1e-3);
 }
 
 TEST(Label, AveragesTheGyroSamplesOfTheExposure) {
@@ -135,7 +135,7 @@ TEST(Label, OfASteadySpeedIsAsUnsureAsTheScale) {
   ScriptedRig rig;
   rig.config.response = certain_response();
   rig.config.response.scale = {0.98, 0.015};
-  EXPECT_NEAR(ending_at(rig.run(2.0), 1.0).label_uncertainty_dps, 100.0 * 0.015, 0.02);
+  EXPECT_NEAR(ending_at(rig.run(2.0), 1.0).rate_shaft_uncertainty_dps, 100.0 * 0.015, 0.02);
 }
 
 TEST(Label, OfAChangingSpeedIsAsUnsureAsItsTime) {
@@ -146,7 +146,7 @@ TEST(Label, OfAChangingSpeedIsAsUnsureAsItsTime) {
   rig.config.latency_uncertainty_s = 0.003;
   rig.config.response.delay_uncertainty_s = 0.002;
   const double time_s = std::hypot(std::hypot(0.004, 0.004), 0.003, 0.002);
-  const double uncertainty_dps = ending_at(rig.run(2.0), 1.0).label_uncertainty_dps;
+  const double uncertainty_dps = ending_at(rig.run(2.0), 1.0).rate_shaft_uncertainty_dps;
   EXPECT_GT(uncertainty_dps, 0.95 * 200.0 * time_s);
   EXPECT_LT(uncertainty_dps, 1.4 * 200.0 * time_s);  // the ripple adds
 }
@@ -158,7 +158,7 @@ TEST(Label, IsAsUnsureAsTheResponsesResidualAtItsSpeed) {
   rig.config.response.speeds = {{.rate_dps = -100.0, .residual_dps = 7.0},
                                 {.rate_dps = 100.0, .residual_dps = 0.3, .spread_dps = 0.4},
                                 {.rate_dps = 150.0, .residual_dps = 5.0}};
-  EXPECT_NEAR(ending_at(rig.run(2.0), 1.0).label_uncertainty_dps, 0.5, 0.01);
+  EXPECT_NEAR(ending_at(rig.run(2.0), 1.0).rate_shaft_uncertainty_dps, 0.5, 0.01);
 }
 
 TEST(Label, OfACalibratedCameraIsAsUnsureAsItsLatencyAlone) {
@@ -187,19 +187,19 @@ TEST(Label, OfACameraThatItsImagesShiftedIsAsUnsureAsTheShift) {
 
 TEST(Label, WithoutAFitContainsWhatServosAreKnownFor) {
   const auto samples = ScriptedRig().run(2.0);
-  EXPECT_GT(ending_at(samples, 1.0).label_uncertainty_dps, 100.0F * 0.015F);
-  EXPECT_LT(ending_at(samples, 1.0).label_uncertainty_dps, 100.0F * 0.04F);
+  EXPECT_GT(ending_at(samples, 1.0).rate_shaft_uncertainty_dps, 100.0F * 0.015F);
+  EXPECT_LT(ending_at(samples, 1.0).rate_shaft_uncertainty_dps, 100.0F * 0.04F);
 }
 
 TEST(Label, IsUnknownWithoutTelemetry) {
   ScriptedRig rig;
   rig.telemetry_comes = [](double) { return false; };
   for (const LabelledSample& sample : rig.run(1.0)) {
-    EXPECT_TRUE(std::isnan(sample.rate_label_dps));
-    EXPECT_TRUE(std::isnan(sample.rate_label_min_dps));
-    EXPECT_TRUE(std::isnan(sample.rate_label_max_dps));
-    EXPECT_TRUE(std::isnan(sample.angle_label_deg));
-    EXPECT_TRUE(std::isnan(sample.label_uncertainty_dps));
+    EXPECT_TRUE(std::isnan(sample.rate_shaft_dps));
+    EXPECT_TRUE(std::isnan(sample.rate_shaft_min_dps));
+    EXPECT_TRUE(std::isnan(sample.rate_shaft_max_dps));
+    EXPECT_TRUE(std::isnan(sample.angle_commanded_deg));
+    EXPECT_TRUE(std::isnan(sample.rate_shaft_uncertainty_dps));
     EXPECT_EQ(sample.leg, 0);
     EXPECT_TRUE(has(sample, Reason::servo_lost));
     EXPECT_TRUE(has(sample, Reason::outside_leg));
@@ -210,16 +210,16 @@ TEST(Label, IsUnknownWhereTelemetryHasAHole) {
   ScriptedRig rig;
   rig.telemetry_comes = [](double t) { return t < 0.9 || t > 0.97; };
   const auto samples = rig.run(2.0);
-  EXPECT_TRUE(std::isnan(ending_at(samples, 1.0).rate_label_dps));
-  EXPECT_TRUE(std::isnan(ending_at(samples, 0.9375 + 0.1875).rate_label_dps));  // exposed from 0.875
-  EXPECT_NEAR(ending_at(samples, 1.25).rate_label_dps, 100.0, 1.0);             // exposed from 1.0
+  EXPECT_TRUE(std::isnan(ending_at(samples, 1.0).rate_shaft_dps));
+  EXPECT_TRUE(std::isnan(ending_at(samples, 0.9375 + 0.1875).rate_shaft_dps));  // exposed from 0.875
+  EXPECT_NEAR(ending_at(samples, 1.25).rate_shaft_dps, 100.0, 1.0);             // exposed from 1.0
   EXPECT_TRUE(std::isnan(ending_at(samples, 1.0).rate_commanded_dps));
 }
 
 TEST(Label, IsUnknownUntilTelemetryReachesTheEndOfTheExposure) {
   ScriptedRig rig;
   rig.telemetry_comes = [](double t) { return t < 0.99; };
-  EXPECT_TRUE(std::isnan(ending_at(rig.run(2.0), 1.0).rate_label_dps));
+  EXPECT_TRUE(std::isnan(ending_at(rig.run(2.0), 1.0).rate_shaft_dps));
 }
 
 }  // namespace

@@ -104,7 +104,7 @@ TEST(Labeller, LetsAFrameGoWithoutAfterWaitingLongEnough) {
   EXPECT_TRUE(labeller.take(at_s(1.99)).empty());
   const auto samples = labeller.take(at_s(2.0));
   ASSERT_EQ(samples.size(), 1U);
-  EXPECT_TRUE(std::isnan(samples[0].rate_label_dps));
+  EXPECT_TRUE(std::isnan(samples[0].rate_shaft_dps));
   EXPECT_TRUE(has(samples[0], Reason::servo_lost));
   EXPECT_TRUE(has(samples[0], Reason::gyro_gap));
 }
@@ -148,7 +148,7 @@ TEST(Labeller, ToleratesTelemetryThatRunsBackwards) {
   labeller.add(rig.frame_at(1.0, 0));
   const auto samples = labeller.finish();
   ASSERT_EQ(samples.size(), 1U);
-  EXPECT_NEAR(samples[0].rate_label_dps, 100.0, 3.0);
+  EXPECT_NEAR(samples[0].rate_shaft_dps, 100.0, 3.0);
 }
 
 TEST(Labeller, LabelsAnExposureWithoutLength) {
@@ -157,7 +157,7 @@ TEST(Labeller, LabelsAnExposureWithoutLength) {
   rig.spoil = [](TimedFrame& frame, int) { frame.exposure_begin = frame.exposure_end; };
   const auto samples = rig.run(2.0);
   EXPECT_NEAR(samples[7].rate_commanded_dps, 100.0, 1e-2);
-  EXPECT_TRUE(std::isnan(samples[7].rate_label_dps));  // no time, no turn
+  EXPECT_TRUE(std::isnan(samples[7].rate_shaft_dps));  // no time, no turn
   EXPECT_FALSE(samples[7].valid);
 }
 

@@ -211,7 +211,7 @@ TEST(Reasons, ARestIsOutsideALegAndNotValid) {
   const auto samples = rig.run(2.0);
   for (std::size_t i = uncovered; i < samples.size() - 1; ++i) {
     EXPECT_EQ(samples[i].reason_bits, bit(Reason::outside_leg)) << i;
-    EXPECT_NEAR(samples[i].rate_label_dps, 0.0F, 1e-3F);
+    EXPECT_NEAR(samples[i].rate_shaft_dps, 0.0F, 1e-3F);
     EXPECT_FALSE(samples[i].valid);
     EXPECT_EQ(samples[i].run, 0U);
   }

@@ -163,8 +163,8 @@ TEST_P(GoldenVectors, GradientsAreThoseOfPyTorch) {
   for (const Golden& golden : read_golden()) {
     TrainerConfig config = golden.config;
     config.set = GetParam();
-    SoloCrew crew;
-    Trainer trainer(interop::seeded_weights(golden.shape, seed), config, crew);
+    CallingThread workers;
+    Trainer trainer(interop::seeded_weights(golden.shape, seed), config, workers);
     expect_gradients(golden, std::span<const float>(trainer.gradients(golden.batch(0)->batch())), agreement);
   }
 }
@@ -173,8 +173,8 @@ TEST_P(GoldenVectors, TwentyFourStepsOfAdamLoseAsInPyTorch) {
   for (const Golden& golden : read_golden()) {
     TrainerConfig config = golden.config;
     config.set = GetParam();
-    SoloCrew crew;
-    Trainer trainer(interop::seeded_weights(golden.shape, seed), config, crew);
+    CallingThread workers;
+    Trainer trainer(interop::seeded_weights(golden.shape, seed), config, workers);
     const double largest = *std::max_element(golden.losses.begin(), golden.losses.end());
     for (std::size_t step = 0; step < golden.losses.size(); ++step)
       EXPECT_NEAR(trainer.step(golden.batch(step)->batch()).loss, golden.losses[step], agreement * largest)

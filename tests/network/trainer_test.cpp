@@ -54,8 +54,8 @@ void expect_gradients(const Shape& shape, int windows, const LossConfig& loss = 
   const ReferenceGradients reference = ReferenceNetwork(weights).gradients(batch, loss);
   for (InstructionSet set : instruction_sets()) {
     SCOPED_TRACE(described(shape, set) + ", " + std::to_string(windows) + " windows");
-    SoloCrew crew;
-    Trainer trainer(weights, {.loss = loss, .set = set}, crew);
+    CallingThread workers;
+    Trainer trainer(weights, {.loss = loss, .set = set}, workers);
     expect_near(shape, trainer.gradients(batch), reference.values);
     const StepLoss step = trainer.step(batch);
     EXPECT_NEAR(step.loss, reference.loss.loss, 1e-5 * reference.loss.loss);
@@ -100,10 +100,10 @@ TEST(Trainer, TheAuxiliaryLossReachesTheThermalSpeed) {
 TEST(Trainer, ABatchForgetsTheOneBefore) {
   const Shape shape{.frames = 2, .reduction = 3};
   RandomWindows many(shape, 32, 1), few(shape, 3, 2);
-  SoloCrew crew;
+  CallingThread workers;
   for (InstructionSet set : instruction_sets()) {
-    Trainer fresh(lively_weights(shape, 3), {.set = set}, crew);
-    Trainer used(lively_weights(shape, 3), {.set = set}, crew);
+    Trainer fresh(lively_weights(shape, 3), {.set = set}, workers);
+    Trainer used(lively_weights(shape, 3), {.set = set}, workers);
     used.gradients(many.batch());
     EXPECT_EQ(used.gradients(few.batch()), fresh.gradients(few.batch())) << name_of(set);
   }
@@ -112,8 +112,8 @@ TEST(Trainer, ABatchForgetsTheOneBefore) {
 TEST(Trainer, AskingForGradientsChangesNothing) {
   const Shape shape{.frames = 3, .reduction = 3};
   RandomWindows windows(shape, 4, 1);
-  SoloCrew crew;
-  Trainer trainer(initial_weights(shape, 1), {}, crew);
+  CallingThread workers;
+  Trainer trainer(initial_weights(shape, 1), {}, workers);
   trainer.step(windows.batch());
   const Weights weights = trainer.weights();
   const OptimiserState optimiser = trainer.optimiser();
@@ -128,8 +128,8 @@ TEST(Trainer, StepsOfAdamAreTheReferences) {
   for (InstructionSet set : instruction_sets()) {
     SCOPED_TRACE(name_of(set));
     ReferenceNetwork reference(lively_weights(shape, 5));
-    SoloCrew crew;
-    Trainer trainer(lively_weights(shape, 5), {.loss = loss, .set = set}, crew);
+    CallingThread workers;
+    Trainer trainer(lively_weights(shape, 5), {.loss = loss, .set = set}, workers);
     for (std::uint64_t step = 0; step < 6; ++step) {
       RandomWindows windows(shape, 8, step);
       const double expected = reference.step(windows.batch(), loss, {}).loss;
@@ -152,9 +152,9 @@ TEST(Trainer, AMomentKeepsItsDirectionHoweverSmallTheGradient) {
   const std::vector<const float*> frames{dark.data()};
   const std::vector<float> label{0.5F};
   for (InstructionSet set : instruction_sets()) {
-    SoloCrew crew;
+    CallingThread workers;
     const Weights before = lively_weights(shape, 2);
-    Trainer trainer(before, {.set = set}, crew);
+    Trainer trainer(before, {.set = set}, workers);
     const auto gradients = trainer.gradients({.frames = frames, .label = label});
     trainer.step({.frames = frames, .label = label});
     const Weights after = trainer.weights();
@@ -180,8 +180,8 @@ TEST(Trainer, WithoutAnyErrorNothingMoves) {
   std::ranges::fill(windows.gyro, 0.25F);
   std::ranges::fill(windows.label, 0.25F);
   for (InstructionSet set : instruction_sets()) {
-    SoloCrew crew;
-    Trainer trainer(weights, {.loss = {.auxiliary_thermal = 1.0F}, .set = set}, crew);
+    CallingThread workers;
+    Trainer trainer(weights, {.loss = {.auxiliary_thermal = 1.0F}, .set = set}, workers);
     const StepLoss loss = trainer.step(windows.batch());
     EXPECT_NEAR(loss.loss, 0.0, 1e-7);
     EXPECT_LT(loss.squared_error, 1e-14);
@@ -190,7 +190,7 @@ TEST(Trainer, WithoutAnyErrorNothingMoves) {
 }
 
 /// Does the parts one after the other, the last first: who needs another's part of the same phase goes wrong.
-class BackwardCrew final : public Crew {
+class BackwardCrew final : public Workers {
  public:
   explicit BackwardCrew(int size) : size_(size) {}
   int size() const override { return size_; }
@@ -202,7 +202,7 @@ class BackwardCrew final : public Crew {
   int size_;
 };
 
-class ThreadedCrew final : public Crew {
+class ThreadedCrew final : public Workers {
  public:
   explicit ThreadedCrew(int size) : size_(size) {}
   int size() const override { return size_; }
@@ -216,8 +216,8 @@ class ThreadedCrew final : public Crew {
   int size_;
 };
 
-Weights trained_by(Crew& crew, const Shape& shape, InstructionSet set) {
-  Trainer trainer(initial_weights(shape, 9), {.loss = {.auxiliary_thermal = 0.5F}, .set = set}, crew);
+Weights trained_by(Workers& workers, const Shape& shape, InstructionSet set) {
+  Trainer trainer(initial_weights(shape, 9), {.loss = {.auxiliary_thermal = 0.5F}, .set = set}, workers);
   for (int windows : {32, 32, 19}) {
     RandomWindows random(shape, windows, 4);
     trainer.step(random.batch());
@@ -228,15 +228,17 @@ Weights trained_by(Crew& crew, const Shape& shape, InstructionSet set) {
 TEST(Trainer, WeightsDoNotDependOnTheSizeOfTheCrew) {
   for (InstructionSet set : instruction_sets()) {
     for (const Shape& shape : {Shape{.frames = 3, .reduction = 2}, Shape{.reduction = 3, .fusion = false}}) {
-      SoloCrew solo;
+      CallingThread solo;
       const Weights expected = trained_by(solo, shape, set);
       for (int size : {2, 3, 7, 40}) {
-        BackwardCrew crew(size);
-        EXPECT_EQ(trained_by(crew, shape, set), expected) << described(shape, set) << ", crew of " << size;
+        BackwardCrew workers(size);
+        EXPECT_EQ(trained_by(workers, shape, set), expected)
+            << described(shape, set) << ", workers of " << size;
       }
       for (int size : {2, 3}) {
-        ThreadedCrew crew(size);
-        EXPECT_EQ(trained_by(crew, shape, set), expected) << described(shape, set) << ", threads: " << size;
+        ThreadedCrew workers(size);
+        EXPECT_EQ(trained_by(workers, shape, set), expected)
+            << described(shape, set) << ", threads: " << size;
       }
     }
   }
@@ -245,11 +247,11 @@ TEST(Trainer, WeightsDoNotDependOnTheSizeOfTheCrew) {
 TEST(Trainer, GoesOnBitByBitFromWhatItSaid) {
   const Shape shape{.frames = 2, .reduction = 3, .padding1 = 1};  // features that do not fill a block
   RandomWindows windows(shape, 12, 8);
-  SoloCrew crew;
+  CallingThread workers;
   for (InstructionSet set : instruction_sets()) {
-    Trainer whole(initial_weights(shape, 1), {.set = set}, crew);
+    Trainer whole(initial_weights(shape, 1), {.set = set}, workers);
     for (int step = 0; step < 3; ++step) whole.step(windows.batch());
-    Trainer part(initial_weights(shape, 2), {.set = set}, crew);
+    Trainer part(initial_weights(shape, 2), {.set = set}, workers);
     part.restore(whole.weights(), whole.optimiser());
     for (int step = 0; step < 3; ++step) {
       whole.step(windows.batch());
@@ -265,8 +267,8 @@ TEST(Trainer, AStepAsksForNoMemory) {
   const Shape shape{.frames = 2, .reduction = 3};
   RandomWindows windows(shape, 32, 8);
   const Batch batch = windows.batch();
-  SoloCrew crew;
-  Trainer trainer(initial_weights(shape, 1), {}, crew);
+  CallingThread workers;
+  Trainer trainer(initial_weights(shape, 1), {}, workers);
   const std::size_t before = allocations();
   trainer.step(batch);
   trainer.step(batch);
@@ -276,8 +278,8 @@ TEST(Trainer, AStepAsksForNoMemory) {
 TEST(Trainer, LearnsAFewWindowsByHeart) {
   const Shape shape{.frames = 2, .reduction = 3, .fusion = false};
   RandomWindows windows(shape, 8, 8);
-  SoloCrew crew;
-  Trainer trainer(initial_weights(shape, 1), {}, crew);
+  CallingThread workers;
+  Trainer trainer(initial_weights(shape, 1), {}, workers);
   const double first = trainer.step(windows.batch()).squared_error;
   double last = first;
   for (int step = 0; step < 150; ++step) last = trainer.step(windows.batch()).squared_error;

@@ -37,7 +37,7 @@ TEST(Pipeline, LabelsASweepFromItsBytes) {
     if (!sample.valid) continue;
     ++valid;
     EXPECT_NEAR(sample.rate_commanded_dps, 100.0, 0.05);
-    EXPECT_NEAR(sample.rate_label_dps, 100.0, 0.3);  // pulses are put out in steps
+    EXPECT_NEAR(sample.rate_shaft_dps, 100.0, 0.3);  // pulses are put out in steps
     EXPECT_NEAR(sample.rate_gyro_dps, 100.0, wire::witmotion_dps_per_count);
     EXPECT_EQ(sample.gyro_count, 50);
     EXPECT_EQ(sample.leg, 7);
@@ -78,7 +78,7 @@ TEST(Pipeline, GivesTheSameSamplesWhateverTheChunksWithinMessages) {
     for (std::size_t i = 0; i < once.samples.size(); ++i) {
       const LabelledSample &a = once.samples[i], &b = again.samples[i];
       EXPECT_LT(distance_s(a.time, b.time), 5e-9);
-      EXPECT_TRUE(are_alike(a.rate_label_dps, b.rate_label_dps)) << i;
+      EXPECT_TRUE(are_alike(a.rate_shaft_dps, b.rate_shaft_dps)) << i;
       // A sample at either end of the exposure may lie in it or not, by microseconds.
       EXPECT_NEAR(a.gyro_count, b.gyro_count, 1);
       EXPECT_NEAR(a.rate_gyro_dps, b.rate_gyro_dps, 100.0 / 49) << i;

@@ -71,7 +71,7 @@ TEST_P(Truth, ValidLabelsAreTheShaftsMeanSpeed) {
       legs.insert(sample.leg);
       // What remains is the servo's own error: scale (a few percent) and ripple of its loop.
       const double shaft_dps = sweep.frames.at(sample.frame_index).mean_rate_dps;
-      EXPECT_NEAR(sample.rate_label_dps, shaft_dps, 2.0 + 0.04 * std::abs(shaft_dps)) << sample.frame_index;
+      EXPECT_NEAR(sample.rate_shaft_dps, shaft_dps, 2.0 + 0.04 * std::abs(shaft_dps)) << sample.frame_index;
     }
     EXPECT_GT(valid, 100U);
     EXPECT_EQ(legs.size(), 3U);

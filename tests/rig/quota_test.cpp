@@ -29,7 +29,7 @@ LabelledSample valid_sample(std::uint16_t leg, float rate_dps) {
   LabelledSample sample;
   sample.leg = leg;
   sample.rate_commanded_dps = rate_dps;
-  sample.rate_label_dps = rate_dps;
+  sample.rate_shaft_dps = rate_dps;
   sample.valid = true;
   return sample;
 }

@@ -18,7 +18,7 @@ struct OneStep {
       quota.frame();
       LabelledSample sample;
       sample.leg = 1;
-      sample.rate_label_dps = 30.0F;
+      sample.rate_shaft_dps = 30.0F;
       sample.valid = valid;
       quota.sample(sample);
     }

@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "thermorig/core/error.h"
-#include "thermorig/io/last_words.h"
+#include "thermorig/io/emergency_bytes.h"
 
 namespace thermorig::rig::test {
 
@@ -124,13 +124,13 @@ void VirtualPorts::write(PortId id, std::span<const std::uint8_t> bytes) {
   written.insert(written.end(), bytes.begin(), bytes.end());
 }
 
-void VirtualPorts::keep_last_words(PortId id, std::span<const std::uint8_t> bytes) {
-  if (last_words_to_ >= 0 && port_of(id) != nullptr) io::keep_last_words(last_words_to_, bytes);
+void VirtualPorts::keep_emergency_bytes(PortId id, std::span<const std::uint8_t> bytes) {
+  if (last_words_to_ >= 0 && port_of(id) != nullptr) io::keep_emergency_bytes(last_words_to_, bytes);
 }
 
 void VirtualPorts::close(PortId id) {
   if (Port* port = port_of(id)) {
-    if (port->device == Device::servo && last_words_to_ >= 0) io::forget_last_words(last_words_to_);
+    if (port->device == Device::servo && last_words_to_ >= 0) io::forget_emergency_bytes(last_words_to_);
     port->opened.reset();
   }
   opened_.at(id).is_closed = true;

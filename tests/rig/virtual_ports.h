@@ -57,7 +57,7 @@ class VirtualPorts : public PortLoop {
   HostTime now() const override { return now_; }
   PortId open(const PortProfile& link, PortHandlers handlers, io::Refusal refusal) override;
   void write(PortId port, std::span<const std::uint8_t> bytes) override;
-  void keep_last_words(PortId port, std::span<const std::uint8_t> bytes) override;
+  void keep_emergency_bytes(PortId port, std::span<const std::uint8_t> bytes) override;
   void close(PortId port) override;
   void every(HostDuration period, std::function<void(HostTime)> tick) override;
   void on_signal(std::function<void(int signal)> handler) override;

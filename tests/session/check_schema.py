@@ -43,17 +43,17 @@ def check_dataset(dataset):
 
 
 def check_groups(file, frames):
-    shapes = {"camera/temperature": (frames, 24, 32), "samples/rate_label": (frames,),
+    shapes = {"camera/temperature": (frames, 24, 32), "samples/rate_shaft": (frames,),
               "samples/reason_bits": (frames,), "raw/camera/bytes": (1544 * frames,),
               "camera/half_begin": (frames, 2), "camera/half_end": (frames, 2), "camera/half_age": (frames, 2),
-              "samples/rate_commanded": (frames,), "samples/rate_label_half": (frames, 2),
+              "samples/rate_commanded": (frames,), "samples/rate_shaft_half": (frames, 2),
               "samples/rate_commanded_half": (frames, 2), "samples/rate_gyro_half": (frames, 2),
               "samples/gyro_spread": (frames,)}
     for name, shape in shapes.items():
         if file[name].shape != shape:
             yield f"{name} has shape {file[name].shape}, not {shape}"
     plots = {"camera": ("temperature", ["time", "row", "column"]), "gyro": ("rate", ["time"]),
-             "servo": ("rate_commanded", ["time"]), "samples": ("rate_label", ["time"])}
+             "servo": ("rate_commanded", ["time"]), "samples": ("rate_shaft", ["time"])}
     for name, (signal, axes) in plots.items():
         attributes = file[name].attrs
         if (attributes["NX_class"], attributes["signal"], list(attributes["axes"])) != ("NXdata", signal, axes):

@@ -63,13 +63,13 @@ inline bool same(const TimedPong& a, const TimedPong& b) {
 
 inline bool same(const LabelledSample& a, const LabelledSample& b) {
   return a.frame_index == b.frame_index && a.time == b.time && a.exposure_begin == b.exposure_begin &&
-         a.exposure_end == b.exposure_end && same(a.rate_label_dps, b.rate_label_dps) &&
-         same(a.rate_label_min_dps, b.rate_label_min_dps) &&
-         same(a.rate_label_max_dps, b.rate_label_max_dps) && same(a.angle_label_deg, b.angle_label_deg) &&
-         same(a.rate_gyro_dps, b.rate_gyro_dps) && a.gyro_count == b.gyro_count &&
-         same(a.label_uncertainty_dps, b.label_uncertainty_dps) && a.reason_bits == b.reason_bits &&
-         same(a.rate_commanded_dps, b.rate_commanded_dps) &&
-         same(a.rate_label_half_dps, b.rate_label_half_dps) &&
+         a.exposure_end == b.exposure_end && same(a.rate_shaft_dps, b.rate_shaft_dps) &&
+         same(a.rate_shaft_min_dps, b.rate_shaft_min_dps) &&
+         same(a.rate_shaft_max_dps, b.rate_shaft_max_dps) &&
+         same(a.angle_commanded_deg, b.angle_commanded_deg) && same(a.rate_gyro_dps, b.rate_gyro_dps) &&
+         a.gyro_count == b.gyro_count && same(a.rate_shaft_uncertainty_dps, b.rate_shaft_uncertainty_dps) &&
+         a.reason_bits == b.reason_bits && same(a.rate_commanded_dps, b.rate_commanded_dps) &&
+         same(a.rate_shaft_half_dps, b.rate_shaft_half_dps) &&
          same(a.rate_commanded_half_dps, b.rate_commanded_half_dps) &&
          same(a.rate_gyro_half_dps, b.rate_gyro_half_dps) && same(a.gyro_spread_dps, b.gyro_spread_dps) &&
          a.leg == b.leg && a.run == b.run && a.valid == b.valid;

@@ -6,6 +6,7 @@
 
 #include <filesystem>
 #include <string>
+#include <utility>
 
 #include "storage/session/attributes.h"
 #include "storage/session/format.h"
@@ -63,6 +64,7 @@ class Format1File {
       : profile_(session.raw.header.profile), file_(path) {
     check(H5Ldelete(file_.id(), "/rig/profile", H5P_DEFAULT), "remove the profile");
     move_profile();
+    rename_samples();
     const std::string header = tests::format_1_header(session.raw.header);
     replace("/rig", "header_json", header);
     replace("/", "format_version", "1.3.0");
@@ -97,6 +99,16 @@ class Format1File {
            "create a text")
         .close("close a text");
     file_.replace_text("/rig/profile_toml", "name = \"rig\"\n");
+  }
+
+  void rename_samples() const {
+    const std::pair<const char*, const char*> names[] = {
+        {"rate_shaft", "rate_label"},         {"rate_shaft_min", "rate_label_min"},
+        {"rate_shaft_max", "rate_label_max"}, {"rate_shaft_half", "rate_label_half"},
+        {"angle_commanded", "angle_label"},   {"rate_shaft_uncertainty", "label_uncertainty"}};
+    const Handle samples(H5Gopen2(file_.id(), "/samples", H5P_DEFAULT), "open the samples");
+    for (const auto& [now, before] : names)
+      check(H5Lmove(samples.get(), now, samples.get(), before, H5P_DEFAULT, H5P_DEFAULT), "rename a column");
   }
 
   void move_camera() const {

@@ -161,7 +161,7 @@ TEST(Quality, SaysHowWellTimesAndLabelsAreKnown) {
   EXPECT_DOUBLE_EQ(quality.clock[Device::gyro].uncertainty_s, 120e-6);
   EXPECT_DOUBLE_EQ(quality.clock[Device::servo].bound_s, 300e-6);
   EXPECT_EQ(quality.camera_offset_s, (Estimate{0.012, 0.0005}));
-  EXPECT_FLOAT_EQ(static_cast<float>(quality.label_uncertainty_dps), 0.1F);
+  EXPECT_FLOAT_EQ(static_cast<float>(quality.rate_shaft_uncertainty_dps), 0.1F);
 }
 
 TEST(Quality, DoesNotInventWhatWasNotFitted) {
@@ -189,7 +189,7 @@ Quality quality_with_gyro_off_by(float off_dps) {
   Session session = clean_session(60);
   session.sync.gyro.bias_dps = Estimate{0.0, 0.1};
   session.sync.gyro.scale.value = session.sync.servo.scale.value = session.sync.servo.gyro_ratio.value = 1.0;
-  for (auto& sample : session.samples) sample.rate_gyro_dps = sample.rate_label_dps + off_dps;
+  for (auto& sample : session.samples) sample.rate_gyro_dps = sample.rate_shaft_dps + off_dps;
   session.samples[0].rate_gyro_dps += 1000.0F;  // in a ramp: it does not count
   return quality_of(session);
 }

@@ -101,7 +101,7 @@ TEST_F(StockReader, FindsEqualDatasetsInTwoFilesOfOneSession) {
   write_session(path("b.h5"), synthetic_session(100));
   const tests::Printed first = check("--digest " + path("a.h5").string());
   EXPECT_EQ(first.code, 0);
-  EXPECT_THAT(first.text, testing::HasSubstr("/samples/rate_label "));
+  EXPECT_THAT(first.text, testing::HasSubstr("/samples/rate_shaft "));
   EXPECT_EQ(first.text, check("--digest " + path("b.h5").string()).text);
   write_session(path("c.h5"), synthetic_session(100, 2));
   EXPECT_NE(first.text, check("--digest " + path("c.h5").string()).text);
@@ -137,8 +137,8 @@ Session without_what_is_new(Session session) {
   constexpr float unknown = std::numeric_limits<float>::quiet_NaN();
   for (auto& frame : session.frames) frame.half = {};
   for (auto& sample : session.samples) {
-    sample.rate_commanded_dps = sample.rate_label_dps;
-    sample.rate_label_half_dps = sample.rate_commanded_half_dps = {unknown, unknown};
+    sample.rate_commanded_dps = sample.rate_shaft_dps;
+    sample.rate_shaft_half_dps = sample.rate_commanded_half_dps = {unknown, unknown};
     sample.rate_gyro_half_dps = {unknown, unknown};
     sample.gyro_spread_dps = unknown;
   }

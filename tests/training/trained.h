@@ -24,8 +24,8 @@ inline std::vector<network::Acquisition> small_data() {
 inline TrainingResult trained(const TrainingConfig& config,
                               const std::vector<network::Acquisition>& acquisitions,
                               const Observer& observer = {}, const std::optional<Checkpoint>& from = {}) {
-  network::SoloCrew crew;
-  return train(config, acquisitions, crew, observer, from);
+  network::CallingThread workers;
+  return train(config, acquisitions, workers, observer, from);
 }
 
 }  // namespace thermorig::training

@@ -10,7 +10,7 @@
 
 #include "thermorig/core/error.h"
 #include "thermorig/learning/training/fit.h"
-#include "thermorig/learning/training/thread_crew.h"
+#include "thermorig/learning/training/thread_pool.h"
 #include "thermorig/network/window_index.h"
 #include "trained.h"
 
@@ -63,8 +63,8 @@ TEST(Training, GivesTheSameBitsWithOneTwoAndThreeThreads) {
   config.mirror = true;
   const TrainingResult solo = trained(config, data);
   for (const int threads : {1, 2, 3}) {
-    ThreadCrew crew(threads);
-    EXPECT_EQ(train(config, data, crew).model.weights, solo.model.weights) << threads;
+    ThreadPool workers(threads);
+    EXPECT_EQ(train(config, data, workers).model.weights, solo.model.weights) << threads;
   }
 }
 

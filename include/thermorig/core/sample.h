@@ -77,23 +77,23 @@ struct LabelledSample {
   HostTime time{};                // middle of the exposure of the newest half
   HostTime exposure_begin{};
   HostTime exposure_end{};
-  float rate_label_dps =
+  float rate_shaft_dps =
       0.0F;  // mean speed of the shaft over the exposure by the servo model, NaN if unknown
-  float rate_label_min_dps = 0.0F;
-  float rate_label_max_dps = 0.0F;
+  float rate_shaft_min_dps = 0.0F;
+  float rate_shaft_max_dps = 0.0F;
   float rate_commanded_dps =
       0.0F;  // the paper's label: commanded speed over the exposure by the pulses, NaN if unknown
   std::array<float, 2>
-      rate_label_half_dps{};  // the same three over each chess half's own exposure: even, odd
+      rate_shaft_half_dps{};  // the same three over each chess half's own exposure: even, odd
   std::array<float, 2> rate_commanded_half_dps{};
   std::array<float, 2> rate_gyro_half_dps{};
-  float angle_label_deg = 0.0F;  // commanded angle at `time`, NaN if unknown
-  float rate_gyro_dps = 0.0F;    // mean of the gyro over the exposure, NaN if there is no sample
-  std::uint16_t gyro_count = 0;  // how many samples made it
+  float angle_commanded_deg = 0.0F;  // commanded angle at `time`, NaN if unknown
+  float rate_gyro_dps = 0.0F;        // mean of the gyro over the exposure, NaN if there is no sample
+  std::uint16_t gyro_count = 0;      // how many samples made it
   float gyro_spread_dps =
       0.0F;  // standard deviation over the exposure after a running mean over one pulse period
-  float label_uncertainty_dps =
-      0.0F;                       // of rate_label, one standard deviation, what is not calibrated included
+  float rate_shaft_uncertainty_dps =
+      0.0F;                       // of rate_shaft, one standard deviation, what is not calibrated included
   std::uint32_t reason_bits = 0;  // `bit(Reason)`s
   std::uint16_t leg = 0;          // leg that the servo reported, 0 outside legs
   std::uint32_t run = 0;          // unbroken run of valid frames within one leg, from 1; 0 if not valid

@@ -15,7 +15,7 @@ std::string kernel_release();
 double thread_cpu_s();
 
 /// Signals are for other threads than the calling one, but those of its own faults, which must reach the
-/// handler that stops the servo (last_words.h).
+/// handler that stops the servo (emergency_bytes.h).
 void take_no_signals();
 
 /// Whether a file descriptor (0, 1, 2) is a terminal on which a line can be drawn over.

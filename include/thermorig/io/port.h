@@ -72,8 +72,8 @@ class Loop {
   /// Queues bytes; they are written in order. Writing to a lost port does nothing.
   void write(PortId port, std::span<const std::uint8_t> bytes);
 
-  /// Bytes that the port gets whatever ends the program, if close() was not called before: last_words.h.
-  void keep_last_words(PortId port, std::span<const std::uint8_t> bytes);
+  /// Bytes that the port gets whatever ends the program, if close() was not called before: emergency_bytes.h.
+  void keep_emergency_bytes(PortId port, std::span<const std::uint8_t> bytes);
 
   /// Closes a port: none of its handlers is called any more, bytes still queued are dropped.
   void close(PortId port);

@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "thermorig/network/batch.h"
-#include "thermorig/network/crew.h"
 #include "thermorig/network/estimator.h"
+#include "thermorig/network/workers.h"
 
 namespace thermorig::network {
 
@@ -49,10 +49,10 @@ struct StepLoss {
 };
 
 /// Trains a network batch by batch: forward, backward, Adam. Results depend on weights, batches,
-/// configuration and instruction set alone, not on the size of the crew.
+/// configuration and instruction set alone, not on the size of the workers.
 class Trainer {
  public:
-  Trainer(const Weights& weights, const TrainerConfig& config, Crew& crew);
+  Trainer(const Weights& weights, const TrainerConfig& config, Workers& workers);
   ~Trainer();
   Trainer(Trainer&&) noexcept;
 

@@ -29,8 +29,8 @@ struct ServoProtocol {
   ServoScanner (*scanner)();
   /// Nothing if the bytes hold fewer than two of its messages.
   std::optional<Evidence> (*recognise)(std::span<const std::uint8_t> bytes);
-  std::vector<std::uint8_t> (*greeting)();    // it answers this, whatever it was doing
-  std::vector<std::uint8_t> (*last_words)();  // stop it, whatever it was doing
+  std::vector<std::uint8_t> (*greeting)();         // it answers this, whatever it was doing
+  std::vector<std::uint8_t> (*emergency_bytes)();  // stop it, whatever it was doing
 };
 
 const ServoProtocol& servo_protocol();

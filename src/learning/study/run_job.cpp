@@ -48,8 +48,8 @@ std::optional<JobResult> run_job(const Job& job, std::span<const Acquisition> ac
   const auto begin = std::chrono::steady_clock::now();
   const Acquisition& left_out = left_out_of(job, acquisitions);
   const std::vector<Acquisition> rest = rest_of(left_out, acquisitions);
-  network::SoloCrew crew;
-  const training::TrainingResult training = training::train(config_of(job), rest, crew, observer);
+  network::CallingThread workers;
+  const training::TrainingResult training = training::train(config_of(job), rest, workers, observer);
   if (training.stopped) return std::nullopt;
   JobResult result;
   result.job = job;

@@ -50,7 +50,7 @@ struct EpochSums {
 
 class Training {
  public:
-  Training(const TrainingConfig& config, std::span<const Acquisition> acquisitions, network::Crew& crew,
+  Training(const TrainingConfig& config, std::span<const Acquisition> acquisitions, network::Workers& workers,
            const Observer& observer, const std::optional<Checkpoint>& from)
       : config_(config),
         acquisitions_(acquisitions),
@@ -61,7 +61,7 @@ class Training {
         held_out_(acquisitions, division_.held_out, config.shape, scaling_),
         buffer_(training_),
         done_(from ? *from : beginning(config)),
-        trainer_(done_.weights, trainer_config(config), crew) {
+        trainer_(done_.weights, trainer_config(config), workers) {
     if (from) trainer_.restore(from->weights, from->optimiser);
   }
 
@@ -176,10 +176,11 @@ double held_out_score(const EpochReport& report, const TrainingConfig& config) {
 }
 
 TrainingResult train(const TrainingConfig& config, std::span<const Acquisition> acquisitions,
-                     network::Crew& crew, const Observer& observer, const std::optional<Checkpoint>& from) {
+                     network::Workers& workers, const Observer& observer,
+                     const std::optional<Checkpoint>& from) {
   check(config);
   assert(!from || (from->weights.shape == config.shape && from->kept.shape == config.shape));
-  return Training(config, acquisitions, crew, observer, from).run();
+  return Training(config, acquisitions, workers, observer, from).run();
 }
 
 }  // namespace thermorig::training

@@ -38,8 +38,8 @@ double model_deviation_dps(const ServoResponse& response, double rate_dps) {
   return response.speeds.empty() ? response.residual_dps : tabled_deviation_dps(response, rate_dps);
 }
 
-double gyro_deviations(const GyroErrors& errors, const ServoResponse& response, const GyroMean& gyro,
-                       double label_dps, double time_dps) {
+double gyro_z_score(const GyroErrors& errors, const ServoResponse& response, const GyroMean& gyro,
+                    double label_dps, double time_dps) {
   if (gyro.count == 0 || gyro.saturated || !errors.bias_dps || !(errors.scale.value > 0.0)) return 0.0;
   const double ratio = response.gyro_ratio.value / response.scale.value;
   const double corrected_dps = (gyro.rate_dps - errors.bias_dps->value) / errors.scale.value;

@@ -13,8 +13,8 @@ double model_deviation_dps(const ServoResponse& response, double rate_dps);
 /// The gyro's mean, corrected, minus the label as the gyro would see it, in units of its standard deviation:
 /// bias, noise, the model's residual, `time_dps` for the time between gyro and model, and the scale between
 /// both. 0 where nothing can be said.
-double gyro_deviations(const GyroErrors& errors, const ServoResponse& response, const GyroMean& gyro,
-                       double label_dps, double time_dps);
+double gyro_z_score(const GyroErrors& errors, const ServoResponse& response, const GyroMean& gyro,
+                    double label_dps, double time_dps);
 
 /// Variance of gyro_spread beyond what the sensor's noise explains.
 double unsteadiness_dps2(const GyroErrors& errors, const GyroMean& gyro);

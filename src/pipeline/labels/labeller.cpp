@@ -122,18 +122,18 @@ void Labeller::label_motion(LabelledSample& sample, const PendingFrame& frame) {
   const CommandSpan exposure = command_.over(begin, end);
   const Rates mean = rates(begin, end, exposure);
   sample.rate_commanded_dps = static_cast<float>(mean.commanded_dps);
-  sample.rate_label_dps = static_cast<float>(mean.model_dps);
-  sample.angle_label_deg = static_cast<float>(command_.angle_deg(sample.time));
+  sample.rate_shaft_dps = static_cast<float>(mean.model_dps);
+  sample.angle_commanded_deg = static_cast<float>(command_.angle_deg(sample.time));
   sample.leg = command_.leg(sample.time);
   const bool known = std::isfinite(mean.model_dps);
   const ShaftRates shaft = known ? shaft_.over(begin, end) : ShaftRates{};
-  sample.rate_label_min_dps = static_cast<float>(known ? shaft.range.min_dps : unknown);
-  sample.rate_label_max_dps = static_cast<float>(known ? shaft.range.max_dps : unknown);
+  sample.rate_shaft_min_dps = static_cast<float>(known ? shaft.range.min_dps : unknown);
+  sample.rate_shaft_max_dps = static_cast<float>(known ? shaft.range.max_dps : unknown);
   const double time_s = std::hypot(std::hypot(frame.stamp.uncertainty_s, exposure.time_uncertainty_s),
                                    config_.latency_uncertainty_s, response_.delay_uncertainty_s);
   const double scale_dps = response_.scale.uncertainty / response_.scale.value * mean.model_dps;
   const double model_dps = known ? model_deviation_dps(response_, mean.commanded_dps) : unknown;
-  sample.label_uncertainty_dps =
+  sample.rate_shaft_uncertainty_dps =
       static_cast<float>(known ? std::hypot(time_error_dps(sample, time_s), scale_dps, model_dps) : unknown);
   sample.reason_bits |= command_reasons(sample) | model_reasons(sample, shaft);
 }
@@ -144,7 +144,7 @@ double Labeller::time_error_dps(const LabelledSample& sample, double time_s) con
   for (const double share : {-1.0, -0.5, 0.5, 1.0}) {
     const HostDuration shift = from_s(share * std::fmin(time_s, longest_shift_s));
     const double moved_dps = shaft_.mean_dps(sample.exposure_begin + shift, sample.exposure_end + shift);
-    error_dps = std::max(error_dps, std::abs(moved_dps - static_cast<double>(sample.rate_label_dps)));
+    error_dps = std::max(error_dps, std::abs(moved_dps - static_cast<double>(sample.rate_shaft_dps)));
   }
   return error_dps;
 }
@@ -154,7 +154,7 @@ void Labeller::label_halves(LabelledSample& sample, const PendingFrame& frame) c
     const auto& [begin, end] = frame.half[i];
     const Rates mean = rates(begin, end, command_.over(begin, end));
     sample.rate_commanded_half_dps[i] = static_cast<float>(mean.commanded_dps);
-    sample.rate_label_half_dps[i] = static_cast<float>(mean.model_dps);
+    sample.rate_shaft_half_dps[i] = static_cast<float>(mean.model_dps);
     sample.rate_gyro_half_dps[i] = static_cast<float>(gyro_.over(begin, end).rate_dps);
   }
 }
@@ -185,7 +185,7 @@ std::uint32_t Labeller::model_reasons(const LabelledSample& sample, const ShaftR
   };
   const bool ramps = strays(shaft.slow) && strays(shaft.plain_slow);
   const double sign_dps = config_.rate_tolerance_dps;
-  return bit_if(Reason::servo_ramp, std::isnan(sample.rate_label_dps) || ramps) |
+  return bit_if(Reason::servo_ramp, std::isnan(sample.rate_shaft_dps) || ramps) |
          bit_if(Reason::reversal,
                 shaft.plain_slow.min_dps < -sign_dps && shaft.plain_slow.max_dps > sign_dps);
 }
@@ -213,13 +213,13 @@ std::uint32_t Labeller::gyro_reasons(const LabelledSample& sample, const GyroMea
 }
 
 bool Labeller::gyro_disagrees(const LabelledSample& sample, const GyroMean& gyro) const {
-  if (std::isnan(sample.rate_label_dps)) return false;
+  if (std::isnan(sample.rate_shaft_dps)) return false;
   // Whole samples stand for an exposure that begins and ends anywhere between two of them.
   const double between_samples_s = 1.0 / (std::sqrt(12.0) * config_.gyro_rate_hz);
   const double time_s = std::hypot(response_.delay_uncertainty_s, gyro.time_uncertainty_s, between_samples_s);
   const double time_dps = time_error_dps(sample, time_s);
-  const auto label_dps = static_cast<double>(sample.rate_label_dps);
-  return std::abs(gyro_deviations(bias_.errors(), response_, gyro, label_dps, time_dps)) > disagreement;
+  const auto label_dps = static_cast<double>(sample.rate_shaft_dps);
+  return std::abs(gyro_z_score(bias_.errors(), response_, gyro, label_dps, time_dps)) > disagreement;
 }
 
 /// A frame that was exposed while the servo had long been at rest shows the gyro's bias.

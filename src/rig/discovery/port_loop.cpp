@@ -17,8 +17,8 @@ void SystemPortLoop::write(PortId port, std::span<const std::uint8_t> bytes) {
   loop_.write(port, bytes);
 }
 
-void SystemPortLoop::keep_last_words(PortId port, std::span<const std::uint8_t> bytes) {
-  loop_.keep_last_words(port, bytes);
+void SystemPortLoop::keep_emergency_bytes(PortId port, std::span<const std::uint8_t> bytes) {
+  loop_.keep_emergency_bytes(port, bytes);
 }
 
 void SystemPortLoop::close(PortId port) {

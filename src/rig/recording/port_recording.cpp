@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "port_search.h"
-#include "thermorig/io/last_words.h"
+#include "thermorig/io/emergency_bytes.h"
 #include "thermorig/sensors/servo_protocol.h"
 
 namespace thermorig::rig {
@@ -15,8 +15,8 @@ namespace thermorig::rig {
 namespace {
 
 constexpr auto tick_period = std::chrono::milliseconds(10);
-constexpr auto last_words = std::chrono::milliseconds(50);  // for the stop byte to leave after a failure
-constexpr int tries_of_last_words = 1000;
+constexpr auto emergency_wait = std::chrono::milliseconds(50);  // for the stop byte to leave after a failure
+constexpr int tries_of_emergency_bytes = 1000;
 
 /// The recording with its three ports on the loop.
 class PortSession {
@@ -92,7 +92,7 @@ PortLoop::PortId PortSession::open(Device device, const PortProfile& link, io::R
   };
   handlers.lost = [this, device](const std::string& why) { recording_->lost(device, why, loop_.now()); };
   const PortLoop::PortId port = loop_.open(link, std::move(handlers), refusal);
-  if (device == Device::servo) loop_.keep_last_words(port, sensors::servo_protocol().last_words());
+  if (device == Device::servo) loop_.keep_emergency_bytes(port, sensors::servo_protocol().emergency_bytes());
   return port;
 }
 
@@ -151,15 +151,15 @@ void PortSession::run_loop() {
   loop_.every(tick_period, [this](HostTime now) { tick(now); });
   try {
     loop_.run();
-  } catch (...) {          // e.g. the disk is full: the servo must not run on until its watchdog notices
-    io::say_last_words();  // at once: there may be no memory left for more
-    loop_.write(*ports_[Device::servo], sensors::servo_protocol().last_words());
+  } catch (...) {  // e.g. the disk is full: the servo must not run on until its watchdog notices
+    io::send_emergency_bytes();  // at once: there may be no memory left for more
+    loop_.write(*ports_[Device::servo], sensors::servo_protocol().emergency_bytes());
     bool is_over = false;
-    loop_.every(last_words, [&](HostTime) {
+    loop_.every(emergency_wait, [&](HostTime) {
       is_over = true;
       loop_.stop();
     });
-    for (int tries = 0; !is_over && tries < tries_of_last_words; ++tries) {
+    for (int tries = 0; !is_over && tries < tries_of_emergency_bytes; ++tries) {
       try {
         loop_.run();
       } catch (const std::exception&) {  // of a journal that takes no more: the first one counts

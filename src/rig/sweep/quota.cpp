@@ -35,7 +35,7 @@ void ValidQuota::sample(const LabelledSample& sample) {
   if (!sample.valid) return;
   const auto leg = legs_.find(sample.leg);
   if (leg == legs_.end()) return;
-  const double rate_dps = std::copysign(leg->second, sample.rate_label_dps);
+  const double rate_dps = std::copysign(leg->second, sample.rate_shaft_dps);
   const auto speed = speeds_.find(hundredths(rate_dps));
   if (speed != speeds_.end()) ++speed->second.valid;
 }

@@ -46,6 +46,7 @@ struct Column {
   const char* long_name;  // with the unit in it: viewers show it instead of name and unit
   const char* description = "";
   Flags flags = {};
+  const char* name_before_2 = nullptr;  // where format 1 had another
 };
 
 /// An axis within a row (row, column, x/y/z): its scale in the group.

@@ -75,7 +75,7 @@ void write_sync_quality(hid_t group, const Quality& quality) {
   const Estimate offset = quality.camera_offset_s.value_or(unknown);
   set_attribute(group, "camera_offset_s", offset.value);
   set_attribute(group, "camera_offset_uncertainty_s", offset.uncertainty);
-  set_attribute(group, "label_uncertainty_dps", quality.label_uncertainty_dps);
+  set_attribute(group, "rate_shaft_uncertainty_dps", quality.rate_shaft_uncertainty_dps);
   set_attribute(group, "label_residual_dps", quality.label_residual_dps);
 }
 
@@ -129,11 +129,11 @@ void write_clock_attributes(hid_t group, const ClockReport& clock) {
 }
 
 void write_samples_attributes(hid_t group, const Session& session) {
-  plot_as(group, "rate_label", {"time"}, {"rate_gyro"});
+  plot_as(group, "rate_shaft", {"time"}, {"rate_gyro"});
   set_attribute(group, "label_version", "2");
   set_attribute(group, "label_rule",
                 "rate_commanded: mean speed of the servo's pulses over the exposure of both halves of the "
-                "frame; rate_label: mean speed of the shaft by the servo model over the same");
+                "frame; rate_shaft: mean speed of the shaft by the servo model over the same");
   set_attribute(group, "settle_s", session.settle_s);
 }
 

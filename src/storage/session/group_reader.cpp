@@ -103,17 +103,22 @@ void GroupReader::begin_rows(const char* axis, std::uint64_t rows_limit, std::si
   rows_ = source.dims[0];
 }
 
+const char* GroupReader::stored_name(const Column& info) const {
+  return version().major < 2 && info.name_before_2 != nullptr ? info.name_before_2 : info.name;
+}
+
 void GroupReader::read(const Column& info, hid_t type, std::size_t element_bytes,
                        std::span<const InnerAxis> inner, const Take& take) const {
-  const std::string path = path_ + "/" + info.name;
-  const Source source = open(info.name);
+  const char* const name = stored_name(info);
+  const std::string path = path_ + "/" + name;
+  const Source source = open(name);
   std::vector<hsize_t> expected{rows_};
   for (const auto& axis : inner) expected.push_back(axis.size);
   if (source.dims != expected || H5Tequal(source.type.get(), type) <= 0)
     throw Hdf5Failure("accept the type or the shape of " + path);
   const std::size_t row_bytes =
       std::accumulate(expected.begin() + 1, expected.end(), element_bytes, std::multiplies<std::size_t>());
-  check_size(info.name, rows_, row_bytes);
+  check_size(name, rows_, row_bytes);
   if (rows_ > 0 && source.chunk.empty()) throw Hdf5Failure("accept the layout of " + path);
   const std::uint32_t crc = rows_ == 0 ? 0 : read_chunks(source, path, type, row_bytes, take);
   if (crc != get_attribute<std::uint32_t>(source.dataset.get(), "crc32"))

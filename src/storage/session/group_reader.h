@@ -136,6 +136,7 @@ class GroupReader {
   struct Source;
   void begin_rows(const char* axis, std::uint64_t rows_limit, std::size_t row_bytes);
   Source open(const char* name) const;
+  const char* stored_name(const Column& info) const;
   void check_size(const char* name, std::uint64_t rows, std::size_t row_bytes) const;
   void read(const Column& info, hid_t type, std::size_t element_bytes, std::span<const InnerAxis> inner,
             const Take& take) const;

@@ -133,11 +133,11 @@ void count_samples(const Session& session, Quality& quality) {
   }
 }
 
-double label_uncertainty_dps(const std::vector<LabelledSample>& samples) {
+double rate_shaft_uncertainty_dps(const std::vector<LabelledSample>& samples) {
   std::vector<float> values;
   for (const auto& sample : samples)
-    if (sample.valid && !std::isnan(sample.label_uncertainty_dps))
-      values.push_back(sample.label_uncertainty_dps);
+    if (sample.valid && !std::isnan(sample.rate_shaft_uncertainty_dps))
+      values.push_back(sample.rate_shaft_uncertainty_dps);
   return values.empty() ? std::numeric_limits<double>::quiet_NaN() : double{reordering_median(values)};
 }
 
@@ -150,7 +150,7 @@ double label_residual_dps(const Session& session) {
   for (const auto& sample : session.samples) {
     if (sample.leg == 0 || !has_no_other_reason(sample)) continue;
     const double gyro_dps = (sample.rate_gyro_dps - gyro.bias_dps->value) / gyro.scale.value;
-    const double label_dps = sample.rate_label_dps * servo.gyro_ratio.value / servo.scale.value;
+    const double label_dps = sample.rate_shaft_dps * servo.gyro_ratio.value / servo.scale.value;
     if (!std::isfinite(gyro_dps - label_dps)) continue;
     squares += (gyro_dps - label_dps) * (gyro_dps - label_dps);
     count += 1.0;
@@ -168,7 +168,7 @@ void add_sync(const Session& session, Quality& quality) {
                              .bound_s = fitted ? 1e-6 * clock.bound_median_us : unknown};
   }
   quality.camera_offset_s = sync.camera_offset.offset_s;
-  quality.label_uncertainty_dps = label_uncertainty_dps(session.samples);
+  quality.rate_shaft_uncertainty_dps = rate_shaft_uncertainty_dps(session.samples);
   quality.label_residual_dps =
       sync.servo.fitted && sync.gyro.bias_dps ? label_residual_dps(session) : unknown;
 }

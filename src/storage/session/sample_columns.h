@@ -22,13 +22,17 @@ inline constexpr int no_step = 65535;
 template <typename Archive, typename Rows>
 void half_rate_columns(Archive& archive, Rows& samples) {
   archive.template field<float>(
-      {"rate_commanded", "deg/s", "commanded: mean speed over the exposure by the servo's pulses [deg/s]",
+      {"rate_commanded", "deg/s", "label: commanded mean speed over the exposure, by the pulses [deg/s]",
        "NaN: unknown"},
       samples, &LabelledSample::rate_commanded_dps);
   const std::array<InnerAxis, 1> half{half_axis(archive)};
-  archive.template block<float>(
-      {"rate_label_half", "deg/s", "rate_label over each half's own exposure [deg/s]", "NaN: unknown"}, half,
-      samples, &LabelledSample::rate_label_half_dps);
+  archive.template block<float>({"rate_shaft_half",
+                                 "deg/s",
+                                 "rate_shaft over each half's own exposure [deg/s]",
+                                 "NaN: unknown",
+                                 {},
+                                 "rate_label_half"},
+                                half, samples, &LabelledSample::rate_shaft_half_dps);
   archive.template block<float>({"rate_commanded_half", "deg/s",
                                  "rate_commanded over each half's own exposure [deg/s]", "NaN: unknown"},
                                 half, samples, &LabelledSample::rate_commanded_half_dps);
@@ -49,25 +53,42 @@ void sample_columns(Archive& archive, Rows& samples) {
       samples, &LabelledSample::time, frames_max);
   archive.template field<std::uint32_t>({"frame", "1", "index into /camera"}, samples,
                                         &LabelledSample::frame_index);
+  archive.template field<float>({"rate_shaft",
+                                 "deg/s",
+                                 "shaft: mean speed over the exposure by the servo model [deg/s]",
+                                 "NaN: unknown",
+                                 {},
+                                 "rate_label"},
+                                samples, &LabelledSample::rate_shaft_dps);
+  archive.template field<float>({"rate_shaft_min",
+                                 "deg/s",
+                                 "least speed of the shaft by the servo model over the exposure [deg/s]",
+                                 "",
+                                 {},
+                                 "rate_label_min"},
+                                samples, &LabelledSample::rate_shaft_min_dps);
+  archive.template field<float>({"rate_shaft_max",
+                                 "deg/s",
+                                 "greatest speed of the shaft by the servo model over the exposure [deg/s]",
+                                 "",
+                                 {},
+                                 "rate_label_max"},
+                                samples, &LabelledSample::rate_shaft_max_dps);
   archive.template field<float>(
-      {"rate_label", "deg/s", "label: mean speed of the shaft over the exposure by the servo model [deg/s]",
-       "NaN: unknown"},
-      samples, &LabelledSample::rate_label_dps);
-  archive.template field<float>(
-      {"rate_label_min", "deg/s", "least speed of the shaft by the servo model over the exposure [deg/s]"},
-      samples, &LabelledSample::rate_label_min_dps);
-  archive.template field<float>(
-      {"rate_label_max", "deg/s", "greatest speed of the shaft by the servo model over the exposure [deg/s]"},
-      samples, &LabelledSample::rate_label_max_dps);
-  archive.template field<float>({"angle_label", "deg", "commanded angle at time [deg]", "NaN: unknown"},
-                                samples, &LabelledSample::angle_label_deg);
+      {"angle_commanded", "deg", "commanded angle at time [deg]", "NaN: unknown", {}, "angle_label"}, samples,
+      &LabelledSample::angle_commanded_deg);
   archive.template field<float>(
       {"rate_gyro", "deg/s", "gyro: mean rate over the exposure [deg/s]", "bias not removed; NaN: no sample"},
       samples, &LabelledSample::rate_gyro_dps);
   archive.template field<std::uint16_t>({"gyro_count", "1", "gyro samples in the mean"}, samples,
                                         &LabelledSample::gyro_count);
-  archive.template field<float>({"label_uncertainty", "deg/s", "standard deviation of rate_label [deg/s]"},
-                                samples, &LabelledSample::label_uncertainty_dps);
+  archive.template field<float>({"rate_shaft_uncertainty",
+                                 "deg/s",
+                                 "standard deviation of rate_shaft [deg/s]",
+                                 "",
+                                 {},
+                                 "label_uncertainty"},
+                                samples, &LabelledSample::rate_shaft_uncertainty_dps);
   archive.template column<std::uint8_t>(
       {"valid", "1", "can the sample be trusted?", "1: no reason against it but warnings",
        flag_values({"invalid", "valid"})},

@@ -253,8 +253,8 @@ std::vector<TimedPong> read_pongs(const SessionFile& file) {
 void complete_labels_of_1_0(std::vector<LabelledSample>& samples) {
   constexpr float unknown = std::numeric_limits<float>::quiet_NaN();
   for (LabelledSample& sample : samples) {
-    sample.rate_commanded_dps = sample.rate_label_dps;
-    sample.rate_label_half_dps = sample.rate_commanded_half_dps = {unknown, unknown};
+    sample.rate_commanded_dps = sample.rate_shaft_dps;
+    sample.rate_shaft_half_dps = sample.rate_commanded_half_dps = {unknown, unknown};
     sample.rate_gyro_half_dps = {unknown, unknown};
     sample.gyro_spread_dps = unknown;
   }

@@ -41,12 +41,12 @@ class Inference {
 class Training {
  public:
   explicit Training(const model::Model& model)
-      : trainer_(model.weights, {}, crew_), batch_(model.weights.shape, bench::seed, 0, bench::batch) {}
+      : trainer_(model.weights, {}, workers_), batch_(model.weights.shape, bench::seed, 0, bench::batch) {}
 
   void next() { sum_ += trainer_.step(batch_.batch()).loss; }
 
  private:
-  network::SoloCrew crew_;
+  network::CallingThread workers_;
   network::Trainer trainer_;
   interop::SeededBatch batch_;
   double sum_ = 0.0;

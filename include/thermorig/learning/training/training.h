@@ -87,12 +87,12 @@ struct Observer {
 };
 
 /// Trains. Deterministic: the same acquisitions, configuration and instruction set give the same model,
-/// whatever the crew's size, and also when it goes on from a checkpoint of the same training. Throws
+/// however many workers there are, and also when it goes on from a checkpoint of the same training. Throws
 /// Error(bad_usage) where there is nothing to train on: no window, fewer than two acquisitions with
 /// choose_epoch; Error(failed) when the loss is not a number any more. Stopped before the first epoch ended,
 /// the model is the untrained one and `epoch_kept` is 0. The model's `producer` is left to the caller.
 TrainingResult train(const TrainingConfig& config, std::span<const network::Acquisition> acquisitions,
-                     network::Crew& crew, const Observer& observer = {},
+                     network::Workers& workers, const Observer& observer = {},
                      const std::optional<Checkpoint>& from = {});
 
 }  // namespace thermorig::training

@@ -27,19 +27,19 @@ namespace thermorig::labels {
 /// Over E = [exposure_begin, exposure_end], and over each half's own exposure for the *_half members:
 ///   rate_commanded         where the commanded speed is constant over E: CommandTrack::constant_rate_dps;
 ///                          else the exact mean of the commanded speed
-///   rate_label             (model angle at the end of E - that at its begin) / length of E
-///   rate_label_min, _max   of the model's running mean over one pulse period (20 ms) in E, and of rate_label
+///   rate_shaft             (model angle at the end of E - that at its begin) / length of E
+///   rate_shaft_min, _max   of the model's running mean over one pulse period (20 ms) in E, and of rate_shaft
 ///                          all NaN where E is not covered: no telemetry at or before its begin or at or
 ///                          after its end, or more than telemetry_gap_s, by the servo's clock, between two
 ///                          messages in it or around it
 ///   time                   exposure_end minus a quarter of E: the middle of the newest half
-///   angle_label            commanded angle at `time`
+///   angle_commanded            commanded angle at `time`
 ///   rate_gyro, gyro_count  mean of the gyro, bias and scale left as they are
 ///   gyro_spread            standard deviation of the gyro's running mean over 20 ms
-///   label_uncertainty      one standard deviation, root of the sum of squares of
-///                          time: the largest change of rate_label when E is moved by half or all of t, where
+///   rate_shaft_uncertainty      one standard deviation, root of the sum of squares of
+///                          time: the largest change of rate_shaft when E is moved by half or all of t, where
 ///                          t^2 = clock^2 + latency^2 + delay^2 + telemetry's clock^2, in seconds;
-///                          scale: |rate_label| times the response's relative uncertainty;
+///                          scale: |rate_shaft| times the response's relative uncertainty;
 ///                          model: residual that the response's fit left at that speed, or what is assumed
 ///   leg                    reported by the last telemetry at or before `time`, with no gap behind it
 ///
@@ -67,7 +67,7 @@ namespace thermorig::labels {
 ///                        one that would lie in E never came (lacks_sample(), where a first pass found gaps)
 ///   gyro_unsteady        gyro_spread squared, less what the sensor's noise explains, exceeds the tolerance
 ///                        squared; not judged where a sample is saturated
-///   gyro_disagrees       |mean gyro, corrected - rate_label as the gyro sees it| exceeds 3 standard
+///   gyro_disagrees       |mean gyro, corrected - rate_shaft as the gyro sees it| exceeds 3 standard
 ///                        deviations (see label_terms.h); not judged where a sample is saturated
 /// A frame is valid if it has no reason outside `warning_bits`. A run is unbroken by invalid frames and lies
 /// in one leg; a frame lost on the way makes the next one invalid, and so ends the run.

@@ -27,7 +27,7 @@ class PortLoop {
   virtual HostTime now() const = 0;
   virtual PortId open(const PortProfile& link, PortHandlers handlers, io::Refusal refusal) = 0;
   virtual void write(PortId port, std::span<const std::uint8_t> bytes) = 0;
-  virtual void keep_last_words(PortId port, std::span<const std::uint8_t> bytes) = 0;
+  virtual void keep_emergency_bytes(PortId port, std::span<const std::uint8_t> bytes) = 0;
   virtual void close(PortId port) = 0;
   virtual void every(HostDuration period, std::function<void(HostTime)> tick) = 0;
   virtual void on_signal(std::function<void(int signal)> handler) = 0;
@@ -45,7 +45,7 @@ class SystemPortLoop : public PortLoop {
   HostTime now() const override;
   PortId open(const PortProfile& link, PortHandlers handlers, io::Refusal refusal) override;
   void write(PortId port, std::span<const std::uint8_t> bytes) override;
-  void keep_last_words(PortId port, std::span<const std::uint8_t> bytes) override;
+  void keep_emergency_bytes(PortId port, std::span<const std::uint8_t> bytes) override;
   void close(PortId port) override;
   void every(HostDuration period, std::function<void(HostTime)> tick) override;
   void on_signal(std::function<void(int signal)> handler) override;

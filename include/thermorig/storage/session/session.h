@@ -59,7 +59,7 @@ struct Quality {
   std::vector<Speed> speeds;      // ascending
   PerDevice<Clock> clock;
   std::optional<Estimate> camera_offset_s;  // of the camera against the gyro, by the images
-  double label_uncertainty_dps = 0;         // median over the valid frames; NaN if there is none
+  double rate_shaft_uncertainty_dps = 0;    // median over the valid frames; NaN if there is none
   double label_residual_dps = 0;            // root mean square of corrected gyro minus label over the frames
                                             // that are valid or would be but for the gyro; NaN if not fitted
   std::string verdict;                      // "good", "usable" or "bad"

@@ -13,12 +13,12 @@ namespace thermorig::io {
 /// From now on `fd` gets `bytes` (up to 4). At most 4 descriptors. The first call makes this program catch
 /// the signals that would end it and have been left at their default; after the last words each does what it
 /// did. Not from several threads at once.
-void keep_last_words(int fd, std::span<const std::uint8_t> bytes);
+void keep_emergency_bytes(int fd, std::span<const std::uint8_t> bytes);
 
 /// The port is about to be closed in peace. Does nothing if there are none for it.
-void forget_last_words(int fd);
+void forget_emergency_bytes(int fd);
 
 /// Says them now, once more if need be. Allocates nothing, and may be called from a signal handler.
-void say_last_words();
+void send_emergency_bytes();
 
 }  // namespace thermorig::io

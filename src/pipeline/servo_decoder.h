@@ -20,9 +20,9 @@
 namespace thermorig::pipeline {
 
 /// Servo bytes to telemetry with its time, pongs, and the answers that the rig's servo link waits for.
-class ServoLine {
+class ServoDecoder {
  public:
-  ServoLine(const ServoProfile& profile, const Fits& fits);
+  ServoDecoder(const ServoProfile& profile, const Fits& fits);
 
   /// Bytes to the servo: pings among them bound its clock, once they are answered.
   void sent(std::span<const std::uint8_t> bytes, HostTime before_write) { pings_.sent(bytes, before_write); }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "camera_line.h"
+#include "camera_decoder.h"
 
 #include <algorithm>
 #include <cmath>
@@ -19,7 +19,7 @@ labels::ExposureRule exposure_rule(const CameraProfile& profile, const Fits& fit
   return labels::ExposureRule(frame_period_s(profile, fits), fits.camera_mode, fits.newer_half);
 }
 
-CameraLine::CameraLine(const CameraProfile& profile, const Fits& fits)
+CameraDecoder::CameraDecoder(const CameraProfile& profile, const Fits& fits)
     : profile_(profile),
       period_s_(frame_period_s(profile, fits)),
       scanner_(sensors::camera_scanner(profile)),
@@ -30,7 +30,7 @@ CameraLine::CameraLine(const CameraProfile& profile, const Fits& fits)
       live_gaps_(period_s_),
       newer_half_(fits.newer_half) {}
 
-labels::FrameGap CameraLine::gap_before(const TimedFrame& frame) {
+labels::FrameGap CameraDecoder::gap_before(const TimedFrame& frame) {
   const std::size_t index = frame_count_++;
   ++frames_since_;
   const bool was_away = std::exchange(was_away_, false);
@@ -40,14 +40,14 @@ labels::FrameGap CameraLine::gap_before(const TimedFrame& frame) {
 }
 
 /// At least one is missing, so that no run goes on over the absence.
-labels::FrameGap CameraLine::gap_of_absence(const TimedFrame& frame) {
+labels::FrameGap CameraDecoder::gap_of_absence(const TimedFrame& frame) {
   if (!last_frame_) return {};
   const double periods = std::round(to_s(frame.stamp.time - *last_frame_) / period_s_) - 1.0;
   constexpr double most = std::numeric_limits<std::uint16_t>::max();
   return {.missing = static_cast<std::uint16_t>(std::clamp(periods, 1.0, most)), .late = false};
 }
 
-std::span<const TimedFrame> CameraLine::interrupt(std::vector<TimedFrame>& out) {
+std::span<const TimedFrame> CameraDecoder::interrupt(std::vector<TimedFrame>& out) {
   const std::size_t first = out.size();
   finish(out);
   scanner_.restart();
@@ -61,19 +61,19 @@ std::span<const TimedFrame> CameraLine::interrupt(std::vector<TimedFrame>& out) 
   return std::span(out).subspan(first);
 }
 
-std::span<const TimedFrame> CameraLine::push(std::span<const std::uint8_t> chunk, HostTime arrived,
-                                             std::vector<TimedFrame>& out) {
+std::span<const TimedFrame> CameraDecoder::push(std::span<const std::uint8_t> chunk, HostTime arrived,
+                                                std::vector<TimedFrame>& out) {
   scanner_.push(chunk, messages_);
   timing_.chunk(scanner_.counters().bytes_received, arrived);
   return take(out);
 }
 
-std::span<const TimedFrame> CameraLine::finish(std::vector<TimedFrame>& out) {
+std::span<const TimedFrame> CameraDecoder::finish(std::vector<TimedFrame>& out) {
   scanner_.finish(messages_);
   return take(out);
 }
 
-std::span<const TimedFrame> CameraLine::take(std::vector<TimedFrame>& out) {
+std::span<const TimedFrame> CameraDecoder::take(std::vector<TimedFrame>& out) {
   const std::size_t first = out.size();
   for (const wire::CameraMessage& message : messages_) {
     TimedFrame& frame = out.emplace_back();

@@ -22,9 +22,9 @@ namespace thermorig::pipeline {
 labels::ExposureRule exposure_rule(const CameraProfile& profile, const Fits& fits);
 
 /// Camera bytes to frames with their time and exposure.
-class CameraLine {
+class CameraDecoder {
  public:
-  CameraLine(const CameraProfile& profile, const Fits& fits);
+  CameraDecoder(const CameraProfile& profile, const Fits& fits);
 
   /// Appends the frames that the chunk completes to `out` and returns them.
   std::span<const TimedFrame> push(std::span<const std::uint8_t> chunk, HostTime arrived,

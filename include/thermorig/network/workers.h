@@ -6,9 +6,9 @@
 namespace thermorig::network {
 
 /// Who does the parts of a step. The network starts no thread; whoever has some hands them in.
-class Crew {
+class Workers {
  public:
-  virtual ~Crew() = default;
+  virtual ~Workers() = default;
   virtual int size() const = 0;
   /// Calls `work(0)` .. `work(size() - 1)`, each once, possibly at the same time, and returns when all are
   /// done.
@@ -16,7 +16,7 @@ class Crew {
 };
 
 /// One worker: the calling thread.
-class SoloCrew final : public Crew {
+class CallingThread final : public Workers {
  public:
   int size() const override { return 1; }
   void run(const std::function<void(int)>& work) override { work(0); }

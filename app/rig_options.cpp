@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "rig_words.h"
+#include "rig_options.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>

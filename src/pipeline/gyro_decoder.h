@@ -17,9 +17,9 @@
 namespace thermorig::pipeline {
 
 /// Gyro bytes to samples with their time and their rate about the servo's axis.
-class GyroLine {
+class GyroDecoder {
  public:
-  GyroLine(const GyroProfile& profile, const Fits& fits);
+  GyroDecoder(const GyroProfile& profile, const Fits& fits);
 
   /// Appends the samples that the chunk completes to `out` and returns them.
   std::span<const TimedGyro> push(std::span<const std::uint8_t> chunk, HostTime arrived,

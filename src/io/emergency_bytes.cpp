@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "thermorig/io/last_words.h"
+#include "thermorig/io/emergency_bytes.h"
 
 #include <unistd.h>
 
@@ -20,7 +20,7 @@ constexpr std::size_t words_max = 4;
 constexpr std::size_t stack_bytes = 1U << 16U;
 
 /// Read by signal handlers: plain memory and lock-free flags only.
-struct LastWords {
+struct EmergencyBytes {
   std::atomic<int> fd{-1};
   std::array<std::uint8_t, words_max> bytes{};
   std::size_t size = 0;
@@ -32,7 +32,7 @@ constexpr std::array signals{SIGSEGV, SIGBUS,    SIGFPE,  SIGILL,  SIGABRT, SIGS
                              SIGINT,  SIGTERM,   SIGHUP,  SIGPIPE, SIGALRM, SIGUSR1,  SIGUSR2, SIGXCPU,
                              SIGXFSZ, SIGVTALRM, SIGPROF, SIGIO,   SIGPWR,  SIGSTKFLT};
 
-std::array<LastWords, 4> kept_words;
+std::array<EmergencyBytes, 4> kept_words;
 std::array<struct sigaction, signals.size()> before;
 alignas(std::max_align_t) std::array<std::byte, stack_bytes> stack;  // the usual one may be what overflowed
 static_assert(std::atomic<int>::is_always_lock_free);
@@ -40,7 +40,7 @@ static_assert(std::atomic<int>::is_always_lock_free);
 /// Says them, puts the signal back to what it did before, and has it come again when the handler returns.
 void on_signal(int signal) {
   const int error = errno;
-  say_last_words();
+  send_emergency_bytes();
   const auto* at = std::find(signals.begin(), signals.end(), signal);
   ::sigaction(signal, &before[static_cast<std::size_t>(at - signals.begin())], nullptr);
   ::raise(signal);
@@ -72,18 +72,18 @@ void catch_signals() {
 void prepare_once() {
   static const bool prepared = [] {
     catch_signals();
-    return std::atexit([] { say_last_words(); }) == 0;
+    return std::atexit([] { send_emergency_bytes(); }) == 0;
   }();
   (void)prepared;
 }
 
 }  // namespace
 
-void keep_last_words(int fd, std::span<const std::uint8_t> bytes) {
+void keep_emergency_bytes(int fd, std::span<const std::uint8_t> bytes) {
   assert(fd >= 0 && bytes.size() <= words_max);
   prepare_once();
-  forget_last_words(fd);
-  for (LastWords& port : kept_words) {
+  forget_emergency_bytes(fd);
+  for (EmergencyBytes& port : kept_words) {
     if (port.fd >= 0) continue;
     std::copy(bytes.begin(), bytes.end(), port.bytes.begin());
     port.size = bytes.size();
@@ -94,13 +94,13 @@ void keep_last_words(int fd, std::span<const std::uint8_t> bytes) {
   assert(false && "more ports than there are places for last words");
 }
 
-void forget_last_words(int fd) {
-  for (LastWords& port : kept_words)
+void forget_emergency_bytes(int fd) {
+  for (EmergencyBytes& port : kept_words)
     if (port.fd == fd) port.fd = -1;
 }
 
-void say_last_words() {
-  for (const LastWords& port : kept_words) {
+void send_emergency_bytes() {
+  for (const EmergencyBytes& port : kept_words) {
     const int fd = port.fd;
     if (fd < 0) continue;
     for (int tries = 0; tries < 3; ++tries) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "servo_line.h"
+#include "servo_decoder.h"
 
 #include <algorithm>
 #include <utility>
@@ -7,7 +7,7 @@
 
 namespace thermorig::pipeline {
 
-ServoLine::ServoLine(const ServoProfile& profile, const Fits& fits)
+ServoDecoder::ServoDecoder(const ServoProfile& profile, const Fits& fits)
     : link_(profile.link),
       scanner_(sensors::servo_protocol().scanner()),
       timing_(profile.link),
@@ -18,20 +18,20 @@ ServoLine::ServoLine(const ServoProfile& profile, const Fits& fits)
       clock_(profile.link),
       is_causal_(fits.times[Device::servo].empty()) {}
 
-std::span<const TimedServo> ServoLine::push(std::span<const std::uint8_t> chunk, HostTime arrived,
-                                            Streams& out) {
+std::span<const TimedServo> ServoDecoder::push(std::span<const std::uint8_t> chunk, HostTime arrived,
+                                               Streams& out) {
   newest_arrival_ = std::max(newest_arrival_, arrived);
   scanner_.push(chunk, messages_);
   timing_.chunk(scanner_.counters().bytes_received, arrived);
   return take(out);
 }
 
-std::span<const TimedServo> ServoLine::finish(Streams& out) {
+std::span<const TimedServo> ServoDecoder::finish(Streams& out) {
   scanner_.finish(messages_);
   return take(out);
 }
 
-void ServoLine::interrupt(Streams& out) {
+void ServoDecoder::interrupt(Streams& out) {
   finish(out);
   scanner_.restart();
   timing_.restart();
@@ -42,7 +42,7 @@ void ServoLine::interrupt(Streams& out) {
   telemetry_.reset();
 }
 
-std::span<const TimedServo> ServoLine::take(Streams& out) {
+std::span<const TimedServo> ServoDecoder::take(Streams& out) {
   const std::size_t first = out.servo.size();
   for (wire::ServoMessage& message : messages_) sort(std::move(message), out);
   messages_.clear();
@@ -51,7 +51,7 @@ std::span<const TimedServo> ServoLine::take(Streams& out) {
   return std::span(out.servo).subspan(first);
 }
 
-void ServoLine::sort(wire::ServoMessage&& message, Streams& out) {
+void ServoDecoder::sort(wire::ServoMessage&& message, Streams& out) {
   if (const auto* state = std::get_if<ServoState>(&message.body))
     out.servo.push_back(timed(message, *state));
   else if (const auto* pong = std::get_if<wire::ServoPong>(&message.body))
@@ -60,7 +60,7 @@ void ServoLine::sort(wire::ServoMessage&& message, Streams& out) {
     out.servo_answers.push_back(std::move(message));
 }
 
-TimedServo ServoLine::timed(const wire::ServoMessage& message, const ServoState& state) {
+TimedServo ServoDecoder::timed(const wire::ServoMessage& message, const ServoState& state) {
   const Stamp stamp = timing_.stamp(message.span);
   TimedServo servo{.state = state,
                    .span = message.span,
@@ -75,7 +75,7 @@ TimedServo ServoLine::timed(const wire::ServoMessage& message, const ServoState&
   return servo;
 }
 
-TimedPong ServoLine::timed(const wire::ServoMessage& message, const wire::ServoPong& pong) {
+TimedPong ServoDecoder::timed(const wire::ServoMessage& message, const wire::ServoPong& pong) {
   const TimedPong timed{.token = pong.token,
                         .receive_us = pong.receive_us,
                         .send_us = pong.send_us,
@@ -86,20 +86,20 @@ TimedPong ServoLine::timed(const wire::ServoMessage& message, const wire::ServoP
 }
 
 /// Until a ping has been answered the arrival is all there is.
-void ServoLine::stamp_by_clock(TimedServo& servo, HostTime not_after) {
+void ServoDecoder::stamp_by_clock(TimedServo& servo, HostTime not_after) {
   clock_.sent({.send_us = servo.mcu_time_us, .not_after = not_after});
   const auto estimate = clock_.at(servo.mcu_time_us);
   if (estimate) put(*estimate, servo.stamp);
 }
 
-void ServoLine::learn(const TimedPong& pong, HostTime not_after) {
+void ServoDecoder::learn(const TimedPong& pong, HostTime not_after) {
   if (!telemetry_) return;
   const auto exchange = pings_.exchange(pong, *telemetry_, not_after);
   if (exchange) clock_.exchange(*exchange);
 }
 
 /// The bytes from its first one on were through when the newest chunk was read.
-HostTime ServoLine::begun_by(const StreamSpan& span) const {
+HostTime ServoDecoder::begun_by(const StreamSpan& span) const {
   const std::uint64_t bytes = scanner_.counters().bytes_received - span.begin;
   return newest_arrival_ - from_s(timing::wire_time_s(bytes, baud_));
 }

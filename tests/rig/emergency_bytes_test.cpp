@@ -106,11 +106,11 @@ std::vector<std::uint8_t> read_to_the_end(int descriptor) {
   return all;
 }
 
-class LastWords : public ::testing::TestWithParam<Death> {};
-INSTANTIATE_TEST_SUITE_P(Deaths, LastWords, ::testing::ValuesIn(deaths),
+class EmergencyBytes : public ::testing::TestWithParam<Death> {};
+INSTANTIATE_TEST_SUITE_P(Deaths, EmergencyBytes, ::testing::ValuesIn(deaths),
                          [](const auto& death) { return std::string(death.param.name); });
 
-TEST_P(LastWords, TellTheServoToStop) {
+TEST_P(EmergencyBytes, TellTheServoToStop) {
   const TemporaryFolder folder;
   std::array<int, 2> port{};
   ASSERT_EQ(pipe(port.data()), 0);

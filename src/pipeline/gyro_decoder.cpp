@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "gyro_line.h"
+#include "gyro_decoder.h"
 
 #include <cassert>
 #include <utility>
@@ -15,7 +15,7 @@ timing::StampHint hint(const wire::GyroMessage& message) {
 }
 }  // namespace
 
-GyroLine::GyroLine(const GyroProfile& profile, const Fits& fits)
+GyroDecoder::GyroDecoder(const GyroProfile& profile, const Fits& fits)
     : scanner_(sensors::gyro_scanner(profile)),
       timing_(profile.link, profile.output_rate_hz),
       final_times_(fits.times[Device::gyro]),
@@ -24,19 +24,19 @@ GyroLine::GyroLine(const GyroProfile& profile, const Fits& fits)
   assert(profile.axis >= 0 && profile.axis < 3);
 }
 
-std::span<const TimedGyro> GyroLine::push(std::span<const std::uint8_t> chunk, HostTime arrived,
-                                          std::vector<TimedGyro>& out) {
+std::span<const TimedGyro> GyroDecoder::push(std::span<const std::uint8_t> chunk, HostTime arrived,
+                                             std::vector<TimedGyro>& out) {
   scanner_.push(chunk, messages_);
   timing_.chunk(scanner_.counters().bytes_received, arrived);
   return take(out);
 }
 
-std::span<const TimedGyro> GyroLine::finish(std::vector<TimedGyro>& out) {
+std::span<const TimedGyro> GyroDecoder::finish(std::vector<TimedGyro>& out) {
   scanner_.finish(messages_);
   return take(out);
 }
 
-std::span<const TimedGyro> GyroLine::interrupt(std::vector<TimedGyro>& out) {
+std::span<const TimedGyro> GyroDecoder::interrupt(std::vector<TimedGyro>& out) {
   const std::size_t first = out.size();
   finish(out);
   scanner_.restart();
@@ -46,7 +46,7 @@ std::span<const TimedGyro> GyroLine::interrupt(std::vector<TimedGyro>& out) {
   return std::span(out).subspan(first);
 }
 
-std::span<const TimedGyro> GyroLine::take(std::vector<TimedGyro>& out) {
+std::span<const TimedGyro> GyroDecoder::take(std::vector<TimedGyro>& out) {
   const std::size_t first = out.size();
   for (const wire::GyroMessage& message : messages_) {
     out.push_back({.reading = message.reading,

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "thermorig/learning/training/thread_crew.h"
+#include "thermorig/learning/training/thread_pool.h"
 
 #include <atomic>
 #include <cassert>
@@ -34,7 +34,7 @@ std::uint32_t wait_while(const std::atomic<std::uint32_t>& value, std::uint32_t 
 
 }  // namespace
 
-struct ThreadCrew::Parts {
+struct ThreadPool::Parts {
   std::atomic<std::uint32_t> round{0};             // counts the calls of run(); the last one ends the threads
   std::atomic<std::uint32_t> busy{0};              // others that have not finished this round
   const std::function<void(int)>* work = nullptr;  // of this round; null: end
@@ -61,22 +61,22 @@ struct ThreadCrew::Parts {
   }
 };
 
-ThreadCrew::ThreadCrew(int size) : parts_(std::make_unique<Parts>()) {
+ThreadPool::ThreadPool(int size) : parts_(std::make_unique<Parts>()) {
   assert(size >= 1);
   for (int number = 1; number < size; ++number)
     parts_->others.emplace_back([parts = parts_.get(), number] { parts->serve(number); });
 }
 
-ThreadCrew::~ThreadCrew() {
+ThreadPool::~ThreadPool() {
   parts_->begin(nullptr);
   for (std::thread& other : parts_->others) other.join();
 }
 
-int ThreadCrew::size() const {
+int ThreadPool::size() const {
   return static_cast<int>(parts_->others.size()) + 1;
 }
 
-void ThreadCrew::run(const std::function<void(int)>& work) {
+void ThreadPool::run(const std::function<void(int)>& work) {
   if (parts_->others.empty()) return work(0);
   parts_->begin(&work);
   work(0);
