@@ -4,12 +4,17 @@
 usage: check_schema.py FILE FRAMES       exit code 0: as documented; else a sentence for each deviation
        check_schema.py --digest FILE     prints a hash of the values of every dataset"""
 import hashlib
+import pathlib
+import re
 import sys
 import zlib
 
 import h5py
 import numpy
 
+FORMAT = pathlib.Path(__file__).parents[2] / "docs" / "recording_format.md"
+TYPES = {"text": "object", **{f"{letter}{8 * size}": f"{kind}{8 * size}" for letter, kind in
+                              (("u", "uint"), ("i", "int"), ("f", "float")) for size in (1, 2, 4, 8)}}
 NETCDF_BARE = b"This is a netCDF dimension but not a netCDF variable."
 
 
@@ -106,6 +111,41 @@ def check_estimates(file):
         yield "estimates is not marked for viewers, or does not name its model"
 
 
+def documented():
+    """{path of a dataset: (type, units)} by the tables of docs/recording_format.md; "as in /camera" is looked up there."""
+    found, groups = {}, []
+    for line in FORMAT.read_text().splitlines():
+        if line.startswith("## "):
+            groups = re.findall(r"/[a-z_/]+", line)
+        cells = [cell.strip() for cell in line.split("|")[1:-1]]
+        names = re.findall(r"`([a-z_0-9]+)`", cells[0]) if len(cells) == 4 else []
+        types = re.findall(r"\b(?:[uif]\d+|text)\b", cells[1]) if names else []
+        alike = re.fullmatch(r"as in (/[a-z/]+)", cells[3]) if names else None
+        for group in groups:
+            for place, name in enumerate(names):
+                if alike:
+                    found[f"{group}/{name}"] = found[f"{alike[1]}/{name}"]
+                else:  # an axis without values has no type
+                    kind = TYPES[types[place if len(types) > 1 else 0]] if types else None
+                    found[f"{group}/{name}"] = (kind, cells[2])
+    return found
+
+
+def check_types(file):
+    meant = documented()
+    groups = {path.rsplit("/", 1)[0] for path in meant}
+    for dataset in datasets(file):
+        if dataset.name not in meant:
+            if dataset.parent.name in groups:
+                yield f"{dataset.name} is not documented"
+            continue
+        kind, units = meant[dataset.name]
+        if kind and dataset.dtype != kind:
+            yield f"{dataset.name} is {dataset.dtype}, not {kind}"
+        if units and dataset.attrs["units"] != units:
+            yield f"{dataset.name} is in {dataset.attrs['units']}, not {units}"
+
+
 def check_root(file):
     expected = {"NX_class": "NXroot", "default": "samples", "format": "thermorig-session",
                 "format_version": "2.0.0", "simulated": 1, "simulation_seed": 3, "state": "complete",
@@ -131,6 +171,7 @@ def check(path, frames):
         yield from check_groups(file, frames)
         yield from check_sync(file)
         yield from check_estimates(file)
+        yield from check_types(file)
         for dataset in datasets(file):
             dataset[()]  # stock filters: inflates and holds every chunk against its fletcher32
             yield from check_dataset(dataset)
