@@ -146,6 +146,16 @@ Session without_what_is_new(Session session) {
   return session;
 }
 
+TEST_F(StockReader, LiveRowsOfFormat1AreThoseOfThePapersThreeEstimators) {
+  Session session = synthetic_live_session(70);
+  write_format_1(path(), session);
+  const tests::Printed output = tests::run_script("session/estimates_as_format_1.py " + path().string());
+  ASSERT_EQ(output.code, 0) << output.text;
+  for (EstimateRow& row : session.raw.estimates)
+    row = with_rates(row, gyro_dps(row), thermal_dps(row), fusion_dps(row), kg(row));
+  EXPECT_EQ(difference(session.raw, read_raw(path())), "");
+}
+
 TEST_F(StockReader, SessionsOfFormat1_0AreStillRead) {
   const Session session = synthetic_session(70);
   write_format_1(path(), session);
