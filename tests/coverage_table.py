@@ -9,7 +9,7 @@ import sys
 def lines_of_module(path, module):
     """(covered, missing) of a module's sources and headers; missing as "file:line"."""
     counts, file = {}, None
-    own = re.compile(rf"(?:^|/)((?:src|include/thermorig)/{module}/[^/]+)$")  # behind paths of the build folder
+    own = re.compile(rf"(?:^|/)((?:src|include/thermorig)/(?:[a-z_]+/)?{module}/[^/]+)$")  # behind paths of the build folder
     with open(path, encoding="utf-8") as source:
         for record in source:
             kind, _, rest = record.strip().partition(":")

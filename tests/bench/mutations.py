@@ -30,7 +30,7 @@ AREAS = {
     "labels": (3, ["src/pipeline/labels/*.cpp"], ["labels"]),
     "journal": (3, ["src/storage/journal/*.cpp"], ["journal", "storage"]),
     "session": (2, ["src/storage/session/*.cpp"], ["session"]),
-    "sweep": (2, ["src/rig/sweep*.cpp", "src/rig/step*.cpp", "src/rig/sweep/servo_stop.cpp"], ["rig"]),
+    "sweep": (2, ["src/rig/sweep/*.cpp"], ["rig"]),
     "live": (2, ["src/estimators/live/*.cpp"], ["live"]),
     "web": (2, ["src/io/web/*.cpp"], ["web", "web_server"]),
 }

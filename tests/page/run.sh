@@ -14,7 +14,7 @@ if [ ! -x "$chromium" ]; then
   echo "Skipped: the tests of the live page need a browser at $chromium (bash app/setup.sh browser installs Debian's chromium)."
   exit 0
 fi
-if [ ! -f "$build/src/web/page/files/page.js" ]; then
+if [ ! -f "$build/src/io/web/page/files/page.js" ]; then
   echo "There is no live page in $build: build the target thermorig_web_page first." >&2
   exit 1
 fi
