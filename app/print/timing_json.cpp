@@ -96,7 +96,7 @@ nlohmann::json timing_json(const session::Session& session, const session::Quali
           {"gyro", gyro_json(session.sync.gyro)},
           {"servo", servo_json(session.sync.servo)},
           {"rate_shaft_uncertainty_dps", quality.rate_shaft_uncertainty_dps},
-          {"label_residual_dps", quality.label_residual_dps},
+          {"gyro_residual_dps", quality.gyro_residual_dps},
           {"verdict", quality.verdict},
           {"verdict_reasons", quality.verdict_reasons},
           {"remarks", remarks.sentences},

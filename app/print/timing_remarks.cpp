@@ -54,7 +54,7 @@ void remark_servo(const ServoResponse& servo, Remarks& remarks) {
   if (!servo.fitted) remarks.say("how the shaft follows the servo's pulses was not fitted");
   if (servo.scale_calibrated) return;
   remarks.say(
-      fmt::format("the labels' scale is not calibrated (+- {:.1f} %)", 100 * servo.scale.uncertainty));
+      fmt::format("the servo's scale is not calibrated (+- {:.1f} %)", 100 * servo.scale.uncertainty));
   remarks.advise("thermorig calibrate scale");
 }
 

@@ -154,10 +154,10 @@ std::string servo_text(const Session& session, const session::Quality& quality) 
   text += timing_line("servo scale",
                       fmt::format("{:.4f} +- {:.4f}, {}", servo.scale.value, servo.scale.uncertainty,
                                   calibrated_text(servo.scale_calibrated, profile.scale_measured_utc)));
-  if (std::isfinite(quality.label_residual_dps))
-    text += timing_line("residual",
-                        fmt::format("{:.2f} deg/s RMS, corrected gyro minus label, over the valid frames",
-                                    quality.label_residual_dps));
+  if (std::isfinite(quality.gyro_residual_dps))
+    text += timing_line(
+        "residual", fmt::format("{:.2f} deg/s RMS, corrected gyro minus servo model, over the valid frames",
+                                quality.gyro_residual_dps));
   return text;
 }
 
@@ -167,7 +167,7 @@ std::string cell(const std::optional<double>& value, const char* form) {
 }
 
 std::string residual_table(const ServoResponse& servo) {
-  Table table({">deg/s", ">frames +", ">gyro - label", ">spread", ">frames -", ">gyro - label", ">spread"});
+  Table table({">deg/s", ">frames +", ">gyro - model", ">spread", ">frames -", ">gyro - model", ">spread"});
   const auto frames = [](const auto* speed) { return speed ? std::to_string(speed->frames) : "-"; };
   const auto value = [](const auto* speed, double ServoResponse::AtSpeed::*member) {
     return speed ? std::optional(speed->*member) : std::nullopt;
@@ -214,7 +214,7 @@ std::string timing_text(const std::filesystem::path& path, const Session& sessio
   text += fmt::format("\n{}{}{}", timing_line("camera - gyro", offset_text(sync.camera_offset)),
                       gyro_text(session), servo_text(session, quality));
   if (std::isfinite(quality.rate_shaft_uncertainty_dps))
-    text += timing_line("label", fmt::format("+- {:.2f} deg/s in the median valid frame",
+    text += timing_line("shaft", fmt::format("+- {:.2f} deg/s in the median valid frame",
                                              quality.rate_shaft_uncertainty_dps));
   if (!sync.servo.speeds.empty()) text += fmt::format("\n{}", residual_table(sync.servo));
   return fmt::format("{}\n{}{}", text, timing_verdict(quality), remarks_text(timing_remarks(session)));
@@ -231,7 +231,7 @@ std::string timing_line(const std::filesystem::path& path, const Session& sessio
                 : fmt::format("{} +- {:.2f} ms, ", name_of(device), clock.uncertainty_us / 1e3);
   }
   if (std::isfinite(quality.rate_shaft_uncertainty_dps))
-    text += fmt::format("label +- {:.2f} deg/s, ", quality.rate_shaft_uncertainty_dps);
+    text += fmt::format("shaft +- {:.2f} deg/s, ", quality.rate_shaft_uncertainty_dps);
   text.resize(text.size() - std::string_view(", ").size());
   return text + "; more with --timing\n";
 }

@@ -7,8 +7,8 @@
 
 `table`: all between the two lines is what the script prints. `figures`: sentences that somebody wrote from what it prints;
 `files`: files that it writes. These two have no end. "; with --train" before the commit: it trains networks, which takes
-hours. A source is a module (src/NAME and include/thermorig/NAME), a path, or a pattern of paths; the script is always one.
-A mark may go over several lines.
+hours. A source is a module or a room by its folder's name (src/NAME or src/ROOM/NAME, and the same in include), a path, or
+a pattern of paths; the script is always one. A mark may go over several lines.
 """
 import dataclasses
 import pathlib
@@ -51,8 +51,10 @@ def documents(root):
 
 
 def paths_of(source):
-    """What git is asked for: a module's two folders, else the source itself."""
-    return (source,) if "/" in source or "." in source else (f"src/{source}", f"include/thermorig/{source}")
+    """What git is asked for: a module's two folders, of a room or in one; else the source itself."""
+    if "/" in source or "." in source:
+        return (source,)
+    return tuple(f"{root}/{place}" for root in ("src", "include/thermorig") for place in (source, f"*/{source}/*"))
 
 
 def watched_paths(mark):

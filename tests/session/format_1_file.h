@@ -64,7 +64,7 @@ class Format1File {
       : profile_(session.raw.header.profile), file_(path) {
     check(H5Ldelete(file_.id(), "/rig/profile", H5P_DEFAULT), "remove the profile");
     move_profile();
-    rename_samples();
+    rename_by_shaft();
     const std::string header = tests::format_1_header(session.raw.header);
     replace("/rig", "header_json", header);
     replace("/", "format_version", "1.3.0");
@@ -101,7 +101,7 @@ class Format1File {
     file_.replace_text("/rig/profile_toml", "name = \"rig\"\n");
   }
 
-  void rename_samples() const {
+  void rename_by_shaft() const {
     const std::pair<const char*, const char*> names[] = {
         {"rate_shaft", "rate_label"},         {"rate_shaft_min", "rate_label_min"},
         {"rate_shaft_max", "rate_label_max"}, {"rate_shaft_half", "rate_label_half"},
@@ -109,6 +109,8 @@ class Format1File {
     const Handle samples(H5Gopen2(file_.id(), "/samples", H5P_DEFAULT), "open the samples");
     for (const auto& [now, before] : names)
       check(H5Lmove(samples.get(), now, samples.get(), before, H5P_DEFAULT, H5P_DEFAULT), "rename a column");
+    check(H5Arename_by_name(file_.id(), "/sync", "gyro_residual_dps", "label_residual_dps", H5P_DEFAULT),
+          "rename an attribute");
   }
 
   void move_camera() const {

@@ -169,7 +169,7 @@ TEST(Quality, DoesNotInventWhatWasNotFitted) {
   session.sync = {};
   const Quality quality = quality_of(session);
   EXPECT_TRUE(std::isnan(quality.clock[Device::camera].uncertainty_s));
-  EXPECT_TRUE(std::isnan(quality.label_residual_dps));
+  EXPECT_TRUE(std::isnan(quality.gyro_residual_dps));
   EXPECT_FALSE(quality.camera_offset_s);
   EXPECT_EQ(quality.verdict, "good");
 }
@@ -195,7 +195,7 @@ Quality quality_with_gyro_off_by(float off_dps) {
 }
 
 TEST(Verdict, CountsHowFarGyroAndLabelsLieApart) {
-  EXPECT_NEAR(quality_with_gyro_off_by(0.5F).label_residual_dps, 0.5, 1e-4);
+  EXPECT_NEAR(quality_with_gyro_off_by(0.5F).gyro_residual_dps, 0.5, 1e-4);
   EXPECT_EQ(quality_with_gyro_off_by(0.5F).verdict, "good");
   EXPECT_EQ(quality_with_gyro_off_by(2.0F).verdict, "usable");
   EXPECT_EQ(quality_with_gyro_off_by(6.0F).verdict, "bad");

@@ -39,16 +39,16 @@ double model_deviation_dps(const ServoResponse& response, double rate_dps) {
 }
 
 double gyro_z_score(const GyroErrors& errors, const ServoResponse& response, const GyroMean& gyro,
-                    double label_dps, double time_dps) {
+                    double shaft_dps, double time_dps) {
   if (gyro.count == 0 || gyro.saturated || !errors.bias_dps || !(errors.scale.value > 0.0)) return 0.0;
   const double ratio = response.gyro_ratio.value / response.scale.value;
   const double corrected_dps = (gyro.rate_dps - errors.bias_dps->value) / errors.scale.value;
-  const double off_dps = corrected_dps - ratio * label_dps;
+  const double off_dps = corrected_dps - ratio * shaft_dps;
   const double noise_dps = known_noise_dps(errors) / std::sqrt(static_cast<double>(gyro.count));
   const double deviation_dps =
       std::hypot(std::hypot(errors.bias_dps->uncertainty, noise_dps, least_gyro_error_dps),
-                 std::hypot(model_deviation_dps(response, label_dps), time_dps,
-                            response.gyro_ratio.uncertainty * label_dps));
+                 std::hypot(model_deviation_dps(response, shaft_dps), time_dps,
+                            response.gyro_ratio.uncertainty * shaft_dps));
   return std::isfinite(off_dps) ? off_dps / deviation_dps : 0.0;
 }
 

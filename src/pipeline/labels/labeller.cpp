@@ -218,8 +218,8 @@ bool Labeller::gyro_disagrees(const LabelledSample& sample, const GyroMean& gyro
   const double between_samples_s = 1.0 / (std::sqrt(12.0) * config_.gyro_rate_hz);
   const double time_s = std::hypot(response_.delay_uncertainty_s, gyro.time_uncertainty_s, between_samples_s);
   const double time_dps = time_error_dps(sample, time_s);
-  const auto label_dps = static_cast<double>(sample.rate_shaft_dps);
-  return std::abs(gyro_z_score(bias_.errors(), response_, gyro, label_dps, time_dps)) > disagreement;
+  const auto shaft_dps = static_cast<double>(sample.rate_shaft_dps);
+  return std::abs(gyro_z_score(bias_.errors(), response_, gyro, shaft_dps, time_dps)) > disagreement;
 }
 
 /// A frame that was exposed while the servo had long been at rest shows the gyro's bias.

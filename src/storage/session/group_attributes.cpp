@@ -76,7 +76,7 @@ void write_sync_quality(hid_t group, const Quality& quality) {
   set_attribute(group, "camera_offset_s", offset.value);
   set_attribute(group, "camera_offset_uncertainty_s", offset.uncertainty);
   set_attribute(group, "rate_shaft_uncertainty_dps", quality.rate_shaft_uncertainty_dps);
-  set_attribute(group, "label_residual_dps", quality.label_residual_dps);
+  set_attribute(group, "gyro_residual_dps", quality.gyro_residual_dps);
 }
 
 }  // namespace

@@ -143,16 +143,16 @@ double rate_shaft_uncertainty_dps(const std::vector<LabelledSample>& samples) {
 
 /// Root mean square of the corrected gyro minus the label over the frames within legs against which nothing
 /// speaks but, it may be, the gyro itself. The scale that gyro and servo share cannot be told from them.
-double label_residual_dps(const Session& session) {
+double gyro_residual_dps(const Session& session) {
   const GyroErrors& gyro = session.sync.gyro;
   const ServoResponse& servo = session.sync.servo;
   double squares = 0.0, count = 0.0;
   for (const auto& sample : session.samples) {
     if (sample.leg == 0 || !has_no_other_reason(sample)) continue;
     const double gyro_dps = (sample.rate_gyro_dps - gyro.bias_dps->value) / gyro.scale.value;
-    const double label_dps = sample.rate_shaft_dps * servo.gyro_ratio.value / servo.scale.value;
-    if (!std::isfinite(gyro_dps - label_dps)) continue;
-    squares += (gyro_dps - label_dps) * (gyro_dps - label_dps);
+    const double shaft_dps = sample.rate_shaft_dps * servo.gyro_ratio.value / servo.scale.value;
+    if (!std::isfinite(gyro_dps - shaft_dps)) continue;
+    squares += (gyro_dps - shaft_dps) * (gyro_dps - shaft_dps);
     count += 1.0;
   }
   return count > 0.0 ? std::sqrt(squares / count) : std::numeric_limits<double>::quiet_NaN();
@@ -169,8 +169,7 @@ void add_sync(const Session& session, Quality& quality) {
   }
   quality.camera_offset_s = sync.camera_offset.offset_s;
   quality.rate_shaft_uncertainty_dps = rate_shaft_uncertainty_dps(session.samples);
-  quality.label_residual_dps =
-      sync.servo.fitted && sync.gyro.bias_dps ? label_residual_dps(session) : unknown;
+  quality.gyro_residual_dps = sync.servo.fitted && sync.gyro.bias_dps ? gyro_residual_dps(session) : unknown;
 }
 
 }  // namespace

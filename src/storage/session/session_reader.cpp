@@ -226,7 +226,7 @@ void read_sync_scalars(const SessionFile& file, SyncReport& sync) {
   }
   const auto group = file.group("/sync");
   AttributeReader reader{group.id()};
-  sync_attributes(reader, sync);
+  sync_attributes(reader, sync, file.version().major < 2 ? "label_residual_dps" : "gyro_residual_dps");
   // Times are shifted by it: one that is none, or ages, would leave the clock's range.
   if (!(std::abs(sync.servo.delay_s) <= longest_delay_s)) throw Hdf5Failure("believe the servo's delay");
 }

@@ -48,8 +48,9 @@ void estimate_attributes(Visit& visit, const char* name, const char* uncertainty
   if (value && uncertainty) estimate = Estimate{*value, *uncertainty};
 }
 
+/// `residual_name`: format 1 had another.
 template <typename Visit, typename Report>
-void sync_attributes(Visit& visit, Report& sync) {
+void sync_attributes(Visit& visit, Report& sync, const char* residual_name = "gyro_residual_dps") {
   estimate_attributes(visit, "camera_offset_s", "camera_offset_uncertainty_s", sync.camera_offset.offset_s);
   visit("camera_offset_why_not", sync.camera_offset.why_not);
   visit("camera_offset_halves", sync.camera_offset.halves);
@@ -73,7 +74,7 @@ void sync_attributes(Visit& visit, Report& sync) {
   visit("servo_scale_calibrated", sync.servo.scale_calibrated);
   visit("servo_gyro_ratio", sync.servo.gyro_ratio.value);
   visit("servo_gyro_ratio_uncertainty", sync.servo.gyro_ratio.uncertainty);
-  visit("label_residual_dps", sync.servo.residual_dps);
+  visit(residual_name, sync.servo.residual_dps);
 }
 
 }  // namespace thermorig::session

@@ -103,10 +103,10 @@ void judge_gyro(const Session& session, const Quality& quality, Verdict& verdict
 }
 
 void judge_labels(const Quality& quality, Verdict& verdict) {
-  const auto reason = fmt::format("gyro and labels differ by {:.1f} deg/s", quality.label_residual_dps);
-  if (quality.label_residual_dps > residual_bad_dps)
+  const auto reason = fmt::format("gyro and servo model differ by {:.1f} deg/s", quality.gyro_residual_dps);
+  if (quality.gyro_residual_dps > residual_bad_dps)
     verdict.bad(reason);
-  else if (quality.label_residual_dps > residual_usable_dps)
+  else if (quality.gyro_residual_dps > residual_usable_dps)
     verdict.usable(reason);
 }
 

@@ -60,9 +60,9 @@ struct Quality {
   PerDevice<Clock> clock;
   std::optional<Estimate> camera_offset_s;  // of the camera against the gyro, by the images
   double rate_shaft_uncertainty_dps = 0;    // median over the valid frames; NaN if there is none
-  double label_residual_dps = 0;            // root mean square of corrected gyro minus label over the frames
-                                            // that are valid or would be but for the gyro; NaN if not fitted
-  std::string verdict;                      // "good", "usable" or "bad"
+  double gyro_residual_dps = 0;  // root mean square of corrected gyro minus rate_shaft over the frames
+                                 // that are valid or would be but for the gyro; NaN if not fitted
+  std::string verdict;           // "good", "usable" or "bad"
   std::vector<std::string> verdict_reasons;
 };
 Quality quality_of(const Session& session);
