@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "pixel_noise.h"
 
+#include <algorithm>
 #include <cmath>
-
-#include "thermorig/core/statistics.h"
 
 namespace thermorig::simulation {
 namespace {
@@ -26,7 +25,9 @@ double median_squared_radius() {
   for (std::size_t row = 0; row < frame_rows; ++row)
     for (std::size_t column = 0; column < frame_columns; ++column)
       radii.push_back(squared_radius(row, column));
-  return reordering_median(radii);
+  const auto middle = radii.begin() + static_cast<std::ptrdiff_t>(radii.size() / 2);
+  std::nth_element(radii.begin(), middle, radii.end());
+  return *middle;
 }
 
 }  // namespace
