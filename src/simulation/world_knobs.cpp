@@ -71,7 +71,7 @@ constexpr std::array all_knobs{
     Knob{"links.hub_jitter_ms", links<&LinksWorld::hub_jitter_ms>, "ms", 0, 3, "assumed",
          "up to so much more, new in each USB frame and the same for all ports"},
     Knob{"links.stall_ms", links<&LinksWorld::stall_ms>, "ms", 0, 200, "assumed: a computer that is busy",
-         "nothing is read from any port for so long"},
+         "nothing is read from any port for up to so long"},
     Knob{"links.stall_interval_s", links<&LinksWorld::stall_interval_s>, "s", 1, 30, "assumed",
          "how often that happens, on average", log_scale},
     Knob{"links.frame_jitter_ms", links<&LinksWorld::frame_jitter_ms>, "ms", 0, 1,

@@ -12,6 +12,7 @@
 #include "thermorig/core/profile.h"
 #include "thermorig/core/time.h"
 #include "thermorig/simulation/firmware.h"
+#include "thermorig/simulation/world.h"
 
 namespace thermorig::simulation {
 
@@ -63,6 +64,7 @@ struct VirtualRigConfig {
   std::optional<double> gyro_latency_s;
   GyroStart gyro_start = GyroStart::by_itself;
   bool gyro_zeroes_itself = false;  // at rest, after a second, as WitMotion's do
+  World world;                      // what its devices do beyond that; begins as the honest one
   std::vector<Outage> outages;
   std::vector<HandTurn> hand_turns;
   PerDevice<LinkConfig> links;
