@@ -41,6 +41,14 @@ UsbPath path_of(const VirtualRigConfig& rig, Device device) {
   return {rig.links[device], rig.seed, name_of(device), rig.world.links};
 }
 
+/// The hand's turns by the host's clock, in rig time.
+std::vector<HandTurn> turns_in_rig_time(const VirtualRigConfig& rig, const HostClock& clock) {
+  std::vector<HandTurn> turns = rig.hand_turns;
+  for (HandTurn& turn : turns)
+    turn.begin = rig.start + HostDuration(clock.rig_ns((turn.begin - rig.start).count()));
+  return turns;
+}
+
 /// A message on its way out of a device.
 struct Message {
   std::vector<std::uint8_t> bytes;
@@ -102,7 +110,7 @@ VirtualRig::Parts::Parts(const VirtualRigConfig& rig, std::unique_ptr<Firmware> 
       host_clock(rig.world.links.host_slew_ppm),
       servo(std::move(firmware), rig.profile.servo.link.baud, rig.seed, rig.world),
       plant(rig.profile.servo, rig.servo_loop_hz, rig.seed, rig.world.servo),
-      hand(rig.hand_turns, rig.start),
+      hand(turns_in_rig_time(rig, host_clock), rig.start),
       shaft(plant.angle_deg() + hand.angle_deg(0)),
       camera(camera_config(rig), make_panorama(rig.environment, rig.seed, rig.scene), rig.seed),
       gyro(rig.profile.gyro, rig.gyro_grade, rig.seed,

@@ -138,19 +138,18 @@ double shown_post_deg(const Passing& passing, std::size_t row) {
   return passing_dps * middle_s + pitch_deg * (post_column(passing.frame.frame, row, passing.fresh) - 15.5);
 }
 
-class TrueExposure : public testing::TestWithParam<CameraWorld> {};
+class TrueExposure : public testing::TestWithParam<const char*> {};
 
 TEST_P(TrueExposure, IsWhatTheMiddleRowsShow) {
-  const Passing passing = passing_post(GetParam());
+  const Passing passing = passing_post(world_named(GetParam(), 1).camera);
   const double middle_deg = (shown_post_deg(passing, 11) + shown_post_deg(passing, 12)) / 2.0;
   EXPECT_NEAR(middle_deg, passing.post_deg, 0.15);
 }
 
 INSTANTIATE_TEST_SUITE_P(Worlds, TrueExposure,
-                         testing::Values(CameraWorld{}, CameraWorld{.membrane_lag_ms = 4.0},
-                                         CameraWorld{.membrane_lag_ms = 40.0},
-                                         CameraWorld{.rolling_rows = 1.0},
-                                         CameraWorld{.rolling_rows = -0.5}));
+                         testing::Values("honest", "honest,camera.membrane_lag_ms=4",
+                                         "honest,camera.membrane_lag_ms=40", "honest,camera.rolling_rows=1",
+                                         "honest,camera.rolling_rows=-0.5"));
 
 /// How much later than the first row the last one is integrated: the line through all.
 double rolling_s(const CameraWorld& world) {
