@@ -84,10 +84,10 @@ class Camera {
   Half half_;
   std::array<ShaftMark, 2> shown_begin_;  // of the exposure that each half shows
   std::optional<SimulatedFrame> sent_;    // last
-  PixelColumns seen_c_{};    // by the optics, now
-  PixelColumns lagged_c_{};  // by the membranes, which follow slowly
-  PixelColumns sum_c_{};     // of lagged_c_ over the exposure so far
-  ThermalFrame frame_;       // both halves as they were read last
+  PixelColumns seen_c_{};                 // by the optics, now
+  PixelColumns lagged_c_{};               // by the membranes, which follow slowly
+  PixelColumns sum_c_{};                  // of lagged_c_ over the exposure so far
+  ThermalFrame frame_;                    // both halves as they were read last
 };
 
 /// How the simulated camera speaks a protocol. It shares no code with what reads it (sensors), but the names.

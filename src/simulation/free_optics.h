@@ -37,7 +37,7 @@ class FreeOptics {
   CameraWorld camera_;
   SceneWorld scene_;
   MovingThings things_;
-  std::vector<float> blurred_c_;                     // (181, 1440)
+  std::vector<float> blurred_c_;                    // (181, 1440)
   std::array<Direction, frame_pixels> directions_;  // column after column
 };
 

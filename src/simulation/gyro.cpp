@@ -149,8 +149,7 @@ SimulatedGyroSample Gyro::measure(const ShaftMark& end) {
   const double step_dps = quality_.bias_walk_dps * std::sqrt(period_ns_ * 1e-9);
   const double rate_dps = mean_rate_dps(begin_, end);
   const double scale = scale_ * (1.0 + world_.scale_change + world_.scale_per_k * warming);
-  const double extra_dps =
-      world_.bias_per_k_dps * warming + world_.g_sensitivity_dps * acceleration_g(end);
+  const double extra_dps = world_.bias_per_k_dps * warming + world_.g_sensitivity_dps * acceleration_g(end);
   for (std::size_t axis = 0; axis < 3; ++axis) {
     bias_dps_[axis] += random_.normal(step_dps);
     const bool about_shaft = axis == static_cast<std::size_t>(axis_);

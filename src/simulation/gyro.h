@@ -36,7 +36,7 @@ struct SimulatedGyroSample {
   std::array<double, 3> rate_dps{};  // x, y, z as measured, clipped and on the grid of counts
   double temp_c = 25.0;
   std::int64_t device_time_us = 0;  // by its own clock, at the end of the interval
-  ShaftMark begin;  // of the averaging interval, earlier by the filter's group delay
+  ShaftMark begin;                  // of the averaging interval, earlier by the filter's group delay
   ShaftMark end;
   std::int64_t ready_ns = 0;
 };

@@ -79,9 +79,9 @@ float MovingThings::seen_c(double azimuth_deg, double elevation_deg, float behin
   double temp_c = behind_c;
   for (const Thing& thing : things_) {
     const double off_deg = std::remainder(azimuth_deg - thing.azimuth_deg, 360.0);
-    const double weight =
-        thing.strength * inside(off_deg, thing.width_deg / 2.0) *
-        inside(elevation_deg - (thing.low_deg + thing.high_deg) / 2.0, (thing.high_deg - thing.low_deg) / 2.0);
+    const double weight = thing.strength * inside(off_deg, thing.width_deg / 2.0) *
+                          inside(elevation_deg - (thing.low_deg + thing.high_deg) / 2.0,
+                                 (thing.high_deg - thing.low_deg) / 2.0);
     temp_c += weight * (thing.adds ? thing.temp_c : thing.temp_c - temp_c);
   }
   return static_cast<float>(temp_c);

@@ -44,9 +44,9 @@ class PixelNoise {
   Random fixed_;   // drawn once, at power-up
   Random random_;  // drawn for every half
   bool warm_;
-  double warm_up_k_;      // offset right after power-up
+  double warm_up_k_;        // offset right after power-up
   double world_warm_up_k_;  // beside that, and whether warm or not
-  double sensor_temp_c_;  // when warm
+  double sensor_temp_c_;    // when warm
   double sensor_wander_k_ = 0.0;
   PixelColumns sigma_k_{};
   PixelColumns offset_k_{};
