@@ -78,6 +78,11 @@ void add_simulated_parts(CLI::App& command, SimulatedParts& parts) {
                   "What the simulated camera sees (default: the environment's, else laboratory)")
       ->check(one_of(simulation::scene_names()))
       ->type_name("NAME");
+  command
+      .add_option("--world", parts.world,
+                  "How hard the simulated rig makes it: honest (default), typical, hard; with knobs of it: "
+                  "hard,gyro.bandwidth_hz=20")
+      ->type_name("WORLD");
 }
 
 void add_seed(CLI::App& command, std::function<void(std::uint64_t)> take, const std::string& meaning) {

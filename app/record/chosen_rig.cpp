@@ -22,10 +22,11 @@ void check_words(const RigOptions& options) {
     throw Error(ExitCode::bad_usage, "--simulated and ports exclude each other", "",
                 "--simulated alone, or --camera, --gyro and --servo");
   const SimulatedParts& parts = options.parts;
-  if (!simulated && (parts.servo || parts.camera || parts.gyro || parts.scene))
-    throw Error(ExitCode::bad_usage,
-                "--simulated-servo, --simulated-camera, --simulated-gyro and --scene need --simulated", "",
-                "--simulated=3");
+  if (!simulated && (parts.servo || parts.camera || parts.gyro || parts.scene || parts.world))
+    throw Error(
+        ExitCode::bad_usage,
+        "--simulated-servo, --simulated-camera, --simulated-gyro, --scene and --world need --simulated", "",
+        "--simulated=3");
 }
 
 void check_ports(const RigProfile& profile, const PerDevice<bool>& needed) {
@@ -96,6 +97,7 @@ simulation::VirtualRigConfig simulated_rig(std::uint64_t seed, const std::string
   config.half_fresh = parts.camera.value_or("half") == "half";
   config.gyro_grade = gyro_grade(parts.gyro.value_or("typical"));
   config.scene = parts.scene.value_or(simulation::scene_of(environment));
+  config.world = simulation::world_named(parts.world.value_or("honest"), seed);
   return config;
 }
 

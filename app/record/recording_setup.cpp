@@ -12,14 +12,15 @@ namespace thermorig::app {
 
 namespace {
 
-/// What the simulated rig differs in from the default one, for the session's own description of it.
+/// What the simulated rig differs in from the default one, and its world, for the session's own description
+/// of it.
 std::string differences_text(const SimulatedParts& parts, const simulation::VirtualRigConfig& rig) {
   std::string text;
   if (parts.servo) text += ", servo " + *parts.servo;
   if (parts.camera) text += ", camera " + *parts.camera;
   if (parts.gyro) text += ", gyro " + *parts.gyro;
   if (rig.scene != rig.environment) text += ", scene " + rig.scene;
-  return text;
+  return text + ", world " + simulation::text_of(rig.world);
 }
 
 void mark_pseudo_terminals(rig::RecordingOptions& recording) {

@@ -31,21 +31,22 @@ RigProfile profile_of(const simulation::VirtualRigConfig& config, const PerDevic
   return profile;
 }
 
-void announce(const SimulateOptions& options, const std::string& scene, const SimulatedPorts& ports) {
+void announce(const SimulateOptions& options, const simulation::VirtualRigConfig& config,
+              const SimulatedPorts& ports) {
+  const std::string& scene = config.scene;
+  const std::string world = simulation::text_of(config.world);
   const auto& paths = ports.paths();
   if (options.json) {
-    nlohmann::json object{{"event", "ready"},
-                          {"seed", options.seed},
-                          {"environment", options.environment},
-                          {"scene", scene},
-                          {"firmware", ports.firmware_description()}};
+    nlohmann::json object{
+        {"event", "ready"}, {"seed", options.seed}, {"environment", options.environment},
+        {"scene", scene},   {"world", world},       {"firmware", ports.firmware_description()}};
     for (Device device : all_devices) object[std::string(name_of(device))] = paths[device];
     object["profile"] = options.profile.empty() ? nlohmann::json() : nlohmann::json(options.profile);
     print_json(object);
     return;
   }
-  print("SIMULATED rig, {}{}, seed {}; servo firmware: {}\n\n", printable(options.environment),
-        scene == options.environment ? "" : " (scene: " + scene + ")", options.seed,
+  print("SIMULATED rig, {}{}, seed {}, world {}; servo firmware: {}\n\n", printable(options.environment),
+        scene == options.environment ? "" : " (scene: " + scene + ")", options.seed, world,
         ports.firmware_description());
   Table table({"role", "port"});
   for (Device device : all_devices) table.add({std::string(name_of(device)), paths[device]});
@@ -88,7 +89,7 @@ ExitCode run(const SimulateOptions& options) {
   SimulatedPorts ports(config, FirmwareChoice::avr_image);
   if (!options.profile.empty()) rig::write_profile(options.profile, profile_of(config, ports.paths()));
   ports.start();
-  announce(options, config.scene, ports);
+  announce(options, config, ports);
   int signal = 0;
   sigwait(&signals, &signal);
   ports.stop();

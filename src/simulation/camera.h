@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <optional>
 #include <span>
 #include <string_view>
 #include <vector>
 
+#include "free_optics.h"
 #include "heard.h"
 #include "optics.h"
 #include "pixel_noise.h"
@@ -26,10 +28,12 @@ struct CameraConfig {
   double clock_error = -0.02;  // relative; the clock wanders around it
   std::optional<double>
       latency_s;  // constant part, from the exposure's end to the first byte; drawn if not set
+  CameraWorld world;
+  SceneWorld scene;
 };
 
 /// Exposed is the span of time whose mean view the pixels show: that of their integration, earlier by the lag
-/// of their membranes.
+/// of their membranes. Where rows are integrated one after the other, it is that of the middle ones.
 struct SimulatedFrame {
   ThermalFrame frame;
   ShaftMark exposure_begin;   // of the older half
@@ -56,26 +60,34 @@ class Camera {
   };
   void warm_up(const Shaft& shaft);
   void begin_half(std::int64_t begin_ns, const ShaftMark& exposure_begin, unsigned parity);
-  void expose_step(double angle_deg);
+  void view(const Shaft& shaft, std::int64_t time_ns, PixelColumns& seen_c);
+  void expose_step();
+  void send_frame(const ShaftMark& exposure_end, std::vector<SimulatedFrame>& out);
   void finish_half(const ShaftMark& exposure_end, std::vector<SimulatedFrame>& out);
   std::int64_t step_time_ns(int step) const;
   std::int64_t next_period_ns();
+  std::int64_t row_offset_ns(std::size_t row) const;
 
   CameraConfig config_;
   Optics optics_;
+  std::optional<FreeOptics> free_optics_;  // in its place, where the world needs it
   Random clock_;
+  Random losses_;
   double refresh_period_s_;  // nominal
+  double lag_s_;             // of the membranes
+  std::int64_t shown_ns_;    // what pixels show is older than their integration by that
   PixelNoise noise_;
   double processing_s_;  // constant part of what the bridge takes
   double wander_ = 0.0;  // of the clock, relative
   bool started_ = false;
   unsigned last_parity_;  // full-fresh: the half that completes a frame
   Half half_;
-  ShaftMark older_begin_;
-  PixelColumns seen_c_{};    // by the optics, now
-  PixelColumns lagged_c_{};  // by the membranes, which follow slowly
-  PixelColumns sum_c_{};     // of lagged_c_ over the exposure so far
-  ThermalFrame frame_;       // both halves as they were read last
+  std::array<ShaftMark, 2> shown_begin_;  // of the exposure that each half shows
+  std::optional<SimulatedFrame> sent_;    // last
+  PixelColumns seen_c_{};                 // by the optics, now
+  PixelColumns lagged_c_{};               // by the membranes, which follow slowly
+  PixelColumns sum_c_{};                  // of lagged_c_ over the exposure so far
+  ThermalFrame frame_;                    // both halves as they were read last
 };
 
 /// How the simulated camera speaks a protocol. It shares no code with what reads it (sensors), but the names.

@@ -9,11 +9,19 @@ namespace thermorig::simulation {
 namespace {
 
 constexpr double walk_time_s = 600.0;  // in which the walk is drawn back: a long run does not run away
+constexpr double oscillator_warm_up_s = 120.0;
 
 }  // namespace
 
-ClockWander::ClockWander(const WanderLevel& level, std::uint64_t seed, std::string_view stream)
+double ClockDrift::at(double time_s) const {
+  return warm_up * std::exp(-time_s / oscillator_warm_up_s) +
+         wave * std::sin(wave_phase_rad + 2.0 * std::numbers::pi * time_s / wave_period_s);
+}
+
+ClockWander::ClockWander(const WanderLevel& level, std::uint64_t seed, std::string_view stream,
+                         const ClockDrift& drift)
     : level_(level),
+      drift_(drift),
       random_(seed, stream),
       wave_period_s_(random_.uniform(200.0, 900.0)),
       wave_phase_rad_(random_.uniform(0.0, 2.0 * std::numbers::pi)) {
@@ -24,7 +32,7 @@ void ClockWander::draw_second() {
   const auto second = static_cast<double>(clock_ns_.size() - 1);
   const double wave_rad = wave_phase_rad_ + 2.0 * std::numbers::pi * second / wave_period_s_;
   walked_ = walked_ * std::exp(-1.0 / walk_time_s) + random_.normal(level_.walk);
-  const double rate = 1.0 + level_.thermal_amplitude * std::sin(wave_rad) + walked_;
+  const double rate = 1.0 + level_.thermal_amplitude * std::sin(wave_rad) + walked_ + drift_.at(second);
   clock_ns_.push_back(clock_ns_.back() + second_ns * rate);
 }
 

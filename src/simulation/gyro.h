@@ -10,6 +10,7 @@
 
 #include "clock_wander.h"
 #include "heard.h"
+#include "low_pass.h"
 #include "random.h"
 #include "shaft.h"
 #include "thermorig/core/profile.h"
@@ -35,7 +36,7 @@ struct SimulatedGyroSample {
   std::array<double, 3> rate_dps{};  // x, y, z as measured, clipped and on the grid of counts
   double temp_c = 25.0;
   std::int64_t device_time_us = 0;  // by its own clock, at the end of the interval
-  ShaftMark begin;                  // of the averaging interval
+  ShaftMark begin;                  // of the averaging interval, earlier by the filter's group delay
   ShaftMark end;
   std::int64_t ready_ns = 0;
 };
@@ -46,22 +47,29 @@ struct GyroHabits {
   bool zeroes_itself = false;  // after a second at rest all rates are exactly 0, until it turns again
 };
 
-/// A gyro on the shaft, which averages over its sample interval.
+/// A gyro on the shaft, which averages over its sample interval what its low-pass lets through.
 class Gyro {
  public:
-  Gyro(const GyroProfile& profile, GyroGrade grade, std::uint64_t seed, const GyroHabits& habits = {});
+  Gyro(const GyroProfile& profile, GyroGrade grade, std::uint64_t seed, const GyroHabits& habits = {},
+       const GyroWorld& world = {});
 
   /// The samples whose interval ends by the time up to which the shaft is known.
   std::vector<SimulatedGyroSample> follow(const Shaft& shaft);
 
  private:
   std::int64_t end_ns(std::int64_t sample);
+  const Shaft& felt(const Shaft& shaft);
   SimulatedGyroSample measure(const ShaftMark& end);
-  double measured_dps(double true_dps, std::size_t axis);
+  double warming_k(std::int64_t time_ns) const;
+  double acceleration_g(const ShaftMark& end) const;
+  double noise_dps(double rate_dps, std::size_t axis);
+  double measured_dps(double true_dps, double noise_dps, std::size_t axis) const;
   bool is_zeroed(const ShaftMark& end);
 
   GyroQuality quality_;
+  GyroWorld world_;
   Random random_;
+  Random vibration_;
   int axis_;
   int sign_;
   double nominal_period_us_;
@@ -73,10 +81,14 @@ class Gyro {
   double temp_c_;
   std::array<double, 3> bias_dps_{};
   std::int64_t samples_ = 0;
-  bool zeroes_itself_;
+  double zero_below_dps_;       // 0: never
   std::int64_t turned_ns_ = 0;  // when it was last seen to turn
-  ShaftMark begin_;
+  ShaftMark begin_;             // as the filter lets it through
   bool started_ = false;
+
+  std::optional<LowPass> shaft_filter_;
+  std::optional<Shaft> filtered_;
+  std::array<std::optional<LowPass>, 3> noise_filters_;
 };
 
 /// How the simulated gyro speaks a protocol. It shares no code with what reads it (sensors), but the names.

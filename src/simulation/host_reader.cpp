@@ -25,6 +25,7 @@ std::int64_t HostReader::wake_up_ns() {
   if (random_.chance(spike_share)) late_s += random_.uniform(0.001, 0.020);
   if (random_.chance(long_spike_share)) late_s += random_.uniform(0.020, 0.100);
   if (loaded_ && random_.chance(stall_share)) late_s += random_.uniform(0.005, 0.180);
+  if (read_delay_s_ > 0.0) late_s += late_.exponential(read_delay_s_);
   return std::llround(late_s * 1e9);
 }
 
@@ -43,7 +44,8 @@ TimedBytes HostReader::read_at(std::int64_t time_ns) {
 std::vector<TimedBytes> HostReader::reads(std::int64_t until_ns) {
   std::vector<TimedBytes> result;
   while (first_ < waiting_.size()) {
-    if (!next_read_ns_) next_read_ns_ = std::max(waiting_[first_].time_ns, last_read_ns_) + wake_up_ns();
+    if (!next_read_ns_)
+      next_read_ns_ = bus_.after_stall_ns(std::max(waiting_[first_].time_ns, last_read_ns_) + wake_up_ns());
     if (*next_read_ns_ > until_ns) break;
     last_read_ns_ = *next_read_ns_;
     next_read_ns_.reset();

@@ -60,21 +60,29 @@ FieldOfView FieldOfView::of_width(double width_deg) {
   return {width_deg, wide ? width_deg * 75.0 / 110.0 : width_deg * 35.0 / 55.0};
 }
 
+std::vector<double> blurred_row(const Panorama& panorama, const FieldOfView& view, double elevation_deg) {
+  return blurred_around(row_profile(panorama, elevation_deg, response_sigma_pixels * view.row_pitch_deg()),
+                        response_sigma_pixels * view.column_pitch_deg());
+}
+
+double row_elevation_deg(const FieldOfView& view, std::size_t row) {
+  return (static_cast<double>(frame_rows - 1) / 2.0 - static_cast<double>(row)) * view.row_pitch_deg();
+}
+
+double column_azimuth_deg(const FieldOfView& view, bool mirrored, std::size_t column) {
+  const double direction = mirrored ? -1.0 : 1.0;
+  return direction * (static_cast<double>(column) - (frame_columns - 1) / 2.0) * view.column_pitch_deg();
+}
+
 Optics::Optics(const Panorama& panorama, const FieldOfView& view, bool mirrored)
     : strip_c_((std::size_t{Panorama::azimuths} + 1) * frame_rows) {
   for (std::size_t row = 0; row < frame_rows; ++row) {
-    const double elevation = (static_cast<double>(frame_rows - 1) / 2.0 - static_cast<double>(row)) *
-                             view.row_pitch_deg();  // row 0 is the top
-    const auto profile =
-        blurred_around(row_profile(panorama, elevation, response_sigma_pixels * view.row_pitch_deg()),
-                       response_sigma_pixels * view.column_pitch_deg());
+    const auto profile = blurred_row(panorama, view, row_elevation_deg(view, row));
     for (std::size_t azimuth = 0; azimuth <= std::size_t{Panorama::azimuths}; ++azimuth)
       strip_c_[azimuth * frame_rows + row] = static_cast<float>(profile[azimuth % Panorama::azimuths]);
   }
-  const double direction = mirrored ? -1.0 : 1.0;
   for (std::size_t column = 0; column < frame_columns; ++column)
-    column_azimuth_deg_[column] =
-        direction * (static_cast<double>(column) - (frame_columns - 1) / 2.0) * view.column_pitch_deg();
+    column_azimuth_deg_[column] = column_azimuth_deg(view, mirrored, column);
 }
 
 void Optics::view(double yaw_deg, PixelColumns& temp_c) const {

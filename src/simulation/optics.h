@@ -28,6 +28,14 @@ struct FieldOfView {
   double row_pitch_deg() const { return height_deg / frame_rows; }
 };
 
+/// At every azimuth of the panorama, what a pixel sees that looks toward this elevation: blurred by its
+/// response and the lens's.
+std::vector<double> blurred_row(const Panorama& panorama, const FieldOfView& view, double elevation_deg);
+
+/// Middles of rows and columns. Row 0 is the top, azimuths grow to the right.
+double row_elevation_deg(const FieldOfView& view, std::size_t row);
+double column_azimuth_deg(const FieldOfView& view, bool mirrored, std::size_t column);
+
 /// The panorama as the 24 rows of pixels see it, blurred by the pixels' response once and for all: a view is
 /// then a linear interpolation in azimuth.
 class Optics {

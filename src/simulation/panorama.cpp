@@ -29,6 +29,15 @@ const Scene* find_scene(std::string_view name) {
 
 }  // namespace
 
+Panorama with_contrast(Panorama panorama, double contrast) {
+  if (contrast == 1.0) return panorama;
+  double sum_c = 0.0;
+  for (const float temp_c : panorama.temp_c) sum_c += temp_c;
+  const double mean_c = sum_c / static_cast<double>(panorama.temp_c.size());
+  for (float& temp_c : panorama.temp_c) temp_c = static_cast<float>(mean_c + contrast * (temp_c - mean_c));
+  return panorama;
+}
+
 std::vector<std::string> scene_names() {
   std::vector<std::string> names;
   for (const Scene& scene : scenes) names.emplace_back(scene.name);

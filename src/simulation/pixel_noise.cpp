@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "pixel_noise.h"
 
+#include <algorithm>
 #include <cmath>
-
-#include "thermorig/core/statistics.h"
 
 namespace thermorig::simulation {
 namespace {
@@ -26,7 +25,9 @@ double median_squared_radius() {
   for (std::size_t row = 0; row < frame_rows; ++row)
     for (std::size_t column = 0; column < frame_columns; ++column)
       radii.push_back(squared_radius(row, column));
-  return reordering_median(radii);
+  const auto middle = radii.begin() + static_cast<std::ptrdiff_t>(radii.size() / 2);
+  std::nth_element(radii.begin(), middle, radii.end());
+  return *middle;
 }
 
 }  // namespace
@@ -37,11 +38,12 @@ NoiseLevel NoiseLevel::of(double field_of_view_deg, double refresh_rate_hz) {
   return wide ? NoiseLevel{0.37 * scale, 2.0} : NoiseLevel{0.66 * scale, 1.35};
 }
 
-PixelNoise::PixelNoise(const NoiseLevel& level, bool warm, std::uint64_t seed)
+PixelNoise::PixelNoise(const NoiseLevel& level, bool warm, std::uint64_t seed, const CameraWorld& world)
     : fixed_(seed, "camera fixed pattern"),
       random_(seed, "camera noise"),
       warm_(warm),
       warm_up_k_(fixed_.sign() * fixed_.uniform(0.5, 1.0)),
+      world_warm_up_k_(world.warm_up_k),
       sensor_temp_c_(fixed_.uniform(28.0, 33.0)) {
   const double growth = level.corner_over_centre - 1.0;
   const double centre_k = level.median_k / (1.0 + growth * median_squared_radius());
@@ -50,7 +52,9 @@ PixelNoise::PixelNoise(const NoiseLevel& level, bool warm, std::uint64_t seed)
       sigma_k_[column_index(row, column)] =
           static_cast<float>(centre_k * (1.0 + growth * squared_radius(row, column)));
   add_fixed_pattern();
-  kill_pixels();
+  kill_pixels(fixed_.integer(0, 4), fixed_);  // the data sheet allows four
+  Random more(seed, "camera dead pixels");
+  kill_pixels(static_cast<int>(std::lround(world.dead_pixels)), more);
 }
 
 void PixelNoise::add_fixed_pattern() {
@@ -65,14 +69,15 @@ void PixelNoise::add_fixed_pattern() {
   }
 }
 
-void PixelNoise::kill_pixels() {
-  for (int n = fixed_.integer(0, 4); n > 0; --n)  // the data sheet allows four
-    dead_.push_back({static_cast<std::size_t>(fixed_.integer(0, static_cast<int>(frame_pixels) - 1)),
-                     static_cast<float>(fixed_.uniform(-10.0, 60.0))});
+void PixelNoise::kill_pixels(int count, Random& random) {
+  for (; count > 0; --count)
+    dead_.push_back({static_cast<std::size_t>(random.integer(0, static_cast<int>(frame_pixels) - 1)),
+                     static_cast<float>(random.uniform(-10.0, 60.0))});
 }
 
 void PixelNoise::read_half(const PixelColumns& seen_c, unsigned parity, double time_s, ThermalFrame& frame) {
-  const double warming_k = warm_ ? 0.0 : warm_up_k_ * std::exp(-time_s / warm_up_time_s);
+  const double warming_k =
+      (world_warm_up_k_ + (warm_ ? 0.0 : warm_up_k_)) * std::exp(-time_s / warm_up_time_s);
   const auto shared_k = static_cast<float>(random_.normal(common_mode_k) + warming_k);
   for (std::size_t row = 0; row < frame_rows; ++row)
     for (std::size_t column = (row ^ parity) & 1U; column < frame_columns; column += 2) {
@@ -90,7 +95,7 @@ void PixelNoise::read_half(const PixelColumns& seen_c, unsigned parity, double t
 
 float PixelNoise::sensor_temp_c(double time_s) {
   sensor_wander_k_ = 0.999 * sensor_wander_k_ + random_.normal(0.005);
-  const double cold_k = warm_ ? 0.0 : 5.0 * std::exp(-time_s / warm_up_time_s);
+  const double cold_k = (5.0 * world_warm_up_k_ + (warm_ ? 0.0 : 5.0)) * std::exp(-time_s / warm_up_time_s);
   return static_cast<float>(sensor_temp_c_ - cold_k + sensor_wander_k_);
 }
 

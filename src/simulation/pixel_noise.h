@@ -7,6 +7,7 @@
 #include "optics.h"
 #include "random.h"
 #include "thermorig/core/frame.h"
+#include "thermorig/simulation/world.h"
 
 namespace thermorig::simulation {
 
@@ -23,7 +24,7 @@ struct NoiseLevel {
 /// the chess halves, noise common to a half, dead pixels, a warming housing, rare glitches.
 class PixelNoise {
  public:
-  PixelNoise(const NoiseLevel& level, bool warm, std::uint64_t seed);
+  PixelNoise(const NoiseLevel& level, bool warm, std::uint64_t seed, const CameraWorld& world = {});
 
   /// Turns the seen temperatures of chess half `parity` into readings, written to the half's pixels of
   /// `frame`.
@@ -38,13 +39,14 @@ class PixelNoise {
     float reading_c;
   };
   void add_fixed_pattern();
-  void kill_pixels();
+  void kill_pixels(int count, Random& random);
 
   Random fixed_;   // drawn once, at power-up
   Random random_;  // drawn for every half
   bool warm_;
-  double warm_up_k_;      // offset right after power-up
-  double sensor_temp_c_;  // when warm
+  double warm_up_k_;        // offset right after power-up
+  double world_warm_up_k_;  // beside that, and whether warm or not
+  double sensor_temp_c_;    // when warm
   double sensor_wander_k_ = 0.0;
   PixelColumns sigma_k_{};
   PixelColumns offset_k_{};

@@ -4,6 +4,7 @@
 #include <bit>
 #include <cmath>
 #include <numbers>
+#include <utility>
 
 namespace thermorig::simulation {
 namespace {
@@ -63,14 +64,11 @@ double Random::sign() {
 }
 
 double Random::normal() {
-  if (spare_normal_) {
-    const double spare = *spare_normal_;
-    spare_normal_.reset();
-    return spare;
-  }
+  if (std::exchange(has_spare_normal_, false)) return spare_normal_;
   const double radius = std::sqrt(-2.0 * std::log(1.0 - uniform()));  // Box and Muller
   const double angle = 2.0 * std::numbers::pi * uniform();
   spare_normal_ = radius * std::sin(angle);
+  has_spare_normal_ = true;
   return radius * std::cos(angle);
 }
 

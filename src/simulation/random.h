@@ -3,7 +3,6 @@
 
 #include <array>
 #include <cstdint>
-#include <optional>
 #include <string_view>
 
 namespace thermorig::simulation {
@@ -30,7 +29,8 @@ class Random {
 
  private:
   std::array<std::uint64_t, 4> state_{};
-  std::optional<double> spare_normal_;
+  double spare_normal_ = 0.0;
+  bool has_spare_normal_ = false;
 };
 
 }  // namespace thermorig::simulation

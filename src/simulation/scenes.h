@@ -11,4 +11,7 @@ Panorama dining_scene(Random& random);
 Panorama kitchen_scene(Random& random);
 Panorama garden_scene(Random& random);
 
+/// With other differences of temperature, about the same mean. 1 changes nothing.
+Panorama with_contrast(Panorama panorama, double contrast);
+
 }  // namespace thermorig::simulation

@@ -7,16 +7,18 @@
 
 #include "random.h"
 #include "thermorig/core/profile.h"
+#include "thermorig/simulation/world.h"
 
 namespace thermorig::simulation {
 
-/// The servo itself: pulses in, shaft out. Its own position loop (second order, damping 0.7) follows the
-/// pulse width, with a top speed, an acceleration limit, a dead band and an imperfect sense of angle. A
-/// continuous servo follows the pulse with its speed. Without pulses a positional servo stays where it is, a
-/// continuous one coasts to rest.
+/// The servo itself: pulses in, shaft out. Its own position loop (second order) follows the pulse width, with
+/// a top speed, an acceleration limit, a dead band and an imperfect sense of angle. A continuous servo
+/// follows the pulse with its speed; friction and load are those of positional ones. Without pulses a
+/// positional servo stays where it is, a continuous one coasts to rest. The loop knows the gear's angle;
+/// behind it comes the shaft.
 class ServoPlant {
  public:
-  ServoPlant(const ServoProfile& servo, double loop_hz, std::uint64_t seed);
+  ServoPlant(const ServoProfile& servo, double loop_hz, std::uint64_t seed, const ServoWorld& world = {});
 
   /// A pulse ended at rig time `end_ns`; pulses come in order.
   void pulse(std::int64_t end_ns, double width_us);
@@ -24,8 +26,9 @@ class ServoPlant {
   /// One step of Shaft::step_ns that begins at rig time `begin_ns`.
   void step(std::int64_t begin_ns);
 
-  double angle_deg() const { return angle_deg_; }
-  double rate_dps() const { return rate_dps_; }
+  // Of the shaft.
+  double angle_deg() const { return shaft_deg_; }
+  double rate_dps() const { return shaft_dps_; }
 
  private:
   struct Pulse {
@@ -36,8 +39,15 @@ class ServoPlant {
   double target_rate_dps(double width_us) const;
   double positional_acceleration_dps2(bool driven);
   double continuous_acceleration_dps2(bool driven) const;
+  double loop_error_deg() const;
+  bool is_stuck(double error_deg);
+  double speed_ceiling_dps();
+  void turn_gear(double wanted_dps2);
+  void turn_gear_against_friction(double wanted_dps2, double friction_deg);
+  void follow_gear();
 
   ServoProfile servo_;
+  ServoWorld world_;
   double loop_rad_;  // natural frequency, rad/s
   double max_rate_dps_;
   double max_acceleration_dps2_;
@@ -52,8 +62,14 @@ class ServoPlant {
   std::deque<Pulse> coming_;
   Pulse last_{-1'000'000'000, 0.0};
   double target_ = 0.0;  // deg or deg/s, by kind
-  double angle_deg_;
+  double angle_deg_;     // of the gear
   double rate_dps_ = 0.0;
+  bool stuck_ = false;
+  double strain_ = 0.0;  // of the supply, 0 to 1
+  double ripple_phase_rad_ = 0.0;
+  double play_deg_;   // where the gear has pushed what it drives
+  double shaft_deg_;  // the same with the gear's ripple
+  double shaft_dps_ = 0.0;
 };
 
 }  // namespace thermorig::simulation

@@ -13,10 +13,11 @@
 
 namespace thermorig::simulation {
 
-/// The micro-controller's clock: a crystal that is some parts per million off, and wanders by a few.
+/// The micro-controller's clock: a crystal that is some parts per million off, and wanders by a few; or a
+/// ceramic resonator, which is worse.
 class McuClock {
  public:
-  explicit McuClock(std::uint64_t seed);
+  explicit McuClock(std::uint64_t seed, const ServoClockWorld& world = {});
   std::int64_t us_at(std::int64_t rig_ns);
   std::int64_t rig_ns_at(double us);
 
@@ -28,7 +29,8 @@ class McuClock {
 /// The servo's micro-controller on its own clock and serial line.
 class ServoSide {
  public:
-  ServoSide(std::unique_ptr<Firmware> firmware, std::uint32_t baud, std::uint64_t seed);
+  ServoSide(std::unique_ptr<Firmware> firmware, std::uint32_t baud, std::uint64_t seed,
+            const World& world = {});
 
   /// Bytes that begin on the line toward the micro-controller at rig time `begin_ns`, or when it is free.
   void send(std::span<const std::uint8_t> bytes, std::int64_t begin_ns);
@@ -53,6 +55,7 @@ class ServoSide {
   McuClock clock_;
   UartLine toward_;
   std::int64_t byte_ns_;
+  bool is_off_baud_;  // bytes take another time than the firmware believes
   std::int64_t last_byte_ns_ = 0;
   std::vector<TimedByte> sending_;
   std::deque<TimedByte> coming_;

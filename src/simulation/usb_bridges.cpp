@@ -98,12 +98,17 @@ class CdcBridge : public UsbBridge {
 
 }  // namespace
 
-UsbFrames::UsbFrames(Random& random)
-    : period_ns_(1e6 * (1.0 + random.normal(20e-6))), phase_ns_(random.uniform() * 1e6) {}
+UsbFrames::UsbFrames(Random& random, double jitter_ns, SlotDraws draws)
+    : period_ns_(1e6 * (1.0 + random.normal(20e-6))),
+      phase_ns_(random.uniform() * 1e6),
+      jitter_ns_(jitter_ns),
+      draws_(std::move(draws)) {}
 
 std::int64_t UsbFrames::at_or_after(std::int64_t time_ns) const {
   const double frame = std::ceil((static_cast<double>(time_ns) - phase_ns_) / period_ns_);
-  return std::max(time_ns, static_cast<std::int64_t>(std::ceil(phase_ns_ + frame * period_ns_)));
+  double asked_ns = phase_ns_ + frame * period_ns_;
+  if (jitter_ns_ > 0.0) asked_ns += jitter_ns_ * draws_.at(static_cast<std::int64_t>(frame));
+  return std::max(time_ns, static_cast<std::int64_t>(std::ceil(asked_ns)));
 }
 
 std::unique_ptr<UsbBridge> make_bridge(const LinkConfig& link, const UsbFrames& frames, Random& random) {

@@ -7,6 +7,7 @@
 #include "camera.h"
 #include "gyro.h"
 #include "hand.h"
+#include "host_clock.h"
 #include "servo_plant.h"
 #include "servo_side.h"
 #include "shaft.h"
@@ -31,7 +32,21 @@ CameraConfig camera_config(const VirtualRigConfig& rig) {
           .mirrored = rig.profile.camera.mirrored,
           .warm = rig.warm,
           .clock_error = rig.camera_clock_error,
-          .latency_s = rig.camera_latency_s};
+          .latency_s = rig.camera_latency_s,
+          .world = rig.world.camera,
+          .scene = rig.world.scene};
+}
+
+UsbPath path_of(const VirtualRigConfig& rig, Device device) {
+  return {rig.links[device], rig.seed, name_of(device), rig.world.links};
+}
+
+/// The hand's turns by the host's clock, in rig time.
+std::vector<HandTurn> turns_in_rig_time(const VirtualRigConfig& rig, const HostClock& clock) {
+  std::vector<HandTurn> turns = rig.hand_turns;
+  for (HandTurn& turn : turns)
+    turn.begin = rig.start + HostDuration(clock.rig_ns((turn.begin - rig.start).count()));
+  return turns;
 }
 
 /// A message on its way out of a device.
@@ -64,9 +79,13 @@ struct VirtualRig::Parts {
   void heard(Device device, Sender& sender, const Heard& heard, std::int64_t time_ns);
   StreamSpan pass_on(Device device, std::vector<TimedByte>& bytes);
   bool is_out(Device device, std::int64_t time_ns) const;
-  HostTime host_time(std::int64_t time_ns) const { return config.start + HostDuration(time_ns); }
+  HostTime host_time(std::int64_t time_ns) const {
+    return config.start + HostDuration(host_clock.host_ns(time_ns));
+  }
+  std::int64_t rig_ns(HostTime time) const { return host_clock.rig_ns((time - config.start).count()); }
 
   VirtualRigConfig config;
+  HostClock host_clock;
   ServoSide servo;
   ServoPlant plant;
   Hand hand;
@@ -88,20 +107,25 @@ struct VirtualRig::Parts {
 
 VirtualRig::Parts::Parts(const VirtualRigConfig& rig, std::unique_ptr<Firmware> firmware)
     : config(rig),
-      servo(std::move(firmware), rig.profile.servo.link.baud, rig.seed),
-      plant(rig.profile.servo, rig.servo_loop_hz, rig.seed),
-      hand(rig.hand_turns, rig.start),
+      host_clock(rig.world.links.host_slew_ppm),
+      servo(std::move(firmware), rig.profile.servo.link.baud, rig.seed, rig.world),
+      plant(rig.profile.servo, rig.servo_loop_hz, rig.seed, rig.world.servo),
+      hand(turns_in_rig_time(rig, host_clock), rig.start),
       shaft(plant.angle_deg() + hand.angle_deg(0)),
       camera(camera_config(rig), make_panorama(rig.environment, rig.seed, rig.scene), rig.seed),
       gyro(rig.profile.gyro, rig.gyro_grade, rig.seed,
-           {.latency_s = rig.gyro_latency_s, .zeroes_itself = rig.gyro_zeroes_itself}),
+           {.latency_s = rig.gyro_latency_s, .zeroes_itself = rig.gyro_zeroes_itself}, rig.world.gyro),
       camera_encoder(simulation::camera_encoder(rig.profile.camera)),
       gyro_encoder(simulation::gyro_encoder(rig.profile.gyro)),
-      camera_sender{UartLine(rig.profile.camera.link.baud), {}, 0, camera_encoder.hear == nullptr},
-      gyro_sender{UartLine(rig.profile.gyro.link.baud), {}, 0, rig.gyro_start == GyroStart::by_itself},
-      paths{UsbPath(rig.links[Device::camera], rig.seed, name_of(Device::camera)),
-            UsbPath(rig.links[Device::gyro], rig.seed, name_of(Device::gyro)),
-            UsbPath(rig.links[Device::servo], rig.seed, name_of(Device::servo))} {}
+      camera_sender{UartLine(rig.profile.camera.link.baud, rig.world.links.baud_error),
+                    {},
+                    0,
+                    camera_encoder.hear == nullptr},
+      gyro_sender{UartLine(rig.profile.gyro.link.baud, rig.world.links.baud_error),
+                  {},
+                  0,
+                  rig.gyro_start == GyroStart::by_itself},
+      paths{path_of(rig, Device::camera), path_of(rig, Device::gyro), path_of(rig, Device::servo)} {}
 
 void VirtualRig::Parts::run_slice(std::int64_t until_ns) {
   run_servo(until_ns);
@@ -206,7 +230,7 @@ VirtualRig::~VirtualRig() = default;
 
 void VirtualRig::send(Device to, std::span<const std::uint8_t> bytes, HostTime now) {
   Parts& parts = *parts_;
-  const std::int64_t now_ns = std::max(parts.now_ns, (now - parts.config.start).count());
+  const std::int64_t now_ns = std::max(parts.now_ns, parts.rig_ns(now));
   const std::int64_t begin_ns = parts.paths[index_of(to)].outgoing_ns(now_ns);
   const RigProfile& profile = parts.config.profile;
   if (to == Device::servo)
@@ -219,7 +243,7 @@ void VirtualRig::send(Device to, std::span<const std::uint8_t> bytes, HostTime n
 }
 
 std::vector<Chunk> VirtualRig::advance(HostTime until) {
-  const std::int64_t until_ns = (until - parts_->config.start).count();
+  const std::int64_t until_ns = parts_->rig_ns(until);
   while (parts_->now_ns < until_ns) parts_->run_slice(std::min(parts_->now_ns + slice_ns, until_ns));
   std::vector<Chunk> chunks;
   for (const Device device : all_devices)

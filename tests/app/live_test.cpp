@@ -241,7 +241,7 @@ TEST_F(Live, RefusesWordsThatWouldDoNothing) {
   ASSERT_EQ(run(replay).code, 0);
   for (const char* word : {"--plan quick", "--environment garden", "--fast", "--loop", "--simulated-gyro raw",
                            "--servo /dev/null", "--camera-rate 8", "--speeds 60", "--output x", "--licence x",
-                           "--no-preflight", "--replug-patience 5"}) {
+                           "--no-preflight", "--replug-patience 5", "--world hard"}) {
     const Outcome outcome = run(replay + word);
     EXPECT_EQ(outcome.code, 2) << word;
     EXPECT_THAT(outcome.err, HasSubstr(std::string(word).substr(0, std::string(word).find(' '))));

@@ -66,13 +66,29 @@ TEST_F(Record, SaysWhichSceneStandsForAnEnvironmentThatHasNone) {
   const Outcome outcome = run(of_kitchn + brief_plan);
   EXPECT_THAT(outcome.out,
               HasSubstr("SIMULATED rig, seed 3: virtual time, firmware's host build, scene laboratory"));
-  EXPECT_THAT(run(of_kitchn + "--scene kitchen " + brief_plan).out, HasSubstr(", scene kitchen\n"));
+  EXPECT_THAT(run(of_kitchn + "--scene kitchen " + brief_plan).out,
+              HasSubstr(", scene kitchen, world honest\n"));
   EXPECT_THAT(run(fast + brief_plan).out, Not(HasSubstr("scene")));
 }
 
 TEST_F(Record, RefusesASceneThatThereIsNot) {
   expect_refused(fast + "--scene kitchn", 2, "did you mean \"kitchen\"?");
-  expect_refused("record --environment garden --scene kitchen", 2, "--scene need --simulated");
+  expect_refused("record --environment garden --scene kitchen", 2, "--scene and --world need --simulated");
+}
+
+TEST_F(Record, SaysItsWorldAndEachKnobThatIsNotHonest) {
+  EXPECT_THAT(run(fast + brief_plan).out, HasSubstr("firmware's host build, world honest\n"));
+  const Outcome outcome =
+      run(fast + "--world honest,servo.backlash_deg=2,gyro.bandwidth_hz=256 " + brief_plan);
+  EXPECT_THAT(outcome.out, HasSubstr("firmware's host build, world honest,servo.backlash_deg=2\n"));
+  EXPECT_THAT(run("inspect " + files(".h5").back().string()).out,
+              HasSubstr("world honest,servo.backlash_deg=2)"));
+}
+
+TEST_F(Record, RefusesAWorldOrAKnobThatThereIsNot) {
+  expect_refused(fast + "--world hrad", 2, "did you mean \"hard\"?");
+  expect_refused(fast + "--world hard,servo.backlsh_deg=1", 2, "did you mean \"servo.backlash_deg\"?");
+  expect_refused(fast + "--world hard,servo.backlash_deg=9", 2, "a number from 0 to 3 deg");
 }
 
 TEST_F(Record, NeverUsesANumberTwice) {

@@ -21,4 +21,5 @@ else:
     for name, count in swept.items():
         print(f"{name:<12} {count:>12} {valid[name]:>7} {paper[name]:>12}")
     print(f"{'all':<12} {total:>12} {sum(valid.values()):>7} {asked:>12}   {100 * (total / asked - 1):+.2f} %")
+    print("SIMULATED:", *sorted({session["simulation"] for session in sessions}), sep="\n  ")
     print(f"{len(sessions)} acquisitions recorded in {seconds:.1f} s")

@@ -31,7 +31,7 @@ printf '%s\n' garden:13:18 laboratory:1:4 dining:5:8 kitchen:9:12 | xargs -P "$(
   for seed in $(seq "${seeds%:*}" "${seeds#*:}"); do
     log="$folder/$environment-$seed.log"
     "$thermorig" record --environment "$environment" --simulated="$seed" --fast --plan table-one \
-      --simulated-gyro "$gyro" --licence CC-BY-4.0 --output "$folder" --json > "$log" 2>&1 || { cat "$log" >&2; exit 255; }
+      --simulated-gyro "$gyro" --world honest --licence CC-BY-4.0 --output "$folder" --json > "$log" 2>&1 || { cat "$log" >&2; exit 255; }
   done' record "$thermorig" "$gyro" "$folder" {}
 seconds=$(awk "BEGIN {print $(date +%s.%N) - $start}")
 

@@ -47,8 +47,10 @@ int main(int count, char** arguments) {
     print_json(figures);
     return 0;
   }
-  fmt::print("Simulated rigs in virtual time: {} seeds of {:g} s each, from seed {} on; made in {:.0f} s.\n",
-             size.seeds, size.seconds, size.first_seed, took_s);
+  fmt::print(
+      "Simulated rigs in virtual time, honest world: {} seeds of {:g} s each, from seed {} on; made in "
+      "{:.0f} s.\n",
+      size.seeds, size.seconds, size.first_seed, took_s);
   print_text(figures);
   return 0;
 }

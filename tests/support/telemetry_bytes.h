@@ -20,7 +20,8 @@ inline std::vector<std::uint8_t> telemetry_bytes(std::uint8_t sequence, const Se
   std::uint8_t* at = servo_put_u32(payload.data(), state.mcu_us);
   at = servo_put_u32(at, hundredths(state.angle_deg));
   at = servo_put_u32(at, hundredths(state.rate_dps));
-  at = servo_put_u16(at, static_cast<std::uint16_t>(std::lround(double{SERVO_TICKS_PER_US} * state.pulse_us)));
+  at =
+      servo_put_u16(at, static_cast<std::uint16_t>(std::lround(double{SERVO_TICKS_PER_US} * state.pulse_us)));
   *at++ = static_cast<std::uint8_t>(SERVO_FINE_TICKS | static_cast<unsigned>(state.motion));
   *at++ = static_cast<std::uint8_t>(state.fault);
   servo_put_u16(at, state.leg);

@@ -12,6 +12,7 @@
 #include "thermorig/core/profile.h"
 #include "thermorig/core/time.h"
 #include "thermorig/simulation/firmware.h"
+#include "thermorig/simulation/world.h"
 
 namespace thermorig::simulation {
 
@@ -63,6 +64,7 @@ struct VirtualRigConfig {
   std::optional<double> gyro_latency_s;
   GyroStart gyro_start = GyroStart::by_itself;
   bool gyro_zeroes_itself = false;  // at rest, after a second, as WitMotion's do
+  World world;                      // what its devices do beyond that; begins as the honest one
   std::vector<Outage> outages;
   std::vector<HandTurn> hand_turns;
   PerDevice<LinkConfig> links;
@@ -78,6 +80,11 @@ struct TruthSample {
 
 /// A frame or gyro sample as the device sent it. `sent_frames()[i].index == i`, lost messages counted; a
 /// message that the program decoded is found by its place in the bytes: `span` equals what the scanner says.
+/// Times are those of the host's clock, rates per second of true time. Exposed is the span of time whose
+/// motion the message shows: earlier than its integration by the lag of the camera's membranes, than its
+/// averaging by the group delay of the gyro's filter. Of rows that are read one after the other it is that of
+/// the middle ones; of a frame with a half that is older because one was lost, it begins with that half's; of
+/// a frame that is sent again, it is that of what it shows.
 struct SentMessage {
   std::uint64_t index = 0;
   HostTime exposure_begin{};  // gyro: start of its averaging interval
