@@ -76,6 +76,12 @@ RENAMED |= {
     "/estimates/rate_thermal": estimate("cnn-thermal"),
     "/estimates/rate_fusion": estimate("cnn-fusion"),
     "/estimates/gain": gain,
+    **{f"/samples/rate_label{end}": f"/samples/rate_shaft{end}" for end in ("", "_min", "_max", "_half")},
+    "/samples/angle_label": "/samples/angle_commanded",
+    "/samples/label_uncertainty": "/samples/rate_shaft_uncertainty",
+    "/quality@label_uncertainty_dps": "/quality@rate_shaft_uncertainty_dps",
+    "/quality@label_residual_dps": "/quality@gyro_residual_dps",
+    "/sync@label_residual_dps": "/sync@gyro_residual_dps",
 }
 # Places in the JSON that `evaluate` prints, now by before: patterns that are replaced.
 RENAMED_PLACES = [(r"scores/apart$", "scores/excluded"), (r"scores/gyro/", "scores/estimators/gyro/"),
@@ -89,6 +95,7 @@ JUDGED_OTHERWISE = r"finalised/scores/gyro/|gyro_unbiased|/warnings/|\d/version$
 DESCRIPTIONS = {
     "/@Conventions", "/@HDF5_Version", "/@creator", "/@creator_git", "/@default", "/@format", "/@format_version",
     "/@host_name", "/@kernel", "/@scalars_crc32", "/quality/attribute_crc32", "/rig/profile_toml", "/rig@header_json",
+    "/samples@label_rule",
 }
 FORM_OF_GROUPS = {"NX_class", "signal", "axes", "auxiliary_signals", "description"}
 TRAINING = ["--nr", "3", "--epochs", "2", "--seed", "1", "--accept-bad"]

@@ -91,7 +91,7 @@ void keep_emergency_bytes(int fd, std::span<const std::uint8_t> bytes) {
     port.fd = fd;
     return;
   }
-  assert(false && "more ports than there are places for last words");
+  assert(false && "more ports than there are places for their bytes");
 }
 
 void forget_emergency_bytes(int fd) {
