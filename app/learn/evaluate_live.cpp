@@ -30,7 +30,8 @@ std::optional<LiveEvaluation> evaluate(const fs::path& path, bool accept_bad) {
   const RawRecording& raw = session.raw;
   if (raw.estimates.empty()) return std::nullopt;
   if (const auto bad = dataset::bad_session(session, path)) require_good({*bad}, accept_bad);
-  const network::Acquisition finished = dataset::acquisition_of(session, path.string());
+  const network::Acquisition finished =
+      dataset::acquisition_of(session, path.string(), dataset::Estimates::left_out);
   LiveEvaluation evaluated{.session = path.string(), .header = raw.header};
   evaluated.screen = scores_of(raw.estimates, raw.header);
   evaluated.finalised = live::finalised_rows(

@@ -84,7 +84,7 @@ void write_model_report(const std::filesystem::path& folder, const model::Model&
 ExitCode evaluate_model(const EvaluateOptions& options) {
   require_existing(options.model);
   const model::Model model = model::read_model(options.model);
-  const dataset::Acquisitions data = read_data(words_of(options));
+  const dataset::Acquisitions data = read_data(session_options(options));
   const std::vector<Acquisition>& acquisitions = data.acquisitions;
   ModelEvaluation evaluated;
   evaluated.evaluation = study::evaluate(judged_by(model, acquisitions), acquisitions,

@@ -115,7 +115,7 @@ void require_results_folder(const EvaluateOptions& options) {
 
 ExitCode run_study(const EvaluateOptions& options) {
   require_results_folder(options);
-  const dataset::Acquisitions data = read_data(words_of(options));
+  const dataset::Acquisitions data = read_data(session_options(options));
   const std::vector<network::Acquisition>& acquisitions = data.acquisitions;
   const std::vector<study::Job> jobs = study::jobs_of(config_of(options), acquisitions);
   const fs::path folder = options.output / "results";
@@ -142,7 +142,7 @@ ExitCode draw_study(const EvaluateOptions& options) {
 ExitCode renew_baselines(const EvaluateOptions& options) {
   require_results_folder(options);
   const fs::path folder = options.output / "results";
-  const dataset::Acquisitions data = read_data(words_of(options));
+  const dataset::Acquisitions data = read_data(session_options(options));
   const study::RenewedBaselines renewed = study::renew_baselines(folder, data.acquisitions);
   if (options.json)
     print_json({{"event", "baselines"}, {"results", renewed.results}, {"changed", renewed.changed}});

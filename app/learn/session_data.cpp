@@ -15,14 +15,14 @@ namespace {
 
 namespace fs = std::filesystem;
 
-dataset::Acquisitions read_files(const std::vector<fs::path>& files, bool json) {
-  const bool told = !json && escapes_allowed(stdout);
+dataset::Acquisitions read_files(const std::vector<fs::path>& files, const SessionOptions& options) {
+  const bool told = !options.json && escapes_allowed(stdout);
   const auto tell = [](std::size_t done, std::size_t all) {
     print("\rreading sessions: {} of {}", done, all);
     flush_output();
   };
-  dataset::Acquisitions data =
-      told ? dataset::read_acquisitions(files, tell) : dataset::read_acquisitions(files);
+  dataset::Acquisitions data = told ? dataset::read_acquisitions(files, options.estimates, tell)
+                                    : dataset::read_acquisitions(files, options.estimates);
   if (told) print("\r\x1b[K");
   return data;
 }
@@ -71,11 +71,11 @@ void require_good(const std::vector<dataset::BadSession>& bad, bool accepted) {
               "is: --accept-bad");
 }
 
-dataset::Acquisitions read_data(const SessionOptions& words) {
-  dataset::Acquisitions data = read_files(dataset::find_sessions(words.paths), words.json);
+dataset::Acquisitions read_data(const SessionOptions& options) {
+  dataset::Acquisitions data = read_files(dataset::find_sessions(options.paths), options);
   require_any(data);
-  require_good(data.bad, words.accept_bad);
-  if (!words.json) tell_choice(data);
+  require_good(data.bad, options.accept_bad);
+  if (!options.json) tell_choice(data);
   return data;
 }
 
@@ -84,7 +84,7 @@ void add_choice_to(nlohmann::json& object, const dataset::Acquisitions& data) {
   object["bad"] = files_of(data.bad);
 }
 
-SessionOptions words_of(const EvaluateOptions& options) {
+SessionOptions session_options(const EvaluateOptions& options) {
   return {.paths = options.paths, .accept_bad = options.accept_bad, .json = options.json};
 }
 

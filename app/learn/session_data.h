@@ -15,12 +15,13 @@ struct SessionOptions {
   const std::vector<std::filesystem::path>& paths;  // files, or folders that hold them
   bool accept_bad = false;                          // a verdict "bad" is no reason to refuse
   bool json = false;                                // nothing is printed
+  dataset::Estimates estimates = dataset::Estimates::made;
 };
 
 /// Reads the sessions that the paths name, telling on a terminal how far it is. Says in a line which were
 /// left out, since they were recorded for calibrations, and which are bad, but were accepted. Throws as
 /// dataset does, Error(check_failed) for a bad one, Error(bad_usage) where all are for calibrations.
-dataset::Acquisitions read_data(const SessionOptions& words);
+dataset::Acquisitions read_data(const SessionOptions& options);
 
 /// Throws Error(check_failed), naming the first of the bad sessions, unless they are accepted.
 void require_good(const std::vector<dataset::BadSession>& bad, bool accepted);
@@ -29,7 +30,7 @@ void require_good(const std::vector<dataset::BadSession>& bad, bool accepted);
 void add_choice_to(nlohmann::json& object, const dataset::Acquisitions& data);
 
 /// What `evaluate` is told of its sessions.
-SessionOptions words_of(const EvaluateOptions& options);
+SessionOptions session_options(const EvaluateOptions& options);
 
 /// Is any of them of the simulated rig?
 bool any_simulated(const std::vector<network::Acquisition>& acquisitions);

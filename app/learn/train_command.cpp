@@ -145,8 +145,11 @@ class Run {
 ExitCode run(const TrainOptions& options) {
   const TrainingConfig config = training_config(options);
   require_free(options.output, options.resume ? run_folder_of(options) / "model.onnx" : "");
-  const SessionOptions words{.paths = options.paths, .accept_bad = options.accept_bad, .json = options.json};
-  return Run(options, config, read_data(words)).run();
+  const SessionOptions sessions{.paths = options.paths,
+                                .accept_bad = options.accept_bad,
+                                .json = options.json,
+                                .estimates = dataset::Estimates::left_out};
+  return Run(options, config, read_data(sessions)).run();
 }
 
 }  // namespace thermorig::app

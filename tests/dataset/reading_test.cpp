@@ -71,7 +71,7 @@ TEST_F(Sessions, AreSortedByEnvironmentAndNumberNotByFile) {
   write("c.h5", "garden", 9, 3);
   std::size_t calls = 0, last = 0;
   const auto acquisitions =
-      read_acquisitions(find_sessions({folder_}), [&](std::size_t done, std::size_t all) {
+      read_acquisitions(find_sessions({folder_}), Estimates::made, [&](std::size_t done, std::size_t all) {
         ++calls;
         last = done;
         EXPECT_EQ(all, 3U);
@@ -85,10 +85,19 @@ TEST_F(Sessions, AreSortedByEnvironmentAndNumberNotByFile) {
   EXPECT_EQ(read_acquisition(path("b.h5")).hash, acquisitions[1].hash);
 }
 
+TEST_F(Sessions, AreReadForATrainingWithoutTheEstimatorsAndHaveTheSameHash) {
+  write("a.h5", "kitchen", 1, 1);
+  const auto judged = read_acquisitions({path("a.h5")}, Estimates::made).acquisitions;
+  const auto learnt = read_acquisitions({path("a.h5")}, Estimates::left_out).acquisitions;
+  EXPECT_EQ(learnt.at(0).hash, judged.at(0).hash);
+  EXPECT_TRUE(learnt.at(0).rates.empty());
+  EXPECT_FALSE(judged.at(0).rates.empty());
+}
+
 TEST_F(Sessions, ThatHoldTheSameRecordingAreRefused) {
   write("a.h5", "kitchen", 1, 1);
   write("copy.h5", "kitchen", 2, 1);
-  const Error error = refusal([&] { read_acquisitions(find_sessions({folder_})); });
+  const Error error = refusal([&] { read_acquisitions(find_sessions({folder_}), Estimates::made); });
   EXPECT_EQ(error.code(), ExitCode::not_a_session);
   EXPECT_NE(error.what_happened().find("a.h5"), std::string::npos);
 }
@@ -102,7 +111,7 @@ TEST_F(Sessions, TheFirstDamagedOneIsNamed) {
     write_file(path(name), bytes);
   }
   for (int trial = 0; trial < 5; ++trial) {
-    const Error error = refusal([&] { read_acquisitions(find_sessions({folder_})); });
+    const Error error = refusal([&] { read_acquisitions(find_sessions({folder_}), Estimates::made); });
     EXPECT_EQ(error.code(), ExitCode::not_a_session);
     EXPECT_EQ(error.where(), path("b.h5").string());
   }
@@ -114,7 +123,7 @@ TEST_F(Sessions, OfCalibrationsAreLeftOut) {
   const fs::path left_out = write("a.h5", calibration);
   write("b.h5", made("calibration", 2, 2));  // the name of a place says nothing
   write("copy.h5", calibration);
-  const Acquisitions read = read_acquisitions(find_sessions({folder_}));
+  const Acquisitions read = read_acquisitions(find_sessions({folder_}), Estimates::made);
   EXPECT_EQ(read.for_calibration, (std::vector<fs::path>{left_out, path("copy.h5")}));
   ASSERT_EQ(read.acquisitions.size(), 1U);
   EXPECT_EQ(read.acquisitions[0].name, "calibration_acq-02");
@@ -134,7 +143,7 @@ TEST_F(Sessions, OfABadVerdictAreNamedWithItsReasons) {
   ASSERT_NE(session::quality_of(good).verdict, "bad") << session::quality_of(good).verdict_reasons.front();
   write("a.h5", good);
   const fs::path file = write("b.h5", bad);
-  const Acquisitions read = read_acquisitions(find_sessions({folder_}));
+  const Acquisitions read = read_acquisitions(find_sessions({folder_}), Estimates::made);
   EXPECT_EQ(read.acquisitions.size(), 2U);
   ASSERT_EQ(read.bad.size(), 1U);
   EXPECT_EQ(read.bad[0].file, file);

@@ -44,7 +44,7 @@ void append_samples(Acquisition& acquisition, const session::Session& session) {
 
 }  // namespace
 
-Acquisition acquisition_of(const session::Session& session, const std::string& name) {
+Acquisition acquisition_of(const session::Session& session, const std::string& name, Estimates estimates) {
   const RecordingHeader& header = session.raw.header;
   Acquisition acquisition{.name = name,
                           .environment = header.environment,
@@ -53,7 +53,7 @@ Acquisition acquisition_of(const session::Session& session, const std::string& n
                           .licence = header.licence.empty() ? "not stated" : header.licence};
   append_samples(acquisition, session);
   network::clear_unsound_frames(acquisition);
-  acquisition.rates = rates_without_network(session);
+  if (estimates == Estimates::made) acquisition.rates = rates_without_network(session);
   acquisition.hash = data_hash(acquisition);
   return acquisition;
 }

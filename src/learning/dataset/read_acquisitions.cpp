@@ -27,8 +27,8 @@ session::Session read_in_turn(const fs::path& path) {
   return session::read_session(copy);
 }
 
-Acquisition acquisition_in(const session::Session& session) {
-  return acquisition_of(session, name_of(session.raw.header));
+Acquisition acquisition_in(const session::Session& session, Estimates estimates) {
+  return acquisition_of(session, name_of(session.raw.header), estimates);
 }
 
 /// What became of one file.
@@ -37,17 +37,22 @@ struct FileRead {
   std::optional<BadSession> bad;
 };
 
-FileRead read_file(const fs::path& path) {
+FileRead read_file(const fs::path& path, Estimates estimates) {
   const session::Session session = read_in_turn(path);
   if (session::is_for_calibration(session.raw.header)) return {};
-  return {acquisition_in(session), bad_session(session, path)};
+  return {acquisition_in(session, estimates), bad_session(session, path)};
 }
 
 /// Files are taken in order; one thread's file is read while others hash theirs.
 class Reading {
  public:
-  Reading(const std::vector<fs::path>& files, const std::function<void(std::size_t, std::size_t)>& progress)
-      : files_(files), progress_(progress), reads_(files.size()), failures_(files.size()) {}
+  Reading(const std::vector<fs::path>& files, Estimates estimates,
+          const std::function<void(std::size_t, std::size_t)>& progress)
+      : files_(files),
+        estimates_(estimates),
+        progress_(progress),
+        reads_(files.size()),
+        failures_(files.size()) {}
 
   void work() {
     while (!failed_) {
@@ -67,7 +72,7 @@ class Reading {
  private:
   void read(std::size_t index) {
     try {
-      reads_[index] = read_file(files_[index]);
+      reads_[index] = read_file(files_[index], estimates_);
       const std::lock_guard turn(progress_turn_);
       ++done_;
       if (progress_) progress_(done_, files_.size());
@@ -78,6 +83,7 @@ class Reading {
   }
 
   const std::vector<fs::path>& files_;
+  Estimates estimates_;
   const std::function<void(std::size_t, std::size_t)>& progress_;
   std::vector<FileRead> reads_;
   std::vector<std::exception_ptr> failures_;
@@ -126,12 +132,12 @@ std::optional<BadSession> bad_session(const session::Session& session, const fs:
 }
 
 Acquisition read_acquisition(const fs::path& path) {
-  return acquisition_in(read_in_turn(path));
+  return acquisition_in(read_in_turn(path), Estimates::made);
 }
 
-Acquisitions read_acquisitions(const std::vector<fs::path>& files,
+Acquisitions read_acquisitions(const std::vector<fs::path>& files, Estimates estimates,
                                const std::function<void(std::size_t done, std::size_t all)>& progress) {
-  Reading reading(files, progress);
+  Reading reading(files, estimates, progress);
   const std::size_t cores = std::max(1U, std::thread::hardware_concurrency());
   std::vector<std::jthread> others;
   for (std::size_t i = 1; i < std::min(cores, files.size()); ++i)

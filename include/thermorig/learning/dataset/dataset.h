@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <functional>
 #include <optional>
@@ -12,9 +13,14 @@
 
 namespace thermorig::dataset {
 
-/// What training needs of a session. Frames that no network may see (a label, gyro mean or pixel that is no
-/// sound number) are in no run, whatever the file says. The session's samples are one a frame, in order.
-network::Acquisition acquisition_of(const session::Session& session, const std::string& name);
+/// Whether the estimators that need no network run over a session when it is read. A training looks at none.
+enum class Estimates : std::uint8_t { left_out, made };
+
+/// What training and evaluation need of a session. Frames that no network may see (a label, gyro mean or
+/// pixel that is no sound number) are in no run, whatever the file says. The session's samples are one a
+/// frame, in order.
+network::Acquisition acquisition_of(const session::Session& session, const std::string& name,
+                                    Estimates estimates = Estimates::made);
 
 /// Reads a session file; the name is "<environment>_acq-<number>". Throws Error(not_a_session) as
 /// session::read_session does.
@@ -42,7 +48,7 @@ struct Acquisitions {
 
 /// Reads all of them, on all cores; `progress` is told of each finished file, one at a time. Throws
 /// Error(not_a_session) also where two files hold the same recording.
-Acquisitions read_acquisitions(const std::vector<std::filesystem::path>& files,
+Acquisitions read_acquisitions(const std::vector<std::filesystem::path>& files, Estimates estimates,
                                const std::function<void(std::size_t done, std::size_t all)>& progress = {});
 
 }  // namespace thermorig::dataset
