@@ -89,6 +89,8 @@ void add_session(const bench::HardRecording& made, json& object) {
   object["warnings"] = said_json(session);
   object["reasons"] = made.result.quality.reason_counts;
   object["stated"] = stated_json(session);
+  const auto gyro_scale = bench::true_gyro_scale(session, rig);
+  object["true_gyro_scale"] = gyro_scale ? json(*gyro_scale) : json();
   const bench::LabelErrors labels = bench::label_errors(session, rig);
   object["labels"] = {{"frames", labels.frames},
                       {"shaft_dps", labels.shaft_dps},

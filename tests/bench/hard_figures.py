@@ -38,12 +38,19 @@ def outside_shares(case):
     return {device: share(case["times"][device]["outside"], case["times"][device]["samples"]) for device in DEVICES}
 
 
-def is_right(case):
-    """Labels and times are what they are said to be. Without valid frames, or without any sample of a stream, there is
-    nothing that could be."""
+def is_small(part):
+    """A share of nothing is none: without valid frames, or without a sample of a stream, nothing could be right."""
+    return part is not None and part <= RIGHT_SHARE
+
+
+def labels_are_right(case):
     labels = case["labels"]
-    wrong = share(beyond_three(labels["shaft_dps"], labels["uncertainty_dps"]), len(labels["shaft_dps"]))
-    return all(part is not None and part <= RIGHT_SHARE for part in (wrong, *outside_shares(case).values()))
+    return is_small(share(beyond_three(labels["shaft_dps"], labels["uncertainty_dps"]), len(labels["shaft_dps"])))
+
+
+def wrong_streams(case):
+    """Devices whose times are not what they are said to be."""
+    return [device for device, part in outside_shares(case).items() if not is_small(part)]
 
 
 def sentences_of(case):
@@ -55,12 +62,14 @@ def sentences_of(case):
 
 def letter_of(case):
     """a: right. b: not right, but the verdict says so and why. b?: it says so, but not why. c: silently wrong."""
+    streams = []
     if not case["refusal"]:
-        if is_right(case):
+        streams = wrong_streams(case)
+        if not streams and labels_are_right(case):
             return "a"
         if case["verdict"] == "good":
             return "c"
-    return "b" if names_cause(case["world"], sentences_of(case)) else "b?"
+    return "b" if names_cause(case["world"], sentences_of(case), streams) else "b?"
 
 
 def without_numbers(sentence):

@@ -39,17 +39,20 @@ _SERVO_SLOW = r"supply|\bload\b|\bweak|\breach|too slow|top speed"
 _SERVO_LOOP = r"damping|overshoot|\bring|servo's (own )?loop|servo follows"
 _GEAR = r"\bgear|ripple|uneven|backlash|\bplay\b"
 _STICK = r"\bstick|stiction|friction|dead band|backlash|\bplay\b|uneven"
-_SERVO_CLOCK = r"(clock|times) of the servo|servo's clock|micro-controller's clock|resonator|quartz"
-_TIMES = r"(times|clock) of the (camera|gyro|servo)|\bhub\b|\bUSB\b|stall|\bbusy\b|host's clock|baud|late reads|arriv"
+_SERVO_CLOCK = r"^(?!.*suspended).*((clock|times) of the servo|servo's clock|micro-controller's clock|resonator|quartz)"
+_TIMES = r"(times|clock) of the WRONG_STREAM|\bhub\b|\bUSB\b|stall|\bbusy\b|late reads|arriv"
+_HOST_CLOCK = r"host's (clock|time)|host whose time|\bslew|\bNTP\b"
 _FILTER = r"filter|low.?pass|bandwidth|group delay|gyro('s| is)[^;]*(late|delay)"
 _BIAS = r"bias[^;]*(drift|mov|change|rest|warm|temperature)|drift[^;]*bias|warms? up"
 _SCALE = r"scale"
 _CAMERA_LATE = r"camera('s| is|'s times are)?[^;]*(late|later|earlier|latency|delay|offset)|calibrate latency"
-_HALVES = r"camera's messages were lost|lost (sub)?(page|hal)|chess hal|repeat|not fresh|stale"
+_HALVES = (r"camera's (messages|frames) (were lost|are missing)|lost (sub)?(page|hal)|chess hal|repeat|not fresh|stale"
+           r"|frames a second come from the camera")
 _IMAGE = r"\bimages?\b|field of view|\blens\b|distort|optics"
 
 # Which words of a verdict name the cause, by knob: searched in any case. One that speaks of the effect alone ("gyro
-# and servo disagree") does not: nobody knows from it what to look at.
+# and servo disagree") does not: nobody knows from it what to look at. Nor does one that blames what is innocent (a host
+# that was suspended). WRONG_STREAM: what is told of the times of one device does not warn of another's.
 CAUSES = {
     "servo.damping": _SERVO_LOOP,
     "servo.backlash_deg": _GEAR,
@@ -65,14 +68,14 @@ CAUSES = {
     "clock.warm_up_ppm": _SERVO_CLOCK,
     "clock.wave_ppm": _SERVO_CLOCK,
     "clock.wave_period_s": _SERVO_CLOCK,
-    "links.baud_error": _TIMES,
+    "links.baud_error": rf"{_TIMES}|baud",
     "links.hub_delay_ms": _TIMES,
     "links.hub_jitter_ms": _TIMES,
     "links.stall_ms": _TIMES,
     "links.stall_interval_s": _TIMES,
     "links.frame_jitter_ms": _TIMES,
     "links.read_delay_ms": _TIMES,
-    "links.host_slew_ppm": _TIMES,
+    "links.host_slew_ppm": _HOST_CLOCK,
     "gyro.bandwidth_hz": _FILTER,
     "gyro.cross_axis": rf"{_SCALE}|\baxis|\baxes",
     "gyro.g_sensitivity_dps": rf"{_BIAS}|gravity|\blean",
@@ -157,7 +160,9 @@ def knobs_of(world):
     return [part.split("=")[0] for part in world.split(",")[1:]]
 
 
-def names_cause(world, sentences):
-    """Whether one of the sentences names what one of the world's knobs does."""
-    return any(re.search(CAUSES[knob], sentence, re.IGNORECASE)
+def names_cause(world, sentences, wrong_streams=()):
+    """Whether one of the sentences names what one of the world's knobs does. `wrong_streams`: devices whose times are
+    not what they are said to be."""
+    streams = f"({'|'.join(wrong_streams)})" if wrong_streams else "(?!)"
+    return any(re.search(CAUSES[knob].replace("WRONG_STREAM", streams), sentence, re.IGNORECASE)
                for knob in knobs_of(world) for sentence in sentences)

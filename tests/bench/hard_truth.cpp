@@ -43,6 +43,24 @@ LabelErrors label_errors(const session::Session& session, const simulation::Virt
   return errors;
 }
 
+std::optional<double> true_gyro_scale(const session::Session& session, const simulation::VirtualRig& rig) {
+  const auto sent = sent_of(session.gyro, rig.sent_gyro());
+  double count = 0.0, of_true = 0.0, of_shown = 0.0, squares = 0.0, products = 0.0;
+  for (std::size_t i = 0; i < sent.size(); ++i) {
+    if (sent[i] == nullptr) continue;
+    const double true_dps = sent[i]->mean_rate_dps;
+    const double shown_dps = session.gyro[i].rate_dps;
+    count += 1.0;
+    of_true += true_dps;
+    of_shown += shown_dps;
+    squares += true_dps * true_dps;
+    products += true_dps * shown_dps;
+  }
+  const double spread = count * squares - of_true * of_true;
+  if (!(spread > 0.0)) return std::nullopt;
+  return (count * products - of_true * of_shown) / spread;
+}
+
 PerDevice<TimeErrors> time_errors(const session::Session& session, const simulation::VirtualRig& rig) {
   PerDevice<TimeErrors> errors;
   const auto frames = sent_of(session.frames, rig.sent_frames());

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
 #include <vector>
 
 #include "thermorig/core/device.h"
@@ -28,6 +29,10 @@ struct TimeErrors {
   std::size_t outside = 0;       // of these, beyond the stated bounds and three deviations of the latency
 };
 PerDevice<TimeErrors> time_errors(const session::Session& session, const simulation::VirtualRig& rig);
+
+/// What the gyro really made of the shaft's turning in this session: slope of its rates against the truth.
+/// For whoever looks into a session; nothing is judged by it. None: it did not turn.
+std::optional<double> true_gyro_scale(const session::Session& session, const simulation::VirtualRig& rig);
 
 /// Whether `truth` lies outside what `stamp` allows, bounds on either side widened by `more_s` seconds.
 bool is_outside(const Stamp& stamp, HostTime truth, double more_s);
