@@ -52,13 +52,29 @@ nlohmann::json offset_json(const CameraOffset& offset) {
   return {{"offset_s", estimate(offset.offset_s)},
           {"why_not", offset.why_not},
           {"chess_halves", offset.halves},
+          {"contradicts_calibration", offset.contradicts},
+          {"row_delay_s", estimate(offset.row_delay_s)},
           {"applied", offset.applied}};
 }
 
-nlohmann::json gyro_json(const GyroErrors& gyro) {
+nlohmann::json course_json(const std::vector<BiasKnot>& course, HostTime start) {
+  nlohmann::json knots = nlohmann::json::array();
+  for (const BiasKnot& knot : course)
+    knots.push_back({{"time_s", to_s(knot.time - start)}, {"bias_dps", knot.bias_dps}});
+  return knots;
+}
+
+nlohmann::json gyro_json(const GyroErrors& gyro, HostTime start) {
   return {{"scale", estimate(gyro.scale)},
           {"scale_calibrated", gyro.scale_calibrated},
+          {"scale_by_turns", estimate(gyro.scale_by_turns)},
+          {"scale_why_not", gyro.scale_why_not},
+          {"scale_contradicts_calibration", gyro.scale_contradicts},
+          {"filter_delay_s", estimate(gyro.filter_delay_s)},
+          {"filter_source", gyro.filter_source},
+          {"filter_contradicts_profile", gyro.filter_contradicts},
           {"bias_dps", estimate(gyro.bias_dps)},
+          {"bias_course", course_json(gyro.bias_course, start)},
           {"bias_before_dps", number_json(gyro.bias_before_dps)},
           {"bias_after_dps", number_json(gyro.bias_after_dps)},
           {"noise_dps", gyro.noise_dps},
@@ -71,6 +87,8 @@ nlohmann::json servo_json(const ServoResponse& servo) {
     speeds.push_back({{"rate_dps", speed.rate_dps},
                       {"residual_dps", speed.residual_dps},
                       {"spread_dps", speed.spread_dps},
+                      {"reached_dps", number_json(speed.reached_dps)},
+                      {"contradicts_command", speed.contradicts},
                       {"frames", speed.frames}});
   return {{"fitted", servo.fitted},
           {"delay_s", servo.delay_s},
@@ -93,7 +111,7 @@ nlohmann::json timing_json(const session::Session& session, const session::Quali
   const TimingRemarks remarks = timing_remarks(session);
   return {{"clock", clocks},
           {"camera_offset", offset_json(session.sync.camera_offset)},
-          {"gyro", gyro_json(session.sync.gyro)},
+          {"gyro", gyro_json(session.sync.gyro, start)},
           {"servo", servo_json(session.sync.servo)},
           {"rate_shaft_uncertainty_dps", quality.rate_shaft_uncertainty_dps},
           {"gyro_residual_dps", quality.gyro_residual_dps},

@@ -50,6 +50,21 @@ void remark_gyro(const GyroErrors& gyro, Remarks& remarks) {
   if (!gyro.zeroes_itself) remarks.advise("thermorig calibrate bias");
 }
 
+/// What the session says against its profile; the verdict has the figures.
+void remark_constants(const session::Session& session, Remarks& remarks) {
+  const GyroErrors& gyro = session.sync.gyro;
+  if (gyro.scale_contradicts) remarks.advise("thermorig calibrate scale");
+  if (session.sync.camera_offset.contradicts) remarks.advise("thermorig calibrate latency");
+  if (gyro.filter_source.empty() || gyro.filter_contradicts) {
+    if (!gyro.filter_contradicts)
+      remarks.say(
+          "how late the gyro's own filter makes it is not known, so all times may be shifted together");
+    remarks.advise("state the gyro's bandwidth_hz in the profile, as its settings or its data sheet have it");
+  }
+  if (are_rows_apart(session.sync.camera_offset))
+    remarks.say("the camera reads its rows one after the other: labels hold for the middle rows");
+}
+
 void remark_servo(const ServoResponse& servo, Remarks& remarks) {
   if (!servo.fitted) remarks.say("how the shaft follows the servo's pulses was not fitted");
   if (servo.scale_calibrated) return;
@@ -72,6 +87,7 @@ TimingRemarks timing_remarks(const session::Session& session) {
     remark_clock(device, session.sync.clock[device], session.raw.header.simulated, remarks);
   remark_offset(session, remarks);
   remark_gyro(session.sync.gyro, remarks);
+  remark_constants(session, remarks);
   remark_servo(session.sync.servo, remarks);
   return remarks.take();
 }

@@ -123,7 +123,38 @@ std::string bias_text(const GyroErrors& gyro) {
   std::string text = fmt::format("{:+.3f} +- {:.3f} deg/s", gyro.bias_dps->value, gyro.bias_dps->uncertainty);
   if (gyro.bias_before_dps) text += fmt::format(", {:+.3f} at the opening rest", *gyro.bias_before_dps);
   if (gyro.bias_after_dps) text += fmt::format(", {:+.3f} at the closing rest", *gyro.bias_after_dps);
+  if (!gyro.bias_course.empty())
+    text += fmt::format("; it moved from {:+.2f} to {:+.2f} on the way", gyro.bias_course.front().bias_dps,
+                        gyro.bias_course.back().bias_dps);
   return text;
+}
+
+std::string scale_text(const GyroErrors& gyro, const GyroProfile& profile) {
+  std::string text = fmt::format("{:.4f} +- {:.4f}, {}", gyro.scale.value, gyro.scale.uncertainty,
+                                 calibrated_text(gyro.scale_calibrated, profile.scale_measured_utc));
+  if (!gyro.scale_by_turns)
+    return gyro.scale_why_not.empty() ? text : fmt::format("{}; not checked: {}", text, gyro.scale_why_not);
+  return fmt::format("{} as {:.4f} +- {:.4f}; whole turns say {:.4f} +- {:.4f}", text, profile.scale,
+                     profile.scale_uncertainty, gyro.scale_by_turns->value, gyro.scale_by_turns->uncertainty);
+}
+
+std::string filter_text(const GyroErrors& gyro) {
+  if (gyro.filter_source.empty())
+    return fmt::format("not known: every time may be later by up to {:.0f} ms, all by the same",
+                       2.5e3 * gyro.filter_delay_s.uncertainty);
+  return fmt::format("delays by {:.1f} +- {:.1f} ms, {}", 1e3 * gyro.filter_delay_s.value,
+                     1e3 * gyro.filter_delay_s.uncertainty,
+                     gyro.filter_source == "noise" ? "by the noise at rest" : "as the profile states");
+}
+
+/// Nothing where all rows are exposed at once.
+std::string rows_text(const CameraOffset& offset) {
+  if (!are_rows_apart(offset)) return "";
+  return timing_line(
+      "rows", fmt::format("read one after the other, each {:.2f} +- {:.2f} ms after the one {} it; "
+                          "times are those of the middle rows",
+                          1e3 * std::abs(offset.row_delay_s->value), 1e3 * offset.row_delay_s->uncertainty,
+                          offset.row_delay_s->value > 0.0 ? "above" : "below"));
 }
 
 std::string gyro_text(const Session& session) {
@@ -132,9 +163,8 @@ std::string gyro_text(const Session& session) {
   std::string text = timing_line("gyro bias", bias_text(gyro));
   if (gyro.zeroes_itself)
     text += timing_line("", "this gyro sets itself to zero at rest: its bias is hidden then");
-  text += timing_line("gyro scale",
-                      fmt::format("{:.4f} +- {:.4f}, {}", gyro.scale.value, gyro.scale.uncertainty,
-                                  calibrated_text(gyro.scale_calibrated, profile.scale_measured_utc)));
+  text += timing_line("gyro scale", scale_text(gyro, profile));
+  text += timing_line("gyro filter", filter_text(gyro));
   return text + timing_line("gyro noise", std::isfinite(gyro.noise_dps)
                                               ? fmt::format("{:.3f} deg/s a sample at rest", gyro.noise_dps)
                                               : "not known: there was no rest");
@@ -211,8 +241,10 @@ std::string timing_text(const std::filesystem::path& path, const Session& sessio
   std::string text = fmt::format("{}{}\n\n{}\n{}", printable(path.string()), simulated, clock_table(sync),
                                  bound_table(sync));
   if (const std::string breaks = breaks_text(session); !breaks.empty()) text += fmt::format("\n{}", breaks);
-  text += fmt::format("\n{}{}{}", timing_line("camera - gyro", offset_text(sync.camera_offset)),
-                      gyro_text(session), servo_text(session, quality));
+  text += fmt::format(
+      "\n{}{}{}",
+      timing_line("camera - gyro", offset_text(sync.camera_offset)) + rows_text(sync.camera_offset),
+      gyro_text(session), servo_text(session, quality));
   if (std::isfinite(quality.rate_shaft_uncertainty_dps))
     text += timing_line("shaft", fmt::format("+- {:.2f} deg/s in the median valid frame",
                                              quality.rate_shaft_uncertainty_dps));

@@ -4,12 +4,13 @@
 
 #include "camera_decoder.h"
 #include "camera_rhythm.h"
-#include "camera_shift.h"
+#include "checked_constants.h"
 #include "clock_fits.h"
 #include "final_times.h"
 #include "joined_clock.h"
 #include "message_spans.h"
 #include "thermorig/pipeline/interruptions.h"
+#include "thermorig/pipeline/labels/gyro_filter.h"
 #include "thermorig/pipeline/labels/servo_response.h"
 #include "thermorig/pipeline/motion/panorama_fit.h"
 #include "thermorig/pipeline/pipeline.h"
@@ -19,6 +20,8 @@
 namespace thermorig::pipeline {
 
 namespace {
+
+constexpr std::size_t turn_windows = 3;  // of a session, that are searched for whole turns
 
 template <typename Message>
 void put_times(const std::vector<TimeEstimate>& times, std::vector<Message>& messages) {
@@ -131,12 +134,21 @@ Fits fit(const RawRecording& raw, Streams streams) {
 
   SyncReport sync;
   sync.gyro = labels::fit_gyro_errors(streams.gyro, streams.servo, profile.gyro);
+  labels::fit_gyro_filter(streams.gyro, streams.servo, profile.gyro, sync.gyro);
+  apply_filter_delay(sync.gyro, clocks[Device::gyro]);
+  put_times(clocks[Device::gyro].times, streams.gyro);
   fit_newer_half(streams, profile, sync.gyro, fits);
-  sync.camera_offset = motion::camera_offset(
-      streams.frames, streams.gyro, {profile.camera.field_of_view_deg, profile.camera.mirrored}, sync.gyro);
-  apply_camera_offset(profile, sync.camera_offset, clocks[Device::camera]);
-  sync.servo = labels::fit_servo_response(streams.servo, streams.gyro, sync.gyro, profile.servo,
-                                          1.0 / profile.camera.output_rate_hz);
+  const auto fit_servo = [&] {
+    return labels::fit_servo_response(streams.servo, streams.gyro, sync.gyro, profile.servo,
+                                      1.0 / profile.camera.output_rate_hz);
+  };
+  fit_servo();  // how the bias went: what images say rests on it, and what the servo's scale is, on them
+  const motion::View view{profile.camera.field_of_view_deg, profile.camera.mirrored};
+  apply_turns(motion::gyro_scale(streams.frames, streams.gyro, view, sync.gyro, turn_windows), sync.gyro);
+  sync.camera_offset = motion::camera_offset(streams.frames, streams.gyro, view, sync.gyro);
+  apply_camera_offset(profile.camera.link, sync.gyro, clocks[Device::gyro].report, sync.camera_offset,
+                      clocks[Device::camera]);
+  sync.servo = fit_servo();
 
   for (const Device device : all_devices) {
     fits.times[device] = std::move(clocks[device].times);

@@ -3,6 +3,10 @@
 
 namespace thermorig::simulation {
 
+namespace {
+constexpr double unfiltered_gyro_hz = 8000.0;  // the widest that a profile can state: no delay to speak of
+}
+
 RigProfile default_profile() {
   RigProfile profile;
   profile.name = "simulated rig";
@@ -12,6 +16,7 @@ RigProfile default_profile() {
   // these figures, each rig in its own way.
   profile.camera.link.latency_s = 0.032;
   profile.gyro.link.latency_s = 0.5 / profile.gyro.output_rate_hz + 0.001;
+  profile.gyro.bandwidth_hz = unfiltered_gyro_hz;
   profile.servo.link.latency_s = 0.0;
   return profile;
 }

@@ -277,7 +277,7 @@ TEST(ServoResponse, IsAsGoodAsAssumedWhereNoLegTold) {
 TEST(Fits, DoNotCallPerfectWhatIsNotKnown) {
   TrueTimes recording = record(rig_of(180.0, 8.0, 45), {60, -60});
   std::erase_if(recording.servo, [](const TimedServo& m) { return m.state.motion != ServoMotion::steady; });
-  const SyncReport sync = fit(recording, recording.profile);
+  SyncReport sync = fit(recording, recording.profile);
   EXPECT_TRUE(std::isnan(sync.gyro.noise_dps));
   EXPECT_TRUE(std::isnan(fit_servo_response({}, {}, sync.gyro, recording.profile.servo).residual_dps));
 }
@@ -400,7 +400,7 @@ TEST(GyroErrors, ARestBehindTheFirstLegIsNotTheOneBefore) {
 TEST(Fits, SurviveWhatARecordingCanHold) {
   const RigProfile profile;
   const auto both = [&](const std::vector<TimedGyro>& gyro, const std::vector<TimedServo>& servo) {
-    const GyroErrors errors = fit_gyro_errors(gyro, servo, profile.gyro);
+    GyroErrors errors = fit_gyro_errors(gyro, servo, profile.gyro);
     return fit_servo_response(servo, gyro, errors, profile.servo);
   };
   EXPECT_FALSE(both({}, {}).fitted);
@@ -427,7 +427,7 @@ TEST(Fits, AreQuickWhereTheLastMessageCameAgesLater) {
   recording.servo.back().stamp.time += from_s(9e9);
   recording.gyro.back().stamp.time += from_s(9e9);
   const RigProfile& profile = recording.profile;
-  const GyroErrors errors = fit_gyro_errors(recording.gyro, recording.servo, profile.gyro);
+  GyroErrors errors = fit_gyro_errors(recording.gyro, recording.servo, profile.gyro);
   EXPECT_TRUE(errors.bias_before_dps);
   EXPECT_TRUE(fit_servo_response(recording.servo, recording.gyro, errors, profile.servo).fitted);
 }

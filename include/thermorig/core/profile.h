@@ -53,8 +53,11 @@ struct GyroProfile {
   TextColumns text;                        // of a protocol that has columns
   std::map<std::string, double> settings;  // of its protocol, by name; one that is not stated is 0
   double output_rate_hz = 200.0;           // nominal
-  int axis = 2;                            // which of x, y, z is the servo's axis: 0, 1, 2
-  int sign = 1;  // +1 or -1: so that a positive commanded speed gives a positive rate
+  // Low-pass of the gyro: where its amplitude has fallen by 3 dB; 0: not known.
+  double bandwidth_hz = 0.0;
+  double filter_delay_s = 0.0;  // its group delay, which is in no other latency; 0: 0.225 / bandwidth_hz
+  int axis = 2;                 // which of x, y, z is the servo's axis: 0, 1, 2
+  int sign = 1;                 // +1 or -1: so that a positive commanded speed gives a positive rate
   // rate about the axis = scale * true rate + bias, sign applied. Stored rates are never corrected.
   double scale = 1.0;
   double scale_uncertainty = 0.03;  // as a data sheet promises it

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <cmath>
 #include <cstdint>
 #include <limits>
 #include <optional>
@@ -66,28 +67,58 @@ struct ClockReport {
   std::vector<ClockGap> gaps;
 };
 
+/// A calibrated constant no longer holds where a session's own value lies so many standard deviations away.
+inline constexpr double contradiction_deviations = 3.0;
+
+inline bool contradict(const Estimate& a, const Estimate& b) {
+  return std::abs(a.value - b.value) > contradiction_deviations * std::hypot(a.uncertainty, b.uncertainty);
+}
+
 /// How long the camera's sample-to-byte delay exceeds what its profile says, by the motion in its images
 /// against the gyro: to be added to the camera's latency.
 struct CameraOffset {
-  std::optional<Estimate> offset_s;  // none: the recording does not tell
+  std::optional<Estimate> offset_s;  // of the middle rows; none: the recording does not tell
   std::string why_not;               // ready to print, if there is none
   std::uint32_t halves = 0;          // chess halves that took part
   bool applied = false;              // the camera's times were shifted by (a share of) it
+  bool contradicts = false;          // a calibrated latency: beyond contradiction_deviations
+  // How much later each row was exposed than the one above it, by the upper and the lower rows apart: 0 where
+  // all rows are exposed at once. None: the recording does not tell.
+  std::optional<Estimate> row_delay_s;
+};
+
+/// The gyro's bias at an instant.
+struct BiasKnot {
+  HostTime time{};
+  double bias_dps = 0.0;
 };
 
 /// The gyro's errors about the servo's axis: rate = scale * true rate + bias.
 struct GyroErrors {
   Estimate scale{1.0, 0.03};
   bool scale_calibrated = false;
+  // By whole turns that close in this session's images, which owes nothing to the profile. None: why not.
+  std::optional<Estimate> scale_by_turns;
+  std::string scale_why_not;       // ready to print
+  bool scale_contradicts = false;  // a calibrated scale: it gave way to that of the turns
+  // Group delay of the gyro's low-pass. It is part of the latency that is taken off the gyro's times.
+  Estimate filter_delay_s{0.0, 0.0};
+  std::string filter_source;         // "profile", "noise" at rest, or empty: nothing tells it
+  bool filter_contradicts = false;   // the profile's delay: it gave way to that of the noise
   std::optional<Estimate> bias_dps;  // over the recording's rests, else of the profile; none: unknown
   // At rest before the first leg: the static bias, all that there is to be known of it before anything turns.
   // Arming moves the shaft, and a hand may turn the rig: such parts do not count. None: no quiet rest.
   std::optional<double> bias_before_dps;
-  std::optional<double> bias_after_dps;                         // at the closing rest
+  std::optional<double> bias_after_dps;  // at the closing rest
+  // How the bias went, straight between knots and constant beyond them; empty: it stayed at bias_dps.
+  std::vector<BiasKnot> bias_course;
   double noise_dps = std::numeric_limits<double>::quiet_NaN();  // of a sample at rest; NaN: no rest was seen
   bool zeroes_itself = false;   // runs of exact zeros at rest: the device hides its bias
   bool bias_from_legs = false;  // bias_dps is what remains of equal speeds in both directions, not of rests
 };
+
+/// The gyro's bias at a time, by its course where it has one; NaN: not known.
+double bias_dps_at(const GyroErrors& errors, HostTime time);
 
 /// How the shaft follows the pulses. A positional servo's angle follows the angle that the pulses command as
 /// a second-order loop of damping 0.7, a continuous one's rate follows the commanded rate as a first-order
@@ -111,9 +142,17 @@ struct ServoResponse {
     double residual_dps = 0.0;  // mean of corrected gyro minus model
     double spread_dps = 0.0;    // root mean square about that mean
     std::uint32_t frames = 0;   // frame periods at this speed that took part
+    double reached_dps = std::numeric_limits<double>::quiet_NaN();  // mean of the corrected gyro
+    bool contradicts = false;  // the shaft does not turn as commanded, beyond what scale and bias explain
   };
   std::vector<AtSpeed> speeds;  // of the legs, ascending
 };
+
+/// Whether the shaft was seen not to turn as commanded at that speed.
+bool contradicts_command(const ServoResponse& response, double commanded_dps);
+
+/// Whether the camera's rows are seen to be exposed one after the other.
+bool are_rows_apart(const CameraOffset& offset);
 
 /// Everything of the kind.
 struct SyncReport {

@@ -5,9 +5,11 @@
 #include <array>
 #include <cmath>
 #include <numeric>
+#include <utility>
 
 #include "least_squares.h"
 #include "pulse_period.h"
+#include "reached_speeds.h"
 #include "thermorig/core/statistics.h"
 
 namespace thermorig::labels {
@@ -25,7 +27,14 @@ constexpr double outlier = 5.0;
 constexpr double least_ratio_error = 3e-4;  // what the model lacks does not average out for ever
 constexpr std::size_t least_windows = 20;
 
+// A bias that moves shows in stretches in which the shaft turned both ways.
+constexpr double stretch_s = 30.0;
+constexpr double most_one_way = 0.3;          // of a stretch's mean speed
+constexpr std::size_t least_of_stretch = 60;  // windows
+constexpr double moved_dps = 0.1;             // less is left in the bias's uncertainty
+
 struct Window {
+  double middle_s = 0.0;
   std::array<double, unknowns> row{};
   double rate_dps = 0.0;  // by the gyro
 };
@@ -64,7 +73,8 @@ double model_dps(const Window& window) {
 }
 
 std::vector<Window> windows(const ShaftCurve& curve, double begin_s, double end_s, double delay_s,
-                            const PulseScale& scale, const GyroIntegral& gyro) {
+                            const PulseScale& scale, const GyroIntegral& gyro,
+                            std::span<const Interval> strayed) {
   constexpr double length_s = parts_a_window * pulse_period_s;
   std::vector<Window> found;
   // No more than there are samples to fill them: the times of a damaged recording may lie ages apart.
@@ -73,7 +83,8 @@ std::vector<Window> windows(const ShaftCurve& curve, double begin_s, double end_
   for (std::size_t i = 0; i < count; ++i) {
     const double from_s = begin_s + static_cast<double>(i) * length_s;
     Window window = window_at(curve, from_s - delay_s, scale);
-    if (std::abs(model_dps(window)) < slowest_dps) continue;
+    if (std::abs(model_dps(window)) < slowest_dps || is_within(strayed, from_s)) continue;
+    window.middle_s = from_s + length_s / 2.0;
     window.rate_dps = gyro.mean_dps(from_s, from_s + length_s);
     if (std::isfinite(window.rate_dps)) found.push_back(window);
   }
@@ -114,25 +125,101 @@ std::vector<double> visits(const std::vector<Window>& windows) {
   for (double& weight : weights) weight /= sum;
   return weights;
 }
-}  // namespace
+using Course = std::vector<std::pair<double, double>>;
 
-std::optional<GainFit> fit_gain(const ShaftCurve& curve, double begin_s, double end_s, double delay_s,
-                                const PulseScale& scale, const GyroIntegral& gyro,
-                                double bias_uncertainty_dps) {
+double course_at(const Course& course, double time_s) {
+  if (course.empty()) return 0.0;
+  const auto next = std::lower_bound(course.begin(), course.end(), time_s,
+                                     [](const auto& knot, double time) { return knot.first < time; });
+  if (next == course.begin()) return course.front().second;
+  if (next == course.end()) return course.back().second;
+  const auto before = next - 1;
+  return std::lerp(before->second, next->second, (time_s - before->first) / (next->first - before->first));
+}
+
+/// Windows of one stretch of time, what the fit leaves of them, and how evenly they went both ways.
+struct Stretch {
+  std::vector<double> residuals;
+  double sum_dps = 0.0, sum_abs_dps = 0.0, sum_s = 0.0;
+
+  void add(const Window& window, double residual) {
+    const double rate_dps = model_dps(window);
+    residuals.push_back(residual);
+    sum_dps += rate_dps;
+    sum_abs_dps += std::abs(rate_dps);
+    sum_s += window.middle_s;
+  }
+  bool tells() const {
+    return residuals.size() >= least_of_stretch && std::abs(sum_dps) < most_one_way * sum_abs_dps;
+  }
+};
+
+/// How the bias moved about what the fit found, if it did by more than `moved_dps`.
+Course course_of(const std::vector<Window>& windows, const std::vector<double>& x) {
+  Course course;
+  Stretch stretch;
+  double from_s = windows.front().middle_s, squares = 0.0;
+  const auto close = [&] {
+    if (stretch.tells()) {
+      const auto count = static_cast<double>(stretch.residuals.size());
+      const double left_dps = median(std::move(stretch.residuals));
+      course.emplace_back(stretch.sum_s / count, left_dps);
+      squares += left_dps * left_dps;
+    }
+    stretch = {};
+  };
+  for (const Window& window : windows) {
+    if (window.middle_s > from_s + stretch_s) {
+      close();
+      from_s = window.middle_s;
+    }
+    stretch.add(window, residual_dps(window, x));
+  }
+  close();
+  const bool moved =
+      course.size() > 1 && squares > moved_dps * moved_dps * static_cast<double>(course.size());
+  return moved ? course : Course{};
+}
+
+/// Of the windows that belong together; those that do not are dropped. Empty: too few are left.
+std::vector<double> solve(std::vector<Window>& used, double bias_uncertainty_dps, double& deviation_dps) {
   constexpr int rounds = 3;
-  std::vector<Window> used = windows(curve, begin_s, end_s, delay_s, scale, gyro);
-  if (used.size() < least_windows) return std::nullopt;
-  double deviation_dps = first_deviation_dps;
+  if (used.size() < least_windows) return {};
+  deviation_dps = first_deviation_dps;
   std::vector<double> x = equations_of(used, deviation_dps, bias_uncertainty_dps).solve();
   for (int round = 0; round < rounds; ++round) {
     deviation_dps = std::max(robust_deviation(residuals_dps(used, x), 0.0), least_deviation_dps);
     const double limit = outlier * deviation_dps;
     std::erase_if(used, [&](const Window& window) { return std::abs(residual_dps(window, x)) > limit; });
-    if (used.size() < least_windows) return std::nullopt;
+    if (used.size() < least_windows) return {};
     x = equations_of(used, deviation_dps, bias_uncertainty_dps).solve();
   }
-  const std::vector<double> weights = visits(used);
+  return x;
+}
+
+}  // namespace
+
+double GainFit::bias_at(double time_s) const {
+  return bias_dps + course_at(bias_course, time_s);
+}
+
+std::optional<GainFit> fit_gain(const ShaftCurve& curve, double begin_s, double end_s, double delay_s,
+                                const PulseScale& scale, const GyroIntegral& gyro,
+                                double bias_uncertainty_dps, std::span<const Interval> strayed) {
+  const std::vector<Window> all = windows(curve, begin_s, end_s, delay_s, scale, gyro, strayed);
+  std::vector<Window> used = all;
+  double deviation_dps = first_deviation_dps;
+  std::vector<double> x = solve(used, bias_uncertainty_dps, deviation_dps);
+  if (x.empty()) return std::nullopt;
   GainFit fit;
+  fit.bias_course = course_of(all, x);
+  if (!fit.bias_course.empty()) {
+    used = all;
+    for (Window& window : used) window.rate_dps -= course_at(fit.bias_course, window.middle_s);
+    x = solve(used, bias_uncertainty_dps, deviation_dps);
+    if (x.empty()) return std::nullopt;
+  }
+  const std::vector<double> weights = visits(used);
   fit.ratio.value = std::inner_product(weights.begin(), weights.end(), x.begin(), 0.0);
   fit.ratio.uncertainty =
       std::hypot(std::sqrt(equations_of(used, deviation_dps, bias_uncertainty_dps).variance(weights)),

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <map>
 #include <optional>
 #include <span>
 #include <vector>
@@ -22,6 +23,7 @@ constexpr std::size_t least_samples = 8;   // of a block
 constexpr double steady = 2.0;             // a block's deviation over that of most: the shaft moved
 constexpr double outlying_block = 6.0;     // a block's mean off that of most: a hand turned the rig
 constexpr double least_outlier_dps = 0.5;  // a bias wanders by as much
+constexpr std::size_t long_rest_blocks = 4;
 constexpr double least_uncertainty_dps = 0.01;
 constexpr double unseen_drift_dps = 0.05;  // of a bias that was seen at one end of the recording alone
 constexpr double servo_scale_doubt = 0.015;
@@ -99,15 +101,28 @@ double deviation_of(const Block& block) {
   return block.deviation_dps;
 }
 
-/// Leaves out what a moving shaft or a hand on the rig made: blocks that vary, and those far from most.
+/// Blocks that are not further from the middle of their rest, or of most rests where theirs is short, than
+/// blocks usually are.
+void keep_usual(std::vector<Block>& blocks) {
+  const double centre_dps = median(each(blocks, mean_of));
+  std::map<std::size_t, std::vector<double>> by_rest;
+  for (const Block& block : blocks) by_rest[block.rest].push_back(block.mean_dps);
+  std::map<std::size_t, double> centres;
+  std::vector<double> off;
+  for (const auto& [rest, means] : by_rest)
+    centres[rest] = means.size() < long_rest_blocks ? centre_dps : median(means);
+  for (const Block& block : blocks) off.push_back(block.mean_dps - centres[block.rest]);
+  const double limit_dps = std::max(outlying_block * robust_deviation(off, 0.0), least_outlier_dps);
+  std::erase_if(
+      blocks, [&](const Block& block) { return std::abs(block.mean_dps - centres[block.rest]) > limit_dps; });
+}
+
+/// Leaves out what a moving shaft or a hand on the rig made: blocks that vary, and those far from most of
+/// their rest. A bias may move from one rest to the next: a whole rest of some length is never left out.
 void keep_quiet(std::vector<Block>& blocks) {
   const double noise_dps = median(each(blocks, deviation_of));
   std::erase_if(blocks, [&](const Block& block) { return block.deviation_dps > steady * noise_dps; });
-  const std::vector<double> means = each(blocks, mean_of);
-  const double centre_dps = median(means);
-  const double limit_dps = std::max(outlying_block * robust_deviation(means, centre_dps), least_outlier_dps);
-  std::erase_if(blocks,
-                [&](const Block& block) { return std::abs(block.mean_dps - centre_dps) > limit_dps; });
+  keep_usual(blocks);
 }
 
 /// Of the rests from number `first` to before `end`.

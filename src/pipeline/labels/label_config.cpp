@@ -16,8 +16,9 @@ double latency_uncertainty_s(const RigProfile& profile, const std::optional<Sync
   if (by_gyro && !camera.latency_measured_utc.empty()) return camera.latency_uncertainty_s;
   const double camera_s =
       shifted ? sync->clock[Device::camera].latency_uncertainty_s : camera.latency_uncertainty_s;
-  const PortProfile& other = by_gyro ? profile.gyro.link : profile.servo.link;
-  return std::hypot(camera_s, other.latency_uncertainty_s);
+  const double other_s =
+      by_gyro ? sync->clock[Device::gyro].latency_uncertainty_s : profile.servo.link.latency_uncertainty_s;
+  return std::hypot(camera_s, other_s);
 }
 }  // namespace
 

@@ -35,14 +35,16 @@ double known_noise_dps(const GyroErrors& errors) {
 double model_deviation_dps(const ServoResponse& response, double rate_dps) {
   const bool measured = !response.speeds.empty() || std::isfinite(response.residual_dps);
   if (!response.fitted || !measured) return std::hypot(assumed_ripple_dps, assumed_slope_error * rate_dps);
-  return response.speeds.empty() ? response.residual_dps : tabled_deviation_dps(response, rate_dps);
+  if (response.speeds.empty()) return response.residual_dps;
+  const double tabled_dps = tabled_deviation_dps(response, rate_dps);
+  return std::isfinite(tabled_dps) ? tabled_dps : response.residual_dps;
 }
 
 double gyro_z_score(const GyroErrors& errors, const ServoResponse& response, const GyroMean& gyro,
-                    double shaft_dps, double time_dps) {
+                    double bias_dps, double shaft_dps, double time_dps) {
   if (gyro.count == 0 || gyro.saturated || !errors.bias_dps || !(errors.scale.value > 0.0)) return 0.0;
   const double ratio = response.gyro_ratio.value / response.scale.value;
-  const double corrected_dps = (gyro.rate_dps - errors.bias_dps->value) / errors.scale.value;
+  const double corrected_dps = (gyro.rate_dps - bias_dps) / errors.scale.value;
   const double off_dps = corrected_dps - ratio * shaft_dps;
   const double noise_dps = known_noise_dps(errors) / std::sqrt(static_cast<double>(gyro.count));
   const double deviation_dps =

@@ -12,9 +12,9 @@ double model_deviation_dps(const ServoResponse& response, double rate_dps);
 
 /// The gyro's mean, corrected, minus the shaft's speed as the gyro would see it, in units of its standard
 /// deviation: bias, noise, the model's residual, `time_dps` for the time between gyro and model, and the
-/// scale between both. 0 where nothing can be said.
+/// scale between both. `bias_dps`: at that time. 0 where nothing can be said.
 double gyro_z_score(const GyroErrors& errors, const ServoResponse& response, const GyroMean& gyro,
-                    double shaft_dps, double time_dps);
+                    double bias_dps, double shaft_dps, double time_dps);
 
 /// Variance of gyro_spread beyond what the sensor's noise explains.
 double unsteadiness_dps2(const GyroErrors& errors, const GyroMean& gyro);

@@ -213,13 +213,16 @@ std::uint32_t Labeller::gyro_reasons(const LabelledSample& sample, const GyroMea
 }
 
 bool Labeller::gyro_disagrees(const LabelledSample& sample, const GyroMean& gyro) const {
+  if (contradicts_command(response_, sample.rate_commanded_dps)) return true;
   if (std::isnan(sample.rate_shaft_dps)) return false;
   // Whole samples stand for an exposure that begins and ends anywhere between two of them.
   const double between_samples_s = 1.0 / (std::sqrt(12.0) * config_.gyro_rate_hz);
   const double time_s = std::hypot(response_.delay_uncertainty_s, gyro.time_uncertainty_s, between_samples_s);
   const double time_dps = time_error_dps(sample, time_s);
   const auto shaft_dps = static_cast<double>(sample.rate_shaft_dps);
-  return std::abs(gyro_z_score(bias_.errors(), response_, gyro, shaft_dps, time_dps)) > disagreement;
+  const double bias_dps = bias_dps_at(bias_.errors(), sample.time);
+  const double deviations = gyro_z_score(bias_.errors(), response_, gyro, bias_dps, shaft_dps, time_dps);
+  return std::abs(deviations) > disagreement;
 }
 
 /// A frame that was exposed while the servo had long been at rest shows the gyro's bias.

@@ -12,6 +12,7 @@
 #include "intervals.h"
 #include "loop_fit.h"
 #include "pulse_period.h"
+#include "reached_speeds.h"
 #include "shaft_curve.h"
 #include "shaft_model.h"
 #include "thermorig/core/statistics.h"
@@ -26,6 +27,7 @@ constexpr double phase_lag = 1.4;  // a loop of damping 0.7 lags by 2 * 0.7 / (2
 constexpr double least_delay_error_s = 3e-4;
 constexpr double shortest_frame_s = 1.0 / 64.0;  // the camera's fastest rate
 constexpr double longest_frame_s = 2.0;          // and its slowest
+constexpr double rest_from_knot_s = 17.0;        // half a stretch of the bias's course, and the way there
 
 /// Two measurements of one thing; where they contradict each other, neither is as good as it says.
 Estimate combined(const Estimate& a, const Estimate& b) {
@@ -85,13 +87,13 @@ class FittedShaft {
 };
 
 std::map<long long, Residuals> residuals_of(const std::vector<Interval>& intervals, const FittedShaft& shaft,
-                                            const GyroIntegral& gyro, double bias_dps, double settle,
+                                            const GyroIntegral& gyro, const GainFit& gain, double settle,
                                             double frame_s) {
   std::map<long long, Residuals> by_speed;  // by centidegrees per second
   for (const Interval& interval : intervals) {
     if (interval.leg == 0) continue;  // on the way to a start: nobody planned that speed
     for (double from_s = interval.begin_s + settle; from_s + frame_s <= interval.end_s; from_s += frame_s) {
-      const double rate_dps = gyro.mean_dps(from_s, from_s + frame_s) - bias_dps;
+      const double rate_dps = gyro.mean_dps(from_s, from_s + frame_s) - gain.bias_at(from_s);
       if (!std::isfinite(rate_dps)) continue;
       by_speed[std::llround(100.0 * interval.rate_dps)].add(rate_dps -
                                                             shaft.mean_dps(from_s, from_s + frame_s));
@@ -100,18 +102,53 @@ std::map<long long, Residuals> residuals_of(const std::vector<Interval>& interva
   return by_speed;
 }
 
+void note_reached(const std::vector<ReachedSpeed>& reached, ServoResponse& response) {
+  for (const ReachedSpeed& speed : reached)
+    response.speeds.push_back({.rate_dps = speed.rate_dps,
+                               .residual_dps = unknown,
+                               .spread_dps = unknown,
+                               .reached_dps = speed.reached_dps,
+                               .contradicts = speed.contradicts});
+}
+
+/// The row of that speed, which is added if there is none.
+ServoResponse::AtSpeed& at_speed(double rate_dps, ServoResponse& response) {
+  auto& speeds = response.speeds;
+  const auto next = std::find_if(speeds.begin(), speeds.end(), [&](const auto& speed) {
+    return speed.rate_dps > rate_dps - constant_dps / 2.0;
+  });
+  if (next != speeds.end() && next->rate_dps < rate_dps + constant_dps / 2.0) return *next;
+  return *speeds.insert(next, {.rate_dps = rate_dps});
+}
+
+/// Before the first knot and after the last one lie the rests, if there were any.
+void note_bias_course(const GainFit& gain, HostTime origin, GyroErrors& errors) {
+  errors.bias_course.clear();
+  if (gain.bias_course.empty()) return;
+  const double removed_dps = errors.bias_dps ? errors.bias_dps->value : 0.0;
+  const auto add = [&](double time_s, double bias_dps) {
+    errors.bias_course.push_back({origin + from_s(time_s), bias_dps});
+  };
+  if (errors.bias_before_dps) add(gain.bias_course.front().first - rest_from_knot_s, *errors.bias_before_dps);
+  for (const auto& [time_s, left_dps] : gain.bias_course)
+    add(time_s, removed_dps + errors.scale.value * (gain.bias_dps + left_dps));
+  if (errors.bias_after_dps) add(gain.bias_course.back().first + rest_from_knot_s, *errors.bias_after_dps);
+}
+
 void note_residuals(ServoResponse& response, const std::map<long long, Residuals>& by_speed) {
   double squares = 0.0, count = 0.0;
   for (const auto& [centi_dps, residuals] : by_speed) {
     const double n = residuals.count;
     const double mean = residuals.sum / n;
-    response.speeds.push_back({.rate_dps = 0.01 * static_cast<double>(centi_dps),
-                               .residual_dps = mean,
-                               .spread_dps = std::sqrt(std::max(0.0, residuals.squares / n - mean * mean)),
-                               .frames = residuals.count});
+    ServoResponse::AtSpeed& speed = at_speed(0.01 * static_cast<double>(centi_dps), response);
+    speed.residual_dps = mean;
+    speed.spread_dps = std::sqrt(std::max(0.0, residuals.squares / n - mean * mean));
+    speed.frames = residuals.count;
+    if (speed.contradicts) continue;
     squares += residuals.squares;
     count += n;
   }
+  std::erase_if(response.speeds, [](const auto& speed) { return speed.frames == 0 && !speed.contradicts; });
   if (count > 0.0) response.residual_dps = std::sqrt(squares / count);
 }
 
@@ -135,8 +172,7 @@ ServoResponse assumed_response(const ServoProfile& profile) {
 }
 
 ServoResponse fit_servo_response(std::span<const TimedServo> servo, std::span<const TimedGyro> gyro,
-                                 const GyroErrors& errors, const ServoProfile& profile,
-                                 double frame_period_s) {
+                                 GyroErrors& errors, const ServoProfile& profile, double frame_period_s) {
   ServoResponse response = assumed_response(profile);
   if (servo.empty() || gyro.empty()) return response;
   const HostTime origin = servo.front().stamp.time;
@@ -144,13 +180,22 @@ ServoResponse fit_servo_response(std::span<const TimedServo> servo, std::span<co
   const GyroIntegral integral(gyro, errors, origin);
   const std::vector<PulseAt> pulses = all_pulses(servo, scale, origin);
   if (pulses.empty() || integral.period_s() <= 0.0) return response;
-  const auto loop = fit_loop(pulses, speed_changes(servo, origin), integral, profile);
+  const double bias_uncertainty_dps = errors.bias_dps ? errors.bias_dps->uncertainty : unknown_bias_dps;
+  const std::vector<Interval> legs = steady_intervals(servo, origin, false);
+  const std::vector<ReachedSpeed> reached =
+      reached_speeds(legs, integral, bias_uncertainty_dps, profile.kind);
+  note_reached(reached, response);
+  const std::vector<Interval> strayed = strayed_intervals(legs, reached);
+  std::vector<Interval> changes = speed_changes(servo, origin);
+  std::erase_if(changes, [&](const Interval& change) {
+    return is_within(strayed, change.begin_s) || is_within(strayed, change.end_s);
+  });
+  const auto loop = fit_loop(pulses, changes, integral, profile);
   if (!loop) return response;
   const double end_s = pulses.back().end_s;
   const ShaftCurve curve(pulses, scale.continuous(), loop->loop_hz, loop->dead_band_deg, end_s);
-  const double bias_uncertainty_dps = errors.bias_dps ? errors.bias_dps->uncertainty : unknown_bias_dps;
   const auto gain = fit_gain(curve, pulses.front().end_s, end_s, loop->delay_s.value, scale, integral,
-                             bias_uncertainty_dps);
+                             bias_uncertainty_dps, strayed);
   if (!gain) return response;
   response.fitted = true;
   response.delay_s = loop->delay_s.value;
@@ -163,8 +208,8 @@ ServoResponse fit_servo_response(std::span<const TimedServo> servo, std::span<co
   response.scale = absolute_scale(gain->ratio, errors, profile);
   response.scale_calibrated = response.scale_calibrated || errors.scale_calibrated;
   const FittedShaft shaft(curve, response, scale);
-  note_residuals(response, residuals_of(steady_intervals(servo, origin, false), shaft, integral,
-                                        gain->bias_dps, settle_s(response),
+  note_bias_course(*gain, origin, errors);
+  note_residuals(response, residuals_of(legs, shaft, integral, *gain, settle_s(response),
                                         std::clamp(frame_period_s, shortest_frame_s, longest_frame_s)));
   return response;
 }

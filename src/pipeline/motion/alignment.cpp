@@ -68,7 +68,7 @@ double Alignment::uncertainty(Parameter parameter) const {
 
 void Alignment::make_map(const Parameters& parameters) {
   map_.clear();
-  for (std::size_t k = 0; k < views_.size(); ++k) {
+  for (std::size_t k = 0; k < views_.size(); k += stride_) {
     places_[k] =
         map_.place(angles_.angle_deg(views_[k].half, parameters), layout_.pitch_deg, layout_.mirrored);
     map_.add(places_[k], views_[k].half.parity, pixels_.values(views_[k], half_offset_c_[k]),
@@ -82,7 +82,7 @@ double Alignment::variance(const Parameters& parameters) {
   double square_sum = 0.0;
   double weight_sum = 0.0;
   PanoramaMap::Expected expected;
-  for (std::size_t k = 0; k < views_.size(); ++k) {
+  for (std::size_t k = 0; k < views_.size(); k += stride_) {
     map_.expect(places_[k], views_[k].half.parity, expected);
     const HalfPixels values = pixels_.values(views_[k], half_offset_c_[k]);
     const HalfPixels weights = pixels_.weights(views_[k]);
@@ -96,7 +96,30 @@ double Alignment::variance(const Parameters& parameters) {
     square_sum += static_cast<double>(square);
     weight_sum += static_cast<double>(weight);
   }
-  return square_sum / std::max(1.0, weight_sum - map_.freedom());
+  readings_ = std::max(1.0, weight_sum - map_.freedom());
+  return square_sum / readings_;
+}
+
+void Alignment::learn_from(const Alignment& other) {
+  pixels_ = other.pixels_;
+  half_offset_c_ = other.half_offset_c_;
+}
+
+std::vector<double> Alignment::misfit_at(const Parameters& parameters) {
+  make_map(parameters);
+  std::vector<double> misfit;
+  misfit.reserve(views_.size());
+  for (std::size_t k = 0; k < views_.size(); ++k) {
+    const Comparison comparison = compare(k);
+    float square = 0.0F;
+    float weight = least_weight;
+    for (std::size_t i = 0; i < half_pixels; ++i) {
+      square += comparison.weight[i] * comparison.residual[i] * comparison.residual[i];
+      weight += comparison.weight[i];
+    }
+    misfit.push_back(static_cast<double>(square / weight));
+  }
+  return misfit;
 }
 
 Parameters Alignment::search_offset() {
@@ -133,6 +156,21 @@ double Alignment::spread() const {
     weight += sum_of_weights;
   }
   return square / weight;
+}
+
+double Alignment::middle_row() const {
+  double weights = 1e-9, rows = 0.0;
+  for (std::size_t k = 0; k < views_.size(); ++k) {
+    const Comparison comparison = compare(k);
+    const double speed = views_[k].half.rate_dps * views_[k].half.rate_dps;
+    for (std::size_t i = 0; i < half_pixels; ++i) {
+      const float steepness = comparison.weight[i] * comparison.slope[i] * comparison.slope[i];
+      const double weight = speed * static_cast<double>(steepness);
+      weights += weight;
+      rows += weight * static_cast<double>(row_of(i / half_rows, i % half_rows, views_[k].half.parity));
+    }
+  }
+  return rows / weights;
 }
 
 /// One half against the panorama; what its pixels have in common is taken out.

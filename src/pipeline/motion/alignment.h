@@ -33,6 +33,18 @@ class Alignment {
 
   /// Variance within the cells if the parameters were these: what a search over a grid compares.
   double variance(const Parameters& parameters);
+  /// How many readings of average noise that variance was computed from, less what the panorama took.
+  double readings() const { return readings_; }
+
+  /// Another distance between columns than the layout's, from now on.
+  void set_pitch(double pitch_deg) { layout_.pitch_deg = pitch_deg; }
+  /// From now on variance() looks at one half of so many.
+  void look_at_one_of(std::size_t stride) { stride_ = stride; }
+  /// What another alignment of the same views has learnt about pixels and halves.
+  void learn_from(const Alignment& other);
+  /// Residual variance of each view with the panorama, were the parameters these; nothing is learnt, and no
+  /// outlier left out that was none before.
+  std::vector<double> misfit_at(const Parameters& parameters);
 
   /// The offset at which the panorama is sharpest, on a coarse grid; other parameters as known beforehand.
   Parameters search_offset();
@@ -45,6 +57,8 @@ class Alignment {
   double uncertainty(Parameter parameter) const;
   /// Share of the slopes in the panorama that is not noise: near 0 before a blind wall.
   double contrast() const { return contrast_; }
+  /// The row of the frame (from 0 at its top) for which the result stands: where the slopes are that tell.
+  double middle_row() const;
   /// Residual variance of each view, with the panorama, in K2.
   const std::vector<double>& misfit() const { return misfit_; }
   /// What it would be on average without a panorama: variance within a half.
@@ -95,6 +109,8 @@ class Alignment {
   Matrix covariance_{};
   double contrast_ = 0.0;
   std::vector<double> misfit_;
+  double readings_ = 1.0;
+  std::size_t stride_ = 1;
 };
 
 }  // namespace thermorig::motion

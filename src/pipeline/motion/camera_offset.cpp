@@ -17,6 +17,14 @@ constexpr double least_offset_contrast = 0.15;
 // little less by it than coarse structure: as much as the surroundings make of it is not known.
 constexpr double lag_error_s = 0.0003;
 
+// Rows are looked at in bands, from the upper ones to the lower ones.
+constexpr std::size_t bands = 4;
+constexpr std::size_t band_rows = half_rows / bands;  // of a column of a chess half
+constexpr std::size_t row_windows = 2;                // so many tell how rows are read
+constexpr double middle_row = 0.5 * (frame_rows - 1.0);
+constexpr double row_error = 0.5;  // of the row for which a band stands: what is seen there differs by angle
+constexpr double least_leverage_rows2 = 4.0;
+
 /// Both halves of a frame get its whole span where nobody knows which one came first.
 bool is_order_unknown(const FreshHalf& half) {
   const auto& exposures = half.frame->half;
@@ -32,10 +40,95 @@ std::string refusal(std::span<const FreshHalf> halves) {
   return {};
 }
 
+/// Some rows of a chess half alone, by their number in a column (row_of()).
+std::vector<HalfView> views_of_rows(const Window& window, std::size_t begin, std::size_t end) {
+  std::vector<HalfView> views = views_of(window);
+  for (HalfView& view : views)
+    for (std::size_t i = 0; i < half_pixels; ++i)
+      if (i % half_rows < begin || i % half_rows >= end) view.trust[i] = 0.0F;
+  return views;
+}
+
 bool is_told(const Alignment& alignment) {
   return alignment.uncertainty(offset_s) < worst_uncertainty_s &&
          alignment.contrast() > least_offset_contrast &&
          std::abs(alignment.parameters()[offset_s]) < largest_offset_s;
+}
+
+/// The offset of a band of rows, and the row for which it stands.
+struct BandOffset {
+  double row = 0.0;
+  Estimate offset_s;
+};
+
+std::optional<BandOffset> offset_of_band(const Window& window, const Evidence& evidence, const Layout& layout,
+                                         const Parameters& start, std::size_t band) {
+  std::vector<HalfView> views = views_of_rows(window, band * band_rows, (band + 1) * band_rows);
+  Alignment alignment(views, evidence.track, layout, evidence.prior);
+  alignment.refine(start, offset_s);
+  if (!is_told(alignment)) return std::nullopt;
+  return BandOffset{
+      alignment.middle_row(),
+      {alignment.parameters()[offset_s], std::hypot(alignment.uncertainty(offset_s), lag_error_s)}};
+}
+
+/// A straight line through what the bands say.
+struct RowLine {
+  Estimate middle_s;  // offset of the middle row
+  Estimate slope_s;   // from one row to the next
+};
+
+std::optional<RowLine> line_through(const std::vector<BandOffset>& told) {
+  double weights = 0.0, rows = 0.0, squares = 0.0, offsets = 0.0, products = 0.0;
+  for (const BandOffset& band : told) {
+    const double weight = 1.0 / (band.offset_s.uncertainty * band.offset_s.uncertainty);
+    const double row = band.row - middle_row;
+    weights += weight;
+    rows += weight * row;
+    squares += weight * row * row;
+    offsets += weight * band.offset_s.value;
+    products += weight * row * band.offset_s.value;
+  }
+  const double determinant = weights * squares - rows * rows;
+  if (!(determinant > least_leverage_rows2 * weights * weights)) return std::nullopt;
+  const double slope = (weights * products - rows * offsets) / determinant;
+  RowLine line{{(squares * offsets - rows * products) / determinant, std::sqrt(squares / determinant)},
+               {slope, std::sqrt(weights / determinant)}};
+  double chi_square = 0.0;
+  for (const BandOffset& band : told)
+    chi_square += std::pow((band.offset_s.value - line.middle_s.value - slope * (band.row - middle_row)) /
+                               band.offset_s.uncertainty,
+                           2);
+  const double freedom = std::max(1.0, static_cast<double>(told.size()) - 2.0);
+  const double widened = std::sqrt(std::max(1.0, chi_square / freedom));
+  line.middle_s.uncertainty = widened * std::hypot(line.middle_s.uncertainty, row_error * slope);
+  line.slope_s.uncertainty *= widened;
+  return line;
+}
+
+/// How the rows of some windows follow one another. `offset_tried_s`: of all rows together.
+std::optional<RowLine> offset_by_rows(const std::vector<Window>& windows, const Evidence& evidence,
+                                      const Layout& layout, double offset_tried_s) {
+  std::vector<BandOffset> told;
+  const std::size_t step = std::max<std::size_t>(1, windows.size() / row_windows);
+  for (std::size_t i = 0; i < windows.size(); i += step) {
+    Parameters start = evidence.prior.mean;
+    start[offset_s] = offset_tried_s;
+    for (std::size_t band = 0; band < bands; ++band)
+      if (const auto one = offset_of_band(windows[i], evidence, layout, start, band)) told.push_back(*one);
+  }
+  if (told.size() < bands) return std::nullopt;
+  return line_through(told);
+}
+
+/// Rows that are read one after the other: the offset is that of the middle ones, whatever the scene shows
+/// where.
+void look_at_rows(const std::vector<Window>& windows, const Evidence& evidence, const Layout& layout,
+                  CameraOffset& result) {
+  const auto line = offset_by_rows(windows, evidence, layout, result.offset_s->value);
+  if (!line) return;
+  result.row_delay_s = Estimate{-line->slope_s.value, line->slope_s.uncertainty};  // later rows are less late
+  if (are_rows_apart(result)) result.offset_s = line->middle_s;
 }
 
 }  // namespace
@@ -50,16 +143,19 @@ CameraOffset camera_offset(std::span<const TimedFrame> frames, std::span<const T
     result.why_not = "which half of a frame is newer is not known";
   if (!result.why_not.empty()) return result;
   std::vector<Estimate> told;
+  std::vector<Window> telling;
+  const Layout layout = layout_of(view, false);
   Parameters start = evidence.prior.mean;
-  for (const Window& window : moving_windows(evidence.halves, most_windows)) {
+  for (Window& window : moving_windows(evidence.halves, most_windows)) {
     if (window.size() < fewest_halves || !refusal(window).empty()) continue;
     std::vector<HalfView> views = views_of(window);
-    Alignment alignment(views, evidence.track, layout_of(view, false), evidence.prior);
+    Alignment alignment(views, evidence.track, layout, evidence.prior);
     alignment.refine(told.empty() ? alignment.search_offset() : start, offset_s);
     if (!is_told(alignment)) continue;
     told.push_back({alignment.parameters()[offset_s], alignment.uncertainty(offset_s)});
     result.halves += static_cast<std::uint32_t>(views.size());
     start[offset_s] = told.back().value;
+    telling.push_back(std::move(window));
   }
   if (told.empty()) {
     result.why_not =
@@ -68,6 +164,7 @@ CameraOffset camera_offset(std::span<const TimedFrame> frames, std::span<const T
   }
   result.offset_s = weighted_mean(told);
   result.offset_s->uncertainty = std::hypot(result.offset_s->uncertainty, lag_error_s);
+  look_at_rows(telling, evidence, layout, result);
   return result;
 }
 

@@ -6,6 +6,7 @@
 
 #include "contest.h"
 #include "evidence.h"
+#include "thermorig/core/statistics.h"
 #include "thermorig/pipeline/motion/panorama_fit.h"
 #include "weighted_mean.h"
 #include "windows.h"
@@ -13,13 +14,16 @@
 namespace thermorig::motion {
 namespace {
 
-constexpr std::size_t most_scale_windows = 8;
 constexpr double least_overlap = 0.3;           // of the field of view, after a turn that just misses closing
 constexpr double searched_uncertainties = 3.0;  // of the scale that is assumed
 constexpr double free_scale = 0.1;              // the result owes nothing to that assumption
 constexpr double step_pixels = 0.5;             // that far the ends of the turn move from one try to the next
 constexpr double apart_pixels = 4.0;            // tries closer than that are the same place
 constexpr int most_steps = 250;
+constexpr std::size_t searched_halves = 250;
+constexpr int closing_rounds = 2;
+constexpr double left_both_ways = 0.2;
+constexpr double repeated_readings = 3.0;    // of the uncertainty: neighbouring readings go wrong together
 constexpr double most_turned_deg = 18000.0;  // fifty turns in a window: not a rig
 constexpr double least_scale_contrast = 0.1;
 constexpr double worst_uncertainty = 0.01;
@@ -53,21 +57,73 @@ Turned turned_in(const Window& window, const Evidence& evidence) {
   return turned;
 }
 
+// What is seen a moment later says how far the columns are apart, by the gyro's angle between: a lens that is
+// wider than stated, or a scene close to a camera off the axis, looks like another scale. Only what is seen a
+// whole turn later says what a degree is. So scales are tried along the valley in which neighbouring images
+// stay sharp: the product of scale and pitch is held.
+
+/// What neighbouring images show, at the pitch that is stated.
+struct Valley {
+  Parameters parameters{};
+  double bias_uncertainty_dps = 0.0;
+  double contrast = 0.0;
+  double stated_pitch_deg = 0.0;
+  double pitch_deg(double at_scale) const { return stated_pitch_deg * parameters[scale] / at_scale; }
+};
+
+bool goes_both_ways(const Window& window) {
+  const RateRange rates = rates_of(window);
+  return std::min(rates.positive_dps, -rates.negative_dps) >= slowest_useful_dps;
+}
+
+/// Turns are taken for as many places: that works without knowing where one closes.
+Valley find_valley(const Window& window, const Evidence& evidence, const Layout& open, Alignment& alignment) {
+  alignment.refine(goes_both_ways(window) ? alignment.search_offset() : evidence.prior.mean, scale);
+  return {alignment.parameters(), alignment.uncertainty(bias_dps), alignment.contrast(), open.pitch_deg};
+}
+
+/// Tries scales along the valley.
+class ClosedTurn {
+ public:
+  /// `open`: has found the valley, and with it what is peculiar to each pixel and which readings to trust.
+  ClosedTurn(std::span<HalfView> views, const Evidence& evidence, const Layout& closed, const Valley& valley,
+             const Alignment& open)
+      : valley_(valley), alignment_(views, evidence.track, closed, evidence.prior) {
+    alignment_.learn_from(open);
+  }
+
+  double variance(double at_scale) { return alignment_.variance(at(at_scale)); }
+  std::vector<double> misfit(double at_scale) { return alignment_.misfit_at(at(at_scale)); }
+  double readings() const { return alignment_.readings(); }
+  void look_at_one_of(std::size_t stride) { alignment_.look_at_one_of(stride); }
+
+ private:
+  Parameters at(double at_scale) {
+    Parameters parameters = valley_.parameters;
+    parameters[scale] = at_scale;
+    alignment_.set_pitch(valley_.pitch_deg(at_scale));
+    return parameters;
+  }
+
+  Valley valley_;
+  Alignment alignment_;
+};
+
 struct Try {
   double scale = 1.0;
   double variance = 0.0;
 };
 
-/// From the one end of what the scale may be to the other.
-std::vector<Try> search_scale(Alignment& alignment, const Parameters& start, double uncertainty,
+/// From the one end of what the scale may be to the other. Where the turn closes shows in a part of the
+/// halves too, and each try costs less.
+std::vector<Try> search_scale(ClosedTurn& turn, std::size_t halves, double middle, double uncertainty,
                               double step) {
   const int steps = std::min(most_steps, static_cast<int>(searched_uncertainties * uncertainty / step) + 1);
+  turn.look_at_one_of(std::max<std::size_t>(1, halves / searched_halves));
   std::vector<Try> tries;
-  for (int i = -steps; i <= steps; ++i) {
-    Parameters parameters = start;
-    parameters[scale] += i * step;
-    tries.push_back({parameters[scale], alignment.variance(parameters)});
-  }
+  for (int i = -steps; i <= steps; ++i)
+    tries.push_back({middle + i * step, turn.variance(middle + i * step)});
+  turn.look_at_one_of(1);
   return tries;
 }
 
@@ -79,76 +135,90 @@ Try sharpest(const std::vector<Try>& tries, double other, double distance) {
   return best;
 }
 
-struct Closed {
-  Parameters parameters{};
-  double uncertainty = 0.0;
-  double contrast = 0.0;
-  std::vector<double> misfit;
-};
-
-Closed close_at(const Window& window, const Evidence& evidence, const Layout& layout, Parameters start,
-                double scale_tried) {
-  std::vector<HalfView> views = views_of(window);
-  Alignment alignment(views, evidence.track, layout, evidence.prior);
-  start[scale] = scale_tried;
-  alignment.refine(start, scale);
-  return {alignment.parameters(), alignment.uncertainty(scale), alignment.contrast(), alignment.misfit()};
+/// The lowest point near by, by parabolas through three tries, and how sharply it is told.
+std::optional<Estimate> lowest(ClosedTurn& turn, double tried, double step) {
+  Estimate found{tried, 0.0};
+  for (int round = 0; round < closing_rounds; ++round) {
+    const double before = turn.variance(found.value - step), here = turn.variance(found.value),
+                 after = turn.variance(found.value + step);
+    const double bend = (before - 2.0 * here + after) / (step * step);
+    if (!(bend > 0.0)) return std::nullopt;
+    found.value += std::clamp((before - after) / (2.0 * bend * step), -step, step);
+    found.uncertainty = repeated_readings * std::sqrt(2.0 * here / (turn.readings() * bend));
+  }
+  return found;
 }
 
 /// How clearly the one beats the other, by the halves that see what was seen a turn before or after.
-double lead(const Closed& closed, const Closed& other, const Window& window, const Evidence& evidence,
-            double field_of_view_deg) {
+double lead(ClosedTurn& turn, double at_scale, double other_scale, const Window& window,
+            const Evidence& evidence, double field_of_view_deg) {
   const Turned turned = turned_in(window, evidence);
+  const std::vector<double> misfit = turn.misfit(at_scale), other = turn.misfit(other_scale);
   Contest contest(glance_s);
   for (std::size_t i = 0; i < window.size(); ++i)
     if (turned.is_seen_twice(angle_deg(window[i], evidence), field_of_view_deg))
-      contest.add(std::span(window).subspan(i, 1), std::span(closed.misfit).subspan(i, 1),
-                  std::span(other.misfit).subspan(i, 1));
+      contest.add(std::span(window).subspan(i, 1), std::span(misfit).subspan(i, 1),
+                  std::span(other).subspan(i, 1));
   return contest.lead();
 }
 
-/// Where camera and gyro belong together, turns taken for as many places: that works without the scale.
-Parameters offset_of(const Window& window, const Evidence& evidence, const View& view) {
-  const RateRange rates = rates_of(window);
-  if (std::min(rates.positive_dps, -rates.negative_dps) < slowest_useful_dps) return evidence.prior.mean;
-  std::vector<HalfView> views = views_of(window);
-  return Alignment(views, evidence.track, layout_of(view, false), evidence.prior).search_offset();
+/// What an error of the bias adds up to over the window: a turn there and back takes most of it out.
+double bias_share(const Window& window, const Valley& valley, double turned_deg) {
+  const double length_s = window.back().end_s - window.front().begin_s;
+  const double left = goes_both_ways(window) ? left_both_ways : 1.0;
+  return left * valley.bias_uncertainty_dps * length_s / turned_deg;
 }
 
 /// The scale at which what is seen a turn later lies on what was seen before, if no other place fits as well.
 std::optional<Estimate> scale_in(const Window& window, const Evidence& evidence, const View& view,
                                  double assumed_uncertainty, double turned_deg) {
-  const Layout layout = layout_of(view, true);
-  const Parameters start = offset_of(window, evidence, view);
+  const Layout open = layout_of(view, false), closed = layout_of(view, true);
   std::vector<HalfView> views = views_of(window);
-  Alignment alignment(views, evidence.track, layout, evidence.prior);
+  Alignment neighbours(views, evidence.track, open, evidence.prior);
+  const Valley valley = find_valley(window, evidence, open, neighbours);
+  if (valley.contrast < least_scale_contrast) return std::nullopt;
+  ClosedTurn turn(views, evidence, closed, valley, neighbours);
   const double pixel =
-      layout.pitch_deg / turned_deg;  // change of scale that moves the end of the turn by one
-  const auto tries = search_scale(alignment, start, std::max(assumed_uncertainty, apart_pixels * pixel),
-                                  step_pixels * pixel);
+      closed.pitch_deg / turned_deg;  // change of scale that moves the end of the turn by one
+  const double step = step_pixels * pixel;
+  const auto tries = search_scale(turn, window.size(), evidence.prior.mean[scale],
+                                  std::max(assumed_uncertainty, apart_pixels * pixel), step);
   const Try best = sharpest(tries, 0.0, 0.0);
   const Try next = sharpest(tries, best.scale, apart_pixels * pixel);
-  const Closed closed = close_at(window, evidence, layout, start, best.scale);
-  const Closed other = close_at(window, evidence, layout, start, next.scale);
-  const bool is_elsewhere = std::abs(other.parameters[scale] - closed.parameters[scale]) > pixel;
-  if (is_elsewhere && lead(closed, other, window, evidence, view.field_of_view_deg) < clear_lead)
+  const auto found = lowest(turn, best.scale, step);
+  if (!found || !(found->uncertainty < worst_uncertainty)) return std::nullopt;
+  const Estimate other = lowest(turn, next.scale, step).value_or(Estimate{next.scale, 0.0});
+  const bool is_elsewhere = std::abs(other.value - found->value) > pixel;
+  if (is_elsewhere &&
+      lead(turn, found->value, other.value, window, evidence, view.field_of_view_deg) < clear_lead)
     return std::nullopt;
-  if (closed.contrast < least_scale_contrast || !(closed.uncertainty < worst_uncertainty))
-    return std::nullopt;
-  return Estimate{closed.parameters[scale], std::hypot(closed.uncertainty, model_error_deg / turned_deg)};
+  return Estimate{found->value, std::hypot(found->uncertainty, model_error_deg / turned_deg,
+                                           bias_share(window, valley, turned_deg))};
+}
+
+/// What the windows differ by beyond their own uncertainty: the scale that changes with the temperature.
+double excess_spread(const std::vector<Estimate>& told) {
+  RunningStatistics values;
+  double explained = 0.0;
+  for (const Estimate& one : told) {
+    values.add(one.value);
+    explained += one.uncertainty * one.uncertainty / static_cast<double>(told.size());
+  }
+  return std::sqrt(std::max(0.0, values.sample_variance() - explained));
 }
 
 /// Windows overlap by half: two of them hold little more than what one does.
 Estimate overlapping_mean(const std::vector<Estimate>& told) {
   Estimate mean = weighted_mean(told);
   if (told.size() > 1) mean.uncertainty *= std::numbers::sqrt2;
+  mean.uncertainty = std::max(mean.uncertainty, excess_spread(told));
   return mean;
 }
 
 }  // namespace
 
 TurnResult gyro_scale(std::span<const TimedFrame> frames, std::span<const TimedGyro> gyro, const View& view,
-                      const GyroErrors& errors) {
+                      const GyroErrors& errors, std::size_t most_windows) {
   Evidence evidence = gather(frames, gyro, view, errors);
   TurnResult result{.gyro_scale = {}, .turned_deg = 0.0, .why_not = evidence.why_not};
   if (!result.why_not.empty()) return result;
@@ -156,7 +226,7 @@ TurnResult gyro_scale(std::span<const TimedFrame> frames, std::span<const TimedG
   evidence.prior.uncertainty[scale] = free_scale;
   const double needed_deg = whole_turn_deg - (1.0 - least_overlap) * view.field_of_view_deg;
   std::vector<Estimate> told;
-  for (const Window& window : turning_windows(evidence.halves, most_scale_windows)) {
+  for (const Window& window : turning_windows(evidence.halves, most_windows)) {
     const double turned_deg = turned_in(window, evidence).span_deg();
     result.turned_deg = std::max(result.turned_deg, turned_deg);
     if (window.size() < fewest_halves || turned_deg < needed_deg || turned_deg > most_turned_deg) continue;

@@ -76,6 +76,10 @@ void take_latency(const RigProfile& from, RigProfile& into) {
 }
 
 void take_gyro(const GyroProfile& from, GyroProfile& into) {
+  if (from.bandwidth_hz > 0.0) {
+    into.bandwidth_hz = from.bandwidth_hz;
+    into.filter_delay_s = from.filter_delay_s;
+  }
   if (!from.scale_measured_utc.empty()) {
     into.scale = from.scale;
     into.scale_uncertainty = from.scale_uncertainty;

@@ -139,6 +139,10 @@ void add_gyro(Fields& fields) {
   table.text("model", &Gyro::model, "free text");
   table.text("protocol", &Gyro::protocol, any_of(protocols), protocols);
   table.number("output_rate_hz", &Gyro::output_rate_hz, "Hz", 1, 8000, "samples a second, nominal");
+  table.number("bandwidth_hz", &Gyro::bandwidth_hz, "Hz", 0, 8000,
+               "of the gyro's low-pass, 3 dB down; 0: not known");
+  table.number("filter_delay_s", &Gyro::filter_delay_s, "s", 0, 0.2,
+               "its group delay, which is in no other latency; 0: 0.225 / bandwidth_hz");
   table.choice("axis", &Gyro::axis, {"x", "y", "z"}, "the servo's axis: x, y or z");
   table.number("sign", &Gyro::sign, "1", -1, 1, "1 or -1: a positive command then gives a positive rate");
   table.number("scale", &Gyro::scale, "1", 0.5, 2, "measured rate = scale * true rate + bias, sign applied");

@@ -120,7 +120,7 @@ void write_sync_attributes(hid_t group, const Session& session) {
   set_attribute(group, "host_clock", "CLOCK_MONOTONIC");
   set_attribute(group, "realtime_offset_ns", session.raw.header.realtime_offset_ns);
   AttributeWriter writer{group};
-  sync_attributes(writer, session.sync);
+  sync_attributes(writer, session.sync, format_version);
 }
 
 void write_clock_attributes(hid_t group, const ClockReport& clock) {

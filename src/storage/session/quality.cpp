@@ -149,7 +149,8 @@ double gyro_residual_dps(const Session& session) {
   double squares = 0.0, count = 0.0;
   for (const auto& sample : session.samples) {
     if (sample.leg == 0 || !has_no_other_reason(sample)) continue;
-    const double gyro_dps = (sample.rate_gyro_dps - gyro.bias_dps->value) / gyro.scale.value;
+    if (contradicts_command(servo, sample.rate_commanded_dps)) continue;
+    const double gyro_dps = (sample.rate_gyro_dps - bias_dps_at(gyro, sample.time)) / gyro.scale.value;
     const double shaft_dps = sample.rate_shaft_dps * servo.gyro_ratio.value / servo.scale.value;
     if (!std::isfinite(gyro_dps - shaft_dps)) continue;
     squares += (gyro_dps - shaft_dps) * (gyro_dps - shaft_dps);

@@ -41,10 +41,10 @@ struct AttributeText {
   }
 };
 
-std::string sync_text(const SyncReport& sync) {
+std::string sync_text(const SyncReport& sync, FormatVersion version) {
   AttributeText attributes;
   for (const Device device : all_devices) clock_attributes(attributes, sync.clock[device]);
-  sync_attributes(attributes, sync);
+  sync_attributes(attributes, sync, version);
   return attributes.text;
 }
 }  // namespace
@@ -57,7 +57,7 @@ std::uint32_t scalars_crc32(const Session& session, const std::string& header_te
     for (const auto& counter : wire::counter_names)
       text += fmt::format(" {}", session.counters[device].*counter.member);
   text += header_text;
-  if (version >= with_sync_report) text += sync_text(session.sync);
+  if (version >= with_sync_report) text += sync_text(session.sync, version);
   // So that a file whose /estimates is damaged is not taken for one that never had any.
   if (!session.raw.estimates.empty()) text += fmt::format(" {}", session.raw.estimates.size());
   // So that nobody takes it for a file of a version that had no check sums of other attributes.

@@ -113,6 +113,7 @@ class ImageBuilder {
     auto sync = group("/sync");
     write_sync_attributes(sync.id(), session_);
     response_columns(sync, session_.sync.servo);
+    bias_columns(sync, session_.sync.gyro.bias_course);
     for (const Device device : all_devices) {
       const ClockReport& clock = session_.sync.clock[device];
       auto group_of_device = group(("/sync/" + std::string(name_of(device))).c_str());

@@ -226,7 +226,7 @@ void read_sync_scalars(const SessionFile& file, SyncReport& sync) {
   }
   const auto group = file.group("/sync");
   AttributeReader reader{group.id()};
-  sync_attributes(reader, sync, file.version().major < 2 ? "label_residual_dps" : "gyro_residual_dps");
+  sync_attributes(reader, sync, file.version());
   // Times are shifted by it: one that is none, or ages, would leave the clock's range.
   if (!(std::abs(sync.servo.delay_s) <= longest_delay_s)) throw Hdf5Failure("believe the servo's delay");
 }
@@ -238,6 +238,7 @@ void read_sync_tables(const SessionFile& file, SyncReport& sync) {
   }
   auto group = file.group("/sync");
   response_columns(group, sync.servo);
+  if (file.version() >= with_checked_constants) bias_columns(group, sync.gyro.bias_course);
 }
 
 std::vector<TimedPong> read_pongs(const SessionFile& file) {

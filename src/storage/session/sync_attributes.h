@@ -3,6 +3,7 @@
 
 #include <optional>
 
+#include "format.h"
 #include "thermorig/core/sync.h"
 
 namespace thermorig::session {
@@ -48,9 +49,25 @@ void estimate_attributes(Visit& visit, const char* name, const char* uncertainty
   if (value && uncertainty) estimate = Estimate{*value, *uncertainty};
 }
 
-/// `residual_name`: format 1 had another.
+/// What the session's own data say of the profile's constants.
 template <typename Visit, typename Report>
-void sync_attributes(Visit& visit, Report& sync, const char* residual_name = "gyro_residual_dps") {
+void constant_attributes(Visit& visit, Report& sync) {
+  visit("camera_offset_contradicts", sync.camera_offset.contradicts);
+  estimate_attributes(visit, "camera_row_delay_s", "camera_row_delay_uncertainty_s",
+                      sync.camera_offset.row_delay_s);
+  estimate_attributes(visit, "gyro_scale_by_turns", "gyro_scale_by_turns_uncertainty",
+                      sync.gyro.scale_by_turns);
+  visit("gyro_scale_why_not", sync.gyro.scale_why_not);
+  visit("gyro_scale_contradicts", sync.gyro.scale_contradicts);
+  visit("gyro_filter_delay_s", sync.gyro.filter_delay_s.value);
+  visit("gyro_filter_delay_uncertainty_s", sync.gyro.filter_delay_s.uncertainty);
+  visit("gyro_filter_source", sync.gyro.filter_source);
+  visit("gyro_filter_contradicts", sync.gyro.filter_contradicts);
+}
+
+/// Those that a file of that version has.
+template <typename Visit, typename Report>
+void sync_attributes(Visit& visit, Report& sync, FormatVersion version) {
   estimate_attributes(visit, "camera_offset_s", "camera_offset_uncertainty_s", sync.camera_offset.offset_s);
   visit("camera_offset_why_not", sync.camera_offset.why_not);
   visit("camera_offset_halves", sync.camera_offset.halves);
@@ -74,7 +91,8 @@ void sync_attributes(Visit& visit, Report& sync, const char* residual_name = "gy
   visit("servo_scale_calibrated", sync.servo.scale_calibrated);
   visit("servo_gyro_ratio", sync.servo.gyro_ratio.value);
   visit("servo_gyro_ratio_uncertainty", sync.servo.gyro_ratio.uncertainty);
-  visit(residual_name, sync.servo.residual_dps);
+  visit(version.major < 2 ? "label_residual_dps" : "gyro_residual_dps", sync.servo.residual_dps);
+  if (version >= with_checked_constants) constant_attributes(visit, sync);
 }
 
 }  // namespace thermorig::session

@@ -53,6 +53,23 @@ void response_columns(Archive& archive, Response& response) {
       speeds, &ServoResponse::AtSpeed::spread_dps);
   archive.template field<std::uint32_t>({"speed_frames", "1", "frame periods that took part"}, speeds,
                                         &ServoResponse::AtSpeed::frames);
+  if (archive.version() < with_checked_constants) return;
+  archive.template field<double>({"speed_reached", "deg/s", "corrected gyro: mean [deg/s]"}, speeds,
+                                 &ServoResponse::AtSpeed::reached_dps);
+  archive.template column<std::uint8_t>(
+      {"speed_contradicts", "1", "1: the shaft does not turn as commanded, beyond what is uncertain"}, speeds,
+      [](const auto& speed) { return static_cast<std::uint8_t>(speed.contradicts ? 1 : 0); },
+      [](auto& speed, std::uint8_t value) { speed.contradicts = value != 0; });
+}
+
+/// How the gyro's bias went.
+template <typename Archive, typename Course>
+void bias_columns(Archive& archive, Course& course) {
+  archive.time_axis({"bias_time", "s", "time since time_reference of each knot of the gyro's bias [s]"},
+                    course, &BiasKnot::time);
+  archive.template field<double>(
+      {"bias", "deg/s", "the gyro's bias at the knot [deg/s]", "straight between knots; empty: it stayed"},
+      course, &BiasKnot::bias_dps);
 }
 
 }  // namespace thermorig::session

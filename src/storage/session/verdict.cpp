@@ -102,6 +102,53 @@ void judge_gyro(const Session& session, const Quality& quality, Verdict& verdict
                                100 * share));
 }
 
+/// "200 and -200 deg/s": the first few, ready to print.
+std::string strayed_text(const std::vector<ServoResponse::AtSpeed>& speeds) {
+  constexpr std::size_t shown = 4;
+  std::string text;
+  std::size_t strayed = 0;
+  for (const auto& speed : speeds) {
+    if (!speed.contradicts || ++strayed > shown) continue;
+    text += fmt::format("{}commanded {:.0f}, reached {:.0f} deg/s", text.empty() ? "" : "; ", speed.rate_dps,
+                        speed.reached_dps);
+  }
+  return strayed > shown ? fmt::format("{}; and {} more speeds", text, strayed - shown) : text;
+}
+
+/// Frames at such speeds are invalid, so what the session is good for remains good.
+void judge_servo(const Session& session, const Quality& quality, Verdict& verdict) {
+  const ServoResponse& servo = session.sync.servo;
+  if (const std::string strayed = strayed_text(servo.speeds); !strayed.empty())
+    verdict.usable(
+        fmt::format("the shaft does not turn as commanded: {}: weak supply, load or servo?", strayed));
+  const bool is_fitted_at_all = !session.sync.clock[Device::servo].method.empty();
+  if (!servo.fitted && is_fitted_at_all && quality.swept > 0)
+    verdict.usable("how the shaft follows the servo's pulses could not be fitted: labels assume it");
+}
+
+void judge_constants(const Session& session, Verdict& verdict) {
+  const RigProfile& profile = session.raw.header.profile;
+  const GyroErrors& gyro = session.sync.gyro;
+  const CameraOffset& offset = session.sync.camera_offset;
+  if (gyro.scale_contradicts && gyro.scale_by_turns)
+    verdict.usable(
+        fmt::format("the gyro's scale was calibrated as {:.4f} +- {:.4f}, and whole turns say {:.4f} +- "
+                    "{:.4f}, which is used",
+                    profile.gyro.scale, profile.gyro.scale_uncertainty, gyro.scale_by_turns->value,
+                    gyro.scale_by_turns->uncertainty));
+  if (offset.contradicts && offset.offset_s)
+    verdict.usable(fmt::format(
+        "the camera's latency was calibrated as {:.1f} +- {:.1f} ms, and the images say {:.1f} +- {:.1f} ms, "
+        "which is used",
+        1e3 * profile.camera.link.latency_s, 1e3 * profile.camera.link.latency_uncertainty_s,
+        1e3 * (profile.camera.link.latency_s + offset.offset_s->value), 1e3 * offset.offset_s->uncertainty));
+  if (gyro.filter_contradicts)
+    verdict.usable(fmt::format(
+        "the gyro's bandwidth is stated as {:.0f} Hz, and its noise at rest contradicts "
+        "that: its filter delays by {:.1f} +- {:.1f} ms",
+        profile.gyro.bandwidth_hz, 1e3 * gyro.filter_delay_s.value, 1e3 * gyro.filter_delay_s.uncertainty));
+}
+
 void judge_labels(const Quality& quality, Verdict& verdict) {
   const auto reason = fmt::format("gyro and servo model differ by {:.1f} deg/s", quality.gyro_residual_dps);
   if (quality.gyro_residual_dps > residual_bad_dps)
@@ -151,6 +198,8 @@ void judge(const Session& session, Quality& quality) {
   judge_epochs(session, verdict);
   judge_gyro(session, quality, verdict);
   judge_labels(quality, verdict);
+  judge_servo(session, quality, verdict);
+  judge_constants(session, verdict);
   judge_events(session, verdict);
   verdict.write_to(quality);
 }

@@ -68,7 +68,8 @@ namespace thermorig::labels {
 ///   gyro_unsteady        gyro_spread squared, less what the sensor's noise explains, exceeds the tolerance
 ///                        squared; not judged where a sample is saturated
 ///   gyro_disagrees       |mean gyro, corrected - rate_shaft as the gyro sees it| exceeds 3 standard
-///                        deviations (see label_terms.h); not judged where a sample is saturated
+///                        deviations (see label_terms.h); not judged where a sample is saturated; or the
+///                        shaft was seen not to reach the commanded speed (ServoResponse::AtSpeed)
 /// A frame is valid if it has no reason outside `warning_bits`. A run is unbroken by invalid frames and lies
 /// in one leg; a frame lost on the way makes the next one invalid, and so ends the run.
 class Labeller {

@@ -16,9 +16,11 @@ GyroErrors fit_gyro_errors(std::span<const TimedGyro> gyro, std::span<const Time
 
 /// How the shaft follows the pulses, by the corrected gyro: delay and bandwidth from ramps and reversals; the
 /// scale only where the gyro's own was calibrated, else that of the profile with its uncertainty. Residuals
-/// are means over `frame_period_s`, of the legs only.
+/// are means over `frame_period_s`, of the legs only. Speeds at which the shaft turns otherwise than
+/// commanded take no part in the fit. Fills in `errors.bias_course` where both directions say that the bias
+/// moved.
 ServoResponse fit_servo_response(std::span<const TimedServo> servo, std::span<const TimedGyro> gyro,
-                                 const GyroErrors& errors, const ServoProfile& profile,
+                                 GyroErrors& errors, const ServoProfile& profile,
                                  double frame_period_s = 0.125);
 
 /// What is assumed where nothing was fitted (live).

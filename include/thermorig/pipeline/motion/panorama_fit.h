@@ -29,7 +29,9 @@ struct View {
 /// clock shows: what is measured is when the camera saw what it shows. Needs motion in both directions over
 /// the same surroundings. `frames` carry the exposures of both halves; `gyro` the rate about the axis; both
 /// as finally stamped, and in order. The uncertainty is from the spread among blocks of the recording, and at
-/// least 0.3 ms, since a lag delays fine structure less than coarse. Searched within 0.3 s either way.
+/// least 0.3 ms, since a lag delays fine structure less than coarse. Searched within 0.3 s either way. Bands
+/// of rows are looked at apart: where they differ, rows are read one after the other, and the offset is that
+/// of the middle rows.
 CameraOffset camera_offset(std::span<const TimedFrame> frames, std::span<const TimedGyro> gyro,
                            const View& view, const GyroErrors& errors);
 
@@ -47,8 +49,10 @@ struct TurnResult {
   double turned_deg = 0.0;  // from the one end to the other within a window of about a minute, by the gyro
   std::string why_not;      // ready to print, if there is no scale
 };
+/// `most_windows` of about a minute and a half are looked at, evenly spread. Where they differ by more than
+/// they claim to know, the scale changed on the way, and the uncertainty is their spread.
 TurnResult gyro_scale(std::span<const TimedFrame> frames, std::span<const TimedGyro> gyro, const View& view,
-                      const GyroErrors& errors);
+                      const GyroErrors& errors, std::size_t most_windows = 8);
 
 /// Is the image mirrored, given that the gyro's rate has the right sign? `view.mirrored` is not used. One
 /// direction of turning is enough. None: cannot be told.

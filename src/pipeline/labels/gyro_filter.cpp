@@ -1,0 +1,216 @@
+// SPDX-License-Identifier: MIT
+#include "thermorig/pipeline/labels/gyro_filter.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <complex>
+#include <limits>
+#include <numbers>
+#include <vector>
+
+#include "intervals.h"
+#include "thermorig/core/statistics.h"
+
+namespace thermorig::labels {
+
+namespace {
+
+constexpr double second_order_delay = 0.225;  // of a bandwidth's period: Butterworth, sqrt(2) / (2 pi)
+constexpr double stated_delay_error = 0.1;    // relative: bandwidths in data sheets are nominal
+constexpr double unknown_delay_s = 0.018;
+constexpr double still_after_s = 0.5;  // a shaft that still moves is not at rest
+constexpr std::size_t segment = 128;   // samples of one spectrum
+constexpr std::size_t lines = segment / 2;
+constexpr std::size_t first_line = 2;      // below it the bias wanders
+constexpr std::size_t least_segments = 8;  // of all axes together
+constexpr double most_rounding = 0.3;      // share of the variance: beyond, what rounding makes is not white
+constexpr double moved = 3.0;              // times the usual variance: a hand was on the rig
+constexpr double narrowest_hz = 4.0;
+constexpr double widest_hz = 400.0;
+constexpr int bandwidths = 93;
+constexpr int aliases = 3;                                                // either side
+constexpr std::array<double, 5> rounding_tried{0.5, 0.7, 1.0, 1.4, 2.0};  // of what the resolution makes
+
+using Segment = std::array<double, segment>;
+using Spectrum = std::array<double, lines>;
+
+/// Samples of one axis in a row, at rest.
+struct AxisSegment {
+  std::size_t axis;
+  Segment values;
+  double variance;
+};
+
+double variance_of(const Segment& values) {
+  double sum = 0.0, squares = 0.0;
+  for (const double value : values) sum += value, squares += value * value;
+  const double mean = sum / segment;
+  return std::max(0.0, squares / segment - mean * mean);
+}
+
+/// Of samples without a loss among them, all three axes.
+std::vector<AxisSegment> segments_at_rest(std::span<const TimedGyro> gyro, std::span<const TimedServo> servo,
+                                          double period_s) {
+  std::vector<AxisSegment> found;
+  if (servo.empty()) return found;
+  const HostTime origin = servo.front().stamp.time;
+  const auto before = [](const TimedGyro& sample, HostTime time) { return sample.stamp.time < time; };
+  for (const Interval& rest : steady_intervals(servo, origin, true)) {
+    const auto end = std::lower_bound(gyro.begin(), gyro.end(),
+                                      origin + from_s(std::max(rest.begin_s, rest.end_s)), before);
+    auto at = std::lower_bound(gyro.begin(), end, origin + from_s(rest.begin_s + still_after_s), before);
+    for (; end - at >= static_cast<std::ptrdiff_t>(segment); at += segment) {
+      const std::span part(at, segment);
+      const double length_s = to_s(part.back().stamp.time - part.front().stamp.time);
+      if (std::abs(length_s / period_s - (segment - 1.0)) > 0.5) continue;
+      for (std::size_t axis = 0; axis < 3; ++axis) {
+        AxisSegment one{axis, {}, 0.0};
+        for (std::size_t i = 0; i < segment; ++i)
+          one.values[i] = static_cast<double>(part[i].reading.rate_dps[axis]);
+        one.variance = variance_of(one.values);
+        if (std::isfinite(one.variance)) found.push_back(one);
+      }
+    }
+  }
+  return found;
+}
+
+/// Smallest step between two values.
+double resolution_of(const std::vector<AxisSegment>& segments) {
+  double step = std::numeric_limits<double>::infinity();
+  for (const AxisSegment& one : segments)
+    for (std::size_t i = 1; i < segment; ++i) {
+      const double change = std::abs(one.values[i] - one.values[i - 1]);
+      if (change > 1e-9) step = std::min(step, change);
+    }
+  return step;
+}
+
+/// Power by frequency, of values without their mean, tapered as Hann has it.
+void add_spectrum(const Segment& values, Spectrum& sum) {
+  double mean = 0.0;
+  for (const double value : values) mean += value / segment;
+  Segment tapered{};
+  for (std::size_t i = 0; i < segment; ++i)
+    tapered[i] = (values[i] - mean) *
+                 (1.0 - std::cos(2.0 * std::numbers::pi * (static_cast<double>(i) + 0.5) / segment));
+  for (std::size_t line = 0; line < lines; ++line) {
+    const std::complex<double> turn =
+        std::polar(1.0, -2.0 * std::numbers::pi * static_cast<double>(line) / segment);
+    std::complex<double> total = 0.0, factor = 1.0;
+    for (const double value : tapered) {
+      total += value * factor;
+      factor *= turn;
+    }
+    sum[line] += std::norm(total);
+  }
+}
+
+/// Power that a low-pass leaves of white noise, with what sampling folds back onto it; its mean is 1.
+Spectrum shape_of(double bandwidth_hz, double rate_hz, double rounding) {
+  Spectrum shape{};
+  double sum = 0.0;
+  for (std::size_t line = 0; line < lines; ++line) {
+    for (int alias = -aliases; alias <= aliases; ++alias) {
+      const double frequency_hz = (static_cast<double>(line) / segment + alias) * rate_hz;
+      shape[line] += 1.0 / (1.0 + std::pow(frequency_hz / bandwidth_hz, 4));
+    }
+    sum += shape[line] / lines;
+  }
+  for (double& power : shape) power = (1.0 - rounding) * power / sum + rounding;
+  return shape;
+}
+
+/// Logarithm of how likely the mean of `segments` spectra is if noise has that shape, whatever its strength
+/// (Whittle's likelihood). A taper makes neighbouring lines go together: each counts two thirds.
+double log_likelihood(const Spectrum& mean, const Spectrum& shape, double segments) {
+  double strength = 0.0, logs = 0.0;
+  constexpr double used = lines - first_line;
+  for (std::size_t line = first_line; line < lines; ++line) {
+    strength += mean[line] / shape[line] / used;
+    logs += std::log(shape[line]);
+  }
+  constexpr double independent = 2.0 / 3.0;
+  return -independent * segments * (used * std::log(strength) + logs);
+}
+
+/// Mean and deviation of the delay over bandwidths that are evenly likely, before, in their logarithm.
+Estimate delay_by(const Spectrum& mean, double segments, double rate_hz, double rounding) {
+  std::vector<double> delays_s, likelihoods;
+  for (int i = 0; i < bandwidths; ++i) {
+    const double bandwidth_hz = narrowest_hz * std::pow(widest_hz / narrowest_hz, i / (bandwidths - 1.0));
+    for (const double share : rounding_tried) {
+      const Spectrum shape = shape_of(bandwidth_hz, rate_hz, std::min(0.9, share * rounding));
+      delays_s.push_back(second_order_delay / bandwidth_hz);
+      likelihoods.push_back(log_likelihood(mean, shape, segments));
+    }
+  }
+  const double best = *std::max_element(likelihoods.begin(), likelihoods.end());
+  double weights = 0.0, sum = 0.0, squares = 0.0;
+  for (std::size_t i = 0; i < delays_s.size(); ++i) {
+    const double weight = std::exp(likelihoods[i] - best);
+    weights += weight;
+    sum += weight * delays_s[i];
+    squares += weight * delays_s[i] * delays_s[i];
+  }
+  const double delay_s = sum / weights;
+  const double variance = std::max(0.0, squares / weights - delay_s * delay_s);
+  return {delay_s, std::hypot(std::sqrt(variance), stated_delay_error * delay_s)};
+}
+
+/// Segments whose variance is no more than that of most of their axis.
+void keep_still(std::vector<AxisSegment>& segments) {
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    std::vector<double> variances;
+    for (const AxisSegment& one : segments)
+      if (one.axis == axis) variances.push_back(one.variance);
+    const double limit = moved * median(std::move(variances));
+    std::erase_if(segments, [&](const AxisSegment& one) {
+      return one.axis == axis && !(one.variance > 0.0 && one.variance <= limit);
+    });
+  }
+}
+
+std::optional<Estimate> delay_by_noise(std::span<const TimedGyro> gyro, std::span<const TimedServo> servo,
+                                       double rate_hz) {
+  std::vector<AxisSegment> segments = segments_at_rest(gyro, servo, 1.0 / rate_hz);
+  keep_still(segments);
+  if (segments.size() < least_segments) return std::nullopt;
+  const double resolution = resolution_of(segments);
+  double variance = 0.0;
+  for (const AxisSegment& one : segments) variance += one.variance / static_cast<double>(segments.size());
+  const double rounding = resolution * resolution / 12.0 / variance;
+  if (!(rounding < most_rounding)) return std::nullopt;
+  Spectrum mean{};
+  for (const AxisSegment& one : segments) add_spectrum(one.values, mean);
+  return delay_by(mean, static_cast<double>(segments.size()), rate_hz, rounding);
+}
+
+std::optional<Estimate> stated_delay(const GyroProfile& profile) {
+  if (!(profile.bandwidth_hz > 0.0)) return std::nullopt;
+  const double delay_s =
+      profile.filter_delay_s > 0.0 ? profile.filter_delay_s : second_order_delay / profile.bandwidth_hz;
+  return Estimate{delay_s, stated_delay_error * delay_s};
+}
+
+}  // namespace
+
+void fit_gyro_filter(std::span<const TimedGyro> gyro, std::span<const TimedServo> servo,
+                     const GyroProfile& profile, GyroErrors& errors) {
+  const auto by_profile = stated_delay(profile);
+  const auto by_noise =
+      errors.zeroes_itself ? std::nullopt : delay_by_noise(gyro, servo, profile.output_rate_hz);
+  errors.filter_contradicts = by_profile && by_noise && contradict(*by_profile, *by_noise);
+  if (by_profile && !errors.filter_contradicts) {
+    errors.filter_source = "profile";
+    errors.filter_delay_s = *by_profile;
+  } else if (by_noise) {
+    errors.filter_source = "noise";
+    errors.filter_delay_s = *by_noise;
+  } else {
+    errors.filter_delay_s = {0.0, unknown_delay_s};
+  }
+}
+
+}  // namespace thermorig::labels

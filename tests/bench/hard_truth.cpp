@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: MIT
+#include "hard_truth.h"
+
+#include <chrono>
+
+#include "timing_truth.h"
+
+namespace thermorig::bench {
+namespace {
+
+constexpr double rounding_s = 1e-6;
+
+/// Three standard deviations of the constant that was subtracted from the stream's times.
+double latency_slack_s(const session::Session& session, Device device) {
+  return 3.0 * session.sync.clock[device].latency_uncertainty_s;
+}
+
+void add(const Stamp& stamp, HostTime truth, double slack_s, TimeErrors& errors) {
+  errors.errors_s.push_back(to_s(stamp.time - truth));
+  errors.outside += is_outside(stamp, truth, slack_s);
+}
+
+}  // namespace
+
+bool is_outside(const Stamp& stamp, HostTime truth, double more_s) {
+  const double later_s = to_s(truth - stamp.time);
+  return later_s > static_cast<double>(stamp.later_s) + more_s + rounding_s ||
+         -later_s > static_cast<double>(stamp.earlier_s) + more_s + rounding_s;
+}
+
+LabelErrors label_errors(const session::Session& session, const simulation::VirtualRig& rig) {
+  const auto sent = sent_of(session.frames, rig.sent_frames());
+  LabelErrors errors;
+  for (const LabelledSample& sample : session.samples) {
+    const simulation::SentMessage* truth = sent.at(sample.frame_index);
+    if (truth == nullptr || sample.leg == 0) continue;
+    ++errors.frames;
+    if (!sample.valid) continue;
+    errors.shaft_dps.push_back(static_cast<double>(sample.rate_shaft_dps) - truth->mean_rate_dps);
+    errors.uncertainty_dps.push_back(static_cast<double>(sample.rate_shaft_uncertainty_dps));
+    errors.commanded_dps.push_back(static_cast<double>(sample.rate_commanded_dps) - truth->mean_rate_dps);
+  }
+  return errors;
+}
+
+std::optional<double> true_gyro_scale(const session::Session& session, const simulation::VirtualRig& rig) {
+  const auto sent = sent_of(session.gyro, rig.sent_gyro());
+  double count = 0.0, of_true = 0.0, of_shown = 0.0, squares = 0.0, products = 0.0;
+  for (std::size_t i = 0; i < sent.size(); ++i) {
+    if (sent[i] == nullptr) continue;
+    const double true_dps = sent[i]->mean_rate_dps;
+    const double shown_dps = session.gyro[i].rate_dps;
+    count += 1.0;
+    of_true += true_dps;
+    of_shown += shown_dps;
+    squares += true_dps * true_dps;
+    products += true_dps * shown_dps;
+  }
+  const double spread = count * squares - of_true * of_true;
+  if (!(spread > 0.0)) return std::nullopt;
+  return (count * products - of_true * of_shown) / spread;
+}
+
+PerDevice<TimeErrors> time_errors(const session::Session& session, const simulation::VirtualRig& rig) {
+  PerDevice<TimeErrors> errors;
+  const auto frames = sent_of(session.frames, rig.sent_frames());
+  for (std::size_t i = 0; i < frames.size(); ++i) {
+    const TimedFrame& frame = session.frames[i];
+    if (frames[i] == nullptr || frame.late || frame.stale) continue;
+    add(frame.stamp, instant_of(*frames[i], Device::camera), latency_slack_s(session, Device::camera),
+        errors[Device::camera]);
+  }
+  const auto gyro = sent_of(session.gyro, rig.sent_gyro());
+  for (std::size_t i = 0; i < gyro.size(); ++i)
+    if (gyro[i] != nullptr)
+      add(session.gyro[i].stamp, instant_of(*gyro[i], Device::gyro), latency_slack_s(session, Device::gyro),
+          errors[Device::gyro]);
+  for (const TimedServo& servo : session.servo)
+    add(servo.stamp, rig.when_servo_clock_read(ServoTime(std::chrono::microseconds(servo.mcu_time_us))),
+        latency_slack_s(session, Device::servo), errors[Device::servo]);
+  return errors;
+}
+
+}  // namespace thermorig::bench
