@@ -123,24 +123,24 @@ std::string bias_text(const GyroErrors& gyro) {
   std::string text = fmt::format("{:+.3f} +- {:.3f} deg/s", gyro.bias_dps->value, gyro.bias_dps->uncertainty);
   if (gyro.bias_before_dps) text += fmt::format(", {:+.3f} at the opening rest", *gyro.bias_before_dps);
   if (gyro.bias_after_dps) text += fmt::format(", {:+.3f} at the closing rest", *gyro.bias_after_dps);
-  if (!gyro.bias_course.empty())
-    text += fmt::format("; it moved from {:+.2f} to {:+.2f} on the way", gyro.bias_course.front().bias_dps,
-                        gyro.bias_course.back().bias_dps);
   return text;
 }
 
 std::string scale_text(const GyroErrors& gyro, const GyroProfile& profile) {
-  std::string text = fmt::format("{:.4f} +- {:.4f}, {}", gyro.scale.value, gyro.scale.uncertainty,
-                                 calibrated_text(gyro.scale_calibrated, profile.scale_measured_utc));
-  if (!gyro.scale_by_turns)
-    return gyro.scale_why_not.empty() ? text : fmt::format("{}; not checked: {}", text, gyro.scale_why_not);
-  return fmt::format("{} as {:.4f} +- {:.4f}; whole turns say {:.4f} +- {:.4f}", text, profile.scale,
-                     profile.scale_uncertainty, gyro.scale_by_turns->value, gyro.scale_by_turns->uncertainty);
+  const std::string text = timing_line(
+      "gyro scale",
+      fmt::format("{:.4f} +- {:.4f}; {} as {:.4f} +- {:.4f}", gyro.scale.value, gyro.scale.uncertainty,
+                  calibrated_text(gyro.scale_calibrated, profile.scale_measured_utc), profile.scale,
+                  profile.scale_uncertainty));
+  if (gyro.scale_by_turns)
+    return text + timing_line("", fmt::format("whole turns in this session say {:.4f} +- {:.4f}",
+                                              gyro.scale_by_turns->value, gyro.scale_by_turns->uncertainty));
+  return gyro.scale_why_not.empty() ? text : text + timing_line("", "not checked: " + gyro.scale_why_not);
 }
 
 std::string filter_text(const GyroErrors& gyro) {
   if (gyro.filter_source.empty())
-    return fmt::format("not known: every time may be later by up to {:.0f} ms, all by the same",
+    return fmt::format("not known: all times may be late by up to {:.0f} ms, by the same",
                        2.5e3 * gyro.filter_delay_s.uncertainty);
   return fmt::format("delays by {:.1f} +- {:.1f} ms, {}", 1e3 * gyro.filter_delay_s.value,
                      1e3 * gyro.filter_delay_s.uncertainty,
@@ -161,9 +161,12 @@ std::string gyro_text(const Session& session) {
   const GyroErrors& gyro = session.sync.gyro;
   const GyroProfile& profile = session.raw.header.profile.gyro;
   std::string text = timing_line("gyro bias", bias_text(gyro));
+  if (!gyro.bias_course.empty())
+    text += timing_line("", fmt::format("it moved from {:+.2f} to {:+.2f} on the way",
+                                        gyro.bias_course.front().bias_dps, gyro.bias_course.back().bias_dps));
   if (gyro.zeroes_itself)
     text += timing_line("", "this gyro sets itself to zero at rest: its bias is hidden then");
-  text += timing_line("gyro scale", scale_text(gyro, profile));
+  text += scale_text(gyro, profile);
   text += timing_line("gyro filter", filter_text(gyro));
   return text + timing_line("gyro noise", std::isfinite(gyro.noise_dps)
                                               ? fmt::format("{:.3f} deg/s a sample at rest", gyro.noise_dps)

@@ -97,10 +97,7 @@ simulation::VirtualRigConfig simulated_rig(std::uint64_t seed, const std::string
   config.half_fresh = parts.camera.value_or("half") == "half";
   config.gyro_grade = gyro_grade(parts.gyro.value_or("typical"));
   config.scene = parts.scene.value_or(simulation::scene_of(environment));
-  config.world = simulation::world_named(parts.world.value_or("honest"), seed);
-  // Who carries a filter that is not the honest one's has not looked it up.
-  if (config.world.gyro.bandwidth_hz != simulation::World().gyro.bandwidth_hz)
-    config.profile.gyro.bandwidth_hz = 0.0;
+  simulation::put_in_world(simulation::world_named(parts.world.value_or("honest"), seed), config);
   return config;
 }
 

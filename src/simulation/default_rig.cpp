@@ -33,4 +33,9 @@ VirtualRigConfig default_rig(std::uint64_t seed, const std::string& environment)
   return config;
 }
 
+void put_in_world(const World& world, VirtualRigConfig& config) {
+  config.world = world;
+  if (world.gyro.bandwidth_hz != World().gyro.bandwidth_hz) config.profile.gyro.bandwidth_hz = 0.0;
+}
+
 }  // namespace thermorig::simulation

@@ -18,7 +18,7 @@ using rig::test::SimulatedBus;
 simulation::VirtualRigConfig rig_in(const HardCase& hard, const std::string& environment,
                                     const std::string& world, const RigProfile* profile) {
   simulation::VirtualRigConfig config = simulation::default_rig(hard.seed, environment);
-  config.world = simulation::world_named(world, hard.seed);
+  simulation::put_in_world(simulation::world_named(world, hard.seed), config);
   if (profile != nullptr) config.profile = *profile;
   return config;
 }

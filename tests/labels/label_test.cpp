@@ -164,9 +164,9 @@ TEST(Label, IsAsUnsureAsTheResponsesResidualAtItsSpeed) {
 TEST(Label, OfACalibratedCameraIsAsUnsureAsItsLatencyAlone) {
   RigProfile profile;
   profile.camera.link.latency_uncertainty_s = 0.0003;
-  profile.gyro.link.latency_uncertainty_s = 0.002;
   profile.servo.link.latency_uncertainty_s = 0.0004;
   SyncReport sync;
+  sync.clock[Device::gyro].latency_uncertainty_s = 0.002;
   EXPECT_NEAR(label_config(profile, sync).latency_uncertainty_s, 0.0005, 1e-9);  // by the servo's clock
   sync.servo.fitted = true;
   EXPECT_NEAR(label_config(profile, sync).latency_uncertainty_s, std::hypot(0.0003, 0.002), 1e-9);

@@ -54,8 +54,8 @@ class SyntheticSession {
     double number = 1.0;
     for (const Device device : all_devices) add_clock(session_.sync.clock[device], number++);
     session_.sync.clock[Device::servo].method = "two-way";
-    session_.sync.camera_offset = {Estimate{0.012, 0.0005}, "", 480, true};
-    session_.sync.gyro = {{1.01, 0.002}, true, Estimate{0.4, 0.01}, 0.39, std::nullopt, 0.1, true, true};
+    session_.sync.camera_offset = {Estimate{0.012, 0.0005}, "", 480, true, true, Estimate{0.005, 0.0001}};
+    add_gyro_errors(session_.sync.gyro);
     ServoResponse& servo = session_.sync.servo;
     servo.fitted = servo.scale_calibrated = true;
     servo.delay_s = 0.021;
@@ -65,7 +65,23 @@ class SyntheticSession {
     servo.dead_band_deg = 0.3;
     servo.gain = {1.0, 1.01, 0.99};
     servo.residual_dps = 0.6;
-    servo.speeds = {{-7.5, 0.1, 0.2, 30}, {7.5, -0.1, 0.25, 60}};
+    servo.speeds = {{-7.5, 0.1, 0.2, 30, -7.6, false}, {7.5, -0.1, 0.25, 60, 5.0, true}};
+  }
+
+  void add_gyro_errors(GyroErrors& gyro) const {
+    gyro.scale = {1.01, 0.002};
+    gyro.scale_calibrated = gyro.scale_contradicts = true;
+    gyro.scale_by_turns = Estimate{1.02, 0.001};
+    gyro.scale_why_not = "one of two windows told";
+    gyro.filter_delay_s = {0.011, 0.001};
+    gyro.filter_source = "noise";
+    gyro.filter_contradicts = true;
+    gyro.bias_dps = Estimate{0.4, 0.01};
+    gyro.bias_before_dps = 0.39;
+    gyro.noise_dps = 0.1;
+    gyro.zeroes_itself = gyro.bias_from_legs = true;
+    const HostTime start = session_.raw.header.time_reference;
+    gyro.bias_course = {{start + from_s(1.0), 0.39}, {start + from_s(2.0), 0.42}};
   }
 
   void add_clock(ClockReport& clock, double number) const {

@@ -130,4 +130,8 @@ class VirtualRig {
 RigProfile default_profile();
 VirtualRigConfig default_rig(std::uint64_t seed, const std::string& environment);
 
+/// The rig in that world. Its profile states the gyro's bandwidth in a world whose gyro has the honest one's:
+/// who carries another filter has not looked it up.
+void put_in_world(const World& world, VirtualRigConfig& config);
+
 }  // namespace thermorig::simulation

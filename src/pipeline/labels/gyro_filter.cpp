@@ -27,8 +27,8 @@ constexpr std::size_t least_segments = 8;  // of all axes together
 constexpr double most_rounding = 0.3;      // share of the variance: beyond, what rounding makes is not white
 constexpr double moved = 3.0;              // times the usual variance: a hand was on the rig
 constexpr double narrowest_hz = 4.0;
-constexpr double widest_hz = 400.0;
-constexpr int bandwidths = 93;
+constexpr double widest_hz = 8000.0;  // as wide as samples are taken inside: no filter to speak of
+constexpr int bandwidths = 141;
 constexpr int aliases = 3;                                                // either side
 constexpr std::array<double, 5> rounding_tried{0.5, 0.7, 1.0, 1.4, 2.0};  // of what the resolution makes
 
