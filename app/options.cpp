@@ -7,6 +7,7 @@
 #include "learning_options.h"
 #include "live/live_options.h"
 #include "rig_options.h"
+#include "sessions/session_options.h"
 #include "thermorig/core/error.h"
 #include "thermorig/sensors/camera_protocol.h"
 #include "thermorig/sensors/gyro_protocol.h"
@@ -23,6 +24,7 @@ struct Words {
   PortsOptions ports;
   SimulateOptions simulate;
   InspectOptions inspect;
+  ListOptions list;
   RecoverOptions recover;
   ReprocessOptions reprocess;
   DecodeOptions decode;
@@ -100,8 +102,10 @@ void add_calibrate(CLI::App& root, Words& words) {
                   "bias: 60 s at rest; latency: of the camera; scale: of gyro and servo; orientation: signs")
       ->check(CLI::IsMember({"bias", "latency", "scale", "orientation"}))
       ->required();
-  command.add_option("--session", calibrate.sessions, "Take these sessions (.h5) instead of recording one")
-      ->type_name("FILE");
+  command
+      .add_option("--session", calibrate.sessions,
+                  "Take these sessions (.h5, or folders that hold them) instead of recording one")
+      ->type_name("PATH");
   command.add_option("--save", calibrate.save, "Profile to write: a name or a file (default: that of --rig)")
       ->type_name("PROFILE");
   command.add_flag("--marks", calibrate.marks,
@@ -146,12 +150,13 @@ void add_simulate(CLI::App& root, Words& words) {
 
 void add_inspect(CLI::App& root, Words& words) {
   CLI::App& command = *root.add_subcommand("inspect", "Say what a session holds and how good it is");
-  command.add_option("FILE", words.inspect.files, "Session files (.h5)")->required();
+  command.add_option("PATH", words.inspect.paths, "Session files (.h5), or folders that hold them")
+      ->required();
   command.add_flag("--timing", words.inspect.timing,
                    "How well times and labels are known: clocks, offsets, scales, residuals");
   command.add_flag("--check", words.inspect.check, "Exit code 9 if the verdict on any file is bad");
   add_json(command, words.inspect.json);
-  command.footer("Example:\n  thermorig inspect --check recordings/garden/*.h5");
+  command.footer("Example:\n  thermorig inspect --check recordings/garden");
 }
 
 void add_recover(CLI::App& root, Words& words) {
@@ -163,13 +168,16 @@ void add_recover(CLI::App& root, Words& words) {
 
 void add_reprocess(CLI::App& root, Words& words) {
   CLI::App& command = *root.add_subcommand("reprocess", "Make sessions again from their own raw bytes");
-  command.add_option("FILE", words.reprocess.files, "Session files (.h5); each is replaced")->required();
+  command
+      .add_option("PATH", words.reprocess.paths,
+                  "Session files (.h5), or folders that hold them; each session is replaced")
+      ->required();
   command
       .add_option("--rig", words.reprocess.profile,
                   "Apply the calibrations of this profile (a name or a file) that were made later")
       ->type_name("PROFILE");
   add_json(command, words.reprocess.json);
-  command.footer("Example:\n  thermorig reprocess recordings/garden/*.h5");
+  command.footer("Example:\n  thermorig reprocess recordings/garden");
 }
 
 void add_text_gyro(CLI::App& command, DecodeOptions& decode) {
@@ -244,6 +252,7 @@ Command chosen(const CLI::App& root, Words& words) {
   if (name == "ports") return words.ports;
   if (name == "live") return chosen_live(words.live);
   if (name == "inspect") return words.inspect;
+  if (name == "list") return words.list;
   if (name == "recover") return words.recover;
   if (name == "train") return words.train;
   if (name == "evaluate") return words.evaluate;
@@ -265,6 +274,7 @@ void describe(CLI::App& root, Words& words) {
   add_doctor(root, words);
   add_ports(root, words);
   add_simulate(root, words);
+  add_list(root, words.list);
   add_inspect(root, words);
   add_recover(root, words);
   add_reprocess(root, words);

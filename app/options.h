@@ -82,7 +82,7 @@ inline constexpr std::array<std::string_view, 4> calibration_names{"bias", "late
 struct CalibrateOptions {
   rig::CalibrationKind kind = rig::CalibrationKind::bias;
   RecordOptions record;                         // how a session for it is recorded
-  std::vector<std::filesystem::path> sessions;  // empty: one is recorded
+  std::vector<std::filesystem::path> sessions;  // or folders that hold them; empty: one is recorded
   std::string save;                             // name or file of the profile to write; empty: that of --rig
   bool marks = false;                           // scale: turned between marks, the image is not asked
   std::optional<double> angle_deg;              // between the marks, default 360
@@ -103,9 +103,18 @@ struct SimulateOptions {
 };
 
 struct InspectOptions {
-  std::vector<std::filesystem::path> files;
+  std::vector<std::filesystem::path> paths;  // sessions, or folders that hold them
   bool check = false;
   bool timing = false;
+  bool json = false;
+};
+
+struct ListOptions {
+  std::vector<std::filesystem::path> paths{"recordings"};  // folders, or session files
+  std::vector<std::string> environments, plans, verdicts;  // only these; empty: all
+  bool simulated = false, real = false;                    // only these; neither: all
+  std::string sort = "environment";                        // date, verdict, valid
+  bool reverse = false;
   bool json = false;
 };
 
@@ -115,7 +124,7 @@ struct RecoverOptions {
 };
 
 struct ReprocessOptions {
-  std::vector<std::filesystem::path> files;
+  std::vector<std::filesystem::path> paths;  // sessions, or folders that hold them
   std::string profile;  // name or file whose calibrations are applied, empty: the session's own
   bool json = false;
 };
@@ -187,7 +196,7 @@ struct VersionOptions {
 
 using Command = std::variant<RecordOptions, CalibrateOptions, PortsOptions, SimulateOptions, InspectOptions,
                              RecoverOptions, ReprocessOptions, DecodeOptions, TrainOptions, EvaluateOptions,
-                             ExportOptions, VersionOptions, LiveOptions, DoctorOptions>;
+                             ExportOptions, VersionOptions, LiveOptions, DoctorOptions, ListOptions>;
 
 /// What the command line asks for.
 struct CommandLine {

@@ -7,10 +7,10 @@
 #include <nlohmann/json.hpp>
 
 #include "commands.h"
-#include "existing_file.h"
 #include "print/inspect_text.h"
 #include "print/output.h"
 #include "record/profile_path.h"
+#include "session_files.h"
 #include "thermorig/core/statistics.h"
 #include "thermorig/rig/calibration/calibration.h"
 #include "thermorig/rig/profile/profile_file.h"
@@ -110,10 +110,7 @@ std::string words_of(const std::vector<std::string>& calibrations) {
 
 /// Whether all can be made again, before the first one is.
 void check_files(const std::vector<std::filesystem::path>& files) {
-  for (const auto& path : files) {
-    require_existing(path);
-    session::read_raw(path);
-  }
+  for (const auto& path : files) session::read_raw(path);
 }
 
 }  // namespace
@@ -121,9 +118,10 @@ void check_files(const std::vector<std::filesystem::path>& files) {
 ExitCode run(const ReprocessOptions& options) {
   std::optional<RigProfile> calibrated;
   if (!options.profile.empty()) calibrated = read_named_profile(options.profile);
-  check_files(options.files);
+  const std::vector<std::filesystem::path> files = session_files_at(options.paths);
+  check_files(files);
   nlohmann::json list = nlohmann::json::array();
-  for (const auto& path : options.files) {
+  for (const auto& path : files) {
     const State before = state_of(session::read_session(path));
     const MadeAgain made = make_again(path, calibrated);
     const State after = state_of(made.session);

@@ -30,6 +30,10 @@ network::Acquisition read_acquisition(const std::filesystem::path& path);
 /// each once. Throws Error(bad_usage) for a path that does not exist and where nothing is found.
 std::vector<std::filesystem::path> find_sessions(const std::vector<std::filesystem::path>& paths);
 
+/// The journals in the folders among the paths; sorted, each once. Throws as find_sessions() does, but not
+/// where nothing is found.
+std::vector<std::filesystem::path> find_journals(const std::vector<std::filesystem::path>& paths);
+
 /// A session whose verdict is bad, and why.
 struct BadSession {
   std::filesystem::path file;
@@ -39,6 +43,9 @@ struct BadSession {
 /// What the verdict has against a session; none: it is good or usable.
 std::optional<BadSession> bad_session(const session::Session& session, const std::filesystem::path& file);
 
+/// Is told of each file that was read, one at a time: how many were, of how many.
+using ReadingProgress = std::function<void(std::size_t done, std::size_t all)>;
+
 /// What files hold for training and evaluation.
 struct Acquisitions {
   std::vector<network::Acquisition> acquisitions;      // sorted by environment, number, name
@@ -46,9 +53,8 @@ struct Acquisitions {
   std::vector<BadSession> bad;                         // not left out; in the order of the files
 };
 
-/// Reads all of them, on all cores; `progress` is told of each finished file, one at a time. Throws
-/// Error(not_a_session) also where two files hold the same recording.
+/// Reads all of them, on all cores. Throws Error(not_a_session) also where two files hold the same recording.
 Acquisitions read_acquisitions(const std::vector<std::filesystem::path>& files, Estimates estimates,
-                               const std::function<void(std::size_t done, std::size_t all)>& progress = {});
+                               const ReadingProgress& progress = {});
 
 }  // namespace thermorig::dataset
