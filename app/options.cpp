@@ -3,6 +3,7 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <array>
 
 #include "learning_options.h"
 #include "live/live_options.h"
@@ -291,9 +292,16 @@ void describe(CLI::App& root, Words& words) {
 
 /// CLI11 prints the value of a bare --simulated as "{1}"; people read "[=SEED]". Same width, so columns stay.
 std::string readable(std::string help) {
-  const std::string printed = "{1}    ";
-  for (auto at = help.find(printed); at != std::string::npos; at = help.find(printed, at))
-    help.replace(at, printed.size(), "[=SEED]");
+  struct Choice {
+    std::string printed, read;
+  };
+  static const std::array<Choice, 4> choices{{{"{1}    ", "[=SEED]"},
+                                              {"{windows}", "[=WHAT]  "},
+                                              {"{samples}", "[=TABLE] "},
+                                              {"{all}  ", "[=NAME]"}}};
+  for (const Choice& choice : choices)
+    for (auto at = help.find(choice.printed); at != std::string::npos; at = help.find(choice.printed, at))
+      help.replace(at, choice.printed.size(), choice.read);
   return help;
 }
 

@@ -181,8 +181,13 @@ struct EvaluateOptions {
 };
 
 struct ExportOptions {
-  std::filesystem::path model;
-  std::filesystem::path output = ".";  // folder
+  std::filesystem::path file;            // a session or a model
+  std::filesystem::path output = ".";    // folder; of a session also "-"
+  std::optional<std::string> npz;        // of a session: windows, rows
+  std::optional<int> frames, reduction;  // of its windows
+  std::optional<std::string> csv;        // a table of it
+  std::optional<std::string> tum;        // all its trajectories, or one by name
+  bool mcap = false;
   bool c_header = false;
   std::string weights = "float32";  // or int8
   std::string name = "thermorig_network";

@@ -6,7 +6,6 @@
 
 #include "data_hash.h"
 #include "rates_without_network.h"
-#include "session_name.h"
 #include "thermorig/learning/dataset/dataset.h"
 #include "thermorig/network/soundness.h"
 

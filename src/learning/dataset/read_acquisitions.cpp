@@ -4,7 +4,6 @@
 #include <tuple>
 
 #include "for_each_file.h"
-#include "session_name.h"
 #include "thermorig/core/error.h"
 #include "thermorig/learning/dataset/dataset.h"
 

@@ -22,6 +22,10 @@ enum class Estimates : std::uint8_t { left_out, made };
 network::Acquisition acquisition_of(const session::Session& session, const std::string& name,
                                     Estimates estimates = Estimates::made);
 
+/// "<environment>_acq-<number>", as the file is named but for the time: a simulated session that is recorded
+/// again has the same name.
+std::string name_of(const RecordingHeader& header);
+
 /// Reads a session file; the name is "<environment>_acq-<number>". Throws Error(not_a_session) as
 /// session::read_session does.
 network::Acquisition read_acquisition(const std::filesystem::path& path);
