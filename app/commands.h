@@ -16,6 +16,7 @@ ExitCode run(const PortsOptions& options);
 ExitCode run(const SimulateOptions& options);
 ExitCode run(const InspectOptions& options);
 ExitCode run(const ListOptions& options);
+ExitCode run(const AnnotateOptions& options);
 ExitCode run(const RecoverOptions& options);
 ExitCode run(const ReprocessOptions& options);
 ExitCode run(const DecodeOptions& options);

@@ -26,6 +26,7 @@ struct Words {
   SimulateOptions simulate;
   InspectOptions inspect;
   ListOptions list;
+  AnnotateOptions annotate;
   RecoverOptions recover;
   ReprocessOptions reprocess;
   DecodeOptions decode;
@@ -65,6 +66,10 @@ void add_record(CLI::App& root, Words& words) {
       ->check(CLI::Range(1, 6))
       ->type_name("N");
   add_recording_of(command, record);
+  command.add_option("--operator", record.operator_name, "Who records, kept in the session")
+      ->type_name("TEXT");
+  command.add_option("--place", record.place, "Where exactly the rig stands")->type_name("TEXT");
+  command.add_option("--note", record.note, "What is to be known of this recording")->type_name("TEXT");
   CLI::Option* page =
       command.add_flag("--page", record.page.serve, "Serve a page that shows the recording, for a browser");
   add_page(command, record.page);
@@ -254,6 +259,7 @@ Command chosen(const CLI::App& root, Words& words) {
   if (name == "live") return chosen_live(words.live);
   if (name == "inspect") return words.inspect;
   if (name == "list") return words.list;
+  if (name == "annotate") return words.annotate;
   if (name == "recover") return words.recover;
   if (name == "train") return words.train;
   if (name == "evaluate") return words.evaluate;
@@ -277,6 +283,7 @@ void describe(CLI::App& root, Words& words) {
   add_simulate(root, words);
   add_list(root, words.list);
   add_inspect(root, words);
+  add_annotate(root, words.annotate);
   add_recover(root, words);
   add_reprocess(root, words);
   add_decode(root, words);

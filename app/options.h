@@ -46,8 +46,9 @@ struct RecordOptions {
   RigOptions rig;
   std::string environment;
   std::filesystem::path output = "recordings";
-  std::string licence;         // of the data; empty: not stated
-  std::string plan = "paper";  // paper, table-one, quick or a TOML file
+  std::string licence;                     // of the data; empty: not stated
+  std::string operator_name, place, note;  // of this recording; empty: not stated
+  std::string plan = "paper";              // paper, table-one, quick or a TOML file
   std::optional<int> frames_per_leg, valid_per_leg;
   int frames_per_window = 1;        // valid ones in a row that every speed must be able to give
   std::vector<double> speeds_dps;   // empty: the plan's own
@@ -115,6 +116,14 @@ struct ListOptions {
   bool simulated = false, real = false;                    // only these; neither: all
   std::string sort = "environment";                        // date, verdict, valid
   bool reverse = false;
+  bool json = false;
+};
+
+struct AnnotateOptions {
+  std::filesystem::path file;
+  std::optional<std::string> note, environment, exclude;  // one of these, or
+  bool undo = false;                                      // the last one is taken back
+  std::string reason;                                     // of an exclusion
   bool json = false;
 };
 
@@ -199,9 +208,10 @@ struct VersionOptions {
   bool json = false;
 };
 
-using Command = std::variant<RecordOptions, CalibrateOptions, PortsOptions, SimulateOptions, InspectOptions,
-                             RecoverOptions, ReprocessOptions, DecodeOptions, TrainOptions, EvaluateOptions,
-                             ExportOptions, VersionOptions, LiveOptions, DoctorOptions, ListOptions>;
+using Command =
+    std::variant<RecordOptions, CalibrateOptions, PortsOptions, SimulateOptions, InspectOptions,
+                 RecoverOptions, ReprocessOptions, DecodeOptions, TrainOptions, EvaluateOptions,
+                 ExportOptions, VersionOptions, LiveOptions, DoctorOptions, ListOptions, AnnotateOptions>;
 
 /// What the command line asks for.
 struct CommandLine {

@@ -88,8 +88,7 @@ class SessionExport {
   }
 
   network::Acquisition acquisition() const {
-    return dataset::acquisition_of(session_, dataset::name_of(session_.raw.header),
-                                   dataset::Estimates::left_out);
+    return dataset::acquisition_of(session_, dataset::name_of(session_), dataset::Estimates::left_out);
   }
 
   void add_csv() {

@@ -29,9 +29,9 @@ bool is_among(const std::vector<std::string>& wanted, const std::string& word) {
 bool is_wanted(const ListOptions& options, const ListedSession& session) {
   const RecordingHeader& header = session.header;
   return session.refusal ||
-         (is_among(options.environments, header.environment) && is_among(options.plans, header.plan_name) &&
-          is_among(options.verdicts, session.quality.verdict) && !(options.simulated && !header.simulated) &&
-          !(options.real && header.simulated));
+         (is_among(options.environments, session.place.environment) &&
+          is_among(options.plans, header.plan_name) && is_among(options.verdicts, session.quality.verdict) &&
+          !(options.simulated && !header.simulated) && !(options.real && header.simulated));
 }
 
 std::size_t rank_of(const std::string& verdict) {
@@ -42,7 +42,7 @@ std::size_t rank_of(const std::string& verdict) {
 
 bool is_before(const std::string& sort, const ListedSession& one, const ListedSession& other) {
   const auto place = [](const ListedSession& session) {
-    return std::tie(session.header.environment, session.header.acquisition, session.header.start_time_utc,
+    return std::tie(session.place.environment, session.place.acquisition, session.header.start_time_utc,
                     session.file);
   };
   if (sort == "date" && one.header.start_time_utc != other.header.start_time_utc)
@@ -92,8 +92,8 @@ std::string table_of(const std::vector<ListedSession>& sessions) {
   for (const ListedSession& session : sessions) {
     if (session.refusal) continue;
     const RecordingHeader& header = session.header;
-    table.add({header.environment, std::to_string(header.acquisition), date_text(header.start_time_utc),
-               header.plan_name, session.quality.verdict, rig_text(session),
+    table.add({session.place.environment, std::to_string(session.place.acquisition),
+               date_text(header.start_time_utc), header.plan_name, session.quality.verdict, rig_text(session),
                count_text(session.quality.valid), count_text(session.quality.swept), session.file.string(),
                notes_text(session.notes)});
   }
@@ -134,8 +134,8 @@ nlohmann::json object_of(const ListedSession& session) {
   nlohmann::json object = quality_json(session.quality);
   object.update({{"file", session.file.string()},
                  {"uuid", header.uuid},
-                 {"environment", header.environment},
-                 {"acquisition", header.acquisition},
+                 {"environment", session.place.environment},
+                 {"acquisition", session.place.acquisition},
                  {"start_time", header.start_time_utc},
                  {"duration_s", session.quality.duration_s},
                  {"plan", header.plan_name},

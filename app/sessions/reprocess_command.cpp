@@ -15,6 +15,7 @@
 #include "thermorig/rig/calibration/calibration.h"
 #include "thermorig/rig/profile/profile_file.h"
 #include "thermorig/rig/recording/finalise.h"
+#include "thermorig/storage/session/annotations.h"
 
 namespace thermorig::app {
 
@@ -24,10 +25,11 @@ namespace {
 struct State {
   session::Quality quality;
   std::vector<HostTime> times;  // of its frames
+  std::vector<Annotation> annotations;
 };
 
 State state_of(const session::Session& session) {
-  State state{session::quality_of(session), {}};
+  State state{session::quality_of(session), {}, session.annotations};
   for (const LabelledSample& sample : session.samples) state.times.push_back(sample.time);
   return state;
 }
@@ -66,10 +68,13 @@ struct MadeAgain {
   std::vector<std::string> left_out;
 };
 
-MadeAgain make_again(const std::filesystem::path& path, const std::optional<RigProfile>& calibrated) {
+MadeAgain make_again(const std::filesystem::path& path, const std::vector<Annotation>& annotations,
+                     const std::optional<RigProfile>& calibrated) {
   RawRecording raw = session::read_raw(path);
   if (calibrated) calibration::take_calibrations(*calibrated, raw.header.profile);
   MadeAgain made{rig::build_session(std::move(raw)), {}};
+  made.session.annotations = annotations;
+  session::apply_exclusions(made.session);
   made.left_out = session::replace_session(path, made.session);
   return made;
 }
@@ -123,7 +128,7 @@ ExitCode run(const ReprocessOptions& options) {
   nlohmann::json list = nlohmann::json::array();
   for (const auto& path : files) {
     const State before = state_of(session::read_session(path));
-    const MadeAgain made = make_again(path, calibrated);
+    const MadeAgain made = make_again(path, before.annotations, calibrated);
     const State after = state_of(made.session);
     list.push_back(object_of(path, before, after));
     list.back()["left_out"] = made.left_out;

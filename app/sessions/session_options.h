@@ -11,5 +11,6 @@ namespace thermorig::app {
 
 // The commands that keep sessions in order. Each adds its words, and writes what it parses into `options`.
 void add_list(CLI::App& root, ListOptions& options);
+void add_annotate(CLI::App& root, AnnotateOptions& options);
 
 }  // namespace thermorig::app

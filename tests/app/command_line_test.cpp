@@ -14,7 +14,7 @@ class CommandLine : public ProgramTest {};
 
 TEST_F(CommandLine, GivesHelpWithAnExampleForEveryCommand) {
   for (const char* command :
-       {"ports", "simulate", "record", "list", "inspect", "recover", "reprocess", "decode"}) {
+       {"ports", "simulate", "record", "list", "annotate", "inspect", "recover", "reprocess", "decode"}) {
     const Outcome outcome = run(std::string(command) + " --help");
     EXPECT_EQ(outcome.code, 0) << command;
     EXPECT_THAT(outcome.out, HasSubstr("Example")) << command;

@@ -96,6 +96,27 @@ class TheSessions(unittest.TestCase):
         with self.assertRaisesRegex(ValueError, "rate_commanded or rate_shaft"):
             session.label("rate_label")
 
+    def test_follow_what_was_said_of_them_afterwards(self):
+        record("attic", 6, "--operator", "A. Person", "--place", "under the roof", "--note", "it is hot")
+        path = thermorig.find_sessions(recordings / "attic")[0]
+        begin_s, end_s = 5.0, 8.0
+        run("annotate", path, "--note", "the window was open")
+        run("annotate", path, "--exclude", f"{begin_s}..{end_s}")
+        moved = run("annotate", path, "--environment", "roof", "--json")[0]["file"]
+        with thermorig.Session(moved) as session:
+            self.assertEqual((session.name, session.operator, session.place), ("roof_acq-01", "A. Person",
+                                                                               "under the roof"))
+            self.assertEqual(session.notes, ["it is hot", "the window was open"])
+            within = (session.exposure_begin_s < end_s) & (session.exposure_end_s > begin_s)
+            self.assertGreater(within.sum(), 10)
+            self.assertFalse(session.run[within].any())
+            for frame in np.flatnonzero(within):
+                self.assertIn("operator", session.reasons(frame))
+            data = thermorig.windows(session, 3)
+            start = run("train", moved, "-o", "roof.onnx", "--epochs", 1, "--no-choose-epoch", "--json")[0]
+            self.assertEqual(start["environments"]["roof"]["windows"], len(data))
+        Path(moved).unlink()
+
     def test_that_are_none_are_refused(self):
         with h5py.File(Path(folder.name) / "other.h5", "w"):
             pass

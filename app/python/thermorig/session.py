@@ -17,6 +17,8 @@ from numpy.typing import NDArray
 
 LABELS = ("rate_commanded", "rate_shaft")
 PIXELS_C = (-60.0, 400.0)  # beyond them a pixel is no temperature
+MARK = 10  # of /events/kind
+NOTE, ENVIRONMENT = 0, 1  # of /annotations/kind
 FASTEST_DPS = 10_000.0  # beyond it a rate is none
 
 
@@ -77,12 +79,45 @@ class Session:
 
     @property
     def environment(self) -> str:
-        return str(self._header["environment"])
+        """Where it belongs: as it was recorded, or as `annotate --environment` said later."""
+        return self._place[0]
 
     @property
     def acquisition(self) -> int:
         """Its number within the environment, from 1."""
-        return int(self._header["acquisition"])
+        return self._place[1]
+
+    @cached_property
+    def _place(self) -> tuple[str, int]:
+        for kind, text, acquisition in reversed(self._annotations):
+            if kind == ENVIRONMENT:
+                return text, acquisition
+        return str(self._header["environment"]), int(self._header["acquisition"])
+
+    @property
+    def _annotations(self) -> list[tuple[int, str, int]]:
+        if "annotations" not in self.file:
+            return []
+        group = self.file["annotations"]
+        return [(int(kind), text.decode(), int(number))
+                for kind, text, number in zip(group["kind"][:], group["text"][:], group["acquisition"][:])]
+
+    @property
+    def operator(self) -> str | None:
+        return self._header.get("operator")
+
+    @property
+    def place(self) -> str | None:
+        """Where exactly the rig stood."""
+        return self._header.get("place")
+
+    @property
+    def notes(self) -> list[str]:
+        """That of the recording, the operator's marks, and those of `annotate`."""
+        first = [str(self._header["note"])] if "note" in self._header else []
+        events = self.file["events"]
+        marks = [text.decode() for kind, text in zip(events["kind"][:], events["message"][:]) if kind == MARK]
+        return first + marks + [text for kind, text, _ in self._annotations if kind == NOTE]
 
     @property
     def name(self) -> str:

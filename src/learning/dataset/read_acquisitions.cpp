@@ -15,7 +15,7 @@ namespace fs = std::filesystem;
 using network::Acquisition;
 
 Acquisition acquisition_in(const session::Session& session, Estimates estimates) {
-  return acquisition_of(session, name_of(session.raw.header), estimates);
+  return acquisition_of(session, name_of(session), estimates);
 }
 
 /// What became of one file.

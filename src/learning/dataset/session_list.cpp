@@ -11,8 +11,11 @@ namespace {
 
 std::vector<std::string> notes_of(const session::Session& session) {
   std::vector<std::string> notes;
+  if (!session.raw.header.note.empty()) notes.push_back(session.raw.header.note);
   for (const RecordingEvent& event : session.raw.events)
     if (event.kind == EventKind::mark) notes.push_back(event.message);
+  for (const Annotation& annotation : session.annotations)
+    if (annotation.kind == AnnotationKind::note) notes.push_back(annotation.text);
   return notes;
 }
 
@@ -22,6 +25,7 @@ ListedSession listed(const std::filesystem::path& file) {
   try {
     const session::Session session = read_in_turn(file);
     entry.header = session.raw.header;
+    entry.place = session::place_of(session);
     entry.quality = session::quality_of(session);
     entry.for_calibration = session::is_for_calibration(session.raw.header);
     entry.notes = notes_of(session);

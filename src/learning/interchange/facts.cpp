@@ -3,12 +3,15 @@
 
 #include <nlohmann/json.hpp>
 
+#include "thermorig/storage/session/annotations.h"
+
 namespace thermorig::interchange {
 
 nlohmann::json facts_of(const session::Session& session) {
   const RecordingHeader& header = session.raw.header;
-  return {{"environment", header.environment},
-          {"acquisition", header.acquisition},
+  const session::Place place = session::place_of(session);
+  return {{"environment", place.environment},
+          {"acquisition", place.acquisition},
           {"uuid", header.uuid},
           {"start_time", header.start_time_utc},
           {"plan", header.plan_name},

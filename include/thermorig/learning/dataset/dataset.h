@@ -24,7 +24,7 @@ network::Acquisition acquisition_of(const session::Session& session, const std::
 
 /// "<environment>_acq-<number>", as the file is named but for the time: a simulated session that is recorded
 /// again has the same name.
-std::string name_of(const RecordingHeader& header);
+std::string name_of(const session::Session& session);
 
 /// Reads a session file; the name is "<environment>_acq-<number>". Throws Error(not_a_session) as
 /// session::read_session does.

@@ -8,6 +8,7 @@
 
 #include "thermorig/core/error.h"
 #include "thermorig/learning/dataset/dataset.h"
+#include "thermorig/storage/session/annotations.h"
 
 namespace thermorig::dataset {
 
@@ -16,9 +17,10 @@ struct ListedSession {
   std::filesystem::path file;
   std::optional<Error> refusal;  // why it is no session; the rest is then empty
   RecordingHeader header;
+  session::Place place;  // where it is known, which later words may have changed
   session::Quality quality;
   bool for_calibration = false;
-  std::vector<std::string> notes;  // of the operator, in the order in which they were made
+  std::vector<std::string> notes;  // of the recording, the operator's marks, later ones; in this order
 };
 
 /// Looks at all files, on all cores; in their order. A file that is no session keeps nobody from the others.
