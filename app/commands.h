@@ -17,6 +17,7 @@ ExitCode run(const SimulateOptions& options);
 ExitCode run(const InspectOptions& options);
 ExitCode run(const ListOptions& options);
 ExitCode run(const AnnotateOptions& options);
+ExitCode run(const DatasetOptions& options);
 ExitCode run(const RecoverOptions& options);
 ExitCode run(const ReprocessOptions& options);
 ExitCode run(const DecodeOptions& options);

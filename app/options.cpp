@@ -27,6 +27,7 @@ struct Words {
   InspectOptions inspect;
   ListOptions list;
   AnnotateOptions annotate;
+  DatasetOptions dataset;
   RecoverOptions recover;
   ReprocessOptions reprocess;
   DecodeOptions decode;
@@ -260,6 +261,7 @@ Command chosen(const CLI::App& root, Words& words) {
   if (name == "inspect") return words.inspect;
   if (name == "list") return words.list;
   if (name == "annotate") return words.annotate;
+  if (name == "dataset") return words.dataset;
   if (name == "recover") return words.recover;
   if (name == "train") return words.train;
   if (name == "evaluate") return words.evaluate;
@@ -284,6 +286,7 @@ void describe(CLI::App& root, Words& words) {
   add_list(root, words.list);
   add_inspect(root, words);
   add_annotate(root, words.annotate);
+  add_dataset(root, words.dataset);
   add_recover(root, words);
   add_reprocess(root, words);
   add_decode(root, words);

@@ -127,6 +127,20 @@ struct AnnotateOptions {
   bool json = false;
 };
 
+enum class DatasetAction : std::uint8_t { build, verify, split };
+
+struct DatasetOptions {
+  DatasetAction action = DatasetAction::build;
+  std::filesystem::path folder;
+  std::string title, description, licence, version = "1.0.0", url, date;  // date empty: today
+  std::vector<std::string> authors;
+  bool accept_bad = false;  // sessions whose verdict is bad
+  bool replace = false;     // the descriptions that are there
+  std::string environment;  // of the split that is asked for; empty: all
+  std::string part;         // training or test: only its paths
+  bool json = false;
+};
+
 struct RecoverOptions {
   std::filesystem::path path;
   bool json = false;
@@ -208,10 +222,10 @@ struct VersionOptions {
   bool json = false;
 };
 
-using Command =
-    std::variant<RecordOptions, CalibrateOptions, PortsOptions, SimulateOptions, InspectOptions,
-                 RecoverOptions, ReprocessOptions, DecodeOptions, TrainOptions, EvaluateOptions,
-                 ExportOptions, VersionOptions, LiveOptions, DoctorOptions, ListOptions, AnnotateOptions>;
+using Command = std::variant<RecordOptions, CalibrateOptions, PortsOptions, SimulateOptions, InspectOptions,
+                             RecoverOptions, ReprocessOptions, DecodeOptions, TrainOptions, EvaluateOptions,
+                             ExportOptions, VersionOptions, LiveOptions, DoctorOptions, ListOptions,
+                             AnnotateOptions, DatasetOptions>;
 
 /// What the command line asks for.
 struct CommandLine {

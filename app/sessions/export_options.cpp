@@ -33,12 +33,7 @@ void add_session_forms(CLI::App& command, ExportOptions& options) {
       .add_flag("--npz{windows}", options.npz,
                 "Session: NumPy arrays of the windows that `train` sees; =rows: of the frames, a row each")
       ->check(CLI::IsMember({"windows", "rows"}));
-  command.add_option("--nf", options.frames, "Frames of a window, 2 to 6 (default 3)")
-      ->check(CLI::Range(2, 6))
-      ->type_name("N");
-  command.add_option("--nr", options.reduction, "Pixels are averaged N x N, 1 to 3 (default 1)")
-      ->check(CLI::Range(1, 3))
-      ->type_name("N");
+  add_window_shape(command, options.frames, options.reduction);
   command
       .add_flag("--csv{samples}", options.csv,
                 "Session: a table with units in its header: samples, camera, gyro, servo, estimates, events")
