@@ -87,7 +87,8 @@ ExitCode build(const DatasetOptions& options) {
         simulated == 0 ? "" : fmt::format(", {} of them SIMULATED", simulated),
         licence.empty() ? "NOT STATED (--licence)" : printable(licence));
   for (const Description& description : descriptions) print("written   {}\n", description.name);
-  print("next      read DATA_CARD.md, then thermorig dataset verify {}\n", printable(options.folder.string()));
+  print("next      read DATA_CARD.md, then thermorig dataset verify {}\n",
+        printable(options.folder.string()));
   return ExitCode::ok;
 }
 
