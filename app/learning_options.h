@@ -10,6 +10,8 @@ class App;
 namespace thermorig::app {
 
 // The words of the commands that learn; each in a file of its own (CLI11 compiles slowly).
+/// --nf and --nr.
+void add_window_shape(CLI::App& command, std::optional<int>& frames, std::optional<int>& reduction);
 void add_train(CLI::App& root, TrainOptions& options);
 void add_evaluate(CLI::App& root, EvaluateOptions& options);
 void add_export(CLI::App& root, ExportOptions& options);

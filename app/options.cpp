@@ -3,10 +3,12 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <array>
 
 #include "learning_options.h"
 #include "live/live_options.h"
 #include "rig_options.h"
+#include "sessions/session_options.h"
 #include "thermorig/core/error.h"
 #include "thermorig/sensors/camera_protocol.h"
 #include "thermorig/sensors/gyro_protocol.h"
@@ -23,6 +25,9 @@ struct Words {
   PortsOptions ports;
   SimulateOptions simulate;
   InspectOptions inspect;
+  ListOptions list;
+  AnnotateOptions annotate;
+  DatasetOptions dataset;
   RecoverOptions recover;
   ReprocessOptions reprocess;
   DecodeOptions decode;
@@ -62,6 +67,10 @@ void add_record(CLI::App& root, Words& words) {
       ->check(CLI::Range(1, 6))
       ->type_name("N");
   add_recording_of(command, record);
+  command.add_option("--operator", record.operator_name, "Who records, kept in the session")
+      ->type_name("TEXT");
+  command.add_option("--place", record.place, "Where exactly the rig stands")->type_name("TEXT");
+  command.add_option("--note", record.note, "What is to be known of this recording")->type_name("TEXT");
   CLI::Option* page =
       command.add_flag("--page", record.page.serve, "Serve a page that shows the recording, for a browser");
   add_page(command, record.page);
@@ -100,8 +109,10 @@ void add_calibrate(CLI::App& root, Words& words) {
                   "bias: 60 s at rest; latency: of the camera; scale: of gyro and servo; orientation: signs")
       ->check(CLI::IsMember({"bias", "latency", "scale", "orientation"}))
       ->required();
-  command.add_option("--session", calibrate.sessions, "Take these sessions (.h5) instead of recording one")
-      ->type_name("FILE");
+  command
+      .add_option("--session", calibrate.sessions,
+                  "Take these sessions (.h5, or folders that hold them) instead of recording one")
+      ->type_name("PATH");
   command.add_option("--save", calibrate.save, "Profile to write: a name or a file (default: that of --rig)")
       ->type_name("PROFILE");
   command.add_flag("--marks", calibrate.marks,
@@ -146,12 +157,13 @@ void add_simulate(CLI::App& root, Words& words) {
 
 void add_inspect(CLI::App& root, Words& words) {
   CLI::App& command = *root.add_subcommand("inspect", "Say what a session holds and how good it is");
-  command.add_option("FILE", words.inspect.files, "Session files (.h5)")->required();
+  command.add_option("PATH", words.inspect.paths, "Session files (.h5), or folders that hold them")
+      ->required();
   command.add_flag("--timing", words.inspect.timing,
                    "How well times and labels are known: clocks, offsets, scales, residuals");
   command.add_flag("--check", words.inspect.check, "Exit code 9 if the verdict on any file is bad");
   add_json(command, words.inspect.json);
-  command.footer("Example:\n  thermorig inspect --check recordings/garden/*.h5");
+  command.footer("Example:\n  thermorig inspect --check recordings/garden");
 }
 
 void add_recover(CLI::App& root, Words& words) {
@@ -163,13 +175,16 @@ void add_recover(CLI::App& root, Words& words) {
 
 void add_reprocess(CLI::App& root, Words& words) {
   CLI::App& command = *root.add_subcommand("reprocess", "Make sessions again from their own raw bytes");
-  command.add_option("FILE", words.reprocess.files, "Session files (.h5); each is replaced")->required();
+  command
+      .add_option("PATH", words.reprocess.paths,
+                  "Session files (.h5), or folders that hold them; each session is replaced")
+      ->required();
   command
       .add_option("--rig", words.reprocess.profile,
                   "Apply the calibrations of this profile (a name or a file) that were made later")
       ->type_name("PROFILE");
   add_json(command, words.reprocess.json);
-  command.footer("Example:\n  thermorig reprocess recordings/garden/*.h5");
+  command.footer("Example:\n  thermorig reprocess recordings/garden");
 }
 
 void add_text_gyro(CLI::App& command, DecodeOptions& decode) {
@@ -244,6 +259,9 @@ Command chosen(const CLI::App& root, Words& words) {
   if (name == "ports") return words.ports;
   if (name == "live") return chosen_live(words.live);
   if (name == "inspect") return words.inspect;
+  if (name == "list") return words.list;
+  if (name == "annotate") return words.annotate;
+  if (name == "dataset") return words.dataset;
   if (name == "recover") return words.recover;
   if (name == "train") return words.train;
   if (name == "evaluate") return words.evaluate;
@@ -265,7 +283,10 @@ void describe(CLI::App& root, Words& words) {
   add_doctor(root, words);
   add_ports(root, words);
   add_simulate(root, words);
+  add_list(root, words.list);
   add_inspect(root, words);
+  add_annotate(root, words.annotate);
+  add_dataset(root, words.dataset);
   add_recover(root, words);
   add_reprocess(root, words);
   add_decode(root, words);
@@ -281,9 +302,16 @@ void describe(CLI::App& root, Words& words) {
 
 /// CLI11 prints the value of a bare --simulated as "{1}"; people read "[=SEED]". Same width, so columns stay.
 std::string readable(std::string help) {
-  const std::string printed = "{1}    ";
-  for (auto at = help.find(printed); at != std::string::npos; at = help.find(printed, at))
-    help.replace(at, printed.size(), "[=SEED]");
+  struct Choice {
+    std::string printed, read;
+  };
+  static const std::array<Choice, 4> choices{{{"{1}    ", "[=SEED]"},
+                                              {"{windows}", "[=WHAT]  "},
+                                              {"{samples}", "[=TABLE] "},
+                                              {"{all}  ", "[=NAME]"}}};
+  for (const Choice& choice : choices)
+    for (auto at = help.find(choice.printed); at != std::string::npos; at = help.find(choice.printed, at))
+      help.replace(at, choice.printed.size(), choice.read);
   return help;
 }
 

@@ -46,8 +46,9 @@ struct RecordOptions {
   RigOptions rig;
   std::string environment;
   std::filesystem::path output = "recordings";
-  std::string licence;         // of the data; empty: not stated
-  std::string plan = "paper";  // paper, table-one, quick or a TOML file
+  std::string licence;                     // of the data; empty: not stated
+  std::string operator_name, place, note;  // of this recording; empty: not stated
+  std::string plan = "paper";              // paper, table-one, quick or a TOML file
   std::optional<int> frames_per_leg, valid_per_leg;
   int frames_per_window = 1;        // valid ones in a row that every speed must be able to give
   std::vector<double> speeds_dps;   // empty: the plan's own
@@ -82,7 +83,7 @@ inline constexpr std::array<std::string_view, 4> calibration_names{"bias", "late
 struct CalibrateOptions {
   rig::CalibrationKind kind = rig::CalibrationKind::bias;
   RecordOptions record;                         // how a session for it is recorded
-  std::vector<std::filesystem::path> sessions;  // empty: one is recorded
+  std::vector<std::filesystem::path> sessions;  // or folders that hold them; empty: one is recorded
   std::string save;                             // name or file of the profile to write; empty: that of --rig
   bool marks = false;                           // scale: turned between marks, the image is not asked
   std::optional<double> angle_deg;              // between the marks, default 360
@@ -103,9 +104,40 @@ struct SimulateOptions {
 };
 
 struct InspectOptions {
-  std::vector<std::filesystem::path> files;
+  std::vector<std::filesystem::path> paths;  // sessions, or folders that hold them
   bool check = false;
   bool timing = false;
+  bool json = false;
+};
+
+struct ListOptions {
+  std::vector<std::filesystem::path> paths{"recordings"};  // folders, or session files
+  std::vector<std::string> environments, plans, verdicts;  // only these; empty: all
+  bool simulated = false, real = false;                    // only these; neither: all
+  std::string sort = "environment";                        // date, verdict, valid
+  bool reverse = false;
+  bool json = false;
+};
+
+struct AnnotateOptions {
+  std::filesystem::path file;
+  std::optional<std::string> note, environment, exclude;  // one of these, or
+  bool undo = false;                                      // the last one is taken back
+  std::string reason;                                     // of an exclusion
+  bool json = false;
+};
+
+enum class DatasetAction : std::uint8_t { build, verify, split };
+
+struct DatasetOptions {
+  DatasetAction action = DatasetAction::build;
+  std::filesystem::path folder;
+  std::string title, description, licence, version = "1.0.0", url, date;  // date empty: today
+  std::vector<std::string> authors;
+  bool accept_bad = false;  // sessions whose verdict is bad
+  bool replace = false;     // the descriptions that are there
+  std::string environment;  // of the split that is asked for; empty: all
+  std::string part;         // training or test: only its paths
   bool json = false;
 };
 
@@ -115,7 +147,7 @@ struct RecoverOptions {
 };
 
 struct ReprocessOptions {
-  std::vector<std::filesystem::path> files;
+  std::vector<std::filesystem::path> paths;  // sessions, or folders that hold them
   std::string profile;  // name or file whose calibrations are applied, empty: the session's own
   bool json = false;
 };
@@ -172,8 +204,13 @@ struct EvaluateOptions {
 };
 
 struct ExportOptions {
-  std::filesystem::path model;
-  std::filesystem::path output = ".";  // folder
+  std::filesystem::path file;            // a session or a model
+  std::filesystem::path output = ".";    // folder; of a session also "-"
+  std::optional<std::string> npz;        // of a session: windows, rows
+  std::optional<int> frames, reduction;  // of its windows
+  std::optional<std::string> csv;        // a table of it
+  std::optional<std::string> tum;        // all its trajectories, or one by name
+  bool mcap = false;
   bool c_header = false;
   std::string weights = "float32";  // or int8
   std::string name = "thermorig_network";
@@ -187,7 +224,8 @@ struct VersionOptions {
 
 using Command = std::variant<RecordOptions, CalibrateOptions, PortsOptions, SimulateOptions, InspectOptions,
                              RecoverOptions, ReprocessOptions, DecodeOptions, TrainOptions, EvaluateOptions,
-                             ExportOptions, VersionOptions, LiveOptions, DoctorOptions>;
+                             ExportOptions, VersionOptions, LiveOptions, DoctorOptions, ListOptions,
+                             AnnotateOptions, DatasetOptions>;
 
 /// What the command line asks for.
 struct CommandLine {

@@ -10,6 +10,7 @@
 #include "print/output.h"
 #include "session_data.h"
 #include "thermorig/learning/dataset/dataset.h"
+#include "thermorig/storage/session/annotations.h"
 #include "thermorig/storage/session/session.h"
 
 namespace thermorig::app {
@@ -33,6 +34,9 @@ std::optional<LiveEvaluation> evaluate(const fs::path& path, bool accept_bad) {
   const network::Acquisition finished =
       dataset::acquisition_of(session, path.string(), dataset::Estimates::left_out);
   LiveEvaluation evaluated{.session = path.string(), .header = raw.header};
+  const session::Place place = session::place_of(session);
+  evaluated.header.environment = place.environment;
+  evaluated.header.acquisition = place.acquisition;
   evaluated.screen = scores_of(raw.estimates, raw.header);
   evaluated.finalised = live::finalised_rows(
       raw.estimates, finished, std::max(1, raw.header.live_model.frames), session.frame_period_s);

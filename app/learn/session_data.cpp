@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "print/output.h"
+#include "print/reading_progress.h"
 #include "thermorig/core/error.h"
 
 namespace thermorig::app {
@@ -16,15 +17,8 @@ namespace {
 namespace fs = std::filesystem;
 
 dataset::Acquisitions read_files(const std::vector<fs::path>& files, const SessionOptions& options) {
-  const bool told = !options.json && escapes_allowed(stdout);
-  const auto tell = [](std::size_t done, std::size_t all) {
-    print("\rreading sessions: {} of {}", done, all);
-    flush_output();
-  };
-  dataset::Acquisitions data = told ? dataset::read_acquisitions(files, options.estimates, tell)
-                                    : dataset::read_acquisitions(files, options.estimates);
-  if (told) print("\r\x1b[K");
-  return data;
+  const ReadingProgress progress(options.json);
+  return dataset::read_acquisitions(files, options.estimates, std::cref(progress));
 }
 
 std::vector<std::string> files_of(const std::vector<dataset::BadSession>& bad) {

@@ -9,12 +9,7 @@ namespace thermorig::app {
 namespace {
 
 void add_network(CLI::App& command, TrainOptions& options) {
-  command.add_option("--nf", options.frames, "Frames of a window, 2 to 6 (default 3)")
-      ->check(CLI::Range(2, 6))
-      ->type_name("N");
-  command.add_option("--nr", options.reduction, "Pixels are averaged N x N, 1 to 3 (default 1)")
-      ->check(CLI::Range(1, 3))
-      ->type_name("N");
+  add_window_shape(command, options.frames, options.reduction);
   command.add_flag("--fusion,!--thermal-only", options.fusion,
                    "With the gyro and its gate (default), or from the images alone");
 }
@@ -54,6 +49,15 @@ void add_settings(CLI::App& command, TrainOptions& options) {
 }
 
 }  // namespace
+
+void add_window_shape(CLI::App& command, std::optional<int>& frames, std::optional<int>& reduction) {
+  command.add_option("--nf", frames, "Frames of a window, 2 to 6 (default 3)")
+      ->check(CLI::Range(2, 6))
+      ->type_name("N");
+  command.add_option("--nr", reduction, "Pixels are averaged N x N, 1 to 3 (default 1)")
+      ->check(CLI::Range(1, 3))
+      ->type_name("N");
+}
 
 void add_train(CLI::App& root, TrainOptions& options) {
   CLI::App& command = *root.add_subcommand("train", "Train the fusion network on sessions");

@@ -11,9 +11,9 @@
 #include <random>
 
 #include "build_information.h"
-#include "print/base64.h"
 #include "print/number_json.h"
 #include "print/scores_json.h"
+#include "thermorig/core/base64.h"
 #include "thermorig/estimators/table.h"
 
 namespace thermorig::app {

@@ -30,4 +30,11 @@ int report(const Error& error, bool json) {
   return code;
 }
 
+nlohmann::json refused_file_json(const std::filesystem::path& file, const Error& error) {
+  return {{"file", file.string()},
+          {"exit_code", static_cast<int>(error.code())},
+          {"error", error.what_happened()},
+          {"advice", error.advice()}};
+}
+
 }  // namespace thermorig::app

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <filesystem>
+#include <nlohmann/json_fwd.hpp>
+
 #include "thermorig/core/error.h"
 
 namespace thermorig::app {
@@ -8,5 +11,8 @@ namespace thermorig::app {
 /// Prints what happened and what to try to standard error, with --json also as an "error" object on standard
 /// output. Returns the exit code.
 int report(const Error& error, bool json);
+
+/// A file that is refused, in an array of an object a file: `file`, `exit_code`, `error`, `advice`.
+nlohmann::json refused_file_json(const std::filesystem::path& file, const Error& error);
 
 }  // namespace thermorig::app

@@ -8,9 +8,11 @@
 #include <map>
 #include <nlohmann/json.hpp>
 
+#include "annotation_text.h"
 #include "decoded_text.h"
 #include "output.h"
 #include "speed_pairs.h"
+#include "thermorig/storage/session/annotations.h"
 #include "timing_text.h"
 
 namespace thermorig::app {
@@ -26,17 +28,29 @@ std::string origin(const RecordingHeader& header) {
   return fmt::format("SIMULATED ({}{})", seed, header.simulation);
 }
 
+nlohmann::json annotations_json(const Session& session) {
+  nlohmann::json list = nlohmann::json::array();
+  for (const Annotation& annotation : session.annotations) list.push_back(annotation_json(annotation));
+  return list;
+}
+
 std::string heading(const std::filesystem::path& path, const Session& session, const Quality& quality) {
   const RecordingHeader& header = session.raw.header;
   std::string text = printable(path.string()) + "\n";
   text += fmt::format("  session      {}, {}\n", session::name_of(session.state), printable(origin(header)));
-  text +=
-      fmt::format("  recorded     {} acquisition {}, {}, {}\n", printable(header.environment),
-                  header.acquisition, printable(header.start_time_utc), duration_text(quality.duration_s));
+  const session::Place place = session::place_of(session);
+  text += fmt::format("  recorded     {} acquisition {}, {}, {}\n", printable(place.environment),
+                      place.acquisition, printable(header.start_time_utc), duration_text(quality.duration_s));
   text +=
       fmt::format("  plan         {}, {} frames a leg\n", printable(header.plan_name), header.frames_per_leg);
   text += fmt::format("  made by      {} ({})\n", printable(header.creator), printable(header.creator_git));
   if (!header.licence.empty()) text += fmt::format("  licence      {}\n", printable(header.licence));
+  if (!header.operator_name.empty())
+    text += fmt::format("  operator     {}\n", printable(header.operator_name));
+  if (!header.place.empty()) text += fmt::format("  place        {}\n", printable(header.place));
+  if (!header.note.empty()) text += fmt::format("  note         {}\n", printable(header.note));
+  for (const Annotation& annotation : session.annotations)
+    text += fmt::format("  annotated    {}\n", printable(words_of(annotation)));
   if (!header.firmware.empty()) text += fmt::format("  servo        {}\n", printable(header.firmware));
   return text;
 }
@@ -103,14 +117,15 @@ nlohmann::json speeds_json(const Quality& quality) {
 
 nlohmann::json header_json(const RecordingHeader& header) {
   nlohmann::json object{{"uuid", header.uuid},
-                        {"environment", header.environment},
-                        {"acquisition", header.acquisition},
                         {"start_time", header.start_time_utc},
                         {"simulated", header.simulated},
                         {"simulation", header.simulation},
                         {"plan", header.plan_name},
                         {"frames_per_leg", header.frames_per_leg},
                         {"licence", header.licence},
+                        {"operator", header.operator_name},
+                        {"place", header.place},
+                        {"note", header.note},
                         {"creator", header.creator},
                         {"creator_git", header.creator_git},
                         {"servo_firmware", header.firmware}};
@@ -155,6 +170,10 @@ std::string text_of(const std::filesystem::path& path, const Session& session, c
 nlohmann::json inspected_json(const std::filesystem::path& path, const Session& session,
                               const Quality& quality) {
   nlohmann::json object = header_json(session.raw.header);
+  const session::Place place = session::place_of(session);
+  object["environment"] = place.environment;
+  object["acquisition"] = place.acquisition;
+  object["annotations"] = annotations_json(session);
   object["file"] = path.string();
   object["state"] = session::name_of(session.state);
   object["duration_s"] = quality.duration_s;

@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <optional>
 
-#include "existing_file.h"
+#include "sessions/session_files.h"
 #include "thermorig/core/error.h"
 #include "thermorig/storage/session/session.h"
 
@@ -98,7 +98,6 @@ class Collection {
   explicit Collection(const CalibrateOptions& options) : options_(options) {}
 
   void add(const std::filesystem::path& path) {
-    require_existing(path);
     const session::Session session = session::read_session(path);
     const RecordingHeader& header = session.raw.header;
     const auto is_same = [&](const Measured& known) { return known.header.uuid == header.uuid; };
@@ -146,7 +145,7 @@ class Collection {
 MeasuredSessions measure_sessions(const CalibrateOptions& options,
                                   const std::vector<std::filesystem::path>& paths) {
   Collection collection(options);
-  for (const auto& path : paths) collection.add(path);
+  for (const auto& path : session_files_at(paths)) collection.add(path);
   return collection.take();
 }
 

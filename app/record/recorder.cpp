@@ -100,13 +100,20 @@ rig::RecordingResult record_on_ports(rig::RecordingOptions recording, ProgressOu
   return page == nullptr ? drive() : told(*page, drive);
 }
 
+void require_line(const char* option, const std::string& text, const char* advice) {
+  if (text.empty() || recording_header::is_line(text)) return;
+  throw Error(ExitCode::bad_usage, fmt::format("{} is no line of up to 1000 bytes of UTF-8", option), "",
+              advice);
+}
+
 }  // namespace
 
 void check_recording_words(const RecordOptions& options) {
   rig::check_environment(options.environment);
-  if (!options.licence.empty() && !recording_header::is_licence(options.licence))
-    throw Error(ExitCode::bad_usage, "--licence is no line of up to 1000 bytes of UTF-8", "",
-                "name the licence: --licence CC-BY-4.0");
+  require_line("--licence", options.licence, "name the licence: --licence CC-BY-4.0");
+  require_line("--operator", options.operator_name, "a name is enough");
+  require_line("--place", options.place, "where the rig stands, e.g. --place 'room 2.11, window'");
+  require_line("--note", options.note, "one sentence; more with thermorig annotate");
   if (options.fast && !options.rig.simulated_seed)
     throw Error(ExitCode::bad_usage, "--fast is virtual time, which only the simulated rig has", "",
                 "--simulated=3 --fast, or leave --fast out");

@@ -51,6 +51,9 @@ rig::RecordingOptions recording_options(const RecordOptions& options, const Chos
   recording.output = options.output;
   recording.title = fmt::format("{}, plan {}", options.environment, plan.name);
   recording.licence = options.licence;
+  recording.operator_name = options.operator_name;
+  recording.place = options.place;
+  recording.note = options.note;
   recording.profile = rig.profile;
   recording.plan = plan;
   recording.sync = rig::sync_policy_from(options.sync);

@@ -6,6 +6,7 @@
 #include "commands.h"
 #include "existing_file.h"
 #include "export_files.h"
+#include "export_session.h"
 #include "export_size.h"
 #include "print/output.h"
 #include "thermorig/network/embedded/c_source.h"
@@ -19,8 +20,8 @@ void require_kind(const ExportOptions& options) {
   if (options.c_header || options.batch) return;
   throw Error(
       ExitCode::bad_usage, "export needs to be told what", "",
-      "--c-header for small boards, or --batch 1 for ONNX with a fixed batch; the model file itself is "
-      "ONNX with any batch");
+      "of a session --npz, --csv, --tum or --mcap; of a model --c-header for small boards, or --batch 1 for "
+      "ONNX with a fixed batch (the model file itself is ONNX with any batch)");
 }
 
 /// What the C sources take on a board.
@@ -41,7 +42,7 @@ std::vector<NewFile> c_files(const ExportOptions& options, const model::Model& m
 }
 
 NewFile onnx_file(const ExportOptions& options, const model::Model& model) {
-  const std::string name = fmt::format("{}-batch{}.onnx", options.model.stem().string(), *options.batch);
+  const std::string name = fmt::format("{}-batch{}.onnx", options.file.stem().string(), *options.batch);
   return {options.output / name, model::to_onnx(model, *options.batch)};
 }
 
@@ -64,7 +65,7 @@ void print_needs(const BoardNeeds& needs) {
 
 void print_words(const ExportOptions& options, const model::Model& model, const std::vector<NewFile>& files,
                  const BoardNeeds& needs) {
-  print("model     {}: {}\n", printable(options.model.string()), network_words(model));
+  print("model     {}: {}\n", printable(options.file.string()), network_words(model));
   for (const NewFile& file : files) print("written   {}\n", printable(file.path.string()));
   if (!options.c_header) return;
   print_needs(needs);
@@ -74,7 +75,7 @@ void print_words(const ExportOptions& options, const model::Model& model, const 
 void print_object(const ExportOptions& options, const model::Model& model, const std::vector<NewFile>& files,
                   const BoardNeeds& needs) {
   const network::Shape& shape = model.weights.shape;
-  nlohmann::json object{{"model", options.model.string()},
+  nlohmann::json object{{"model", options.file.string()},
                         {"frames", shape.frames},
                         {"reduction", shape.reduction},
                         {"fusion", shape.fusion},
@@ -99,9 +100,10 @@ void print_object(const ExportOptions& options, const model::Model& model, const
 }  // namespace
 
 ExitCode run(const ExportOptions& options) {
+  if (is_of_a_session(options)) return export_session(options);
   require_kind(options);
-  require_existing(options.model);
-  const model::Model model = model::read_model(options.model);
+  require_existing(options.file);
+  const model::Model model = model::read_model(options.file);
   BoardNeeds needs;
   std::vector<NewFile> files;
   if (options.c_header) files = c_files(options, model, needs);

@@ -5,7 +5,6 @@
 #include <span>
 
 #include "thermorig/core/error.h"
-#include "thermorig/io/files/part_file.h"
 
 namespace thermorig::app {
 
@@ -28,18 +27,27 @@ void require_absent(const std::filesystem::path& path) {
 
 }  // namespace
 
+void require_new(const std::filesystem::path& path) {
+  require_folder(path.parent_path());
+  require_absent(path);
+}
+
+ExportFile::ExportFile(const std::filesystem::path& path) : part_(path, "the export") {}
+
+void ExportFile::write(std::span<const std::byte> bytes) {
+  part_.write(bytes);
+}
+
+void ExportFile::publish() {
+  part_.sync();
+  part_.publish(false);
+}
+
 void write_new_files(const std::vector<NewFile>& files) {
-  for (const NewFile& file : files) {
-    require_folder(file.path.parent_path());
-    require_absent(file.path);
-  }
-  std::list<files::PartFile> parts;
-  for (const NewFile& file : files) {
-    parts.emplace_back(file.path, "the export");
-    parts.back().write(std::as_bytes(std::span(file.bytes)));
-    parts.back().sync();
-  }
-  for (files::PartFile& part : parts) part.publish(false);
+  for (const NewFile& file : files) require_new(file.path);
+  std::list<ExportFile> parts;
+  for (const NewFile& file : files) parts.emplace_back(file.path).write(std::string_view(file.bytes));
+  for (ExportFile& part : parts) part.publish();
 }
 
 }  // namespace thermorig::app

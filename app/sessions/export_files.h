@@ -5,7 +5,27 @@
 #include <string>
 #include <vector>
 
+#include "thermorig/io/files/part_file.h"
+#include "thermorig/learning/interchange/sink.h"
+
 namespace thermorig::app {
+
+/// Makes the folder of a file that is to be written, where it is missing. Throws Error(storage), also if
+/// there is something of that name: nothing is overwritten.
+void require_new(const std::filesystem::path& path);
+
+/// A file that is written bit by bit, and has its name once it is whole. All members throw Error(storage).
+class ExportFile final : public interchange::Sink {
+ public:
+  explicit ExportFile(const std::filesystem::path& path);
+
+  using Sink::write;
+  void write(std::span<const std::byte> bytes) override;
+  void publish();
+
+ private:
+  files::PartFile part_;
+};
 
 /// A file that is to be written.
 struct NewFile {

@@ -3,14 +3,16 @@
 
 #include "learning_options.h"
 #include "rig_options.h"
+#include "thermorig/learning/interchange/table.h"
 
 namespace thermorig::app {
 
-void add_export(CLI::App& root, ExportOptions& options) {
-  CLI::App& command = *root.add_subcommand("export", "Export a model for small boards and other programs");
-  command.add_option("MODEL", options.model, "Model file (.onnx)")->required();
-  CLI::Option* c_header = command.add_flag("--c-header", options.c_header,
-                                           "C99 sources for small boards: NAME.h, NAME.c and NAME_weights.h");
+namespace {
+
+void add_model_forms(CLI::App& command, ExportOptions& options) {
+  CLI::Option* c_header =
+      command.add_flag("--c-header", options.c_header,
+                       "Model: C99 sources for small boards: NAME.h, NAME.c and NAME_weights.h");
   command.add_option("--weights", options.weights, "Of the C sources: float32 or int8")
       ->check(CLI::IsMember({"float32", "int8"}))
       ->capture_default_str()
@@ -19,14 +21,47 @@ void add_export(CLI::App& root, ExportOptions& options) {
       ->type_name("NAME")
       ->capture_default_str()
       ->needs(c_header);
-  command.add_option("--batch", options.batch, "ONNX with a fixed batch of N, for engines that ask for one")
+  command
+      .add_option("--batch", options.batch,
+                  "Model: ONNX with a fixed batch of N, for engines that ask for one")
       ->check(CLI::Range(1, 65'536))
       ->type_name("N");
-  command.add_option("-o,--output", options.output, "Folder to write to")
+}
+
+void add_session_forms(CLI::App& command, ExportOptions& options) {
+  command
+      .add_flag("--npz{windows}", options.npz,
+                "Session: NumPy arrays of the windows that `train` sees; =rows: of the frames, a row each")
+      ->check(CLI::IsMember({"windows", "rows"}));
+  add_window_shape(command, options.frames, options.reduction);
+  command
+      .add_flag("--csv{samples}", options.csv,
+                "Session: a table with units in its header: samples, camera, gyro, servo, estimates, events")
+      ->check(one_of(interchange::table_names()));
+  command.add_flag("--tum{all}", options.tum,
+                   "Session: trajectories of the shaft and of each estimator, for evo; =NAME: one of them");
+  command.add_flag("--mcap", options.mcap, "Session: images, gyro, servo, labels and events for Foxglove");
+}
+
+}  // namespace
+
+void add_export(CLI::App& root, ExportOptions& options) {
+  CLI::App& command =
+      *root.add_subcommand("export", "Export a session or a model for other programs and small boards");
+  command.add_option("FILE", options.file, "Session (.h5) or model file (.onnx)")->required();
+  add_session_forms(command, options);
+  add_model_forms(command, options);
+  command
+      .add_option("-o,--output", options.output,
+                  "Folder to write to; of a session also - for standard output")
       ->type_name("DIR")
       ->default_str("the present one");
   add_json(command, options.json);
-  command.footer("Example:\n  thermorig export model.onnx --c-header --weights int8 -o firmware/src");
+  command.footer(
+      "Examples:\n"
+      "  thermorig export session.h5 --npz --nf 3 --mcap -o exported\n"
+      "  thermorig export session.h5 --csv=gyro -o - | head\n"
+      "  thermorig export model.onnx --c-header --weights int8 -o firmware/src");
 }
 
 }  // namespace thermorig::app

@@ -4,11 +4,11 @@
 #include <nlohmann/json.hpp>
 
 #include "commands.h"
-#include "existing_file.h"
 #include "print/error_output.h"
 #include "print/inspect_text.h"
 #include "print/output.h"
 #include "print/timing_text.h"
+#include "session_files.h"
 #include "thermorig/storage/journal/journal.h"
 #include "thermorig/storage/session/trial.h"
 
@@ -29,7 +29,6 @@ struct Inspected {
 };
 
 Inspected inspect(const std::filesystem::path& path) {
-  require_existing(path);
   refuse_journal(path);
   const sandbox::SealedCopy copy = session::tried_copy(path);
   session::Session session = session::read_session(copy);
@@ -55,38 +54,67 @@ ExitCode code_of(const Inspected& inspected) {
   return is_well ? ExitCode::ok : ExitCode::check_failed;
 }
 
-nlohmann::json error_json(const std::filesystem::path& path, const Error& error) {
-  return {{"file", path.string()},
-          {"exit_code", static_cast<int>(error.code())},
-          {"error", error.what_happened()},
-          {"advice", error.advice()}};
-}
+/// The sessions of a command, one after another.
+class Inspection {
+ public:
+  explicit Inspection(const InspectOptions& options) : options_(options) {}
+
+  /// A file or a folder.
+  void look_at(const std::filesystem::path& path) {
+    try {
+      for (const auto& file : session_files_at(path)) look_at_file(file);
+    } catch (const Error& error) {
+      refuse(path, error);
+    }
+  }
+
+  ExitCode end() const {
+    if (options_.json) print_json(list_);
+    return code_;
+  }
+
+ private:
+  void look_at_file(const std::filesystem::path& file) {
+    try {
+      tell(file, inspect(file));
+    } catch (const Error& error) {
+      refuse(file, error);
+    }
+  }
+
+  void tell(const std::filesystem::path& file, const Inspected& inspected) {
+    if (options_.check) take(code_of(inspected));
+    if (options_.json)
+      list_.push_back(object_of(file, inspected, options_.timing));
+    else
+      print("{}{}", is_first_ ? "" : "\n", words_of(file, inspected, options_.timing));
+    is_first_ = false;
+  }
+
+  void refuse(const std::filesystem::path& path, const Error& error) {
+    report(error, false);
+    list_.push_back(refused_file_json(path, error));
+    take(error.code());
+  }
+
+  void take(ExitCode code) {
+    if (code_ == ExitCode::ok) code_ = code;
+  }
+
+  const InspectOptions& options_;
+  ExitCode code_ = ExitCode::ok;
+  nlohmann::json list_ = nlohmann::json::array();
+  bool is_first_ = true;
+};
 
 }  // namespace
 
 /// Every file is looked at, also after one that is no session: the exit code is that of the first that is not
 /// well. With --json one array, an object a file.
 ExitCode run(const InspectOptions& options) {
-  ExitCode code = ExitCode::ok;
-  nlohmann::json list = nlohmann::json::array();
-  for (const auto& path : options.files) {
-    ExitCode result = ExitCode::ok;
-    try {
-      const Inspected inspected = inspect(path);
-      if (options.check) result = code_of(inspected);
-      if (options.json)
-        list.push_back(object_of(path, inspected, options.timing));
-      else
-        print("{}{}", path == options.files.front() ? "" : "\n", words_of(path, inspected, options.timing));
-    } catch (const Error& error) {
-      report(error, false);
-      list.push_back(error_json(path, error));
-      result = error.code();
-    }
-    if (code == ExitCode::ok) code = result;
-  }
-  if (options.json) print_json(list);
-  return code;
+  Inspection inspection(options);
+  for (const auto& path : options.paths) inspection.look_at(path);
+  return inspection.end();
 }
 
 }  // namespace thermorig::app

@@ -7,14 +7,15 @@
 #include <nlohmann/json.hpp>
 
 #include "commands.h"
-#include "existing_file.h"
 #include "print/inspect_text.h"
 #include "print/output.h"
 #include "record/profile_path.h"
+#include "session_files.h"
 #include "thermorig/core/statistics.h"
 #include "thermorig/rig/calibration/calibration.h"
 #include "thermorig/rig/profile/profile_file.h"
 #include "thermorig/rig/recording/finalise.h"
+#include "thermorig/storage/session/annotations.h"
 
 namespace thermorig::app {
 
@@ -24,10 +25,11 @@ namespace {
 struct State {
   session::Quality quality;
   std::vector<HostTime> times;  // of its frames
+  std::vector<Annotation> annotations;
 };
 
 State state_of(const session::Session& session) {
-  State state{session::quality_of(session), {}};
+  State state{session::quality_of(session), {}, session.annotations};
   for (const LabelledSample& sample : session.samples) state.times.push_back(sample.time);
   return state;
 }
@@ -66,10 +68,13 @@ struct MadeAgain {
   std::vector<std::string> left_out;
 };
 
-MadeAgain make_again(const std::filesystem::path& path, const std::optional<RigProfile>& calibrated) {
+MadeAgain make_again(const std::filesystem::path& path, const std::vector<Annotation>& annotations,
+                     const std::optional<RigProfile>& calibrated) {
   RawRecording raw = session::read_raw(path);
   if (calibrated) calibration::take_calibrations(*calibrated, raw.header.profile);
   MadeAgain made{rig::build_session(std::move(raw)), {}};
+  made.session.annotations = annotations;
+  session::apply_exclusions(made.session);
   made.left_out = session::replace_session(path, made.session);
   return made;
 }
@@ -110,10 +115,7 @@ std::string words_of(const std::vector<std::string>& calibrations) {
 
 /// Whether all can be made again, before the first one is.
 void check_files(const std::vector<std::filesystem::path>& files) {
-  for (const auto& path : files) {
-    require_existing(path);
-    session::read_raw(path);
-  }
+  for (const auto& path : files) session::read_raw(path);
 }
 
 }  // namespace
@@ -121,11 +123,12 @@ void check_files(const std::vector<std::filesystem::path>& files) {
 ExitCode run(const ReprocessOptions& options) {
   std::optional<RigProfile> calibrated;
   if (!options.profile.empty()) calibrated = read_named_profile(options.profile);
-  check_files(options.files);
+  const std::vector<std::filesystem::path> files = session_files_at(options.paths);
+  check_files(files);
   nlohmann::json list = nlohmann::json::array();
-  for (const auto& path : options.files) {
+  for (const auto& path : files) {
     const State before = state_of(session::read_session(path));
-    const MadeAgain made = make_again(path, calibrated);
+    const MadeAgain made = make_again(path, before.annotations, calibrated);
     const State after = state_of(made.session);
     list.push_back(object_of(path, before, after));
     list.back()["left_out"] = made.left_out;

@@ -13,7 +13,8 @@ using ::testing::HasSubstr;
 class CommandLine : public ProgramTest {};
 
 TEST_F(CommandLine, GivesHelpWithAnExampleForEveryCommand) {
-  for (const char* command : {"ports", "simulate", "record", "inspect", "recover", "reprocess", "decode"}) {
+  for (const char* command : {"ports", "simulate", "record", "list", "annotate", "dataset", "inspect",
+                              "recover", "reprocess", "decode"}) {
     const Outcome outcome = run(std::string(command) + " --help");
     EXPECT_EQ(outcome.code, 0) << command;
     EXPECT_THAT(outcome.out, HasSubstr("Example")) << command;

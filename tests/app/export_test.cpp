@@ -100,5 +100,46 @@ TEST_F(Export, RefusesFoldersThatCannotBeWrittenTo) {
   EXPECT_EQ(run("export model.onnx --c-header -o /proc").code, 7);
 }
 
+TEST_F(Export, MakesFilesOfASessionBesideEachOtherAndOverwritesNone) {
+  const std::string session = record_briefly().string();
+  const Outcome outcome = run("export " + session + " --npz --nf 2 --csv --tum --mcap -o made/of/it --json");
+  ASSERT_EQ(outcome.code, 0) << outcome.err;
+  const auto said = outcome.lines()[0];
+  EXPECT_EQ(said["simulated"], true);
+  std::string endings;
+  for (const std::string file : said["files"]) {
+    EXPECT_TRUE(std::filesystem::exists(folder() / file)) << file;
+    endings += file.substr(file.find("Z")) + " ";
+  }
+  EXPECT_EQ(endings,
+            "Z-nf2-nr1.npz Z-samples.csv Z-shaft.tum Z-gyro.tum Z-gyro-rest.tum Z-gyro-kalman.tum Z.mcap ");
+  EXPECT_TRUE(files(".part").empty());
+  const Outcome again = run("export " + session + " --npz=rows --mcap -o made/of/it");
+  EXPECT_EQ(again.code, 7);
+  EXPECT_THAT(again.err, HasSubstr("nothing is overwritten"));
+  EXPECT_EQ(files(".npz").size(), 1U);  // all or none
+}
+
+TEST_F(Export, WritesOneFormOfASessionToStandardOutput) {
+  const std::string session = record_briefly().string();
+  const Outcome outcome = run("export " + session + " --csv=gyro -o -");
+  ASSERT_EQ(outcome.code, 0) << outcome.err;
+  EXPECT_EQ(outcome.out.substr(0, 8), "time [s]");
+  EXPECT_EQ(run("export " + session + " --tum=shaft -o -").code, 0);
+  for (const char* words : {"--csv --mcap", "--tum", "--csv --json"})
+    EXPECT_EQ(run("export " + session + " " + words + " -o -").code, 2) << words;
+}
+
+TEST_F(Export, RefusesWordsThatDoNotGoTogether) {
+  const std::string session = record_briefly().string();
+  for (const std::string& words :
+       {session + " --csv=images", session + " --npz=all", session + " --tum=cnn-fusion",
+        session + " --csv --nf 3", session + " --npz=rows --nr 2", session + " --npz --batch 1", session,
+        std::string("missing.h5 --csv")})
+    EXPECT_EQ(run("export " + words).code, 2) << words;
+  EXPECT_EQ(run("export model.onnx --csv").code, 8);
+  EXPECT_EQ(run("export " + session + " --batch 1").code, 8);
+}
+
 }  // namespace
 }  // namespace thermorig::tests

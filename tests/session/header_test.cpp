@@ -142,6 +142,25 @@ TEST(Header, WithALicenceThatIsNoLineOfTextIsRefused) {
   }
 }
 
+TEST(Header, KeepsOperatorPlaceAndNoteWhereTheyAreStated) {
+  RecordingHeader header = sound_header();
+  const nlohmann::json without = nlohmann::json::parse(header_to_json_text(header));
+  for (const char* key : {"operator", "place", "note"}) EXPECT_FALSE(without.contains(key)) << key;
+  header.operator_name = "A. Person";
+  header.place = "room 2.11";
+  header.note = "the window was open, früh";
+  const RecordingHeader read = header_from_json_text(header_to_json_text(header), "test");
+  EXPECT_EQ(read.operator_name, header.operator_name);
+  EXPECT_EQ(read.place, header.place);
+  EXPECT_EQ(read.note, header.note);
+  for (std::string RecordingHeader::*said :
+       {&RecordingHeader::operator_name, &RecordingHeader::place, &RecordingHeader::note}) {
+    RecordingHeader bad = header;
+    bad.*said = "two\nlines";
+    EXPECT_THROW(header_to_json_text(bad), Error);
+  }
+}
+
 TEST(Header, WithTimesBeyondAnyClockIsRefused) {
   const auto refused = [](auto change) {
     RecordingHeader header = sound_header();

@@ -24,7 +24,9 @@ struct RecordingHeader {
   std::string environment;  // [a-z0-9-]{1,32}
   int acquisition = 0;      // number within the environment, from 1
   std::string title;
-  std::string licence;                  // of the data, as its owner states it; empty: not stated
+  std::string licence;  // of the data, as its owner states it; empty: not stated
+  std::string operator_name, place,
+      note;                             // who recorded it, where it stood, what is to be known; may be empty
   std::string start_time_utc;           // ISO 8601 with microseconds and Z, taken at `time_reference`
   HostTime time_reference{};            // host clock value that stands for second 0 of the session
   std::int64_t realtime_offset_ns = 0;  // CLOCK_REALTIME - CLOCK_MONOTONIC at the start

@@ -6,9 +6,9 @@
 
 #include "data_hash.h"
 #include "rates_without_network.h"
-#include "session_name.h"
 #include "thermorig/learning/dataset/dataset.h"
 #include "thermorig/network/soundness.h"
+#include "thermorig/storage/session/annotations.h"
 
 namespace thermorig::dataset {
 
@@ -46,9 +46,10 @@ void append_samples(Acquisition& acquisition, const session::Session& session) {
 
 Acquisition acquisition_of(const session::Session& session, const std::string& name, Estimates estimates) {
   const RecordingHeader& header = session.raw.header;
+  const session::Place place = session::place_of(session);
   Acquisition acquisition{.name = name,
-                          .environment = header.environment,
-                          .number = header.acquisition,
+                          .environment = place.environment,
+                          .number = place.acquisition,
                           .simulated = header.simulated,
                           .licence = header.licence.empty() ? "not stated" : header.licence};
   append_samples(acquisition, session);
@@ -58,8 +59,9 @@ Acquisition acquisition_of(const session::Session& session, const std::string& n
   return acquisition;
 }
 
-std::string name_of(const RecordingHeader& header) {
-  return fmt::format("{}_acq-{:02}", header.environment, header.acquisition);
+std::string name_of(const session::Session& session) {
+  const session::Place place = session::place_of(session);
+  return fmt::format("{}_acq-{:02}", place.environment, place.acquisition);
 }
 
 }  // namespace thermorig::dataset

@@ -28,10 +28,9 @@ std::vector<fs::path> each_once(std::vector<fs::path> files) {
               "change its permissions, or name the session files themselves");
 }
 
-/// What lies in the folders: sessions, and the first journal that waits to be made one.
+/// What lies in the folders: sessions, and journals that wait to be made some.
 struct Found {
-  std::vector<fs::path> sessions;
-  fs::path journal;
+  std::vector<fs::path> sessions, journals;
 };
 
 void search(const fs::path& folder, Found& found) {
@@ -41,8 +40,7 @@ void search(const fs::path& folder, Found& found) {
     std::error_code broken_link;
     if (!entry->is_regular_file(broken_link)) continue;
     if (entry->path().extension() == ".h5") found.sessions.push_back(entry->path());
-    if (entry->path().extension() == ".journal" && (found.journal.empty() || entry->path() < found.journal))
-      found.journal = entry->path();
+    if (entry->path().extension() == ".journal") found.journals.push_back(entry->path());
   }
   if (failure) refuse_folder(folder, failure.message());
 }
@@ -59,23 +57,32 @@ void add_path(const fs::path& path, Found& found) {
     found.sessions.push_back(path);
 }
 
-[[noreturn]] void refuse_without_sessions(const fs::path& place, const fs::path& journal) {
+Found found_at(const std::vector<fs::path>& paths) {
+  Found found;
+  for (const fs::path& path : paths) add_path(path, found);
+  return found;
+}
+
+[[noreturn]] void refuse_without_sessions(const fs::path& place, const std::vector<fs::path>& journals) {
   throw Error(ExitCode::bad_usage,
-              journal.empty() ? "there is no session (.h5) in it"
-                              : "there is no session (.h5) in it, but a journal of which one can be made",
+              journals.empty() ? "there is no session (.h5) in it"
+                               : "there is no session (.h5) in it, but a journal of which one can be made",
               place.string(),
-              journal.empty()
+              journals.empty()
                   ? "record some: thermorig record --simulated --fast --environment garden --plan table-one"
-                  : "thermorig recover " + journal.string());
+                  : "thermorig recover " + std::min_element(journals.begin(), journals.end())->string());
 }
 
 }  // namespace
 
 std::vector<fs::path> find_sessions(const std::vector<fs::path>& paths) {
-  Found found;
-  for (const fs::path& path : paths) add_path(path, found);
-  if (found.sessions.empty()) refuse_without_sessions(paths.empty() ? "" : paths.front(), found.journal);
+  Found found = found_at(paths);
+  if (found.sessions.empty()) refuse_without_sessions(paths.empty() ? "" : paths.front(), found.journals);
   return each_once(std::move(found.sessions));
+}
+
+std::vector<fs::path> find_journals(const std::vector<fs::path>& paths) {
+  return each_once(found_at(paths).journals);
 }
 
 }  // namespace thermorig::dataset

@@ -39,6 +39,9 @@ RecordingHeader make_header(const RecordingOptions& options, HostTime now) {
   header.environment = options.environment;
   header.title = options.title;
   header.licence = options.licence;
+  header.operator_name = options.operator_name;
+  header.place = options.place;
+  header.note = options.note;
   header.time_reference = now;
   header.realtime_offset_ns = realtime_offset_ns(options, now);
   header.start_time_utc = io::utc_text(now, header.realtime_offset_ns);

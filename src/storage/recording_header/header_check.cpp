@@ -13,11 +13,6 @@ namespace {
 
 constexpr int most_frames = 100;  // of any network's window
 
-bool is_environment_name(const std::string& name) {
-  const auto allowed = [](char c) { return (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || c == '-'; };
-  return !name.empty() && name.size() <= 32 && std::all_of(name.begin(), name.end(), allowed);
-}
-
 bool is_within(double value, double least, double most) {
   return value >= least && value <= most;
 }
@@ -49,11 +44,19 @@ bool estimators_are_sound(const std::vector<EstimatorColumn>& estimators) {
 
 }  // namespace
 
+bool is_environment_name(const std::string& name) {
+  const auto allowed = [](char c) { return (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || c == '-'; };
+  return !name.empty() && name.size() <= 32 && std::all_of(name.begin(), name.end(), allowed);
+}
+
 std::optional<std::string> problem_of(const RecordingHeader& header) {
   if (!is_environment_name(header.environment))
     return "the environment's name is not made of 1 to 32 of a-z, 0-9 and '-'";
-  if (!header.licence.empty() && !is_licence(header.licence))
+  if (!header.licence.empty() && !is_line(header.licence))
     return "the licence of the data is no line of up to 1000 bytes of UTF-8";
+  for (const std::string& said : {header.operator_name, header.place, header.note})
+    if (!said.empty() && !is_line(said))
+      return "its operator, place or note is no line of up to 1000 bytes of UTF-8";
   if (!is_reference(header.time_reference)) return "it counts from a time that no host's clock shows";
   if (header.acquisition < 0 || header.frames_per_leg < 0)
     return "the acquisition number or the frames of a leg are negative";

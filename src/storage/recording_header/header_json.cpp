@@ -136,6 +136,9 @@ void header_keys(const Keys& keys, Header& header) {
 void to_json(nlohmann::json& out, const RecordingHeader& header) {
   header_keys(Writer{out}, header);
   if (!header.licence.empty()) out["licence"] = header.licence;
+  if (!header.operator_name.empty()) out["operator"] = header.operator_name;
+  if (!header.place.empty()) out["place"] = header.place;
+  if (!header.note.empty()) out["note"] = header.note;
   if (!header.live_model.name.empty()) out["live_model"] = header.live_model;
   if (!header.estimators.empty()) out["estimators"] = header.estimators;
 }
@@ -143,6 +146,9 @@ void from_json(const nlohmann::json& in, RecordingHeader& header) {
   const Reader keys{in};
   header_keys(keys, header);
   keys.later("licence", header.licence);
+  keys.later("operator", header.operator_name);
+  keys.later("place", header.place);
+  keys.later("note", header.note);
   keys.later("live_model", header.live_model);
   keys.later("estimators", header.estimators);
 }
@@ -151,8 +157,8 @@ namespace recording_header {
 
 namespace {
 
-constexpr std::size_t longest_licence = 1000;  // bytes
-constexpr int depth_max = 16;                  // a header has five levels
+constexpr std::size_t longest_line = 1000;  // bytes
+constexpr int depth_max = 16;               // a header has five levels
 
 /// What lies deeper is dropped while it is read: the library's other functions go down by recursion.
 bool is_shallow(int depth, json::parse_event_t, json&) {
@@ -169,10 +175,10 @@ std::string without_library_name(std::string_view message) {
 
 }  // namespace
 
-bool is_licence(std::string_view text) {
+bool is_line(std::string_view text) {
   const auto is_control = [](char c) { return (c >= 0 && c < ' ') || c == 127; };
-  return !text.empty() && text.size() <= longest_licence &&
-         std::none_of(text.begin(), text.end(), is_control) && is_utf8(text);
+  return !text.empty() && text.size() <= longest_line && std::none_of(text.begin(), text.end(), is_control) &&
+         is_utf8(text);
 }
 
 std::string header_to_json_text(const RecordingHeader& header, ProfileAndPlan place) {

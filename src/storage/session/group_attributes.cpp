@@ -12,6 +12,7 @@
 #include "sync_attributes.h"
 #include "thermorig/core/validity.h"
 #include "thermorig/sensors/wire/counter_names.h"
+#include "thermorig/storage/session/annotations.h"
 
 namespace thermorig::session {
 
@@ -106,6 +107,8 @@ void write_root_attributes(hid_t root, const Session& session) {
   set_attribute(root, "kernel", header.kernel);
   set_attribute(root, "HDF5_Version", hdf5_version());
   set_attribute(root, "Conventions", "CF-1.10");
+  if (!header.operator_name.empty()) set_attribute(root, "operator", header.operator_name);
+  if (!header.note.empty()) set_attribute(root, "note", header.note);
   set_attribute(root, "license", header.licence.empty() ? licence_not_stated : header.licence);
   set_attribute(root, "scalars_crc32", scalars_crc32(session, header_text(header), format_version));
 }
@@ -153,9 +156,11 @@ void write_estimates_attributes(hid_t group, const Session& session) {
 void write_environment_attributes(hid_t group, const Session& session) {
   const auto& header = session.raw.header;
   set_attribute(group, "NX_class", "NXenvironment");
-  set_attribute(group, "name", header.environment);
-  set_attribute(group, "difficulty", difficulty_of(header.environment));
-  set_attribute(group, "acquisition_number", header.acquisition);
+  const Place place = place_of(session);
+  set_attribute(group, "name", place.environment);
+  set_attribute(group, "difficulty", difficulty_of(place.environment));
+  set_attribute(group, "acquisition_number", place.acquisition);
+  if (!header.place.empty()) set_attribute(group, "place", header.place);
 }
 
 void write_rig_attributes(hid_t group, const Session& session) {

@@ -60,6 +60,7 @@ std::uint32_t scalars_crc32(const Session& session, const std::string& header_te
   if (version >= with_sync_report) text += sync_text(session.sync, version);
   // So that a file whose /estimates is damaged is not taken for one that never had any.
   if (!session.raw.estimates.empty()) text += fmt::format(" {}", session.raw.estimates.size());
+  if (!session.annotations.empty()) text += fmt::format(" annotations {}", session.annotations.size());
   // So that nobody takes it for a file of a version that had no check sums of other attributes.
   if (version >= with_attribute_sums)
     text += version.major == 1 ? fmt::format(" {}", version.minor) : fmt::format(" {}", version.text());

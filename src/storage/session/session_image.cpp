@@ -6,6 +6,7 @@
 #include <array>
 #include <cstring>
 
+#include "annotation_columns.h"
 #include "attributes.h"
 #include "chunk_codec.h"
 #include "chunk_writer.h"
@@ -69,6 +70,7 @@ class ImageBuilder {
     write_samples();
     if (!session_.raw.estimates.empty()) write_estimates();
     write_events();
+    if (!session_.annotations.empty()) write_annotations();
     write_texts();
     auto quality = write_quality();
     write_raw();
@@ -141,6 +143,11 @@ class ImageBuilder {
   void write_events() {
     auto events = group("/events");
     event_columns(events, session_.raw.events);
+  }
+
+  void write_annotations() {
+    auto annotations = group("/annotations");
+    annotation_columns(annotations, session_.annotations);
   }
 
   void write_texts() {

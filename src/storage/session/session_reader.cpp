@@ -8,6 +8,7 @@
 #include <optional>
 #include <set>
 
+#include "annotation_columns.h"
 #include "attributes.h"
 #include "estimate_columns.h"
 #include "file_image.h"
@@ -26,6 +27,7 @@
 #include "thermorig/sensors/wire/counter_names.h"
 #include "thermorig/storage/recording_header/header_json.h"
 #include "thermorig/storage/sandbox/refusal.h"
+#include "thermorig/storage/session/annotations.h"
 #include "thermorig/storage/session/session.h"
 #include "thermorig/storage/session/trial.h"
 
@@ -110,7 +112,7 @@ class SessionFile {
     if (!has_attribute(id(), "license")) return "";
     std::string licence = get_text_attribute(id(), "license");
     if (licence.empty() || licence == licence_not_stated) return "";
-    if (!recording_header::is_licence(licence))
+    if (!recording_header::is_line(licence))
       sandbox::refuse(path_, "has an attribute `license` that is no line of up to 1000 bytes of UTF-8");
     return licence;
   }
@@ -269,11 +271,24 @@ void check_samples(const Session& session) {
   if (!good) throw Hdf5Failure("believe /samples/frame: the samples are not one a frame, in order");
 }
 
+/// What was said of it afterwards; most sessions have none.
+std::vector<Annotation> read_annotations(const SessionFile& file) {
+  std::vector<Annotation> annotations;
+  if (!file.has_group("/annotations")) return annotations;
+  auto group = file.group("/annotations");
+  annotation_columns(group, annotations);
+  for (const Annotation& annotation : annotations)
+    if (const auto problem = problem_of(annotation)) throw Hdf5Failure("believe /annotations: " + *problem);
+  return annotations;
+}
+
 /// The session without what was decoded.
 Session read_foundation(SessionFile& file) {
   Session session;
   session.raw = read_recording(file);
   read_scalars(file, session);
+  session.annotations = read_annotations(file);
+  session.format_major = file.version().major;
   if (file.version() >= with_sync_report) read_sync_scalars(file, session.sync);
   if (get_attribute<std::uint32_t>(file.id(), "scalars_crc32") !=
       scalars_crc32(session, file.header_text(), file.version()))

@@ -22,6 +22,10 @@ enum class Estimates : std::uint8_t { left_out, made };
 network::Acquisition acquisition_of(const session::Session& session, const std::string& name,
                                     Estimates estimates = Estimates::made);
 
+/// "<environment>_acq-<number>", as the file is named but for the time: a simulated session that is recorded
+/// again has the same name.
+std::string name_of(const session::Session& session);
+
 /// Reads a session file; the name is "<environment>_acq-<number>". Throws Error(not_a_session) as
 /// session::read_session does.
 network::Acquisition read_acquisition(const std::filesystem::path& path);
@@ -29,6 +33,10 @@ network::Acquisition read_acquisition(const std::filesystem::path& path);
 /// The session files (.h5) that the paths name: files as they are, folders searched to any depth; sorted,
 /// each once. Throws Error(bad_usage) for a path that does not exist and where nothing is found.
 std::vector<std::filesystem::path> find_sessions(const std::vector<std::filesystem::path>& paths);
+
+/// The journals in the folders among the paths; sorted, each once. Throws as find_sessions() does, but not
+/// where nothing is found.
+std::vector<std::filesystem::path> find_journals(const std::vector<std::filesystem::path>& paths);
 
 /// A session whose verdict is bad, and why.
 struct BadSession {
@@ -39,6 +47,9 @@ struct BadSession {
 /// What the verdict has against a session; none: it is good or usable.
 std::optional<BadSession> bad_session(const session::Session& session, const std::filesystem::path& file);
 
+/// Is told of each file that was read, one at a time: how many were, of how many.
+using ReadingProgress = std::function<void(std::size_t done, std::size_t all)>;
+
 /// What files hold for training and evaluation.
 struct Acquisitions {
   std::vector<network::Acquisition> acquisitions;      // sorted by environment, number, name
@@ -46,9 +57,8 @@ struct Acquisitions {
   std::vector<BadSession> bad;                         // not left out; in the order of the files
 };
 
-/// Reads all of them, on all cores; `progress` is told of each finished file, one at a time. Throws
-/// Error(not_a_session) also where two files hold the same recording.
+/// Reads all of them, on all cores. Throws Error(not_a_session) also where two files hold the same recording.
 Acquisitions read_acquisitions(const std::vector<std::filesystem::path>& files, Estimates estimates,
-                               const std::function<void(std::size_t done, std::size_t all)>& progress = {});
+                               const ReadingProgress& progress = {});
 
 }  // namespace thermorig::dataset

@@ -39,7 +39,8 @@ struct RecordingOptions {
   std::string environment;
   std::filesystem::path output = "recordings";
   std::string title;
-  std::string licence;  // of the data; empty: not stated
+  std::string licence;                     // of the data; empty: not stated
+  std::string operator_name, place, note;  // as in the header
   RigProfile profile;
   SweepPlan plan;
   bool simulated = false;

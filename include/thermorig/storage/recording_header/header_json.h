@@ -8,8 +8,12 @@
 
 namespace thermorig::recording_header {
 
-/// A licence of data is a name ("CC-BY-4.0"), an address or a sentence: a line of 1 to 1000 bytes of UTF-8.
-bool is_licence(std::string_view text);
+/// What people state of their data is a name ("CC-BY-4.0"), an address or a sentence: a line of 1 to 1000
+/// bytes of UTF-8.
+bool is_line(std::string_view text);
+
+/// 1 to 32 of a-z, 0-9 and '-'.
+bool is_environment_name(const std::string& name);
 
 /// Whether profile and plan are part of the text, as in journals and in sessions before format 2.0.
 enum class ProfileAndPlan { in_header, elsewhere };

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "thermorig/core/annotation.h"
 #include "thermorig/core/raw_recording.h"
 #include "thermorig/core/sample.h"
 #include "thermorig/core/sync.h"
@@ -29,10 +30,12 @@ struct Session {
   std::vector<TimedPong> pongs;
   std::vector<LabelledSample> samples;  // one a frame, same order
   PerDevice<wire::Counters> counters;
-  double settle_s = 0.2;        // of the label rule
-  std::string camera_mode;      // "half-fresh" or "full-fresh"
-  double frame_period_s = 0.0;  // measured
-  SyncReport sync;              // clocks, camera offset, gyro errors, servo response
+  double settle_s = 0.2;                // of the label rule
+  std::string camera_mode;              // "half-fresh" or "full-fresh"
+  double frame_period_s = 0.0;          // measured
+  SyncReport sync;                      // clocks, camera offset, gyro errors, servo response
+  std::vector<Annotation> annotations;  // made afterwards, in order; their exclusions are in `samples`
+  unsigned format_major = 2;            // of the file that it was read from
 };
 
 /// Figures of `/quality`, computed from a session; also what `inspect` prints.

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-#include "base64.h"
+#include "thermorig/core/base64.h"
 
-namespace thermorig::app {
+namespace thermorig {
 
 std::string base64(std::span<const std::uint8_t> bytes) {
   constexpr const char* digits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
@@ -18,4 +18,4 @@ std::string base64(std::span<const std::uint8_t> bytes) {
   return text;
 }
 
-}  // namespace thermorig::app
+}  // namespace thermorig

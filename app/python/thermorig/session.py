@@ -1,0 +1,293 @@
+# SPDX-License-Identifier: MIT
+"""One session file."""
+
+from __future__ import annotations
+
+import datetime
+import hashlib
+import json
+import math
+import os
+from functools import cached_property
+from typing import Any, NamedTuple
+
+import h5py
+import numpy as np
+from numpy.typing import NDArray
+
+LABELS = ("rate_commanded", "rate_shaft")
+PIXELS_C = (-60.0, 400.0)  # beyond them a pixel is no temperature
+MARK = 10  # of /events/kind
+NOTE, ENVIRONMENT = 0, 1  # of /annotations/kind
+FASTEST_DPS = 10_000.0  # beyond it a rate is none
+
+
+class NotASession(ValueError):
+    """The file is no session of thermorig, or of a format that this package does not read."""
+
+
+class BadSession(ValueError):
+    """The session's verdict is bad."""
+
+
+class Estimate(NamedTuple):
+    """A figure and its standard deviation."""
+
+    value: float
+    uncertainty: float
+
+
+class Session:
+    """A session file, open for reading. Everything is read when it is asked for, and kept.
+
+    `file` is the file itself, for whatever has no name here: `session.file["servo/angle_commanded"][:]`.
+    Raises NotASession, and OSError for a file that cannot be opened.
+    """
+
+    def __init__(self, path: str | os.PathLike[str]) -> None:
+        self.path = os.fspath(path)
+        self.file = h5py.File(self.path, "r")
+        try:
+            self._require_format()
+            self._header: dict[str, Any] = json.loads(self.file["rig"].attrs["header_json"])
+        except Exception:
+            self.file.close()
+            raise
+
+    def _require_format(self) -> None:
+        if self.file.attrs.get("format") != "thermorig-session":
+            raise NotASession(f"{self.path}: is no session of thermorig")
+        version = str(self.file.attrs["format_version"])
+        if version.split(".")[0] != "2":
+            raise NotASession(
+                f"{self.path}: is a session of format {version}, this package reads format 2: thermorig reprocess "
+                f"{self.path}")
+
+    def close(self) -> None:
+        self.file.close()
+
+    def __enter__(self) -> Session:
+        return self
+
+    def __exit__(self, *exception: object) -> None:
+        self.close()
+
+    def __repr__(self) -> str:
+        return f"<thermorig.Session {self.name}{', simulated' if self.simulated else ''}: {self.path}>"
+
+    # What it is.
+
+    @property
+    def environment(self) -> str:
+        """Where it belongs: as it was recorded, or as `annotate --environment` said later."""
+        return self._place[0]
+
+    @property
+    def acquisition(self) -> int:
+        """Its number within the environment, from 1."""
+        return self._place[1]
+
+    @cached_property
+    def _place(self) -> tuple[str, int]:
+        for kind, text, acquisition in reversed(self._annotations):
+            if kind == ENVIRONMENT:
+                return text, acquisition
+        return str(self._header["environment"]), int(self._header["acquisition"])
+
+    @property
+    def _annotations(self) -> list[tuple[int, str, int]]:
+        if "annotations" not in self.file:
+            return []
+        group = self.file["annotations"]
+        return [(int(kind), text.decode(), int(number))
+                for kind, text, number in zip(group["kind"][:], group["text"][:], group["acquisition"][:])]
+
+    @property
+    def operator(self) -> str | None:
+        return self._header.get("operator")
+
+    @property
+    def place(self) -> str | None:
+        """Where exactly the rig stood."""
+        return self._header.get("place")
+
+    @property
+    def notes(self) -> list[str]:
+        """That of the recording, the operator's marks, and those of `annotate`."""
+        first = [str(self._header["note"])] if "note" in self._header else []
+        events = self.file["events"]
+        marks = [text.decode() for kind, text in zip(events["kind"][:], events["message"][:]) if kind == MARK]
+        return first + marks + [text for kind, text, _ in self._annotations if kind == NOTE]
+
+    @property
+    def name(self) -> str:
+        """`garden_acq-01`: the name under which trainings and studies know it."""
+        return f"{self.environment}_acq-{self.acquisition:02}"
+
+    @property
+    def uuid(self) -> str:
+        return str(self._header["uuid"])
+
+    @property
+    def start(self) -> datetime.datetime:
+        """When second 0 was, in UTC."""
+        return datetime.datetime.fromisoformat(str(self._header["start_time_utc"]).replace("Z", "+00:00"))
+
+    @property
+    def simulated(self) -> bool:
+        return bool(self._header["simulated"])
+
+    @property
+    def world(self) -> str | None:
+        """Of a simulated rig, how hard it was: `honest`, `hard,gyro.bandwidth_hz=20`; None: real, or not known."""
+        _, found, world = str(self._header.get("simulation", "")).rpartition(", world ")
+        return world if found and self.simulated else None
+
+    @property
+    def plan(self) -> str:
+        return str(self._header["plan_name"])
+
+    @property
+    def for_calibration(self) -> bool:
+        """Was it recorded for a calibration? `train` leaves such sessions out."""
+        return "\nfor_calibration = true\n" in self.file["rig/plan_toml"][()].decode()
+
+    @property
+    def licence(self) -> str | None:
+        licence = str(self.file.attrs.get("license", ""))
+        return None if licence in ("", "not stated") else licence
+
+    @property
+    def verdict(self) -> str:
+        """`good`, `usable` or `bad`."""
+        return str(self.file["quality"].attrs["verdict"])
+
+    @property
+    def verdict_reasons(self) -> list[str]:
+        return [str(reason) for reason in self.file["quality"].attrs.get("verdict_reasons", [])]
+
+    # Frames. A row a frame, N of them.
+
+    def __len__(self) -> int:
+        return int(self.file["samples/time"].shape[0])
+
+    def column(self, name: str) -> NDArray[Any]:
+        """A column of /samples, a row a frame: `rate_commanded`, `reason_bits`, `leg`, ..."""
+        return np.asarray(self.file["samples"][name][:])
+
+    def label(self, name: str = "rate_commanded") -> NDArray[np.float32]:
+        """Speed in deg/s, NaN where it is not known. `rate_commanded` is what was commanded, and what `train`
+        learns; `rate_shaft` is what the servo model makes of it. Both are means over the frame's exposure."""
+        if name not in LABELS:
+            raise ValueError(f"there is no label {name!r}: {' or '.join(LABELS)}")
+        return self.column(name)
+
+    @cached_property
+    def gyro_dps(self) -> NDArray[np.float32]:
+        """(N) mean of the gyro over each frame's exposure, about the servo's axis. Its bias is in it."""
+        return self.column("rate_gyro")
+
+    @cached_property
+    def middle_s(self) -> NDArray[np.float64]:
+        """(N) seconds since `start` in the middle of the exposure of each frame's newest half: `/samples/time`."""
+        return self.column("time")
+
+    @cached_property
+    def exposure_begin_s(self) -> NDArray[np.float64]:
+        """(N) begin of the exposure of the older half. Labels and gyro means are over begin to end."""
+        return self.column("exposure_begin")
+
+    @cached_property
+    def exposure_end_s(self) -> NDArray[np.float64]:
+        """(N) end of the exposure of the newest half: `/camera/time`."""
+        return self.column("exposure_end")
+
+    @cached_property
+    def frames_c(self) -> NDArray[np.float32]:
+        """(N, 24, 32) degrees Celsius, as the camera sent them; that is what networks are fed with."""
+        return np.asarray(self.file["camera/temperature"][:])
+
+    @property
+    def mirrored(self) -> bool:
+        """Is what the camera sends a mirror image of the scene?"""
+        return bool(self.file["rig/profile/camera"].attrs["mirrored"])
+
+    @property
+    def upright_c(self) -> NDArray[np.float32]:
+        """(N, 24, 32) as somebody beside the camera sees the scene: for people, not for networks of `train`."""
+        return self.frames_c[:, :, ::-1] if self.mirrored else self.frames_c
+
+    @cached_property
+    def valid(self) -> NDArray[np.bool_]:
+        """(N) is there no reason against the frame?"""
+        return self.column("valid") == 1
+
+    @cached_property
+    def run(self) -> NDArray[np.uint32]:
+        """(N) unbroken run of valid frames, from 1; 0: in none. As `train` takes it: also 0 where label, gyro
+        mean or a pixel is no sound number, whatever the file says."""
+        run = np.where(self.valid, self.column("run"), 0).astype(np.uint32)
+        with np.errstate(invalid="ignore"):
+            sound = np.abs(self.label()) <= FASTEST_DPS
+            sound &= np.abs(self.gyro_dps) <= FASTEST_DPS
+            pixels = self.frames_c.reshape(len(self), -1)
+            sound &= ((pixels >= PIXELS_C[0]) & (pixels <= PIXELS_C[1])).all(axis=1)
+        run[~sound] = 0
+        return run
+
+    @cached_property
+    def leg_dps(self) -> NDArray[np.float32]:
+        """(N) speed that the leg of the frame was to have; 0 outside legs."""
+        rates = dict(zip(self.file["servo/step_leg"][:].tolist(), self.file["servo/step_rate"][:].tolist()))
+        rates[0] = 0.0
+        return np.array([rates.get(leg, 0.0) for leg in self.column("leg").tolist()], np.float32)
+
+    def reasons(self, frame: int) -> list[str]:
+        """Names of what stands against a frame: `["servo_ramp", "leg_change"]`."""
+        column = self.file["samples/reason_bits"]
+        names = str(column.attrs["flag_meanings"]).split()
+        return [name for mask, name in zip(column.attrs["flag_masks"], names) if int(column[frame]) & int(mask)]
+
+    # The gyro's errors: rate_gyro = scale * true rate + bias.
+
+    @property
+    def gyro_bias_dps(self) -> Estimate | None:
+        """Of this recording, from its rests; None: it has none. Nothing in the file is corrected for it."""
+        return self._estimate("gyro_bias_dps", "gyro_bias_uncertainty_dps")
+
+    @property
+    def gyro_scale(self) -> Estimate:
+        """Calibrated, or else 1 with the uncertainty of a data sheet."""
+        scale = self._estimate("gyro_scale", "gyro_scale_uncertainty")
+        return scale if scale else Estimate(1.0, math.nan)
+
+    def _estimate(self, value: str, uncertainty: str) -> Estimate | None:
+        attributes = self.file["sync"].attrs
+        found = Estimate(float(attributes[value]), float(attributes[uncertainty]))
+        return None if math.isnan(found.value) else found
+
+    # Beyond frames.
+
+    def table(self, group: str = "samples") -> dict[str, NDArray[Any]]:
+        """The columns of a group that have a value a row, for pandas: `pandas.DataFrame(session.table("gyro"))`."""
+        rows = self.file[group]["time"].shape
+        return {name: np.asarray(column[:]) for name, column in self.file[group].items()
+                if isinstance(column, h5py.Dataset) and column.shape == rows}
+
+    @cached_property
+    def data_hash(self) -> str:
+        """SHA-256 of what a training takes of it, whatever the file's name and date: the hash in `run.json`."""
+        times_ns = np.round(self.middle_s * 1e9).astype(np.int64)
+        parts = [
+            np.array([len(self)], np.uint64), _hashed(self.frames_c), _hashed(self.label()), _hashed(self.gyro_dps),
+            (times_ns - times_ns[:1]).astype(np.uint64), self.run, _hashed(self.leg_dps),
+        ]
+        digest = hashlib.sha256()
+        for part in parts:
+            digest.update(np.ascontiguousarray(part).tobytes())
+        return digest.hexdigest()
+
+
+def _hashed(values: NDArray[np.float32]) -> NDArray[np.float32]:
+    """Processors differ in the sign of the NaN that they make."""
+    return np.where(np.isnan(values), np.float32("nan"), values).astype("<f4")

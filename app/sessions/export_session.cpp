@@ -1,0 +1,156 @@
+// SPDX-License-Identifier: MIT
+#include "export_session.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <functional>
+#include <list>
+#include <nlohmann/json.hpp>
+
+#include "existing_file.h"
+#include "export_files.h"
+#include "print/output.h"
+#include "thermorig/learning/dataset/dataset.h"
+#include "thermorig/learning/interchange/csv.h"
+#include "thermorig/learning/interchange/mcap.h"
+#include "thermorig/learning/interchange/npz.h"
+#include "thermorig/learning/interchange/tum.h"
+
+namespace thermorig::app {
+
+namespace {
+
+using interchange::Sink;
+
+/// One file that a session becomes.
+struct Output {
+  std::string ending;  // of its name, behind the session's: "-nf3-nr1.npz"
+  std::function<void(Sink&)> write;
+};
+
+/// Standard output. Throws as soon as nobody takes it any more.
+class StandardOutput final : public Sink {
+ public:
+  void write(std::span<const std::byte> bytes) override {
+    write_to(stdout, {reinterpret_cast<const char*>(bytes.data()), bytes.size()});
+    if (std::ferror(stdout) != 0) require_printed();
+  }
+};
+
+/// A session, and all that it is to become.
+class SessionExport {
+ public:
+  explicit SessionExport(const ExportOptions& options)
+      : options_(options), session_(session::read_session(options.file)) {
+    if (options.npz) add_npz();
+    if (options.csv) add_csv();
+    if (options.tum) add_tum();
+    if (options.mcap)
+      outputs_.push_back({".mcap", [this](Sink& sink) { interchange::write_mcap(session_, sink); }});
+  }
+
+  void write_to_standard_output() const {
+    if (outputs_.size() != 1 || options_.json)
+      throw Error(ExitCode::bad_usage, "standard output takes one file, and nothing else", "-o -",
+                  options_.json ? "leave out --json" : "ask for one form; of TUM for one, as --tum=shaft");
+    StandardOutput output;
+    outputs_.front().write(output);
+    require_printed();
+  }
+
+  /// All or none.
+  std::vector<std::filesystem::path> write_files() const {
+    std::vector<std::filesystem::path> paths;
+    std::list<ExportFile> files;
+    for (const Output& output : outputs_)
+      paths.push_back(options_.output / (options_.file.stem().string() + output.ending));
+    for (const auto& path : paths) require_new(path);
+    for (std::size_t i = 0; i < outputs_.size(); ++i) outputs_[i].write(files.emplace_back(paths[i]));
+    for (ExportFile& file : files) file.publish();
+    return paths;
+  }
+
+  const session::Session& session() const { return session_; }
+
+ private:
+  void add_npz() {
+    if (*options_.npz == "rows") {
+      outputs_.push_back({"-rows.npz", [this](Sink& sink) { interchange::write_rows_npz(session_, sink); }});
+      return;
+    }
+    const interchange::WindowShape shape{.frames = options_.frames.value_or(3),
+                                         .reduction = options_.reduction.value_or(1)};
+    outputs_.push_back(
+        {fmt::format("-nf{}-nr{}.npz", shape.frames, shape.reduction), [this, shape](Sink& sink) {
+           interchange::write_windows_npz(session_, acquisition(), shape, sink);
+         }});
+  }
+
+  network::Acquisition acquisition() const {
+    return dataset::acquisition_of(session_, dataset::name_of(session_), dataset::Estimates::left_out);
+  }
+
+  void add_csv() {
+    outputs_.push_back({fmt::format("-{}.csv", *options_.csv), [this](Sink& sink) {
+                          interchange::write_csv(interchange::table_of(session_, *options_.csv), sink);
+                        }});
+  }
+
+  void add_tum() {
+    trajectories_ = interchange::trajectories_of(session_);
+    std::vector<std::string> names;
+    for (const interchange::Trajectory& trajectory : trajectories_) {
+      names.push_back(trajectory.name);
+      if (*options_.tum != "all" && *options_.tum != trajectory.name) continue;
+      outputs_.push_back({fmt::format("-{}.tum", trajectory.name), [&](Sink& sink) {
+                            interchange::write_tum(session_.raw.header, trajectory, sink);
+                          }});
+    }
+    if (*options_.tum != "all" && std::find(names.begin(), names.end(), *options_.tum) == names.end())
+      throw Error(ExitCode::bad_usage, fmt::format("the session has no trajectory \"{}\"", *options_.tum),
+                  options_.file.string(), fmt::format("--tum={}", fmt::join(names, ", ")));
+  }
+
+  const ExportOptions& options_;
+  session::Session session_;
+  std::vector<interchange::Trajectory> trajectories_;
+  std::vector<Output> outputs_;
+};
+
+void print_written(const ExportOptions& options, const session::Session& session,
+                   const std::vector<std::filesystem::path>& paths) {
+  if (options.json) {
+    nlohmann::json object{{"session", options.file.string()},
+                          {"simulated", session.raw.header.simulated},
+                          {"files", nlohmann::json::array()}};
+    for (const auto& path : paths) object["files"].push_back(path.string());
+    return print_json(object);
+  }
+  print("session   {}{}\n", printable(options.file.string()),
+        session.raw.header.simulated ? ": of a SIMULATED rig" : "");
+  for (const auto& path : paths) print("written   {}\n", printable(path.string()));
+}
+
+}  // namespace
+
+bool is_of_a_session(const ExportOptions& options) {
+  return options.npz || options.csv || options.tum || options.mcap;
+}
+
+ExitCode export_session(const ExportOptions& options) {
+  if (options.c_header || options.batch)
+    throw Error(ExitCode::bad_usage, "--c-header and --batch are of models, the other forms of sessions", "",
+                "thermorig export --help");
+  if ((options.frames || options.reduction) && options.npz.value_or("") != "windows")
+    throw Error(ExitCode::bad_usage, "--nf and --nr say which windows, and there are none", "", "--npz");
+  require_existing(options.file);
+  const SessionExport exported(options);
+  if (options.output == "-")
+    exported.write_to_standard_output();
+  else
+    print_written(options, exported.session(), exported.write_files());
+  return ExitCode::ok;
+}
+
+}  // namespace thermorig::app

@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: MIT
+#include <CLI/CLI.hpp>
+
+#include "rig_options.h"
+#include "session_options.h"
+
+namespace thermorig::app {
+
+void add_list(CLI::App& root, ListOptions& options) {
+  CLI::App& command = *root.add_subcommand("list", "Say which sessions there are, a line each");
+  command.add_option("FOLDER", options.paths, "Folders that are searched, or session files (.h5)")
+      ->default_str("recordings");
+  command.add_option("-e,--environment", options.environments, "Only of this environment; may be repeated")
+      ->allow_extra_args(false)
+      ->type_name("NAME");
+  command.add_option("--plan", options.plans, "Only of this plan; may be repeated")
+      ->allow_extra_args(false)
+      ->type_name("NAME");
+  command
+      .add_option("--verdict", options.verdicts, "Only with this verdict: good, usable, bad; may be repeated")
+      ->check(CLI::IsMember({"good", "usable", "bad"}))
+      ->allow_extra_args(false)
+      ->type_name("WORD");
+  CLI::Option* simulated = command.add_flag("--simulated", options.simulated, "Only of the simulated rig");
+  command.add_flag("--real", options.real, "Only of real rigs")->excludes(simulated);
+  command
+      .add_option(
+          "--sort", options.sort,
+          "environment (and number, default), date, verdict (the worst first), valid (the fewest first)")
+      ->check(CLI::IsMember({"environment", "date", "verdict", "valid"}))
+      ->type_name("WORD");
+  command.add_flag("--reverse", options.reverse, "The other way round");
+  add_json(command, options.json);
+  command.footer(
+      "Examples:\n"
+      "  thermorig list\n"
+      "  thermorig list recordings/ --environment garden --verdict good --sort date");
+}
+
+}  // namespace thermorig::app

@@ -1,0 +1,16 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <filesystem>
+#include <vector>
+
+namespace thermorig::app {
+
+/// What a path of the command line stands for: a file for itself, a folder for the sessions in it, at any
+/// depth. Throws Error(bad_usage) if there is nothing at `path`, or no session in the folder.
+std::vector<std::filesystem::path> session_files_at(const std::filesystem::path& path);
+
+/// The same of several, in their order.
+std::vector<std::filesystem::path> session_files_at(const std::vector<std::filesystem::path>& paths);
+
+}  // namespace thermorig::app

@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <libdeflate.h>
+
+#include <cstdint>
+
+#include "thermorig/learning/interchange/sink.h"
+
+namespace thermorig::interchange {
+
+/// Counts what is written to it, and sums it up (CRC-32); passes it on where there is another sink.
+class CheckedSink final : public Sink {
+ public:
+  explicit CheckedSink(Sink* next = nullptr) : next_(next) {}
+
+  using Sink::write;
+  void write(std::span<const std::byte> bytes) override {
+    crc_ = libdeflate_crc32(crc_, bytes.data(), bytes.size());
+    size_ += bytes.size();
+    if (next_ != nullptr) next_->write(bytes);
+  }
+
+  std::uint32_t crc() const { return crc_; }
+  std::uint64_t size() const { return size_; }
+  void restart_crc() { crc_ = 0; }
+
+ private:
+  Sink* next_;
+  std::uint32_t crc_ = 0;
+  std::uint64_t size_ = 0;
+};
+
+}  // namespace thermorig::interchange

@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: MIT
+#include "facts.h"
+
+#include <nlohmann/json.hpp>
+
+#include "thermorig/storage/session/annotations.h"
+
+namespace thermorig::interchange {
+
+nlohmann::json facts_of(const session::Session& session) {
+  const RecordingHeader& header = session.raw.header;
+  const session::Place place = session::place_of(session);
+  return {{"environment", place.environment},
+          {"acquisition", place.acquisition},
+          {"uuid", header.uuid},
+          {"start_time", header.start_time_utc},
+          {"plan", header.plan_name},
+          {"simulated", header.simulated},
+          {"simulation", header.simulation},
+          {"licence", header.licence},
+          {"creator", header.creator},
+          {"verdict", session::quality_of(session).verdict},
+          {"camera_mirrored", header.profile.camera.mirrored}};
+}
+
+std::uint64_t unix_ns(const RecordingHeader& header, HostTime time) {
+  return static_cast<std::uint64_t>(to_ns(time)) + static_cast<std::uint64_t>(header.realtime_offset_ns);
+}
+
+}  // namespace thermorig::interchange

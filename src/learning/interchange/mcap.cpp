@@ -1,0 +1,159 @@
+// SPDX-License-Identifier: MIT
+#include "thermorig/learning/interchange/mcap.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstring>
+#include <functional>
+#include <limits>
+#include <nlohmann/json.hpp>
+#include <numbers>
+
+#include "facts.h"
+#include "mcap_schemas.h"
+#include "mcap_writer.h"
+#include "thermorig/core/base64.h"
+#include "thermorig/core/validity.h"
+
+namespace thermorig::interchange {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr double rad_per_deg = std::numbers::pi / 180.0;
+
+Json timestamp(std::uint64_t ns) {
+  return {{"sec", ns / second_ns}, {"nsec", ns % second_ns}};
+}
+
+/// JSON knows no number that is none: null.
+Json number(double value) {
+  return std::isfinite(value) ? Json(value) : Json();
+}
+
+Json image(const TimedFrame& frame, std::uint64_t ns) {
+  const std::array<float, frame_pixels>& temp_c = frame.frame.temp_c;
+  const std::span pixels(reinterpret_cast<const std::uint8_t*>(temp_c.data()), sizeof(temp_c));
+  return {{"timestamp", timestamp(ns)}, {"frame_id", "camera"}, {"width", frame_columns},
+          {"height", frame_rows},       {"encoding", "32FC1"},  {"step", frame_columns * sizeof(float)},
+          {"data", base64(pixels)}};
+}
+
+/// As sensor_msgs/Imu says it: a covariance that begins with -1 means that there is no such value.
+Json rotation(const TimedGyro& sample, std::uint64_t ns) {
+  const auto& rate = sample.reading.rate_dps;
+  const auto axis = [&](std::size_t i) { return number(static_cast<double>(rate[i]) * rad_per_deg); };
+  static const Json none{-1, 0, 0, 0, 0, 0, 0, 0, 0}, unknown{0, 0, 0, 0, 0, 0, 0, 0, 0};
+  return {
+      {"header", {{"stamp", {{"sec", ns / second_ns}, {"nanosec", ns % second_ns}}}, {"frame_id", "gyro"}}},
+      {"orientation", {{"x", 0}, {"y", 0}, {"z", 0}, {"w", 1}}},
+      {"orientation_covariance", none},
+      {"angular_velocity", {{"x", axis(0)}, {"y", axis(1)}, {"z", axis(2)}}},
+      {"angular_velocity_covariance", unknown},
+      {"linear_acceleration", {{"x", 0}, {"y", 0}, {"z", 0}}},
+      {"linear_acceleration_covariance", none},
+      {"rate_dps", number(sample.rate_dps)}};
+}
+
+Json telemetry(const TimedServo& servo, std::uint64_t ns) {
+  return {{"timestamp", timestamp(ns)},
+          {"angle_commanded_deg", number(servo.state.angle_deg)},
+          {"rate_commanded_dps", number(servo.state.rate_dps)},
+          {"pulse_us", number(servo.state.pulse_us)},
+          {"leg", servo.state.leg}};
+}
+
+Json label(const LabelledSample& sample, std::uint64_t ns) {
+  Json reasons = Json::array();
+  for (std::uint32_t i = 0; i < reason_count; ++i)
+    if ((sample.reason_bits >> i & 1U) != 0) reasons.push_back(reason_names[i]);
+  return {{"timestamp", timestamp(ns)},
+          {"frame", sample.frame_index},
+          {"rate_commanded_dps", number(sample.rate_commanded_dps)},
+          {"rate_shaft_dps", number(sample.rate_shaft_dps)},
+          {"rate_shaft_uncertainty_dps", number(sample.rate_shaft_uncertainty_dps)},
+          {"rate_gyro_dps", number(sample.rate_gyro_dps)},
+          {"angle_commanded_deg", number(sample.angle_commanded_deg)},
+          {"valid", sample.valid},
+          {"reasons", reasons},
+          {"leg", sample.leg},
+          {"run", sample.run}};
+}
+
+/// As foxglove.Log says it: 2 is information, 3 a warning.
+Json log_entry(const RecordingEvent& event, std::uint64_t ns) {
+  const bool is_warning = event.kind == EventKind::warning || event.kind == EventKind::device_lost ||
+                          event.kind == EventKind::servo_fault || event.kind == EventKind::missing;
+  return {{"timestamp", timestamp(ns)},
+          {"level", is_warning ? 3 : 2},
+          {"message", event.message},
+          {"name", event_kind_names[static_cast<std::size_t>(event.kind)]},
+          {"file", event.source ? name_of(*event.source) : "host"},
+          {"line", 0}};
+}
+
+/// The rows of a table as messages of a channel, one after another.
+class Stream {
+ public:
+  template <typename Row, typename Time, typename Message>
+  Stream(const RecordingHeader& header, const std::vector<Row>& rows, Time time, Message message)
+      : count_(rows.size()),
+        time_ns_([&header, &rows, time](std::size_t i) { return unix_ns(header, time(rows[i])); }),
+        text_([&header, &rows, time, message](std::size_t i) {
+          return message(rows[i], unix_ns(header, time(rows[i])))
+              .dump(-1, ' ', true, Json::error_handler_t::replace);
+        }) {}
+
+  /// Of the next message; the largest number where there is none.
+  std::uint64_t time_ns() const {
+    return next_ < count_ ? time_ns_(next_) : std::numeric_limits<std::uint64_t>::max();
+  }
+  bool is_done() const { return next_ >= count_; }
+  void write_next(std::size_t channel, McapWriter& writer) {
+    writer.add(channel, time_ns(), text_(next_));
+    ++next_;
+  }
+
+ private:
+  std::size_t count_, next_ = 0;
+  std::function<std::uint64_t(std::size_t)> time_ns_;
+  std::function<std::string(std::size_t)> text_;
+};
+
+std::vector<Stream> streams_of(const session::Session& session) {
+  const RecordingHeader& header = session.raw.header;
+  const auto stamped = [](const auto& row) { return row.stamp.time; };
+  const auto timed = [](const auto& row) { return row.time; };
+  return {Stream(header, session.frames, stamped, image), Stream(header, session.gyro, stamped, rotation),
+          Stream(header, session.servo, stamped, telemetry), Stream(header, session.samples, timed, label),
+          Stream(header, session.raw.events, timed, log_entry)};
+}
+
+std::map<std::string, std::string> texts_of(const nlohmann::json& facts) {
+  std::map<std::string, std::string> texts;
+  for (const auto& [key, value] : facts.items())
+    texts[key] = value.is_string() ? value.get<std::string>() : value.dump();
+  return texts;
+}
+
+}  // namespace
+
+void write_mcap(const session::Session& session, Sink& sink) {
+  McapWriter writer(sink, session.raw.header.creator, mcap_channels(), texts_of(facts_of(session)));
+  std::vector<Stream> streams = streams_of(session);
+  while (true) {
+    const auto first =
+        std::min_element(streams.begin(), streams.end(), [](const Stream& one, const Stream& other) {
+          return !one.is_done() && (other.is_done() || one.time_ns() < other.time_ns());
+        });
+    if (first->is_done()) break;
+    first->write_next(static_cast<std::size_t>(first - streams.begin()), writer);
+  }
+  writer.finish();
+}
+
+}  // namespace thermorig::interchange

@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: MIT
+#include "thermorig/learning/interchange/tum.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <iterator>
+#include <numbers>
+
+#include "facts.h"
+#include "shaft_angles.h"
+#include "thermorig/learning/dataset/run_estimators.h"
+
+namespace thermorig::interchange {
+
+namespace {
+
+void add(Trajectory& trajectory, HostTime time, double angle_deg) {
+  if (std::isfinite(angle_deg)) trajectory.angles.push_back({time, angle_deg});
+}
+
+std::vector<Trajectory> as_shown_live(const RawRecording& raw) {
+  std::vector<Trajectory> trajectories;
+  for (std::size_t i = 0; i < raw.header.estimators.size(); ++i) {
+    Trajectory& trajectory = trajectories.emplace_back(Trajectory{raw.header.estimators[i].name, {}});
+    for (const EstimateRow& row : raw.estimates)
+      add(trajectory, row.exposure_end, row.estimates[i].angle_deg);
+  }
+  return trajectories;
+}
+
+std::vector<Trajectory> without_network(const session::Session& session) {
+  estimators::Bank bank({}, std::nullopt, session.raw.header.profile.gyro);
+  std::vector<Trajectory> trajectories;
+  for (const estimators::Entry* entry : bank.entries())
+    trajectories.push_back({std::string(entry->name), {}});
+  dataset::run_estimators(session, bank, [&](std::size_t frame, std::span<const RateEstimate> estimates) {
+    for (std::size_t k = 0; k < trajectories.size(); ++k)
+      add(trajectories[k], session.frames[frame].exposure_end, estimates[k].angle_deg);
+  });
+  return trajectories;
+}
+
+std::string line_of(std::uint64_t unix_ns, double angle_deg) {
+  const double half_rad = angle_deg * std::numbers::pi / 360.0;
+  return fmt::format("{}.{:09} 0 0 0 0 0 {} {}\n", unix_ns / second_ns, unix_ns % second_ns,
+                     std::sin(half_rad), std::cos(half_rad));
+}
+
+}  // namespace
+
+std::vector<Trajectory> trajectories_of(const session::Session& session) {
+  std::vector<Trajectory> trajectories{{"shaft", shaft_angles(session)}};
+  std::vector<Trajectory> others =
+      session.raw.estimates.empty() ? without_network(session) : as_shown_live(session.raw);
+  std::move(others.begin(), others.end(), std::back_inserter(trajectories));
+  return trajectories;
+}
+
+void write_tum(const RecordingHeader& header, const Trajectory& trajectory, Sink& sink) {
+  sink.write(std::string_view("# timestamp x y z q_x q_y q_z q_w\n"));
+  for (const AngleAt& at : trajectory.angles) sink.write(line_of(unix_ns(header, at.time), at.angle_deg));
+}
+
+}  // namespace thermorig::interchange

@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: MIT
+#include <gtest/gtest.h>
+
+#include <chrono>
+
+#include "../session/synthetic_session.h"
+#include "text_sink.h"
+#include "thermorig/learning/dataset/dataset.h"
+#include "thermorig/learning/interchange/csv.h"
+#include "thermorig/learning/interchange/mcap.h"
+#include "thermorig/learning/interchange/npz.h"
+#include "thermorig/learning/interchange/tum.h"
+
+namespace thermorig::interchange {
+namespace {
+
+using session::Session;
+using session::SyntheticSession;
+
+TEST(Interchange, HoldsNoMoreThanAPieceOfAFileInMemory) {
+  const Session session = SyntheticSession(1500, 1).take();
+  const network::Acquisition acquisition =
+      dataset::acquisition_of(session, "garden_acq-01", dataset::Estimates::left_out);
+  TextSink rows, windows, mcap, csv;
+  write_rows_npz(session, rows);
+  write_windows_npz(session, acquisition, {.frames = 2}, windows);
+  write_mcap(session, mcap);
+  write_csv(table_of(session, "camera"), csv);
+  EXPECT_GT(rows.text.size(), 4'000'000U);
+  for (const TextSink* sink : {&rows, &windows, &mcap, &csv}) EXPECT_LT(sink->most_at_once, 1'200'000U);
+}
+
+TEST(Interchange, MakesFilesOfASessionWithoutFramesToo) {
+  const Session session = SyntheticSession(0, 1).take();
+  TextSink npz, mcap, csv;
+  write_rows_npz(session, npz);
+  write_mcap(session, mcap);
+  for (const std::string& name : table_names()) write_csv(table_of(session, name), csv);
+  EXPECT_EQ(npz.text.substr(0, 4), "PK\x03\x04");
+  EXPECT_EQ(mcap.text.substr(0, 5), "\x89MCAP");
+  EXPECT_NE(csv.text.find("rate_commanded [deg/s]"), std::string::npos);
+  for (const Trajectory& trajectory : trajectories_of(session)) EXPECT_TRUE(trajectory.angles.empty());
+}
+
+TEST(Shaft, IsNotKnownWhereTelemetryIsMissing) {
+  Session session = SyntheticSession(60, 1).take();
+  for (LabelledSample& sample : session.samples) sample.reason_bits = 0;
+  const auto times = [&] {
+    std::vector<HostTime> known;
+    for (const AngleAt& at : trajectories_of(session).front().angles) known.push_back(at.time);
+    return known;
+  };
+  const std::vector<HostTime> before = times();
+  ASSERT_GT(before.size(), 40U);
+  session.samples[30].reason_bits = bit(Reason::servo_lost);
+  EXPECT_EQ(times().size(), before.size() - 1);
+  for (const HostTime time : times()) EXPECT_NE(time, session.frames[30].exposure_end);
+}
+
+TEST(Shaft, IsFoundInAFileOfAnyTimes) {
+  Session session = SyntheticSession(200, 1).take();
+  for (std::size_t i = session.servo.size() / 2; i < session.servo.size(); ++i)
+    session.servo[i].stamp.time += std::chrono::hours(24 * 365 * (i % 2 == 0 ? 30 : 300));
+  for (std::size_t i = 100; i < 200; ++i) session.frames[i].exposure_end += std::chrono::hours(24 * 365 * 30);
+  EXPECT_LE(trajectories_of(session).front().angles.size(), 200U);
+}
+
+TEST(Tum, TurnsAboutTheServosAxis) {
+  RecordingHeader header;
+  header.realtime_offset_ns = 1'700'000'000'000'000'000;
+  TextSink sink;
+  write_tum(header, {"shaft", {{host_time_ns(5), 0.0}, {host_time_ns(1'000'000'000), 180.0}}}, sink);
+  EXPECT_EQ(sink.text,
+            "# timestamp x y z q_x q_y q_z q_w\n"
+            "1700000000.000000005 0 0 0 0 0 0 1\n"
+            "1700000001.000000000 0 0 0 0 0 1 6.123233995736766e-17\n");
+}
+
+}  // namespace
+}  // namespace thermorig::interchange

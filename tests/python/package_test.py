@@ -1,0 +1,217 @@
+# SPDX-License-Identifier: MIT
+"""app/python beside the program: the same sessions, windows and scaling, bit for bit.
+
+Usage: package_test.py PROGRAM
+"""
+import contextlib
+import io
+import json
+import os
+import re
+import subprocess
+import sys
+import tempfile
+import unittest
+import warnings
+from pathlib import Path
+
+SOURCE = Path(__file__).resolve().parents[2]
+sys.path.insert(0, str(SOURCE / "app/python"))
+
+import h5py  # noqa: E402
+import numpy as np  # noqa: E402
+import onnx  # noqa: E402
+
+import thermorig  # noqa: E402
+
+PROGRAM = ""  # of the command line
+BRIEF = "--plan quick --speeds 40,80 --frames-per-leg 12".split()
+folder = tempfile.TemporaryDirectory()
+recordings = Path(folder.name) / "recordings"
+
+
+def run(*words, code=0):
+    done = subprocess.run([PROGRAM, *map(str, words)], cwd=folder.name, capture_output=True, text=True)
+    assert done.returncode == code, done.stderr
+    return [json.loads(line) for line in done.stdout.splitlines() if line.startswith(("{", "["))]
+
+
+def record(environment, seed, *more):
+    run("record", "--fast", f"--simulated={seed}", "-e", environment, "--json", *BRIEF, *more)
+
+
+def setUpModule():
+    record("kitchen", 3)
+    record("garden", 4, "--licence", "CC-BY-4.0")
+    record("garden", 5)
+    run("calibrate", "bias", "--simulated=3", "--fast", "--json")
+
+
+def tearDownModule():
+    folder.cleanup()
+
+
+def altered_copy(session, change):
+    """A file with other values, as a stranger might have written them: h5py knows nothing of check sums."""
+    path = Path(folder.name) / "altered.h5"
+    path.write_bytes(Path(session.path).read_bytes())
+    with h5py.File(path, "r+") as file:
+        change(file)
+    return thermorig.Session(path)
+
+
+class TheSessions(unittest.TestCase):
+    def test_are_those_of_train_in_its_order_with_its_hashes(self):
+        run("train", recordings, "-o", "hashes.onnx", "--epochs", 1, "--json")
+        trained = json.loads((Path(folder.name) / "hashes.run/run.json").read_text())["data"]
+        ours = [{"name": session.name, "sha256": session.data_hash} for session in
+                thermorig.open_sessions(recordings)]
+        self.assertEqual([session["name"] for session in ours], ["garden_acq-01", "garden_acq-02", "kitchen_acq-01"])
+        self.assertEqual(ours, trained)
+
+    def test_say_what_inspect_says(self):
+        for said in run("inspect", "--json", recordings)[0]:
+            with thermorig.Session(said["file"]) as session:
+                for name in ("environment", "acquisition", "uuid", "simulated", "plan", "verdict", "verdict_reasons"):
+                    self.assertEqual(getattr(session, name), said[name], name)
+                self.assertEqual(session.licence or "", said["licence"])
+                self.assertEqual(session.start.isoformat().replace("+00:00", "Z"), said["start_time"])
+                self.assertEqual(len(session), said["frames"])
+                self.assertEqual(int((session.valid & (session.column("leg") > 0)).sum()), said["frames_valid"])
+                self.assertEqual(session.world, "honest")
+
+    def test_name_their_times_their_bias_and_what_stands_against_a_frame(self):
+        session = thermorig.open_sessions(recordings)[0]
+        np.testing.assert_array_equal(session.exposure_end_s, session.file["camera/time"][:])
+        exposure_s = session.exposure_end_s - session.exposure_begin_s
+        quarter_s = (session.exposure_end_s - session.middle_s)[10:]
+        np.testing.assert_allclose(quarter_s, exposure_s[10:] / 4, atol=2e-3)
+        timing = run("inspect", "--timing", "--json", session.path)[0][0]["timing"]
+        self.assertEqual(session.gyro_bias_dps, tuple(timing["gyro"]["bias_dps"][key]
+                                                      for key in ("value", "uncertainty")))
+        self.assertIn("outside_leg", session.reasons(0))
+        self.assertEqual(session.reasons(int(np.flatnonzero(session.valid)[0])), [])
+        self.assertTrue(session.mirrored)
+        np.testing.assert_array_equal(session.upright_c[:, :, 0], session.frames_c[:, :, 31])
+        with self.assertRaisesRegex(ValueError, "rate_commanded or rate_shaft"):
+            session.label("rate_label")
+
+    def test_follow_what_was_said_of_them_afterwards(self):
+        record("attic", 6, "--operator", "A. Person", "--place", "under the roof", "--note", "it is hot")
+        path = thermorig.find_sessions(recordings / "attic")[0]
+        begin_s, end_s = 5.0, 8.0
+        run("annotate", path, "--note", "the window was open")
+        run("annotate", path, "--exclude", f"{begin_s}..{end_s}")
+        moved = run("annotate", path, "--environment", "roof", "--json")[0]["file"]
+        with thermorig.Session(moved) as session:
+            self.assertEqual((session.name, session.operator, session.place), ("roof_acq-01", "A. Person",
+                                                                               "under the roof"))
+            self.assertEqual(session.notes, ["it is hot", "the window was open"])
+            within = (session.exposure_begin_s < end_s) & (session.exposure_end_s > begin_s)
+            self.assertGreater(within.sum(), 10)
+            self.assertFalse(session.run[within].any())
+            for frame in np.flatnonzero(within):
+                self.assertIn("operator", session.reasons(frame))
+            data = thermorig.windows(session, 3)
+            start = run("train", moved, "-o", "roof.onnx", "--epochs", 1, "--no-choose-epoch", "--json")[0]
+            self.assertEqual(start["environments"]["roof"]["windows"], len(data))
+        Path(moved).unlink()
+
+    def test_that_are_none_are_refused(self):
+        with h5py.File(Path(folder.name) / "other.h5", "w"):
+            pass
+        with self.assertRaisesRegex(thermorig.NotASession, "other.h5"):
+            thermorig.Session(Path(folder.name) / "other.h5")
+        first = thermorig.open_sessions(recordings)[0]
+        with self.assertRaisesRegex(thermorig.NotASession, "thermorig reprocess"):
+            altered_copy(first, lambda file: file.attrs.__setitem__("format_version", "1.3.0"))
+        with self.assertRaises(FileNotFoundError):
+            thermorig.find_sessions(Path(folder.name) / "nowhere")
+        with self.assertRaisesRegex(ValueError, "holds the same recording"):
+            thermorig.open_sessions(first.path, altered_copy(first, lambda file: None).path)
+        bad = altered_copy(first, lambda file: file["quality"].attrs.__setitem__("verdict", "bad"))
+        with self.assertRaisesRegex(thermorig.BadSession, "verdict is bad"):
+            thermorig.open_sessions(bad.path)
+        self.assertEqual(len(thermorig.open_sessions(bad.path, accept_bad=True)), 1)
+
+
+class TheWindows(unittest.TestCase):
+    def test_are_as_many_as_train_counts(self):
+        sessions = thermorig.open_sessions(recordings)
+        for frames in (2, 3, 6):
+            data = thermorig.windows(sessions, frames)
+            start = run("train", recordings, "-o", f"count{frames}.onnx", "--nf", frames, "--epochs", 1, "--json")[0]
+            self.assertEqual(len(data), start["data"]["windows"])
+            for environment in ("garden", "kitchen"):
+                of_it = [name.startswith(environment) for name in data.names]
+                self.assertEqual(int(np.array(of_it)[data.session].sum()),
+                                 start["environments"][environment]["windows"])
+
+    def test_have_the_scaling_that_train_keeps_in_its_model(self):
+        run("train", recordings, "-o", "scaling.onnx", "--epochs", 1, "--no-choose-epoch", "--json")
+        facts = {entry.key: entry.value for entry in onnx.load(Path(folder.name) / "scaling.onnx").metadata_props}
+        scaling = thermorig.scaling_of(thermorig.open_sessions(recordings))
+        self.assertEqual(np.float32(facts["temp_mean_c"]), np.float32(scaling.temp_mean_c))
+        self.assertEqual(np.float32(facts["temp_deviation_c"]), np.float32(scaling.temp_deviation_c))
+
+    def test_lie_within_one_run_and_end_where_a_longer_history_lets_them(self):
+        session = thermorig.open_sessions(recordings)[0]
+        data = thermorig.windows(session, 3)
+        for last in data.last.astype(int):
+            self.assertEqual(len(set(session.run[last - 2:last + 1])), 1)
+            self.assertTrue(session.valid[last - 2:last + 1].all())
+        np.testing.assert_array_equal(thermorig.windows(session, 2, history=6).last, thermorig.windows(session, 6).last)
+
+    def test_leave_out_frames_with_numbers_that_are_not_sound(self):
+        session = thermorig.open_sessions(recordings)[0]
+        victims = thermorig.windows(session, 3).last[:3].astype(int)
+
+        def spoil(file):
+            file["camera/temperature"][victims[0], 5, 5] = 400.5
+            file["samples/rate_gyro"][victims[1]] = np.nan
+            file["samples/rate_commanded"][victims[2]] = -10_001
+        spoilt = altered_copy(session, spoil)
+        np.testing.assert_array_equal(spoilt.run[victims], 0)
+        self.assertFalse(set(victims) & set(thermorig.windows(spoilt, 2).last.astype(int)))
+
+    def test_turn_the_other_way_when_flipped(self):
+        data = thermorig.windows(thermorig.open_sessions(recordings), 3, 2)
+        flipped = data.flipped()
+        np.testing.assert_array_equal(flipped.images[:, :, :, 0], data.images[:, :, :, -1])
+        np.testing.assert_array_equal(flipped.label_dps, -data.label_dps)
+        np.testing.assert_array_equal(flipped.gyro_dps, -data.gyro_dps)
+
+    def test_can_do_without_the_bias_of_the_gyro_and_learn_the_shafts_speed(self):
+        session = thermorig.open_sessions(recordings)[0]
+        raw, freed = (thermorig.windows(session, 3, remove_bias=remove) for remove in (False, True))
+        np.testing.assert_allclose(raw.gyro_dps - freed.gyro_dps, session.gyro_bias_dps.value, atol=1e-4)
+        shaft = thermorig.windows(session, 3, label="rate_shaft")
+        np.testing.assert_array_equal(shaft.last, raw.last)
+        self.assertFalse((shaft.label_dps == raw.label_dps).all())
+
+    def test_of_a_session_come_back_by_its_name(self):
+        sessions = thermorig.open_sessions(recordings)
+        data = thermorig.windows(sessions, 3)
+        np.testing.assert_array_equal(data.of("kitchen_acq-01").images, thermorig.windows(sessions[2], 3).images)
+
+
+class ThePage(unittest.TestCase):
+    def test_runs_as_it_stands(self):
+        blocks = re.findall(r"```python\n(.*?)```", (SOURCE / "docs/python.md").read_text(), re.S)
+        blocks = [block for block in blocks if "# needs torch" not in block]
+        self.assertGreaterEqual(len(blocks), 3)
+        before = os.getcwd()
+        os.chdir(folder.name)
+        try:
+            for block in blocks:
+                with contextlib.redirect_stdout(io.StringIO()) as printed, warnings.catch_warnings():
+                    warnings.simplefilter("ignore")  # h5netcdf's of names, pandas' of what it will deprecate
+                    exec(compile(block, "docs/python.md", "exec"), {})
+                self.assertTrue(printed.getvalue())
+        finally:
+            os.chdir(before)
+
+
+if __name__ == "__main__":
+    PROGRAM = sys.argv.pop(1)
+    unittest.main()
