@@ -14,7 +14,7 @@ import hard_figures
 import hard_rows
 
 SEEDS = 5
-HOURS_S = 3600
+LONGEST_S = 3600  # of one session: the machine may be busy
 
 
 def arguments_of(words):
@@ -47,7 +47,7 @@ def run_case(program, row, seed, environment):
     words = [program, str(seed), environment, row.world]
     if row.calibrated_in:
         words.append(row.calibrated_in)
-    done = subprocess.run(words, capture_output=True, text=True, check=False, timeout=HOURS_S)
+    done = subprocess.run(words, capture_output=True, text=True, check=False, timeout=LONGEST_S)
     if done.returncode != 0:
         raise RuntimeError(f"{' '.join(words)}: exit code {done.returncode}\n{done.stderr}")
     return json.loads(done.stdout)
@@ -122,7 +122,7 @@ def print_table(figures, limits, head):
     for limit in limits:
         bound = f"<= {limit.at_most:g}" if limit.at_most is not None else f">= {limit.at_least:g}"
         value = "-" if limit.value is None else f"{limit.value:.3g}"
-        print(f"{limit.verdict():12} {limit.text}: {value} {limit.unit} ({bound})".replace("  (", " ("))
+        print(f"* {limit.verdict()}: {limit.text}: {value} {limit.unit} ({bound})".replace("  (", " ("))
 
 
 def snake_case(name):
