@@ -107,6 +107,22 @@ TEST(TimeErrors, GrowByAShiftOfTheTimesAndLeaveTheBounds) {
   }
 }
 
+TEST(TimeErrors, AreGrantedThreeDeviationsOfTheLatency) {
+  const auto errors = time_errors(honest().session, honest().bus.rig)[Device::servo].errors_s;
+  session::Session session = honest().session;
+  ASSERT_EQ(errors.size(), session.servo.size());
+  session.sync.clock[Device::servo].latency_uncertainty_s = 0.002;
+  const auto count_outside = [&](HostDuration late) {
+    for (std::size_t i = 0; i < errors.size(); ++i) {
+      const HostTime truth = honest().session.servo[i].stamp.time - from_s(errors[i]);
+      session.servo[i].stamp = {.time = truth + late};  // its own bounds have no width
+    }
+    return time_errors(session, honest().bus.rig)[Device::servo].outside;
+  };
+  EXPECT_EQ(count_outside(5990us), 0U);
+  EXPECT_EQ(count_outside(6010us), errors.size());
+}
+
 TEST(TimeErrors, OfLateAndStaleFramesAreNotJudged) {
   const auto before = time_errors(honest().session, honest().bus.rig);
   session::Session session = honest().session;
