@@ -84,10 +84,12 @@ class Progress:
         self.say(f"{self.done:3} of {self.rows} rows  {letter:2}  {row.name}")
 
 
-def cases_of(row, futures, progress):
+def cases_of(row, futures, progress, file):
     cases = []
     for future in futures:
         cases.append(future.result())
+        if file:
+            keep(file, row, cases[-1])
         progress.session(row, len(cases))
     return cases
 
@@ -102,12 +104,9 @@ def measure(options, rows):
         try:
             while waiting:
                 row, futures = waiting.pop(0)
-                cases = cases_of(row, futures, progress)
+                cases = cases_of(row, futures, progress, file)
                 futures.clear()
                 figures[row.name] = hard_figures.figures_of(cases)
-                if file:
-                    for case in cases:
-                        keep(file, row, case)
                 progress.row(row, figures[row.name].letter())
         except BaseException:
             pool.shutdown(cancel_futures=True)
