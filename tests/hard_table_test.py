@@ -223,6 +223,11 @@ class Limits(unittest.TestCase):
             missed = {name for name, verdict in self.verdicts(typical=cases).items() if verdict == "MISS"}
             self.assertEqual(missed, {key})
 
+    def test_labels_without_any_uncertainty_have_no_ratio_and_are_not_covered(self):
+        verdicts = self.verdicts(typical=[session(sigma=None)])
+        self.assertEqual(verdicts["typical_sigma_ratio"], "not measured")
+        self.assertEqual(verdicts["typical_coverage_percent"], "MISS")
+
     def test_false_alarms_are_verdicts_that_are_not_good_and_refusals(self):
         for alarm in (session(verdict="usable"), refused("no", world="honest")):
             self.assertEqual(self.verdicts(honest=[session()] * 49 + [alarm])["honest_false_alarm_percent"], "PASS")
