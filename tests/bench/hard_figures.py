@@ -174,7 +174,7 @@ def named_share(letters):
 
 def sigma_ratio(figures):
     """How wide what is stated is for what it is."""
-    if figures is None or not figures.label_rms_dps:
+    if figures is None or not figures.label_rms_dps or figures.sigma_dps is None:
         return None
     return figures.sigma_dps / figures.label_rms_dps
 

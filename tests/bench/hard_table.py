@@ -14,7 +14,7 @@ import hard_figures
 import hard_rows
 
 SEEDS = 5
-HOURS_S = 3600
+LONGEST_S = 3600  # of one session: the machine may be busy
 
 
 def arguments_of(words):
@@ -47,7 +47,7 @@ def run_case(program, row, seed, environment):
     words = [program, str(seed), environment, row.world]
     if row.calibrated_in:
         words.append(row.calibrated_in)
-    done = subprocess.run(words, capture_output=True, text=True, check=False, timeout=HOURS_S)
+    done = subprocess.run(words, capture_output=True, text=True, check=False, timeout=LONGEST_S)
     if done.returncode != 0:
         raise RuntimeError(f"{' '.join(words)}: exit code {done.returncode}\n{done.stderr}")
     return json.loads(done.stdout)
@@ -67,9 +67,36 @@ def keep(file, row, case):
     file.flush()
 
 
+class Progress:
+    """What is done, on the terminal: each row, and of a row of many sessions every tenth."""
+    def __init__(self, rows):
+        self.begin, self.rows, self.done = time.monotonic(), rows, 0
+
+    def say(self, words):
+        print(f"{time.monotonic() - self.begin:6.0f} s  {words}", file=sys.stderr, flush=True)
+
+    def session(self, row, count):
+        if count % 10 == 0 and count < row.seeds:
+            self.say(f"{row.name}: {count} of {row.seeds} sessions")
+
+    def row(self, row, letter):
+        self.done += 1
+        self.say(f"{self.done:3} of {self.rows} rows  {letter:2}  {row.name}")
+
+
+def cases_of(row, futures, progress, file):
+    cases = []
+    for future in futures:
+        cases.append(future.result())
+        if file:
+            keep(file, row, cases[-1])
+        progress.session(row, len(cases))
+    return cases
+
+
 def measure(options, rows):
     """RowFigures by the row's name, in order. A row's sessions are let go as soon as it is complete."""
-    begin, figures = time.monotonic(), {}
+    figures, progress = {}, Progress(len(rows))
     file = open(options.sessions, "w", encoding="utf-8") if options.sessions else None
     with concurrent.futures.ThreadPoolExecutor(options.jobs) as pool:
         waiting = [(row, [pool.submit(run_case, options.program, row, options.first_seed + index,
@@ -77,14 +104,10 @@ def measure(options, rows):
         try:
             while waiting:
                 row, futures = waiting.pop(0)
-                cases = [future.result() for future in futures]
+                cases = cases_of(row, futures, progress, file)
                 futures.clear()
                 figures[row.name] = hard_figures.figures_of(cases)
-                if file:
-                    for case in cases:
-                        keep(file, row, case)
-                print(f"{time.monotonic() - begin:6.0f} s  {len(figures):3} of {len(rows)}  "
-                      f"{figures[row.name].letter():2}  {row.name}", file=sys.stderr, flush=True)
+                progress.row(row, figures[row.name].letter())
         except BaseException:
             pool.shutdown(cancel_futures=True)
             raise
@@ -122,7 +145,7 @@ def print_table(figures, limits, head):
     for limit in limits:
         bound = f"<= {limit.at_most:g}" if limit.at_most is not None else f">= {limit.at_least:g}"
         value = "-" if limit.value is None else f"{limit.value:.3g}"
-        print(f"{limit.verdict():12} {limit.text}: {value} {limit.unit} ({bound})".replace("  (", " ("))
+        print(f"* {limit.verdict()}: {limit.text}: {value} {limit.unit} ({bound})".replace("  (", " ("))
 
 
 def snake_case(name):
