@@ -28,7 +28,7 @@ std::vector<Sample> take_until(HostTime end, HostTime reference, std::span<const
 
 std::vector<network::RateSeries> rates_without_network(const session::Session& session) {
   const HostTime reference = session.raw.header.time_reference;
-  estimators::Bank bank({}, std::nullopt, session.raw.header.profile.gyro);
+  estimators::Bank bank({}, std::nullopt, session.raw.header.profile);
   std::vector<network::RateSeries> rates;
   for (const estimators::Entry* entry : bank.entries())
     rates.push_back({std::string(entry->name), std::vector(session.frames.size(), RateEstimate::not_known)});

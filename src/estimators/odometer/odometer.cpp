@@ -1,0 +1,347 @@
+// SPDX-License-Identifier: MIT
+#include "thermorig/estimators/odometer/odometer.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
+#include <utility>
+
+#include "bias_search.h"
+#include "circle_search.h"
+#include "gyro_path.h"
+#include "gyro_watch.h"
+#include "half_store.h"
+#include "thermorig/core/estimate.h"
+#include "thermorig/estimators/odometer/unseen_turn.h"
+#include "tracker.h"
+
+namespace thermorig::odometer {
+
+namespace {
+
+constexpr std::uint16_t fresh_pixels = half_pixels / 50;  // 2 %, as the detector of freshness has it
+constexpr float coldest_c = -60.0F, hottest_c = 400.0F;   // beyond: not a temperature of the sensor's range
+constexpr double fastest_dps = 10000.0;                   // beyond: not a rate
+constexpr HostDuration clock_begins_anew = std::chrono::seconds(1);
+
+constexpr std::size_t search_every = 4;     // halves, while the bias is searched for
+constexpr std::size_t latest_search = 160;  // then the search begins anew
+constexpr std::size_t halves_a_step = 12;   // gone through again when a frame comes
+constexpr double second_pass_s = 25.0;      // after the first half
+constexpr std::size_t second_pass_halves = 200;
+constexpr double bias_widening = 2.0;  // of what the search states
+
+constexpr double nis_share = 1.0 / 30.0;  // of a half in the mean of its kind
+constexpr double nis_lost = 8.0;
+constexpr double most_nis = 60.0;   // that one half counts with
+constexpr int covered_halves = 4;   // in a row
+constexpr int halves_to_trust = 8;  // after a search
+constexpr double longest_gyro_gap_s = 0.25;
+constexpr double longest_camera_gap_s = 1.0;
+constexpr double lost_deg = 3.0;        // a heading that is known less well is searched for
+constexpr double give_up_s = 40.0;      // of a search: then the map is wrong
+constexpr double saturated_dps = 15.0;  // what a reading at the end of its range may be off
+constexpr double sample_noise_dps = 0.15;
+
+Priors priors_of(const GyroProfile& gyro, const CameraProfile& camera) {
+  Priors priors;
+  priors.bias_dps = gyro.bias_dps;
+  priors.bias_sigma_dps = gyro.bias_uncertainty_dps;
+  priors.scale = gyro.scale;
+  priors.scale_sigma = std::max(0.002, gyro.scale_uncertainty);
+  priors.latency_sigma_s =
+      std::hypot(0.002, gyro.link.latency_uncertainty_s, camera.link.latency_uncertainty_s);
+  return priors;
+}
+
+Lens lens_of(const CameraProfile& camera) {
+  return {camera.field_of_view_deg / static_cast<double>(frame_columns), camera.mirrored ? -1.0 : 1.0};
+}
+
+}  // namespace
+
+struct Odometer::Parts {
+  Parts(const GyroProfile& gyro, const CameraProfile& camera)
+      : gyro_period_s(1.0 / gyro.output_rate_hz),
+        priors(priors_of(gyro, camera)),
+        lens(lens_of(camera)),
+        front(priors, lens),
+        back(priors, lens),
+        bias_search(priors, lens) {}
+
+  enum class Phase : std::uint8_t { searching, first_pass, learning, second_pass, running, locating };
+
+  Report add(const TimedFrame& frame, std::span<const TimedGyro> gyro);
+  void add_gyro(const TimedGyro& sample);
+  void add_half(const HalfReading& half, double now_s);
+  void search_bias();
+  void go_through(Tracker& tracker, double now_s);
+  void learn_of(const HalfResult& result);
+  void run(const HalfReading& half);
+  void locate(const HalfReading& half, double now_s);
+  void begin_search(double now_s);
+  void begin_anew();
+  Report report(const TimedFrame& frame, double now_s) const;
+  Reason reason(double now_s) const;
+  void forget_clock();
+
+  /// The front tracker has gone through all halves that came.
+  bool is_behind_nothing() const { return phase != Phase::searching && phase != Phase::first_pass; }
+
+  double gyro_period_s;
+  Priors priors;
+  Lens lens;
+  GyroPath path;
+  GyroWatch watch;
+  HalfStore store;
+  Tracker front, back;  // the one that is told of, and one that goes through the start again
+  BiasSearch bias_search;
+  CircleSearch circle;
+
+  std::optional<HostTime> origin;  // of the seconds
+  HostTime last_sample{};
+  double saturated_s = 0.0;
+  double last_gyro_s = 0.0, last_half_s = 0.0;
+  Phase phase = Phase::searching;
+  std::size_t gone_through = 0;  // halves of the store
+  double locating_since_s = 0.0;
+  double mean_nis = 1.0;
+  int covered = 0;   // halves in a row
+  int to_trust = 0;  // halves until a search is believed
+  bool gyro_was_away = false;
+  bool has_seen = false;   // a half
+  bool stands_in = false;  // the newest frame, for one of a camera that is missing
+};
+
+Odometer::Odometer(const GyroProfile& gyro, const CameraProfile& camera)
+    : parts_(std::make_unique<Parts>(gyro, camera)) {}
+Odometer::~Odometer() = default;
+Odometer::Odometer(Odometer&&) noexcept = default;
+Odometer& Odometer::operator=(Odometer&&) noexcept = default;
+
+Report Odometer::add(const TimedFrame& frame, std::span<const TimedGyro> gyro) {
+  return parts_->add(frame, gyro);
+}
+
+/// A sample at the end of its range says less the longer that lasts, and one that is missing nothing.
+void Odometer::Parts::add_gyro(const TimedGyro& sample) {
+  const HostTime time = sample.stamp.time;
+  const double read_dps = double{sample.rate_dps};
+  if (!(std::abs(read_dps) < fastest_dps)) return;
+  if (!origin) origin = last_sample = time - std::chrono::milliseconds(1);
+  if (time <= last_sample) {
+    if (last_sample - time >= clock_begins_anew) forget_clock();
+    return;
+  }
+  watch.add(sample);
+  const double step_s = path.has_begun() ? to_s(time - last_sample) : 0.0;
+  last_sample = time;
+  const double unseen = unseen_deg(lost_s(step_s, gyro_period_s));
+  double unseen_deg2 = unseen * unseen;
+  saturated_s = sample.reading.saturated ? saturated_s + step_s : 0.0;
+  unseen_deg2 += 2.0 * saturated_dps * saturated_dps * saturated_s * step_s;
+  if (lost_s(step_s, gyro_period_s) > longest_gyro_gap_s) gyro_was_away = true;
+  // One that sets itself to zero at rest has taken its bias off.
+  const bool is_zeroed = watch.is_frozen() && watch.is_zero();
+  if (watch.is_frozen() && !is_zeroed) gyro_was_away = true;
+  last_gyro_s = to_s(time - *origin);
+  path.add(last_gyro_s, is_zeroed ? front.filter().bias_dps() : read_dps, unseen_deg2);
+}
+
+Report Odometer::Parts::add(const TimedFrame& frame, std::span<const TimedGyro> gyro) {
+  for (const TimedGyro& sample : gyro) add_gyro(sample);
+  if (!origin || !path.has_begun()) {
+    Report nothing;
+    nothing.state = State::not_trusted;
+    nothing.reason = Reason::no_gyro;
+    nothing.rate_dps = nothing.heading_deg = nothing.rate_sigma_dps = nothing.heading_sigma_deg = unknown;
+    return nothing;
+  }
+  const double now_s = to_s(frame.exposure_end - *origin);
+  if (is_behind_nothing() && now_s > front.now_s()) front.advance(path, now_s);
+  stands_in = frame.stands_in;
+  if (phase == Phase::running && gyro_was_away && !watch.is_frozen()) begin_search(now_s);
+  const bool is_timed = !frame.late && !frame.stale && !frame.stands_in;
+  const std::array<bool, 2> is_fresh{frame.fresh_even > fresh_pixels, frame.fresh_odd > fresh_pixels};
+  const unsigned first = frame.half[0].end <= frame.half[1].end ? 0U : 1U;
+  for (const unsigned parity : {first, first ^ 1U}) {
+    if (!is_timed || !is_fresh[parity] || frame.half[parity].end <= frame.half[parity].begin) continue;
+    HalfReading half{.parity = parity,
+                     .begin_s = to_s(frame.half[parity].begin - *origin),
+                     .end_s = to_s(frame.half[parity].end - *origin),
+                     .time_sigma_s = double{frame.stamp.uncertainty_s}};
+    for (std::size_t column = 0; column < frame_columns; ++column)
+      for (std::size_t k = 0; k < half_rows; ++k) {
+        const std::size_t row = 2 * k + row_class(column, parity);
+        const float temp_c = frame.frame.temp_c[row * frame_columns + column];
+        const bool is_sound = temp_c > coldest_c && temp_c < hottest_c;  // false for NaN
+        half.temp_c[column * half_rows + k] = is_sound ? temp_c : std::numeric_limits<float>::quiet_NaN();
+      }
+    if (half.begin_s > path.begin_s()) add_half(half, now_s);
+  }
+  return report(frame, now_s);
+}
+
+void Odometer::Parts::add_half(const HalfReading& half, double now_s) {
+  last_half_s = now_s;
+  has_seen = true;
+  switch (phase) {
+    case Phase::searching:
+      store.add(half, now_s);
+      search_bias();
+      break;
+    case Phase::first_pass:
+      store.add(half, now_s);
+      go_through(front, now_s);
+      if (gone_through == store.count()) phase = Phase::learning;
+      break;
+    case Phase::learning:
+      store.add(half, now_s);
+      learn_of(front.add(half, path));
+      if (phase == Phase::learning &&
+          (store.count() >= second_pass_halves || now_s - store.at(0).now_s > second_pass_s)) {
+        Priors better = priors;
+        better.bias_dps = front.filter().bias_dps();
+        better.bias_sigma_dps = bias_widening * front.filter().sigma(HeadingFilter::bias);
+        better.scale = front.filter().scale_factor();
+        better.scale_sigma = bias_widening * front.filter().sigma(HeadingFilter::scale);
+        better.latency_s = front.filter().latency_s();
+        better.latency_sigma_s = bias_widening * front.filter().sigma(HeadingFilter::latency);
+        back.restart(better);
+        gone_through = 0;
+        phase = Phase::second_pass;
+      }
+      break;
+    case Phase::second_pass:
+      store.add(half, now_s);
+      learn_of(front.add(half, path));
+      if (phase != Phase::second_pass) break;
+      go_through(back, now_s);
+      if (gone_through < store.count()) break;
+      std::swap(front, back);
+      mean_nis = 1.0;
+      phase = Phase::running;
+      break;
+    case Phase::running:
+      run(half);
+      break;
+    case Phase::locating:
+      locate(half, now_s);
+      break;
+  }
+}
+
+void Odometer::Parts::search_bias() {
+  if (store.count() > latest_search) store.clear();
+  if (store.count() % search_every != 0) return;
+  const auto found = bias_search.search(store, path);
+  if (!found) return;
+  Priors better = priors;
+  better.bias_dps = found->bias_dps;
+  better.bias_sigma_dps = bias_widening * found->sigma_dps;
+  front.restart(better);
+  gone_through = 0;
+  phase = Phase::first_pass;
+}
+
+void Odometer::Parts::go_through(Tracker& tracker, double now_s) {
+  for (std::size_t i = 0; i < halves_a_step && gone_through < store.count(); ++i, ++gone_through) {
+    const auto& [half, came_s] = store.at(gone_through);
+    if (!tracker.has_begun() || came_s > tracker.now_s()) tracker.advance(path, came_s);
+    tracker.add(half, path);
+  }
+  (void)now_s;
+}
+
+/// While the start is learnt, what does not fit means that it was learnt wrongly.
+void Odometer::Parts::learn_of(const HalfResult& result) {
+  if (!result.is_judged) return;
+  mean_nis += nis_share * (std::min(most_nis, result.squared) - mean_nis);
+  if (mean_nis > nis_lost) begin_anew();
+}
+
+void Odometer::Parts::run(const HalfReading& half) {
+  if (watch.is_frozen() && !watch.is_zero()) return;
+  const HalfResult result = front.add(half, path);
+  if (!result.is_judged) return;
+  covered = result.is_flat ? covered + 1 : 0;
+  if (!result.is_flat) mean_nis += nis_share * (std::min(most_nis, result.squared) - mean_nis);
+  if (result.is_used) to_trust = std::max(0, to_trust - 1);
+  const bool is_lost = mean_nis > nis_lost || front.sigma_in_map_deg() > lost_deg;
+  if (is_lost && covered < covered_halves) begin_search(half.end_s);
+}
+
+void Odometer::Parts::begin_search(double now_s) {
+  gyro_was_away = false;
+  circle.begin();
+  locating_since_s = now_s;
+  phase = Phase::locating;
+}
+
+void Odometer::Parts::locate(const HalfReading& half, double now_s) {
+  front.locate(half, path, circle);
+  if (const auto found = circle.found()) {
+    front.settle(*found);
+    mean_nis = 1.0;
+    to_trust = halves_to_trust;
+    phase = Phase::running;
+  } else if (now_s - locating_since_s > give_up_s) {
+    begin_anew();
+  }
+}
+
+void Odometer::Parts::forget_clock() {
+  begin_anew();
+  path.clear();
+  watch = GyroWatch();
+  origin.reset();
+  front.restart(priors);
+}
+
+void Odometer::Parts::begin_anew() {
+  store.clear();
+  mean_nis = 1.0;
+  covered = 0;
+  to_trust = 0;
+  gyro_was_away = false;
+  phase = Phase::searching;
+}
+
+Reason Odometer::Parts::reason(double now_s) const {
+  if (now_s - last_gyro_s > longest_gyro_gap_s) return Reason::no_gyro;
+  if (stands_in || !has_seen || now_s - last_half_s > longest_camera_gap_s) return Reason::no_camera;
+  if (watch.is_frozen() && !watch.is_zero()) return Reason::gyro_frozen;
+  if (covered >= covered_halves) return Reason::view_differs;
+  return Reason::none;
+}
+
+Report Odometer::Parts::report(const TimedFrame& frame, double now_s) const {
+  const HeadingFilter& filter = front.filter();
+  Report report;
+  report.reason = reason(now_s);
+  if (report.reason != Reason::none)
+    report.state = State::not_trusted;
+  else if (phase == Phase::locating || (phase == Phase::running && to_trust > 0))
+    report.state = State::relocalising;
+  else
+    report.state = phase == Phase::running ? State::tracking : State::starting;
+  report.bias_dps = filter.bias_dps();
+  report.scale = filter.scale_factor();
+  report.latency_s = filter.latency_s();
+  report.mean_nis = mean_nis;
+  report.heading_deg = is_behind_nothing() ? filter.heading_deg() : unknown;
+  report.heading_sigma_deg = is_behind_nothing() ? front.sigma_in_map_deg() : unknown;
+  const double begin_s = to_s(frame.exposure_begin - *origin), length_s = now_s - begin_s;
+  if (!(length_s > 0.0)) return report;
+  const ExposedTurn turn = path.over(begin_s, now_s);
+  const double samples = std::max(1.0, length_s / gyro_period_s);
+  report.rate_dps = filter.mean_rate_dps(turn);
+  report.rate_sigma_dps =
+      std::hypot(std::hypot(filter.sigma(HeadingFilter::bias), sample_noise_dps / std::sqrt(samples)) /
+                     filter.scale_factor(),
+                 filter.sigma(HeadingFilter::scale) * report.rate_dps, 0.001 * turn.change_dps);
+  return report;
+}
+
+}  // namespace thermorig::odometer
