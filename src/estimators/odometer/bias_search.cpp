@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace thermorig::odometer {
 
@@ -14,6 +15,29 @@ constexpr double most_sigmas = 3.0;
 constexpr double trusted_of_mosaic =
     0.3;  // of the mosaic's likelihood: halves are blurred, pixels have offsets
 constexpr double known_well_dps = 1.0;
+
+constexpr float largest_error_c = 3.0F;  // of a pixel that is not broken
+constexpr float unknown_c = std::numeric_limits<float>::quiet_NaN();
+
+/// Mean of each pixel less that of those about it.
+HalfPixels beyond_neighbours(const HalfPixels& sum, const HalfPixels& count) {
+  constexpr long columns = frame_columns, rows = half_rows;
+  HalfPixels beyond;
+  for (long column = 0; column < columns; ++column)
+    for (long row = 0; row < rows; ++row) {
+      float about = 0.0F, number = 0.0F;
+      for (long c = std::max(0L, column - 2); c <= std::min(columns - 1, column + 2); ++c)
+        for (long r = std::max(0L, row - 1); r <= std::min(rows - 1, row + 1); ++r) {
+          const auto i = static_cast<std::size_t>(c * rows + r);
+          if ((c == column && r == row) || count[i] <= 0.0F) continue;
+          about += sum[i] / count[i];
+          number += 1.0F;
+        }
+      const auto i = static_cast<std::size_t>(column * rows + row);
+      beyond[i] = count[i] > 0.0F && number > 0.0F ? sum[i] / count[i] - about / number : 0.0F;
+    }
+  return beyond;
+}
 
 }  // namespace
 
@@ -37,9 +61,9 @@ double BiasSearch::variance_with(double bias_dps) {
       const auto cell =
           std::min(cells_a_row_ - 1,
                    static_cast<std::size_t>((turns - std::floor(turns)) * static_cast<double>(cells_a_row_)));
-      Cell* cells = &cells_[cell * frame_rows + row_class(column, one.half->parity)];
+      Cell* cells = &cells_[cell * frame_rows + row_class(column, one.parity)];
       for (std::size_t k = 0; k < half_rows; ++k) {
-        const float temp_c = one.half->temp_c[column * half_rows + k] - one.common_c;
+        const float temp_c = one.temp_c[column * half_rows + k];
         if (std::isnan(temp_c)) continue;
         Cell& at = cells[2 * k];
         at.sum += temp_c;
@@ -57,18 +81,41 @@ double BiasSearch::variance_with(double bias_dps) {
   return squares / freedom;
 }
 
-std::optional<BiasSearch::Found> BiasSearch::search(const HalfStore& store, const GyroPath& path) {
-  if (store.count() < halves) return std::nullopt;
+void BiasSearch::place(const HalfStore& store, const GyroPath& path) {
   for (std::size_t i = 0; i < halves; ++i) {
     const HalfReading& half = store.at(store.count() - halves + i).half;
-    float sum = 0.0F, count = 1e-3F;
-    for (const float temp_c : half.temp_c) {
-      if (std::isnan(temp_c)) continue;
-      sum += temp_c;
-      count += 1.0F;
-    }
-    placed_[i] = {&half, path.over(half.begin_s, half.end_s), sum / count};
+    placed_[i] = {half.temp_c, half.parity, path.over(half.begin_s, half.end_s)};
+    const float common_c = mean_of(half.temp_c);
+    for (float& temp_c : placed_[i].temp_c) temp_c -= common_c;
   }
+}
+
+/// What a pixel shows on average beyond its neighbours is its own error; one that is far beyond is broken.
+/// Otherwise the mosaic is sharpest where nothing seems to move.
+void BiasSearch::take_off_pixel_errors() {
+  for (const unsigned parity : {0U, 1U}) {
+    HalfPixels sum{}, count{};
+    for (const Placed& one : placed_) {
+      if (one.parity != parity) continue;
+      for (std::size_t i = 0; i < half_pixels; ++i) {
+        if (std::isnan(one.temp_c[i])) continue;
+        sum[i] += one.temp_c[i];
+        count[i] += 1.0F;
+      }
+    }
+    const HalfPixels error_c = beyond_neighbours(sum, count);
+    for (Placed& one : placed_) {
+      if (one.parity != parity) continue;
+      for (std::size_t i = 0; i < half_pixels; ++i)
+        one.temp_c[i] = std::abs(error_c[i]) > largest_error_c ? unknown_c : one.temp_c[i] - error_c[i];
+    }
+  }
+}
+
+std::optional<BiasSearch::Found> BiasSearch::search(const HalfStore& store, const GyroPath& path) {
+  if (store.count() < halves) return std::nullopt;
+  place(store, path);
+  take_off_pixel_errors();
   const double reach_dps = std::min(most_sigmas * priors_.bias_sigma_dps, 0.5 * (most_steps - 1) * step_dps);
   const auto steps = static_cast<int>(reach_dps / step_dps);
   double least = 1e30;

@@ -25,12 +25,14 @@ class BiasSearch {
   static constexpr std::size_t halves = 24;
 
  private:
+  void place(const HalfStore& store, const GyroPath& path);
+  void take_off_pixel_errors();
   double variance_with(double bias_dps);
 
   struct Placed {
-    const HalfReading* half = nullptr;
+    HalfPixels temp_c{};  // without what it has in common, and without what its pixels always have
+    unsigned parity = 0;
     ExposedTurn turn;
-    float common_c = 0.0F;
   };
   struct Cell {
     float sum = 0.0F, squares = 0.0F, count = 0.0F;

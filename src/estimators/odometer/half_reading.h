@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <cmath>
 #include <cstddef>
 
 #include "thermorig/core/frame.h"
@@ -54,5 +55,16 @@ struct HalfReading {
   double begin_s = 0.0, end_s = 0.0;  // of its exposure by the camera's stamps
   double time_sigma_s = 0.0;          // of those
 };
+
+/// Of those that are known.
+inline float mean_of(const HalfPixels& pixels) {
+  float sum = 0.0F, count = 0.0F;
+  for (const float one : pixels) {
+    if (std::isnan(one)) continue;
+    sum += one;
+    count += 1.0F;
+  }
+  return count > 0.0F ? sum / count : 0.0F;
+}
 
 }  // namespace thermorig::odometer

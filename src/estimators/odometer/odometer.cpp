@@ -32,6 +32,10 @@ constexpr double second_pass_s = 25.0;      // after the first half
 constexpr std::size_t second_pass_halves = 200;
 constexpr double bias_widening = 2.0;  // of what the search states
 
+constexpr int final_pass = 4;          // through the halves of the start: 2 to 4 of them
+constexpr double pass_widening = 3.0;  // of what the pass before learnt: these are the same halves
+constexpr double known_bias_dps = 1.0;
+
 constexpr double nis_share = 1.0 / 30.0;  // of a half in the mean of its kind
 constexpr double nis_lost = 8.0;
 constexpr double most_nis = 60.0;   // that one half counts with
@@ -76,8 +80,12 @@ struct Odometer::Parts {
   void add_gyro(const TimedGyro& sample);
   void add_half(const HalfReading& half, double now_s);
   void search_bias();
-  void go_through(Tracker& tracker, double now_s);
-  void learn_of(const HalfResult& result);
+  void go_through(Tracker& tracker);
+  void learn_of(const HalfResult& result, double& mean);
+  bool is_start_over(double now_s) const;
+  void begin_pass(int number);
+  void take_over();
+  void learn_again();
   void run(const HalfReading& half);
   void locate(const HalfReading& half, double now_s);
   void begin_search(double now_s);
@@ -105,6 +113,8 @@ struct Odometer::Parts {
   double last_gyro_s = 0.0, last_half_s = 0.0;
   Phase phase = Phase::searching;
   std::size_t gone_through = 0;  // halves of the store
+  int pass = 0;                  // through them
+  double pass_nis = 1.0;         // mean_nis of the tracker that goes through them
   double locating_since_s = 0.0;
   double mean_nis = 1.0;
   int covered = 0;   // halves in a row
@@ -193,35 +203,24 @@ void Odometer::Parts::add_half(const HalfReading& half, double now_s) {
       break;
     case Phase::first_pass:
       store.add(half, now_s);
-      go_through(front, now_s);
-      if (gone_through == store.count()) phase = Phase::learning;
+      go_through(front);
+      if (gone_through < store.count()) break;
+      mean_nis = pass_nis;
+      phase = Phase::learning;
       break;
     case Phase::learning:
       store.add(half, now_s);
-      learn_of(front.add(half, path));
-      if (phase == Phase::learning &&
-          (store.count() >= second_pass_halves || now_s - store.at(0).now_s > second_pass_s)) {
-        Priors better = priors;
-        better.bias_dps = front.filter().bias_dps();
-        better.bias_sigma_dps = bias_widening * front.filter().sigma(HeadingFilter::bias);
-        better.scale = front.filter().scale_factor();
-        better.scale_sigma = bias_widening * front.filter().sigma(HeadingFilter::scale);
-        better.latency_s = front.filter().latency_s();
-        better.latency_sigma_s = bias_widening * front.filter().sigma(HeadingFilter::latency);
-        back.restart(better);
-        gone_through = 0;
-        phase = Phase::second_pass;
-      }
+      learn_of(front.add(half, path), mean_nis);
+      if (is_start_over(now_s))
+        begin_pass(final_pass);
+      else if (mean_nis > nis_lost)
+        learn_again();
       break;
     case Phase::second_pass:
       store.add(half, now_s);
-      learn_of(front.add(half, path));
-      if (phase != Phase::second_pass) break;
-      go_through(back, now_s);
-      if (gone_through < store.count()) break;
-      std::swap(front, back);
-      mean_nis = 1.0;
-      phase = Phase::running;
+      front.add(half, path);
+      go_through(back);
+      if (gone_through == store.count()) take_over();
       break;
     case Phase::running:
       run(half);
@@ -241,24 +240,62 @@ void Odometer::Parts::search_bias() {
   better.bias_dps = found->bias_dps;
   better.bias_sigma_dps = bias_widening * found->sigma_dps;
   front.restart(better);
+  pass = 0;
+  pass_nis = 1.0;
   gone_through = 0;
   phase = Phase::first_pass;
 }
 
-void Odometer::Parts::go_through(Tracker& tracker, double now_s) {
+bool Odometer::Parts::is_start_over(double now_s) const {
+  return store.count() >= second_pass_halves || now_s - store.at(0).now_s > second_pass_s;
+}
+
+/// Through the halves of the start again, from what was learnt of the sensors meanwhile.
+void Odometer::Parts::begin_pass(int number) {
+  const HeadingFilter& filter = front.filter();
+  Priors better = priors;
+  better.bias_dps = filter.bias_dps();
+  better.bias_sigma_dps = pass_widening * filter.sigma(HeadingFilter::bias);
+  better.scale = filter.scale_factor();
+  better.scale_sigma = pass_widening * filter.sigma(HeadingFilter::scale);
+  better.latency_s = filter.latency_s();
+  better.latency_sigma_s = pass_widening * filter.sigma(HeadingFilter::latency);
+  back.restart(better);
+  pass = number;
+  pass_nis = 1.0;
+  gone_through = 0;
+  phase = Phase::second_pass;
+}
+
+void Odometer::Parts::go_through(Tracker& tracker) {
   for (std::size_t i = 0; i < halves_a_step && gone_through < store.count(); ++i, ++gone_through) {
     const auto& [half, came_s] = store.at(gone_through);
     if (!tracker.has_begun() || came_s > tracker.now_s()) tracker.advance(path, came_s);
-    tracker.add(half, path);
+    learn_of(tracker.add(half, path), pass_nis);
   }
-  (void)now_s;
 }
 
-/// While the start is learnt, what does not fit means that it was learnt wrongly.
-void Odometer::Parts::learn_of(const HalfResult& result) {
-  if (!result.is_judged) return;
-  mean_nis += nis_share * (std::min(most_nis, result.squared) - mean_nis);
-  if (mean_nis > nis_lost) begin_anew();
+/// The back tracker has gone through all halves that came.
+void Odometer::Parts::take_over() {
+  std::swap(front, back);
+  mean_nis = pass_nis;
+  if (mean_nis > nis_lost)
+    learn_again();
+  else
+    phase = pass == final_pass ? Phase::running : Phase::learning;
+}
+
+void Odometer::Parts::learn_of(const HalfResult& result, double& mean) {
+  if (result.is_judged) mean += nis_share * (std::min(most_nis, result.squared) - mean);
+}
+
+/// While the start is learnt, what does not fit means that the map was begun with a wrong bias: by now it is
+/// known better.
+void Odometer::Parts::learn_again() {
+  if (pass + 1 < final_pass && front.filter().sigma(HeadingFilter::bias) < known_bias_dps)
+    begin_pass(pass + 1);
+  else
+    begin_anew();
 }
 
 void Odometer::Parts::run(const HalfReading& half) {

@@ -20,17 +20,6 @@ constexpr int settled_halves = 100;
 constexpr double settled_deg = 0.4;
 constexpr double moving_dps = 8.0;  // from there on errors of pixels are told from surroundings
 
-/// What a half has in common when nothing is known of its surroundings.
-float mean_of(const HalfPixels& temp_c) {
-  float sum = 0.0F, count = 0.0F;
-  for (const float one : temp_c)
-    if (!std::isnan(one)) {
-      sum += one;
-      count += 1.0F;
-    }
-  return count > 0.0F ? sum / count : 0.0F;
-}
-
 }  // namespace
 
 Tracker::Tracker(const Priors& priors, const Lens& lens) : lens_(lens), filter_(priors) {}
