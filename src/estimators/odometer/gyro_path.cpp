@@ -49,8 +49,11 @@ GyroPath::Knot GyroPath::until(double time_s) const {
 
 ExposedTurn GyroPath::over(double begin_s, double end_s) const {
   ExposedTurn turn{.begin_s = begin_s, .end_s = end_s};
-  turn.begin_deg = until(begin_s).turned_deg;
-  turn.end_deg = until(end_s).turned_deg;
+  const Knot first = until(begin_s), last = until(end_s);
+  turn.begin_deg = first.turned_deg;
+  turn.end_deg = last.turned_deg;
+  turn.first_dps = first.rate_dps;
+  turn.last_dps = last.rate_dps;
   turn.mean_s = 0.5 * (begin_s + end_s);
   double sum_deg = 0.0, squares_deg2 = 0.0, products = 0.0, first_deg = 0.0, last_deg = 0.0;
   for (int i = 0; i < points; ++i) {

@@ -43,7 +43,8 @@ struct ExposedTurn {
   double begin_deg = 0.0, end_deg = 0.0;  // integral of the readings
   double mean_s = 0.0, mean_deg = 0.0;    // over the exposure
   double variance_s2 = 0.0, variance_deg2 = 0.0, covariance = 0.0;
-  double change_dps = 0.0;  // of the reading, from the first third to the last
+  double change_dps = 0.0;                 // of the reading, from the first third to the last
+  double first_dps = 0.0, last_dps = 0.0;  // readings at both ends
 
   double length_s() const { return end_s - begin_s; }
 };

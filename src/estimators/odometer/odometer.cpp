@@ -12,7 +12,6 @@
 #include "gyro_path.h"
 #include "gyro_watch.h"
 #include "half_store.h"
-#include "thermorig/core/estimate.h"
 #include "thermorig/estimators/odometer/unseen_turn.h"
 #include "tracker.h"
 
@@ -68,6 +67,7 @@ Lens lens_of(const CameraProfile& camera) {
 struct Odometer::Parts {
   Parts(const GyroProfile& gyro, const CameraProfile& camera)
       : gyro_period_s(1.0 / gyro.output_rate_hz),
+        gyro_time_sigma_s(gyro.link.latency_uncertainty_s),
         priors(priors_of(gyro, camera)),
         lens(lens_of(camera)),
         front(priors, lens),
@@ -97,7 +97,7 @@ struct Odometer::Parts {
   /// The front tracker has gone through all halves that came.
   bool is_behind_nothing() const { return phase != Phase::searching && phase != Phase::first_pass; }
 
-  double gyro_period_s;
+  double gyro_period_s, gyro_time_sigma_s;
   Priors priors;
   Lens lens;
   GyroPath path;
@@ -165,7 +165,6 @@ Report Odometer::Parts::add(const TimedFrame& frame, std::span<const TimedGyro> 
     Report nothing;
     nothing.state = State::not_trusted;
     nothing.reason = Reason::no_gyro;
-    nothing.rate_dps = nothing.heading_deg = nothing.rate_sigma_dps = nothing.heading_sigma_deg = unknown;
     return nothing;
   }
   const double now_s = to_s(frame.exposure_end - *origin);
@@ -367,8 +366,7 @@ Report Odometer::Parts::report(const TimedFrame& frame, double now_s) const {
   report.scale = filter.scale_factor();
   report.latency_s = filter.latency_s();
   report.mean_nis = mean_nis;
-  report.heading_deg = is_behind_nothing() ? filter.heading_deg() : unknown;
-  report.heading_sigma_deg = is_behind_nothing() ? front.sigma_in_map_deg() : unknown;
+  if (is_behind_nothing()) report.heading_deg = filter.heading_deg();
   const double begin_s = to_s(frame.exposure_begin - *origin), length_s = now_s - begin_s;
   if (!(length_s > 0.0)) return report;
   const ExposedTurn turn = path.over(begin_s, now_s);
@@ -377,7 +375,11 @@ Report Odometer::Parts::report(const TimedFrame& frame, double now_s) const {
   report.rate_sigma_dps =
       std::hypot(std::hypot(filter.sigma(HeadingFilter::bias), sample_noise_dps / std::sqrt(samples)) /
                      filter.scale_factor(),
-                 filter.sigma(HeadingFilter::scale) * report.rate_dps, 0.001 * turn.change_dps);
+                 filter.sigma(HeadingFilter::scale) * report.rate_dps,
+                 gyro_time_sigma_s * (turn.last_dps - turn.first_dps) / length_s);
+  // No image tells how late the gyro is: what it says of now, it says of then.
+  if (is_behind_nothing())
+    report.heading_sigma_deg = std::hypot(front.sigma_in_map_deg(), gyro_time_sigma_s * report.rate_dps);
   return report;
 }
 

@@ -5,6 +5,7 @@
 #include <memory>
 #include <span>
 
+#include "thermorig/core/estimate.h"
 #include "thermorig/core/profile.h"
 #include "thermorig/core/sample.h"
 
@@ -29,10 +30,10 @@ enum class Reason : std::uint8_t {
 struct Report {
   State state = State::starting;
   Reason reason = Reason::none;
-  double heading_deg = 0.0;        // since the map's origin; whole turns are counted
-  double heading_sigma_deg = 0.0;  // against the part of the map that is in view
-  double rate_dps = 0.0;           // mean over the frame's exposures
-  double rate_sigma_dps = 0.0;
+  double heading_deg = unknown;        // since the map's origin; whole turns are counted
+  double heading_sigma_deg = unknown;  // against the part of the map that is in view
+  double rate_dps = unknown;           // mean over the frame's exposures
+  double rate_sigma_dps = unknown;
   double bias_dps = 0.0, scale = 1.0;  // of the gyro: reading = scale * rate + bias
   double latency_s = 0.0;              // camera against gyro, beyond what the profile says
   double mean_nis = 0.0;  // innovations of late, squared, divided by what was expected of them: about 1
