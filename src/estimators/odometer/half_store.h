@@ -27,7 +27,7 @@ class HalfStore {
   void clear() { count_ = 0; }
 
  private:
-  static constexpr std::size_t room = 240;  // half a minute at 8 halves a second
+  static constexpr std::size_t room = 480;  // a minute at 8 halves a second
   std::vector<Stored> halves_;
   std::size_t count_ = 0;
 };

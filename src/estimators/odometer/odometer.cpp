@@ -31,8 +31,10 @@ constexpr double second_pass_s = 25.0;      // after the first half
 constexpr std::size_t second_pass_halves = 200;
 constexpr double bias_widening = 2.0;  // of what the search states
 
-constexpr int final_pass = 4;          // through the halves of the start: 2 to 4 of them
+constexpr int most_passes = 6;         // through the halves of the start
 constexpr double pass_widening = 3.0;  // of what the pass before learnt: these are the same halves
+constexpr double least_bias_sigma_dps = 0.1, least_scale_sigma = 0.002, least_latency_sigma_s = 0.001;
+constexpr double settled_scale = 0.001;
 constexpr double known_bias_dps = 1.0;
 
 constexpr double nis_share = 1.0 / 30.0;  // of a half in the mean of its kind
@@ -84,7 +86,8 @@ struct Odometer::Parts {
   void learn_of(const HalfResult& result, double& mean);
   bool is_start_over(double now_s) const;
   void begin_pass(int number);
-  void take_over();
+  void take_over(double now_s);
+  bool has_settled() const;
   void learn_again();
   void run(const HalfReading& half);
   void locate(const HalfReading& half, double now_s);
@@ -113,6 +116,7 @@ struct Odometer::Parts {
   double last_gyro_s = 0.0, last_half_s = 0.0;
   Phase phase = Phase::searching;
   std::size_t gone_through = 0;  // halves of the store
+  Priors begun_with;             // of the pass
   int pass = 0;                  // through them
   double pass_nis = 1.0;         // mean_nis of the tracker that goes through them
   double locating_since_s = 0.0;
@@ -211,7 +215,7 @@ void Odometer::Parts::add_half(const HalfReading& half, double now_s) {
       store.add(half, now_s);
       learn_of(front.add(half, path), mean_nis);
       if (is_start_over(now_s))
-        begin_pass(final_pass);
+        begin_pass(pass + 1);
       else if (mean_nis > nis_lost)
         learn_again();
       break;
@@ -219,7 +223,7 @@ void Odometer::Parts::add_half(const HalfReading& half, double now_s) {
       store.add(half, now_s);
       front.add(half, path);
       go_through(back);
-      if (gone_through == store.count()) take_over();
+      if (gone_through == store.count()) take_over(now_s);
       break;
     case Phase::running:
       run(half);
@@ -252,18 +256,29 @@ bool Odometer::Parts::is_start_over(double now_s) const {
 /// Through the halves of the start again, from what was learnt of the sensors meanwhile.
 void Odometer::Parts::begin_pass(int number) {
   const HeadingFilter& filter = front.filter();
-  Priors better = priors;
-  better.bias_dps = filter.bias_dps();
-  better.bias_sigma_dps = pass_widening * filter.sigma(HeadingFilter::bias);
-  better.scale = filter.scale_factor();
-  better.scale_sigma = pass_widening * filter.sigma(HeadingFilter::scale);
-  better.latency_s = filter.latency_s();
-  better.latency_sigma_s = pass_widening * filter.sigma(HeadingFilter::latency);
-  back.restart(better);
+  const auto sigma = [&](HeadingFilter::Place place, double least) {
+    return std::max(least, pass_widening * filter.sigma(place));
+  };
+  begun_with = priors;
+  begun_with.bias_dps = filter.bias_dps();
+  begun_with.bias_sigma_dps = sigma(HeadingFilter::bias, least_bias_sigma_dps);
+  begun_with.scale = filter.scale_factor();
+  begun_with.scale_sigma = sigma(HeadingFilter::scale, least_scale_sigma);
+  begun_with.latency_s = filter.latency_s();
+  begun_with.latency_sigma_s = sigma(HeadingFilter::latency, least_latency_sigma_s);
+  back.restart(begun_with);
   pass = number;
   pass_nis = 1.0;
   gone_through = 0;
   phase = Phase::second_pass;
+}
+
+/// The pass ended with what it began with: another one would make the same map.
+bool Odometer::Parts::has_settled() const {
+  const HeadingFilter& filter = front.filter();
+  return std::abs(filter.bias_dps() - begun_with.bias_dps) < least_bias_sigma_dps &&
+         std::abs(filter.scale_factor() - begun_with.scale) < settled_scale &&
+         std::abs(filter.latency_s() - begun_with.latency_s) < least_latency_sigma_s;
 }
 
 void Odometer::Parts::go_through(Tracker& tracker) {
@@ -275,13 +290,17 @@ void Odometer::Parts::go_through(Tracker& tracker) {
 }
 
 /// The back tracker has gone through all halves that came.
-void Odometer::Parts::take_over() {
+void Odometer::Parts::take_over(double now_s) {
   std::swap(front, back);
   mean_nis = pass_nis;
   if (mean_nis > nis_lost)
     learn_again();
+  else if (!is_start_over(now_s))
+    phase = Phase::learning;
+  else if (has_settled() || pass >= most_passes)
+    phase = Phase::running;
   else
-    phase = pass == final_pass ? Phase::running : Phase::learning;
+    begin_pass(pass + 1);
 }
 
 void Odometer::Parts::learn_of(const HalfResult& result, double& mean) {
@@ -291,7 +310,7 @@ void Odometer::Parts::learn_of(const HalfResult& result, double& mean) {
 /// While the start is learnt, what does not fit means that the map was begun with a wrong bias: by now it is
 /// known better.
 void Odometer::Parts::learn_again() {
-  if (pass + 1 < final_pass && front.filter().sigma(HeadingFilter::bias) < known_bias_dps)
+  if (pass < most_passes && front.filter().sigma(HeadingFilter::bias) < known_bias_dps)
     begin_pass(pass + 1);
   else
     begin_anew();
@@ -367,6 +386,7 @@ Report Odometer::Parts::report(const TimedFrame& frame, double now_s) const {
   report.latency_s = filter.latency_s();
   report.mean_nis = mean_nis;
   if (is_behind_nothing()) report.heading_deg = filter.heading_deg();
+  if (is_behind_nothing()) report.origin_sigma_deg = filter.sigma(HeadingFilter::heading);
   const double begin_s = to_s(frame.exposure_begin - *origin), length_s = now_s - begin_s;
   if (!(length_s > 0.0)) return report;
   const ExposedTurn turn = path.over(begin_s, now_s);

@@ -32,6 +32,7 @@ struct Report {
   Reason reason = Reason::none;
   double heading_deg = unknown;        // since the map's origin; whole turns are counted
   double heading_sigma_deg = unknown;  // against the part of the map that is in view
+  double origin_sigma_deg = unknown;   // of the heading against the map's origin
   double rate_dps = unknown;           // mean over the frame's exposures
   double rate_sigma_dps = unknown;
   double bias_dps = 0.0, scale = 1.0;  // of the gyro: reading = scale * rate + bias
