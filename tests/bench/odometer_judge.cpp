@@ -87,6 +87,8 @@ Judgement judge(const OdometerRecording& recording, const JudgedRun& run) {
   Judgement judgement;
   std::vector<Tracked> tracked;
   std::vector<double> steps_us;
+  std::vector<TimedGyro> of_lost;  // frames: their samples come with the next one
+  int frames = 0;
   double origin_deg = 0.0, seen = 0.0;
   const HostTime begin = recording.measurements.front().frame.exposure_end + from_s(run.from_s);
   for (const Measurement& recorded : recording.measurements) {
@@ -95,11 +97,19 @@ Judgement judge(const OdometerRecording& recording, const JudgedRun& run) {
     if (time_s < 0.0) continue;
     Measurement measurement = recorded;
     if (run.disturb) run.disturb(time_s, measurement);
+    measurement.gyro.insert(measurement.gyro.begin(), of_lost.begin(), of_lost.end());
+    of_lost.clear();
+    if (run.lost_one_of > 0 && ++frames % run.lost_one_of == 0) {
+      of_lost = measurement.gyro;
+      continue;
+    }
     const double before_us = processor_us();
     const RateEstimate estimate = bank.add(measurement).front();
     steps_us.push_back(processor_us() - before_us);
     const bool is_tracked = estimate.state == EstimateState::good;
-    const double off_deg = estimate.angle_deg - shaft_deg(recording, frame.exposure_end);
+    double off_deg = estimate.angle_deg - shaft_deg(recording, frame.exposure_end);
+    if (run.loses_turns && time_s > *run.harm_begin_s)
+      off_deg = origin_deg + std::remainder(off_deg - origin_deg, 360.0);
     if (is_tracked && !judgement.tracked_after_s) {
       judgement.tracked_after_s = time_s;
       origin_deg = off_deg;

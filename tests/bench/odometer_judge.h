@@ -12,8 +12,10 @@ namespace thermorig::bench {
 using Disturbance = std::function<void(double seconds, Measurement& measurement)>;
 
 struct JudgedRun {
-  double from_s = 0.0;                             // the odometer sees nothing of the recording before
-  Disturbance disturb;                             // none: as it was recorded
+  double from_s = 0.0;       // the odometer sees nothing of the recording before
+  Disturbance disturb;       // none: as it was recorded
+  int lost_one_of = 0;       // frames: the n-th of each n never comes; 0: all come
+  bool loses_turns = false;  // the harm hides whole turns: they are not asked for after it
   std::optional<double> harm_begin_s, harm_end_s;  // since the first measurement that it sees
 };
 

@@ -92,6 +92,12 @@ JudgedRun for_a_while(Disturbance disturb) {
   return {.disturb = std::move(disturb), .harm_begin_s = harm_begin_s, .harm_end_s = harm_end_s};
 }
 
+JudgedRun frozen_for_a_while() {
+  JudgedRun run = for_a_while(frozen_gyro());
+  run.loses_turns = true;
+  return run;
+}
+
 }  // namespace
 
 std::vector<Stress> odometer_stresses() {
@@ -101,7 +107,10 @@ std::vector<Stress> odometer_stresses() {
   return {{.name = "twice the camera's noise", .run = all_along(twice_the_noise()), .worst_deg = 1.5},
           world("contrast x 0.5", "scene.contrast=0.5", 1.5),
           {.name = "110-degree lens", .field_of_view_deg = 110.0, .run = {}, .worst_deg = 1.5},
-          world("10 % of chess halves lost", "camera.lost_subpages=0.1", 1.5),
+          {.name = "10 % of frames lost",
+           .run = {.lost_one_of = 10, .harm_begin_s = {}, .harm_end_s = {}},
+           .worst_deg = 1.5},
+          world("10 % of chess halves lost by the bridge", "camera.lost_subpages=0.1", 1.5),
           {.name = "gyro scale +5 %", .run = all_along(scaled_gyro(1.05F)), .worst_deg = 1.5},
           world("rows one after the other", "camera.rolling_rows=1", 2.0),
           world("rows from the last on", "camera.rolling_rows=-1", 2.0),
@@ -111,7 +120,7 @@ std::vector<Stress> odometer_stresses() {
           world("pitch of a pixel +1 %", "camera.pitch_error=0.01", 3.0),
           world("tilt 3 deg, roll 2 deg", "camera.tilt_deg=3,camera.roll_deg=2", 3.0),
           {.name = "bias step of 1 deg/s", .run = all_along(stepped_bias(1.0F)), .worst_deg = 3.0},
-          {.name = "frozen gyro, 30 s", .run = for_a_while(frozen_gyro()), .worst_deg = 3.0},
+          {.name = "frozen gyro, 30 s", .run = frozen_for_a_while(), .worst_deg = 3.0},
           {.name = "covered lens, 30 s", .run = for_a_while(covered_lens()), .worst_deg = 3.0},
           {.name = "frozen camera, 30 s", .run = for_a_while(frozen_camera()), .worst_deg = 3.0},
           {.name = "exposures a period early, 30 s",

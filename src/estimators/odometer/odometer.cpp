@@ -21,7 +21,7 @@ namespace {
 
 constexpr std::uint16_t fresh_pixels = half_pixels / 50;  // 2 %, as the detector of freshness has it
 constexpr float coldest_c = -60.0F, hottest_c = 400.0F;   // beyond: not a temperature of the sensor's range
-constexpr double fastest_dps = 10000.0;                   // beyond: not a rate
+constexpr double largest_rate_dps = 10000.0;              // beyond: not a rate
 constexpr HostDuration clock_begins_anew = std::chrono::seconds(1);
 
 constexpr std::size_t search_every = 4;     // halves, while the bias is searched for
@@ -39,9 +39,13 @@ constexpr double known_bias_dps = 1.0;
 
 constexpr double nis_share = 1.0 / 30.0;  // of a half in the mean of its kind
 constexpr double nis_lost = 8.0;
-constexpr double most_nis = 60.0;   // that one half counts with
-constexpr int covered_halves = 4;   // in a row
-constexpr int halves_to_trust = 8;  // after a search
+constexpr double most_nis = 60.0;                          // that one half counts with
+constexpr int covered_halves = 4;                          // in a row
+constexpr int halves_to_trust = 8;                         // after a search
+constexpr double doubted_deg = 2.0, doubted_sigmas = 4.0;  // a jump by more is doubted
+constexpr double telling_change_dps = 40.0;                // of the speed: then a wrong time would show
+constexpr double lean_share = 1.0 / 16.0, much_lean = 0.7;
+constexpr double stepped_bias_dps = 0.3;
 constexpr double longest_gyro_gap_s = 0.25;
 constexpr double longest_camera_gap_s = 1.0;
 constexpr double lost_deg = 3.0;        // a heading that is known less well is searched for
@@ -91,6 +95,7 @@ struct Odometer::Parts {
   void learn_again();
   void run(const HalfReading& half);
   void locate(const HalfReading& half, double now_s);
+  void follow_bias(const HalfResult& result);
   void begin_search(double now_s);
   void begin_anew();
   Report report(const TimedFrame& frame, double now_s) const;
@@ -124,8 +129,13 @@ struct Odometer::Parts {
   int covered = 0;   // halves in a row
   int to_trust = 0;  // halves until a search is believed
   bool gyro_was_away = false;
-  bool has_seen = false;   // a half
-  bool stands_in = false;  // the newest frame, for one of a camera that is missing
+  bool is_explained = false;                    // the search, by a gyro that was away
+  double expected_sigma_deg = 0.0;              // of the heading before the search
+  bool is_doubted = false;                      // what the search found
+  double slowest_dps = 0.0, fastest_dps = 0.0;  // since
+  double mean_lean = 0.0;                       // innovations of late, with their signs
+  bool has_seen = false;                        // a half
+  bool stands_in = false;                       // the newest frame, for one of a camera that is missing
 };
 
 Odometer::Odometer(const GyroProfile& gyro, const CameraProfile& camera)
@@ -142,7 +152,7 @@ Report Odometer::add(const TimedFrame& frame, std::span<const TimedGyro> gyro) {
 void Odometer::Parts::add_gyro(const TimedGyro& sample) {
   const HostTime time = sample.stamp.time;
   const double read_dps = double{sample.rate_dps};
-  if (!(std::abs(read_dps) < fastest_dps)) return;
+  if (!(std::abs(read_dps) < largest_rate_dps)) return;
   if (!origin) origin = last_sample = time - std::chrono::milliseconds(1);
   if (time <= last_sample) {
     if (last_sample - time >= clock_begins_anew) forget_clock();
@@ -323,11 +333,28 @@ void Odometer::Parts::run(const HalfReading& half) {
   covered = result.is_flat ? covered + 1 : 0;
   if (!result.is_flat) mean_nis += nis_share * (std::min(most_nis, result.squared) - mean_nis);
   if (result.is_used) to_trust = std::max(0, to_trust - 1);
+  if (result.is_used) follow_bias(result);
+  slowest_dps = std::min(slowest_dps, result.rate_dps);
+  fastest_dps = std::max(fastest_dps, result.rate_dps);
+  if (is_doubted && fastest_dps - slowest_dps > telling_change_dps) {
+    is_doubted = false;
+    to_trust = halves_to_trust;
+  }
   const bool is_lost = mean_nis > nis_lost || front.sigma_in_map_deg() > lost_deg;
   if (is_lost && covered < covered_halves) begin_search(half.end_s);
 }
 
+/// Innovations that all lean to one side: the bias is another than before.
+void Odometer::Parts::follow_bias(const HalfResult& result) {
+  mean_lean += lean_share * (std::copysign(std::sqrt(result.squared), result.innovation_deg) - mean_lean);
+  if (std::abs(mean_lean) < much_lean) return;
+  front.widen_bias(stepped_bias_dps);
+  mean_lean = 0.0;
+}
+
 void Odometer::Parts::begin_search(double now_s) {
+  is_explained = gyro_was_away;
+  expected_sigma_deg = front.sigma_in_map_deg();
   gyro_was_away = false;
   circle.begin();
   locating_since_s = now_s;
@@ -337,8 +364,13 @@ void Odometer::Parts::begin_search(double now_s) {
 void Odometer::Parts::locate(const HalfReading& half, double now_s) {
   front.locate(half, path, circle);
   if (const auto found = circle.found()) {
-    front.settle(*found);
+    const double jump_deg = front.settle(*found);
+    // The gyro said something else, and was there all the time: one of the two is wrong, and as long as the
+    // rig keeps its speed nobody can tell.
+    is_doubted = !is_explained && std::abs(jump_deg) > doubted_deg + doubted_sigmas * expected_sigma_deg;
+    slowest_dps = fastest_dps = front.rate_dps();
     mean_nis = 1.0;
+    mean_lean = 0.0;
     to_trust = halves_to_trust;
     phase = Phase::running;
   } else if (now_s - locating_since_s > give_up_s) {
@@ -359,6 +391,8 @@ void Odometer::Parts::begin_anew() {
   mean_nis = 1.0;
   covered = 0;
   to_trust = 0;
+  is_doubted = false;
+  mean_lean = 0.0;
   gyro_was_away = false;
   phase = Phase::searching;
 }
@@ -377,7 +411,7 @@ Report Odometer::Parts::report(const TimedFrame& frame, double now_s) const {
   report.reason = reason(now_s);
   if (report.reason != Reason::none)
     report.state = State::not_trusted;
-  else if (phase == Phase::locating || (phase == Phase::running && to_trust > 0))
+  else if (phase == Phase::locating || (phase == Phase::running && (to_trust > 0 || is_doubted)))
     report.state = State::relocalising;
   else
     report.state = phase == Phase::running ? State::tracking : State::starting;

@@ -50,7 +50,7 @@ Tracker::Exposed Tracker::expose(const HalfReading& half, const GyroPath& path) 
   if (halves_ == 0) reference_c_ = mean_of(exposed.temp_c);
   for (float& one : exposed.temp_c) one -= reference_c_;
   exposed.azimuth_deg = filter_.exposed_deg(exposed.turn, now_s_, now_deg_);
-  exposed.rate_dps = filter_.mean_rate_dps(exposed.turn);
+  exposed.rate_dps = rate_dps_ = filter_.mean_rate_dps(exposed.turn);
   exposed.half_width_deg = std::sqrt(3.0) * filter_.spread_deg(exposed.turn);
   return exposed;
 }
@@ -125,10 +125,11 @@ void Tracker::locate(const HalfReading& half, const GyroPath& path, CircleSearch
   located_deg_ = exposed.azimuth_deg;
 }
 
-void Tracker::settle(const CircleSearch::Found& found) {
+double Tracker::settle(const CircleSearch::Found& found) {
   const double off_deg = std::remainder(found.azimuth_deg - located_deg_, whole_turn_deg);
   filter_.set_heading(filter_.heading_deg() + off_deg, found.sigma_deg);
   sigma_in_map_deg_ = found.sigma_deg;
+  return off_deg;
 }
 
 void Tracker::write(const HalfReading& half, const HalfPixels& temp_c, double azimuth_deg,

@@ -40,10 +40,14 @@ class Tracker {
   /// before.
   void locate(const HalfReading& half, const GyroPath& path, CircleSearch& search);
   /// What the search found, of the newest half: the nearest of the headings that it may be.
-  void settle(const CircleSearch::Found& found);
+  /// Returns by how much it is off what the gyro let expect.
+  double settle(const CircleSearch::Found& found);
 
   /// The gyro did not tell what was turned since.
-  void lose_heading(double sigma_deg) { filter_.add_heading_variance(sigma_deg * sigma_deg); }
+  void lose_heading(double sigma_deg) { filter_.add_heading_variance(square(sigma_deg)); }
+  /// The bias may have stepped.
+  void widen_bias(double sigma_dps) { filter_.widen_bias(square(sigma_dps)); }
+  double rate_dps() const { return rate_dps_; }  // of the newest half
 
   const HeadingFilter& filter() const { return filter_; }
   const Panorama& panorama() const { return panorama_; }
@@ -74,6 +78,7 @@ class Tracker {
   float reference_c_ = 0.0F;  // temperatures are kept as differences from it
   int halves_ = 0;
   double sigma_in_map_deg_ = 0.0;
+  double rate_dps_ = 0.0;
   double located_deg_ = 0.0;  // azimuth of the newest half, as the gyro has it
   float common_c_ = 0.0F;     // of the newest half
   struct Written {
