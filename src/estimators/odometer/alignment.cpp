@@ -14,7 +14,7 @@ constexpr int steps = 4;
 constexpr double longest_step_deg = 2.0;
 constexpr double search_from_deg = 1.0;  // a heading that is known less well is searched for first
 constexpr double search_step_deg = 0.5;
-constexpr int most_search_steps = 60;  // to either side
+constexpr int most_search_steps = 40;  // to either side
 constexpr float huber = 3.0F;
 constexpr float strict_squares = 9.0F;
 constexpr std::array<Slope, 3> slopes{{{1.0, false}, {2.0, true}, {4.0, true}}};
@@ -131,12 +131,13 @@ double Alignment::squares(const View& view, double azimuth_deg) const {
   return squares;
 }
 
-double Alignment::searched(const View& view, double azimuth_deg, double sigma_deg) const {
+double Alignment::searched(const View& view, double azimuth_deg, double sigma_deg, int& looks) const {
   const int reach = std::min(most_search_steps, static_cast<int>(3.0 * sigma_deg / search_step_deg));
   double best_deg = azimuth_deg, best = std::numeric_limits<double>::infinity();
   for (int i = -reach; i <= reach; ++i) {
     const double tried_deg = azimuth_deg + i * search_step_deg;
     const Comparison comparison = compare(view, tried_deg, {});
+    ++looks;
     if (comparison.pixels < fewest_pixels) continue;
     const double off = i * search_step_deg / sigma_deg;
     const double cost = comparison.cost + off * off / comparison.pixels;
@@ -150,11 +151,12 @@ double Alignment::searched(const View& view, double azimuth_deg, double sigma_de
 Alignment::Found Alignment::find(const View& view, double azimuth_deg, double sigma_deg) const {
   Found found;
   found.azimuth_deg = azimuth_deg;
-  if (sigma_deg > search_from_deg) found.azimuth_deg = searched(view, azimuth_deg, sigma_deg);
+  if (sigma_deg > search_from_deg) found.azimuth_deg = searched(view, azimuth_deg, sigma_deg, found.looks);
   Slope slope;
   double least_deg2 = std::numeric_limits<double>::infinity();
   for (const Slope& tried : slopes) {
     const Comparison comparison = compare(view, found.azimuth_deg, tried);
+    ++found.looks;
     if (comparison.pixels < fewest_pixels || comparison.variance_deg2() >= least_deg2) continue;
     least_deg2 = comparison.variance_deg2();
     slope = tried;
@@ -165,6 +167,7 @@ Alignment::Found Alignment::find(const View& view, double azimuth_deg, double si
     const double step_deg = std::clamp(found.comparison.step_deg(), -longest_step_deg, longest_step_deg);
     found.azimuth_deg += step_deg;
     found.comparison = compare(view, found.azimuth_deg, slope);
+    ++found.looks;
     if (found.comparison.pixels < fewest_pixels) return found;
     if (std::abs(step_deg) < 0.002) break;
   }

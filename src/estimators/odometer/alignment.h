@@ -50,6 +50,7 @@ class Alignment {
   struct Found {
     double azimuth_deg = 0.0;
     bool is_found = false;
+    int looks = 0;
     Comparison comparison;
   };
   /// The best azimuth about one that is known to `sigma_deg`.
@@ -65,7 +66,7 @@ class Alignment {
   }
 
  private:
-  double searched(const View& view, double azimuth_deg, double sigma_deg) const;
+  double searched(const View& view, double azimuth_deg, double sigma_deg, int& looks) const;
 
   const Panorama& panorama_;
   const HeadingFilter& filter_;

@@ -15,6 +15,7 @@ constexpr double least_state_variance = 1e-14;
 }  // namespace
 
 HeadingFilter::HeadingFilter(const Priors& priors) : priors_(priors) {
+  state_[heading] = priors.heading_deg;
   state_[bias] = priors.bias_dps;
   state_[scale] = priors.scale;
   state_[latency] = priors.latency_s;

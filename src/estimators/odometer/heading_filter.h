@@ -11,6 +11,7 @@ namespace thermorig::odometer {
 
 /// What is known before anything was measured, one standard deviation each.
 struct Priors {
+  double heading_deg = 0.0;  // of the map's origin
   double bias_dps = 0.0, bias_sigma_dps = 20.0;
   double scale = 1.0, scale_sigma = 0.03;
   double latency_s = 0.0, latency_sigma_s = 0.010;  // of the camera against the gyro

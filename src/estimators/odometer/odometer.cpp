@@ -26,7 +26,7 @@ constexpr HostDuration clock_begins_anew = std::chrono::seconds(1);
 
 constexpr std::size_t search_every = 4;     // halves, while the bias is searched for
 constexpr std::size_t latest_search = 160;  // then the search begins anew
-constexpr std::size_t halves_a_step = 12;   // gone through again when a frame comes
+constexpr int looks_a_step = 110;           // at the map, when halves are gone through again: a dozen halves
 constexpr double second_pass_s = 25.0;      // after the first half
 constexpr std::size_t second_pass_halves = 200;
 constexpr double bias_widening = 2.0;  // of what the search states
@@ -34,11 +34,13 @@ constexpr double bias_widening = 2.0;  // of what the search states
 constexpr int most_passes = 6;         // through the halves of the start
 constexpr double pass_widening = 3.0;  // of what the pass before learnt: these are the same halves
 constexpr double least_bias_sigma_dps = 0.1, least_scale_sigma = 0.002, least_latency_sigma_s = 0.001;
-constexpr double settled_scale = 0.001;
+constexpr double settled_scale = 0.001, settled_nis = 1.6;
 constexpr double known_bias_dps = 1.0;
 
 constexpr double nis_share = 1.0 / 30.0;  // of a half in the mean of its kind
 constexpr double nis_lost = 8.0;
+constexpr double nis_unfit = 3.0, nis_fits = 2.0;          // not trusted from the one on until the other
+constexpr double longest_unfit_s = 30.0;                   // then the map is wrong
 constexpr double most_nis = 60.0;                          // that one half counts with
 constexpr int covered_halves = 4;                          // in a row
 constexpr int halves_to_trust = 8;                         // after a search
@@ -100,6 +102,7 @@ struct Odometer::Parts {
   void begin_anew();
   Report report(const TimedFrame& frame, double now_s) const;
   Reason reason(double now_s) const;
+  double heading_at(double time_s, double bias_dps) const;
   void forget_clock();
 
   /// The front tracker has gone through all halves that came.
@@ -125,9 +128,14 @@ struct Odometer::Parts {
   int pass = 0;                  // through them
   double pass_nis = 1.0;         // mean_nis of the tracker that goes through them
   double locating_since_s = 0.0;
+  struct Kept {
+    double time_s = 0.0, turned_deg = 0.0, heading_deg = 0.0;
+  };
+  std::optional<Kept> kept;  // of the map before, where there was one
   double mean_nis = 1.0;
-  int covered = 0;   // halves in a row
-  int to_trust = 0;  // halves until a search is believed
+  int covered = 0;                      // halves in a row
+  int to_trust = 0;                     // halves until a search is believed
+  std::optional<double> unfit_since_s;  // innovations are larger than they should be
   bool gyro_was_away = false;
   bool is_explained = false;                    // the search, by a gyro that was away
   double expected_sigma_deg = 0.0;              // of the heading before the search
@@ -252,6 +260,7 @@ void Odometer::Parts::search_bias() {
   Priors better = priors;
   better.bias_dps = found->bias_dps;
   better.bias_sigma_dps = bias_widening * found->sigma_dps;
+  better.heading_deg = heading_at(store.at(0).now_s, found->bias_dps);
   front.restart(better);
   pass = 0;
   pass_nis = 1.0;
@@ -270,6 +279,7 @@ void Odometer::Parts::begin_pass(int number) {
     return std::max(least, pass_widening * filter.sigma(place));
   };
   begun_with = priors;
+  begun_with.heading_deg = heading_at(store.at(0).now_s, filter.bias_dps());
   begun_with.bias_dps = filter.bias_dps();
   begun_with.bias_sigma_dps = sigma(HeadingFilter::bias, least_bias_sigma_dps);
   begun_with.scale = filter.scale_factor();
@@ -286,16 +296,19 @@ void Odometer::Parts::begin_pass(int number) {
 /// The pass ended with what it began with: another one would make the same map.
 bool Odometer::Parts::has_settled() const {
   const HeadingFilter& filter = front.filter();
-  return std::abs(filter.bias_dps() - begun_with.bias_dps) < least_bias_sigma_dps &&
+  return mean_nis < settled_nis && std::abs(filter.bias_dps() - begun_with.bias_dps) < least_bias_sigma_dps &&
          std::abs(filter.scale_factor() - begun_with.scale) < settled_scale &&
          std::abs(filter.latency_s() - begun_with.latency_s) < least_latency_sigma_s;
 }
 
 void Odometer::Parts::go_through(Tracker& tracker) {
-  for (std::size_t i = 0; i < halves_a_step && gone_through < store.count(); ++i, ++gone_through) {
+  int looks = 0;
+  for (; looks < looks_a_step && gone_through < store.count(); ++gone_through) {
     const auto& [half, came_s] = store.at(gone_through);
     if (!tracker.has_begun() || came_s > tracker.now_s()) tracker.advance(path, came_s);
-    learn_of(tracker.add(half, path), pass_nis);
+    const HalfResult result = tracker.add(half, path);
+    looks += result.looks;
+    learn_of(result, pass_nis);
   }
 }
 
@@ -307,10 +320,10 @@ void Odometer::Parts::take_over(double now_s) {
     learn_again();
   else if (!is_start_over(now_s))
     phase = Phase::learning;
-  else if (has_settled() || pass >= most_passes)
+  else if (has_settled() || (pass >= most_passes && mean_nis < nis_fits))
     phase = Phase::running;
   else
-    begin_pass(pass + 1);
+    learn_again();
 }
 
 void Odometer::Parts::learn_of(const HalfResult& result, double& mean) {
@@ -339,6 +352,12 @@ void Odometer::Parts::run(const HalfReading& half) {
   if (is_doubted && fastest_dps - slowest_dps > telling_change_dps) {
     is_doubted = false;
     to_trust = halves_to_trust;
+  }
+  if (mean_nis > nis_unfit && !unfit_since_s) unfit_since_s = half.end_s;
+  if (mean_nis < nis_fits) unfit_since_s.reset();
+  if (unfit_since_s && half.end_s - *unfit_since_s > longest_unfit_s) {
+    begin_anew();
+    return;
   }
   const bool is_lost = mean_nis > nis_lost || front.sigma_in_map_deg() > lost_deg;
   if (is_lost && covered < covered_halves) begin_search(half.end_s);
@@ -380,18 +399,29 @@ void Odometer::Parts::locate(const HalfReading& half, double now_s) {
 
 void Odometer::Parts::forget_clock() {
   begin_anew();
+  kept.reset();
   path.clear();
   watch = GyroWatch();
   origin.reset();
   front.restart(priors);
 }
 
+/// Where a new map begins: the heading of before, as far as the gyro tells.
+double Odometer::Parts::heading_at(double time_s, double bias_dps) const {
+  if (!kept) return 0.0;
+  const double turned_deg = path.until(time_s).turned_deg - kept->turned_deg;
+  return kept->heading_deg + (turned_deg - bias_dps * (time_s - kept->time_s)) / priors.scale;
+}
+
 void Odometer::Parts::begin_anew() {
+  if (phase == Phase::running || phase == Phase::locating)
+    kept = Kept{front.now_s(), path.until(front.now_s()).turned_deg, front.filter().heading_deg()};
   store.clear();
   mean_nis = 1.0;
   covered = 0;
   to_trust = 0;
   is_doubted = false;
+  unfit_since_s.reset();
   mean_lean = 0.0;
   gyro_was_away = false;
   phase = Phase::searching;
@@ -401,7 +431,7 @@ Reason Odometer::Parts::reason(double now_s) const {
   if (now_s - last_gyro_s > longest_gyro_gap_s) return Reason::no_gyro;
   if (stands_in || !has_seen || now_s - last_half_s > longest_camera_gap_s) return Reason::no_camera;
   if (watch.is_frozen() && !watch.is_zero()) return Reason::gyro_frozen;
-  if (covered >= covered_halves) return Reason::view_differs;
+  if (covered >= covered_halves || unfit_since_s) return Reason::view_differs;
   return Reason::none;
 }
 

@@ -92,6 +92,7 @@ HalfResult Tracker::judge(const HalfReading& half, const Exposed& exposed) {
   const Alignment::Found found = alignment.find(view, azimuth_deg, std::sqrt(prior_deg2));
   const Alignment::Comparison& comparison = found.comparison;
   common_c_ = comparison.common_c;
+  result.looks += found.looks;
   if (!found.is_found) return result;
   const HeadingFilter::Row row = filter_.derivative(turn, now_s_, now_deg_, comparison.about);
   double noise_deg2 = variance_share * comparison.variance_deg2() + square(least_sigma_deg) +

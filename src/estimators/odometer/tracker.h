@@ -20,6 +20,7 @@ struct HalfResult {
   double innovation_deg = 0.0;
   double misfit = 0.0;  // squares of its pixels, divided by what was expected of them
   double rate_dps = 0.0;
+  int looks = 1;  // at the whole map: what it cost
 };
 
 /// Heading filter and panorama together: half after half.
