@@ -43,7 +43,11 @@ class Alignment {
     double flat_cost = 0.0;  // the same, had the surroundings no structure at all
     double pixels = 0.0;     // that were compared
     double step_deg() const { return known > 0.0 ? lean / known : 0.0; }
-    double variance_deg2() const { return known > 0.0 ? steepness / (known * known) : 1e9; }
+    /// Slopes that may be nothing but noise tell nothing.
+    double variance_deg2() const {
+      return known > least_known_share * steepness ? steepness / (known * known) : 1e9;
+    }
+    static constexpr double least_known_share = 0.25;
   };
   Comparison compare(const View& view, double azimuth_deg, const Slope& slope) const;
 

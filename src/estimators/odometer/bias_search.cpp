@@ -15,6 +15,7 @@ constexpr double most_sigmas = 3.0;
 constexpr double trusted_of_mosaic =
     0.3;  // of the mosaic's likelihood: halves are blurred, pixels have offsets
 constexpr double known_well_dps = 1.0;
+constexpr double distinct_share = 0.94;  // of the typical variance: noise alone makes it differ by 2 %
 
 constexpr float largest_error_c = 3.0F;  // of a pixel that is not broken
 constexpr float unknown_c = std::numeric_limits<float>::quiet_NaN();
@@ -47,7 +48,8 @@ BiasSearch::BiasSearch(const Priors& priors, const Lens& lens)
       cells_a_row_(static_cast<std::size_t>(std::ceil(whole_turn_deg / lens.pitch_deg))),
       placed_(halves),
       cells_(cells_a_row_ * frame_rows),
-      variances_(most_steps) {}
+      variances_(most_steps),
+      ordered_(most_steps) {}
 
 /// Of the readings within the cells of the mosaic.
 double BiasSearch::variance_with(double bias_dps) {
@@ -124,6 +126,9 @@ std::optional<BiasSearch::Found> BiasSearch::search(const HalfStore& store, cons
     variance = variance_with(priors_.bias_dps + i * step_dps);
     least = std::min(least, variance);
   }
+  ordered_.assign(variances_.begin(), variances_.begin() + 2 * steps + 1);
+  std::nth_element(ordered_.begin(), ordered_.begin() + steps, ordered_.end());
+  if (least > distinct_share * ordered_[static_cast<std::size_t>(steps)]) return std::nullopt;
   const double readings = trusted_of_mosaic * 0.5 * static_cast<double>(halves * half_pixels);
   double sum = 0.0, mean = 0.0, squares = 0.0;
   for (int i = -steps; i <= steps; ++i) {

@@ -42,7 +42,7 @@ class BiasSearch {
   std::size_t cells_a_row_;
   std::vector<Placed> placed_;
   std::vector<Cell> cells_;
-  std::vector<double> variances_;
+  std::vector<double> variances_, ordered_;  // a bias each
 };
 
 }  // namespace thermorig::odometer

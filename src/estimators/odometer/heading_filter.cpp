@@ -106,17 +106,25 @@ void HeadingFilter::begin_nodes(double low_deg, double high_deg) {
   const auto last = static_cast<long>(std::ceil(high_deg / node_deg));
   for (auto node = static_cast<long>(std::floor(low_deg / node_deg)); node <= last; ++node) {
     const auto place = static_cast<std::size_t>((node % all + all) % all);
-    if (begun_[place]) continue;
-    begun_[place] = true;
-    const std::size_t before = (place + nodes - 1) % nodes, behind = (place + 1) % nodes;
-    if (begun_[before])
-      state_[first_node + place] = state_[first_node + before];
-    else if (begun_[behind])
-      state_[first_node + place] = state_[first_node + behind];
-    const std::size_t at = first_node + place;
-    for (std::size_t i = 0; i < size; ++i) covariance_[at][i] = covariance_[i][at] = covariance_[heading][i];
-    covariance_[at][at] = covariance_[heading][heading];
+    const double at_deg = static_cast<double>(node) * node_deg;
+    const auto now = at_deg >= low_deg && at_deg <= high_deg ? NodeState::seen : NodeState::near;
+    if (now <= known_[place]) continue;
+    if (known_[place] == NodeState::none) {
+      const std::size_t before = (place + nodes - 1) % nodes, behind = (place + 1) % nodes;
+      if (known_[before] != NodeState::none)
+        state_[first_node + place] = state_[first_node + before];
+      else if (known_[behind] != NodeState::none)
+        state_[first_node + place] = state_[first_node + behind];
+    }
+    known_[place] = now;
+    begin_node(first_node + place);
   }
+}
+
+/// What is seen there first is put where the heading says: it is off by as much.
+void HeadingFilter::begin_node(std::size_t at) {
+  for (std::size_t i = 0; i < size; ++i) covariance_[at][i] = covariance_[i][at] = covariance_[heading][i];
+  covariance_[at][at] = covariance_[heading][heading];
 }
 
 void HeadingFilter::set_heading(double heading_deg, double sigma_deg) {

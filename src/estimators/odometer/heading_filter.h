@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
 
 #include "half_reading.h"
 
@@ -19,11 +20,11 @@ struct Priors {
 };
 
 /// An extended Kalman filter. Its state: heading (deg), gyro bias (deg/s), gyro scale, camera latency (s),
-/// and how the map is off at nodes 30 degrees apart, whose errors are those that the heading had when they
+/// and how the map is off at nodes 15 degrees apart, whose errors are those that the heading had when they
 /// were first seen.
 class HeadingFilter {
  public:
-  static constexpr std::size_t nodes = 12;
+  static constexpr std::size_t nodes = 24;
   static constexpr double node_deg = whole_turn_deg / nodes;
   enum Place : std::size_t { heading, bias, scale, latency, first_node };
   static constexpr std::size_t size = first_node + nodes;
@@ -72,7 +73,9 @@ class HeadingFilter {
   Priors priors_;
   Row state_{};
   std::array<Row, size> covariance_{};
-  std::array<bool, nodes> begun_{};
+  enum class NodeState : std::uint8_t { none, near, seen };  // near: only what lies between it and the next
+  std::array<NodeState, nodes> known_{};
+  void begin_node(std::size_t at);
 };
 
 }  // namespace thermorig::odometer
