@@ -149,7 +149,9 @@ TEST(Odometer, IsDeterministicAndAllocatesNothing) {
   const std::size_t before = allocations();
   for (std::size_t i = 0; i < all.size(); ++i) {
     const Report report = odometer.add(all[i].frame, all[i].gyro);
-    if (std::isfinite(report.heading_deg)) ASSERT_EQ(report.heading_deg, first[i].heading_deg) << i;
+    if (std::isfinite(report.heading_deg)) {
+      ASSERT_EQ(report.heading_deg, first[i].heading_deg) << i;
+    }
   }
   EXPECT_EQ(allocations(), before);
 }
