@@ -34,7 +34,7 @@ constexpr double bias_widening = 2.0;  // of what the search states
 constexpr int most_passes = 6;         // through the halves of the start
 constexpr double pass_widening = 3.0;  // of what the pass before learnt: these are the same halves
 constexpr double least_bias_sigma_dps = 0.1, least_scale_sigma = 0.002, least_latency_sigma_s = 0.003;
-constexpr double settled_latency_s = 0.001, settled_scale = 0.001, settled_nis = 1.6;
+constexpr double settled_latency_s = 0.001, settled_scale = 0.001, settled_nis = 2.0;
 constexpr double known_bias_dps = 1.0;
 
 constexpr double nis_share = 1.0 / 30.0;  // of a half in the mean of its kind

@@ -16,7 +16,7 @@ constexpr double surprising = 4.0;    // an innovation squared: counts less
 constexpr double impossible = 30.0;   // is not believed, and the map not written
 constexpr int first_halves = 4;       // are only written: a map of one chess half has gaps
 constexpr double flat_margin = 0.15;  // squares of a pixel
-constexpr int settled_halves = 100;
+constexpr int settled_halves = 30;
 constexpr double settled_deg = 0.4;
 constexpr double moving_dps = 8.0;  // from there on errors of pixels are told from surroundings
 
