@@ -64,10 +64,8 @@ class HeadingFilter {
 
   /// A new guess of the heading; nothing else is forgotten.
   void set_heading(double heading_deg, double sigma_deg);
-  void add_heading_variance(double variance_deg2) { covariance_[heading][heading] += variance_deg2; }
-  /// A new guess of the bias.
+  /// The bias may be another than it was.
   void widen_bias(double variance_dps2) { covariance_[bias][bias] += variance_dps2; }
-  void turn_back(double whole_turns_deg) { state_[heading] += whole_turns_deg; }
 
  private:
   Priors priors_;

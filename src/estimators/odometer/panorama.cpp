@@ -47,12 +47,6 @@ void Panorama::add_up() {
   add_up(seen_, seen_sum_);
 }
 
-double Panorama::seen_share() const {
-  double sum = 0.0;
-  for (std::size_t i = 0; i < frame_rows; ++i) sum += double{seen_sum_[bins * frame_rows + i]};
-  return sum / static_cast<double>(map_values);
-}
-
 /// Over the bins from the origin on; a position beyond either end counts whole turns.
 void Panorama::sum_until(const Sums& sums, double position, std::size_t row_class, Column& sum) const {
   const double whole = std::floor(position);

@@ -58,8 +58,6 @@ class Panorama {
   /// After writing, before looking.
   void add_up();
 
-  double seen_share() const;  // of all bins
-
  private:
   static constexpr std::size_t cell = half_rows;
   static std::size_t index(std::size_t bin, std::size_t row_class) { return (bin * 2 + row_class) * cell; }

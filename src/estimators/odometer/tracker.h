@@ -44,14 +44,11 @@ class Tracker {
   /// Returns by how much it is off what the gyro let expect.
   double settle(const CircleSearch::Found& found);
 
-  /// The gyro did not tell what was turned since.
-  void lose_heading(double sigma_deg) { filter_.add_heading_variance(square(sigma_deg)); }
   /// The bias may have stepped.
   void widen_bias(double sigma_dps) { filter_.widen_bias(square(sigma_dps)); }
   double rate_dps() const { return rate_dps_; }  // of the newest half
 
   const HeadingFilter& filter() const { return filter_; }
-  const Panorama& panorama() const { return panorama_; }
   double now_s() const { return now_s_; }
   bool has_begun() const { return has_begun_; }
 
