@@ -106,7 +106,7 @@ ExitCode run(const LiveOptions& options) {
   rig::check_plan(plan, rig.profile.servo, rig.profile.camera);
   if (options.keep) require_output(options.record, rig, plan);
   const ChosenModel model = read_live_model(options.model, options.precision);
-  estimators::Bank bank(options.estimators, model.model, rig.profile.gyro, model.precision);
+  estimators::Bank bank(options.estimators, model.model, rig.profile, model.precision);
   rig::RecordingOptions recording = recording_options(options.record, rig, plan);
   make_live(options, model, bank, recording);
   const std::unique_ptr<LivePage> page =

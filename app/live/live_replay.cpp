@@ -144,7 +144,7 @@ ExitCode replay_live(const LiveOptions& options) {
   const std::unique_ptr<LivePage> page =
       options.record.page.serve ? std::make_unique<LivePage>(options.record.page) : nullptr;
   LiveRun run(facts_of(raw), model,
-              estimators::Bank(options.estimators, model.model, raw.header.profile.gyro, model.precision));
+              estimators::Bank(options.estimators, model.model, raw.header.profile, model.precision));
   LiveScreens screens(options, page.get(), run);
   RecordingHeader header = raw.header;
   header.live_model = model.facts;

@@ -8,7 +8,7 @@ namespace thermorig::app {
 RecordPage::RecordPage(const RecordOptions& options, rig::RecordingOptions& recording)
     : page_(options.page),
       run_(live_facts(LiveMode::record, options, recording), ChosenModel{},
-           estimators::Bank({}, {}, recording.profile.gyro)) {
+           estimators::Bank({}, {}, recording.profile)) {
   run_.add(page_);
   tell_page(page_, options.json);
   recording.wait_for_start = options.page.control;

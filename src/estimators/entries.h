@@ -17,6 +17,7 @@ std::unique_ptr<Estimator> made(const Setup& setup) {
 Entry gyro();
 Entry gyro_rest();
 Entry gyro_kalman();
+Entry odometer();
 Entry cnn_thermal();
 Entry cnn_fusion();
 

@@ -17,7 +17,7 @@ TEST(LivePage, ItsOrdersBecomeTheRecordings) {
   ASSERT_EQ(setenv("XDG_STATE_HOME", folder.path().c_str(), 1), 0);
   LivePage page({.serve = true, .port = 0, .control = true});
   unsetenv("XDG_STATE_HOME");
-  LiveRun run({}, {}, estimators::Bank({}, {}, GyroProfile()));
+  LiveRun run({}, {}, estimators::Bank({}, {}, RigProfile()));
   const std::string token = web::token_of(page.url());
   web::PageClient client(page.port());
   EXPECT_EQ(client.post("/start", token, "{}").status, 204);

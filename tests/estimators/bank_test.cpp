@@ -78,7 +78,7 @@ TEST(EveryEstimator, SaysTheSameHoweverTheBytesWereCut) {
   const Estimates whole = estimates_of_pieces(300);
   ASSERT_GT(whole.size(), 30U);
   EXPECT_EQ(whole[20][0].state, EstimateState::good);
-  EXPECT_EQ(whole[20][3].state, EstimateState::good);
+  EXPECT_EQ(whole[20][4].state, EstimateState::good);
   for (const std::size_t bytes : {1, 2, 7, 64, 150}) expect_same(estimates_of_pieces(bytes), whole);
 }
 

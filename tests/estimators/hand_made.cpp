@@ -116,7 +116,9 @@ GyroProfile exact_gyro() {
 }
 
 Bank bank_of(const std::string& name, const GyroProfile& gyro, const std::optional<model::Model>& model) {
-  return Bank(std::vector{name}, model, gyro);
+  RigProfile profile;
+  profile.gyro = gyro;
+  return Bank(std::vector{name}, model, profile);
 }
 
 std::vector<RateEstimate> estimates_of(Bank& bank, const std::vector<Measurement>& measurements) {

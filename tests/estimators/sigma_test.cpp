@@ -52,7 +52,7 @@ using ErrorsOfAll = std::array<Errors, 3>;
 
 void judge(const pipeline::VirtualSweep& sweep, ErrorsOfAll& errors) {
   const ShaftTruth truth(sweep.shaft);
-  Bank bank(gyro_estimators, std::nullopt, sweep.config.profile.gyro);
+  Bank bank(gyro_estimators, std::nullopt, sweep.config.profile);
   for (const Measurement& measurement : measurements_of(sweep)) {
     const TimedFrame& frame = measurement.frame;
     const double rate_dps = truth.mean_rate_dps(frame.exposure_begin, frame.exposure_end);

@@ -46,9 +46,9 @@ TEST(TheTableOfEstimators, RefusesANameThatItDoesNotHaveAndNamesTheNearest) {
 }
 
 TEST(TheTableOfEstimators, TellsWhichCanRunWithAModel) {
-  EXPECT_THAT(names_for(std::nullopt), ElementsAre("gyro", "gyro-rest", "gyro-kalman"));
+  EXPECT_THAT(names_for(std::nullopt), ElementsAre("gyro", "gyro-rest", "gyro-kalman", "odometer"));
   EXPECT_THAT(names_for(untrained_model({.fusion = false})),
-              ElementsAre("gyro", "gyro-rest", "gyro-kalman", "cnn-thermal"));
+              ElementsAre("gyro", "gyro-rest", "gyro-kalman", "odometer", "cnn-thermal"));
   EXPECT_EQ(names_for(untrained_model()), names());
 }
 

@@ -10,7 +10,7 @@ namespace thermorig::live {
 namespace {
 
 TEST(LiveEstimates, ComparesGyroAndServoWhereThereIsNoImage) {
-  LiveEstimates estimator(estimators::Bank({}, std::nullopt, GyroProfile()));
+  LiveEstimates estimator(estimators::Bank({}, std::nullopt, RigProfile()));
   Measurement measurement;
   TimedFrame& frame = measurement.frame;
   frame.stands_in = true;

@@ -14,9 +14,12 @@ namespace thermorig {
 enum class EstimateState : std::uint8_t {
   absent,    // it says nothing: see the reason
   starting,  // it says something, and still learns what its sigma needs
-  good
+  good,
+  relocalising,  // it knows its surroundings, and searches where in them it looks
+  not_trusted    // it says something, and knows that it may be wrong: see the reason
 };
-inline constexpr std::array<std::string_view, 3> estimate_state_names{"absent", "starting", "good"};
+inline constexpr std::array<std::string_view, 5> estimate_state_names{"absent", "starting", "good",
+                                                                      "relocalising", "not_trusted"};
 
 /// Why an estimate is not good.
 enum class EstimateReason : std::uint8_t {
@@ -24,10 +27,12 @@ enum class EstimateReason : std::uint8_t {
   window_incomplete,  // fewer frames in a row than it looks at
   no_image,           // no camera, or a pixel that is out of range
   no_gyro,            // no gyro sample in the exposure of a frame that it looks at
-  no_rest             // the rig has not been at rest yet, for as long as it needs
+  no_rest,            // the rig has not been at rest yet, for as long as it needs
+  gyro_frozen,        // its samples repeat each other bit by bit
+  view_differs        // what the camera shows does not fit the surroundings as they were
 };
-inline constexpr std::array<std::string_view, 5> estimate_reason_names{"none", "window_incomplete",
-                                                                       "no_image", "no_gyro", "no_rest"};
+inline constexpr std::array<std::string_view, 7> estimate_reason_names{
+    "none", "window_incomplete", "no_image", "no_gyro", "no_rest", "gyro_frozen", "view_differs"};
 
 constexpr std::string_view name_of(EstimateState state) {
   return estimate_state_names[static_cast<std::size_t>(state)];

@@ -29,6 +29,7 @@ struct Inputs {
 struct Setup {
   int frames = 1;  // of the run's window: rates are means over so many exposures
   GyroProfile gyro;
+  CameraProfile camera;
   std::shared_ptr<NetworkWindow> network;  // of the run, where it has one
 };
 
@@ -59,7 +60,7 @@ class Bank {
  public:
   /// Without names: all that can run. Throws Error(bad_usage) for a name that there is not, and for one that
   /// needs a network, or one with fusion, that `model` is not.
-  Bank(std::span<const std::string> names, const std::optional<model::Model>& model, const GyroProfile& gyro,
+  Bank(std::span<const std::string> names, const std::optional<model::Model>& model, const RigProfile& profile,
        network::Precision precision = network::Precision::fp32);
   ~Bank();
   Bank(Bank&&) noexcept;

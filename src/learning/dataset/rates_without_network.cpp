@@ -6,7 +6,7 @@
 namespace thermorig::dataset {
 
 std::vector<network::RateSeries> rates_without_network(const session::Session& session) {
-  estimators::Bank bank({}, std::nullopt, session.raw.header.profile.gyro);
+  estimators::Bank bank({}, std::nullopt, session.raw.header.profile);
   std::vector<network::RateSeries> rates;
   for (const estimators::Entry* entry : bank.entries())
     rates.push_back({std::string(entry->name), std::vector(session.frames.size(), RateEstimate::not_known)});

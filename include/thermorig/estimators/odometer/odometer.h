@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <span>
+
+#include "thermorig/core/estimate.h"
+#include "thermorig/core/profile.h"
+#include "thermorig/core/sample.h"
+
+namespace thermorig::odometer {
+
+enum class State : std::uint8_t {
+  starting,      // bias and map are being learnt
+  tracking,      // the heading is that of the map, within its sigma
+  relocalising,  // the map is there, and where the camera looks in it is being searched for
+  not_trusted    // see the reason
+};
+
+enum class Reason : std::uint8_t {
+  none,
+  no_gyro,      // no sample since the measurement before
+  gyro_frozen,  // its samples repeat each other bit by bit
+  no_camera,    // no half that is new
+  view_differs  // what the camera shows does not fit the map: it is covered, or the gyro is wrong
+};
+
+/// What is said when a frame has come, at the end of its exposure.
+struct Report {
+  State state = State::starting;
+  Reason reason = Reason::none;
+  double heading_deg = unknown;        // since the map's origin; whole turns are counted
+  double heading_sigma_deg = unknown;  // against the part of the map that is in view
+  double origin_sigma_deg = unknown;   // of the heading against the map's origin
+  double rate_dps = unknown;           // mean over the frame's exposures
+  double rate_sigma_dps = unknown;
+  double bias_dps = 0.0, scale = 1.0;  // of the gyro: reading = scale * rate + bias
+  double latency_s = 0.0;              // camera against gyro, beyond what the profile says
+  double mean_nis = 0.0;  // innovations of late, squared, divided by what was expected of them: about 1
+};
+
+/// Heading from a gyro, a camera and a panorama of the surroundings that is built while the rig turns.
+/// Causal and deterministic; after construction nothing is allocated, and the work of a frame is bounded.
+class Odometer {
+ public:
+  Odometer(const GyroProfile& gyro, const CameraProfile& camera);
+  ~Odometer();
+  Odometer(Odometer&&) noexcept;
+  Odometer& operator=(Odometer&&) noexcept;
+
+  /// `gyro`: since the frame before, up to the end of this frame's exposure.
+  Report add(const TimedFrame& frame, std::span<const TimedGyro> gyro);
+
+ private:
+  struct Parts;
+  std::unique_ptr<Parts> parts_;
+};
+
+}  // namespace thermorig::odometer

@@ -1,0 +1,178 @@
+// SPDX-License-Identifier: MIT
+#include "alignment.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace thermorig::odometer {
+
+namespace {
+
+constexpr double fewest_pixels = 40.0;
+constexpr int steps = 4;
+constexpr double longest_step_deg = 2.0;
+constexpr double search_from_deg = 1.0;  // a heading that is known less well is searched for first
+constexpr double search_step_deg = 0.5;
+constexpr int most_search_steps = 40;  // to either side
+constexpr float huber = 3.0F;
+constexpr float strict_squares = 9.0F;
+constexpr std::array<Slope, 3> slopes{{{1.0, false}, {2.0, true}, {4.0, true}}};
+
+/// Of a squared residual in units of its variance.
+float weight_of(float squares, bool is_strict) {
+  if (is_strict) {
+    const float part = 1.0F + squares / strict_squares;
+    return 1.0F / (part * part);
+  }
+  return squares > huber * huber ? huber / std::sqrt(squares) : 1.0F;
+}
+
+}  // namespace
+
+Alignment::Comparison Alignment::compare(const View& view, double azimuth_deg, const Slope& slope) const {
+  Comparison comparison;
+  HalfPixels slopes_k_deg, slope_variance, weight;
+  float weights = 0.0F, sum = 0.0F, flat_sum = 0.0F;
+  for (std::size_t column = 0; column < frame_columns; ++column) {
+    Panorama::Look look;
+    panorama_.look(Panorama::place(column_azimuth_deg(azimuth_deg, column), view.half_width_deg,
+                                   row_class(column, view.parity)),
+                   slope.reach, slope.smooth, look);
+    for (std::size_t k = 0; k < half_rows; ++k) {
+      const std::size_t i = column * half_rows + k;
+      const float temp_c = (*view.temp_c)[i];
+      const bool is_compared = look.known[k] > 0.0F && !std::isnan(temp_c);
+      comparison.residual[i] = is_compared ? temp_c - look.temp_c[k] : 0.0F;
+      comparison.map_variance[i] = look.variance[k];
+      slopes_k_deg[i] = look.slope[k];
+      slope_variance[i] = look.slope_variance[k];
+      weight[i] = is_compared ? 1.0F / ((*view.variance)[i] + look.variance[k]) : 0.0F;
+      weights += weight[i];
+      sum += weight[i] * comparison.residual[i];
+      flat_sum += is_compared ? weight[i] * temp_c : 0.0F;
+    }
+  }
+  if (weights <= 0.0F) return comparison;
+  comparison.common_c = sum / weights;
+  const auto trust_deg2 = static_cast<float>(view.trust_deg2);
+  const float flat_c = flat_sum / weights;
+  float again = 0.0F, again_sum = 0.0F, slope_sum = 0.0F;
+  for (std::size_t i = 0; i < half_pixels; ++i) {  // outliers out, then what all have in common once more
+    if (weight[i] <= 0.0F) continue;
+    const float left = comparison.residual[i] - comparison.common_c;
+    const float explained = slopes_k_deg[i] * slopes_k_deg[i] * trust_deg2;
+    const float robust = weight_of(left * left / (1.0F / weight[i] + explained), view.is_strict);
+    comparison.cost += double{std::min(left * left * weight[i], huber * huber * huber)};
+    const float flat = (*view.temp_c)[i] - flat_c;
+    comparison.flat_cost += double{std::min(flat * flat * weight[i], huber * huber * huber)};
+    comparison.pixels += 1.0;
+    weight[i] *= robust;
+    again += weight[i];
+    again_sum += weight[i] * comparison.residual[i];
+    slope_sum += weight[i] * slopes_k_deg[i];
+  }
+  comparison.common_c = again_sum / again;
+  const float slope_mean = slope_sum / again;
+  double shares = 0.0;
+  for (std::size_t column = 0; column < frame_columns; ++column) {
+    float lean = 0.0F, steepness = 0.0F, noise = 0.0F;
+    for (std::size_t i = column * half_rows; i < (column + 1) * half_rows; ++i) {
+      if (weight[i] <= 0.0F) {
+        comparison.residual[i] = std::numeric_limits<float>::quiet_NaN();
+        continue;
+      }
+      comparison.residual[i] -= comparison.common_c;
+      const float centred = slopes_k_deg[i] - slope_mean;
+      lean += weight[i] * centred * comparison.residual[i];
+      steepness += weight[i] * centred * centred;
+      noise += weight[i] * slope_variance[i];
+    }
+    comparison.lean += double{lean};
+    comparison.steepness += double{steepness};
+    comparison.known += double{steepness} - double{noise};
+    shares += double{steepness};
+    HeadingFilter::add_shares(azimuth_deg + lens_.bearing_deg(column), double{steepness}, comparison.about);
+  }
+  comparison.cost /= comparison.pixels;
+  comparison.flat_cost /= comparison.pixels;
+  if (shares > 0.0)
+    for (double& share : comparison.about) share /= shares;
+  return comparison;
+}
+
+double Alignment::squares(const View& view, double azimuth_deg) const {
+  HalfPixels expected, known;
+  float sum = 0.0F, weights = 1e-6F, flat_sum = 0.0F, flat_weights = 1e-6F;
+  for (std::size_t column = 0; column < frame_columns; ++column) {
+    Panorama::Column temp_c, is_known;
+    panorama_.look(Panorama::place(column_azimuth_deg(azimuth_deg, column), view.half_width_deg,
+                                   row_class(column, view.parity)),
+                   temp_c, is_known);
+    for (std::size_t k = 0; k < half_rows; ++k) {
+      const std::size_t i = column * half_rows + k;
+      expected[i] = temp_c[k];
+      known[i] = is_known[k];
+      if (std::isnan((*view.temp_c)[i])) continue;
+      const float weight = 1.0F / (*view.variance)[i];
+      sum += known[i] * weight * ((*view.temp_c)[i] - expected[i]);
+      weights += known[i] * weight;
+      flat_sum += (1.0F - known[i]) * weight * (*view.temp_c)[i];
+      flat_weights += (1.0F - known[i]) * weight;
+    }
+  }
+  const float common_c = sum / weights, flat_c = flat_sum / flat_weights;
+  double squares = 0.0;
+  for (std::size_t i = 0; i < half_pixels; ++i) {
+    if (std::isnan((*view.temp_c)[i])) continue;
+    const float left = (*view.temp_c)[i] - (known[i] > 0.0F ? expected[i] + common_c : flat_c);
+    squares += double{std::min(left * left / (*view.variance)[i], huber * huber * huber)};
+  }
+  return squares;
+}
+
+double Alignment::searched(const View& view, double azimuth_deg, double sigma_deg, int& looks) const {
+  const int reach = std::min(most_search_steps, static_cast<int>(3.0 * sigma_deg / search_step_deg));
+  double best_deg = azimuth_deg, best = std::numeric_limits<double>::infinity();
+  for (int i = -reach; i <= reach; ++i) {
+    const double tried_deg = azimuth_deg + i * search_step_deg;
+    const Comparison comparison = compare(view, tried_deg, {});
+    ++looks;
+    if (comparison.pixels < fewest_pixels) continue;
+    const double off = i * search_step_deg / sigma_deg;
+    const double cost = comparison.cost + off * off / comparison.pixels;
+    if (cost >= best) continue;
+    best = cost;
+    best_deg = tried_deg;
+  }
+  return best_deg;
+}
+
+Alignment::Found Alignment::find(const View& view, double azimuth_deg, double sigma_deg) const {
+  Found found;
+  found.azimuth_deg = azimuth_deg;
+  if (sigma_deg > search_from_deg) found.azimuth_deg = searched(view, azimuth_deg, sigma_deg, found.looks);
+  Slope slope;
+  double least_deg2 = std::numeric_limits<double>::infinity();
+  for (const Slope& tried : slopes) {
+    const Comparison comparison = compare(view, found.azimuth_deg, tried);
+    ++found.looks;
+    if (comparison.pixels < fewest_pixels || comparison.variance_deg2() >= least_deg2) continue;
+    least_deg2 = comparison.variance_deg2();
+    slope = tried;
+    found.comparison = comparison;
+  }
+  if (!(least_deg2 < 25.0)) return found;
+  for (int step = 0; step < steps; ++step) {
+    const double step_deg = std::clamp(found.comparison.step_deg(), -longest_step_deg, longest_step_deg);
+    found.azimuth_deg += step_deg;
+    found.comparison = compare(view, found.azimuth_deg, slope);
+    ++found.looks;
+    if (found.comparison.pixels < fewest_pixels) return found;
+    if (std::abs(step_deg) < 0.002) break;
+  }
+  found.is_found = found.comparison.variance_deg2() < 25.0;
+  return found;
+}
+
+}  // namespace thermorig::odometer

@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <array>
+
+#include "half_reading.h"
+#include "heading_filter.h"
+#include "panorama.h"
+
+namespace thermorig::odometer {
+
+/// A half to be laid against the panorama: what it shows without its pixels' errors, and their noise.
+struct View {
+  const HalfPixels* temp_c = nullptr;  // NaN: no reading
+  const HalfPixels* variance = nullptr;
+  unsigned parity = 0;
+  double half_width_deg = 0.0;  // of what a pixel sweeps during the exposure
+  double trust_deg2 = 0.0;      // variance of the heading beforehand: what it explains is no outlier
+  bool is_strict = false;       // what fits badly counts for nothing
+};
+
+/// How a slope of the panorama is taken: over so many bins, over one row or three.
+struct Slope {
+  double reach = 1.0;
+  bool smooth = false;
+};
+
+/// Lays halves against the panorama.
+class Alignment {
+ public:
+  Alignment(const Panorama& panorama, const HeadingFilter& filter, const Lens& lens)
+      : panorama_(panorama), filter_(filter), lens_(lens) {}
+
+  struct Comparison {
+    HalfPixels residual{};  // NaN where nothing was compared; what all have in common is removed
+    HalfPixels map_variance{};
+    float common_c = 0.0F;
+    std::array<double, HeadingFilter::nodes> about{};  // whose offset of the map it depends on, shares of 1
+    double lean = 0.0;                                 // weighted sum of slope times residual
+    double steepness = 0.0;                            // weighted sum of slope squared
+    double known = 0.0;      // the same less what noise adds to it: what is known of the heading
+    double cost = 0.0;       // weighted squares of a pixel, robust
+    double flat_cost = 0.0;  // the same, had the surroundings no structure at all
+    double pixels = 0.0;     // that were compared
+    double step_deg() const { return known > 0.0 ? lean / known : 0.0; }
+    /// Slopes that may be nothing but noise tell nothing.
+    double variance_deg2() const {
+      return known > least_known_share * steepness ? steepness / (known * known) : 1e9;
+    }
+    static constexpr double least_known_share = 0.25;
+  };
+  Comparison compare(const View& view, double azimuth_deg, const Slope& slope) const;
+
+  struct Found {
+    double azimuth_deg = 0.0;
+    bool is_found = false;
+    int looks = 0;
+    Comparison comparison;
+  };
+  /// The best azimuth about one that is known to `sigma_deg`.
+  Found find(const View& view, double azimuth_deg, double sigma_deg) const;
+
+  /// How badly a half fits there: robust squares of all its pixels. Where nothing is known of the
+  /// surroundings, they should be all alike.
+  double squares(const View& view, double azimuth_deg) const;
+
+  double column_azimuth_deg(double azimuth_deg, std::size_t column) const {
+    const double at_deg = azimuth_deg + lens_.bearing_deg(column);
+    return at_deg - filter_.map_offset_deg(at_deg);
+  }
+
+ private:
+  double searched(const View& view, double azimuth_deg, double sigma_deg, int& looks) const;
+
+  const Panorama& panorama_;
+  const HeadingFilter& filter_;
+  Lens lens_;
+};
+
+}  // namespace thermorig::odometer

@@ -1,0 +1,148 @@
+// SPDX-License-Identifier: MIT
+#include "bias_search.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace thermorig::odometer {
+
+namespace {
+
+constexpr double step_dps = 0.5;
+constexpr std::size_t most_steps = 121;
+constexpr double most_sigmas = 3.0;
+constexpr double trusted_of_mosaic =
+    0.3;  // of the mosaic's likelihood: halves are blurred, pixels have offsets
+constexpr double known_well_dps = 1.0;
+constexpr double distinct_share = 0.94;  // of the typical variance: noise alone makes it differ by 2 %
+
+constexpr float largest_error_c = 3.0F;  // of a pixel that is not broken
+constexpr float unknown_c = std::numeric_limits<float>::quiet_NaN();
+
+/// Mean of each pixel less that of those about it.
+HalfPixels beyond_neighbours(const HalfPixels& sum, const HalfPixels& count) {
+  constexpr long columns = frame_columns, rows = half_rows;
+  HalfPixels beyond;
+  for (long column = 0; column < columns; ++column)
+    for (long row = 0; row < rows; ++row) {
+      float about = 0.0F, number = 0.0F;
+      for (long c = std::max(0L, column - 2); c <= std::min(columns - 1, column + 2); ++c)
+        for (long r = std::max(0L, row - 1); r <= std::min(rows - 1, row + 1); ++r) {
+          const auto i = static_cast<std::size_t>(c * rows + r);
+          if ((c == column && r == row) || count[i] <= 0.0F) continue;
+          about += sum[i] / count[i];
+          number += 1.0F;
+        }
+      const auto i = static_cast<std::size_t>(column * rows + row);
+      beyond[i] = count[i] > 0.0F && number > 0.0F ? sum[i] / count[i] - about / number : 0.0F;
+    }
+  return beyond;
+}
+
+}  // namespace
+
+BiasSearch::BiasSearch(const Priors& priors, const Lens& lens)
+    : priors_(priors),
+      lens_(lens),
+      cells_a_row_(static_cast<std::size_t>(std::ceil(whole_turn_deg / lens.pitch_deg))),
+      placed_(halves),
+      cells_(cells_a_row_ * frame_rows),
+      variances_(most_steps),
+      ordered_(most_steps) {}
+
+/// Of the readings within the cells of the mosaic.
+double BiasSearch::variance_with(double bias_dps) {
+  std::fill(cells_.begin(), cells_.end(), Cell());
+  const ExposedTurn& first = placed_.front().turn;
+  for (const Placed& one : placed_) {
+    const double turned_deg =
+        (one.turn.mean_deg - first.mean_deg - bias_dps * (one.turn.mean_s - first.mean_s)) / priors_.scale;
+    for (std::size_t column = 0; column < frame_columns; ++column) {
+      const double turns = (turned_deg + lens_.bearing_deg(column)) / whole_turn_deg;
+      const auto cell =
+          std::min(cells_a_row_ - 1,
+                   static_cast<std::size_t>((turns - std::floor(turns)) * static_cast<double>(cells_a_row_)));
+      Cell* cells = &cells_[cell * frame_rows + row_class(column, one.parity)];
+      for (std::size_t k = 0; k < half_rows; ++k) {
+        const float temp_c = one.temp_c[column * half_rows + k];
+        if (std::isnan(temp_c)) continue;
+        Cell& at = cells[2 * k];
+        at.sum += temp_c;
+        at.squares += temp_c * temp_c;
+        at.count += 1.0F;
+      }
+    }
+  }
+  double squares = 0.0, freedom = 1.0;
+  for (const Cell& cell : cells_) {
+    if (cell.count < 2.0F) continue;
+    squares += double{cell.squares - cell.sum * cell.sum / cell.count};
+    freedom += double{cell.count} - 1.0;
+  }
+  return squares / freedom;
+}
+
+void BiasSearch::place(const HalfStore& store, const GyroPath& path) {
+  for (std::size_t i = 0; i < halves; ++i) {
+    const HalfReading& half = store.at(store.count() - halves + i).half;
+    placed_[i] = {half.temp_c, half.parity, path.over(half.begin_s, half.end_s)};
+    const float common_c = mean_of(half.temp_c);
+    for (float& temp_c : placed_[i].temp_c) temp_c -= common_c;
+  }
+}
+
+/// What a pixel shows on average beyond its neighbours is its own error; one that is far beyond is broken.
+/// Otherwise the mosaic is sharpest where nothing seems to move.
+void BiasSearch::take_off_pixel_errors() {
+  for (const unsigned parity : {0U, 1U}) {
+    HalfPixels sum{}, count{};
+    for (const Placed& one : placed_) {
+      if (one.parity != parity) continue;
+      for (std::size_t i = 0; i < half_pixels; ++i) {
+        if (std::isnan(one.temp_c[i])) continue;
+        sum[i] += one.temp_c[i];
+        count[i] += 1.0F;
+      }
+    }
+    const HalfPixels error_c = beyond_neighbours(sum, count);
+    for (Placed& one : placed_) {
+      if (one.parity != parity) continue;
+      for (std::size_t i = 0; i < half_pixels; ++i)
+        one.temp_c[i] = std::abs(error_c[i]) > largest_error_c ? unknown_c : one.temp_c[i] - error_c[i];
+    }
+  }
+}
+
+std::optional<BiasSearch::Found> BiasSearch::search(const HalfStore& store, const GyroPath& path) {
+  if (store.count() < halves) return std::nullopt;
+  place(store, path);
+  take_off_pixel_errors();
+  const double reach_dps = std::min(most_sigmas * priors_.bias_sigma_dps, 0.5 * (most_steps - 1) * step_dps);
+  const auto steps = static_cast<int>(reach_dps / step_dps);
+  double least = 1e30;
+  for (int i = -steps; i <= steps; ++i) {
+    double& variance = variances_[static_cast<std::size_t>(i + steps)];
+    variance = variance_with(priors_.bias_dps + i * step_dps);
+    least = std::min(least, variance);
+  }
+  ordered_.assign(variances_.begin(), variances_.begin() + 2 * steps + 1);
+  std::nth_element(ordered_.begin(), ordered_.begin() + steps, ordered_.end());
+  if (least > distinct_share * ordered_[static_cast<std::size_t>(steps)]) return std::nullopt;
+  const double readings = trusted_of_mosaic * 0.5 * static_cast<double>(halves * half_pixels);
+  double sum = 0.0, mean = 0.0, squares = 0.0;
+  for (int i = -steps; i <= steps; ++i) {
+    const double off = i * step_dps / priors_.bias_sigma_dps;
+    const double weight = std::exp(
+        -readings * (variances_[static_cast<std::size_t>(i + steps)] / least - 1.0) - 0.5 * off * off);
+    sum += weight;
+    mean += weight * i * step_dps;
+    squares += weight * i * step_dps * i * step_dps;
+  }
+  mean /= sum;
+  const double sigma_dps = std::sqrt(squares / sum - mean * mean + step_dps * step_dps / 12.0);
+  if (sigma_dps > known_well_dps) return std::nullopt;
+  return Found{priors_.bias_dps + mean, sigma_dps};
+}
+
+}  // namespace thermorig::odometer

@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "gyro_path.h"
+#include "half_store.h"
+#include "heading_filter.h"
+
+namespace thermorig::odometer {
+
+/// The gyro's bias from the first seconds, moving or not: of all biases that the gyro may have, the one with
+/// which its halves make the sharpest mosaic.
+class BiasSearch {
+ public:
+  BiasSearch(const Priors& priors, const Lens& lens);
+
+  struct Found {
+    double bias_dps = 0.0, sigma_dps = 0.0;
+  };
+  /// By so many halves of the store, the last ones. Nothing: they do not tell yet.
+  std::optional<Found> search(const HalfStore& store, const GyroPath& path);
+
+  static constexpr std::size_t halves = 24;
+
+ private:
+  void place(const HalfStore& store, const GyroPath& path);
+  void take_off_pixel_errors();
+  double variance_with(double bias_dps);
+
+  struct Placed {
+    HalfPixels temp_c{};  // without what it has in common, and without what its pixels always have
+    unsigned parity = 0;
+    ExposedTurn turn;
+  };
+  struct Cell {
+    float sum = 0.0F, squares = 0.0F, count = 0.0F;
+  };
+  Priors priors_;
+  Lens lens_;
+  std::size_t cells_a_row_;
+  std::vector<Placed> placed_;
+  std::vector<Cell> cells_;
+  std::vector<double> variances_, ordered_;  // a bias each
+};
+
+}  // namespace thermorig::odometer

@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: MIT
+#include "gyro_path.h"
+
+#include <cmath>
+
+namespace thermorig::odometer {
+
+namespace {
+constexpr int points = 24;  // of an exposure
+}
+
+void GyroPath::add(double time_s, double rate_dps, double unseen_deg2) {
+  Knot knot{time_s, 0.0, rate_dps, unseen_deg2};
+  if (has_begun()) {
+    const Knot& last = newest();
+    knot.turned_deg = last.turned_deg + 0.5 * (last.rate_dps + rate_dps) * (time_s - last.time_s);
+    knot.unseen_deg2 += last.unseen_deg2;
+  }
+  knots_[count_++ % kept] = knot;
+}
+
+/// The place of the first knot after a time.
+std::size_t GyroPath::after(double time_s) const {
+  std::size_t low = first(), high = count_;
+  while (low < high) {
+    const std::size_t middle = low + (high - low) / 2;
+    if (at(middle).time_s > time_s)
+      high = middle;
+    else
+      low = middle + 1;
+  }
+  return low;
+}
+
+GyroPath::Knot GyroPath::until(double time_s) const {
+  const std::size_t later = after(time_s);
+  if (later == first() || later == count_) {
+    Knot knot = at(later == count_ ? count_ - 1 : later);
+    knot.turned_deg += knot.rate_dps * (time_s - knot.time_s);
+    knot.time_s = time_s;
+    return knot;
+  }
+  const Knot &a = at(later - 1), &b = at(later);
+  const double step_s = time_s - a.time_s;
+  const double slope = (b.rate_dps - a.rate_dps) / (b.time_s - a.time_s);
+  return {time_s, a.turned_deg + a.rate_dps * step_s + 0.5 * slope * step_s * step_s,
+          a.rate_dps + slope * step_s, b.unseen_deg2};
+}
+
+ExposedTurn GyroPath::over(double begin_s, double end_s) const {
+  ExposedTurn turn{.begin_s = begin_s, .end_s = end_s};
+  const Knot first = until(begin_s), last = until(end_s);
+  turn.begin_deg = first.turned_deg;
+  turn.end_deg = last.turned_deg;
+  turn.first_dps = first.rate_dps;
+  turn.last_dps = last.rate_dps;
+  turn.mean_s = 0.5 * (begin_s + end_s);
+  double sum_deg = 0.0, squares_deg2 = 0.0, products = 0.0, first_deg = 0.0, last_deg = 0.0;
+  for (int i = 0; i < points; ++i) {
+    const double off_s = (end_s - begin_s) * ((i + 0.5) / points - 0.5);
+    const double deg = until(turn.mean_s + off_s).turned_deg - turn.begin_deg;
+    sum_deg += deg;
+    squares_deg2 += deg * deg;
+    products += deg * off_s;
+    turn.variance_s2 += off_s * off_s / points;
+    if (i == points / 3) first_deg = deg;
+    if (i == points - 1 - points / 3) last_deg = deg;
+  }
+  const double mean_deg = sum_deg / points;
+  turn.mean_deg = turn.begin_deg + mean_deg;
+  turn.variance_deg2 = squares_deg2 / points - mean_deg * mean_deg;
+  turn.covariance = products / points;
+  const double third_s = (end_s - begin_s) * (points / 3 + 0.5) / points;
+  turn.change_dps = (turn.end_deg - turn.begin_deg - last_deg) / third_s - first_deg / third_s;
+  return turn;
+}
+
+}  // namespace thermorig::odometer

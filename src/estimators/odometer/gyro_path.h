@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include "half_reading.h"
+
+namespace thermorig::odometer {
+
+/// What the gyro has turned by, bias and scale not removed, over its last minute.
+class GyroPath {
+ public:
+  GyroPath() : knots_(kept) {}
+
+  struct Knot {
+    double time_s = 0.0;
+    double turned_deg = 0.0;
+    double rate_dps = 0.0;
+    double unseen_deg2 = 0.0;  // variance of what was turned while nothing measured it
+  };
+
+  /// Times grow. `unseen_deg2`: of the step from the sample before.
+  void add(double time_s, double rate_dps, double unseen_deg2);
+  void clear() { count_ = 0; }
+
+  bool has_begun() const { return count_ > 0; }
+  double begin_s() const { return at(first()).time_s; }
+  const Knot& newest() const { return at(count_ - 1); }
+
+  /// At any time; after the newest sample its rate goes on, and before the oldest that is kept its was.
+  Knot until(double time_s) const;
+  ExposedTurn over(double begin_s, double end_s) const;
+
+ private:
+  static constexpr std::size_t kept = 16384;
+  const Knot& at(std::size_t place) const { return knots_[place % kept]; }
+  std::size_t first() const { return count_ > kept ? count_ - kept : 0; }
+  std::size_t after(double time_s) const;
+
+  std::vector<Knot> knots_;
+  std::size_t count_ = 0;
+};
+
+}  // namespace thermorig::odometer

@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include "half_reading.h"
+
+namespace thermorig::odometer {
+
+/// The halves of the start, to be gone through again: the first ones, as many as there is room for.
+class HalfStore {
+ public:
+  HalfStore() : halves_(room) {}
+
+  struct Stored {
+    HalfReading half;
+    double now_s = 0.0;  // when it came
+  };
+
+  void add(const HalfReading& half, double now_s) {
+    if (count_ < room) halves_[count_++] = {half, now_s};
+  }
+  std::size_t count() const { return count_; }
+  bool is_full() const { return count_ == room; }
+  const Stored& at(std::size_t place) const { return halves_[place]; }
+  void clear() { count_ = 0; }
+
+ private:
+  static constexpr std::size_t room = 480;  // a minute at 8 halves a second
+  std::vector<Stored> halves_;
+  std::size_t count_ = 0;
+};
+
+}  // namespace thermorig::odometer

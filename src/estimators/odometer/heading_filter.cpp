@@ -1,0 +1,136 @@
+// SPDX-License-Identifier: MIT
+#include "heading_filter.h"
+
+#include <algorithm>
+
+namespace thermorig::odometer {
+
+namespace {
+
+constexpr double start_sigma_deg = 1e-3;   // the map's origin is the first heading
+constexpr double heading_walk_deg = 0.03;  // in a square root of a second: noise of the gyro
+constexpr double scale_walk = 2e-5, latency_walk_s = 2e-5;
+constexpr double least_state_variance = 1e-14;
+
+}  // namespace
+
+HeadingFilter::HeadingFilter(const Priors& priors) : priors_(priors) {
+  state_[heading] = priors.heading_deg;
+  state_[bias] = priors.bias_dps;
+  state_[scale] = priors.scale;
+  state_[latency] = priors.latency_s;
+  covariance_[heading][heading] = square(start_sigma_deg);
+  covariance_[bias][bias] = square(priors.bias_sigma_dps);
+  covariance_[scale][scale] = square(priors.scale_sigma);
+  covariance_[latency][latency] = square(priors.latency_sigma_s);
+}
+
+void HeadingFilter::predict(double turned_deg, double step_s, double unseen_deg2) {
+  const double step_deg = (turned_deg - state_[bias] * step_s) / state_[scale];
+  state_[heading] += step_deg;
+  const double by_bias = -step_s / state_[scale], by_scale = -step_deg / state_[scale];
+  Row moved;
+  for (std::size_t i = 0; i < size; ++i)
+    moved[i] = covariance_[heading][i] + by_bias * covariance_[bias][i] + by_scale * covariance_[scale][i];
+  const double own = moved[heading] + by_bias * moved[bias] + by_scale * moved[scale];
+  for (std::size_t i = 0; i < size; ++i) covariance_[heading][i] = covariance_[i][heading] = moved[i];
+  covariance_[heading][heading] = own + square(heading_walk_deg) * step_s + unseen_deg2;
+  covariance_[bias][bias] += square(priors_.bias_walk_dps) * step_s;
+  covariance_[scale][scale] += square(scale_walk) * step_s;
+  covariance_[latency][latency] += square(latency_walk_s) * step_s;
+}
+
+double HeadingFilter::exposed_deg(const ExposedTurn& turn, double now_s, double now_deg) const {
+  return state_[heading] - (now_deg - turn.mean_deg - state_[bias] * (now_s - turn.mean_s)) / state_[scale];
+}
+
+double HeadingFilter::spread_deg(const ExposedTurn& turn) const {
+  const double variance =
+      turn.variance_deg2 - 2.0 * state_[bias] * turn.covariance + square(state_[bias]) * turn.variance_s2;
+  return std::sqrt(std::max(0.0, variance)) / std::abs(state_[scale]);
+}
+
+HeadingFilter::Row HeadingFilter::derivative(const ExposedTurn& turn, double now_s, double now_deg,
+                                             const std::array<double, nodes>& about) const {
+  Row row{};
+  const double since_s = now_s - turn.mean_s;
+  row[heading] = 1.0;
+  row[bias] = since_s / state_[scale];
+  row[scale] = (now_deg - turn.mean_deg - state_[bias] * since_s) / square(state_[scale]);
+  row[latency] = -mean_rate_dps(turn);
+  for (std::size_t node = 0; node < nodes; ++node) row[first_node + node] = -about[node];
+  return row;
+}
+
+double HeadingFilter::variance(const Row& row) const {
+  double sum = 0.0;
+  for (std::size_t i = 0; i < size; ++i)
+    for (std::size_t j = 0; j < size; ++j) sum += row[i] * covariance_[i][j] * row[j];
+  return std::max(0.0, sum);
+}
+
+void HeadingFilter::update(const Row& row, double innovation, double noise) {
+  Row across{};
+  double total = noise;
+  for (std::size_t i = 0; i < size; ++i) {
+    for (std::size_t j = 0; j < size; ++j) across[i] += covariance_[i][j] * row[j];
+    total += row[i] * across[i];
+  }
+  for (std::size_t i = 0; i < size; ++i) {
+    state_[i] += across[i] / total * innovation;
+    for (std::size_t j = 0; j < size; ++j) covariance_[i][j] -= across[i] * across[j] / total;
+  }
+  for (std::size_t i = 0; i < size; ++i)
+    if (i < first_node) covariance_[i][i] = std::max(covariance_[i][i], least_state_variance);
+}
+
+void HeadingFilter::add_shares(double azimuth_deg, double weight, std::array<double, nodes>& shares) {
+  const double turns = azimuth_deg / whole_turn_deg;
+  const double position = (turns - std::floor(turns)) * static_cast<double>(nodes);
+  const auto left = static_cast<std::size_t>(position) % nodes;
+  const double part = position - std::floor(position);
+  shares[left] += weight * (1.0 - part);
+  shares[(left + 1) % nodes] += weight * part;
+}
+
+double HeadingFilter::map_offset_deg(double azimuth_deg) const {
+  const double turns = azimuth_deg / whole_turn_deg;
+  const double position = (turns - std::floor(turns)) * static_cast<double>(nodes);
+  const auto left = static_cast<std::size_t>(position) % nodes;
+  return std::lerp(state_[first_node + left], state_[first_node + (left + 1) % nodes],
+                   position - std::floor(position));
+}
+
+void HeadingFilter::begin_nodes(double low_deg, double high_deg) {
+  constexpr auto all = static_cast<long>(nodes);
+  const auto last = static_cast<long>(std::ceil(high_deg / node_deg));
+  for (auto node = static_cast<long>(std::floor(low_deg / node_deg)); node <= last; ++node) {
+    const auto place = static_cast<std::size_t>((node % all + all) % all);
+    const double at_deg = static_cast<double>(node) * node_deg;
+    const auto now = at_deg >= low_deg && at_deg <= high_deg ? NodeState::seen : NodeState::near;
+    if (now <= known_[place]) continue;
+    if (known_[place] == NodeState::none) {
+      const std::size_t before = (place + nodes - 1) % nodes, behind = (place + 1) % nodes;
+      if (known_[before] != NodeState::none)
+        state_[first_node + place] = state_[first_node + before];
+      else if (known_[behind] != NodeState::none)
+        state_[first_node + place] = state_[first_node + behind];
+    }
+    known_[place] = now;
+    begin_node(first_node + place);
+  }
+}
+
+/// What is seen there first is put where the heading says: it is off by as much.
+void HeadingFilter::begin_node(std::size_t at) {
+  for (std::size_t i = 0; i < size; ++i) covariance_[at][i] = covariance_[i][at] = covariance_[heading][i];
+  covariance_[at][at] = covariance_[heading][heading];
+}
+
+void HeadingFilter::set_heading(double heading_deg, double sigma_deg) {
+  state_[heading] = heading_deg;
+  for (std::size_t i = 0; i < size; ++i) covariance_[heading][i] = covariance_[i][heading] = 0.0;
+  covariance_[heading][heading] = square(sigma_deg);
+}
+
+}  // namespace thermorig::odometer

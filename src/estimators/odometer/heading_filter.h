@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+
+#include "half_reading.h"
+
+namespace thermorig::odometer {
+
+/// What is known before anything was measured, one standard deviation each.
+struct Priors {
+  double heading_deg = 0.0;  // of the map's origin
+  double bias_dps = 0.0, bias_sigma_dps = 20.0;
+  double scale = 1.0, scale_sigma = 0.03;
+  double latency_s = 0.0, latency_sigma_s = 0.010;  // of the camera against the gyro
+  double bias_walk_dps = 0.008;                     // in a square root of a second
+};
+
+/// An extended Kalman filter. Its state: heading (deg), gyro bias (deg/s), gyro scale, camera latency (s),
+/// and how the map is off at nodes 15 degrees apart, whose errors are those that the heading had when they
+/// were first seen.
+class HeadingFilter {
+ public:
+  static constexpr std::size_t nodes = 24;
+  static constexpr double node_deg = whole_turn_deg / nodes;
+  enum Place : std::size_t { heading, bias, scale, latency, first_node };
+  static constexpr std::size_t size = first_node + nodes;
+  using Row = std::array<double, size>;
+
+  explicit HeadingFilter(const Priors& priors);
+
+  double heading_deg() const { return state_[heading]; }
+  double bias_dps() const { return state_[bias]; }
+  double scale_factor() const { return state_[scale]; }
+  double latency_s() const { return state_[latency]; }
+  double sigma(Place place) const { return std::sqrt(covariance_[place][place]); }
+
+  /// The gyro turned by so much, in so long, beside what nothing measured.
+  void predict(double turned_deg, double step_s, double unseen_deg2);
+
+  /// Heading of the middle of an exposure, if the path's newest point, at which the state is, is `now`.
+  double exposed_deg(const ExposedTurn& turn, double now_s, double now_deg) const;
+  /// One standard deviation of the headings in it.
+  double spread_deg(const ExposedTurn& turn) const;
+  double mean_rate_dps(const ExposedTurn& turn) const {
+    return ((turn.end_deg - turn.begin_deg) / turn.length_s() - state_[bias]) / state_[scale];
+  }
+
+  /// Of exposed_deg() less the map's offset about it, by the state. `about`: a weight each node.
+  Row derivative(const ExposedTurn& turn, double now_s, double now_deg,
+                 const std::array<double, nodes>& about) const;
+  double variance(const Row& row) const;
+  void update(const Row& row, double innovation, double variance);
+
+  /// How the map is off there: between its nodes a straight line.
+  double map_offset_deg(double azimuth_deg) const;
+  /// Shares of the nodes in map_offset_deg().
+  static void add_shares(double azimuth_deg, double weight, std::array<double, nodes>& shares);
+  /// Nodes that an azimuth from `low_deg` to `high_deg` first shows begin with the heading's error.
+  void begin_nodes(double low_deg, double high_deg);
+
+  /// A new guess of the heading; nothing else is forgotten.
+  void set_heading(double heading_deg, double sigma_deg);
+  /// The bias may be another than it was.
+  void widen_bias(double variance_dps2) { covariance_[bias][bias] += variance_dps2; }
+
+ private:
+  Priors priors_;
+  Row state_{};
+  std::array<Row, size> covariance_{};
+  enum class NodeState : std::uint8_t { none, near, seen };  // near: only what lies between it and the next
+  std::array<NodeState, nodes> known_{};
+  void begin_node(std::size_t at);
+};
+
+}  // namespace thermorig::odometer

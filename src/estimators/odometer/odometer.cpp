@@ -1,0 +1,470 @@
+// SPDX-License-Identifier: MIT
+#include "thermorig/estimators/odometer/odometer.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
+#include <utility>
+
+#include "bias_search.h"
+#include "circle_search.h"
+#include "gyro_path.h"
+#include "gyro_watch.h"
+#include "half_store.h"
+#include "thermorig/estimators/odometer/unseen_turn.h"
+#include "tracker.h"
+
+namespace thermorig::odometer {
+
+namespace {
+
+constexpr std::uint16_t fresh_pixels = half_pixels / 50;  // 2 %, as the detector of freshness has it
+constexpr float coldest_c = -60.0F, hottest_c = 400.0F;   // beyond: not a temperature of the sensor's range
+constexpr double largest_rate_dps = 10000.0;              // beyond: not a rate
+constexpr HostDuration clock_begins_anew = std::chrono::seconds(1);
+
+constexpr std::size_t search_every = 4;     // halves, while the bias is searched for
+constexpr std::size_t latest_search = 160;  // then the search begins anew
+constexpr int looks_a_step = 110;           // at the map, when halves are gone through again: a dozen halves
+constexpr double second_pass_s = 25.0;      // after the first half
+constexpr std::size_t second_pass_halves = 200;
+constexpr double bias_widening = 2.0;  // of what the search states
+
+constexpr int most_passes = 6;         // through the halves of the start
+constexpr double pass_widening = 3.0;  // of what the pass before learnt: these are the same halves
+constexpr double least_bias_sigma_dps = 0.1, least_scale_sigma = 0.002, least_latency_sigma_s = 0.003;
+constexpr double settled_latency_s = 0.001, settled_scale = 0.001, settled_nis = 2.0;
+constexpr double known_bias_dps = 1.0;
+
+constexpr double nis_share = 1.0 / 30.0;  // of a half in the mean of its kind
+constexpr double nis_lost = 8.0;
+constexpr double nis_unfit = 3.0, nis_fits = 2.0;          // not trusted from the one on until the other
+constexpr double longest_unfit_s = 30.0;                   // then the map is wrong
+constexpr double most_nis = 60.0;                          // that one half counts with
+constexpr int covered_halves = 4;                          // in a row
+constexpr int halves_to_trust = 8;                         // after a search
+constexpr double doubted_deg = 2.0, doubted_sigmas = 4.0;  // a jump by more is doubted
+constexpr double telling_change_dps = 40.0;                // of the speed: then a wrong time would show
+constexpr double lean_share = 1.0 / 16.0, much_lean = 0.7;
+constexpr double stepped_bias_dps = 0.3;
+constexpr double longest_gyro_gap_s = 0.25;
+constexpr double longest_camera_gap_s = 1.0;
+constexpr double lost_deg = 3.0;        // a heading that is known less well is searched for
+constexpr double give_up_s = 40.0;      // of a search: then the map is wrong
+constexpr double saturated_dps = 15.0;  // what a reading at the end of its range may be off
+constexpr double sample_noise_dps = 0.15;
+
+Priors priors_of(const GyroProfile& gyro, const CameraProfile& camera) {
+  Priors priors;
+  priors.bias_dps = gyro.bias_dps;
+  priors.bias_sigma_dps = gyro.bias_uncertainty_dps;
+  priors.scale = gyro.scale;
+  priors.scale_sigma = std::max(0.002, gyro.scale_uncertainty);
+  priors.latency_sigma_s =
+      std::hypot(0.002, gyro.link.latency_uncertainty_s, camera.link.latency_uncertainty_s);
+  return priors;
+}
+
+Lens lens_of(const CameraProfile& camera) {
+  return {camera.field_of_view_deg / static_cast<double>(frame_columns), camera.mirrored ? -1.0 : 1.0};
+}
+
+}  // namespace
+
+struct Odometer::Parts {
+  Parts(const GyroProfile& gyro, const CameraProfile& camera)
+      : gyro_period_s(1.0 / gyro.output_rate_hz),
+        gyro_time_sigma_s(gyro.link.latency_uncertainty_s),
+        priors(priors_of(gyro, camera)),
+        lens(lens_of(camera)),
+        front(priors, lens),
+        back(priors, lens),
+        bias_search(priors, lens) {}
+
+  enum class Phase : std::uint8_t { searching, first_pass, learning, second_pass, running, locating };
+
+  Report add(const TimedFrame& frame, std::span<const TimedGyro> gyro);
+  void add_gyro(const TimedGyro& sample);
+  void add_half(const HalfReading& half, double now_s);
+  void search_bias();
+  void go_through(Tracker& tracker);
+  void learn_of(const HalfResult& result, double& mean);
+  bool is_start_over(double now_s) const;
+  void begin_pass(int number);
+  void take_over(double now_s);
+  bool has_settled() const;
+  void learn_again();
+  void run(const HalfReading& half);
+  void locate(const HalfReading& half, double now_s);
+  void follow_bias(const HalfResult& result);
+  void begin_search(double now_s);
+  void begin_anew();
+  Report report(const TimedFrame& frame, double now_s) const;
+  Reason reason(double now_s) const;
+  double heading_at(double time_s, double bias_dps) const;
+  void forget_clock();
+
+  /// The front tracker has gone through all halves that came.
+  bool is_behind_nothing() const { return phase != Phase::searching && phase != Phase::first_pass; }
+
+  double gyro_period_s, gyro_time_sigma_s;
+  Priors priors;
+  Lens lens;
+  GyroPath path;
+  GyroWatch watch;
+  HalfStore store;
+  Tracker front, back;  // the one that is told of, and one that goes through the start again
+  BiasSearch bias_search;
+  CircleSearch circle;
+
+  std::optional<HostTime> origin;  // of the seconds
+  HostTime last_sample{};
+  double saturated_s = 0.0;
+  double last_gyro_s = 0.0, last_half_s = 0.0;
+  Phase phase = Phase::searching;
+  std::size_t gone_through = 0;  // halves of the store
+  Priors begun_with;             // of the pass
+  int pass = 0;                  // through them
+  double pass_nis = 1.0;         // mean_nis of the tracker that goes through them
+  double locating_since_s = 0.0;
+  struct Kept {
+    double time_s = 0.0, turned_deg = 0.0, heading_deg = 0.0;
+  };
+  std::optional<Kept> kept;  // of the map before, where there was one
+  double mean_nis = 1.0;
+  int covered = 0;                      // halves in a row
+  int to_trust = 0;                     // halves until a search is believed
+  std::optional<double> unfit_since_s;  // innovations are larger than they should be
+  bool gyro_was_away = false;
+  bool is_explained = false;                    // the search, by a gyro that was away
+  double expected_sigma_deg = 0.0;              // of the heading before the search
+  bool is_doubted = false;                      // what the search found
+  double slowest_dps = 0.0, fastest_dps = 0.0;  // since
+  double mean_lean = 0.0;                       // innovations of late, with their signs
+  bool has_seen = false;                        // a half
+  bool stands_in = false;                       // the newest frame, for one of a camera that is missing
+};
+
+Odometer::Odometer(const GyroProfile& gyro, const CameraProfile& camera)
+    : parts_(std::make_unique<Parts>(gyro, camera)) {}
+Odometer::~Odometer() = default;
+Odometer::Odometer(Odometer&&) noexcept = default;
+Odometer& Odometer::operator=(Odometer&&) noexcept = default;
+
+Report Odometer::add(const TimedFrame& frame, std::span<const TimedGyro> gyro) {
+  return parts_->add(frame, gyro);
+}
+
+/// A sample at the end of its range says less the longer that lasts, and one that is missing nothing.
+void Odometer::Parts::add_gyro(const TimedGyro& sample) {
+  const HostTime time = sample.stamp.time;
+  const double read_dps = double{sample.rate_dps};
+  if (!(std::abs(read_dps) < largest_rate_dps)) return;
+  if (!origin) origin = last_sample = time - std::chrono::milliseconds(1);
+  if (time <= last_sample) {
+    if (last_sample - time >= clock_begins_anew) forget_clock();
+    return;
+  }
+  watch.add(sample);
+  const double step_s = path.has_begun() ? to_s(time - last_sample) : 0.0;
+  last_sample = time;
+  const double unseen = unseen_deg(lost_s(step_s, gyro_period_s));
+  double unseen_deg2 = unseen * unseen;
+  saturated_s = sample.reading.saturated ? saturated_s + step_s : 0.0;
+  unseen_deg2 += 2.0 * saturated_dps * saturated_dps * saturated_s * step_s;
+  if (lost_s(step_s, gyro_period_s) > longest_gyro_gap_s) gyro_was_away = true;
+  // One that sets itself to zero at rest has taken its bias off.
+  const bool is_zeroed = watch.is_frozen() && watch.is_zero();
+  if (watch.is_frozen() && !is_zeroed) gyro_was_away = true;
+  last_gyro_s = to_s(time - *origin);
+  path.add(last_gyro_s, is_zeroed ? front.filter().bias_dps() : read_dps, unseen_deg2);
+}
+
+Report Odometer::Parts::add(const TimedFrame& frame, std::span<const TimedGyro> gyro) {
+  for (const TimedGyro& sample : gyro) add_gyro(sample);
+  if (!origin || !path.has_begun()) {
+    Report nothing;
+    nothing.state = State::not_trusted;
+    nothing.reason = Reason::no_gyro;
+    return nothing;
+  }
+  const double now_s = to_s(frame.exposure_end - *origin);
+  if (is_behind_nothing() && now_s > front.now_s()) front.advance(path, now_s);
+  stands_in = frame.stands_in;
+  if (phase == Phase::running && gyro_was_away && !watch.is_frozen()) begin_search(now_s);
+  const bool is_timed = !frame.late && !frame.stale && !frame.stands_in;
+  const std::array<bool, 2> is_fresh{frame.fresh_even > fresh_pixels, frame.fresh_odd > fresh_pixels};
+  const unsigned first = frame.half[0].end <= frame.half[1].end ? 0U : 1U;
+  for (const unsigned parity : {first, first ^ 1U}) {
+    if (!is_timed || !is_fresh[parity] || frame.half[parity].end <= frame.half[parity].begin) continue;
+    HalfReading half{.parity = parity,
+                     .begin_s = to_s(frame.half[parity].begin - *origin),
+                     .end_s = to_s(frame.half[parity].end - *origin),
+                     .time_sigma_s = double{frame.stamp.uncertainty_s}};
+    for (std::size_t column = 0; column < frame_columns; ++column)
+      for (std::size_t k = 0; k < half_rows; ++k) {
+        const std::size_t row = 2 * k + row_class(column, parity);
+        const float temp_c = frame.frame.temp_c[row * frame_columns + column];
+        const bool is_sound = temp_c > coldest_c && temp_c < hottest_c;  // false for NaN
+        half.temp_c[column * half_rows + k] = is_sound ? temp_c : std::numeric_limits<float>::quiet_NaN();
+      }
+    if (half.begin_s > path.begin_s()) add_half(half, now_s);
+  }
+  return report(frame, now_s);
+}
+
+void Odometer::Parts::add_half(const HalfReading& half, double now_s) {
+  last_half_s = now_s;
+  has_seen = true;
+  switch (phase) {
+    case Phase::searching:
+      store.add(half, now_s);
+      search_bias();
+      break;
+    case Phase::first_pass:
+      store.add(half, now_s);
+      go_through(front);
+      if (gone_through < store.count()) break;
+      mean_nis = pass_nis;
+      phase = Phase::learning;
+      break;
+    case Phase::learning:
+      store.add(half, now_s);
+      learn_of(front.add(half, path), mean_nis);
+      if (is_start_over(now_s))
+        begin_pass(pass + 1);
+      else if (mean_nis > nis_lost)
+        learn_again();
+      break;
+    case Phase::second_pass:
+      store.add(half, now_s);
+      front.add(half, path);
+      go_through(back);
+      if (gone_through == store.count()) take_over(now_s);
+      break;
+    case Phase::running:
+      run(half);
+      break;
+    case Phase::locating:
+      locate(half, now_s);
+      break;
+  }
+}
+
+void Odometer::Parts::search_bias() {
+  if (store.count() > latest_search) store.clear();
+  if (store.count() % search_every != 0) return;
+  const auto found = bias_search.search(store, path);
+  if (!found) return;
+  Priors better = priors;
+  better.bias_dps = found->bias_dps;
+  better.bias_sigma_dps = bias_widening * found->sigma_dps;
+  better.heading_deg = heading_at(store.at(0).now_s, found->bias_dps);
+  front.restart(better);
+  pass = 0;
+  pass_nis = 1.0;
+  gone_through = 0;
+  phase = Phase::first_pass;
+}
+
+bool Odometer::Parts::is_start_over(double now_s) const {
+  return store.count() >= second_pass_halves || now_s - store.at(0).now_s > second_pass_s;
+}
+
+/// Through the halves of the start again, from what was learnt of the sensors meanwhile.
+void Odometer::Parts::begin_pass(int number) {
+  const HeadingFilter& filter = front.filter();
+  const auto sigma = [&](HeadingFilter::Place place, double least) {
+    return std::max(least, pass_widening * filter.sigma(place));
+  };
+  begun_with = priors;
+  begun_with.heading_deg = heading_at(store.at(0).now_s, filter.bias_dps());
+  begun_with.bias_dps = filter.bias_dps();
+  begun_with.bias_sigma_dps = sigma(HeadingFilter::bias, least_bias_sigma_dps);
+  begun_with.scale = filter.scale_factor();
+  begun_with.scale_sigma = sigma(HeadingFilter::scale, least_scale_sigma);
+  begun_with.latency_s = filter.latency_s();
+  begun_with.latency_sigma_s = sigma(HeadingFilter::latency, least_latency_sigma_s);
+  back.restart(begun_with);
+  pass = number;
+  pass_nis = 1.0;
+  gone_through = 0;
+  phase = Phase::second_pass;
+}
+
+/// The pass ended with what it began with: another one would make the same map.
+bool Odometer::Parts::has_settled() const {
+  const HeadingFilter& filter = front.filter();
+  return mean_nis < settled_nis && std::abs(filter.bias_dps() - begun_with.bias_dps) < least_bias_sigma_dps &&
+         std::abs(filter.scale_factor() - begun_with.scale) < settled_scale &&
+         std::abs(filter.latency_s() - begun_with.latency_s) < settled_latency_s;
+}
+
+void Odometer::Parts::go_through(Tracker& tracker) {
+  int looks = 0;
+  for (; looks < looks_a_step && gone_through < store.count(); ++gone_through) {
+    const auto& [half, came_s] = store.at(gone_through);
+    if (!tracker.has_begun() || came_s > tracker.now_s()) tracker.advance(path, came_s);
+    const HalfResult result = tracker.add(half, path);
+    looks += result.looks;
+    learn_of(result, pass_nis);
+  }
+}
+
+/// The back tracker has gone through all halves that came.
+void Odometer::Parts::take_over(double now_s) {
+  std::swap(front, back);
+  mean_nis = pass_nis;
+  if (mean_nis > nis_lost)
+    learn_again();
+  else if (!is_start_over(now_s))
+    phase = Phase::learning;
+  else if (has_settled() || (pass >= most_passes && mean_nis < nis_fits))
+    phase = Phase::running;
+  else
+    learn_again();
+}
+
+void Odometer::Parts::learn_of(const HalfResult& result, double& mean) {
+  if (result.is_judged) mean += nis_share * (std::min(most_nis, result.squared) - mean);
+}
+
+/// While the start is learnt, what does not fit means that the map was begun with a wrong bias: by now it is
+/// known better.
+void Odometer::Parts::learn_again() {
+  if (pass < most_passes && front.filter().sigma(HeadingFilter::bias) < known_bias_dps)
+    begin_pass(pass + 1);
+  else
+    begin_anew();
+}
+
+void Odometer::Parts::run(const HalfReading& half) {
+  if (watch.is_frozen() && !watch.is_zero()) return;
+  const HalfResult result = front.add(half, path);
+  if (!result.is_judged) return;
+  covered = result.is_flat ? covered + 1 : 0;
+  if (!result.is_flat) mean_nis += nis_share * (std::min(most_nis, result.squared) - mean_nis);
+  if (result.is_used) to_trust = std::max(0, to_trust - 1);
+  if (result.is_used) follow_bias(result);
+  slowest_dps = std::min(slowest_dps, result.rate_dps);
+  fastest_dps = std::max(fastest_dps, result.rate_dps);
+  if (is_doubted && fastest_dps - slowest_dps > telling_change_dps) {
+    is_doubted = false;
+    to_trust = halves_to_trust;
+  }
+  if (mean_nis > nis_unfit && !unfit_since_s) unfit_since_s = half.end_s;
+  if (mean_nis < nis_fits) unfit_since_s.reset();
+  if (unfit_since_s && half.end_s - *unfit_since_s > longest_unfit_s) {
+    begin_anew();
+    return;
+  }
+  const bool is_lost = mean_nis > nis_lost || front.sigma_in_map_deg() > lost_deg;
+  if (is_lost && covered < covered_halves) begin_search(half.end_s);
+}
+
+/// Innovations that all lean to one side: the bias is another than before.
+void Odometer::Parts::follow_bias(const HalfResult& result) {
+  mean_lean += lean_share * (std::copysign(std::sqrt(result.squared), result.innovation_deg) - mean_lean);
+  if (std::abs(mean_lean) < much_lean) return;
+  front.widen_bias(stepped_bias_dps);
+  mean_lean = 0.0;
+}
+
+void Odometer::Parts::begin_search(double now_s) {
+  is_explained = gyro_was_away;
+  expected_sigma_deg = front.sigma_in_map_deg();
+  gyro_was_away = false;
+  circle.begin();
+  locating_since_s = now_s;
+  phase = Phase::locating;
+}
+
+void Odometer::Parts::locate(const HalfReading& half, double now_s) {
+  front.locate(half, path, circle);
+  if (const auto found = circle.found()) {
+    const double jump_deg = front.settle(*found);
+    // The gyro said something else, and was there all the time: one of the two is wrong, and as long as the
+    // rig keeps its speed nobody can tell.
+    is_doubted = !is_explained && std::abs(jump_deg) > doubted_deg + doubted_sigmas * expected_sigma_deg;
+    slowest_dps = fastest_dps = front.rate_dps();
+    mean_nis = 1.0;
+    mean_lean = 0.0;
+    to_trust = halves_to_trust;
+    phase = Phase::running;
+  } else if (now_s - locating_since_s > give_up_s) {
+    begin_anew();
+  }
+}
+
+void Odometer::Parts::forget_clock() {
+  begin_anew();
+  kept.reset();
+  path.clear();
+  watch = GyroWatch();
+  origin.reset();
+  front.restart(priors);
+}
+
+/// Where a new map begins: the heading of before, as far as the gyro tells.
+double Odometer::Parts::heading_at(double time_s, double bias_dps) const {
+  if (!kept) return 0.0;
+  const double turned_deg = path.until(time_s).turned_deg - kept->turned_deg;
+  return kept->heading_deg + (turned_deg - bias_dps * (time_s - kept->time_s)) / priors.scale;
+}
+
+void Odometer::Parts::begin_anew() {
+  if (phase == Phase::running || phase == Phase::locating)
+    kept = Kept{front.now_s(), path.until(front.now_s()).turned_deg, front.filter().heading_deg()};
+  store.clear();
+  mean_nis = 1.0;
+  covered = 0;
+  to_trust = 0;
+  is_doubted = false;
+  unfit_since_s.reset();
+  mean_lean = 0.0;
+  gyro_was_away = false;
+  phase = Phase::searching;
+}
+
+Reason Odometer::Parts::reason(double now_s) const {
+  if (now_s - last_gyro_s > longest_gyro_gap_s) return Reason::no_gyro;
+  if (stands_in || !has_seen || now_s - last_half_s > longest_camera_gap_s) return Reason::no_camera;
+  if (watch.is_frozen() && !watch.is_zero()) return Reason::gyro_frozen;
+  if (covered >= covered_halves || unfit_since_s) return Reason::view_differs;
+  return Reason::none;
+}
+
+Report Odometer::Parts::report(const TimedFrame& frame, double now_s) const {
+  const HeadingFilter& filter = front.filter();
+  Report report;
+  report.reason = reason(now_s);
+  if (report.reason != Reason::none)
+    report.state = State::not_trusted;
+  else if (phase == Phase::locating || (phase == Phase::running && (to_trust > 0 || is_doubted)))
+    report.state = State::relocalising;
+  else
+    report.state = phase == Phase::running ? State::tracking : State::starting;
+  report.bias_dps = filter.bias_dps();
+  report.scale = filter.scale_factor();
+  report.latency_s = filter.latency_s();
+  report.mean_nis = mean_nis;
+  if (is_behind_nothing()) report.heading_deg = filter.heading_deg();
+  if (is_behind_nothing()) report.origin_sigma_deg = filter.sigma(HeadingFilter::heading);
+  const double begin_s = to_s(frame.exposure_begin - *origin), length_s = now_s - begin_s;
+  if (!(length_s > 0.0)) return report;
+  const ExposedTurn turn = path.over(begin_s, now_s);
+  const double samples = std::max(1.0, length_s / gyro_period_s);
+  report.rate_dps = filter.mean_rate_dps(turn);
+  report.rate_sigma_dps =
+      std::hypot(std::hypot(filter.sigma(HeadingFilter::bias), sample_noise_dps / std::sqrt(samples)) /
+                     filter.scale_factor(),
+                 filter.sigma(HeadingFilter::scale) * report.rate_dps,
+                 gyro_time_sigma_s * (turn.last_dps - turn.first_dps) / length_s);
+  // No image tells how late the gyro is: what it says of now, it says of then.
+  if (is_behind_nothing())
+    report.heading_sigma_deg = std::hypot(front.sigma_in_map_deg(), gyro_time_sigma_s * report.rate_dps);
+  return report;
+}
+
+}  // namespace thermorig::odometer

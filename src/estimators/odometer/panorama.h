@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <vector>
+
+#include "half_reading.h"
+
+namespace thermorig::odometer {
+
+/// The surroundings all around the shaft, as the camera's 24 rows see them: a temperature and its variance in
+/// each bin of azimuth. Those of one half's column lie side by side.
+class Panorama {
+ public:
+  static constexpr std::size_t bins = 420;
+  static constexpr double bin_deg = whole_turn_deg / bins;
+
+  Panorama();
+  void clear();
+
+  /// Where one column of pixels looks while it is exposed: bins from the map's origin.
+  struct Place {
+    double middle = 0.0;
+    double half_width = 0.5;  // at least 0.5
+    std::size_t row_class = 0;
+  };
+  static Place place(double azimuth_deg, double half_width_deg, std::size_t row_class);
+
+  using Column = std::array<float, half_rows>;
+  /// What the column should show: the mean over the bins that it sweeps.
+  struct Look {
+    Column temp_c{};
+    Column variance{};        // of that mean
+    Column slope{};           // by azimuth, K a deg
+    Column slope_variance{};  // of that slope
+    Column known{};           // 1 where all of it was seen before, else 0
+  };
+  /// `reach`: bins to either side over which a slope is taken; `smooth`: over three rows.
+  void look(const Place& place, double reach, bool smooth, Look& look) const;
+
+  /// The mean, and whether it is known, alone.
+  void look(const Place& place, Column& temp_c, Column& known) const;
+
+  /// What one column lets expect of the bins around its middle.
+  struct Guess {
+    double low = 0.0, high = 0.0;  // bins from there to there
+    Column temp_c{};               // NaN: no reading
+    Column slope{};                // by azimuth, K a deg
+    Column variance{};
+  };
+  /// Bins that nothing has seen yet begin with it.
+  void seed(const Place& place, const Guess& guess);
+
+  /// A Kalman filter a bin. NaN: no reading.
+  void write(const Place& place, const Column& temp_c, const Column& variance);
+
+  /// After writing, before looking.
+  void add_up();
+
+ private:
+  static constexpr std::size_t cell = half_rows;
+  static std::size_t index(std::size_t bin, std::size_t row_class) { return (bin * 2 + row_class) * cell; }
+  using Sums = std::vector<float>;
+  void add_up(const std::vector<float>& values, Sums& sums) const;
+  void sum_until(const Sums& sums, double position, std::size_t row_class, Column& sum) const;
+  void sum_between(const Sums& sums, double from, double to, std::size_t row_class, Column& sum) const;
+  void look_slope(const Place& place, double reach, Look& look) const;
+
+  std::vector<float> temp_c_, variance_, seen_;  // of each bin
+  Sums temp_sum_, variance_sum_, seen_sum_;      // of all bins before
+};
+
+}  // namespace thermorig::odometer

@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: MIT
+#include "pixel_model.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace thermorig::odometer {
+
+namespace {
+
+constexpr float stuck_after = 3.0F;       // halves in which a pixel shows the very same
+constexpr float offset_prior = 15.0F;     // readings: noise of 0.6 K against constant errors of 0.16 K
+constexpr float most_readings = 4000.0F;  // then what is older fades
+constexpr float variance_prior = 16.0F;   // readings for which a pixel counts as noisy as all
+constexpr float common_share = 0.02F;     // of a half in the noise of all
+constexpr float least_pixel_variance = 0.01F;
+
+}  // namespace
+
+HalfPixels PixelModel::corrected(const HalfReading& half) {
+  HalfPixels temp_c;
+  HalfPixels &last = last_c_[half.parity], &repeats = repeats_[half.parity];
+  for (std::size_t i = 0; i < half_pixels; ++i) {
+    repeats[i] = half.temp_c[i] == last[i] ? repeats[i] + 1.0F : 0.0F;
+    last[i] = half.temp_c[i];
+    temp_c[i] = repeats[i] >= stuck_after ? std::numeric_limits<float>::quiet_NaN()
+                                          : half.temp_c[i] - offset_c_[half.parity][i];
+  }
+  return temp_c;
+}
+
+void PixelModel::learn(unsigned parity, const HalfPixels& residual, const HalfPixels& map_variance) {
+  double sum = 0.0, count = 0.0;
+  for (std::size_t i = 0; i < half_pixels; ++i) {
+    if (std::isnan(residual[i])) continue;
+    const float limit = 16.0F * (variance_[parity][i] + map_variance[i]);
+    const float square = std::min(limit, residual[i] * residual[i]) - map_variance[i];
+    float& n = count_[parity][i];
+    n = std::min(n + 1.0F, most_readings);
+    offset_c_[parity][i] += residual[i] / (n + offset_prior);
+    squares_[parity][i] += (square - squares_[parity][i]) / n;
+    const float own = std::max(least_pixel_variance, squares_[parity][i]);
+    variance_[parity][i] = (variance_prior * common_variance_ + n * own) / (variance_prior + n);
+    sum += double{square};
+    count += 1.0;
+  }
+  if (count < 0.25 * half_pixels) return;
+  const auto mean = static_cast<float>(sum / count);
+  common_variance_ += common_share * (std::max(least_pixel_variance, mean) - common_variance_);
+}
+
+}  // namespace thermorig::odometer

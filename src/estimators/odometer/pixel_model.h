@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <array>
+
+#include "half_reading.h"
+
+namespace thermorig::odometer {
+
+/// What is peculiar to each pixel: its constant error and its noise, by chess half.
+class PixelModel {
+ public:
+  /// A half without the pixels' errors; NaN where a pixel is stuck.
+  HalfPixels corrected(const HalfReading& half);
+
+  /// What was left of each pixel, of those that were compared, and the variance that the map had in it.
+  void learn(unsigned parity, const HalfPixels& residual, const HalfPixels& map_variance);
+
+  const HalfPixels& variance(unsigned parity) const { return variance_[parity]; }
+
+ private:
+  float common_variance_ = 0.36F;  // of a reading: a data sheet's 0.6 K until halves have told
+  std::array<HalfPixels, 2> offset_c_{}, variance_ = {uniform(0.36F), uniform(0.36F)}, squares_{}, count_{};
+  std::array<HalfPixels, 2> last_c_{}, repeats_{};
+
+  static HalfPixels uniform(float value) {
+    HalfPixels pixels;
+    pixels.fill(value);
+    return pixels;
+  }
+};
+
+}  // namespace thermorig::odometer

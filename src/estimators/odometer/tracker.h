@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include "alignment.h"
+#include "circle_search.h"
+#include "gyro_path.h"
+#include "half_reading.h"
+#include "heading_filter.h"
+#include "panorama.h"
+#include "pixel_model.h"
+
+namespace thermorig::odometer {
+
+/// What a half told the filter.
+struct HalfResult {
+  bool is_used = false;    // the filter took it
+  bool is_judged = false;  // it could be laid against the map
+  bool is_flat = false;    // surroundings without any structure fit it better than the map does
+  double squared = 0.0;    // its innovation, squared and divided by what was expected of it
+  double innovation_deg = 0.0;
+  double misfit = 0.0;  // squares of its pixels, divided by what was expected of them
+  double rate_dps = 0.0;
+  int looks = 1;  // at the whole map: what it cost
+};
+
+/// Heading filter and panorama together: half after half.
+class Tracker {
+ public:
+  Tracker(const Priors& priors, const Lens& lens);
+
+  /// Forgets everything.
+  void restart(const Priors& priors);
+
+  /// Heading forward to a time, by the gyro's path.
+  void advance(const GyroPath& path, double now_s);
+
+  /// A half whose exposure has ended by then.
+  HalfResult add(const HalfReading& half, const GyroPath& path);
+
+  /// Where the half may look in the map, without learning anything of it. `turned_deg`: since the half
+  /// before.
+  void locate(const HalfReading& half, const GyroPath& path, CircleSearch& search);
+  /// What the search found, of the newest half: the nearest of the headings that it may be.
+  /// Returns by how much it is off what the gyro let expect.
+  double settle(const CircleSearch::Found& found);
+
+  /// The bias may have stepped.
+  void widen_bias(double sigma_dps) { filter_.widen_bias(square(sigma_dps)); }
+  double rate_dps() const { return rate_dps_; }  // of the newest half
+
+  const HeadingFilter& filter() const { return filter_; }
+  double now_s() const { return now_s_; }
+  bool has_begun() const { return has_begun_; }
+
+  /// One standard deviation of the heading against the map that is in view.
+  double sigma_in_map_deg() const { return sigma_in_map_deg_; }
+
+ private:
+  struct Exposed {  // a half, and where it should look
+    ExposedTurn turn;
+    HalfPixels temp_c;
+    double azimuth_deg = 0.0, rate_dps = 0.0, half_width_deg = 0.0;
+  };
+  Exposed expose(const HalfReading& half, const GyroPath& path);
+  HalfResult judge(const HalfReading& half, const Exposed& exposed);
+  void begin_nodes(double azimuth_deg, double half_width_deg);
+  void write(const HalfReading& half, const HalfPixels& temp_c, double azimuth_deg, double half_width_deg,
+             double sigma_deg, float common_c);
+
+  Lens lens_;
+  HeadingFilter filter_;
+  Panorama panorama_;
+  PixelModel pixels_;
+  double now_s_ = 0.0, now_deg_ = 0.0, now_unseen_deg2_ = 0.0;
+  bool has_begun_ = false;
+  float reference_c_ = 0.0F;  // temperatures are kept as differences from it
+  int halves_ = 0;
+  double sigma_in_map_deg_ = 0.0;
+  double rate_dps_ = 0.0;
+  double located_deg_ = 0.0;  // azimuth of the newest half, as the gyro has it
+  float common_c_ = 0.0F;     // of the newest half
+  struct Written {
+    Panorama::Place place;
+    Panorama::Column temp_c, variance;
+  };
+  std::array<Written, frame_columns> written_{};  // of the newest half
+};
+
+}  // namespace thermorig::odometer

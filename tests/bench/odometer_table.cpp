@@ -1,0 +1,186 @@
+// SPDX-License-Identifier: MIT
+// How the odometer does on simulated rigs in virtual time, against the true shaft.
+// Usage: odometer_table [--json] [--first-seed N] [--quick] [--only TEXT]
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <cstdint>
+#include <cstdio>
+#include <cstdlib>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "odometer_judge.h"
+#include "odometer_recording.h"
+#include "odometer_stresses.h"
+#include "timing_figures.h"
+
+namespace thermorig::bench {
+namespace {
+
+const std::array<std::string, 4> environments{"laboratory", "dining", "kitchen", "garden"};
+constexpr double in_motion_s = 12.0;  // after the opening rest, in the first leg
+
+struct Options {
+  bool json = false;
+  bool quick = false;
+  std::uint64_t first_seed = 1;
+  std::string only;  // of the rows: those whose name has it
+};
+
+struct Row {
+  std::string name;
+  OdometerCase recorded;
+  Stress stress;
+  bool is_plain = false;
+  Judgement judgement;
+};
+
+std::string key_of(std::string text) {
+  for (char& one : text)
+    if (std::isalnum(static_cast<unsigned char>(one)) == 0) one = '_';
+  return text;
+}
+
+void add(std::vector<Figure>& figures, const std::string& section, const std::string& row,
+         const std::string& column, const std::string& unit, std::optional<double> value,
+         std::optional<double> at_most = {}, std::optional<double> at_least = {}) {
+  figures.push_back(
+      {section, row, column, key_of(section + " " + row + " " + column), unit, value, at_most, at_least, ""});
+}
+
+void add_common(std::vector<Figure>& figures, const std::string& section, const Row& row, double worst_deg) {
+  const Judgement& of = row.judgement;
+  add(figures, section, row.name, "tracks after", "s", of.tracked_after_s);
+  add(figures, section, row.name, "not tracking", "%", 100.0 * of.not_tracked);
+  add(figures, section, row.name, "worst angle", "deg", of.worst_deg, worst_deg);
+  add(figures, section, row.name, "spread", "deg", of.spread_deg);
+  add(figures, section, row.name, "coverage", "", of.coverage);
+  add(figures, section, row.name, "NIS", "", of.mean_nis);
+}
+
+void add_plain(std::vector<Figure>& figures, const Row& row) {
+  const Judgement& of = row.judgement;
+  const std::string section = "Honest world";
+  add_common(figures, section, row, 2.0);
+  figures[figures.size() - 3].at_most = 0.25;
+  add(figures, section, row.name, "drift", "deg/min", of.drift_deg_per_min);
+  figures.back().value = std::abs(of.drift_deg_per_min);
+  figures.back().at_most = 0.05;
+  add(figures, section, row.name, "rate, steady", "deg/s", of.steady_rate_rmse_dps, 0.06);
+  add(figures, section, row.name, "rate, all", "deg/s", of.rate_rmse_dps, 0.12);
+  add(figures, section, row.name, "rate coverage", "", of.rate_coverage);
+  add(figures, section, row.name, "step, median", "us", of.median_step_us, 300.0);
+  add(figures, section, row.name, "step, worst", "us", of.worst_step_us, 5000.0);
+}
+
+void add_mean(std::vector<Figure>& figures, const std::vector<Row>& rows) {
+  double count = 0.0, coverage = 0.0, nis = 0.0, tracking = 0.0;
+  for (const Row& row : rows) {
+    if (!row.is_plain) continue;
+    count += 1.0;
+    coverage += row.judgement.coverage;
+    nis += row.judgement.mean_nis;
+    tracking += row.judgement.tracked_after_s && *row.judgement.tracked_after_s <= 30.0 ? 1.0 : 0.0;
+  }
+  if (count == 0.0) return;
+  const std::string section = "Honest world, all";
+  add(figures, section, "mean", "coverage", "", coverage / count, 1.0, 0.85);
+  add(figures, section, "mean", "NIS", "", nis / count, 1.3, 0.4);
+  add(figures, section, "mean", "track within 30 s", "%", 100.0 * tracking / count);
+}
+
+void add_stress(std::vector<Figure>& figures, const Row& row) {
+  const Judgement& of = row.judgement;
+  const std::string section = "Stresses";
+  add_common(figures, section, row, row.stress.worst_deg);
+  figures[figures.size() - 5].at_most = 33.3;  // not tracking
+  add(figures, section, row.name, "wrong and silent", "s", of.silent_s, 5.0);
+  if (!row.stress.run.harm_begin_s) return;
+  add(figures, section, row.name, "said after", "s", of.said_after_s, 5.0);
+  add(figures, section, row.name, "back after", "s", of.back_after_s, 10.0);
+  add(figures, section, row.name, "then within", "deg", of.back_deg, 2.0);
+}
+
+std::vector<Row> rows_of(const Options& options) {
+  std::vector<Row> rows;
+  const std::size_t gyros = options.quick ? 1 : 6;
+  for (std::size_t gyro = 0; gyro < gyros; ++gyro)
+    for (const std::string& environment : environments) {
+      Row row;
+      row.recorded.seed = options.first_seed + rows.size();
+      row.recorded.environment = environment;
+      row.stress.run.from_s = in_motion_s;
+      row.is_plain = true;
+      row.name = fmt::format("{} {}", environment, row.recorded.seed);
+      rows.push_back(row);
+    }
+  if (options.quick) return rows;
+  const std::uint64_t after = options.first_seed + rows.size();
+  for (const Stress& stress : odometer_stresses())
+    for (std::size_t i = 0; i < environments.size(); ++i) {
+      Row row;
+      row.stress = stress;
+      row.recorded = {.seed = after + i,
+                      .environment = environments[i],
+                      .world = stress.world,
+                      .field_of_view_deg = stress.field_of_view_deg};
+      row.name = fmt::format("{}, {}", stress.name, environments[i]);
+      rows.push_back(row);
+    }
+  return rows;
+}
+
+std::optional<Options> options_of(int count, char** arguments) {
+  Options options;
+  for (int i = 1; i < count; ++i) {
+    const std::string_view argument = arguments[i];
+    if (argument == "--json")
+      options.json = true;
+    else if (argument == "--quick")
+      options.quick = true;
+    else if (argument == "--first-seed" && i + 1 < count)
+      options.first_seed = std::strtoull(arguments[++i], nullptr, 10);
+    else if (argument == "--only" && i + 1 < count)
+      options.only = arguments[++i];
+    else
+      return std::nullopt;
+  }
+  return options;
+}
+
+}  // namespace
+}  // namespace thermorig::bench
+
+int main(int count, char** arguments) {
+  using namespace thermorig::bench;
+  const auto options = options_of(count, arguments);
+  if (!options) {
+    fmt::print(stderr, "usage: odometer_table [--json] [--first-seed N] [--quick] [--only TEXT]\n");
+    return 2;
+  }
+  const auto begin = std::chrono::steady_clock::now();
+  std::vector<Row> rows = rows_of(*options);
+  std::erase_if(rows, [&](const Row& row) { return row.name.find(options->only) == std::string::npos; });
+  for_each_seed(rows.size(), [&](std::size_t i) {
+    Row& row = rows[i];
+    row.judgement = judge(record(row.recorded), row.stress.run);
+  });
+  std::vector<Figure> figures;
+  for (const Row& row : rows) row.is_plain ? add_plain(figures, row) : add_stress(figures, row);
+  add_mean(figures, rows);
+  const double took_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  if (options->json) {
+    print_json(figures);
+    return 0;
+  }
+  fmt::print(
+      "Simulated rigs in virtual time, plan \"paper\", raw gyro, causal clocks; from seed {} on; made in "
+      "{:.0f} s.\n",
+      options->first_seed, took_s);
+  print_text(figures);
+  return 0;
+}

@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: MIT
+#include "estimators/odometer/heading_filter.h"
+
+#include <gtest/gtest.h>
+
+#include "estimators/odometer/gyro_path.h"
+
+namespace thermorig::odometer {
+namespace {
+
+using Shares = std::array<double, HeadingFilter::nodes>;
+
+/// An exposure that ends now, at a constant reading.
+ExposedTurn turn_at(double read_dps) {
+  GyroPath path;
+  for (int i = 0; i <= 200; ++i) path.add(0.005 * i, read_dps, 0.0);
+  return path.over(0.875, 1.0);
+}
+
+TEST(GyroPath, KnowsWhatWasTurnedAtAnyTime) {
+  GyroPath path;
+  for (int i = 0; i <= 200; ++i) path.add(0.005 * i, 100.0 * 0.005 * i, 0.0);  // 100 deg/s^2
+  EXPECT_NEAR(path.until(0.5).turned_deg, 12.5, 1e-9);
+  EXPECT_NEAR(path.until(0.5025).turned_deg, 50.0 * 0.5025 * 0.5025, 1e-9);
+  EXPECT_NEAR(path.until(1.1).turned_deg, 50.0 + 10.0, 1e-9);  // its rate goes on
+  const ExposedTurn turn = path.over(0.4, 0.6);
+  EXPECT_NEAR(turn.mean_deg, 50.0 * (0.25 + 0.04 / 12.0), 1e-3);
+  EXPECT_NEAR(turn.end_deg - turn.begin_deg, 10.0, 1e-9);
+}
+
+TEST(HeadingFilter, TurnsByTheReadingLessBiasAndScale) {
+  HeadingFilter filter({.bias_dps = 2.0, .scale = 1.1});
+  filter.predict(24.0, 1.0, 0.0);
+  EXPECT_NEAR(filter.heading_deg(), 20.0, 1e-9);
+}
+
+TEST(HeadingFilter, LooksAtTheMiddleOfAnExposure) {
+  const HeadingFilter filter({.bias_dps = 0.0});
+  const ExposedTurn turn = turn_at(80.0);
+  EXPECT_NEAR(filter.exposed_deg(turn, 1.0, 80.0), -5.0, 1e-6);  // half of 0.125 s ago
+  EXPECT_NEAR(std::sqrt(3.0) * filter.spread_deg(turn), 5.0, 0.02);
+  EXPECT_NEAR(filter.mean_rate_dps(turn), 80.0, 1e-6);
+}
+
+TEST(HeadingFilter, LearnsTheBiasFromAHeading) {
+  HeadingFilter filter({.bias_sigma_dps = 10.0});
+  filter.begin_nodes(-30.0, 30.0);
+  filter.predict(5.0, 1.0, 0.0);  // it stood still
+  Shares ahead{};
+  HeadingFilter::add_shares(0.0, 1.0, ahead);
+  const auto row = filter.derivative(turn_at(5.0), 1.0, 5.0, ahead);
+  filter.update(row, -filter.exposed_deg(turn_at(5.0), 1.0, 5.0), 1e-6);
+  EXPECT_NEAR(filter.bias_dps(), 5.0, 0.05);
+  EXPECT_LT(filter.sigma(HeadingFilter::bias), 0.2);
+}
+
+TEST(HeadingFilter, BlamesTheMapWhereItWasMadeWithTheSameError) {
+  HeadingFilter filter({.bias_sigma_dps = 1.0});
+  filter.predict(0.0, 10.0, 0.0);  // 10 deg of error by now
+  filter.begin_nodes(-30.0, 30.0);
+  Shares ahead{};
+  HeadingFilter::add_shares(0.0, 1.0, ahead);
+  auto row = filter.derivative(turn_at(0.0), 1.0, 0.0, ahead);
+  row[HeadingFilter::bias] = row[HeadingFilter::latency] = row[HeadingFilter::scale] = 0.0;
+  EXPECT_LT(filter.variance(row), 1e-6);  // heading against that part of the map
+  EXPECT_GT(filter.sigma(HeadingFilter::heading), 9.0);
+}
+
+TEST(HeadingFilter, InterpolatesTheMapsOffsetAcrossTheOrigin) {
+  Shares shares{};
+  HeadingFilter::add_shares(-7.5, 1.0, shares);
+  EXPECT_NEAR(shares[23], 0.5, 1e-12);
+  EXPECT_NEAR(shares[0], 0.5, 1e-12);
+}
+
+}  // namespace
+}  // namespace thermorig::odometer

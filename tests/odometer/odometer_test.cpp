@@ -1,0 +1,163 @@
+// SPDX-License-Identifier: MIT
+#include "thermorig/estimators/odometer/odometer.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include "../network/allocations.h"
+#include "room.h"
+#include "support/at_s.h"
+
+namespace thermorig::odometer {
+namespace {
+
+/// A gyro of whose bias and scale a data sheet tells, and the lens of the room.
+GyroProfile data_sheet_gyro() {
+  GyroProfile gyro;
+  gyro.bias_uncertainty_dps = 10.0;
+  return gyro;
+}
+
+std::vector<Report> reports_of(const std::vector<Seen>& all) {
+  Odometer odometer(data_sheet_gyro(), CameraProfile());
+  std::vector<Report> reports;
+  for (const Seen& seen : all) reports.push_back(odometer.add(seen.frame, seen.gyro));
+  return reports;
+}
+
+Room turning_room(double duration_s = 70.0) {
+  Room room;
+  room.duration_s = duration_s;
+  room.angle_deg = to_and_fro(200.0, 60.0);
+  return room;
+}
+
+std::size_t at(double time_s) {
+  return static_cast<std::size_t>(time_s / 0.125) - 2;
+}
+
+/// Heading less the shaft's angle.
+double off_deg(const Room& room, const std::vector<Report>& reports, double time_s) {
+  return reports[at(time_s)].heading_deg - room.angle_deg(0.125 * static_cast<double>(at(time_s) + 2));
+}
+
+TEST(Odometer, StartsInMotionAndFindsBiasScaleAndLatency) {
+  const Room room = turning_room();
+  const auto reports = reports_of(seen_in(room));
+  EXPECT_EQ(reports[at(10.0)].state, State::starting);
+  const Report& last = reports.back();
+  EXPECT_EQ(last.state, State::tracking);
+  EXPECT_NEAR(last.bias_dps, room.bias_dps, 0.05);
+  EXPECT_NEAR(last.scale, room.scale, 0.001);
+  EXPECT_NEAR(last.latency_s, room.latency_s, 0.001);
+}
+
+TEST(Odometer, HoldsTheHeadingWhileTheGyroWalksAway) {
+  const Room room = turning_room();
+  const auto reports = reports_of(seen_in(room));
+  ASSERT_EQ(reports[at(40.0)].state, State::tracking);
+  const double origin_deg = off_deg(room, reports, 40.0);
+  for (double time_s = 40.0; time_s < 69.0; time_s += 0.5) {  // the gyro alone: 4 deg/s
+    EXPECT_NEAR(off_deg(room, reports, time_s), origin_deg, 0.5) << time_s;
+    EXPECT_LT(reports[at(time_s)].heading_sigma_deg, 0.5);
+  }
+}
+
+TEST(Odometer, StartsAtRest) {
+  Room room = turning_room();
+  room.angle_deg = [turning = room.angle_deg](double time_s) {
+    return time_s < 12.0 ? 0.0 : turning(time_s - 12.0);
+  };
+  const auto reports = reports_of(seen_in(room));
+  EXPECT_NEAR(reports[at(11.0)].bias_dps, room.bias_dps, 0.3);
+  EXPECT_EQ(reports.back().state, State::tracking);
+  EXPECT_NEAR(reports.back().bias_dps, room.bias_dps, 0.05);
+}
+
+TEST(Odometer, SaysThatTheGyroIsFrozenAndFindsTheHeadingAgainInTheMap) {
+  const Room room = turning_room();
+  auto all = seen_in(room);
+  std::optional<TimedGyro> frozen;
+  for (Seen& seen : all)
+    for (TimedGyro& sample : seen.gyro) {
+      if (sample.stamp.time < at_s(45.0) || sample.stamp.time > at_s(55.0)) continue;
+      if (!frozen) frozen = sample;
+      sample.rate_dps = frozen->rate_dps;
+      sample.reading = frozen->reading;
+    }
+  const auto reports = reports_of(all);
+  ASSERT_EQ(reports[at(44.0)].state, State::tracking);
+  EXPECT_EQ(reports[at(46.0)].state, State::not_trusted);
+  EXPECT_EQ(reports[at(46.0)].reason, Reason::gyro_frozen);
+  EXPECT_EQ(reports[at(56.0)].state, State::relocalising);
+  EXPECT_EQ(reports[at(65.0)].state, State::tracking);
+  const double before_deg = off_deg(room, reports, 44.0), after_deg = off_deg(room, reports, 65.0);
+  EXPECT_NEAR(std::remainder(after_deg - before_deg, 360.0), 0.0, 0.7);
+}
+
+TEST(Odometer, SaysThatTheLensIsCoveredAndDoesNotWriteThatIntoItsMap) {
+  const Room room = turning_room();
+  auto all = seen_in(room);
+  unsigned noise = 1;
+  for (Seen& seen : all) {
+    if (seen.frame.exposure_end < at_s(45.0) || seen.frame.exposure_end > at_s(55.0)) continue;
+    for (float& temp_c : seen.frame.frame.temp_c) {
+      noise = noise * 1664525U + 1013904223U;
+      temp_c = 30.0F + 1e-4F * static_cast<float>(noise >> 20U);
+    }
+  }
+  const auto reports = reports_of(all);
+  EXPECT_EQ(reports[at(47.0)].state, State::not_trusted);
+  EXPECT_EQ(reports[at(47.0)].reason, Reason::view_differs);
+  EXPECT_EQ(reports[at(57.0)].state, State::tracking);
+  EXPECT_NEAR(off_deg(room, reports, 57.0), off_deg(room, reports, 44.0), 0.5);
+}
+
+TEST(Odometer, SaysThatNoNewImageComes) {
+  auto all = seen_in(turning_room());
+  for (Seen& seen : all)
+    if (seen.frame.exposure_end > at_s(45.0)) seen.frame.fresh_even = seen.frame.fresh_odd = 0;
+  const auto reports = reports_of(all);
+  EXPECT_EQ(reports[at(44.0)].state, State::tracking);
+  EXPECT_EQ(reports[at(46.5)].reason, Reason::no_camera);
+}
+
+TEST(Odometer, FollowsAStepOfTheBias) {
+  const Room room = turning_room(90.0);
+  auto all = seen_in(room);
+  for (Seen& seen : all)
+    for (TimedGyro& sample : seen.gyro)
+      if (sample.stamp.time > at_s(45.0)) sample.rate_dps += 1.0F;
+  const auto reports = reports_of(all);
+  EXPECT_NEAR(reports.back().bias_dps, room.bias_dps + 1.0, 0.15);
+  double worst_deg = 0.0;
+  for (double time_s = 46.0; time_s < 89.0; time_s += 0.25)
+    worst_deg = std::max(worst_deg, std::abs(off_deg(room, reports, time_s) - off_deg(room, reports, 44.0)));
+  EXPECT_LT(worst_deg, 1.8);  // 2.8 with what is known of a steady bias
+}
+
+TEST(Odometer, NeverSaysThatItTracksBeforeABlankWall) {
+  Room room = turning_room();
+  room.contrast_k = 0.0;
+  for (const Report& report : reports_of(seen_in(room))) EXPECT_NE(report.state, State::tracking);
+}
+
+TEST(Odometer, IsDeterministicAndAllocatesNothing) {
+  const auto all = seen_in(turning_room(50.0));
+  const auto first = reports_of(all);
+  Odometer odometer(data_sheet_gyro(), CameraProfile());
+  const std::size_t before = allocations();
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    const Report report = odometer.add(all[i].frame, all[i].gyro);
+    if (std::isfinite(report.heading_deg)) {
+      ASSERT_EQ(report.heading_deg, first[i].heading_deg) << i;
+    }
+  }
+  EXPECT_EQ(allocations(), before);
+}
+
+}  // namespace
+}  // namespace thermorig::odometer

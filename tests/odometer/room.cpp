@@ -1,0 +1,105 @@
+// SPDX-License-Identifier: MIT
+#include "room.h"
+
+#include <array>
+#include <cmath>
+#include <numbers>
+#include <random>
+
+#include "support/at_s.h"
+
+namespace thermorig::odometer {
+
+namespace {
+
+constexpr double frame_period_s = 0.125, gyro_period_s = 0.005;
+constexpr double pitch_deg = 55.0 / 32.0;
+constexpr int steps_a_degree = 10, exposed_steps = 10, waves = 40;
+
+/// Temperatures of the 24 rows by azimuth.
+class Walls {
+ public:
+  explicit Walls(double contrast_k) {
+    std::mt19937 random(7U);
+    std::uniform_real_distribution<double> phase(0.0, 2.0 * std::numbers::pi);
+    std::array<double, waves> phases{};
+    for (std::size_t row = 0; row < frame_rows; ++row) {
+      if (row % 4 == 0)  // rows that lie side by side show the same things
+        for (double& one : phases) one = phase(random);
+      for (int step = 0; step < 360 * steps_a_degree; ++step) {
+        double sum = 0.0;
+        for (int wave = 1; wave <= waves; ++wave)
+          sum += std::sin(wave * 2.0 * std::numbers::pi * step / (360.0 * steps_a_degree) +
+                          phases[static_cast<std::size_t>(wave - 1)]) /
+                 std::sqrt(wave);
+        temp_c_.push_back(static_cast<float>(22.0 + contrast_k * sum));
+      }
+    }
+  }
+
+  float at(std::size_t row, double azimuth_deg) const {
+    const double turns = azimuth_deg / 360.0;
+    const auto step = static_cast<std::size_t>((turns - std::floor(turns)) * 360.0 * steps_a_degree);
+    return temp_c_[row * 360 * steps_a_degree + step];
+  }
+
+ private:
+  std::vector<float> temp_c_;
+};
+
+/// Of a mirrored camera: columns grow to the left.
+float shown_c(const Walls& walls, const Room& room, std::size_t row, std::size_t column, double end_s) {
+  float sum = 0.0F;
+  for (int i = 0; i < exposed_steps; ++i) {
+    const double time_s = end_s - room.latency_s - frame_period_s * (i + 0.5) / exposed_steps;
+    sum += walls.at(row, room.angle_deg(time_s) - pitch_deg * (static_cast<double>(column) - 15.5));
+  }
+  return sum / static_cast<float>(exposed_steps);
+}
+
+}  // namespace
+
+std::vector<Seen> seen_in(const Room& room) {
+  const Walls walls(room.contrast_k);
+  std::mt19937 random(11U);
+  std::normal_distribution<double> normal;
+  std::vector<Seen> all;
+  ThermalFrame shown;
+  double gyro_s = 0.0;
+  for (unsigned index = 0; (index + 2) * frame_period_s <= room.duration_s; ++index) {
+    const double end_s = (index + 2) * frame_period_s;
+    const unsigned parity = index & 1U;
+    for (std::size_t row = 0; row < frame_rows; ++row)
+      for (std::size_t column = 0; column < frame_columns; ++column)
+        if (subpage_of(row, column) == parity)
+          shown.temp_c[row * frame_columns + column] =
+              shown_c(walls, room, row, column, end_s) + static_cast<float>(room.noise_k * normal(random));
+    Seen seen;
+    seen.frame.frame = shown;
+    seen.frame.exposure_begin = at_s(end_s - 2.0 * frame_period_s);
+    seen.frame.exposure_end = seen.frame.stamp.time = at_s(end_s);
+    seen.frame.half[parity] = {at_s(end_s - frame_period_s), at_s(end_s)};
+    seen.frame.half[parity ^ 1U] = {at_s(end_s - 2.0 * frame_period_s), at_s(end_s - frame_period_s)};
+    (parity == 0 ? seen.frame.fresh_even : seen.frame.fresh_odd) = 384;
+    for (; gyro_s + 0.5 * gyro_period_s <= end_s; gyro_s += gyro_period_s) {
+      const double turned_deg = room.angle_deg(gyro_s + gyro_period_s) - room.angle_deg(gyro_s);
+      TimedGyro sample;
+      sample.stamp.time = at_s(gyro_s + 0.5 * gyro_period_s);
+      sample.rate_dps = static_cast<float>(room.scale * turned_deg / gyro_period_s + room.bias_dps +
+                                           room.gyro_noise_dps * normal(random));
+      sample.reading.rate_dps = {0.0F, 0.0F, sample.rate_dps};
+      seen.gyro.push_back(sample);
+    }
+    all.push_back(std::move(seen));
+  }
+  return all;
+}
+
+std::function<double(double)> to_and_fro(double reach_deg, double rate_dps) {
+  return [=](double time_s) {
+    return reach_deg * std::sin(0.6 * rate_dps / reach_deg * time_s) +
+           0.25 * rate_dps * std::sin(2.0 * time_s);
+  };
+}
+
+}  // namespace thermorig::odometer

@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <functional>
+#include <vector>
+
+#include "thermorig/core/sample.h"
+
+namespace thermorig::odometer {
+
+/// A camera and a gyro on a shaft that turns as one likes, in a room of smooth random temperatures. Its own
+/// optics and noise: nothing of the product's simulation.
+struct Room {
+  double duration_s = 60.0;
+  std::function<double(double)> angle_deg = [](double) { return 0.0; };  // of the shaft at a time
+  double bias_dps = 4.0;
+  double scale = 1.01;
+  double latency_s = 0.004;  // by which the camera saw earlier than its stamps say
+  double noise_k = 0.5, gyro_noise_dps = 0.05;
+  double contrast_k = 0.8;
+};
+
+/// What came with one frame.
+struct Seen {
+  TimedFrame frame;
+  std::vector<TimedGyro> gyro;
+};
+
+std::vector<Seen> seen_in(const Room& room);
+
+/// To and fro over `reach_deg`, about `rate_dps` at most, never at the same speed for long.
+std::function<double(double)> to_and_fro(double reach_deg, double rate_dps);
+
+}  // namespace thermorig::odometer
