@@ -60,8 +60,8 @@ class Bank {
  public:
   /// Without names: all that can run. Throws Error(bad_usage) for a name that there is not, and for one that
   /// needs a network, or one with fusion, that `model` is not.
-  Bank(std::span<const std::string> names, const std::optional<model::Model>& model, const RigProfile& profile,
-       network::Precision precision = network::Precision::fp32);
+  Bank(std::span<const std::string> names, const std::optional<model::Model>& model,
+       const RigProfile& profile, network::Precision precision = network::Precision::fp32);
   ~Bank();
   Bank(Bank&&) noexcept;
   Bank& operator=(Bank&&) noexcept;

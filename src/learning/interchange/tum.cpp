@@ -30,7 +30,7 @@ std::vector<Trajectory> as_shown_live(const RawRecording& raw) {
 }
 
 std::vector<Trajectory> without_network(const session::Session& session) {
-  estimators::Bank bank({}, std::nullopt, session.raw.header.profile.gyro);
+  estimators::Bank bank({}, std::nullopt, session.raw.header.profile);
   std::vector<Trajectory> trajectories;
   for (const estimators::Entry* entry : bank.entries())
     trajectories.push_back({std::string(entry->name), {}});
