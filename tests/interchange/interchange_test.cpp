@@ -47,7 +47,8 @@ TEST(Shaft, IsNotKnownWhereTelemetryIsMissing) {
   for (LabelledSample& sample : session.samples) sample.reason_bits = 0;
   const auto times = [&] {
     std::vector<HostTime> known;
-    for (const AngleAt& at : trajectories_of(session).front().angles) known.push_back(at.time);
+    const std::vector<Trajectory> trajectories = trajectories_of(session);
+    for (const AngleAt& at : trajectories.front().angles) known.push_back(at.time);
     return known;
   };
   const std::vector<HostTime> before = times();

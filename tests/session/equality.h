@@ -88,9 +88,13 @@ inline bool same(const ClockGap& a, const ClockGap& b) {
   return a.begin == b.begin && a.end == b.end && a.missing == b.missing;
 }
 
+inline bool same(const BiasKnot& a, const BiasKnot& b) {
+  return a.time == b.time && a.bias_dps == b.bias_dps;
+}
+
 inline bool same(const ServoResponse::AtSpeed& a, const ServoResponse::AtSpeed& b) {
   return a.rate_dps == b.rate_dps && a.residual_dps == b.residual_dps && a.spread_dps == b.spread_dps &&
-         a.frames == b.frames;
+         a.frames == b.frames && same(a.reached_dps, b.reached_dps) && a.contradicts == b.contradicts;
 }
 
 inline bool same(const RawStream& a, const RawStream& b) {
@@ -128,7 +132,10 @@ inline bool same(const GyroErrors& a, const GyroErrors& b) {
   return a.scale == b.scale && a.scale_calibrated == b.scale_calibrated && a.bias_dps == b.bias_dps &&
          a.bias_before_dps == b.bias_before_dps && a.bias_after_dps == b.bias_after_dps &&
          same(a.noise_dps, b.noise_dps) && a.zeroes_itself == b.zeroes_itself &&
-         a.bias_from_legs == b.bias_from_legs;
+         a.bias_from_legs == b.bias_from_legs && a.scale_by_turns == b.scale_by_turns &&
+         a.scale_why_not == b.scale_why_not && a.scale_contradicts == b.scale_contradicts &&
+         a.filter_delay_s == b.filter_delay_s && a.filter_source == b.filter_source &&
+         a.filter_contradicts == b.filter_contradicts && same(a.bias_course, b.bias_course);
 }
 
 inline bool same(const ServoResponse& a, const ServoResponse& b) {
@@ -139,7 +146,8 @@ inline bool same(const ServoResponse& a, const ServoResponse& b) {
 }
 
 inline bool same(const CameraOffset& a, const CameraOffset& b) {
-  return a.offset_s == b.offset_s && a.why_not == b.why_not && a.halves == b.halves && a.applied == b.applied;
+  return a.offset_s == b.offset_s && a.why_not == b.why_not && a.halves == b.halves &&
+         a.applied == b.applied && a.contradicts == b.contradicts && a.row_delay_s == b.row_delay_s;
 }
 
 inline std::string difference(const SyncReport& a, const SyncReport& b) {

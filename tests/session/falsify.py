@@ -119,7 +119,7 @@ KINDS = {
     "command_time": other_value("servo/command_time", 0.5),
     "command_text": other_value("servo/command_text", "nothing was sent"),
     "older_version": set_text("format_version", "1.3.0"),
-    "newer_minor": set_text("format_version", "2.1.0"),
+    "newer_minor": set_text("format_version", "2.9.0"),
     "no_sums": lambda session: session["quality"].__delitem__("attribute_crc32"),
     "fewer_sums": other_value("quality/attribute_crc32", ""),
     "altered_number": set_attribute("/", "simulated", 0),

@@ -159,6 +159,27 @@ class Format1File {
   EditedFile file_;
 };
 
+/// What a file of format 1 can hold of a session.
+inline Session format_1_session(Session session) {
+  RigProfile& profile = session.raw.header.profile;
+  profile = tests::format_1_profile(profile);
+  GyroErrors& gyro = session.sync.gyro;
+  const GyroErrors standard;
+  gyro.scale_by_turns = standard.scale_by_turns;
+  gyro.scale_why_not = standard.scale_why_not;
+  gyro.filter_delay_s = standard.filter_delay_s;
+  gyro.filter_source = standard.filter_source;
+  gyro.scale_contradicts = gyro.filter_contradicts = false;
+  gyro.bias_course.clear();
+  session.sync.camera_offset.contradicts = false;
+  session.sync.camera_offset.row_delay_s.reset();
+  for (auto& speed : session.sync.servo.speeds) {
+    speed.reached_dps = std::numeric_limits<double>::quiet_NaN();
+    speed.contradicts = false;
+  }
+  return session;
+}
+
 inline void write_format_1(const std::filesystem::path& path, const Session& session) {
   write_unchecked(path, session);
   const Format1File file(path, session);

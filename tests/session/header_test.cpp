@@ -26,7 +26,7 @@ TEST(Header, KeepsCalibrationsAndWhatBoundsRestOn) {
 
 TEST(Header, OfTheTimeBeforeSessionFormat2IsRead) {
   RecordingHeader header = sound_header();
-  header.profile = tests::unusual_profile();
+  header.profile = tests::format_1_profile(tests::unusual_profile());
   const std::string text = tests::format_1_header(header);
   EXPECT_EQ(tests::difference(header_from_json_text(text, "test").profile, header.profile), "");
 }

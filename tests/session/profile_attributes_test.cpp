@@ -64,7 +64,7 @@ TEST_F(SessionProfile, StandsInOnePlace) {
 }
 
 TEST_F(SessionProfile, OfFormat1ComesBackWithEveryField) {
-  const Session session = session_with(tests::unusual_profile());
+  const Session session = format_1_session(session_with(tests::unusual_profile()));
   write_format_1(path(), session);
   EXPECT_EQ(difference(session, read_session(path())), "");
   EXPECT_EQ(tests::difference(read_session(path()).raw.header.profile, session.raw.header.profile), "");
@@ -72,7 +72,7 @@ TEST_F(SessionProfile, OfFormat1ComesBackWithEveryField) {
 }
 
 TEST_F(SessionProfile, OfFormat1IsMovedWhenTheSessionIsReplaced) {
-  const Session session = session_with(tests::unusual_profile());
+  const Session session = format_1_session(session_with(tests::unusual_profile()));
   write_format_1(path("old.h5"), session);
   EXPECT_THAT(attributes_of(path("old.h5")), Contains("/gyro@scale"));
   write_session(path("new.h5"), session);

@@ -11,7 +11,11 @@ Session clean_session(std::size_t frames) {
   Session session = synthetic_session(frames);
   session.counters[Device::gyro] = {.messages = session.gyro.size()};
   session.counters[Device::servo] = {.messages = session.servo.size()};
-  session.sync.gyro.zeroes_itself = false;
+  GyroErrors& gyro = session.sync.gyro;
+  gyro.zeroes_itself = gyro.scale_contradicts = gyro.filter_contradicts = false;
+  gyro.bias_course.clear();
+  session.sync.camera_offset.contradicts = false;
+  for (auto& speed : session.sync.servo.speeds) speed.contradicts = false;
   for (const Device device : all_devices) {
     session.sync.clock[device].epochs.clear();
     session.sync.clock[device].gaps.clear();

@@ -74,6 +74,13 @@ inline nlohmann::json format_1_servo(const ServoProfile& servo) {
           {"scale_measured_utc", servo.scale_measured_utc}};
 }
 
+/// What a file of format 1 can hold of a profile.
+inline RigProfile format_1_profile(RigProfile profile) {
+  profile.gyro.bandwidth_hz = GyroProfile().bandwidth_hz;
+  profile.gyro.filter_delay_s = GyroProfile().filter_delay_s;
+  return profile;
+}
+
 inline std::string format_1_header(const RecordingHeader& header) {
   nlohmann::json object = nlohmann::json::parse(recording_header::header_to_json_text(header));
   object["profile"] = {{"name", header.profile.name},
