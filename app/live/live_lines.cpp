@@ -67,7 +67,9 @@ class LiveJson : public MessageSink {
  public:
   explicit LiveJson(OutputWriter& output) : output_(output) {}
 
-  bool wants(web::Topic topic) const override { return topic != web::Topic::image; }
+  bool wants(web::Topic topic) const override {
+    return topic != web::Topic::image && topic != web::Topic::surroundings;
+  }
   void take(web::Topic topic, const std::string& message) override {
     if (topic == web::Topic::ended)
       output_.write_last(message + "\n");

@@ -112,17 +112,21 @@ std::int16_t pixel_hundredths(float temp_c) {
   return static_cast<std::int16_t>(std::clamp(std::round(100.0 * double{temp_c}), -limit, limit));
 }
 
-/// Little-endian, rows from the top, the scene's left on the left.
+/// Little-endian.
+void append(std::vector<std::uint8_t>& bytes, float temp_c) {
+  const auto value = static_cast<std::uint16_t>(pixel_hundredths(temp_c));
+  bytes.push_back(static_cast<std::uint8_t>(value & 0xFFU));
+  bytes.push_back(static_cast<std::uint8_t>(value >> 8U));
+}
+
+/// Rows from the top, the scene's left on the left.
 std::vector<std::uint8_t> image_bytes(const ThermalFrame& frame, bool mirrored) {
   std::vector<std::uint8_t> bytes;
   bytes.reserve(2 * frame_pixels);
   for (std::size_t row = 0; row < frame_rows; ++row)
     for (std::size_t column = 0; column < frame_columns; ++column) {
       const std::size_t from = mirrored ? frame_columns - 1 - column : column;
-      const auto value =
-          static_cast<std::uint16_t>(pixel_hundredths(frame.temp_c[row * frame_columns + from]));
-      bytes.push_back(static_cast<std::uint8_t>(value & 0xFFU));
-      bytes.push_back(static_cast<std::uint8_t>(value >> 8U));
+      append(bytes, frame.temp_c[row * frame_columns + from]);
     }
   return bytes;
 }
@@ -230,6 +234,19 @@ nlohmann::json image_message(const LiveFrame& frame, HostTime begin, bool mirror
           {"index", frame.row.frame_index},
           {"time_s", seconds(frame.row.time, begin)},
           {"pixels", base64(image_bytes(frame.frame.frame, mirrored))}};
+}
+
+nlohmann::json surroundings_message(const estimators::Surroundings& surroundings, std::string_view estimator,
+                                    double time_s, double view_deg) {
+  std::vector<std::uint8_t> bytes;
+  bytes.reserve(2 * surroundings.image_c.size());
+  for (const float temp_c : surroundings.image_c) append(bytes, temp_c);
+  return {{"event", "surroundings"},
+          {"estimator", estimator},
+          {"time_s", time_s},
+          {"view_deg", number_json(view_deg)},
+          {"columns", surroundings.image_c.size() / frame_rows},
+          {"pixels", base64(bytes)}};
 }
 
 nlohmann::json event_message(const RecordingEvent& event, HostTime begin) {

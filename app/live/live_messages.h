@@ -6,10 +6,12 @@
 #include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "thermorig/core/estimate_row.h"
 #include "thermorig/core/sample.h"
+#include "thermorig/estimators/estimator.h"
 #include "thermorig/estimators/live/scores.h"
 #include "thermorig/rig/recording/recording.h"
 
@@ -58,6 +60,9 @@ nlohmann::json hello_message(const LiveFacts& facts);
 nlohmann::json state_message(const rig::RecordingProgress& progress, const LiveFacts& facts,
                              std::optional<std::uint64_t> disk_free_bytes);
 nlohmann::json frame_message(const LiveFrame& frame, HostTime begin);
+/// `estimator`: whose they are. `view_deg`: of the camera, across its columns.
+nlohmann::json surroundings_message(const estimators::Surroundings& surroundings, std::string_view estimator,
+                                    double time_s, double view_deg);
 nlohmann::json image_message(const LiveFrame& frame, HostTime begin, bool mirrored);
 nlohmann::json event_message(const RecordingEvent& event, HostTime begin);
 nlohmann::json ended_message(const LiveEnd& end);

@@ -19,6 +19,7 @@ namespace {
 
 constexpr std::uint64_t scene_frame = 16;  // the camera has settled a little
 constexpr double scene_deviations = 4.0;
+constexpr HostDuration surroundings_period = std::chrono::seconds(1);
 
 std::optional<std::uint64_t> free_bytes(const std::filesystem::path& folder) {
   std::error_code unknown;
@@ -72,10 +73,25 @@ EstimateRow LiveRun::add(const Measurement& measurement, HostTime arrived) {
   if (wanted(web::Topic::frame)) publish(web::Topic::frame, frame_message(seen, begin_));
   if (wanted(web::Topic::image))
     publish(web::Topic::image, image_message(seen, begin_, facts_.header.profile.camera.mirrored));
+  publish_surroundings();
   for (LiveScreen* screen : screens_) screen->frame(seen);
   if (++frames_ == scene_frame) warn_of_scene(measurement.frame.frame);
   warn_of_gate(scores);
   return row;
+}
+
+/// Those of the first estimator that has any. They change slowly.
+void LiveRun::publish_surroundings() {
+  if (!wanted(web::Topic::surroundings)) return;
+  if (surroundings_shown_ && now_ - *surroundings_shown_ < surroundings_period) return;
+  surroundings_shown_ = now_;
+  for (std::size_t place = 0; place < columns_.size(); ++place)
+    if (const auto seen = estimates_.surroundings(place)) {
+      const double view_deg = facts_.header.profile.camera.field_of_view_deg;
+      const double time_s = to_s(now_ - begin_);
+      return publish(web::Topic::surroundings,
+                     surroundings_message(*seen, columns_[place].name, time_s, view_deg));
+    }
 }
 
 void LiveRun::warn_of_scene(const ThermalFrame& frame) {

@@ -59,6 +59,7 @@ class LiveRun {
  private:
   bool wanted(web::Topic topic) const;
   void publish(web::Topic topic, const nlohmann::json& message);
+  void publish_surroundings();
   void warn_of_scene(const ThermalFrame& frame);
   void warn_of_gate(const live::LiveScores& scores);
 
@@ -73,6 +74,7 @@ class LiveRun {
   HostTime begin_{};
   HostTime now_{};
   std::uint64_t frames_ = 0;
+  std::optional<HostTime> surroundings_shown_;
   bool gate_told_ = false;
 };
 

@@ -88,4 +88,8 @@ std::span<const RateEstimate> Bank::add(const Measurement& measurement) {
   return parts.estimates;
 }
 
+std::optional<Surroundings> Bank::surroundings(std::size_t place) const {
+  return parts_->estimators[place]->surroundings();
+}
+
 }  // namespace thermorig::estimators

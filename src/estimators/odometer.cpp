@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cmath>
+#include <utility>
 
 #include "entries.h"
 #include "window_rates.h"
@@ -62,6 +63,12 @@ class OdometerEstimator : public Estimator {
     estimate.values = {static_cast<float>(report.bias_dps), static_cast<float>(report.scale),
                        static_cast<float>(report.latency_s), static_cast<float>(report.mean_nis)};
     return estimate;
+  }
+
+  std::optional<Surroundings> surroundings() const override {
+    std::vector<float> image_c = odometer_.map_image_c();
+    if (image_c.empty()) return std::nullopt;
+    return Surroundings{std::move(image_c)};
   }
 
  private:

@@ -45,6 +45,7 @@ TEST(LiveJson, TellsHowManyFramesItDroppedForAReaderThatStopped) {
   OutputWriter output(options);
   const auto sink = make_live_json(output);
   EXPECT_FALSE(sink->wants(web::Topic::image));
+  EXPECT_FALSE(sink->wants(web::Topic::surroundings));
   const std::string filling(200, 'x');
   const auto send = [&](web::Topic topic, const std::string& event) {
     sink->take(topic, json{{"event", event}, {"filling", filling}}.dump());

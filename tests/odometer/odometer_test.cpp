@@ -77,6 +77,44 @@ TEST(Odometer, StartsAtRest) {
   EXPECT_NEAR(reports.back().bias_dps, room.bias_dps, 0.05);
 }
 
+/// Root mean square of a frame against the map around an azimuth, in K.
+double misfit_k(const ThermalFrame& frame, const std::vector<float>& map_c, double azimuth_deg) {
+  const std::size_t columns = map_c.size() / frame_rows;
+  double sum = 0.0;
+  for (std::size_t column = 0; column < frame_columns; ++column) {
+    const double turns = (azimuth_deg + (15.5 - static_cast<double>(column)) * 55.0 / 32.0) / 360.0;
+    const auto place = static_cast<std::size_t>((turns - std::floor(turns)) * static_cast<double>(columns));
+    for (std::size_t row = 0; row < frame_rows; ++row) {
+      const double off_k =
+          double{frame.temp_c[row * frame_columns + column]} - double{map_c[row * columns + place]};
+      sum += off_k * off_k;
+    }
+  }
+  return std::sqrt(sum / static_cast<double>(frame_pixels));
+}
+
+TEST(Odometer, ItsMapIsAnImageOfTheRoomWithHolesWhereItNeverLooked) {
+  Room room = turning_room(50.0);
+  room.noise_k = 0.1;
+  room.angle_deg = [turning = to_and_fro(50.0, 40.0)](double time_s) {
+    return turning(std::min(time_s, 47.0));  // it rests at the end: the newest frame is sharp
+  };
+  Odometer odometer(data_sheet_gyro(), CameraProfile());
+  EXPECT_TRUE(odometer.map_image_c().empty());
+  Report last;
+  const auto all = seen_in(room);
+  for (const Seen& seen : all) last = odometer.add(seen.frame, seen.gyro);
+  const std::vector<float> map_c = odometer.map_image_c();
+  const ThermalFrame& newest = all.back().frame.frame;
+  EXPECT_LT(misfit_k(newest, map_c, last.heading_deg), 0.3);
+  EXPECT_GT(misfit_k(newest, map_c, last.heading_deg + 20.0), 0.6);
+  const std::size_t columns = map_c.size() / frame_rows;
+  EXPECT_TRUE(std::isnan(map_c[columns / 2])) << "behind it";
+  const auto holes = std::count_if(map_c.begin(), map_c.end(), [](float one) { return std::isnan(one); });
+  EXPECT_NEAR(static_cast<double>(holes) / static_cast<double>(map_c.size()), (360.0 - 100.0 - 55.0) / 360.0,
+              0.05);
+}
+
 TEST(Odometer, SaysThatTheGyroIsFrozenAndFindsTheHeadingAgainInTheMap) {
   const Room room = turning_room();
   auto all = seen_in(room);

@@ -6,7 +6,7 @@ import { join } from 'node:path';
 import { after, afterEach, before, beforeEach, describe, test } from 'node:test';
 import { filesFolder, imagePixels, launch, openTab, screenshot, stripData, textOf, until, untilOnItsClock } from './browser.mjs';
 import { FakeServer, token } from './fake_server.mjs';
-import { estimators, event, frame, hello, image, period, span, state } from './synthetic_run.mjs';
+import { estimators, event, frame, hello, image, period, span, state, surroundings } from './synthetic_run.mjs';
 
 const strips = ['rate', 'error', 'angle', 'gain'];
 const five = estimators(5).map(({ name }) => name);
@@ -97,6 +97,55 @@ describe('what is shown', () => {
     assert.match(await textOf(tab, '#counted'), /260 frames counted, 39 excluded \(hatched\)/);
     assert.match(await textOf(tab, '#which'), /the newest frame/);
     assert.match(await textOf(tab, '#inference'), /61\.3 µs/);
+  });
+
+  test('the surroundings stand as the camera sees them, with its view and the dial at the heading', async () => {
+    const { tab } = await page([hello(), ...span(0, 20)]);
+    await shown(tab, 19);
+    assert.equal(await hidden(tab, 'surroundings'), true, 'none are known yet');
+    server.send(surroundings(20), ...span(20, 41));
+    await shown(tab, 40);
+    const seen = await tab.evaluate(() => {
+      const canvas = document.getElementById('around');
+      const { data } = canvas.getContext('2d').getImageData(0, 12, canvas.width, 1);
+      const columns = Array.from({ length: canvas.width }, (_, x) => [data[4 * x] + data[4 * x + 1] + data[4 * x + 2], data[4 * x + 3]]);
+      return { width: canvas.width, alphas: columns.map(([, alpha]) => alpha), warm: columns.flatMap(([light], x) => (light === Math.max(...columns.map(([other]) => other)) ? [x] : [])),
+        view: [...document.querySelectorAll('#surroundings .view')].map((box) => [parseFloat(box.style.left), parseFloat(box.style.width)]),
+        heading: document.getElementById('heading-hand').getAttribute('transform'), servo: document.getElementById('servo-hand').getAttribute('transform') };
+    });
+    assert.equal(seen.width, 420);
+    const middle = (seen.warm[0] + seen.warm.at(-1) + 1) / 2;
+    assert.ok(Math.abs((0.5 - middle / 420) * 360 - 30) < 2, `warm at 30 degrees, left of the middle: ${seen.warm}`);
+    assert.equal(seen.alphas[Math.floor(420 * 0.875)], 0, '225 degrees were never seen');
+    assert.equal(seen.alphas[210], 255);
+    const { estimates, scores } = frame(40);
+    const heading = estimates['gyro-kalman'].angle_deg;
+    const width = 55 / 360;
+    const left = 0.5 - heading / 360 - width / 2;
+    assert.ok(Math.abs(seen.view[0][0] - 100 * left) < 0.01 && Math.abs(seen.view[0][1] - 100 * width) < 0.01, String(seen.view));
+    assert.equal(seen.heading, `rotate(${(-heading).toFixed(2)})`);
+    assert.equal(seen.servo, `rotate(${(-(heading - scores.estimators['gyro-kalman'].angle_error_deg)).toFixed(2)})`);
+    assert.match(await textOf(tab, '#heading'), /^gyro-kalman: heading \+60\.0° ± /);
+    await screenshot(tab, 'surroundings');
+  });
+
+  test('a view over the end of the surroundings goes on at the other end', async () => {
+    const { tab } = await page([hello(), ...span(0, 120), surroundings(120)]);  // frame 119: 178.5 degrees
+    await until(async () => !(await hidden(tab, 'surroundings')), 'the surroundings are shown');
+    await until(() => tab.evaluate(() => document.querySelector('#surroundings .view').style.left !== ''), 'they are drawn');
+    const lefts = await tab.evaluate(() => [...document.querySelectorAll('#surroundings .view')].map((box) => parseFloat(box.style.left)));
+    assert.ok(lefts[0] < 0 && Math.abs(lefts[1] - lefts[0] - 100) < 0.01, String(lefts));
+  });
+
+  test('surroundings that are none are not shown', async () => {
+    const wrong = [{ columns: 419 }, { columns: '420' }, { columns: -1 }, { columns: 1e9 }, { pixels: null }, { pixels: '!' }, { view_deg: null }, { view_deg: -3 },
+      { estimator: 'nobody' }, { estimator: { name: 'gyro' } }, { estimator: '__proto__' }];
+    const { tab } = await page([hello(), ...span(0, 20), ...wrong.map((changes) => surroundings(20, changes)), ...span(20, 24)]);
+    await shown(tab, 23);
+    assert.equal(await hidden(tab, 'surroundings'), true);
+    server.send(surroundings(24), hello({ run: 'fedcba9876543210' }), ...span(0, 4));
+    await shown(tab, 3);
+    assert.equal(await hidden(tab, 'surroundings'), true, 'another run has seen nothing yet');
   });
 
   test('the band and the title say what runs', async () => {
@@ -858,7 +907,7 @@ describe('whatever comes', () => {
   test('null in each field, no fields, wrong types and unknown events break nothing', async () => {
     const { tab } = await page([hello()]);
     const ended = { event: 'ended', exit: 0, message: '', advice: '', session: '' };
-    for (const message of [hello(), state(1), frame(0), image(0), event(0), { event: 'dropped', frames: 1 }, ended]) {
+    for (const message of [hello(), state(1), frame(0), image(0), surroundings(0), event(0), { event: 'dropped', frames: 1 }, ended]) {
       server.send(nothing(message), { event: message.event });
       for (const wrong of ['x', -1, 1e300, true, [], {}, [null], { a: null }]) {
         server.send(Object.fromEntries(Object.keys(message).map((key) => [key, key === 'event' ? message.event : wrong])));

@@ -87,6 +87,20 @@ export function image(index, { offset = 0, ...changes } = {}) {
   return { event: 'image', index, time_s: index * period, pixels: pixels.toString('base64'), ...changes };
 }
 
+/** Of which half a turn was seen: warm at azimuth `warm`, deg. */
+export function surroundings(index, { warm = 30, ...changes } = {}) {
+  const columns = 420;
+  const pixels = Buffer.alloc(24 * columns * 2);
+  for (let row = 0; row < 24; ++row) {
+    for (let column = 0; column < columns; ++column) {
+      const azimuth = ((column + 0.5) / columns) * 360;
+      const off = ((azimuth - warm + 540) % 360) - 180;
+      pixels.writeInt16LE(azimuth > 180 && azimuth < 270 ? -32768 : Math.round(100 * (9 + row * 0.12 + 20 * Math.exp(-((off / 12) ** 2)))), (row * columns + column) * 2);
+    }
+  }
+  return { event: 'surroundings', estimator: 'gyro-kalman', time_s: index * period, view_deg: 55, columns, pixels: pixels.toString('base64'), ...changes };
+}
+
 export function event(index, changes = {}) {
   return { event: 'event', time_s: index * period, kind: 'leg_start', source: 'servo', message: `leg ${legOf(index) + 1} at ${rateOf(legOf(index))} deg/s`, ...changes };
 }

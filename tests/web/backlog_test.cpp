@@ -34,13 +34,14 @@ TEST(Backlog, TellsAPageThatOpensTheRunSoFarInOrder) {
   backlog.keep(message(Topic::ended, "ended"));
   for (int number : {1, 2}) {
     backlog.keep(message(Topic::image, fmt::format("image {}", number)));
+    backlog.keep(message(Topic::surroundings, fmt::format("surroundings {}", number)));
     backlog.keep(message(Topic::state, fmt::format("state {}", number)));
     backlog.keep(message(Topic::frame, fmt::format("frame {}", number)));
     backlog.keep(message(Topic::event, fmt::format("event {}", number)));
     backlog.keep(message(Topic::hello, fmt::format("hello {}", number)));
   }
   EXPECT_THAT(texts(backlog), ElementsAre("hello 2", "event 1", "event 2", "frame 1", "frame 2", "state 2",
-                                          "image 2", "ended"));
+                                          "image 2", "surroundings 2", "ended"));
 }
 
 TEST(Backlog, KeepsTheLastFramesAndEvents) {

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <optional>
 #include <span>
+#include <vector>
 
 #include "thermorig/core/rate_estimate.h"
 #include "thermorig/core/sample.h"
@@ -22,6 +23,14 @@ struct Observation {
   bool is_told_to_move = false;         // by what the servo says of itself; blank: false
 };
 
+/// What an estimator has seen all around the servo's axis.
+struct Surroundings {
+  // Of frame_rows rows from the top, in degrees Celsius. The columns of a row are equal parts of a whole
+  // turn: the first begins at the estimator's own angle 0, and they follow as its angle grows. NaN: never
+  // seen.
+  std::vector<float> image_c;
+};
+
 /// Follows the motion about the servo's axis, measurement by measurement: causal, deterministic, and without
 /// an allocation in add().
 class Estimator {
@@ -30,6 +39,9 @@ class Estimator {
 
   /// Nothing where it has nothing to say of this measurement, not even why.
   virtual std::optional<RateEstimate> add(const Observation& observation) = 0;
+
+  /// Nothing where it keeps no image of them, or has none yet.
+  virtual std::optional<Surroundings> surroundings() const { return std::nullopt; }
 };
 
 }  // namespace thermorig::estimators

@@ -72,6 +72,9 @@ class Bank {
   /// One estimate an entry, in their order, until the next call. Allocates nothing.
   std::span<const RateEstimate> add(const Measurement& measurement);
 
+  /// What the entry at that place has seen of the surroundings.
+  std::optional<Surroundings> surroundings(std::size_t place) const;
+
  private:
   struct Parts;
   std::unique_ptr<Parts> parts_;

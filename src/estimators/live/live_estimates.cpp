@@ -61,6 +61,10 @@ EstimateRow LiveEstimates::add(const Measurement& measurement, HostTime arrived)
   return row;
 }
 
+std::optional<estimators::Surroundings> LiveEstimates::surroundings(std::size_t place) const {
+  return parts_->bank.surroundings(place);
+}
+
 std::vector<EstimatorColumn> columns_of(const estimators::Bank& bank) {
   std::vector<EstimatorColumn> columns;
   for (const estimators::Entry* entry : bank.entries())

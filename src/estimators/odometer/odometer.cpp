@@ -156,6 +156,10 @@ Report Odometer::add(const TimedFrame& frame, std::span<const TimedGyro> gyro) {
   return parts_->add(frame, gyro);
 }
 
+std::vector<float> Odometer::map_image_c() const {
+  return parts_->front.map_image_c();
+}
+
 /// A sample at the end of its range says less the longer that lasts, and one that is missing nothing.
 void Odometer::Parts::add_gyro(const TimedGyro& sample) {
   const HostTime time = sample.stamp.time;

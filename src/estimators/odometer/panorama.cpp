@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace thermorig::odometer {
 
@@ -45,6 +46,16 @@ void Panorama::add_up() {
   add_up(temp_c_, temp_sum_);
   add_up(variance_, variance_sum_);
   add_up(seen_, seen_sum_);
+}
+
+std::vector<float> Panorama::image() const {
+  std::vector<float> pixels(map_values, std::numeric_limits<float>::quiet_NaN());
+  for (std::size_t row = 0; row < frame_rows; ++row)
+    for (std::size_t bin = 0; bin < bins; ++bin) {
+      const std::size_t from = index(bin, row % 2) + row / 2;
+      if (seen_[from] > 0.0F) pixels[row * bins + bin] = temp_c_[from];
+    }
+  return pixels;
 }
 
 /// Over the bins from the origin on; a position beyond either end counts whole turns.

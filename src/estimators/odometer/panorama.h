@@ -58,6 +58,9 @@ class Panorama {
   /// After writing, before looking.
   void add_up();
 
+  /// Its temperatures as an image: frame_rows rows from the top, each of `bins`. NaN: never seen.
+  std::vector<float> image() const;
+
  private:
   static constexpr std::size_t cell = half_rows;
   static std::size_t index(std::size_t bin, std::size_t row_class) { return (bin * 2 + row_class) * cell; }

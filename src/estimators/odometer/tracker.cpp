@@ -44,6 +44,13 @@ void Tracker::restart(const Priors& priors) {
   sigma_in_map_deg_ = 0.0;
 }
 
+std::vector<float> Tracker::map_image_c() const {
+  if (halves_ == 0) return {};
+  std::vector<float> pixels = panorama_.image();
+  for (float& one : pixels) one += reference_c_;
+  return pixels;
+}
+
 Tracker::Exposed Tracker::expose(const HalfReading& half, const GyroPath& path) {
   const double late_s = filter_.latency_s();
   Exposed exposed{path.over(half.begin_s - late_s, half.end_s - late_s), pixels_.corrected(half)};

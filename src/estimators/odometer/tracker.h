@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <vector>
+
 #include "alignment.h"
 #include "circle_search.h"
 #include "gyro_path.h"
@@ -51,6 +53,9 @@ class Tracker {
   const HeadingFilter& filter() const { return filter_; }
   double now_s() const { return now_s_; }
   bool has_begun() const { return has_begun_; }
+
+  /// The map as an image, in degrees Celsius.
+  std::vector<float> map_image_c() const;
 
   /// One standard deviation of the heading against the map that is in view.
   double sigma_in_map_deg() const { return sigma_in_map_deg_; }

@@ -33,6 +33,9 @@ void Backlog::keep(const Message& message) {
     case Topic::image:
       image_ = message;
       return;
+    case Topic::surroundings:
+      surroundings_ = message;
+      return;
     case Topic::event:
       return keep_last(events_, message, kept_events);
     case Topic::ended:
@@ -52,7 +55,7 @@ std::vector<Message> Backlog::for_new_client(std::size_t bytes_max) const {
   add(hello_);
   messages.insert(messages.end(), events_.begin() + static_cast<std::ptrdiff_t>(event), events_.end());
   messages.insert(messages.end(), frames_.begin() + static_cast<std::ptrdiff_t>(frame), frames_.end());
-  for (const Message* newest : {&state_, &image_, &ended_}) add(*newest);
+  for (const Message* newest : {&state_, &image_, &surroundings_, &ended_}) add(*newest);
   return messages;
 }
 

@@ -16,13 +16,13 @@ class Backlog {
  public:
   void keep(const Message& message);
 
-  /// hello, events, frames, the newest state and image, ended: of the frames the newest that fit, so that all
-  /// together has at most `bytes_max` (or nothing but the single ones).
+  /// hello, events, frames, the newest state, image and surroundings, ended: of the frames the newest that
+  /// fit, so that all together has at most `bytes_max` (or nothing but the single ones).
   std::vector<Message> for_new_client(std::size_t bytes_max) const;
 
  private:
   std::deque<Message> frames_, events_;
-  Message hello_, state_, image_, ended_;
+  Message hello_, state_, image_, surroundings_, ended_;
 };
 
 }  // namespace thermorig::web

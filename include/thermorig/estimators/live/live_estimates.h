@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "thermorig/core/estimate_row.h"
@@ -26,6 +27,9 @@ class LiveEstimates {
 
   /// `arrived`: of the chunk that completed the measurement.
   EstimateRow add(const Measurement& measurement, HostTime arrived);
+
+  /// What the estimator at that place of the rows has seen of the surroundings. Allocates.
+  std::optional<estimators::Surroundings> surroundings(std::size_t place) const;
 
  private:
   struct Parts;

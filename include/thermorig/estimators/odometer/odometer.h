@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <memory>
 #include <span>
+#include <vector>
 
 #include "thermorig/core/estimate.h"
 #include "thermorig/core/profile.h"
@@ -51,6 +52,10 @@ class Odometer {
 
   /// `gyro`: since the frame before, up to the end of this frame's exposure.
   Report add(const TimedFrame& frame, std::span<const TimedGyro> gyro);
+
+  /// The map as it is, as an image in degrees Celsius: frame_rows rows from the top. Its columns are equal
+  /// parts of a whole turn, begin at azimuth 0 and grow as angles do. NaN: never seen. Empty: no map yet.
+  std::vector<float> map_image_c() const;
 
  private:
   struct Parts;

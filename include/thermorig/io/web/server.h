@@ -12,12 +12,13 @@ namespace thermorig::web {
 
 /// What a message is about, which says what new and slow clients get of it.
 enum class Topic : std::uint8_t {
-  hello,  // what runs: the newest is kept, and is the first that a client gets
-  state,  // sweep, health, disk: only the newest matters
-  frame,  // numbers of one frame: the last 512 are kept, and sent to a new client
-  image,  // pixels of one frame: only the newest matters
-  event,  // something happened: the last 50 are kept
-  ended,  // the run is over: kept
+  hello,         // what runs: the newest is kept, and is the first that a client gets
+  state,         // sweep, health, disk: only the newest matters
+  frame,         // numbers of one frame: the last 512 are kept, and sent to a new client
+  image,         // pixels of one frame: only the newest matters
+  surroundings,  // pixels all around the shaft: only the newest matters
+  event,         // something happened: the last 50 are kept
+  ended,         // the run is over: kept
 };
 
 enum class OrderKind : std::uint8_t { stop, mark, start };

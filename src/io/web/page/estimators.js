@@ -44,9 +44,9 @@ function sigma(value) {
   return known === null || known < 0 ? null : known;
 }
 
-export const noEstimate = Object.freeze({ rate: null, rateSigma: null, error: null, angle: null, angleSigma: null, state: 'absent', reason: '', values: [] });
+export const noEstimate = Object.freeze({ rate: null, rateSigma: null, error: null, heading: null, angle: null, angleSigma: null, state: 'absent', reason: '', values: [] });
 
-/** What a frame's message says of one estimator, as numbers and nulls. `error` and `angle` are differences from the servo. */
+/** What a frame's message says of one estimator, as numbers and nulls. `error` and `angle` are differences from the servo, `heading` is its own angle. */
 export function estimateOf(message, estimator) {
   const told = fields(fields(message.estimates)[estimator.name]);
   const rate = number(told.rate_dps);
@@ -56,6 +56,7 @@ export function estimateOf(message, estimator) {
     rate,
     rateSigma: sigma(told.rate_sigma_dps),
     error: rate === null || commanded === null ? null : rate - commanded,
+    heading: number(told.angle_deg),
     angle: number(scoresOf(message, estimator).angle_error_deg),
     angleSigma: sigma(told.angle_sigma_deg),
     state: plain(told.state, 30) || 'absent',

@@ -10,6 +10,7 @@ import { Health } from './health.js';
 import { History } from './history.js';
 import { Keys } from './keys.js';
 import { Strips } from './strips.js';
+import { Surroundings } from './surroundings.js';
 import { Sweep } from './sweep.js';
 import { ThermalImage } from './thermal_image.js';
 import { byId, count, fields, fixed, number, plain, say } from './text.js';
@@ -26,6 +27,7 @@ const history = new History();
 const band = new Band();
 const warnings = new Warnings();
 const image = new ThermalImage();
+const surroundings = new Surroundings();
 const table = new EstimatorTable(() => strips.showLines(), (estimator) => strips.highlight(estimator));
 const histogram = new GainHistogram();
 const strips = new Strips(history, (row, angles, pointed) =>
@@ -41,6 +43,7 @@ let refused = false;     // the program does not take our token: nothing will co
 let closing = false;     // done, but the file is still written
 let now = null;          // newest time_s
 let frame = null;        // newest frame's message, not yet shown
+let newest = null;       // the newest frame's message
 let lastHeard = Date.now();
 let lastFrame = null;    // its time of day
 let dropped = { frames: 0, events: 0 };
@@ -57,6 +60,7 @@ function redraw() {
     drawn = Date.now();
     const begun = performance.now();
     image.draw();
+    surroundings.draw(newest, image.table, image.range);
     strips.draw(now);
     if (frame !== null) showScores(frame);
     frame = null;
@@ -76,9 +80,10 @@ function clear() {
   history.clear(estimators);
   strips.clear();
   image.clear();
+  surroundings.clear();
   events.clear();
   warnings.clear();
-  frame = null;
+  frame = newest = null;
   now = null;
   dropped = { frames: 0, events: 0 };
   ended = false;
@@ -145,7 +150,7 @@ const takers = {
   frame(message) {
     if (!history.add(message)) return;
     now = Math.max(now ?? 0, history.last.time);
-    frame = message;
+    frame = newest = message;
     lastFrame = new Date();
     image.freshness(message.fresh);
     const scores = fields(message.scores);
@@ -154,6 +159,9 @@ const takers = {
   },
   image(message) {
     image.take(message);
+  },
+  surroundings(message) {
+    surroundings.take(message, estimators);
   },
   event(message) {
     events.add(message);

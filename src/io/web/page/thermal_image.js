@@ -1,32 +1,12 @@
 // SPDX-License-Identifier: MIT
 import { paletteNames, paletteTable } from './palette.js';
 import { AutoRange } from './range.js';
+import { decodeImage, drawImage } from './temperatures.js';
 import { byId, fixed, number, plain, say } from './text.js';
 
 const width = 32;
 const height = 24;
 const describedEvery = 10_000;  // ms between texts for those who do not see the image
-
-const noValue = -32768;
-
-/** 768 temperatures in degC, NaN where there is none; null for what is not such an image. */
-function decode(base64) {
-  if (typeof base64 !== 'string') return null;
-  let raw;
-  try {
-    raw = atob(base64);
-  } catch {
-    return null;
-  }
-  if (raw.length !== width * height * 2) return null;
-  const temperatures = new Float32Array(width * height);
-  for (let i = 0; i < temperatures.length; ++i) {
-    const bits = raw.charCodeAt(2 * i) | (raw.charCodeAt(2 * i + 1) << 8);
-    const hundredths = (bits << 16) >> 16;
-    temperatures[i] = hundredths === noValue ? NaN : hundredths / 100;
-  }
-  return temperatures;
-}
 
 const freshTexts = { both: 'both halves fresh', half: 'half fresh', repeated: '▲ repeated' };
 
@@ -61,7 +41,7 @@ export class ThermalImage {
   }
 
   take(message) {
-    const temperatures = decode(message.pixels);
+    const temperatures = decodeImage(message.pixels, width * height);
     if (temperatures === null) return;
     const known = temperatures.filter(Number.isFinite);
     if (known.length === 0) {
@@ -128,16 +108,7 @@ export class ThermalImage {
     say(byId('hot'), high === null ? '–' : `${fixed(high, 1)} °C`);
     say(byId('range'), locked ? '■ range locked' : 'auto range');
     if (this.temperatures === null) return;
-    const context = this.canvas.getContext('2d');
-    const pixels = context.createImageData(width, height);
-    const scale = 255 / (high - low);
-    this.temperatures.forEach((value, i) => {
-      if (Number.isNaN(value)) return;  // transparent
-      const step = Math.min(255, Math.max(0, Math.round((value - low) * scale)));
-      pixels.data.set(this.table.subarray(step * 3, step * 3 + 3), i * 4);
-      pixels.data[i * 4 + 3] = 255;
-    });
-    context.putImageData(pixels, 0, 0);
+    drawImage(this.canvas, this.temperatures, this.table, this.range);
     this.showSpot();
     this.describe();
   }
