@@ -142,9 +142,19 @@ class LiveTui : public LiveScreen {
     if (output_.write(erasing() + text, Matter::frame)) lines_ = lines;
   }
 
-  static std::string rate_text(const std::string& name, float rate_dps, float label_dps, double rmse_dps) {
-    return fmt::format("\n{:<11} {:>7}  error {:>7}  RMSE {:>6} deg/s", name, signed_figure(rate_dps),
-                       signed_figure(rate_dps - label_dps), plain_figure(rmse_dps));
+  /// "  angle +123.4 +- 0.3 deg"; of an estimate that is not good, its state.
+  static std::string angle_text(const RateEstimate& estimate) {
+    if (estimate.state == EstimateState::absent) return "";
+    if (estimate.state != EstimateState::good) return fmt::format("  {}", thermorig::name_of(estimate.state));
+    if (!std::isfinite(estimate.angle_deg) || !std::isfinite(estimate.angle_sigma_deg)) return "";
+    return fmt::format("  angle {:+.1f} +- {:.1f} deg", estimate.angle_deg, estimate.angle_sigma_deg);
+  }
+
+  static std::string rate_text(const std::string& name, const RateEstimate& estimate, float label_dps,
+                               double rmse_dps) {
+    return fmt::format("\n{:<11} {:>7}  error {:>7}  RMSE {:>6} deg/s{}", name,
+                       signed_figure(estimate.rate_dps), signed_figure(estimate.rate_dps - label_dps),
+                       plain_figure(rmse_dps), angle_text(estimate));
   }
 
   static std::string rates_text(const LiveFrame& frame) {
@@ -153,7 +163,7 @@ class LiveTui : public LiveScreen {
     std::string text = fmt::format("servo       {:>7} deg/s", signed_figure(label_dps));
     if (!row.counted) text += "  excluded: " + why_excluded(frame);
     for (std::size_t i = 0; i < frame.estimators.size(); ++i)
-      text += rate_text(frame.estimators[i].name, row.estimates[i].rate_dps, label_dps,
+      text += rate_text(frame.estimators[i].name, row.estimates[i], label_dps,
                         frame.scores.estimators[i].rmse_dps);
     const std::optional<float> gain = live::gain_of(frame.estimators, row);
     const std::string gate =

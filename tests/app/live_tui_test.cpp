@@ -89,6 +89,17 @@ TEST_F(LiveTui, ShowsTheLegAndAllRatesWithTheirErrors) {
   EXPECT_THAT(text, Not(HasSubstr("excluded: ")));
 }
 
+TEST_F(LiveTui, SaysTheAngleOfAnEstimateAndWhetherItIsTrusted) {
+  RateEstimate& estimate = row_.estimates[0];
+  estimate = {
+      .rate_dps = 91.0F, .angle_deg = -123.44, .angle_sigma_deg = 0.26F, .state = EstimateState::good};
+  EXPECT_THAT(drawn(), HasSubstr("  angle -123.4 +- 0.3 deg\n"));
+  estimate.state = EstimateState::relocalising;
+  const std::string text = drawn();
+  EXPECT_THAT(text, HasSubstr("  relocalising\n"));
+  EXPECT_THAT(text, Not(HasSubstr("  angle")));
+}
+
 TEST_F(LiveTui, SaysWhatIsWaitedForAndForHowLong) {
   progress_.awaited[Device::servo] = rig::AwaitedDevice{.why = "unplugged", .waited_s = 48.0, .left_s = 12.0};
   EXPECT_THAT(drawn(), HasSubstr(", waiting for the servo (12.0 s left)"));
