@@ -115,6 +115,23 @@ TEST(Odometer, ItsMapIsAnImageOfTheRoomWithHolesWhereItNeverLooked) {
               0.05);
 }
 
+/// As a damaged file may have them: its times are within 31 years, in any order.
+TEST(Odometer, BearsTimesThatJumpByYearsAndExposuresThatLastAsLong) {
+  auto all = seen_in(turning_room(50.0));
+  const auto years = std::chrono::hours(24 * 365 * 30);
+  for (std::size_t i = at(30.0); i < all.size(); ++i) {
+    TimedFrame& frame = all[i].frame;
+    if (i % 16 == 3) frame.half[0].end += years;
+    if (i % 16 == 7) frame.half[1].begin -= years;
+    if (i < at(35.0)) continue;
+    for (HalfExposure& half : frame.half) half.begin += years, half.end += years;
+    frame.exposure_end += years;
+    if (i < at(40.0) || i % 3 == 0) continue;
+    for (TimedGyro& sample : all[i].gyro) sample.stamp.time += years;
+  }
+  for (const Report& report : reports_of(all)) EXPECT_FALSE(report.heading_sigma_deg < 0.0);
+}
+
 TEST(Odometer, SaysThatTheGyroIsFrozenAndFindsTheHeadingAgainInTheMap) {
   const Room room = turning_room();
   auto all = seen_in(room);

@@ -132,7 +132,8 @@ double Alignment::squares(const View& view, double azimuth_deg) const {
 }
 
 double Alignment::searched(const View& view, double azimuth_deg, double sigma_deg, int& looks) const {
-  const int reach = std::min(most_search_steps, static_cast<int>(3.0 * sigma_deg / search_step_deg));
+  // Compared before it becomes whole: after years without a sample sigma is beyond any int.
+  const auto reach = static_cast<int>(std::min(double{most_search_steps}, 3.0 * sigma_deg / search_step_deg));
   double best_deg = azimuth_deg, best = std::numeric_limits<double>::infinity();
   for (int i = -reach; i <= reach; ++i) {
     const double tried_deg = azimuth_deg + i * search_step_deg;

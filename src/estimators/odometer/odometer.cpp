@@ -22,6 +22,7 @@ namespace {
 constexpr std::uint16_t fresh_pixels = half_pixels / 50;  // 2 %, as the detector of freshness has it
 constexpr float coldest_c = -60.0F, hottest_c = 400.0F;   // beyond: not a temperature of the sensor's range
 constexpr double largest_rate_dps = 10000.0;              // beyond: not a rate
+constexpr HostDuration longest_exposure = std::chrono::seconds(4);  // of a half: at 0.5 frames a second
 constexpr HostDuration clock_begins_anew = std::chrono::seconds(1);
 
 constexpr std::size_t search_every = 4;     // halves, while the bias is searched for
@@ -68,6 +69,10 @@ Priors priors_of(const GyroProfile& gyro, const CameraProfile& camera) {
 
 Lens lens_of(const CameraProfile& camera) {
   return {camera.field_of_view_deg / static_cast<double>(frame_columns), camera.mirrored ? -1.0 : 1.0};
+}
+
+bool is_exposure(const HalfExposure& half) {
+  return half.end > half.begin && half.end - half.begin <= longest_exposure;
 }
 
 }  // namespace
@@ -201,7 +206,7 @@ Report Odometer::Parts::add(const TimedFrame& frame, std::span<const TimedGyro> 
   const std::array<bool, 2> is_fresh{frame.fresh_even > fresh_pixels, frame.fresh_odd > fresh_pixels};
   const unsigned first = frame.half[0].end <= frame.half[1].end ? 0U : 1U;
   for (const unsigned parity : {first, first ^ 1U}) {
-    if (!is_timed || !is_fresh[parity] || frame.half[parity].end <= frame.half[parity].begin) continue;
+    if (!is_timed || !is_fresh[parity] || !is_exposure(frame.half[parity])) continue;
     HalfReading half{.parity = parity,
                      .begin_s = to_s(frame.half[parity].begin - *origin),
                      .end_s = to_s(frame.half[parity].end - *origin),
