@@ -30,7 +30,8 @@ std::vector<LatestBegin> latest_begins(const RawStream& received, std::span<cons
                                        std::span<const double> device_s, std::uint32_t baud);
 
 /// The earliest proof of each message's begin: its own inequality or one of a later byte of the stream, which
-/// went over the wire after it, whichever is sharper. One a message of `spans` (in the order of the stream).
+/// went over the wire after it, whichever is sharper. Bytes may have gone as fast as shortest_wire_time_s()
+/// says. One a message of `spans` (in the order of the stream).
 /// A message that no chunk covers gets the greatest HostTime.
 std::vector<HostTime> earliest_proofs(const RawStream& received, std::span<const StreamSpan> spans,
                                       std::uint32_t baud);

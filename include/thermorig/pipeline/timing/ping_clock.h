@@ -13,7 +13,7 @@
 
 namespace thermorig::timing {
 
-/// One answered ping: bounds from both sides. Wire times are taken off already.
+/// One answered ping: bounds from both sides. Wire times are taken off already, as short as they can be.
 struct PingExchange {
   std::int64_t receive_us = 0;  // micro-controller, unwrapped: the ping's last byte was in
   HostTime not_before{};  // receive_us is not before it: host time before write(), plus the ping's wire time
