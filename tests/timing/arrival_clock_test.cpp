@@ -2,6 +2,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <random>
@@ -349,6 +350,38 @@ TEST(ArrivalClock, BoundsHoldOverALineThatIsFasterOrSlowerThanItsBaudRate) {
       EXPECT_LE(late_s, static_cast<double>(clock.times[i].earlier_s)) << baud_error;
       EXPECT_LE(-late_s, static_cast<double>(clock.times[i].later_s)) << baud_error;
     }
+  }
+}
+
+TEST(ArrivalClock, FollowsAHostsClockThatIsSlewed) {
+  const auto host_s = [](double at_s) {  // 500 ppm ahead, for two minutes in four
+    const double cycles = std::floor(at_s / 240.0);
+    return 100.0 + at_s + 500e-6 * (120.0 * cycles + std::min(at_s - 240.0 * cycles, 120.0));
+  };
+  std::mt19937_64 random(3);
+  std::exponential_distribution<double> late_s(1.0 / 0.5e-3);
+  std::vector<double> device_s;
+  std::vector<LatestBegin> latest;
+  for (int i = 0; i < 60'000; ++i) {
+    device_s.push_back(0.01 * i);
+    latest.push_back({.device_s = 0.01 * i,
+                      .latest = HostTime(from_s(host_s(0.01 * i) + late_s(random))),
+                      .wire_s = 0.001});
+  }
+  const auto clock = fit_arrivals(device_s, latest, PortProfile{}, 100.0);
+  EXPECT_GT(clock.report.bound_wander_ppm, PortProfile{}.wander_ppm);
+  for (std::size_t i = 0; i < device_s.size(); ++i) {
+    const double error_s = to_s(clock.times[i].time.time_since_epoch()) - host_s(device_s[i]);
+    ASSERT_LE(error_s, static_cast<double>(clock.times[i].earlier_s)) << device_s[i];
+    ASSERT_LE(-error_s, static_cast<double>(clock.times[i].later_s)) << device_s[i];
+    ASSERT_LE(std::abs(error_s), 4e-3) << device_s[i];
+  }
+}
+
+TEST(ArrivalClock, KeepsToTheProfilesWanderWhereThatExplainsWhatCame) {
+  for (const TestLink& link : links(true)) {
+    const RecordedStream stream = record_stream(Device::gyro, link, 31, 60.0);
+    EXPECT_EQ(fit_stream(stream).clock.report.bound_wander_ppm, stream.link.wander_ppm) << link.name;
   }
 }
 

@@ -160,8 +160,9 @@ Range closed(Range offset, double largest_constant_delay_s) {
 }
 
 struct Followed {
-  PingHull hull;
-  double checked_wander = 0.0;  // what the hull allows for; 0: not even the largest explains all events
+  PingHull likely;           // of a wander that explains all events
+  PingHull sure;             // of one that they would tell from a larger one: bounds are its
+  double sure_wander = 0.0;  // 0: not even the largest explains all events
 };
 
 /// Whether bounds are so narrow that a clock which wanders more would not fit between them.
@@ -172,15 +173,25 @@ bool tells(const PingHull& hull, double wander) {
   return widths_s.empty() || lower_quantile(widths_s, 0.5) <= 0.5 * rate_window_s * wander;
 }
 
-/// The hull of a wander twice as large as the least one of those tried that explains all events: between two
-/// pings that tell, a clock may have gone further than they show. The wider the bounds, the further.
+/// The likely wander is twice the least one of those tried that explains all events: between two pings that
+/// tell, a clock may have gone further than they show. The wider the bounds, the further.
 Followed follow(const std::vector<PingHull::Event>& events, double wander) {
-  for (; wander <= largest_wander; wander *= 2.0) {
-    if (!PingHull(events, 0.5 * wander).explains_all()) continue;
-    PingHull hull(events, wander);
-    if (tells(hull, wander)) return {std::move(hull), wander};
-  }
-  return {PingHull(events, largest_wander), 0.0};
+  while (wander <= largest_wander && !PingHull(events, 0.5 * wander).explains_all()) wander *= 2.0;
+  PingHull likely(events, std::min(wander, largest_wander));
+  if (wander > largest_wander) return {likely, likely, 0.0};
+  PingHull sure = likely;
+  while (2.0 * wander <= largest_wander && !tells(sure, wander)) sure = PingHull(events, wander *= 2.0);
+  return {std::move(likely), std::move(sure), wander};
+}
+
+/// The likely time, within the bounds that are sure.
+TimeEstimate estimate(const ClockOrigin& origin, double mcu_s, const Range& likely, const Range& sure) {
+  TimeEstimate time = origin.estimate(mcu_s, likely);
+  const TimeEstimate bounds = origin.estimate(mcu_s, sure);
+  const auto ahead_s = static_cast<float>(seconds_between(time.time, bounds.time));
+  time.earlier_s = std::max(time.earlier_s, bounds.earlier_s - ahead_s);
+  time.later_s = std::max(time.later_s, bounds.later_s + ahead_s);
+  return time;
 }
 
 void fit_epoch(const EpochData& data, std::span<const std::int64_t> mcu_us, const PortProfile& link,
@@ -193,13 +204,14 @@ void fit_epoch(const EpochData& data, std::span<const std::int64_t> mcu_us, cons
   for (const Asked& one : asked) events.push_back(one.event);
   const bool is_bounded =
       std::any_of(data.bounds.begin(), data.bounds.end(), [](const PingBound& b) { return b.two_sided; });
-  const auto [hull, checked_wander] = follow(events, std::max(wander_of(link), least_wander));
+  const auto [likely, sure, sure_wander] = follow(events, std::max(wander_of(link), least_wander));
+  const double delay_s = link.largest_constant_delay_s;
   for (std::size_t i = 0; i < asked.size(); ++i)
     if (asked[i].index != none)
-      fit.times[asked[i].index] =
-          origin.estimate(asked[i].event.mcu_s, closed(hull.offsets()[i], link.largest_constant_delay_s));
-  report.add(data.epoch, hull, origin);
-  report.add_wander(is_bounded ? checked_wander : 0.0);
+      fit.times[asked[i].index] = estimate(origin, asked[i].event.mcu_s, closed(likely.offsets()[i], delay_s),
+                                           closed(sure.offsets()[i], delay_s));
+  report.add(data.epoch, sure, origin);
+  report.add_wander(is_bounded ? sure_wander : 0.0);
 }
 
 }  // namespace
