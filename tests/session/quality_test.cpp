@@ -191,11 +191,10 @@ TEST(Verdict, IsUsableWhenAClockIsUnsureOrBeganAnew) {
 TEST(Verdict, TellsWhyAClockIsUnsureThatWanders) {
   Session session = clean_session(60);
   session.sync.clock[Device::servo].uncertainty_us = 1800;
-  session.sync.clock[Device::servo].bound_wander_ppm = 768;
+  session.sync.clock[Device::servo].wander_ppm = 384;
   EXPECT_THAT(quality_of(session).verdict_reasons,
               testing::Contains("the times of the servo are known to 1.8 ms only: its clock and the host's "
-                                "wander by up to 384 ppm within a minute (a resonator, or NTP that slews the "
-                                "host's clock)"));
+                                "wander by 384 ppm (a resonator, or NTP that slews the host's clock)"));
 }
 
 TEST(Verdict, IsUsableWhenLinksAreSlowerThanTheirProfileSays) {
@@ -248,7 +247,7 @@ TEST(Verdict, ARestForACalibrationNeedsNoValidFrame) {
 TEST(Verdict, QuotesTheLargestContradictionOfAClock) {
   Session session = clean_session(60);
   const auto contradiction = [](const std::string& by) {
-    return "bounds contradict each other by " + by + ": a host whose time stood still";
+    return "bounds contradict each other by " + by + ": one of the two clocks jumped";
   };
   session.sync.clock[Device::servo].epochs = {{host_time_ns(1), ""},
                                               {host_time_ns(2), contradiction("0.31 ms")},

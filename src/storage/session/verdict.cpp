@@ -87,11 +87,10 @@ const PortProfile& link_of(const RigProfile& profile, Device device) {
 /// What the session says of a clock that is known less well than others are.
 std::string why_uncertain(const Session& session, Device device) {
   const ClockReport& clock = session.sync.clock[device];
-  if (!(clock.bound_wander_ppm > link_of(session.raw.header.profile, device).wander_ppm)) return "";
+  if (!(clock.wander_ppm > link_of(session.raw.header.profile, device).wander_ppm)) return "";
   return fmt::format(
-      ": its clock and the host's wander by up to {:.0f} ppm within a minute (a resonator, or "
-      "NTP that slews the host's clock)",
-      0.5 * clock.bound_wander_ppm);
+      ": its clock and the host's wander by {:.0f} ppm (a resonator, or NTP that slews the host's clock)",
+      clock.wander_ppm);
 }
 
 /// Links that are slower than the profile says: the bounds have room for it.
