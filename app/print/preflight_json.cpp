@@ -48,7 +48,8 @@ nlohmann::json preflight_json(const std::optional<rig::PreflightReport>& report)
   if (facts.images)
     object["images"] = {{"even_fresh_share", facts.images->even_fresh_share},
                         {"odd_fresh_share", facts.images->odd_fresh_share},
-                        {"stale_share", facts.images->stale_share},
+                        {"repeated_share", facts.images->repeated_share},
+                        {"lost_half_share", facts.images->lost_half_share},
                         {"sensor_drift_c_per_min", facts.images->sensor_drift_c_per_min}};
   if (facts.rest)
     object["rest"] = {{"mean_dps", facts.rest->mean_dps},

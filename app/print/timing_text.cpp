@@ -60,9 +60,12 @@ double longest_gap_s(const ClockReport& clock) {
   return longest_s;
 }
 
-/// What the lower end of the bounds rests on: a proof where the device answers, a setting where it does not.
+/// What the lower end of the bounds rests on: where the device answers, a proof for every clock that wanders
+/// no more than that, if so little explains all answers; a setting where it does not.
 std::string rests_on(const ClockReport& clock) {
-  if (clock.method != "one-way") return "proof";
+  if (clock.method != "one-way" && clock.bound_wander_ppm > 0.0)
+    return fmt::format("proof < {:.3g} ppm", clock.bound_wander_ppm);
+  if (clock.method != "one-way") return "not proven";
   return fmt::format("delay < {:.2f} ms", 1e3 * clock.largest_constant_delay_s);
 }
 

@@ -1,4 +1,7 @@
 // SPDX-License-Identifier: MIT
+#include <algorithm>
+#include <optional>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -9,6 +12,7 @@
 #include "final_times.h"
 #include "joined_clock.h"
 #include "message_spans.h"
+#include "ping_exchanges.h"
 #include "thermorig/pipeline/interruptions.h"
 #include "thermorig/pipeline/labels/gyro_filter.h"
 #include "thermorig/pipeline/labels/servo_response.h"
@@ -72,9 +76,20 @@ Streams servo_piece(const Streams& streams, std::size_t begin, std::size_t end) 
   return piece;
 }
 
+/// Even the fastest byte of the servo was on its way for no longer than the shortest round trip. Where that
+/// is longer than the profile says of a link, nothing speaks for so little: one hub and one host serve all
+/// three.
+void check_constant_delay(const std::optional<double>& round_trip_s, PortProfile& link) {
+  if (round_trip_s) link.largest_constant_delay_s = std::max(link.largest_constant_delay_s, *round_trip_s);
+}
+
 PerDevice<ClockFit> fit_clocks(const RawRecording& raw, Streams& streams, const CameraRhythm& rhythm) {
-  const auto& [camera, gyro, servo] =
-      std::tie(raw.header.profile.camera, raw.header.profile.gyro, raw.header.profile.servo);
+  auto [camera, gyro, servo] =
+      std::tuple(raw.header.profile.camera, raw.header.profile.gyro, raw.header.profile.servo);
+  const auto round_trip_s = shortest_round_trip_s(
+      ping_exchanges(raw.received[Device::servo], raw.sent[Device::servo], streams, servo.link.baud));
+  check_constant_delay(round_trip_s, camera.link);
+  check_constant_delay(round_trip_s, gyro.link);
   PerDevice<ClockFit> clocks;
   const auto has_gaps = rhythm.gaps.size() == streams.frames.size();
   clocks[Device::camera] =

@@ -33,6 +33,7 @@ class Figures {
     messages_ += messages;
     for (std::size_t i = 0; i < means.size(); ++i) sums_[i] += messages * report.*means[i];
     for (std::size_t i = 0; i < largest.size(); ++i) most_[i] = std::max(most_[i], report.*largest[i]);
+    is_checked_ = is_checked_ && report.bound_wander_ppm > 0.0;
     if (messages > most_messages_) method_ = report.method;
     most_messages_ = std::max(most_messages_, messages);
   }
@@ -42,6 +43,7 @@ class Figures {
     report.method = method_;
     for (std::size_t i = 0; i < means.size(); ++i) report.*means[i] = sums_[i] / messages_;
     for (std::size_t i = 0; i < largest.size(); ++i) report.*largest[i] = most_[i];
+    if (!is_checked_) report.bound_wander_ppm = 0.0;
   }
 
  private:
@@ -50,9 +52,11 @@ class Figures {
                                                &ClockReport::wander_ppm,     &ClockReport::late_p50_us,
                                                &ClockReport::late_p95_us,    &ClockReport::uncertainty_us,
                                                &ClockReport::bound_median_us};
-  static constexpr std::array<Member, 2> largest{&ClockReport::late_max_us, &ClockReport::bound_us};
+  static constexpr std::array<Member, 3> largest{&ClockReport::late_max_us, &ClockReport::bound_us,
+                                                 &ClockReport::bound_wander_ppm};
   std::array<double, 7> sums_{};
-  std::array<double, 2> most_{};
+  std::array<double, 3> most_{};
+  bool is_checked_ = true;
   double messages_ = 0.0;
   double most_messages_ = 0.0;
   std::string method_;

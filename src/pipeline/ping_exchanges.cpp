@@ -37,6 +37,20 @@ std::vector<timing::PingExchange> ping_exchanges(const RawStream& received, cons
   return exchanges;
 }
 
+std::optional<double> shortest_round_trip_s(const std::vector<timing::PingExchange>& exchanges) {
+  std::optional<double> shortest_s;
+  for (const timing::PingExchange& exchange : exchanges) {
+    // As floating point, which no two instants overflow.
+    const double held_s =
+        1e-6 * (static_cast<double>(exchange.send_us) - static_cast<double>(exchange.receive_us));
+    const double away_s = 1e-9 * (static_cast<double>(to_ns(exchange.not_after)) -
+                                  static_cast<double>(to_ns(exchange.not_before)));
+    if (held_s < 0.0 || held_s > away_s) continue;  // no clock explains it
+    shortest_s = std::min(shortest_s.value_or(away_s - held_s), away_s - held_s);
+  }
+  return shortest_s;
+}
+
 std::vector<timing::SentStamp> sent_stamps(const RawStream& received, const std::vector<TimedServo>& servo,
                                            std::uint32_t baud) {
   const auto not_after = timing::earliest_proofs(received, spans_of(servo), baud);

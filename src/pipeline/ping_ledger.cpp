@@ -19,7 +19,7 @@ std::int64_t unwrapped_near(const TimedServo& telemetry, std::uint32_t mcu_us) {
 void PingLedger::sent(std::span<const std::uint8_t> bytes, HostTime before_write) {
   for (const wire::SentFrame& frame : wire::read_sent(bytes)) {
     if (frame.type != SERVO_PING) continue;
-    const HostDuration wire_time = from_s(timing::wire_time_s(frame.span.end, baud_));
+    const HostDuration wire_time = from_s(timing::shortest_wire_time_s(frame.span.end, baud_));
     pings_.push_back({servo_get_u32(frame.payload.data()), before_write, before_write + wire_time});
     if (pings_.size() > remembered) pings_.pop_front();
   }

@@ -101,7 +101,7 @@ void ServoDecoder::learn(const TimedPong& pong, HostTime not_after) {
 /// The bytes from its first one on were through when the newest chunk was read.
 HostTime ServoDecoder::begun_by(const StreamSpan& span) const {
   const std::uint64_t bytes = scanner_.counters().bytes_received - span.begin;
-  return newest_arrival_ - from_s(timing::wire_time_s(bytes, baud_));
+  return newest_arrival_ - from_s(timing::shortest_wire_time_s(bytes, baud_));
 }
 
 }  // namespace thermorig::pipeline

@@ -219,6 +219,50 @@ TEST(Preflight, RefusesADeviceThatHasFallenSilent) {
   EXPECT_THAT(error->what_happened(), HasSubstr("frames a second come from the camera"));
 }
 
+TEST(Preflight, LetsRepeatedFramesPassByTheirName) {
+  const TemporaryFolder folder;
+  simulation::VirtualRigConfig config = simulation::default_rig(1, "kitchen");
+  config.world.camera.repeated_frames = 0.05;
+  SimulatedBus bus(config);
+  const RecordingResult result = record_virtual(bus, checked(folder, config.profile, PreflightMode::refuse));
+  ASSERT_EQ(result.exit, ExitCode::ok) << result.message;
+  const session::Quality quality = session::quality_of(session::read_session(result.session));
+  const session::Quality::Stream& camera = quality.stream[Device::camera];
+  EXPECT_EQ(camera.lost, 0U);
+  EXPECT_GT(camera.repeated, 0U);
+}
+
+std::vector<std::string> names_of(const std::vector<PreflightViolation>& violations) {
+  std::vector<std::string> names;
+  for (const PreflightViolation& violation : violations) names.push_back(violation.name);
+  return names;
+}
+
+TEST(Preflight, WarnsOfAFewRepeatedFramesAndRefusesMany) {
+  PreflightFacts facts;
+  facts.images = PreflightImages{.even_fresh_share = 0.5, .odd_fresh_share = 0.5, .repeated_share = 0.05};
+  const PreflightReport few = judge(facts, simulation::default_profile());
+  EXPECT_TRUE(few.passed());
+  EXPECT_THAT(names_of(few.warnings), ::testing::ElementsAre("camera_repeats"));
+  facts.images->repeated_share = 0.2;
+  EXPECT_THAT(names_of(judge(facts, simulation::default_profile()).violations),
+              ::testing::ElementsAre("camera_repeats"));
+}
+
+TEST(Preflight, CallsHalvesThatABridgeMissesNeitherRepeatedNorASlowRate) {
+  for (const double share : {0.17, 0.33}) {
+    const TemporaryFolder folder;
+    simulation::VirtualRigConfig config = simulation::default_rig(1, "kitchen");
+    config.world.camera.lost_subpages = share;
+    SimulatedBus bus(config);
+    const auto error = error_of(bus, checked(folder, config.profile, PreflightMode::refuse));
+    ASSERT_TRUE(error);
+    EXPECT_THAT(error->what_happened(), HasSubstr("the camera's bridge misses them"));
+    EXPECT_THAT(error->what_happened(), ::testing::Not(HasSubstr("and 1 more")));
+    EXPECT_THAT(error->advice(), HasSubstr("lower frame rate"));
+  }
+}
+
 TEST(Preflight, JudgesABiasThatWasMeasured) {
   RigProfile profile = simulation::default_profile();
   PreflightFacts facts;

@@ -164,6 +164,13 @@ std::vector<Misconfiguration> wrong_rigs() {
          });
        },
        "preflight: camera_lost", "frames are missing", "cable", ExitCode::check_failed},
+      {"the camera's bridge misses a sixth of the chess halves",
+       [] {
+         simulation::VirtualRigConfig config = good_rig();
+         config.world.camera.lost_subpages = 0.17;
+         return rig_with(config, config.profile, [](SimulatedBus&) {});
+       },
+       "preflight: camera_halves", "bridge misses them", "lower frame rate", ExitCode::check_failed},
       {"the camera sends each frame twice",
        [] {
          return rig_with([](SimulatedBus& bus) {
@@ -175,7 +182,7 @@ std::vector<Misconfiguration> wrong_rigs() {
                });
          });
        },
-       "preflight: camera_stale", "repeat", "lower frame rate", ExitCode::check_failed},
+       "preflight: camera_repeats", "repeat", "lower frame rate", ExitCode::check_failed},
       {"one half of the camera's chess pattern stands still",
        [] {
          simulation::VirtualRigConfig config = good_rig();

@@ -122,6 +122,55 @@ TEST(FrameGaps, AreWhereACameraPaused) {
   EXPECT_EQ(late_in_all(gaps), 0U);
 }
 
+/// Every tenth frame comes as the one before once more; the next one then brings both halves.
+Scene repeating_scene() {
+  Scene scene = half_fresh_scene({}, on_time);
+  for (std::size_t i = 15; i + 1 < scene.frames.size(); i += 10) {
+    scene.frames[i].fresh_even = scene.frames[i].fresh_odd = 0;
+    scene.frames[i + 1].fresh_even = scene.frames[i + 1].fresh_odd = half;
+  }
+  return scene;
+}
+
+TEST(FrameGaps, AreNoneWhereFramesRepeat) {
+  EXPECT_EQ(missing_in_all(find_gaps(repeating_scene().frames, period_s, CameraMode::half_fresh)), 0U);
+  EXPECT_EQ(missing_in_all(live_gaps(repeating_scene(), period_s, CameraMode::half_fresh)), 0U);
+}
+
+/// Halves that the bridge misses: nothing is sent for them, and the next frame brings the same half again.
+Scene scene_without_halves(const std::vector<int>& lost) {
+  Scene scene;
+  for (int i = 0; i < 200; ++i) {
+    if (std::find(lost.begin(), lost.end(), i) != lost.end()) continue;
+    scene.frames.push_back(half_fresh_frame(i * period_s, i));
+    scene.numbers.push_back(i);
+  }
+  return scene;
+}
+
+TEST(FrameGaps, AreWhereABridgeMissedAHalf) {
+  const Scene scene = scene_without_halves({20, 40, 60, 62, 64, 66, 90});
+  const auto gaps = find_gaps(scene.frames, period_s, CameraMode::half_fresh);
+  for (std::size_t i = 1; i < gaps.size(); ++i)
+    EXPECT_EQ(gaps[i].missing, scene.numbers[i] - scene.numbers[i - 1] - 1) << scene.numbers[i];
+}
+
+TEST(LiveFrameGaps, SeeAtOnceThatABridgeMissedAHalf) {
+  const Scene scene = scene_without_halves({20, 40, 60, 62, 64, 66, 90});
+  const auto gaps = live_gaps(scene, period_s, CameraMode::half_fresh);
+  for (std::size_t i = 1; i < gaps.size(); ++i) {
+    EXPECT_EQ(gaps[i].missing, scene.numbers[i] - scene.numbers[i - 1] - 1) << scene.numbers[i];
+    EXPECT_FALSE(gaps[i].late) << scene.numbers[i];
+  }
+}
+
+TEST(FrameGaps, AreNoneWhereTheSameHalfComesTwiceOnTime) {
+  Scene scene = half_fresh_scene({}, on_time);
+  std::swap(scene.frames[50].fresh_even, scene.frames[50].fresh_odd);
+  EXPECT_EQ(missing_in_all(find_gaps(scene.frames, period_s, CameraMode::half_fresh)), 0U);
+  EXPECT_EQ(missing_in_all(live_gaps(scene, period_s, CameraMode::half_fresh)), 0U);
+}
+
 TEST(FrameGaps, AreNoneWithoutFrames) {
   EXPECT_TRUE(find_gaps({}, period_s, CameraMode::half_fresh).empty());
 }

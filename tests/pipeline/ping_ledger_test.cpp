@@ -3,12 +3,17 @@
 
 #include <gtest/gtest.h>
 
+#include "thermorig/pipeline/timing/link_timing.h"
 #include "thermorig/sensors/wire/servo_messages.h"
 
 namespace thermorig::pipeline {
 namespace {
 
-constexpr std::uint32_t baud = 250000;  // 40 us a byte
+constexpr std::uint32_t baud = 250000;
+
+double on_the_wire_s(std::size_t bytes) {
+  return timing::shortest_wire_time_s(bytes, baud);
+}
 
 HostTime at_ms(double ms) {
   return HostTime(from_s(1e-3 * ms));
@@ -38,8 +43,17 @@ TEST(PingLedger, BoundsTheServosClockFromBothSidesWithoutTheWireTimes) {
   ASSERT_TRUE(exchange);
   EXPECT_EQ(exchange->receive_us, 5'000'500);
   EXPECT_EQ(exchange->send_us, 5'001'000);
-  EXPECT_EQ(exchange->not_before, at_ms(100) + from_s(40e-6 * static_cast<double>(ping.size())));
+  EXPECT_EQ(exchange->not_before, at_ms(100) + from_s(on_the_wire_s(ping.size())));
   EXPECT_EQ(exchange->not_after, at_ms(104));
+}
+
+TEST(PingLedger, HoldsOverALineThatIsFasterThanItsBaudRate) {
+  PingLedger ledger(baud);
+  const auto ping = wire::ping_bytes(7, 3000);
+  ledger.sent(ping, at_ms(100));
+  const double through_s = timing::wire_time_s(ping.size(), baud) / 1.02;
+  EXPECT_LE(ledger.exchange(pong(7, 1, 2, 105), telemetry_at(0), at_ms(104))->not_before,
+            at_ms(100) + from_s(through_s));
 }
 
 TEST(PingLedger, ABytePortHasNoWireTime) {
@@ -55,7 +69,7 @@ TEST(PingLedger, CommandsInTheSameWriteGoOutBeforeThePing) {
   bytes.insert(bytes.end(), ping.begin(), ping.end());
   ledger.sent(bytes, at_ms(100));
   const auto exchange = ledger.exchange(pong(7, 1, 2, 105), telemetry_at(0), at_ms(104));
-  EXPECT_EQ(exchange->not_before, at_ms(100) + from_s(40e-6 * static_cast<double>(bytes.size())));
+  EXPECT_EQ(exchange->not_before, at_ms(100) + from_s(on_the_wire_s(bytes.size())));
 }
 
 TEST(PingLedger, UnwrapsAcrossTheEndOf32Bits) {

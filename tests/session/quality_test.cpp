@@ -188,6 +188,27 @@ TEST(Verdict, IsUsableWhenAClockIsUnsureOrBeganAnew) {
   EXPECT_THAT(quality.verdict_reasons, testing::Contains("the clock of the servo began anew once: a reset"));
 }
 
+TEST(Verdict, TellsWhyAClockIsUnsureThatWanders) {
+  Session session = clean_session(60);
+  session.sync.clock[Device::servo].uncertainty_us = 1800;
+  session.sync.clock[Device::servo].wander_ppm = 384;
+  EXPECT_THAT(quality_of(session).verdict_reasons,
+              testing::Contains("the times of the servo are known to 1.8 ms only: its clock and the host's "
+                                "wander by 384 ppm (a resonator, or NTP that slews the host's clock)"));
+}
+
+TEST(Verdict, IsUsableWhenLinksAreSlowerThanTheirProfileSays) {
+  Session session = clean_session(60);
+  session.sync.clock[Device::camera].largest_constant_delay_s = 0.0063;
+  session.sync.clock[Device::gyro].largest_constant_delay_s = 0.0063;
+  const Quality quality = quality_of(session);
+  EXPECT_EQ(quality.verdict, "usable");
+  EXPECT_THAT(
+      quality.verdict_reasons,
+      testing::Contains("the times of the camera and the gyro may be late by 6.3 ms, for no answer of "
+                        "the servo came sooner: is there a USB hub, or a busy port?"));
+}
+
 /// A session whose gyro reads `off_dps` too much in every frame.
 Quality quality_with_gyro_off_by(float off_dps) {
   Session session = clean_session(60);
@@ -226,7 +247,7 @@ TEST(Verdict, ARestForACalibrationNeedsNoValidFrame) {
 TEST(Verdict, QuotesTheLargestContradictionOfAClock) {
   Session session = clean_session(60);
   const auto contradiction = [](const std::string& by) {
-    return "bounds contradict each other by " + by + ": a host whose time stood still";
+    return "bounds contradict each other by " + by + ": one of the two clocks jumped";
   };
   session.sync.clock[Device::servo].epochs = {{host_time_ns(1), ""},
                                               {host_time_ns(2), contradiction("0.31 ms")},

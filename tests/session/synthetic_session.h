@@ -95,6 +95,7 @@ class SyntheticSession {
              .uncertainty_us = 120,
              .bound_us = 700,
              .bound_median_us = 300,
+             .bound_wander_ppm = 12,
              .largest_constant_delay_s = 0.002,
              .latency_s = 0.0125,
              .latency_uncertainty_s = 0.0006,

@@ -2,12 +2,14 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <random>
 
 #include "recorded_stream.h"
 #include "thermorig/pipeline/timing/arrivals.h"
+#include "thermorig/pipeline/timing/link_timing.h"
 
 namespace thermorig::timing {
 namespace {
@@ -308,9 +310,79 @@ TEST(EarliestProofs, LetALaterByteProveAnEarlierMessage) {
   const std::vector<StreamSpan> spans{{0, 10}, {10, 20}, {20, 30}};
   const auto proofs = earliest_proofs(received, spans, 10000);
   ASSERT_EQ(proofs.size(), 3U);
-  EXPECT_NEAR(to_s(proofs[0].time_since_epoch()), 1.001 - 0.020, 1e-9);
-  EXPECT_NEAR(to_s(proofs[1].time_since_epoch()), 1.001 - 0.010, 1e-9);
+  EXPECT_NEAR(to_s(proofs[0].time_since_epoch()), 1.001 - shortest_wire_time_s(20, 10000), 1e-9);
+  EXPECT_NEAR(to_s(proofs[1].time_since_epoch()), 1.001 - shortest_wire_time_s(10, 10000), 1e-9);
   EXPECT_EQ(proofs[2], HostTime::max());  // nothing of it came
+}
+
+/// Messages of 100 bytes at 10000 baud nominally, sent every 0.2 s over a line that is faster by
+/// `baud_error`.
+RawStream stream_over(double baud_error, std::vector<StreamSpan>& spans) {
+  RawStream received;
+  const std::vector<std::uint8_t> bytes(100);
+  for (std::size_t i = 0; i < 200; ++i) {
+    const double through_s = wire_time_s(bytes.size(), 10000) / (1.0 + baud_error);
+    received.append(bytes, HostTime(from_s(0.2 * static_cast<double>(i) + through_s)));
+    spans.push_back({100 * i, 100 * i + 100});
+  }
+  return received;
+}
+
+TEST(EarliestProofs, HoldOverALineThatIsFasterThanItsBaudRate) {
+  std::vector<StreamSpan> spans;
+  const RawStream received = stream_over(0.02, spans);
+  const auto proofs = earliest_proofs(received, spans, 10000);
+  for (std::size_t i = 0; i < proofs.size(); ++i)
+    EXPECT_GE(to_s(proofs[i].time_since_epoch()), 0.2 * static_cast<double>(i));
+}
+
+TEST(ArrivalClock, BoundsHoldOverALineThatIsFasterOrSlowerThanItsBaudRate) {
+  for (const double baud_error : {-0.02, 0.02}) {
+    std::vector<StreamSpan> spans;
+    const RawStream received = stream_over(baud_error, spans);
+    std::vector<double> device_s;
+    for (std::size_t i = 0; i < spans.size(); ++i) device_s.push_back(0.2 * static_cast<double>(i));
+    PortProfile link;
+    link.largest_constant_delay_s = 0.0;
+    const auto clock = fit_arrivals(device_s, latest_begins(received, spans, device_s, 10000), link, 5.0);
+    for (std::size_t i = 0; i < spans.size(); ++i) {
+      const double late_s = to_s(clock.times[i].time.time_since_epoch()) - device_s[i];
+      EXPECT_LE(late_s, static_cast<double>(clock.times[i].earlier_s)) << baud_error;
+      EXPECT_LE(-late_s, static_cast<double>(clock.times[i].later_s)) << baud_error;
+    }
+  }
+}
+
+TEST(ArrivalClock, FollowsAHostsClockThatIsSlewed) {
+  const auto host_s = [](double at_s) {  // 500 ppm ahead, for two minutes in four
+    const double cycles = std::floor(at_s / 240.0);
+    return 100.0 + at_s + 500e-6 * (120.0 * cycles + std::min(at_s - 240.0 * cycles, 120.0));
+  };
+  std::mt19937_64 random(3);
+  std::exponential_distribution<double> late_s(1.0 / 0.5e-3);
+  std::vector<double> device_s;
+  std::vector<LatestBegin> latest;
+  for (int i = 0; i < 60'000; ++i) {
+    device_s.push_back(0.01 * i);
+    latest.push_back({.device_s = 0.01 * i,
+                      .latest = HostTime(from_s(host_s(0.01 * i) + late_s(random))),
+                      .wire_s = 0.001});
+  }
+  const auto clock = fit_arrivals(device_s, latest, PortProfile{}, 100.0);
+  EXPECT_GT(clock.report.bound_wander_ppm, PortProfile{}.wander_ppm);
+  for (std::size_t i = 0; i < device_s.size(); ++i) {
+    const double error_s = to_s(clock.times[i].time.time_since_epoch()) - host_s(device_s[i]);
+    ASSERT_LE(error_s, static_cast<double>(clock.times[i].earlier_s)) << device_s[i];
+    ASSERT_LE(-error_s, static_cast<double>(clock.times[i].later_s)) << device_s[i];
+    ASSERT_LE(std::abs(error_s), 4e-3) << device_s[i];
+  }
+}
+
+TEST(ArrivalClock, KeepsToTheProfilesWanderWhereThatExplainsWhatCame) {
+  for (const TestLink& link : links(true)) {
+    const RecordedStream stream = record_stream(Device::gyro, link, 31, 60.0);
+    EXPECT_EQ(fit_stream(stream).clock.report.bound_wander_ppm, stream.link.wander_ppm) << link.name;
+  }
 }
 
 }  // namespace

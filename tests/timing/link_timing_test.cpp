@@ -29,6 +29,21 @@ TEST(WireTime, IsZeroWhereTheLinkHasNoBaudRate) {
   EXPECT_EQ(wire_time_s(1544, 0), 0.0);
 }
 
+TEST(WireTime, IsShorterWhereTheLineIsFasterThanItsBaudRate) {
+  EXPECT_LT(shortest_wire_time_s(1544, 115200), wire_time_s(1544, 115200) / 1.021);
+  EXPECT_EQ(shortest_wire_time_s(1544, 0), 0.0);
+}
+
+TEST(LinkTiming, BoundsHoldOverALineThatIsFasterOrSlowerThanItsBaudRate) {
+  for (const double baud_error : {-0.02, 0.02}) {
+    LinkTiming timing = link();
+    timing.chunk(1000, at_ms(100.0 / (1.0 + baud_error)));  // began at 0 ms
+    const Stamp stamp = timing.stamp({0, 1000});
+    EXPECT_GE(ms(stamp.time) + 1e3 * static_cast<double>(stamp.later_s), 0.0);
+    EXPECT_LE(ms(stamp.time) - 1e3 * static_cast<double>(stamp.earlier_s), 0.0);
+  }
+}
+
 TEST(LinkBudget, RefusesEightFramesASecondAt115200) {
   const LinkBudget slow = link_budget(1544, 8.0, 115200);
   EXPECT_FALSE(slow.fits());

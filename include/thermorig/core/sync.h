@@ -59,6 +59,9 @@ struct ClockReport {
   double uncertainty_us = 0.0;  // median over the messages, one standard deviation, latency's error not in it
   double bound_us = 0.0;        // widest distance of the bounds
   double bound_median_us = 0.0;
+  // The bounds hold for a clock whose rate, within any minute, stays so close to its mean over that minute.
+  // Checked: half of it explains everything that was heard. 0: not checked, or nothing explains it.
+  double bound_wander_ppm = 0.0;
   double largest_constant_delay_s = 0.0;  // setting that a one-way lower bound rests on
   double latency_s = 0.0;                 // constant that was subtracted
   double latency_uncertainty_s = 0.0;

@@ -56,7 +56,10 @@ bool ExposureRule::look(TimedFrame& frame) {
   freshness_ = {frame.fresh_even, frame.fresh_odd};
   if (looked_++ > 0) vote_.push(freshness_);
   frame.stale = is_stale(freshness_);
-  return looked_ > 1 && mode() == CameraMode::half_fresh && freshness_.both_fresh();
+  const HalvesWitness halves = order_.push(freshness_);
+  const bool may_be_missing =
+      halves == HalvesWitness::frames_missing || halves == HalvesWitness::due_half_missing;
+  return looked_ > 1 && mode() == CameraMode::half_fresh && may_be_missing;
 }
 
 void ExposureRule::expose(TimedFrame& frame) {

@@ -22,13 +22,10 @@ constexpr std::size_t confirming_frames = 4;  // late in a row, before frames ar
 constexpr double confirming_s = 0.5;          // the same of a fast camera's, at least
 constexpr auto most_missing = static_cast<double>(std::numeric_limits<std::uint16_t>::max());
 
-enum class Witness : std::uint8_t { unsure, none_missing, some_missing };
-
-/// What the halves say. A frame that repeats the one before says nothing.
-Witness halves_of(const TimedFrame& frame, CameraMode mode) {
-  const Freshness freshness{.even = frame.fresh_even, .odd = frame.fresh_odd};
-  if (mode != CameraMode::half_fresh || freshness.none_fresh()) return Witness::unsure;
-  return freshness.both_fresh() ? Witness::some_missing : Witness::none_missing;
+/// What the halves say, if they take turns at all.
+HalvesWitness halves_of(HalvesOrder& order, const TimedFrame& frame, CameraMode mode) {
+  const HalvesWitness said = order.push({.even = frame.fresh_even, .odd = frame.fresh_odd});
+  return mode == CameraMode::half_fresh ? said : HalvesWitness::unsure;
 }
 
 std::uint16_t whole_periods(double periods) {
@@ -63,16 +60,18 @@ std::vector<FrameGap> find_gaps(const std::vector<TimedFrame>& frames, double pe
   const std::vector<double> delays = delays_s(frames, period_s);
   const std::vector<double> levels = levels_s(delays);
   std::vector<FrameGap> gaps(frames.size());
+  HalvesOrder order;
   int owed = 0;  // frames that the schedule misses and that have no place yet; below 0: placed before it did
+  if (!frames.empty()) halves_of(order, frames.front(), mode);
   for (std::size_t i = 1; i < frames.size(); ++i) {
-    const Witness halves = halves_of(frames[i], mode);
+    const HalvesWitness halves = halves_of(order, frames[i], mode);
     // The last frames may only be late: nothing comes after them that would show it.
     const bool is_told = i + confirming_frames <= frames.size();
     if (is_told) owed += whole_periods((levels[i] - levels[i - 1]) / period_s);
     gaps[i].late = delays[i] - levels[i] > late_limit_periods * period_s;
     // Within what queued up the time says how many are missing, and the halves say where.
-    if (gaps[i].late && halves == Witness::none_missing) continue;
-    const int least = halves == Witness::some_missing ? 1 : 0;
+    if (gaps[i].late && halves == HalvesWitness::none_missing) continue;
+    const int least = halves == HalvesWitness::frames_missing ? 1 : 0;
     gaps[i].missing = static_cast<std::uint16_t>(std::clamp(owed, least, static_cast<int>(most_missing)));
     owed -= gaps[i].missing;
   }
@@ -107,15 +106,17 @@ void LiveFrameGaps::learn_period(HostTime time) {
   if (usual_s > 0.0) period_s_ = usual_s;
 }
 
-std::uint16_t LiveFrameGaps::missing(double late_periods, const TimedFrame& frame, CameraMode mode) {
-  const Witness halves = halves_of(frame, mode);
+std::uint16_t LiveFrameGaps::missing(double late_periods, const TimedFrame& frame, HalvesWitness halves) {
   const bool stays_late = late_periods > late_limit_periods && !catches_up(frame.stamp.time);
   late_frames_ = stays_late ? late_frames_ + 1 : 0;
   // A system that is late is so for a time, not for a number of frames.
   const auto confirming = std::max(confirming_frames, static_cast<std::size_t>(confirming_s / period_s_));
   const std::size_t patience =
-      halves == Witness::none_missing ? std::max(queue_frames, confirming) : confirming;
-  if (halves != Witness::some_missing && late_frames_ < patience) return 0;
+      halves == HalvesWitness::none_missing ? std::max(queue_frames, confirming) : confirming;
+  // The half that was due never came: only the time says whether a frame of it did.
+  const bool is_told =
+      halves == HalvesWitness::frames_missing || (halves == HalvesWitness::due_half_missing && stays_late);
+  if (!is_told && late_frames_ < patience) return 0;
   late_frames_ = 0;
   return std::max<std::uint16_t>(whole_periods(late_periods), 1);
 }
@@ -123,13 +124,14 @@ std::uint16_t LiveFrameGaps::missing(double late_periods, const TimedFrame& fram
 FrameGap LiveFrameGaps::push(const TimedFrame& frame, CameraMode mode) {
   const HostTime time = frame.stamp.time;
   FrameGap gap;
+  const HalvesWitness halves = halves_of(order_, frame, mode);
   double late_periods = 0.0;
   double gain = schedule_gain;
   if (before_) {
     learn_period(time);
     if (catches_up(time)) gain = catching_up_gain;
     late_periods = to_s(time - expected_) / period_s_;
-    gap.missing = missing(late_periods, frame, mode);
+    gap.missing = missing(late_periods, frame, halves);
     late_periods -= gap.missing;
     gap.late = late_periods > late_limit_periods;
   }

@@ -18,6 +18,10 @@ constexpr double most_missing = 1e12;
 constexpr double countable_share =
     0.125;  // of a period: drift over a gap whose messages can still be counted
 
+constexpr double stray_span_s = 10.0;          // a busy host reads something in time within it,
+constexpr std::size_t fewest_in_span = 50;     // of so many chunks
+constexpr double largest_wander_ppm = 4000.0;  // that is tried
+
 constexpr double jitter_quantile =
     0.95;                       // of the usual steps: they stray less from the median than that one does
 constexpr double strays = 2.0;  // so many times may one that lacks nothing
@@ -40,6 +44,22 @@ double longest_whole_step_s(std::span<const double> device_s, double median_s) {
   return missing_periods * median_s + strays * lower_quantile(strays_s, jitter_quantile);
 }
 
+/// Whether there is a span in which even the fastest chunk came later, by the curve, than any fastest one
+/// does.
+bool has_stray_span(std::span<const LatestBegin> latest, std::span<const double> late_s,
+                    double largest_constant_delay_s) {
+  for (std::size_t begin = 0; begin < latest.size();) {
+    std::size_t end = begin;
+    double least_s = late_s[begin];
+    for (; end < latest.size() && latest[end].device_s < latest[begin].device_s + stray_span_s; ++end)
+      least_s = std::min(least_s, late_s[end]);
+    if (end == begin) return false;  // a time that is none
+    if (end - begin >= fewest_in_span && least_s > largest_constant_delay_s) return true;
+    begin = end;
+  }
+  return false;
+}
+
 class ArrivalFit {
  public:
   ArrivalFit(std::span<const double> device_s, std::span<const LatestBegin> latest, const PortProfile& link,
@@ -52,6 +72,10 @@ class ArrivalFit {
     clock_.largest_constant_delay_s = link.largest_constant_delay_s;
     if (!latest.empty()) origin_ = latest.front().latest;
   }
+
+  /// Whether nothing came near the curve for a while: the clock, or the host's, wanders more than was allowed
+  /// for. Of run().
+  bool strays() const { return strays_; }
 
   ArrivalClock run() {
     result_.times.reserve(device_s_.size());
@@ -82,6 +106,8 @@ class ArrivalFit {
     }
     if (segment.begin == 0 || segment.new_epoch) begin_epoch(segment);
     late_s_.insert(late_s_.end(), fit.late_s.begin(), fit.late_s.end());
+    strays_ = strays_ || has_stray_span(latest_.subspan(segment.latest_begin, fit.late_s.size()), fit.late_s,
+                                        link_.largest_constant_delay_s);
     auto& knots = result_.report.knots;
     knots.insert(knots.end(), fit.knots.begin(), fit.knots.end());
   }
@@ -147,13 +173,22 @@ class ArrivalFit {
   DeviceClock clock_;
   HostTime origin_{};
   std::vector<double> late_s_;
+  bool strays_ = false;
   ArrivalClock result_;
 };
 }  // namespace
 
 ArrivalClock fit_arrivals(std::span<const double> device_s, std::span<const LatestBegin> latest,
                           const PortProfile& link, double nominal_rate_hz) {
-  return ArrivalFit(device_s, latest, link, nominal_rate_hz).run();
+  PortProfile wider = link;
+  for (;; wider.wander_ppm *= 2.0) {
+    ArrivalFit fit(device_s, latest, wider, nominal_rate_hz);
+    ArrivalClock clock = fit.run();
+    clock.report.bound_wander_ppm = fit.strays() ? 0.0 : wider.wander_ppm;
+    // Not a number, and nothing, are doubled in vain.
+    if (!fit.strays() || !(wider.wander_ppm > 0.0 && 2.0 * wider.wander_ppm <= largest_wander_ppm))
+      return clock;
+  }
 }
 
 }  // namespace thermorig::timing

@@ -19,8 +19,8 @@ std::vector<HostTime> arrivals(const RawStream& received) {
   return times;
 }
 
-HostDuration wire_time(std::uint64_t bytes, std::uint32_t baud) {
-  return from_s(wire_time_s(bytes, baud));
+HostDuration shortest_wire_time(std::uint64_t bytes, std::uint32_t baud) {
+  return from_s(shortest_wire_time_s(bytes, baud));
 }
 }  // namespace
 
@@ -57,9 +57,9 @@ std::vector<HostTime> earliest_proofs(const RawStream& received, std::span<const
   HostTime stream_begin = HostTime::max();  // latest begin of the stream's first byte, had it never paused
   for (std::size_t i = spans.size(); i-- > 0;) {
     for (; chunk > 0 && received.chunk_end[chunk - 1] > spans[i].begin; --chunk)
-      stream_begin =
-          std::min(stream_begin, arrived[chunk - 1] - wire_time(received.chunk_end[chunk - 1], baud));
-    if (stream_begin != HostTime::max()) result[i] = stream_begin + wire_time(spans[i].begin, baud);
+      stream_begin = std::min(stream_begin,
+                              arrived[chunk - 1] - shortest_wire_time(received.chunk_end[chunk - 1], baud));
+    if (stream_begin != HostTime::max()) result[i] = stream_begin + shortest_wire_time(spans[i].begin, baud);
   }
   return result;
 }

@@ -19,6 +19,10 @@ double wire_time_s(std::uint64_t bytes, std::uint32_t baud) {
   return baud == 0 ? 0.0 : bits_per_byte * static_cast<double>(bytes) / static_cast<double>(baud);
 }
 
+double shortest_wire_time_s(std::uint64_t bytes, std::uint32_t baud) {
+  return wire_time_s(bytes, baud) / (1.0 + baud_tolerance);
+}
+
 LinkBudget link_budget(std::uint64_t bytes_per_message, double rate_hz, std::uint32_t baud) {
   const double message_s = wire_time_s(bytes_per_message, baud);
   if (message_s <= 0.0) return {.load = 0.0, .max_rate_hz = std::numeric_limits<double>::infinity()};
@@ -108,11 +112,12 @@ Stamp LinkTiming::stamp(const StreamSpan& span, const StampHint& hint) {
   newest_ = std::max(newest_, placed.value_or(by_last_byte) - latency_);
   const HostTime proven = std::max(latest - latency_, newest_);
   Stamp stamp{.time = newest_, .arrival = chunk.arrived, .uncertainty_s = uncertainty_s(chunk)};
-  stamp.later_s = static_cast<float>(to_s(proven - newest_));
-  stamp.earlier_s = static_cast<float>(longest_hold_s);
+  const double baud_s = baud_tolerance * byte_s_ * static_cast<double>(chunk.end - span.begin);
+  stamp.later_s = static_cast<float>(to_s(proven - newest_) + baud_s);
+  stamp.earlier_s = static_cast<float>(longest_hold_s + baud_s);
   if (placed) {
     stamp.uncertainty_s = static_cast<float>(std::hypot(constant_delay_s_, silent_s) * uniform_deviation);
-    stamp.earlier_s = static_cast<float>(constant_delay_s_ + silent_s + clock_->drift_s());
+    stamp.earlier_s = static_cast<float>(constant_delay_s_ + silent_s + clock_->drift_s() + baud_s);
   }
   return stamp;
 }

@@ -16,14 +16,22 @@ namespace thermorig::timing {
 // micro-controller time m. What is assumed of it, and all that the bounds rest on:
 //
 //   its rate never is further than `max_rate` from nominal (an RC oscillator keeps within 2 %), and within
-//   any stretch of at most `rate_window_s` it stays within PortProfile::wander_ppm of its mean over the
-//   stretch.
+//   any stretch of at most `rate_window_s` it stays within its wander of its mean over the stretch.
 //
 // The mean itself is not assumed: bounds of d at both ends of a stretch bound it. Beyond the window the
-// allowance grows in proportion to the stretch.
+// allowance grows in proportion to the stretch. The wander is PortProfile::wander_ppm, or more where what was
+// heard needs more: a resonator that warms up, a host's clock that is slewed.
 
 inline constexpr double max_rate = 0.02;
 inline constexpr double rate_window_s = 60.0;
+
+/// The largest wander that is believed of a clock: a host's clock is slewed by 500e-6 at most (adjtimex(2)),
+/// one way and then none or the other; a ceramic resonator that warms up adds 300e-6. Beyond it a clock has
+/// jumped, or is another one.
+inline constexpr double largest_wander = 2000e-6;
+
+/// No clock is better: finitely many doublings lead up from it to the largest.
+inline constexpr double least_wander = 0.1e-6;
 
 /// Stamps are read from a timer of so many microseconds: what is stamped m happened between m and m + tick.
 inline constexpr std::int64_t stamp_tick_us = 4;

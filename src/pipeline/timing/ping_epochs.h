@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <deque>
 #include <optional>
 #include <string>
 #include <vector>
@@ -12,7 +13,9 @@
 namespace thermorig::timing {
 
 /// Follows a servo's clock from bound to bound, leaves out what no clock explains, and begins a new epoch
-/// where bounds that agree with each other agree with the clock so far no more.
+/// where bounds that agree with each other agree with the clock so far no more. A clock that wanders more
+/// than its profile says is no other clock: the wander that it is allowed grows until it explains the last
+/// minute.
 class PingEpochs {
  public:
   explicit PingEpochs(const PortProfile& link);
@@ -36,8 +39,11 @@ class PingEpochs {
     std::size_t first;
     HostTime begin;
     std::string reason;
-    int agreeing = 1;
+    std::vector<PingBound> taken;
   };
+  bool wanders_more(const PingBound& bound, PingFate fate);
+  std::optional<PingBounds> followed(const PingBound& bound, double wander) const;
+  void remember(const PingBound& bound);
   void doubt(const PingBound& bound, PingFate fate);
   void trust(const PingBound& bound);
   void begin_epoch(Rival&& rival);
@@ -48,6 +54,8 @@ class PingEpochs {
   double wander_;
   std::size_t fed_ = 0;
   std::optional<PingBounds> current_;
+  std::deque<PingBound> recent_;  // of the clock so far: the last minute
+  int failed_searches_ = 0;       // for a wander that explains a bound, in this epoch
   std::optional<Rival> rival_;
   int impossible_ = 0;  // in a row
   bool doubted_ = false;

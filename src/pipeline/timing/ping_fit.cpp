@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: MIT
 #include <algorithm>
+#include <cmath>
 #include <limits>
+#include <unordered_map>
 #include <utility>
 
 #include "ping_epochs.h"
 #include "ping_hull.h"
 #include "ping_report.h"
+#include "thermorig/core/statistics.h"
 
 namespace thermorig::timing {
 namespace {
@@ -91,6 +94,7 @@ struct Asked {
   PingHull::Event event;
   std::size_t index;  // of mcu_us, or `none`
 };
+constexpr double longest_late_s = 2.0;  // a message waits in a port's buffer: then that is full
 constexpr std::size_t none = std::numeric_limits<std::size_t>::max();
 
 std::vector<Asked> events_of(const EpochData& data, std::span<const std::int64_t> mcu_us,
@@ -108,11 +112,86 @@ std::vector<Asked> events_of(const EpochData& data, std::span<const std::int64_t
   return events;
 }
 
+/// Times of one epoch that may belong to the next: nothing but telemetry came between the last answer that
+/// the clock before explains and the first message that it does not, and the clock jumped somewhere there.
+struct Doubtful {
+  std::size_t index = 0;  // of mcu_us
+  HostTime not_after{};   // its message had come by then
+};
+
+std::vector<Doubtful> doubtful_at_end(const EpochData& data, const EpochData& next,
+                                      std::span<const std::int64_t> mcu_us) {
+  if (data.bounds.empty() || next.bounds.empty()) return {};
+  if (next.bounds.front().send_us < data.bounds.back().send_us) return {};  // a reset: its time ran back
+  std::unordered_map<std::int64_t, HostTime> not_after;
+  std::int64_t sure_us = data.bounds.front().send_us;
+  for (auto bound = data.bounds.rbegin(); bound != data.bounds.rend(); ++bound) {
+    if (bound->two_sided) {
+      sure_us = bound->send_us;
+      break;
+    }
+    not_after[bound->send_us] = bound->not_after;
+  }
+  std::vector<Doubtful> doubtful;
+  for (auto index = data.asked.rbegin(); index != data.asked.rend() && mcu_us[*index] > sure_us; ++index)
+    if (const auto stamp = not_after.find(mcu_us[*index]); stamp != not_after.end())
+      doubtful.push_back({*index, stamp->second});
+  return doubtful;
+}
+
+/// Widens the bounds of a time to those that the next epoch's clock gives it, where that clock may be the
+/// true one: the message was not read before it was sent, nor later than any message is.
+void allow_for(const TimeEstimate& next, HostTime not_after, TimeEstimate& time) {
+  const double read_late_s = seconds_between(next.time, not_after);
+  if (!std::isfinite(next.later_s) || read_late_s < -static_cast<double>(next.earlier_s) ||
+      read_late_s > longest_late_s)
+    return;
+  const auto ahead_s = static_cast<float>(seconds_between(time.time, next.time));
+  time.later_s = std::max(time.later_s, ahead_s + next.later_s);
+  time.earlier_s = std::max(time.earlier_s, next.earlier_s - ahead_s);
+  time.uncertainty_s = std::max(time.uncertainty_s, (time.later_s + time.earlier_s) / std::sqrt(12.0F));
+}
+
 /// Where nothing bounds the clock from below, the fastest message is taken to be late by the largest constant
 /// delay at most.
 Range closed(Range offset, double largest_constant_delay_s) {
   if (offset.lo == -unbounded) offset.lo = offset.hi - largest_constant_delay_s;
   return offset;
+}
+
+struct Followed {
+  PingHull likely;           // of a wander that explains all events
+  PingHull sure;             // of one that they would tell from a larger one: bounds are its
+  double sure_wander = 0.0;  // 0: not even the largest explains all events
+};
+
+/// Whether bounds are so narrow that a clock which wanders more would not fit between them.
+bool tells(const PingHull& hull, double wander) {
+  std::vector<double> widths_s;
+  for (const Range& offset : hull.offsets())
+    if (std::isfinite(offset.width())) widths_s.push_back(offset.width());
+  return widths_s.empty() || lower_quantile(widths_s, 0.5) <= 0.5 * rate_window_s * wander;
+}
+
+/// The likely wander is twice the least one of those tried that explains all events: between two pings that
+/// tell, a clock may have gone further than they show. The wider the bounds, the further.
+Followed follow(const std::vector<PingHull::Event>& events, double wander) {
+  while (wander <= largest_wander && !PingHull(events, 0.5 * wander).explains_all()) wander *= 2.0;
+  PingHull likely(events, std::min(wander, largest_wander));
+  if (wander > largest_wander) return {likely, likely, 0.0};
+  PingHull sure = likely;
+  while (2.0 * wander <= largest_wander && !tells(sure, wander)) sure = PingHull(events, wander *= 2.0);
+  return {std::move(likely), std::move(sure), wander};
+}
+
+/// The likely time, within the bounds that are sure.
+TimeEstimate estimate(const ClockOrigin& origin, double mcu_s, const Range& likely, const Range& sure) {
+  TimeEstimate time = origin.estimate(mcu_s, likely);
+  const TimeEstimate bounds = origin.estimate(mcu_s, sure);
+  const auto ahead_s = static_cast<float>(seconds_between(time.time, bounds.time));
+  time.earlier_s = std::max(time.earlier_s, bounds.earlier_s - ahead_s);
+  time.later_s = std::max(time.later_s, bounds.later_s + ahead_s);
+  return time;
 }
 
 void fit_epoch(const EpochData& data, std::span<const std::int64_t> mcu_us, const PortProfile& link,
@@ -123,12 +202,16 @@ void fit_epoch(const EpochData& data, std::span<const std::int64_t> mcu_us, cons
   std::vector<PingHull::Event> events;
   events.reserve(asked.size());
   for (const Asked& one : asked) events.push_back(one.event);
-  const PingHull hull(std::move(events), wander_of(link));
+  const bool is_bounded =
+      std::any_of(data.bounds.begin(), data.bounds.end(), [](const PingBound& b) { return b.two_sided; });
+  const auto [likely, sure, sure_wander] = follow(events, std::max(wander_of(link), least_wander));
+  const double delay_s = link.largest_constant_delay_s;
   for (std::size_t i = 0; i < asked.size(); ++i)
     if (asked[i].index != none)
-      fit.times[asked[i].index] =
-          origin.estimate(asked[i].event.mcu_s, closed(hull.offsets()[i], link.largest_constant_delay_s));
-  report.add(data.epoch, hull, origin);
+      fit.times[asked[i].index] = estimate(origin, asked[i].event.mcu_s, closed(likely.offsets()[i], delay_s),
+                                           closed(sure.offsets()[i], delay_s));
+  report.add(data.epoch, sure, origin);
+  report.add_wander(is_bounded ? sure_wander : 0.0);
 }
 
 }  // namespace
@@ -147,7 +230,21 @@ PingFit fit_pings(std::span<const std::int64_t> mcu_us, std::span<const PingExch
   for (const std::size_t place : place_of_sent) epoch_of_sent.push_back(epoch_of[place]);
   EpochFinder finder(sent, epoch_of_sent);
   for (std::size_t i = 0; i < mcu_us.size(); ++i) epochs[finder.find(mcu_us[i])].asked.push_back(i);
-  for (const EpochData& data : epochs) fit_epoch(data, mcu_us, link, fit, report);
+  for (std::size_t i = 0; i < epochs.size(); ++i) {
+    std::vector<Doubtful> doubtful;
+    if (i > 0) doubtful = doubtful_at_end(epochs[i - 1], epochs[i], mcu_us);
+    std::vector<TimeEstimate> before;
+    for (const Doubtful& one : doubtful) {
+      before.push_back(fit.times[one.index]);
+      epochs[i].asked.push_back(one.index);
+    }
+    fit_epoch(epochs[i], mcu_us, link, fit, report);
+    for (std::size_t k = 0; k < doubtful.size(); ++k) {
+      allow_for(fit.times[doubtful[k].index], doubtful[k].not_after, before[k]);
+      fit.times[doubtful[k].index] = before[k];
+    }
+    epochs[i].asked.resize(epochs[i].asked.size() - doubtful.size());
+  }
   fit.report = report.finish(mcu_us, fit.times, !exchanges.empty());
   return fit;
 }

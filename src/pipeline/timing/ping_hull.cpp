@@ -120,7 +120,9 @@ void PingHull::bound_rates() {
     const double span_s = events_[knots_[last]].mcu_s - events_[knots_[first]].mcu_s;
     const double reach = wander_reach_s(span_s, wander_) / std::max(span_s, 1e-9);
     rates_[k] = intersection(rates_[k], {mean.lo - reach, mean.hi + reach});
-    if (rates_[k].empty()) rates_[k] = range_in_order(rates_[k]);
+    if (!rates_[k].empty()) continue;
+    rates_agree_ = false;
+    rates_[k] = range_in_order(rates_[k]);
   }
 }
 

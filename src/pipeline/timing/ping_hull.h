@@ -26,7 +26,10 @@ class PingHull {
   PingHull(std::vector<Event> events, double wander);
 
   const std::vector<Event>& events() const { return events_; }
-  const std::vector<Range>& offsets() const { return offsets_; }    // at each event
+  const std::vector<Range>& offsets() const { return offsets_; }  // at each event
+  /// Whether one clock of that wander explains all events.
+  bool explains_all() const { return breaks_.empty() && rates_agree_; }
+
   const std::vector<Break>& breaks() const { return breaks_; }      // ascending
   const std::vector<std::size_t>& knots() const { return knots_; }  // events, about one in two seconds
 
@@ -49,6 +52,7 @@ class PingHull {
   std::vector<char> begins_;  // events at which the clock starts anew
   std::vector<Break> breaks_;
   std::vector<std::size_t> knots_;
+  bool rates_agree_ = true;   // the mean over each window with those around it
   std::vector<Range> rates_;  // allowed from knot k to knot k + 1
 };
 

@@ -49,6 +49,11 @@ void PingReport::add_lateness(const PingHull& hull) {
   }
 }
 
+void PingReport::add_wander(double checked) {
+  is_checked_ = is_checked_ && checked > 0.0;
+  largest_checked_ = std::max(largest_checked_, checked);
+}
+
 void PingReport::find_gaps(std::span<const std::int64_t> mcu_us, std::span<const TimeEstimate> times) {
   std::vector<double> periods_s;
   for (std::size_t i = 1; i < mcu_us.size(); ++i)
@@ -76,6 +81,7 @@ void PingReport::measure_widths(std::span<const TimeEstimate> times) {
 ClockReport PingReport::finish(std::span<const std::int64_t> mcu_us, std::span<const TimeEstimate> times,
                                bool two_way) {
   report_.method = two_way ? "two-way" : "one-way";
+  report_.bound_wander_ppm = is_checked_ ? 1e6 * largest_checked_ : 0.0;
   find_gaps(mcu_us, times);
   measure_widths(times);
   if (mcu_us.size() > 1) summarise_skew(report_);

@@ -19,6 +19,9 @@ class PingReport {
 
   void add(const ClockEpoch& epoch, const PingHull& hull, const ClockOrigin& origin);
 
+  /// That the bounds of an epoch allow for; 0: it was not checked.
+  void add_wander(double checked);
+
   /// `mcu_us` and their `times`: rate, widths, gaps.
   ClockReport finish(std::span<const std::int64_t> mcu_us, std::span<const TimeEstimate> times, bool two_way);
 
@@ -30,6 +33,8 @@ class PingReport {
 
   PortProfile link_;
   ClockReport report_;
+  double largest_checked_ = 0.0;  // wander
+  bool is_checked_ = true;
   std::vector<float> late_s_;
 };
 

@@ -9,6 +9,7 @@
 #include "least_lateness.h"
 #include "lower_line.h"
 #include "thermorig/core/statistics.h"
+#include "thermorig/pipeline/timing/link_timing.h"
 
 namespace thermorig::timing {
 
@@ -49,6 +50,7 @@ class SegmentFitting {
     fit_.slope = std::clamp(lower_line_slope(ceilings_, 1.0), slowest, fastest);
     for (Ceiling& ceiling : ceilings_) ceiling.y -= fit_.slope * ceiling.x;
     const double length_s = device_s.back() - device_s.front();
+    for (const LatestBegin& begin : latest) baud_s_ = std::max(baud_s_, baud_tolerance * begin.wire_s);
     drift_ = device.wander * std::abs(fit_.slope) + rate_slack_s / std::max(length_s, rate_slack_s);
   }
 
@@ -133,8 +135,8 @@ class SegmentFitting {
       const double above_s = sound(above_s_[i], 0.0);
       const double time_s = std::min(sound(level_s[i] - curve.blend(expected_s, x(i)), above_s), above_s);
       fit_.time_s.push_back(sound(fit_.slope * x(i) + time_s, 0.0));
-      fit_.later_s.push_back(above_s_[i] - time_s);
-      fit_.earlier_s.push_back(std::max(0.0, time_s - below_s_[i]));
+      fit_.later_s.push_back(above_s_[i] - time_s + baud_s_);
+      fit_.earlier_s.push_back(std::max(0.0, time_s - below_s_[i]) + baud_s_);
       fit_.uncertainty_s.push_back(curve.blend(uncertain_s, x(i)));
     }
   }
@@ -168,7 +170,8 @@ class SegmentFitting {
   const DeviceClock& device_;
   HostTime origin_;
   double x0_;
-  double drift_ = 0.0;  // per second of the device's clock, against the mean rate
+  double baud_s_ = 0.0;  // by so much may the wire times that were taken off be wrong, either way
+  double drift_ = 0.0;   // per second of the device's clock, against the mean rate
   std::vector<Ceiling> ceilings_;
   std::vector<double> above_s_;
   std::vector<double> below_s_;

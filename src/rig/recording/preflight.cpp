@@ -34,7 +34,7 @@ std::string_view rate_advice(Device device, bool slow) {
          "this computer busy";
 }
 
-void judge_stream(Device device, const PreflightStream& stream, const PreflightLimits& limits,
+void judge_losses(Device device, const PreflightStream& stream, const PreflightLimits& limits,
                   Violations& found) {
   const std::string name(name_of(device));
   const double low_hz = limits.rate_low * stream.nominal_hz;
@@ -51,6 +51,11 @@ void judge_stream(Device device, const PreflightStream& stream, const PreflightL
                                  what_is_sent(device)),
                      fmt::format("at most {:.1f} %", 100.0 * limits.lost_share),
                      "another cable or USB port, without a hub; end programs that keep this computer busy"});
+}
+
+void judge_stream(Device device, const PreflightStream& stream, const PreflightLimits& limits,
+                  Violations& found) {
+  const std::string name(name_of(device));
   if (stream.damaged_share > limits.damaged_share)
     found.push_back({name + "_damaged", device,
                      fmt::format("{:.1f} % of the {}'s bytes belong to no good message",
@@ -67,6 +72,20 @@ void judge_stream(Device device, const PreflightStream& stream, const PreflightL
                      "looks at latency timers"});
 }
 
+PreflightViolation repeated_frames(const PreflightImages& images, double limit) {
+  return {
+      "camera_repeats", Device::camera,
+      fmt::format("{:.0f} % of the frames repeat what the one before showed", 100.0 * images.repeated_share),
+      fmt::format("at most {:.0f} %", 100.0 * limit),
+      "ask the camera for a lower frame rate: its bridge sends more often than its sensor measures; or "
+      "switch it off and on"};
+}
+
+/// Halves that a bridge misses make fewer frames, which no cable brings back.
+bool loses_halves(const PreflightFacts& facts, const PreflightLimits& limits) {
+  return facts.images && facts.images->lost_half_share > limits.lost_half_share;
+}
+
 void judge_images(const PreflightImages& images, const PreflightLimits& limits, Violations& found) {
   const double least_fresh = std::min(images.even_fresh_share, images.odd_fresh_share);
   if (least_fresh < limits.fresh_share)
@@ -77,12 +96,22 @@ void judge_images(const PreflightImages& images, const PreflightLimits& limits, 
                      fmt::format("each in at least {:.0f} %", 100.0 * limits.fresh_share),
                      "set the camera's frame rate again and switch it off and on; a bridge that sends more "
                      "often than its sensor measures repeats frames"});
-  if (images.stale_share > limits.stale_share)
+  else if (images.lost_half_share > limits.lost_half_share)
     found.push_back(
-        {"camera_stale", Device::camera,
-         fmt::format("{:.0f} % of the frames repeat what the one before showed", 100.0 * images.stale_share),
-         fmt::format("at most {:.0f} %", 100.0 * limits.stale_share),
-         "ask the camera for a lower frame rate, or switch it off and on"});
+        {"camera_halves", Device::camera,
+         fmt::format("{:.0f} % of the chess halves never come: the camera's bridge misses them",
+                     100.0 * images.lost_half_share),
+         fmt::format("at most {:.0f} %", 100.0 * limits.lost_half_share),
+         "ask the camera for a lower frame rate, and say it (--camera-rate, output_rate_hz in the "
+         "rig profile): its bridge does not keep up with its sensor; no other cable helps"});
+  if (images.repeated_share > limits.repeated_share)
+    found.push_back(repeated_frames(images, limits.repeated_share));
+}
+
+void warn_of_images(const PreflightImages& images, const PreflightLimits& limits, Violations& warnings) {
+  if (images.repeated_share > limits.repeated_share_bearable &&
+      images.repeated_share <= limits.repeated_share)
+    warnings.push_back(repeated_frames(images, limits.repeated_share_bearable));
 }
 
 void judge_rest(const PreflightRest& rest, const GyroProfile& gyro, const PreflightLimits& limits,
@@ -147,9 +176,14 @@ void judge_answers(const PreflightAnswers& answers, const ServoProfile& servo, c
 PreflightReport judge(const PreflightFacts& facts, const RigProfile& profile, const PreflightLimits& limits) {
   PreflightReport report{.facts = facts, .violations = {}, .warnings = {}};
   Violations& found = report.violations;
-  for (const Device device : all_devices)
-    if (facts.streams[device]) judge_stream(device, *facts.streams[device], limits, found);
   if (facts.images) judge_images(*facts.images, limits, found);
+  for (const Device device : all_devices) {
+    if (!facts.streams[device]) continue;
+    const bool is_told = device == Device::camera && loses_halves(facts, limits);
+    if (!is_told) judge_losses(device, *facts.streams[device], limits, found);
+    judge_stream(device, *facts.streams[device], limits, found);
+  }
+  if (facts.images) warn_of_images(*facts.images, limits, report.warnings);
   if (facts.rest) judge_rest(*facts.rest, profile.gyro, limits, found);
   if (facts.rest) warn_of_rest(*facts.rest, report.warnings);
   if (facts.answers) judge_answers(*facts.answers, profile.servo, limits, found);

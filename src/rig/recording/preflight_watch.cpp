@@ -97,8 +97,8 @@ void PreflightWatch::frame(const TimedFrame& frame) {
   if (!begin_) return;
   hear(Device::camera, frame.stamp, {.missing_before = frame.missing_before});
   const labels::Freshness fresh{frame.fresh_even, frame.fresh_odd};
-  images_.push_back({frame.stamp.arrival, fresh.even_fresh(), fresh.odd_fresh(), frame.stale,
-                     double{frame.frame.sensor_temp_c}});
+  images_.push_back({frame.stamp.arrival, fresh.even_fresh(), fresh.odd_fresh(), fresh.none_fresh(),
+                     frame.stale && fresh.one_fresh(), double{frame.frame.sensor_temp_c}});
   forget_old(images_);
 }
 
@@ -173,7 +173,9 @@ std::optional<PreflightImages> PreflightWatch::images() const {
   };
   PreflightImages facts{.even_fresh_share = share_of([](const Image& image) { return image.even; }),
                         .odd_fresh_share = share_of([](const Image& image) { return image.odd; }),
-                        .stale_share = share_of([](const Image& image) { return image.stale; })};
+                        .repeated_share = share_of([](const Image& image) { return image.repeats; })};
+  const double lost_halves = share_of([](const Image& image) { return image.half_lost; });
+  facts.lost_half_share = lost_halves / (1.0 + lost_halves);
   std::vector<double> minutes, temperatures_c;
   for (const Image& image : images_) {
     minutes.push_back(to_s(image.time - images_.front().time) / 60.0);

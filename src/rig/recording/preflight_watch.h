@@ -56,7 +56,7 @@ class PreflightWatch {
   };
   struct Image {
     HostTime time{};
-    bool even = false, odd = false, stale = false;
+    bool even = false, odd = false, repeats = false, half_lost = false;
     double sensor_c = 0.0;
   };
   struct Rate {

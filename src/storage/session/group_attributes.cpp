@@ -128,7 +128,7 @@ void write_sync_attributes(hid_t group, const Session& session) {
 
 void write_clock_attributes(hid_t group, const ClockReport& clock) {
   AttributeWriter writer{group};
-  clock_attributes(writer, clock);
+  clock_attributes(writer, clock, format_version);
 }
 
 void write_samples_attributes(hid_t group, const Session& session) {

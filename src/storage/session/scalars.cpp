@@ -43,7 +43,7 @@ struct AttributeText {
 
 std::string sync_text(const SyncReport& sync, FormatVersion version) {
   AttributeText attributes;
-  for (const Device device : all_devices) clock_attributes(attributes, sync.clock[device]);
+  for (const Device device : all_devices) clock_attributes(attributes, sync.clock[device], version);
   sync_attributes(attributes, sync, version);
   return attributes.text;
 }

@@ -224,7 +224,7 @@ void read_sync_scalars(const SessionFile& file, SyncReport& sync) {
   for (const Device device : all_devices) {
     const auto group = file.group(sync_path(device));
     AttributeReader reader{group.id()};
-    clock_attributes(reader, sync.clock[device]);
+    clock_attributes(reader, sync.clock[device], file.version());
   }
   const auto group = file.group("/sync");
   AttributeReader reader{group.id()};

@@ -12,7 +12,7 @@ namespace thermorig::session {
 // Visit takes a name and a reference to a std::string, double, bool, std::uint32_t or std::optional<double>.
 
 template <typename Visit, typename Report>
-void clock_attributes(Visit& visit, Report& clock) {
+void clock_attributes(Visit& visit, Report& clock, FormatVersion version) {
   visit("method", clock.method);
   visit("rate_hz", clock.rate_hz);
   visit("skew_ppm", clock.skew_ppm);
@@ -23,6 +23,7 @@ void clock_attributes(Visit& visit, Report& clock) {
   visit("uncertainty_us", clock.uncertainty_us);
   visit("bound_us", clock.bound_us);
   visit("bound_median_us", clock.bound_median_us);
+  if (version >= with_checked_constants) visit("bound_wander_ppm", clock.bound_wander_ppm);
   visit("largest_constant_delay_s", clock.largest_constant_delay_s);
   visit("latency_s", clock.latency_s);
   visit("latency_uncertainty_s", clock.latency_uncertainty_s);

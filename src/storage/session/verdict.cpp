@@ -79,12 +79,44 @@ void judge_events(const Session& session, Verdict& verdict) {
   if (session.state == State::partial) verdict.usable("stopped before the plan was complete");
 }
 
+const PortProfile& link_of(const RigProfile& profile, Device device) {
+  if (device == Device::camera) return profile.camera.link;
+  return device == Device::gyro ? profile.gyro.link : profile.servo.link;
+}
+
+/// What the session says of a clock that is known less well than others are.
+std::string why_uncertain(const Session& session, Device device) {
+  const ClockReport& clock = session.sync.clock[device];
+  if (!(clock.wander_ppm > link_of(session.raw.header.profile, device).wander_ppm)) return "";
+  return fmt::format(
+      ": its clock and the host's wander by {:.0f} ppm (a resonator, or NTP that slews the host's clock)",
+      clock.wander_ppm);
+}
+
+/// Links that are slower than the profile says: the bounds have room for it.
+void judge_links(const Session& session, Verdict& verdict) {
+  std::string names;
+  double delay_s = 0.0;
+  for (const Device device : {Device::camera, Device::gyro}) {
+    const ClockReport& clock = session.sync.clock[device];
+    const double stated_s = link_of(session.raw.header.profile, device).largest_constant_delay_s;
+    if (clock.method.empty() || clock.largest_constant_delay_s <= stated_s) continue;
+    names += (names.empty() ? "" : " and the ") + std::string(name_of(device));
+    delay_s = clock.largest_constant_delay_s;
+  }
+  if (!names.empty())
+    verdict.usable(
+        fmt::format("the times of the {} may be late by {:.1f} ms, for no answer of the servo came "
+                    "sooner: is there a USB hub, or a busy port?",
+                    names, 1e3 * delay_s));
+}
+
 /// A clock that could not be fitted is one that too little was heard of: the streams say so already.
-void judge_clocks(const Quality& quality, Verdict& verdict) {
+void judge_clocks(const Session& session, const Quality& quality, Verdict& verdict) {
   for (const Device device : all_devices) {
     const double uncertainty_s = quality.clock[device].uncertainty_s;
-    const auto reason =
-        fmt::format("the times of the {} are known to {:.1f} ms only", name_of(device), 1e3 * uncertainty_s);
+    const auto reason = fmt::format("the times of the {} are known to {:.1f} ms only{}", name_of(device),
+                                    1e3 * uncertainty_s, why_uncertain(session, device));
     if (uncertainty_s > clock_uncertainty_bad_s)
       verdict.bad(reason);
     else if (uncertainty_s > clock_uncertainty_usable_s)
@@ -194,7 +226,8 @@ void judge(const Session& session, Quality& quality) {
   Verdict verdict;
   for (const Device device : all_devices) judge_stream(device, quality.stream[device], verdict);
   if (!is_rest(session)) judge_samples(quality, verdict);
-  judge_clocks(quality, verdict);
+  judge_clocks(session, quality, verdict);
+  judge_links(session, verdict);
   judge_epochs(session, verdict);
   judge_gyro(session, quality, verdict);
   judge_labels(quality, verdict);

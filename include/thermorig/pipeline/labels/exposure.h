@@ -36,8 +36,8 @@ class ExposureRule {
 
   /// Each frame in order: look(), then expose(). apply() is both.
   ///
-  /// Fills in stale of a frame whose fresh_even and fresh_odd are known. True if the halves show that frames
-  /// are missing before it: the source is half-fresh, and both are fresh.
+  /// Fills in stale of a frame whose fresh_even and fresh_odd are known. True if the halves say that frames
+  /// may be missing before it: the source is half-fresh, and both are fresh, or the same one as before.
   ///
   /// stale: half-fresh: no half is fresh, or only one and the same one as the last time that only one was
   /// (the other half was lost); full-fresh: not both halves are fresh.
@@ -65,6 +65,7 @@ class ExposureRule {
   std::optional<CameraMode> mode_;
   Freshness freshness_;  // of the frame that was looked at
   ModeVote vote_;
+  HalvesOrder order_;
   Half last_single_ = Half::none;  // the half that alone was fresh, the last time that only one was
   std::array<std::optional<HalfExposure>, 2> half_{};  // of the last fresh reading
   std::optional<unsigned> newest_;                     // half-fresh: half that was exposed last,

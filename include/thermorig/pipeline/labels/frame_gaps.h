@@ -14,8 +14,9 @@
 namespace thermorig::labels {
 
 /// What lies between a frame and the one before it. The camera numbers nothing, so two witnesses are heard:
-/// the time, and, where the bridge renews one half of a frame at a time, how many halves are fresh: one after
-/// the frame before, both after a frame that never came.
+/// the time, and, where the bridge renews one half of a frame at a time, which halves are fresh: the other
+/// one after the frame before, the same or both after a frame that never came. A frame that repeats the one
+/// before takes the place of its own: none is missing.
 struct FrameGap {
   std::uint16_t missing = 0;  // frames that never came
   bool late = false;          // read more than half a period after it was due: its time is not known
@@ -39,10 +40,11 @@ class LiveFrameGaps {
  private:
   void learn_period(HostTime time);
   bool catches_up(HostTime time) const;
-  std::uint16_t missing(double late_periods, const TimedFrame& frame, CameraMode mode);
+  std::uint16_t missing(double late_periods, const TimedFrame& frame, HalvesWitness halves);
 
   static constexpr std::size_t kept_intervals = 15;
   double period_s_;
+  HalvesOrder order_;
   std::optional<HostTime> before_;  // time of the frame before
   HostTime expected_{};
   std::size_t late_frames_ = 0;  // in a row

@@ -13,6 +13,24 @@ enum class CameraMode : std::uint8_t { half_fresh, full_fresh };
 
 using thermorig::Freshness;
 
+/// What the fresh halves of a half-fresh source say of what lies between a frame and the one before it.
+enum class HalvesWitness : std::uint8_t {
+  unsure,            // one of the two repeats the frame before it
+  none_missing,      // the halves take turns
+  due_half_missing,  // the same half again: the other one never came, as a frame or within one
+  frames_missing,    // both at once: a frame with the older one never came
+};
+
+/// Hears them frame by frame. What follows a repeated frame shows what that one did not: both halves at once
+/// mean nothing then.
+class HalvesOrder {
+ public:
+  HalvesWitness push(const Freshness& freshness);
+
+ private:
+  Freshness before_;  // none fresh: nothing is known
+};
+
 /// Decides between the camera's modes by majority of the frames seen so far. Frames that repeat the one
 /// before say nothing; a tie is half-fresh. A frame after a lost one has both halves fresh in either mode,
 /// which is why a single one decides nothing.

@@ -30,7 +30,8 @@ std::vector<LatestBegin> latest_begins(const RawStream& received, std::span<cons
                                        std::span<const double> device_s, std::uint32_t baud);
 
 /// The earliest proof of each message's begin: its own inequality or one of a later byte of the stream, which
-/// went over the wire after it, whichever is sharper. One a message of `spans` (in the order of the stream).
+/// went over the wire after it, whichever is sharper. Bytes may have gone as fast as shortest_wire_time_s()
+/// says. One a message of `spans` (in the order of the stream).
 /// A message that no chunk covers gets the greatest HostTime.
 std::vector<HostTime> earliest_proofs(const RawStream& received, std::span<const StreamSpan> spans,
                                       std::uint32_t baud);
@@ -50,6 +51,8 @@ std::vector<std::int64_t> number_messages(std::span<const HostTime> latest, std:
 /// What is bounded is the device's steady instant: the one from which a message would begin `latency_s` later
 /// if the device never dawdled. A device that computes now and then a little longer (a camera's bridge) only
 /// begins later, so what was read proves it too.
+/// Where for ten seconds nothing came within the largest constant delay of the curve, the wander that it is
+/// allowed is doubled: it is the device's clock against the host's, which may be slewed.
 /// `later_s` is proven: the sharpest of all inequalities, carried over by a clock that stays within
 /// PortProfile::wander_ppm of its mean rate (to which a short recording adds what its mean rate is uncertain
 /// by). `earlier_s` rests on PortProfile::largest_constant_delay_s: an inequality that holds the curve up is

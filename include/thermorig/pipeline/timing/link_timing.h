@@ -17,6 +17,14 @@ namespace thermorig::timing {
 /// Time that `bytes` bytes take on the wire at 8N1; 0 where the link has no baud rate (USB-CDC).
 double wire_time_s(std::uint64_t bytes, std::uint32_t baud);
 
+/// A sender's true baud rate is the nominal one, but for so much either way: 2.1 % by a divider that does not
+/// fit (ATmega328P data sheet, UBRR table, 115200 baud at 16 MHz), 0.5 % by a ceramic resonator. A receiver
+/// bears 4.5 % between the two at most.
+inline constexpr double baud_tolerance = 0.026;
+
+/// The least time that `bytes` bytes can take on the wire.
+double shortest_wire_time_s(std::uint64_t bytes, std::uint32_t baud);
+
 /// The link budget of a device that sends `bytes_per_message` bytes `rate_hz` times a second.
 struct LinkBudget {
   double load = 0.0;         // share of the link's capacity, 1.0 = full
@@ -54,7 +62,8 @@ struct StampHint {
 ///
 /// Bounds: `later_s` is proven, since the sample was taken before its message began. `earlier_s` rests on the
 /// largest constant delay, or on `longest_hold_s`, and a busy host may break it. What no clock can know from
-/// arrivals is in none of them: an error of the configured latency.
+/// arrivals is in none of them: an error of the configured latency. Both have room for `baud_tolerance` of
+/// the wire time that was taken off, which the uncertainty has not: it is a constant, as the latency is.
 class LinkTiming {
  public:
   /// What a USB serial adaptor holds back at most: FTDI's latency timer as it comes (AN232B-04).

@@ -13,7 +13,7 @@
 
 namespace thermorig::timing {
 
-/// One answered ping: bounds from both sides. Wire times are taken off already.
+/// One answered ping: bounds from both sides. Wire times are taken off already, as short as they can be.
 struct PingExchange {
   std::int64_t receive_us = 0;  // micro-controller, unwrapped: the ping's last byte was in
   HostTime not_before{};  // receive_us is not before it: host time before write(), plus the ping's wire time
@@ -28,14 +28,15 @@ struct SentStamp {
 };
 
 /// The micro-controller's clock from both sides: every clock that obeys all bounds and whose rate, within any
-/// minute, stays within PortProfile::wander_ppm of its mean over that minute. The mean itself is not assumed
-/// (only that it is within 2 % of nominal): the bounds a minute apart bound it. Given that one property of
-/// the oscillator the width is a proof: earlier_s and later_s of an estimate hold for every such clock.
+/// minute, stays within its wander of its mean over that minute. The mean itself is not assumed (only that it
+/// is within 2 % of nominal): the bounds a minute apart bound it. The wander is PortProfile::wander_ppm;
+/// where that does not explain what was heard it grows, up to 0.2 %, to twice what does. So earlier_s and
+/// later_s of an estimate hold for a ceramic resonator that warms up, and while the host's clock is slewed.
 ///
-/// An empty set is a reset, a wrong baud rate or a suspended host: it is reported and starts a new epoch,
-/// once three messages in a row agree on it; single messages that fit no clock are left out. Causal: what it
-/// says uses the past alone. O(1) a message, but for a walk over the last minute once a second; bounded
-/// memory.
+/// An empty set is then a reset, a wrong baud rate, a clock that jumped or a suspended host: it is reported
+/// and starts a new epoch, once three messages in a row agree on it; single messages that fit no clock are
+/// left out. Causal: what it says uses the past alone. O(1) a message, but for a walk over the last minute
+/// once a second, and some more where the wander grows; bounded memory.
 class PingClock {
  public:
   explicit PingClock(const PortProfile& link);
@@ -62,9 +63,10 @@ class PingClock {
 /// The same over a whole recording, non-causal: the times of `mcu_us`, and a report with knots.
 ///
 /// All three in the order of the stream; `mcu_us` are those of `sent` or some of them, and a step back of
-/// more than 0.2 s in it is a reset. In an epoch without any exchange the bounds are those of a one-way
-/// clock: the lower end rests on PortProfile::largest_constant_delay_s. Times that nothing bounds have
-/// infinite uncertainty.
+/// more than 0.2 s in it is a reset. The wander that each epoch's bounds allow for is twice what explains all
+/// of its messages: ClockReport::bound_wander_ppm is the largest, and 0 where nothing explains them. In an
+/// epoch without any exchange the bounds are those of a one-way clock: the lower end rests on
+/// PortProfile::largest_constant_delay_s. Times that nothing bounds have infinite uncertainty.
 struct PingFit {
   std::vector<TimeEstimate> times;
   ClockReport report;

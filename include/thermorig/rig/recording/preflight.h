@@ -32,7 +32,8 @@ struct PreflightStream {
 struct PreflightImages {
   double even_fresh_share = 0.0;  // frames in which that chess half is new, 0..1
   double odd_fresh_share = 0.0;
-  double stale_share = 0.0;             // frames that repeat the one before, or whose due half did not come
+  double repeated_share = 0.0;          // frames that repeat the one before
+  double lost_half_share = 0.0;         // halves that were due and are in no frame, of those that were due
   double sensor_drift_c_per_min = 0.0;  // of the sensor's own temperature
 };
 
@@ -76,8 +77,10 @@ struct PreflightLimits {
   double damaged_share = 0.01;
   PerDevice<double> uncertainty_s{{0.010, 0.010, 0.005}};
   double fresh_share = 0.25;  // each chess half, of the frames; half of that in half-fresh mode would be none
-  double stale_share = 0.10;
-  double noise_dps = 1.0;  // 20 times what an MPU6050 has (data sheet: 0.05 deg/s rms)
+  double lost_half_share = 0.01;
+  double repeated_share = 0.10;
+  double repeated_share_bearable = 0.01;  // above it a warning
+  double noise_dps = 1.0;                 // 20 times what an MPU6050 has (data sheet: 0.05 deg/s rms)
   double swing_dps = 1.0;
   double bias_deviations = 5.0;  // from the profile's bias, where that was measured
   double answered_share = 0.90;
