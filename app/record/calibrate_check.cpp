@@ -34,14 +34,29 @@ std::string value_text(const std::optional<Estimate>& estimate, const std::strin
   return unit.empty() ? text : fmt::format("{} {}{}", text, is_time ? "m" : "", unit);
 }
 
+/// Each once, in the order of the constants, with the names of those that it is for.
+std::vector<std::pair<std::string, std::string>> advice_of(const Constants& constants) {
+  std::vector<std::pair<std::string, std::string>> all;
+  for (const CheckedConstant& one : constants) {
+    if (one.advice.empty()) continue;
+    const auto known =
+        std::find_if(all.begin(), all.end(), [&](const auto& entry) { return entry.first == one.advice; });
+    if (known == all.end())
+      all.emplace_back(one.advice, one.name);
+    else
+      known->second += ", " + one.name;
+  }
+  return all;
+}
+
 void print_constants(const std::filesystem::path& session, const Constants& constants) {
   Table table({"constant", ">profile", ">this session", ""});
   for (const CheckedConstant& one : constants)
     table.add({one.name, value_text(one.profile, one.unit), value_text(one.session, one.unit),
                fmt::format("{}{}", name_of(one.verdict), one.why.empty() ? "" : ": " + one.why)});
   print("\nsession  {}\n\n{}", printable(session.string()), table.text());
-  for (const CheckedConstant& one : constants)
-    if (!one.advice.empty()) print("  try: {} ({})\n", printable(one.advice), printable(one.name));
+  for (const auto& [advice, names] : advice_of(constants))
+    print("  try: {} ({})\n", printable(advice), printable(names));
   flush_output();
 }
 
@@ -69,17 +84,14 @@ nlohmann::json constants_json(const std::filesystem::path& session, const Consta
           {"constants", list}};
 }
 
-void add_once(const std::string& text, const char* separator, std::string& list) {
-  if (list.find(text) == std::string::npos) list += (list.empty() ? "" : separator) + text;
-}
-
 /// Names what contradicts, and what to do about it.
-Error contradiction(const Constants& constants, const std::filesystem::path& session) {
+Error contradiction(Constants constants, const std::filesystem::path& session) {
+  std::erase_if(constants,
+                [](const CheckedConstant& one) { return one.verdict != ConstantVerdict::contradicts; });
   std::string names, advice;
-  for (const CheckedConstant& one : constants) {
-    if (one.verdict != ConstantVerdict::contradicts) continue;
-    add_once(one.name, ", ", names);
-    add_once(one.advice, "; ", advice);
+  for (const auto& [what, whose] : advice_of(constants)) {
+    names += (names.empty() ? "" : ", ") + whose;
+    advice += (advice.empty() ? "" : "; ") + what;
   }
   return {ExitCode::check_failed, "the profile does not hold any more: " + names, session.string(), advice};
 }
@@ -91,10 +103,10 @@ Error contradiction(const Constants& constants, const std::filesystem::path& ses
 void refuse_idle_words(const CalibrateOptions& options) {
   if (!options.save.empty())
     refuse_word("`calibrate check` writes no profile, so --save does nothing",
-              "leave --save out; the commands that it names measure again what contradicts");
+                "leave --save out; the commands that it names measure again what contradicts");
   if (!options.sessions.empty() && !options.record.rig.profile.empty())
     refuse_word("a session is checked against the profile that it was recorded with",
-              "leave --rig out; `thermorig reprocess --rig PROFILE` gives a session other calibrations");
+                "leave --rig out; `thermorig reprocess --rig PROFILE` gives a session other calibrations");
 }
 
 ExitCode check_sessions(const CalibrateOptions& options, const std::vector<std::filesystem::path>& paths,

@@ -156,7 +156,7 @@ TEST_F(CalibrateCheck, PrintsALineAConstantAndWritesNoProfile) {
                                "camera rows", "servo scale", "servo at +200 deg/s", "servo clock wander"})
     EXPECT_THAT(outcome.out, HasSubstr(constant));
   EXPECT_THAT(outcome.out, HasSubstr("not checked: the profile assumes it: it was never measured"));
-  EXPECT_THAT(outcome.out, HasSubstr("try: thermorig calibrate scale (gyro scale)"));
+  EXPECT_THAT(outcome.out, HasSubstr("try: thermorig calibrate scale (gyro scale, servo scale)"));
   EXPECT_EQ(profile("bench.toml").camera.link.latency_measured_utc, before.camera.link.latency_measured_utc);
   ASSERT_EQ(files(".h5").size(), 2U);
   EXPECT_THAT(files(".h5")[1].string(), HasSubstr("recordings/calibration/calibration_acq-02_"));

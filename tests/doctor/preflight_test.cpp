@@ -230,8 +230,24 @@ TEST(Preflight, JudgesABiasThatWasMeasured) {
   const PreflightReport report = judge(facts, profile);
   ASSERT_EQ(report.violations.size(), 1U);
   EXPECT_EQ(report.violations[0].name, "gyro_bias");
+  EXPECT_THAT(report.violations[0].advice, HasSubstr("until it is warm"));
   facts.rest->mean_dps = 1.9;
   EXPECT_TRUE(judge(facts, profile).passed());
+}
+
+TEST(Preflight, NamesABridgeThatMissesPicturesAndNotTheRateThatWasSet) {
+  const RigProfile profile = simulation::default_profile();
+  PreflightFacts facts;
+  facts.streams[Device::camera] = PreflightStream{.messages = 26, .rate_hz = 5.2, .nominal_hz = 8.0};
+  facts.images = PreflightImages{.even_fresh_share = 0.5, .odd_fresh_share = 0.5, .stale_share = 0.2};
+  const PreflightReport missing = judge(facts, profile);
+  ASSERT_EQ(missing.violations.size(), 2U);
+  for (const PreflightViolation& violation : missing.violations)
+    EXPECT_THAT(violation.advice, HasSubstr("misses pictures of its sensor")) << violation.name;
+  facts.images->stale_share = 0.0;
+  const PreflightReport slow = judge(facts, profile);
+  ASSERT_EQ(slow.violations.size(), 1U);
+  EXPECT_THAT(slow.violations[0].advice, HasSubstr("--camera-rate"));
 }
 
 TEST(Preflight, JudgesClocksAndAnswers) {

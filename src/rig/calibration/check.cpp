@@ -50,7 +50,8 @@ struct Rule {
   bool measured = true;          // the profile's is no assumption
   double least_uncertainty = 0;  // of the session's
   double worst_uncertainty = 0;
-  std::string cause;    // of a contradiction
+  std::string cause;  // of a contradiction
+  std::string unclear = "so short a session does not tell it well enough";
   std::string command;  // that measures it again
 };
 
@@ -58,7 +59,7 @@ struct Rule {
 CheckedConstant judged(CheckedConstant constant, const Rule& rule) {
   constant.session->uncertainty = std::hypot(constant.session->uncertainty, rule.least_uncertainty);
   if (!(constant.session->uncertainty <= rule.worst_uncertainty))
-    return not_checked(std::move(constant), "so short a session does not tell it well enough", rule.command);
+    return not_checked(std::move(constant), rule.unclear, rule.command);
   if (contradict(*constant.profile, *constant.session)) {
     constant.verdict = ConstantVerdict::contradicts;
     constant.why = rule.cause;
@@ -77,8 +78,7 @@ CheckedConstant gyro_scale_of(const session::Session& session) {
   CheckedConstant constant{.name = "gyro scale",
                            .profile = Estimate{profile.scale, profile.scale_uncertainty},
                            .session = errors.scale_by_turns};
-  if (!constant.session)
-    return not_checked(std::move(constant), "scale not checked: " + errors.scale_why_not, calibrate_scale);
+  if (!constant.session) return not_checked(std::move(constant), errors.scale_why_not, calibrate_scale);
   return judged(std::move(constant), {.measured = !profile.scale_measured_utc.empty(),
                                       .least_uncertainty = least_scale_uncertainty,
                                       .worst_uncertainty = worst_scale_uncertainty,
@@ -154,6 +154,13 @@ std::string latency_cause(const session::Session& session) {
          "was set wider";
 }
 
+std::string unclear_latency(const CameraOffset& offset) {
+  return are_rows_apart(offset)
+             ? "the camera reads its rows one after the other: so short a session does not "
+               "tell when the middle ones are read"
+             : Rule().unclear;
+}
+
 CheckedConstant camera_latency_of(const session::Session& session) {
   const PortProfile& link = session.raw.header.profile.camera.link;
   const CameraOffset& offset = session.sync.camera_offset;
@@ -168,6 +175,7 @@ CheckedConstant camera_latency_of(const session::Session& session) {
                                       .least_uncertainty = least_latency_uncertainty_s,
                                       .worst_uncertainty = worst_latency_uncertainty_s,
                                       .cause = latency_cause(session),
+                                      .unclear = unclear_latency(offset),
                                       .command = calibrate_latency});
 }
 
@@ -216,6 +224,9 @@ CheckedConstant servo_scale_of(const session::Session& session) {
   const ServoResponse& servo = session.sync.servo;
   CheckedConstant constant{.name = "servo scale",
                            .profile = Estimate{profile.scale, profile.scale_uncertainty}};
+  const auto is_strayed = [](const ServoResponse::AtSpeed& speed) { return speed.contradicts; };
+  if (!servo.fitted && std::any_of(servo.speeds.begin(), servo.speeds.end(), is_strayed))
+    return not_checked(std::move(constant), "the shaft does not turn as commanded at all speeds", "");
   if (!servo.fitted)
     return not_checked(std::move(constant), "how the shaft follows the servo's pulses could not be fitted",
                        calibrate_scale);

@@ -19,7 +19,17 @@ std::string what_is_sent(Device device) {
   return names[index_of(device)];
 }
 
-std::string_view rate_advice(Device device, bool slow) {
+constexpr std::string_view missed_pictures =
+    "the camera's bridge misses pictures of its sensor, or sends one twice: ask the camera for a lower frame "
+    "rate, or switch it off and on";
+
+/// Many frames that show nothing new, or not the half that was due.
+bool misses_pictures(const std::optional<PreflightImages>& images, const PreflightLimits& limits) {
+  return images && images->stale_share > limits.stale_share;
+}
+
+std::string_view rate_advice(Device device, bool slow, bool misses) {
+  if (device == Device::camera && slow && misses) return missed_pictures;
   if (device == Device::camera)
     return "say the rate that the camera was set to (--camera-rate, output_rate_hz in the rig profile), or "
            "set "
@@ -34,7 +44,8 @@ std::string_view rate_advice(Device device, bool slow) {
          "this computer busy";
 }
 
-void judge_stream(Device device, const PreflightStream& stream, const PreflightLimits& limits,
+/// `misses`: pictures of its sensor do not come through a camera's bridge.
+void judge_stream(Device device, const PreflightStream& stream, bool misses, const PreflightLimits& limits,
                   Violations& found) {
   const std::string name(name_of(device));
   const double low_hz = limits.rate_low * stream.nominal_hz;
@@ -44,7 +55,7 @@ void judge_stream(Device device, const PreflightStream& stream, const PreflightL
         {name + "_rate", device,
          fmt::format("{:.1f} {} a second come from the {}", stream.rate_hz, what_is_sent(device), name),
          fmt::format("{:.4g} to {:.4g} (nominal {:.4g})", low_hz, high_hz, stream.nominal_hz),
-         std::string(rate_advice(device, stream.rate_hz < low_hz))});
+         std::string(rate_advice(device, stream.rate_hz < low_hz, misses))});
   if (stream.lost_share > limits.lost_share)
     found.push_back({name + "_lost", device,
                      fmt::format("{:.1f} % of the {}'s {} are missing", 100.0 * stream.lost_share, name,
@@ -80,9 +91,10 @@ void judge_images(const PreflightImages& images, const PreflightLimits& limits, 
   if (images.stale_share > limits.stale_share)
     found.push_back(
         {"camera_stale", Device::camera,
-         fmt::format("{:.0f} % of the frames repeat what the one before showed", 100.0 * images.stale_share),
-         fmt::format("at most {:.0f} %", 100.0 * limits.stale_share),
-         "ask the camera for a lower frame rate, or switch it off and on"});
+         fmt::format(
+             "{:.0f} % of the frames repeat what the one before showed, or lack the half that was due",
+             100.0 * images.stale_share),
+         fmt::format("at most {:.0f} %", 100.0 * limits.stale_share), std::string(missed_pictures)});
 }
 
 void judge_rest(const PreflightRest& rest, const GyroProfile& gyro, const PreflightLimits& limits,
@@ -104,11 +116,13 @@ void judge_rest(const PreflightRest& rest, const GyroProfile& gyro, const Prefli
   const double limit_dps = limits.bias_deviations * gyro.bias_uncertainty_dps;
   if (!rest.zeroes_itself && !gyro.bias_measured_utc.empty() &&
       off_dps > std::max(limit_dps, limits.swing_dps))
-    found.push_back({"gyro_bias", Device::gyro,
-                     fmt::format("the gyro shows {:.2f} deg/s at rest, its bias was measured as {:.2f}",
-                                 rest.mean_dps, gyro.bias_dps),
-                     fmt::format("within {:.2f} deg/s of it", std::max(limit_dps, limits.swing_dps)),
-                     "let the rig stand still; thermorig calibrate bias if it does"});
+    found.push_back(
+        {"gyro_bias", Device::gyro,
+         fmt::format("the gyro shows {:.2f} deg/s at rest, its bias was measured as {:.2f}", rest.mean_dps,
+                     gyro.bias_dps),
+         fmt::format("within {:.2f} deg/s of it", std::max(limit_dps, limits.swing_dps)),
+         "let the rig stand still; a gyro that was switched on just now has another bias until it is "
+         "warm: wait some minutes; then thermorig calibrate bias"});
 }
 
 void warn_of_rest(const PreflightRest& rest, Violations& warnings) {
@@ -148,7 +162,8 @@ PreflightReport judge(const PreflightFacts& facts, const RigProfile& profile, co
   PreflightReport report{.facts = facts, .violations = {}, .warnings = {}};
   Violations& found = report.violations;
   for (const Device device : all_devices)
-    if (facts.streams[device]) judge_stream(device, *facts.streams[device], limits, found);
+    if (facts.streams[device])
+      judge_stream(device, *facts.streams[device], misses_pictures(facts.images, limits), limits, found);
   if (facts.images) judge_images(*facts.images, limits, found);
   if (facts.rest) judge_rest(*facts.rest, profile.gyro, limits, found);
   if (facts.rest) warn_of_rest(*facts.rest, report.warnings);
