@@ -16,6 +16,10 @@ namespace {
 constexpr CalibrationKind kinds[] = {CalibrationKind::bias, CalibrationKind::latency, CalibrationKind::scale,
                                      CalibrationKind::orientation};
 
+constexpr CalibrationKind all_kinds[] = {CalibrationKind::bias, CalibrationKind::latency,
+                                         CalibrationKind::scale, CalibrationKind::orientation,
+                                         CalibrationKind::check};
+
 TEST(CalibrationPlan, CanBeDrivenByEveryServo) {
   for (const ServoProfile& servo :
        {servo_of(2160.0), servo_of(270.0), servo_of(180.0), servo_of(60.0), continuous_servo()}) {
@@ -96,7 +100,7 @@ TEST(CalibrationPlan, OfTheCheckTurnsMoreThanOnceWhereTheServoCan) {
 }
 
 TEST(CalibrationPlan, TextGivesTheSamePlanBack) {
-  for (const CalibrationKind kind : kinds) {
+  for (const CalibrationKind kind : all_kinds) {
     const SweepPlan plan = calibration_plan(kind, servo_of(180.0), CameraProfile{});
     const SweepPlan again = parse_plan(to_toml(plan), "stored", 0);
     EXPECT_TRUE(again.for_calibration);
@@ -108,7 +112,7 @@ TEST(CalibrationPlan, TextGivesTheSamePlanBack) {
 }
 
 TEST(CalibrationPlan, IsDrivenToItsEnd) {
-  for (const CalibrationKind kind : kinds) {
+  for (const CalibrationKind kind : all_kinds) {
     const TemporaryFolder folder;
     auto config = simulation::default_rig(4, "kitchen");
     config.profile.servo.travel_deg = 180.0;
