@@ -146,6 +146,9 @@ double filter_scatter_s(const GyroErrors& errors) {
 
 /// What may have changed since the camera was measured against the gyro.
 std::string latency_cause(const session::Session& session) {
+  if (are_rows_apart(session.sync.camera_offset))
+    return "the camera reads its rows one after the other: the middle ones come at another time than was "
+           "measured";
   if (session.sync.camera_offset.offset_s->value < 0.0)
     return "the images come earlier against the gyro: its filter was set narrower, or the camera's bridge "
            "has "
