@@ -67,6 +67,8 @@ void add_record(CLI::App& root, Words& words) {
       ->check(CLI::Range(1, 6))
       ->type_name("N");
   add_recording_of(command, record);
+  command.add_flag("--check", record.check,
+                   "First `calibrate check`: record only if the profile still holds");
   command.add_option("--operator", record.operator_name, "Who records, kept in the session")
       ->type_name("TEXT");
   command.add_option("--place", record.place, "Where exactly the rig stands")->type_name("TEXT");
@@ -106,8 +108,9 @@ void add_calibrate(CLI::App& root, Words& words) {
       *root.add_subcommand("calibrate", "Measure what a profile otherwise assumes, and keep it there");
   command
       .add_option("WHAT", words.calibration,
-                  "bias: 60 s at rest; latency: of the camera; scale: of gyro and servo; orientation: signs")
-      ->check(CLI::IsMember({"bias", "latency", "scale", "orientation"}))
+                  "bias: 60 s at rest; latency: of the camera; scale: of gyro and servo; orientation: signs; "
+                  "check: whether the profile still holds")
+      ->check(CLI::IsMember(std::vector<std::string>(calibration_names.begin(), calibration_names.end())))
       ->required();
   command
       .add_option("--session", calibrate.sessions,
@@ -119,13 +122,14 @@ void add_calibrate(CLI::App& root, Words& words) {
                    "scale: the rig is turned by hand between marks; the image is not asked");
   command.add_option("--angle", calibrate.angle_deg, "scale: degrees between the marks (default 360)")
       ->type_name("DEG");
-  calibrate.record.environment = "calibration";
+  calibrate.record.environment = calibration_environment;
   add_recording_of(command, calibrate.record);
   add_rig(command, calibrate.record.rig);
   command.footer(
       "Examples:\n"
       "  thermorig calibrate latency --rig bench\n"
-      "  thermorig calibrate scale --simulated=3 --fast --save simulated.toml");
+      "  thermorig calibrate scale --simulated=3 --fast --save simulated.toml\n"
+      "  thermorig calibrate check --rig bench");
 }
 
 void add_ports(CLI::App& root, Words& words) {

@@ -58,6 +58,7 @@ struct RecordOptions {
   PageOptions page;
   bool dry_run = false;
   bool preflight = true;  // a rig that is not fit is refused before it moves
+  bool check = false;     // whether the profile still holds is seen before it is recorded with
   bool json = false;
 };
 
@@ -78,7 +79,11 @@ struct LiveOptions {
 };
 
 /// In the order of rig::CalibrationKind.
-inline constexpr std::array<std::string_view, 4> calibration_names{"bias", "latency", "scale", "orientation"};
+inline constexpr std::array<std::string_view, 5> calibration_names{"bias", "latency", "scale", "orientation",
+                                                                   "check"};
+
+/// Where sessions of calibrations are kept, beside the environments.
+inline constexpr const char* calibration_environment = "calibration";
 
 struct CalibrateOptions {
   rig::CalibrationKind kind = rig::CalibrationKind::bias;

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "calibrate_check.h"
 #include "calibrate_sessions.h"
 #include "commands.h"
 #include "print/output.h"
@@ -116,18 +117,8 @@ void ask_for_turn(const CalibrateOptions& options, const rig::SweepPlan& plan) {
   flush_output();
 }
 
-bool worth_measuring(const rig::RecordingResult& result) {
-  return !result.session.empty() && (result.exit == ExitCode::ok || result.exit == ExitCode::finished_lossy);
-}
-
-/// Records the session of the calibration; its path, or the summary's exit code where it ended early.
-struct Recorded {
-  std::filesystem::path session;
-  ExitCode exit = ExitCode::ok;
-  std::optional<Error> unwritten;  // as in RecordSummary
-};
-
-Recorded record_for(const CalibrateOptions& options, ChosenRig rig, const rig::SweepPlan& plan) {
+/// Records the session of the calibration.
+CalibrationRecording record_for(const CalibrateOptions& options, ChosenRig rig, const rig::SweepPlan& plan) {
   const RecordOptions& record = options.record;
   rig::check_plan(plan, rig.profile.servo, rig.profile.camera);
   require_output(record, rig, plan);
@@ -135,11 +126,7 @@ Recorded record_for(const CalibrateOptions& options, ChosenRig rig, const rig::S
     if (rig.simulated) turn_simulated_rig(options, rig);
     if (!record.json && !rig.simulated) ask_for_turn(options, plan);
   }
-  const RecordSummary summary = record_session(record, rig, plan);
-  if (worth_measuring(summary.result)) return {summary.result.session, ExitCode::ok, summary.unwritten};
-  print_summary(summary, record.json);
-  require_told(summary);
-  return {{}, summary.result.exit, {}};
+  return record_calibration(record, rig, plan);
 }
 
 std::string joined(const std::vector<std::filesystem::path>& paths) {
@@ -220,6 +207,7 @@ ExitCode calibrate(const CalibrateOptions& options, const std::vector<std::files
 
 ExitCode run(const CalibrateOptions& options) {
   check_words(options);
+  if (options.kind == CalibrationKind::check) return check_calibration(options);
   const std::filesystem::path path = kept_in(options);
   if (!options.record.rig.profile.empty()) read_named_profile(options.record.rig.profile);
   if (!path.empty()) rig::require_profile_storage(path);
@@ -229,7 +217,7 @@ ExitCode run(const CalibrateOptions& options) {
     refuse_mixture(rig.simulated.has_value(), rig::read_profile(path), path);
   const rig::SweepPlan plan = plan_of(options, rig);
   if (options.record.dry_run) return print_dry_run(options.record, rig, plan);
-  const Recorded recorded = record_for(options, rig, plan);
+  const CalibrationRecording recorded = record_for(options, rig, plan);
   if (recorded.exit != ExitCode::ok) return recorded.exit;
   return calibrate(options, {recorded.session}, recorded.unwritten);
 }

@@ -86,6 +86,7 @@ Checks all_checks(const RecordOptions& options) {
   for (const Check& check : checks_before(options, rig, plan))
     if (!check.name.ends_with(" port")) checks.push_back(check);  // looked at more closely below
   checks.push_back(disk_check(options, rig.profile));
+  checks.push_back(doctor::judge_profile(rig.profile));
   add_rig_checks(options, rig, checks);
   return checks;
 }

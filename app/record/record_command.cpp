@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: MIT
+#include "calibrate_check.h"
 #include "chosen_rig.h"
 #include "commands.h"
 #include "record_checks.h"
@@ -15,6 +16,8 @@ ExitCode run(const RecordOptions& options) {
   if (options.dry_run) return print_dry_run(options, rig, plan);
   rig::check_plan(plan, rig.profile.servo, rig.profile.camera, options.frames_per_window);
   require_output(options, rig, plan);
+  if (options.check)
+    if (const ExitCode exit = check_before_recording(options, rig); exit != ExitCode::ok) return exit;
   const RecordSummary summary = record_session(options, rig, plan);
   print_summary(summary, options.json);
   require_told(summary);

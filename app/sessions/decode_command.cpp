@@ -13,6 +13,7 @@
 #include "print/output.h"
 #include "thermorig/core/auto_zero.h"
 #include "thermorig/core/error.h"
+#include "thermorig/sensors/camera_protocol.h"
 #include "thermorig/sensors/gyro_protocol.h"
 #include "thermorig/sensors/servo_protocol.h"
 

@@ -136,6 +136,98 @@ TEST_F(Calibrate, KeepsSimulatedFiguresOutOfTheProfileOfARealRig) {
   EXPECT_EQ(profile("real.toml").gyro.bias_measured_utc, "");
 }
 
+class CalibrateCheck : public Calibrate {
+ protected:
+  /// A profile of the simulated rig with a camera latency that was measured; `later_s` is added to it.
+  void make_profile(const std::string& name, double later_s) {
+    ASSERT_EQ(run("calibrate latency" + fast + "--save " + name).code, 0);
+    RigProfile measured = profile(name);
+    measured.camera.link.latency_s += later_s;
+    rig::write_profile(folder() / name, measured);
+  }
+};
+
+TEST_F(CalibrateCheck, PrintsALineAConstantAndWritesNoProfile) {
+  make_profile("bench.toml", 0.0);
+  const RigProfile before = profile("bench.toml");
+  const Outcome outcome = run("calibrate check" + fast + "--rig bench.toml");
+  EXPECT_EQ(outcome.code, 0) << outcome.out << outcome.err;
+  for (const char* constant : {"gyro scale", "gyro bias", "gyro filter delay", "camera latency",
+                               "camera rows", "servo scale", "servo at +200 deg/s", "servo clock wander"})
+    EXPECT_THAT(outcome.out, HasSubstr(constant));
+  EXPECT_THAT(outcome.out, HasSubstr("not checked: the profile assumes it: it was never measured"));
+  EXPECT_THAT(outcome.out, HasSubstr("try: thermorig calibrate scale (gyro scale, servo scale)"));
+  EXPECT_EQ(profile("bench.toml").camera.link.latency_measured_utc, before.camera.link.latency_measured_utc);
+  ASSERT_EQ(files(".h5").size(), 2U);
+  EXPECT_THAT(files(".h5")[1].string(), HasSubstr("recordings/calibration/calibration_acq-02_"));
+}
+
+TEST_F(CalibrateCheck, EndsWithACodeOfItsOwnWhereAConstantContradicts) {
+  make_profile("stale.toml", -0.012);
+  const Outcome outcome = run("calibrate check" + fast + "--rig stale.toml");
+  EXPECT_EQ(outcome.code, 9) << outcome.out << outcome.err;
+  EXPECT_THAT(outcome.out, HasSubstr("contradicts: the images come later"));
+  EXPECT_THAT(outcome.out, HasSubstr("try: thermorig calibrate latency (camera latency)"));
+  const Outcome again = run("calibrate check --json --session " + files(".h5")[1].string());
+  EXPECT_EQ(again.code, 9) << again.out << again.err;
+  const auto summary = again.lines().back();
+  EXPECT_EQ(summary["calibration"], "check");
+  EXPECT_EQ(summary["exit_code"], 9);
+  const auto session = summary["sessions"][0];
+  EXPECT_TRUE(session["contradicted"]);
+  for (const auto& constant : session["constants"]) {
+    EXPECT_EQ(constant["verdict"] == "contradicts", constant["name"] == "camera latency") << constant;
+    if (constant["name"] != "camera latency") continue;
+    EXPECT_EQ(constant["unit"], "s");
+    EXPECT_NEAR(constant["session"]["value"].get<double>() - constant["profile"]["value"].get<double>(),
+                0.012, 0.003);
+    EXPECT_EQ(constant["advice"], "thermorig calibrate latency");
+  }
+}
+
+TEST_F(CalibrateCheck, IsRunFirstByARecordingWhichRefusesAStaleProfile) {
+  make_profile("stale.toml", -0.012);
+  const std::string record = "record -e kitchen " + brief_plan + fast + "--rig stale.toml --check";
+  const Outcome refused = run(record);
+  EXPECT_EQ(refused.code, 9) << refused.out << refused.err;
+  EXPECT_THAT(refused.err, HasSubstr("the profile does not hold any more: camera latency"));
+  EXPECT_THAT(refused.err, HasSubstr("try: thermorig calibrate latency"));
+  EXPECT_FALSE(std::filesystem::exists(folder() / "recordings/kitchen"));
+  const Outcome all_the_same = run(record + " --no-preflight --json");
+  EXPECT_EQ(all_the_same.code, 0) << all_the_same.err;
+  EXPECT_TRUE(std::filesystem::exists(folder() / "recordings/kitchen"));
+  int checks = 0;
+  for (const auto& line : all_the_same.lines())
+    if (line["event"] == "check") checks += line["contradicted"].get<bool>() ? 1 : 0;
+  EXPECT_EQ(checks, 1);
+}
+
+TEST_F(CalibrateCheck, LetsARecordingGoOnWhereTheProfileHolds) {
+  make_profile("bench.toml", 0.0);
+  const Outcome outcome = run("record -e kitchen " + brief_plan + fast + "--rig bench.toml --check");
+  EXPECT_EQ(outcome.code, 0) << outcome.out << outcome.err;
+  EXPECT_TRUE(std::filesystem::exists(folder() / "recordings/kitchen"));
+}
+
+TEST_F(CalibrateCheck, IsNamedByTheDoctor) {
+  EXPECT_THAT(run("doctor --simulated=3 --plan quick").out,
+              HasSubstr("no constant of this profile was measured: thermorig calibrate does that"));
+  make_profile("bench.toml", 0.0);
+  const std::string seen = run("doctor --simulated=3 --plan quick --rig bench.toml").out;
+  EXPECT_THAT(seen, HasSubstr("camera latency measured, the oldest on "));
+  EXPECT_THAT(seen, HasSubstr("whether they still hold says thermorig calibrate check"));
+}
+
+TEST_F(CalibrateCheck, RefusesWordsThatWouldDoNothing) {
+  expect_refused("check --save bench.toml" + fast, 2, "writes no profile");
+  expect_refused("check --session missing.h5 --rig bench.toml", 2, "the profile that it was recorded with");
+  expect_refused("check --marks" + fast, 2, "--marks");
+  const Outcome plan = run("calibrate check" + fast + "--dry-run");
+  EXPECT_EQ(plan.code, 0) << plan.err;
+  EXPECT_THAT(plan.out, HasSubstr("plan calibrate-check"));
+  EXPECT_FALSE(std::filesystem::exists(folder() / "recordings"));
+}
+
 TEST_F(Calibrate, RefusesWordsThatContradictEachOther) {
   expect_refused("tempo" + fast, 2, "tempo");
   expect_refused("bias --marks" + fast, 2, "--marks");

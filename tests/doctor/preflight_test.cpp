@@ -274,6 +274,7 @@ TEST(Preflight, JudgesABiasThatWasMeasured) {
   const PreflightReport report = judge(facts, profile);
   ASSERT_EQ(report.violations.size(), 1U);
   EXPECT_EQ(report.violations[0].name, "gyro_bias");
+  EXPECT_THAT(report.violations[0].advice, HasSubstr("until it is warm"));
   facts.rest->mean_dps = 1.9;
   EXPECT_TRUE(judge(facts, profile).passed());
 }

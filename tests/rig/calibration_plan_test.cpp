@@ -2,6 +2,7 @@
 #include <gmock/gmock.h>
 
 #include <cmath>
+#include <set>
 
 #include "simulated_bus.h"
 #include "test_servos.h"
@@ -14,6 +15,10 @@ namespace {
 
 constexpr CalibrationKind kinds[] = {CalibrationKind::bias, CalibrationKind::latency, CalibrationKind::scale,
                                      CalibrationKind::orientation};
+
+constexpr CalibrationKind all_kinds[] = {CalibrationKind::bias, CalibrationKind::latency,
+                                         CalibrationKind::scale, CalibrationKind::orientation,
+                                         CalibrationKind::check};
 
 TEST(CalibrationPlan, CanBeDrivenByEveryServo) {
   for (const ServoProfile& servo :
@@ -68,8 +73,34 @@ TEST(CalibrationPlan, OfTheScaleTurnsMoreThanOnceOrLeavesItToTheOperator) {
   }
 }
 
+TEST(CalibrationPlan, OfTheCheckDrivesTwoSpeedsBothWaysInHalfAMinute) {
+  for (const ServoProfile& servo :
+       {servo_of(2160.0), servo_of(270.0), servo_of(180.0), servo_of(60.0), continuous_servo()}) {
+    const SweepPlan plan = calibration_plan(CalibrationKind::check, servo, CameraProfile{});
+    EXPECT_TRUE(plan.for_calibration);
+    EXPECT_NO_THROW(check_plan(plan, servo, CameraProfile{})) << servo.travel_deg;
+    std::set<double> speeds(plan.leg_rates_dps.begin(), plan.leg_rates_dps.end());
+    ASSERT_EQ(speeds.size(), 4U) << servo.travel_deg;
+    for (const double rate_dps : speeds) EXPECT_TRUE(speeds.contains(-rate_dps)) << servo.travel_deg;
+    EXPECT_GE(plan.opening_rest_s + plan.closing_rest_s, 6.0);
+    EXPECT_LE(plan_duration_s(plan, servo, 8.0), 30.0) << servo.travel_deg;
+  }
+}
+
+TEST(CalibrationPlan, OfTheCheckTurnsMoreThanOnceWhereTheServoCan) {
+  const auto turns_deg = [](const ServoProfile& servo) {
+    const SweepPlan plan = calibration_plan(CalibrationKind::check, servo, CameraProfile{});
+    return plan.leg_rates_dps[0] == plan.leg_rates_dps[1]
+               ? 2.0 * plan.leg_rates_dps[0] * plan.frames_per_leg / CameraProfile{}.output_rate_hz
+               : 0.0;
+  };
+  EXPECT_GE(turns_deg(servo_of(2160.0)), 400.0);
+  EXPECT_GE(turns_deg(continuous_servo()), 400.0);
+  EXPECT_EQ(turns_deg(servo_of(270.0)), 0.0);
+}
+
 TEST(CalibrationPlan, TextGivesTheSamePlanBack) {
-  for (const CalibrationKind kind : kinds) {
+  for (const CalibrationKind kind : all_kinds) {
     const SweepPlan plan = calibration_plan(kind, servo_of(180.0), CameraProfile{});
     const SweepPlan again = parse_plan(to_toml(plan), "stored", 0);
     EXPECT_TRUE(again.for_calibration);
@@ -81,7 +112,7 @@ TEST(CalibrationPlan, TextGivesTheSamePlanBack) {
 }
 
 TEST(CalibrationPlan, IsDrivenToItsEnd) {
-  for (const CalibrationKind kind : kinds) {
+  for (const CalibrationKind kind : all_kinds) {
     const TemporaryFolder folder;
     auto config = simulation::default_rig(4, "kitchen");
     config.profile.servo.travel_deg = 180.0;

@@ -70,7 +70,8 @@ ExposedTurn GyroPath::over(double begin_s, double end_s) const {
   turn.mean_deg = turn.begin_deg + mean_deg;
   turn.variance_deg2 = squares_deg2 / points - mean_deg * mean_deg;
   turn.covariance = products / points;
-  const double third_s = (end_s - begin_s) * (points / 3 + 0.5) / points;
+  constexpr int third = points / 3;
+  const double third_s = (end_s - begin_s) * (third + 0.5) / points;
   turn.change_dps = (turn.end_deg - turn.begin_deg - last_deg) / third_s - first_deg / third_s;
   return turn;
 }

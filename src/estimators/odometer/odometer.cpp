@@ -325,14 +325,12 @@ void Odometer::Parts::go_through(Tracker& tracker) {
 void Odometer::Parts::take_over(double now_s) {
   std::swap(front, back);
   mean_nis = pass_nis;
-  if (mean_nis > nis_lost)
+  const bool is_over = is_start_over(now_s);
+  const bool is_settled = has_settled() || (pass >= most_passes && mean_nis < nis_fits);
+  if (mean_nis > nis_lost || (is_over && !is_settled))
     learn_again();
-  else if (!is_start_over(now_s))
-    phase = Phase::learning;
-  else if (has_settled() || (pass >= most_passes && mean_nis < nis_fits))
-    phase = Phase::running;
   else
-    learn_again();
+    phase = is_over ? Phase::running : Phase::learning;
 }
 
 void Odometer::Parts::learn_of(const HalfResult& result, double& mean) {

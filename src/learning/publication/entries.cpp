@@ -19,7 +19,7 @@ namespace fs = std::filesystem;
 using dataset::ListedSession;
 
 std::string path_within(const fs::path& folder, const fs::path& file) {
-  const std::string path = file.lexically_relative(folder).generic_string();
+  std::string path = file.lexically_relative(folder).generic_string();
   const bool is_simple = std::none_of(path.begin(), path.end(),
                                       [](char c) { return (c >= 0 && c < ' ') || c == '\\' || c == 127; });
   if (is_simple && !path.empty()) return path;

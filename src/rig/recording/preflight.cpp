@@ -133,11 +133,13 @@ void judge_rest(const PreflightRest& rest, const GyroProfile& gyro, const Prefli
   const double limit_dps = limits.bias_deviations * gyro.bias_uncertainty_dps;
   if (!rest.zeroes_itself && !gyro.bias_measured_utc.empty() &&
       off_dps > std::max(limit_dps, limits.swing_dps))
-    found.push_back({"gyro_bias", Device::gyro,
-                     fmt::format("the gyro shows {:.2f} deg/s at rest, its bias was measured as {:.2f}",
-                                 rest.mean_dps, gyro.bias_dps),
-                     fmt::format("within {:.2f} deg/s of it", std::max(limit_dps, limits.swing_dps)),
-                     "let the rig stand still; thermorig calibrate bias if it does"});
+    found.push_back(
+        {"gyro_bias", Device::gyro,
+         fmt::format("the gyro shows {:.2f} deg/s at rest, its bias was measured as {:.2f}", rest.mean_dps,
+                     gyro.bias_dps),
+         fmt::format("within {:.2f} deg/s of it", std::max(limit_dps, limits.swing_dps)),
+         "let the rig stand still; a gyro that was switched on just now has another bias until it is "
+         "warm: wait some minutes; then thermorig calibrate bias"});
 }
 
 void warn_of_rest(const PreflightRest& rest, Violations& warnings) {

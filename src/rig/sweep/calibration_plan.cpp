@@ -19,6 +19,13 @@ constexpr double slow_sweep_s = 3.0;
 constexpr int slow_sweeps = 4;
 constexpr double turn_deg = 420.0;  // the picture closes after 360: the rest overlaps
 constexpr double turn_rate_dps = 40.0;
+constexpr double check_rest_s = 4.0;  // seven spectra of the gyro's noise, with the closing one
+constexpr double check_end_s = 2.0;
+constexpr double check_leg_s = 3.0;
+constexpr double check_slow_dps = 75.0;   // two legs of it are more than a turn, and images are still sharp
+constexpr double check_fast_dps = 200.0;  // as fast as the paper's plan
+constexpr double check_slow_share = 0.4;  // of the fast speed, where that is lower
+constexpr double check_sweep_s = 1.0;     // a shaft has settled for half of that
 
 int frames_in(double duration_s, const CameraProfile& camera) {
   return std::max(2, static_cast<int>(std::lround(duration_s * camera.output_rate_hz)));
@@ -80,6 +87,25 @@ SweepPlan scale_plan(const ServoProfile& servo, const CameraProfile& camera) {
   return plan;
 }
 
+// The slow speed first: the fast one is held against what it reaches. Two legs of it in a row are a
+// turn, and images tell it more surely there and back.
+SweepPlan check_plan_of(const ServoProfile& servo, const CameraProfile& camera) {
+  SweepPlan plan = moving_plan("calibrate-check", frames_in(check_leg_s, camera));
+  plan.opening_rest_s = check_rest_s;
+  plan.closing_rest_s = check_end_s;
+  const double fast_dps =
+      std::floor(std::min({check_fast_dps, speed_limit_dps(servo), stroke_deg(servo) / check_sweep_s}));
+  const double slow_dps = std::min(check_slow_dps, check_slow_share * fast_dps);
+  const double two_legs_deg =
+      leg_travel_deg(slow_dps, 2 * plan.frames_per_leg, camera.output_rate_hz, servo.acceleration_dps2);
+  if (slow_dps == check_slow_dps && two_legs_deg <= stroke_deg(servo))
+    plan.leg_rates_dps = {slow_dps, slow_dps, -slow_dps, -slow_dps};
+  else
+    plan.leg_rates_dps = {slow_dps, -slow_dps};
+  plan.leg_rates_dps.insert(plan.leg_rates_dps.end(), {fast_dps, -fast_dps});
+  return plan;
+}
+
 }  // namespace
 
 SweepPlan calibration_plan(CalibrationKind kind, const ServoProfile& servo, const CameraProfile& camera) {
@@ -90,6 +116,8 @@ SweepPlan calibration_plan(CalibrationKind kind, const ServoProfile& servo, cons
       return orientation_plan(servo, camera);
     case CalibrationKind::scale:
       return scale_plan(servo, camera);
+    case CalibrationKind::check:
+      return check_plan_of(servo, camera);
     case CalibrationKind::bias:
       break;
   }

@@ -5,6 +5,7 @@
 #include <functional>
 #include <vector>
 
+#include "thermorig/core/profile.h"
 #include "thermorig/core/time.h"
 #include "thermorig/io/files/disk.h"
 #include "thermorig/rig/doctor/check.h"
@@ -33,6 +34,10 @@ DiskSpeed measure_disk(files::Disk& disk, const std::filesystem::path& folder,
 
 /// `needed_bytes_per_s`: what a recording writes.
 Check judge_disk(const DiskSpeed& speed, double needed_bytes_per_s);
+
+/// Which constants of a profile were measured, and since when the oldest of them has stood. Whether they
+/// still hold only motion tells: it names the command.
+Check judge_profile(const RigProfile& profile);
 
 /// The figures of the preflight check, a line a device and one for the rest; what only a doctor says
 /// (warm-up, brown-out) as warnings.

@@ -1,0 +1,154 @@
+// SPDX-License-Identifier: MIT
+#include "thermorig/rig/calibration/check.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "calibrated_rig.h"
+#include "thermorig/rig/calibration/calibration.h"
+
+namespace thermorig::calibration {
+namespace {
+
+using rig::CalibrationKind;
+using test::plan_for;
+using test::record;
+using test::rig_with;
+using ::testing::HasSubstr;
+
+constexpr const char* yesterday = "2026-07-25T14:35:12Z";
+
+/// A rig that was calibrated with all that a winch allows; other servos know the gyro's scale from a winch.
+simulation::VirtualRigConfig calibrated_rig(std::uint64_t seed, const std::string& servo = "winch") {
+  auto config = rig_with(seed);
+  RigProfile& profile = config.profile;
+  apply(measure_scale(record(config, plan_for(CalibrationKind::scale, config)).session), yesterday, profile);
+  apply(measure_latency(record(config, plan_for(CalibrationKind::latency, config)).session), yesterday,
+        profile);
+  apply(measure_bias(record(config, plan_for(CalibrationKind::bias, config)).session), yesterday, profile);
+  if (servo == "winch") return config;
+  auto other = rig_with(seed, servo);
+  other.profile.gyro = profile.gyro;
+  other.profile.camera = profile.camera;
+  return other;
+}
+
+std::vector<CheckedConstant> checked(const simulation::VirtualRigConfig& config) {
+  return check_constants(record(config, plan_for(CalibrationKind::check, config)).session);
+}
+
+const CheckedConstant& constant(const std::vector<CheckedConstant>& constants, const std::string& name) {
+  static const CheckedConstant none;
+  for (const CheckedConstant& one : constants)
+    if (one.name == name) return one;
+  ADD_FAILURE() << "no constant " << name;
+  return none;
+}
+
+std::string text(const CheckedConstant& one) {
+  const auto value = [](const std::optional<Estimate>& estimate) {
+    return estimate ? std::to_string(estimate->value) + " +- " + std::to_string(estimate->uncertainty) : "-";
+  };
+  return one.name + ": " + value(one.profile) + " | " + value(one.session) + " | " +
+         std::string(name_of(one.verdict)) + " " + one.why;
+}
+
+std::vector<std::string> contradicted(const std::vector<CheckedConstant>& constants) {
+  std::vector<std::string> names;
+  for (const CheckedConstant& one : constants)
+    if (one.verdict == ConstantVerdict::contradicts) names.push_back(one.name);
+  return names;
+}
+
+void expect_sound(std::uint64_t seed, const std::string& servo, const std::vector<std::string>& holding) {
+  const auto constants = checked(calibrated_rig(seed, servo));
+  for (const CheckedConstant& one : constants)
+    EXPECT_NE(one.verdict, ConstantVerdict::contradicts) << servo << seed << " " << text(one);
+  for (const std::string& name : holding)
+    EXPECT_EQ(constant(constants, name).verdict, ConstantVerdict::holds)
+        << servo << seed << " " << text(constant(constants, name));
+}
+
+TEST(CheckConstants, ASoundProfileHolds) {
+  for (const std::uint64_t seed : {1, 2, 3, 4, 5})
+    expect_sound(seed, "winch",
+                 {"gyro scale", "gyro bias", "gyro filter delay", "camera latency", "camera rows",
+                  "servo scale", "servo at +200 deg/s", "servo at -75 deg/s"});
+}
+
+TEST(CheckConstants, ASoundProfileOfOtherServosHoldsAsFarAsItCanBeChecked) {
+  expect_sound(1, "continuous", {"gyro scale", "gyro bias", "camera latency", "servo at +200 deg/s"});
+  expect_sound(1, "270", {"gyro bias", "gyro filter delay", "camera latency", "servo at +200 deg/s"});
+}
+
+TEST(CheckConstants, AScaleThatChangedContradictsAndNamesItsCommand) {
+  auto config = calibrated_rig(2);
+  config.profile.gyro.scale *= 1.03;
+  const auto constants = checked(config);
+  EXPECT_EQ(contradicted(constants), std::vector<std::string>{"gyro scale"});
+  EXPECT_EQ(constant(constants, "gyro scale").advice, "thermorig calibrate scale");
+  EXPECT_NEAR(constant(constants, "gyro scale").session->value, config.profile.gyro.scale / 1.03, 0.005);
+}
+
+TEST(CheckConstants, AFilterThatTheProfileDeniesContradicts) {
+  auto config = calibrated_rig(2);
+  config.world.gyro.bandwidth_hz = 20.0;
+  const auto constants = checked(config);
+  EXPECT_EQ(contradicted(constants), std::vector<std::string>{"gyro filter delay"});
+  const CheckedConstant& filter = constant(constants, "gyro filter delay");
+  EXPECT_NEAR(filter.session->value, 0.225 / 20.0, 0.004);
+  EXPECT_THAT(filter.advice, HasSubstr("bandwidth_hz"));
+}
+
+TEST(CheckConstants, ACameraThatComesLaterContradictsAndNamesItsCommand) {
+  auto config = calibrated_rig(2);
+  config.world.camera.extra_latency_ms = 12.0;
+  const auto constants = checked(config);
+  EXPECT_EQ(contradicted(constants), std::vector<std::string>{"camera latency"});
+  const CheckedConstant& latency = constant(constants, "camera latency");
+  EXPECT_NEAR(latency.session->value - latency.profile->value, 0.012, 0.003);
+  EXPECT_EQ(latency.advice, "thermorig calibrate latency");
+  EXPECT_THAT(latency.why, HasSubstr("later"));
+}
+
+TEST(CheckConstants, AWeakServoIsNamedWithWhatItReaches) {
+  auto config = calibrated_rig(2);
+  config.world.servo.top_speed_dps = 180.0;
+  const auto constants = checked(config);
+  EXPECT_EQ(contradicted(constants),
+            (std::vector<std::string>{"servo at -200 deg/s", "servo at +200 deg/s"}));
+  const CheckedConstant& fast = constant(constants, "servo at +200 deg/s");
+  EXPECT_NEAR(fast.session->value, 180.0, 3.0);
+  EXPECT_THAT(fast.why, HasSubstr("weak supply, load or servo"));
+  EXPECT_EQ(constant(constants, "servo at +75 deg/s").verdict, ConstantVerdict::holds);
+}
+
+TEST(CheckConstants, WithoutAWholeTurnTheScaleIsNotChecked) {
+  const auto constants = checked(calibrated_rig(3, "180"));
+  const CheckedConstant& scale = constant(constants, "gyro scale");
+  EXPECT_EQ(scale.verdict, ConstantVerdict::not_checked);
+  EXPECT_THAT(scale.why, HasSubstr("no turn closes"));
+  EXPECT_EQ(scale.advice, "thermorig calibrate scale");
+  EXPECT_FALSE(scale.session);
+}
+
+TEST(CheckConstants, WhatWasNeverMeasuredIsSaidToBeAnAssumption) {
+  const auto constants = checked(rig_with(1));
+  EXPECT_FALSE(is_contradicted(constants));
+  for (const char* name : {"gyro scale", "gyro bias", "camera latency", "servo scale"}) {
+    EXPECT_EQ(constant(constants, name).verdict, ConstantVerdict::not_checked) << name;
+    EXPECT_THAT(constant(constants, name).why, HasSubstr("never measured")) << name;
+    EXPECT_THAT(constant(constants, name).advice, HasSubstr("thermorig calibrate")) << name;
+    EXPECT_TRUE(constant(constants, name).session) << name;
+  }
+}
+
+TEST(CheckConstants, AnEmptySessionChecksNothing) {
+  for (const CheckedConstant& one : check_constants(session::Session()))
+    EXPECT_EQ(one.verdict, ConstantVerdict::not_checked) << text(one);
+}
+
+}  // namespace
+}  // namespace thermorig::calibration
