@@ -112,7 +112,8 @@ TEST_F(Export, MakesFilesOfASessionBesideEachOtherAndOverwritesNone) {
     endings += file.substr(file.find("Z")) + " ";
   }
   EXPECT_EQ(endings,
-            "Z-nf2-nr1.npz Z-samples.csv Z-shaft.tum Z-gyro.tum Z-gyro-rest.tum Z-gyro-kalman.tum Z-odometer.tum Z.mcap ");
+            "Z-nf2-nr1.npz Z-samples.csv Z-shaft.tum Z-gyro.tum Z-gyro-rest.tum Z-gyro-kalman.tum "
+            "Z-odometer.tum Z.mcap ");
   EXPECT_TRUE(files(".part").empty());
   const Outcome again = run("export " + session + " --npz=rows --mcap -o made/of/it");
   EXPECT_EQ(again.code, 7);
