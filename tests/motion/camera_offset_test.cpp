@@ -54,6 +54,28 @@ Errors errors_over_seeds(unsigned seeds, double rate_dps, double leg_s) {
   return errors;
 }
 
+TEST(CameraOffset, RowsThatAreReadOneAfterTheOtherAreSeenAndTheTimeIsThatOfTheMiddleOnes) {
+  constexpr double refresh_s = 0.125;
+  for (const double share : {-0.125, 0.125}) {
+    auto config = simulation::default_rig(3, "kitchen");
+    config.world.camera.rolling_rows = share;
+    const CameraOffset found = offset_of(turn(config, back_and_forth(100.0, 1.5, 62.0), 62.0));
+    ASSERT_TRUE(found.offset_s && found.row_delay_s) << found.why_not;
+    EXPECT_TRUE(are_rows_apart(found));
+    EXPECT_NEAR(found.row_delay_s->value, share * refresh_s / 24.0, 4.0 * found.row_delay_s->uncertainty);
+    EXPECT_LT(found.row_delay_s->uncertainty, 0.3 * refresh_s / 8.0 / 24.0);
+    EXPECT_NEAR(found.offset_s->value, 0.0, 0.004);
+  }
+}
+
+TEST(CameraOffset, RowsThatAreReadTogetherAreNotSaidToBeApart) {
+  for (unsigned seed = 1; seed <= 4; ++seed) {
+    const CameraOffset found = offset_of(
+        turn(simulation::default_rig(seed, environment_of(seed)), back_and_forth(100.0, 1.5, 62.0), 62.0));
+    EXPECT_FALSE(are_rows_apart(found)) << seed;
+  }
+}
+
 TEST(CameraOffset, IsKnownToAMillisecondAfterAMinuteOfSweepsWithAnHonestUncertainty) {
   const Errors errors = errors_over_seeds(25, 100.0, 1.5);
   EXPECT_LT(errors.rms(), 0.001);
