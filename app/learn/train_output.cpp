@@ -7,6 +7,7 @@
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
+#include "print/number_json.h"
 #include "print/output.h"
 #include "session_data.h"
 #include "train_text.h"
@@ -148,7 +149,7 @@ class JsonTrainOutput final : public TrainOutput {
                           {"simulated", end.result.model.provenance.simulated},
                           {"seconds", end.seconds},
                           {"warnings", warnings_of(end)}};
-    object["model"] = end.model.empty() ? nlohmann::json() : nlohmann::json(end.model);
+    object["model"] = text_json(end.model);
     if (end.fits != nullptr) object["training"] = json_of(end.fits->training, config_);
     if (end.fits != nullptr && end.fits->held_out) object["held_out"] = json_of(*end.fits->held_out, config_);
     print_json(object);

@@ -262,7 +262,7 @@ nlohmann::json ended_message(const LiveEnd& end) {
           {"exit", end.exit},
           {"message", end.message},
           {"advice", end.advice},
-          {"session", end.session.empty() ? nlohmann::json() : nlohmann::json(end.session)}};
+          {"session", text_json(end.session)}};
 }
 
 }  // namespace thermorig::app

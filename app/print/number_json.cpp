@@ -25,4 +25,8 @@ nlohmann::json number_json(const std::optional<double>& value) {
   return value ? number_json(*value) : nlohmann::json();
 }
 
+nlohmann::json text_json(const std::string& text) {
+  return text.empty() ? nlohmann::json() : nlohmann::json(text);
+}
+
 }  // namespace thermorig::app

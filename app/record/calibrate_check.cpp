@@ -65,10 +65,6 @@ nlohmann::json estimate_or_null(const std::optional<Estimate>& estimate) {
   return {{"value", number_json(estimate->value)}, {"uncertainty", number_json(estimate->uncertainty)}};
 }
 
-nlohmann::json text_or_null(const std::string& text) {
-  return text.empty() ? nlohmann::json() : nlohmann::json(text);
-}
-
 nlohmann::json constants_json(const std::filesystem::path& session, const Constants& constants) {
   nlohmann::json list = nlohmann::json::array();
   for (const CheckedConstant& one : constants)
@@ -77,8 +73,8 @@ nlohmann::json constants_json(const std::filesystem::path& session, const Consta
                     {"profile", estimate_or_null(one.profile)},
                     {"session", estimate_or_null(one.session)},
                     {"verdict", std::string(name_of(one.verdict))},
-                    {"why", text_or_null(one.why)},
-                    {"advice", text_or_null(one.advice)}});
+                    {"why", text_json(one.why)},
+                    {"advice", text_json(one.advice)}});
   return {{"session", session.string()},
           {"contradicted", calibration::is_contradicted(constants)},
           {"constants", list}};

@@ -7,6 +7,7 @@
 #include "calibrate_check.h"
 #include "calibrate_sessions.h"
 #include "commands.h"
+#include "print/number_json.h"
 #include "print/output.h"
 #include "profile_path.h"
 #include "record_checks.h"
@@ -163,7 +164,7 @@ void print_result_json(const CalibrateOptions& options, const MeasuredSessions& 
   object["event"] = "summary";
   object["calibration"] = name_of(options.kind);
   object["measured_utc"] = measured.measured_utc;
-  object["profile"] = kept.empty() ? nlohmann::json() : nlohmann::json(kept.string());
+  object["profile"] = text_json(kept.string());
   object["sessions"] = nlohmann::json::array();
   for (const auto& path : measured.paths) object["sessions"].push_back(path.string());
   object["skipped"] = nlohmann::json::array();

@@ -5,6 +5,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "print/number_json.h"
 #include "print/output.h"
 
 namespace thermorig::app {
@@ -90,7 +91,7 @@ std::string words_of(const OrientationResult& result, const RigProfile& before) 
 
 nlohmann::json measured(double value, double uncertainty, const std::string& utc) {
   nlohmann::json object{{"value", value}, {"uncertainty", uncertainty}};
-  object["measured_utc"] = utc.empty() ? nlohmann::json() : nlohmann::json(utc);
+  object["measured_utc"] = text_json(utc);
   return object;
 }
 
@@ -141,7 +142,7 @@ nlohmann::json object_of(const OrientationResult& result, const RigProfile& befo
   object["result"]["correlation"] = result.correlation;
   object["result"]["contrast"] = result.contrast;
   const std::string& utc = before.camera.orientation_measured_utc;
-  object["before"]["measured_utc"] = utc.empty() ? nlohmann::json() : nlohmann::json(utc);
+  object["before"]["measured_utc"] = text_json(utc);
   return object;
 }
 

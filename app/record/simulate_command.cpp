@@ -6,6 +6,7 @@
 
 #include "chosen_rig.h"
 #include "commands.h"
+#include "print/number_json.h"
 #include "print/output.h"
 #include "thermorig/rig/profile/profile_file.h"
 #include "thermorig/rig/recording/session_file.h"
@@ -41,7 +42,7 @@ void announce(const SimulateOptions& options, const simulation::VirtualRigConfig
         {"event", "ready"}, {"seed", options.seed}, {"environment", options.environment},
         {"scene", scene},   {"world", world},       {"firmware", ports.firmware_description()}};
     for (Device device : all_devices) object[std::string(name_of(device))] = paths[device];
-    object["profile"] = options.profile.empty() ? nlohmann::json() : nlohmann::json(options.profile);
+    object["profile"] = text_json(options.profile);
     print_json(object);
     return;
   }

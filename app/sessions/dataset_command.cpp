@@ -7,6 +7,7 @@
 
 #include "commands.h"
 #include "existing_file.h"
+#include "print/number_json.h"
 #include "print/output.h"
 #include "print/reading_progress.h"
 #include "thermorig/io/files/whole_file.h"
@@ -78,7 +79,7 @@ ExitCode build(const DatasetOptions& options) {
                           {"simulated", simulated},
                           {"folds", publication::leave_one_out(entries).size()},
                           {"files", nlohmann::json::array()}};
-    object["licence"] = licence.empty() ? nlohmann::json() : nlohmann::json(licence);
+    object["licence"] = text_json(licence);
     for (const Description& description : descriptions) object["files"].push_back(description.name);
     print_json(object);
     return ExitCode::ok;

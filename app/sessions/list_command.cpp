@@ -11,6 +11,7 @@
 #include "commands.h"
 #include "print/error_output.h"
 #include "print/inspect_text.h"
+#include "print/number_json.h"
 #include "print/output.h"
 #include "print/reading_progress.h"
 #include "thermorig/learning/dataset/session_list.h"
@@ -83,7 +84,10 @@ std::string date_text(const std::string& start_time_utc) {
 std::string notes_text(const std::vector<std::string>& notes) {
   constexpr std::size_t most = 48;
   const std::string text = printable(fmt::format("{}", fmt::join(notes, "; ")));
-  return text.size() <= most ? text : text.substr(0, most - 3) + "...";
+  if (text.size() <= most) return text;
+  std::size_t end = most - 3;
+  while (end > 0 && (static_cast<unsigned char>(text[end]) & 0xC0U) == 0x80U) --end;  // within a character
+  return text.substr(0, end) + "...";
 }
 
 std::string table_of(const std::vector<ListedSession>& sessions) {
@@ -145,7 +149,7 @@ nlohmann::json object_of(const ListedSession& session) {
                  {"licence", header.licence},
                  {"notes", session.notes}});
   const std::string world = dataset::world_of(header);
-  object["world"] = world.empty() ? nlohmann::json() : nlohmann::json(world);
+  object["world"] = text_json(world);
   return object;
 }
 

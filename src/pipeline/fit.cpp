@@ -84,12 +84,12 @@ void check_constant_delay(const std::optional<double>& round_trip_s, PortProfile
 }
 
 PerDevice<ClockFit> fit_clocks(const RawRecording& raw, Streams& streams, const CameraRhythm& rhythm) {
-  auto [camera, gyro, servo] =
-      std::tuple(raw.header.profile.camera, raw.header.profile.gyro, raw.header.profile.servo);
+  RigProfile profile = raw.header.profile;
   const auto round_trip_s = shortest_round_trip_s(
-      ping_exchanges(raw.received[Device::servo], raw.sent[Device::servo], streams, servo.link.baud));
-  check_constant_delay(round_trip_s, camera.link);
-  check_constant_delay(round_trip_s, gyro.link);
+      ping_exchanges(raw.received[Device::servo], raw.sent[Device::servo], streams, profile.servo.link.baud));
+  check_constant_delay(round_trip_s, profile.camera.link);
+  check_constant_delay(round_trip_s, profile.gyro.link);
+  const auto& [camera, gyro, servo] = std::tie(profile.camera, profile.gyro, profile.servo);
   PerDevice<ClockFit> clocks;
   const auto has_gaps = rhythm.gaps.size() == streams.frames.size();
   clocks[Device::camera] =

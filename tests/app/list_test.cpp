@@ -49,6 +49,16 @@ TEST_F(List, ShowsEverySessionOfAFolderByEnvironmentAndNumber) {
   EXPECT_THAT(listed(""), ElementsAre("garden 1", "kitchen 1", "kitchen 2"));
 }
 
+TEST_F(List, CutsALongNoteBetweenCharacters) {
+  std::string umlauts;
+  for (int i = 0; i < 60; ++i) umlauts += "ü";
+  record("-e garden --note " + umlauts);
+  record("-e garden --note x" + umlauts);  // of two such texts a cut in bytes splits a character of one
+  const Outcome outcome = run("list");
+  EXPECT_THAT(outcome.out, HasSubstr("ü..."));
+  EXPECT_THAT(outcome.out, Not(HasSubstr("\\xC3"))) << "half a character, as it is shown";
+}
+
 TEST_F(List, IsSortedAndChosenFromAsIsAskedFor) {
   record_three();
   EXPECT_THAT(listed("--sort date"), ElementsAre("kitchen 1", "kitchen 2", "garden 1"));

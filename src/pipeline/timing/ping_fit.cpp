@@ -214,6 +214,25 @@ void fit_epoch(const EpochData& data, std::span<const std::int64_t> mcu_us, cons
   report.add_wander(is_bounded ? sure_wander : 0.0);
 }
 
+/// Fits an epoch. What may belong to it or to the one before it keeps the times of that one, within bounds
+/// that hold for the clocks of both.
+void fit_after(const EpochData& before, const EpochData& data, std::span<const std::int64_t> mcu_us,
+               const PortProfile& link, PingFit& fit, PingReport& report) {
+  const std::vector<Doubtful> doubtful = doubtful_at_end(before, data, mcu_us);
+  if (doubtful.empty()) return fit_epoch(data, mcu_us, link, fit, report);
+  EpochData both = data;
+  std::vector<TimeEstimate> times;
+  for (const Doubtful& one : doubtful) {
+    times.push_back(fit.times[one.index]);
+    both.asked.push_back(one.index);
+  }
+  fit_epoch(both, mcu_us, link, fit, report);
+  for (std::size_t i = 0; i < doubtful.size(); ++i) {
+    allow_for(fit.times[doubtful[i].index], doubtful[i].not_after, times[i]);
+    fit.times[doubtful[i].index] = times[i];
+  }
+}
+
 }  // namespace
 
 PingFit fit_pings(std::span<const std::int64_t> mcu_us, std::span<const PingExchange> exchanges,
@@ -230,21 +249,8 @@ PingFit fit_pings(std::span<const std::int64_t> mcu_us, std::span<const PingExch
   for (const std::size_t place : place_of_sent) epoch_of_sent.push_back(epoch_of[place]);
   EpochFinder finder(sent, epoch_of_sent);
   for (std::size_t i = 0; i < mcu_us.size(); ++i) epochs[finder.find(mcu_us[i])].asked.push_back(i);
-  for (std::size_t i = 0; i < epochs.size(); ++i) {
-    std::vector<Doubtful> doubtful;
-    if (i > 0) doubtful = doubtful_at_end(epochs[i - 1], epochs[i], mcu_us);
-    std::vector<TimeEstimate> before;
-    for (const Doubtful& one : doubtful) {
-      before.push_back(fit.times[one.index]);
-      epochs[i].asked.push_back(one.index);
-    }
-    fit_epoch(epochs[i], mcu_us, link, fit, report);
-    for (std::size_t k = 0; k < doubtful.size(); ++k) {
-      allow_for(fit.times[doubtful[k].index], doubtful[k].not_after, before[k]);
-      fit.times[doubtful[k].index] = before[k];
-    }
-    epochs[i].asked.resize(epochs[i].asked.size() - doubtful.size());
-  }
+  for (std::size_t i = 0; i < epochs.size(); ++i)
+    fit_after(i > 0 ? epochs[i - 1] : EpochData(), epochs[i], mcu_us, link, fit, report);
   fit.report = report.finish(mcu_us, fit.times, !exchanges.empty());
   return fit;
 }

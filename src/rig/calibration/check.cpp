@@ -151,8 +151,7 @@ std::string latency_cause(const session::Session& session) {
            "measured";
   if (session.sync.camera_offset.offset_s->value < 0.0)
     return "the images come earlier against the gyro: its filter was set narrower, or the camera's bridge "
-           "has "
-           "other firmware";
+           "has other firmware";
   return "the images come later against the gyro: the camera's bridge or its settings, or the gyro's filter "
          "was set wider";
 }
@@ -265,7 +264,7 @@ CheckedConstant clock_of(const session::Session& session, Device device) {
   constant.verdict = ConstantVerdict::holds;
   if (clock.wander_ppm <= constant.profile->value) return constant;
   constant.verdict = ConstantVerdict::contradicts;
-  constant.why = "the clock wanders further than the bounds of its times allow for";
+  constant.why = "the clock wanders further than the profile says";
   constant.advice = fmt::format("a larger wander_ppm in [{}] of the profile; then thermorig calibrate check",
                                 name_of(device));
   return constant;

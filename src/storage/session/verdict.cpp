@@ -79,15 +79,10 @@ void judge_events(const Session& session, Verdict& verdict) {
   if (session.state == State::partial) verdict.usable("stopped before the plan was complete");
 }
 
-const PortProfile& link_of(const RigProfile& profile, Device device) {
-  if (device == Device::camera) return profile.camera.link;
-  return device == Device::gyro ? profile.gyro.link : profile.servo.link;
-}
-
 /// What the session says of a clock that is known less well than others are.
 std::string why_uncertain(const Session& session, Device device) {
   const ClockReport& clock = session.sync.clock[device];
-  if (!(clock.wander_ppm > link_of(session.raw.header.profile, device).wander_ppm)) return "";
+  if (!(clock.wander_ppm > session.raw.header.profile.link(device).wander_ppm)) return "";
   return fmt::format(
       ": its clock and the host's wander by {:.0f} ppm (a resonator, or NTP that slews the host's clock)",
       clock.wander_ppm);
@@ -99,7 +94,7 @@ void judge_links(const Session& session, Verdict& verdict) {
   double delay_s = 0.0;
   for (const Device device : {Device::camera, Device::gyro}) {
     const ClockReport& clock = session.sync.clock[device];
-    const double stated_s = link_of(session.raw.header.profile, device).largest_constant_delay_s;
+    const double stated_s = session.raw.header.profile.link(device).largest_constant_delay_s;
     if (clock.method.empty() || clock.largest_constant_delay_s <= stated_s) continue;
     names += (names.empty() ? "" : " and the ") + std::string(name_of(device));
     delay_s = clock.largest_constant_delay_s;
