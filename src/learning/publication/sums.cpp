@@ -41,7 +41,7 @@ std::map<std::string, std::string> read_sums(const fs::path& path) {
   std::ifstream file(path, std::ios::binary);
   if (!file)
     throw Error(ExitCode::bad_usage, "the folder has no check sums of a data set", path.string(),
-                "thermorig dataset build " + path.parent_path().string());
+                "thermorig dataset build " + path.parent_path().string() + " --title TEXT");
   if (fs::file_size(path) > bytes_max) refuse_sums(path, "of more than 64 MiB");
   std::map<std::string, std::string> sums;
   for (std::string line; std::getline(file, line);) {
