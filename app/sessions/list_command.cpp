@@ -83,7 +83,7 @@ std::string date_text(const std::string& start_time_utc) {
 
 std::string notes_text(const std::vector<std::string>& notes) {
   constexpr std::size_t most = 48;
-  const std::string text = printable(fmt::format("{}", fmt::join(notes, "; ")));
+  std::string text = printable(fmt::format("{}", fmt::join(notes, "; ")));
   if (text.size() <= most) return text;
   std::size_t end = most - 3;
   while (end > 0 && (static_cast<unsigned char>(text[end]) & 0xC0U) == 0x80U) --end;  // within a character
