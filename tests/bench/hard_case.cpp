@@ -71,6 +71,11 @@ json stated_json(const session::Session& session) {
                  {"residual_dps", sync.servo.residual_dps},
                  {"camera_latency_ms",
                   {1e3 * profile.camera.link.latency_s, 1e3 * profile.camera.link.latency_uncertainty_s}}};
+  stated["ripples"] = json::array();
+  for (const ServoResponse::Ripple& ripple : sync.servo.ripples)
+    stated["ripples"].push_back({{"period_deg", ripple.period_deg},
+                                 {"forward", std::hypot(ripple.forward_cosine, ripple.forward_sine)},
+                                 {"backward", std::hypot(ripple.backward_cosine, ripple.backward_sine)}});
   if (sync.camera_offset.offset_s)
     stated["camera_offset_ms"] = {1e3 * sync.camera_offset.offset_s->value,
                                   1e3 * sync.camera_offset.offset_s->uncertainty};
@@ -89,6 +94,9 @@ void add_session(const bench::HardRecording& made, json& object) {
   object["warnings"] = said_json(session);
   object["reasons"] = made.result.quality.reason_counts;
   object["stated"] = stated_json(session);
+  object["speeds_without_frames_dps"] = json::array();
+  for (const session::Quality::Speed& speed : made.result.quality.speeds)
+    if (speed.valid == 0) object["speeds_without_frames_dps"].push_back(speed.rate_dps);
   const auto gyro_scale = bench::true_gyro_scale(session, rig);
   object["true_gyro_scale"] = gyro_scale ? json(*gyro_scale) : json();
   const bench::LabelErrors labels = bench::label_errors(session, rig);

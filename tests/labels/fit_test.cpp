@@ -266,6 +266,63 @@ TEST(BiasCourse, IsNoneWhereTheBiasStays) {
   EXPECT_EQ(bias_dps_at(errors, recording.gyro.back().stamp.time), errors.bias_dps->value);
 }
 
+/// What a ripple's sizes are, forward and backward.
+std::pair<double, double> sizes(const ServoResponse::Ripple& ripple) {
+  return {std::hypot(ripple.forward_cosine, ripple.forward_sine),
+          std::hypot(ripple.backward_cosine, ripple.backward_sine)};
+}
+
+TEST(Ripples, OfAWheelOffItsCentreAreFoundAndFollowedByTheLabels) {
+  auto config = rig_of(2160.0, 8.0, 31);
+  config.world.servo.ripple = 0.015;
+  config.world.servo.ripple_period_deg = 33.0;
+  config.world.servo.backlash_deg = 1.5;
+  const TrueTimes recording = record(config, speeds_dps);
+  const RigProfile profile = calibrated_profile(recording);
+  SyncReport sync = fit(recording, profile);
+  ASSERT_GE(sync.servo.ripples.size(), 1U);
+  EXPECT_NEAR(sync.servo.ripples[0].period_deg, 33.0,
+              0.7);  // in degrees of what is commanded: scale is in it
+  EXPECT_NEAR(sizes(sync.servo.ripples[0]).first, 0.015, 0.003);
+  EXPECT_NEAR(sizes(sync.servo.ripples[0]).second, 0.015, 0.003);
+  const Verdict followed = judge(recording, label(recording, label_config(profile, sync)));
+  sync.servo.ripples.clear();
+  const Verdict ignored = judge(recording, label(recording, label_config(profile, sync)));
+  EXPECT_LT(followed.rms_dps, 0.3);
+  EXPECT_GT(ignored.rms_dps, 1.5 * followed.rms_dps);
+}
+
+TEST(Ripples, OfAHeadOutOfBalanceComeOnceATurn) {
+  auto config = rig_of(2160.0, 8.0, 32);
+  config.world.servo.load_deg = 1.2;
+  const TrueTimes recording = record(config, speeds_dps);
+  const SyncReport sync = fit(recording, recording.profile);
+  ASSERT_EQ(sync.servo.ripples.size(), 1U);
+  EXPECT_NEAR(sync.servo.ripples[0].period_deg, 360.0, 10.0);
+  EXPECT_NEAR(sizes(sync.servo.ripples[0]).first, 1.2 * M_PI / 180.0, 0.005);
+}
+
+TEST(Ripples, AreNotImaginedWhereTheServoHasNone) {
+  for (const std::uint64_t seed : {33, 34, 35, 36}) {
+    const TrueTimes recording = record(rig_of(2160.0, 8.0, seed), speeds_dps);
+    EXPECT_TRUE(fit(recording, recording.profile).servo.ripples.empty()) << seed;
+  }
+}
+
+TEST(GyroNoise, ThatIsHeardInMotionAloneIsNoUnsteadinessOfTheShaft) {
+  auto config = rig_of(2160.0, 8.0, 37);
+  config.world.gyro.vibration_dps = 4.0;
+  const TrueTimes recording = record(config, speeds_dps);
+  const RigProfile profile = calibrated_profile(recording);
+  const SyncReport sync = fit(recording, profile);
+  for (const auto& speed : sync.servo.speeds) EXPECT_NEAR(speed.noise_dps, 4.0, 1.0) << speed.rate_dps;
+  EXPECT_LT(sync.gyro.noise_dps, 1.0);
+  for (const LabelConfig& config_of : {label_config(profile, sync), label_config(profile)}) {
+    const Verdict verdict = judge(recording, label(recording, config_of));
+    EXPECT_LT(verdict.rejected, verdict.steady / 10);
+  }
+}
+
 TEST(ServoResponse, IsTheProfilesWhereNothingMoved) {
   const TrueTimes recording = record(rig_of(180.0, 8.0, 41), {0.0});
   const ServoResponse response = fit(recording, recording.profile).servo;

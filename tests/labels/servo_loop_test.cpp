@@ -71,18 +71,5 @@ TEST(SettlingTime, LeavesOnePercentOfAStep) {
   }
 }
 
-TEST(Gain, RunsStraightBetweenItsKnots) {
-  ServoProfile servo;
-  servo.travel_deg = 200.0;
-  const PulseScale scale(servo);
-  ServoResponse response;
-  EXPECT_EQ(gain_at(response, scale, 17.0), 1.0);
-  response.gain = {0.9, 1.0, 1.2};
-  EXPECT_NEAR(gain_at(response, scale, -100.0), 0.9, 1e-12);
-  EXPECT_NEAR(gain_at(response, scale, -50.0), 0.95, 1e-12);
-  EXPECT_NEAR(gain_at(response, scale, 25.0), 1.05, 1e-12);
-  EXPECT_NEAR(gain_at(response, scale, 400.0), 1.2, 1e-12);
-}
-
 }  // namespace
 }  // namespace thermorig::labels

@@ -119,6 +119,18 @@ TEST(Verdict, IsUsableWhenASpeedHasNoValidFrame) {
   EXPECT_THAT(quality.verdict_reasons, testing::Contains("1 of 3 speeds have no valid frame"));
 }
 
+TEST(Verdict, TellsOfFewSpeedsWithoutFramesAndStaysGood) {
+  Session session = clean_session(60);
+  std::uint16_t leg = 0;
+  for (auto& sample : session.samples) {
+    sample.rate_commanded_dps = static_cast<float>(20 + 10 * (leg++ / 5));
+    sample.valid = sample.rate_commanded_dps > 20.0F;
+  }
+  const Quality quality = quality_of(session);
+  EXPECT_EQ(quality.verdict, "good");
+  EXPECT_THAT(quality.verdict_reasons, testing::Contains(testing::HasSubstr("1 of 12 speeds have no valid")));
+}
+
 TEST(Verdict, IsUsableWhenFewerThanHalfOfTheFramesAreValid) {
   Session session = clean_session(150);
   for (std::size_t i = 0; i < session.samples.size(); ++i)
@@ -180,21 +192,29 @@ TEST(Quality, DoesNotInventWhatWasNotFitted) {
 
 TEST(Verdict, IsUsableWhenAClockIsUnsureOrBeganAnew) {
   Session session = clean_session(60);
-  session.sync.clock[Device::gyro].uncertainty_us = 1800;
+  session.sync.clock[Device::gyro].uncertainty_us = 2800;
   session.sync.clock[Device::servo].epochs = {{host_time_ns(1), ""}, {host_time_ns(2), "a reset"}};
   const Quality quality = quality_of(session);
   EXPECT_EQ(quality.verdict, "usable");
-  EXPECT_THAT(quality.verdict_reasons, testing::Contains("the times of the gyro are known to 1.8 ms only"));
+  EXPECT_THAT(quality.verdict_reasons, testing::Contains("the times of the gyro are known to 2.8 ms only"));
   EXPECT_THAT(quality.verdict_reasons, testing::Contains("the clock of the servo began anew once: a reset"));
 }
 
 TEST(Verdict, TellsWhyAClockIsUnsureThatWanders) {
   Session session = clean_session(60);
-  session.sync.clock[Device::servo].uncertainty_us = 1800;
+  session.sync.clock[Device::servo].uncertainty_us = 2800;
   session.sync.clock[Device::servo].wander_ppm = 384;
   EXPECT_THAT(quality_of(session).verdict_reasons,
-              testing::Contains("the times of the servo are known to 1.8 ms only: its clock and the host's "
+              testing::Contains("the times of the servo are known to 2.8 ms only: its clock and the host's "
                                 "wander by 384 ppm (a resonator, or NTP that slews the host's clock)"));
+}
+
+TEST(Verdict, TellsOfAHubAndStaysGood) {
+  Session session = clean_session(60);
+  session.sync.clock[Device::camera].largest_constant_delay_s = 0.0033;
+  const Quality quality = quality_of(session);
+  EXPECT_EQ(quality.verdict, "good");
+  EXPECT_THAT(quality.verdict_reasons, testing::Contains(testing::HasSubstr("may be late by 3.3 ms")));
 }
 
 TEST(Verdict, IsUsableWhenLinksAreSlowerThanTheirProfileSays) {

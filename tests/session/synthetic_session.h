@@ -65,7 +65,8 @@ class SyntheticSession {
     servo.dead_band_deg = 0.3;
     servo.gain = {1.0, 1.01, 0.99};
     servo.residual_dps = 0.6;
-    servo.speeds = {{-7.5, 0.1, 0.2, 30, -7.6, false}, {7.5, -0.1, 0.25, 60, 5.0, true}};
+    servo.speeds = {{-7.5, 0.1, 0.2, 0.9, 30, -7.6, false}, {7.5, -0.1, 0.25, 1.1, 60, 5.0, true}};
+    servo.ripples = {{33.0, 0.01, -0.02, 0.005, 0.004}, {360.0, 0.003, 0.002, -0.001, 0.006}};
   }
 
   void add_gyro_errors(GyroErrors& gyro) const {

@@ -137,13 +137,24 @@ struct ServoResponse {
   Estimate gyro_ratio{1.0, 0.034};  // corrected gyro over commanded rate: scale as the gyro alone sees it
   std::vector<double> gain;  // slope over its mean, at evenly spaced pulse widths from the shortest to the
                              // longest, straight between them; empty: 1 everywhere
+  // By what the slope repeats over the shaft's angle: a wheel off its centre, a head out of balance. Each is
+  // a share of the slope, a sum over all of them: forward (angles that grow) cosine * cos(phase) + sine *
+  // sin(phase), phase = 2 pi * angle / period_deg, and its own two the other way, for gears have play. The
+  // angle is what gain alone makes of the commanded one, 0 in the middle of the travel. Empty: none is seen.
+  struct Ripple {
+    double period_deg = 360.0;
+    double forward_cosine = 0.0, forward_sine = 0.0;
+    double backward_cosine = 0.0, backward_sine = 0.0;
+  };
+  std::vector<Ripple> ripples;
   // Root mean square of corrected gyro minus model in the steady parts of legs, means over a frame period.
   // NaN: not known, for nothing was fitted or no leg was steady for a frame.
   double residual_dps = std::numeric_limits<double>::quiet_NaN();
   struct AtSpeed {
     double rate_dps = 0.0;      // commanded
     double residual_dps = 0.0;  // mean of corrected gyro minus model
-    double spread_dps = 0.0;    // root mean square about that mean
+    double spread_dps = 0.0;    // root mean square about that mean, less what the gyro's noise explains
+    double noise_dps = 0.0;     // of a gyro sample while the shaft turns, by what is too fast for the shaft
     std::uint32_t frames = 0;   // frame periods at this speed that took part
     double reached_dps = std::numeric_limits<double>::quiet_NaN();  // mean of the corrected gyro
     bool contradicts = false;  // the shaft does not turn as commanded, beyond what scale and bias explain

@@ -10,17 +10,23 @@
 #include "least_squares.h"
 #include "pulse_period.h"
 #include "reached_speeds.h"
+#include "ripple_search.h"
 #include "thermorig/core/statistics.h"
+#include "thermorig/pipeline/labels/shaft_slope.h"
 
 namespace thermorig::labels {
 
 namespace {
 constexpr std::size_t knots = 17;
-constexpr std::size_t unknowns = knots + 1;  // and the bias
+constexpr std::size_t bias = knots;          // of the unknowns: the gyro's
+constexpr std::size_t unknowns = knots + 1;  // then four a ripple: forward and backward, cosine and sine
 constexpr int parts_a_window = 5;            // of a window: pulse periods
 constexpr double slowest_dps = 3.0;          // below it a window tells little
 constexpr double bend_deviation = 0.004;     // of a knot from the middle of its neighbours
 constexpr double gain_deviation = 0.05;      // of a knot from 1: a servo is no worse
+constexpr double ripple_deviation = 0.03;    // of a ripple's parts from 0
+constexpr double least_ripple = 0.001;       // of the speed; smaller ones matter to nobody
+constexpr std::size_t most_searches = 6;
 constexpr double first_deviation_dps = 0.5;
 constexpr double least_deviation_dps = 0.03;
 constexpr double outlier = 5.0;
@@ -35,7 +41,7 @@ constexpr double moved_dps = 0.1;             // less is left in the bias's unce
 
 struct Window {
   double middle_s = 0.0;
-  std::array<double, unknowns> row{};
+  std::vector<double> row;
   double rate_dps = 0.0;  // by the gyro
 };
 
@@ -52,19 +58,39 @@ Place place_of(const PulseScale& scale, double value) {
   return {left, place - static_cast<double>(left)};
 }
 
-Window window_at(const ShaftCurve& curve, double model_s, const PulseScale& scale) {
+/// Where the shaft's angle is by a fit, and which ripples are asked for.
+struct Ripples {
+  ShaftSlope slope;
+  std::span<const double> periods_deg;
+
+  void add_to(std::vector<double>& row, double from_deg, double to_deg) const {
+    if (periods_deg.empty()) return;
+    const double begin_deg = slope.gained_deg(from_deg), end_deg = slope.gained_deg(to_deg);
+    for (std::size_t k = 0; k < periods_deg.size(); ++k) {
+      const auto [cosine, sine] = ripple_turned_deg(begin_deg, end_deg, periods_deg[k]);
+      const std::size_t first = unknowns + 4 * k + (to_deg > from_deg ? 0 : 2);
+      row[first] += cosine / (parts_a_window * pulse_period_s);
+      row[first + 1] += sine / (parts_a_window * pulse_period_s);
+    }
+  }
+};
+
+Window window_at(const ShaftEvidence& evidence, double model_s, const Ripples& ripples) {
   Window window;
-  double before_deg = curve.angle_deg(model_s);
+  window.row.resize(unknowns + 4 * ripples.periods_deg.size());
+  double before_deg = evidence.curve.angle_deg(model_s);
   for (int part = 1; part <= parts_a_window; ++part) {
-    const double angle_deg = curve.angle_deg(model_s + part * pulse_period_s);
+    const double angle_deg = evidence.curve.angle_deg(model_s + part * pulse_period_s);
     const double turned_deg = angle_deg - before_deg;
-    const double value = scale.continuous() ? turned_deg / pulse_period_s : (before_deg + angle_deg) / 2.0;
-    const auto [left, share] = place_of(scale, value);
+    const double value =
+        evidence.scale.continuous() ? turned_deg / pulse_period_s : (before_deg + angle_deg) / 2.0;
+    const auto [left, share] = place_of(evidence.scale, value);
     window.row[left] += (1.0 - share) * turned_deg / (parts_a_window * pulse_period_s);
     window.row[left + 1] += share * turned_deg / (parts_a_window * pulse_period_s);
+    ripples.add_to(window.row, before_deg, angle_deg);
     before_deg = angle_deg;
   }
-  window.row[knots] = 1.0;
+  window.row[bias] = 1.0;
   return window;
 }
 
@@ -72,33 +98,34 @@ double model_dps(const Window& window) {
   return std::accumulate(window.row.begin(), window.row.begin() + knots, 0.0);
 }
 
-std::vector<Window> windows(const ShaftCurve& curve, double begin_s, double end_s, double delay_s,
-                            const PulseScale& scale, const GyroIntegral& gyro,
-                            std::span<const Interval> strayed) {
+std::vector<Window> windows(const ShaftEvidence& evidence, const Ripples& ripples) {
   constexpr double length_s = parts_a_window * pulse_period_s;
   std::vector<Window> found;
   // No more than there are samples to fill them: the times of a damaged recording may lie ages apart.
-  const auto samples = static_cast<double>(gyro.times_s().size());
-  const auto count = static_cast<std::size_t>(std::clamp((end_s - begin_s) / length_s, 0.0, samples));
+  const auto samples = static_cast<double>(evidence.gyro.times_s().size());
+  const auto count =
+      static_cast<std::size_t>(std::clamp((evidence.end_s - evidence.begin_s) / length_s, 0.0, samples));
   for (std::size_t i = 0; i < count; ++i) {
-    const double from_s = begin_s + static_cast<double>(i) * length_s;
-    Window window = window_at(curve, from_s - delay_s, scale);
-    if (std::abs(model_dps(window)) < slowest_dps || is_within(strayed, from_s)) continue;
+    const double from_s = evidence.begin_s + static_cast<double>(i) * length_s;
+    Window window = window_at(evidence, from_s - evidence.delay_s, ripples);
+    if (std::abs(model_dps(window)) < slowest_dps || is_within(evidence.strayed, from_s)) continue;
     window.middle_s = from_s + length_s / 2.0;
-    window.rate_dps = gyro.mean_dps(from_s, from_s + length_s);
-    if (std::isfinite(window.rate_dps)) found.push_back(window);
+    window.rate_dps = evidence.gyro.mean_dps(from_s, from_s + length_s);
+    if (std::isfinite(window.rate_dps)) found.push_back(std::move(window));
   }
   return found;
 }
 
 LeastSquares equations_of(const std::vector<Window>& windows, double deviation_dps,
                           double bias_uncertainty_dps) {
-  LeastSquares equations(unknowns);
+  const std::size_t size = windows.front().row.size();
+  LeastSquares equations(size);
   for (const Window& window : windows) equations.add(window.row, window.rate_dps, deviation_dps);
+  for (std::size_t i = unknowns; i < size; ++i) equations.add_prior(i, 0.0, ripple_deviation);
   for (std::size_t i = 0; i < knots; ++i) equations.add_prior(i, 1.0, gain_deviation);
   constexpr std::array<double, 3> bend{-0.5, 1.0, -0.5};
   for (std::size_t i = 0; i + 2 < knots; ++i) equations.add_part(i, bend, 0.0, bend_deviation);
-  equations.add_prior(knots, 0.0, std::max(bias_uncertainty_dps, 1e-3));
+  equations.add_prior(bias, 0.0, std::max(bias_uncertainty_dps, 1e-3));
   return equations;
 }
 
@@ -115,7 +142,7 @@ std::vector<double> residuals_dps(const std::vector<Window>& windows, const std:
 
 /// How much of the motion fell to each knot; sums to 1.
 std::vector<double> visits(const std::vector<Window>& windows) {
-  std::vector<double> weights(unknowns, 0.0);
+  std::vector<double> weights(windows.front().row.size(), 0.0);
   double sum = 0.0;
   for (const Window& window : windows)
     for (std::size_t i = 0; i < knots; ++i) {
@@ -197,16 +224,22 @@ std::vector<double> solve(std::vector<Window>& used, double bias_uncertainty_dps
   return x;
 }
 
+/// Share of the speed, in the direction in which it is larger.
+double size_of(const ServoResponse::Ripple& ripple) {
+  return std::max(std::hypot(ripple.forward_cosine, ripple.forward_sine),
+                  std::hypot(ripple.backward_cosine, ripple.backward_sine));
+}
+
 }  // namespace
 
 double GainFit::bias_at(double time_s) const {
   return bias_dps + course_at(bias_course, time_s);
 }
 
-std::optional<GainFit> fit_gain(const ShaftCurve& curve, double begin_s, double end_s, double delay_s,
-                                const PulseScale& scale, const GyroIntegral& gyro,
-                                double bias_uncertainty_dps, std::span<const Interval> strayed) {
-  const std::vector<Window> all = windows(curve, begin_s, end_s, delay_s, scale, gyro, strayed);
+std::optional<GainFit> fit_gain(const ShaftEvidence& evidence, double bias_uncertainty_dps,
+                                std::span<const double> ripple_periods_deg, const GainFit& before) {
+  const Ripples ripples{ShaftSlope(before.gain, {}, evidence.scale), ripple_periods_deg};
+  const std::vector<Window> all = windows(evidence, ripples);
   std::vector<Window> used = all;
   double deviation_dps = first_deviation_dps;
   std::vector<double> x = solve(used, bias_uncertainty_dps, deviation_dps);
@@ -224,8 +257,29 @@ std::optional<GainFit> fit_gain(const ShaftCurve& curve, double begin_s, double 
   fit.ratio.uncertainty =
       std::hypot(std::sqrt(equations_of(used, deviation_dps, bias_uncertainty_dps).variance(weights)),
                  least_ratio_error);
-  fit.bias_dps = x[knots];
+  fit.bias_dps = x[bias];
   for (std::size_t i = 0; i < knots; ++i) fit.gain.push_back(x[i] / fit.ratio.value);
+  for (std::size_t k = 0; k < ripple_periods_deg.size(); ++k) {
+    const auto part = [&](std::size_t i) { return x[unknowns + 4 * k + i] / fit.ratio.value; };
+    fit.ripples.push_back({ripple_periods_deg[k], part(0), part(1), part(2), part(3)});
+  }
+  return fit;
+}
+
+std::optional<GainFit> fit_gain_and_ripples(const ShaftEvidence& evidence, double bias_uncertainty_dps) {
+  std::optional<GainFit> fit = fit_gain(evidence, bias_uncertainty_dps);
+  for (std::size_t search = 0; fit && search < most_searches; ++search) {
+    const std::optional<double> period_deg = strongest_ripple_deg(evidence, *fit);
+    if (!period_deg) break;
+    std::vector<double> periods_deg;
+    for (const ServoResponse::Ripple& ripple : fit->ripples) periods_deg.push_back(ripple.period_deg);
+    periods_deg.push_back(*period_deg);
+    std::optional<GainFit> more = fit_gain(evidence, bias_uncertainty_dps, periods_deg, *fit);
+    if (!more || size_of(more->ripples.back()) < least_ripple) break;
+    // One that stood for another, which is known now, has nothing left to explain.
+    std::erase_if(more->ripples, [](const auto& ripple) { return size_of(ripple) < least_ripple; });
+    fit = std::move(more);
+  }
   return fit;
 }
 

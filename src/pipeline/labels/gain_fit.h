@@ -15,11 +15,22 @@
 
 namespace thermorig::labels {
 
+/// What was commanded, and the gyro that saw what came of it, over a whole recording.
+struct ShaftEvidence {
+  const ShaftCurve& curve;  // its loop as fitted
+  double begin_s, end_s;
+  double delay_s;  // from the curve to the shaft
+  PulseScale scale;
+  const GyroIntegral& gyro;
+  std::span<const Interval> strayed;  // where the shaft turned otherwise than commanded
+};
+
 /// How far the shaft turns for what is commanded, as the gyro sees it.
 struct GainFit {
-  Estimate ratio;            // corrected gyro over model, mean over what was visited
-  std::vector<double> gain;  // relative to it, at evenly spaced pulse widths
-  double bias_dps = 0.0;     // what is left of the gyro's bias
+  Estimate ratio;                              // corrected gyro over model, mean over what was visited
+  std::vector<double> gain;                    // relative to it, at evenly spaced pulse widths
+  std::vector<ServoResponse::Ripple> ripples;  // of the periods that were asked for
+  double bias_dps = 0.0;                       // what is left of the gyro's bias
   // The same over time, where it moved; empty: it did not. Seconds of the gyro's integral.
   std::vector<std::pair<double, double>> bias_course;
 
@@ -28,12 +39,14 @@ struct GainFit {
 };
 
 /// Least squares over windows of five pulse periods in motion. Between its knots the gain runs straight;
-/// knots that were hardly visited are held by their neighbours. `curve`: the whole recording, its loop as
-/// fitted; `bias_uncertainty_dps`: of the bias that was already removed; `strayed`: where the shaft turned
-/// otherwise than commanded. Where both directions say that the bias moved, it has a course. None without
-/// motion.
-std::optional<GainFit> fit_gain(const ShaftCurve& curve, double begin_s, double end_s, double delay_s,
-                                const PulseScale& scale, const GyroIntegral& gyro,
-                                double bias_uncertainty_dps, std::span<const Interval> strayed);
+/// knots that were hardly visited are held by their neighbours. Ripples are fitted beside it, where
+/// `before`, a fit of the same evidence, has the shaft's angle. `bias_uncertainty_dps`: of the bias that was
+/// already removed. Where both directions say that the bias moved, it has a course. None without motion.
+std::optional<GainFit> fit_gain(const ShaftEvidence& evidence, double bias_uncertainty_dps,
+                                std::span<const double> ripple_periods_deg = {}, const GainFit& before = {});
+
+/// The same; ripples are looked for in what it leaves (ripple_search.h), and fitted as long as there are
+/// some.
+std::optional<GainFit> fit_gain_and_ripples(const ShaftEvidence& evidence, double bias_uncertainty_dps);
 
 }  // namespace thermorig::labels

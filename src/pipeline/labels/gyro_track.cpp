@@ -5,6 +5,7 @@
 #include <cmath>
 #include <vector>
 
+#include "fast_noise.h"
 #include "pulse_period.h"
 #include "thermorig/core/statistics.h"
 
@@ -55,11 +56,17 @@ void GyroTrack::note_spread(GyroMean& mean, std::span<const Point> points) {
   if (window >= count) return;
   std::vector<double> sums{0.0};
   for (const Point& point : points) sums.push_back(sums.back() + static_cast<double>(point.rate_dps));
-  RunningStatistics smoothed;
-  for (double from = 0.0; from + window <= count; from += 1.0)
-    smoothed.add((sum_to(sums, from + window) - sum_to(sums, from)) / window);
+  const auto mean_from = [&](double from) {
+    return (sum_to(sums, from + window) - sum_to(sums, from)) / window;
+  };
+  RunningStatistics smoothed, fast_dps2;
+  for (double from = 0.0; from + window <= count; from += 1.0) smoothed.add(mean_from(from));
+  for (double from = 0.0; from + 3.0 * window <= count; from += 1.0)
+    fast_dps2.add(
+        alternation_dps2(mean_from(from), mean_from(from + window), mean_from(from + 2.0 * window)));
   mean.spread_dps = std::sqrt(smoothed.variance());
   mean.averaged = window;
+  if (count >= 3.0 * window) mean.fast_dps = std::sqrt(fast_dps2.mean() * window);
 }
 
 GyroMean GyroTrack::over(HostTime begin, HostTime end) const {

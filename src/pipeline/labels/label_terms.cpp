@@ -10,20 +10,19 @@ namespace {
 constexpr double assumed_slope_error = 0.005;  // along the travel, of hobby servos
 constexpr double assumed_ripple_dps = 0.3;     // of an exposure's mean, where the loop is only guessed
 constexpr double least_gyro_error_dps = 0.05;  // resolution and cross axes
+constexpr double chance_deviations = 3.0;
 
 /// Straight between the speeds of the table, constant beyond them. It is not empty.
-double tabled_deviation_dps(const ServoResponse& response, double rate_dps) {
+template <typename Column>
+double tabled(const ServoResponse& response, double rate_dps, const Column& column) {
   const auto& speeds = response.speeds;
-  const auto deviation = [](const ServoResponse::AtSpeed& at) {
-    return std::hypot(at.residual_dps, at.spread_dps);
-  };
   const auto slower = [](const ServoResponse::AtSpeed& at, double rate) { return at.rate_dps < rate; };
   const auto next = std::lower_bound(speeds.begin(), speeds.end(), rate_dps, slower);
-  if (next == speeds.begin()) return deviation(speeds.front());
-  if (next == speeds.end()) return deviation(speeds.back());
+  if (next == speeds.begin()) return column(speeds.front());
+  if (next == speeds.end()) return column(speeds.back());
   const auto before = next - 1;
   const double share = (rate_dps - before->rate_dps) / (next->rate_dps - before->rate_dps);
-  return std::lerp(deviation(*before), deviation(*next), share);
+  return std::lerp(column(*before), column(*next), share);
 }
 
 /// Noise that explains nothing where none is known: a spread then counts as motion.
@@ -36,27 +35,42 @@ double model_deviation_dps(const ServoResponse& response, double rate_dps) {
   const bool measured = !response.speeds.empty() || std::isfinite(response.residual_dps);
   if (!response.fitted || !measured) return std::hypot(assumed_ripple_dps, assumed_slope_error * rate_dps);
   if (response.speeds.empty()) return response.residual_dps;
-  const double tabled_dps = tabled_deviation_dps(response, rate_dps);
+  const double tabled_dps = tabled(response, rate_dps, [](const ServoResponse::AtSpeed& at) {
+    return std::hypot(at.residual_dps, at.spread_dps);
+  });
   return std::isfinite(tabled_dps) ? tabled_dps : response.residual_dps;
 }
 
+double gyro_noise_dps(const GyroErrors& errors, const ServoResponse& response, double rate_dps,
+                      double so_far_dps) {
+  const double at_rest_dps = known_noise_dps(errors);
+  if (!response.fitted || response.speeds.empty()) return std::max(at_rest_dps, so_far_dps);
+  const double turning_dps =
+      tabled(response, rate_dps, [](const ServoResponse::AtSpeed& at) { return at.noise_dps; });
+  return std::fmax(at_rest_dps, turning_dps);
+}
+
 double gyro_z_score(const GyroErrors& errors, const ServoResponse& response, const GyroMean& gyro,
-                    double bias_dps, double shaft_dps, double time_dps) {
+                    double noise_dps, double bias_dps, double shaft_dps, double time_dps) {
   if (gyro.count == 0 || gyro.saturated || !errors.bias_dps || !(errors.scale.value > 0.0)) return 0.0;
   const double ratio = response.gyro_ratio.value / response.scale.value;
   const double corrected_dps = (gyro.rate_dps - bias_dps) / errors.scale.value;
   const double off_dps = corrected_dps - ratio * shaft_dps;
-  const double noise_dps = known_noise_dps(errors) / std::sqrt(static_cast<double>(gyro.count));
+  const double mean_noise_dps = noise_dps / std::sqrt(static_cast<double>(gyro.count));
   const double deviation_dps =
-      std::hypot(std::hypot(errors.bias_dps->uncertainty, noise_dps, least_gyro_error_dps),
+      std::hypot(std::hypot(errors.bias_dps->uncertainty, mean_noise_dps, least_gyro_error_dps),
                  std::hypot(model_deviation_dps(response, shaft_dps), time_dps,
                             response.gyro_ratio.uncertainty * shaft_dps));
   return std::isfinite(off_dps) ? off_dps / deviation_dps : 0.0;
 }
 
-double unsteadiness_dps2(const GyroErrors& errors, const GyroMean& gyro) {
-  const double noise_dps = known_noise_dps(errors);
-  return gyro.spread_dps * gyro.spread_dps - noise_dps * noise_dps / gyro.averaged;
+bool is_unsteady(const GyroMean& gyro, double noise_dps, double tolerance_dps) {
+  if (gyro.count == 0 || gyro.saturated) return false;
+  const double explained_dps2 = noise_dps * noise_dps / gyro.averaged;
+  // A variance by n independent values scatters by a share of sqrt(2 / n).
+  const double independent = std::max(static_cast<double>(gyro.count) / gyro.averaged, 2.0);
+  const double chance_dps2 = chance_deviations * explained_dps2 * std::sqrt(2.0 / independent);
+  return gyro.spread_dps * gyro.spread_dps > tolerance_dps * tolerance_dps + explained_dps2 + chance_dps2;
 }
 
 }  // namespace thermorig::labels

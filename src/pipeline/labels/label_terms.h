@@ -10,13 +10,19 @@ namespace thermorig::labels {
 /// against the gyro, or, where nothing was fitted, what servos of the kind are known for.
 double model_deviation_dps(const ServoResponse& response, double rate_dps);
 
-/// The gyro's mean, corrected, minus the shaft's speed as the gyro would see it, in units of its standard
-/// deviation: bias, noise, the model's residual, `time_dps` for the time between gyro and model, and the
-/// scale between both. `bias_dps`: at that time. 0 where nothing can be said.
-double gyro_z_score(const GyroErrors& errors, const ServoResponse& response, const GyroMean& gyro,
-                    double bias_dps, double shaft_dps, double time_dps);
+/// Noise of a gyro sample while the shaft turns at that speed: as at rest, or more where gears are heard.
+/// `so_far_dps`: what was heard of them, where no response was fitted.
+double gyro_noise_dps(const GyroErrors& errors, const ServoResponse& response, double rate_dps,
+                      double so_far_dps);
 
-/// Variance of gyro_spread beyond what the sensor's noise explains.
-double unsteadiness_dps2(const GyroErrors& errors, const GyroMean& gyro);
+/// The gyro's mean, corrected, minus the shaft's speed as the gyro would see it, in units of its standard
+/// deviation: bias, noise (of a sample, `noise_dps`), the model's residual, `time_dps` for the time between
+/// gyro and model, and the scale between both. `bias_dps`: at that time. 0 where nothing can be said.
+double gyro_z_score(const GyroErrors& errors, const ServoResponse& response, const GyroMean& gyro,
+                    double noise_dps, double bias_dps, double shaft_dps, double time_dps);
+
+/// Whether gyro_spread is wider than `tolerance_dps`, beyond what such noise of a sample, and chance,
+/// explain.
+bool is_unsteady(const GyroMean& gyro, double noise_dps, double tolerance_dps);
 
 }  // namespace thermorig::labels

@@ -196,6 +196,7 @@ void Labeller::label_gyro(LabelledSample& sample) {
   sample.rate_gyro_dps = static_cast<float>(mean.rate_dps);
   sample.gyro_count = static_cast<std::uint16_t>(std::min(mean.count, most));
   sample.gyro_spread_dps = static_cast<float>(mean.count > 0 ? mean.spread_dps : unknown);
+  if (sample.leg != 0) motion_noise_.add(mean);
   sample.reason_bits |= gyro_reasons(sample, mean);
   if (!config_.gyro) learn_bias(sample, mean);
 }
@@ -206,13 +207,14 @@ std::uint32_t Labeller::gyro_reasons(const LabelledSample& sample, const GyroMea
   const bool gap = gyro.count == 0 || static_cast<double>(gyro.count) < needed ||
                    lacks_sample(config_.gyro_gaps, sample.exposure_begin, sample.exposure_end) ||
                    gyro_.lacks_sample(sample.exposure_begin, sample.exposure_end, 1.0 / config_.gyro_rate_hz);
-  const double tolerance = tolerance_dps(sample);
-  const bool unsteady = gyro.count > 0 && unsteadiness_dps2(bias_.errors(), gyro) > tolerance * tolerance;
-  return bit_if(Reason::gyro_gap, gap) | bit_if(Reason::gyro_unsteady, !gyro.saturated && unsteady) |
-         bit_if(Reason::gyro_disagrees, gyro_disagrees(sample, gyro));
+  const double noise_dps =
+      gyro_noise_dps(bias_.errors(), response_, sample.rate_commanded_dps, motion_noise_.noise_dps());
+  return bit_if(Reason::gyro_gap, gap) |
+         bit_if(Reason::gyro_unsteady, is_unsteady(gyro, noise_dps, tolerance_dps(sample))) |
+         bit_if(Reason::gyro_disagrees, gyro_disagrees(sample, gyro, noise_dps));
 }
 
-bool Labeller::gyro_disagrees(const LabelledSample& sample, const GyroMean& gyro) const {
+bool Labeller::gyro_disagrees(const LabelledSample& sample, const GyroMean& gyro, double noise_dps) const {
   if (contradicts_command(response_, sample.rate_commanded_dps)) return true;
   if (std::isnan(sample.rate_shaft_dps)) return false;
   // Whole samples stand for an exposure that begins and ends anywhere between two of them.
@@ -221,7 +223,8 @@ bool Labeller::gyro_disagrees(const LabelledSample& sample, const GyroMean& gyro
   const double time_dps = time_error_dps(sample, time_s);
   const auto shaft_dps = static_cast<double>(sample.rate_shaft_dps);
   const double bias_dps = bias_dps_at(bias_.errors(), sample.time);
-  const double deviations = gyro_z_score(bias_.errors(), response_, gyro, bias_dps, shaft_dps, time_dps);
+  const double deviations =
+      gyro_z_score(bias_.errors(), response_, gyro, noise_dps, bias_dps, shaft_dps, time_dps);
   return std::abs(deviations) > disagreement;
 }
 

@@ -7,6 +7,7 @@
 #include <numbers>
 #include <vector>
 
+#include "fast_noise.h"
 #include "gain_fit.h"
 #include "gyro_integral.h"
 #include "intervals.h"
@@ -16,6 +17,7 @@
 #include "shaft_curve.h"
 #include "shaft_model.h"
 #include "thermorig/core/statistics.h"
+#include "thermorig/pipeline/labels/shaft_slope.h"
 
 namespace thermorig::labels {
 
@@ -50,7 +52,8 @@ Estimate absolute_scale(const Estimate& ratio, const GyroErrors& errors, const S
 /// Collects residuals of one commanded speed.
 struct Residuals {
   double sum = 0.0, squares = 0.0;
-  std::uint32_t count = 0;
+  double noise_squares = 0.0;  // of the gyro's means over one pulse period
+  std::uint32_t count = 0, noise_count = 0;
   void add(double residual) {
     sum += residual;
     squares += residual * residual;
@@ -58,11 +61,26 @@ struct Residuals {
   }
 };
 
-/// Angles of the model, gain and gyro_ratio in it.
+/// What the gyro's means over one pulse period differ by from the middle of their neighbours: too fast for a
+/// shaft with a load, so it is noise.
+void note_noise(const GyroIntegral& gyro, double begin_s, double end_s, Residuals& residuals) {
+  double before = unknown, last = unknown;
+  for (double from_s = begin_s; from_s + pulse_period_s <= end_s; from_s += pulse_period_s) {
+    const double mean_dps = gyro.mean_dps(from_s, from_s + pulse_period_s);
+    const double square = alternation_dps2(before, last, mean_dps);
+    before = last;
+    last = mean_dps;
+    if (!std::isfinite(square)) continue;
+    residuals.noise_squares += square;
+    ++residuals.noise_count;
+  }
+}
+
+/// Angles of the model, gain, ripples and gyro_ratio in it.
 class FittedShaft {
  public:
   FittedShaft(const ShaftCurve& curve, const ServoResponse& response, const PulseScale& scale)
-      : curve_(curve), response_(response), scale_(scale) {}
+      : curve_(curve), response_(response), scale_(scale), slope_(response.gain, response.ripples, scale) {}
 
   /// Mean rate as the corrected gyro should see it.
   double mean_dps(double begin_s, double end_s) const {
@@ -72,9 +90,10 @@ class FittedShaft {
     double before_deg = curve_.angle_deg(begin_s - response_.delay_s);
     for (double part = 1.0; part <= parts; part += 1.0) {
       const double angle_deg = curve_.angle_deg(begin_s + part * step_s - response_.delay_s);
-      const double value =
-          scale_.continuous() ? (angle_deg - before_deg) / step_s : (angle_deg + before_deg) / 2.0;
-      turned_deg += gain_at(response_, scale_, value) * (angle_deg - before_deg);
+      const double slope = scale_.continuous()
+                               ? slope_.gain((angle_deg - before_deg) / step_s)
+                               : slope_.at((angle_deg + before_deg) / 2.0, angle_deg > before_deg);
+      turned_deg += slope * (angle_deg - before_deg);
       before_deg = angle_deg;
     }
     return response_.gyro_ratio.value * turned_deg / (end_s - begin_s);
@@ -84,6 +103,7 @@ class FittedShaft {
   const ShaftCurve& curve_;
   const ServoResponse& response_;
   PulseScale scale_;
+  ShaftSlope slope_;
 };
 
 std::map<long long, Residuals> residuals_of(const std::vector<Interval>& intervals, const FittedShaft& shaft,
@@ -95,8 +115,9 @@ std::map<long long, Residuals> residuals_of(const std::vector<Interval>& interva
     for (double from_s = interval.begin_s + settle; from_s + frame_s <= interval.end_s; from_s += frame_s) {
       const double rate_dps = gyro.mean_dps(from_s, from_s + frame_s) - gain.bias_at(from_s);
       if (!std::isfinite(rate_dps)) continue;
-      by_speed[std::llround(100.0 * interval.rate_dps)].add(rate_dps -
-                                                            shaft.mean_dps(from_s, from_s + frame_s));
+      Residuals& residuals = by_speed[std::llround(100.0 * interval.rate_dps)];
+      residuals.add(rate_dps - shaft.mean_dps(from_s, from_s + frame_s));
+      note_noise(gyro, from_s, from_s + frame_s, residuals);
     }
   }
   return by_speed;
@@ -135,14 +156,25 @@ void note_bias_course(const GainFit& gain, HostTime origin, GyroErrors& errors) 
   if (errors.bias_after_dps) add(gain.bias_course.back().first + rest_from_knot_s, *errors.bias_after_dps);
 }
 
-void note_residuals(ServoResponse& response, const std::map<long long, Residuals>& by_speed) {
+/// Of `count` residuals; it is not known better than chance lets know it.
+double spread_without_noise_dps(double spread_dps2, double noise_dps2, double count) {
+  return std::sqrt(std::max(spread_dps2 - noise_dps2, spread_dps2 * std::sqrt(2.0 / count)));
+}
+
+/// `period_s`: of the gyro's samples.
+void note_residuals(ServoResponse& response, const std::map<long long, Residuals>& by_speed, double frame_s,
+                    double period_s) {
   double squares = 0.0, count = 0.0;
   for (const auto& [centi_dps, residuals] : by_speed) {
     const double n = residuals.count;
     const double mean = residuals.sum / n;
     ServoResponse::AtSpeed& speed = at_speed(0.01 * static_cast<double>(centi_dps), response);
     speed.residual_dps = mean;
-    speed.spread_dps = std::sqrt(std::max(0.0, residuals.squares / n - mean * mean));
+    const double noise_dps2 =
+        residuals.noise_count > 0 ? residuals.noise_squares / residuals.noise_count : 0.0;
+    speed.noise_dps = std::sqrt(noise_dps2 * pulse_period_s / period_s);
+    speed.spread_dps = spread_without_noise_dps(std::max(0.0, residuals.squares / n - mean * mean),
+                                                noise_dps2 * pulse_period_s / frame_s, n);
     speed.frames = residuals.count;
     if (speed.contradicts) continue;
     squares += residuals.squares;
@@ -194,8 +226,9 @@ ServoResponse fit_servo_response(std::span<const TimedServo> servo, std::span<co
   if (!loop) return response;
   const double end_s = pulses.back().end_s;
   const ShaftCurve curve(pulses, scale.continuous(), loop->loop_hz, loop->dead_band_deg, end_s);
-  const auto gain = fit_gain(curve, pulses.front().end_s, end_s, loop->delay_s.value, scale, integral,
-                             bias_uncertainty_dps, strayed);
+  const ShaftEvidence evidence{curve,  pulses.front().end_s, end_s, loop->delay_s.value, scale, integral,
+                               strayed};
+  const auto gain = fit_gain_and_ripples(evidence, bias_uncertainty_dps);
   if (!gain) return response;
   response.fitted = true;
   response.delay_s = loop->delay_s.value;
@@ -205,12 +238,14 @@ ServoResponse fit_servo_response(std::span<const TimedServo> servo, std::span<co
   response.dead_band_deg = loop->dead_band_deg;
   response.gyro_ratio = gain->ratio;
   response.gain = gain->gain;
+  response.ripples = gain->ripples;
   response.scale = absolute_scale(gain->ratio, errors, profile);
   response.scale_calibrated = response.scale_calibrated || errors.scale_calibrated;
   const FittedShaft shaft(curve, response, scale);
   note_bias_course(*gain, origin, errors);
-  note_residuals(response, residuals_of(legs, shaft, integral, *gain, settle_s(response),
-                                        std::clamp(frame_period_s, shortest_frame_s, longest_frame_s)));
+  const double frame_s = std::clamp(frame_period_s, shortest_frame_s, longest_frame_s);
+  note_residuals(response, residuals_of(legs, shaft, integral, *gain, settle_s(response), frame_s), frame_s,
+                 integral.period_s());
   return response;
 }
 

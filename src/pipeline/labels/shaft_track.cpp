@@ -6,7 +6,6 @@
 
 #include "hermite.h"
 #include "pulse_period.h"
-#include "shaft_model.h"
 
 namespace thermorig::labels {
 
@@ -19,7 +18,8 @@ constexpr std::size_t slow_pulses = 5;
 ShaftTrack::ShaftTrack(const ServoProfile& servo, const ServoResponse& response, HostDuration gap,
                        HostDuration length)
     : scale_(servo),
-      response_(response),
+      scale_of_shaft_(response.scale.value),
+      slope_(response.gain, response.ripples, scale_),
       delay_(from_s(response.delay_s)),
       train_(scale_, gap),
       loop_(scale_.continuous(), response.loop_hz, response.dead_band_deg),
@@ -55,11 +55,16 @@ void ShaftTrack::advance(HostTime until) {
   now_ = until;
 }
 
+double ShaftTrack::slope_at(double angle_deg, bool forward) const {
+  return scale_of_shaft_ * (scale_.continuous() ? slope_.gain(value_) : slope_.at(angle_deg, forward));
+}
+
 void ShaftTrack::add_point(HostTime time) {
   const double angle_deg = loop_.angle_deg();
-  const double slope =
-      response_.scale.value * gain_at(response_, scale_, scale_.continuous() ? value_ : angle_deg);
-  scaled_deg_ += slope * (angle_deg - last_angle_deg_);
+  const bool forward = loop_.rate_dps() > 0.0;
+  const double slope = slope_at(angle_deg, forward);
+  const double on_the_way = slope_at((angle_deg + last_angle_deg_) / 2.0, forward);
+  scaled_deg_ += on_the_way * (angle_deg - last_angle_deg_);
   last_angle_deg_ = angle_deg;
   points_.add({time + delay_, angle_deg, loop_.rate_dps(), scaled_deg_, slope});
 }

@@ -34,6 +34,21 @@ void clock_columns(Archive& archive, Clock& clock) {
                                         &ClockGap::missing);
 }
 
+/// By what the servo's slope repeats over the shaft's angle.
+template <typename Archive, typename Ripples>
+void ripple_columns(Archive& archive, Ripples& ripples) {
+  using Ripple = ServoResponse::Ripple;
+  archive.template axis<double>({"ripple_period", "deg", "angle over which the servo's slope repeats [deg]"},
+                                ripples, &Ripple::period_deg);
+  const auto share = [&](const char* name, const char* what, double Ripple::*member) {
+    archive.template field<double>({name, "1", what}, ripples, member);
+  };
+  share("ripple_forward_cosine", "share of the slope, angle growing: cosine", &Ripple::forward_cosine);
+  share("ripple_forward_sine", "share of the slope, angle growing: sine", &Ripple::forward_sine);
+  share("ripple_backward_cosine", "share of the slope, the other way: cosine", &Ripple::backward_cosine);
+  share("ripple_backward_sine", "share of the slope, the other way: sine", &Ripple::backward_sine);
+}
+
 /// Of the servo model: its gain over the pulse widths, and what it leaves of the gyro, by commanded speed.
 template <typename Archive, typename Response>
 void response_columns(Archive& archive, Response& response) {
@@ -60,6 +75,10 @@ void response_columns(Archive& archive, Response& response) {
       {"speed_contradicts", "1", "1: the shaft does not turn as commanded, beyond what is uncertain"}, speeds,
       [](const auto& speed) { return static_cast<std::uint8_t>(speed.contradicts ? 1 : 0); },
       [](auto& speed, std::uint8_t value) { speed.contradicts = value != 0; });
+  archive.template field<double>(
+      {"speed_noise", "deg/s", "noise of a gyro sample while the shaft turns [deg/s]"}, speeds,
+      &ServoResponse::AtSpeed::noise_dps);
+  ripple_columns(archive, response.ripples);
 }
 
 /// How the gyro's bias went.

@@ -15,9 +15,11 @@ namespace {
 constexpr double lost_share_bad = 0.05;
 constexpr double lost_share_usable = 0.005;
 constexpr double valid_share_usable = 0.5;
-// A clock that is not known to a millisecond moves a label of a fast frame by more than its own error (V6);
-// ten milliseconds are what plain arrival times do.
-constexpr double clock_uncertainty_usable_s = 0.001;
+// Speeds that a servo cannot turn steadily, the slowest mostly, say nothing against the frames of the others.
+constexpr double empty_speeds_usable = 0.1;
+// Two milliseconds are 0.4 degrees at 200 deg/s, an eighth of a pixel; ten are what plain arrival times do.
+constexpr double clock_uncertainty_usable_s = 0.002;
+constexpr double link_delay_usable_s = 0.005;
 constexpr double clock_uncertainty_bad_s = 0.010;
 // The label rule's own measure of a steady speed: 1 deg/s.
 constexpr double residual_usable_dps = 1.0;
@@ -28,6 +30,8 @@ class Verdict {
  public:
   void bad(const std::string& reason) { note(2, reason); }
   void usable(const std::string& reason) { note(1, reason); }
+  /// A remark is told beside the verdict, which it does not lower.
+  void usable_or_remark(bool usable, const std::string& reason) { note(usable ? 1 : 0, reason); }
 
   void write_to(Quality& quality) const {
     quality.verdict = level_ == 2 ? "bad" : level_ == 1 ? "usable" : "good";
@@ -66,8 +70,10 @@ void judge_samples(const Quality& quality, Verdict& verdict) {
     verdict.usable(fmt::format("only {} of {} frames within legs are valid", quality.valid, quality.swept));
   const auto empty = std::count_if(quality.speeds.begin(), quality.speeds.end(),
                                    [](const auto& speed) { return speed.valid == 0; });
+  const std::size_t speeds = quality.speeds.size();
   if (empty > 0)
-    verdict.usable(fmt::format("{} of {} speeds have no valid frame", empty, quality.speeds.size()));
+    verdict.usable_or_remark(static_cast<double>(empty) > empty_speeds_usable * static_cast<double>(speeds),
+                             fmt::format("{} of {} speeds have no valid frame", empty, speeds));
 }
 
 void judge_events(const Session& session, Verdict& verdict) {
@@ -100,7 +106,8 @@ void judge_links(const Session& session, Verdict& verdict) {
     delay_s = clock.largest_constant_delay_s;
   }
   if (!names.empty())
-    verdict.usable(
+    verdict.usable_or_remark(
+        delay_s > link_delay_usable_s,
         fmt::format("the times of the {} may be late by {:.1f} ms, for no answer of the servo came "
                     "sooner: is there a USB hub, or a busy port?",
                     names, 1e3 * delay_s));

@@ -11,6 +11,7 @@
 #include "thermorig/pipeline/labels/command_track.h"
 #include "thermorig/pipeline/labels/gyro_track.h"
 #include "thermorig/pipeline/labels/label_config.h"
+#include "thermorig/pipeline/labels/motion_noise.h"
 #include "thermorig/pipeline/labels/running_bias.h"
 #include "thermorig/pipeline/labels/shaft_track.h"
 #include "thermorig/pipeline/labels/warm_up.h"
@@ -65,7 +66,8 @@ namespace thermorig::labels {
 ///   gyro_gap             no gyro sample in E, or fewer than gyro_gap_share of what gyro_rate_hz gives in E,
 ///   or
 ///                        one that would lie in E never came (lacks_sample(), where a first pass found gaps)
-///   gyro_unsteady        gyro_spread squared, less what the sensor's noise explains, exceeds the tolerance
+///   gyro_unsteady        gyro_spread exceeds the tolerance beyond what noise explains, that of gears
+///   included
 ///                        squared; not judged where a sample is saturated
 ///   gyro_disagrees       |mean gyro, corrected - rate_shaft as the gyro sees it| exceeds 3 standard
 ///                        deviations (see label_terms.h); not judged where a sample is saturated; or the
@@ -111,7 +113,7 @@ class Labeller {
   std::uint32_t command_reasons(const LabelledSample& sample) const;
   std::uint32_t model_reasons(const LabelledSample& sample, const ShaftRates& shaft) const;
   std::uint32_t gyro_reasons(const LabelledSample& sample, const GyroMean& gyro) const;
-  bool gyro_disagrees(const LabelledSample& sample, const GyroMean& gyro) const;
+  bool gyro_disagrees(const LabelledSample& sample, const GyroMean& gyro, double noise_dps) const;
   void learn_bias(const LabelledSample& sample, const GyroMean& gyro);
   void number_run(LabelledSample& sample);
 
@@ -123,6 +125,7 @@ class Labeller {
   ShaftTrack shaft_;
   GyroTrack gyro_;
   RunningBias bias_;
+  MotionNoise motion_noise_;
   WarmUp warm_up_;
   std::deque<PendingFrame> pending_;
   std::uint32_t frame_count_ = 0;

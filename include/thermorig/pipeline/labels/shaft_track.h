@@ -11,13 +11,14 @@
 #include "thermorig/pipeline/labels/history.h"
 #include "thermorig/pipeline/labels/pulse_train.h"
 #include "thermorig/pipeline/labels/servo_loop.h"
+#include "thermorig/pipeline/labels/shaft_slope.h"
 
 namespace thermorig::labels {
 
 /// Where the model has the shaft.
 struct ShaftAngle {
   double plain_deg = 0.0;   // scale and gain 1
-  double scaled_deg = 0.0;  // scale and gain of the response
+  double scaled_deg = 0.0;  // scale, gain and ripples of the response
 };
 
 /// Extremes of a running mean, deg/s.
@@ -29,10 +30,10 @@ struct RateRange {
 /// What the shaft did over a span by the model. Slow means are over five pulse periods: the ripple that steps
 /// of the pulse width leave in a steady speed is gone from them, a ramp is not.
 struct ShaftRates {
-  double mean_dps = 0.0;  // over the span; scale and gain of the response
+  double mean_dps = 0.0;  // over the span; scale, gain and ripples of the response
   RateRange range;        // of means over one pulse period, and of mean_dps
   RateRange slow;         // of slow means
-  RateRange plain_slow;   // the same, scale and gain 1
+  RateRange plain_slow;   // the same, scale and gain 1, no ripples
 };
 
 /// The shaft over the last few seconds, by the servo's response to the pulses that telemetry reports.
@@ -62,7 +63,7 @@ class ShaftTrack {
     double angle_deg = 0.0;
     double rate_dps = 0.0;
     double scaled_deg = 0.0;
-    double slope = 1.0;  // scale * gain
+    double slope = 1.0;  // scale, gain and ripples
   };
   struct Ranges {
     RateRange scaled;
@@ -73,10 +74,12 @@ class ShaftTrack {
   static Ranges ranges(const std::vector<ShaftAngle>& angles, std::size_t window);
   void take(const Pulse& pulse);
   void advance(HostTime until);
+  double slope_at(double angle_deg, bool forward) const;
   void add_point(HostTime time);
 
   PulseScale scale_;
-  ServoResponse response_;
+  double scale_of_shaft_;
+  ShaftSlope slope_;
   HostDuration delay_;
   PulseTrain train_;
   ServoLoop loop_;
