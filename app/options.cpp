@@ -81,7 +81,7 @@ void add_record(CLI::App& root, Words& words) {
   add_rig(command, record.rig);
   command.footer(
       "Examples:\n"
-      "  thermorig record --simulated=3 --environment garden --plan quick\n"
+      "  thermorig record --simulated=4 --environment garden --plan quick\n"
       "  thermorig record --rig bench --environment kitchen");
 }
 
@@ -128,7 +128,7 @@ void add_calibrate(CLI::App& root, Words& words) {
   command.footer(
       "Examples:\n"
       "  thermorig calibrate latency --rig bench\n"
-      "  thermorig calibrate scale --simulated=3 --fast --save simulated.toml\n"
+      "  thermorig calibrate scale --simulated=4 --fast --save simulated.toml\n"
       "  thermorig calibrate check --rig bench");
 }
 
@@ -299,7 +299,7 @@ void describe(CLI::App& root, Words& words) {
   add_export(root, words.export_);
   root.footer(
       "First steps:\n"
-      "  thermorig record --simulated=3 --environment laboratory --plan quick\n"
+      "  thermorig record --simulated=4 --environment laboratory --plan quick\n"
       "  thermorig ports\n"
       "Exit codes and JSON keys: docs/commands.md");
 }

@@ -21,7 +21,7 @@ struct SimulatedParts {
   std::optional<std::string> camera;  // half (default), full: fresh halves a frame
   std::optional<std::string> gyro;    // calibrated, typical (default), raw: bias and scale
   std::optional<std::string> scene;   // what the camera sees; none: the environment's own
-  std::optional<std::string> world;   // as simulation::world_named() takes it; none: honest
+  std::optional<std::string> world;   // as simulation::world_named() takes it; none: the default one
 };
 
 /// Which rig: a simulated one, three ports, or a profile; and what differs from its defaults.

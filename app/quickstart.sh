@@ -13,6 +13,6 @@ bash app/setup.sh
 cmake --preset release -B "$build" -DTHERMORIG_TESTS=OFF >/dev/null
 cmake --build "$build" -j "$(nproc)"
 
-"$build"/bin/thermorig record --simulated=3 --environment laboratory --plan quick --output "$recordings"
+"$build"/bin/thermorig record --simulated=4 --environment laboratory --plan quick --output "$recordings"
 session=$(ls -t "$recordings"/laboratory/*.h5 | head -n 1)
 "$build"/bin/thermorig inspect "$session"

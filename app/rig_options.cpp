@@ -22,7 +22,7 @@ std::uint64_t seed_of(const std::string& text) {
   const auto [at, error] = std::from_chars(text.data(), end, seed);
   if (error == std::errc() && at == end) return seed;
   throw Error(ExitCode::bad_usage, "the seed '" + text + "' is not a whole number from 0 to 2^64 - 1", "",
-              "--simulated=3");
+              "--simulated=4");
 }
 }  // namespace
 
@@ -80,7 +80,7 @@ void add_simulated_parts(CLI::App& command, SimulatedParts& parts) {
       ->type_name("NAME");
   command
       .add_option("--world", parts.world,
-                  "How hard the simulated rig makes it: honest (default), typical, hard; with knobs of it: "
+                  "How hard the simulated rig makes it: honest, typical (default), hard; with knobs of it: "
                   "hard,gyro.bandwidth_hz=20")
       ->type_name("WORLD");
 }

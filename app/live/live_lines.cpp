@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "print/output.h"
+#include "print/simulation_text.h"
 
 namespace thermorig::app {
 
@@ -112,7 +113,7 @@ std::string heading_of(const LiveFacts& facts) {
   if (header.simulated)
     text += fmt::format("SIMULATED rig{}: {}\n",
                         header.simulation_seed ? fmt::format(", seed {}", *header.simulation_seed) : "",
-                        printable(header.simulation));
+                        simulation_text(header.simulation));
   const LiveModel& model = header.live_model;
   if (model.name.empty())
     text += "no model: the gyro alone against the servo (--model FILE)\n";

@@ -155,7 +155,7 @@ void add_live(CLI::App& root, LiveCommandLine& words) {
   add_rig(command, live.record.rig);
   command.footer(
       "Examples:\n"
-      "  thermorig live --simulated=3 --model model.onnx\n"
+      "  thermorig live --simulated=4 --model model.onnx\n"
       "  thermorig live --rig bench --model model.onnx --environment garden --record\n"
       "  thermorig live --replay session.h5 --model model.onnx --speed 10");
 }

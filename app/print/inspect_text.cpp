@@ -13,6 +13,7 @@
 #include "output.h"
 #include "speed_pairs.h"
 #include "thermorig/storage/session/annotations.h"
+#include "simulation_text.h"
 #include "timing_text.h"
 
 namespace thermorig::app {
@@ -25,7 +26,7 @@ using session::Session;
 std::string origin(const RecordingHeader& header) {
   if (!header.simulated) return "recorded from ports";
   const std::string seed = header.simulation_seed ? fmt::format("seed {}, ", *header.simulation_seed) : "";
-  return fmt::format("SIMULATED ({}{})", seed, header.simulation);
+  return fmt::format("SIMULATED ({}{})", seed, simulation_text(header.simulation));
 }
 
 nlohmann::json annotations_json(const Session& session) {

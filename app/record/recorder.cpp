@@ -9,6 +9,7 @@
 #include "interrupts.h"
 #include "live/live_facts.h"
 #include "print/output.h"
+#include "print/simulation_text.h"
 #include "progress_output.h"
 #include "record_page.h"
 #include "recording_setup.h"
@@ -48,7 +49,7 @@ void announce(const rig::RecordingOptions& recording, bool json) {
   if (recording.simulated)
     print("SIMULATED rig{}: {}\n",
           recording.simulation_seed ? fmt::format(", seed {}", *recording.simulation_seed) : "",
-          recording.simulation);
+          simulation_text(recording.simulation));
   flush_output();
 }
 
@@ -116,7 +117,7 @@ void check_recording_words(const RecordOptions& options) {
   require_line("--note", options.note, "one sentence; more with thermorig annotate");
   if (options.fast && !options.rig.simulated_seed)
     throw Error(ExitCode::bad_usage, "--fast is virtual time, which only the simulated rig has", "",
-                "--simulated=3 --fast, or leave --fast out");
+                "--simulated=4 --fast, or leave --fast out");
   if (options.fast && options.page.serve)
     throw Error(ExitCode::bad_usage, "virtual time is too fast for a page", "",
                 "leave --fast out, or --page");

@@ -8,6 +8,7 @@
 #include "commands.h"
 #include "print/number_json.h"
 #include "print/output.h"
+#include "print/simulation_text.h"
 #include "thermorig/rig/profile/profile_file.h"
 #include "thermorig/rig/recording/session_file.h"
 #include "thermorig/simulation/simulated_ports/simulated_ports.h"
@@ -47,7 +48,7 @@ void announce(const SimulateOptions& options, const simulation::VirtualRigConfig
     return;
   }
   print("SIMULATED rig, {}{}, seed {}, world {}; servo firmware: {}\n\n", printable(options.environment),
-        scene == options.environment ? "" : " (scene: " + scene + ")", options.seed, world,
+        scene == options.environment ? "" : " (scene: " + scene + ")", options.seed, simulation_text(world),
         ports.firmware_description());
   Table table({"role", "port"});
   for (Device device : all_devices) table.add({std::string(name_of(device)), paths[device]});

@@ -14,7 +14,7 @@ class SimulatedRig : public ProgramTest {
  protected:
   session::Session recorded(const std::string& options) const {
     const Outcome outcome =
-        run("record --fast --json --simulated=2 --environment laboratory --plan quick "
+        run("record --fast --json --world honest --simulated=2 --environment laboratory --plan quick "
             "--speeds 20,150 --frames-per-leg 24 --valid-per-leg 0 " +
             options);
     EXPECT_EQ(outcome.code, 0) << options << outcome.out << outcome.err;

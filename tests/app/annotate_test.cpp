@@ -55,7 +55,7 @@ TEST_F(Annotate, ExcludesFramesUntilItIsUndone) {
 
 TEST_F(Annotate, MovesASessionToTheNextFreeNumberOfAnotherEnvironmentAndBack) {
   const std::string session = record_briefly().string();
-  ASSERT_EQ(run("record --fast --simulated=5 -e kitchen " + brief_plan).code, 0);
+  ASSERT_EQ(run("record --fast --world honest --simulated=5 -e kitchen " + brief_plan).code, 0);
   const std::string moved = annotate(session, "--environment kitchen")["file"];
   EXPECT_THAT(moved, HasSubstr("recordings/kitchen/kitchen_acq-02_"));
   EXPECT_FALSE(std::filesystem::exists(session));
@@ -115,7 +115,7 @@ TEST_F(Annotate, RefusesWhatCannotBeAndLeavesTheFileAsItIs) {
 
 TEST_F(Annotate, IsNotNeededForWhatIsKnownWhenItIsRecorded) {
   const Outcome recorded =
-      run("record --fast --simulated=3 -e garden --operator 'A. Person' --place 'room 2.11' " +
+      run("record --fast --world honest --simulated=3 -e garden --operator 'A. Person' --place 'room 2.11' " +
           ("--note 'the first of three' " + brief_plan));
   ASSERT_EQ(recorded.code, 0) << recorded.err;
   const auto said = inspected("recordings");
@@ -124,7 +124,7 @@ TEST_F(Annotate, IsNotNeededForWhatIsKnownWhenItIsRecorded) {
   EXPECT_EQ(said["note"], "the first of three");
   EXPECT_EQ(run("list --json").lines()[0][0]["notes"], nlohmann::json::array({"the first of three"}));
   EXPECT_EQ(
-      run("record --fast --simulated=3 -e garden --note \"$(printf 'two\\nlines')\" " + brief_plan).code, 2);
+      run("record --fast --world honest --simulated=3 -e garden --note \"$(printf 'two\\nlines')\" " + brief_plan).code, 2);
 }
 
 }  // namespace

@@ -12,7 +12,7 @@ namespace {
 using ::testing::HasSubstr;
 using ::testing::Not;
 
-const std::string fast = " --simulated=3 --fast ";
+const std::string fast = " --world honest --simulated=3 --fast ";
 
 class Calibrate : public ProgramTest {
  protected:
@@ -89,7 +89,7 @@ TEST_F(Calibrate, LeavesOutSessionsThatCannotTellAndNamesThem) {
 
 TEST_F(Calibrate, DoesNotPoolSessionsOfDifferentRigs) {
   ASSERT_EQ(run("calibrate bias" + fast).code, 0);
-  ASSERT_EQ(run("calibrate bias --simulated=4 --fast").code, 0);
+  ASSERT_EQ(run("calibrate bias --world honest --simulated=4 --fast").code, 0);
   expect_refused("bias --session recordings/calibration/*.h5", 2, "different rigs");
 }
 
@@ -210,10 +210,10 @@ TEST_F(CalibrateCheck, LetsARecordingGoOnWhereTheProfileHolds) {
 }
 
 TEST_F(CalibrateCheck, IsNamedByTheDoctor) {
-  EXPECT_THAT(run("doctor --simulated=3 --plan quick").out,
+  EXPECT_THAT(run("doctor --world honest --simulated=3 --plan quick").out,
               HasSubstr("no constant of this profile was measured: thermorig calibrate does that"));
   make_profile("bench.toml", 0.0);
-  const std::string seen = run("doctor --simulated=3 --plan quick --rig bench.toml").out;
+  const std::string seen = run("doctor --world honest --simulated=3 --plan quick --rig bench.toml").out;
   EXPECT_THAT(seen, HasSubstr("camera latency measured, the oldest on "));
   EXPECT_THAT(seen, HasSubstr("whether they still hold says thermorig calibrate check"));
 }
@@ -236,7 +236,7 @@ TEST_F(Calibrate, RefusesWordsThatContradictEachOther) {
   expect_refused("scale --marks --angle nan" + fast, 2, "out of range");
   expect_refused("bias --session missing.h5", 2, "no such file");
   expect_refused("bias --session missing.h5" + fast, 2, "--session");
-  expect_refused("bias --fast", 2, "--simulated=3");
+  expect_refused("bias --fast", 2, "--simulated=4");
   expect_refused("bias", 2, "no port is named");
 }
 

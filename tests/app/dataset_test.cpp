@@ -13,7 +13,7 @@ class DataSet : public ProgramTest {
  protected:
   void record(const std::string& environment, int seed) const {
     EXPECT_EQ(
-        run("record --fast --simulated=" + std::to_string(seed) + " -e " + environment + " " + brief_plan)
+        run("record --fast --world honest --simulated=" + std::to_string(seed) + " -e " + environment + " " + brief_plan)
             .code,
         0);
   }
@@ -22,7 +22,7 @@ class DataSet : public ProgramTest {
   void build() const {
     record("garden", 3);
     record("kitchen", 4);
-    EXPECT_EQ(run("calibrate bias --simulated=3 --fast").code, 0);
+    EXPECT_EQ(run("calibrate bias --world honest --simulated=3 --fast").code, 0);
     const Outcome outcome =
         run("dataset build recordings --title 'Two rooms' --author 'A. Person' --licence CC-BY-4.0 --json");
     ASSERT_EQ(outcome.code, 0) << outcome.err;

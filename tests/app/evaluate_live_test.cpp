@@ -23,7 +23,7 @@ class EvaluateLiveTest : public ProgramTest {
 
   /// What a live run in virtual time printed.
   Outcome live(const std::string& words) const {
-    return run("live --simulated=3 --fast --speeds 40,80 --frames-per-leg 12 --environment garden --json " +
+    return run("live --world honest --simulated=3 --fast --speeds 40,80 --frames-per-leg 12 --environment garden --json " +
                words);
   }
 

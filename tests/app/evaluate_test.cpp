@@ -24,8 +24,8 @@ class EvaluateTest : public ProgramTest {
  protected:
   /// Three sessions of the simulated rig: two gardens and a laboratory.
   void record_sessions() const {
-    for (const std::string& words : {std::string("garden --simulated=3"), std::string("garden --simulated=4"),
-                                     std::string("laboratory --simulated=5")})
+    for (const std::string& words : {std::string("garden --world honest --simulated=3"), std::string("garden --world honest --simulated=4"),
+                                     std::string("laboratory --world honest --simulated=5")})
       ASSERT_EQ(run("record --fast --environment " + words + " " + brief_plan).code, 0);
   }
 
@@ -73,7 +73,7 @@ TEST_F(EvaluateTest, WarnsOfDataThatTheModelWasTrainedOn) {
   train();
   const Outcome seen = run("evaluate model.onnx recordings");
   EXPECT_THAT(seen.out, HasSubstr("warning: the model was trained on, or chosen by, 3 of the tested"));
-  ASSERT_EQ(run("record --fast --simulated=9 --environment kitchen -o others " + brief_plan).code, 0);
+  ASSERT_EQ(run("record --fast --world honest --simulated=9 --environment kitchen -o others " + brief_plan).code, 0);
   EXPECT_THAT(run("evaluate model.onnx others").out, Not(HasSubstr("trained on, or chosen by")));
 }
 
@@ -81,7 +81,7 @@ TEST_F(EvaluateTest, RemovesTheBiasOfTheRestAndNotTheJerkOfArming) {
   model::Model untrained;
   untrained.weights = network::initial_weights({.frames = 3, .reduction = 3}, 4);
   model::write_model(folder() / "model.onnx", untrained);
-  ASSERT_EQ(run("record --fast --environment office --simulated=6 --simulated-gyro raw " + brief_plan).code,
+  ASSERT_EQ(run("record --fast --environment office --world honest --simulated=6 --simulated-gyro raw " + brief_plan).code,
             0);
   const Outcome outcome = run("evaluate model.onnx recordings --json");
   ASSERT_EQ(outcome.code, 0) << outcome.err;

@@ -56,7 +56,7 @@ class Live : public ProgramTest {
   }
 
   const std::string plan = "--plan quick --speeds 60,120 --frames-per-leg 12 ";
-  const std::string fast = "live --simulated=3 --fast --json --model model.onnx " + plan;
+  const std::string fast = "live --world honest --simulated=3 --fast --json --model model.onnx " + plan;
 };
 
 std::set<std::string> keys_of(const json& object) {
@@ -136,7 +136,7 @@ TEST_F(Live, RefusesEstimatorsThatThereAreNotOrThatCannotRun) {
   const Outcome twice = run(fast + " --estimators gyro,gyro");
   EXPECT_EQ(twice.code, 2);
   EXPECT_THAT(twice.err, HasSubstr("named twice"));
-  const Outcome without = run("live --simulated=3 --fast --estimators cnn-fusion");
+  const Outcome without = run("live --world honest --simulated=3 --fast --estimators cnn-fusion");
   EXPECT_EQ(without.code, 2);
   EXPECT_THAT(without.err, AllOf(HasSubstr("needs a network"), HasSubstr("--model FILE")));
 }
@@ -162,7 +162,7 @@ TEST_F(Live, AReplayWarnsOfAGateThatCollapsesUnlessItsSessionDoesAlready) {
   for (float& weight : open_gate.weights.tensor("gain2.bias")) weight = 30.0F;
   model::write_model(folder() / "open.onnx", open_gate);
   const Outcome live =
-      run("live --simulated=3 --fast --json --record --model model.onnx --plan quick --speeds 60,120 "
+      run("live --world honest --simulated=3 --fast --json --record --model model.onnx --plan quick --speeds 60,120 "
           "--frames-per-leg 40");
   ASSERT_TRUE(of_kind(live.lines(), "event").size() > 4) << live.err;
   const auto gate_events = [&](const std::string& model) {
@@ -177,7 +177,7 @@ TEST_F(Live, AReplayWarnsOfAGateThatCollapsesUnlessItsSessionDoesAlready) {
   EXPECT_EQ(gate_events("model.onnx"), 0U);
   EXPECT_EQ(gate_events("open.onnx"), 1U) << "of a model that the session does not know";
   fs::remove(files(".h5").front());
-  run("live --simulated=3 --fast --json --record --model open.onnx --plan quick --speeds 60,120 "
+  run("live --world honest --simulated=3 --fast --json --record --model open.onnx --plan quick --speeds 60,120 "
       "--frames-per-leg 40");
   EXPECT_EQ(gate_events("open.onnx"), 1U) << "the session's own, not twice";
 }
@@ -215,7 +215,7 @@ TEST_F(Live, ASessionKeepsOneRowAFrame) {
 }
 
 TEST_F(Live, WorksWithoutAModelAndSaysSo) {
-  const Outcome outcome = run("live --simulated=3 --fast " + plan);
+  const Outcome outcome = run("live --world honest --simulated=3 --fast " + plan);
   ASSERT_EQ(outcome.code, 0) << outcome.err;
   EXPECT_THAT(outcome.out, HasSubstr("no model: the gyro alone against the servo"));
   EXPECT_THAT(outcome.out, HasSubstr("RMSE deg/s"));
@@ -223,13 +223,13 @@ TEST_F(Live, WorksWithoutAModelAndSaysSo) {
 
 TEST_F(Live, RefusesWhatIsNoModel) {
   std::ofstream(folder() / "no.onnx") << "this is no model";
-  EXPECT_EQ(run("live --simulated=3 --fast --model no.onnx").code, 8);
-  EXPECT_EQ(run("live --simulated=3 --fast --model nowhere.onnx").code, 2);
+  EXPECT_EQ(run("live --world honest --simulated=3 --fast --model no.onnx").code, 8);
+  EXPECT_EQ(run("live --world honest --simulated=3 --fast --model nowhere.onnx").code, 2);
 }
 
 TEST_F(Live, RefusesWordsThatContradictEachOther) {
   for (const char* words :
-       {"--simulated=3 --fast --page", "--fast", "--simulated=3 --speed 2", "--simulated=3 --replay x.h5",
+       {"--world honest --simulated=3 --fast --page", "--fast", "--simulated=3 --speed 2", "--simulated=3 --replay x.h5",
         "--replay x.h5 --record", "--replay x.h5 --speed quick", "--replay x.h5 --speed 0",
         "--replay x.h5 --speed 1e-300", "--simulated=3 --fast --loop", "--simulated=3 --tui --json",
         "--replay x.h5 --control", "--simulated=3 --no-page --control"})
@@ -247,12 +247,12 @@ TEST_F(Live, RefusesWordsThatWouldDoNothing) {
     EXPECT_THAT(outcome.err, HasSubstr(std::string(word).substr(0, std::string(word).find(' '))));
   }
   for (const char* words :
-       {"live --simulated=3 --fast --output x", "live --simulated=3 --fast --licence x",
-        "live --simulated=3 --fast --page-port 0", "live --simulated=3 --fast --new-token",
-        "live --simulated=3 --no-page --page-port 0", "live --simulated=3 --no-page --new-token",
-        "live --simulated=3 --fast --precision fp16",
-        "record --simulated=3 --fast --environment garden --page-port 0",
-        "record --simulated=3 --fast --environment garden --new-token"})
+       {"live --world honest --simulated=3 --fast --output x", "live --world honest --simulated=3 --fast --licence x",
+        "live --world honest --simulated=3 --fast --page-port 0", "live --world honest --simulated=3 --fast --new-token",
+        "live --world honest --simulated=3 --no-page --page-port 0", "live --world honest --simulated=3 --no-page --new-token",
+        "live --world honest --simulated=3 --fast --precision fp16",
+        "record --world honest --simulated=3 --fast --environment garden --page-port 0",
+        "record --world honest --simulated=3 --fast --environment garden --new-token"})
     EXPECT_EQ(run(words).code, 2) << words;
 }
 
@@ -332,7 +332,7 @@ class UnreadOutput {
 TEST_F(Live, DrivesOnWhenNobodyReadsItsOutput) {
   const UnreadOutput output(folder() / "background_out.txt");
   ASSERT_EQ(setenv("XDG_STATE_HOME", folder().c_str(), 1), 0);
-  const pid_t process = start({"live", "--simulated=3", "--loop", "--model", "model.onnx", "--page-port", "0",
+  const pid_t process = start({"live", "--world", "honest", "--simulated=3", "--loop", "--model", "model.onnx", "--page-port", "0",
                                "--json", "--record", "-o", "kept"});
   unsetenv("XDG_STATE_HOME");
   std::this_thread::sleep_for(std::chrono::seconds(12));  // more than 128 kB
@@ -434,7 +434,7 @@ TEST_F(Live, PutsNoTokenIntoAFileThatOthersMayRead) {
 }
 
 TEST_F(Live, DrawsPlainLinesWithoutATerminalAndSaysSo) {
-  const Outcome outcome = run("live --simulated=3 --fast --tui --model model.onnx " + plan);
+  const Outcome outcome = run("live --world honest --simulated=3 --fast --tui --model model.onnx " + plan);
   EXPECT_EQ(outcome.code, 0) << outcome.err;
   EXPECT_THAT(outcome.err, HasSubstr("--tui needs a terminal"));
   EXPECT_THAT(outcome.out, Not(HasSubstr("\x1b[")));
@@ -458,7 +458,7 @@ TEST_F(Live, DrawsTheImageOnATerminalAndLeavesItAsItWas) {
 TEST_F(Live, KeepsItsSessionWhenTheReaderOfItsOutputGoesAway) {
   const std::string command = "cd '" + folder().string() +
                               "' && '" THERMORIG_PROGRAM
-                              "' live --simulated=3 --fast --json --record -o kept 2>errors.txt | head -n 1";
+                              "' live --world honest --simulated=3 --fast --json --record -o kept 2>errors.txt | head -n 1";
   ASSERT_EQ(std::system(command.c_str()), 0);
   std::vector<std::string> kinds;
   for (const auto& entry : std::filesystem::directory_iterator(folder() / "kept" / "laboratory"))
@@ -472,7 +472,7 @@ TEST_F(Live, KeepsItsSessionWhenTheReaderOfItsOutputGoesAway) {
 }
 
 TEST_F(Live, StopsTheServoInALegOnInterruptAndSaysHowItEnded) {
-  const pid_t process = start({"live", "--simulated=3", "--fast", "--plan", "paper", "--frames-per-leg",
+  const pid_t process = start({"live", "--world", "honest", "--simulated=3", "--fast", "--plan", "paper", "--frames-per-leg",
                                "1000", "--model", "model.onnx", "--json"});  // in virtual time: hours
   const auto is_in_leg = [&] {
     return file_text(folder() / "background_out.txt").find("leg_start") != std::string::npos;

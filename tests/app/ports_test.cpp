@@ -101,7 +101,7 @@ TEST_F(Ports, ADeviceThatIsPulledOutEndsTheRecordingAndWhatCameIsKept) {
 
 TEST_F(Ports, ASimulatedRigOnPortsIsRecordedAsAnyOther) {
   const Outcome outcome =
-      run("record --simulated=3 --environment garden --json --plan quick --speeds 60 --frames-per-leg 8");
+      run("record --world honest --simulated=3 --environment garden --json --plan quick --speeds 60 --frames-per-leg 8");
   ASSERT_EQ(outcome.code, 0) << outcome.err << outcome.out;
   const auto lines = outcome.lines();
   EXPECT_THAT(lines.front()["simulation"].get<std::string>(), HasSubstr("ports"));

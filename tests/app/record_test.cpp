@@ -17,7 +17,7 @@ namespace {
 using ::testing::HasSubstr;
 using ::testing::Not;
 
-const std::string fast = "record --simulated=3 --fast --environment garden ";
+const std::string fast = "record --world honest --simulated=3 --fast --environment garden ";
 
 class Record : public ProgramTest {
  protected:
@@ -62,7 +62,7 @@ TEST_F(Record, GivesEventsAsJsonLinesWithTheSummaryLast) {
 }
 
 TEST_F(Record, SaysWhichSceneStandsForAnEnvironmentThatHasNone) {
-  const std::string of_kitchn = "record --simulated=3 --fast --environment kitchn ";
+  const std::string of_kitchn = "record --world honest --simulated=3 --fast --environment kitchn ";
   const Outcome outcome = run(of_kitchn + brief_plan);
   EXPECT_THAT(outcome.out,
               HasSubstr("SIMULATED rig, seed 3: virtual time, firmware's host build, scene laboratory"));
@@ -178,7 +178,7 @@ TEST_F(Record, SaysWhyALegOnAShortServoHasMoreFrames) {
 }
 
 TEST_F(Record, ARestHasNoTableOfLegs) {
-  const Outcome outcome = run("calibrate bias --simulated=3 --fast --dry-run");
+  const Outcome outcome = run("calibrate bias --world honest --simulated=3 --fast --dry-run");
   EXPECT_EQ(outcome.code, 0) << outcome.err;
   EXPECT_THAT(outcome.out, HasSubstr("a rest of 1 min 0 s"));
   EXPECT_THAT(outcome.out, Not(HasSubstr("0 legs")));
@@ -302,9 +302,9 @@ TEST_F(Record, RefusesContradictingWords) {
 }
 
 TEST_F(Record, RefusesWordsOfAPageThatIsNotServed) {
-  expect_refused("record --simulated=3 --environment garden --control --dry-run", 2, "no page is served");
-  expect_refused("record --simulated=3 --environment garden --page-port 9000 --dry-run", 2, "--page");
-  expect_refused("record --simulated=3 --environment garden --new-token --dry-run", 2, "--page");
+  expect_refused("record --world honest --simulated=3 --environment garden --control --dry-run", 2, "no page is served");
+  expect_refused("record --world honest --simulated=3 --environment garden --page-port 9000 --dry-run", 2, "--page");
+  expect_refused("record --world honest --simulated=3 --environment garden --new-token --dry-run", 2, "--page");
 }
 
 TEST_F(Record, SaysWhichPortDoesNotExist) {
@@ -315,7 +315,7 @@ TEST_F(Record, SaysWhichPortDoesNotExist) {
 }
 
 TEST_F(Record, ClosesTheFileOnCtrlC) {
-  const pid_t process = start({"record", "--simulated=3", "--fast", "--environment", "garden", "--json",
+  const pid_t process = start({"record", "--world", "honest", "--simulated=3", "--fast", "--environment", "garden", "--json",
                                "--frames-per-leg", "1000"});  // in virtual time: hours
   const auto records = [&] {
     return !files(".journal").empty() && std::filesystem::file_size(files(".journal")[0]) > 100'000;

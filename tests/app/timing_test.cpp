@@ -119,7 +119,7 @@ TEST_F(Timing, AReasonInAFileDoesNotSteerTheTerminal) {
 }
 
 TEST_F(Timing, ARestForACalibrationIsJudgedByItsStreams) {
-  ASSERT_EQ(run("calibrate bias --simulated=3 --fast").code, 0);
+  ASSERT_EQ(run("calibrate bias --world honest --simulated=3 --fast").code, 0);
   const std::string session = files(".h5")[0].string();
   const Outcome outcome = run("inspect --timing --check " + session);
   EXPECT_EQ(outcome.code, 0) << outcome.err;
@@ -141,7 +141,7 @@ TEST_F(Timing, ReprocessTellsWhatChanged) {
   const auto same = run("reprocess --json " + path.string()).lines()[0][0];
   EXPECT_EQ(same["moved_max_s"], 0.0);
   EXPECT_EQ(same["before"]["frames_valid"], same["frames_valid"]);
-  ASSERT_EQ(run("calibrate latency --simulated=3 --fast --save bench.toml").code, 0);
+  ASSERT_EQ(run("calibrate latency --world honest --simulated=3 --fast --save bench.toml").code, 0);
   const Outcome outcome = run("reprocess --rig bench.toml " + path.string());
   ASSERT_EQ(outcome.code, 0) << outcome.err;
   EXPECT_THAT(outcome.out, HasSubstr("times    moved by "));

@@ -25,7 +25,7 @@ class Train : public ProgramTest {
   Train() {
     for (const char* seed : {"3", "4"})
       EXPECT_EQ(
-          run(std::string("record --fast --environment garden --json --simulated=") + seed + " " + plan).code,
+          run(std::string("record --fast --environment garden --json --world honest --simulated=") + seed + " " + plan).code,
           0);
   }
 
@@ -142,7 +142,7 @@ TEST_F(Train, RefusesToResumeWithOtherSettingsOrOtherData) {
   Outcome outcome = run(network + "--epochs 4 -o model.onnx --resume");
   EXPECT_EQ(outcome.code, 2);
   EXPECT_THAT(outcome.err, HasSubstr("epochs (3, now 4)"));
-  EXPECT_EQ(run(std::string("record --fast --environment kitchen --simulated=5 ") + plan).code, 0);
+  EXPECT_EQ(run(std::string("record --fast --environment kitchen --world honest --simulated=5 ") + plan).code, 0);
   outcome = run(small + "-o model.onnx --resume");
   EXPECT_EQ(outcome.code, 2);
   EXPECT_THAT(outcome.err, HasSubstr("2 acquisitions, now 3"));

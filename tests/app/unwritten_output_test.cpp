@@ -53,7 +53,7 @@ class Unwritten : public ProgramTest {
       for (const char* form : {"", " --json"}) expect_told(command + form);
   }
 
-  const std::string record = "record --simulated=3 --fast --environment garden " + brief_plan;
+  const std::string record = "record --world honest --simulated=3 --fast --environment garden " + brief_plan;
 };
 
 TEST_F(Unwritten, ResultsOfARecordingAreExitCode7AndTheSessionIsNamed) {
@@ -73,7 +73,7 @@ TEST_F(Unwritten, ResultsOfACalibrationAreExitCode7AndTheProfileIsKept) {
   give_full_disk();
   for (const char* form : {"", " --json"}) {
     const Outcome outcome =
-        run_there(std::string("calibrate bias --simulated=3 --fast --save kept.toml") + form);
+        run_there(std::string("calibrate bias --world honest --simulated=3 --fast --save kept.toml") + form);
     EXPECT_EQ(outcome.code, 7) << outcome.err;
     EXPECT_THAT(outcome.err, HasSubstr("the result is in kept.toml"));
     EXPECT_TRUE(std::filesystem::remove(folder() / "kept.toml"));
@@ -90,7 +90,7 @@ TEST_F(Unwritten, ResultsAboutSessionsAreExitCode7) {
 
 TEST_F(Unwritten, ResultsOfALearnerAreExitCode7AndItsFilesAreThere) {
   record_briefly();
-  ASSERT_EQ(run("record --simulated=4 --fast --environment garden " + brief_plan).code, 0);
+  ASSERT_EQ(run("record --world honest --simulated=4 --fast --environment garden " + brief_plan).code, 0);
   give_full_disk();
   // More lines than a buffer holds: they must not end the training.
   expect_told("train recordings --nf 2 --nr 3 --epochs 60 -o text.onnx");
@@ -107,7 +107,7 @@ TEST_F(Unwritten, ResultsThatNobodyReadsAreExitCode7) {
   const std::string session = record_briefly().string();
   give_pipe_without_reader();
   expect_told_by_each(
-      {record, "inspect " + session, "recover recordings", "calibrate bias --simulated=3 --fast"});
+      {record, "inspect " + session, "recover recordings", "calibrate bias --world honest --simulated=3 --fast"});
   EXPECT_EQ(files(".h5").size(), 5U);
 }
 

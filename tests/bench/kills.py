@@ -49,7 +49,7 @@ def start(program, ledger, folder, number, frames):
     (folder / "ledger").write_bytes(bytes(16 * LEDGER_PORTS))
     (folder / "plan.toml").write_text(PLAN.format(frames))
     environment = dict(os.environ, LD_PRELOAD=str(ledger), THERMORIG_READ_LEDGER=str(folder / "ledger"))
-    words = [program, "record", f"--simulated={number + 1}", "--environment", "garden", "--plan", "plan.toml", "--no-preflight"]
+    words = [program, "record", f"--simulated={number + 1}", "--world", "honest", "--environment", "garden", "--plan", "plan.toml", "--no-preflight"]
     with (folder / "errors.txt").open("wb") as errors:
         return subprocess.Popen(words, cwd=folder, env=environment, stdout=subprocess.DEVNULL, stderr=errors, stdin=subprocess.DEVNULL)
 

@@ -29,7 +29,7 @@ trap 'rm -rf "$folder"' EXIT
 for model in "${models[@]}"; do
   [ -f "$model" ] && options+=(--model "$model")
 done
-"$build/bin/thermorig" record --environment garden --simulated=71 --fast --plan quick --output "$folder" >&2
+"$build/bin/thermorig" record --environment garden --simulated=71 --world honest --fast --plan quick --output "$folder" >&2
 
 # One core for all, the last one: the first has most of the interrupts.
 OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 PYTHONPATH=tests/interop taskset -c "$(($(nproc) - 1))" \

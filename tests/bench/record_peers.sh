@@ -11,5 +11,5 @@ cmake --preset release -DTHERMORIG_BENCHMARKS=ON >/dev/null
 cmake --build --preset release -j "$(nproc)" --target thermorig record_bench >&2
 folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT
-build/bin/thermorig record --environment garden --simulated=1 --fast --plan paper --output "$folder" >&2
+build/bin/thermorig record --environment garden --simulated=1 --world honest --fast --plan paper --output "$folder" >&2
 /usr/bin/python3 tests/bench/record_peers.py build/bin/record_bench "$folder"/garden/*.h5 "$folder" "$@"

@@ -10,7 +10,7 @@ import time
 
 
 def main(program, *options):
-    simulate = subprocess.Popen([program, "simulate", "--seed", "3", "--environment", "garden", "--json"],
+    simulate = subprocess.Popen([program, "simulate", "--seed", "3", "--world", "honest", "--environment", "garden", "--json"],
                                 stdout=subprocess.PIPE, text=True)
     ports = json.loads(simulate.stdout.readline())
     with tempfile.TemporaryDirectory() as folder:

@@ -23,7 +23,7 @@ import sys
 
 program, folder, hours, as_json = sys.argv[1:]
 folder = pathlib.Path(folder)
-done = subprocess.run([program, "record", "--environment", "long", "--simulated=3", "--fast", "--plan", folder / "long.toml",
+done = subprocess.run([program, "record", "--environment", "long", "--simulated=3", "--world", "honest", "--fast", "--plan", folder / "long.toml",
                        "--output", folder], stdout=subprocess.DEVNULL, check=False)
 sessions = list(folder.glob("long/*.h5"))
 if done.returncode != 0 or len(sessions) != 1:

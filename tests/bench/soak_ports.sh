@@ -13,7 +13,7 @@ minutes=$number
 seconds=$(awk "BEGIN { print int(60 * $minutes) }")
 folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT
-"$program" live --simulated=3 --plan quick --loop --no-page --record --no-preflight -o "$folder" \
+"$program" live --simulated=3 --world honest --plan quick --loop --no-page --record --no-preflight -o "$folder" \
   >"$folder/log.txt" 2>&1 &
 process=$!
 

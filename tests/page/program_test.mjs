@@ -11,7 +11,7 @@ import { Program, whyNot } from './program.mjs';
 
 const source = process.env.THERMORIG_SOURCE;
 const model = join(source, 'docs/models/best.onnx');
-const rig = ['--simulated=3', '--plan', 'quick', '--frames-per-leg', '60', ...(existsSync(model) ? ['--model', model] : [])];
+const rig = ['--simulated=3', '--world', 'honest', '--plan', 'quick', '--frames-per-leg', '60', ...(existsSync(model) ? ['--model', model] : [])];
 /** Where the tests' launcher is built, it waits for a computer that stalls. */
 const quietMachine = () => new Promise((done) => execFile(join(build, 'bin/on_the_clock'), done));
 const pause = (milliseconds) => new Promise((done) => setTimeout(done, milliseconds));

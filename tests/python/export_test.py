@@ -43,7 +43,7 @@ def exported(*words):
 
 def setUpModule():
     global session
-    run("live", "--record", "--fast", "--simulated=3", "-e", "garden", "-o", "recordings", *BRIEF)
+    run("live", "--record", "--fast", "--world", "honest", "--simulated=3", "-e", "garden", "-o", "recordings", *BRIEF)
     session = thermorig.Session(thermorig.find_sessions(Path(folder.name) / "recordings")[0])
 
 

@@ -37,14 +37,14 @@ def run(*words, code=0):
 
 
 def record(environment, seed, *more):
-    run("record", "--fast", f"--simulated={seed}", "-e", environment, "--json", *BRIEF, *more)
+    run("record", "--fast", "--world", "honest", f"--simulated={seed}", "-e", environment, "--json", *BRIEF, *more)
 
 
 def setUpModule():
     record("kitchen", 3)
     record("garden", 4, "--licence", "CC-BY-4.0")
     record("garden", 5)
-    run("calibrate", "bias", "--simulated=3", "--fast", "--json")
+    run("calibrate", "bias", "--world", "honest", "--simulated=3", "--fast", "--json")
 
 
 def tearDownModule():

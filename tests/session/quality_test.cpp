@@ -219,13 +219,13 @@ TEST(Verdict, TellsOfAHubAndStaysGood) {
 
 TEST(Verdict, IsUsableWhenLinksAreSlowerThanTheirProfileSays) {
   Session session = clean_session(60);
-  session.sync.clock[Device::camera].largest_constant_delay_s = 0.0063;
-  session.sync.clock[Device::gyro].largest_constant_delay_s = 0.0063;
+  session.sync.clock[Device::camera].largest_constant_delay_s = 0.0163;
+  session.sync.clock[Device::gyro].largest_constant_delay_s = 0.0163;
   const Quality quality = quality_of(session);
   EXPECT_EQ(quality.verdict, "usable");
   EXPECT_THAT(
       quality.verdict_reasons,
-      testing::Contains("the times of the camera and the gyro may be late by 6.3 ms, for no answer of "
+      testing::Contains("the times of the camera and the gyro may be late by 16.3 ms, for no answer of "
                         "the servo came sooner: is there a USB hub, or a busy port?"));
 }
 

@@ -17,7 +17,7 @@ using ::testing::HasSubstr;
 class VirtualTime : public ProgramTest {
  protected:
   std::string recorded(int seed, const std::string& environment, const std::string& output) const {
-    const Outcome outcome = run("record --fast --json --simulated=" + std::to_string(seed) +
+    const Outcome outcome = run("record --fast --json --world honest --simulated=" + std::to_string(seed) +
                                 " --environment " + environment + " --output " + output + " " + brief_plan);
     EXPECT_EQ(outcome.code, 0) << outcome.err;
     return folder() / outcome.lines().back().value("session", "");
@@ -51,7 +51,7 @@ TEST_F(VirtualTime, RecordsAFlightControllerAsAnyGyro) {
         "[gyro]\nbaud = 460800\nprotocol = \"mavlink\"\n[gyro.mavlink]\n" + setting + "\n";
     write("mavlink.toml", {reinterpret_cast<const std::uint8_t*>(profile.data()), profile.size()});
     const Outcome outcome =
-        run("record --fast --json --simulated=5 --environment kitchen --rig mavlink.toml " + brief_plan);
+        run("record --fast --json --world honest --simulated=5 --environment kitchen --rig mavlink.toml " + brief_plan);
     ASSERT_EQ(outcome.code, 0) << outcome.err;
     const auto summary = outcome.lines().back();
     EXPECT_EQ(summary["verdict"], "good");
@@ -80,7 +80,7 @@ TEST_F(VirtualTime, RecordsAsManyFramesAsTableOneHas) {
     int swept = 0;
     for (int n = 1; n <= row.acquisitions; ++n) {
       const Outcome outcome =
-          run("record --fast --json --plan table-one --simulated=" + std::to_string(++seed) +
+          run("record --fast --json --plan table-one --world honest --simulated=" + std::to_string(++seed) +
               " --environment " + row.environment);
       ASSERT_EQ(outcome.code, 0) << outcome.err;
       const auto summary = outcome.lines().back();

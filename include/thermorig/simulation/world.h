@@ -93,6 +93,9 @@ struct World {
   SceneWorld scene;
 };
 
+/// The one that a simulated rig has if nobody chose.
+inline constexpr std::string_view default_world = "typical";
+
 /// The world of a text such as `honest`, `typical` or `hard,gyro.bandwidth_hz=20`. In `typical` every knob is
 /// drawn, by a stream of its own of the seed, from the middle third of its range, and each effect that comes
 /// by chance comes in one of ten; in `hard` from the whole range, and in every second. Naming a knob changes

@@ -19,8 +19,8 @@ constexpr double valid_share_usable = 0.5;
 constexpr double empty_speeds_usable = 0.1;
 // Two milliseconds are 0.4 degrees at 200 deg/s, an eighth of a pixel; ten are what plain arrival times do.
 constexpr double clock_uncertainty_usable_s = 0.002;
-constexpr double link_delay_usable_s = 0.005;
 constexpr double clock_uncertainty_bad_s = 0.010;
+constexpr double link_delay_usable_s = clock_uncertainty_bad_s;
 // The label rule's own measure of a steady speed: 1 deg/s.
 constexpr double residual_usable_dps = 1.0;
 constexpr double residual_bad_dps = 5.0;
