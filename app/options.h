@@ -179,6 +179,7 @@ struct TrainOptions {
   std::filesystem::path output = "model.onnx";
   std::filesystem::path run_folder;  // empty: beside the model, named after it
   std::string preset = "best";
+  std::string label = "commanded";  // that is learnt: commanded, corrected, shaft
   std::optional<int> frames, reduction, epochs, batch, threads;
   std::optional<double> rate, auxiliary_thermal, label_scale_dps;
   std::optional<bool> mirror, choose_epoch;
@@ -200,6 +201,7 @@ struct EvaluateOptions {
   std::vector<int> frames{2, 3, 4, 5, 6}, reductions{1, 2, 3};
   std::vector<std::uint64_t> seeds{1}, reference_seeds{1, 2, 3};
   std::string preset = "paper";
+  std::optional<std::string> label;  // of a study; none: commanded
   int epochs = 40;
   std::optional<int> history;  // valid frames before a window's end; default: the largest Nf
   std::optional<int> workers;  // jobs side by side; default: cores

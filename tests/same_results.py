@@ -95,7 +95,7 @@ JUDGED_OTHERWISE = r"finalised/scores/gyro/|gyro_unbiased|/warnings/|\d/version$
 DESCRIPTIONS = {
     "/@Conventions", "/@HDF5_Version", "/@creator", "/@creator_git", "/@default", "/@format", "/@format_version",
     "/@host_name", "/@kernel", "/@scalars_crc32", "/quality/attribute_crc32", "/rig/profile_toml", "/rig@header_json",
-    "/samples@label_rule",
+    "/samples@label_rule", "/samples@label_version",
 }
 FORM_OF_GROUPS = {"NX_class", "signal", "axes", "auxiliary_signals", "description"}
 TRAINING = ["--nr", "3", "--epochs", "2", "--seed", "1", "--accept-bad"]

@@ -23,6 +23,9 @@ ExitCode run(const EvaluateOptions& options) {
   if (options.baselines && !options.study)
     throw Error(ExitCode::bad_usage, "--baselines are those of a study", "",
                 "thermorig evaluate --study recordings -o study --baselines");
+  if (options.label && !options.study)
+    throw Error(ExitCode::bad_usage, "--label is that of a study: a model says itself which one it learnt",
+                "", "thermorig evaluate --study recordings -o study --label shaft");
   if (options.paths.empty()) refuse_without_paths(options);
   if (options.live) return evaluate_live(options);
   if (options.baselines) return renew_baselines(options);

@@ -27,7 +27,8 @@ std::string facts_text(const std::string& name, const model::Model& model) {
                   shape.fusion ? "fusion" : "thermal-only", shape.frames, shape.reduction,
                   count_text(network::weight_count(shape)), count_text(network::multiply_adds(shape)));
   if (origin.training.empty()) return text + "trained on: not stated\n";
-  return text + fmt::format("trained on {} acquisition{}, preset {}, seed {}, epoch {} of {}{}\n",
+  return text + fmt::format("trained on {} of {} acquisition{}, preset {}, seed {}, epoch {} of {}{}\n",
+                            origin.label ? column_of(*origin.label) : "a label that is not stated",
                             origin.training.size(), origin.training.size() == 1 ? "" : "s",
                             printable(origin.preset), origin.seed, origin.epoch_kept, origin.epochs,
                             simulated_text(origin.simulated));
@@ -39,11 +40,10 @@ std::string tested_text(const ModelEvaluation& evaluated) {
                      simulated_text(evaluated.evaluation.simulated));
 }
 
-std::string errors_text(const study::Evaluation& evaluation) {
-  Table table(
-      {"estimator", ">windows", ">MSE", ">RMSE deg/s", ">median", ">95 %", "> >30 deg/s", ">mean error"});
+std::string errors_text(const study::PerEstimator<Errors>& by_estimator, const char* truth) {
+  Table table({truth, ">windows", ">MSE", ">RMSE deg/s", ">median", ">95 %", "> >30 deg/s", ">mean error"});
   for (const std::string& name : study::all_estimators()) {
-    const Errors& errors = evaluation.errors[name];
+    const Errors& errors = by_estimator[name];
     table.add({name, count_text(errors.windows), mse_text(errors.mse), rate_text(errors.rmse_dps),
                rate_text(errors.median_dps), rate_text(errors.p95_dps), percent_text(errors.outlier_share),
                rate_text(errors.bias_dps)});
@@ -92,7 +92,9 @@ std::string angles_text(const study::Evaluation& evaluation) {
 }  // namespace
 
 std::string model_text(const std::string& name, const model::Model& model, const ModelEvaluation& evaluated) {
-  std::string text = facts_text(name, model) + tested_text(evaluated) + errors_text(evaluated.evaluation);
+  std::string text = facts_text(name, model) + tested_text(evaluated) +
+                     errors_text(evaluated.evaluation.errors, "against the commanded speed") +
+                     errors_text(evaluated.evaluation.shaft_errors, "against the shaft");
   if (evaluated.evaluation.environments.size() > 1)
     text += environments_text(evaluated.evaluation.environments);
   text += gate_text(evaluated.evaluation.gain) + angles_text(evaluated.evaluation);

@@ -40,6 +40,11 @@ void add_study_words(CLI::App& command, EvaluateOptions& options) {
       ->check(CLI::IsMember({"paper", "best"}))
       ->type_name("NAME")
       ->group(group);
+  command
+      .add_option("--label", options.label,
+                  "Speed to learn and to test against: commanded (default), corrected, shaft")
+      ->type_name("NAME")
+      ->group(group);
   command.add_option("--epochs", options.epochs, "Epochs a training (default 40)")
       ->check(CLI::Range(1, 10'000))
       ->type_name("N")

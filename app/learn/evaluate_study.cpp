@@ -54,6 +54,7 @@ void announce(const EvaluateOptions& options, const std::vector<study::Job>& job
                          {"jobs", jobs.size()},
                          {"epochs", options.epochs},
                          {"preset", options.preset},
+                         {"label", name_of(jobs.front().label)},
                          {"history", jobs.front().history},
                          {"acquisitions", data.acquisitions.size()},
                          {"data_hash", jobs.front().data_hash},
@@ -63,9 +64,10 @@ void announce(const EvaluateOptions& options, const std::vector<study::Job>& job
     print_json(start);
     return;
   }
-  print("study over {}: {} trainings of {} epoch{}, preset {}, {} acquisitions{}, {} at a time\n",
+  print("study over {}: {} trainings of {} epoch{}, preset {}, label {}, {} acquisitions{}, {} at a time\n",
         printable(options.environment), jobs.size(), options.epochs, options.epochs == 1 ? "" : "s",
-        options.preset, data.acquisitions.size(), simulated ? " of the SIMULATED rig" : "", workers);
+        options.preset, column_of(jobs.front().label), data.acquisitions.size(),
+        simulated ? " of the SIMULATED rig" : "", workers);
   flush_output();
 }
 

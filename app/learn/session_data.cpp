@@ -18,7 +18,7 @@ namespace fs = std::filesystem;
 
 dataset::Acquisitions read_files(const std::vector<fs::path>& files, const SessionOptions& options) {
   const ReadingProgress progress(options.json);
-  return dataset::read_acquisitions(files, options.estimates, std::cref(progress));
+  return dataset::read_acquisitions(files, options.estimates, std::cref(progress), options.label);
 }
 
 std::vector<std::string> files_of(const std::vector<dataset::BadSession>& bad) {
@@ -79,7 +79,10 @@ void add_choice_to(nlohmann::json& object, const dataset::Acquisitions& data) {
 }
 
 SessionOptions session_options(const EvaluateOptions& options) {
-  return {.paths = options.paths, .accept_bad = options.accept_bad, .json = options.json};
+  return {.paths = options.paths,
+          .accept_bad = options.accept_bad,
+          .json = options.json,
+          .label = label_named(options.label.value_or("commanded"))};
 }
 
 bool any_simulated(const std::vector<network::Acquisition>& acquisitions) {

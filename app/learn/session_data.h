@@ -16,6 +16,7 @@ struct SessionOptions {
   bool accept_bad = false;                          // a verdict "bad" is no reason to refuse
   bool json = false;                                // nothing is printed
   dataset::Estimates estimates = dataset::Estimates::made;
+  Label label = Label::commanded;
 };
 
 /// Reads the sessions that the paths name, telling on a terminal how far it is. Says in a line which were
@@ -29,7 +30,7 @@ void require_good(const std::vector<dataset::BadSession>& bad, bool accepted);
 /// For programs: adds `left_out` and `bad`, lists of files.
 void add_choice_to(nlohmann::json& object, const dataset::Acquisitions& data);
 
-/// What `evaluate` is told of its sessions.
+/// What `evaluate` is told of its sessions. Throws Error(bad_usage) for a label that there is not.
 SessionOptions session_options(const EvaluateOptions& options);
 
 /// Is any of them of the simulated rig?

@@ -44,15 +44,16 @@ std::string producer() {
   return std::string("thermorig ") + build_information::version;
 }
 
-training::RunDescription description_of(const TrainingConfig& config,
+training::RunDescription description_of(const TrainingConfig& config, Label label,
                                         const std::vector<Acquisition>& acquisitions) {
   training::RunDescription description{
       .config = config,
+      .label = label,
       .data = {},
       .instruction_set = std::string(network::name_of(network::best_instruction_set())),
       .producer = producer()};
   for (const Acquisition& acquisition : acquisitions)
-    description.data.push_back({acquisition.name, acquisition.hash});
+    description.data.push_back({acquisition.name, acquisition.learnt_hash()});
   return description;
 }
 
@@ -67,15 +68,15 @@ class Run {
       : options_(options),
         config_(config),
         data_(std::move(data)),
-        description_(description_of(config, data_.acquisitions)),
+        description_(description_of(config, label_named(options.label), data_.acquisitions)),
         folder_(options.resume ? RunFolder::reopen(run_folder_of(options), description_)
                                : RunFolder::create(run_folder_of(options), description_)),
         output_(make_train_output(config, options.json)) {}
 
   ExitCode run() {
     const int threads = thread_count(options_);
-    output_->start({config_, data_, run_folder_of(options_).string(), description_.instruction_set, threads,
-                    epochs_before()});
+    output_->start({config_, description_.label, data_, run_folder_of(options_).string(),
+                    description_.instruction_set, threads, epochs_before()});
     training::ThreadPool workers(threads);
     watch_interrupts();
     begin_ = io::now();
@@ -144,11 +145,13 @@ class Run {
 
 ExitCode run(const TrainOptions& options) {
   const TrainingConfig config = training_config(options);
+  const Label label = label_named(options.label);
   require_free(options.output, options.resume ? run_folder_of(options) / "model.onnx" : "");
   const SessionOptions sessions{.paths = options.paths,
                                 .accept_bad = options.accept_bad,
                                 .json = options.json,
-                                .estimates = dataset::Estimates::left_out};
+                                .estimates = dataset::Estimates::left_out,
+                                .label = label};
   return Run(options, config, read_data(sessions)).run();
 }
 

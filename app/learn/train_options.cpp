@@ -27,6 +27,10 @@ void add_settings(CLI::App& command, TrainOptions& options) {
                   "best (default): auxiliary loss, mirror, chosen epoch; paper: to the letter")
       ->check(CLI::IsMember({"best", "paper"}))
       ->type_name("NAME");
+  command
+      .add_option("--label", options.label,
+                  "Speed to learn: commanded (default, the paper's), corrected, shaft")
+      ->type_name("NAME");
   command.add_option("--epochs", options.epochs, "Times that all windows are gone through (default 40)")
       ->type_name("N");
   command.add_option("--batch", options.batch, "Windows a step, 1 to 32 (default 32)")

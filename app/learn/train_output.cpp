@@ -99,6 +99,7 @@ class JsonTrainOutput final : public TrainOutput {
                           {"data", json_of(counts.all)},
                           {"environments", environments},
                           {"preset", config_.preset},
+                          {"label", name_of(start.label)},
                           {"frames", config_.shape.frames},
                           {"reduction", config_.shape.reduction},
                           {"fusion", config_.shape.fusion},

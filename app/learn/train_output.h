@@ -14,6 +14,7 @@ namespace thermorig::app {
 /// What is about to be trained, and on what.
 struct TrainStart {
   const training::TrainingConfig& config;
+  Label label = Label::commanded;  // that is learnt
   const dataset::Acquisitions& data;
   std::string run_folder;
   std::string instruction_set;

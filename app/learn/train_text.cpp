@@ -22,15 +22,15 @@ std::string error_text(double mse, const TrainingConfig& config) {
   return fmt::format("{} (RMSE {} deg/s)", mse_text(mse), rate_text(rmse_dps));
 }
 
-std::string settings_text(const TrainingConfig& config) {
+std::string settings_text(const TrainingConfig& config, Label label) {
   const std::string auxiliary =
       config.loss.auxiliary_thermal > 0 && config.shape.fusion
           ? fmt::format("auxiliary thermal loss {:g}", config.loss.auxiliary_thermal)
           : "no auxiliary loss";
-  return fmt::format("{}: {} epochs, batch {}, rate {:g}, {}, {}, {}, seed {}", config.preset, config.epochs,
-                     config.batch, config.adam.rate, auxiliary, config.mirror ? "mirror" : "no mirror",
-                     config.choose_epoch ? "epoch chosen on a held-out acquisition" : "last epoch kept",
-                     config.seed);
+  return fmt::format(
+      "{}: label {}, {} epochs, batch {}, rate {:g}, {}, {}, {}, seed {}", config.preset, column_of(label),
+      config.epochs, config.batch, config.adam.rate, auxiliary, config.mirror ? "mirror" : "no mirror",
+      config.choose_epoch ? "epoch chosen on a held-out acquisition" : "last epoch kept", config.seed);
 }
 
 std::string network_text(const TrainStart& start) {
@@ -121,7 +121,7 @@ WindowCounts count_windows(const TrainStart& start) {
 
 std::string start_text(const TrainStart& start) {
   std::string text = data_text(start) + simulated_text(start);
-  text += network_text(start) + "\n" + settings_text(start.config) + "\n";
+  text += network_text(start) + "\n" + settings_text(start.config, start.label) + "\n";
   text += fmt::format("run folder {}\n", printable(start.run_folder));
   if (start.epochs_done > 0)
     text += fmt::format("going on after epoch {} of {}\n", start.epochs_done, start.config.epochs);

@@ -9,6 +9,15 @@ namespace {
 constexpr double same_speed_dps = 0.5;  // pulses of a whole number of ticks command a speed roughly
 }
 
+const ServoResponse::AtSpeed* seen_at(const ServoResponse& response, double commanded_dps) {
+  const auto& speeds = response.speeds;
+  const auto distance_dps = [&](const auto& speed) { return std::abs(speed.rate_dps - commanded_dps); };
+  const auto nearest = std::min_element(speeds.begin(), speeds.end(), [&](const auto& a, const auto& b) {
+    return distance_dps(a) < distance_dps(b);
+  });
+  return nearest != speeds.end() && distance_dps(*nearest) < same_speed_dps ? &*nearest : nullptr;
+}
+
 bool contradicts_command(const ServoResponse& response, double commanded_dps) {
   return std::any_of(response.speeds.begin(), response.speeds.end(), [&](const auto& speed) {
     return speed.contradicts && std::abs(speed.rate_dps - commanded_dps) < same_speed_dps;

@@ -24,7 +24,8 @@ class EvaluateTest : public ProgramTest {
  protected:
   /// Three sessions of the simulated rig: two gardens and a laboratory.
   void record_sessions() const {
-    for (const std::string& words : {std::string("garden --world honest --simulated=3"), std::string("garden --world honest --simulated=4"),
+    for (const std::string& words : {std::string("garden --world honest --simulated=3"),
+                                     std::string("garden --world honest --simulated=4"),
                                      std::string("laboratory --world honest --simulated=5")})
       ASSERT_EQ(run("record --fast --environment " + words + " " + brief_plan).code, 0);
   }
@@ -66,6 +67,11 @@ TEST_F(EvaluateTest, HoldsAModelAgainstAllFourEstimators) {
         "garden", "laboratory", "gate Kg", "drift of the angle", "warning: without a network, gyro"})
     EXPECT_THAT(outcome.out, HasSubstr(word));
   EXPECT_TRUE(files(".html").empty());
+  const nlohmann::json errors = run("evaluate model.onnx recordings --json").lines().back();
+  const nlohmann::json &commanded = errors.at("errors").at("gyro"),
+                       &shaft = errors.at("shaft_errors").at("gyro");
+  EXPECT_EQ(commanded.at("windows"), shaft.at("windows"));
+  EXPECT_NE(commanded.at("rmse_dps"), shaft.at("rmse_dps"));
 }
 
 TEST_F(EvaluateTest, WarnsOfDataThatTheModelWasTrainedOn) {
@@ -73,15 +79,44 @@ TEST_F(EvaluateTest, WarnsOfDataThatTheModelWasTrainedOn) {
   train();
   const Outcome seen = run("evaluate model.onnx recordings");
   EXPECT_THAT(seen.out, HasSubstr("warning: the model was trained on, or chosen by, 3 of the tested"));
-  ASSERT_EQ(run("record --fast --world honest --simulated=9 --environment kitchen -o others " + brief_plan).code, 0);
+  ASSERT_EQ(
+      run("record --fast --world honest --simulated=9 --environment kitchen -o others " + brief_plan).code,
+      0);
   EXPECT_THAT(run("evaluate model.onnx others").out, Not(HasSubstr("trained on, or chosen by")));
+}
+
+TEST_F(EvaluateTest, MakesAStudyOfOneLabelOnly) {
+  record_sessions();
+  const Outcome shaft = run(small_study + " --label shaft --json");
+  ASSERT_EQ(shaft.code, 0) << shaft.err;
+  EXPECT_EQ(shaft.lines().front().at("label"), "shaft");
+  EXPECT_THAT(file_text(folder() / "study/report.md"), HasSubstr("learnt and tested against | rate\\_shaft"));
+  const nlohmann::json study = nlohmann::json::parse(file_text(folder() / "study/report.json"))["studies"][0];
+  EXPECT_EQ(study["label"], "shaft");
+  const nlohmann::json& fold = study["settings"][0]["folds"][0];
+  EXPECT_EQ(fold["errors"], fold["shaft_errors"]);  // the label is the shaft
+  const Outcome other = run(small_study);
+  EXPECT_EQ(other.code, 2);
+  EXPECT_THAT(other.err, HasSubstr("the study there learns from rate_shaft, this one from rate_commanded"));
+  const Outcome renewed = run("evaluate --study recordings -o study --baselines");
+  EXPECT_EQ(renewed.code, 2);
+  EXPECT_THAT(renewed.err, HasSubstr("try: --label shaft"));
+  EXPECT_EQ(run("evaluate --study recordings -o study --baselines --label shaft").code, 0);
+}
+
+TEST_F(EvaluateTest, AsksForALabelOfAStudyAlone) {
+  EXPECT_THAT(run("evaluate model.onnx recordings --label shaft").err,
+              HasSubstr("--label is that of a study"));
+  EXPECT_THAT(run(small_study + " --label shft").err, HasSubstr("did you mean \"shaft\"?"));
 }
 
 TEST_F(EvaluateTest, RemovesTheBiasOfTheRestAndNotTheJerkOfArming) {
   model::Model untrained;
   untrained.weights = network::initial_weights({.frames = 3, .reduction = 3}, 4);
   model::write_model(folder() / "model.onnx", untrained);
-  ASSERT_EQ(run("record --fast --environment office --world honest --simulated=6 --simulated-gyro raw " + brief_plan).code,
+  ASSERT_EQ(run("record --fast --environment office --world honest --simulated=6 --simulated-gyro raw " +
+                brief_plan)
+                .code,
             0);
   const Outcome outcome = run("evaluate model.onnx recordings --json");
   ASSERT_EQ(outcome.code, 0) << outcome.err;
@@ -150,8 +185,10 @@ TEST_F(EvaluateTest, RunsTheStudyAndDrawsItAgain) {
   record_sessions();
   const Outcome outcome = run(small_study);
   ASSERT_EQ(outcome.code, 0) << outcome.err;
-  EXPECT_THAT(outcome.out,
-              HasSubstr("4 trainings of 1 epoch, preset paper, 3 acquisitions of the SIMULATED"));
+  EXPECT_THAT(
+      outcome.out,
+      HasSubstr(
+          "4 trainings of 1 epoch, preset paper, label rate_commanded, 3 acquisitions of the SIMULATED"));
   EXPECT_THAT(outcome.out, HasSubstr("4 of 4 jobs"));
   EXPECT_EQ(results().size(), 4U);
   const std::string drawn = file_text(folder() / "study/report.md");

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <csignal>
+#include <set>
 #include <thread>
 
 #include "program.h"
@@ -24,9 +25,10 @@ class Train : public ProgramTest {
  protected:
   Train() {
     for (const char* seed : {"3", "4"})
-      EXPECT_EQ(
-          run(std::string("record --fast --environment garden --json --world honest --simulated=") + seed + " " + plan).code,
-          0);
+      EXPECT_EQ(run(std::string("record --fast --environment garden --json --world honest --simulated=") +
+                    seed + " " + plan)
+                    .code,
+                0);
   }
 
   static constexpr const char* plan = "--plan quick --speeds 40,80 --frames-per-leg 24";
@@ -142,7 +144,8 @@ TEST_F(Train, RefusesToResumeWithOtherSettingsOrOtherData) {
   Outcome outcome = run(network + "--epochs 4 -o model.onnx --resume");
   EXPECT_EQ(outcome.code, 2);
   EXPECT_THAT(outcome.err, HasSubstr("epochs (3, now 4)"));
-  EXPECT_EQ(run(std::string("record --fast --environment kitchen --world honest --simulated=5 ") + plan).code, 0);
+  EXPECT_EQ(run(std::string("record --fast --environment kitchen --world honest --simulated=5 ") + plan).code,
+            0);
   outcome = run(small + "-o model.onnx --resume");
   EXPECT_EQ(outcome.code, 2);
   EXPECT_THAT(outcome.err, HasSubstr("2 acquisitions, now 3"));
@@ -192,6 +195,37 @@ TEST_F(Train, SaysWhenTheGyroAloneIsBetter) {
   const Outcome outcome = run(network + "--thermal-only --epochs 1 -o model.onnx");
   ASSERT_EQ(outcome.code, 0) << outcome.err;
   EXPECT_THAT(outcome.out, HasSubstr("warning: the gyro alone is better than this network"));
+}
+
+TEST_F(Train, LearnsTheLabelThatIsAskedForAndSaysSoEverywhere) {
+  std::set<std::string> weights;
+  for (const char* label : {"commanded", "corrected", "shaft"}) {
+    const std::string name(label);
+    const Outcome outcome = run(small + "--json -o " + name + ".onnx --label " + name);
+    ASSERT_EQ(outcome.code, 0) << outcome.err;
+    EXPECT_EQ(outcome.lines()[0]["label"], name);
+    EXPECT_EQ(nlohmann::json::parse(file_text(at(name + ".run/run.json")))["settings"]["label"], name);
+    EXPECT_THAT(run("evaluate " + name + ".onnx recordings").out,
+                AllOf(HasSubstr("trained on rate_" + name + " of 1 acquisition"),
+                      HasSubstr("against the commanded speed"), HasSubstr("against the shaft"),
+                      HasSubstr("chosen by, 2 of the tested")));
+    ASSERT_EQ(run("export --c-header " + name + ".onnx -o " + name).code, 0);
+    EXPECT_THAT(file_text(at(name + "/thermorig_network.h")), HasSubstr(", label " + name + ", seed 1"));
+    weights.insert(file_text(at(name + ".onnx")));
+  }
+  EXPECT_EQ(weights.size(), 3U);
+}
+
+TEST_F(Train, RefusesALabelThatThereIsNotAndToResumeWithAnother) {
+  const Outcome unknown = run(small + "-o model.onnx --label comanded");
+  EXPECT_EQ(unknown.code, 2);
+  EXPECT_THAT(unknown.err, HasSubstr("did you mean \"commanded\"? one of: commanded, corrected, shaft"));
+  EXPECT_FALSE(fs::exists(at("model.run")));
+  ASSERT_EQ(run(small + "-o model.onnx").code, 0);
+  const Outcome other = run(small + "-o model.onnx --resume --label shaft");
+  EXPECT_EQ(other.code, 2);
+  EXPECT_THAT(other.err,
+              HasSubstr("the run was begun with something else: label (\"commanded\", now \"shaft\")"));
 }
 
 TEST_F(Train, RefusesWordsThatCannotBe) {

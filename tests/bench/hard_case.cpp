@@ -103,7 +103,10 @@ void add_session(const bench::HardRecording& made, json& object) {
   object["labels"] = {{"frames", labels.frames},
                       {"shaft_dps", labels.shaft_dps},
                       {"uncertainty_dps", labels.uncertainty_dps},
-                      {"commanded_dps", labels.commanded_dps}};
+                      {"commanded_dps", labels.commanded_dps},
+                      {"commanded_uncertainty_dps", labels.commanded_uncertainty_dps},
+                      {"corrected_dps", labels.corrected_dps},
+                      {"corrected_uncertainty_dps", labels.corrected_uncertainty_dps}};
   const auto times = bench::time_errors(session, rig);
   for (const Device device : all_devices)
     object["times"][std::string(name_of(device))] = times_json(times[device]);

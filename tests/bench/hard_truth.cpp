@@ -39,6 +39,9 @@ LabelErrors label_errors(const session::Session& session, const simulation::Virt
     errors.shaft_dps.push_back(static_cast<double>(sample.rate_shaft_dps) - truth->mean_rate_dps);
     errors.uncertainty_dps.push_back(static_cast<double>(sample.rate_shaft_uncertainty_dps));
     errors.commanded_dps.push_back(static_cast<double>(sample.rate_commanded_dps) - truth->mean_rate_dps);
+    errors.commanded_uncertainty_dps.push_back(double{sample.rate_commanded_uncertainty_dps});
+    errors.corrected_dps.push_back(static_cast<double>(sample.rate_corrected_dps) - truth->mean_rate_dps);
+    errors.corrected_uncertainty_dps.push_back(double{sample.rate_corrected_uncertainty_dps});
   }
   return errors;
 }

@@ -18,6 +18,9 @@ struct LabelErrors {
   std::vector<double> shaft_dps;        // of valid frames: rate_shaft minus the truth; NaN: no label
   std::vector<double> uncertainty_dps;  // of the same frames, one standard deviation, as stated
   std::vector<double> commanded_dps;    // of the same frames: rate_commanded minus the truth
+  std::vector<double> commanded_uncertainty_dps;
+  std::vector<double> corrected_dps;  // rate_corrected minus the truth
+  std::vector<double> corrected_uncertainty_dps;
 };
 LabelErrors label_errors(const session::Session& session, const simulation::VirtualRig& rig);
 

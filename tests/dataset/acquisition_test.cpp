@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "../session/synthetic_session.h"
+#include "thermorig/core/error.h"
 #include "thermorig/estimators/table.h"
 #include "thermorig/learning/dataset/dataset.h"
 
@@ -53,6 +54,61 @@ TEST(Acquisition, TakesTheCommandedSpeedForItsLabel) {
   const Session session = made_session();
   EXPECT_EQ(acquired(session).label_dps[100], session.samples[100].rate_commanded_dps);
   EXPECT_NE(acquired(session).label_dps[100], session.samples[100].rate_shaft_dps);
+}
+
+TEST(Acquisition, TakesTheLabelThatIsAskedForAndTheShaftBesideIt) {
+  const Session session = made_session();
+  const auto with = [&](Label label) {
+    return acquisition_of(session, "garden_acq-02", Estimates::left_out, label);
+  };
+  EXPECT_EQ(with(Label::corrected).label_dps[100], session.samples[100].rate_corrected_dps);
+  EXPECT_EQ(with(Label::shaft).label_dps[100], session.samples[100].rate_shaft_dps);
+  EXPECT_EQ(with(Label::shaft).label, Label::shaft);
+  EXPECT_EQ(with(Label::commanded).shaft_dps[100], session.samples[100].rate_shaft_dps);
+}
+
+TEST(Acquisition, IsKnownByOneHashWhateverItsLabelAndByAnotherAsItIsLearnt) {
+  Session session = made_session();
+  const auto with = [&](Label label) {
+    return acquisition_of(session, "garden_acq-02", Estimates::left_out, label);
+  };
+  const Acquisition commanded = with(Label::commanded), corrected = with(Label::corrected);
+  EXPECT_EQ(corrected.hash, commanded.hash);
+  EXPECT_EQ(commanded.learnt_hash(), commanded.hash);
+  EXPECT_NE(corrected.learnt_hash(), commanded.hash);
+  EXPECT_NE(corrected.learnt_hash(), with(Label::shaft).learnt_hash());
+  session.samples[100].rate_corrected_dps += 0.25F;
+  EXPECT_EQ(with(Label::corrected).hash, commanded.hash);
+  EXPECT_NE(with(Label::corrected).learnt_hash(), corrected.learnt_hash());
+}
+
+TEST(Acquisition, TakesNoFrameForValidWhoseLabelIsNoSpeed) {
+  Session session = made_session();
+  session.samples[100].rate_corrected_dps = std::numeric_limits<float>::quiet_NaN();
+  const auto run = [&](Label label) {
+    return acquisition_of(session, "garden_acq-02", Estimates::left_out, label).run[100];
+  };
+  EXPECT_EQ(run(Label::commanded), 2U);
+  EXPECT_EQ(run(Label::corrected), 0U);
+}
+
+TEST(Acquisition, OfAFormatBeforeItsLabelIsToBeMadeAnew) {
+  Session session = made_session();
+  for (const auto& [version, lacking] : {std::pair{3U, 0}, std::pair{2U, 1}, std::pair{1U, 2}}) {
+    session.label_version = version;
+    int refused = 0;
+    for (const Label label : {Label::commanded, Label::shaft, Label::corrected}) {
+      try {
+        require_label(session, label, "old.h5");
+      } catch (const Error& error) {
+        ++refused;
+        EXPECT_EQ(error.code(), ExitCode::check_failed);
+        EXPECT_EQ(error.what_happened(), "the session is of a format that had no " + column_of(label));
+        EXPECT_NE(error.advice().find("thermorig reprocess old.h5"), std::string::npos);
+      }
+    }
+    EXPECT_EQ(refused, lacking) << version;
+  }
 }
 
 TEST(Acquisition, HoldsWhatEveryEstimatorSaysThatNeedsNoNetwork) {

@@ -94,6 +94,13 @@ TEST_F(Sessions, AreReadForATrainingWithoutTheEstimatorsAndHaveTheSameHash) {
   EXPECT_FALSE(judged.at(0).rates.empty());
 }
 
+TEST_F(Sessions, AreReadWithTheLabelThatIsLearnt) {
+  write("a.h5", "kitchen", 1, 1);
+  const auto read = read_acquisitions({path("a.h5")}, Estimates::left_out, {}, Label::corrected).acquisitions;
+  EXPECT_EQ(read.at(0).label, Label::corrected);
+  EXPECT_EQ(read.at(0).hash, read_acquisition(path("a.h5")).hash);
+}
+
 TEST_F(Sessions, ThatHoldTheSameRecordingAreRefused) {
   write("a.h5", "kitchen", 1, 1);
   write("copy.h5", "kitchen", 2, 1);

@@ -38,7 +38,9 @@ TEST(Interchange, MakesFilesOfASessionWithoutFramesToo) {
   for (const std::string& name : table_names()) write_csv(table_of(session, name), csv);
   EXPECT_EQ(npz.text.substr(0, 4), "PK\x03\x04");
   EXPECT_EQ(mcap.text.substr(0, 5), "\x89MCAP");
-  EXPECT_NE(csv.text.find("rate_commanded [deg/s]"), std::string::npos);
+  for (const char* column : {"rate_commanded [deg/s]", "rate_commanded_uncertainty [deg/s]",
+                             "rate_corrected [deg/s]", "rate_corrected_uncertainty [deg/s]"})
+    EXPECT_NE(csv.text.find(column), std::string::npos) << column;
   for (const Trajectory& trajectory : trajectories_of(session)) EXPECT_TRUE(trajectory.angles.empty());
 }
 

@@ -155,7 +155,9 @@ struct Verdict {
   double rms_dps = 0.0;
   std::size_t valid = 0, beyond = 0, steady = 0, rejected = 0;
 };
-Verdict judge(const TrueTimes& recording, const std::vector<LabelledSample>& samples) {
+Verdict judge(const TrueTimes& recording, const std::vector<LabelledSample>& samples,
+              float LabelledSample::*rate_dps = &LabelledSample::rate_shaft_dps,
+              float LabelledSample::*uncertainty_dps = &LabelledSample::rate_shaft_uncertainty_dps) {
   Verdict verdict;
   for (const LabelledSample& sample : samples) {
     if (truly_steady(recording, sample)) {
@@ -163,10 +165,10 @@ Verdict judge(const TrueTimes& recording, const std::vector<LabelledSample>& sam
       if (!sample.valid) ++verdict.rejected;
     }
     if (!sample.valid) continue;
-    const double error = sample.rate_shaft_dps - recording.sent_frames[sample.frame_index].mean_rate_dps;
+    const double error = sample.*rate_dps - recording.sent_frames[sample.frame_index].mean_rate_dps;
     ++verdict.valid;
     verdict.rms_dps += error * error;
-    if (!(std::abs(error) <= 3.0 * sample.rate_shaft_uncertainty_dps)) ++verdict.beyond;
+    if (!(std::abs(error) <= 3.0 * sample.*uncertainty_dps)) ++verdict.beyond;
   }
   verdict.rms_dps = std::sqrt(verdict.rms_dps / static_cast<double>(verdict.valid));
   return verdict;
@@ -209,6 +211,24 @@ TEST(ServoResponse, LabelsAfterCalibrationAreTheShaftsSpeed) {
     EXPECT_LT(verdict.rms_dps, 0.5) << travel_deg;
     EXPECT_LE(verdict.beyond, verdict.valid / 100);
     EXPECT_LE(verdict.rejected, verdict.steady / 20) << travel_deg;
+  }
+}
+
+TEST(ServoResponse, CorrectedLabelsAreCloserToTheShaftThanTheCommandAndBothSayHowClose) {
+  std::uint64_t seed = 41;
+  for (const double travel_deg : {180.0, 270.0, 2160.0}) {
+    const TrueTimes recording = record(rig_of(travel_deg, 8.0, seed++), speeds_dps);
+    const RigProfile calibrated = calibrated_profile(recording);
+    LabelConfig config = label_config(calibrated, fit(recording, calibrated));
+    config.latency_uncertainty_s = 2e-4;
+    const auto samples = label(recording, config);
+    const Verdict commanded = judge(recording, samples, &LabelledSample::rate_commanded_dps,
+                                    &LabelledSample::rate_commanded_uncertainty_dps);
+    const Verdict corrected = judge(recording, samples, &LabelledSample::rate_corrected_dps,
+                                    &LabelledSample::rate_corrected_uncertainty_dps);
+    EXPECT_LT(corrected.rms_dps, 0.8 * commanded.rms_dps) << travel_deg;
+    EXPECT_LE(commanded.beyond, commanded.valid / 100) << travel_deg;
+    EXPECT_LE(corrected.beyond, corrected.valid / 100) << travel_deg;
   }
 }
 

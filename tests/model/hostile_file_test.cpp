@@ -187,6 +187,8 @@ const Damage metadata[] = {
      [](EditedFile& f) { f.set_key("epoch_kept", "41"); }},
     {"NegativeEpochs", "it claims to keep epoch", [](EditedFile& f) { f.set_key("epochs", "-3"); }},
     {"NeitherTrueNorFalse", "neither true nor false", [](EditedFile& f) { f.set_key("simulated", "maybe"); }},
+    {"LabelUnknown", "its metadata label is 'rate_shaft', which is no label known here",
+     [](EditedFile& f) { f.set_key("label", "rate_shaft"); }},
     {"KeyTwice", "its metadata has 'seed' twice",
      [](EditedFile& f) { *f.file().add_metadata_props() = f.file().metadata_props(12); }},
     {"EscapeCodes", "its metadata 'data_licence' is no plain text",

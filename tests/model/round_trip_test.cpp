@@ -4,7 +4,7 @@
 #include <bit>
 #include <limits>
 
-#include "sample_models.h"
+#include "edited_file.h"
 
 namespace thermorig::model {
 namespace {
@@ -17,6 +17,7 @@ bool same(const std::vector<Provenance::Data>& a, const std::vector<Provenance::
 void expect_same(const Provenance& read, const Provenance& written) {
   EXPECT_EQ(read.producer, written.producer);
   EXPECT_EQ(read.preset, written.preset);
+  EXPECT_EQ(read.label, written.label);
   EXPECT_EQ(read.seed, written.seed);
   EXPECT_EQ(read.epochs, written.epochs);
   EXPECT_EQ(read.epoch_kept, written.epoch_kept);
@@ -41,6 +42,20 @@ TEST(ModelFile, ComesBackBitForBitForEveryShape) {
     EXPECT_EQ(read.scaling, written.scaling);
     expect_same(read.provenance, written.provenance);
   }
+}
+
+TEST(ModelFile, SaysNothingOfALabelThatItsOriginDidNotState) {
+  Model written = small_model();
+  written.provenance.label.reset();
+  EXPECT_FALSE(reread(to_onnx(written)).provenance.label);
+}
+
+TEST(ModelFile, OfATimeWithoutAChoiceLearntTheCommandedSpeed) {
+  EditedFile file;
+  file.remove_key("label");
+  EXPECT_EQ(reread(file.bytes()).provenance.label, Label::commanded);
+  file.keep_scaling_alone();  // a foreign one may have learnt anything
+  EXPECT_FALSE(reread(file.bytes()).provenance.label);
 }
 
 TEST(ModelFile, KeepsPaddingsAndTheCroppedColumn) {

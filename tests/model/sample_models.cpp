@@ -19,7 +19,8 @@ Model sample_model(const network::Shape& shape, std::uint64_t seed) {
                       {{"garden_acq-01", std::string(64, 'a')}, {"küche acq 02", std::string(64, 'b')}},
                       {{"garden_acq-03", std::string(64, 'c')}},
                       true,
-                      "CC-BY-4.0"};
+                      "CC-BY-4.0",
+                      Label::corrected};
   return model;
 }
 

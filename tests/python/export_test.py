@@ -73,6 +73,9 @@ class NumPy(unittest.TestCase):
                 self.assertEqual((arrays[name].dtype, arrays[name].shape), (ours.dtype, ours.shape), name)
                 self.assertEqual(arrays[name].tobytes(), ours.tobytes(), name)
             self.assertGreater(len(windows), 5)
+            for label in ("corrected", "shaft"):
+                ours = thermorig.windows(session, frames, reduction, label=label).label_dps
+                self.assertEqual(arrays[f"{label}_dps"].tobytes(), ours.tobytes(), label)
 
     def test_rows_are_the_columns_of_the_file(self):
         arrays = self.arrays("--npz=rows")

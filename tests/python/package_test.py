@@ -69,6 +69,24 @@ class TheSessions(unittest.TestCase):
         self.assertEqual([session["name"] for session in ours], ["garden_acq-01", "garden_acq-02", "kitchen_acq-01"])
         self.assertEqual(ours, trained)
 
+    def test_have_the_hashes_of_train_with_each_label(self):
+        for label in ("corrected", "shaft"):
+            run("train", recordings, "-o", f"{label}.onnx", "--epochs", 1, "--label", label, "--json")
+            trained = json.loads((Path(folder.name) / f"{label}.run/run.json").read_text())
+            self.assertEqual(trained["settings"]["label"], label)
+            sessions = thermorig.open_sessions(recordings)
+            self.assertEqual([session.learnt_hash(label) for session in sessions],
+                             [data["sha256"] for data in trained["data"]])
+
+    def test_have_each_label_by_its_column_and_by_the_word_of_train(self):
+        session = thermorig.open_sessions(recordings)[0]
+        for word in ("commanded", "corrected", "shaft"):
+            np.testing.assert_array_equal(session.label(word), session.column(f"rate_{word}"))
+            np.testing.assert_array_equal(session.label_uncertainty(word), session.column(f"rate_{word}_uncertainty"))
+        old = altered_copy(session, lambda file: file.__delitem__("samples/rate_corrected"))
+        with self.assertRaisesRegex(ValueError, "thermorig reprocess"):
+            old.label("corrected")
+
     def test_say_what_inspect_says(self):
         for said in run("inspect", "--json", recordings)[0]:
             with thermorig.Session(said["file"]) as session:
@@ -93,7 +111,7 @@ class TheSessions(unittest.TestCase):
         self.assertEqual(session.reasons(int(np.flatnonzero(session.valid)[0])), [])
         self.assertTrue(session.mirrored)
         np.testing.assert_array_equal(session.upright_c[:, :, 0], session.frames_c[:, :, 31])
-        with self.assertRaisesRegex(ValueError, "rate_commanded or rate_shaft"):
+        with self.assertRaisesRegex(ValueError, "rate_commanded or rate_corrected or rate_shaft"):
             session.label("rate_label")
 
     def test_follow_what_was_said_of_them_afterwards(self):
@@ -142,6 +160,7 @@ class TheWindows(unittest.TestCase):
             data = thermorig.windows(sessions, frames)
             start = run("train", recordings, "-o", f"count{frames}.onnx", "--nf", frames, "--epochs", 1, "--json")[0]
             self.assertEqual(len(data), start["data"]["windows"])
+            self.assertEqual(start["label"], "commanded")
             for environment in ("garden", "kitchen"):
                 of_it = [name.startswith(environment) for name in data.names]
                 self.assertEqual(int(np.array(of_it)[data.session].sum()),
@@ -185,9 +204,10 @@ class TheWindows(unittest.TestCase):
         session = thermorig.open_sessions(recordings)[0]
         raw, freed = (thermorig.windows(session, 3, remove_bias=remove) for remove in (False, True))
         np.testing.assert_allclose(raw.gyro_dps - freed.gyro_dps, session.gyro_bias_dps.value, atol=1e-4)
-        shaft = thermorig.windows(session, 3, label="rate_shaft")
-        np.testing.assert_array_equal(shaft.last, raw.last)
-        self.assertFalse((shaft.label_dps == raw.label_dps).all())
+        for label in ("rate_shaft", "corrected"):
+            other = thermorig.windows(session, 3, label=label)
+            np.testing.assert_array_equal(other.last, raw.last)
+            self.assertFalse((other.label_dps == raw.label_dps).all())
 
     def test_of_a_session_come_back_by_its_name(self):
         sessions = thermorig.open_sessions(recordings)

@@ -17,6 +17,7 @@ model::Model made_model(bool fusion) {
   model.weights.shape.fusion = fusion;
   model.provenance.producer = "thermorig 0.1.0";
   model.provenance.preset = "best";
+  model.provenance.label = Label::corrected;
   model.provenance.training = {{"kitchen-1", "a"}, {"</td><script>alert(1)</script>", "b"}};
   model.provenance.simulated = true;
   return model;
@@ -30,6 +31,9 @@ TEST(EvaluationReport, ShowsAllEstimatorsOfAFusedModel) {
   EXPECT_THAT(text, HasSubstr("| gyro | 160 | 0.0200 | 28.3 |"));
   EXPECT_THAT(text, HasSubstr("| gyro-rest | 160 | 0.00050 |"));
   EXPECT_THAT(text, HasSubstr("| gyro-kalman | 0 | - |"));
+  EXPECT_THAT(text, HasSubstr("against the commanded speed"));
+  EXPECT_THAT(text, HasSubstr("against the shaft, by the servo model"));
+  EXPECT_THAT(text, HasSubstr("| label | rate\\_corrected |"));
   EXPECT_THAT(text, HasSubstr("trained on SIMULATED data"));
   EXPECT_THAT(text, HasSubstr("0 % below 0.02, 0 % above 0.98: open."));
 }
@@ -53,6 +57,8 @@ TEST(EvaluationReport, HoldsItsNumbersAsJson) {
   const auto evaluation = made_result({}).evaluation;
   const auto json = nlohmann::json::parse(report::evaluation_json(made_model(true), evaluation));
   EXPECT_EQ(json["errors"]["cnn-fusion"]["mse"], 0.01);
+  EXPECT_EQ(json["shaft_errors"]["cnn-fusion"]["windows"], 0);
+  EXPECT_EQ(json["model"]["label"], "corrected");
   EXPECT_EQ(json["speeds"].size(), 4U);
   EXPECT_EQ(json["speeds"][0]["rate_dps"], -200.0);
   EXPECT_EQ(json["angles"][0]["name"], "garden-1");

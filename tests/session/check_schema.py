@@ -53,7 +53,9 @@ def check_groups(file, frames):
               "camera/half_begin": (frames, 2), "camera/half_end": (frames, 2), "camera/half_age": (frames, 2),
               "samples/rate_commanded": (frames,), "samples/rate_shaft_half": (frames, 2),
               "samples/rate_commanded_half": (frames, 2), "samples/rate_gyro_half": (frames, 2),
-              "samples/gyro_spread": (frames,)}
+              "samples/gyro_spread": (frames,), "samples/rate_commanded_uncertainty": (frames,),
+              "samples/rate_corrected": (frames,), "samples/rate_corrected_uncertainty": (frames,),
+              "samples/rate_corrected_half": (frames, 2)}
     for name, shape in shapes.items():
         if file[name].shape != shape:
             yield f"{name} has shape {file[name].shape}, not {shape}"

@@ -71,6 +71,10 @@ inline bool same(const LabelledSample& a, const LabelledSample& b) {
          a.reason_bits == b.reason_bits && same(a.rate_commanded_dps, b.rate_commanded_dps) &&
          same(a.rate_shaft_half_dps, b.rate_shaft_half_dps) &&
          same(a.rate_commanded_half_dps, b.rate_commanded_half_dps) &&
+         same(a.rate_commanded_uncertainty_dps, b.rate_commanded_uncertainty_dps) &&
+         same(a.rate_corrected_dps, b.rate_corrected_dps) &&
+         same(a.rate_corrected_half_dps, b.rate_corrected_half_dps) &&
+         same(a.rate_corrected_uncertainty_dps, b.rate_corrected_uncertainty_dps) &&
          same(a.rate_gyro_half_dps, b.rate_gyro_half_dps) && same(a.gyro_spread_dps, b.gyro_spread_dps) &&
          a.leg == b.leg && a.run == b.run && a.valid == b.valid;
 }

@@ -56,6 +56,12 @@ class EditedFile {
   Handle file_;
 };
 
+inline void remove_corrected_label(hid_t file) {
+  for (const char* name :
+       {"rate_commanded_uncertainty", "rate_corrected", "rate_corrected_half", "rate_corrected_uncertainty"})
+    check(H5Ldelete(file, ("/samples/" + std::string(name)).c_str(), H5P_DEFAULT), "remove a column");
+}
+
 /// Makes a file of format 1.3 of one that is written now: the profile in the header, as a text, and as
 /// attributes of the devices' groups.
 class Format1File {
@@ -64,6 +70,7 @@ class Format1File {
       : profile_(session.raw.header.profile), file_(path) {
     check(H5Ldelete(file_.id(), "/rig/profile", H5P_DEFAULT), "remove the profile");
     move_profile();
+    remove_corrected_label(file_.id());
     rename_by_shaft();
     const std::string header = tests::format_1_header(session.raw.header);
     replace("/rig", "header_json", header);
@@ -159,8 +166,20 @@ class Format1File {
   EditedFile file_;
 };
 
+/// What came with the corrected label.
+inline void forget_corrected_label(Session& session) {
+  const LabelledSample nothing;
+  for (LabelledSample& sample : session.samples) {
+    sample.rate_commanded_uncertainty_dps = nothing.rate_commanded_uncertainty_dps;
+    sample.rate_corrected_dps = nothing.rate_corrected_dps;
+    sample.rate_corrected_half_dps = nothing.rate_corrected_half_dps;
+    sample.rate_corrected_uncertainty_dps = nothing.rate_corrected_uncertainty_dps;
+  }
+}
+
 /// What a file of format 1 can hold of a session.
 inline Session format_1_session(Session session) {
+  forget_corrected_label(session);
   RigProfile& profile = session.raw.header.profile;
   profile = tests::format_1_profile(profile);
   GyroErrors& gyro = session.sync.gyro;
@@ -180,6 +199,25 @@ inline Session format_1_session(Session session) {
     speed.contradicts = false;
   }
   return session;
+}
+
+/// What a file of format 2.0 can hold of a session: the profile and all names are those of today.
+inline Session format_2_0_session(Session session) {
+  const RigProfile profile = session.raw.header.profile;
+  session = format_1_session(std::move(session));
+  session.raw.header.profile = profile;
+  return session;
+}
+
+inline void write_format_2_0(const std::filesystem::path& path, const Session& session) {
+  write_unchecked(path, session);
+  const EditedFile file(path);
+  remove_corrected_label(file.id());
+  const std::string header =
+      get_text_attribute(Handle(H5Gopen2(file.id(), "/rig", H5P_DEFAULT), "open it").get(), "header_json");
+  file.replace("/", "format_version", "2.0.0");
+  file.replace("/", "scalars_crc32", scalars_crc32(session, header, {2, 0}));
+  file.renew_sums();
 }
 
 inline void write_format_1(const std::filesystem::path& path, const Session& session) {

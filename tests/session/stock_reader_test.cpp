@@ -142,6 +142,7 @@ Session without_what_is_new(Session session) {
     sample.rate_gyro_half_dps = {unknown, unknown};
     sample.gyro_spread_dps = unknown;
   }
+  forget_corrected_label(session);
   session.sync = {};
   return session;
 }
@@ -163,6 +164,7 @@ TEST_F(StockReader, SessionsOfFormat1_0AreStillRead) {
   ASSERT_EQ(output.code, 0) << output.text;
   const Session read = read_session(path());
   EXPECT_EQ(difference(without_what_is_new(session), read), "");
+  EXPECT_EQ(read.label_version, 1U);
   EXPECT_EQ(difference(session.raw, read_raw(path())), "");
   const RigProfile assumed;
   EXPECT_EQ(read.raw.header.profile.camera.link.latency_uncertainty_s,
@@ -171,6 +173,19 @@ TEST_F(StockReader, SessionsOfFormat1_0AreStillRead) {
   replace_session(path(), read);
   write_session(path("new.h5"), read_session(path()));
   EXPECT_TRUE(read_file(path()) == read_file(path("new.h5"))) << "something of format 1.0 was kept";
+}
+
+TEST_F(StockReader, SessionsOfFormatsBeforeTheCorrectedLabelAreReadWithoutIt) {
+  const Session session = synthetic_session(70);
+  const Session kept = format_2_0_session(session);
+  write_format_2_0(path(), session);
+  const Session read = read_session(path());
+  EXPECT_EQ(difference(kept, read), "");
+  EXPECT_EQ(read.label_version, 2U);
+  EXPECT_TRUE(std::isnan(read.samples[10].rate_corrected_dps));
+  EXPECT_EQ(difference(session.raw, read_raw(path())), "");  // from which the label can be made
+  replace_session(path(), session);
+  EXPECT_EQ(read_session(path()).label_version, 3U);
 }
 
 TEST_F(StockReader, FindsTheProfileInAGroupForEachTable) {

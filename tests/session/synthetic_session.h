@@ -154,6 +154,10 @@ class SyntheticSession {
     sample.gyro_spread_dps = 0.25F;
     sample.gyro_count = 50;
     sample.rate_shaft_uncertainty_dps = 0.1F;
+    sample.rate_commanded_uncertainty_dps = 0.5F;
+    sample.rate_corrected_dps = sample.rate_shaft_dps + 0.125F;
+    sample.rate_corrected_half_dps = {sample.rate_corrected_dps, std::nanf("")};
+    sample.rate_corrected_uncertainty_dps = 0.2F;
     if (i % 60 < 3) sample.reason_bits = bit(Reason::servo_ramp) | bit(Reason::leg_change);
     sample.valid = sample.reason_bits == 0;
     sample.run = sample.valid ? sample.leg : 0U;

@@ -98,6 +98,19 @@ TEST(JudgedWindows, HoldMeansOverTheirFrames) {
   EXPECT_TRUE(std::isnan(judged[1].rate_dps["gyro-kalman"]) && std::isnan(judged[1].rate_dps[thermal_name]));
 }
 
+TEST(Evaluation, HoldsEstimatesAgainstTheShaftAsWell) {
+  network::Acquisition acquisition = plain_acquisition("a", 4, 100.0F);
+  acquisition.shaft_dps = {97, 97, 97, nan};
+  acquisition.rates = {{"gyro", {98, 98, 98, 98}}};
+  const std::vector<network::Window> windows{{0, 1}, {0, 2}, {0, 3}};
+  const auto judged = judged_windows(std::span(&acquisition, 1), windows, 2);
+  const Evaluation evaluation = evaluate(judged, std::span(&acquisition, 1));
+  EXPECT_DOUBLE_EQ(evaluation.errors[gyro_name].bias_dps, -2.0);
+  EXPECT_EQ(evaluation.errors[gyro_name].windows, 3U);
+  EXPECT_DOUBLE_EQ(evaluation.shaft_errors[gyro_name].bias_dps, 1.0);
+  EXPECT_EQ(evaluation.shaft_errors[gyro_name].windows, 2U);  // of one of its frames nothing is known
+}
+
 TEST(JudgedWindows, SayWhatAModelPredicts) {
   const std::vector<network::Acquisition> acquisitions = synthetic::make_acquisitions({"garden"}, 1, 1);
   for (const bool fusion : {true, false}) {

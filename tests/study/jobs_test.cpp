@@ -78,6 +78,20 @@ TEST(Jobs, AreOthersWithOtherData) {
   EXPECT_NE(file_name_of(others.front()), file_name_of(jobs.front()));
 }
 
+TEST(Jobs, HaveTheLabelOfTheirAcquisitionsAndAreOthersWithAnother) {
+  auto acquisitions = small_acquisitions();
+  const Job commanded = jobs_of({}, acquisitions).front();
+  EXPECT_EQ(commanded.label, Label::commanded);
+  for (network::Acquisition& acquisition : acquisitions) {
+    acquisition.label = Label::corrected;
+    acquisition.label_hash = acquisition.hash + "c";
+  }
+  const Job corrected = jobs_of({}, acquisitions).front();
+  EXPECT_EQ(corrected.label, Label::corrected);
+  EXPECT_EQ(corrected.test_hash, commanded.test_hash);
+  EXPECT_NE(corrected.data_hash, commanded.data_hash);
+}
+
 TEST(Jobs, CanBeOfOneSetUpAlone) {
   StudyConfig config;
   config.fusion = false;
@@ -119,7 +133,7 @@ TEST(Jobs, AreRefusedForSettingsThatNoNetworkHas) {
 }
 
 TEST(JobFileName, DiffersWhereAnythingOfTheJobDiffers) {
-  std::vector<Job> jobs(13);
+  std::vector<Job> jobs(14);
   jobs[1].engine += 1;
   jobs[2].frames = 4;
   jobs[3].reduction = 2;
@@ -132,6 +146,7 @@ TEST(JobFileName, DiffersWhereAnythingOfTheJobDiffers) {
   jobs[10].test = "garden_acq-02";
   jobs[11].test_hash = "00";
   jobs[12].data_hash = "00";
+  jobs[13].label = Label::shaft;
   std::set<std::string> names;
   for (const Job& job : jobs) names.insert(file_name_of(job));
   EXPECT_EQ(names.size(), jobs.size());

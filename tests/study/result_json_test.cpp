@@ -143,7 +143,7 @@ TEST(ResultJson, IsRefusedOutsideTheNetworksSettings) {
 
 TEST(ResultJson, OfAnotherFormatOrVersionIsRefused) {
   json other = json::parse(to_json(paper_sized()));
-  other["version"] = 3;
+  other["version"] = 4;
   EXPECT_THAT(refusal(other.dump()), testing::HasSubstr("version"));
   other["format"] = "something else";
   EXPECT_THAT(refusal(other.dump()), testing::HasSubstr("format"));
@@ -169,6 +169,24 @@ TEST(ResultJson, OfVersion1HasItsEstimatorsUnderTheNamesOfToday) {
   EXPECT_EQ(back.errors["gyro-kalman"].windows, 0U);
   EXPECT_TRUE(std::isnan(back.errors["gyro-kalman"].mse) && std::isnan(back.speeds[3].mse["gyro-kalman"]));
   EXPECT_TRUE(back.angles[0].error_deg["gyro-kalman"].empty());
+}
+
+TEST(ResultJson, OfVersion2LearntTheCommandedSpeedAndSaysNothingOfTheShaft) {
+  json before = json::parse(to_json(paper_sized()));
+  before["version"] = 2;
+  before["job"].erase("label");
+  before["evaluation"].erase("shaft_errors");
+  const JobResult back = result_from_json(before.dump(), "");
+  EXPECT_EQ(back.job.label, Label::commanded);
+  EXPECT_EQ(back.evaluation.shaft_errors[fusion_name].windows, 0U);
+  EXPECT_EQ(back.evaluation.errors[fusion_name].windows,
+            paper_sized().evaluation.errors[fusion_name].windows);
+}
+
+TEST(ResultJson, WithALabelThatThereIsNotIsRefused) {
+  json other = json::parse(to_json(paper_sized()));
+  other["job"]["label"] = "rate_shaft";
+  EXPECT_THAT(refusal(other.dump()), testing::HasSubstr("job.label"));
 }
 
 TEST(ResultJson, LeavesOutEstimatorsThatAreNotKnownHere) {

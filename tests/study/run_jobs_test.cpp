@@ -73,6 +73,22 @@ class RunJobs : public ::testing::Test {
       {"garden", "laboratory"}, 2, 1, {.rates_dps = {-100.0F, 100.0F}, .frames_per_leg = 12});
 };
 
+TEST_F(RunJobs, AreRefusedAFolderWithResultsOfAnotherLabel) {
+  config_.frames = {2};
+  config_.reference_frames = 2;
+  reused(folder_);
+  for (network::Acquisition& acquisition : acquisitions_) {
+    acquisition.label = Label::shaft;
+    acquisition.label_hash = acquisition.hash + "s";
+  }
+  const Error error = refusal();
+  EXPECT_EQ(error.code(), ExitCode::bad_usage);
+  EXPECT_EQ(error.what_happened(), "the study there learns from rate_commanded, this one from rate_shaft");
+  EXPECT_THAT(error.advice(), testing::HasSubstr("--label commanded"));
+  EXPECT_EQ(reused(folder_ / "other"), 0U);
+  EXPECT_EQ(read_results(folder_ / "other").front().job.label, Label::shaft);
+}
+
 TEST_F(RunJobs, LeaveAResultEach) {
   EXPECT_EQ(reused(folder_), 0U);
   const std::vector<JobResult> results = results_of(jobs(), folder_);

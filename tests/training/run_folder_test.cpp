@@ -123,6 +123,15 @@ TEST_F(RunFolderTest, SaysThatTheDataDiffer) {
   EXPECT_NE(refusal_to_reopen().what_happened().find("2 acquisitions, now 1"), std::string::npos);
 }
 
+TEST_F(RunFolderTest, SaysThatAnotherLabelIsLearntAndNotThatTheDataDiffer) {
+  RunFolder::create(run(), description_);
+  description_.label = Label::shaft;
+  description_.data[0].hash = "cc";
+  const std::string refusal = refusal_to_reopen().what_happened();
+  EXPECT_NE(refusal.find("label (\"commanded\", now \"shaft\")"), std::string::npos) << refusal;
+  EXPECT_EQ(refusal.find("the data"), std::string::npos) << refusal;
+}
+
 TEST_F(RunFolderTest, SaysThatTheInstructionSetDiffers) {
   RunFolder::create(run(), description_);
   description_.instruction_set = "AVX2";

@@ -229,6 +229,13 @@ TEST(Training, RefusesToChooseTheEpochOnTheOnlyAcquisitionWithWindows) {
   EXPECT_EQ(trained(config, data).epochs.size(), 3U);
 }
 
+TEST(Training, SaysInItsModelWhichLabelItLearnt) {
+  auto data = small_data();
+  EXPECT_EQ(trained(small_config(), data).model.provenance.label, Label::commanded);
+  for (Acquisition& acquisition : data) acquisition.label = Label::shaft;
+  EXPECT_EQ(trained(small_config(), data).model.provenance.label, Label::shaft);
+}
+
 TEST(Training, ThatBlowsUpSaysWhereAndWhatToTry) {
   TrainingConfig config = small_config(50);
   config.adam.rate = 1.0F;

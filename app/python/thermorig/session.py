@@ -15,7 +15,7 @@ import h5py
 import numpy as np
 from numpy.typing import NDArray
 
-LABELS = ("rate_commanded", "rate_shaft")
+LABELS = ("rate_commanded", "rate_corrected", "rate_shaft")  # columns; `train --label` has the words behind "rate_"
 PIXELS_C = (-60.0, 400.0)  # beyond them a pixel is no temperature
 MARK = 10  # of /events/kind
 NOTE, ENVIRONMENT = 0, 1  # of /annotations/kind
@@ -176,11 +176,18 @@ class Session:
         return np.asarray(self.file["samples"][name][:])
 
     def label(self, name: str = "rate_commanded") -> NDArray[np.float32]:
-        """Speed in deg/s, NaN where it is not known. `rate_commanded` is what was commanded, and what `train`
-        learns; `rate_shaft` is what the servo model makes of it. Both are means over the frame's exposure."""
-        if name not in LABELS:
-            raise ValueError(f"there is no label {name!r}: {' or '.join(LABELS)}")
-        return self.column(name)
+        """Speed in deg/s, NaN where it is not known, by its column or by the word of `train --label`.
+        `rate_commanded` ("commanded") is what was commanded, and what `train` learns unless it is told otherwise;
+        `rate_corrected` is the same, corrected by what the session measured of the servo; `rate_shaft` is what the servo model
+        makes of it. All are means over the frame's exposure."""
+        column = _label_column(name)
+        if column not in self.file["samples"]:
+            raise ValueError(f"{self.path}: is of a format that had no {column}: thermorig reprocess {self.path}")
+        return self.column(column)
+
+    def label_uncertainty(self, name: str = "rate_commanded") -> NDArray[np.float32]:
+        """How far that label may be from the shaft's true speed: one standard deviation in deg/s, NaN: unknown."""
+        return self.column(_label_column(name) + "_uncertainty")
 
     @cached_property
     def gyro_dps(self) -> NDArray[np.float32]:
@@ -235,6 +242,11 @@ class Session:
         run[~sound] = 0
         return run
 
+    def run_with(self, label: str) -> NDArray[np.uint32]:
+        """(N) the same, also 0 where that label is no sound number: what a training with it takes."""
+        with np.errstate(invalid="ignore"):
+            return np.where(np.abs(self.label(label)) <= FASTEST_DPS, self.run, 0).astype(np.uint32)
+
     @cached_property
     def leg_dps(self) -> NDArray[np.float32]:
         """(N) speed that the leg of the frame was to have; 0 outside legs."""
@@ -276,16 +288,28 @@ class Session:
 
     @cached_property
     def data_hash(self) -> str:
-        """SHA-256 of what a training takes of it, whatever the file's name and date: the hash in `run.json`."""
+        """SHA-256 of what a training takes of it, whatever the file's name and date: the hash in a model file."""
+        return self.learnt_hash()
+
+    def learnt_hash(self, label: str = "rate_commanded") -> str:
+        """The same with another label in place of the commanded speed: the hash in `run.json`."""
         times_ns = np.round(self.middle_s * 1e9).astype(np.int64)
         parts = [
-            np.array([len(self)], np.uint64), _hashed(self.frames_c), _hashed(self.label()), _hashed(self.gyro_dps),
-            (times_ns - times_ns[:1]).astype(np.uint64), self.run, _hashed(self.leg_dps),
+            np.array([len(self)], np.uint64), _hashed(self.frames_c), _hashed(self.label(label)),
+            _hashed(self.gyro_dps), (times_ns - times_ns[:1]).astype(np.uint64), self.run_with(label),
+            _hashed(self.leg_dps),
         ]
         digest = hashlib.sha256()
         for part in parts:
             digest.update(np.ascontiguousarray(part).tobytes())
         return digest.hexdigest()
+
+
+def _label_column(name: str) -> str:
+    column = name if name in LABELS else f"rate_{name}"
+    if column not in LABELS:
+        raise ValueError(f"there is no label {name!r}: {' or '.join(LABELS)}")
+    return column
 
 
 def _hashed(values: NDArray[np.float32]) -> NDArray[np.float32]:

@@ -66,8 +66,8 @@ def windows(sessions: Session | Iterable[Session], frames: int = 3, reduction: i
 
     `reduction` (Nr, 1 to 3): pixels are averaged Nr x Nr; columns that do not fill a block are cropped at the
     right. `history` >= frames: so many valid frames in a row before a window may end, so that windows of
-    different lengths end at the same frames. `label`: as Session.label(); which windows there are does not
-    depend on it. `remove_bias`: takes the gyro's bias of the recording off, where it is known; `train` does not.
+    different lengths end at the same frames. `label`: as Session.label(), so also "corrected" or "shaft"; which
+    windows there are does not depend on it, unless it is no sound number in a frame. `remove_bias`: takes the gyro's bias of the recording off, where it is known; `train` does not.
     """
     if not 1 <= frames <= 6 or not 1 <= reduction <= 3:
         raise ValueError("frames must be 1 to 6, reduction 1 to 3")
@@ -125,7 +125,7 @@ def scaling_of(sessions: Sequence[Session], label_scale_dps: float = 200.0) -> S
 
 def _windows_of(session: Session, index: int, frames: int, reduction: int, history: int, label: str,
                 remove_bias: bool) -> Windows:
-    last = ends_of_windows(session.run, frames, history)
+    last = ends_of_windows(session.run_with(label), frames, history)
     first = last.astype(np.int64) - (frames - 1)
     gyro = session.gyro_dps
     bias = session.gyro_bias_dps if remove_bias else None

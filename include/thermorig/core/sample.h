@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <limits>
 
 #include "thermorig/core/chunk.h"
 #include "thermorig/core/frame.h"
@@ -93,7 +94,15 @@ struct LabelledSample {
   float gyro_spread_dps =
       0.0F;  // standard deviation over the exposure after a running mean over one pulse period
   float rate_shaft_uncertainty_dps =
-      0.0F;                       // of rate_shaft, one standard deviation, what is not calibrated included
+      0.0F;  // of rate_shaft, one standard deviation, what is not calibrated included
+  // rate_commanded, corrected by what the session measured of the servo; where it could not, rate_commanded.
+  // NaN: unknown, as in files of formats before it.
+  float rate_corrected_dps = std::numeric_limits<float>::quiet_NaN();
+  std::array<float, 2> rate_corrected_half_dps{std::numeric_limits<float>::quiet_NaN(),
+                                               std::numeric_limits<float>::quiet_NaN()};
+  // How far these two may be from the shaft's true speed, one standard deviation; NaN: unknown.
+  float rate_commanded_uncertainty_dps = std::numeric_limits<float>::quiet_NaN();
+  float rate_corrected_uncertainty_dps = std::numeric_limits<float>::quiet_NaN();
   std::uint32_t reason_bits = 0;  // `bit(Reason)`s
   std::uint16_t leg = 0;          // leg that the servo reported, 0 outside legs
   std::uint32_t run = 0;          // unbroken run of valid frames within one leg, from 1; 0 if not valid

@@ -162,6 +162,9 @@ struct ServoResponse {
   std::vector<AtSpeed> speeds;  // of the legs, ascending
 };
 
+/// What was seen at that commanded speed; nullptr: it is none of the legs'.
+const ServoResponse::AtSpeed* seen_at(const ServoResponse& response, double commanded_dps);
+
 /// Whether the shaft was seen not to turn as commanded at that speed.
 bool contradicts_command(const ServoResponse& response, double commanded_dps);
 

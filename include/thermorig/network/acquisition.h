@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "thermorig/core/label.h"
 #include "thermorig/core/time.h"
 
 namespace thermorig::network {
@@ -22,10 +23,13 @@ struct Acquisition {
   int number = 0;           // acquisition number within the environment
   bool simulated = false;
   std::string licence;  // of the data, as the session says it; "not stated" if it does not
-  std::string hash;  // SHA-256, hexadecimal, of frames, labels, gyro means, times and runs: not of the file,
-                     // whose name and creation time do not matter to a model
-  std::vector<float> temp_c;     // (N, 24, 32)
-  std::vector<float> label_dps;  // (N) commanded speed over the exposure, NaN if unknown
+  std::string hash;  // SHA-256, hexadecimal, of frames, commanded speeds, gyro means, times and runs: not of
+                     // the file, whose name and creation time do not matter to a model
+  std::vector<float> temp_c;       // (N, 24, 32)
+  Label label = Label::commanded;  // what label_dps is
+  std::string label_hash;          // the same as `hash`, but of label_dps as it is; empty: commanded
+  std::vector<float> label_dps;    // (N) speed over the exposure that is learnt, NaN if unknown
+  std::vector<float> shaft_dps;    // (N) speed of the shaft by the servo model; not in the hash
   std::vector<float>
       gyro_dps;  // (N) mean of the gyro over the exposure, bias not removed, NaN if there is none
   std::vector<HostTime> time;       // (N) middle of the newest exposure
@@ -34,6 +38,9 @@ struct Acquisition {
   std::vector<RateSeries> rates;    // of all estimators that need no network; not in the hash
 
   std::size_t frames() const { return run.size(); }
+
+  /// Of all that a training takes, its label among it.
+  const std::string& learnt_hash() const { return label_hash.empty() ? hash : label_hash; }
 };
 
 }  // namespace thermorig::network

@@ -2,10 +2,12 @@
 #include <fmt/format.h>
 
 #include <cassert>
+#include <limits>
 #include <map>
 
 #include "data_hash.h"
 #include "rates_without_network.h"
+#include "thermorig/core/error.h"
 #include "thermorig/learning/dataset/dataset.h"
 #include "thermorig/network/soundness.h"
 #include "thermorig/storage/session/annotations.h"
@@ -25,6 +27,7 @@ std::map<std::uint16_t, float> leg_rates(const std::vector<LegRecord>& legs) {
 void append(Acquisition& acquisition, const LabelledSample& sample, const ThermalFrame& frame) {
   acquisition.temp_c.insert(acquisition.temp_c.end(), frame.temp_c.begin(), frame.temp_c.end());
   acquisition.label_dps.push_back(sample.rate_commanded_dps);
+  acquisition.shaft_dps.push_back(sample.rate_shaft_dps);
   acquisition.gyro_dps.push_back(sample.rate_gyro_dps);
   acquisition.time.push_back(sample.time);
   acquisition.run.push_back(sample.valid ? sample.run : 0);
@@ -42,9 +45,31 @@ void append_samples(Acquisition& acquisition, const session::Session& session) {
   }
 }
 
+float rate_of(const LabelledSample& sample, Label label) {
+  switch (label) {
+    case Label::commanded:
+      return sample.rate_commanded_dps;
+    case Label::corrected:
+      return sample.rate_corrected_dps;
+    case Label::shaft:
+      return sample.rate_shaft_dps;
+  }
+  return std::numeric_limits<float>::quiet_NaN();
+}
+
+/// The recording stays known by its commanded speeds, so that a model is recognised whatever it learnt.
+void take_label(Acquisition& acquisition, const std::vector<LabelledSample>& samples, Label label) {
+  if (label == Label::commanded) return;
+  acquisition.label = label;
+  for (std::size_t i = 0; i < samples.size(); ++i) acquisition.label_dps[i] = rate_of(samples[i], label);
+  network::clear_unsound_frames(acquisition);
+  acquisition.label_hash = data_hash(acquisition);
+}
+
 }  // namespace
 
-Acquisition acquisition_of(const session::Session& session, const std::string& name, Estimates estimates) {
+Acquisition acquisition_of(const session::Session& session, const std::string& name, Estimates estimates,
+                           Label label) {
   const RecordingHeader& header = session.raw.header;
   const session::Place place = session::place_of(session);
   Acquisition acquisition{.name = name,
@@ -56,7 +81,16 @@ Acquisition acquisition_of(const session::Session& session, const std::string& n
   network::clear_unsound_frames(acquisition);
   if (estimates == Estimates::made) acquisition.rates = rates_without_network(session);
   acquisition.hash = data_hash(acquisition);
+  take_label(acquisition, session.samples, label);
   return acquisition;
+}
+
+void require_label(const session::Session& session, Label label, const std::filesystem::path& file) {
+  const unsigned needed = label == Label::corrected ? 3 : label == Label::shaft ? 2 : 1;
+  if (session.label_version >= needed) return;
+  throw Error(ExitCode::check_failed,
+              fmt::format("the session is of a format that had no {}", column_of(label)), file.string(),
+              "make it again from its raw bytes: thermorig reprocess " + file.string());
 }
 
 std::string name_of(const session::Session& session) {

@@ -14,8 +14,9 @@ namespace {
 namespace fs = std::filesystem;
 using network::Acquisition;
 
-Acquisition acquisition_in(const session::Session& session, Estimates estimates) {
-  return acquisition_of(session, name_of(session), estimates);
+Acquisition acquisition_in(const session::Session& session, Estimates estimates,
+                           Label label = Label::commanded) {
+  return acquisition_of(session, name_of(session), estimates, label);
 }
 
 /// What became of one file.
@@ -24,10 +25,11 @@ struct FileRead {
   std::optional<BadSession> bad;
 };
 
-FileRead read_file(const fs::path& path, Estimates estimates) {
+FileRead read_file(const fs::path& path, Estimates estimates, Label label) {
   const session::Session session = read_in_turn(path);
   if (session::is_for_calibration(session.raw.header)) return {};
-  return {acquisition_in(session, estimates), bad_session(session, path)};
+  require_label(session, label, path);
+  return {acquisition_in(session, estimates, label), bad_session(session, path)};
 }
 
 void refuse_copies(const std::vector<FileRead>& reads, const std::vector<fs::path>& files) {
@@ -73,10 +75,11 @@ Acquisition read_acquisition(const fs::path& path) {
 }
 
 Acquisitions read_acquisitions(const std::vector<fs::path>& files, Estimates estimates,
-                               const ReadingProgress& progress) {
+                               const ReadingProgress& progress, Label label) {
   std::vector<FileRead> reads(files.size());
   for_each_file(
-      files.size(), [&](std::size_t index) { reads[index] = read_file(files[index], estimates); }, progress);
+      files.size(), [&](std::size_t index) { reads[index] = read_file(files[index], estimates, label); },
+      progress);
   refuse_copies(reads, files);
   return sorted_out(std::move(reads), files);
 }

@@ -105,6 +105,8 @@ class WindowArrays {
                static_cast<std::uint64_t>(shape_.columns())},
               [&](std::string& bytes, std::size_t i) { append_images(bytes, windows_[i]); });
     add(zip, "label_dps", "<f4", [&](const auto& window) { return rates(window).label_dps; });
+    add_label(zip, "corrected_dps", &LabelledSample::rate_corrected_dps);
+    add_label(zip, "shaft_dps", &LabelledSample::rate_shaft_dps);
     add(zip, "gyro_dps", "<f4", [&](const auto& window) { return rates(window).gyro_dps; });
     add(zip, "last", "<u4", [](const auto& window) { return window.last; });
     add(zip, "middle_s", "<f8", [&](const auto& window) {
@@ -117,6 +119,14 @@ class WindowArrays {
   void add(ZipWriter& zip, const std::string& name, const std::string& type, Get get) {
     add_array(zip, name, type, {windows_.size()},
               [&](std::string& bytes, std::size_t i) { append_little_endian(bytes, get(windows_[i])); });
+  }
+
+  void add_label(ZipWriter& zip, const std::string& name, float LabelledSample::*rate_dps) {
+    std::vector<float> rates_dps;
+    rates_dps.reserve(session_.samples.size());
+    for (const LabelledSample& sample : session_.samples) rates_dps.push_back(sample.*rate_dps);
+    add(zip, name, "<f4",
+        [&](const auto& window) { return network::mean_rate(rates_dps, window, shape_.frames); });
   }
 
   network::WindowRates rates(const network::Window& window) const {

@@ -63,6 +63,11 @@ Table samples_of(const Session& session) {
   columns.add_time("time", [](const Row& row) { return row.time; });
   columns.add("frame", "", [](const Row& row) { return row.frame_index; });
   columns.add("rate_commanded", "deg/s", [](const Row& row) { return row.rate_commanded_dps; });
+  columns.add("rate_commanded_uncertainty", "deg/s",
+              [](const Row& row) { return row.rate_commanded_uncertainty_dps; });
+  columns.add("rate_corrected", "deg/s", [](const Row& row) { return row.rate_corrected_dps; });
+  columns.add("rate_corrected_uncertainty", "deg/s",
+              [](const Row& row) { return row.rate_corrected_uncertainty_dps; });
   columns.add("rate_shaft", "deg/s", [](const Row& row) { return row.rate_shaft_dps; });
   columns.add("rate_shaft_uncertainty", "deg/s",
               [](const Row& row) { return row.rate_shaft_uncertainty_dps; });

@@ -40,6 +40,7 @@ Section model_section(const Model& model) {
       {"multiply-adds of a window", count_text(network::multiply_adds(shape))},
       {"made by", clean(from.producer)},
       {"preset", clean(from.preset)},
+      {"label", from.label ? column_of(*from.label) : ""},
       {"seed", std::to_string(from.seed)},
       {"epochs trained, kept", fmt::format("{}, {}", from.epochs, from.epoch_kept)},
       {"trained on", fmt::format("{}{}", from.simulated ? "SIMULATED data: " : "", names_of(from.training))},
@@ -49,19 +50,27 @@ Section model_section(const Model& model) {
   return {"The model", {table}};
 }
 
-Section errors_section(const Model& model, const Evaluation& evaluation) {
+Table errors_table(const Model& model, const study::PerEstimator<study::Errors>& by_estimator,
+                   const char* truth) {
   Table table;
-  table.caption = fmt::format("Errors over all windows (MSE: (speed / {:g} deg/s)^2; the rest in deg/s)",
-                              model.scaling.label_scale_dps);
+  table.caption =
+      fmt::format("Errors over all windows against {} (MSE: (speed / {:g} deg/s)^2; the rest in deg/s)",
+                  truth, model.scaling.label_scale_dps);
   table.header = {"estimator",       "windows",        "MSE",       "RMSE", "median |error|",
                   "95th percentile", "above 30 deg/s", "mean error"};
   for (const std::string& name : estimators_of(model)) {
-    const study::Errors& errors = evaluation.errors[name];
+    const study::Errors& errors = by_estimator[name];
     table.rows.push_back({name, count_text(errors.windows), mse_text(errors.mse), rate_text(errors.rmse_dps),
                           rate_text(errors.median_dps), rate_text(errors.p95_dps),
                           share_text(errors.outlier_share), rate_text(errors.bias_dps)});
   }
-  return {"Errors", {table}};
+  return table;
+}
+
+Section errors_section(const Model& model, const Evaluation& evaluation) {
+  return {"Errors",
+          {errors_table(model, evaluation.errors, "the commanded speed"),
+           errors_table(model, evaluation.shaft_errors, "the shaft, by the servo model")}};
 }
 
 Section gain_section(const study::GainStatistics& gain) {
@@ -150,11 +159,13 @@ std::string evaluation_json(const Model& model, const Evaluation& evaluation) {
                       {"weights", network::weight_count(shape)},
                       {"multiply_adds", network::multiply_adds(shape)},
                       {"preset", model.provenance.preset},
+                      {"label", model.provenance.label ? json(name_of(*model.provenance.label)) : json()},
                       {"seed", model.provenance.seed},
                       {"simulated", model.provenance.simulated}}},
                     {"label_scale_dps", model.scaling.label_scale_dps},
                     {"acquisitions", evaluation.names},
                     {"errors", errors_json(evaluation.errors)},
+                    {"shaft_errors", errors_json(evaluation.shaft_errors)},
                     {"environments", environments},
                     {"speeds", speeds_json(evaluation.speeds)},
                     {"gain", gain_json(evaluation.gain)},

@@ -70,6 +70,7 @@ Section overview_section(const StudyView& view) {
       {"data", view.simulated ? "SIMULATED rig" : "real"},
       {"results (trainings with their test)", count_text(view.results.size())},
       {"folds: acquisitions left out in turn, as the results show", count_text(view.folds.size())},
+      {"label, learnt and tested against", column_of(view.label)},
       {"preset", clean(view.preset)},
       {"epochs", std::to_string(view.epochs)},
       {"settings", clean(view.settings_text)},

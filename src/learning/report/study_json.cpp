@@ -30,6 +30,7 @@ json setting_json(const StudyView& view, const study::SettingSummary& summary) {
   for (const study::JobResult* result : view.jobs(setting, summary.fusion, summary.seed)) {
     folds.push_back({{"test", result->job.test},
                      {"errors", errors_json(result->evaluation.errors)},
+                     {"shaft_errors", errors_json(result->evaluation.shaft_errors)},
                      {"gain", gain_json(result->evaluation.gain)}});
     if (!result->evaluation.angles.empty())
       folds.back()["angle"] = drift_json(result->evaluation.angles.front());
@@ -67,17 +68,12 @@ json claims_json(const StudyView& view) {
 json study_of(const StudyView& view) {
   json settings = json::array();
   for (const study::SettingSummary& summary : view.summaries) settings.push_back(setting_json(view, summary));
-  return {{"simulated", view.simulated},
-          {"preset", view.preset},
-          {"settings_text", view.settings_text},
-          {"epochs", view.epochs},
-          {"history", view.history},
-          {"data_hash", view.data_hash},
-          {"label_scale_dps", view.label_scale_dps},
-          {"folds", view.folds},
-          {"seeds", view.seeds},
-          {"table_seed", view.table_seed},
-          {"settings", settings},
+  return {{"simulated", view.simulated},   {"preset", view.preset},
+          {"label", name_of(view.label)},  {"settings_text", view.settings_text},
+          {"epochs", view.epochs},         {"history", view.history},
+          {"data_hash", view.data_hash},   {"label_scale_dps", view.label_scale_dps},
+          {"folds", view.folds},           {"seeds", view.seeds},
+          {"table_seed", view.table_seed}, {"settings", settings},
           {"claims", claims_json(view)}};
 }
 

@@ -60,6 +60,7 @@ StudyView view_of(std::vector<JobResult> results) {
   StudyView view;
   const study::Job& first = results.front().job;
   view.label_scale_dps = results.front().label_scale_dps;
+  view.label = first.label;
   view.preset = first.preset, view.data_hash = first.data_hash;
   view.epochs = first.epochs, view.history = first.history, view.settings_text = first.settings;
   std::set<std::string> folds;
@@ -161,11 +162,11 @@ std::vector<StudyView> views_of(std::span<const JobResult> results) {
   if (results.empty())
     throw Error(ExitCode::bad_usage, "there is no result to report", "the folder of results",
                 "run the study first: thermorig evaluate --study");
-  using Key = std::tuple<std::string, std::string, std::string, int, int, int, double>;
+  using Key = std::tuple<std::string, Label, std::string, std::string, int, int, int, double>;
   std::map<Key, std::vector<JobResult>> groups;
   for (const JobResult& result : results) {
     const study::Job& job = result.job;
-    groups[Key(job.data_hash, job.preset, job.settings, job.epochs, job.history, job.engine,
+    groups[Key(job.data_hash, job.label, job.preset, job.settings, job.epochs, job.history, job.engine,
                result.label_scale_dps)]
         .push_back(result);
   }

@@ -17,9 +17,10 @@ struct Setting {
   auto operator<=>(const Setting&) const = default;
 };
 
-/// Results that may stand in one table: of the same data, preset, epochs and end frames.
+/// Results that may stand in one table: of the same data, label, preset, epochs and end frames.
 struct StudyView {
   std::string preset, data_hash;
+  Label label = Label::commanded;
   std::string settings_text;  // what the preset stands for
   int epochs = 0, history = 0;
   std::vector<study::JobResult> results;  // sorted by job, each job once

@@ -24,6 +24,7 @@ bool have_same_windows(const Evaluation& a, const Evaluation& b) {
 
 void take(const std::string& name, const Evaluation& from, Evaluation& to) {
   to.errors[name] = from.errors[name];
+  to.shaft_errors[name] = from.shaft_errors[name];
   for (std::size_t speed = 0; speed < to.speeds.size(); ++speed)
     to.speeds[speed].mse[name] = from.speeds[speed].mse[name];
   to.angles[0].error_deg[name] = from.angles[0].error_deg[name];

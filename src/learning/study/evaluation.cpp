@@ -13,11 +13,13 @@ namespace thermorig::study {
 
 namespace {
 
-PerEstimator<Errors> errors_of(std::span<const JudgedWindow> judged, double label_scale_dps) {
+PerEstimator<Errors> errors_of(std::span<const JudgedWindow> judged, double label_scale_dps,
+                               float JudgedWindow::*truth_dps = &JudgedWindow::label_dps) {
   PerEstimator<Errors> errors;
   for (const std::string& name : all_estimators()) {
     ErrorStatistics statistics;
-    for (const JudgedWindow& one : judged) statistics.add(double{one.rate_dps[name]} - double{one.label_dps});
+    for (const JudgedWindow& one : judged)
+      statistics.add(double{one.rate_dps[name]} - double{one.*truth_dps});
     errors[name] = statistics.errors(label_scale_dps);
   }
   return errors;
@@ -50,6 +52,7 @@ Evaluation evaluate(std::span<const JudgedWindow> judged, std::span<const networ
   assert(config.label_scale_dps > 0.0);
   Evaluation evaluation;
   evaluation.errors = errors_of(judged, config.label_scale_dps);
+  evaluation.shaft_errors = errors_of(judged, config.label_scale_dps, &JudgedWindow::shaft_dps);
   evaluation.environments = errors_by_environment(judged, acquisitions, config.label_scale_dps);
   evaluation.speeds = speed_errors(judged, acquisitions, config.label_scale_dps);
   evaluation.gain = gain_statistics(judged);

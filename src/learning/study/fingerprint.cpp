@@ -17,7 +17,7 @@ std::string fingerprint_of(const std::string& text) {
 
 std::string fingerprint_of(std::span<const network::Acquisition> acquisitions) {
   std::vector<std::string> hashes;
-  for (const network::Acquisition& acquisition : acquisitions) hashes.push_back(acquisition.hash);
+  for (const network::Acquisition& acquisition : acquisitions) hashes.push_back(acquisition.learnt_hash());
   std::sort(hashes.begin(), hashes.end());
   std::string text;
   for (const std::string& hash : hashes) text += hash + "\n";

@@ -133,6 +133,7 @@ std::vector<Job> jobs_of(const StudyConfig& config, std::span<const Acquisition>
   for (const Setting& setting : settings) {
     Job job = job_of(setting, config, history_of(config));
     job.data_hash = data_hash;
+    job.label = acquisitions.front().label;
     for (const Acquisition* fold : folds) {
       job.test = fold->name;
       job.test_hash = fold->hash;

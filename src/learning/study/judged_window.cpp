@@ -12,6 +12,8 @@ std::vector<JudgedWindow> judged_windows(std::span<const network::Acquisition> a
     const network::Acquisition& acquisition = acquisitions[window.acquisition];
     JudgedWindow& one = judged.emplace_back(JudgedWindow{window});
     one.label_dps = network::mean_rate(acquisition.label_dps, window, frames);
+    if (!acquisition.shaft_dps.empty())
+      one.shaft_dps = network::mean_rate(acquisition.shaft_dps, window, frames);
     for (const network::RateSeries& series : acquisition.rates)
       one.rate_dps[series.name] = network::mean_rate(series.rate_dps, window, frames);
   }

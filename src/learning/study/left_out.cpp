@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "left_out.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 
 #include "fingerprint.h"
@@ -27,6 +29,11 @@ const Acquisition& left_out_of(const Job& job, std::span<const Acquisition> acqu
         return acquisition.name == job.test && acquisition.hash == job.test_hash;
       });
   if (found == acquisitions.end()) refuse(job, "the acquisition to be tested on is not among the sessions");
+  if (found->label != job.label)
+    throw Error(ExitCode::bad_usage,
+                fmt::format("the job learns from {}, and the sessions were read with {}",
+                            column_of(job.label), column_of(found->label)),
+                job.test, fmt::format("--label {}", name_of(job.label)));
   if (fingerprint_of(acquisitions) != job.data_hash) refuse(job, "the job is of other sessions");
   return *found;
 }

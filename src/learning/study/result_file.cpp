@@ -33,9 +33,12 @@ std::string safe_name(const std::string& text) {
 
 /// Every field of a job on a line of its own.
 std::string text_of(const Job& job) {
-  return fmt::format("{}\n{}\n{}\n{}\n{}\n{}\n{}\n{}\n{}\n{}\n{}\n{}\n", job.engine, job.frames,
+  // A study that was begun while there was no choice of the label goes on.
+  const std::string label =
+      job.label == Label::commanded ? "" : fmt::format("label {}\n", name_of(job.label));
+  return fmt::format("{}\n{}\n{}\n{}\n{}\n{}\n{}\n{}\n{}\n{}\n{}\n{}\n{}", job.engine, job.frames,
                      job.reduction, job.fusion, job.seed, job.preset, job.settings, job.epochs, job.history,
-                     job.test, job.test_hash, job.data_hash);
+                     job.test, job.test_hash, job.data_hash, label);
 }
 
 }  // namespace
@@ -64,6 +67,18 @@ std::optional<JobResult> find_result(const fs::path& folder, const Job& job) {
   if (result.job == job) return result;
   throw Error(ExitCode::not_a_session, "this result holds another job than its name says", path.string(),
               "delete it and run the study again: only this job is then repeated");
+}
+
+std::vector<fs::path> result_files(const fs::path& folder) {
+  std::vector<fs::path> files;
+  std::error_code failure, hidden;
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder, failure))
+    if (entry.path().extension() == ".json" && entry.is_regular_file(hidden)) files.push_back(entry.path());
+  if (failure)
+    throw Error(ExitCode::bad_usage, "the folder of results cannot be read: " + failure.message(),
+                folder.string(), "name the folder that `thermorig evaluate --study -o` wrote");
+  std::sort(files.begin(), files.end());
+  return files;
 }
 
 void remove_parts(const fs::path& folder) {

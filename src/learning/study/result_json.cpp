@@ -15,7 +15,8 @@ namespace {
 using nlohmann::json;
 
 constexpr const char* format_name = "thermorig study result";
-constexpr int format_version = 2;  // 1 had other names of estimators
+constexpr int format_version = 3;  // 1 had other names of estimators
+constexpr int with_label = 3;      // and errors against the shaft
 
 constexpr std::array<std::pair<std::string_view, std::string_view>, 3> names_before_version_2{
     {{"thermal", thermal_name}, {"fusion", fusion_name}, {"gyro_unbiased", "gyro-rest"}}};
@@ -51,13 +52,22 @@ class EstimatorAxis {
 };
 
 json json_of(const Job& job) {
-  return {{"engine", job.engine},     {"frames", job.frames},       {"reduction", job.reduction},
-          {"fusion", job.fusion},     {"seed", job.seed},           {"preset", job.preset},
-          {"settings", job.settings}, {"epochs", job.epochs},       {"history", job.history},
-          {"test", job.test},         {"test_hash", job.test_hash}, {"data_hash", job.data_hash}};
+  return {{"engine", job.engine},        {"frames", job.frames},     {"reduction", job.reduction},
+          {"fusion", job.fusion},        {"seed", job.seed},         {"preset", job.preset},
+          {"label", name_of(job.label)}, {"settings", job.settings}, {"epochs", job.epochs},
+          {"history", job.history},      {"test", job.test},         {"test_hash", job.test_hash},
+          {"data_hash", job.data_hash}};
 }
 
-Job job_from(const Fields& fields) {
+/// Before version 3 there was no choice.
+Label label_from(const Fields& fields, int version) {
+  if (version < with_label) return Label::commanded;
+  const auto label = find_label(fields.text("label"));
+  if (!label) fields.refuse("label", "is not known here");
+  return *label;
+}
+
+Job job_from(const Fields& fields, int version) {
   Job job;
   job.engine = fields.integer("engine", 0, 1'000'000);
   job.frames = fields.integer("frames", network::min_frames, network::max_frames);
@@ -65,6 +75,7 @@ Job job_from(const Fields& fields) {
   job.fusion = fields.truth("fusion");
   job.seed = fields.seed("seed");
   job.preset = fields.text("preset");
+  job.label = label_from(fields, version);
   job.settings = fields.text("settings");
   job.epochs = fields.integer("epochs", 1, 1'000'000);
   job.history = fields.integer("history", 0, 1'000'000);
@@ -152,18 +163,25 @@ json list_of(const std::vector<Part>& parts) {
 
 json json_of(const Evaluation& evaluation) {
   return {{"errors", list_of(evaluation.errors.values())},
+          {"shaft_errors", list_of(evaluation.shaft_errors.values())},
           {"speeds", list_of(evaluation.speeds)},
           {"gain", json_of(evaluation.gain)},
           {"angles", list_of(evaluation.angles)},
           {"names", evaluation.names}};
 }
 
-Evaluation evaluation_from(const Fields& fields, const EstimatorAxis& axis) {
-  Evaluation evaluation;
+void place_errors(const Fields& fields, const char* field, const EstimatorAxis& axis,
+                  PerEstimator<Errors>& placed) {
   std::vector<Errors> errors;
-  for (const Fields& one : fields.objects("errors")) errors.push_back(errors_from(one));
-  if (errors.size() != axis.size()) fields.refuse("errors", "has another length");
-  axis.place(errors, evaluation.errors);
+  for (const Fields& one : fields.objects(field)) errors.push_back(errors_from(one));
+  if (errors.size() != axis.size()) fields.refuse(field, "has another length");
+  axis.place(errors, placed);
+}
+
+Evaluation evaluation_from(const Fields& fields, const EstimatorAxis& axis, int version) {
+  Evaluation evaluation;
+  place_errors(fields, "errors", axis, evaluation.errors);
+  if (version >= with_label) place_errors(fields, "shaft_errors", axis, evaluation.shaft_errors);
   for (const Fields& speed : fields.objects("speeds")) evaluation.speeds.push_back(speed_from(speed, axis));
   evaluation.gain = gain_from(fields.object("gain"));
   for (const Fields& track : fields.objects("angles")) evaluation.angles.push_back(track_from(track, axis));
@@ -196,10 +214,12 @@ JobResult result_from_json(const std::string& text, const std::string& where) {
   const json object = parsed(text, where);
   const Fields fields(object, where, "");
   if (fields.text("format") != format_name) fields.refuse("format", "is another");
-  if (fields.integer("version", 1, 1'000'000) > format_version) fields.refuse("version", "is not known here");
+  const int version = fields.integer("version", 1, 1'000'000);
+  if (version > format_version) fields.refuse("version", "is not known here");
   JobResult result;
-  result.job = job_from(fields.object("job"));
-  result.evaluation = evaluation_from(fields.object("evaluation"), EstimatorAxis(fields.texts("estimators")));
+  result.job = job_from(fields.object("job"), version);
+  const EstimatorAxis axis(fields.texts("estimators"));
+  result.evaluation = evaluation_from(fields.object("evaluation"), axis, version);
   result.simulated = result.evaluation.simulated = fields.truth("simulated");
   result.label_scale_dps = fields.number("label_scale_dps");
   result.training_windows = fields.count("training_windows");

@@ -10,18 +10,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-std::vector<fs::path> result_files(const fs::path& folder) {
-  std::vector<fs::path> files;
-  std::error_code failure, hidden;
-  for (const fs::directory_entry& entry : fs::directory_iterator(folder, failure))
-    if (entry.path().extension() == ".json" && entry.is_regular_file(hidden)) files.push_back(entry.path());
-  if (failure)
-    throw Error(ExitCode::bad_usage, "the folder of results cannot be read: " + failure.message(),
-                folder.string(), "name the folder that `thermorig evaluate --study -o` wrote");
-  std::sort(files.begin(), files.end());
-  return files;
-}
-
 void check_same_data(const JobResult& first, const fs::path& first_path, const JobResult& other,
                      const fs::path& other_path) {
   if (first.job.data_hash == other.job.data_hash) return;

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: MIT
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cassert>
 #include <thread>
@@ -6,6 +8,7 @@
 #include "folder_lock.h"
 #include "job_board.h"
 #include "result_file.h"
+#include "thermorig/core/error.h"
 
 namespace thermorig::study {
 
@@ -35,6 +38,21 @@ void work(JobBoard& board, std::span<const Acquisition> acquisitions, const fs::
   board.failed(std::current_exception());
 }
 
+/// Another label's results would stand in the same tables as if they were of this study.
+void refuse_other_label(const fs::path& folder, std::span<const Job> jobs) {
+  if (jobs.empty()) return;
+  for (const fs::path& file : result_files(folder)) {
+    const Label there = read_result(file).job.label;
+    if (there == jobs.front().label) continue;
+    throw Error(
+        ExitCode::bad_usage,
+        fmt::format("the study there learns from {}, this one from {}", column_of(there),
+                    column_of(jobs.front().label)),
+        file.string(),
+        fmt::format("go on with --label {}, or give this study another folder with -o", name_of(there)));
+  }
+}
+
 std::vector<Job> without_result(std::span<const Job> jobs, const fs::path& folder) {
   std::vector<Job> left;
   for (const Job& job : jobs)
@@ -49,6 +67,7 @@ bool run_jobs(std::span<const Job> jobs, std::span<const Acquisition> acquisitio
   assert(workers >= 1);
   const FolderLock lock(folder);
   remove_parts(folder);
+  refuse_other_label(folder, jobs);
   std::vector<Job> left = without_result(jobs, folder);
   const std::size_t count = left.size();
   const std::size_t threads = std::min(static_cast<std::size_t>(workers), count);

@@ -64,7 +64,9 @@ nlohmann::json to_json(const RunDescription& description) {
   nlohmann::json data = nlohmann::json::array();
   for (const auto& acquisition : description.data)
     data.push_back({{"name", acquisition.name}, {"sha256", acquisition.hash}});
-  return {{"settings", to_json(description.config)},
+  nlohmann::json settings = to_json(description.config);
+  settings["label"] = name_of(description.label);
+  return {{"settings", settings},
           {"data", data},
           {"instruction_set", description.instruction_set},
           {"producer", description.producer}};
@@ -102,7 +104,10 @@ std::string differences(const nlohmann::json& then, const nlohmann::json& now) {
   if (!then.is_object() || !then.contains("settings") || !then.contains("data"))
     return "everything: it is no run's description";
   compare_settings(then["settings"], now["settings"], text);
-  if (then["data"] != now["data"]) add(text, data_difference(then["data"], now["data"]));
+  // Another label is other data as well: one of the two says it all.
+  const bool same_label =
+      then["settings"].contains("label") && then["settings"]["label"] == now["settings"]["label"];
+  if (same_label && then["data"] != now["data"]) add(text, data_difference(then["data"], now["data"]));
   for (const char* key : {"instruction_set", "producer"})
     if (then.value(key, nlohmann::json()) != now[key])
       add(text,

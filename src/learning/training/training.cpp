@@ -146,7 +146,8 @@ class Training {
                                  .seed = config_.seed,
                                  .epochs = done_.epoch,
                                  .epoch_kept = done_.epoch_kept,
-                                 .data_licence = licence_of(acquisitions_)};
+                                 .data_licence = licence_of(acquisitions_),
+                                 .label = acquisitions_.front().label};
     for (std::size_t index = 0; index < acquisitions_.size(); ++index) {
       const Acquisition& acquisition = acquisitions_[index];
       const bool chooses = division_.held_out_acquisition == static_cast<std::uint32_t>(index);

@@ -22,8 +22,9 @@ std::string stated(std::string_view text) {
 }
 
 std::string training_text(const model::Provenance& provenance) {
-  return fmt::format("Model: made by {}, preset {}, seed {}, weights of epoch {} of {}.",
-                     stated(provenance.producer), stated(provenance.preset), provenance.seed,
+  return fmt::format("Model: made by {}, preset {}, label {}, seed {}, weights of epoch {} of {}.",
+                     stated(provenance.producer), stated(provenance.preset),
+                     provenance.label ? name_of(*provenance.label) : stated(""), provenance.seed,
                      provenance.epoch_kept, provenance.epochs);
 }
 

@@ -69,6 +69,7 @@ std::vector<std::pair<std::string, std::string>> metadata_of(const Model& model)
   entries.add(key::epoch_kept, from.epoch_kept);
   entries.add(key::simulated, from.simulated);
   entries.add_text(key::data_licence, from.data_licence);
+  entries.add(key::label, from.label ? name_of(*from.label) : "");
   entries.add_data(key::training_data, from.training);
   entries.add_data(key::held_out_data, from.held_out);
   // The last, and required: a file that was cut off after any entry lacks it.
@@ -170,10 +171,21 @@ std::vector<Provenance::Data> Metadata::data(std::string_view key) const {
   }
 }
 
+/// Ours did not say it while there was no choice.
+std::optional<Label> Metadata::label() const {
+  const auto found = entries_.find(key::label);
+  if (found == entries_.end()) return ours_ ? std::optional(Label::commanded) : std::nullopt;
+  if (found->second.empty()) return std::nullopt;
+  if (const auto label = find_label(found->second)) return label;
+  throw Refusal(fmt::format("its metadata {} is {}, which is no label known here", key::label,
+                            in_quotes(found->second)));
+}
+
 Provenance Metadata::provenance(const std::string& producer) const {
   Provenance from;
   from.producer = producer;
   from.preset = text(key::preset);
+  from.label = label();
   from.seed = number<std::uint64_t>(key::seed).value_or(0);
   from.epochs = number<int>(key::epochs).value_or(0);
   from.epoch_kept = number<int>(key::epoch_kept).value_or(0);

@@ -37,6 +37,7 @@ class Metadata {
   template <class Number>
   std::optional<Number> number(std::string_view key) const;
   bool flag(std::string_view key) const;
+  std::optional<Label> label() const;
   float scale(std::string_view key) const;
   void compare(std::string_view key, int shown) const;
   std::vector<Provenance::Data> data(std::string_view key) const;

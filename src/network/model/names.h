@@ -19,7 +19,7 @@ inline constexpr std::string_view frames = "frames", reduction = "reduction";
 inline constexpr std::string_view padding1 = "padding1", padding2 = "padding2", crop_left = "crop_left";
 inline constexpr std::string_view label_scale_dps = "label_scale_dps";
 inline constexpr std::string_view temp_mean_c = "temp_mean_c", temp_deviation_c = "temp_deviation_c";
-inline constexpr std::string_view preset = "preset", seed = "seed";
+inline constexpr std::string_view preset = "preset", label = "label", seed = "seed";
 inline constexpr std::string_view epochs = "epochs", epoch_kept = "epoch_kept";
 inline constexpr std::string_view simulated = "simulated", data_licence = "data_licence";
 inline constexpr std::string_view training_data = "training_data";  // + "_1", "_2", ...

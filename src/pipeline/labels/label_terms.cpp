@@ -25,6 +25,17 @@ double tabled(const ServoResponse& response, double rate_dps, const Column& colu
   return std::lerp(column(*before), column(*next), share);
 }
 
+/// What the fit left at that speed; nullptr: it knows none.
+const ServoResponse::AtSpeed* known_at(const ServoResponse& response, double commanded_dps) {
+  const ServoResponse::AtSpeed* const seen = response.fitted ? seen_at(response, commanded_dps) : nullptr;
+  return seen != nullptr && std::isfinite(seen->residual_dps) ? seen : nullptr;
+}
+
+/// How much faster the shaft was than the model has it, on the scale of the response.
+double beyond_model_dps(const ServoResponse& response, const ServoResponse::AtSpeed& seen) {
+  return response.scale.value / response.gyro_ratio.value * seen.residual_dps;
+}
+
 /// Noise that explains nothing where none is known: a spread then counts as motion.
 double known_noise_dps(const GyroErrors& errors) {
   return std::isfinite(errors.noise_dps) ? errors.noise_dps : 0.0;
@@ -48,6 +59,22 @@ double gyro_noise_dps(const GyroErrors& errors, const ServoResponse& response, d
   const double turning_dps =
       tabled(response, rate_dps, [](const ServoResponse::AtSpeed& at) { return at.noise_dps; });
   return std::fmax(at_rest_dps, turning_dps);
+}
+
+double corrected_dps(const ServoResponse& response, double commanded_dps, double gain) {
+  if (!response.fitted) return commanded_dps;
+  const ServoResponse::AtSpeed* const seen = known_at(response, commanded_dps);
+  return gain * commanded_dps + (seen == nullptr ? 0.0 : beyond_model_dps(response, *seen));
+}
+
+double label_deviation_dps(const ServoResponse& response, double commanded_dps, double label_dps,
+                           double shaft_dps, double time_dps) {
+  const double scale_dps = response.scale.uncertainty / response.scale.value * shaft_dps;
+  const ServoResponse::AtSpeed* const seen = known_at(response, commanded_dps);
+  const double off_dps = label_dps - shaft_dps - (seen == nullptr ? 0.0 : beyond_model_dps(response, *seen));
+  const double left_dps = seen == nullptr ? model_deviation_dps(response, commanded_dps)
+                                          : std::hypot(seen->spread_dps, least_gyro_error_dps);
+  return std::hypot(std::hypot(off_dps, left_dps), scale_dps, time_dps);
 }
 
 double gyro_z_score(const GyroErrors& errors, const ServoResponse& response, const GyroMean& gyro,

@@ -15,6 +15,18 @@ double model_deviation_dps(const ServoResponse& response, double rate_dps);
 double gyro_noise_dps(const GyroErrors& errors, const ServoResponse& response, double rate_dps,
                       double so_far_dps);
 
+/// What the shaft makes of a commanded speed: times `gain`, that of the travel that the shaft passed
+/// meanwhile (scale in it), plus what the gyro saw beyond the model over this session's legs of that speed.
+/// Where nothing was fitted, what was commanded.
+double corrected_dps(const ServoResponse& response, double commanded_dps, double gain);
+
+/// How far a label may be from the shaft's true speed over an exposure, one standard deviation: its distance
+/// from the model, which follows the shaft from frame to frame, and what is uncertain of that. What the gyro
+/// saw beyond the model at the commanded speed is added to the model first. `time_dps` for the time of the
+/// exposure. NaN without a model (`shaft_dps`).
+double label_deviation_dps(const ServoResponse& response, double commanded_dps, double label_dps,
+                           double shaft_dps, double time_dps);
+
 /// The gyro's mean, corrected, minus the shaft's speed as the gyro would see it, in units of its standard
 /// deviation: bias, noise (of a sample, `noise_dps`), the model's residual, `time_dps` for the time between
 /// gyro and model, and the scale between both. `bias_dps`: at that time. 0 where nothing can be said.

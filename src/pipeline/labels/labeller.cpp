@@ -17,8 +17,9 @@ namespace thermorig::labels {
 namespace {
 constexpr float coldest_c = -60.0F;
 constexpr float hottest_c = 400.0F;
-constexpr double disagreement = 3.0;     // standard deviations
-constexpr double longest_shift_s = 1.0;  // beyond it a time says nothing
+constexpr double disagreement = 3.0;        // standard deviations
+constexpr double longest_shift_s = 1.0;     // beyond it a time says nothing
+constexpr double hardly_turning_dps = 1.0;  // slower, a share of the travel passed is none
 
 std::uint32_t bit_if(Reason reason, bool holds) {
   return holds ? bit(reason) : 0U;
@@ -111,10 +112,21 @@ LabelledSample Labeller::label(const PendingFrame& frame) {
 
 /// `span`: what was commanded over it.
 Labeller::Rates Labeller::rates(HostTime begin, HostTime end, const CommandSpan& span) const {
-  if (!span.covered) return {unknown, unknown};
+  if (!span.covered) return {unknown, unknown, unknown};
   const double commanded_dps = command_.constant_rate_dps(begin, end).value_or(span.rate_mean_dps);
   const bool modelled = begin < end && shaft_.covers(begin, end);
-  return {commanded_dps, modelled ? shaft_.mean_dps(begin, end) : unknown};
+  return {commanded_dps,
+          corrected_dps(response_, commanded_dps, modelled ? gain(begin, end) : response_.scale.value),
+          modelled ? shaft_.mean_dps(begin, end) : unknown};
+}
+
+/// Of the travel that the model has the shaft pass in that time, scale in it. Where it hardly turns, the
+/// scale.
+double Labeller::gain(HostTime begin, HostTime end) const {
+  const ShaftAngle from = shaft_.at(begin), to = shaft_.at(end);
+  const double turned_deg = to.plain_deg - from.plain_deg;
+  if (!(std::abs(turned_deg) > hardly_turning_dps * to_s(end - begin))) return response_.scale.value;
+  return (to.scaled_deg - from.scaled_deg) / turned_deg;
 }
 
 void Labeller::label_motion(LabelledSample& sample, const PendingFrame& frame) {
@@ -123,6 +135,7 @@ void Labeller::label_motion(LabelledSample& sample, const PendingFrame& frame) {
   const Rates mean = rates(begin, end, exposure);
   sample.rate_commanded_dps = static_cast<float>(mean.commanded_dps);
   sample.rate_shaft_dps = static_cast<float>(mean.model_dps);
+  sample.rate_corrected_dps = static_cast<float>(mean.corrected_dps);
   sample.angle_commanded_deg = static_cast<float>(command_.angle_deg(sample.time));
   sample.leg = command_.leg(sample.time);
   const bool known = std::isfinite(mean.model_dps);
@@ -133,8 +146,14 @@ void Labeller::label_motion(LabelledSample& sample, const PendingFrame& frame) {
                                    config_.latency_uncertainty_s, response_.delay_uncertainty_s);
   const double scale_dps = response_.scale.uncertainty / response_.scale.value * mean.model_dps;
   const double model_dps = known ? model_deviation_dps(response_, mean.commanded_dps) : unknown;
-  sample.rate_shaft_uncertainty_dps =
-      static_cast<float>(known ? std::hypot(time_error_dps(sample, time_s), scale_dps, model_dps) : unknown);
+  const double time_dps = known ? time_error_dps(sample, time_s) : unknown;
+  sample.rate_shaft_uncertainty_dps = static_cast<float>(std::hypot(time_dps, scale_dps, model_dps));
+  const auto deviation_dps = [&](double label_dps) {
+    return static_cast<float>(
+        label_deviation_dps(response_, mean.commanded_dps, label_dps, mean.model_dps, time_dps));
+  };
+  sample.rate_commanded_uncertainty_dps = deviation_dps(mean.commanded_dps);
+  sample.rate_corrected_uncertainty_dps = deviation_dps(mean.corrected_dps);
   sample.reason_bits |= command_reasons(sample) | model_reasons(sample, shaft);
 }
 
@@ -155,6 +174,7 @@ void Labeller::label_halves(LabelledSample& sample, const PendingFrame& frame) c
     const Rates mean = rates(begin, end, command_.over(begin, end));
     sample.rate_commanded_half_dps[i] = static_cast<float>(mean.commanded_dps);
     sample.rate_shaft_half_dps[i] = static_cast<float>(mean.model_dps);
+    sample.rate_corrected_half_dps[i] = static_cast<float>(mean.corrected_dps);
     sample.rate_gyro_half_dps[i] = static_cast<float>(gyro_.over(begin, end).rate_dps);
   }
 }

@@ -21,7 +21,7 @@ constexpr double longest_period_deg = 540.0;
 constexpr double least_periods = 2.0;  // passed from end to end
 constexpr double bin_deg = 1.0;
 constexpr double least_power = 12.0;      // times the median: by chance one recording in ten thousand
-constexpr double slowest_dps = 3.0;       // below it a pulse period tells little
+constexpr double slowest_turn_dps = 3.0;  // below it a pulse period tells little
 constexpr double most_turns = 100'000.0;  // of a longer recording every second one, third ...
 constexpr std::size_t least_turns = 500;
 
@@ -56,7 +56,7 @@ std::vector<Turn> turns_of(const ShaftEvidence& evidence, const GainFit& fit) {
   for (double i = 0.0; i + 1.0 < count; i += step) {
     const double from_s = evidence.begin_s + i * pulse_period_s, to_s = from_s + pulse_period_s;
     Turn turn{gained_deg(from_s), gained_deg(to_s), 0.0};
-    if (std::abs(turn.turned_deg()) < slowest_dps * pulse_period_s) continue;
+    if (std::abs(turn.turned_deg()) < slowest_turn_dps * pulse_period_s) continue;
     if (is_within(evidence.strayed, from_s)) continue;
     const double seen_dps = (evidence.gyro.mean_dps(from_s, to_s) - fit.bias_at(from_s)) / fit.ratio.value;
     turn.off_deg = seen_dps * pulse_period_s - turn.turned_deg() -

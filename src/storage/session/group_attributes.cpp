@@ -133,10 +133,11 @@ void write_clock_attributes(hid_t group, const ClockReport& clock) {
 
 void write_samples_attributes(hid_t group, const Session& session) {
   plot_as(group, "rate_shaft", {"time"}, {"rate_gyro"});
-  set_attribute(group, "label_version", "2");
+  set_attribute(group, "label_version", "3");
   set_attribute(group, "label_rule",
                 "rate_commanded: mean speed of the servo's pulses over the exposure of both halves of the "
-                "frame; rate_shaft: mean speed of the shaft by the servo model over the same");
+                "frame; rate_corrected: the same, corrected by what the session measured of the servo; "
+                "rate_shaft: mean speed of the shaft by the servo model over the same exposure");
   set_attribute(group, "settle_s", session.settle_s);
 }
 

@@ -36,12 +36,34 @@ void half_rate_columns(Archive& archive, Rows& samples) {
   archive.template block<float>({"rate_commanded_half", "deg/s",
                                  "rate_commanded over each half's own exposure [deg/s]", "NaN: unknown"},
                                 half, samples, &LabelledSample::rate_commanded_half_dps);
+  if (archive.version() >= with_corrected_label)
+    archive.template block<float>({"rate_corrected_half", "deg/s",
+                                   "rate_corrected over each half's own exposure [deg/s]", "NaN: unknown"},
+                                  half, samples, &LabelledSample::rate_corrected_half_dps);
   archive.template block<float>(
       {"rate_gyro_half", "deg/s", "rate_gyro over each half's own exposure [deg/s]", "NaN: no sample"}, half,
       samples, &LabelledSample::rate_gyro_half_dps);
   archive.template field<float>({"gyro_spread", "deg/s", "gyro: standard deviation over the exposure [deg/s]",
                                  "after a running mean over one pulse period; NaN: unknown"},
                                 samples, &LabelledSample::gyro_spread_dps);
+}
+
+/// What came with format 2.1: the label that this session's own gyro corrects, and what either is worth.
+template <typename Archive, typename Rows>
+void corrected_rate_columns(Archive& archive, Rows& samples) {
+  archive.template field<float>(
+      {"rate_commanded_uncertainty", "deg/s",
+       "standard deviation of rate_commanded against the shaft [deg/s]", "NaN: unknown"},
+      samples, &LabelledSample::rate_commanded_uncertainty_dps);
+  archive.template field<float>(
+      {"rate_corrected", "deg/s",
+       "label: commanded speed, corrected by what the session measured of the servo [deg/s]",
+       "rate_commanded where no response was fitted; NaN: unknown"},
+      samples, &LabelledSample::rate_corrected_dps);
+  archive.template field<float>(
+      {"rate_corrected_uncertainty", "deg/s",
+       "standard deviation of rate_corrected against the shaft [deg/s]", "NaN: unknown"},
+      samples, &LabelledSample::rate_corrected_uncertainty_dps);
 }
 
 /// /samples: one row a frame. Legs are numbered from 1 in the order of the rows of /servo/step_*. Archive is
@@ -112,6 +134,7 @@ void sample_columns(Archive& archive, Rows& samples) {
       {"run", "1", "unbroken run of valid frames of one leg", "from 1; 0: not valid"}, samples,
       &LabelledSample::run);
   if (archive.version() >= with_sync_report) half_rate_columns(archive, samples);
+  if (archive.version() >= with_corrected_label) corrected_rate_columns(archive, samples);
   archive.time_column({"exposure_begin", "s", "start of the exposure [s]"}, samples,
                       &LabelledSample::exposure_begin);
   archive.time_column({"exposure_end", "s", "end of the exposure [s]"}, samples,

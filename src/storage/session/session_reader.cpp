@@ -282,6 +282,11 @@ std::vector<Annotation> read_annotations(const SessionFile& file) {
   return annotations;
 }
 
+unsigned label_version_of(FormatVersion version) {
+  if (version < with_sync_report) return 1;
+  return version < with_corrected_label ? 2 : 3;
+}
+
 /// The session without what was decoded.
 Session read_foundation(SessionFile& file) {
   Session session;
@@ -289,6 +294,7 @@ Session read_foundation(SessionFile& file) {
   read_scalars(file, session);
   session.annotations = read_annotations(file);
   session.format_major = file.version().major;
+  session.label_version = label_version_of(file.version());
   if (file.version() >= with_sync_report) read_sync_scalars(file, session.sync);
   if (get_attribute<std::uint32_t>(file.id(), "scalars_crc32") !=
       scalars_crc32(session, file.header_text(), file.version()))

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "thermorig/core/label.h"
 #include "thermorig/network/acquisition.h"
 #include "thermorig/storage/session/session.h"
 
@@ -18,9 +19,12 @@ enum class Estimates : std::uint8_t { left_out, made };
 
 /// What training and evaluation need of a session. Frames that no network may see (a label, gyro mean or
 /// pixel that is no sound number) are in no run, whatever the file says. The session's samples are one a
-/// frame, in order.
+/// frame, in order. A label that a file of an older format lacks is NaN: see require_label().
 network::Acquisition acquisition_of(const session::Session& session, const std::string& name,
-                                    Estimates estimates = Estimates::made);
+                                    Estimates estimates = Estimates::made, Label label = Label::commanded);
+
+/// Throws Error(check_failed) where the session is of a format before that label.
+void require_label(const session::Session& session, Label label, const std::filesystem::path& file);
 
 /// "<environment>_acq-<number>", as the file is named but for the time: a simulated session that is recorded
 /// again has the same name.
@@ -57,8 +61,9 @@ struct Acquisitions {
   std::vector<BadSession> bad;                         // not left out; in the order of the files
 };
 
-/// Reads all of them, on all cores. Throws Error(not_a_session) also where two files hold the same recording.
+/// Reads all of them, on all cores, with that label. Throws Error(not_a_session) also where two files hold
+/// the same recording, and as require_label().
 Acquisitions read_acquisitions(const std::vector<std::filesystem::path>& files, Estimates estimates,
-                               const ReadingProgress& progress = {});
+                               const ReadingProgress& progress = {}, Label label = Label::commanded);
 
 }  // namespace thermorig::dataset

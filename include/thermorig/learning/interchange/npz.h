@@ -17,8 +17,9 @@ struct WindowShape {
 /// sink does.
 void write_rows_npz(const session::Session& session, Sink& sink);
 
-/// The windows that a training sees: `images` (W, Nf, H, W') in degrees Celsius, `label_dps`, `gyro_dps`,
-/// `last`, `middle_s`. `acquisition` is made of `session`. Returns how many. Throws as the sink does.
+/// The windows that a training sees: `images` (W, Nf, H, W') in degrees Celsius, `label_dps`,
+/// `corrected_dps`, `shaft_dps`, `gyro_dps`, `last`, `middle_s`. `acquisition` is made of `session`. Returns
+/// how many. Throws as the sink does.
 std::size_t write_windows_npz(const session::Session& session, const network::Acquisition& acquisition,
                               WindowShape shape, Sink& sink);
 

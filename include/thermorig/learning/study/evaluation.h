@@ -20,6 +20,7 @@ namespace thermorig::study {
 struct JudgedWindow {
   network::Window window;
   float label_dps = std::numeric_limits<float>::quiet_NaN();  // mean of the frames' labels
+  float shaft_dps = std::numeric_limits<float>::quiet_NaN();  // of the shaft's speeds by the servo model
   PerEstimator<float> rate_dps{std::numeric_limits<float>::quiet_NaN()};
   float gain = std::numeric_limits<float>::quiet_NaN();  // Kg
 };
@@ -95,7 +96,8 @@ struct EnvironmentErrors {
 
 /// A model, or a fold's model, on the windows of one or more acquisitions.
 struct Evaluation {
-  PerEstimator<Errors> errors;
+  PerEstimator<Errors> errors;                  // against the label
+  PerEstimator<Errors> shaft_errors;            // against the shaft by the servo model
   std::vector<EnvironmentErrors> environments;  // by name; not kept in a study's results
   std::vector<SpeedErrors> speeds;              // ascending
   GainStatistics gain;                          // empty for a thermal-only model

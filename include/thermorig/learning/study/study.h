@@ -44,12 +44,13 @@ struct Job {
   bool fusion = true;
   std::uint64_t seed = 1;
   std::string preset;
+  Label label = Label::commanded;
   std::string settings;  // what the preset stands for, in words: see settings_of
   int epochs = 40;
   int history = 6;
   std::string test;  // name of the acquisition that is left out
   std::string test_hash;
-  std::string data_hash;  // over the hashes of all acquisitions, sorted
+  std::string data_hash;  // over the learnt_hash() of all acquisitions, sorted
   auto operator<=>(const Job&) const = default;
 };
 
@@ -79,15 +80,15 @@ struct JobResult {
   std::string instruction_set;
 };
 
-/// All jobs of a study, each once: those of the reference setting first, then the other Nf, then the other
-/// Nr, then the other seeds of the reference, so that a study that was stopped can be read. Throws
-/// Error(bad_usage) for fewer than two acquisitions of the environment, two of the same name, and settings
-/// outside the network's.
+/// All jobs of a study, of the acquisitions' label, each once: those of the reference setting first, then the
+/// other Nf, then the other Nr, then the other seeds of the reference, so that a study that was stopped can
+/// be read. Throws Error(bad_usage) for fewer than two acquisitions of the environment, two of the same name,
+/// and settings outside the network's.
 std::vector<Job> jobs_of(const StudyConfig& config, std::span<const network::Acquisition> acquisitions);
 
-/// Trains on all acquisitions but the job's, and tests on that one. Deterministic but for `seconds`. Throws
-/// Error(bad_usage) if the acquisitions are not those that the job was made of. Nothing if `observer.stop`
-/// ended the training early.
+/// Trains on all acquisitions but the job's, and tests on that one, both with the job's label. Deterministic
+/// but for `seconds`. Throws Error(bad_usage) if the acquisitions are not those that the job was made of.
+/// Nothing if `observer.stop` ended the training early.
 std::optional<JobResult> run_job(const Job& job, std::span<const network::Acquisition> acquisitions,
                                  const training::Observer& observer = {});
 
@@ -123,8 +124,8 @@ struct RunObserver {
 /// Runs the jobs that have no result in `folder` yet, `workers` at a time, one thread each. A result is
 /// written to another name, synced and renamed: it is there whole or not at all, and a job that has one is
 /// never run again. Returns false if it was stopped. Throws Error(not_a_session) for a damaged result before
-/// anything is trained, Error(storage) where results cannot be written, Error(no_permission) while another
-/// program runs a study in the same folder.
+/// anything is trained, Error(bad_usage) where the folder has results of another label, Error(storage) where
+/// results cannot be written, Error(no_permission) while another program runs a study in the same folder.
 bool run_jobs(std::span<const Job> jobs, std::span<const network::Acquisition> acquisitions,
               const std::filesystem::path& folder, int workers, const RunObserver& observer = {});
 

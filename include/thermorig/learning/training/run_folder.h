@@ -13,9 +13,11 @@ namespace thermorig::training {
 /// What a run is of. It goes on only with exactly the same, else its model would be that of neither.
 struct RunDescription {
   TrainingConfig config;
-  std::vector<model::Provenance::Data> data;  // all acquisitions, in order
-  std::string instruction_set;                // whose kernels: sums differ in their last bits
-  std::string producer;                       // program and version
+  Label label = Label::commanded;  // that is learnt
+  std::vector<model::Provenance::Data>
+      data;                     // all acquisitions, in order; hashes: Acquisition::learnt_hash()
+  std::string instruction_set;  // whose kernels: sums differ in their last bits
+  std::string producer;         // program and version
 };
 
 /// A folder that a training fills while it runs: `run.json` (settings, seed, data hashes, instruction set),

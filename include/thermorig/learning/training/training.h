@@ -86,11 +86,12 @@ struct Observer {
   std::function<bool()> stop;  // asked after each step: true ends the training; the best model so far is kept
 };
 
-/// Trains. Deterministic: the same acquisitions, configuration and instruction set give the same model,
-/// however many workers there are, and also when it goes on from a checkpoint of the same training. Throws
-/// Error(bad_usage) where there is nothing to train on: no window, fewer than two acquisitions with
-/// choose_epoch; Error(failed) when the loss is not a number any more. Stopped before the first epoch ended,
-/// the model is the untrained one and `epoch_kept` is 0. The model's `producer` is left to the caller.
+/// Trains on the acquisitions' label_dps, all of the same label. Deterministic: the same acquisitions,
+/// configuration and instruction set give the same model, however many workers there are, and also when it
+/// goes on from a checkpoint of the same training. Throws Error(bad_usage) where there is nothing to train
+/// on: no window, fewer than two acquisitions with choose_epoch; Error(failed) when the loss is not a number
+/// any more. Stopped before the first epoch ended, the model is the untrained one and `epoch_kept` is 0. The
+/// model's `producer` is left to the caller.
 TrainingResult train(const TrainingConfig& config, std::span<const network::Acquisition> acquisitions,
                      network::Workers& workers, const Observer& observer = {},
                      const std::optional<Checkpoint>& from = {});

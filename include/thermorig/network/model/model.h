@@ -3,10 +3,12 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
+#include "thermorig/core/label.h"
 #include "thermorig/network/scaling.h"
 #include "thermorig/network/weights.h"
 
@@ -27,6 +29,7 @@ struct Provenance {
   std::vector<Data> held_out;  // acquisitions that chose the epoch
   bool simulated = false;      // any of them
   std::string data_licence;    // of the training data
+  std::optional<Label> label;  // that was learnt; none: a foreign file does not say
 };
 
 /// A trained network with all that is needed to use it.

@@ -28,6 +28,9 @@ namespace thermorig::labels {
 /// Over E = [exposure_begin, exposure_end], and over each half's own exposure for the *_half members:
 ///   rate_commanded         where the commanded speed is constant over E: CommandTrack::constant_rate_dps;
 ///                          else the exact mean of the commanded speed
+///   rate_corrected         rate_commanded times scale and gain of the travel that the model passes in E,
+///                          plus what the gyro saw beyond the model at that speed; rate_commanded where no
+///                          response was fitted
 ///   rate_shaft             (model angle at the end of E - that at its begin) / length of E
 ///   rate_shaft_min, _max   of the model's running mean over one pulse period (20 ms) in E, and of rate_shaft
 ///                          all NaN where E is not covered: no telemetry at or before its begin or at or
@@ -42,6 +45,9 @@ namespace thermorig::labels {
 ///                          t^2 = clock^2 + latency^2 + delay^2 + telemetry's clock^2, in seconds;
 ///                          scale: |rate_shaft| times the response's relative uncertainty;
 ///                          model: residual that the response's fit left at that speed, or what is assumed
+///   rate_commanded_uncertainty, rate_corrected_uncertainty   how far either may be from the true speed: its
+///                          distance from the model, with the residual of that speed added to it, and time,
+///                          scale and spread of that residual; NaN where rate_shaft is
 ///   leg                    reported by the last telemetry at or before `time`, with no gap behind it
 ///
 /// Reasons, with S = [exposure_begin - settling time, exposure_end] and L = E earlier by the response's delay
@@ -99,6 +105,7 @@ class Labeller {
   };
   struct Rates {
     double commanded_dps;
+    double corrected_dps;
     double model_dps;
   };
   std::uint32_t frame_reasons(const TimedFrame& frame);
@@ -108,6 +115,7 @@ class Labeller {
   void label_halves(LabelledSample& sample, const PendingFrame& frame) const;
   void label_gyro(LabelledSample& sample);
   Rates rates(HostTime begin, HostTime end, const CommandSpan& span) const;
+  double gain(HostTime begin, HostTime end) const;
   double time_error_dps(const LabelledSample& sample, double time_s) const;
   double tolerance_dps(const LabelledSample& sample) const;
   std::uint32_t command_reasons(const LabelledSample& sample) const;

@@ -36,6 +36,8 @@ struct Session {
   SyncReport sync;                      // clocks, camera offset, gyro errors, servo response
   std::vector<Annotation> annotations;  // made afterwards, in order; their exclusions are in `samples`
   unsigned format_major = 2;            // of the file that it was read from
+  // Of that file's /samples: 1 had the commanded speed alone, 2 none that is corrected (those are then NaN).
+  unsigned label_version = 3;
 };
 
 /// Figures of `/quality`, computed from a session; also what `inspect` prints.
