@@ -123,8 +123,10 @@ TEST_F(Annotate, IsNotNeededForWhatIsKnownWhenItIsRecorded) {
   EXPECT_EQ(said["place"], "room 2.11");
   EXPECT_EQ(said["note"], "the first of three");
   EXPECT_EQ(run("list --json").lines()[0][0]["notes"], nlohmann::json::array({"the first of three"}));
-  EXPECT_EQ(
-      run("record --fast --world honest --simulated=3 -e garden --note \"$(printf 'two\\nlines')\" " + brief_plan).code, 2);
+  EXPECT_EQ(run("record --fast --world honest --simulated=3 -e garden --note \"$(printf 'two\\nlines')\" " +
+                brief_plan)
+                .code,
+            2);
 }
 
 }  // namespace

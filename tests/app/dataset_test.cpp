@@ -12,10 +12,10 @@ using ::testing::HasSubstr;
 class DataSet : public ProgramTest {
  protected:
   void record(const std::string& environment, int seed) const {
-    EXPECT_EQ(
-        run("record --fast --world honest --simulated=" + std::to_string(seed) + " -e " + environment + " " + brief_plan)
-            .code,
-        0);
+    EXPECT_EQ(run("record --fast --world honest --simulated=" + std::to_string(seed) + " -e " + environment +
+                  " " + brief_plan)
+                  .code,
+              0);
   }
 
   /// Two environments, a calibration, described.

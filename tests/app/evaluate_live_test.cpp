@@ -23,8 +23,10 @@ class EvaluateLiveTest : public ProgramTest {
 
   /// What a live run in virtual time printed.
   Outcome live(const std::string& words) const {
-    return run("live --world honest --simulated=3 --fast --speeds 40,80 --frames-per-leg 12 --environment garden --json " +
-               words);
+    return run(
+        "live --world honest --simulated=3 --fast --speeds 40,80 --frames-per-leg 12 --environment garden "
+        "--json " +
+        words);
   }
 
   static Checked<nlohmann::json> frames_of(const Outcome& outcome) {

@@ -13,7 +13,9 @@ using ::testing::Not;
 class List : public ProgramTest {
  protected:
   void record(const std::string& arguments, const std::string& plan = brief_plan) const {
-    const Outcome outcome = run("record --fast --world honest --simulated=3 " + plan + " " + arguments);
+    const bool has_world = arguments.find("--world") != std::string::npos;
+    const Outcome outcome =
+        run("record --fast --simulated=3 " + plan + " " + arguments + (has_world ? "" : " --world honest"));
     EXPECT_EQ(outcome.code, 0) << outcome.err;
   }
 

@@ -162,7 +162,8 @@ TEST_F(Live, AReplayWarnsOfAGateThatCollapsesUnlessItsSessionDoesAlready) {
   for (float& weight : open_gate.weights.tensor("gain2.bias")) weight = 30.0F;
   model::write_model(folder() / "open.onnx", open_gate);
   const Outcome live =
-      run("live --world honest --simulated=3 --fast --json --record --model model.onnx --plan quick --speeds 60,120 "
+      run("live --world honest --simulated=3 --fast --json --record --model model.onnx --plan quick --speeds "
+          "60,120 "
           "--frames-per-leg 40");
   ASSERT_TRUE(of_kind(live.lines(), "event").size() > 4) << live.err;
   const auto gate_events = [&](const std::string& model) {
@@ -177,7 +178,8 @@ TEST_F(Live, AReplayWarnsOfAGateThatCollapsesUnlessItsSessionDoesAlready) {
   EXPECT_EQ(gate_events("model.onnx"), 0U);
   EXPECT_EQ(gate_events("open.onnx"), 1U) << "of a model that the session does not know";
   fs::remove(files(".h5").front());
-  run("live --world honest --simulated=3 --fast --json --record --model open.onnx --plan quick --speeds 60,120 "
+  run("live --world honest --simulated=3 --fast --json --record --model open.onnx --plan quick --speeds "
+      "60,120 "
       "--frames-per-leg 40");
   EXPECT_EQ(gate_events("open.onnx"), 1U) << "the session's own, not twice";
 }
@@ -229,10 +231,10 @@ TEST_F(Live, RefusesWhatIsNoModel) {
 
 TEST_F(Live, RefusesWordsThatContradictEachOther) {
   for (const char* words :
-       {"--world honest --simulated=3 --fast --page", "--fast", "--simulated=3 --speed 2", "--simulated=3 --replay x.h5",
-        "--replay x.h5 --record", "--replay x.h5 --speed quick", "--replay x.h5 --speed 0",
-        "--replay x.h5 --speed 1e-300", "--simulated=3 --fast --loop", "--simulated=3 --tui --json",
-        "--replay x.h5 --control", "--simulated=3 --no-page --control"})
+       {"--world honest --simulated=3 --fast --page", "--fast", "--simulated=3 --speed 2",
+        "--simulated=3 --replay x.h5", "--replay x.h5 --record", "--replay x.h5 --speed quick",
+        "--replay x.h5 --speed 0", "--replay x.h5 --speed 1e-300", "--simulated=3 --fast --loop",
+        "--simulated=3 --tui --json", "--replay x.h5 --control", "--simulated=3 --no-page --control"})
     EXPECT_EQ(run(std::string("live ") + words).code, 2) << words;
 }
 
@@ -246,13 +248,15 @@ TEST_F(Live, RefusesWordsThatWouldDoNothing) {
     EXPECT_EQ(outcome.code, 2) << word;
     EXPECT_THAT(outcome.err, HasSubstr(std::string(word).substr(0, std::string(word).find(' '))));
   }
-  for (const char* words :
-       {"live --world honest --simulated=3 --fast --output x", "live --world honest --simulated=3 --fast --licence x",
-        "live --world honest --simulated=3 --fast --page-port 0", "live --world honest --simulated=3 --fast --new-token",
-        "live --world honest --simulated=3 --no-page --page-port 0", "live --world honest --simulated=3 --no-page --new-token",
-        "live --world honest --simulated=3 --fast --precision fp16",
-        "record --world honest --simulated=3 --fast --environment garden --page-port 0",
-        "record --world honest --simulated=3 --fast --environment garden --new-token"})
+  for (const char* words : {"live --world honest --simulated=3 --fast --output x",
+                            "live --world honest --simulated=3 --fast --licence x",
+                            "live --world honest --simulated=3 --fast --page-port 0",
+                            "live --world honest --simulated=3 --fast --new-token",
+                            "live --world honest --simulated=3 --no-page --page-port 0",
+                            "live --world honest --simulated=3 --no-page --new-token",
+                            "live --world honest --simulated=3 --fast --precision fp16",
+                            "record --world honest --simulated=3 --fast --environment garden --page-port 0",
+                            "record --world honest --simulated=3 --fast --environment garden --new-token"})
     EXPECT_EQ(run(words).code, 2) << words;
 }
 
@@ -332,8 +336,8 @@ class UnreadOutput {
 TEST_F(Live, DrivesOnWhenNobodyReadsItsOutput) {
   const UnreadOutput output(folder() / "background_out.txt");
   ASSERT_EQ(setenv("XDG_STATE_HOME", folder().c_str(), 1), 0);
-  const pid_t process = start({"live", "--world", "honest", "--simulated=3", "--loop", "--model", "model.onnx", "--page-port", "0",
-                               "--json", "--record", "-o", "kept"});
+  const pid_t process = start({"live", "--world", "honest", "--simulated=3", "--loop", "--model",
+                               "model.onnx", "--page-port", "0", "--json", "--record", "-o", "kept"});
   unsetenv("XDG_STATE_HOME");
   std::this_thread::sleep_for(std::chrono::seconds(12));  // more than 128 kB
   const json address = json::parse(file_text(folder() / "thermorig" / "page.json"));
@@ -456,9 +460,10 @@ TEST_F(Live, DrawsTheImageOnATerminalAndLeavesItAsItWas) {
 }
 
 TEST_F(Live, KeepsItsSessionWhenTheReaderOfItsOutputGoesAway) {
-  const std::string command = "cd '" + folder().string() +
-                              "' && '" THERMORIG_PROGRAM
-                              "' live --world honest --simulated=3 --fast --json --record -o kept 2>errors.txt | head -n 1";
+  const std::string command =
+      "cd '" + folder().string() +
+      "' && '" THERMORIG_PROGRAM
+      "' live --world honest --simulated=3 --fast --json --record -o kept 2>errors.txt | head -n 1";
   ASSERT_EQ(std::system(command.c_str()), 0);
   std::vector<std::string> kinds;
   for (const auto& entry : std::filesystem::directory_iterator(folder() / "kept" / "laboratory"))
@@ -472,8 +477,9 @@ TEST_F(Live, KeepsItsSessionWhenTheReaderOfItsOutputGoesAway) {
 }
 
 TEST_F(Live, StopsTheServoInALegOnInterruptAndSaysHowItEnded) {
-  const pid_t process = start({"live", "--world", "honest", "--simulated=3", "--fast", "--plan", "paper", "--frames-per-leg",
-                               "1000", "--model", "model.onnx", "--json"});  // in virtual time: hours
+  const pid_t process =
+      start({"live", "--world", "honest", "--simulated=3", "--fast", "--plan", "paper", "--frames-per-leg",
+             "1000", "--model", "model.onnx", "--json"});  // in virtual time: hours
   const auto is_in_leg = [&] {
     return file_text(folder() / "background_out.txt").find("leg_start") != std::string::npos;
   };

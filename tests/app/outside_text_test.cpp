@@ -45,8 +45,8 @@ class OutsideText : public ProgramTest {
   static std::string in_folder(const std::string& name) { return "'" + hostile + "/" + name + "'"; }
 
   void record_there(const std::string& words) const {
-    const Outcome outcome =
-        run("record --world honest --simulated=3 --fast --environment garden -o " + in_folder("r") + " " + words);
+    const Outcome outcome = run("record --world honest --simulated=3 --fast --environment garden -o " +
+                                in_folder("r") + " " + words);
     ASSERT_EQ(outcome.code, 0) << outcome.err;
     expect_clean(outcome.out, "record");
   }
@@ -73,7 +73,8 @@ TEST_F(OutsideText, OfPlansAndModelsReachesNoTerminalAsItIs) {
       << "name = \"x\\u001b[2J\\u202e\"\nframes_per_leg = 12\nleg_rates_dps = [40, 80]\nopening_rest_s = 2\n"
          "closing_rest_s = 2\n";
   record_there("--plan " + in_folder("plan.toml"));
-  expect_clean("record --world honest --simulated=3 --fast --environment garden -n --plan " + in_folder("plan.toml"));
+  expect_clean("record --world honest --simulated=3 --fast --environment garden -n --plan " +
+               in_folder("plan.toml"));
   const std::string model = in_folder("model.onnx");
   const Outcome trained =
       run("train " + in_folder("") + " --preset paper --nf 2 --nr 3 --epochs 1 -o " + model);

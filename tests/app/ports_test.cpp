@@ -18,7 +18,7 @@ class Ports : public ProgramTest {
  protected:
   /// `thermorig simulate` in the background; what it said first.
   nlohmann::json simulate() {
-    process_ = start({"simulate", "--seed=3", "--json", "--profile", "simulated.toml"});
+    process_ = start({"simulate", "--seed=3", "--world", "honest", "--json", "--profile", "simulated.toml"});
     std::string line;
     while (line.empty()) {
       std::this_thread::sleep_for(std::chrono::milliseconds(10));
@@ -101,7 +101,8 @@ TEST_F(Ports, ADeviceThatIsPulledOutEndsTheRecordingAndWhatCameIsKept) {
 
 TEST_F(Ports, ASimulatedRigOnPortsIsRecordedAsAnyOther) {
   const Outcome outcome =
-      run("record --world honest --simulated=3 --environment garden --json --plan quick --speeds 60 --frames-per-leg 8");
+      run("record --world honest --simulated=3 --environment garden --json --plan quick --speeds 60 "
+          "--frames-per-leg 8");
   ASSERT_EQ(outcome.code, 0) << outcome.err << outcome.out;
   const auto lines = outcome.lines();
   EXPECT_THAT(lines.front()["simulation"].get<std::string>(), HasSubstr("ports"));

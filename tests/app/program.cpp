@@ -88,7 +88,8 @@ Outcome ProgramTest::wait(pid_t process) const {
 }
 
 std::filesystem::path ProgramTest::record_briefly() const {
-  const Outcome outcome = run("record --world honest --simulated=3 --fast --environment garden --json " + brief_plan);
+  const Outcome outcome =
+      run("record --world honest --simulated=3 --fast --environment garden --json " + brief_plan);
   EXPECT_EQ(outcome.code, 0) << outcome.err;
   const auto lines = outcome.lines();
   if (lines.empty()) return {};

@@ -17,7 +17,8 @@ namespace {
 using ::testing::HasSubstr;
 using ::testing::Not;
 
-const std::string fast = "record --world honest --simulated=3 --fast --environment garden ";
+const std::string fast_rig = "record --simulated=3 --fast --environment garden ";
+const std::string fast = fast_rig + "--world honest ";
 
 class Record : public ProgramTest {
  protected:
@@ -79,16 +80,24 @@ TEST_F(Record, RefusesASceneThatThereIsNot) {
 TEST_F(Record, SaysItsWorldAndEachKnobThatIsNotHonest) {
   EXPECT_THAT(run(fast + brief_plan).out, HasSubstr("firmware's host build, world honest\n"));
   const Outcome outcome =
-      run(fast + "--world honest,servo.backlash_deg=2,gyro.bandwidth_hz=256 " + brief_plan);
+      run(fast_rig + "--world honest,servo.backlash_deg=2,gyro.bandwidth_hz=256 " + brief_plan);
   EXPECT_THAT(outcome.out, HasSubstr("firmware's host build, world honest,servo.backlash_deg=2\n"));
   EXPECT_THAT(run("inspect " + files(".h5").back().string()).out,
               HasSubstr("world honest,servo.backlash_deg=2)"));
 }
 
+TEST_F(Record, OfTheTypicalWorldWhichIsTheDefaultCountsItsKnobs) {
+  const Outcome outcome = run("record --simulated=4 --fast --environment garden " + brief_plan);
+  EXPECT_THAT(outcome.out, testing::ContainsRegex("build, world typical .[0-9]+ knobs.\n"));
+  EXPECT_THAT(run("inspect " + files(".h5").back().string()).out, HasSubstr("world typical ("));
+  const auto session = run("inspect --json " + files(".h5").back().string()).lines()[0][0];
+  EXPECT_THAT(std::string(session["simulation"]), HasSubstr("world typical,servo.damping="));
+}
+
 TEST_F(Record, RefusesAWorldOrAKnobThatThereIsNot) {
-  expect_refused(fast + "--world hrad", 2, "did you mean \"hard\"?");
-  expect_refused(fast + "--world hard,servo.backlsh_deg=1", 2, "did you mean \"servo.backlash_deg\"?");
-  expect_refused(fast + "--world hard,servo.backlash_deg=9", 2, "a number from 0 to 3 deg");
+  expect_refused(fast_rig + "--world hrad", 2, "did you mean \"hard\"?");
+  expect_refused(fast_rig + "--world hard,servo.backlsh_deg=1", 2, "did you mean \"servo.backlash_deg\"?");
+  expect_refused(fast_rig + "--world hard,servo.backlash_deg=9", 2, "a number from 0 to 3 deg");
 }
 
 TEST_F(Record, NeverUsesANumberTwice) {
@@ -302,9 +311,12 @@ TEST_F(Record, RefusesContradictingWords) {
 }
 
 TEST_F(Record, RefusesWordsOfAPageThatIsNotServed) {
-  expect_refused("record --world honest --simulated=3 --environment garden --control --dry-run", 2, "no page is served");
-  expect_refused("record --world honest --simulated=3 --environment garden --page-port 9000 --dry-run", 2, "--page");
-  expect_refused("record --world honest --simulated=3 --environment garden --new-token --dry-run", 2, "--page");
+  expect_refused("record --world honest --simulated=3 --environment garden --control --dry-run", 2,
+                 "no page is served");
+  expect_refused("record --world honest --simulated=3 --environment garden --page-port 9000 --dry-run", 2,
+                 "--page");
+  expect_refused("record --world honest --simulated=3 --environment garden --new-token --dry-run", 2,
+                 "--page");
 }
 
 TEST_F(Record, SaysWhichPortDoesNotExist) {
@@ -315,8 +327,8 @@ TEST_F(Record, SaysWhichPortDoesNotExist) {
 }
 
 TEST_F(Record, ClosesTheFileOnCtrlC) {
-  const pid_t process = start({"record", "--world", "honest", "--simulated=3", "--fast", "--environment", "garden", "--json",
-                               "--frames-per-leg", "1000"});  // in virtual time: hours
+  const pid_t process = start({"record", "--world", "honest", "--simulated=3", "--fast", "--environment",
+                               "garden", "--json", "--frames-per-leg", "1000"});  // in virtual time: hours
   const auto records = [&] {
     return !files(".journal").empty() && std::filesystem::file_size(files(".journal")[0]) > 100'000;
   };

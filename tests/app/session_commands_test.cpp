@@ -17,7 +17,8 @@ class SessionCommands : public ProgramTest {
  protected:
   /// A journal as `kill -9` leaves it.
   std::filesystem::path killed_journal() {
-    const pid_t process = start({"record", "--world", "honest", "--simulated=3", "--fast", "--environment", "garden", "--json"});
+    const pid_t process = start(
+        {"record", "--world", "honest", "--simulated=3", "--fast", "--environment", "garden", "--json"});
     std::vector<std::filesystem::path> journals;
     while (journals.empty()) journals = files(".journal");
     std::this_thread::sleep_for(std::chrono::milliseconds(300));

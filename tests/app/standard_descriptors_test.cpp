@@ -36,10 +36,10 @@ TEST_F(ClosedDescriptors, DisturbNoCommand) {
 TEST_F(ClosedDescriptors, LeaveRecordingsAndWhatIsMadeOfThemWhole) {
   const std::string closed = "<&- >&- 2>&-";
   for (const char* seed : {"3", "4"})
-    EXPECT_EQ(
-        code_of("record --fast --environment garden --world honest --simulated=" + std::string(seed) + " " + brief_plan,
-                closed),
-        0);
+    EXPECT_EQ(code_of("record --fast --environment garden --world honest --simulated=" + std::string(seed) +
+                          " " + brief_plan,
+                      closed),
+              0);
   const auto sessions = files(".h5");
   ASSERT_EQ(sessions.size(), 2U);
   EXPECT_TRUE(files(".journal").empty());

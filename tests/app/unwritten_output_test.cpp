@@ -106,8 +106,8 @@ TEST_F(Unwritten, ResultsOfALearnerAreExitCode7AndItsFilesAreThere) {
 TEST_F(Unwritten, ResultsThatNobodyReadsAreExitCode7) {
   const std::string session = record_briefly().string();
   give_pipe_without_reader();
-  expect_told_by_each(
-      {record, "inspect " + session, "recover recordings", "calibrate bias --world honest --simulated=3 --fast"});
+  expect_told_by_each({record, "inspect " + session, "recover recordings",
+                       "calibrate bias --world honest --simulated=3 --fast"});
   EXPECT_EQ(files(".h5").size(), 5U);
 }
 

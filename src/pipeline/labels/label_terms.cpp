@@ -10,6 +10,8 @@ namespace {
 constexpr double assumed_slope_error = 0.005;  // along the travel, of hobby servos
 constexpr double assumed_ripple_dps = 0.3;     // of an exposure's mean, where the loop is only guessed
 constexpr double least_gyro_error_dps = 0.05;  // resolution and cross axes
+constexpr double least_model_error_dps =
+    0.06;  // what is the same in all frames of a speed, and hides in its mean
 constexpr double chance_deviations = 3.0;
 
 /// Straight between the speeds of the table, constant beyond them. It is not empty.
@@ -47,7 +49,7 @@ double model_deviation_dps(const ServoResponse& response, double rate_dps) {
   if (!response.fitted || !measured) return std::hypot(assumed_ripple_dps, assumed_slope_error * rate_dps);
   if (response.speeds.empty()) return response.residual_dps;
   const double tabled_dps = tabled(response, rate_dps, [](const ServoResponse::AtSpeed& at) {
-    return std::hypot(at.residual_dps, at.spread_dps);
+    return std::hypot(at.residual_dps, at.spread_dps, least_model_error_dps);
   });
   return std::isfinite(tabled_dps) ? tabled_dps : response.residual_dps;
 }
@@ -73,7 +75,7 @@ double label_deviation_dps(const ServoResponse& response, double commanded_dps, 
   const ServoResponse::AtSpeed* const seen = known_at(response, commanded_dps);
   const double off_dps = label_dps - shaft_dps - (seen == nullptr ? 0.0 : beyond_model_dps(response, *seen));
   const double left_dps = seen == nullptr ? model_deviation_dps(response, commanded_dps)
-                                          : std::hypot(seen->spread_dps, least_gyro_error_dps);
+                                          : std::hypot(seen->spread_dps, least_model_error_dps);
   return std::hypot(std::hypot(off_dps, left_dps), scale_dps, time_dps);
 }
 
