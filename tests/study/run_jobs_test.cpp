@@ -142,10 +142,16 @@ TEST_F(RunJobs, GoOnAfterAKillWithoutRepeatingAJob) {
 }
 
 TEST_F(RunJobs, RemoveWhatAKilledRunLeftHalfWritten) {
-  const fs::path part = folder_ / (file_name_of(jobs().front()) + ".4711.part");
-  std::ofstream(part) << "{\"format\":";
+  const fs::path result = folder_ / file_name_of(jobs().front());
+  const std::string never_a_process = std::to_string(1 << 30);  // beyond the most that the kernel gives
+  const fs::path before_hosts = result.string() + "." + never_a_process + ".part";
+  const fs::path ours = result.string() + "." + files::this_process().host + "." + never_a_process + ".part";
+  const fs::path alive = result.string() + "." + files::this_process().host + ".1.part";
+  const fs::path elsewhere = result.string() + ".another-host." + never_a_process + ".part";
+  for (const fs::path& part : {before_hosts, ours, alive, elsewhere}) std::ofstream(part) << "{\"format\":";
   EXPECT_EQ(reused(folder_), 0U);
-  EXPECT_FALSE(fs::exists(part));
+  for (const fs::path& part : {before_hosts, ours}) EXPECT_FALSE(fs::exists(part)) << part;
+  for (const fs::path& part : {alive, elsewhere}) EXPECT_TRUE(fs::exists(part)) << part;
 }
 
 TEST_F(RunJobs, DoNotTakeResultsOfOtherJobs) {
@@ -176,14 +182,6 @@ TEST_F(RunJobs, NameAResultThatHoldsAnotherJob) {
   fs::copy_file(folder_ / file_name_of(all[0]), folder_ / file_name_of(all[1]),
                 fs::copy_options::overwrite_existing);
   EXPECT_EQ(refusal().where(), (folder_ / file_name_of(all[1])).string());
-}
-
-TEST_F(RunJobs, HaveTheFolderForThemselves) {
-  RunObserver observer;
-  ExitCode code = ExitCode::ok;
-  observer.started = [&](const Progress&) { code = refusal().code(); };
-  run_jobs(jobs(), acquisitions_, folder_, 1, observer);
-  EXPECT_EQ(code, ExitCode::no_permission);
 }
 
 TEST_F(RunJobs, SayWhenTheFolderCannotBeMade) {

@@ -2,11 +2,14 @@
 #include "result_file.h"
 
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include <algorithm>
 
 #include "fingerprint.h"
 #include "thermorig/core/error.h"
+#include "thermorig/io/files/part_file.h"
+#include "thermorig/io/files/process.h"
 #include "thermorig/io/files/whole_file.h"
 
 namespace thermorig::study {
@@ -17,6 +20,7 @@ namespace fs = std::filesystem;
 
 constexpr std::size_t max_file_bytes = 4'000'000;  // a result has below 20 kB
 const std::string noun = "the result";
+constexpr std::string_view result_extension = ".json";
 
 /// Only letters, digits, '-' and '_': a name in a session must not lead out of the folder.
 std::string safe_name(const std::string& text) {
@@ -47,7 +51,15 @@ std::string file_name_of(const Job& job) {
                      fingerprint_of(text_of(job)).substr(0, digits));
 }
 
+std::string id_of(const Job& job) {
+  return fs::path(file_name_of(job)).stem();
+}
+
 void write_result(const fs::path& folder, const JobResult& result) {
+  files::write_whole_if_free(folder / file_name_of(result.job), to_json(result), noun);
+}
+
+void replace_result(const fs::path& folder, const JobResult& result) {
   files::write_whole(folder / file_name_of(result.job), to_json(result), noun);
 }
 
@@ -66,11 +78,24 @@ std::optional<JobResult> find_result(const fs::path& folder, const Job& job) {
               "delete it and run the study again: only this job is then repeated");
 }
 
-void remove_parts(const fs::path& folder) {
+void make_results_folder(const fs::path& folder) {
+  std::error_code failure;
+  fs::create_directories(folder, failure);
+  if (!failure) return;
+  throw Error(ExitCode::storage, "cannot make the folder of results: " + failure.message(), folder.string(),
+              "choose another folder with --output");
+}
+
+void remove_abandoned_parts(const fs::path& folder) {
   std::error_code ignored;  // what cannot be removed is in nobody's way
-  for (const fs::directory_entry& entry : fs::directory_iterator(folder, ignored))
-    if (entry.path().extension() == ".part" && entry.is_regular_file(ignored))
-      fs::remove(entry.path(), ignored);
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder, ignored)) {
+    const std::string name = entry.path().filename();
+    const std::size_t end = name.find(result_extension);
+    if (end == std::string::npos) continue;
+    const auto process = files::process_of_part(name, name.substr(0, end + result_extension.size()));
+    if (process && (files::is_unused(*process) || *process == static_cast<std::uint64_t>(::getpid())))
+      files::remove_unless_held(entry.path());
+  }
 }
 
 }  // namespace thermorig::study

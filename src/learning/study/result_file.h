@@ -7,8 +7,12 @@
 
 namespace thermorig::study {
 
-/// Writes a result under its job's name, whole or not at all. Throws Error(storage).
+/// Writes a result under its job's name, whole or not at all, unless there is one: another program may have
+/// been faster, and the first stays. Throws Error(storage).
 void write_result(const std::filesystem::path& folder, const JobResult& result);
+
+/// The same over the one that is there.
+void replace_result(const std::filesystem::path& folder, const JobResult& result);
 
 /// Throws Error(not_a_session) for a damaged file.
 JobResult read_result(const std::filesystem::path& path);
@@ -16,7 +20,10 @@ JobResult read_result(const std::filesystem::path& path);
 /// The job's result, if the folder has one. A file of that name which holds another job is damaged.
 std::optional<JobResult> find_result(const std::filesystem::path& folder, const Job& job);
 
-/// Removes what a killed program left half written. Nobody else may be writing: see FolderLock.
-void remove_parts(const std::filesystem::path& folder);
+/// Throws Error(storage).
+void make_results_folder(const std::filesystem::path& folder);
+
+/// Removes what programs of this machine left half written when they were killed.
+void remove_abandoned_parts(const std::filesystem::path& folder);
 
 }  // namespace thermorig::study
