@@ -92,8 +92,9 @@ ClaimSight look_at_claim(const fs::path& name, Disk& disk) {
 }
 
 void remove_claim(const fs::path& name, Disk& disk) {
-  // The newest first: an older one that is left by a kill is found again by counting from 1.
-  for (int number = newest_number(name, disk); number > 0; --number) disk.remove(path_of(name, number));
+  const std::string start = name.filename().string() + ".claim.";
+  for (const FolderEntry& entry : disk.list(folder_of(name)).value)
+    if (entry.path.filename().string().starts_with(start)) disk.remove(entry.path);
 }
 
 std::vector<fs::path> claimed_names(const fs::path& folder, Disk& disk) {
@@ -126,11 +127,12 @@ bool is_stale(const ClaimSight& claim, ClaimWatch& watch, std::chrono::steady_cl
 std::optional<Claim> Claim::take(const fs::path& name, const ClaimSight& seen, Disk& disk) {
   const int number = seen.number + 1;
   const fs::path path = path_of(name, number);
+  const std::string text = claim_text(this_process(), time_of_day());  // before: a kill leaves it empty
   const auto created = disk.create(path, 0644);
   if (created.error_number == EEXIST) return std::nullopt;
   if (!created.good()) refuse("make", created.error_number, path);
   Claim claim(name, number, disk, created.value);
-  const int written = claim.append(claim_text(this_process(), time_of_day()));
+  const int written = claim.append(text);
   if (written == 0) return claim;
   claim.give_up();
   refuse("write", written, path);
@@ -156,7 +158,25 @@ void Claim::give_up() {
 }
 
 void Claim::remove() {
+  if (is_taken_over()) return;  // the next one is found by counting up to it
   for (int number = number_; number > 0; --number) disk_->remove(path_of(name_, number));
+}
+
+Claim take_alone(const fs::path& name, const std::string& does, const std::string& advice,
+                 const ClaimTiming& timing, Disk& disk) {
+  ClaimWatch watch(timing);
+  const ClaimSight first = look_at_claim(name, disk);
+  for (ClaimSight seen = first;; seen = look_at_claim(name, disk)) {
+    if (seen.is_free() || is_stale(seen, watch, std::chrono::steady_clock::now())) {
+      if (auto claim = Claim::take(name, seen, disk)) return *std::move(claim);
+      continue;
+    }
+    const bool gave_sign = seen.number != first.number || seen.bytes != first.bytes;
+    if (gave_sign || (seen.holder && life_of(*seen.holder) == Life::runs))
+      throw Error(ExitCode::no_permission, fmt::format("{} {}", text_of(seen), does),
+                  name.parent_path().string(), advice);
+    std::this_thread::sleep_for(timing.beat / 4);
+  }
 }
 
 BeatingClaim::BeatingClaim(Claim claim, const ClaimTiming& timing)

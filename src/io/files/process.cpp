@@ -91,15 +91,21 @@ Process this_process(const fs::path& proc) {
   return process;
 }
 
-bool has_ended(const Process& process, const fs::path& proc) {
+Life life_of(const Process& process, const fs::path& proc) {
   const Process own = this_process(proc);
   const bool is_near = !own.boot.empty() && process.boot == own.boot && own.space != 0 &&
                        process.space == own.space && process.host == own.host;
-  if (!is_near || process.number == 0) return false;
+  if (!is_near || process.number == 0) return Life::unknown;
   const auto status = status_of(process.number, proc);
-  if (!status) return is_unused(process.number);  // those of others may be hidden
-  constexpr std::string_view ended = "ZX";        // its parent has not asked for it yet
-  return ended.find(status->state) != std::string_view::npos || status->start != process.start;
+  if (!status)
+    return is_unused(process.number) ? Life::ended : Life::unknown;  // those of others may be hidden
+  constexpr std::string_view ended = "ZX";                           // its parent has not asked for it yet
+  const bool is_it = status->start == process.start && ended.find(status->state) == std::string_view::npos;
+  return is_it ? Life::runs : Life::ended;
+}
+
+bool has_ended(const Process& process, const fs::path& proc) {
+  return life_of(process, proc) == Life::ended;
 }
 
 bool is_unused(std::uint64_t number) {

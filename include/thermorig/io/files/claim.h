@@ -93,7 +93,7 @@ class Claim {
   /// The next may have it at once.
   void give_up();
 
-  /// What it was for is done and on the disk.
+  /// What it was for is done and on the disk. One that was taken over is left to that program.
   void remove();
 
  private:
@@ -106,6 +106,12 @@ class Claim {
   Disk* disk_;
   std::unique_ptr<ClosedOnExit> file_;
 };
+
+/// Claims something that only one program may work on, for which others do not wait. Where it is not known
+/// whether a holder lives, looks for a sign of life for as long as patience goes. Throws
+/// Error(no_permission), with who `does` it ("trains in this folder") and `advice`.
+Claim take_alone(const std::filesystem::path& name, const std::string& does, const std::string& advice,
+                 const ClaimTiming& timing = {}, Disk& disk = real_disk());
 
 /// A claim that gives its signs of life in a thread of its own, and is given up when this goes.
 class BeatingClaim {

@@ -23,8 +23,12 @@ std::string text_of(const Process& process);
 /// The calling one. `proc`: where the system tells of processes; what it does not tell is empty or 0.
 Process this_process(const std::filesystem::path& proc = "/proc");
 
-/// Is it known to have ended? Only of processes of this machine, since its last start, that count in the same
-/// space: of all others nothing is known, and the answer is no.
+/// Of a process that is not of this machine, since its last start, or counts in another space, nothing is
+/// known.
+enum class Life : std::uint8_t { unknown, runs, ended };
+Life life_of(const Process& process, const std::filesystem::path& proc = "/proc");
+
+/// Is it known to have ended?
 bool has_ended(const Process& process, const std::filesystem::path& proc = "/proc");
 
 /// Is there no process of that number on this machine, as far as the calling one's space goes?
