@@ -89,9 +89,10 @@ void JobBoard::tell_of_holders() {
   }
 }
 
-/// Has another program finished it?
+/// Has another program finished it? It may have been killed before it removed its claim.
 bool JobBoard::take_result(Place& place) {
   if (!find_result(folder_, place.job)) return false;
+  files::remove_claim(claim_name(folder_, place.job));
   done_locked(place);
   return true;
 }

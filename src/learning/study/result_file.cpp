@@ -42,6 +42,14 @@ std::string text_of(const Job& job) {
                      job.test, job.test_hash, job.data_hash);
 }
 
+/// Is it a result that a process of this machine had half written when it ended?
+bool is_abandoned_part(const std::string& name) {
+  const std::size_t end = name.find(result_extension);
+  if (end == std::string::npos) return false;
+  const auto process = files::process_of_part(name, name.substr(0, end + result_extension.size()));
+  return process && (files::is_unused(*process) || *process == static_cast<std::uint64_t>(::getpid()));
+}
+
 }  // namespace
 
 std::string file_name_of(const Job& job) {
@@ -86,16 +94,12 @@ void make_results_folder(const fs::path& folder) {
               "choose another folder with --output");
 }
 
-void remove_abandoned_parts(const fs::path& folder) {
+void remove_litter(const fs::path& folder) {
   std::error_code ignored;  // what cannot be removed is in nobody's way
-  for (const fs::directory_entry& entry : fs::directory_iterator(folder, ignored)) {
-    const std::string name = entry.path().filename();
-    const std::size_t end = name.find(result_extension);
-    if (end == std::string::npos) continue;
-    const auto process = files::process_of_part(name, name.substr(0, end + result_extension.size()));
-    if (process && (files::is_unused(*process) || *process == static_cast<std::uint64_t>(::getpid())))
-      files::remove_unless_held(entry.path());
-  }
+  for (const fs::path& name : files::claimed_names(folder))
+    if (fs::exists(fs::path(name) += result_extension, ignored)) files::remove_claim(name);
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder, ignored))
+    if (is_abandoned_part(entry.path().filename())) files::remove_unless_held(entry.path());
 }
 
 }  // namespace thermorig::study

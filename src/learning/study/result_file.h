@@ -23,7 +23,8 @@ std::optional<JobResult> find_result(const std::filesystem::path& folder, const 
 /// Throws Error(storage).
 void make_results_folder(const std::filesystem::path& folder);
 
-/// Removes what programs of this machine left half written when they were killed.
-void remove_abandoned_parts(const std::filesystem::path& folder);
+/// Removes what programs left behind when they were killed: claims of jobs that have a result, and results
+/// that a program of this machine had half written.
+void remove_litter(const std::filesystem::path& folder);
 
 }  // namespace thermorig::study

@@ -39,15 +39,10 @@ void work(JobBoard& board, std::span<const Acquisition> acquisitions, const fs::
   board.failed(std::current_exception());
 }
 
-/// A kill may have left claims of jobs that are done.
 std::vector<Job> without_result(std::span<const Job> jobs, const fs::path& folder) {
   std::vector<Job> left;
-  for (const Job& job : jobs) {
-    if (find_result(folder, job))
-      files::remove_claim(claim_name(folder, job));
-    else
-      left.push_back(job);
-  }
+  for (const Job& job : jobs)
+    if (!find_result(folder, job)) left.push_back(job);
   return left;
 }
 
@@ -57,7 +52,7 @@ bool run_jobs(std::span<const Job> jobs, std::span<const Acquisition> acquisitio
               int workers, const RunObserver& observer, const files::ClaimTiming& timing) {
   assert(workers >= 1);
   make_results_folder(folder);
-  remove_abandoned_parts(folder);
+  remove_litter(folder);
   const std::vector<Job> left = without_result(jobs, folder);
   const std::size_t threads = std::min(static_cast<std::size_t>(workers), left.size());
   JobBoard board(left, jobs.size() - left.size(), folder, observer, timing);

@@ -160,6 +160,13 @@ std::vector<JobResult> results_of(std::span<const Job> jobs, const std::filesyst
 std::string to_json(const JobResult& result);
 JobResult result_from_json(const std::string& text, const std::string& where);
 
+/// Whose kernels results were computed with: "AVX2", or of several "AVX-512 (72 results), AVX2 (12 results)",
+/// the most first. Kernels of different instruction sets round differently.
+std::string instruction_sets_of(std::span<const JobResult> results);
+
+/// Were they computed with more than one?
+bool mixes_instruction_sets(std::span<const JobResult> results);
+
 /// One row of a table: all folds of one setting and seed. Results that differ in anything else of their job
 /// but the fold (epochs, history, engine, data) never share a row.
 struct SettingSummary {
