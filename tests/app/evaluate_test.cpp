@@ -246,7 +246,7 @@ TEST_F(EvaluateTest, NamesWhoHoldsAJob) {
   const std::string list =
       "evaluate --study recordings -o study --nf 3 --nr 3 --reference-seeds 1 --epochs 10000 --list-jobs";
   std::string seen;
-  while (seen.find("claimed") == std::string::npos) seen = run(list).out;
+  for (int look = 0; look < 500 && seen.find("claimed") == std::string::npos; ++look) seen = run(list).out;
   EXPECT_THAT(seen, testing::ContainsRegex("  claimed  [A-Za-z0-9._-]+, process " + std::to_string(process) +
                                            ", since [0-9]{4}-[0-9]{2}-[0-9]{2}T"));
   const nlohmann::json told = run(list + " --json").lines().front();
