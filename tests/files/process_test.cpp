@@ -3,7 +3,6 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <sys/wait.h>
 #include <unistd.h>
 
 #include <fstream>
@@ -51,17 +50,6 @@ TEST(Process, OfAnotherMachineStartOrSpaceIsNotKnownToHaveEnded) {
   for (const Process& process : {host, boot, space}) EXPECT_EQ(life_of(process), Life::unknown);
   dead.number = 0;
   EXPECT_FALSE(has_ended(dead));
-}
-
-TEST(Process, HasEndedBeforeItsParentHasAskedForIt) {
-  const pid_t child = ::fork();
-  if (child == 0) ::_exit(0);
-  siginfo_t info{};
-  ASSERT_EQ(::waitid(P_PID, static_cast<id_t>(child), &info, WEXITED | WNOWAIT), 0);
-  Process process = this_process();
-  process.number = static_cast<std::uint64_t>(child);
-  EXPECT_TRUE(has_ended(process));
-  ::waitpid(child, nullptr, 0);
 }
 
 /// What the system tells of processes, made.

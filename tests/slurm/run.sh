@@ -91,13 +91,13 @@ export SLURM_CONF=$folder/slurm.conf
 munged --force --foreground --key-file="$folder/munge.key" --socket="$folder/munge.socket" \
   --pid-file="$folder/munged.pid" --seed-file="$folder/munge.seed" --log-file="$folder/munged.log" >/dev/null 2>&1 &
 daemons+=($!)
-wait_until 10 test -S "$folder/munge.socket"
+wait_until 30 test -S "$folder/munge.socket"
 slurmctld -D -c >/dev/null 2>&1 &
 daemons+=($!)
 slurmd -D -N "$host" >/dev/null 2>&1 &
 daemons+=($!)
 is_idle() { sinfo -h -o %T 2>/dev/null | grep -qx idle; }
-wait_until 20 is_idle
+wait_until 60 is_idle
 echo "Slurm $(sinfo --version | cut -d' ' -f2) is up after $SECONDS s"
 
 # ---- the study ----------------------------------------------------------------------------------------------------
@@ -115,16 +115,16 @@ array=$(sbatch --parsable --requeue --array=1-4 --ntasks=1 --output="$folder/tas
 draw="$program evaluate ${study[*]} --draw shared --require-complete"
 report=$(sbatch --parsable --dependency="afterok:$array" --output="$folder/tasks/draw" --wrap "$draw")
 
-wait_until 20 test -e shared/results
+wait_until 60 test -e shared/results
 code=0
 $draw >early 2>&1 || code=$?
 [ "$code" -eq 9 ] || { echo "a study that is not complete was drawn (exit code $code)"; cat early; exit 1; }
 
-wait_until 20 test -e third.is_running
+wait_until 60 test -e third.is_running
 scontrol requeue "${array}_3" # Slurm ends it and starts it again
 state_of() { scontrol -o show job "$1" | grep -o 'JobState=[A-Z]*' | sort -u; }
 has_ended() { state_of "$1" | grep -Eq 'COMPLETED|FAILED|CANCELLED|TIMEOUT'; }
-wait_until 60 has_ended "$report"
+wait_until 180 has_ended "$report"
 [ "$(state_of "$report")" = JobState=COMPLETED ] || { state_of "$report"; exit 1; }
 restarts=$(scontrol -o show job "$array" | grep -o 'Restarts=[1-9]' | wc -l)
 [ "$restarts" -eq 2 ] || { echo "$restarts tasks were started again, not 2"; exit 1; }

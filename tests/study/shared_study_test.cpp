@@ -82,7 +82,7 @@ TEST_F(SharedStudy, LosesNothingWhenProgramsAreKilledAtAnyInstant) {
   const auto alone = expected();
   std::mt19937 random(3);
   std::map<std::string, std::string> written;  // results never change again once they are there
-  for (int kill = 0; kill < 25; ++kill) {
+  for (int kill = 0; kill < 15; ++kill) {
     const pid_t victim = start(folder_), other = start(folder_);
     std::this_thread::sleep_for(milliseconds(random() % 30));
     for (const pid_t program : {victim, other}) ::kill(program, SIGKILL);

@@ -56,13 +56,14 @@ std::string read_at(OpenFile file, std::uint64_t offset, std::size_t bytes, Disk
   return text;
 }
 
-/// Nothing if it was removed meanwhile.
+/// Nothing if it was removed meanwhile; a network file system calls that stale.
 std::optional<ClaimSight> sight_of(const fs::path& path, int number, Disk& disk) {
   const auto opened = disk.open(path);
-  if (opened.error_number == ENOENT) return std::nullopt;
+  if (opened.error_number == ENOENT || opened.error_number == ESTALE) return std::nullopt;
   if (!opened.good()) refuse("open", opened.error_number, path);
   const ClosedOnExit file(disk, opened.value);
   const auto size = disk.size(file.get());
+  if (size.error_number == ESTALE) return std::nullopt;
   if (!size.good()) refuse("read", size.error_number, path);
   const auto head = std::min<std::uint64_t>(size.value, longest_claim_text);
   const auto tail = std::min<std::uint64_t>(size.value, given_up_mark.size());
