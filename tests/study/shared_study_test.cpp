@@ -125,7 +125,7 @@ TEST_F(SharedStudy, IsStoppedWhileItWaits) {
   RunObserver observer;
   observer.held = [&](const Job&, const files::ClaimSight&) { waits = true; };
   observer.stop = [&] { return waits; };
-  EXPECT_FALSE(run_jobs(jobs(), acquisitions_, folder_, 2, observer, patient_));
+  EXPECT_FALSE(run_jobs(jobs(), acquisitions_, folder_, 1, observer, patient_));
   EXPECT_EQ(results_of(jobs(), folder_).size(), 7U);
 }
 
