@@ -203,10 +203,14 @@ struct EvaluateOptions {
   std::string preset = "paper";
   std::optional<std::string> label;  // of a study; none: commanded
   int epochs = 40;
-  std::optional<int> history;  // valid frames before a window's end; default: the largest Nf
-  std::optional<int> workers;  // jobs side by side; default: cores
-  bool baselines = false;      // of a study: only compute the gyro's rows of its results again
-  bool accept_bad = false;     // sessions whose verdict is bad
+  std::optional<int> history;        // valid frames before a window's end; default: the largest Nf
+  std::optional<int> workers;        // jobs side by side; default: cores
+  bool list_jobs = false;            // of a study: only say where its jobs stand
+  std::optional<std::string> job;    // of a study: only the job of this id
+  std::optional<std::string> shard;  // of a study: only a part of its jobs, "3/8"
+  bool require_complete = false;     // to draw: only if all jobs of the study have a result
+  bool baselines = false;            // of a study: only compute the gyro's rows of its results again
+  bool accept_bad = false;           // sessions whose verdict is bad
   bool json = false;
 };
 

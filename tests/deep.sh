@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: MIT
 # The slow checks: all tests under AddressSanitizer and UBSan, the threaded ones under ThreadSanitizer, and each
 # fuzzer for a bounded time with the golden vectors as seeds, the live page in a browser, the kernel's usb-serial
-# driver in a guest, and the line coverage of what a recording's truth rests on.
+# driver in a guest, a study on Slurm, and the line coverage of what a recording's truth rests on.
 # Usage: bash tests/deep.sh [seconds a fuzzer, default 20]
 set -euo pipefail
 cd "$(dirname "$0")/.."
@@ -38,9 +38,12 @@ part "live page in a browser" bash tests/page/run.sh build
 # Ports on the kernel's usb-serial driver, plugs pulled and put back.
 part usb_guest far usb_guest "${build_files[@]}" {src,include/thermorig}/{core,io} tests/usb -- bash tests/usb/run.sh build
 
+# An array whose tasks share a study; one is killed, two are requeued.
+part slurm bash tests/slurm/run.sh build
+
 cmake --preset tsan
-part "build with ThreadSanitizer" build tsan --target test_io test_simulated_ports test_rig test_session test_web_server
+part "build with ThreadSanitizer" build tsan --target test_files test_io test_simulated_ports test_rig test_session test_web_server
 part "threads with ThreadSanitizer" bash tests/wall_clock.sh build-tsan \
-  -R '^(Loop|Pty|Port|SimulatedPorts|PortRecording|SessionFile|PageServer|RestartedServer|Refusals|PlugOn|FinalisingOn)'
+  -R '^(Loop|Pty|Port|SimulatedPorts|PortRecording|SessionFile|PageServer|RestartedServer|Refusals|PlugOn|FinalisingOn|ClaimFile)'
 
 part "fuzzers, $fuzz_seconds s each" bash tests/fuzz/run.sh "$fuzz_seconds" build-asan

@@ -1,4 +1,7 @@
 // SPDX-License-Identifier: MIT
+#include <array>
+#include <utility>
+
 #include "commands.h"
 #include "evaluate_parts.h"
 
@@ -14,20 +17,43 @@ namespace {
                              : "thermorig evaluate model.onnx recordings");
 }
 
+/// What only a study has, and what of it cannot be asked for at once.
+void check_study_words(const EvaluateOptions& options) {
+  const std::array<std::pair<const char*, bool>, 4> words{{{"--baselines", options.baselines},
+                                                           {"--list-jobs", options.list_jobs},
+                                                           {"--job", options.job.has_value()},
+                                                           {"--shard", options.shard.has_value()}}};
+  const char* given = nullptr;
+  for (const auto& [word, is_given] : words) {
+    if (!is_given) continue;
+    if (!options.study || options.draw)
+      throw Error(ExitCode::bad_usage, std::string(word) + " is for a study that is not only drawn", "",
+                  std::string("thermorig evaluate --study recordings -o study ") + word);
+    if (given != nullptr)
+      throw Error(ExitCode::bad_usage, std::string(given) + " and " + word + " are two questions", "",
+                  "ask one after the other");
+    given = word;
+  }
+  if (options.require_complete && (!options.study || !options.draw || options.paths.empty()))
+    throw Error(ExitCode::bad_usage, "--require-complete needs to know which jobs the study has", "",
+                "the words of the study as well: thermorig evaluate --study recordings --draw study "
+                "--require-complete");
+}
+
 }  // namespace
 
 ExitCode run(const EvaluateOptions& options) {
+  check_study_words(options);
+  if (options.require_complete) return draw_complete_study(options);
   if (options.draw) return draw_study(options);
   if (options.live && options.study)
     throw Error(ExitCode::bad_usage, "--live and --study are two questions", "", "ask one after the other");
-  if (options.baselines && !options.study)
-    throw Error(ExitCode::bad_usage, "--baselines are those of a study", "",
-                "thermorig evaluate --study recordings -o study --baselines");
   if (options.label && !options.study)
     throw Error(ExitCode::bad_usage, "--label is that of a study: a model says itself which one it learnt",
                 "", "thermorig evaluate --study recordings -o study --label shaft");
   if (options.paths.empty()) refuse_without_paths(options);
   if (options.live) return evaluate_live(options);
+  if (options.list_jobs) return list_jobs(options);
   if (options.baselines) return renew_baselines(options);
   return options.study ? run_study(options) : evaluate_model(options);
 }

@@ -66,6 +66,23 @@ void add_study_words(CLI::App& command, EvaluateOptions& options) {
       ->type_name("DIR")
       ->group(group);
   command
+      .add_flag("--require-complete", options.require_complete,
+                "With --study and --draw DIR: refuse to draw unless each job of the study has its result")
+      ->group(group);
+  command
+      .add_flag("--list-jobs", options.list_jobs,
+                "With --study: only list the jobs, a line each: its id, and done, claimed or open")
+      ->group(group);
+  command.add_option("--job", options.job, "With --study: only run this job, and draw no report")
+      ->type_name("ID")
+      ->group(group);
+  command
+      .add_option(
+          "--shard", options.shard,
+          "With --study: only run every N-th job from the I-th on (I from 1 to N), and draw no report")
+      ->type_name("I/N")
+      ->group(group);
+  command
       .add_flag("--baselines", options.baselines,
                 "With --study: compute the rows that need no training in the results in DIR again, from "
                 "the sessions that they are of")
@@ -100,6 +117,7 @@ void add_evaluate(CLI::App& root, EvaluateOptions& options) {
       "  thermorig evaluate model.onnx recordings/garden -o report\n"
       "  thermorig evaluate --live recordings/garden\n"
       "  thermorig evaluate --study recordings -o study\n"
+      "  thermorig evaluate --study recordings -o study --shard 1/8\n"
       "  thermorig evaluate --draw study");
   command.callback([&options] { take_model(options); });
 }

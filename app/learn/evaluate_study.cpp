@@ -11,9 +11,10 @@
 #include "print/output.h"
 #include "report_files.h"
 #include "session_data.h"
+#include "study_jobs.h"
 #include "study_progress.h"
 #include "thermorig/learning/report/report.h"
-#include "thermorig/learning/study/study.h"
+#include "thermorig/learning/study/shard.h"
 
 namespace thermorig::app {
 
@@ -21,53 +22,51 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// The paper's reference setting where it is part of the study, else the first that is.
-int reference_of(const std::vector<int>& values, int usual) {
-  const bool there = std::find(values.begin(), values.end(), usual) != values.end();
-  return there || values.empty() ? usual : values.front();
-}
-
-study::StudyConfig config_of(const EvaluateOptions& options) {
-  study::StudyConfig config;
-  config.environment = options.environment;
-  config.frames = options.frames;
-  config.reductions = options.reductions;
-  config.reference_frames = reference_of(options.frames, config.reference_frames);
-  config.reference_reduction = reference_of(options.reductions, config.reference_reduction);
-  config.seeds = options.seeds;
-  config.reference_seeds = options.reference_seeds;
-  config.preset = options.preset;
-  config.epochs = options.epochs;
-  config.history = options.history.value_or(0);
-  return config;
-}
-
 int workers_of(const EvaluateOptions& options) {
   return options.workers.value_or(static_cast<int>(std::max(1U, std::thread::hardware_concurrency())));
 }
 
-void announce(const EvaluateOptions& options, const std::vector<study::Job>& jobs,
-              const dataset::Acquisitions& data, int workers) {
+/// All jobs of a study, and those of them that are to be run now.
+struct StudyJobs {
+  std::vector<study::Job> all, chosen;
+  bool is_part() const { return chosen.size() < all.size(); }
+};
+
+StudyJobs study_jobs(const EvaluateOptions& options, const std::vector<network::Acquisition>& acquisitions) {
+  StudyJobs jobs{.all = jobs_of_study(options, acquisitions)};
+  if (options.job)
+    jobs.chosen = {study::job_of_id(jobs.all, *options.job)};
+  else if (options.shard)
+    jobs.chosen = study::jobs_of(study::shard_from(*options.shard), jobs.all);
+  else
+    jobs.chosen = jobs.all;
+  return jobs;
+}
+
+void announce(const EvaluateOptions& options, const StudyJobs& jobs, const dataset::Acquisitions& data,
+              int workers) {
   const bool simulated = any_simulated(data.acquisitions);
   if (options.json) {
     nlohmann::json start{{"event", "start"},
-                         {"jobs", jobs.size()},
+                         {"jobs", jobs.chosen.size()},
+                         {"jobs_of_study", jobs.all.size()},
                          {"epochs", options.epochs},
                          {"preset", options.preset},
-                         {"label", name_of(jobs.front().label)},
-                         {"history", jobs.front().history},
+                         {"label", name_of(jobs.all.front().label)},
+                         {"history", jobs.all.front().history},
                          {"acquisitions", data.acquisitions.size()},
-                         {"data_hash", jobs.front().data_hash},
+                         {"data_hash", jobs.all.front().data_hash},
                          {"workers", workers},
                          {"simulated", simulated}};
     add_choice_to(start, data);
     print_json(start);
     return;
   }
-  print("study over {}: {} trainings of {} epoch{}, preset {}, label {}, {} acquisitions{}, {} at a time\n",
-        printable(options.environment), jobs.size(), options.epochs, options.epochs == 1 ? "" : "s",
-        options.preset, column_of(jobs.front().label), data.acquisitions.size(),
-        simulated ? " of the SIMULATED rig" : "", workers);
+  print("study over {}: {}{} trainings of {} epoch{}, preset {}, label {}, {} acquisitions{}, {} at a time\n",
+        printable(options.environment), jobs.is_part() ? fmt::format("{} of ", jobs.chosen.size()) : "",
+        jobs.all.size(), options.epochs, options.epochs == 1 ? "" : "s", options.preset,
+        column_of(jobs.all.front().label), data.acquisitions.size(), simulated ? " of the SIMULATED rig" : "",
+        workers);
   flush_output();
 }
 
@@ -108,36 +107,58 @@ ExitCode tell_interrupted(const fs::path& folder, std::size_t done, std::size_t 
   return ExitCode::interrupted;
 }
 
-void require_results_folder(const EvaluateOptions& options) {
-  if (options.output.empty())
-    throw Error(ExitCode::bad_usage, "a study needs a folder for its results", "", "-o study");
+/// A part of a study draws nothing: other parts may still run.
+ExitCode conclude_part(const EvaluateOptions& options, std::size_t done) {
+  if (options.json)
+    print_json({{"event", "summary"}, {"exit_code", 0}, {"results", done}, {"jobs", done}});
+  else
+    print("{} of {} jobs are done. When all parts are: thermorig evaluate --draw {}\n", done, done,
+          printable(options.output.string()));
+  return ExitCode::ok;
+}
+
+/// A folder of a study keeps its results in one of its own.
+fs::path results_folder_of(const fs::path& drawn) {
+  return fs::is_directory(drawn / "results") ? drawn / "results" : drawn;
+}
+
+const fs::path& report_folder_of(const EvaluateOptions& options) {
+  return options.output.empty() ? *options.draw : options.output;
 }
 
 }  // namespace
 
 ExitCode run_study(const EvaluateOptions& options) {
   require_results_folder(options);
+  if (options.shard) study::shard_from(*options.shard);  // refuses before sessions are read
   const dataset::Acquisitions data = read_data(session_options(options));
-  const std::vector<network::Acquisition>& acquisitions = data.acquisitions;
-  const std::vector<study::Job> jobs = study::jobs_of(config_of(options), acquisitions);
+  const StudyJobs jobs = study_jobs(options, data.acquisitions);
   const fs::path folder = options.output / "results";
   const int workers = workers_of(options);
   announce(options, jobs, data, workers);
   watch_interrupts();
   StudyProgress progress(options.json);
-  const bool finished = study::run_jobs(jobs, acquisitions, folder, workers, progress.observer(interrupted));
+  const bool finished =
+      study::run_jobs(jobs.chosen, data.acquisitions, folder, workers, progress.observer(interrupted));
   progress.end();
-  const std::vector<study::JobResult> results = study::results_of(jobs, folder);
-  if (!finished) return tell_interrupted(options.output, results.size(), jobs.size(), options.json);
+  const std::vector<study::JobResult> results = study::results_of(jobs.chosen, folder);
+  if (!finished) return tell_interrupted(options.output, results.size(), jobs.chosen.size(), options.json);
+  if (options.job || options.shard) return conclude_part(options, results.size());
   conclude(options.output, results, options.json);
   return ExitCode::ok;
 }
 
 ExitCode draw_study(const EvaluateOptions& options) {
-  const bool nested = fs::is_directory(*options.draw / "results");
-  const std::vector<study::JobResult> results =
-      study::read_results(nested ? *options.draw / "results" : *options.draw);
-  conclude(options.output.empty() ? *options.draw : options.output, results, options.json);
+  conclude(report_folder_of(options), study::read_results(results_folder_of(*options.draw)), options.json);
+  return ExitCode::ok;
+}
+
+ExitCode draw_complete_study(const EvaluateOptions& options) {
+  const std::vector<study::Job> jobs =
+      jobs_of_study(options, read_data(session_options(options)).acquisitions);
+  const fs::path folder = results_folder_of(*options.draw);
+  require_complete(jobs, folder, options.json);
+  conclude(report_folder_of(options), study::results_of(jobs, folder), options.json);
   return ExitCode::ok;
 }
 

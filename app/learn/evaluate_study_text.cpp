@@ -38,8 +38,12 @@ std::string study_text(const std::vector<study::JobResult>& results) {
   bool simulated = false;
   for (const study::JobResult& result : results) simulated = simulated || result.simulated;
   for (const SettingSummary& summary : study::summarise(results)) table.add(row_of(summary));
-  return table.text() +
-         (simulated ? "SIMULATED rig: trends only, not to be set beside figures of real recordings.\n" : "");
+  std::string text = table.text();
+  if (study::mixes_instruction_sets(results))
+    text += fmt::format("computed with {}, which round differently\n",
+                        printable(study::instruction_sets_of(results)));
+  if (simulated) text += "SIMULATED rig: trends only, not to be set beside figures of real recordings.\n";
+  return text;
 }
 
 }  // namespace thermorig::app

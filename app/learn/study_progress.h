@@ -23,6 +23,7 @@ class StudyProgress {
   void started(const study::Progress& progress);
   void epoch_done(const study::Progress& progress);
   void job_done(const study::Progress& progress);
+  void held(const study::Job& job, const files::ClaimSight& claim);
 
   bool json_;
   bool line_;

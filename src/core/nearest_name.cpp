@@ -24,18 +24,29 @@ std::size_t edits_between(std::string_view from, std::string_view to) {
   return row.back();
 }
 
+constexpr std::size_t longest_compared = 64;
+
+bool is_near(std::string_view unknown, const std::string& name) {
+  return 2 * edits_between(unknown, name) <= name.size();
+}
+
 }  // namespace
 
+std::optional<std::string> nearest_name(std::string_view unknown, std::span<const std::string> names) {
+  unknown = unknown.substr(0, longest_compared);
+  const auto nearest = std::ranges::min_element(
+      names, {}, [unknown](const std::string& name) { return edits_between(unknown, name); });
+  return nearest != names.end() && is_near(unknown, *nearest) ? std::optional(*nearest) : std::nullopt;
+}
+
 std::string advice_on_name(std::string_view unknown, std::span<const std::string> names) {
-  constexpr std::size_t longest_compared = 64;
   unknown = unknown.substr(0, longest_compared);
   std::vector<std::string> sorted(names.begin(), names.end());
   std::stable_sort(sorted.begin(), sorted.end(), [&](const std::string& a, const std::string& b) {
     return edits_between(unknown, a) < edits_between(unknown, b);
   });
   const std::string& nearest = sorted.front();
-  const bool is_near = 2 * edits_between(unknown, nearest) <= nearest.size();
-  std::string advice = is_near ? "did you mean \"" + nearest + "\"? one of: " : "one of: ";
+  std::string advice = is_near(unknown, nearest) ? "did you mean \"" + nearest + "\"? one of: " : "one of: ";
   for (const std::string& name : sorted) advice += (&name == &nearest ? "" : ", ") + name;
   return advice;
 }

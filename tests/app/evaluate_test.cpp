@@ -257,6 +257,118 @@ TEST_F(EvaluateTest, NamesADamagedResult) {
   }
 }
 
+TEST_F(EvaluateTest, ListsTheJobsOfAStudyAndWhereTheyStand) {
+  record_sessions();
+  const Outcome before = run(small_study + " --list-jobs");
+  ASSERT_EQ(before.code, 0) << before.err;
+  EXPECT_THAT(before.out, testing::MatchesRegex("(garden_acq-0[12]_nf3_nr3_(fusion|thermal)_paper_seed1_"
+                                                "[0-9a-f]{12}  open\n){4}"));
+  EXPECT_FALSE(fs::exists(folder() / "study"));
+  const std::string id = before.out.substr(0, before.out.find(' '));
+  ASSERT_EQ(run(small_study + " --job " + id).code, 0);
+  EXPECT_THAT(results(), testing::ElementsAre(id + ".json"));
+  std::vector<nlohmann::json> lines = run(small_study + " --list-jobs --json").lines();
+  ASSERT_EQ(lines.size(), 5U);
+  EXPECT_EQ(lines[0].at("id"), id);
+  EXPECT_EQ(lines[0].at("state"), "done");
+  EXPECT_EQ(lines[1].at("state"), "open");
+  EXPECT_EQ(lines[4].at("done"), 1);
+  EXPECT_EQ(lines[4].at("open"), 3);
+}
+
+TEST_F(EvaluateTest, NamesWhoHoldsAJob) {
+  record_sessions();
+  const pid_t process = start({"evaluate", "--study", "recordings", "-o", "study", "--nf", "3", "--nr", "3",
+                               "--reference-seeds", "1", "--epochs", "10000", "--jobs", "1"});
+  const std::string list =
+      "evaluate --study recordings -o study --nf 3 --nr 3 --reference-seeds 1 --epochs 10000 --list-jobs";
+  std::string seen;
+  for (int look = 0; look < 500 && seen.find("claimed") == std::string::npos; ++look) seen = run(list).out;
+  EXPECT_THAT(seen, testing::ContainsRegex("  claimed  [A-Za-z0-9._-]+, process " + std::to_string(process) +
+                                           ", since [0-9]{4}-[0-9]{2}-[0-9]{2}T"));
+  const nlohmann::json told = run(list + " --json").lines().front();
+  EXPECT_EQ(told.at("state"), "claimed");
+  EXPECT_EQ(told.at("holder").at("process"), process);
+  ::kill(process, SIGKILL);
+  wait(process);
+  EXPECT_THAT(run(list).out, Not(HasSubstr("claimed")));  // its process is no more
+}
+
+TEST_F(EvaluateTest, DrawsPartsOnlyOnceTheyAreAllThere) {
+  record_sessions();
+  const std::string draw =
+      "evaluate --study recordings --draw study --require-complete --nf 3 --nr 3 "
+      "--reference-seeds 1 --epochs 1";
+  for (const std::string& part : {std::string("1/3"), std::string("3/3")}) {
+    const Outcome outcome = run(small_study + " --shard " + part);
+    ASSERT_EQ(outcome.code, 0) << outcome.err;
+    EXPECT_THAT(outcome.out, HasSubstr("thermorig evaluate --draw study"));
+    const Outcome refused = run(draw);
+    EXPECT_EQ(refused.code, 9);
+    EXPECT_THAT(refused.out, testing::ContainsRegex("garden_acq-0._nf3_nr3_.*_seed1_.*  open\n"));
+    EXPECT_THAT(refused.err, HasSubstr("of the study's 4 results are missing, 0 of them claimed"));
+  }
+  EXPECT_EQ(results().size(), 3U);
+  EXPECT_FALSE(fs::exists(folder() / "study/report.md"));
+  EXPECT_EQ(run(draw + " --json").lines().front().at("state"), "open");
+  ASSERT_EQ(run(small_study + " --shard 2/3 --json").code, 0);
+  ASSERT_EQ(run(draw).code, 0);
+  const std::string drawn = file_text(folder() / "study/report.md");
+  ASSERT_EQ(run(small_study).code, 0);
+  EXPECT_EQ(file_text(folder() / "study/report.md"), drawn);
+}
+
+TEST_F(EvaluateTest, SharesAStudyWithAnotherProgram) {
+  record_sessions();
+  const pid_t first = start_study(1, "3");
+  const Outcome second =
+      run("evaluate --study recordings -o study --nf 3 --nr 3 --reference-seeds 1,2,3,4,5 --epochs 3 --json");
+  for (const Outcome& outcome : {wait(first), second}) {
+    EXPECT_EQ(outcome.code, 0) << outcome.err;
+    EXPECT_EQ(outcome.lines().back().at("results"), 20);
+  }
+  EXPECT_EQ(results().size(), 20U);
+  for (const auto& entry : fs::directory_iterator(folder() / "study/results"))
+    EXPECT_EQ(entry.path().extension(), ".json");
+}
+
+TEST_F(EvaluateTest, NamesTheInstructionSetsOfAStudyThatMixesThem) {
+  record_sessions();
+  const Outcome outcome = run(small_study);
+  ASSERT_EQ(outcome.code, 0) << outcome.err;
+  EXPECT_THAT(outcome.out, Not(HasSubstr("computed with")));
+  const fs::path file = folder() / "study/results" / *results().begin();
+  nlohmann::json result = nlohmann::json::parse(file_text(file));
+  result["instruction_set"] = "another";
+  std::ofstream(file) << result;
+  EXPECT_THAT(run("evaluate --draw study").out,
+              testing::ContainsRegex("computed with .+ \\(3 results\\), another \\(1 result\\)"));
+}
+
+TEST_F(EvaluateTest, RefusesPartsThatAStudyHasNot) {
+  record_sessions();
+  const Outcome listed = run(small_study + " --list-jobs");
+  std::string id = listed.out.substr(0, listed.out.find(' '));
+  id.back() = id.back() == '0' ? '1' : '0';
+  const Outcome unknown = run(small_study + " --job " + id);
+  EXPECT_EQ(unknown.code, 2);
+  EXPECT_THAT(unknown.err, HasSubstr(id + ": the study has no such job"));
+  EXPECT_THAT(unknown.err, HasSubstr("did you mean \"" + id.substr(0, id.size() - 1)));
+  for (const char* const shard : {"0/4", "5/4", "4", "x/4"}) {
+    const Outcome outcome = run(small_study + " --shard " + shard);
+    EXPECT_EQ(outcome.code, 2) << shard;
+    EXPECT_THAT(outcome.err, HasSubstr("--array=1-8")) << shard;
+  }
+  EXPECT_EQ(run(small_study + " --shard 1/2 --list-jobs").code, 2);
+  EXPECT_EQ(run(small_study + " --shard 1/2 --job x").code, 2);
+  EXPECT_EQ(run(small_study + " --shard 1/2 --draw study").code, 2);
+  EXPECT_EQ(run("evaluate --study recordings --list-jobs").code, 2);
+  EXPECT_EQ(run("evaluate recordings --list-jobs -o study").code, 2);
+  EXPECT_EQ(run("evaluate --draw study --require-complete").code, 2);
+  EXPECT_EQ(run(small_study + " --require-complete").code, 2);
+  EXPECT_FALSE(fs::exists(folder() / "study"));
+}
+
 TEST_F(EvaluateTest, RefusesWhatItCannotDo) {
   record_sessions();
   std::ofstream(folder() / "bad.onnx") << "no model";

@@ -184,6 +184,17 @@ TEST_F(Train, GoesOnAfterKillAsIfNothingHadHappened) {
   EXPECT_TRUE(fs::exists(at("model.onnx")));
 }
 
+TEST_F(Train, SaysWhoTrainsInTheFolderAlready) {
+  const pid_t process = start_long("model");
+  const Outcome refused =
+      run("train recordings --nf 2 --nr 3 --epochs 5000 --threads 2 -o model.onnx --resume");
+  EXPECT_EQ(refused.code, 6);
+  EXPECT_THAT(refused.err, AllOf(HasSubstr("process " + std::to_string(process) + ", since 20"),
+                                 HasSubstr("trains in this folder"), HasSubstr("--run-folder")));
+  kill(process, SIGINT);
+  EXPECT_EQ(wait(process).code, 130);
+}
+
 TEST_F(Train, SaysWhenTheGateHasCollapsed) {
   // To the letter, on few windows whose gyro is good: nothing teaches the images.
   const Outcome outcome = run(network + "--preset paper --epochs 20 --rate 0.01 -o model.onnx");

@@ -7,12 +7,14 @@
 #include <unistd.h>
 
 #include <csignal>
+#include <fstream>
 #include <functional>
 #include <iterator>
 
 #include "session/temporary_folder.h"
 #include "support/file_text.h"
 #include "thermorig/core/error.h"
+#include "thermorig/io/files/process.h"
 
 namespace thermorig::files {
 namespace {
@@ -101,6 +103,40 @@ TEST_F(PartFileName, DoesNotTakeANameThatIsThere) {
             }),
             "7: cannot name the model: File exists");
   EXPECT_EQ(tests::file_text(file), "old");
+  EXPECT_EQ(entries_in(folder_), 1U);
+}
+
+TEST_F(WholeFile, IsWrittenOnceByThoseWhoLeaveTheFirst) {
+  const fs::path file = folder_ / "a.bin";
+  EXPECT_TRUE(write_whole_if_free(file, "first", "the result"));
+  EXPECT_FALSE(write_whole_if_free(file, "second", "the result"));
+  EXPECT_EQ(tests::file_text(file), "first");
+  EXPECT_EQ(entries_in(folder_), 1U);
+  EXPECT_EQ(refusal_of([&] { write_whole_if_free(folder_ / "none" / "a.bin", "x", "the result"); }),
+            "7: cannot create the result: No such file or directory");
+}
+
+TEST_F(PartFileName, SaysWhoseItIs) {
+  const fs::path file = folder_ / "a.bin";
+  const std::string host = this_process().host, path = file.string();
+  EXPECT_EQ(part_path_of(file), path + "." + host + "." + std::to_string(::getpid()) + ".part");
+  EXPECT_EQ(process_of_part(part_path_of(file), file), static_cast<std::uint64_t>(::getpid()));
+  EXPECT_EQ(process_of_part(path + ".77.part", file), 77U);  // before hosts stood in names
+  for (const std::string& other :
+       {path, path + ".part", path + "..part", path + ".x77.part", path + ".77x.part", path + ".77.",
+        path + ".77", path + ".another-host.77.part", path + "." + host + ".part",
+        path + "." + host + "..part", path + ".-77.part", path + ".99999999999999999999.part",
+        (folder_ / "b.bin.77.part").string()})
+    EXPECT_EQ(process_of_part(other, file), std::nullopt) << other;
+}
+
+TEST_F(PartFileName, IsNotTakenFromAProgramThatWritesIt) {
+  const fs::path file = folder_ / "a.bin";
+  const PartFile part(file, "the model");
+  EXPECT_FALSE(remove_unless_held(part_path_of(file)));
+  EXPECT_FALSE(remove_unless_held(folder_ / "none"));
+  std::ofstream(folder_ / "left.part") << "x";
+  EXPECT_TRUE(remove_unless_held(folder_ / "left.part"));
   EXPECT_EQ(entries_in(folder_), 1U);
 }
 

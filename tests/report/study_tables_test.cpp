@@ -57,6 +57,16 @@ TEST(StudyTables, CallDataSimulatedOnlyWhereTheyAre) {
   EXPECT_THAT(text, HasSubstr("ours, real data: median fusion"));
 }
 
+TEST(StudyTables, NameEachInstructionSetOfAMixture) {
+  auto results = made_study();
+  EXPECT_THAT(report::study_markdown(results), HasSubstr("| instruction set | avx2 |"));
+  EXPECT_THAT(report::study_markdown(results), Not(HasSubstr("more than one instruction set")));
+  results[3].instruction_set = "avx512";
+  const std::string text = report::study_markdown(results);
+  EXPECT_THAT(text, HasSubstr("| avx2 (107 results), avx512 (1 result) |"));
+  EXPECT_THAT(text, HasSubstr("more than one instruction set"));
+}
+
 TEST(StudyTables, TakeThermalOnlyFromItsOwnNetwork) {
   // The fused network's own thermal head is ten times worse in these results.
   const std::string text = report::study_markdown(made_study());

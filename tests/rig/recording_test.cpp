@@ -10,6 +10,7 @@
 #include <iterator>
 
 #include "simulated_bus.h"
+#include "thermorig/io/files/process.h"
 #include "thermorig/rig/recording/finalise.h"
 #include "thermorig/storage/journal/journal.h"
 
@@ -314,16 +315,20 @@ TEST(Recovery, RemovesWhatAKilledProgramLeftOfTheSession) {
   const auto journal = killed_journal(folder);
   const std::string session = session_of(journal).string();
   constexpr int never_a_process = 1 << 30;  // beyond the most that the kernel gives (2^22)
-  const std::filesystem::path abandoned = session + "." + std::to_string(never_a_process) + ".part";
+  const std::string number = "." + std::to_string(never_a_process) + ".part";
+  const std::filesystem::path before_hosts = session + number;
+  const std::filesystem::path abandoned = session + "." + files::this_process().host + number;
+  const std::filesystem::path elsewhere = session + ".another-host" + number;
   const std::filesystem::path ours = session + "." + std::to_string(::getpid()) + ".1.part";
   const std::filesystem::path alive = session + ".1.part";
   const std::filesystem::path other = folder.path() / "kitchen" / "notes.part";
-  for (const auto& path : {abandoned, ours, alive, other}) std::ofstream(path) << "part";
+  for (const auto& path : {before_hosts, abandoned, elsewhere, ours, alive, other})
+    std::ofstream(path) << "part";
   const auto results = recover(folder.path());
   ASSERT_EQ(results.size(), 1U);
-  EXPECT_EQ(results[0].removed, std::vector{abandoned});
-  EXPECT_FALSE(std::filesystem::exists(abandoned));
-  for (const auto& path : {ours, alive, other}) EXPECT_TRUE(std::filesystem::exists(path)) << path;
+  EXPECT_THAT(results[0].removed, testing::UnorderedElementsAre(before_hosts, abandoned));
+  for (const auto& path : {before_hosts, abandoned}) EXPECT_FALSE(std::filesystem::exists(path)) << path;
+  for (const auto& path : {elsewhere, ours, alive, other}) EXPECT_TRUE(std::filesystem::exists(path)) << path;
 }
 
 TEST(Recovery, LeavesAJournalAloneThatIsBeingWritten) {

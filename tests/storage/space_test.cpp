@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <cerrno>
@@ -393,7 +392,7 @@ TEST(SyncOfEachFrame, KeepsThePeriodWhileNoFramesCome) {
 TEST(PartFile, OfAKilledProgramOfTheSameNumberIsInNobodysWay) {
   MemoryDisk disk = new_disk();
   disk.make_folder("/rec");
-  const std::string left = "/rec/x.h5." + std::to_string(::getpid()) + ".part";
+  const std::string left = files::part_path_of("/rec/x.h5");
   disk.close(disk.create(left, 0644).value);
   files::PartFile part("/rec/x.h5", "the session", files::usual_advice, disk);
   EXPECT_THROW(files::PartFile("/rec/x.h5", "the session", files::usual_advice, disk), Error);  // is written

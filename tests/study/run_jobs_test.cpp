@@ -3,75 +3,18 @@
 #include <gtest/gtest.h>
 #include <signal.h>
 #include <sys/wait.h>
-#include <unistd.h>
 
 #include <cmath>
 #include <fstream>
-#include <map>
 
-#include "support/synthetic_acquisitions.h"
-#include "thermorig/core/error.h"
-#include "thermorig/learning/study/study.h"
+#include "small_study.h"
 
 namespace thermorig::study {
 namespace {
 
 namespace fs = std::filesystem;
 
-class RunJobs : public ::testing::Test {
- protected:
-  RunJobs() {
-    std::string name = (fs::temp_directory_path() / "thermorig-study-XXXXXX").string();
-    if (mkdtemp(name.data()) == nullptr) std::abort();
-    folder_ = name;
-    config_.frames = {2, 3};
-    config_.reductions = {3};
-    config_.reference_reduction = 3;
-    config_.reference_seeds = {1};
-    config_.epochs = 1;
-  }
-  ~RunJobs() override {
-    std::error_code ignored;
-    fs::remove_all(folder_, ignored);
-  }
-
-  std::vector<Job> jobs() const { return jobs_of(config_, acquisitions_); }
-
-  /// Runs them all; how many had a result before.
-  std::size_t reused(const fs::path& folder, int workers = 1) const {
-    Progress last;
-    RunObserver observer;
-    observer.started = observer.job_done = [&](const Progress& progress) { last = progress; };
-    EXPECT_TRUE(run_jobs(jobs(), acquisitions_, folder, workers, observer));
-    EXPECT_EQ(last.done, jobs().size());
-    EXPECT_EQ(last.all, jobs().size());
-    return last.reused;
-  }
-
-  /// File names to results without the time they took.
-  static std::map<std::string, std::string> timeless(const fs::path& folder) {
-    std::map<std::string, std::string> texts;
-    for (JobResult& result : read_results(folder)) {
-      result.seconds = 0.0;
-      texts[file_name_of(result.job)] = to_json(result);
-    }
-    return texts;
-  }
-
-  Error refusal(int workers = 1) const {
-    try {
-      run_jobs(jobs(), acquisitions_, folder_, workers);
-    } catch (const Error& error) {
-      return error;
-    }
-    return {ExitCode::ok, "", "", ""};
-  }
-
-  fs::path folder_;
-  StudyConfig config_;
-  std::vector<network::Acquisition> acquisitions_ = synthetic::make_acquisitions(
-      {"garden", "laboratory"}, 2, 1, {.rates_dps = {-100.0F, 100.0F}, .frames_per_leg = 12});
-};
+class RunJobs : public SmallStudy {};
 
 TEST_F(RunJobs, AreRefusedAFolderWithResultsOfAnotherLabel) {
   config_.frames = {2};
@@ -158,10 +101,16 @@ TEST_F(RunJobs, GoOnAfterAKillWithoutRepeatingAJob) {
 }
 
 TEST_F(RunJobs, RemoveWhatAKilledRunLeftHalfWritten) {
-  const fs::path part = folder_ / (file_name_of(jobs().front()) + ".4711.part");
-  std::ofstream(part) << "{\"format\":";
+  const fs::path result = folder_ / file_name_of(jobs().front());
+  const std::string never_a_process = std::to_string(1 << 30);  // beyond the most that the kernel gives
+  const fs::path before_hosts = result.string() + "." + never_a_process + ".part";
+  const fs::path ours = result.string() + "." + files::this_process().host + "." + never_a_process + ".part";
+  const fs::path alive = result.string() + "." + files::this_process().host + ".1.part";
+  const fs::path elsewhere = result.string() + ".another-host." + never_a_process + ".part";
+  for (const fs::path& part : {before_hosts, ours, alive, elsewhere}) std::ofstream(part) << "{\"format\":";
   EXPECT_EQ(reused(folder_), 0U);
-  EXPECT_FALSE(fs::exists(part));
+  for (const fs::path& part : {before_hosts, ours}) EXPECT_FALSE(fs::exists(part)) << part;
+  for (const fs::path& part : {alive, elsewhere}) EXPECT_TRUE(fs::exists(part)) << part;
 }
 
 TEST_F(RunJobs, DoNotTakeResultsOfOtherJobs) {
@@ -192,14 +141,6 @@ TEST_F(RunJobs, NameAResultThatHoldsAnotherJob) {
   fs::copy_file(folder_ / file_name_of(all[0]), folder_ / file_name_of(all[1]),
                 fs::copy_options::overwrite_existing);
   EXPECT_EQ(refusal().where(), (folder_ / file_name_of(all[1])).string());
-}
-
-TEST_F(RunJobs, HaveTheFolderForThemselves) {
-  RunObserver observer;
-  ExitCode code = ExitCode::ok;
-  observer.started = [&](const Progress&) { code = refusal().code(); };
-  run_jobs(jobs(), acquisitions_, folder_, 1, observer);
-  EXPECT_EQ(code, ExitCode::no_permission);
 }
 
 TEST_F(RunJobs, SayWhenTheFolderCannotBeMade) {

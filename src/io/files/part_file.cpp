@@ -5,10 +5,12 @@
 #include <unistd.h>
 
 #include <cerrno>
+#include <charconv>
 #include <cstring>
 #include <utility>
 
 #include "thermorig/core/error.h"
+#include "thermorig/io/files/process.h"
 
 namespace thermorig::files {
 
@@ -33,26 +35,45 @@ std::string usual_advice(int error_number) {
   }
 }
 
+std::filesystem::path part_path_of(const std::filesystem::path& path) {
+  return fmt::format("{}.{}.{}.part", path.string(), this_process().host, ::getpid());
+}
+
+std::optional<std::uint64_t> process_of_part(const std::filesystem::path& part,
+                                             const std::filesystem::path& path) {
+  constexpr std::string_view end = ".part";
+  const std::string name = part.filename().string(), stem = path.filename().string() + ".";
+  if (!name.starts_with(stem) || !name.ends_with(end) || name.size() <= stem.size() + end.size())
+    return std::nullopt;
+  std::string_view digits(name.data() + stem.size(), name.size() - stem.size() - end.size());
+  const std::string host = this_process().host + ".";
+  if (digits.starts_with(host)) digits.remove_prefix(host.size());
+  std::uint64_t process = 0;
+  const auto [at, error] = std::from_chars(digits.data(), digits.data() + digits.size(), process);
+  if (error != std::errc() || at != digits.data() + digits.size()) return std::nullopt;
+  return process;
+}
+
+bool remove_unless_held(const std::filesystem::path& part, Disk& disk) {
+  const auto opened = disk.open_to_lock(part);
+  if (!opened.good()) return false;
+  const ClosedOnExit file(disk, opened.value);
+  return disk.size(file.get()).good() && disk.lock(file.get(), Disk::Wait::no) == 0 && disk.remove(part) == 0;
+}
+
 PartFile::PartFile(std::filesystem::path path, std::string noun, Advice advice, Disk& disk)
     : disk_(disk),
       path_(std::move(path)),
-      part_path_(fmt::format("{}.{}.part", path_.string(), ::getpid())),
+      part_path_(part_path_of(path_)),
       noun_(std::move(noun)),
       advice_(advice) {
   auto created = disk_.create(part_path_, 0644);
-  if (created.error_number == EEXIST && remove_abandoned()) created = disk_.create(part_path_, 0644);
+  // Of a program of our process number that was killed: in a container it is often the same.
+  if (created.error_number == EEXIST && remove_unless_held(part_path_, disk_))
+    created = disk_.create(part_path_, 0644);
   if (!created.good()) refuse("cannot create " + noun_, created.error_number, part_path_);
   file_ = created.value;
   disk_.lock(file_, Disk::Wait::no);  // tells the next of this number that it is being written
-}
-
-/// Of a program of our process number that was killed: in a container it is often the same.
-bool PartFile::remove_abandoned() {
-  const auto opened = disk_.open_to_lock(part_path_);
-  if (!opened.good()) return false;
-  const ClosedOnExit file(disk_, opened.value);
-  return disk_.size(file.get()).good() && disk_.lock(file.get(), Disk::Wait::no) == 0 &&
-         disk_.remove(part_path_) == 0;
 }
 
 PartFile::~PartFile() {
@@ -109,15 +130,28 @@ int PartFile::rename_to_new() {
   return linked;
 }
 
-void PartFile::publish(bool overwrite) {
+/// The error of naming it, 0 for none. Whatever else fails is refused.
+int PartFile::name_it(bool overwrite) {
   if (!is_whole_) refuse("cannot name " + noun_, EIO, path_);  // a later sync that succeeds proves nothing
   const int closed = disk_.close(std::exchange(file_, OpenFile::none));
   if (closed != 0) refuse("cannot close " + noun_, closed, part_path_);
   const int named = overwrite ? disk_.rename(part_path_, path_) : rename_to_new();
-  if (named != 0) refuse("cannot name " + noun_, named, path_);
+  if (named != 0) return named;
   published_ = true;
   const int synced = disk_.sync_folder(folder_of(path_));
   if (synced != 0) refuse("cannot sync the folder", synced, folder_of(path_));
+  return 0;
+}
+
+void PartFile::publish(bool overwrite) {
+  const int named = name_it(overwrite);
+  if (named != 0) refuse("cannot name " + noun_, named, path_);
+}
+
+bool PartFile::publish_if_free() {
+  const int named = name_it(false);
+  if (named != 0 && named != EEXIST) refuse("cannot name " + noun_, named, path_);
+  return named == 0;
 }
 
 }  // namespace thermorig::files

@@ -82,6 +82,14 @@ void write_whole(const std::filesystem::path& path, std::string_view bytes, cons
   part.publish(true);
 }
 
+bool write_whole_if_free(const std::filesystem::path& path, std::string_view bytes, const std::string& noun,
+                         Advice advice) {
+  PartFile part(path, noun, advice);
+  part.write(std::as_bytes(std::span(bytes)));
+  part.sync();
+  return part.publish_if_free();
+}
+
 std::vector<std::uint8_t> read_whole(const std::filesystem::path& path, std::size_t bytes_max,
                                      const std::string& noun) {
   const SourceFile file(path, noun);

@@ -3,19 +3,12 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
-#include <set>
 
 #include "sections.h"
 #include "text.h"
 
 namespace thermorig::report {
 namespace {
-
-std::string instruction_sets(const StudyView& view) {
-  std::set<std::string> sets;
-  for (const auto& result : view.results) sets.insert(result.instruction_set);
-  return fmt::format("{}", fmt::join(sets, ", "));
-}
 
 std::string hours_text(const StudyView& view) {
   double seconds = 0.0;
@@ -61,6 +54,13 @@ Paragraph unit(const StudyView& view) {
                   view.label_scale_dps, 0.1 * view.label_scale_dps)};
 }
 
+Paragraph mixture() {
+  return {
+      "The results were computed with kernels of more than one instruction set. These round differently, "
+      "which moves a fold by less than another seed does. Which result is of which stands in the result "
+      "files and in report.json."};
+}
+
 }  // namespace
 
 Section overview_section(const StudyView& view) {
@@ -77,12 +77,14 @@ Section overview_section(const StudyView& view) {
       {"valid frames in a row at every window's end", std::to_string(view.history)},
       {"seeds", fmt::format("{}", fmt::join(view.seeds, ", "))},
       {"seed of the tables", std::to_string(view.table_seed)},
-      {"instruction set", clean(instruction_sets(view))},
+      {"instruction set", clean(study::instruction_sets_of(view.results))},
       {"time of all jobs, added up", hours_text(view)},
       {"data hash", clean(view.data_hash)},
   };
   std::erase_if(table.rows, [](const auto& row) { return row[1].empty(); });
-  return {"What was run", {completeness(view), unit(view), table}};
+  Section section{"What was run", {completeness(view), unit(view), table}};
+  if (study::mixes_instruction_sets(view.results)) section.blocks.push_back(mixture());
+  return section;
 }
 
 }  // namespace thermorig::report

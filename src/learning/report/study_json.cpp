@@ -29,6 +29,7 @@ json setting_json(const StudyView& view, const study::SettingSummary& summary) {
   json folds = json::array();
   for (const study::JobResult* result : view.jobs(setting, summary.fusion, summary.seed)) {
     folds.push_back({{"test", result->job.test},
+                     {"instruction_set", result->instruction_set},
                      {"errors", errors_json(result->evaluation.errors)},
                      {"shaft_errors", errors_json(result->evaluation.shaft_errors)},
                      {"gain", gain_json(result->evaluation.gain)}});

@@ -2,11 +2,14 @@
 #include "result_file.h"
 
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include <algorithm>
 
 #include "fingerprint.h"
 #include "thermorig/core/error.h"
+#include "thermorig/io/files/part_file.h"
+#include "thermorig/io/files/process.h"
 #include "thermorig/io/files/whole_file.h"
 
 namespace thermorig::study {
@@ -17,6 +20,7 @@ namespace fs = std::filesystem;
 
 constexpr std::size_t max_file_bytes = 4'000'000;  // a result has below 20 kB
 const std::string noun = "the result";
+constexpr std::string_view result_extension = ".json";
 
 /// Only letters, digits, '-' and '_': a name in a session must not lead out of the folder.
 std::string safe_name(const std::string& text) {
@@ -41,6 +45,14 @@ std::string text_of(const Job& job) {
                      job.test, job.test_hash, job.data_hash, label);
 }
 
+/// Is it a result that a process of this machine had half written when it ended?
+bool is_abandoned_part(const std::string& name) {
+  const std::size_t end = name.find(result_extension);
+  if (end == std::string::npos) return false;
+  const auto process = files::process_of_part(name, name.substr(0, end + result_extension.size()));
+  return process && (files::is_unused(*process) || *process == static_cast<std::uint64_t>(::getpid()));
+}
+
 }  // namespace
 
 std::string file_name_of(const Job& job) {
@@ -50,7 +62,15 @@ std::string file_name_of(const Job& job) {
                      fingerprint_of(text_of(job)).substr(0, digits));
 }
 
+std::string id_of(const Job& job) {
+  return fs::path(file_name_of(job)).stem();
+}
+
 void write_result(const fs::path& folder, const JobResult& result) {
+  files::write_whole_if_free(folder / file_name_of(result.job), to_json(result), noun);
+}
+
+void replace_result(const fs::path& folder, const JobResult& result) {
   files::write_whole(folder / file_name_of(result.job), to_json(result), noun);
 }
 
@@ -81,11 +101,20 @@ std::vector<fs::path> result_files(const fs::path& folder) {
   return files;
 }
 
-void remove_parts(const fs::path& folder) {
+void make_results_folder(const fs::path& folder) {
+  std::error_code failure;
+  fs::create_directories(folder, failure);
+  if (!failure) return;
+  throw Error(ExitCode::storage, "cannot make the folder of results: " + failure.message(), folder.string(),
+              "choose another folder with --output");
+}
+
+void remove_litter(const fs::path& folder) {
   std::error_code ignored;  // what cannot be removed is in nobody's way
+  for (const fs::path& name : files::claimed_names(folder))
+    if (fs::exists(fs::path(name) += result_extension, ignored)) files::remove_claim(name);
   for (const fs::directory_entry& entry : fs::directory_iterator(folder, ignored))
-    if (entry.path().extension() == ".part" && entry.is_regular_file(ignored))
-      fs::remove(entry.path(), ignored);
+    if (is_abandoned_part(entry.path().filename())) files::remove_unless_held(entry.path());
 }
 
 }  // namespace thermorig::study

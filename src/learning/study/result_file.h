@@ -8,8 +8,12 @@
 
 namespace thermorig::study {
 
-/// Writes a result under its job's name, whole or not at all. Throws Error(storage).
+/// Writes a result under its job's name, whole or not at all, unless there is one: another program may have
+/// been faster, and the first stays. Throws Error(storage).
 void write_result(const std::filesystem::path& folder, const JobResult& result);
+
+/// The same over the one that is there.
+void replace_result(const std::filesystem::path& folder, const JobResult& result);
 
 /// Throws Error(not_a_session) for a damaged file.
 JobResult read_result(const std::filesystem::path& path);
@@ -20,7 +24,11 @@ std::optional<JobResult> find_result(const std::filesystem::path& folder, const 
 /// The files in the folder that hold results, sorted. Throws Error(bad_usage) if it cannot be read.
 std::vector<std::filesystem::path> result_files(const std::filesystem::path& folder);
 
-/// Removes what a killed program left half written. Nobody else may be writing: see FolderLock.
-void remove_parts(const std::filesystem::path& folder);
+/// Throws Error(storage).
+void make_results_folder(const std::filesystem::path& folder);
+
+/// Removes what programs left behind when they were killed: claims of jobs that have a result, and results
+/// that a program of this machine had half written.
+void remove_litter(const std::filesystem::path& folder);
 
 }  // namespace thermorig::study

@@ -5,8 +5,8 @@
 #include <cassert>
 #include <thread>
 
-#include "folder_lock.h"
 #include "job_board.h"
+#include "job_claims.h"
 #include "result_file.h"
 #include "thermorig/core/error.h"
 
@@ -17,22 +17,26 @@ namespace {
 namespace fs = std::filesystem;
 using network::Acquisition;
 
-training::Observer observer_of(JobBoard& board, std::size_t index) {
+training::Observer observer_of(JobBoard& board, const TakenJob& taken) {
   training::Observer observer;
-  observer.epoch = [&board, index](const training::EpochReport& epoch, const training::Checkpoint&) {
-    board.epoch_done(index, epoch.epoch);
+  observer.epoch = [&board, &taken](const training::EpochReport& epoch, const training::Checkpoint&) {
+    board.epoch_done(taken.index, epoch.epoch);
   };
-  observer.stop = [&board] { return board.stopping(); };
+  observer.stop = [&board, &taken] { return board.stopping() || taken.claim->is_taken_over(); };
   return observer;
 }
 
 void work(JobBoard& board, std::span<const Acquisition> acquisitions, const fs::path& folder) try {
-  while (const std::optional<std::size_t> index = board.take()) {
+  while (const std::optional<TakenJob> taken = board.take()) {
     const std::optional<JobResult> result =
-        run_job(board.job(*index), acquisitions, observer_of(board, *index));
-    if (!result) return;
+        run_job(board.job(taken->index), acquisitions, observer_of(board, *taken));
+    if (!result) {
+      board.lost(taken->index);
+      continue;
+    }
     write_result(folder, *result);
-    board.job_done(*index);
+    taken->claim->remove();
+    board.job_done(taken->index);
   }
 } catch (...) {
   board.failed(std::current_exception());
@@ -63,15 +67,14 @@ std::vector<Job> without_result(std::span<const Job> jobs, const fs::path& folde
 }  // namespace
 
 bool run_jobs(std::span<const Job> jobs, std::span<const Acquisition> acquisitions, const fs::path& folder,
-              int workers, const RunObserver& observer) {
+              int workers, const RunObserver& observer, const files::ClaimTiming& timing) {
   assert(workers >= 1);
-  const FolderLock lock(folder);
-  remove_parts(folder);
+  make_results_folder(folder);
+  remove_litter(folder);
   refuse_other_label(folder, jobs);
-  std::vector<Job> left = without_result(jobs, folder);
-  const std::size_t count = left.size();
-  const std::size_t threads = std::min(static_cast<std::size_t>(workers), count);
-  JobBoard board(std::move(left), jobs.size() - count, observer);
+  const std::vector<Job> left = without_result(jobs, folder);
+  const std::size_t threads = std::min(static_cast<std::size_t>(workers), left.size());
+  JobBoard board(left, jobs.size() - left.size(), folder, observer, timing);
   std::vector<std::jthread> team;
   for (std::size_t i = 0; i < threads; ++i) team.emplace_back([&] { work(board, acquisitions, folder); });
   team.clear();  // waits for them

@@ -16,6 +16,7 @@ namespace fs = std::filesystem;
 
 constexpr const char* description_name = "run.json";
 constexpr const char* checkpoint_name = "checkpoint.bin";
+constexpr const char* claim_name = "run";
 constexpr const char* metrics_name = "metrics.ndjson";
 constexpr std::size_t description_bytes_max = 4U << 20U;
 
@@ -50,7 +51,23 @@ std::string metrics_text(const Checkpoint& checkpoint, const TrainingConfig& con
   return text;
 }
 
+std::unique_ptr<files::BeatingClaim> claimed(const fs::path& folder, const files::ClaimTiming& timing) {
+  return std::make_unique<files::BeatingClaim>(
+      files::take_alone(folder / claim_name, "trains in this folder",
+                        "wait until it has ended, or another --run-folder without --resume", timing),
+      timing);
+}
+
 }  // namespace
+
+RunFolder::RunFolder(fs::path path, const TrainingConfig& config, const files::ClaimTiming& timing)
+    : path_(std::move(path)), config_(config), claim_(claimed(path_, timing)) {}
+
+/// A claim that was given up stays: whoever has seen it stale could otherwise take it beside the next one.
+RunFolder::~RunFolder() {
+  std::error_code hidden;
+  if (claim_ && fs::exists(model_path(), hidden)) claim_->remove();
+}
 
 RunFolder RunFolder::create(const fs::path& path, const RunDescription& description) {
   std::error_code hidden;
@@ -58,12 +75,13 @@ RunFolder RunFolder::create(const fs::path& path, const RunDescription& descript
     throw Error(ExitCode::bad_usage, "there is a run already", path.string(),
                 "--resume to go on with it, another --run-folder, or remove it");
   make_folder(path);
-  RunFolder folder(path, description.config);
+  RunFolder folder(path, description.config, {});
   files::write_whole(path / description_name, json_text(to_json(description), 2), "the run's description");
   return folder;
 }
 
-RunFolder RunFolder::reopen(const fs::path& path, const RunDescription& description) {
+RunFolder RunFolder::reopen(const fs::path& path, const RunDescription& description,
+                            const files::ClaimTiming& timing) {
   std::error_code hidden;
   if (!fs::exists(path / description_name, hidden))
     throw Error(ExitCode::bad_usage, "there is no run to go on with", path.string(),
@@ -73,7 +91,7 @@ RunFolder RunFolder::reopen(const fs::path& path, const RunDescription& descript
   if (!other.empty())
     throw Error(ExitCode::bad_usage, "the run was begun with something else: " + other, path.string(),
                 "the same arguments as then, or another --run-folder without --resume");
-  RunFolder folder(path, description.config);
+  RunFolder folder(path, description.config, timing);
   folder.read_checkpoint();
   return folder;
 }
@@ -93,6 +111,9 @@ double RunFolder::seconds() const {
 }
 
 void RunFolder::save(const Checkpoint& checkpoint, double seconds) {
+  if (claim_->is_taken_over())
+    throw Error(ExitCode::no_permission, "another program has taken this run over, as this one stood still",
+                path_.string(), "let that one go on");
   seconds_.resize(checkpoint.epochs.size(), seconds);
   Checkpoint timed = checkpoint;
   for (std::size_t i = 0; i < seconds_.size(); ++i) timed.epochs[i].seconds = seconds_[i];

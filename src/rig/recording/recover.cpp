@@ -1,10 +1,8 @@
 // SPDX-License-Identifier: MIT
-#include <signal.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <cerrno>
-#include <charconv>
 #include <cstring>
 #include <new>
 #include <optional>
@@ -12,6 +10,8 @@
 
 #include "file_lock.h"
 #include "thermorig/core/error.h"
+#include "thermorig/io/files/part_file.h"
+#include "thermorig/io/files/process.h"
 #include "thermorig/rig/recording/finalise.h"
 #include "thermorig/rig/recording/session_file.h"
 #include "thermorig/storage/journal/journal.h"
@@ -63,18 +63,12 @@ RecoveryResult already_there(const std::filesystem::path& source, const std::fil
   return describe(RecoveryKind::already_there, source, session, stored_session(session, disk), bytes_ignored);
 }
 
-/// Is it `<session>.<process>.part`, as a session is called while it is written, of a process that is no
-/// more? One of our own number is of a process before us, as we have none under way.
+/// Is it what a session is called while it is written, of a process that is no more? One of our own number is
+/// of a process before us, as we have none under way.
 bool is_abandoned_part(const std::filesystem::path& path, const std::filesystem::path& session) {
-  const std::string name = path.filename().string();
-  const std::string prefix = session.filename().string() + ".";
-  constexpr std::string_view suffix = ".part";
-  if (!name.starts_with(prefix) || !name.ends_with(suffix)) return false;
-  pid_t process = 0;
-  const char* const end = name.data() + name.size() - suffix.size();
-  const auto [at, error] = std::from_chars(name.data() + prefix.size(), end, process);
-  if (error != std::errc() || at != end || process <= 0) return false;
-  return process == ::getpid() || (::kill(process, 0) != 0 && errno == ESRCH);
+  const auto process = files::process_of_part(path, session);
+  if (!process) return false;
+  return *process == static_cast<std::uint64_t>(::getpid()) || files::is_unused(*process);
 }
 
 std::vector<files::FolderEntry> entries_of(const std::filesystem::path& folder, files::Disk& disk) {

@@ -2,7 +2,9 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <span>
 #include <string>
 
@@ -16,7 +18,19 @@ using Advice = std::string (*)(int error_number);
 /// "free some space or choose another disk", ...: for files that can be written again.
 std::string usual_advice(int error_number);
 
-/// `<path>.<process>.part`: a file that is only seen under its name once it is whole, and that goes with this
+/// What a file is called until it is whole: `<path>.<host>.<process>.part`, so that no two programs on
+/// machines that share a disk write the same one. This is the name of the calling one.
+std::filesystem::path part_path_of(const std::filesystem::path& path);
+
+/// Whose part of `path` a file of this name is, if it is one of this host: the number of its process. Before
+/// hosts stood in names they were `<path>.<process>.part`; those are taken for this host's.
+std::optional<std::uint64_t> process_of_part(const std::filesystem::path& part,
+                                             const std::filesystem::path& path);
+
+/// Removes a part that no program of this machine writes any more. Was it removed?
+bool remove_unless_held(const std::filesystem::path& part, Disk& disk = real_disk());
+
+/// A part as above: a file that is only seen under its name once it is whole, and that goes with this
 /// object otherwise. What a killed program left under that very name is removed. All members throw
 /// Error(storage) with `noun` in the sentence ("the model").
 class PartFile {
@@ -33,11 +47,13 @@ class PartFile {
   void sync();
   /// Gives it its name and syncs the folder. Without `overwrite` an existing name is refused.
   void publish(bool overwrite);
+  /// The same without `overwrite`, but false where the name is taken.
+  bool publish_if_free();
 
  private:
   [[noreturn]] void refuse(const std::string& action, int error_number,
                            const std::filesystem::path& where) const;
-  bool remove_abandoned();
+  int name_it(bool overwrite);
   int rename_to_new();
   int rename_unless_taken();
   std::uint64_t size() const;

@@ -13,6 +13,10 @@ namespace thermorig::files {
 void write_whole(const std::filesystem::path& path, std::string_view bytes, const std::string& noun,
                  Advice advice = usual_advice);
 
+/// The same, but never over another file: false, and nothing is written, where there is one.
+bool write_whole_if_free(const std::filesystem::path& path, std::string_view bytes, const std::string& noun,
+                         Advice advice = usual_advice);
+
 /// The bytes of a regular file of at most `bytes_max`. Throws Error(not_a_session), before anything is read,
 /// for what is missing, larger, a folder or a pipe.
 std::vector<std::uint8_t> read_whole(const std::filesystem::path& path, std::size_t bytes_max,

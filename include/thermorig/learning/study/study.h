@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "thermorig/io/files/claim.h"
 #include "thermorig/learning/study/evaluation.h"
 #include "thermorig/learning/training/training.h"
 
@@ -65,6 +66,9 @@ std::string description_of(const Job& job);
 /// differs.
 std::string file_name_of(const Job& job);
 
+/// What a job is called on the command line: its result's file name without ".json".
+std::string id_of(const Job& job);
+
 /// What a job leaves behind: one small file.
 struct JobResult {
   Job job;
@@ -96,7 +100,7 @@ std::optional<JobResult> run_job(const Job& job, std::span<const network::Acquis
 /// replaced whole: which may be stopped and run again; all else stays as it is. `acquisitions` are those that
 /// the results were made of. Nothing is written if one of them cannot be renewed. Throws as read_results(),
 /// Error(bad_usage) if the acquisitions are others or have other windows than a result, and
-/// Error(no_permission) while a study runs there.
+/// Error(no_permission), with who it is, while a program runs jobs there.
 struct RenewedBaselines {
   std::size_t results = 0;  // that there are
   std::size_t changed = 0;  // that say something else now
@@ -118,16 +122,33 @@ struct RunObserver {
   std::function<void(const Progress&)> started;     // once, when it is known what is left
   std::function<void(const Progress&)> epoch_done;  // of any job
   std::function<void(const Progress&)> job_done;
+  /// A job that another program holds, while nothing else is left to be done; once for each claim.
+  std::function<void(const Job&, const files::ClaimSight&)> held;
   std::function<bool()> stop;  // true: running jobs are given up, finished ones stay; asked by all workers
 };
 
-/// Runs the jobs that have no result in `folder` yet, `workers` at a time, one thread each. A result is
-/// written to another name, synced and renamed: it is there whole or not at all, and a job that has one is
-/// never run again. Returns false if it was stopped. Throws Error(not_a_session) for a damaged result before
-/// anything is trained, Error(bad_usage) where the folder has results of another label, Error(storage) where
-/// results cannot be written, Error(no_permission) while another program runs a study in the same folder.
+/// Runs the jobs that have no result in `folder` yet, `workers` at a time, one thread each, and shares them
+/// with all programs that do the same, on this machine and others: each job is claimed (files/claim.h), and
+/// what another holds is waited for, or taken over once it is stale. A result is written to another name,
+/// synced and renamed: it is there whole or not at all, is never replaced, and a job that has one is not run
+/// again. Returns false if it was stopped; true: all these jobs have a result. Throws Error(not_a_session)
+/// for a damaged result before anything is trained, Error(bad_usage) where the folder has results of another
+/// label, Error(storage) where results cannot be written.
 bool run_jobs(std::span<const Job> jobs, std::span<const network::Acquisition> acquisitions,
-              const std::filesystem::path& folder, int workers, const RunObserver& observer = {});
+              const std::filesystem::path& folder, int workers, const RunObserver& observer = {},
+              const files::ClaimTiming& timing = {});
+
+enum class JobState : std::uint8_t { open, claimed, done };
+
+/// Where a job stands, as its folder shows it. A claim of this machine whose process has ended counts as
+/// open; whether one of another machine is stale shows only to a program that waits for it.
+struct JobStanding {
+  JobState state = JobState::open;
+  files::ClaimSight claim;  // of a job that is claimed
+};
+
+/// One for each job. Throws Error(not_a_session) for a damaged result.
+std::vector<JobStanding> standings_of(std::span<const Job> jobs, const std::filesystem::path& folder);
 
 /// The results in a folder (*.json), sorted by file name. Throws Error(not_a_session) for a file that is
 /// damaged, Error(bad_usage) for a folder without any, and for results of different data.
@@ -140,6 +161,13 @@ std::vector<JobResult> results_of(std::span<const Job> jobs, const std::filesyst
 /// Error(not_a_session) for what is no result: the text is hostile.
 std::string to_json(const JobResult& result);
 JobResult result_from_json(const std::string& text, const std::string& where);
+
+/// Whose kernels results were computed with: "AVX2", or of several "AVX-512 (72 results), AVX2 (12 results)",
+/// the most first. Kernels of different instruction sets round differently.
+std::string instruction_sets_of(std::span<const JobResult> results);
+
+/// Were they computed with more than one?
+bool mixes_instruction_sets(std::span<const JobResult> results);
 
 /// One row of a table: all folds of one setting and seed. Results that differ in anything else of their job
 /// but the fold (epochs, history, engine, data) never share a row.

@@ -2,10 +2,12 @@
 #pragma once
 
 #include <filesystem>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "thermorig/io/files/claim.h"
 #include "thermorig/learning/training/training.h"
 
 namespace thermorig::training {
@@ -22,16 +24,23 @@ struct RunDescription {
 
 /// A folder that a training fills while it runs: `run.json` (settings, seed, data hashes, instruction set),
 /// `metrics.ndjson` (a line an epoch), `checkpoint.bin`, at the end `model.onnx`. Every file is whole at any
-/// time: written to a temporary name, synced, renamed.
+/// time: written to a temporary name, synced, renamed. One program at a time, of all machines that share the
+/// disk, has it: `run.claim.N` (files/claim.h) says which.
 class RunFolder {
  public:
   /// A new folder. Throws Error(bad_usage) if there is something at `path`, Error(storage) if it cannot be
-  /// written.
+  /// written, Error(no_permission) if another program makes the same.
   static RunFolder create(const std::filesystem::path& path, const RunDescription& description);
 
   /// The folder of a run that was interrupted. Throws Error(bad_usage) if there is none or if it was made
-  /// with other settings or data, saying which; Error(not_a_session) if it is damaged.
-  static RunFolder reopen(const std::filesystem::path& path, const RunDescription& description);
+  /// with other settings or data, saying which; Error(not_a_session) if it is damaged; Error(no_permission),
+  /// with who it is, if another program trains in it. Of one on another machine this may take a minute to
+  /// be told from one that was killed.
+  static RunFolder reopen(const std::filesystem::path& path, const RunDescription& description,
+                          const files::ClaimTiming& timing = {});
+
+  RunFolder(RunFolder&&) = default;
+  ~RunFolder();
 
   /// From where to go on; none before the first epoch has ended.
   const std::optional<Checkpoint>& checkpoint() const { return checkpoint_; }
@@ -39,18 +48,19 @@ class RunFolder {
   /// Seconds that the run took so far, over all its parts.
   double seconds() const;
 
-  /// Keeps an epoch that ended `seconds` after the run began. Throws Error(storage).
+  /// Keeps an epoch that ended `seconds` after the run began. Throws Error(storage), and Error(no_permission)
+  /// if another program has taken the run over, since this one stood still.
   void save(const Checkpoint& checkpoint, double seconds);
 
   std::filesystem::path model_path() const { return path_ / "model.onnx"; }
 
  private:
-  RunFolder(std::filesystem::path path, const TrainingConfig& config)
-      : path_(std::move(path)), config_(config) {}
+  RunFolder(std::filesystem::path path, const TrainingConfig& config, const files::ClaimTiming& timing);
   void read_checkpoint();
 
   std::filesystem::path path_;
   TrainingConfig config_;
+  std::unique_ptr<files::BeatingClaim> claim_;
   std::optional<Checkpoint> checkpoint_;  // as it was found
   std::vector<double> seconds_;           // by epoch
 };
