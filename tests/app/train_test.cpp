@@ -222,7 +222,8 @@ TEST_F(Train, RefusesALabelThatThereIsNotAndToResumeWithAnother) {
   ASSERT_EQ(run(small + "-o model.onnx").code, 0);
   const Outcome other = run(small + "-o model.onnx --resume --label shaft");
   EXPECT_EQ(other.code, 2);
-  EXPECT_THAT(other.err, HasSubstr("the run was begun with something else: label (\"commanded\", now \"shaft\")"));
+  EXPECT_THAT(other.err,
+              HasSubstr("the run was begun with something else: label (\"commanded\", now \"shaft\")"));
 }
 
 TEST_F(Train, RefusesWordsThatCannotBe) {
