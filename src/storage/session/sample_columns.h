@@ -48,7 +48,7 @@ void half_rate_columns(Archive& archive, Rows& samples) {
                                 samples, &LabelledSample::gyro_spread_dps);
 }
 
-/// What came with format 2.1: the label that this session's own gyro corrects, and what either is worth.
+/// What came with format 2.2: the label that this session's own gyro corrects, and what either is worth.
 template <typename Archive, typename Rows>
 void corrected_rate_columns(Archive& archive, Rows& samples) {
   archive.template field<float>(

@@ -75,6 +75,7 @@ void response_columns(Archive& archive, Response& response) {
       {"speed_contradicts", "1", "1: the shaft does not turn as commanded, beyond what is uncertain"}, speeds,
       [](const auto& speed) { return static_cast<std::uint8_t>(speed.contradicts ? 1 : 0); },
       [](auto& speed, std::uint8_t value) { speed.contradicts = value != 0; });
+  if (archive.version() < with_corrected_label) return;
   archive.template field<double>(
       {"speed_noise", "deg/s", "noise of a gyro sample while the shaft turns [deg/s]"}, speeds,
       &ServoResponse::AtSpeed::noise_dps);
