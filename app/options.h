@@ -204,6 +204,7 @@ struct EvaluateOptions {
   std::optional<int> history;  // valid frames before a window's end; default: the largest Nf
   std::optional<int> workers;  // jobs side by side; default: cores
   bool baselines = false;      // of a study: only compute the gyro's rows of its results again
+  bool bound = false;          // of a model on sessions: errors beside the bound of each window
   bool accept_bad = false;     // sessions whose verdict is bad
   bool json = false;
 };

@@ -20,6 +20,9 @@ ExitCode run(const EvaluateOptions& options) {
   if (options.draw) return draw_study(options);
   if (options.live && options.study)
     throw Error(ExitCode::bad_usage, "--live and --study are two questions", "", "ask one after the other");
+  if (options.bound && (options.live || options.study))
+    throw Error(ExitCode::bad_usage, "--bound is of a model on sessions", "",
+                "thermorig evaluate model.onnx recordings --bound");
   if (options.baselines && !options.study)
     throw Error(ExitCode::bad_usage, "--baselines are those of a study", "",
                 "thermorig evaluate --study recordings -o study --baselines");

@@ -16,6 +16,7 @@ struct SessionOptions {
   bool accept_bad = false;                          // a verdict "bad" is no reason to refuse
   bool json = false;                                // nothing is printed
   dataset::Estimates estimates = dataset::Estimates::made;
+  int bound_frames = 0;  // of the windows whose bounds are wanted
 };
 
 /// Reads the sessions that the paths name, telling on a terminal how far it is. Says in a line which were

@@ -14,8 +14,8 @@ namespace {
 namespace fs = std::filesystem;
 using network::Acquisition;
 
-Acquisition acquisition_in(const session::Session& session, Estimates estimates) {
-  return acquisition_of(session, name_of(session), estimates);
+Acquisition acquisition_in(const session::Session& session, Estimates estimates, int bound_frames = 0) {
+  return acquisition_of(session, name_of(session), estimates, bound_frames);
 }
 
 /// What became of one file.
@@ -24,10 +24,10 @@ struct FileRead {
   std::optional<BadSession> bad;
 };
 
-FileRead read_file(const fs::path& path, Estimates estimates) {
+FileRead read_file(const fs::path& path, Estimates estimates, int bound_frames) {
   const session::Session session = read_in_turn(path);
   if (session::is_for_calibration(session.raw.header)) return {};
-  return {acquisition_in(session, estimates), bad_session(session, path)};
+  return {acquisition_in(session, estimates, bound_frames), bad_session(session, path)};
 }
 
 void refuse_copies(const std::vector<FileRead>& reads, const std::vector<fs::path>& files) {
@@ -73,10 +73,11 @@ Acquisition read_acquisition(const fs::path& path) {
 }
 
 Acquisitions read_acquisitions(const std::vector<fs::path>& files, Estimates estimates,
-                               const ReadingProgress& progress) {
+                               const ReadingProgress& progress, int bound_frames) {
   std::vector<FileRead> reads(files.size());
   for_each_file(
-      files.size(), [&](std::size_t index) { reads[index] = read_file(files[index], estimates); }, progress);
+      files.size(),
+      [&](std::size_t index) { reads[index] = read_file(files[index], estimates, bound_frames); }, progress);
   refuse_copies(reads, files);
   return sorted_out(std::move(reads), files);
 }

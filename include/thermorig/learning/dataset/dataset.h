@@ -18,9 +18,9 @@ enum class Estimates : std::uint8_t { left_out, made };
 
 /// What training and evaluation need of a session. Frames that no network may see (a label, gyro mean or
 /// pixel that is no sound number) are in no run, whatever the file says. The session's samples are one a
-/// frame, in order.
+/// frame, in order. `bound_frames`: of windows of so many frames the bounds too; 0: none.
 network::Acquisition acquisition_of(const session::Session& session, const std::string& name,
-                                    Estimates estimates = Estimates::made);
+                                    Estimates estimates = Estimates::made, int bound_frames = 0);
 
 /// "<environment>_acq-<number>", as the file is named but for the time: a simulated session that is recorded
 /// again has the same name.
@@ -59,6 +59,6 @@ struct Acquisitions {
 
 /// Reads all of them, on all cores. Throws Error(not_a_session) also where two files hold the same recording.
 Acquisitions read_acquisitions(const std::vector<std::filesystem::path>& files, Estimates estimates,
-                               const ReadingProgress& progress = {});
+                               const ReadingProgress& progress = {}, int bound_frames = 0);
 
 }  // namespace thermorig::dataset
