@@ -134,6 +134,13 @@ double size_of(const Judged& one) {
 double bound_of(const Judged& one) {
   return one.bound_dps;
 }
+/// How much larger rates are told than they are.
+double mean_excess(const std::vector<Judged>& windows) {
+  double sum = 0.0;
+  for (const Judged& one : windows) sum += std::copysign(1.0, one.rate_dps) * one.error_dps;
+  return sum / static_cast<double>(windows.size());
+}
+
 bool is_told(const Judged& one) {
   return one.sigma_dps < told_sigma_dps;
 }
@@ -221,6 +228,7 @@ void add_speeds(std::vector<Figure>& figures, const std::vector<Row>& rows) {
     });
     const std::string name = fmt::format("{:.0f} to {:.0f} deg/s", low_dps, high_dps);
     speeds.add(name, "RMSE", "deg/s", root_mean_square(part, error_of));
+    speeds.add(name, "too fast by", "deg/s", mean_excess(part));
     speeds.add(name, "sigma, median", "deg/s", median(part, [](const Judged& one) { return one.sigma_dps; }));
     speeds.add(name, "bound, median", "deg/s", median(part, bound_of));
     low_dps = high_dps;
