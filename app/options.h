@@ -210,6 +210,7 @@ struct EvaluateOptions {
   std::optional<std::string> shard;  // of a study: only a part of its jobs, "3/8"
   bool require_complete = false;     // to draw: only if all jobs of the study have a result
   bool baselines = false;            // of a study: only compute the gyro's rows of its results again
+  bool bound = false;                // of a model on sessions: errors beside the bound of each window
   bool accept_bad = false;           // sessions whose verdict is bad
   bool json = false;
 };

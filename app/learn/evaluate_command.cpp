@@ -51,6 +51,9 @@ ExitCode run(const EvaluateOptions& options) {
   if (options.label && !options.study)
     throw Error(ExitCode::bad_usage, "--label is that of a study: a model says itself which one it learnt",
                 "", "thermorig evaluate --study recordings -o study --label shaft");
+  if (options.bound && (options.live || options.study))
+    throw Error(ExitCode::bad_usage, "--bound is of a model on sessions", "",
+                "thermorig evaluate model.onnx recordings --bound");
   if (options.paths.empty()) refuse_without_paths(options);
   if (options.live) return evaluate_live(options);
   if (options.list_jobs) return list_jobs(options);

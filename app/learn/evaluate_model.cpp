@@ -52,6 +52,17 @@ std::vector<std::string> better_baselines(const study::Evaluation& evaluation) {
   return better;
 }
 
+/// Bounds were wanted, and there is none.
+std::vector<std::string> without_bounds(const std::vector<Acquisition>& acquisitions) {
+  std::vector<std::string> names;
+  for (const Acquisition& acquisition : acquisitions)
+    if (acquisition.bound_frames > 0 &&
+        std::none_of(acquisition.bound_dps.begin(), acquisition.bound_dps.end(),
+                     [](float bound_dps) { return bound_dps > 0.0F; }))
+      names.push_back(acquisition.name);
+  return names;
+}
+
 std::vector<std::string> warnings_of(const model::Model& model, const ModelEvaluation& evaluated,
                                      const std::vector<Acquisition>& acquisitions) {
   std::vector<std::string> warnings;
@@ -69,6 +80,12 @@ std::vector<std::string> warnings_of(const model::Model& model, const ModelEvalu
   if (!better.empty())
     warnings.push_back(fmt::format("without a network, {} {} a lower MSE than {}", fmt::join(better, ", "),
                                    better.size() == 1 ? "has" : "have", study::fusion_name));
+  const std::vector<std::string> unbounded = without_bounds(acquisitions);
+  if (!unbounded.empty())
+    warnings.push_back(fmt::format(
+        "no bound is known of {}: the odometer made no panorama of the surroundings there (it needs "
+        "a gyro, structure all around, and half a minute of turning)",
+        fmt::join(unbounded, ", ")));
   return warnings;
 }
 
@@ -84,7 +101,9 @@ void write_model_report(const std::filesystem::path& folder, const model::Model&
 ExitCode evaluate_model(const EvaluateOptions& options) {
   require_existing(options.model);
   const model::Model model = model::read_model(options.model);
-  const dataset::Acquisitions data = read_data(session_options(options));
+  SessionOptions sessions = session_options(options);
+  if (options.bound) sessions.bound_frames = model.weights.shape.frames;
+  const dataset::Acquisitions data = read_data(sessions);
   const std::vector<Acquisition>& acquisitions = data.acquisitions;
   ModelEvaluation evaluated;
   evaluated.evaluation = study::evaluate(judged_by(model, acquisitions), acquisitions,

@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "evaluate_numbers.h"
@@ -70,6 +71,21 @@ std::string environments_text(const std::vector<study::EnvironmentErrors>& envir
   return "MSE (RMSE deg/s) by environment\n" + table.text() + "\n";
 }
 
+std::string multiple_text(double multiple) {
+  return std::isfinite(multiple) ? fmt::format("{:.2f}", multiple) : "-";
+}
+
+std::string bounds_text(const std::optional<study::BoundErrors>& bounds) {
+  if (!bounds) return "";
+  Table table({"in units of the bound", ">median error", ">RMSE, bound below 2"});
+  for (const std::string& name : study::all_estimators())
+    table.add({name, multiple_text(bounds->median[name]), multiple_text(bounds->well_told_rmse[name])});
+  return fmt::format("Cramer-Rao bound of the images: median {} deg/s over {} windows, below 2 deg/s in {}\n",
+                     rate_text(bounds->median_dps), count_text(bounds->windows),
+                     count_text(bounds->well_told)) +
+         table.text() + "\n";
+}
+
 std::string gate_text(const study::GainStatistics& gain) {
   if (gain.windows() == 0) return "";
   return fmt::format("gate Kg: mean {}, deviation {}, median {}; below 0.02 in {}, above 0.98 in {}\n\n",
@@ -97,6 +113,7 @@ std::string model_text(const std::string& name, const model::Model& model, const
                      errors_text(evaluated.evaluation.shaft_errors, "against the shaft");
   if (evaluated.evaluation.environments.size() > 1)
     text += environments_text(evaluated.evaluation.environments);
+  text += bounds_text(evaluated.evaluation.bounds);
   text += gate_text(evaluated.evaluation.gain) + angles_text(evaluated.evaluation);
   if (!evaluated.warnings.empty()) text += "\n";
   for (const std::string& warning : evaluated.warnings) text += "warning: " + printable(warning) + "\n";

@@ -108,6 +108,10 @@ void add_evaluate(CLI::App& root, EvaluateOptions& options) {
       ->type_name("DIR");
   command.add_flag("--live", options.live,
                    "The figures of a live run's screen from its session, and with the finalised labels");
+  command.add_flag(
+      "--bound", options.bound,
+      "Beside the errors of a model and of all estimators what the images of each window tell at "
+      "best (Cramer-Rao bound)");
   command.add_flag("--accept-bad", options.accept_bad,
                    "Take sessions whose verdict is bad; without it one of these is refused");
   command.add_flag("--json", options.json, "Print JSON on standard output, for programs");

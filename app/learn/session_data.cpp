@@ -18,7 +18,8 @@ namespace fs = std::filesystem;
 
 dataset::Acquisitions read_files(const std::vector<fs::path>& files, const SessionOptions& options) {
   const ReadingProgress progress(options.json);
-  return dataset::read_acquisitions(files, options.estimates, std::cref(progress), options.label);
+  return dataset::read_acquisitions(files, options.estimates, std::cref(progress), options.label,
+                                    options.bound_frames);
 }
 
 std::vector<std::string> files_of(const std::vector<dataset::BadSession>& bad) {

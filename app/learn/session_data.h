@@ -17,6 +17,7 @@ struct SessionOptions {
   bool json = false;                                // nothing is printed
   dataset::Estimates estimates = dataset::Estimates::made;
   Label label = Label::commanded;
+  int bound_frames = 0;  // of the windows whose bounds are wanted
 };
 
 /// Reads the sessions that the paths name, telling on a terminal how far it is. Says in a line which were

@@ -46,13 +46,14 @@ struct Bank::Parts {
 };
 
 Bank::Bank(std::span<const std::string> names, const std::optional<model::Model>& model,
-           const RigProfile& profile, network::Precision precision)
+           const RigProfile& profile, network::Precision precision, int frames)
     : parts_(std::make_unique<Parts>()) {
   const std::vector<std::string> all =
       names.empty() ? names_for(model) : std::vector(names.begin(), names.end());
   require_each_once(all);
   parts_->setup.gyro = profile.gyro;
   parts_->setup.camera = profile.camera;
+  parts_->setup.frames = frames;
   if (model) {
     parts_->setup.network = std::make_shared<NetworkWindow>(*model, precision);
     parts_->setup.frames = model->weights.shape.frames;

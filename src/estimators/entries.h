@@ -18,6 +18,7 @@ Entry gyro();
 Entry gyro_rest();
 Entry gyro_kalman();
 Entry odometer();
+Entry thermal_likelihood();
 Entry cnn_thermal();
 Entry cnn_fusion();
 

@@ -13,7 +13,8 @@
 namespace thermorig::estimators {
 
 std::span<const Entry> all_entries() {
-  static const std::array table{gyro(), gyro_rest(), gyro_kalman(), odometer(), cnn_thermal(), cnn_fusion()};
+  static const std::array table{gyro(),        gyro_rest(), gyro_kalman(), odometer(), thermal_likelihood(),
+                                cnn_thermal(), cnn_fusion()};
   return table;
 }
 

@@ -7,7 +7,7 @@ import warnings
 
 import xarray
 
-GROUPS = {"camera": {"time", "row", "column", "half"}, "gyro": {"time", "axis"}, "servo": {"time", "step_leg", "command_time"}, "sync": {"knot", "speed", "bias_time"},
+GROUPS = {"camera": {"time", "row", "column", "half"}, "gyro": {"time", "axis"}, "servo": {"time", "step_leg", "command_time"}, "sync": {"knot", "speed", "bias_time", "ripple_period"},
           "sync/servo": {"time", "knot_time", "epoch_begin", "gap_begin"},
           "samples": {"time", "half"}, "events": {"time"}, "quality": {"speed"}, "raw/camera": {"byte", "chunk"},
           "raw/gyro": {"byte", "chunk"}, "raw/servo": {"byte", "chunk"}, "raw/sent": {"byte", "chunk"}}

@@ -126,6 +126,19 @@ TEST_F(EvaluateTest, RemovesTheBiasOfTheRestAndNotTheJerkOfArming) {
     EXPECT_LT(std::abs(errors.at(name).at("bias_dps").get<double>()), 0.3) << name;
 }
 
+TEST_F(EvaluateTest, SaysWhereThereIsNoBoundAndRefusesTheWordWhereItMeansNothing) {
+  record_sessions();
+  train();
+  const Outcome outcome = run("evaluate model.onnx recordings --bound");
+  ASSERT_EQ(outcome.code, 0) << outcome.err;
+  EXPECT_THAT(outcome.out, HasSubstr("warning: no bound is known of garden_acq-01"));
+  EXPECT_THAT(outcome.out, Not(HasSubstr("in units of the bound")));
+  EXPECT_THAT(run("evaluate model.onnx recordings").out, Not(HasSubstr("no bound is known")));
+  const Outcome refused = run("evaluate --live recordings --bound");
+  EXPECT_EQ(refused.code, 2);
+  EXPECT_THAT(refused.err, HasSubstr("--bound is of a model on sessions"));
+}
+
 TEST_F(EvaluateTest, LeavesOutSessionsOfCalibrationsAndRefusesBadOnes) {
   record_sessions();
   train();

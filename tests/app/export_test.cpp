@@ -113,7 +113,7 @@ TEST_F(Export, MakesFilesOfASessionBesideEachOtherAndOverwritesNone) {
   }
   EXPECT_EQ(endings,
             "Z-nf2-nr1.npz Z-samples.csv Z-shaft.tum Z-gyro.tum Z-gyro-rest.tum Z-gyro-kalman.tum "
-            "Z-odometer.tum Z.mcap ");
+            "Z-odometer.tum Z-thermal-likelihood.tum Z.mcap ");
   EXPECT_TRUE(files(".part").empty());
   const Outcome again = run("export " + session + " --npz=rows --mcap -o made/of/it");
   EXPECT_EQ(again.code, 7);

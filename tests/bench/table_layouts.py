@@ -217,6 +217,20 @@ def export_sizes(text):
                   for core, nr, weights, flash, ram, stack, count in rows], 3)
 
 
+@layout("thermal_likelihood")
+def thermal_likelihood(figures):
+    def value(section, scene, column, shown):
+        return shown.format(figures[re.sub(r"[^a-zA-Z0-9]", "_", f"{section} {scene} {column}")]["value"])
+    windows, sigma, bound = "Windows of three frames", "Stated sigma", "Beside the bound"
+    return table(["scene", "MSE, 1e-6", "RMSE, deg/s", "median error, deg/s", "beyond 30 deg/s, %", "told, %",
+                  "within 2 sigma", "bound, deg/s", "RMSE / bound"],
+                 [[scene, value(windows, scene, "median MSE", "{:,.0f}"), value(windows, scene, "RMSE", "{:.1f}"),
+                   value(windows, scene, "median error", "{:.2f}"), value(windows, scene, "beyond 30 deg/s", "{:.1f}"),
+                   value(sigma, scene, "told", "{:.0f}"), value(sigma, scene, "within 2 sigma", "{:.2f}"),
+                   value(bound, scene, "bound, median", "{:.2f}"), value(bound, scene, "RMSE / bound there", "{:.2f}")]
+                  for scene in ("laboratory", "dining", "kitchen", "garden")])
+
+
 @layout("models")
 def models(reports):
     def row(name, report):

@@ -114,14 +114,36 @@ TEST(Acquisition, OfAFormatBeforeItsLabelIsToBeMadeAnew) {
 TEST(Acquisition, HoldsWhatEveryEstimatorSaysThatNeedsNoNetwork) {
   const Acquisition acquisition = acquired(made_session());
   const std::vector<std::string> names = estimators::names_for(std::nullopt);
-  ASSERT_EQ(acquisition.rates.size(), names.size());
+  ASSERT_GE(acquisition.rates.size(), names.size());
   for (std::size_t i = 0; i < names.size(); ++i) {
     EXPECT_EQ(acquisition.rates[i].name, names[i]);
+    EXPECT_EQ(acquisition.rates[i].frames, 1);
     EXPECT_EQ(acquisition.rates[i].rate_dps.size(), acquisition.frames());
   }
   EXPECT_TRUE(std::isnan(rates(acquisition, "gyro")[0]));  // as its mean is
   for (std::size_t i = 1; i < acquisition.frames(); ++i)
     EXPECT_EQ(rates(acquisition, "gyro")[i], acquisition.gyro_dps[i]);
+}
+
+TEST(Acquisition, HoldsWhatAnEstimatorFindsOfLongerWindowsAtOnceBehindAllOthers) {
+  const Acquisition acquisition = acquired(made_session());
+  std::size_t place = estimators::names_for(std::nullopt).size();
+  for (const int frames : {2, 3}) {
+    ASSERT_LT(place, acquisition.rates.size());
+    EXPECT_EQ(acquisition.rates[place].name, "thermal-likelihood");
+    EXPECT_EQ(acquisition.rates[place].frames, frames);
+    EXPECT_EQ(acquisition.rates[place++].rate_dps.size(), acquisition.frames());
+  }
+  EXPECT_EQ(place, acquisition.rates.size());
+}
+
+TEST(Acquisition, HasBoundsOnlyWhereTheyWereAskedForAndNoneWithoutAPanorama) {
+  EXPECT_TRUE(acquired(made_session()).bound_dps.empty());
+  const Acquisition acquisition =
+      acquisition_of(made_session(), "garden_acq-02", Estimates::left_out, Label::commanded, 3);
+  EXPECT_EQ(acquisition.bound_frames, 3);
+  ASSERT_EQ(acquisition.bound_dps.size(), acquisition.frames());
+  for (const float bound_dps : acquisition.bound_dps) EXPECT_TRUE(std::isnan(bound_dps));
 }
 
 TEST(Acquisition, ShowsItsEstimatorsTheSamplesUpToEachFrameAndNoneThatComesLater) {

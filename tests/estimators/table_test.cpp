@@ -46,9 +46,11 @@ TEST(TheTableOfEstimators, RefusesANameThatItDoesNotHaveAndNamesTheNearest) {
 }
 
 TEST(TheTableOfEstimators, TellsWhichCanRunWithAModel) {
-  EXPECT_THAT(names_for(std::nullopt), ElementsAre("gyro", "gyro-rest", "gyro-kalman", "odometer"));
-  EXPECT_THAT(names_for(untrained_model({.fusion = false})),
-              ElementsAre("gyro", "gyro-rest", "gyro-kalman", "odometer", "cnn-thermal"));
+  EXPECT_THAT(names_for(std::nullopt),
+              ElementsAre("gyro", "gyro-rest", "gyro-kalman", "odometer", "thermal-likelihood"));
+  EXPECT_THAT(
+      names_for(untrained_model({.fusion = false})),
+      ElementsAre("gyro", "gyro-rest", "gyro-kalman", "odometer", "thermal-likelihood", "cnn-thermal"));
   EXPECT_EQ(names_for(untrained_model()), names());
 }
 

@@ -197,7 +197,9 @@ inline Session format_1_session(Session session) {
   for (auto& speed : session.sync.servo.speeds) {
     speed.reached_dps = std::numeric_limits<double>::quiet_NaN();
     speed.contradicts = false;
+    speed.noise_dps = 0.0;
   }
+  session.sync.servo.ripples.clear();
   return session;
 }
 

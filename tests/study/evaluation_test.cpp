@@ -111,6 +111,35 @@ TEST(Evaluation, HoldsEstimatesAgainstTheShaftAsWell) {
   EXPECT_EQ(evaluation.shaft_errors[gyro_name].windows, 2U);  // of one of its frames nothing is known
 }
 
+TEST(JudgedWindows, HoldTheMeanOfTheLongestLooksThatLieWithinThem) {
+  network::Acquisition acquisition = plain_acquisition("a", 6, 100.0F);
+  acquisition.rates = {{"gyro", {1, 2, 3, 4, 5, 6}, 1}, {"gyro", {nan, nan, 30, 40, 50, 70}, 3}};
+  const std::vector<network::Window> windows{{0, 5}};
+  const auto rate = [&](int frames) {
+    return judged_windows(std::span(&acquisition, 1), windows, frames).front().rate_dps["gyro"];
+  };
+  EXPECT_EQ(rate(2), 5.5F);   // shorter than a look: frame by frame
+  EXPECT_EQ(rate(3), 70.0F);  // one look
+  EXPECT_EQ(rate(4), 60.0F);  // two
+}
+
+TEST(Evaluation, GivesErrorsInUnitsOfTheBounds) {
+  const network::Acquisition acquisition = plain_acquisition("a", 10, 100.0F);
+  std::vector<JudgedWindow> windows{judged(2, 100, 2, 3, 0), judged(3, 100, -2, 3, 0),
+                                    judged(4, 100, 8, 3, 0), judged(5, 100, 50, 3, 0)};
+  EXPECT_FALSE(evaluated(windows, acquisition).bounds);
+  windows[0].bound_dps = windows[1].bound_dps = 1.0F;
+  windows[2].bound_dps = 4.0F;  // the last one has none
+  const auto bounds = evaluated(windows, acquisition).bounds;
+  ASSERT_TRUE(bounds);
+  EXPECT_EQ(bounds->windows, 3U);
+  EXPECT_EQ(bounds->well_told, 2U);
+  EXPECT_DOUBLE_EQ(bounds->median_dps, 1.0);
+  EXPECT_DOUBLE_EQ(bounds->well_told_rmse[thermal_name], 2.0);
+  EXPECT_NEAR(bounds->median[thermal_name], 2.0 / 0.67449, 1e-3);
+  EXPECT_TRUE(std::isnan(bounds->median["gyro-rest"]) && std::isnan(bounds->well_told_rmse["gyro-rest"]));
+}
+
 TEST(JudgedWindows, SayWhatAModelPredicts) {
   const std::vector<network::Acquisition> acquisitions = synthetic::make_acquisitions({"garden"}, 1, 1);
   for (const bool fusion : {true, false}) {

@@ -29,10 +29,12 @@ enum class EstimateReason : std::uint8_t {
   no_gyro,            // no gyro sample in the exposure of a frame that it looks at
   no_rest,            // the rig has not been at rest yet, for as long as it needs
   gyro_frozen,        // its samples repeat each other bit by bit
-  view_differs        // what the camera shows does not fit the surroundings as they were
+  view_differs,       // what the camera shows does not fit the surroundings as they were
+  nothing_to_see      // a wall without structure: images of it fit any rate
 };
-inline constexpr std::array<std::string_view, 7> estimate_reason_names{
-    "none", "window_incomplete", "no_image", "no_gyro", "no_rest", "gyro_frozen", "view_differs"};
+inline constexpr std::array<std::string_view, 8> estimate_reason_names{
+    "none",    "window_incomplete", "no_image",     "no_gyro",
+    "no_rest", "gyro_frozen",       "view_differs", "nothing_to_see"};
 
 constexpr std::string_view name_of(EstimateState state) {
   return estimate_state_names[static_cast<std::size_t>(state)];

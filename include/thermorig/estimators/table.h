@@ -39,7 +39,9 @@ struct Entry {
   std::string_view title;  // for people: "gyro, bias of the opening rest removed"
   Inputs inputs;
   bool needs_network = false;
-  bool needs_fusion = false;                 // a network that has a gate
+  bool needs_fusion = false;  // a network that has a gate
+  int most_frames =
+      1;  // of a window over which it finds one rate; else it finds one a frame, and says the mean
   std::span<const std::string_view> values;  // names of RateEstimate::values, at most most_estimate_values
   std::unique_ptr<Estimator> (*make)(const Setup& setup) = nullptr;
 };
@@ -59,15 +61,15 @@ std::vector<std::string> names_for(const std::optional<model::Model>& model);
 class Bank {
  public:
   /// Without names: all that can run. Throws Error(bad_usage) for a name that there is not, and for one that
-  /// needs a network, or one with fusion, that `model` is not.
+  /// needs a network, or one with fusion, that `model` is not. `frames`: of the window, without a model.
   Bank(std::span<const std::string> names, const std::optional<model::Model>& model,
-       const RigProfile& profile, network::Precision precision = network::Precision::fp32);
+       const RigProfile& profile, network::Precision precision = network::Precision::fp32, int frames = 1);
   ~Bank();
   Bank(Bank&&) noexcept;
   Bank& operator=(Bank&&) noexcept;
 
   std::span<const Entry* const> entries() const;
-  int frames() const;  // of the window; 1 without a network
+  int frames() const;  // of the window
 
   /// One estimate an entry, in their order, until the next call. Allocates nothing.
   std::span<const RateEstimate> add(const Measurement& measurement);

@@ -13,7 +13,9 @@ namespace thermorig::network {
 /// What an estimator without a network says of the frames of one session.
 struct RateSeries {
   std::string name;             // of the table of estimators, e.g. "gyro-rest"
-  std::vector<float> rate_dps;  // (N) mean over the frame's exposure, NaN where it says nothing
+  std::vector<float> rate_dps;  // (N) mean over the exposures of `frames` frames, the last of them this one;
+                                // NaN where it says nothing
+  int frames = 1;
 };
 
 /// What training and evaluation know of one session: a row a frame (N frames).
@@ -35,7 +37,11 @@ struct Acquisition {
   std::vector<HostTime> time;       // (N) middle of the newest exposure
   std::vector<std::uint32_t> run;   // (N) unbroken run of valid frames within one leg, from 1; 0: not valid
   std::vector<float> leg_rate_dps;  // (N) commanded speed of the leg that the frame lies in; 0 outside legs
-  std::vector<RateSeries> rates;    // of all estimators that need no network; not in the hash
+  std::vector<RateSeries> rates;    // of all estimators that need no network, those of one frame first, then
+                                    // those that look at longer windows at once; not in the hash
+  std::vector<float> bound_dps;  // (N) Cramer-Rao bound of the rate of a window of bound_frames frames that
+                                 // ends here, NaN if unknown; empty where nobody asked; not in the hash
+  int bound_frames = 0;
 
   std::size_t frames() const { return run.size(); }
 

@@ -69,7 +69,7 @@ void take_label(Acquisition& acquisition, const std::vector<LabelledSample>& sam
 }  // namespace
 
 Acquisition acquisition_of(const session::Session& session, const std::string& name, Estimates estimates,
-                           Label label) {
+                           Label label, int bound_frames) {
   const RecordingHeader& header = session.raw.header;
   const session::Place place = session::place_of(session);
   Acquisition acquisition{.name = name,
@@ -80,6 +80,10 @@ Acquisition acquisition_of(const session::Session& session, const std::string& n
   append_samples(acquisition, session);
   network::clear_unsound_frames(acquisition);
   if (estimates == Estimates::made) acquisition.rates = rates_without_network(session);
+  if (bound_frames > 0) {
+    acquisition.bound_dps = rate_bounds(session, bound_frames);
+    acquisition.bound_frames = bound_frames;
+  }
   acquisition.hash = data_hash(acquisition);
   take_label(acquisition, session.samples, label);
   return acquisition;

@@ -15,8 +15,8 @@ namespace fs = std::filesystem;
 using network::Acquisition;
 
 Acquisition acquisition_in(const session::Session& session, Estimates estimates,
-                           Label label = Label::commanded) {
-  return acquisition_of(session, name_of(session), estimates, label);
+                           Label label = Label::commanded, int bound_frames = 0) {
+  return acquisition_of(session, name_of(session), estimates, label, bound_frames);
 }
 
 /// What became of one file.
@@ -25,11 +25,11 @@ struct FileRead {
   std::optional<BadSession> bad;
 };
 
-FileRead read_file(const fs::path& path, Estimates estimates, Label label) {
+FileRead read_file(const fs::path& path, Estimates estimates, Label label, int bound_frames) {
   const session::Session session = read_in_turn(path);
   if (session::is_for_calibration(session.raw.header)) return {};
   require_label(session, label, path);
-  return {acquisition_in(session, estimates, label), bad_session(session, path)};
+  return {acquisition_in(session, estimates, label, bound_frames), bad_session(session, path)};
 }
 
 void refuse_copies(const std::vector<FileRead>& reads, const std::vector<fs::path>& files) {
@@ -75,10 +75,11 @@ Acquisition read_acquisition(const fs::path& path) {
 }
 
 Acquisitions read_acquisitions(const std::vector<fs::path>& files, Estimates estimates,
-                               const ReadingProgress& progress, Label label) {
+                               const ReadingProgress& progress, Label label, int bound_frames) {
   std::vector<FileRead> reads(files.size());
   for_each_file(
-      files.size(), [&](std::size_t index) { reads[index] = read_file(files[index], estimates, label); },
+      files.size(),
+      [&](std::size_t index) { reads[index] = read_file(files[index], estimates, label, bound_frames); },
       progress);
   refuse_copies(reads, files);
   return sorted_out(std::move(reads), files);

@@ -73,6 +73,20 @@ Section errors_section(const Model& model, const Evaluation& evaluation) {
            errors_table(model, evaluation.shaft_errors, "the shaft, by the servo model")}};
 }
 
+Section bounds_section(const Model& model, const study::BoundErrors& bounds) {
+  Table table;
+  table.caption = fmt::format(
+      "Errors in units of the Cramer-Rao bound of each window's images: median {} deg/s over {} windows, "
+      "below "
+      "{:g} deg/s in {}",
+      rate_text(bounds.median_dps), count_text(bounds.windows), study::BoundErrors::well_told_dps,
+      count_text(bounds.well_told));
+  table.header = {"estimator", "median error", "RMSE where the bound is below 2 deg/s"};
+  for (const std::string& name : estimators_of(model))
+    table.rows.push_back({name, rate_text(bounds.median[name]), rate_text(bounds.well_told_rmse[name])});
+  return {"Beside the bound", {table}};
+}
+
 Section gain_section(const study::GainStatistics& gain) {
   return {
       "The gate Kg",
@@ -122,6 +136,7 @@ Document document_of(const Model& model, const Evaluation& evaluation) {
   document.title = "A model on sessions";
   if (model.provenance.simulated) document.banner = "The model was trained on SIMULATED data.";
   document.sections = {errors_section(model, evaluation), speeds_section(model, evaluation)};
+  if (evaluation.bounds) document.sections.push_back(bounds_section(model, *evaluation.bounds));
   if (evaluation.gain.windows() > 0) document.sections.push_back(gain_section(evaluation.gain));
   if (!evaluation.angles.empty()) document.sections.push_back(angles_section(model, evaluation));
   document.sections.push_back(model_section(model));
@@ -150,26 +165,26 @@ std::string evaluation_json(const Model& model, const Evaluation& evaluation) {
     angles.push_back(drift_json(evaluation.angles[i]));
     if (i < evaluation.names.size()) angles.back()["name"] = evaluation.names[i];
   }
-  return json_text({{"format", "thermorig-evaluation-report"},
-                    {"version", 2},
-                    {"model",
-                     {{"frames", shape.frames},
-                      {"reduction", shape.reduction},
-                      {"fusion", shape.fusion},
-                      {"weights", network::weight_count(shape)},
-                      {"multiply_adds", network::multiply_adds(shape)},
-                      {"preset", model.provenance.preset},
-                      {"label", model.provenance.label ? json(name_of(*model.provenance.label)) : json()},
-                      {"seed", model.provenance.seed},
-                      {"simulated", model.provenance.simulated}}},
-                    {"label_scale_dps", model.scaling.label_scale_dps},
-                    {"acquisitions", evaluation.names},
-                    {"errors", errors_json(evaluation.errors)},
-                    {"shaft_errors", errors_json(evaluation.shaft_errors)},
-                    {"environments", environments},
-                    {"speeds", speeds_json(evaluation.speeds)},
-                    {"gain", gain_json(evaluation.gain)},
-                    {"angles", angles}});
+  json report{{"format", "thermorig-evaluation-report"},
+              {"version", 2},
+              {"model",
+               {{"frames", shape.frames},
+                {"reduction", shape.reduction},
+                {"fusion", shape.fusion},
+                {"weights", network::weight_count(shape)},
+                {"multiply_adds", network::multiply_adds(shape)},
+                {"preset", model.provenance.preset},
+                {"seed", model.provenance.seed},
+                {"simulated", model.provenance.simulated}}},
+              {"label_scale_dps", model.scaling.label_scale_dps},
+              {"acquisitions", evaluation.names},
+              {"errors", errors_json(evaluation.errors)},
+              {"environments", environments},
+              {"speeds", speeds_json(evaluation.speeds)},
+              {"gain", gain_json(evaluation.gain)},
+              {"angles", angles}};
+  if (evaluation.bounds) report["bounds"] = bounds_json(*evaluation.bounds);
+  return json_text(report);
 }
 
 }  // namespace thermorig::report

@@ -24,6 +24,16 @@ json errors_json(const study::PerEstimator<study::Errors>& errors) {
   return by_name;
 }
 
+json bounds_json(const study::BoundErrors& bounds) {
+  json by_name;
+  for (const std::string& name : study::all_estimators())
+    by_name[name] = {{"median", bounds.median[name]}, {"rmse_below_2_dps", bounds.well_told_rmse[name]}};
+  return {{"windows", bounds.windows},
+          {"windows_below_2_dps", bounds.well_told},
+          {"median_dps", bounds.median_dps},
+          {"multiples", by_name}};
+}
+
 json gain_json(const study::GainStatistics& gain) {
   if (gain.windows() == 0) return nullptr;
   return {

@@ -6,6 +6,7 @@
 #include <map>
 
 #include "angle_integral.h"
+#include "bound_errors.h"
 #include "error_statistics.h"
 #include "gain_statistics.h"
 
@@ -56,6 +57,7 @@ Evaluation evaluate(std::span<const JudgedWindow> judged, std::span<const networ
   evaluation.environments = errors_by_environment(judged, acquisitions, config.label_scale_dps);
   evaluation.speeds = speed_errors(judged, acquisitions, config.label_scale_dps);
   evaluation.gain = gain_statistics(judged);
+  evaluation.bounds = bound_errors(judged);
   for (std::size_t i = 0; i < acquisitions.size(); ++i) {
     evaluation.angles.push_back(angle_track(part_of(judged, i), acquisitions[i], config.angle_points));
     evaluation.names.push_back(acquisitions[i].name);

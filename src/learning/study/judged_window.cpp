@@ -14,8 +14,11 @@ std::vector<JudgedWindow> judged_windows(std::span<const network::Acquisition> a
     one.label_dps = network::mean_rate(acquisition.label_dps, window, frames);
     if (!acquisition.shaft_dps.empty())
       one.shaft_dps = network::mean_rate(acquisition.shaft_dps, window, frames);
+    // What is found of a window at once stands behind what is found frame by frame.
     for (const network::RateSeries& series : acquisition.rates)
-      one.rate_dps[series.name] = network::mean_rate(series.rate_dps, window, frames);
+      if (series.frames <= frames)
+        one.rate_dps[series.name] = network::mean_rate(series.rate_dps, window, frames - series.frames + 1);
+    if (acquisition.bound_frames == frames) one.bound_dps = acquisition.bound_dps[window.last];
   }
   return judged;
 }

@@ -20,8 +20,10 @@ enum class Estimates : std::uint8_t { left_out, made };
 /// What training and evaluation need of a session. Frames that no network may see (a label, gyro mean or
 /// pixel that is no sound number) are in no run, whatever the file says. The session's samples are one a
 /// frame, in order. A label that a file of an older format lacks is NaN: see require_label().
+/// `bound_frames`: of windows of so many frames the bounds too; 0: none.
 network::Acquisition acquisition_of(const session::Session& session, const std::string& name,
-                                    Estimates estimates = Estimates::made, Label label = Label::commanded);
+                                    Estimates estimates = Estimates::made, Label label = Label::commanded,
+                                    int bound_frames = 0);
 
 /// Throws Error(check_failed) where the session is of a format before that label.
 void require_label(const session::Session& session, Label label, const std::filesystem::path& file);
@@ -64,6 +66,7 @@ struct Acquisitions {
 /// Reads all of them, on all cores, with that label. Throws Error(not_a_session) also where two files hold
 /// the same recording, and as require_label().
 Acquisitions read_acquisitions(const std::vector<std::filesystem::path>& files, Estimates estimates,
-                               const ReadingProgress& progress = {}, Label label = Label::commanded);
+                               const ReadingProgress& progress = {}, Label label = Label::commanded,
+                               int bound_frames = 0);
 
 }  // namespace thermorig::dataset

@@ -4,6 +4,7 @@
 #include <array>
 #include <cstdint>
 #include <limits>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -22,7 +23,8 @@ struct JudgedWindow {
   float label_dps = std::numeric_limits<float>::quiet_NaN();  // mean of the frames' labels
   float shaft_dps = std::numeric_limits<float>::quiet_NaN();  // of the shaft's speeds by the servo model
   PerEstimator<float> rate_dps{std::numeric_limits<float>::quiet_NaN()};
-  float gain = std::numeric_limits<float>::quiet_NaN();  // Kg
+  float gain = std::numeric_limits<float>::quiet_NaN();       // Kg
+  float bound_dps = std::numeric_limits<float>::quiet_NaN();  // Cramer-Rao bound of its rate from its images
 };
 
 /// What is known of windows of `frames` frames without any network: means over the frames' labels and rates.
@@ -67,6 +69,17 @@ struct GainStatistics {
 /// Has the gate collapsed: is its mean below 0.02 or above 0.98?
 bool collapsed(const GainStatistics& gain);
 
+/// Errors in units of what the images of a window tell at best, its Cramer-Rao bound.
+struct BoundErrors {
+  static constexpr double well_told_dps = 2.0;
+  std::uint64_t windows = 0,
+                well_told = 0;  // with a label and a bound; of those with one below well_told_dps
+  double median_dps = unknown;  // of the bounds
+  PerEstimator<double> median{
+      unknown};  // of |error| / bound, so scaled that normal errors at the bound give 1
+  PerEstimator<double> well_told_rmse{unknown};  // RMSE of the well-told windows by the RMS of their bounds
+};
+
 /// Angle by integrating speeds over time (paper Fig. 6), along the windows of one acquisition.
 ///
 /// A window stands for the time between its newest frame and the frame before, which is of the same valid
@@ -103,7 +116,8 @@ struct Evaluation {
   GainStatistics gain;                          // empty for a thermal-only model
   std::vector<AngleTrack> angles;               // one an acquisition, in order
   std::vector<std::string> names;               // of the acquisitions
-  bool simulated = false;                       // any of them
+  std::optional<BoundErrors> bounds;  // where the acquisitions have any; not kept in a study's results
+  bool simulated = false;             // any of them
 };
 
 /// What evaluate() cannot tell from the windows.

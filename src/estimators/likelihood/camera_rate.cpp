@@ -1,0 +1,144 @@
+// SPDX-License-Identifier: MIT
+#include "thermorig/estimators/likelihood/camera_rate.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <optional>
+#include <span>
+
+#include "pixel_errors.h"
+#include "speed_search.h"
+
+namespace thermorig::likelihood {
+
+namespace {
+
+constexpr std::uint16_t fresh_pixels = frame_pixels / 2 / 50;  // 2 %, as the detector of freshness has it
+constexpr HostDuration longest_exposure = std::chrono::seconds(4);  // of a half: at 0.5 frames a second
+constexpr double most_gap = 0.2;               // between two halves, of an exposure: they follow each other
+constexpr double first_noise_variance = 0.36;  // of a reading: a data sheet's 0.6 K until windows have told
+constexpr double least_noise_variance = 1e-4, noise_share = 0.05;
+constexpr double most_misfit = 2.0;  // that a window's noise counts with
+constexpr double moving_dps = 10.0;
+// Of a rate: times of the exposures, the pitch of a pixel. Of all: what a shaft shakes.
+constexpr double rate_share = 0.004, least_sigma_dps = 0.2;
+
+/// A half that was read anew.
+struct Half {
+  HalfLines lines{};
+  unsigned parity = 0;
+  HostTime begin{}, end{};
+};
+
+bool is_exposure(const HalfExposure& half) {
+  return half.end > half.begin && half.end - half.begin <= longest_exposure;
+}
+
+}  // namespace
+
+struct CameraRate::Parts {
+  Parts(const CameraProfile& camera, int window_frames)
+      : pitch_deg(camera.field_of_view_deg / static_cast<double>(frame_columns)),
+        direction(camera.mirrored ? -1.0 : 1.0),
+        frames(std::clamp(window_frames, 1, most_window_frames)) {
+    const auto new_ones = static_cast<std::size_t>(frames - 1);  // of one half a frame, or of two
+    for (const std::size_t read : {2 + new_ones, std::min(most_halves, 2 + 2 * new_ones)}) {
+      SpeedTable::of(read, false);
+      SpeedTable::of(read, true);
+    }
+  }
+
+  bool take(const TimedFrame& frame, unsigned parity);
+  bool follows(const TimedFrame& frame, unsigned parity) const;
+  std::size_t halves_of_window() const;
+  void look(std::size_t count, CameraRateReport& report);
+
+  double pitch_deg, direction;
+  int frames;
+  PixelErrors errors;
+  WindowLines lines{most_halves};
+  SpeedSearch search;
+  double noise_variance = first_noise_variance;
+  std::array<Half, most_halves> halves;                 // the newest is the last one
+  std::size_t count = 0;                                // of those, in a row
+  std::array<std::size_t, most_window_frames> fresh{};  // halves of the last frames, the newest last
+  int in_a_row = 0;                                     // frames, at most so many
+};
+
+bool CameraRate::Parts::follows(const TimedFrame& frame, unsigned parity) const {
+  if (count == 0) return false;
+  const Half& last = halves.back();
+  const double gap_s = to_s(frame.half[parity].begin - last.end);
+  return parity != last.parity && std::abs(gap_s) <= most_gap * to_s(last.end - last.begin);
+}
+
+/// Returns whether its readings are.
+bool CameraRate::Parts::take(const TimedFrame& frame, unsigned parity) {
+  if (!follows(frame, parity)) count = 0;
+  std::rotate(halves.begin(), halves.begin() + 1, halves.end());
+  Half& half = halves.back();
+  half.parity = parity;
+  half.begin = frame.half[parity].begin;
+  half.end = frame.half[parity].end;
+  const bool is_clean = errors.clean(frame.frame, parity, half.lines);
+  count = is_clean ? std::min(count + 1, most_halves) : 0;
+  return is_clean;
+}
+
+/// The oldest frame of a window shows two halves, however many of them were new in it.
+std::size_t CameraRate::Parts::halves_of_window() const {
+  std::size_t halves_read = 2;
+  for (int i = 1; i < frames; ++i) halves_read += fresh[fresh.size() - static_cast<std::size_t>(i)];
+  return std::min(halves_read, most_halves);
+}
+
+void CameraRate::Parts::look(std::size_t wanted, CameraRateReport& report) {
+  std::array<const HalfLines*, most_halves> newest;
+  for (std::size_t i = 0; i < wanted; ++i) newest[i] = &halves[most_halves - wanted + i].lines;
+  const Half& oldest = halves[most_halves - wanted];
+  report.window_s = to_s(halves.back().end - oldest.begin);
+  const double speed_dps = pitch_deg * static_cast<double>(wanted) / report.window_s;
+  lines.set(oldest.parity, std::span(newest).first(wanted));
+  const SpeedPosterior found = search.search(lines, noise_variance, fastest_dps / speed_dps);
+  report.rate_dps = direction * found.speed * speed_dps;
+  report.misfit = found.noise_variance / noise_variance;
+  report.sigma_dps = std::hypot(found.sigma * speed_dps * std::max(1.0, report.misfit),
+                                rate_share * report.rate_dps, least_sigma_dps);
+  if (found.is_at_end) report.sigma_dps = std::max(report.sigma_dps, any_rate_sigma_dps);
+  report.is_told = report.sigma_dps < told_sigma_dps;
+  noise_variance =
+      std::max(least_noise_variance,
+               noise_variance * (1.0 + noise_share * (std::min(report.misfit, most_misfit) - 1.0)));
+  report.noise_c = std::sqrt(noise_variance);
+  if (!report.is_told || std::abs(report.rate_dps) < moving_dps) return;
+  errors.learn(halves.back().parity);
+}
+
+CameraRate::CameraRate(const CameraProfile& camera, int frames)
+    : parts_(std::make_unique<Parts>(camera, frames)) {}
+CameraRate::~CameraRate() = default;
+CameraRate::CameraRate(CameraRate&&) noexcept = default;
+CameraRate& CameraRate::operator=(CameraRate&&) noexcept = default;
+
+CameraRateReport CameraRate::add(const TimedFrame& frame) {
+  Parts& parts = *parts_;
+  CameraRateReport report;
+  const std::array<bool, 2> is_fresh{frame.fresh_even > fresh_pixels, frame.fresh_odd > fresh_pixels};
+  const unsigned first = frame.half[0].end <= frame.half[1].end ? 0U : 1U;
+  const bool is_timed = !frame.late && !frame.stale && !frame.stands_in;
+  std::size_t taken = 0;
+  for (const unsigned parity : {first, first ^ 1U})
+    if (is_timed && is_fresh[parity] && is_exposure(frame.half[parity]) && parts.take(frame, parity)) ++taken;
+  report.has_image = taken > 0;
+  if (taken == 0) parts.count = 0;
+  parts.in_a_row = taken > 0 ? std::min(parts.in_a_row + 1, most_window_frames) : 0;
+  std::rotate(parts.fresh.begin(), parts.fresh.begin() + 1, parts.fresh.end());
+  parts.fresh.back() = taken;
+  const std::size_t wanted = parts.halves_of_window();
+  report.is_complete = parts.in_a_row >= parts.frames && parts.count >= wanted;
+  if (report.is_complete) parts.look(wanted, report);
+  return report;
+}
+
+}  // namespace thermorig::likelihood

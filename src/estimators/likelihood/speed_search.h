@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "speed_table.h"
+#include "window_lines.h"
+
+namespace thermorig::likelihood {
+
+/// What a window tells of the camera's speed.
+struct SpeedPosterior {
+  double speed = 0.0;           // the most likely one: pitches an exposure
+  double sigma = 0.0;           // root of the mean square about it, other speeds that may be included
+  bool is_at_end = false;       // of the speeds that were tried: it may be faster
+  double noise_variance = 0.0;  // of a reading: of what no scene at that speed explains
+};
+
+/// Finds the speed with which the halves of a window agree on one piece of scene. The scene is a Gaussian
+/// process of which nothing is known but how its parts go together, seen through noise; the likelihood of all
+/// speeds is computed, roughly first and then where they may be.
+class SpeedSearch {
+ public:
+  SpeedSearch();
+
+  /// `noise_variance`: of a reading, as known before, above 0. `fastest`: no speed beyond is tried.
+  SpeedPosterior search(const WindowLines& lines, double noise_variance, double fastest);
+
+ private:
+  struct Fit {
+    double logarithm = 0.0;    // of the likelihood
+    double unexplained = 0.0;  // energy beside all patterns
+    double freedom = 0.0;      // of that
+  };
+  struct Mode {
+    std::size_t place = 0;
+    double logarithm = 0.0, speed = 0.0, variance = 0.0;
+    bool is_at_end = false;
+  };
+  struct Range {
+    std::size_t low = 0, high = 0;
+  };
+
+  Fit fit(const WindowLines& lines, std::size_t place, std::size_t waves, std::size_t most_patterns,
+          double noise_variance) const;
+  void look_roughly(const WindowLines& lines, double noise_variance, Range range);
+  void find_modes(Range range);
+  double fine(const WindowLines& lines, std::size_t place, double noise_variance);
+  Mode refined(const WindowLines& lines, std::size_t place, double noise_variance, Range range);
+
+  std::vector<double> rough_, fine_;  // logarithm of each speed's likelihood; fine: NaN where not known
+  static constexpr std::size_t most_modes = 4;
+  std::array<Mode, most_modes> modes_;
+  std::size_t mode_count_ = 0;
+};
+
+}  // namespace thermorig::likelihood

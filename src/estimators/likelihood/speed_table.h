@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstddef>
+#include <span>
+#include <vector>
+
+#include "scene_prior.h"
+
+namespace thermorig::likelihood {
+
+inline constexpr std::size_t least_halves = 2, most_halves = 4;
+inline constexpr double largest_speed = 18.5;  // faster, a half shows little that the one before has shown
+inline constexpr std::size_t patterns_a_group = 8;
+
+/// What a scene shows in the lines of a window at one speed, as patterns that come independently of each
+/// other, the most common first: eigenvectors of their covariance.
+struct SpeedPatterns {
+  double speed = 0.0;
+  std::size_t count = 0;        // of patterns; they stand in groups, the last one filled up with zeros
+  std::vector<float> variance;  // of each pattern, for a scene of unit variance
+  std::vector<float> pattern;   // (groups, halves * line_pixels, patterns_a_group)
+  double trace = 0.0;           // of all variances, those of rare patterns that are left out too
+};
+
+/// The patterns of all speeds that are tried: ascending, symmetric about 0, closer where the camera is slow.
+class SpeedTable {
+ public:
+  /// `halves`: least_halves to most_halves. `is_centred`: of lines less what those of each half have in
+  /// common.
+  SpeedTable(std::size_t halves, bool is_centred);
+
+  /// Made when it is first asked for, and kept: it depends on nothing else.
+  static const SpeedTable& of(std::size_t halves, bool is_centred);
+
+  std::span<const SpeedPatterns> speeds() const { return speeds_; }
+
+ private:
+  std::vector<SpeedPatterns> speeds_;
+};
+
+}  // namespace thermorig::likelihood

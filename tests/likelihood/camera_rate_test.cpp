@@ -1,0 +1,159 @@
+// SPDX-License-Identifier: MIT
+#include "thermorig/estimators/likelihood/camera_rate.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <vector>
+
+#include "../network/allocations.h"
+#include "../odometer/room.h"
+
+namespace thermorig::likelihood {
+namespace {
+
+using odometer::Room;
+using odometer::Seen;
+
+std::vector<Seen> turning(double rate_dps, double duration_s = 5.0, double contrast_k = 0.8) {
+  Room room;
+  room.duration_s = duration_s;
+  room.angle_deg = [rate_dps](double time_s) { return rate_dps * time_s; };
+  room.contrast_k = contrast_k;
+  return seen_in(room);
+}
+
+std::vector<CameraRateReport> reports_of(const std::vector<Seen>& all, int frames = 3,
+                                         const CameraProfile& camera = {}) {
+  CameraRate rate(camera, frames);
+  std::vector<CameraRateReport> reports;
+  for (const Seen& seen : all) reports.push_back(rate.add(seen.frame));
+  return reports;
+}
+
+TEST(TheCamerasRate, IsThatOfTheShaftWithinItsSigma) {
+  for (const double rate_dps : {0.0, 20.0, -75.0, 140.0, -205.0}) {
+    double covered = 0.0, count = 0.0;
+    for (const CameraRateReport& report : reports_of(turning(rate_dps))) {
+      if (!report.is_complete) continue;
+      EXPECT_TRUE(report.is_told);
+      EXPECT_NEAR(report.rate_dps, rate_dps, 5.0 * report.sigma_dps);
+      EXPECT_LT(report.sigma_dps, 1.0 + 0.07 * std::abs(rate_dps));
+      covered += std::abs(report.rate_dps - rate_dps) <= 2.0 * report.sigma_dps ? 1.0 : 0.0;
+      count += 1.0;
+    }
+    EXPECT_GT(count, 30.0);
+    EXPECT_GE(covered, 0.85 * count) << rate_dps;
+  }
+}
+
+TEST(TheCamerasRate, NeedsAsManyFramesAsItsWindowHas) {
+  for (const int frames : {1, 2, 3}) {
+    const auto reports = reports_of(turning(50.0, 2.0), frames);
+    for (int i = 0; i < 5; ++i)
+      EXPECT_EQ(reports[static_cast<std::size_t>(i)].is_complete, i >= frames) << frames << " " << i;
+    EXPECT_NEAR(reports.back().window_s, 0.125 * (frames + 1), 1e-6);
+  }
+}
+
+TEST(TheCamerasRate, OfLongerWindowsIsKnownBetter) {
+  const auto seen = turning(60.0);
+  double before_dps = std::numeric_limits<double>::infinity();
+  for (const int frames : {1, 2, 3}) {
+    const auto reports = reports_of(seen, frames);
+    double sum = 0.0;
+    for (std::size_t i = 10; i < 30; ++i) sum += reports[i].sigma_dps;
+    EXPECT_LT(sum, before_dps);
+    before_dps = sum;
+  }
+}
+
+TEST(TheCamerasRate, HasTheOtherSignWhereTheImageIsNoMirrorImage) {
+  const auto seen = turning(80.0);
+  CameraProfile camera;
+  const double mirrored_dps = reports_of(seen, 3, camera).back().rate_dps;
+  camera.mirrored = false;
+  EXPECT_NEAR(reports_of(seen, 3, camera).back().rate_dps, -mirrored_dps, 1e-9);
+}
+
+TEST(TheCamerasRate, OfAWallIsNotTold) {
+  int told = 0, count = 0;
+  for (const CameraRateReport& report : reports_of(turning(90.0, 6.0, 0.0))) {
+    if (!report.is_complete) continue;
+    ++count;
+    told += report.is_told ? 1 : 0;
+  }
+  EXPECT_LE(told, count / 5);
+}
+
+TEST(TheCamerasRate, BeyondWhatIsTriedIsNotTold) {
+  for (const CameraRateReport& report : reports_of(turning(500.0, 4.0)))
+    if (report.is_complete && report.is_told) {
+      EXPECT_LT(report.sigma_dps, told_sigma_dps);
+      EXPECT_LE(std::abs(report.rate_dps), fastest_dps);
+    }
+}
+
+TEST(TheCamerasRate, BeginsAnewAfterAFrameThatRepeatsTheOneBefore) {
+  auto seen = turning(50.0, 4.0);
+  seen[15].frame.stale = true;
+  const auto reports = reports_of(seen);
+  EXPECT_TRUE(reports[14].is_complete);
+  EXPECT_FALSE(reports[15].has_image);
+  for (std::size_t i = 15; i < 19; ++i) EXPECT_FALSE(reports[i].is_complete) << i;
+  EXPECT_TRUE(reports[19].is_complete);
+}
+
+TEST(TheCamerasRate, BeginsAnewWhereAHalfIsMissing) {
+  auto seen = turning(50.0, 4.0);
+  seen.erase(seen.begin() + 12, seen.begin() + 14);  // parities go on alternating
+  const auto reports = reports_of(seen);
+  EXPECT_TRUE(reports[11].is_complete);
+  EXPECT_FALSE(reports[12].is_complete || reports[14].is_complete);
+  EXPECT_NEAR(reports[15].rate_dps, 50.0, 5.0);
+}
+
+TEST(TheCamerasRate, DoesNotSufferFromPixelsThatAreBroken) {
+  auto seen = turning(40.0);
+  for (Seen& one : seen) {
+    one.frame.frame.temp_c[5 * frame_columns + 7] = 55.0F;
+    one.frame.frame.temp_c[12 * frame_columns + 20] = std::numeric_limits<float>::quiet_NaN();
+    one.frame.frame.temp_c[0] = -8.0F;
+  }
+  for (const CameraRateReport& report : reports_of(seen))
+    if (report.is_complete) {
+      EXPECT_NEAR(report.rate_dps, 40.0, std::max(2.0, 5.0 * report.sigma_dps));
+    }
+}
+
+TEST(TheCamerasRate, LearnsWhatItsPixelsAlwaysAdd) {
+  auto seen = turning(15.0, 40.0);
+  for (Seen& one : seen)
+    for (std::size_t i = 0; i < frame_pixels; ++i)
+      one.frame.frame.temp_c[i] += static_cast<float>((i * 7919) % 13) * 0.1F;  // up to 1.2 K
+  const auto reports = reports_of(seen);
+  EXPECT_LT(reports.back().noise_c, reports[20].noise_c);
+  EXPECT_NEAR(reports.back().noise_c, 0.5, 0.1);
+  EXPECT_NEAR(reports.back().rate_dps, 15.0, 3.0);
+}
+
+TEST(TheCamerasRate, SaysNothingOfImagesThatAreNone) {
+  auto seen = turning(40.0, 3.0);
+  for (Seen& one : seen) one.frame.frame.temp_c.fill(std::numeric_limits<float>::quiet_NaN());
+  for (const CameraRateReport& report : reports_of(seen))
+    EXPECT_FALSE(report.has_image || report.is_complete);
+}
+
+TEST(TheCamerasRate, AsksForNoMemoryFrameByFrame) {
+  const auto seen = turning(70.0, 3.0);
+  for (const int frames : {1, 2, 3}) {
+    CameraRate rate({}, frames);
+    const std::size_t before = allocations();
+    for (const Seen& one : seen) rate.add(one.frame);
+    EXPECT_EQ(allocations(), before);
+  }
+}
+
+}  // namespace
+}  // namespace thermorig::likelihood

@@ -1,0 +1,126 @@
+// SPDX-License-Identifier: MIT
+#include "estimators/likelihood/scene_prior.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "estimators/likelihood/speed_table.h"
+#include "estimators/likelihood/window_lines.h"
+
+namespace thermorig::likelihood {
+namespace {
+
+/// Mean over two boxes of that width, the other way: step by step.
+double stepped(double distance, double width, double (*function)(double, double), double parameter) {
+  constexpr int steps = 200;
+  double sum = 0.0;
+  for (int i = 0; i < steps; ++i)
+    for (int k = 0; k < steps; ++k) sum += function(distance + width * (i - k) / steps, parameter);
+  return sum / (steps * steps);
+}
+
+TEST(SweptCovariance, IsThatOfAStillViewMeanOverBothSweeps) {
+  for (const double speed : {1.0, -4.0, 12.0})
+    for (const double distance : {0.0, 3.0, 20.0})
+      EXPECT_NEAR(swept_covariance(distance, speed), stepped(distance, speed, swept_covariance, 0.0), 1e-4)
+          << speed << " " << distance;
+}
+
+TEST(SweptCovariance, OfAStillViewIsBelowOneAndFallsWithTheDistance) {
+  EXPECT_LT(swept_covariance(0.0, 0.0), 1.0);
+  EXPECT_GT(swept_covariance(0.0, 0.0), 0.9);
+  EXPECT_NEAR(swept_covariance(30.0, 0.0), std::exp(-2.0), 1e-3);
+  EXPECT_EQ(swept_covariance(5.0, 3.0), swept_covariance(-5.0, -3.0));
+}
+
+TEST(Places, OfTwoHalvesLieOneColumnApartAtRestAndTheSpeedFurtherInMotion) {
+  EXPECT_EQ(place_of(1, 2, 0, 0.0) - place_of(0, 2, 0, 0.0), 1.0);
+  EXPECT_EQ(place_of(2, 4, 3, 2.5) - place_of(0, 4, 3, 2.5), 5.0);
+  EXPECT_EQ(place_of(0, 4, 3, 2.5) - place_of(0, 4, 2, 2.5), 2.0);
+}
+
+TEST(SpeedTables, HavePatternsOfOneAndOfNothingInCommon) {
+  const SpeedTable& table = SpeedTable::of(2, false);
+  const SpeedPatterns& patterns = table.speeds()[table.speeds().size() / 2 + 20];
+  const std::size_t lines = 2 * line_pixels;
+  const auto at = [&](std::size_t k, std::size_t i) {
+    return double{
+        patterns.pattern[((k / patterns_a_group) * lines + i) * patterns_a_group + k % patterns_a_group]};
+  };
+  for (std::size_t k = 0; k < patterns.count; ++k)
+    for (std::size_t other = 0; other <= k; ++other) {
+      double product = 0.0;
+      for (std::size_t i = 0; i < lines; ++i) product += at(k, i) * at(other, i);
+      EXPECT_NEAR(product, k == other ? 1.0 : 0.0, 1e-5) << k << " " << other;
+    }
+}
+
+TEST(SpeedTables, AreSymmetricAndTheirVariancesFallAndAreAllThatThereIs) {
+  for (const bool is_centred : {false, true}) {
+    const auto speeds = SpeedTable::of(2, is_centred).speeds();
+    for (std::size_t i = 0; i < speeds.size(); ++i) {
+      EXPECT_EQ(speeds[i].speed, -speeds[speeds.size() - 1 - i].speed);
+      double sum = 0.0;
+      for (std::size_t k = 0; k < speeds[i].variance.size(); ++k) {
+        sum += double{speeds[i].variance[k]};
+        if (k > 0) {
+          EXPECT_LE(speeds[i].variance[k], speeds[i].variance[k - 1]);
+        }
+      }
+      EXPECT_NEAR(sum, speeds[i].trace, 0.02 * speeds[i].trace);
+    }
+    EXPECT_GT(speeds.back().speed, 17.5);
+  }
+}
+
+TEST(SpeedTables, WithoutWhatAHalfHasInCommonHaveNoPatternOfIt) {
+  const SpeedPatterns& patterns = SpeedTable::of(2, true).speeds().front();
+  for (std::size_t k = 0; k < patterns.count; ++k)
+    for (std::size_t half = 0; half < 2; ++half) {
+      float sum = 0.0F;
+      for (std::size_t i = 0; i < line_pixels; ++i)
+        sum += patterns.pattern[((k / patterns_a_group) * 2 * line_pixels + half * line_pixels + i) *
+                                    patterns_a_group +
+                                k % patterns_a_group];
+      EXPECT_NEAR(sum, 0.0F, 1e-4F);
+    }
+}
+
+TEST(WindowLines, KeepTheSumOfTheSquaresAndPartItBySize) {
+  HalfLines lines{};
+  double squares = 0.0;
+  for (std::size_t row = 0; row < frame_rows; ++row)
+    for (std::size_t k = 0; k < line_pixels; ++k) {
+      lines[row][k] = std::sin(0.7F * static_cast<float>(row * 5 + k * 3));
+      squares += double{lines[row][k]} * double{lines[row][k]};
+    }
+  const std::array<const HalfLines*, 2> halves{&lines, &lines};
+  WindowLines window(2);
+  window.set(0, halves);
+  double longest = 0.0, others = 0.0;
+  for (std::size_t row_class = 0; row_class < 2; ++row_class)
+    for (std::size_t i = 0; i < window.lines(); ++i) {
+      const double wave = double{window.waves(row_class)[i * half_rows]};
+      longest += wave * wave;
+    }
+  for (std::size_t wave = 1; wave < half_rows; ++wave) others += window.energy(wave);
+  EXPECT_NEAR(longest + others, 2.0 * squares, 1e-3);
+  EXPECT_LE(window.energy(0), longest + 1e-6);
+}
+
+TEST(WindowLines, SeeWhatAllPixelsHaveInCommonInTheLongestWaveAloneAndTakeItOff) {
+  HalfLines one{}, other{};
+  for (std::size_t row = 0; row < frame_rows; ++row)
+    for (std::size_t k = 0; k < line_pixels; ++k) {
+      one[row][k] = 20.0F;
+      other[row][k] = 21.0F;
+    }
+  const std::array<const HalfLines*, 2> halves{&one, &other};
+  WindowLines window(2);
+  window.set(1, halves);
+  for (std::size_t wave = 0; wave < half_rows; ++wave) EXPECT_NEAR(window.energy(wave), 0.0, 1e-6) << wave;
+}
+
+}  // namespace
+}  // namespace thermorig::likelihood
