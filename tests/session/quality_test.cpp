@@ -120,11 +120,15 @@ TEST(Verdict, IsUsableWhenASpeedHasNoValidFrame) {
 }
 
 TEST(Verdict, TellsOfFewSpeedsWithoutFramesAndStaysGood) {
-  Session session = clean_session(60);
-  std::uint16_t leg = 0;
-  for (auto& sample : session.samples) {
-    sample.rate_commanded_dps = static_cast<float>(20 + 10 * (leg++ / 5));
-    sample.valid = sample.rate_commanded_dps > 20.0F;
+  Session session = clean_session(120);
+  session.raw.legs.clear();
+  for (std::uint16_t leg = 1; leg <= 12; ++leg) {
+    session.raw.legs.push_back({.leg = leg, .rate_dps = 10.0 * leg});
+    for (std::size_t i = 0; i < 10; ++i) {
+      LabelledSample& sample = session.samples[10U * (leg - 1U) + i];
+      sample.leg = leg;
+      sample.valid = leg > 1;
+    }
   }
   const Quality quality = quality_of(session);
   EXPECT_EQ(quality.verdict, "good");
