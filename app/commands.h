@@ -15,6 +15,7 @@ ExitCode run(const CalibrateOptions& options);
 ExitCode run(const PortsOptions& options);
 ExitCode run(const SimulateOptions& options);
 ExitCode run(const InspectOptions& options);
+ExitCode run(const ViewOptions& options);
 ExitCode run(const ListOptions& options);
 ExitCode run(const AnnotateOptions& options);
 ExitCode run(const DatasetOptions& options);

@@ -10,6 +10,13 @@ namespace {
 
 std::atomic<bool> seen{false};
 
+sigset_t held_signals() {
+  sigset_t signals;
+  sigemptyset(&signals);
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP}) sigaddset(&signals, signal);
+  return signals;
+}
+
 }  // namespace
 
 void watch_interrupts() {
@@ -22,6 +29,17 @@ void watch_interrupts() {
 
 bool interrupted() {
   return seen;
+}
+
+void hold_interrupts() {
+  const sigset_t signals = held_signals();
+  pthread_sigmask(SIG_BLOCK, &signals, nullptr);
+}
+
+void wait_for_interrupt() {
+  const sigset_t signals = held_signals();
+  int signal = 0;
+  sigwait(&signals, &signal);
 }
 
 }  // namespace thermorig::app

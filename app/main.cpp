@@ -17,6 +17,7 @@
 #include "print/output.h"
 #include "thermorig/core/error.h"
 #include "thermorig/storage/session/trial.h"
+#include "thermorig/storage/view/session_view.h"
 
 namespace {
 
@@ -46,7 +47,7 @@ int run(int argc, const char* const* argv) {
     return static_cast<int>(ExitCode::ok);
   }
   // Now, while there is one thread. Whatever a command reads of sessions may come from others.
-  if (!std::holds_alternative<app::VersionOptions>(*line.command)) session::try_sessions_first();
+  if (!std::holds_alternative<app::VersionOptions>(*line.command)) session::try_sessions_first(view::tasks());
   return static_cast<int>(std::visit([](const auto& options) { return app::run(options); }, *line.command));
 }
 

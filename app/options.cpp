@@ -25,6 +25,7 @@ struct Words {
   PortsOptions ports;
   SimulateOptions simulate;
   InspectOptions inspect;
+  ViewOptions view;
   ListOptions list;
   AnnotateOptions annotate;
   DatasetOptions dataset;
@@ -166,8 +167,22 @@ void add_inspect(CLI::App& root, Words& words) {
   command.add_flag("--timing", words.inspect.timing,
                    "How well times and labels are known: clocks, offsets, scales, residuals");
   command.add_flag("--check", words.inspect.check, "Exit code 9 if the verdict on any file is bad");
+  command
+      .add_option("--html", words.inspect.html,
+                  "Write the page that `view` serves to this file, with the session in it (5 MB at most)")
+      ->type_name("FILE");
   add_json(command, words.inspect.json);
   command.footer("Example:\n  thermorig inspect --check recordings/garden");
+}
+
+void add_view(CLI::App& root, ViewOptions& view) {
+  CLI::App& command =
+      *root.add_subcommand("view", "Show a session on a page: images, rates, validity under one cursor");
+  command.add_option("SESSION", view.file, "Session file (.h5)")->required();
+  command.add_option("--page-port", view.port, "Port of the page on this machine (0: any that is free)")
+      ->type_name("N")
+      ->capture_default_str();
+  command.footer("Example:\n  thermorig view session.h5");
 }
 
 void add_recover(CLI::App& root, Words& words) {
@@ -263,6 +278,7 @@ Command chosen(const CLI::App& root, Words& words) {
   if (name == "ports") return words.ports;
   if (name == "live") return chosen_live(words.live);
   if (name == "inspect") return words.inspect;
+  if (name == "view") return words.view;
   if (name == "list") return words.list;
   if (name == "annotate") return words.annotate;
   if (name == "dataset") return words.dataset;
@@ -289,6 +305,7 @@ void describe(CLI::App& root, Words& words) {
   add_simulate(root, words);
   add_list(root, words.list);
   add_inspect(root, words);
+  add_view(root, words.view);
   add_annotate(root, words.annotate);
   add_dataset(root, words.dataset);
   add_recover(root, words);

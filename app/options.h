@@ -112,7 +112,13 @@ struct InspectOptions {
   std::vector<std::filesystem::path> paths;  // sessions, or folders that hold them
   bool check = false;
   bool timing = false;
+  std::filesystem::path html;  // file that the session's page is written to; empty: it is described
   bool json = false;
+};
+
+struct ViewOptions {
+  std::filesystem::path file;
+  std::uint16_t port = 8651;  // 0: any that is free
 };
 
 struct ListOptions {
@@ -237,7 +243,7 @@ struct VersionOptions {
 using Command = std::variant<RecordOptions, CalibrateOptions, PortsOptions, SimulateOptions, InspectOptions,
                              RecoverOptions, ReprocessOptions, DecodeOptions, TrainOptions, EvaluateOptions,
                              ExportOptions, VersionOptions, LiveOptions, DoctorOptions, ListOptions,
-                             AnnotateOptions, DatasetOptions>;
+                             AnnotateOptions, DatasetOptions, ViewOptions>;
 
 /// What the command line asks for.
 struct CommandLine {

@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <limits>
 #include <nlohmann/json.hpp>
 #include <random>
 
@@ -14,6 +13,7 @@
 #include "print/number_json.h"
 #include "print/scores_json.h"
 #include "thermorig/core/base64.h"
+#include "thermorig/core/image_bytes.h"
 #include "thermorig/estimators/table.h"
 
 namespace thermorig::app {
@@ -103,32 +103,6 @@ nlohmann::json quotas_json(const std::vector<rig::SpeedQuota>& speeds) {
   for (const rig::SpeedQuota& speed : speeds)
     list.push_back({{"rate_dps", speed.rate_dps}, {"valid", speed.valid}, {"quota", speed.wanted}});
   return list;
-}
-
-/// Hundredths of a degree; a pixel that is not a number becomes the lowest.
-std::int16_t pixel_hundredths(float temp_c) {
-  constexpr double limit = std::numeric_limits<std::int16_t>::max();
-  if (!std::isfinite(temp_c)) return std::numeric_limits<std::int16_t>::min();
-  return static_cast<std::int16_t>(std::clamp(std::round(100.0 * double{temp_c}), -limit, limit));
-}
-
-/// Little-endian.
-void append(std::vector<std::uint8_t>& bytes, float temp_c) {
-  const auto value = static_cast<std::uint16_t>(pixel_hundredths(temp_c));
-  bytes.push_back(static_cast<std::uint8_t>(value & 0xFFU));
-  bytes.push_back(static_cast<std::uint8_t>(value >> 8U));
-}
-
-/// Rows from the top, the scene's left on the left.
-std::vector<std::uint8_t> image_bytes(const ThermalFrame& frame, bool mirrored) {
-  std::vector<std::uint8_t> bytes;
-  bytes.reserve(2 * frame_pixels);
-  for (std::size_t row = 0; row < frame_rows; ++row)
-    for (std::size_t column = 0; column < frame_columns; ++column) {
-      const std::size_t from = mirrored ? frame_columns - 1 - column : column;
-      append(bytes, frame.temp_c[row * frame_columns + from]);
-    }
-  return bytes;
 }
 
 }  // namespace
@@ -230,17 +204,19 @@ nlohmann::json frame_message(const LiveFrame& frame, HostTime begin) {
 }
 
 nlohmann::json image_message(const LiveFrame& frame, HostTime begin, bool mirrored) {
+  std::vector<std::uint8_t> bytes;
+  append_image(bytes, frame.frame.frame, mirrored);
   return {{"event", "image"},
           {"index", frame.row.frame_index},
           {"time_s", seconds(frame.row.time, begin)},
-          {"pixels", base64(image_bytes(frame.frame.frame, mirrored))}};
+          {"pixels", base64(bytes)}};
 }
 
 nlohmann::json surroundings_message(const estimators::Surroundings& surroundings, std::string_view estimator,
                                     double time_s, double view_deg) {
   std::vector<std::uint8_t> bytes;
   bytes.reserve(2 * surroundings.image_c.size());
-  for (const float temp_c : surroundings.image_c) append(bytes, temp_c);
+  for (const float temp_c : surroundings.image_c) append_hundredths(bytes, temp_c);
   return {{"event", "surroundings"},
           {"estimator", estimator},
           {"time_s", time_s},

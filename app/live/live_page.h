@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include <cstdint>
-#include <filesystem>
 #include <memory>
 #include <string>
 #include <vector>
@@ -21,10 +19,7 @@ class LivePage : public MessageSink {
   ~LivePage() override;
 
   void take(web::Topic topic, const std::string& message) override;
-  std::uint16_t port() const;
-  std::string url() const;                       // with the token
-  const std::filesystem::path& kept_in() const;  // a private file that has the URL; empty: there is none
-  const std::string& note() const;               // on a state file that was not used, or empty
+  const web::Server& server() const;
 
   /// What the page ordered since the last call.
   std::vector<rig::Order> take_orders();
@@ -36,10 +31,5 @@ class LivePage : public MessageSink {
 
 /// What the run itself and its page, if there is one, order.
 std::vector<rig::Order> orders_of(LiveRun& run, LivePage* page);
-
-/// Prints where the page is, and what is to be said of its state file, once: on standard output or, where
-/// that is for programs, on standard error. No token goes into a file that others may read: then it is said
-/// where the whole address is.
-void tell_page(const LivePage& page, bool json);
 
 }  // namespace thermorig::app

@@ -6,6 +6,7 @@
 #include "interrupts.h"
 #include "live_lines.h"
 #include "live_tui.h"
+#include "page_address.h"
 #include "print/output.h"
 #include "record/record_summary.h"
 
@@ -32,7 +33,7 @@ OutputOptions output_options(const LiveOptions& options) {
 
 LiveScreens::LiveScreens(const LiveOptions& options, LivePage* page, LiveRun& run)
     : output_(output_options(options)), has_page_(page != nullptr) {
-  if (page != nullptr) tell_page(*page, options.record.json);
+  if (page != nullptr) tell_page(page->server(), options.record.json);
   if (options.record.json) {
     json_ = make_live_json(output_);
     run.add(*json_);

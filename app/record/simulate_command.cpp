@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: MIT
 #include <fmt/format.h>
 
-#include <csignal>
 #include <nlohmann/json.hpp>
 
 #include "chosen_rig.h"
 #include "commands.h"
+#include "interrupts.h"
 #include "print/number_json.h"
 #include "print/output.h"
 #include "print/simulation_text.h"
@@ -16,15 +16,6 @@
 namespace thermorig::app {
 
 namespace {
-
-/// From here on SIGINT, SIGTERM and SIGHUP wait to be asked for, in every thread that is started later.
-sigset_t hold_signals() {
-  sigset_t signals;
-  sigemptyset(&signals);
-  for (int signal : {SIGINT, SIGTERM, SIGHUP}) sigaddset(&signals, signal);
-  pthread_sigmask(SIG_BLOCK, &signals, nullptr);
-  return signals;
-}
 
 RigProfile profile_of(const simulation::VirtualRigConfig& config, const PerDevice<std::string>& paths) {
   RigProfile profile = config.profile;
@@ -86,14 +77,13 @@ void print_tally(const ServingTally& tally, bool json) {
 
 ExitCode run(const SimulateOptions& options) {
   rig::check_environment(options.environment);  // `record` is to take the name
-  const sigset_t signals = hold_signals();
+  hold_interrupts();
   const simulation::VirtualRigConfig config = simulated_rig(options.seed, options.environment, options.parts);
   SimulatedPorts ports(config, FirmwareChoice::avr_image);
   if (!options.profile.empty()) rig::write_profile(options.profile, profile_of(config, ports.paths()));
   ports.start();
   announce(options, config, ports);
-  int signal = 0;
-  sigwait(&signals, &signal);
+  wait_for_interrupt();
   ports.stop();
   print_tally(ports.tally(), options.json);
   return ExitCode::ok;

@@ -18,18 +18,17 @@ void require_folder(const std::filesystem::path& folder) {
                 files::usual_advice(failure.value()));
 }
 
-void require_absent(const std::filesystem::path& path) {
+void require_absent(const std::filesystem::path& path, const std::string& advice) {
   std::error_code hidden;  // a folder that may not be searched: creating the file says so
   if (!std::filesystem::exists(std::filesystem::symlink_status(path, hidden))) return;
-  throw Error(ExitCode::storage, "it exists already, and nothing is overwritten", path.string(),
-              "another folder with -o, or remove it first");
+  throw Error(ExitCode::storage, "it exists already, and nothing is overwritten", path.string(), advice);
 }
 
 }  // namespace
 
-void require_new(const std::filesystem::path& path) {
+void require_new(const std::filesystem::path& path, const std::string& advice) {
   require_folder(path.parent_path());
-  require_absent(path);
+  require_absent(path, advice);
 }
 
 ExportFile::ExportFile(const std::filesystem::path& path) : part_(path, "the export") {}

@@ -11,8 +11,9 @@
 namespace thermorig::app {
 
 /// Makes the folder of a file that is to be written, where it is missing. Throws Error(storage), also if
-/// there is something of that name: nothing is overwritten.
-void require_new(const std::filesystem::path& path);
+/// there is something of that name: nothing is overwritten. `advice`: what to try then.
+void require_new(const std::filesystem::path& path,
+                 const std::string& advice = "another folder with -o, or remove it first");
 
 /// A file that is written bit by bit, and has its name once it is whole. All members throw Error(storage).
 class ExportFile final : public interchange::Sink {

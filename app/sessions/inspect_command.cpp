@@ -9,18 +9,12 @@
 #include "print/output.h"
 #include "print/timing_text.h"
 #include "session_files.h"
-#include "thermorig/storage/journal/journal.h"
+#include "session_page.h"
 #include "thermorig/storage/session/trial.h"
 
 namespace thermorig::app {
 
 namespace {
-
-void refuse_journal(const std::filesystem::path& path) {
-  if (!std::filesystem::is_regular_file(path) || !journal::is_journal(path)) return;
-  throw Error(ExitCode::not_a_session, "this is a journal, not yet a session", path.string(),
-              "thermorig recover " + path.string());
-}
 
 struct Inspected {
   session::Session session;
@@ -112,6 +106,7 @@ class Inspection {
 /// Every file is looked at, also after one that is no session: the exit code is that of the first that is not
 /// well. With --json one array, an object a file.
 ExitCode run(const InspectOptions& options) {
+  if (!options.html.empty()) return write_session_page(options);
   Inspection inspection(options);
   for (const auto& path : options.paths) inspection.look_at(path);
   return inspection.end();

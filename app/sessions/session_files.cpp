@@ -2,7 +2,9 @@
 #include "session_files.h"
 
 #include "existing_file.h"
+#include "thermorig/core/error.h"
 #include "thermorig/learning/dataset/dataset.h"
+#include "thermorig/storage/journal/journal.h"
 
 namespace thermorig::app {
 
@@ -22,6 +24,12 @@ std::vector<fs::path> session_files_at(const std::vector<fs::path>& paths) {
     files.insert(files.end(), there.begin(), there.end());
   }
   return files;
+}
+
+void refuse_journal(const std::filesystem::path& path) {
+  if (!std::filesystem::is_regular_file(path) || !journal::is_journal(path)) return;
+  throw Error(ExitCode::not_a_session, "this is a journal, not yet a session", path.string(),
+              "thermorig recover " + path.string());
 }
 
 }  // namespace thermorig::app

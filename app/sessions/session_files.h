@@ -13,4 +13,7 @@ std::vector<std::filesystem::path> session_files_at(const std::filesystem::path&
 /// The same of several, in their order.
 std::vector<std::filesystem::path> session_files_at(const std::vector<std::filesystem::path>& paths);
 
+/// Throws Error(not_a_session) for a journal, with how to make a session of it.
+void refuse_journal(const std::filesystem::path& path);
+
 }  // namespace thermorig::app

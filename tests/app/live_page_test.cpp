@@ -18,8 +18,8 @@ TEST(LivePage, ItsOrdersBecomeTheRecordings) {
   LivePage page({.serve = true, .port = 0, .control = true});
   unsetenv("XDG_STATE_HOME");
   LiveRun run({}, {}, estimators::Bank({}, {}, RigProfile()));
-  const std::string token = web::token_of(page.url());
-  web::PageClient client(page.port());
+  const std::string token = web::token_of(page.server().url());
+  web::PageClient client(page.server().port());
   EXPECT_EQ(client.post("/start", token, "{}").status, 204);
   EXPECT_EQ(client.post("/mark", token, R"({"note":"a bird"})").status, 204);
   EXPECT_EQ(client.post("/stop", token, "{}").status, 204);

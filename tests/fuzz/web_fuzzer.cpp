@@ -26,10 +26,11 @@ using namespace thermorig;
 using test::fuzz_require;
 
 const web::Gate gate{.port = 8650, .token = "0123456789abcdef0123456789abcdef", .control = false};
+const web::Gate of_a_session{.port = 8650, .token = gate.token, .control = false, .data = true};
 
 void check_request(test::FuzzScript& script) {
   const std::array<std::string, 3> methods{"GET", "POST", script.text(8)};
-  const std::array<std::string, 5> targets{"/", "/stop", "/mark", "/live", script.text(24)};
+  const std::array<std::string, 6> targets{"/", "/stop", "/mark", "/live", "/data/rows", script.text(24)};
   const std::array<std::string, 3> hosts{"127.0.0.1:8650", "localhost:8650", script.text(24)};
   const std::array<std::string, 3> origins{"http://127.0.0.1:8650", "http://localhost:8650", script.text(24)};
   const std::array<std::string, 2> types{"application/json", script.text(16)};
@@ -45,11 +46,14 @@ void check_request(test::FuzzScript& script) {
   if ((there & 8U) != 0) head.authorization = choose(shown);
   head.upgrade = (there & 16U) != 0;
   head.body = (there & 32U) != 0;
-  const auto refusal = web::check(head, gate);
+  const web::Gate& its_gate = (there & 64U) != 0 ? of_a_session : gate;
+  const auto refusal = web::check(head, its_gate);
   if (refusal) return fuzz_require(refusal->status >= 400 && !refusal->sentence.empty());
   fuzz_require(head.host == hosts[0] || head.host == hosts[1] || head.host == "[::1]:8650");
-  const auto route = web::route(head.target);
+  const auto route = web::route(head.target, its_gate);
   fuzz_require(route.has_value());
+  if (route == web::Route::data)
+    fuzz_require(its_gate.data && head.method == "GET" && head.authorization == shown[0]);
   if (route == web::Route::order)
     fuzz_require(head.method == "POST" && head.authorization == shown[0] && head.target != "/start");
 }

@@ -10,6 +10,7 @@
 #include <list>
 #include <mutex>
 #include <thread>
+#include <variant>
 
 #include "answer.h"
 #include "assets.h"
@@ -127,7 +128,7 @@ struct PageLoop::Impl {
   Impl(const ServerOptions& server_options, Listeners listeners, std::string token,
        std::function<void(const Order&)> order_taker)
       : options(server_options),
-        gate{listeners.port(), std::move(token), server_options.control},
+        gate{listeners.port(), std::move(token), server_options.control, server_options.data != nullptr},
         ordered(std::move(order_taker)),
         hand_over(server_options.queue_bytes) {
     acceptors.emplace_back(context, tcp::v4(), listeners.take_v4());
@@ -212,12 +213,13 @@ struct PageLoop::Impl {
       co_return false;
     }
     const auto target = view(parser.get().target());
-    const Route where = *route(target);
+    const Route where = *route(target, gate);
     if (where == Route::order) co_return co_await take_order(*connection, parser, buffer);
     if (where == Route::asset) {
-      Answer answer = file_answer(*asset(target), view(parser.get()[http::field::accept_encoding]));
+      Answer answer = file_answer(*file_of(target, gate), view(parser.get()[http::field::accept_encoding]));
       co_return co_await send(*connection, parser.get(), answer);
     }
+    if (where == Route::data) co_return co_await send_data(*connection, parser.get());
     if (const auto full = streams.check(buffer.size())) {
       co_await refuse(*connection, parser.get(), *full);
       co_return false;
@@ -226,6 +228,25 @@ struct PageLoop::Impl {
     connections.remove(connection);  // whose socket goes to the stream
     streams.open(std::move(connection->socket), parser.release(), std::move(host));
     co_return false;
+  }
+
+  asio::awaitable<bool> send_data(Connection& connection, const HttpRequest& request) {
+    std::variant<Answer, Refusal> found = read_data(data_name(view(request.target())));
+    if (const auto* refusal = std::get_if<Refusal>(&found)) {
+      co_await refuse(connection, request, *refusal);
+      co_return false;
+    }
+    co_return co_await send(connection, request, std::get<Answer>(found));
+  }
+
+  std::variant<Answer, Refusal> read_data(std::string_view name) const {
+    try {
+      std::optional<std::string> bytes = options.data(name);
+      if (!bytes) return Refusal{404, "there is nothing here"};
+      return Answer{200, {{"Content-Type", "application/octet-stream"}}, *std::move(bytes)};
+    } catch (const std::exception&) {
+      return Refusal{500, "the program could not read this part of the session"};
+    }
   }
 
   /// Whether the connection stays open.

@@ -3,7 +3,8 @@
 
 #include <fmt/format.h>
 
-#include "assets.h"
+#include <algorithm>
+
 #include "token.h"
 
 namespace thermorig::web {
@@ -11,6 +12,17 @@ namespace thermorig::web {
 namespace {
 
 using MaybeRefusal = std::optional<Refusal>;
+
+constexpr std::string_view data_prefix = "/data/";
+constexpr std::size_t data_name_bytes_max = 40;
+constexpr std::string_view session_page = "/session";
+
+bool is_data(std::string_view target) {
+  const auto is_plain = [](char c) { return (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || c == '/'; };
+  return target.starts_with(data_prefix) && target.size() > data_prefix.size() &&
+         target.size() <= data_prefix.size() + data_name_bytes_max &&
+         std::all_of(target.begin(), target.end(), is_plain);
+}
 
 bool is_own_host(std::string_view host, std::uint16_t port) {
   for (const std::string_view name : {"localhost", "127.0.0.1", "[::1]"}) {
@@ -34,6 +46,9 @@ MaybeRefusal check_method(const RequestHead& head, Route where) {
     case Route::asset:
       if (reads) return std::nullopt;
       return Refusal{405, "a file of the page can only be read", "GET, HEAD"};
+    case Route::data:
+      if (head.method == "GET") return std::nullopt;
+      return Refusal{405, "the session's data can only be read", "GET"};
     case Route::stream:
       if (head.method == "GET") return std::nullopt;
       return Refusal{405, "the stream can only be opened", "GET"};
@@ -74,6 +89,13 @@ MaybeRefusal check_order(const RequestHead& head, const Gate& gate) {
   return std::nullopt;
 }
 
+/// Browsers leave out where a page's own reading comes from; what comes with it must be right.
+MaybeRefusal check_data(const RequestHead& head, const Gate& gate) {
+  if (head.origin)
+    if (auto refusal = check_origin(head)) return refusal;
+  return check_token(head, gate);
+}
+
 MaybeRefusal check_stream(const RequestHead& head) {
   if (auto refusal = check_origin(head)) return refusal;
   if (!head.upgrade) return Refusal{426, "the stream is a WebSocket of version 13"};
@@ -82,10 +104,21 @@ MaybeRefusal check_stream(const RequestHead& head) {
 
 }  // namespace
 
-std::optional<Route> route(std::string_view target) {
+std::optional<Asset> file_of(std::string_view target, const Gate& gate) {
+  const bool is_shared = target == "/icon.svg" || target == "/licences.txt";
+  if (is_shared || gate.data == target.starts_with(session_page)) return asset(target);
+  return gate.data && target == "/" ? asset(session_page) : std::nullopt;
+}
+
+std::string_view data_name(std::string_view target) {
+  return target.substr(data_prefix.size());
+}
+
+std::optional<Route> route(std::string_view target, const Gate& gate) {
+  if (file_of(target, gate)) return Route::asset;
+  if (gate.data) return is_data(target) ? std::optional(Route::data) : std::nullopt;
   if (target == "/stream") return Route::stream;
   if (target == "/stop" || target == "/mark" || target == "/start") return Route::order;
-  if (asset(target)) return Route::asset;
   return std::nullopt;
 }
 
@@ -96,12 +129,13 @@ OrderKind order_kind(std::string_view target) {
 
 std::optional<Refusal> check(const RequestHead& head, const Gate& gate) {
   if (auto refusal = check_host(head, gate)) return refusal;
-  const auto where = route(head.target);
+  const auto where = route(head.target, gate);
   if (!where) return Refusal{404, "there is nothing here"};
   if (auto refusal = check_method(head, *where)) return refusal;
   if (head.body && *where != Route::order) return Refusal{400, "only an order has a body"};
   if (*where == Route::order) return check_order(head, gate);
   if (*where == Route::stream) return check_stream(head);
+  if (*where == Route::data) return check_data(head, gate);
   return std::nullopt;
 }
 

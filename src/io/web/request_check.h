@@ -7,6 +7,7 @@
 #include <string>
 #include <string_view>
 
+#include "assets.h"
 #include "thermorig/io/web/server.h"
 
 namespace thermorig::web {
@@ -30,6 +31,7 @@ struct Gate {
   std::uint16_t port = 0;
   std::string token;
   bool control = false;
+  bool data = false;  // a session that is over is shown: nothing comes, and nothing can be ordered
 };
 
 /// An answer that ends a request.
@@ -40,10 +42,16 @@ struct Refusal {
 };
 
 /// What a request asks for.
-enum class Route : std::uint8_t { asset, stream, order };
+enum class Route : std::uint8_t { asset, data, stream, order };
 
 /// The route of a target, which must match exactly: no query, no other spelling.
-std::optional<Route> route(std::string_view target);
+std::optional<Route> route(std::string_view target, const Gate& gate);
+
+/// The file of a target, which is of the page that is shown; nothing for any other.
+std::optional<Asset> file_of(std::string_view target, const Gate& gate);
+
+/// What of the data a target of Route::data asks for: "images/12".
+std::string_view data_name(std::string_view target);
 
 /// The order of /stop, /mark or /start.
 OrderKind order_kind(std::string_view target);

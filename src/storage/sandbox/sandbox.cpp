@@ -20,7 +20,6 @@
 #include <cstdio>
 #include <cstring>
 #include <exception>
-#include <sstream>
 #include <string_view>
 
 #include "child_limits.h"
@@ -33,17 +32,18 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::size_t longest_answer = 1U << 20U;
+constexpr std::size_t answer_part_bytes = 1U << 16U;  // as much as a pipe holds
 constexpr auto alarm_margin = std::chrono::seconds(10);
 constexpr std::size_t descriptors = 2;  // of a message: the copy, and where to answer
 
 int to_children = -1;  // a socket to the process that forks them; none: it was not started
 std::vector<Task> tasks;
 
-/// A message of one byte, the task's number, and two descriptors, as the system wants it.
+/// A message of one byte, the task's number, what is asked behind it, and two descriptors, as the system
+/// wants it.
 struct Parcel {
-  std::uint8_t byte = 0;
-  iovec content{&byte, sizeof byte};
+  std::array<char, 1 + request_bytes_max> bytes{};
+  iovec content{bytes.data(), bytes.size()};
   alignas(cmsghdr) std::array<char, CMSG_SPACE(descriptors * sizeof(int))> control{};
   msghdr message{};
 
@@ -57,9 +57,11 @@ struct Parcel {
   Parcel& operator=(const Parcel&) = delete;
 };
 
-bool send_parcel(int socket, std::size_t task, const std::array<int, descriptors>& fds) {
+bool send_parcel(int socket, std::size_t task, std::string_view request,
+                 const std::array<int, descriptors>& fds) {
   Parcel parcel;
-  parcel.byte = static_cast<std::uint8_t>(task);
+  parcel.bytes[0] = static_cast<char>(task);
+  parcel.content.iov_len = 1 + request.copy(&parcel.bytes[1], request_bytes_max);
   cmsghdr* header = CMSG_FIRSTHDR(&parcel.message);
   header->cmsg_level = SOL_SOCKET;
   header->cmsg_type = SCM_RIGHTS;
@@ -68,18 +70,26 @@ bool send_parcel(int socket, std::size_t task, const std::array<int, descriptors
   ssize_t sent = 0;
   do sent = ::sendmsg(socket, &parcel.message, MSG_NOSIGNAL);
   while (sent < 0 && errno == EINTR);
-  return sent == 1;
+  return sent == static_cast<ssize_t>(parcel.content.iov_len);
 }
 
-bool receive_parcel(int socket, std::size_t& task, std::array<int, descriptors>& fds) {
+/// What a child is to do.
+struct Order {
+  std::size_t task = 0;
+  std::string request;
+  std::array<int, descriptors> fds{};  // the copy, and where to answer
+};
+
+bool receive_parcel(int socket, Order& order) {
   Parcel parcel;
   ssize_t received = 0;
   do received = ::recvmsg(socket, &parcel.message, MSG_CMSG_CLOEXEC);
   while (received < 0 && errno == EINTR);
   const cmsghdr* header = CMSG_FIRSTHDR(&parcel.message);
-  if (received != 1 || header == nullptr || header->cmsg_len != CMSG_LEN(sizeof fds)) return false;
-  std::memcpy(fds.data(), CMSG_DATA(header), sizeof fds);
-  task = parcel.byte;
+  if (received < 1 || header == nullptr || header->cmsg_len != CMSG_LEN(sizeof order.fds)) return false;
+  std::memcpy(order.fds.data(), CMSG_DATA(header), sizeof order.fds);
+  order.task = static_cast<std::uint8_t>(parcel.bytes[0]);
+  order.request.assign(&parcel.bytes[1], static_cast<std::size_t>(received) - 1);
   return true;
 }
 
@@ -104,11 +114,11 @@ void end_of_wall_time(int /*signal*/) {
   answer_and_exit(End::no_wall_time);
 }
 
-/// How it ended, then a line each.
-[[noreturn]] void do_and_answer(Task task, const SealedCopy& copy) {
+/// How it ended, then what was made.
+[[noreturn]] void do_and_answer(const Order& order, const SealedCopy& copy) {
   std::string text(1, static_cast<char>(End::done));
   try {
-    for (const std::string& line : task(copy)) text += line + "\n";
+    text += tasks.at(order.task)(copy, order.request);
   } catch (const Error&) {
     answer_and_exit(End::refused);
   }
@@ -121,14 +131,14 @@ void end_of_wall_time(int /*signal*/) {
 }
 
 /// A Ctrl-C is the program's: its children end when it does.
-[[noreturn]] void be_child(Task task, int file, int answer) {
+[[noreturn]] void be_child(const Order& order) {
   ::prctl(PR_SET_PDEATHSIG, SIGKILL);
-  answer_when_time_is_up(answer);
+  answer_when_time_is_up(order.fds[1]);
   try {
-    const SealedCopy copy(file, "session");
+    const SealedCopy copy(order.fds[0], "session");
     ::prctl(PR_SET_NAME, "sandboxed");
     enter(copy.bytes().size());
-    do_and_answer(task, copy);
+    do_and_answer(order, copy);
   } catch (const std::exception&) {  // too little memory, for one: the answer stays away
   }
   ::_exit(0);
@@ -140,19 +150,18 @@ void end_of_wall_time(int /*signal*/) {
   ::prctl(PR_SET_PDEATHSIG, SIGKILL);
   for (const int signal : {SIGINT, SIGTERM, SIGHUP, SIGQUIT, SIGTSTP}) std::signal(signal, SIG_IGN);
   std::signal(SIGCHLD, SIG_IGN);  // children vanish by themselves
-  std::array<int, descriptors> fds{};
-  std::size_t task = 0;
-  while (receive_parcel(socket, task, fds)) {
+  Order order;
+  while (receive_parcel(socket, order)) {
     const pid_t child = ::fork();
     if (child == 0) {
       ::close(socket);  // the files of others come there
-      be_child(tasks.at(task), fds[0], fds[1]);
+      be_child(order);
     }
     constexpr End none = End::no_child;
     if (child < 0) {
-      [[maybe_unused]] const ssize_t written = ::write(fds[1], &none, sizeof none);
+      [[maybe_unused]] const ssize_t written = ::write(order.fds[1], &none, sizeof none);
     }
-    for (const int fd : fds) ::close(fd);
+    for (const int fd : order.fds) ::close(fd);
   }
   ::_exit(0);
 }
@@ -173,11 +182,11 @@ void keep_only(int& socket) {
 }
 
 /// Hands over the copy, and where to answer.
-bool send_copy(const SealedCopy& copy, std::size_t task, int answer) {
-  if (copy.fd() >= 0) return send_parcel(to_children, task, {copy.fd(), answer});
+bool send_copy(const SealedCopy& copy, std::size_t task, std::string_view request, int answer) {
+  if (copy.fd() >= 0) return send_parcel(to_children, task, request, {copy.fd(), answer});
   std::array<int, 2> ends{};
   if (::socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends.data()) != 0) no_child_possible();
-  const bool sent = send_parcel(to_children, task, {ends[1], answer});
+  const bool sent = send_parcel(to_children, task, request, {ends[1], answer});
   ::close(ends[1]);
   if (sent) copy.send_bytes(ends[0]);  // if the child goes before it has them, its answer stays away
   ::close(ends[0]);
@@ -198,16 +207,17 @@ bool is_answered(int answer, std::chrono::steady_clock::time_point until) {
 }
 
 /// All that a child says, but no more than is sensible.
-std::string text_of_answer(const SealedCopy& copy, std::size_t task) {
+std::string text_of_answer(const SealedCopy& copy, std::size_t task, std::string_view request,
+                           std::size_t bytes_max) {
   std::array<int, 2> ends{};
   if (::pipe2(ends.data(), O_CLOEXEC) != 0) no_child_possible();
-  const bool sent = send_copy(copy, task, ends[1]);
+  const bool sent = send_copy(copy, task, request, ends[1]);
   ::close(ends[1]);
   std::string answer;
-  std::array<char, 4096> part{};
+  std::vector<char> part(answer_part_bytes);
   const auto until = std::chrono::steady_clock::now() +
                      std::chrono::seconds(time_limits(copy.bytes().size()).wall_s) + alarm_margin;
-  while (sent && answer.size() < longest_answer) {
+  while (sent && answer.size() <= bytes_max) {
     if (!is_answered(ends[0], until)) {
       answer.assign(1, static_cast<char>(End::no_wall_time));
       break;
@@ -257,13 +267,12 @@ bool is_started() {
   return to_children >= 0;
 }
 
-Answer ask(const SealedCopy& copy, std::size_t task) {
-  const std::string text = text_of_answer(copy, task);
+Answer ask(const SealedCopy& copy, std::size_t task, std::string_view request, std::size_t bytes_max) {
+  const std::string text = text_of_answer(copy, task, request, bytes_max);
   Answer answer;
   if (text.empty()) return answer;
   answer.end = End{static_cast<std::uint8_t>(text.front())};
-  std::istringstream lines(text.substr(1));
-  for (std::string line; std::getline(lines, line);) answer.lines.push_back(line);
+  answer.bytes = text.substr(1, bytes_max);
   return answer;
 }
 

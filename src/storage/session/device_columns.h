@@ -74,31 +74,43 @@ void half_columns(Archive& archive, Rows& frames) {
       [](auto&, std::size_t, float) {});
 }
 
+inline const Column temperature_column{
+    "temperature", "degC", "temperature [degC]",
+    "as sent: nothing repaired. If the attribute mirrored of this group is 1, reverse the columns to see "
+    "the scene"};
+
+/// The axes of an image.
+template <typename Archive>
+std::array<InnerAxis, 2> pixel_axes(Archive& archive) {
+  return {archive.inner_axis({"row", "1", "row, in the order of the sensor"}, frame_rows),
+          archive.inner_axis({"column", "1", "column, in the order of the sensor"}, frame_columns)};
+}
+
+/// What is new in a frame, and what is missing before it. The rows may be of any type with such members.
+template <typename Archive, typename Rows>
+void freshness_columns(Archive& archive, Rows& frames) {
+  archive.template field<std::uint16_t>(
+      {"fresh_even", "1", "pixels of the even chess half that differ from the frame before"}, frames,
+      [](auto& row) -> auto& { return row.fresh_even; });
+  archive.template field<std::uint16_t>(
+      {"fresh_odd", "1", "pixels of the odd chess half that differ from the frame before"}, frames,
+      [](auto& row) -> auto& { return row.fresh_odd; });
+  archive.template field<std::uint16_t>(
+      {"missing_before", "1", "frames that never came between the frame before and this one"}, frames,
+      [](auto& row) -> auto& { return row.missing_before; });
+}
+
 template <typename Archive, typename Rows>
 void camera_columns(Archive& archive, Rows& frames) {
   archive.time_axis(
       {"time", "s", "time since time_reference [s]", "end of the exposure of the newest half"}, frames,
       [](auto& row) -> auto& { return row.stamp.time; }, frames_max);
-  const std::array<InnerAxis, 2> pixels{
-      archive.inner_axis({"row", "1", "row, in the order of the sensor"}, frame_rows),
-      archive.inner_axis({"column", "1", "column, in the order of the sensor"}, frame_columns)};
   archive.template block<float>(
-      {"temperature", "degC", "temperature [degC]",
-       "as sent: nothing repaired. If the attribute mirrored of this group is 1, reverse the columns to see "
-       "the scene"},
-      pixels, frames, [](auto& row) -> auto& { return row.frame.temp_c; });
+      temperature_column, pixel_axes(archive), frames, [](auto& row) -> auto& { return row.frame.temp_c; });
   archive.template field<float>(
       {"sensor_temperature", "degC", "temperature of the sensor itself [degC]"}, frames,
       [](auto& row) -> auto& { return row.frame.sensor_temp_c; });
-  archive.template field<std::uint16_t>(
-      {"fresh_even", "1", "pixels of the even chess half that differ from the frame before"}, frames,
-      &TimedFrame::fresh_even);
-  archive.template field<std::uint16_t>(
-      {"fresh_odd", "1", "pixels of the odd chess half that differ from the frame before"}, frames,
-      &TimedFrame::fresh_odd);
-  archive.template field<std::uint16_t>(
-      {"missing_before", "1", "frames that never came between the frame before and this one"}, frames,
-      &TimedFrame::missing_before);
+  freshness_columns(archive, frames);
   archive.time_column({"exposure_begin", "s", "start of the older half's exposure [s]"}, frames,
                       &TimedFrame::exposure_begin);
   archive.time_column({"exposure_end", "s", "end of the newest half's exposure [s]"}, frames,

@@ -59,6 +59,13 @@ struct GroupReader::Source {
   std::vector<hsize_t> chunk;  // empty: contiguous
 };
 
+/// A dataset whose type and shape are as they should be.
+struct GroupReader::Table {
+  std::string path;
+  Source source;
+  std::size_t row_bytes = 0;
+};
+
 GroupReader::GroupReader(hid_t file, const std::string& path, const FileFacts& facts)
     : path_(path), facts_(facts) {
   for (std::size_t end = path.find('/', 1);; end = path.find('/', end + 1)) {
@@ -107,44 +114,57 @@ const char* GroupReader::stored_name(const Column& info) const {
   return version().major < 2 && info.name_before_2 != nullptr ? info.name_before_2 : info.name;
 }
 
-void GroupReader::read(const Column& info, hid_t type, std::size_t element_bytes,
-                       std::span<const InnerAxis> inner, const Take& take) const {
+GroupReader::Table GroupReader::open_table(const Column& info, hid_t type, std::size_t element_bytes,
+                                           std::span<const InnerAxis> inner) const {
   const char* const name = stored_name(info);
-  const std::string path = path_ + "/" + name;
-  const Source source = open(name);
+  Table table{path_ + "/" + name, open(name), 0};
   std::vector<hsize_t> expected{rows_};
   for (const auto& axis : inner) expected.push_back(axis.size);
-  if (source.dims != expected || H5Tequal(source.type.get(), type) <= 0)
-    throw Hdf5Failure("accept the type or the shape of " + path);
-  const std::size_t row_bytes =
+  if (table.source.dims != expected || H5Tequal(table.source.type.get(), type) <= 0)
+    throw Hdf5Failure("accept the type or the shape of " + table.path);
+  table.row_bytes =
       std::accumulate(expected.begin() + 1, expected.end(), element_bytes, std::multiplies<std::size_t>());
-  check_size(name, rows_, row_bytes);
-  if (rows_ > 0 && source.chunk.empty()) throw Hdf5Failure("accept the layout of " + path);
-  const std::uint32_t crc = rows_ == 0 ? 0 : read_chunks(source, path, type, row_bytes, take);
-  if (crc != get_attribute<std::uint32_t>(source.dataset.get(), "crc32"))
-    throw Hdf5Failure("believe " + path + ": its values differ from its checksum");
+  check_size(name, rows_, table.row_bytes);
+  if (rows_ > 0 && table.source.chunk.empty()) throw Hdf5Failure("accept the layout of " + table.path);
+  return table;
 }
 
-std::uint32_t GroupReader::read_chunks(const Source& source, const std::string& path, hid_t type,
-                                       std::size_t row_bytes, const Take& take) const {
+void GroupReader::read(const Column& info, hid_t type, std::size_t element_bytes,
+                       std::span<const InnerAxis> inner, const Take& take) const {
+  const Table table = open_table(info, type, element_bytes, inner);
+  const std::uint32_t crc = rows_ == 0 ? 0 : read_chunks(table, type, {0, rows_}, take);
+  if (crc != get_attribute<std::uint32_t>(table.source.dataset.get(), "crc32"))
+    throw Hdf5Failure("believe " + table.path + ": its values differ from its checksum");
+}
+
+void GroupReader::read_range(const Column& info, hid_t type, std::size_t element_bytes,
+                             std::span<const InnerAxis> inner, Range range, const Take& take) const {
+  const Table table = open_table(info, type, element_bytes, inner);
+  if (range.begin > range.end || range.end > rows_) throw Hdf5Failure("find so many rows in " + table.path);
+  if (range.begin < range.end) read_chunks(table, type, range, take);
+}
+
+std::uint32_t GroupReader::read_chunks(const Table& table, hid_t type, Range range, const Take& take) const {
+  const Source& source = table.source;
   const hsize_t step = std::min<hsize_t>(source.chunk[0], rows_);
-  if (!is_modest(source.chunk, H5Tget_size(source.type.get())) || !is_modest(std::vector{step}, row_bytes))
-    throw Hdf5Failure("accept the chunks of " + path);
-  std::vector<std::byte> buffer(step * row_bytes);
-  const Handle space(H5Dget_space(source.dataset.get()), "read " + path);
+  if (!is_modest(source.chunk, H5Tget_size(source.type.get())) ||
+      !is_modest(std::vector{step}, table.row_bytes))
+    throw Hdf5Failure("accept the chunks of " + table.path);
+  std::vector<std::byte> buffer(step * table.row_bytes);
+  const Handle space(H5Dget_space(source.dataset.get()), "read " + table.path);
   std::vector<hsize_t> start(source.dims.size(), 0);
   std::vector<hsize_t> count = source.dims;
   std::uint32_t crc = 0;
-  for (; start[0] < rows_; start[0] += step) {
-    count[0] = std::min<hsize_t>(step, rows_ - start[0]);
+  for (start[0] = range.begin; start[0] < range.end; start[0] += count[0]) {
+    count[0] = std::min<hsize_t>(step - start[0] % step, range.end - start[0]);
     const Handle memory(H5Screate_simple(static_cast<int>(count.size()), count.data(), nullptr),
-                        "read " + path);
+                        "read " + table.path);
     check(H5Sselect_hyperslab(space.get(), H5S_SELECT_SET, start.data(), nullptr, count.data(), nullptr),
-          "read " + path);
+          "read " + table.path);
     check(H5Dread(source.dataset.get(), type, memory.get(), space.get(), H5P_DEFAULT, buffer.data()),
-          "read " + path + ": a chunk is damaged");
-    crc = libdeflate_crc32(crc, buffer.data(), count[0] * row_bytes);
-    sandbox::count_inflated(count[0] * row_bytes);
+          "read " + table.path + ": a chunk is damaged");
+    crc = libdeflate_crc32(crc, buffer.data(), count[0] * table.row_bytes);
+    sandbox::count_inflated(count[0] * table.row_bytes);
     take(start[0], count[0], buffer.data());
   }
   return crc;

@@ -96,6 +96,27 @@ class GroupReader {
     read(info, stored_type<Stored>(), sizeof(Stored), inner, take);
   }
 
+  /// How many rows the axis has: for block_range().
+  std::uint64_t count_rows(const char* axis, std::uint64_t rows_limit, std::size_t row_bytes) {
+    begin_rows(axis, rows_limit, row_bytes);
+    return rows_;
+  }
+
+  /// As many rows as there is room in `rows`, from `first` on; there must be so many. They are held against
+  /// the check sums of their chunks alone, not against that of the whole column.
+  template <typename Stored, typename Row, typename At>
+  void block_range(const Column& info, std::span<const InnerAxis> inner, std::uint64_t first,
+                   std::vector<Row>& rows, At at) {
+    const auto take = [&](std::size_t begin, std::size_t count, const std::byte* in) {
+      for (std::size_t i = 0; i < count; ++i) {
+        auto& values = std::invoke(at, rows[begin - first + i]);
+        std::memcpy(values.data(), in, sizeof values);
+        in += sizeof values;
+      }
+    };
+    read_range(info, stored_type<Stored>(), sizeof(Stored), inner, {first, first + rows.size()}, take);
+  }
+
   template <typename Stored, typename Row, typename Get, typename Set>
   void elements(const Column& info, const InnerAxis& inner, std::vector<Row>& rows, Get /*get*/, Set set) {
     const auto take = [&rows, &set, size = inner.size](std::size_t first, std::size_t count,
@@ -134,14 +155,21 @@ class GroupReader {
   using Take = std::function<void(std::size_t first, std::size_t rows, const std::byte* in)>;
 
   struct Source;
+  struct Table;
+  struct Range {
+    std::uint64_t begin = 0, end = 0;
+  };
   void begin_rows(const char* axis, std::uint64_t rows_limit, std::size_t row_bytes);
   Source open(const char* name) const;
   const char* stored_name(const Column& info) const;
   void check_size(const char* name, std::uint64_t rows, std::size_t row_bytes) const;
+  Table open_table(const Column& info, hid_t type, std::size_t element_bytes,
+                   std::span<const InnerAxis> inner) const;
   void read(const Column& info, hid_t type, std::size_t element_bytes, std::span<const InnerAxis> inner,
             const Take& take) const;
-  std::uint32_t read_chunks(const Source& source, const std::string& path, hid_t type, std::size_t row_bytes,
-                            const Take& take) const;
+  void read_range(const Column& info, hid_t type, std::size_t element_bytes, std::span<const InnerAxis> inner,
+                  Range range, const Take& take) const;
+  std::uint32_t read_chunks(const Table& table, hid_t type, Range range, const Take& take) const;
   std::vector<std::string> read_texts(const Column& info, const std::vector<hsize_t>& shape) const;
   static HostDuration checked_time(double seconds);
 

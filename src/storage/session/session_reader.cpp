@@ -28,6 +28,7 @@
 #include "thermorig/storage/recording_header/header_json.h"
 #include "thermorig/storage/sandbox/refusal.h"
 #include "thermorig/storage/session/annotations.h"
+#include "thermorig/storage/session/rows.h"
 #include "thermorig/storage/session/session.h"
 #include "thermorig/storage/session/trial.h"
 
@@ -71,6 +72,7 @@ class SessionFile {
   }
 
   hid_t id() const { return file_.get(); }
+  const fs::path& path() const { return path_; }
 
   GroupReader group(const std::string& path) const { return GroupReader(id(), path, facts_); }
 
@@ -161,15 +163,22 @@ std::vector<EstimateRow> read_estimates(const SessionFile& file, RecordingHeader
   return rows;
 }
 
-RawRecording read_recording(SessionFile& file) {
-  RawRecording raw;
-  raw.header = file.read_header();
+/// The bytes of the ports: most of a session, and of no use to who only looks at it.
+enum class Streams : std::uint8_t { read, left_out };
+
+void read_streams(const SessionFile& file, RawRecording& raw) {
   const HostTime reference = raw.header.time_reference;
   for (const Device device : all_devices)
     raw.received[device] = read_stream(file, std::string(name_of(device)), "arrival_ns", reference);
   for (const Device device : all_devices)
     if (device == Device::servo || file.has_group("/raw/" + sent_group(device)))
       raw.sent[device] = read_stream(file, sent_group(device), "sent_ns", reference);
+}
+
+RawRecording read_recording(SessionFile& file, Streams streams) {
+  RawRecording raw;
+  raw.header = file.read_header();
+  if (streams == Streams::read) read_streams(file, raw);
   auto events = file.group("/events");
   event_columns(events, raw.events);
   auto servo = file.group("/servo");
@@ -177,7 +186,8 @@ RawRecording read_recording(SessionFile& file) {
   raw.estimates = read_estimates(file, raw.header);
   raw.complete = get_attribute<std::uint8_t>(file.id(), "closed_by_recorder") != 0;
   raw.end_time = host_time_ns(get_attribute<std::int64_t>(file.id(), "end_time_ns"));
-  if (!is_of_recording(raw.end_time, reference)) throw Hdf5Failure("believe the time of its end");
+  if (!is_of_recording(raw.end_time, raw.header.time_reference))
+    throw Hdf5Failure("believe the time of its end");
   return raw;
 }
 
@@ -264,10 +274,9 @@ void complete_labels_of_1_0(std::vector<LabelledSample>& samples) {
 }
 
 /// Windows are neighbouring rows, so rows must be the frames one after the other.
-void check_samples(const Session& session) {
-  bool good = session.samples.size() == session.frames.size();
-  for (std::size_t row = 0; good && row < session.samples.size(); ++row)
-    good = session.samples[row].frame_index == row;
+void check_samples(const std::vector<LabelledSample>& samples, std::size_t frames) {
+  bool good = samples.size() == frames;
+  for (std::size_t row = 0; good && row < samples.size(); ++row) good = samples[row].frame_index == row;
   if (!good) throw Hdf5Failure("believe /samples/frame: the samples are not one a frame, in order");
 }
 
@@ -288,9 +297,9 @@ unsigned label_version_of(FormatVersion version) {
 }
 
 /// The session without what was decoded.
-Session read_foundation(SessionFile& file) {
+Session read_foundation(SessionFile& file, Streams streams = Streams::read) {
   Session session;
-  session.raw = read_recording(file);
+  session.raw = read_recording(file, streams);
   read_scalars(file, session);
   session.annotations = read_annotations(file);
   session.format_major = file.version().major;
@@ -336,10 +345,54 @@ Session read_all(SessionFile& file) {
   auto samples = file.group("/samples");
   sample_columns(samples, session.samples);
   if (file.version() < with_sync_report) complete_labels_of_1_0(session.samples);
-  check_samples(session);
+  check_samples(session.samples, session.frames.size());
   check_copies(file);
   if (file.version() >= with_attribute_sums) file.group("/quality").text(attribute_sums_column);
   return session;
+}
+
+/// The verdict as it stands in the file: to find it anew takes all tables.
+void read_verdict(const SessionFile& file, Rows& rows) {
+  const std::string group = "/quality";
+  for (const StoredAttribute& stored : stored_attributes(file.id(), group)) {
+    if (stored.path() == "/quality@verdict" && stored.texts.size() == 1) rows.verdict = stored.texts.front();
+    if (stored.path() == "/quality@verdict_reasons") rows.verdict_reasons = stored.texts;
+  }
+  if (file.version() < with_attribute_sums) return;
+  const std::string sums = file.group(group).text(attribute_sums_column);
+  for (const std::string& altered : altered_attributes(file.id(), group, sums))
+    rows.verdict_altered = rows.verdict_altered || altered.starts_with("/quality@verdict");
+}
+
+Rows read_all_rows(SessionFile& file) {
+  Rows rows;
+  Session& session = rows.session;
+  session = read_foundation(file, Streams::left_out);
+  if (file.version() >= with_checked_constants) {
+    auto sync = file.group("/sync");
+    bias_columns(sync, session.sync.gyro.bias_course);
+  }
+  auto samples = file.group("/samples");
+  sample_columns(samples, session.samples);
+  if (file.version() < with_sync_report) complete_labels_of_1_0(session.samples);
+  auto camera = file.group("/camera");
+  rows.frames.resize(camera.count_rows("time", frames_max, sizeof(FrameMarks)));
+  freshness_columns(camera, rows.frames);
+  check_samples(session.samples, rows.frames.size());
+  read_verdict(file, rows);
+  return rows;
+}
+
+Images read_some_images(SessionFile& file, FrameRange range) {
+  auto camera = file.group("/camera");
+  const std::uint64_t frames = camera.count_rows("time", frames_max, sizeof(ThermalFrame));
+  if (range.first > frames || range.count > frames - range.first || range.count > most_images)
+    sandbox::refuse(file.path(),
+                    fmt::format("has no frames {} to {}", range.first, range.first + range.count));
+  Images images{file.read_header().profile.camera.mirrored, std::vector<ThermalFrame>(range.count)};
+  camera.block_range<float>(temperature_column, pixel_axes(camera), range.first, images.frames,
+                            &ThermalFrame::temp_c);
+  return images;
 }
 
 /// A count of a reason, or a reason of the verdict, that the file may have, and the one made of it need not.
@@ -423,7 +476,15 @@ Session read_session(const fs::path& path) {
 }
 
 RawRecording read_raw(const fs::path& path) {
-  return read_or_explain(tried_copy(path), read_foundation).raw;
+  return read_or_explain(tried_copy(path), [](SessionFile& file) { return read_foundation(file); }).raw;
+}
+
+Rows read_rows(const sandbox::SealedCopy& copy) {
+  return read_or_explain(copy, read_all_rows);
+}
+
+Images read_images(const sandbox::SealedCopy& copy, FrameRange range) {
+  return read_or_explain(copy, [range](SessionFile& file) { return read_some_images(file, range); });
 }
 
 AddedByOthers added_by_others(const sandbox::SealedCopy& copy) {

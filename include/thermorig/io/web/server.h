@@ -6,7 +6,9 @@
 #include <filesystem>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
+#include <string_view>
 
 namespace thermorig::web {
 
@@ -29,11 +31,15 @@ struct Order {
   std::string note;  // of a mark, at most 200 printable characters
 };
 
+/// The bytes of /data/NAME, or nothing: there is no such thing. May throw.
+using Data = std::function<std::optional<std::string>(std::string_view name)>;
+
 /// docs/live_page.md says what is checked, in which order, and what the limits are.
 struct ServerOptions {
   using Time = std::chrono::steady_clock::time_point;
-  std::uint16_t port = 8650;                      // 0: any that is free
-  bool control = false;                           // may the page start motion?
+  std::uint16_t port = 8650;  // 0: any that is free
+  bool control = false;       // may the page start motion?
+  Data data;  // of a session that is over, asked on the server's thread: its page then, no stream, no orders
   std::filesystem::path state_file;               // port, token, URL, mode 0600; empty: nothing is kept
   bool new_token = false;                         // a new one even if the state file has one
   std::size_t clients = 8;                        // open streams at a time

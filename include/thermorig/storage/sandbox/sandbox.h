@@ -4,15 +4,19 @@
 #include <cstddef>
 #include <cstdint>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "thermorig/storage/sandbox/sealed_copy.h"
 
 namespace thermorig::sandbox {
 
-/// What a child does with a copy. The lines that it returns go to the program; an Error means that it refuses
-/// the copy in the ordinary way.
-using Task = std::vector<std::string> (*)(const SealedCopy& copy);
+/// What a child does with a copy, as it is asked. The bytes that it returns go to the program; an Error means
+/// that it refuses the copy, or what is asked of it, in the ordinary way.
+using Task = std::string (*)(const SealedCopy& copy, std::string_view request);
+
+inline constexpr std::size_t request_bytes_max = 512;
+inline constexpr std::size_t usual_answer_bytes_max = 1U << 20U;
 
 /// From here on ask() has a child process do one of these tasks, with limits on memory and time, no files and
 /// no way out. To be called once, at the start of a program, while it has no second thread. Throws
@@ -32,12 +36,14 @@ enum class End : std::uint8_t {
 
 struct Answer {
   End end = End::died;
-  std::vector<std::string> lines;
+  std::string bytes;  // whatever the file made of the child: not to be believed
 };
 
-/// A child does the task of that number, and is waited for. May be called from several threads. Throws
-/// Error(failed) if there can be no child.
-Answer ask(const SealedCopy& copy, std::size_t task);
+/// A child does the task of that number, and is waited for. `request`: request_bytes_max at most; of the
+/// answer no more than `bytes_max` are taken. May be called from several threads. Throws Error(failed) if
+/// there can be no child.
+Answer ask(const SealedCopy& copy, std::size_t task, std::string_view request = {},
+           std::size_t bytes_max = usual_answer_bytes_max);
 
 /// Passes a copy by that its reader may have, or may refuse in the ordinary way. Throws Error(not_a_session)
 /// for one that killed its reader ("damaged or hostile"), Error(failed) for one that kept it busy for longer

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "thermorig/storage/sandbox/sandbox.h"
 #include "thermorig/storage/sandbox/sealed_copy.h"
 
 namespace thermorig::session {
@@ -11,8 +12,10 @@ namespace thermorig::session {
 /// From here on whatever opens a session file has a child process read it first, with limits on memory and
 /// time, no files and no way out: libhdf5 crashes on files that were made for it. To be called once, at the
 /// start of a program, while it has no second thread; without it files are read at once, as suits tests and
-/// files of one's own. Throws Error(failed) if there can be no child.
-void try_sessions_first();
+/// files of one's own. `others`: what else children may be asked to make of a session, numbered from
+/// first_other_task. Throws Error(failed) if there can be no child.
+void try_sessions_first(const std::vector<sandbox::Task>& others = {});
+inline constexpr std::size_t first_other_task = 2;
 
 /// The copy of a file that a child process has read without harm: what read_session() does first. May be
 /// called from several threads. Throws Error(not_a_session) for a file that kills its reader ("damaged or

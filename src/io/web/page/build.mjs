@@ -21,10 +21,38 @@ const files = [
   ['/page.js', 'page.js', 'text/javascript; charset=utf-8', await bundle('page.js', { format: 'iife', target: 'es2022' })],
   ['/page.css', 'page.css', 'text/css; charset=utf-8',
     await bundle('page.css', { target: ['chrome100', 'firefox100', 'safari15.4'] })],
+  ['/session', 'session.html', 'text/html; charset=utf-8', read('session.html')],
+  ['/session.js', 'session.js', 'text/javascript; charset=utf-8', await bundle('session.js', { format: 'iife', target: 'es2022' })],
+  ['/session.css', 'session.css', 'text/css; charset=utf-8',
+    await bundle('session.css', { target: ['chrome100', 'firefox100', 'safari15.4'] })],
   ['/icon.svg', 'icon.svg', 'image/svg+xml', read('icon.svg')],
   ['/licences.txt', 'licences.txt', 'text/plain; charset=utf-8',
     Buffer.from(`uPlot (https://github.com/leeoniya/uPlot)\n\n${readFileSync('node_modules/uplot/LICENSE', 'utf8').trim()}\n`)],
 ];
+
+/** The session's page as a document of its own: what is loaded stands in it, and the policy lets in nothing else. */
+function documentPieces() {
+  const text = (path) => files.find(([name]) => name === path)[3].toString('utf8');
+  const style = text('/session.css');
+  const script = text('/session.js');
+  if (/<\/script|<!--/i.test(script) || /<\/style/i.test(style)) throw new Error('a bundle would end its own element');
+  const sum = createHash('sha256').update(script).digest('base64');
+  const policy = `default-src 'none'; script-src 'sha256-${sum}'; style-src 'unsafe-inline'; base-uri 'none'; form-action 'none'`;
+  const licences = text('/licences.txt').replace(/[&<]/g, (c) => (c === '&' ? '&amp;' : '&lt;'));
+  const replace = (page, what, by) => {
+    if (page.split(what).length !== 2) throw new Error(`session.html has to have once: ${what}`);
+    return page.split(what).join(by);
+  };
+  let page = text('/session');
+  page = replace(page, '<meta charset="utf-8">', `<meta charset="utf-8">\n<meta http-equiv="Content-Security-Policy" content="${policy}">`);
+  page = replace(page, '<link rel="icon" href="/icon.svg" type="image/svg+xml">\n', '');
+  page = replace(page, '<link rel="stylesheet" href="/session.css">', `<style>${style}</style>`);
+  page = replace(page, '<script src="/session.js" defer></script>\n', '');
+  page = replace(page, '<a href="/licences.txt">licences</a>', `<details><summary>licences</summary><pre>${licences}</pre></details>`);
+  page = replace(page, '</body>', `{{data}}<script>${script}</script>\n</body>`);
+  const [beforeTitle, behindTitle] = page.split(/(?<=<title>)thermorig(?=<\/title>)/);
+  return [beforeTitle, ...behindTitle.split('{{data}}')];
+}
 
 /** The same bytes wherever it is built: no time, no operating system. */
 function gzip(bytes) {
@@ -60,6 +88,9 @@ ${literal(plain)},
       ${plain.length})}},`;
 });
 
+const pieces = documentPieces().map((piece) => Buffer.from(piece));
+if (pieces.length !== 3) throw new Error('a document of its own has three pieces');
+
 writeFileSync(target, `// Made by src/io/web/page/build.mjs.
 #include "assets.h"
 
@@ -79,6 +110,10 @@ ${entries.join('\n')}
 }  // namespace
 
 const bool has_page = true;
+
+const std::array<std::string_view, 3> document_pieces{{
+${pieces.map((piece) => `    std::string_view(\n${literal(piece)},\n      ${piece.length})`).join(',\n')}
+}};
 
 std::optional<Asset> asset(std::string_view path) {
   for (const auto& [name, file] : assets) {

@@ -13,14 +13,18 @@ const isShown = ({ estimator }) => estimator === undefined || estimator.shown;
  * `estimator` whose it is; without one it is always shown.
  */
 export class Strip {
-  /** `limits(rows, columns)`: lowest and highest of the vertical axis, from the lines that are shown; `onCursor()` when it moved. */
-  constructor(id, { limits, axis = false, ticks, onCursor = () => {} }) {
+  /**
+   * `limits(rows, columns)`: lowest and highest of the vertical axis, from the lines that are shown; `onCursor()` when it moved; `pointer`: the
+   * cursor follows it.
+   */
+  constructor(id, { limits, axis = false, ticks, onCursor = () => {}, pointer = true }) {
     this.section = byId(id);
     this.box = this.section.querySelector('.plot');
     this.limits = limits;
     this.axis = axis;
     this.ticks = ticks;
     this.onCursor = onCursor;
+    this.pointer = pointer;
     this.setLines([]);
     new ResizeObserver(() => this.resize()).observe(this.box);
   }
@@ -48,7 +52,7 @@ export class Strip {
       height: 100,
       legend: { show: false },
       padding: [7, 18, axis ? 0 : 4, 0],
-      cursor: { sync: { key: 'time' }, drag: { x: false, y: false }, points: { size: 6 } },
+      cursor: { show: this.pointer, sync: { key: 'time' }, drag: { x: false, y: false }, points: { size: 6 } },
       focus: { alpha: 0.25 },
       scales: { x: { time: false, range: () => this.window }, y: { range: () => this.vertical } },
       axes: [

@@ -2,35 +2,11 @@
 import { gainOf } from './estimators.js';
 import { excludedSpans } from './hatching.js';
 import { shownSeconds } from './history.js';
+import { countedFirst, everything } from './limits.js';
 import { lineSample } from './line_sample.js';
 import { Strip } from './strip.js';
 import { byId, fixed, say } from './text.js';
 import { onThemeChange, servoLine } from './theme.js';
-
-/** Least and greatest of the columns where `wanted`, with a margin, never narrower than `least` around zero. */
-function extremes(rows, columns, wanted, least) {
-  let low = -least;
-  let high = least;
-  for (const column of columns) {
-    column.forEach((value, i) => {
-      if (value === null || !wanted(rows[i])) return;
-      low = Math.min(low, value);
-      high = Math.max(high, value);
-    });
-  }
-  const margin = (high - low) * 0.06;
-  return [low - margin, high + margin];
-}
-
-/** Excluded frames may lie anywhere; they set the scale only where there are no others. */
-function countedFirst(least) {
-  return (rows, columns) => {
-    const counted = rows.some((row) => row.counted && !row.gap);
-    return extremes(rows, columns, (row) => row.counted || !counted, least);
-  };
-}
-
-const everything = (least) => (rows, columns) => extremes(rows, columns, () => true, least);
 
 /** The four plots over time, with one cursor and one time axis. */
 export class Strips {

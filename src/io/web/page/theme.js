@@ -20,6 +20,14 @@ export function onThemeChange(redraw) {
 /** Dashes tell the lines apart where colours do not. */
 export const servoLine = { colour: 'servo', dash: [6, 4], width: 1.5 };
 
+/** What a finished session says of each frame. */
+export const sessionLines = {
+  commanded: servoLine,
+  shaft: { colour: 'fresh', dash: [], width: 1.5 },
+  gyro: { colour: 'line-7', dash: [2, 3], width: 1.5 },
+  corrected: { colour: 'now', dash: [], width: 1.5 },
+};
+
 /** A line for each estimator of a run, the freest first; `of`: whose it is in every run. */
 export const estimatorLines = [
   { colour: 'line-1', dash: [12, 3, 2, 3], width: 1.5 },

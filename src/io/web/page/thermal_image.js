@@ -42,7 +42,11 @@ export class ThermalImage {
 
   take(message) {
     const temperatures = decodeImage(message.pixels, width * height);
-    if (temperatures === null) return;
+    if (temperatures !== null) this.show(temperatures, number(message.time_s));
+  }
+
+  /** `temperatures`: of all pixels, NaN where there is none; `time`: s, by which the colours' range follows. */
+  show(temperatures, time) {
     const known = temperatures.filter(Number.isFinite);
     if (known.length === 0) {
       this.showNone();
@@ -50,7 +54,7 @@ export class ThermalImage {
     }
     this.temperatures = temperatures;
     this.absent = false;
-    this.range.follow(known, number(message.time_s));
+    this.range.follow(known, time);
   }
 
   /** A camera that is missing: its last image must not look like a present one. */

@@ -18,8 +18,10 @@ constexpr Asset notice{"text/plain; charset=utf-8"sv,
 
 const bool has_page = false;
 
+const std::array<std::string_view, 3> document_pieces{};
+
 std::optional<Asset> asset(std::string_view path) {
-  if (path == "/") return notice;
+  if (path == "/" || path == "/session") return notice;
   return std::nullopt;
 }
 

@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: MIT
+#include "session_page.h"
+
+#include <fmt/format.h>
+
+#include <nlohmann/json.hpp>
+
+#include "existing_file.h"
+#include "export_files.h"
+#include "print/output.h"
+#include "session_files.h"
+#include "thermorig/io/web/server.h"
+#include "thermorig/io/web/session_document.h"
+#include "thermorig/storage/view/packed_session.h"
+
+namespace thermorig::app {
+
+namespace {
+
+constexpr std::size_t document_bytes_max = 5'000'000;
+
+void check_words(const InspectOptions& options) {
+  if (options.paths.size() != 1)
+    throw Error(ExitCode::bad_usage, "--html takes one session", "", "call it once for each session");
+  if (options.check || options.timing)
+    throw Error(ExitCode::bad_usage, "--html writes a page, and says nothing else of a session", "",
+                "leave out --check and --timing");
+}
+
+std::string document_of(const std::filesystem::path& path, view::PackedSession& packed) {
+  std::vector<web::DocumentPart> parts;
+  for (view::PackedPart& part : packed.parts) parts.push_back({std::move(part.name), std::move(part.base64)});
+  return web::session_document(path.filename().string() + " · thermorig", parts);
+}
+
+/// The child's word for it: nobody else has read the file.
+bool is_simulated(const view::PackedSession& packed) {
+  const nlohmann::json facts = nlohmann::json::parse(packed.facts, nullptr, false);
+  return facts.is_object() && facts.value("simulated", nlohmann::json()) == true;
+}
+
+void print_written(const InspectOptions& options, const view::PackedSession& packed, std::size_t bytes) {
+  const std::filesystem::path& session = options.paths.front();
+  if (options.json) {
+    print_json({{"session", session.string()},
+                {"simulated", is_simulated(packed)},
+                {"html", options.html.string()},
+                {"bytes", bytes},
+                {"frames", packed.frames},
+                {"row_every", packed.row_every},
+                {"image_every", packed.image_every}});
+    return;
+  }
+  print("session   {}{}\n", printable(session.string()), is_simulated(packed) ? ": of a SIMULATED rig" : "");
+  print("written   {}: {}\n", printable(options.html.string()), bytes_text(bytes));
+  if (!packed.left_out.empty()) print("left out  {}\n", packed.left_out);
+}
+
+}  // namespace
+
+void require_page() {
+  if (!web::page_is_built())
+    throw Error(ExitCode::failed, "this program was built without its page", "",
+                "bash app/setup.sh page, then cmake --preset release && cmake --build build");
+}
+
+ExitCode write_session_page(const InspectOptions& options) {
+  check_words(options);
+  require_page();
+  const std::filesystem::path& path = options.paths.front();
+  require_existing(path);
+  refuse_journal(path);
+  require_new(options.html, "another name, or remove it first");
+  view::PackedSession packed =
+      view::packed_session(path, document_bytes_max - web::session_document("", {}).size());
+  const std::string document = document_of(path, packed);
+  ExportFile file(options.html);
+  file.write(std::string_view(document));
+  file.publish();
+  print_written(options, packed, document.size());
+  return ExitCode::ok;
+}
+
+}  // namespace thermorig::app
