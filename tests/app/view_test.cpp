@@ -50,7 +50,7 @@ TEST_F(View, SaysInJsonWhatItWrote) {
 TEST_F(View, RefusesWhatItCannotShow) {
   const std::string session = record_briefly().string();
   write("look.html", {});
-  expect_refused("inspect --html look.html " + session, 2, "look.html");
+  expect_refused("inspect --html look.html " + session, 7, "look.html");
   EXPECT_EQ(std::filesystem::file_size(folder() / "look.html"), 0U);
   expect_refused("inspect --html new.html " + session + " " + session, 2, "--html takes one session");
   expect_refused("inspect --html new.html --timing " + session, 2, "leave out --check and --timing");

@@ -6,13 +6,13 @@ import { join } from 'node:path';
 import { createInterface } from 'node:readline';
 import { build, until } from './browser.mjs';
 
-const program = process.env.THERMORIG_PROGRAM ?? join(build, 'bin/thermorig');
+export const programPath = process.env.THERMORIG_PROGRAM ?? join(build, 'bin/thermorig');
 
 /** Why the program cannot be tested here; empty if it can. */
 export function whyNot() {
-  if (!existsSync(program)) return `there is no ${program}: build the target thermorig`;
-  const { status } = spawnSync(program, ['live', '--help'], { timeout: 20_000 });
-  return status === 0 ? '' : `${program} has no command live`;
+  if (!existsSync(programPath)) return `there is no ${programPath}: build the target thermorig`;
+  const { status } = spawnSync(programPath, ['live', '--help'], { timeout: 20_000 });
+  return status === 0 ? '' : `${programPath} has no command live`;
 }
 
 export class Program {
@@ -20,7 +20,7 @@ export class Program {
   constructor(folder, words) {
     this.messages = [];
     this.errors = '';
-    this.child = spawn(program, ['live', '--json', ...words], { cwd: folder, env: { ...process.env, XDG_STATE_HOME: folder }, detached: true,
+    this.child = spawn(programPath, ['live', '--json', ...words], { cwd: folder, env: { ...process.env, XDG_STATE_HOME: folder }, detached: true,
       stdio: ['ignore', 'pipe', 'pipe'] });
     this.ended = new Promise((done) => this.child.on('close', (code, signal) => done(code ?? signal)));
     createInterface({ input: this.child.stdout }).on('line', (line) => this.messages.push(JSON.parse(line)));

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: MIT
-# The live page in a real browser: on synthetic messages, then on the program itself. Screenshots and figures are
+# The pages in a real browser: the live one on synthetic messages, then on the program itself; a finished session. Screenshots and figures are
 # left in <build folder>/page_tests.
 # Usage: bash tests/page/run.sh [build folder, default build] [arguments of node --test]
 set -euo pipefail
@@ -30,4 +30,4 @@ if ! cmp -s package-lock.json node_modules/.installed; then
 fi
 export THERMORIG_BUILD=$build THERMORIG_SOURCE=$(cd "$source_folder/../.." && pwd) THERMORIG_CHROMIUM=$chromium THERMORIG_PAGE_OUTPUT=$work/output
 run() { node --test --test-concurrency=1 --test-reporter=spec "$@"; }
-run "$@" ./page_test.mjs ./program_test.mjs
+run "$@" ./page_test.mjs ./program_test.mjs ./session_test.mjs
