@@ -3,12 +3,12 @@
 # The slow checks: all tests under AddressSanitizer and UBSan, the threaded ones under ThreadSanitizer, and each
 # fuzzer for a bounded time with the golden vectors as seeds, the live page in a browser, the kernel's usb-serial
 # driver in a guest, a study on Slurm, and the line coverage of what a recording's truth rests on.
-# Usage: bash tests/deep.sh [seconds a fuzzer, default 20]
+# Usage: bash tests/deep.sh [seconds a fuzzer, default 10; a full pass takes 60]
 set -euo pipefail
 cd "$(dirname "$0")/.."
 source tests/parts.sh
 source tests/far.sh
-fuzz_seconds=${1:-20}
+fuzz_seconds=${1:-10}
 build() { cmake --build --preset "$@" -j "$(nproc)"; }
 
 bash app/setup.sh tests deep browser usb

@@ -13,7 +13,7 @@ export THERMORIG_EVERYTHING=1 THERMORIG_PARTS=${TMPDIR:-/tmp}/thermorig-parts.$$
 : >"$THERMORIG_PARTS"
 trap 'rm -f "$THERMORIG_PARTS"' EXIT
 bash tests/run.sh
-bash tests/deep.sh "${1:-20}"
+bash tests/deep.sh "${1:-60}"
 write_last_pass "$commit" "$(date -u +%Y-%m-%d)"
 echo "everything passed at $commit; commit tests/last_passes.txt and docs/reliability.md. How long each part took:"
 cat "$THERMORIG_PARTS"
