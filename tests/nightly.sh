@@ -3,7 +3,7 @@
 # Everything: what CI runs, with the suites that CI leaves out where their folders have not changed. Prints how long each
 # part took, and writes the commit of this pass into tests/last_passes.txt and docs/reliability.md, which are then to be
 # committed.
-# Usage: bash tests/nightly.sh [seconds a fuzzer, default 20]
+# Usage: bash tests/nightly.sh [seconds a fuzzer, default 60]
 set -euo pipefail
 cd "$(dirname "$0")/.."
 source tests/last_pass.sh
