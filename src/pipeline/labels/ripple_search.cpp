@@ -18,7 +18,8 @@ namespace thermorig::labels {
 namespace {
 constexpr double shortest_period_deg = 8.0;  // a pulse period at 200 deg/s passes half of it
 constexpr double longest_period_deg = 540.0;
-constexpr double least_periods = 2.0;  // passed from end to end
+constexpr double least_periods = 2.0;       // passed from end to end
+constexpr double most_span_deg = 10'800.0;  // 30 turns: the search takes time that grows with its square
 constexpr double bin_deg = 1.0;
 constexpr double least_power = 12.0;      // times the median: by chance one recording in ten thousand
 constexpr double slowest_turn_dps = 3.0;  // below it a pulse period tells little
@@ -158,6 +159,7 @@ std::optional<double> strongest_ripple_deg(const ShaftEvidence& evidence, const 
     low_deg = std::min({low_deg, turn.from_deg, turn.to_deg});
     high_deg = std::max({high_deg, turn.from_deg, turn.to_deg});
   }
+  if (high_deg - low_deg > most_span_deg) return std::nullopt;
   return strongest_period_deg(Bins(turns, low_deg, high_deg), fit.ripples);
 }
 

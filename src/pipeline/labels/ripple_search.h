@@ -11,7 +11,7 @@ namespace thermorig::labels {
 /// Over which angle, in degrees, the speed of a positional servo repeats most, in what `fit` leaves of the
 /// gyro. A gear wheel off its centre does that, and a head out of balance once a turn. None where nothing
 /// stands out of the noise that `fit` has not got already, for a continuous servo, and where less than two
-/// periods were passed.
+/// periods or more than 30 turns were passed.
 std::optional<double> strongest_ripple_deg(const ShaftEvidence& evidence, const GainFit& fit);
 
 /// How far a ripple of size 1 turns the shaft on the way between two angles: cosine and sine.
