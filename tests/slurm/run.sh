@@ -102,7 +102,7 @@ echo "Slurm $(sinfo --version | cut -d' ' -f2) is up after $SECONDS s"
 
 # ---- the study ----------------------------------------------------------------------------------------------------
 cd "$folder"
-for words in "garden --simulated=3" "garden --simulated=4" "laboratory --simulated=5"; do
+for words in "garden --world honest --simulated=3" "garden --world honest --simulated=4" "laboratory --world honest --simulated=5"; do
   # shellcheck disable=SC2086
   "$program" record --fast --environment $words --plan quick --speeds 40,80 --frames-per-leg 12 >/dev/null
 done
