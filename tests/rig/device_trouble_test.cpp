@@ -364,8 +364,10 @@ TEST(Trouble, ASecondProgramThatTakesBytesIsVisibleAsLoss) {
     while (!ends) {
       if (!steals || taken >= enough)
         std::this_thread::sleep_for(std::chrono::milliseconds(5));
-      else if (const ssize_t size = read(port, bytes.data(), bytes.size()); size > 0)
+      else if (const ssize_t size = read(port, bytes.data(), bytes.size()); size > 0) {
         taken += static_cast<int>(size);
+        std::this_thread::sleep_for(std::chrono::milliseconds(2));  // so that the rest is the recorder's
+      }
     }
     close(port);
   });
