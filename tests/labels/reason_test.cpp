@@ -277,7 +277,7 @@ TEST(Reasons, SyncLostWhereTheFramesClockIsUnsure) {
   ScriptedRig rig;
   rig.spoil = [](TimedFrame& frame, int index) {
     frame.late = index == 7;
-    frame.stamp.uncertainty_s = index == 9 ? 0.0011F : 0.0009F;
+    frame.stamp.uncertainty_s = index == 9 ? 0.0021F : 0.0019F;
   };
   EXPECT_EQ(frames_with(Reason::sync_lost, rig.run(3.0)), (std::vector<int>{7, 9}));
 }

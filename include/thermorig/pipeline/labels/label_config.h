@@ -26,7 +26,7 @@ struct LabelConfig {
   std::optional<GyroErrors> gyro;  // fitted; none: those of the profile, and bias from the rests so far
   GyroProfile gyro_profile;
   std::vector<ClockGap> gyro_gaps;     // in which samples never came, ascending; found by a first pass
-  double clock_limit_s = 0.001;        // a frame whose clock is less certain is out of sync
+  double clock_limit_s = 0.002;        // a frame whose clock is less certain is out of sync
   double latency_uncertainty_s = 0.0;  // of the constant between the camera's clock and the servo model's
   double warm_up_k_per_min = 0.5;      // the camera's own temperature changes faster: it is warming up
   bool warm_up_invalidates = false;    // else it is a warning
