@@ -11,9 +11,9 @@
 #include "annotation_text.h"
 #include "decoded_text.h"
 #include "output.h"
+#include "simulation_text.h"
 #include "speed_pairs.h"
 #include "thermorig/storage/session/annotations.h"
-#include "simulation_text.h"
 #include "timing_text.h"
 
 namespace thermorig::app {

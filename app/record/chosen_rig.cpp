@@ -97,7 +97,8 @@ simulation::VirtualRigConfig simulated_rig(std::uint64_t seed, const std::string
   config.half_fresh = parts.camera.value_or("half") == "half";
   config.gyro_grade = gyro_grade(parts.gyro.value_or("typical"));
   config.scene = parts.scene.value_or(simulation::scene_of(environment));
-  simulation::put_in_world(simulation::world_named(parts.world.value_or(std::string(simulation::default_world)), seed), config);
+  simulation::put_in_world(
+      simulation::world_named(parts.world.value_or(std::string(simulation::default_world)), seed), config);
   return config;
 }
 

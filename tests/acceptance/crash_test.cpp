@@ -103,7 +103,8 @@ class Disk : public ProgramTest {};
 /// A limit on the size of files stands for a disk that takes no more: the next write fails.
 TEST_F(Disk, ThatTakesNoMoreLeavesAJournalToRecover) {
   const Outcome outcome = run_with_files_up_to(
-      300, "record --world honest --simulated=3 --fast --environment garden --plan quick --frames-per-leg 40");
+      300,
+      "record --world honest --simulated=3 --fast --environment garden --plan quick --frames-per-leg 40");
   EXPECT_EQ(outcome.code, 7) << outcome.out << outcome.err;
   EXPECT_THAT(outcome.err, HasSubstr("try: "));
   const auto journals = files(".journal");
@@ -140,7 +141,8 @@ class SmallDisk : public ProgramTest {
 
 TEST_F(SmallDisk, IsRefusedBeforeAnythingIsRecorded) {
   if (!mount_small("64k")) GTEST_SKIP() << "needs the right to mount a file system";
-  const Outcome outcome = run("record --world honest --simulated=3 --fast --environment garden --output disk " + brief_plan);
+  const Outcome outcome =
+      run("record --world honest --simulated=3 --fast --environment garden --output disk " + brief_plan);
   EXPECT_EQ(outcome.code, 7) << outcome.out << outcome.err;
   EXPECT_THAT(outcome.err, HasSubstr("try: "));
   EXPECT_TRUE(files(".journal").empty());

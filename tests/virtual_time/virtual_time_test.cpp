@@ -51,7 +51,8 @@ TEST_F(VirtualTime, RecordsAFlightControllerAsAnyGyro) {
         "[gyro]\nbaud = 460800\nprotocol = \"mavlink\"\n[gyro.mavlink]\n" + setting + "\n";
     write("mavlink.toml", {reinterpret_cast<const std::uint8_t*>(profile.data()), profile.size()});
     const Outcome outcome =
-        run("record --fast --json --world honest --simulated=5 --environment kitchen --rig mavlink.toml " + brief_plan);
+        run("record --fast --json --world honest --simulated=5 --environment kitchen --rig mavlink.toml " +
+            brief_plan);
     ASSERT_EQ(outcome.code, 0) << outcome.err;
     const auto summary = outcome.lines().back();
     EXPECT_EQ(summary["verdict"], "good");

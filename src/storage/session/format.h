@@ -28,6 +28,6 @@ inline constexpr FormatVersion with_named_estimators{2, 0};
 inline constexpr FormatVersion with_profile_apart{
     2, 0};  // in groups of its own, not in the header; the plan too
 inline constexpr FormatVersion with_checked_constants{2, 1};  // and how the gyro's bias went
-inline constexpr FormatVersion with_corrected_label{2, 2};  // and ripples of the servo
+inline constexpr FormatVersion with_corrected_label{2, 2};    // and ripples of the servo
 
 }  // namespace thermorig::session
