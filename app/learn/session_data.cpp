@@ -17,8 +17,8 @@ namespace {
 namespace fs = std::filesystem;
 
 dataset::Acquisitions read_files(const std::vector<fs::path>& files, const SessionOptions& options) {
-  const ReadingProgress progress(options.json);
-  return dataset::read_acquisitions(files, options.estimates, std::cref(progress), options.label,
+  ReadingProgress progress(options.json, ReadingProgress::Elsewhere::lines);
+  return dataset::read_acquisitions(files, options.estimates, std::ref(progress), options.label,
                                     options.bound_frames);
 }
 

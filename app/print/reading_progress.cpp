@@ -1,19 +1,40 @@
 // SPDX-License-Identifier: MIT
 #include "reading_progress.h"
 
+#include <fmt/format.h>
+
 #include "output.h"
 
 namespace thermorig::app {
 
-ReadingProgress::ReadingProgress(bool json) : is_told_(!json && escapes_allowed(stdout)) {}
-
-ReadingProgress::~ReadingProgress() {
-  if (is_told_) print("\r\x1b[K");
+std::string reading_text(std::size_t done, std::size_t all, double elapsed_s) {
+  std::string text = fmt::format("reading sessions: {} of {}", done, all);
+  if (done == 0 || done >= all || elapsed_s < 1.0) return text;
+  const double left_s = elapsed_s * static_cast<double>(all - done) / static_cast<double>(done);
+  return text + ", " + duration_text(left_s) + " left";
 }
 
-void ReadingProgress::operator()(std::size_t done, std::size_t all) const {
-  if (!is_told_) return;
-  print("\rreading sessions: {} of {}", done, all);
+ReadingProgress::ReadingProgress(bool json, Elsewhere elsewhere)
+    : on_a_terminal_(!json && escapes_allowed(stdout)),
+      in_lines_(!json && !on_a_terminal_ && elsewhere == Elsewhere::lines) {}
+
+ReadingProgress::~ReadingProgress() {
+  if (on_a_terminal_) print("\r\x1b[K");
+}
+
+void ReadingProgress::operator()(std::size_t done, std::size_t all) {
+  constexpr std::chrono::seconds between_lines{10};
+  if (!on_a_terminal_ && !in_lines_) return;
+  const auto now = std::chrono::steady_clock::now();
+  const std::string text = reading_text(done, all, std::chrono::duration<double>(now - begin_).count());
+  if (on_a_terminal_) {
+    print("\r\x1b[K{}", text);
+  } else if (now - told_ >= between_lines) {
+    print("{}\n", text);
+    told_ = now;
+  } else {
+    return;
+  }
   flush_output();
 }
 

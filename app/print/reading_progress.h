@@ -1,23 +1,36 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <chrono>
 #include <cstddef>
+#include <string>
 
 namespace thermorig::app {
 
-/// Tells on a terminal how many sessions were read so far; elsewhere, and with --json, nothing. What it drew
-/// is gone when it is.
+/// "reading sessions: 12 of 40, 25 s left" after `elapsed_s` seconds in which `done` of `all` were read. The
+/// time that is left takes the others to be as long as those that were read; within the first second, and
+/// before the first is read, it is not told.
+std::string reading_text(std::size_t done, std::size_t all, double elapsed_s);
+
+/// Tells how many sessions were read so far and how long the rest will take: on a terminal in one line, which
+/// is gone when this is; elsewhere, where such lines are wanted among what is printed, in one every ten
+/// seconds; with --json not at all.
 class ReadingProgress {
  public:
-  explicit ReadingProgress(bool json);
+  enum class Elsewhere : bool { nothing, lines };
+  explicit ReadingProgress(bool json, Elsewhere elsewhere = Elsewhere::nothing);
   ~ReadingProgress();
   ReadingProgress(const ReadingProgress&) = delete;
   ReadingProgress& operator=(const ReadingProgress&) = delete;
 
-  void operator()(std::size_t done, std::size_t all) const;
+  /// From one thread at a time.
+  void operator()(std::size_t done, std::size_t all);
 
  private:
-  bool is_told_;
+  bool on_a_terminal_;
+  bool in_lines_;
+  std::chrono::steady_clock::time_point begin_ = std::chrono::steady_clock::now();
+  std::chrono::steady_clock::time_point told_ = begin_;
 };
 
 }  // namespace thermorig::app

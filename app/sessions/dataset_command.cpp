@@ -26,8 +26,8 @@ using publication::Fold;
 
 std::vector<Entry> read_entries(const DatasetOptions& options) {
   require_existing(options.folder);
-  const ReadingProgress progress(options.json || !options.part.empty());
-  return publication::entries_of(options.folder, options.accept_bad, std::cref(progress));
+  ReadingProgress progress(options.json || !options.part.empty());
+  return publication::entries_of(options.folder, options.accept_bad, std::ref(progress));
 }
 
 bool is_date(const std::string& text) {

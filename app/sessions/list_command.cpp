@@ -178,8 +178,8 @@ ExitCode report_refused(const std::vector<ListedSession>& sessions) {
 
 std::vector<ListedSession> read_all(const ListOptions& options) {
   const std::vector<std::filesystem::path> files = dataset::find_sessions(options.paths);
-  const ReadingProgress progress(options.json);
-  return dataset::list_sessions(files, std::cref(progress));
+  ReadingProgress progress(options.json);
+  return dataset::list_sessions(files, std::ref(progress));
 }
 
 }  // namespace

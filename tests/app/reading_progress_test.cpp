@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: MIT
+#include "print/reading_progress.h"
+
+#include <gtest/gtest.h>
+
+namespace thermorig::app {
+namespace {
+
+TEST(ReadingProgress, TellsHowLongTheRestWillTakeIfItIsAsSlowAsWhatWasRead) {
+  EXPECT_EQ(reading_text(10, 40, 20.0), "reading sessions: 10 of 40, 1 min 0 s left");
+  EXPECT_EQ(reading_text(1, 241, 10.0), "reading sessions: 1 of 241, 40 min 0 s left");
+}
+
+TEST(ReadingProgress, TellsNoTimeBeforeThereIsOneToGoBy) {
+  EXPECT_EQ(reading_text(0, 40, 20.0), "reading sessions: 0 of 40");
+  EXPECT_EQ(reading_text(3, 40, 0.9), "reading sessions: 3 of 40");
+  EXPECT_EQ(reading_text(40, 40, 80.0), "reading sessions: 40 of 40");
+}
+
+TEST(ReadingProgress, SaysNothingWithJson) {
+  testing::internal::CaptureStdout();
+  {
+    ReadingProgress progress(true, ReadingProgress::Elsewhere::lines);
+    progress(1, 2);
+  }
+  EXPECT_EQ(testing::internal::GetCapturedStdout(), "");
+}
+
+}  // namespace
+}  // namespace thermorig::app
