@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "thermorig/core/statistics.h"
 
@@ -48,6 +49,16 @@ PanoramaMap empty_map(std::span<const HalfView> views, const Layout& layout, dou
   return {bin_of(views, layout.pitch_deg), layout.closed, -half_span_deg, 2.0 * half_span_deg};
 }
 
+/// Each sum goes from the first pixel to the last, and every addition waits for the one before it: several
+/// halves side by side take no longer than one.
+constexpr std::size_t side_by_side = 4;
+std::array<float, side_by_side> sums(const std::array<HalfPixels, side_by_side>& halves) {
+  std::array<float, side_by_side> sum{};
+  for (std::size_t i = 0; i < half_pixels; ++i)
+    for (std::size_t j = 0; j < side_by_side; ++j) sum[j] += halves[j][i];
+  return sum;
+}
+
 }  // namespace
 
 Alignment::Alignment(std::span<HalfView> views, const AngleTrack& track, const Layout& layout,
@@ -66,13 +77,20 @@ double Alignment::uncertainty(Parameter parameter) const {
   return std::sqrt(covariance_[parameter][parameter]);
 }
 
+void Alignment::correct() {
+  if (!std::exchange(are_readings_old_, false)) return;
+  readings_.resize(views_.size());
+  for (std::size_t k = 0; k < views_.size(); ++k)
+    readings_[k] = {pixels_.values(views_[k], half_offset_c_[k]), pixels_.weights(views_[k])};
+}
+
 void Alignment::make_map(const Parameters& parameters) {
+  correct();
+  angles_.look_from(parameters[offset_s]);
   map_.clear();
   for (std::size_t k = 0; k < views_.size(); k += stride_) {
-    places_[k] =
-        map_.place(angles_.angle_deg(views_[k].half, parameters), layout_.pitch_deg, layout_.mirrored);
-    map_.add(places_[k], views_[k].half.parity, pixels_.values(views_[k], half_offset_c_[k]),
-             pixels_.weights(views_[k]));
+    places_[k] = map_.place(angles_.angle_deg(k, parameters), layout_.pitch_deg, layout_.mirrored);
+    map_.add(places_[k], views_[k].half.parity, readings_[k].value, readings_[k].weight);
   }
   map_.finish();
 }
@@ -81,28 +99,33 @@ double Alignment::variance(const Parameters& parameters) {
   make_map(parameters);
   double square_sum = 0.0;
   double weight_sum = 0.0;
+  std::array<HalfPixels, side_by_side> squares{}, weights{};
   PanoramaMap::Expected expected;
-  for (std::size_t k = 0; k < views_.size(); k += stride_) {
-    map_.expect(places_[k], views_[k].half.parity, expected);
-    const HalfPixels values = pixels_.values(views_[k], half_offset_c_[k]);
-    const HalfPixels weights = pixels_.weights(views_[k]);
-    float square = 0.0F;
-    float weight = 0.0F;
-    for (std::size_t i = 0; i < half_pixels; ++i) {
-      const float residual = values[i] - expected.mean[i];
-      square += weights[i] * expected.known[i] * residual * residual;
-      weight += weights[i] * expected.known[i];
+  for (std::size_t k = 0; k < views_.size(); k += side_by_side * stride_) {
+    std::size_t count = 0;
+    for (std::size_t j = k; j < views_.size() && count < side_by_side; j += stride_, ++count) {
+      map_.expect_means(places_[j], views_[j].half.parity, expected);
+      for (std::size_t i = 0; i < half_pixels; ++i) {
+        const float residual = readings_[j].value[i] - expected.mean[i];
+        const float weight = readings_[j].weight[i] * expected.known[i];
+        squares[count][i] = weight * residual * residual;
+        weights[count][i] = weight;
+      }
     }
-    square_sum += static_cast<double>(square);
-    weight_sum += static_cast<double>(weight);
+    const auto square = sums(squares), weight = sums(weights);
+    for (std::size_t j = 0; j < count; ++j) {
+      square_sum += static_cast<double>(square[j]);
+      weight_sum += static_cast<double>(weight[j]);
+    }
   }
-  readings_ = std::max(1.0, weight_sum - map_.freedom());
-  return square_sum / readings_;
+  reading_count_ = std::max(1.0, weight_sum - map_.freedom());
+  return square_sum / reading_count_;
 }
 
 void Alignment::learn_from(const Alignment& other) {
   pixels_ = other.pixels_;
   half_offset_c_ = other.half_offset_c_;
+  are_readings_old_ = true;
 }
 
 std::vector<double> Alignment::misfit_at(const Parameters& parameters) {
@@ -175,10 +198,9 @@ double Alignment::middle_row() const {
 
 /// One half against the panorama; what its pixels have in common is taken out.
 Alignment::Comparison Alignment::compare(std::size_t index) const {
-  const HalfView& view = views_[index];
-  Comparison comparison{pixels_.values(view, half_offset_c_[index]), {}, pixels_.weights(view), 0.0F};
+  Comparison comparison{readings_[index].value, {}, readings_[index].weight, 0.0F};
   PanoramaMap::Expected expected;
-  map_.expect(places_[index], view.half.parity, expected);
+  map_.expect(places_[index], views_[index].half.parity, expected);
   comparison.slope = expected.slope;
   float weight_sum = least_weight;
   float residual_sum = 0.0F;
@@ -214,7 +236,7 @@ void Alignment::add_view(const Comparison& comparison, std::size_t index, Totals
   totals.square_sum += static_cast<double>(square);
   totals.weight_sum += static_cast<double>(weight);
   totals.lean[index] = static_cast<double>(lean);
-  const Parameters& change = totals.change[index] = angles_.change(views_[index].half, parameters_);
+  const Parameters& change = totals.change[index] = angles_.change(index, parameters_);
   add_product(totals.curvature, static_cast<double>(steepness), change, change);
   for (std::size_t p = 0; p < parameter_count; ++p) totals.gradient[p] += change[p] * totals.lean[index];
 }
@@ -231,6 +253,7 @@ Alignment::Totals Alignment::compare_all() {
     add_push(comparison, k, totals);
     totals.pixels[views_[k].half.parity].add(comparison.residual, comparison.weight);
   }
+  are_readings_old_ = true;
   eliminate_map(totals);
   return totals;
 }
@@ -271,6 +294,7 @@ void Alignment::learn_noise(const Totals& totals) {
 }
 
 void Alignment::learn_trust() {
+  correct();
   const double limit = outlier_sigma * outlier_sigma * noise_variance_;
   for (std::size_t k = 0; k < views_.size(); ++k) {
     const Comparison comparison = compare(k);
@@ -282,6 +306,7 @@ void Alignment::learn_trust() {
       view.trust[i] = static_cast<double>(square) > limit ? distrusted : 1.0F;
     }
   }
+  are_readings_old_ = true;
 }
 
 Matrix Alignment::with_prior(const Matrix& information) const {
@@ -325,6 +350,7 @@ void Alignment::refine(const Parameters& start, Parameter asked) {
     const Totals totals = compare_all();
     learn_noise(totals);
     pixels_.learn(totals.pixels);
+    are_readings_old_ = true;
     if (round % rounds_of_trust == 0) learn_trust();
     if (step(totals, asked) && round + 1 >= fewest_rounds) break;
   }

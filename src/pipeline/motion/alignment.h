@@ -34,7 +34,7 @@ class Alignment {
   /// Variance within the cells if the parameters were these: what a search over a grid compares.
   double variance(const Parameters& parameters);
   /// How many readings of average noise that variance was computed from, less what the panorama took.
-  double readings() const { return readings_; }
+  double readings() const { return reading_count_; }
 
   /// Another distance between columns than the layout's, from now on.
   void set_pitch(double pitch_deg) { layout_.pitch_deg = pitch_deg; }
@@ -65,6 +65,10 @@ class Alignment {
   double spread() const;
 
  private:
+  struct Reading {  // of a half, by what is known of its pixels
+    HalfPixels value;
+    HalfPixels weight;
+  };
   struct Comparison {  // of a half with the panorama
     HalfPixels residual;
     HalfPixels slope;  // K a deg
@@ -81,6 +85,7 @@ class Alignment {
     double weight_sum = 0.0;
     std::array<PixelModel::Residuals, 2> pixels{};
   };
+  void correct();
   void make_map(const Parameters& parameters);
   Comparison compare(std::size_t index) const;
   Totals compare_all();
@@ -104,12 +109,14 @@ class Alignment {
   PanoramaMap map_;
   std::vector<PanoramaMap::Place> places_;
   std::vector<float> half_offset_c_;  // common to a half
+  std::vector<Reading> readings_;
+  bool are_readings_old_ = true;  // more is known since of pixels or halves
   double noise_variance_ = 1.0;
   Parameters parameters_{};
   Matrix covariance_{};
   double contrast_ = 0.0;
   std::vector<double> misfit_;
-  double readings_ = 1.0;
+  double reading_count_ = 1.0;
   std::size_t stride_ = 1;
 };
 

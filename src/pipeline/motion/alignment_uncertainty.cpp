@@ -61,6 +61,7 @@ Matrix Alignment::spread_of_pulls(const Totals& totals) const {
 /// Noise makes the panorama's slopes look steeper than the surroundings are, and the curvature with them:
 /// that share is taken out.
 void Alignment::judge(const Totals& totals) {
+  correct();
   const double steepness = map_.slope_squared();
   contrast_ = steepness > 0.0 ? std::max(0.0, 1.0 - map_.slope_noise(noise_variance_) / steepness) : 0.0;
   const double share = std::max(least_contrast, contrast_);
