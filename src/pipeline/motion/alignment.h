@@ -20,6 +20,9 @@ struct Layout {
   bool closed = false;  // a whole turn leads back to the same surroundings; else every angle is another place
 };
 
+/// So many halves are added up at once.
+inline constexpr std::size_t side_by_side = 4;
+
 /// Beyond that offset a camera's halves cannot be told from their neighbours.
 inline constexpr double largest_offset_s = 0.30;
 
@@ -75,6 +78,10 @@ class Alignment {
     HalfPixels weight;
     float common;  // to all its residuals
   };
+  struct Comparisons {  // of halves that follow one another
+    std::array<Comparison, side_by_side> of;
+    std::size_t count;
+  };
   struct Totals {  // what one look at all halves adds up to
     Parameters gradient{};
     Matrix curvature{};
@@ -87,9 +94,16 @@ class Alignment {
   };
   void correct();
   void make_map(const Parameters& parameters);
-  Comparison compare(std::size_t index) const;
+  Comparisons compare(std::size_t first) const;
+  template <typename Look>
+  void for_each_comparison(Look look) const {
+    for (std::size_t first = 0; first < views_.size(); first += side_by_side) {
+      const Comparisons group = compare(first);
+      for (std::size_t j = 0; j < group.count; ++j) look(group.of[j], first + j);
+    }
+  }
   Totals compare_all();
-  void add_view(const Comparison& comparison, std::size_t index, Totals& totals);
+  void add_views(const Comparisons& group, std::size_t first, Totals& totals);
   void add_push(const Comparison& comparison, std::size_t index, Totals& totals) const;
   void eliminate_map(Totals& totals) const;
   void learn_noise(const Totals& totals);
@@ -97,7 +111,7 @@ class Alignment {
   Matrix with_prior(const Matrix& information) const;
   double mean_square_shift(const Totals& totals, const Parameters& change) const;
   bool step(const Totals& totals, Parameter asked);
-  Parameters pull(std::size_t index, const Totals& totals) const;
+  Parameters pull(const Comparison& comparison, std::size_t index, const Totals& totals) const;
   Matrix spread_of_pulls(const Totals& totals) const;
   void judge(const Totals& totals);
 

@@ -10,7 +10,8 @@ namespace {
 
 constexpr std::size_t cell_values = 2 * half_rows;  // of one bin
 constexpr float least_map_weight = 1.5F;            // a single reading is no map
-constexpr double most_bins = 20000.0;               // fifty turns: no window of a rig's goes so far
+constexpr double farthest_deg = 1e8;
+constexpr double most_bins = 20000.0;  // fifty turns: no window of a rig's goes so far
 
 /// The rows of a column at once: compilers unroll loops over so few before they see that they are vectors.
 auto cell_at(auto& values, std::size_t first) {
@@ -35,25 +36,29 @@ PanoramaMap::PanoramaMap(double bin_deg, bool closed, double lowest_deg, double 
       slope_(weight_.size()),
       known_(weight_.size()) {}
 
+/// Whole numbers are cut off as 32-bit ones, which every processor does for several columns at once; no rig
+/// turns so far that they would not do.
 PanoramaMap::Place PanoramaMap::place(double angle_deg, double pitch_deg, bool mirrored) const {
   const double direction = mirrored ? -1.0 : 1.0;
   const double highest = static_cast<double>(bins_) - (closed_ ? 1e-6 : 1.0 + 1e-6);
-  std::array<double, frame_columns> position;
+  Place place;
+  const bool is_somewhere = std::abs(angle_deg) < farthest_deg;
   for (std::size_t column = 0; column < frame_columns; ++column) {
     const double offset_deg =
         direction * (static_cast<double>(column) - (frame_columns - 1) / 2.0) * pitch_deg;
-    position[column] = (angle_deg + offset_deg - lowest_deg_) / bin_deg_;
+    double position = is_somewhere ? (angle_deg + offset_deg - lowest_deg_) / bin_deg_ : 0.0;
+    if (closed_) {
+      const double turns = position / bins_;
+      const auto cut = static_cast<double>(static_cast<std::int32_t>(turns));
+      position -= bins_ * (cut > turns ? cut - 1.0 : cut);
+    }
+    position = std::clamp(position, 0.0, highest);
+    const auto left = static_cast<std::int32_t>(position);
+    place.left[column] = static_cast<std::uint32_t>(left);
+    place.part[column] = static_cast<float>(position - left);
   }
-  if (closed_)
-    for (double& at : position) at -= bins_ * std::floor(at / bins_);
-  Place place;
-  for (std::size_t column = 0; column < frame_columns; ++column) {
-    const double at = std::isfinite(position[column]) ? std::clamp(position[column], 0.0, highest) : 0.0;
-    const auto left = static_cast<std::uint32_t>(at);
-    place.left[column] = left;
-    place.right[column] = left + 1 == bins_ ? 0 : left + 1;
-    place.part[column] = static_cast<float>(at - left);
-  }
+  for (std::size_t column = 0; column < frame_columns; ++column)
+    place.right[column] = place.left[column] + 1 == bins_ ? 0 : place.left[column] + 1;
   return place;
 }
 
