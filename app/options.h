@@ -228,7 +228,7 @@ struct ExportOptions {
   std::optional<int> frames, reduction;  // of its windows
   std::optional<std::string> csv;        // a table of it
   std::optional<std::string> tum;        // all its trajectories, or one by name
-  bool mcap = false;
+  std::optional<std::string> mcap;       // "none" or "zstd": how it is compressed
   bool c_header = false;
   std::string weights = "float32";  // or int8
   std::string name = "thermorig_network";

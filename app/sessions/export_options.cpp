@@ -40,7 +40,10 @@ void add_session_forms(CLI::App& command, ExportOptions& options) {
       ->check(one_of(interchange::table_names()));
   command.add_flag("--tum{all}", options.tum,
                    "Session: trajectories of the shaft and of each estimator, for evo; =NAME: one of them");
-  command.add_flag("--mcap", options.mcap, "Session: images, gyro, servo, labels and events for Foxglove");
+  command
+      .add_flag("--mcap{none}", options.mcap,
+                "Session: images, gyro, servo, labels and events for Foxglove; =zstd: compressed")
+      ->check(CLI::IsMember({"none", "zstd"}));
 }
 
 }  // namespace
