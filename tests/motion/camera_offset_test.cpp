@@ -83,6 +83,22 @@ TEST(CameraOffset, IsKnownToAMillisecondAfterAMinuteOfSweepsWithAnHonestUncertai
   EXPECT_GT(errors.mean_chi_square(), 0.1);
 }
 
+/// Fine structure that passes fast is less late than pixels with so long a lag are, and nothing tells by how
+/// much but what coarse and fine structure say apart.
+TEST(CameraOffset, IsLessSureOfPixelsThatLagForLong) {
+  for (const unsigned seed : {1U, 4U}) {
+    auto config = simulation::default_rig(seed, environment_of(seed));
+    const auto found_at = [&](double lag_ms) {
+      config.world.camera.membrane_lag_ms = lag_ms;
+      return *offset_of(turn(config, back_and_forth(100.0, 1.5, 62.0), 62.0)).offset_s;
+    };
+    const Estimate usual = found_at(12.0), longer = found_at(40.0);
+    EXPECT_LT(longer.value, -0.002) << seed;
+    EXPECT_NEAR(longer.value, 0.0, 3.0 * longer.uncertainty) << seed;
+    EXPECT_LT(usual.uncertainty, 0.001) << seed;
+  }
+}
+
 TEST(CameraOffset, IsKnownFromTheLongLegsOfAnOrdinarySessionToo) {
   EXPECT_LT(errors_over_seeds(6, 150.0, 7.0).rms(), 0.001);
   EXPECT_LT(errors_over_seeds(4, 30.0, 7.0).rms(), 0.001);

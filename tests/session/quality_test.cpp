@@ -293,6 +293,17 @@ TEST(Verdict, IsUsableWhenTheGyroHidesItsBiasOrContradicts) {
               testing::Contains("gyro and servo disagree in 16 % of the frames that are otherwise valid"));
 }
 
+TEST(Verdict, OfAGyroThatHidesItsBiasStaysGoodWhereEqualSpeedsBothWaysTellIt) {
+  Session session = clean_session(60);
+  session.sync.gyro.zeroes_itself = session.sync.gyro.bias_from_legs = true;
+  session.sync.gyro.bias_dps = Estimate{0.02, 0.04};
+  EXPECT_EQ(quality_of(session).verdict, "good");
+  EXPECT_THAT(quality_of(session).verdict_reasons,
+              testing::Contains(testing::HasSubstr("both ways tell it as 0.02 +- 0.04 deg/s")));
+  session.sync.gyro.bias_dps->uncertainty = 0.5;  // one direction alone
+  EXPECT_EQ(quality_of(session).verdict, "usable");
+}
+
 TEST(Verdict, DoesNotHoldAgainstTheRigWhatTheGyroSaysInRamps) {
   Session session = clean_session(60);
   for (std::size_t i = 0; i < 30; ++i) {

@@ -29,7 +29,7 @@ constexpr double room_deg = 10.0;        // and for other biases
 /// The surroundings as halves see them are smeared over the angle that the rig turns during an exposure:
 /// finer bins would hold little but noise. And what passes a pixel in a few of its time constants is delayed
 /// by less than its lag, so finer bins would see the camera a little too early.
-double bin_of(std::span<const HalfView> views, double pitch_deg) {
+double bin_of(std::span<const HalfView> views, double pitch_deg, double factor) {
   std::vector<float> bins_deg;
   for (const HalfView& view : views) {
     const double exposure_s = view.half.end_s - view.half.begin_s;
@@ -37,7 +37,7 @@ double bin_of(std::span<const HalfView> views, double pitch_deg) {
         static_cast<float>(std::abs(view.half.rate_dps) * std::max(bin_time_s, bin_per_smear * exposure_s)));
   }
   if (bins_deg.empty()) return pitch_deg;
-  return std::clamp(static_cast<double>(reordering_median(bins_deg)), pitch_deg,
+  return std::clamp(factor * static_cast<double>(reordering_median(bins_deg)), pitch_deg,
                     widest_bin_pixels * pitch_deg);
 }
 
@@ -46,7 +46,8 @@ PanoramaMap empty_map(std::span<const HalfView> views, const Layout& layout, dou
   for (const HalfView& view : views) fastest_dps = std::max(fastest_dps, std::abs(view.half.rate_dps));
   const double half_span_deg = (1.0 + room_share) * reach_deg + 0.5 * frame_columns * layout.pitch_deg +
                                fastest_shift_s * fastest_dps + room_deg;
-  return {bin_of(views, layout.pitch_deg), layout.closed, -half_span_deg, 2.0 * half_span_deg};
+  return {bin_of(views, layout.pitch_deg, layout.bin_factor), layout.closed, -half_span_deg,
+          2.0 * half_span_deg};
 }
 
 /// Sums over pixels of halves side by side, by what is summed.

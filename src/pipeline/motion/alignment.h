@@ -18,6 +18,7 @@ struct Layout {
   double pitch_deg = 55.0 / 32.0;  // between columns
   bool mirrored = true;
   bool closed = false;  // a whole turn leads back to the same surroundings; else every angle is another place
+  double bin_factor = 1.0;  // of the panorama's bins: wider ones see coarse structure alone
 };
 
 /// So many halves are added up at once.

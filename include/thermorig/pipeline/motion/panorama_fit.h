@@ -29,9 +29,10 @@ struct View {
 /// clock shows: what is measured is when the camera saw what it shows. Needs motion in both directions over
 /// the same surroundings. `frames` carry the exposures of both halves; `gyro` the rate about the axis; both
 /// as finally stamped, and in order. The uncertainty is from the spread among blocks of the recording, and at
-/// least 0.3 ms, since a lag delays fine structure less than coarse. Searched within 0.3 s either way. Bands
-/// of rows are looked at apart: where they differ, rows are read one after the other, and the offset is that
-/// of the middle rows.
+/// least 0.3 ms, since a lag delays fine structure less than coarse; where that shows, the lag is long, and
+/// the uncertainty grows by three times the difference. Searched within 0.3 s either way. Bands of rows are
+/// looked at apart: where they differ, rows are read one after the other, and the offset is that of the
+/// middle rows.
 CameraOffset camera_offset(std::span<const TimedFrame> frames, std::span<const TimedGyro> gyro,
                            const View& view, const GyroErrors& errors);
 
