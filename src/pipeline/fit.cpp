@@ -10,7 +10,6 @@
 #include "checked_constants.h"
 #include "clock_fits.h"
 #include "final_times.h"
-#include "joined_clock.h"
 #include "message_spans.h"
 #include "ping_exchanges.h"
 #include "thermorig/pipeline/interruptions.h"
