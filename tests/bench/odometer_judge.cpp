@@ -84,6 +84,10 @@ double longest_silence_s(const std::vector<Tracked>& all, double offset_deg) {
 
 Judgement judge(const OdometerRecording& recording, const JudgedRun& run) {
   estimators::Bank bank(std::vector<std::string>{"odometer"}, std::nullopt, recording.profile);
+  return judge(recording, run, [&](const Measurement& one) { return bank.add(one).front(); });
+}
+
+Judgement judge(const OdometerRecording& recording, const JudgedRun& run, const Judged& judged) {
   Judgement judgement;
   std::vector<Tracked> tracked;
   std::vector<double> steps_us;
@@ -104,7 +108,7 @@ Judgement judge(const OdometerRecording& recording, const JudgedRun& run) {
       continue;
     }
     const double before_us = processor_us();
-    const RateEstimate estimate = bank.add(measurement).front();
+    const RateEstimate estimate = judged(measurement);
     steps_us.push_back(processor_us() - before_us);
     const bool is_tracked = estimate.state == EstimateState::good;
     double off_deg = estimate.angle_deg - shaft_deg(recording, frame.exposure_end);

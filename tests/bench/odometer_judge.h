@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "odometer_recording.h"
+#include "thermorig/core/rate_estimate.h"
 
 namespace thermorig::bench {
 
@@ -37,6 +38,12 @@ struct Judgement {
   double back_deg = 0.0;               // largest angle from 10 s after the harm on
 };
 
+/// What is judged: says of each measurement, one after the other.
+using Judged = std::function<RateEstimate(const Measurement&)>;
+
+Judgement judge(const OdometerRecording& recording, const JudgedRun& run, const Judged& judged);
+
+/// The product's odometer.
 Judgement judge(const OdometerRecording& recording, const JudgedRun& run = {});
 
 }  // namespace thermorig::bench

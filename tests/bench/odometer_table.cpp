@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // How the odometer does on simulated rigs in virtual time, against the true shaft.
-// Usage: odometer_table [--json] [--first-seed N] [--quick] [--only TEXT]
+// Usage: odometer_table [--json] [--first-seed N] [--quick] [--only TEXT] [--board]
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -13,6 +13,7 @@
 #include <string_view>
 #include <vector>
 
+#include "embedded/board_odometer.h"
 #include "odometer_judge.h"
 #include "odometer_recording.h"
 #include "odometer_stresses.h"
@@ -28,7 +29,8 @@ struct Options {
   bool json = false;
   bool quick = false;
   std::uint64_t first_seed = 1;
-  std::string only;  // of the rows: those whose name has it
+  std::string only;    // of the rows: those whose name has it
+  bool board = false;  // the odometer that is exported to small boards, compiled for this machine
 };
 
 struct Row {
@@ -134,6 +136,11 @@ std::vector<Row> rows_of(const Options& options) {
   return rows;
 }
 
+Judgement judge_board(const OdometerRecording& recording, const JudgedRun& run) {
+  tests::BoardOdometer board(recording.profile);
+  return judge(recording, run, [&](const Measurement& one) { return board.add(one.frame, one.gyro); });
+}
+
 std::optional<Options> options_of(int count, char** arguments) {
   Options options;
   for (int i = 1; i < count; ++i) {
@@ -142,6 +149,8 @@ std::optional<Options> options_of(int count, char** arguments) {
       options.json = true;
     else if (argument == "--quick")
       options.quick = true;
+    else if (argument == "--board")
+      options.board = true;
     else if (argument == "--first-seed" && i + 1 < count)
       options.first_seed = std::strtoull(arguments[++i], nullptr, 10);
     else if (argument == "--only" && i + 1 < count)
@@ -159,7 +168,7 @@ int main(int count, char** arguments) {
   using namespace thermorig::bench;
   const auto options = options_of(count, arguments);
   if (!options) {
-    fmt::print(stderr, "usage: odometer_table [--json] [--first-seed N] [--quick] [--only TEXT]\n");
+    fmt::print(stderr, "usage: odometer_table [--json] [--first-seed N] [--quick] [--only TEXT] [--board]\n");
     return 2;
   }
   const auto begin = std::chrono::steady_clock::now();
@@ -167,7 +176,11 @@ int main(int count, char** arguments) {
   std::erase_if(rows, [&](const Row& row) { return row.name.find(options->only) == std::string::npos; });
   for_each_seed(rows.size(), [&](std::size_t i) {
     Row& row = rows[i];
-    row.judgement = judge(record(row.recorded), row.stress.run);
+    const OdometerRecording recording = record(row.recorded);
+    if (options->board)
+      row.judgement = judge_board(recording, row.stress.run);
+    else
+      row.judgement = judge(recording, row.stress.run);
   });
   std::vector<Figure> figures;
   for (const Row& row : rows) row.is_plain ? add_plain(figures, row) : add_stress(figures, row);
