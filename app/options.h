@@ -73,6 +73,7 @@ struct LiveOptions {
   std::string precision = "fp32";               // of the network's weights: fp32, fp16
   std::vector<std::string> estimators;          // by name; empty: all that can run
   bool loop = false;                            // the plan again and again, until it is stopped
+  std::filesystem::path map;                    // of the odometer: begun with, and written; empty: none
   std::optional<std::filesystem::path> replay;  // a session instead of a rig
   double speed = 1.0;                           // of a replay; 0: as fast as possible
   bool tui = false;

@@ -231,6 +231,41 @@ def thermal_likelihood(figures):
                   for scene in ("laboratory", "dining", "kitchen", "garden")])
 
 
+def key_of(*words):
+    return re.sub(r"[^a-z0-9]", "_", " ".join(words).lower())
+
+
+def few_digits(value):
+    """Three digits that count, no exponent."""
+    return f"{value:,.0f}" if abs(value) >= 99.5 else f"{value:.3g}"
+
+
+@layout("study_baselines")
+def study_baselines(figures):
+    columns = ["MSE", "RMSE, shaft", "beyond 30 deg/s", "within 1 sigma", "within 2 sigma", "drift", "angle", "drift, 30 s on",
+               "angle, 30 s on", "worst, 30 s on", "trusted", "time"]
+    def row(where, estimator):
+        cells = [figures[key_of(where, estimator, column)]["value"] for column in columns]
+        cells.append(figures[key_of("memory", estimator)]["value"])
+        return [where.replace(" gyro", "").replace(" environments", " 18"), f"`{estimator}`", *map(few_digits, cells)]
+    return table(["gyro", "estimator", "MSE, 1e-6", "RMSE, shaft, deg/s", "beyond 30 deg/s, %", "1 sigma", "2 sigma",
+                  "drift, deg/min", "largest angle, deg", "drift from 30 s on", "largest angle from 30 s on", "of all",
+                  "trusted, %", "us a frame", "kB"],
+                 [row(f"{gyro} gyro, {where}", estimator) for gyro in ("raw", "calibrated")
+                  for where in ("garden", "all environments")
+                  for estimator in ("gyro", "gyro-rest", "gyro-kalman", "odometer", "thermal-likelihood")], 2)
+
+
+@layout("map_table")
+def map_table(figures):
+    columns = ["recognised", "tracks after, median", "longest", "first angle, worst", "any angle, worst"]
+    return table(["second session", "recognised, %", "tracks after, s", "longest, s", "first angle, worst, deg",
+                  "any angle, worst, deg"],
+                 [[row, *(few_digits(figures[key_of("same room", row, column)]["value"]) for column in columns)]
+                  for row in (f"{environment}, {begin}" for environment in ("laboratory", "dining", "kitchen", "garden")
+                              for begin in ("from rest", "from 200 s on", "from 301 s on"))])
+
+
 @layout("models")
 def models(reports):
     def row(name, report):

@@ -18,6 +18,8 @@ struct Room {
   double latency_s = 0.004;  // by which the camera saw earlier than its stamps say
   double noise_k = 0.5, gyro_noise_dps = 0.05;
   double contrast_k = 0.8;
+  unsigned walls = 7;   // another number: another room
+  unsigned noise = 11;  // of the devices
 };
 
 /// What came with one frame.

@@ -131,6 +131,44 @@ double Alignment::squares(const View& view, double azimuth_deg) const {
   return squares;
 }
 
+Alignment::Explained Alignment::explained(const View& view, double azimuth_deg) const {
+  struct Sums {
+    float weight = 0.0F, residual = 0.0F, temp_c = 0.0F;
+  };
+  std::array<Sums, frame_rows> rows{};
+  HalfPixels residual, weight;
+  for (std::size_t column = 0; column < frame_columns; ++column) {
+    const std::size_t of_rows = row_class(column, view.parity);
+    Panorama::Look look;
+    panorama_.look(Panorama::place(column_azimuth_deg(azimuth_deg, column), view.half_width_deg, of_rows),
+                   1.0, false, look);
+    for (std::size_t k = 0; k < half_rows; ++k) {
+      const std::size_t i = column * half_rows + k;
+      const float temp_c = (*view.temp_c)[i];
+      const bool is_compared = look.known[k] > 0.0F && !std::isnan(temp_c);
+      residual[i] = is_compared ? temp_c - look.temp_c[k] : 0.0F;
+      weight[i] = is_compared ? 1.0F / ((*view.variance)[i] + look.variance[k]) : 0.0F;
+      if (!is_compared) continue;
+      Sums& row = rows[2 * k + of_rows];
+      row.weight += weight[i];
+      row.residual += weight[i] * residual[i];
+      row.temp_c += weight[i] * temp_c;
+    }
+  }
+  Explained explained;
+  for (std::size_t column = 0; column < frame_columns; ++column)
+    for (std::size_t k = 0; k < half_rows; ++k) {
+      const std::size_t i = column * half_rows + k;
+      if (weight[i] <= 0.0F) continue;
+      const Sums& row = rows[2 * k + row_class(column, view.parity)];
+      const float left = residual[i] - row.residual / row.weight;
+      const float shown = (*view.temp_c)[i] - row.temp_c / row.weight;
+      explained.left += double{std::min(left * left * weight[i], huber * huber * huber)} - 1.0;
+      explained.structure += double{std::min(shown * shown * weight[i], huber * huber * huber)} - 1.0;
+    }
+  return explained;
+}
+
 double Alignment::searched(const View& view, double azimuth_deg, double sigma_deg, int& looks) const {
   // Compared before it becomes whole: after years without a sample sigma is beyond any int.
   const auto reach = static_cast<int>(std::min(double{most_search_steps}, 3.0 * sigma_deg / search_step_deg));

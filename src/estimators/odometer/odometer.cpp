@@ -12,6 +12,7 @@
 #include "gyro_path.h"
 #include "gyro_watch.h"
 #include "half_store.h"
+#include "map_check.h"
 #include "thermorig/estimators/odometer/unseen_turn.h"
 #include "tracker.h"
 
@@ -51,8 +52,9 @@ constexpr double lean_share = 1.0 / 16.0, much_lean = 0.7;
 constexpr double stepped_bias_dps = 0.3;
 constexpr double longest_gyro_gap_s = 0.25;
 constexpr double longest_camera_gap_s = 1.0;
-constexpr double lost_deg = 3.0;        // a heading that is known less well is searched for
-constexpr double give_up_s = 40.0;      // of a search: then the map is wrong
+constexpr double lost_deg = 3.0;    // a heading that is known less well is searched for
+constexpr double give_up_s = 40.0;  // of a search: then the map is wrong
+constexpr double turning_dps = 5.0;
 constexpr double saturated_dps = 15.0;  // what a reading at the end of its range may be off
 constexpr double sample_noise_dps = 0.15;
 
@@ -78,10 +80,13 @@ bool is_exposure(const HalfExposure& half) {
 }  // namespace
 
 struct Odometer::Parts {
-  Parts(const GyroProfile& gyro, const CameraProfile& camera)
-      : gyro_period_s(1.0 / gyro.output_rate_hz),
+  Parts(const GyroProfile& gyro, const CameraProfile& camera, std::shared_ptr<const Map> given)
+      : map(std::move(given)),
+        map_use(map ? MapUse::searching : MapUse::none),
+        gyro_period_s(1.0 / gyro.output_rate_hz),
         gyro_time_sigma_s(gyro.link.latency_uncertainty_s),
         priors(priors_of(gyro, camera)),
+        field_of_view_deg(camera.field_of_view_deg),
         lens(lens_of(camera)),
         front(priors, lens),
         back(priors, lens),
@@ -96,6 +101,7 @@ struct Odometer::Parts {
   void go_through(Tracker& tracker);
   void learn_of(const HalfResult& result, double& mean);
   bool is_start_over(double now_s) const;
+  Priors learnt() const;
   void begin_pass(int number);
   void take_over(double now_s);
   bool has_settled() const;
@@ -105,6 +111,10 @@ struct Odometer::Parts {
   void follow_bias(const HalfResult& result);
   void begin_search(double now_s);
   void begin_anew();
+  void begin_in_map(double now_s);
+  void check_map(const HalfResult& result, const HalfReading& half);
+  bool has_settled_in_map() const;
+  bool is_map_given_up(const HalfReading& half);
   Report report(const TimedFrame& frame, double now_s) const;
   Reason reason(double now_s) const;
   double heading_at(double time_s, double bias_dps) const;
@@ -113,8 +123,13 @@ struct Odometer::Parts {
   /// The front tracker has gone through all halves that came.
   bool is_behind_nothing() const { return phase != Phase::searching && phase != Phase::first_pass; }
 
+  std::shared_ptr<const Map> map;  // that was made before
+  MapUse map_use;
+  MapCheck map_check;
+  double sought_in_map_s = 0.0;  // while the rig turned
   double gyro_period_s, gyro_time_sigma_s;
   Priors priors;
+  double field_of_view_deg;
   Lens lens;
   GyroPath path;
   GyroWatch watch;
@@ -147,12 +162,13 @@ struct Odometer::Parts {
   bool is_doubted = false;                      // what the search found
   double slowest_dps = 0.0, fastest_dps = 0.0;  // since
   double mean_lean = 0.0;                       // innovations of late, with their signs
+  HalfResult newest;                            // of the halves that were judged
   bool has_seen = false;                        // a half
   bool stands_in = false;                       // the newest frame, for one of a camera that is missing
 };
 
-Odometer::Odometer(const GyroProfile& gyro, const CameraProfile& camera)
-    : parts_(std::make_unique<Parts>(gyro, camera)) {}
+Odometer::Odometer(const GyroProfile& gyro, const CameraProfile& camera, std::shared_ptr<const Map> map)
+    : parts_(std::make_unique<Parts>(gyro, camera, std::move(map))) {}
 Odometer::~Odometer() = default;
 Odometer::Odometer(Odometer&&) noexcept = default;
 Odometer& Odometer::operator=(Odometer&&) noexcept = default;
@@ -163,6 +179,21 @@ Report Odometer::add(const TimedFrame& frame, std::span<const TimedGyro> gyro) {
 
 std::vector<float> Odometer::map_image_c() const {
   return parts_->front.map_image_c();
+}
+
+std::optional<Map> Odometer::map() const {
+  using Phase = Parts::Phase;
+  const bool is_made = parts_->phase == Phase::running || parts_->phase == Phase::locating;
+  if (!is_made || parts_->map_use == MapUse::searching || parts_->unfit_since_s) return std::nullopt;
+  Map map;
+  map.field_of_view_deg = parts_->field_of_view_deg;
+  map.mirrored = parts_->lens.direction < 0.0;
+  parts_->front.keep(map);
+  return map;
+}
+
+MapUse Odometer::map_use() const {
+  return parts_->map_use;
 }
 
 /// A sample at the end of its range says less the longer that lasts, and one that is missing nothing.
@@ -270,6 +301,11 @@ void Odometer::Parts::search_bias() {
   better.bias_dps = found->bias_dps;
   better.bias_sigma_dps = bias_widening * found->sigma_dps;
   better.heading_deg = heading_at(store.at(0).now_s, found->bias_dps);
+  if (map_use == MapUse::searching) {
+    begun_with = better;
+    begin_in_map(store.at(store.count() - 1).now_s);
+    return;
+  }
   front.restart(better);
   pass = 0;
   pass_nis = 1.0;
@@ -277,24 +313,77 @@ void Odometer::Parts::search_bias() {
   phase = Phase::first_pass;
 }
 
+/// The bias is known well enough to look for the camera in the map of before.
+void Odometer::Parts::begin_in_map(double now_s) {
+  front.restart(begun_with, *map);
+  front.advance(path, now_s);
+  gyro_was_away = true;  // whatever is found, nothing was expected
+  map_check.begin();
+  begin_search(now_s);
+}
+
+/// A place was found in the map of before. Is it of these surroundings?
+void Odometer::Parts::check_map(const HalfResult& result, const HalfReading& half) {
+  map_check.add(result, front.filter().heading_deg());
+  switch (map_check.verdict()) {
+    case MapCheck::Verdict::open:
+      break;
+    case MapCheck::Verdict::same:
+      if (has_settled_in_map()) {
+        map_use = MapUse::found;
+        front.trust_map();
+        return;
+      }
+      begun_with = learnt();
+      sought_in_map_s = 0.0;
+      begin_in_map(half.end_s);
+      break;
+    case MapCheck::Verdict::other:
+      begin_in_map(half.end_s);
+      break;
+  }
+  if (is_map_given_up(half)) begin_anew();
+}
+
+/// As has_settled(), of the few seconds in which it was checked.
+bool Odometer::Parts::has_settled_in_map() const {
+  const HeadingFilter& filter = front.filter();
+  return mean_nis < settled_nis &&
+         std::abs(filter.bias_dps() - begun_with.bias_dps) < 2.0 * least_bias_sigma_dps &&
+         std::abs(filter.scale_factor() - begun_with.scale) < least_scale_sigma &&
+         std::abs(filter.latency_s() - begun_with.latency_s) < least_latency_sigma_s;
+}
+
+/// What the camera shows was sought in the map of before for long enough. A rig at rest may wait.
+bool Odometer::Parts::is_map_given_up(const HalfReading& half) {
+  if (std::abs(front.rate_dps()) > turning_dps) sought_in_map_s += half.end_s - half.begin_s;
+  return sought_in_map_s > give_up_s;
+}
+
 bool Odometer::Parts::is_start_over(double now_s) const {
   return store.count() >= second_pass_halves || now_s - store.at(0).now_s > second_pass_s;
 }
 
-/// Through the halves of the start again, from what was learnt of the sensors meanwhile.
-void Odometer::Parts::begin_pass(int number) {
+/// What the front tracker knows of the sensors.
+Priors Odometer::Parts::learnt() const {
   const HeadingFilter& filter = front.filter();
   const auto sigma = [&](HeadingFilter::Place place, double least) {
     return std::max(least, pass_widening * filter.sigma(place));
   };
-  begun_with = priors;
-  begun_with.heading_deg = heading_at(store.at(0).now_s, filter.bias_dps());
-  begun_with.bias_dps = filter.bias_dps();
-  begun_with.bias_sigma_dps = sigma(HeadingFilter::bias, least_bias_sigma_dps);
-  begun_with.scale = filter.scale_factor();
-  begun_with.scale_sigma = sigma(HeadingFilter::scale, least_scale_sigma);
-  begun_with.latency_s = filter.latency_s();
-  begun_with.latency_sigma_s = sigma(HeadingFilter::latency, least_latency_sigma_s);
+  Priors learnt = priors;
+  learnt.bias_dps = filter.bias_dps();
+  learnt.bias_sigma_dps = sigma(HeadingFilter::bias, least_bias_sigma_dps);
+  learnt.scale = filter.scale_factor();
+  learnt.scale_sigma = sigma(HeadingFilter::scale, least_scale_sigma);
+  learnt.latency_s = filter.latency_s();
+  learnt.latency_sigma_s = sigma(HeadingFilter::latency, least_latency_sigma_s);
+  return learnt;
+}
+
+/// Through the halves of the start again, from what was learnt of the sensors meanwhile.
+void Odometer::Parts::begin_pass(int number) {
+  begun_with = learnt();
+  begun_with.heading_deg = heading_at(store.at(0).now_s, begun_with.bias_dps);
   back.restart(begun_with);
   pass = number;
   pass_nis = 1.0;
@@ -349,7 +438,12 @@ void Odometer::Parts::learn_again() {
 void Odometer::Parts::run(const HalfReading& half) {
   if (watch.is_frozen() && !watch.is_zero()) return;
   const HalfResult result = front.add(half, path);
+  if (map_use == MapUse::searching) {
+    check_map(result, half);
+    if (phase != Phase::running) return;
+  }
   if (!result.is_judged) return;
+  newest = result;
   covered = result.is_flat ? covered + 1 : 0;
   if (!result.is_flat) mean_nis += nis_share * (std::min(most_nis, result.squared) - mean_nis);
   if (result.is_used) to_trust = std::max(0, to_trust - 1);
@@ -367,7 +461,8 @@ void Odometer::Parts::run(const HalfReading& half) {
     return;
   }
   const bool is_lost = mean_nis > nis_lost || front.sigma_in_map_deg() > lost_deg;
-  if (is_lost && covered < covered_halves) begin_search(half.end_s);
+  if (!is_lost || covered >= covered_halves) return;
+  map_use == MapUse::searching ? begin_in_map(half.end_s) : begin_search(half.end_s);
 }
 
 /// Innovations that all lean to one side: the bias is another than before.
@@ -399,7 +494,7 @@ void Odometer::Parts::locate(const HalfReading& half, double now_s) {
     mean_lean = 0.0;
     to_trust = halves_to_trust;
     phase = Phase::running;
-  } else if (now_s - locating_since_s > give_up_s) {
+  } else if (map_use == MapUse::searching ? is_map_given_up(half) : now_s - locating_since_s > give_up_s) {
     begin_anew();
   }
 }
@@ -421,7 +516,11 @@ double Odometer::Parts::heading_at(double time_s, double bias_dps) const {
 }
 
 void Odometer::Parts::begin_anew() {
-  if (phase == Phase::running || phase == Phase::locating)
+  const bool is_in_doubt = map_use == MapUse::searching;
+  if (is_in_doubt || map_use == MapUse::found) map_use = MapUse::other;
+  if (is_in_doubt)
+    kept.reset();
+  else if (phase == Phase::running || phase == Phase::locating)
     kept = Kept{front.now_s(), path.until(front.now_s()).turned_deg, front.filter().heading_deg()};
   store.clear();
   mean_nis = 1.0;
@@ -448,7 +547,8 @@ Report Odometer::Parts::report(const TimedFrame& frame, double now_s) const {
   report.reason = reason(now_s);
   if (report.reason != Reason::none)
     report.state = State::not_trusted;
-  else if (phase == Phase::locating || (phase == Phase::running && (to_trust > 0 || is_doubted)))
+  else if (map_use == MapUse::searching || phase == Phase::locating ||
+           (phase == Phase::running && (to_trust > 0 || is_doubted)))
     report.state = State::relocalising;
   else
     report.state = phase == Phase::running ? State::tracking : State::starting;
@@ -456,6 +556,10 @@ Report Odometer::Parts::report(const TimedFrame& frame, double now_s) const {
   report.scale = filter.scale_factor();
   report.latency_s = filter.latency_s();
   report.mean_nis = mean_nis;
+  if (newest.is_judged) {
+    report.innovation_deg = newest.innovation_deg;
+    report.innovation_sigma_deg = newest.sigma_deg;
+  }
   if (is_behind_nothing()) report.heading_deg = filter.heading_deg();
   if (is_behind_nothing()) report.origin_sigma_deg = filter.sigma(HeadingFilter::heading);
   const double begin_s = to_s(frame.exposure_begin - *origin), length_s = now_s - begin_s;

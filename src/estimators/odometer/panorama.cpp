@@ -58,6 +58,20 @@ std::vector<float> Panorama::image() const {
   return pixels;
 }
 
+void Panorama::keep(Map& map) const {
+  map.temp_k = temp_c_;
+  map.variance_k2 = variance_;
+  std::transform(seen_.begin(), seen_.end(), map.seen.begin(),
+                 [](float seen) { return static_cast<std::uint8_t>(seen > 0.0F); });
+}
+
+void Panorama::load(const Map& map) {
+  std::copy(map.temp_k.begin(), map.temp_k.end(), temp_c_.begin());
+  std::copy(map.variance_k2.begin(), map.variance_k2.end(), variance_.begin());
+  std::copy(map.seen.begin(), map.seen.end(), seen_.begin());
+  add_up();
+}
+
 /// Over the bins from the origin on; a position beyond either end counts whole turns.
 void Panorama::sum_until(const Sums& sums, double position, std::size_t row_class, Column& sum) const {
   const double whole = std::floor(position);

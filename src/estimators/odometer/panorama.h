@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "half_reading.h"
+#include "thermorig/estimators/odometer/map.h"
 
 namespace thermorig::odometer {
 
@@ -13,7 +14,7 @@ namespace thermorig::odometer {
 /// each bin of azimuth. Those of one half's column lie side by side.
 class Panorama {
  public:
-  static constexpr std::size_t bins = 420;
+  static constexpr std::size_t bins = Map::bins;
   static constexpr double bin_deg = whole_turn_deg / bins;
 
   Panorama();
@@ -60,6 +61,9 @@ class Panorama {
 
   /// Its temperatures as an image: frame_rows rows from the top, each of `bins`. NaN: never seen.
   std::vector<float> image() const;
+
+  void keep(Map& map) const;
+  void load(const Map& map);
 
  private:
   static constexpr std::size_t cell = half_rows;

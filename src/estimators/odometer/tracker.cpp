@@ -40,8 +40,26 @@ void Tracker::restart(const Priors& priors) {
   panorama_.clear();
   pixels_ = PixelModel();
   has_begun_ = false;
+  is_on_trial_ = false;
   halves_ = 0;
   sigma_in_map_deg_ = 0.0;
+}
+
+void Tracker::restart(const Priors& priors, const Map& map) {
+  restart(priors);
+  filter_.load(map);
+  panorama_.load(map);
+  pixels_.load(map);
+  reference_c_ = map.reference_c;
+  is_on_trial_ = true;
+  halves_ = settled_halves;
+}
+
+void Tracker::keep(Map& map) const {
+  filter_.keep(map);
+  panorama_.keep(map);
+  pixels_.keep(map);
+  map.reference_c = reference_c_;
 }
 
 std::vector<float> Tracker::map_image_c() const {
@@ -101,12 +119,14 @@ HalfResult Tracker::judge(const HalfReading& half, const Exposed& exposed) {
   common_c_ = comparison.common_c;
   result.looks += found.looks;
   if (!found.is_found) return result;
+  if (is_on_trial_) result.explained = alignment.explained(view, found.azimuth_deg);
   const HeadingFilter::Row row = filter_.derivative(turn, now_s_, now_deg_, comparison.about);
   double noise_deg2 = variance_share * comparison.variance_deg2() + square(least_sigma_deg) +
                       square(change_s * turn.change_dps) + square(half.time_sigma_s * rate_dps);
   const double expected_deg2 = filter_.variance(row) + noise_deg2;
   result.is_judged = true;
   result.innovation_deg = found.azimuth_deg - azimuth_deg;
+  result.sigma_deg = std::sqrt(expected_deg2);
   result.squared = square(result.innovation_deg) / expected_deg2;
   result.misfit = comparison.cost;
   result.is_flat = comparison.flat_cost + flat_margin < comparison.cost;

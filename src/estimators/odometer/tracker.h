@@ -19,10 +19,11 @@ struct HalfResult {
   bool is_judged = false;  // it could be laid against the map
   bool is_flat = false;    // surroundings without any structure fit it better than the map does
   double squared = 0.0;    // its innovation, squared and divided by what was expected of it
-  double innovation_deg = 0.0;
+  double innovation_deg = 0.0, sigma_deg = 0.0;  // and what was expected of it
   double misfit = 0.0;  // squares of its pixels, divided by what was expected of them
   double rate_dps = 0.0;
-  int looks = 1;  // at the whole map: what it cost
+  int looks = 1;                   // at the whole map: what it cost
+  Alignment::Explained explained;  // by a map that was loaded
 };
 
 /// Heading filter and panorama together: half after half.
@@ -32,6 +33,12 @@ class Tracker {
 
   /// Forgets everything.
   void restart(const Priors& priors);
+
+  /// Everything but a map that was made before.
+  void restart(const Priors& priors, const Map& map);
+  void keep(Map& map) const;
+  /// It need no longer be told how much of the halves that map explains.
+  void trust_map() { is_on_trial_ = false; }
 
   /// Heading forward to a time, by the gyro's path.
   void advance(const GyroPath& path, double now_s);
@@ -78,6 +85,7 @@ class Tracker {
   PixelModel pixels_;
   double now_s_ = 0.0, now_deg_ = 0.0, now_unseen_deg2_ = 0.0;
   bool has_begun_ = false;
+  bool is_on_trial_ = false;  // the map
   float reference_c_ = 0.0F;  // temperatures are kept as differences from it
   int halves_ = 0;
   double sigma_in_map_deg_ = 0.0;
