@@ -324,6 +324,7 @@ static void filter_update(odometer* s, const float across[STATES], float innovat
     for (int j = 0; j <= i; ++j) *covariance++ -= gain * across[j];
   }
   for (int i = 0; i < FIRST_NODE; ++i) *covariance_at(s, i, i) = most(*covariance_at(s, i, i), 1e-14f);
+  s->value[SCALE] = least(2.0f, most(0.5f, s->value[SCALE]));
   keep_heading_around(s);
 }
 
@@ -960,7 +961,7 @@ static void keep_half(odometer* s, const half_times* times) {
     for (int j = 0; j < HALF_COLUMNS; ++j)
       search->temp[place][row][j] =
           s->half[row][j] < UNKNOWN_K
-              ? (int16_t)rounded((s->half[row][j] - sum / count) * SEARCH_STEPS_A_K, 32768u, 32767)
+              ? (int16_t)rounded((s->half[row][j] - sum / count) * SEARCH_STEPS_A_K, 0x80000000u, 32767)
               : BROKEN;
   search->turned[place] = turn.mean_turned;
   search->time_us[place] = turn.mean_us;
@@ -1305,6 +1306,17 @@ static void begin_pass(odometer* s) {
   s->phase = LEARNING;
 }
 
+/* The map was begun wrongly, and the sensors are known from the pass before. */
+static void begin_pass_again(odometer* s) {
+  s->value[BIAS] = s->begun_bias_dps;
+  s->value[SCALE] = s->begun_scale;
+  s->value[LATENCY] = s->begun_latency_s;
+  know_sensors(s, 2.0f * DOUBT_BIAS_DPS, 2.0f * DOUBT_SCALE, 2.0f * DOUBT_LATENCY_S);
+  begin_map(s);
+  ++s->pass;
+  s->pass_since_us = s->now_us;
+}
+
 static void search_bias(odometer* s, const half_times* times) {
   const int count = 2 * bias_steps(s) + 1;
   float bias_dps, sigma_dps, rate_dps;
@@ -1359,7 +1371,9 @@ static void learn(odometer* s, const half_times* times) {
   const half_result result = add_half(s, times);
   const int is_over = seconds_between(s->pass_since_us, s->now_us) > (s->pass == 0 ? FIRST_PASS_S : PASS_S);
   learn_of(s, &result);
-  if (s->nis > NIS_LOST)
+  if (s->nis > NIS_LOST && s->pass > 0 && s->pass < MOST_PASSES)
+    begin_pass_again(s);
+  else if (s->nis > NIS_LOST)
     begin_anew(s);
   else if (is_over && has_settled(s))
     s->phase = RUNNING;
@@ -1568,6 +1582,8 @@ void thermorig_odometer_push_frame(thermorig_odometer_state* state, const thermo
   const uint32_t last = fresh == 3u ? first ^ 1u : first;
   exposed_turn turn;
   if (s->knots == 0u || fresh == 0u) return;
+  if (seconds_between(s->last_sample_us, frame->end_us[last]) > LONGEST_GYRO_GAP_S)
+    return; /* see reason_of() */
   advance(s, frame->end_us[last]);
   if (s->phase == RUNNING && s->gyro_was_away && !is_frozen(s)) begin_search(s);
   take_fresh_half(s, frame, first);

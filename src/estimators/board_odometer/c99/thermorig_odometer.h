@@ -166,8 +166,8 @@ void thermorig_odometer_reset(thermorig_odometer_state* state, const thermorig_o
 void thermorig_odometer_push_gyro(thermorig_odometer_state* state, uint32_t time_us, const float rate_dps[3],
                                   int saturated);
 
-/* A frame of the camera, once the gyro's samples up to the end of its exposure were pushed. Pixels that are
- * no temperatures (NaN, or beyond -60 to 400 degrees) are left out. */
+/* A frame of the camera, once the gyro's samples up to the end of its exposure were pushed: without them it
+ * is passed over. Pixels that are no temperatures (NaN, or beyond -60 to 400 degrees) are left out. */
 void thermorig_odometer_push_frame(thermorig_odometer_state* state, const thermorig_odometer_frame* frame);
 
 /* What is known at a time that is not before the newest frame's exposure ended: beyond it the gyro tells. */
