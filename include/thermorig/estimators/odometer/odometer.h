@@ -27,6 +27,10 @@ enum class Reason : std::uint8_t {
   view_differs  // what the camera shows does not fit the map: it is covered, or the gyro is wrong
 };
 
+/// In which order a camera exposes its rows: all at once, or one after the other over a refresh period, from
+/// the first or from the last on.
+enum class RowOrder : std::uint8_t { at_once, first_to_last, last_to_first };
+
 /// What is said when a frame has come, at the end of its exposure.
 struct Report {
   State state = State::starting;
@@ -37,7 +41,10 @@ struct Report {
   double rate_dps = unknown;           // mean over the frame's exposures
   double rate_sigma_dps = unknown;
   double bias_dps = 0.0, scale = 1.0;  // of the gyro: reading = scale * rate + bias
-  double latency_s = 0.0;              // camera against gyro, beyond what the profile says
+  double latency_s = 0.0;              // camera's middle rows against gyro, beyond what the profile says
+  RowOrder rows = RowOrder::at_once;   // as the start has found them
+  // By how much: logarithm of its likelihood over that of the best other order. 0: not compared yet.
+  double row_margin = 0.0;
   double mean_nis = 0.0;  // innovations of late, squared, divided by what was expected of them: about 1
 };
 
