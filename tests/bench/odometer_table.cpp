@@ -37,7 +37,7 @@ struct Row {
   std::string name;
   OdometerCase recorded;
   Stress stress;
-  bool is_plain = false;
+  bool is_plain = false, is_hour = false, is_typical = false;
   Judgement judgement;
 };
 
@@ -101,10 +101,72 @@ void add_stress(std::vector<Figure>& figures, const Row& row) {
   add_common(figures, section, row, row.stress.worst_deg);
   figures[figures.size() - 5].at_most = 33.3;  // not tracking
   add(figures, section, row.name, "wrong and silent", "s", of.silent_s, 5.0);
+  if (of.last) {
+    add(figures, section, row.name, "rows found", "", of.last->rows == row.stress.rows ? 1.0 : 0.0, {}, 1.0);
+    add(figures, section, row.name, "margin of rows", "", of.last->row_margin);
+  }
   if (!row.stress.run.harm_begin_s) return;
   add(figures, section, row.name, "said after", "s", of.said_after_s, 5.0);
   add(figures, section, row.name, "back after", "s", of.back_after_s, 10.0);
   add(figures, section, row.name, "then within", "deg", of.back_deg, 2.0);
+}
+
+void add_hour(std::vector<Figure>& figures, const Row& row) {
+  const Judgement& of = row.judgement;
+  const std::string section = "An hour";
+  add(figures, section, row.name, "not tracking", "%", 100.0 * of.not_tracked);
+  add(figures, section, row.name, "worst angle", "deg", of.worst_deg);
+  add(figures, section, row.name, "worst 2 minutes, RMSE", "deg", of.worst_two_minutes_deg, 0.7);
+  add(figures, section, row.name, "drift", "deg/min", std::abs(of.drift_deg_per_min), 0.05);
+  add(figures, section, row.name, "coverage", "", of.coverage);
+  add(figures, section, row.name, "step, median", "us", of.median_step_us, 300.0);
+  add(figures, section, row.name, "last steps / early steps", "", of.slower, 1.2);
+}
+
+bool is_within(const Judgement& of) {
+  return of.tracked_after_s && of.worst_deg <= 3.0 && std::abs(of.drift_deg_per_min) <= 0.1;
+}
+
+void add_typical(std::vector<Figure>& figures, const std::vector<Row>& rows) {
+  const std::string section = "World typical";
+  double count = 0.0, within = 0.0, silent = 0.0, never = 0.0;
+  for (const Row& row : rows) {
+    if (!row.is_typical) continue;
+    const Judgement& of = row.judgement;
+    count += 1.0;
+    within += is_within(of) ? 1.0 : 0.0;
+    never += of.tracked_after_s ? 0.0 : 1.0;
+    silent += of.silent_s > 5.0 ? 1.0 : 0.0;
+    add(figures, section, row.name, "tracks after", "s", of.tracked_after_s);
+    add(figures, section, row.name, "not tracking", "%", 100.0 * of.not_tracked);
+    add(figures, section, row.name, "worst angle", "deg", of.worst_deg);
+    add(figures, section, row.name, "drift", "deg/min", std::abs(of.drift_deg_per_min));
+    add(figures, section, row.name, "coverage", "", of.coverage);
+    add(figures, section, row.name, "wrong and silent", "s", of.silent_s, 5.0);
+  }
+  if (count == 0.0) return;
+  add(figures, section + ", all", "share", "within 3 deg and 0.1 deg/min", "%", 100.0 * within / count, {},
+      90.0);
+  add(figures, section + ", all", "share", "never track", "%", 100.0 * never / count);
+  add(figures, section + ", all", "share", "wrong and silent", "%", 100.0 * silent / count, 0.0);
+}
+
+/// 24 rigs of the world `typical`, and one that runs for an hour.
+void add_long_rows(std::uint64_t first_seed, std::vector<Row>& rows) {
+  for (std::size_t i = 0; i < 24; ++i) {
+    Row row;
+    row.recorded = {.seed = first_seed + 100 + i, .environment = environments[i % 4], .world = "typical"};
+    row.stress.run.from_s = in_motion_s;
+    row.is_typical = true;
+    row.name = fmt::format("typical {} {}", row.recorded.environment, row.recorded.seed);
+    rows.push_back(row);
+  }
+  Row hour;
+  hour.recorded = {.seed = first_seed + 200, .environment = "dining", .duration_s = 3600.0};
+  hour.stress.run.from_s = in_motion_s;
+  hour.is_hour = true;
+  hour.name = fmt::format("60 minutes, dining {}", hour.recorded.seed);
+  rows.push_back(hour);
 }
 
 std::vector<Row> rows_of(const Options& options) {
@@ -133,6 +195,7 @@ std::vector<Row> rows_of(const Options& options) {
       row.name = fmt::format("{}, {}", stress.name, environments[i]);
       rows.push_back(row);
     }
+  add_long_rows(options.first_seed, rows);
   return rows;
 }
 
@@ -183,8 +246,14 @@ int main(int count, char** arguments) {
       row.judgement = judge(recording, row.stress.run);
   });
   std::vector<Figure> figures;
-  for (const Row& row : rows) row.is_plain ? add_plain(figures, row) : add_stress(figures, row);
+  for (const Row& row : rows) {
+    if (row.is_plain) add_plain(figures, row);
+    if (!row.is_plain && !row.is_hour && !row.is_typical) add_stress(figures, row);
+  }
   add_mean(figures, rows);
+  for (const Row& row : rows)
+    if (row.is_hour) add_hour(figures, row);
+  add_typical(figures, rows);
   const double took_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   if (options->json) {
     print_json(figures);

@@ -49,6 +49,8 @@ class Walls {
 
 /// Of a mirrored camera: columns grow to the left.
 float shown_c(const Walls& walls, const Room& room, std::size_t row, std::size_t column, double end_s) {
+  const double done = static_cast<double>(row) / (frame_rows - 1);  // of the frame, when the row's turn ends
+  end_s -= frame_period_s * (room.rolling > 0.0 ? room.rolling * (1.0 - done) : -room.rolling * done);
   float sum = 0.0F;
   for (int i = 0; i < exposed_steps; ++i) {
     const double time_s = end_s - room.latency_s - frame_period_s * (i + 0.5) / exposed_steps;

@@ -43,7 +43,8 @@ struct Range {
 };
 constexpr Range fields_deg{1.0, 180.0}, reference_c{-100.0, 500.0}, temp_k{-1e5, 1e5};
 constexpr Range variance_k2{0.0, 1e9}, offset_deg{-3600.0, 3600.0}, root_deg{-3600.0, 3600.0};
-constexpr Range pixel_k{-1e5, 1e5}, pixel_variance_k2{1e-3, 1e9}, flag{0.0, 1.0}, known{0.0, 2.0};
+constexpr Range pixel_k{-1e5, 1e5}, pixel_variance_k2{1e-3, 1e9}, flag{0.0, 1.0}, known{0.0, 2.0},
+    row_order{0.0, 2.0};
 
 [[noreturn]] void refuse(const std::string& what, const std::string& where) {
   throw Error(ExitCode::not_a_session, what, where, "name another file: what there is not yet is made");
@@ -60,6 +61,7 @@ void for_all(Stored& stored, Each each) {
   each("creator", stored.creator);
   each("field of view", map.field_of_view_deg, fields_deg);
   each("order of the columns", map.mirrored, flag);
+  each("order of the rows", map.rows, row_order);
   each("reference", map.reference_c, reference_c);
   each("temperatures", std::span(map.temp_k), temp_k);
   each("variances", std::span(map.variance_k2), variance_k2);

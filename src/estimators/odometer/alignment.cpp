@@ -16,6 +16,7 @@ constexpr double search_from_deg = 1.0;  // a heading that is known less well is
 constexpr double search_step_deg = 0.5;
 constexpr int most_search_steps = 40;  // to either side
 constexpr float huber = 3.0F;
+constexpr float most_left_k2 = 9.0F;  // of a pixel: what moves shows more
 constexpr float strict_squares = 9.0F;
 constexpr std::array<Slope, 3> slopes{{{1.0, false}, {2.0, true}, {4.0, true}}};
 
@@ -30,15 +31,23 @@ float weight_of(float squares, bool is_strict) {
 
 }  // namespace
 
+void Alignment::look(const View& view, double azimuth_deg, std::size_t column, const Slope& slope,
+                     Panorama::Look& look) const {
+  if (view.rows == nullptr) {
+    panorama_.look(place(view, azimuth_deg, column), slope.reach, slope.smooth, look);
+    return;
+  }
+  for (std::size_t k = 0; k < half_rows; ++k)
+    panorama_.look_row(place(view, azimuth_deg, column, k), k, slope.reach, slope.smooth, look);
+}
+
 Alignment::Comparison Alignment::compare(const View& view, double azimuth_deg, const Slope& slope) const {
   Comparison comparison;
   HalfPixels slopes_k_deg, slope_variance, weight;
   float weights = 0.0F, sum = 0.0F, flat_sum = 0.0F;
   for (std::size_t column = 0; column < frame_columns; ++column) {
     Panorama::Look look;
-    panorama_.look(Panorama::place(column_azimuth_deg(azimuth_deg, column), view.half_width_deg,
-                                   row_class(column, view.parity)),
-                   slope.reach, slope.smooth, look);
+    this->look(view, azimuth_deg, column, slope, look);
     for (std::size_t k = 0; k < half_rows; ++k) {
       const std::size_t i = column * half_rows + k;
       const float temp_c = (*view.temp_c)[i];
@@ -66,6 +75,7 @@ Alignment::Comparison Alignment::compare(const View& view, double azimuth_deg, c
     comparison.cost += double{std::min(left * left * weight[i], huber * huber * huber)};
     const float flat = (*view.temp_c)[i] - flat_c;
     comparison.flat_cost += double{std::min(flat * flat * weight[i], huber * huber * huber)};
+    comparison.squares_k2 += double{std::min(left * left, most_left_k2)};
     comparison.pixels += 1.0;
     weight[i] *= robust;
     again += weight[i];
@@ -95,6 +105,7 @@ Alignment::Comparison Alignment::compare(const View& view, double azimuth_deg, c
     HeadingFilter::add_shares(azimuth_deg + lens_.bearing_deg(column), double{steepness}, comparison.about);
   }
   comparison.cost /= comparison.pixels;
+  comparison.squares_k2 /= comparison.pixels;
   comparison.flat_cost /= comparison.pixels;
   if (shares > 0.0)
     for (double& share : comparison.about) share /= shares;
@@ -106,9 +117,11 @@ double Alignment::squares(const View& view, double azimuth_deg) const {
   float sum = 0.0F, weights = 1e-6F, flat_sum = 0.0F, flat_weights = 1e-6F;
   for (std::size_t column = 0; column < frame_columns; ++column) {
     Panorama::Column temp_c, is_known;
-    panorama_.look(Panorama::place(column_azimuth_deg(azimuth_deg, column), view.half_width_deg,
-                                   row_class(column, view.parity)),
-                   temp_c, is_known);
+    if (view.rows == nullptr)
+      panorama_.look(place(view, azimuth_deg, column), temp_c, is_known);
+    else
+      for (std::size_t k = 0; k < half_rows; ++k)
+        panorama_.look_row(place(view, azimuth_deg, column, k), k, temp_c, is_known);
     for (std::size_t k = 0; k < half_rows; ++k) {
       const std::size_t i = column * half_rows + k;
       expected[i] = temp_c[k];
@@ -140,8 +153,7 @@ Alignment::Explained Alignment::explained(const View& view, double azimuth_deg) 
   for (std::size_t column = 0; column < frame_columns; ++column) {
     const std::size_t of_rows = row_class(column, view.parity);
     Panorama::Look look;
-    panorama_.look(Panorama::place(column_azimuth_deg(azimuth_deg, column), view.half_width_deg, of_rows),
-                   1.0, false, look);
+    this->look(view, azimuth_deg, column, {}, look);
     for (std::size_t k = 0; k < half_rows; ++k) {
       const std::size_t i = column * half_rows + k;
       const float temp_c = (*view.temp_c)[i];

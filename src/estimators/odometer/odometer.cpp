@@ -13,6 +13,7 @@
 #include "gyro_watch.h"
 #include "half_store.h"
 #include "map_check.h"
+#include "row_contest.h"
 #include "thermorig/estimators/odometer/unseen_turn.h"
 #include "tracker.h"
 
@@ -29,21 +30,17 @@ constexpr HostDuration clock_begins_anew = std::chrono::seconds(1);
 constexpr std::size_t search_every = 4;     // halves, while the bias is searched for
 constexpr std::size_t latest_search = 160;  // then the search begins anew
 constexpr int looks_a_step = 110;           // at the map, when halves are gone through again: a dozen halves
+constexpr int row_looks_a_step = 60;        // the same row by row, which costs more
 constexpr double second_pass_s = 25.0;      // after the first half
 constexpr std::size_t second_pass_halves = 200;
 constexpr double bias_widening = 2.0;  // of what the search states
 
-constexpr int most_passes = 6;         // through the halves of the start
-constexpr double pass_widening = 3.0;  // of what the pass before learnt: these are the same halves
-constexpr double least_bias_sigma_dps = 0.1, least_scale_sigma = 0.002, least_latency_sigma_s = 0.003;
+constexpr int most_passes = 6;  // through the halves of the start
 constexpr double settled_latency_s = 0.001, settled_scale = 0.001, settled_nis = 2.0;
 constexpr double known_bias_dps = 1.0;
 
-constexpr double nis_share = 1.0 / 30.0;  // of a half in the mean of its kind
-constexpr double nis_lost = 8.0;
 constexpr double nis_unfit = 3.0, nis_fits = 2.0;          // not trusted from the one on until the other
 constexpr double longest_unfit_s = 30.0;                   // then the map is wrong
-constexpr double most_nis = 60.0;                          // that one half counts with
 constexpr int covered_halves = 4;                          // in a row
 constexpr int halves_to_trust = 8;                         // after a search
 constexpr double doubted_deg = 2.0, doubted_sigmas = 4.0;  // a jump by more is doubted
@@ -90,7 +87,8 @@ struct Odometer::Parts {
         lens(lens_of(camera)),
         front(priors, lens),
         back(priors, lens),
-        bias_search(priors, lens) {}
+        bias_search(priors, lens),
+        contest(priors, lens, !camera.link.latency_measured_utc.empty()) {}
 
   enum class Phase : std::uint8_t { searching, first_pass, learning, second_pass, running, locating };
 
@@ -99,12 +97,13 @@ struct Odometer::Parts {
   void add_half(const HalfReading& half, double now_s);
   void search_bias();
   void go_through(Tracker& tracker);
-  void learn_of(const HalfResult& result, double& mean);
   bool is_start_over(double now_s) const;
-  Priors learnt() const;
   void begin_pass(int number);
   void take_over(double now_s);
   bool has_settled() const;
+  void store_half(const HalfReading& half, double now_s);
+  HalfResult add_newest(const HalfReading& half);
+  bool choose_rows();
   void learn_again();
   void run(const HalfReading& half);
   void locate(const HalfReading& half, double now_s);
@@ -136,6 +135,9 @@ struct Odometer::Parts {
   HalfStore store;
   Tracker front, back;  // the one that is told of, and one that goes through the start again
   BiasSearch bias_search;
+  RowContest contest;
+  bool is_contested = true;  // in which order rows are exposed
+  double row_margin = 0.0;
   CircleSearch circle;
 
   std::optional<HostTime> origin;  // of the seconds
@@ -259,27 +261,29 @@ void Odometer::Parts::add_half(const HalfReading& half, double now_s) {
   has_seen = true;
   switch (phase) {
     case Phase::searching:
-      store.add(half, now_s);
+      store_half(half, now_s);
       search_bias();
       break;
     case Phase::first_pass:
-      store.add(half, now_s);
+      store_half(half, now_s);
       go_through(front);
       if (gone_through < store.count()) break;
       mean_nis = pass_nis;
       phase = Phase::learning;
       break;
     case Phase::learning:
-      store.add(half, now_s);
-      learn_of(front.add(half, path), mean_nis);
-      if (is_start_over(now_s))
+      store_half(half, now_s);
+      learn_nis(add_newest(half), mean_nis);
+      if (is_start_over(now_s)) {
+        choose_rows();
         begin_pass(pass + 1);
-      else if (mean_nis > nis_lost)
+      } else if (mean_nis > lost_nis) {
         learn_again();
+      }
       break;
     case Phase::second_pass:
-      store.add(half, now_s);
-      front.add(half, path);
+      store_half(half, now_s);
+      add_newest(half);
       go_through(back);
       if (gone_through == store.count()) take_over(now_s);
       break;
@@ -292,8 +296,36 @@ void Odometer::Parts::add_half(const HalfReading& half, double now_s) {
   }
 }
 
+/// What comes while the start is learnt; until it is known in which order rows are exposed, all orders learn.
+void Odometer::Parts::store_half(const HalfReading& half, double now_s) {
+  store.add(half, now_s);
+  const bool is_searching = phase == Phase::searching && store.count() % search_every == 0;
+  if (is_contested) contest.add(store, path, bias_search, is_searching);
+}
+
+HalfResult Odometer::Parts::add_newest(const HalfReading& half) {
+  const HalfResult result = front.add(half, path);
+  if (is_contested && !store.is_full()) contest.note(store.count() - 1, result);
+  return result;
+}
+
+/// Ends the contest. True if the front tracker is another one than before: rows are not exposed at once.
+bool Odometer::Parts::choose_rows() {
+  if (!is_contested) return false;
+  is_contested = false;
+  const RowContest::Verdict verdict = contest.verdict();
+  row_margin = verdict.margin;
+  if (verdict.order == RowOrder::at_once) return false;
+  std::swap(front, contest.tracker(verdict.order));
+  mean_nis = contest.mean_nis(verdict.order);
+  return true;
+}
+
 void Odometer::Parts::search_bias() {
-  if (store.count() > latest_search) store.clear();
+  if (store.count() > latest_search) {
+    store.clear();
+    contest.begin();
+  }
   if (store.count() % search_every != 0) return;
   const auto found = bias_search.search(store, path);
   if (!found) return;
@@ -334,7 +366,7 @@ void Odometer::Parts::check_map(const HalfResult& result, const HalfReading& hal
         front.trust_map();
         return;
       }
-      begun_with = learnt();
+      begun_with = front.learnt(priors);
       sought_in_map_s = 0.0;
       begin_in_map(half.end_s);
       break;
@@ -349,9 +381,9 @@ void Odometer::Parts::check_map(const HalfResult& result, const HalfReading& hal
 bool Odometer::Parts::has_settled_in_map() const {
   const HeadingFilter& filter = front.filter();
   return mean_nis < settled_nis &&
-         std::abs(filter.bias_dps() - begun_with.bias_dps) < 2.0 * least_bias_sigma_dps &&
-         std::abs(filter.scale_factor() - begun_with.scale) < least_scale_sigma &&
-         std::abs(filter.latency_s() - begun_with.latency_s) < least_latency_sigma_s;
+         std::abs(filter.bias_dps() - begun_with.bias_dps) < 2.0 * Tracker::least_bias_sigma_dps &&
+         std::abs(filter.scale_factor() - begun_with.scale) < Tracker::least_scale_sigma &&
+         std::abs(filter.latency_s() - begun_with.latency_s) < Tracker::least_latency_sigma_s;
 }
 
 /// What the camera shows was sought in the map of before for long enough. A rig at rest may wait.
@@ -364,27 +396,11 @@ bool Odometer::Parts::is_start_over(double now_s) const {
   return store.count() >= second_pass_halves || now_s - store.at(0).now_s > second_pass_s;
 }
 
-/// What the front tracker knows of the sensors.
-Priors Odometer::Parts::learnt() const {
-  const HeadingFilter& filter = front.filter();
-  const auto sigma = [&](HeadingFilter::Place place, double least) {
-    return std::max(least, pass_widening * filter.sigma(place));
-  };
-  Priors learnt = priors;
-  learnt.bias_dps = filter.bias_dps();
-  learnt.bias_sigma_dps = sigma(HeadingFilter::bias, least_bias_sigma_dps);
-  learnt.scale = filter.scale_factor();
-  learnt.scale_sigma = sigma(HeadingFilter::scale, least_scale_sigma);
-  learnt.latency_s = filter.latency_s();
-  learnt.latency_sigma_s = sigma(HeadingFilter::latency, least_latency_sigma_s);
-  return learnt;
-}
-
 /// Through the halves of the start again, from what was learnt of the sensors meanwhile.
 void Odometer::Parts::begin_pass(int number) {
-  begun_with = learnt();
+  begun_with = front.learnt(priors);
   begun_with.heading_deg = heading_at(store.at(0).now_s, begun_with.bias_dps);
-  back.restart(begun_with);
+  back.restart(begun_with, front.rows());
   pass = number;
   pass_nis = 1.0;
   gone_through = 0;
@@ -394,19 +410,22 @@ void Odometer::Parts::begin_pass(int number) {
 /// The pass ended with what it began with: another one would make the same map.
 bool Odometer::Parts::has_settled() const {
   const HeadingFilter& filter = front.filter();
-  return mean_nis < settled_nis && std::abs(filter.bias_dps() - begun_with.bias_dps) < least_bias_sigma_dps &&
+  return mean_nis < settled_nis &&
+         std::abs(filter.bias_dps() - begun_with.bias_dps) < Tracker::least_bias_sigma_dps &&
          std::abs(filter.scale_factor() - begun_with.scale) < settled_scale &&
          std::abs(filter.latency_s() - begun_with.latency_s) < settled_latency_s;
 }
 
 void Odometer::Parts::go_through(Tracker& tracker) {
+  const int most_looks = tracker.rows() == RowOrder::at_once ? looks_a_step : row_looks_a_step;
   int looks = 0;
-  for (; looks < looks_a_step && gone_through < store.count(); ++gone_through) {
+  for (; looks < most_looks && gone_through < store.count(); ++gone_through) {
     const auto& [half, came_s] = store.at(gone_through);
     if (!tracker.has_begun() || came_s > tracker.now_s()) tracker.advance(path, came_s);
     const HalfResult result = tracker.add(half, path);
+    if (is_contested) contest.note(gone_through, result);
     looks += result.looks;
-    learn_of(result, pass_nis);
+    learn_nis(result, pass_nis);
   }
 }
 
@@ -415,15 +434,15 @@ void Odometer::Parts::take_over(double now_s) {
   std::swap(front, back);
   mean_nis = pass_nis;
   const bool is_over = is_start_over(now_s);
+  if (is_over && choose_rows()) {
+    begin_pass(pass + 1);
+    return;
+  }
   const bool is_settled = has_settled() || (pass >= most_passes && mean_nis < nis_fits);
-  if (mean_nis > nis_lost || (is_over && !is_settled))
+  if (mean_nis > lost_nis || (is_over && !is_settled))
     learn_again();
   else
     phase = is_over ? Phase::running : Phase::learning;
-}
-
-void Odometer::Parts::learn_of(const HalfResult& result, double& mean) {
-  if (result.is_judged) mean += nis_share * (std::min(most_nis, result.squared) - mean);
 }
 
 /// While the start is learnt, what does not fit means that the map was begun with a wrong bias: by now it is
@@ -431,6 +450,8 @@ void Odometer::Parts::learn_of(const HalfResult& result, double& mean) {
 void Odometer::Parts::learn_again() {
   if (pass < most_passes && front.filter().sigma(HeadingFilter::bias) < known_bias_dps)
     begin_pass(pass + 1);
+  else if (is_contested && contest.verdict().order != RowOrder::at_once)
+    phase = Phase::learning;  // another order of rows fits better: it goes on until it has learnt enough
   else
     begin_anew();
 }
@@ -445,7 +466,7 @@ void Odometer::Parts::run(const HalfReading& half) {
   if (!result.is_judged) return;
   newest = result;
   covered = result.is_flat ? covered + 1 : 0;
-  if (!result.is_flat) mean_nis += nis_share * (std::min(most_nis, result.squared) - mean_nis);
+  if (!result.is_flat) learn_nis(result, mean_nis);
   if (result.is_used) to_trust = std::max(0, to_trust - 1);
   if (result.is_used) follow_bias(result);
   slowest_dps = std::min(slowest_dps, result.rate_dps);
@@ -460,7 +481,7 @@ void Odometer::Parts::run(const HalfReading& half) {
     begin_anew();
     return;
   }
-  const bool is_lost = mean_nis > nis_lost || front.sigma_in_map_deg() > lost_deg;
+  const bool is_lost = mean_nis > lost_nis || front.sigma_in_map_deg() > lost_deg;
   if (!is_lost || covered >= covered_halves) return;
   map_use == MapUse::searching ? begin_in_map(half.end_s) : begin_search(half.end_s);
 }
@@ -523,6 +544,8 @@ void Odometer::Parts::begin_anew() {
   else if (phase == Phase::running || phase == Phase::locating)
     kept = Kept{front.now_s(), path.until(front.now_s()).turned_deg, front.filter().heading_deg()};
   store.clear();
+  contest.begin();
+  is_contested = true;
   mean_nis = 1.0;
   covered = 0;
   to_trust = 0;
@@ -560,6 +583,8 @@ Report Odometer::Parts::report(const TimedFrame& frame, double now_s) const {
     report.innovation_deg = newest.innovation_deg;
     report.innovation_sigma_deg = newest.sigma_deg;
   }
+  report.rows = front.rows();
+  report.row_margin = row_margin;
   if (is_behind_nothing()) report.heading_deg = filter.heading_deg();
   if (is_behind_nothing()) report.origin_sigma_deg = filter.sigma(HeadingFilter::heading);
   const double begin_s = to_s(frame.exposure_begin - *origin), length_s = now_s - begin_s;

@@ -10,8 +10,12 @@
 
 namespace thermorig::odometer {
 
+/// In which order a camera exposes its rows: all at once, or one after the other over a refresh period, from
+/// the first or from the last on.
+enum class RowOrder : std::uint8_t { at_once, first_to_last, last_to_first };
+
 /// Surroundings as an odometer has seen them, and the pixels that saw them: another one that begins with them
-/// tells where the camera looks in them. Whoever fills it from a file checks it first (storage/map).
+/// tells where the camera looks in them. Whoever fills it from a file checks it first (estimators/map_file).
 struct Map {
   static constexpr std::size_t bins = 420;  // equal parts of a whole turn, from the origin on
   static constexpr std::size_t nodes = 24;
@@ -19,7 +23,8 @@ struct Map {
 
   double field_of_view_deg = 55.0;  // of the lens
   bool mirrored = true;             // order of the columns, as the profile has it
-  float reference_c = 0.0F;         // temperatures are differences from it
+  RowOrder rows = RowOrder::at_once;
+  float reference_c = 0.0F;  // temperatures are differences from it
   // Bin after bin, of each the even rows from the top, then the odd ones.
   std::vector<float> temp_k = std::vector<float>(values);
   std::vector<float> variance_k2 = std::vector<float>(values);
