@@ -108,15 +108,17 @@ std::optional<RowLine> line_through(const std::vector<BandOffset>& told) {
 
 /// How the rows of some windows follow one another. `offset_tried_s`: of all rows together.
 std::optional<RowLine> offset_by_rows(const std::vector<Window>& windows, const Evidence& evidence,
-                                      const Layout& layout, double offset_tried_s) {
-  std::vector<BandOffset> told;
+                                      const Layout& layout, double offset_tried_s, const RunAll& run_all) {
+  Parameters start = evidence.prior.mean;
+  start[offset_s] = offset_tried_s;
   const std::size_t step = std::max<std::size_t>(1, windows.size() / row_windows);
-  for (std::size_t i = 0; i < windows.size(); i += step) {
-    Parameters start = evidence.prior.mean;
-    start[offset_s] = offset_tried_s;
-    for (std::size_t band = 0; band < bands; ++band)
-      if (const auto one = offset_of_band(windows[i], evidence, layout, start, band)) told.push_back(*one);
-  }
+  std::vector<std::optional<BandOffset>> offsets((windows.size() + step - 1) / step * bands);
+  run_all(offsets.size(), [&](std::size_t i) {
+    offsets[i] = offset_of_band(windows[i / bands * step], evidence, layout, start, i % bands);
+  });
+  std::vector<BandOffset> told;
+  for (const auto& offset : offsets)
+    if (offset) told.push_back(*offset);
   if (told.size() < bands) return std::nullopt;
   return line_through(told);
 }
@@ -124,8 +126,8 @@ std::optional<RowLine> offset_by_rows(const std::vector<Window>& windows, const 
 /// Rows that are read one after the other: the offset is that of the middle ones, whatever the scene shows
 /// where.
 void look_at_rows(const std::vector<Window>& windows, const Evidence& evidence, const Layout& layout,
-                  CameraOffset& result) {
-  const auto line = offset_by_rows(windows, evidence, layout, result.offset_s->value);
+                  const RunAll& run_all, CameraOffset& result) {
+  const auto line = offset_by_rows(windows, evidence, layout, result.offset_s->value, run_all);
   if (!line) return;
   result.row_delay_s = Estimate{-line->slope_s.value, line->slope_s.uncertainty};  // later rows are less late
   if (are_rows_apart(result)) result.offset_s = line->middle_s;
@@ -134,7 +136,7 @@ void look_at_rows(const std::vector<Window>& windows, const Evidence& evidence, 
 }  // namespace
 
 CameraOffset camera_offset(std::span<const TimedFrame> frames, std::span<const TimedGyro> gyro,
-                           const View& view, const GyroErrors& errors) {
+                           const View& view, const GyroErrors& errors, const RunAll& run_all) {
   CameraOffset result;
   Evidence evidence = gather(frames, gyro, view, errors);
   result.why_not = evidence.why_not.empty() ? refusal(evidence.halves) : evidence.why_not;
@@ -164,7 +166,7 @@ CameraOffset camera_offset(std::span<const TimedFrame> frames, std::span<const T
   }
   result.offset_s = weighted_mean(told);
   result.offset_s->uncertainty = std::hypot(result.offset_s->uncertainty, lag_error_s);
-  look_at_rows(telling, evidence, layout, result);
+  look_at_rows(telling, evidence, layout, run_all, result);
   return result;
 }
 
