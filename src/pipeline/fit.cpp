@@ -134,7 +134,7 @@ void fit_newer_half(Streams& streams, const RigProfile& profile, const GyroError
 
 }  // namespace
 
-Fits fit(const RawRecording& raw, Streams streams) {
+Fits fit(const RawRecording& raw, Streams streams, const RunAll& run_all) {
   const RigProfile& profile = raw.header.profile;
   put_proofs(raw.received[Device::camera], profile.camera.link.baud, streams.frames);
   CameraRhythm rhythm =
@@ -158,8 +158,9 @@ Fits fit(const RawRecording& raw, Streams streams) {
   };
   fit_servo();  // how the bias went: what images say rests on it, and what the servo's scale is, on them
   const motion::View view{profile.camera.field_of_view_deg, profile.camera.mirrored};
-  apply_turns(motion::gyro_scale(streams.frames, streams.gyro, view, sync.gyro, turn_windows), sync.gyro);
-  sync.camera_offset = motion::camera_offset(streams.frames, streams.gyro, view, sync.gyro);
+  apply_turns(motion::gyro_scale(streams.frames, streams.gyro, view, sync.gyro, turn_windows, run_all),
+              sync.gyro);
+  sync.camera_offset = motion::camera_offset(streams.frames, streams.gyro, view, sync.gyro, run_all);
   apply_camera_offset(profile.camera.link, sync.gyro, clocks[Device::gyro].report, sync.camera_offset,
                       clocks[Device::camera]);
   sync.servo = fit_servo();

@@ -11,6 +11,7 @@
 #include "thermorig/core/measurement.h"
 #include "thermorig/core/profile.h"
 #include "thermorig/core/raw_recording.h"
+#include "thermorig/core/run_all.h"
 #include "thermorig/core/sample.h"
 #include "thermorig/core/sync.h"
 #include "thermorig/core/time.h"
@@ -93,7 +94,8 @@ class Pipeline {
 
 /// First pass: what the bytes, their arrivals and the streams decoded from them say about the recording as a
 /// whole: mode, missing frames, clocks, camera offset, gyro errors, servo response. Whatever cannot be told
-/// is absent, and the report says why. `streams` are those of a Pipeline without fits over `raw`.
-Fits fit(const RawRecording& raw, Streams streams);
+/// is absent, and the report says why. `streams` are those of a Pipeline without fits over `raw`. What does
+/// not hang on one another is handed to `run_all`; who does it makes no difference to the result.
+Fits fit(const RawRecording& raw, Streams streams, const RunAll& run_all = in_turn);
 
 }  // namespace thermorig::pipeline

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "evidence.h"
@@ -113,15 +114,17 @@ std::optional<RowLine> line_through(const std::vector<BandOffset>& told) {
 
 /// How the rows of some windows follow one another. `offset_tried_s`: of all rows together.
 std::optional<RowLine> offset_by_rows(const std::vector<Window>& windows, const Evidence& evidence,
-                                      const Layout& layout, double offset_tried_s) {
-  std::vector<BandOffset> told;
+                                      const Layout& layout, double offset_tried_s, const RunAll& run_all) {
+  Parameters start = evidence.prior.mean;
+  start[offset_s] = offset_tried_s;
   const std::size_t step = std::max<std::size_t>(1, windows.size() / row_windows);
-  for (std::size_t i = 0; i < windows.size(); i += step) {
-    Parameters start = evidence.prior.mean;
-    start[offset_s] = offset_tried_s;
-    for (std::size_t band = 0; band < bands; ++band)
-      if (const auto one = offset_of_band(windows[i], evidence, layout, start, band)) told.push_back(*one);
-  }
+  std::vector<std::optional<BandOffset>> offsets((windows.size() + step - 1) / step * bands);
+  run_all(offsets.size(), [&](std::size_t i) {
+    offsets[i] = offset_of_band(windows[i / bands * step], evidence, layout, start, i % bands);
+  });
+  std::vector<BandOffset> told;
+  for (const auto& offset : offsets)
+    if (offset) told.push_back(*offset);
   if (told.size() < bands) return std::nullopt;
   return line_through(told);
 }
@@ -129,8 +132,8 @@ std::optional<RowLine> offset_by_rows(const std::vector<Window>& windows, const 
 /// Rows that are read one after the other: the offset is that of the middle ones, whatever the scene shows
 /// where.
 void look_at_rows(const std::vector<Window>& windows, const Evidence& evidence, const Layout& layout,
-                  CameraOffset& result) {
-  const auto line = offset_by_rows(windows, evidence, layout, result.offset_s->value);
+                  const RunAll& run_all, CameraOffset& result) {
+  const auto line = offset_by_rows(windows, evidence, layout, result.offset_s->value, run_all);
   if (!line) return;
   result.row_delay_s = Estimate{-line->slope_s.value, line->slope_s.uncertainty};  // later rows are less late
   if (are_rows_apart(result)) result.offset_s = line->middle_s;
@@ -149,14 +152,17 @@ std::optional<double> offset_at(const Window& window, const Evidence& evidence, 
 /// How far a long lag of the pixels may put the offset wrong: what is fine is less late by it than what is
 /// coarse, and only what is coarser than a view would show the whole of it. 0 where nothing shows one.
 double hidden_lag_s(const std::vector<Window>& windows, const Evidence& evidence, const Layout& layout,
-                    const CameraOffset& result) {
+                    double offset_tried_s, const RunAll& run_all) {
   Parameters start = evidence.prior.mean;
-  start[offset_s] = result.offset_s->value;
-  double sum_s = 0.0, told = 0.0;
+  start[offset_s] = offset_tried_s;
   const std::size_t step = std::max<std::size_t>(1, windows.size() / lag_windows);
-  for (std::size_t i = 0; i < windows.size(); i += step) {
-    const auto fine_s = offset_at(windows[i], evidence, layout, start, fine_bins);
-    const auto coarse_s = offset_at(windows[i], evidence, layout, start, coarse_bins);
+  std::vector<std::array<std::optional<double>, 2>> offsets((windows.size() + step - 1) / step);
+  run_all(2 * offsets.size(), [&](std::size_t i) {
+    const double bins = i % 2 == 0 ? fine_bins : coarse_bins;
+    offsets[i / 2][i % 2] = offset_at(windows[i / 2 * step], evidence, layout, start, bins);
+  });
+  double sum_s = 0.0, told = 0.0;
+  for (const auto& [fine_s, coarse_s] : offsets) {
     if (!fine_s || !coarse_s) continue;
     sum_s += *coarse_s - *fine_s;
     told += 1.0;
@@ -169,7 +175,7 @@ double hidden_lag_s(const std::vector<Window>& windows, const Evidence& evidence
 }  // namespace
 
 CameraOffset camera_offset(std::span<const TimedFrame> frames, std::span<const TimedGyro> gyro,
-                           const View& view, const GyroErrors& errors) {
+                           const View& view, const GyroErrors& errors, const RunAll& run_all) {
   CameraOffset result;
   Evidence evidence = gather(frames, gyro, view, errors);
   result.why_not = evidence.why_not.empty() ? refusal(evidence.halves) : evidence.why_not;
@@ -199,8 +205,8 @@ CameraOffset camera_offset(std::span<const TimedFrame> frames, std::span<const T
   }
   result.offset_s = weighted_mean(told);
   result.offset_s->uncertainty = std::hypot(result.offset_s->uncertainty, lag_error_s);
-  const double hidden_s = hidden_lag_s(telling, evidence, layout, result);
-  look_at_rows(telling, evidence, layout, result);
+  const double hidden_s = hidden_lag_s(telling, evidence, layout, result.offset_s->value, run_all);
+  look_at_rows(telling, evidence, layout, run_all, result);
   result.offset_s->uncertainty = std::hypot(result.offset_s->uncertainty, hidden_s);
   return result;
 }

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "all_cores.h"
 #include "thermorig/core/error.h"
 #include "thermorig/pipeline/pipeline.h"
 #include "thermorig/pipeline/replay.h"
@@ -68,7 +69,7 @@ void recount(std::vector<LegRecord>& legs, const std::vector<LabelledSample>& sa
 }  // namespace
 
 session::Session build_session(RawRecording raw) {
-  pipeline::Fits fits = pipeline::fit(raw, decode(raw, {}).streams);
+  pipeline::Fits fits = pipeline::fit(raw, decode(raw, {}).streams, on_all_cores);
   Decoded decoded = decode(raw, fits);
   session::Session session;
   session.state = state_of(raw);
