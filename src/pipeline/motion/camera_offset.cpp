@@ -20,7 +20,8 @@ constexpr double lag_error_s = 0.0003;
 // simulated rigs, two to five times. A difference as small as the error above says nothing.
 constexpr double fine_bins = 0.4, coarse_bins = 2.0;  // of the usual ones
 constexpr double hidden_per_difference = 3.0;
-constexpr std::size_t lag_windows = 2;  // so many tell of it
+constexpr double most_hidden_s = 0.004;  // by a lag of 40 ms: no membrane is slower
+constexpr std::size_t lag_windows = 2;   // so many tell of it
 
 // Rows are looked at in bands, from the upper ones to the lower ones.
 constexpr std::size_t bands = 4;
@@ -136,14 +137,14 @@ void look_at_rows(const std::vector<Window>& windows, const Evidence& evidence, 
   if (are_rows_apart(result)) result.offset_s = line->middle_s;
 }
 
-std::optional<double> offset_at(const Window& window, const Evidence& evidence, Layout layout,
-                                const Parameters& start, double bin_factor) {
+std::optional<Estimate> offset_at(const Window& window, const Evidence& evidence, Layout layout,
+                                  const Parameters& start, double bin_factor) {
   layout.bin_factor = bin_factor;
   std::vector<HalfView> views = views_of(window);
   Alignment alignment(views, evidence.track, layout, evidence.prior);
   alignment.refine(start, offset_s);
   if (!is_told(alignment)) return std::nullopt;
-  return alignment.parameters()[offset_s];
+  return Estimate{alignment.parameters()[offset_s], alignment.uncertainty(offset_s)};
 }
 
 /// How far a long lag of the pixels may put the offset wrong: what is fine is less late by it than what is
@@ -152,18 +153,19 @@ double hidden_lag_s(const std::vector<Window>& windows, const Evidence& evidence
                     const CameraOffset& result) {
   Parameters start = evidence.prior.mean;
   start[offset_s] = result.offset_s->value;
-  double sum_s = 0.0, told = 0.0;
+  std::vector<Estimate> later;
   const std::size_t step = std::max<std::size_t>(1, windows.size() / lag_windows);
   for (std::size_t i = 0; i < windows.size(); i += step) {
-    const auto fine_s = offset_at(windows[i], evidence, layout, start, fine_bins);
-    const auto coarse_s = offset_at(windows[i], evidence, layout, start, coarse_bins);
-    if (!fine_s || !coarse_s) continue;
-    sum_s += *coarse_s - *fine_s;
-    told += 1.0;
+    const auto fine = offset_at(windows[i], evidence, layout, start, fine_bins);
+    const auto coarse = offset_at(windows[i], evidence, layout, start, coarse_bins);
+    if (fine && coarse) later.push_back({coarse->value - fine->value, coarse->uncertainty});
   }
-  const double later_s = told > 0.0 ? sum_s / told : 0.0;
-  if (!(later_s > lag_error_s)) return 0.0;
-  return hidden_per_difference * std::sqrt(later_s * later_s - lag_error_s * lag_error_s);
+  if (later.empty()) return 0.0;
+  const Estimate mean = weighted_mean(later);
+  const double chance_s = std::hypot(lag_error_s, mean.uncertainty);
+  if (!(mean.value > chance_s)) return 0.0;
+  return std::min(most_hidden_s,
+                  hidden_per_difference * std::sqrt(mean.value * mean.value - chance_s * chance_s));
 }
 
 }  // namespace
