@@ -21,7 +21,8 @@ constexpr double lag_error_s = 0.0003;
 // simulated rigs, two to five times. A difference as small as the error above says nothing.
 constexpr double fine_bins = 0.4, coarse_bins = 2.0;  // of the usual ones
 constexpr double hidden_per_difference = 3.0;
-constexpr std::size_t lag_windows = 2;  // so many tell of it
+constexpr double most_hidden_s = 0.004;  // by a lag of 40 ms: no membrane is slower
+constexpr std::size_t lag_windows = 2;   // so many tell of it
 
 // Rows are looked at in bands, from the upper ones to the lower ones.
 constexpr std::size_t bands = 4;
@@ -139,14 +140,14 @@ void look_at_rows(const std::vector<Window>& windows, const Evidence& evidence, 
   if (are_rows_apart(result)) result.offset_s = line->middle_s;
 }
 
-std::optional<double> offset_at(const Window& window, const Evidence& evidence, Layout layout,
-                                const Parameters& start, double bin_factor) {
+std::optional<Estimate> offset_at(const Window& window, const Evidence& evidence, Layout layout,
+                                  const Parameters& start, double bin_factor) {
   layout.bin_factor = bin_factor;
   std::vector<HalfView> views = views_of(window);
   Alignment alignment(views, evidence.track, layout, evidence.prior);
   alignment.refine(start, offset_s);
   if (!is_told(alignment)) return std::nullopt;
-  return alignment.parameters()[offset_s];
+  return Estimate{alignment.parameters()[offset_s], alignment.uncertainty(offset_s)};
 }
 
 /// How far a long lag of the pixels may put the offset wrong: what is fine is less late by it than what is
@@ -156,20 +157,20 @@ double hidden_lag_s(const std::vector<Window>& windows, const Evidence& evidence
   Parameters start = evidence.prior.mean;
   start[offset_s] = offset_tried_s;
   const std::size_t step = std::max<std::size_t>(1, windows.size() / lag_windows);
-  std::vector<std::array<std::optional<double>, 2>> offsets((windows.size() + step - 1) / step);
+  std::vector<std::array<std::optional<Estimate>, 2>> offsets((windows.size() + step - 1) / step);
   run_all(2 * offsets.size(), [&](std::size_t i) {
     const double bins = i % 2 == 0 ? fine_bins : coarse_bins;
     offsets[i / 2][i % 2] = offset_at(windows[i / 2 * step], evidence, layout, start, bins);
   });
-  double sum_s = 0.0, told = 0.0;
-  for (const auto& [fine_s, coarse_s] : offsets) {
-    if (!fine_s || !coarse_s) continue;
-    sum_s += *coarse_s - *fine_s;
-    told += 1.0;
-  }
-  const double later_s = told > 0.0 ? sum_s / told : 0.0;
-  if (!(later_s > lag_error_s)) return 0.0;
-  return hidden_per_difference * std::sqrt(later_s * later_s - lag_error_s * lag_error_s);
+  std::vector<Estimate> later;
+  for (const auto& [fine, coarse] : offsets)
+    if (fine && coarse) later.push_back({coarse->value - fine->value, coarse->uncertainty});
+  if (later.empty()) return 0.0;
+  const Estimate mean = weighted_mean(later);
+  const double chance_s = std::hypot(lag_error_s, mean.uncertainty);
+  if (!(mean.value > chance_s)) return 0.0;
+  return std::min(most_hidden_s,
+                  hidden_per_difference * std::sqrt(mean.value * mean.value - chance_s * chance_s));
 }
 
 }  // namespace

@@ -189,10 +189,13 @@ void judge_constants(const Session& session, Verdict& verdict) {
         1e3 * profile.camera.link.latency_s, 1e3 * profile.camera.link.latency_uncertainty_s,
         1e3 * (profile.camera.link.latency_s + offset.offset_s->value), 1e3 * offset.offset_s->uncertainty));
   if (gyro.filter_contradicts)
-    verdict.usable(fmt::format(
-        "the gyro's bandwidth is stated as {:.0f} Hz, and its noise at rest contradicts "
-        "that: its filter delays by {:.1f} +- {:.1f} ms",
-        profile.gyro.bandwidth_hz, 1e3 * gyro.filter_delay_s.value, 1e3 * gyro.filter_delay_s.uncertainty));
+    verdict.usable(
+        fmt::format("the gyro's bandwidth is stated {}, and {} contradicts that: its filter delays by {:.1f} "
+                    "+- {:.1f} ms",
+                    profile.gyro.bandwidth_hz > 0.0 ? fmt::format("as {:.0f} Hz", profile.gyro.bandwidth_hz)
+                                                    : "by the device",
+                    gyro.filter_source == "device" ? "the device itself" : "its noise at rest",
+                    1e3 * gyro.filter_delay_s.value, 1e3 * gyro.filter_delay_s.uncertainty));
 }
 
 void judge_labels(const Quality& quality, Verdict& verdict) {
