@@ -3,7 +3,7 @@
  * A heading that does not drift, from a gyro and a thermal camera of 24 x 32 pixels (MLX90640), for small
  * boards: while the rig turns it builds a panorama of its surroundings, and lays every new chess half against
  * it. Needs thermorig_odometer.c beside it; C99 or C++, single precision, no heap, of the C library sqrtf,
- * expf, memset, memcpy and memcmp.
+ * memset, memcpy and memcmp.
  *
  *   static thermorig_odometer_state state;        all the RAM: THERMORIG_ODOMETER_STATE_BYTES
  *   thermorig_odometer_reset(&state, &rig);       the constants of thermorig_odometer_rig.h
