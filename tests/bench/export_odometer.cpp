@@ -100,16 +100,20 @@ void judge_both(const OdometerRecording& recording, Case& one, std::string& inpu
   estimators::Bank bank(std::vector<std::string>{"odometer"}, std::nullopt, recording.profile);
   tests::BoardOdometer board(recording.profile);
   const HostTime origin = recording.measurements.front().frame.exposure_begin - std::chrono::seconds(1);
+  std::vector<RateEstimate> of_product;
+  one.product = judge(recording, one.run, [&](const Measurement& seen) {
+    return of_product.emplace_back(bank.add(seen).front());
+  });
   Apart apart;
+  std::size_t place = 0;
   one.board = judge(recording, one.run, [&](const Measurement& seen) {
     if (one.on_board)
       tests::BoardFrame(seen.frame, seen.gyro, recording.profile.gyro, origin).append_to(input);
     const RateEstimate of_board = board.add(seen.frame, seen.gyro);
-    apart.add(of_board, bank.add(seen).front());
+    apart.add(of_board, of_product.at(place++));
     return of_board;
   });
   one.apart_deg = apart.largest_deg();
-  one.product = judge(recording, one.run);
 }
 
 void run(Case& one) {

@@ -63,10 +63,11 @@ void BoardFrame::append_to(std::string& bytes) const {
   bytes.append(reinterpret_cast<const char*>(frame.temp_c), frame_pixels * sizeof(float));
 }
 
-BoardOdometer::BoardOdometer(const RigProfile& rig)
+BoardOdometer::BoardOdometer(const RigProfile& rig, HostDuration running)
     : gyro_(rig.gyro),
       profile_(board_odometer::board_profile(rig)),
-      state_(std::make_shared<thermorig_odometer_state>()) {
+      state_(std::make_shared<thermorig_odometer_state>()),
+      running_(running) {
   thermorig_odometer_reset(state_.get(), &profile_);
 }
 
@@ -77,7 +78,7 @@ thermorig_odometer_output BoardOdometer::read_after(double seconds) const {
 }
 
 RateEstimate BoardOdometer::add(const TimedFrame& frame, std::span<const TimedGyro> gyro) {
-  if (origin_ == HostTime{}) origin_ = frame.exposure_begin - std::chrono::seconds(1);
+  if (origin_ == HostTime{}) origin_ = frame.exposure_begin - running_;
   const BoardFrame told(frame, gyro, gyro_, origin_);
   for (const BoardFrame::Sample& sample : told.gyro)
     thermorig_odometer_push_gyro(state_.get(), sample.time_us, sample.rate_dps.data(),

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <chrono>
 #include <cstdint>
 #include <memory>
 #include <span>
@@ -36,7 +37,8 @@ struct BoardFrame {
 /// The C of an export, compiled for this machine, with the inputs and outputs of an estimator.
 class BoardOdometer {
  public:
-  explicit BoardOdometer(const RigProfile& rig);
+  /// `running`: for how long the board's clock has run when the first frame's exposure begins.
+  explicit BoardOdometer(const RigProfile& rig, HostDuration running = std::chrono::seconds(1));
 
   RateEstimate add(const TimedFrame& frame, std::span<const TimedGyro> gyro);
   const thermorig_odometer_output& output() const { return output_; }
@@ -48,6 +50,7 @@ class BoardOdometer {
   thermorig_odometer_profile profile_;
   std::shared_ptr<thermorig_odometer_state> state_;
   thermorig_odometer_output output_{};
+  HostDuration running_;
   HostTime origin_{};
   std::uint32_t end_us_ = 0;
 };

@@ -145,6 +145,17 @@ TEST(BoardOdometer, TellsTheHeadingBetweenFramesByTheGyro) {
   EXPECT_GE(later.heading_sigma_deg, now.heading_sigma_deg);
 }
 
+TEST(BoardOdometer, SaysTheSameWhenItsClockWrapsAround) {
+  BoardOdometer early(data_sheet_rig()),
+      late(data_sheet_rig(), std::chrono::microseconds(0xFFFF0000U - 10'000'000U));
+  for (const Seen& seen : seen_in(turning_room(20.0))) {
+    early.add(seen.frame, seen.gyro);
+    late.add(seen.frame, seen.gyro);
+    ASSERT_EQ(late.output().heading_deg, early.output().heading_deg);
+    ASSERT_EQ(late.output().reason, early.output().reason);
+  }
+}
+
 /// As a bad cable may have them: broken pixels, absurd rates, clocks that jump.
 TEST(BoardOdometer, BearsWhatNoSensorSends) {
   auto all = seen_in(turning_room(60.0));

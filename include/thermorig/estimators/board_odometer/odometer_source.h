@@ -10,8 +10,8 @@
 
 namespace thermorig::board_odometer {
 
-/// The odometer as C99 for small boards: no heap, single precision, of the C library sqrtf, expf and memset.
-/// It is not the product's: docs/decisions/0018-odometer-on-a-board.md says what differs.
+/// The odometer as C99 for small boards: no heap, single precision, of the C library sqrtf and what copies
+/// memory. It is not the product's: docs/decisions/0018-odometer-on-a-board.md says what differs.
 struct OdometerSource {
   std::vector<embedded::SourceFile> files;  // <name>.h, <name>.c, and <name>_rig.h: the rig's constants
   std::size_t state_bytes = 0;              // RAM, the caller's

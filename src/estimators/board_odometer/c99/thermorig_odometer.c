@@ -67,6 +67,19 @@ static int32_t floor_of(float x) {
   return (float)whole > x ? whole - 1 : whole;
 }
 
+/* Of what is not above 0, within 5e-6: libraries' expf differ in the last bit, and boards should not. */
+static float power_of_e(float x) {
+  const float twos = most(-80.0f, x) * 1.44269504f;
+  const int32_t whole = floor_of(twos);
+  const float y = (twos - (float)whole) * 0.69314718f;
+  const uint32_t bits = (uint32_t)(whole + 127) << 23; /* 2 to the power of `whole` */
+  float scale, series = 1.0f;
+  if (x < -80.0f) return 0.0f;
+  memcpy(&scale, &bits, sizeof scale);
+  for (int i = 7; i > 0; --i) series = 1.0f + y / (float)i * series;
+  return scale * series;
+}
+
 /* An angle between 0 and 360. */
 static float around(float deg) {
   const float rest = deg - 360.0f * (float)floor_of(deg / 360.0f);
@@ -1070,8 +1083,8 @@ static int bias_found(const odometer* s, float* bias_dps, float* sigma_dps) {
   if (!(smallest > 0.0f) || smallest > DISTINCT_SHARE * median_of(variance, count)) return 0;
   for (int i = -steps; i <= steps; ++i) {
     const float off_dps = (float)i * BIAS_STEP_DPS;
-    const float weight = expf(-readings * (variance[i + steps] / smallest - 1.0f) -
-                              0.5f * square(off_dps / s->profile.bias_sigma_dps));
+    const float weight = power_of_e(-readings * (variance[i + steps] / smallest - 1.0f) -
+                                    0.5f * square(off_dps / s->profile.bias_sigma_dps));
     sum += weight;
     mean += weight * off_dps;
     squares += weight * off_dps * off_dps;
@@ -1208,7 +1221,7 @@ static int circle_found(const odometer* s, float* azimuth_deg, float* sigma_deg)
   for (int i = 0; i < 360; ++i)
     if (s->scratch.circle[i] > s->scratch.circle[best]) best = i;
   for (int i = 0; i < 360; ++i) {
-    const float weight = expf(s->scratch.circle[i]), off = apart((float)(i - best));
+    const float weight = power_of_e(s->scratch.circle[i]), off = apart((float)(i - best));
     all += weight;
     if (size_of(off) > (float)CIRCLE_REACH) continue;
     near += weight;

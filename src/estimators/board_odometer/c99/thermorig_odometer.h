@@ -3,15 +3,14 @@
  * A heading that does not drift, from a gyro and a thermal camera of 24 x 32 pixels (MLX90640), for small
  * boards: while the rig turns it builds a panorama of its surroundings, and lays every new chess half against
  * it. Needs thermorig_odometer.c beside it; C99 or C++, single precision, no heap, of the C library sqrtf,
- * expf and memset.
+ * memset, memcpy and memcmp.
  *
- *   static thermorig_odometer_state state;              all the RAM: THERMORIG_ODOMETER_STATE_BYTES
- *   thermorig_odometer_reset(&state, &profile);         the constants of the rig
+ *   static thermorig_odometer_state state;        all the RAM: THERMORIG_ODOMETER_STATE_BYTES
+ *   thermorig_odometer_reset(&state, &rig);       the constants of thermorig_odometer_rig.h
  *   for (;;) {
- *     ... each sample of the gyro, as it comes:    thermorig_odometer_push_gyro(&state, time_us, rate_dps,
- * 0);
- *     ... each frame of the camera, as it comes:   thermorig_odometer_push_frame(&state, &frame);
- *     ... whenever it is wanted:                   thermorig_odometer_read(&state, time_us, &output);
+ *     thermorig_odometer_push_gyro(...);          each sample of the gyro, as it comes
+ *     thermorig_odometer_push_frame(...);         each frame of the camera, as it comes
+ *     thermorig_odometer_read(...);               whenever it is wanted
  *   }
  *
  * Times are microseconds of one clock of the board, the same for both sensors; it may wrap around.
