@@ -69,10 +69,9 @@ std::optional<std::string> LiveMap::write(const std::optional<odometer::Map>& ma
   const bool is_other = map_ && use != odometer::MapUse::found;
   if (is_other) return fmt::format("map {}: it was not recognised, and stays as it is", path_.string());
   if (!map)
-    return fmt::format("map {}: not written: the odometer {}", path_.string(),
-                       map_ ? "does not trust its map"
-                            : "has not begun to track, which takes half a minute of "
-                              "motion to one");
+    return fmt::format(
+        "map {}: not written: the odometer has none that it trusts (it takes half a minute of motion to one)",
+        path_.string());
   map_file::write_map(path_, {.simulated = header.simulated,
                               .environment = header.environment,
                               .rig = header.profile.name,

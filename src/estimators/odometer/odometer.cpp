@@ -100,7 +100,7 @@ struct Odometer::Parts {
   bool is_start_over(double now_s) const;
   void begin_pass(int number);
   void take_over(double now_s);
-  bool has_settled() const;
+  bool has_settled(double bias_dps, double scale, double latency_s) const;
   void store_half(const HalfReading& half, double now_s);
   HalfResult add_newest(const HalfReading& half);
   bool choose_rows();
@@ -112,7 +112,6 @@ struct Odometer::Parts {
   void begin_anew();
   void begin_in_map(double now_s);
   void check_map(const HalfResult& result, const HalfReading& half);
-  bool has_settled_in_map() const;
   bool is_map_given_up(const HalfReading& half);
   Report report(const TimedFrame& frame, double now_s) const;
   Reason reason(double now_s) const;
@@ -361,7 +360,9 @@ void Odometer::Parts::check_map(const HalfResult& result, const HalfReading& hal
     case MapCheck::Verdict::open:
       break;
     case MapCheck::Verdict::same:
-      if (has_settled_in_map()) {
+      // A few seconds tell less than a whole pass of the start.
+      if (has_settled(2.0 * Tracker::least_bias_sigma_dps, Tracker::least_scale_sigma,
+                      Tracker::least_latency_sigma_s)) {
         map_use = MapUse::found;
         front.trust_map();
         return;
@@ -375,15 +376,6 @@ void Odometer::Parts::check_map(const HalfResult& result, const HalfReading& hal
       break;
   }
   if (is_map_given_up(half)) begin_anew();
-}
-
-/// As has_settled(), of the few seconds in which it was checked.
-bool Odometer::Parts::has_settled_in_map() const {
-  const HeadingFilter& filter = front.filter();
-  return mean_nis < settled_nis &&
-         std::abs(filter.bias_dps() - begun_with.bias_dps) < 2.0 * Tracker::least_bias_sigma_dps &&
-         std::abs(filter.scale_factor() - begun_with.scale) < Tracker::least_scale_sigma &&
-         std::abs(filter.latency_s() - begun_with.latency_s) < Tracker::least_latency_sigma_s;
 }
 
 /// What the camera shows was sought in the map of before for long enough. A rig at rest may wait.
@@ -407,13 +399,12 @@ void Odometer::Parts::begin_pass(int number) {
   phase = Phase::second_pass;
 }
 
-/// The pass ended with what it began with: another one would make the same map.
-bool Odometer::Parts::has_settled() const {
+/// The pass ended with what it began with, but for so much: another one would make the same map.
+bool Odometer::Parts::has_settled(double bias_dps, double scale, double latency_s) const {
   const HeadingFilter& filter = front.filter();
-  return mean_nis < settled_nis &&
-         std::abs(filter.bias_dps() - begun_with.bias_dps) < Tracker::least_bias_sigma_dps &&
-         std::abs(filter.scale_factor() - begun_with.scale) < settled_scale &&
-         std::abs(filter.latency_s() - begun_with.latency_s) < settled_latency_s;
+  return mean_nis < settled_nis && std::abs(filter.bias_dps() - begun_with.bias_dps) < bias_dps &&
+         std::abs(filter.scale_factor() - begun_with.scale) < scale &&
+         std::abs(filter.latency_s() - begun_with.latency_s) < latency_s;
 }
 
 void Odometer::Parts::go_through(Tracker& tracker) {
@@ -438,7 +429,8 @@ void Odometer::Parts::take_over(double now_s) {
     begin_pass(pass + 1);
     return;
   }
-  const bool is_settled = has_settled() || (pass >= most_passes && mean_nis < nis_fits);
+  const bool is_settled = has_settled(Tracker::least_bias_sigma_dps, settled_scale, settled_latency_s) ||
+                          (pass >= most_passes && mean_nis < nis_fits);
   if (mean_nis > lost_nis || (is_over && !is_settled))
     learn_again();
   else
