@@ -234,7 +234,7 @@ struct ExportOptions {
   std::string weights = "float32";  // or int8
   bool odometer = false;            // of a profile, or of a session's
   std::optional<std::string> name;  // prefix of the C sources
-  std::optional<int> batch;  // ONNX with a fixed batch
+  std::optional<int> batch;         // ONNX with a fixed batch
   bool json = false;
 };
 

@@ -266,6 +266,29 @@ def map_table(figures):
                               for begin in ("from rest", "from 200 s on", "from 301 s on"))])
 
 
+@layout("export_odometer_angles")
+def export_odometer_angles(figures):
+    starts = {"in motion": "in_motion", "at rest": "at_rest"}
+
+    def of_all(start, column, shown):
+        median, most = (figures[f"All_of_them_{start}_{column}__{which}"]["value"] for which in ("median", "most"))
+        return f"{median:{shown}}, {most:{shown}}"
+
+    def of_each(start, column, shown):
+        values = sorted(figure["value"] for key, figure in figures.items()
+                        if key.startswith("Against") and key.endswith(f"__{start}_{column}") and figure["value"] is not None)
+        return f"{values[len(values) // 2]:{shown}}, {values[-1]:{shown}}"
+    rows = [("tracks after, s", of_all, "tracks_after", ".0f"),
+            ("the product's odometer, s", of_each, "product__tracks_after", ".0f"),
+            ("largest angle error since it tracks, from 30 s on, deg", of_all, "worst_angle", ".2f"),
+            ("the product's odometer, deg", of_all, "product_s_worst_angle", ".2f"),
+            ("spread about its mean, deg", of_each, "spread", ".2f"),
+            ("drift, deg/min", of_each, "drift", ".3f"),
+            ("largest distance of both odometers, deg", of_all, "from_the_product_s", ".2f")]
+    return table(["median, worst", *(f"started {start}" for start in starts)],
+                 [[name, *(of(start, column, shown) for start in starts.values())] for name, of, column, shown in rows])
+
+
 @layout("models")
 def models(reports):
     def row(name, report):

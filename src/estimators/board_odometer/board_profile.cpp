@@ -31,7 +31,8 @@ void require_room(const CameraProfile& camera) {
 }  // namespace
 
 thermorig_odometer_profile board_profile(const RigProfile& rig) {
-  const auto& [camera, gyro] = std::pair<const CameraProfile&, const GyroProfile&>(rig.camera, rig.gyro);
+  const CameraProfile& camera = rig.camera;
+  const GyroProfile& gyro = rig.gyro;
   require_room(camera);
   const double kept_s = 2.0 / camera.output_rate_hz + waits_s;
   thermorig_odometer_profile board{};
