@@ -147,7 +147,9 @@ Calibrated calibrated(simulation::VirtualRigConfig config) {
     calibration::apply(calibration::measure_scale(session), utc, result.profile);
   } catch (const Error&) {
     result.by_image = false;
-    calibration::apply(calibration::measure_scale_by_marks(session, hand_turn_deg), utc, result.profile);
+    // The marks need a bias at rest: a gyro that hides it is refused, and the profile stays.
+    if (!session.sync.gyro.zeroes_itself)
+      calibration::apply(calibration::measure_scale_by_marks(session, hand_turn_deg), utc, result.profile);
   }
   return result;
 }
