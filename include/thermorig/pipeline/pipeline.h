@@ -52,7 +52,8 @@ struct Streams {
 /// Pure: it opens nothing, starts nothing, reads no clock.
 class Pipeline {
  public:
-  explicit Pipeline(const RigProfile& profile, const Fits& fits = {});
+  /// `without_labels`: for a first pass, which looks at the streams alone. No call returns a measurement.
+  explicit Pipeline(const RigProfile& profile, const Fits& fits = {}, bool without_labels = false);
   ~Pipeline();
   Pipeline(Pipeline&&) noexcept;
   Pipeline& operator=(Pipeline&&) noexcept;
