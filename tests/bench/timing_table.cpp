@@ -42,7 +42,8 @@ int main(int count, char** arguments) {
   add_cost(size, figures);
   add_long_servo_clock(size, figures);
   add_outage(size, figures);
-  add_camera_offset(size, figures);
+  // Elsewhere the boards are late by more than this section knows of.
+  if (chosen_world() == "honest") add_camera_offset(size, figures);
   add_labels(size, figures);
   add_sample_times(size, figures);
   if (chosen_world() != "honest") drop_limits(figures);

@@ -83,7 +83,7 @@ PreflightViolation repeated_frames(const PreflightImages& images, double limit) 
 
 PreflightViolation lost_halves(const PreflightImages& images, double limit) {
   return {"camera_halves", Device::camera,
-          fmt::format("{:.0f} % of the chess halves never come: the camera's bridge misses them",
+          fmt::format("{:.1f} % of the chess halves never come: the camera's bridge misses them",
                       100.0 * images.lost_half_share),
           fmt::format("at most {:.0f} %", 100.0 * limit),
           "ask the camera for a lower frame rate, and say it (--camera-rate, output_rate_hz in the "
