@@ -67,8 +67,9 @@ TEST(Odometer, FindsInWhichOrderRowsAreExposed) {
     EXPECT_EQ(reports.back().rows, wanted);
     EXPECT_GT(reports.back().row_margin, 10.0);
     EXPECT_EQ(reports.back().state, State::tracking);
-    const double origin_deg = off_deg(room, reports, 45.0);
-    for (double time_s = 45.0; time_s < 69.0; time_s += 0.5)
+    ASSERT_EQ(reports[at(54.0)].state, State::tracking);
+    const double origin_deg = off_deg(room, reports, 54.0);
+    for (double time_s = 54.0; time_s < 69.0; time_s += 0.5)
       EXPECT_NEAR(off_deg(room, reports, time_s), origin_deg, 0.5) << rolling << " at " << time_s;
     EXPECT_NEAR(reports.back().latency_s, room.latency_s + 0.0625 * std::abs(rolling), 0.002);
   }

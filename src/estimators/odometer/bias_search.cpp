@@ -17,7 +17,8 @@ constexpr double trusted_of_mosaic =
 constexpr double known_well_dps = 1.0;
 constexpr double distinct_share = 0.94;  // of the typical variance: noise alone makes it differ by 2 %
 
-constexpr float largest_error_c = 3.0F;  // of a pixel that is not broken
+constexpr float clip_of_mean = 1.5F, least_clip_c = 0.8F;  // of a half's mean difference from its mean
+constexpr float largest_error_c = 3.0F;                    // of a pixel that is not broken
 constexpr float unknown_c = std::numeric_limits<float>::quiet_NaN();
 
 /// Mean of each pixel less that of those about it.
@@ -149,11 +150,27 @@ void BiasSearch::take_off_pixel_errors() {
   }
 }
 
+/// Something warm that moves would otherwise make the sharpest mosaic by itself.
+void BiasSearch::clip() {
+  for (Placed& one : placed_) {
+    float sum = 0.0F, count = 1e-6F;
+    for (const float temp_c : one.temp_c) {
+      if (std::isnan(temp_c)) continue;
+      sum += std::abs(temp_c);
+      count += 1.0F;
+    }
+    const float most = std::max(least_clip_c, clip_of_mean * sum / count);
+    for (float& temp_c : one.temp_c)
+      if (!std::isnan(temp_c)) temp_c = std::clamp(temp_c, -most, most);
+  }
+}
+
 std::optional<BiasSearch::Found> BiasSearch::search(const HalfStore& store, const GyroPath& path,
-                                                    RowOrder rows) {
+                                                    RowOrder rows, bool things_move) {
   if (store.count() < halves) return std::nullopt;
   rows_ = rows;
   place(store, path);
+  if (things_move) clip();
   take_off_pixel_errors();
   const double step_dps = rows == RowOrder::at_once ? finest_step_dps : coarse_step_dps;
   const double reach_dps =

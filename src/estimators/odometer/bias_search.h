@@ -21,14 +21,15 @@ class BiasSearch {
   };
   /// By so many halves of the store, the last ones, if rows are exposed in that order. Nothing: they do not
   /// tell yet.
-  std::optional<Found> search(const HalfStore& store, const GyroPath& path,
-                              RowOrder rows = RowOrder::at_once);
+  std::optional<Found> search(const HalfStore& store, const GyroPath& path, RowOrder rows = RowOrder::at_once,
+                              bool things_move = false);
 
   static constexpr std::size_t halves = 24;
 
  private:
   void place(const HalfStore& store, const GyroPath& path);
   void take_off_pixel_errors();
+  void clip();
   double variance_with(double bias_dps);
 
   struct Placed {

@@ -36,10 +36,16 @@ constexpr std::size_t second_pass_halves = 200;
 constexpr double bias_widening = 2.0;  // of what the search states
 
 constexpr int most_passes = 6;  // through the halves of the start
-constexpr double settled_latency_s = 0.001, settled_scale = 0.001, settled_nis = 2.0;
+constexpr double settled_latency_s = 0.001, settled_scale = 0.001;
 constexpr double known_bias_dps = 1.0;
 
-constexpr double nis_unfit = 3.0, nis_fits = 2.0;          // not trusted from the one on until the other
+/// Of the mean square of innovations.
+struct NisBounds {
+  double settled, fits, unfit, lost;  // not trusted from `unfit` on until it `fits`
+};
+constexpr NisBounds nis_at_rest{2.0, 2.0, 3.0, lost_nis};  // where nothing moves but the rig
+constexpr NisBounds nis_in_traffic{6.0, 5.0, 8.0, 2.0 * lost_nis};
+constexpr int failed_to_doubt = 1;                         // starts: then things may move
 constexpr double longest_unfit_s = 30.0;                   // then the map is wrong
 constexpr int covered_halves = 4;                          // in a row
 constexpr int halves_to_trust = 8;                         // after a search
@@ -104,6 +110,8 @@ struct Odometer::Parts {
   void store_half(const HalfReading& half, double now_s);
   HalfResult add_newest(const HalfReading& half);
   bool choose_rows();
+  const NisBounds& nis_bounds() const { return things_move() ? nis_in_traffic : nis_at_rest; }
+  bool things_move() const { return failed_starts >= failed_to_doubt; }
   void learn_again();
   void run(const HalfReading& half);
   void locate(const HalfReading& half, double now_s);
@@ -132,7 +140,8 @@ struct Odometer::Parts {
   GyroPath path;
   GyroWatch watch;
   HalfStore store;
-  Tracker front, back;  // the one that is told of, and one that goes through the start again
+  int failed_starts = 0;  // since it tracked
+  Tracker front, back;    // the one that is told of, and one that goes through the start again
   BiasSearch bias_search;
   RowContest contest;
   bool is_contested = true;  // in which order rows are exposed
@@ -276,7 +285,7 @@ void Odometer::Parts::add_half(const HalfReading& half, double now_s) {
       if (is_start_over(now_s)) {
         choose_rows();
         begin_pass(pass + 1);
-      } else if (mean_nis > lost_nis) {
+      } else if (mean_nis > nis_bounds().lost) {
         learn_again();
       }
       break;
@@ -326,7 +335,7 @@ void Odometer::Parts::search_bias() {
     contest.begin();
   }
   if (store.count() % search_every != 0) return;
-  const auto found = bias_search.search(store, path);
+  const auto found = bias_search.search(store, path, RowOrder::at_once, things_move());
   if (!found) return;
   Priors better = priors;
   better.bias_dps = found->bias_dps;
@@ -337,7 +346,7 @@ void Odometer::Parts::search_bias() {
     begin_in_map(store.at(store.count() - 1).now_s);
     return;
   }
-  front.restart(better);
+  front.restart(better, RowOrder::at_once, things_move());
   pass = 0;
   pass_nis = 1.0;
   gone_through = 0;
@@ -392,7 +401,7 @@ bool Odometer::Parts::is_start_over(double now_s) const {
 void Odometer::Parts::begin_pass(int number) {
   begun_with = front.learnt(priors);
   begun_with.heading_deg = heading_at(store.at(0).now_s, begun_with.bias_dps);
-  back.restart(begun_with, front.rows());
+  back.restart(begun_with, front.rows(), things_move());
   pass = number;
   pass_nis = 1.0;
   gone_through = 0;
@@ -402,7 +411,7 @@ void Odometer::Parts::begin_pass(int number) {
 /// The pass ended with what it began with, but for so much: another one would make the same map.
 bool Odometer::Parts::has_settled(double bias_dps, double scale, double latency_s) const {
   const HeadingFilter& filter = front.filter();
-  return mean_nis < settled_nis && std::abs(filter.bias_dps() - begun_with.bias_dps) < bias_dps &&
+  return mean_nis < nis_bounds().settled && std::abs(filter.bias_dps() - begun_with.bias_dps) < bias_dps &&
          std::abs(filter.scale_factor() - begun_with.scale) < scale &&
          std::abs(filter.latency_s() - begun_with.latency_s) < latency_s;
 }
@@ -430,8 +439,8 @@ void Odometer::Parts::take_over(double now_s) {
     return;
   }
   const bool is_settled = has_settled(Tracker::least_bias_sigma_dps, settled_scale, settled_latency_s) ||
-                          (pass >= most_passes && mean_nis < nis_fits);
-  if (mean_nis > lost_nis || (is_over && !is_settled))
+                          (pass >= most_passes && mean_nis < nis_bounds().fits);
+  if (mean_nis > nis_bounds().lost || (is_over && !is_settled))
     learn_again();
   else
     phase = is_over ? Phase::running : Phase::learning;
@@ -467,13 +476,13 @@ void Odometer::Parts::run(const HalfReading& half) {
     is_doubted = false;
     to_trust = halves_to_trust;
   }
-  if (mean_nis > nis_unfit && !unfit_since_s) unfit_since_s = half.end_s;
-  if (mean_nis < nis_fits) unfit_since_s.reset();
+  if (mean_nis > nis_bounds().unfit && !unfit_since_s) unfit_since_s = half.end_s;
+  if (mean_nis < nis_bounds().fits) unfit_since_s.reset();
   if (unfit_since_s && half.end_s - *unfit_since_s > longest_unfit_s) {
     begin_anew();
     return;
   }
-  const bool is_lost = mean_nis > lost_nis || front.sigma_in_map_deg() > lost_deg;
+  const bool is_lost = mean_nis > nis_bounds().lost || front.sigma_in_map_deg() > lost_deg;
   if (!is_lost || covered >= covered_halves) return;
   map_use == MapUse::searching ? begin_in_map(half.end_s) : begin_search(half.end_s);
 }
@@ -531,9 +540,11 @@ double Odometer::Parts::heading_at(double time_s, double bias_dps) const {
 void Odometer::Parts::begin_anew() {
   const bool is_in_doubt = map_use == MapUse::searching;
   if (is_in_doubt || map_use == MapUse::found) map_use = MapUse::other;
+  const bool has_tracked = phase == Phase::running || phase == Phase::locating;
+  failed_starts = has_tracked ? 0 : failed_starts + 1;
   if (is_in_doubt)
     kept.reset();
-  else if (phase == Phase::running || phase == Phase::locating)
+  else if (has_tracked)
     kept = Kept{front.now_s(), path.until(front.now_s()).turned_deg, front.filter().heading_deg()};
   store.clear();
   contest.begin();

@@ -10,8 +10,10 @@ namespace thermorig::odometer {
 namespace {
 
 constexpr std::size_t map_values = Panorama::bins * frame_rows;
-constexpr float seen_enough = 0.98F;         // of what a pixel sweeps
-constexpr float least_bin_variance = 1e-3F;  // of a bin: surroundings change
+constexpr float seen_enough = 0.98F;      // of what a pixel sweeps
+constexpr float strange_squares = 16.0F;  // of a reading, in units of its variance: it may be what moves
+constexpr float widening = 0.5F, most_widened = 4.0F;  // of a bin's variance, a strange reading; K^2
+constexpr float least_bin_variance = 1e-3F;            // of a bin: surroundings change
 
 }  // namespace
 
@@ -23,7 +25,8 @@ Panorama::Panorama()
       variance_sum_(map_values + frame_rows),
       seen_sum_(map_values + frame_rows) {}
 
-void Panorama::clear() {
+void Panorama::clear(bool things_move) {
+  things_move_ = things_move;
   std::fill(temp_c_.begin(), temp_c_.end(), 0.0F);
   std::fill(variance_.begin(), variance_.end(), 0.0F);
   std::fill(seen_.begin(), seen_.end(), 0.0F);
@@ -227,11 +230,17 @@ void Panorama::write_pixels(const Place& place, std::size_t first, const Column&
       spread[k] += share * share * of_bin[k];
     }
   }
-  Column innovation, scale;
+  Column innovation, scale, widened;
   for (std::size_t k = first; k < end; ++k) {
     const bool is_read = !std::isnan(temp_c[k]);
     innovation[k] = is_read ? temp_c[k] - mean[k] : 0.0F;
     scale[k] = is_read ? 1.0F / (spread[k] + variance[k]) : 0.0F;
+    widened[k] = 1.0F;
+    const float squares = innovation[k] * innovation[k] * scale[k];
+    if (!things_move_ || squares <= strange_squares) continue;
+    const float trust = 1.0F / ((1.0F + squares / 9.0F) * (1.0F + squares / 9.0F));
+    scale[k] = 1.0F / (spread[k] + variance[k] / trust);
+    widened[k] += widening * (1.0F - trust);  // what stays is believed after some halves
   }
   for (std::ptrdiff_t bin = from; bin <= to; ++bin) {
     const float share = share_of(bin);
@@ -240,6 +249,7 @@ void Panorama::write_pixels(const Place& place, std::size_t first, const Column&
       const float gain = share * of_bin[k] * scale[k];
       temp[k] += gain * innovation[k];
       of_bin[k] = std::max(least_bin_variance, of_bin[k] * (1.0F - gain * share));
+      if (widened[k] > 1.0F) of_bin[k] = std::max(of_bin[k], std::min(most_widened, of_bin[k] * widened[k]));
     }
   }
 }

@@ -18,7 +18,8 @@ class Panorama {
   static constexpr double bin_deg = whole_turn_deg / bins;
 
   Panorama();
-  void clear();
+  /// `things_move`: what is far from what was seen before is hardly written, as long as it does not stay.
+  void clear(bool things_move = false);
 
   /// Where one column of pixels looks while it is exposed: bins from the map's origin.
   struct Place {
@@ -100,6 +101,7 @@ class Panorama {
   template <std::size_t pixels>
   void write_pixels(const Place& place, std::size_t first, const Column& temp_c, const Column& variance);
 
+  bool things_move_ = false;
   std::vector<float> temp_c_, variance_, seen_;  // of each bin
   Sums temp_sum_, variance_sum_, seen_sum_;      // of all bins before
 };

@@ -43,10 +43,11 @@ void Tracker::advance(const GyroPath& path, double now_s) {
   now_unseen_deg2_ = now.unseen_deg2;
 }
 
-void Tracker::restart(const Priors& priors, RowOrder rows) {
+void Tracker::restart(const Priors& priors, RowOrder rows, bool things_move) {
   rows_ = rows;
+  things_move_ = things_move;
   filter_ = HeadingFilter(priors);
-  panorama_.clear();
+  panorama_.clear(things_move);
   pixels_ = PixelModel();
   has_begun_ = false;
   is_on_trial_ = false;
@@ -194,6 +195,7 @@ HalfResult Tracker::judge(const HalfReading& half, const Exposed& exposed) {
   const HeadingFilter::Row row = filter_.derivative(turn, now_s_, now_deg_, comparison.about);
   double noise_deg2 = variance_share * comparison.variance_deg2() + square(least_sigma_deg) +
                       square(change_s * turn.change_dps) + square(half.time_sigma_s * rate_dps);
+  if (things_move_) noise_deg2 *= std::max(1.0, comparison.cost);  // what fits badly tells less
   const double expected_deg2 = filter_.variance(row) + noise_deg2;
   result.is_judged = true;
   result.innovation_deg = found.azimuth_deg - azimuth_deg;

@@ -40,8 +40,8 @@ class Tracker {
 
   Tracker(const Priors& priors, const Lens& lens);
 
-  /// Forgets everything.
-  void restart(const Priors& priors, RowOrder rows = RowOrder::at_once);
+  /// Forgets everything. `things_move`: people, say, through all that it sees.
+  void restart(const Priors& priors, RowOrder rows = RowOrder::at_once, bool things_move = false);
   RowOrder rows() const { return rows_; }
   /// What another pass through the same halves may begin with: `priors` but for what this one learnt.
   Priors learnt(const Priors& priors) const;
@@ -95,6 +95,7 @@ class Tracker {
 
   Lens lens_;
   RowOrder rows_ = RowOrder::at_once;
+  bool things_move_ = false;
   HeadingFilter filter_;
   Panorama panorama_;
   PixelModel pixels_;
