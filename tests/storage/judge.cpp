@@ -46,7 +46,9 @@ std::string what_is_wrong(const RawRecording& raw, const RecordedSession& truth)
   for (const Device device : all_devices)
     if (!is_front_of(raw.received[device], truth.received[device].chunks))
       return "chunks that the " + std::string(name_of(device)) + " never sent";
-  if (!is_front_of(raw.sent[Device::servo], truth.sent.chunks)) return "bytes that were never sent";
+  for (const Device device : all_devices)
+    if (!is_front_of(raw.sent[device], truth.sent[device].chunks))
+      return "bytes that were never sent to the " + std::string(name_of(device));
   if (!are_front_of(of_the_rig(raw.events), of_the_rig(truth.raw.events)))
     return "events that never happened";
   if (raw.header.environment != "kitchen" || raw.header.acquisition != 1) return "another header";

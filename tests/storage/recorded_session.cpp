@@ -60,8 +60,8 @@ RecordedSession record_session(int frames) {
   rig::RecordingOptions options = session.options;
   options.disk = &disk;
   rig::Recording recording(options, now, [&](Device to, std::span<const std::uint8_t> bytes) {
-    session.sent.chunks.append(bytes, now);
-    session.sent.calls.push_back(disk.count());
+    session.sent[to].chunks.append(bytes, now);
+    session.sent[to].calls.push_back(disk.count());
     bus.send(to, bytes, now);
   });
   while (!recording.done()) {

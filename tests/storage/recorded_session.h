@@ -29,7 +29,7 @@ struct RecordedSession {
   std::vector<Step> steps;  // what came from the rig: enough to record it again
   std::vector<Call> calls;
   PerDevice<TrueStream> received;
-  TrueStream sent;
+  PerDevice<TrueStream> sent;  // to it
   RawRecording raw;  // before it was closed
   std::size_t frames = 0;
   std::size_t concluded = 0;  // calls when the session was announced
