@@ -21,13 +21,15 @@ def tree_of(pid):
     return pids
 
 
+def status_kb(pid, *names):
+    """Figures of the process, in the order of the names."""
+    lines = dict(line.split(":", 1) for line in pathlib.Path(f"/proc/{pid}/status").read_text().splitlines())
+    return [int(lines[name].split()[0]) for name in names if name in lines]  # one that has ended has none
+
+
 def resident_kb(pid):
     """What it holds and what it has mapped of files on disks. Files in memory are counted apart."""
-    total = 0
-    for line in pathlib.Path(f"/proc/{pid}/status").read_text().splitlines():
-        if line.startswith(("RssAnon:", "RssFile:")):
-            total += int(line.split()[1])
-    return total
+    return sum(status_kb(pid, "RssAnon", "RssFile"))
 
 
 def files_in_memory(pid):
@@ -52,13 +54,24 @@ def memory_kb(pid):
     return total + sum(in_memory.values())
 
 
+def highest_kb(pid):
+    """The most that one of them had in memory at any time, also between two looks."""
+    highest = 0
+    for one in tree_of(pid):
+        try:
+            highest = max([highest, *status_kb(one, "VmHWM")])
+        except OSError:
+            pass
+    return highest
+
+
 def run(command, watch=None, **options):
     """Peak in MB, seconds and exit code; `watch` is called at each look."""
     began = time.monotonic()
     process = subprocess.Popen(command, **options)
     peak = 0
     while process.poll() is None:
-        peak = max(peak, memory_kb(process.pid))
+        peak = max(peak, memory_kb(process.pid), highest_kb(process.pid))
         if watch:
             watch()
         time.sleep(LOOK_EVERY_S)
