@@ -20,7 +20,7 @@ namespace thermorig::spill {
 
 namespace {
 
-constexpr std::chrono::nanoseconds look_every = std::chrono::milliseconds(2);  // of processor time
+constexpr std::chrono::nanoseconds look_every = std::chrono::microseconds(500);
 
 thread_local bool inside = false;
 
@@ -54,7 +54,7 @@ std::size_t resident_file_bytes(int statm) {
   return number * static_cast<std::size_t>(::sysconf(_SC_PAGESIZE));
 }
 
-void on_processor_time(int /*signal*/) {
+void on_timer(int /*signal*/) {
   const int kept = errno;
   blocks().limit_resident();
   errno = kept;
@@ -145,13 +145,13 @@ void Blocks::set_timer(bool runs) {
   if (!has_timer_ && runs) {
     statm_ = ::open("/proc/self/statm", O_RDONLY | O_CLOEXEC);
     struct sigaction action {};
-    action.sa_handler = on_processor_time;
+    action.sa_handler = on_timer;
     action.sa_flags = SA_RESTART;
     sigevent event{};
     event.sigev_notify = SIGEV_SIGNAL;
     event.sigev_signo = SIGPROF;
-    has_timer_ = ::sigaction(SIGPROF, &action, nullptr) == 0 &&
-                 ::timer_create(CLOCK_PROCESS_CPUTIME_ID, &event, &timer_) == 0;
+    has_timer_ =
+        ::sigaction(SIGPROF, &action, nullptr) == 0 && ::timer_create(CLOCK_MONOTONIC, &event, &timer_) == 0;
   }
   if (!has_timer_) return;
   const timespec every{0, runs ? static_cast<long>(look_every.count()) : 0};

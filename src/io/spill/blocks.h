@@ -13,11 +13,12 @@
 
 namespace thermorig::spill {
 
-/// Large blocks of memory, some of them mapped from files. Every few milliseconds of processor time that the
-/// program uses, a signal (SIGPROF) interrupts it to see how many pages of files are in memory, and gives
-/// those of the blocks back to the system if they are too many: a file's page that is given back is not lost,
-/// the next look at it finds it in its file. A thread that watched by the clock would come late on a computer
-/// that is busy, while others touch a gigabyte a second. What this needs for itself are small blocks: `new`
+/// Large blocks of memory, some of them mapped from files. Two thousand times a second a signal (SIGPROF)
+/// interrupts the program to see how many pages of files are in memory, and gives those of the blocks back to
+/// the system if they are too many: a file's page that is given back is not lost, the next look at it finds
+/// it in its file. A thread that watched would come late on a computer that is busy; a signal comes before
+/// whatever it interrupts touches more: one member of each row of a table, at tens of gigabytes a second.
+/// What this needs for itself are small blocks: `new`
 /// and `delete` of a thread that is inside must not ask here again. Never destroyed.
 class Blocks {
  public:
