@@ -161,7 +161,7 @@ void Blocks::set_timer(bool runs) {
 
 void Blocks::limit_resident() {
   if (is_changing_.test_and_set(std::memory_order_acquire)) return;
-  if (resident_file_bytes(statm_) > resident_bytes_)
+  if (statm_ >= 0 && resident_file_bytes(statm_) > resident_bytes_)
     for (const auto& [at, block] : blocks_)
       if (block.is_on_disk) ::madvise(at, block.bytes, MADV_DONTNEED);
   is_changing_.clear(std::memory_order_release);

@@ -10,6 +10,7 @@
 #include <new>
 
 #include "blocks.h"
+#include "thermorig/io/spill/pages.h"
 
 namespace thermorig::spill {
 
@@ -38,6 +39,10 @@ void release(void* at) {
 void arrays_near(const std::filesystem::path& near, const Limits& limits) {
   blocks().configure(near, limits);
   is_on = true;
+}
+
+void give_pages_back() {
+  if (is_on) blocks().limit_resident();
 }
 
 std::size_t spilled_bytes() {
