@@ -73,6 +73,7 @@ struct LiveOptions {
   std::string precision = "fp32";               // of the network's weights: fp32, fp16
   std::vector<std::string> estimators;          // by name; empty: all that can run
   bool loop = false;                            // the plan again and again, until it is stopped
+  std::filesystem::path map;                    // of the odometer: begun with, and written; empty: none
   std::optional<std::filesystem::path> replay;  // a session instead of a rig
   double speed = 1.0;                           // of a replay; 0: as fast as possible
   bool tui = false;
@@ -222,17 +223,18 @@ struct EvaluateOptions {
 };
 
 struct ExportOptions {
-  std::filesystem::path file;            // a session or a model
+  std::filesystem::path file;            // a session, a model or a profile
   std::filesystem::path output = ".";    // folder; of a session also "-"
   std::optional<std::string> npz;        // of a session: windows, rows
   std::optional<int> frames, reduction;  // of its windows
   std::optional<std::string> csv;        // a table of it
   std::optional<std::string> tum;        // all its trajectories, or one by name
-  bool mcap = false;
+  std::optional<std::string> mcap;       // "none" or "zstd": how it is compressed
   bool c_header = false;
   std::string weights = "float32";  // or int8
-  std::string name = "thermorig_network";
-  std::optional<int> batch;  // ONNX with a fixed batch
+  bool odometer = false;            // of a profile, or of a session's
+  std::optional<std::string> name;  // prefix of the C sources
+  std::optional<int> batch;         // ONNX with a fixed batch
   bool json = false;
 };
 

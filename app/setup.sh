@@ -1,13 +1,14 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: MIT
 # Installs the Debian packages that thermorig needs and that are missing. Never removes one.
-# Usage: bash app/setup.sh [page] [tests] [deep] [bench] [browser] [usb]   (the words add what the live page and
-# the charts of reports, tests, sanitizer runs, benchmarks, browser tests and tests on the kernel's usb-serial driver need)
+# Usage: bash app/setup.sh [page] [tests] [deep] [bench] [browser] [usb] [torch]   (the words add what the live page
+# and the charts of reports, tests, sanitizer runs, benchmarks, browser tests, tests on the kernel's usb-serial driver and
+# the data set for PyTorch need)
 set -euo pipefail
 
 packages=(g++ cmake ninja-build pkg-config ccache git ca-certificates
   libserialport-dev libboost-dev libhdf5-dev libfmt-dev libcli11-dev libtoml11-dev nlohmann-json3-dev
-  zlib1g-dev libdeflate-dev libmd-dev libeigen3-dev libonnx-dev libprotobuf-dev protobuf-compiler
+  zlib1g-dev libdeflate-dev libzstd-dev libmd-dev libeigen3-dev libonnx-dev libprotobuf-dev protobuf-compiler
   gcc-avr avr-libc libsimavr-dev libelf-dev)
 # A node that came from elsewhere brings its npm and conflicts with Debian's.
 add_node() { command -v npm >/dev/null || packages+=(nodejs npm); }
@@ -20,8 +21,9 @@ for part in "$@"; do
       gcc-arm-none-eabi libnewlib-arm-none-eabi qemu-system-arm slurmctld slurmd slurm-client munge) ;;
     bench) packages+=(libbenchmark-dev python3-numpy python3-h5py python3-serial) ;;
     browser) packages+=(chromium) ;;
+    torch) packages+=(python3-torch python3-numpy) ;;
     usb) packages+=(qemu-system-x86 busybox-static cpio python3) ;;
-    *) echo "setup.sh: unknown part '$part'; try: page, tests, deep, bench, browser, usb" >&2; exit 2 ;;
+    *) echo "setup.sh: unknown part '$part'; try: page, tests, deep, bench, browser, usb, torch" >&2; exit 2 ;;
   esac
 done
 

@@ -86,7 +86,7 @@ RENAMED |= {
 # Places in the JSON that `evaluate` prints, now by before: patterns that are replaced.
 RENAMED_PLACES = [(r"scores/apart$", "scores/excluded"), (r"scores/gyro/", "scores/estimators/gyro/"),
                   (r"scores/(thermal|fusion)/", r"scores/estimators/cnn-\1/"),
-                  (r"(errors|mse|estimators)/(thermal|fusion)\b", r"\1/cnn-\2")]
+                  (r"(errors|mse|estimators)/(thermal|fusion)(?![\w-])", r"\1/cnn-\2")]
 # The labels that a live run's estimates are held against when it is over are the finished ones, and the estimates
 # those that were shown: until format 2 the gyro's was the finished session's as well. The gyro less the bias that the
 # whole session knew is no estimator of the table: `gyro-rest` and `gyro-kalman`, which know less of it, stand there.

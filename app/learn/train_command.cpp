@@ -1,20 +1,58 @@
 // SPDX-License-Identifier: MIT
 #include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
 #include <thread>
 
 #include "build_information.h"
 #include "commands.h"
 #include "interrupts.h"
+#include "options.h"
 #include "session_data.h"
+#include "thermorig/core/error.h"
 #include "thermorig/io/port.h"
 #include "thermorig/learning/training/run_folder.h"
 #include "thermorig/learning/training/thread_pool.h"
-#include "train_files.h"
 #include "train_output.h"
 
 namespace thermorig::app {
 
 namespace {
+
+namespace fs = std::filesystem;
+
+bool same_bytes(const fs::path& one, const fs::path& other) {
+  std::error_code missing;
+  const auto size = fs::file_size(one, missing);
+  if (missing || size != fs::file_size(other, missing) || missing) return false;
+  std::ifstream first(one, std::ios::binary), second(other, std::ios::binary);
+  return first && second &&
+         std::equal(std::istreambuf_iterator<char>(first), {}, std::istreambuf_iterator<char>(second));
+}
+
+/// The run folder that was asked for, or the one beside the model: "model.onnx" has "model.run".
+fs::path run_folder_of(const TrainOptions& options) {
+  if (!options.run_folder.empty()) return options.run_folder;
+  fs::path folder = options.output;
+  return folder.replace_extension(".run");
+}
+
+/// May a model be written there? Not over a file, unless it is the one that a run wrote that now goes on: the
+/// same bytes as `written`. Throws Error(bad_usage) for a folder.
+bool is_free(const fs::path& output, const fs::path& written) {
+  std::error_code hidden;
+  if (fs::is_directory(output, hidden))
+    throw Error(ExitCode::bad_usage, "is a folder", output.string(), "name a file: -o model.onnx");
+  return !fs::exists(output, hidden) || same_bytes(output, written);
+}
+
+/// Throws Error(bad_usage) if it may not.
+void require_free(const fs::path& output, const fs::path& written) {
+  if (is_free(output, written)) return;
+  throw Error(ExitCode::bad_usage, "there is a file already, and a model is never overwritten",
+              output.string(), "another name with -o, or move that one away");
+}
 
 using network::Acquisition;
 using training::RunFolder;

@@ -5,6 +5,7 @@
 #include "commands.h"
 #include "interrupts.h"
 #include "live_facts.h"
+#include "live_map.h"
 #include "live_model.h"
 #include "live_page.h"
 #include "live_replay.h"
@@ -106,19 +107,22 @@ ExitCode run(const LiveOptions& options) {
   rig::check_plan(plan, rig.profile.servo, rig.profile.camera);
   if (options.keep) require_output(options.record, rig, plan);
   const ChosenModel model = read_live_model(options.model, options.precision);
-  estimators::Bank bank(options.estimators, model.model, rig.profile, model.precision);
+  LiveMap map(options.map, rig.profile.camera, rig.simulated.has_value());
+  estimators::Bank bank(options.estimators, model.model, rig.profile, model.precision, 1, map.begun_with());
   rig::RecordingOptions recording = recording_options(options.record, rig, plan);
   make_live(options, model, bank, recording);
   const std::unique_ptr<LivePage> page =
       options.record.page.serve ? std::make_unique<LivePage>(options.record.page) : nullptr;
   const auto ports = switch_on(options.record, rig, recording);  // outlives the recording
-  LiveRun run(live_facts(LiveMode::live, options.record, recording), model, std::move(bank));
+  LiveRun run(live_facts(LiveMode::live, options.record, recording), model, std::move(bank), &map);
   LiveScreens screens(options, page.get(), run);
   watch(run, model, recording);
   const auto drive = [&] {
     const Orders ordered = [&] { return orders(options, run, page.get(), screens); };
-    return options.record.fast ? drive_fast(rig, std::move(recording), run, ordered)
-                               : drive_ports(std::move(recording), run, ordered);
+    rig::RecordingResult result = options.record.fast ? drive_fast(rig, std::move(recording), run, ordered)
+                                                      : drive_ports(std::move(recording), run, ordered);
+    run.write_map();
+    return result;
   };
   const Outcome outcome = outcome_of(run, options.keep, drive);
   screens.finish(outcome.exit, outcome.next);

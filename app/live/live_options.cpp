@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <initializer_list>
@@ -93,8 +94,19 @@ void check_words_without_effect(const LiveCommandLine& words) {
     refuse_said(words, {"--precision"}, "is that of a network, and there is no --model");
 }
 
+/// A map is that of the odometer.
+void check_map(const LiveOptions& live) {
+  const auto keeps_map = [](const std::string& name) { return estimators::entry(name).keeps_map; };
+  const bool is_kept =
+      live.estimators.empty() || std::any_of(live.estimators.begin(), live.estimators.end(), keeps_map);
+  if (!live.map.empty() && !is_kept)
+    refuse_option("--map is for the odometer, and that is not among --estimators",
+                  "--estimators odometer, or leave --map out");
+}
+
 void check(const LiveCommandLine& words) {
   const LiveOptions& live = words.options;
+  check_map(live);
   const bool names_rig = live.record.rig.simulated_seed || !live.record.rig.profile.empty();
   if (live.replay && names_rig)
     refuse_option("--replay and a rig exclude each other", "--replay SESSION alone");
@@ -146,6 +158,11 @@ void add_live(CLI::App& root, LiveCommandLine& words) {
       ->check(one_of(estimators::names()))
       ->delimiter(',')
       ->type_name("NAME,...");
+  command
+      .add_option("--map", live.map,
+                  "The odometer's map: begun with if it is there, so that headings are since its origin, and "
+                  "written at the end")
+      ->type_name("FILE");
   words.command = &command;
   add_source(command, words);
   add_result(command, words);
@@ -157,6 +174,7 @@ void add_live(CLI::App& root, LiveCommandLine& words) {
       "Examples:\n"
       "  thermorig live --simulated=4 --model model.onnx\n"
       "  thermorig live --rig bench --model model.onnx --environment garden --record\n"
+      "  thermorig live --rig bench --environment kitchen --plan paper --map kitchen.map\n"
       "  thermorig live --replay session.h5 --model model.onnx --speed 10");
 }
 

@@ -68,7 +68,7 @@ class Replayer {
         progress_.add(measurement.sample);
         run_.add(measurement, moment->time);
       }
-      tell_gate(moment->time);
+      tell_orders(moment->time);
       tell(moment->time, false);
     }
     tell(raw_.end_time, true);
@@ -98,10 +98,12 @@ class Replayer {
   }
 
   /// The network's gate may collapse; of its own model the session has that event already.
-  void tell_gate(HostTime time) {
-    for (const rig::Order& order : run_.take_orders())
+  void tell_orders(HostTime time) {
+    for (const rig::Order& order : run_.take_orders()) {
       if (order.kind == rig::OrderKind::gate && !same_model_)
         run_.tell({time, EventKind::gate, std::nullopt, order.note});
+      if (order.kind == rig::OrderKind::info) run_.tell({time, EventKind::info, std::nullopt, order.note});
+    }
   }
 
   void tell(HostTime time, bool last) {
@@ -143,8 +145,11 @@ ExitCode replay_live(const LiveOptions& options) {
   watch_interrupts();
   const std::unique_ptr<LivePage> page =
       options.record.page.serve ? std::make_unique<LivePage>(options.record.page) : nullptr;
+  LiveMap map(options.map, raw.header.profile.camera, raw.header.simulated);
   LiveRun run(facts_of(raw), model,
-              estimators::Bank(options.estimators, model.model, raw.header.profile, model.precision));
+              estimators::Bank(options.estimators, model.model, raw.header.profile, model.precision, 1,
+                               map.begun_with()),
+              &map);
   LiveScreens screens(options, page.get(), run);
   RecordingHeader header = raw.header;
   header.live_model = model.facts;
@@ -156,6 +161,7 @@ ExitCode replay_live(const LiveOptions& options) {
   Replayer replayer(options, raw, run, page.get(), screens, same_model);
   const bool finished = replayer.play();
   const ExitCode code = finished ? ExitCode::ok : ExitCode::interrupted;
+  run.write_map();
   run.ended({static_cast<int>(code), finished ? "" : replayer.ending(), "", ""});
   screens.finish(code);
   return code;

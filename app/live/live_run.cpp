@@ -33,11 +33,12 @@ double label_scale_dps(const std::optional<model::Model>& model) {
 
 }  // namespace
 
-LiveRun::LiveRun(const LiveFacts& facts, const ChosenModel& model, estimators::Bank bank)
+LiveRun::LiveRun(const LiveFacts& facts, const ChosenModel& model, estimators::Bank bank, LiveMap* map)
     : facts_(facts),
       columns_(live::columns_of(bank)),
       estimates_(std::move(bank)),
-      scorer_(columns_, label_scale_dps(model.model)) {
+      scorer_(columns_, label_scale_dps(model.model)),
+      map_(map) {
   if (model.model) scaling_ = model.model->scaling;
 }
 
@@ -60,6 +61,7 @@ void LiveRun::begun(const RecordingHeader& header) {
   begin_ = now_ = header.time_reference;
   publish(web::Topic::hello, hello_message(facts_));
   for (LiveScreen* screen : screens_) screen->hello(facts_);
+  tell_of_map();
 }
 
 EstimateRow LiveRun::add(const Measurement& measurement, HostTime arrived) {
@@ -77,6 +79,7 @@ EstimateRow LiveRun::add(const Measurement& measurement, HostTime arrived) {
   for (LiveScreen* screen : screens_) screen->frame(seen);
   if (++frames_ == scene_frame) warn_of_scene(measurement.frame.frame);
   warn_of_gate(scores);
+  tell_of_map();
   return row;
 }
 
@@ -113,6 +116,18 @@ void LiveRun::warn_of_gate(const live::LiveScores& scores) {
       "--auxiliary-thermal)",
       scores.gain_mean < 0.5 ? "below 0.02" : "above 0.98");
   orders_.push_back({rig::OrderKind::gate, sentence});
+}
+
+void LiveRun::tell_of_map() {
+  if (map_ == nullptr) return;
+  if (auto news = map_->news(estimates_.map_use()))
+    orders_.push_back({rig::OrderKind::info, *std::move(news)});
+}
+
+void LiveRun::write_map() {
+  if (map_ == nullptr) return;
+  const auto told = map_->write(estimates_.map(), estimates_.map_use(), facts_.header);
+  if (told) tell({now_, EventKind::info, std::nullopt, *told});
 }
 
 void LiveRun::progress(const rig::RecordingProgress& progress) {

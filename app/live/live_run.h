@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "live_map.h"
 #include "live_messages.h"
 #include "live_model.h"
 #include "thermorig/estimators/live/live_estimates.h"
@@ -39,7 +40,8 @@ struct LiveScreen {
 /// All calls come from the recording's thread.
 class LiveRun {
  public:
-  LiveRun(const LiveFacts& facts, const ChosenModel& model, estimators::Bank bank);
+  /// `map`: null, or the file that is begun with and written.
+  LiveRun(const LiveFacts& facts, const ChosenModel& model, estimators::Bank bank, LiveMap* map = nullptr);
 
   void add(MessageSink& sink) { sinks_.push_back(&sink); }
   void add(LiveScreen& screen) { screens_.push_back(&screen); }
@@ -50,6 +52,8 @@ class LiveRun {
   void tell(const RecordingEvent& event);
   void warn(const std::string& sentence);
   void note(const std::string& sentence);
+  /// At the end of a run that ended well, or was stopped. Throws Error(storage).
+  void write_map();
   void ended(const LiveEnd& end);
 
   /// What this run asks of the recording since the last call.
@@ -62,12 +66,14 @@ class LiveRun {
   void publish_surroundings();
   void warn_of_scene(const ThermalFrame& frame);
   void warn_of_gate(const live::LiveScores& scores);
+  void tell_of_map();
 
   LiveFacts facts_;
   std::optional<network::Scaling> scaling_;
   std::vector<EstimatorColumn> columns_;  // of the rows
   live::LiveEstimates estimates_;
   live::Scorer scorer_;
+  LiveMap* map_;
   std::vector<MessageSink*> sinks_;
   std::vector<LiveScreen*> screens_;
   std::vector<rig::Order> orders_;

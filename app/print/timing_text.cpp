@@ -145,9 +145,11 @@ std::string filter_text(const GyroErrors& gyro) {
   if (gyro.filter_source.empty())
     return fmt::format("not known: all times may be late by up to {:.0f} ms, by the same",
                        2.5e3 * gyro.filter_delay_s.uncertainty);
+  const std::string_view by = gyro.filter_source == "noise"    ? "by the noise at rest"
+                              : gyro.filter_source == "device" ? "as the device says"
+                                                               : "as the profile states";
   return fmt::format("delays by {:.1f} +- {:.1f} ms, {}", 1e3 * gyro.filter_delay_s.value,
-                     1e3 * gyro.filter_delay_s.uncertainty,
-                     gyro.filter_source == "noise" ? "by the noise at rest" : "as the profile states");
+                     1e3 * gyro.filter_delay_s.uncertainty, by);
 }
 
 /// Nothing where all rows are exposed at once.

@@ -2,20 +2,25 @@
 #include "recorder.h"
 
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
 #include <memory>
-#include <nlohmann/json.hpp>
+#include <vector>
 
 #include "interrupts.h"
 #include "live/live_facts.h"
+#include "live/live_page.h"
+#include "live/live_run.h"
+#include "live/page_address.h"
+#include "options.h"
 #include "print/output.h"
 #include "print/simulation_text.h"
 #include "progress_output.h"
-#include "record_page.h"
 #include "recording_setup.h"
 #include "thermorig/io/host.h"
 #include "thermorig/io/port.h"
 #include "thermorig/rig/recording/port_recording.h"
+#include "thermorig/rig/recording/recording.h"
 #include "thermorig/rig/recording/session_file.h"
 #include "thermorig/simulation/simulated_ports/simulated_ports.h"
 #include "thermorig/storage/recording_header/header_json.h"
@@ -24,6 +29,35 @@
 namespace thermorig::app {
 
 namespace {
+
+/// The page of `record`: the same as that of `live`, gyro against servo, and nothing of it is kept.
+class RecordPage {
+ public:
+  /// Starts the server, says where it is, and watches `recording`.
+  RecordPage(const RecordOptions& options, rig::RecordingOptions& recording);
+
+  void progress(const rig::RecordingProgress& progress) { run_.progress(progress); }
+  std::vector<rig::Order> take_orders() { return orders_of(run_, &page_); }
+  void ended(const LiveEnd& end) { run_.ended(end); }
+
+ private:
+  LivePage page_;
+  LiveRun run_;
+};
+
+RecordPage::RecordPage(const RecordOptions& options, rig::RecordingOptions& recording)
+    : page_(options.page),
+      run_(live_facts(LiveMode::record, options, recording), ChosenModel{},
+           estimators::Bank({}, {}, recording.profile)) {
+  run_.add(page_);
+  tell_page(page_.server(), options.json);
+  recording.wait_for_start = options.page.control;
+  recording.begun = [this](const RecordingHeader& header) { run_.begun(header); };
+  recording.observe = [this](const Measurement& measurement, HostTime arrived) {
+    run_.add(measurement, arrived);
+    return std::optional<EstimateRow>();
+  };
+}
 
 void announce(const rig::RecordingOptions& recording, bool json) {
   const rig::SweepPlan& plan = recording.plan;

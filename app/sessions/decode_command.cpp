@@ -1,12 +1,21 @@
 // SPDX-License-Identifier: MIT
 #include <fmt/format.h>
-
-#include <algorithm>
-#include <charconv>
-#include <limits>
+#include <unistd.h>
 #include <nlohmann/json.hpp>
 
-#include "byte_source.h"
+#include <algorithm>
+#include <cerrno>
+#include <charconv>
+#include <cstdint>
+#include <cstdio>
+#include <cstring>
+#include <filesystem>
+#include <limits>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
 #include "commands.h"
 #include "decode_advice.h"
 #include "print/decoded_text.h"
@@ -20,6 +29,56 @@
 namespace thermorig::app {
 
 namespace {
+
+/// A file or, for "-", standard input, read in blocks so that its size does not matter.
+class ByteSource {
+ public:
+  /// Throws Error(bad_usage) if there is no such file, Error(no_permission) or Error(storage) if it cannot be
+  /// opened.
+  explicit ByteSource(const std::string& path);
+
+  /// The next block; empty at the end. Throws Error(storage) if reading fails. Valid until the next call.
+  std::span<const std::uint8_t> next();
+
+  const std::string& name() const { return name_; }
+
+ private:
+  std::string name_;
+  std::unique_ptr<std::FILE, int (*)(std::FILE*)> file_;
+  std::vector<std::uint8_t> block_;
+};
+
+constexpr std::size_t block_bytes = 1 << 16;
+
+int keep_open(std::FILE*) {
+  return 0;
+}
+
+[[noreturn]] void refuse_to_read(const std::string& path, int reason) {
+  if (reason == ENOENT)
+    throw Error(ExitCode::bad_usage, "there is no such file", path, "another name, or - for standard input");
+  const ExitCode code = reason == EACCES ? ExitCode::no_permission : ExitCode::storage;
+  throw Error(code, std::string("it cannot be read: ") + std::strerror(reason), path, "ls -l " + path);
+}
+
+std::unique_ptr<std::FILE, int (*)(std::FILE*)> open_source(const std::string& path) {
+  if (path == "-") return {stdin, keep_open};
+  if (std::filesystem::is_directory(path)) refuse_to_read(path, EISDIR);
+  std::FILE* file = std::fopen(path.c_str(), "rb");
+  if (file == nullptr) refuse_to_read(path, errno);
+  return {file, std::fclose};
+}
+
+ByteSource::ByteSource(const std::string& path)
+    : name_(path == "-" ? "standard input" : path), file_(open_source(path)), block_(block_bytes) {}
+
+std::span<const std::uint8_t> ByteSource::next() {
+  for (;;) {  // read(), not fread(): what a pipe has is shown at once
+    const ssize_t got = read(fileno(file_.get()), block_.data(), block_.size());
+    if (got >= 0) return {block_.data(), static_cast<std::size_t>(got)};
+    if (errno != EINTR) refuse_to_read(name_, errno);
+  }
+}
 
 constexpr std::uint64_t usual_lines = 10;
 

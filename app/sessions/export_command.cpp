@@ -6,6 +6,7 @@
 #include "commands.h"
 #include "existing_file.h"
 #include "export_files.h"
+#include "export_odometer.h"
 #include "export_session.h"
 #include "export_size.h"
 #include "print/output.h"
@@ -21,7 +22,11 @@ void require_kind(const ExportOptions& options) {
   throw Error(
       ExitCode::bad_usage, "export needs to be told what", "",
       "of a session --npz, --csv, --tum or --mcap; of a model --c-header for small boards, or --batch 1 for "
-      "ONNX with a fixed batch (the model file itself is ONNX with any batch)");
+      "ONNX with a fixed batch (the model file itself is ONNX with any batch); of a profile --odometer");
+}
+
+std::string name_of(const ExportOptions& options) {
+  return options.name.value_or("thermorig_network");
 }
 
 /// What the C sources take on a board.
@@ -33,7 +38,7 @@ struct BoardNeeds {
 
 std::vector<NewFile> c_files(const ExportOptions& options, const model::Model& model, BoardNeeds& needs) {
   const auto kind = options.weights == "int8" ? embedded::WeightKind::int8 : embedded::WeightKind::float32;
-  embedded::CSource source = embedded::c_source(model, kind, options.name);
+  embedded::CSource source = embedded::c_source(model, kind, name_of(options));
   needs = {source.constant_bytes, source.working_bytes, std::nullopt};
   std::vector<NewFile> files;
   for (embedded::SourceFile& file : source.files)
@@ -69,7 +74,7 @@ void print_words(const ExportOptions& options, const model::Model& model, const 
   for (const NewFile& file : files) print("written   {}\n", printable(file.path.string()));
   if (!options.c_header) return;
   print_needs(needs);
-  print("next      #include \"{}.h\"; docs/export.md tells how\n", options.name);
+  print("next      #include \"{}.h\"; docs/export.md tells how\n", name_of(options));
 }
 
 void print_object(const ExportOptions& options, const model::Model& model, const std::vector<NewFile>& files,
@@ -88,7 +93,7 @@ void print_object(const ExportOptions& options, const model::Model& model, const
   if (options.batch) object["batch"] = *options.batch;
   if (options.c_header)
     object["c_header"] = {
-        {"name", options.name},
+        {"name", name_of(options)},
         {"weights", options.weights},
         {"constant_bytes", needs.constant_bytes},
         {"flash_bytes", needs.compiled ? nlohmann::json(needs.compiled->flash_bytes) : nlohmann::json()},
@@ -100,6 +105,10 @@ void print_object(const ExportOptions& options, const model::Model& model, const
 }  // namespace
 
 ExitCode run(const ExportOptions& options) {
+  if (options.odometer) return export_odometer(options);
+  if (options.name && !options.c_header)
+    throw Error(ExitCode::bad_usage, "--name is of C sources, and none are asked for", *options.name,
+                "--c-header or --odometer");
   if (is_of_a_session(options)) return export_session(options);
   require_kind(options);
   require_existing(options.file);
@@ -109,7 +118,7 @@ ExitCode run(const ExportOptions& options) {
   if (options.c_header) files = c_files(options, model, needs);
   if (options.batch) files.push_back(onnx_file(options, model));
   write_new_files(files);
-  if (options.c_header) needs.compiled = compiled_size(options.output / (options.name + ".c"));
+  if (options.c_header) needs.compiled = compiled_size(options.output / (name_of(options) + ".c"));
   if (options.json)
     print_object(options, model, files, needs);
   else

@@ -17,10 +17,14 @@ void add_model_forms(CLI::App& command, ExportOptions& options) {
       ->check(CLI::IsMember({"float32", "int8"}))
       ->capture_default_str()
       ->needs(c_header);
-  command.add_option("--name", options.name, "Prefix of the C sources' files and symbols")
-      ->type_name("NAME")
-      ->capture_default_str()
-      ->needs(c_header);
+  command
+      .add_flag("--odometer", options.odometer,
+                "Profile, or session: the odometer as C99 for small boards: NAME.h, NAME.c and NAME_rig.h")
+      ->excludes(c_header);
+  command
+      .add_option("--name", options.name,
+                  "Prefix of the C sources' files and symbols [thermorig_network, thermorig_odometer]")
+      ->type_name("NAME");
   command
       .add_option("--batch", options.batch,
                   "Model: ONNX with a fixed batch of N, for engines that ask for one")
@@ -40,15 +44,19 @@ void add_session_forms(CLI::App& command, ExportOptions& options) {
       ->check(one_of(interchange::table_names()));
   command.add_flag("--tum{all}", options.tum,
                    "Session: trajectories of the shaft and of each estimator, for evo; =NAME: one of them");
-  command.add_flag("--mcap", options.mcap, "Session: images, gyro, servo, labels and events for Foxglove");
+  command
+      .add_flag("--mcap{none}", options.mcap,
+                "Session: images, gyro, servo, labels and events for Foxglove; =zstd: compressed")
+      ->check(CLI::IsMember({"none", "zstd"}));
 }
 
 }  // namespace
 
 void add_export(CLI::App& root, ExportOptions& options) {
-  CLI::App& command =
-      *root.add_subcommand("export", "Export a session or a model for other programs and small boards");
-  command.add_option("FILE", options.file, "Session (.h5) or model file (.onnx)")->required();
+  CLI::App& command = *root.add_subcommand(
+      "export", "Export a session, a model or the odometer for other programs and small boards");
+  command.add_option("FILE", options.file, "Session (.h5), model file (.onnx) or profile (.toml)")
+      ->required();
   add_session_forms(command, options);
   add_model_forms(command, options);
   command
@@ -61,7 +69,8 @@ void add_export(CLI::App& root, ExportOptions& options) {
       "Examples:\n"
       "  thermorig export session.h5 --npz --nf 3 --mcap -o exported\n"
       "  thermorig export session.h5 --csv=gyro -o - | head\n"
-      "  thermorig export model.onnx --c-header --weights int8 -o firmware/src");
+      "  thermorig export model.onnx --c-header --weights int8 -o firmware/src\n"
+      "  thermorig export rig.toml --odometer -o firmware/src");
 }
 
 }  // namespace thermorig::app

@@ -47,8 +47,7 @@ class SessionExport {
     if (options.npz) add_npz();
     if (options.csv) add_csv();
     if (options.tum) add_tum();
-    if (options.mcap)
-      outputs_.push_back({".mcap", [this](Sink& sink) { interchange::write_mcap(session_, sink); }});
+    if (options.mcap) add_mcap();
   }
 
   void write_to_standard_output() const {
@@ -111,6 +110,13 @@ class SessionExport {
     if (*options_.tum != "all" && std::find(names.begin(), names.end(), *options_.tum) == names.end())
       throw Error(ExitCode::bad_usage, fmt::format("the session has no trajectory \"{}\"", *options_.tum),
                   options_.file.string(), fmt::format("--tum={}", fmt::join(names, ", ")));
+  }
+
+  void add_mcap() {
+    const auto compression =
+        *options_.mcap == "zstd" ? interchange::McapCompression::zstd : interchange::McapCompression::none;
+    outputs_.push_back(
+        {".mcap", [this, compression](Sink& sink) { interchange::write_mcap(session_, sink, compression); }});
   }
 
   const ExportOptions& options_;

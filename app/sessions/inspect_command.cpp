@@ -6,6 +6,7 @@
 #include "commands.h"
 #include "print/error_output.h"
 #include "print/inspect_text.h"
+#include "print/map_text.h"
 #include "print/output.h"
 #include "print/timing_text.h"
 #include "session_files.h"
@@ -71,7 +72,7 @@ class Inspection {
  private:
   void look_at_file(const std::filesystem::path& file) {
     try {
-      tell(file, inspect(file));
+      map_file::is_map(file) ? tell_map(file) : tell(file, inspect(file));
     } catch (const Error& error) {
       refuse(file, error);
     }
@@ -82,7 +83,19 @@ class Inspection {
     if (options_.json)
       list_.push_back(object_of(file, inspected, options_.timing));
     else
-      print("{}{}", is_first_ ? "" : "\n", words_of(file, inspected, options_.timing));
+      print_text(words_of(file, inspected, options_.timing));
+  }
+
+  void tell_map(const std::filesystem::path& file) {
+    const map_file::StoredMap stored = map_file::read_map(file);
+    if (options_.json)
+      list_.push_back(map_json(file, stored));
+    else
+      print_text(map_text(file, stored));
+  }
+
+  void print_text(const std::string& text) {
+    print("{}{}", is_first_ ? "" : "\n", text);
     is_first_ = false;
   }
 

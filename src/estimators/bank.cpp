@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <utility>
 
 #include "network_window.h"
 #include "observer.h"
@@ -43,10 +44,13 @@ struct Bank::Parts {
   std::vector<std::unique_ptr<Estimator>> estimators;
   std::vector<RateEstimate> estimates;
   Observer observer;
+
+  const Estimator* keeper() const;  // of a map; null: none
 };
 
 Bank::Bank(std::span<const std::string> names, const std::optional<model::Model>& model,
-           const RigProfile& profile, network::Precision precision, int frames)
+           const RigProfile& profile, network::Precision precision, int frames,
+           std::shared_ptr<const odometer::Map> map)
     : parts_(std::make_unique<Parts>()) {
   const std::vector<std::string> all =
       names.empty() ? names_for(model) : std::vector(names.begin(), names.end());
@@ -54,6 +58,7 @@ Bank::Bank(std::span<const std::string> names, const std::optional<model::Model>
   parts_->setup.gyro = profile.gyro;
   parts_->setup.camera = profile.camera;
   parts_->setup.frames = frames;
+  parts_->setup.map = std::move(map);
   if (model) {
     parts_->setup.network = std::make_shared<NetworkWindow>(*model, precision);
     parts_->setup.frames = model->weights.shape.frames;
@@ -87,6 +92,22 @@ std::span<const RateEstimate> Bank::add(const Measurement& measurement) {
     parts.estimates[i] = parts.estimators[i]->add(observation).value_or(RateEstimate{});
   }
   return parts.estimates;
+}
+
+const Estimator* Bank::Parts::keeper() const {
+  for (std::size_t i = 0; i < entries.size(); ++i)
+    if (entries[i]->keeps_map) return estimators[i].get();
+  return nullptr;
+}
+
+std::optional<odometer::Map> Bank::map() const {
+  const Estimator* keeper = parts_->keeper();
+  return keeper != nullptr ? keeper->map() : std::nullopt;
+}
+
+odometer::MapUse Bank::map_use() const {
+  const Estimator* keeper = parts_->keeper();
+  return keeper != nullptr ? keeper->map_use() : odometer::MapUse::none;
 }
 
 std::optional<Surroundings> Bank::surroundings(std::size_t place) const {

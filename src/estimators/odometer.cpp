@@ -48,7 +48,7 @@ EstimateReason reason_of(odometer::Reason reason) {
 class OdometerEstimator : public Estimator {
  public:
   explicit OdometerEstimator(const Setup& setup)
-      : odometer_(setup.gyro, setup.camera), rates_(setup.frames), sigmas_(setup.frames) {}
+      : odometer_(setup.gyro, setup.camera, setup.map), rates_(setup.frames), sigmas_(setup.frames) {}
 
   std::optional<RateEstimate> add(const Observation& observation) override {
     const odometer::Report report = odometer_.add(observation.frame, observation.gyro);
@@ -71,6 +71,9 @@ class OdometerEstimator : public Estimator {
     return Surroundings{std::move(image_c)};
   }
 
+  std::optional<odometer::Map> map() const override { return odometer_.map(); }
+  odometer::MapUse map_use() const override { return odometer_.map_use(); }
+
  private:
   odometer::Odometer odometer_;
   WindowRates rates_, sigmas_;
@@ -82,6 +85,7 @@ Entry odometer() {
   return {.name = "odometer",
           .title = "gyro and camera against a map of the surroundings",
           .inputs = {.image = true, .gyro = true},
+          .keeps_map = true,
           .values = odometer_values,
           .make = made<OdometerEstimator>};
 }

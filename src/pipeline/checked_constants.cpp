@@ -22,7 +22,8 @@ void shift_times(double shift_s, ClockFit& clock) {
 
 /// What a filter that no profile states may have added to either of two measurements.
 double unstated_filter_s(const GyroErrors& errors) {
-  return errors.filter_source == "profile" ? 0.0 : std::numbers::sqrt2 * errors.filter_delay_s.uncertainty;
+  const bool is_stated = errors.filter_source == "profile" || errors.filter_source == "device";
+  return is_stated ? 0.0 : std::numbers::sqrt2 * errors.filter_delay_s.uncertainty;
 }
 
 }  // namespace

@@ -10,7 +10,6 @@
 #include "checked_constants.h"
 #include "clock_fits.h"
 #include "final_times.h"
-#include "joined_clock.h"
 #include "message_spans.h"
 #include "ping_exchanges.h"
 #include "thermorig/pipeline/interruptions.h"
@@ -19,13 +18,15 @@
 #include "thermorig/pipeline/motion/panorama_fit.h"
 #include "thermorig/pipeline/pipeline.h"
 #include "thermorig/pipeline/timing/arrivals.h"
+#include "thermorig/sensors/gyro_protocol.h"
 #include "thermorig/sensors/servo_protocol.h"
 
 namespace thermorig::pipeline {
 
 namespace {
 
-constexpr std::size_t turn_windows = 3;  // of a session, that are searched for whole turns
+constexpr double answer_patience_s = 5.0;  // for what a gyro says of itself
+constexpr std::size_t turn_windows = 3;    // of a session, that are searched for whole turns
 
 template <typename Message>
 void put_times(const std::vector<TimeEstimate>& times, std::vector<Message>& messages) {
@@ -133,9 +134,23 @@ void fit_newer_half(Streams& streams, const RigProfile& profile, const GyroError
   if (fits.newer_half) expose(streams.frames, profile.camera, fits);
 }
 
+/// What the gyro answered when its port opened; bytes of some seconds are looked through.
+std::optional<double> answered_bandwidth_hz(const RawRecording& raw) {
+  const sensors::GyroProtocol& protocol = sensors::gyro_protocol(raw.header.profile.gyro.protocol);
+  const RawStream& received = raw.received[Device::gyro];
+  if (protocol.bandwidth_hz == nullptr || raw.sent[Device::gyro].chunk_count() == 0) return std::nullopt;
+  std::vector<std::uint8_t> bytes;
+  for (std::size_t i = 0; i < received.chunk_count(); ++i) {
+    if (received.time(i) - raw.sent[Device::gyro].time(0) > from_s(answer_patience_s)) break;
+    const auto chunk = received.chunk(i);
+    bytes.insert(bytes.end(), chunk.begin(), chunk.end());
+  }
+  return protocol.bandwidth_hz(bytes);
+}
+
 }  // namespace
 
-Fits fit(const RawRecording& raw, Streams streams) {
+Fits fit(const RawRecording& raw, Streams streams, const RunAll& run_all) {
   const RigProfile& profile = raw.header.profile;
   put_proofs(raw.received[Device::camera], profile.camera.link.baud, streams.frames);
   CameraRhythm rhythm =
@@ -149,7 +164,7 @@ Fits fit(const RawRecording& raw, Streams streams) {
 
   SyncReport sync;
   sync.gyro = labels::fit_gyro_errors(streams.gyro, streams.servo, profile.gyro);
-  labels::fit_gyro_filter(streams.gyro, streams.servo, profile.gyro, sync.gyro);
+  labels::fit_gyro_filter(streams.gyro, streams.servo, profile.gyro, sync.gyro, answered_bandwidth_hz(raw));
   apply_filter_delay(sync.gyro, clocks[Device::gyro]);
   put_times(clocks[Device::gyro].times, streams.gyro);
   fit_newer_half(streams, profile, sync.gyro, fits);
@@ -159,8 +174,9 @@ Fits fit(const RawRecording& raw, Streams streams) {
   };
   fit_servo();  // how the bias went: what images say rests on it, and what the servo's scale is, on them
   const motion::View view{profile.camera.field_of_view_deg, profile.camera.mirrored};
-  apply_turns(motion::gyro_scale(streams.frames, streams.gyro, view, sync.gyro, turn_windows), sync.gyro);
-  sync.camera_offset = motion::camera_offset(streams.frames, streams.gyro, view, sync.gyro);
+  apply_turns(motion::gyro_scale(streams.frames, streams.gyro, view, sync.gyro, turn_windows, run_all),
+              sync.gyro);
+  sync.camera_offset = motion::camera_offset(streams.frames, streams.gyro, view, sync.gyro, run_all);
   apply_camera_offset(profile.camera.link, sync.gyro, clocks[Device::gyro].report, sync.camera_offset,
                       clocks[Device::camera]);
   sync.servo = fit_servo();

@@ -1,12 +1,20 @@
 // SPDX-License-Identifier: MIT
 #include "gyro_decoder.h"
 
+#include <algorithm>
 #include <cassert>
+#include <cmath>
 #include <utility>
+
+#include "thermorig/core/statistics.h"
 
 namespace thermorig::pipeline {
 
 namespace {
+constexpr HostDuration settling = std::chrono::seconds(2);
+constexpr double missing_steps = 1.5;  // so long a step is one in which a sample lacks
+constexpr double most_missing = 1e9;
+
 timing::StampHint hint(const wire::GyroMessage& message) {
   timing::StampHint hint{.lost_before = message.lost_before, .device_s = {}};
   const auto& device_time_us = message.reading.device_time_us;
@@ -14,6 +22,52 @@ timing::StampHint hint(const wire::GyroMessage& message) {
   return hint;
 }
 }  // namespace
+
+void GyroLosses::sample(const TimedGyro& sample, double counted) {
+  const auto& own_us = sample.reading.device_time_us;
+  if (own_us) look_at_step(sample.stamp.time, 1e-6 * static_cast<double>(*own_us));
+  settle(sample.stamp.arrival, own_us ? own_missing_ : counted);
+}
+
+void GyroLosses::interrupt() {
+  before_ = count();
+  settled_ = 0;
+  own_missing_ = least_ = 0.0;
+  step_count_ = 0;
+  own_s_.reset();
+  span_begin_.reset();
+}
+
+double GyroLosses::usual_step_s() const {
+  return reordering_median(std::array(steps_s_));
+}
+
+/// A time that is not the gyro's, torn as its line may be, has no room between the two samples.
+void GyroLosses::look_at_step(HostTime time, double own_s) {
+  const double step_s = own_s_ ? own_s - *own_s_ : 0.0;
+  const double room_s = to_s(time - time_);
+  own_s_ = own_s;
+  time_ = time;
+  if (!(step_s > 0.0)) return;
+  if (step_count_ >= kept_steps) {
+    const double usual_s = usual_step_s();
+    const double steps = std::min({step_s, room_s + usual_s, most_missing * usual_s}) / usual_s;
+    if (step_s > missing_steps * usual_s) own_missing_ += std::max(std::round(steps) - 1.0, 0.0);
+  }
+  steps_s_[step_count_++ % kept_steps] = step_s;
+}
+
+void GyroLosses::settle(HostTime now, double missing) {
+  if (!span_begin_) {
+    span_begin_ = now;
+    least_ = missing;
+  }
+  least_ = std::min(least_, missing);
+  if (now - *span_begin_ < settling) return;
+  settled_ = std::max(settled_, static_cast<std::uint64_t>(std::clamp(least_, 0.0, most_missing)));
+  span_begin_ = now;
+  least_ = missing;
+}
 
 GyroDecoder::GyroDecoder(const GyroProfile& profile, const Fits& fits)
     : scanner_(sensors::gyro_scanner(profile)),

@@ -22,9 +22,11 @@ struct Pipeline::Stages {
   Streams streams;
   PerDevice<std::uint64_t> message_bytes;  // at most
   std::optional<AbsentCamera> absent_camera;
+  bool without_labels;
 
   template <typename Timed>
   void add(std::span<const Timed> samples) {
+    if (without_labels) return;
     for (const Timed& sample : samples) {
       labeller.add(sample);
       measurements.add(sample);
@@ -52,7 +54,7 @@ PerDevice<std::uint64_t> message_bytes(const RigProfile& profile) {
 }
 }  // namespace
 
-Pipeline::Pipeline(const RigProfile& profile, const Fits& fits)
+Pipeline::Pipeline(const RigProfile& profile, const Fits& fits, bool without_labels)
     : stages_(new Stages{.camera = CameraDecoder(profile.camera, fits),
                          .gyro = GyroDecoder(profile.gyro, fits),
                          .servo = ServoDecoder(profile.servo, fits),
@@ -61,7 +63,8 @@ Pipeline::Pipeline(const RigProfile& profile, const Fits& fits)
                          .measurements = {},
                          .streams = {},
                          .message_bytes = message_bytes(profile),
-                         .absent_camera = {}}) {}
+                         .absent_camera = {},
+                         .without_labels = without_labels}) {}
 
 Pipeline::~Pipeline() = default;
 Pipeline::Pipeline(Pipeline&&) noexcept = default;

@@ -164,6 +164,24 @@ std::optional<Evidence> recognise_witmotion(Bytes bytes, double) {
                   .text_format = {}};
 }
 
+/// It sends by itself, and is asked what its low-pass is set to.
+std::vector<std::uint8_t> ask_for_bandwidth(const GyroProfile&, unsigned) {
+  const auto& read = witmotion::read_register;
+  return {read[0], read[1], read[2], witmotion::register_bandwidth, 0};
+}
+
+/// An answer does not name its register: this program asks for one alone.
+std::optional<double> answered_bandwidth_hz(Bytes bytes) {
+  for (; bytes.size() >= witmotion::packet_bytes; bytes = bytes.subspan(1)) {
+    if (bytes[1] != witmotion::type_register || !is_good(bytes)) continue;
+    if (!is_followed_well(bytes.subspan(witmotion::packet_bytes))) continue;
+    const std::int16_t value = wire::i16_at(bytes, witmotion::words_offset);
+    if (value < 0 || static_cast<std::size_t>(value) >= witmotion::bandwidths_hz.size()) return std::nullopt;
+    return witmotion::bandwidths_hz[static_cast<std::size_t>(value)];
+  }
+  return std::nullopt;
+}
+
 }  // namespace
 
 GyroProtocol witmotion_gyro() {
@@ -174,7 +192,9 @@ GyroProtocol witmotion_gyro() {
           .clock = witmotion_clock,
           .message_bytes = witmotion_message_bytes,
           .scanner = witmotion_scanner,
-          .recognise = recognise_witmotion};
+          .recognise = recognise_witmotion,
+          .request = ask_for_bandwidth,
+          .bandwidth_hz = answered_bandwidth_hz};
 }
 
 }  // namespace thermorig::sensors

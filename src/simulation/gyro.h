@@ -96,7 +96,9 @@ struct GyroEncoder {
   std::string_view name;
   std::vector<std::uint8_t> (*bytes)(const SimulatedGyroSample& sample, const GyroProfile& profile);
   /// None: it is deaf. `start`: on what it starts to send samples.
-  Heard (*hear)(std::span<const std::uint8_t> bytes, const GyroProfile& profile, GyroStart start) = nullptr;
+  /// `bandwidth_hz`: of its low-pass.
+  Heard (*hear)(std::span<const std::uint8_t> bytes, const GyroProfile& profile, GyroStart start,
+                double bandwidth_hz) = nullptr;
   /// What it sends in place of a sample before it was asked to send samples. None: nothing.
   std::vector<std::uint8_t> (*idle_bytes)(const SimulatedGyroSample& sample,
                                           const GyroProfile& profile) = nullptr;

@@ -24,6 +24,27 @@ std::vector<std::uint8_t> witmotion_bytes(const SimulatedGyroSample& sample, con
   return {packet.begin(), packet.end()};
 }
 
+/// The steps that such devices have, written once more from their description: nothing is shared with the
+/// program that asks.
+constexpr std::array<double, 7> witmotion_steps_hz{256.0, 188.0, 98.0, 42.0, 20.0, 10.0, 5.0};
+
+/// Read register 1F. One without a low-pass, or whose low-pass is none of the steps, says nothing, as older
+/// devices do.
+Heard witmotion_hear(std::span<const std::uint8_t> bytes, const GyroProfile&, GyroStart,
+                     double bandwidth_hz) {
+  constexpr std::array<std::uint8_t, 5> question{0xFF, 0xAA, 0x27, 0x1F, 0x00};
+  constexpr double same = 0.05;
+  if (!std::equal(question.begin(), question.end(), bytes.begin(), bytes.end())) return {};
+  if (bandwidth_hz >= witmotion_steps_hz.front()) return {};
+  for (std::size_t step = 0; step < witmotion_steps_hz.size(); ++step) {
+    if (std::abs(bandwidth_hz / witmotion_steps_hz[step] - 1.0) > same) continue;
+    std::vector<std::uint8_t> answer{0x55, 0x5F, static_cast<std::uint8_t>(step), 0, 0, 0, 0, 0, 0, 0};
+    answer.push_back(static_cast<std::uint8_t>(0x55 + 0x5F + step));
+    return {.asks_for_stream = false, .answer = answer};
+  }
+  return {};
+}
+
 /// Boards that send counts (a scale far below 1) print whole numbers.
 std::string number_text(double rate_dps, double scale_dps) {
   const double value = rate_dps / scale_dps;
@@ -237,7 +258,7 @@ bool requests_samples(std::span<const std::uint8_t> payload, const GyroProfile& 
 }
 
 /// Commands are acknowledged; what they are for, a controller of old does not know.
-Heard mavlink_hear(std::span<const std::uint8_t> bytes, const GyroProfile& profile, GyroStart start) {
+Heard mavlink_hear(std::span<const std::uint8_t> bytes, const GyroProfile& profile, GyroStart start, double) {
   Heard heard;
   const bool is_old = start == GyroStart::when_asked_of_old;
   if (const auto command = take_payload(mavlink::command_long, bytes); !command.empty()) {
@@ -254,7 +275,7 @@ Heard mavlink_hear(std::span<const std::uint8_t> bytes, const GyroProfile& profi
 }
 
 constexpr std::array all_gyro_encoders{
-    GyroEncoder{"witmotion", witmotion_bytes}, GyroEncoder{"text", text_bytes},
+    GyroEncoder{"witmotion", witmotion_bytes, witmotion_hear}, GyroEncoder{"text", text_bytes},
     GyroEncoder{"mavlink", mavlink_bytes, mavlink_hear, mavlink_idle_bytes}};
 
 }  // namespace

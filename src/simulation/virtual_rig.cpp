@@ -238,7 +238,9 @@ void VirtualRig::send(Device to, std::span<const std::uint8_t> bytes, HostTime n
   else if (to == Device::camera && parts.camera_encoder.hear != nullptr)
     parts.heard(to, parts.camera_sender, parts.camera_encoder.hear(bytes, profile.camera), begin_ns);
   else if (to == Device::gyro && parts.gyro_encoder.hear != nullptr)
-    parts.heard(to, parts.gyro_sender, parts.gyro_encoder.hear(bytes, profile.gyro, parts.config.gyro_start),
+    parts.heard(to, parts.gyro_sender,
+                parts.gyro_encoder.hear(bytes, profile.gyro, parts.config.gyro_start,
+                                        parts.config.world.gyro.bandwidth_hz),
                 begin_ns);
 }
 

@@ -100,6 +100,38 @@ TEST_F(Export, RefusesFoldersThatCannotBeWrittenTo) {
   EXPECT_EQ(run("export model.onnx --c-header -o /proc").code, 7);
 }
 
+TEST_F(Export, WritesTheOdometerOfAProfileThatCompiles) {
+  std::ofstream(folder() / "garage.toml") << "name = \"garage\"\n[gyro]\nbias_dps = 1.5\n";
+  const Outcome outcome = run("export garage.toml --odometer --name heading -o board --json");
+  ASSERT_EQ(outcome.code, 0) << outcome.err;
+  const auto said = outcome.lines()[0];
+  EXPECT_EQ(said["files"].size(), 3U);
+  EXPECT_LE(said["state_bytes"].get<int>() + said["stack_bytes"].get<int>(), 40'000);
+  EXPECT_THAT(text_of("board/heading_rig.h"), HasSubstr("1.5f"));
+  const std::string compile = "cd " + (folder() / "board").string() + " && cc -std=c99 -c heading.c";
+  EXPECT_EQ(std::system(compile.c_str()), 0);
+}
+
+TEST_F(Export, TakesTheOdometersRigFromASessionToo) {
+  const Outcome outcome = run("export " + record_briefly().string() + " --odometer");
+  ASSERT_EQ(outcome.code, 0) << outcome.err;
+  for (const char* part : {"thermorig_odometer_rig.h", "RAM", "flash"})
+    EXPECT_THAT(outcome.out, HasSubstr(part));
+}
+
+TEST_F(Export, RefusesAnOdometerThatDoesNotFitOrIsNotAlone) {
+  std::ofstream(folder() / "tele.toml") << "[camera]\nfield_of_view_deg = 12.0\n";
+  const Outcome outcome = run("export tele.toml --odometer");
+  EXPECT_EQ(outcome.code, 2);
+  EXPECT_THAT(outcome.err, HasSubstr("30 to 115 degrees"));
+  std::ofstream(folder() / "rig.toml") << "name = \"rig\"\n";
+  EXPECT_EQ(run("export rig.toml --odometer --batch 1").code, 2);
+  EXPECT_EQ(run("export rig.toml --odometer --c-header").code, 2);
+  EXPECT_EQ(run("export model.onnx --odometer").code, 2);
+  EXPECT_EQ(run("export nothing.toml --odometer").code, 2);
+  EXPECT_TRUE(files(".c").empty());
+}
+
 TEST_F(Export, MakesFilesOfASessionBesideEachOtherAndOverwritesNone) {
   const std::string session = record_briefly().string();
   const Outcome outcome = run("export " + session + " --npz --nf 2 --csv --tum --mcap -o made/of/it --json");

@@ -495,5 +495,48 @@ TEST_F(Live, StopsTheServoInALegOnInterruptAndSaysHowItEnded) {
   EXPECT_FALSE(fs::exists(folder() / "recordings"));
 }
 
+class LiveMapFile : public Live {
+ protected:
+  /// What a run with kitchen.map said of it.
+  std::vector<std::string> told_with(const std::string& words) {
+    const Outcome outcome =
+        run("live --world honest --fast --json --estimators odometer --environment kitchen "
+            "--plan quick --map kitchen.map " +
+            words);
+    EXPECT_EQ(outcome.code, 0) << outcome.err;
+    std::vector<std::string> told;
+    for (const json& event : of_kind(outcome.lines(), "event"))
+      if (event["message"].get<std::string>().starts_with("map ")) told.push_back(event["message"]);
+    return told;
+  }
+};
+
+TEST_F(LiveMapFile, IsWrittenAtTheEndAndBegunWithByTheNextRun) {
+  EXPECT_THAT(told_with("--simulated=4"),
+              testing::ElementsAre(HasSubstr("there is none yet"), HasSubstr("written")));
+  const Outcome described = run("inspect kitchen.map");
+  EXPECT_EQ(described.code, 0) << described.err;
+  EXPECT_THAT(described.out, HasSubstr("SIMULATED"));
+  EXPECT_THAT(described.out, HasSubstr("55 degrees, mirrored"));
+  EXPECT_THAT(told_with("--simulated=4 --speeds 60,120"),
+              testing::ElementsAre(HasSubstr("SIMULATED"), HasSubstr("recognised"), HasSubstr("written")));
+}
+
+TEST_F(LiveMapFile, IsLeftAsItIsInAnotherRoom) {
+  told_with("--simulated=4");
+  const std::string before = file_text(folder() / "kitchen.map");
+  EXPECT_THAT(told_with("--simulated=5"), testing::Contains(HasSubstr("stays as it is")));
+  EXPECT_EQ(file_text(folder() / "kitchen.map"), before);
+}
+
+TEST_F(LiveMapFile, IsRefusedWhereItCannotBeBegunWith) {
+  std::ofstream(folder() / "kitchen.map") << "THRMAP01 and no more";
+  EXPECT_EQ(run("live --simulated=4 --fast --map kitchen.map").code, 8);
+  EXPECT_EQ(run("live --simulated=4 --fast --map nowhere/kitchen.map").code, 2);
+  const Outcome without = run("live --simulated=4 --fast --estimators gyro --map new.map");
+  EXPECT_EQ(without.code, 2);
+  EXPECT_THAT(without.err, HasSubstr("the odometer"));
+}
+
 }  // namespace
 }  // namespace thermorig::tests

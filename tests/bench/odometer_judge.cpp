@@ -80,10 +80,41 @@ double longest_silence_s(const std::vector<Tracked>& all, double offset_deg) {
   return longest_s;
 }
 
+double worst_two_minutes_deg(const std::vector<Tracked>& all) {
+  double worst = 0.0;
+  for (std::size_t begin = 0, i = 0; i < all.size(); begin = i) {
+    double squares = 0.0;
+    for (; i < all.size() && all[i].time_s < all[begin].time_s + 120.0; ++i)
+      squares += all[i].angle_deg * all[i].angle_deg;
+    if (all[begin].time_s >= 120.0)
+      worst = std::max(worst, std::sqrt(squares / static_cast<double>(i - begin)));
+  }
+  return worst;
+}
+
+double median_of(std::vector<double> all) {
+  std::nth_element(all.begin(), all.begin() + static_cast<std::ptrdiff_t>(all.size() / 2), all.end());
+  return all[all.size() / 2];
+}
+
+/// What the odometer itself says at the end: estimates have no place for all of it.
+odometer::Report last_report(const OdometerRecording& recording, const JudgedRun& run) {
+  odometer::Odometer odometer(recording.profile.gyro, recording.profile.camera);
+  odometer::Report last;
+  const HostTime begin = recording.measurements.front().frame.exposure_end + from_s(run.from_s);
+  for (const Measurement& one : recording.measurements)
+    if (one.frame.exposure_end >= begin) last = odometer.add(one.frame, one.gyro);
+  return last;
+}
+
 }  // namespace
 
 Judgement judge(const OdometerRecording& recording, const JudgedRun& run) {
   estimators::Bank bank(std::vector<std::string>{"odometer"}, std::nullopt, recording.profile);
+  return judge(recording, run, [&](const Measurement& one) { return bank.add(one).front(); });
+}
+
+Judgement judge(const OdometerRecording& recording, const JudgedRun& run, const Judged& judged) {
   Judgement judgement;
   std::vector<Tracked> tracked;
   std::vector<double> steps_us;
@@ -104,7 +135,7 @@ Judgement judge(const OdometerRecording& recording, const JudgedRun& run) {
       continue;
     }
     const double before_us = processor_us();
-    const RateEstimate estimate = bank.add(measurement).front();
+    const RateEstimate estimate = judged(measurement);
     steps_us.push_back(processor_us() - before_us);
     const bool is_tracked = estimate.state == EstimateState::good;
     double off_deg = estimate.angle_deg - shaft_deg(recording, frame.exposure_end);
@@ -138,6 +169,11 @@ Judgement judge(const OdometerRecording& recording, const JudgedRun& run) {
   judgement.not_tracked = 1.0 - static_cast<double>(tracked.size()) / seen;
   if (!tracked.empty()) judge_tracked(tracked, judgement);
   judgement.silent_s = longest_silence_s(tracked, judgement.offset_deg);
+  judgement.worst_two_minutes_deg = worst_two_minutes_deg(tracked);
+  const auto quarter = static_cast<std::ptrdiff_t>(steps_us.size() / 4);
+  judgement.slower = median_of({steps_us.end() - quarter, steps_us.end()}) /
+                     median_of({steps_us.begin() + quarter, steps_us.begin() + 2 * quarter});
+  if (run.tells_rows) judgement.last = last_report(recording, run);
   std::sort(steps_us.begin(), steps_us.end());
   judgement.median_step_us = steps_us[steps_us.size() / 2];
   judgement.worst_step_us = steps_us.back();

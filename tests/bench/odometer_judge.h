@@ -5,6 +5,8 @@
 #include <optional>
 
 #include "odometer_recording.h"
+#include "thermorig/core/rate_estimate.h"
+#include "thermorig/estimators/odometer/odometer.h"
 
 namespace thermorig::bench {
 
@@ -16,6 +18,7 @@ struct JudgedRun {
   Disturbance disturb;       // none: as it was recorded
   int lost_one_of = 0;       // frames: the n-th of each n never comes; 0: all come
   bool loses_turns = false;  // the harm hides whole turns: they are not asked for after it
+  bool tells_rows = false;   // in which order the camera exposes its rows is asked for
   std::optional<double> harm_begin_s, harm_end_s;  // since the first measurement that it sees
 };
 
@@ -35,8 +38,17 @@ struct Judgement {
   std::optional<double> said_after_s;  // of the begin of the harm: not tracking
   std::optional<double> back_after_s;  // of its end: tracking
   double back_deg = 0.0;               // largest angle from 10 s after the harm on
+  double worst_two_minutes_deg = 0.0;  // root mean square of the angle in the worst of them, after the first
+  double slower = 1.0;                 // median step of the last quarter against that of the second
+  std::optional<odometer::Report> last;  // of a run that tells rows
 };
 
+/// What is judged: says of each measurement, one after the other.
+using Judged = std::function<RateEstimate(const Measurement&)>;
+
+Judgement judge(const OdometerRecording& recording, const JudgedRun& run, const Judged& judged);
+
+/// The product's odometer.
 Judgement judge(const OdometerRecording& recording, const JudgedRun& run = {});
 
 }  // namespace thermorig::bench

@@ -31,7 +31,7 @@ std::vector<Leg> legs_of(const rig::SweepPlan& plan, double camera_rate_hz, doub
 simulation::VirtualRigConfig config_of(const OdometerCase& wanted) {
   simulation::VirtualRigConfig config = simulation::default_rig(wanted.seed, wanted.environment);
   config.start = bench_start();
-  config.gyro_grade = simulation::GyroGrade::mpu6050_raw;
+  config.gyro_grade = wanted.gyro_grade;
   config.world = simulation::world_named(wanted.world, wanted.seed);
   config.profile.camera.field_of_view_deg = wanted.field_of_view_deg;
   config.profile.camera.output_rate_hz = wanted.camera_rate_hz;
@@ -42,7 +42,7 @@ simulation::VirtualRigConfig config_of(const OdometerCase& wanted) {
 
 OdometerRecording record(const OdometerCase& wanted) {
   const simulation::VirtualRigConfig config = config_of(wanted);
-  const rig::SweepPlan plan = rig::load_plan("paper", wanted.environment, wanted.seed);
+  const rig::SweepPlan plan = rig::load_plan(wanted.plan, wanted.environment, wanted.seed);
   const std::vector<Leg> legs = legs_of(plan, wanted.camera_rate_hz, wanted.duration_s);
   const double end_s = legs.back().begin_s + legs.back().duration_s + plan.closing_rest_s;
   Recorded recorded = record(config, legs, end_s);

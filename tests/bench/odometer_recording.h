@@ -12,13 +12,15 @@
 
 namespace thermorig::bench {
 
-/// What is recorded: a raw gyro on the default rig, driven by the plan "paper".
+/// What is recorded: the default rig, by default with a raw gyro and driven by the plan "paper".
 struct OdometerCase {
   std::uint64_t seed = 1;
   std::string environment = "laboratory";
   std::string world = "honest";  // as --world takes it
   double field_of_view_deg = 55.0;
   double camera_rate_hz = 8.0;
+  std::string plan = "paper";
+  simulation::GyroGrade gyro_grade = simulation::GyroGrade::mpu6050_raw;
   double duration_s = 0.0;  // 0: that of the plan; longer: its legs again and again
 };
 

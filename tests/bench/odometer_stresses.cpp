@@ -104,6 +104,12 @@ std::vector<Stress> odometer_stresses() {
   const auto world = [](const std::string& name, const std::string& knobs, double worst_deg) {
     return Stress{.name = name, .world = "honest," + knobs, .run = {}, .worst_deg = worst_deg};
   };
+  const auto rows_in = [&](const std::string& name, const std::string& knobs, odometer::RowOrder rows) {
+    Stress stress = world(name, knobs, 2.0);
+    stress.run.tells_rows = true;
+    stress.rows = rows;
+    return stress;
+  };
   return {{.name = "twice the camera's noise", .run = all_along(twice_the_noise()), .worst_deg = 1.5},
           world("contrast x 0.5", "scene.contrast=0.5", 1.5),
           {.name = "110-degree lens", .field_of_view_deg = 110.0, .run = {}, .worst_deg = 1.5},
@@ -112,8 +118,9 @@ std::vector<Stress> odometer_stresses() {
            .worst_deg = 1.5},
           world("10 % of chess halves lost by the bridge", "camera.lost_subpages=0.1", 1.5),
           {.name = "gyro scale +5 %", .run = all_along(scaled_gyro(1.05F)), .worst_deg = 1.5},
-          world("rows one after the other", "camera.rolling_rows=1", 2.0),
-          world("rows from the last on", "camera.rolling_rows=-1", 2.0),
+          rows_in("rows all at once", "camera.rolling_rows=0", odometer::RowOrder::at_once),
+          rows_in("rows one after the other", "camera.rolling_rows=1", odometer::RowOrder::first_to_last),
+          rows_in("rows from the last on", "camera.rolling_rows=-1", odometer::RowOrder::last_to_first),
           world("a person at 20 deg/s", "scene.person_dps=20", 3.0),
           world("camera warms by 2 K", "camera.warm_up_k=2", 3.0),
           world("gyro warms by 10 K", "gyro.self_heating_k=10,gyro.bias_per_k_dps=0.1", 3.0),

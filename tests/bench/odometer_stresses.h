@@ -14,7 +14,8 @@ struct Stress {
   std::string world = "honest";
   double field_of_view_deg = 55.0;
   JudgedRun run;
-  double worst_deg = 3.0;  // or it says that it is not to be trusted
+  double worst_deg = 3.0;                                 // or it says that it is not to be trusted
+  odometer::RowOrder rows = odometer::RowOrder::at_once;  // that it should find, if its run tells them
 };
 
 std::vector<Stress> odometer_stresses();

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // How the odometer does on simulated rigs in virtual time, against the true shaft.
-// Usage: odometer_table [--json] [--first-seed N] [--quick] [--only TEXT]
+// Usage: odometer_table [--json] [--first-seed N] [--quick] [--only TEXT] [--board]
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -13,6 +13,7 @@
 #include <string_view>
 #include <vector>
 
+#include "embedded/board_odometer.h"
 #include "odometer_judge.h"
 #include "odometer_recording.h"
 #include "odometer_stresses.h"
@@ -28,14 +29,15 @@ struct Options {
   bool json = false;
   bool quick = false;
   std::uint64_t first_seed = 1;
-  std::string only;  // of the rows: those whose name has it
+  std::string only;    // of the rows: those whose name has it
+  bool board = false;  // the odometer that is exported to small boards, compiled for this machine
 };
 
 struct Row {
   std::string name;
   OdometerCase recorded;
   Stress stress;
-  bool is_plain = false;
+  bool is_plain = false, is_hour = false, is_typical = false;
   Judgement judgement;
 };
 
@@ -99,10 +101,72 @@ void add_stress(std::vector<Figure>& figures, const Row& row) {
   add_common(figures, section, row, row.stress.worst_deg);
   figures[figures.size() - 5].at_most = 33.3;  // not tracking
   add(figures, section, row.name, "wrong and silent", "s", of.silent_s, 5.0);
+  if (of.last) {
+    add(figures, section, row.name, "rows found", "", of.last->rows == row.stress.rows ? 1.0 : 0.0, {}, 1.0);
+    add(figures, section, row.name, "margin of rows", "", of.last->row_margin);
+  }
   if (!row.stress.run.harm_begin_s) return;
   add(figures, section, row.name, "said after", "s", of.said_after_s, 5.0);
   add(figures, section, row.name, "back after", "s", of.back_after_s, 10.0);
   add(figures, section, row.name, "then within", "deg", of.back_deg, 2.0);
+}
+
+void add_hour(std::vector<Figure>& figures, const Row& row) {
+  const Judgement& of = row.judgement;
+  const std::string section = "An hour";
+  add(figures, section, row.name, "not tracking", "%", 100.0 * of.not_tracked);
+  add(figures, section, row.name, "worst angle", "deg", of.worst_deg);
+  add(figures, section, row.name, "worst 2 minutes, RMSE", "deg", of.worst_two_minutes_deg, 0.7);
+  add(figures, section, row.name, "drift", "deg/min", std::abs(of.drift_deg_per_min), 0.05);
+  add(figures, section, row.name, "coverage", "", of.coverage);
+  add(figures, section, row.name, "step, median", "us", of.median_step_us, 300.0);
+  add(figures, section, row.name, "last steps / early steps", "", of.slower, 1.2);
+}
+
+bool is_within(const Judgement& of) {
+  return of.tracked_after_s && of.worst_deg <= 3.0 && std::abs(of.drift_deg_per_min) <= 0.1;
+}
+
+void add_typical(std::vector<Figure>& figures, const std::vector<Row>& rows) {
+  const std::string section = "World typical";
+  double count = 0.0, within = 0.0, silent = 0.0, never = 0.0;
+  for (const Row& row : rows) {
+    if (!row.is_typical) continue;
+    const Judgement& of = row.judgement;
+    count += 1.0;
+    within += is_within(of) ? 1.0 : 0.0;
+    never += of.tracked_after_s ? 0.0 : 1.0;
+    silent += of.silent_s > 5.0 ? 1.0 : 0.0;
+    add(figures, section, row.name, "tracks after", "s", of.tracked_after_s);
+    add(figures, section, row.name, "not tracking", "%", 100.0 * of.not_tracked);
+    add(figures, section, row.name, "worst angle", "deg", of.worst_deg);
+    add(figures, section, row.name, "drift", "deg/min", std::abs(of.drift_deg_per_min));
+    add(figures, section, row.name, "coverage", "", of.coverage);
+    add(figures, section, row.name, "wrong and silent", "s", of.silent_s, 5.0);
+  }
+  if (count == 0.0) return;
+  add(figures, section + ", all", "share", "within 3 deg and 0.1 deg/min", "%", 100.0 * within / count, {},
+      90.0);
+  add(figures, section + ", all", "share", "never track", "%", 100.0 * never / count);
+  add(figures, section + ", all", "share", "wrong and silent", "%", 100.0 * silent / count, 0.0);
+}
+
+/// 24 rigs of the world `typical`, and one that runs for an hour.
+void add_long_rows(std::uint64_t first_seed, std::vector<Row>& rows) {
+  for (std::size_t i = 0; i < 24; ++i) {
+    Row row;
+    row.recorded = {.seed = first_seed + 100 + i, .environment = environments[i % 4], .world = "typical"};
+    row.stress.run.from_s = in_motion_s;
+    row.is_typical = true;
+    row.name = fmt::format("typical {} {}", row.recorded.environment, row.recorded.seed);
+    rows.push_back(row);
+  }
+  Row hour;
+  hour.recorded = {.seed = first_seed + 200, .environment = "dining", .duration_s = 3600.0};
+  hour.stress.run.from_s = in_motion_s;
+  hour.is_hour = true;
+  hour.name = fmt::format("60 minutes, dining {}", hour.recorded.seed);
+  rows.push_back(hour);
 }
 
 std::vector<Row> rows_of(const Options& options) {
@@ -131,7 +195,13 @@ std::vector<Row> rows_of(const Options& options) {
       row.name = fmt::format("{}, {}", stress.name, environments[i]);
       rows.push_back(row);
     }
+  add_long_rows(options.first_seed, rows);
   return rows;
+}
+
+Judgement judge_board(const OdometerRecording& recording, const JudgedRun& run) {
+  tests::BoardOdometer board(recording.profile);
+  return judge(recording, run, [&](const Measurement& one) { return board.add(one.frame, one.gyro); });
 }
 
 std::optional<Options> options_of(int count, char** arguments) {
@@ -142,6 +212,8 @@ std::optional<Options> options_of(int count, char** arguments) {
       options.json = true;
     else if (argument == "--quick")
       options.quick = true;
+    else if (argument == "--board")
+      options.board = true;
     else if (argument == "--first-seed" && i + 1 < count)
       options.first_seed = std::strtoull(arguments[++i], nullptr, 10);
     else if (argument == "--only" && i + 1 < count)
@@ -159,7 +231,7 @@ int main(int count, char** arguments) {
   using namespace thermorig::bench;
   const auto options = options_of(count, arguments);
   if (!options) {
-    fmt::print(stderr, "usage: odometer_table [--json] [--first-seed N] [--quick] [--only TEXT]\n");
+    fmt::print(stderr, "usage: odometer_table [--json] [--first-seed N] [--quick] [--only TEXT] [--board]\n");
     return 2;
   }
   const auto begin = std::chrono::steady_clock::now();
@@ -167,11 +239,21 @@ int main(int count, char** arguments) {
   std::erase_if(rows, [&](const Row& row) { return row.name.find(options->only) == std::string::npos; });
   for_each_seed(rows.size(), [&](std::size_t i) {
     Row& row = rows[i];
-    row.judgement = judge(record(row.recorded), row.stress.run);
+    const OdometerRecording recording = record(row.recorded);
+    if (options->board)
+      row.judgement = judge_board(recording, row.stress.run);
+    else
+      row.judgement = judge(recording, row.stress.run);
   });
   std::vector<Figure> figures;
-  for (const Row& row : rows) row.is_plain ? add_plain(figures, row) : add_stress(figures, row);
+  for (const Row& row : rows) {
+    if (row.is_plain) add_plain(figures, row);
+    if (!row.is_plain && !row.is_hour && !row.is_typical) add_stress(figures, row);
+  }
   add_mean(figures, rows);
+  for (const Row& row : rows)
+    if (row.is_hour) add_hour(figures, row);
+  add_typical(figures, rows);
   const double took_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   if (options->json) {
     print_json(figures);

@@ -1,13 +1,19 @@
 // SPDX-License-Identifier: MIT
 // How fast bytes become labelled samples and a finished session. THERMORIG_BENCH_SESSION names the session
-// whose raw bytes are used.
+// whose raw bytes are used; THERMORIG_BENCH_CHUNKS its arrays in chunks, as they are compressed: the size of
+// each (64 bits) before its bytes.
 #include <benchmark/benchmark.h>
+#include <libdeflate.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cstdlib>
 #include <filesystem>
+#include <fstream>
 #include <numeric>
 #include <stdexcept>
+#include <string>
+#include <thread>
 #include <vector>
 
 #include "thermorig/pipeline/pipeline.h"
@@ -18,13 +24,24 @@ namespace {
 
 using namespace thermorig;
 
+std::filesystem::path path_in(const char* variable) {
+  const char* path = std::getenv(variable);
+  if (path == nullptr) throw std::runtime_error(std::string("set ") + variable + " to a file");
+  return path;
+}
+
 const RawRecording& recording() {
-  static const RawRecording raw = [] {
-    const char* path = std::getenv("THERMORIG_BENCH_SESSION");
-    if (path == nullptr) throw std::runtime_error("set THERMORIG_BENCH_SESSION to a session file");
-    return session::read_raw(path);
-  }();
+  static const RawRecording raw = session::read_raw(path_in("THERMORIG_BENCH_SESSION"));
   return raw;
+}
+
+std::vector<std::vector<char>> chunks_to_compress() {
+  std::ifstream file(path_in("THERMORIG_BENCH_CHUNKS"), std::ios::binary);
+  std::vector<std::vector<char>> chunks;
+  std::uint64_t size = 0;
+  while (file.read(reinterpret_cast<char*>(&size), sizeof size))
+    file.read(chunks.emplace_back(size).data(), static_cast<std::streamsize>(size));
+  return chunks;
 }
 
 PerDevice<std::uint64_t> byte_counts(const RawRecording& raw) {
@@ -74,9 +91,12 @@ void BytesToLabelledSamples(benchmark::State& state) {
 }
 BENCHMARK(BytesToLabelledSamples)->Unit(benchmark::kMillisecond)->UseRealTime();
 
+std::filesystem::path bench_path() {
+  return path_in("THERMORIG_BENCH_SESSION").replace_extension(".bench.h5");
+}
+
 void BytesToFinishedSession(benchmark::State& state) {
-  const std::filesystem::path path =
-      std::filesystem::path(std::getenv("THERMORIG_BENCH_SESSION")).replace_extension(".bench.h5");
+  const std::filesystem::path path = bench_path();
   for ([[maybe_unused]] const auto iteration : state) {
     state.PauseTiming();
     RawRecording raw = recording();
@@ -88,6 +108,42 @@ void BytesToFinishedSession(benchmark::State& state) {
   state.SetBytesProcessed(byte_count(recording()) * state.iterations());
 }
 BENCHMARK(BytesToFinishedSession)->Unit(benchmark::kMillisecond)->UseRealTime();
+
+void SessionToFile(benchmark::State& state) {
+  const session::Session session = rig::build_session(recording());
+  const std::filesystem::path path = bench_path();
+  for ([[maybe_unused]] const auto iteration : state) {
+    state.PauseTiming();
+    std::filesystem::remove(path);
+    state.ResumeTiming();
+    session::write_session(path, session);
+  }
+  std::filesystem::remove(path);
+}
+BENCHMARK(SessionToFile)->Unit(benchmark::kMillisecond)->UseRealTime();
+
+/// What a session cannot do without: its arrays through the same library at the same level, on all cores.
+void CompressingAlone(benchmark::State& state) {
+  constexpr int level = 4;
+  const auto chunks = chunks_to_compress();
+  for ([[maybe_unused]] const auto iteration : state) {
+    std::atomic<std::size_t> next = 0;
+    const auto work = [&] {
+      libdeflate_compressor* const compressor = libdeflate_alloc_compressor(level);
+      std::vector<char> out;
+      for (std::size_t i = next++; i < chunks.size(); i = next++) {
+        out.resize(libdeflate_zlib_compress_bound(compressor, chunks[i].size()));
+        benchmark::DoNotOptimize(
+            libdeflate_zlib_compress(compressor, chunks[i].data(), chunks[i].size(), out.data(), out.size()));
+      }
+      libdeflate_free_compressor(compressor);
+    };
+    std::vector<std::jthread> threads;
+    for (unsigned i = 0; i < std::max(1U, std::thread::hardware_concurrency()); ++i)
+      threads.emplace_back(work);
+  }
+}
+BENCHMARK(CompressingAlone)->Unit(benchmark::kMillisecond)->UseRealTime();
 
 }  // namespace
 

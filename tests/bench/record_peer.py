@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: MIT
 """The benchmark's peer: a recorder as a careful Python user would write it with pyserial, numpy and h5py.
 
-It reads the same three byte streams, decodes them with struct, binascii and numpy, labels each frame with the mean
-commanded speed over its exposure, and writes one HDF5 file with the same filters, rows in blocks, one fsync at the end.
+It reads the same three byte streams, decodes them with struct, binascii and numpy, takes each device's clock for an even
+one behind a constant delay, labels each frame and each of its chess halves with the mean commanded speed over its own
+exposure, and writes one HDF5 file with the same filters, rows in blocks, one fsync at the end.
 
     record_peer.py replay FOLDER OUT.h5        decode and write the byte streams of FOLDER, print times as JSON
     record_peer.py ports CAMERA GYRO SERVO SECONDS OUT.h5     the same from three serial ports (nothing moves)
@@ -21,6 +22,7 @@ import numpy as np
 
 FRAME = 1544
 HEADER = bytes.fromhex("5a5a0206")
+BLOCK_S = 10.0  # of a clock: so long it runs evenly
 BYTE_TIME_NS = {"camera": 1e10 / 460800, "gyro": 1e10 / 115200, "servo": 1e10 / 250000}
 
 
@@ -97,42 +99,96 @@ class Servo:
                 self.arrivals.append(arrived)
 
 
-def label(camera, gyro, servo):
-    """Mean commanded speed and mean gyro rate over each frame's exposure, all arrays at once."""
-    frame_end = np.array(camera.arrivals) * 1e-9
+def constant_delay(count, arrived):
+    """Times of a clock that ran evenly: the arrivals are what it said and a delay that is never less than the least of
+    its block, straight in between. `count` is the device's own, in any unit."""
+    slope, level = np.polyfit(count, arrived, 1)
+    late = arrived - (level + slope * count)
+    begins = np.searchsorted(count, np.arange(count[0], count[-1], BLOCK_S / slope))
+    least = np.minimum.reduceat(late, begins)
+    at = np.array([begin + late[begin:end].argmin() for begin, end in zip(begins, [*begins[1:], len(late)])])
+    return level + slope * count + np.interp(count, count[at], least)
+
+
+def least_of_next(values):
+    """Of each value and the 63 behind it."""
+    for step in (1, 2, 4, 8, 16, 32):
+        values = np.minimum(values, np.concatenate([values[step:], np.full(step, values[-1])]))
+    return values
+
+
+def numbered(arrived):
+    """Which message of an even stream each one is. Those that were lost count too: after a gap that nothing catches up
+    with, all that follow are later by whole periods."""
+    period = (arrived[-1] - arrived[0]) / (len(arrived) - 1)  # few are lost
+    late = arrived - np.arange(len(arrived)) * period
+    before, after = least_of_next(late[::-1])[::-1][:-1], least_of_next(late)[1:]
+    lost = np.where(np.diff(arrived) > 1.5 * period, np.rint((after - before) / period), 0)
+    return np.arange(len(arrived)) + np.concatenate([[0], np.cumsum(np.maximum(lost, 0))])
+
+
+def fresh_pixels(frames):
+    """How many pixels of either chess half differ from the frame before."""
+    change = frames[1:, :768] != frames[:-1, :768]
+    even = ((np.arange(24)[:, None] ^ np.arange(32)) & 1).ravel() == 0
+    return np.vstack([[384, 384], np.stack([change[:, even].sum(axis=1), change[:, ~even].sum(axis=1)], axis=1)])
+
+
+def exposures(frame_end, fresh):
+    """Begin and end of what each half (n, 2) shows, and of both together: a half that is not fresh shows what it
+    showed in the frame before."""
     period = np.median(np.diff(frame_end))
-    begin, end = frame_end - 2 * period, frame_end
+    is_fresh = fresh > 7
+    newest = np.where(is_fresh[:, 1] & ~is_fresh[:, 0], 1, 0)
+    both = is_fresh.all(axis=1)
+    behind = np.stack([newest == 1, newest == 0], axis=1) * both[:, None] * period
+    last = np.maximum.accumulate(np.where(is_fresh, np.arange(len(fresh))[:, None], 0), axis=0)
+    half_end = frame_end[last] - np.take_along_axis(behind, last, axis=0)
+    half_begin = half_end - period
+    return half_begin, half_end, half_begin.min(axis=1), half_end.max(axis=1)
+
+
+def label(camera, gyro, servo):
+    """Mean commanded speed and mean gyro rate over each frame's exposure and over that of each of its halves, on clocks
+    of constant delay; all arrays at once."""
+    arrived = np.array(camera.arrivals) * 1e-9
+    frame_end = constant_delay(numbered(arrived), arrived)
+    frames = np.stack(camera.frames)
+    fresh = fresh_pixels(frames)
+    half_begin, half_end, begin, end = exposures(frame_end, fresh)
     rows = np.array(servo.rows, dtype=np.float64)
-    servo_time = np.array(servo.arrivals) * 1e-9
+    ticks = np.unwrap(rows[:, 0], period=2.0**32)
+    servo_time = constant_delay(ticks, np.array(servo.arrivals) * 1e-9)
     rate = rows[:, 2] * 0.01
     fine = rows[:, 4] >= 128  # pulse ticks of 1/16 us; else of 1/2 us
+    area = np.concatenate([[0.0], np.cumsum(np.diff(servo_time) * 0.5 * (rate[1:] + rate[:-1]))])
 
-    def mean(times, values, low, high):
-        area = np.concatenate([[0.0], np.cumsum(np.diff(times) * 0.5 * (values[1:] + values[:-1]))])
-        return (np.interp(high, times, area) - np.interp(low, times, area)) / (high - low)
+    def mean_commanded(low, high):
+        return (np.interp(high, servo_time, area) - np.interp(low, servo_time, area)) / (high - low)
 
-    rate_shaft = mean(servo_time, rate, begin, end)
     settled_low = np.searchsorted(servo_time, begin - 0.2)
     settled_high = np.searchsorted(servo_time, end)
     changes = np.concatenate([[0], np.cumsum(np.abs(np.diff(rate)) > 0.05)])
     last = len(rate) - 1
     valid = changes[np.minimum(settled_high, last)] == changes[np.minimum(settled_low, last)]
     valid &= rows[np.minimum(settled_low, last), 6] > 0
-    gyro_time = np.array(gyro.arrivals) * 1e-9
+    arrived = np.array(gyro.arrivals) * 1e-9
+    gyro_time = constant_delay(numbered(arrived), arrived)
     gyro_rate = np.array(gyro.rates, dtype=np.float64)[:, 2] * (2000.0 / 32768.0)
     total = np.concatenate([[0.0], np.cumsum(gyro_rate)])
-    low, high = np.searchsorted(gyro_time, begin), np.searchsorted(gyro_time, end)
-    count = high - low
-    rate_gyro = (total[high] - total[low]) / np.maximum(count, 1)
-    frames = np.stack(camera.frames)
-    change = frames[1:, :768] != frames[:-1, :768]
-    even = ((np.arange(24)[:, None] ^ np.arange(32)) & 1).ravel() == 0
-    fresh = np.stack([change[:, even].sum(axis=1), change[:, ~even].sum(axis=1)], axis=1)
+
+    def mean_gyro(low, high):
+        first, behind = np.searchsorted(gyro_time, low), np.searchsorted(gyro_time, high)
+        return (total[behind] - total[first]) / np.maximum(behind - first, 1), behind - first
+
+    rate_gyro, count = mean_gyro(begin, end)
     return {
         "camera/time": frame_end,
         "camera/temperature": (frames[:, :768] * np.float32(0.01)).astype(np.float32).reshape(-1, 24, 32),
         "camera/sensor_temperature": (frames[:, 768] * 0.01).astype(np.float32),
-        "camera/fresh": np.vstack([[384, 384], fresh]).astype(np.uint16),
+        "camera/fresh": fresh.astype(np.uint16),
+        "camera/half_begin": half_begin,
+        "camera/half_end": half_end,
         "gyro/time": gyro_time,
         "gyro/rate": gyro_rate.astype(np.float32),
         "gyro/counts": np.array(gyro.rates, dtype=np.int16)[:, :3],
@@ -142,8 +198,10 @@ def label(camera, gyro, servo):
         "servo/rate_commanded": rate.astype(np.float32),
         "servo/pulse_width": (rows[:, 3] / np.where(fine, 16, 2)).astype(np.float32),
         "servo/state": rows[:, 4].astype(np.uint8) & 0x7F,
-        "samples/rate_shaft": rate_shaft.astype(np.float32),
+        "samples/rate_commanded": mean_commanded(begin, end).astype(np.float32),
+        "samples/rate_commanded_half": mean_commanded(half_begin, half_end).astype(np.float32),
         "samples/rate_gyro": rate_gyro.astype(np.float32),
+        "samples/rate_gyro_half": mean_gyro(half_begin, half_end)[0].astype(np.float32),
         "samples/gyro_count": count.astype(np.uint16),
         "samples/valid": valid.astype(np.uint8),
     }

@@ -231,6 +231,64 @@ def thermal_likelihood(figures):
                   for scene in ("laboratory", "dining", "kitchen", "garden")])
 
 
+def key_of(*words):
+    return re.sub(r"[^a-z0-9]", "_", " ".join(words).lower())
+
+
+def few_digits(value):
+    """Three digits that count, no exponent."""
+    return f"{value:,.0f}" if abs(value) >= 99.5 else f"{value:.3g}"
+
+
+@layout("study_baselines")
+def study_baselines(figures):
+    columns = ["MSE", "RMSE, shaft", "beyond 30 deg/s", "within 1 sigma", "within 2 sigma", "drift", "angle", "drift, 30 s on",
+               "angle, 30 s on", "worst, 30 s on", "trusted", "time"]
+    def row(where, estimator):
+        cells = [figures[key_of(where, estimator, column)]["value"] for column in columns]
+        cells.append(figures[key_of("memory", estimator)]["value"])
+        return [where.replace(" gyro", "").replace(" environments", " 18"), f"`{estimator}`", *map(few_digits, cells)]
+    return table(["gyro", "estimator", "MSE, 1e-6", "RMSE, shaft, deg/s", "beyond 30 deg/s, %", "1 sigma", "2 sigma",
+                  "drift, deg/min", "largest angle, deg", "drift from 30 s on", "largest angle from 30 s on", "of all",
+                  "trusted, %", "us a frame", "kB"],
+                 [row(f"{gyro} gyro, {where}", estimator) for gyro in ("raw", "calibrated")
+                  for where in ("garden", "all environments")
+                  for estimator in ("gyro", "gyro-rest", "gyro-kalman", "odometer", "thermal-likelihood")], 2)
+
+
+@layout("map_table")
+def map_table(figures):
+    columns = ["recognised", "tracks after, median", "longest", "first angle, worst", "any angle, worst"]
+    return table(["second session", "recognised, %", "tracks after, s", "longest, s", "first angle, worst, deg",
+                  "any angle, worst, deg"],
+                 [[row, *(few_digits(figures[key_of("same room", row, column)]["value"]) for column in columns)]
+                  for row in (f"{environment}, {begin}" for environment in ("laboratory", "dining", "kitchen", "garden")
+                              for begin in ("from rest", "from 200 s on", "from 301 s on"))])
+
+
+@layout("export_odometer_angles")
+def export_odometer_angles(figures):
+    starts = {"in motion": "in_motion", "at rest": "at_rest"}
+
+    def of_all(start, column, shown):
+        median, most = (figures[f"All_of_them_{start}_{column}__{which}"]["value"] for which in ("median", "most"))
+        return f"{median:{shown}}, {most:{shown}}"
+
+    def of_each(start, column, shown):
+        values = sorted(figure["value"] for key, figure in figures.items()
+                        if key.startswith("Against") and key.endswith(f"__{start}_{column}") and figure["value"] is not None)
+        return f"{values[len(values) // 2]:{shown}}, {values[-1]:{shown}}"
+    rows = [("tracks after, s", of_all, "tracks_after", ".0f"),
+            ("the product's odometer, s", of_each, "product__tracks_after", ".0f"),
+            ("largest angle error since it tracks, from 30 s on, deg", of_all, "worst_angle", ".2f"),
+            ("the product's odometer, deg", of_all, "product_s_worst_angle", ".2f"),
+            ("spread about its mean, deg", of_each, "spread", ".2f"),
+            ("drift, deg/min", of_each, "drift", ".3f"),
+            ("largest distance of both odometers, deg", of_all, "from_the_product_s", ".2f")]
+    return table(["median, worst", *(f"started {start}" for start in starts)],
+                 [[name, *(of(start, column, shown) for start in starts.values())] for name, of, column, shown in rows])
+
+
 @layout("models")
 def models(reports):
     def row(name, report):

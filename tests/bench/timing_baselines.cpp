@@ -35,6 +35,56 @@ std::vector<Arrival> lower_hull(std::span<const Arrival> arrivals) {
   return hull;
 }
 
+/// The state of Klipper's ClockSync; names and constants are its own. Its clock here counts in seconds.
+class KlipperClock {
+ public:
+  void add(const RoundTrip& trip) {
+    const double sent_time = trip.host_sent_s, clock = trip.device_received_s;
+    const double half_rtt = 0.5 * (trip.host_arrived_s - sent_time);
+    if (half_rtt < min_half_rtt_ + (sent_time - min_rtt_time_) * rtt_age) {
+      min_half_rtt_ = half_rtt;
+      min_rtt_time_ = sent_time;
+    }
+    if (count_++ == 0) {
+      time_avg_ = sent_time;
+      clock_avg_ = clock;
+      return;
+    }
+    if (!predicts(sent_time, clock)) return;
+    const double diff_sent_time = sent_time - time_avg_;
+    time_avg_ += decay * diff_sent_time;
+    time_variance_ = (1.0 - decay) * (time_variance_ + diff_sent_time * diff_sent_time * decay);
+    const double diff_clock = clock - clock_avg_;
+    clock_avg_ += decay * diff_clock;
+    clock_covariance_ = (1.0 - decay) * (clock_covariance_ + diff_sent_time * diff_clock * decay);
+    freq_ = clock_covariance_ / time_variance_;
+  }
+  double time_of(double clock) const { return time_avg_ + min_half_rtt_ + (clock - clock_avg_) / freq_; }
+
+ private:
+  static constexpr double decay = 1.0 / 30.0;
+  static constexpr double rtt_age = 0.000010 / 3600.0;
+
+  /// False: an outlier that is left out.
+  bool predicts(double sent_time, double clock) {
+    const double off = clock - ((sent_time - time_avg_) * freq_ + clock_avg_);
+    if (off * off > 25.0 * prediction_variance_ && std::abs(off) > 0.0005) {
+      if (off > 0.0 && sent_time < last_prediction_time_ + 10.0) return false;
+      prediction_variance_ = 0.001 * 0.001;
+      return true;
+    }
+    last_prediction_time_ = sent_time;
+    prediction_variance_ = (1.0 - decay) * (prediction_variance_ + off * off * decay);
+    return true;
+  }
+
+  double min_half_rtt_ = 1e9, min_rtt_time_ = 0.0;
+  double time_avg_ = 0.0, time_variance_ = 0.0, clock_avg_ = 0.0, clock_covariance_ = 0.0;
+  double prediction_variance_ = 0.001 * 0.001, last_prediction_time_ = 0.0;
+  double freq_ = 1.0;
+  int count_ = 0;
+};
+
 }  // namespace
 
 std::vector<double> arrival_times(std::span<const Arrival> arrivals) {
@@ -119,6 +169,24 @@ std::vector<double> fastest_round_trips(std::span<const double> device_s, std::s
       if (times.empty()) break;
     }
     times.push_back(at_s + offset_s);
+  }
+  return times;
+}
+
+std::vector<double> klipper_regression(std::span<const double> device_s, std::span<const RoundTrip> trips) {
+  constexpr double interval_s = 0.9839;
+  std::vector<double> times;
+  KlipperClock clock;
+  std::size_t next = 0;
+  double asked_s = -1e9;
+  for (const double at_s : device_s) {
+    for (; next < trips.size() && (times.empty() || trips[next].device_sent_s <= at_s); ++next) {
+      if (trips[next].host_sent_s - asked_s < interval_s) continue;
+      asked_s = trips[next].host_sent_s;
+      clock.add(trips[next]);
+      if (times.empty()) break;
+    }
+    times.push_back(clock.time_of(at_s));
   }
   return times;
 }

@@ -42,4 +42,9 @@ struct RoundTrip {
 /// the next eight, as liblsl does (src/time_receiver.cpp).
 std::vector<double> fastest_round_trips(std::span<const double> device_s, std::span<const RoundTrip> trips);
 
+/// Times of `device_s` by Klipper's regression of a micro-controller's clock (klippy/clocksync.py): a ping
+/// about every second, sent times against its clock with a decay of a thirtieth a ping, plus half of the
+/// shortest round trip.
+std::vector<double> klipper_regression(std::span<const double> device_s, std::span<const RoundTrip> trips);
+
 }  // namespace thermorig::bench

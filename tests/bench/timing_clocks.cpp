@@ -55,6 +55,11 @@ void add_error_figures(const Place& place, Errors& errors, std::vector<Figure>& 
                        .key = key + "_p99_ms",
                        .value = measured(size_percentile(values, 0.99)),
                        .at_most = p99_limit_ms(method, place.device, place.link)});
+    figures.push_back({.section = "Sample times, what is constant in a recording removed: error RMS in ms",
+                       .row = place.row(),
+                       .column = method,
+                       .key = key + "_less_constant_rms_ms",
+                       .value = measured(rms(errors.by_method[less_constant(method)]))});
   }
 }
 
@@ -109,6 +114,7 @@ void add_long_figures(const TableLink& link, double duration_s, Errors& errors,
   };
   const auto on_cdc = [&](double limit) { return cdc ? std::optional(limit) : std::nullopt; };
   add("min RTT p99", "min_rtt_p99_ms", "ms", 1e3 * size_percentile(errors.by_method["min_rtt"], 0.99), {});
+  add("Klipper p99", "klipper_p99_ms", "ms", 1e3 * size_percentile(errors.by_method["klipper"], 0.99), {});
   add("causal p99", "causal_p99_ms", "ms", 1e3 * size_percentile(errors.by_method["causal"], 0.99), {});
   add("final p99", "p99_ms", "ms", 1e3 * size_percentile(errors.by_method["final"], 0.99), on_cdc(0.1));
   add("bound, median", "bound_median_ms", "ms", 1e3 * size_percentile(errors.widths_s, 0.5), {});

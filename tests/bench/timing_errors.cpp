@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "timing_errors.h"
 
+#include <algorithm>
 #include <array>
 #include <chrono>
 #include <span>
@@ -19,7 +20,7 @@
 namespace thermorig::bench {
 namespace {
 
-constexpr double causal_after_s = 10.0;
+constexpr auto judged_after = std::chrono::seconds(10);  // a live clock and a regression have settled
 constexpr double rounding_s = 1e-6;
 
 float seconds(HostDuration duration) {
@@ -38,25 +39,28 @@ void check_bounds(const TimeEstimate& estimate, HostTime truth, Errors& errors) 
   errors.earlier_than_bound += -off_s > static_cast<double>(estimate.earlier_s) + rounding_s;
 }
 
-void add_baselines(std::span<const Arrival> arrivals, std::span<const HostTime> truth, Errors& errors) {
+/// Times that a method made of all messages, from some instant on.
+void add_method(const std::string& name, std::span<const double> times, std::span<const HostTime> truth,
+                HostTime from, Errors& errors) {
+  for (std::size_t i = 0; i < times.size(); ++i)
+    if (truth[i] > from) errors.by_method[name].push_back(static_cast<float>(times[i] - host_s(truth[i])));
+}
+
+void add_baselines(std::span<const Arrival> arrivals, std::span<const HostTime> truth, HostTime from,
+                   Errors& errors) {
   using Method = std::vector<double> (*)(std::span<const Arrival>);
   const std::array<std::pair<std::string, Method>, 4> baselines{{{"arrival", arrival_times},
                                                                  {"line", least_squares_line},
                                                                  {"rls", recursive_least_squares},
                                                                  {"hull", convex_hull_line}}};
-  for (const auto& [name, method] : baselines) {
-    const std::vector<double> times = method(arrivals);
-    for (std::size_t i = 0; i < times.size(); ++i)
-      errors.by_method[name].push_back(static_cast<float>(times[i] - host_s(truth[i])));
-  }
+  for (const auto& [name, method] : baselines) add_method(name, method(arrivals), truth, from, errors);
 }
 
 /// A stream that numbers nothing: camera or gyro.
 template <typename Timed>
 void judge_stream(Device device, const std::vector<Timed>& decoded, const std::vector<TimeEstimate>& final,
-                  const simulation::VirtualRigConfig& config,
-                  const std::vector<simulation::SentMessage>& sent, Errors& errors) {
-  const PortProfile& link = config.profile.link(device);
+                  const PortProfile& link, const std::vector<simulation::SentMessage>& sent, HostTime from,
+                  Errors& errors) {
   const auto truth = sent_of(decoded, sent);
   std::vector<Arrival> arrivals;
   std::vector<HostTime> instants;
@@ -68,12 +72,13 @@ void judge_stream(Device device, const std::vector<Timed>& decoded, const std::v
     arrivals.push_back(
         {static_cast<double>(truth[i]->index), host_s(stamp.arrival) - wire_s - link.latency_s});
     instants.push_back(instant);
-    if (host_s(instant) > causal_after_s) errors.by_method["causal"].push_back(seconds(stamp.time - instant));
-    if (final.size() != decoded.size()) continue;
-    errors.by_method["final"].push_back(seconds(final[i].time - instant));
-    check_bounds(final[i], instant, errors);
+    const bool has_final = final.size() == decoded.size();
+    if (has_final) check_bounds(final[i], instant, errors);
+    if (instant <= from) continue;
+    errors.by_method["causal"].push_back(seconds(stamp.time - instant));
+    if (has_final) errors.by_method["final"].push_back(seconds(final[i].time - instant));
   }
-  add_baselines(arrivals, instants, errors);
+  add_baselines(arrivals, instants, from, errors);
 }
 
 /// Pings and their answers, for the baseline that knows nothing else.
@@ -96,7 +101,7 @@ std::vector<RoundTrip> round_trips(const Recorded& recorded) {
 }
 
 void judge_servo(const Recorded& recorded, const std::vector<TimeEstimate>& final, double wire_s,
-                 Errors& errors) {
+                 HostTime from, Errors& errors) {
   std::vector<Arrival> arrivals;
   std::vector<HostTime> instants;
   std::vector<double> mcu_s;
@@ -107,17 +112,28 @@ void judge_servo(const Recorded& recorded, const std::vector<TimeEstimate>& fina
     mcu_s.push_back(1e-6 * static_cast<double>(servo[i].mcu_time_us));
     arrivals.push_back({mcu_s.back(), host_s(servo[i].stamp.arrival) - wire_s});
     instants.push_back(instant);
-    if (host_s(instant) > causal_after_s)
-      errors.by_method["causal"].push_back(seconds(servo[i].stamp.time - instant));
-    if (final.size() != servo.size()) continue;
-    errors.by_method["final"].push_back(seconds(final[i].time - instant));
-    check_bounds(final[i], instant, errors);
+    const bool has_final = final.size() == servo.size();
+    if (has_final) check_bounds(final[i], instant, errors);
+    if (instant <= from) continue;
+    errors.by_method["causal"].push_back(seconds(servo[i].stamp.time - instant));
+    if (has_final) errors.by_method["final"].push_back(seconds(final[i].time - instant));
   }
-  add_baselines(arrivals, instants, errors);
-  const std::vector<double> by_trips = fastest_round_trips(mcu_s, round_trips(recorded));
-  for (std::size_t i = 0; i < by_trips.size(); ++i)
-    if (host_s(instants[i]) > causal_after_s)
-      errors.by_method["min_rtt"].push_back(static_cast<float>(by_trips[i] - host_s(instants[i])));
+  add_baselines(arrivals, instants, from, errors);
+  const std::vector<RoundTrip> trips = round_trips(recorded);
+  add_method("min_rtt", fastest_round_trips(mcu_s, trips), instants, from, errors);
+  add_method("klipper", klipper_regression(mcu_s, trips), instants, from, errors);
+}
+
+/// What is constant of a recording's errors is its median.
+void take_constants_off(Errors& errors) {
+  for (const std::string& method : method_names()) {
+    const auto& values = errors.by_method[method];
+    if (values.empty()) continue;
+    std::vector<float> ordered = values;
+    const auto middle = ordered.begin() + static_cast<std::ptrdiff_t>(ordered.size() / 2);
+    std::nth_element(ordered.begin(), middle, ordered.end());
+    for (const float value : values) errors.by_method[less_constant(method)].push_back(value - *middle);
+  }
 }
 
 }  // namespace
@@ -134,22 +150,37 @@ void Errors::add(const Errors& other) {
 }
 
 const std::vector<std::string>& method_names() {
-  static const std::vector<std::string> names{"arrival", "line", "rls", "min_rtt", "hull", "causal", "final"};
+  static const std::vector<std::string> names{"arrival", "line", "rls",    "min_rtt",
+                                              "klipper", "hull", "causal", "final"};
   return names;
+}
+
+std::string less_constant(const std::string& method) {
+  return method + ", less constant";
+}
+
+Errors judge_camera(const Recorded& recorded, const std::vector<TimeEstimate>& final, HostTime from) {
+  Errors errors;
+  judge_stream(Device::camera, recorded.live.frames, final, recorded.raw.header.profile.camera.link,
+               recorded.rig->sent_frames(), from, errors);
+  take_constants_off(errors);
+  return errors;
 }
 
 PerDevice<Errors> judge(const simulation::VirtualRigConfig& config, double duration_s) {
   const Recorded recorded = record(config, {}, duration_s);
   const pipeline::Fits fits = pipeline::fit(recorded.raw, recorded.live);
   PerDevice<Errors> errors;
-  judge_stream(Device::camera, recorded.live.frames, fits.times[Device::camera], config,
-               recorded.rig->sent_frames(), errors[Device::camera]);
-  judge_stream(Device::gyro, recorded.live.gyro, fits.times[Device::gyro], config, recorded.rig->sent_gyro(),
-               errors[Device::gyro]);
+  const HostTime from = config.start + judged_after;
+  errors[Device::camera] = judge_camera(recorded, fits.times[Device::camera], from);
+  judge_stream(Device::gyro, recorded.live.gyro, fits.times[Device::gyro], config.profile.gyro.link,
+               recorded.rig->sent_gyro(), from, errors[Device::gyro]);
   const double telemetry_wire_s =
       timing::wire_time_s(recorded.live.servo.empty() ? 0 : recorded.live.servo.front().span.size(),
                           config.profile.servo.link.baud);
-  judge_servo(recorded, fits.times[Device::servo], telemetry_wire_s, errors[Device::servo]);
+  judge_servo(recorded, fits.times[Device::servo], telemetry_wire_s, from, errors[Device::servo]);
+  take_constants_off(errors[Device::gyro]);
+  take_constants_off(errors[Device::servo]);
   return errors;
 }
 

@@ -8,6 +8,7 @@
 
 #include "thermorig/core/device.h"
 #include "thermorig/simulation/virtual_rig.h"
+#include "timing_rig.h"
 
 namespace thermorig::bench {
 
@@ -25,8 +26,14 @@ struct Errors {
 /// In the order of the table: what others do, then ours.
 const std::vector<std::string>& method_names();
 
-/// Records a rig at rest for so long and judges every stream: each baseline, and ours as they are live (after
-/// 10 s) and final.
+/// The name of a method's errors once what is constant of them in a recording is taken off.
+std::string less_constant(const std::string& method);
+
+/// Records a rig at rest for so long and judges every stream: each baseline, and ours as they are live and
+/// final. The first 10 s are left out of the errors of all, of no bound.
 PerDevice<Errors> judge(const simulation::VirtualRigConfig& config, double duration_s);
+
+/// The same of a recording's camera, its errors from some instant on.
+Errors judge_camera(const Recorded& recorded, const std::vector<TimeEstimate>& final, HostTime from);
 
 }  // namespace thermorig::bench

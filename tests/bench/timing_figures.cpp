@@ -78,6 +78,10 @@ bool is_met(const Figure& figure) {
          (!figure.at_least || *figure.value >= *figure.at_least);
 }
 
+void drop_limits(std::vector<Figure>& figures) {
+  for (Figure& figure : figures) figure.at_most = figure.at_least = std::nullopt;
+}
+
 void print_text(const std::vector<Figure>& figures) {
   for (const std::string& name : distinct(figures, [](const Figure& figure) { return figure.section; })) {
     std::vector<Figure> section;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "timing_rig.h"
 
+#include <array>
 #include <chrono>
 #include <iterator>
 #include <utility>
@@ -100,6 +101,33 @@ class Host {
 
 }  // namespace
 
+namespace {
+std::string& world_name() {
+  static std::string name = "honest";
+  return name;
+}
+}  // namespace
+
+void choose_world(const std::string& name) {
+  world_name() = name;
+}
+
+const std::string& chosen_world() {
+  return world_name();
+}
+
+simulation::VirtualRigConfig rig_in_world(std::uint64_t seed, const std::string& environment) {
+  simulation::VirtualRigConfig config = simulation::default_rig(seed, environment);
+  simulation::put_in_world(simulation::world_named(chosen_world(), seed), config);
+  config.start = bench_start();
+  return config;
+}
+
+std::string environment_of(std::size_t index) {
+  constexpr std::array<const char*, 4> environments{"laboratory", "dining", "kitchen", "garden"};
+  return environments[index % environments.size()];
+}
+
 HostTime bench_start() {
   return HostTime(std::chrono::seconds(100));
 }
@@ -113,8 +141,7 @@ std::vector<TableLink> table_links(bool loaded) {
 }
 
 simulation::VirtualRigConfig rig_on(const TableLink& link, std::uint64_t seed) {
-  simulation::VirtualRigConfig config = simulation::default_rig(seed, "laboratory");
-  config.start = bench_start();
+  simulation::VirtualRigConfig config = rig_in_world(seed, "laboratory");
   for (const Device device : all_devices) config.links[device] = link.config;
   if (link.config.kind == simulation::UsbLink::cdc)
     config.profile.camera.link.baud = config.profile.gyro.link.baud = 0;

@@ -20,6 +20,16 @@ struct TableLink {
 /// FTDI with its timer at 16 ms and at 1 ms, CH340, CDC.
 std::vector<TableLink> table_links(bool loaded);
 
+/// Which simulated world the table is made of: honest, unless it is asked for another.
+void choose_world(const std::string& name);
+const std::string& chosen_world();
+
+/// A rig of that world.
+simulation::VirtualRigConfig rig_in_world(std::uint64_t seed, const std::string& environment);
+
+/// One of the four environments for each index, in turn.
+std::string environment_of(std::size_t index);
+
 /// The default rig with every device on one kind of link, latencies as its profile says them. On CDC camera
 /// and gyro are USB devices of their own, without a baud rate; the servo's board has a CDC bridge before its
 /// UART (an Arduino Uno).

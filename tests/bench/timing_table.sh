@@ -2,7 +2,8 @@
 # SPDX-License-Identifier: MIT
 # How well times and labels hold: simulated rigs in virtual time against their truth, ours beside what others do with
 # the same bytes, each figure with what it must meet. 25 seeds of 180 s a link and load; --quick: 3 of 60 s.
-# Usage: bash tests/bench/timing_table.sh [--json] [--quick] [--first-seed N]
+# --world typical: the same rigs in another world, where nothing is asked of the figures (docs/worlds.md).
+# Usage: bash tests/bench/timing_table.sh [--json] [--quick] [--first-seed N] [--world NAME]
 set -euo pipefail
 cd "$(dirname "$0")/../.."
 build=${THERMORIG_BUILD:-build-bench}

@@ -249,6 +249,20 @@ TEST(Preflight, WarnsOfAFewRepeatedFramesAndRefusesMany) {
               ::testing::ElementsAre("camera_repeats"));
 }
 
+/// Frames with a lost half are invalid one by one, and the plan goes on until each speed has its frames.
+TEST(Preflight, WarnsOfAFewLostHalvesAndRefusesMany) {
+  PreflightFacts facts;
+  facts.images = PreflightImages{.even_fresh_share = 0.5, .odd_fresh_share = 0.5, .lost_half_share = 0.03};
+  facts.streams[Device::camera] = PreflightStream{
+      .messages = 100, .rate_hz = 7.7, .nominal_hz = 8.0, .lost_share = 0.03, .uncertainty_s = 0.001};
+  const PreflightReport few = judge(facts, simulation::default_profile());
+  EXPECT_TRUE(few.passed());
+  EXPECT_THAT(names_of(few.warnings), ::testing::ElementsAre("camera_halves"));
+  facts.images->lost_half_share = 0.09;
+  EXPECT_THAT(names_of(judge(facts, simulation::default_profile()).violations),
+              ::testing::ElementsAre("camera_halves"));
+}
+
 TEST(Preflight, CallsHalvesThatABridgeMissesNeitherRepeatedNorASlowRate) {
   for (const double share : {0.17, 0.33}) {
     const TemporaryFolder folder;

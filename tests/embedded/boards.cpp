@@ -9,6 +9,7 @@
 #include <array>
 #include <cmath>
 #include <cstdlib>
+#include <cstring>
 #include <deque>
 #include <fstream>
 #include <limits>
@@ -73,6 +74,15 @@ std::uint64_t flash_of(const std::string& table) {
   return text + data;
 }
 
+/// Of the source file of that name, without its libraries.
+std::uint64_t compiled_flash(const Board& board, const std::filesystem::path& folder,
+                             const std::string& name) {
+  const std::filesystem::path out = folder / "out.txt";
+  const std::string size = fmt::format("cd {} && {} -c {}.c -o network.o && arm-none-eabi-size network.o",
+                                       folder.string(), board.object, name);
+  return succeeded(size, out) ? flash_of(file_text(out)) : 0;
+}
+
 /// As in board_main.c.
 class Frames {
  public:
@@ -110,6 +120,17 @@ Speeds speeds_of(const std::deque<Prepared>& window, const model::Model& model,
 
 }  // namespace
 
+Board board_of(const Core& core, int timeout_s) {
+  const std::string folder = THERMORIG_SOURCE_DIR "/tests/embedded/cortex_m";
+  return {
+      fmt::format("arm-none-eabi-gcc{} -mthumb {} --specs=rdimon.specs -T {}/mps2.ld -DMEASURED {}/start.c",
+                  strict_c99, core.options, folder, folder),
+      fmt::format("timeout {} qemu-system-arm -M {} -nographic -monitor none -serial none -icount shift=0 "
+                  "-semihosting-config enable=on,target=native -kernel",
+                  timeout_s, core.machine),
+      fmt::format("arm-none-eabi-gcc -std=c99 -O2 -mthumb {}", core.options)};
+}
+
 BoardRun run_on(const Board& board, const embedded::CSource& source, int frames) {
   const Folder folder;
   for (const embedded::SourceFile& file : source.files) std::ofstream(folder.path() / file.name) << file.text;
@@ -125,9 +146,31 @@ BoardRun run_on(const Board& board, const embedded::CSource& source, int frames)
     return {.failure = "it failed: " + file_text(out)};
   BoardRun run = parsed(file_text(out));
   if (board.object.empty() || !run.failure.empty()) return run;
-  const std::string size = fmt::format("cd {} && {} -c {}.c -o network.o && arm-none-eabi-size network.o",
-                                       folder.path().string(), board.object, name);
-  run.flash_bytes = succeeded(size, out) ? flash_of(file_text(out)) : 0;
+  run.flash_bytes = compiled_flash(board, folder.path(), name);
+  return run;
+}
+
+OdometerRun run_odometer_on(const Board& board, const board_odometer::OdometerSource& source,
+                            const std::string& recording) {
+  const Folder folder;
+  for (const embedded::SourceFile& file : source.files) std::ofstream(folder.path() / file.name) << file.text;
+  std::ofstream(folder.path() / "input.bin", std::ios::binary) << recording;
+  const std::string header = source.files.front().name, name = header.substr(0, header.size() - 2);
+  const auto out = folder.path() / "out.txt";
+  const std::string compile = fmt::format(
+      "cd {0} && {1} -I. -I{2} -DPAINTED_WORDS=2048 -DODOMETER={3} -DODOMETER_HEADER='\"{3}.h\"' "
+      "-DODOMETER_RIG='\"{3}_rig.h\"' {3}.c {2}/odometer_main.c -o program -lm",
+      folder.path().string(), board.compiler, THERMORIG_SOURCE_DIR "/tests/embedded", name);
+  if (!succeeded(compile, out)) return {.failure = compile + "\n" + file_text(out)};
+  if (!succeeded(fmt::format("cd {} && {} ./program", folder.path().string(), board.runner), out))
+    return {.failure = "it failed: " + file_text(out)};
+  OdometerRun run;
+  std::string word;
+  std::istringstream(file_text(out)) >> word >> run.state_bytes;
+  const std::string said = file_text(folder.path() / "output.bin");
+  run.frames.resize(said.size() / sizeof(OdometerRun::Frame));
+  std::memcpy(run.frames.data(), said.data(), run.frames.size() * sizeof(OdometerRun::Frame));
+  if (!board.object.empty()) run.flash_bytes = compiled_flash(board, folder.path(), name);
   return run;
 }
 

@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <filesystem>
 #include <string>
 #include <vector>
 
+#include "estimators/board_odometer/c99/thermorig_odometer.h"
+#include "thermorig/estimators/board_odometer/odometer_source.h"
 #include "thermorig/network/embedded/c_source.h"
 #include "thermorig/network/estimator.h"
 
@@ -34,6 +37,22 @@ struct Board {
       object;  // command and options that compile the network alone; empty: its size is of no interest
 };
 
+/// A core, as the compiler's options name it, and its board in QEMU.
+struct Core {
+  const char* name;
+  const char* options;
+  const char* machine;
+};
+
+// The M0+ program runs on the M3's board: QEMU has no MPS2 with an M0+, and an M3 runs all that an M0+ does.
+inline constexpr std::array<Core, 3> cores{
+    {{"Cortex-M4F", "-mcpu=cortex-m4 -mfloat-abi=hard -mfpu=fpv4-sp-d16", "mps2-an386"},
+     {"Cortex-M3", "-mcpu=cortex-m3 -mfloat-abi=soft", "mps2-an385"},
+     {"Cortex-M0+", "-mcpu=cortex-m0plus -mfloat-abi=soft", "mps2-an385"}}};
+
+/// It counts instructions and stack, and gives up after `timeout_s`.
+Board board_of(const Core& core, int timeout_s = 120);
+
 inline constexpr const char* strict_c99 =
     " -std=c99 -O2 -Wall -Wextra -Wconversion -Wshadow -Wundef -Wdouble-promotion -Werror -pedantic";
 inline constexpr int frames_to_push = 9;
@@ -41,6 +60,23 @@ inline constexpr int frames_to_push = 9;
 /// Writes the source into a folder of its own, compiles it with board_main.c and runs it over
 /// `frames_to_push` frames that a generator makes.
 BoardRun run_on(const Board& board, const embedded::CSource& source, int frames);
+
+/// What the exported odometer said of a recording, frame after frame.
+struct OdometerRun {
+  struct Frame {
+    thermorig_odometer_output output;
+    std::uint32_t instructions, stack_bytes;  // on a board that counts them, of the samples before it too
+  };
+  std::string failure;  // what went wrong, empty: nothing
+  std::size_t state_bytes = 0;
+  std::vector<Frame> frames;
+  std::uint64_t flash_bytes = 0;  // with Board::object
+};
+
+/// Compiles the source with odometer_main.c in a folder of its own and runs it over a recording: what
+/// BoardFrame::append_to() wrote of its frames.
+OdometerRun run_odometer_on(const Board& board, const board_odometer::OdometerSource& source,
+                            const std::string& recording);
 
 /// The same frames through network::prepare_frame and network::Estimator.
 std::vector<Speeds> expected_speeds(const model::Model& model);

@@ -2,6 +2,9 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
+#include "board_room.h"
 #include "boards.h"
 #include "quantised_model.h"
 
@@ -10,31 +13,6 @@ namespace {
 
 using embedded::c_source;
 using embedded::WeightKind;
-
-/// A core and its board in QEMU.
-struct Core {
-  const char* name;
-  const char* options;  // for the compiler
-  const char* machine;
-};
-
-// The M0+ program runs on the M3's board: QEMU has no MPS2 with an M0+, and an M3 runs all that an M0+ does.
-const std::vector<Core> cores{
-    {"Cortex-M4F", "-mcpu=cortex-m4 -mfloat-abi=hard -mfpu=fpv4-sp-d16", "mps2-an386"},
-    {"Cortex-M3", "-mcpu=cortex-m3 -mfloat-abi=soft", "mps2-an385"},
-    {"Cortex-M0+", "-mcpu=cortex-m0plus -mfloat-abi=soft", "mps2-an385"},
-};
-
-Board board_of(const Core& core) {
-  const std::string folder = THERMORIG_SOURCE_DIR "/tests/embedded/cortex_m";
-  return {
-      fmt::format("arm-none-eabi-gcc{} -mthumb {} --specs=rdimon.specs -T {}/mps2.ld -DMEASURED {}/start.c",
-                  strict_c99, core.options, folder, folder),
-      fmt::format("timeout 120 qemu-system-arm -M {} -nographic -monitor none -serial none -icount shift=0 "
-                  "-semihosting-config enable=on,target=native -kernel",
-                  core.machine),
-      fmt::format("arm-none-eabi-gcc -std=c99 -O2 -mthumb {}", core.options)};
-}
 
 class OnACortexM : public ::testing::TestWithParam<std::size_t> {
  protected:
@@ -72,6 +50,40 @@ TEST_P(OnACortexM, SpeedsOfInt8WeightsAreTheEstimators) {
     expect_the_same({.frames = 3, .reduction = reduction}, WeightKind::int8, 5e-4F);
 }
 
+/// With a floating-point unit: what it is made for.
+class OdometerOnACortexM : public OnACortexM {};
+
+/// In a room, until it tracks. Seven minutes: tests/bench/export_odometer.sh.
+TEST_P(OdometerOnACortexM, SaysTheSameAsOnThisMachine) {
+  const Core& core = cores[GetParam()];
+  const RigProfile rig;
+  const std::string recording = recording_of(seen_in(turning_room(45.0)), rig);
+  const board_odometer::OdometerSource source = board_odometer::odometer_source(rig, "odo");
+  const OdometerRun host = run_odometer_on({.compiler = "cc" + std::string(strict_c99)}, source, recording);
+  const OdometerRun board = run_odometer_on(board_of(core), source, recording);
+  ASSERT_TRUE(host.failure.empty()) << host.failure;
+  ASSERT_TRUE(board.failure.empty()) << board.failure;
+  ASSERT_EQ(board.frames.size(), host.frames.size());
+  ASSERT_GT(board.frames.size(), 200U);
+  std::uint32_t instructions = 0, stack_bytes = 0;
+  for (std::size_t i = 0; i < board.frames.size(); ++i) {
+    const thermorig_odometer_output &here = host.frames[i].output, &there = board.frames[i].output;
+    ASSERT_EQ(there.state, here.state) << i;
+    ASSERT_EQ(there.turns, here.turns) << i;
+    ASSERT_NEAR(there.heading_deg, here.heading_deg, 0.01F) << i;
+    instructions = std::max(instructions, board.frames[i].instructions);
+    stack_bytes = std::max(stack_bytes, board.frames[i].stack_bytes);
+  }
+  EXPECT_EQ(board.state_bytes, source.state_bytes);
+  EXPECT_LE(stack_bytes, source.stack_bytes);
+  EXPECT_LE(board.state_bytes + source.stack_bytes, 40'000U);
+  fmt::print("odometer on a {}: flash {} B, RAM {} B and {} B of stack, at most {} instructions a frame\n",
+             core.name, board.flash_bytes, board.state_bytes, stack_bytes, instructions);
+  EXPECT_EQ(board.frames.back().output.state, THERMORIG_ODOMETER_TRACKING);
+  EXPECT_LT(instructions, 10'500'000U);
+}
+
+INSTANTIATE_TEST_SUITE_P(Cores, OdometerOnACortexM, ::testing::Values(0));
 INSTANTIATE_TEST_SUITE_P(Cores, OnACortexM, ::testing::Range<std::size_t>(0, 3));
 
 }  // namespace

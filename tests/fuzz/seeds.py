@@ -68,6 +68,7 @@ TEXTS = {
         "{\"data\":0,\"settings\":{\"epochs\":" + DEEP + "}}",
         "{\"data\":[{\"name\":\"garden/1\",\"sha256\":\"00ff\"}],\"settings\":{\"epochs\":3}}",
     ],
+    "map": ["THRMAP01", "THRMAP02"],
     "firmware": [],
     "journal": [],
     "session": [],
@@ -110,7 +111,7 @@ elif kind == "firmware":
 elif kind in TEXTS:
     for number, text in enumerate(TEXTS[kind]):
         keep(f"text-{number}", text.encode())
-    if kind == "session":
+    if kind in ("session", "map"):
         for number in range(64):
             keep(f"edit-{number}", bytes((number * 37 + i * 11) % 256 for i in range(4 + number % 20)))
     if kind == "journal":

@@ -19,7 +19,6 @@
 
 #include "../support/paper_estimates.h"
 #include "../support/same_row.h"
-#include "storage/journal/payload.h"
 #include "storage/journal/record.h"
 #include "support/format_1_header.h"
 #include "support/unusual_profile.h"

@@ -164,6 +164,15 @@ TEST(LiveFrameGaps, SeeAtOnceThatABridgeMissedAHalf) {
   }
 }
 
+TEST(LiveFrameGaps, SeeAtOnceThatABridgeThatMissesHalvesMissedTwo) {
+  const Scene scene = scene_without_halves({20, 30, 40, 61, 62, 90});
+  const auto gaps = live_gaps(scene, period_s, CameraMode::half_fresh);
+  for (std::size_t i = 1; i < gaps.size(); ++i) {
+    EXPECT_EQ(gaps[i].missing, scene.numbers[i] - scene.numbers[i - 1] - 1) << scene.numbers[i];
+    EXPECT_FALSE(gaps[i].late) << scene.numbers[i];
+  }
+}
+
 TEST(FrameGaps, AreNoneWhereTheSameHalfComesTwiceOnTime) {
   Scene scene = half_fresh_scene({}, on_time);
   std::swap(scene.frames[50].fresh_even, scene.frames[50].fresh_odd);

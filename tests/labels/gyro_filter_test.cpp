@@ -74,9 +74,10 @@ struct Resting {
 
   GyroErrors fit() const {
     GyroErrors errors;
-    fit_gyro_filter(gyro, servo, profile, errors);
+    fit_gyro_filter(gyro, servo, profile, errors, device_hz);
     return errors;
   }
+  std::optional<double> device_hz;
 };
 
 constexpr double delay_of_20_hz_s = 0.225 / 20.0;
@@ -119,6 +120,34 @@ TEST(GyroFilter, ItsStatedDelayIsTakenWhereOneIsStated) {
   EXPECT_NEAR(resting.fit().filter_delay_s.value, delay_of_20_hz_s, 1e-6);
   resting.profile.filter_delay_s = 0.0118;
   EXPECT_EQ(resting.fit().filter_delay_s.value, 0.0118);
+}
+
+TEST(GyroFilter, IsWhatTheDeviceSaysWhereTheProfileSaysNothing) {
+  Resting resting(20.0, 0.4);  // rounding hides the noise
+  resting.device_hz = 20.0;
+  EXPECT_EQ(resting.fit().filter_source, "device");
+  EXPECT_NEAR(resting.fit().filter_delay_s.value, delay_of_20_hz_s, 1e-9);
+  EXPECT_FALSE(resting.fit().filter_contradicts);
+  resting.profile.bandwidth_hz = 20.0;
+  resting.profile.filter_delay_s = 0.0118;  // it may know better
+  EXPECT_EQ(resting.fit().filter_source, "profile");
+  EXPECT_EQ(resting.fit().filter_delay_s.value, 0.0118);
+}
+
+TEST(GyroFilter, IsWhatTheDeviceSaysWhereTheProfileSaysSomethingElse) {
+  Resting resting(20.0, 0.4);
+  resting.profile.bandwidth_hz = 188.0;
+  resting.device_hz = 20.0;
+  EXPECT_EQ(resting.fit().filter_source, "device");
+  EXPECT_TRUE(resting.fit().filter_contradicts);
+  EXPECT_NEAR(resting.fit().filter_delay_s.value, delay_of_20_hz_s, 1e-9);
+}
+
+TEST(GyroFilter, GivesWayWhereTheNoiseContradictsTheDevice) {
+  Resting resting(20.0);
+  resting.device_hz = 188.0;
+  EXPECT_EQ(resting.fit().filter_source, "noise");
+  EXPECT_TRUE(resting.fit().filter_contradicts);
 }
 
 TEST(GyroFilter, IsNotToldWhereRoundingHidesTheNoise) {

@@ -83,6 +83,22 @@ TEST(CameraOffset, IsKnownToAMillisecondAfterAMinuteOfSweepsWithAnHonestUncertai
   EXPECT_GT(errors.mean_chi_square(), 0.1);
 }
 
+/// Fine structure that passes fast is less late than pixels with so long a lag are, and nothing tells by how
+/// much but what coarse and fine structure say apart.
+TEST(CameraOffset, IsLessSureOfPixelsThatLagForLong) {
+  for (const unsigned seed : {1U, 4U}) {
+    auto config = simulation::default_rig(seed, environment_of(seed));
+    const auto found_at = [&](double lag_ms) {
+      config.world.camera.membrane_lag_ms = lag_ms;
+      return *offset_of(turn(config, back_and_forth(100.0, 1.5, 62.0), 62.0)).offset_s;
+    };
+    const Estimate usual = found_at(12.0), longer = found_at(40.0);
+    EXPECT_LT(longer.value, -0.002) << seed;
+    EXPECT_NEAR(longer.value, 0.0, 3.0 * longer.uncertainty) << seed;
+    EXPECT_LT(usual.uncertainty, 0.001) << seed;
+  }
+}
+
 TEST(CameraOffset, IsKnownFromTheLongLegsOfAnOrdinarySessionToo) {
   EXPECT_LT(errors_over_seeds(6, 150.0, 7.0).rms(), 0.001);
   EXPECT_LT(errors_over_seeds(4, 30.0, 7.0).rms(), 0.001);
@@ -153,13 +169,21 @@ TEST(CameraOffset, GapsInTheGyroAndLateFramesCostOnlyThemselves) {
   EXPECT_NEAR(found.offset_s->value, 0.0, 0.0015);
 }
 
-TEST(CameraOffset, EqualInputGivesEqualOutput) {
+/// As threads may do it: each at the same time, or the last one first.
+void backwards(std::size_t count, const std::function<void(std::size_t)>& work) {
+  for (std::size_t i = count; i-- > 0;) work(i);
+}
+
+TEST(CameraOffset, EqualInputGivesEqualOutputInWhateverOrderItIsWorkedOut) {
   const Turning turning =
       turn(simulation::default_rig(5, "laboratory"), back_and_forth(100.0, 2.0, 32.0), 32.0);
   const CameraOffset first = offset_of(turning);
   const CameraOffset second = offset_of(turning);
-  ASSERT_TRUE(first.offset_s);
+  const CameraOffset third = camera_offset(turning.frames, turning.gyro, {}, turning.errors, backwards);
+  ASSERT_TRUE(first.offset_s && first.row_delay_s);
   EXPECT_EQ(*first.offset_s, *second.offset_s);
+  EXPECT_EQ(*first.offset_s, *third.offset_s);
+  EXPECT_EQ(*first.row_delay_s, *third.row_delay_s);
 }
 
 struct Silence {

@@ -50,6 +50,19 @@ TEST(GyroScale, OwesNothingToTheScaleThatIsAssumed) {
   expect_scale(turning, 3);
 }
 
+TEST(GyroScale, IsTheSameInWhateverOrderWindowsAreWorkedOut) {
+  const Turning turning = turn(simulation::default_rig(2, "garden"), back_and_forth(90.0, 5.0, 122.0), 122.0);
+  const TurnResult found = gyro_scale(turning.frames, turning.gyro, {}, turning.errors, 3,
+                                      [](std::size_t count, const auto& work) {
+                                        EXPECT_GT(count, 1U);
+                                        for (std::size_t i = count; i-- > 0;) work(i);
+                                      });
+  const TurnResult in_order = gyro_scale(turning.frames, turning.gyro, {}, turning.errors, 3);
+  ASSERT_TRUE(found.gyro_scale && in_order.gyro_scale);
+  EXPECT_EQ(*found.gyro_scale, *in_order.gyro_scale);
+  EXPECT_EQ(found.turned_deg, in_order.turned_deg);
+}
+
 TEST(GyroScale, IsNotToldWhereNoTurnCloses) {
   const TurnResult found =
       scale_of(turn(simulation::default_rig(1, "garden"), back_and_forth(60.0, 3.0, 62.0), 62.0));

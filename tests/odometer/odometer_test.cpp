@@ -55,6 +55,26 @@ TEST(Odometer, StartsInMotionAndFindsBiasScaleAndLatency) {
   EXPECT_NEAR(last.latency_s, room.latency_s, 0.001);
 }
 
+TEST(Odometer, FindsInWhichOrderRowsAreExposed) {
+  for (const double rolling : {0.0, 1.0, -1.0}) {
+    Room room = turning_room();
+    room.angle_deg = to_and_fro(300.0, 200.0);
+    room.rolling = rolling;
+    const auto reports = reports_of(seen_in(room));
+    const RowOrder wanted = rolling > 0.0   ? RowOrder::first_to_last
+                            : rolling < 0.0 ? RowOrder::last_to_first
+                                            : RowOrder::at_once;
+    EXPECT_EQ(reports.back().rows, wanted);
+    EXPECT_GT(reports.back().row_margin, 10.0);
+    EXPECT_EQ(reports.back().state, State::tracking);
+    ASSERT_EQ(reports[at(54.0)].state, State::tracking);
+    const double origin_deg = off_deg(room, reports, 54.0);
+    for (double time_s = 54.0; time_s < 69.0; time_s += 0.5)
+      EXPECT_NEAR(off_deg(room, reports, time_s), origin_deg, 0.5) << rolling << " at " << time_s;
+    EXPECT_NEAR(reports.back().latency_s, room.latency_s + 0.0625 * std::abs(rolling), 0.002);
+  }
+}
+
 TEST(Odometer, HoldsTheHeadingWhileTheGyroWalksAway) {
   const Room room = turning_room();
   const auto reports = reports_of(seen_in(room));

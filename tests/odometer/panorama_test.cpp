@@ -74,6 +74,26 @@ TEST(Panorama, LearnsAsAKalmanFilterDoes) {
   EXPECT_NEAR(after.variance[3], 0.02, 1e-3);
 }
 
+TEST(Panorama, IsNotWrittenByWhatPassesAndLearnsWhatStays) {
+  Panorama panorama;
+  panorama.clear(true);
+  const auto place = Panorama::place(20.5 * bin_deg, 0.0, 0);
+  panorama.seed(place, {.low = place.middle - 2.0,
+                        .high = place.middle + 2.0,
+                        .temp_c = column_of(20.0F),
+                        .slope = column_of(0.0F),
+                        .variance = column_of(0.04F)});
+  const auto shown_after = [&](int halves) {
+    for (int i = 0; i < halves; ++i) panorama.write(place, column_of(30.0F), column_of(0.04F));
+    panorama.add_up();
+    Panorama::Look look;
+    panorama.look(place, 1.0, false, look);
+    return look.temp_c[3];
+  };
+  EXPECT_LT(shown_after(4), 20.1F);
+  EXPECT_GT(shown_after(30), 29.0F);
+}
+
 TEST(Panorama, IsNotWrittenByAPixelThatHasNoReading) {
   Panorama panorama = ramp();
   const auto place = Panorama::place(20.5 * bin_deg, 0.0, 0);

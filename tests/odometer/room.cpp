@@ -19,8 +19,8 @@ constexpr int steps_a_degree = 10, exposed_steps = 10, waves = 40;
 /// Temperatures of the 24 rows by azimuth.
 class Walls {
  public:
-  explicit Walls(double contrast_k) {
-    std::mt19937 random(7U);
+  explicit Walls(const Room& room) {
+    std::mt19937 random(room.walls);
     std::uniform_real_distribution<double> phase(0.0, 2.0 * std::numbers::pi);
     std::array<double, waves> phases{};
     for (std::size_t row = 0; row < frame_rows; ++row) {
@@ -32,7 +32,7 @@ class Walls {
           sum += std::sin(wave * 2.0 * std::numbers::pi * step / (360.0 * steps_a_degree) +
                           phases[static_cast<std::size_t>(wave - 1)]) /
                  std::sqrt(wave);
-        temp_c_.push_back(static_cast<float>(22.0 + contrast_k * sum));
+        temp_c_.push_back(static_cast<float>(22.0 + room.contrast_k * sum));
       }
     }
   }
@@ -49,6 +49,8 @@ class Walls {
 
 /// Of a mirrored camera: columns grow to the left.
 float shown_c(const Walls& walls, const Room& room, std::size_t row, std::size_t column, double end_s) {
+  const double done = static_cast<double>(row) / (frame_rows - 1);  // of the frame, when the row's turn ends
+  end_s -= frame_period_s * (room.rolling > 0.0 ? room.rolling * (1.0 - done) : -room.rolling * done);
   float sum = 0.0F;
   for (int i = 0; i < exposed_steps; ++i) {
     const double time_s = end_s - room.latency_s - frame_period_s * (i + 0.5) / exposed_steps;
@@ -60,8 +62,8 @@ float shown_c(const Walls& walls, const Room& room, std::size_t row, std::size_t
 }  // namespace
 
 std::vector<Seen> seen_in(const Room& room) {
-  const Walls walls(room.contrast_k);
-  std::mt19937 random(11U);
+  const Walls walls(room);
+  std::mt19937 random(room.noise);
   std::normal_distribution<double> normal;
   std::vector<Seen> all;
   ThermalFrame shown;

@@ -18,6 +18,9 @@ struct Room {
   double latency_s = 0.004;  // by which the camera saw earlier than its stamps say
   double noise_k = 0.5, gyro_noise_dps = 0.05;
   double contrast_k = 0.8;
+  unsigned walls = 7;    // another number: another room
+  unsigned noise = 11;   // of the devices
+  double rolling = 0.0;  // rows are exposed over so much of a period: 1 from the first on, -1 from the last
 };
 
 /// What came with one frame.

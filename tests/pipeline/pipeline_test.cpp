@@ -215,6 +215,27 @@ TEST(Pipeline, HandsOutItsStreamsOnce) {
   EXPECT_EQ(frames, 39U);
 }
 
+TEST(Pipeline, DecodesTheSameStreamsWithoutLabels) {
+  const ScriptedRecording recording;
+  const auto chunks = chunks_within_messages(recording, whole);
+  const Streams labelled = run(recording.profile, chunks).streams;
+  Pipeline pipeline(recording.profile, {}, true);
+  for (const Chunk& chunk : chunks)
+    EXPECT_TRUE(pipeline.feed(chunk.device, chunk.bytes, chunk.arrived).empty());
+  EXPECT_TRUE(pipeline.finish().empty());
+  const Streams streams = pipeline.take_streams();
+  const auto expect_same = [](const auto& now, const auto& before) {
+    ASSERT_EQ(now.size(), before.size());
+    for (std::size_t i = 0; i < now.size(); ++i) {
+      EXPECT_EQ(now[i].span, before[i].span);
+      EXPECT_EQ(now[i].stamp.time, before[i].stamp.time);
+    }
+  };
+  expect_same(streams.frames, labelled.frames);
+  expect_same(streams.gyro, labelled.gyro);
+  expect_same(streams.servo, labelled.servo);
+}
+
 TEST(Pipeline, FollowsAFullFreshCameraLive) {
   const ScriptedRecording recording(5.0, false);
   const Result result = run(recording.profile, chunks_within_messages(recording, whole));

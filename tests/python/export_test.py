@@ -1,12 +1,14 @@
 # SPDX-License-Identifier: MIT
 """What `thermorig export SESSION` writes, read back by programs that know nothing of it.
 
-Usage: export_test.py PROGRAM
+Usage: export_test.py PROGRAM FOLDER     (FOLDER keeps the packages from npm that read MCAP)
 """
 import base64
 import csv
+import hashlib
 import io
 import json
+import shutil
 import subprocess
 import sys
 import tempfile
@@ -24,7 +26,7 @@ import pandas  # noqa: E402
 
 import thermorig  # noqa: E402
 
-PROGRAM = ""  # of the command line
+PROGRAM = MCAP_FOLDER = ""  # of the command line
 BRIEF = "--plan quick --speeds 40,80 --frames-per-leg 12".split()
 folder = tempfile.TemporaryDirectory()
 session: thermorig.Session
@@ -224,6 +226,49 @@ class Mcap(unittest.TestCase):
                 mcap_reader.read(bytes(changed))
 
 
+class McapByItsOwnReader(unittest.TestCase):
+    """@mcap/core is the reader of those who defined the format, which Foxglove uses."""
+
+    @classmethod
+    def setUpClass(cls):
+        kept = Path(MCAP_FOLDER)
+        kept.mkdir(parents=True, exist_ok=True)
+        for name in ("package.json", "package-lock.json", "read.mjs"):
+            shutil.copy(SOURCE / "tests/interchange/mcap_core" / name, kept)
+        lock, installed = kept / "package-lock.json", kept / "node_modules/.installed"
+        if not installed.exists() or installed.read_bytes() != lock.read_bytes():
+            subprocess.run("npm ci --ignore-scripts --no-audit --no-fund --no-update-notifier --prefer-offline "
+                           "--loglevel=error".split(), cwd=kept, check=True)
+            shutil.copy(lock, installed)
+
+    def read(self, compression):
+        path = Path(folder.name) / f"{compression}.mcap"
+        path.write_bytes(exported("--mcap=" + compression))
+        done = subprocess.run(["node", "read.mjs", path], cwd=MCAP_FOLDER, capture_output=True, check=False)
+        self.assertEqual(done.returncode, 0, done.stderr.decode())
+        return json.loads(done.stdout)
+
+    def test_finds_every_message_time_and_pixel_compressed_or_not(self):
+        told = mcap_reader.read(exported("--mcap"))
+        pixels = hashlib.sha256(stored("camera/temperature").astype("<f4").tobytes()).hexdigest()
+        for compression, name in (("none", ""), ("zstd", "zstd")):
+            found = self.read(compression)
+            self.assertEqual((found["compressions"], found["chunks"]), ([name], told.chunks))
+            self.assertEqual(set(found["topics"]), set(told.messages))
+            for topic, messages in told.messages.items():
+                of_topic = found["topics"][topic]
+                self.assertEqual((of_topic["encoding"], of_topic["counted"]), ("json", len(messages)), topic)
+                self.assertEqual([int(time) for time in of_topic["log_times"]], [log for log, _, _ in messages])
+                self.assertEqual([int(time) for time in of_topic["publish_times"]], [out for _, out, _ in messages])
+                data = hashlib.sha256(b"".join(data for _, _, data in messages)).hexdigest()
+                self.assertEqual(of_topic["data"], data, topic)
+            self.assertEqual(found["topics"]["/camera"]["pixels"], pixels)
+            self.assertEqual(found["topics"]["/camera"]["schema"], "foxglove.RawImage")
+
+    def test_compressed_is_smaller_by_far(self):
+        self.assertLess(3 * len(exported("--mcap=zstd")), len(exported("--mcap=none")))
+
+
 if __name__ == "__main__":
-    PROGRAM = sys.argv.pop(1)
+    PROGRAM, MCAP_FOLDER = sys.argv.pop(1), sys.argv.pop(1)
     unittest.main()

@@ -44,7 +44,9 @@ TEST(StreamRequests, AskWhenThePortHasOpenedAndEachSecondWithoutAMessage) {
 }
 
 TEST(StreamRequests, SayNothingToDevicesThatSendByThemselves) {
-  StreamRequests requests(simulation::default_profile());
+  RigProfile profile = simulation::default_profile();
+  profile.gyro.protocol = "text";
+  StreamRequests requests(profile);
   for (const Device device : all_devices)
     for (const double seconds : {0.0, 1.0, 2.0, 60.0})
       EXPECT_THAT(requests.due(device, 0, at_s(seconds)), IsEmpty());
@@ -104,9 +106,27 @@ TEST(ARecording, AsksAFlightControllerAnewThatCameBack) {
   EXPECT_NEAR(to_s(sent.time(1) - HostTime{}), 8.0, 0.1);
 }
 
-TEST(ARecording, SendsNothingToAGyroThatSendsByItself) {
-  SimulatedBus bus(simulation::default_rig(1, "kitchen"));
-  const DrivenRun run = record(bus, simulation::default_profile());
+/// One of the steps that such a device has: it answers, and nothing in the profile is needed.
+TEST(ARecording, AsksAWitmotionGyroOnceWhatItsFilterIs) {
+  auto config = simulation::default_rig(1, "kitchen");
+  config.world.gyro.bandwidth_hz = 20.0;
+  config.profile.gyro.bandwidth_hz = 0.0;
+  SimulatedBus bus(config);
+  const DrivenRun run = record(bus, config.profile);
+  EXPECT_FALSE(run.failure) << run.failure->what_happened();
+  const std::vector<std::uint8_t> read_register_1f{0xFF, 0xAA, 0x27, 0x1F, 0x00};
+  EXPECT_EQ(run.raw.sent[Device::gyro].bytes, read_register_1f);
+  const session::Session session = build_session(run.raw);
+  EXPECT_EQ(session.counters[Device::gyro].replies, 1U);
+  EXPECT_EQ(session.sync.gyro.filter_source, "device");
+  EXPECT_NEAR(session.sync.gyro.filter_delay_s.value, 0.225 / 20.0, 1e-9);
+}
+
+TEST(ARecording, SendsNothingToAGyroThatHearsNothing) {
+  auto config = simulation::default_rig(1, "kitchen");
+  config.profile.gyro.protocol = "text";
+  SimulatedBus bus(config);
+  const DrivenRun run = record(bus, config.profile);
   EXPECT_FALSE(run.failure);
   EXPECT_THAT(run.raw.sent[Device::gyro].bytes, IsEmpty());
   EXPECT_THAT(run.raw.sent[Device::camera].bytes, IsEmpty());

@@ -181,6 +181,37 @@ TEST(WitmotionScanner, GivesEveryPacketThatIsFarEnoughFromDamage) {
   }
 }
 
+std::vector<std::uint8_t> packet_of(std::uint8_t type, std::uint8_t low, std::uint8_t high = 0) {
+  std::vector<std::uint8_t> packet{0x55, type, low, high, 0, 0, 0, 0, 0, 0};
+  packet.push_back(static_cast<std::uint8_t>(0x55 + type + low + high));
+  return packet;
+}
+
+/// What a device answers among its readings, its register being `low` and `high`.
+std::optional<double> bandwidth_answered(std::uint8_t low, std::uint8_t high = 0) {
+  std::vector<std::uint8_t> bytes{0x12, 0x55};  // the end of another packet
+  for (const auto& packet : {packet_of(0x52, 1), packet_of(0x5F, low, high), packet_of(0x52, 2)})
+    bytes.insert(bytes.end(), packet.begin(), packet.end());
+  return sensors::gyro_protocol("witmotion").bandwidth_hz(bytes);
+}
+
+TEST(WitmotionBandwidth, IsReadFromItsRegister) {
+  EXPECT_EQ(bandwidth_answered(0), 256.0);
+  EXPECT_EQ(bandwidth_answered(4), 20.0);
+  EXPECT_EQ(bandwidth_answered(6), 5.0);
+}
+
+TEST(WitmotionBandwidth, IsNotMadeUp) {
+  EXPECT_EQ(bandwidth_answered(7), std::nullopt);
+  EXPECT_EQ(bandwidth_answered(4, 1), std::nullopt);
+  const auto read = sensors::gyro_protocol("witmotion").bandwidth_hz;
+  EXPECT_EQ(read({}), std::nullopt);
+  EXPECT_EQ(read(packet_of(0x52, 4)), std::nullopt);  // a reading
+  auto damaged = packet_of(0x5F, 4);
+  damaged[2] = 5;
+  EXPECT_EQ(read(damaged), std::nullopt);
+}
+
 TEST(GyroScanner, ReadsTheProtocolThatTheProfileNames) {
   GyroProfile profile;
   std::vector<GyroMessage> messages;

@@ -27,6 +27,7 @@
 
 #include "equality.h"
 #include "storage/sandbox/child_limits.h"
+#include "storage/sandbox/refusal_text.h"
 #include "storage/sandbox/sanitized.h"
 #include "storage/session/tasks.h"
 #include "synthetic_session.h"
@@ -319,7 +320,7 @@ TEST_F(Trial, ThatRunsOutOfTimeSaysSoAndNothingOfTheFile) {
   for (const auto& [signal, end, limit] : ends) {
     EXPECT_EQ(answer_of_a_child_that_gets(signal), end);
     try {
-      sandbox::require_harmless(end, copy);
+      sandbox::require_done({end, ""}, copy);
       ADD_FAILURE() << limit;
     } catch (const Error& error) {
       EXPECT_EQ(error.code(), ExitCode::failed);
@@ -334,12 +335,69 @@ TEST_F(Trial, ThatEndsWithoutAnAnswerMeansADamagedOrHostileFile) {
   const sandbox::SealedCopy copy(path());
   EXPECT_EQ(answer_of_a_child_that_gets(SIGKILL), sandbox::End::died);
   try {
-    sandbox::require_harmless(sandbox::End::died, copy);
+    sandbox::require_done({sandbox::End::died, ""}, copy);
     ADD_FAILURE();
   } catch (const Error& error) {
     EXPECT_EQ(error.code(), ExitCode::not_a_session);
     EXPECT_THAT(error.what_happened(), testing::HasSubstr("damaged or hostile"));
   }
+}
+
+struct Words {
+  ExitCode code;
+  std::string what, where, advice;
+  bool operator==(const Words&) const = default;
+};
+
+template <typename Body>
+Words words_of(Body body) {
+  try {
+    body();
+  } catch (const Error& error) {
+    return {error.code(), error.what_happened(), error.where(), error.advice()};
+  }
+  return {};
+}
+
+TEST_F(Trial, RefusesInTheWordsThatThisProcessWouldUse) {
+  write_session(path(), synthetic_session(2));
+  std::vector<char> bytes = read_file(path());
+  bytes.resize(bytes.size() / 2);
+  write_file(path(), bytes);
+  const Words here = words_of([&] { read_session(path()); });
+  EXPECT_EQ(here.where, path().string());
+  EXPECT_EQ(in_a_program([&] { return words_of([&] { read_session(path()); }) == here ? 0 : 1; }), 0);
+}
+
+// What libhdf5 makes of a damaged file may differ from process to process: it is asked in one that may die.
+TEST_F(Trial, LeavesWhatTheChildRefusedUnread) {
+  write_session(path(), synthetic_session(2));
+  const pid_t child = ::fork();
+  if (child == 0) {
+    sandbox::start({[](const sandbox::SealedCopy&, std::string_view) -> std::string {
+      throw Error(ExitCode::not_a_session, "is refused for the sake of a test", "session", "nothing");
+    }});
+    const Words words = words_of([&] { read_session(path()); });
+    ::_exit(words.what == "is refused for the sake of a test" && words.where == path() ? 0 : 1);
+  }
+  int status = 1;
+  ::waitpid(child, &status, 0);
+  EXPECT_EQ(status, 0);
+}
+
+TEST_F(Trial, BelievesNoRefusalThatItsChildDidNotWrite) {
+  const std::string text =
+      sandbox::refusal_text(Error(ExitCode::failed, "what", "session/gyro", "do\x1b[2Jthat"));
+  const Words words = words_of([&] { sandbox::refuse_as_told(text, "a/b.h5"); });
+  EXPECT_EQ(words, (Words{ExitCode::failed, "what", "a/b.h5/gyro", "do\\u{1B}[2Jthat"}));
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    const Words cut = words_of([&] { sandbox::refuse_as_told(text.substr(0, i), "a/b.h5"); });
+    EXPECT_EQ(cut.code, ExitCode::not_a_session) << i;
+    EXPECT_THAT(cut.what, testing::HasSubstr("damaged or hostile")) << i;
+  }
+  for (const std::string& other : {"X" + text, text + "more"})
+    EXPECT_THAT(words_of([&] { sandbox::refuse_as_told(other, "a/b.h5"); }).what,
+                testing::HasSubstr("damaged or hostile"));
 }
 
 // Whoever ends a recording with Ctrl-C at a terminal sends it to all processes of the recorder.

@@ -293,6 +293,32 @@ TEST(Verdict, IsUsableWhenTheGyroHidesItsBiasOrContradicts) {
               testing::Contains("gyro and servo disagree in 16 % of the frames that are otherwise valid"));
 }
 
+TEST(Verdict, OfAGyroThatHidesItsBiasStaysGoodWhereEqualSpeedsBothWaysTellIt) {
+  Session session = clean_session(60);
+  session.sync.gyro.zeroes_itself = session.sync.gyro.bias_from_legs = true;
+  session.sync.gyro.bias_dps = Estimate{0.02, 0.04};
+  EXPECT_EQ(quality_of(session).verdict, "good");
+  EXPECT_THAT(quality_of(session).verdict_reasons,
+              testing::Contains(testing::HasSubstr("both ways tell it as 0.02 +- 0.04 deg/s")));
+  session.sync.gyro.bias_dps->uncertainty = 0.5;  // one direction alone
+  EXPECT_EQ(quality_of(session).verdict, "usable");
+}
+
+TEST(Verdict, NamesWhoContradictsTheStatedBandwidth) {
+  Session session = clean_session(60);
+  session.raw.header.profile.gyro.bandwidth_hz = 188.0;
+  session.sync.gyro.filter_contradicts = true;
+  session.sync.gyro.filter_delay_s = {0.01125, 0.0011};
+  for (const auto& [source, who] :
+       {std::pair("device", "the device itself"), {"noise", "its noise at rest"}}) {
+    session.sync.gyro.filter_source = source;
+    EXPECT_EQ(quality_of(session).verdict, "usable");
+    EXPECT_THAT(quality_of(session).verdict_reasons,
+                testing::Contains("the gyro's bandwidth is stated as 188 Hz, and " + std::string(who) +
+                                  " contradicts that: its filter delays by 11.2 +- 1.1 ms"));
+  }
+}
+
 TEST(Verdict, DoesNotHoldAgainstTheRigWhatTheGyroSaysInRamps) {
   Session session = clean_session(60);
   for (std::size_t i = 0; i < 30; ++i) {

@@ -64,9 +64,11 @@ TEST(Realism, NoiseOfTheNarrowLensAtEightHertzIsThatOfRealRecordings) {
   expect_within(room.median("noise"), {0.59, 0.72, "room 0.59-0.72 K, sheet 0.66 K"}, "temporal noise");
   expect_within(room.median("centre"), {0.50, 0.75, "sheet, fig 20-23"}, "noise in the centre");
   expect_within(room.median("corner"), {0.65, 1.30, "sheet, fig 20-23"}, "noise in the corners");
-  expect_within(room.median("corner over centre"), {1.15, 2.2, "room 1.18, streamer 1.9-2.2"}, "corners");
+  expect_within(room.median("corner over centre"), {1.18, 2.2, "room 1.18, streamer 1.9-2.2"}, "corners");
   expect_within(room.median("lag one"), {-0.56, -0.39, "streamer -0.39 to -0.56; white: -0.5"}, "lag one");
-  expect_within(room.median("common mode"), {0.05, 0.58, "streamer 0.12-0.58 K"}, "common mode");
+  expect_within(room.median("common mode"),
+                {0.10, 0.58, "streamer 0.12-0.58 K; the honest camera is a little quieter than any of them"},
+                "common mode");
 }
 
 TEST(Realism, FixedPatternAndChessOffsetAreThoseOfRealRecordings) {
@@ -80,21 +82,23 @@ TEST(Realism, NoiseOfTheWideLensIsThatOfTheDataSheetAndOfARealBoard) {
   // A GY-MCU90640 that sends 4 whole frames a second refreshes 8 halves a second.
   const Recordings board({.field_of_view_deg = 110.0, .output_rate_hz = 4.0, .half_fresh = false},
                          "laboratory", 80);
-  expect_within(board.median("noise"), {0.27, 0.40, "moving 0.27-0.30 K, sheet 0.37 K"}, "temporal noise");
+  expect_within(board.median("noise"), {0.27, 0.38, "moving 0.27-0.30 K, sheet 0.37-0.38 K"},
+                "temporal noise");
   expect_within(board.median("corner over centre"), {1.5, 2.5, "moving 2"}, "corners");
 }
 
 TEST(Realism, NoiseGrowsWithTheRootOfTheRefreshRate) {
   const Recordings fast({.half_fresh = false}, "laboratory", 80);  // 16 halves a second
-  expect_within(fast.median("noise"), {0.85, 1.05, "sheet 0.98 K at 16 Hz"}, "temporal noise");
+  expect_within(fast.median("noise"), {0.92, 1.0, "sheet 0.98 K at 16 Hz; 8 Hz times the root of 2: 0.93"},
+                "temporal noise");
 }
 
 TEST(Realism, RoomsAndGardensHaveTheContrastOfRealViews) {
   const std::map<std::string, Range> spatial{
-      {"laboratory", {0.5, 1.4, "room 0.57-1.06 K"}},
-      {"dining", {0.7, 2.3, "room 0.57-1.06 K, somebody near 1.6-2.1 K"}},
-      {"kitchen", {0.5, 1.6, "room 0.57-1.06 K"}},
-      {"garden", {4.0, 8.0, "moving, 2.7-19 K"}}};
+      {"laboratory", {0.57, 1.06, "room 0.57-1.06 K"}},
+      {"dining", {0.57, 2.1, "room 0.57-1.06 K, somebody near 1.6-2.1 K"}},
+      {"kitchen", {0.57, 1.06, "room 0.57-1.06 K"}},
+      {"garden", {2.7, 19.0, "moving, 2.7-19 K"}}};
   for (const auto& [environment, range] : spatial)
     expect_within(Recordings({}, environment, 12).median("spatial"), range, "contrast of " + environment);
 }
@@ -102,9 +106,11 @@ TEST(Realism, RoomsAndGardensHaveTheContrastOfRealViews) {
 TEST(Realism, RoomsHaveTheTemperaturesAndTheRepeatabilityOfRealViews) {
   for (const std::string environment : {"laboratory", "dining", "kitchen"}) {
     const Recordings room({}, environment, 12);
-    expect_within(room.median("low"), {19.0, 24.0, "room 20 degC"}, "1st percentile of " + environment);
-    expect_within(room.median("high"), {22.0, 34.0, "room 29 degC"}, "99th percentile of " + environment);
-    expect_within(room.median("repeat"), {0.32, 0.95, "room 0.60-0.91"}, "two frames of " + environment);
+    expect_within(room.median("low"), {19.5, 22.0, "room from 20 degC on"},
+                  "1st percentile of " + environment);
+    expect_within(room.median("high"), {24.0, 29.0, "room up to 29 degC"},
+                  "99th percentile of " + environment);
+    expect_within(room.median("repeat"), {0.60, 0.91, "room 0.60-0.91"}, "two frames of " + environment);
   }
 }
 

@@ -34,6 +34,18 @@ TEST(AngleTrack, OfASteadyErrorDriftsByIt) {
   EXPECT_DOUBLE_EQ(track.commanded_deg.back(), 600.0);
 }
 
+TEST(AngleTrack, From30SecondsOnForgetsWhatWasBefore) {
+  std::vector<JudgedWindow> estimates = steady(1, 299, 50.0F);
+  const std::vector<JudgedWindow> later = steady(300, 400, 2.0F);
+  estimates.insert(estimates.end(), later.begin(), later.end());
+  const AngleTrack track = track_of(estimates, plain_acquisition("a", 401, 60.0F));
+  EXPECT_NEAR(track.settled_drift_deg_per_min[thermal_name], 120.0, 1e-6);
+  EXPECT_NEAR(track.settled_worst_deg[thermal_name], 20.2, 1e-6);
+  EXPECT_GT(track.worst_deg[thermal_name], 1000.0);
+  const AngleTrack brief = track_of(steady(1, 100, 2.0F), plain_acquisition("a", 101, 60.0F));
+  EXPECT_TRUE(std::isnan(brief.settled_worst_deg[thermal_name]));
+}
+
 TEST(AngleTrack, IntegratesNothingWhereNoWindowEnds) {
   std::vector<JudgedWindow> estimates = steady(3, 10, 2.0F);
   const std::vector<JudgedWindow> later = steady(63, 70, 2.0F);

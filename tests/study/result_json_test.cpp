@@ -115,7 +115,8 @@ TEST(ResultJson, IsRefusedWithListsOfAnotherLength) {
   for (const char* const path :
        {"/estimators", "/evaluation/errors", "/evaluation/speeds/0/mse", "/evaluation/gain/histogram",
         "/evaluation/names", "/evaluation/angles/0/time_s", "/evaluation/angles/0/error_deg",
-        "/evaluation/angles/0/error_deg/1", "/evaluation/angles/0/worst_deg"}) {
+        "/evaluation/angles/0/error_deg/1", "/evaluation/angles/0/worst_deg",
+        "/evaluation/angles/0/settled_worst_deg"}) {
     json other = json::parse(to_json(paper_sized()));
     json& list = other[json::json_pointer(path)];
     list.erase(list.size() - 1);
@@ -143,7 +144,7 @@ TEST(ResultJson, IsRefusedOutsideTheNetworksSettings) {
 
 TEST(ResultJson, OfAnotherFormatOrVersionIsRefused) {
   json other = json::parse(to_json(paper_sized()));
-  other["version"] = 4;
+  other["version"] = 5;
   EXPECT_THAT(refusal(other.dump()), testing::HasSubstr("version"));
   other["format"] = "something else";
   EXPECT_THAT(refusal(other.dump()), testing::HasSubstr("format"));

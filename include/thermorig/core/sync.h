@@ -106,7 +106,7 @@ struct GyroErrors {
   bool scale_contradicts = false;  // a calibrated scale: it gave way to that of the turns
   // Group delay of the gyro's low-pass. It is part of the latency that is taken off the gyro's times.
   Estimate filter_delay_s{0.0, 0.0};
-  std::string filter_source;         // "profile", "noise" at rest, or empty: nothing tells it
+  std::string filter_source;         // "profile", "device" (read back), "noise" at rest, or empty
   bool filter_contradicts = false;   // the profile's delay: it gave way to that of the noise
   std::optional<Estimate> bias_dps;  // over the recording's rests, else of the profile; none: unknown
   // At rest before the first leg: the static bias, all that there is to be known of it before anything turns.

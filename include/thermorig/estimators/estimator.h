@@ -8,6 +8,7 @@
 
 #include "thermorig/core/rate_estimate.h"
 #include "thermorig/core/sample.h"
+#include "thermorig/estimators/odometer/map.h"
 
 namespace thermorig::estimators {
 
@@ -42,6 +43,12 @@ class Estimator {
 
   /// Nothing where it keeps no image of them, or has none yet.
   virtual std::optional<Surroundings> surroundings() const { return std::nullopt; }
+
+  /// What a later run may begin with. Nothing where it keeps no map, or none yet that it trusts.
+  virtual std::optional<odometer::Map> map() const { return std::nullopt; }
+
+  /// What has become of the map that it began with.
+  virtual odometer::MapUse map_use() const { return odometer::MapUse::none; }
 };
 
 }  // namespace thermorig::estimators

@@ -30,7 +30,8 @@ struct Setup {
   int frames = 1;  // of the run's window: rates are means over so many exposures
   GyroProfile gyro;
   CameraProfile camera;
-  std::shared_ptr<NetworkWindow> network;  // of the run, where it has one
+  std::shared_ptr<NetworkWindow> network;    // of the run, where it has one
+  std::shared_ptr<const odometer::Map> map;  // of a run before, where there is one
 };
 
 /// An estimator that there is.
@@ -40,6 +41,7 @@ struct Entry {
   Inputs inputs;
   bool needs_network = false;
   bool needs_fusion = false;  // a network that has a gate
+  bool keeps_map = false;     // that a later run can begin with
   int most_frames =
       1;  // of a window over which it finds one rate; else it finds one a frame, and says the mean
   std::span<const std::string_view> values;  // names of RateEstimate::values, at most most_estimate_values
@@ -62,8 +64,10 @@ class Bank {
  public:
   /// Without names: all that can run. Throws Error(bad_usage) for a name that there is not, and for one that
   /// needs a network, or one with fusion, that `model` is not. `frames`: of the window, without a model.
+  /// `map`: of a run before, with such a lens.
   Bank(std::span<const std::string> names, const std::optional<model::Model>& model,
-       const RigProfile& profile, network::Precision precision = network::Precision::fp32, int frames = 1);
+       const RigProfile& profile, network::Precision precision = network::Precision::fp32, int frames = 1,
+       std::shared_ptr<const odometer::Map> map = nullptr);
   ~Bank();
   Bank(Bank&&) noexcept;
   Bank& operator=(Bank&&) noexcept;
@@ -76,6 +80,10 @@ class Bank {
 
   /// What the entry at that place has seen of the surroundings.
   std::optional<Surroundings> surroundings(std::size_t place) const;
+
+  /// That of the estimator that keeps one.
+  std::optional<odometer::Map> map() const;
+  odometer::MapUse map_use() const;
 
  private:
   struct Parts;

@@ -11,6 +11,7 @@
 #include "thermorig/core/measurement.h"
 #include "thermorig/core/profile.h"
 #include "thermorig/core/raw_recording.h"
+#include "thermorig/core/run_all.h"
 #include "thermorig/core/sample.h"
 #include "thermorig/core/sync.h"
 #include "thermorig/core/time.h"
@@ -51,7 +52,8 @@ struct Streams {
 /// Pure: it opens nothing, starts nothing, reads no clock.
 class Pipeline {
  public:
-  explicit Pipeline(const RigProfile& profile, const Fits& fits = {});
+  /// `without_labels`: for a first pass, which looks at the streams alone. No call returns a measurement.
+  explicit Pipeline(const RigProfile& profile, const Fits& fits = {}, bool without_labels = false);
   ~Pipeline();
   Pipeline(Pipeline&&) noexcept;
   Pipeline& operator=(Pipeline&&) noexcept;
@@ -93,7 +95,8 @@ class Pipeline {
 
 /// First pass: what the bytes, their arrivals and the streams decoded from them say about the recording as a
 /// whole: mode, missing frames, clocks, camera offset, gyro errors, servo response. Whatever cannot be told
-/// is absent, and the report says why. `streams` are those of a Pipeline without fits over `raw`.
-Fits fit(const RawRecording& raw, Streams streams);
+/// is absent, and the report says why. `streams` are those of a Pipeline without fits over `raw`. What does
+/// not hang on one another is handed to `run_all`; who does it makes no difference to the result.
+Fits fit(const RawRecording& raw, Streams streams, const RunAll& run_all = in_turn);
 
 }  // namespace thermorig::pipeline

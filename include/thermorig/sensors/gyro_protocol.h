@@ -41,8 +41,12 @@ struct GyroProtocol {
   GyroScanner (*scanner)(const GyroProfile& profile, StreamStart start);
   /// Nothing if the bytes, which came in `heard_s` seconds (0: not known), hold too few messages of it.
   std::optional<Evidence> (*recognise)(std::span<const std::uint8_t> bytes, double heard_s);
-  /// What makes it send samples; `asked`: how often it was asked already, in vain. None: it sends by itself.
+  /// What it is told or asked when its port opens and while nothing comes; `asked`: how often already, in
+  /// vain. What makes it send samples, where it does not by itself. None: it hears nothing.
   std::vector<std::uint8_t> (*request)(const GyroProfile& profile, unsigned asked) = nullptr;
+  /// The bandwidth of its low-pass, by what it answered among these bytes. Nothing: they do not say. None: it
+  /// cannot be asked.
+  std::optional<double> (*bandwidth_hz)(std::span<const std::uint8_t> bytes) = nullptr;
 };
 
 /// The table. The first one is what a profile has that names none.

@@ -65,6 +65,14 @@ std::optional<estimators::Surroundings> LiveEstimates::surroundings(std::size_t 
   return parts_->bank.surroundings(place);
 }
 
+std::optional<odometer::Map> LiveEstimates::map() const {
+  return parts_->bank.map();
+}
+
+odometer::MapUse LiveEstimates::map_use() const {
+  return parts_->bank.map_use();
+}
+
 std::vector<EstimatorColumn> columns_of(const estimators::Bank& bank) {
   std::vector<EstimatorColumn> columns;
   for (const estimators::Entry* entry : bank.entries())

@@ -3,17 +3,58 @@
 
 #include <algorithm>
 #include <cmath>
+#include <deque>
 #include <optional>
+#include <vector>
 
-#include "recent_errors.h"
 #include "seconds_between.h"
 #include "thermorig/core/statistics.h"
+#include "thermorig/core/time.h"
 #include "thermorig/estimators/errors.h"
 #include "thermorig/network/gate.h"
 
 namespace thermorig::live {
 
 namespace {
+
+/// Squared errors of the last minute, in order of time and in order of size.
+class RecentErrors {
+ public:
+  void add(HostTime time, double squared);
+
+  /// Forgets what is a minute or more before `now`.
+  void forget_before(HostTime now);
+
+  const std::vector<double>& sorted() const { return sorted_; }
+
+ private:
+  struct Entry {
+    HostTime time{};
+    double squared = 0.0;
+  };
+  void forget_oldest();
+
+  std::deque<Entry> entries_;
+  std::vector<double> sorted_;
+};
+
+constexpr double minute_s = 60.0;
+constexpr std::size_t most_entries = 60'000;  // 1000 frames/s: only a file whose times stand still has more
+
+void RecentErrors::add(HostTime time, double squared) {
+  if (entries_.size() == most_entries) forget_oldest();
+  entries_.push_back({time, squared});
+  sorted_.insert(std::upper_bound(sorted_.begin(), sorted_.end(), squared), squared);
+}
+
+void RecentErrors::forget_before(HostTime now) {
+  while (!entries_.empty() && seconds_between(entries_.front().time, now) >= minute_s) forget_oldest();
+}
+
+void RecentErrors::forget_oldest() {
+  sorted_.erase(std::lower_bound(sorted_.begin(), sorted_.end(), entries_.front().squared));
+  entries_.pop_front();
+}
 
 constexpr double drift_after_s = 1.0;
 constexpr std::uint64_t gate_patience = 64;  // counted frames

@@ -16,6 +16,7 @@ constexpr double search_from_deg = 1.0;  // a heading that is known less well is
 constexpr double search_step_deg = 0.5;
 constexpr int most_search_steps = 40;  // to either side
 constexpr float huber = 3.0F;
+constexpr float most_left_k2 = 9.0F;  // of a pixel: what moves shows more
 constexpr float strict_squares = 9.0F;
 constexpr std::array<Slope, 3> slopes{{{1.0, false}, {2.0, true}, {4.0, true}}};
 
@@ -30,15 +31,23 @@ float weight_of(float squares, bool is_strict) {
 
 }  // namespace
 
+void Alignment::look(const View& view, double azimuth_deg, std::size_t column, const Slope& slope,
+                     Panorama::Look& look) const {
+  if (view.rows == nullptr) {
+    panorama_.look(place(view, azimuth_deg, column), slope.reach, slope.smooth, look);
+    return;
+  }
+  for (std::size_t k = 0; k < half_rows; ++k)
+    panorama_.look_row(place(view, azimuth_deg, column, k), k, slope.reach, slope.smooth, look);
+}
+
 Alignment::Comparison Alignment::compare(const View& view, double azimuth_deg, const Slope& slope) const {
   Comparison comparison;
   HalfPixels slopes_k_deg, slope_variance, weight;
   float weights = 0.0F, sum = 0.0F, flat_sum = 0.0F;
   for (std::size_t column = 0; column < frame_columns; ++column) {
     Panorama::Look look;
-    panorama_.look(Panorama::place(column_azimuth_deg(azimuth_deg, column), view.half_width_deg,
-                                   row_class(column, view.parity)),
-                   slope.reach, slope.smooth, look);
+    this->look(view, azimuth_deg, column, slope, look);
     for (std::size_t k = 0; k < half_rows; ++k) {
       const std::size_t i = column * half_rows + k;
       const float temp_c = (*view.temp_c)[i];
@@ -66,6 +75,7 @@ Alignment::Comparison Alignment::compare(const View& view, double azimuth_deg, c
     comparison.cost += double{std::min(left * left * weight[i], huber * huber * huber)};
     const float flat = (*view.temp_c)[i] - flat_c;
     comparison.flat_cost += double{std::min(flat * flat * weight[i], huber * huber * huber)};
+    comparison.squares_k2 += double{std::min(left * left, most_left_k2)};
     comparison.pixels += 1.0;
     weight[i] *= robust;
     again += weight[i];
@@ -95,6 +105,7 @@ Alignment::Comparison Alignment::compare(const View& view, double azimuth_deg, c
     HeadingFilter::add_shares(azimuth_deg + lens_.bearing_deg(column), double{steepness}, comparison.about);
   }
   comparison.cost /= comparison.pixels;
+  comparison.squares_k2 /= comparison.pixels;
   comparison.flat_cost /= comparison.pixels;
   if (shares > 0.0)
     for (double& share : comparison.about) share /= shares;
@@ -106,9 +117,11 @@ double Alignment::squares(const View& view, double azimuth_deg) const {
   float sum = 0.0F, weights = 1e-6F, flat_sum = 0.0F, flat_weights = 1e-6F;
   for (std::size_t column = 0; column < frame_columns; ++column) {
     Panorama::Column temp_c, is_known;
-    panorama_.look(Panorama::place(column_azimuth_deg(azimuth_deg, column), view.half_width_deg,
-                                   row_class(column, view.parity)),
-                   temp_c, is_known);
+    if (view.rows == nullptr)
+      panorama_.look(place(view, azimuth_deg, column), temp_c, is_known);
+    else
+      for (std::size_t k = 0; k < half_rows; ++k)
+        panorama_.look_row(place(view, azimuth_deg, column, k), k, temp_c, is_known);
     for (std::size_t k = 0; k < half_rows; ++k) {
       const std::size_t i = column * half_rows + k;
       expected[i] = temp_c[k];
@@ -129,6 +142,43 @@ double Alignment::squares(const View& view, double azimuth_deg) const {
     squares += double{std::min(left * left / (*view.variance)[i], huber * huber * huber)};
   }
   return squares;
+}
+
+Alignment::Explained Alignment::explained(const View& view, double azimuth_deg) const {
+  struct Sums {
+    float weight = 0.0F, residual = 0.0F, temp_c = 0.0F;
+  };
+  std::array<Sums, frame_rows> rows{};
+  HalfPixels residual, weight;
+  for (std::size_t column = 0; column < frame_columns; ++column) {
+    const std::size_t of_rows = row_class(column, view.parity);
+    Panorama::Look look;
+    this->look(view, azimuth_deg, column, {}, look);
+    for (std::size_t k = 0; k < half_rows; ++k) {
+      const std::size_t i = column * half_rows + k;
+      const float temp_c = (*view.temp_c)[i];
+      const bool is_compared = look.known[k] > 0.0F && !std::isnan(temp_c);
+      residual[i] = is_compared ? temp_c - look.temp_c[k] : 0.0F;
+      weight[i] = is_compared ? 1.0F / ((*view.variance)[i] + look.variance[k]) : 0.0F;
+      if (!is_compared) continue;
+      Sums& row = rows[2 * k + of_rows];
+      row.weight += weight[i];
+      row.residual += weight[i] * residual[i];
+      row.temp_c += weight[i] * temp_c;
+    }
+  }
+  Explained explained;
+  for (std::size_t column = 0; column < frame_columns; ++column)
+    for (std::size_t k = 0; k < half_rows; ++k) {
+      const std::size_t i = column * half_rows + k;
+      if (weight[i] <= 0.0F) continue;
+      const Sums& row = rows[2 * k + row_class(column, view.parity)];
+      const float left = residual[i] - row.residual / row.weight;
+      const float shown = (*view.temp_c)[i] - row.temp_c / row.weight;
+      explained.left += double{std::min(left * left * weight[i], huber * huber * huber)} - 1.0;
+      explained.structure += double{std::min(shown * shown * weight[i], huber * huber * huber)} - 1.0;
+    }
+  return explained;
 }
 
 double Alignment::searched(const View& view, double azimuth_deg, double sigma_deg, int& looks) const {

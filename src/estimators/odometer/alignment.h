@@ -14,9 +14,10 @@ struct View {
   const HalfPixels* temp_c = nullptr;  // NaN: no reading
   const HalfPixels* variance = nullptr;
   unsigned parity = 0;
-  double half_width_deg = 0.0;  // of what a pixel sweeps during the exposure
-  double trust_deg2 = 0.0;      // variance of the heading beforehand: what it explains is no outlier
-  bool is_strict = false;       // what fits badly counts for nothing
+  double half_width_deg = 0.0;      // of what a pixel sweeps during the exposure
+  double trust_deg2 = 0.0;          // variance of the heading beforehand: what it explains is no outlier
+  bool is_strict = false;           // what fits badly counts for nothing
+  const RowSweeps* rows = nullptr;  // of a camera that exposes them one after the other
 };
 
 /// How a slope of the panorama is taken: over so many bins, over one row or three.
@@ -38,10 +39,11 @@ class Alignment {
     std::array<double, HeadingFilter::nodes> about{};  // whose offset of the map it depends on, shares of 1
     double lean = 0.0;                                 // weighted sum of slope times residual
     double steepness = 0.0;                            // weighted sum of slope squared
-    double known = 0.0;      // the same less what noise adds to it: what is known of the heading
-    double cost = 0.0;       // weighted squares of a pixel, robust
-    double flat_cost = 0.0;  // the same, had the surroundings no structure at all
-    double pixels = 0.0;     // that were compared
+    double known = 0.0;       // the same less what noise adds to it: what is known of the heading
+    double cost = 0.0;        // weighted squares of a pixel, robust
+    double flat_cost = 0.0;   // the same, had the surroundings no structure at all
+    double squares_k2 = 0.0;  // mean square of what was left, robust
+    double pixels = 0.0;      // that were compared
     double step_deg() const { return known > 0.0 ? lean / known : 0.0; }
     /// Slopes that may be nothing but noise tell nothing.
     double variance_deg2() const {
@@ -64,12 +66,32 @@ class Alignment {
   /// surroundings, they should be all alike.
   double squares(const View& view, double azimuth_deg) const;
 
-  double column_azimuth_deg(double azimuth_deg, std::size_t column) const {
-    const double at_deg = azimuth_deg + lens_.bearing_deg(column);
-    return at_deg - filter_.map_offset_deg(at_deg);
+  /// Squares of a half's pixels beyond those of their noise, robust, what each row has in common taken off:
+  /// less the map, and as they are.
+  struct Explained {
+    double left = 0.0, structure = 0.0;
+  };
+  Explained explained(const View& view, double azimuth_deg) const;
+
+  /// Where a column of pixels looks in the map, all of its rows at once.
+  Panorama::Place place(const View& view, double azimuth_deg, std::size_t column) const {
+    return Panorama::place(map_azimuth_deg(azimuth_deg, column), view.half_width_deg,
+                           row_class(column, view.parity));
+  }
+  /// The same of its k-th pixel, if the view has rows that look elsewhere.
+  Panorama::Place place(const View& view, double azimuth_deg, std::size_t column, std::size_t k) const {
+    const std::size_t row = row_of(column, k, view.parity);
+    return Panorama::place(map_azimuth_deg(azimuth_deg + double{view.rows->shift_deg[row]}, column),
+                           double{view.rows->half_width_deg[row]}, row_class(column, view.parity));
   }
 
  private:
+  double map_azimuth_deg(double azimuth_deg, std::size_t column) const {
+    const double at_deg = azimuth_deg + lens_.bearing_deg(column);
+    return at_deg - filter_.map_offset_deg(at_deg);
+  }
+  void look(const View& view, double azimuth_deg, std::size_t column, const Slope& slope,
+            Panorama::Look& look) const;
   double searched(const View& view, double azimuth_deg, double sigma_deg, int& looks) const;
 
   const Panorama& panorama_;

@@ -9,7 +9,7 @@ namespace thermorig::odometer {
 
 namespace {
 
-constexpr double step_dps = 0.5;
+constexpr double finest_step_dps = 0.5, coarse_step_dps = 1.0;  // the coarse one where rows are dear
 constexpr std::size_t most_steps = 121;
 constexpr double most_sigmas = 3.0;
 constexpr double trusted_of_mosaic =
@@ -17,7 +17,8 @@ constexpr double trusted_of_mosaic =
 constexpr double known_well_dps = 1.0;
 constexpr double distinct_share = 0.94;  // of the typical variance: noise alone makes it differ by 2 %
 
-constexpr float largest_error_c = 3.0F;  // of a pixel that is not broken
+constexpr float clip_of_mean = 1.5F, least_clip_c = 0.8F;  // of a half's mean difference from its mean
+constexpr float largest_error_c = 3.0F;                    // of a pixel that is not broken
 constexpr float unknown_c = std::numeric_limits<float>::quiet_NaN();
 
 /// Mean of each pixel less that of those about it.
@@ -51,6 +52,45 @@ BiasSearch::BiasSearch(const Priors& priors, const Lens& lens)
       variances_(most_steps),
       ordered_(most_steps) {}
 
+void BiasSearch::Cell::add(float temp_c) {
+  if (std::isnan(temp_c)) return;
+  sum += temp_c;
+  squares += temp_c * temp_c;
+  count += 1.0F;
+}
+
+/// Of that azimuth, one a row of the frame.
+BiasSearch::Cell* BiasSearch::cells_at(double azimuth_deg) {
+  const double turns = azimuth_deg / whole_turn_deg;
+  const auto cell = std::min(cells_a_row_ - 1, static_cast<std::size_t>((turns - std::floor(turns)) *
+                                                                        static_cast<double>(cells_a_row_)));
+  return &cells_[cell * frame_rows];
+}
+
+void BiasSearch::add_column(const Placed& one, std::size_t column, double turned_deg) {
+  Cell* cells = cells_at(turned_deg + lens_.bearing_deg(column)) + row_class(column, one.parity);
+  for (std::size_t k = 0; k < half_rows; ++k) cells[2 * k].add(one.temp_c[column * half_rows + k]);
+}
+
+void BiasSearch::add_rows(const Placed& one, double turned_deg, double bias_dps) {
+  const auto all = static_cast<float>(cells_a_row_);
+  const auto in_cells = [&](double deg) { return static_cast<float>(deg / whole_turn_deg) * all; };
+  constexpr std::size_t stride =
+      4;  // every second pixel of the half's row: each has a cell of its own to find
+  const float step = in_cells(lens_.bearing_deg(stride) - lens_.bearing_deg(0));
+  for (std::size_t row = 0; row < frame_rows; ++row) {
+    const std::size_t first = row_class(row, one.parity);  // column of the row's first pixel
+    const double later_deg = (one.later_deg[row] - bias_dps * one.later_s[row]) / priors_.scale;
+    const double turns = (turned_deg + later_deg + lens_.bearing_deg(first)) / whole_turn_deg;
+    float at = static_cast<float>(turns - std::floor(turns)) * all;
+    for (std::size_t column = first; column < frame_columns; column += stride, at += step) {
+      at = at < 0.0F ? at + all : at >= all ? at - all : at;
+      const std::size_t cell = std::min(cells_a_row_ - 1, static_cast<std::size_t>(at));
+      cells_[cell * frame_rows + row].add(one.temp_c[column * half_rows + row / 2]);
+    }
+  }
+}
+
 /// Of the readings within the cells of the mosaic.
 double BiasSearch::variance_with(double bias_dps) {
   std::fill(cells_.begin(), cells_.end(), Cell());
@@ -58,21 +98,10 @@ double BiasSearch::variance_with(double bias_dps) {
   for (const Placed& one : placed_) {
     const double turned_deg =
         (one.turn.mean_deg - first.mean_deg - bias_dps * (one.turn.mean_s - first.mean_s)) / priors_.scale;
-    for (std::size_t column = 0; column < frame_columns; ++column) {
-      const double turns = (turned_deg + lens_.bearing_deg(column)) / whole_turn_deg;
-      const auto cell =
-          std::min(cells_a_row_ - 1,
-                   static_cast<std::size_t>((turns - std::floor(turns)) * static_cast<double>(cells_a_row_)));
-      Cell* cells = &cells_[cell * frame_rows + row_class(column, one.parity)];
-      for (std::size_t k = 0; k < half_rows; ++k) {
-        const float temp_c = one.temp_c[column * half_rows + k];
-        if (std::isnan(temp_c)) continue;
-        Cell& at = cells[2 * k];
-        at.sum += temp_c;
-        at.squares += temp_c * temp_c;
-        at.count += 1.0F;
-      }
-    }
+    if (rows_ != RowOrder::at_once)
+      add_rows(one, turned_deg, bias_dps);
+    else
+      for (std::size_t column = 0; column < frame_columns; ++column) add_column(one, column, turned_deg);
   }
   double squares = 0.0, freedom = 1.0;
   for (const Cell& cell : cells_) {
@@ -86,9 +115,16 @@ double BiasSearch::variance_with(double bias_dps) {
 void BiasSearch::place(const HalfStore& store, const GyroPath& path) {
   for (std::size_t i = 0; i < halves; ++i) {
     const HalfReading& half = store.at(store.count() - halves + i).half;
-    placed_[i] = {half.temp_c, half.parity, path.over(half.begin_s, half.end_s)};
+    Placed& placed = placed_[i];
+    placed = {.temp_c = half.temp_c, .parity = half.parity, .turn = path.over(half.begin_s, half.end_s)};
     const float common_c = mean_of(half.temp_c);
-    for (float& temp_c : placed_[i].temp_c) temp_c -= common_c;
+    for (float& temp_c : placed.temp_c) temp_c -= common_c;
+    if (rows_ == RowOrder::at_once) continue;
+    const double middle_deg = path.until(placed.turn.mean_s).turned_deg;
+    for (std::size_t row = 0; row < frame_rows; ++row) {
+      placed.later_s[row] = row_delay_periods(rows_, row) * (half.end_s - half.begin_s);
+      placed.later_deg[row] = path.until(placed.turn.mean_s + placed.later_s[row]).turned_deg - middle_deg;
+    }
   }
 }
 
@@ -114,11 +150,31 @@ void BiasSearch::take_off_pixel_errors() {
   }
 }
 
-std::optional<BiasSearch::Found> BiasSearch::search(const HalfStore& store, const GyroPath& path) {
+/// Something warm that moves would otherwise make the sharpest mosaic by itself.
+void BiasSearch::clip() {
+  for (Placed& one : placed_) {
+    float sum = 0.0F, count = 1e-6F;
+    for (const float temp_c : one.temp_c) {
+      if (std::isnan(temp_c)) continue;
+      sum += std::abs(temp_c);
+      count += 1.0F;
+    }
+    const float most = std::max(least_clip_c, clip_of_mean * sum / count);
+    for (float& temp_c : one.temp_c)
+      if (!std::isnan(temp_c)) temp_c = std::clamp(temp_c, -most, most);
+  }
+}
+
+std::optional<BiasSearch::Found> BiasSearch::search(const HalfStore& store, const GyroPath& path,
+                                                    RowOrder rows, bool things_move) {
   if (store.count() < halves) return std::nullopt;
+  rows_ = rows;
   place(store, path);
+  if (things_move) clip();
   take_off_pixel_errors();
-  const double reach_dps = std::min(most_sigmas * priors_.bias_sigma_dps, 0.5 * (most_steps - 1) * step_dps);
+  const double step_dps = rows == RowOrder::at_once ? finest_step_dps : coarse_step_dps;
+  const double reach_dps =
+      std::min(most_sigmas * priors_.bias_sigma_dps, 0.5 * (most_steps - 1) * finest_step_dps);
   const auto steps = static_cast<int>(reach_dps / step_dps);
   double least = 1e30;
   for (int i = -steps; i <= steps; ++i) {
@@ -129,7 +185,8 @@ std::optional<BiasSearch::Found> BiasSearch::search(const HalfStore& store, cons
   ordered_.assign(variances_.begin(), variances_.begin() + 2 * steps + 1);
   std::nth_element(ordered_.begin(), ordered_.begin() + steps, ordered_.end());
   if (least > distinct_share * ordered_[static_cast<std::size_t>(steps)]) return std::nullopt;
-  const double readings = trusted_of_mosaic * 0.5 * static_cast<double>(halves * half_pixels);
+  const double looked_at = rows == RowOrder::at_once ? 1.0 : 0.5;  // of the pixels
+  const double readings = trusted_of_mosaic * 0.5 * looked_at * static_cast<double>(halves * half_pixels);
   double sum = 0.0, mean = 0.0, squares = 0.0;
   for (int i = -steps; i <= steps; ++i) {
     const double off = i * step_dps / priors_.bias_sigma_dps;

@@ -19,24 +19,34 @@ class BiasSearch {
   struct Found {
     double bias_dps = 0.0, sigma_dps = 0.0;
   };
-  /// By so many halves of the store, the last ones. Nothing: they do not tell yet.
-  std::optional<Found> search(const HalfStore& store, const GyroPath& path);
+  /// By so many halves of the store, the last ones, if rows are exposed in that order. Nothing: they do not
+  /// tell yet.
+  std::optional<Found> search(const HalfStore& store, const GyroPath& path, RowOrder rows = RowOrder::at_once,
+                              bool things_move = false);
 
   static constexpr std::size_t halves = 24;
 
  private:
   void place(const HalfStore& store, const GyroPath& path);
   void take_off_pixel_errors();
+  void clip();
   double variance_with(double bias_dps);
 
   struct Placed {
     HalfPixels temp_c{};  // without what it has in common, and without what its pixels always have
     unsigned parity = 0;
     ExposedTurn turn;
+    std::array<double, frame_rows> later_s{}, later_deg{};  // of a row: than the middle ones
   };
   struct Cell {
     float sum = 0.0F, squares = 0.0F, count = 0.0F;
+    void add(float temp_c);
   };
+  Cell* cells_at(double azimuth_deg);
+  void add_column(const Placed& one, std::size_t column, double turned_deg);
+  void add_rows(const Placed& one, double turned_deg, double bias_dps);
+
+  RowOrder rows_ = RowOrder::at_once;
   Priors priors_;
   Lens lens_;
   std::size_t cells_a_row_;

@@ -6,6 +6,7 @@
 #include <cstddef>
 
 #include "thermorig/core/frame.h"
+#include "thermorig/estimators/odometer/odometer.h"
 
 namespace thermorig::odometer {
 
@@ -24,6 +25,13 @@ using HalfPixels = std::array<float, half_pixels>;
 /// Of the two classes of rows, even and odd, the one that a column of a chess half has.
 constexpr std::size_t row_class(std::size_t column, unsigned parity) {
   return (column ^ parity) & 1U;
+}
+
+/// How much later than the middle rows a row is exposed, in refresh periods.
+constexpr double row_delay_periods(RowOrder order, std::size_t row) {
+  if (order == RowOrder::at_once) return 0.0;
+  const double later = static_cast<double>(row) / (frame_rows - 1) - 0.5;
+  return order == RowOrder::first_to_last ? later : -later;
 }
 
 /// How the camera looks: columns from left to right, or mirrored.
@@ -49,6 +57,12 @@ struct ExposedTurn {
   double length_s() const { return end_s - begin_s; }
 };
 
+/// Where each row looks and how far it sweeps, if rows are exposed one after the other: rows from the top.
+struct RowSweeps {
+  std::array<float, frame_rows> shift_deg{};  // against the middle of the frame
+  std::array<float, frame_rows> half_width_deg{};
+};
+
 /// A chess half that was read anew.
 struct HalfReading {
   HalfPixels temp_c{};  // NaN: no reading
@@ -56,6 +70,11 @@ struct HalfReading {
   double begin_s = 0.0, end_s = 0.0;  // of its exposure by the camera's stamps
   double time_sigma_s = 0.0;          // of those
 };
+
+/// The row in the frame of the k-th pixel of a column.
+constexpr std::size_t row_of(std::size_t column, std::size_t k, unsigned parity) {
+  return 2 * k + row_class(column, parity);
+}
 
 /// Of those that are known.
 inline float mean_of(const HalfPixels& pixels) {

@@ -26,8 +26,9 @@ class HalfStore {
   const Stored& at(std::size_t place) const { return halves_[place]; }
   void clear() { count_ = 0; }
 
- private:
   static constexpr std::size_t room = 480;  // a minute at 8 halves a second
+
+ private:
   std::vector<Stored> halves_;
   std::size_t count_ = 0;
 };

@@ -11,6 +11,7 @@ constexpr double start_sigma_deg = 1e-3;   // the map's origin is the first head
 constexpr double heading_walk_deg = 0.03;  // in a square root of a second: noise of the gyro
 constexpr double scale_walk = 2e-5, latency_walk_s = 2e-5;
 constexpr double least_state_variance = 1e-14;
+constexpr double least_root_deg = 1e-6;  // nodes that were begun together have the very same error
 
 }  // namespace
 
@@ -125,6 +126,42 @@ void HeadingFilter::begin_nodes(double low_deg, double high_deg) {
 void HeadingFilter::begin_node(std::size_t at) {
   for (std::size_t i = 0; i < size; ++i) covariance_[at][i] = covariance_[i][at] = covariance_[heading][i];
   covariance_[at][at] = covariance_[heading][heading];
+}
+
+/// The covariance as a root of it, by Cholesky: whatever a file says of a root, it is a covariance's.
+void HeadingFilter::keep(Map& map) const {
+  std::array<std::array<double, nodes>, nodes> root{};
+  std::size_t place = 0;
+  for (std::size_t i = 0; i < nodes; ++i) {
+    for (std::size_t j = 0; j <= i; ++j) {
+      double left = covariance_[first_node + i][first_node + j];
+      for (std::size_t k = 0; k < j; ++k) left -= root[i][k] * root[j][k];
+      if (i == j)
+        root[i][i] = std::sqrt(std::max(0.0, left));
+      else
+        root[i][j] = root[j][j] > least_root_deg ? left / root[j][j] : 0.0;
+      map.offset_root_deg[place++] = root[i][j];
+    }
+    map.offset_deg[i] = state_[first_node + i];
+    map.offset_known[i] = static_cast<std::uint8_t>(known_[i]);
+  }
+}
+
+void HeadingFilter::load(const Map& map) {
+  const auto root = [&](std::size_t i, std::size_t j) {
+    return j <= i ? map.offset_root_deg[i * (i + 1) / 2 + j] : 0.0;
+  };
+  for (std::size_t i = 0; i < nodes; ++i) {
+    state_[first_node + i] = map.offset_deg[i];
+    known_[i] = static_cast<NodeState>(map.offset_known[i]);
+    for (std::size_t other = 0; other < first_node; ++other)
+      covariance_[first_node + i][other] = covariance_[other][first_node + i] = 0.0;
+    for (std::size_t j = 0; j < nodes; ++j) {
+      double sum = 0.0;
+      for (std::size_t k = 0; k < nodes; ++k) sum += root(i, k) * root(j, k);
+      covariance_[first_node + i][first_node + j] = sum;
+    }
+  }
 }
 
 void HeadingFilter::set_heading(double heading_deg, double sigma_deg) {

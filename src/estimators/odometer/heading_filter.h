@@ -7,6 +7,7 @@
 #include <cstdint>
 
 #include "half_reading.h"
+#include "thermorig/estimators/odometer/map.h"
 
 namespace thermorig::odometer {
 
@@ -24,7 +25,7 @@ struct Priors {
 /// were first seen.
 class HeadingFilter {
  public:
-  static constexpr std::size_t nodes = 24;
+  static constexpr std::size_t nodes = Map::nodes;
   static constexpr double node_deg = whole_turn_deg / nodes;
   enum Place : std::size_t { heading, bias, scale, latency, first_node };
   static constexpr std::size_t size = first_node + nodes;
@@ -61,6 +62,11 @@ class HeadingFilter {
   static void add_shares(double azimuth_deg, double weight, std::array<double, nodes>& shares);
   /// Nodes that an azimuth from `low_deg` to `high_deg` first shows begin with the heading's error.
   void begin_nodes(double low_deg, double high_deg);
+
+  /// How the map is off, and how well that is known.
+  void keep(Map& map) const;
+  /// The heading is not known in it yet: set_heading() comes next.
+  void load(const Map& map);
 
   /// A new guess of the heading; nothing else is forgotten.
   void set_heading(double heading_deg, double sigma_deg);

@@ -12,6 +12,8 @@
 #include "gyro_path.h"
 #include "gyro_watch.h"
 #include "half_store.h"
+#include "map_check.h"
+#include "row_contest.h"
 #include "thermorig/estimators/odometer/unseen_turn.h"
 #include "tracker.h"
 
@@ -28,21 +30,23 @@ constexpr HostDuration clock_begins_anew = std::chrono::seconds(1);
 constexpr std::size_t search_every = 4;     // halves, while the bias is searched for
 constexpr std::size_t latest_search = 160;  // then the search begins anew
 constexpr int looks_a_step = 110;           // at the map, when halves are gone through again: a dozen halves
+constexpr int row_looks_a_step = 60;        // the same row by row, which costs more
 constexpr double second_pass_s = 25.0;      // after the first half
 constexpr std::size_t second_pass_halves = 200;
 constexpr double bias_widening = 2.0;  // of what the search states
 
-constexpr int most_passes = 6;         // through the halves of the start
-constexpr double pass_widening = 3.0;  // of what the pass before learnt: these are the same halves
-constexpr double least_bias_sigma_dps = 0.1, least_scale_sigma = 0.002, least_latency_sigma_s = 0.003;
-constexpr double settled_latency_s = 0.001, settled_scale = 0.001, settled_nis = 2.0;
+constexpr int most_passes = 6;  // through the halves of the start
+constexpr double settled_latency_s = 0.001, settled_scale = 0.001;
 constexpr double known_bias_dps = 1.0;
 
-constexpr double nis_share = 1.0 / 30.0;  // of a half in the mean of its kind
-constexpr double nis_lost = 8.0;
-constexpr double nis_unfit = 3.0, nis_fits = 2.0;          // not trusted from the one on until the other
+/// Of the mean square of innovations.
+struct NisBounds {
+  double settled, fits, unfit, lost;  // not trusted from `unfit` on until it `fits`
+};
+constexpr NisBounds nis_at_rest{2.0, 2.0, 3.0, lost_nis};  // where nothing moves but the rig
+constexpr NisBounds nis_in_traffic{6.0, 5.0, 8.0, 2.0 * lost_nis};
+constexpr int failed_to_doubt = 1;                         // starts: then things may move
 constexpr double longest_unfit_s = 30.0;                   // then the map is wrong
-constexpr double most_nis = 60.0;                          // that one half counts with
 constexpr int covered_halves = 4;                          // in a row
 constexpr int halves_to_trust = 8;                         // after a search
 constexpr double doubted_deg = 2.0, doubted_sigmas = 4.0;  // a jump by more is doubted
@@ -51,8 +55,9 @@ constexpr double lean_share = 1.0 / 16.0, much_lean = 0.7;
 constexpr double stepped_bias_dps = 0.3;
 constexpr double longest_gyro_gap_s = 0.25;
 constexpr double longest_camera_gap_s = 1.0;
-constexpr double lost_deg = 3.0;        // a heading that is known less well is searched for
-constexpr double give_up_s = 40.0;      // of a search: then the map is wrong
+constexpr double lost_deg = 3.0;    // a heading that is known less well is searched for
+constexpr double give_up_s = 40.0;  // of a search: then the map is wrong
+constexpr double turning_dps = 5.0;
 constexpr double saturated_dps = 15.0;  // what a reading at the end of its range may be off
 constexpr double sample_noise_dps = 0.15;
 
@@ -78,14 +83,18 @@ bool is_exposure(const HalfExposure& half) {
 }  // namespace
 
 struct Odometer::Parts {
-  Parts(const GyroProfile& gyro, const CameraProfile& camera)
-      : gyro_period_s(1.0 / gyro.output_rate_hz),
+  Parts(const GyroProfile& gyro, const CameraProfile& camera, std::shared_ptr<const Map> given)
+      : map(std::move(given)),
+        map_use(map ? MapUse::searching : MapUse::none),
+        gyro_period_s(1.0 / gyro.output_rate_hz),
         gyro_time_sigma_s(gyro.link.latency_uncertainty_s),
         priors(priors_of(gyro, camera)),
+        field_of_view_deg(camera.field_of_view_deg),
         lens(lens_of(camera)),
         front(priors, lens),
         back(priors, lens),
-        bias_search(priors, lens) {}
+        bias_search(priors, lens),
+        contest(priors, lens, !camera.link.latency_measured_utc.empty()) {}
 
   enum class Phase : std::uint8_t { searching, first_pass, learning, second_pass, running, locating };
 
@@ -94,17 +103,24 @@ struct Odometer::Parts {
   void add_half(const HalfReading& half, double now_s);
   void search_bias();
   void go_through(Tracker& tracker);
-  void learn_of(const HalfResult& result, double& mean);
   bool is_start_over(double now_s) const;
   void begin_pass(int number);
   void take_over(double now_s);
-  bool has_settled() const;
+  bool has_settled(double bias_dps, double scale, double latency_s) const;
+  void store_half(const HalfReading& half, double now_s);
+  HalfResult add_newest(const HalfReading& half);
+  bool choose_rows();
+  const NisBounds& nis_bounds() const { return things_move() ? nis_in_traffic : nis_at_rest; }
+  bool things_move() const { return failed_starts >= failed_to_doubt; }
   void learn_again();
   void run(const HalfReading& half);
   void locate(const HalfReading& half, double now_s);
   void follow_bias(const HalfResult& result);
   void begin_search(double now_s);
   void begin_anew();
+  void begin_in_map(double now_s);
+  void check_map(const HalfResult& result, const HalfReading& half);
+  bool is_map_given_up(const HalfReading& half);
   Report report(const TimedFrame& frame, double now_s) const;
   Reason reason(double now_s) const;
   double heading_at(double time_s, double bias_dps) const;
@@ -113,14 +129,23 @@ struct Odometer::Parts {
   /// The front tracker has gone through all halves that came.
   bool is_behind_nothing() const { return phase != Phase::searching && phase != Phase::first_pass; }
 
+  std::shared_ptr<const Map> map;  // that was made before
+  MapUse map_use;
+  MapCheck map_check;
+  double sought_in_map_s = 0.0;  // while the rig turned
   double gyro_period_s, gyro_time_sigma_s;
   Priors priors;
+  double field_of_view_deg;
   Lens lens;
   GyroPath path;
   GyroWatch watch;
   HalfStore store;
-  Tracker front, back;  // the one that is told of, and one that goes through the start again
+  int failed_starts = 0;  // since it tracked
+  Tracker front, back;    // the one that is told of, and one that goes through the start again
   BiasSearch bias_search;
+  RowContest contest;
+  bool is_contested = true;  // in which order rows are exposed
+  double row_margin = 0.0;
   CircleSearch circle;
 
   std::optional<HostTime> origin;  // of the seconds
@@ -147,12 +172,13 @@ struct Odometer::Parts {
   bool is_doubted = false;                      // what the search found
   double slowest_dps = 0.0, fastest_dps = 0.0;  // since
   double mean_lean = 0.0;                       // innovations of late, with their signs
+  HalfResult newest;                            // of the halves that were judged
   bool has_seen = false;                        // a half
   bool stands_in = false;                       // the newest frame, for one of a camera that is missing
 };
 
-Odometer::Odometer(const GyroProfile& gyro, const CameraProfile& camera)
-    : parts_(std::make_unique<Parts>(gyro, camera)) {}
+Odometer::Odometer(const GyroProfile& gyro, const CameraProfile& camera, std::shared_ptr<const Map> map)
+    : parts_(std::make_unique<Parts>(gyro, camera, std::move(map))) {}
 Odometer::~Odometer() = default;
 Odometer::Odometer(Odometer&&) noexcept = default;
 Odometer& Odometer::operator=(Odometer&&) noexcept = default;
@@ -163,6 +189,21 @@ Report Odometer::add(const TimedFrame& frame, std::span<const TimedGyro> gyro) {
 
 std::vector<float> Odometer::map_image_c() const {
   return parts_->front.map_image_c();
+}
+
+std::optional<Map> Odometer::map() const {
+  using Phase = Parts::Phase;
+  const bool is_made = parts_->phase == Phase::running || parts_->phase == Phase::locating;
+  if (!is_made || parts_->map_use == MapUse::searching || parts_->unfit_since_s) return std::nullopt;
+  Map map;
+  map.field_of_view_deg = parts_->field_of_view_deg;
+  map.mirrored = parts_->lens.direction < 0.0;
+  parts_->front.keep(map);
+  return map;
+}
+
+MapUse Odometer::map_use() const {
+  return parts_->map_use;
 }
 
 /// A sample at the end of its range says less the longer that lasts, and one that is missing nothing.
@@ -228,27 +269,29 @@ void Odometer::Parts::add_half(const HalfReading& half, double now_s) {
   has_seen = true;
   switch (phase) {
     case Phase::searching:
-      store.add(half, now_s);
+      store_half(half, now_s);
       search_bias();
       break;
     case Phase::first_pass:
-      store.add(half, now_s);
+      store_half(half, now_s);
       go_through(front);
       if (gone_through < store.count()) break;
       mean_nis = pass_nis;
       phase = Phase::learning;
       break;
     case Phase::learning:
-      store.add(half, now_s);
-      learn_of(front.add(half, path), mean_nis);
-      if (is_start_over(now_s))
+      store_half(half, now_s);
+      learn_nis(add_newest(half), mean_nis);
+      if (is_start_over(now_s)) {
+        choose_rows();
         begin_pass(pass + 1);
-      else if (mean_nis > nis_lost)
+      } else if (mean_nis > nis_bounds().lost) {
         learn_again();
+      }
       break;
     case Phase::second_pass:
-      store.add(half, now_s);
-      front.add(half, path);
+      store_half(half, now_s);
+      add_newest(half);
       go_through(back);
       if (gone_through == store.count()) take_over(now_s);
       break;
@@ -261,20 +304,93 @@ void Odometer::Parts::add_half(const HalfReading& half, double now_s) {
   }
 }
 
+/// What comes while the start is learnt; until it is known in which order rows are exposed, all orders learn.
+void Odometer::Parts::store_half(const HalfReading& half, double now_s) {
+  store.add(half, now_s);
+  const bool is_searching = phase == Phase::searching && store.count() % search_every == 0;
+  if (is_contested) contest.add(store, path, bias_search, is_searching);
+}
+
+HalfResult Odometer::Parts::add_newest(const HalfReading& half) {
+  const HalfResult result = front.add(half, path);
+  if (is_contested && !store.is_full()) contest.note(store.count() - 1, result);
+  return result;
+}
+
+/// Ends the contest. True if the front tracker is another one than before: rows are not exposed at once.
+bool Odometer::Parts::choose_rows() {
+  if (!is_contested) return false;
+  is_contested = false;
+  const RowContest::Verdict verdict = contest.verdict();
+  row_margin = verdict.margin;
+  if (verdict.order == RowOrder::at_once) return false;
+  std::swap(front, contest.tracker(verdict.order));
+  mean_nis = contest.mean_nis(verdict.order);
+  return true;
+}
+
 void Odometer::Parts::search_bias() {
-  if (store.count() > latest_search) store.clear();
+  if (store.count() > latest_search) {
+    store.clear();
+    contest.begin();
+  }
   if (store.count() % search_every != 0) return;
-  const auto found = bias_search.search(store, path);
+  const auto found = bias_search.search(store, path, RowOrder::at_once, things_move());
   if (!found) return;
   Priors better = priors;
   better.bias_dps = found->bias_dps;
   better.bias_sigma_dps = bias_widening * found->sigma_dps;
   better.heading_deg = heading_at(store.at(0).now_s, found->bias_dps);
-  front.restart(better);
+  if (map_use == MapUse::searching) {
+    begun_with = better;
+    begin_in_map(store.at(store.count() - 1).now_s);
+    return;
+  }
+  front.restart(better, RowOrder::at_once, things_move());
   pass = 0;
   pass_nis = 1.0;
   gone_through = 0;
   phase = Phase::first_pass;
+}
+
+/// The bias is known well enough to look for the camera in the map of before.
+void Odometer::Parts::begin_in_map(double now_s) {
+  front.restart(begun_with, *map);
+  front.advance(path, now_s);
+  gyro_was_away = true;  // whatever is found, nothing was expected
+  map_check.begin();
+  begin_search(now_s);
+}
+
+/// A place was found in the map of before. Is it of these surroundings?
+void Odometer::Parts::check_map(const HalfResult& result, const HalfReading& half) {
+  map_check.add(result, front.filter().heading_deg());
+  switch (map_check.verdict()) {
+    case MapCheck::Verdict::open:
+      break;
+    case MapCheck::Verdict::same:
+      // A few seconds tell less than a whole pass of the start.
+      if (has_settled(2.0 * Tracker::least_bias_sigma_dps, Tracker::least_scale_sigma,
+                      Tracker::least_latency_sigma_s)) {
+        map_use = MapUse::found;
+        front.trust_map();
+        return;
+      }
+      begun_with = front.learnt(priors);
+      sought_in_map_s = 0.0;
+      begin_in_map(half.end_s);
+      break;
+    case MapCheck::Verdict::other:
+      begin_in_map(half.end_s);
+      break;
+  }
+  if (is_map_given_up(half)) begin_anew();
+}
+
+/// What the camera shows was sought in the map of before for long enough. A rig at rest may wait.
+bool Odometer::Parts::is_map_given_up(const HalfReading& half) {
+  if (std::abs(front.rate_dps()) > turning_dps) sought_in_map_s += half.end_s - half.begin_s;
+  return sought_in_map_s > give_up_s;
 }
 
 bool Odometer::Parts::is_start_over(double now_s) const {
@@ -283,41 +399,33 @@ bool Odometer::Parts::is_start_over(double now_s) const {
 
 /// Through the halves of the start again, from what was learnt of the sensors meanwhile.
 void Odometer::Parts::begin_pass(int number) {
-  const HeadingFilter& filter = front.filter();
-  const auto sigma = [&](HeadingFilter::Place place, double least) {
-    return std::max(least, pass_widening * filter.sigma(place));
-  };
-  begun_with = priors;
-  begun_with.heading_deg = heading_at(store.at(0).now_s, filter.bias_dps());
-  begun_with.bias_dps = filter.bias_dps();
-  begun_with.bias_sigma_dps = sigma(HeadingFilter::bias, least_bias_sigma_dps);
-  begun_with.scale = filter.scale_factor();
-  begun_with.scale_sigma = sigma(HeadingFilter::scale, least_scale_sigma);
-  begun_with.latency_s = filter.latency_s();
-  begun_with.latency_sigma_s = sigma(HeadingFilter::latency, least_latency_sigma_s);
-  back.restart(begun_with);
+  begun_with = front.learnt(priors);
+  begun_with.heading_deg = heading_at(store.at(0).now_s, begun_with.bias_dps);
+  back.restart(begun_with, front.rows(), things_move());
   pass = number;
   pass_nis = 1.0;
   gone_through = 0;
   phase = Phase::second_pass;
 }
 
-/// The pass ended with what it began with: another one would make the same map.
-bool Odometer::Parts::has_settled() const {
+/// The pass ended with what it began with, but for so much: another one would make the same map.
+bool Odometer::Parts::has_settled(double bias_dps, double scale, double latency_s) const {
   const HeadingFilter& filter = front.filter();
-  return mean_nis < settled_nis && std::abs(filter.bias_dps() - begun_with.bias_dps) < least_bias_sigma_dps &&
-         std::abs(filter.scale_factor() - begun_with.scale) < settled_scale &&
-         std::abs(filter.latency_s() - begun_with.latency_s) < settled_latency_s;
+  return mean_nis < nis_bounds().settled && std::abs(filter.bias_dps() - begun_with.bias_dps) < bias_dps &&
+         std::abs(filter.scale_factor() - begun_with.scale) < scale &&
+         std::abs(filter.latency_s() - begun_with.latency_s) < latency_s;
 }
 
 void Odometer::Parts::go_through(Tracker& tracker) {
+  const int most_looks = tracker.rows() == RowOrder::at_once ? looks_a_step : row_looks_a_step;
   int looks = 0;
-  for (; looks < looks_a_step && gone_through < store.count(); ++gone_through) {
+  for (; looks < most_looks && gone_through < store.count(); ++gone_through) {
     const auto& [half, came_s] = store.at(gone_through);
     if (!tracker.has_begun() || came_s > tracker.now_s()) tracker.advance(path, came_s);
     const HalfResult result = tracker.add(half, path);
+    if (is_contested) contest.note(gone_through, result);
     looks += result.looks;
-    learn_of(result, pass_nis);
+    learn_nis(result, pass_nis);
   }
 }
 
@@ -326,15 +434,16 @@ void Odometer::Parts::take_over(double now_s) {
   std::swap(front, back);
   mean_nis = pass_nis;
   const bool is_over = is_start_over(now_s);
-  const bool is_settled = has_settled() || (pass >= most_passes && mean_nis < nis_fits);
-  if (mean_nis > nis_lost || (is_over && !is_settled))
+  if (is_over && choose_rows()) {
+    begin_pass(pass + 1);
+    return;
+  }
+  const bool is_settled = has_settled(Tracker::least_bias_sigma_dps, settled_scale, settled_latency_s) ||
+                          (pass >= most_passes && mean_nis < nis_bounds().fits);
+  if (mean_nis > nis_bounds().lost || (is_over && !is_settled))
     learn_again();
   else
     phase = is_over ? Phase::running : Phase::learning;
-}
-
-void Odometer::Parts::learn_of(const HalfResult& result, double& mean) {
-  if (result.is_judged) mean += nis_share * (std::min(most_nis, result.squared) - mean);
 }
 
 /// While the start is learnt, what does not fit means that the map was begun with a wrong bias: by now it is
@@ -342,6 +451,8 @@ void Odometer::Parts::learn_of(const HalfResult& result, double& mean) {
 void Odometer::Parts::learn_again() {
   if (pass < most_passes && front.filter().sigma(HeadingFilter::bias) < known_bias_dps)
     begin_pass(pass + 1);
+  else if (is_contested && contest.verdict().order != RowOrder::at_once)
+    phase = Phase::learning;  // another order of rows fits better: it goes on until it has learnt enough
   else
     begin_anew();
 }
@@ -349,9 +460,14 @@ void Odometer::Parts::learn_again() {
 void Odometer::Parts::run(const HalfReading& half) {
   if (watch.is_frozen() && !watch.is_zero()) return;
   const HalfResult result = front.add(half, path);
+  if (map_use == MapUse::searching) {
+    check_map(result, half);
+    if (phase != Phase::running) return;
+  }
   if (!result.is_judged) return;
+  newest = result;
   covered = result.is_flat ? covered + 1 : 0;
-  if (!result.is_flat) mean_nis += nis_share * (std::min(most_nis, result.squared) - mean_nis);
+  if (!result.is_flat) learn_nis(result, mean_nis);
   if (result.is_used) to_trust = std::max(0, to_trust - 1);
   if (result.is_used) follow_bias(result);
   slowest_dps = std::min(slowest_dps, result.rate_dps);
@@ -360,14 +476,15 @@ void Odometer::Parts::run(const HalfReading& half) {
     is_doubted = false;
     to_trust = halves_to_trust;
   }
-  if (mean_nis > nis_unfit && !unfit_since_s) unfit_since_s = half.end_s;
-  if (mean_nis < nis_fits) unfit_since_s.reset();
+  if (mean_nis > nis_bounds().unfit && !unfit_since_s) unfit_since_s = half.end_s;
+  if (mean_nis < nis_bounds().fits) unfit_since_s.reset();
   if (unfit_since_s && half.end_s - *unfit_since_s > longest_unfit_s) {
     begin_anew();
     return;
   }
-  const bool is_lost = mean_nis > nis_lost || front.sigma_in_map_deg() > lost_deg;
-  if (is_lost && covered < covered_halves) begin_search(half.end_s);
+  const bool is_lost = mean_nis > nis_bounds().lost || front.sigma_in_map_deg() > lost_deg;
+  if (!is_lost || covered >= covered_halves) return;
+  map_use == MapUse::searching ? begin_in_map(half.end_s) : begin_search(half.end_s);
 }
 
 /// Innovations that all lean to one side: the bias is another than before.
@@ -399,7 +516,7 @@ void Odometer::Parts::locate(const HalfReading& half, double now_s) {
     mean_lean = 0.0;
     to_trust = halves_to_trust;
     phase = Phase::running;
-  } else if (now_s - locating_since_s > give_up_s) {
+  } else if (map_use == MapUse::searching ? is_map_given_up(half) : now_s - locating_since_s > give_up_s) {
     begin_anew();
   }
 }
@@ -421,9 +538,17 @@ double Odometer::Parts::heading_at(double time_s, double bias_dps) const {
 }
 
 void Odometer::Parts::begin_anew() {
-  if (phase == Phase::running || phase == Phase::locating)
+  const bool is_in_doubt = map_use == MapUse::searching;
+  if (is_in_doubt || map_use == MapUse::found) map_use = MapUse::other;
+  const bool has_tracked = phase == Phase::running || phase == Phase::locating;
+  failed_starts = has_tracked ? 0 : failed_starts + 1;
+  if (is_in_doubt)
+    kept.reset();
+  else if (has_tracked)
     kept = Kept{front.now_s(), path.until(front.now_s()).turned_deg, front.filter().heading_deg()};
   store.clear();
+  contest.begin();
+  is_contested = true;
   mean_nis = 1.0;
   covered = 0;
   to_trust = 0;
@@ -448,7 +573,8 @@ Report Odometer::Parts::report(const TimedFrame& frame, double now_s) const {
   report.reason = reason(now_s);
   if (report.reason != Reason::none)
     report.state = State::not_trusted;
-  else if (phase == Phase::locating || (phase == Phase::running && (to_trust > 0 || is_doubted)))
+  else if (map_use == MapUse::searching || phase == Phase::locating ||
+           (phase == Phase::running && (to_trust > 0 || is_doubted)))
     report.state = State::relocalising;
   else
     report.state = phase == Phase::running ? State::tracking : State::starting;
@@ -456,6 +582,12 @@ Report Odometer::Parts::report(const TimedFrame& frame, double now_s) const {
   report.scale = filter.scale_factor();
   report.latency_s = filter.latency_s();
   report.mean_nis = mean_nis;
+  if (newest.is_judged) {
+    report.innovation_deg = newest.innovation_deg;
+    report.innovation_sigma_deg = newest.sigma_deg;
+  }
+  report.rows = front.rows();
+  report.row_margin = row_margin;
   if (is_behind_nothing()) report.heading_deg = filter.heading_deg();
   if (is_behind_nothing()) report.origin_sigma_deg = filter.sigma(HeadingFilter::heading);
   const double begin_s = to_s(frame.exposure_begin - *origin), length_s = now_s - begin_s;

@@ -10,8 +10,10 @@ namespace thermorig::odometer {
 namespace {
 
 constexpr std::size_t map_values = Panorama::bins * frame_rows;
-constexpr float seen_enough = 0.98F;         // of what a pixel sweeps
-constexpr float least_bin_variance = 1e-3F;  // of a bin: surroundings change
+constexpr float seen_enough = 0.98F;      // of what a pixel sweeps
+constexpr float strange_squares = 16.0F;  // of a reading, in units of its variance: it may be what moves
+constexpr float widening = 0.5F, most_widened = 4.0F;  // of a bin's variance, a strange reading; K^2
+constexpr float least_bin_variance = 1e-3F;            // of a bin: surroundings change
 
 }  // namespace
 
@@ -23,7 +25,8 @@ Panorama::Panorama()
       variance_sum_(map_values + frame_rows),
       seen_sum_(map_values + frame_rows) {}
 
-void Panorama::clear() {
+void Panorama::clear(bool things_move) {
+  things_move_ = things_move;
   std::fill(temp_c_.begin(), temp_c_.end(), 0.0F);
   std::fill(variance_.begin(), variance_.end(), 0.0F);
   std::fill(seen_.begin(), seen_.end(), 0.0F);
@@ -58,94 +61,135 @@ std::vector<float> Panorama::image() const {
   return pixels;
 }
 
-/// Over the bins from the origin on; a position beyond either end counts whole turns.
-void Panorama::sum_until(const Sums& sums, double position, std::size_t row_class, Column& sum) const {
-  const double whole = std::floor(position);
-  const auto part = static_cast<float>(position - whole);
+void Panorama::keep(Map& map) const {
+  map.temp_k = temp_c_;
+  map.variance_k2 = variance_;
+  std::transform(seen_.begin(), seen_.end(), map.seen.begin(),
+                 [](float seen) { return static_cast<std::uint8_t>(seen > 0.0F); });
+}
+
+void Panorama::load(const Map& map) {
+  std::copy(map.temp_k.begin(), map.temp_k.end(), temp_c_.begin());
+  std::copy(map.variance_k2.begin(), map.variance_k2.end(), variance_.begin());
+  std::copy(map.seen.begin(), map.seen.end(), seen_.begin());
+  add_up();
+}
+
+/// A position beyond either end counts whole turns.
+Panorama::Position Panorama::position(double at) {
+  const double whole = std::floor(at);
   auto bin = static_cast<std::ptrdiff_t>(whole);
   constexpr auto all = static_cast<std::ptrdiff_t>(bins);
   float turns = 0.0F;
   for (; bin < 0; bin += all) turns -= 1.0F;
   for (; bin >= all; bin -= all) turns += 1.0F;
-  const float* before = &sums[index(static_cast<std::size_t>(bin), row_class)];
-  const float* behind = before + frame_rows;
-  const float* total = &sums[index(bins, row_class)];
-  for (std::size_t k = 0; k < half_rows; ++k)
-    sum[k] = before[k] + part * (behind[k] - before[k]) + turns * total[k];
+  return {static_cast<std::size_t>(bin), static_cast<float>(at - whole), turns};
 }
 
-void Panorama::sum_between(const Sums& sums, double from, double to, std::size_t row_class,
-                           Column& sum) const {
-  Column before;
-  sum_until(sums, from, row_class, before);
-  sum_until(sums, to, row_class, sum);
-  for (std::size_t k = 0; k < half_rows; ++k) sum[k] -= before[k];
+Panorama::Ends Panorama::ends(const Place& place, double reach) {
+  const double low = place.middle - place.half_width, high = place.middle + place.half_width;
+  return {position(low - reach),  position(low),  position(low + reach),
+          position(high - reach), position(high), position(high + reach)};
+}
+
+template <std::size_t pixels>
+void Panorama::sum_between(const Sums& sums, const Position& from, const Position& to, std::size_t row_class,
+                           std::size_t first, Column& sum) {
+  const float* total = &sums[index(bins, row_class)];
+  const auto until = [&](const Position& at, std::size_t k) {
+    const float* before = &sums[index(at.bin, row_class)];
+    const float* behind = before + frame_rows;
+    return before[k] + at.part * (behind[k] - before[k]) + at.turns * total[k];
+  };
+  for (std::size_t k = first; k < first + pixels; ++k) sum[k] = until(to, k) - until(from, k);
 }
 
 /// The mean changes by what comes in at one end of the sweep and goes out at the other.
-void Panorama::look_slope(const Place& place, double reach, Look& look) const {
-  const double low = place.middle - place.half_width, high = place.middle + place.half_width;
+template <std::size_t pixels>
+void Panorama::look_slope(const Place& place, const Ends& ends, std::size_t row_class, std::size_t first,
+                          double reach, Look& look) const {
   Column in, out, in_variance, out_variance;
-  sum_between(temp_sum_, high - reach, high + reach, place.row_class, in);
-  sum_between(temp_sum_, low - reach, low + reach, place.row_class, out);
-  sum_between(variance_sum_, high - reach, high + reach, place.row_class, in_variance);
-  sum_between(variance_sum_, low - reach, low + reach, place.row_class, out_variance);
+  sum_between<pixels>(temp_sum_, ends.before_high, ends.after_high, row_class, first, in);
+  sum_between<pixels>(temp_sum_, ends.before_low, ends.after_low, row_class, first, out);
+  sum_between<pixels>(variance_sum_, ends.before_high, ends.after_high, row_class, first, in_variance);
+  sum_between<pixels>(variance_sum_, ends.before_low, ends.after_low, row_class, first, out_variance);
   const auto scale = static_cast<float>(1.0 / (2.0 * place.half_width * 2.0 * reach * bin_deg));
-  for (std::size_t k = 0; k < half_rows; ++k) {
+  for (std::size_t k = first; k < first + pixels; ++k) {
     look.slope[k] = scale * (in[k] - out[k]);
     look.slope_variance[k] = scale * scale * (in_variance[k] + out_variance[k]);
   }
 }
 
-void Panorama::look(const Place& place, double reach, bool smooth, Look& look) const {
-  const double low = place.middle - place.half_width, high = place.middle + place.half_width;
+template <std::size_t pixels>
+void Panorama::look_pixels(const Place& place, std::size_t first, double reach, bool smooth,
+                           Look& look) const {
+  const Ends at = ends(place, reach);
   const auto width = static_cast<float>(2.0 * place.half_width);
   const auto wide = static_cast<float>(2.0 * (place.half_width + reach));
   Column seen;
-  sum_between(temp_sum_, low, high, place.row_class, look.temp_c);
-  sum_between(variance_sum_, low, high, place.row_class, look.variance);
-  sum_between(seen_sum_, low - reach, high + reach, place.row_class, seen);
-  for (std::size_t k = 0; k < half_rows; ++k) {
+  sum_between<pixels>(temp_sum_, at.low, at.high, place.row_class, first, look.temp_c);
+  sum_between<pixels>(variance_sum_, at.low, at.high, place.row_class, first, look.variance);
+  sum_between<pixels>(seen_sum_, at.before_low, at.after_high, place.row_class, first, seen);
+  for (std::size_t k = first; k < first + pixels; ++k) {
     look.temp_c[k] /= width;
     look.variance[k] /= width * width;
     look.known[k] = seen[k] >= seen_enough * wide ? 1.0F : 0.0F;
   }
-  look_slope(place, reach, look);
+  look_slope<pixels>(place, at, place.row_class, first, reach, look);
   if (!smooth) return;
-  Place other = place;
-  other.row_class ^= 1U;
+  // Rows above and below: of row 2k those are k - 1 and k of the odd ones, of row 2k + 1 k and k + 1 of the
+  // even ones.
+  const std::size_t other = place.row_class ^ 1U;
+  const auto above = [&](std::size_t k) { return other == 1 ? (k > 0 ? k - 1 : 0) : k; };
+  const auto below = [&](std::size_t k) { return other == 1 ? k : std::min(k + 1, half_rows - 1); };
   Look beside;
-  look_slope(other, reach, beside);
-  for (std::size_t k = 0; k < half_rows; ++k) {
-    // Rows above and below: of row 2k those are k - 1 and k of the odd ones, of row 2k + 1 k and k + 1 of the
-    // even ones.
-    const std::size_t above = place.row_class == 0 ? (k > 0 ? k - 1 : 0) : k;
-    const std::size_t below = place.row_class == 0 ? k : std::min(k + 1, half_rows - 1);
-    look.slope[k] = 0.5F * look.slope[k] + 0.25F * (beside.slope[above] + beside.slope[below]);
+  look_slope<pixels>(place, at, other, pixels == 1 ? above(first) : first, reach, beside);
+  if (pixels == 1) look_slope<pixels>(place, at, other, below(first), reach, beside);
+  for (std::size_t k = first; k < first + pixels; ++k) {
+    look.slope[k] = 0.5F * look.slope[k] + 0.25F * (beside.slope[above(k)] + beside.slope[below(k)]);
     look.slope_variance[k] = 0.25F * look.slope_variance[k] +
-                             0.0625F * (beside.slope_variance[above] + beside.slope_variance[below]);
+                             0.0625F * (beside.slope_variance[above(k)] + beside.slope_variance[below(k)]);
   }
 }
 
-void Panorama::look(const Place& place, Column& temp_c, Column& known) const {
-  const double low = place.middle - place.half_width, high = place.middle + place.half_width;
+void Panorama::look(const Place& place, double reach, bool smooth, Look& look) const {
+  look_pixels<half_rows>(place, 0, reach, smooth, look);
+}
+
+void Panorama::look_row(const Place& place, std::size_t k, double reach, bool smooth, Look& look) const {
+  look_pixels<1>(place, k, reach, smooth, look);
+}
+
+template <std::size_t pixels>
+void Panorama::look_pixels(const Place& place, std::size_t first, Column& temp_c, Column& known) const {
+  const Position low = position(place.middle - place.half_width);
+  const Position high = position(place.middle + place.half_width);
   const auto width = static_cast<float>(2.0 * place.half_width);
-  sum_between(temp_sum_, low, high, place.row_class, temp_c);
-  sum_between(seen_sum_, low, high, place.row_class, known);
-  for (std::size_t k = 0; k < half_rows; ++k) {
+  sum_between<pixels>(temp_sum_, low, high, place.row_class, first, temp_c);
+  sum_between<pixels>(seen_sum_, low, high, place.row_class, first, known);
+  for (std::size_t k = first; k < first + pixels; ++k) {
     temp_c[k] /= width;
     known[k] = known[k] >= seen_enough * width ? 1.0F : 0.0F;
   }
 }
 
-void Panorama::seed(const Place& place, const Guess& guess) {
+void Panorama::look(const Place& place, Column& temp_c, Column& known) const {
+  look_pixels<half_rows>(place, 0, temp_c, known);
+}
+
+void Panorama::look_row(const Place& place, std::size_t k, Column& temp_c, Column& known) const {
+  look_pixels<1>(place, k, temp_c, known);
+}
+
+template <std::size_t pixels>
+void Panorama::seed_pixels(const Place& place, std::size_t first_k, const Guess& guess) {
   const auto from = static_cast<std::ptrdiff_t>(std::floor(guess.low));
   const auto to = static_cast<std::ptrdiff_t>(std::floor(guess.high));
   constexpr auto all = static_cast<std::ptrdiff_t>(bins);
   for (std::ptrdiff_t bin = from; bin <= to; ++bin) {
     const std::size_t first = index(static_cast<std::size_t>((bin % all + all) % all), place.row_class);
     const auto off_deg = static_cast<float>((static_cast<double>(bin) + 0.5 - place.middle) * bin_deg);
-    for (std::size_t k = 0; k < half_rows; ++k) {
+    for (std::size_t k = first_k; k < first_k + pixels; ++k) {
       if (seen_[first + k] > 0.0F || std::isnan(guess.temp_c[k])) continue;
       seen_[first + k] = 1.0F;
       temp_c_[first + k] = guess.temp_c[k] + guess.slope[k] * off_deg;
@@ -154,11 +198,22 @@ void Panorama::seed(const Place& place, const Guess& guess) {
   }
 }
 
-void Panorama::write(const Place& place, const Column& temp_c, const Column& variance) {
+void Panorama::seed(const Place& place, const Guess& guess) {
+  seed_pixels<half_rows>(place, 0, guess);
+}
+
+void Panorama::seed_row(const Place& place, std::size_t k, const Guess& guess) {
+  seed_pixels<1>(place, k, guess);
+}
+
+template <std::size_t pixels>
+void Panorama::write_pixels(const Place& place, std::size_t first, const Column& temp_c,
+                            const Column& variance) {
   const double low = place.middle - place.half_width, high = place.middle + place.half_width;
   const auto from = static_cast<std::ptrdiff_t>(std::floor(low));
   const auto to = static_cast<std::ptrdiff_t>(std::floor(high));
   constexpr auto all = static_cast<std::ptrdiff_t>(bins);
+  const std::size_t end = first + pixels;
   const auto share_of = [&](std::ptrdiff_t bin) {
     const auto begin = static_cast<double>(bin);
     return static_cast<float>((std::min(high, begin + 1.0) - std::max(low, begin)) / (high - low));
@@ -170,26 +225,41 @@ void Panorama::write(const Place& place, const Column& temp_c, const Column& var
   for (std::ptrdiff_t bin = from; bin <= to; ++bin) {
     const float share = share_of(bin);
     const float *temp = &temp_c_[first_of(bin)], *of_bin = &variance_[first_of(bin)];
-    for (std::size_t k = 0; k < half_rows; ++k) {
+    for (std::size_t k = first; k < end; ++k) {
       mean[k] += share * temp[k];
       spread[k] += share * share * of_bin[k];
     }
   }
-  Column innovation, scale;
-  for (std::size_t k = 0; k < half_rows; ++k) {
+  Column innovation, scale, widened;
+  for (std::size_t k = first; k < end; ++k) {
     const bool is_read = !std::isnan(temp_c[k]);
     innovation[k] = is_read ? temp_c[k] - mean[k] : 0.0F;
     scale[k] = is_read ? 1.0F / (spread[k] + variance[k]) : 0.0F;
+    widened[k] = 1.0F;
+    const float squares = innovation[k] * innovation[k] * scale[k];
+    if (!things_move_ || squares <= strange_squares) continue;
+    const float trust = 1.0F / ((1.0F + squares / 9.0F) * (1.0F + squares / 9.0F));
+    scale[k] = 1.0F / (spread[k] + variance[k] / trust);
+    widened[k] += widening * (1.0F - trust);  // what stays is believed after some halves
   }
   for (std::ptrdiff_t bin = from; bin <= to; ++bin) {
     const float share = share_of(bin);
     float *temp = &temp_c_[first_of(bin)], *of_bin = &variance_[first_of(bin)];
-    for (std::size_t k = 0; k < half_rows; ++k) {
+    for (std::size_t k = first; k < end; ++k) {
       const float gain = share * of_bin[k] * scale[k];
       temp[k] += gain * innovation[k];
       of_bin[k] = std::max(least_bin_variance, of_bin[k] * (1.0F - gain * share));
+      if (widened[k] > 1.0F) of_bin[k] = std::max(of_bin[k], std::min(most_widened, of_bin[k] * widened[k]));
     }
   }
+}
+
+void Panorama::write(const Place& place, const Column& temp_c, const Column& variance) {
+  write_pixels<half_rows>(place, 0, temp_c, variance);
+}
+
+void Panorama::write_row(const Place& place, std::size_t k, const Column& temp_c, const Column& variance) {
+  write_pixels<1>(place, k, temp_c, variance);
 }
 
 }  // namespace thermorig::odometer

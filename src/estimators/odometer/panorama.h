@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "half_reading.h"
+#include "thermorig/estimators/odometer/map.h"
 
 namespace thermorig::odometer {
 
@@ -13,11 +14,12 @@ namespace thermorig::odometer {
 /// each bin of azimuth. Those of one half's column lie side by side.
 class Panorama {
  public:
-  static constexpr std::size_t bins = 420;
+  static constexpr std::size_t bins = Map::bins;
   static constexpr double bin_deg = whole_turn_deg / bins;
 
   Panorama();
-  void clear();
+  /// `things_move`: what is far from what was seen before is hardly written, as long as it does not stay.
+  void clear(bool things_move = false);
 
   /// Where one column of pixels looks while it is exposed: bins from the map's origin.
   struct Place {
@@ -38,9 +40,12 @@ class Panorama {
   };
   /// `reach`: bins to either side over which a slope is taken; `smooth`: over three rows.
   void look(const Place& place, double reach, bool smooth, Look& look) const;
+  /// The same of its k-th pixel alone, which looks where no other does: the rest of `look` stays as it is.
+  void look_row(const Place& place, std::size_t k, double reach, bool smooth, Look& look) const;
 
   /// The mean, and whether it is known, alone.
   void look(const Place& place, Column& temp_c, Column& known) const;
+  void look_row(const Place& place, std::size_t k, Column& temp_c, Column& known) const;
 
   /// What one column lets expect of the bins around its middle.
   struct Guess {
@@ -51,9 +56,11 @@ class Panorama {
   };
   /// Bins that nothing has seen yet begin with it.
   void seed(const Place& place, const Guess& guess);
+  void seed_row(const Place& place, std::size_t k, const Guess& guess);
 
   /// A Kalman filter a bin. NaN: no reading.
   void write(const Place& place, const Column& temp_c, const Column& variance);
+  void write_row(const Place& place, std::size_t k, const Column& temp_c, const Column& variance);
 
   /// After writing, before looking.
   void add_up();
@@ -61,15 +68,40 @@ class Panorama {
   /// Its temperatures as an image: frame_rows rows from the top, each of `bins`. NaN: never seen.
   std::vector<float> image() const;
 
+  void keep(Map& map) const;
+  void load(const Map& map);
+
  private:
   static constexpr std::size_t cell = half_rows;
   static std::size_t index(std::size_t bin, std::size_t row_class) { return (bin * 2 + row_class) * cell; }
   using Sums = std::vector<float>;
   void add_up(const std::vector<float>& values, Sums& sums) const;
-  void sum_until(const Sums& sums, double position, std::size_t row_class, Column& sum) const;
-  void sum_between(const Sums& sums, double from, double to, std::size_t row_class, Column& sum) const;
-  void look_slope(const Place& place, double reach, Look& look) const;
+  struct Position {       // between two bins
+    std::size_t bin = 0;  // before it
+    float part = 0.0F, turns = 0.0F;
+  };
+  static Position position(double at);
+  struct Ends {  // of a sweep, and so much to either side of both
+    Position before_low, low, after_low, before_high, high, after_high;
+  };
+  static Ends ends(const Place& place, double reach);
+  // Of a column's pixels so many from the k-th on: all of them, or one.
+  template <std::size_t pixels>
+  static void sum_between(const Sums& sums, const Position& from, const Position& to, std::size_t row_class,
+                          std::size_t k, Column& sum);
+  template <std::size_t pixels>
+  void look_slope(const Place& place, const Ends& ends, std::size_t row_class, std::size_t k, double reach,
+                  Look& look) const;
+  template <std::size_t pixels>
+  void look_pixels(const Place& place, std::size_t k, double reach, bool smooth, Look& look) const;
+  template <std::size_t pixels>
+  void look_pixels(const Place& place, std::size_t first, Column& temp_c, Column& known) const;
+  template <std::size_t pixels>
+  void seed_pixels(const Place& place, std::size_t first, const Guess& guess);
+  template <std::size_t pixels>
+  void write_pixels(const Place& place, std::size_t first, const Column& temp_c, const Column& variance);
 
+  bool things_move_ = false;
   std::vector<float> temp_c_, variance_, seen_;  // of each bin
   Sums temp_sum_, variance_sum_, seen_sum_;      // of all bins before
 };

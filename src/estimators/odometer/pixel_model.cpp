@@ -12,6 +12,7 @@ namespace {
 constexpr float stuck_after = 3.0F;       // halves in which a pixel shows the very same
 constexpr float offset_prior = 15.0F;     // readings: noise of 0.6 K against constant errors of 0.16 K
 constexpr float most_readings = 4000.0F;  // then what is older fades
+constexpr float loaded_readings = 60.0F;  // that a map of before counts for
 constexpr float variance_prior = 16.0F;   // readings for which a pixel counts as noisy as all
 constexpr float common_share = 0.02F;     // of a half in the noise of all
 constexpr float least_pixel_variance = 0.01F;
@@ -28,6 +29,27 @@ HalfPixels PixelModel::corrected(const HalfReading& half) {
                                           : half.temp_c[i] - offset_c_[half.parity][i];
   }
   return temp_c;
+}
+
+void PixelModel::keep(Map& map) const {
+  for (const std::size_t parity : {0U, 1U}) {
+    const auto from = static_cast<std::ptrdiff_t>(parity * half_pixels);
+    std::copy(offset_c_[parity].begin(), offset_c_[parity].end(), map.pixel_offset_k.begin() + from);
+    std::copy(variance_[parity].begin(), variance_[parity].end(), map.pixel_variance_k2.begin() + from);
+  }
+}
+
+void PixelModel::load(const Map& map) {
+  *this = PixelModel();
+  float sum = 0.0F;
+  for (const std::size_t parity : {0U, 1U})
+    for (std::size_t i = 0; i < half_pixels; ++i) {
+      offset_c_[parity][i] = map.pixel_offset_k[parity * half_pixels + i];
+      variance_[parity][i] = squares_[parity][i] = map.pixel_variance_k2[parity * half_pixels + i];
+      count_[parity][i] = loaded_readings;
+      sum += variance_[parity][i];
+    }
+  common_variance_ = sum / static_cast<float>(frame_pixels);
 }
 
 void PixelModel::learn(unsigned parity, const HalfPixels& residual, const HalfPixels& map_variance) {

@@ -4,6 +4,7 @@
 #include <array>
 
 #include "half_reading.h"
+#include "thermorig/estimators/odometer/map.h"
 
 namespace thermorig::odometer {
 
@@ -15,6 +16,10 @@ class PixelModel {
 
   /// What was left of each pixel, of those that were compared, and the variance that the map had in it.
   void learn(unsigned parity, const HalfPixels& residual, const HalfPixels& map_variance);
+
+  void keep(Map& map) const;
+  /// Of the same camera, or of one like it: what is learnt now soon outweighs it.
+  void load(const Map& map);
 
   const HalfPixels& variance(unsigned parity) const { return variance_[parity]; }
 

@@ -17,10 +17,18 @@ constexpr double impossible = 30.0;   // is not believed, and the map not writte
 constexpr int first_halves = 4;       // are only written: a map of one chess half has gaps
 constexpr double flat_margin = 0.15;  // squares of a pixel
 constexpr int settled_halves = 30;
+constexpr double pass_widening = 3.0;  // of what the pass before learnt: these are the same halves
 constexpr double settled_deg = 0.4;
-constexpr double moving_dps = 8.0;  // from there on errors of pixels are told from surroundings
+const double box_width = std::sqrt(3.0);  // half of it, in standard deviations
+constexpr double nis_share = 1.0 / 30.0;  // of a half in the mean of its kind
+constexpr double most_nis = 60.0;         // that one half counts with
+constexpr double moving_dps = 8.0;        // from there on errors of pixels are told from surroundings
 
 }  // namespace
+
+void learn_nis(const HalfResult& result, double& mean) {
+  if (result.is_judged) mean += nis_share * (std::min(most_nis, result.squared) - mean);
+}
 
 Tracker::Tracker(const Priors& priors, const Lens& lens) : lens_(lens), filter_(priors) {}
 
@@ -35,13 +43,48 @@ void Tracker::advance(const GyroPath& path, double now_s) {
   now_unseen_deg2_ = now.unseen_deg2;
 }
 
-void Tracker::restart(const Priors& priors) {
+void Tracker::restart(const Priors& priors, RowOrder rows, bool things_move) {
+  rows_ = rows;
+  things_move_ = things_move;
   filter_ = HeadingFilter(priors);
-  panorama_.clear();
+  panorama_.clear(things_move);
   pixels_ = PixelModel();
   has_begun_ = false;
+  is_on_trial_ = false;
   halves_ = 0;
   sigma_in_map_deg_ = 0.0;
+}
+
+void Tracker::restart(const Priors& priors, const Map& map) {
+  restart(priors, map.rows);
+  filter_.load(map);
+  panorama_.load(map);
+  pixels_.load(map);
+  reference_c_ = map.reference_c;
+  is_on_trial_ = true;
+  halves_ = settled_halves;
+}
+
+void Tracker::keep(Map& map) const {
+  filter_.keep(map);
+  panorama_.keep(map);
+  pixels_.keep(map);
+  map.rows = rows_;
+  map.reference_c = reference_c_;
+}
+
+Priors Tracker::learnt(const Priors& priors) const {
+  const auto sigma = [&](HeadingFilter::Place place, double least) {
+    return std::max(least, pass_widening * filter_.sigma(place));
+  };
+  Priors better = priors;
+  better.bias_dps = filter_.bias_dps();
+  better.bias_sigma_dps = sigma(HeadingFilter::bias, least_bias_sigma_dps);
+  better.scale = filter_.scale_factor();
+  better.scale_sigma = sigma(HeadingFilter::scale, least_scale_sigma);
+  better.latency_s = filter_.latency_s();
+  better.latency_sigma_s = sigma(HeadingFilter::latency, least_latency_sigma_s);
+  return better;
 }
 
 std::vector<float> Tracker::map_image_c() const {
@@ -53,17 +96,67 @@ std::vector<float> Tracker::map_image_c() const {
 
 Tracker::Exposed Tracker::expose(const HalfReading& half, const GyroPath& path) {
   const double late_s = filter_.latency_s();
-  Exposed exposed{path.over(half.begin_s - late_s, half.end_s - late_s), pixels_.corrected(half)};
+  Exposed exposed{path.over(half.begin_s - late_s, half.end_s - late_s),
+                  pixels_.corrected(half),
+                  0.0,
+                  0.0,
+                  0.0,
+                  RowSweeps()};
   if (halves_ == 0) reference_c_ = mean_of(exposed.temp_c);
   for (float& one : exposed.temp_c) one -= reference_c_;
   exposed.azimuth_deg = filter_.exposed_deg(exposed.turn, now_s_, now_deg_);
   exposed.rate_dps = rate_dps_ = filter_.mean_rate_dps(exposed.turn);
-  exposed.half_width_deg = std::sqrt(3.0) * filter_.spread_deg(exposed.turn);
+  exposed.half_width_deg = box_width * filter_.spread_deg(exposed.turn);
+  if (rows_ != RowOrder::at_once) expose_rows(half, path, exposed);
   return exposed;
 }
 
-void Tracker::begin_nodes(double azimuth_deg, double half_width_deg) {
-  const double edge_deg = (0.5 * frame_columns + 1.0) * lens_.pitch_deg + half_width_deg;
+/// Headings at points through the time in which all rows are exposed, and sums over them: a row's exposure is
+/// a part of it.
+void Tracker::expose_rows(const HalfReading& half, const GyroPath& path, Exposed& exposed) const {
+  constexpr std::size_t points = 48;  // over two refresh periods: half a one before, half a one behind
+  constexpr double exposure = points / 2.0;
+  const double step_s = (half.end_s - half.begin_s) / exposure;
+  const double first_s = half.begin_s - filter_.latency_s() - (0.5 * exposure - 0.5) * step_s;
+  const double first_deg = path.until(first_s).turned_deg;
+  std::array<double, points + 2> sum_deg{}, sum_deg2{};  // of the points before
+  for (std::size_t i = 0; i <= points; ++i) {
+    const double later_s = static_cast<double>(i) * step_s;
+    const double turned_deg = path.until(first_s + later_s).turned_deg - first_deg;
+    const double deg = (turned_deg - filter_.bias_dps() * later_s) / filter_.scale_factor();
+    sum_deg[i + 1] = sum_deg[i] + deg;
+    sum_deg2[i + 1] = sum_deg2[i] + deg * deg;
+  }
+  const auto mean = [&](const std::array<double, points + 2>& sums, double from) {
+    const auto until = [&](double at) {
+      const auto i = static_cast<std::size_t>(at);
+      return std::lerp(sums[i], sums[i + 1], at - static_cast<double>(i));
+    };
+    return (until(from + exposure) - until(from)) / exposure;
+  };
+  const double middle_deg = mean(sum_deg, 0.5 * exposure);
+  for (std::size_t row = 0; row < frame_rows; ++row) {
+    const double from = exposure * (0.5 + row_delay_periods(rows_, row));
+    const double mean_deg = mean(sum_deg, from);
+    exposed.rows.shift_deg[row] = static_cast<float>(mean_deg - middle_deg);
+    exposed.rows.half_width_deg[row] =
+        static_cast<float>(box_width * std::sqrt(std::max(0.0, mean(sum_deg2, from) - square(mean_deg))));
+  }
+}
+
+View Tracker::view_of(const HalfReading& half, const Exposed& exposed) const {
+  return {.temp_c = &exposed.temp_c,
+          .variance = &pixels_.variance(half.parity),
+          .parity = half.parity,
+          .half_width_deg = exposed.half_width_deg,
+          .rows = rows_ == RowOrder::at_once ? nullptr : &exposed.rows};
+}
+
+void Tracker::begin_nodes(double azimuth_deg, const Exposed& exposed) {
+  double edge_deg = (0.5 * frame_columns + 1.0) * lens_.pitch_deg + exposed.half_width_deg;
+  if (rows_ != RowOrder::at_once)
+    edge_deg += std::max(std::abs(double{exposed.rows.shift_deg.front()}),
+                         std::abs(double{exposed.rows.shift_deg.back()}));
   filter_.begin_nodes(azimuth_deg - edge_deg, azimuth_deg + edge_deg);
 }
 
@@ -76,39 +169,40 @@ HalfResult Tracker::add(const HalfReading& half, const GyroPath& path) {
     if (result.is_judged && !result.is_used) return result;
   }
   const double shown_deg = filter_.exposed_deg(exposed.turn, now_s_, now_deg_);
-  begin_nodes(shown_deg, exposed.half_width_deg);
-  write(half, exposed.temp_c, shown_deg, exposed.half_width_deg, sigma_in_map_deg_, common_c_);
+  begin_nodes(shown_deg, exposed);
+  write(view_of(half, exposed), shown_deg, sigma_in_map_deg_, common_c_);
   return result;
 }
 
 /// Lays a half against the map, and tells the filter.
 HalfResult Tracker::judge(const HalfReading& half, const Exposed& exposed) {
-  const auto& [turn, temp_c, azimuth_deg, rate_dps, half_width_deg] = exposed;
+  const auto& [turn, temp_c, azimuth_deg, rate_dps, half_width_deg, rows] = exposed;
   HalfResult result{.rate_dps = rate_dps};
   std::array<double, HeadingFilter::nodes> ahead{};
   HeadingFilter::add_shares(azimuth_deg, 1.0, ahead);
   const double prior_deg2 = filter_.variance(filter_.derivative(turn, now_s_, now_deg_, ahead));
   sigma_in_map_deg_ = std::sqrt(prior_deg2);
   const Alignment alignment(panorama_, filter_, lens_);
-  const View view{.temp_c = &temp_c,
-                  .variance = &pixels_.variance(half.parity),
-                  .parity = half.parity,
-                  .half_width_deg = half_width_deg,
-                  .trust_deg2 = prior_deg2,
-                  .is_strict = halves_ > settled_halves && prior_deg2 < square(settled_deg)};
+  View view = view_of(half, exposed);
+  view.trust_deg2 = prior_deg2;
+  view.is_strict = halves_ > settled_halves && prior_deg2 < square(settled_deg);
   const Alignment::Found found = alignment.find(view, azimuth_deg, std::sqrt(prior_deg2));
   const Alignment::Comparison& comparison = found.comparison;
   common_c_ = comparison.common_c;
   result.looks += found.looks;
   if (!found.is_found) return result;
+  if (is_on_trial_) result.explained = alignment.explained(view, found.azimuth_deg);
   const HeadingFilter::Row row = filter_.derivative(turn, now_s_, now_deg_, comparison.about);
   double noise_deg2 = variance_share * comparison.variance_deg2() + square(least_sigma_deg) +
                       square(change_s * turn.change_dps) + square(half.time_sigma_s * rate_dps);
+  if (things_move_) noise_deg2 *= std::max(1.0, comparison.cost);  // what fits badly tells less
   const double expected_deg2 = filter_.variance(row) + noise_deg2;
   result.is_judged = true;
   result.innovation_deg = found.azimuth_deg - azimuth_deg;
+  result.sigma_deg = std::sqrt(expected_deg2);
   result.squared = square(result.innovation_deg) / expected_deg2;
   result.misfit = comparison.cost;
+  result.left_k2 = comparison.squares_k2;
   result.is_flat = comparison.flat_cost + flat_margin < comparison.cost;
   result.is_used = result.squared <= impossible && !result.is_flat;
   if (!result.is_used) return result;
@@ -125,11 +219,8 @@ HalfResult Tracker::judge(const HalfReading& half, const Exposed& exposed) {
 
 void Tracker::locate(const HalfReading& half, const GyroPath& path, CircleSearch& search) {
   const Exposed exposed = expose(half, path);
-  const View view{.temp_c = &exposed.temp_c,
-                  .variance = &pixels_.variance(half.parity),
-                  .parity = half.parity,
-                  .half_width_deg = exposed.half_width_deg};
-  search.add(Alignment(panorama_, filter_, lens_), view, exposed.azimuth_deg - located_deg_);
+  search.add(Alignment(panorama_, filter_, lens_), view_of(half, exposed),
+             exposed.azimuth_deg - located_deg_);
   located_deg_ = exposed.azimuth_deg;
 }
 
@@ -140,36 +231,54 @@ double Tracker::settle(const CircleSearch::Found& found) {
   return off_deg;
 }
 
-void Tracker::write(const HalfReading& half, const HalfPixels& temp_c, double azimuth_deg,
-                    double half_width_deg, double sigma_deg, float common_c) {
+void Tracker::write(const View& view, double azimuth_deg, double sigma_deg, float common_c) {
   const Alignment alignment(panorama_, filter_, lens_);
-  const HalfPixels& noise = pixels_.variance(half.parity);
+  const HalfPixels &temp_c = *view.temp_c, &noise = *view.variance;
   const double pitch_bins = lens_.pitch_deg / Panorama::bin_deg;
   for (std::size_t column = 0; column < frame_columns; ++column) {
-    const auto place = Panorama::place(alignment.column_azimuth_deg(azimuth_deg, column), half_width_deg,
-                                       row_class(column, half.parity));
     const std::size_t before = column >= 2 ? column - 2 : column;
     const std::size_t behind = column + 2 < frame_columns ? column + 2 : column;
+    const bool is_edge = before == column || behind == column;
     const auto apart_deg = static_cast<float>(lens_.bearing_deg(behind) - lens_.bearing_deg(before));
-    const double below_bins =
-        before == column || behind == column ? std::max(place.half_width, pitch_bins) : pitch_bins;
-    Panorama::Guess guess{.low = place.middle - below_bins, .high = place.middle + below_bins};
+    const double swept_deg2 = square(view.half_width_deg) + square(lens_.pitch_deg);
+    Panorama::Guess guess;
     Panorama::Column shown, variance;
     for (std::size_t k = 0; k < half_rows; ++k) {
       const std::size_t i = column * half_rows + k;
       shown[k] = temp_c[i] - common_c;
       const float read = (temp_c[behind * half_rows + k] - temp_c[before * half_rows + k]) / apart_deg;
       const float slope = std::isnan(read) ? 0.0F : read;
-      const double swept_deg2 = square(half_width_deg) + square(lens_.pitch_deg);
       variance[k] = noise[i] + static_cast<float>(square(sigma_deg)) * slope * slope;
       guess.temp_c[k] = shown[k];
       guess.slope[k] = slope;
       guess.variance[k] = 2.0F * variance[k] + static_cast<float>(0.3 * swept_deg2) * slope * slope;
     }
-    panorama_.seed(place, guess);
-    written_[column] = {place, shown, variance};
+    const auto reach_to = [&](const Panorama::Place& place) {
+      const double below_bins = is_edge ? std::max(place.half_width, pitch_bins) : pitch_bins;
+      guess.low = place.middle - below_bins;
+      guess.high = place.middle + below_bins;
+    };
+    if (view.rows == nullptr) {
+      const Panorama::Place place = alignment.place(view, azimuth_deg, column);
+      reach_to(place);
+      panorama_.seed(place, guess);
+    } else {
+      for (std::size_t k = 0; k < half_rows; ++k) {
+        const Panorama::Place place = alignment.place(view, azimuth_deg, column, k);
+        reach_to(place);
+        panorama_.seed_row(place, k, guess);
+      }
+    }
+    written_[column] = {shown, variance};
   }
-  for (const auto& one : written_) panorama_.write(one.place, one.temp_c, one.variance);
+  for (std::size_t column = 0; column < frame_columns; ++column) {
+    const auto& [shown, variance] = written_[column];
+    if (view.rows == nullptr)
+      panorama_.write(alignment.place(view, azimuth_deg, column), shown, variance);
+    else
+      for (std::size_t k = 0; k < half_rows; ++k)
+        panorama_.write_row(alignment.place(view, azimuth_deg, column, k), k, shown, variance);
+  }
   panorama_.add_up();
 }
 

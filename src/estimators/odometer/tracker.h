@@ -19,19 +19,38 @@ struct HalfResult {
   bool is_judged = false;  // it could be laid against the map
   bool is_flat = false;    // surroundings without any structure fit it better than the map does
   double squared = 0.0;    // its innovation, squared and divided by what was expected of it
-  double innovation_deg = 0.0;
-  double misfit = 0.0;  // squares of its pixels, divided by what was expected of them
+  double innovation_deg = 0.0, sigma_deg = 0.0;  // and what was expected of it
+  double misfit = 0.0;   // squares of its pixels, divided by what was expected of them
+  double left_k2 = 0.0;  // mean square of what its pixels differ from the map by
   double rate_dps = 0.0;
-  int looks = 1;  // at the whole map: what it cost
+  int looks = 1;                   // at the whole map: what it cost
+  Alignment::Explained explained;  // by a map that was loaded
 };
+
+/// Innovations of late, squared: a running mean of what they are of what was expected, about 1.
+void learn_nis(const HalfResult& result, double& mean);
+inline constexpr double lost_nis = 8.0;  // then the heading is lost
 
 /// Heading filter and panorama together: half after half.
 class Tracker {
  public:
+  // That a pass begins with.
+  static constexpr double least_bias_sigma_dps = 0.1, least_scale_sigma = 0.002,
+                          least_latency_sigma_s = 0.003;
+
   Tracker(const Priors& priors, const Lens& lens);
 
-  /// Forgets everything.
-  void restart(const Priors& priors);
+  /// Forgets everything. `things_move`: people, say, through all that it sees.
+  void restart(const Priors& priors, RowOrder rows = RowOrder::at_once, bool things_move = false);
+  RowOrder rows() const { return rows_; }
+  /// What another pass through the same halves may begin with: `priors` but for what this one learnt.
+  Priors learnt(const Priors& priors) const;
+
+  /// Everything but a map that was made before.
+  void restart(const Priors& priors, const Map& map);
+  void keep(Map& map) const;
+  /// It need no longer be told how much of the halves that map explains.
+  void trust_map() { is_on_trial_ = false; }
 
   /// Heading forward to a time, by the gyro's path.
   void advance(const GyroPath& path, double now_s);
@@ -65,19 +84,24 @@ class Tracker {
     ExposedTurn turn;
     HalfPixels temp_c;
     double azimuth_deg = 0.0, rate_dps = 0.0, half_width_deg = 0.0;
+    RowSweeps rows;  // of a camera that exposes them one after the other
   };
   Exposed expose(const HalfReading& half, const GyroPath& path);
   HalfResult judge(const HalfReading& half, const Exposed& exposed);
-  void begin_nodes(double azimuth_deg, double half_width_deg);
-  void write(const HalfReading& half, const HalfPixels& temp_c, double azimuth_deg, double half_width_deg,
-             double sigma_deg, float common_c);
+  void expose_rows(const HalfReading& half, const GyroPath& path, Exposed& exposed) const;
+  View view_of(const HalfReading& half, const Exposed& exposed) const;
+  void begin_nodes(double azimuth_deg, const Exposed& exposed);
+  void write(const View& view, double azimuth_deg, double sigma_deg, float common_c);
 
   Lens lens_;
+  RowOrder rows_ = RowOrder::at_once;
+  bool things_move_ = false;
   HeadingFilter filter_;
   Panorama panorama_;
   PixelModel pixels_;
   double now_s_ = 0.0, now_deg_ = 0.0, now_unseen_deg2_ = 0.0;
   bool has_begun_ = false;
+  bool is_on_trial_ = false;  // the map
   float reference_c_ = 0.0F;  // temperatures are kept as differences from it
   int halves_ = 0;
   double sigma_in_map_deg_ = 0.0;
@@ -85,7 +109,6 @@ class Tracker {
   double located_deg_ = 0.0;  // azimuth of the newest half, as the gyro has it
   float common_c_ = 0.0F;     // of the newest half
   struct Written {
-    Panorama::Place place;
     Panorama::Column temp_c, variance;
   };
   std::array<Written, frame_columns> written_{};  // of the newest half

@@ -2,16 +2,15 @@
 #include "blocks.h"
 
 #include <fcntl.h>
-#include <sched.h>
-#include <signal.h>
 #include <sys/mman.h>
 #include <unistd.h>
 
 #include <array>
-#include <cerrno>
 #include <charconv>
 #include <chrono>
 #include <new>
+#include <system_error>
+#include <thread>
 #include <utility>
 
 #include "thermorig/io/files/unlinked_file.h"
@@ -20,7 +19,7 @@ namespace thermorig::spill {
 
 namespace {
 
-constexpr std::chrono::nanoseconds look_every = std::chrono::microseconds(500);
+constexpr auto look_every = std::chrono::milliseconds(2);
 
 thread_local bool inside = false;
 
@@ -54,27 +53,7 @@ std::size_t resident_file_bytes(int statm) {
   return number * static_cast<std::size_t>(::sysconf(_SC_PAGESIZE));
 }
 
-void on_timer(int /*signal*/) {
-  const int kept = errno;
-  blocks().limit_resident();
-  errno = kept;
-}
-
 }  // namespace
-
-/// Waits for a look at the blocks to end, and keeps others from it.
-class Blocks::Changing {
- public:
-  explicit Changing(Blocks& blocks) : flag_(blocks.is_changing_) {
-    while (flag_.test_and_set(std::memory_order_acquire)) ::sched_yield();
-  }
-  ~Changing() { flag_.clear(std::memory_order_release); }
-  Changing(const Changing&) = delete;
-  Changing& operator=(const Changing&) = delete;
-
- private:
-  std::atomic_flag& flag_;
-};
 
 /// The last `delete` of the program may come after everything else.
 Blocks& blocks() {
@@ -88,7 +67,6 @@ void Blocks::configure(const std::filesystem::path& near, const Limits& limits) 
   near_ = near;
   limits_ = limits;
   array_bytes_ = limits.array_bytes;
-  resident_bytes_ = limits.resident_bytes;
 }
 
 bool Blocks::is_inside() {
@@ -102,12 +80,9 @@ void* Blocks::allocate(std::size_t bytes) {
   const bool is_on_disk = at != nullptr;
   if (!is_on_disk) at = ::mmap(nullptr, bytes, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
   if (at == MAP_FAILED) return nullptr;
-  {
-    const Changing changing(*this);
-    blocks_.emplace(at, Block{bytes, is_on_disk});
-  }
-  if (is_on_disk && on_disk_bytes_ == 0) set_timer(true);
+  blocks_.emplace(at, Block{bytes, is_on_disk});
   (is_on_disk ? on_disk_bytes_ : in_memory_bytes_) += bytes;
+  if (is_on_disk && !is_watched_) begin_watch();
   return at;
 }
 
@@ -116,12 +91,8 @@ bool Blocks::release(void* at) {
   const auto found = blocks_.find(at);
   if (found == blocks_.end()) return false;
   const Block block = found->second;
-  {
-    const Changing changing(*this);
-    blocks_.erase(found);
-  }
+  blocks_.erase(found);
   (block.is_on_disk ? on_disk_bytes_ : in_memory_bytes_) -= block.bytes;
-  if (block.is_on_disk && on_disk_bytes_ == 0) set_timer(false);
   ::munmap(at, block.bytes);
   return true;
 }
@@ -140,31 +111,36 @@ void* Blocks::map_file(std::size_t bytes) const {
   return at == MAP_FAILED ? nullptr : at;
 }
 
-/// Where the system has no timer to spare, it gives pages back by itself when memory runs short.
-void Blocks::set_timer(bool runs) {
-  if (!has_timer_ && runs) {
-    statm_ = ::open("/proc/self/statm", O_RDONLY | O_CLOEXEC);
-    struct sigaction action {};
-    action.sa_handler = on_timer;
-    action.sa_flags = SA_RESTART;
-    sigevent event{};
-    event.sigev_notify = SIGEV_SIGNAL;
-    event.sigev_signo = SIGPROF;
-    has_timer_ =
-        ::sigaction(SIGPROF, &action, nullptr) == 0 && ::timer_create(CLOCK_MONOTONIC, &event, &timer_) == 0;
+/// A thread of its own, while anything lies on the disk. Where the system has none to spare, it gives pages
+/// back by itself when memory runs short.
+void Blocks::begin_watch() {
+  if (statm_ < 0) statm_ = ::open("/proc/self/statm", O_RDONLY | O_CLOEXEC);
+  try {
+    std::thread([this] {
+      while (look()) std::this_thread::sleep_for(look_every);
+    }).detach();
+    is_watched_ = true;
+  } catch (const std::system_error&) {  // no thread
   }
-  if (!has_timer_) return;
-  const timespec every{0, runs ? static_cast<long>(look_every.count()) : 0};
-  const itimerspec setting{every, every};
-  ::timer_settime(timer_, 0, &setting, nullptr);
+}
+
+/// False: nothing lies on the disk any more, and nobody looks again.
+bool Blocks::look() {
+  const Inside lock(mutex_);
+  is_watched_ = on_disk_bytes_ > 0;
+  if (is_watched_) give_back();
+  return is_watched_;
 }
 
 void Blocks::limit_resident() {
-  if (is_changing_.test_and_set(std::memory_order_acquire)) return;
-  if (statm_ >= 0 && resident_file_bytes(statm_) > resident_bytes_)
-    for (const auto& [at, block] : blocks_)
-      if (block.is_on_disk) ::madvise(at, block.bytes, MADV_DONTNEED);
-  is_changing_.clear(std::memory_order_release);
+  const Inside lock(mutex_);
+  if (on_disk_bytes_ > 0) give_back();
+}
+
+void Blocks::give_back() {
+  if (resident_file_bytes(statm_) <= limits_.resident_bytes) return;
+  for (const auto& [at, block] : blocks_)
+    if (block.is_on_disk) ::madvise(at, block.bytes, MADV_DONTNEED);
 }
 
 }  // namespace thermorig::spill

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include <time.h>
-
 #include <atomic>
 #include <cstddef>
 #include <filesystem>
@@ -13,13 +11,11 @@
 
 namespace thermorig::spill {
 
-/// Large blocks of memory, some of them mapped from files. Two thousand times a second a signal (SIGPROF)
-/// interrupts the program to see how many pages of files are in memory, and gives those of the blocks back to
-/// the system if they are too many: a file's page that is given back is not lost, the next look at it finds
-/// it in its file. A thread that watched would come late on a computer that is busy; a signal comes before
-/// whatever it interrupts touches more: one member of each row of a table, at tens of gigabytes a second.
-/// What this needs for itself are small blocks: `new`
-/// and `delete` of a thread that is inside must not ask here again. Never destroyed.
+/// Large blocks of memory, some of them mapped from files. While there are such, a thread looks every two
+/// milliseconds how many pages of files are in memory, and gives those of the blocks back to the system if
+/// they are too many: a file's page that is given back is not lost, the next look at it finds it in its file.
+/// What this needs for itself are small blocks: `new` and `delete` of a thread that is inside must not ask
+/// here again. Never destroyed.
 class Blocks {
  public:
   void configure(const std::filesystem::path& near, const Limits& limits);
@@ -33,7 +29,6 @@ class Blocks {
 
   std::size_t on_disk_bytes();
 
-  /// Async-signal-safe: does nothing while a thread changes the blocks.
   void limit_resident();
 
   /// Whether this thread is in one of these functions.
@@ -44,22 +39,20 @@ class Blocks {
     std::size_t bytes = 0;
     bool is_on_disk = false;
   };
-  class Changing;
 
   void* map_file(std::size_t bytes) const;
-  void set_timer(bool runs);
+  void begin_watch();
+  bool look();
+  void give_back();
 
   std::mutex mutex_;
   std::filesystem::path near_;
   Limits limits_;
   std::atomic<std::size_t> array_bytes_ = Limits().array_bytes;  // of limits_, for who has no lock
-  std::atomic<std::size_t> resident_bytes_ = Limits().resident_bytes;
   std::map<void*, Block> blocks_;
-  std::atomic_flag is_changing_;  // blocks_; or limit_resident() looks at them
   std::size_t in_memory_bytes_ = 0;
   std::size_t on_disk_bytes_ = 0;
-  timer_t timer_{};
-  bool has_timer_ = false;
+  bool is_watched_ = false;  // by its thread
   int statm_ = -1;
 };
 

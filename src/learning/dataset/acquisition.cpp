@@ -1,20 +1,129 @@
 // SPDX-License-Identifier: MIT
 #include <fmt/format.h>
+#include <sha2.h>
 
+#include <array>
+#include <bit>
 #include <cassert>
+#include <cmath>
+#include <cstring>
 #include <limits>
 #include <map>
+#include <span>
+#include <string>
+#include <vector>
 
-#include "data_hash.h"
-#include "rates_without_network.h"
 #include "thermorig/core/error.h"
+#include "thermorig/estimators/window_bounds.h"
 #include "thermorig/learning/dataset/dataset.h"
+#include "thermorig/learning/dataset/run_estimators.h"
+#include "thermorig/network/acquisition.h"
 #include "thermorig/network/soundness.h"
 #include "thermorig/storage/session/annotations.h"
+#include "thermorig/storage/session/session.h"
 
 namespace thermorig::dataset {
 
 namespace {
+
+/// Those that need no network and find one rate of so many frames.
+std::vector<std::string> names_of(int frames) {
+  std::vector<std::string> names;
+  for (const estimators::Entry& entry : estimators::all_entries())
+    if (!entry.needs_network && entry.most_frames >= frames) names.emplace_back(entry.name);
+  return names;
+}
+
+void add_rates(const session::Session& session, const std::vector<std::string>& names, int frames,
+               std::vector<network::RateSeries>& rates) {
+  estimators::Bank bank(names, std::nullopt, session.raw.header.profile, network::Precision::fp32, frames);
+  const std::size_t first = rates.size();
+  for (const std::string& name : names)
+    rates.push_back({name, std::vector(session.frames.size(), RateEstimate::not_known), frames});
+  run_estimators(session, bank, [&](std::size_t frame, std::span<const RateEstimate> estimates) {
+    for (std::size_t k = 0; k < estimates.size(); ++k)
+      rates[first + k].rate_dps[frame] = estimates[k].rate_dps;
+  });
+}
+
+/// What the estimators that need no network say of each frame, and of windows of more frames where they find
+/// one rate of those. They see what a live run sees, in its order, at the times that the finished session
+/// knows.
+std::vector<network::RateSeries> rates_without_network(const session::Session& session) {
+  std::vector<network::RateSeries> rates;
+  int frames = 1;
+  for (auto names = names_of(frames); !names.empty(); names = names_of(++frames))
+    add_rates(session, names, frames, rates);
+  return rates;
+}
+
+/// Acquisition::bound_dps of windows of so many frames.
+std::vector<float> rate_bounds(const session::Session& session, int frames) {
+  estimators::WindowBounds bounds(session.raw.header.profile);
+  std::vector<std::size_t> taken;
+  run_estimators(session, bounds.bank(), [&](std::size_t frame, std::span<const RateEstimate> estimates) {
+    bounds.take(session.frames[frame], estimates);
+    taken.push_back(frame);
+  });
+  std::vector<float> of_frames(session.frames.size(), RateEstimate::not_known);
+  const std::vector<float> of_taken = bounds.bounds_dps(frames);
+  for (std::size_t i = 0; i < taken.size(); ++i) of_frames[taken[i]] = of_taken[i];
+  return of_frames;
+}
+
+static_assert(std::endian::native == std::endian::little, "the hash is defined over little-endian values");
+
+class Sha256 {
+ public:
+  Sha256() { SHA256Init(&state_); }
+
+  template <typename Value>
+  void add(std::span<const Value> values) {
+    SHA256Update(&state_, reinterpret_cast<const std::uint8_t*>(values.data()), values.size_bytes());
+  }
+
+  std::string hexadecimal() {
+    std::array<char, SHA256_DIGEST_STRING_LENGTH> text{};
+    SHA256End(&state_, text.data());
+    return text.data();
+  }
+
+ private:
+  SHA2_CTX state_{};
+};
+
+/// Processors differ in the sign of the NaN that they make.
+void add_floats(Sha256& hash, std::vector<float> values) {
+  for (float& value : values)
+    if (std::isnan(value)) value = std::numeric_limits<float>::quiet_NaN();
+  hash.add(std::span<const float>(values));
+}
+
+/// Nanoseconds, modulo 2^64: times from a file may lie further apart than a duration can tell.
+std::vector<std::uint64_t> times_since_first(const std::vector<HostTime>& times) {
+  std::vector<std::uint64_t> since;
+  since.reserve(times.size());
+  for (const HostTime time : times)
+    since.push_back(static_cast<std::uint64_t>(to_ns(time)) -
+                    static_cast<std::uint64_t>(to_ns(times.front())));
+  return since;
+}
+
+/// SHA-256, hexadecimal, of what training and evaluation take from an acquisition: number of frames, pixels,
+/// labels, gyro means, times since the first frame, runs, commanded speeds of the legs. Little-endian, every
+/// NaN the same.
+std::string data_hash(const network::Acquisition& acquisition) {
+  Sha256 hash;
+  const std::array<std::uint64_t, 1> frames{acquisition.frames()};
+  hash.add(std::span<const std::uint64_t>(frames));
+  add_floats(hash, acquisition.temp_c);
+  add_floats(hash, acquisition.label_dps);
+  add_floats(hash, acquisition.gyro_dps);
+  hash.add(std::span<const std::uint64_t>(times_since_first(acquisition.time)));
+  hash.add(std::span<const std::uint32_t>(acquisition.run));
+  add_floats(hash, acquisition.leg_rate_dps);
+  return hash.hexadecimal();
+}
 
 using network::Acquisition;
 

@@ -142,8 +142,9 @@ std::map<std::string, std::string> texts_of(const nlohmann::json& facts) {
 
 }  // namespace
 
-void write_mcap(const session::Session& session, Sink& sink) {
-  McapWriter writer(sink, session.raw.header.creator, mcap_channels(), texts_of(facts_of(session)));
+void write_mcap(const session::Session& session, Sink& sink, McapCompression compression) {
+  McapWriter writer(sink, compression, session.raw.header.creator, mcap_channels(),
+                    texts_of(facts_of(session)));
   std::vector<Stream> streams = streams_of(session);
   while (true) {
     const auto first =

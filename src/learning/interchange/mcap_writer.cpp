@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: MIT
 #include "mcap_writer.h"
 
+#include <zstd.h>
+
 #include <algorithm>
+#include <new>
 #include <utility>
 
 #include "little_endian_text.h"
@@ -12,7 +15,7 @@ namespace {
 
 constexpr std::size_t chunk_bytes = 1U << 20U;
 constexpr std::string_view magic{"\x89MCAP0\r\n", 8};
-constexpr std::string_view not_compressed;
+constexpr int zstd_level = 3;  // the library's own choice
 
 enum Kind : std::uint8_t {
   header = 0x01,
@@ -51,6 +54,21 @@ std::string map_of(const std::map<std::string, std::string>& entries) {
   return content;
 }
 
+std::string_view name_of(McapCompression compression) {
+  return compression == McapCompression::zstd ? "zstd" : "";
+}
+
+/// Of one chunk.
+std::string stored_records(const std::string& records, McapCompression compression) {
+  if (compression == McapCompression::none) return records;
+  std::string bytes(ZSTD_compressBound(records.size()), '\0');
+  const std::size_t size =
+      ZSTD_compress(bytes.data(), bytes.size(), records.data(), records.size(), zstd_level);
+  if (ZSTD_isError(size) != 0) throw std::bad_alloc();  // there is room: nothing else can go wrong
+  bytes.resize(size);
+  return bytes;
+}
+
 /// Channels and schemas have the same numbers, from 1.
 std::uint16_t number_of(std::size_t channel_index) {
   return static_cast<std::uint16_t>(channel_index + 1);
@@ -58,9 +76,13 @@ std::uint16_t number_of(std::size_t channel_index) {
 
 }  // namespace
 
-McapWriter::McapWriter(Sink& sink, const std::string& library, std::vector<McapChannel> channels,
-                       const std::map<std::string, std::string>& facts)
-    : sink_(&sink), channels_(std::move(channels)), counts_(channels_.size()), in_chunk_(channels_.size()) {
+McapWriter::McapWriter(Sink& sink, McapCompression compression, const std::string& library,
+                       std::vector<McapChannel> channels, const std::map<std::string, std::string>& facts)
+    : sink_(&sink),
+      compression_(compression),
+      channels_(std::move(channels)),
+      counts_(channels_.size()),
+      in_chunk_(channels_.size()) {
   write_header(library, facts);
 }
 
@@ -138,9 +160,11 @@ void McapWriter::write_chunk() {
   std::string content;
   append_little_endian(content, now_.first_ns, now_.last_ns, now_.size,
                        libdeflate_crc32(0, records_.data(), records_.size()));
-  append_string(content, not_compressed);
-  append_little_endian(content, now_.size);
-  content += records_;
+  append_string(content, name_of(compression_));
+  const std::string records = stored_records(records_, compression_);
+  now_.stored_size = records.size();
+  append_little_endian(content, now_.stored_size);
+  content += records;
   write_record(Kind::chunk, content);
   now_.length = sink_.size() - now_.begin;
   for (std::size_t i = 0; i < in_chunk_.size(); ++i) {
@@ -168,8 +192,8 @@ std::string McapWriter::chunk_indices() const {
     append_little_endian(content, written.first_ns, written.last_ns, written.begin, written.length);
     append_string(content, indices);
     append_little_endian(content, written.indices_length);
-    append_string(content, not_compressed);
-    append_little_endian(content, written.size, written.size);
+    append_string(content, name_of(compression_));
+    append_little_endian(content, written.stored_size, written.size);
     append_record(records, Kind::chunk_index, content);
   }
   return records;

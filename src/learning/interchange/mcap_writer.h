@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "checked_sink.h"
+#include "thermorig/learning/interchange/mcap.h"
 #include "thermorig/learning/interchange/sink.h"
 
 namespace thermorig::interchange {
@@ -19,13 +20,13 @@ struct McapChannel {
   std::string schema;  // JSON Schema
 };
 
-/// Writes an MCAP file (https://mcap.dev/spec, version 0) from front to end: chunks that are not compressed,
-/// each with its indices, a summary, all check sums. Keeps one chunk, and 100 bytes or so of each that was.
+/// Writes an MCAP file (https://mcap.dev/spec, version 0) from front to end: chunks, each with its indices, a
+/// summary, all check sums. Keeps one chunk, and 100 bytes or so of each that was.
 class McapWriter {
  public:
   /// Of at most 65,535 channels; `facts` become a metadata record `session`.
-  McapWriter(Sink& sink, const std::string& library, std::vector<McapChannel> channels,
-             const std::map<std::string, std::string>& facts);
+  McapWriter(Sink& sink, McapCompression compression, const std::string& library,
+             std::vector<McapChannel> channels, const std::map<std::string, std::string>& facts);
 
   /// A message on a channel, by index. Messages may come in any order of time; readers like them ascending.
   void add(std::size_t channel, std::uint64_t time_ns, std::string_view data);
@@ -35,7 +36,8 @@ class McapWriter {
 
  private:
   struct Chunk {
-    std::uint64_t first_ns = 0, last_ns = 0, begin = 0, length = 0, indices_length = 0, size = 0;
+    std::uint64_t first_ns = 0, last_ns = 0, begin = 0, length = 0, indices_length = 0;
+    std::uint64_t size = 0, stored_size = 0;             // of its records
     std::map<std::uint16_t, std::uint64_t> index_begin;  // by channel
   };
   struct Place {
@@ -53,6 +55,7 @@ class McapWriter {
   std::string statistics() const;
 
   CheckedSink sink_;
+  McapCompression compression_;
   std::vector<McapChannel> channels_;
   std::vector<std::uint64_t> counts_;         // of messages, by channel
   std::string records_;                       // of the present chunk

@@ -14,17 +14,20 @@ const study::AngleTrack* track_of(const StudyView& view, const std::string& esti
                                                                  : nullptr;
 }
 
-FoldDrift drift_of(const StudyView& view, const std::string& estimator, const std::string& fold) {
+FoldDrift drift_of(const StudyView& view, const std::string& estimator, const std::string& fold,
+                   DriftFrom from) {
   const study::AngleTrack* track = track_of(view, estimator, fold);
   if (track == nullptr) return {};
+  if (from == DriftFrom::settled)
+    return {track->settled_drift_deg_per_min[estimator], track->settled_worst_deg[estimator]};
   return {track->drift_deg_per_min[estimator], track->worst_deg[estimator]};
 }
 
-DriftSummary drift_summary(const StudyView& view, const std::string& estimator) {
+DriftSummary drift_summary(const StudyView& view, const std::string& estimator, DriftFrom from) {
   std::vector<double> drifts;
   double worst = unknown;
   for (const std::string& fold : view.folds) {
-    const FoldDrift drift = drift_of(view, estimator, fold);
+    const FoldDrift drift = drift_of(view, estimator, fold, from);
     if (std::isfinite(drift.deg_per_min)) drifts.push_back(std::abs(drift.deg_per_min));
     worst = std::fmax(worst, drift.worst_deg);
   }

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <cstdint>
+
 #include "study_view.h"
 
 namespace thermorig::report {
@@ -11,8 +13,12 @@ struct FoldDrift {
   double worst_deg = unknown;
 };
 
+/// From the first window on, or from AngleTrack::settled_s on.
+enum class DriftFrom : std::uint8_t { first, settled };
+
 /// At the reference setting, of StudyView::job_of().
-FoldDrift drift_of(const StudyView& view, const std::string& estimator, const std::string& fold);
+FoldDrift drift_of(const StudyView& view, const std::string& estimator, const std::string& fold,
+                   DriftFrom from = DriftFrom::first);
 
 /// The angle track that shows this estimator on a fold, nothing if no job has it.
 const study::AngleTrack* track_of(const StudyView& view, const std::string& estimator,
@@ -24,7 +30,8 @@ struct DriftSummary {
   double worst_deg = 0.0;
   std::size_t folds = 0;
 };
-DriftSummary drift_summary(const StudyView& view, const std::string& estimator);
+DriftSummary drift_summary(const StudyView& view, const std::string& estimator,
+                           DriftFrom from = DriftFrom::first);
 
 /// Median |deg/min| over the folds of one seed's fused networks.
 double fusion_drift(const StudyView& view, std::uint64_t seed);

@@ -56,7 +56,9 @@ json drift_json(const study::AngleTrack& track) {
   json drift;
   for (const std::string& name : study::all_estimators())
     drift[name] = {{"drift_deg_per_min", track.drift_deg_per_min[name]},
-                   {"worst_deg", track.worst_deg[name]}};
+                   {"worst_deg", track.worst_deg[name]},
+                   {"settled_drift_deg_per_min", track.settled_drift_deg_per_min[name]},
+                   {"settled_worst_deg", track.settled_worst_deg[name]}};
   return {{"integrated_s", track.integrated_s}, {"estimators", drift}};
 }
 

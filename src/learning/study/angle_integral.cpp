@@ -18,11 +18,12 @@ double duration_of(const network::Window& window, const network::Acquisition& ac
 
 /// The angle error of one estimator, a point a window; point 0 is the beginning.
 struct ErrorLine {
-  estimators::AngleError error;
+  estimators::AngleError error, settled;
   std::vector<double> points_deg{0.0};
 
-  void add(double error_dps, double duration_s) {
+  void add(double error_dps, double duration_s, bool is_settled) {
     if (std::isfinite(error_dps)) error.add(error_dps, duration_s);
+    if (std::isfinite(error_dps) && is_settled) settled.add(error_dps, duration_s);
     points_deg.push_back(error.angle_deg());
   }
 };
@@ -33,12 +34,12 @@ struct Integral {
   std::vector<double> commanded_deg{0.0};
   std::vector<ErrorLine> lines{all_estimators().size()};
 
-  void add(const JudgedWindow& judged, double duration_s) {
+  void add(const JudgedWindow& judged, double duration_s, bool is_settled) {
     const double label_dps = judged.label_dps;
     time_s.push_back(time_s.back() + duration_s);
     commanded_deg.push_back(commanded_deg.back() + label_dps * duration_s);
     for (std::size_t i = 0; i < lines.size(); ++i)
-      lines[i].add(double{judged.rate_dps.values()[i]} - label_dps, duration_s);
+      lines[i].add(double{judged.rate_dps.values()[i]} - label_dps, duration_s, is_settled);
   }
 };
 
@@ -62,7 +63,9 @@ AngleTrack angle_track(std::span<const JudgedWindow> judged, const network::Acqu
   Integral integral;
   for (const JudgedWindow& one : judged) {
     const double duration_s = duration_of(one.window, acquisition);
-    if (std::isfinite(one.label_dps) && duration_s > 0.0) integral.add(one, duration_s);
+    if (!std::isfinite(one.label_dps) || duration_s <= 0.0) continue;
+    const double time_s = to_s(acquisition.time[one.window.last] - acquisition.time.front());
+    integral.add(one, duration_s, time_s >= AngleTrack::settled_s);
   }
   AngleTrack track;
   track.integrated_s = integral.time_s.back();
@@ -73,6 +76,8 @@ AngleTrack angle_track(std::span<const JudgedWindow> judged, const network::Acqu
     if (line.error.has_begun()) track.error_deg[name] = thinned(line.points_deg, points);
     track.drift_deg_per_min[name] = line.error.slope_deg_per_min();
     track.worst_deg[name] = line.error.worst_deg();
+    track.settled_drift_deg_per_min[name] = line.settled.slope_deg_per_min();
+    track.settled_worst_deg[name] = line.settled.worst_deg();
   }
   return track;
 }

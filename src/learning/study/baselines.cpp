@@ -32,6 +32,8 @@ void take(const std::string& name, const Evaluation& from, Evaluation& to) {
   to.angles[0].error_deg[name] = from.angles[0].error_deg[name];
   to.angles[0].drift_deg_per_min[name] = from.angles[0].drift_deg_per_min[name];
   to.angles[0].worst_deg[name] = from.angles[0].worst_deg[name];
+  to.angles[0].settled_drift_deg_per_min[name] = from.angles[0].settled_drift_deg_per_min[name];
+  to.angles[0].settled_worst_deg[name] = from.angles[0].settled_worst_deg[name];
 }
 
 JobResult with_baselines(JobResult result, std::span<const Acquisition> acquisitions) {

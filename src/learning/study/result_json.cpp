@@ -15,8 +15,9 @@ namespace {
 using nlohmann::json;
 
 constexpr const char* format_name = "thermorig study result";
-constexpr int format_version = 3;  // 1 had other names of estimators
+constexpr int format_version = 4;  // 1 had other names of estimators
 constexpr int with_label = 3;      // and errors against the shaft
+constexpr int with_settled = 4;    // angles from 30 s on
 
 constexpr std::array<std::pair<std::string_view, std::string_view>, 3> names_before_version_2{
     {{"thermal", thermal_name}, {"fusion", fusion_name}, {"gyro_unbiased", "gyro-rest"}}};
@@ -136,10 +137,12 @@ json json_of(const AngleTrack& track) {
           {"commanded_deg", track.commanded_deg},
           {"error_deg", track.error_deg.values()},
           {"drift_deg_per_min", track.drift_deg_per_min.values()},
-          {"worst_deg", track.worst_deg.values()}};
+          {"worst_deg", track.worst_deg.values()},
+          {"settled_drift_deg_per_min", track.settled_drift_deg_per_min.values()},
+          {"settled_worst_deg", track.settled_worst_deg.values()}};
 }
 
-AngleTrack track_from(const Fields& fields, const EstimatorAxis& axis) {
+AngleTrack track_from(const Fields& fields, const EstimatorAxis& axis, int version) {
   AngleTrack track;
   track.integrated_s = fields.number("integrated_s");
   track.time_s = fields.numbers("time_s");
@@ -151,6 +154,9 @@ AngleTrack track_from(const Fields& fields, const EstimatorAxis& axis) {
   axis.place(lines, track.error_deg);
   axis.place(fields, "drift_deg_per_min", track.drift_deg_per_min);
   axis.place(fields, "worst_deg", track.worst_deg);
+  if (version < with_settled) return track;
+  axis.place(fields, "settled_drift_deg_per_min", track.settled_drift_deg_per_min);
+  axis.place(fields, "settled_worst_deg", track.settled_worst_deg);
   return track;
 }
 
@@ -184,7 +190,8 @@ Evaluation evaluation_from(const Fields& fields, const EstimatorAxis& axis, int 
   if (version >= with_label) place_errors(fields, "shaft_errors", axis, evaluation.shaft_errors);
   for (const Fields& speed : fields.objects("speeds")) evaluation.speeds.push_back(speed_from(speed, axis));
   evaluation.gain = gain_from(fields.object("gain"));
-  for (const Fields& track : fields.objects("angles")) evaluation.angles.push_back(track_from(track, axis));
+  for (const Fields& track : fields.objects("angles"))
+    evaluation.angles.push_back(track_from(track, axis, version));
   evaluation.names = fields.texts("names");
   if (evaluation.names.size() != evaluation.angles.size()) fields.refuse("names", "has another length");
   return evaluation;

@@ -10,8 +10,6 @@ namespace thermorig::embedded {
 
 namespace {
 
-constexpr std::size_t longest = 100;
-
 /// Lines of a comment.
 std::string comment(const std::vector<std::string>& lines) {
   return fmt::format(" * {}", fmt::join(lines, "\n * "));
@@ -43,18 +41,6 @@ void add_list(std::vector<std::string>& lines, std::string_view title,
 }
 
 }  // namespace
-
-std::string comment_safe(std::string_view text) {
-  std::string safe;
-  for (char c : text.substr(0, longest)) {
-    const bool harmless = c >= ' ' && c <= '~' && c != '\\' && c != '?' && c != '@';
-    const bool end_or_begin =
-        !safe.empty() && ((safe.back() == '*' && c == '/') || (safe.back() == '/' && c == '*'));
-    if (end_or_begin) safe += ' ';
-    safe += harmless ? c : '_';
-  }
-  return safe;
-}
 
 std::string facts_text(const model::Model& model, WeightKind kind) {
   const model::Provenance& provenance = model.provenance;

@@ -16,8 +16,4 @@ std::string facts_text(const model::Model& model, WeightKind kind);
 /// Which recordings it was trained on.
 std::string data_text(const model::Provenance& provenance);
 
-/// Text of a model file, which anybody may have written, as a part of a comment: it can neither end the
-/// comment nor begin a line.
-std::string comment_safe(std::string_view text);
-
 }  // namespace thermorig::embedded

@@ -26,15 +26,24 @@ void CommandTrack::add(const TimedServo& servo) {
   train_.add(servo, new_pulses_);
   for (const Pulse& pulse : new_pulses_) pulses_.add({pulse.end, pulse.start_us, pulse.value});
   new_pulses_.clear();
-  points_.add({.time = servo.stamp.time,
-               .mcu_time_us = servo.mcu_time_us,
-               .rate_dps = servo.state.rate_dps,
-               .angle_deg = servo.state.angle_deg,
-               .uncertainty_s = servo.stamp.uncertainty_s,
-               .leg = servo.state.leg,
-               .able = is_able(servo.state),
-               .resting = is_at_rest(servo.state),
-               .disagrees = check_.disagrees(servo)});
+  constant_.reset();
+  Point point{.time = servo.stamp.time,
+              .mcu_time_us = servo.mcu_time_us,
+              .rate_dps = servo.state.rate_dps,
+              .angle_deg = servo.state.angle_deg,
+              .uncertainty_s = servo.stamp.uncertainty_s,
+              .leg = servo.state.leg,
+              .able = is_able(servo.state),
+              .resting = is_at_rest(servo.state),
+              .disagrees = check_.disagrees(servo)};
+  point.alike = alike_before(point);
+  points_.add(point);
+}
+
+std::uint32_t CommandTrack::alike_before(const Point& point) const {
+  const auto points = points_.all();
+  if (points.empty() || is_gap(points.back(), point) || points.back().rate_dps != point.rate_dps) return 0;
+  return points.back().alike + 1;
 }
 
 /// From the last point at or before `begin` to the first at or after `end`, as far as there are any; the
@@ -117,16 +126,27 @@ CommandSpan CommandTrack::over(HostTime begin, HostTime end) const {
   return span;
 }
 
-/// How far back the speed of the last of `points`, which lie around a span, is that of the ones before it.
-std::int64_t CommandTrack::constant_begin_us(std::span<const Point> points) const {
-  const Point* point = &points.back();
+/// The first of the points alike that lead up to `point` and are all later than `earliest_us`.
+const CommandTrack::Point* CommandTrack::begin_of_alike(const Point* point, std::int64_t earliest_us) const {
+  const std::ptrdiff_t known = point - points_.all().data();
+  const Point* const begin = point - std::min<std::ptrdiff_t>(point->alike, known);
+  const auto late = std::find_if(std::make_reverse_iterator(point), std::make_reverse_iterator(begin),
+                                 [=](const Point& before) { return before.mcu_time_us <= earliest_us; });
+  return late.base();
+}
+
+/// How far back the speed of a point is that of the ones before it.
+std::int64_t CommandTrack::constant_begin_us(const Point& last) const {
+  const Point* point = &last;
   const Point* const first = points_.all().data();
-  const std::int64_t earliest_us = point->mcu_time_us - longest_constant_us;
-  const double rate_dps = point->rate_dps;
-  while (point != first && !is_gap(point[-1], *point) && point[-1].mcu_time_us > earliest_us &&
-         std::abs(point[-1].rate_dps - rate_dps) <= constant_dps)
+  const std::int64_t earliest_us = last.mcu_time_us - longest_constant_us;
+  while (true) {
+    point = begin_of_alike(point, earliest_us);
+    if (point == first || is_gap(point[-1], *point) || point[-1].mcu_time_us <= earliest_us ||
+        !(std::abs(point[-1].rate_dps - last.rate_dps) <= constant_dps))
+      return point->mcu_time_us;
     --point;
-  return point->mcu_time_us;
+  }
 }
 
 /// Of the pulses that start in the span.
@@ -150,10 +170,14 @@ std::optional<double> CommandTrack::pulse_rate_dps(std::int64_t begin_us, std::i
 std::optional<double> CommandTrack::constant_rate_dps(HostTime begin, HostTime end) const {
   const auto points = around(begin, end);
   if (!covers(points, begin, end)) return std::nullopt;
-  const std::int64_t begin_us = constant_begin_us(points);
-  if (begin_us > points.front().mcu_time_us) return std::nullopt;
-  // The first pulses at a speed may still show the speed before it.
-  return pulse_rate_dps(begin_us + PulseTrain::period_us, points.back().mcu_time_us);
+  const Point& last = points.back();
+  if (!constant_ || constant_->until != last.time) {
+    const std::int64_t begin_us = constant_begin_us(last);
+    // The first pulses at a speed may still show the speed before it.
+    const auto rate_dps = pulse_rate_dps(begin_us + PulseTrain::period_us, last.mcu_time_us);
+    constant_ = Constant{last.time, begin_us, rate_dps};
+  }
+  return constant_->begin_us > points.front().mcu_time_us ? std::nullopt : constant_->rate_dps;
 }
 
 double CommandTrack::angle_deg(HostTime time) const {

@@ -187,7 +187,10 @@ std::optional<Estimate> delay_by_noise(std::span<const TimedGyro> gyro, std::spa
   return delay_by(mean, static_cast<double>(segments.size()), rate_hz, rounding);
 }
 
-std::optional<Estimate> stated_delay(const GyroProfile& profile) {
+/// What the profile says, unless the device itself says otherwise.
+std::optional<Estimate> stated_delay(const GyroProfile& profile, std::optional<double> device_hz) {
+  if (device_hz)
+    return Estimate{second_order_delay / *device_hz, stated_delay_error * second_order_delay / *device_hz};
   if (!(profile.bandwidth_hz > 0.0)) return std::nullopt;
   const double delay_s =
       profile.filter_delay_s > 0.0 ? profile.filter_delay_s : second_order_delay / profile.bandwidth_hz;
@@ -197,14 +200,19 @@ std::optional<Estimate> stated_delay(const GyroProfile& profile) {
 }  // namespace
 
 void fit_gyro_filter(std::span<const TimedGyro> gyro, std::span<const TimedServo> servo,
-                     const GyroProfile& profile, GyroErrors& errors) {
-  const auto by_profile = stated_delay(profile);
+                     const GyroProfile& profile, GyroErrors& errors, std::optional<double> device_hz) {
+  const bool is_stated = profile.bandwidth_hz > 0.0;
+  const bool is_same =
+      is_stated && device_hz && std::abs(*device_hz / profile.bandwidth_hz - 1.0) <= stated_delay_error;
+  if (is_same) device_hz.reset();  // the profile may know the delay better
+  const auto stated = stated_delay(profile, device_hz);
   const auto by_noise =
       errors.zeroes_itself ? std::nullopt : delay_by_noise(gyro, servo, profile.output_rate_hz);
-  errors.filter_contradicts = by_profile && by_noise && contradict(*by_profile, *by_noise);
-  if (by_profile && !errors.filter_contradicts) {
-    errors.filter_source = "profile";
-    errors.filter_delay_s = *by_profile;
+  const bool noise_contradicts = stated && by_noise && contradict(*stated, *by_noise);
+  errors.filter_contradicts = noise_contradicts || (is_stated && device_hz);
+  if (stated && !noise_contradicts) {
+    errors.filter_source = device_hz ? "device" : "profile";
+    errors.filter_delay_s = *stated;
   } else if (by_noise) {
     errors.filter_source = "noise";
     errors.filter_delay_s = *by_noise;

@@ -7,6 +7,7 @@
 
 #include "fast_noise.h"
 #include "pulse_period.h"
+#include "thermorig/core/estimate.h"
 #include "thermorig/core/statistics.h"
 
 namespace thermorig::labels {
@@ -54,37 +55,55 @@ void GyroTrack::note_spread(GyroMean& mean, std::span<const Point> points) {
   if (points.size() < 2 || length_s <= 0.0) return;
   const double window = std::max(pulse_period_s * (count - 1.0) / length_s, 1.0);
   if (window >= count) return;
-  std::vector<double> sums{0.0};
+  std::vector<double> sums{0.0}, to_window;
+  sums.reserve(points.size() + 1);
+  to_window.reserve(points.size());
   for (const Point& point : points) sums.push_back(sums.back() + static_cast<double>(point.rate_dps));
-  const auto mean_from = [&](double from) {
-    return (sum_to(sums, from + window) - sum_to(sums, from)) / window;
-  };
+  const auto mean_to = [&](double to, double sum_before) { return (sum_to(sums, to) - sum_before) / window; };
   RunningStatistics smoothed, fast_dps2;
-  for (double from = 0.0; from + window <= count; from += 1.0) smoothed.add(mean_from(from));
-  for (double from = 0.0; from + 3.0 * window <= count; from += 1.0)
-    fast_dps2.add(
-        alternation_dps2(mean_from(from), mean_from(from + window), mean_from(from + 2.0 * window)));
+  std::size_t first = 0;
+  for (double from = 0.0; from + window <= count; from += 1.0, ++first) {
+    to_window.push_back(sum_to(sums, from + window));
+    smoothed.add((to_window[first] - sums[first]) / window);
+  }
+  first = 0;
+  for (double from = 0.0; from + 3.0 * window <= count; from += 1.0, ++first) {
+    const double next = from + window, last = from + 2.0 * window;
+    fast_dps2.add(alternation_dps2((to_window[first] - sums[first]) / window,
+                                   mean_to(next + window, to_window[first]),
+                                   mean_to(last + window, sum_to(sums, last))));
+  }
   mean.spread_dps = std::sqrt(smoothed.variance());
   mean.averaged = window;
   if (count >= 3.0 * window) mean.fast_dps = std::sqrt(fast_dps2.mean() * window);
 }
 
-GyroMean GyroTrack::over(HostTime begin, HostTime end) const {
-  const auto points = points_.all();
+std::span<const GyroTrack::Point> GyroTrack::between(HostTime begin, HostTime end) const {
   const std::size_t first = points_.first_at_or_after(begin);
   const std::size_t last = std::max(points_.first_at_or_after(end), first);
+  return points_.all().subspan(first, last - first);
+}
+
+double GyroTrack::mean_dps(HostTime begin, HostTime end) const {
+  RunningStatistics samples;
+  for (const Point& point : between(begin, end)) samples.add(static_cast<double>(point.rate_dps));
+  return samples.count() > 0 ? samples.mean() : unknown;
+}
+
+GyroMean GyroTrack::over(HostTime begin, HostTime end) const {
+  const std::span<const Point> points = between(begin, end);
   GyroMean mean;
   RunningStatistics samples;
-  for (const Point& point : points.subspan(first, last - first)) {
+  for (const Point& point : points) {
     samples.add(static_cast<double>(point.rate_dps));
     mean.saturated = mean.saturated || point.saturated;
     mean.time_uncertainty_s = std::max(mean.time_uncertainty_s, point.uncertainty_s);
   }
-  mean.count = last - first;
+  mean.count = points.size();
   if (mean.count == 0) return mean;
   mean.rate_dps = samples.mean();
   mean.deviation_dps = std::sqrt(samples.variance());
-  note_spread(mean, points.subspan(first, last - first));
+  note_spread(mean, points);
   return mean;
 }
 

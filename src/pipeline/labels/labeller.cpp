@@ -154,7 +154,7 @@ void Labeller::label_motion(LabelledSample& sample, const PendingFrame& frame) {
   };
   sample.rate_commanded_uncertainty_dps = deviation_dps(mean.commanded_dps);
   sample.rate_corrected_uncertainty_dps = deviation_dps(mean.corrected_dps);
-  sample.reason_bits |= command_reasons(sample) | model_reasons(sample, shaft);
+  sample.reason_bits |= command_reasons(sample, exposure) | model_reasons(sample, shaft);
 }
 
 /// Largest change of the label when the exposure is moved by half or all of `time_s`, either way.
@@ -175,7 +175,7 @@ void Labeller::label_halves(LabelledSample& sample, const PendingFrame& frame) c
     sample.rate_commanded_half_dps[i] = static_cast<float>(mean.commanded_dps);
     sample.rate_shaft_half_dps[i] = static_cast<float>(mean.model_dps);
     sample.rate_corrected_half_dps[i] = static_cast<float>(mean.corrected_dps);
-    sample.rate_gyro_half_dps[i] = static_cast<float>(gyro_.over(begin, end).rate_dps);
+    sample.rate_gyro_half_dps[i] = static_cast<float>(gyro_.mean_dps(begin, end));
   }
 }
 
@@ -184,9 +184,9 @@ double Labeller::tolerance_dps(const LabelledSample& sample) const {
   return std::max(config_.rate_tolerance_dps, config_.rate_tolerance_share * rate_dps);
 }
 
-std::uint32_t Labeller::command_reasons(const LabelledSample& sample) const {
+/// `exposure`: what was commanded over it.
+std::uint32_t Labeller::command_reasons(const LabelledSample& sample, const CommandSpan& exposure) const {
   const HostTime begin = sample.exposure_begin, end = sample.exposure_end;
-  const CommandSpan exposure = command_.over(begin, end);
   const CommandSpan settled = command_.over(begin - settle_, end);
   const CommandSpan shown = command_.over(begin - lag_, end - lag_);
   const double limit_deg = 0.5 * config_.travel_deg - config_.stop_margin_deg;

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <functional>
 #include <numbers>
 #include <utility>
 
@@ -14,6 +15,7 @@ ShaftSlope::ShaftSlope(std::vector<double> gain, std::vector<ServoResponse::Ripp
     : scale_(scale), gain_(std::move(gain)), ripples_(std::move(ripples)) {
   if (gain_.empty()) gain_ = {1.0, 1.0};
   if (gain_.size() == 1) gain_.push_back(gain_.front());
+  is_even_ = std::adjacent_find(gain_.begin(), gain_.end(), std::not_equal_to<>()) == gain_.end();
   turned_ = {0.0};
   for (std::size_t i = 0; i + 1 < gain_.size(); ++i)
     turned_.push_back(turned_.back() + (gain_[i] + gain_[i + 1]) / 2.0);
@@ -26,6 +28,7 @@ double ShaftSlope::place(double value) const {
 }
 
 double ShaftSlope::gain(double value) const {
+  if (is_even_) return gain_.front();
   const double last = static_cast<double>(gain_.size() - 1);
   // fmin and fmax: a value that is not a number has a place as well.
   const double within = std::fmax(0.0, std::fmin(place(value), last));

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "thermorig/core/statistics.h"
 
@@ -28,7 +29,7 @@ constexpr double room_deg = 10.0;        // and for other biases
 /// The surroundings as halves see them are smeared over the angle that the rig turns during an exposure:
 /// finer bins would hold little but noise. And what passes a pixel in a few of its time constants is delayed
 /// by less than its lag, so finer bins would see the camera a little too early.
-double bin_of(std::span<const HalfView> views, double pitch_deg) {
+double bin_of(std::span<const HalfView> views, double pitch_deg, double factor) {
   std::vector<float> bins_deg;
   for (const HalfView& view : views) {
     const double exposure_s = view.half.end_s - view.half.begin_s;
@@ -36,7 +37,7 @@ double bin_of(std::span<const HalfView> views, double pitch_deg) {
         static_cast<float>(std::abs(view.half.rate_dps) * std::max(bin_time_s, bin_per_smear * exposure_s)));
   }
   if (bins_deg.empty()) return pitch_deg;
-  return std::clamp(static_cast<double>(reordering_median(bins_deg)), pitch_deg,
+  return std::clamp(factor * static_cast<double>(reordering_median(bins_deg)), pitch_deg,
                     widest_bin_pixels * pitch_deg);
 }
 
@@ -45,7 +46,28 @@ PanoramaMap empty_map(std::span<const HalfView> views, const Layout& layout, dou
   for (const HalfView& view : views) fastest_dps = std::max(fastest_dps, std::abs(view.half.rate_dps));
   const double half_span_deg = (1.0 + room_share) * reach_deg + 0.5 * frame_columns * layout.pitch_deg +
                                fastest_shift_s * fastest_dps + room_deg;
-  return {bin_of(views, layout.pitch_deg), layout.closed, -half_span_deg, 2.0 * half_span_deg};
+  return {bin_of(views, layout.pitch_deg, layout.bin_factor), layout.closed, -half_span_deg,
+          2.0 * half_span_deg};
+}
+
+/// Sums over pixels of halves side by side, by what is summed.
+template <std::size_t kinds>
+using Sums = std::array<std::array<float, side_by_side>, kinds>;
+
+/// Each sum goes from the first pixel to the last, and every addition waits for the one before it: many sums
+/// side by side take no longer than one. `sum` is what they begin with.
+template <std::size_t kinds>
+Sums<kinds> add_up(const std::array<std::array<HalfPixels, side_by_side>, kinds>& values, Sums<kinds> sum) {
+  for (std::size_t i = 0; i < half_pixels; ++i)
+    for (std::size_t kind = 0; kind < kinds; ++kind)
+      for (std::size_t j = 0; j < side_by_side; ++j) sum[kind][j] += values[kind][j][i];
+  return sum;
+}
+
+std::array<float, side_by_side> each(float value) {
+  std::array<float, side_by_side> all{};
+  all.fill(value);
+  return all;
 }
 
 }  // namespace
@@ -66,13 +88,20 @@ double Alignment::uncertainty(Parameter parameter) const {
   return std::sqrt(covariance_[parameter][parameter]);
 }
 
+void Alignment::correct() {
+  if (!std::exchange(are_readings_old_, false)) return;
+  readings_.resize(views_.size());
+  for (std::size_t k = 0; k < views_.size(); ++k)
+    readings_[k] = {pixels_.values(views_[k], half_offset_c_[k]), pixels_.weights(views_[k])};
+}
+
 void Alignment::make_map(const Parameters& parameters) {
+  correct();
+  angles_.look_from(parameters[offset_s]);
   map_.clear();
   for (std::size_t k = 0; k < views_.size(); k += stride_) {
-    places_[k] =
-        map_.place(angles_.angle_deg(views_[k].half, parameters), layout_.pitch_deg, layout_.mirrored);
-    map_.add(places_[k], views_[k].half.parity, pixels_.values(views_[k], half_offset_c_[k]),
-             pixels_.weights(views_[k]));
+    places_[k] = map_.place(angles_.angle_deg(k, parameters), layout_.pitch_deg, layout_.mirrored);
+    map_.add(places_[k], views_[k].half.parity, readings_[k].value, readings_[k].weight);
   }
   map_.finish();
 }
@@ -81,36 +110,40 @@ double Alignment::variance(const Parameters& parameters) {
   make_map(parameters);
   double square_sum = 0.0;
   double weight_sum = 0.0;
+  std::array<std::array<HalfPixels, side_by_side>, 2> values{};  // squares, weights
   PanoramaMap::Expected expected;
-  for (std::size_t k = 0; k < views_.size(); k += stride_) {
-    map_.expect(places_[k], views_[k].half.parity, expected);
-    const HalfPixels values = pixels_.values(views_[k], half_offset_c_[k]);
-    const HalfPixels weights = pixels_.weights(views_[k]);
-    float square = 0.0F;
-    float weight = 0.0F;
-    for (std::size_t i = 0; i < half_pixels; ++i) {
-      const float residual = values[i] - expected.mean[i];
-      square += weights[i] * expected.known[i] * residual * residual;
-      weight += weights[i] * expected.known[i];
+  for (std::size_t k = 0; k < views_.size(); k += side_by_side * stride_) {
+    std::size_t count = 0;
+    for (std::size_t j = k; j < views_.size() && count < side_by_side; j += stride_, ++count) {
+      map_.expect_means(places_[j], views_[j].half.parity, expected);
+      for (std::size_t i = 0; i < half_pixels; ++i) {
+        const float residual = readings_[j].value[i] - expected.mean[i];
+        const float weight = readings_[j].weight[i] * expected.known[i];
+        values[0][count][i] = weight * residual * residual;
+        values[1][count][i] = weight;
+      }
     }
-    square_sum += static_cast<double>(square);
-    weight_sum += static_cast<double>(weight);
+    const auto [square, weight] = add_up<2>(values, {});
+    for (std::size_t j = 0; j < count; ++j) {
+      square_sum += static_cast<double>(square[j]);
+      weight_sum += static_cast<double>(weight[j]);
+    }
   }
-  readings_ = std::max(1.0, weight_sum - map_.freedom());
-  return square_sum / readings_;
+  reading_count_ = std::max(1.0, weight_sum - map_.freedom());
+  return square_sum / reading_count_;
 }
 
 void Alignment::learn_from(const Alignment& other) {
   pixels_ = other.pixels_;
   half_offset_c_ = other.half_offset_c_;
+  are_readings_old_ = true;
 }
 
 std::vector<double> Alignment::misfit_at(const Parameters& parameters) {
   make_map(parameters);
   std::vector<double> misfit;
   misfit.reserve(views_.size());
-  for (std::size_t k = 0; k < views_.size(); ++k) {
-    const Comparison comparison = compare(k);
+  for_each_comparison([&](const Comparison& comparison, std::size_t) {
     float square = 0.0F;
     float weight = least_weight;
     for (std::size_t i = 0; i < half_pixels; ++i) {
@@ -118,7 +151,7 @@ std::vector<double> Alignment::misfit_at(const Parameters& parameters) {
       weight += comparison.weight[i];
     }
     misfit.push_back(static_cast<double>(square / weight));
-  }
+  });
   return misfit;
 }
 
@@ -160,8 +193,7 @@ double Alignment::spread() const {
 
 double Alignment::middle_row() const {
   double weights = 1e-9, rows = 0.0;
-  for (std::size_t k = 0; k < views_.size(); ++k) {
-    const Comparison comparison = compare(k);
+  for_each_comparison([&](const Comparison& comparison, std::size_t k) {
     const double speed = views_[k].half.rate_dps * views_[k].half.rate_dps;
     for (std::size_t i = 0; i < half_pixels; ++i) {
       const float steepness = comparison.weight[i] * comparison.slope[i] * comparison.slope[i];
@@ -169,54 +201,67 @@ double Alignment::middle_row() const {
       weights += weight;
       rows += weight * static_cast<double>(row_of(i / half_rows, i % half_rows, views_[k].half.parity));
     }
-  }
+  });
   return rows / weights;
 }
 
-/// One half against the panorama; what its pixels have in common is taken out.
-Alignment::Comparison Alignment::compare(std::size_t index) const {
-  const HalfView& view = views_[index];
-  Comparison comparison{pixels_.values(view, half_offset_c_[index]), {}, pixels_.weights(view), 0.0F};
+/// Halves from `first` on against the panorama, as many as there are; what the pixels of each have in common
+/// is taken out.
+Alignment::Comparisons Alignment::compare(std::size_t first) const {
+  Comparisons group;
+  group.count = std::min(side_by_side, views_.size() - first);
+  std::array<std::array<HalfPixels, side_by_side>, 3> values{};  // weights, weighted residuals and slopes
   PanoramaMap::Expected expected;
-  map_.expect(places_[index], view.half.parity, expected);
-  comparison.slope = expected.slope;
-  float weight_sum = least_weight;
-  float residual_sum = 0.0F;
-  float slope_sum = 0.0F;
-  for (std::size_t i = 0; i < half_pixels; ++i) {
-    comparison.residual[i] -= expected.mean[i];
-    comparison.weight[i] *= expected.known[i];
-    weight_sum += comparison.weight[i];
-    residual_sum += comparison.weight[i] * comparison.residual[i];
-    slope_sum += comparison.weight[i] * comparison.slope[i];
+  for (std::size_t j = 0; j < group.count; ++j) {
+    const Reading& reading = readings_[first + j];
+    Comparison& comparison = group.of[j];
+    map_.expect(places_[first + j], views_[first + j].half.parity, expected);
+    comparison.slope = expected.slope;
+    for (std::size_t i = 0; i < half_pixels; ++i) {
+      comparison.residual[i] = reading.value[i] - expected.mean[i];
+      comparison.weight[i] = reading.weight[i] * expected.known[i];
+      values[0][j][i] = comparison.weight[i];
+      values[1][j][i] = comparison.weight[i] * comparison.residual[i];
+      values[2][j][i] = comparison.weight[i] * comparison.slope[i];
+    }
   }
-  comparison.common = residual_sum / weight_sum;
-  for (std::size_t i = 0; i < half_pixels; ++i) {
-    comparison.residual[i] -= comparison.common;
-    comparison.slope[i] -= slope_sum / weight_sum;
+  const auto [weight, residual, slope] = add_up<3>(values, {each(least_weight), each(0.0F), each(0.0F)});
+  for (std::size_t j = 0; j < group.count; ++j) {
+    Comparison& comparison = group.of[j];
+    comparison.common = residual[j] / weight[j];
+    const float common_slope = slope[j] / weight[j];
+    for (std::size_t i = 0; i < half_pixels; ++i) {
+      comparison.residual[i] -= comparison.common;
+      comparison.slope[i] -= common_slope;
+    }
   }
-  return comparison;
+  return group;
 }
 
-void Alignment::add_view(const Comparison& comparison, std::size_t index, Totals& totals) {
-  float square = 0.0F;
-  float weight = least_weight;
-  float steepness = 0.0F;
-  float lean = 0.0F;
-  for (std::size_t i = 0; i < half_pixels; ++i) {
-    const float weighted = comparison.weight[i] * comparison.residual[i];
-    weight += comparison.weight[i];
-    square += weighted * comparison.residual[i];
-    steepness += comparison.weight[i] * comparison.slope[i] * comparison.slope[i];
-    lean += weighted * comparison.slope[i];
+void Alignment::add_views(const Comparisons& group, std::size_t first, Totals& totals) {
+  std::array<std::array<HalfPixels, side_by_side>, 4> values{};
+  for (std::size_t j = 0; j < group.count; ++j) {
+    const Comparison& comparison = group.of[j];
+    for (std::size_t i = 0; i < half_pixels; ++i) {
+      const float weighted = comparison.weight[i] * comparison.residual[i];
+      values[0][j][i] = comparison.weight[i];
+      values[1][j][i] = weighted * comparison.residual[i];
+      values[2][j][i] = comparison.weight[i] * comparison.slope[i] * comparison.slope[i];
+      values[3][j][i] = weighted * comparison.slope[i];
+    }
   }
-  misfit_[index] = static_cast<double>(square / weight);
-  totals.square_sum += static_cast<double>(square);
-  totals.weight_sum += static_cast<double>(weight);
-  totals.lean[index] = static_cast<double>(lean);
-  const Parameters& change = totals.change[index] = angles_.change(views_[index].half, parameters_);
-  add_product(totals.curvature, static_cast<double>(steepness), change, change);
-  for (std::size_t p = 0; p < parameter_count; ++p) totals.gradient[p] += change[p] * totals.lean[index];
+  const auto [weight, square, steepness, lean] =
+      add_up<4>(values, {each(least_weight), each(0.0F), each(0.0F), each(0.0F)});
+  for (std::size_t j = 0; j < group.count; ++j) {
+    const std::size_t index = first + j;
+    misfit_[index] = static_cast<double>(square[j] / weight[j]);
+    totals.square_sum += static_cast<double>(square[j]);
+    totals.weight_sum += static_cast<double>(weight[j]);
+    totals.lean[index] = static_cast<double>(lean[j]);
+    const Parameters& change = totals.change[index] = angles_.change(index, parameters_);
+    add_product(totals.curvature, static_cast<double>(steepness[j]), change, change);
+    for (std::size_t p = 0; p < parameter_count; ++p) totals.gradient[p] += change[p] * totals.lean[index];
+  }
 }
 
 Alignment::Totals Alignment::compare_all() {
@@ -224,13 +269,16 @@ Alignment::Totals Alignment::compare_all() {
   totals.change.resize(views_.size());
   totals.lean.resize(views_.size());
   totals.push.resize(map_.size());
-  for (std::size_t k = 0; k < views_.size(); ++k) {
-    const Comparison comparison = compare(k);
-    half_offset_c_[k] += comparison.common;
-    add_view(comparison, k, totals);
-    add_push(comparison, k, totals);
-    totals.pixels[views_[k].half.parity].add(comparison.residual, comparison.weight);
+  for (std::size_t first = 0; first < views_.size(); first += side_by_side) {
+    const Comparisons group = compare(first);
+    add_views(group, first, totals);
+    for (std::size_t j = 0; j < group.count; ++j) {
+      half_offset_c_[first + j] += group.of[j].common;
+      add_push(group.of[j], first + j, totals);
+      totals.pixels[views_[first + j].half.parity].add(group.of[j].residual, group.of[j].weight);
+    }
   }
+  are_readings_old_ = true;
   eliminate_map(totals);
   return totals;
 }
@@ -271,9 +319,9 @@ void Alignment::learn_noise(const Totals& totals) {
 }
 
 void Alignment::learn_trust() {
+  correct();
   const double limit = outlier_sigma * outlier_sigma * noise_variance_;
-  for (std::size_t k = 0; k < views_.size(); ++k) {
-    const Comparison comparison = compare(k);
+  for_each_comparison([&](const Comparison& comparison, std::size_t k) {
     HalfView& view = views_[k];
     const HalfPixels& weight = pixels_.pixel_weights(view.half.parity);
     for (std::size_t i = 0; i < half_pixels; ++i) {
@@ -281,7 +329,8 @@ void Alignment::learn_trust() {
       const float square = comparison.residual[i] * comparison.residual[i] * weight[i];
       view.trust[i] = static_cast<double>(square) > limit ? distrusted : 1.0F;
     }
-  }
+  });
+  are_readings_old_ = true;
 }
 
 Matrix Alignment::with_prior(const Matrix& information) const {
@@ -325,6 +374,7 @@ void Alignment::refine(const Parameters& start, Parameter asked) {
     const Totals totals = compare_all();
     learn_noise(totals);
     pixels_.learn(totals.pixels);
+    are_readings_old_ = true;
     if (round % rounds_of_trust == 0) learn_trust();
     if (step(totals, asked) && round + 1 >= fewest_rounds) break;
   }

@@ -18,7 +18,11 @@ struct Layout {
   double pitch_deg = 55.0 / 32.0;  // between columns
   bool mirrored = true;
   bool closed = false;  // a whole turn leads back to the same surroundings; else every angle is another place
+  double bin_factor = 1.0;  // of the panorama's bins: wider ones see coarse structure alone
 };
+
+/// So many halves are added up at once.
+inline constexpr std::size_t side_by_side = 4;
 
 /// Beyond that offset a camera's halves cannot be told from their neighbours.
 inline constexpr double largest_offset_s = 0.30;
@@ -34,7 +38,7 @@ class Alignment {
   /// Variance within the cells if the parameters were these: what a search over a grid compares.
   double variance(const Parameters& parameters);
   /// How many readings of average noise that variance was computed from, less what the panorama took.
-  double readings() const { return readings_; }
+  double readings() const { return reading_count_; }
 
   /// Another distance between columns than the layout's, from now on.
   void set_pitch(double pitch_deg) { layout_.pitch_deg = pitch_deg; }
@@ -65,11 +69,19 @@ class Alignment {
   double spread() const;
 
  private:
+  struct Reading {  // of a half, by what is known of its pixels
+    HalfPixels value;
+    HalfPixels weight;
+  };
   struct Comparison {  // of a half with the panorama
     HalfPixels residual;
     HalfPixels slope;  // K a deg
     HalfPixels weight;
     float common;  // to all its residuals
+  };
+  struct Comparisons {  // of halves that follow one another
+    std::array<Comparison, side_by_side> of;
+    std::size_t count;
   };
   struct Totals {  // what one look at all halves adds up to
     Parameters gradient{};
@@ -81,10 +93,18 @@ class Alignment {
     double weight_sum = 0.0;
     std::array<PixelModel::Residuals, 2> pixels{};
   };
+  void correct();
   void make_map(const Parameters& parameters);
-  Comparison compare(std::size_t index) const;
+  Comparisons compare(std::size_t first) const;
+  template <typename Look>
+  void for_each_comparison(Look look) const {
+    for (std::size_t first = 0; first < views_.size(); first += side_by_side) {
+      const Comparisons group = compare(first);
+      for (std::size_t j = 0; j < group.count; ++j) look(group.of[j], first + j);
+    }
+  }
   Totals compare_all();
-  void add_view(const Comparison& comparison, std::size_t index, Totals& totals);
+  void add_views(const Comparisons& group, std::size_t first, Totals& totals);
   void add_push(const Comparison& comparison, std::size_t index, Totals& totals) const;
   void eliminate_map(Totals& totals) const;
   void learn_noise(const Totals& totals);
@@ -92,7 +112,7 @@ class Alignment {
   Matrix with_prior(const Matrix& information) const;
   double mean_square_shift(const Totals& totals, const Parameters& change) const;
   bool step(const Totals& totals, Parameter asked);
-  Parameters pull(std::size_t index, const Totals& totals) const;
+  Parameters pull(const Comparison& comparison, std::size_t index, const Totals& totals) const;
   Matrix spread_of_pulls(const Totals& totals) const;
   void judge(const Totals& totals);
 
@@ -104,12 +124,14 @@ class Alignment {
   PanoramaMap map_;
   std::vector<PanoramaMap::Place> places_;
   std::vector<float> half_offset_c_;  // common to a half
+  std::vector<Reading> readings_;
+  bool are_readings_old_ = true;  // more is known since of pixels or halves
   double noise_variance_ = 1.0;
   Parameters parameters_{};
   Matrix covariance_{};
   double contrast_ = 0.0;
   std::vector<double> misfit_;
-  double readings_ = 1.0;
+  double reading_count_ = 1.0;
   std::size_t stride_ = 1;
 };
 

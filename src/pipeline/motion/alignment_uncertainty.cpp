@@ -15,8 +15,7 @@ constexpr float least_seen_weight = 1e-3F;
 }  // namespace
 
 /// How each view pulls at the parameters, the panorama's share taken out.
-Parameters Alignment::pull(std::size_t index, const Totals& totals) const {
-  const Comparison comparison = compare(index);
+Parameters Alignment::pull(const Comparison& comparison, std::size_t index, const Totals& totals) const {
   const PanoramaMap::Place& place = places_[index];
   Parameters pull{};
   for (std::size_t p = 0; p < parameter_count; ++p) pull[p] = totals.change[index][p] * totals.lean[index];
@@ -46,14 +45,14 @@ Matrix Alignment::spread_of_pulls(const Totals& totals) const {
   Parameters block{};
   double blocks = 0.0;
   const auto block_of = [this](std::size_t i) { return std::floor(views_[i].half.begin_s / block_s); };
-  for (std::size_t k = 0; k < views_.size(); ++k) {
-    const Parameters one = pull(k, totals);
+  for_each_comparison([&](const Comparison& comparison, std::size_t k) {
+    const Parameters one = pull(comparison, k, totals);
     for (std::size_t p = 0; p < parameter_count; ++p) block[p] += one[p];
-    if (k + 1 < views_.size() && block_of(k) == block_of(k + 1)) continue;
+    if (k + 1 < views_.size() && block_of(k) == block_of(k + 1)) return;
     add_product(spread, 1.0, block, block);
     block = {};
     blocks += 1.0;
-  }
+  });
   return scaled(spread, blocks / std::max(1.0, blocks - 2.0));
 }
 
@@ -61,6 +60,7 @@ Matrix Alignment::spread_of_pulls(const Totals& totals) const {
 /// Noise makes the panorama's slopes look steeper than the surroundings are, and the curvature with them:
 /// that share is taken out.
 void Alignment::judge(const Totals& totals) {
+  correct();
   const double steepness = map_.slope_squared();
   contrast_ = steepness > 0.0 ? std::max(0.0, 1.0 - map_.slope_noise(noise_variance_) / steepness) : 0.0;
   const double share = std::max(least_contrast, contrast_);

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <cstddef>
 #include <span>
+#include <vector>
 
 #include "angle_track.h"
 #include "half_view.h"
@@ -21,9 +23,13 @@ class AngleModel {
  public:
   AngleModel(std::span<const HalfView> views, const AngleTrack& track, const Prior& prior);
 
-  double angle_deg(const FreshHalf& half, const Parameters& parameters) const;
+  /// From now on all parameters have that offset: looking exposures up takes longer than all else here.
+  void look_from(double offset);
+
+  /// Of the view with that index.
+  double angle_deg(std::size_t index, const Parameters& parameters) const;
   /// Its derivative by each parameter.
-  Parameters change(const FreshHalf& half, const Parameters& parameters) const;
+  Parameters change(std::size_t index, const Parameters& parameters) const;
 
   /// From the middle to either end, with the parameters as they are known beforehand.
   double reach_deg() const { return reach_deg_; }
@@ -33,9 +39,11 @@ class AngleModel {
     double since_s = 0.0;  // its middle
     AngleTrack::Mean mean;
   };
-  Exposure exposure(const FreshHalf& half, const Parameters& parameters) const;
 
+  std::span<const HalfView> views_;
   const AngleTrack& track_;
+  double offset_s_ = 0.0;
+  std::vector<Exposure> exposures_;  // of the views, with that offset
   double middle_s_ = 0.0;
   double middle_deg_ = 0.0;
   double reach_deg_ = 0.0;

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 
 #include "thermorig/core/statistics.h"
 
@@ -12,6 +13,7 @@ namespace {
 /// A rate may change unseen in a gap: at 2000 deg/s2, what a lost 40 ms can hide is a degree and a half.
 constexpr double shortest_gap_s = 0.04;
 constexpr double gap_periods = 3.5;
+constexpr std::ptrdiff_t near_knots = 32;
 constexpr double fastest_reading_dps = 1e5;  // no gyro goes there: a reading beyond is rubbish
 
 }  // namespace
@@ -50,9 +52,21 @@ void AngleTrack::number_stretches() {
     knots_[i].stretch = knots_[i - 1].stretch + (knots_[i].time_s - knots_[i - 1].time_s > gap_s ? 1 : 0);
 }
 
+/// Samples come evenly: the knot lies where it should, or all are searched.
 std::size_t AngleTrack::knot_before(double time_s) const {
-  const auto after = std::upper_bound(knots_.begin(), knots_.end(), time_s,
-                                      [](double time, const Knot& knot) { return time < knot.time_s; });
+  const auto later = [](double time, const Knot& knot) { return time < knot.time_s; };
+  const double most = static_cast<double>(knots_.size() - 1);
+  const double length_s = knots_.back().time_s - knots_.front().time_s;
+  const double place = std::clamp((time_s - knots_.front().time_s) / length_s * most, 0.0, most);
+  const auto middle = static_cast<std::ptrdiff_t>(std::isfinite(place) ? place : 0.0);
+  const auto count = static_cast<std::ptrdiff_t>(knots_.size());
+  auto first = knots_.begin() + std::max<std::ptrdiff_t>(middle - near_knots, 0);
+  auto last = knots_.begin() + std::min(middle + near_knots, count);
+  if (first->time_s > time_s || !((last - 1)->time_s > time_s)) {
+    first = knots_.begin();
+    last = knots_.end();
+  }
+  const auto after = std::upper_bound(first, last, time_s, later);
   return after == knots_.begin() ? 0 : static_cast<std::size_t>(after - knots_.begin()) - 1;
 }
 

@@ -218,21 +218,28 @@ Estimate overlapping_mean(const std::vector<Estimate>& told) {
 }  // namespace
 
 TurnResult gyro_scale(std::span<const TimedFrame> frames, std::span<const TimedGyro> gyro, const View& view,
-                      const GyroErrors& errors, std::size_t most_windows) {
+                      const GyroErrors& errors, std::size_t most_windows, const RunAll& run_all) {
   Evidence evidence = gather(frames, gyro, view, errors);
   TurnResult result{.gyro_scale = {}, .turned_deg = 0.0, .why_not = evidence.why_not};
   if (!result.why_not.empty()) return result;
   const double assumed_uncertainty = evidence.prior.uncertainty[scale];
   evidence.prior.uncertainty[scale] = free_scale;
   const double needed_deg = whole_turn_deg - (1.0 - least_overlap) * view.field_of_view_deg;
-  std::vector<Estimate> told;
-  for (const Window& window : turning_windows(evidence.halves, most_windows)) {
-    const double turned_deg = turned_in(window, evidence).span_deg();
-    result.turned_deg = std::max(result.turned_deg, turned_deg);
-    if (window.size() < fewest_halves || turned_deg < needed_deg || turned_deg > most_turned_deg) continue;
-    const auto estimate = scale_in(window, evidence, view, assumed_uncertainty, turned_deg);
-    if (estimate) told.push_back(*estimate);
+  const std::vector<Window> windows = turning_windows(evidence.halves, most_windows);
+  std::vector<std::optional<Estimate>> estimates(windows.size());
+  std::vector<double> turned_deg;
+  for (const Window& window : windows) {
+    turned_deg.push_back(turned_in(window, evidence).span_deg());
+    result.turned_deg = std::max(result.turned_deg, turned_deg.back());
   }
+  run_all(windows.size(), [&](std::size_t i) {
+    if (windows[i].size() < fewest_halves || turned_deg[i] < needed_deg || turned_deg[i] > most_turned_deg)
+      return;
+    estimates[i] = scale_in(windows[i], evidence, view, assumed_uncertainty, turned_deg[i]);
+  });
+  std::vector<Estimate> told;
+  for (const auto& estimate : estimates)
+    if (estimate) told.push_back(*estimate);
   if (!told.empty())
     result.gyro_scale = overlapping_mean(told);
   else if (result.turned_deg < needed_deg)

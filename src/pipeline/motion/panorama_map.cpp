@@ -3,13 +3,22 @@
 
 #include <algorithm>
 #include <cmath>
+#include <type_traits>
 
 namespace thermorig::motion {
 namespace {
 
 constexpr std::size_t cell_values = 2 * half_rows;  // of one bin
 constexpr float least_map_weight = 1.5F;            // a single reading is no map
-constexpr double most_bins = 20000.0;               // fifty turns: no window of a rig's goes so far
+constexpr double farthest_deg = 1e8;
+constexpr double most_bins = 20000.0;  // fifty turns: no window of a rig's goes so far
+
+/// The rows of a column at once: compilers unroll loops over so few before they see that they are vectors.
+auto cell_at(auto& values, std::size_t first) {
+  using Values = std::conditional_t<std::is_const_v<std::remove_reference_t<decltype(values)>>,
+                                    const PanoramaMap::Cell, PanoramaMap::Cell>;
+  return Eigen::Map<Values>(&values[first]);
+}
 
 }  // namespace
 
@@ -27,21 +36,29 @@ PanoramaMap::PanoramaMap(double bin_deg, bool closed, double lowest_deg, double 
       slope_(weight_.size()),
       known_(weight_.size()) {}
 
+/// Whole numbers are cut off as 32-bit ones, which every processor does for several columns at once; no rig
+/// turns so far that they would not do.
 PanoramaMap::Place PanoramaMap::place(double angle_deg, double pitch_deg, bool mirrored) const {
-  Place place;
   const double direction = mirrored ? -1.0 : 1.0;
+  const double highest = static_cast<double>(bins_) - (closed_ ? 1e-6 : 1.0 + 1e-6);
+  Place place;
+  const bool is_somewhere = std::abs(angle_deg) < farthest_deg;
   for (std::size_t column = 0; column < frame_columns; ++column) {
     const double offset_deg =
         direction * (static_cast<double>(column) - (frame_columns - 1) / 2.0) * pitch_deg;
-    double position = (angle_deg + offset_deg - lowest_deg_) / bin_deg_;
-    if (closed_) position -= bins_ * std::floor(position / bins_);
-    position = std::clamp(std::isfinite(position) ? position : 0.0, 0.0,
-                          static_cast<double>(bins_) - (closed_ ? 1e-6 : 1.0 + 1e-6));
-    const auto left = static_cast<std::uint32_t>(position);
-    place.left[column] = left;
-    place.right[column] = left + 1 == bins_ ? 0 : left + 1;
+    double position = is_somewhere ? (angle_deg + offset_deg - lowest_deg_) / bin_deg_ : 0.0;
+    if (closed_) {
+      const double turns = position / bins_;
+      const auto cut = static_cast<double>(static_cast<std::int32_t>(turns));
+      position -= bins_ * (cut > turns ? cut - 1.0 : cut);
+    }
+    position = std::clamp(position, 0.0, highest);
+    const auto left = static_cast<std::int32_t>(position);
+    place.left[column] = static_cast<std::uint32_t>(left);
     place.part[column] = static_cast<float>(position - left);
   }
+  for (std::size_t column = 0; column < frame_columns; ++column)
+    place.right[column] = place.left[column] + 1 == bins_ ? 0 : place.left[column] + 1;
   return place;
 }
 
@@ -57,17 +74,16 @@ void PanoramaMap::add(const Place& place, unsigned parity, const HalfPixels& val
     const std::size_t left = cell(place.left[column], column, parity);
     const std::size_t right = cell(place.right[column], column, parity);
     const float part = place.part[column];
-    for (std::size_t k = 0; k < half_rows; ++k) {
-      const std::size_t i = column * half_rows + k;
-      const float to_right = part * weight[i];
-      const float to_left = weight[i] - to_right;
-      weight_[left + k] += to_left;
-      reach_[left + k] += to_left * part;
-      sum_[left + k] += to_left * value[i];
-      weight_[right + k] += to_right;
-      reach_[right + k] += to_right * (part - 1.0F);
-      sum_[right + k] += to_right * value[i];
-    }
+    const Cell values = cell_at(value, column * half_rows);
+    const Cell weights = cell_at(weight, column * half_rows);
+    const Cell to_right = part * weights;
+    const Cell to_left = weights - to_right;
+    cell_at(weight_, left) += to_left;
+    cell_at(reach_, left) += to_left * part;
+    cell_at(sum_, left) += to_left * values;
+    cell_at(weight_, right) += to_right;
+    cell_at(reach_, right) += to_right * (part - 1.0F);
+    cell_at(sum_, right) += to_right * values;
   }
 }
 
@@ -106,16 +122,21 @@ void PanoramaMap::finish() {
 }
 
 void PanoramaMap::expect(const Place& place, unsigned parity, Expected& expected) const {
+  expect_means(place, parity, expected);
+  for (std::size_t column = 0; column < frame_columns; ++column) {
+    const Cell left = cell_at(slope_, cell(place.left[column], column, parity));
+    const Cell right = cell_at(slope_, cell(place.right[column], column, parity));
+    cell_at(expected.slope, column * half_rows) = left + place.part[column] * (right - left);
+  }
+}
+
+void PanoramaMap::expect_means(const Place& place, unsigned parity, Expected& expected) const {
   for (std::size_t column = 0; column < frame_columns; ++column) {
     const std::size_t left = cell(place.left[column], column, parity);
     const std::size_t right = cell(place.right[column], column, parity);
-    const float part = place.part[column];
-    for (std::size_t k = 0; k < half_rows; ++k) {
-      const std::size_t i = column * half_rows + k;
-      expected.mean[i] = mean_[left + k] + part * (mean_[right + k] - mean_[left + k]);
-      expected.slope[i] = slope_[left + k] + part * (slope_[right + k] - slope_[left + k]);
-      expected.known[i] = known_[left + k] * known_[right + k];
-    }
+    const Cell mean = cell_at(mean_, left);
+    cell_at(expected.mean, column * half_rows) = mean + place.part[column] * (cell_at(mean_, right) - mean);
+    cell_at(expected.known, column * half_rows) = cell_at(known_, left) * cell_at(known_, right);
   }
 }
 

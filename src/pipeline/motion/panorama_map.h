@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <Eigen/Core>
 #include <array>
 #include <cstdint>
 #include <vector>
@@ -13,6 +14,8 @@ namespace thermorig::motion {
 /// Values lie in cells: the 12 rows of one bin that one column of a chess half can fill, side by side.
 class PanoramaMap {
  public:
+  using Cell = Eigen::Array<float, half_rows, 1>;
+
   /// `closed`: azimuths wrap after 360 deg; else the map runs from `lowest_deg` over `span_deg`.
   PanoramaMap(double bin_deg, bool closed, double lowest_deg, double span_deg);
 
@@ -42,6 +45,8 @@ class PanoramaMap {
     HalfPixels known{};
   };
   void expect(const Place& place, unsigned parity, Expected& expected) const;
+  /// The same without slopes.
+  void expect_means(const Place& place, unsigned parity, Expected& expected) const;
 
   /// How many values were needed to explain what was added.
   double freedom() const;

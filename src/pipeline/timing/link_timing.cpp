@@ -105,7 +105,12 @@ Stamp LinkTiming::stamp(const StreamSpan& span, const StampHint& hint) {
   }
   latest = std::min(latest, by_last_byte);
   std::optional<HostTime> placed;
-  if (clock_) placed = clock_->place({latest, tight, lost_before(span, hint), hint.device_s});
+  if (clock_)
+    placed = clock_->place({.latest = latest,
+                            .tight = tight,
+                            .lost_before = lost_before(span, hint),
+                            .device_s = hint.device_s,
+                            .left_out = hint.lost_before && span.begin <= last_end_});
   last_end_ = span.end;
   const double silent_s = placed ? silence_s(span) : 0.0;
   if (placed) *placed -= from_s(0.5 * silent_s);

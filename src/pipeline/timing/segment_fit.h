@@ -4,9 +4,9 @@
 #include <span>
 #include <vector>
 
-#include "segments.h"
 #include "sliding_fit.h"
 #include "thermorig/core/profile.h"
+#include "thermorig/pipeline/timing/arrivals.h"
 
 namespace thermorig::timing {
 

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "all_cores.h"
 #include "thermorig/core/error.h"
 #include "thermorig/io/spill/spill.h"
 #include "thermorig/pipeline/pipeline.h"
@@ -27,9 +28,9 @@ struct Decoded {
   PerDevice<wire::Counters> counters;
 };
 
-Decoded decode(const RawRecording& raw, const pipeline::Fits& fits) {
+Decoded decode(const RawRecording& raw, const pipeline::Fits& fits, bool without_labels = false) {
   Decoded decoded;
-  pipeline::Pipeline pipeline(raw.header.profile, fits);
+  pipeline::Pipeline pipeline(raw.header.profile, fits, without_labels);
   pipeline.expect(byte_counts(raw.received));
   const auto keep = [&](const std::vector<Measurement>& measurements) {
     for (const Measurement& measurement : measurements) decoded.samples.push_back(measurement.sample);
@@ -69,7 +70,7 @@ void recount(std::vector<LegRecord>& legs, const std::vector<LabelledSample>& sa
 }  // namespace
 
 session::Session build_session(RawRecording raw) {
-  pipeline::Fits fits = pipeline::fit(raw, decode(raw, {}).streams);
+  pipeline::Fits fits = pipeline::fit(raw, decode(raw, {}, true).streams, on_all_cores);
   Decoded decoded = decode(raw, fits);
   session::Session session;
   session.state = state_of(raw);

@@ -4,15 +4,103 @@
 #include <fmt/format.h>
 
 #include <csignal>
+#include <optional>
+#include <string>
 #include <utility>
+#include <vector>
 
-#include "port_search.h"
+#include "thermorig/core/device.h"
+#include "thermorig/core/error.h"
+#include "thermorig/core/time.h"
 #include "thermorig/io/emergency_bytes.h"
+#include "thermorig/rig/discovery/port_loop.h"
 #include "thermorig/sensors/servo_protocol.h"
 
 namespace thermorig::rig {
 
 namespace {
+
+/// Looks for the ports of devices that went, now and then.
+class PortSearch {
+ public:
+  explicit PortSearch(const PortLoop& loop) : loop_(loop) {}
+
+  static constexpr auto period = std::chrono::milliseconds(500);
+  static constexpr auto long_period = std::chrono::seconds(10);  // once it was refused for good
+
+  /// The port was open under that name: by what it is now, it will be found again.
+  void opened(Device device, const std::string& name);
+
+  /// It was found again, at `path`, and is open.
+  void reopened(Device device, const std::string& path);
+
+  /// The port was never there: its name is all that is known of it.
+  void missing(Device device, const std::string& name);
+
+  /// Where the device's port is now; none: it is not there, or it was looked for just now.
+  std::optional<std::string> look(Device device, HostTime now);
+
+  /// The port is there, but did not open. True once, when that has lasted: rules for a new device file, and
+  /// programs that look at every new port, take some seconds.
+  bool is_hopeless(Device device, const Error& error, HostTime now);
+
+ private:
+  struct Sought {
+    std::optional<io::KnownPort> port;  // none: it has no name
+    std::optional<HostTime> last_look;
+    std::optional<HostTime> refused_since;
+    bool is_hopeless = false;
+  };
+  static void forgive(Sought& sought);
+
+  const PortLoop& loop_;
+  PerDevice<Sought> sought_;
+};
+
+constexpr auto longest_refusal = std::chrono::seconds(10);
+
+void PortSearch::opened(Device device, const std::string& name) {
+  sought_[device] = Sought{.port = loop_.know_port(name)};
+  sought_[device].port->open_path = sought_[device].port->info.path;
+}
+
+void PortSearch::reopened(Device device, const std::string& path) {
+  sought_[device].port->open_path = path;
+}
+
+void PortSearch::missing(Device device, const std::string& name) {
+  sought_[device] = Sought{.port = io::KnownPort{.name = name, .info = {}}};
+}
+
+std::optional<std::string> PortSearch::look(Device device, HostTime now) {
+  Sought& sought = sought_[device];
+  if (!sought.port) return std::nullopt;
+  sought.port->open_path.clear();
+  const HostDuration wait = sought.is_hopeless ? HostDuration(long_period) : HostDuration(period);
+  if (sought.last_look && now - *sought.last_look < wait) return std::nullopt;
+  sought.last_look = now;
+  std::vector<io::KnownPort> others;
+  for (const Device other : all_devices)
+    if (other != device && sought_[other].port) others.push_back(*sought_[other].port);
+  auto found = loop_.find_again(*sought.port, others);
+  if (!found) forgive(sought);
+  return found;
+}
+
+void PortSearch::forgive(Sought& sought) {
+  sought.refused_since.reset();
+  sought.is_hopeless = false;
+}
+
+bool PortSearch::is_hopeless(Device device, const Error& error, HostTime now) {
+  Sought& sought = sought_[device];
+  if (error.code() != ExitCode::no_permission) {
+    forgive(sought);
+    return false;
+  }
+  if (!sought.refused_since) sought.refused_since = now;
+  return now - *sought.refused_since >= longest_refusal && !std::exchange(sought.is_hopeless, true);
+}
 
 constexpr auto tick_period = std::chrono::milliseconds(10);
 constexpr auto emergency_wait = std::chrono::milliseconds(50);  // for the stop byte to leave after a failure

@@ -81,9 +81,18 @@ PreflightViolation repeated_frames(const PreflightImages& images, double limit) 
       "switch it off and on"};
 }
 
+PreflightViolation lost_halves(const PreflightImages& images, double limit) {
+  return {"camera_halves", Device::camera,
+          fmt::format("{:.1f} % of the chess halves never come: the camera's bridge misses them",
+                      100.0 * images.lost_half_share),
+          fmt::format("at most {:.0f} %", 100.0 * limit),
+          "ask the camera for a lower frame rate, and say it (--camera-rate, output_rate_hz in the "
+          "rig profile): its bridge does not keep up with its sensor; no other cable helps"};
+}
+
 /// Halves that a bridge misses make fewer frames, which no cable brings back.
 bool loses_halves(const PreflightFacts& facts, const PreflightLimits& limits) {
-  return facts.images && facts.images->lost_half_share > limits.lost_half_share;
+  return facts.images && facts.images->lost_half_share > limits.lost_half_share_bearable;
 }
 
 void judge_images(const PreflightImages& images, const PreflightLimits& limits, Violations& found) {
@@ -97,13 +106,7 @@ void judge_images(const PreflightImages& images, const PreflightLimits& limits, 
                      "set the camera's frame rate again and switch it off and on; a bridge that sends more "
                      "often than its sensor measures repeats frames"});
   else if (images.lost_half_share > limits.lost_half_share)
-    found.push_back(
-        {"camera_halves", Device::camera,
-         fmt::format("{:.0f} % of the chess halves never come: the camera's bridge misses them",
-                     100.0 * images.lost_half_share),
-         fmt::format("at most {:.0f} %", 100.0 * limits.lost_half_share),
-         "ask the camera for a lower frame rate, and say it (--camera-rate, output_rate_hz in the "
-         "rig profile): its bridge does not keep up with its sensor; no other cable helps"});
+    found.push_back(lost_halves(images, limits.lost_half_share));
   if (images.repeated_share > limits.repeated_share)
     found.push_back(repeated_frames(images, limits.repeated_share));
 }
@@ -112,6 +115,9 @@ void warn_of_images(const PreflightImages& images, const PreflightLimits& limits
   if (images.repeated_share > limits.repeated_share_bearable &&
       images.repeated_share <= limits.repeated_share)
     warnings.push_back(repeated_frames(images, limits.repeated_share_bearable));
+  if (images.lost_half_share > limits.lost_half_share_bearable &&
+      images.lost_half_share <= limits.lost_half_share)
+    warnings.push_back(lost_halves(images, limits.lost_half_share_bearable));
 }
 
 void judge_rest(const PreflightRest& rest, const GyroProfile& gyro, const PreflightLimits& limits,

@@ -241,6 +241,8 @@ void Recording::carry_out(const Order& order, HostTime now) {
       return allow_start(now);
     case OrderKind::gate:
       return parts_->event({now, EventKind::gate, std::nullopt, order.note});
+    case OrderKind::info:
+      return parts_->event({now, EventKind::info, std::nullopt, order.note});
   }
 }
 

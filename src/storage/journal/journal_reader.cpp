@@ -5,7 +5,6 @@
 #include <initializer_list>
 #include <utility>
 
-#include "payload.h"
 #include "record.h"
 #include "thermorig/core/error.h"
 #include "thermorig/storage/journal/journal.h"

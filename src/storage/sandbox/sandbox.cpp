@@ -23,8 +23,8 @@
 #include <string_view>
 
 #include "child_limits.h"
+#include "refusal_text.h"
 #include "thermorig/core/error.h"
-#include "thermorig/storage/sandbox/refusal.h"
 
 namespace thermorig::sandbox {
 
@@ -114,14 +114,17 @@ void end_of_wall_time(int /*signal*/) {
   answer_and_exit(End::no_wall_time);
 }
 
-/// How it ended, then what was made.
-[[noreturn]] void do_and_answer(const Order& order, const SealedCopy& copy) {
-  std::string text(1, static_cast<char>(End::done));
+std::string answer_to(const Order& order, const SealedCopy& copy) {
   try {
-    text += tasks.at(order.task)(copy, order.request);
-  } catch (const Error&) {
-    answer_and_exit(End::refused);
+    return static_cast<char>(End::done) + tasks.at(order.task)(copy, order.request);
+  } catch (const Error& refusal) {
+    return static_cast<char>(End::refused) + refusal_text(refusal);
   }
+}
+
+/// How it ended, then what was made, or why it is refused.
+[[noreturn]] void do_and_answer(const Order& order, const SealedCopy& copy) {
+  const std::string text = answer_to(order, copy);
   for (std::string_view left = text; !left.empty();) {
     const ssize_t written = ::write(answers, left.data(), left.size());
     if (written <= 0) break;
@@ -135,7 +138,7 @@ void end_of_wall_time(int /*signal*/) {
   ::prctl(PR_SET_PDEATHSIG, SIGKILL);
   answer_when_time_is_up(order.fds[1]);
   try {
-    const SealedCopy copy(order.fds[0], "session");
+    const SealedCopy copy(order.fds[0], name_in_children);
     ::prctl(PR_SET_NAME, "sandboxed");
     enter(copy.bytes().size());
     do_and_answer(order, copy);
@@ -276,12 +279,13 @@ Answer ask(const SealedCopy& copy, std::size_t task, std::string_view request, s
   return answer;
 }
 
-void require_harmless(End end, const SealedCopy& copy) {
+void require_done(const Answer& answer, const SealedCopy& copy) {
   const TimeLimits limits = time_limits(copy.bytes().size());
-  switch (end) {
+  switch (answer.end) {
     case End::done:
-    case End::refused:
       return;
+    case End::refused:
+      refuse_as_told(answer.bytes, copy.path());
     case End::no_cpu_time:
       no_time(copy.path(), fmt::format("{} s of processor time and a second for every {} MiB of data in it",
                                        limits.cpu_s, inflated_bytes_per_cpu_s >> 20U));
@@ -292,7 +296,7 @@ void require_harmless(End end, const SealedCopy& copy) {
     case End::died:
       break;
   }
-  refuse(copy.path(), "is damaged or hostile: the process that tried to read it first did not survive it");
+  refuse_as_hostile(copy.path());
 }
 
 }  // namespace thermorig::sandbox

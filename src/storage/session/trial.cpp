@@ -47,21 +47,19 @@ sandbox::SealedCopy tried_copy(const std::filesystem::path& path) {
 }
 
 sandbox::SealedCopy tried(sandbox::SealedCopy copy) {
-  if (sandbox::is_started()) sandbox::require_harmless(sandbox::ask(copy, reading).end, copy);
+  if (sandbox::is_started()) sandbox::require_done(sandbox::ask(copy, reading), copy);
   return copy;
 }
 
 void require_readable(const sandbox::SealedCopy& copy) {
-  const auto end = sandbox::is_started() ? sandbox::ask(copy, reading).end : sandbox::End::refused;
-  sandbox::require_harmless(end, copy);
-  if (end != sandbox::End::done) read_for_nothing(copy);  // says why it is refused; or nobody tries files
+  if (!sandbox::is_started()) return read_for_nothing(copy);
+  sandbox::require_done(sandbox::ask(copy, reading), copy);
 }
 
 std::vector<std::string> altered_attributes(const sandbox::SealedCopy& copy) {
   if (!sandbox::is_started()) return altered_in(copy);
-  sandbox::Answer answer = sandbox::ask(copy, naming_altered);
-  sandbox::require_harmless(answer.end, copy);
-  if (answer.end == sandbox::End::refused) return altered_in(copy);  // says why
+  const sandbox::Answer answer = sandbox::ask(copy, naming_altered);
+  sandbox::require_done(answer, copy);
   return lines_of(answer.bytes);
 }
 

@@ -25,6 +25,8 @@ constexpr double link_delay_usable_s = clock_uncertainty_bad_s;
 constexpr double residual_usable_dps = 1.0;
 constexpr double residual_bad_dps = 5.0;
 constexpr double disagreeing_share_usable = 0.1;
+// A bias that equal speeds both ways tell this well, where rests do not: a tenth of the label rule's measure.
+constexpr double bias_by_legs_usable_dps = 0.1;
 
 class Verdict {
  public:
@@ -126,9 +128,19 @@ void judge_clocks(const Session& session, const Quality& quality, Verdict& verdi
   }
 }
 
+/// In the legs such a gyro is as good as others: rates that are frames' labels are far from those it zeroes.
+void judge_zeroes(const GyroErrors& gyro, Verdict& verdict) {
+  const std::string hidden =
+      "the gyro zeroes itself at rest and so hides its bias: switch that off in the device";
+  const bool is_told =
+      gyro.bias_from_legs && gyro.bias_dps && gyro.bias_dps->uncertainty <= bias_by_legs_usable_dps;
+  if (!is_told) return verdict.usable(hidden);
+  verdict.usable_or_remark(false, fmt::format("{}; equal speeds both ways tell it as {:.2f} +- {:.2f} deg/s",
+                                              hidden, gyro.bias_dps->value, gyro.bias_dps->uncertainty));
+}
+
 void judge_gyro(const Session& session, const Quality& quality, Verdict& verdict) {
-  if (session.sync.gyro.zeroes_itself)
-    verdict.usable("the gyro zeroes itself at rest and so hides its bias: switch that off in the device");
+  if (session.sync.gyro.zeroes_itself) judge_zeroes(session.sync.gyro, verdict);
   if (quality.sound == 0) return;
   const double share = static_cast<double>(quality.disagreeing) / static_cast<double>(quality.sound);
   if (share > disagreeing_share_usable)
@@ -177,10 +189,13 @@ void judge_constants(const Session& session, Verdict& verdict) {
         1e3 * profile.camera.link.latency_s, 1e3 * profile.camera.link.latency_uncertainty_s,
         1e3 * (profile.camera.link.latency_s + offset.offset_s->value), 1e3 * offset.offset_s->uncertainty));
   if (gyro.filter_contradicts)
-    verdict.usable(fmt::format(
-        "the gyro's bandwidth is stated as {:.0f} Hz, and its noise at rest contradicts "
-        "that: its filter delays by {:.1f} +- {:.1f} ms",
-        profile.gyro.bandwidth_hz, 1e3 * gyro.filter_delay_s.value, 1e3 * gyro.filter_delay_s.uncertainty));
+    verdict.usable(
+        fmt::format("the gyro's bandwidth is stated {}, and {} contradicts that: its filter delays by {:.1f} "
+                    "+- {:.1f} ms",
+                    profile.gyro.bandwidth_hz > 0.0 ? fmt::format("as {:.0f} Hz", profile.gyro.bandwidth_hz)
+                                                    : "by the device",
+                    gyro.filter_source == "device" ? "the device itself" : "its noise at rest",
+                    1e3 * gyro.filter_delay_s.value, 1e3 * gyro.filter_delay_s.uncertainty));
 }
 
 void judge_labels(const Quality& quality, Verdict& verdict) {

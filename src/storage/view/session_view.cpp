@@ -102,12 +102,10 @@ std::string SessionView::images(session::FrameRange range) const {
   return answer;
 }
 
-/// A refusal is made once more in this process, which says why.
 std::string SessionView::ask(std::size_t task, const std::string& request, std::uint64_t bytes_max) const {
   if (!sandbox::is_started()) return all_tasks.at(task)(copy_, request);
   sandbox::Answer answer = sandbox::ask(copy_, session::first_other_task + task, request, bytes_max);
-  sandbox::require_harmless(answer.end, copy_);
-  if (answer.end == sandbox::End::refused) return all_tasks.at(task)(copy_, request);
+  sandbox::require_done(answer, copy_);
   return std::move(answer.bytes);
 }
 

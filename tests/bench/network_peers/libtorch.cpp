@@ -82,6 +82,7 @@ struct Data {
 int main(int count, char** arguments) {
   if (count < 3) return 2;
   torch::set_num_threads(1);
+  torch::globalContext().setFlushDenormal(true);  // as a training of ours does
   FusionNetwork network, trained;
   read_weights(network, arguments[1]);
   const Data windows(bench::windows);

@@ -67,6 +67,7 @@ def answer(call, groups, calls):
 
 def main(weights):
     torch.set_num_threads(1)
+    torch.set_flush_denormal(True)  # as a training of ours does
     tasks = {"infer": inference(read_network(weights)), "train": training(read_network(weights))}
     for line in sys.stdin:
         task, groups, calls = line.split()

@@ -11,7 +11,9 @@
 #define TIMER_VALUE (*(volatile uint32_t*)0x40000004u)
 #define INSTRUCTIONS_PER_TICK 40u
 
-#define PAINTED_WORDS 1024
+#ifndef PAINTED_WORDS
+#define PAINTED_WORDS 1024 /* what is looked at of the stack */
+#endif
 #define PAINT 0xA5A5A5A5u
 
 static inline uint32_t* stack_pointer(void) {

@@ -31,6 +31,10 @@ class LiveEstimates {
   /// What the estimator at that place of the rows has seen of the surroundings. Allocates.
   std::optional<estimators::Surroundings> surroundings(std::size_t place) const;
 
+  /// The map that an estimator keeps, for a later run, and what has become of the one that it began with.
+  std::optional<odometer::Map> map() const;
+  odometer::MapUse map_use() const;
+
  private:
   struct Parts;
   std::unique_ptr<Parts> parts_;

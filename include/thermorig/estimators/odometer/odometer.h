@@ -3,12 +3,14 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
 #include "thermorig/core/estimate.h"
 #include "thermorig/core/profile.h"
 #include "thermorig/core/sample.h"
+#include "thermorig/estimators/odometer/map.h"
 
 namespace thermorig::odometer {
 
@@ -36,8 +38,13 @@ struct Report {
   double origin_sigma_deg = unknown;   // of the heading against the map's origin
   double rate_dps = unknown;           // mean over the frame's exposures
   double rate_sigma_dps = unknown;
-  double bias_dps = 0.0, scale = 1.0;  // of the gyro: reading = scale * rate + bias
-  double latency_s = 0.0;              // camera against gyro, beyond what the profile says
+  double bias_dps = 0.0, scale = 1.0;     // of the gyro: reading = scale * rate + bias
+  double latency_s = 0.0;                 // camera's middle rows against gyro, beyond what the profile says
+  double innovation_deg = unknown;        // of the newest half that was laid against the map, once it tracks
+  double innovation_sigma_deg = unknown;  // that was expected of it
+  RowOrder rows = RowOrder::at_once;      // as the start has found them
+  // By how much: logarithm of its likelihood over that of the best other order. 0: not compared yet.
+  double row_margin = 0.0;
   double mean_nis = 0.0;  // innovations of late, squared, divided by what was expected of them: about 1
 };
 
@@ -45,7 +52,8 @@ struct Report {
 /// Causal and deterministic; after construction nothing is allocated, and the work of a frame is bounded.
 class Odometer {
  public:
-  Odometer(const GyroProfile& gyro, const CameraProfile& camera);
+  /// `map`: of these surroundings, made before with such a lens; none: it makes one.
+  Odometer(const GyroProfile& gyro, const CameraProfile& camera, std::shared_ptr<const Map> map = nullptr);
   ~Odometer();
   Odometer(Odometer&&) noexcept;
   Odometer& operator=(Odometer&&) noexcept;
@@ -56,6 +64,12 @@ class Odometer {
   /// The map as it is, as an image in degrees Celsius: frame_rows rows from the top. Its columns are equal
   /// parts of a whole turn, begin at azimuth 0 and grow as angles do. NaN: never seen. Empty: no map yet.
   std::vector<float> map_image_c() const;
+
+  /// The map, for another one to begin with. Nothing before it tracks, and while the map is in doubt.
+  std::optional<Map> map() const;
+
+  /// What has become of the one that it began with.
+  MapUse map_use() const;
 
  private:
   struct Parts;

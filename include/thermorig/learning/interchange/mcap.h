@@ -6,8 +6,12 @@
 
 namespace thermorig::interchange {
 
+/// How the chunks of an MCAP file are stored.
+enum class McapCompression { none, zstd };
+
 /// The session as MCAP (https://mcap.dev/spec), messages in JSON, in order of time: /camera, /gyro, /servo,
-/// /label, /events. Chunked, indexed, not compressed. Throws as the sink does.
-void write_mcap(const session::Session& session, Sink& sink);
+/// /label, /events. Chunked and indexed. Throws as the sink does.
+void write_mcap(const session::Session& session, Sink& sink,
+                McapCompression compression = McapCompression::none);
 
 }  // namespace thermorig::interchange

@@ -98,6 +98,9 @@ struct AngleTrack {
   PerEstimator<std::vector<double>> error_deg;      // integrated estimate minus commanded
   PerEstimator<double> drift_deg_per_min{unknown};  // slope of error_deg, least squares through 0
   PerEstimator<double> worst_deg{unknown};          // largest |error_deg|
+  // The same with all angles at 0 at settled_s after the acquisition's first frame: without what starts.
+  static constexpr double settled_s = 30.0;
+  PerEstimator<double> settled_drift_deg_per_min{unknown}, settled_worst_deg{unknown};
 };
 
 /// The acquisitions of one environment together.

@@ -5,17 +5,12 @@
 #include <string>
 #include <vector>
 
+#include "thermorig/network/embedded/c_text.h"
 #include "thermorig/network/model/model.h"
 
 namespace thermorig::embedded {
 
 enum class WeightKind : unsigned char { float32, int8 };
-
-/// A file to be written.
-struct SourceFile {
-  std::string name;
-  std::string text;
-};
 
 /// A network as C99 for small boards: no malloc, no file, no library but <math.h>'s expf; one function from
 /// pixels in degrees Celsius and a gyro mean in deg/s to speeds in deg/s and Kg.

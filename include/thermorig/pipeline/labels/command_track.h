@@ -69,9 +69,15 @@ class CommandTrack {
     double angle_deg = 0.0;
     float uncertainty_s = 0.0F;
     std::uint16_t leg = 0;
+    std::uint32_t alike = 0;  // points before it without a gap, all at its speed
     bool able = true;
     bool resting = true;
     bool disagrees = false;
+  };
+  struct Constant {  // up to a point
+    HostTime until{};
+    std::int64_t begin_us = 0;
+    std::optional<double> rate_dps;
   };
   struct Commanded {  // by a pulse
     HostTime time{};
@@ -85,7 +91,9 @@ class CommandTrack {
   static void note_states(CommandSpan& span, std::span<const Point> points);
   void note_motion(CommandSpan& span, std::span<const Point> points, HostTime begin, HostTime end) const;
 
-  std::int64_t constant_begin_us(std::span<const Point> points) const;
+  std::uint32_t alike_before(const Point& point) const;
+  const Point* begin_of_alike(const Point* point, std::int64_t earliest_us) const;
+  std::int64_t constant_begin_us(const Point& last) const;
   std::optional<double> pulse_rate_dps(std::int64_t begin_us, std::int64_t end_us) const;
 
   PulseScale scale_;
@@ -95,6 +103,7 @@ class CommandTrack {
   std::vector<Pulse> new_pulses_;  // empty between calls; kept for its memory
   History<Point> points_;
   History<Commanded> pulses_;
+  mutable std::optional<Constant> constant_;  // as asked for last: a frame and its newer half end together
 };
 
 }  // namespace thermorig::labels

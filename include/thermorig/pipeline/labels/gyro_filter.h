@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <optional>
 #include <span>
 
 #include "thermorig/core/profile.h"
@@ -9,13 +10,13 @@
 
 namespace thermorig::labels {
 
-/// How late a gyro's low-pass makes what it shows, into `errors.filter_delay_s`: as the profile states it,
-/// unless the colour of the noise at rest, which passes the same filter, contradicts it; else by that noise;
-/// else 0 +- 18 ms: what the narrowest filter does (5 Hz; RM-MPU-6000A register 26) lies within three times
-/// that. A second order
-/// is assumed: 0.225 / bandwidth. Noise says nothing where the resolution hides it, where there are less than
-/// some two seconds of rest, or where the gyro calls rest zero.
+/// How late a gyro's low-pass makes what it shows, into `errors.filter_delay_s`: as the profile states it, or
+/// the device itself (`device_hz`, read back) where the profile states nothing or something else, unless the
+/// colour of the noise at rest, which passes the same filter, contradicts it; else by that noise; else 0 +-
+/// 18 ms: what the narrowest filter does (5 Hz; RM-MPU-6000A register 26) lies within three times that. A
+/// second order is assumed: 0.225 / bandwidth. Noise says nothing where the resolution hides it, where there
+/// are less than some two seconds of rest, or where the gyro calls rest zero.
 void fit_gyro_filter(std::span<const TimedGyro> gyro, std::span<const TimedServo> servo,
-                     const GyroProfile& profile, GyroErrors& errors);
+                     const GyroProfile& profile, GyroErrors& errors, std::optional<double> device_hz = {});
 
 }  // namespace thermorig::labels

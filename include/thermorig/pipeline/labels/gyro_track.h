@@ -42,6 +42,9 @@ class GyroTrack {
   /// Of the samples with begin <= time < end.
   GyroMean over(HostTime begin, HostTime end) const;
 
+  /// GyroMean::rate_dps alone.
+  double mean_dps(HostTime begin, HostTime end) const;
+
   /// Whether a sample with begin <= time < end never came, as far as the samples tell that have come, which
   /// are due every `period_s`: a silence of ten periods is one, a shorter one may yet be a time that a clock
   /// takes back.
@@ -54,6 +57,7 @@ class GyroTrack {
     float uncertainty_s = 0.0F;
     bool saturated = false;
   };
+  std::span<const Point> between(HostTime begin, HostTime end) const;
   static void note_spread(GyroMean& mean, std::span<const Point> points);
 
   History<Point> points_;

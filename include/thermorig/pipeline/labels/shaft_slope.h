@@ -31,6 +31,7 @@ class ShaftSlope {
   PulseScale scale_;
   std::vector<double> gain_;
   std::vector<double> turned_;  // from the first knot to each, in distances between knots
+  bool is_even_ = false;        // the same everywhere: as before a fit
   double middle_ = 0.0;         // the same to the middle of the travel
   std::vector<ServoResponse::Ripple> ripples_;
 };

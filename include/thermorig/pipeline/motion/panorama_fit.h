@@ -7,6 +7,7 @@
 
 #include "thermorig/core/estimate.h"
 #include "thermorig/core/profile.h"
+#include "thermorig/core/run_all.h"
 #include "thermorig/core/sample.h"
 #include "thermorig/core/sync.h"
 
@@ -29,11 +30,12 @@ struct View {
 /// clock shows: what is measured is when the camera saw what it shows. Needs motion in both directions over
 /// the same surroundings. `frames` carry the exposures of both halves; `gyro` the rate about the axis; both
 /// as finally stamped, and in order. The uncertainty is from the spread among blocks of the recording, and at
-/// least 0.3 ms, since a lag delays fine structure less than coarse. Searched within 0.3 s either way. Bands
-/// of rows are looked at apart: where they differ, rows are read one after the other, and the offset is that
-/// of the middle rows.
+/// least 0.3 ms, since a lag delays fine structure less than coarse; where that shows, the lag is long, and
+/// the uncertainty grows by three times the difference. Searched within 0.3 s either way. Bands of rows are
+/// looked at apart: where they differ, rows are read one after the other, and the offset is that of the
+/// middle rows.
 CameraOffset camera_offset(std::span<const TimedFrame> frames, std::span<const TimedGyro> gyro,
-                           const View& view, const GyroErrors& errors);
+                           const View& view, const GyroErrors& errors, const RunAll& run_all = in_turn);
 
 /// Full-fresh camera: which chess half (0 even, 1 odd) is the newer one in every frame. What
 /// `TimedFrame::half` says is not used. None: cannot be told, or the frames are half-fresh.
@@ -52,7 +54,8 @@ struct TurnResult {
 /// `most_windows` of about a minute and a half are looked at, evenly spread. Where they differ by more than
 /// they claim to know, the scale changed on the way, and the uncertainty is their spread.
 TurnResult gyro_scale(std::span<const TimedFrame> frames, std::span<const TimedGyro> gyro, const View& view,
-                      const GyroErrors& errors, std::size_t most_windows = 8);
+                      const GyroErrors& errors, std::size_t most_windows = 8,
+                      const RunAll& run_all = in_turn);
 
 /// Is the image mirrored, given that the gyro's rate has the right sign? `view.mirrored` is not used. One
 /// direction of turning is enough. None: cannot be told.

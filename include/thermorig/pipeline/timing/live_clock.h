@@ -20,6 +20,7 @@ struct MessageProof {
   bool tight = false;              // a read ended within or at the end of it: else it only waited with others
   double lost_before = 0.0;        // messages that fit into the bytes skipped before it; 0 if none were
   std::optional<double> device_s;  // its own time
+  bool left_out = false;           // no bytes were skipped: the device itself did not send one
 };
 
 /// The clock of a device that sends at a steady rate, from what arrived so far: the highest line below all
@@ -51,6 +52,8 @@ class LiveClock {
   double late_s(double x, double y) const { return y - line_at(x); }
   double line_at(double x) const { return level_ + slope_ * (x - line_x_); }
   double period_s() const { return std::max(slope_, 1e-3) / rate_hz_; }
+  double count_lost(const MessageProof& proof, double x, double y);
+  double left_out(const MessageProof& proof, double late_periods) const;
   double recount(const MessageProof& proof, double x, double y);
   double shift(double x, double periods);
   bool watch(double late_s, double x);
@@ -66,6 +69,7 @@ class LiveClock {
   double counted_ = -1.0;  // messages, lost ones included
   double missing_ = 0.0;   // the lost ones
   double last_device_s_ = 0.0;
+  double last_y_ = 0.0;  // of the message before
   std::vector<Ceiling> points_;
   std::vector<Block> blocks_;
   std::size_t open_begin_ = 0;  // first point of the open block
@@ -82,6 +86,7 @@ class LiveClock {
   std::uint32_t watched_ = 0;
   std::array<double, 2> watched_late_s_{};  // least lateness in the two spans before
   double unrest_ = 0.0;                     // how often the count was corrected lately
+  double left_out_ = 0.0;                   // messages of late that the device did not send
 };
 
 }  // namespace thermorig::timing

@@ -77,7 +77,8 @@ struct PreflightLimits {
   double damaged_share = 0.01;
   PerDevice<double> uncertainty_s{{0.010, 0.010, 0.005}};
   double fresh_share = 0.25;  // each chess half, of the frames; half of that in half-fresh mode would be none
-  double lost_half_share = 0.01;
+  double lost_half_share = 0.05;           // as the verdict of a session has it: beyond, it is bad
+  double lost_half_share_bearable = 0.01;  // above it a warning
   double repeated_share = 0.10;
   double repeated_share_bearable = 0.01;  // above it a warning
   double noise_dps = 1.0;                 // 20 times what an MPU6050 has (data sheet: 0.05 deg/s rms)

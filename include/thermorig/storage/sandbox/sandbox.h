@@ -28,7 +28,7 @@ bool is_started();
 enum class End : std::uint8_t {
   died = 0,  // no answer
   done = 1,
-  refused = 2,      // in the ordinary way: the program will say why
+  refused = 2,      // in the ordinary way, and why
   no_cpu_time = 3,  // limits of the sandbox
   no_wall_time = 4,
   no_child = 5  // the computer has no room for a process: nothing was tried
@@ -45,10 +45,12 @@ struct Answer {
 Answer ask(const SealedCopy& copy, std::size_t task, std::string_view request = {},
            std::size_t bytes_max = usual_answer_bytes_max);
 
-/// Passes a copy by that its reader may have, or may refuse in the ordinary way. Throws Error(not_a_session)
-/// for one that killed its reader ("damaged or hostile"), Error(failed) for one that kept it busy for longer
-/// than any sound file of its size keeps a slow computer ("could not be read within ...").
-void require_harmless(End end, const SealedCopy& copy);
+/// Passes an answer by that was given to the end. Throws what the child threw where it refused the copy,
+/// which nobody else need read then; Error(not_a_session) for a copy that killed its reader ("damaged or
+/// hostile"), Error(failed) for one that kept it busy for longer than any sound file of its size keeps a slow
+/// computer
+/// ("could not be read within ...").
+void require_done(const Answer& answer, const SealedCopy& copy);
 
 /// Counts data that were read: whoever reads much gets time for it. To be told by the task.
 void count_inflated(std::uint64_t bytes);

@@ -17,10 +17,11 @@ namespace thermorig::session {
 void try_sessions_first(const std::vector<sandbox::Task>& others = {});
 inline constexpr std::size_t first_other_task = 2;
 
-/// The copy of a file that a child process has read without harm: what read_session() does first. May be
-/// called from several threads. Throws Error(not_a_session) for a file that kills its reader ("damaged or
-/// hostile"), Error(failed) for one that keeps it busy for longer than any sound file of its size keeps a
-/// slow computer ("could not be read within ..."), and as sandbox::SealedCopy does.
+/// The copy of a file that a child process has read to its end: what read_session() does first. This process
+/// reads none that the child has refused. May be called from several threads. Throws what the child threw,
+/// Error(not_a_session) for a file that kills its reader ("damaged or hostile"), Error(failed) for one that
+/// keeps it busy for longer than any sound file of its size keeps a slow computer ("could not be read within
+/// ..."), and as sandbox::SealedCopy does.
 sandbox::SealedCopy tried_copy(const std::filesystem::path& path);
 
 /// The same for a copy that was made already.

@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+#include <string>
+#include <string_view>
+
+#include "thermorig/estimators/odometer/map.h"
+
+namespace thermorig::map_file {
+
+/// A map of the surroundings, and the session that it is of.
+struct StoredMap {
+  bool simulated = false;
+  std::string environment, rig;  // names; of a file they are hostile
+  std::string made_utc;          // when the session began
+  std::string creator;           // "thermorig 0.1.0"
+  odometer::Map map;
+};
+
+/// Longest name that is kept, in bytes: what is longer is cut.
+inline constexpr std::size_t name_bytes_max = 255;
+
+/// "THRMAP01", names, lens, map, CRC-32 of all before it; little-endian.
+std::string bytes_of(const StoredMap& stored);
+
+/// Throws Error(not_a_session) for what is no map, damaged, or has a number that no map has. `where`: the
+/// file.
+StoredMap map_from(std::string_view bytes, const std::string& where);
+
+/// Does a regular file begin as a map's does, of whatever version?
+bool is_map(const std::filesystem::path& path);
+
+/// Throws Error(not_a_session).
+StoredMap read_map(const std::filesystem::path& path);
+
+/// The whole file or nothing of it, over an older one. Throws Error(storage).
+void write_map(const std::filesystem::path& path, const StoredMap& stored);
+
+/// Throws Error(bad_usage) for a map of another lens than the camera's, or of another order of its columns.
+void require_lens(const odometer::Map& map, double field_of_view_deg, bool mirrored,
+                  const std::string& where);
+
+/// Share of the surroundings that were seen once at least.
+double seen_share(const odometer::Map& map);
+
+}  // namespace thermorig::map_file

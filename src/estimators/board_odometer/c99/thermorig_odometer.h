@@ -1,0 +1,180 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * A heading that does not drift, from a gyro and a thermal camera of 24 x 32 pixels (MLX90640), for small
+ * boards: while the rig turns it builds a panorama of its surroundings, and lays every new chess half against
+ * it. Needs thermorig_odometer.c beside it; C99 or C++, single precision, no heap, of the C library sqrtf,
+ * memset, memcpy and memcmp.
+ *
+ *   static thermorig_odometer_state state;        all the RAM: THERMORIG_ODOMETER_STATE_BYTES
+ *   thermorig_odometer_reset(&state, &rig);       the constants of thermorig_odometer_rig.h
+ *   for (;;) {
+ *     thermorig_odometer_push_gyro(...);          each sample of the gyro, as it comes
+ *     thermorig_odometer_push_frame(...);         each frame of the camera, as it comes
+ *     thermorig_odometer_read(...);               whenever it is wanted
+ *   }
+ *
+ * Times are microseconds of one clock of the board, the same for both sensors; it may wrap around.
+ */
+#ifndef THERMORIG_ODOMETER_H
+#define THERMORIG_ODOMETER_H
+
+#include <stdint.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+#define THERMORIG_ODOMETER_ROWS 24
+#define THERMORIG_ODOMETER_COLUMNS 32
+#define THERMORIG_ODOMETER_HALF_COLUMNS 16 /* pixels of a row in one chess half */
+#define THERMORIG_ODOMETER_BINS 360        /* of the map, a row */
+#define THERMORIG_ODOMETER_NODES 24        /* of the map's offsets, 15 degrees apart */
+#define THERMORIG_ODOMETER_STATES (4 + THERMORIG_ODOMETER_NODES)
+#define THERMORIG_ODOMETER_KNOTS 128 /* of the gyro's path */
+#define THERMORIG_ODOMETER_SEARCHED_HALVES 24
+#define THERMORIG_ODOMETER_BIASES 121
+#define THERMORIG_ODOMETER_CELLS 384 /* of a row of the start's mosaic */
+#define THERMORIG_ODOMETER_WINDOW \
+  232 /* bins that a half may look at: 115 degrees, and what it sweeps beside */
+
+/* RAM of a state, and what the stack needs at most. */
+#define THERMORIG_ODOMETER_STATE_BYTES 35164
+#define THERMORIG_ODOMETER_STACK_BYTES 4400
+
+/* What is known of the rig beforehand: `thermorig export` writes it from a profile. */
+typedef struct {
+  float pitch_deg; /* between neighbouring pixels: 30/32 to 115/32 */
+  float direction; /* of growing columns: +1 as angles grow, -1 mirrored */
+  int32_t gyro_axis, gyro_sign;
+  float gyro_period_s;
+  float gyro_time_sigma_s; /* how far the gyro's times may be off */
+  float bias_dps, bias_sigma_dps;
+  float scale, scale_sigma; /* reading = scale * rate + bias */
+  float latency_sigma_s;    /* of the camera against the gyro */
+  uint32_t knot_us;         /* between points of the gyro's path: all of them hold two exposures */
+} thermorig_odometer_profile;
+
+/* A frame of the camera. */
+typedef struct {
+  const float* temp_c; /* (24, 32) in degrees Celsius, row by row, as the camera sends it */
+  uint32_t fresh;      /* halves that were read anew: bit 0 the even one (row + column), bit 1 the odd one */
+  uint32_t begin_us[2], end_us[2]; /* exposure of the even and of the odd half, where fresh */
+  float time_sigma_s;              /* of these times, one standard deviation */
+} thermorig_odometer_frame;
+
+enum {
+  THERMORIG_ODOMETER_STARTING,     /* bias and map are being learnt */
+  THERMORIG_ODOMETER_TRACKING,     /* the heading is that of the map, within its sigma */
+  THERMORIG_ODOMETER_RELOCALISING, /* where the camera looks in the map is being searched for */
+  THERMORIG_ODOMETER_NOT_TRUSTED   /* see the reason */
+};
+
+enum {
+  THERMORIG_ODOMETER_NONE,
+  THERMORIG_ODOMETER_NO_GYRO,     /* no sample for 0.25 s */
+  THERMORIG_ODOMETER_GYRO_FROZEN, /* its samples repeat each other bit by bit */
+  THERMORIG_ODOMETER_NO_CAMERA,   /* no half that is new for 1 s */
+  THERMORIG_ODOMETER_VIEW_DIFFERS /* what the camera shows does not fit the map */
+};
+
+typedef struct {
+  int32_t state, reason;   /* of the two lists above */
+  int32_t turns;           /* whole turns since the map's origin, */
+  float heading_deg;       /* and what comes on top: 0 to 360 */
+  float heading_sigma_deg; /* against the part of the map that is in view; before there is a map 180 */
+  float rate_dps;          /* mean over the exposures that the newest frame shows */
+  float rate_sigma_dps;
+  float bias_dps, scale; /* of the gyro: reading = scale * rate + bias */
+  float latency_s;       /* camera against gyro */
+  float nis;             /* innovations of late, squared, by what was expected of them: about 1 */
+} thermorig_odometer_output;
+
+/* What follows is the odometer's own: nothing in it is of use to the caller. */
+
+typedef struct {
+  uint32_t time_us;
+  uint32_t turned; /* integral of the readings in 2^-20 deg; wraps around */
+  float rate_dps;
+} thermorig_odometer_knot;
+
+typedef struct {
+  int16_t temp[THERMORIG_ODOMETER_ROWS][THERMORIG_ODOMETER_BINS]; /* 1/256 K about a reference */
+  uint8_t variance[THERMORIG_ODOMETER_ROWS]
+                  [THERMORIG_ODOMETER_BINS]; /* 4 bits each of exponent and mantissa */
+} thermorig_odometer_map;
+
+typedef struct { /* of a row of the map: over all bins of a window before */
+  int32_t temp[THERMORIG_ODOMETER_WINDOW + 1];
+  uint32_t variance[THERMORIG_ODOMETER_WINDOW + 1];
+} thermorig_odometer_sums;
+
+typedef struct {
+  float sum, squares, count;
+} thermorig_odometer_cell;
+
+typedef struct { /* of the bias, before there is a map */
+  int16_t temp[THERMORIG_ODOMETER_SEARCHED_HALVES][THERMORIG_ODOMETER_ROWS][THERMORIG_ODOMETER_HALF_COLUMNS];
+  uint32_t turned[THERMORIG_ODOMETER_SEARCHED_HALVES], time_us[THERMORIG_ODOMETER_SEARCHED_HALVES];
+  uint8_t parity[THERMORIG_ODOMETER_SEARCHED_HALVES];
+  uint16_t cell_of[THERMORIG_ODOMETER_SEARCHED_HALVES][THERMORIG_ODOMETER_COLUMNS];
+  thermorig_odometer_cell cell[THERMORIG_ODOMETER_CELLS];
+  float variance[THERMORIG_ODOMETER_BIASES];
+} thermorig_odometer_search;
+
+typedef struct {
+  thermorig_odometer_profile profile;
+  union {
+    thermorig_odometer_map map;
+    thermorig_odometer_search search;
+  } of;
+  float half[THERMORIG_ODOMETER_ROWS][THERMORIG_ODOMETER_HALF_COLUMNS]; /* the newest, about the reference */
+  int16_t pixel_offset[2][THERMORIG_ODOMETER_ROWS][THERMORIG_ODOMETER_HALF_COLUMNS]; /* 1/4096 K */
+  uint8_t pixel_variance[2][THERMORIG_ODOMETER_ROWS][THERMORIG_ODOMETER_HALF_COLUMNS];
+  float learnt[2]; /* halves that pixels were learnt from */
+  union {
+    thermorig_odometer_sums sums;
+    float circle[360]; /* logarithms of probabilities, while the heading is searched for */
+  } scratch;
+  float covariance[THERMORIG_ODOMETER_STATES * (THERMORIG_ODOMETER_STATES + 1) / 2];
+  float value[THERMORIG_ODOMETER_STATES]; /* heading, bias, scale, latency, the map's offsets */
+  uint8_t node[THERMORIG_ODOMETER_NODES];
+  thermorig_odometer_knot knot[THERMORIG_ODOMETER_KNOTS];
+  uint32_t knots; /* that ever came */
+  int32_t turns;
+  uint32_t noise;
+  /* the gyro's samples */
+  uint32_t last_sample_us, repeats_since_us;
+  float last_rate_dps[3], last_read_dps, saturated_s, unseen_deg2;
+  /* times of the filter, and of what it was told */
+  uint32_t now_us, now_turned, last_half_us, half_begin_us[2], frame_begin_us, frame_end_us;
+  float reference_c, common_c, flat_c;
+  float in_map_deg, rate_dps, rate_change_dps;
+  int32_t halves;
+  /* what goes on */
+  int32_t phase, pass, covered, to_trust, searched, tried, found_halves;
+  uint32_t pass_since_us, unfit_since_us, locating_since_us;
+  float begun_bias_dps, begun_scale, begun_latency_s;
+  float nis, lean, expected_sigma_deg, slowest_dps, fastest_dps, circle_deg, located_deg;
+  uint8_t has_sample, has_seen, has_begun, has_origin, is_unfit, is_doubted, is_explained, gyro_was_away;
+} thermorig_odometer_state;
+
+/* At the start: forgets everything. */
+void thermorig_odometer_reset(thermorig_odometer_state* state, const thermorig_odometer_profile* profile);
+
+/* A sample of the gyro: deg/s about its three axes, as read. `saturated`: not 0 at the end of its range. */
+void thermorig_odometer_push_gyro(thermorig_odometer_state* state, uint32_t time_us, const float rate_dps[3],
+                                  int saturated);
+
+/* A frame of the camera, once the gyro's samples up to the end of its exposure were pushed: without them it
+ * is passed over. Pixels that are no temperatures (NaN, or beyond -60 to 400 degrees) are left out. */
+void thermorig_odometer_push_frame(thermorig_odometer_state* state, const thermorig_odometer_frame* frame);
+
+/* What is known at a time that is not before the newest frame's exposure ended: beyond it the gyro tells. */
+void thermorig_odometer_read(const thermorig_odometer_state* state, uint32_t time_us,
+                             thermorig_odometer_output* output);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

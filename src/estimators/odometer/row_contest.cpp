@@ -1,0 +1,146 @@
+// SPDX-License-Identifier: MIT
+#include "row_contest.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace thermorig::odometer {
+
+namespace {
+
+constexpr std::size_t turns = 4;  // halves, a turn for each rival and for the caller
+constexpr int rival_looks = 24;   // at the map, of one: three halves
+constexpr int passes_a_row = 2;
+constexpr int rival_passes = 2 * passes_a_row;  // with one bias
+constexpr double rival_widening = 2.0;
+constexpr std::size_t compared_halves = 24;
+constexpr double contest_trust = 0.05;  // of its likelihood: halves share the errors of one map
+constexpr double least_margin = 10.0;   // below it rows are taken at once
+constexpr double fitting_nis = 3.0;     // of one that may win
+constexpr float not_judged = std::numeric_limits<float>::quiet_NaN();
+
+std::size_t place_of(RowOrder order) {
+  return static_cast<std::size_t>(order);
+}
+
+}  // namespace
+
+RowContest::RowContest(const Priors& priors, const Lens& lens, bool latency_measured)
+    : priors_(priors),
+      latency_measured_(latency_measured),
+      rivals_{Rival(RowOrder::first_to_last, priors, lens), Rival(RowOrder::last_to_first, priors, lens)} {
+  for (auto& one : left_k2_) one.assign(HalfStore::room, not_judged);
+}
+
+void RowContest::begin() {
+  for (Rival& rival : rivals_) {
+    rival.has_begun = false;
+    rival.passes = 0;
+  }
+  for (auto& one : left_k2_) std::fill(one.begin(), one.end(), not_judged);
+}
+
+void RowContest::add(const HalfStore& store, const GyroPath& path, BiasSearch& search, bool is_busy) {
+  for (Rival& rival : rivals_) {
+    if (rival.has_begun || store.count() % turns != place_of(rival.order)) continue;
+    look_for_bias(rival, store, path, search);
+    is_busy = true;
+  }
+  if (is_busy) return;
+  // One that searches for its heading takes the other one's time: they begin in turn.
+  int looks = 0;
+  for (const std::size_t i : {store.count() % 2, (store.count() + 1) % 2})
+    if (rivals_[i].has_begun && looks <= 2 * rival_looks) looks += go_through(rivals_[i], store, path);
+}
+
+void RowContest::look_for_bias(Rival& rival, const HalfStore& store, const GyroPath& path,
+                               BiasSearch& search) {
+  const auto found = search.search(store, path, rival.order);
+  if (!found) return;
+  Priors better = priors_;
+  better.bias_dps = found->bias_dps;
+  better.bias_sigma_dps = rival_widening * found->sigma_dps;
+  const HalfReading& half = store.at(0).half;
+  const double period_s = half.end_s - half.begin_s;
+  rival.by_middle_row = better;
+  rival.by_last_row = better;
+  rival.by_last_row.latency_s += 0.5 * period_s;
+  rival.has_begun = true;
+  rival.passes = 0;
+  begin_pass(rival);
+}
+
+/// Where a pass was lost, another one begins with what it learnt; then it may be wrong which rows the
+/// camera's times are those of.
+void RowContest::begin_pass(Rival& rival) {
+  const bool is_last_row = !latency_measured_ && rival.passes < passes_a_row;
+  const Priors& first = is_last_row ? rival.by_last_row : rival.by_middle_row;
+  const bool is_again = rival.passes % passes_a_row != 0;
+  rival.tracker.restart(is_again ? rival.tracker.learnt(priors_) : first, rival.order);
+  rival.gone_through = 0;
+  rival.nis = 1.0;
+  ++rival.passes;
+}
+
+int RowContest::go_through(Rival& rival, const HalfStore& store, const GyroPath& path) {
+  int looks = 0;
+  for (; looks < rival_looks && rival.gone_through < store.count(); ++rival.gone_through) {
+    const auto& [half, came_s] = store.at(rival.gone_through);
+    if (!rival.tracker.has_begun() || came_s > rival.tracker.now_s()) rival.tracker.advance(path, came_s);
+    const HalfResult result = rival.tracker.add(half, path);
+    looks += result.looks;
+    learn_nis(result, rival.nis);
+    note(rival.order, rival.gone_through, result);
+  }
+  if (rival.nis > lost_nis && rival.passes < rival_passes)
+    begin_pass(rival);
+  else if (rival.nis > lost_nis)
+    rival.has_begun = false;
+  return looks;
+}
+
+void RowContest::note(RowOrder order, std::size_t place, const HalfResult& result) {
+  if (place < HalfStore::room)
+    left_k2_[place_of(order)][place] = result.is_judged ? static_cast<float>(result.left_k2) : not_judged;
+}
+
+/// Pixels' differences from the map as normal ones of unknown variance, over the halves that both judged.
+std::optional<double> RowContest::lead(RowOrder order, RowOrder other) const {
+  const auto &own = left_k2_[place_of(order)], &others = left_k2_[place_of(other)];
+  double count = 0.0, sum = 0.0, sum_of_other = 0.0;
+  for (std::size_t i = 0; i < HalfStore::room; ++i) {
+    if (std::isnan(own[i]) || std::isnan(others[i])) continue;
+    count += 1.0;
+    sum += double{own[i]};
+    sum_of_other += double{others[i]};
+  }
+  if (count < double{compared_halves} || !(sum > 0.0) || !(sum_of_other > 0.0)) return std::nullopt;
+  return contest_trust * 0.5 * double{half_pixels} * count * std::log(sum_of_other / sum);
+}
+
+RowContest::Verdict RowContest::verdict() const {
+  const RowOrder all[] = {RowOrder::at_once, RowOrder::first_to_last, RowOrder::last_to_first};
+  Verdict best;
+  for (const RowOrder order : all) {
+    double margin = std::numeric_limits<double>::infinity();
+    for (const RowOrder other : all)
+      if (other != order)
+        if (const auto one = lead(order, other)) margin = std::min(margin, *one);
+    if (std::isfinite(margin) && margin > best.margin) best = {order, margin};
+  }
+  const bool is_rival = best.order != RowOrder::at_once;
+  if (best.margin < least_margin || (is_rival && mean_nis(best.order) > fitting_nis))
+    best.order = RowOrder::at_once;
+  return best;
+}
+
+Tracker& RowContest::tracker(RowOrder order) {
+  return rivals_[order == RowOrder::first_to_last ? 0 : 1].tracker;
+}
+
+double RowContest::mean_nis(RowOrder order) const {
+  return rivals_[order == RowOrder::first_to_last ? 0 : 1].nis;
+}
+
+}  // namespace thermorig::odometer

@@ -1,0 +1,144 @@
+// SPDX-License-Identifier: MIT
+#include "thermorig/estimators/odometer/map.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <optional>
+
+#include "../network/allocations.h"
+#include "room.h"
+#include "support/at_s.h"
+#include "thermorig/estimators/odometer/odometer.h"
+
+namespace thermorig::odometer {
+namespace {
+
+using MapPointer = std::shared_ptr<const Map>;
+
+Odometer begun_with(MapPointer map) {
+  GyroProfile gyro;
+  gyro.bias_uncertainty_dps = 10.0;
+  return Odometer(gyro, CameraProfile(), std::move(map));
+}
+
+Room turning_room(double duration_s) {
+  Room room;
+  room.duration_s = duration_s;
+  room.angle_deg = to_and_fro(200.0, 60.0);
+  return room;
+}
+
+/// A session of before: its map, and by how much its headings are off the shaft's angles.
+struct Before {
+  MapPointer map;
+  double origin_deg = 0.0;
+};
+
+const Before& before() {
+  static const Before session = [] {
+    const Room room = turning_room(60.0);
+    Odometer odometer = begun_with(nullptr);
+    double heading_deg = 0.0;
+    for (const Seen& seen : seen_in(room)) heading_deg = odometer.add(seen.frame, seen.gyro).heading_deg;
+    return Before{std::make_shared<const Map>(odometer.map().value()), heading_deg - room.angle_deg(60.0)};
+  }();
+  return session;
+}
+
+/// The same room on another day: the gyro has another bias, and the rig begins elsewhere.
+Room another_day() {
+  Room room = turning_room(40.0);
+  room.noise = 12;
+  room.bias_dps = -2.0;
+  room.angle_deg = [turning = room.angle_deg](double time_s) { return 130.0 + turning(time_s); };
+  return room;
+}
+
+struct Told {
+  Report report;
+  MapUse use = MapUse::none;
+  double off_deg = 0.0;  // against the origin of the map before
+};
+
+std::vector<Told> told_of(const Room& room, Odometer& odometer) {
+  std::vector<Told> all;
+  for (const Seen& seen : seen_in(room)) {
+    Told told{odometer.add(seen.frame, seen.gyro), odometer.map_use()};
+    const double shaft_deg = room.angle_deg(to_s(seen.frame.exposure_end - at_s(0.0)));
+    told.off_deg = std::remainder(told.report.heading_deg - shaft_deg - before().origin_deg, 360.0);
+    all.push_back(told);
+  }
+  return all;
+}
+
+bool is_tracking(const Told& told) {
+  return told.report.state == State::tracking;
+}
+
+TEST(OdometerMap, ASecondSessionInTheSameRoomStartsWithAnAbsoluteHeading) {
+  Odometer odometer = begun_with(before().map);
+  const auto all = told_of(another_day(), odometer);
+  const auto first = std::find_if(all.begin(), all.end(), is_tracking);
+  ASSERT_NE(first, all.end());
+  EXPECT_LT(first - all.begin(), 240) << "frames: 30 s";
+  std::for_each(all.begin(), first, [](const Told& told) {
+    if (told.report.reason == Reason::none) {
+      EXPECT_EQ(told.report.state, State::relocalising);
+    }
+  });
+  std::for_each(first, all.end(), [](const Told& told) {
+    EXPECT_EQ(told.use, MapUse::found);
+    EXPECT_NEAR(told.off_deg, 0.0, 2.0);
+  });
+  EXPECT_NEAR(all.back().off_deg, 0.0, 0.7);
+}
+
+TEST(OdometerMap, AMapOfAnotherRoomIsNotTrustedAndANewOneIsBegun) {
+  Room room = turning_room(120.0);
+  room.walls = 8;
+  Odometer odometer = begun_with(before().map);
+  const auto all = told_of(room, odometer);
+  EXPECT_TRUE(
+      std::none_of(all.begin(), all.end(), [](const Told& told) { return told.use == MapUse::found; }));
+  EXPECT_EQ(all[240].report.state, State::relocalising);
+  EXPECT_EQ(all.back().use, MapUse::other);
+  EXPECT_EQ(all.back().report.state, State::tracking) << "in its own map";
+}
+
+TEST(OdometerMap, AtRestItWaitsForAnotherView) {
+  Room room = another_day();
+  room.duration_s = 70.0;
+  room.angle_deg = [](double) { return 130.0; };
+  Odometer odometer = begun_with(before().map);
+  EXPECT_EQ(told_of(room, odometer).back().report.state, State::relocalising);
+  EXPECT_EQ(odometer.map_use(), MapUse::searching);
+  EXPECT_FALSE(odometer.map()) << "what is in doubt is not kept";
+}
+
+TEST(OdometerMap, ThereIsNoneBeforeItTracks) {
+  Odometer odometer = begun_with(nullptr);
+  for (const Seen& seen : seen_in(turning_room(15.0))) odometer.add(seen.frame, seen.gyro);
+  EXPECT_FALSE(odometer.map());
+  EXPECT_EQ(odometer.map_use(), MapUse::none);
+}
+
+TEST(OdometerMap, GoesOnBeingTheSameMapFromSessionToSession) {
+  Odometer second = begun_with(before().map);
+  told_of(another_day(), second);
+  Odometer third = begun_with(std::make_shared<const Map>(second.map().value()));
+  EXPECT_NEAR(told_of(another_day(), third).back().off_deg, 0.0, 1.0);
+}
+
+TEST(OdometerMap, BeginningWithItAllocatesNothingAfterwards) {
+  const auto all = seen_in(another_day());
+  Odometer odometer = begun_with(before().map);
+  const std::size_t count = allocations();
+  for (const Seen& seen : all) odometer.add(seen.frame, seen.gyro);
+  EXPECT_EQ(allocations(), count);
+}
+
+}  // namespace
+}  // namespace thermorig::odometer
