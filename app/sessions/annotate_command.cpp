@@ -13,6 +13,7 @@
 #include "print/output.h"
 #include "thermorig/io/host.h"
 #include "thermorig/io/port.h"
+#include "thermorig/io/spill/spill.h"
 #include "thermorig/rig/recording/session_file.h"
 #include "thermorig/storage/session/annotations.h"
 
@@ -219,6 +220,7 @@ void print_object(const Annotating& done, bool undone) {
 
 ExitCode run(const AnnotateOptions& options) {
   require_existing(options.file);
+  spill::arrays_near(options.file);
   Annotating annotating(options);
   annotating.run();
   if (options.json)

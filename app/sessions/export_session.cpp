@@ -11,6 +11,7 @@
 #include "existing_file.h"
 #include "export_files.h"
 #include "print/output.h"
+#include "thermorig/io/spill/spill.h"
 #include "thermorig/learning/dataset/dataset.h"
 #include "thermorig/learning/interchange/csv.h"
 #include "thermorig/learning/interchange/mcap.h"
@@ -151,6 +152,7 @@ ExitCode export_session(const ExportOptions& options) {
   if ((options.frames || options.reduction) && options.npz.value_or("") != "windows")
     throw Error(ExitCode::bad_usage, "--nf and --nr say which windows, and there are none", "", "--npz");
   require_existing(options.file);
+  spill::arrays_near(options.file);
   const SessionExport exported(options);
   if (options.output == "-")
     exported.write_to_standard_output();

@@ -11,6 +11,7 @@
 #include "print/timing_text.h"
 #include "session_files.h"
 #include "session_page.h"
+#include "thermorig/io/spill/spill.h"
 #include "thermorig/storage/session/trial.h"
 
 namespace thermorig::app {
@@ -18,34 +19,34 @@ namespace thermorig::app {
 namespace {
 
 struct Inspected {
-  session::Session session;
-  session::Quality quality;
+  session::Overview overview;
   std::vector<std::string> altered;  // attributes that are not as they were written
 };
 
 Inspected inspect(const std::filesystem::path& path) {
   refuse_journal(path);
-  const sandbox::SealedCopy copy = session::tried_copy(path);
-  session::Session session = session::read_session(copy);
-  session::Quality quality = session::quality_of(session);
-  return {std::move(session), std::move(quality), session::altered_attributes(copy)};
+  spill::arrays_near(path);
+  const sandbox::SealedCopy copy(path);
+  session::Overview overview = session::read_overview(copy);
+  return {std::move(overview), session::altered_attributes(copy)};
 }
 
 std::string words_of(const std::filesystem::path& path, const Inspected& inspected, bool timing) {
-  const std::string text = timing ? timing_text(path, inspected.session, inspected.quality)
-                                  : text_of(path, inspected.session, inspected.quality);
+  const auto& [session, quality] = inspected.overview;
+  const std::string text = timing ? timing_text(path, session, quality) : text_of(path, session, quality);
   return text + altered_text(inspected.altered);
 }
 
 nlohmann::json object_of(const std::filesystem::path& path, const Inspected& inspected, bool timing) {
-  nlohmann::json object = inspected_json(path, inspected.session, inspected.quality);
+  const auto& [session, quality] = inspected.overview;
+  nlohmann::json object = inspected_json(path, session, quality);
   object["altered"] = inspected.altered;
-  if (timing) object["timing"] = timing_json(inspected.session, inspected.quality);
+  if (timing) object["timing"] = timing_json(session, quality);
   return object;
 }
 
 ExitCode code_of(const Inspected& inspected) {
-  const bool is_well = inspected.quality.verdict != "bad" && inspected.altered.empty();
+  const bool is_well = inspected.overview.quality.verdict != "bad" && inspected.altered.empty();
   return is_well ? ExitCode::ok : ExitCode::check_failed;
 }
 

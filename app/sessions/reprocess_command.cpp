@@ -12,6 +12,7 @@
 #include "record/profile_path.h"
 #include "session_files.h"
 #include "thermorig/core/statistics.h"
+#include "thermorig/io/spill/spill.h"
 #include "thermorig/rig/calibration/calibration.h"
 #include "thermorig/rig/profile/profile_file.h"
 #include "thermorig/rig/recording/finalise.h"
@@ -28,10 +29,15 @@ struct State {
   std::vector<Annotation> annotations;
 };
 
-State state_of(const session::Session& session) {
-  State state{session::quality_of(session), {}, session.annotations};
+State state_of(const session::Session& session, session::Quality quality) {
+  State state{std::move(quality), {}, session.annotations};
   for (const LabelledSample& sample : session.samples) state.times.push_back(sample.time);
   return state;
+}
+
+State state_before(const std::filesystem::path& path) {
+  auto [session, quality] = session::read_overview(sandbox::SealedCopy(path));
+  return state_of(session, std::move(quality));
 }
 
 /// How far the frames' times went, forward and back alike.
@@ -115,7 +121,10 @@ std::string words_of(const std::vector<std::string>& calibrations) {
 
 /// Whether all can be made again, before the first one is.
 void check_files(const std::vector<std::filesystem::path>& files) {
-  for (const auto& path : files) session::read_raw(path);
+  for (const auto& path : files) {
+    spill::arrays_near(path);
+    session::read_raw(path);
+  }
 }
 
 }  // namespace
@@ -127,9 +136,10 @@ ExitCode run(const ReprocessOptions& options) {
   check_files(files);
   nlohmann::json list = nlohmann::json::array();
   for (const auto& path : files) {
-    const State before = state_of(session::read_session(path));
+    spill::arrays_near(path);
+    const State before = state_before(path);
     const MadeAgain made = make_again(path, before.annotations, calibrated);
-    const State after = state_of(made.session);
+    const State after = state_of(made.session, session::quality_of(made.session));
     list.push_back(object_of(path, before, after));
     list.back()["left_out"] = made.left_out;
     if (!options.json) print("{}", words_of(path, before, after));

@@ -7,6 +7,8 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
+#include <algorithm>
+
 #include "temporary_folder.h"
 #include "thermorig/core/error.h"
 
@@ -103,6 +105,41 @@ TEST_F(Sealed, BelongsToWhomItMovedTo) {
   const sandbox::SealedCopy other(std::move(copy));
   EXPECT_EQ(text_of(other), "abc");
   EXPECT_GE(other.fd(), 0);
+}
+
+TEST_F(Sealed, OfALargeFileIsReadWithoutItsPagesInMemory) {
+  std::vector<char> bytes(sandbox::SealedCopy::small_bytes_max + 1, 'a');
+  bytes.back() = 'z';
+  write_file(path(), bytes);
+  const sandbox::SealedCopy copy(path());
+  write_file(path(), {'x'});
+  copy.forget_pages();
+  ASSERT_EQ(copy.bytes().size(), bytes.size());
+  EXPECT_EQ(copy.bytes().front(), std::byte{'a'});
+  EXPECT_EQ(copy.bytes().back(), std::byte{'z'});
+}
+
+TEST_F(Sealed, OfALargeFileCanBeWrittenByNobody) {
+  std::filesystem::resize_file(path(), sandbox::SealedCopy::small_bytes_max + 1);
+  const sandbox::SealedCopy copy(path());
+  ASSERT_GE(copy.fd(), 0);
+  EXPECT_LT(::write(copy.fd(), "x", 1), 0);
+  EXPECT_NE(::ftruncate(copy.fd(), 0), 0);
+  EXPECT_EQ(copy.bytes().front(), std::byte{'a'});
+}
+
+TEST_F(Sealed, OfManyBytesIsReadInOrderAndAPartAtATime) {
+  constexpr std::uint64_t size = sandbox::SealedCopy::small_bytes_max + 5;
+  std::uint64_t next = 0;
+  const auto read_at = [&next](std::uint64_t offset, std::span<std::byte> out) {
+    EXPECT_EQ(offset, next);
+    next += out.size();
+    std::fill(out.begin(), out.end(), std::byte{static_cast<unsigned char>(offset >> 20U)});
+  };
+  const sandbox::SealedCopy copy(size, read_at, path());
+  EXPECT_EQ(next, size);
+  EXPECT_EQ(copy.bytes().size(), size);
+  EXPECT_EQ(copy.bytes().front(), std::byte{0});
 }
 
 // Of a hole: it takes nothing of the disk.

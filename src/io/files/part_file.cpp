@@ -100,12 +100,10 @@ std::uint64_t PartFile::size() const {
   return size.value;
 }
 
-std::vector<std::byte> PartFile::read_back() const {
-  std::vector<std::byte> bytes(size());
-  const auto count = disk_.read(file_, 0, bytes);
+void PartFile::read_back(std::uint64_t offset, std::span<std::byte> out) const {
+  const auto count = disk_.read(file_, offset, out);
   if (!count.good()) refuse("cannot read back " + noun_, count.error_number, part_path_);
-  bytes.resize(count.value);
-  return bytes;
+  if (count.value < out.size()) refuse("cannot read back " + noun_, EIO, part_path_);
 }
 
 void PartFile::sync() {

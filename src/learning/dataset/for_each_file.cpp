@@ -8,13 +8,9 @@
 #include <thread>
 #include <vector>
 
-#include "thermorig/storage/session/trial.h"
-
 namespace thermorig::dataset {
 
 namespace {
-
-std::mutex hdf5_turn;  // the library may be in one thread at a time
 
 /// Files are taken in order; one thread's file is read while others do theirs.
 class Reading {
@@ -59,12 +55,6 @@ class Reading {
 };
 
 }  // namespace
-
-session::Session read_in_turn(const std::filesystem::path& path) {
-  const sandbox::SealedCopy copy = session::tried_copy(path);  // by a process of its own: side by side
-  const std::lock_guard turn(hdf5_turn);
-  return session::read_session(copy);
-}
 
 void for_each_file(std::size_t count, const std::function<void(std::size_t)>& work,
                    const ReadingProgress& progress) {

@@ -26,7 +26,7 @@ struct FileRead {
 };
 
 FileRead read_file(const fs::path& path, Estimates estimates, Label label, int bound_frames) {
-  const session::Session session = read_in_turn(path);
+  const session::Session session = session::read_session(path);
   if (session::is_for_calibration(session.raw.header)) return {};
   require_label(session, label, path);
   return {acquisition_in(session, estimates, label, bound_frames), bad_session(session, path)};
@@ -71,7 +71,7 @@ std::optional<BadSession> bad_session(const session::Session& session, const fs:
 }
 
 Acquisition read_acquisition(const fs::path& path) {
-  return acquisition_in(read_in_turn(path), Estimates::made);
+  return acquisition_in(session::read_session(path), Estimates::made);
 }
 
 Acquisitions read_acquisitions(const std::vector<fs::path>& files, Estimates estimates,

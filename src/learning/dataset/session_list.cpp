@@ -23,10 +23,10 @@ ListedSession listed(const std::filesystem::path& file) {
   ListedSession entry;
   entry.file = file;
   try {
-    const session::Session session = read_in_turn(file);
+    const auto [session, quality] = session::read_overview(sandbox::SealedCopy(file));
     entry.header = session.raw.header;
     entry.place = session::place_of(session);
-    entry.quality = session::quality_of(session);
+    entry.quality = quality;
     entry.for_calibration = session::is_for_calibration(session.raw.header);
     entry.notes = notes_of(session);
   } catch (const Error& error) {

@@ -6,6 +6,7 @@
 
 #include "all_cores.h"
 #include "thermorig/core/error.h"
+#include "thermorig/io/spill/spill.h"
 #include "thermorig/pipeline/pipeline.h"
 #include "thermorig/pipeline/replay.h"
 #include "thermorig/rig/recording/session_file.h"
@@ -91,6 +92,7 @@ session::Session build_session(RawRecording raw) {
 
 Finalised finalise(const std::filesystem::path& journal, const std::filesystem::path& session_path,
                    files::Disk& disk) {
+  spill::arrays_near(session_path);
   journal::JournalContents contents = journal::read_journal(journal, disk);
   Finalised made;
   made.bytes_ignored = contents.bytes_ignored;

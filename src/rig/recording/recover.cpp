@@ -12,6 +12,7 @@
 #include "thermorig/core/error.h"
 #include "thermorig/io/files/part_file.h"
 #include "thermorig/io/files/process.h"
+#include "thermorig/io/spill/spill.h"
 #include "thermorig/rig/recording/finalise.h"
 #include "thermorig/rig/recording/session_file.h"
 #include "thermorig/storage/journal/journal.h"
@@ -57,6 +58,7 @@ bool is_there(const std::filesystem::path& path, files::Disk& disk) {
 /// A session that was made before. Its journal, if it was kept, still knows what could not be read.
 RecoveryResult already_there(const std::filesystem::path& source, const std::filesystem::path& session,
                              files::Disk& disk) {
+  spill::arrays_near(session);
   const std::uint64_t bytes_ignored = is_there(source, disk) && journal::is_journal(source, disk)
                                           ? journal::read_journal(source, disk).bytes_ignored
                                           : 0;
@@ -112,6 +114,7 @@ RecoveryResult make_session(const std::filesystem::path& journal, const std::fil
                             bool is_ours, files::Disk& disk) {
   if (is_there(session_path, disk)) return already_there(journal, session_path, disk);
   if (journal::holds_nothing(journal, disk)) return remove_empty(journal, is_ours, disk);
+  spill::arrays_near(session_path);
   journal::JournalContents contents = journal::read_journal(journal, disk);
   const bool may_go = contents.bytes_ignored == 0 && (is_ours || contents.recording.complete);
   const session::Session session = build_session(std::move(contents.recording));

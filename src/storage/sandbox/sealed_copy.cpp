@@ -12,10 +12,12 @@
 #include <array>
 #include <cerrno>
 #include <cstring>
+#include <string>
 #include <utility>
 #include <vector>
 
 #include "thermorig/core/error.h"
+#include "thermorig/io/files/unlinked_file.h"
 #include "thermorig/storage/sandbox/refusal.h"
 
 namespace thermorig::sandbox {
@@ -23,6 +25,8 @@ namespace thermorig::sandbox {
 namespace {
 
 namespace fs = std::filesystem;
+
+constexpr std::size_t part_bytes = 1U << 20U;  // of a large copy, at a time
 
 /// Closes when it goes.
 class Descriptor {
@@ -155,11 +159,41 @@ void copy(int from, int to, const fs::path& path) {
   too_large(path);
 }
 
+/// A file without a name, of a large copy.
+class DiskCopy {
+ public:
+  DiskCopy(const fs::path& near, std::uint64_t size)
+      : file_(size > SealedCopy::small_bytes_max ? files::open_unlinked(near, size) : -1),
+        to_read_(file_.get() < 0 ? -1
+                                 : ::open(("/proc/self/fd/" + std::to_string(file_.get())).c_str(),
+                                          O_RDONLY | O_CLOEXEC)) {}
+
+  bool is_possible() const { return to_read_.get() >= 0; }
+  int to_write() const { return file_.get(); }
+
+  /// As long as what was written, and a descriptor that nobody can write to: the other one goes with this.
+  int seal(const fs::path& path) {
+    const off_t size = ::lseek(file_.get(), 0, SEEK_CUR);
+    if (size < 0 || ::ftruncate(file_.get(), size) != 0) no_memory(path);
+    return to_read_.release();
+  }
+
+ private:
+  Descriptor file_;
+  Descriptor to_read_;
+};
+
 }  // namespace
 
 SealedCopy::SealedCopy(const fs::path& path) : path_(path) {
   std::int64_t size = 0;
   const Descriptor file = open_regular(path, size);
+  if (DiskCopy on_disk(path, static_cast<std::uint64_t>(size)); on_disk.is_possible()) {
+    copy(file.get(), on_disk.to_write(), path);
+    fd_ = on_disk.seal(path);
+    map_or_close();
+    return;
+  }
   Descriptor memory(may_be_a_file(size) ? ::memfd_create("session", MFD_CLOEXEC | MFD_ALLOW_SEALING) : -1);
   if (memory.get() < 0) {
     bytes_ = copy_of_next(file.get(), static_cast<std::size_t>(size), path);
@@ -168,9 +202,8 @@ SealedCopy::SealedCopy(const fs::path& path) : path_(path) {
   copy(file.get(), memory.get(), path);
   if (::fcntl(memory.get(), F_ADD_SEALS, F_SEAL_SEAL | F_SEAL_SHRINK | F_SEAL_GROW | F_SEAL_WRITE) != 0)
     no_memory(path);
-  fd_ = memory.get();
-  map();
-  memory.release();
+  fd_ = memory.release();
+  map_or_close();
 }
 
 SealedCopy::SealedCopy(int fd, fs::path path) : path_(std::move(path)) {
@@ -189,6 +222,23 @@ SealedCopy::SealedCopy(std::span<const std::byte> bytes, fs::path path) : path_(
   if (bytes.size() > static_cast<std::size_t>(bytes_max)) too_large(path_);
   bytes_ = private_copy(bytes.size(), path_,
                         [&](std::span<std::byte> out) { std::ranges::copy(bytes, out.begin()); });
+}
+
+SealedCopy::SealedCopy(std::uint64_t size, const ReadAt& read_at, fs::path path) : path_(std::move(path)) {
+  if (size > static_cast<std::uint64_t>(bytes_max)) too_large(path_);
+  DiskCopy on_disk(path_, size);
+  if (!on_disk.is_possible()) {
+    bytes_ = private_copy(size, path_, [&](std::span<std::byte> out) { read_at(0, out); });
+    return;
+  }
+  std::vector<std::byte> part(part_bytes);
+  for (std::uint64_t offset = 0; offset < size; offset += part.size()) {
+    part.resize(std::min<std::uint64_t>(part_bytes, size - offset));
+    read_at(offset, part);
+    write_all(on_disk.to_write(), reinterpret_cast<const char*>(part.data()), part.size(), path_);
+  }
+  fd_ = on_disk.seal(path_);
+  map_or_close();
 }
 
 bool SealedCopy::send_bytes(int socket) const {
@@ -212,11 +262,26 @@ SealedCopy copy_on(files::Disk& disk, const fs::path& path) {
   const files::ClosedOnExit file(disk, opened.value);
   const auto size = disk.size(file.get());
   if (!size.good()) unreadable_on_disk(path, size.error_number);
-  if (size.value > static_cast<std::uint64_t>(SealedCopy::bytes_max)) too_large(path);
-  std::vector<std::byte> bytes(size.value);
-  const auto count = disk.read(file.get(), 0, bytes);
-  if (!count.good()) unreadable_on_disk(path, count.error_number);
-  return SealedCopy(std::span(bytes).first(count.value), path);
+  const auto read_at = [&](std::uint64_t offset, std::span<std::byte> out) {
+    const auto count = disk.read(file.get(), offset, out);
+    if (!count.good()) unreadable_on_disk(path, count.error_number);
+    if (count.value < out.size()) unreadable(path, "it became shorter meanwhile");
+  };
+  return SealedCopy(size.value, read_at, path);
+}
+
+void SealedCopy::forget_pages() const noexcept {
+  if (fd_ >= 0 && !bytes_.empty())
+    ::madvise(const_cast<std::byte*>(bytes_.data()), bytes_.size(), MADV_DONTNEED);
+}
+
+void SealedCopy::map_or_close() {
+  try {
+    map();
+  } catch (const Error&) {
+    ::close(std::exchange(fd_, -1));
+    throw;
+  }
 }
 
 void SealedCopy::map() {

@@ -19,6 +19,7 @@ namespace {
 constexpr std::uint64_t deflate_ratio_max = 1032;
 constexpr std::uint64_t small_bytes = 1U << 20U;
 constexpr std::uint64_t chunk_bytes_max = 16U << 20U;
+constexpr std::uint64_t kept_bytes_max = 8U << 20U;
 
 void check_link(hid_t parent, const std::string& name, const std::string& path) {
   H5L_info_t info;
@@ -157,6 +158,8 @@ std::uint32_t GroupReader::read_chunks(const Table& table, hid_t type, Range ran
   std::vector<hsize_t> count = source.dims;
   ChunkDecoder decoder(source.dataset.get(), source.dims, source.chunk, table.row_bytes);
   std::uint32_t crc = 0;
+  std::uint64_t kept_bytes =
+      kept_bytes_max;  // of the file, in memory; what the columns before left is unknown
   for (start[0] = range.begin; start[0] < range.end; start[0] += count[0]) {
     count[0] = std::min<hsize_t>(step - start[0] % step, range.end - start[0]);
     if (!decoder.read(start[0], count[0], buffer.data())) {
@@ -170,6 +173,10 @@ std::uint32_t GroupReader::read_chunks(const Table& table, hid_t type, Range ran
     crc = libdeflate_crc32(crc, buffer.data(), count[0] * table.row_bytes);
     sandbox::count_inflated(count[0] * table.row_bytes);
     take(start[0], count[0], buffer.data());
+    kept_bytes += count[0] * table.row_bytes;
+    if (kept_bytes < kept_bytes_max) continue;
+    facts_.copy->forget_pages();
+    kept_bytes = 0;
   }
   return crc;
 }

@@ -13,11 +13,13 @@
 #include "hdf5_handle.h"
 #include "stored_type.h"
 #include "thermorig/core/time.h"
+#include "thermorig/storage/sandbox/sealed_copy.h"
 
 namespace thermorig::session {
 
 /// What a reader must know of the file as a whole.
 struct FileFacts {
+  const sandbox::SealedCopy* copy = nullptr;
   std::uint64_t bytes = 0;
   FormatVersion version;
   HostTime reference{};
@@ -25,8 +27,11 @@ struct FileFacts {
 
 /// Reads one group with the interface of GroupWriter. Nothing in the file is believed: types, ranks, shapes,
 /// filters and sizes are checked before anything is allocated, and the values against their CRC. Throws
-/// Hdf5Failure with what is wrong.
+/// Hdf5Failure with what is wrong. Rows is a vector, or what takes rows as one does (passed_rows.h).
 class GroupReader {
+  template <typename Rows>
+  using RowOf = typename Rows::value_type;
+
  public:
   GroupReader(hid_t file, const std::string& path, const FileFacts& facts);
 
@@ -35,40 +40,40 @@ class GroupReader {
   /// Of the format that the file has: what came later is not in it.
   FormatVersion version() const { return facts_.version; }
 
-  template <typename Stored, typename Row, typename At>
-  void axis(const Column& info, std::vector<Row>& rows, At at) {
-    begin_rows(info.name, rows_max, sizeof(Row));
+  template <typename Stored, typename Rows, typename At>
+  void axis(const Column& info, Rows& rows, At at) {
+    begin_rows(info.name, rows_max, sizeof(RowOf<Rows>));
     rows.resize(rows_);
     this->field<Stored>(info, rows, at);
   }
 
-  template <typename Row>
-  void bare_axis(const char* /*name*/, const char* /*long_name*/, std::vector<Row>& rows,
-                 const char* counted_by, std::uint64_t rows_limit = rows_max) {
-    begin_rows(counted_by, rows_limit, sizeof(Row));
+  template <typename Rows>
+  void bare_axis(const char* /*name*/, const char* /*long_name*/, Rows& rows, const char* counted_by,
+                 std::uint64_t rows_limit = rows_max) {
+    begin_rows(counted_by, rows_limit, sizeof(RowOf<Rows>));
     rows.resize(rows_);
   }
-  template <typename Row>
-  void share_axis(std::vector<Row>& rows) const {
+  template <typename Rows>
+  void share_axis(Rows& rows) const {
     rows.resize(rows_);
   }
 
-  template <typename Row, typename At>
-  void time_axis(const Column& info, std::vector<Row>& rows, At at, std::uint64_t rows_limit = rows_max) {
-    begin_rows(info.name, rows_limit, sizeof(Row));
+  template <typename Rows, typename At>
+  void time_axis(const Column& info, Rows& rows, At at, std::uint64_t rows_limit = rows_max) {
+    begin_rows(info.name, rows_limit, sizeof(RowOf<Rows>));
     rows.resize(rows_);
     time_column(info, rows, at);
   }
-  template <typename Row, typename At>
-  void time_column(const Column& info, std::vector<Row>& rows, At at) {
-    const auto set = [this, at](Row& row, double seconds) {
+  template <typename Rows, typename At>
+  void time_column(const Column& info, Rows& rows, At at) {
+    const auto set = [this, at](RowOf<Rows>& row, double seconds) {
       std::invoke(at, row) = facts_.reference + checked_time(seconds);
     };
     this->column<double>(info, rows, nullptr, set);
   }
 
-  template <typename Stored, typename Row, typename Get, typename Set>
-  void column(const Column& info, std::vector<Row>& rows, Get /*get*/, Set set) {
+  template <typename Stored, typename Rows, typename Get, typename Set>
+  void column(const Column& info, Rows& rows, Get /*get*/, Set set) {
     const auto take = [&rows, &set](std::size_t first, std::size_t count, const std::byte* in) {
       for (std::size_t i = 0; i < count; ++i, in += sizeof(Stored)) {
         Stored value;
@@ -79,13 +84,14 @@ class GroupReader {
     read(info, stored_type<Stored>(), sizeof(Stored), {}, take);
   }
 
-  template <typename Stored, typename Row, typename At>
-  void field(const Column& info, std::vector<Row>& rows, At at) {
-    this->column<Stored>(info, rows, nullptr, [at](Row& row, Stored value) { std::invoke(at, row) = value; });
+  template <typename Stored, typename Rows, typename At>
+  void field(const Column& info, Rows& rows, At at) {
+    const auto set = [at](RowOf<Rows>& row, Stored value) { std::invoke(at, row) = value; };
+    this->column<Stored>(info, rows, nullptr, set);
   }
 
-  template <typename Stored, typename Row, typename At>
-  void block(const Column& info, std::span<const InnerAxis> inner, std::vector<Row>& rows, At at) {
+  template <typename Stored, typename Rows, typename At>
+  void block(const Column& info, std::span<const InnerAxis> inner, Rows& rows, At at) {
     const auto take = [&rows, &at](std::size_t first, std::size_t count, const std::byte* in) {
       for (std::size_t i = 0; i < count; ++i) {
         auto& values = std::invoke(at, rows[first + i]);
@@ -117,8 +123,8 @@ class GroupReader {
     read_range(info, stored_type<Stored>(), sizeof(Stored), inner, {first, first + rows.size()}, take);
   }
 
-  template <typename Stored, typename Row, typename Get, typename Set>
-  void elements(const Column& info, const InnerAxis& inner, std::vector<Row>& rows, Get /*get*/, Set set) {
+  template <typename Stored, typename Rows, typename Get, typename Set>
+  void elements(const Column& info, const InnerAxis& inner, Rows& rows, Get /*get*/, Set set) {
     const auto take = [&rows, &set, size = inner.size](std::size_t first, std::size_t count,
                                                        const std::byte* in) {
       for (std::size_t i = 0; i < count * size; ++i, in += sizeof(Stored)) {
@@ -130,9 +136,9 @@ class GroupReader {
     read(info, stored_type<Stored>(), sizeof(Stored), {&inner, 1}, take);
   }
 
-  template <typename Row, typename At>
-  void time_elements(const Column& info, const InnerAxis& inner, std::vector<Row>& rows, At at) {
-    const auto set = [this, at](Row& row, std::size_t i, double seconds) {
+  template <typename Rows, typename At>
+  void time_elements(const Column& info, const InnerAxis& inner, Rows& rows, At at) {
+    const auto set = [this, at](RowOf<Rows>& row, std::size_t i, double seconds) {
       at(row, i) = facts_.reference + checked_time(seconds);
     };
     elements<double>(info, inner, rows, nullptr, set);

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <limits>
 
+#include "message_marks.h"
 #include "thermorig/core/statistics.h"
 #include "thermorig/core/validity.h"
 #include "thermorig/storage/session/session.h"
@@ -14,13 +15,37 @@ namespace {
 
 constexpr double window_s = 1.0;
 
-template <typename Message>
-std::vector<double> times_s(const std::vector<Message>& messages) {
+HostTime time_of(HostTime time) {
+  return time;
+}
+HostTime time_of(const FrameMark& mark) {
+  return mark.time;
+}
+
+template <typename Mark>
+std::vector<double> times_s(const std::vector<Mark>& marks) {
   std::vector<double> times;
-  times.reserve(messages.size());
-  for (const auto& message : messages) times.push_back(to_s(message.stamp.time.time_since_epoch()));
+  times.reserve(marks.size());
+  for (const Mark& mark : marks) times.push_back(to_s(time_of(mark).time_since_epoch()));
   std::sort(times.begin(), times.end());
   return times;
+}
+
+template <typename Message>
+std::vector<HostTime> times_of(const std::vector<Message>& messages) {
+  std::vector<HostTime> times;
+  times.reserve(messages.size());
+  for (const Message& message : messages) times.push_back(message.stamp.time);
+  return times;
+}
+
+MessageMarks marks_of(const Session& session) {
+  MessageMarks marks{{}, times_of(session.gyro), times_of(session.servo)};
+  marks.frames.reserve(session.frames.size());
+  for (const TimedFrame& frame : session.frames)
+    marks.frames.push_back(
+        {frame.stamp.time, frame.stamp.arrival, frame.fresh_even, frame.fresh_odd, frame.missing_before});
+  return marks;
 }
 
 void add_gap(Quality::Stream& stream, const std::vector<double>& times) {
@@ -65,25 +90,23 @@ bool was_awaited(const Session& session, Device device, HostTime before, HostTim
   });
 }
 
-Quality::Stream camera_stream(const Session& session) {
-  auto stream = stream_of(session.counters[Device::camera], times_s(session.frames));
-  for (std::size_t i = 0; i < session.frames.size(); ++i) {
-    const TimedFrame& frame = session.frames[i];
-    if (frame.missing_before == 0) continue;
-    if (i > 0 &&
-        was_awaited(session, Device::camera, session.frames[i - 1].stamp.arrival, frame.stamp.arrival))
-      continue;
-    stream.lost += frame.missing_before;
+Quality::Stream camera_stream(const Session& session, const std::vector<FrameMark>& frames) {
+  auto stream = stream_of(session.counters[Device::camera], times_s(frames));
+  for (std::size_t i = 0; i < frames.size(); ++i) {
+    if (frames[i].missing_before == 0) continue;
+    if (i > 0 && was_awaited(session, Device::camera, frames[i - 1].arrival, frames[i].arrival)) continue;
+    stream.lost += frames[i].missing_before;
   }
-  stream.repeated = static_cast<std::uint64_t>(
-      std::count_if(session.frames.begin(), session.frames.end(),
-                    [](const auto& frame) { return frame.fresh_even == 0 && frame.fresh_odd == 0; }));
+  stream.repeated =
+      static_cast<std::uint64_t>(std::count_if(frames.begin(), frames.end(), [](const auto& frame) {
+        return frame.fresh_even == 0 && frame.fresh_odd == 0;
+      }));
   return stream;
 }
 
 /// A gyro numbers nothing: what never came shows in its steady rate, or in its own time.
-Quality::Stream gyro_stream(const Session& session) {
-  auto stream = stream_of(session.counters[Device::gyro], times_s(session.gyro));
+Quality::Stream gyro_stream(const Session& session, const std::vector<HostTime>& times) {
+  auto stream = stream_of(session.counters[Device::gyro], times_s(times));
   const ClockReport& clock = session.sync.clock[Device::gyro];
   for (const ClockGap& gap : clock.gaps) {
     if (was_awaited(session, Device::gyro, gap.begin, gap.end)) continue;
@@ -176,10 +199,14 @@ void add_sync(const Session& session, Quality& quality) {
 }  // namespace
 
 Quality quality_of(const Session& session) {
+  return quality_of(session, marks_of(session));
+}
+
+Quality quality_of(const Session& session, const MessageMarks& marks) {
   Quality quality;
-  quality.stream[Device::camera] = camera_stream(session);
-  quality.stream[Device::gyro] = gyro_stream(session);
-  quality.stream[Device::servo] = stream_of(session.counters[Device::servo], times_s(session.servo));
+  quality.stream[Device::camera] = camera_stream(session, marks.frames);
+  quality.stream[Device::gyro] = gyro_stream(session, marks.gyro);
+  quality.stream[Device::servo] = stream_of(session.counters[Device::servo], times_s(marks.servo));
   quality.duration_s = to_s(session.raw.end_time - session.raw.header.time_reference);
   count_samples(session, quality);
   quality.speeds = speeds_of(session);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <cstring>
 #include <thread>
@@ -20,6 +21,8 @@ namespace thermorig::session {
 namespace {
 
 namespace fs = std::filesystem;
+
+constexpr std::size_t write_bytes = 8U << 20U;  // at a time: one call brings all that it writes into memory
 
 std::string advice_for(int error_number) {
   switch (error_number) {
@@ -77,10 +80,14 @@ std::vector<std::string> write_file(const fs::path& path, const Session& session
   AddedByOthers added = is_there ? added_to(sandbox::copy_on(disk, path)) : AddedByOthers{};
   SessionImage image = build_image(session, std::thread::hardware_concurrency(), added.attributes);
   added.attributes.clear();
-  part.write(image.bytes);
+  for (auto left = image.bytes; !left.empty(); left = left.subspan(std::min(left.size(), write_bytes)))
+    part.write(left.first(std::min(left.size(), write_bytes)));
   image.release();  // or there would be two of it
-  sandbox::SealedCopy written(part.read_back(), path);
-  check_written(written.bytes(), image);
+  const auto read_back = [&part](std::uint64_t offset, std::span<std::byte> out) {
+    part.read_back(offset, out);
+  };
+  sandbox::SealedCopy written(part.size(), read_back, path);
+  check_written(written, image);
   require_readable_again(std::move(written));
   part.sync();
   part.publish(overwrite);

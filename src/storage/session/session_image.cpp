@@ -3,6 +3,7 @@
 
 #include <libdeflate.h>
 
+#include <algorithm>
 #include <array>
 #include <cstring>
 
@@ -14,6 +15,7 @@
 #include "file_image.h"
 #include "group_attributes.h"
 #include "group_writer.h"
+#include "image_memory.h"
 #include "profile_attributes.h"
 #include "recording_columns.h"
 #include "sample_columns.h"
@@ -25,11 +27,10 @@ namespace thermorig::session {
 
 namespace {
 
-constexpr std::size_t image_step_bytes = 16U << 20U;
+constexpr std::size_t crc_part_bytes = 4U << 20U;
 
 Handle create_in_memory() {
-  const Handle access(H5Pcreate(H5P_FILE_ACCESS), "make properties");
-  check(H5Pset_fapl_core(access.get(), image_step_bytes, false), "build the file in memory");
+  const Handle access = access_in_memory();
   const Handle creation(H5Pcreate(H5P_FILE_CREATE), "make properties");
   check(H5Pset_link_creation_order(creation.get(), H5P_CRT_ORDER_TRACKED | H5P_CRT_ORDER_INDEXED),
         "track the order of creation");
@@ -212,6 +213,17 @@ void check_dataset(hid_t file, const StoredDataset& stored) {
   }
 }
 
+std::uint32_t crc_of(const sandbox::SealedCopy& copy) {
+  std::uint32_t crc = 0;
+  for (auto left = copy.bytes(); !left.empty();) {
+    const auto part = left.first(std::min(left.size(), crc_part_bytes));
+    crc = libdeflate_crc32(crc, part.data(), part.size());
+    left = left.subspan(part.size());
+    copy.forget_pages();
+  }
+  return crc;
+}
+
 }  // namespace
 
 void SessionImage::release() {
@@ -225,12 +237,14 @@ SessionImage build_image(const Session& session, unsigned threads,
   return ImageBuilder(session, threads).build(added);
 }
 
-void check_written(std::span<const std::byte> bytes, const SessionImage& meant) {
+void check_written(const sandbox::SealedCopy& copy, const SessionImage& meant) {
   prepare_hdf5();
-  if (libdeflate_crc32(0, bytes.data(), bytes.size()) != meant.crc)
-    throw Hdf5Failure("read back what was written");
-  Handle file = open_file_image(bytes, "open the written file");
-  for (const auto& dataset : meant.datasets) check_dataset(file.get(), dataset);
+  if (crc_of(copy) != meant.crc) throw Hdf5Failure("read back what was written");
+  Handle file = open_file_image(copy.bytes(), "open the written file");
+  for (const auto& dataset : meant.datasets) {
+    check_dataset(file.get(), dataset);
+    copy.forget_pages();
+  }
   file.close("close the written file");
 }
 

@@ -9,12 +9,13 @@
 #include "hdf5_handle.h"
 #include "stored_attributes.h"
 #include "stored_dataset.h"
+#include "thermorig/storage/sandbox/sealed_copy.h"
 #include "thermorig/storage/session/session.h"
 
 namespace thermorig::session {
 
-/// A whole HDF5 file in memory, and what must be found in it. Building it in memory keeps HDF5 away from full
-/// disks, which it does not survive; it is as large as the file.
+/// A whole HDF5 file in memory (a large array of io/spill), and what must be found in it. Building it there
+/// keeps HDF5 away from full disks, which it does not survive.
 struct SessionImage {
   Handle file;
   std::span<const std::byte> bytes;  // all of it, while `file` is open
@@ -33,6 +34,6 @@ SessionImage build_image(const Session& session, unsigned threads,
 /// Holds what the disk gave back of a written file against what was meant, byte by byte, and against what the
 /// file was made of: opens it and looks at shapes and stored chunks. `meant.bytes` may be gone by then.
 /// Throws Hdf5Failure.
-void check_written(std::span<const std::byte> bytes, const SessionImage& meant);
+void check_written(const sandbox::SealedCopy& copy, const SessionImage& meant);
 
 }  // namespace thermorig::session

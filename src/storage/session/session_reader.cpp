@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdio>
 #include <limits>
+#include <mutex>
 #include <optional>
 #include <set>
 
@@ -14,6 +15,8 @@
 #include "file_image.h"
 #include "format.h"
 #include "group_reader.h"
+#include "message_marks.h"
+#include "passed_rows.h"
 #include "profile_attributes.h"
 #include "recording_columns.h"
 #include "sample_columns.h"
@@ -57,6 +60,7 @@ class SessionFile {
  public:
   explicit SessionFile(const sandbox::SealedCopy& copy) : path_(copy.path()) {
     const fs::path& path = path_;
+    facts_.copy = &copy;
     facts_.bytes = copy.bytes().size();
     if (copy.bytes().empty()) sandbox::refuse(path, "is empty");
     file_ = open_file_image(copy.bytes(), "open it as HDF5");
@@ -125,22 +129,21 @@ class SessionFile {
   std::string header_text_;
 };
 
-void check_stream(const RawStream& stream, const std::string& name, HostTime reference) {
-  const std::uint64_t end = stream.chunk_end.empty() ? 0 : stream.chunk_end.back();
-  if (end != stream.bytes.size() || !std::is_sorted(stream.chunk_end.begin(), stream.chunk_end.end()))
-    throw Hdf5Failure("believe the chunks of /raw/" + name);
-  const auto is_sound = [reference](std::int64_t ns) { return is_of_recording(host_time_ns(ns), reference); };
-  if (!std::all_of(stream.time_ns.begin(), stream.time_ns.end(), is_sound))
-    throw Hdf5Failure("believe the times of /raw/" + name);
-}
-
-RawStream read_stream(const SessionFile& file, const std::string& name, const char* time_name,
-                      HostTime reference) {
-  RawStream stream;
+/// Chunks that follow each other and end with the last byte, at times that a recording can have.
+template <typename Stream>
+void read_stream(const SessionFile& file, const std::string& name, const char* time_name, HostTime reference,
+                 Stream& stream) {
   auto group = file.group("/raw/" + name);
   raw_columns(group, stream, time_name, "");
-  check_stream(stream, name, reference);
-  return stream;
+  std::uint64_t end = 0;
+  group.column<std::uint64_t>({"chunk_end"}, stream.chunk_end, nullptr, [&](auto&, std::uint64_t chunk_end) {
+    if (chunk_end < end) throw Hdf5Failure("believe the chunks of /raw/" + name);
+    end = chunk_end;
+  });
+  if (end != stream.bytes.size()) throw Hdf5Failure("believe the chunks of /raw/" + name);
+  group.column<std::int64_t>({time_name}, stream.time_ns, nullptr, [&](auto&, std::int64_t ns) {
+    if (!is_of_recording(host_time_ns(ns), reference)) throw Hdf5Failure("believe the times of /raw/" + name);
+  });
 }
 
 /// Of a live run; other sessions have none. Before format 2 the header named no estimators.
@@ -166,19 +169,20 @@ std::vector<EstimateRow> read_estimates(const SessionFile& file, RecordingHeader
 /// The bytes of the ports: most of a session, and of no use to who only looks at it.
 enum class Streams : std::uint8_t { read, left_out };
 
-void read_streams(const SessionFile& file, RawRecording& raw) {
-  const HostTime reference = raw.header.time_reference;
+template <typename Stream>
+void read_streams(const SessionFile& file, HostTime reference, PerDevice<Stream>& received,
+                  PerDevice<Stream>& sent) {
   for (const Device device : all_devices)
-    raw.received[device] = read_stream(file, std::string(name_of(device)), "arrival_ns", reference);
+    read_stream(file, std::string(name_of(device)), "arrival_ns", reference, received[device]);
   for (const Device device : all_devices)
     if (device == Device::servo || file.has_group("/raw/" + sent_group(device)))
-      raw.sent[device] = read_stream(file, sent_group(device), "sent_ns", reference);
+      read_stream(file, sent_group(device), "sent_ns", reference, sent[device]);
 }
 
 RawRecording read_recording(SessionFile& file, Streams streams) {
   RawRecording raw;
   raw.header = file.read_header();
-  if (streams == Streams::read) read_streams(file, raw);
+  if (streams == Streams::read) read_streams(file, raw.header.time_reference, raw.received, raw.sent);
   auto events = file.group("/events");
   event_columns(events, raw.events);
   auto servo = file.group("/servo");
@@ -273,11 +277,32 @@ void complete_labels_of_1_0(std::vector<LabelledSample>& samples) {
   }
 }
 
+void read_samples(const SessionFile& file, std::vector<LabelledSample>& samples) {
+  auto group = file.group("/samples");
+  sample_columns(group, samples);
+  if (file.version() < with_sync_report) complete_labels_of_1_0(samples);
+}
+
+[[noreturn]] void refuse_samples() {
+  throw Hdf5Failure("believe /samples/frame: the samples are not one a frame, in order");
+}
+
 /// Windows are neighbouring rows, so rows must be the frames one after the other.
 void check_samples(const std::vector<LabelledSample>& samples, std::size_t frames) {
   bool good = samples.size() == frames;
   for (std::size_t row = 0; good && row < samples.size(); ++row) good = samples[row].frame_index == row;
-  if (!good) throw Hdf5Failure("believe /samples/frame: the samples are not one a frame, in order");
+  if (!good) refuse_samples();
+}
+
+void pass_samples(const SessionFile& file, std::size_t frames) {
+  PassedRows<LabelledSample> samples;
+  auto group = file.group("/samples");
+  sample_columns(group, samples);
+  std::uint64_t next = 0;
+  group.column<std::uint32_t>({"frame"}, samples, nullptr, [&next](auto&, std::uint32_t frame) {
+    if (frame != next++) refuse_samples();
+  });
+  if (samples.size() != frames) refuse_samples();
 }
 
 /// What was said of it afterwards; most sessions have none.
@@ -332,19 +357,63 @@ std::vector<std::string> read_altered(const SessionFile& file) {
   return altered_attributes(attributes, file.group("/quality").text(attribute_sums_column));
 }
 
+template <typename Frames, typename Gyro, typename Servo>
+void read_messages(const SessionFile& file, Frames& frames, Gyro& gyro_samples, Servo& telemetry) {
+  auto camera = file.group("/camera");
+  camera_columns(camera, frames);
+  auto gyro = file.group("/gyro");
+  gyro_columns(gyro, gyro_samples);
+  auto servo = file.group("/servo");
+  servo_columns(servo, telemetry);
+}
+
+/// All that read_all() checks, row by row: nothing of it is kept.
+void pass_all(SessionFile& file) {
+  Session session = read_foundation(file, Streams::left_out);
+  PerDevice<PassedStream> received, sent;
+  read_streams(file, session.raw.header.time_reference, received, sent);
+  PassedRows<TimedFrame> frames;
+  PassedRows<TimedGyro> gyro;
+  PassedRows<TimedServo> servo;
+  read_messages(file, frames, gyro, servo);
+  read_pongs(file);
+  if (file.version() >= with_sync_report) read_sync_tables(file, session.sync);
+  pass_samples(file, frames.size());
+  check_copies(file);
+  if (file.version() >= with_attribute_sums) file.group("/quality").text(attribute_sums_column);
+}
+
+MessageMarks read_marks(const SessionFile& file) {
+  MessageMarks marks;
+  const auto self = [](auto& time) -> auto& {
+    return time;
+  };
+  auto camera = file.group("/camera");
+  camera.time_axis({"time"}, marks.frames, &FrameMark::time, frames_max);
+  camera.column<std::int64_t>({"arrival_ns"}, marks.frames, nullptr,
+                              [](FrameMark& frame, std::int64_t ns) { frame.arrival = host_time_ns(ns); });
+  freshness_columns(camera, marks.frames);
+  auto gyro = file.group("/gyro");
+  gyro.time_axis({"time"}, marks.gyro, self);
+  auto servo = file.group("/servo");
+  servo.time_axis({"time"}, marks.servo, self);
+  return marks;
+}
+
+Overview read_all_of_overview(SessionFile& file) {
+  Session session = read_foundation(file, Streams::left_out);
+  if (file.version() >= with_sync_report) read_sync_tables(file, session.sync);
+  read_samples(file, session.samples);
+  Quality quality = quality_of(session, read_marks(file));
+  return {std::move(session), std::move(quality)};
+}
+
 Session read_all(SessionFile& file) {
   Session session = read_foundation(file);
-  auto camera = file.group("/camera");
-  camera_columns(camera, session.frames);
-  auto gyro = file.group("/gyro");
-  gyro_columns(gyro, session.gyro);
-  auto servo = file.group("/servo");
-  servo_columns(servo, session.servo);
+  read_messages(file, session.frames, session.gyro, session.servo);
   session.pongs = read_pongs(file);
   if (file.version() >= with_sync_report) read_sync_tables(file, session.sync);
-  auto samples = file.group("/samples");
-  sample_columns(samples, session.samples);
-  if (file.version() < with_sync_report) complete_labels_of_1_0(session.samples);
+  read_samples(file, session.samples);
   check_samples(session.samples, session.frames.size());
   check_copies(file);
   if (file.version() >= with_attribute_sums) file.group("/quality").text(attribute_sums_column);
@@ -372,9 +441,7 @@ Rows read_all_rows(SessionFile& file) {
     auto sync = file.group("/sync");
     bias_columns(sync, session.sync.gyro.bias_course);
   }
-  auto samples = file.group("/samples");
-  sample_columns(samples, session.samples);
-  if (file.version() < with_sync_report) complete_labels_of_1_0(session.samples);
+  read_samples(file, session.samples);
   auto camera = file.group("/camera");
   rows.frames.resize(camera.count_rows("time", frames_max, sizeof(FrameMarks)));
   freshness_columns(camera, rows.frames);
@@ -451,8 +518,11 @@ AddedByOthers read_added(SessionFile& file) {
   return {std::move(attributes), {}};
 }
 
+std::mutex hdf5_turn;  // the library may be in one thread at a time
+
 template <typename Read>
 auto read_or_explain(const sandbox::SealedCopy& copy, Read read) {
+  const std::lock_guard turn(hdf5_turn);
   try {
     prepare_hdf5();
     const ClearedErrors cleared;
@@ -469,6 +539,11 @@ auto read_or_explain(const sandbox::SealedCopy& copy, Read read) {
 
 Session read_session(const sandbox::SealedCopy& copy) {
   return read_or_explain(copy, read_all);
+}
+
+Overview read_overview(const sandbox::SealedCopy& copy) {
+  require_readable(copy);
+  return read_or_explain(copy, read_all_of_overview);
 }
 
 Session read_session(const fs::path& path) {
@@ -496,7 +571,7 @@ std::vector<std::string> altered_in(const sandbox::SealedCopy& copy) {
 }
 
 void read_for_nothing(const sandbox::SealedCopy& copy) {
-  read_or_explain(copy, read_all);
+  read_or_explain(copy, pass_all);
 }
 
 }  // namespace thermorig::session

@@ -43,7 +43,8 @@ class PartFile {
 
   void write(std::span<const std::byte> bytes);
   /// What the disk gives back of it.
-  std::vector<std::byte> read_back() const;
+  std::uint64_t size() const;
+  void read_back(std::uint64_t offset, std::span<std::byte> out) const;
   void sync();
   /// Gives it its name and syncs the folder. Without `overwrite` an existing name is refused.
   void publish(bool overwrite);
@@ -56,7 +57,6 @@ class PartFile {
   int name_it(bool overwrite);
   int rename_to_new();
   int rename_unless_taken();
-  std::uint64_t size() const;
 
   Disk& disk_;
   std::filesystem::path path_, part_path_;

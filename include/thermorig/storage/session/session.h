@@ -94,10 +94,20 @@ std::vector<std::string> replace_session(const std::filesystem::path& path, cons
                                          files::Disk& disk = files::real_disk());
 
 /// Reads a whole session. Throws Error(not_a_session) if it is not one, is damaged, or is of another major
-/// version, and as tried_copy() does (trial.h).
+/// version, and as tried_copy() does (trial.h). This and what follows may be called from several threads: one
+/// at a time is in the HDF5 library.
 Session read_session(const std::filesystem::path& path);
 /// The same of a copy that was made before.
 Session read_session(const sandbox::SealedCopy& copy);
+
+/// A session as its figures tell it.
+struct Overview {
+  Session session;  // without the bytes of the ports, frames, gyro, servo and pongs
+  Quality quality;
+};
+
+/// Looks at all of the file as read_session() does, and throws as that, but keeps less of it.
+Overview read_overview(const sandbox::SealedCopy& copy);
 
 /// Reads only what is needed to make the session again: header, raw bytes, events, legs.
 RawRecording read_raw(const std::filesystem::path& path);

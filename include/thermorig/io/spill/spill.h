@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+
+namespace thermorig::spill {
+
+struct Limits {
+  std::size_t array_bytes = 1U << 20U;       // a block of so many is a large array
+  std::size_t in_memory_bytes = 16U << 20U;  // of large arrays together, before others go to the disk
+  std::size_t resident_bytes = 36U << 20U;   // of mapped pages of files, the program's own included
+};
+
+/// From here on, for the rest of the program, large arrays (whatever asks `new` for so much) lie in files
+/// without a name on the disk of `near`, once there are more of them than memory shall hold. To the program
+/// they are memory; what it has not touched lately is on the disk alone. Called again, it changes where new
+/// arrays go. Where no disk has room they stay in memory. May be called from several threads.
+void arrays_near(const std::filesystem::path& near, const Limits& limits = {});
+
+/// Bytes of arrays that lie on a disk now.
+std::size_t spilled_bytes();
+
+}  // namespace thermorig::spill

@@ -1,0 +1,146 @@
+// SPDX-License-Identifier: MIT
+#include "blocks.h"
+
+#include <fcntl.h>
+#include <sys/mman.h>
+#include <unistd.h>
+
+#include <array>
+#include <charconv>
+#include <chrono>
+#include <new>
+#include <system_error>
+#include <thread>
+#include <utility>
+
+#include "thermorig/io/files/unlinked_file.h"
+
+namespace thermorig::spill {
+
+namespace {
+
+constexpr auto look_every = std::chrono::milliseconds(2);
+
+thread_local bool inside = false;
+
+/// Holds the lock, and says that this thread is inside.
+class Inside {
+ public:
+  explicit Inside(std::mutex& mutex) : lock_((inside = true, mutex)) {}
+  ~Inside() {
+    lock_.unlock();
+    inside = false;
+  }
+  Inside(const Inside&) = delete;
+  Inside& operator=(const Inside&) = delete;
+
+ private:
+  std::unique_lock<std::mutex> lock_;
+};
+
+/// Mapped pages of files that are in memory: the third number of /proc/self/statm. 0: not known.
+std::size_t resident_file_bytes(int statm) {
+  std::array<char, 128> text{};
+  const ssize_t size = ::pread(statm, text.data(), text.size(), 0);
+  const char* at = text.data();
+  const char* const end = at + (size > 0 ? size : 0);
+  std::size_t number = 0;
+  for (int i = 0; i < 3; ++i) {
+    const auto [behind, error] = std::from_chars(at, end, number);
+    if (error != std::errc()) return 0;
+    at = behind == end ? end : behind + 1;
+  }
+  return number * static_cast<std::size_t>(::sysconf(_SC_PAGESIZE));
+}
+
+}  // namespace
+
+/// The last `delete` of the program may come after everything else.
+Blocks& blocks() {
+  alignas(Blocks) static std::byte place[sizeof(Blocks)];
+  static Blocks* const all = ::new (place) Blocks;
+  return *all;
+}
+
+void Blocks::configure(const std::filesystem::path& near, const Limits& limits) {
+  const Inside lock(mutex_);
+  near_ = near;
+  limits_ = limits;
+  array_bytes_ = limits.array_bytes;
+}
+
+bool Blocks::is_inside() {
+  return inside;
+}
+
+void* Blocks::allocate(std::size_t bytes) {
+  const Inside lock(mutex_);
+  void* at = nullptr;
+  if (in_memory_bytes_ + bytes > limits_.in_memory_bytes) at = map_file(bytes);
+  const bool is_on_disk = at != nullptr;
+  if (!is_on_disk) at = ::mmap(nullptr, bytes, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
+  if (at == MAP_FAILED) return nullptr;
+  blocks_.emplace(at, Block{bytes, is_on_disk});
+  (is_on_disk ? on_disk_bytes_ : in_memory_bytes_) += bytes;
+  if (is_on_disk && !is_watched_) begin_watch();
+  return at;
+}
+
+bool Blocks::release(void* at) {
+  const Inside lock(mutex_);
+  const auto found = blocks_.find(at);
+  if (found == blocks_.end()) return false;
+  const Block block = found->second;
+  blocks_.erase(found);
+  (block.is_on_disk ? on_disk_bytes_ : in_memory_bytes_) -= block.bytes;
+  ::munmap(at, block.bytes);
+  return true;
+}
+
+std::size_t Blocks::on_disk_bytes() {
+  const Inside lock(mutex_);
+  return on_disk_bytes_;
+}
+
+/// The mapping keeps the file, which needs no descriptor.
+void* Blocks::map_file(std::size_t bytes) const {
+  const int file = files::open_unlinked(near_, bytes);
+  if (file < 0) return nullptr;
+  void* const at = ::mmap(nullptr, bytes, PROT_READ | PROT_WRITE, MAP_SHARED, file, 0);
+  ::close(file);
+  return at == MAP_FAILED ? nullptr : at;
+}
+
+/// A thread of its own, while anything lies on the disk. Where the system has none to spare, it gives pages
+/// back by itself when memory runs short.
+void Blocks::begin_watch() {
+  if (statm_ < 0) statm_ = ::open("/proc/self/statm", O_RDONLY | O_CLOEXEC);
+  try {
+    std::thread([this] {
+      while (look()) std::this_thread::sleep_for(look_every);
+    }).detach();
+    is_watched_ = true;
+  } catch (const std::system_error&) {  // no thread
+  }
+}
+
+/// False: nothing lies on the disk any more, and nobody looks again.
+bool Blocks::look() {
+  const Inside lock(mutex_);
+  is_watched_ = on_disk_bytes_ > 0;
+  if (is_watched_) give_back();
+  return is_watched_;
+}
+
+void Blocks::limit_resident() {
+  const Inside lock(mutex_);
+  if (on_disk_bytes_ > 0) give_back();
+}
+
+void Blocks::give_back() {
+  if (resident_file_bytes(statm_) <= limits_.resident_bytes) return;
+  for (const auto& [at, block] : blocks_)
+    if (block.is_on_disk) ::madvise(at, block.bytes, MADV_DONTNEED);
+}
+
+}  // namespace thermorig::spill

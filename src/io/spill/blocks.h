@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <atomic>
+#include <cstddef>
+#include <filesystem>
+#include <map>
+#include <mutex>
+
+#include "thermorig/io/spill/spill.h"
+
+namespace thermorig::spill {
+
+/// Large blocks of memory, some of them mapped from files. While there are such, a thread looks every two
+/// milliseconds how many pages of files are in memory, and gives those of the blocks back to the system if
+/// they are too many: a file's page that is given back is not lost, the next look at it finds it in its file.
+/// What this needs for itself are small blocks: `new` and `delete` of a thread that is inside must not ask
+/// here again. Never destroyed.
+class Blocks {
+ public:
+  void configure(const std::filesystem::path& near, const Limits& limits);
+
+  bool is_large(std::size_t bytes) const { return bytes >= array_bytes_; }
+
+  /// Nothing where the system has no such memory.
+  void* allocate(std::size_t bytes);
+  /// False for what allocate() did not give.
+  bool release(void* at);
+
+  std::size_t on_disk_bytes();
+
+  void limit_resident();
+
+  /// Whether this thread is in one of these functions.
+  static bool is_inside();
+
+ private:
+  struct Block {
+    std::size_t bytes = 0;
+    bool is_on_disk = false;
+  };
+
+  void* map_file(std::size_t bytes) const;
+  void begin_watch();
+  bool look();
+  void give_back();
+
+  std::mutex mutex_;
+  std::filesystem::path near_;
+  Limits limits_;
+  std::atomic<std::size_t> array_bytes_ = Limits().array_bytes;  // of limits_, for who has no lock
+  std::map<void*, Block> blocks_;
+  std::size_t in_memory_bytes_ = 0;
+  std::size_t on_disk_bytes_ = 0;
+  bool is_watched_ = false;  // by its thread
+  int statm_ = -1;
+};
+
+/// Those of the program.
+Blocks& blocks();
+
+}  // namespace thermorig::spill

@@ -1,0 +1,26 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: MIT
+# What a long recording takes: peak of memory and seconds of recording it in virtual time (and so of finalising it), of
+# recovering its journal, of inspecting, exporting and reprocessing the session, and how soon `view` shows it. Memory is
+# that of the program and its child processes together, with files that lie in memory. Simulated rig, 8 frames/s, 200 gyro
+# samples/s. The folder is on a disk: --folder, else $TMPDIR or /var/tmp.
+# Usage: bash tests/bench/long_session.sh [hours, default 24] [--json] [--build FOLDER, default build] [--folder FOLDER]
+set -euo pipefail
+cd "$(dirname "$0")/../.."
+source tests/bench/arguments.sh
+parent=${TMPDIR:-/var/tmp}
+words=()
+while [ $# -gt 0 ]; do
+  if [ "$1" = --folder ] && [ $# -gt 1 ]; then
+    parent=$2
+    shift
+  else
+    words+=("$1")
+  fi
+  shift
+done
+take_arguments "" 24 ${words[@]+"${words[@]}"}
+require_built thermorig
+folder=$(mktemp -d -p "$parent")
+trap 'rm -rf "$folder"' EXIT
+python3 tests/bench/long_session.py "$program" "$folder" "$number" "$json"

@@ -1,0 +1,78 @@
+# SPDX-License-Identifier: MIT
+"""Memory of a process and its children together, by the system's count: what they hold for themselves, mapped pages of
+files, and files that lie in memory, mapped or not. What two of them share counts twice: it is an upper bound."""
+import os
+import pathlib
+import subprocess
+import time
+
+LOOK_EVERY_S = 0.005
+
+
+def tree_of(pid):
+    """The process, and all below it."""
+    pids = [pid]
+    for parent in pids:
+        try:
+            for task in os.listdir(f"/proc/{parent}/task"):
+                pids += map(int, pathlib.Path(f"/proc/{parent}/task/{task}/children").read_text().split())
+        except OSError:
+            pass  # it has ended
+    return pids
+
+
+def status_kb(pid, *names):
+    """Figures of the process, in the order of the names."""
+    lines = dict(line.split(":", 1) for line in pathlib.Path(f"/proc/{pid}/status").read_text().splitlines())
+    return [int(lines[name].split()[0]) for name in names if name in lines]  # one that has ended has none
+
+
+def resident_kb(pid):
+    """What it holds and what it has mapped of files on disks. Files in memory are counted apart."""
+    return sum(status_kb(pid, "RssAnon", "RssFile"))
+
+
+def files_in_memory(pid):
+    """Size by inode, kB."""
+    sizes = {}
+    for entry in os.scandir(f"/proc/{pid}/fd"):
+        if "memfd:" in os.readlink(entry.path):
+            status = os.stat(entry.path)
+            sizes[status.st_ino] = status.st_blocks // 2
+    return sizes
+
+
+def memory_kb(pid):
+    """Of the process and all below it."""
+    total, in_memory = 0, {}
+    for one in tree_of(pid):
+        try:
+            total += resident_kb(one)
+            in_memory.update(files_in_memory(one))
+        except OSError:
+            pass
+    return total + sum(in_memory.values())
+
+
+def highest_kb(pid):
+    """The most that one of them had in memory at any time, also between two looks."""
+    highest = 0
+    for one in tree_of(pid):
+        try:
+            highest = max([highest, *status_kb(one, "VmHWM")])
+        except OSError:
+            pass
+    return highest
+
+
+def run(command, watch=None, **options):
+    """Peak in MB, seconds and exit code; `watch` is called at each look."""
+    began = time.monotonic()
+    process = subprocess.Popen(command, **options)
+    peak = 0
+    while process.poll() is None:
+        peak = max(peak, memory_kb(process.pid), highest_kb(process.pid))
+        if watch:
+            watch()
+        time.sleep(LOOK_EVERY_S)
+    return peak / 1e3, time.monotonic() - began, process.returncode
