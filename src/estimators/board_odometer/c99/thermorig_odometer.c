@@ -827,7 +827,7 @@ static void write_map(odometer* s, const view* v, float azimuth_deg, float sigma
 
 /* ---- A half that was read anew ---- */
 
-#define COLDEST_C -60.0f /* beyond: not a temperature of the sensor's range */
+#define COLDEST_C (-60.0f) /* beyond: not a temperature of the sensor's range */
 #define HOTTEST_C 400.0f
 #define LARGEST_K 120.0f /* from the reference: what the map holds */
 
@@ -1340,9 +1340,11 @@ static void search_bias(odometer* s, const half_times* times) {
     s->tried = 0;
     return;
   }
-  for (int i = 0; i < BIASES_A_FRAME && s->tried < count; ++i, ++s->tried)
+  for (int i = 0; i < BIASES_A_FRAME && s->tried < count; ++i, ++s->tried) {
+    const int32_t from_middle = s->tried - count / 2;
     s->of.search.variance[s->tried] =
-        mosaic_variance(s, s->profile.bias_dps + (float)(s->tried - count / 2) * BIAS_STEP_DPS);
+        mosaic_variance(s, s->profile.bias_dps + (float)from_middle * BIAS_STEP_DPS);
+  }
   if (s->tried < count) return;
   s->tried = -1;
   memset(s->pixel_offset, 0, sizeof s->pixel_offset); /* halves are kept as they come */
@@ -1386,13 +1388,11 @@ static void learn(odometer* s, const half_times* times) {
   learn_of(s, &result);
   if (s->nis > NIS_LOST && s->pass > 0 && s->pass < MOST_PASSES)
     begin_pass_again(s);
-  else if (s->nis > NIS_LOST)
-    begin_anew(s);
-  else if (is_over && has_settled(s))
+  else if (s->nis <= NIS_LOST && is_over && has_settled(s))
     s->phase = RUNNING;
-  else if (is_over && s->pass < MOST_PASSES && sigma_of(s, BIAS) < KNOWN_BIAS_DPS)
+  else if (s->nis <= NIS_LOST && is_over && s->pass < MOST_PASSES && sigma_of(s, BIAS) < KNOWN_BIAS_DPS)
     begin_pass(s);
-  else if (is_over)
+  else if (s->nis > NIS_LOST || is_over)
     begin_anew(s);
 }
 
@@ -1529,6 +1529,7 @@ void thermorig_odometer_push_gyro(thermorig_odometer_state* state, uint32_t time
     begin_anew(s);
     step_s = 0.0f;
   }
+  /* Bit by bit. NOLINTNEXTLINE(bugprone-suspicious-memory-comparison) */
   if (!s->has_sample || memcmp(s->last_rate_dps, rate_dps, sizeof s->last_rate_dps) != 0)
     s->repeats_since_us = time_us;
   memcpy(s->last_rate_dps, rate_dps, sizeof s->last_rate_dps);
