@@ -16,9 +16,10 @@ namespace thermorig::spill {
 
 namespace {
 
-constexpr std::uintptr_t within_page = 4095;
-
 std::atomic<bool> is_on = false;
+
+#ifndef THERMORIG_LEAVES_NEW_ALONE
+constexpr std::uintptr_t within_page = 4095;
 
 void* allocate(std::size_t bytes) {
   if (is_on && blocks().is_large(bytes)) return blocks().allocate(bytes);
@@ -33,6 +34,7 @@ void release(void* at) {
   if (may_be_mapped && blocks().release(at)) return;
   std::free(at);
 }
+#endif
 
 }  // namespace
 
@@ -51,6 +53,7 @@ std::size_t spilled_bytes() {
 
 }  // namespace thermorig::spill
 
+#ifndef THERMORIG_LEAVES_NEW_ALONE
 void* operator new(std::size_t bytes) {
   while (true) {
     if (void* const at = thermorig::spill::allocate(bytes)) return at;
@@ -67,3 +70,4 @@ void operator delete(void* at) noexcept {
 void operator delete(void* at, std::size_t /*bytes*/) noexcept {
   thermorig::spill::release(at);
 }
+#endif
