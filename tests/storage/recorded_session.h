@@ -30,7 +30,7 @@ struct RecordedSession {
   std::vector<Call> calls;
   PerDevice<TrueStream> received;
   PerDevice<TrueStream> sent;  // to it
-  RawRecording raw;  // before it was closed
+  RawRecording raw;            // before it was closed
   std::size_t frames = 0;
   std::size_t concluded = 0;  // calls when the session was announced
 
