@@ -1,9 +1,10 @@
 # SPDX-License-Identifier: MIT
-"""Wraps the documents at 100 columns: paragraphs that have a longer line are filled anew, all else stays as it is.
+"""Wraps the documents at 100 columns: paragraphs and comments that have a longer line are filled anew, all else stays as
+it is.
 
     python3 tests/wrap_documents.py [--check] [DOCUMENT.md...]
 
-Left alone are tables, code, headings, comments, HTML and what has no space to break at. --check writes nothing, and
+Left alone are tables, code, headings, HTML and what has no space to break at. --check writes nothing, and
 names the documents that have such lines; exit code 1 then. Without documents: all of the project.
 """
 import argparse
@@ -12,6 +13,7 @@ import re
 import sys
 
 COLUMNS = 100
+COMMENT_INDENT = " " * len("<!-- ")
 ITEM = re.compile(r"( *)([-*+]|\d+[.)])( +)(?=\S)")
 FENCE = re.compile(r" *(`{3,}|~{3,})")
 ALONE = re.compile(r" *(#{1,6} |\||<|\[[^\]]+\]: |(\* *){3,}$|(- *){3,}$|=+$)")  # lines that are no paragraph's
@@ -95,6 +97,14 @@ class Document:
         self.keep()
         self.keep_to(lambda line: line.strip().startswith(fence))
 
+    def comment(self):
+        """A mark, or words that only the source shows; what stands behind its end on the last line stays there."""
+        end = self.at + 1
+        while end < len(self.lines) and "-->" not in self.lines[end - 1]:
+            end += 1
+        self.out += filled_where_long(self.lines[self.at:end], "", COMMENT_INDENT)
+        self.at = end
+
     def starts_another(self, line, quoted):
         item = ITEM.match(line)
         begins = item is not None and (self.indent > 0 or item.group(2) in "-*+" or item.group(2)[:-1] == "1")
@@ -119,7 +129,7 @@ class Document:
             elif FENCE.match(line):
                 self.keep_fence()
             elif line.lstrip().startswith("<!--"):
-                self.keep_to(lambda text: "-->" in text)
+                self.comment()
             elif spaces >= self.indent + 4:
                 self.keep()
             elif item:

@@ -40,12 +40,16 @@ class WrappedDocuments(unittest.TestCase):
         self.assertTrue(all(line.startswith("> ") for line in wrapped("> " + LONG).split("\n")))
         self.assertNotIn("> ", wrapped("> " + LONG + "\n> " + LONG)[2:].replace("\n> ", ""))
 
+    def test_a_comment_is_filled_behind_its_begin(self):
+        self.expect_filled("<!-- " + LONG + "\n" + LONG + " -->", "<!-- ", "     ", "     ")
+        self.expect_alone("<!-- Short\nlines. -->\n# " + LONG)
+
     def test_a_paragraph_without_a_long_line_stays_as_it_is(self):
         self.expect_alone("Short\nlines\nof somebody.")
 
     def test_what_is_no_prose_is_left_alone(self):
         for text in ("| " + LONG + "|\n| --- |\n| " + LONG + "|", "```\n" + LONG + "\n\n" + LONG + "\n```", "    " + LONG,
-                     "# " + LONG, "<!-- " + LONG + "\n" + LONG + " -->", "[link]: https://" + 200 * "x", 200 * "x"):
+                     "# " + LONG, "[link]: https://" + 200 * "x", 200 * "x"):
             with self.subTest(text[:8]):
                 self.expect_alone(text)
 

@@ -48,6 +48,7 @@ std::string map_text(const std::filesystem::path& path, const map_file::StoredMa
   line("session of", printable(stored.made_utc));
   line("lens", fmt::format("{:g} degrees, {}mirrored", stored.map.field_of_view_deg,
                            stored.map.mirrored ? "" : "not "));
+  line("rows", std::string(odometer::name_of(stored.map.rows)));
   line("seen", fmt::format("{:.0f} % of all around", 100.0 * map_file::seen_share(stored.map)));
   const Temperatures of = temperatures_of(stored.map);
   if (of.coldest_c <= of.hottest_c)
@@ -65,6 +66,7 @@ nlohmann::json map_json(const std::filesystem::path& path, const map_file::Store
           {"start_time_utc", printable(stored.made_utc)},
           {"field_of_view_deg", stored.map.field_of_view_deg},
           {"mirrored", stored.map.mirrored},
+          {"rows", std::string(odometer::name_of(stored.map.rows))},
           {"seen_share", map_file::seen_share(stored.map)},
           {"creator", printable(stored.creator)}};
 }

@@ -19,6 +19,7 @@
 #include "odometer_judge.h"
 #include "odometer_recording.h"
 #include "odometer_stresses.h"
+#include "thermorig/core/run_all.h"
 #include "thermorig/estimators/table.h"
 #include "timing_figures.h"
 
@@ -33,11 +34,6 @@ constexpr double recorded_s = 440.0;  // seven minutes are seen
 constexpr int qemu_timeout_s = 900;
 const std::string host_compiler = "cc -std=c99 -O2";
 
-struct Options {
-  bool json = false, quick = false;
-  std::uint64_t first_seed = 1;
-};
-
 /// One recording from its start at rest, or in motion.
 struct Case {
   std::string name;
@@ -50,7 +46,7 @@ struct Case {
   OdometerRun here, there;  // the C on this machine and on the board
 };
 
-std::vector<Case> cases_of(const Options& options) {
+std::vector<Case> cases_of(const TableOptions& options) {
   std::vector<Case> cases;
   const std::size_t count = options.quick ? 4 : 24;
   for (const bool is_moving : {true, false})
@@ -234,34 +230,15 @@ void add_summary(Table& table, const std::vector<Case>& cases, const std::string
   add("from the product's", "deg", apart, {});
 }
 
-std::optional<Options> options_of(int count, char** arguments) {
-  Options options;
-  for (int i = 1; i < count; ++i) {
-    const std::string_view argument = arguments[i];
-    if (argument == "--json")
-      options.json = true;
-    else if (argument == "--quick")
-      options.quick = true;
-    else if (argument == "--first-seed" && i + 1 < count)
-      options.first_seed = std::strtoull(arguments[++i], nullptr, 10);
-    else
-      return std::nullopt;
-  }
-  return options;
-}
-
 }  // namespace
 }  // namespace thermorig::bench
 
 int main(int count, char** arguments) {
   using namespace thermorig::bench;
-  const auto options = options_of(count, arguments);
-  if (!options) {
-    fmt::print(stderr, "usage: export_odometer [--json] [--first-seed N] [--quick]\n");
-    return 2;
-  }
+  const auto options = table_options(count, arguments, "export_odometer [--json] [--first-seed N] [--quick]");
+  if (!options) return 2;
   std::vector<Case> cases = cases_of(*options);
-  for_each_seed(cases.size(), [&](std::size_t i) { run(cases[i]); });
+  on_all_cores(cases.size(), [&](std::size_t i) { run(cases[i]); });
   Table table;
   add_board(table, cases);
   add_summary(table, cases, "in motion");

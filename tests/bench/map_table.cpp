@@ -16,6 +16,7 @@
 #include <vector>
 
 #include "odometer_recording.h"
+#include "thermorig/core/run_all.h"
 #include "thermorig/estimators/odometer/odometer.h"
 #include "timing_figures.h"
 
@@ -122,7 +123,7 @@ void add_same(std::vector<Figure>& figures, const std::vector<Room>& all) {
 
 void add_others(std::vector<Figure>& figures, const std::vector<Room>& all) {
   std::vector<Later> of_pairs(rooms * rooms);
-  for_each_seed(rooms * rooms, [&](std::size_t pair) {
+  on_all_cores(rooms * rooms, [&](std::size_t pair) {
     const Room &made = all[pair / rooms], &used = all[pair % rooms];
     if (&made != &used && made.map)
       of_pairs[pair] = later_session(used, made.map, 0.0, begins_s[pair % begins_s.size()]);
@@ -144,34 +145,23 @@ void add_others(std::vector<Figure>& figures, const std::vector<Room>& all) {
 
 int main(int count, char** arguments) {
   using namespace thermorig::bench;
-  bool json = false;
-  std::uint64_t first_seed = 1;
-  for (int i = 1; i < count; ++i) {
-    const std::string_view argument = arguments[i];
-    if (argument == "--json") {
-      json = true;
-    } else if (argument == "--first-seed" && i + 1 < count) {
-      first_seed = std::strtoull(arguments[++i], nullptr, 10);
-    } else {
-      fmt::print(stderr, "usage: map_table [--json] [--first-seed N]\n");
-      return 2;
-    }
-  }
+  const auto options = table_options(count, arguments, "map_table [--json] [--first-seed N]");
+  if (!options) return 2;
   std::vector<Room> all(rooms);
-  for_each_seed(rooms, [&](std::size_t i) {
+  on_all_cores(rooms, [&](std::size_t i) {
     all[i].environment = environments[i % environments.size()];
-    all[i].recording = record({.seed = first_seed + i, .environment = all[i].environment});
+    all[i].recording = record({.seed = options->first_seed + i, .environment = all[i].environment});
     make_map(all[i]);
   });
   std::vector<Figure> figures;
   add_same(figures, all);
   add_others(figures, all);
-  if (json) {
+  if (options->json) {
     print_json(figures);
     return 0;
   }
   fmt::print("Simulated rigs in virtual time, plan \"paper\", raw gyro, causal clocks; from seed {} on.\n",
-             first_seed);
+             options->first_seed);
   print_text(figures);
   return 0;
 }

@@ -17,6 +17,7 @@
 #include "odometer_judge.h"
 #include "odometer_recording.h"
 #include "odometer_stresses.h"
+#include "thermorig/core/run_all.h"
 #include "timing_figures.h"
 
 namespace thermorig::bench {
@@ -24,14 +25,6 @@ namespace {
 
 const std::array<std::string, 4> environments{"laboratory", "dining", "kitchen", "garden"};
 constexpr double in_motion_s = 12.0;  // after the opening rest, in the first leg
-
-struct Options {
-  bool json = false;
-  bool quick = false;
-  std::uint64_t first_seed = 1;
-  std::string only;    // of the rows: those whose name has it
-  bool board = false;  // the odometer that is exported to small boards, compiled for this machine
-};
 
 struct Row {
   std::string name;
@@ -169,7 +162,7 @@ void add_long_rows(std::uint64_t first_seed, std::vector<Row>& rows) {
   rows.push_back(hour);
 }
 
-std::vector<Row> rows_of(const Options& options) {
+std::vector<Row> rows_of(const TableOptions& options) {
   std::vector<Row> rows;
   const std::size_t gyros = options.quick ? 1 : 6;
   for (std::size_t gyro = 0; gyro < gyros; ++gyro)
@@ -204,40 +197,18 @@ Judgement judge_board(const OdometerRecording& recording, const JudgedRun& run) 
   return judge(recording, run, [&](const Measurement& one) { return board.add(one.frame, one.gyro); });
 }
 
-std::optional<Options> options_of(int count, char** arguments) {
-  Options options;
-  for (int i = 1; i < count; ++i) {
-    const std::string_view argument = arguments[i];
-    if (argument == "--json")
-      options.json = true;
-    else if (argument == "--quick")
-      options.quick = true;
-    else if (argument == "--board")
-      options.board = true;
-    else if (argument == "--first-seed" && i + 1 < count)
-      options.first_seed = std::strtoull(arguments[++i], nullptr, 10);
-    else if (argument == "--only" && i + 1 < count)
-      options.only = arguments[++i];
-    else
-      return std::nullopt;
-  }
-  return options;
-}
-
 }  // namespace
 }  // namespace thermorig::bench
 
 int main(int count, char** arguments) {
   using namespace thermorig::bench;
-  const auto options = options_of(count, arguments);
-  if (!options) {
-    fmt::print(stderr, "usage: odometer_table [--json] [--first-seed N] [--quick] [--only TEXT] [--board]\n");
-    return 2;
-  }
+  const auto options = table_options(
+      count, arguments, "odometer_table [--json] [--first-seed N] [--quick] [--only TEXT] [--board]");
+  if (!options) return 2;
   const auto begin = std::chrono::steady_clock::now();
   std::vector<Row> rows = rows_of(*options);
   std::erase_if(rows, [&](const Row& row) { return row.name.find(options->only) == std::string::npos; });
-  for_each_seed(rows.size(), [&](std::size_t i) {
+  on_all_cores(rows.size(), [&](std::size_t i) {
     Row& row = rows[i];
     const OdometerRecording recording = record(row.recorded);
     if (options->board)

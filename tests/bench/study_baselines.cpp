@@ -18,6 +18,7 @@
 
 #include "odometer_recording.h"
 #include "thermorig/core/estimate.h"
+#include "thermorig/core/run_all.h"
 #include "thermorig/estimators/live/live_estimates.h"
 #include "timing_figures.h"
 
@@ -239,25 +240,15 @@ void add_section(std::vector<Figure>& figures, const std::string& section,
 
 int main(int count, char** arguments) {
   using namespace thermorig::bench;
-  bool json = false, quick = false;
-  for (int i = 1; i < count; ++i) {
-    const std::string_view argument = arguments[i];
-    if (argument == "--json") {
-      json = true;
-    } else if (argument == "--quick") {
-      quick = true;
-    } else {
-      fmt::print(stderr, "usage: study_baselines [--json] [--quick]\n");
-      return 2;
-    }
-  }
+  const auto options = table_options(count, arguments, "study_baselines [--json] [--quick]");
+  if (!options) return 2;
   std::vector<Figure> sizes;
   for (const std::string& name : names())
     sizes.push_back({"Memory", name, "an instance", key_of("memory " + name), "kB", bytes_of(name) / 1000.0,
                      std::nullopt, std::nullopt, ""});
-  const std::vector<Acquisition> all = acquisitions(quick);
+  const std::vector<Acquisition> all = acquisitions(options->quick);
   std::vector<std::vector<Scores>> scores(all.size());
-  for_each_seed(all.size(), [&](std::size_t i) {
+  on_all_cores(all.size(), [&](std::size_t i) {
     const OdometerRecording recording = record(all[i].recorded);
     for (const std::string& name : names()) scores[i].push_back(scores_of(recording, name));
   });
@@ -272,7 +263,7 @@ int main(int count, char** arguments) {
       add_section(figures, gyros[gyro].name + (garden_only ? ", garden" : ", all environments"), by_name);
     }
   figures.insert(figures.end(), sizes.begin(), sizes.end());
-  if (json) {
+  if (options->json) {
     print_json(figures);
     return 0;
   }

@@ -15,6 +15,7 @@
 
 #include "odometer_recording.h"
 #include "thermorig/core/estimate.h"
+#include "thermorig/core/run_all.h"
 #include "thermorig/estimators/table.h"
 #include "thermorig/estimators/window_bounds.h"
 #include "thermorig/network/window_index.h"
@@ -29,12 +30,6 @@ constexpr double label_scale_dps = 200.0;  // of the normalised MSE, as in the s
 constexpr double told_sigma_dps = 20.0, well_known_dps = 2.0, known_dps = 5.0;
 constexpr double far_dps = 30.0;
 constexpr double silent_sigmas = 4.0;
-
-struct Options {
-  bool json = false;
-  bool quick = false;
-  std::uint64_t first_seed = 1;
-};
 
 struct Judged {
   double rate_dps = 0.0, error_dps = 0.0, sigma_dps = 0.0, bound_dps = 0.0;
@@ -256,37 +251,19 @@ void add_angles(std::vector<Figure>& figures, const std::vector<Row>& rows) {
   }
 }
 
-std::optional<Options> options_of(int count, char** arguments) {
-  Options options;
-  for (int i = 1; i < count; ++i) {
-    const std::string_view argument = arguments[i];
-    if (argument == "--json")
-      options.json = true;
-    else if (argument == "--quick")
-      options.quick = true;
-    else if (argument == "--first-seed" && i + 1 < count)
-      options.first_seed = std::strtoull(arguments[++i], nullptr, 10);
-    else
-      return std::nullopt;
-  }
-  return options;
-}
-
 }  // namespace
 }  // namespace thermorig::bench
 
 int main(int count, char** arguments) {
   using namespace thermorig::bench;
-  const auto options = options_of(count, arguments);
-  if (!options) {
-    fmt::print(stderr, "usage: thermal_likelihood [--json] [--first-seed N] [--quick]\n");
-    return 2;
-  }
+  const auto options =
+      table_options(count, arguments, "thermal_likelihood [--json] [--first-seed N] [--quick]");
+  if (!options) return 2;
   std::vector<Row> rows;
   for (int rig = 0; rig < (options->quick ? 1 : 6); ++rig)
     for (const std::string& environment : environments)
       rows.push_back({.environment = environment, .seed = options->first_seed + rows.size()});
-  for_each_seed(rows.size(), [&](std::size_t i) { judge(rows[i]); });
+  on_all_cores(rows.size(), [&](std::size_t i) { judge(rows[i]); });
   std::vector<Figure> figures;
   for (const std::string& environment : environments) add_environment(figures, environment, rows);
   add_speeds(figures, rows);

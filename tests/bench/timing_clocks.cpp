@@ -6,6 +6,7 @@
 #include <mutex>
 #include <string>
 
+#include "thermorig/core/run_all.h"
 #include "timing_errors.h"
 #include "timing_rig.h"
 
@@ -90,7 +91,7 @@ void add_bound_figures(const Place& place, Errors& errors, std::vector<Figure>& 
 PerDevice<Errors> pooled(std::size_t link, bool loaded, const TableSize& size) {
   PerDevice<Errors> all;
   std::mutex adding;
-  for_each_seed(size.seeds, [&](std::size_t index) {
+  on_all_cores(size.seeds, [&](std::size_t index) {
     const PerDevice<Errors> errors =
         judge(rig_on(table_links(loaded)[link], size.first_seed + index), size.seconds);
     const std::lock_guard lock(adding);
@@ -140,7 +141,7 @@ void add_sample_times(const TableSize& size, std::vector<Figure>& figures) {
 void add_long_servo_clock(const TableSize& size, std::vector<Figure>& figures) {
   const std::vector<TableLink> links = table_links(false);
   std::vector<Errors> errors(links.size());
-  for_each_seed(links.size(), [&](std::size_t link) {
+  on_all_cores(links.size(), [&](std::size_t link) {
     simulation::VirtualRigConfig config = rig_on(links[link], size.first_seed + 1000 + link);
     config.profile.camera.output_rate_hz = 1.0;  // only the servo counts here
     errors[link] = judge(config, size.long_seconds)[Device::servo];

@@ -4,12 +4,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <atomic>
 #include <cmath>
-#include <exception>
+#include <cstdio>
+#include <cstdlib>
 #include <iterator>
-#include <mutex>
-#include <thread>
 
 namespace thermorig::bench {
 namespace {
@@ -122,22 +120,32 @@ double size_percentile(std::vector<float>& values, double share) {
   return std::abs(static_cast<double>(values[static_cast<std::size_t>(at)]));
 }
 
-void for_each_seed(std::size_t count, const std::function<void(std::size_t)>& work) {
-  std::atomic<std::size_t> next{0};
-  std::exception_ptr failure;
-  std::mutex failing;
-  const auto run = [&] {
-    try {
-      for (std::size_t index = next++; index < count; index = next++) work(index);
-    } catch (...) {
-      const std::lock_guard lock(failing);
-      failure = std::current_exception();
+std::optional<TableOptions> table_options(int count, char** arguments, std::string_view usage) {
+  TableOptions options;
+  for (int i = 1; i < count; ++i) {
+    const std::string word = arguments[i];
+    const char* const value = i + 1 < count ? arguments[i + 1] : nullptr;
+    const bool is_flag = usage.find("[" + word + "]") != std::string_view::npos;
+    const bool is_option = value != nullptr && usage.find("[" + word + " ") != std::string_view::npos;
+    if (is_flag && word == "--json")
+      options.json = true;
+    else if (is_flag && word == "--quick")
+      options.quick = true;
+    else if (is_flag && word == "--board")
+      options.board = true;
+    else if (is_option && word == "--first-seed")
+      options.first_seed = std::strtoull(value, nullptr, 10);
+    else if (is_option && word == "--only")
+      options.only = value;
+    else if (is_option && word == "--world")
+      options.world = value;
+    else {
+      fmt::print(stderr, "usage: {}\n", usage);
+      return std::nullopt;
     }
-  };
-  std::vector<std::thread> threads;
-  for (unsigned i = 0; i < std::max(1U, std::thread::hardware_concurrency()); ++i) threads.emplace_back(run);
-  for (std::thread& thread : threads) thread.join();
-  if (failure) std::rethrow_exception(failure);
+    if (is_option) ++i;
+  }
+  return options;
 }
 
 }  // namespace thermorig::bench

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include <cstddef>
-#include <functional>
+#include <cstdint>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace thermorig::bench {
@@ -39,7 +39,17 @@ double rms(const std::vector<float>& values);
 /// The size below which `share` of the values lie, whatever their sign; they are put in another order.
 double size_percentile(std::vector<float>& values, double share);
 
-/// Runs `work(index)` for 0..count - 1 on all cores. Each must write to its own place only.
-void for_each_seed(std::size_t count, const std::function<void(std::size_t)>& work);
+/// What a table is asked for on the command line.
+struct TableOptions {
+  bool json = false, quick = false;
+  bool board = false;  // the odometer that is exported to small boards, compiled for this machine
+  std::uint64_t first_seed = 1;
+  std::string only;   // of the rows: those whose name has it
+  std::string world;  // of the simulated rigs; empty: the table's own
+};
+
+/// The words that stand in `usage`: "name [--json] [--quick] [--board] [--first-seed N] [--only TEXT]
+/// [--world NAME]". At another one nothing, and the usage on standard error.
+std::optional<TableOptions> table_options(int count, char** arguments, std::string_view usage);
 
 }  // namespace thermorig::bench

@@ -11,6 +11,7 @@
 
 #include "simulation/random.h"
 #include "thermorig/core/error.h"
+#include "thermorig/core/run_all.h"
 #include "thermorig/rig/calibration/calibration.h"
 #include "thermorig/rig/recording/finalise.h"
 #include "timing_rig.h"
@@ -221,7 +222,7 @@ void add_label_figures(const std::string& row, const std::string& key, LabelScor
 void add_camera_offset(const TableSize& size, std::vector<Figure>& figures) {
   std::vector<std::optional<double>> errors_s(size.seeds);
   std::vector<std::optional<double>> sigmas(size.seeds);
-  for_each_seed(size.seeds, [&](std::size_t index) {
+  on_all_cores(size.seeds, [&](std::size_t index) {
     simulation::VirtualRigConfig config = varied_rig(index, size.first_seed + index);
     simulation::Random boards(size.first_seed + index, "latencies of this table");
     const double camera_more_s = boards.uniform(-0.008, 0.008);
@@ -281,7 +282,7 @@ void add_labels(const TableSize& size, std::vector<Figure>& figures) {
       for (std::size_t loop = 0; loop < loops_hz.size(); ++loop)
         cases.push_back({servo, loop, size.first_seed + cases.size()});
   std::vector<CaseScores> scores(cases.size());
-  for_each_seed(cases.size(), [&](std::size_t i) {
+  on_all_cores(cases.size(), [&](std::size_t i) {
     scores[i] = run_case(servos[cases[i].servo], loops_hz[cases[i].loop], i, cases[i].seed);
   });
   LabelScore all_calibrated, all_uncalibrated;

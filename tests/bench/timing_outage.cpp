@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <chrono>
 
+#include "thermorig/core/run_all.h"
 #include "thermorig/pipeline/pipeline.h"
 #include "timing_clocks.h"
 #include "timing_errors.h"
@@ -90,7 +91,7 @@ void add_outage(const TableSize& size, std::vector<Figure>& figures) {
   for (const bool loaded : {false, true})
     for (const TableLink& link : table_links(loaded)) {
       std::vector<Outcome> outcomes(seeds);
-      for_each_seed(seeds, [&](std::size_t index) {
+      on_all_cores(seeds, [&](std::size_t index) {
         outcomes[index] = lose_camera(link, size.first_seed + index, duration_s);
       });
       const std::string load = loaded ? "loaded" : "idle";

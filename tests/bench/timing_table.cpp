@@ -18,25 +18,17 @@
 
 int main(int count, char** arguments) {
   using namespace thermorig::bench;
-  bool json = false;
+  const auto options =
+      table_options(count, arguments, "timing_table [--json] [--quick] [--first-seed N] [--world NAME]");
+  if (!options) return 2;
   TableSize size;
-  for (int i = 1; i < count; ++i) {
-    const std::string_view argument = arguments[i];
-    if (argument == "--json") {
-      json = true;
-    } else if (argument == "--quick") {
-      size.seeds = 3;
-      size.seconds = 60.0;
-      size.long_seconds = 600.0;
-    } else if (argument == "--first-seed" && i + 1 < count) {
-      size.first_seed = std::strtoull(arguments[++i], nullptr, 10);
-    } else if (argument == "--world" && i + 1 < count) {
-      choose_world(arguments[++i]);
-    } else {
-      fmt::print(stderr, "usage: timing_table [--json] [--quick] [--first-seed N] [--world NAME]\n");
-      return 2;
-    }
+  size.first_seed = options->first_seed;
+  if (options->quick) {
+    size.seeds = 3;
+    size.seconds = 60.0;
+    size.long_seconds = 600.0;
   }
+  if (!options->world.empty()) choose_world(options->world);
   const auto begin = std::chrono::steady_clock::now();
   std::vector<Figure> figures;
   add_cost(size, figures);
@@ -48,7 +40,7 @@ int main(int count, char** arguments) {
   add_sample_times(size, figures);
   if (chosen_world() != "honest") drop_limits(figures);
   const double took_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
-  if (json) {
+  if (options->json) {
     print_json(figures);
     return 0;
   }

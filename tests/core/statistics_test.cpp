@@ -57,5 +57,17 @@ TEST(RunningStatistics, AreThoseOfAllNumbersThatCame) {
   EXPECT_DOUBLE_EQ(statistics.sample_variance(), 14.0 / 3.0);
 }
 
+TEST(RecentCount, TellsWhatHappensOftenFromWhatHappensNowAndThen) {
+  RecentCount rare, frequent;
+  for (int i = 0; i < 1000; ++i) {
+    rare.add(i % 100 == 0);
+    frequent.add(i % 20 == 0);
+  }
+  EXPECT_FALSE(rare.is_frequent());
+  EXPECT_TRUE(frequent.is_frequent());
+  for (int i = 0; i < 200; ++i) frequent.add(false);
+  EXPECT_FALSE(frequent.is_frequent());
+}
+
 }  // namespace
 }  // namespace thermorig

@@ -55,6 +55,19 @@ double robust_deviation(std::vector<double> values, double centre);
 /// statistics, as NumPy's default. NaN of none.
 double quantile(std::span<const double> sorted, double share);
 
+/// Whether something happens more than now and then: of the last hundred times or so, older ones forgotten
+/// bit by bit.
+class RecentCount {
+ public:
+  void add(bool happened) { value_ = kept * value_ + (happened ? 1.0 : 0.0); }
+  bool is_frequent() const { return value_ > frequent; }
+
+ private:
+  static constexpr double kept = 0.99;     // each time
+  static constexpr double frequent = 2.0;  // of the last hundred
+  double value_ = 0.0;
+};
+
 /// Mean and variance of numbers as they come (Welford's algorithm).
 class RunningStatistics {
  public:

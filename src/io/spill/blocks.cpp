@@ -83,6 +83,7 @@ void* Blocks::allocate(std::size_t bytes) {
   blocks_.emplace(at, Block{bytes, is_on_disk});
   (is_on_disk ? on_disk_bytes_ : in_memory_bytes_) += bytes;
   if (is_on_disk && !is_watched_) begin_watch();
+  if (is_on_disk) give_back();
   return at;
 }
 

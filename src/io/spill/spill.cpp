@@ -10,7 +10,6 @@
 #include <new>
 
 #include "blocks.h"
-#include "thermorig/io/spill/pages.h"
 
 namespace thermorig::spill {
 

@@ -20,8 +20,6 @@ constexpr double catching_up_gain =
 constexpr std::size_t least_intervals = 4;    // before a measured period is believed
 constexpr std::size_t confirming_frames = 4;  // late in a row, before frames are called missing
 constexpr double confirming_s = 0.5;          // the same of a fast camera's, at least
-constexpr double forget_left_out = 0.99;      // a frame
-constexpr double often_left_out = 2.0;        // of the last hundred
 constexpr auto most_missing = static_cast<double>(std::numeric_limits<std::uint16_t>::max());
 
 /// What the halves say, if they take turns at all.
@@ -116,13 +114,12 @@ std::uint16_t LiveFrameGaps::missing(double late_periods, const TimedFrame& fram
   std::size_t patience =
       halves == HalvesWitness::none_missing ? std::max(queue_frames, confirming) : confirming;
   // Of a bridge that misses halves: two in a row.
-  const bool may_be_two = left_out_ > often_left_out && late_periods > 2.0 - late_limit_periods;
+  const bool may_be_two = left_out_.is_frequent() && late_periods > 2.0 - late_limit_periods;
   if (may_be_two && halves == HalvesWitness::none_missing) patience = 1;
   // The half that was due never came: only the time says whether a frame of it did.
   const bool is_told =
       halves == HalvesWitness::frames_missing || (halves == HalvesWitness::due_half_missing && stays_late);
-  const bool is_left_out = is_told && !frame.resync_before;
-  left_out_ = forget_left_out * left_out_ + (is_left_out ? 1.0 : 0.0);
+  left_out_.add(is_told && !frame.resync_before);
   if (!is_told && late_frames_ < patience) return 0;
   late_frames_ = 0;
   return std::max<std::uint16_t>(whole_periods(late_periods), 1);

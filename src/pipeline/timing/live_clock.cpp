@@ -27,9 +27,7 @@ constexpr double slow_s = 0.1;
 constexpr double restless = 3.0;
 constexpr double forget_unrest = 0.7;  // a block
 constexpr double nowhere_near_s = 1e9;
-constexpr double forget_left_out = 0.99;  // a message
-constexpr double often_left_out = 2.0;    // of the last hundred
-constexpr double left_out_two = 1.6;      // periods
+constexpr double left_out_two = 1.6;  // periods
 }  // namespace
 
 LiveClock::LiveClock(const PortProfile& link, double nominal_rate_hz)
@@ -99,7 +97,7 @@ double LiveClock::count_lost(const MessageProof& proof, double x, double y) {
 /// Of a device that often leaves messages out, how many: two in a row change no turn of the halves, three do
 /// as one does. If it was a stall after all, what comes next is ahead.
 double LiveClock::left_out(const MessageProof& proof, double late_periods) const {
-  if (left_out_ <= often_left_out) return 0.0;
+  if (!left_out_.is_frequent()) return 0.0;
   const double told = proof.left_out ? 1.0 : 0.0;
   if (late_periods - told < left_out_two) return 0.0;
   return told + 2.0 * std::round(0.5 * (late_periods - told));
@@ -113,7 +111,7 @@ double LiveClock::recount(const MessageProof& proof, double x, double y) {
     return shift(x, std::round(late_periods));
   }
   if (late_s(x, y) > outage_s) return shift(x, std::round(late_periods));
-  left_out_ = forget_left_out * left_out_ + (proof.left_out ? 1.0 : 0.0);
+  left_out_.add(proof.left_out);
   if (const double lost = left_out(proof, late_periods); lost > 0.0) return shift(x, lost);
   // Of what the skipped bytes may have been as many as its proof has room for; the watch finds the rest.
   const double lost = std::min(proof.lost_before, std::floor(late_periods + 1.0 - lost_periods));

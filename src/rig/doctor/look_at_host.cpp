@@ -23,13 +23,13 @@ namespace thermorig::doctor {
 
 namespace {
 
+namespace fs = std::filesystem;
+
 /// One file of udev rules.
 struct RuleFile {
-  std::filesystem::path path;      // as the system knows it, without the root
+  fs::path path;                   // as the system knows it, without the root
   std::vector<std::string> lines;  // without comments
 };
-
-namespace fs = std::filesystem;
 
 bool is_rule(const std::string& line) {
   const auto first = line.find_first_not_of(" \t");
@@ -72,8 +72,6 @@ bool names_device(const std::string& rule, const std::string& usb_id) {
   if (vendor == std::string::npos) return false;
   return text.find(usb_id.substr(colon + 1), vendor + colon) != std::string::npos;
 }
-
-namespace fs = std::filesystem;
 
 // Adapters that these rigs are made with and that brltty's rules claim: CH340 and CP210x.
 constexpr std::array<const char*, 2> braille_like_ids{"1a86:7523", "10c4:ea60"};

@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <utility>
 
-#include "all_cores.h"
 #include "thermorig/core/error.h"
+#include "thermorig/core/run_all.h"
 #include "thermorig/io/spill/spill.h"
 #include "thermorig/pipeline/pipeline.h"
 #include "thermorig/pipeline/replay.h"

@@ -9,7 +9,7 @@
 
 #include "attributes.h"
 #include "chunk_codec.h"
-#include "thermorig/io/spill/pages.h"
+#include "thermorig/io/spill/spill.h"
 
 namespace thermorig::session {
 

@@ -158,8 +158,8 @@ std::uint32_t GroupReader::read_chunks(const Table& table, hid_t type, Range ran
   std::vector<hsize_t> count = source.dims;
   ChunkDecoder decoder(source.dataset.get(), source.dims, source.chunk, table.row_bytes);
   std::uint32_t crc = 0;
-  std::uint64_t kept_bytes =
-      kept_bytes_max;  // of the file, in memory; what the columns before left is unknown
+  // Pages of the file that are in memory: how many the columns before have left there is not known.
+  std::uint64_t kept_bytes = kept_bytes_max;
   for (start[0] = range.begin; start[0] < range.end; start[0] += count[0]) {
     count[0] = std::min<hsize_t>(step - start[0] % step, range.end - start[0]);
     if (!decoder.read(start[0], count[0], buffer.data())) {

@@ -4,6 +4,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <string_view>
 #include <vector>
 
 #include "thermorig/core/frame.h"
@@ -13,6 +14,13 @@ namespace thermorig::odometer {
 /// In which order a camera exposes its rows: all at once, or one after the other over a refresh period, from
 /// the first or from the last on.
 enum class RowOrder : std::uint8_t { at_once, first_to_last, last_to_first };
+
+/// In words: "read all at once".
+constexpr std::string_view name_of(RowOrder order) {
+  constexpr std::array<std::string_view, 3> names{"read all at once", "read from the first to the last",
+                                                  "read from the last to the first"};
+  return names[static_cast<std::size_t>(order)];
+}
 
 /// Surroundings as an odometer has seen them, and the pixels that saw them: another one that begins with them
 /// tells where the camera looks in them. Whoever fills it from a file checks it first (estimators/map_file).

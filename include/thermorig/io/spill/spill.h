@@ -18,6 +18,10 @@ struct Limits {
 /// arrays go. Where no disk has room they stay in memory. May be called from several threads.
 void arrays_near(const std::filesystem::path& near, const Limits& limits = {});
 
+/// Gives pages of such arrays back to the system, if more of them are in memory than shall be. A thread does
+/// that every two milliseconds; who looks at large arrays quickly calls it now and then.
+void give_pages_back();
+
 /// Bytes of arrays that lie on a disk now.
 std::size_t spilled_bytes();
 

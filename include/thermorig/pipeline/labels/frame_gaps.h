@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "thermorig/core/sample.h"
+#include "thermorig/core/statistics.h"
 #include "thermorig/core/time.h"
 #include "thermorig/pipeline/labels/freshness.h"
 
@@ -48,7 +49,7 @@ class LiveFrameGaps {
   std::optional<HostTime> before_;  // time of the frame before
   HostTime expected_{};
   std::size_t late_frames_ = 0;  // in a row
-  double left_out_ = 0.0;        // frames of late that were never sent
+  RecentCount left_out_;         // frames that were never sent
   HostTime queue_begin_{};       // of the last frame ahead of those that came together
   std::size_t queue_length_ = 0;
   std::array<double, kept_intervals> intervals_s_{};

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "thermorig/core/profile.h"
+#include "thermorig/core/statistics.h"
 #include "thermorig/core/time.h"
 #include "thermorig/pipeline/timing/ceiling.h"
 
@@ -86,7 +87,7 @@ class LiveClock {
   std::uint32_t watched_ = 0;
   std::array<double, 2> watched_late_s_{};  // least lateness in the two spans before
   double unrest_ = 0.0;                     // how often the count was corrected lately
-  double left_out_ = 0.0;                   // messages of late that the device did not send
+  RecentCount left_out_;                    // messages that the device did not send
 };
 
 }  // namespace thermorig::timing
