@@ -18,11 +18,12 @@ figures = {"hours": float(hours)}
 
 
 def measured(name, arguments, **options):
-    peak_mb, seconds, code = process_memory.run([program, *arguments], stdout=subprocess.DEVNULL, **options)
-    if code != 0:
-        sys.exit(f"{name} ended with {code}")
-    figures[f"{name}_peak_mb"], figures[f"{name}_s"] = round(peak_mb, 1), round(seconds, 1)
-    print(f"{name}: {peak_mb:.1f} MB, {seconds:.1f} s", file=sys.stderr, flush=True)
+    run = process_memory.run([program, *arguments], stdout=subprocess.DEVNULL, **options)
+    if run.code != 0:
+        sys.exit(f"{name} ended with {run.code}")
+    figures[f"{name}_peak_mb"], figures[f"{name}_held_mb"] = round(run.all_mb, 1), round(run.held_mb, 1)
+    figures[f"{name}_s"] = round(run.seconds, 1)
+    print(f"{name}: {run.all_mb:.1f} MB, {run.held_mb:.1f} of them held, {run.seconds:.1f} s", file=sys.stderr, flush=True)
 
 
 def keep_journal():
@@ -42,7 +43,7 @@ def seconds_until_shown(session):
         request = urllib.request.Request(f"{address[1]}/data/{name}", headers={"Authorization": f"Bearer {address[2]}"})
         urllib.request.urlopen(request).read()
     shown = time.monotonic() - began
-    figures["view_peak_mb"] = round(process_memory.memory_kb(viewer.pid) / 1e3, 1)
+    figures["view_peak_mb"] = round(process_memory.memory_kb(viewer.pid).all / 1e3, 1)
     viewer.terminate()
     viewer.wait()
     return shown

@@ -2,8 +2,9 @@
 # SPDX-License-Identifier: MIT
 # What a long recording takes: peak of memory and seconds of recording it in virtual time (and so of finalising it), of
 # recovering its journal, of inspecting, exporting and reprocessing the session, and how soon `view` shows it. Memory is
-# that of the program and its child processes together, with files that lie in memory. Simulated rig, 8 frames/s, 200 gyro
-# samples/s. The folder is on a disk: --folder, else $TMPDIR or /var/tmp.
+# that of the program and its child processes together, with files that lie in memory; "held" is what the system cannot take
+# back, which is all but mapped pages of files on disks. Simulated rig, 8 frames/s, 200 gyro samples/s. The folder is on a
+# disk: --folder, else $TMPDIR or /var/tmp.
 # Usage: bash tests/bench/long_session.sh [hours, default 24] [--json] [--build FOLDER, default build] [--folder FOLDER]
 set -euo pipefail
 cd "$(dirname "$0")/../.."

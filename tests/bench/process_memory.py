@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: MIT
 """Memory of a process and its children together, by the system's count: what they hold for themselves, mapped pages of
-files, and files that lie in memory, mapped or not. What two of them share counts twice: it is an upper bound."""
+files, and files that lie in memory, mapped or not. What two of them share counts twice: it is an upper bound. Pages of
+files on disks the system takes back when memory runs short; all else is held."""
+import collections
 import os
 import pathlib
 import subprocess
@@ -27,9 +29,8 @@ def status_kb(pid, *names):
     return [int(lines[name].split()[0]) for name in names if name in lines]  # one that has ended has none
 
 
-def resident_kb(pid):
-    """What it holds and what it has mapped of files on disks. Files in memory are counted apart."""
-    return sum(status_kb(pid, "RssAnon", "RssFile"))
+Memory = collections.namedtuple("Memory", "all held")
+Run = collections.namedtuple("Run", "all_mb held_mb seconds code")
 
 
 def files_in_memory(pid):
@@ -44,14 +45,16 @@ def files_in_memory(pid):
 
 def memory_kb(pid):
     """Of the process and all below it."""
-    total, in_memory = 0, {}
+    own, of_files, in_memory = 0, 0, {}
     for one in tree_of(pid):
         try:
-            total += resident_kb(one)
+            own += sum(status_kb(one, "RssAnon"))
+            of_files += sum(status_kb(one, "RssFile"))
             in_memory.update(files_in_memory(one))
         except OSError:
             pass
-    return total + sum(in_memory.values())
+    held = own + sum(in_memory.values())
+    return Memory(held + of_files, held)
 
 
 def highest_kb(pid):
@@ -66,13 +69,15 @@ def highest_kb(pid):
 
 
 def run(command, watch=None, **options):
-    """Peak in MB, seconds and exit code; `watch` is called at each look."""
+    """Peaks in MB, seconds and exit code; `watch` is called at each look."""
     began = time.monotonic()
     process = subprocess.Popen(command, **options)
-    peak = 0
+    peak, held = 0, 0
     while process.poll() is None:
-        peak = max(peak, memory_kb(process.pid), highest_kb(process.pid))
+        now = memory_kb(process.pid)
+        peak = max(peak, now.all, highest_kb(process.pid))
+        held = max(held, now.held)
         if watch:
             watch()
         time.sleep(LOOK_EVERY_S)
-    return peak / 1e3, time.monotonic() - began, process.returncode
+    return Run(peak / 1e3, held / 1e3, time.monotonic() - began, process.returncode)
