@@ -238,7 +238,7 @@ int main(int count, char** arguments) {
   const auto options = table_options(count, arguments, "export_odometer [--json] [--first-seed N] [--quick]");
   if (!options) return 2;
   std::vector<Case> cases = cases_of(*options);
-  on_all_cores(cases.size(), [&](std::size_t i) { run(cases[i]); });
+  thermorig::on_all_cores(cases.size(), [&](std::size_t i) { run(cases[i]); });
   Table table;
   add_board(table, cases);
   add_summary(table, cases, "in motion");

@@ -148,7 +148,7 @@ int main(int count, char** arguments) {
   const auto options = table_options(count, arguments, "map_table [--json] [--first-seed N]");
   if (!options) return 2;
   std::vector<Room> all(rooms);
-  on_all_cores(rooms, [&](std::size_t i) {
+  thermorig::on_all_cores(rooms, [&](std::size_t i) {
     all[i].environment = environments[i % environments.size()];
     all[i].recording = record({.seed = options->first_seed + i, .environment = all[i].environment});
     make_map(all[i]);

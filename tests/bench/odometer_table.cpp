@@ -208,7 +208,7 @@ int main(int count, char** arguments) {
   const auto begin = std::chrono::steady_clock::now();
   std::vector<Row> rows = rows_of(*options);
   std::erase_if(rows, [&](const Row& row) { return row.name.find(options->only) == std::string::npos; });
-  on_all_cores(rows.size(), [&](std::size_t i) {
+  thermorig::on_all_cores(rows.size(), [&](std::size_t i) {
     Row& row = rows[i];
     const OdometerRecording recording = record(row.recorded);
     if (options->board)

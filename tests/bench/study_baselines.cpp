@@ -248,7 +248,7 @@ int main(int count, char** arguments) {
                      std::nullopt, std::nullopt, ""});
   const std::vector<Acquisition> all = acquisitions(options->quick);
   std::vector<std::vector<Scores>> scores(all.size());
-  on_all_cores(all.size(), [&](std::size_t i) {
+  thermorig::on_all_cores(all.size(), [&](std::size_t i) {
     const OdometerRecording recording = record(all[i].recorded);
     for (const std::string& name : names()) scores[i].push_back(scores_of(recording, name));
   });

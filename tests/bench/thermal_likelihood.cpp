@@ -263,7 +263,7 @@ int main(int count, char** arguments) {
   for (int rig = 0; rig < (options->quick ? 1 : 6); ++rig)
     for (const std::string& environment : environments)
       rows.push_back({.environment = environment, .seed = options->first_seed + rows.size()});
-  on_all_cores(rows.size(), [&](std::size_t i) { judge(rows[i]); });
+  thermorig::on_all_cores(rows.size(), [&](std::size_t i) { judge(rows[i]); });
   std::vector<Figure> figures;
   for (const std::string& environment : environments) add_environment(figures, environment, rows);
   add_speeds(figures, rows);
