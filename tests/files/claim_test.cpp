@@ -349,45 +349,49 @@ class KilledClaim : public ClaimFile {
     return child;
   }
 
-  /// Works that lay over another's, and works that ended.
-  std::pair<int, int> counted(const std::set<int>& killed) const {
+  void start_another() { programs_[next_] = start(next_), ++next_; }
+
+  void kill_one(int program) {
+    killed_.insert(program);
+    ::kill(programs_[program], SIGKILL);
+    ::waitpid(programs_[program], nullptr, 0);
+    programs_.erase(program);
+  }
+
+  /// Works that lay over another's, and works that ended. Those of the killed may lie under one: who takes
+  /// over sees that they are dead.
+  std::pair<int, int> counted() const {
     std::ifstream work(folder_ / "work");
     std::string word;
     int program = 0, working = -1, overlaps = 0, ended = 0;
     while (work >> word >> program) {
-      if (word == "begin" && working != -1 && !killed.contains(working)) ++overlaps;
+      if (word == "begin" && working != -1 && !killed_.contains(working)) ++overlaps;
       if (word == "end" && working != program) ++overlaps;
       if (word == "end") ++ended;
       working = word == "begin" ? program : -1;
     }
     return {overlaps, ended};
   }
+
+  std::map<int, pid_t> programs_;  // that run
+  std::set<int> killed_;
+  int next_ = 0;
 };
 
 TEST_F(KilledClaim, NeverHasTwoHoldersAndNeverNone) {
-  std::map<int, pid_t> programs;
-  std::set<int> killed;
   std::mt19937 random(7);
-  int next = 0;
-  while (next < 4) programs[next] = start(next), ++next;
+  while (next_ < 4) start_another();
   for (int kill = 0; kill < 60; ++kill) {
     std::this_thread::sleep_for(std::chrono::microseconds(5'000 + random() % 10'000));
-    const auto victim = std::next(programs.begin(), static_cast<std::ptrdiff_t>(random() % programs.size()));
-    ::kill(victim->second, SIGKILL);
-    ::waitpid(victim->second, nullptr, 0);
-    killed.insert(victim->first);
-    programs.erase(victim);
-    programs[next] = start(next), ++next;
+    kill_one(std::next(programs_.begin(), static_cast<std::ptrdiff_t>(random() % programs_.size()))->first);
+    start_another();
   }
-  const auto before = counted(killed).second;
-  const auto has_gone_on = [&] { return counted(killed).second > before; };
+  const auto before = counted().second;
+  const auto has_gone_on = [&] { return counted().second > before; };
   for (int i = 0; i < 8'000 && !has_gone_on(); ++i) std::this_thread::sleep_for(milliseconds(5));
   EXPECT_TRUE(has_gone_on());  // whatever the last kill left, the claim is had again
-  for (const auto& [program, process] : programs) {
-    ::kill(process, SIGKILL);
-    ::waitpid(process, nullptr, 0);
-  }
-  EXPECT_EQ(counted(killed).first, 0);
+  while (!programs_.empty()) kill_one(programs_.begin()->first);
+  EXPECT_EQ(counted().first, 0);
 }
 
 }  // namespace
