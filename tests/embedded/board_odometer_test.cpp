@@ -199,6 +199,16 @@ TEST(BoardOdometerSource, CompilesStrictlyAndSaysTheSame) {
   }
 }
 
+TEST(BoardOdometerSource, NeedsNoFileButItsHeader) {
+  const std::string text = board_odometer::odometer_source(RigProfile(), "odo").files.at(1).text;
+  for (const char* part :
+       {"#include \"odo.h\"\n", "---- gyro path ----", "---- heading filter ----", "void odo_read"})
+    EXPECT_EQ(text.find(part), text.rfind(part)) << part;
+  EXPECT_THAT(text, HasSubstr("---- tracker ----"));
+  EXPECT_EQ(text.find("#include \""), text.rfind("#include \""));
+  EXPECT_EQ(text.find("#pragma"), std::string::npos);
+}
+
 TEST(BoardOdometerSource, HasTheConstantsOfTheRig) {
   RigProfile rig;
   rig.name = "bench */ int x; /*";

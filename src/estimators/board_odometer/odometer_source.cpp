@@ -3,7 +3,10 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
+#include <set>
+#include <sstream>
 
 #include "board_profile.h"
 #include "odometer_text.h"
@@ -52,6 +55,49 @@ std::string rig_text(const RigProfile& rig, const thermorig_odometer_profile& bo
          "};\n\n#endif\n";
 }
 
+/// odometer_c with its parts in the places where they are first included: one file to add to a firmware.
+class OneFile {
+ public:
+  OneFile() { add(std::string(odometer_c), ""); }
+  const std::string& text() const { return text_; }
+
+ private:
+  void add(const std::string& text, std::string title) {
+    std::istringstream lines(text);
+    for (std::string line; std::getline(lines, line);) {
+      if (line == "#pragma once" || line == "/* SPDX-License-Identifier: MIT */") continue;
+      if (line.starts_with("#include ")) {
+        include(line);
+        continue;
+      }
+      if (line.empty() && text_.ends_with("\n\n")) continue;  // beside what was left out
+      if (!line.empty() && !title.empty()) {
+        text_ += "/* ---- " + title + " ---- */\n\n";
+        title.clear();
+      }
+      text_ += line + "\n";
+    }
+  }
+
+  void include(const std::string& line) {
+    if (!included_.insert(line).second) return;
+    const auto& parts = odometer_parts();
+    const auto part = std::find_if(parts.begin(), parts.end(), [&](const OdometerPart& one) {
+      return line == fmt::format("#include \"{}.h\"", one.name);
+    });
+    if (part == parts.end()) {
+      text_ += line + "\n";
+      return;
+    }
+    std::string title(part->name);
+    std::replace(title.begin(), title.end(), '_', ' ');
+    add(std::string(part->text), title);
+  }
+
+  std::set<std::string> included_;
+  std::string text_;
+};
+
 }  // namespace
 
 OdometerSource odometer_source(const RigProfile& rig, const std::string& name) {
@@ -59,7 +105,7 @@ OdometerSource odometer_source(const RigProfile& rig, const std::string& name) {
   const std::string constants = rig_text(rig, board_profile(rig));
   OdometerSource source;
   source.files.push_back({name + ".h", embedded::renamed(odometer_h, prefix, name)});
-  source.files.push_back({name + ".c", embedded::renamed(odometer_c, prefix, name)});
+  source.files.push_back({name + ".c", embedded::renamed(OneFile().text(), prefix, name)});
   source.files.push_back({name + "_rig.h", embedded::renamed(constants, prefix, name)});
   source.state_bytes = THERMORIG_ODOMETER_STATE_BYTES;
   source.stack_bytes = THERMORIG_ODOMETER_STACK_BYTES;

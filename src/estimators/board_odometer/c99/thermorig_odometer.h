@@ -97,65 +97,107 @@ typedef struct {
   float rate_dps;
 } thermorig_odometer_knot;
 
+typedef struct { /* what the gyro turned by of late, bias and scale not removed */
+  thermorig_odometer_knot knot[THERMORIG_ODOMETER_KNOTS];
+  uint32_t knots; /* that ever came */
+  float last_dps; /* as the newest sample has it */
+} thermorig_odometer_gyro_path;
+
+typedef struct { /* whether the gyro's samples are what they should be */
+  uint32_t last_us, repeats_since_us;
+  float last_rate_dps[3];
+  float saturated_s, unseen_deg2; /* a variance: of what nothing measured since the newest frame */
+  uint8_t has_sample, was_away;   /* away: since a search on the circle began */
+} thermorig_odometer_gyro_watch;
+
 typedef struct {
-  int16_t temp[THERMORIG_ODOMETER_ROWS][THERMORIG_ODOMETER_BINS]; /* 1/256 K about a reference */
+  float covariance[THERMORIG_ODOMETER_STATES * (THERMORIG_ODOMETER_STATES + 1) / 2]; /* a lower triangle */
+  float value[THERMORIG_ODOMETER_STATES]; /* heading, bias, scale, latency, the map's offsets */
+  uint8_t node[THERMORIG_ODOMETER_NODES];
+  uint8_t has_begun; /* it has a time: */
+  int32_t turns;
+  uint32_t now_us, now_turned; /* as the gyro's path has it then */
+} thermorig_odometer_heading_filter;
+
+typedef struct {                                                          /* the newest chess half */
+  float temp_k[THERMORIG_ODOMETER_ROWS][THERMORIG_ODOMETER_HALF_COLUMNS]; /* about the reference */
+  uint32_t parity, begin_us, end_us;
+  float time_sigma_s;
+} thermorig_odometer_half_reading;
+
+typedef struct {                                                               /* of either half */
+  int16_t offset[2][THERMORIG_ODOMETER_ROWS][THERMORIG_ODOMETER_HALF_COLUMNS]; /* 1/4096 K */
+  uint8_t variance[2][THERMORIG_ODOMETER_ROWS][THERMORIG_ODOMETER_HALF_COLUMNS];
+  float learnt[2]; /* halves that they were learnt from */
+} thermorig_odometer_pixel_model;
+
+typedef struct {                                                  /* the map */
+  int16_t temp[THERMORIG_ODOMETER_ROWS][THERMORIG_ODOMETER_BINS]; /* 1/256 K about the reference */
   uint8_t variance[THERMORIG_ODOMETER_ROWS]
                   [THERMORIG_ODOMETER_BINS]; /* 4 bits each of exponent and mantissa */
-} thermorig_odometer_map;
+} thermorig_odometer_panorama;
 
 typedef struct { /* of a row of the map: over all bins of a window before */
   int32_t temp[THERMORIG_ODOMETER_WINDOW + 1];
   uint32_t variance[THERMORIG_ODOMETER_WINDOW + 1];
-} thermorig_odometer_sums;
+} thermorig_odometer_row_sums;
+
+typedef struct {                 /* for the heading in the map */
+  float log[360];                /* of the probabilities */
+  float turned_deg, azimuth_deg; /* since the first half; of the newest, as the gyro has it */
+  int32_t halves;
+} thermorig_odometer_circle_search;
 
 typedef struct {
   float sum, squares, count;
 } thermorig_odometer_cell;
 
-typedef struct { /* of the bias, before there is a map */
+typedef struct { /* for the bias, before there is a map */
   int16_t temp[THERMORIG_ODOMETER_SEARCHED_HALVES][THERMORIG_ODOMETER_ROWS][THERMORIG_ODOMETER_HALF_COLUMNS];
+  int16_t error[2][THERMORIG_ODOMETER_ROWS][THERMORIG_ODOMETER_HALF_COLUMNS]; /* of the pixels */
   uint32_t turned[THERMORIG_ODOMETER_SEARCHED_HALVES], time_us[THERMORIG_ODOMETER_SEARCHED_HALVES];
   uint8_t parity[THERMORIG_ODOMETER_SEARCHED_HALVES];
   uint16_t cell_of[THERMORIG_ODOMETER_SEARCHED_HALVES][THERMORIG_ODOMETER_COLUMNS];
   thermorig_odometer_cell cell[THERMORIG_ODOMETER_CELLS];
   float variance[THERMORIG_ODOMETER_BIASES];
-} thermorig_odometer_search;
+  int32_t kept, tried; /* halves that ever came; biases, -1: none before the next halves */
+} thermorig_odometer_bias_search;
+
+typedef struct { /* filter and map together, and the half that is laid against it */
+  thermorig_odometer_half_reading half;
+  thermorig_odometer_heading_filter filter;
+  thermorig_odometer_pixel_model pixels;
+  union {
+    struct {
+      thermorig_odometer_panorama panorama;
+      union { /* no row is looked at while the heading is searched for */
+        thermorig_odometer_row_sums sums;
+        thermorig_odometer_circle_search circle;
+      } by;
+    } map;
+    thermorig_odometer_bias_search search;
+  } of;
+  uint32_t noise;
+  float reference_c,
+      common_c;     /* what temperatures are differences from; what the newest half had in common */
+  float in_map_deg; /* sigma of the heading against the map that is in view */
+  int32_t halves;
+} thermorig_odometer_tracker;
 
 typedef struct {
   thermorig_odometer_profile profile;
-  union {
-    thermorig_odometer_map map;
-    thermorig_odometer_search search;
-  } of;
-  float half[THERMORIG_ODOMETER_ROWS][THERMORIG_ODOMETER_HALF_COLUMNS]; /* the newest, about the reference */
-  int16_t pixel_offset[2][THERMORIG_ODOMETER_ROWS][THERMORIG_ODOMETER_HALF_COLUMNS]; /* 1/4096 K */
-  uint8_t pixel_variance[2][THERMORIG_ODOMETER_ROWS][THERMORIG_ODOMETER_HALF_COLUMNS];
-  float learnt[2]; /* halves that pixels were learnt from */
-  union {
-    thermorig_odometer_sums sums;
-    float circle[360]; /* logarithms of probabilities, while the heading is searched for */
-  } scratch;
-  float covariance[THERMORIG_ODOMETER_STATES * (THERMORIG_ODOMETER_STATES + 1) / 2];
-  float value[THERMORIG_ODOMETER_STATES]; /* heading, bias, scale, latency, the map's offsets */
-  uint8_t node[THERMORIG_ODOMETER_NODES];
-  thermorig_odometer_knot knot[THERMORIG_ODOMETER_KNOTS];
-  uint32_t knots; /* that ever came */
-  int32_t turns;
-  uint32_t noise;
-  /* the gyro's samples */
-  uint32_t last_sample_us, repeats_since_us;
-  float last_rate_dps[3], last_read_dps, saturated_s, unseen_deg2;
-  /* times of the filter, and of what it was told */
-  uint32_t now_us, now_turned, last_half_us, half_begin_us[2], frame_begin_us, frame_end_us;
-  float reference_c, common_c, flat_c;
-  float in_map_deg, rate_dps, rate_change_dps;
-  int32_t halves;
+  thermorig_odometer_gyro_watch watch;
+  thermorig_odometer_gyro_path path;
+  thermorig_odometer_tracker tracker;
+  /* the newest frame */
+  uint32_t last_half_us, half_begin_us[2], frame_begin_us, frame_end_us;
+  float rate_dps, rate_change_dps;
   /* what goes on */
-  int32_t phase, pass, covered, to_trust, searched, tried, found_halves;
+  int32_t phase, pass, covered, to_trust;
   uint32_t pass_since_us, unfit_since_us, locating_since_us;
   float begun_bias_dps, begun_scale, begun_latency_s;
-  float nis, lean, expected_sigma_deg, slowest_dps, fastest_dps, circle_deg, located_deg;
-  uint8_t has_sample, has_seen, has_begun, has_origin, is_unfit, is_doubted, is_explained, gyro_was_away;
+  float nis, lean, expected_sigma_deg, slowest_dps, fastest_dps;
+  uint8_t has_seen, has_origin, is_unfit, is_doubted, is_explained;
 } thermorig_odometer_state;
 
 /* At the start: forgets everything. */
