@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <map>
 #include <mutex>
+#include <optional>
 
 #include "thermorig/io/spill/spill.h"
 
@@ -40,6 +41,7 @@ class Blocks {
     bool is_on_disk = false;
   };
 
+  std::optional<std::size_t> forget(void* at);
   void* map_file(std::size_t bytes) const;
   void begin_watch();
   bool look();
