@@ -14,6 +14,7 @@
 #include "print/number_json.h"
 #include "print/output.h"
 #include "print/reading_progress.h"
+#include "thermorig/io/spill/spill.h"
 #include "thermorig/learning/dataset/session_list.h"
 
 namespace thermorig::app {
@@ -178,6 +179,7 @@ ExitCode report_refused(const std::vector<ListedSession>& sessions) {
 
 std::vector<ListedSession> read_all(const ListOptions& options) {
   const std::vector<std::filesystem::path> files = dataset::find_sessions(options.paths);
+  if (!files.empty()) spill::arrays_near(files.front());
   ReadingProgress progress(options.json);
   return dataset::list_sessions(files, std::ref(progress));
 }

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "thermorig/core/statistics.h"
+#include "thermorig/io/spill/spill.h"
 
 namespace thermorig::pipeline {
 
@@ -19,9 +20,12 @@ constexpr auto by_time_alone =
 double median_period_s(const std::vector<TimedFrame>& frames, const std::vector<double>& number,
                        std::size_t span) {
   std::vector<double> periods;
-  for (std::size_t i = 0; i + span < frames.size(); ++i)
+  spill::Pace pace;
+  for (std::size_t i = 0; i + span < frames.size(); ++i) {
     periods.push_back(to_s(frames[i + span].stamp.time - frames[i].stamp.time) /
                       (number[i + span] - number[i]));
+    pace.passed(2 * sizeof frames[i]);
+  }
   return median(std::move(periods));
 }
 
@@ -48,8 +52,11 @@ std::optional<double> period_s(const std::vector<TimedFrame>& frames) {
 
 std::optional<labels::CameraMode> camera_mode(const std::vector<TimedFrame>& frames) {
   labels::ModeVote vote;
-  for (std::size_t i = 1; i < frames.size(); ++i)
+  spill::Pace pace;
+  for (std::size_t i = 1; i < frames.size(); ++i) {
     vote.push({.even = frames[i].fresh_even, .odd = frames[i].fresh_odd});
+    pace.passed(sizeof frames[i]);
+  }
   if (vote.empty()) return std::nullopt;
   return vote.mode();
 }

@@ -12,6 +12,7 @@
 #include "final_times.h"
 #include "message_spans.h"
 #include "ping_exchanges.h"
+#include "thermorig/io/spill/spill.h"
 #include "thermorig/pipeline/interruptions.h"
 #include "thermorig/pipeline/labels/gyro_filter.h"
 #include "thermorig/pipeline/labels/servo_response.h"
@@ -31,7 +32,11 @@ constexpr std::size_t turn_windows = 3;    // of a session, that are searched fo
 template <typename Message>
 void put_times(const std::vector<TimeEstimate>& times, std::vector<Message>& messages) {
   FinalTimes final_times(times);
-  for (Message& message : messages) final_times.put_next(message.stamp);
+  spill::Pace pace;
+  for (Message& message : messages) {
+    final_times.put_next(message.stamp);
+    pace.passed(sizeof message);
+  }
 }
 
 /// The rhythm is counted on what the bytes prove: causal stamps have been made with a count of their own.
@@ -39,14 +44,22 @@ void put_proofs(const RawStream& received, std::uint32_t baud, std::vector<Timed
   const std::vector<StreamSpan> spans = spans_of(frames);
   if (!holds(received, spans)) return;
   const auto proofs = timing::earliest_proofs(received, spans, baud);
-  for (std::size_t i = 0; i < frames.size(); ++i) frames[i].stamp.time = proofs[i];
+  spill::Pace pace;
+  for (std::size_t i = 0; i < frames.size(); ++i) {
+    frames[i].stamp.time = proofs[i];
+    pace.passed(sizeof frames[i]);
+  }
 }
 
 template <typename Message>
 std::vector<Stamp> stamps_of(std::span<const Message> messages) {
   std::vector<Stamp> stamps;
   stamps.reserve(messages.size());
-  for (const Message& message : messages) stamps.push_back(message.stamp);
+  spill::Pace pace;
+  for (const Message& message : messages) {
+    stamps.push_back(message.stamp);
+    pace.passed(sizeof message);
+  }
   return stamps;
 }
 
@@ -124,7 +137,11 @@ PerDevice<ClockFit> fit_clocks(const RawRecording& raw, Streams& streams, const 
 /// What each frame shows when, by the fits so far.
 void expose(std::vector<TimedFrame>& frames, const CameraProfile& profile, const Fits& fits) {
   labels::ExposureRule rule = exposure_rule(profile, fits);
-  for (TimedFrame& frame : frames) rule.apply(frame);
+  spill::Pace pace;
+  for (TimedFrame& frame : frames) {
+    rule.apply(frame);
+    pace.passed(sizeof frame);
+  }
 }
 
 void fit_newer_half(Streams& streams, const RigProfile& profile, const GyroErrors& errors, Fits& fits) {

@@ -7,6 +7,7 @@
 
 #include "thermorig/core/chunk.h"
 #include "thermorig/core/raw_recording.h"
+#include "thermorig/io/spill/spill.h"
 
 namespace thermorig::pipeline {
 
@@ -15,7 +16,11 @@ template <typename Messages>
 std::vector<StreamSpan> spans_of(const Messages& messages) {
   std::vector<StreamSpan> spans;
   spans.reserve(messages.size());
-  for (const auto& message : messages) spans.push_back(message.span);
+  spill::Pace pace;
+  for (const auto& message : messages) {
+    spans.push_back(message.span);
+    pace.passed(sizeof message);
+  }
   return spans;
 }
 

@@ -19,7 +19,7 @@ namespace thermorig::spill {
 
 namespace {
 
-constexpr auto look_every = std::chrono::milliseconds(2);
+constexpr auto look_every = std::chrono::microseconds(250);
 
 thread_local bool inside = false;
 
@@ -87,15 +87,21 @@ void* Blocks::allocate(std::size_t bytes) {
   return at;
 }
 
+/// To unmap much takes long: meanwhile others look and give back.
 bool Blocks::release(void* at) {
+  const auto bytes = forget(at);
+  if (bytes) ::munmap(at, *bytes);
+  return bytes.has_value();
+}
+
+std::optional<std::size_t> Blocks::forget(void* at) {
   const Inside lock(mutex_);
   const auto found = blocks_.find(at);
-  if (found == blocks_.end()) return false;
+  if (found == blocks_.end()) return std::nullopt;
   const Block block = found->second;
   blocks_.erase(found);
   (block.is_on_disk ? on_disk_bytes_ : in_memory_bytes_) -= block.bytes;
-  ::munmap(at, block.bytes);
-  return true;
+  return block.bytes;
 }
 
 std::size_t Blocks::on_disk_bytes() {
@@ -109,7 +115,9 @@ void* Blocks::map_file(std::size_t bytes) const {
   if (file < 0) return nullptr;
   void* const at = ::mmap(nullptr, bytes, PROT_READ | PROT_WRITE, MAP_SHARED, file, 0);
   ::close(file);
-  return at == MAP_FAILED ? nullptr : at;
+  if (at == MAP_FAILED) return nullptr;
+  ::madvise(at, bytes, MADV_NOHUGEPAGE);  // else one look may bring two megabytes
+  return at;
 }
 
 /// A thread of its own, while anything lies on the disk. Where the system has none to spare, it gives pages

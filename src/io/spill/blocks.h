@@ -6,13 +6,14 @@
 #include <filesystem>
 #include <map>
 #include <mutex>
+#include <optional>
 
 #include "thermorig/io/spill/spill.h"
 
 namespace thermorig::spill {
 
-/// Large blocks of memory, some of them mapped from files. While there are such, a thread looks every two
-/// milliseconds how many pages of files are in memory, and gives those of the blocks back to the system if
+/// Large blocks of memory, some of them mapped from files. While there are such, a thread looks four times
+/// a millisecond how many pages of files are in memory, and gives those of the blocks back to the system if
 /// they are too many: a file's page that is given back is not lost, the next look at it finds it in its file.
 /// What this needs for itself are small blocks: `new` and `delete` of a thread that is inside must not ask
 /// here again. Never destroyed.
@@ -40,6 +41,7 @@ class Blocks {
     bool is_on_disk = false;
   };
 
+  std::optional<std::size_t> forget(void* at);
   void* map_file(std::size_t bytes) const;
   void begin_watch();
   bool look();

@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "thermorig/core/statistics.h"
+#include "thermorig/io/spill/spill.h"
 
 namespace thermorig::labels {
 
@@ -37,9 +38,12 @@ std::uint16_t whole_periods(double periods) {
 std::vector<double> delays_s(const std::vector<TimedFrame>& frames, double period_s) {
   std::vector<double> delays;
   delays.reserve(frames.size());
-  for (std::size_t i = 0; i < frames.size(); ++i)
+  spill::Pace pace;
+  for (std::size_t i = 0; i < frames.size(); ++i) {
     delays.push_back(to_s(frames[i].stamp.time - frames.front().stamp.time) -
                      period_s * static_cast<double>(i));
+    pace.passed(sizeof frames[i]);
+  }
   return delays;
 }
 

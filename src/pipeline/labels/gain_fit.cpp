@@ -41,8 +41,14 @@ constexpr double moved_dps = 0.1;             // less is left in the bias's unce
 
 struct Window {
   double middle_s = 0.0;
-  std::vector<double> row;
+  std::span<const double> row;
   double rate_dps = 0.0;  // by the gyro
+};
+
+/// Their rows lie in one array: windows may be dropped and copied, but not outlive it.
+struct Windows {
+  std::vector<double> rows;
+  std::vector<Window> all;
 };
 
 /// Where in the row a commanded value lies, and how much of it falls to the right knot.
@@ -63,7 +69,9 @@ struct Ripples {
   ShaftSlope slope;
   std::span<const double> periods_deg;
 
-  void add_to(std::vector<double>& row, double from_deg, double to_deg) const {
+  std::size_t row_size() const { return unknowns + 4 * periods_deg.size(); }
+
+  void add_to(std::span<double> row, double from_deg, double to_deg) const {
     if (periods_deg.empty()) return;
     const double begin_deg = slope.gained_deg(from_deg), end_deg = slope.gained_deg(to_deg);
     for (std::size_t k = 0; k < periods_deg.size(); ++k) {
@@ -75,9 +83,8 @@ struct Ripples {
   }
 };
 
-Window window_at(const ShaftEvidence& evidence, double model_s, const Ripples& ripples) {
-  Window window;
-  window.row.resize(unknowns + 4 * ripples.periods_deg.size());
+/// What the model says of a window, put into a row of zeros.
+void put_row(const ShaftEvidence& evidence, double model_s, const Ripples& ripples, std::span<double> row) {
   double before_deg = evidence.curve.angle_deg(model_s);
   for (int part = 1; part <= parts_a_window; ++part) {
     const double angle_deg = evidence.curve.angle_deg(model_s + part * pulse_period_s);
@@ -85,33 +92,34 @@ Window window_at(const ShaftEvidence& evidence, double model_s, const Ripples& r
     const double value =
         evidence.scale.continuous() ? turned_deg / pulse_period_s : (before_deg + angle_deg) / 2.0;
     const auto [left, share] = place_of(evidence.scale, value);
-    window.row[left] += (1.0 - share) * turned_deg / (parts_a_window * pulse_period_s);
-    window.row[left + 1] += share * turned_deg / (parts_a_window * pulse_period_s);
-    ripples.add_to(window.row, before_deg, angle_deg);
+    row[left] += (1.0 - share) * turned_deg / (parts_a_window * pulse_period_s);
+    row[left + 1] += share * turned_deg / (parts_a_window * pulse_period_s);
+    ripples.add_to(row, before_deg, angle_deg);
     before_deg = angle_deg;
   }
-  window.row[bias] = 1.0;
-  return window;
+  row[bias] = 1.0;
 }
 
-double model_dps(const Window& window) {
-  return std::accumulate(window.row.begin(), window.row.begin() + knots, 0.0);
+double model_dps(std::span<const double> row) {
+  return std::accumulate(row.begin(), row.begin() + knots, 0.0);
 }
 
-std::vector<Window> windows(const ShaftEvidence& evidence, const Ripples& ripples) {
+Windows windows(const ShaftEvidence& evidence, const Ripples& ripples) {
   constexpr double length_s = parts_a_window * pulse_period_s;
-  std::vector<Window> found;
   // No more than there are samples to fill them: the times of a damaged recording may lie ages apart.
   const auto samples = static_cast<double>(evidence.gyro.times_s().size());
   const auto count =
       static_cast<std::size_t>(std::clamp((evidence.end_s - evidence.begin_s) / length_s, 0.0, samples));
+  const std::size_t size = ripples.row_size();
+  Windows found;
+  found.rows.resize(count * size);
   for (std::size_t i = 0; i < count; ++i) {
     const double from_s = evidence.begin_s + static_cast<double>(i) * length_s;
-    Window window = window_at(evidence, from_s - evidence.delay_s, ripples);
-    if (std::abs(model_dps(window)) < slowest_dps || is_within(evidence.strayed, from_s)) continue;
-    window.middle_s = from_s + length_s / 2.0;
-    window.rate_dps = evidence.gyro.mean_dps(from_s, from_s + length_s);
-    if (std::isfinite(window.rate_dps)) found.push_back(std::move(window));
+    const auto row = std::span(found.rows).subspan(i * size, size);
+    put_row(evidence, from_s - evidence.delay_s, ripples, row);
+    if (std::abs(model_dps(row)) < slowest_dps || is_within(evidence.strayed, from_s)) continue;
+    const double rate_dps = evidence.gyro.mean_dps(from_s, from_s + length_s);
+    if (std::isfinite(rate_dps)) found.all.push_back({from_s + length_s / 2.0, row, rate_dps});
   }
   return found;
 }
@@ -170,7 +178,7 @@ struct Stretch {
   double sum_dps = 0.0, sum_abs_dps = 0.0, sum_s = 0.0;
 
   void add(const Window& window, double residual) {
-    const double rate_dps = model_dps(window);
+    const double rate_dps = model_dps(window.row);
     residuals.push_back(residual);
     sum_dps += rate_dps;
     sum_abs_dps += std::abs(rate_dps);
@@ -239,15 +247,15 @@ double GainFit::bias_at(double time_s) const {
 std::optional<GainFit> fit_gain(const ShaftEvidence& evidence, double bias_uncertainty_dps,
                                 std::span<const double> ripple_periods_deg, const GainFit& before) {
   const Ripples ripples{ShaftSlope(before.gain, {}, evidence.scale), ripple_periods_deg};
-  const std::vector<Window> all = windows(evidence, ripples);
-  std::vector<Window> used = all;
+  const Windows found = windows(evidence, ripples);
+  std::vector<Window> used = found.all;
   double deviation_dps = first_deviation_dps;
   std::vector<double> x = solve(used, bias_uncertainty_dps, deviation_dps);
   if (x.empty()) return std::nullopt;
   GainFit fit;
-  fit.bias_course = course_of(all, x);
+  fit.bias_course = course_of(found.all, x);
   if (!fit.bias_course.empty()) {
-    used = all;
+    used = found.all;
     for (Window& window : used) window.rate_dps -= course_at(fit.bias_course, window.middle_s);
     x = solve(used, bias_uncertainty_dps, deviation_dps);
     if (x.empty()) return std::nullopt;

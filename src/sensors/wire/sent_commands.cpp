@@ -79,20 +79,23 @@ std::string payload_text(const SentFrame& frame) {
 
 std::vector<SentFrame> read_sent(std::span<const std::uint8_t> bytes) {
   std::vector<SentFrame> frames;
+  for_each_sent(bytes, [&frames](const SentFrame& frame) { frames.push_back(frame); });
+  return frames;
+}
+
+void for_each_sent(std::span<const std::uint8_t> bytes, const std::function<void(const SentFrame&)>& take) {
   servo_decoder decoder{};
   std::uint64_t begin = 0;  // of the frame that is open
   for (std::uint64_t i = 0; i < bytes.size(); ++i) {
     const servo_decoded decoded = servo_decoder_push(&decoder, bytes[i]);
-    if (decoded == SERVO_DECODED_STOP) frames.push_back({stop_byte_type, 0, {}, {i, i + 1}});
+    if (decoded == SERVO_DECODED_STOP) take({stop_byte_type, 0, {}, {i, i + 1}});
     if (decoded == SERVO_DECODED_FRAME) {
       const std::span payload(decoder.body + 2, servo_decoder_payload_size(&decoder));
       if (payload.size() == payload_size(decoder.body[0]))
-        frames.push_back(
-            {decoder.body[0], decoder.body[1], {payload.begin(), payload.end()}, {begin, i + 1}});
+        take({decoder.body[0], decoder.body[1], {payload.begin(), payload.end()}, {begin, i + 1}});
     }
     if (bytes[i] == SERVO_LINK_FLAG) begin = decoded == SERVO_DECODED_FRAME ? i + 1 : i;
   }
-  return frames;
 }
 
 bool is_command(const SentFrame& frame) {

@@ -46,7 +46,7 @@ class ChunkWriter {
   std::vector<StoredDataset> finish();
 
  private:
-  static constexpr std::size_t unwritten_bytes_max = 16U << 20U;  // and a chunk more for each thread
+  static constexpr std::size_t unwritten_bytes_max = 4U << 20U;  // and a chunk more for each thread
 
   struct Dataset {
     Handle handle;

@@ -9,6 +9,7 @@
 
 #include "attributes.h"
 #include "chunk_decoder.h"
+#include "row_parts.h"
 #include "thermorig/storage/sandbox/sandbox.h"
 
 namespace thermorig::session {
@@ -172,7 +173,7 @@ std::uint32_t GroupReader::read_chunks(const Table& table, hid_t type, Range ran
     }
     crc = libdeflate_crc32(crc, buffer.data(), count[0] * table.row_bytes);
     sandbox::count_inflated(count[0] * table.row_bytes);
-    take(start[0], count[0], buffer.data());
+    in_parts(start[0], count[0], buffer.data(), table.row_bytes, take);
     kept_bytes += count[0] * table.row_bytes;
     if (kept_bytes < kept_bytes_max) continue;
     facts_.copy->forget_pages();

@@ -2,7 +2,6 @@
 #include "sent_bytes.h"
 
 #include <algorithm>
-#include <map>
 
 #include "servo_link.h"
 #include "thermorig/sensors/wire/sent_commands.h"
@@ -17,14 +16,29 @@ std::int64_t time_ns_of(const RawStream& sent, std::uint64_t offset) {
   return sent.time_ns[static_cast<std::size_t>(end - sent.chunk_end.begin())];
 }
 
-/// Host time of the write() that ended each ping, by token. A token that comes again counts anew.
-std::map<std::uint32_t, std::int64_t> ping_times(const std::vector<wire::SentFrame>& frames,
-                                                 const RawStream& sent) {
-  std::map<std::uint32_t, std::int64_t> times;
-  for (const wire::SentFrame& frame : frames)
+struct PingTime {
+  std::uint32_t token;
+  std::int64_t time_ns;
+};
+
+/// Host time of the write() that ended each ping, ordered by token; where one comes again, in their order.
+std::vector<PingTime> ping_times(const RawStream& sent) {
+  std::vector<PingTime> times;
+  wire::for_each_sent(sent.bytes, [&](const wire::SentFrame& frame) {
     if (frame.type == SERVO_PING)
-      times[servo_get_u32(frame.payload.data())] = time_ns_of(sent, frame.span.end - 1);
+      times.push_back({servo_get_u32(frame.payload.data()), time_ns_of(sent, frame.span.end - 1)});
+  });
+  std::stable_sort(times.begin(), times.end(),
+                   [](const PingTime& a, const PingTime& b) { return a.token < b.token; });
   return times;
+}
+
+/// Of the last ping with the token.
+std::int64_t time_ns_of(const std::vector<PingTime>& times, std::uint32_t token) {
+  const auto after =
+      std::upper_bound(times.begin(), times.end(), token,
+                       [](std::uint32_t one, const PingTime& ping) { return one < ping.token; });
+  return after == times.begin() || (after - 1)->token != token ? unknown : (after - 1)->time_ns;
 }
 
 }  // namespace
@@ -34,20 +48,18 @@ std::string sent_group(Device to) {
 }
 
 std::vector<PingExchange> ping_exchanges(const std::vector<TimedPong>& pongs, const RawStream& sent) {
-  const auto times = ping_times(wire::read_sent(sent.bytes), sent);
+  const std::vector<PingTime> times = ping_times(sent);
   std::vector<PingExchange> exchanges;
-  for (const auto& pong : pongs) {
-    const auto found = times.find(pong.token);
-    exchanges.push_back({pong, found == times.end() ? unknown : found->second});
-  }
+  for (const auto& pong : pongs) exchanges.push_back({pong, time_ns_of(times, pong.token)});
   return exchanges;
 }
 
 std::vector<TimedCommand> timed_commands(const RawStream& sent) {
   std::vector<TimedCommand> commands;
-  for (const wire::SentFrame& frame : wire::read_sent(sent.bytes))
+  wire::for_each_sent(sent.bytes, [&](const wire::SentFrame& frame) {
     if (wire::is_command(frame))
       commands.push_back({host_time_ns(time_ns_of(sent, frame.span.begin)), wire::command_text(frame)});
+  });
   return commands;
 }
 

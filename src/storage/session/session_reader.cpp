@@ -257,10 +257,15 @@ void read_sync_tables(const SessionFile& file, SyncReport& sync) {
   if (file.version() >= with_checked_constants) bias_columns(group, sync.gyro.bias_course);
 }
 
-std::vector<TimedPong> read_pongs(const SessionFile& file) {
-  std::vector<PingExchange> exchanges;
+template <typename Rows>
+void read_exchanges(const SessionFile& file, Rows& exchanges) {
   auto group = file.group("/sync/servo");
   ping_columns(group, exchanges);
+}
+
+std::vector<TimedPong> read_pongs(const SessionFile& file) {
+  std::vector<PingExchange> exchanges;
+  read_exchanges(file, exchanges);
   std::vector<TimedPong> pongs;
   for (const auto& exchange : exchanges) pongs.push_back(exchange.pong);
   return pongs;
@@ -376,7 +381,8 @@ void pass_all(SessionFile& file) {
   PassedRows<TimedGyro> gyro;
   PassedRows<TimedServo> servo;
   read_messages(file, frames, gyro, servo);
-  read_pongs(file);
+  PassedRows<PingExchange> exchanges;
+  read_exchanges(file, exchanges);
   if (file.version() >= with_sync_report) read_sync_tables(file, session.sync);
   pass_samples(file, frames.size());
   check_copies(file);

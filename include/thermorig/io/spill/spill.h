@@ -19,8 +19,23 @@ struct Limits {
 void arrays_near(const std::filesystem::path& near, const Limits& limits = {});
 
 /// Gives pages of such arrays back to the system, if more of them are in memory than shall be. A thread does
-/// that every two milliseconds; who looks at large arrays quickly calls it now and then.
+/// that four times a millisecond; who looks at large arrays quickly calls it now and then.
 void give_pages_back();
+
+/// Gives pages back on the way along an array whose rows are large and hardly looked at: such a walk brings
+/// hundreds of megabytes into memory before a thread looks.
+class Pace {
+ public:
+  void passed(std::size_t bytes) {
+    constexpr std::size_t look_after_bytes = 2U << 20U;
+    if ((bytes_ += bytes) < look_after_bytes) return;
+    bytes_ = 0;
+    give_pages_back();
+  }
+
+ private:
+  std::size_t bytes_ = 0;
+};
 
 /// Bytes of arrays that lie on a disk now.
 std::size_t spilled_bytes();

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <span>
 #include <string>
 #include <vector>
@@ -21,6 +22,9 @@ struct SentFrame {
 /// The good frames and stop bytes in everything that was sent. Other bytes are passed over: the host's own
 /// recording of what it sent has none.
 std::vector<SentFrame> read_sent(std::span<const std::uint8_t> bytes);
+
+/// The same, one after another.
+void for_each_sent(std::span<const std::uint8_t> bytes, const std::function<void(const SentFrame&)>& take);
 
 /// False for what the host sends by the clock (refresh, ping) rather than to make the servo do something.
 bool is_command(const SentFrame& frame);
