@@ -39,7 +39,7 @@ void remark_offset(const session::Session& session, Remarks& remarks) {
   const CameraOffset& offset = session.sync.camera_offset;
   if (offset.applied || !link.latency_measured_utc.empty()) return;
   remarks.say(fmt::format("how late the camera is rests on an assumption (+- {:.1f} ms){}",
-                          1e3 * link.latency_uncertainty_s,
+                          1e3 * session.sync.clock[Device::camera].latency_uncertainty_s,
                           offset.why_not.empty() ? "" : ": " + offset.why_not));
   remarks.advise("thermorig calibrate latency");
 }

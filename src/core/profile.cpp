@@ -1,7 +1,16 @@
 // SPDX-License-Identifier: MIT
 #include "thermorig/core/profile.h"
 
+#include <cmath>
+
 namespace thermorig {
+
+double latency_uncertainty_s(const CameraProfile& camera) {
+  if (!camera.link.latency_measured_utc.empty()) return camera.link.latency_uncertainty_s;
+  // Root mean square of what lies evenly between 0 and half of a refresh; a frame is at least one.
+  const double rows_s = 0.5 / (std::sqrt(3.0) * camera.output_rate_hz);
+  return std::hypot(camera.link.latency_uncertainty_s, rows_s);
+}
 
 double GyroProfile::setting(const std::string& setting_name) const {
   const auto found = settings.find(setting_name);

@@ -42,10 +42,10 @@ void apply_filter_delay(const GyroErrors& errors, ClockFit& gyro) {
       std::hypot(gyro.report.latency_uncertainty_s, errors.filter_delay_s.uncertainty);
 }
 
-void apply_camera_offset(const PortProfile& link, const GyroErrors& errors, const ClockReport& gyro,
+void apply_camera_offset(const CameraProfile& profile, const GyroErrors& errors, const ClockReport& gyro,
                          CameraOffset& offset, ClockFit& camera) {
-  const bool is_calibrated = !link.latency_measured_utc.empty();
-  const Estimate assumed{0.0, link.latency_uncertainty_s};
+  const bool is_calibrated = !profile.link.latency_measured_utc.empty();
+  const Estimate assumed{0.0, latency_uncertainty_s(profile)};
   Estimate left = assumed;
   if (offset.offset_s && !camera.times.empty()) {
     const Estimate& seen = *offset.offset_s;
@@ -56,8 +56,9 @@ void apply_camera_offset(const PortProfile& link, const GyroErrors& errors, cons
     if (offset.applied) left = is_elsewhere ? seen : weighed(assumed, seen);
   }
   shift_times(left.value, camera);
-  if (offset.applied || is_calibrated)
-    camera.report.latency_uncertainty_s = std::hypot(left.uncertainty, gyro.latency_uncertainty_s);
+  const bool is_by_gyro = offset.applied || is_calibrated;
+  camera.report.latency_uncertainty_s =
+      is_by_gyro ? std::hypot(left.uncertainty, gyro.latency_uncertainty_s) : left.uncertainty;
 }
 
 }  // namespace thermorig::pipeline

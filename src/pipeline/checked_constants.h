@@ -25,7 +25,7 @@ void apply_filter_delay(const GyroErrors& errors, ClockFit& gyro);
 /// variance. What is uncertain about the gyro's latency is so about the camera's too, which is measured
 /// against it; and a filter that no profile states may be what changed, which then contradicts no
 /// calibration.
-void apply_camera_offset(const PortProfile& link, const GyroErrors& errors, const ClockReport& gyro,
+void apply_camera_offset(const CameraProfile& profile, const GyroErrors& errors, const ClockReport& gyro,
                          CameraOffset& offset, ClockFit& camera);
 
 }  // namespace thermorig::pipeline

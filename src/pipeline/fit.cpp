@@ -194,7 +194,7 @@ Fits fit(const RawRecording& raw, Streams streams, const RunAll& run_all) {
   apply_turns(motion::gyro_scale(streams.frames, streams.gyro, view, sync.gyro, turn_windows, run_all),
               sync.gyro);
   sync.camera_offset = motion::camera_offset(streams.frames, streams.gyro, view, sync.gyro, run_all);
-  apply_camera_offset(profile.camera.link, sync.gyro, clocks[Device::gyro].report, sync.camera_offset,
+  apply_camera_offset(profile.camera, sync.gyro, clocks[Device::gyro].report, sync.camera_offset,
                       clocks[Device::camera]);
   sync.servo = fit_servo();
 

@@ -18,16 +18,18 @@ double time_s(const ClockFit& clock) {
   return to_s(clock.times[0].time.time_since_epoch());
 }
 
-PortProfile assumed_link(double uncertainty_s) {
-  PortProfile link;
-  link.latency_uncertainty_s = uncertainty_s;
-  return link;
+/// At so many frames a second that how its rows are read hardly matters.
+CameraProfile assumed_camera(double uncertainty_s) {
+  CameraProfile camera;
+  camera.output_rate_hz = 1e6;
+  camera.link.latency_uncertainty_s = uncertainty_s;
+  return camera;
 }
 
-PortProfile calibrated_link(double uncertainty_s) {
-  PortProfile link = assumed_link(uncertainty_s);
-  link.latency_measured_utc = "2026-11-23T12:00:00Z";
-  return link;
+CameraProfile calibrated_camera(double uncertainty_s) {
+  CameraProfile camera = assumed_camera(uncertainty_s);
+  camera.link.latency_measured_utc = "2026-11-23T12:00:00Z";
+  return camera;
 }
 
 ClockReport gyro_clock(double latency_uncertainty_s) {
@@ -49,7 +51,7 @@ CameraOffset seen(double offset_s, double uncertainty_s) {
 TEST(CheckedLatency, AnAssumedOneGivesWayToWhatTheImagesSay) {
   ClockFit clock = clock_at(5.0);
   CameraOffset offset = seen(0.008, 0.0001);
-  apply_camera_offset(assumed_link(0.010), known_filter(), gyro_clock(0.0), offset, clock);
+  apply_camera_offset(assumed_camera(0.010), known_filter(), gyro_clock(0.0), offset, clock);
   EXPECT_TRUE(offset.applied);
   EXPECT_FALSE(offset.contradicts);
   EXPECT_NEAR(time_s(clock), 4.992, 2e-6);
@@ -60,16 +62,34 @@ TEST(CheckedLatency, AnAssumedOneGivesWayToWhatTheImagesSay) {
 TEST(CheckedLatency, AnAssumedOneIsWeighedByInverseVarianceAndAsUnsureAsTheGyros) {
   ClockFit clock = clock_at(5.0);
   CameraOffset offset = seen(0.008, 0.005);
-  apply_camera_offset(assumed_link(0.010), known_filter(), gyro_clock(0.004), offset, clock);
+  apply_camera_offset(assumed_camera(0.010), known_filter(), gyro_clock(0.004), offset, clock);
   EXPECT_NEAR(clock.report.latency_s, 0.020 + 0.008 * 100.0 / 125.0, 1e-9);
   EXPECT_NEAR(clock.report.latency_uncertainty_s, std::hypot(std::sqrt(0.8) * 0.005, 0.004), 1e-9);
   EXPECT_EQ(offset.offset_s->value, 0.008);  // what was seen stays as it is
 }
 
+TEST(CheckedLatency, AnAssumedOneDoesNotKnowWhenInARefreshTheMiddleRowsAreRead) {
+  CameraProfile camera = assumed_camera(0.010);
+  camera.output_rate_hz = 8.0;
+  const double stated_s = latency_uncertainty_s(camera);
+  EXPECT_GT(3.0 * stated_s, 0.0625 + 0.030);  // half of a refresh, and three deviations of the bridge's own
+  camera.link.latency_measured_utc = "2026-11-23T12:00:00Z";
+  EXPECT_EQ(latency_uncertainty_s(camera), 0.010);
+}
+
+TEST(CheckedLatency, WithoutImagesThatTellAnAssumedOneStaysAsUnsureAsItIs) {
+  ClockFit clock = clock_at(5.0);
+  CameraProfile camera = assumed_camera(0.010);
+  camera.output_rate_hz = 8.0;
+  CameraOffset none{.offset_s = std::nullopt, .why_not = "nothing turned"};
+  apply_camera_offset(camera, known_filter(), gyro_clock(0.002), none, clock);
+  EXPECT_NEAR(clock.report.latency_uncertainty_s, 0.0374, 1e-4);
+}
+
 TEST(CheckedLatency, ACalibratedOneStaysWhileTheImagesAgree) {
   ClockFit clock = clock_at(5.0);
   CameraOffset offset = seen(0.0012, 0.0003);
-  apply_camera_offset(calibrated_link(0.0004), known_filter(), gyro_clock(0.002), offset, clock);
+  apply_camera_offset(calibrated_camera(0.0004), known_filter(), gyro_clock(0.002), offset, clock);
   EXPECT_FALSE(offset.applied);
   EXPECT_FALSE(offset.contradicts);
   EXPECT_EQ(clock.times[0].time, HostTime(from_s(5.0)));
@@ -80,7 +100,7 @@ TEST(CheckedLatency, ACalibratedOneStaysWhileTheImagesAgree) {
 TEST(CheckedLatency, ACalibratedOneThatTheImagesContradictGivesWay) {
   ClockFit clock = clock_at(5.0);
   CameraOffset offset = seen(0.010, 0.0003);
-  apply_camera_offset(calibrated_link(0.0004), known_filter(), gyro_clock(0.0), offset, clock);
+  apply_camera_offset(calibrated_camera(0.0004), known_filter(), gyro_clock(0.0), offset, clock);
   EXPECT_TRUE(offset.applied);
   EXPECT_TRUE(offset.contradicts);
   EXPECT_NEAR(time_s(clock), 4.990, 1e-9);
@@ -92,7 +112,7 @@ TEST(CheckedLatency, AFilterThatNobodyKnowsMayExplainItSoNoCalibrationIsBlamed) 
   CameraOffset offset = seen(0.010, 0.0003);
   GyroErrors unknown_filter;
   unknown_filter.filter_delay_s = {0.0, 0.018};
-  apply_camera_offset(calibrated_link(0.0004), unknown_filter, gyro_clock(0.018), offset, clock);
+  apply_camera_offset(calibrated_camera(0.0004), unknown_filter, gyro_clock(0.018), offset, clock);
   EXPECT_TRUE(offset.applied);  // labels hang on the gyro
   EXPECT_FALSE(offset.contradicts);
   EXPECT_NEAR(clock.report.latency_uncertainty_s, 0.018, 1e-5);
@@ -101,15 +121,15 @@ TEST(CheckedLatency, AFilterThatNobodyKnowsMayExplainItSoNoCalibrationIsBlamed) 
 TEST(CheckedLatency, NothingIsShiftedByWhatIsNotKnown) {
   ClockFit clock = clock_at(5.0);
   CameraOffset none{.offset_s = std::nullopt, .why_not = "nothing moved"};
-  apply_camera_offset(assumed_link(0.010), known_filter(), gyro_clock(0.0), none, clock);
+  apply_camera_offset(assumed_camera(0.010), known_filter(), gyro_clock(0.0), none, clock);
   CameraOffset wild = seen(std::nan(""), std::nan(""));
-  apply_camera_offset(assumed_link(0.010), known_filter(), gyro_clock(0.0), wild, clock);
+  apply_camera_offset(assumed_camera(0.010), known_filter(), gyro_clock(0.0), wild, clock);
   EXPECT_FALSE(none.applied);
   EXPECT_FALSE(wild.applied);
   EXPECT_EQ(clock.times[0].time, HostTime(from_s(5.0)));
   ClockFit empty;
   CameraOffset offset = seen(0.008, 0.0005);
-  apply_camera_offset(assumed_link(0.010), known_filter(), gyro_clock(0.0), offset, empty);
+  apply_camera_offset(assumed_camera(0.010), known_filter(), gyro_clock(0.0), offset, empty);
   EXPECT_FALSE(offset.applied);
 }
 

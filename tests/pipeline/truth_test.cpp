@@ -104,6 +104,41 @@ TEST_P(Truth, RestsAndRampsAreNeverValid) {
   }
 }
 
+/// Frames whose end of exposure lies outside the stated bounds, with three deviations of the latency on
+/// either side.
+std::size_t frames_outside(const VirtualSweep& sweep, const Result& result, double latency_uncertainty_s) {
+  const double latency_s = 3.0 * latency_uncertainty_s;
+  std::size_t outside = 0;
+  for (const LabelledSample& sample : result.samples) {
+    const TimedFrame& frame = result.streams.frames.at(sample.frame_index);
+    const auto& sent = sweep.frames.at(sample.frame_index);
+    if (frame.late || frame.stale) continue;
+    const double later_s = to_s(sent.exposure_end - frame.stamp.time);
+    outside += later_s > latency_s + double{frame.stamp.later_s} ||
+               -later_s > latency_s + double{frame.stamp.earlier_s};
+  }
+  return outside;
+}
+
+/// The bridge's firmware, how rows are read and how slow the membranes are: nothing tells it of a rig at rest
+/// that was never calibrated.
+TEST(TruthAtRest, AnUncalibratedCamerasTimesLieWithinWhatIsStatedInAnyWorld) {
+  for (const char* world : {"typical", "hard"}) {
+    for (std::uint64_t seed = 1; seed <= 6; ++seed) {
+      auto config = simulation::default_rig(seed, "laboratory");
+      simulation::put_in_world(simulation::world_named(world, seed), config);
+      config.world.camera.lost_subpages = config.world.camera.repeated_frames = 0.0;  // index is index
+      const VirtualSweep sweep = drive(config, {}, 12.0);
+      const Fits fits = first_pass(sweep.config.profile, sweep.chunks, sweep.sent);
+      const Result result = run(sweep.config.profile, sweep.chunks, fits, sweep.sent);
+      ASSERT_GT(result.samples.size(), 80U);
+      const double stated_s = fits.sync->clock[Device::camera].latency_uncertainty_s;
+      EXPECT_EQ(frames_outside(sweep, result, stated_s), 0U) << world << seed;
+      EXPECT_LT(stated_s, 0.040) << "wider than nobody knows";
+    }
+  }
+}
+
 INSTANTIATE_TEST_SUITE_P(Modes, Truth, testing::Bool(), [](const testing::TestParamInfo<bool>& mode) {
   return std::string(mode.param ? "HalfFresh" : "FullFresh");
 });

@@ -61,4 +61,7 @@ class Blocks {
 /// Those of the program.
 Blocks& blocks();
 
+/// Whether large blocks are the business of blocks(): since arrays_near().
+inline std::atomic<bool> is_on = false;
+
 }  // namespace thermorig::spill

@@ -8,14 +8,13 @@ namespace thermorig::labels {
 namespace {
 /// Of the constant between the camera's clock and the one that the servo model hangs on: a fitted response
 /// hangs on the gyro's, against which the camera's latency is measured; an assumed one on the servo's.
-double latency_uncertainty_s(const RigProfile& profile, const std::optional<SyncReport>& sync) {
+double time_uncertainty_s(const RigProfile& profile, const std::optional<SyncReport>& sync) {
   const bool by_gyro = sync && sync->servo.fitted;
   const bool shifted = sync && sync->camera_offset.applied && sync->camera_offset.offset_s;
   if (by_gyro && shifted) return sync->camera_offset.offset_s->uncertainty;
-  const PortProfile& camera = profile.camera.link;
-  if (by_gyro && !camera.latency_measured_utc.empty()) return camera.latency_uncertainty_s;
-  const double camera_s =
-      shifted ? sync->clock[Device::camera].latency_uncertainty_s : camera.latency_uncertainty_s;
+  const double of_profile_s = latency_uncertainty_s(profile.camera);
+  if (by_gyro && !profile.camera.link.latency_measured_utc.empty()) return of_profile_s;
+  const double camera_s = shifted ? sync->clock[Device::camera].latency_uncertainty_s : of_profile_s;
   const double other_s =
       by_gyro ? sync->clock[Device::gyro].latency_uncertainty_s : profile.servo.link.latency_uncertainty_s;
   return std::hypot(camera_s, other_s);
@@ -30,7 +29,7 @@ LabelConfig label_config(const RigProfile& profile, const std::optional<SyncRepo
   config.travel_deg = profile.servo.kind == ServoKind::positional ? profile.servo.travel_deg : 0.0;
   config.servo = profile.servo;
   config.gyro_profile = profile.gyro;
-  config.latency_uncertainty_s = latency_uncertainty_s(profile, sync);
+  config.latency_uncertainty_s = time_uncertainty_s(profile, sync);
   if (!sync) return config;
   config.response = sync->servo;
   config.gyro = sync->gyro;

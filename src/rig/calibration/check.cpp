@@ -167,7 +167,9 @@ CheckedConstant camera_latency_of(const session::Session& session) {
   const PortProfile& link = session.raw.header.profile.camera.link;
   const CameraOffset& offset = session.sync.camera_offset;
   CheckedConstant constant{
-      .name = "camera latency", .unit = "s", .profile = Estimate{link.latency_s, link.latency_uncertainty_s}};
+      .name = "camera latency",
+      .unit = "s",
+      .profile = Estimate{link.latency_s, latency_uncertainty_s(session.raw.header.profile.camera)}};
   if (!offset.offset_s)
     return not_checked(std::move(constant), "the images do not tell: " + offset.why_not,
                        "point the camera at something with warm and cold edges");
