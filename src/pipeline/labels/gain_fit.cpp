@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <numeric>
+#include <optional>
 #include <utility>
 
 #include "least_squares.h"
@@ -71,31 +72,48 @@ struct Ripples {
 
   std::size_t row_size() const { return unknowns + 4 * periods_deg.size(); }
 
-  void add_to(std::span<double> row, double from_deg, double to_deg) const {
+  /// Of the shaft where its loop is at that angle, in each of the ripples.
+  void put_phases(double angle_deg, std::vector<RipplePhase>& phases) const {
+    phases.clear();
     if (periods_deg.empty()) return;
-    const double begin_deg = slope.gained_deg(from_deg), end_deg = slope.gained_deg(to_deg);
+    const double gained_deg = slope.gained_deg(angle_deg);
+    for (const double period_deg : periods_deg) phases.emplace_back(gained_deg, period_deg);
+  }
+
+  void add_to(std::span<double> row, const std::vector<RipplePhase>& from, const std::vector<RipplePhase>& to,
+              bool forward) const {
     for (std::size_t k = 0; k < periods_deg.size(); ++k) {
-      const auto [cosine, sine] = ripple_turned_deg(begin_deg, end_deg, periods_deg[k]);
-      const std::size_t first = unknowns + 4 * k + (to_deg > from_deg ? 0 : 2);
+      const auto [cosine, sine] = ripple_turned_deg(from[k], to[k], periods_deg[k]);
+      const std::size_t first = unknowns + 4 * k + (forward ? 0 : 2);
       row[first] += cosine / (parts_a_window * pulse_period_s);
       row[first + 1] += sine / (parts_a_window * pulse_period_s);
     }
   }
 };
 
+/// What is kept from one row to the next: how far the curve was looked through, and room for phases.
+struct RowWalk {
+  std::size_t near = 0;
+  std::vector<RipplePhase> before, now;
+};
+
 /// What the model says of a window, put into a row of zeros.
-void put_row(const ShaftEvidence& evidence, double model_s, const Ripples& ripples, std::span<double> row) {
-  double before_deg = evidence.curve.angle_deg(model_s);
+void put_row(const ShaftEvidence& evidence, double model_s, const Ripples& ripples, RowWalk& walk,
+             std::span<double> row) {
+  double before_deg = evidence.curve.angle_deg(model_s, walk.near);
+  ripples.put_phases(before_deg, walk.before);
   for (int part = 1; part <= parts_a_window; ++part) {
-    const double angle_deg = evidence.curve.angle_deg(model_s + part * pulse_period_s);
+    const double angle_deg = evidence.curve.angle_deg(model_s + part * pulse_period_s, walk.near);
+    ripples.put_phases(angle_deg, walk.now);
     const double turned_deg = angle_deg - before_deg;
     const double value =
         evidence.scale.continuous() ? turned_deg / pulse_period_s : (before_deg + angle_deg) / 2.0;
     const auto [left, share] = place_of(evidence.scale, value);
     row[left] += (1.0 - share) * turned_deg / (parts_a_window * pulse_period_s);
     row[left + 1] += share * turned_deg / (parts_a_window * pulse_period_s);
-    ripples.add_to(row, before_deg, angle_deg);
+    ripples.add_to(row, walk.before, walk.now, angle_deg > before_deg);
     before_deg = angle_deg;
+    std::swap(walk.before, walk.now);
   }
   row[bias] = 1.0;
 }
@@ -113,12 +131,14 @@ Windows windows(const ShaftEvidence& evidence, const Ripples& ripples) {
   const std::size_t size = ripples.row_size();
   Windows found;
   found.rows.resize(count * size);
+  RowWalk walk;
+  std::size_t near_gyro = 0;
   for (std::size_t i = 0; i < count; ++i) {
     const double from_s = evidence.begin_s + static_cast<double>(i) * length_s;
     const auto row = std::span(found.rows).subspan(i * size, size);
-    put_row(evidence, from_s - evidence.delay_s, ripples, row);
+    put_row(evidence, from_s - evidence.delay_s, ripples, walk, row);
     if (std::abs(model_dps(row)) < slowest_dps || is_within(evidence.strayed, from_s)) continue;
-    const double rate_dps = evidence.gyro.mean_dps(from_s, from_s + length_s);
+    const double rate_dps = evidence.gyro.mean_dps(from_s, from_s + length_s, near_gyro);
     if (std::isfinite(rate_dps)) found.all.push_back({from_s + length_s / 2.0, row, rate_dps});
   }
   return found;
@@ -216,20 +236,21 @@ Course course_of(const std::vector<Window>& windows, const std::vector<double>& 
   return moved ? course : Course{};
 }
 
-/// Of the windows that belong together; those that do not are dropped. Empty: too few are left.
-std::vector<double> solve(std::vector<Window>& used, double bias_uncertainty_dps, double& deviation_dps) {
+/// The equations of the windows that belong together; those that do not are dropped. None: too few are left.
+std::optional<LeastSquares> equations_without_outliers(std::vector<Window>& used,
+                                                       double bias_uncertainty_dps) {
   constexpr int rounds = 3;
-  if (used.size() < least_windows) return {};
-  deviation_dps = first_deviation_dps;
-  std::vector<double> x = equations_of(used, deviation_dps, bias_uncertainty_dps).solve();
+  if (used.size() < least_windows) return std::nullopt;
+  LeastSquares equations = equations_of(used, first_deviation_dps, bias_uncertainty_dps);
   for (int round = 0; round < rounds; ++round) {
-    deviation_dps = std::max(robust_deviation(residuals_dps(used, x), 0.0), least_deviation_dps);
+    const std::vector<double> x = equations.solve();
+    const double deviation_dps = std::max(robust_deviation(residuals_dps(used, x), 0.0), least_deviation_dps);
     const double limit = outlier * deviation_dps;
     std::erase_if(used, [&](const Window& window) { return std::abs(residual_dps(window, x)) > limit; });
-    if (used.size() < least_windows) return {};
-    x = equations_of(used, deviation_dps, bias_uncertainty_dps).solve();
+    if (used.size() < least_windows) return std::nullopt;
+    equations = equations_of(used, deviation_dps, bias_uncertainty_dps);
   }
-  return x;
+  return equations;
 }
 
 /// Share of the speed, in the direction in which it is larger.
@@ -249,22 +270,21 @@ std::optional<GainFit> fit_gain(const ShaftEvidence& evidence, double bias_uncer
   const Ripples ripples{ShaftSlope(before.gain, {}, evidence.scale), ripple_periods_deg};
   const Windows found = windows(evidence, ripples);
   std::vector<Window> used = found.all;
-  double deviation_dps = first_deviation_dps;
-  std::vector<double> x = solve(used, bias_uncertainty_dps, deviation_dps);
-  if (x.empty()) return std::nullopt;
+  std::optional<LeastSquares> equations = equations_without_outliers(used, bias_uncertainty_dps);
+  if (!equations) return std::nullopt;
+  std::vector<double> x = equations->solve();
   GainFit fit;
   fit.bias_course = course_of(found.all, x);
   if (!fit.bias_course.empty()) {
     used = found.all;
     for (Window& window : used) window.rate_dps -= course_at(fit.bias_course, window.middle_s);
-    x = solve(used, bias_uncertainty_dps, deviation_dps);
-    if (x.empty()) return std::nullopt;
+    equations = equations_without_outliers(used, bias_uncertainty_dps);
+    if (!equations) return std::nullopt;
+    x = equations->solve();
   }
   const std::vector<double> weights = visits(used);
   fit.ratio.value = std::inner_product(weights.begin(), weights.end(), x.begin(), 0.0);
-  fit.ratio.uncertainty =
-      std::hypot(std::sqrt(equations_of(used, deviation_dps, bias_uncertainty_dps).variance(weights)),
-                 least_ratio_error);
+  fit.ratio.uncertainty = std::hypot(std::sqrt(equations->variance(weights)), least_ratio_error);
   fit.bias_dps = x[bias];
   for (std::size_t i = 0; i < knots; ++i) fit.gain.push_back(x[i] / fit.ratio.value);
   for (std::size_t k = 0; k < ripple_periods_deg.size(); ++k) {

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "first_after.h"
 #include "thermorig/core/estimate.h"
 #include "thermorig/core/statistics.h"
 
@@ -49,12 +50,6 @@ GyroIntegral::GyroIntegral(std::span<const TimedGyro> gyro, const GyroErrors& er
   }
 }
 
-std::size_t GyroIntegral::edge_before(double time_s) const {
-  const auto after = std::upper_bound(edges_.begin(), edges_.end(), time_s,
-                                      [](double time, const Edge& edge) { return time < edge.time_s; });
-  return static_cast<std::size_t>(after - edges_.begin()) - 1;
-}
-
 double GyroIntegral::angle_deg(std::size_t edge, double time_s) const {
   const Edge& left = edges_[edge];
   if (edge + 1 == edges_.size()) return left.angle_deg;
@@ -62,9 +57,10 @@ double GyroIntegral::angle_deg(std::size_t edge, double time_s) const {
   return std::lerp(left.angle_deg, right.angle_deg, (time_s - left.time_s) / (right.time_s - left.time_s));
 }
 
-double GyroIntegral::mean_dps(double begin_s, double end_s) const {
+double GyroIntegral::mean_dps(double begin_s, double end_s, std::size_t& near) const {
   if (edges_.empty() || begin_s < edges_.front().time_s || end_s > edges_.back().time_s) return unknown;
-  const std::size_t first = edge_before(begin_s), last = edge_before(end_s);
+  const std::size_t first = first_after(edges_, begin_s, near) - 1;
+  const std::size_t last = first_after(edges_, end_s, near) - 1;
   const std::size_t through = std::min(last + 1, edges_.size() - 1);
   if (edges_[through].bad != edges_[first].bad) return unknown;
   return (angle_deg(last, end_s) - angle_deg(first, begin_s)) / (end_s - begin_s);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -20,7 +21,12 @@ class GyroIntegral {
 
   /// Mean rate over [begin_s, end_s], begin_s < end_s; not a number where a sample is missing or saturated or
   /// the recording does not reach.
-  double mean_dps(double begin_s, double end_s) const;
+  double mean_dps(double begin_s, double end_s) const {
+    std::size_t near = 0;
+    return mean_dps(begin_s, end_s, near);
+  }
+  /// `near`: see first_after().
+  double mean_dps(double begin_s, double end_s, std::size_t& near) const;
 
   /// Median time between samples; 0 if there are fewer than two.
   double period_s() const { return period_s_; }
@@ -32,7 +38,6 @@ class GyroIntegral {
     double angle_deg;
     std::uint32_t bad;  // bad samples so far
   };
-  std::size_t edge_before(double time_s) const;
   double angle_deg(std::size_t edge, double time_s) const;
 
   std::vector<double> times_s_;

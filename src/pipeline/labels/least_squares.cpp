@@ -14,8 +14,7 @@ void LeastSquares::add_part(std::size_t first, std::span<const double> row, doub
   const double weight = 1.0 / (deviation * deviation);
   for (std::size_t i = 0; i < row.size(); ++i) {
     if (row[i] == 0.0) continue;
-    for (std::size_t j = 0; j < row.size(); ++j)
-      matrix_[(first + i) * size_ + first + j] += weight * row[i] * row[j];
+    for (std::size_t j = 0; j <= i; ++j) matrix_[(first + i) * size_ + first + j] += weight * row[i] * row[j];
     right_[first + i] += weight * row[i] * value;
   }
 }
@@ -30,7 +29,7 @@ std::vector<double> LeastSquares::solve_for(std::vector<double> right) const {
   const auto size = static_cast<Eigen::Index>(size_);
   const Eigen::Map<const Matrix> matrix(matrix_.data(), size, size);
   Eigen::Map<Eigen::VectorXd> answer(right.data(), size);
-  answer = matrix.ldlt().solve(answer).eval();
+  answer = matrix.ldlt().solve(answer).eval();  // looks at the lower triangle alone
   return right;
 }
 

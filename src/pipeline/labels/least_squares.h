@@ -32,7 +32,7 @@ class LeastSquares {
   std::vector<double> solve_for(std::vector<double> right) const;
 
   std::size_t size_;
-  std::vector<double> matrix_;
+  std::vector<double> matrix_;  // its lower triangle: it is symmetric
   std::vector<double> right_;
 };
 

@@ -64,10 +64,11 @@ std::span<const PulseAt> pulses_for(std::span<const PulseAt> pulses, double begi
 
 std::vector<Sample> samples_of(const GyroIntegral& gyro, double begin_s, double end_s) {
   std::vector<Sample> samples;
+  std::size_t near = 0;
   const auto& times = gyro.times_s();
   for (auto time = std::lower_bound(times.begin(), times.end(), begin_s);
        time != times.end() && *time < end_s; ++time) {
-    const double rate_dps = gyro.mean_dps(*time - window_s / 2.0, *time + window_s / 2.0);
+    const double rate_dps = gyro.mean_dps(*time - window_s / 2.0, *time + window_s / 2.0, near);
     if (std::isfinite(rate_dps)) samples.push_back({*time, rate_dps});
   }
   return samples;
@@ -138,12 +139,13 @@ class Problem {
     return best;
   }
 
-  /// One Gauss-Newton step with damping; the uncertainty of the delay comes with it.
+  /// One Gauss-Newton step with damping from `p`, which predicts `now`; the uncertainty of the delay comes
+  /// with it.
   struct Step {
     Parameters to;
     double delay_uncertainty_s;
   };
-  Step step(const Parameters& p, double damping) const;
+  Step step(const Parameters& p, const std::vector<double>& now, double damping) const;
 
   /// Drops the changes that the model explains much worse than most.
   bool drop_outliers(const Parameters& p);
@@ -154,9 +156,9 @@ class Problem {
     const double band = (p.dead_band_deg - dead_band_deg()) / dead_band_doubt_deg;
     return loop * loop + band * band;
   }
-  double cost(const Parameters& p) const {
+  double cost(const Parameters& p, double squares) const {
     const double deviation = residual_dps_;
-    return match(predict(p)).squares / (repeated * deviation * deviation) + penalty(p);
+    return squares / (repeated * deviation * deviation) + penalty(p);
   }
   void set_residual(double residual_dps) { residual_dps_ = std::max(residual_dps, least_residual_dps); }
 
@@ -171,11 +173,13 @@ class Problem {
   std::vector<double> means(const std::vector<ShaftCurve>& curves, double delay_s) const {
     std::vector<double> rates;
     rates.reserve(measured_.size());
-    for (std::size_t i = 0; i < changes_.size(); ++i)
+    for (std::size_t i = 0; i < changes_.size(); ++i) {
+      std::size_t near = 0;
       for (const Sample& sample : changes_[i].samples) {
         const double middle_s = sample.time_s - delay_s;
-        rates.push_back(curves[i].mean_dps(middle_s - window_s / 2.0, middle_s + window_s / 2.0));
+        rates.push_back(curves[i].mean_dps(middle_s - window_s / 2.0, middle_s + window_s / 2.0, near));
       }
+    }
     return rates;
   }
 
@@ -186,9 +190,8 @@ class Problem {
   double residual_dps_ = 1.0;
 };
 
-Problem::Step Problem::step(const Parameters& p, double damping) const {
+Problem::Step Problem::step(const Parameters& p, const std::vector<double>& now, double damping) const {
   constexpr double delay_step_s = 2e-4, log_step = 0.02, band_step_deg = 0.02;
-  const std::vector<double> now = predict(p);
   const std::vector<double> later = predict({p.delay_s + delay_step_s, p.log_loop, p.dead_band_deg});
   const std::vector<double> stiffer = predict({p.delay_s, p.log_loop + log_step, p.dead_band_deg});
   const std::vector<double> wider = predict({p.delay_s, p.log_loop, p.dead_band_deg + band_step_deg});
@@ -241,8 +244,8 @@ bool Problem::drop_outliers(const Parameters& p) {
   return dropped;
 }
 
-double loop_residual_dps(const Problem& problem, const Parameters& p) {
-  return std::sqrt(problem.match(problem.predict(p)).squares / static_cast<double>(problem.samples()));
+double loop_residual_dps(const Problem& problem, double squares) {
+  return std::sqrt(squares / static_cast<double>(problem.samples()));
 }
 
 /// Levenberg-Marquardt from the best point of a coarse grid.
@@ -250,11 +253,15 @@ Parameters descend(Problem& problem, Parameters p) {
   constexpr int rounds = 12;
   constexpr double enough = 1e-5;
   double damping = 1.0;
-  problem.set_residual(loop_residual_dps(problem, p));
-  double cost = problem.cost(p);
+  std::vector<double> rates = problem.predict(p);
+  double squares = problem.match(rates).squares;
+  problem.set_residual(loop_residual_dps(problem, squares));
+  double cost = problem.cost(p, squares);
   for (int i = 0; i < rounds; ++i) {
-    const Parameters next = problem.step(p, damping).to;
-    const double next_cost = problem.cost(next);
+    const Parameters next = problem.step(p, rates, damping).to;
+    std::vector<double> next_rates = problem.predict(next);
+    squares = problem.match(next_rates).squares;
+    const double next_cost = problem.cost(next, squares);
     if (!(next_cost < cost)) {
       damping *= 8.0;
       continue;
@@ -262,8 +269,9 @@ Parameters descend(Problem& problem, Parameters p) {
     const bool done = cost - next_cost < enough * cost;
     damping /= 4.0;
     p = next;
-    problem.set_residual(loop_residual_dps(problem, p));
-    cost = problem.cost(p);
+    rates = std::move(next_rates);
+    problem.set_residual(loop_residual_dps(problem, squares));
+    cost = problem.cost(p, squares);
     if (done) break;
   }
   return p;
@@ -286,10 +294,12 @@ std::optional<LoopFit> fit_loop(std::span<const PulseAt> pulses, std::span<const
   Parameters p = descend(problem, coarse({prepare(pulses, changes, gyro, coarse_changes), profile}));
   if (problem.drop_outliers(p) && problem.changes() >= least_changes) p = descend(problem, p);
   if (problem.changes() < least_changes) return std::nullopt;
-  const Match found = problem.match(problem.predict(p));
+  const std::vector<double> rates = problem.predict(p);
+  const Match found = problem.match(rates);
   if (found.share < least_share_followed || found.factor <= 0.0) return std::nullopt;
-  const double uncertainty_s = problem.step(p, 1e-3).delay_uncertainty_s;
-  return LoopFit{{p.delay_s, uncertainty_s}, p.loop_hz(), p.dead_band_deg, loop_residual_dps(problem, p)};
+  const double uncertainty_s = problem.step(p, rates, 1e-3).delay_uncertainty_s;
+  return LoopFit{
+      {p.delay_s, uncertainty_s}, p.loop_hz(), p.dead_band_deg, loop_residual_dps(problem, found.squares)};
 }
 
 }  // namespace thermorig::labels

@@ -37,7 +37,8 @@ struct Turn {
 double explained_deg(double from_deg, double to_deg, const std::vector<ServoResponse::Ripple>& ripples) {
   double sum_deg = 0.0;
   for (const ServoResponse::Ripple& ripple : ripples) {
-    const auto [cosine, sine] = ripple_turned_deg(from_deg, to_deg, ripple.period_deg);
+    const RipplePhase from(from_deg, ripple.period_deg), to(to_deg, ripple.period_deg);
+    const auto [cosine, sine] = ripple_turned_deg(from, to, ripple.period_deg);
     sum_deg += to_deg > from_deg ? ripple.forward_cosine * cosine + ripple.forward_sine * sine
                                  : ripple.backward_cosine * cosine + ripple.backward_sine * sine;
   }
@@ -46,8 +47,9 @@ double explained_deg(double from_deg, double to_deg, const std::vector<ServoResp
 
 std::vector<Turn> turns_of(const ShaftEvidence& evidence, const GainFit& fit) {
   const ShaftSlope slope(fit.gain, {}, evidence.scale);
+  std::size_t near_shaft = 0, near_gyro = 0;
   const auto gained_deg = [&](double time_s) {
-    return slope.gained_deg(evidence.curve.angle_deg(time_s - evidence.delay_s));
+    return slope.gained_deg(evidence.curve.angle_deg(time_s - evidence.delay_s, near_shaft));
   };
   // No more than there are samples to fill them: the times of a damaged recording may lie ages apart.
   const auto samples = static_cast<double>(evidence.gyro.times_s().size());
@@ -59,7 +61,8 @@ std::vector<Turn> turns_of(const ShaftEvidence& evidence, const GainFit& fit) {
     Turn turn{gained_deg(from_s), gained_deg(to_s), 0.0};
     if (std::abs(turn.turned_deg()) < slowest_turn_dps * pulse_period_s) continue;
     if (is_within(evidence.strayed, from_s)) continue;
-    const double seen_dps = (evidence.gyro.mean_dps(from_s, to_s) - fit.bias_at(from_s)) / fit.ratio.value;
+    const double seen_dps =
+        (evidence.gyro.mean_dps(from_s, to_s, near_gyro) - fit.bias_at(from_s)) / fit.ratio.value;
     turn.off_deg = seen_dps * pulse_period_s - turn.turned_deg() -
                    explained_deg(turn.from_deg, turn.to_deg, fit.ripples);
     if (std::isfinite(turn.off_deg)) turns.push_back(turn);
@@ -144,10 +147,15 @@ std::optional<double> strongest_period_deg(const Bins& bins,
 
 }  // namespace
 
-std::array<double, 2> ripple_turned_deg(double from_deg, double to_deg, double period_deg) {
+RipplePhase::RipplePhase(double angle_deg, double period_deg) {
+  const double phase = 2.0 * std::numbers::pi / period_deg * angle_deg;
+  cosine = std::cos(phase);
+  sine = std::sin(phase);
+}
+
+std::array<double, 2> ripple_turned_deg(const RipplePhase& from, const RipplePhase& to, double period_deg) {
   const double wave = 2.0 * std::numbers::pi / period_deg;
-  return {(std::sin(wave * to_deg) - std::sin(wave * from_deg)) / wave,
-          (std::cos(wave * from_deg) - std::cos(wave * to_deg)) / wave};
+  return {(to.sine - from.sine) / wave, (from.cosine - to.cosine) / wave};
 }
 
 std::optional<double> strongest_ripple_deg(const ShaftEvidence& evidence, const GainFit& fit) {

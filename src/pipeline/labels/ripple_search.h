@@ -14,7 +14,13 @@ namespace thermorig::labels {
 /// periods or more than 30 turns were passed.
 std::optional<double> strongest_ripple_deg(const ShaftEvidence& evidence, const GainFit& fit);
 
+/// Where in a ripple an angle of the shaft lies.
+struct RipplePhase {
+  RipplePhase(double angle_deg, double period_deg);
+  double cosine, sine;
+};
+
 /// How far a ripple of size 1 turns the shaft on the way between two angles: cosine and sine.
-std::array<double, 2> ripple_turned_deg(double from_deg, double to_deg, double period_deg);
+std::array<double, 2> ripple_turned_deg(const RipplePhase& from, const RipplePhase& to, double period_deg);
 
 }  // namespace thermorig::labels

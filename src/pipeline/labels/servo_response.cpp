@@ -62,11 +62,12 @@ struct Residuals {
 };
 
 /// What the gyro's means over one pulse period differ by from the middle of their neighbours: too fast for a
-/// shaft with a load, so it is noise.
-void note_noise(const GyroIntegral& gyro, double begin_s, double end_s, Residuals& residuals) {
+/// shaft with a load, so it is noise. `near`: see first_after().
+void note_noise(const GyroIntegral& gyro, double begin_s, double end_s, std::size_t& near,
+                Residuals& residuals) {
   double before = unknown, last = unknown;
   for (double from_s = begin_s; from_s + pulse_period_s <= end_s; from_s += pulse_period_s) {
-    const double mean_dps = gyro.mean_dps(from_s, from_s + pulse_period_s);
+    const double mean_dps = gyro.mean_dps(from_s, from_s + pulse_period_s, near);
     const double square = alternation_dps2(before, last, mean_dps);
     before = last;
     last = mean_dps;
@@ -82,14 +83,14 @@ class FittedShaft {
   FittedShaft(const ShaftCurve& curve, const ServoResponse& response, const PulseScale& scale)
       : curve_(curve), response_(response), scale_(scale), slope_(response.gain, response.ripples, scale) {}
 
-  /// Mean rate as the corrected gyro should see it.
-  double mean_dps(double begin_s, double end_s) const {
+  /// Mean rate as the corrected gyro should see it. `near`: see first_after().
+  double mean_dps(double begin_s, double end_s, std::size_t& near) const {
     const double parts = std::max(1.0, std::round((end_s - begin_s) / pulse_period_s));
     const double step_s = (end_s - begin_s) / parts;
     double turned_deg = 0.0;
-    double before_deg = curve_.angle_deg(begin_s - response_.delay_s);
+    double before_deg = curve_.angle_deg(begin_s - response_.delay_s, near);
     for (double part = 1.0; part <= parts; part += 1.0) {
-      const double angle_deg = curve_.angle_deg(begin_s + part * step_s - response_.delay_s);
+      const double angle_deg = curve_.angle_deg(begin_s + part * step_s - response_.delay_s, near);
       const double slope = scale_.continuous()
                                ? slope_.gain((angle_deg - before_deg) / step_s)
                                : slope_.at((angle_deg + before_deg) / 2.0, angle_deg > before_deg);
@@ -110,14 +111,15 @@ std::map<long long, Residuals> residuals_of(const std::vector<Interval>& interva
                                             const GyroIntegral& gyro, const GainFit& gain, double settle,
                                             double frame_s) {
   std::map<long long, Residuals> by_speed;  // by centidegrees per second
+  std::size_t near_gyro = 0, near_shaft = 0;
   for (const Interval& interval : intervals) {
     if (interval.leg == 0) continue;  // on the way to a start: nobody planned that speed
     for (double from_s = interval.begin_s + settle; from_s + frame_s <= interval.end_s; from_s += frame_s) {
-      const double rate_dps = gyro.mean_dps(from_s, from_s + frame_s) - gain.bias_at(from_s);
+      const double rate_dps = gyro.mean_dps(from_s, from_s + frame_s, near_gyro) - gain.bias_at(from_s);
       if (!std::isfinite(rate_dps)) continue;
       Residuals& residuals = by_speed[std::llround(100.0 * interval.rate_dps)];
-      residuals.add(rate_dps - shaft.mean_dps(from_s, from_s + frame_s));
-      note_noise(gyro, from_s, from_s + frame_s, residuals);
+      residuals.add(rate_dps - shaft.mean_dps(from_s, from_s + frame_s, near_shaft));
+      note_noise(gyro, from_s, from_s + frame_s, near_gyro, residuals);
     }
   }
   return by_speed;

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "first_after.h"
 #include "hermite.h"
 
 namespace thermorig::labels {
@@ -43,13 +44,12 @@ ShaftCurve::ShaftCurve(std::span<const PulseAt> pulses, bool continuous, double 
   }
 }
 
-double ShaftCurve::angle_deg(double time_s) const {
-  const auto after = std::upper_bound(points_.begin(), points_.end(), time_s,
-                                      [](double time, const Point& point) { return time < point.time_s; });
-  if (after == points_.begin()) return points_.front().angle_deg;
-  if (after == points_.end()) return points_.back().angle_deg;
-  const Point& a = *(after - 1);
-  const Point& b = *after;
+double ShaftCurve::angle_deg(double time_s, std::size_t& near) const {
+  const std::size_t after = first_after(points_, time_s, near);
+  if (after == 0) return points_.front().angle_deg;
+  if (after == points_.size()) return points_.back().angle_deg;
+  const Point& a = points_[after - 1];
+  const Point& b = points_[after];
   const double length_s = b.time_s - a.time_s;
   return hermite(a.angle_deg, a.rate_dps, b.angle_deg, b.rate_dps, length_s, (time_s - a.time_s) / length_s);
 }

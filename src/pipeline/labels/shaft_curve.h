@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <cstddef>
 #include <span>
 #include <vector>
 
@@ -30,11 +31,13 @@ class ShaftCurve {
              double until_s);
 
   /// Angle at a time; before the first and beyond the last point, that of the point.
-  double angle_deg(double time_s) const;
+  /// `near`: see first_after().
+  double angle_deg(double time_s, std::size_t& near) const;
 
   /// Mean rate over [begin_s, end_s].
-  double mean_dps(double begin_s, double end_s) const {
-    return (angle_deg(end_s) - angle_deg(begin_s)) / (end_s - begin_s);
+  double mean_dps(double begin_s, double end_s, std::size_t& near) const {
+    const double begin_deg = angle_deg(begin_s, near);
+    return (angle_deg(end_s, near) - begin_deg) / (end_s - begin_s);
   }
 
  private:
