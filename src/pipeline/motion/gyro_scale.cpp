@@ -20,6 +20,8 @@ constexpr double free_scale = 0.1;              // the result owes nothing to th
 constexpr double step_pixels = 0.5;             // that far the ends of the turn move from one try to the next
 constexpr double apart_pixels = 4.0;            // tries closer than that are the same place
 constexpr int most_steps = 250;
+constexpr int coarse_steps = 3;        // a bin is wider: what is sharp shows at one of so many steps
+constexpr double coarse_share = 0.25;  // of the coarse steps, about which all are tried
 constexpr std::size_t searched_halves = 250;
 constexpr int closing_rounds = 2;
 constexpr double left_both_ways = 0.2;
@@ -114,15 +116,32 @@ struct Try {
   double variance = 0.0;
 };
 
-/// From the one end of what the scale may be to the other. Where the turn closes shows in a part of the
-/// halves too, and each try costs less.
+/// So large a variance only `share` of the tries stay below.
+double variance_of_share(const std::vector<Try>& tries, double share) {
+  std::vector<double> variances;
+  for (const Try& one : tries) variances.push_back(one.variance);
+  const auto at =
+      variances.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(variances.size()));
+  std::nth_element(variances.begin(), at, variances.end());
+  return *at;
+}
+
+/// From the one end of what the scale may be to the other, closely where coarse steps were sharpest. Where
+/// the turn closes shows in a part of the halves too, and each try costs less.
 std::vector<Try> search_scale(ClosedTurn& turn, std::size_t halves, double middle, double uncertainty,
                               double step) {
   const int steps = std::min(most_steps, static_cast<int>(searched_uncertainties * uncertainty / step) + 1);
   turn.look_at_one_of(std::max<std::size_t>(1, halves / searched_halves));
+  const auto tried = [&](int i) { return Try{middle + i * step, turn.variance(middle + i * step)}; };
   std::vector<Try> tries;
-  for (int i = -steps; i <= steps; ++i)
-    tries.push_back({middle + i * step, turn.variance(middle + i * step)});
+  for (int i = -steps; i <= steps; i += coarse_steps) tries.push_back(tried(i));
+  const double limit = variance_of_share(tries, coarse_share);
+  const std::size_t coarse = tries.size();
+  for (std::size_t k = 0; k < coarse; ++k) {
+    if (tries[k].variance > limit && (k + 1 == coarse || tries[k + 1].variance > limit)) continue;
+    const int from = -steps + static_cast<int>(k) * coarse_steps;
+    for (int i = from + 1; i < from + coarse_steps && i <= steps; ++i) tries.push_back(tried(i));
+  }
   turn.look_at_one_of(1);
   return tries;
 }
