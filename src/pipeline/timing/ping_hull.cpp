@@ -2,7 +2,6 @@
 #include "ping_hull.h"
 
 #include <algorithm>
-#include <utility>
 
 namespace thermorig::timing {
 namespace {
@@ -23,8 +22,8 @@ Range range_in_order(const Range& range) {
 
 }  // namespace
 
-PingHull::PingHull(std::vector<Event> events, double wander)
-    : wander_(wander), events_(std::move(events)), offsets_(events_.size()), begins_(events_.size(), 0) {
+PingHull::PingHull(std::span<const Event> events, double wander)
+    : wander_(wander), events_(events), offsets_(events_.size()), begins_(events_.size(), 0) {
   if (events_.empty()) return;
   begins_.front() = 1;
   place_knots();

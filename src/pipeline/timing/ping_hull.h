@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <span>
 #include <vector>
 
 #include "ping_bounds.h"
@@ -22,10 +23,10 @@ class PingHull {
     double missed_s = 0.0;  // by so much
   };
 
-  /// Events in ascending order of their time.
-  PingHull(std::vector<Event> events, double wander);
+  /// Events in ascending order of their time, which outlive the hull.
+  PingHull(std::span<const Event> events, double wander);
 
-  const std::vector<Event>& events() const { return events_; }
+  std::span<const Event> events() const { return events_; }
   const std::vector<Range>& offsets() const { return offsets_; }  // at each event
   /// Whether one clock of that wander explains all events.
   bool explains_all() const { return breaks_.empty() && rates_agree_; }
@@ -47,7 +48,7 @@ class PingHull {
   void split(std::size_t event, double missed_s);
 
   double wander_;
-  std::vector<Event> events_;
+  std::span<const Event> events_;
   std::vector<Range> offsets_;
   std::vector<char> begins_;  // events at which the clock starts anew
   std::vector<Break> breaks_;
