@@ -189,14 +189,15 @@ Fits fit(const RawRecording& raw, Streams streams, const RunAll& run_all) {
     return labels::fit_servo_response(streams.servo, streams.gyro, sync.gyro, profile.servo,
                                       1.0 / profile.camera.output_rate_hz);
   };
-  fit_servo();  // how the bias went: what images say rests on it, and what the servo's scale is, on them
+  sync.servo = fit_servo();  // with it how the bias went, on which rests what images say
   const motion::View view{profile.camera.field_of_view_deg, profile.camera.mirrored};
-  apply_turns(motion::gyro_scale(streams.frames, streams.gyro, view, sync.gyro, turn_windows, run_all),
-              sync.gyro);
+  const motion::TurnResult turns =
+      motion::gyro_scale(streams.frames, streams.gyro, view, sync.gyro, turn_windows, run_all);
+  apply_turns(turns, sync.gyro);
   sync.camera_offset = motion::camera_offset(streams.frames, streams.gyro, view, sync.gyro, run_all);
   apply_camera_offset(profile.camera, sync.gyro, clocks[Device::gyro].report, sync.camera_offset,
                       clocks[Device::camera]);
-  sync.servo = fit_servo();
+  if (turns.gyro_scale) sync.servo = fit_servo();  // another scale of the gyro is another one of the servo
 
   for (const Device device : all_devices) {
     fits.times[device] = std::move(clocks[device].times);
