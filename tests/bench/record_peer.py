@@ -245,12 +245,13 @@ def load(folder):
 
 def replay(folder, out):
     chunks, raw = load(folder)
-    start = time.perf_counter()
+    start, start_cpu = time.perf_counter(), time.process_time()
     arrays = decode(chunks)
-    decoded = time.perf_counter()
+    decoded, decoded_cpu = time.perf_counter(), time.process_time()
     write(out, {**arrays, **raw})
-    done = time.perf_counter()
+    done, done_cpu = time.perf_counter(), time.process_time()
     print(json.dumps({"decode_s": decoded - start, "session_s": done - start,
+                      "decode_cpu_s": decoded_cpu - start_cpu, "session_cpu_s": done_cpu - start_cpu,
                       "frames": len(arrays["camera/time"]), "gyro": len(arrays["gyro/time"]),
                       "telemetry": len(arrays["servo/time"]), "valid": int(arrays["samples/valid"].sum())}))
 

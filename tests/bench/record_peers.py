@@ -53,13 +53,18 @@ def export_chunks(chunks, path):
 
 
 def ours_s(bench, session, chunks):
-    """By name: from bytes to samples, to the finished session, the writing of that file, compressing its arrays alone."""
+    """By name: from bytes to samples, to the finished session, the fits in that, the writing of its file, compressing its
+    arrays alone; the same in seconds of processor."""
     out = subprocess.run([bench, "--benchmark_format=json", "--benchmark_min_time=0.2"], check=True, capture_output=True,
                          env={**os.environ, "THERMORIG_BENCH_SESSION": str(session),
                               "THERMORIG_BENCH_CHUNKS": str(chunks)}).stdout
-    times = {run["name"].split("/")[0]: run["real_time"] * 1e-3 for run in json.loads(out)["benchmarks"]}
-    return {"samples": times["BytesToLabelledSamples"], "session": times["BytesToFinishedSession"],
-            "file": times["SessionToFile"], "compress": times["CompressingAlone"]}
+    names = {"BytesToLabelledSamples": "samples", "BytesToFinishedSession": "session", "FitsOfSession": "fits",
+             "SessionToFile": "file", "CompressingAlone": "compress"}
+    times = {}
+    for run in json.loads(out)["benchmarks"]:
+        name = names[run["name"].split("/")[0]]
+        times[name], times[name + "_cpu"] = run["real_time"] * 1e-3, run["cpu_time"] * 1e-3
+    return times
 
 
 def peer_s(folder):
@@ -86,7 +91,9 @@ def main(bench, session, folder, *options):
         ours = ours_s(bench, session, folder / "chunks.bin")
         peer = peer_s(folder)
         check_same_work(session, peer)
-        rows.append({**ours, "peer_samples": peer["decode_s"], "peer_session": peer["session_s"]})
+        rows.append({**ours, "peer_samples": peer["decode_s"], "peer_session": peer["session_s"],
+                     "peer_samples_cpu": peer["decode_cpu_s"], "peer_session_cpu": peer["session_cpu_s"],
+                     "session_without_fits_cpu": ours["session_cpu"] - ours["fits_cpu"]})
 
     def median(value):
         return statistics.median(value(row) for row in rows)
@@ -94,6 +101,9 @@ def main(bench, session, folder, *options):
     figures = {key + "_s": median(lambda row, key=key: row[key]) for key in rows[0]}
     # Of each round, then their median: what slows the computer slows both.
     for key, over, under in (("samples_ratio", "peer_samples", "samples"), ("session_ratio", "peer_session", "session"),
+                             ("samples_cpu_ratio", "peer_samples_cpu", "samples_cpu"),
+                             ("session_cpu_ratio", "peer_session_cpu", "session_cpu"),
+                             ("session_without_fits_cpu_ratio", "peer_session_cpu", "session_without_fits_cpu"),
                              ("file_to_compress_ratio", "file", "compress"),
                              ("session_to_compress_ratio", "session", "compress")):
         figures[key] = median(lambda row, over=over, under=under: row[over] / row[under])
@@ -102,8 +112,12 @@ def main(bench, session, folder, *options):
         return
     print(f"median of {ROUNDS} rounds, one acquisition of {sum(map(len, chunks)) / 1e6:.0f} MB of arrays, simulated rig")
     print(f"{'':<28} {'thermorig':>10} {'Python':>10} {'ratio':>7}")
-    for title, key in (("bytes -> labelled samples", "samples"), ("bytes -> finished session", "session")):
-        print(f"{title:<28} {figures[key + '_s']:>8.3f} s {figures['peer_' + key + '_s']:>8.3f} s "
+    for title, key, peer_key in (("bytes -> labelled samples", "samples", "samples"),
+                                 ("  seconds of processor", "samples_cpu", "samples_cpu"),
+                                 ("bytes -> finished session", "session", "session"),
+                                 ("  seconds of processor", "session_cpu", "session_cpu"),
+                                 ("  without the fits", "session_without_fits_cpu", "session_cpu")):
+        print(f"{title:<28} {figures[key + '_s']:>8.3f} s {figures['peer_' + peer_key + '_s']:>8.3f} s "
               f"{figures[key + '_ratio']:>6.1f}x")
     print(f"{'compressing alone':<28} {figures['compress_s']:>8.3f} s (same library, level and cores)")
     print(f"{'session -> file':<28} {figures['file_s']:>8.3f} s: {figures['file_to_compress_ratio']:.2f} times that; the "
