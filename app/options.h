@@ -188,6 +188,8 @@ struct TrainOptions {
   std::string preset = "best";
   std::string label = "commanded";  // that is learnt: commanded, corrected, shaft
   std::optional<int> frames, reduction, epochs, batch, threads;
+  std::optional<std::uint64_t> memory_mb;  // of frames; none: half of the machine's
+  std::filesystem::path cache;             // folder of those that do not fit; empty: beside the run folder
   std::optional<double> rate, auxiliary_thermal, label_scale_dps;
   std::optional<bool> mirror, choose_epoch;
   bool fusion = true;

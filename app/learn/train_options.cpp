@@ -79,6 +79,15 @@ void add_train(CLI::App& root, TrainOptions& options) {
       .add_option("--run-folder", options.run_folder,
                   "Folder for settings, metrics and checkpoint (default: FILE's name with .run)")
       ->type_name("DIR");
+  command
+      .add_option("--memory", options.memory_mb,
+                  "Memory for frames; those that do not fit lie on a disk (default: half of the machine's)")
+      ->check(CLI::Range(std::uint64_t{0}, std::uint64_t{1'000'000'000}))
+      ->type_name("MB");
+  command
+      .add_option("--cache", options.cache,
+                  "Folder on that disk, which stays empty (default: beside the run folder)")
+      ->type_name("FOLDER");
   command.add_flag("--resume", options.resume, "Go on with the run in that folder");
   command.add_flag("--accept-bad", options.accept_bad,
                    "Take sessions whose verdict is bad; without it one of these is refused");

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <cstdint>
 #include <memory>
 #include <string>
 
@@ -16,6 +17,8 @@ struct TrainStart {
   const training::TrainingConfig& config;
   Label label = Label::commanded;  // that is learnt
   const dataset::Acquisitions& data;
+  const dataset::FrameStore& frames;
+  std::uint64_t memory_bytes = 0;  // that frames may take
   std::string run_folder;
   std::string instruction_set;
   int threads = 1;
