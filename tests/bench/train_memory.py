@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: MIT
-"""Called by train_memory.sh: PROGRAM FOLDER ACQUISITIONS MEMORY_MB EPOCHS WORDS JSON."""
+"""Called by train_memory.sh: PROGRAM FOLDER ACQUISITIONS MEMORY_MB EPOCHS ROUNDS WORDS JSON."""
+import collections
 import json
 import os
 import pathlib
@@ -11,12 +12,12 @@ import time
 
 import process_memory
 
-program, folder, acquisitions, memory_mb, epochs, words, as_json = sys.argv[1:]
+program, folder, acquisitions, memory_mb, epochs, rounds, words, as_json = sys.argv[1:]
 folder = pathlib.Path(folder)
 sessions = folder / "sessions"
 acquisitions, memory_mb, epochs = int(float(acquisitions)), int(memory_mb), int(epochs)
 FRAMES_A_LEG = 442
-COLD_EVERY_S = 0.01
+COLD_EVERY_S = 0.1
 figures = {"acquisitions": acquisitions, "memory_mb": memory_mb}
 
 # The system's own h5py, whatever this Python is.
@@ -74,15 +75,36 @@ class ColdDisk:
             pass  # it has ended
 
 
+Trained = collections.namedtuple("Trained", "peak_mb held_mb read_s epoch_s epoch_cpu_s")
+
+
+def processor_s(pid):
+    """Of all threads of the process so far; nothing of one that has ended."""
+    try:
+        words = pathlib.Path(f"/proc/{pid}/stat").read_text().rsplit(")", 1)[1].split()
+    except OSError:
+        return float("nan")
+    return (int(words[11]) + int(words[12])) / os.sysconf("SC_CLK_TCK")
+
+
+def lines_of(process, lines):
+    """Appends each line's seconds, the process's own seconds and what it says."""
+    began = time.monotonic()
+    for line in process.stdout:
+        lines.append((time.monotonic() - began, processor_s(process.pid), json.loads(line)))
+
+
+def differences(values):
+    return [after - before for before, after in zip(values, values[1:])]
+
+
 def trained(name, memory, watch=None):
-    """Peaks, seconds an epoch and seconds of reading; the model's bytes."""
+    """What it took, and the model's bytes."""
     model = folder / f"{name}.onnx"
     lines = []
     process = subprocess.Popen([program, "train", sessions, "-o", model, "--epochs", str(epochs), "--memory", str(memory),
                                 "--cache", folder, "--json", *words.split()], stdout=subprocess.PIPE, text=True)
-    began = time.monotonic()
-    reader = threading.Thread(target=lambda: lines.extend(
-        (time.monotonic() - began, json.loads(line)) for line in process.stdout), daemon=True)
+    reader = threading.Thread(target=lines_of, args=(process, lines), daemon=True)
     reader.start()
     peak, held = 0, 0
     while process.poll() is None:
@@ -95,9 +117,10 @@ def trained(name, memory, watch=None):
     reader.join()
     if process.returncode != 0:
         sys.exit(f"{name} ended with {process.returncode}")
-    [(read_s, start)] = [(at, line) for at, line in lines if line["event"] == "start"]
-    ends = [line["elapsed_s"] for _, line in lines if line["event"] == "epoch"]
-    epoch_s = [end - begin for begin, end in zip([0, *ends], ends)]
+    read_s, _, start = lines[0]
+    epochs_of = [line for line in lines if line[2]["event"] in ("start", "epoch")]
+    epoch_s = differences([at for at, _, _ in epochs_of])
+    epoch_cpu_s = differences([used for _, used, _ in epochs_of])
     figures.setdefault("frames", start["data"]["frames"])
     figures.setdefault("windows", start["data"]["windows"])
     shutil.rmtree(folder / f"{name}.run")
@@ -105,26 +128,28 @@ def trained(name, memory, watch=None):
     model.unlink()
     print(f"{name}: {peak / 1e3:.0f} MB, {held / 1e3:.0f} of them held, read in {read_s:.1f} s, epochs of "
           f"{', '.join(f'{s:.1f}' for s in epoch_s)} s", file=sys.stderr, flush=True)
-    return peak / 1e3, held / 1e3, read_s, epoch_s, content
+    return Trained(peak / 1e3, held / 1e3, read_s, min(epoch_s), min(epoch_cpu_s)), content
 
 
 make_sessions()
 EVERYTHING_MB = 100_000_000
 runs = {"memory": [], "disk": [], "cold_disk": []}
 models = set()
-for pair in range(2):
+for _ in range(int(rounds)):
     for name, memory, watch in (("memory", EVERYTHING_MB, None), ("disk", memory_mb, None),
                                 ("cold_disk", memory_mb, ColdDisk())):
-        *run, content = trained(name, memory, watch)
+        run, content = trained(name, memory, watch)
         runs[name].append(run)
         models.add(content)
 for name, of_name in runs.items():
-    figures[f"{name}_peak_mb"] = round(max(run[0] for run in of_name), 1)
-    figures[f"{name}_held_mb"] = round(max(run[1] for run in of_name), 1)
-    figures[f"{name}_read_s"] = round(min(run[2] for run in of_name), 1)
-    figures[f"{name}_epoch_s"] = round(min(min(run[3]) for run in of_name), 2)
+    figures[f"{name}_peak_mb"] = round(max(run.peak_mb for run in of_name), 1)
+    figures[f"{name}_held_mb"] = round(max(run.held_mb for run in of_name), 1)
+    for figure in ("read_s", "epoch_s", "epoch_cpu_s"):
+        figures[f"{name}_{figure}"] = round(min(getattr(run, figure) for run in of_name), 2)
 for name in ("disk", "cold_disk"):
-    figures[f"{name}_slower_percent"] = round(100 * (figures[f"{name}_epoch_s"] / figures["memory_epoch_s"] - 1), 1)
+    for figure in ("epoch_s", "epoch_cpu_s"):
+        ratio = figures[f"{name}_{figure}"] / figures[f"memory_{figure}"]
+        figures[f"{name}_{figure[:-2]}_more_percent"] = round(100 * (ratio - 1), 1)
 figures["different_models"] = len(models)
 if as_json:
     print(json.dumps(figures))
