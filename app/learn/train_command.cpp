@@ -3,19 +3,16 @@
 #include <filesystem>
 #include <fstream>
 #include <iterator>
-#include <limits>
 #include <thread>
 
 #include "build_information.h"
 #include "commands.h"
+#include "frame_memory.h"
 #include "interrupts.h"
 #include "options.h"
 #include "session_data.h"
 #include "thermorig/core/error.h"
-#include "thermorig/io/files/disk.h"
-#include "thermorig/io/host.h"
 #include "thermorig/io/port.h"
-#include "thermorig/io/spill/spill.h"
 #include "thermorig/learning/training/run_folder.h"
 #include "thermorig/learning/training/thread_pool.h"
 #include "train_output.h"
@@ -103,45 +100,13 @@ int thread_count(const TrainOptions& options) {
   return options.threads.value_or(std::clamp(static_cast<int>(std::thread::hardware_concurrency()), 1, 64));
 }
 
-/// How much memory frames may take.
-std::uint64_t memory_for_frames(const TrainOptions& options) {
-  return options.memory_mb ? *options.memory_mb * 1'000'000 : io::memory_bytes() / 2;
-}
-
-/// Throws Error(bad_usage) for a folder that was asked for and is none.
-dataset::FrameFolder frame_folder(const TrainOptions& options) {
-  if (options.cache.empty()) return {.folder = files::folder_of(run_folder_of(options))};
-  std::error_code hidden;
-  if (!fs::is_directory(options.cache, hidden))
-    throw Error(ExitCode::bad_usage, "there is no such folder", options.cache.string(),
-                "make it first: mkdir -p " + options.cache.string());
-  return {.folder = options.cache, .is_only_choice = true};
-}
-
-/// While sessions are read, arrays that are too large for it lie on a disk as well, but none that training
-/// makes later.
-class ArraysOfReading {
- public:
-  ArraysOfReading(const fs::path& folder, std::uint64_t kept_bytes) : near_(folder / "frames") {
-    constexpr std::uint64_t sessions_bytes = 256'000'000;
-    spill::arrays_near(near_, {.in_memory_bytes = kept_bytes + sessions_bytes});
-  }
-  ~ArraysOfReading() { spill::arrays_near(near_, {.array_bytes = std::numeric_limits<std::size_t>::max()}); }
-  ArraysOfReading(const ArraysOfReading&) = delete;
-  ArraysOfReading& operator=(const ArraysOfReading&) = delete;
-
- private:
-  fs::path near_;
-};
-
 /// One call of `train`: reads, trains, writes.
 class Run {
  public:
   Run(const TrainOptions& options, const TrainingConfig& config)
       : options_(options),
         config_(config),
-        memory_bytes_(memory_for_frames(options)),
-        frames_(frame_folder(options), memory_bytes_),
+        memory_(options.frame_memory, run_folder_of(options)),
         data_(read()),
         description_(description_of(config, label_named(options.label), data_.acquisitions)),
         folder_(options.resume ? RunFolder::reopen(run_folder_of(options), description_)
@@ -150,9 +115,8 @@ class Run {
 
   ExitCode run() {
     const int threads = thread_count(options_);
-    output_->start({config_, description_.label, data_, frames_, memory_bytes_,
-                    run_folder_of(options_).string(), description_.instruction_set, threads,
-                    epochs_before()});
+    output_->start({config_, description_.label, data_, memory_, run_folder_of(options_).string(),
+                    description_.instruction_set, threads, epochs_before()});
     training::ThreadPool workers(threads);
     watch_interrupts();
     begin_ = io::now();
@@ -164,15 +128,12 @@ class Run {
 
  private:
   dataset::Acquisitions read() {
-    const ArraysOfReading on_disk(frame_folder(options_).folder, memory_bytes_);
-    dataset::Acquisitions data = read_data({.paths = options_.paths,
-                                            .accept_bad = options_.accept_bad,
-                                            .json = options_.json,
-                                            .estimates = dataset::Estimates::left_out,
-                                            .label = label_named(options_.label),
-                                            .store = &frames_});
-    frames_.give_back(data.acquisitions, config_.shape.pixels() * sizeof(float));
-    return data;
+    return memory_.read({.paths = options_.paths,
+                         .accept_bad = options_.accept_bad,
+                         .json = options_.json,
+                         .estimates = dataset::Estimates::left_out,
+                         .label = label_named(options_.label)},
+                        config_.shape.pixels() * sizeof(float));
   }
 
   int epochs_before() const { return folder_.checkpoint() ? folder_.checkpoint()->epoch : 0; }
@@ -220,8 +181,7 @@ class Run {
 
   const TrainOptions& options_;
   const TrainingConfig& config_;
-  const std::uint64_t memory_bytes_;
-  dataset::FrameStore frames_;
+  FrameMemory memory_;
   dataset::Acquisitions data_;
   training::RunDescription description_;
   RunFolder folder_;

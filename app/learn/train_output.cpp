@@ -115,10 +115,8 @@ class JsonTrainOutput final : public TrainOutput {
                           {"seed", config_.seed},
                           {"threads", start.threads},
                           {"instruction_set", start.instruction_set},
-                          {"run_folder", start.run_folder},
-                          {"memory_bytes", start.memory_bytes},
-                          {"frames_in_memory_bytes", start.frames.bytes_in_memory()},
-                          {"frames_on_disk_bytes", start.frames.bytes_on_disk()}};
+                          {"run_folder", start.run_folder}};
+    start.memory.add_to(object);
     add_choice_to(object, start.data);
     print_json(object);
   }

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include <cstdint>
 #include <memory>
 #include <string>
 
+#include "frame_memory.h"
 #include "thermorig/core/error.h"
 #include "thermorig/learning/dataset/dataset.h"
 #include "thermorig/learning/training/fit.h"
@@ -17,8 +17,7 @@ struct TrainStart {
   const training::TrainingConfig& config;
   Label label = Label::commanded;  // that is learnt
   const dataset::Acquisitions& data;
-  const dataset::FrameStore& frames;
-  std::uint64_t memory_bytes = 0;  // that frames may take
+  const FrameMemory& memory;
   std::string run_folder;
   std::string instruction_set;
   int threads = 1;

@@ -65,19 +65,6 @@ std::string data_text(const TrainStart& start) {
   return text;
 }
 
-/// Where the frames lie.
-std::string frames_text(const TrainStart& start) {
-  const std::uint64_t on_disk = start.frames.bytes_on_disk();
-  if (on_disk == 0)
-    return fmt::format("frames in memory{}, of which they may take {}\n",
-                       start.frames.bytes_in_memory() > 0 ? ", packed" : "", bytes_text(start.memory_bytes));
-  const auto in_memory = static_cast<double>(start.frames.bytes_in_memory());
-  return fmt::format("frames: {:.0f} % fit in {} of memory; {} on the disk in {}\n",
-                     std::floor(100.0 * in_memory / (in_memory + static_cast<double>(on_disk))),
-                     bytes_text(start.memory_bytes), bytes_text(on_disk),
-                     printable(start.frames.place().string()));
-}
-
 std::string fit_row(const char* name, double mse, const TrainingConfig& config) {
   return fmt::format("  {:<18} MSE {}\n", name, error_text(mse, config));
 }
@@ -135,7 +122,7 @@ WindowCounts count_windows(const TrainStart& start) {
 std::string start_text(const TrainStart& start) {
   std::string text = data_text(start) + simulated_text(start);
   text += network_text(start) + "\n" + settings_text(start.config, start.label) + "\n";
-  text += frames_text(start);
+  text += start.memory.text() + "\n";
   text += fmt::format("run folder {}\n", printable(start.run_folder));
   if (start.epochs_done > 0)
     text += fmt::format("going on after epoch {} of {}\n", start.epochs_done, start.config.epochs);
