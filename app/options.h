@@ -181,6 +181,12 @@ struct DecodeOptions {
   bool json = false;
 };
 
+/// Where the frames of trainings lie.
+struct FrameOptions {
+  std::optional<std::uint64_t> memory_mb;  // none: half of the machine's
+  std::filesystem::path cache;             // folder of those that do not fit; empty: beside what is written
+};
+
 struct TrainOptions {
   std::vector<std::filesystem::path> paths;  // sessions, or folders that hold them
   std::filesystem::path output = "model.onnx";
@@ -188,6 +194,7 @@ struct TrainOptions {
   std::string preset = "best";
   std::string label = "commanded";  // that is learnt: commanded, corrected, shaft
   std::optional<int> frames, reduction, epochs, batch, threads;
+  FrameOptions frame_memory;
   std::optional<double> rate, auxiliary_thermal, label_scale_dps;
   std::optional<bool> mirror, choose_epoch;
   bool fusion = true;
@@ -212,6 +219,7 @@ struct EvaluateOptions {
   int epochs = 40;
   std::optional<int> history;        // valid frames before a window's end; default: the largest Nf
   std::optional<int> workers;        // jobs side by side; default: cores
+  FrameOptions frame_memory;         // of a study
   bool list_jobs = false;            // of a study: only say where its jobs stand
   std::optional<std::string> job;    // of a study: only the job of this id
   std::optional<std::string> shard;  // of a study: only a part of its jobs, "3/8"

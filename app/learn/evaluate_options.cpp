@@ -60,6 +60,7 @@ void add_study_words(CLI::App& command, EvaluateOptions& options) {
       ->check(CLI::Range(1, 1'024))
       ->type_name("N")
       ->group(group);
+  add_frame_memory(command, options.frame_memory, group);
   command
       .add_option("--draw", options.draw,
                   "Draw the report of this folder's results again, without training anything")

@@ -9,12 +9,14 @@
 
 #include "evaluate_numbers.h"
 #include "evaluate_parts.h"
+#include "frame_memory.h"
 #include "interrupts.h"
 #include "print/output.h"
 #include "report_files.h"
 #include "session_data.h"
 #include "study_jobs.h"
 #include "study_progress.h"
+#include "thermorig/core/frame.h"
 #include "thermorig/learning/report/report.h"
 #include "thermorig/learning/study/shard.h"
 #include "thermorig/learning/study/study.h"
@@ -64,6 +66,11 @@ int workers_of(const EvaluateOptions& options) {
   return options.workers.value_or(static_cast<int>(std::max(1U, std::thread::hardware_concurrency())));
 }
 
+/// Each job that runs has a copy of the pixels, and at most as much again of frames that are prepared.
+std::uint64_t bytes_beside_a_frame(int workers) {
+  return static_cast<std::uint64_t>(workers) * 2 * frame_pixels * sizeof(float);
+}
+
 /// All jobs of a study, and those of them that are to be run now.
 struct StudyJobs {
   std::vector<study::Job> all, chosen;
@@ -82,7 +89,7 @@ StudyJobs study_jobs(const EvaluateOptions& options, const std::vector<network::
 }
 
 void announce(const EvaluateOptions& options, const StudyJobs& jobs, const dataset::Acquisitions& data,
-              int workers) {
+              const FrameMemory& memory, int workers) {
   const bool simulated = any_simulated(data.acquisitions);
   if (options.json) {
     nlohmann::json start{{"event", "start"},
@@ -96,6 +103,7 @@ void announce(const EvaluateOptions& options, const StudyJobs& jobs, const datas
                          {"data_hash", jobs.all.front().data_hash},
                          {"workers", workers},
                          {"simulated", simulated}};
+    memory.add_to(start);
     add_choice_to(start, data);
     print_json(start);
     return;
@@ -105,6 +113,7 @@ void announce(const EvaluateOptions& options, const StudyJobs& jobs, const datas
         jobs.all.size(), options.epochs, options.epochs == 1 ? "" : "s", options.preset,
         column_of(jobs.all.front().label), data.acquisitions.size(), simulated ? " of the SIMULATED rig" : "",
         workers);
+  print("{}\n", memory.text());
   flush_output();
 }
 
@@ -169,11 +178,12 @@ const fs::path& report_folder_of(const EvaluateOptions& options) {
 ExitCode run_study(const EvaluateOptions& options) {
   require_results_folder(options);
   if (options.shard) study::shard_from(*options.shard);  // refuses before sessions are read
-  const dataset::Acquisitions data = read_data(session_options(options));
+  const int workers = workers_of(options);
+  FrameMemory memory(options.frame_memory, options.output);
+  const dataset::Acquisitions data = memory.read(session_options(options), bytes_beside_a_frame(workers));
   const StudyJobs jobs = study_jobs(options, data.acquisitions);
   const fs::path folder = options.output / "results";
-  const int workers = workers_of(options);
-  announce(options, jobs, data, workers);
+  announce(options, jobs, data, memory, workers);
   watch_interrupts();
   StudyProgress progress(options.json);
   const bool finished =

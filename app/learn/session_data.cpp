@@ -19,7 +19,7 @@ namespace fs = std::filesystem;
 dataset::Acquisitions read_files(const std::vector<fs::path>& files, const SessionOptions& options) {
   ReadingProgress progress(options.json, ReadingProgress::Elsewhere::lines);
   return dataset::read_acquisitions(files, options.estimates, std::ref(progress), options.label,
-                                    options.bound_frames);
+                                    options.bound_frames, options.store);
 }
 
 std::vector<std::string> files_of(const std::vector<dataset::BadSession>& bad) {

@@ -17,7 +17,8 @@ struct SessionOptions {
   bool json = false;                                // nothing is printed
   dataset::Estimates estimates = dataset::Estimates::made;
   Label label = Label::commanded;
-  int bound_frames = 0;  // of the windows whose bounds are wanted
+  int bound_frames = 0;                  // of the windows whose bounds are wanted
+  dataset::FrameStore* store = nullptr;  // takes pixels as soon as they are read
 };
 
 /// Reads the sessions that the paths name, telling on a terminal how far it is. Says in a line which were

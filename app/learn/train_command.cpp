@@ -7,6 +7,7 @@
 
 #include "build_information.h"
 #include "commands.h"
+#include "frame_memory.h"
 #include "interrupts.h"
 #include "options.h"
 #include "session_data.h"
@@ -102,10 +103,11 @@ int thread_count(const TrainOptions& options) {
 /// One call of `train`: reads, trains, writes.
 class Run {
  public:
-  Run(const TrainOptions& options, const TrainingConfig& config, dataset::Acquisitions data)
+  Run(const TrainOptions& options, const TrainingConfig& config)
       : options_(options),
         config_(config),
-        data_(std::move(data)),
+        memory_(options.frame_memory, run_folder_of(options)),
+        data_(read()),
         description_(description_of(config, label_named(options.label), data_.acquisitions)),
         folder_(options.resume ? RunFolder::reopen(run_folder_of(options), description_)
                                : RunFolder::create(run_folder_of(options), description_)),
@@ -113,7 +115,7 @@ class Run {
 
   ExitCode run() {
     const int threads = thread_count(options_);
-    output_->start({config_, description_.label, data_, run_folder_of(options_).string(),
+    output_->start({config_, description_.label, data_, memory_, run_folder_of(options_).string(),
                     description_.instruction_set, threads, epochs_before()});
     training::ThreadPool workers(threads);
     watch_interrupts();
@@ -125,6 +127,15 @@ class Run {
   }
 
  private:
+  dataset::Acquisitions read() {
+    return memory_.read({.paths = options_.paths,
+                         .accept_bad = options_.accept_bad,
+                         .json = options_.json,
+                         .estimates = dataset::Estimates::left_out,
+                         .label = label_named(options_.label)},
+                        config_.shape.pixels() * sizeof(float));
+  }
+
   int epochs_before() const { return folder_.checkpoint() ? folder_.checkpoint()->epoch : 0; }
   double elapsed_s() const { return to_s(io::now() - begin_); }
 
@@ -170,6 +181,7 @@ class Run {
 
   const TrainOptions& options_;
   const TrainingConfig& config_;
+  FrameMemory memory_;
   dataset::Acquisitions data_;
   training::RunDescription description_;
   RunFolder folder_;
@@ -183,14 +195,9 @@ class Run {
 
 ExitCode run(const TrainOptions& options) {
   const TrainingConfig config = training_config(options);
-  const Label label = label_named(options.label);
+  label_named(options.label);  // refuses before sessions are read
   require_free(options.output, options.resume ? run_folder_of(options) / "model.onnx" : "");
-  const SessionOptions sessions{.paths = options.paths,
-                                .accept_bad = options.accept_bad,
-                                .json = options.json,
-                                .estimates = dataset::Estimates::left_out,
-                                .label = label};
-  return Run(options, config, read_data(sessions)).run();
+  return Run(options, config).run();
 }
 
 }  // namespace thermorig::app

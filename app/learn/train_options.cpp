@@ -63,6 +63,20 @@ void add_window_shape(CLI::App& command, std::optional<int>& frames, std::option
       ->type_name("N");
 }
 
+void add_frame_memory(CLI::App& command, FrameOptions& options, const std::string& group) {
+  command
+      .add_option("--memory", options.memory_mb,
+                  "Memory for frames; those that do not fit lie on a disk (default: half of the machine's)")
+      ->check(CLI::Range(std::uint64_t{0}, std::uint64_t{1'000'000'000}))
+      ->type_name("MB")
+      ->group(group);
+  command
+      .add_option("--cache", options.cache,
+                  "Folder on that disk, which stays empty (default: beside what is written)")
+      ->type_name("FOLDER")
+      ->group(group);
+}
+
 void add_train(CLI::App& root, TrainOptions& options) {
   CLI::App& command = *root.add_subcommand("train", "Train the fusion network on sessions");
   command.add_option("PATH", options.paths, "Session files (.h5), or folders that hold them")->required();
@@ -79,6 +93,7 @@ void add_train(CLI::App& root, TrainOptions& options) {
       .add_option("--run-folder", options.run_folder,
                   "Folder for settings, metrics and checkpoint (default: FILE's name with .run)")
       ->type_name("DIR");
+  add_frame_memory(command, options.frame_memory, "Options");
   command.add_flag("--resume", options.resume, "Go on with the run in that folder");
   command.add_flag("--accept-bad", options.accept_bad,
                    "Take sessions whose verdict is bad; without it one of these is refused");

@@ -116,6 +116,7 @@ class JsonTrainOutput final : public TrainOutput {
                           {"threads", start.threads},
                           {"instruction_set", start.instruction_set},
                           {"run_folder", start.run_folder}};
+    start.memory.add_to(object);
     add_choice_to(object, start.data);
     print_json(object);
   }

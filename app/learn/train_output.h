@@ -4,6 +4,7 @@
 #include <memory>
 #include <string>
 
+#include "frame_memory.h"
 #include "thermorig/core/error.h"
 #include "thermorig/learning/dataset/dataset.h"
 #include "thermorig/learning/training/fit.h"
@@ -16,6 +17,7 @@ struct TrainStart {
   const training::TrainingConfig& config;
   Label label = Label::commanded;  // that is learnt
   const dataset::Acquisitions& data;
+  const FrameMemory& memory;
   std::string run_folder;
   std::string instruction_set;
   int threads = 1;

@@ -122,6 +122,7 @@ WindowCounts count_windows(const TrainStart& start) {
 std::string start_text(const TrainStart& start) {
   std::string text = data_text(start) + simulated_text(start);
   text += network_text(start) + "\n" + settings_text(start.config, start.label) + "\n";
+  text += start.memory.text() + "\n";
   text += fmt::format("run folder {}\n", printable(start.run_folder));
   if (start.epochs_done > 0)
     text += fmt::format("going on after epoch {} of {}\n", start.epochs_done, start.config.epochs);

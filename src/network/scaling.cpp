@@ -26,17 +26,30 @@ struct PixelSums {
 };
 
 void add_valid_frames(const Acquisition& acquisition, PixelSums& sums) {
-  const std::span<const float> pixels(acquisition.temp_c);
-  for (std::size_t frame = 0; frame < acquisition.frames(); ++frame)
-    if (acquisition.run[frame] != 0) sums.add(pixels.subspan(frame * frame_pixels, frame_pixels));
+  for_each_frame(acquisition, [&](std::size_t frame, std::span<const float> temp_c) {
+    if (acquisition.run[frame] != 0) sums.add(temp_c);
+  });
 }
 
-/// Mean of the block whose upper left pixel is at `row`, `column`.
-float block_mean(std::span<const float> temp_c, std::size_t row, std::size_t column, std::size_t size) {
+/// Mean of the block whose upper left pixel is `temp_c`.
+template <std::size_t size>
+float block_mean(const float* temp_c) {
   float sum = 0.0F;
-  for (std::size_t y = row; y < row + size; ++y)
-    for (std::size_t x = column; x < column + size; ++x) sum += temp_c[y * frame_columns + x];
+  for (std::size_t y = 0; y < size; ++y)
+    for (std::size_t x = 0; x < size; ++x) sum += temp_c[y * frame_columns + x];
   return sum / static_cast<float>(size * size);
+}
+
+/// The size is known when this is compiled: a training that reads from a disk does it for each window.
+template <std::size_t size>
+void prepare_blocks(const float* temp_c, const network::Shape& shape, const Scaling& scaling, float* out) {
+  const auto rows = static_cast<std::size_t>(shape.rows()),
+             columns = static_cast<std::size_t>(shape.columns());
+  const float mean_c = scaling.temp_mean_c, deviation_c = scaling.temp_deviation_c;
+  for (std::size_t row = 0; row < rows; ++row)
+    for (std::size_t column = 0; column < columns; ++column)
+      out[row * columns + column] =
+          (block_mean<size>(temp_c + row * size * frame_columns + column * size) - mean_c) / deviation_c;
 }
 
 }  // namespace
@@ -58,25 +71,25 @@ Scaling scaling_of(std::span<const Acquisition> acquisitions, float label_scale_
 void prepare_frame(std::span<const float> temp_c, const network::Shape& shape, const Scaling& scaling,
                    std::span<float> out) {
   assert(temp_c.size() == frame_pixels && out.size() == shape.pixels());
-  const auto size = static_cast<std::size_t>(shape.reduction);
-  const auto left = static_cast<std::size_t>(shape.crop_left);
-  const auto rows = static_cast<std::size_t>(shape.rows()),
-             columns = static_cast<std::size_t>(shape.columns());
-  for (std::size_t row = 0; row < rows; ++row)
-    for (std::size_t column = 0; column < columns; ++column)
-      out[row * columns + column] =
-          (block_mean(temp_c, row * size, left + column * size, size) - scaling.temp_mean_c) /
-          scaling.temp_deviation_c;
+  const float* const first = temp_c.data() + shape.crop_left;
+  switch (shape.reduction) {
+    case 1:
+      return prepare_blocks<1>(first, shape, scaling, out.data());
+    case 2:
+      return prepare_blocks<2>(first, shape, scaling, out.data());
+    default:
+      assert(shape.reduction == 3);
+      return prepare_blocks<3>(first, shape, scaling, out.data());
+  }
 }
 
 std::vector<float> prepare(const Acquisition& acquisition, const network::Shape& shape,
                            const Scaling& scaling) {
   std::vector<float> prepared(acquisition.frames() * shape.pixels());
-  const std::span<const float> pixels(acquisition.temp_c);
   const std::span<float> out(prepared);
-  for (std::size_t frame = 0; frame < acquisition.frames(); ++frame)
-    prepare_frame(pixels.subspan(frame * frame_pixels, frame_pixels), shape, scaling,
-                  out.subspan(frame * shape.pixels(), shape.pixels()));
+  for_each_frame(acquisition, [&](std::size_t frame, std::span<const float> temp_c) {
+    prepare_frame(temp_c, shape, scaling, out.subspan(frame * shape.pixels(), shape.pixels()));
+  });
   return prepared;
 }
 

@@ -4,8 +4,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "thermorig/core/frame.h"
-
 namespace thermorig::network {
 
 namespace {
@@ -17,10 +15,9 @@ bool is_temperature(float temp_c) {
   return coldest_c <= temp_c && temp_c <= hottest_c;
 }
 
-bool is_sound(const Acquisition& acquisition, std::size_t frame) {
-  const auto pixels = std::span(acquisition.temp_c).subspan(frame * frame_pixels, frame_pixels);
+bool is_sound(const Acquisition& acquisition, std::size_t frame, std::span<const float> temp_c) {
   return is_sound_rate(acquisition.label_dps[frame]) && is_sound_rate(acquisition.gyro_dps[frame]) &&
-         is_sound_image(pixels);
+         is_sound_image(temp_c);
 }
 
 }  // namespace
@@ -34,8 +31,9 @@ bool is_sound_image(std::span<const float> temp_c) {
 }
 
 void clear_unsound_frames(Acquisition& acquisition) {
-  for (std::size_t frame = 0; frame < acquisition.frames(); ++frame)
-    if (acquisition.run[frame] != 0 && !is_sound(acquisition, frame)) acquisition.run[frame] = 0;
+  for_each_frame(acquisition, [&](std::size_t frame, std::span<const float> temp_c) {
+    if (acquisition.run[frame] != 0 && !is_sound(acquisition, frame, temp_c)) acquisition.run[frame] = 0;
+  });
 }
 
 }  // namespace thermorig::network

@@ -287,6 +287,43 @@ TEST_F(Train, SaysWhenTheDiskIsFull) {
   EXPECT_THAT(file_text(at("err.txt")), HasSubstr("checkpoint.bin"));
 }
 
+TEST_F(Train, GivesTheSameFileFromMemoryAndFromTheDisk) {
+  const Outcome in_memory = run(small + "-o memory.onnx --memory 1000");
+  ASSERT_EQ(in_memory.code, 0) << in_memory.err;
+  EXPECT_THAT(in_memory.out, HasSubstr("frames in memory, of which they may take 1.0 GB"));
+  const Outcome on_disk = run(small + "-o disk.onnx --memory 0");
+  ASSERT_EQ(on_disk.code, 0) << on_disk.err;
+  EXPECT_THAT(on_disk.out,
+              AllOf(HasSubstr("frames: 0 % fit in 0 B of memory"), HasSubstr("on the disk in /")));
+  EXPECT_EQ(file_text(at("memory.onnx")), file_text(at("disk.onnx")));
+  const auto start = run(small + "-o third.onnx --memory 0 --json").lines().at(0);
+  EXPECT_EQ(start["memory_bytes"], 0);
+  EXPECT_EQ(start["frames_in_memory_bytes"], 0);
+  EXPECT_EQ(start["frames_on_disk_bytes"], start["data"]["frames"].get<int>() * 24 * 32 * 2);
+}
+
+TEST_F(Train, RefusesACacheWhoseDiskCannotHoldTheFrames) {
+  const Outcome in_memory = run(small + "-o model.onnx --memory 0 --cache /dev/shm");
+  EXPECT_EQ(in_memory.code, 7);
+  EXPECT_THAT(in_memory.err,
+              AllOf(HasSubstr("no room for frames"), HasSubstr("/dev/shm"), HasSubstr("--memory")));
+  const Outcome missing = run(small + "-o model.onnx --memory 0 --cache nowhere");
+  EXPECT_EQ(missing.code, 2);
+  EXPECT_THAT(missing.err, AllOf(HasSubstr("there is no such folder"), HasSubstr("mkdir")));
+  EXPECT_FALSE(fs::exists(at("model.run")));
+}
+
+TEST_F(Train, LeavesNothingInTheCacheWhenItIsKilled) {
+  fs::create_directory(at("cache"));
+  const pid_t process = start({"train", "recordings", "--nf", "2", "--nr", "3", "--epochs", "5000",
+                               "--threads", "1", "-o", "model.onnx", "--memory", "0", "--cache", "cache"});
+  for (int look = 0; look < 3000 && epochs_kept("model") < 1; ++look)
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  kill(process, SIGKILL);
+  EXPECT_EQ(wait(process).code, 128 + SIGKILL);
+  EXPECT_TRUE(fs::is_empty(at("cache")));
+}
+
 TEST_F(Train, DrawsOverOneLineOnATerminalAndNotWithNoColor) {
   const Outcome drawn = run_on_terminal("TERM=xterm", small + "-o a.onnx");
   const Outcome plain = run_on_terminal("TERM=xterm NO_COLOR=1", small + "-o b.onnx");

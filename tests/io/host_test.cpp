@@ -2,6 +2,7 @@
 #include "thermorig/io/host.h"
 
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <chrono>
 #include <ctime>
@@ -39,6 +40,12 @@ TEST(Host, CountsTheProcessorTimeOfTheThread) {
 TEST(Host, HasANameAndAKernel) {
   EXPECT_FALSE(host_name().empty());
   EXPECT_EQ(kernel_release().substr(0, 6), "Linux ");
+}
+
+TEST(Host, HasMemory) {
+  EXPECT_GT(memory_bytes(), 16U << 20U);
+  EXPECT_LE(memory_bytes(), static_cast<std::uint64_t>(::sysconf(_SC_PHYS_PAGES)) *
+                                static_cast<std::uint64_t>(::sysconf(_SC_PAGESIZE)));
 }
 
 TEST(DeviceText, HasNoBlanksAroundItAndNothingThatSteersATerminal) {

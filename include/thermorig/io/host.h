@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <cstdint>
 #include <string>
 
 namespace thermorig::io {
@@ -10,6 +11,10 @@ std::string host_name();
 
 /// Operating system, release and machine, e.g. "Linux 6.1.0-18-amd64 x86_64".
 std::string kernel_release();
+
+/// Memory of this machine, bytes, or of the control groups that hold the program to less: whichever is least.
+/// 0: not known.
+std::uint64_t memory_bytes();
 
 /// Processor time that the calling thread has used since it started, user and system, seconds.
 double thread_cpu_s();

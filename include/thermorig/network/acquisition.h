@@ -2,11 +2,13 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <string>
 #include <vector>
 
 #include "thermorig/core/label.h"
 #include "thermorig/core/time.h"
+#include "thermorig/network/stored_frames.h"
 
 namespace thermorig::network {
 
@@ -27,11 +29,12 @@ struct Acquisition {
   std::string licence;  // of the data, as the session says it; "not stated" if it does not
   std::string hash;  // SHA-256, hexadecimal, of frames, commanded speeds, gyro means, times and runs: not of
                      // the file, whose name and creation time do not matter to a model
-  std::vector<float> temp_c;       // (N, 24, 32)
-  Label label = Label::commanded;  // what label_dps is
-  std::string label_hash;          // the same as `hash`, but of label_dps as it is; empty: commanded
-  std::vector<float> label_dps;    // (N) speed over the exposure that is learnt, NaN if unknown
-  std::vector<float> shaft_dps;    // (N) speed of the shaft by the servo model; not in the hash
+  std::vector<float> temp_c;                   // (N, 24, 32); empty where `stored` has them
+  std::shared_ptr<const StoredFrames> stored;  // null: the pixels are in memory
+  Label label = Label::commanded;              // what label_dps is
+  std::string label_hash;        // the same as `hash`, but of label_dps as it is; empty: commanded
+  std::vector<float> label_dps;  // (N) speed over the exposure that is learnt, NaN if unknown
+  std::vector<float> shaft_dps;  // (N) speed of the shaft by the servo model; not in the hash
   std::vector<float>
       gyro_dps;  // (N) mean of the gyro over the exposure, bias not removed, NaN if there is none
   std::vector<HostTime> time;       // (N) middle of the newest exposure

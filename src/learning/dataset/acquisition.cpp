@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 #include <sha2.h>
 
+#include <algorithm>
 #include <array>
 #include <bit>
 #include <cassert>
@@ -93,10 +94,18 @@ class Sha256 {
 };
 
 /// Processors differ in the sign of the NaN that they make.
-void add_floats(Sha256& hash, std::vector<float> values) {
-  for (float& value : values)
-    if (std::isnan(value)) value = std::numeric_limits<float>::quiet_NaN();
-  hash.add(std::span<const float>(values));
+float with_one_nan(float value) {
+  return std::isnan(value) ? std::numeric_limits<float>::quiet_NaN() : value;
+}
+
+void add_floats(Sha256& hash, std::span<const float> values) {
+  std::array<float, 1024> part{};
+  while (!values.empty()) {
+    const auto next = values.first(std::min(part.size(), values.size()));
+    std::transform(next.begin(), next.end(), part.begin(), with_one_nan);
+    hash.add(std::span<const float>(part).first(next.size()));
+    values = values.subspan(next.size());
+  }
 }
 
 /// Nanoseconds, modulo 2^64: times from a file may lie further apart than a duration can tell.

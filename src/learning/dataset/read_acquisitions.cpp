@@ -32,6 +32,11 @@ FileRead read_file(const fs::path& path, Estimates estimates, Label label, int b
   return {acquisition_in(session, estimates, label, bound_frames), bad_session(session, path)};
 }
 
+/// Of what was read, only pixels are much.
+void take_pixels(FileRead& read, FrameStore* store) {
+  if (store != nullptr && read.acquisition) store->take(*read.acquisition);
+}
+
 void refuse_copies(const std::vector<FileRead>& reads, const std::vector<fs::path>& files) {
   std::map<std::string, std::size_t> seen;
   for (std::size_t index = 0; index < files.size(); ++index) {
@@ -75,11 +80,15 @@ Acquisition read_acquisition(const fs::path& path) {
 }
 
 Acquisitions read_acquisitions(const std::vector<fs::path>& files, Estimates estimates,
-                               const ReadingProgress& progress, Label label, int bound_frames) {
+                               const ReadingProgress& progress, Label label, int bound_frames,
+                               FrameStore* store) {
   std::vector<FileRead> reads(files.size());
   for_each_file(
       files.size(),
-      [&](std::size_t index) { reads[index] = read_file(files[index], estimates, label, bound_frames); },
+      [&](std::size_t index) {
+        reads[index] = read_file(files[index], estimates, label, bound_frames);
+        take_pixels(reads[index], store);
+      },
       progress);
   refuse_copies(reads, files);
   return sorted_out(std::move(reads), files);

@@ -17,10 +17,15 @@ void shuffle(std::vector<std::uint32_t>& order, Draw draw) {
 
 }  // namespace
 
-EpochPlan epoch_plan(std::size_t windows, std::uint64_t seed, int epoch, bool mirror) {
-  const auto number = static_cast<std::uint64_t>(epoch);
+EpochPlan in_order(std::size_t windows) {
   EpochPlan plan{.order = std::vector<std::uint32_t>(windows), .mirrored = std::vector<bool>(windows, false)};
   std::iota(plan.order.begin(), plan.order.end(), 0U);
+  return plan;
+}
+
+EpochPlan epoch_plan(std::size_t windows, std::uint64_t seed, int epoch, bool mirror) {
+  const auto number = static_cast<std::uint64_t>(epoch);
+  EpochPlan plan = in_order(windows);
   shuffle(plan.order, Draw(seed, "order", number));
   if (!mirror) return plan;
   Draw draw(seed, "mirror", number);

@@ -15,4 +15,7 @@ struct EpochPlan {
 /// Depends on seed and epoch alone.
 EpochPlan epoch_plan(std::size_t windows, std::uint64_t seed, int epoch, bool mirror);
 
+/// All windows as they come, none mirrored.
+EpochPlan in_order(std::size_t windows);
+
 }  // namespace thermorig::training

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "thermorig/learning/training/prediction.h"
 
-#include <algorithm>
-
+#include "batch_stream.h"
 #include "estimates.h"
 
 namespace thermorig::training {
@@ -11,12 +10,13 @@ std::vector<network::Output> estimates_of(const network::Weights& weights, const
   std::vector<network::Output> outputs(set.size());
   if (set.size() == 0) return outputs;
   network::BatchEstimator estimator(weights);
-  BatchBuffer buffer(set);
-  for (std::size_t begin = 0; begin < set.size(); begin += network::max_batch) {
-    const std::size_t end = std::min(set.size(), begin + network::max_batch);
-    buffer.clear();
-    for (std::size_t index = begin; index < end; ++index) buffer.add(index);
-    estimator.estimate(buffer.batch(), std::span(outputs).subspan(begin, end - begin));
+  const EpochPlan plan = in_order(set.size());
+  network::CallingThread worker;
+  BatchStream batches(set, plan, network::max_batch, worker);
+  for (std::size_t done = 0; done < set.size();) {
+    const BatchBuffer& batch = batches.next();
+    estimator.estimate(batch.batch(), std::span(outputs).subspan(done, batch.size()));
+    done += batch.size();
   }
   return outputs;
 }

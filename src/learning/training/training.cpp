@@ -9,6 +9,7 @@
 #include <limits>
 #include <set>
 
+#include "batch_stream.h"
 #include "epoch_plan.h"
 #include "estimates.h"
 #include "held_out.h"
@@ -54,12 +55,12 @@ class Training {
            const Observer& observer, const std::optional<Checkpoint>& from)
       : config_(config),
         acquisitions_(acquisitions),
+        workers_(workers),
         observer_(observer),
         division_(divide(config, acquisitions)),
         scaling_(network::scaling_of(acquisitions, config.label_scale_dps, division_.held_out_acquisition)),
         training_(acquisitions, division_.training, config.shape, scaling_),
         held_out_(acquisitions, division_.held_out, config.shape, scaling_),
-        buffer_(training_),
         done_(from ? *from : beginning(config)),
         trainer_(done_.weights, trainer_config(config), workers) {
     if (from) trainer_.restore(from->weights, from->optimiser);
@@ -80,26 +81,20 @@ class Training {
 
   void run_epoch(int epoch) {
     const EpochPlan plan = epoch_plan(training_.size(), config_.seed, epoch, config_.mirror);
-    const auto size = static_cast<std::size_t>(config_.batch);
-    const std::size_t steps = (plan.order.size() + size - 1) / size;
+    BatchStream batches(training_, plan, static_cast<std::size_t>(config_.batch), workers_);
+    const std::size_t steps = batches.batches();
     EpochSums sums;
     for (std::size_t step = 0; step < steps; ++step) {
-      fill(plan, step * size, std::min(plan.order.size(), (step + 1) * size));
-      const network::StepLoss loss = trainer_.step(buffer_.batch());
+      const BatchBuffer& batch = batches.next();
+      const network::StepLoss loss = trainer_.step(batch.batch());
       require_finite(loss.loss, step + 1, epoch);
-      sums.add(loss, buffer_.size());
+      sums.add(loss, batch.size());
       if (observer_.step && ((step + 1) % steps_between_reports == 0 || step + 1 == steps))
         observer_.step(step + 1, steps, epoch, sums.loss / sums.windows);
       stopped_ = observer_.stop && observer_.stop();
       if (stopped_) return;
     }
     end_epoch(epoch, sums);
-  }
-
-  void fill(const EpochPlan& plan, std::size_t begin, std::size_t end) {
-    buffer_.clear();
-    for (std::size_t place = begin; place < end; ++place)
-      buffer_.add(plan.order[place], plan.mirrored[place]);
   }
 
   void end_epoch(int epoch, const EpochSums& sums) {
@@ -159,11 +154,11 @@ class Training {
 
   const TrainingConfig& config_;
   std::span<const Acquisition> acquisitions_;
+  network::Workers& workers_;
   const Observer& observer_;
   Division division_;
   network::Scaling scaling_;
   WindowSet training_, held_out_;
-  BatchBuffer buffer_;
   Checkpoint done_;
   network::Trainer trainer_;
   bool stopped_ = false;

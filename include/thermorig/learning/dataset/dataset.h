@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "thermorig/core/label.h"
+#include "thermorig/learning/dataset/frame_store.h"
 #include "thermorig/network/acquisition.h"
 #include "thermorig/storage/session/session.h"
 
@@ -63,10 +64,11 @@ struct Acquisitions {
   std::vector<BadSession> bad;                         // not left out; in the order of the files
 };
 
-/// Reads all of them, on all cores, with that label. Throws Error(not_a_session) also where two files hold
-/// the same recording, and as require_label().
+/// Reads all of them, on all cores, with that label; `store` takes the pixels of each as soon as it is read,
+/// null: they stay in memory. Throws Error(not_a_session) also where two files hold the same recording, and
+/// as require_label() and FrameStore::take().
 Acquisitions read_acquisitions(const std::vector<std::filesystem::path>& files, Estimates estimates,
                                const ReadingProgress& progress = {}, Label label = Label::commanded,
-                               int bound_frames = 0);
+                               int bound_frames = 0, FrameStore* store = nullptr);
 
 }  // namespace thermorig::dataset

@@ -1,0 +1,264 @@
+// SPDX-License-Identifier: MIT
+#include "thermorig/learning/dataset/frame_store.h"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cerrno>
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <mutex>
+#include <optional>
+#include <type_traits>
+#include <utility>
+#include <vector>
+
+#include "thermorig/core/error.h"
+#include "thermorig/core/frame.h"
+#include "thermorig/io/files/unlinked_file.h"
+
+namespace thermorig::dataset {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::uint64_t frame_bytes = frame_pixels * sizeof(float);
+
+[[noreturn]] void refuse_disk(const char* what, int error_number, const fs::path& place) {
+  throw Error(ExitCode::storage, fmt::format("{}: {}", what, std::strerror(error_number)), place.string(),
+              "check the disk (dmesg), or choose another one with --cache FOLDER");
+}
+
+/// A file without a name, which only grows.
+class FrameFile {
+ public:
+  explicit FrameFile(FrameFolder folder) : folder_(std::move(folder)) {}
+  ~FrameFile() {
+    if (file_ >= 0) ::close(file_);
+  }
+  FrameFile(const FrameFile&) = delete;
+  FrameFile& operator=(const FrameFile&) = delete;
+
+  /// Where so many bytes may be written, whose room is taken. Not from two threads at once.
+  std::uint64_t take_room(std::uint64_t bytes) {
+    const bool has_room = file_ < 0 ? open(bytes) : files::grow_unlinked(file_, bytes_, bytes);
+    if (!has_room)
+      throw Error(
+          ExitCode::storage,
+          fmt::format("there is no room for frames that do not fit in memory, {} MB after {} MB",
+                      bytes / 1'000'000 + 1, bytes_ / 1'000'000),
+          place().string(),
+          "free some space, choose a folder on another disk with --cache FOLDER, or allow more memory "
+          "with --memory MB");
+    return std::exchange(bytes_, bytes_ + bytes);
+  }
+
+  void write(std::uint64_t at, std::span<const std::byte> left) const {
+    while (!left.empty()) {
+      const ssize_t written = ::pwrite(file_, left.data(), left.size(), static_cast<off_t>(at));
+      if (written < 0 && errno == EINTR) continue;
+      if (written <= 0) refuse_disk("frames cannot be written", written < 0 ? errno : ENOSPC, place());
+      left = left.subspan(static_cast<std::size_t>(written));
+      at += static_cast<std::uint64_t>(written);
+    }
+  }
+
+  void read(std::uint64_t at, std::span<std::byte> left) const {
+    while (!left.empty()) {
+      const ssize_t got = ::pread(file_, left.data(), left.size(), static_cast<off_t>(at));
+      if (got < 0 && errno == EINTR) continue;
+      if (got <= 0) refuse_disk("frames cannot be read again", got < 0 ? errno : EIO, place());
+      left = left.subspan(static_cast<std::size_t>(got));
+      at += static_cast<std::uint64_t>(got);
+    }
+  }
+
+  void announce(std::uint64_t at, std::uint64_t bytes) const {
+    ::posix_fadvise(file_, static_cast<off_t>(at), static_cast<off_t>(bytes), POSIX_FADV_WILLNEED);
+  }
+
+  std::uint64_t bytes() const { return bytes_; }
+
+  /// The folder that was found, else the first that was tried.
+  fs::path place() const {
+    std::error_code hidden;
+    const fs::path found =
+        file_ < 0 ? "" : fs::read_symlink("/proc/self/fd/" + std::to_string(file_), hidden);
+    return found.empty() ? folder_.folder : found.parent_path();
+  }
+
+ private:
+  bool open(std::uint64_t bytes) {
+    file_ = folder_.is_only_choice ? files::open_unlinked_in(folder_.folder, bytes)
+                                   : files::open_unlinked(folder_.folder / "frames", bytes);
+    return file_ >= 0;
+  }
+
+  FrameFolder folder_;
+  int file_ = -1;
+  std::uint64_t bytes_ = 0;
+};
+
+using Hundredths = std::int16_t;
+
+float temp_c_of(Hundredths count) {
+  return static_cast<float>(count) / 100.0F;
+}
+
+/// The pixels as whole hundredths of a degree; nothing if a bit of any would be lost.
+std::optional<std::vector<Hundredths>> packed(std::span<const float> temp_c) {
+  constexpr float most = std::numeric_limits<Hundredths>::max() + 0.25F;  // scaling has rounded
+  std::vector<Hundredths> counts(temp_c.size());
+  for (std::size_t i = 0; i < temp_c.size(); ++i) {
+    const float scaled = temp_c[i] * 100.0F;
+    if (!(std::abs(scaled) <= most)) return std::nullopt;
+    counts[i] = static_cast<Hundredths>(std::lrint(scaled));
+    if (std::bit_cast<std::uint32_t>(temp_c_of(counts[i])) != std::bit_cast<std::uint32_t>(temp_c[i]))
+      return std::nullopt;
+  }
+  return counts;
+}
+
+void unpack(std::span<const Hundredths> counts, std::span<float> temp_c) {
+  std::transform(counts.begin(), counts.end(), temp_c.begin(), temp_c_of);
+}
+
+/// Pixels of an acquisition in memory.
+template <typename Pixel>
+class FramesInMemory final : public network::StoredFrames {
+ public:
+  explicit FramesInMemory(std::vector<Pixel> pixels) : pixels_(std::move(pixels)) {}
+
+  void read(std::size_t first, std::span<float> temp_c) const override {
+    const auto pixels = std::span(pixels_).subspan(first * frame_pixels, temp_c.size());
+    if constexpr (std::is_same_v<Pixel, float>)
+      std::copy(pixels.begin(), pixels.end(), temp_c.begin());
+    else
+      unpack(pixels, temp_c);
+  }
+
+  void announce(std::size_t, std::size_t) const override {}
+
+ private:
+  std::vector<Pixel> pixels_;
+};
+
+/// Those that lie in a file from `begin` on, one after the other.
+template <typename Pixel>
+class FramesInFile final : public network::StoredFrames {
+ public:
+  FramesInFile(std::shared_ptr<const FrameFile> file, std::uint64_t begin)
+      : file_(std::move(file)), begin_(begin) {}
+
+  void read(std::size_t first, std::span<float> temp_c) const override {
+    const std::uint64_t at = begin_ + first * frame_pixels * sizeof(Pixel);
+    if constexpr (std::is_same_v<Pixel, float>)
+      file_->read(at, std::as_writable_bytes(temp_c));
+    else
+      read_packed(at, temp_c);
+  }
+
+  void announce(std::size_t first, std::size_t frames) const override {
+    file_->announce(begin_ + first * frame_pixels * sizeof(Pixel), frames * frame_pixels * sizeof(Pixel));
+  }
+
+ private:
+  void read_packed(std::uint64_t at, std::span<float> temp_c) const {
+    std::array<Pixel, 8 * frame_pixels> part;
+    while (!temp_c.empty()) {
+      const auto counts = std::span(part).first(std::min(part.size(), temp_c.size()));
+      file_->read(at, std::as_writable_bytes(counts));
+      unpack(counts, temp_c);
+      temp_c = temp_c.subspan(counts.size());
+      at += counts.size_bytes();
+    }
+  }
+
+  std::shared_ptr<const FrameFile> file_;
+  std::uint64_t begin_;
+};
+
+}  // namespace
+
+struct FrameStore::Parts {
+  Parts(FrameFolder folder, std::uint64_t most)
+      : file(std::make_shared<FrameFile>(std::move(folder))), memory_bytes(most) {}
+
+  bool fits_in_memory(std::uint64_t bytes) {
+    const std::lock_guard lock(mutex);
+    if (in_memory_bytes + bytes > memory_bytes) return false;
+    in_memory_bytes += bytes;
+    return true;
+  }
+
+  std::uint64_t take_room(std::uint64_t bytes) {
+    const std::lock_guard lock(mutex);
+    return file->take_room(bytes);
+  }
+
+  template <typename Pixel>
+  std::shared_ptr<const network::StoredFrames> stored(std::vector<Pixel> pixels) {
+    const auto bytes = std::as_bytes(std::span(pixels));
+    if (fits_in_memory(bytes.size())) return std::make_shared<FramesInMemory<Pixel>>(std::move(pixels));
+    const std::uint64_t at = take_room(bytes.size());
+    file->write(at, bytes);
+    return std::make_shared<FramesInFile<Pixel>>(file, at);
+  }
+
+  mutable std::mutex mutex;
+  std::shared_ptr<FrameFile> file;
+  const std::uint64_t memory_bytes;
+  std::uint64_t in_memory_bytes = 0;
+};
+
+FrameStore::FrameStore(FrameFolder folder, std::uint64_t memory_bytes)
+    : parts_(std::make_unique<Parts>(std::move(folder), memory_bytes)) {}
+
+FrameStore::~FrameStore() = default;
+
+void FrameStore::take(network::Acquisition& acquisition) {
+  if (acquisition.temp_c.empty()) return;
+  if (auto counts = packed(acquisition.temp_c)) {
+    acquisition.stored = parts_->stored(*std::move(counts));
+    acquisition.temp_c = std::vector<float>();
+  } else {
+    acquisition.stored = parts_->stored(std::exchange(acquisition.temp_c, {}));
+  }
+}
+
+void FrameStore::give_back(std::span<network::Acquisition> acquisitions, std::uint64_t bytes_beside_a_frame) {
+  std::uint64_t frames = 0;
+  for (const network::Acquisition& acquisition : acquisitions) frames += acquisition.frames();
+  if (bytes_on_disk() > 0 || frames * (frame_bytes + bytes_beside_a_frame) > parts_->memory_bytes) return;
+  for (network::Acquisition& acquisition : acquisitions) {
+    if (!acquisition.stored) continue;
+    acquisition.temp_c.resize(acquisition.frames() * frame_pixels);
+    acquisition.stored->read(0, acquisition.temp_c);
+    acquisition.stored = nullptr;
+  }
+  const std::lock_guard lock(parts_->mutex);
+  parts_->in_memory_bytes = 0;
+}
+
+std::uint64_t FrameStore::bytes_in_memory() const {
+  const std::lock_guard lock(parts_->mutex);
+  return parts_->in_memory_bytes;
+}
+
+std::uint64_t FrameStore::bytes_on_disk() const {
+  const std::lock_guard lock(parts_->mutex);
+  return parts_->file->bytes();
+}
+
+fs::path FrameStore::place() const {
+  const std::lock_guard lock(parts_->mutex);
+  return parts_->file->bytes() == 0 ? fs::path() : parts_->file->place();
+}
+
+}  // namespace thermorig::dataset

@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: MIT
+#include "batch_stream.h"
+
+#include <algorithm>
+#include <cassert>
+
+namespace thermorig::training {
+
+namespace {
+
+constexpr std::size_t windows_ahead =
+    512;  // a disk has some ten milliseconds for them, and many at once to sort
+
+}  // namespace
+
+BatchStream::BatchStream(const WindowSet& set, const EpochPlan& plan, std::size_t windows_a_batch,
+                         network::Workers& workers)
+    : set_(set), plan_(plan), windows_a_batch_(windows_a_batch), workers_(workers), buffer_(set) {
+  if (!set_.is_partly_stored()) return;
+  for (std::size_t place = 0; place < windows_ahead; ++place) announce(place);
+}
+
+std::size_t BatchStream::batches() const {
+  return (plan_.order.size() + windows_a_batch_ - 1) / windows_a_batch_;
+}
+
+const BatchBuffer& BatchStream::next() {
+  begin_ = end_;
+  end_ = std::min(plan_.order.size(), begin_ + windows_a_batch_);
+  assert(begin_ < end_);
+  buffer_.clear();
+  for (std::size_t place = begin_; place < end_; ++place)
+    buffer_.add(plan_.order[place], plan_.mirrored[place]);
+  if (set_.is_partly_stored()) read();
+  return buffer_;
+}
+
+void BatchStream::announce(std::size_t place) const {
+  if (place < plan_.order.size()) set_.announce(plan_.order[place]);
+}
+
+void BatchStream::read() {
+  workers_.run(share_);
+  if (failure_) std::rethrow_exception(failure_);
+}
+
+void BatchStream::read_share(int worker) {
+  const auto workers = static_cast<std::size_t>(workers_.size());
+  try {
+    for (std::size_t place = begin_ + static_cast<std::size_t>(worker); place < end_; place += workers) {
+      announce(place + windows_ahead);
+      buffer_.read(place - begin_);
+    }
+  } catch (...) {
+    const std::lock_guard lock(mutex_);
+    failure_ = std::current_exception();
+  }
+}
+
+}  // namespace thermorig::training
