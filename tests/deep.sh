@@ -2,7 +2,8 @@
 # SPDX-License-Identifier: MIT
 # The slow checks: all tests under AddressSanitizer and UBSan, the threaded ones under ThreadSanitizer, and each
 # fuzzer for a bounded time with the golden vectors as seeds, the live page in a browser, the kernel's usb-serial
-# driver in a guest, a study on Slurm, and the line coverage of what a recording's truth rests on.
+# driver in a guest, a study on Slurm, the build of the benchmarks, and the line coverage of what a recording's truth rests
+# on.
 # Usage: bash tests/deep.sh [seconds a fuzzer, default 10; a full pass takes 60]
 set -euo pipefail
 cd "$(dirname "$0")/.."
@@ -11,7 +12,7 @@ source tests/far.sh
 fuzz_seconds=${1:-10}
 build() { cmake --build --preset "$@" -j "$(nproc)"; }
 
-bash app/setup.sh tests deep browser usb
+bash app/setup.sh tests deep bench browser usb
 
 cmake --preset asan
 part "build with AddressSanitizer, UBSan and the fuzzers" build asan
@@ -32,8 +33,8 @@ part cortex_m far cortex_m "${build_files[@]}" "${embedded[@]}" tests/embedded t
 part aarch64 far aarch64 app/setup.sh {src,include/thermorig}/{core,network} tests/network \
   -- bash tests/network/aarch64.sh 'Estimator*:BatchEstimator*:*GoldenVectors*:Tensors*:Shape*'
 
-cmake --preset developer
-part "build of the page and the guest" build developer --target thermorig usb_guest
+cmake --preset developer -DTHERMORIG_BENCHMARKS=ON # which no test runs: that they can be built at all
+part "build of the page, the guest and the benchmarks" build developer --target thermorig usb_guest benchmarks
 part "live page in a browser" bash tests/page/run.sh build
 # Ports on the kernel's usb-serial driver, plugs pulled and put back.
 part usb_guest far usb_guest "${build_files[@]}" {src,include/thermorig}/{core,io} tests/usb -- bash tests/usb/run.sh build

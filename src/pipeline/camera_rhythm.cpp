@@ -20,11 +20,12 @@ constexpr auto by_time_alone =
 double median_period_s(const std::vector<TimedFrame>& frames, const std::vector<double>& number,
                        std::size_t span) {
   std::vector<double> periods;
-  spill::Pace pace;
-  for (std::size_t i = 0; i + span < frames.size(); ++i) {
-    periods.push_back(to_s(frames[i + span].stamp.time - frames[i].stamp.time) /
-                      (number[i + span] - number[i]));
-    pace.passed(2 * sizeof frames[i]);
+  std::size_t i = 0;
+  for (const TimedFrame& frame : spill::Paced(frames)) {
+    if (i >= span)
+      periods.push_back(to_s(frame.stamp.time - frames[i - span].stamp.time) /
+                        (number[i] - number[i - span]));
+    ++i;
   }
   return median(std::move(periods));
 }
@@ -52,11 +53,8 @@ std::optional<double> period_s(const std::vector<TimedFrame>& frames) {
 
 std::optional<labels::CameraMode> camera_mode(const std::vector<TimedFrame>& frames) {
   labels::ModeVote vote;
-  spill::Pace pace;
-  for (std::size_t i = 1; i < frames.size(); ++i) {
-    vote.push({.even = frames[i].fresh_even, .odd = frames[i].fresh_odd});
-    pace.passed(sizeof frames[i]);
-  }
+  for (const TimedFrame& frame : spill::Paced(frames))
+    if (&frame != &frames.front()) vote.push({.even = frame.fresh_even, .odd = frame.fresh_odd});
   if (vote.empty()) return std::nullopt;
   return vote.mode();
 }

@@ -32,11 +32,7 @@ constexpr std::size_t turn_windows = 3;    // of a session, that are searched fo
 template <typename Message>
 void put_times(const std::vector<TimeEstimate>& times, std::vector<Message>& messages) {
   FinalTimes final_times(times);
-  spill::Pace pace;
-  for (Message& message : messages) {
-    final_times.put_next(message.stamp);
-    pace.passed(sizeof message);
-  }
+  for (Message& message : spill::Paced(messages)) final_times.put_next(message.stamp);
 }
 
 /// The rhythm is counted on what the bytes prove: causal stamps have been made with a count of their own.
@@ -44,22 +40,15 @@ void put_proofs(const RawStream& received, std::uint32_t baud, std::vector<Timed
   const std::vector<StreamSpan> spans = spans_of(frames);
   if (!holds(received, spans)) return;
   const auto proofs = timing::earliest_proofs(received, spans, baud);
-  spill::Pace pace;
-  for (std::size_t i = 0; i < frames.size(); ++i) {
-    frames[i].stamp.time = proofs[i];
-    pace.passed(sizeof frames[i]);
-  }
+  auto proof = proofs.begin();
+  for (TimedFrame& frame : spill::Paced(frames)) frame.stamp.time = *proof++;
 }
 
 template <typename Message>
 std::vector<Stamp> stamps_of(std::span<const Message> messages) {
   std::vector<Stamp> stamps;
   stamps.reserve(messages.size());
-  spill::Pace pace;
-  for (const Message& message : messages) {
-    stamps.push_back(message.stamp);
-    pace.passed(sizeof message);
-  }
+  for (const Message& message : spill::Paced(messages)) stamps.push_back(message.stamp);
   return stamps;
 }
 
@@ -137,11 +126,7 @@ PerDevice<ClockFit> fit_clocks(const RawRecording& raw, Streams& streams, const 
 /// What each frame shows when, by the fits so far.
 void expose(std::vector<TimedFrame>& frames, const CameraProfile& profile, const Fits& fits) {
   labels::ExposureRule rule = exposure_rule(profile, fits);
-  spill::Pace pace;
-  for (TimedFrame& frame : frames) {
-    rule.apply(frame);
-    pace.passed(sizeof frame);
-  }
+  for (TimedFrame& frame : spill::Paced(frames)) rule.apply(frame);
 }
 
 void fit_newer_half(Streams& streams, const RigProfile& profile, const GyroErrors& errors, Fits& fits) {

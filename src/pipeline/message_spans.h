@@ -16,11 +16,7 @@ template <typename Messages>
 std::vector<StreamSpan> spans_of(const Messages& messages) {
   std::vector<StreamSpan> spans;
   spans.reserve(messages.size());
-  spill::Pace pace;
-  for (const auto& message : messages) {
-    spans.push_back(message.span);
-    pace.passed(sizeof message);
-  }
+  for (const auto& message : spill::Paced(messages)) spans.push_back(message.span);
   return spans;
 }
 

@@ -43,7 +43,8 @@ model::Model reference_model() {
 /// All that a live run does with bytes, but the journal and the page.
 class LiveChain {
  public:
-  explicit LiveChain(const RigProfile& profile) : LiveChain(profile, {{}, reference_model(), profile.gyro}) {}
+  explicit LiveChain(const RigProfile& profile)
+      : LiveChain(profile, estimators::Bank({}, reference_model(), profile)) {}
 
   /// How many frames the step completed.
   std::size_t feed(const pipeline::ReplayStep& step) {

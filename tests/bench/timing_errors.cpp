@@ -23,7 +23,7 @@ namespace {
 constexpr auto judged_after = std::chrono::seconds(10);  // a live clock and a regression have settled
 constexpr double rounding_s = 1e-6;
 
-float seconds(HostDuration duration) {
+float float_s(HostDuration duration) {
   return static_cast<float>(to_s(duration));
 }
 
@@ -75,8 +75,8 @@ void judge_stream(Device device, const std::vector<Timed>& decoded, const std::v
     const bool has_final = final.size() == decoded.size();
     if (has_final) check_bounds(final[i], instant, errors);
     if (instant <= from) continue;
-    errors.by_method["causal"].push_back(seconds(stamp.time - instant));
-    if (has_final) errors.by_method["final"].push_back(seconds(final[i].time - instant));
+    errors.by_method["causal"].push_back(float_s(stamp.time - instant));
+    if (has_final) errors.by_method["final"].push_back(float_s(final[i].time - instant));
   }
   add_baselines(arrivals, instants, from, errors);
 }
@@ -115,8 +115,8 @@ void judge_servo(const Recorded& recorded, const std::vector<TimeEstimate>& fina
     const bool has_final = final.size() == servo.size();
     if (has_final) check_bounds(final[i], instant, errors);
     if (instant <= from) continue;
-    errors.by_method["causal"].push_back(seconds(servo[i].stamp.time - instant));
-    if (has_final) errors.by_method["final"].push_back(seconds(final[i].time - instant));
+    errors.by_method["causal"].push_back(float_s(servo[i].stamp.time - instant));
+    if (has_final) errors.by_method["final"].push_back(float_s(final[i].time - instant));
   }
   add_baselines(arrivals, instants, from, errors);
   const std::vector<RoundTrip> trips = round_trips(recorded);

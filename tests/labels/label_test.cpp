@@ -168,9 +168,9 @@ TEST(Label, OfACalibratedCameraIsAsUnsureAsItsLatencyAlone) {
   profile.servo.link.latency_uncertainty_s = 0.0004;
   SyncReport sync;
   sync.clock[Device::gyro].latency_uncertainty_s = 0.002;
-  EXPECT_NEAR(label_config(profile, sync).latency_uncertainty_s, 0.0005, 1e-6);  // by the servo's clock
+  EXPECT_NEAR(label_config(profile, sync).latency_uncertainty_s, 0.0005, 1e-9);  // by the servo's clock
   sync.servo.fitted = true;
-  EXPECT_NEAR(label_config(profile, sync).latency_uncertainty_s, std::hypot(0.0003, 0.002), 1e-6);
+  EXPECT_NEAR(label_config(profile, sync).latency_uncertainty_s, std::hypot(0.0003, 0.002), 1e-9);
   profile.camera.link.latency_measured_utc = "2026-07-25T14:35:12Z";  // against the gyro
   EXPECT_NEAR(label_config(profile, sync).latency_uncertainty_s, 0.0003, 1e-9);
 }

@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 namespace thermorig::pipeline {
 namespace {
 
@@ -84,6 +86,22 @@ TEST(CheckedLatency, WithoutImagesThatTellAnAssumedOneStaysAsUnsureAsItIs) {
   CameraOffset none{.offset_s = std::nullopt, .why_not = "nothing turned"};
   apply_camera_offset(camera, known_filter(), gyro_clock(0.002), none, clock);
   EXPECT_NEAR(clock.report.latency_uncertainty_s, 0.0374, 1e-4);
+}
+
+TEST(CheckedLatency, AnAssumedOneGivesWayToImagesThatKnowMoreThanHowRowsAreRead) {
+  ClockFit clock = clock_at(5.0);
+  CameraProfile camera = assumed_camera(0.010);
+  camera.output_rate_hz = 8.0;
+  const double assumed_s = std::hypot(0.010, 0.0625 / std::sqrt(3.0));
+  const double weight = assumed_s * assumed_s / (assumed_s * assumed_s + 0.020 * 0.020);
+  CameraOffset offset = seen(0.030, 0.020);
+  apply_camera_offset(camera, known_filter(), gyro_clock(0.0), offset, clock);
+  EXPECT_TRUE(offset.applied);
+  EXPECT_NEAR(clock.report.latency_s, 0.020 + 0.030 * weight, 1e-9);
+  EXPECT_NEAR(clock.report.latency_uncertainty_s, 0.020 * std::sqrt(weight), 1e-9);
+  CameraOffset vague = seen(0.030, 0.040);
+  apply_camera_offset(camera, known_filter(), gyro_clock(0.0), vague, clock);
+  EXPECT_FALSE(vague.applied);
 }
 
 TEST(CheckedLatency, ACalibratedOneStaysWhileTheImagesAgree) {

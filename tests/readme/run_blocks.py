@@ -63,7 +63,9 @@ def main(project, build):
     with tempfile.TemporaryDirectory() as name:
         folder = pathlib.Path(name, "thermorig")
         copy_tracked_files(project, folder)
-        environment = {**os.environ, "PATH": f"{build}/bin:{os.environ['PATH']}", "THERMORIG_BUILD": f"{folder}/build"}
+        # The quick start builds what the tests were built from: with their preset the compiler's cache has it.
+        environment = {**os.environ, "PATH": f"{build}/bin:{os.environ['PATH']}", "THERMORIG_BUILD": f"{folder}/build",
+                       "THERMORIG_PRESET": "developer"}
         for kind, body, line in blocks(pathlib.Path(project, "README.md").read_text()):
             print(f"README.md:{line} ({kind})\n{body}", flush=True)
             if run(kind, body, folder, environment).returncode != 0:

@@ -4,9 +4,11 @@
 #include <gtest/gtest.h>
 #include <sys/resource.h>
 
+#include <array>
 #include <cstdint>
 #include <numeric>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #include "session/temporary_folder.h"
@@ -89,6 +91,27 @@ TEST_F(Spill, LeavesArraysInMemoryWhereNoFileMayBeSoLarge) {
   const Bytes bytes(8 * mebibyte, 1);
   EXPECT_EQ(spilled_bytes(), 0U);
   EXPECT_EQ(::setrlimit(RLIMIT_FSIZE, &before), 0);
+}
+
+TEST(EveryBytes, AreDueAgainAndAgain) {
+  EveryBytes four(4);
+  for (int round = 0; round < 3; ++round) {
+    EXPECT_FALSE(four.is_due_after(3));
+    EXPECT_TRUE(four.is_due_after(1));
+  }
+  EXPECT_TRUE(four.is_due_after(9));  // what is too much is not owed
+  EXPECT_FALSE(four.is_due_after(3));
+}
+
+TEST_F(Spill, PacedRowsAreAllOfThemInOrder) {
+  std::vector<std::array<int, 1024>> rows(6 * mebibyte / 4096);
+  ASSERT_GT(spilled_bytes(), 0U);
+  int number = 0;
+  for (auto& row : Paced(rows)) row[0] = number++;
+  EXPECT_EQ(number, static_cast<int>(rows.size()));
+  for (const auto& row : Paced(std::as_const(rows))) EXPECT_EQ(row[0], &row - rows.data());
+  rows.clear();
+  for (const auto& row : Paced(rows)) FAIL() << row[0];
 }
 
 }  // namespace

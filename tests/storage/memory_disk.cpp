@@ -16,21 +16,21 @@ using files::OpenFile;
 
 constexpr std::size_t sector_bytes = 512;
 
-std::uint64_t mixed(std::uint64_t hash, std::uint64_t word) {
+std::uint64_t with_word(std::uint64_t hash, std::uint64_t word) {
   hash = (hash ^ word) * 0x9E3779B97F4A7C15U;
   return hash ^ (hash >> 29U);
 }
 
 std::uint64_t hash_of(const std::byte* bytes, std::size_t size, std::uint64_t hash) {
-  hash = mixed(hash, size);
+  hash = with_word(hash, size);
   for (; size >= 8; bytes += 8, size -= 8) {
     std::uint64_t word = 0;
     std::memcpy(&word, bytes, 8);
-    hash = mixed(hash, word);
+    hash = with_word(hash, word);
   }
   std::uint64_t word = 0;
   if (size > 0) std::memcpy(&word, bytes, size);
-  return mixed(hash, word);
+  return with_word(hash, word);
 }
 
 std::string folder_name(const std::filesystem::path& path) {

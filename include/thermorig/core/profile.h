@@ -37,9 +37,10 @@ struct CameraProfile {
   ChecksumPolicy checksum = ChecksumPolicy::word;
 };
 
-/// One standard deviation of the camera's latency, in s: the profile's, where it was measured. Where it is an
-/// assumption, nothing says either when within a refresh the middle rows are read, from the middle of it to
-/// its end (MLX90640 data sheet: it does not say whether rows are exposed together or one after the other).
+/// How far the camera's latency may be off, in s (root mean square): the profile's standard deviation, where
+/// it was measured. Where it is an assumption, nothing says either when within a refresh the middle rows are
+/// read, from the middle of it to its end (the MLX90640's data sheet does not say whether rows are exposed
+/// together or one after the other).
 double latency_uncertainty_s(const CameraProfile& camera);
 
 /// Columns of a text gyro. A line is split on commas, semicolons, tabs and spaces.

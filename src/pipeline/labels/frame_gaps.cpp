@@ -38,12 +38,9 @@ std::uint16_t whole_periods(double periods) {
 std::vector<double> delays_s(const std::vector<TimedFrame>& frames, double period_s) {
   std::vector<double> delays;
   delays.reserve(frames.size());
-  spill::Pace pace;
-  for (std::size_t i = 0; i < frames.size(); ++i) {
-    delays.push_back(to_s(frames[i].stamp.time - frames.front().stamp.time) -
-                     period_s * static_cast<double>(i));
-    pace.passed(sizeof frames[i]);
-  }
+  for (const TimedFrame& frame : spill::Paced(frames))
+    delays.push_back(to_s(frame.stamp.time - frames.front().stamp.time) -
+                     period_s * static_cast<double>(delays.size()));
   return delays;
 }
 

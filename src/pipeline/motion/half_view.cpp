@@ -41,9 +41,7 @@ HalfView view_of(const FreshHalf& half) {
 std::vector<FreshHalf> fresh_halves(std::span<const TimedFrame> frames, const AngleTrack& track,
                                     double bias_dps, double margin_s, NewerHalf newer) {
   std::vector<FreshHalf> halves;
-  spill::Pace pace;
-  for (const TimedFrame& frame : frames) {
-    pace.passed(sizeof frame);
+  for (const TimedFrame& frame : spill::Paced(frames)) {
     if (frame.late || frame.stale) continue;
     if (newer && !(is_fresh(frame, 0) && is_fresh(frame, 1))) continue;
     for (const unsigned parity : {0U, 1U}) {

@@ -165,12 +165,12 @@ std::string unclear_latency(const CameraOffset& offset) {
 }
 
 CheckedConstant camera_latency_of(const session::Session& session) {
-  const PortProfile& link = session.raw.header.profile.camera.link;
+  const CameraProfile& camera = session.raw.header.profile.camera;
+  const PortProfile& link = camera.link;
   const CameraOffset& offset = session.sync.camera_offset;
-  CheckedConstant constant{
-      .name = "camera latency",
-      .unit = "s",
-      .profile = Estimate{link.latency_s, latency_uncertainty_s(session.raw.header.profile.camera)}};
+  CheckedConstant constant{.name = "camera latency",
+                           .unit = "s",
+                           .profile = Estimate{link.latency_s, latency_uncertainty_s(camera)}};
   if (!offset.offset_s)
     return not_checked(std::move(constant), "the images do not tell: " + offset.why_not,
                        "point the camera at something with warm and cold edges");

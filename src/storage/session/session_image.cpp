@@ -22,6 +22,7 @@
 #include "scalars.h"
 #include "sent_bytes.h"
 #include "sync_columns.h"
+#include "thermorig/io/spill/spill.h"
 
 namespace thermorig::session {
 
@@ -200,7 +201,7 @@ void check_dataset(hid_t file, const StoredDataset& stored, const sandbox::Seale
   if (dims[0] != stored.rows) throw Hdf5Failure("find all rows of " + stored.path);
   std::vector<std::byte> chunk;
   std::array<hsize_t, 3> offset{};
-  std::size_t read_bytes = 0;
+  spill::EveryBytes part(crc_part_bytes);
   for (const std::uint32_t crc : stored.chunk_crc) {
     hsize_t size = 0;
     std::uint32_t mask = 0;
@@ -211,9 +212,7 @@ void check_dataset(hid_t file, const StoredDataset& stored, const sandbox::Seale
     if (mask != 0 || libdeflate_crc32(0, chunk.data(), chunk.size()) != crc)
       throw Hdf5Failure("read back what was written to " + stored.path);
     offset[0] += stored.chunk_rows;
-    if ((read_bytes += chunk.size()) < crc_part_bytes) continue;
-    copy.forget_pages();
-    read_bytes = 0;
+    if (part.is_due_after(chunk.size())) copy.forget_pages();
   }
 }
 

@@ -3,6 +3,8 @@
 
 #include <cstddef>
 #include <filesystem>
+#include <iterator>
+#include <utility>
 
 namespace thermorig::spill {
 
@@ -22,19 +24,52 @@ void arrays_near(const std::filesystem::path& near, const Limits& limits = {});
 /// that four times a millisecond; who looks at large arrays quickly calls it now and then.
 void give_pages_back();
 
-/// Gives pages back on the way along an array whose rows are large and hardly looked at: such a walk brings
-/// hundreds of megabytes into memory before a thread looks.
-class Pace {
+/// Tells when so many bytes have passed by, again and again.
+class EveryBytes {
  public:
-  void passed(std::size_t bytes) {
-    constexpr std::size_t look_after_bytes = 2U << 20U;
-    if ((bytes_ += bytes) < look_after_bytes) return;
-    bytes_ = 0;
-    give_pages_back();
+  explicit EveryBytes(std::size_t bytes) : every_(bytes) {}
+
+  bool is_due_after(std::size_t bytes) {
+    if ((passed_ += bytes) < every_) return false;
+    passed_ = 0;
+    return true;
   }
 
  private:
-  std::size_t bytes_ = 0;
+  std::size_t every_;
+  std::size_t passed_ = 0;
+};
+
+/// `rows` for a loop that goes through them and hardly looks at each: pages are given back on the way. Such a
+/// walk brings more of a large array into memory than a thread can give back beside it.
+template <typename Rows>
+class Paced {
+  using At = decltype(std::begin(std::declval<Rows&>()));
+
+ public:
+  explicit Paced(Rows& rows) : rows_(&rows) {}
+
+  class Iterator {
+   public:
+    explicit Iterator(At at) : at_(at) {}
+    decltype(auto) operator*() const { return *at_; }
+    bool operator!=(const Iterator& other) const { return at_ != other.at_; }
+    Iterator& operator++() {
+      if (look_.is_due_after(sizeof *at_)) give_pages_back();
+      ++at_;
+      return *this;
+    }
+
+   private:
+    At at_;
+    EveryBytes look_{2U << 20U};
+  };
+
+  Iterator begin() const { return Iterator(std::begin(*rows_)); }
+  Iterator end() const { return Iterator(std::end(*rows_)); }
+
+ private:
+  Rows* rows_;
 };
 
 /// Bytes of arrays that lie on a disk now.
