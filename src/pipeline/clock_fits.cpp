@@ -63,10 +63,11 @@ class Figures {
                                                &ClockReport::wander_ppm,     &ClockReport::late_p50_us,
                                                &ClockReport::late_p95_us,    &ClockReport::uncertainty_us,
                                                &ClockReport::bound_median_us};
-  static constexpr std::array<Member, 3> largest{&ClockReport::late_max_us, &ClockReport::bound_us,
-                                                 &ClockReport::bound_wander_ppm};
+  static constexpr std::array<Member, 4> largest{&ClockReport::late_max_us, &ClockReport::bound_us,
+                                                 &ClockReport::bound_wander_ppm,
+                                                 &ClockReport::needed_wander_ppm};
   std::array<double, 7> sums_{};
-  std::array<double, 3> most_{};
+  std::array<double, largest.size()> most_{};
   bool is_checked_ = true;
   double messages_ = 0.0;
   double most_messages_ = 0.0;

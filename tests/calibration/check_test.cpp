@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <limits>
 
 #include "calibrated_rig.h"
 #include "thermorig/rig/calibration/calibration.h"
@@ -143,6 +144,56 @@ TEST(CheckConstants, WhatWasNeverMeasuredIsSaidToBeAnAssumption) {
     EXPECT_THAT(constant(constants, name).advice, HasSubstr("thermorig calibrate")) << name;
     EXPECT_TRUE(constant(constants, name).session) << name;
   }
+}
+
+/// A session in which only the servo's clock was heard, through `length_s`.
+session::Session with_servo_clock(double needed_ppm, double bound_ppm, double length_s) {
+  session::Session session;
+  session.raw.header.profile.servo.link.wander_ppm = 6.0;
+  ClockReport& clock = session.sync.clock[Device::servo];
+  clock.method = "two-way";
+  clock.needed_wander_ppm = needed_ppm;
+  clock.bound_wander_ppm = bound_ppm;
+  clock.epochs.resize(1);
+  for (const double share : {0.0, 0.5, 1.0}) clock.knots.push_back({HostTime(from_s(share * length_s))});
+  return session;
+}
+
+CheckedConstant servo_clock(const session::Session& session) {
+  return constant(check_constants(session), "servo clock wander");
+}
+
+TEST(CheckConstants, AServoClockHoldsWhereAnswersTellThatItIsAsGoodAsItsProfileSays) {
+  EXPECT_EQ(servo_clock(with_servo_clock(6.0, 6.0, 300.0)).verdict, ConstantVerdict::holds);
+}
+
+TEST(CheckConstants, AServoClockThatNeedsMoreThanItsProfileSaysContradictsHoweverShortItWasHeard) {
+  for (const double length_s : {15.0, 300.0}) {
+    const CheckedConstant clock = servo_clock(with_servo_clock(48.0, 96.0, length_s));
+    EXPECT_EQ(clock.verdict, ConstantVerdict::contradicts);
+    EXPECT_EQ(clock.session->value, 48.0);
+    EXPECT_THAT(clock.advice, HasSubstr("wander_ppm in [servo]"));
+  }
+  EXPECT_EQ(servo_clock(with_servo_clock(std::numeric_limits<double>::infinity(), 0.0, 300.0)).verdict,
+            ConstantVerdict::contradicts);
+}
+
+TEST(CheckConstants, AServoClockIsNotCheckedWhereItsWanderCouldNotHaveBeenTold) {
+  const CheckedConstant slow = servo_clock(with_servo_clock(6.0, 96.0, 300.0));
+  EXPECT_EQ(slow.verdict, ConstantVerdict::not_checked);
+  EXPECT_THAT(slow.why, HasSubstr("96 ppm"));
+  const CheckedConstant brief = servo_clock(with_servo_clock(6.0, 6.0, 20.0));
+  EXPECT_EQ(brief.verdict, ConstantVerdict::not_checked);
+  EXPECT_THAT(brief.why, HasSubstr("so short a session"));
+}
+
+/// The host's clock is slewed by 500 ppm from the begin to the end: nothing in these 25 s tells it.
+TEST(CheckConstants, WhatSoShortASessionCannotTellOfAClockIsNotChecked) {
+  auto config = rig_with(2);
+  config.world.links.host_slew_ppm = 500.0;
+  const CheckedConstant clock = constant(checked(config), "servo clock wander");
+  EXPECT_EQ(clock.verdict, ConstantVerdict::not_checked) << text(clock);
+  EXPECT_THAT(clock.why, HasSubstr("so short a session"));
 }
 
 TEST(CheckConstants, AnEmptySessionChecksNothing) {

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: MIT
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <vector>
 
 #include "thermorig/pipeline/motion/panorama_fit.h"
 #include "turning_rig.h"
@@ -61,6 +63,31 @@ TEST(GyroScale, IsTheSameInWhateverOrderWindowsAreWorkedOut) {
   ASSERT_TRUE(found.gyro_scale && in_order.gyro_scale);
   EXPECT_EQ(*found.gyro_scale, *in_order.gyro_scale);
   EXPECT_EQ(found.turned_deg, in_order.turned_deg);
+}
+
+/// The gyro with that bias, which it hides at rest: exactly 0 in place of what is not in one of the legs.
+void hide_bias(const std::vector<Leg>& legs, double bias_dps, Turning& turning) {
+  constexpr double margin_s = 1.0;
+  const auto moves = [&](double time_s) {
+    return std::any_of(legs.begin(), legs.end(), [&](const Leg& leg) {
+      return time_s > leg.begin_s - margin_s && time_s < leg.begin_s + leg.duration_s + margin_s;
+    });
+  };
+  for (TimedGyro& sample : turning.gyro)
+    sample.rate_dps = moves(to_s(sample.stamp.time.time_since_epoch()))
+                          ? sample.rate_dps + static_cast<float>(bias_dps)
+                          : 0.0F;
+  turning.errors.bias_dps->value += bias_dps;
+  turning.errors.zeroes_itself = true;
+}
+
+TEST(GyroScale, IsNotFooledByAGyroThatHidesItsBiasAtRest) {
+  const std::vector<Leg> legs{{2.0, 10.5, 40.0}, {16.5, 10.5, -40.0}};
+  for (unsigned seed = 1; seed <= 4; ++seed) {
+    Turning turning = turn(simulation::default_rig(seed, environment_of(seed)), legs, 32.0);
+    hide_bias(legs, 4.0, turning);
+    expect_scale(turning, seed);
+  }
 }
 
 TEST(GyroScale, IsNotToldWhereNoTurnCloses) {

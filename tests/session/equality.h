@@ -127,7 +127,8 @@ inline bool same(const ClockReport& a, const ClockReport& b) {
          a.wander_ppm == b.wander_ppm && a.late_p50_us == b.late_p50_us && a.late_p95_us == b.late_p95_us &&
          a.late_max_us == b.late_max_us && a.uncertainty_us == b.uncertainty_us && a.bound_us == b.bound_us &&
          a.bound_median_us == b.bound_median_us && a.bound_wander_ppm == b.bound_wander_ppm &&
-         a.latency_s == b.latency_s && a.largest_constant_delay_s == b.largest_constant_delay_s &&
+         a.needed_wander_ppm == b.needed_wander_ppm && a.latency_s == b.latency_s &&
+         a.largest_constant_delay_s == b.largest_constant_delay_s &&
          a.latency_uncertainty_s == b.latency_uncertainty_s && same(a.knots, b.knots) &&
          same(a.epochs, b.epochs) && same(a.gaps, b.gaps);
 }

@@ -190,8 +190,10 @@ inline Session format_1_session(Session session) {
   gyro.filter_source = standard.filter_source;
   gyro.scale_contradicts = gyro.filter_contradicts = false;
   gyro.bias_course.clear();
-  for (const Device device : all_devices)
+  for (const Device device : all_devices) {
     session.sync.clock[device].bound_wander_ppm = ClockReport().bound_wander_ppm;
+    session.sync.clock[device].needed_wander_ppm = ClockReport().needed_wander_ppm;
+  }
   session.sync.camera_offset.contradicts = false;
   session.sync.camera_offset.row_delay_s.reset();
   for (auto& speed : session.sync.servo.speeds) {

@@ -97,6 +97,7 @@ class SyntheticSession {
              .bound_us = 700,
              .bound_median_us = 300,
              .bound_wander_ppm = 12,
+             .needed_wander_ppm = 6,
              .largest_constant_delay_s = 0.002,
              .latency_s = 0.0125,
              .latency_uncertainty_s = 0.0006,

@@ -370,12 +370,32 @@ TEST(ArrivalClock, FollowsAHostsClockThatIsSlewed) {
   }
   const auto clock = fit_arrivals(device_s, latest, PortProfile{}, 100.0);
   EXPECT_GT(clock.report.bound_wander_ppm, PortProfile{}.wander_ppm);
+  EXPECT_EQ(clock.report.needed_wander_ppm, clock.report.bound_wander_ppm);
   for (std::size_t i = 0; i < device_s.size(); ++i) {
     const double error_s = to_s(clock.times[i].time.time_since_epoch()) - host_s(device_s[i]);
     ASSERT_LE(error_s, static_cast<double>(clock.times[i].earlier_s)) << device_s[i];
     ASSERT_LE(-error_s, static_cast<double>(clock.times[i].later_s)) << device_s[i];
     ASSERT_LE(std::abs(error_s), 6e-3) << device_s[i];
   }
+}
+
+TEST(ArrivalClock, SaysWhetherNothingExplainsWhatCameOrNothingWasChecked) {
+  const auto needed_ppm = [](double wander_ppm, double faster_from_half) {
+    std::vector<double> device_s;
+    std::vector<LatestBegin> latest;
+    double host_s = 100.0;
+    for (int i = 0; i < 12'000; ++i) {
+      host_s += 0.01 * (i < 6'000 ? 1.0 : 1.0 + faster_from_half);
+      device_s.push_back(0.01 * i);
+      latest.push_back({.device_s = 0.01 * i, .latest = HostTime(from_s(host_s)), .wire_s = 0.001});
+    }
+    PortProfile link;
+    link.wander_ppm = wander_ppm;
+    return fit_arrivals(device_s, latest, link, 100.0).report.needed_wander_ppm;
+  };
+  EXPECT_EQ(needed_ppm(100.0, 0.0), 100.0);
+  EXPECT_EQ(needed_ppm(100.0, 0.02), std::numeric_limits<double>::infinity());
+  EXPECT_EQ(needed_ppm(0.0, 0.0), 0.0);
 }
 
 TEST(ArrivalClock, KeepsToTheProfilesWanderWhereThatExplainsWhatCame) {

@@ -125,6 +125,38 @@ TEST(LiveClock, FollowsADevicesOwnTimeOverAReset) {
   }
 }
 
+/// The host's clock where it is slewed by `slew` for two minutes in four, as NTP may.
+double slewed_s(double at_s, double slew) {
+  const double cycles = std::floor(at_s / 240.0);
+  return at_s + slew * (120.0 * cycles + std::min(at_s - 240.0 * cycles, 120.0));
+}
+
+/// The fastest of these messages come as late as the link's setting has it: the bound has nothing to spare.
+void expect_bounds_on_a_slewed_host(double rate_hz, double slew, std::uint64_t seed) {
+  const PortProfile link;
+  LinkTiming timing(link, rate_hz);
+  std::mt19937_64 random(seed);
+  std::exponential_distribution<double> late_s(1.0 / 0.5e-3);
+  int before = 0, after = 0;
+  const auto messages = static_cast<std::uint64_t>(500.0 * rate_hz);
+  for (std::uint64_t i = 0; i < messages; ++i) {
+    const double begun_s = slewed_s(5.0 + static_cast<double>(i) / rate_hz, slew);
+    timing.chunk(10 * (i + 1), HostTime(from_s(begun_s + link.largest_constant_delay_s + late_s(random))));
+    const Stamp stamp = timing.stamp({10 * i, 10 * (i + 1)});
+    const double error_s = to_s(stamp.time.time_since_epoch()) - begun_s;
+    before += error_s > static_cast<double>(stamp.earlier_s) + 1e-6;
+    after += -error_s > static_cast<double>(stamp.later_s) + 1e-6;
+  }
+  EXPECT_EQ(before, 0) << rate_hz << " Hz, slew " << slew << ", seed " << seed;
+  EXPECT_EQ(after, 0) << rate_hz << " Hz, slew " << slew << ", seed " << seed;
+}
+
+TEST(LiveClock, KeepsItsBoundsWhereTheHostsClockIsSlewed) {
+  for (const double rate_hz : {8.0, 100.0, 200.0})
+    for (const double slew : {-500e-6, 500e-6})
+      for (const std::uint64_t seed : {3, 4, 5}) expect_bounds_on_a_slewed_host(rate_hz, slew, seed);
+}
+
 /// A camera 2 % slower than its name, which leaves out one half of ten, at the begin and two in a row too.
 TEST(LiveClock, CountsWhatTheDeviceLeavesOut) {
   PortProfile link;

@@ -229,6 +229,7 @@ TEST(PingFit, BoundsFollowAClockThatWandersMoreThanItsProfileSays) {
       const PingFit result = fit(wild);
       EXPECT_EQ(result.report.epochs.size(), 1U) << one.name << timer_s;
       EXPECT_GT(result.report.bound_wander_ppm, servo_link().wander_ppm) << one.name << timer_s;
+      EXPECT_LE(result.report.needed_wander_ppm, result.report.bound_wander_ppm) << one.name << timer_s;
       EXPECT_EQ(violations_on(wild.mcu_us, result.times, wild.clock, one.ahead_s), 0) << one.name << timer_s;
     }
 }
@@ -251,9 +252,27 @@ TEST(PingFit, BoundsHoldWhereAClockJumpsBetweenTwoAnswers) {
 }
 
 TEST(PingFit, SaysWhichWanderWasChecked) {
-  EXPECT_EQ(fit(traffic({.seed = 14, .duration_s = 300.0})).report.bound_wander_ppm, servo_link().wander_ppm);
+  const ClockReport quiet = fit(traffic({.seed = 14, .duration_s = 300.0})).report;
+  EXPECT_EQ(quiet.bound_wander_ppm, servo_link().wander_ppm);
+  EXPECT_EQ(quiet.needed_wander_ppm, servo_link().wander_ppm);
   const PingTraffic wrong_baud = traffic({.seed = 13, .duration_s = 60.0, .wire_error_s = 0.0004});
   EXPECT_EQ(fit(wrong_baud).report.bound_wander_ppm, 0.0);  // nothing explains it: no proof
+  EXPECT_EQ(fit(wrong_baud).report.needed_wander_ppm, std::numeric_limits<double>::infinity());
+}
+
+/// Answers that may come 16 ms late do not tell a clock that is as good as its profile says from a worse one.
+TEST(PingFit, SaysWhatWasNeededApartFromWhatSlowAnswersCouldNotTell) {
+  const LinkOptions slow{.seed = 14, .duration_s = 300.0, .latency_timer_s = 0.016, .dither_s = 0.020};
+  const ClockReport report = fit(traffic(slow)).report;
+  EXPECT_EQ(report.needed_wander_ppm, servo_link().wander_ppm);
+  EXPECT_GT(report.bound_wander_ppm, servo_link().wander_ppm);
+}
+
+TEST(PingFit, SaysWhatAClockNeededThatWandersMore) {
+  for (const Wandering& one : wandering) {
+    const PingTraffic wild = on_host(traffic({.seed = 14, .duration_s = 600.0}), one.ahead_s);
+    EXPECT_GT(fit(wild).report.needed_wander_ppm, servo_link().wander_ppm) << one.name;
+  }
 }
 
 TEST(PingClock, BoundsFollowAClockThatWandersMoreThanItsProfileSays) {

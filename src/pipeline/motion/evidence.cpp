@@ -43,12 +43,18 @@ double drift_between_rests(std::span<const TimedGyro> gyro, const GyroErrors& er
   return std::abs(drift) < fastest_drift ? drift : 0.0;
 }
 
-/// The gyro as if its bias had stayed, if it is known how it went; else nothing.
+/// The gyro as if its bias had stayed, if it is known how it went, and as if it had shown it at rest, where
+/// it zeroes itself: else taking the bias off would turn a rig that stands. Nothing, if neither is to be
+/// done.
 std::vector<TimedGyro> with_steady_bias(std::span<const TimedGyro> gyro, const GyroErrors& errors) {
-  if (errors.bias_course.empty() || !errors.bias_dps) return {};
+  if (!errors.bias_dps || (errors.bias_course.empty() && !errors.zeroes_itself)) return {};
+  const double steady_dps = errors.bias_dps->value;
   std::vector<TimedGyro> steady(gyro.begin(), gyro.end());
   for (TimedGyro& sample : steady)
-    sample.rate_dps += static_cast<float>(errors.bias_dps->value - bias_dps_at(errors, sample.stamp.time));
+    if (errors.zeroes_itself && sample.rate_dps == 0.0F)
+      sample.rate_dps = static_cast<float>(steady_dps);
+    else
+      sample.rate_dps += static_cast<float>(steady_dps - bias_dps_at(errors, sample.stamp.time));
   return steady;
 }
 
@@ -71,7 +77,7 @@ Evidence gather(std::span<const TimedFrame> frames, std::span<const TimedGyro> g
   Evidence evidence{
       AngleTrack(steady.empty() ? gyro : std::span<const TimedGyro>(steady)), {}, {}, nonsense(view, errors)};
   if (!evidence.why_not.empty()) return evidence;
-  const double drift_dps_per_s = steady.empty() ? drift_between_rests(gyro, errors) : 0.0;
+  const double drift_dps_per_s = errors.bias_course.empty() ? drift_between_rests(gyro, errors) : 0.0;
   evidence.prior = prior_of(errors, evidence.track, drift_dps_per_s);
   evidence.halves =
       fresh_halves(frames, evidence.track, evidence.prior.mean[bias_dps], largest_offset_s, newer);

@@ -29,8 +29,10 @@ constexpr double repeated_readings = 3.0;    // of the uncertainty: neighbouring
 constexpr double most_turned_deg = 18000.0;  // fifty turns in a window: not a rig
 constexpr double least_scale_contrast = 0.1;
 constexpr double worst_uncertainty = 0.01;
-constexpr double glance_s = 0.25;         // few halves see the end of a turn: each pair is a witness
-constexpr double model_error_deg = 0.15;  // a tenth of a pixel: lens and lag, seen differently at either end
+constexpr double glance_s = 0.25;  // few halves see the end of a turn: each pair is a witness
+// A quarter of a pixel: lens, lag and what is near are seen differently at either end of a turn. The scales
+// of single turns of 43 rigs in the world "typical" scattered by 0.11 %, 0.08 % of which this is.
+constexpr double model_error_deg = 0.4;
 
 double angle_deg(const FreshHalf& half, const Evidence& evidence) {
   const Parameters& known = evidence.prior.mean;

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <limits>
 #include <span>
 #include <utility>
 #include <vector>
@@ -249,10 +250,12 @@ ArrivalClock fit_arrivals(std::span<const double> device_s, std::span<const Late
   for (;; wider.wander_ppm *= 2.0) {
     ArrivalFit fit(device_s, latest, wider, nominal_rate_hz);
     ArrivalClock clock = fit.run();
-    clock.report.bound_wander_ppm = fit.strays() ? 0.0 : wider.wander_ppm;
-    // Not a number, and nothing, are doubled in vain.
-    if (!fit.strays() || !(wider.wander_ppm > 0.0 && 2.0 * wider.wander_ppm <= largest_wander_ppm))
-      return clock;
+    const bool is_allowed = wider.wander_ppm > 0.0;  // not a number, and nothing, are doubled in vain
+    clock.report.bound_wander_ppm = fit.strays() || !is_allowed ? 0.0 : wider.wander_ppm;
+    clock.report.needed_wander_ppm = !is_allowed    ? 0.0
+                                     : fit.strays() ? std::numeric_limits<double>::infinity()
+                                                    : wider.wander_ppm;
+    if (!fit.strays() || !is_allowed || !(2.0 * wider.wander_ppm <= largest_wander_ppm)) return clock;
   }
 }
 

@@ -28,14 +28,34 @@ constexpr double restless = 3.0;
 constexpr double forget_unrest = 0.7;  // a block
 constexpr double nowhere_near_s = 1e9;
 constexpr double left_out_two = 1.6;  // periods
+constexpr double watched_stray_s = 1.5;
+constexpr std::uint32_t fewest_straying = 50;
+constexpr double largest_drift = 4000e-6;  // that is tried
+constexpr double fastest_slew = 500e-6;    // of a host's clock, adjtimex(2)
 }  // namespace
 
 LiveClock::LiveClock(const PortProfile& link, double nominal_rate_hz)
-    : rate_hz_(nominal_rate_hz), drift_(std::max(link.wander_ppm, 1.0) * 1e-6) {
+    : rate_hz_(nominal_rate_hz), largest_constant_delay_s_(link.largest_constant_delay_s) {
+  allow_drift(std::max(link.wander_ppm, 1.0) * 1e-6);
+}
+
+void LiveClock::allow_drift(double drift) {
+  drift_ = drift;
   const double wander = drift_ * 1e6 / reference_wander_ppm;
   window_s_ = std::min(live_reference_window_s * std::pow(wander, -2.0 / 3.0), longest_live_window_s);
-  window_s_ = std::max(window_s_, messages_a_window / nominal_rate_hz);
+  window_s_ = std::max(window_s_, messages_a_window / rate_hz_);
   block_s_ = window_s_ / blocks_a_window;
+}
+
+/// Where even the fastest of many messages came later by the line than any fastest one does, but too little
+/// for one to be missing, the clock, or the host's (NTP), wanders further than was allowed for.
+void LiveClock::look_for_straying(double late, double x) {
+  if (straying_ == 0) stray_x_ = x;
+  least_stray_s_ = straying_ == 0 ? late : std::min(least_stray_s_, late);
+  if (++straying_ < fewest_straying || x - stray_x_ < watched_stray_s) return;
+  straying_ = 0;
+  if (least_stray_s_ > largest_constant_delay_s_ && least_stray_s_ < lost_periods * period_s())
+    allow_drift(std::max(drift_, std::min(2.0 * drift_, largest_drift)));  // the profile's may be more
 }
 
 /// The message's place on the device's clock.
@@ -57,8 +77,12 @@ std::optional<HostTime> LiveClock::place(const MessageProof& proof) {
   last_device_s_ = x;
   if (!proof.device_s) x = fitted_ ? recount(proof, x, y) : count_lost(proof, x, y);
   last_y_ = y;
+  last_x_ = x;
   if (fitted_ && late_s(x, y) > outage_s) restart(x, y);
-  if (proof.tight) add(x, y);
+  if (proof.tight) {
+    if (rate_known_) look_for_straying(late_s(x, y), x);
+    add(x, y);
+  }
   if (!fitted_ || unrest_ > restless) return std::nullopt;
   const double line_s = line_at(x);
   if (!std::isfinite(line_s)) return std::nullopt;
@@ -75,11 +99,14 @@ void LiveClock::restart(double x, double y) {
   slope_ = mean_slope_;
   level_ = y;
   line_x_ = x;
+  doubted_until_x_ = x;
+  straying_ = 0;
   watched_ = 0;
   watched_late_s_ = {};
 }
 
 double LiveClock::shift(double x, double periods) {
+  straying_ = 0;
   counted_ += periods;
   missing_ += periods;
   watched_ = 0;
@@ -121,6 +148,7 @@ double LiveClock::recount(const MessageProof& proof, double x, double y) {
   const double behind = std::min(watched_late_s_[0], watched_late_s_[1]) / period_s();
   if (behind <= lost_periods) return x;
   unrest_ += 1.0;
+  if (behind * period_s() < fastest_slew * window_s_) doubted_until_x_ = x + window_s_;
   return shift(x, std::round(behind));
 }
 

@@ -160,9 +160,10 @@ Range closed(Range offset, double largest_constant_delay_s) {
 }
 
 struct Followed {
-  PingHull likely;           // of a wander that explains all events
-  PingHull sure;             // of one that they would tell from a larger one: bounds are its
-  double sure_wander = 0.0;  // 0: not even the largest explains all events
+  PingHull likely;             // of a wander that explains all events
+  PingHull sure;               // of one that they would tell from a larger one: bounds are its
+  double needed_wander = 0.0;  // infinite: not even the largest explains all events; 0: not checked
+  double sure_wander = 0.0;    // 0: either
 };
 
 /// Whether bounds are so narrow that a clock which wanders more would not fit between them.
@@ -176,12 +177,17 @@ bool tells(const PingHull& hull, double wander) {
 /// The likely wander is twice the least one of those tried that explains all events: between two pings that
 /// tell, a clock may have gone further than they show. The wider the bounds, the further.
 Followed follow(const std::vector<PingHull::Event>& events, double wander) {
+  if (wander > largest_wander) {
+    const PingHull hull(events, largest_wander);
+    return {hull, hull, 0.0, 0.0};
+  }
   while (wander <= largest_wander && !PingHull(events, 0.5 * wander).explains_all()) wander *= 2.0;
   PingHull likely(events, std::min(wander, largest_wander));
-  if (wander > largest_wander) return {likely, likely, 0.0};
+  if (wander > largest_wander) return {likely, likely, std::numeric_limits<double>::infinity(), 0.0};
+  const double needed = wander;
   PingHull sure = likely;
   while (2.0 * wander <= largest_wander && !tells(sure, wander)) sure = PingHull(events, wander *= 2.0);
-  return {std::move(likely), std::move(sure), wander};
+  return {std::move(likely), std::move(sure), needed, wander};
 }
 
 /// The likely time, within the bounds that are sure.
@@ -204,14 +210,18 @@ void fit_epoch(const EpochData& data, std::span<const std::int64_t> mcu_us, cons
   for (const Asked& one : asked) events.push_back(one.event);
   const bool is_bounded =
       std::any_of(data.bounds.begin(), data.bounds.end(), [](const PingBound& b) { return b.two_sided; });
-  const auto [likely, sure, sure_wander] = follow(events, std::max(wander_of(link), least_wander));
+  const auto [likely, sure, needed_wander, sure_wander] =
+      follow(events, std::max(wander_of(link), least_wander));
   const double delay_s = link.largest_constant_delay_s;
   for (std::size_t i = 0; i < asked.size(); ++i)
     if (asked[i].index != none)
       fit.times[asked[i].index] = estimate(origin, asked[i].event.mcu_s, closed(likely.offsets()[i], delay_s),
                                            closed(sure.offsets()[i], delay_s));
   report.add(data.epoch, sure, origin);
-  report.add_wander(is_bounded ? sure_wander : 0.0);
+  if (is_bounded)
+    report.add_wander(needed_wander, sure_wander);
+  else
+    report.add_wander(0.0, 0.0);
 }
 
 /// Fits an epoch. What may belong to it or to the one before it keeps the times of that one, within bounds

@@ -49,7 +49,8 @@ void PingReport::add_lateness(const PingHull& hull) {
   }
 }
 
-void PingReport::add_wander(double checked) {
+void PingReport::add_wander(double needed, double checked) {
+  largest_needed_ = std::max(largest_needed_, needed);
   is_checked_ = is_checked_ && checked > 0.0;
   largest_checked_ = std::max(largest_checked_, checked);
 }
@@ -81,6 +82,7 @@ void PingReport::measure_widths(std::span<const TimeEstimate> times) {
 ClockReport PingReport::finish(std::span<const std::int64_t> mcu_us, std::span<const TimeEstimate> times,
                                bool two_way) {
   report_.method = two_way ? "two-way" : "one-way";
+  report_.needed_wander_ppm = 1e6 * largest_needed_;
   report_.bound_wander_ppm = is_checked_ ? 1e6 * largest_checked_ : 0.0;
   find_gaps(mcu_us, times);
   measure_widths(times);

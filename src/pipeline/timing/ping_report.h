@@ -19,8 +19,9 @@ class PingReport {
 
   void add(const ClockEpoch& epoch, const PingHull& hull, const ClockOrigin& origin);
 
-  /// That the bounds of an epoch allow for; 0: it was not checked.
-  void add_wander(double checked);
+  /// Of an epoch: what was needed to explain it, infinite where nothing does, and what its bounds allow for; 0:
+  /// not checked.
+  void add_wander(double needed, double checked);
 
   /// `mcu_us` and their `times`: rate, widths, gaps.
   ClockReport finish(std::span<const std::int64_t> mcu_us, std::span<const TimeEstimate> times, bool two_way);
@@ -33,7 +34,8 @@ class PingReport {
 
   PortProfile link_;
   ClockReport report_;
-  double largest_checked_ = 0.0;  // wander
+  double largest_needed_ = 0.0;  // wander
+  double largest_checked_ = 0.0;
   bool is_checked_ = true;
   std::vector<float> late_s_;
 };

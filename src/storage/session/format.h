@@ -18,7 +18,7 @@ struct FormatVersion {
 
 inline constexpr const char* format_name = "thermorig-session";
 inline constexpr const char* licence_not_stated = "not stated";
-inline constexpr FormatVersion format_version{2, 2};  // that is written
+inline constexpr FormatVersion format_version{2, 3};  // that is written
 inline constexpr unsigned first_format_major = 1;     // that is read, whatever the minor version
 
 // What came with which version.
@@ -29,5 +29,6 @@ inline constexpr FormatVersion with_profile_apart{
     2, 0};  // in groups of its own, not in the header; the plan too
 inline constexpr FormatVersion with_checked_constants{2, 1};  // and how the gyro's bias went
 inline constexpr FormatVersion with_corrected_label{2, 2};    // and ripples of the servo
+inline constexpr FormatVersion with_needed_wander{2, 3};      // of a clock
 
 }  // namespace thermorig::session

@@ -40,8 +40,11 @@ class LiveClock {
   /// sends its own time none are counted.
   double missing() const { return missing_; }
 
-  /// How far the clock may drift between the messages that hold its line up.
-  double drift_s() const { return 0.5 * drift_ * window_s_; }
+  /// How far the clock may drift between the messages that hold its line up, and a period where a clock that
+  /// is slewed may have been taken for a lost message.
+  double drift_s() const {
+    return 0.5 * drift_ * window_s_ + (last_x_ < doubted_until_x_ ? period_s() : 0.0);
+  }
 
  private:
   struct Block {
@@ -58,18 +61,23 @@ class LiveClock {
   double recount(const MessageProof& proof, double x, double y);
   double shift(double x, double periods);
   bool watch(double late_s, double x);
+  void allow_drift(double drift);
+  void look_for_straying(double late_s, double x);
   void add(double x, double y);
   void close_block(double x);
   void fit(double x);
 
   double rate_hz_;
-  double drift_;  // of the clock against its mean rate
-  double window_s_;
-  double block_s_;
+  double largest_constant_delay_s_;
+  double drift_ = 0.0;  // of the clock against its mean rate
+  double window_s_ = 0.0;
+  double block_s_ = 0.0;
   std::optional<HostTime> origin_;
   double counted_ = -1.0;  // messages, lost ones included
   double missing_ = 0.0;   // the lost ones
   double last_device_s_ = 0.0;
+  double last_x_ = 0.0;
+  double doubted_until_x_ = 0.0;
   double last_y_ = 0.0;  // of the message before
   std::vector<Ceiling> points_;
   std::vector<Block> blocks_;
@@ -86,8 +94,11 @@ class LiveClock {
   double least_late_s_ = 0.0;
   std::uint32_t watched_ = 0;
   std::array<double, 2> watched_late_s_{};  // least lateness in the two spans before
-  double unrest_ = 0.0;                     // how often the count was corrected lately
-  RecentCount left_out_;                    // messages that the device did not send
+  double stray_x_ = 0.0;                    // the same of the span in which the clock may stray
+  double least_stray_s_ = 0.0;
+  std::uint32_t straying_ = 0;
+  double unrest_ = 0.0;   // how often the count was corrected lately
+  RecentCount left_out_;  // messages that the device did not send
 };
 
 }  // namespace thermorig::timing
