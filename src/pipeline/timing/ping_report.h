@@ -19,8 +19,8 @@ class PingReport {
 
   void add(const ClockEpoch& epoch, const PingHull& hull, const ClockOrigin& origin);
 
-  /// Of an epoch: what was needed to explain it, infinite where nothing does, and what its bounds allow for; 0:
-  /// not checked.
+  /// Of an epoch: what was needed to explain it, infinite where nothing does, and what its bounds allow for;
+  /// 0: not checked.
   void add_wander(double needed, double checked);
 
   /// `mcu_us` and their `times`: rate, widths, gaps.
