@@ -2,8 +2,8 @@
 # SPDX-License-Identifier: MIT
 # The slow checks: all tests under AddressSanitizer and UBSan, the threaded ones under ThreadSanitizer, and each
 # fuzzer for a bounded time with the golden vectors as seeds, the live page in a browser, the kernel's usb-serial
-# driver in a guest, a study on Slurm, the build of the benchmarks, and the line coverage of what a recording's truth rests
-# on.
+# driver in a guest, a study on Slurm, the build of the benchmarks, and the line coverage of what a recording's truth
+# rests on.
 # Usage: bash tests/deep.sh [seconds a fuzzer, default 10; a full pass takes 60]
 set -euo pipefail
 cd "$(dirname "$0")/.."

@@ -25,6 +25,24 @@ take_arguments() {
   done
 }
 
+# take_options "NAME..." WORD...: each --NAME VALUE into the variable NAME; what is left into words.
+take_options() {
+  local names=" $1 " name
+  words=()
+  shift
+  while [ $# -gt 0 ]; do
+    name=${1#--}
+    if [ "$1" = "--$name" ] && [[ $names == *" $name "* ]]; then
+      [ $# -gt 1 ] || refuse_word "$1"
+      printf -v "$name" %s "$2"
+      shift
+    else
+      words+=("$1")
+    fi
+    shift
+  done
+}
+
 refuse_word() {
   echo "unknown: $1; try: $(sed -n 's/^.*Usage: //p' "tests/bench/${0##*/}")" >&2
   exit 2

@@ -9,19 +9,10 @@
 set -euo pipefail
 cd "$(dirname "$0")/../.."
 source tests/bench/arguments.sh
-parent=${TMPDIR:-/var/tmp}
-words=()
-while [ $# -gt 0 ]; do
-  if [ "$1" = --folder ] && [ $# -gt 1 ]; then
-    parent=$2
-    shift
-  else
-    words+=("$1")
-  fi
-  shift
-done
+folder=${TMPDIR:-/var/tmp}
+take_options folder "$@"
 take_arguments "" 24 ${words[@]+"${words[@]}"}
 require_built thermorig
-folder=$(mktemp -d -p "$parent")
+folder=$(mktemp -d -p "$folder")
 trap 'rm -rf "$folder"' EXIT
 python3 tests/bench/long_session.py "$program" "$folder" "$number" "$json"

@@ -110,8 +110,7 @@ void judge_links(const Session& session, Verdict& verdict) {
   if (!names.empty())
     verdict.usable_or_remark(
         delay_s > link_delay_usable_s,
-        fmt::format("the times of the {} may be late by {:.1f} ms, for no answer of the servo came "
-                    "sooner: is there a USB hub, or a busy port?",
+        fmt::format("the times of the {} may be late by {:.1f} ms: is there a USB hub, or a busy port?",
                     names, 1e3 * delay_s));
 }
 
