@@ -92,6 +92,7 @@ std::string words_of(const OrientationResult& result, const RigProfile& before) 
                           origin(before.camera.orientation_measured_utc)));
 }
 
+constexpr double good_pitch = 0.005;  // one standard deviation
 constexpr const char* lens_not_told = "not told by these images: taken as an honest lens has it";
 
 /// "-1.30 +- 0.20 deg", of something that may not have been told.
@@ -115,6 +116,12 @@ std::string rows_text(const LensResult& result) {
       spread.value > 0.0 ? "first" : "last", std::abs(spread.value), spread.uncertainty, margin);
 }
 
+std::string filter_text(const std::optional<Estimate>& delay_s) {
+  if (!delay_s) return "as the profile has it";
+  return fmt::format("delays by {:.1f} +- {:.1f} ms, by its noise at rest", 1e3 * delay_s->value,
+                     1e3 * delay_s->uncertainty);
+}
+
 std::string lens_before(const CameraProfile& camera) {
   return fmt::format("pitch {:.4f}, distortion {:+.3f}, tilt {:+.2f} deg, roll {:+.2f} deg, rows {:+.3f}, {}",
                      camera.pitch_scale, camera.distortion, camera.tilt_deg, camera.roll_deg,
@@ -127,13 +134,18 @@ std::string words_of(const LensResult& result, const RigProfile& before) {
                                    before.camera.field_of_view_deg)) +
          line("", result.is_closed ? std::string("by a whole turn that closes: it owes nothing to the gyro")
                                    : std::string("no whole turn closes: as good as the gyro's scale")) +
+         (result.pitch_scale.uncertainty > good_pitch
+              ? line("",
+                     "not to half a per cent: take another session where there is more to see, and give "
+                     "both with --session")
+              : std::string()) +
          line("distortion", told_text(result.distortion, 100.0, 2, " % in the corners")) +
          line("tilt", told_text(result.tilt_deg, 1.0, 2, " deg upward")) +
          line("roll", told_text(result.roll_deg, 1.0, 2, " deg, the side of growing angles up")) +
          line("rows", rows_text(result)) +
          line("", fmt::format("from {} chess halves in {:.0f} degrees of turning", count_text(result.halves),
                               result.turned_deg)) +
-         line("before", lens_before(before.camera));
+         line("gyro's filter", filter_text(result.gyro_delay_s)) + line("before", lens_before(before.camera));
 }
 
 nlohmann::json measured(double value, double uncertainty, const std::string& utc) {
@@ -193,7 +205,8 @@ nlohmann::json object_of(const LensResult& result, const RigProfile& before) {
             {"row_margin", result.row_margin},
             {"turn_closes", result.is_closed},
             {"turned_deg", result.turned_deg},
-            {"chess_halves", result.halves}}},
+            {"chess_halves", result.halves},
+            {"gyro_delay_s", told_json(result.gyro_delay_s)}}},
           {"before",
            {{"pitch_scale", camera.pitch_scale},
             {"pitch_scale_uncertainty", camera.pitch_scale_uncertainty},

@@ -145,7 +145,7 @@ TEST_F(Calibrate, RefusesALensThatNoProfileMayHave) {
 }
 
 TEST_F(Calibrate, ShowsThePlanAndMovesNothingOnADryRun) {
-  for (const char* what : {"bias", "latency", "scale", "orientation"}) {
+  for (const char* what : {"bias", "latency", "scale", "orientation", "lens"}) {
     const Outcome outcome = run(std::string("calibrate ") + what + fast + "--dry-run");
     EXPECT_EQ(outcome.code, 0) << what << outcome.err;
     EXPECT_THAT(outcome.out, HasSubstr(std::string("plan calibrate-") + what)) << what;

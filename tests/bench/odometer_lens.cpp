@@ -21,7 +21,7 @@ CalibratedLens calibrate_lens(const OdometerCase& wanted) {
   } catch (const Error& refusal) {
     if (refusal.code() != ExitCode::finished_lossy) throw;
   }
-  lens.camera = profile.camera;
+  lens.profile = profile;
   return lens;
 }
 

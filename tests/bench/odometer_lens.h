@@ -11,7 +11,7 @@ namespace thermorig::bench {
 /// What `calibrate lens` makes of a rig.
 struct CalibratedLens {
   std::optional<calibration::LensResult> result;  // none: refused
-  CameraProfile camera;                           // as it is used then
+  RigProfile profile;                             // as it is used then
   double pitch_scale = 1.0, distortion = 0.0;     // true ones
 };
 

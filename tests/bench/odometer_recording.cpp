@@ -32,7 +32,7 @@ simulation::VirtualRigConfig rig_of(const OdometerCase& wanted) {
   simulation::VirtualRigConfig config = simulation::default_rig(wanted.seed, wanted.environment);
   config.start = bench_start();
   config.gyro_grade = wanted.gyro_grade;
-  config.world = simulation::world_named(wanted.world, wanted.seed);
+  simulation::put_in_world(simulation::world_named(wanted.world, wanted.seed), config);
   config.profile.camera.field_of_view_deg = wanted.field_of_view_deg;
   config.profile.camera.output_rate_hz = wanted.camera_rate_hz;
   return config;
@@ -47,7 +47,7 @@ Recorded drive(const OdometerCase& wanted, const rig::SweepPlan& plan) {
 OdometerRecording record(const OdometerCase& wanted) {
   const rig::SweepPlan plan = rig::load_plan(wanted.plan, wanted.environment, wanted.seed);
   Recorded recorded = drive(wanted, plan);
-  if (wanted.calibrated) recorded.raw.header.profile.camera = *wanted.calibrated;
+  if (wanted.calibrated) recorded.raw.header.profile = *wanted.calibrated;
   OdometerRecording recording;
   recording.profile = recorded.raw.header.profile;
   recording.shaft = recorded.rig->shaft();

@@ -24,8 +24,8 @@ struct OdometerCase {
   double camera_rate_hz = 8.0;
   std::string plan = "paper";
   simulation::GyroGrade gyro_grade = simulation::GyroGrade::mpu6050_raw;
-  double duration_s = 0.0;                  // 0: that of the plan; longer: its legs again and again
-  std::optional<CameraProfile> calibrated;  // the camera's profile, if not the one it is sold with
+  double duration_s = 0.0;               // 0: that of the plan; longer: its legs again and again
+  std::optional<RigProfile> calibrated;  // if not the one that the rig is sold with
 };
 
 /// The rig of a case, and what it does when a plan drives it: bytes and truth.

@@ -266,7 +266,7 @@ int main(int count, char** arguments) {
     Row& row = rows[i];
     if (row.is_lens || row.is_typical) row.lens = calibrate_lens(row.recorded);
     if (row.is_lens) return;
-    if (row.is_typical) row.recorded.calibrated = row.lens.camera;
+    if (row.is_typical) row.recorded.calibrated = row.lens.profile;
     const OdometerRecording recording = record(row.recorded);
     if (options->board)
       row.judgement = judge_board(recording, row.stress.run);

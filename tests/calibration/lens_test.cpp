@@ -18,8 +18,11 @@ using test::refusal;
 using test::rig_with;
 using ::testing::HasSubstr;
 
+/// By half of the plan: these rigs have much to see, and tests are to be quick.
 Recorded swept(const simulation::VirtualRigConfig& config) {
-  return record(config, plan_for(CalibrationKind::lens, config));
+  rig::SweepPlan plan = plan_for(CalibrationKind::lens, config);
+  plan.leg_rates_dps.resize(plan.leg_rates_dps.size() / 2);
+  return record(config, plan);
 }
 
 void expect_near(const Estimate& found, double truth, const char* what) {
@@ -72,6 +75,19 @@ TEST(CalibrateLens, RefusesABareWallAndARigThatRests) {
   EXPECT_THAT(refusal([&] { measure_lens(session); }), HasSubstr("do not tell the lens"));
   const Recorded resting = record(config, plan_for(CalibrationKind::bias, config));
   EXPECT_THAT(refusal([&] { measure_lens(resting.session); }), HasSubstr("chess halves"));
+}
+
+TEST(CalibrateLens, KeepsTheGyrosFilterWhichNoImageTells) {
+  auto config = rig_with(2);
+  config.profile.gyro.bandwidth_hz = 0.0;
+  config.gyro_grade = simulation::GyroGrade::mpu6050_raw;
+  config.world.gyro.bandwidth_hz = 25.0;
+  const LensResult result = measure_lens(swept(config).session);
+  ASSERT_TRUE(result.gyro_delay_s);
+  EXPECT_NEAR(result.gyro_delay_s->value, 0.009, 0.003);
+  RigProfile profile = config.profile;
+  apply(result, "2026-01-01T00:00:00Z", profile);
+  EXPECT_NEAR(*profile.gyro.stated_delay_s(), result.gyro_delay_s->value, 1e-6);
 }
 
 }  // namespace

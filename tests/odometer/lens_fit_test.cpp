@@ -50,7 +50,7 @@ LensAnswer lens_of(const Swept& swept) {
 }
 
 TEST(LensFit, FindsThePitchAndAStraightLens) {
-  for (const double wider : {-0.02, 0.0, 0.015}) {
+  for (const double wider : {-0.02, 0.015}) {
     Room room = swept_room();
     room.wider = wider;
     const LensAnswer answer = lens_of(swept_in(room));

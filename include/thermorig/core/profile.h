@@ -4,6 +4,7 @@
 #include <array>
 #include <cstdint>
 #include <map>
+#include <optional>
 #include <string>
 
 #include "thermorig/core/device.h"
@@ -88,6 +89,14 @@ struct GyroProfile {
   std::string bias_measured_utc;
 
   double setting(const std::string& setting_name) const;
+
+  /// Of a low-pass of second order, in periods of its bandwidth: Butterworth, sqrt(2) / (2 pi).
+  static constexpr double second_order_delay = 0.225;
+  /// How late the low-pass makes what it shows, as is stated here, in s. None: its bandwidth is not known.
+  std::optional<double> stated_delay_s() const {
+    if (!(bandwidth_hz > 0.0)) return std::nullopt;
+    return filter_delay_s > 0.0 ? filter_delay_s : second_order_delay / bandwidth_hz;
+  }
 };
 
 enum class ServoKind : std::uint8_t { positional = 0, continuous = 1 };

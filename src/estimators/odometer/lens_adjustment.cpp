@@ -5,6 +5,7 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include "lens.h"
@@ -272,15 +273,18 @@ double LensAdjustment::step(bool are_rows_apart) {
     curvature(at, at) += is_free ? 1.0 / square(prior[value]) : 1e12;
     lean[at] -= values_[value] / square(prior[value]);
   }
-  curvature = curvature.selfadjointView<Eigen::Lower>();
-  const Eigen::LDLT<Eigen::MatrixXd> solver(curvature);
-  const Eigen::VectorXd solved = solver.solve(lean);
   // The lens alone, headings eliminated: its covariance, and what each block of the recording says of it.
+  const Eigen::LLT<Eigen::MatrixXd> of_headings(curvature.topLeftCorner(count, count));
   const Eigen::MatrixXd across = curvature.bottomLeftCorner(own, count);
-  const Eigen::MatrixXd share =
-      curvature.topLeftCorner(count, count).ldlt().solve(across.transpose()).transpose();
+  const Eigen::MatrixXd share = of_headings.solve(across.transpose()).transpose();
   const Eigen::MatrixXd covariance =
       (curvature.bottomRightCorner(own, own) - share * across.transpose()).inverse();
+  const Eigen::VectorXd lens_step = covariance * (lean.tail(own) - share * lean.head(count));
+  const Eigen::VectorXd heading_step = of_headings.solve(lean.head(count)) - share.transpose() * lens_step;
+  if (!lens_step.allFinite() || !heading_step.allFinite()) {  // no panorama of anything
+    sigma_.fill(std::numeric_limits<double>::infinity());
+    return 0.0;
+  }
   const Eigen::MatrixXd said = lens_lean - share * lean.head(count).asDiagonal();
   Eigen::MatrixXd scatter = Eigen::MatrixXd::Zero(own, own);
   for (Eigen::Index from = 0; from < count; from += block_halves) {
@@ -295,13 +299,13 @@ double LensAdjustment::step(bool are_rows_apart) {
   for (std::size_t value = 0; value < lens_values; ++value) {
     const auto i = static_cast<Eigen::Index>(value);
     sigma_[value] = std::sqrt(spread(i, i));
-    const double change = std::clamp(solved[count + i], -longest_step[value], longest_step[value]);
+    const double change = std::clamp(lens_step[i], -longest_step[value], longest_step[value]);
     longest = std::max(longest, std::abs(change) / sigma_[value]);
     values_[value] = std::clamp(values_[value] + change, -farthest[value], farthest[value]);
   }
   for (std::size_t j = 0; j < halves_.size(); ++j)
     halves_[j].heading_deg +=
-        std::clamp(solved[static_cast<Eigen::Index>(j)], -longest_turn_deg, longest_turn_deg);
+        std::clamp(heading_step[static_cast<Eigen::Index>(j)], -longest_turn_deg, longest_turn_deg);
   return longest;
 }
 

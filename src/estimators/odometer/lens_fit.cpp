@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <utility>
 #include <vector>
 
 #include "gyro_path.h"
@@ -35,7 +36,10 @@ constexpr double trust = 0.05;         // of the likelihood: halves share the er
 constexpr double closing_share = 0.7;  // of the view: so much of it is to be seen again after a turn
 constexpr std::array<double, 7> tried_latencies_s{-0.06, -0.04, -0.02, 0.0, 0.02, 0.04, 0.06};
 constexpr std::array<double, 5> tried_spreads{0.0, -0.9, -0.45, 0.45, 0.9};
+constexpr std::array<double, 3> tried_again_s{-0.01, 0.0, 0.01};
 constexpr double tried_latency_sigma_s = 0.01;
+constexpr double lost_share = 0.05;  // of the halves, fewer than the round before: it lost its way
+constexpr double more_share = 0.02;  // more than the round before: worth another one
 
 /// A recording as a tracker takes it.
 struct Sweep {
@@ -140,19 +144,29 @@ const Pass& sharpest(const std::vector<Pass>& passes) {
 }
 
 struct Tried {
-  double row_spread = 0.0;
+  LensValues values{};
   Priors priors;
 };
 
-std::vector<Pass> passes_with(const std::vector<Tried>& all, const Sweep& sweep, CameraProfile camera,
+std::vector<Pass> passes_with(const std::vector<Tried>& all, const Sweep& sweep, const CameraProfile& camera,
                               const RunAll& run_all) {
   std::vector<Pass> passes(all.size());
   run_all(all.size(), [&](std::size_t i) {
-    CameraProfile tried = camera_with(camera, LensValues{});
-    tried.row_spread = all[i].row_spread;
-    passes[i] = pass_with(sweep, tried, all[i].priors);
+    passes[i] = pass_with(sweep, camera_with(camera, all[i].values), all[i].priors);
   });
   return passes;
+}
+
+/// The sharpest pass of those that begin with a latency about that of the priors.
+Pass sharpest_about(std::span<const double> latencies_s, const LensValues& values, const Priors& priors,
+                    const Sweep& sweep, const CameraProfile& camera, const RunAll& run_all) {
+  std::vector<Tried> tried;
+  for (const double more_s : latencies_s) {
+    tried.push_back({values, priors});
+    tried.back().priors.latency_s += more_s;
+    tried.back().priors.latency_sigma_s = tried_latency_sigma_s;
+  }
+  return sharpest(passes_with(tried, sweep, camera, run_all));
 }
 
 /// Headings by the odometer's tracker: latency and the order of the rows from a grid, the nominal lens.
@@ -168,22 +182,19 @@ Beginning begin(const Sweep& sweep, const GyroProfile& gyro, const CameraProfile
   priors.bias_sigma_dps = gyro.bias_uncertainty_dps;
   priors.scale = gyro.scale;
   priors.scale_sigma = std::max(0.002, gyro.scale_uncertainty);
-  std::vector<Tried> tried;
-  for (const double latency_s : tried_latencies_s) {
-    tried.push_back({0.0, priors});
-    tried.back().priors.latency_s = latency_s;
-    tried.back().priors.latency_sigma_s = tried_latency_sigma_s;
-  }
-  Priors better = sharpest(passes_with(tried, sweep, camera, run_all)).learnt;
+  Priors better = sharpest_about(tried_latencies_s, {}, priors, sweep, camera, run_all).learnt;
   better.latency_sigma_s = tried_latency_sigma_s;
-  tried.clear();
-  for (const double row_spread : tried_spreads) tried.push_back({row_spread, better});
+  std::vector<Tried> tried;
+  for (const double row_spread : tried_spreads) {
+    tried.push_back({{}, better});
+    tried.back().values[lens_rows] = row_spread;
+  }
   const std::vector<Pass> passes = passes_with(tried, sweep, camera, run_all);
   const auto best = static_cast<std::size_t>(&sharpest(passes) - passes.data());
   Beginning beginning{passes[best], priors};
   beginning.priors.latency_s = passes[best].learnt.latency_s;
   beginning.priors.latency_sigma_s = tried_latency_sigma_s;
-  beginning.values[lens_rows] = tried[best].row_spread;
+  beginning.values = tried[best].values;
   return beginning;
 }
 
@@ -194,14 +205,16 @@ double turned_deg(const std::vector<SweptHalf>& halves) {
   return halves.empty() ? 0.0 : high->heading_deg - low->heading_deg;
 }
 
-/// The same with a lens that is better known: more halves find their heading.
-Beginning again(const Sweep& sweep, const Beginning& before, const CameraProfile& camera) {
+/// The same with a lens that is better known: more halves find their heading. A latency that is a little off
+/// can lose a tracker its way, so that several are tried.
+Beginning again(const Sweep& sweep, const Beginning& before, const CameraProfile& camera,
+                const RunAll& run_all) {
   LensAdjustment adjustment(before.pass.halves, camera, before.values, trust);
   adjustment.run(true);
   const LensValues& values = adjustment.values();
-  const Pass pass = pass_with(sweep, camera_with(camera, values), before.priors);
-  Beginning next{pass, before.priors, values};
-  next.priors.latency_s = pass.learnt.latency_s;
+  Beginning next{sharpest_about(tried_again_s, values, before.priors, sweep, camera, run_all), before.priors,
+                 values};
+  next.priors.latency_s = next.pass.learnt.latency_s;
   return next;
 }
 
@@ -253,9 +266,13 @@ LensAnswer fit_lens(std::span<const TimedFrame> frames, std::span<const TimedGyr
   };
   Beginning beginning = begin(sweep, gyro_profile, camera, run_all);
   if (!std::isfinite(beginning.pass.mean_square)) return {{}, "the images make no panorama"};
-  for (int i = 0; i < most_rounds_of_passes && (i == 0 || beginning.pass.judged_share < enough_share); ++i) {
+  for (int i = 0; i < most_rounds_of_passes; ++i) {
     if (const std::string why = too_few(beginning, fewest_begun); !why.empty()) return {{}, why};
-    beginning = again(sweep, beginning, camera);
+    Beginning next = again(sweep, beginning, camera, run_all);
+    const double more = next.pass.judged_share - beginning.pass.judged_share;
+    if (more < -lost_share) break;
+    beginning = std::move(next);
+    if (more < more_share || beginning.pass.judged_share > enough_share) break;
   }
   if (const std::string why = too_few(beginning, fewest_fitted); !why.empty()) return {{}, why};
   if (beginning.pass.judged_share < fewest_share)

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: MIT
+#include <algorithm>
 #include <cmath>
 #include <optional>
 
@@ -12,6 +13,8 @@ namespace {
 double rounded(double value) {
   return std::round(value * 1e6) / 1e6;
 }
+
+constexpr double widest_hz = 8000.0;  // that a profile can state: no filter to speak of
 
 }  // namespace
 
@@ -79,6 +82,11 @@ void apply(const LensResult& result, const std::string& utc, RigProfile& profile
   camera.roll_deg = value(result.roll_deg);
   camera.row_spread = value(result.row_spread);
   camera.lens_measured_utc = utc;
+  if (!result.gyro_delay_s) return;
+  GyroProfile& gyro = profile.gyro;
+  gyro.filter_delay_s = 0.0;
+  gyro.bandwidth_hz =
+      std::min(widest_hz, rounded(GyroProfile::second_order_delay / result.gyro_delay_s->value));
 }
 
 namespace {

@@ -107,6 +107,7 @@ LensResult combined(std::span<const LensResult> results) {
   all.tilt_deg = mean(&LensResult::tilt_deg);
   all.roll_deg = mean(&LensResult::roll_deg);
   all.row_spread = mean(&LensResult::row_spread);
+  all.gyro_delay_s = mean(&LensResult::gyro_delay_s);
   all.row_margin = 0.0;
   all.halves = 0;
   for (const LensResult& result : results) {

@@ -11,13 +11,11 @@ namespace thermorig::calibration {
 
 namespace {
 
-constexpr double worst_pitch = 0.005;  // one standard deviation: worse is no calibration
+constexpr double worst_pitch = 0.01;  // one standard deviation: worse is no calibration
 constexpr const char* lens_advice =
     "a session that turns slowly back and forth, by a whole turn where the servo can: `thermorig calibrate "
-    "lens` "
-    "without --session records one; point it at something with warm and cold edges, and run `thermorig "
-    "calibrate "
-    "orientation` first";
+    "lens` without --session records one; point it at something with warm and cold edges, and run "
+    "`thermorig calibrate orientation` first";
 // What a fit is off by beyond its own spread (parallax, blur), of simulated rigs in docs/calibration.md.
 constexpr double model_pitch = 0.002, model_distortion = 0.005, model_tilt_deg = 0.3, model_roll_deg = 0.2,
                  model_rows = 0.01;
@@ -58,7 +56,9 @@ LensResult measure_lens(const session::Session& session) {
   const auto pitch = told(fit.pitch_scale, model_pitch, worst_pitch);
   if (!pitch && fit.is_closed) refuse("they show too little where they overlap");
   if (!pitch)
-    refuse("no whole turn closes, and the gyro's scale is not known to half a per cent (calibrate scale)");
+    refuse("no whole turn closes, and the gyro's scale is not known to one per cent (calibrate scale)");
+  const GyroErrors& gyro = session.sync.gyro;
+  const auto gyro_delay_s = gyro.filter_source == "noise" ? std::optional(gyro.filter_delay_s) : std::nullopt;
   return {.pitch_scale = *pitch,
           .distortion = told(fit.distortion, model_distortion, worst_distortion),
           .tilt_deg = told(fit.tilt_deg, model_tilt_deg, worst_tilt_deg),
@@ -67,7 +67,8 @@ LensResult measure_lens(const session::Session& session) {
           .is_closed = fit.is_closed,
           .row_margin = fit.row_margin,
           .turned_deg = fit.turned_deg,
-          .halves = fit.halves};
+          .halves = fit.halves,
+          .gyro_delay_s = gyro_delay_s};
 }
 
 }  // namespace thermorig::calibration

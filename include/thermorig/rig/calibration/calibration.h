@@ -63,7 +63,7 @@ OrientationResult measure_orientation(const session::Session& session);
 /// Slow sweeps back and forth, best with a whole turn: where each pixel looks (pitch, distortion, tilt,
 /// roll), and over how much of a refresh period rows are exposed one after the other. The order of the
 /// columns is the profile's. What the images tell no better than it was known before is not in it. Throws as
-/// well where the pitch is not told to half a per cent.
+/// well where the pitch is not told to one per cent.
 struct LensResult {
   Estimate pitch_scale{1.0, 0.0};
   std::optional<Estimate> distortion, tilt_deg, roll_deg, row_spread;  // none: not told
@@ -71,6 +71,8 @@ struct LensResult {
   double row_margin = 0.0;  // logarithm of the likelihood over that of rows that are exposed all at once
   double turned_deg = 0.0;
   std::uint32_t halves = 0;  // chess halves that took part
+  // What the gyro's low-pass delays, by its noise at rest: no image tells that, and a heading is late by it.
+  std::optional<Estimate> gyro_delay_s;
 };
 LensResult measure_lens(const session::Session& session);
 
