@@ -25,10 +25,9 @@ class EvaluateTest : public ProgramTest {
  protected:
   /// Three sessions of the simulated rig: two gardens and a laboratory.
   void record_sessions() const {
-    for (const std::string& words : {std::string("garden --world honest --simulated=3"),
-                                     std::string("garden --world honest --simulated=4"),
-                                     std::string("laboratory --world honest --simulated=5")})
-      ASSERT_EQ(run("record --fast --environment " + words + " " + brief_plan).code, 0);
+    record_once({"--environment garden --world honest --simulated=3 " + brief_plan,
+                 "--environment garden --world honest --simulated=4 " + brief_plan,
+                 "--environment laboratory --world honest --simulated=5 " + brief_plan});
   }
 
   void train(const std::string& words = "") const {

@@ -23,15 +23,11 @@ using ::testing::Not;
 /// Two short recordings and a network that learns them in no time.
 class Train : public ProgramTest {
  protected:
-  Train() {
-    for (const char* seed : {"3", "4"})
-      EXPECT_EQ(run(std::string("record --fast --environment garden --json --world honest --simulated=") +
-                    seed + " " + plan)
-                    .code,
-                0);
-  }
+  Train() { record_once({honest_garden + "3", honest_garden + "4"}); }
 
   static constexpr const char* plan = "--plan quick --speeds 40,80 --frames-per-leg 24";
+  const std::string honest_garden =
+      std::string("--environment garden --world honest ") + plan + " --simulated=";
   const std::string network = "train recordings --nf 2 --nr 3 ";
   const std::string small = network + "--epochs 3 ";
 
