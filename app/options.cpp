@@ -10,6 +10,7 @@
 #include "rig_options.h"
 #include "sessions/session_options.h"
 #include "thermorig/core/error.h"
+#include "thermorig/core/nearest_name.h"
 #include "thermorig/sensors/camera_protocol.h"
 #include "thermorig/sensors/gyro_protocol.h"
 
@@ -346,10 +347,26 @@ bool has_loose_seed(const CLI::App& root) {
          commands.front()->count("--simulated") > 0;
 }
 
+/// What may stand after the command: its options, and commands of its own.
+std::vector<std::string> words_of(const CLI::App& command) {
+  std::vector<std::string> words;
+  for (const CLI::App* one : command.get_subcommands(nullptr)) words.push_back(one->get_name());
+  for (const CLI::Option* option : command.get_options())
+    for (const std::string& name : option->get_lnames()) words.push_back("--" + name);
+  return words;
+}
+
 std::string what_to_read(const CLI::App& root) {
-  if (has_loose_seed(root)) return "--simulated=" + root.remaining(true).front();
-  const auto commands = root.get_subcommands();
-  return commands.empty() ? "thermorig --help" : "thermorig " + commands.front()->get_name() + " --help";
+  const std::vector<std::string> left = root.remaining(true);
+  if (has_loose_seed(root)) return "--simulated=" + left.front();
+  const CLI::App* command = &root;
+  std::string help = "thermorig ";
+  while (!command->get_subcommands().empty()) {
+    command = command->get_subcommands().front();
+    help += command->get_name() + " ";
+  }
+  const auto meant = left.empty() ? std::nullopt : nearest_name(left.front(), words_of(*command));
+  return (meant ? "did you mean " + *meant + "? " : "") + help + "--help";
 }
 
 }  // namespace

@@ -4,12 +4,12 @@
 # fuzzer for a bounded time with the golden vectors as seeds, the live page in a browser, the kernel's usb-serial
 # driver in a guest, a study on Slurm, the build of the benchmarks, and the line coverage of what a recording's truth
 # rests on.
-# Usage: bash tests/deep.sh [seconds a fuzzer, default 10; a full pass takes 60]
+# Usage: bash tests/deep.sh [seconds a fuzzer, default 6; a full pass takes 60]
 set -euo pipefail
 cd "$(dirname "$0")/.."
 source tests/parts.sh
 source tests/far.sh
-fuzz_seconds=${1:-10}
+fuzz_seconds=${1:-6}
 build() { cmake --build --preset "$@" -j "$(nproc)"; }
 
 bash app/setup.sh tests deep bench browser usb

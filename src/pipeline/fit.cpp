@@ -12,7 +12,6 @@
 #include "final_times.h"
 #include "message_spans.h"
 #include "ping_exchanges.h"
-#include "thermorig/io/spill/spill.h"
 #include "thermorig/pipeline/interruptions.h"
 #include "thermorig/pipeline/labels/gyro_filter.h"
 #include "thermorig/pipeline/labels/servo_response.h"
@@ -32,7 +31,7 @@ constexpr std::size_t turn_windows = 3;    // of a session, that are searched fo
 template <typename Message>
 void put_times(const std::vector<TimeEstimate>& times, std::vector<Message>& messages) {
   FinalTimes final_times(times);
-  for (Message& message : spill::Paced(messages)) final_times.put_next(message.stamp);
+  for (Message& message : messages) final_times.put_next(message.stamp);
 }
 
 /// The rhythm is counted on what the bytes prove: causal stamps have been made with a count of their own.
@@ -41,14 +40,14 @@ void put_proofs(const RawStream& received, std::uint32_t baud, std::vector<Timed
   if (!holds(received, spans)) return;
   const auto proofs = timing::earliest_proofs(received, spans, baud);
   auto proof = proofs.begin();
-  for (TimedFrame& frame : spill::Paced(frames)) frame.stamp.time = *proof++;
+  for (TimedFrame& frame : frames) frame.stamp.time = *proof++;
 }
 
 template <typename Message>
 std::vector<Stamp> stamps_of(std::span<const Message> messages) {
   std::vector<Stamp> stamps;
   stamps.reserve(messages.size());
-  for (const Message& message : spill::Paced(messages)) stamps.push_back(message.stamp);
+  for (const Message& message : messages) stamps.push_back(message.stamp);
   return stamps;
 }
 
@@ -126,7 +125,7 @@ PerDevice<ClockFit> fit_clocks(const RawRecording& raw, Streams& streams, const 
 /// What each frame shows when, by the fits so far.
 void expose(std::vector<TimedFrame>& frames, const CameraProfile& profile, const Fits& fits) {
   labels::ExposureRule rule = exposure_rule(profile, fits);
-  for (TimedFrame& frame : spill::Paced(frames)) rule.apply(frame);
+  for (TimedFrame& frame : frames) rule.apply(frame);
 }
 
 void fit_newer_half(Streams& streams, const RigProfile& profile, const GyroErrors& errors, Fits& fits) {

@@ -41,7 +41,11 @@ TEST_F(CommandLine, NamesTheWordThatItDoesNotKnow) {
   const Outcome outcome = run("record --environment garden --simulatd");
   EXPECT_EQ(outcome.code, 2);
   EXPECT_THAT(outcome.err, HasSubstr("--simulatd"));
-  EXPECT_THAT(outcome.err, HasSubstr("try: thermorig record --help"));
+  EXPECT_THAT(outcome.err, HasSubstr("try: did you mean --simulated? thermorig record --help"));
+  EXPECT_THAT(run("recrod").err, HasSubstr("try: did you mean record? thermorig --help"));
+  EXPECT_THAT(run("dataset biuld").err, HasSubstr("try: did you mean build? thermorig dataset --help"));
+  EXPECT_THAT(run("dataset verify . --jsn").err, HasSubstr("did you mean --json? thermorig dataset verify"));
+  EXPECT_THAT(run("photograph").err, HasSubstr("try: thermorig --help"));
 }
 
 TEST_F(CommandLine, RefusesASeedThatIsNoNumber) {

@@ -25,10 +25,9 @@ class EvaluateTest : public ProgramTest {
  protected:
   /// Three sessions of the simulated rig: two gardens and a laboratory.
   void record_sessions() const {
-    for (const std::string& words : {std::string("garden --world honest --simulated=3"),
-                                     std::string("garden --world honest --simulated=4"),
-                                     std::string("laboratory --world honest --simulated=5")})
-      ASSERT_EQ(run("record --fast --environment " + words + " " + brief_plan).code, 0);
+    record_once({"--environment garden --world honest --simulated=3 " + brief_plan,
+                 "--environment garden --world honest --simulated=4 " + brief_plan,
+                 "--environment laboratory --world honest --simulated=5 " + brief_plan});
   }
 
   void train(const std::string& words = "") const {
@@ -73,6 +72,19 @@ TEST_F(EvaluateTest, HoldsAModelAgainstAllFourEstimators) {
                        &shaft = errors.at("shaft_errors").at("gyro");
   EXPECT_EQ(commanded.at("windows"), shaft.at("windows"));
   EXPECT_NE(commanded.at("rmse_dps"), shaft.at("rmse_dps"));
+}
+
+TEST_F(EvaluateTest, SaysTheSameOfFramesThatLieOnADisk) {
+  record_sessions();
+  train();
+  const std::string command = "evaluate model.onnx recordings --json --memory ";
+  nlohmann::json in_memory = run(command + "1000").lines().back();
+  nlohmann::json on_disk = run(command + "0").lines().back();
+  EXPECT_EQ(in_memory.at("frames_on_disk_bytes"), 0);
+  EXPECT_GT(on_disk.at("frames_on_disk_bytes"), 0);
+  for (const char* name : {"memory_bytes", "frames_in_memory_bytes", "frames_on_disk_bytes"})
+    for (nlohmann::json* object : {&in_memory, &on_disk}) object->erase(name);
+  EXPECT_EQ(in_memory, on_disk);
 }
 
 TEST_F(EvaluateTest, WarnsOfDataThatTheModelWasTrainedOn) {

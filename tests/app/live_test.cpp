@@ -409,8 +409,8 @@ TEST_F(Live, PutsNoTokenIntoAFileThatOthersMayRead) {
   const std::string words = "live --page-port 0 --speed max --replay " + session.string();
   constexpr auto open_mode = fs::perms::owner_read | fs::perms::owner_write | fs::perms::others_read;
   constexpr auto own_mode = fs::perms::owner_read | fs::perms::owner_write;
-  const fs::path out = folder() / "out.txt",
-                 err = folder() / "err.txt";  // of run(), made by record_briefly()
+  const fs::path out = folder() / "out.txt", err = folder() / "err.txt";
+  run("--version");  // makes both
   for (const fs::path& file : {out, err}) fs::permissions(file, open_mode);
   ASSERT_EQ(setenv("XDG_STATE_HOME", folder().c_str(), 1), 0);
   const Outcome both_open = run(words);

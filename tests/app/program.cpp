@@ -24,6 +24,20 @@ void redirect(const std::filesystem::path& file, int descriptor) {
   dup2(opened, descriptor);
 }
 
+/// Where the sessions of these recordings are kept for the tests of this build of the program. Those of the
+/// builds before are removed.
+std::filesystem::path kept_recordings(const std::vector<std::string>& recordings) {
+  namespace fs = std::filesystem;
+  const fs::path all = fs::path(THERMORIG_BINARY_DIR) / "recorded_for_tests";
+  const fs::path builds =
+      all / std::to_string(fs::last_write_time(THERMORIG_PROGRAM).time_since_epoch().count());
+  std::error_code ignored;
+  if (!fs::exists(builds)) fs::remove_all(all, ignored);
+  std::string words;
+  for (const std::string& recording : recordings) words += recording + "\n";
+  return builds / std::to_string(std::hash<std::string>{}(words));
+}
+
 }  // namespace
 
 Checked<nlohmann::json> Outcome::lines() const {
@@ -87,13 +101,36 @@ Outcome ProgramTest::wait(pid_t process) const {
           file_text(folder_ / "background_err.txt")};
 }
 
+void ProgramTest::record_once(const std::vector<std::string>& recordings) const {
+  namespace fs = std::filesystem;
+  const fs::path ours = folder_ / "recordings";
+  const auto record_in = [&](const std::string& place) {
+    for (const std::string& words : recordings) {
+      const Outcome outcome = run("record --fast " + words + place);
+      EXPECT_EQ(outcome.code, 0) << outcome.err;
+    }
+  };
+  if (fs::exists(ours)) return record_in("");
+  const fs::path kept = kept_recordings(recordings);
+  if (!fs::exists(kept)) {
+    record_in(" -o recorded");
+    fs::create_directories(kept.parent_path());
+    const fs::path copy = kept.string() + folder_.filename().string();
+    fs::copy(folder_ / "recorded", copy, fs::copy_options::recursive);
+    // Another test may have been faster; a folder that is not empty is not replaced.
+    if (std::error_code there; fs::rename(copy, kept, there), there) fs::remove_all(copy);
+    return fs::rename(folder_ / "recorded", ours);
+  }
+  fs::copy(kept, ours, fs::copy_options::recursive);
+}
+
 std::filesystem::path ProgramTest::record_briefly() const {
-  const Outcome outcome =
-      run("record --world honest --simulated=3 --fast --environment garden --json " + brief_plan);
-  EXPECT_EQ(outcome.code, 0) << outcome.err;
-  const auto lines = outcome.lines();
-  if (lines.empty()) return {};
-  return folder_ / lines.back().value("session", "");
+  const auto before = files(".h5");
+  record_once({"--world honest --simulated=3 --environment garden " + brief_plan});
+  for (const auto& file : files(".h5"))
+    if (std::find(before.begin(), before.end(), file) == before.end()) return file;
+  ADD_FAILURE() << "there is no new session";
+  return {};
 }
 
 std::filesystem::path ProgramTest::write(const std::string& name, std::span<const std::uint8_t> bytes) const {

@@ -45,7 +45,11 @@ class ProgramTest : public ::testing::Test {
   /// Waits for it: exit code, or 128 + signal.
   Outcome wait(pid_t process) const;
 
-  /// A recording in virtual time that takes well under a second; returns the session's path.
+  /// `record --fast WORDS` for each of these words, one after another. The program makes the same of the same
+  /// words, so in a folder without recordings this is a copy of what it recorded once for all tests.
+  void record_once(const std::vector<std::string>& recordings) const;
+
+  /// A short recording in virtual time; returns the session's path.
   std::filesystem::path record_briefly() const;
 
   std::filesystem::path write(const std::string& name, std::span<const std::uint8_t> bytes) const;

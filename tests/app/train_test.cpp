@@ -23,15 +23,11 @@ using ::testing::Not;
 /// Two short recordings and a network that learns them in no time.
 class Train : public ProgramTest {
  protected:
-  Train() {
-    for (const char* seed : {"3", "4"})
-      EXPECT_EQ(run(std::string("record --fast --environment garden --json --world honest --simulated=") +
-                    seed + " " + plan)
-                    .code,
-                0);
-  }
+  Train() { record_once({honest_garden + "3", honest_garden + "4"}); }
 
   static constexpr const char* plan = "--plan quick --speeds 40,80 --frames-per-leg 24";
+  const std::string honest_garden =
+      std::string("--environment garden --world honest ") + plan + " --simulated=";
   const std::string network = "train recordings --nf 2 --nr 3 ";
   const std::string small = network + "--epochs 3 ";
 
@@ -276,6 +272,15 @@ TEST_F(Train, LeavesOutSessionsOfCalibrationsAndRefusesBadOnes) {
   EXPECT_EQ(start["data"]["acquisitions"], 1);
   EXPECT_EQ(start["left_out"].size(), 1U);
   EXPECT_TRUE(start["bad"].empty());
+}
+
+TEST_F(Train, RefusesToChooseTheEpochByTheOnlyAcquisitionAndLeavesNothing) {
+  fs::remove(files(".h5").front());
+  const Outcome refused = run(small + "-o model.onnx");
+  EXPECT_EQ(refused.code, 2);
+  EXPECT_THAT(refused.err, HasSubstr("--no-choose-epoch"));
+  EXPECT_FALSE(fs::exists(at("model.run")));
+  EXPECT_EQ(run(small + "-o model.onnx --no-choose-epoch").code, 0);  // what the refusal tells to do
 }
 
 TEST_F(Train, SaysWhenTheDiskIsFull) {

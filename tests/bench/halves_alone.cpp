@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-// Do the even and the odd chess halves of a camera's own bytes tell the same rate, each alone? No truth is
-// needed. Usage: halves_alone CAPTURE FRAMES_A_SECOND: bytes as a GY-MCU90640 sent them, both halves anew in
+// Do the even and the odd chess halves of a camera's own bytes tell the same rate, each alone? And does the
+// estimator, of all halves, tell of the reversed bytes the rate with the other sign? No truth is needed.
+// Usage: halves_alone CAPTURE FRAMES_A_SECOND [--json]: bytes as a GY-MCU90640 sent them, both halves anew in
 // each frame.
 #include <fmt/format.h>
 
@@ -11,6 +12,8 @@
 #include <cstdlib>
 #include <fstream>
 #include <iterator>
+#include <string>
+#include <string_view>
 #include <vector>
 
 #include "estimators/likelihood/pixel_errors.h"
@@ -26,7 +29,7 @@ using likelihood::HalfLines;
 
 constexpr std::size_t halves = 3;  // of one parity: every second one
 constexpr double largest_speed = 16.0, speed_step = 0.1, trusted = 0.7;
-constexpr double told_sigma_dps = 20.0;
+constexpr double seen_variance = 0.05;  // of a pattern, in the noise's
 
 /// Patterns of every second half at one speed, exactly: eigenvectors of their covariance.
 struct Patterns {
@@ -68,26 +71,35 @@ class Speeds {
   struct Found {
     double speed = 0.0, sigma = 0.0;
   };
+  /// Widened by what no speed explains, as the estimator does it.
   Found find(unsigned parity, const std::array<const HalfLines*, halves>& seen, double noise_variance) const {
     likelihood::WindowLines window(halves);
     window.set(parity, seen);
-    std::vector<double> logarithms;
-    for (std::size_t k = 0; k < plain_.size(); ++k)
-      logarithms.push_back(logarithm(window, k, noise_variance));
-    const auto top = std::max_element(logarithms.begin(), logarithms.end());
-    const double best = plain_[static_cast<std::size_t>(top - logarithms.begin())].speed;
+    std::vector<Fit> fits;
+    for (std::size_t k = 0; k < plain_.size(); ++k) fits.push_back(fit(window, k, noise_variance));
+    const auto top = std::max_element(fits.begin(), fits.end(),
+                                      [](const Fit& a, const Fit& b) { return a.logarithm < b.logarithm; });
+    const double best = plain_[static_cast<std::size_t>(top - fits.begin())].speed;
     double mass = 0.0, squares = 0.0;
     for (std::size_t k = 0; k < plain_.size(); ++k) {
-      const double own = std::exp(trusted * (logarithms[k] - *top)), off = plain_[k].speed - best;
+      const double own = std::exp(trusted * (fits[k].logarithm - top->logarithm)),
+                   off = plain_[k].speed - best;
       mass += own;
       squares += own * off * off;
     }
-    return {best, std::hypot(std::sqrt(squares / mass), speed_step)};
+    const double misfit = top->unexplained / std::max(1.0, top->freedom);
+    return {best, std::hypot(std::sqrt(squares / mass), speed_step) * std::max(1.0, misfit)};
   }
 
  private:
-  double logarithm(const likelihood::WindowLines& window, std::size_t place, double noise_variance) const {
-    double sum = 0.0;
+  struct Fit {
+    double logarithm = 0.0;  // of the likelihood
+    double unexplained = 0.0,
+           freedom = 0.0;  // along patterns of which nothing is seen; in the noise's variance
+  };
+
+  Fit fit(const likelihood::WindowLines& window, std::size_t place, double noise_variance) const {
+    Fit fit;
     for (std::size_t row_class = 0; row_class < 2; ++row_class) {
       const std::size_t at = row_class == 0 ? place : plain_.size() - 1 - place;
       for (std::size_t wave = 0; wave < likelihood::half_rows; ++wave) {
@@ -101,12 +113,15 @@ class Speeds {
               double{wave == 0 ? window.longest(row_class)[i]
                                : window.waves(row_class)[i * likelihood::half_rows + wave]};
         const Eigen::ArrayXd ratio = contrast * patterns.variances.array();
-        const Eigen::ArrayXd along = (patterns.vectors.transpose() * values).array();
-        sum += 0.5 * (along.square() * ratio / (1.0 + ratio)).sum() / noise_variance -
-               0.5 * (1.0 + ratio).log().sum();
+        const Eigen::ArrayXd energy =
+            (patterns.vectors.transpose() * values).array().square() / noise_variance;
+        fit.logarithm += 0.5 * (energy * ratio / (1.0 + ratio)).sum() - 0.5 * (1.0 + ratio).log().sum();
+        const Eigen::ArrayXd unseen = (ratio < seen_variance).cast<double>();
+        fit.unexplained += (energy * unseen).sum();
+        fit.freedom += unseen.sum() - (wave == 0 ? halves : 0);
       }
     }
-    return sum;
+    return fit;
   }
 
   std::vector<Patterns> plain_, centred_;
@@ -125,61 +140,98 @@ TimedFrame timed(const wire::CameraMessage& message, std::size_t index, double p
   return frame;
 }
 
-/// What the estimator itself says of all four halves of two frames.
-void tell_estimator(const std::vector<wire::CameraMessage>& messages, double period_s, unsigned first) {
+using Messages = std::vector<wire::CameraMessage>;
+
+/// What the estimator itself says of all four halves of two frames, frame by frame.
+std::vector<likelihood::CameraRateReport> reports_of(const Messages& messages, double period_s,
+                                                     unsigned first) {
   likelihood::CameraRate rate({}, 2);
-  int told = 0, count = 0;
-  double fastest_dps = 0.0, noise_c = 0.0;
-  std::vector<double> sigmas;
-  for (std::size_t i = 0; i < messages.size(); ++i) {
-    const auto report = rate.add(timed(messages[i], i, period_s, first));
-    if (!report.is_complete) continue;
-    ++count;
-    noise_c = report.noise_c;
-    sigmas.push_back(report.sigma_dps);
-    if (!report.is_told) continue;
-    ++told;
-    fastest_dps = std::max(fastest_dps, std::abs(report.rate_dps));
-  }
-  std::sort(sigmas.begin(), sigmas.end());
-  fmt::print(
-      "both together, {} first: {} of {} windows told, fastest {:.0f} deg/s, unexplained {:.2f} K, median "
-      "sigma "
-      "{:.2f} deg/s\n",
-      first == 0 ? "even" : "odd", told, count, fastest_dps, noise_c,
-      sigmas.empty() ? 0.0 : sigmas[sigmas.size() / 2]);
+  std::vector<likelihood::CameraRateReport> reports;
+  for (std::size_t i = 0; i < messages.size(); ++i)
+    reports.push_back(rate.add(timed(messages[i], i, period_s, first)));
+  return reports;
 }
 
-void tell_halves(const std::vector<wire::CameraMessage>& messages, double period_s, const Speeds& speeds,
-                 unsigned first, const char* name) {
+/// How often two rates of the same window agree.
+struct Agreement {
+  int windows = 0, told = 0, agree = 0;
+  std::vector<std::string> apart;
+
+  void add(std::size_t window, const likelihood::CameraRateReport& a, const likelihood::CameraRateReport& b) {
+    ++windows;
+    if (std::max(a.sigma_dps, b.sigma_dps) >= likelihood::told_sigma_dps) return;
+    ++told;
+    if (std::abs(a.rate_dps - b.rate_dps) <= 2.0 * std::hypot(a.sigma_dps, b.sigma_dps)) {
+      ++agree;
+      return;
+    }
+    apart.push_back(fmt::format("window {}: {:+.1f} +- {:.1f} and {:+.1f} +- {:.1f} deg/s", window,
+                                a.rate_dps, a.sigma_dps, b.rate_dps, b.sigma_dps));
+  }
+  double percent() const { return 100.0 * agree / std::max(1, told); }
+};
+
+Agreement of_halves(const Messages& messages, double period_s, const Speeds& speeds, unsigned first) {
   likelihood::PixelErrors errors;
   std::vector<std::array<HalfLines, 2>> seen(messages.size());
   for (std::size_t i = 0; i < messages.size(); ++i)
     for (const unsigned parity : {0U, 1U}) errors.clean(messages[i].frame, parity, seen[i][parity]);
-  likelihood::CameraRate rate({}, 2);
-  const double speed_dps = 55.0 / 32.0 / (0.5 * period_s);
-  int agree = 0, told = 0, count = 0;
-  double squares = 0.0;
-  for (std::size_t i = 0; i < messages.size(); ++i) {
-    const auto report = rate.add(timed(messages[i], i, period_s, first));
-    if (i + 1 < halves || !report.is_complete) continue;
-    const double noise_variance = report.noise_c * report.noise_c;
-    std::array<Speeds::Found, 2> found;
-    for (const unsigned parity : {0U, 1U})
-      found[parity] =
-          speeds.find(parity, {&seen[i - 2][parity], &seen[i - 1][parity], &seen[i][parity]}, noise_variance);
-    const double sigma_dps = speed_dps * std::hypot(found[0].sigma, found[1].sigma);
-    const double differ_dps = speed_dps * std::abs(found[0].speed - found[1].speed);
-    ++count;
-    if (speed_dps * std::max(found[0].sigma, found[1].sigma) >= told_sigma_dps) continue;
-    ++told;
-    agree += differ_dps <= 2.0 * sigma_dps ? 1 : 0;
-    squares += (differ_dps / sigma_dps) * (differ_dps / sigma_dps);
+  const auto reports = reports_of(messages, period_s, first);
+  const double speed_dps = CameraProfile{}.field_of_view_deg / double{frame_columns} / (0.5 * period_s);
+  Agreement agreement;
+  for (std::size_t i = halves - 1; i < messages.size(); ++i) {
+    if (!reports[i].is_complete) continue;
+    std::array<likelihood::CameraRateReport, 2> alone;
+    for (const unsigned parity : {0U, 1U}) {
+      const Speeds::Found found =
+          speeds.find(parity, {&seen[i - 2][parity], &seen[i - 1][parity], &seen[i][parity]},
+                      reports[i].noise_c * reports[i].noise_c);
+      alone[parity].rate_dps = speed_dps * found.speed;
+      alone[parity].sigma_dps = speed_dps * found.sigma;
+    }
+    agreement.add(i, alone[0], alone[1]);
   }
-  fmt::print(
-      "{}: {} windows, both told in {}; they agree within two combined sigmas in {:.1f} % of these "
-      "(mean square {:.2f})\n",
-      name, count, told, 100.0 * agree / std::max(1, told), squares / std::max(1, told));
+  return agreement;
+}
+
+/// Window i of the bytes as they came is window `count - i` of the reversed ones.
+Agreement of_times(const std::vector<likelihood::CameraRateReport>& forward,
+                   const std::vector<likelihood::CameraRateReport>& reversed) {
+  Agreement agreement;
+  for (std::size_t i = 1; i < forward.size(); ++i) {
+    likelihood::CameraRateReport back = reversed[forward.size() - i];
+    if (!forward[i].is_complete || !back.is_complete) continue;
+    back.rate_dps = -back.rate_dps;
+    agreement.add(i, forward[i], back);
+  }
+  return agreement;
+}
+
+struct Figure {
+  const char *name, *what;
+  Agreement agreement;
+};
+
+void print(const std::vector<Figure>& figures) {
+  for (const Figure& figure : figures) {
+    const Agreement& all = figure.agreement;
+    fmt::print(
+        "{}: {} windows, {} cannot tell; of the others {:.1f} % agree within two combined sigmas (90 "
+        "wanted)\n",
+        figure.what, all.windows, all.windows - all.told, all.percent());
+    for (const std::string& one : all.apart) fmt::print("  {}\n", one);
+  }
+}
+
+void print_json(const std::vector<Figure>& figures) {
+  const char* separator = "{";
+  for (const Figure& figure : figures) {
+    const Agreement& all = figure.agreement;
+    fmt::print("{0}\"{1}_windows\": {2}, \"{1}_cannot_tell\": {3}, \"{1}_agree_percent\": {4:.1f}", separator,
+               figure.name, all.windows, all.windows - all.told, all.percent());
+    separator = ", ";
+  }
+  fmt::print("}}\n");
 }
 
 }  // namespace
@@ -187,23 +239,30 @@ void tell_halves(const std::vector<wire::CameraMessage>& messages, double period
 
 int main(int count, char** arguments) {
   using namespace thermorig;
-  const double rate_hz = count == 3 ? std::strtod(arguments[2], nullptr) : 0.0;
-  if (!(rate_hz > 0.0)) {
-    fmt::print(stderr, "usage: halves_alone CAPTURE FRAMES_A_SECOND\n");
+  const double rate_hz = count >= 3 ? std::strtod(arguments[2], nullptr) : 0.0;
+  const bool is_json = count == 4 && std::string_view(arguments[3]) == "--json";
+  if (!(rate_hz > 0.0) || (count > 3 && !is_json)) {
+    fmt::print(stderr, "usage: halves_alone CAPTURE FRAMES_A_SECOND [--json]\n");
     return 2;
   }
   std::ifstream file(arguments[1], std::ios::binary);
   const std::vector<char> read{std::istreambuf_iterator<char>(file), {}};
   const std::vector<std::uint8_t> bytes(read.begin(), read.end());
   wire::CameraScanner scanner;
-  std::vector<wire::CameraMessage> messages;
-  scanner.push(bytes, messages);
-  fmt::print("{} frames\n", messages.size());
-  if (messages.size() < bench::halves) return 1;
+  bench::Messages forward;
+  scanner.push(bytes, forward);
+  if (forward.size() < bench::halves) {
+    fmt::print(stderr, "{}: {} frames, {} are needed\n", arguments[1], forward.size(), bench::halves);
+    return 1;
+  }
+  const bench::Messages reversed(forward.rbegin(), forward.rend());
+  const double period_s = 1.0 / rate_hz;
   const bench::Speeds speeds;
-  for (const unsigned first : {0U, 1U}) bench::tell_estimator(messages, 1.0 / rate_hz, first);
-  bench::tell_halves(messages, 1.0 / rate_hz, speeds, 0, "forward");
-  std::reverse(messages.begin(), messages.end());
-  bench::tell_halves(messages, 1.0 / rate_hz, speeds, 1, "reversed");
+  const std::vector<bench::Figure> figures{
+      {"halves_forward", "even and odd halves, each alone", bench::of_halves(forward, period_s, speeds, 0)},
+      {"halves_reversed", "the same, time reversed", bench::of_halves(reversed, period_s, speeds, 1)},
+      {"times", "both halves, forward and reversed",
+       bench::of_times(bench::reports_of(forward, period_s, 0), bench::reports_of(reversed, period_s, 1))}};
+  is_json ? print_json(figures) : print(figures);
   return 0;
 }

@@ -77,6 +77,24 @@ TEST(TheCamerasRate, HasTheOtherSignWhereTheImageIsNoMirrorImage) {
   EXPECT_NEAR(reports_of(seen, 3, camera).back().rate_dps, -mirrored_dps, 1e-9);
 }
 
+TEST(TheCamerasRate, GoesByTheTimesOfFramesNotByTheRateThatWasSet) {
+  auto seen = turning(60.0, 8.0);
+  const auto as_set = reports_of(seen);
+  constexpr double slower = 1.03;  // frames follow each other so much later; exposures stay as they are
+  const HostTime begin = seen.front().frame.exposure_begin;
+  for (Seen& one : seen) {
+    TimedFrame& frame = one.frame;
+    const HostDuration later = from_s((slower - 1.0) * to_s(frame.exposure_begin - begin));
+    for (HostTime* time :
+         {&frame.stamp.time, &frame.exposure_begin, &frame.exposure_end, &frame.half[0].begin,
+          &frame.half[0].end, &frame.half[1].begin, &frame.half[1].end})
+      *time += later;
+  }
+  const auto reports = reports_of(seen);
+  for (std::size_t i = 10; i < reports.size(); ++i)
+    EXPECT_NEAR(reports[i].rate_dps, as_set[i].rate_dps / slower, 1e-3 * as_set[i].rate_dps) << i;
+}
+
 TEST(TheCamerasRate, OfAWallIsNotTold) {
   int told = 0, count = 0;
   for (const CameraRateReport& report : reports_of(turning(90.0, 6.0, 0.0))) {

@@ -29,6 +29,7 @@ struct Half {
   HalfLines lines{};
   unsigned parity = 0;
   HostTime begin{}, end{};
+  HostTime frame_end{};  // of the frame that brought it
 };
 
 bool is_exposure(const HalfExposure& half) {
@@ -52,6 +53,7 @@ struct CameraRate::Parts {
   bool take(const TimedFrame& frame, unsigned parity);
   bool follows(const TimedFrame& frame, unsigned parity) const;
   std::size_t halves_of_window() const;
+  double step_s(std::size_t wanted) const;
   void look(std::size_t count, CameraRateReport& report);
 
   double pitch_deg, direction;
@@ -81,6 +83,7 @@ bool CameraRate::Parts::take(const TimedFrame& frame, unsigned parity) {
   half.parity = parity;
   half.begin = frame.half[parity].begin;
   half.end = frame.half[parity].end;
+  half.frame_end = frame.exposure_end;
   const bool is_clean = errors.clean(frame.frame, parity, half.lines);
   count = is_clean ? std::min(count + 1, most_halves) : 0;
   return is_clean;
@@ -93,12 +96,23 @@ std::size_t CameraRate::Parts::halves_of_window() const {
   return std::min(halves_read, most_halves);
 }
 
+/// From one half of the window to the next. Exposures are as long as the rate that the camera is set to makes
+/// them; how frames really follow each other, their times tell: a camera is easily 2 % slower.
+double CameraRate::Parts::step_s(std::size_t wanted) const {
+  const std::span window = std::span(halves).last(wanted);
+  const Half &oldest = window.front(), &newest = window.back();
+  const auto later = std::count_if(window.begin(), window.end(),
+                                   [&](const Half& half) { return half.frame_end > oldest.frame_end; });
+  if (later == 0) return to_s(newest.end - oldest.begin) / static_cast<double>(wanted);
+  return to_s(newest.frame_end - oldest.frame_end) / static_cast<double>(later);
+}
+
 void CameraRate::Parts::look(std::size_t wanted, CameraRateReport& report) {
   std::array<const HalfLines*, most_halves> newest;
   for (std::size_t i = 0; i < wanted; ++i) newest[i] = &halves[most_halves - wanted + i].lines;
   const Half& oldest = halves[most_halves - wanted];
-  report.window_s = to_s(halves.back().end - oldest.begin);
-  const double speed_dps = pitch_deg * static_cast<double>(wanted) / report.window_s;
+  const double step = step_s(wanted), speed_dps = pitch_deg / step;
+  report.window_s = step * static_cast<double>(wanted);
   lines.set(oldest.parity, std::span(newest).first(wanted));
   const SpeedPosterior found = search.search(lines, noise_variance, fastest_dps / speed_dps);
   report.rate_dps = direction * found.speed * speed_dps;

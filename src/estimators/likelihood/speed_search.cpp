@@ -196,15 +196,17 @@ SpeedPosterior SpeedSearch::search(const WindowLines& lines, double noise_varian
   const auto end = modes_.begin() + static_cast<std::ptrdiff_t>(mode_count_);
   const Mode top = *std::max_element(modes_.begin(), end,
                                      [](const Mode& a, const Mode& b) { return a.logarithm < b.logarithm; });
-  SpeedPosterior posterior{.speed = top.speed, .is_at_end = top.is_at_end};
-  double mass = 0.0, squares = 0.0;
+  SpeedPosterior posterior{.is_at_end = top.is_at_end};
+  double mass = 0.0, sum = 0.0, squares = 0.0;
   std::for_each(modes_.begin(), end, [&](const Mode& mode) {
     const double own = std::exp(mode.logarithm - top.logarithm) * std::sqrt(mode.variance);
     const double off = mode.speed - top.speed;
     mass += own;
+    sum += own * off;
     squares += own * (mode.variance + off * off);
   });
-  posterior.sigma = std::sqrt(squares / mass);
+  posterior.speed = top.speed + sum / mass;
+  posterior.sigma = std::sqrt(std::max(0.0, squares / mass - (sum / mass) * (sum / mass)));
   const Fit best = fit(lines, top.place, half_rows, lines.lines(), noise_variance);
   posterior.noise_variance = best.unexplained / best.freedom;
   return posterior;

@@ -11,8 +11,8 @@ namespace thermorig::likelihood {
 
 /// What a window tells of the camera's speed.
 struct SpeedPosterior {
-  double speed = 0.0;           // the most likely one: pitches an exposure
-  double sigma = 0.0;           // root of the mean square about it, other speeds that may be included
+  double speed = 0.0;           // mean over all that may be, by how likely they are: pitches an exposure
+  double sigma = 0.0;           // standard deviation of those
   bool is_at_end = false;       // of the speeds that were tried: it may be faster
   double noise_variance = 0.0;  // of a reading: of what no scene at that speed explains
 };

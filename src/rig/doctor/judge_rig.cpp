@@ -52,8 +52,9 @@ std::vector<Check> judge_rig(const rig::PreflightReport& report) {
   const rig::PreflightFacts& facts = report.facts;
   for (const Device device : all_devices)
     if (facts.streams[device])
-      checks.push_back(
-          {.name = std::string(name_of(device)) + " stream", .result = stream_text(*facts.streams[device])});
+      checks.push_back({.name = std::string(name_of(device)) + " stream",
+                        .result = stream_text(*facts.streams[device]),
+                        .warning = facts.streams[device]->lost_share > rig::PreflightLimits{}.lost_share});
   if (facts.images) checks.push_back(warm_up_check(*facts.images));
   if (facts.rest)
     checks.push_back(

@@ -16,7 +16,8 @@ constexpr double fastest_reversal_dps = 120.0;
 constexpr int reversals = 28;
 constexpr double slow_rate_dps = 30.0;
 constexpr double slow_sweep_s = 3.0;
-constexpr int slow_sweeps = 4;
+constexpr int slow_sweeps = 12;     // fewer are too few witnesses in a room of little contrast
+constexpr int turns_both_ways = 3;  // rooms of little contrast close only in several
 constexpr double turn_deg = 420.0;  // the picture closes after 360: the rest overlaps
 constexpr double turn_rate_dps = 40.0;
 constexpr double lens_leg_s = 10.5;     // 420 deg at the slow speed
@@ -87,7 +88,8 @@ SweepPlan scale_plan(const ServoProfile& servo, const CameraProfile& camera) {
   SweepPlan plan = moving_plan("calibrate-scale", frames_in(turn_deg / turn_rate_dps, camera));
   const double rate_dps = speed_within_stroke(turn_rate_dps, plan.frames_per_leg, servo, camera);
   if (rate_dps < turn_rate_dps) return resting_plan("calibrate-scale");
-  plan.leg_rates_dps = {rate_dps, -rate_dps};
+  for (int i = 0; i < turns_both_ways; ++i)
+    plan.leg_rates_dps.insert(plan.leg_rates_dps.end(), {rate_dps, -rate_dps});
   return plan;
 }
 

@@ -14,7 +14,7 @@ struct CameraRateReport {
   bool has_image = false;      // the frame brought a half that is new
   bool is_complete = false;    // so many frames in a row: all that follows is known
   bool is_told = false;        // within told_sigma_dps: there is enough to see
-  double rate_dps = unknown;   // mean over the window's exposures, the most likely one
+  double rate_dps = unknown;   // over the window's exposures: mean of all rates that may be, by how likely
   double sigma_dps = unknown;  // of it, other rates that may be included
   double window_s = unknown;   // length of those exposures together
   double noise_c = unknown;    // of a reading, as known so far
