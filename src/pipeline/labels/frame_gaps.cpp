@@ -59,7 +59,7 @@ std::vector<HalvesWitness> witnesses_of(const std::vector<TimedFrame>& frames, C
   HalvesOrder order;
   std::vector<HalvesWitness> witnesses;
   witnesses.reserve(frames.size());
-  for (const TimedFrame& frame : spill::Paced(frames)) witnesses.push_back(halves_of(order, frame, mode));
+  for (const TimedFrame& frame : frames) witnesses.push_back(halves_of(order, frame, mode));
   return witnesses;
 }
 
