@@ -80,8 +80,8 @@ struct LiveOptions {
 };
 
 /// In the order of rig::CalibrationKind.
-inline constexpr std::array<std::string_view, 5> calibration_names{"bias", "latency", "scale", "orientation",
-                                                                   "check"};
+inline constexpr std::array<std::string_view, 6> calibration_names{"bias",        "latency", "scale",
+                                                                   "orientation", "lens",    "check"};
 
 /// Where sessions of calibrations are kept, beside the environments.
 inline constexpr const char* calibration_environment = "calibration";

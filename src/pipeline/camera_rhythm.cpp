@@ -12,6 +12,8 @@
 namespace thermorig::pipeline {
 
 namespace {
+constexpr std::size_t short_span =
+    16;  // of frames: half a tick in so many is no frame in the next longer span
 constexpr auto by_time_alone =
     labels::CameraMode::full_fresh;  // where the halves tell nothing of missing frames
 
@@ -37,17 +39,19 @@ std::vector<double> numbers(const std::vector<labels::FrameGap>& gaps) {
   return result;
 }
 
-/// First over few frames, where none is missing but a latency timer's ticks make it coarse; then, with the
-/// missing frames counted, over half the recording, where no tick matters. The median forgets late reads.
+/// First from frame to frame, where none is missing but a latency timer's ticks make it coarse; then, with
+/// the missing frames counted, over a few, so that they can be counted over half the recording, where no tick
+/// matters. The median forgets late reads.
 /// None where most of it does not go forward.
 std::optional<double> period_s(const std::vector<TimedFrame>& frames) {
   if (frames.size() < 2) return std::nullopt;
   const std::vector<labels::FrameGap> unbroken(frames.size());
-  const double local_s = median_period_s(frames, numbers(unbroken), 1);
-  if (local_s <= 0.0) return std::nullopt;
-  const std::vector<double> number = numbers(labels::find_gaps(frames, local_s, by_time_alone));
-  const double whole_s = median_period_s(frames, number, frames.size() / 2);
-  return whole_s > 0.0 ? std::optional(whole_s) : std::nullopt;
+  double period_s = median_period_s(frames, numbers(unbroken), 1);
+  for (const std::size_t span : {std::min(short_span, frames.size() / 2), frames.size() / 2}) {
+    if (period_s <= 0.0) return std::nullopt;
+    period_s = median_period_s(frames, numbers(labels::find_gaps(frames, period_s, by_time_alone)), span);
+  }
+  return period_s > 0.0 ? std::optional(period_s) : std::nullopt;
 }
 
 std::optional<labels::CameraMode> camera_mode(const std::vector<TimedFrame>& frames) {

@@ -131,7 +131,7 @@ void expose(std::vector<TimedFrame>& frames, const CameraProfile& profile, const
 void fit_newer_half(Streams& streams, const RigProfile& profile, const GyroErrors& errors, Fits& fits) {
   if (fits.camera_mode != labels::CameraMode::full_fresh) return;
   fits.newer_half = motion::newer_half(streams.frames, streams.gyro,
-                                       {profile.camera.field_of_view_deg, profile.camera.mirrored}, errors);
+                                       {profile.camera.lens_width_deg(), profile.camera.mirrored}, errors);
   if (fits.newer_half) expose(streams.frames, profile.camera, fits);
 }
 
@@ -174,7 +174,7 @@ Fits fit(const RawRecording& raw, Streams streams, const RunAll& run_all) {
                                       1.0 / profile.camera.output_rate_hz);
   };
   sync.servo = fit_servo();  // with it how the bias went, on which rests what images say
-  const motion::View view{profile.camera.field_of_view_deg, profile.camera.mirrored};
+  const motion::View view{profile.camera.lens_width_deg(), profile.camera.mirrored};
   const motion::TurnResult turns =
       motion::gyro_scale(streams.frames, streams.gyro, view, sync.gyro, turn_windows, run_all);
   apply_turns(turns, sync.gyro);

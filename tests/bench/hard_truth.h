@@ -33,7 +33,8 @@ struct TimeErrors {
 };
 PerDevice<TimeErrors> time_errors(const session::Session& session, const simulation::VirtualRig& rig);
 
-/// What the gyro really made of the shaft's turning in this session: slope of its rates against the truth.
+/// What the gyro really made of the shaft's turning in this session: slope of its rates against the truth, in
+/// means over a second.
 /// For whoever looks into a session; nothing is judged by it. None: it did not turn.
 std::optional<double> true_gyro_scale(const session::Session& session, const simulation::VirtualRig& rig);
 

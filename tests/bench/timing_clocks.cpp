@@ -36,6 +36,10 @@ struct Place {
   std::string key() const { return fmt::format("{}_{}_{}", name_of(device), link, load); }
 };
 
+std::string left_out(const Errors& errors) {
+  return errors.repeats > 0 ? fmt::format("{} repeated frames left out", errors.repeats) : "";
+}
+
 void add_error_figures(const Place& place, Errors& errors, std::vector<Figure>& figures) {
   for (const std::string& method : method_names()) {
     auto& values = errors.by_method[method];
@@ -49,7 +53,8 @@ void add_error_figures(const Place& place, Errors& errors, std::vector<Figure>& 
                        .column = method,
                        .key = key + "_rms_ms",
                        .value = measured(rms(values)),
-                       .at_most = rms_limit_ms(method, place.device)});
+                       .at_most = rms_limit_ms(method, place.device),
+                       .note = method == "final" ? left_out(errors) : ""});
     figures.push_back({.section = "Sample times: error p99 in ms",
                        .row = place.row(),
                        .column = method,

@@ -56,6 +56,15 @@ void add_baselines(std::span<const Arrival> arrivals, std::span<const HostTime> 
   for (const auto& [name, method] : baselines) add_method(name, method(arrivals), truth, from, errors);
 }
 
+/// What a repeated frame shows is a frame period older than its bytes: no clock knows that, and the program
+/// says that it is no frame of its own.
+bool repeats(const TimedFrame& frame) {
+  return frame.stale;
+}
+bool repeats(const TimedGyro&) {
+  return false;
+}
+
 /// A stream that numbers nothing: camera or gyro.
 template <typename Timed>
 void judge_stream(Device device, const std::vector<Timed>& decoded, const std::vector<TimeEstimate>& final,
@@ -66,6 +75,10 @@ void judge_stream(Device device, const std::vector<Timed>& decoded, const std::v
   std::vector<HostTime> instants;
   for (std::size_t i = 0; i < decoded.size(); ++i) {
     if (truth[i] == nullptr) continue;
+    if (repeats(decoded[i])) {
+      ++errors.repeats;
+      continue;
+    }
     const HostTime instant = instant_of(*truth[i], device);
     const Stamp& stamp = decoded[i].stamp;
     const double wire_s = timing::wire_time_s(decoded[i].span.size(), link.baud);
@@ -147,6 +160,7 @@ void Errors::add(const Errors& other) {
   bounded += other.bounded;
   later_than_bound += other.later_than_bound;
   earlier_than_bound += other.earlier_than_bound;
+  repeats += other.repeats;
 }
 
 const std::vector<std::string>& method_names() {

@@ -19,6 +19,7 @@ struct Errors {
   std::size_t bounded = 0;
   std::size_t later_than_bound = 0;
   std::size_t earlier_than_bound = 0;
+  std::size_t repeats = 0;  // frames that the program says repeat the one before: in none of the errors
 
   void add(const Errors& other);
 };

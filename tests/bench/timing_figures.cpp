@@ -120,8 +120,9 @@ double size_percentile(std::vector<float>& values, double share) {
   return std::abs(static_cast<double>(values[static_cast<std::size_t>(at)]));
 }
 
-std::optional<TableOptions> table_options(int count, char** arguments, std::string_view usage) {
-  TableOptions options;
+std::optional<TableOptions> table_options(int count, char** arguments, std::string_view usage,
+                                          std::uint64_t first_seed) {
+  TableOptions options{.first_seed = first_seed};
   for (int i = 1; i < count; ++i) {
     const std::string word = arguments[i];
     const char* const value = i + 1 < count ? arguments[i + 1] : nullptr;

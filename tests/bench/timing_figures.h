@@ -49,7 +49,9 @@ struct TableOptions {
 };
 
 /// The words that stand in `usage`: "name [--json] [--quick] [--board] [--first-seed N] [--only TEXT]
-/// [--world NAME]". At another one nothing, and the usage on standard error.
-std::optional<TableOptions> table_options(int count, char** arguments, std::string_view usage);
+/// [--world NAME]". At another one nothing, and the usage on standard error. `first_seed`: where none is
+/// named.
+std::optional<TableOptions> table_options(int count, char** arguments, std::string_view usage,
+                                          std::uint64_t first_seed = 1);
 
 }  // namespace thermorig::bench

@@ -18,10 +18,10 @@
 
 int main(int count, char** arguments) {
   using namespace thermorig::bench;
-  const auto options =
-      table_options(count, arguments, "timing_table [--json] [--quick] [--first-seed N] [--world NAME]");
-  if (!options) return 2;
   TableSize size;
+  const auto options = table_options(
+      count, arguments, "timing_table [--json] [--quick] [--first-seed N] [--world NAME]", size.first_seed);
+  if (!options) return 2;
   size.first_seed = options->first_seed;
   if (options->quick) {
     size.seeds = 3;

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 #include <vector>
 
 namespace thermorig::labels {
@@ -148,11 +149,44 @@ Scene scene_without_halves(const std::vector<int>& lost) {
   return scene;
 }
 
-TEST(FrameGaps, AreWhereABridgeMissedAHalf) {
-  const Scene scene = scene_without_halves({20, 40, 60, 62, 64, 66, 90});
+/// Frames that a busy host reads so many periods late, by their numbers.
+void read_late(Scene& scene, const std::vector<std::pair<int, double>>& late_periods) {
+  for (const auto& [number, periods] : late_periods) {
+    const auto at = std::find(scene.numbers.begin(), scene.numbers.end(), number) - scene.numbers.begin();
+    scene.frames[static_cast<std::size_t>(at)].stamp.time += from_s(periods * period_s);
+  }
+}
+
+void expect_each_where_it_is(const Scene& scene) {
   const auto gaps = find_gaps(scene.frames, period_s, CameraMode::half_fresh);
   for (std::size_t i = 1; i < gaps.size(); ++i)
     EXPECT_EQ(gaps[i].missing, scene.numbers[i] - scene.numbers[i - 1] - 1) << scene.numbers[i];
+}
+
+TEST(FrameGaps, AreWhereABridgeMissedAHalf) {
+  expect_each_where_it_is(scene_without_halves({20, 40, 60, 62, 64, 66, 90}));
+}
+
+TEST(FrameGaps, AreCountedThoughReadsBeforeThemGrewLateByAndBy) {
+  Scene scene = scene_without_halves({40});
+  read_late(scene, {{37, 0.3}, {38, 0.58}, {39, 0.6}});
+  expect_each_where_it_is(scene);
+}
+
+TEST(FrameGaps, AreWhereAHalfWasMissedThoughTheFrameBeforeItWasReadLate) {
+  Scene scene = scene_without_halves({40});
+  read_late(scene, {{39, 1.0}});
+  expect_each_where_it_is(scene);
+}
+
+TEST(FrameGaps, AreWhereTwoHalvesWereMissedThoughTheFrameAfterThemWasReadLate) {
+  Scene scene = scene_without_halves({40, 41});
+  read_late(scene, {{42, 0.7}});
+  expect_each_where_it_is(scene);
+}
+
+TEST(FrameGaps, AreWhereABridgeMissedAHalfShortlyBeforeTheEnd) {
+  expect_each_where_it_is(scene_without_halves({197}));
 }
 
 TEST(LiveFrameGaps, SeeAtOnceThatABridgeMissedAHalf) {

@@ -14,11 +14,11 @@ namespace thermorig::rig::test {
 namespace {
 
 constexpr CalibrationKind kinds[] = {CalibrationKind::bias, CalibrationKind::latency, CalibrationKind::scale,
-                                     CalibrationKind::orientation};
+                                     CalibrationKind::orientation, CalibrationKind::lens};
 
-constexpr CalibrationKind all_kinds[] = {CalibrationKind::bias, CalibrationKind::latency,
+constexpr CalibrationKind all_kinds[] = {CalibrationKind::bias,  CalibrationKind::latency,
                                          CalibrationKind::scale, CalibrationKind::orientation,
-                                         CalibrationKind::check};
+                                         CalibrationKind::lens,  CalibrationKind::check};
 
 TEST(CalibrationPlan, CanBeDrivenByEveryServo) {
   for (const ServoProfile& servo :
@@ -63,8 +63,9 @@ TEST(CalibrationPlan, OfTheLatencyReversesEveryTwoSecondsForAMinute) {
 
 TEST(CalibrationPlan, OfTheScaleTurnsMoreThanOnceOrLeavesItToTheOperator) {
   const SweepPlan winch = calibration_plan(CalibrationKind::scale, servo_of(2160.0), CameraProfile{});
-  ASSERT_EQ(winch.leg_rates_dps.size(), 2U);
-  EXPECT_EQ(winch.leg_rates_dps[0], -winch.leg_rates_dps[1]);
+  ASSERT_EQ(winch.leg_rates_dps.size(), 6U);
+  for (std::size_t i = 1; i < winch.leg_rates_dps.size(); ++i)
+    EXPECT_EQ(winch.leg_rates_dps[i], -winch.leg_rates_dps[i - 1]);
   EXPECT_GE(winch.leg_rates_dps[0] * winch.frames_per_leg / CameraProfile{}.output_rate_hz, 400.0);
   for (const double travel_deg : {270.0, 180.0}) {
     const SweepPlan plan = calibration_plan(CalibrationKind::scale, servo_of(travel_deg), CameraProfile{});

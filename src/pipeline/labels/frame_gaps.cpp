@@ -14,7 +14,8 @@ namespace {
 constexpr double late_limit_periods = 0.5;
 constexpr std::size_t queue_frames =
     48;  // what a port's buffers hold at most: 64 kB of 1.5 kB frames, rounded up
-constexpr double schedule_gain = 0.1;  // how fast the live schedule follows frames that are a little late
+constexpr std::size_t soon_frames = 2;  // so long a busy host may keep what is read
+constexpr double schedule_gain = 0.1;   // how fast the live schedule follows frames that are a little late
 constexpr double catching_up_gain =
     0.5;  // the same for the last of those that queued up, nearly on time again
 constexpr std::size_t least_intervals = 4;    // before a measured period is believed
@@ -53,6 +54,39 @@ std::vector<double> levels_s(const std::vector<double>& delays) {
   }
   return levels;
 }
+
+std::vector<HalvesWitness> witnesses_of(const std::vector<TimedFrame>& frames, CameraMode mode) {
+  HalvesOrder order;
+  std::vector<HalvesWitness> witnesses;
+  witnesses.reserve(frames.size());
+  for (const TimedFrame& frame : frames) witnesses.push_back(halves_of(order, frame, mode));
+  return witnesses;
+}
+
+/// How many of the next frames say by their halves that something is missing before them.
+int claimed_soon(const std::vector<HalvesWitness>& witnesses, std::size_t after) {
+  const std::size_t end = std::min(after + 1 + soon_frames, witnesses.size());
+  int claimed = 0;
+  for (std::size_t i = after + 1; i < end; ++i)
+    claimed +=
+        witnesses[i] == HalvesWitness::due_half_missing || witnesses[i] == HalvesWitness::frames_missing;
+  return claimed;
+}
+
+/// The time says how many are missing, and the halves say where: an even number where they take turns, an odd
+/// one where the same half comes again. What fits here may be missing before one of the next frames, where
+/// these say so.
+std::uint16_t missing_here(int owed, HalvesWitness halves, int claimed, bool is_late) {
+  int missing = owed;
+  if (halves == HalvesWitness::none_missing && is_late)
+    missing = std::max(0, owed - claimed) / 2 * 2;
+  else if (halves == HalvesWitness::none_missing && claimed > 0)
+    missing = owed / 2 * 2;
+  else if (halves == HalvesWitness::due_half_missing && claimed > 0 && owed > 0)
+    missing = (owed - 1) / 2 * 2 + 1;
+  const int least = halves == HalvesWitness::frames_missing ? 1 : 0;
+  return static_cast<std::uint16_t>(std::clamp(missing, least, static_cast<int>(most_missing)));
+}
 }  // namespace
 
 std::vector<FrameGap> find_gaps(const std::vector<TimedFrame>& frames, double period_s, CameraMode mode) {
@@ -60,19 +94,20 @@ std::vector<FrameGap> find_gaps(const std::vector<TimedFrame>& frames, double pe
   const std::vector<double> delays = delays_s(frames, period_s);
   const std::vector<double> levels = levels_s(delays);
   std::vector<FrameGap> gaps(frames.size());
-  HalvesOrder order;
+  const std::vector<HalvesWitness> witnesses = witnesses_of(frames, mode);
   int owed = 0;  // frames that the schedule misses and that have no place yet; below 0: placed before it did
-  if (!frames.empty()) halves_of(order, frames.front(), mode);
+  double settled_s = frames.empty() ? 0.0 : levels.front();  // the level, but for what is owed since
   for (std::size_t i = 1; i < frames.size(); ++i) {
-    const HalvesWitness halves = halves_of(order, frames[i], mode);
     // The last frames may only be late: nothing comes after them that would show it.
-    const bool is_told = i + confirming_frames <= frames.size();
-    if (is_told) owed += whole_periods((levels[i] - levels[i - 1]) / period_s);
+    const bool is_told =
+        i + confirming_frames <= frames.size() || witnesses[i] == HalvesWitness::due_half_missing;
+    // Reads that come late before a loss share its step among them.
+    const double risen_s = levels[i] - settled_s;
+    const int lost = is_told ? whole_periods(risen_s / period_s) : 0;
+    settled_s += lost * period_s + schedule_gain * (risen_s - lost * period_s);
+    owed += lost;
     gaps[i].late = delays[i] - levels[i] > late_limit_periods * period_s;
-    // Within what queued up the time says how many are missing, and the halves say where.
-    if (gaps[i].late && halves == HalvesWitness::none_missing) continue;
-    const int least = halves == HalvesWitness::frames_missing ? 1 : 0;
-    gaps[i].missing = static_cast<std::uint16_t>(std::clamp(owed, least, static_cast<int>(most_missing)));
+    gaps[i].missing = missing_here(owed, witnesses[i], claimed_soon(witnesses, i), gaps[i].late);
     owed -= gaps[i].missing;
   }
   return gaps;

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <vector>
 
 namespace thermorig::motion {
 namespace {
@@ -10,6 +11,29 @@ namespace {
 constexpr std::size_t fewest_blocks = 4;
 constexpr double least_spread = 1e-9;
 constexpr double least_misfit = 1e-6;  // K2, less than rounding on the wire
+
+/// Student's: mean by its own standard deviation.
+double lead_of_mean(std::span<const double> differences) {
+  const auto count = static_cast<double>(differences.size());
+  double mean = 0.0;
+  for (const double difference : differences) mean += difference / count;
+  double square = least_spread;
+  for (const double difference : differences) square += (difference - mean) * (difference - mean);
+  return mean / std::sqrt(square / (count - 1.0) / count);
+}
+
+/// Wilcoxon's, of signed ranks: were the signs chance, it would be a standard normal variable.
+double lead_of_ranks(std::vector<double> differences) {
+  std::sort(differences.begin(), differences.end(),
+            [](double left, double right) { return std::abs(left) < std::abs(right); });
+  double sum = 0.0, square = 0.0, rank = 0.0;
+  for (const double difference : differences) {
+    rank += 1.0;
+    square += rank * rank;
+    if (difference != 0.0) sum += std::copysign(rank, difference);
+  }
+  return sum / std::sqrt(square);
+}
 
 }  // namespace
 
@@ -29,12 +53,8 @@ void Contest::add(std::span<const FreshHalf> halves, std::span<const double> fir
 
 double Contest::lead() const {
   if (differences_.size() < fewest_blocks) return 0.0;
-  const auto count = static_cast<double>(differences_.size());
-  double mean = 0.0;
-  for (const double difference : differences_) mean += difference / count;
-  double square = least_spread;
-  for (const double difference : differences_) square += (difference - mean) * (difference - mean);
-  return mean / std::sqrt(square / (count - 1.0) / count);
+  const double of_mean = lead_of_mean(differences_), of_ranks = lead_of_ranks(differences_);
+  return std::abs(of_mean) > std::abs(of_ranks) ? of_mean : of_ranks;
 }
 
 }  // namespace thermorig::motion

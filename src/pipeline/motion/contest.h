@@ -19,8 +19,10 @@ class Contest {
 
   bool empty() const { return differences_.empty(); }
 
-  /// How much better the first one fits, in standard deviations of that difference by its spread among blocks
-  /// of time. Negative: the second one fits better. 0 with too few blocks.
+  /// How much better the first one fits, in standard deviations of what chance gives: by the mean difference
+  /// against its spread among blocks of time, or by the blocks' signed ranks, whichever is clearer. Where a
+  /// few blocks tell much (at rest, before a window) and all others little but the same, the spread hides
+  /// what all agree upon. Negative: the second one fits better. 0 with too few blocks.
   double lead() const;
 
  private:
