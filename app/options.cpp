@@ -111,6 +111,7 @@ void add_calibrate(CLI::App& root, Words& words) {
   command
       .add_option("WHAT", words.calibration,
                   "bias: 60 s at rest; latency: of the camera; scale: of gyro and servo; orientation: signs; "
+                  "lens: where pixels look; "
                   "check: whether the profile still holds")
       ->check(CLI::IsMember(std::vector<std::string>(calibration_names.begin(), calibration_names.end())))
       ->required();

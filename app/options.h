@@ -80,8 +80,8 @@ struct LiveOptions {
 };
 
 /// In the order of rig::CalibrationKind.
-inline constexpr std::array<std::string_view, 5> calibration_names{"bias", "latency", "scale", "orientation",
-                                                                   "check"};
+inline constexpr std::array<std::string_view, 6> calibration_names{"bias",        "latency", "scale",
+                                                                   "orientation", "lens",    "check"};
 
 /// Where sessions of calibrations are kept, beside the environments.
 inline constexpr const char* calibration_environment = "calibration";
@@ -181,7 +181,7 @@ struct DecodeOptions {
   bool json = false;
 };
 
-/// Where the frames of trainings lie.
+/// Where the frames of trainings and evaluations lie.
 struct FrameOptions {
   std::optional<std::uint64_t> memory_mb;  // none: half of the machine's
   std::filesystem::path cache;             // folder of those that do not fit; empty: beside what is written
@@ -219,7 +219,7 @@ struct EvaluateOptions {
   int epochs = 40;
   std::optional<int> history;        // valid frames before a window's end; default: the largest Nf
   std::optional<int> workers;        // jobs side by side; default: cores
-  FrameOptions frame_memory;         // of a study
+  FrameOptions frame_memory;         // of a model or a study
   bool list_jobs = false;            // of a study: only say where its jobs stand
   std::optional<std::string> job;    // of a study: only the job of this id
   std::optional<std::string> shard;  // of a study: only a part of its jobs, "3/8"

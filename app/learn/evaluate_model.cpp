@@ -8,6 +8,7 @@
 #include "evaluate_numbers.h"
 #include "evaluate_parts.h"
 #include "existing_file.h"
+#include "frame_memory.h"
 #include "print/output.h"
 #include "report_files.h"
 #include "session_data.h"
@@ -103,7 +104,8 @@ ExitCode evaluate_model(const EvaluateOptions& options) {
   const model::Model model = model::read_model(options.model);
   SessionOptions sessions = session_options(options);
   if (options.bound) sessions.bound_frames = model.weights.shape.frames;
-  const dataset::Acquisitions data = read_data(sessions);
+  FrameMemory memory(options.frame_memory, options.output.empty() ? options.model : options.output);
+  const dataset::Acquisitions data = memory.read(sessions, model.weights.shape.pixels() * sizeof(float));
   const std::vector<Acquisition>& acquisitions = data.acquisitions;
   ModelEvaluation evaluated;
   evaluated.evaluation = study::evaluate(judged_by(model, acquisitions), acquisitions,
@@ -113,6 +115,7 @@ ExitCode evaluate_model(const EvaluateOptions& options) {
   if (options.json) {
     nlohmann::json object = model_json(model, evaluated);
     add_choice_to(object, data);
+    memory.add_to(object);
     print_json(object);
   } else {
     print("{}", model_text(options.model.filename().string(), model, evaluated));

@@ -60,7 +60,6 @@ void add_study_words(CLI::App& command, EvaluateOptions& options) {
       ->check(CLI::Range(1, 1'024))
       ->type_name("N")
       ->group(group);
-  add_frame_memory(command, options.frame_memory, group);
   command
       .add_option("--draw", options.draw,
                   "Draw the report of this folder's results again, without training anything")
@@ -116,6 +115,7 @@ void add_evaluate(CLI::App& root, EvaluateOptions& options) {
   command.add_flag("--accept-bad", options.accept_bad,
                    "Take sessions whose verdict is bad; without it one of these is refused");
   command.add_flag("--json", options.json, "Print JSON on standard output, for programs");
+  add_frame_memory(command, options.frame_memory, "Options");
   add_study_words(command, options);
   command.footer(
       "Examples:\n"

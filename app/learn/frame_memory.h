@@ -11,14 +11,14 @@
 
 namespace thermorig::app {
 
-/// The memory that the frames of trainings take, and where those lie that do not fit.
+/// The memory that the frames of trainings and evaluations take, and where those lie that do not fit.
 class FrameMemory {
  public:
   /// `near`: the file lies beside it, unless a folder was asked for. Throws Error(bad_usage) where that is
   /// none.
   FrameMemory(const FrameOptions& options, const std::filesystem::path& near);
 
-  /// Reads as read_data(). A training needs so many bytes a frame beside the pixels.
+  /// Reads as read_data(). The network takes so many bytes a frame beside the pixels.
   dataset::Acquisitions read(SessionOptions options, std::uint64_t bytes_beside_a_frame);
 
   /// Where the frames lie, and how much memory they may take: a line.

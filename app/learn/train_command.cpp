@@ -127,13 +127,16 @@ class Run {
   }
 
  private:
+  /// Refused before there is a run folder.
   dataset::Acquisitions read() {
-    return memory_.read({.paths = options_.paths,
-                         .accept_bad = options_.accept_bad,
-                         .json = options_.json,
-                         .estimates = dataset::Estimates::left_out,
-                         .label = label_named(options_.label)},
-                        config_.shape.pixels() * sizeof(float));
+    dataset::Acquisitions data = memory_.read({.paths = options_.paths,
+                                               .accept_bad = options_.accept_bad,
+                                               .json = options_.json,
+                                               .estimates = dataset::Estimates::left_out,
+                                               .label = label_named(options_.label)},
+                                              config_.shape.pixels() * sizeof(float));
+    training::check_data(config_, data.acquisitions);
+    return data;
   }
 
   int epochs_before() const { return folder_.checkpoint() ? folder_.checkpoint()->epoch : 0; }

@@ -40,7 +40,7 @@ LiveMap::LiveMap(fs::path path, const CameraProfile& camera, bool simulated) : p
   if (fs::status(path_, hidden).type() == fs::file_type::not_found) return;
   map_file::StoredMap stored = map_file::read_map(path_);
   require_same_kind(stored, simulated, path_);
-  map_file::require_lens(stored.map, camera.field_of_view_deg, camera.mirrored, path_.string());
+  map_file::require_lens(stored.map, camera, path_.string());
   origin_ = origin_text(stored);
   map_ = std::make_shared<odometer::Map>(std::move(stored.map));
 }

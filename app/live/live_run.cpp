@@ -90,7 +90,7 @@ void LiveRun::publish_surroundings() {
   surroundings_shown_ = now_;
   for (std::size_t place = 0; place < columns_.size(); ++place)
     if (const auto seen = estimates_.surroundings(place)) {
-      const double view_deg = facts_.header.profile.camera.field_of_view_deg;
+      const double view_deg = facts_.header.profile.camera.lens_width_deg();
       const double time_s = to_s(now_ - begin_);
       return publish(web::Topic::surroundings,
                      surroundings_message(*seen, columns_[place].name, time_s, view_deg));

@@ -46,8 +46,12 @@ std::string map_text(const std::filesystem::path& path, const map_file::StoredMa
   line("environment", printable(stored.environment));
   line("rig", printable(stored.rig));
   line("session of", printable(stored.made_utc));
-  line("lens", fmt::format("{:g} degrees, {}mirrored", stored.map.field_of_view_deg,
-                           stored.map.mirrored ? "" : "not "));
+  const odometer::Map::Lens& lens = stored.map.lens;
+  line("lens",
+       fmt::format("{:g} degrees, {}mirrored{}", lens.field_of_view_deg, lens.mirrored ? "" : "not ",
+                   lens.is_plain() ? ""
+                                   : fmt::format(", distortion {:+.1f} %, tilt {:+.1f} deg, roll {:+.1f} deg",
+                                                 100.0 * lens.distortion, lens.tilt_deg, lens.roll_deg)));
   line("rows", std::string(odometer::name_of(stored.map.rows)));
   line("seen", fmt::format("{:.0f} % of all around", 100.0 * map_file::seen_share(stored.map)));
   const Temperatures of = temperatures_of(stored.map);
@@ -64,8 +68,11 @@ nlohmann::json map_json(const std::filesystem::path& path, const map_file::Store
           {"environment", printable(stored.environment)},
           {"rig", printable(stored.rig)},
           {"start_time_utc", printable(stored.made_utc)},
-          {"field_of_view_deg", stored.map.field_of_view_deg},
-          {"mirrored", stored.map.mirrored},
+          {"field_of_view_deg", stored.map.lens.field_of_view_deg},
+          {"mirrored", stored.map.lens.mirrored},
+          {"distortion", stored.map.lens.distortion},
+          {"tilt_deg", stored.map.lens.tilt_deg},
+          {"roll_deg", stored.map.lens.roll_deg},
           {"rows", std::string(odometer::name_of(stored.map.rows))},
           {"seen_share", map_file::seen_share(stored.map)},
           {"creator", printable(stored.creator)}};

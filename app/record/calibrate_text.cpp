@@ -3,7 +3,9 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
 #include <nlohmann/json.hpp>
+#include <optional>
 
 #include "print/number_json.h"
 #include "print/output.h"
@@ -14,6 +16,7 @@ namespace {
 
 using calibration::BiasResult;
 using calibration::LatencyResult;
+using calibration::LensResult;
 using calibration::OrientationResult;
 using calibration::ScaleResult;
 
@@ -89,6 +92,62 @@ std::string words_of(const OrientationResult& result, const RigProfile& before) 
                           origin(before.camera.orientation_measured_utc)));
 }
 
+constexpr double good_pitch = 0.005;  // one standard deviation
+constexpr const char* lens_not_told = "not told by these images: taken as an honest lens has it";
+
+/// "-1.30 +- 0.20 deg", of something that may not have been told.
+std::string told_text(const std::optional<Estimate>& told, double unit, int decimals,
+                      const std::string& name) {
+  if (!told) return lens_not_told;
+  return fmt::format("{:+.{}f} +- {:.{}f}{}", unit * told->value, decimals, unit * told->uncertainty,
+                     decimals, name);
+}
+
+std::string rows_text(const LensResult& result) {
+  if (!result.row_spread) return lens_not_told;
+  const Estimate& spread = *result.row_spread;
+  const std::string margin =
+      fmt::format("margin over all at once {:.0f} (difference of log-likelihoods)", result.row_margin);
+  if (std::abs(spread.value) < 3.0 * spread.uncertainty)
+    return fmt::format("exposed all at once ({}); {}", told_text(spread, 1.0, 3, " of a refresh period"),
+                       margin);
+  return fmt::format(
+      "exposed one after the other from the {} on, over {:.3f} +- {:.3f} of a refresh period; {}",
+      spread.value > 0.0 ? "first" : "last", std::abs(spread.value), spread.uncertainty, margin);
+}
+
+std::string filter_text(const std::optional<Estimate>& delay_s) {
+  if (!delay_s) return "as the profile has it";
+  return fmt::format("delays by {:.1f} +- {:.1f} ms, by its noise at rest", 1e3 * delay_s->value,
+                     1e3 * delay_s->uncertainty);
+}
+
+std::string lens_before(const CameraProfile& camera) {
+  return fmt::format("pitch {:.4f}, distortion {:+.3f}, tilt {:+.2f} deg, roll {:+.2f} deg, rows {:+.3f}, {}",
+                     camera.pitch_scale, camera.distortion, camera.tilt_deg, camera.roll_deg,
+                     camera.row_spread, origin(camera.lens_measured_utc));
+}
+
+std::string words_of(const LensResult& result, const RigProfile& before) {
+  return line("pitch", fmt::format("{} of what a lens of {:g} degrees has",
+                                   scale_text(result.pitch_scale.value, result.pitch_scale.uncertainty),
+                                   before.camera.field_of_view_deg)) +
+         line("", result.is_closed ? std::string("by a whole turn that closes: it owes nothing to the gyro")
+                                   : std::string("no whole turn closes: as good as the gyro's scale")) +
+         (result.pitch_scale.uncertainty > good_pitch
+              ? line("",
+                     "not to half a per cent: take another session where there is more to see, and give "
+                     "both with --session")
+              : std::string()) +
+         line("distortion", told_text(result.distortion, 100.0, 2, " % in the corners")) +
+         line("tilt", told_text(result.tilt_deg, 1.0, 2, " deg upward")) +
+         line("roll", told_text(result.roll_deg, 1.0, 2, " deg, the side of growing angles up")) +
+         line("rows", rows_text(result)) +
+         line("", fmt::format("from {} chess halves in {:.0f} degrees of turning", count_text(result.halves),
+                              result.turned_deg)) +
+         line("gyro's filter", filter_text(result.gyro_delay_s)) + line("before", lens_before(before.camera));
+}
+
 nlohmann::json measured(double value, double uncertainty, const std::string& utc) {
   nlohmann::json object{{"value", value}, {"uncertainty", uncertainty}};
   object["measured_utc"] = text_json(utc);
@@ -97,6 +156,10 @@ nlohmann::json measured(double value, double uncertainty, const std::string& utc
 
 nlohmann::json estimate_json(const Estimate& estimate) {
   return {{"value", estimate.value}, {"uncertainty", estimate.uncertainty}};
+}
+
+nlohmann::json told_json(const std::optional<Estimate>& told) {
+  return told ? estimate_json(*told) : nlohmann::json();
 }
 
 nlohmann::json object_of(const BiasResult& result, const RigProfile& before) {
@@ -127,9 +190,32 @@ nlohmann::json object_of(const ScaleResult& result, const RigProfile& before) {
       {"before",
        {{"gyro_scale", measured(gyro.scale, gyro.scale_uncertainty, gyro.scale_measured_utc)},
         {"servo_scale", measured(servo.scale, servo.scale_uncertainty, servo.scale_measured_utc)}}}};
-  object["result"]["servo_scale"] =
-      result.servo_scale ? estimate_json(*result.servo_scale) : nlohmann::json();
+  object["result"]["servo_scale"] = told_json(result.servo_scale);
   return object;
+}
+
+nlohmann::json object_of(const LensResult& result, const RigProfile& before) {
+  const CameraProfile& camera = before.camera;
+  return {{"result",
+           {{"pitch_scale", estimate_json(result.pitch_scale)},
+            {"distortion", told_json(result.distortion)},
+            {"tilt_deg", told_json(result.tilt_deg)},
+            {"roll_deg", told_json(result.roll_deg)},
+            {"row_spread", told_json(result.row_spread)},
+            {"row_margin", result.row_margin},
+            {"turn_closes", result.is_closed},
+            {"turned_deg", result.turned_deg},
+            {"chess_halves", result.halves},
+            {"gyro_delay_s", told_json(result.gyro_delay_s)}}},
+          {"before",
+           {{"pitch_scale", camera.pitch_scale},
+            {"pitch_scale_uncertainty", camera.pitch_scale_uncertainty},
+            {"distortion", camera.distortion},
+            {"distortion_uncertainty", camera.distortion_uncertainty},
+            {"tilt_deg", camera.tilt_deg},
+            {"roll_deg", camera.roll_deg},
+            {"row_spread", camera.row_spread},
+            {"measured_utc", text_json(camera.lens_measured_utc)}}}};
 }
 
 nlohmann::json turning_json(int axis, int sign, bool mirrored) {

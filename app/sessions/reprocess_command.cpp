@@ -61,6 +61,7 @@ std::vector<std::string> applied(const RigProfile& from, const RigProfile& now) 
     if (!there.empty() && there == here) names.push_back(fmt::format("{} of {}", name, here));
   };
   add("orientation", from.camera.orientation_measured_utc, now.camera.orientation_measured_utc);
+  add("lens", from.camera.lens_measured_utc, now.camera.lens_measured_utc);
   add("camera latency", from.camera.link.latency_measured_utc, now.camera.link.latency_measured_utc);
   add("gyro scale", from.gyro.scale_measured_utc, now.gyro.scale_measured_utc);
   add("gyro bias", from.gyro.bias_measured_utc, now.gyro.bias_measured_utc);

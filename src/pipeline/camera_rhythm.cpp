@@ -8,7 +8,6 @@
 #include <utility>
 
 #include "thermorig/core/statistics.h"
-#include "thermorig/io/spill/spill.h"
 
 namespace thermorig::pipeline {
 
@@ -23,7 +22,7 @@ double median_period_s(const std::vector<TimedFrame>& frames, const std::vector<
                        std::size_t span) {
   std::vector<double> periods;
   std::size_t i = 0;
-  for (const TimedFrame& frame : spill::Paced(frames)) {
+  for (const TimedFrame& frame : frames) {
     if (i >= span)
       periods.push_back(to_s(frame.stamp.time - frames[i - span].stamp.time) /
                         (number[i] - number[i - span]));
@@ -57,7 +56,7 @@ std::optional<double> period_s(const std::vector<TimedFrame>& frames) {
 
 std::optional<labels::CameraMode> camera_mode(const std::vector<TimedFrame>& frames) {
   labels::ModeVote vote;
-  for (const TimedFrame& frame : spill::Paced(frames))
+  for (const TimedFrame& frame : frames)
     if (&frame != &frames.front()) vote.push({.even = frame.fresh_even, .odd = frame.fresh_odd});
   if (vote.empty()) return std::nullopt;
   return vote.mode();

@@ -12,7 +12,6 @@
 #include "final_times.h"
 #include "message_spans.h"
 #include "ping_exchanges.h"
-#include "thermorig/io/spill/spill.h"
 #include "thermorig/pipeline/interruptions.h"
 #include "thermorig/pipeline/labels/gyro_filter.h"
 #include "thermorig/pipeline/labels/servo_response.h"
@@ -32,7 +31,7 @@ constexpr std::size_t turn_windows = 3;    // of a session, that are searched fo
 template <typename Message>
 void put_times(const std::vector<TimeEstimate>& times, std::vector<Message>& messages) {
   FinalTimes final_times(times);
-  for (Message& message : spill::Paced(messages)) final_times.put_next(message.stamp);
+  for (Message& message : messages) final_times.put_next(message.stamp);
 }
 
 /// The rhythm is counted on what the bytes prove: causal stamps have been made with a count of their own.
@@ -41,14 +40,14 @@ void put_proofs(const RawStream& received, std::uint32_t baud, std::vector<Timed
   if (!holds(received, spans)) return;
   const auto proofs = timing::earliest_proofs(received, spans, baud);
   auto proof = proofs.begin();
-  for (TimedFrame& frame : spill::Paced(frames)) frame.stamp.time = *proof++;
+  for (TimedFrame& frame : frames) frame.stamp.time = *proof++;
 }
 
 template <typename Message>
 std::vector<Stamp> stamps_of(std::span<const Message> messages) {
   std::vector<Stamp> stamps;
   stamps.reserve(messages.size());
-  for (const Message& message : spill::Paced(messages)) stamps.push_back(message.stamp);
+  for (const Message& message : messages) stamps.push_back(message.stamp);
   return stamps;
 }
 
@@ -126,13 +125,13 @@ PerDevice<ClockFit> fit_clocks(const RawRecording& raw, Streams& streams, const 
 /// What each frame shows when, by the fits so far.
 void expose(std::vector<TimedFrame>& frames, const CameraProfile& profile, const Fits& fits) {
   labels::ExposureRule rule = exposure_rule(profile, fits);
-  for (TimedFrame& frame : spill::Paced(frames)) rule.apply(frame);
+  for (TimedFrame& frame : frames) rule.apply(frame);
 }
 
 void fit_newer_half(Streams& streams, const RigProfile& profile, const GyroErrors& errors, Fits& fits) {
   if (fits.camera_mode != labels::CameraMode::full_fresh) return;
   fits.newer_half = motion::newer_half(streams.frames, streams.gyro,
-                                       {profile.camera.field_of_view_deg, profile.camera.mirrored}, errors);
+                                       {profile.camera.lens_width_deg(), profile.camera.mirrored}, errors);
   if (fits.newer_half) expose(streams.frames, profile.camera, fits);
 }
 
@@ -175,7 +174,7 @@ Fits fit(const RawRecording& raw, Streams streams, const RunAll& run_all) {
                                       1.0 / profile.camera.output_rate_hz);
   };
   sync.servo = fit_servo();  // with it how the bias went, on which rests what images say
-  const motion::View view{profile.camera.field_of_view_deg, profile.camera.mirrored};
+  const motion::View view{profile.camera.lens_width_deg(), profile.camera.mirrored};
   const motion::TurnResult turns =
       motion::gyro_scale(streams.frames, streams.gyro, view, sync.gyro, turn_windows, run_all);
   apply_turns(turns, sync.gyro);

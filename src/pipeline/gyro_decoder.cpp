@@ -14,12 +14,22 @@ namespace {
 constexpr HostDuration settling = std::chrono::seconds(2);
 constexpr double missing_steps = 1.5;  // so long a step is one in which a sample lacks
 constexpr double most_missing = 1e9;
+constexpr double least_delay_s = 1e-4;  // of a filter: shorter is none to speak of
 
 timing::StampHint hint(const wire::GyroMessage& message) {
   timing::StampHint hint{.lost_before = message.lost_before, .device_s = {}};
   const auto& device_time_us = message.reading.device_time_us;
   if (device_time_us) hint.device_s = 1e-6 * static_cast<double>(*device_time_us);
   return hint;
+}
+
+/// What the gyro's low-pass delays, where that is stated, belongs to its link's latency: for times that are
+/// told at once. What is fitted afterwards has a better one.
+PortProfile link_with_filter(const GyroProfile& profile) {
+  PortProfile link = profile.link;
+  const double delay_s = profile.stated_delay_s().value_or(0.0);
+  if (delay_s > least_delay_s) link.latency_s += delay_s;
+  return link;
 }
 }  // namespace
 
@@ -71,7 +81,7 @@ void GyroLosses::settle(HostTime now, double missing) {
 
 GyroDecoder::GyroDecoder(const GyroProfile& profile, const Fits& fits)
     : scanner_(sensors::gyro_scanner(profile)),
-      timing_(profile.link, profile.output_rate_hz),
+      timing_(link_with_filter(profile), profile.output_rate_hz),
       final_times_(fits.times[Device::gyro]),
       axis_(static_cast<std::size_t>(profile.axis)),
       sign_(static_cast<float>(profile.sign)) {

@@ -7,7 +7,6 @@
 
 #include "thermorig/core/chunk.h"
 #include "thermorig/core/raw_recording.h"
-#include "thermorig/io/spill/spill.h"
 
 namespace thermorig::pipeline {
 
@@ -16,7 +15,7 @@ template <typename Messages>
 std::vector<StreamSpan> spans_of(const Messages& messages) {
   std::vector<StreamSpan> spans;
   spans.reserve(messages.size());
-  for (const auto& message : spill::Paced(messages)) spans.push_back(message.span);
+  for (const auto& message : messages) spans.push_back(message.span);
   return spans;
 }
 

@@ -118,8 +118,34 @@ TEST_F(Calibrate, SaysWhatToTryWhereASessionCannotTell) {
   EXPECT_FALSE(std::filesystem::exists(folder() / "bench.toml"));
 }
 
+TEST_F(Calibrate, KeepsALensWhichLiveAndTheExportThenKnow) {
+  const std::string lens =
+      " --world honest,camera.pitch_error=-0.02,camera.distortion=0.04 --simulated=2 --fast ";
+  const Outcome outcome = run("calibrate lens" + lens + "--save bench.toml --json");
+  ASSERT_EQ(outcome.code, 0) << outcome.err;
+  const auto summary = outcome.lines().back();
+  EXPECT_EQ(summary["calibration"], "lens");
+  EXPECT_NEAR(summary["result"]["pitch_scale"]["value"], 0.98, 0.005);
+  EXPECT_TRUE(summary["before"]["measured_utc"].is_null());
+  const RigProfile kept = profile("bench.toml");
+  EXPECT_NEAR(kept.camera.pitch_scale, summary["result"]["pitch_scale"]["value"], 1e-6);
+  EXPECT_NEAR(kept.camera.distortion, 0.04, 3.0 * kept.camera.distortion_uncertainty);
+  EXPECT_EQ(kept.camera.lens_measured_utc, summary["measured_utc"]);
+  const Outcome board = run("export bench.toml --odometer -o board");
+  EXPECT_EQ(board.code, 2) << board.out;
+  EXPECT_THAT(board.err, HasSubstr("level lens without distortion"));
+  const Outcome live =
+      run("live --rig bench.toml --environment kitchen --plan quick --map kitchen.map" + lens);
+  EXPECT_EQ(live.code, 0) << live.err;
+}
+
+TEST_F(Calibrate, RefusesALensThatNoProfileMayHave) {
+  std::ofstream(folder() / "bent.toml") << "[camera]\npitch_scale = 1.5\n";
+  expect_refused("lens" + fast + "--rig bent.toml", 2, "pitch_scale");
+}
+
 TEST_F(Calibrate, ShowsThePlanAndMovesNothingOnADryRun) {
-  for (const char* what : {"bias", "latency", "scale", "orientation"}) {
+  for (const char* what : {"bias", "latency", "scale", "orientation", "lens"}) {
     const Outcome outcome = run(std::string("calibrate ") + what + fast + "--dry-run");
     EXPECT_EQ(outcome.code, 0) << what << outcome.err;
     EXPECT_THAT(outcome.out, HasSubstr(std::string("plan calibrate-") + what)) << what;

@@ -74,6 +74,19 @@ TEST_F(EvaluateTest, HoldsAModelAgainstAllFourEstimators) {
   EXPECT_NE(commanded.at("rmse_dps"), shaft.at("rmse_dps"));
 }
 
+TEST_F(EvaluateTest, SaysTheSameOfFramesThatLieOnADisk) {
+  record_sessions();
+  train();
+  const std::string command = "evaluate model.onnx recordings --json --memory ";
+  nlohmann::json in_memory = run(command + "1000").lines().back();
+  nlohmann::json on_disk = run(command + "0").lines().back();
+  EXPECT_EQ(in_memory.at("frames_on_disk_bytes"), 0);
+  EXPECT_GT(on_disk.at("frames_on_disk_bytes"), 0);
+  for (const char* name : {"memory_bytes", "frames_in_memory_bytes", "frames_on_disk_bytes"})
+    for (nlohmann::json* object : {&in_memory, &on_disk}) object->erase(name);
+  EXPECT_EQ(in_memory, on_disk);
+}
+
 TEST_F(EvaluateTest, WarnsOfDataThatTheModelWasTrainedOn) {
   record_sessions();
   train();

@@ -274,6 +274,15 @@ TEST_F(Train, LeavesOutSessionsOfCalibrationsAndRefusesBadOnes) {
   EXPECT_TRUE(start["bad"].empty());
 }
 
+TEST_F(Train, RefusesToChooseTheEpochByTheOnlyAcquisitionAndLeavesNothing) {
+  fs::remove(files(".h5").front());
+  const Outcome refused = run(small + "-o model.onnx");
+  EXPECT_EQ(refused.code, 2);
+  EXPECT_THAT(refused.err, HasSubstr("--no-choose-epoch"));
+  EXPECT_FALSE(fs::exists(at("model.run")));
+  EXPECT_EQ(run(small + "-o model.onnx --no-choose-epoch").code, 0);  // what the refusal tells to do
+}
+
 TEST_F(Train, SaysWhenTheDiskIsFull) {
   const std::string command = "cd " + folder().string() + " && ulimit -f 100 && " + THERMORIG_PROGRAM + " " +
                               small + "-o model.onnx >out.txt 2>err.txt";

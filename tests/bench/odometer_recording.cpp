@@ -7,8 +7,6 @@
 #include <utility>
 
 #include "thermorig/pipeline/causal_replay.h"
-#include "thermorig/rig/sweep/plan.h"
-#include "timing_rig.h"
 
 namespace thermorig::bench {
 namespace {
@@ -28,26 +26,30 @@ std::vector<Leg> legs_of(const rig::SweepPlan& plan, double camera_rate_hz, doub
   return legs;
 }
 
-simulation::VirtualRigConfig config_of(const OdometerCase& wanted) {
+}  // namespace
+
+simulation::VirtualRigConfig rig_of(const OdometerCase& wanted) {
   simulation::VirtualRigConfig config = simulation::default_rig(wanted.seed, wanted.environment);
   config.start = bench_start();
   config.gyro_grade = wanted.gyro_grade;
-  config.world = simulation::world_named(wanted.world, wanted.seed);
+  simulation::put_in_world(simulation::world_named(wanted.world, wanted.seed), config);
   config.profile.camera.field_of_view_deg = wanted.field_of_view_deg;
   config.profile.camera.output_rate_hz = wanted.camera_rate_hz;
   return config;
 }
 
-}  // namespace
-
-OdometerRecording record(const OdometerCase& wanted) {
-  const simulation::VirtualRigConfig config = config_of(wanted);
-  const rig::SweepPlan plan = rig::load_plan(wanted.plan, wanted.environment, wanted.seed);
+Recorded drive(const OdometerCase& wanted, const rig::SweepPlan& plan) {
   const std::vector<Leg> legs = legs_of(plan, wanted.camera_rate_hz, wanted.duration_s);
   const double end_s = legs.back().begin_s + legs.back().duration_s + plan.closing_rest_s;
-  Recorded recorded = record(config, legs, end_s);
+  return record(rig_of(wanted), legs, end_s);
+}
+
+OdometerRecording record(const OdometerCase& wanted) {
+  const rig::SweepPlan plan = rig::load_plan(wanted.plan, wanted.environment, wanted.seed);
+  Recorded recorded = drive(wanted, plan);
+  if (wanted.calibrated) recorded.raw.header.profile = *wanted.calibrated;
   OdometerRecording recording;
-  recording.profile = config.profile;
+  recording.profile = recorded.raw.header.profile;
   recording.shaft = recorded.rig->shaft();
   pipeline::CausalReplay replay(recorded.raw);
   while (auto moment = replay.next())

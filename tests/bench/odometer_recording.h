@@ -3,12 +3,15 @@
 
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "thermorig/core/measurement.h"
 #include "thermorig/core/profile.h"
+#include "thermorig/rig/sweep/plan.h"
 #include "thermorig/simulation/virtual_rig.h"
+#include "timing_rig.h"
 
 namespace thermorig::bench {
 
@@ -21,8 +24,13 @@ struct OdometerCase {
   double camera_rate_hz = 8.0;
   std::string plan = "paper";
   simulation::GyroGrade gyro_grade = simulation::GyroGrade::mpu6050_raw;
-  double duration_s = 0.0;  // 0: that of the plan; longer: its legs again and again
+  double duration_s = 0.0;               // 0: that of the plan; longer: its legs again and again
+  std::optional<RigProfile> calibrated;  // if not the one that the rig is sold with
 };
+
+/// The rig of a case, and what it does when a plan drives it: bytes and truth.
+simulation::VirtualRigConfig rig_of(const OdometerCase& wanted);
+Recorded drive(const OdometerCase& wanted, const rig::SweepPlan& plan);
 
 /// What a live run sees of a recording, and what the shaft really did.
 struct OdometerRecording {

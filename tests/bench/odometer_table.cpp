@@ -15,6 +15,7 @@
 
 #include "embedded/board_odometer.h"
 #include "odometer_judge.h"
+#include "odometer_lens.h"
 #include "odometer_recording.h"
 #include "odometer_stresses.h"
 #include "thermorig/core/run_all.h"
@@ -30,8 +31,9 @@ struct Row {
   std::string name;
   OdometerCase recorded;
   Stress stress;
-  bool is_plain = false, is_hour = false, is_typical = false;
+  bool is_plain = false, is_hour = false, is_typical = false, is_lens = false;
   Judgement judgement;
+  CalibratedLens lens;  // of a row that begins with `calibrate lens`
 };
 
 std::string key_of(std::string text) {
@@ -116,13 +118,32 @@ void add_hour(std::vector<Figure>& figures, const Row& row) {
   add(figures, section, row.name, "last steps / early steps", "", of.slower, 1.2);
 }
 
+/// What `calibrate lens` found of what was to be found. `is_held`: limits are meant.
+void add_lens(std::vector<Figure>& figures, const std::string& section, const Row& row, bool is_held) {
+  const CalibratedLens& lens = row.lens;
+  add(figures, section, row.name, "refused", "", lens.result ? 0.0 : 1.0);
+  if (!lens.result) return;
+  const auto limit = [&](double most) { return is_held ? std::optional(most) : std::nullopt; };
+  const Estimate& pitch = lens.result->pitch_scale;
+  const double off = std::abs(pitch.value - lens.pitch_scale);
+  add(figures, section, row.name, "pitch off", "%", 100.0 * off, limit(0.5));
+  add(figures, section, row.name, "stated", "%", 100.0 * pitch.uncertainty, limit(0.5));
+  add(figures, section, row.name, "off / stated", "", off / pitch.uncertainty, limit(3.0));
+  if (!lens.result->distortion) return;
+  const Estimate& distortion = *lens.result->distortion;
+  const double corners_off = std::abs(distortion.value - lens.distortion);
+  add(figures, section, row.name, "distortion off", "%", 100.0 * corners_off);
+  add(figures, section, row.name, "distortion off / stated", "", corners_off / distortion.uncertainty,
+      limit(3.0));
+}
+
 bool is_within(const Judgement& of) {
   return of.tracked_after_s && of.worst_deg <= 3.0 && std::abs(of.drift_deg_per_min) <= 0.1;
 }
 
 void add_typical(std::vector<Figure>& figures, const std::vector<Row>& rows) {
   const std::string section = "World typical";
-  double count = 0.0, within = 0.0, silent = 0.0, never = 0.0;
+  double count = 0.0, within = 0.0, silent = 0.0, never = 0.0, refused = 0.0;
   for (const Row& row : rows) {
     if (!row.is_typical) continue;
     const Judgement& of = row.judgement;
@@ -136,12 +157,44 @@ void add_typical(std::vector<Figure>& figures, const std::vector<Row>& rows) {
     add(figures, section, row.name, "drift", "deg/min", std::abs(of.drift_deg_per_min));
     add(figures, section, row.name, "coverage", "", of.coverage);
     add(figures, section, row.name, "wrong and silent", "s", of.silent_s, 5.0);
+    refused += row.lens.result ? 0.0 : 1.0;
+    add_lens(figures, section, row, false);
   }
   if (count == 0.0) return;
+  add(figures, section + ", all", "share", "lens refused", "%", 100.0 * refused / count);
   add(figures, section + ", all", "share", "within 3 deg and 0.1 deg/min", "%", 100.0 * within / count, {},
       90.0);
   add(figures, section + ", all", "share", "never track", "%", 100.0 * never / count);
   add(figures, section + ", all", "share", "wrong and silent", "%", 100.0 * silent / count, 0.0);
+}
+
+/// Lenses by which the honest world is seen: what pitch and distortion may be off, and a camera that leans.
+void add_lens_rows(std::uint64_t first_seed, std::vector<Row>& rows) {
+  struct Lens {
+    const char* knobs;
+    double field_of_view_deg = 55.0;
+  };
+  constexpr std::array<Lens, 6> lenses{
+      {{"camera.pitch_error=0"},
+       {"camera.pitch_error=0.03"},
+       {"camera.pitch_error=-0.02,camera.distortion=0.05"},
+       {"camera.pitch_error=0.01,camera.distortion=-0.05,camera.rolling_rows=-1"},
+       {"camera.pitch_error=-0.03,camera.distortion=0.02,camera.tilt_deg=4,camera.roll_deg=-3"},
+       {"camera.pitch_error=0.02,camera.distortion=-0.03", 110.0}}};
+  for (const Lens& lens : lenses)
+    for (const std::string& environment : environments) {
+      Row row;
+      row.is_lens = true;
+      row.recorded = {.seed = first_seed + 300 + rows.size(),
+                      .environment = environment,
+                      .world = std::string("honest,") + lens.knobs,
+                      .field_of_view_deg = lens.field_of_view_deg};
+      std::string knobs = lens.knobs;
+      for (auto at = knobs.find("camera."); at != std::string::npos; at = knobs.find("camera."))
+        knobs.erase(at, 7);
+      row.name = fmt::format("lens {:g}, {}, {}", lens.field_of_view_deg, knobs, environment);
+      rows.push_back(row);
+    }
 }
 
 /// 24 rigs of the world `typical`, and one that runs for an hour.
@@ -189,6 +242,7 @@ std::vector<Row> rows_of(const TableOptions& options) {
       rows.push_back(row);
     }
   add_long_rows(options.first_seed, rows);
+  add_lens_rows(options.first_seed, rows);
   return rows;
 }
 
@@ -210,6 +264,9 @@ int main(int count, char** arguments) {
   std::erase_if(rows, [&](const Row& row) { return row.name.find(options->only) == std::string::npos; });
   thermorig::on_all_cores(rows.size(), [&](std::size_t i) {
     Row& row = rows[i];
+    if (row.is_lens || row.is_typical) row.lens = calibrate_lens(row.recorded);
+    if (row.is_lens) return;
+    if (row.is_typical) row.recorded.calibrated = row.lens.profile;
     const OdometerRecording recording = record(row.recorded);
     if (options->board)
       row.judgement = judge_board(recording, row.stress.run);
@@ -219,7 +276,8 @@ int main(int count, char** arguments) {
   std::vector<Figure> figures;
   for (const Row& row : rows) {
     if (row.is_plain) add_plain(figures, row);
-    if (!row.is_plain && !row.is_hour && !row.is_typical) add_stress(figures, row);
+    if (row.is_lens) add_lens(figures, "Lens", row, true);
+    if (!row.is_plain && !row.is_hour && !row.is_typical && !row.is_lens) add_stress(figures, row);
   }
   add_mean(figures, rows);
   for (const Row& row : rows)

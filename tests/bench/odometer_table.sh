@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: MIT
 # How the odometer does: 24 simulated rigs with a raw gyro (6 gyros x 4 environments, plan "paper"), started in motion, and
-# 19 stresses, 24 rigs of the world "typical" and an hour, by causal clocks against the true shaft; each figure with what it
-# must meet. --quick: 4 rigs, no stress.
+# 19 stresses, 24 rigs of the world "typical" after `calibrate lens`, an hour, and 24 lenses, by causal clocks against the
+# true shaft; each figure with what it must meet. --quick: 4 rigs, no stress.
 # --board: the odometer that `export --odometer` writes, compiled for this machine.
 # Usage: bash tests/bench/odometer_table.sh [--json] [--first-seed N] [--quick] [--only TEXT] [--board]
 set -euo pipefail

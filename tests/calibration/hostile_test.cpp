@@ -24,6 +24,7 @@ void try_all(const session::Session& session) {
   attempt([&] { EXPECT_TRUE(std::isfinite(measure_latency(session).camera_latency_s.value)); });
   attempt([&] { EXPECT_TRUE(std::isfinite(measure_scale(session).gyro_scale.value)); });
   attempt([&] { EXPECT_TRUE(std::isfinite(measure_scale_by_marks(session, 360.0).gyro_scale.value)); });
+  attempt([&] { EXPECT_TRUE(std::isfinite(measure_lens(session).pitch_scale.value)); });
   attempt([&] { EXPECT_NE(measure_orientation(session).gyro_sign, 0); });
 }
 

@@ -33,7 +33,12 @@ TEST(CalibratedProfile, TakesEverythingThatWasMeasured) {
   apply(BiasResult{.bias_dps = {0.5, 0.01}}, utc, from);
   apply(LatencyResult{.camera_latency_s = {0.0213, 0.0004}}, utc, from);
   apply(ScaleResult{.gyro_scale = {1.01, 0.001}, .servo_scale = Estimate{0.99, 0.002}}, utc, from);
+  apply(LensResult{.pitch_scale = {1.02, 0.002}, .distortion = Estimate{-0.03, 0.005}}, utc, from);
   take_calibrations(from, into);
+  EXPECT_EQ(into.camera.pitch_scale, 1.02);
+  EXPECT_EQ(into.camera.pitch_scale_uncertainty, 0.002);
+  EXPECT_EQ(into.camera.distortion, -0.03);
+  EXPECT_EQ(into.camera.lens_measured_utc, utc);
   EXPECT_EQ(into.gyro.axis, 0);
   EXPECT_EQ(into.gyro.sign, -1);
   EXPECT_FALSE(into.camera.mirrored);
@@ -42,6 +47,18 @@ TEST(CalibratedProfile, TakesEverythingThatWasMeasured) {
   EXPECT_EQ(into.servo.scale, 0.99);
   EXPECT_EQ(into.servo.scale_measured_utc, utc);
   EXPECT_EQ(into.gyro.link.latency_s, 0.0035);  // the camera's was measured against it
+}
+
+TEST(CalibratedProfile, TakesALensForAnHonestOneInWhatItWasNotToldToBe) {
+  RigProfile profile;
+  profile.camera.roll_deg = 3.0;
+  apply(
+      LensResult{
+          .pitch_scale = {1.01, 0.002}, .distortion = Estimate{0.01, 0.008}, .tilt_deg = Estimate{2.0, 0.4}},
+      utc, profile);
+  EXPECT_EQ(profile.camera.distortion, 0.0) << "within two standard deviations";
+  EXPECT_EQ(profile.camera.tilt_deg, 2.0);
+  EXPECT_EQ(profile.camera.roll_deg, 0.0) << "not told";
 }
 
 TEST(CalibratedProfile, LeavesTheBiasOfAnotherAxisAlone) {

@@ -75,21 +75,27 @@ TEST(MapFile, NumbersThatNoMapHasAreRefusedEvenWithARightCheckSum) {
   stored.map.offset_known[3] = 3;
   EXPECT_THAT(refusal_of(bytes_of(stored)), HasSubstr("offsets"));
   stored = small_map();
-  stored.map.field_of_view_deg = 0.0;
+  stored.map.lens.field_of_view_deg = 0.0;
   EXPECT_THAT(refusal_of(bytes_of(stored)), HasSubstr("field of view"));
 }
 
 TEST(MapFile, SaysThatAnotherVersionMadeIt) {
   std::string newer = bytes_of(small_map());
-  newer[7] = '2';
+  newer[7] = '3';
   EXPECT_THAT(refusal_of(newer), HasSubstr("another version"));
   EXPECT_THAT(refusal_of("name = \"rig\""), HasSubstr("no map"));
 }
 
 TEST(MapFile, AMapOfAnotherLensOrOrderIsRefusedInWords) {
-  const auto refusal = [](double field_of_view_deg, bool mirrored) -> std::string {
+  const auto refusal = [](double field_of_view_deg, bool mirrored, double distortion = 0.0,
+                          double roll_deg = 0.0) -> std::string {
+    CameraProfile camera;
+    camera.pitch_scale = field_of_view_deg / camera.field_of_view_deg;
+    camera.mirrored = mirrored;
+    camera.distortion = distortion;
+    camera.roll_deg = roll_deg;
     try {
-      require_lens(small_map().map, field_of_view_deg, mirrored, "a.map");
+      require_lens(small_map().map, camera, "a.map");
     } catch (const Error& error) {
       return error.what_happened();
     }
@@ -99,6 +105,26 @@ TEST(MapFile, AMapOfAnotherLensOrOrderIsRefusedInWords) {
   EXPECT_EQ(refusal(55.3, true), "") << "a lens that was calibrated";
   EXPECT_EQ(refusal(110.0, true), "the map was made with a lens of 55 degrees, and this rig's has 110");
   EXPECT_EQ(refusal(55.0, false), "the map was made with columns that are mirrored, and this rig's are not");
+  EXPECT_EQ(refusal(55.0, true, 0.01, 1.0), "");
+  EXPECT_EQ(refusal(55.0, true, -0.04),
+            "the map was made with a lens whose distortion is 0, and this rig's is -0.04");
+  EXPECT_THAT(refusal(55.0, true, 0.0, 3.0), HasSubstr("roll in degrees is 0, and this rig's is 3"));
+}
+
+TEST(MapFile, KeepsALensThatWasCalibratedAndRefusesOneThatNoRigHas) {
+  StoredMap stored = small_map();
+  stored.map.lens.distortion = -0.03;
+  stored.map.lens.tilt_deg = 2.5;
+  stored.map.lens.roll_deg = -1.5;
+  const std::string bytes = bytes_of(stored);
+  EXPECT_EQ(bytes.substr(0, 8), "THRMAP02");
+  const odometer::Map::Lens lens = map_from(bytes, "a.map").map.lens;
+  EXPECT_EQ(lens.distortion, -0.03);
+  EXPECT_EQ(lens.tilt_deg, 2.5);
+  EXPECT_EQ(lens.roll_deg, -1.5);
+  EXPECT_EQ(bytes_of(small_map()).substr(0, 8), "THRMAP01") << "a plain lens's stay as they were";
+  stored.map.lens.roll_deg = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_THAT(refusal_of(bytes_of(stored)), HasSubstr("roll"));
 }
 
 TEST(MapFile, IsWrittenWholeOverAnOlderOne) {

@@ -51,10 +51,11 @@ class Walls {
 float shown_c(const Walls& walls, const Room& room, std::size_t row, std::size_t column, double end_s) {
   const double done = static_cast<double>(row) / (frame_rows - 1);  // of the frame, when the row's turn ends
   end_s -= frame_period_s * (room.rolling > 0.0 ? room.rolling * (1.0 - done) : -room.rolling * done);
+  const double looks_deg = -pitch_deg * (1.0 + room.wider) * (static_cast<double>(column) - 15.5);
   float sum = 0.0F;
   for (int i = 0; i < exposed_steps; ++i) {
     const double time_s = end_s - room.latency_s - frame_period_s * (i + 0.5) / exposed_steps;
-    sum += walls.at(row, room.angle_deg(time_s) - pitch_deg * (static_cast<double>(column) - 15.5));
+    sum += walls.at(row, room.angle_deg(time_s) + looks_deg);
   }
   return sum / static_cast<float>(exposed_steps);
 }

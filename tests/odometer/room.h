@@ -20,6 +20,7 @@ struct Room {
   double contrast_k = 0.8;
   unsigned walls = 7;    // another number: another room
   unsigned noise = 11;   // of the devices
+  double wider = 0.0;    // the lens, by this share
   double rolling = 0.0;  // rows are exposed over so much of a period: 1 from the first on, -1 from the last
 };
 

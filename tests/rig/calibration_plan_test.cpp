@@ -14,11 +14,11 @@ namespace thermorig::rig::test {
 namespace {
 
 constexpr CalibrationKind kinds[] = {CalibrationKind::bias, CalibrationKind::latency, CalibrationKind::scale,
-                                     CalibrationKind::orientation};
+                                     CalibrationKind::orientation, CalibrationKind::lens};
 
-constexpr CalibrationKind all_kinds[] = {CalibrationKind::bias, CalibrationKind::latency,
+constexpr CalibrationKind all_kinds[] = {CalibrationKind::bias,  CalibrationKind::latency,
                                          CalibrationKind::scale, CalibrationKind::orientation,
-                                         CalibrationKind::check};
+                                         CalibrationKind::lens,  CalibrationKind::check};
 
 TEST(CalibrationPlan, CanBeDrivenByEveryServo) {
   for (const ServoProfile& servo :

@@ -4,6 +4,7 @@
 #include <array>
 #include <cstdint>
 #include <map>
+#include <optional>
 #include <string>
 
 #include "thermorig/core/device.h"
@@ -35,6 +36,21 @@ struct CameraProfile {
   bool mirrored = true;                  // the order on the wire is a mirror image of the scene
   std::string orientation_measured_utc;  // when `mirrored` and the gyro's sign were; empty: assumptions
   ChecksumPolicy checksum = ChecksumPolicy::word;
+  // What `calibrate lens` finds. Pixels of the honest lens stand field_of_view_deg / 32 apart, level and
+  // upright.
+  double pitch_scale = 1.0;  // true distance between columns over that
+  double pitch_scale_uncertainty = 0.03;
+  double distortion = 0.0;  // corners look further out by this share; it grows with the square
+  double distortion_uncertainty = 0.05;
+  double tilt_deg = 0.0;    // the camera looks upward
+  double roll_deg = 0.0;    // about its optical axis: the side of growing azimuth is higher
+  double row_spread = 0.0;  // rows are exposed one after the other over this share of a refresh period, from
+                            // the first or, below 0, from the last on
+  std::string lens_measured_utc;  // empty: assumptions
+
+  /// Of the lens without distortion whose columns stand as far apart, on average over the frame: a column at
+  /// u and a row at v, each from -1 to 1, stand wider by distortion (3 u^2 + v^2) / 2.
+  double lens_width_deg() const { return field_of_view_deg * pitch_scale * (1.0 + distortion * 2.0 / 3.0); }
 };
 
 /// How far the camera's latency may be off, in s (root mean square): the profile's standard deviation, where
@@ -73,6 +89,14 @@ struct GyroProfile {
   std::string bias_measured_utc;
 
   double setting(const std::string& setting_name) const;
+
+  /// Of a low-pass of second order, in periods of its bandwidth: Butterworth, sqrt(2) / (2 pi).
+  static constexpr double second_order_delay = 0.225;
+  /// How late the low-pass makes what it shows, as is stated here, in s. None: its bandwidth is not known.
+  std::optional<double> stated_delay_s() const {
+    if (!(bandwidth_hz > 0.0)) return std::nullopt;
+    return filter_delay_s > 0.0 ? filter_delay_s : second_order_delay / bandwidth_hz;
+  }
 };
 
 enum class ServoKind : std::uint8_t { positional = 0, continuous = 1 };

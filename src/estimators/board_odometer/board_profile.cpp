@@ -22,6 +22,13 @@ void require_room(const CameraProfile& camera) {
   if (camera.field_of_view_deg < narrowest_deg || camera.field_of_view_deg > widest_deg)
     throw Error(ExitCode::bad_usage, "the board's odometer has no room for this lens",
                 fmt::format("camera.field_of_view_deg = {}", camera.field_of_view_deg), "30 to 115 degrees");
+  if (camera.distortion != 0.0 || camera.tilt_deg != 0.0 || camera.roll_deg != 0.0 ||
+      camera.row_spread != 0.0)
+    throw Error(
+        ExitCode::bad_usage, "the board's odometer knows a level lens without distortion, and no rows",
+        fmt::format("camera.distortion = {}, tilt_deg = {}, roll_deg = {}, row_spread = {}",
+                    camera.distortion, camera.tilt_deg, camera.roll_deg, camera.row_spread),
+        "export with a copy of the profile in which these are 0: it keeps the pitch, and is less exact");
   if (camera.output_rate_hz < slowest_hz)
     throw Error(ExitCode::bad_usage, "the board's odometer does not remember the gyro for so long",
                 fmt::format("camera.output_rate_hz = {}", camera.output_rate_hz),
@@ -36,7 +43,8 @@ thermorig_odometer_profile board_profile(const RigProfile& rig) {
   require_room(camera);
   const double kept_s = 2.0 / camera.output_rate_hz + waits_s;
   thermorig_odometer_profile board{};
-  board.pitch_deg = static_cast<float>(camera.field_of_view_deg / static_cast<double>(frame_columns));
+  board.pitch_deg =
+      static_cast<float>(camera.field_of_view_deg * camera.pitch_scale / static_cast<double>(frame_columns));
   board.direction = camera.mirrored ? -1.0F : 1.0F;
   board.gyro_axis = gyro.axis;
   board.gyro_sign = gyro.sign;

@@ -40,7 +40,7 @@ bool is_exposure(const HalfExposure& half) {
 
 struct CameraRate::Parts {
   Parts(const CameraProfile& camera, int window_frames)
-      : pitch_deg(camera.field_of_view_deg / static_cast<double>(frame_columns)),
+      : pitch_deg(camera.lens_width_deg() / static_cast<double>(frame_columns)),
         direction(camera.mirrored ? -1.0 : 1.0),
         frames(std::clamp(window_frames, 1, most_window_frames)) {
     const auto new_ones = static_cast<std::size_t>(frames - 1);  // of one half a frame, or of two

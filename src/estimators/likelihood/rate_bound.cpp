@@ -64,7 +64,7 @@ struct HalfGradients {
 
 HalfGradients gradients_of(const ExposedHalf& half, const BoundedWindow& window, double middle_s,
                            const Columns& columns, const CameraProfile& camera) {
-  const double pitch_deg = camera.field_of_view_deg / static_cast<double>(frame_columns);
+  const double pitch_deg = camera.lens_width_deg() / static_cast<double>(frame_columns);
   const double direction = camera.mirrored ? -1.0 : 1.0;
   const double sweep_deg = std::abs(window.rate_dps) * (half.end_s - half.begin_s);
   const int steps = 2 + static_cast<int>(std::min(most_steps, sweep_deg / columns.step_deg()));
@@ -133,7 +133,7 @@ double rate_bound_dps(const BoundedWindow& window, const PanoramaImage& panorama
   const WindowLines shown = lines_of(gradients, &HalfGradients::temp_c, parity);
   const WindowLines by_rate = lines_of(gradients, &HalfGradients::by_rate, parity);
   const WindowLines by_heading = lines_of(gradients, &HalfGradients::by_heading, parity);
-  const double pitch_deg = camera.field_of_view_deg / static_cast<double>(frame_columns);
+  const double pitch_deg = camera.lens_width_deg() / static_cast<double>(frame_columns);
   const double speed = (camera.mirrored ? -1.0 : 1.0) * window.rate_dps * (end_s - begin_s) /
                        (static_cast<double>(halves) * pitch_deg);
   const double noise_variance = window.noise_c * window.noise_c;

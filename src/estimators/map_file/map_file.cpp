@@ -22,11 +22,13 @@ namespace {
 
 static_assert(std::endian::native == std::endian::little, "a map's file holds little-endian values");
 
-constexpr std::string_view magic = "THRMAP01";
+constexpr std::string_view magic = "THRMAP01";  // of a plain lens
+constexpr std::string_view magic_of_lens = "THRMAP02";
 constexpr std::size_t version_digits = 2;  // at the end of magic
 constexpr std::size_t crc_bytes = sizeof(std::uint32_t);
 constexpr std::size_t file_bytes_max = 200'000;
-constexpr double same_lens = 0.02;  // of the field of view: a lens may have been calibrated meanwhile
+// A lens may have been calibrated meanwhile, or again: of the field of view and of the corners, and degrees.
+constexpr double same_lens = 0.02, same_distortion = 0.02, same_direction_deg = 1.5;
 
 bool begins_as_map(std::string_view bytes) {
   return bytes.starts_with(magic.substr(0, magic.size() - version_digits));
@@ -41,7 +43,8 @@ std::uint32_t crc_of(std::string_view bytes) {
 struct Range {
   double low = 0.0, high = 0.0;
 };
-constexpr Range fields_deg{1.0, 180.0}, reference_c{-100.0, 500.0}, temp_k{-1e5, 1e5};
+constexpr Range fields_deg{0.5, 200.0}, distortions{-0.2, 0.2}, directions_deg{-15.0, 15.0},
+    reference_c{-100.0, 500.0}, temp_k{-1e5, 1e5};
 constexpr Range variance_k2{0.0, 1e9}, offset_deg{-3600.0, 3600.0}, root_deg{-3600.0, 3600.0};
 constexpr Range pixel_k{-1e5, 1e5}, pixel_variance_k2{1e-3, 1e9}, flag{0.0, 1.0}, known{0.0, 2.0},
     row_order{0.0, 2.0};
@@ -52,15 +55,20 @@ constexpr Range pixel_k{-1e5, 1e5}, pixel_variance_k2{1e-3, 1e9}, flag{0.0, 1.0}
 
 /// All that stands in a file, in its order: for whoever writes it, and for whoever reads it.
 template <typename Stored, typename Each>
-void for_all(Stored& stored, Each each) {
+void for_all(Stored& stored, bool has_plain_lens, Each each) {
   auto& map = stored.map;
   each("simulated", stored.simulated, flag);
   each("environment", stored.environment);
   each("rig", stored.rig);
   each("time", stored.made_utc);
   each("creator", stored.creator);
-  each("field of view", map.field_of_view_deg, fields_deg);
-  each("order of the columns", map.mirrored, flag);
+  each("field of view", map.lens.field_of_view_deg, fields_deg);
+  each("order of the columns", map.lens.mirrored, flag);
+  if (!has_plain_lens) {
+    each("distortion", map.lens.distortion, distortions);
+    each("tilt", map.lens.tilt_deg, directions_deg);
+    each("roll", map.lens.roll_deg, directions_deg);
+  }
   each("order of the rows", map.rows, row_order);
   each("reference", map.reference_c, reference_c);
   each("temperatures", std::span(map.temp_k), temp_k);
@@ -75,6 +83,8 @@ void for_all(Stored& stored, Each each) {
 
 class Writer {
  public:
+  explicit Writer(std::string_view begin) : text_(begin) {}
+
   template <typename Value>
   void operator()(const char*, const Value& value, const Range&) {
     put(std::as_bytes(std::span(&value, 1)));
@@ -94,7 +104,7 @@ class Writer {
   void put(std::span<const std::byte> bytes) {
     text_.append(reinterpret_cast<const char*>(bytes.data()), bytes.size());
   }
-  std::string text_{magic};
+  std::string text_;
 };
 
 class Reader {
@@ -145,8 +155,9 @@ class Reader {
 }  // namespace
 
 std::string bytes_of(const StoredMap& stored) {
-  Writer writer;
-  for_all(stored, [&](const auto&... each) { writer(each...); });
+  const bool has_plain_lens = stored.map.lens.is_plain();
+  Writer writer(has_plain_lens ? magic : magic_of_lens);
+  for_all(stored, has_plain_lens, [&](const auto&... each) { writer(each...); });
   const std::uint32_t crc = crc_of(writer.text());
   writer.text().append(reinterpret_cast<const char*>(&crc), sizeof(crc));
   return std::move(writer.text());
@@ -162,7 +173,9 @@ bool is_map(const std::filesystem::path& path) {
 
 StoredMap map_from(std::string_view bytes, const std::string& where) {
   if (!begins_as_map(bytes)) refuse("this is no map of thermorig", where);
-  if (!bytes.starts_with(magic)) refuse("the map is of another version of thermorig", where);
+  const bool has_plain_lens = bytes.starts_with(magic);
+  if (!has_plain_lens && !bytes.starts_with(magic_of_lens))
+    refuse("the map is of another version of thermorig", where);
   if (bytes.size() < magic.size() + crc_bytes) refuse("the map is damaged: it is shorter than a map", where);
   const std::string_view body = bytes.substr(0, bytes.size() - crc_bytes);
   std::uint32_t crc = 0;
@@ -170,7 +183,7 @@ StoredMap map_from(std::string_view bytes, const std::string& where) {
   if (crc != crc_of(body)) refuse("the map is damaged: its check sum does not fit", where);
   Reader reader(body.substr(magic.size()), where);
   StoredMap stored;
-  for_all(stored, [&](auto&&... each) { reader(each...); });
+  for_all(stored, has_plain_lens, [&](auto&&... each) { reader(each...); });
   reader.require_end();
   return stored;
 }
@@ -186,18 +199,27 @@ void write_map(const std::filesystem::path& path, const StoredMap& stored) {
   files::write_whole(path, bytes, "the map");
 }
 
-void require_lens(const odometer::Map& map, double field_of_view_deg, bool mirrored,
-                  const std::string& where) {
+void require_lens(const odometer::Map& map, const CameraProfile& camera, const std::string& where) {
+  const odometer::Map::Lens &its = map.lens, own(camera);
   const auto refuse_lens = [&](const std::string& what) {
     throw Error(ExitCode::bad_usage, what, where,
-                "name a new file for this rig, or check its profile: thermorig calibrate orientation");
+                "name a new file for this rig, or check its profile: thermorig calibrate orientation, "
+                "thermorig calibrate lens");
   };
-  if (std::abs(map.field_of_view_deg - field_of_view_deg) > same_lens * field_of_view_deg)
+  if (std::abs(its.field_of_view_deg - own.field_of_view_deg) > same_lens * own.field_of_view_deg)
     refuse_lens(fmt::format("the map was made with a lens of {:g} degrees, and this rig's has {:g}",
-                            map.field_of_view_deg, field_of_view_deg));
-  if (map.mirrored != mirrored)
+                            its.field_of_view_deg, own.field_of_view_deg));
+  if (its.mirrored != own.mirrored)
     refuse_lens(fmt::format("the map was made with columns that are {}mirrored, and this rig's are{}",
-                            map.mirrored ? "" : "not ", mirrored ? "" : " not"));
+                            its.mirrored ? "" : "not ", own.mirrored ? "" : " not"));
+  const auto require_same = [&](const char* what, double of_map, double of_rig, double most) {
+    if (std::abs(of_map - of_rig) > most)
+      refuse_lens(fmt::format("the map was made with a lens whose {} is {:g}, and this rig's is {:g}", what,
+                              of_map, of_rig));
+  };
+  require_same("distortion", its.distortion, own.distortion, same_distortion);
+  require_same("tilt in degrees", its.tilt_deg, own.tilt_deg, same_direction_deg);
+  require_same("roll in degrees", its.roll_deg, own.roll_deg, same_direction_deg);
 }
 
 double seen_share(const odometer::Map& map) {

@@ -41,6 +41,26 @@ void Alignment::look(const View& view, double azimuth_deg, std::size_t column, c
     panorama_.look_row(place(view, azimuth_deg, column, k), k, slope.reach, slope.smooth, look);
 }
 
+HalfPixels Alignment::beside_row(const View& view, double azimuth_deg) const {
+  HalfPixels beside{};
+  for (std::size_t column = 0; column < frame_columns; ++column)
+    for (std::size_t k = 0; k < half_rows; ++k) {
+      const std::size_t row = row_of(column, k, view.parity);
+      const double map_row = std::clamp(lens_.map_row(column, row), 0.0, frame_rows - 1.0);
+      const auto above = static_cast<std::size_t>(map_row);
+      const std::size_t below = std::min(above + 1, frame_rows - 1);
+      const auto shown_c = [&](std::size_t in_row) {
+        Panorama::Column temp_c, known;
+        panorama_.look_row(place_in_row(view, azimuth_deg, column, row, in_row), in_row / 2, temp_c, known);
+        return known[in_row / 2] > 0.0F ? temp_c[in_row / 2] : std::numeric_limits<float>::quiet_NaN();
+      };
+      const float part = static_cast<float>(map_row - static_cast<double>(above));
+      const float more_c = std::lerp(shown_c(above), shown_c(below), part) - shown_c(row);
+      if (!std::isnan(more_c)) beside[column * half_rows + k] = more_c;
+    }
+  return beside;
+}
+
 Alignment::Comparison Alignment::compare(const View& view, double azimuth_deg, const Slope& slope) const {
   Comparison comparison;
   HalfPixels slopes_k_deg, slope_variance, weight;

@@ -5,6 +5,7 @@
 
 #include "half_reading.h"
 #include "heading_filter.h"
+#include "lens.h"
 #include "panorama.h"
 
 namespace thermorig::odometer {
@@ -14,10 +15,11 @@ struct View {
   const HalfPixels* temp_c = nullptr;  // NaN: no reading
   const HalfPixels* variance = nullptr;
   unsigned parity = 0;
-  double half_width_deg = 0.0;      // of what a pixel sweeps during the exposure
-  double trust_deg2 = 0.0;          // variance of the heading beforehand: what it explains is no outlier
-  bool is_strict = false;           // what fits badly counts for nothing
-  const RowSweeps* rows = nullptr;  // of a camera that exposes them one after the other
+  double half_width_deg = 0.0;  // of what a pixel sweeps during the exposure
+  double trust_deg2 = 0.0;      // variance of the heading beforehand: what it explains is no outlier
+  bool is_strict = false;       // what fits badly counts for nothing
+  const RowSweeps* rows =
+      nullptr;  // of a camera whose rows look apart: exposed one after the other, or not level
 };
 
 /// How a slope of the panorama is taken: over so many bins, over one row or three.
@@ -75,20 +77,27 @@ class Alignment {
 
   /// Where a column of pixels looks in the map, all of its rows at once.
   Panorama::Place place(const View& view, double azimuth_deg, std::size_t column) const {
-    return Panorama::place(map_azimuth_deg(azimuth_deg, column), view.half_width_deg,
+    return Panorama::place(map_azimuth_deg(azimuth_deg + lens_.bearing_deg(column)), view.half_width_deg,
                            row_class(column, view.parity));
   }
   /// The same of its k-th pixel, if the view has rows that look elsewhere.
   Panorama::Place place(const View& view, double azimuth_deg, std::size_t column, std::size_t k) const {
     const std::size_t row = row_of(column, k, view.parity);
-    return Panorama::place(map_azimuth_deg(azimuth_deg + double{view.rows->shift_deg[row]}, column),
-                           double{view.rows->half_width_deg[row]}, row_class(column, view.parity));
+    return place_in_row(view, azimuth_deg, column, row, row);
   }
 
+  /// What the map shows where each pixel looks, less what it shows there in the pixel's own row: of a camera
+  /// that is not level. 0 where it is not known.
+  HalfPixels beside_row(const View& view, double azimuth_deg) const;
+
  private:
-  double map_azimuth_deg(double azimuth_deg, std::size_t column) const {
-    const double at_deg = azimuth_deg + lens_.bearing_deg(column);
-    return at_deg - filter_.map_offset_deg(at_deg);
+  double map_azimuth_deg(double at_deg) const { return at_deg - filter_.map_offset_deg(at_deg); }
+  /// Where a pixel of `row` looks, in that row of the map.
+  Panorama::Place place_in_row(const View& view, double azimuth_deg, std::size_t column, std::size_t row,
+                               std::size_t map_row) const {
+    const double bearing_deg = lens_.is_plain() ? lens_.bearing_deg(column) : lens_.bearing_deg(column, row);
+    return Panorama::place(map_azimuth_deg(azimuth_deg + double{view.rows->shift_deg[row]} + bearing_deg),
+                           double{view.rows->half_width_deg[row]}, map_row % 2);
   }
   void look(const View& view, double azimuth_deg, std::size_t column, const Slope& slope,
             Panorama::Look& look) const;
@@ -96,7 +105,7 @@ class Alignment {
 
   const Panorama& panorama_;
   const HeadingFilter& filter_;
-  Lens lens_;
+  const Lens& lens_;
 };
 
 }  // namespace thermorig::odometer

@@ -43,10 +43,10 @@ HalfPixels beyond_neighbours(const HalfPixels& sum, const HalfPixels& count) {
 
 }  // namespace
 
-BiasSearch::BiasSearch(const Priors& priors, const Lens& lens)
+BiasSearch::BiasSearch(const Priors& priors, const SharedLens& lens)
     : priors_(priors),
       lens_(lens),
-      cells_a_row_(static_cast<std::size_t>(std::ceil(whole_turn_deg / lens.pitch_deg))),
+      cells_a_row_(static_cast<std::size_t>(std::ceil(whole_turn_deg / lens->pitch_deg()))),
       placed_(halves),
       cells_(cells_a_row_ * frame_rows),
       variances_(most_steps),
@@ -68,7 +68,7 @@ BiasSearch::Cell* BiasSearch::cells_at(double azimuth_deg) {
 }
 
 void BiasSearch::add_column(const Placed& one, std::size_t column, double turned_deg) {
-  Cell* cells = cells_at(turned_deg + lens_.bearing_deg(column)) + row_class(column, one.parity);
+  Cell* cells = cells_at(turned_deg + lens_->bearing_deg(column)) + row_class(column, one.parity);
   for (std::size_t k = 0; k < half_rows; ++k) cells[2 * k].add(one.temp_c[column * half_rows + k]);
 }
 
@@ -77,13 +77,18 @@ void BiasSearch::add_rows(const Placed& one, double turned_deg, double bias_dps)
   const auto in_cells = [&](double deg) { return static_cast<float>(deg / whole_turn_deg) * all; };
   constexpr std::size_t stride =
       4;  // every second pixel of the half's row: each has a cell of its own to find
-  const float step = in_cells(lens_.bearing_deg(stride) - lens_.bearing_deg(0));
+  const float step = in_cells(lens_->bearing_deg(stride) - lens_->bearing_deg(0));
+  const auto to_next = [&](std::size_t column) {  // even but for a lens that distorts
+    return lens_->is_plain() || column + stride >= frame_columns
+               ? step
+               : in_cells(lens_->bearing_deg(column + stride) - lens_->bearing_deg(column));
+  };
   for (std::size_t row = 0; row < frame_rows; ++row) {
     const std::size_t first = row_class(row, one.parity);  // column of the row's first pixel
     const double later_deg = (one.later_deg[row] - bias_dps * one.later_s[row]) / priors_.scale;
-    const double turns = (turned_deg + later_deg + lens_.bearing_deg(first)) / whole_turn_deg;
+    const double turns = (turned_deg + later_deg + lens_->bearing_deg(first)) / whole_turn_deg;
     float at = static_cast<float>(turns - std::floor(turns)) * all;
-    for (std::size_t column = first; column < frame_columns; column += stride, at += step) {
+    for (std::size_t column = first; column < frame_columns; at += to_next(column), column += stride) {
       at = at < 0.0F ? at + all : at >= all ? at - all : at;
       const std::size_t cell = std::min(cells_a_row_ - 1, static_cast<std::size_t>(at));
       cells_[cell * frame_rows + row].add(one.temp_c[column * half_rows + row / 2]);
@@ -122,7 +127,7 @@ void BiasSearch::place(const HalfStore& store, const GyroPath& path) {
     if (rows_ == RowOrder::at_once) continue;
     const double middle_deg = path.until(placed.turn.mean_s).turned_deg;
     for (std::size_t row = 0; row < frame_rows; ++row) {
-      placed.later_s[row] = row_delay_periods(rows_, row) * (half.end_s - half.begin_s);
+      placed.later_s[row] = lens_->row_delay_periods(rows_, row) * (half.end_s - half.begin_s);
       placed.later_deg[row] = path.until(placed.turn.mean_s + placed.later_s[row]).turned_deg - middle_deg;
     }
   }

@@ -7,6 +7,7 @@
 #include "gyro_path.h"
 #include "half_store.h"
 #include "heading_filter.h"
+#include "lens.h"
 
 namespace thermorig::odometer {
 
@@ -14,7 +15,7 @@ namespace thermorig::odometer {
 /// which its halves make the sharpest mosaic.
 class BiasSearch {
  public:
-  BiasSearch(const Priors& priors, const Lens& lens);
+  BiasSearch(const Priors& priors, const SharedLens& lens);
 
   struct Found {
     double bias_dps = 0.0, sigma_dps = 0.0;
@@ -48,7 +49,7 @@ class BiasSearch {
 
   RowOrder rows_ = RowOrder::at_once;
   Priors priors_;
-  Lens lens_;
+  SharedLens lens_;
   std::size_t cells_a_row_;
   std::vector<Placed> placed_;
   std::vector<Cell> cells_;

@@ -16,7 +16,7 @@ void GyroPath::add(double time_s, double rate_dps, double unseen_deg2) {
     knot.turned_deg = last.turned_deg + 0.5 * (last.rate_dps + rate_dps) * (time_s - last.time_s);
     knot.unseen_deg2 += last.unseen_deg2;
   }
-  knots_[count_++ % kept] = knot;
+  knots_[count_++ % kept_] = knot;
 }
 
 /// The place of the first knot after a time.

@@ -8,10 +8,13 @@
 
 namespace thermorig::odometer {
 
-/// What the gyro has turned by, bias and scale not removed, over its last minute.
+inline constexpr double largest_rate_dps = 10000.0;  // beyond: not a rate
+
+/// What the gyro has turned by, bias and scale not removed, over its last minute or longer.
 class GyroPath {
  public:
-  GyroPath() : knots_(kept) {}
+  /// `kept`: samples; more are forgotten from the oldest on.
+  explicit GyroPath(std::size_t kept = a_minute) : kept_(kept), knots_(kept) {}
 
   struct Knot {
     double time_s = 0.0;
@@ -33,11 +36,12 @@ class GyroPath {
   ExposedTurn over(double begin_s, double end_s) const;
 
  private:
-  static constexpr std::size_t kept = 16384;
-  const Knot& at(std::size_t place) const { return knots_[place % kept]; }
-  std::size_t first() const { return count_ > kept ? count_ - kept : 0; }
+  static constexpr std::size_t a_minute = 16384;
+  const Knot& at(std::size_t place) const { return knots_[place % kept_]; }
+  std::size_t first() const { return count_ > kept_ ? count_ - kept_ : 0; }
   std::size_t after(double time_s) const;
 
+  std::size_t kept_;
   std::vector<Knot> knots_;
   std::size_t count_ = 0;
 };

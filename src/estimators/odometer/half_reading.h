@@ -4,8 +4,10 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <optional>
 
 #include "thermorig/core/frame.h"
+#include "thermorig/core/sample.h"
 #include "thermorig/estimators/odometer/odometer.h"
 
 namespace thermorig::odometer {
@@ -26,23 +28,6 @@ using HalfPixels = std::array<float, half_pixels>;
 constexpr std::size_t row_class(std::size_t column, unsigned parity) {
   return (column ^ parity) & 1U;
 }
-
-/// How much later than the middle rows a row is exposed, in refresh periods.
-constexpr double row_delay_periods(RowOrder order, std::size_t row) {
-  if (order == RowOrder::at_once) return 0.0;
-  const double later = static_cast<double>(row) / (frame_rows - 1) - 0.5;
-  return order == RowOrder::first_to_last ? later : -later;
-}
-
-/// How the camera looks: columns from left to right, or mirrored.
-struct Lens {
-  double pitch_deg = 55.0 / 32.0;
-  double direction = -1.0;  // of growing columns
-
-  double bearing_deg(std::size_t column) const {
-    return direction * pitch_deg * (static_cast<double>(column) - 0.5 * (frame_columns - 1));
-  }
-};
 
 /// What the gyro turned by while a chess half was exposed, bias and scale not removed: enough to know the
 /// mean heading and its spread for any bias and scale. Times in seconds of the gyro's path.
@@ -75,6 +60,9 @@ struct HalfReading {
 constexpr std::size_t row_of(std::size_t column, std::size_t k, unsigned parity) {
   return 2 * k + row_class(column, parity);
 }
+
+/// The chess half of a frame, if it was read anew and its time is known. Seconds since `origin`.
+std::optional<HalfReading> half_of(const TimedFrame& frame, unsigned parity, HostTime origin);
 
 /// Of those that are known.
 inline float mean_of(const HalfPixels& pixels) {

@@ -21,10 +21,6 @@ namespace thermorig::odometer {
 
 namespace {
 
-constexpr std::uint16_t fresh_pixels = half_pixels / 50;  // 2 %, as the detector of freshness has it
-constexpr float coldest_c = -60.0F, hottest_c = 400.0F;   // beyond: not a temperature of the sensor's range
-constexpr double largest_rate_dps = 10000.0;              // beyond: not a rate
-constexpr HostDuration longest_exposure = std::chrono::seconds(4);  // of a half: at 0.5 frames a second
 constexpr HostDuration clock_begins_anew = std::chrono::seconds(1);
 
 constexpr std::size_t search_every = 4;     // halves, while the bias is searched for
@@ -72,14 +68,6 @@ Priors priors_of(const GyroProfile& gyro, const CameraProfile& camera) {
   return priors;
 }
 
-Lens lens_of(const CameraProfile& camera) {
-  return {camera.field_of_view_deg / static_cast<double>(frame_columns), camera.mirrored ? -1.0 : 1.0};
-}
-
-bool is_exposure(const HalfExposure& half) {
-  return half.end > half.begin && half.end - half.begin <= longest_exposure;
-}
-
 }  // namespace
 
 struct Odometer::Parts {
@@ -89,12 +77,13 @@ struct Odometer::Parts {
         gyro_period_s(1.0 / gyro.output_rate_hz),
         gyro_time_sigma_s(gyro.link.latency_uncertainty_s),
         priors(priors_of(gyro, camera)),
-        field_of_view_deg(camera.field_of_view_deg),
-        lens(lens_of(camera)),
+        map_lens(camera),
+        lens(std::make_shared<const Lens>(camera)),
         front(priors, lens),
         back(priors, lens),
         bias_search(priors, lens),
-        contest(priors, lens, !camera.link.latency_measured_utc.empty()) {}
+        contest(priors, lens, !camera.link.latency_measured_utc.empty()),
+        is_contested(!lens->knows_rows()) {}
 
   enum class Phase : std::uint8_t { searching, first_pass, learning, second_pass, running, locating };
 
@@ -135,8 +124,8 @@ struct Odometer::Parts {
   double sought_in_map_s = 0.0;  // while the rig turned
   double gyro_period_s, gyro_time_sigma_s;
   Priors priors;
-  double field_of_view_deg;
-  Lens lens;
+  Map::Lens map_lens;
+  SharedLens lens;
   GyroPath path;
   GyroWatch watch;
   HalfStore store;
@@ -144,7 +133,7 @@ struct Odometer::Parts {
   Tracker front, back;    // the one that is told of, and one that goes through the start again
   BiasSearch bias_search;
   RowContest contest;
-  bool is_contested = true;  // in which order rows are exposed
+  bool is_contested;  // in which order rows are exposed: not where that was measured
   double row_margin = 0.0;
   CircleSearch circle;
 
@@ -196,8 +185,7 @@ std::optional<Map> Odometer::map() const {
   const bool is_made = parts_->phase == Phase::running || parts_->phase == Phase::locating;
   if (!is_made || parts_->map_use == MapUse::searching || parts_->unfit_since_s) return std::nullopt;
   Map map;
-  map.field_of_view_deg = parts_->field_of_view_deg;
-  map.mirrored = parts_->lens.direction < 0.0;
+  map.lens = parts_->map_lens;
   parts_->front.keep(map);
   return map;
 }
@@ -243,23 +231,10 @@ Report Odometer::Parts::add(const TimedFrame& frame, std::span<const TimedGyro> 
   if (is_behind_nothing() && now_s > front.now_s()) front.advance(path, now_s);
   stands_in = frame.stands_in;
   if (phase == Phase::running && gyro_was_away && !watch.is_frozen()) begin_search(now_s);
-  const bool is_timed = !frame.late && !frame.stale && !frame.stands_in;
-  const std::array<bool, 2> is_fresh{frame.fresh_even > fresh_pixels, frame.fresh_odd > fresh_pixels};
   const unsigned first = frame.half[0].end <= frame.half[1].end ? 0U : 1U;
   for (const unsigned parity : {first, first ^ 1U}) {
-    if (!is_timed || !is_fresh[parity] || !is_exposure(frame.half[parity])) continue;
-    HalfReading half{.parity = parity,
-                     .begin_s = to_s(frame.half[parity].begin - *origin),
-                     .end_s = to_s(frame.half[parity].end - *origin),
-                     .time_sigma_s = double{frame.stamp.uncertainty_s}};
-    for (std::size_t column = 0; column < frame_columns; ++column)
-      for (std::size_t k = 0; k < half_rows; ++k) {
-        const std::size_t row = 2 * k + row_class(column, parity);
-        const float temp_c = frame.frame.temp_c[row * frame_columns + column];
-        const bool is_sound = temp_c > coldest_c && temp_c < hottest_c;  // false for NaN
-        half.temp_c[column * half_rows + k] = is_sound ? temp_c : std::numeric_limits<float>::quiet_NaN();
-      }
-    if (half.begin_s > path.begin_s()) add_half(half, now_s);
+    const auto half = half_of(frame, parity, *origin);
+    if (half && half->begin_s > path.begin_s()) add_half(*half, now_s);
   }
   return report(frame, now_s);
 }
@@ -335,7 +310,7 @@ void Odometer::Parts::search_bias() {
     contest.begin();
   }
   if (store.count() % search_every != 0) return;
-  const auto found = bias_search.search(store, path, RowOrder::at_once, things_move());
+  const auto found = bias_search.search(store, path, lens->rows(), things_move());
   if (!found) return;
   Priors better = priors;
   better.bias_dps = found->bias_dps;
@@ -346,7 +321,7 @@ void Odometer::Parts::search_bias() {
     begin_in_map(store.at(store.count() - 1).now_s);
     return;
   }
-  front.restart(better, RowOrder::at_once, things_move());
+  front.restart(better, lens->rows(), things_move());
   pass = 0;
   pass_nis = 1.0;
   gone_through = 0;
@@ -548,7 +523,7 @@ void Odometer::Parts::begin_anew() {
     kept = Kept{front.now_s(), path.until(front.now_s()).turned_deg, front.filter().heading_deg()};
   store.clear();
   contest.begin();
-  is_contested = true;
+  is_contested = !lens->knows_rows();
   mean_nis = 1.0;
   covered = 0;
   to_trust = 0;

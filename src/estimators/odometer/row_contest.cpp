@@ -26,7 +26,7 @@ std::size_t place_of(RowOrder order) {
 
 }  // namespace
 
-RowContest::RowContest(const Priors& priors, const Lens& lens, bool latency_measured)
+RowContest::RowContest(const Priors& priors, const SharedLens& lens, bool latency_measured)
     : priors_(priors),
       latency_measured_(latency_measured),
       rivals_{Rival(RowOrder::first_to_last, priors, lens), Rival(RowOrder::last_to_first, priors, lens)} {

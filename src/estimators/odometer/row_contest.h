@@ -19,7 +19,7 @@ namespace thermorig::odometer {
 class RowContest {
  public:
   /// `latency_measured`: the camera's times are those of its middle rows; else they may be those of the last.
-  RowContest(const Priors& priors, const Lens& lens, bool latency_measured);
+  RowContest(const Priors& priors, const SharedLens& lens, bool latency_measured);
 
   /// Forgets all.
   void begin();
@@ -44,7 +44,7 @@ class RowContest {
 
  private:
   struct Rival {
-    explicit Rival(RowOrder its, const Priors& priors, const Lens& lens)
+    explicit Rival(RowOrder its, const Priors& priors, const SharedLens& lens)
         : order(its), tracker(priors, lens) {}
     RowOrder order;
     Tracker tracker;

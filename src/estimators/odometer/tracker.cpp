@@ -30,7 +30,7 @@ void learn_nis(const HalfResult& result, double& mean) {
   if (result.is_judged) mean += nis_share * (std::min(most_nis, result.squared) - mean);
 }
 
-Tracker::Tracker(const Priors& priors, const Lens& lens) : lens_(lens), filter_(priors) {}
+Tracker::Tracker(const Priors& priors, const SharedLens& lens) : lens_(lens), filter_(priors) {}
 
 void Tracker::advance(const GyroPath& path, double now_s) {
   const GyroPath::Knot now = path.until(now_s);
@@ -56,7 +56,7 @@ void Tracker::restart(const Priors& priors, RowOrder rows, bool things_move) {
 }
 
 void Tracker::restart(const Priors& priors, const Map& map) {
-  restart(priors, map.rows);
+  restart(priors, lens_->knows_rows() ? lens_->rows() : map.rows);
   filter_.load(map);
   panorama_.load(map);
   pixels_.load(map);
@@ -107,7 +107,7 @@ Tracker::Exposed Tracker::expose(const HalfReading& half, const GyroPath& path) 
   exposed.azimuth_deg = filter_.exposed_deg(exposed.turn, now_s_, now_deg_);
   exposed.rate_dps = rate_dps_ = filter_.mean_rate_dps(exposed.turn);
   exposed.half_width_deg = box_width * filter_.spread_deg(exposed.turn);
-  if (rows_ != RowOrder::at_once) expose_rows(half, path, exposed);
+  if (do_rows_look_apart()) expose_rows(half, path, exposed);
   return exposed;
 }
 
@@ -136,7 +136,7 @@ void Tracker::expose_rows(const HalfReading& half, const GyroPath& path, Exposed
   };
   const double middle_deg = mean(sum_deg, 0.5 * exposure);
   for (std::size_t row = 0; row < frame_rows; ++row) {
-    const double from = exposure * (0.5 + row_delay_periods(rows_, row));
+    const double from = exposure * (0.5 + lens_->row_delay_periods(rows_, row));
     const double mean_deg = mean(sum_deg, from);
     exposed.rows.shift_deg[row] = static_cast<float>(mean_deg - middle_deg);
     exposed.rows.half_width_deg[row] =
@@ -149,19 +149,20 @@ View Tracker::view_of(const HalfReading& half, const Exposed& exposed) const {
           .variance = &pixels_.variance(half.parity),
           .parity = half.parity,
           .half_width_deg = exposed.half_width_deg,
-          .rows = rows_ == RowOrder::at_once ? nullptr : &exposed.rows};
+          .rows = do_rows_look_apart() ? &exposed.rows : nullptr};
 }
 
 void Tracker::begin_nodes(double azimuth_deg, const Exposed& exposed) {
-  double edge_deg = (0.5 * frame_columns + 1.0) * lens_.pitch_deg + exposed.half_width_deg;
-  if (rows_ != RowOrder::at_once)
+  double edge_deg = (0.5 * frame_columns + 1.0) * lens_->pitch_deg() + exposed.half_width_deg;
+  if (do_rows_look_apart())
     edge_deg += std::max(std::abs(double{exposed.rows.shift_deg.front()}),
                          std::abs(double{exposed.rows.shift_deg.back()}));
   filter_.begin_nodes(azimuth_deg - edge_deg, azimuth_deg + edge_deg);
 }
 
 HalfResult Tracker::add(const HalfReading& half, const GyroPath& path) {
-  const Exposed exposed = expose(half, path);
+  Exposed exposed = expose(half, path);
+  if (!lens_->is_plain() && halves_ >= first_halves) level(half, exposed);
   HalfResult result{.rate_dps = exposed.rate_dps};
   common_c_ = 0.0F;
   if (halves_++ >= first_halves) {
@@ -170,8 +171,16 @@ HalfResult Tracker::add(const HalfReading& half, const GyroPath& path) {
   }
   const double shown_deg = filter_.exposed_deg(exposed.turn, now_s_, now_deg_);
   begin_nodes(shown_deg, exposed);
+  in_map_deg_ = shown_deg - filter_.map_offset_deg(shown_deg);
   write(view_of(half, exposed), shown_deg, sigma_in_map_deg_, common_c_);
   return result;
+}
+
+/// What each pixel would show had it looked along its own row of the map.
+void Tracker::level(const HalfReading& half, Exposed& exposed) const {
+  const Alignment alignment(panorama_, filter_, *lens_);
+  const HalfPixels beside = alignment.beside_row(view_of(half, exposed), exposed.azimuth_deg);
+  for (std::size_t i = 0; i < half_pixels; ++i) exposed.temp_c[i] -= beside[i];
 }
 
 /// Lays a half against the map, and tells the filter.
@@ -182,7 +191,7 @@ HalfResult Tracker::judge(const HalfReading& half, const Exposed& exposed) {
   HeadingFilter::add_shares(azimuth_deg, 1.0, ahead);
   const double prior_deg2 = filter_.variance(filter_.derivative(turn, now_s_, now_deg_, ahead));
   sigma_in_map_deg_ = std::sqrt(prior_deg2);
-  const Alignment alignment(panorama_, filter_, lens_);
+  const Alignment alignment(panorama_, filter_, *lens_);
   View view = view_of(half, exposed);
   view.trust_deg2 = prior_deg2;
   view.is_strict = halves_ > settled_halves && prior_deg2 < square(settled_deg);
@@ -219,7 +228,7 @@ HalfResult Tracker::judge(const HalfReading& half, const Exposed& exposed) {
 
 void Tracker::locate(const HalfReading& half, const GyroPath& path, CircleSearch& search) {
   const Exposed exposed = expose(half, path);
-  search.add(Alignment(panorama_, filter_, lens_), view_of(half, exposed),
+  search.add(Alignment(panorama_, filter_, *lens_), view_of(half, exposed),
              exposed.azimuth_deg - located_deg_);
   located_deg_ = exposed.azimuth_deg;
 }
@@ -232,15 +241,15 @@ double Tracker::settle(const CircleSearch::Found& found) {
 }
 
 void Tracker::write(const View& view, double azimuth_deg, double sigma_deg, float common_c) {
-  const Alignment alignment(panorama_, filter_, lens_);
+  const Alignment alignment(panorama_, filter_, *lens_);
   const HalfPixels &temp_c = *view.temp_c, &noise = *view.variance;
-  const double pitch_bins = lens_.pitch_deg / Panorama::bin_deg;
+  const double pitch_bins = lens_->pitch_deg() / Panorama::bin_deg;
   for (std::size_t column = 0; column < frame_columns; ++column) {
     const std::size_t before = column >= 2 ? column - 2 : column;
     const std::size_t behind = column + 2 < frame_columns ? column + 2 : column;
     const bool is_edge = before == column || behind == column;
-    const auto apart_deg = static_cast<float>(lens_.bearing_deg(behind) - lens_.bearing_deg(before));
-    const double swept_deg2 = square(view.half_width_deg) + square(lens_.pitch_deg);
+    const auto apart_deg = static_cast<float>(lens_->bearing_deg(behind) - lens_->bearing_deg(before));
+    const double swept_deg2 = square(view.half_width_deg) + square(lens_->pitch_deg());
     Panorama::Guess guess;
     Panorama::Column shown, variance;
     for (std::size_t k = 0; k < half_rows; ++k) {

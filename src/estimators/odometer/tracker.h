@@ -38,7 +38,7 @@ class Tracker {
   static constexpr double least_bias_sigma_dps = 0.1, least_scale_sigma = 0.002,
                           least_latency_sigma_s = 0.003;
 
-  Tracker(const Priors& priors, const Lens& lens);
+  Tracker(const Priors& priors, const SharedLens& lens);
 
   /// Forgets everything. `things_move`: people, say, through all that it sees.
   void restart(const Priors& priors, RowOrder rows = RowOrder::at_once, bool things_move = false);
@@ -67,7 +67,8 @@ class Tracker {
 
   /// The bias may have stepped.
   void widen_bias(double sigma_dps) { filter_.widen_bias(square(sigma_dps)); }
-  double rate_dps() const { return rate_dps_; }  // of the newest half
+  double rate_dps() const { return rate_dps_; }      // of the newest half
+  double in_map_deg() const { return in_map_deg_; }  // where the newest half that was used looks in the map
 
   const HeadingFilter& filter() const { return filter_; }
   double now_s() const { return now_s_; }
@@ -89,11 +90,13 @@ class Tracker {
   Exposed expose(const HalfReading& half, const GyroPath& path);
   HalfResult judge(const HalfReading& half, const Exposed& exposed);
   void expose_rows(const HalfReading& half, const GyroPath& path, Exposed& exposed) const;
+  void level(const HalfReading& half, Exposed& exposed) const;
+  bool do_rows_look_apart() const { return rows_ != RowOrder::at_once || !lens_->is_plain(); }
   View view_of(const HalfReading& half, const Exposed& exposed) const;
   void begin_nodes(double azimuth_deg, const Exposed& exposed);
   void write(const View& view, double azimuth_deg, double sigma_deg, float common_c);
 
-  Lens lens_;
+  SharedLens lens_;
   RowOrder rows_ = RowOrder::at_once;
   bool things_move_ = false;
   HeadingFilter filter_;
@@ -106,6 +109,7 @@ class Tracker {
   int halves_ = 0;
   double sigma_in_map_deg_ = 0.0;
   double rate_dps_ = 0.0;
+  double in_map_deg_ = 0.0;
   double located_deg_ = 0.0;  // azimuth of the newest half, as the gyro has it
   float common_c_ = 0.0F;     // of the newest half
   struct Written {

@@ -5,25 +5,24 @@
 #include <sys/mman.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <charconv>
-#include <chrono>
 #include <new>
 #include <system_error>
-#include <thread>
-#include <utility>
 
+#include "interrupts.h"
 #include "thermorig/io/files/unlinked_file.h"
 
 namespace thermorig::spill {
 
 namespace {
 
-constexpr auto look_every = std::chrono::microseconds(250);
-
 thread_local bool inside = false;
+thread_local Interrupts interrupts;
 
-/// Holds the lock, and says that this thread is inside.
+/// Holds the lock, and says that this thread is inside. An interrupt could do nothing then, and what makes a
+/// file as large as it shall be may begin anew after each (fallocate() of some file systems).
 class Inside {
  public:
   explicit Inside(std::mutex& mutex) : lock_((inside = true, mutex)) {}
@@ -35,6 +34,7 @@ class Inside {
   Inside& operator=(const Inside&) = delete;
 
  private:
+  Uninterrupted uninterrupted_;
   std::unique_lock<std::mutex> lock_;
 };
 
@@ -82,7 +82,7 @@ void* Blocks::allocate(std::size_t bytes) {
   if (at == MAP_FAILED) return nullptr;
   blocks_.emplace(at, Block{bytes, is_on_disk});
   (is_on_disk ? on_disk_bytes_ : in_memory_bytes_) += bytes;
-  if (is_on_disk && !is_watched_) begin_watch();
+  if (is_on_disk) be_interrupted();
   if (is_on_disk) give_back();
   return at;
 }
@@ -120,25 +120,18 @@ void* Blocks::map_file(std::size_t bytes) const {
   return at;
 }
 
-/// A thread of its own, while anything lies on the disk. Where the system has none to spare, it gives pages
-/// back by itself when memory runs short.
-void Blocks::begin_watch() {
+/// Where the system has no timer to spare, it gives pages back by itself when memory runs short.
+void Blocks::be_interrupted() {
   if (statm_ < 0) statm_ = ::open("/proc/self/statm", O_RDONLY | O_CLOEXEC);
-  try {
-    std::thread([this] {
-      while (look()) std::this_thread::sleep_for(look_every);
-    }).detach();
-    is_watched_ = true;
-  } catch (const std::system_error&) {  // no thread
-  }
+  interrupts.begin([] { blocks().look(); });
 }
 
-/// False: nothing lies on the disk any more, and nobody looks again.
-bool Blocks::look() {
-  const Inside lock(mutex_);
-  is_watched_ = on_disk_bytes_ > 0;
-  if (is_watched_) give_back();
-  return is_watched_;
+/// Within an interrupt: whoever holds the lock may wait for what the interrupted code holds.
+void Blocks::look() {
+  const std::unique_lock lock(mutex_, std::try_to_lock);
+  if (!lock) return;
+  if (on_disk_bytes_ > 0) return give_back();
+  interrupts.end();
 }
 
 void Blocks::limit_resident() {
@@ -146,10 +139,15 @@ void Blocks::limit_resident() {
   if (on_disk_bytes_ > 0) give_back();
 }
 
+/// Where what is not of the blocks is too much already, only what comes to it counts: an interrupt that
+/// always found work would leave the thread no time for its own.
 void Blocks::give_back() {
-  if (resident_file_bytes(statm_) <= limits_.resident_bytes) return;
+  if (resident_file_bytes(statm_) <=
+      std::max(limits_.resident_bytes, of_others_ + limits_.resident_bytes / 2))
+    return;
   for (const auto& [at, block] : blocks_)
     if (block.is_on_disk) ::madvise(at, block.bytes, MADV_DONTNEED);
+  of_others_ = resident_file_bytes(statm_);
 }
 
 }  // namespace thermorig::spill

@@ -24,6 +24,7 @@ Json or_null(const std::string& text) {
 
 Json calibrations_of(const RigProfile& profile) {
   return {{"orientation", or_null(profile.camera.orientation_measured_utc)},
+          {"lens", or_null(profile.camera.lens_measured_utc)},
           {"camera_latency", or_null(profile.camera.link.latency_measured_utc)},
           {"gyro_scale", or_null(profile.gyro.scale_measured_utc)},
           {"gyro_bias", or_null(profile.gyro.bias_measured_utc)},

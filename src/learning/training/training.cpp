@@ -171,6 +171,10 @@ double held_out_score(const EpochReport& report, const TrainingConfig& config) {
   return report.held_out_mse + weight * report.held_out_thermal_mse;
 }
 
+void check_data(const TrainingConfig& config, std::span<const Acquisition> acquisitions) {
+  divide(config, acquisitions);
+}
+
 TrainingResult train(const TrainingConfig& config, std::span<const Acquisition> acquisitions,
                      network::Workers& workers, const Observer& observer,
                      const std::optional<Checkpoint>& from) {

@@ -7,7 +7,6 @@
 #include <limits>
 
 #include "thermorig/core/statistics.h"
-#include "thermorig/io/spill/spill.h"
 
 namespace thermorig::labels {
 
@@ -39,7 +38,7 @@ std::uint16_t whole_periods(double periods) {
 std::vector<double> delays_s(const std::vector<TimedFrame>& frames, double period_s) {
   std::vector<double> delays;
   delays.reserve(frames.size());
-  for (const TimedFrame& frame : spill::Paced(frames))
+  for (const TimedFrame& frame : frames)
     delays.push_back(to_s(frame.stamp.time - frames.front().stamp.time) -
                      period_s * static_cast<double>(delays.size()));
   return delays;
@@ -60,7 +59,7 @@ std::vector<HalvesWitness> witnesses_of(const std::vector<TimedFrame>& frames, C
   HalvesOrder order;
   std::vector<HalvesWitness> witnesses;
   witnesses.reserve(frames.size());
-  for (const TimedFrame& frame : spill::Paced(frames)) witnesses.push_back(halves_of(order, frame, mode));
+  for (const TimedFrame& frame : frames) witnesses.push_back(halves_of(order, frame, mode));
   return witnesses;
 }
 

@@ -16,8 +16,8 @@ namespace thermorig::labels {
 
 namespace {
 
-constexpr double second_order_delay = 0.225;  // of a bandwidth's period: Butterworth, sqrt(2) / (2 pi)
-constexpr double stated_delay_error = 0.1;    // relative: bandwidths in data sheets are nominal
+constexpr double second_order_delay = GyroProfile::second_order_delay;
+constexpr double stated_delay_error = 0.1;  // relative: bandwidths in data sheets are nominal
 constexpr double unknown_delay_s = 0.018;
 constexpr double still_after_s = 0.5;  // a shaft that still moves is not at rest
 constexpr std::size_t segment = 128;   // samples of one spectrum
@@ -191,10 +191,9 @@ std::optional<Estimate> delay_by_noise(std::span<const TimedGyro> gyro, std::spa
 std::optional<Estimate> stated_delay(const GyroProfile& profile, std::optional<double> device_hz) {
   if (device_hz)
     return Estimate{second_order_delay / *device_hz, stated_delay_error * second_order_delay / *device_hz};
-  if (!(profile.bandwidth_hz > 0.0)) return std::nullopt;
-  const double delay_s =
-      profile.filter_delay_s > 0.0 ? profile.filter_delay_s : second_order_delay / profile.bandwidth_hz;
-  return Estimate{delay_s, stated_delay_error * delay_s};
+  const auto delay_s = profile.stated_delay_s();
+  if (!delay_s) return std::nullopt;
+  return Estimate{*delay_s, stated_delay_error * *delay_s};
 }
 
 }  // namespace

@@ -3,8 +3,6 @@
 
 #include <cmath>
 
-#include "thermorig/io/spill/spill.h"
-
 namespace thermorig::motion {
 namespace {
 
@@ -41,7 +39,7 @@ HalfView view_of(const FreshHalf& half) {
 std::vector<FreshHalf> fresh_halves(std::span<const TimedFrame> frames, const AngleTrack& track,
                                     double bias_dps, double margin_s, NewerHalf newer) {
   std::vector<FreshHalf> halves;
-  for (const TimedFrame& frame : spill::Paced(frames)) {
+  for (const TimedFrame& frame : frames) {
     if (frame.late || frame.stale) continue;
     if (newer && !(is_fresh(frame, 0) && is_fresh(frame, 1))) continue;
     for (const unsigned parity : {0U, 1U}) {

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: MIT
+#include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "thermorig/rig/calibration/calibration.h"
 
@@ -11,6 +13,8 @@ namespace {
 double rounded(double value) {
   return std::round(value * 1e6) / 1e6;
 }
+
+constexpr double widest_hz = 8000.0;  // that a profile can state: no filter to speak of
 
 }  // namespace
 
@@ -63,6 +67,28 @@ void apply(const OrientationResult& result, const std::string& utc, RigProfile& 
   profile.camera.orientation_measured_utc = utc;
 }
 
+void apply(const LensResult& result, const std::string& utc, RigProfile& profile) {
+  const auto value = [](const std::optional<Estimate>& told) {
+    const bool is_there = told && std::abs(told->value) > 2.0 * told->uncertainty;
+    return is_there ? rounded(told->value) : 0.0;
+  };
+  CameraProfile& camera = profile.camera;
+  camera.pitch_scale = rounded(result.pitch_scale.value);
+  camera.pitch_scale_uncertainty = rounded(result.pitch_scale.uncertainty);
+  camera.distortion = value(result.distortion);
+  camera.distortion_uncertainty =
+      result.distortion ? rounded(result.distortion->uncertainty) : CameraProfile().distortion_uncertainty;
+  camera.tilt_deg = value(result.tilt_deg);
+  camera.roll_deg = value(result.roll_deg);
+  camera.row_spread = value(result.row_spread);
+  camera.lens_measured_utc = utc;
+  if (!result.gyro_delay_s) return;
+  GyroProfile& gyro = profile.gyro;
+  gyro.filter_delay_s = 0.0;
+  gyro.bandwidth_hz =
+      std::min(widest_hz, rounded(GyroProfile::second_order_delay / result.gyro_delay_s->value));
+}
+
 namespace {
 
 /// The camera's was measured against the gyro's, which belongs to it.
@@ -73,6 +99,18 @@ void take_latency(const RigProfile& from, RigProfile& into) {
   into.camera.link.latency_measured_utc = from.camera.link.latency_measured_utc;
   into.gyro.link.latency_s = from.gyro.link.latency_s;
   into.gyro.link.latency_uncertainty_s = from.gyro.link.latency_uncertainty_s;
+}
+
+void take_lens(const CameraProfile& from, CameraProfile& into) {
+  if (from.lens_measured_utc.empty()) return;
+  into.pitch_scale = from.pitch_scale;
+  into.pitch_scale_uncertainty = from.pitch_scale_uncertainty;
+  into.distortion = from.distortion;
+  into.distortion_uncertainty = from.distortion_uncertainty;
+  into.tilt_deg = from.tilt_deg;
+  into.roll_deg = from.roll_deg;
+  into.row_spread = from.row_spread;
+  into.lens_measured_utc = from.lens_measured_utc;
 }
 
 void take_gyro(const GyroProfile& from, GyroProfile& into) {
@@ -101,6 +139,7 @@ void take_calibrations(const RigProfile& from, RigProfile& into) {
     into.camera.orientation_measured_utc = from.camera.orientation_measured_utc;
   }
   take_latency(from, into);
+  take_lens(from.camera, into.camera);
   if (into.gyro.axis == from.gyro.axis && into.gyro.sign == from.gyro.sign) take_gyro(from.gyro, into.gyro);
   if (from.servo.scale_measured_utc.empty()) return;
   into.servo.scale = from.servo.scale;

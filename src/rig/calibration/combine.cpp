@@ -93,4 +93,30 @@ OrientationResult combined(std::span<const OrientationResult> results) {
   return all;
 }
 
+LensResult combined(std::span<const LensResult> results) {
+  LensResult all = results.front();
+  all.pitch_scale =
+      mean_of(results, [](const LensResult& result) { return std::optional(result.pitch_scale); });
+  const auto mean = [&](std::optional<Estimate> LensResult::*value) -> std::optional<Estimate> {
+    const bool is_told =
+        std::any_of(results.begin(), results.end(), [&](const LensResult& one) { return one.*value; });
+    if (!is_told) return std::nullopt;
+    return mean_of(results, [&](const LensResult& one) { return one.*value; });
+  };
+  all.distortion = mean(&LensResult::distortion);
+  all.tilt_deg = mean(&LensResult::tilt_deg);
+  all.roll_deg = mean(&LensResult::roll_deg);
+  all.row_spread = mean(&LensResult::row_spread);
+  all.gyro_delay_s = mean(&LensResult::gyro_delay_s);
+  all.row_margin = 0.0;
+  all.halves = 0;
+  for (const LensResult& result : results) {
+    all.is_closed = all.is_closed || result.is_closed;
+    all.row_margin += result.row_margin;
+    all.turned_deg = std::max(all.turned_deg, result.turned_deg);
+    all.halves += result.halves;
+  }
+  return all;
+}
+
 }  // namespace thermorig::calibration

@@ -33,7 +33,7 @@ bool turned_both_ways(const session::Session& session) {
 /// its clock's report, and the images tell what is left of it.
 LatencyResult measure_latency(const session::Session& session) {
   const RigProfile& profile = session.raw.header.profile;
-  const motion::View view{profile.camera.field_of_view_deg, profile.camera.mirrored};
+  const motion::View view{profile.camera.lens_width_deg(), profile.camera.mirrored};
   const CameraOffset left = motion::camera_offset(session.frames, session.gyro, view, session.sync.gyro);
   if (!left.offset_s)
     throw Error(ExitCode::finished_lossy, "the images do not tell how late the camera is: " + left.why_not,

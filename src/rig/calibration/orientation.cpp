@@ -119,7 +119,7 @@ OrientationResult measure_orientation(const session::Session& session) {
   const GyroErrors errors = labels::fit_gyro_errors(gyro, session.servo, profile);
   const CameraProfile& camera = session.raw.header.profile.camera;
   const motion::Orientation image =
-      motion::orientation(session.frames, gyro, {camera.field_of_view_deg, camera.mirrored}, errors);
+      motion::orientation(session.frames, gyro, {camera.lens_width_deg(), camera.mirrored}, errors);
   if (!image.mirrored || !(image.contrast > 0.0))
     refuse_orientation(
         "the images do not tell which way they turn: " + image.why_not,

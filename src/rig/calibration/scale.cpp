@@ -59,7 +59,7 @@ ScaleResult measure_scale(const session::Session& session) {
   const CameraProfile& camera = session.raw.header.profile.camera;
   const GyroErrors errors = errors_of(session);
   const motion::TurnResult turn =
-      motion::gyro_scale(session.frames, session.gyro, {camera.field_of_view_deg, camera.mirrored}, errors);
+      motion::gyro_scale(session.frames, session.gyro, {camera.lens_width_deg(), camera.mirrored}, errors);
   if (!turn.gyro_scale)
     throw Error(ExitCode::finished_lossy, "the images do not tell the gyro's scale: " + turn.why_not,
                 "calibrate scale",

@@ -23,6 +23,7 @@ std::string joined_names(const std::vector<Constant>& constants) {
 
 Check judge_profile(const RigProfile& profile) {
   std::vector<Constant> assumed{{"orientation", profile.camera.orientation_measured_utc},
+                                {"lens", profile.camera.lens_measured_utc},
                                 {"gyro scale", profile.gyro.scale_measured_utc},
                                 {"gyro bias", profile.gyro.bias_measured_utc},
                                 {"camera latency", profile.camera.link.latency_measured_utc},

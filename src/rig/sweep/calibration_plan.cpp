@@ -20,6 +20,10 @@ constexpr int slow_sweeps = 12;     // fewer are too few witnesses in a room of 
 constexpr int turns_both_ways = 3;  // rooms of little contrast close only in several
 constexpr double turn_deg = 420.0;  // the picture closes after 360: the rest overlaps
 constexpr double turn_rate_dps = 40.0;
+constexpr double lens_leg_s = 10.5;     // 420 deg at the slow speed
+constexpr double lens_fast_dps = 60.0;  // images are still sharp
+constexpr double lens_shares[] = {2.0 / 3.0, 1.0};
+constexpr int lens_legs = 16;
 constexpr double check_rest_s = 4.0;  // seven spectra of the gyro's noise, with the closing one
 constexpr double check_end_s = 2.0;
 constexpr double check_leg_s = 3.0;
@@ -89,6 +93,16 @@ SweepPlan scale_plan(const ServoProfile& servo, const CameraProfile& camera) {
   return plan;
 }
 
+SweepPlan lens_plan(const ServoProfile& servo, const CameraProfile& camera) {
+  SweepPlan plan = moving_plan("calibrate-lens", frames_in(lens_leg_s, camera));
+  const double fastest_dps = speed_within_stroke(lens_fast_dps, plan.frames_per_leg, servo, camera);
+  for (int i = 0; i < lens_legs / 2; ++i) {
+    const double rate_dps = fastest_dps * lens_shares[static_cast<std::size_t>(i) % std::size(lens_shares)];
+    plan.leg_rates_dps.insert(plan.leg_rates_dps.end(), {rate_dps, -rate_dps});
+  }
+  return plan;
+}
+
 // The slow speed first: the fast one is held against what it reaches. Two legs of it in a row are a
 // turn, and images tell it more surely there and back.
 SweepPlan check_plan_of(const ServoProfile& servo, const CameraProfile& camera) {
@@ -118,6 +132,8 @@ SweepPlan calibration_plan(CalibrationKind kind, const ServoProfile& servo, cons
       return orientation_plan(servo, camera);
     case CalibrationKind::scale:
       return scale_plan(servo, camera);
+    case CalibrationKind::lens:
+      return lens_plan(servo, camera);
     case CalibrationKind::check:
       return check_plan_of(servo, camera);
     case CalibrationKind::bias:

@@ -129,6 +129,22 @@ void add_camera(Fields& fields) {
   table.date("orientation_measured_utc", &Camera::orientation_measured_utc,
              "when `mirrored` and the gyro's axis and sign were calibrated, UTC; empty: assumptions");
   table.choice("checksum", &Camera::checksum, {"word", "byte", "ignore"}, "word, byte or ignore");
+  table.number("pitch_scale", &Camera::pitch_scale, "1", 0.9, 1.1,
+               "distance between columns, against field_of_view_deg / 32");
+  table.number("pitch_scale_uncertainty", &Camera::pitch_scale_uncertainty, "1", 0, 1,
+               "one standard deviation");
+  table.number("distortion", &Camera::distortion, "1", -0.2, 0.2,
+               "corners look further out by this share, growing with the square");
+  table.number("distortion_uncertainty", &Camera::distortion_uncertainty, "1", 0, 1,
+               "one standard deviation");
+  table.number("tilt_deg", &Camera::tilt_deg, "deg", -15, 15, "the camera looks upward by so much");
+  table.number("roll_deg", &Camera::roll_deg, "deg", -15, 15,
+               "about the optical axis: the side of growing angles is higher");
+  table.number("row_spread", &Camera::row_spread, "1", -1, 1,
+               "share of a refresh period over which rows are exposed one after the other; below 0: from the "
+               "last on");
+  table.date("lens_measured_utc", &Camera::lens_measured_utc,
+             "when the lens (from `pitch_scale` on) was calibrated, UTC; empty: assumptions");
 }
 
 void add_gyro(Fields& fields) {

@@ -6,6 +6,7 @@
 #include <string>
 #include <string_view>
 
+#include "thermorig/core/profile.h"
 #include "thermorig/estimators/odometer/map.h"
 
 namespace thermorig::map_file {
@@ -22,7 +23,8 @@ struct StoredMap {
 /// Longest name that is kept, in bytes: what is longer is cut.
 inline constexpr std::size_t name_bytes_max = 255;
 
-/// "THRMAP01", names, lens, map, CRC-32 of all before it; little-endian.
+/// "THRMAP01", names, lens, map, CRC-32 of all before it; little-endian. "THRMAP02" where the lens distorts,
+/// is tilted or rolled.
 std::string bytes_of(const StoredMap& stored);
 
 /// Throws Error(not_a_session) for what is no map, damaged, or has a number that no map has. `where`: the
@@ -39,8 +41,7 @@ StoredMap read_map(const std::filesystem::path& path);
 void write_map(const std::filesystem::path& path, const StoredMap& stored);
 
 /// Throws Error(bad_usage) for a map of another lens than the camera's, or of another order of its columns.
-void require_lens(const odometer::Map& map, double field_of_view_deg, bool mirrored,
-                  const std::string& where);
+void require_lens(const odometer::Map& map, const CameraProfile& camera, const std::string& where);
 
 /// Share of the surroundings that were seen once at least.
 double seen_share(const odometer::Map& map);

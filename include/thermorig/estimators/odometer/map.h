@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "thermorig/core/frame.h"
+#include "thermorig/core/profile.h"
 
 namespace thermorig::odometer {
 
@@ -29,8 +30,23 @@ struct Map {
   static constexpr std::size_t nodes = 24;
   static constexpr std::size_t values = bins * frame_rows;
 
-  double field_of_view_deg = 55.0;  // of the lens
-  bool mirrored = true;             // order of the columns, as the profile has it
+  /// What the camera that made it looked through, as its profile had it.
+  struct Lens {
+    Lens() = default;
+    explicit Lens(const CameraProfile& camera)
+        : field_of_view_deg(camera.field_of_view_deg * camera.pitch_scale),
+          mirrored(camera.mirrored),
+          distortion(camera.distortion),
+          tilt_deg(camera.tilt_deg),
+          roll_deg(camera.roll_deg) {}
+    /// Columns stand upright and even, rows lie level.
+    bool is_plain() const { return distortion == 0.0 && tilt_deg == 0.0 && roll_deg == 0.0; }
+
+    double field_of_view_deg = 55.0;
+    bool mirrored = true;  // order of the columns
+    double distortion = 0.0, tilt_deg = 0.0, roll_deg = 0.0;
+  };
+  Lens lens;
   RowOrder rows = RowOrder::at_once;
   float reference_c = 0.0F;  // temperatures are differences from it
   // Bin after bin, of each the even rows from the top, then the odd ones.

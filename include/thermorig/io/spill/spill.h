@@ -3,8 +3,6 @@
 
 #include <cstddef>
 #include <filesystem>
-#include <iterator>
-#include <utility>
 
 namespace thermorig::spill {
 
@@ -18,10 +16,13 @@ struct Limits {
 /// without a name on the disk of `near`, once there are more of them than memory shall hold. To the program
 /// they are memory; what it has not touched lately is on the disk alone. Called again, it changes where new
 /// arrays go. Where no disk has room they stay in memory. May be called from several threads.
+/// System calls of a thread that has made such an array may return EINTR, even where SA_RESTART was asked
+/// for.
 void arrays_near(const std::filesystem::path& near, const Limits& limits = {});
 
-/// Gives pages of such arrays back to the system, if more of them are in memory than shall be. A thread does
-/// that four times a millisecond; who looks at large arrays quickly calls it now and then.
+/// Gives pages of such arrays back to the system, if more of them are in memory than shall be. A thread that
+/// has made such an array is interrupted four times a millisecond to do so; other threads call this now and
+/// then when they look at much of one.
 void give_pages_back();
 
 /// Tells when so many bytes have passed by, again and again.
@@ -38,38 +39,6 @@ class EveryBytes {
  private:
   std::size_t every_;
   std::size_t passed_ = 0;
-};
-
-/// `rows` for a loop that goes through them and hardly looks at each: pages are given back on the way. Such a
-/// walk brings more of a large array into memory than a thread can give back beside it.
-template <typename Rows>
-class Paced {
-  using At = decltype(std::begin(std::declval<Rows&>()));
-
- public:
-  explicit Paced(Rows& rows) : rows_(&rows) {}
-
-  class Iterator {
-   public:
-    explicit Iterator(At at) : at_(at) {}
-    decltype(auto) operator*() const { return *at_; }
-    bool operator!=(const Iterator& other) const { return at_ != other.at_; }
-    Iterator& operator++() {
-      if (look_.is_due_after(sizeof *at_)) give_pages_back();
-      ++at_;
-      return *this;
-    }
-
-   private:
-    At at_;
-    EveryBytes look_{2U << 20U};
-  };
-
-  Iterator begin() const { return Iterator(std::begin(*rows_)); }
-  Iterator end() const { return Iterator(std::end(*rows_)); }
-
- private:
-  Rows* rows_;
 };
 
 /// Bytes of arrays that lie on a disk now.

@@ -44,6 +44,10 @@ std::string preset_of(const TrainingConfig& config);
 /// Throws Error(bad_usage) with what cannot be: a shape that does not exist, a number out of its range.
 void check(const TrainingConfig& config);
 
+/// Throws Error(bad_usage) where there is nothing to train on: no window, fewer than two acquisitions with
+/// choose_epoch.
+void check_data(const TrainingConfig& config, std::span<const network::Acquisition> acquisitions);
+
 /// What an epoch showed. Errors normalised (divided by label_scale_dps).
 struct EpochReport {
   int epoch = 0;                      // from 1
@@ -88,10 +92,9 @@ struct Observer {
 
 /// Trains on the acquisitions' label_dps, all of the same label. Deterministic: the same acquisitions,
 /// configuration and instruction set give the same model, however many workers there are, and also when it
-/// goes on from a checkpoint of the same training. Throws Error(bad_usage) where there is nothing to train
-/// on: no window, fewer than two acquisitions with choose_epoch; Error(failed) when the loss is not a number
-/// any more. Stopped before the first epoch ended, the model is the untrained one and `epoch_kept` is 0. The
-/// model's `producer` is left to the caller.
+/// goes on from a checkpoint of the same training. Throws what check_data() throws, and Error(failed) when
+/// the loss is not a number any more. Stopped before the first epoch ended, the model is the untrained one
+/// and `epoch_kept` is 0. The model's `producer` is left to the caller.
 TrainingResult train(const TrainingConfig& config, std::span<const network::Acquisition> acquisitions,
                      network::Workers& workers, const Observer& observer = {},
                      const std::optional<Checkpoint>& from = {});

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <cstdint>
 #include <optional>
 #include <span>
 #include <string>
@@ -59,17 +60,36 @@ struct OrientationResult {
 };
 OrientationResult measure_orientation(const session::Session& session);
 
+/// Slow sweeps back and forth, best with a whole turn: where each pixel looks (pitch, distortion, tilt,
+/// roll), and over how much of a refresh period rows are exposed one after the other. The order of the
+/// columns is the profile's. What the images tell no better than it was known before is not in it. Throws as
+/// well where the pitch is not told to one per cent.
+struct LensResult {
+  Estimate pitch_scale{1.0, 0.0};
+  std::optional<Estimate> distortion, tilt_deg, roll_deg, row_spread;  // none: not told
+  bool is_closed = false;   // a whole turn closed: the pitch owes nothing to the gyro's scale
+  double row_margin = 0.0;  // logarithm of the likelihood over that of rows that are exposed all at once
+  double turned_deg = 0.0;
+  std::uint32_t halves = 0;  // chess halves that took part
+  // What the gyro's low-pass delays, by its noise at rest: no image tells that, and a heading is late by it.
+  std::optional<Estimate> gyro_delay_s;
+};
+LensResult measure_lens(const session::Session& session);
+
 /// Several sessions of the like as one result: means by weight, no surer than the sessions agree with each
 /// other. `results` is not empty. Throws Error(finished_lossy) where orientations contradict each other.
 BiasResult combined(std::span<const BiasResult> results);
 LatencyResult combined(std::span<const LatencyResult> results);
 ScaleResult combined(std::span<const ScaleResult> results);
 OrientationResult combined(std::span<const OrientationResult> results);
+LensResult combined(std::span<const LensResult> results);
 
 void apply(const BiasResult& result, const std::string& utc, RigProfile& profile);
 void apply(const LatencyResult& result, const std::string& utc, RigProfile& profile);
 void apply(const ScaleResult& result, const std::string& utc, RigProfile& profile);
 void apply(const OrientationResult& result, const std::string& utc, RigProfile& profile);
+/// What it does not tell, or not to be another by two standard deviations, is taken as an honest lens has it.
+void apply(const LensResult& result, const std::string& utc, RigProfile& profile);
 
 /// Calibrations of `from` into `into`, whose ports, rates and geometry stay: for a session that was recorded
 /// before its rig was calibrated. Only what was measured is taken (what has a date).

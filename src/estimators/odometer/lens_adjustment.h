@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "half_reading.h"
+#include "thermorig/core/profile.h"
+
+namespace thermorig::odometer {
+
+/// What a lens is described by, beside its nominal width: numbers of CameraProfile, of pitch_scale less 1.
+enum LensValue : std::uint8_t { lens_pitch, lens_distortion, lens_tilt, lens_roll, lens_rows };
+inline constexpr std::size_t lens_values = 5;
+using LensValues = std::array<double, lens_values>;
+
+CameraProfile camera_with(CameraProfile camera, const LensValues& values);
+
+/// A chess half, where it is thought to look, and how fast the rig turned.
+struct SweptHalf {
+  const HalfReading* half = nullptr;
+  double heading_deg = 0.0;
+  double rate_dps = 0.0;
+  double turned_deg = 0.0;  // since the half before, by the gyro
+  bool follows = false;     // the half before at a speed that stayed as it was
+};
+
+/// Bundle adjustment: one rigid panorama, a heading of its own for each half, and the lens, so that each
+/// place of the panorama shows the same to all pixels that look there. Gauss-Newton; the panorama is
+/// eliminated, with straight lines between its cells. The gyro only keeps halves together that see nothing.
+class LensAdjustment {
+ public:
+  /// `trust`: of the likelihood, for halves share the errors of one map.
+  LensAdjustment(std::vector<SweptHalf> halves, const CameraProfile& camera, const LensValues& values,
+                 double trust);
+
+  /// `are_rows_apart`: the spread of the rows is found too; else it is 0.
+  void run(bool are_rows_apart);
+
+  const LensValues& values() const { return values_; }
+  /// One standard deviation, from the spread among blocks of the recording and what is known beforehand.
+  double uncertainty(LensValue value) const { return sigma_[value]; }
+  double mean_square() const { return mean_square_; }  // K^2, of pixels that were compared
+  double pixels() const { return compared_; }
+
+  static constexpr LensValues prior{0.03, 0.05, 5.0, 5.0, 0.7};  // one standard deviation
+
+ private:
+  using Vector = Eigen::Matrix<float, lens_values, 1>;
+  struct Look {  // of a pixel at the panorama
+    std::uint32_t cell = 0;
+    float beside_deg = 0.0F, beside_rows = 0.0F;  // of the cell's middle
+    float residual_c = 0.0F;
+    float weight = 0.0F;  // 0: not compared
+  };
+  struct Cell {
+    float temp_c = 0.0F, slope = 0.0F, row_slope = 0.0F, weight = 0.0F;  // K a deg, K a row
+  };
+  struct Directions {  // of the pixels of one chess half
+    HalfPixels azimuth_deg{}, map_row{};
+    std::array<HalfPixels, lens_values> azimuth_by{}, map_row_by{};  // change with a value of the lens
+  };
+  void aim();
+  void place_looks();
+  void make_map();
+  void compare();
+  void learn_offsets();
+  double step(bool are_rows_apart);
+  float reading_c(std::size_t half, std::size_t i) const;
+  Vector slopes(std::size_t half, std::size_t i, const Look& look) const;
+  double row_part(std::size_t i, unsigned parity) const;
+
+  std::vector<SweptHalf> halves_;
+  CameraProfile camera_;
+  LensValues values_;
+  double trust_;
+  std::array<Directions, 2> directions_;
+  std::vector<Look> looks_;  // half after half
+  std::vector<Cell> cells_;  // row after row
+  std::vector<float> common_c_;
+  std::array<HalfPixels, 2> offset_c_{};
+  LensValues sigma_ = prior;
+  double mean_square_ = 1.0, compared_ = 0.0;
+};
+
+}  // namespace thermorig::odometer
