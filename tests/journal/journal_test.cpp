@@ -189,8 +189,7 @@ Bytes with_header_text(const Bytes& journal, std::uint64_t header_end, const std
 
 TEST_F(Journal, OfTheTimeBeforeSessionFormat2IsRead) {
   RecordingHeader header = some_header();
-  header.profile = tests::unusual_profile();
-  header.profile.gyro.bandwidth_hz = header.profile.gyro.filter_delay_s = 0.0;  // not stated then
+  header.profile = tests::format_1_profile(tests::unusual_profile());
   const SmallJournal small(path());
   const fs::path old =
       write_file(with_header_text(read_file(path()), small.ends.front(), tests::format_1_header(header)));
