@@ -166,7 +166,6 @@ void LensAdjustment::compare() {
       count += 1.0;
     }
   mean_square_ = count > 0.0 ? sum / count : 1.0;
-  compared_ = count;
 }
 
 /// What all pixels of a half have in common, and what a pixel shows everywhere.
@@ -205,7 +204,7 @@ LensAdjustment::Vector LensAdjustment::slopes(std::size_t half, std::size_t i, c
 
 /// Headings first, lens last. A cell's own temperature is taken out of the equations: what moves all pixels
 /// that look there by the same tells nothing. Returns the longest step of the lens, in standard deviations.
-double LensAdjustment::step(bool are_rows_apart) {
+double LensAdjustment::step() {
   const auto count = static_cast<Eigen::Index>(halves_.size());
   constexpr auto own = static_cast<Eigen::Index>(lens_values);
   Eigen::MatrixXd curvature = Eigen::MatrixXd::Zero(count + own, count + own);
@@ -269,8 +268,7 @@ double LensAdjustment::step(bool are_rows_apart) {
   lean.tail(own) = lens_lean.rowwise().sum();
   for (std::size_t value = 0; value < lens_values; ++value) {
     const auto at = count + static_cast<Eigen::Index>(value);
-    const bool is_free = value != lens_rows || are_rows_apart;
-    curvature(at, at) += is_free ? 1.0 / square(prior[value]) : 1e12;
+    curvature(at, at) += 1.0 / square(prior[value]);
     lean[at] -= values_[value] / square(prior[value]);
   }
   // The lens alone, headings eliminated: its covariance, and what each block of the recording says of it.
@@ -309,8 +307,7 @@ double LensAdjustment::step(bool are_rows_apart) {
   return longest;
 }
 
-void LensAdjustment::run(bool are_rows_apart) {
-  if (!are_rows_apart) values_[lens_rows] = 0.0;
+void LensAdjustment::run() {
   for (int i = 0; i < most_rounds; ++i) {
     aim();
     place_looks();
@@ -321,7 +318,7 @@ void LensAdjustment::run(bool are_rows_apart) {
     }
     make_map();
     compare();
-    if (step(are_rows_apart) < settled && i >= fewest_rounds) break;
+    if (step() < settled && i >= fewest_rounds) break;
   }
 }
 

@@ -37,14 +37,12 @@ class LensAdjustment {
   LensAdjustment(std::vector<SweptHalf> halves, const CameraProfile& camera, const LensValues& values,
                  double trust);
 
-  /// `are_rows_apart`: the spread of the rows is found too; else it is 0.
-  void run(bool are_rows_apart);
+  void run();
 
   const LensValues& values() const { return values_; }
   /// One standard deviation, from the spread among blocks of the recording and what is known beforehand.
   double uncertainty(LensValue value) const { return sigma_[value]; }
   double mean_square() const { return mean_square_; }  // K^2, of pixels that were compared
-  double pixels() const { return compared_; }
 
   static constexpr LensValues prior{0.03, 0.05, 5.0, 5.0, 0.7};  // one standard deviation
 
@@ -68,7 +66,7 @@ class LensAdjustment {
   void make_map();
   void compare();
   void learn_offsets();
-  double step(bool are_rows_apart);
+  double step();
   float reading_c(std::size_t half, std::size_t i) const;
   Vector slopes(std::size_t half, std::size_t i, const Look& look) const;
   double row_part(std::size_t i, unsigned parity) const;
@@ -83,7 +81,7 @@ class LensAdjustment {
   std::vector<float> common_c_;
   std::array<HalfPixels, 2> offset_c_{};
   LensValues sigma_ = prior;
-  double mean_square_ = 1.0, compared_ = 0.0;
+  double mean_square_ = 1.0;
 };
 
 }  // namespace thermorig::odometer

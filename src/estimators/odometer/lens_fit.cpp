@@ -210,7 +210,7 @@ double turned_deg(const std::vector<SweptHalf>& halves) {
 Beginning again(const Sweep& sweep, const Beginning& before, const CameraProfile& camera,
                 const RunAll& run_all) {
   LensAdjustment adjustment(before.pass.halves, camera, before.values, trust);
-  adjustment.run(true);
+  adjustment.run();
   const LensValues& values = adjustment.values();
   Beginning next{sharpest_about(tried_again_s, values, before.priors, sweep, camera, run_all), before.priors,
                  values};
@@ -218,12 +218,10 @@ Beginning again(const Sweep& sweep, const Beginning& before, const CameraProfile
   return next;
 }
 
-LensFit fit_from(const Beginning& beginning, const GyroProfile& gyro, const CameraProfile& camera,
-                 const RunAll& run_all) {
+LensFit fit_from(const Beginning& beginning, const GyroProfile& gyro, const CameraProfile& camera) {
   const std::vector<SweptHalf>& halves = beginning.pass.halves;
-  LensAdjustment adjustment(halves, camera, beginning.values, trust),
-      at_once(halves, camera, beginning.values, trust);
-  run_all(2, [&](std::size_t i) { (i == 0 ? adjustment : at_once).run(i == 0); });
+  LensAdjustment adjustment(halves, camera, beginning.values, trust);
+  adjustment.run();
   const auto told = [&](LensValue value) {
     return Estimate{adjustment.values()[value], adjustment.uncertainty(value)};
   };
@@ -238,8 +236,7 @@ LensFit fit_from(const Beginning& beginning, const GyroProfile& gyro, const Came
   fit.is_closed = fit.turned_deg > whole_turn_deg - (1.0 - closing_share) * camera.field_of_view_deg;
   if (!fit.is_closed)
     fit.pitch_scale.uncertainty = std::hypot(fit.pitch_scale.uncertainty, gyro.scale_uncertainty);
-  fit.row_margin =
-      0.5 * trust * adjustment.pixels() * std::log(at_once.mean_square() / adjustment.mean_square());
+  fit.row_margin = 0.5 * square(fit.row_spread.value / fit.row_spread.uncertainty);
   fit.residual_k = std::sqrt(adjustment.mean_square());
   fit.halves = static_cast<std::uint32_t>(halves.size());
   return fit;
@@ -279,7 +276,7 @@ LensAnswer fit_lens(std::span<const TimedFrame> frames, std::span<const TimedGyr
     return {{},
             "only " + std::to_string(std::lround(100.0 * beginning.pass.judged_share)) +
                 " % of the images fit into one panorama, whatever the lens"};
-  return {fit_from(beginning, gyro_profile, camera, run_all), ""};
+  return {fit_from(beginning, gyro_profile, camera), ""};
 }
 
 }  // namespace thermorig::odometer
