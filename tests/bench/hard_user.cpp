@@ -56,6 +56,8 @@ void measure(CalibrationKind kind, const session::Session& session, RigProfile& 
       return calibration::apply(calibration::measure_latency(session), utc, profile);
     case CalibrationKind::bias:
       return calibration::apply(calibration::measure_bias(session), utc, profile);
+    case CalibrationKind::lens:
+      return calibration::apply(calibration::measure_lens(session), utc, profile);
     case CalibrationKind::check:  // says whether a profile still holds, and changes nothing in it
       break;
   }
