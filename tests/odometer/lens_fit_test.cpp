@@ -83,12 +83,14 @@ TEST(LensFit, TellsRowsThatAreExposedOneAfterTheOther) {
 TEST(LensFit, SaysWhyABareWallOrARigThatStandsTellsNothing) {
   Room bare = swept_room();
   bare.contrast_k = 0.0;
+  bare.duration_s = 27.0;
   const LensAnswer wall = lens_of(swept_in(bare));
   EXPECT_TRUE(!wall.fit || wall.fit->pitch_scale.uncertainty > 0.005);
   Room still = swept_room();
   still.angle_deg = [](double) { return 10.0; };
   EXPECT_THAT(lens_of(swept_in(still)).why_not, HasSubstr("chess halves"));
   Room narrow = swept_room();
+  narrow.duration_s = 27.0;
   narrow.angle_deg = [](double time_s) { return 0.15 * swept_deg(time_s); };
   EXPECT_THAT(lens_of(swept_in(narrow)).why_not, HasSubstr("turned through"));
   EXPECT_THAT(lens_of({}).why_not, HasSubstr("chess halves"));
