@@ -93,24 +93,29 @@ std::string words_of(const OrientationResult& result, const RigProfile& before) 
 }
 
 constexpr double good_pitch = 0.005;  // one standard deviation
-constexpr const char* lens_not_told = "not told by these images: taken as an honest lens has it";
+constexpr const char* lens_not_told = "not told by these images: taken as a plain lens has it";
 
-/// "-1.30 +- 0.20 deg", of something that may not have been told.
+/// "-1.30 +- 0.20 deg", of something that may not have been told; what is written, where that is another.
 std::string told_text(const std::optional<Estimate>& told, double unit, int decimals,
                       const std::string& name) {
   if (!told) return lens_not_told;
-  return fmt::format("{:+.{}f} +- {:.{}f}{}", unit * told->value, decimals, unit * told->uncertainty,
-                     decimals, name);
+  return fmt::format("{:+.{}f} +- {:.{}f}{}{}", unit * told->value, decimals, unit * told->uncertainty,
+                     decimals, name, calibration::is_not_plain(*told) ? "" : ": taken as 0");
+}
+
+/// Logarithm of the likelihood over that of rows that are exposed all at once, by Wald's approximation.
+double margin_of(const Estimate& row_spread) {
+  return 0.5 * std::pow(row_spread.value / row_spread.uncertainty, 2);
 }
 
 std::string rows_text(const LensResult& result) {
   if (!result.row_spread) return lens_not_told;
   const Estimate& spread = *result.row_spread;
   const std::string margin =
-      fmt::format("margin over all at once {:.0f} (difference of log-likelihoods)", result.row_margin);
-  if (std::abs(spread.value) < 3.0 * spread.uncertainty)
-    return fmt::format("exposed all at once ({}); {}", told_text(spread, 1.0, 3, " of a refresh period"),
-                       margin);
+      fmt::format("margin over all at once {:.0f} (difference of log-likelihoods)", margin_of(spread));
+  if (!calibration::is_not_plain(spread))
+    return fmt::format("exposed all at once ({:+.3f} +- {:.3f} of a refresh period); {}", spread.value,
+                       spread.uncertainty, margin);
   return fmt::format(
       "exposed one after the other from the {} on, over {:.3f} +- {:.3f} of a refresh period; {}",
       spread.value > 0.0 ? "first" : "last", std::abs(spread.value), spread.uncertainty, margin);
@@ -196,26 +201,27 @@ nlohmann::json object_of(const ScaleResult& result, const RigProfile& before) {
 
 nlohmann::json object_of(const LensResult& result, const RigProfile& before) {
   const CameraProfile& camera = before.camera;
-  return {{"result",
-           {{"pitch_scale", estimate_json(result.pitch_scale)},
-            {"distortion", told_json(result.distortion)},
-            {"tilt_deg", told_json(result.tilt_deg)},
-            {"roll_deg", told_json(result.roll_deg)},
-            {"row_spread", told_json(result.row_spread)},
-            {"row_margin", result.row_margin},
-            {"turn_closes", result.is_closed},
-            {"turned_deg", result.turned_deg},
-            {"chess_halves", result.halves},
-            {"gyro_delay_s", told_json(result.gyro_delay_s)}}},
-          {"before",
-           {{"pitch_scale", camera.pitch_scale},
-            {"pitch_scale_uncertainty", camera.pitch_scale_uncertainty},
-            {"distortion", camera.distortion},
-            {"distortion_uncertainty", camera.distortion_uncertainty},
-            {"tilt_deg", camera.tilt_deg},
-            {"roll_deg", camera.roll_deg},
-            {"row_spread", camera.row_spread},
-            {"measured_utc", text_json(camera.lens_measured_utc)}}}};
+  return {
+      {"result",
+       {{"pitch_scale", estimate_json(result.pitch_scale)},
+        {"distortion", told_json(result.distortion)},
+        {"tilt_deg", told_json(result.tilt_deg)},
+        {"roll_deg", told_json(result.roll_deg)},
+        {"row_spread", told_json(result.row_spread)},
+        {"row_margin", result.row_spread ? nlohmann::json(margin_of(*result.row_spread)) : nlohmann::json()},
+        {"turn_closes", result.is_closed},
+        {"turned_deg", result.turned_deg},
+        {"chess_halves", result.halves},
+        {"gyro_delay_s", told_json(result.gyro_delay_s)}}},
+      {"before",
+       {{"pitch_scale", camera.pitch_scale},
+        {"pitch_scale_uncertainty", camera.pitch_scale_uncertainty},
+        {"distortion", camera.distortion},
+        {"distortion_uncertainty", camera.distortion_uncertainty},
+        {"tilt_deg", camera.tilt_deg},
+        {"roll_deg", camera.roll_deg},
+        {"row_spread", camera.row_spread},
+        {"measured_utc", text_json(camera.lens_measured_utc)}}}};
 }
 
 nlohmann::json turning_json(int axis, int sign, bool mirrored) {

@@ -24,18 +24,29 @@ void redirect(const std::filesystem::path& file, int descriptor) {
   dup2(opened, descriptor);
 }
 
-/// Where the sessions of these recordings are kept for the tests of this build of the program. Those of the
-/// builds before are removed.
-std::filesystem::path kept_recordings(const std::vector<std::string>& recordings) {
-  namespace fs = std::filesystem;
-  const fs::path all = fs::path(THERMORIG_BINARY_DIR) / "recorded_for_tests";
-  const fs::path builds =
-      all / std::to_string(fs::last_write_time(THERMORIG_PROGRAM).time_since_epoch().count());
-  std::error_code ignored;
-  if (!fs::exists(builds)) fs::remove_all(all, ignored);
+namespace fs = std::filesystem;
+
+/// Where the sessions of these recordings are kept for the tests of this build of the program.
+fs::path kept_recordings(const std::vector<std::string>& recordings) {
+  const auto build = std::to_string(fs::last_write_time(THERMORIG_PROGRAM).time_since_epoch().count());
   std::string words;
   for (const std::string& recording : recordings) words += recording + "\n";
-  return builds / std::to_string(std::hash<std::string>{}(words));
+  return fs::path(THERMORIG_BINARY_DIR) / "recorded_for_tests" / build /
+         std::to_string(std::hash<std::string>{}(words));
+}
+
+/// For the tests that come later. Another test may have been faster: a folder that is not empty is not
+/// replaced.
+void keep(const fs::path& recorded, const fs::path& kept, const std::string& unique) {
+  fs::create_directories(kept.parent_path());
+  const fs::path copy = kept.string() + unique;
+  fs::copy(recorded, copy, fs::copy_options::recursive);
+  std::error_code is_there;
+  fs::rename(copy, kept, is_there);
+  if (is_there) fs::remove_all(copy);
+  std::error_code ignored;  // another test removes it, too
+  for (const auto& build : fs::directory_iterator(kept.parent_path().parent_path(), ignored))
+    if (build.path() != kept.parent_path()) fs::remove_all(build.path(), ignored);  // of older builds
 }
 
 }  // namespace
@@ -102,26 +113,14 @@ Outcome ProgramTest::wait(pid_t process) const {
 }
 
 void ProgramTest::record_once(const std::vector<std::string>& recordings) const {
-  namespace fs = std::filesystem;
-  const fs::path ours = folder_ / "recordings";
-  const auto record_in = [&](const std::string& place) {
-    for (const std::string& words : recordings) {
-      const Outcome outcome = run("record --fast " + words + place);
-      EXPECT_EQ(outcome.code, 0) << outcome.err;
-    }
-  };
-  if (fs::exists(ours)) return record_in("");
-  const fs::path kept = kept_recordings(recordings);
-  if (!fs::exists(kept)) {
-    record_in(" -o recorded");
-    fs::create_directories(kept.parent_path());
-    const fs::path copy = kept.string() + folder_.filename().string();
-    fs::copy(folder_ / "recorded", copy, fs::copy_options::recursive);
-    // Another test may have been faster; a folder that is not empty is not replaced.
-    if (std::error_code there; fs::rename(copy, kept, there), there) fs::remove_all(copy);
-    return fs::rename(folder_ / "recorded", ours);
+  const fs::path ours = folder_ / "recordings", kept = kept_recordings(recordings);
+  const bool is_first = !fs::exists(ours);
+  if (is_first && fs::exists(kept)) return fs::copy(kept, ours, fs::copy_options::recursive);
+  for (const std::string& words : recordings) {
+    const Outcome outcome = run("record --fast " + words);
+    ASSERT_EQ(outcome.code, 0) << outcome.err;
   }
-  fs::copy(kept, ours, fs::copy_options::recursive);
+  if (is_first) keep(ours, kept, folder_.filename().string());
 }
 
 std::filesystem::path ProgramTest::record_briefly() const {

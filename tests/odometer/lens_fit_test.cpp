@@ -75,7 +75,7 @@ TEST(LensFit, TellsRowsThatAreExposedOneAfterTheOther) {
     const LensAnswer answer = lens_of(swept_in(room));
     ASSERT_TRUE(answer.fit) << rolling << ": " << answer.why_not;
     EXPECT_NEAR(answer.fit->row_spread.value, rolling, 0.05) << rolling;
-    EXPECT_GT(answer.fit->row_margin, 20.0) << rolling;
+    EXPECT_LT(answer.fit->row_spread.uncertainty, 0.05) << rolling;
     EXPECT_NEAR(answer.fit->pitch_scale.value, 1.01, 0.005) << rolling;
   }
 }

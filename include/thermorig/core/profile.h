@@ -36,7 +36,7 @@ struct CameraProfile {
   bool mirrored = true;                  // the order on the wire is a mirror image of the scene
   std::string orientation_measured_utc;  // when `mirrored` and the gyro's sign were; empty: assumptions
   ChecksumPolicy checksum = ChecksumPolicy::word;
-  // What `calibrate lens` finds. Pixels of the honest lens stand field_of_view_deg / 32 apart, level and
+  // What `calibrate lens` finds. Pixels of a plain lens stand field_of_view_deg / 32 apart, level and
   // upright.
   double pitch_scale = 1.0;  // true distance between columns over that
   double pitch_scale_uncertainty = 0.03;

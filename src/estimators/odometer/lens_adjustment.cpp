@@ -202,21 +202,9 @@ LensAdjustment::Vector LensAdjustment::slopes(std::size_t half, std::size_t i, c
   return slopes;
 }
 
-/// Headings first, lens last. A cell's own temperature is taken out of the equations: what moves all pixels
-/// that look there by the same tells nothing. Returns the longest step of the lens, in standard deviations.
-double LensAdjustment::step() {
-  const auto count = static_cast<Eigen::Index>(halves_.size());
-  constexpr auto own = static_cast<Eigen::Index>(lens_values);
-  Eigen::MatrixXd curvature = Eigen::MatrixXd::Zero(count + own, count + own);
-  Eigen::VectorXd lean = Eigen::VectorXd::Zero(count + own);
-  Eigen::MatrixXd lens_lean = Eigen::MatrixXd::Zero(own, count);  // what each half says of the lens
-  struct InCell {
-    std::uint32_t half;
-    float weight;
-  };
-  std::vector<std::vector<InCell>> seen(cells_.size());
-  std::vector<Vector> sums(cells_.size(), Vector::Zero());
-  const double scale = trust_ / mean_square_;
+/// What all looks say, the panorama taken as it is; and which halves look at each of its cells.
+void LensAdjustment::add_looks(Equations& equations, Shares& shares) const {
+  const Eigen::Index count = equations.headings();
   for (Eigen::Index j = 0; j < count; ++j)
     for (std::size_t i = 0; i < half_pixels; ++i) {
       const auto half = static_cast<std::size_t>(j);
@@ -224,34 +212,48 @@ double LensAdjustment::step() {
       if (look.weight <= 0.0F) continue;
       const Cell& cell = cells_[look.cell];
       const Vector by_lens = slopes(half, i, look);
-      const auto weight = scale * double{look.weight};
-      curvature(j, j) += weight * double{cell.slope * cell.slope};
-      curvature.block(count, j, own, 1) += weight * double{cell.slope} * by_lens.cast<double>();
-      curvature.block(count, count, own, own) += weight * (by_lens * by_lens.transpose()).cast<double>();
-      lean[j] += weight * double{cell.slope * look.residual_c};
-      lens_lean.col(j) += weight * double{look.residual_c} * by_lens.cast<double>();
-      sums[look.cell] += look.weight * by_lens;
-      auto& in_cell = seen[look.cell];
+      const double weight = scale() * double{look.weight};
+      equations.curvature(j, j) += weight * double{cell.slope * cell.slope};
+      equations.curvature.block(count, j, own, 1) += weight * double{cell.slope} * by_lens.cast<double>();
+      equations.curvature.block(count, count, own, own) +=
+          weight * (by_lens * by_lens.transpose()).cast<double>();
+      equations.lean[j] += weight * double{cell.slope * look.residual_c};
+      equations.lens_lean.col(j) += weight * double{look.residual_c} * by_lens.cast<double>();
+      shares.by_lens[look.cell] += look.weight * by_lens;
+      auto& in_cell = shares.seen[look.cell];
       if (in_cell.empty() || in_cell.back().half != half)
         in_cell.push_back({static_cast<std::uint32_t>(half), 0.0F});
       in_cell.back().weight += look.weight;
     }
+}
+
+/// A cell's own temperature is taken out of the equations: what moves all pixels that look there by the same
+/// tells nothing.
+void LensAdjustment::eliminate_panorama(const Shares& shares, Equations& equations) const {
+  const Eigen::Index count = equations.headings();
+  Eigen::MatrixXd& curvature = equations.curvature;
   for (std::size_t c = 0; c < cells_.size(); ++c) {
     double all = 0.0;
-    for (const InCell& one : seen[c]) all += double{one.weight};
+    for (const InCell& one : shares.seen[c]) all += double{one.weight};
     if (all <= 0.0) continue;
     const double slope = double{cells_[c].slope};
-    const Eigen::VectorXd sum = sums[c].cast<double>();
-    curvature.block(count, count, own, own) -= scale / all * sum * sum.transpose();
-    for (const InCell& one : seen[c]) {
-      const double push = scale * slope * double{one.weight} / all;
+    const Eigen::VectorXd sum = shares.by_lens[c].cast<double>();
+    curvature.block(count, count, own, own) -= scale() / all * sum * sum.transpose();
+    for (const InCell& one : shares.seen[c]) {
+      const double push = scale() * slope * double{one.weight} / all;
       curvature.block(count, one.half, own, 1) -= push * sum;
-      for (const InCell& other : seen[c]) {
+      for (const InCell& other : shares.seen[c]) {
         if (other.half > one.half) break;
         curvature(one.half, other.half) -= push * slope * double{other.weight};
       }
     }
   }
+}
+
+/// By the gyro, which only keeps halves together that see nothing, and by what is known of lenses.
+void LensAdjustment::add_priors(Equations& equations) const {
+  auto& [curvature, lean, lens_lean] = equations;
+  const Eigen::Index count = equations.headings();
   for (Eigen::Index j = 0; j < count; ++j) {
     curvature(j, j) += 1.0 / square(heading_sigma_deg);
     if (j == 0 || !halves_[static_cast<std::size_t>(j)].follows) continue;
@@ -271,7 +273,49 @@ double LensAdjustment::step() {
     curvature(at, at) += 1.0 / square(prior[value]);
     lean[at] -= values_[value] / square(prior[value]);
   }
-  // The lens alone, headings eliminated: its covariance, and what each block of the recording says of it.
+}
+
+/// Of the lens alone, by what each block of the recording says of it.
+void LensAdjustment::learn_uncertainties(const Eigen::MatrixXd& said, const Eigen::MatrixXd& covariance) {
+  Eigen::MatrixXd scatter = Eigen::MatrixXd::Zero(own, own);
+  for (Eigen::Index from = 0; from < said.cols(); from += block_halves) {
+    const auto length = std::min<Eigen::Index>(block_halves, said.cols() - from);
+    const Eigen::VectorXd block = said.middleCols(from, length).rowwise().sum();
+    scatter += block * block.transpose();
+  }
+  for (std::size_t value = 0; value < lens_values; ++value)
+    scatter(static_cast<Eigen::Index>(value), static_cast<Eigen::Index>(value)) += 1.0 / square(prior[value]);
+  const Eigen::MatrixXd spread = covariance * scatter * covariance;
+  for (std::size_t value = 0; value < lens_values; ++value)
+    sigma_[value] = std::sqrt(spread(static_cast<Eigen::Index>(value), static_cast<Eigen::Index>(value)));
+}
+
+/// Returns the longest step of the lens, in standard deviations.
+double LensAdjustment::move(const Eigen::VectorXd& lens_step, const Eigen::VectorXd& heading_step) {
+  double longest = 0.0;
+  for (std::size_t value = 0; value < lens_values; ++value) {
+    const double change =
+        std::clamp(lens_step[static_cast<Eigen::Index>(value)], -longest_step[value], longest_step[value]);
+    longest = std::max(longest, std::abs(change) / sigma_[value]);
+    values_[value] = std::clamp(values_[value] + change, -farthest[value], farthest[value]);
+  }
+  for (std::size_t j = 0; j < halves_.size(); ++j)
+    halves_[j].heading_deg +=
+        std::clamp(heading_step[static_cast<Eigen::Index>(j)], -longest_turn_deg, longest_turn_deg);
+  return longest;
+}
+
+/// Returns the longest step of the lens, in standard deviations.
+double LensAdjustment::step() {
+  const auto count = static_cast<Eigen::Index>(halves_.size());
+  Equations equations{Eigen::MatrixXd::Zero(count + own, count + own), Eigen::VectorXd::Zero(count + own),
+                      Eigen::MatrixXd::Zero(own, count)};
+  Shares shares{std::vector<std::vector<InCell>>(cells_.size()),
+                std::vector<Vector>(cells_.size(), Vector::Zero())};
+  add_looks(equations, shares);
+  eliminate_panorama(shares, equations);
+  add_priors(equations);
+  const auto& [curvature, lean, lens_lean] = equations;
   const Eigen::LLT<Eigen::MatrixXd> of_headings(curvature.topLeftCorner(count, count));
   const Eigen::MatrixXd across = curvature.bottomLeftCorner(own, count);
   const Eigen::MatrixXd share = of_headings.solve(across.transpose()).transpose();
@@ -283,28 +327,8 @@ double LensAdjustment::step() {
     sigma_.fill(std::numeric_limits<double>::infinity());
     return 0.0;
   }
-  const Eigen::MatrixXd said = lens_lean - share * lean.head(count).asDiagonal();
-  Eigen::MatrixXd scatter = Eigen::MatrixXd::Zero(own, own);
-  for (Eigen::Index from = 0; from < count; from += block_halves) {
-    const auto length = std::min<Eigen::Index>(block_halves, count - from);
-    const Eigen::VectorXd block = said.middleCols(from, length).rowwise().sum();
-    scatter += block * block.transpose();
-  }
-  for (std::size_t value = 0; value < lens_values; ++value)
-    scatter(static_cast<Eigen::Index>(value), static_cast<Eigen::Index>(value)) += 1.0 / square(prior[value]);
-  const Eigen::MatrixXd spread = covariance * scatter * covariance;
-  double longest = 0.0;
-  for (std::size_t value = 0; value < lens_values; ++value) {
-    const auto i = static_cast<Eigen::Index>(value);
-    sigma_[value] = std::sqrt(spread(i, i));
-    const double change = std::clamp(lens_step[i], -longest_step[value], longest_step[value]);
-    longest = std::max(longest, std::abs(change) / sigma_[value]);
-    values_[value] = std::clamp(values_[value] + change, -farthest[value], farthest[value]);
-  }
-  for (std::size_t j = 0; j < halves_.size(); ++j)
-    halves_[j].heading_deg +=
-        std::clamp(heading_step[static_cast<Eigen::Index>(j)], -longest_turn_deg, longest_turn_deg);
-  return longest;
+  learn_uncertainties(lens_lean - share * lean.head(count).asDiagonal(), covariance);
+  return move(lens_step, heading_step);
 }
 
 void LensAdjustment::run() {

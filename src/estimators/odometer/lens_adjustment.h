@@ -42,11 +42,11 @@ class LensAdjustment {
   const LensValues& values() const { return values_; }
   /// One standard deviation, from the spread among blocks of the recording and what is known beforehand.
   double uncertainty(LensValue value) const { return sigma_[value]; }
-  double mean_square() const { return mean_square_; }  // K^2, of pixels that were compared
 
   static constexpr LensValues prior{0.03, 0.05, 5.0, 5.0, 0.7};  // one standard deviation
 
  private:
+  static constexpr auto own = static_cast<Eigen::Index>(lens_values);
   using Vector = Eigen::Matrix<float, lens_values, 1>;
   struct Look {  // of a pixel at the panorama
     std::uint32_t cell = 0;
@@ -61,12 +61,33 @@ class LensAdjustment {
     HalfPixels azimuth_deg{}, map_row{};
     std::array<HalfPixels, lens_values> azimuth_by{}, map_row_by{};  // change with a value of the lens
   };
+  struct Equations {  // of a step: the headings of all halves, then the lens
+    Eigen::MatrixXd curvature;
+    Eigen::VectorXd lean;
+    Eigen::MatrixXd lens_lean;  // what each half says of the lens: (lens, halves)
+
+    Eigen::Index headings() const { return lens_lean.cols(); }
+  };
+  struct InCell {
+    std::uint32_t half;
+    float weight;
+  };
+  struct Shares {  // of each cell of the panorama
+    std::vector<std::vector<InCell>> seen;
+    std::vector<Vector> by_lens;
+  };
   void aim();
   void place_looks();
   void make_map();
   void compare();
   void learn_offsets();
   double step();
+  void add_looks(Equations& equations, Shares& shares) const;
+  void eliminate_panorama(const Shares& shares, Equations& equations) const;
+  void add_priors(Equations& equations) const;
+  void learn_uncertainties(const Eigen::MatrixXd& said, const Eigen::MatrixXd& covariance);
+  double move(const Eigen::VectorXd& lens_step, const Eigen::VectorXd& heading_step);
+  double scale() const { return trust_ / mean_square_; }  // of the likelihood
   float reading_c(std::size_t half, std::size_t i) const;
   Vector slopes(std::size_t half, std::size_t i, const Look& look) const;
   double row_part(std::size_t i, unsigned parity) const;
@@ -81,7 +102,7 @@ class LensAdjustment {
   std::vector<float> common_c_;
   std::array<HalfPixels, 2> offset_c_{};
   LensValues sigma_ = prior;
-  double mean_square_ = 1.0;
+  double mean_square_ = 1.0;  // K^2, of pixels that were compared
 };
 
 }  // namespace thermorig::odometer

@@ -236,8 +236,6 @@ LensFit fit_from(const Beginning& beginning, const GyroProfile& gyro, const Came
   fit.is_closed = fit.turned_deg > whole_turn_deg - (1.0 - closing_share) * camera.field_of_view_deg;
   if (!fit.is_closed)
     fit.pitch_scale.uncertainty = std::hypot(fit.pitch_scale.uncertainty, gyro.scale_uncertainty);
-  fit.row_margin = 0.5 * square(fit.row_spread.value / fit.row_spread.uncertainty);
-  fit.residual_k = std::sqrt(adjustment.mean_square());
   fit.halves = static_cast<std::uint32_t>(halves.size());
   return fit;
 }

@@ -69,8 +69,7 @@ void apply(const OrientationResult& result, const std::string& utc, RigProfile& 
 
 void apply(const LensResult& result, const std::string& utc, RigProfile& profile) {
   const auto value = [](const std::optional<Estimate>& told) {
-    const bool is_there = told && std::abs(told->value) > 2.0 * told->uncertainty;
-    return is_there ? rounded(told->value) : 0.0;
+    return told && is_not_plain(*told) ? rounded(told->value) : 0.0;
   };
   CameraProfile& camera = profile.camera;
   camera.pitch_scale = rounded(result.pitch_scale.value);

@@ -108,11 +108,9 @@ LensResult combined(std::span<const LensResult> results) {
   all.roll_deg = mean(&LensResult::roll_deg);
   all.row_spread = mean(&LensResult::row_spread);
   all.gyro_delay_s = mean(&LensResult::gyro_delay_s);
-  all.row_margin = 0.0;
   all.halves = 0;
   for (const LensResult& result : results) {
     all.is_closed = all.is_closed || result.is_closed;
-    all.row_margin += result.row_margin;
     all.turned_deg = std::max(all.turned_deg, result.turned_deg);
     all.halves += result.halves;
   }

@@ -16,7 +16,8 @@ constexpr const char* lens_advice =
     "a session that turns slowly back and forth, by a whole turn where the servo can: `thermorig calibrate "
     "lens` without --session records one; point it at something with warm and cold edges, and run "
     "`thermorig calibrate orientation` first";
-// What a fit is off by beyond its own spread (parallax, blur), of simulated rigs in docs/calibration.md.
+// What a fit is off by beyond its own spread (parallax, blur), on simulated rigs: docs/odometer_table.md
+// shows how pitch and distortion compare with what is stated so.
 constexpr double model_pitch = 0.002, model_distortion = 0.005, model_tilt_deg = 0.3, model_roll_deg = 0.2,
                  model_rows = 0.01;
 // Told no better than so, a value is as good as not told.
@@ -43,6 +44,10 @@ GyroProfile gyro_of(const session::Session& session) {
 
 }  // namespace
 
+bool is_not_plain(const Estimate& told) {
+  return std::abs(told.value) > 2.0 * told.uncertainty;
+}
+
 LensResult measure_lens(const session::Session& session) {
   const CameraProfile& camera = session.raw.header.profile.camera;
   const odometer::LensAnswer answer =
@@ -65,7 +70,6 @@ LensResult measure_lens(const session::Session& session) {
           .roll_deg = told(fit.roll_deg, model_roll_deg, worst_roll_deg),
           .row_spread = told(fit.row_spread, model_rows, worst_rows),
           .is_closed = fit.is_closed,
-          .row_margin = fit.row_margin,
           .turned_deg = fit.turned_deg,
           .halves = fit.halves,
           .gyro_delay_s = gyro_delay_s};

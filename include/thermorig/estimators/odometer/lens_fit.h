@@ -17,12 +17,8 @@ namespace thermorig::odometer {
 struct LensFit {
   Estimate pitch_scale{1.0, 0.0};
   Estimate distortion, tilt_deg, roll_deg, row_spread;
-  double turned_deg = 0.0;  // from the one end to the other
-  bool is_closed = false;   // a whole turn came back to what was seen before
-  // Logarithm of the likelihood over that of rows that are exposed all at once: half the square of their
-  // spread in its standard deviations (Wald's approximation).
-  double row_margin = 0.0;
-  double residual_k = 0.0;   // root mean square of what pixels differ from the panorama by
+  double turned_deg = 0.0;   // from the one end to the other
+  bool is_closed = false;    // a whole turn came back to what was seen before
   std::uint32_t halves = 0;  // chess halves that took part
 };
 

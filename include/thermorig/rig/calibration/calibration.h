@@ -67,14 +67,17 @@ OrientationResult measure_orientation(const session::Session& session);
 struct LensResult {
   Estimate pitch_scale{1.0, 0.0};
   std::optional<Estimate> distortion, tilt_deg, roll_deg, row_spread;  // none: not told
-  bool is_closed = false;   // a whole turn closed: the pitch owes nothing to the gyro's scale
-  double row_margin = 0.0;  // logarithm of the likelihood over that of rows that are exposed all at once
+  bool is_closed = false;  // a whole turn closed: the pitch owes nothing to the gyro's scale
   double turned_deg = 0.0;
   std::uint32_t halves = 0;  // chess halves that took part
   // What the gyro's low-pass delays, by its noise at rest: no image tells that, and a heading is late by it.
   std::optional<Estimate> gyro_delay_s;
 };
 LensResult measure_lens(const session::Session& session);
+
+/// Whether distortion, tilt, roll or spread of the rows are another than those of a plain lens, 0: by two
+/// standard deviations.
+bool is_not_plain(const Estimate& told);
 
 /// Several sessions of the like as one result: means by weight, no surer than the sessions agree with each
 /// other. `results` is not empty. Throws Error(finished_lossy) where orientations contradict each other.
@@ -88,7 +91,7 @@ void apply(const BiasResult& result, const std::string& utc, RigProfile& profile
 void apply(const LatencyResult& result, const std::string& utc, RigProfile& profile);
 void apply(const ScaleResult& result, const std::string& utc, RigProfile& profile);
 void apply(const OrientationResult& result, const std::string& utc, RigProfile& profile);
-/// What it does not tell, or not to be another by two standard deviations, is taken as an honest lens has it.
+/// What it does not tell, or not to be another than that of a plain lens, is taken as a plain lens has it.
 void apply(const LensResult& result, const std::string& utc, RigProfile& profile);
 
 /// Calibrations of `from` into `into`, whose ports, rates and geometry stay: for a session that was recorded
