@@ -20,9 +20,9 @@ EnumerationSettings some_points() {
   return {.share = 0.004, .error_stride = 0, .starts = 1, .recover_stride = 1000};
 }
 #else
-constexpr std::uint64_t points_least = 5000;
+constexpr std::uint64_t points_least = 2500;
 EnumerationSettings some_points() {
-  return {.share = 0.04, .error_stride = 400, .starts = 4, .recover_stride = 100};
+  return {.share = 0.02, .error_stride = 800, .starts = 2, .recover_stride = 100};
 }
 #endif
 
