@@ -66,8 +66,8 @@ TEST_F(VirtualTime, RecordsAFlightControllerAsAnyGyro) {
 }
 
 /// The paper's Table I: 18 acquisitions, 51,561 frames. Of each speed it has 61 frames indoors and 51 in the
-/// garden, up to a frame that falls between two legs. One of each environment; tests/bench/table_one.sh records
-/// all 18.
+/// garden, up to a frame that falls between two legs. One of each environment; tests/bench/table_one.sh
+/// records all 18.
 TEST_F(VirtualTime, RecordsAsManyFramesAsTableOneHas) {
   struct Row {
     std::string environment;
