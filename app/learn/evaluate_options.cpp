@@ -7,86 +7,92 @@ namespace thermorig::app {
 
 namespace {
 
+constexpr const char* study_group = "The study of the paper";
+
+/// What is trained, and how.
 void add_study_words(CLI::App& command, EvaluateOptions& options) {
-  const char* const group = "The study of the paper";
   command
       .add_flag("--study", options.study,
                 "Leave each acquisition of an environment out once, train on all others, test on it; for "
                 "several Nf and Nr")
-      ->group(group);
+      ->group(study_group);
   command
       .add_option("--environment", options.environment, "Whose acquisitions are left out (default garden)")
       ->type_name("NAME")
-      ->group(group);
+      ->group(study_group);
   command.add_option("--nf", options.frames, "Frames a window, at the reference Nr (default 2,3,4,5,6)")
       ->delimiter(',')
       ->type_name("LIST")
-      ->group(group);
+      ->group(study_group);
   command.add_option("--nr", options.reductions, "Averaging, at the reference Nf (default 1,2,3)")
       ->delimiter(',')
       ->type_name("LIST")
-      ->group(group);
+      ->group(study_group);
   command.add_option("--seeds", options.seeds, "Seeds of every setting (default 1)")
       ->delimiter(',')
       ->type_name("LIST")
-      ->group(group);
+      ->group(study_group);
   command
       .add_option("--reference-seeds", options.reference_seeds,
                   "Seeds at the reference, Nf 3 and Nr 1 (default 1,2,3)")
       ->delimiter(',')
       ->type_name("LIST")
-      ->group(group);
+      ->group(study_group);
   command.add_option("--preset", options.preset, "How to train: paper (default), best")
       ->check(CLI::IsMember({"paper", "best"}))
       ->type_name("NAME")
-      ->group(group);
+      ->group(study_group);
   command
       .add_option("--label", options.label,
                   "Speed to learn and to test against: commanded (default), corrected, shaft")
       ->type_name("NAME")
-      ->group(group);
+      ->group(study_group);
   command.add_option("--epochs", options.epochs, "Epochs a training (default 40)")
       ->check(CLI::Range(1, 10'000))
       ->type_name("N")
-      ->group(group);
+      ->group(study_group);
   command
       .add_option(
           "--history", options.history,
           "Valid frames in a row before a window's end, the same for all Nf (default: the largest Nf)")
       ->check(CLI::Range(2, 1'000))
       ->type_name("N")
-      ->group(group);
+      ->group(study_group);
+}
+
+/// Which of its jobs this program does, and what it draws.
+void add_job_words(CLI::App& command, EvaluateOptions& options) {
   command.add_option("--jobs", options.workers, "Trainings side by side (default: one a core)")
       ->check(CLI::Range(1, 1'024))
       ->type_name("N")
-      ->group(group);
+      ->group(study_group);
   command
       .add_option("--draw", options.draw,
                   "Draw the report of this folder's results again, without training anything")
       ->type_name("DIR")
-      ->group(group);
+      ->group(study_group);
   command
       .add_flag("--require-complete", options.require_complete,
                 "With --study and --draw DIR: refuse to draw unless each job of the study has its result")
-      ->group(group);
+      ->group(study_group);
   command
       .add_flag("--list-jobs", options.list_jobs,
                 "With --study: only list the jobs, a line each: its id, and done, claimed or open")
-      ->group(group);
+      ->group(study_group);
   command.add_option("--job", options.job, "With --study: only run this job, and draw no report")
       ->type_name("ID")
-      ->group(group);
+      ->group(study_group);
   command
       .add_option(
           "--shard", options.shard,
           "With --study: only run every N-th job from the I-th on (I from 1 to N), and draw no report")
       ->type_name("I/N")
-      ->group(group);
+      ->group(study_group);
   command
       .add_flag("--baselines", options.baselines,
                 "With --study: compute the rows that need no training in the results in DIR again, from "
                 "the sessions that they are of")
-      ->group(group);
+      ->group(study_group);
 }
 
 /// Without --study and --live the first word is the model.
@@ -117,6 +123,7 @@ void add_evaluate(CLI::App& root, EvaluateOptions& options) {
   command.add_flag("--json", options.json, "Print JSON on standard output, for programs");
   add_frame_memory(command, options.frame_memory, "Options");
   add_study_words(command, options);
+  add_job_words(command, options);
   command.footer(
       "Examples:\n"
       "  thermorig evaluate model.onnx recordings/garden -o report\n"
