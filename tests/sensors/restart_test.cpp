@@ -38,6 +38,17 @@ std::vector<Message> messages_of(Scanner<Message>& scanner, std::span<const std:
   return messages;
 }
 
+/// As soon as a new one does, byte by byte: it must have forgotten that its stream had ended.
+template <typename Message>
+void expect_as_early(Scanner<Message> restarted, Scanner<Message> anew, std::span<const std::uint8_t> bytes) {
+  std::vector<Message> messages, expected;
+  for (std::size_t i = 0; i < bytes.size(); ++i) {
+    restarted.push(bytes.subspan(i, 1), messages);
+    anew.push(bytes.subspan(i, 1), expected);
+    ASSERT_EQ(messages.size(), expected.size()) << "after byte " << i;
+  }
+}
+
 /// A scanner that was restarted gives what a new one gives, its spans behind all bytes so far, its counters
 /// on top of what was counted. The first piece ends within a message, the second begins within one.
 template <typename Message>
@@ -47,6 +58,7 @@ void expect_a_restart_to_begin_anew(const Scanner<Message>& scanner, const ByteV
   Scanner<Message> restarted = scanner;
   messages_of(restarted, first);
   restarted.restart();
+  expect_as_early(restarted, scanner, second);
   const std::vector<Message> messages = messages_of(restarted, second);
 
   Scanner<Message> before = scanner;
