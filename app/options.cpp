@@ -184,6 +184,7 @@ void add_view(CLI::App& root, ViewOptions& view) {
   command.add_option("--page-port", view.port, "Port of the page on this machine (0: any that is free)")
       ->type_name("N")
       ->capture_default_str();
+  add_json(command, view.json);
   command.footer("Example:\n  thermorig view session.h5");
 }
 
