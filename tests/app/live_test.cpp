@@ -538,5 +538,21 @@ TEST_F(LiveMapFile, IsRefusedWhereItCannotBeBegunWith) {
   EXPECT_THAT(without.err, HasSubstr("the odometer"));
 }
 
+/// The odometer compares them in its start, which takes half a minute of motion.
+TEST_F(Live, SaysInWhichOrderTheCameraReadsItsRowsAndByWhichMargin) {
+  const Outcome live = run(
+      "live --simulated=6 --world honest --fast --json --record --estimators odometer --environment kitchen "
+      "--plan quick --speeds 40,90,150 --frames-per-leg 60");
+  ASSERT_EQ(live.code, 0) << live.err;
+  std::string told;
+  for (const json& event : of_kind(live.lines(), "event"))
+    if (event["message"].get<std::string>().starts_with("camera rows: ")) told = event["message"];
+  EXPECT_THAT(told, testing::MatchesRegex("camera rows: read .*, margin [0-9]+ .difference of log.*"));
+  const std::string session = live.lines().back()["session"];
+  const std::string said = told.substr(std::string("camera rows: ").size());
+  EXPECT_THAT(run("inspect " + session).out, HasSubstr("camera rows  " + said));
+  EXPECT_EQ(run("inspect --json " + session).lines()[0][0]["camera_rows"], said);
+}
+
 }  // namespace
 }  // namespace thermorig::tests
