@@ -538,6 +538,15 @@ TEST_F(LiveMapFile, IsRefusedWhereItCannotBeBegunWith) {
   EXPECT_THAT(without.err, HasSubstr("the odometer"));
 }
 
+TEST_F(Live, MarksRatesThatTheirEstimatorDoesNotTrustYet) {
+  const Outcome outcome =
+      run("live --world honest --simulated=3 --fast --estimators gyro,odometer --plan quick --speeds 60 "
+          "--frames-per-leg 12");
+  EXPECT_THAT(outcome.out, HasSubstr("?: a rate that its estimator does not trust, or not yet\n"));
+  EXPECT_THAT(outcome.out, testing::ContainsRegex(" [+-][0-9.]+ +[+-][0-9.]+[?] ")) << "the odometer starts";
+  EXPECT_THAT(outcome.out, Not(testing::ContainsRegex("[?] +[+-]"))) << "nobody doubts the gyro";
+}
+
 /// The odometer compares them in its start, which takes half a minute of motion.
 TEST_F(Live, SaysInWhichOrderTheCameraReadsItsRowsAndByWhichMargin) {
   const Outcome live = run(
