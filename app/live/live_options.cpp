@@ -133,6 +133,7 @@ void check(const LiveCommandLine& words) {
 
 void add_page(CLI::App& command, PageOptions& page) {
   command.add_option("--page-port", page.port, "Port of the page on this machine (0: any that is free)")
+      ->check(CLI::Range(0, 65535))
       ->type_name("N")
       ->capture_default_str();
   command.add_flag("--new-token", page.new_token, "A new token: pages that are open must be opened anew");

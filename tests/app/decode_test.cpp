@@ -252,7 +252,7 @@ TEST_F(Decode, RefusesAFileThatIsEmptyMissingOrAFolder) {
   write("empty.bin", {});
   EXPECT_EQ(run("decode --device camera empty.bin").code, 4);
   EXPECT_EQ(run("decode --device camera missing.bin").code, 2);
-  EXPECT_EQ(run("decode --device camera .").code, 7);
+  EXPECT_EQ(run("decode --device camera .").code, 2);
 }
 
 }  // namespace
