@@ -123,7 +123,7 @@ std::string heading_of(const LiveFacts& facts) {
                         simulation_text(header.simulation));
   const LiveModel& model = header.live_model;
   if (model.name.empty())
-    text += "no model: the gyro alone against the servo (--model FILE)\n";
+    text += "no model: estimators that need no network against the servo (--model FILE)\n";
   else
     text +=
         fmt::format("model {}: {}, {} frames, pixels averaged {} x {}, {} weights{}\n", printable(model.name),

@@ -147,8 +147,9 @@ void add_live(CLI::App& root, LiveCommandLine& words) {
   CLI::App& command =
       *root.add_subcommand("live", "Show the network's estimate against the servo while the rig moves");
   command
-      .add_option("-m,--model", live.model,
-                  "Model (.onnx) that `thermorig train` wrote; without it the gyro alone against the servo")
+      .add_option(
+          "-m,--model", live.model,
+          "Model (.onnx) that `thermorig train` wrote; without it the estimators that need no network run")
       ->type_name("FILE");
   command
       .add_option("--precision", live.precision, "Of the network's weights: fp32, or fp16, half the memory")

@@ -219,7 +219,7 @@ TEST_F(Live, ASessionKeepsOneRowAFrame) {
 TEST_F(Live, WorksWithoutAModelAndSaysSo) {
   const Outcome outcome = run("live --world honest --simulated=3 --fast " + plan);
   ASSERT_EQ(outcome.code, 0) << outcome.err;
-  EXPECT_THAT(outcome.out, HasSubstr("no model: the gyro alone against the servo"));
+  EXPECT_THAT(outcome.out, HasSubstr("no model: estimators that need no network against the servo"));
   EXPECT_THAT(outcome.out, HasSubstr("RMSE deg/s"));
 }
 
