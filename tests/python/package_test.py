@@ -111,7 +111,7 @@ class TheSessions(unittest.TestCase):
         self.assertEqual(session.reasons(int(np.flatnonzero(session.valid)[0])), [])
         self.assertTrue(session.mirrored)
         np.testing.assert_array_equal(session.upright_c[:, :, 0], session.frames_c[:, :, 31])
-        with self.assertRaisesRegex(ValueError, "rate_commanded or rate_corrected or rate_shaft"):
+        with self.assertRaisesRegex(ValueError, "commanded, corrected, shaft"):
             session.label("rate_label")
 
     def test_follow_what_was_said_of_them_afterwards(self):
