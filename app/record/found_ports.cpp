@@ -119,8 +119,8 @@ std::string missing_text(const FoundPorts& found) {
   const char* advice =
       any_closed
           ? "thermorig doctor (says what stands between a port and this program)"
-          : "is it plugged in by a cable that carries data, and does it have power? Its settings and a "
-            "dump of its bytes: thermorig decode --help";
+          : "is it plugged in by a cable that carries data, and does it have power? Of what an unknown "
+            "board sends, `thermorig decode` tells what it may be";
   return fmt::format("\nmissing  {}\n  try: {}\n", joined(found.missing), advice);
 }
 
