@@ -7,6 +7,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <exception>
+#include <filesystem>
 #include <new>
 #include <string_view>
 #include <variant>
@@ -67,6 +68,11 @@ int main(int argc, char** argv) {
     return printed(run(argc, argv));
   } catch (const Error& error) {
     return app::report(error, json);
+  } catch (const std::filesystem::filesystem_error& error) {
+    const bool forbidden = error.code() == std::errc::permission_denied;
+    return app::report(Error(forbidden ? ExitCode::no_permission : ExitCode::storage, error.code().message(),
+                             error.path1().string(), "see what is there: ls -l " + error.path1().string()),
+                       json);
   } catch (const std::bad_alloc&) {
     return app::report(Error(ExitCode::failed, "there is not enough memory", "", "close other programs"),
                        json);

@@ -7,6 +7,7 @@
 
 #include "learning_options.h"
 #include "live/live_options.h"
+#include "print/terminal_width.h"
 #include "rig_options.h"
 #include "sessions/session_options.h"
 #include "thermorig/core/error.h"
@@ -148,7 +149,9 @@ void add_simulate(CLI::App& root, Words& words) {
   SimulateOptions& simulate = words.simulate;
   CLI::App& command =
       *root.add_subcommand("simulate", "Offer a simulated rig on three virtual ports until Ctrl-C");
-  command.add_option("--seed", simulate.seed, "Seed of the simulated world")->capture_default_str();
+  command.add_option("--seed", simulate.seed, "Seed of the simulated world")
+      ->check(not_negative())
+      ->capture_default_str();
   add_seed(
       command, [&simulate](std::uint64_t seed) { simulate.seed = seed; },
       "The same, as the other commands have it");
@@ -182,8 +185,10 @@ void add_view(CLI::App& root, ViewOptions& view) {
       *root.add_subcommand("view", "Show a session on a page: images, rates, validity under one cursor");
   command.add_option("SESSION", view.file, "Session file (.h5)")->required();
   command.add_option("--page-port", view.port, "Port of the page on this machine (0: any that is free)")
+      ->check(CLI::Range(0, 65535))
       ->type_name("N")
       ->capture_default_str();
+  add_json(command, view.json);
   command.footer("Example:\n  thermorig view session.h5");
 }
 
@@ -239,6 +244,7 @@ void add_decode(CLI::App& root, Words& words) {
       ->required();
   command.add_option("FILE", decode.file, "The dump; - for standard input")->required();
   command.add_option("--lines", decode.lines, "Messages to print, a line each (default 10, with --json all)")
+      ->check(not_negative())
       ->type_name("N");
   command.add_flag("--all", decode.all, "Print every message");
   command.add_option("--camera-protocol", decode.camera_protocol, "What the camera speaks")
@@ -323,19 +329,54 @@ void describe(CLI::App& root, Words& words) {
       "Exit codes and JSON keys: docs/commands.md");
 }
 
+/// Where what an option does begins in a line of CLI11's help; 0 of a line of another kind.
+std::size_t meaning_at(const std::string& line) {
+  constexpr std::size_t column = 30;
+  const bool is_one = line.size() > column && line.starts_with("  ") && line[column - 1] == ' ' &&
+                      line[column] != ' ' && !line.starts_with("  thermorig");
+  return is_one ? column : 0;
+}
+
+/// A line that is longer than `width` goes on below where its meaning begins. Examples stay as they are: they
+/// are for copying.
+std::string wrapped(std::string line, std::size_t width) {
+  const std::size_t indent = meaning_at(line);
+  if (indent == 0 && line.starts_with(' ')) return line + "\n";
+  std::string text;
+  while (line.size() > width) {
+    const std::size_t end = line.rfind(' ', width);
+    if (end == std::string::npos || end <= indent) break;
+    text += line.substr(0, end) + "\n";
+    line = std::string(indent, ' ') + line.substr(end + 1);
+  }
+  return text + line + "\n";
+}
+
+/// CLI11 does not look how wide a terminal is.
+std::string wrapped_help(const std::string& help, std::size_t width) {
+  std::string text;
+  for (std::size_t at = 0; at < help.size();) {
+    const std::size_t end = std::min(help.find('\n', at), help.size());
+    text += wrapped(help.substr(at, end - at), std::max<std::size_t>(width, 60));
+    at = end + 1;
+  }
+  return text;
+}
+
 /// CLI11 prints the value of a bare --simulated as "{1}"; people read "[=SEED]". Same width, so columns stay.
 std::string readable(std::string help) {
   struct Choice {
     std::string printed, read;
   };
-  static const std::array<Choice, 4> choices{{{"{1}    ", "[=SEED]"},
+  static const std::array<Choice, 5> choices{{{"{1}    ", "[=SEED]"},
+                                              {"{false}", "       "},  // of --no-preflight
                                               {"{windows}", "[=WHAT]  "},
                                               {"{samples}", "[=TABLE] "},
                                               {"{all}  ", "[=NAME]"}}};
   for (const Choice& choice : choices)
     for (auto at = help.find(choice.printed); at != std::string::npos; at = help.find(choice.printed, at))
       help.replace(at, choice.printed.size(), choice.read);
-  return help;
+  return wrapped_help(help, terminal_width());
 }
 
 /// `--simulated 3` leaves the 3 over: the seed belongs to the word.
@@ -369,6 +410,12 @@ std::string what_to_read(const CLI::App& root) {
   return (meant ? "did you mean " + *meant + "? " : "") + help + "--help";
 }
 
+/// "--speeds = 30deg" of CLI11's "Could not convert: --speeds = 30deg".
+std::string conversion_text(const std::string& what) {
+  const std::string begin = "Could not convert: ";
+  return what.starts_with(begin) ? what.substr(begin.size()) + " is no number that it takes" : what;
+}
+
 }  // namespace
 
 CommandLine parse(int argc, const char* const* argv) {
@@ -379,6 +426,8 @@ CommandLine parse(int argc, const char* const* argv) {
     root.parse(argc, argv);
   } catch (const CLI::CallForHelp&) {
     return {std::nullopt, readable(root.help())};
+  } catch (const CLI::ConversionError& error) {
+    throw Error(ExitCode::bad_usage, conversion_text(error.what()), "", what_to_read(root));
   } catch (const CLI::ParseError& error) {
     throw Error(ExitCode::bad_usage, error.what(), "", what_to_read(root));
   }

@@ -120,6 +120,7 @@ struct InspectOptions {
 struct ViewOptions {
   std::filesystem::path file;
   std::uint16_t port = 8651;  // 0: any that is free
+  bool json = false;
 };
 
 struct ListOptions {

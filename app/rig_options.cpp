@@ -57,6 +57,13 @@ CLI::Validator one_of(std::vector<std::string> names) {
   return {problem, std::move(listed)};
 }
 
+CLI::Validator not_negative() {
+  return {[](const std::string& number) {
+            return number.starts_with('-') ? number + " is negative" : std::string();
+          },
+          ""};
+}
+
 void add_simulated_parts(CLI::App& command, SimulatedParts& parts) {
   command
       .add_option("--simulated-servo", parts.servo,

@@ -19,6 +19,9 @@ namespace thermorig::app {
 // Words that several commands share.
 void add_json(CLI::App& command, bool& json);
 
+/// Refuses what has a minus: read as a number without a sign it would be one near 2^64.
+CLI::Validator not_negative();
+
 /// --sync: when what is recorded has to be on the disk.
 void add_sync(CLI::App& command, std::string& sync);
 /// --replug-patience: how long a device is waited for that goes.

@@ -2,6 +2,7 @@
 #include <CLI/CLI.hpp>
 
 #include "learning_options.h"
+#include "rig_options.h"
 
 namespace thermorig::app {
 
@@ -29,12 +30,14 @@ void add_study_words(CLI::App& command, EvaluateOptions& options) {
       ->type_name("LIST")
       ->group(study_group);
   command.add_option("--seeds", options.seeds, "Seeds of every setting (default 1)")
+      ->check(not_negative())
       ->delimiter(',')
       ->type_name("LIST")
       ->group(study_group);
   command
       .add_option("--reference-seeds", options.reference_seeds,
                   "Seeds at the reference, Nf 3 and Nr 1 (default 1,2,3)")
+      ->check(not_negative())
       ->delimiter(',')
       ->type_name("LIST")
       ->group(study_group);

@@ -48,6 +48,7 @@ void add_settings(CLI::App& command, TrainOptions& options) {
       .add_option("--label-scale", options.label_scale_dps, "Speeds are divided by it (default 200 deg/s)")
       ->type_name("DPS");
   command.add_option("--seed", options.seed, "Of first weights, order, mirror, held-out acquisition")
+      ->check(not_negative())
       ->type_name("SEED")
       ->capture_default_str();
 }

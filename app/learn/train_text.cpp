@@ -27,10 +27,11 @@ std::string settings_text(const TrainingConfig& config, Label label) {
       config.loss.auxiliary_thermal > 0 && config.shape.fusion
           ? fmt::format("auxiliary thermal loss {:g}", config.loss.auxiliary_thermal)
           : "no auxiliary loss";
-  return fmt::format(
-      "{}: label {}, {} epochs, batch {}, rate {:g}, {}, {}, {}, seed {}", config.preset, column_of(label),
-      config.epochs, config.batch, config.adam.rate, auxiliary, config.mirror ? "mirror" : "no mirror",
-      config.choose_epoch ? "epoch chosen on a held-out acquisition" : "last epoch kept", config.seed);
+  return fmt::format("{}: label {}, {} epoch{}, batch {}, rate {:g}, {}, {}, {}, seed {}", config.preset,
+                     column_of(label), config.epochs, config.epochs == 1 ? "" : "s", config.batch,
+                     config.adam.rate, auxiliary, config.mirror ? "mirror" : "no mirror",
+                     config.choose_epoch ? "epoch chosen on a held-out acquisition" : "last epoch kept",
+                     config.seed);
 }
 
 std::string network_text(const TrainStart& start) {

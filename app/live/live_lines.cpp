@@ -25,6 +25,12 @@ std::string rate_cell(float rate_dps) {
   return std::isnan(rate_dps) ? "-" : fmt::format("{:+.1f}", rate_dps);
 }
 
+/// Marked where the estimator does not trust it, or not yet.
+std::string rate_cell(const RateEstimate& estimate) {
+  const bool is_doubted = std::isfinite(estimate.rate_dps) && estimate.state != EstimateState::good;
+  return rate_cell(estimate.rate_dps) + (is_doubted ? "?" : "");
+}
+
 std::string figure(double value, const char* format = "{:.4f}") {
   return std::isfinite(value) ? fmt::format(fmt::runtime(format), value) : "-";
 }
@@ -36,7 +42,8 @@ class LiveLines : public LiveScreen {
   void hello(const LiveFacts& facts) override {
     begin_ = facts.header.time_reference;
     titles_ = titles_of(facts.header.estimators);
-    output_.write(heading_of(facts), Matter::word);
+    output_.write(heading_of(facts) + "?: a rate that its estimator does not trust, or not yet\n",
+                  Matter::word);
   }
   void state(const rig::RecordingProgress&) override {}
   void frame(const LiveFrame& frame) override {
@@ -97,7 +104,7 @@ std::string line_of(const LiveFrame& frame, HostTime begin) {
   std::string line =
       fmt::format("{:>6.1f} s  {:>8}", to_s(row.arrival - begin), rate_cell(row.rate_commanded_dps));
   for (std::size_t i = 0; i < frame.estimators.size(); ++i)
-    line += fmt::format("{:>{}}", rate_cell(row.estimates[i].rate_dps), width_of(frame.estimators[i]));
+    line += fmt::format("{:>{}}", rate_cell(row.estimates[i]), width_of(frame.estimators[i]));
   if (const std::optional<float> gain = live::gain_of(frame.estimators, row))
     line += fmt::format("  {:>4}", std::isnan(*gain) ? "-" : fmt::format("{:.2f}", *gain));
   return line + fmt::format("  {:>7}  {:>8}  {:>6.0f} us", frame.scores.counted, frame.scores.excluded,
@@ -116,7 +123,7 @@ std::string heading_of(const LiveFacts& facts) {
                         simulation_text(header.simulation));
   const LiveModel& model = header.live_model;
   if (model.name.empty())
-    text += "no model: the gyro alone against the servo (--model FILE)\n";
+    text += "no model: estimators that need no network against the servo (--model FILE)\n";
   else
     text +=
         fmt::format("model {}: {}, {} frames, pixels averaged {} x {}, {} weights{}\n", printable(model.name),

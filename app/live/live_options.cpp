@@ -133,6 +133,7 @@ void check(const LiveCommandLine& words) {
 
 void add_page(CLI::App& command, PageOptions& page) {
   command.add_option("--page-port", page.port, "Port of the page on this machine (0: any that is free)")
+      ->check(CLI::Range(0, 65535))
       ->type_name("N")
       ->capture_default_str();
   command.add_flag("--new-token", page.new_token, "A new token: pages that are open must be opened anew");
@@ -146,8 +147,9 @@ void add_live(CLI::App& root, LiveCommandLine& words) {
   CLI::App& command =
       *root.add_subcommand("live", "Show the network's estimate against the servo while the rig moves");
   command
-      .add_option("-m,--model", live.model,
-                  "Model (.onnx) that `thermorig train` wrote; without it the gyro alone against the servo")
+      .add_option(
+          "-m,--model", live.model,
+          "Model (.onnx) that `thermorig train` wrote; without it the estimators that need no network run")
       ->type_name("FILE");
   command
       .add_option("--precision", live.precision, "Of the network's weights: fp32, or fp16, half the memory")

@@ -10,6 +10,7 @@
 #include <numeric>
 #include <utility>
 
+#include "print/map_text.h"
 #include "print/output.h"
 #include "thermorig/io/port.h"
 
@@ -80,6 +81,7 @@ EstimateRow LiveRun::add(const Measurement& measurement, HostTime arrived) {
   if (++frames_ == scene_frame) warn_of_scene(measurement.frame.frame);
   warn_of_gate(scores);
   tell_of_map();
+  tell_of_rows();
   return row;
 }
 
@@ -122,6 +124,14 @@ void LiveRun::tell_of_map() {
   if (map_ == nullptr) return;
   if (auto news = map_->news(estimates_.map_use()))
     orders_.push_back({rig::OrderKind::info, *std::move(news)});
+}
+
+/// When a start has compared them; a start after a lost one tells anew.
+void LiveRun::tell_of_rows() {
+  const std::optional<odometer::FoundRows> rows = estimates_.rows();
+  if (!rows || rows == rows_told_) return;
+  rows_told_ = rows;
+  orders_.push_back({rig::OrderKind::info, rows_text(*rows)});
 }
 
 void LiveRun::write_map() {

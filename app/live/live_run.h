@@ -67,6 +67,7 @@ class LiveRun {
   void warn_of_scene(const ThermalFrame& frame);
   void warn_of_gate(const live::LiveScores& scores);
   void tell_of_map();
+  void tell_of_rows();
 
   LiveFacts facts_;
   std::optional<network::Scaling> scaling_;
@@ -82,6 +83,7 @@ class LiveRun {
   std::uint64_t frames_ = 0;
   std::optional<HostTime> surroundings_shown_;
   bool gate_told_ = false;
+  std::optional<odometer::FoundRows> rows_told_;
 };
 
 }  // namespace thermorig::app

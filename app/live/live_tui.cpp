@@ -150,9 +150,16 @@ class LiveTui : public LiveScreen {
     return fmt::format("  angle {:+.1f} +- {:.1f} deg", estimate.angle_deg, estimate.angle_sigma_deg);
   }
 
-  static std::string rate_text(const std::string& name, const RateEstimate& estimate, float label_dps,
-                               double rmse_dps) {
-    return fmt::format("\n{:<11} {:>7}  error {:>7}  RMSE {:>6} deg/s{}", name,
+  /// As wide as the longest name.
+  static std::size_t name_width(const LiveFrame& frame) {
+    std::size_t width = 11;
+    for (const EstimatorColumn& estimator : frame.estimators) width = std::max(width, estimator.name.size());
+    return width;
+  }
+
+  static std::string rate_text(const std::string& name, std::size_t width, const RateEstimate& estimate,
+                               float label_dps, double rmse_dps) {
+    return fmt::format("\n{:<{}} {:>7}  error {:>7}  RMSE {:>6} deg/s{}", name, width,
                        signed_figure(estimate.rate_dps), signed_figure(estimate.rate_dps - label_dps),
                        plain_figure(rmse_dps), angle_text(estimate));
   }
@@ -160,10 +167,11 @@ class LiveTui : public LiveScreen {
   static std::string rates_text(const LiveFrame& frame) {
     const EstimateRow& row = frame.row;
     const float label_dps = row.rate_commanded_dps;
-    std::string text = fmt::format("servo       {:>7} deg/s", signed_figure(label_dps));
+    const std::size_t width = name_width(frame);
+    std::string text = fmt::format("{:<{}} {:>7} deg/s", "servo", width, signed_figure(label_dps));
     if (!row.counted) text += "  excluded: " + why_excluded(frame);
     for (std::size_t i = 0; i < frame.estimators.size(); ++i)
-      text += rate_text(frame.estimators[i].name, row.estimates[i], label_dps,
+      text += rate_text(frame.estimators[i].name, width, row.estimates[i], label_dps,
                         frame.scores.estimators[i].rmse_dps);
     const std::optional<float> gain = live::gain_of(frame.estimators, row);
     const std::string gate =

@@ -10,6 +10,8 @@
 
 #include "annotation_text.h"
 #include "decoded_text.h"
+#include "map_text.h"
+#include "number_json.h"
 #include "output.h"
 #include "simulation_text.h"
 #include "speed_pairs.h"
@@ -52,6 +54,8 @@ std::string heading(const std::filesystem::path& path, const Session& session, c
   if (!header.note.empty()) text += fmt::format("  note         {}\n", printable(header.note));
   for (const Annotation& annotation : session.annotations)
     text += fmt::format("  annotated    {}\n", printable(words_of(annotation)));
+  const std::string rows = rows_told(session.raw.events);
+  if (!rows.empty()) text += fmt::format("  camera rows  {}\n", printable(rows));
   if (!header.firmware.empty()) text += fmt::format("  servo        {}\n", printable(header.firmware));
   return text;
 }
@@ -175,6 +179,7 @@ nlohmann::json inspected_json(const std::filesystem::path& path, const Session& 
   object["environment"] = place.environment;
   object["acquisition"] = place.acquisition;
   object["annotations"] = annotations_json(session);
+  object["camera_rows"] = text_json(rows_told(session.raw.events));
   object["file"] = path.string();
   object["state"] = session::name_of(session.state);
   object["duration_s"] = quality.duration_s;

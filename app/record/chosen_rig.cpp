@@ -5,6 +5,7 @@
 #include "thermorig/core/error.h"
 #include "thermorig/io/port.h"
 #include "thermorig/simulation/panorama.h"
+#include "thermorig/storage/recording_header/profile_fields.h"
 
 namespace thermorig::app {
 
@@ -69,6 +70,14 @@ void apply(const RigOptions& options, RigProfile& profile) {
   if (options.camera_rate_hz) profile.camera.output_rate_hz = *options.camera_rate_hz;
 }
 
+/// Of the file each value was looked at as it was read: what is wrong now is an option's.
+void check_values(const RigProfile& profile) {
+  if (const auto problem = recording_header::problem_of(profile))
+    throw Error(ExitCode::bad_usage, problem->what,
+                problem->table.empty() ? "the rig's options" : "the " + problem->table + "'s options",
+                problem->allowed);
+}
+
 ServoProfile simulated_servo(const std::string& kind, ServoProfile servo) {
   if (kind == "winch") return servo;
   if (kind == "continuous") {
@@ -112,6 +121,7 @@ ChosenRig chosen_rig(const RigOptions& options, const std::string& environment,
   }
   if (!options.profile.empty()) chosen.profile = read_named_profile(options.profile);
   apply(options, chosen.profile);
+  check_values(chosen.profile);
   if (chosen.simulated) {
     chosen.simulated->profile = chosen.profile;
   } else {

@@ -89,8 +89,8 @@ std::string command_with_ports(const FoundPorts& found) {
     return "thermorig record --environment kitchen --rig " + printable(found.saved.name);
   if (found.profile.gyro.protocol != GyroProfile().protocol) return "thermorig ports --save bench";
   return fmt::format(
-      "thermorig record --environment kitchen --camera {} --gyro {} --servo {}\nsave  thermorig ports --save "
-      "bench",
+      "thermorig record --environment kitchen --camera {0} --gyro {1} --servo {2}\n"
+      "save  thermorig ports {0} {1} {2} --save bench",
       printable(found.profile.camera.link.port), printable(found.profile.gyro.link.port),
       printable(found.profile.servo.link.port));
 }
@@ -111,12 +111,25 @@ FoundPorts found_ports(std::vector<PortFinding> findings, const RigProfile& prof
   return found;
 }
 
+/// What a person can do about it, by what was seen of the ports.
+std::string missing_text(const FoundPorts& found) {
+  if (found.missing.empty()) return "";
+  const auto is_closed = [](const PortFinding& finding) { return !finding.problem.empty(); };
+  const bool any_closed = std::any_of(found.findings.begin(), found.findings.end(), is_closed);
+  const char* advice =
+      any_closed
+          ? "thermorig doctor (says what stands between a port and this program)"
+          : "is it plugged in by a cable that carries data, and does it have power? Of what an unknown "
+            "board sends, `thermorig decode` tells what it may be";
+  return fmt::format("\nmissing  {}\n  try: {}\n", joined(found.missing), advice);
+}
+
 std::string text_of(const FoundPorts& found) {
   std::string text = table_text(found.findings);
   for (const std::string& sentence : found.ambiguous)
     text += fmt::format("\nnote  {}\n", printable(sentence));
   for (const PortFinding& finding : found.findings) text += text_gyro_text(finding, found.profile);
-  if (!found.missing.empty()) text += fmt::format("\nmissing  {}\n", joined(found.missing));
+  text += missing_text(found);
   if (!found.saved.name.empty()) text += fmt::format("\nsaved {}\n", printable(found.saved.file.string()));
   if (!found.is_whole_rig()) return text;  // there is nothing yet to record with
   return text + fmt::format("{}next  {}\n", found.saved.name.empty() ? "\n" : "", command_with_ports(found));

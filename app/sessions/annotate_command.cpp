@@ -62,7 +62,7 @@ Annotation annotation_of(const AnnotateOptions& options) {
     read_span(*options.exclude, annotation);
   }
   if (const auto problem = session::problem_of(annotation))
-    refuse_words(*problem, "thermorig annotate --help");
+    refuse_words(*problem, options.exclude ? "--exclude 12.5..14.0" : "thermorig annotate --help");
   return annotation;
 }
 

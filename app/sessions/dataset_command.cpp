@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <chrono>
 #include <functional>
 #include <nlohmann/json.hpp>
 
@@ -32,15 +33,19 @@ std::vector<Entry> read_entries(const DatasetOptions& options) {
 
 bool is_date(const std::string& text) {
   constexpr std::string_view form = "0000-00-00";
-  return text.size() == form.size() &&
-         std::equal(text.begin(), text.end(), form.begin(),
-                    [](char c, char like) { return like == '0' ? c >= '0' && c <= '9' : c == like; });
+  const auto is_like = [](char c, char like) { return like == '0' ? c >= '0' && c <= '9' : c == like; };
+  if (text.size() != form.size() || !std::equal(text.begin(), text.end(), form.begin(), is_like))
+    return false;
+  const auto number = [&](std::size_t at) { return static_cast<unsigned>(std::stoi(text.substr(at, 2))); };
+  return std::chrono::year_month_day(std::chrono::year(std::stoi(text.substr(0, 4))),
+                                     std::chrono::month(number(5)), std::chrono::day(number(8)))
+      .ok();
 }
 
 publication::Terms terms_of(const DatasetOptions& options) {
   const std::string today = io::utc_text(io::now(), io::realtime_offset_ns()).substr(0, 10);
   if (!options.date.empty() && !is_date(options.date))
-    throw Error(ExitCode::bad_usage, "--date is not of the form 2026-11-23", "", "--date " + today);
+    throw Error(ExitCode::bad_usage, "--date is no day of the form 2026-11-23", "", "--date " + today);
   return {.title = options.title,
           .description = options.description,
           .licence = options.licence,

@@ -93,13 +93,18 @@ bool is_usual(const sensors::Recognised& found) {
   return found.protocol == sensors::device_stream(found.role, RigProfile()).protocol;
 }
 
+/// The protocol was asked for already: something else is wrong.
+bool is_chosen(const DecodeOptions& options, const sensors::Recognised& found) {
+  return found.protocol == (found.role == Device::camera ? options.camera_protocol : options.gyro_protocol);
+}
+
 /// Whose bytes they look like, if not the named device's. Text is told apart by its lines.
 std::string advice_on_device(const DecodeOptions& options, Bytes head) {
   for (const sensors::Recognised& found : sensors::recognise(head, 0.0)) {
     const bool convinces = found.role != Device::gyro || found.evidence.messages >= convincing_packets;
     if (found.evidence.text_format || !convinces) continue;
     std::string protocol = protocol_option(found);
-    if (options.device == found.role) return protocol;
+    if (options.device == found.role) return is_chosen(options, found) ? "" : protocol;
     const std::string device = fmt::format("--device {}", name_of(found.role));
     return is_usual(found) ? device : device + " " + protocol;
   }
@@ -148,6 +153,8 @@ std::string advice_on_nothing(const DecodeOptions& options, std::span<const std:
   std::string device = advice_on_device(options, head);
   if (!device.empty()) return device;
   if (options.device == Device::camera && counters.bad_checksum > 0) return advice_on_camera(options, head);
+  if (counters.bytes_received > 0 && counters.bytes_pending == counters.bytes_received)
+    return "a longer dump: this one ends within its first message";
   std::string text = advice_on_text(head);
   if (!text.empty()) return text;
   return "another baud rate when the dump is taken: wrong ones give bytes without sense";

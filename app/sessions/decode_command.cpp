@@ -57,6 +57,9 @@ int keep_open(std::FILE*) {
 [[noreturn]] void refuse_to_read(const std::string& path, int reason) {
   if (reason == ENOENT)
     throw Error(ExitCode::bad_usage, "there is no such file", path, "another name, or - for standard input");
+  if (reason == EISDIR)
+    throw Error(ExitCode::bad_usage, "this is a folder, not a dump", path,
+                "name a file in it, or - for standard input");
   const ExitCode code = reason == EACCES ? ExitCode::no_permission : ExitCode::storage;
   throw Error(code, std::string("it cannot be read: ") + std::strerror(reason), path, "ls -l " + path);
 }

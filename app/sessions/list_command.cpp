@@ -5,8 +5,10 @@
 #include <algorithm>
 #include <array>
 #include <nlohmann/json.hpp>
+#include <set>
 #include <string_view>
 #include <tuple>
+#include <utility>
 
 #include "commands.h"
 #include "print/error_output.h"
@@ -54,6 +56,20 @@ bool is_before(const std::string& sort, const ListedSession& one, const ListedSe
   if (sort == "valid" && one.quality.valid != other.quality.valid)
     return one.quality.valid < other.quality.valid;
   return place(one) < place(other);
+}
+
+/// Nobody shall take a word that fits nothing for an empty folder. Empty if something fits.
+std::string none_text(const ListOptions& options, const std::vector<ListedSession>& all) {
+  const auto is_one = [&](const ListedSession& session) { return is_wanted(options, session); };
+  if (std::any_of(all.begin(), all.end(), is_one)) return "";
+  std::set<std::string> environments, plans;
+  for (const ListedSession& session : all) {
+    environments.insert(printable(session.place.environment));
+    plans.insert(printable(session.header.plan_name));
+  }
+  return fmt::format("none of the {} session{} there is what was asked for: environments {}; plans {}\n",
+                     count_text(all.size()), all.size() == 1 ? "" : "s", fmt::join(environments, ", "),
+                     fmt::join(plans, ", "));
 }
 
 /// Those that are asked for, in order; what is no session comes last.
@@ -187,11 +203,15 @@ std::vector<ListedSession> read_all(const ListOptions& options) {
 }  // namespace
 
 ExitCode run(const ListOptions& options) {
-  const std::vector<ListedSession> sessions = chosen_of(options, read_all(options));
-  if (options.json)
+  std::vector<ListedSession> all = read_all(options);
+  const std::string none = none_text(options, all);
+  const std::vector<ListedSession> sessions = chosen_of(options, std::move(all));
+  if (options.json) {
     print_array(sessions);
-  else
+  } else {
     print_words(options, sessions);
+    print("{}", none);
+  }
   return report_refused(sessions);
 }
 

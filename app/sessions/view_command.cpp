@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: MIT
+#include <nlohmann/json.hpp>
+
 #include "commands.h"
 #include "existing_file.h"
 #include "interrupts.h"
@@ -15,6 +17,19 @@ namespace {
 
 void no_orders(const web::Order& /*order*/) {}
 
+void tell(const ViewOptions& options, const web::Server& server, std::uint64_t frames) {
+  if (options.json)
+    print_json({{"event", "ready"},
+                {"session", options.file.string()},
+                {"frames", frames},
+                {"page_port", server.port()}});
+  else
+    print("session  {}, {} frames\n", printable(options.file.string()), count_text(frames));
+  tell_page(server, options.json);
+  if (!options.json) print("Ctrl-C ends it\n");
+  flush_output();
+}
+
 }  // namespace
 
 /// Until Ctrl-C.
@@ -28,11 +43,9 @@ ExitCode run(const ViewOptions& options) {
   served.port = options.port;
   served.data = [&view](std::string_view name) { return view::served_part(view, name); };
   const web::Server server(served, no_orders);
-  print("session  {}, {} frames\n", printable(options.file.string()), count_text(view.frames()));
-  tell_page(server, false);
-  print("Ctrl-C ends it\n");
-  flush_output();
+  tell(options, server, view.frames());
   wait_for_interrupt();
+  if (options.json) print_json({{"event", "summary"}, {"exit_code", 0}});
   return ExitCode::ok;
 }
 

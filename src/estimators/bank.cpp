@@ -110,6 +110,11 @@ odometer::MapUse Bank::map_use() const {
   return keeper != nullptr ? keeper->map_use() : odometer::MapUse::none;
 }
 
+std::optional<odometer::FoundRows> Bank::rows() const {
+  const Estimator* keeper = parts_->keeper();
+  return keeper != nullptr ? keeper->rows() : std::nullopt;
+}
+
 std::optional<Surroundings> Bank::surroundings(std::size_t place) const {
   return parts_->estimators[place]->surroundings();
 }

@@ -60,6 +60,7 @@ class OdometerEstimator : public Estimator {
     estimate.angle_sigma_deg = static_cast<float>(report.heading_sigma_deg);
     estimate.reason = reason_of(report.reason);
     estimate.state = std::isfinite(estimate.rate_dps) ? state_of(report.state) : EstimateState::absent;
+    rows_ = {report.rows, report.row_margin};
     estimate.values = {static_cast<float>(report.bias_dps), static_cast<float>(report.scale),
                        static_cast<float>(report.latency_s), static_cast<float>(report.mean_nis)};
     return estimate;
@@ -73,10 +74,14 @@ class OdometerEstimator : public Estimator {
 
   std::optional<odometer::Map> map() const override { return odometer_.map(); }
   odometer::MapUse map_use() const override { return odometer_.map_use(); }
+  std::optional<odometer::FoundRows> rows() const override {
+    return rows_.margin > 0.0 ? std::optional(rows_) : std::nullopt;
+  }
 
  private:
   odometer::Odometer odometer_;
   WindowRates rates_, sigmas_;
+  odometer::FoundRows rows_;  // a margin of 0: not compared yet
 };
 
 }  // namespace

@@ -2,6 +2,7 @@
 #include <gmock/gmock.h>
 
 #include <fstream>
+#include <sstream>
 
 #include "program.h"
 
@@ -54,6 +55,48 @@ TEST_F(CommandLine, RefusesASeedThatIsNoNumber) {
     EXPECT_EQ(outcome.code, 2) << seed;
     EXPECT_THAT(outcome.err, HasSubstr("seed")) << seed;
   }
+}
+
+TEST_F(CommandLine, TakesNoNegativeNumberForALargeOne) {
+  for (const char* words :
+       {"simulate --seed=-1", "train . --seed=-1", "evaluate --study . -o s --seeds=1,-1",
+        "evaluate --study . -o s --reference-seeds=-2", "decode --device gyro --lines=-1 dump.bin"}) {
+    const Outcome outcome = run(words);
+    EXPECT_EQ(outcome.code, 2) << words;
+    EXPECT_THAT(outcome.err, HasSubstr(" is negative")) << words;
+  }
+}
+
+TEST_F(CommandLine, SaysWhichNumberIsNone) {
+  EXPECT_THAT(run("record --environment garden --speeds 30deg").err,
+              HasSubstr("--speeds = 30deg is no number that it takes"));
+  EXPECT_THAT(run("view --page-port 70000 x.h5").err, HasSubstr("70000 not in range 0 to 65535"));
+}
+
+TEST_F(CommandLine, RefusesARateOrASpeedThatNoRigHas) {
+  const std::string record = "record --environment garden --simulated --fast ";
+  for (const char* rate : {"0", "-8", "nan", "1e9"}) {
+    const Outcome outcome = run(record + "--camera-rate=" + rate);
+    EXPECT_EQ(outcome.code, 2) << rate;
+    EXPECT_THAT(outcome.err, HasSubstr("output_rate_hz")) << rate;
+    EXPECT_THAT(outcome.err, HasSubstr("try: a number from 0.1 to 64")) << rate;
+  }
+  EXPECT_THAT(run(record + "--speeds 0.001").err, HasSubstr("speeds from 0.01 to 300 deg/s"));
+}
+
+TEST_F(CommandLine, WrapsItsHelpBelowWhereAMeaningBegins) {
+  const std::string help = run("calibrate --help").out;
+  std::istringstream lines(help);
+  for (std::string line; std::getline(lines, line);) EXPECT_LE(line.size(), 80U) << line;
+  EXPECT_THAT(help, HasSubstr("signs; lens: where\n" + std::string(30, ' ') + "pixels look"));
+  EXPECT_THAT(run("record --help").out, testing::Not(HasSubstr("{false}")));
+}
+
+TEST_F(CommandLine, NamesAPathThatTheSystemRefuses) {
+  std::filesystem::create_symlink("loop.h5", folder() / "loop.h5");
+  const Outcome outcome = run("inspect loop.h5");
+  EXPECT_EQ(outcome.code, 7);
+  EXPECT_THAT(outcome.err, HasSubstr("thermorig: loop.h5: Too many levels of symbolic links\n  try: "));
 }
 
 TEST_F(CommandLine, SaysThatTheSeedBelongsToTheWord) {

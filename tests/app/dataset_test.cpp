@@ -76,7 +76,8 @@ TEST_F(DataSet, RefusesWordsAndFoldersThatMakeNone) {
   record("garden", 3);
   for (const char* words :
        {"", "build recordings", "build nowhere --title x", "build recordings --title x --date today",
-        "verify recordings", "verify nowhere", "split recordings --part test"})
+        "build recordings --title x --date 2026-13-45", "verify recordings", "verify nowhere",
+        "split recordings --part test"})
     EXPECT_EQ(run("dataset " + std::string(words)).code, 2) << words;
   EXPECT_TRUE(files(".json").empty());
 }

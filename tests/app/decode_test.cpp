@@ -201,6 +201,20 @@ TEST_F(Decode, TakesTheLastFrameWithoutAChecksumAndTheOnlyPacketOfAGyro) {
   EXPECT_EQ(run("decode --device gyro --json packet.bin").lines().back()["messages_decoded"], 1);
 }
 
+TEST_F(Decode, SaysWhichCheckSumFitsWhereTheProtocolIsRight) {
+  write("frames.bin", camera_dump(3));
+  const Outcome outcome = run("decode --device camera --camera-checksum byte frames.bin");
+  EXPECT_EQ(outcome.code, 4);
+  EXPECT_THAT(outcome.err, HasSubstr("try: --camera-checksum word"));
+}
+
+TEST_F(Decode, SaysThatADumpEndsWithinItsFirstFrame) {
+  Bytes part = camera_dump(1);
+  part.resize(1000);
+  write("part.bin", part);
+  EXPECT_THAT(run("decode --device camera part.bin").err, HasSubstr("try: a longer dump"));
+}
+
 TEST_F(Decode, ShowsTelemetryOfTheServo) {
   const auto bytes = test::telemetry_bytes(0, {.mcu_us = 1'000'000,
                                                .angle_deg = 12.5,
@@ -252,7 +266,7 @@ TEST_F(Decode, RefusesAFileThatIsEmptyMissingOrAFolder) {
   write("empty.bin", {});
   EXPECT_EQ(run("decode --device camera empty.bin").code, 4);
   EXPECT_EQ(run("decode --device camera missing.bin").code, 2);
-  EXPECT_EQ(run("decode --device camera .").code, 7);
+  EXPECT_EQ(run("decode --device camera .").code, 2);
 }
 
 }  // namespace

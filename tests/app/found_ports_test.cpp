@@ -55,6 +55,8 @@ TEST_F(PortsThatWereHeard, AreToldInTheOrderOfTheirRolesWithWhatToTypeNext) {
   EXPECT_THAT(text, Not(HasSubstr("missing")));
   EXPECT_THAT(text,
               HasSubstr("next  thermorig record --environment kitchen --camera " + paths[Device::camera]));
+  EXPECT_THAT(text, HasSubstr("save  thermorig ports " + paths[Device::camera] + " "))
+      << "as they were named";
   EXPECT_EQ(json_of(rig)["ports"][0]["role"], "camera");
 }
 
@@ -62,7 +64,7 @@ TEST_F(PortsThatWereHeard, AreToldWithTheRolesThatAreMissing) {
   const FoundPorts gyro_alone = found({ports_.add(silence), ports_.add(gyro_words)});
   EXPECT_FALSE(gyro_alone.is_whole_rig());
   const std::string text = text_of(gyro_alone);
-  EXPECT_THAT(text, HasSubstr("missing  camera, servo"));
+  EXPECT_THAT(text, HasSubstr("missing  camera, servo\n  try: "));
   EXPECT_THAT(text, Not(HasSubstr("next  thermorig record")));
   EXPECT_THAT(text, HasSubstr("unknown"));
   EXPECT_LT(text.find("gyro "), text.find("unknown"));

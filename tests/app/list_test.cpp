@@ -72,7 +72,11 @@ TEST_F(List, IsSortedAndChosenFromAsIsAskedFor) {
   EXPECT_THAT(listed("--verdict bad"), ElementsAre());
   EXPECT_THAT(listed("recordings/garden"), ElementsAre("garden 1"));
   EXPECT_EQ(run("list --simulated --real").code, 2);
+  EXPECT_THAT(run("list -e bathroom").out,
+              HasSubstr("none of the 3 sessions there is what was asked for: environments garden, kitchen; "
+                        "plans quick"));
   EXPECT_EQ(run("list nowhere").code, 2);
+  EXPECT_THAT(run("list recordings/bathroom").err, HasSubstr("try: check the name: ls recordings\n"));
 }
 
 TEST_F(List, GivesWhatInspectSaysOfASessionAsJson) {

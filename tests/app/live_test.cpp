@@ -219,7 +219,7 @@ TEST_F(Live, ASessionKeepsOneRowAFrame) {
 TEST_F(Live, WorksWithoutAModelAndSaysSo) {
   const Outcome outcome = run("live --world honest --simulated=3 --fast " + plan);
   ASSERT_EQ(outcome.code, 0) << outcome.err;
-  EXPECT_THAT(outcome.out, HasSubstr("no model: the gyro alone against the servo"));
+  EXPECT_THAT(outcome.out, HasSubstr("no model: estimators that need no network against the servo"));
   EXPECT_THAT(outcome.out, HasSubstr("RMSE deg/s"));
 }
 
@@ -536,6 +536,31 @@ TEST_F(LiveMapFile, IsRefusedWhereItCannotBeBegunWith) {
   const Outcome without = run("live --simulated=4 --fast --estimators gyro --map new.map");
   EXPECT_EQ(without.code, 2);
   EXPECT_THAT(without.err, HasSubstr("the odometer"));
+}
+
+TEST_F(Live, MarksRatesThatTheirEstimatorDoesNotTrustYet) {
+  const Outcome outcome =
+      run("live --world honest --simulated=3 --fast --estimators gyro,odometer --plan quick --speeds 60 "
+          "--frames-per-leg 12");
+  EXPECT_THAT(outcome.out, HasSubstr("?: a rate that its estimator does not trust, or not yet\n"));
+  EXPECT_THAT(outcome.out, testing::ContainsRegex(" [+-][0-9.]+ +[+-][0-9.]+[?] ")) << "the odometer starts";
+  EXPECT_THAT(outcome.out, Not(testing::ContainsRegex("[?] +[+-]"))) << "nobody doubts the gyro";
+}
+
+/// The odometer compares them in its start, which takes half a minute of motion.
+TEST_F(Live, SaysInWhichOrderTheCameraReadsItsRowsAndByWhichMargin) {
+  const Outcome live = run(
+      "live --simulated=6 --world honest --fast --json --record --estimators odometer --environment kitchen "
+      "--plan quick --speeds 40,90,150 --frames-per-leg 60");
+  ASSERT_EQ(live.code, 0) << live.err;
+  std::string told;
+  for (const json& event : of_kind(live.lines(), "event"))
+    if (event["message"].get<std::string>().starts_with("camera rows: ")) told = event["message"];
+  EXPECT_THAT(told, testing::MatchesRegex("camera rows: read .*, margin [0-9]+ .difference of log.*"));
+  const std::string session = live.lines().back()["session"];
+  const std::string said = told.substr(std::string("camera rows: ").size());
+  EXPECT_THAT(run("inspect " + session).out, HasSubstr("camera rows  " + said));
+  EXPECT_EQ(run("inspect --json " + session).lines()[0][0]["camera_rows"], said);
 }
 
 }  // namespace

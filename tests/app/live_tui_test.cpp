@@ -53,7 +53,7 @@ class LiveTui : public ::testing::Test {
     std::this_thread::sleep_for(std::chrono::milliseconds(110));  // a picture each 100 ms at most
     screen_->frame({.frame = frame_,
                     .sample = sample_,
-                    .estimators = paper_columns,
+                    .estimators = columns_,
                     .row = row_,
                     .scores = scores_,
                     .inference_us = 90.0});
@@ -67,6 +67,7 @@ class LiveTui : public ::testing::Test {
     return text;
   }
 
+  std::vector<EstimatorColumn> columns_ = paper_columns;
   std::array<int, 2> ends_{-1, -1};
   std::unique_ptr<OutputWriter> output_;
   std::unique_ptr<LiveScreen> screen_;
@@ -87,6 +88,14 @@ TEST_F(LiveTui, ShowsTheLegAndAllRatesWithTheirErrors) {
   EXPECT_THAT(text, HasSubstr("Kg 0.25"));
   EXPECT_THAT(text, Not(HasSubstr("waiting for")));
   EXPECT_THAT(text, Not(HasSubstr("excluded: ")));
+}
+
+TEST_F(LiveTui, StandsInColumnsWhateverTheNamesAre) {
+  columns_[1].name = "thermal-likelihood";
+  const std::string text = drawn();
+  EXPECT_THAT(text, HasSubstr("servo                +90.0 deg/s\n"));
+  EXPECT_THAT(text, HasSubstr("gyro                 +94.5  error"));
+  EXPECT_THAT(text, HasSubstr("thermal-likelihood   +88.0  error"));
 }
 
 TEST_F(LiveTui, SaysTheAngleOfAnEstimateAndWhetherItIsTrusted) {

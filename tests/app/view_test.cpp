@@ -62,6 +62,21 @@ TEST_F(View, RefusesWhatItCannotShow) {
   EXPECT_FALSE(std::filesystem::exists(folder() / "new.html"));
 }
 
+TEST_F(View, SaysInJsonWhereItServes) {
+  const std::string session = record_briefly().string();
+  const pid_t process = start({"view", "--json", "--page-port", "0", session});
+  const auto is_served = [&] { return !file_text(folder() / "background_out.txt").empty(); };
+  EXPECT_TRUE(comes_true(is_served));
+  kill(process, SIGINT);
+  const Outcome outcome = wait(process);
+  const auto lines = outcome.lines();
+  ASSERT_EQ(lines.size(), 2U) << outcome.out;
+  EXPECT_EQ(lines[0]["event"], "ready");
+  EXPECT_GT(lines[0]["page_port"], 0);
+  EXPECT_EQ(lines[1]["event"], "summary");
+  EXPECT_THAT(outcome.err, HasSubstr("page  http://127.0.0.1:"));
+}
+
 TEST_F(View, ServesUntilItIsInterrupted) {
   const std::string session = record_briefly().string();
   const pid_t process = start({"view", "--page-port", "0", session});

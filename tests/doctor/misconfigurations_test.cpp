@@ -234,6 +234,15 @@ TEST(Misconfigurations, AnFtdiAsItComesIsNone) {
   EXPECT_THAT(latency->result, ::testing::HasSubstr("asks for 1 ms"));
 }
 
+TEST(Misconfigurations, WhereNothingIsPluggedInThatIsSaid) {
+  const auto checks = judge_host(HostFacts{});
+  const auto ports =
+      std::find_if(checks.begin(), checks.end(), [](const Check& check) { return check.name == "ports"; });
+  ASSERT_NE(ports, checks.end());
+  EXPECT_EQ(ports->grade(), "warning");
+  EXPECT_THAT(ports->advice, ::testing::HasSubstr("carry data"));
+}
+
 TEST(Misconfigurations, OnlyASupplyThatWasOnCanBreakDown) {
   EXPECT_TRUE(wire::was_brown_out(0x04));
   EXPECT_TRUE(wire::was_brown_out(0x06));

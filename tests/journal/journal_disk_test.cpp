@@ -202,6 +202,8 @@ TEST_F(JournalDisk, ADiskThatCannotReadIsNotAJournalThatEnds) {
     EXPECT_EQ(error.code(), ExitCode::storage) << call;
     EXPECT_THAT(error.advice(), HasSubstr("the journal is still there"));
     disk_.errors = {{call, EACCES}};
+    EXPECT_EQ(error_of([&] { read_journal(path(), disk_); }).code(), ExitCode::no_permission) << call;
+    disk_.errors = {{call, ENXIO}};
     EXPECT_EQ(error_of([&] { read_journal(path(), disk_); }).code(), ExitCode::not_a_session) << call;
   }
 }

@@ -111,7 +111,7 @@ class TheSessions(unittest.TestCase):
         self.assertEqual(session.reasons(int(np.flatnonzero(session.valid)[0])), [])
         self.assertTrue(session.mirrored)
         np.testing.assert_array_equal(session.upright_c[:, :, 0], session.frames_c[:, :, 31])
-        with self.assertRaisesRegex(ValueError, "rate_commanded or rate_corrected or rate_shaft"):
+        with self.assertRaisesRegex(ValueError, "commanded, corrected, shaft"):
             session.label("rate_label")
 
     def test_follow_what_was_said_of_them_afterwards(self):
@@ -140,6 +140,13 @@ class TheSessions(unittest.TestCase):
             pass
         with self.assertRaisesRegex(thermorig.NotASession, "other.h5"):
             thermorig.Session(Path(folder.name) / "other.h5")
+        text = Path(folder.name) / "text.h5"
+        text.write_text("no session")
+        with self.assertRaisesRegex(OSError, "text.h5: "):
+            thermorig.Session(text)
+        text.unlink()
+        with self.assertRaisesRegex(ValueError, "there is no session"):
+            thermorig.scaling_of([])
         first = thermorig.open_sessions(recordings)[0]
         with self.assertRaisesRegex(thermorig.NotASession, "thermorig reprocess"):
             altered_copy(first, lambda file: file.attrs.__setitem__("format_version", "1.3.0"))

@@ -90,6 +90,7 @@ TEST(ProfileFile, WritesACommentForPeople) {
 TEST(ProfileFile, NamesLineAndWhatIsAllowed) {
   EXPECT_THAT(refusal_of_profile("[camera]\n\nbauds = 9600\n"),
               HasSubstr("bench.toml:3: unknown key \"bauds\""));
+  EXPECT_THAT(refusal_of_profile("[camera]\n\nbauds = 9600\n"), HasSubstr("did you mean \"baud\"?"));
   EXPECT_THAT(refusal_of_profile("[camera]\n\nbauds = 9600\n"), HasSubstr("output_rate_hz"));
   EXPECT_THAT(refusal_of_profile("[kamera]\nbaud = 9600\n"), HasSubstr("unknown key \"kamera\""));
   EXPECT_THAT(refusal_of_profile("[gyro]\naxis = \"w\"\n"), HasSubstr("one of: x, y, z"));

@@ -86,6 +86,21 @@ TEST_F(SessionDisk, OneThatIsReplacedStaysUntilTheNewOneIsWhole) {
   EXPECT_EQ(difference(other, read_session(path())), "");
 }
 
+/// No journal is left of it, and those who replace sessions have no --output.
+TEST_F(SessionDisk, OfOneThatIsReplacedTheAdviceIsAnother) {
+  write_session(path(), session_);
+  const auto replace = [](const std::filesystem::path& at, const Session& session, files::Disk& disk) {
+    replace_session(at, session, disk);
+  };
+  for (const int error_number : {ENOSPC, EACCES, EIO}) {
+    disk_.errors = {{"create", error_number}};
+    const std::string advice = refusal(replace, disk_).advice();
+    EXPECT_THAT(advice, HasSubstr("; the session is as it was")) << error_number;
+    EXPECT_THAT(advice, testing::Not(HasSubstr("journal"))) << error_number;
+    EXPECT_THAT(advice, testing::Not(HasSubstr("--output"))) << error_number;
+  }
+}
+
 TEST_F(SessionDisk, ADiskThatGivesBackOtherBytesIsToldSo) {
   ForgetfulDisk disk;
   EXPECT_THAT(refusal(write_session, disk).advice(), HasSubstr("check the disk"));

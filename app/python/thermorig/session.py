@@ -46,7 +46,7 @@ class Session:
 
     def __init__(self, path: str | os.PathLike[str]) -> None:
         self.path = os.fspath(path)
-        self.file = h5py.File(self.path, "r")
+        self.file = _opened(self.path)
         try:
             self._require_format()
             self._header: dict[str, Any] = json.loads(self.file["rig"].attrs["header_json"])
@@ -305,10 +305,18 @@ class Session:
         return digest.hexdigest()
 
 
+def _opened(path: str) -> h5py.File:
+    """h5py's own sentences leave out which file it was."""
+    try:
+        return h5py.File(path, "r")
+    except OSError as error:
+        raise type(error)(f"{path}: {error}") from error
+
+
 def _label_column(name: str) -> str:
     column = name if name in LABELS else f"rate_{name}"
     if column not in LABELS:
-        raise ValueError(f"there is no label {name!r}: {' or '.join(LABELS)}")
+        raise ValueError(f"there is no label {name!r}: {', '.join(label.removeprefix('rate_') for label in LABELS)}")
     return column
 
 

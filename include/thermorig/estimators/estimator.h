@@ -47,6 +47,9 @@ class Estimator {
   /// What a later run may begin with. Nothing where it keeps no map, or none yet that it trusts.
   virtual std::optional<odometer::Map> map() const { return std::nullopt; }
 
+  /// In which order the camera exposes its rows. Nothing where it does not ask, or not yet.
+  virtual std::optional<odometer::FoundRows> rows() const { return std::nullopt; }
+
   /// What has become of the map that it began with.
   virtual odometer::MapUse map_use() const { return odometer::MapUse::none; }
 };

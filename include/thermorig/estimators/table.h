@@ -84,6 +84,7 @@ class Bank {
   /// That of the estimator that keeps one.
   std::optional<odometer::Map> map() const;
   odometer::MapUse map_use() const;
+  std::optional<odometer::FoundRows> rows() const;
 
  private:
   struct Parts;

@@ -73,6 +73,10 @@ odometer::MapUse LiveEstimates::map_use() const {
   return parts_->bank.map_use();
 }
 
+std::optional<odometer::FoundRows> LiveEstimates::rows() const {
+  return parts_->bank.rows();
+}
+
 std::vector<EstimatorColumn> columns_of(const estimators::Bank& bank) {
   std::vector<EstimatorColumn> columns;
   for (const estimators::Entry* entry : bank.entries())

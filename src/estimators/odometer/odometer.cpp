@@ -296,7 +296,7 @@ HalfResult Odometer::Parts::add_newest(const HalfReading& half) {
 bool Odometer::Parts::choose_rows() {
   if (!is_contested) return false;
   is_contested = false;
-  const RowContest::Verdict verdict = contest.verdict();
+  const FoundRows verdict = contest.verdict();
   row_margin = verdict.margin;
   if (verdict.order == RowOrder::at_once) return false;
   std::swap(front, contest.tracker(verdict.order));

@@ -16,7 +16,6 @@ constexpr int rival_passes = 2 * passes_a_row;  // with one bias
 constexpr double rival_widening = 2.0;
 constexpr std::size_t compared_halves = 24;
 constexpr double contest_trust = 0.05;  // of its likelihood: halves share the errors of one map
-constexpr double least_margin = 10.0;   // below it rows are taken at once
 constexpr double fitting_nis = 3.0;     // of one that may win
 constexpr float not_judged = std::numeric_limits<float>::quiet_NaN();
 
@@ -119,9 +118,9 @@ std::optional<double> RowContest::lead(RowOrder order, RowOrder other) const {
   return contest_trust * 0.5 * double{half_pixels} * count * std::log(sum_of_other / sum);
 }
 
-RowContest::Verdict RowContest::verdict() const {
+FoundRows RowContest::verdict() const {
   const RowOrder all[] = {RowOrder::at_once, RowOrder::first_to_last, RowOrder::last_to_first};
-  Verdict best;
+  FoundRows best;
   for (const RowOrder order : all) {
     double margin = std::numeric_limits<double>::infinity();
     for (const RowOrder other : all)
@@ -130,7 +129,7 @@ RowContest::Verdict RowContest::verdict() const {
     if (std::isfinite(margin) && margin > best.margin) best = {order, margin};
   }
   const bool is_rival = best.order != RowOrder::at_once;
-  if (best.margin < least_margin || (is_rival && mean_nis(best.order) > fitting_nis))
+  if (best.margin < FoundRows::least_margin || (is_rival && mean_nis(best.order) > fitting_nis))
     best.order = RowOrder::at_once;
   return best;
 }

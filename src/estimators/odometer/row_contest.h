@@ -31,12 +31,8 @@ class RowContest {
   /// What the caller's tracker made of a half of the store.
   void note(std::size_t place, const HalfResult& result) { note(RowOrder::at_once, place, result); }
 
-  struct Verdict {
-    RowOrder order = RowOrder::at_once;
-    // Logarithm of its likelihood over that of the best other order; 0: nothing could be compared yet.
-    double margin = 0.0;
-  };
-  Verdict verdict() const;
+  /// A margin of 0: nothing could be compared yet.
+  FoundRows verdict() const;
 
   /// The tracker of an order that won: the caller may take it, and begins the contest anew.
   Tracker& tracker(RowOrder order);

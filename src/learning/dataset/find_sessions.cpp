@@ -50,7 +50,7 @@ void add_path(const fs::path& path, Found& found) {
   const fs::file_status status = fs::status(path, hidden);
   if (status.type() == fs::file_type::not_found)
     throw Error(ExitCode::bad_usage, "there is no such file or folder", path.string(),
-                "check the name: ls recordings/*");
+                "check the name: ls " + (path.has_parent_path() ? path.parent_path().string() : "."));
   if (fs::is_directory(status))
     search(path, found);
   else

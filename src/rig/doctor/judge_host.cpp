@@ -86,6 +86,15 @@ void add_usb_checks(const PortFacts& port, std::vector<Check>& checks) {
   }
 }
 
+Check no_port() {
+  return {.name = "ports",
+          .result = "no USB serial port is there: camera, gyro and servo are not plugged in",
+          .advice =
+              "plug them in, by cables that carry data and not power alone; thermorig ports then tells "
+              "which is which",
+          .warning = true};
+}
+
 bool asked_port_is_missing(const HostFacts& facts) {
   return std::any_of(facts.ports.begin(), facts.ports.end(),
                      [](const PortFacts& port) { return port.asked.role && !port.exists; });
@@ -188,6 +197,7 @@ Check plugin_check(const HostFacts& facts) {
 
 std::vector<Check> judge_host(const HostFacts& facts) {
   std::vector<Check> checks{user_check(facts)};
+  if (facts.ports.empty()) checks.push_back(no_port());
   for (const PortFacts& port : facts.ports) {
     checks.push_back(access_check(port, facts));
     add_usb_checks(port, checks);

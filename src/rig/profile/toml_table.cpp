@@ -155,7 +155,7 @@ void TomlTable::refuse_unknown() const {
   for (const auto& [key, value] : node_->value.as_table()) {
     if (std::find(known_.begin(), known_.end(), key) != known_.end()) continue;
     refuse_at(Node{value, node_->source}.place(), fmt::format("unknown key \"{}\"", key),
-              fmt::format("one of: {}", fmt::join(known_, ", ")));
+              known_.empty() ? "leave it out: nothing belongs there" : advice_on_name(key, known_));
   }
 }
 

@@ -19,6 +19,7 @@ namespace thermorig::rig {
 namespace {
 
 constexpr double rate_limit_dps = SERVO_LIMIT_RATE_CDPS / 100.0;
+constexpr double smallest_rate_dps = 0.01;  // the link counts hundredths
 constexpr double rest_limit_s = 3600.0;
 constexpr int frames_limit = 1'000'000;
 constexpr std::size_t legs_limit = 65'535;  // each has a number of 16 bits in the servo's telemetry
@@ -90,9 +91,10 @@ SweepPlan lay_out(Draft draft) {
 
 void apply(Draft& draft, const PlanOverrides& overrides) {
   for (const double magnitude : overrides.magnitudes_dps) {
-    if (!(magnitude > 0.0 && magnitude <= rate_limit_dps))
+    if (!(magnitude >= smallest_rate_dps && magnitude <= rate_limit_dps))
       refuse_override(fmt::format("a speed of {} deg/s cannot be driven", magnitude),
-                      fmt::format("speeds above 0 and up to {} deg/s", rate_limit_dps));
+                      fmt::format("speeds from {} to {} deg/s, e.g. --speeds 30,60,90", smallest_rate_dps,
+                                  rate_limit_dps));
   }
   if (!overrides.magnitudes_dps.empty()) {
     draft.magnitudes_dps = overrides.magnitudes_dps;
@@ -149,13 +151,12 @@ struct Speeds {
 };
 
 Speeds read_speeds(TomlTable& file) {
-  const double smallest = 0.01;  // the link counts hundredths
   const std::string allowed = "leg_rates_dps, magnitudes_dps, or min_dps with max_dps and step_dps";
   const auto legs = file.numbers("leg_rates_dps", -rate_limit_dps, rate_limit_dps, legs_limit);
-  const auto magnitudes = file.numbers("magnitudes_dps", smallest, rate_limit_dps, legs_limit);
-  const auto min = file.number("min_dps", smallest, rate_limit_dps);
-  const auto max = file.number("max_dps", smallest, rate_limit_dps);
-  const auto step = file.number("step_dps", smallest, rate_limit_dps);
+  const auto magnitudes = file.numbers("magnitudes_dps", smallest_rate_dps, rate_limit_dps, legs_limit);
+  const auto min = file.number("min_dps", smallest_rate_dps, rate_limit_dps);
+  const auto max = file.number("max_dps", smallest_rate_dps, rate_limit_dps);
+  const auto step = file.number("step_dps", smallest_rate_dps, rate_limit_dps);
   const bool spaced = min || max || step;
   if (int{legs.has_value()} + int{magnitudes.has_value()} + int{spaced} > 1)
     file.refuse(legs ? "leg_rates_dps" : "magnitudes_dps", "speeds are given twice", "one of: " + allowed);

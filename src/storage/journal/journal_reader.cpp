@@ -24,6 +24,9 @@ using Bytes = std::span<const std::uint8_t>;
 /// A disk that fails is no fault of the file.
 [[noreturn]] void refuse_call(const std::filesystem::path& path, const char* what, int error_number) {
   const std::string sentence = std::string(what) + ": " + std::strerror(error_number);
+  if (error_number == EACCES || error_number == EPERM)
+    throw Error(ExitCode::no_permission, sentence, path.string(),
+                "see who may read it: ls -l " + path.string());
   if (error_number != EIO) refuse(path, sentence);
   throw Error(ExitCode::storage, sentence, path.string(),
               "check the disk (dmesg), then run thermorig recover: the journal is still there");

@@ -49,6 +49,12 @@ class Descriptor {
               path.string(), "close other programs");
 }
 
+[[noreturn]] void cannot_open(const fs::path& path, int error_number) {
+  const std::string what = std::string("cannot be opened: ") + std::strerror(error_number);
+  if (error_number != EACCES && error_number != EPERM) refuse(path, what);
+  throw Error(ExitCode::no_permission, what, path.string(), "see who may read it: ls -l " + path.string());
+}
+
 [[noreturn]] void too_large(const fs::path& path) {
   refuse(path, "is larger than any session: 4 GiB");
 }
@@ -62,7 +68,7 @@ Descriptor open_regular(const fs::path& path, std::int64_t& size) {
                 "name the session files (.h5) in it, or below it");
   if (!is_there || !S_ISREG(info.st_mode)) refuse(path, "is not a regular file");
   Descriptor file(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOCTTY));
-  if (file.get() < 0) refuse(path, std::string("cannot be opened: ") + std::strerror(errno));
+  if (file.get() < 0) cannot_open(path, errno);
   if (::fstat(file.get(), &info) != 0 || !S_ISREG(info.st_mode)) refuse(path, "is not a regular file");
   if (info.st_size > SealedCopy::bytes_max) too_large(path);
   size = info.st_size;

@@ -44,6 +44,23 @@ std::string advice_for(int error_number) {
   }
 }
 
+/// Of a session that takes the place of one: there is no journal, and no --output.
+std::string advice_to_replace(int error_number) {
+  const std::string kept = "; the session is as it was";
+  switch (error_number) {
+    case ENOSPC:
+    case EDQUOT:
+    case EFBIG:
+      return "free as much as the session takes on its disk" + kept;
+    case EACCES:
+    case EPERM:
+    case EROFS:
+      return "a folder that you may write to: copy the session there" + kept;
+    default:
+      return "check the disk (dmesg)" + kept;
+  }
+}
+
 [[noreturn]] void refuse_to_write(const std::string& action, int error_number, const fs::path& path) {
   throw Error(ExitCode::storage, fmt::format("{}: {}", action, std::strerror(error_number)), path.string(),
               advice_for(error_number));
@@ -76,7 +93,7 @@ std::vector<std::string> write_file(const fs::path& path, const Session& session
                                     files::Disk& disk) {
   const bool is_there = is_taken(path, disk);
   if (is_there && !overwrite) refuse_to_write("the session exists already", EEXIST, path);
-  files::PartFile part(path, "the session", advice_for, disk);
+  files::PartFile part(path, "the session", overwrite ? advice_to_replace : advice_for, disk);
   AddedByOthers added = is_there ? added_to(sandbox::copy_on(disk, path)) : AddedByOthers{};
   SessionImage image = build_image(session, std::thread::hardware_concurrency(), added.attributes);
   added.attributes.clear();
@@ -99,7 +116,8 @@ std::vector<std::string> write_or_explain(const fs::path& path, const Session& s
   try {
     return write_file(path, session, overwrite, disk);
   } catch (const Hdf5Failure& failure) {
-    throw Error(ExitCode::storage, failure.what(), path.string(), advice_for(EIO));
+    throw Error(ExitCode::storage, failure.what(), path.string(),
+                overwrite ? advice_to_replace(EIO) : advice_for(EIO));
   }
 }
 

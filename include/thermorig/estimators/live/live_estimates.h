@@ -35,6 +35,9 @@ class LiveEstimates {
   std::optional<odometer::Map> map() const;
   odometer::MapUse map_use() const;
 
+  /// In which order the camera exposes its rows, as that estimator has found it.
+  std::optional<odometer::FoundRows> rows() const;
+
  private:
   struct Parts;
   std::unique_ptr<Parts> parts_;

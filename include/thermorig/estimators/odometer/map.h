@@ -23,6 +23,16 @@ constexpr std::string_view name_of(RowOrder order) {
   return names[static_cast<std::size_t>(order)];
 }
 
+/// What the images of a start have told of that order.
+struct FoundRows {
+  RowOrder order = RowOrder::at_once;
+  double margin = 0.0;  // logarithm of its likelihood over that of the best other order
+
+  /// Below it the images have not told: rows are taken at once.
+  static constexpr double least_margin = 10.0;
+  bool operator==(const FoundRows&) const = default;
+};
+
 /// Surroundings as an odometer has seen them, and the pixels that saw them: another one that begins with them
 /// tells where the camera looks in them. Whoever fills it from a file checks it first (estimators/map_file).
 struct Map {

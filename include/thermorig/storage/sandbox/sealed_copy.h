@@ -24,7 +24,8 @@ class SealedCopy {
   using ReadAt = std::function<void(std::uint64_t offset, std::span<std::byte> out)>;
 
   /// Throws Error: not_a_session if `path` is no regular file, cannot be opened or is larger than 4 GiB;
-  /// storage if reading fails; failed if there is not enough memory.
+  /// no_permission if this user may not read it; storage if reading fails; failed if there is not enough
+  /// memory.
   explicit SealedCopy(const std::filesystem::path& path);
   /// Of a descriptor that another process made, or of a socket that it sends the bytes to; takes it over.
   /// Throws Error: storage, failed.

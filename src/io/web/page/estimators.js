@@ -4,7 +4,7 @@ import { estimatorLines } from './theme.js';
 
 const mostEstimators = estimatorLines.length;
 const mostValues = 8;
-const units = { dps: 'deg/s', deg: 'deg', s: 's' };
+const units = { dps: 'deg/s', deg: 'deg', s: 's', c: 'K' };  // of a temperature: a difference
 
 /** A style of line for each name: its own where it has one, else the next that nobody has. */
 function linesFor(names) {
