@@ -3,10 +3,10 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
-#include <array>
 
 #include "learning_options.h"
 #include "live/live_options.h"
+#include "print/help_text.h"
 #include "print/terminal_width.h"
 #include "rig_options.h"
 #include "sessions/session_options.h"
@@ -329,56 +329,6 @@ void describe(CLI::App& root, Words& words) {
       "Exit codes and JSON keys: docs/commands.md");
 }
 
-/// Where what an option does begins in a line of CLI11's help; 0 of a line of another kind.
-std::size_t meaning_at(const std::string& line) {
-  constexpr std::size_t column = 30;
-  const bool is_one = line.size() > column && line.starts_with("  ") && line[column - 1] == ' ' &&
-                      line[column] != ' ' && !line.starts_with("  thermorig");
-  return is_one ? column : 0;
-}
-
-/// A line that is longer than `width` goes on below where its meaning begins. Examples stay as they are: they
-/// are for copying.
-std::string wrapped(std::string line, std::size_t width) {
-  const std::size_t indent = meaning_at(line);
-  if (indent == 0 && line.starts_with(' ')) return line + "\n";
-  std::string text;
-  while (line.size() > width) {
-    const std::size_t end = line.rfind(' ', width);
-    if (end == std::string::npos || end <= indent) break;
-    text += line.substr(0, end) + "\n";
-    line = std::string(indent, ' ') + line.substr(end + 1);
-  }
-  return text + line + "\n";
-}
-
-/// CLI11 does not look how wide a terminal is.
-std::string wrapped_help(const std::string& help, std::size_t width) {
-  std::string text;
-  for (std::size_t at = 0; at < help.size();) {
-    const std::size_t end = std::min(help.find('\n', at), help.size());
-    text += wrapped(help.substr(at, end - at), std::max<std::size_t>(width, 60));
-    at = end + 1;
-  }
-  return text;
-}
-
-/// CLI11 prints the value of a bare --simulated as "{1}"; people read "[=SEED]". Same width, so columns stay.
-std::string readable(std::string help) {
-  struct Choice {
-    std::string printed, read;
-  };
-  static const std::array<Choice, 5> choices{{{"{1}    ", "[=SEED]"},
-                                              {"{false}", "       "},  // of --no-preflight
-                                              {"{windows}", "[=WHAT]  "},
-                                              {"{samples}", "[=TABLE] "},
-                                              {"{all}  ", "[=NAME]"}}};
-  for (const Choice& choice : choices)
-    for (auto at = help.find(choice.printed); at != std::string::npos; at = help.find(choice.printed, at))
-      help.replace(at, choice.printed.size(), choice.read);
-  return wrapped_help(help, terminal_width());
-}
-
 /// `--simulated 3` leaves the 3 over: the seed belongs to the word.
 bool has_loose_seed(const CLI::App& root) {
   const std::vector<std::string> left = root.remaining(true);
@@ -425,7 +375,7 @@ CommandLine parse(int argc, const char* const* argv) {
   try {
     root.parse(argc, argv);
   } catch (const CLI::CallForHelp&) {
-    return {std::nullopt, readable(root.help())};
+    return {std::nullopt, help_text(root.help(), terminal_width())};
   } catch (const CLI::ConversionError& error) {
     throw Error(ExitCode::bad_usage, conversion_text(error.what()), "", what_to_read(root));
   } catch (const CLI::ParseError& error) {

@@ -7,7 +7,6 @@
 #include <string>
 
 #include "thermorig/core/raw_recording.h"
-
 #include "thermorig/estimators/map_file/map_file.h"
 
 namespace thermorig::app {

@@ -79,6 +79,14 @@ TEST(SweepRecovery, CountsEachTroubleAndGivesUpAfterFiveInARow) {
   EXPECT_THAT(recovery.troubles()[1].advice, HasSubstr("too busy"));
 }
 
+TEST(SweepRecovery, GivesUpWhenADeviceGoesForTheSixthTimeWithinALeg) {
+  WillingServo servo;
+  SweepRecovery recovery(servo.commander);
+  const Error gone(ExitCode::device_lost, "gone", "gyro", "");
+  for (int i = 0; i < 5; ++i) EXPECT_NO_THROW(recovery.device_went(SweepPhase::leg, gone));
+  EXPECT_THROW(recovery.device_went(SweepPhase::leg, gone), Error);
+}
+
 TEST(SweepRecovery, ForgetsFailuresWithALegThatWasDriven) {
   WillingServo servo;
   SweepRecovery recovery(servo.commander);

@@ -48,6 +48,14 @@ TEST(Quality, RatesAreNotQuantisedByTheirWindows) {
   EXPECT_NEAR(camera.gap_max_s, 0.125, 1e-6);
 }
 
+TEST(Quality, MessagesThatAreDamagedInAnyWayAreBadOnes) {
+  Session session = clean_session(150);
+  session.counters[Device::camera] = {.messages = 150, .bad_checksum = 20, .bad_length = 3, .bad_value = 1};
+  const Quality quality = quality_of(session);
+  EXPECT_EQ(quality.stream[Device::camera].bad, 24U);
+  EXPECT_EQ(quality.verdict, "bad");
+}
+
 TEST(Quality, MissingFramesAreLostAndLeaveAGap) {
   Session session = clean_session(150);
   session.frames.erase(session.frames.begin() + 50, session.frames.begin() + 53);
