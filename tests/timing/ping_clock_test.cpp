@@ -222,7 +222,7 @@ TEST(PingFit, BoundsFollowAClockThatWandersMoreThanItsProfileSays) {
   for (const Wandering& one : wandering)
     for (const double timer_s : {0.0, 0.016}) {
       const LinkOptions options{.seed = 14,
-                                .duration_s = 600.0,
+                                .duration_s = 390.0,
                                 .latency_timer_s = timer_s,
                                 .dither_s = timer_s > 0.0 ? 0.020 : 0.003};
       const PingTraffic wild = on_host(traffic(options), one.ahead_s);
@@ -232,6 +232,22 @@ TEST(PingFit, BoundsFollowAClockThatWandersMoreThanItsProfileSays) {
       EXPECT_LE(result.report.needed_wander_ppm, result.report.bound_wander_ppm) << one.name << timer_s;
       EXPECT_EQ(violations_on(wild.mcu_us, result.times, wild.clock, one.ahead_s), 0) << one.name << timer_s;
     }
+}
+
+/// Violations behind a latency timer, whose answers bound a clock the least.
+int violations_behind_a_timer(std::uint64_t seed, const Wandering& one) {
+  const PingTraffic wild = on_host(
+      traffic({.seed = seed, .duration_s = 390.0, .latency_timer_s = 0.016, .dither_s = 0.020}), one.ahead_s);
+  return violations_on(wild.mcu_us, fit(wild).times, wild.clock, one.ahead_s);
+}
+
+TEST(PingFit, BoundsHoldWhereADriftingClockBegins) {
+  EXPECT_EQ(violations_behind_a_timer(1, wandering[2]), 0);
+  EXPECT_EQ(violations_behind_a_timer(8, wandering[3]), 0);
+}
+
+TEST(PingFit, BoundsAreNotPressedTogetherByAWaveThatTheyBarelyHold) {
+  EXPECT_EQ(violations_behind_a_timer(6, wandering[4]), 0);
 }
 
 TEST(PingFit, BoundsHoldWhereAClockJumpsBetweenTwoAnswers) {

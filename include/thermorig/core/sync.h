@@ -62,9 +62,9 @@ struct ClockReport {
   // The bounds hold for a clock whose rate, within any minute, stays so close to its mean over that minute.
   // Checked: half of it explains everything that was heard. 0: not checked, or nothing explains it.
   double bound_wander_ppm = 0.0;
-  // What of it was needed: twice the least wander, of those tried, that explains everything. Where it is less
-  // than bound_wander_ppm, nothing speaks for more, but what was heard would not have told it. Infinite: none
-  // of those tried explains it. 0: not checked.
+  // What of it was needed: twice the least wander, of those tried, that explains everything, and not barely.
+  // Where it is less than bound_wander_ppm, nothing speaks for more, but what was heard would not have told
+  // it. Infinite: none of those tried explains it. 0: not checked.
   double needed_wander_ppm = 0.0;
   double largest_constant_delay_s = 0.0;  // setting that a one-way lower bound rests on
   double latency_s = 0.0;                 // constant that was subtracted

@@ -51,6 +51,7 @@ struct Range {
   double hi = unbounded;
   bool empty() const { return lo > hi; }
   double width() const { return hi - lo; }
+  double middle() const { return (lo + hi) / 2; }
 };
 
 /// How far a clock may have run from the line of its mean rate after `span_s`.

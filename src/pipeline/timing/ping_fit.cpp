@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 #include <unordered_map>
 #include <utility>
 
@@ -166,28 +167,53 @@ struct Followed {
   double sure_wander = 0.0;    // 0: either
 };
 
-/// Whether bounds are so narrow that a clock which wanders more would not fit between them.
-bool tells(const PingHull& hull, double wander) {
+/// Median; 0 where nothing is bounded from both sides.
+double width_s(const PingHull& hull) {
   std::vector<double> widths_s;
   for (const Range& offset : hull.offsets())
     if (std::isfinite(offset.width())) widths_s.push_back(offset.width());
-  return widths_s.empty() || lower_quantile(widths_s, 0.5) <= 0.5 * rate_window_s * wander;
+  return widths_s.empty() ? 0.0 : lower_quantile(widths_s, 0.5);
 }
 
-/// The likely wander is twice the least one of those tried that explains all events: between two pings that
-/// tell, a clock may have gone further than they show. The wider the bounds, the further.
+/// Whether bounds are so narrow that a clock which wanders more would not fit between them: one that loses
+/// for half a window and gains for the other, or, where it is known to be worse than its profile says, one
+/// that waves from window to window.
+bool tells(const PingHull& hull, double wander, bool is_worse) {
+  return width_s(hull) <= rate_window_s * wander / (is_worse ? std::numbers::pi : 2.0);
+}
+
+/// The same, where a clock may bow unseen as far as the bounds are wide.
+PingHull bowed(const PingHull& hull, double wander) {
+  return PingHull(hull.events(), wander, width_s(hull));
+}
+
+/// Whether half the wander explains all events barely, with bounds that are pressed together. Of answers that
+/// are late by chance that one binds whose lateness plus wander times age is least, and this least grows as
+/// the root of the wander. Bounds that grow faster were held by a contradiction.
+bool is_pressed(const PingHull& half, const PingHull& whole) {
+  return width_s(whole) > std::numbers::sqrt2 * width_s(half);
+}
+
+/// The likely wander is twice the least one of those tried that explains all events, and does not press their
+/// bounds together: between two pings that tell, a clock may have gone further than they show. The wider the
+/// bounds, the further.
 Followed follow(const std::vector<PingHull::Event>& events, double wander) {
+  const double stated = wander;
   if (wander > largest_wander) {
     const PingHull hull(events, largest_wander);
     return {hull, hull, 0.0, 0.0};
   }
-  while (wander <= largest_wander && !PingHull(events, 0.5 * wander).explains_all()) wander *= 2.0;
+  PingHull half(events, 0.5 * wander);
+  while (wander <= largest_wander && !half.explains_all()) half = PingHull(events, 0.5 * (wander *= 2.0));
   PingHull likely(events, std::min(wander, largest_wander));
   if (wander > largest_wander) return {likely, likely, std::numeric_limits<double>::infinity(), 0.0};
+  while (2.0 * wander <= largest_wander && is_pressed(half, likely))
+    half = std::exchange(likely, PingHull(events, wander *= 2.0));
   const double needed = wander;
   PingHull sure = likely;
-  while (2.0 * wander <= largest_wander && !tells(sure, wander)) sure = PingHull(events, wander *= 2.0);
-  return {std::move(likely), std::move(sure), needed, wander};
+  while (2.0 * wander <= largest_wander && !tells(sure, wander, needed > stated))
+    sure = PingHull(events, wander *= 2.0);
+  return {bowed(likely, needed), bowed(sure, wander), needed, wander};
 }
 
 /// The likely time, within the bounds that are sure.

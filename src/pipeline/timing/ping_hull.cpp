@@ -2,6 +2,7 @@
 #include "ping_hull.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace thermorig::timing {
 namespace {
@@ -22,12 +23,17 @@ Range range_in_order(const Range& range) {
 
 }  // namespace
 
-PingHull::PingHull(std::span<const Event> events, double wander)
-    : wander_(wander), events_(events), offsets_(events_.size()), begins_(events_.size(), 0) {
+PingHull::PingHull(std::span<const Event> events, double wander, double unseen_s)
+    : wander_(wander),
+      unseen_s_(unseen_s),
+      events_(events),
+      offsets_(events_.size()),
+      begins_(events_.size(), 0) {
   if (events_.empty()) return;
   begins_.front() = 1;
   place_knots();
   rates_.assign(knots_.size(), {-max_rate, max_rate});
+  windows_.resize(knots_.size());
   for (int pass = 0; pass < hull_passes; ++pass) {
     forward();
     backward();
@@ -97,11 +103,13 @@ Range PingHull::window(std::size_t segment) const {
   return {from_s, from_s + rate_window_s};
 }
 
-void PingHull::bound_rates() {
+/// The window of each segment, none where the clock starts anew within it.
+void PingHull::place_windows() {
   std::size_t first = 0;
   std::size_t last = 0;
   std::size_t stretch = 0;  // knots before it belong to another clock
   for (std::size_t k = 0; k + 1 < knots_.size(); ++k) {
+    windows_[k].reset();
     const Range around = window(k);
     for (std::size_t i = knots_[k] + 1; i <= knots_[k + 1]; ++i)
       if (begins(i)) stretch = k + 1;
@@ -115,10 +123,49 @@ void PingHull::bound_rates() {
                           [](char begin) { return begin != 0; });
     };
     while (joins(last + 1)) ++last;
-    const Range mean = mean_rate(knots_[first], knots_[last]);
-    const double span_s = events_[knots_[last]].mcu_s - events_[knots_[first]].mcu_s;
-    const double reach = wander_reach_s(span_s, wander_) / std::max(span_s, 1e-9);
-    rates_[k] = intersection(rates_[k], {mean.lo - reach, mean.hi + reach});
+    windows_[k] = Window{middle_s(knots_[first], knots_[last]),
+                         events_[knots_[last]].mcu_s - events_[knots_[first]].mcu_s,
+                         mean_rate(knots_[first], knots_[last])};
+  }
+}
+
+double PingHull::middle_s(std::size_t first, std::size_t last) const {
+  return (events_[first].mcu_s + events_[last].mcu_s) / 2;
+}
+
+/// By how much mean rates change from the window of a segment to that half a window on, per second. `step`: 1
+/// or -1, from segment to segment, towards where windows do not lie to one side.
+double PingHull::drift(std::size_t segment, std::ptrdiff_t step) const {
+  const Window& own = *windows_[segment];
+  const auto end = std::ssize(windows_) - 1;
+  for (auto k = static_cast<std::ptrdiff_t>(segment); k >= 0 && k < end; k += step) {
+    const auto& other = windows_[static_cast<std::size_t>(k)];
+    if (!other) break;
+    const double away_s = other->middle_s - own.middle_s;
+    if (std::abs(away_s) >= rate_window_s / 2) return (other->mean.middle() - own.mean.middle()) / away_s;
+  }
+  return 0.0;
+}
+
+/// What the rate of a segment may be by its window. Where that lies to one side, the clock may go on as its
+/// mean drifts, and bow unseen: an offset that bows by s within a time T has a rate that is off by 8 s / T^2
+/// times the distance from the middle.
+Range PingHull::allowed(std::size_t segment) const {
+  const Window& own = *windows_[segment];
+  const double reach = wander_reach_s(own.span_s, wander_) / std::max(own.span_s, 1e-9);
+  Range rates{own.mean.lo - reach, own.mean.hi + reach};
+  if (!(unseen_s_ > 0.0)) return rates;
+  const double aside_s = middle_s(knots_[segment], knots_[segment + 1]) - own.middle_s;
+  const double bow = 8.0 * unseen_s_ * std::abs(aside_s) / (rate_window_s * rate_window_s);
+  const double drifted = drift(segment, aside_s < 0.0 ? 1 : -1) * aside_s;
+  return {rates.lo - bow + std::min(drifted, 0.0), rates.hi + bow + std::max(drifted, 0.0)};
+}
+
+void PingHull::bound_rates() {
+  place_windows();
+  for (std::size_t k = 0; k + 1 < knots_.size(); ++k) {
+    if (!windows_[k]) continue;
+    rates_[k] = intersection(rates_[k], allowed(k));
     if (!rates_[k].empty()) continue;
     rates_agree_ = false;
     rates_[k] = range_in_order(rates_[k]);

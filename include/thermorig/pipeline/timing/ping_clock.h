@@ -63,9 +63,10 @@ class PingClock {
 /// The same over a whole recording, non-causal: the times of `mcu_us`, and a report with knots.
 ///
 /// All three in the order of the stream; `mcu_us` are those of `sent` or some of them, and a step back of
-/// more than 0.2 s in it is a reset. The wander that each epoch's bounds allow for is twice what explains all
-/// of its messages: ClockReport::bound_wander_ppm is the largest, and 0 where nothing explains them. In an
-/// epoch without any exchange the bounds are those of a one-way clock: the lower end rests on
+/// more than 0.2 s in it is a reset. The wander that each epoch's bounds allow for is at least twice what
+/// explains all of its messages, and more where its minute begins or ends the epoch:
+/// ClockReport::bound_wander_ppm is the largest, and 0 where nothing explains them. In an epoch without any
+/// exchange the bounds are those of a one-way clock: the lower end rests on
 /// PortProfile::largest_constant_delay_s. Times that nothing bounds have infinite uncertainty.
 struct PingFit {
   std::vector<TimeEstimate> times;
