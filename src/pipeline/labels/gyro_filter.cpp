@@ -49,11 +49,25 @@ double variance_of(const Segment& values) {
   return std::max(0.0, squares / segment - mean * mean);
 }
 
+double length_s(std::span<const TimedGyro> part) {
+  return to_s(part.back().stamp.time - part.front().stamp.time);
+}
+
+/// Time between two samples where none is lost: a gyro's own clock may be off by more than a sample in a
+/// segment.
+double usual_period_s(std::span<const TimedGyro> gyro, double nominal_s) {
+  std::vector<double> lengths_s;
+  for (; gyro.size() >= segment; gyro = gyro.subspan(segment))
+    lengths_s.push_back(length_s(gyro.first(segment)));
+  return lengths_s.empty() ? nominal_s : median(std::move(lengths_s)) / (segment - 1.0);
+}
+
 /// Of samples without a loss among them, all three axes.
 std::vector<AxisSegment> segments_at_rest(std::span<const TimedGyro> gyro, std::span<const TimedServo> servo,
-                                          double period_s) {
+                                          double nominal_period_s) {
   std::vector<AxisSegment> found;
   if (servo.empty()) return found;
+  const double period_s = usual_period_s(gyro, nominal_period_s);
   const HostTime origin = servo.front().stamp.time;
   const auto before = [](const TimedGyro& sample, HostTime time) { return sample.stamp.time < time; };
   for (const Interval& rest : steady_intervals(servo, origin, true)) {
@@ -62,8 +76,7 @@ std::vector<AxisSegment> segments_at_rest(std::span<const TimedGyro> gyro, std::
     auto at = std::lower_bound(gyro.begin(), end, origin + from_s(rest.begin_s + still_after_s), before);
     for (; end - at >= static_cast<std::ptrdiff_t>(segment); at += segment) {
       const std::span part(at, segment);
-      const double length_s = to_s(part.back().stamp.time - part.front().stamp.time);
-      if (std::abs(length_s / period_s - (segment - 1.0)) > 0.5) continue;
+      if (std::abs(length_s(part) / period_s - (segment - 1.0)) > 0.5) continue;
       for (std::size_t axis = 0; axis < 3; ++axis) {
         AxisSegment one{axis, {}, 0.0};
         for (std::size_t i = 0; i < segment; ++i)
