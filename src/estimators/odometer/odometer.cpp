@@ -15,6 +15,7 @@
 #include "half_store.h"
 #include "map_check.h"
 #include "row_contest.h"
+#include "thermorig/core/gyro_delay.h"
 #include "thermorig/estimators/odometer/unseen_turn.h"
 #include "tracker.h"
 
@@ -77,7 +78,7 @@ struct Odometer::Parts {
       : map(std::move(given)),
         map_use(map ? MapUse::searching : MapUse::none),
         gyro_period_s(1.0 / gyro.output_rate_hz),
-        gyro_time_sigma_s(gyro.link.latency_uncertainty_s),
+        gyro_time_sigma_s(time_uncertainty_s(gyro)),
         noise(gyro_period_s),
         priors(priors_of(gyro, camera)),
         map_lens(camera),

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "intervals.h"
+#include "thermorig/core/gyro_delay.h"
 #include "thermorig/core/statistics.h"
 
 namespace thermorig::labels {
@@ -17,8 +18,6 @@ namespace thermorig::labels {
 namespace {
 
 constexpr double second_order_delay = GyroProfile::second_order_delay;
-constexpr double stated_delay_error = 0.1;  // relative: bandwidths in data sheets are nominal
-constexpr double unknown_delay_s = 0.018;
 constexpr double still_after_s = 0.5;  // a shaft that still moves is not at rest
 constexpr std::size_t segment = 128;   // samples of one spectrum
 constexpr std::size_t lines = segment / 2;
@@ -206,7 +205,7 @@ std::optional<Estimate> stated_delay(const GyroProfile& profile, std::optional<d
     return Estimate{second_order_delay / *device_hz, stated_delay_error * second_order_delay / *device_hz};
   const auto delay_s = profile.stated_delay_s();
   if (!delay_s) return std::nullopt;
-  return Estimate{*delay_s, stated_delay_error * *delay_s};
+  return Estimate{*delay_s, delay_uncertainty_s(profile)};
 }
 
 }  // namespace
