@@ -8,7 +8,7 @@
 
 namespace thermorig::odometer {
 
-/// How noisy the gyro's samples are, by how means of a twentieth of a second leave a straight line: gears
+/// How noisy the gyro's samples are, by how means of a fortieth of a second leave a straight line: gears
 /// that shake a turning rig make it twenty times noisier than it is at rest. What a shaft does in so short a
 /// time counts as noise too.
 class GyroNoise {
@@ -32,7 +32,7 @@ class GyroNoise {
   double walk_deg2() const { return walk_deg2_; }
 
  private:
-  static constexpr double block_s = 0.05;
+  static constexpr double block_s = 0.025;
   static constexpr double median_of_square = 0.455;  // of a normal one, of its variance
   // Of a median that follows: a leg at which the shaft sticks and slips hardly moves it.
   static constexpr double first_step = 0.3, slowest_step = 0.003;
