@@ -36,6 +36,7 @@ constexpr double bias_widening = 2.0;  // of what the search states
 constexpr int most_passes = 6;  // through the halves of the start
 constexpr double settled_latency_s = 0.001, settled_scale = 0.001;
 constexpr double known_bias_dps = 1.0;
+constexpr double data_sheet_scale_sigma = 0.03, most_scale_sigmas = 2.2;
 
 /// Of the mean square of innovations.
 struct NisBounds {
@@ -100,6 +101,7 @@ struct Odometer::Parts {
   void begin_pass(int number);
   void take_over(double now_s);
   bool has_settled(double bias_dps, double scale, double latency_s) const;
+  bool is_plausible() const;
   void store_half(const HalfReading& half, double now_s);
   HalfResult add_newest(const HalfReading& half);
   bool choose_rows();
@@ -398,6 +400,12 @@ bool Odometer::Parts::has_settled(double bias_dps, double scale, double latency_
          std::abs(filter.latency_s() - begun_with.latency_s) < latency_s;
 }
 
+/// A map that closes falsely makes a gyro of it that no data sheet knows.
+bool Odometer::Parts::is_plausible() const {
+  const double most = most_scale_sigmas * std::max(data_sheet_scale_sigma, priors.scale_sigma);
+  return std::abs(front.filter().scale_factor() - priors.scale) < most;
+}
+
 void Odometer::Parts::go_through(Tracker& tracker) {
   const int most_looks = tracker.rows() == RowOrder::at_once ? looks_a_step : row_looks_a_step;
   int looks = 0;
@@ -424,6 +432,8 @@ void Odometer::Parts::take_over(double now_s) {
                           (pass >= most_passes && mean_nis < nis_bounds().fits);
   if (mean_nis > nis_bounds().lost || (is_over && !is_settled))
     learn_again();
+  else if (is_over && !is_plausible())
+    begin_anew();
   else
     phase = is_over ? Phase::running : Phase::learning;
 }
