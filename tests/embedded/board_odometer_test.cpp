@@ -25,6 +25,7 @@ using ::testing::HasSubstr;
 RigProfile data_sheet_rig() {
   RigProfile rig;
   rig.gyro.bias_uncertainty_dps = 10.0;
+  rig.gyro.bandwidth_hz = 8000.0;  // no low-pass
   return rig;
 }
 

@@ -92,6 +92,15 @@ TEST(GyroFilter, Of20HzIsFoundByTheNoiseAtRest) {
   }
 }
 
+TEST(GyroFilter, OfAGyroWhoseClockIsOnePercentFastIsFoundAsWell) {
+  Resting resting(20.0);
+  for (std::size_t i = 0; i < resting.gyro.size(); ++i)
+    resting.gyro[i].stamp.time = at_s(static_cast<double>(i) / (1.01 * rate_hz));
+  const GyroErrors errors = resting.fit();
+  EXPECT_EQ(errors.filter_source, "noise");
+  EXPECT_NEAR(errors.filter_delay_s.value, delay_of_20_hz_s, 3.0 * errors.filter_delay_s.uncertainty);
+}
+
 TEST(GyroFilter, WhiteNoiseDoesNotContradictAGyroWithoutOne) {
   for (unsigned seed = 1; seed <= 3; ++seed) {
     Resting resting(0.0, 0.001, seed);

@@ -14,10 +14,13 @@
 namespace thermorig::odometer {
 namespace {
 
+constexpr double no_low_pass_hz = 8000.0;
+
 /// A gyro of whose bias and scale a data sheet tells, and the lens of the room.
 GyroProfile data_sheet_gyro() {
   GyroProfile gyro;
   gyro.bias_uncertainty_dps = 10.0;
+  gyro.bandwidth_hz = no_low_pass_hz;
   return gyro;
 }
 
@@ -84,6 +87,16 @@ TEST(Odometer, HoldsTheHeadingWhileTheGyroWalksAway) {
     EXPECT_NEAR(off_deg(room, reports, time_s), origin_deg, 0.5) << time_s;
     EXPECT_LT(reports[at(time_s)].heading_sigma_deg, 0.5);
   }
+}
+
+TEST(Odometer, SaysHowFarOffALowPassThatNobodyStatedMayMakeTheHeading) {
+  const Room room = turning_room(12.0);
+  GyroProfile gyro = data_sheet_gyro();
+  gyro.bandwidth_hz = 0.0;
+  Odometer odometer(gyro, CameraProfile());
+  Report last;
+  for (const Seen& seen : seen_in(room)) last = odometer.add(seen.frame, seen.gyro);
+  EXPECT_GT(last.heading_sigma_deg, 0.015 * std::abs(last.rate_dps));
 }
 
 TEST(Odometer, StartsAtRest) {

@@ -8,6 +8,7 @@
 
 #include "thermorig/core/error.h"
 #include "thermorig/core/frame.h"
+#include "thermorig/core/gyro_delay.h"
 
 namespace thermorig::board_odometer {
 
@@ -49,7 +50,7 @@ thermorig_odometer_profile board_profile(const RigProfile& rig) {
   board.gyro_axis = gyro.axis;
   board.gyro_sign = gyro.sign;
   board.gyro_period_s = static_cast<float>(1.0 / gyro.output_rate_hz);
-  board.gyro_time_sigma_s = static_cast<float>(gyro.link.latency_uncertainty_s);
+  board.gyro_time_sigma_s = static_cast<float>(time_uncertainty_s(gyro));
   board.bias_dps = static_cast<float>(gyro.bias_dps);
   board.bias_sigma_dps = static_cast<float>(gyro.bias_uncertainty_dps);
   board.scale = static_cast<float>(gyro.scale);

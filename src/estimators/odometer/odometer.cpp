@@ -9,11 +9,13 @@
 
 #include "bias_search.h"
 #include "circle_search.h"
+#include "gyro_noise.h"
 #include "gyro_path.h"
 #include "gyro_watch.h"
 #include "half_store.h"
 #include "map_check.h"
 #include "row_contest.h"
+#include "thermorig/core/gyro_delay.h"
 #include "thermorig/estimators/odometer/unseen_turn.h"
 #include "tracker.h"
 
@@ -34,6 +36,7 @@ constexpr double bias_widening = 2.0;  // of what the search states
 constexpr int most_passes = 6;  // through the halves of the start
 constexpr double settled_latency_s = 0.001, settled_scale = 0.001;
 constexpr double known_bias_dps = 1.0;
+constexpr double data_sheet_scale_sigma = 0.03, most_scale_sigmas = 2.2;
 
 /// Of the mean square of innovations.
 struct NisBounds {
@@ -56,6 +59,7 @@ constexpr double give_up_s = 40.0;  // of a search: then the map is wrong
 constexpr double turning_dps = 5.0;
 constexpr double saturated_dps = 15.0;  // what a reading at the end of its range may be off
 constexpr double sample_noise_dps = 0.15;
+constexpr double known_walk_deg2 = square(HeadingFilter::heading_walk_deg);  // the filter's own
 
 Priors priors_of(const GyroProfile& gyro, const CameraProfile& camera) {
   Priors priors;
@@ -75,7 +79,8 @@ struct Odometer::Parts {
       : map(std::move(given)),
         map_use(map ? MapUse::searching : MapUse::none),
         gyro_period_s(1.0 / gyro.output_rate_hz),
-        gyro_time_sigma_s(gyro.link.latency_uncertainty_s),
+        gyro_time_sigma_s(time_uncertainty_s(gyro)),
+        noise(gyro_period_s),
         priors(priors_of(gyro, camera)),
         map_lens(camera),
         lens(std::make_shared<const Lens>(camera)),
@@ -96,6 +101,7 @@ struct Odometer::Parts {
   void begin_pass(int number);
   void take_over(double now_s);
   bool has_settled(double bias_dps, double scale, double latency_s) const;
+  bool is_plausible() const;
   void store_half(const HalfReading& half, double now_s);
   HalfResult add_newest(const HalfReading& half);
   bool choose_rows();
@@ -123,6 +129,7 @@ struct Odometer::Parts {
   MapCheck map_check;
   double sought_in_map_s = 0.0;  // while the rig turned
   double gyro_period_s, gyro_time_sigma_s;
+  GyroNoise noise;
   Priors priors;
   Map::Lens map_lens;
   SharedLens lens;
@@ -211,6 +218,8 @@ void Odometer::Parts::add_gyro(const TimedGyro& sample) {
   double unseen_deg2 = unseen * unseen;
   saturated_s = sample.reading.saturated ? saturated_s + step_s : 0.0;
   unseen_deg2 += 2.0 * saturated_dps * saturated_dps * saturated_s * step_s;
+  noise.add(read_dps, step_s, step_s > 0.0 && lost_s(step_s, gyro_period_s) == 0.0);
+  unseen_deg2 += std::max(0.0, noise.walk_deg2() - known_walk_deg2) * step_s;
   if (lost_s(step_s, gyro_period_s) > longest_gyro_gap_s) gyro_was_away = true;
   // One that sets itself to zero at rest has taken its bias off.
   const bool is_zeroed = watch.is_frozen() && watch.is_zero();
@@ -391,6 +400,12 @@ bool Odometer::Parts::has_settled(double bias_dps, double scale, double latency_
          std::abs(filter.latency_s() - begun_with.latency_s) < latency_s;
 }
 
+/// A map that closes falsely makes a gyro of it that no data sheet knows.
+bool Odometer::Parts::is_plausible() const {
+  const double most = most_scale_sigmas * std::max(data_sheet_scale_sigma, priors.scale_sigma);
+  return std::abs(front.filter().scale_factor() - priors.scale) < most;
+}
+
 void Odometer::Parts::go_through(Tracker& tracker) {
   const int most_looks = tracker.rows() == RowOrder::at_once ? looks_a_step : row_looks_a_step;
   int looks = 0;
@@ -417,6 +432,8 @@ void Odometer::Parts::take_over(double now_s) {
                           (pass >= most_passes && mean_nis < nis_bounds().fits);
   if (mean_nis > nis_bounds().lost || (is_over && !is_settled))
     learn_again();
+  else if (is_over && !is_plausible())
+    begin_anew();
   else
     phase = is_over ? Phase::running : Phase::learning;
 }

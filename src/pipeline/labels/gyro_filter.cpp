@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "intervals.h"
+#include "thermorig/core/gyro_delay.h"
 #include "thermorig/core/statistics.h"
 
 namespace thermorig::labels {
@@ -17,8 +18,6 @@ namespace thermorig::labels {
 namespace {
 
 constexpr double second_order_delay = GyroProfile::second_order_delay;
-constexpr double stated_delay_error = 0.1;  // relative: bandwidths in data sheets are nominal
-constexpr double unknown_delay_s = 0.018;
 constexpr double still_after_s = 0.5;  // a shaft that still moves is not at rest
 constexpr std::size_t segment = 128;   // samples of one spectrum
 constexpr std::size_t lines = segment / 2;
@@ -49,11 +48,25 @@ double variance_of(const Segment& values) {
   return std::max(0.0, squares / segment - mean * mean);
 }
 
+double length_s(std::span<const TimedGyro> part) {
+  return to_s(part.back().stamp.time - part.front().stamp.time);
+}
+
+/// Time between two samples where none is lost: a gyro's own clock may be off by more than a sample in a
+/// segment.
+double usual_period_s(std::span<const TimedGyro> gyro, double nominal_s) {
+  std::vector<double> lengths_s;
+  for (; gyro.size() >= segment; gyro = gyro.subspan(segment))
+    lengths_s.push_back(length_s(gyro.first(segment)));
+  return lengths_s.empty() ? nominal_s : median(std::move(lengths_s)) / (segment - 1.0);
+}
+
 /// Of samples without a loss among them, all three axes.
 std::vector<AxisSegment> segments_at_rest(std::span<const TimedGyro> gyro, std::span<const TimedServo> servo,
-                                          double period_s) {
+                                          double nominal_period_s) {
   std::vector<AxisSegment> found;
   if (servo.empty()) return found;
+  const double period_s = usual_period_s(gyro, nominal_period_s);
   const HostTime origin = servo.front().stamp.time;
   const auto before = [](const TimedGyro& sample, HostTime time) { return sample.stamp.time < time; };
   for (const Interval& rest : steady_intervals(servo, origin, true)) {
@@ -62,8 +75,7 @@ std::vector<AxisSegment> segments_at_rest(std::span<const TimedGyro> gyro, std::
     auto at = std::lower_bound(gyro.begin(), end, origin + from_s(rest.begin_s + still_after_s), before);
     for (; end - at >= static_cast<std::ptrdiff_t>(segment); at += segment) {
       const std::span part(at, segment);
-      const double length_s = to_s(part.back().stamp.time - part.front().stamp.time);
-      if (std::abs(length_s / period_s - (segment - 1.0)) > 0.5) continue;
+      if (std::abs(length_s(part) / period_s - (segment - 1.0)) > 0.5) continue;
       for (std::size_t axis = 0; axis < 3; ++axis) {
         AxisSegment one{axis, {}, 0.0};
         for (std::size_t i = 0; i < segment; ++i)
@@ -201,7 +213,7 @@ std::optional<Estimate> stated_delay(const GyroProfile& profile, std::optional<d
     return Estimate{second_order_delay / *device_hz, stated_delay_error * second_order_delay / *device_hz};
   const auto delay_s = profile.stated_delay_s();
   if (!delay_s) return std::nullopt;
-  return Estimate{*delay_s, stated_delay_error * *delay_s};
+  return Estimate{*delay_s, delay_uncertainty_s(profile)};
 }
 
 }  // namespace
