@@ -7,7 +7,8 @@ namespace thermorig::odometer {
 
 namespace {
 
-constexpr double start_sigma_deg = 1e-3;  // the map's origin is the first heading
+constexpr double start_sigma_deg = 1e-3;   // the map's origin is the first heading
+constexpr double heading_walk_deg = 0.03;  // in a square root of a second: noise of the gyro
 constexpr double scale_walk = 2e-5, latency_walk_s = 2e-5;
 constexpr double least_state_variance = 1e-14;
 constexpr double least_root_deg = 1e-6;  // nodes that were begun together have the very same error

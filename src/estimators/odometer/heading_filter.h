@@ -27,7 +27,6 @@ class HeadingFilter {
  public:
   static constexpr std::size_t nodes = Map::nodes;
   static constexpr double node_deg = whole_turn_deg / nodes;
-  static constexpr double heading_walk_deg = 0.03;  // in a square root of a second: noise of a quiet gyro
   enum Place : std::size_t { heading, bias, scale, latency, first_node };
   static constexpr std::size_t size = first_node + nodes;
   using Row = std::array<double, size>;

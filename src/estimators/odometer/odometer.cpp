@@ -9,7 +9,6 @@
 
 #include "bias_search.h"
 #include "circle_search.h"
-#include "gyro_noise.h"
 #include "gyro_path.h"
 #include "gyro_watch.h"
 #include "half_store.h"
@@ -59,7 +58,6 @@ constexpr double give_up_s = 40.0;  // of a search: then the map is wrong
 constexpr double turning_dps = 5.0;
 constexpr double saturated_dps = 15.0;  // what a reading at the end of its range may be off
 constexpr double sample_noise_dps = 0.15;
-constexpr double known_walk_deg2 = square(HeadingFilter::heading_walk_deg);  // the filter's own
 
 Priors priors_of(const GyroProfile& gyro, const CameraProfile& camera) {
   Priors priors;
@@ -80,7 +78,6 @@ struct Odometer::Parts {
         map_use(map ? MapUse::searching : MapUse::none),
         gyro_period_s(1.0 / gyro.output_rate_hz),
         gyro_time_sigma_s(time_uncertainty_s(gyro)),
-        noise(gyro_period_s),
         priors(priors_of(gyro, camera)),
         map_lens(camera),
         lens(std::make_shared<const Lens>(camera)),
@@ -129,7 +126,6 @@ struct Odometer::Parts {
   MapCheck map_check;
   double sought_in_map_s = 0.0;  // while the rig turned
   double gyro_period_s, gyro_time_sigma_s;
-  GyroNoise noise;
   Priors priors;
   Map::Lens map_lens;
   SharedLens lens;
@@ -218,8 +214,6 @@ void Odometer::Parts::add_gyro(const TimedGyro& sample) {
   double unseen_deg2 = unseen * unseen;
   saturated_s = sample.reading.saturated ? saturated_s + step_s : 0.0;
   unseen_deg2 += 2.0 * saturated_dps * saturated_dps * saturated_s * step_s;
-  noise.add(read_dps, step_s, step_s > 0.0 && lost_s(step_s, gyro_period_s) == 0.0);
-  unseen_deg2 += std::max(0.0, noise.walk_deg2() - known_walk_deg2) * step_s;
   if (lost_s(step_s, gyro_period_s) > longest_gyro_gap_s) gyro_was_away = true;
   // One that sets itself to zero at rest has taken its bias off.
   const bool is_zeroed = watch.is_frozen() && watch.is_zero();

@@ -213,7 +213,7 @@ Followed follow(const std::vector<PingHull::Event>& events, double wander) {
   PingHull sure = likely;
   while (2.0 * wander <= largest_wander && !tells(sure, wander, needed > stated))
     sure = PingHull(events, wander *= 2.0);
-  return {bowed(likely, needed), bowed(sure, wander), needed, wander};
+  return {std::move(likely), bowed(sure, wander), needed, wander};
 }
 
 /// The likely time, within the bounds that are sure.
