@@ -1,19 +1,16 @@
 // SPDX-License-Identifier: MIT
 // The page on the program itself, which drives a simulated rig on the wall clock.
 import assert from 'node:assert/strict';
-import { execFile } from 'node:child_process';
 import { existsSync, mkdtempSync, rmSync } from 'node:fs';
 import { tmpdir } from 'node:os';
 import { join } from 'node:path';
 import { after, afterEach, before, describe, test } from 'node:test';
-import { build, imagePixels, launch, openTab, screenshot, stripData, textOf, until, untilOnItsClock } from './browser.mjs';
+import { imagePixels, launch, openTab, screenshot, stripData, textOf, until, untilOnItsClock } from './browser.mjs';
 import { Program, whyNot } from './program.mjs';
 
 const source = process.env.THERMORIG_SOURCE;
 const model = join(source, 'docs/models/best.onnx');
 const rig = ['--simulated=3', '--world', 'honest', '--plan', 'quick', '--frames-per-leg', '60', ...(existsSync(model) ? ['--model', model] : [])];
-/** Where the tests' launcher is built, it waits for a computer that stalls. */
-const quietMachine = () => new Promise((done) => execFile(join(build, 'bin/on_the_clock'), done));
 const pause = (milliseconds) => new Promise((done) => setTimeout(done, milliseconds));
 
 /** All that stands in the table of estimators, and for which frame. */
@@ -48,16 +45,6 @@ function inTurn(messages) {
   return (time) => waiting.get(time)?.shift();
 }
 
-/** What is said of the servo's motion: a failure counts at once. */
-async function atOnce(check) {
-  try {
-    return await check();
-  } catch (error) {
-    error.atOnce = true;
-    throw error;
-  }
-}
-
 describe('the program', { skip: whyNot() || false }, () => {
   let browser;
   let folder;
@@ -77,26 +64,12 @@ describe('the program', { skip: whyNot() || false }, () => {
     await browser.close();
     rmSync(folder, { recursive: true });
   });
-  async function killAll() {
+  afterEach(async () => {
     for (const program of running) await program.kill();
     running = [];
-  }
-  afterEach(killAll);
-
-  /** A test on the wall clock: a second try, which is told, for a machine that stalls can spoil one. */
-  const patiently = (name, work) => test(name, async (t) => {
-    try {
-      await work(t);
-    } catch (error) {
-      if (error.atOnce) throw error;
-      t.diagnostic(`a second try, for the first one failed: ${error.message}`);
-      await killAll();
-      await quietMachine();
-      await work(t);
-    }
   });
 
-  patiently('numbers and lines of the page are those of the JSON stream, then Space stops the servo', async (t) => {
+  test('numbers and lines of the page are those of the JSON stream, then Space stops the servo', async (t) => {
     const program = run('--page-port', '0');
     const { tab, troubles, close } = await openTab(browser);
     await tab.goto(await program.url());
@@ -106,9 +79,10 @@ describe('the program', { skip: whyNot() || false }, () => {
     assert.notDeepEqual(await imagePixels(tab), first, 'the image changes');
     await screenshot(tab, 'program');
 
-    await tab.keyboard.press('p');  // what is read next belongs together
-    const { index, cells } = await numbersOf(tab);
-    await until(() => program.of('frame').at(-1).index > index, 'the lines of all of it');
+    const { index, cells } = await numbersOf(tab);  // before P, which stops the plots and their rates, but no scores
+    await tab.keyboard.press('p');
+    const { index: newest } = await numbersOf(tab);
+    await until(() => program.of('frame').at(-1).index > newest, 'the lines of all of it');
     const frames = new Map(program.of('frame').map((message) => [message.index, message]));
     const { estimators } = program.of('hello')[0];
     const names = estimators.map(({ name }) => name);
@@ -147,16 +121,14 @@ describe('the program', { skip: whyNot() || false }, () => {
     await until(() => program.of('state').at(-1).phase === 'leg', 'a leg is driven', 30_000);
     await until(() => Math.abs(program.of('frame').at(-1).commanded_dps ?? 0) > 20, 'the servo turns', 30_000);
     await tab.keyboard.press('Space');
-    await atOnce(async () => {
-      await until(() => program.of('ended').length > 0, 'the run ends', 20_000);
-      const last = program.of('state').at(-1);
-      assert.equal(last.phase, 'done');
-      const stopped = program.of('event').find(({ kind }) => kind === 'stopped');
-      assert.match(stopped.message, /page/);
-      const seconds = last.time_s - stopped.time_s;
-      t.diagnostic(`from the order to a servo at rest and disarmed: ${(seconds * 1000).toFixed(0)} ms of the run`);
-      assert.ok(seconds >= 0 && seconds <= 0.3, `${seconds} s`);
-    });
+    await until(() => program.of('ended').length > 0, 'the run ends', 20_000);
+    const last = program.of('state').at(-1);
+    assert.equal(last.phase, 'done');
+    const stopped = program.of('event').find(({ kind }) => kind === 'stopped');
+    assert.match(stopped.message, /page/);
+    const seconds = last.time_s - stopped.time_s;
+    t.diagnostic(`from the order to a servo at rest and disarmed: ${(seconds * 1000).toFixed(0)} ms of the run`);
+    assert.ok(seconds >= 0 && seconds <= 0.3, `${seconds} s`);
     await until(async () => await textOf(tab, '#mode-word') === 'ENDED', 'the page says ENDED');
     assert.notEqual(await textOf(tab, '#ended'), '');
     await screenshot(tab, 'program_stopped');
@@ -164,16 +136,14 @@ describe('the program', { skip: whyNot() || false }, () => {
     await close();
   });
 
-  patiently('with --control motion waits for the button and its question', async () => {
+  test('with --control motion waits for the button and its question', async () => {
     const program = run('--page-port', '0', '--control');
     const { tab, close } = await openTab(browser);
     await tab.goto(await program.url());
     await shownAtLeast(tab, 10);
     await tab.keyboard.press('Enter');
-    await atOnce(() => {
-      assert.ok(!program.of('event').some(({ kind }) => kind === 'leg_start'), 'no leg before the start');
-      assert.equal(program.of('state').at(-1).leg, 0);
-    });
+    assert.ok(!program.of('event').some(({ kind }) => kind === 'leg_start'), 'no leg before the start');
+    assert.equal(program.of('state').at(-1).leg, 0);
     await tab.click('#start');
     await tab.click('#motion .go');
     await until(() => program.of('event').some(({ kind }) => kind === 'leg_start'), 'a leg after it', 30_000);
@@ -182,7 +152,7 @@ describe('the program', { skip: whyNot() || false }, () => {
     await close();
   });
 
-  patiently('a recording says RECORDING and what it keeps, its replay says REPLAY', async () => {
+  test('a recording says RECORDING and what it keeps, its replay says REPLAY', async () => {
     const program = run('--page-port', '0', '--record', '--output', join(folder, 'recordings'));
     const { tab, close } = await openTab(browser, { dark: true });
     await tab.goto(await program.url());
@@ -213,7 +183,7 @@ describe('the program', { skip: whyNot() || false }, () => {
     await close();
   });
 
-  patiently('M is an event of the run', async () => {
+  test('M is an event of the run', async () => {
     const program = run('--page-port', '0');
     const { tab, close } = await openTab(browser);
     await tab.goto(await program.url());
@@ -226,7 +196,7 @@ describe('the program', { skip: whyNot() || false }, () => {
     await close();
   });
 
-  patiently('a killed program shows the overlay after 3 s, a restarted one is found within 5 s of the page', async () => {
+  test('a killed program shows the overlay after 3 s, a restarted one is found within 5 s of the page', async () => {
     const program = run('--page-port', '0');
     const url = await program.url();
     const { tab, troubles, close } = await openTab(browser, { clock: true });
