@@ -10,8 +10,8 @@
 #include <numeric>
 #include <utility>
 
-#include "print/map_text.h"
 #include "print/output.h"
+#include "print/rows_text.h"
 #include "thermorig/io/port.h"
 
 namespace thermorig::app {

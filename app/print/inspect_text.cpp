@@ -10,9 +10,9 @@
 
 #include "annotation_text.h"
 #include "decoded_text.h"
-#include "map_text.h"
 #include "number_json.h"
 #include "output.h"
+#include "rows_text.h"
 #include "simulation_text.h"
 #include "speed_pairs.h"
 #include "thermorig/storage/session/annotations.h"

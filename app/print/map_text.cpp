@@ -13,8 +13,6 @@ namespace thermorig::app {
 
 namespace {
 
-constexpr std::string_view rows_begin = "camera rows: ";
-
 struct Temperatures {
   double coldest_c = std::numeric_limits<double>::infinity();
   double hottest_c = -std::numeric_limits<double>::infinity();
@@ -37,21 +35,6 @@ std::string origin_text(const map_file::StoredMap& stored) {
   return fmt::format("{:.0f} % of the surroundings, {}{}, of {}", 100.0 * map_file::seen_share(stored.map),
                      printable(stored.environment), stored.simulated ? ", SIMULATED" : "",
                      printable(stored.made_utc));
-}
-
-std::string rows_text(const odometer::FoundRows& rows) {
-  constexpr double least = odometer::FoundRows::least_margin;
-  return fmt::format(
-      "{}{}, margin {:.0f} (difference of log-likelihoods){}", rows_begin, odometer::name_of(rows.order),
-      rows.margin, rows.margin < least ? fmt::format(": assumed, as {:.0f} at least would tell", least) : "");
-}
-
-std::string rows_told(std::span<const RecordingEvent> events) {
-  std::string told;
-  for (const RecordingEvent& event : events)
-    if (event.kind == EventKind::info && event.message.starts_with(rows_begin))
-      told = event.message.substr(rows_begin.size());
-  return told;
 }
 
 std::string map_text(const std::filesystem::path& path, const map_file::StoredMap& stored) {

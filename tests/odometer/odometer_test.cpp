@@ -233,6 +233,14 @@ TEST(Odometer, NeverSaysThatItTracksBeforeABlankWall) {
   for (const Report& report : reports_of(seen_in(room))) EXPECT_NE(report.state, State::tracking);
 }
 
+TEST(Odometer, NeverSaysThatItTracksWithAGyroThatNoDataSheetKnows) {
+  Room room = turning_room();
+  room.scale = 1.08;
+  for (const Report& report : reports_of(seen_in(room))) EXPECT_NE(report.state, State::tracking);
+  room.scale = 1.05;
+  EXPECT_EQ(reports_of(seen_in(room)).back().state, State::tracking);
+}
+
 TEST(Odometer, IsDeterministicAndAllocatesNothing) {
   const auto all = seen_in(turning_room(50.0));
   const auto first = reports_of(all);

@@ -222,7 +222,7 @@ TEST(PingFit, BoundsFollowAClockThatWandersMoreThanItsProfileSays) {
   for (const Wandering& one : wandering)
     for (const double timer_s : {0.0, 0.016}) {
       const LinkOptions options{.seed = 14,
-                                .duration_s = 390.0,
+                                .duration_s = 600.0,
                                 .latency_timer_s = timer_s,
                                 .dither_s = timer_s > 0.0 ? 0.020 : 0.003};
       const PingTraffic wild = on_host(traffic(options), one.ahead_s);

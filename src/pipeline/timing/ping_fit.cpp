@@ -182,7 +182,7 @@ bool tells(const PingHull& hull, double wander, bool is_worse) {
   return width_s(hull) <= rate_window_s * wander / (is_worse ? std::numbers::pi : 2.0);
 }
 
-/// The same, where a clock may bow unseen as far as the bounds are wide.
+/// The same hull for a clock that may bow unseen as far as the bounds are wide.
 PingHull bowed(const PingHull& hull, double wander) {
   return PingHull(hull.events(), wander, width_s(hull));
 }
@@ -204,11 +204,16 @@ Followed follow(const std::vector<PingHull::Event>& events, double wander) {
     return {hull, hull, 0.0, 0.0};
   }
   PingHull half(events, 0.5 * wander);
-  while (wander <= largest_wander && !half.explains_all()) half = PingHull(events, 0.5 * (wander *= 2.0));
+  while (wander <= largest_wander && !half.explains_all()) {
+    wander *= 2.0;
+    half = PingHull(events, 0.5 * wander);
+  }
   PingHull likely(events, std::min(wander, largest_wander));
   if (wander > largest_wander) return {likely, likely, std::numeric_limits<double>::infinity(), 0.0};
-  while (2.0 * wander <= largest_wander && is_pressed(half, likely))
-    half = std::exchange(likely, PingHull(events, wander *= 2.0));
+  while (2.0 * wander <= largest_wander && is_pressed(half, likely)) {
+    wander *= 2.0;
+    half = std::exchange(likely, PingHull(events, wander));
+  }
   const double needed = wander;
   PingHull sure = likely;
   while (2.0 * wander <= largest_wander && !tells(sure, wander, needed > stated))
