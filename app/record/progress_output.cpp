@@ -98,7 +98,10 @@ std::string quota_text(const SweepProgress& sweep) {
          fmt::format("{} of {} speeds have their valid frames", speeds_met(sweep), sweep.speeds.size());
 }
 
+/// Of a sweep that was stopped nothing is left to wait for: "7 %".
 std::string left_text(const SweepProgress& sweep) {
+  if (sweep.phase >= rig::SweepPhase::stopping)
+    return fmt::format("{:.0f} %", std::floor(100 * sweep.done_share));
   return fmt::format("{:.0f} %, {} left", std::floor(100 * sweep.done_share), duration_text(sweep.eta_s));
 }
 

@@ -46,6 +46,16 @@ TEST(StatusLines, ShowHowManyValidFramesEachSpeedHas) {
   EXPECT_THAT(lines, Contains(HasSubstr("2 of 4 speeds have their valid frames")));
 }
 
+TEST(StatusLines, SayNothingOfTimeLeftOnceTheSweepIsStopped) {
+  rig::RecordingProgress progress = at_the_first_leg();
+  progress.sweep.done_share = 0.07;
+  progress.sweep.eta_s = 90.0;
+  EXPECT_THAT(status_lines(progress), Contains(HasSubstr(" 7 %, 1 min 30 s left")));
+  progress.sweep.phase = rig::SweepPhase::stopping;
+  progress.sweep.eta_s = 0.0;
+  EXPECT_THAT(status_lines(progress), Not(Contains(HasSubstr("left"))));
+}
+
 TEST(ProgressOutput, DrawsOverItsLinesOnATerminal) {
   const std::string lines = std::to_string(status_lines(at_the_first_leg()).size());
   const std::string text = shown(ProgressStyle::terminal);
