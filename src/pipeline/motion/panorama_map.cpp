@@ -60,18 +60,6 @@ void PanoramaMap::clear() {
   std::fill(reach_.begin(), reach_.end(), 0.0F);
 }
 
-void PanoramaMap::add(const Between& between, const ColumnPixels& value, const ColumnPixels& weight) {
-  const auto& [left, right, part] = between;
-  const ColumnPixels to_right = part * weight;
-  const ColumnPixels to_left = weight - to_right;
-  at(weight_, left) += to_left;
-  at(reach_, left) += to_left * part;
-  at(sum_, left) += to_left * value;
-  at(weight_, right) += to_right;
-  at(reach_, right) += to_right * (part - 1.0F);
-  at(sum_, right) += to_right * value;
-}
-
 std::uint32_t PanoramaMap::neighbour(std::uint32_t bin, int step) const {
   const auto next = static_cast<std::int64_t>(bin) + step;
   if (closed_) return static_cast<std::uint32_t>((next + bins_) % bins_);

@@ -87,4 +87,16 @@ class PanoramaMap {
   std::vector<float> known_;
 };
 
+inline void PanoramaMap::add(const Between& between, const ColumnPixels& value, const ColumnPixels& weight) {
+  const auto& [left, right, part] = between;
+  const ColumnPixels to_right = part * weight;
+  const ColumnPixels to_left = weight - to_right;
+  at(weight_, left) += to_left;
+  at(reach_, left) += to_left * part;
+  at(sum_, left) += to_left * value;
+  at(weight_, right) += to_right;
+  at(reach_, right) += to_right * (part - 1.0F);
+  at(sum_, right) += to_right * value;
+}
+
 }  // namespace thermorig::motion
