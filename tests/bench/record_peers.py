@@ -107,7 +107,8 @@ def main(bench, session, folder, *options):
     if "--json" in options:
         print(json.dumps({key: round(value, 4) for key, value in figures.items()}))
     else:
-        print_tables(figures, sum(map(len, chunks)) / 1e6)
+        array_bytes = sum(map(len, chunks))
+        print_tables(figures, array_bytes / 1e6, os.path.getsize(session) / array_bytes)
 
 
 RATIOS = {"samples": ("peer_samples", "samples"), "session": ("peer_session", "session"),
@@ -131,8 +132,9 @@ def medians(rows):
     return figures
 
 
-def print_tables(figures, megabytes):
-    print(f"Median of {ROUNDS} rounds; one acquisition of {megabytes:.0f} MB of arrays; simulated rig.\n")
+def print_tables(figures, megabytes, stored_share):
+    print(f"Median of {ROUNDS} rounds; one acquisition of {megabytes:.0f} MB of arrays; simulated rig. "
+          f"Programs that wanted one of {os.cpu_count()} cores meanwhile: {os.getloadavg()[0]:.0f}.\n")
     print("| from bytes to | | thermorig | Python | ratio | limit |")
     print("| --- | --- | ---: | ---: | ---: | ---: |")
     for title, name, limit in (("labelled samples", "samples", "10"), ("a finished session", "session", "2.5"),
@@ -149,21 +151,22 @@ def print_tables(figures, megabytes):
               f"{limit} |")
     print("\n| share of a finished session | processor | what it buys |")
     print("| --- | ---: | --- |")
-    for title, seconds, buys in shares({key: figures[key + "_cpu_s"] for key in BENCHES.values()}):
+    for title, seconds, buys in shares({key: figures[key + "_cpu_s"] for key in BENCHES.values()}, stored_share):
         print(f"| {title} | {seconds:.3f} s | {buys} |")
 
 
-def shares(cpu):
-    """Each was measured alone; clocks and the file's layout are what is left of their whole."""
+def shares(cpu, stored_share):
+    """Each was measured alone; clocks and the file's layout are what is left of their whole. `stored_share`: of the
+    arrays' bytes, what the file takes."""
     return (("bytes to messages, the first time", cpu["messages"], "what the fits rest on"),
             ("clocks", cpu["fits"] - cpu["turns"] - cpu["offset"] - 2 * cpu["servo"],
              "the time of each message from all chunks and pings, with bounds that hold"),
             ("servo model, before and after the gyro's scale", 2 * cpu["servo"],
              "the shaft's speed while it ramps; the gyro's bias as it goes; legs that contradict their command"),
             ("gyro's scale from whole turns of the images", cpu["turns"], "a gyro that need not be calibrated"),
-            ("camera's delay and the order of its rows", cpu["offset"], "frames on the gyro's time, not on a guess of 0.1 s"),
+            ("camera's delay and the order of its rows", cpu["offset"], "frames on the gyro's time, on which the labels hang"),
             ("bytes to labelled samples, with final times", cpu["samples"], "labels, their uncertainty, reasons against them"),
-            ("compressing", cpu["compress"], "a file of less than half the size"),
+            ("compressing", cpu["compress"], f"a file of {stored_share:.0%} of its arrays"),
             ("laying out, sums of everything, the disk", cpu["file_unread"] - cpu["compress"],
              "a file that any reader of HDF5 explains, and that shows each changed byte"),
             ("reading back", cpu["file"] - cpu["file_unread"],
