@@ -17,7 +17,11 @@
 #include <utility>
 #include <vector>
 
+#include "storage/session/session_image.h"
 #include "thermorig/core/run_all.h"
+#include "thermorig/io/files/part_file.h"
+#include "thermorig/pipeline/labels/servo_response.h"
+#include "thermorig/pipeline/motion/panorama_fit.h"
 #include "thermorig/pipeline/pipeline.h"
 #include "thermorig/pipeline/replay.h"
 #include "thermorig/rig/recording/finalise.h"
@@ -26,6 +30,8 @@
 namespace {
 
 using namespace thermorig;
+
+constexpr std::size_t turn_windows = 3;  // as finalising has it
 
 std::filesystem::path path_in(const char* variable) {
   const char* path = std::getenv(variable);
@@ -94,14 +100,23 @@ void BytesToLabelledSamples(benchmark::State& state) {
 }
 BENCHMARK(BytesToLabelledSamples)->Unit(benchmark::kMillisecond)->MeasureProcessCPUTime()->UseRealTime();
 
-/// What a session knows and the peer's does not: clocks with bounds, gyro, camera offset, servo.
-void FitsOfSession(benchmark::State& state) {
-  const RawRecording& raw = recording();
+pipeline::Streams causal_streams(const RawRecording& raw) {
   pipeline::Pipeline first_pass(raw.header.profile, {}, true);
   pipeline::Replay replay(raw);
   while (const auto step = replay.next()) pipeline::feed(first_pass, *step);
   first_pass.finish();
-  const pipeline::Streams streams = first_pass.take_streams();
+  return first_pass.take_streams();
+}
+
+void BytesToMessages(benchmark::State& state) {
+  for ([[maybe_unused]] const auto iteration : state) benchmark::DoNotOptimize(causal_streams(recording()));
+}
+BENCHMARK(BytesToMessages)->Unit(benchmark::kMillisecond)->MeasureProcessCPUTime()->UseRealTime();
+
+/// What a session knows and the peer's does not: clocks with bounds, gyro, camera offset, servo.
+void FitsOfSession(benchmark::State& state) {
+  const RawRecording& raw = recording();
+  const pipeline::Streams streams = causal_streams(raw);
   for ([[maybe_unused]] const auto iteration : state) {
     state.PauseTiming();
     pipeline::Streams copy = streams;
@@ -110,6 +125,47 @@ void FitsOfSession(benchmark::State& state) {
   }
 }
 BENCHMARK(FitsOfSession)->Unit(benchmark::kMillisecond)->MeasureProcessCPUTime()->UseRealTime();
+
+/// A finished session, for its fits one by one: what they rest on is known to the gyro's errors.
+struct Finished {
+  session::Session session = rig::build_session(recording());
+  const RigProfile& profile = session.raw.header.profile;
+  motion::View view{profile.camera.lens_width_deg(), profile.camera.mirrored};
+  GyroErrors errors = labels::fit_gyro_errors(session.gyro, session.servo, profile.gyro);
+
+  ServoResponse fit_servo() {
+    return labels::fit_servo_response(session.servo, session.gyro, errors, profile.servo);
+  }
+};
+
+Finished& finished() {
+  static Finished one;
+  return one;
+}
+
+void ServoOfSession(benchmark::State& state) {
+  Finished& of = finished();
+  for ([[maybe_unused]] const auto iteration : state) benchmark::DoNotOptimize(of.fit_servo());
+}
+BENCHMARK(ServoOfSession)->Unit(benchmark::kMillisecond)->MeasureProcessCPUTime()->UseRealTime();
+
+void TurnsOfSession(benchmark::State& state) {
+  Finished& of = finished();
+  of.fit_servo();
+  for ([[maybe_unused]] const auto iteration : state)
+    benchmark::DoNotOptimize(motion::gyro_scale(of.session.frames, of.session.gyro, of.view, of.errors,
+                                                turn_windows, on_all_cores));
+}
+BENCHMARK(TurnsOfSession)->Unit(benchmark::kMillisecond)->MeasureProcessCPUTime()->UseRealTime();
+
+void CameraOffsetOfSession(benchmark::State& state) {
+  Finished& of = finished();
+  of.fit_servo();
+  for ([[maybe_unused]] const auto iteration : state)
+    benchmark::DoNotOptimize(
+        motion::camera_offset(of.session.frames, of.session.gyro, of.view, of.errors, on_all_cores));
+}
+BENCHMARK(CameraOffsetOfSession)->Unit(benchmark::kMillisecond)->MeasureProcessCPUTime()->UseRealTime();
 
 std::filesystem::path bench_path() {
   return path_in("THERMORIG_BENCH_SESSION").replace_extension(".bench.h5");
@@ -130,7 +186,7 @@ void BytesToFinishedSession(benchmark::State& state) {
 BENCHMARK(BytesToFinishedSession)->Unit(benchmark::kMillisecond)->MeasureProcessCPUTime()->UseRealTime();
 
 void SessionToFile(benchmark::State& state) {
-  const session::Session session = rig::build_session(recording());
+  const session::Session& session = finished().session;
   const std::filesystem::path path = bench_path();
   for ([[maybe_unused]] const auto iteration : state) {
     state.PauseTiming();
@@ -141,6 +197,19 @@ void SessionToFile(benchmark::State& state) {
   std::filesystem::remove(path);
 }
 BENCHMARK(SessionToFile)->Unit(benchmark::kMillisecond)->MeasureProcessCPUTime()->UseRealTime();
+
+/// The same file, synced, without a look at what the disk has of it: all that the peer does.
+void SessionToFileUnread(benchmark::State& state) {
+  const session::Session& session = finished().session;
+  for ([[maybe_unused]] const auto iteration : state) {
+    const session::SessionImage image =
+        session::build_image(session, std::max(1U, std::thread::hardware_concurrency()));
+    files::PartFile part(bench_path(), "the session");
+    part.write(image.bytes);
+    part.sync();
+  }
+}
+BENCHMARK(SessionToFileUnread)->Unit(benchmark::kMillisecond)->MeasureProcessCPUTime()->UseRealTime();
 
 /// What a session cannot do without: its arrays through the same library at the same level, on all cores.
 void CompressingAlone(benchmark::State& state) {

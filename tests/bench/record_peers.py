@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: MIT
-"""Runs both recorders of record_peers.sh in turns and prints their medians.
+"""Runs both recorders of record_peers.sh in turns and prints medians, in Markdown: both beside each other, and what each
+share of a finished session takes and buys.
 
     record_peers.py RECORD_BENCH SESSION.h5 FOLDER [--json]
 """
@@ -52,18 +53,27 @@ def export_chunks(chunks, path):
             file.write(struct.pack("<Q", len(chunk)) + chunk)
 
 
+BENCHES = {"BytesToLabelledSamples": "samples", "BytesToMessages": "messages", "BytesToFinishedSession": "session",
+           "FitsOfSession": "fits", "ServoOfSession": "servo", "TurnsOfSession": "turns", "CameraOffsetOfSession": "offset",
+           "SessionToFile": "file", "SessionToFileUnread": "file_unread", "CompressingAlone": "compress"}
+
+
 def ours_s(bench, session, chunks):
-    """By name: from bytes to samples, to the finished session, the fits in that, the writing of its file, compressing its
-    arrays alone; the same in seconds of processor."""
+    """By name: seconds, and seconds of processor."""
     out = subprocess.run([bench, "--benchmark_format=json", "--benchmark_min_time=0.2"], check=True, capture_output=True,
                          env={**os.environ, "THERMORIG_BENCH_SESSION": str(session),
                               "THERMORIG_BENCH_CHUNKS": str(chunks)}).stdout
-    names = {"BytesToLabelledSamples": "samples", "BytesToFinishedSession": "session", "FitsOfSession": "fits",
-             "SessionToFile": "file", "CompressingAlone": "compress"}
     times = {}
     for run in json.loads(out)["benchmarks"]:
-        name = names[run["name"].split("/")[0]]
+        name = BENCHES[run["name"].split("/")[0]]
         times[name], times[name + "_cpu"] = run["real_time"] * 1e-3, run["cpu_time"] * 1e-3
+    return with_same_work(times)
+
+
+def with_same_work(times):
+    """The peer labels once, on causal clocks, and writes a file that it does not read back."""
+    for unit in ("", "_cpu"):
+        times["same_work" + unit] = times["samples" + unit] + times["file_unread" + unit]
     return times
 
 
@@ -92,36 +102,75 @@ def main(bench, session, folder, *options):
         peer = peer_s(folder)
         check_same_work(session, peer)
         rows.append({**ours, "peer_samples": peer["decode_s"], "peer_session": peer["session_s"],
-                     "peer_samples_cpu": peer["decode_cpu_s"], "peer_session_cpu": peer["session_cpu_s"],
-                     "session_without_fits_cpu": ours["session_cpu"] - ours["fits_cpu"]})
+                     "peer_samples_cpu": peer["decode_cpu_s"], "peer_session_cpu": peer["session_cpu_s"]})
+    figures = medians(rows)
+    if "--json" in options:
+        print(json.dumps({key: round(value, 4) for key, value in figures.items()}))
+    else:
+        array_bytes = sum(map(len, chunks))
+        print_tables(figures, array_bytes / 1e6, os.path.getsize(session) / array_bytes)
 
+
+RATIOS = {"samples": ("peer_samples", "samples"), "session": ("peer_session", "session"),
+          "same_work": ("peer_session", "same_work")}
+OVER_COMPRESS = ("file", "file_unread", "session")
+
+
+def medians(rows):
     def median(value):
         return statistics.median(value(row) for row in rows)
 
     figures = {key + "_s": median(lambda row, key=key: row[key]) for key in rows[0]}
     # Of each round, then their median: what slows the computer slows both.
-    for key, over, under in (("samples_ratio", "peer_samples", "samples"), ("session_ratio", "peer_session", "session"),
-                             ("samples_cpu_ratio", "peer_samples_cpu", "samples_cpu"),
-                             ("session_cpu_ratio", "peer_session_cpu", "session_cpu"),
-                             ("session_without_fits_cpu_ratio", "peer_session_cpu", "session_without_fits_cpu"),
-                             ("file_to_compress_ratio", "file", "compress"),
-                             ("session_to_compress_ratio", "session", "compress")):
-        figures[key] = median(lambda row, over=over, under=under: row[over] / row[under])
-    if "--json" in options:
-        print(json.dumps({key: round(value, 4) for key, value in figures.items()}))
-        return
-    print(f"median of {ROUNDS} rounds, one acquisition of {sum(map(len, chunks)) / 1e6:.0f} MB of arrays, simulated rig")
-    print(f"{'':<28} {'thermorig':>10} {'Python':>10} {'ratio':>7}")
-    for title, key, peer_key in (("bytes -> labelled samples", "samples", "samples"),
-                                 ("  seconds of processor", "samples_cpu", "samples_cpu"),
-                                 ("bytes -> finished session", "session", "session"),
-                                 ("  seconds of processor", "session_cpu", "session_cpu"),
-                                 ("  without the fits", "session_without_fits_cpu", "session_cpu")):
-        print(f"{title:<28} {figures[key + '_s']:>8.3f} s {figures['peer_' + peer_key + '_s']:>8.3f} s "
-              f"{figures[key + '_ratio']:>6.1f}x")
-    print(f"{'compressing alone':<28} {figures['compress_s']:>8.3f} s (same library, level and cores)")
-    print(f"{'session -> file':<28} {figures['file_s']:>8.3f} s: {figures['file_to_compress_ratio']:.2f} times that; the "
-          f"finished session {figures['session_to_compress_ratio']:.2f} times")
+    for name, (over, under) in RATIOS.items():
+        for unit in ("", "_cpu"):
+            figures[f"{name}{unit}_ratio"] = median(lambda row, o=over + unit, u=under + unit: row[o] / row[u])
+    for name in OVER_COMPRESS:
+        for unit in ("", "_cpu"):
+            figures[f"{name}_to_compress{unit}_ratio"] = median(
+                lambda row, o=name + unit, u="compress" + unit: row[o] / row[u])
+    return figures
+
+
+def print_tables(figures, megabytes, stored_share):
+    print(f"Median of {ROUNDS} rounds; one acquisition of {megabytes:.0f} MB of arrays; simulated rig. "
+          f"Programs that wanted one of {os.cpu_count()} cores meanwhile: {os.getloadavg()[0]:.0f}.\n")
+    print("| from bytes to | | thermorig | Python | ratio | limit |")
+    print("| --- | --- | ---: | ---: | ---: | ---: |")
+    for title, name, limit in (("labelled samples", "samples", "10"), ("a finished session", "session", "2.5"),
+                               ("the same work: labels, and a file not read back", "same_work", "-")):
+        for unit, word in (("", "time"), ("_cpu", "processor")):
+            print(f"| {title} | {word} | {figures[f'{name}{unit}_s']:.3f} s | "
+                  f"{figures[RATIOS[name][0] + unit + '_s']:.3f} s | {figures[f'{name}{unit}_ratio']:.1f} | "
+                  f"{limit if not unit else '-'} |")
+            title = ""
+    print("\n| file, over compressing its arrays alone | time | processor | limit |")
+    print("| --- | ---: | ---: | ---: |")
+    for title, name, limit in (("read back before it counts", "file", "1.5"), ("not read back", "file_unread", "-")):
+        print(f"| {title} | {figures[name + '_to_compress_ratio']:.2f} | {figures[name + '_to_compress_cpu_ratio']:.2f} | "
+              f"{limit} |")
+    print("\n| share of a finished session | processor | what it buys |")
+    print("| --- | ---: | --- |")
+    for title, seconds, buys in shares({key: figures[key + "_cpu_s"] for key in BENCHES.values()}, stored_share):
+        print(f"| {title} | {seconds:.3f} s | {buys} |")
+
+
+def shares(cpu, stored_share):
+    """Each was measured alone; clocks and the file's layout are what is left of their whole. `stored_share`: of the
+    arrays' bytes, what the file takes."""
+    return (("bytes to messages, the first time", cpu["messages"], "what the fits rest on"),
+            ("clocks", cpu["fits"] - cpu["turns"] - cpu["offset"] - 2 * cpu["servo"],
+             "the time of each message from all chunks and pings, with bounds that hold"),
+            ("servo model, before and after the gyro's scale", 2 * cpu["servo"],
+             "the shaft's speed while it ramps; the gyro's bias as it goes; legs that contradict their command"),
+            ("gyro's scale from whole turns of the images", cpu["turns"], "a gyro that need not be calibrated"),
+            ("camera's delay and the order of its rows", cpu["offset"], "frames on the gyro's time, on which the labels hang"),
+            ("bytes to labelled samples, with final times", cpu["samples"], "labels, their uncertainty, reasons against them"),
+            ("compressing", cpu["compress"], f"a file of {stored_share:.0%} of its arrays"),
+            ("laying out, sums of everything, the disk", cpu["file_unread"] - cpu["compress"],
+             "a file that any reader of HDF5 explains, and that shows each changed byte"),
+            ("reading back", cpu["file"] - cpu["file_unread"],
+             "no file gets its name, and no journal goes, before a reader has taken all of it"))
 
 
 if __name__ == "__main__":

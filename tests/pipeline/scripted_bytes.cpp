@@ -139,12 +139,13 @@ Result run(const RigProfile& profile, const std::vector<Chunk>& chunks, const Fi
   return result;
 }
 
-Fits first_pass(const RigProfile& profile, const std::vector<Chunk>& chunks, const RawStream& sent) {
+Fits first_pass(const RigProfile& profile, const std::vector<Chunk>& chunks, const RawStream& sent,
+                const RunAll& run_all) {
   RawRecording raw;
   raw.header.profile = profile;
   raw.sent[Device::servo] = sent;
   for (const Chunk& chunk : chunks) raw.received[chunk.device].append(chunk.bytes, chunk.arrived);
-  return fit(raw, run(profile, chunks, {}, sent).streams);
+  return fit(raw, run(profile, chunks, {}, sent).streams, run_all);
 }
 
 }  // namespace thermorig::pipeline

@@ -7,6 +7,7 @@
 #include "thermorig/core/chunk.h"
 #include "thermorig/core/profile.h"
 #include "thermorig/core/raw_recording.h"
+#include "thermorig/core/run_all.h"
 #include "thermorig/core/sample.h"
 #include "thermorig/pipeline/pipeline.h"
 
@@ -46,6 +47,7 @@ Result run(const RigProfile& profile, const std::vector<Chunk>& chunks, const Fi
            const RawStream& sent = {});
 
 /// What the chunks say as a whole: run() without fits, then fit().
-Fits first_pass(const RigProfile& profile, const std::vector<Chunk>& chunks, const RawStream& sent = {});
+Fits first_pass(const RigProfile& profile, const std::vector<Chunk>& chunks, const RawStream& sent = {},
+                const RunAll& run_all = in_turn);
 
 }  // namespace thermorig::pipeline

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <set>
 #include <string>
 
@@ -36,6 +37,24 @@ TEST_P(Truth, FindsTheCamerasModeAndItsSlowClock) {
   ASSERT_TRUE(fits.frame_period_s);
   EXPECT_NEAR(*fits.frame_period_s, sent_s, 0.0005);
   EXPECT_GT(*fits.frame_period_s, 0.126);  // 2 % slow: the nominal 0.125 s is wrong
+}
+
+/// As threads may do it: the last one first.
+void backwards(std::size_t count, const std::function<void(std::size_t)>& work) {
+  for (std::size_t i = count; i-- > 0;) work(i);
+}
+
+TEST_P(Truth, FitsAreTheSameInWhateverOrderTheyAreWorkedOut) {
+  const VirtualSweep sweep = sweep_of(3, GetParam());
+  const Fits one = first_pass(sweep.config.profile, sweep.chunks, sweep.sent);
+  const Fits other = first_pass(sweep.config.profile, sweep.chunks, sweep.sent, backwards);
+  ASSERT_TRUE(one.sync->gyro.scale_by_turns && one.sync->camera_offset.offset_s);
+  EXPECT_EQ(*one.sync->gyro.scale_by_turns, *other.sync->gyro.scale_by_turns);
+  EXPECT_EQ(*one.sync->camera_offset.offset_s, *other.sync->camera_offset.offset_s);
+  EXPECT_EQ(one.sync->servo.scale, other.sync->servo.scale);
+  EXPECT_EQ(one.sync->servo.delay_s, other.sync->servo.delay_s);
+  for (const Device device : all_devices)
+    EXPECT_EQ(one.times[device].back().time, other.times[device].back().time);
 }
 
 TEST_P(Truth, EveryFrameAndGyroSampleThatArrivedIsThereInOrder) {

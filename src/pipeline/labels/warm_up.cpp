@@ -18,11 +18,13 @@ double WarmUp::slope_k_per_s() const {
     return to_s(point.time - points.front().time) + point.after_s;
   };
   double count = 0.0, mean_s = 0.0, mean_c = 0.0, product = 0.0, square = 0.0;
-  for (const Point& point : points) count += point.count;
   for (const Point& point : points) {
-    mean_s += point.count * time_s(point) / count;
-    mean_c += point.count * point.temp_c / count;
+    count += point.count;
+    mean_s += point.count * time_s(point);
+    mean_c += point.count * point.temp_c;
   }
+  mean_s /= count;
+  mean_c /= count;
   for (const Point& point : points) {
     const double off_s = time_s(point) - mean_s;
     product += point.count * off_s * (point.temp_c - mean_c);

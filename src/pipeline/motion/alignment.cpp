@@ -3,7 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <utility>
+#include <limits>
 
 #include "thermorig/core/statistics.h"
 
@@ -19,6 +19,9 @@ constexpr double bin_per_smear = 0.35;
 constexpr double bin_time_s = 0.05;  // several times the lag of the pixels
 constexpr double widest_bin_pixels = 6.0;
 constexpr double offset_step_s = 0.015;  // 3 deg at 200 deg/s: the sharpest point is not stepped over
+constexpr int offset_steps = static_cast<int>(largest_offset_s / offset_step_s);
+constexpr std::size_t offset_halves =
+    150;  // enough to see which of these steps is the sharpest, or next to it
 constexpr double outlier_sigma = 5.0;
 constexpr float distrusted = 1e-6F;
 constexpr float least_weight = 1e-9F;
@@ -50,24 +53,8 @@ PanoramaMap empty_map(std::span<const HalfView> views, const Layout& layout, dou
           2.0 * half_span_deg};
 }
 
-/// Sums over pixels of halves side by side, by what is summed.
-template <std::size_t kinds>
-using Sums = std::array<std::array<float, side_by_side>, kinds>;
-
-/// Each sum goes from the first pixel to the last, and every addition waits for the one before it: many sums
-/// side by side take no longer than one. `sum` is what they begin with.
-template <std::size_t kinds>
-Sums<kinds> add_up(const std::array<std::array<HalfPixels, side_by_side>, kinds>& values, Sums<kinds> sum) {
-  for (std::size_t i = 0; i < half_pixels; ++i)
-    for (std::size_t kind = 0; kind < kinds; ++kind)
-      for (std::size_t j = 0; j < side_by_side; ++j) sum[kind][j] += values[kind][j][i];
-  return sum;
-}
-
-std::array<float, side_by_side> each(float value) {
-  std::array<float, side_by_side> all{};
-  all.fill(value);
-  return all;
+Eigen::Map<const Eigen::Array<float, half_pixels, 1>> all(const HalfPixels& pixels) {
+  return Eigen::Map<const Eigen::Array<float, half_pixels, 1>>(pixels.data());
 }
 
 }  // namespace
@@ -88,20 +75,14 @@ double Alignment::uncertainty(Parameter parameter) const {
   return std::sqrt(covariance_[parameter][parameter]);
 }
 
-void Alignment::correct() {
-  if (!std::exchange(are_readings_old_, false)) return;
-  readings_.resize(views_.size());
-  for (std::size_t k = 0; k < views_.size(); ++k)
-    readings_[k] = {pixels_.values(views_[k], half_offset_c_[k]), pixels_.weights(views_[k])};
-}
-
 void Alignment::make_map(const Parameters& parameters) {
-  correct();
   angles_.look_from(parameters[offset_s]);
   map_.clear();
   for (std::size_t k = 0; k < views_.size(); k += stride_) {
     places_[k] = map_.place(angles_.angle_deg(k, parameters), layout_.pitch_deg, layout_.mirrored);
-    map_.add(places_[k], views_[k].half.parity, readings_[k].value, readings_[k].weight);
+    for (std::size_t column = 0; column < frame_columns; ++column)
+      map_.add(between(k, column), pixels_.values(views_[k], half_offset_c_[k], column),
+               pixels_.weights(views_[k], column));
   }
   map_.finish();
 }
@@ -110,24 +91,16 @@ double Alignment::variance(const Parameters& parameters) {
   make_map(parameters);
   double square_sum = 0.0;
   double weight_sum = 0.0;
-  std::array<std::array<HalfPixels, side_by_side>, 2> values{};  // squares, weights
-  PanoramaMap::Expected expected;
-  for (std::size_t k = 0; k < views_.size(); k += side_by_side * stride_) {
-    std::size_t count = 0;
-    for (std::size_t j = k; j < views_.size() && count < side_by_side; j += stride_, ++count) {
-      map_.expect_means(places_[j], views_[j].half.parity, expected);
-      for (std::size_t i = 0; i < half_pixels; ++i) {
-        const float residual = readings_[j].value[i] - expected.mean[i];
-        const float weight = readings_[j].weight[i] * expected.known[i];
-        values[0][count][i] = weight * residual * residual;
-        values[1][count][i] = weight;
-      }
+  for (std::size_t k = 0; k < views_.size(); k += stride_) {
+    ColumnPixels squares = ColumnPixels::Zero(), weights = ColumnPixels::Zero();
+    for (std::size_t column = 0; column < frame_columns; ++column) {
+      const PanoramaMap::Between at = between(k, column);
+      const ColumnPixels weight = pixels_.weights(views_[k], column) * map_.known(at);
+      squares += weight * (pixels_.values(views_[k], half_offset_c_[k], column) - map_.mean(at)).square();
+      weights += weight;
     }
-    const auto [square, weight] = add_up<2>(values, {});
-    for (std::size_t j = 0; j < count; ++j) {
-      square_sum += static_cast<double>(square[j]);
-      weight_sum += static_cast<double>(weight[j]);
-    }
+    square_sum += static_cast<double>(squares.sum());
+    weight_sum += static_cast<double>(weights.sum());
   }
   reading_count_ = std::max(1.0, weight_sum - map_.freedom());
   return square_sum / reading_count_;
@@ -136,30 +109,25 @@ double Alignment::variance(const Parameters& parameters) {
 void Alignment::learn_from(const Alignment& other) {
   pixels_ = other.pixels_;
   half_offset_c_ = other.half_offset_c_;
-  are_readings_old_ = true;
 }
 
 std::vector<double> Alignment::misfit_at(const Parameters& parameters) {
   make_map(parameters);
   std::vector<double> misfit;
   misfit.reserve(views_.size());
-  for_each_comparison([&](const Comparison& comparison, std::size_t) {
-    float square = 0.0F;
-    float weight = least_weight;
-    for (std::size_t i = 0; i < half_pixels; ++i) {
-      square += comparison.weight[i] * comparison.residual[i] * comparison.residual[i];
-      weight += comparison.weight[i];
-    }
-    misfit.push_back(static_cast<double>(square / weight));
-  });
+  for (std::size_t k = 0; k < views_.size(); ++k) {
+    const Comparison comparison = compare(k);
+    const auto weight = all(comparison.weight);
+    const float square = (weight * all(comparison.residual).square()).sum();
+    misfit.push_back(static_cast<double>(square / (least_weight + weight.sum())));
+  }
   return misfit;
 }
 
-Parameters Alignment::search_offset() {
+Parameters Alignment::sharpest_offset(int from, int to) {
   Parameters best = prior_.mean;
-  double sharpest = variance(best);
-  const int steps = static_cast<int>(largest_offset_s / offset_step_s);
-  for (int i = -steps; i <= steps; ++i) {
+  double sharpest = std::numeric_limits<double>::max();
+  for (int i = from; i <= to; ++i) {
     Parameters tried = prior_.mean;
     tried[offset_s] = i * offset_step_s;
     const double left = variance(tried);
@@ -170,20 +138,28 @@ Parameters Alignment::search_offset() {
   return best;
 }
 
+Parameters Alignment::search_offset() {
+  look_at_one_of(std::max<std::size_t>(1, views_.size() / offset_halves));
+  const Parameters near = sharpest_offset(-offset_steps, offset_steps);
+  look_at_one_of(1);
+  const int step = static_cast<int>(std::lround(near[offset_s] / offset_step_s));
+  return sharpest_offset(step - 1, step + 1);
+}
+
 double Alignment::spread() const {
+  using Precise = Eigen::Array<double, half_rows, 1>;
   double square = 0.0;
   double weight = 1e-9;
   for (std::size_t k = 0; k < views_.size(); ++k) {
-    const HalfPixels values = pixels_.values(views_[k], half_offset_c_[k]);
-    const HalfPixels weights = pixels_.weights(views_[k]);
     double sum = 0.0;
     double sum_of_squares = 0.0;
     double sum_of_weights = 1e-9;
-    for (std::size_t i = 0; i < half_pixels; ++i) {
-      const auto value = static_cast<double>(values[i]);
-      sum_of_weights += static_cast<double>(weights[i]);
-      sum += static_cast<double>(weights[i]) * value;
-      sum_of_squares += static_cast<double>(weights[i]) * value * value;
+    for (std::size_t column = 0; column < frame_columns; ++column) {
+      const Precise values = pixels_.values(views_[k], half_offset_c_[k], column).cast<double>();
+      const Precise weights = pixels_.weights(views_[k], column).cast<double>();
+      sum_of_weights += weights.sum();
+      sum += (weights * values).sum();
+      sum_of_squares += (weights * values.square()).sum();
     }
     square += sum_of_squares - sum * sum / sum_of_weights;
     weight += sum_of_weights;
@@ -193,7 +169,8 @@ double Alignment::spread() const {
 
 double Alignment::middle_row() const {
   double weights = 1e-9, rows = 0.0;
-  for_each_comparison([&](const Comparison& comparison, std::size_t k) {
+  for (std::size_t k = 0; k < views_.size(); ++k) {
+    const Comparison comparison = compare(k);
     const double speed = views_[k].half.rate_dps * views_[k].half.rate_dps;
     for (std::size_t i = 0; i < half_pixels; ++i) {
       const float steepness = comparison.weight[i] * comparison.slope[i] * comparison.slope[i];
@@ -201,113 +178,94 @@ double Alignment::middle_row() const {
       weights += weight;
       rows += weight * static_cast<double>(row_of(i / half_rows, i % half_rows, views_[k].half.parity));
     }
-  });
+  }
   return rows / weights;
 }
 
-/// Halves from `first` on against the panorama, as many as there are; what the pixels of each have in common
-/// is taken out.
-Alignment::Comparisons Alignment::compare(std::size_t first) const {
-  Comparisons group;
-  group.count = std::min(side_by_side, views_.size() - first);
-  std::array<std::array<HalfPixels, side_by_side>, 3> values{};  // weights, weighted residuals and slopes
-  PanoramaMap::Expected expected;
-  for (std::size_t j = 0; j < group.count; ++j) {
-    const Reading& reading = readings_[first + j];
-    Comparison& comparison = group.of[j];
-    map_.expect(places_[first + j], views_[first + j].half.parity, expected);
-    comparison.slope = expected.slope;
-    for (std::size_t i = 0; i < half_pixels; ++i) {
-      comparison.residual[i] = reading.value[i] - expected.mean[i];
-      comparison.weight[i] = reading.weight[i] * expected.known[i];
-      values[0][j][i] = comparison.weight[i];
-      values[1][j][i] = comparison.weight[i] * comparison.residual[i];
-      values[2][j][i] = comparison.weight[i] * comparison.slope[i];
-    }
+/// A half against the panorama; what its pixels have in common is taken out.
+Alignment::Comparison Alignment::compare(std::size_t index) const {
+  const HalfView& view = views_[index];
+  Comparison comparison;
+  ColumnPixels weights = ColumnPixels::Zero(), residuals = weights, slopes = weights;
+  for (std::size_t column = 0; column < frame_columns; ++column) {
+    const PanoramaMap::Between at = between(index, column);
+    const ColumnPixels residual = pixels_.values(view, half_offset_c_[index], column) - map_.mean(at);
+    const ColumnPixels slope = map_.slope(at);
+    const ColumnPixels weight = pixels_.weights(view, column) * map_.known(at);
+    column_of(comparison.residual, column) = residual;
+    column_of(comparison.slope, column) = slope;
+    column_of(comparison.weight, column) = weight;
+    weights += weight;
+    residuals += weight * residual;
+    slopes += weight * slope;
   }
-  const auto [weight, residual, slope] = add_up<3>(values, {each(least_weight), each(0.0F), each(0.0F)});
-  for (std::size_t j = 0; j < group.count; ++j) {
-    Comparison& comparison = group.of[j];
-    comparison.common = residual[j] / weight[j];
-    const float common_slope = slope[j] / weight[j];
-    for (std::size_t i = 0; i < half_pixels; ++i) {
-      comparison.residual[i] -= comparison.common;
-      comparison.slope[i] -= common_slope;
-    }
-  }
-  return group;
+  const float total = least_weight + weights.sum();
+  comparison.common = residuals.sum() / total;
+  const float common_slope = slopes.sum() / total;
+  for (float& residual : comparison.residual) residual -= comparison.common;
+  for (float& slope : comparison.slope) slope -= common_slope;
+  return comparison;
 }
 
-void Alignment::add_views(const Comparisons& group, std::size_t first, Totals& totals) {
-  std::array<std::array<HalfPixels, side_by_side>, 4> values{};
-  for (std::size_t j = 0; j < group.count; ++j) {
-    const Comparison& comparison = group.of[j];
-    for (std::size_t i = 0; i < half_pixels; ++i) {
-      const float weighted = comparison.weight[i] * comparison.residual[i];
-      values[0][j][i] = comparison.weight[i];
-      values[1][j][i] = weighted * comparison.residual[i];
-      values[2][j][i] = comparison.weight[i] * comparison.slope[i] * comparison.slope[i];
-      values[3][j][i] = weighted * comparison.slope[i];
-    }
+void Alignment::add_view(const Comparison& comparison, std::size_t index, Totals& totals) {
+  ColumnPixels weights = ColumnPixels::Zero(), squares = weights, steepness = weights, lean = weights;
+  for (std::size_t column = 0; column < frame_columns; ++column) {
+    const ColumnPixels weight = column_of(comparison.weight, column);
+    const ColumnPixels residual = column_of(comparison.residual, column);
+    const ColumnPixels slope = column_of(comparison.slope, column);
+    weights += weight;
+    squares += weight * residual.square();
+    steepness += weight * slope.square();
+    lean += weight * residual * slope;
   }
-  const auto [weight, square, steepness, lean] =
-      add_up<4>(values, {each(least_weight), each(0.0F), each(0.0F), each(0.0F)});
-  for (std::size_t j = 0; j < group.count; ++j) {
-    const std::size_t index = first + j;
-    misfit_[index] = static_cast<double>(square[j] / weight[j]);
-    totals.square_sum += static_cast<double>(square[j]);
-    totals.weight_sum += static_cast<double>(weight[j]);
-    totals.lean[index] = static_cast<double>(lean[j]);
-    const Parameters& change = totals.change[index] = angles_.change(index, parameters_);
-    add_product(totals.curvature, static_cast<double>(steepness[j]), change, change);
-    for (std::size_t p = 0; p < parameter_count; ++p) totals.gradient[p] += change[p] * totals.lean[index];
-  }
+  const auto square = static_cast<double>(squares.sum());
+  const auto weight = static_cast<double>(least_weight + weights.sum());
+  misfit_[index] = square / weight;
+  totals.square_sum += square;
+  totals.weight_sum += weight;
+  totals.lean[index] = static_cast<double>(lean.sum());
+  const Parameters& change = totals.change[index] = angles_.change(index, parameters_);
+  add_product(totals.curvature, static_cast<double>(steepness.sum()), change, change);
+  for (std::size_t p = 0; p < parameter_count; ++p) totals.gradient[p] += change[p] * totals.lean[index];
 }
 
 Alignment::Totals Alignment::compare_all() {
   Totals totals;
   totals.change.resize(views_.size());
   totals.lean.resize(views_.size());
-  totals.push.resize(map_.size());
-  for (std::size_t first = 0; first < views_.size(); first += side_by_side) {
-    const Comparisons group = compare(first);
-    add_views(group, first, totals);
-    for (std::size_t j = 0; j < group.count; ++j) {
-      half_offset_c_[first + j] += group.of[j].common;
-      add_push(group.of[j], first + j, totals);
-      totals.pixels[views_[first + j].half.parity].add(group.of[j].residual, group.of[j].weight);
-    }
+  for (auto& push : totals.push) push.resize(map_.size());
+  for (std::size_t k = 0; k < views_.size(); ++k) {
+    const Comparison comparison = compare(k);
+    add_view(comparison, k, totals);
+    add_push(comparison, k, totals);
+    half_offset_c_[k] += comparison.common;
+    totals.pixels[views_[k].half.parity].add(comparison.residual, comparison.weight);
   }
-  are_readings_old_ = true;
   eliminate_map(totals);
   return totals;
 }
 
 /// What a change of the parameters would do to the panorama itself.
 void Alignment::add_push(const Comparison& comparison, std::size_t index, Totals& totals) const {
-  const PanoramaMap::Place& place = places_[index];
-  std::array<float, parameter_count> change{};
-  for (std::size_t p = 0; p < parameter_count; ++p) change[p] = static_cast<float>(totals.change[index][p]);
   for (std::size_t column = 0; column < frame_columns; ++column) {
-    const unsigned parity = views_[index].half.parity;
-    const std::size_t left = PanoramaMap::cell(place.left[column], column, parity);
-    const std::size_t right = PanoramaMap::cell(place.right[column], column, parity);
-    for (std::size_t k = 0; k < half_rows; ++k) {
-      const float push = comparison.weight[column * half_rows + k] * comparison.slope[column * half_rows + k];
-      for (std::size_t p = 0; p < parameter_count; ++p) {
-        totals.push[left + k][p] += (1.0F - place.part[column]) * push * change[p];
-        totals.push[right + k][p] += place.part[column] * push * change[p];
-      }
+    const auto [left, right, part] = between(index, column);
+    const ColumnPixels push = column_of(comparison.weight, column) * column_of(comparison.slope, column);
+    const ColumnPixels to_right = part * push;
+    const ColumnPixels to_left = push - to_right;
+    for (std::size_t p = 0; p < parameter_count; ++p) {
+      const auto change = static_cast<float>(totals.change[index][p]);
+      PanoramaMap::at(totals.push[p], left) += to_left * change;
+      PanoramaMap::at(totals.push[p], right) += to_right * change;
     }
   }
 }
 
 /// The panorama follows the halves: only what moves a half against the others in its cells is information.
 void Alignment::eliminate_map(Totals& totals) const {
-  for (std::size_t i = 0; i < totals.push.size(); ++i) {
+  for (std::size_t i = 0; i < map_.size(); ++i) {
     if (map_.weight()[i] <= 0.0F) continue;
     Parameters push{};
-    for (std::size_t p = 0; p < parameter_count; ++p) push[p] = static_cast<double>(totals.push[i][p]);
+    for (std::size_t p = 0; p < parameter_count; ++p) push[p] = static_cast<double>(totals.push[p][i]);
     add_product(totals.curvature, -1.0 / static_cast<double>(map_.weight()[i]), push, push);
   }
 }
@@ -319,9 +277,9 @@ void Alignment::learn_noise(const Totals& totals) {
 }
 
 void Alignment::learn_trust() {
-  correct();
   const double limit = outlier_sigma * outlier_sigma * noise_variance_;
-  for_each_comparison([&](const Comparison& comparison, std::size_t k) {
+  for (std::size_t k = 0; k < views_.size(); ++k) {
+    const Comparison comparison = compare(k);
     HalfView& view = views_[k];
     const HalfPixels& weight = pixels_.pixel_weights(view.half.parity);
     for (std::size_t i = 0; i < half_pixels; ++i) {
@@ -329,8 +287,7 @@ void Alignment::learn_trust() {
       const float square = comparison.residual[i] * comparison.residual[i] * weight[i];
       view.trust[i] = static_cast<double>(square) > limit ? distrusted : 1.0F;
     }
-  });
-  are_readings_old_ = true;
+  }
 }
 
 Matrix Alignment::with_prior(const Matrix& information) const {
@@ -374,7 +331,6 @@ void Alignment::refine(const Parameters& start, Parameter asked) {
     const Totals totals = compare_all();
     learn_noise(totals);
     pixels_.learn(totals.pixels);
-    are_readings_old_ = true;
     if (round % rounds_of_trust == 0) learn_trust();
     if (step(totals, asked) && round + 1 >= fewest_rounds) break;
   }

@@ -21,9 +21,6 @@ struct Layout {
   double bin_factor = 1.0;  // of the panorama's bins: wider ones see coarse structure alone
 };
 
-/// So many halves are added up at once.
-inline constexpr std::size_t side_by_side = 4;
-
 /// Beyond that offset a camera's halves cannot be told from their neighbours.
 inline constexpr double largest_offset_s = 0.30;
 
@@ -51,6 +48,7 @@ class Alignment {
   std::vector<double> misfit_at(const Parameters& parameters);
 
   /// The offset at which the panorama is sharpest, on a coarse grid; other parameters as known beforehand.
+  /// Most of the grid is searched with a part of the halves.
   Parameters search_offset();
 
   /// From there to the sharpest panorama near by, until the parameter that is asked for has settled.
@@ -69,42 +67,30 @@ class Alignment {
   double spread() const;
 
  private:
-  struct Reading {  // of a half, by what is known of its pixels
-    HalfPixels value;
-    HalfPixels weight;
-  };
   struct Comparison {  // of a half with the panorama
     HalfPixels residual;
     HalfPixels slope;  // K a deg
     HalfPixels weight;
     float common;  // to all its residuals
   };
-  struct Comparisons {  // of halves that follow one another
-    std::array<Comparison, side_by_side> of;
-    std::size_t count;
-  };
   struct Totals {  // what one look at all halves adds up to
     Parameters gradient{};
     Matrix curvature{};
     std::vector<Parameters> change;                        // of each view's angle with the parameters
     std::vector<double> lean;                              // sum of slope times residual of each view
-    std::vector<std::array<float, parameter_count>> push;  // of the panorama's cells by the parameters
+    std::array<std::vector<float>, parameter_count> push;  // of the panorama's cells by each parameter
     double square_sum = 0.0;                               // of weighted residuals
     double weight_sum = 0.0;
     std::array<PixelModel::Residuals, 2> pixels{};
   };
-  void correct();
   void make_map(const Parameters& parameters);
-  Comparisons compare(std::size_t first) const;
-  template <typename Look>
-  void for_each_comparison(Look look) const {
-    for (std::size_t first = 0; first < views_.size(); first += side_by_side) {
-      const Comparisons group = compare(first);
-      for (std::size_t j = 0; j < group.count; ++j) look(group.of[j], first + j);
-    }
+  Comparison compare(std::size_t index) const;
+  PanoramaMap::Between between(std::size_t index, std::size_t column) const {
+    return PanoramaMap::between(places_[index], column, views_[index].half.parity);
   }
+  Parameters sharpest_offset(int from, int to);
   Totals compare_all();
-  void add_views(const Comparisons& group, std::size_t first, Totals& totals);
+  void add_view(const Comparison& comparison, std::size_t index, Totals& totals);
   void add_push(const Comparison& comparison, std::size_t index, Totals& totals) const;
   void eliminate_map(Totals& totals) const;
   void learn_noise(const Totals& totals);
@@ -124,8 +110,6 @@ class Alignment {
   PanoramaMap map_;
   std::vector<PanoramaMap::Place> places_;
   std::vector<float> half_offset_c_;  // common to a half
-  std::vector<Reading> readings_;
-  bool are_readings_old_ = true;  // more is known since of pixels or halves
   double noise_variance_ = 1.0;
   Parameters parameters_{};
   Matrix covariance_{};

@@ -16,25 +16,20 @@ constexpr float least_seen_weight = 1e-3F;
 
 /// How each view pulls at the parameters, the panorama's share taken out.
 Parameters Alignment::pull(const Comparison& comparison, std::size_t index, const Totals& totals) const {
-  const PanoramaMap::Place& place = places_[index];
   Parameters pull{};
   for (std::size_t p = 0; p < parameter_count; ++p) pull[p] = totals.change[index][p] * totals.lean[index];
   for (std::size_t column = 0; column < frame_columns; ++column) {
-    const unsigned parity = views_[index].half.parity;
-    const std::size_t left = PanoramaMap::cell(place.left[column], column, parity);
-    const std::size_t right = PanoramaMap::cell(place.right[column], column, parity);
-    for (std::size_t k = 0; k < half_rows; ++k) {
-      const std::size_t i = column * half_rows + k;
-      const float weighted = comparison.weight[i] * comparison.residual[i];
-      if (weighted == 0.0F) continue;
-      const float to_left =
-          (1.0F - place.part[column]) * weighted / std::max(least_seen_weight, map_.weight()[left + k]);
-      const float to_right =
-          place.part[column] * weighted / std::max(least_seen_weight, map_.weight()[right + k]);
-      for (std::size_t p = 0; p < parameter_count; ++p)
-        pull[p] -=
-            static_cast<double>(to_left * totals.push[left + k][p] + to_right * totals.push[right + k][p]);
-    }
+    const auto [left, right, part] = between(index, column);
+    const ColumnPixels weighted =
+        column_of(comparison.weight, column) * column_of(comparison.residual, column);
+    const ColumnPixels to_left =
+        (1.0F - part) * weighted / PanoramaMap::at(map_.weight(), left).max(least_seen_weight);
+    const ColumnPixels to_right =
+        part * weighted / PanoramaMap::at(map_.weight(), right).max(least_seen_weight);
+    for (std::size_t p = 0; p < parameter_count; ++p)
+      pull[p] -= static_cast<double>((to_left * PanoramaMap::at(totals.push[p], left) +
+                                      to_right * PanoramaMap::at(totals.push[p], right))
+                                         .sum());
   }
   return pull;
 }
@@ -45,14 +40,14 @@ Matrix Alignment::spread_of_pulls(const Totals& totals) const {
   Parameters block{};
   double blocks = 0.0;
   const auto block_of = [this](std::size_t i) { return std::floor(views_[i].half.begin_s / block_s); };
-  for_each_comparison([&](const Comparison& comparison, std::size_t k) {
-    const Parameters one = pull(comparison, k, totals);
+  for (std::size_t k = 0; k < views_.size(); ++k) {
+    const Parameters one = pull(compare(k), k, totals);
     for (std::size_t p = 0; p < parameter_count; ++p) block[p] += one[p];
-    if (k + 1 < views_.size() && block_of(k) == block_of(k + 1)) return;
+    if (k + 1 < views_.size() && block_of(k) == block_of(k + 1)) continue;
     add_product(spread, 1.0, block, block);
     block = {};
     blocks += 1.0;
-  });
+  }
   return scaled(spread, blocks / std::max(1.0, blocks - 2.0));
 }
 
@@ -60,7 +55,6 @@ Matrix Alignment::spread_of_pulls(const Totals& totals) const {
 /// Noise makes the panorama's slopes look steeper than the surroundings are, and the curvature with them:
 /// that share is taken out.
 void Alignment::judge(const Totals& totals) {
-  correct();
   const double steepness = map_.slope_squared();
   contrast_ = steepness > 0.0 ? std::max(0.0, 1.0 - map_.slope_noise(noise_variance_) / steepness) : 0.0;
   const double share = std::max(least_contrast, contrast_);

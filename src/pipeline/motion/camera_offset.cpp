@@ -140,12 +140,12 @@ void look_at_rows(const std::vector<Window>& windows, const Evidence& evidence, 
   if (are_rows_apart(result)) result.offset_s = line->middle_s;
 }
 
-std::optional<Estimate> offset_at(const Window& window, const Evidence& evidence, Layout layout,
-                                  const Parameters& start, double bin_factor) {
-  layout.bin_factor = bin_factor;
+/// `start`: nothing, where the offset is to be searched for.
+std::optional<Estimate> offset_of(const Window& window, const Evidence& evidence, const Layout& layout,
+                                  const std::optional<Parameters>& start) {
   std::vector<HalfView> views = views_of(window);
   Alignment alignment(views, evidence.track, layout, evidence.prior);
-  alignment.refine(start, offset_s);
+  alignment.refine(start ? *start : alignment.search_offset(), offset_s);
   if (!is_told(alignment)) return std::nullopt;
   return Estimate{alignment.parameters()[offset_s], alignment.uncertainty(offset_s)};
 }
@@ -159,8 +159,9 @@ double hidden_lag_s(const std::vector<Window>& windows, const Evidence& evidence
   const std::size_t step = std::max<std::size_t>(1, windows.size() / lag_windows);
   std::vector<std::array<std::optional<Estimate>, 2>> offsets((windows.size() + step - 1) / step);
   run_all(2 * offsets.size(), [&](std::size_t i) {
-    const double bins = i % 2 == 0 ? fine_bins : coarse_bins;
-    offsets[i / 2][i % 2] = offset_at(windows[i / 2 * step], evidence, layout, start, bins);
+    Layout binned = layout;
+    binned.bin_factor = i % 2 == 0 ? fine_bins : coarse_bins;
+    offsets[i / 2][i % 2] = offset_of(windows[i / 2 * step], evidence, binned, start);
   });
   std::vector<Estimate> later;
   for (const auto& [fine, coarse] : offsets)
@@ -187,16 +188,15 @@ CameraOffset camera_offset(std::span<const TimedFrame> frames, std::span<const T
   std::vector<Estimate> told;
   std::vector<Window> telling;
   const Layout layout = layout_of(view, false);
-  Parameters start = evidence.prior.mean;
+  std::optional<Parameters> start;
   for (Window& window : moving_windows(evidence.halves, most_windows)) {
     if (window.size() < fewest_halves || !refusal(window).empty()) continue;
-    std::vector<HalfView> views = views_of(window);
-    Alignment alignment(views, evidence.track, layout, evidence.prior);
-    alignment.refine(told.empty() ? alignment.search_offset() : start, offset_s);
-    if (!is_told(alignment)) continue;
-    told.push_back({alignment.parameters()[offset_s], alignment.uncertainty(offset_s)});
-    result.halves += static_cast<std::uint32_t>(views.size());
-    start[offset_s] = told.back().value;
+    const auto offset = offset_of(window, evidence, layout, start);
+    if (!offset) continue;
+    told.push_back(*offset);
+    result.halves += static_cast<std::uint32_t>(window.size());
+    start = evidence.prior.mean;
+    (*start)[offset_s] = offset->value;
     telling.push_back(std::move(window));
   }
   if (told.empty()) {

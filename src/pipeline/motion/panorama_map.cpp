@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <type_traits>
 
 namespace thermorig::motion {
 namespace {
@@ -12,13 +11,6 @@ constexpr std::size_t cell_values = 2 * half_rows;  // of one bin
 constexpr float least_map_weight = 1.5F;            // a single reading is no map
 constexpr double farthest_deg = 1e8;
 constexpr double most_bins = 20000.0;  // fifty turns: no window of a rig's goes so far
-
-/// The rows of a column at once: compilers unroll loops over so few before they see that they are vectors.
-auto cell_at(auto& values, std::size_t first) {
-  using Values = std::conditional_t<std::is_const_v<std::remove_reference_t<decltype(values)>>,
-                                    const PanoramaMap::Cell, PanoramaMap::Cell>;
-  return Eigen::Map<Values>(&values[first]);
-}
 
 }  // namespace
 
@@ -39,16 +31,16 @@ PanoramaMap::PanoramaMap(double bin_deg, bool closed, double lowest_deg, double 
 /// Whole numbers are cut off as 32-bit ones, which every processor does for several columns at once; no rig
 /// turns so far that they would not do.
 PanoramaMap::Place PanoramaMap::place(double angle_deg, double pitch_deg, bool mirrored) const {
-  const double direction = mirrored ? -1.0 : 1.0;
   const double highest = static_cast<double>(bins_) - (closed_ ? 1e-6 : 1.0 + 1e-6);
+  const double step = (mirrored ? -pitch_deg : pitch_deg) / bin_deg_;
+  const double first = (angle_deg - lowest_deg_) / bin_deg_ - 0.5 * (frame_columns - 1) * step;
+  const double turns_per_bin = 1.0 / bins_;
   Place place;
   const bool is_somewhere = std::abs(angle_deg) < farthest_deg;
   for (std::size_t column = 0; column < frame_columns; ++column) {
-    const double offset_deg =
-        direction * (static_cast<double>(column) - (frame_columns - 1) / 2.0) * pitch_deg;
-    double position = is_somewhere ? (angle_deg + offset_deg - lowest_deg_) / bin_deg_ : 0.0;
+    double position = is_somewhere ? first + static_cast<double>(column) * step : 0.0;
     if (closed_) {
-      const double turns = position / bins_;
+      const double turns = position * turns_per_bin;
       const auto cut = static_cast<double>(static_cast<std::int32_t>(turns));
       position -= bins_ * (cut > turns ? cut - 1.0 : cut);
     }
@@ -66,25 +58,6 @@ void PanoramaMap::clear() {
   std::fill(weight_.begin(), weight_.end(), 0.0F);
   std::fill(sum_.begin(), sum_.end(), 0.0F);
   std::fill(reach_.begin(), reach_.end(), 0.0F);
-}
-
-void PanoramaMap::add(const Place& place, unsigned parity, const HalfPixels& value,
-                      const HalfPixels& weight) {
-  for (std::size_t column = 0; column < frame_columns; ++column) {
-    const std::size_t left = cell(place.left[column], column, parity);
-    const std::size_t right = cell(place.right[column], column, parity);
-    const float part = place.part[column];
-    const Cell values = cell_at(value, column * half_rows);
-    const Cell weights = cell_at(weight, column * half_rows);
-    const Cell to_right = part * weights;
-    const Cell to_left = weights - to_right;
-    cell_at(weight_, left) += to_left;
-    cell_at(reach_, left) += to_left * part;
-    cell_at(sum_, left) += to_left * values;
-    cell_at(weight_, right) += to_right;
-    cell_at(reach_, right) += to_right * (part - 1.0F);
-    cell_at(sum_, right) += to_right * values;
-  }
 }
 
 std::uint32_t PanoramaMap::neighbour(std::uint32_t bin, int step) const {
@@ -118,25 +91,6 @@ void PanoramaMap::finish() {
     for (std::size_t i = 0; i < weight_.size(); ++i)
       if (known_[i] > 0.0F) mean_[i] = (sum_[i] - slope_[i] * reach_[i] * bin_deg) / weight_[i];
     find_slopes();
-  }
-}
-
-void PanoramaMap::expect(const Place& place, unsigned parity, Expected& expected) const {
-  expect_means(place, parity, expected);
-  for (std::size_t column = 0; column < frame_columns; ++column) {
-    const Cell left = cell_at(slope_, cell(place.left[column], column, parity));
-    const Cell right = cell_at(slope_, cell(place.right[column], column, parity));
-    cell_at(expected.slope, column * half_rows) = left + place.part[column] * (right - left);
-  }
-}
-
-void PanoramaMap::expect_means(const Place& place, unsigned parity, Expected& expected) const {
-  for (std::size_t column = 0; column < frame_columns; ++column) {
-    const std::size_t left = cell(place.left[column], column, parity);
-    const std::size_t right = cell(place.right[column], column, parity);
-    const Cell mean = cell_at(mean_, left);
-    cell_at(expected.mean, column * half_rows) = mean + place.part[column] * (cell_at(mean_, right) - mean);
-    cell_at(expected.known, column * half_rows) = cell_at(known_, left) * cell_at(known_, right);
   }
 }
 

@@ -78,20 +78,6 @@ PixelModel::PixelModel(std::span<const HalfView> views) {
     }
 }
 
-HalfPixels PixelModel::values(const HalfView& view, float half_offset_c) const {
-  const HalfPixels& offset_c = offset_c_[view.half.parity];
-  HalfPixels values;
-  for (std::size_t i = 0; i < half_pixels; ++i) values[i] = view.temp_c[i] - offset_c[i] - half_offset_c;
-  return values;
-}
-
-HalfPixels PixelModel::weights(const HalfView& view) const {
-  const HalfPixels& weight = weight_[view.half.parity];
-  HalfPixels weights;
-  for (std::size_t i = 0; i < half_pixels; ++i) weights[i] = weight[i] * view.trust[i];
-  return weights;
-}
-
 void PixelModel::Residuals::add(const HalfPixels& residual, const HalfPixels& weights) {
   for (std::size_t i = 0; i < half_pixels; ++i) {
     const float weighted = weights[i] * residual[i];

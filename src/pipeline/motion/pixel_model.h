@@ -4,7 +4,7 @@
 #include <array>
 #include <span>
 
-#include "half_view.h"
+#include "column_pixels.h"
 
 namespace thermorig::motion {
 
@@ -15,10 +15,14 @@ class PixelModel {
   /// surroundings, which the angles average only in part. Pixels that never change are left out for good.
   explicit PixelModel(std::span<const HalfView> views);
 
-  /// Readings without the pixels' offsets and the half's own.
-  HalfPixels values(const HalfView& view, float half_offset_c) const;
-  /// How much each reading counts: 1 for a pixel of average noise.
-  HalfPixels weights(const HalfView& view) const;
+  /// Readings of a column without the pixels' offsets and the half's own.
+  ColumnPixels values(const HalfView& view, float half_offset_c, std::size_t column) const {
+    return column_of(view.temp_c, column) - column_of(offset_c_[view.half.parity], column) - half_offset_c;
+  }
+  /// How much each of them counts: 1 for a pixel of average noise.
+  ColumnPixels weights(const HalfView& view, std::size_t column) const {
+    return column_of(weight_[view.half.parity], column) * column_of(view.trust, column);
+  }
   const HalfPixels& pixel_weights(unsigned parity) const { return weight_[parity]; }
 
   /// Weighted sums over the halves of one parity.
