@@ -107,6 +107,10 @@ void add_session(const bench::HardRecording& made, json& object) {
                       {"commanded_uncertainty_dps", labels.commanded_uncertainty_dps},
                       {"corrected_dps", labels.corrected_dps},
                       {"corrected_uncertainty_dps", labels.corrected_uncertainty_dps}};
+  const bench::LiveServoTimes live = bench::live_servo_times(session, rig);
+  object["live_servo"] = {{"samples", live.errors.errors_s.size()},
+                          {"outside", live.errors.outside},
+                          {"median_width_ms", 1e3 * live.median_width_s}};
   const auto times = bench::time_errors(session, rig);
   for (const Device device : all_devices)
     object["times"][std::string(name_of(device))] = times_json(times[device]);

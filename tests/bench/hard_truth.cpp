@@ -2,7 +2,11 @@
 #include "hard_truth.h"
 
 #include <chrono>
+#include <utility>
+#include <vector>
 
+#include "thermorig/core/statistics.h"
+#include "thermorig/pipeline/causal_replay.h"
 #include "timing_truth.h"
 
 namespace thermorig::bench {
@@ -16,6 +20,10 @@ constexpr std::size_t summed_samples = 200;
 /// Three standard deviations of the constant that was subtracted from the stream's times.
 double latency_slack_s(const session::Session& session, Device device) {
   return 3.0 * session.sync.clock[device].latency_uncertainty_s;
+}
+
+HostTime truth_of(const TimedServo& servo, const simulation::VirtualRig& rig) {
+  return rig.when_servo_clock_read(ServoTime(std::chrono::microseconds(servo.mcu_time_us)));
 }
 
 void add(const Stamp& stamp, HostTime truth, double slack_s, TimeErrors& errors) {
@@ -87,9 +95,21 @@ PerDevice<TimeErrors> time_errors(const session::Session& session, const simulat
       add(session.gyro[i].stamp, instant_of(*gyro[i], Device::gyro), latency_slack_s(session, Device::gyro),
           errors[Device::gyro]);
   for (const TimedServo& servo : session.servo)
-    add(servo.stamp, rig.when_servo_clock_read(ServoTime(std::chrono::microseconds(servo.mcu_time_us))),
-        latency_slack_s(session, Device::servo), errors[Device::servo]);
+    add(servo.stamp, truth_of(servo, rig), latency_slack_s(session, Device::servo), errors[Device::servo]);
   return errors;
+}
+
+LiveServoTimes live_servo_times(const session::Session& session, const simulation::VirtualRig& rig) {
+  LiveServoTimes times;
+  std::vector<double> widths_s;
+  pipeline::CausalReplay replay(session.raw);
+  while (const auto moment = replay.next())
+    for (const TimedServo& servo : moment->streams.servo) {
+      add(servo.stamp, truth_of(servo, rig), latency_slack_s(session, Device::servo), times.errors);
+      widths_s.push_back(double{servo.stamp.earlier_s} + double{servo.stamp.later_s});
+    }
+  times.median_width_s = median(std::move(widths_s));
+  return times;
 }
 
 }  // namespace thermorig::bench

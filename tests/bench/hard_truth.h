@@ -41,4 +41,11 @@ std::optional<double> true_gyro_scale(const session::Session& session, const sim
 /// Whether `truth` lies outside what `stamp` allows, bounds on either side widened by `more_s` seconds.
 bool is_outside(const Stamp& stamp, HostTime truth, double more_s);
 
+/// Times of the servo's messages as a live run has them, and how wide their bounds are in the median.
+struct LiveServoTimes {
+  TimeErrors errors;
+  double median_width_s = 0.0;
+};
+LiveServoTimes live_servo_times(const session::Session& session, const simulation::VirtualRig& rig);
+
 }  // namespace thermorig::bench

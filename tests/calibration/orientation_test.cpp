@@ -44,6 +44,16 @@ TEST(CalibrateOrientation, FindsAxisSignAndMirrorWhateverTheProfileBelieves) {
   }
 }
 
+/// An axis across follows the turning as faithfully as the one along it, but shows next to nothing of it.
+TEST(CalibrateOrientation, KnowsTheAxisOfAGyroWhoseOtherAxesSeeSomeOfTheTurning) {
+  auto config = rig_with(1);
+  config.world.gyro.cross_axis = 0.02;
+  const OrientationResult found =
+      measure_orientation(record(config, plan_for(CalibrationKind::orientation, config)).session);
+  EXPECT_EQ(found.gyro_axis, config.profile.gyro.axis);
+  EXPECT_EQ(found.gyro_sign, config.profile.gyro.sign);
+}
+
 TEST(CalibrateOrientation, SaysWhyASessionDoesNotTell) {
   const session::Session empty;
   EXPECT_THAT(refusal([&] { measure_orientation(empty); }), HasSubstr("hardly moved"));

@@ -197,6 +197,20 @@ TEST(ServoResponse, IsThatOfTheSimulatedServo) {
   }
 }
 
+/// The gyro rounds what begins and ends: it is not the servo that is slow.
+TEST(ServoResponse, IsSeenThroughTheGyrosLowPass) {
+  auto config = rig_of(2160.0, 8.0, 11);
+  config.world.gyro.bandwidth_hz = 5.0;
+  const TrueTimes recording = record(config, speeds_dps);
+  GyroErrors errors = fit_gyro_errors(recording.gyro, recording.servo, recording.profile.gyro);
+  errors.filter_delay_s = {GyroProfile::second_order_delay / 5.0, 0.002};
+  const ServoResponse response =
+      fit_servo_response(recording.servo, recording.gyro, errors, recording.profile.servo);
+  EXPECT_TRUE(response.fitted);
+  EXPECT_NEAR(response.loop_hz, 8.0, 0.8);
+  EXPECT_NEAR(response.delay_s, 0.0, 0.003);
+}
+
 TEST(ServoResponse, LabelsAfterCalibrationAreTheShaftsSpeed) {
   std::uint64_t seed = 21;
   for (const auto& [travel_deg, loop_hz] : {std::pair{180.0, 5.0}, {270.0, 15.0}, {2160.0, 8.0}}) {

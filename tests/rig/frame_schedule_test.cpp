@@ -49,5 +49,20 @@ TEST(FrameSchedule, CountsFramesThatNeverCame) {
   EXPECT_NEAR(schedule.rate_hz(), 10.0, 1e-3);
 }
 
+TEST(FrameSchedule, TellsHowManyFramesComeOfACameraThatLosesSome) {
+  FrameSchedule schedule(8.0);
+  for (int i = 0; i < 300; ++i)
+    if (i % 3 != 0) schedule.frame(frame_at(0.1 * i, i % 3 == 1 ? 1 : 0));
+  EXPECT_NEAR(schedule.rate_hz(), 10.0, 1e-3);
+  EXPECT_NEAR(schedule.arrival_rate_hz(), 20.0 / 3.0, 0.2);
+}
+
+TEST(FrameSchedule, CountsNoFramesOfACameraThatWasAway) {
+  FrameSchedule schedule(8.0);
+  for (int i = 0; i < 40; ++i) schedule.frame(frame_at(0.1 * i));
+  schedule.frame(frame_at(9.0, 50));
+  EXPECT_DOUBLE_EQ(schedule.arrival_rate_hz(), schedule.rate_hz());
+}
+
 }  // namespace
 }  // namespace thermorig::rig

@@ -112,6 +112,15 @@ TEST(Verdict, IsBadWhenMoreThanATwentiethWasLost) {
   EXPECT_EQ(quality_of(session).verdict, "bad");
 }
 
+/// Each missing frame is noticed, and only the frames at it are invalid.
+TEST(Verdict, IsUsableWhenACameraLosesAThirdOfItsFramesAndBadBeyond) {
+  Session session = clean_session(60);
+  for (std::size_t i = 1; i < 60; i += 2) session.frames[i].missing_before = 1;
+  EXPECT_EQ(quality_of(session).verdict, "usable");
+  for (std::size_t i = 1; i < 60; i += 2) session.frames[i].missing_before = 2;
+  EXPECT_EQ(quality_of(session).verdict, "bad");
+}
+
 TEST(Verdict, IsBadWhenADeviceSentNothing) {
   Session session = clean_session(60);
   session.counters[Device::servo] = {};

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "least_squares.h"
+#include "low_pass.h"
 #include "thermorig/core/statistics.h"
 
 namespace thermorig::labels {
@@ -91,8 +92,9 @@ std::vector<Change> prepare(std::span<const PulseAt> pulses, std::span<const Int
 
 class Problem {
  public:
-  Problem(std::vector<Change> changes, const ServoProfile& profile)
+  Problem(std::vector<Change> changes, double filter_delay_s, const ServoProfile& profile)
       : changes_(std::move(changes)),
+        low_pass_(filter_delay_s),
         continuous_(profile.kind == ServoKind::continuous),
         log_loop_(std::log(std::clamp(profile.loop_hz, slowest_hz, fastest_hz))) {
     for (const Change& change : changes_)
@@ -175,15 +177,20 @@ class Problem {
     rates.reserve(measured_.size());
     for (std::size_t i = 0; i < changes_.size(); ++i) {
       std::size_t near = 0;
-      for (const Sample& sample : changes_[i].samples) {
-        const double middle_s = sample.time_s - delay_s;
-        rates.push_back(curves[i].mean_dps(middle_s - window_s / 2.0, middle_s + window_s / 2.0, near));
-      }
+      for (const Sample& sample : changes_[i].samples)
+        rates.push_back(shown_dps(curves[i], sample.time_s - delay_s, near));
     }
     return rates;
   }
 
+  /// What the gyro shows of the curve around a time. `near`: see first_after().
+  double shown_dps(const ShaftCurve& curve, double at_s, std::size_t& near) const {
+    const auto mean = [&](double begin_s, double end_s) { return curve.mean_dps(begin_s, end_s, near); };
+    return low_pass_.shown_dps(at_s - window_s / 2.0, at_s + window_s / 2.0, mean);
+  }
+
   std::vector<Change> changes_;
+  LowPass low_pass_;
   std::vector<double> measured_;
   bool continuous_;
   double log_loop_;
@@ -288,10 +295,12 @@ Parameters coarse(const Problem& problem) {
 }  // namespace
 
 std::optional<LoopFit> fit_loop(std::span<const PulseAt> pulses, std::span<const Interval> changes,
-                                const GyroIntegral& gyro, const ServoProfile& profile) {
-  Problem problem(prepare(pulses, changes, gyro, most_changes), profile);
+                                const GyroIntegral& gyro, double filter_delay_s,
+                                const ServoProfile& profile) {
+  Problem problem(prepare(pulses, changes, gyro, most_changes), filter_delay_s, profile);
   if (problem.changes() < least_changes) return std::nullopt;
-  Parameters p = descend(problem, coarse({prepare(pulses, changes, gyro, coarse_changes), profile}));
+  Parameters p =
+      descend(problem, coarse({prepare(pulses, changes, gyro, coarse_changes), filter_delay_s, profile}));
   if (problem.drop_outliers(p) && problem.changes() >= least_changes) p = descend(problem, p);
   if (problem.changes() < least_changes) return std::nullopt;
   const std::vector<double> rates = problem.predict(p);

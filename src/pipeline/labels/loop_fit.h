@@ -21,10 +21,11 @@ struct LoopFit {
 };
 
 /// Delay, bandwidth and dead band that make the model's mean rate over 20 ms (one pulse period: the ripple of
-/// the pulses and the gyro's own filter play no part) most like the gyro's, around the changes of speed; up
+/// the pulses plays no part), seen through the gyro's low-pass of the group delay `filter_delay_s` (which the
+/// gyro's times have in them), most like the gyro's, around the changes of speed; up
 /// to a factor and a constant, which are found elsewhere. None if there are fewer than three changes that the
 /// gyro saw, or the gyro does not follow them.
 std::optional<LoopFit> fit_loop(std::span<const PulseAt> pulses, std::span<const Interval> changes,
-                                const GyroIntegral& gyro, const ServoProfile& profile);
+                                const GyroIntegral& gyro, double filter_delay_s, const ServoProfile& profile);
 
 }  // namespace thermorig::labels

@@ -12,6 +12,7 @@
 #include "gyro_integral.h"
 #include "intervals.h"
 #include "loop_fit.h"
+#include "low_pass.h"
 #include "pulse_period.h"
 #include "reached_speeds.h"
 #include "shaft_curve.h"
@@ -108,8 +109,8 @@ class FittedShaft {
 };
 
 std::map<long long, Residuals> residuals_of(const std::vector<Interval>& intervals, const FittedShaft& shaft,
-                                            const GyroIntegral& gyro, const GainFit& gain, double settle,
-                                            double frame_s) {
+                                            const GyroIntegral& gyro, const LowPass& low_pass,
+                                            const GainFit& gain, double settle, double frame_s) {
   std::map<long long, Residuals> by_speed;  // by centidegrees per second
   std::size_t near_gyro = 0, near_shaft = 0;
   for (const Interval& interval : intervals) {
@@ -118,7 +119,10 @@ std::map<long long, Residuals> residuals_of(const std::vector<Interval>& interva
       const double rate_dps = gyro.mean_dps(from_s, from_s + frame_s, near_gyro) - gain.bias_at(from_s);
       if (!std::isfinite(rate_dps)) continue;
       Residuals& residuals = by_speed[std::llround(100.0 * interval.rate_dps)];
-      residuals.add(rate_dps - shaft.mean_dps(from_s, from_s + frame_s, near_shaft));
+      const auto mean = [&](double begin_s, double end_s) {
+        return shaft.mean_dps(begin_s, end_s, near_shaft);
+      };
+      residuals.add(rate_dps - low_pass.shown_dps(from_s, from_s + frame_s, mean));
       note_noise(gyro, from_s, from_s + frame_s, near_gyro, residuals);
     }
   }
@@ -224,7 +228,7 @@ ServoResponse fit_servo_response(std::span<const TimedServo> servo, std::span<co
   std::erase_if(changes, [&](const Interval& change) {
     return is_within(strayed, change.begin_s) || is_within(strayed, change.end_s);
   });
-  const auto loop = fit_loop(pulses, changes, integral, profile);
+  const auto loop = fit_loop(pulses, changes, integral, errors.filter_delay_s.value, profile);
   if (!loop) return response;
   const double end_s = pulses.back().end_s;
   const ShaftCurve curve(pulses, scale.continuous(), loop->loop_hz, loop->dead_band_deg, end_s);
@@ -246,8 +250,9 @@ ServoResponse fit_servo_response(std::span<const TimedServo> servo, std::span<co
   const FittedShaft shaft(curve, response, scale);
   note_bias_course(*gain, origin, errors);
   const double frame_s = std::clamp(frame_period_s, shortest_frame_s, longest_frame_s);
-  note_residuals(response, residuals_of(legs, shaft, integral, *gain, settle_s(response), frame_s), frame_s,
-                 integral.period_s());
+  const LowPass low_pass(errors.filter_delay_s.value);
+  note_residuals(response, residuals_of(legs, shaft, integral, low_pass, *gain, settle_s(response), frame_s),
+                 frame_s, integral.period_s());
   return response;
 }
 

@@ -3,6 +3,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <vector>
+
+#include "thermorig/core/statistics.h"
 
 namespace thermorig::timing {
 namespace {
@@ -30,6 +33,19 @@ double seconds_between(HostTime before, HostTime later) {
 double seconds_between(std::int64_t before_us, std::int64_t later_us) {
   const auto difference = static_cast<std::uint64_t>(later_us) - static_cast<std::uint64_t>(before_us);
   return static_cast<double>(static_cast<std::int64_t>(difference)) * 1e-6;
+}
+
+Range rate_aside(const Range& mean, double aside_s, double drift, double unseen_s) {
+  const double bow = 8.0 * unseen_s * std::abs(aside_s) / (rate_window_s * rate_window_s);
+  const double drifted = drift * aside_s;
+  return {mean.lo - bow + std::min(drifted, 0.0), mean.hi + bow + std::max(drifted, 0.0)};
+}
+
+double median_width_s(std::span<const Range> offsets) {
+  std::vector<double> widths_s;
+  for (const Range& offset : offsets)
+    if (std::isfinite(offset.width())) widths_s.push_back(offset.width());
+  return widths_s.empty() ? 0.0 : lower_quantile(widths_s, 0.5);
 }
 
 PingBound two_sided(const PingExchange& exchange) {
@@ -61,6 +77,13 @@ TimeEstimate unknown_time() {
   return {.uncertainty_s = nothing, .earlier_s = nothing, .later_s = nothing};
 }
 
+TimeEstimate within(TimeEstimate likely, const TimeEstimate& sure) {
+  const auto ahead_s = static_cast<float>(seconds_between(likely.time, sure.time));
+  likely.earlier_s = std::max(likely.earlier_s, sure.earlier_s - ahead_s);
+  likely.later_s = std::max(likely.later_s, sure.later_s + ahead_s);
+  return likely;
+}
+
 HostTime ClockOrigin::time(double mcu_at_s, double offset_s) const {
   const double since_s = std::clamp(mcu_at_s + offset_s, -longest_s, longest_s);
   const auto since_ns = static_cast<std::uint64_t>(from_s(since_s).count());
@@ -76,8 +99,11 @@ TimeEstimate ClockOrigin::estimate(double mcu_at_s, const Range& offset) const {
           .later_s = outward(half_s + 1e-9)};
 }
 
-PingBounds::PingBounds(const PingBound& first, double wander)
-    : wander_(wander), origin_{first.not_after, first.send_us}, newest_us_(first.send_us) {
+PingBounds::PingBounds(const PingBound& first, double wander, RateNow rate_now)
+    : wander_(wander),
+      rate_now_(rate_now),
+      origin_{first.not_after, first.send_us},
+      newest_us_(first.send_us) {
   knots_.push_back(newest_);
   take(first);
 }
@@ -169,6 +195,24 @@ void PingBounds::bound_rate() {
   }
   // Means over different stretches may differ, but not by more than the wander allows.
   if (rate_.lo - rate_.hi > 2 * wander_) std::swap(rate_.lo, rate_.hi);
+  if (rate_now_ == RateNow::may_differ) rate_ = rate_aside(rate_, history_s / 2, drift(), width_s());
+}
+
+double PingBounds::width_s() const {
+  std::vector<Range> offsets;
+  for (const Knot& knot : knots_) offsets.push_back(knot.offset);
+  return median_width_s(offsets);
+}
+
+/// By how much the mean rate changes from the first half of the window to the second, per second.
+double PingBounds::drift() const {
+  const Knot& middle = knots_[knots_.size() / 2];
+  const auto mean_rate = [](const Knot& from, const Knot& to) {
+    return (to.offset.middle() - from.offset.middle()) / (to.mcu_s - from.mcu_s);
+  };
+  const double change = mean_rate(middle, newest_) - mean_rate(knots_.front(), middle);
+  const double drift = change / ((newest_.mcu_s - knots_.front().mcu_s) / 2);
+  return std::isfinite(drift) ? drift : 0.0;
 }
 
 }  // namespace thermorig::timing

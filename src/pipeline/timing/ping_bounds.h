@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <deque>
 #include <limits>
+#include <span>
 
 #include "thermorig/core/profile.h"
 #include "thermorig/core/sync.h"
@@ -73,6 +74,14 @@ struct ClockOrigin {
   TimeEstimate estimate(double mcu_at_s, const Range& offset) const;
 };
 
+/// What a mean rate over a minute or less says of the rate `aside_s` from the middle of that time. A clock
+/// may go on as its mean drifts (`drift`, per second), and bow unseen: an offset that bows by s within a time
+/// T has a rate that is off by 8 s / T^2 times the distance from the middle.
+Range rate_aside(const Range& mean, double aside_s, double drift, double unseen_s);
+
+/// Median width of those offsets that are bounded from both sides; 0 where none is.
+double median_width_s(std::span<const Range> offsets);
+
 /// What one exchange or stamp says.
 struct PingBound {
   std::int64_t receive_us = 0;  // only of an exchange
@@ -95,6 +104,9 @@ double wander_of(const PortProfile& link);
 /// An estimate that says nothing.
 TimeEstimate unknown_time();
 
+/// The likely time, within the bounds that are sure.
+TimeEstimate within(TimeEstimate likely, const TimeEstimate& sure);
+
 /// How a bound stands to a clock.
 enum class PingFate : std::uint8_t {
   fits,
@@ -104,10 +116,16 @@ enum class PingFate : std::uint8_t {
   faster_than_wire  // no clock at all allows it
 };
 
+/// What a mean rate over the last minute says of now, at the end of that minute.
+enum class RateNow : std::uint8_t {
+  is_the_mean,  // within the wander: most likely
+  may_differ,   // rate_aside(): surely
+};
+
 /// Causal bounds of one epoch's clock: O(1) a bound and, once a second, a walk over the last minute.
 class PingBounds {
  public:
-  PingBounds(const PingBound& first, double wander);
+  PingBounds(const PingBound& first, double wander, RateNow rate_now = RateNow::is_the_mean);
 
   PingFate fate(const PingBound& bound) const;
   void take(const PingBound& bound);
@@ -132,8 +150,11 @@ class PingBounds {
   void set_knot();
   void refine_knots();
   void bound_rate();
+  double width_s() const;
+  double drift() const;
 
   double wander_;
+  RateNow rate_now_;
   ClockOrigin origin_;
   std::int64_t newest_us_ = 0;
   Knot newest_;

@@ -4,6 +4,14 @@
 #include "ping_epochs.h"
 
 namespace thermorig::timing {
+namespace {
+
+TimeEstimate estimate(const PingBounds& bounds, std::int64_t mcu_us) {
+  const ClockOrigin& origin = bounds.origin();
+  return origin.estimate(origin.mcu_s(mcu_us), bounds.at(mcu_us));
+}
+
+}  // namespace
 
 struct PingClock::State {
   PingEpochs epochs;
@@ -24,10 +32,9 @@ void PingClock::sent(const SentStamp& stamp) {
 }
 
 std::optional<TimeEstimate> PingClock::at(std::int64_t mcu_us) const {
-  const PingBounds* bounds = state_->epochs.current();
-  if (bounds == nullptr || !bounds->two_sided()) return std::nullopt;
-  const ClockOrigin& origin = bounds->origin();
-  return origin.estimate(origin.mcu_s(mcu_us), bounds->at(mcu_us));
+  const PingBounds* likely = state_->epochs.likely();
+  if (likely == nullptr || !likely->two_sided()) return std::nullopt;
+  return within(estimate(*likely, mcu_us), estimate(*state_->epochs.sure(), mcu_us));
 }
 
 const std::vector<ClockEpoch>& PingClock::epochs() const {

@@ -49,6 +49,7 @@ void PingEpochs::feed(const PingBound& bound) {
     first_bounds_.push_back(fed_);
     current_.emplace(bound, wander_);
     remember(bound);
+    follow_surely();
     ++fed_;
     return;
   }
@@ -88,7 +89,13 @@ bool PingEpochs::wanders_more(const PingBound& bound, PingFate fate) {
   wander_ = std::min(2.0 * least, largest_wander);
   std::optional<PingBounds> wider = followed(bound, wander_);
   current_ = wider ? std::move(wider) : followed(bound, largest_wander);
+  follow_surely();
   return true;
+}
+
+void PingEpochs::follow_surely() {
+  sure_.emplace(recent_.front(), wander_, RateNow::may_differ);
+  for (std::size_t i = 1; i < recent_.size(); ++i) sure_->take(recent_[i]);
 }
 
 void PingEpochs::remember(const PingBound& bound) {
@@ -100,6 +107,7 @@ void PingEpochs::remember(const PingBound& bound) {
 
 void PingEpochs::trust(const PingBound& bound) {
   current_->take(bound);
+  sure_->take(bound);
   remember(bound);
   if (bound.two_sided) impossible_ = 0;
   // A message alone never contradicts a clock that lost time: only an exchange speaks against that.
@@ -123,6 +131,7 @@ void PingEpochs::begin_epoch(Rival&& rival) {
   current_.emplace(std::move(rival.bounds));
   recent_.clear();
   for (const PingBound& bound : rival.taken) remember(bound);
+  follow_surely();
   failed_searches_ = 0;
   rival_.reset();
   doubted_ = false;

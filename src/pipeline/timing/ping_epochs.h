@@ -23,7 +23,10 @@ class PingEpochs {
   /// Bounds come in the order in which their messages did.
   void feed(const PingBound& bound);
 
-  const PingBounds* current() const { return current_ ? &*current_ : nullptr; }
+  /// Bounds of the newest epoch's clock that are likely, and those that are sure: none before the first
+  /// bound, both from then on.
+  const PingBounds* likely() const { return current_ ? &*current_ : nullptr; }
+  const PingBounds* sure() const { return sure_ ? &*sure_ : nullptr; }
   const std::vector<ClockEpoch>& epochs() const { return epochs_; }
 
   /// Which bound, counted from 0 in the order of feed(), was the first of each epoch.
@@ -43,6 +46,7 @@ class PingEpochs {
   };
   bool wanders_more(const PingBound& bound, PingFate fate);
   std::optional<PingBounds> followed(const PingBound& bound, double wander) const;
+  void follow_surely();
   void remember(const PingBound& bound);
   void doubt(const PingBound& bound, PingFate fate);
   void trust(const PingBound& bound);
@@ -54,8 +58,9 @@ class PingEpochs {
   double wander_;
   std::size_t fed_ = 0;
   std::optional<PingBounds> current_;
-  std::deque<PingBound> recent_;  // of the clock so far: the last minute
-  int failed_searches_ = 0;       // for a wander that explains a bound, in this epoch
+  std::optional<PingBounds> sure_;  // of the same bounds, with room for what they may hide
+  std::deque<PingBound> recent_;    // of the clock so far: the last minute
+  int failed_searches_ = 0;         // for a wander that explains a bound, in this epoch
   std::optional<Rival> rival_;
   int impossible_ = 0;  // in a row
   bool doubted_ = false;

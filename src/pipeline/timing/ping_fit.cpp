@@ -167,12 +167,8 @@ struct Followed {
   double sure_wander = 0.0;    // 0: either
 };
 
-/// Median; 0 where nothing is bounded from both sides.
 double width_s(const PingHull& hull) {
-  std::vector<double> widths_s;
-  for (const Range& offset : hull.offsets())
-    if (std::isfinite(offset.width())) widths_s.push_back(offset.width());
-  return widths_s.empty() ? 0.0 : lower_quantile(widths_s, 0.5);
+  return median_width_s(hull.offsets());
 }
 
 /// Whether bounds are so narrow that a clock which wanders more would not fit between them: one that loses
@@ -221,16 +217,6 @@ Followed follow(const std::vector<PingHull::Event>& events, double wander) {
   return {std::move(likely), bowed(sure, wander), needed, wander};
 }
 
-/// The likely time, within the bounds that are sure.
-TimeEstimate estimate(const ClockOrigin& origin, double mcu_s, const Range& likely, const Range& sure) {
-  TimeEstimate time = origin.estimate(mcu_s, likely);
-  const TimeEstimate bounds = origin.estimate(mcu_s, sure);
-  const auto ahead_s = static_cast<float>(seconds_between(time.time, bounds.time));
-  time.earlier_s = std::max(time.earlier_s, bounds.earlier_s - ahead_s);
-  time.later_s = std::max(time.later_s, bounds.later_s + ahead_s);
-  return time;
-}
-
 void fit_epoch(const EpochData& data, std::span<const std::int64_t> mcu_us, const PortProfile& link,
                PingFit& fit, PingReport& report) {
   if (data.bounds.empty()) return;
@@ -246,8 +232,9 @@ void fit_epoch(const EpochData& data, std::span<const std::int64_t> mcu_us, cons
   const double delay_s = link.largest_constant_delay_s;
   for (std::size_t i = 0; i < asked.size(); ++i)
     if (asked[i].index != none)
-      fit.times[asked[i].index] = estimate(origin, asked[i].event.mcu_s, closed(likely.offsets()[i], delay_s),
-                                           closed(sure.offsets()[i], delay_s));
+      fit.times[asked[i].index] =
+          within(origin.estimate(asked[i].event.mcu_s, closed(likely.offsets()[i], delay_s)),
+                 origin.estimate(asked[i].event.mcu_s, closed(sure.offsets()[i], delay_s)));
   report.add(data.epoch, sure, origin);
   if (is_bounded)
     report.add_wander(needed_wander, sure_wander);

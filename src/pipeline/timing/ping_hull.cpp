@@ -147,18 +147,14 @@ double PingHull::drift(std::size_t segment, std::ptrdiff_t step) const {
   return 0.0;
 }
 
-/// What the rate of a segment may be by its window. Where that lies to one side, the clock may go on as its
-/// mean drifts, and bow unseen: an offset that bows by s within a time T has a rate that is off by 8 s / T^2
-/// times the distance from the middle.
+/// What the rate of a segment may be by its window, which lies to one side at an end of the clock's life.
 Range PingHull::allowed(std::size_t segment) const {
   const Window& own = *windows_[segment];
   const double reach = wander_reach_s(own.span_s, wander_) / std::max(own.span_s, 1e-9);
-  Range rates{own.mean.lo - reach, own.mean.hi + reach};
+  const Range rates{own.mean.lo - reach, own.mean.hi + reach};
   if (!(unseen_s_ > 0.0)) return rates;
   const double aside_s = middle_s(knots_[segment], knots_[segment + 1]) - own.middle_s;
-  const double bow = 8.0 * unseen_s_ * std::abs(aside_s) / (rate_window_s * rate_window_s);
-  const double drifted = drift(segment, aside_s < 0.0 ? 1 : -1) * aside_s;
-  return {rates.lo - bow + std::min(drifted, 0.0), rates.hi + bow + std::max(drifted, 0.0)};
+  return rate_aside(rates, aside_s, drift(segment, aside_s < 0.0 ? 1 : -1), unseen_s_);
 }
 
 void PingHull::bound_rates() {

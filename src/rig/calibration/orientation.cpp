@@ -15,7 +15,7 @@ namespace thermorig::calibration {
 namespace {
 
 constexpr double least_correlation = 0.7;
-constexpr double least_lead = 0.2;  // of the best axis over the next one
+constexpr double least_lead = 0.2;  // of the best axis over the next one, as a share of it
 constexpr double longest_gap_s = 0.1;
 constexpr double least_moving_dps = 5.0;
 
@@ -36,6 +36,7 @@ class Correlation {
     xy_ += dx * (y - mean_y_);
   }
   double value() const { return xx_ > 0 && yy_ > 0 ? xy_ / std::sqrt(xx_ * yy_) : 0.0; }
+  double slope() const { return xx_ > 0 ? xy_ / xx_ : 0.0; }  // of y over x
   double spread_x() const { return count_ > 0 ? std::sqrt(xx_ / count_) : 0.0; }
 
  private:
@@ -78,25 +79,26 @@ Axis turning_axis(const session::Session& session) {
       if (std::isfinite(sample.reading.rate_dps[axis]))
         axes[axis].add(*rate_dps, sample.reading.rate_dps[axis]);
   }
-  double moving_dps = 0.0, next = 0.0;
+  // By how much of the turning it shows: an axis across shows a percent of it, by its data sheet, and follows
+  // that as well as the best one does.
+  double moving_dps = 0.0, most = 0.0, next = 0.0;
   Axis best;
   for (std::size_t axis = 0; axis < 3; ++axis) {
     moving_dps = std::max(moving_dps, axes[axis].spread_x());
-    const double value = axes[axis].value();
-    if (std::abs(value) > std::abs(best.correlation)) {
-      next = std::abs(best.correlation);
-      best = {axis, value};
-    } else {
-      next = std::max(next, std::abs(value));
-    }
+    const double shown = std::abs(axes[axis].slope());
+    next = std::max(next, std::min(shown, most));
+    if (shown <= most) continue;
+    most = shown;
+    best = {axis, axes[axis].value()};
   }
   if (moving_dps < least_moving_dps)
     refuse_orientation("the servo hardly moved",
                        "sweeps in both directions: `thermorig calibrate orientation` drives them");
-  if (std::abs(best.correlation) < least_correlation || std::abs(best.correlation) - next < least_lead)
+  if (std::abs(best.correlation) < least_correlation || most - next < least_lead * most)
     refuse_orientation(
-        fmt::format("no axis of the gyro turns with the servo (the best follows it by {:.2f} of 1)",
-                    std::abs(best.correlation)),
+        fmt::format("no axis of the gyro turns with the servo (the best follows it by {:.2f} of 1, and shows "
+                    "{:.2f} of it; the next one {:.2f})",
+                    std::abs(best.correlation), most, next),
         "fix the gyro to the arm, with one of its axes along the servo's; is the servo's supply on?");
   return best;
 }

@@ -72,22 +72,38 @@ void judge_stream(Device device, const PreflightStream& stream, const PreflightL
                      "looks at latency timers"});
 }
 
+/// A bridge that misses halves, or repeats frames, does so by chance: of a few seconds' frames a few prove
+/// nothing. Three standard deviations of a share of so many.
+double by_chance(double share, std::uint64_t count) {
+  return 3.0 * std::sqrt(share * (1.0 - share) / static_cast<double>(count));
+}
+
 PreflightViolation repeated_frames(const PreflightImages& images, double limit) {
   return {
-      "camera_repeats", Device::camera,
+      "camera_repeats",
+      Device::camera,
       fmt::format("{:.0f} % of the frames repeat what the one before showed", 100.0 * images.repeated_share),
       fmt::format("at most {:.0f} %", 100.0 * limit),
       "ask the camera for a lower frame rate: its bridge sends more often than its sensor measures; or "
-      "switch it off and on"};
+      "switch it off and on",
+      {}};
 }
 
 PreflightViolation lost_halves(const PreflightImages& images, double limit) {
-  return {"camera_halves", Device::camera,
+  return {"camera_halves",
+          Device::camera,
           fmt::format("{:.1f} % of the chess halves never come: the camera's bridge misses them",
                       100.0 * images.lost_half_share),
           fmt::format("at most {:.0f} %", 100.0 * limit),
           "ask the camera for a lower frame rate, and say it (--camera-rate, output_rate_hz in the "
-          "rig profile): its bridge does not keep up with its sensor; no other cable helps"};
+          "rig profile): its bridge does not keep up with its sensor; no other cable helps",
+          {}};
+}
+
+std::uint64_t halves_due(const PreflightImages& images) {
+  return images.frames +
+         static_cast<std::uint64_t>(images.lost_half_share * static_cast<double>(images.frames) /
+                                    std::max(1.0 - images.lost_half_share, 0.01));
 }
 
 /// Halves that a bridge misses make fewer frames, which no cable brings back.
@@ -95,29 +111,48 @@ bool loses_halves(const PreflightFacts& facts, const PreflightLimits& limits) {
   return facts.images && facts.images->lost_half_share > limits.lost_half_share_bearable;
 }
 
+bool is_surely_above(double share, std::uint64_t count, double limit) {
+  return share - by_chance(share, count) > limit;
+}
+
+bool is_surely_below(double share, std::uint64_t count, double limit) {
+  return share + by_chance(share, count) < limit;
+}
+
 void judge_images(const PreflightImages& images, const PreflightLimits& limits, Violations& found) {
   const double least_fresh = std::min(images.even_fresh_share, images.odd_fresh_share);
-  if (least_fresh < limits.fresh_share)
-    found.push_back({"camera_fresh", Device::camera,
+  if (is_surely_below(least_fresh, images.frames, limits.fresh_share))
+    found.push_back({"camera_fresh",
+                     Device::camera,
                      fmt::format("the even and the odd half of the chess pattern are new in {:.0f} % and "
                                  "{:.0f} % of the frames",
                                  100.0 * images.even_fresh_share, 100.0 * images.odd_fresh_share),
                      fmt::format("each in at least {:.0f} %", 100.0 * limits.fresh_share),
                      "set the camera's frame rate again and switch it off and on; a bridge that sends more "
-                     "often than its sensor measures repeats frames"});
-  else if (images.lost_half_share > limits.lost_half_share)
+                     "often than its sensor measures repeats frames",
+                     {}});
+  else if (is_surely_above(images.lost_half_share, halves_due(images), limits.lost_half_share))
     found.push_back(lost_halves(images, limits.lost_half_share));
-  if (images.repeated_share > limits.repeated_share)
+  if (is_surely_above(images.repeated_share, images.frames, limits.repeated_share))
     found.push_back(repeated_frames(images, limits.repeated_share));
 }
 
-void warn_of_images(const PreflightImages& images, const PreflightLimits& limits, Violations& warnings) {
-  if (images.repeated_share > limits.repeated_share_bearable &&
-      images.repeated_share <= limits.repeated_share)
-    warnings.push_back(repeated_frames(images, limits.repeated_share_bearable));
-  if (images.lost_half_share > limits.lost_half_share_bearable &&
-      images.lost_half_share <= limits.lost_half_share)
-    warnings.push_back(lost_halves(images, limits.lost_half_share_bearable));
+/// What is not refused: the labels of all other frames are as good as ever.
+void warn_of_images(const PreflightImages& images, const PreflightLimits& limits, const Violations& found,
+                    Violations& warnings) {
+  const auto warn = [&](PreflightViolation warning, std::string consequence) {
+    const auto is_told = [&](const PreflightViolation& other) { return other.name == warning.name; };
+    if (std::any_of(found.begin(), found.end(), is_told)) return;
+    warning.consequence = std::move(consequence);
+    warnings.push_back(std::move(warning));
+  };
+  if (images.repeated_share > limits.repeated_share_bearable)
+    warn(repeated_frames(images, limits.repeated_share_bearable),
+         "it is recorded all the same: frames that repeat are not valid");
+  if (images.lost_half_share > limits.lost_half_share_bearable)
+    warn(lost_halves(images, limits.lost_half_share_bearable),
+         "it is recorded all the same: frames at a loss are not valid, the plan takes longer until each "
+         "speed has its frames, and the session will be called usable, not good");
 }
 
 void judge_rest(const PreflightRest& rest, const GyroProfile& gyro, const PreflightLimits& limits,
@@ -191,7 +226,7 @@ PreflightReport judge(const PreflightFacts& facts, const RigProfile& profile, co
     if (!is_told) judge_losses(device, *facts.streams[device], limits, found);
     judge_stream(device, *facts.streams[device], limits, found);
   }
-  if (facts.images) warn_of_images(*facts.images, limits, report.warnings);
+  if (facts.images) warn_of_images(*facts.images, limits, found, report.warnings);
   if (facts.rest) judge_rest(*facts.rest, profile.gyro, limits, found);
   if (facts.rest) warn_of_rest(*facts.rest, report.warnings);
   if (facts.answers) judge_answers(*facts.answers, profile.servo, limits, found);
@@ -199,7 +234,8 @@ PreflightReport judge(const PreflightFacts& facts, const RigProfile& profile, co
 }
 
 std::string sentence(const PreflightViolation& violation) {
-  return fmt::format("{}; the limit is {}", violation.figure, violation.limit);
+  return fmt::format("{}; the limit is {}{}{}", violation.figure, violation.limit,
+                     violation.consequence.empty() ? "" : "; ", violation.consequence);
 }
 
 }  // namespace thermorig::rig

@@ -62,6 +62,12 @@ double slope(const std::vector<double>& x, const std::vector<double>& y) {
   return spread > 0.0 ? (count * sum_xy - sum_x * sum_y) / spread : 0.0;
 }
 
+/// Where halves are lost at all, what the frames lack to the nominal rate is what was lost: two of them in a
+/// row change no turn, and so show in the rate alone.
+double lost_half_share(double seen, const PreflightStream& camera) {
+  return seen > 0.0 ? std::max(seen, 1.0 - ratio(camera.rate_hz, camera.nominal_hz)) : 0.0;
+}
+
 }  // namespace
 
 void PreflightWatch::begin(HostTime now, const PreflightCounts& counts, const RigProfile& profile) {
@@ -126,6 +132,9 @@ PreflightFacts PreflightWatch::facts(HostTime now, const PreflightCounts& counts
   PreflightFacts facts{.span_s = std::min(heard_s(now), to_s(window_))};
   for (const Device device : all_devices) facts.streams[device] = stream(device, now, counts, profile);
   facts.images = images();
+  if (facts.images && facts.streams[Device::camera])
+    facts.images->lost_half_share =
+        lost_half_share(facts.images->lost_half_share, *facts.streams[Device::camera]);
   facts.rest = rest();
   if (facts.streams[Device::servo]) facts.answers = answers(counts);
   return facts;
@@ -171,7 +180,8 @@ std::optional<PreflightImages> PreflightWatch::images() const {
     return ratio(static_cast<double>(std::count_if(images_.begin(), images_.end(), is_so)),
                  static_cast<double>(images_.size()));
   };
-  PreflightImages facts{.even_fresh_share = share_of([](const Image& image) { return image.even; }),
+  PreflightImages facts{.frames = images_.size(),
+                        .even_fresh_share = share_of([](const Image& image) { return image.even; }),
                         .odd_fresh_share = share_of([](const Image& image) { return image.odd; }),
                         .repeated_share = share_of([](const Image& image) { return image.repeats; })};
   const double lost_halves = share_of([](const Image& image) { return image.half_lost; });

@@ -148,9 +148,11 @@ void Recording::Parts::begin_when_ready(HostTime now) {
   start.ready(now, counts());
   if (!start.is_due(now, counts())) return;
   if (const auto report = start.judged()) {
-    for (const auto* found : {&report->violations, &report->warnings})
-      for (const PreflightViolation& violation : *found)
-        event({now, EventKind::warning, violation.device, "preflight: " + sentence(violation)});
+    for (const PreflightViolation& violation : report->violations)
+      event({now, EventKind::warning, violation.device, "preflight: " + sentence(violation)});
+    for (const PreflightViolation& warning : report->warnings)
+      event({now, EventKind::warning, warning.device,
+             "preflight: " + sentence(warning) + "; try: " + warning.advice});
     if (start.is_to_be_refused()) return refuse(*report, now);
   }
   start.begin();

@@ -14,6 +14,8 @@ namespace {
 constexpr std::size_t frames_kept = 16;
 constexpr std::size_t frames_needed = 8;      // before the measured rate replaces the nominal one
 constexpr std::size_t frames_predicting = 4;  // the latest: an error of the period adds up over them
+constexpr double forgotten = 0.01;            // at each frame
+constexpr std::uint16_t missed_at_once = 4;   // more: the camera was away, and is back
 constexpr double half_way_tolerance = 0.15;   // periods: more than a tick
 }  // namespace
 
@@ -25,6 +27,9 @@ void FrameSchedule::frame(const TimedFrame& frame) {
   const std::int64_t number = seen_.empty() ? 0 : seen_.back().number + 1 + frame.missing_before;
   seen_.push_back({newest_middle(frame), frame.stamp.arrival, number});
   if (seen_.size() > frames_kept) seen_.pop_front();
+  came_ += 1.0 - forgotten * came_;
+  missed_ -= forgotten * missed_;
+  if (frame.missing_before <= missed_at_once) missed_ += frame.missing_before;
 }
 
 // Over half of the frames at a time: a latency timer makes single intervals coarse. The median, since a read

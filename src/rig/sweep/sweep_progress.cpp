@@ -20,10 +20,10 @@ double SweepWalker::remaining_s(HostTime now) const {
   const double phase_s = to_s(now - phase_begin_);
   if (phase_ == SweepPhase::opening_rest) passed_s = std::min(phase_s, plan_.opening_rest_s);
   if (phase_ == SweepPhase::closing_rest) passed_s = std::min(phase_s, plan_.closing_rest_s);
-  if (phase_ == SweepPhase::leg) passed_s = leg_duration_s(leg_.record().frames, frames_.rate_hz());
+  if (phase_ == SweepPhase::leg) passed_s = leg_duration_s(leg_.record().frames, frames_.arrival_rate_hz());
   if (phase_ > SweepPhase::opening_rest) left.opening_rest_s = 0.0;
   if (phase_ == SweepPhase::halting) left.closing_rest_s = 0.0;
-  return std::max(0.0, plan_duration_s(left, servo_, frames_.rate_hz()) - passed_s);
+  return std::max(0.0, plan_duration_s(left, servo_, frames_.arrival_rate_hz()) - passed_s);
 }
 
 SweepProgress SweepWalker::progress(HostTime now) const {
@@ -46,12 +46,12 @@ SweepProgress SweepWalker::progress(HostTime now) const {
       progress.valid_quota = speed.wanted;
     }
   }
-  const double whole_s = plan_duration_s(plan_, servo_, frames_.rate_hz());
+  const double whole_s = plan_duration_s(plan_, servo_, frames_.arrival_rate_hz());
   double undriven_s = progress.eta_s;
   if (has_ended() && !steps_.empty()) {  // it was stopped: what it leaves undriven is not done
     SweepPlan left = steps_.plan_left();
     left.opening_rest_s = 0.0;
-    undriven_s = plan_duration_s(left, servo_, frames_.rate_hz());
+    undriven_s = plan_duration_s(left, servo_, frames_.arrival_rate_hz());
   }
   progress.done_share = whole_s > 0.0 ? std::clamp(1.0 - undriven_s / whole_s, 0.0, 1.0) : 1.0;
   return progress;

@@ -133,7 +133,7 @@ void SweepWalker::next_leg(HostTime now) {
   }
   const ServoTravel travel(servo_);
   const double rate_dps = steps_.rate_dps();
-  const double rate_hz = frames_.rate_hz();
+  const double rate_hz = frames_.arrival_rate_hz();
   const double way_deg = travel.way_deg(rate_dps, quota_.leg_frames(steps_.front().index, rate_hz), rate_hz);
   if (!telemetry_.has_come() ||
       travel.has_room(rate_dps, way_deg, telemetry_.angle_deg(), angle_tolerance_deg))
@@ -161,7 +161,7 @@ void SweepWalker::begin_leg(HostTime now) {
   const LegRecord record{.leg = static_cast<std::uint16_t>(leg_.record().leg + 1),
                          .step = static_cast<int>(steps_.front().index),
                          .rate_dps = steps_.rate_dps()};
-  const double rate_hz = frames_.rate_hz();
+  const double rate_hz = frames_.arrival_rate_hz();
   const bool turn_back = ServoTravel(servo_).is_too_short_for(
       record.rate_dps, quota_.leg_frames(steps_.front().index, rate_hz), rate_hz);
   leg_ = DrivenLeg(record, plan_.frames_per_leg, turn_back);
@@ -172,9 +172,9 @@ void SweepWalker::begin_leg(HostTime now) {
 
 void SweepWalker::send_run(HostTime now) {
   const double limit_s = 1e-3 * static_cast<double>(SERVO_LIMIT_RUN_MS);
-  const double frames =
-      std::max({1.0, 1.0 * leg_.missing(), quota_.frames_needed(steps_.front().index, frames_.rate_hz())});
-  const double expected_s = leg_duration_s(frames, frames_.rate_hz());
+  const double frames = std::max(
+      {1.0, 1.0 * leg_.missing(), quota_.frames_needed(steps_.front().index, frames_.arrival_rate_hz())});
+  const double expected_s = leg_duration_s(frames, frames_.arrival_rate_hz());
   const double duration_s = std::min(limit_s, duration_slack * expected_s + duration_extra_s);
   commander_.run({.leg = leg_.record().leg,
                   .turn_back = leg_.turn_back(),
@@ -207,11 +207,11 @@ void SweepWalker::tick_leg(HostTime now) {
 bool SweepWalker::extend_leg(HostTime now) {
   const LegRecord& record = leg_.record();
   if (quota_.missing(leg_) == 0 || gives_up(steps_.front().index, record.frames, now)) return false;
-  const int wanted = quota_.frames_wanted(leg_, frames_.rate_hz());
+  const int wanted = quota_.frames_wanted(leg_, frames_.arrival_rate_hz());
   const int fitting = leg_.turn_back() || !telemetry_.has_come()
                           ? plan_.frames_per_leg
                           : ServoTravel(servo_).frames_left(record.rate_dps, telemetry_.angle_deg(),
-                                                            frames_.rate_hz(), plan_.frames_per_leg);
+                                                            frames_.arrival_rate_hz(), plan_.frames_per_leg);
   const int more = std::min(leg_.turn_back() ? 1 : wanted, fitting);
   if (wanted <= 0 || more <= 0) return false;
   leg_.extend(more);

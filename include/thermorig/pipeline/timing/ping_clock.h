@@ -32,6 +32,9 @@ struct SentStamp {
 /// is within 2 % of nominal): the bounds a minute apart bound it. The wander is PortProfile::wander_ppm;
 /// where that does not explain what was heard it grows, up to 0.2 %, to twice what does. So earlier_s and
 /// later_s of an estimate hold for a ceramic resonator that warms up, and while the host's clock is slewed.
+/// The last minute ends now, so that its mean is not the rate now: they have room for a clock that goes on as
+/// it drifts and bows as far as they would not show. The time itself is the middle of bounds without that
+/// room.
 ///
 /// An empty set is then a reset, a wrong baud rate, a clock that jumped or a suspended host: it is reported
 /// and starts a new epoch, once three messages in a row agree on it; single messages that fit no clock are
@@ -48,8 +51,8 @@ class PingClock {
   void exchange(const PingExchange& exchange);
   void sent(const SentStamp& stamp);
 
-  /// When the micro-controller's clock showed `mcu_us` (unwrapped, of the newest epoch): middle of the
-  /// bounds. None before the epoch's first exchange.
+  /// When the micro-controller's clock showed `mcu_us` (unwrapped, of the newest epoch). None before the
+  /// epoch's first exchange.
   std::optional<TimeEstimate> at(std::int64_t mcu_us) const;
 
   /// Epochs so far, the first included.

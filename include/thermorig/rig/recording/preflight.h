@@ -30,6 +30,7 @@ struct PreflightStream {
 
 /// What the camera's images say.
 struct PreflightImages {
+  std::uint64_t frames = 0;       // that the shares are of
   double even_fresh_share = 0.0;  // frames in which that chess half is new, 0..1
   double odd_fresh_share = 0.0;
   double repeated_share = 0.0;          // frames that repeat the one before
@@ -77,7 +78,7 @@ struct PreflightLimits {
   double damaged_share = 0.01;
   PerDevice<double> uncertainty_s{{0.010, 0.010, 0.005}};
   double fresh_share = 0.25;  // each chess half, of the frames; half of that in half-fresh mode would be none
-  double lost_half_share = 0.05;           // as the verdict of a session has it: beyond, it is bad
+  double lost_half_share = 0.35;           // as the verdict of a session has it: beyond, it is bad
   double lost_half_share_bearable = 0.01;  // above it a warning
   double repeated_share = 0.10;
   double repeated_share_bearable = 0.01;  // above it a warning
@@ -95,6 +96,7 @@ struct PreflightViolation {
   std::string figure;  // "the gyro sends 100.1 messages a second"
   std::string limit;   // "160 to 250 (nominal 200)"
   std::string advice;
+  std::string consequence;  // of what a recording bears: what becomes of the session
 };
 
 /// What was seen, and what of it is beyond its limit.
@@ -109,7 +111,7 @@ struct PreflightReport {
 PreflightReport judge(const PreflightFacts& facts, const RigProfile& profile,
                       const PreflightLimits& limits = {});
 
-/// "the gyro sends 100.1 messages a second; the limit is 160 to 250 (nominal 200)".
+/// "the gyro sends 100.1 messages a second; the limit is 160 to 250 (nominal 200)", and the consequence.
 std::string sentence(const PreflightViolation& violation);
 
 }  // namespace thermorig::rig

@@ -18,6 +18,10 @@ class FrameSchedule {
   void frame(const TimedFrame& frame);
 
   double rate_hz() const;
+
+  /// How many of them come: fewer where a camera's bridge misses chess halves, so that a leg takes longer.
+  double arrival_rate_hz() const { return rate_hz() * (came_ / (came_ + missed_)); }
+
   HostDuration period() const { return from_s(1.0 / rate_hz()); }
 
   /// Middle of the newest half's exposure of the frame after the latest. There must have been a frame.
@@ -37,6 +41,8 @@ class FrameSchedule {
   };
   double nominal_rate_hz_;
   std::deque<Seen> seen_;  // the latest ones
+  double came_ = 1.0;      // of about the latest hundred
+  double missed_ = 0.0;    // between them
 };
 
 /// Middle of the exposure of a frame's newest half: where its label finds the leg.
