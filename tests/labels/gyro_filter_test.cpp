@@ -175,12 +175,29 @@ TEST(GyroFilter, IsNotToldWhereRoundingHidesTheNoise) {
   EXPECT_GE(3.0 * errors.filter_delay_s.uncertainty, 0.225 / 5.0);  // the narrowest that there is
 }
 
-TEST(GyroFilter, IsNotToldByAGyroThatCallsRestZero) {
-  const Resting resting(20.0);
+/// What is heard here comes while the shaft turns by `turning_dps`, and the gyro calls rest zero.
+GyroErrors of_one_that_calls_rest_zero(Resting heard, double turning_dps) {
+  ScriptedRig rig;
+  rig.rate_dps = [=](double) { return turning_dps; };
+  rig.angle_deg = [=](double time_s) { return turning_dps * time_s; };
+  rig.motion = [=](double) { return turning_dps == 0.0 ? ServoMotion::holding : ServoMotion::steady; };
+  heard.servo.clear();
+  for (int i = 0; i < 3000; ++i) heard.servo.push_back(rig.servo_at(0.01 * i));
   GyroErrors errors;
   errors.zeroes_itself = true;
-  fit_gyro_filter(resting.gyro, resting.servo, resting.profile, errors);
-  EXPECT_EQ(errors.filter_source, "");
+  fit_gyro_filter(heard.gyro, heard.servo, heard.profile, errors);
+  return errors;
+}
+
+TEST(GyroFilter, OfAGyroThatCallsRestZeroIsNotToldByRest) {
+  EXPECT_EQ(of_one_that_calls_rest_zero(Resting(20.0), 0.0).filter_source, "");
+}
+
+TEST(GyroFilter, OfAGyroThatCallsRestZeroIsToldWhileItTurns) {
+  const GyroErrors errors = of_one_that_calls_rest_zero(Resting(20.0), 30.0);
+  EXPECT_EQ(errors.filter_source, "noise");
+  EXPECT_NEAR(errors.filter_delay_s.value, delay_of_20_hz_s, 0.3 * delay_of_20_hz_s);
+  EXPECT_GE(errors.filter_delay_s.uncertainty, 0.3 * errors.filter_delay_s.value);
 }
 
 TEST(GyroFilter, IsNotToldByAHandOnTheRig) {

@@ -96,6 +96,21 @@ TEST(LiveClock, RenumbersWhenTheStreamNeverCatchesUp) {
   EXPECT_LE(errors(gyro, stamps, 22.0).quantile(0.99), 1.5 * ms);
 }
 
+/// Three messages in a chunk, and chunks that are read late by four periods on average.
+TEST(LiveClock, TakesNoSlowReaderForALoss) {
+  LinkTiming timing(PortProfile{.baud = 115200}, 200.0);
+  std::mt19937 random(5);
+  std::exponential_distribution<double> late_s(1.0 / 0.02);
+  for (std::uint64_t i = 0; i < 20000; ++i) {
+    const double begin_s = 1.0 + 0.005 * static_cast<double>(i);
+    if (i % 3 == 0) timing.chunk(11 * (i + 3), HostTime(from_s(begin_s + 0.01 + 0.001 + late_s(random))));
+    const Stamp stamp = timing.stamp({11 * i, 11 * (i + 1)});
+    const double off_s = to_s(stamp.time.time_since_epoch()) - begin_s;
+    EXPECT_LE(std::abs(off_s), i > 4000 ? 2.0 * ms : 1.0) << i;
+  }
+  EXPECT_EQ(timing.missing(), 0.0);
+}
+
 TEST(LiveClock, FallsBackToTheProofWhereThereIsNoSteadyRate) {
   std::mt19937 random(2);
   std::exponential_distribution<double> pause_s(50.0);

@@ -35,8 +35,9 @@ constexpr double bias_widening = 2.0;  // of what the search states
 constexpr int most_passes = 6;  // through the halves of the start
 constexpr double settled_latency_s = 0.001, settled_scale = 0.001;
 constexpr double known_bias_dps = 1.0;
-constexpr double data_sheet_scale_sigma = 0.03;  // at least, whatever a profile says
-constexpr double most_scale_sigmas = 2.2;        // false maps made gyros 7 to 9 % off of sound ones
+constexpr double data_sheet_scale_sigma = 0.03;       // at least, whatever a profile says
+constexpr double most_scale_sigmas = 2.2;             // false maps made gyros 7 to 9 % off of sound ones
+constexpr double most_scale_sigmas_in_traffic = 1.8;  // and 6 % where things move
 
 /// Of the mean square of innovations.
 struct NisBounds {
@@ -397,7 +398,8 @@ bool Odometer::Parts::has_settled(double bias_dps, double scale, double latency_
 
 /// Whether the gyro is one that a data sheet knows: a map that closes falsely makes it another.
 bool Odometer::Parts::is_plausible() const {
-  const double most = most_scale_sigmas * std::max(data_sheet_scale_sigma, priors.scale_sigma);
+  const double sigmas = things_move() ? most_scale_sigmas_in_traffic : most_scale_sigmas;
+  const double most = sigmas * std::max(data_sheet_scale_sigma, priors.scale_sigma);
   return std::abs(front.filter().scale_factor() - priors.scale) < most;
 }
 

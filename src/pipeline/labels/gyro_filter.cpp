@@ -18,13 +18,15 @@ namespace thermorig::labels {
 namespace {
 
 constexpr double second_order_delay = GyroProfile::second_order_delay;
-constexpr double still_after_s = 0.5;  // a shaft that still moves is not at rest
-constexpr std::size_t segment = 128;   // samples of one spectrum
+constexpr double even_after_s = 0.5;  // a shaft follows a change of its speed
+constexpr std::size_t segment = 128;  // samples of one spectrum
 constexpr std::size_t lines = segment / 2;
-constexpr std::size_t first_line = 2;      // below it the bias wanders
-constexpr std::size_t least_segments = 8;  // of all axes together
-constexpr double most_rounding = 0.3;      // share of the variance: beyond, what rounding makes is not white
-constexpr double moved = 3.0;              // times the usual variance: a hand was on the rig
+constexpr std::size_t first_line = 2;                // below it the bias wanders
+constexpr std::size_t behind_last_line = lines / 2;  // above it a device's own sampling shows
+constexpr std::size_t least_segments = 8;            // of all axes together
+constexpr double most_rounding = 0.3;  // share of the variance: beyond, what rounding makes is not white
+constexpr double moved = 3.0;          // times the usual variance: a hand was on the rig
+constexpr double shaken_error = 0.3;   // of the delay: what gears shake is not white
 constexpr double narrowest_hz = 4.0;
 constexpr double widest_hz = 8000.0;  // as wide as samples are taken inside: no filter to speak of
 constexpr int bandwidths = 141;
@@ -61,22 +63,30 @@ double usual_period_s(std::span<const TimedGyro> gyro, double nominal_s) {
   return lengths_s.empty() ? nominal_s : median(std::move(lengths_s)) / (segment - 1.0);
 }
 
-/// Of samples without a loss among them, all three axes.
-std::vector<AxisSegment> segments_at_rest(std::span<const TimedGyro> gyro, std::span<const TimedServo> servo,
-                                          double nominal_period_s) {
+/// Which noise is looked at: at rest that of all axes, while the shaft turns evenly that of those across it.
+struct Heard {
+  bool rests = true;
+  std::size_t shaft_axis = 0;
+  bool of(std::size_t axis) const { return rests || axis != shaft_axis; }
+};
+
+/// Of samples without a loss among them.
+std::vector<AxisSegment> segments_of(std::span<const TimedGyro> gyro, std::span<const TimedServo> servo,
+                                     double nominal_period_s, const Heard& heard) {
   std::vector<AxisSegment> found;
   if (servo.empty()) return found;
   const double period_s = usual_period_s(gyro, nominal_period_s);
   const HostTime origin = servo.front().stamp.time;
   const auto before = [](const TimedGyro& sample, HostTime time) { return sample.stamp.time < time; };
-  for (const Interval& rest : steady_intervals(servo, origin, true)) {
+  for (const Interval& even : steady_intervals(servo, origin, heard.rests)) {
     const auto end = std::lower_bound(gyro.begin(), gyro.end(),
-                                      origin + from_s(std::max(rest.begin_s, rest.end_s)), before);
-    auto at = std::lower_bound(gyro.begin(), end, origin + from_s(rest.begin_s + still_after_s), before);
+                                      origin + from_s(std::max(even.begin_s, even.end_s)), before);
+    auto at = std::lower_bound(gyro.begin(), end, origin + from_s(even.begin_s + even_after_s), before);
     for (; end - at >= static_cast<std::ptrdiff_t>(segment); at += segment) {
       const std::span part(at, segment);
       if (std::abs(length_s(part) / period_s - (segment - 1.0)) > 0.5) continue;
       for (std::size_t axis = 0; axis < 3; ++axis) {
+        if (!heard.of(axis)) continue;
         AxisSegment one{axis, {}, 0.0};
         for (std::size_t i = 0; i < segment; ++i)
           one.values[i] = static_cast<double>(part[i].reading.rate_dps[axis]);
@@ -146,8 +156,8 @@ Spectrum shape_of(double bandwidth_hz, double rate_hz, double rounding) {
 /// of w^4.
 double log_likelihood(const Spectrum& mean, const Spectrum& shape, double segments) {
   double strength = 0.0, logs = 0.0;
-  constexpr double used = lines - first_line;
-  for (std::size_t line = first_line; line < lines; ++line) {
+  constexpr double used = behind_last_line - first_line;
+  for (std::size_t line = first_line; line < behind_last_line; ++line) {
     strength += mean[line] / shape[line] / used;
     logs += std::log(shape[line]);
   }
@@ -193,8 +203,8 @@ void keep_still(std::vector<AxisSegment>& segments) {
 }
 
 std::optional<Estimate> delay_by_noise(std::span<const TimedGyro> gyro, std::span<const TimedServo> servo,
-                                       double rate_hz) {
-  std::vector<AxisSegment> segments = segments_at_rest(gyro, servo, 1.0 / rate_hz);
+                                       double rate_hz, const Heard& heard) {
+  std::vector<AxisSegment> segments = segments_of(gyro, servo, 1.0 / rate_hz, heard);
   keep_still(segments);
   if (segments.size() < least_segments) return std::nullopt;
   const double resolution = resolution_of(segments);
@@ -204,7 +214,17 @@ std::optional<Estimate> delay_by_noise(std::span<const TimedGyro> gyro, std::spa
   if (!(rounding < most_rounding)) return std::nullopt;
   Spectrum mean{};
   for (const AxisSegment& one : segments) add_spectrum(one.values, mean);
-  return delay_by(mean, static_cast<double>(segments.size()), rate_hz, rounding);
+  Estimate delay_s = delay_by(mean, static_cast<double>(segments.size()), rate_hz, rounding);
+  if (!heard.rests) delay_s.uncertainty = std::hypot(delay_s.uncertainty, shaken_error * delay_s.value);
+  return delay_s;
+}
+
+/// By the noise at rest; of a gyro that shows none there, where nothing is stated, by that while it turns.
+std::optional<Estimate> delay_by_noise(std::span<const TimedGyro> gyro, std::span<const TimedServo> servo,
+                                       const GyroProfile& profile, bool zeroes_itself, bool is_stated) {
+  if (zeroes_itself && is_stated) return std::nullopt;
+  const Heard heard{.rests = !zeroes_itself, .shaft_axis = static_cast<std::size_t>(profile.axis)};
+  return delay_by_noise(gyro, servo, profile.output_rate_hz, heard);
 }
 
 /// What the profile says, unless the device itself says otherwise.
@@ -225,8 +245,7 @@ void fit_gyro_filter(std::span<const TimedGyro> gyro, std::span<const TimedServo
       is_stated && device_hz && std::abs(*device_hz / profile.bandwidth_hz - 1.0) <= stated_delay_error;
   if (is_same) device_hz.reset();  // the profile may know the delay better
   const auto stated = stated_delay(profile, device_hz);
-  const auto by_noise =
-      errors.zeroes_itself ? std::nullopt : delay_by_noise(gyro, servo, profile.output_rate_hz);
+  const auto by_noise = delay_by_noise(gyro, servo, profile, errors.zeroes_itself, stated.has_value());
   const bool noise_contradicts = stated && by_noise && contradict(*stated, *by_noise);
   errors.filter_contradicts = noise_contradicts || (is_stated && device_hz);
   if (stated && !noise_contradicts) {

@@ -24,6 +24,9 @@ constexpr double watch_s = 0.3;  // beyond a stall of the reader
 constexpr std::uint32_t fewest_watched = 6;
 constexpr std::uint32_t fewest_slow_watched = 3;  // each so long that many chunks bring it
 constexpr double slow_s = 0.1;
+constexpr double by_chance = 2e-9;  // less probable than that is no chance
+constexpr double run_share = 1.0 / 32.0;
+constexpr double first_run = 4.0;  // of a device that sends fast
 constexpr double restless = 3.0;
 constexpr double forget_unrest = 0.7;  // a block
 constexpr double nowhere_near_s = 1e9;
@@ -37,6 +40,7 @@ constexpr double fastest_slew = 500e-6;    // of a host's clock, adjtimex(2)
 LiveClock::LiveClock(const PortProfile& link, double nominal_rate_hz)
     : rate_hz_(nominal_rate_hz), largest_constant_delay_s_(link.largest_constant_delay_s) {
   allow_drift(std::max(link.wander_ppm, 1.0) * 1e-6);
+  if (1.0 / rate_hz_ < slow_s) usual_run_ = first_run;
 }
 
 void LiveClock::allow_drift(double drift) {
@@ -103,12 +107,14 @@ void LiveClock::restart(double x, double y) {
   straying_ = 0;
   watched_ = 0;
   watched_late_s_ = {};
+  run_ = 0.0;
 }
 
 double LiveClock::shift(double x, double periods) {
   straying_ = 0;
   counted_ += periods;
   missing_ += periods;
+  run_ = 0.0;
   watched_ = 0;
   watched_late_s_ = {};
   return x + periods / rate_hz_;
@@ -144,12 +150,31 @@ double LiveClock::recount(const MessageProof& proof, double x, double y) {
   const double lost = std::min(proof.lost_before, std::floor(late_periods + 1.0 - lost_periods));
   if (lost > 0.0) return shift(x, lost);
   if (!proof.tight) return x;
-  if (!watch(late_s(x, y), x)) return x;
+  watch_runs(late_periods);
+  if (!watch(late_s(x, y), x) || is_by_chance()) return x;
   const double behind = std::min(watched_late_s_[0], watched_late_s_[1]) / period_s();
-  if (behind <= lost_periods) return x;
+  if (behind <= lost_periods + rate_doubt_s() / period_s()) return x;
   unrest_ += 1.0;
   if (behind * period_s() < fastest_slew * window_s_) doubted_until_x_ = x + window_s_;
   return shift(x, std::round(behind));
+}
+
+/// Where a host reads late, many messages in a row are as late as a lost one would make them.
+void LiveClock::watch_runs(double late_periods) {
+  run_ += 1.0;
+  if (late_periods > lost_periods) return;
+  usual_run_ += run_share * (run_ - usual_run_);
+  run_ = 0.0;
+}
+
+/// Whether the run may yet end by itself, as those did that were before it.
+bool LiveClock::is_by_chance() const {
+  return std::pow(1.0 - 1.0 / usual_run_, run_) > by_chance;
+}
+
+/// How late a line may run that was drawn before the rate was known, until the one after the next is drawn.
+double LiveClock::rate_doubt_s() const {
+  return rate_known_ ? 0.0 : 2.0 * block_s_ * rate_slack_s / std::max(line_x_ - first_x_, shortest_span_s);
 }
 
 /// Keeps the least lateness of the two last spans that are long enough to be sure; true as one ends.

@@ -61,6 +61,9 @@ class LiveClock {
   double recount(const MessageProof& proof, double x, double y);
   double shift(double x, double periods);
   bool watch(double late_s, double x);
+  void watch_runs(double late_periods);
+  bool is_by_chance() const;
+  double rate_doubt_s() const;
   void allow_drift(double drift);
   void look_for_straying(double late_s, double x);
   void add(double x, double y);
@@ -94,7 +97,9 @@ class LiveClock {
   double least_late_s_ = 0.0;
   std::uint32_t watched_ = 0;
   std::array<double, 2> watched_late_s_{};  // least lateness in the two spans before
-  double stray_x_ = 0.0;                    // the same of the span in which the clock may stray
+  double run_ = 0.0;                        // messages in a row that are late as after a loss
+  double usual_run_ = 1.0;  // until one is not, that one included: a slow reader makes long ones
+  double stray_x_ = 0.0;    // the same of the span in which the clock may stray
   double least_stray_s_ = 0.0;
   std::uint32_t straying_ = 0;
   double unrest_ = 0.0;   // how often the count was corrected lately
