@@ -178,14 +178,10 @@ Fits fit(const RawRecording& raw, Streams streams, const RunAll& run_all) {
   const motion::TurnResult turns =
       motion::gyro_scale(streams.frames, streams.gyro, view, sync.gyro, turn_windows, run_all);
   apply_turns(turns, sync.gyro);
-  run_all(2, [&, errors = sync.gyro](std::size_t i) {
-    if (i == 0)
-      sync.camera_offset = motion::camera_offset(streams.frames, streams.gyro, view, errors, run_all);
-    else if (turns.gyro_scale)
-      sync.servo = fit_servo();  // another scale of the gyro is another one of the servo
-  });
+  sync.camera_offset = motion::camera_offset(streams.frames, streams.gyro, view, sync.gyro, run_all);
   apply_camera_offset(profile.camera, sync.gyro, clocks[Device::gyro].report, sync.camera_offset,
                       clocks[Device::camera]);
+  if (turns.gyro_scale) sync.servo = fit_servo();  // another scale of the gyro is another one of the servo
 
   for (const Device device : all_devices) {
     fits.times[device] = std::move(clocks[device].times);
