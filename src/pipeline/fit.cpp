@@ -85,45 +85,37 @@ void check_constant_delay(const std::optional<double>& round_trip_s, PortProfile
   if (round_trip_s) link.largest_constant_delay_s = std::max(link.largest_constant_delay_s, *round_trip_s);
 }
 
-PerDevice<ClockFit> fit_clocks(const RawRecording& raw, Streams& streams, const CameraRhythm& rhythm,
-                               const RunAll& run_all) {
+PerDevice<ClockFit> fit_clocks(const RawRecording& raw, Streams& streams, const CameraRhythm& rhythm) {
   RigProfile profile = raw.header.profile;
   const auto round_trip_s = shortest_round_trip_s(
       ping_exchanges(raw.received[Device::servo], raw.sent[Device::servo], streams, profile.servo.link.baud));
   check_constant_delay(round_trip_s, profile.camera.link);
   check_constant_delay(round_trip_s, profile.gyro.link);
   const auto& [camera, gyro, servo] = std::tie(profile.camera, profile.gyro, profile.servo);
-  const auto has_gaps = rhythm.gaps.size() == streams.frames.size();
-  const auto fit_camera = [&, &camera = camera] {
-    return fit_pieces(raw, Device::camera, streams.frames, camera.output_rate_hz, [&](auto begin, auto end) {
-      const auto gaps =
-          has_gaps ? std::span(rhythm.gaps).subspan(begin, end - begin) : std::span<const labels::FrameGap>();
-      return fit_camera_clock(raw.received[Device::camera],
-                              std::span<const TimedFrame>(streams.frames).subspan(begin, end - begin), gaps,
-                              camera);
-    });
-  };
-  const auto fit_gyro = [&, &gyro = gyro] {
-    return fit_pieces(raw, Device::gyro, streams.gyro, gyro.output_rate_hz, [&](auto begin, auto end) {
-      return fit_gyro_clock(raw.received[Device::gyro],
-                            std::span<const TimedGyro>(streams.gyro).subspan(begin, end - begin), gyro);
-    });
-  };
-  const auto fit_servo = [&, &servo = servo] {
-    const double rate_hz = sensors::servo_protocol().rate_hz;
-    return fit_pieces(raw, Device::servo, streams.servo, rate_hz, [&](auto begin, auto end) {
-      if (end - begin == streams.servo.size())
-        return fit_servo_clock(raw.received[Device::servo], raw.sent[Device::servo], streams, servo);
-      return fit_servo_clock(raw.received[Device::servo], raw.sent[Device::servo],
-                             servo_piece(streams, begin, end), servo);
-    });
-  };
   PerDevice<ClockFit> clocks;
-  run_all(device_count, [&](std::size_t i) {
-    if (i == 0) clocks[Device::servo] = fit_servo();  // takes longest
-    if (i == 1) clocks[Device::gyro] = fit_gyro();
-    if (i == 2) clocks[Device::camera] = fit_camera();
-  });
+  const auto has_gaps = rhythm.gaps.size() == streams.frames.size();
+  clocks[Device::camera] =
+      fit_pieces(raw, Device::camera, streams.frames, camera.output_rate_hz,
+                 [&, &camera = camera](auto begin, auto end) {
+                   const auto gaps = has_gaps ? std::span(rhythm.gaps).subspan(begin, end - begin)
+                                              : std::span<const labels::FrameGap>();
+                   return fit_camera_clock(
+                       raw.received[Device::camera],
+                       std::span<const TimedFrame>(streams.frames).subspan(begin, end - begin), gaps, camera);
+                 });
+  clocks[Device::gyro] = fit_pieces(
+      raw, Device::gyro, streams.gyro, gyro.output_rate_hz, [&, &gyro = gyro](auto begin, auto end) {
+        return fit_gyro_clock(raw.received[Device::gyro],
+                              std::span<const TimedGyro>(streams.gyro).subspan(begin, end - begin), gyro);
+      });
+  clocks[Device::servo] = fit_pieces(
+      raw, Device::servo, streams.servo, sensors::servo_protocol().rate_hz,
+      [&, &servo = servo](auto begin, auto end) {
+        if (end - begin == streams.servo.size())
+          return fit_servo_clock(raw.received[Device::servo], raw.sent[Device::servo], streams, servo);
+        return fit_servo_clock(raw.received[Device::servo], raw.sent[Device::servo],
+                               servo_piece(streams, begin, end), servo);
+      });
   put_times(clocks[Device::camera].times, streams.frames);
   put_times(clocks[Device::gyro].times, streams.gyro);
   put_times(clocks[Device::servo].times, streams.servo);
@@ -164,7 +156,7 @@ Fits fit(const RawRecording& raw, Streams streams, const RunAll& run_all) {
   put_proofs(raw.received[Device::camera], profile.camera.link.baud, streams.frames);
   CameraRhythm rhythm =
       camera_rhythm(streams.frames, piece_begins(streams.frames, break_offsets(raw, Device::camera)));
-  PerDevice<ClockFit> clocks = fit_clocks(raw, streams, rhythm, run_all);
+  PerDevice<ClockFit> clocks = fit_clocks(raw, streams, rhythm);
   Fits fits;
   fits.camera_mode = rhythm.mode;
   fits.frame_period_s = rhythm.period_s;
@@ -186,14 +178,10 @@ Fits fit(const RawRecording& raw, Streams streams, const RunAll& run_all) {
   const motion::TurnResult turns =
       motion::gyro_scale(streams.frames, streams.gyro, view, sync.gyro, turn_windows, run_all);
   apply_turns(turns, sync.gyro);
-  run_all(2, [&, errors = sync.gyro](std::size_t i) {
-    if (i == 0)
-      sync.camera_offset = motion::camera_offset(streams.frames, streams.gyro, view, errors, run_all);
-    else if (turns.gyro_scale)
-      sync.servo = fit_servo();  // another scale of the gyro is another one of the servo
-  });
+  sync.camera_offset = motion::camera_offset(streams.frames, streams.gyro, view, sync.gyro, run_all);
   apply_camera_offset(profile.camera, sync.gyro, clocks[Device::gyro].report, sync.camera_offset,
                       clocks[Device::camera]);
+  if (turns.gyro_scale) sync.servo = fit_servo();  // another scale of the gyro is another one of the servo
 
   for (const Device device : all_devices) {
     fits.times[device] = std::move(clocks[device].times);

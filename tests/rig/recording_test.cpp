@@ -11,8 +11,6 @@
 
 #include "simulated_bus.h"
 #include "thermorig/io/files/process.h"
-#include "thermorig/pipeline/pipeline.h"
-#include "thermorig/pipeline/replay.h"
 #include "thermorig/rig/recording/finalise.h"
 #include "thermorig/storage/journal/journal.h"
 
@@ -379,25 +377,6 @@ TEST(Reprocess, GivesTheSameSamplesAgain) {
     EXPECT_EQ(again.samples[i].reason_bits, before.samples[i].reason_bits);
     EXPECT_EQ(again.samples[i].leg, before.samples[i].leg);
   }
-}
-
-TEST(Reprocess, FindsInDevicesDecodedApartWhatTheirChunksInTurnSay) {
-  const TemporaryFolder folder;
-  SimulatedBus bus(simulation::default_rig(1, "kitchen"));
-  const auto result = record_virtual(bus, virtual_options(folder, short_plan()));
-  const RawRecording raw = session::read_raw(result.session);
-  pipeline::Pipeline all_in_turn(raw.header.profile, {}, true);
-  pipeline::Replay replay(raw);
-  while (const auto step = replay.next()) pipeline::feed(all_in_turn, *step);
-  all_in_turn.finish();
-  const pipeline::Fits fits = pipeline::fit(raw, all_in_turn.take_streams());
-  const session::Session session = build_session(raw);
-  ASSERT_EQ(session.servo.size(), fits.times[Device::servo].size());
-  for (std::size_t i = 0; i < session.servo.size(); ++i)
-    EXPECT_EQ(session.servo[i].stamp.time, fits.times[Device::servo][i].time);
-  EXPECT_EQ(session.sync.servo.delay_s, fits.sync->servo.delay_s);
-  EXPECT_EQ(session.sync.gyro.scale, fits.sync->gyro.scale);
-  EXPECT_EQ(session.frames.back().stamp.time, fits.times[Device::camera].back().time);
 }
 
 }  // namespace

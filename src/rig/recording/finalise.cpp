@@ -2,7 +2,6 @@
 #include "thermorig/rig/recording/finalise.h"
 
 #include <algorithm>
-#include <array>
 #include <utility>
 
 #include "thermorig/core/error.h"
@@ -17,28 +16,10 @@ namespace thermorig::rig {
 
 namespace {
 
-/// The messages of one device as they were known when they came: no other device has a part in them.
-pipeline::Streams decode_causally(const RawRecording& raw, Device device) {
-  pipeline::Pipeline pipeline(raw.header.profile, {}, true);
-  PerDevice<std::uint64_t> bytes;
-  bytes[device] = raw.received[device].bytes.size();
-  pipeline.expect(bytes);
-  pipeline::Replay replay(raw);
-  while (const auto step = replay.next())
-    if (step->from == device || step->to == device) pipeline::feed(pipeline, *step);
-  pipeline.finish();
-  return pipeline.take_streams();
-}
-
-pipeline::Streams decode_causally(const RawRecording& raw) {
-  constexpr std::array by_effort{Device::servo, Device::gyro, Device::camera};
-  PerDevice<pipeline::Streams> streams;
-  on_all_cores(by_effort.size(),
-               [&](std::size_t i) { streams[by_effort[i]] = decode_causally(raw, by_effort[i]); });
-  pipeline::Streams all = std::move(streams[Device::servo]);
-  all.gyro = std::move(streams[Device::gyro].gyro);
-  all.frames = std::move(streams[Device::camera].frames);
-  return all;
+PerDevice<std::uint64_t> byte_counts(const PerDevice<RawStream>& received) {
+  PerDevice<std::uint64_t> counts;
+  for (const Device device : all_devices) counts[device] = received[device].bytes.size();
+  return counts;
 }
 
 struct Decoded {
@@ -47,12 +28,10 @@ struct Decoded {
   PerDevice<wire::Counters> counters;
 };
 
-Decoded decode(const RawRecording& raw, const pipeline::Fits& fits) {
+Decoded decode(const RawRecording& raw, const pipeline::Fits& fits, bool without_labels = false) {
   Decoded decoded;
-  pipeline::Pipeline pipeline(raw.header.profile, fits);
-  PerDevice<std::uint64_t> bytes;
-  for (const Device device : all_devices) bytes[device] = raw.received[device].bytes.size();
-  pipeline.expect(bytes);
+  pipeline::Pipeline pipeline(raw.header.profile, fits, without_labels);
+  pipeline.expect(byte_counts(raw.received));
   const auto keep = [&](const std::vector<Measurement>& measurements) {
     for (const Measurement& measurement : measurements) decoded.samples.push_back(measurement.sample);
   };
@@ -91,7 +70,7 @@ void recount(std::vector<LegRecord>& legs, const std::vector<LabelledSample>& sa
 }  // namespace
 
 session::Session build_session(RawRecording raw) {
-  pipeline::Fits fits = pipeline::fit(raw, decode_causally(raw), on_all_cores);
+  pipeline::Fits fits = pipeline::fit(raw, decode(raw, {}, true).streams, on_all_cores);
   Decoded decoded = decode(raw, fits);
   session::Session session;
   session.state = state_of(raw);

@@ -11,9 +11,11 @@ namespace thermorig::session {
 
 // The tables of what a recording is made from. Archive is GroupWriter or GroupReader.
 
-/// One direction of one port. `time_name`: "arrival_ns" or "sent_ns".
-template <typename Archive, typename Stream>
-void raw_columns(Archive& archive, Stream& stream, const char* time_name, const char* time_long_name) {
+/// One direction of one port. `time_name`: "arrival_ns" or "sent_ns". `set_end`, `set_time`: how a reader
+/// takes an element of the stream's chunk_end and time_ns.
+template <typename Archive, typename Stream, typename SetEnd, typename SetTime>
+void raw_columns(Archive& archive, Stream& stream, const char* time_name, const char* time_long_name,
+                 SetEnd set_end, SetTime set_time) {
   const auto self = [](auto& value) -> auto& {
     return value;
   };
@@ -21,9 +23,9 @@ void raw_columns(Archive& archive, Stream& stream, const char* time_name, const 
   archive.template field<std::uint8_t>({"bytes", "1", "bytes"}, stream.bytes, self);
   archive.bare_axis("chunk", "chunk, as one read() or write() moved it", stream.chunk_end, "chunk_end");
   archive.share_axis(stream.time_ns);
-  archive.template field<std::uint64_t>({"chunk_end", "1", "offset one past the chunk's last byte"},
-                                        stream.chunk_end, self);
-  archive.template field<std::int64_t>({time_name, "ns", time_long_name}, stream.time_ns, self);
+  archive.template column<std::uint64_t>({"chunk_end", "1", "offset one past the chunk's last byte"},
+                                         stream.chunk_end, self, set_end);
+  archive.template column<std::int64_t>({time_name, "ns", time_long_name}, stream.time_ns, self, set_time);
 }
 
 inline constexpr std::uint8_t host_source = 255;

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cerrno>
 #include <cstring>
-#include <future>
 #include <thread>
 #include <utility>
 
@@ -105,10 +104,9 @@ std::vector<std::string> write_file(const fs::path& path, const Session& session
     part.read_back(offset, out);
   };
   sandbox::SealedCopy written(part.size(), read_back, path);
-  std::future<void> synced = std::async(std::launch::async, [&part] { part.sync(); });
   check_written(written, image);
   require_readable_again(std::move(written));
-  synced.get();
+  part.sync();
   part.publish(overwrite);
   return std::move(added.objects);
 }

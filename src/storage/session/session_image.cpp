@@ -175,13 +175,14 @@ class ImageBuilder {
     for (const Device device : all_devices) {
       auto raw = group(("/raw/" + std::string(name_of(device))).c_str());
       write_raw_attributes(raw.id(), session_.counters[device]);
-      raw_columns(raw, session_.raw.received[device], "arrival_ns", "host clock when read() returned [ns]");
+      raw_columns(raw, session_.raw.received[device], "arrival_ns", "host clock when read() returned [ns]",
+                  nullptr, nullptr);
     }
     for (const Device device : all_devices) {
       const RawStream& stream = session_.raw.sent[device];
       if (device != Device::servo && stream.chunk_count() == 0) continue;
       auto sent = group(("/raw/" + sent_group(device)).c_str());
-      raw_columns(sent, stream, "sent_ns", "host clock before write() was called [ns]");
+      raw_columns(sent, stream, "sent_ns", "host clock before write() was called [ns]", nullptr, nullptr);
     }
   }
 

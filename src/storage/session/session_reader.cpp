@@ -134,16 +134,17 @@ template <typename Stream>
 void read_stream(const SessionFile& file, const std::string& name, const char* time_name, HostTime reference,
                  Stream& stream) {
   auto group = file.group("/raw/" + name);
-  raw_columns(group, stream, time_name, "");
   std::uint64_t end = 0;
-  group.column<std::uint64_t>({"chunk_end"}, stream.chunk_end, nullptr, [&](auto&, std::uint64_t chunk_end) {
+  const auto set_end = [&](std::uint64_t& at, std::uint64_t chunk_end) {
     if (chunk_end < end) throw Hdf5Failure("believe the chunks of /raw/" + name);
-    end = chunk_end;
-  });
-  if (end != stream.bytes.size()) throw Hdf5Failure("believe the chunks of /raw/" + name);
-  group.column<std::int64_t>({time_name}, stream.time_ns, nullptr, [&](auto&, std::int64_t ns) {
+    at = end = chunk_end;
+  };
+  const auto set_time = [&](std::int64_t& at, std::int64_t ns) {
     if (!is_of_recording(host_time_ns(ns), reference)) throw Hdf5Failure("believe the times of /raw/" + name);
-  });
+    at = ns;
+  };
+  raw_columns(group, stream, time_name, "", set_end, set_time);
+  if (end != stream.bytes.size()) throw Hdf5Failure("believe the chunks of /raw/" + name);
 }
 
 /// Of a live run; other sessions have none. Before format 2 the header named no estimators.
