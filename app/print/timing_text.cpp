@@ -145,7 +145,7 @@ std::string filter_text(const GyroErrors& gyro) {
   if (gyro.filter_source.empty())
     return fmt::format("not known: all times may be late by up to {:.0f} ms, by the same",
                        2.5e3 * gyro.filter_delay_s.uncertainty);
-  const std::string_view by = gyro.filter_source == "noise"    ? "by the noise at rest"
+  const std::string_view by = gyro.filter_source == "noise"    ? "by its noise"
                               : gyro.filter_source == "device" ? "as the device says"
                                                                : "as the profile states";
   return fmt::format("delays by {:.1f} +- {:.1f} ms, {}", 1e3 * gyro.filter_delay_s.value,

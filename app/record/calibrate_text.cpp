@@ -123,7 +123,7 @@ std::string rows_text(const LensResult& result) {
 
 std::string filter_text(const std::optional<Estimate>& delay_s) {
   if (!delay_s) return "as the profile has it";
-  return fmt::format("delays by {:.1f} +- {:.1f} ms, by its noise at rest", 1e3 * delay_s->value,
+  return fmt::format("delays by {:.1f} +- {:.1f} ms, by its noise", 1e3 * delay_s->value,
                      1e3 * delay_s->uncertainty);
 }
 

@@ -326,8 +326,7 @@ TEST(Verdict, NamesWhoContradictsTheStatedBandwidth) {
   session.raw.header.profile.gyro.bandwidth_hz = 188.0;
   session.sync.gyro.filter_contradicts = true;
   session.sync.gyro.filter_delay_s = {0.01125, 0.0011};
-  for (const auto& [source, who] :
-       {std::pair("device", "the device itself"), {"noise", "its noise at rest"}}) {
+  for (const auto& [source, who] : {std::pair("device", "the device itself"), {"noise", "its noise"}}) {
     session.sync.gyro.filter_source = source;
     EXPECT_EQ(quality_of(session).verdict, "usable");
     EXPECT_THAT(quality_of(session).verdict_reasons,

@@ -22,7 +22,7 @@ constexpr double even_after_s = 0.5;  // a shaft follows a change of its speed
 constexpr std::size_t segment = 128;  // samples of one spectrum
 constexpr std::size_t lines = segment / 2;
 constexpr std::size_t first_line = 2;                // below it the bias wanders
-constexpr std::size_t behind_last_line = lines / 2;  // above it a device's own sampling shows
+constexpr std::size_t lines_of_turning = lines / 2;  // above it a device's own sampling shows
 constexpr std::size_t least_segments = 8;            // of all axes together
 constexpr double most_rounding = 0.3;  // share of the variance: beyond, what rounding makes is not white
 constexpr double moved = 3.0;          // times the usual variance: a hand was on the rig
@@ -154,10 +154,10 @@ Spectrum shape_of(double bandwidth_hz, double rate_hz, double rounding) {
 /// (Whittle's likelihood). A taper makes neighbouring lines go together: n of them tell as much as n * 18 /
 /// 35 would that are independent. For Hann's w that is the squared sum of w^2 over the length times the sum
 /// of w^4.
-double log_likelihood(const Spectrum& mean, const Spectrum& shape, double segments) {
+double log_likelihood(const Spectrum& mean, const Spectrum& shape, double segments, std::size_t behind_last) {
   double strength = 0.0, logs = 0.0;
-  constexpr double used = behind_last_line - first_line;
-  for (std::size_t line = first_line; line < behind_last_line; ++line) {
+  const auto used = static_cast<double>(behind_last - first_line);
+  for (std::size_t line = first_line; line < behind_last; ++line) {
     strength += mean[line] / shape[line] / used;
     logs += std::log(shape[line]);
   }
@@ -166,14 +166,15 @@ double log_likelihood(const Spectrum& mean, const Spectrum& shape, double segmen
 }
 
 /// Mean and deviation of the delay over bandwidths that are evenly likely, before, in their logarithm.
-Estimate delay_by(const Spectrum& mean, double segments, double rate_hz, double rounding) {
+Estimate delay_by(const Spectrum& mean, double segments, double rate_hz, double rounding,
+                  std::size_t behind_last) {
   std::vector<double> delays_s, likelihoods;
   for (int i = 0; i < bandwidths; ++i) {
     const double bandwidth_hz = narrowest_hz * std::pow(widest_hz / narrowest_hz, i / (bandwidths - 1.0));
     for (const double share : rounding_tried) {
       const Spectrum shape = shape_of(bandwidth_hz, rate_hz, std::min(0.9, share * rounding));
       delays_s.push_back(second_order_delay / bandwidth_hz);
-      likelihoods.push_back(log_likelihood(mean, shape, segments));
+      likelihoods.push_back(log_likelihood(mean, shape, segments, behind_last));
     }
   }
   const double best = *std::max_element(likelihoods.begin(), likelihoods.end());
@@ -214,7 +215,8 @@ std::optional<Estimate> delay_by_noise(std::span<const TimedGyro> gyro, std::spa
   if (!(rounding < most_rounding)) return std::nullopt;
   Spectrum mean{};
   for (const AxisSegment& one : segments) add_spectrum(one.values, mean);
-  Estimate delay_s = delay_by(mean, static_cast<double>(segments.size()), rate_hz, rounding);
+  Estimate delay_s = delay_by(mean, static_cast<double>(segments.size()), rate_hz, rounding,
+                              heard.rests ? lines : lines_of_turning);
   if (!heard.rests) delay_s.uncertainty = std::hypot(delay_s.uncertainty, shaken_error * delay_s.value);
   return delay_s;
 }

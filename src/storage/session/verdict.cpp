@@ -205,7 +205,7 @@ void judge_constants(const Session& session, Verdict& verdict) {
                     "+- {:.1f} ms",
                     profile.gyro.bandwidth_hz > 0.0 ? fmt::format("as {:.0f} Hz", profile.gyro.bandwidth_hz)
                                                     : "by the device",
-                    gyro.filter_source == "device" ? "the device itself" : "its noise at rest",
+                    gyro.filter_source == "device" ? "the device itself" : "its noise",
                     1e3 * gyro.filter_delay_s.value, 1e3 * gyro.filter_delay_s.uncertainty));
 }
 

@@ -70,7 +70,7 @@ struct LensResult {
   bool is_closed = false;  // a whole turn closed: the pitch owes nothing to the gyro's scale
   double turned_deg = 0.0;
   std::uint32_t halves = 0;  // chess halves that took part
-  // What the gyro's low-pass delays, by its noise at rest: no image tells that, and a heading is late by it.
+  // What the gyro's low-pass delays, by its noise: no image tells that, and a heading is late by it.
   std::optional<Estimate> gyro_delay_s;
 };
 LensResult measure_lens(const session::Session& session);
