@@ -100,9 +100,9 @@ std::string quota_text(const SweepProgress& sweep) {
 
 /// Of a sweep that was stopped nothing is left to wait for: "7 %".
 std::string left_text(const SweepProgress& sweep) {
-  if (sweep.phase >= rig::SweepPhase::stopping)
-    return fmt::format("{:.0f} %", std::floor(100 * sweep.done_share));
-  return fmt::format("{:.0f} %, {} left", std::floor(100 * sweep.done_share), duration_text(sweep.eta_s));
+  const std::string done = fmt::format("{:.0f} %", std::floor(100 * sweep.done_share));
+  if (sweep.phase >= rig::SweepPhase::stopping) return done;
+  return fmt::format("{}, {} left", done, duration_text(sweep.eta_s));
 }
 
 class TerminalOutput : public ProgressOutput {

@@ -26,7 +26,6 @@ namespace thermorig::pipeline {
 namespace {
 
 constexpr double answer_patience_s = 5.0;  // for what a gyro says of itself
-constexpr std::size_t turn_windows = 3;    // of a session, that are searched for whole turns
 
 template <typename Message>
 void put_times(const std::vector<TimeEstimate>& times, std::vector<Message>& messages) {
@@ -176,7 +175,7 @@ Fits fit(const RawRecording& raw, Streams streams, const RunAll& run_all) {
   sync.servo = fit_servo();  // with it how the bias went, on which rests what images say
   const motion::View view{profile.camera.lens_width_deg(), profile.camera.mirrored};
   const motion::TurnResult turns =
-      motion::gyro_scale(streams.frames, streams.gyro, view, sync.gyro, turn_windows, run_all);
+      motion::gyro_scale(streams.frames, streams.gyro, view, sync.gyro, motion::session_windows, run_all);
   apply_turns(turns, sync.gyro);
   sync.camera_offset = motion::camera_offset(streams.frames, streams.gyro, view, sync.gyro, run_all);
   apply_camera_offset(profile.camera, sync.gyro, clocks[Device::gyro].report, sync.camera_offset,

@@ -31,8 +31,6 @@ namespace {
 
 using namespace thermorig;
 
-constexpr std::size_t turn_windows = 3;  // as finalising has it
-
 std::filesystem::path path_in(const char* variable) {
   const char* path = std::getenv(variable);
   if (path == nullptr) throw std::runtime_error(std::string("set ") + variable + " to a file");
@@ -154,7 +152,7 @@ void TurnsOfSession(benchmark::State& state) {
   of.fit_servo();
   for ([[maybe_unused]] const auto iteration : state)
     benchmark::DoNotOptimize(motion::gyro_scale(of.session.frames, of.session.gyro, of.view, of.errors,
-                                                turn_windows, on_all_cores));
+                                                motion::session_windows, on_all_cores));
 }
 BENCHMARK(TurnsOfSession)->Unit(benchmark::kMillisecond)->MeasureProcessCPUTime()->UseRealTime();
 

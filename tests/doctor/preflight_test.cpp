@@ -267,7 +267,8 @@ TEST(Preflight, WarnsOfLostHalvesAndSaysWhatBecomesOfTheSession) {
   EXPECT_TRUE(some.passed());
   ASSERT_THAT(names_of(some.warnings), ::testing::ElementsAre("camera_halves"));
   EXPECT_THAT(sentence(some.warnings.front()), HasSubstr("recorded all the same"));
-  EXPECT_THAT(sentence(some.warnings.front()), HasSubstr("usable, not good"));
+  EXPECT_THAT(sentence(some.warnings.front()),
+              HasSubstr("usable, not good, or bad if more than 35 % stay away"));
 }
 
 TEST(Preflight, RefusesACameraThatSurelyLosesMoreHalvesThanASessionBears) {

@@ -220,14 +220,17 @@ int violations_on(const std::vector<std::int64_t>& mcu_us, const std::vector<Tim
   return violations;
 }
 
+/// Ten minutes of it, behind a latency timer or none.
+PingTraffic wild_traffic(const Wandering& one, double timer_s) {
+  const LinkOptions options{
+      .seed = 14, .duration_s = 600.0, .latency_timer_s = timer_s, .dither_s = timer_s > 0.0 ? 0.020 : 0.003};
+  return on_host(traffic(options), one.ahead_s);
+}
+
 TEST(PingFit, BoundsFollowAClockThatWandersMoreThanItsProfileSays) {
   for (const Wandering& one : wandering)
     for (const double timer_s : {0.0, 0.016}) {
-      const LinkOptions options{.seed = 14,
-                                .duration_s = 600.0,
-                                .latency_timer_s = timer_s,
-                                .dither_s = timer_s > 0.0 ? 0.020 : 0.003};
-      const PingTraffic wild = on_host(traffic(options), one.ahead_s);
+      const PingTraffic wild = wild_traffic(one, timer_s);
       const PingFit result = fit(wild);
       EXPECT_EQ(result.report.epochs.size(), 1U) << one.name << timer_s;
       EXPECT_GT(result.report.bound_wander_ppm, servo_link().wander_ppm) << one.name << timer_s;
@@ -321,11 +324,7 @@ Live live(const PingTraffic& traffic) {
 TEST(PingClock, BoundsFollowAClockThatWandersMoreThanItsProfileSays) {
   for (const Wandering& one : wandering)
     for (const double timer_s : {0.0, 0.016}) {
-      const LinkOptions options{.seed = 14,
-                                .duration_s = 390.0,
-                                .latency_timer_s = timer_s,
-                                .dither_s = timer_s > 0.0 ? 0.020 : 0.003};
-      const PingTraffic wild = on_host(traffic(options), one.ahead_s);
+      const PingTraffic wild = wild_traffic(one, timer_s);
       const Live said = live(wild);
       EXPECT_EQ(said.epochs, 1U) << one.name << timer_s;
       const bool is_sudden = std::string_view(one.name).starts_with("slewed");

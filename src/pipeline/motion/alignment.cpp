@@ -20,8 +20,8 @@ constexpr double bin_time_s = 0.05;  // several times the lag of the pixels
 constexpr double widest_bin_pixels = 6.0;
 constexpr double offset_step_s = 0.015;  // 3 deg at 200 deg/s: the sharpest point is not stepped over
 constexpr int offset_steps = static_cast<int>(largest_offset_s / offset_step_s);
-constexpr std::size_t offset_halves =
-    150;  // enough to see which of these steps is the sharpest, or next to it
+// Enough to see which of these steps is the sharpest, or next to it.
+constexpr std::size_t offset_halves = 150;
 constexpr double outlier_sigma = 5.0;
 constexpr float distrusted = 1e-6F;
 constexpr float least_weight = 1e-9F;

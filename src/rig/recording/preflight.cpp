@@ -80,24 +80,20 @@ double by_chance(double share, std::uint64_t count) {
 
 PreflightViolation repeated_frames(const PreflightImages& images, double limit) {
   return {
-      "camera_repeats",
-      Device::camera,
+      "camera_repeats", Device::camera,
       fmt::format("{:.0f} % of the frames repeat what the one before showed", 100.0 * images.repeated_share),
       fmt::format("at most {:.0f} %", 100.0 * limit),
       "ask the camera for a lower frame rate: its bridge sends more often than its sensor measures; or "
-      "switch it off and on",
-      {}};
+      "switch it off and on"};
 }
 
 PreflightViolation lost_halves(const PreflightImages& images, double limit) {
-  return {"camera_halves",
-          Device::camera,
+  return {"camera_halves", Device::camera,
           fmt::format("{:.1f} % of the chess halves never come: the camera's bridge misses them",
                       100.0 * images.lost_half_share),
           fmt::format("at most {:.0f} %", 100.0 * limit),
           "ask the camera for a lower frame rate, and say it (--camera-rate, output_rate_hz in the "
-          "rig profile): its bridge does not keep up with its sensor; no other cable helps",
-          {}};
+          "rig profile): its bridge does not keep up with its sensor; no other cable helps"};
 }
 
 std::uint64_t halves_due(const PreflightImages& images) {
@@ -122,15 +118,13 @@ bool is_surely_below(double share, std::uint64_t count, double limit) {
 void judge_images(const PreflightImages& images, const PreflightLimits& limits, Violations& found) {
   const double least_fresh = std::min(images.even_fresh_share, images.odd_fresh_share);
   if (is_surely_below(least_fresh, images.frames, limits.fresh_share))
-    found.push_back({"camera_fresh",
-                     Device::camera,
+    found.push_back({"camera_fresh", Device::camera,
                      fmt::format("the even and the odd half of the chess pattern are new in {:.0f} % and "
                                  "{:.0f} % of the frames",
                                  100.0 * images.even_fresh_share, 100.0 * images.odd_fresh_share),
                      fmt::format("each in at least {:.0f} %", 100.0 * limits.fresh_share),
                      "set the camera's frame rate again and switch it off and on; a bridge that sends more "
-                     "often than its sensor measures repeats frames",
-                     {}});
+                     "often than its sensor measures repeats frames"});
   else if (is_surely_above(images.lost_half_share, halves_due(images), limits.lost_half_share))
     found.push_back(lost_halves(images, limits.lost_half_share));
   if (is_surely_above(images.repeated_share, images.frames, limits.repeated_share))
@@ -151,8 +145,11 @@ void warn_of_images(const PreflightImages& images, const PreflightLimits& limits
          "it is recorded all the same: frames that repeat are not valid");
   if (images.lost_half_share > limits.lost_half_share_bearable)
     warn(lost_halves(images, limits.lost_half_share_bearable),
-         "it is recorded all the same: frames at a loss are not valid, the plan takes longer until each "
-         "speed has its frames, and the session will be called usable, not good");
+         fmt::format(
+             "it is recorded all the same: frames at a loss are not valid, the plan takes longer until "
+             "each speed has its frames, and the session will be called usable, not good, or bad if more "
+             "than {:.0f} % stay away",
+             100.0 * limits.lost_half_share));
 }
 
 void judge_rest(const PreflightRest& rest, const GyroProfile& gyro, const PreflightLimits& limits,

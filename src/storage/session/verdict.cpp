@@ -14,10 +14,6 @@ namespace {
 
 constexpr double lost_share_bad = 0.05;
 constexpr double lost_share_usable = 0.005;
-// Of a camera's frames: each that is missing is noticed, and those at it are invalid. With one chess half in
-// three lost the others' labels and times are as good as ever (docs/hard_table.md); beyond, nobody has
-// looked.
-constexpr double missing_frames_bad = 0.35;
 constexpr double valid_share_usable = 0.5;
 // Speeds that a servo cannot turn steadily, the slowest mostly, say nothing against the frames of the others.
 constexpr double empty_speeds_usable = 0.1;
@@ -59,7 +55,7 @@ double share_of(std::uint64_t some, const Quality::Stream& stream) {
 
 bool lost_too_many(Device device, const Quality::Stream& stream) {
   if (device != Device::camera) return share_of(stream.lost + stream.bad, stream) > lost_share_bad;
-  return share_of(stream.bad, stream) > lost_share_bad || share_of(stream.lost, stream) > missing_frames_bad;
+  return share_of(stream.bad, stream) > lost_share_bad || share_of(stream.lost, stream) > most_missing_frames;
 }
 
 void judge_stream(Device device, const Quality::Stream& stream, Verdict& verdict) {

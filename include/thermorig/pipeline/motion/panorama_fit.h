@@ -51,6 +51,9 @@ struct TurnResult {
   double turned_deg = 0.0;  // from the one end to the other within a window of about a minute, by the gyro
   std::string why_not;      // ready to print, if there is no scale
 };
+/// How many windows of a session finalising looks at.
+inline constexpr std::size_t session_windows = 3;
+
 /// `most_windows` of about a minute and a half are looked at, evenly spread. Where they differ by more than
 /// they claim to know, the scale changed on the way, and the uncertainty is their spread.
 TurnResult gyro_scale(std::span<const TimedFrame> frames, std::span<const TimedGyro> gyro, const View& view,

@@ -98,7 +98,7 @@ class LiveClock {
   std::uint32_t watched_ = 0;
   std::array<double, 2> watched_late_s_{};  // least lateness in the two spans before
   double run_ = 0.0;                        // messages in a row that are late as after a loss
-  double usual_run_ = 1.0;  // until one is not, that one included: a slow reader makes long ones
+  double usual_run_ = 1.0;  // how many such come in a row, and the one in time behind them, on average
   double stray_x_ = 0.0;    // the same of the span in which the clock may stray
   double least_stray_s_ = 0.0;
   std::uint32_t straying_ = 0;

@@ -8,6 +8,7 @@
 
 #include "thermorig/core/device.h"
 #include "thermorig/core/profile.h"
+#include "thermorig/storage/session/session.h"
 
 namespace thermorig::rig {
 
@@ -78,7 +79,7 @@ struct PreflightLimits {
   double damaged_share = 0.01;
   PerDevice<double> uncertainty_s{{0.010, 0.010, 0.005}};
   double fresh_share = 0.25;  // each chess half, of the frames; half of that in half-fresh mode would be none
-  double lost_half_share = 0.35;           // as the verdict of a session has it: beyond, it is bad
+  double lost_half_share = session::most_missing_frames;
   double lost_half_share_bearable = 0.01;  // above it a warning
   double repeated_share = 0.10;
   double repeated_share_bearable = 0.01;  // above it a warning
