@@ -100,7 +100,7 @@ std::string quota_text(const SweepProgress& sweep) {
 
 /// Of a sweep that was stopped nothing is left to wait for: "7 %".
 std::string left_text(const SweepProgress& sweep) {
-  const std::string done = fmt::format("{:.0f} %", std::floor(100 * sweep.done_share));
+  std::string done = fmt::format("{:.0f} %", std::floor(100 * sweep.done_share));
   if (sweep.phase >= rig::SweepPhase::stopping) return done;
   return fmt::format("{}, {} left", done, duration_text(sweep.eta_s));
 }
