@@ -40,7 +40,7 @@ class StatedErrors {
 };
 
 const std::vector<std::string> gyro_estimators{"gyro", "gyro-rest", "gyro-kalman"};
-constexpr std::size_t kalman = 2;
+constexpr std::size_t of_kalman = 2;
 
 struct Errors {
   StatedErrors rate;      // of valid frames: over the exposure as the program knows it
@@ -157,9 +157,9 @@ TEST(StatedSigmasOfATypicalGyro, CoverTheErrorsOfOneThatSetsItselfToZeroAtRest) 
     judge(pipeline::drive(config, six_legs(), six_legs_s), errors);
   }
   EXPECT_EQ(errors[1].rate.count(), 0U);  // gyro-rest: no rest shows the bias
-  EXPECT_GE(errors[kalman].rate.coverage(), 0.995);
-  EXPECT_GE(errors[kalman].any_rate.coverage(), 0.995);
-  EXPECT_GE(errors[kalman].angle.coverage(), 0.995);
+  EXPECT_GE(errors[of_kalman].rate.coverage(), 0.995);
+  EXPECT_GE(errors[of_kalman].any_rate.coverage(), 0.995);
+  EXPECT_GE(errors[of_kalman].angle.coverage(), 0.995);
 }
 
 }  // namespace

@@ -13,26 +13,28 @@ PortInfo usb(const std::string& path, const std::string& socket, const std::stri
   return {.path = path, .description = "", .usb_path = socket, .usb_id = id, .serial = ""};
 }
 
-const KnownPort camera{"/dev/ttyUSB0", usb("/dev/ttyUSB0", "1-4.1", "1a86:7523")};
-const KnownPort gyro{"/dev/ttyUSB1", usb("/dev/ttyUSB1", "1-4.2", "1a86:7523")};
+const KnownPort known_camera{"/dev/ttyUSB0", usb("/dev/ttyUSB0", "1-4.1", "1a86:7523")};
+const KnownPort known_gyro{"/dev/ttyUSB1", usb("/dev/ttyUSB1", "1-4.2", "1a86:7523")};
 
 TEST(FindAgain, TakesTheSameSocketUnderWhateverName) {
   const std::vector<PortInfo> listed{usb("/dev/ttyUSB0", "1-4.2", "1a86:7523"),
                                      usb("/dev/ttyUSB7", "1-4.1", "1a86:7523")};
-  EXPECT_EQ(choose_again(camera, listed, "/dev/ttyUSB0", {gyro}), "/dev/ttyUSB7");
+  EXPECT_EQ(choose_again(known_camera, listed, "/dev/ttyUSB0", {known_gyro}), "/dev/ttyUSB7");
 }
 
 TEST(FindAgain, TakesTheNameThatWasGivenInAnotherSocket) {
   const std::vector<PortInfo> listed{usb("/dev/ttyUSB3", "2-1", "1a86:7523")};
-  EXPECT_EQ(choose_again(camera, listed, "/dev/ttyUSB3", {gyro}), "/dev/ttyUSB3");
+  EXPECT_EQ(choose_again(known_camera, listed, "/dev/ttyUSB3", {known_gyro}), "/dev/ttyUSB3");
 }
 
 TEST(FindAgain, DoesNotTakeAnotherKindOfDevice) {
-  EXPECT_FALSE(choose_again(camera, {usb("/dev/ttyUSB0", "1-4.1", "0403:6001")}, "/dev/ttyUSB0", {gyro}));
+  EXPECT_FALSE(
+      choose_again(known_camera, {usb("/dev/ttyUSB0", "1-4.1", "0403:6001")}, "/dev/ttyUSB0", {known_gyro}));
 }
 
 TEST(FindAgain, DoesNotTakeTheSocketOfAnotherDeviceOfTheRig) {
-  EXPECT_FALSE(choose_again(camera, {usb("/dev/ttyUSB0", "1-4.2", "1a86:7523")}, "/dev/ttyUSB0", {gyro}));
+  EXPECT_FALSE(
+      choose_again(known_camera, {usb("/dev/ttyUSB0", "1-4.2", "1a86:7523")}, "/dev/ttyUSB0", {known_gyro}));
 }
 
 PortInfo on_adapter(const std::string& path, const std::string& interface) {
@@ -51,23 +53,24 @@ TEST(FindAgain, DoesNotExchangeTheTwoPortsOfOneAdapter) {
 }
 
 TEST(FindAgain, DoesNotTakeWhatAnotherDeviceOfTheRigHasOpen) {
-  KnownPort holder = gyro;
+  KnownPort holder = known_gyro;
   holder.open_path = "/dev/ttyUSB5";
-  EXPECT_FALSE(choose_again(camera, {usb("/dev/ttyUSB5", "2-1", "1a86:7523")}, "/dev/ttyUSB5", {holder}));
-  EXPECT_FALSE(choose_again(camera, {}, "/dev/ttyUSB5", {holder}));
+  EXPECT_FALSE(
+      choose_again(known_camera, {usb("/dev/ttyUSB5", "2-1", "1a86:7523")}, "/dev/ttyUSB5", {holder}));
+  EXPECT_FALSE(choose_again(known_camera, {}, "/dev/ttyUSB5", {holder}));
 }
 
 TEST(FindAgain, OfWhatIsNotListedTakesTheName) {
   const KnownPort link{"/tmp/port",
                        {.path = "/dev/pts/3", .description = "", .usb_path = "", .usb_id = "", .serial = ""}};
-  EXPECT_EQ(choose_again(link, {}, "/dev/pts/9", {gyro}), "/dev/pts/9");
-  EXPECT_FALSE(choose_again(link, {}, std::nullopt, {gyro}));
+  EXPECT_EQ(choose_again(link, {}, "/dev/pts/9", {known_gyro}), "/dev/pts/9");
+  EXPECT_FALSE(choose_again(link, {}, std::nullopt, {known_gyro}));
 }
 
 TEST(FindAgain, DoesNotTrustTheNumberOfAPseudoTerminal) {
   const KnownPort terminal{
       "/dev/pts/3", {.path = "/dev/pts/3", .description = "", .usb_path = "", .usb_id = "", .serial = ""}};
-  EXPECT_FALSE(choose_again(terminal, {}, "/dev/pts/3", {gyro}));
+  EXPECT_FALSE(choose_again(terminal, {}, "/dev/pts/3", {known_gyro}));
 }
 
 TEST(FindAgain, FollowsALinkToAnotherDeviceFile) {

@@ -9,13 +9,13 @@
 namespace thermorig::labels {
 namespace {
 
-constexpr double period_s = 0.125;
+constexpr double nominal_s = 0.125;
 
 /// Frames with chosen fresh halves: 'E', 'O', 'B'oth or 'N'one, each a frame period after the one before.
 class FrameMaker {
  public:
   TimedFrame next(char fresh) {
-    time_ += from_s(period_s);
+    time_ += from_s(nominal_s);
     TimedFrame timed;
     if (fresh == 'E' || fresh == 'B') timed.fresh_even = 384;
     if (fresh == 'O' || fresh == 'B') timed.fresh_odd = 384;
@@ -40,7 +40,7 @@ std::string staleness(ExposureRule rule, const std::string& sequence) {
 }
 
 TEST(ExposureRule, AHalfFreshFrameSpansTwoFramePeriods) {
-  ExposureRule rule(period_s, CameraMode::half_fresh);
+  ExposureRule rule(nominal_s, CameraMode::half_fresh);
   TimedFrame frame = FrameMaker().next('B');
   frame.stamp.time = HostTime(from_s(7.0));
   rule.apply(frame);
@@ -49,7 +49,7 @@ TEST(ExposureRule, AHalfFreshFrameSpansTwoFramePeriods) {
 }
 
 TEST(ExposureRule, AFullFreshFrameSpansTwoRefreshPeriodsOfHalfTheLength) {
-  ExposureRule rule(period_s, CameraMode::full_fresh);
+  ExposureRule rule(nominal_s, CameraMode::full_fresh);
   TimedFrame frame = FrameMaker().next('B');
   frame.stamp.time = HostTime(from_s(7.0));
   rule.apply(frame);
@@ -58,32 +58,32 @@ TEST(ExposureRule, AFullFreshFrameSpansTwoRefreshPeriodsOfHalfTheLength) {
 }
 
 TEST(ExposureRule, AlternatingHalvesAreFreshInHalfFreshMode) {
-  EXPECT_EQ(staleness(ExposureRule(period_s, CameraMode::half_fresh), "BEOEOE"), "ffffff");
+  EXPECT_EQ(staleness(ExposureRule(nominal_s, CameraMode::half_fresh), "BEOEOE"), "ffffff");
 }
 
 TEST(ExposureRule, ARepeatedFrameIsStaleInEitherMode) {
-  EXPECT_EQ(staleness(ExposureRule(period_s, CameraMode::half_fresh), "BENOE"), "ffsff");
-  EXPECT_EQ(staleness(ExposureRule(period_s, CameraMode::full_fresh), "BBNB"), "ffsf");
+  EXPECT_EQ(staleness(ExposureRule(nominal_s, CameraMode::half_fresh), "BENOE"), "ffsff");
+  EXPECT_EQ(staleness(ExposureRule(nominal_s, CameraMode::full_fresh), "BBNB"), "ffsf");
 }
 
 TEST(ExposureRule, TheSameHalfTwiceInARowIsStaleInHalfFreshMode) {
-  EXPECT_EQ(staleness(ExposureRule(period_s, CameraMode::half_fresh), "BEOOEE"), "fffsfs");
+  EXPECT_EQ(staleness(ExposureRule(nominal_s, CameraMode::half_fresh), "BEOOEE"), "fffsfs");
 }
 
 TEST(ExposureRule, TheSameHalfTwiceIsStaleEvenWithARepeatedFrameBetween) {
-  EXPECT_EQ(staleness(ExposureRule(period_s, CameraMode::half_fresh), "BENEO"), "ffssf");
+  EXPECT_EQ(staleness(ExposureRule(nominal_s, CameraMode::half_fresh), "BENEO"), "ffssf");
 }
 
 TEST(ExposureRule, EitherHalfMayFollowAFrameThatBroughtBoth) {
-  EXPECT_EQ(staleness(ExposureRule(period_s, CameraMode::half_fresh), "BEBEBO"), "ffffff");
+  EXPECT_EQ(staleness(ExposureRule(nominal_s, CameraMode::half_fresh), "BEBEBO"), "ffffff");
 }
 
 TEST(ExposureRule, ASingleHalfIsStaleInFullFreshMode) {
-  EXPECT_EQ(staleness(ExposureRule(period_s, CameraMode::full_fresh), "BBEBO"), "ffsfs");
+  EXPECT_EQ(staleness(ExposureRule(nominal_s, CameraMode::full_fresh), "BBEBO"), "ffsfs");
 }
 
 TEST(ExposureRule, DecidesTheModeFromTheFramesSoFar) {
-  ExposureRule rule(period_s);
+  ExposureRule rule(nominal_s);
   FrameMaker maker;
   std::string modes;
   for (const char fresh : std::string("BEOBBBN")) {
@@ -91,13 +91,13 @@ TEST(ExposureRule, DecidesTheModeFromTheFramesSoFar) {
     rule.apply(frame);
     const bool half = rule.mode() == CameraMode::half_fresh;
     modes += half ? 'h' : 'f';
-    EXPECT_EQ(frame.exposure_end - frame.exposure_begin, from_s(half ? 2 * period_s : period_s));
+    EXPECT_EQ(frame.exposure_end - frame.exposure_begin, from_s(half ? 2 * nominal_s : nominal_s));
   }
   EXPECT_EQ(modes, "hhhhhff");
 }
 
 TEST(ExposureRule, TheFirstFrameDoesNotDecideTheMode) {
-  ExposureRule rule(period_s);
+  ExposureRule rule(nominal_s);
   TimedFrame frame = FrameMaker().next('B');
   rule.apply(frame);
   EXPECT_EQ(rule.mode(), CameraMode::half_fresh);
@@ -115,7 +115,7 @@ std::string halves(ExposureRule rule, const std::string& sequence, double jitter
     rule.apply(frame);
   }
   const auto ago = [&](HostTime time) {
-    return std::to_string(std::lround(2.0 * to_s(frame.exposure_end - time) / period_s));  // half periods
+    return std::to_string(std::lround(2.0 * to_s(frame.exposure_end - time) / nominal_s));  // half periods
   };
   std::string result;
   for (const HalfExposure& half : frame.half) result += ago(half.begin) + ".." + ago(half.end) + " ";
@@ -123,18 +123,18 @@ std::string halves(ExposureRule rule, const std::string& sequence, double jitter
 }
 
 TEST(ExposureRule, TheFreshHalfWasExposedLast) {
-  EXPECT_EQ(halves(ExposureRule(period_s, CameraMode::half_fresh), "BEOE"), "2..0 4..2 ");
-  EXPECT_EQ(halves(ExposureRule(period_s, CameraMode::half_fresh), "BEOEO"), "4..2 2..0 ");
+  EXPECT_EQ(halves(ExposureRule(nominal_s, CameraMode::half_fresh), "BEOE"), "2..0 4..2 ");
+  EXPECT_EQ(halves(ExposureRule(nominal_s, CameraMode::half_fresh), "BEOEO"), "4..2 2..0 ");
 }
 
 TEST(ExposureRule, AHalfThatIsNotFreshKeepsItsLastExposure) {
-  EXPECT_EQ(halves(ExposureRule(period_s, CameraMode::half_fresh), "BEOEE"), "2..0 6..4 ");
-  EXPECT_EQ(halves(ExposureRule(period_s, CameraMode::half_fresh), "BEON"), "6..4 4..2 ");
-  EXPECT_EQ(halves(ExposureRule(period_s, CameraMode::full_fresh, 1U), "BBE"), "2..1 3..2 ");
+  EXPECT_EQ(halves(ExposureRule(nominal_s, CameraMode::half_fresh), "BEOEE"), "2..0 6..4 ");
+  EXPECT_EQ(halves(ExposureRule(nominal_s, CameraMode::half_fresh), "BEON"), "6..4 4..2 ");
+  EXPECT_EQ(halves(ExposureRule(nominal_s, CameraMode::full_fresh, 1U), "BBE"), "2..1 3..2 ");
 }
 
 TEST(ExposureRule, AfterAMissingFrameTheOrderFollowsFromTheTime) {
-  ExposureRule rule(period_s, CameraMode::half_fresh);
+  ExposureRule rule(nominal_s, CameraMode::half_fresh);
   FrameMaker maker;
   for (const char fresh : std::string("BEOE")) {
     TimedFrame frame = maker.next(fresh);
@@ -144,17 +144,17 @@ TEST(ExposureRule, AfterAMissingFrameTheOrderFollowsFromTheTime) {
   TimedFrame frame = maker.next('B');
   rule.apply(frame);
   EXPECT_EQ(frame.half[0].end, frame.exposure_end);
-  EXPECT_EQ(frame.half[1].end, frame.exposure_end - from_s(period_s));
+  EXPECT_EQ(frame.half[1].end, frame.exposure_end - from_s(nominal_s));
 }
 
 TEST(ExposureRule, OfAFullFreshFrameTheNewerHalfTakesTheLaterPeriod) {
-  EXPECT_EQ(halves(ExposureRule(period_s, CameraMode::full_fresh, 0U), "BBB"), "1..0 2..1 ");
-  EXPECT_EQ(halves(ExposureRule(period_s, CameraMode::full_fresh, 1U), "BBB"), "2..1 1..0 ");
+  EXPECT_EQ(halves(ExposureRule(nominal_s, CameraMode::full_fresh, 0U), "BBB"), "1..0 2..1 ");
+  EXPECT_EQ(halves(ExposureRule(nominal_s, CameraMode::full_fresh, 1U), "BBB"), "2..1 1..0 ");
 }
 
 TEST(ExposureRule, WhereTheOrderIsUnknownBothHalvesGetTheWholeSpan) {
-  EXPECT_EQ(halves(ExposureRule(period_s, CameraMode::full_fresh), "BBB"), "2..0 2..0 ");
-  EXPECT_EQ(halves(ExposureRule(period_s, CameraMode::half_fresh), "B"), "4..0 4..0 ");
+  EXPECT_EQ(halves(ExposureRule(nominal_s, CameraMode::full_fresh), "BBB"), "2..0 2..0 ");
+  EXPECT_EQ(halves(ExposureRule(nominal_s, CameraMode::half_fresh), "B"), "4..0 4..0 ");
 }
 
 }  // namespace

@@ -11,7 +11,7 @@
 namespace thermorig::labels {
 namespace {
 
-constexpr double period_s = 0.1275;  // 2 % slow
+constexpr double slow_period_s = 0.1275;  // 2 % slow
 constexpr std::uint16_t half = 384;
 
 TimedFrame half_fresh_frame(double time_s, int index) {
@@ -40,8 +40,8 @@ Scene half_fresh_scene(const std::vector<int>& lost, Seen seen_s) {
   for (int i = 0; i < 200; ++i) {
     if (std::find(lost.begin(), lost.end(), i) != lost.end()) continue;
     const bool after_gap = !scene.numbers.empty() && scene.numbers.back() != i - 1;
-    scene.frames.push_back(after_gap ? full_fresh_frame(seen_s(i * period_s))
-                                     : half_fresh_frame(seen_s(i * period_s), i));
+    scene.frames.push_back(after_gap ? full_fresh_frame(seen_s(i * slow_period_s))
+                                     : half_fresh_frame(seen_s(i * slow_period_s), i));
     scene.numbers.push_back(i);
   }
   return scene;
@@ -69,8 +69,8 @@ unsigned late_in_all(const std::vector<FrameGap>& gaps) {
       std::count_if(gaps.begin(), gaps.end(), [](const auto& gap) { return gap.late; }));
 }
 
-std::vector<FrameGap> live_gaps(const Scene& scene, double nominal_s, CameraMode mode) {
-  LiveFrameGaps gaps(nominal_s);
+std::vector<FrameGap> live_gaps(const Scene& scene, double set_period_s, CameraMode mode) {
+  LiveFrameGaps gaps(set_period_s);
   std::vector<FrameGap> result;
   for (const TimedFrame& frame : scene.frames) result.push_back(gaps.push(frame, mode));
   return result;
@@ -78,7 +78,7 @@ std::vector<FrameGap> live_gaps(const Scene& scene, double nominal_s, CameraMode
 
 TEST(FrameGaps, AreNoneInACompleteStream) {
   const Scene scene = half_fresh_scene({}, on_time);
-  const auto gaps = find_gaps(scene.frames, period_s, CameraMode::half_fresh);
+  const auto gaps = find_gaps(scene.frames, slow_period_s, CameraMode::half_fresh);
   EXPECT_EQ(gaps.size(), scene.frames.size());
   EXPECT_EQ(missing_in_all(gaps), 0U);
   EXPECT_EQ(late_in_all(gaps), 0U);
@@ -87,15 +87,15 @@ TEST(FrameGaps, AreNoneInACompleteStream) {
 TEST(FrameGaps, AreNoneWhereABusyHostReadsLate) {
   for (const double length_s : {0.1, 0.25, 0.6, 1.3, 2.9}) {
     const Scene scene = half_fresh_scene({}, stall(length_s));
-    const auto gaps = find_gaps(scene.frames, period_s, CameraMode::half_fresh);
+    const auto gaps = find_gaps(scene.frames, slow_period_s, CameraMode::half_fresh);
     EXPECT_EQ(missing_in_all(gaps), 0U) << length_s;
-    EXPECT_NEAR(late_in_all(gaps), (length_s - 0.5 * period_s) / period_s, 1.01) << length_s;
+    EXPECT_NEAR(late_in_all(gaps), (length_s - 0.5 * slow_period_s) / slow_period_s, 1.01) << length_s;
   }
 }
 
 TEST(FrameGaps, AreFoundWhereTheyAre) {
   const Scene scene = half_fresh_scene({20, 40, 41, 60, 61, 62}, on_time);
-  const auto gaps = find_gaps(scene.frames, period_s, CameraMode::half_fresh);
+  const auto gaps = find_gaps(scene.frames, slow_period_s, CameraMode::half_fresh);
   for (std::size_t i = 1; i < gaps.size(); ++i)
     EXPECT_EQ(gaps[i].missing, scene.numbers[i] - scene.numbers[i - 1] - 1) << scene.numbers[i];
   EXPECT_EQ(late_in_all(gaps), 0U);
@@ -103,21 +103,21 @@ TEST(FrameGaps, AreFoundWhereTheyAre) {
 
 TEST(FrameGaps, AreCountedWhereAStallOverranTheBuffers) {
   const Scene scene = half_fresh_scene({50, 51, 52, 53, 54}, stall(2.5));
-  EXPECT_EQ(missing_in_all(find_gaps(scene.frames, period_s, CameraMode::half_fresh)), 5U);
+  EXPECT_EQ(missing_in_all(find_gaps(scene.frames, slow_period_s, CameraMode::half_fresh)), 5U);
 }
 
 TEST(FrameGaps, AreFoundByTimeAloneWhereBothHalvesAreFresh) {
   std::vector<TimedFrame> frames;
-  for (const int i : {0, 1, 2, 3, 6, 7, 8, 9, 10}) frames.push_back(full_fresh_frame(i * period_s));
-  const auto gaps = find_gaps(frames, period_s, CameraMode::full_fresh);
+  for (const int i : {0, 1, 2, 3, 6, 7, 8, 9, 10}) frames.push_back(full_fresh_frame(i * slow_period_s));
+  const auto gaps = find_gaps(frames, slow_period_s, CameraMode::full_fresh);
   EXPECT_EQ(gaps[4].missing, 2U);
   EXPECT_EQ(missing_in_all(gaps), 2U);
 }
 
 TEST(FrameGaps, AreWhereACameraPaused) {
-  Scene scene =
-      half_fresh_scene({}, [](double time_s) { return time_s < 10.0 ? time_s : time_s + 10 * period_s; });
-  const auto gaps = find_gaps(scene.frames, period_s, CameraMode::half_fresh);
+  Scene scene = half_fresh_scene(
+      {}, [](double time_s) { return time_s < 10.0 ? time_s : time_s + 10 * slow_period_s; });
+  const auto gaps = find_gaps(scene.frames, slow_period_s, CameraMode::half_fresh);
   EXPECT_EQ(gaps[79].missing, 10U);  // the first frame after 10 s
   EXPECT_EQ(missing_in_all(gaps), 10U);
   EXPECT_EQ(late_in_all(gaps), 0U);
@@ -134,8 +134,8 @@ Scene repeating_scene() {
 }
 
 TEST(FrameGaps, AreNoneWhereFramesRepeat) {
-  EXPECT_EQ(missing_in_all(find_gaps(repeating_scene().frames, period_s, CameraMode::half_fresh)), 0U);
-  EXPECT_EQ(missing_in_all(live_gaps(repeating_scene(), period_s, CameraMode::half_fresh)), 0U);
+  EXPECT_EQ(missing_in_all(find_gaps(repeating_scene().frames, slow_period_s, CameraMode::half_fresh)), 0U);
+  EXPECT_EQ(missing_in_all(live_gaps(repeating_scene(), slow_period_s, CameraMode::half_fresh)), 0U);
 }
 
 /// Halves that the bridge misses: nothing is sent for them, and the next frame brings the same half again.
@@ -143,7 +143,7 @@ Scene scene_without_halves(const std::vector<int>& lost) {
   Scene scene;
   for (int i = 0; i < 200; ++i) {
     if (std::find(lost.begin(), lost.end(), i) != lost.end()) continue;
-    scene.frames.push_back(half_fresh_frame(i * period_s, i));
+    scene.frames.push_back(half_fresh_frame(i * slow_period_s, i));
     scene.numbers.push_back(i);
   }
   return scene;
@@ -153,12 +153,12 @@ Scene scene_without_halves(const std::vector<int>& lost) {
 void read_late(Scene& scene, const std::vector<std::pair<int, double>>& late_periods) {
   for (const auto& [number, periods] : late_periods) {
     const auto at = std::find(scene.numbers.begin(), scene.numbers.end(), number) - scene.numbers.begin();
-    scene.frames[static_cast<std::size_t>(at)].stamp.time += from_s(periods * period_s);
+    scene.frames[static_cast<std::size_t>(at)].stamp.time += from_s(periods * slow_period_s);
   }
 }
 
 void expect_each_where_it_is(const Scene& scene) {
-  const auto gaps = find_gaps(scene.frames, period_s, CameraMode::half_fresh);
+  const auto gaps = find_gaps(scene.frames, slow_period_s, CameraMode::half_fresh);
   for (std::size_t i = 1; i < gaps.size(); ++i)
     EXPECT_EQ(gaps[i].missing, scene.numbers[i] - scene.numbers[i - 1] - 1) << scene.numbers[i];
 }
@@ -191,7 +191,7 @@ TEST(FrameGaps, AreWhereABridgeMissedAHalfShortlyBeforeTheEnd) {
 
 TEST(LiveFrameGaps, SeeAtOnceThatABridgeMissedAHalf) {
   const Scene scene = scene_without_halves({20, 40, 60, 62, 64, 66, 90});
-  const auto gaps = live_gaps(scene, period_s, CameraMode::half_fresh);
+  const auto gaps = live_gaps(scene, slow_period_s, CameraMode::half_fresh);
   for (std::size_t i = 1; i < gaps.size(); ++i) {
     EXPECT_EQ(gaps[i].missing, scene.numbers[i] - scene.numbers[i - 1] - 1) << scene.numbers[i];
     EXPECT_FALSE(gaps[i].late) << scene.numbers[i];
@@ -200,7 +200,7 @@ TEST(LiveFrameGaps, SeeAtOnceThatABridgeMissedAHalf) {
 
 TEST(LiveFrameGaps, SeeAtOnceThatABridgeThatMissesHalvesMissedTwo) {
   const Scene scene = scene_without_halves({20, 30, 40, 61, 62, 90});
-  const auto gaps = live_gaps(scene, period_s, CameraMode::half_fresh);
+  const auto gaps = live_gaps(scene, slow_period_s, CameraMode::half_fresh);
   for (std::size_t i = 1; i < gaps.size(); ++i) {
     EXPECT_EQ(gaps[i].missing, scene.numbers[i] - scene.numbers[i - 1] - 1) << scene.numbers[i];
     EXPECT_FALSE(gaps[i].late) << scene.numbers[i];
@@ -210,17 +210,17 @@ TEST(LiveFrameGaps, SeeAtOnceThatABridgeThatMissesHalvesMissedTwo) {
 TEST(FrameGaps, AreNoneWhereTheSameHalfComesTwiceOnTime) {
   Scene scene = half_fresh_scene({}, on_time);
   std::swap(scene.frames[50].fresh_even, scene.frames[50].fresh_odd);
-  EXPECT_EQ(missing_in_all(find_gaps(scene.frames, period_s, CameraMode::half_fresh)), 0U);
-  EXPECT_EQ(missing_in_all(live_gaps(scene, period_s, CameraMode::half_fresh)), 0U);
+  EXPECT_EQ(missing_in_all(find_gaps(scene.frames, slow_period_s, CameraMode::half_fresh)), 0U);
+  EXPECT_EQ(missing_in_all(live_gaps(scene, slow_period_s, CameraMode::half_fresh)), 0U);
 }
 
 TEST(FrameGaps, AreNoneWithoutFrames) {
-  EXPECT_TRUE(find_gaps({}, period_s, CameraMode::half_fresh).empty());
+  EXPECT_TRUE(find_gaps({}, slow_period_s, CameraMode::half_fresh).empty());
 }
 
 TEST(LiveFrameGaps, CallALateReadLateAndNothingMissing) {
   const Scene scene = half_fresh_scene({}, stall(0.3));
-  const auto gaps = live_gaps(scene, period_s, CameraMode::half_fresh);
+  const auto gaps = live_gaps(scene, slow_period_s, CameraMode::half_fresh);
   EXPECT_EQ(missing_in_all(gaps), 0U);
   EXPECT_GT(late_in_all(gaps), 0U);
 }
@@ -233,7 +233,7 @@ TEST(LiveFrameGaps, SeeALostFrameAtOnceByTheHalves) {
 
 TEST(LiveFrameGaps, CountMissingFramesOnceTheyStayAway) {
   Scene scene;
-  for (int i = 0; i < 60; ++i) scene.frames.push_back(full_fresh_frame((i < 40 ? i : i + 4) * period_s));
+  for (int i = 0; i < 60; ++i) scene.frames.push_back(full_fresh_frame((i < 40 ? i : i + 4) * slow_period_s));
   EXPECT_EQ(missing_in_all(live_gaps(scene, 0.125, CameraMode::full_fresh)), 4U);
 }
 

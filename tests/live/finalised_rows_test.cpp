@@ -12,7 +12,6 @@
 namespace thermorig::live {
 namespace {
 
-constexpr float unknown = std::numeric_limits<float>::quiet_NaN();
 constexpr double period_s = 0.125;
 
 HostTime time_of(std::uint32_t frame) {
@@ -31,14 +30,14 @@ network::Acquisition finished() {
   return acquisition;
 }
 
-EstimateRow row(std::uint32_t frame, float label_dps = 100.0F) {
+EstimateRow journal_row(std::uint32_t frame, float label_dps = 100.0F) {
   return with_rates(
       {.frame_index = frame, .time = time_of(frame), .rate_commanded_dps = label_dps, .counted = true}, 7.0F,
       8.0F, 9.0F, 0.5F);
 }
 
 TEST(FinalisedRows, HaveTheLabelsOfTheFinishedSessionAndWhatWasSaidThen) {
-  const std::vector<EstimateRow> rows{row(5)};
+  const std::vector<EstimateRow> rows{journal_row(5)};
   const FinalisedRows finalised = finalised_rows(rows, finished(), 3, period_s);
   ASSERT_EQ(finalised.rows.size(), 1U);
   EXPECT_EQ(finalised.rows[0].rate_commanded_dps, 104.0F);
@@ -49,7 +48,8 @@ TEST(FinalisedRows, HaveTheLabelsOfTheFinishedSessionAndWhatWasSaidThen) {
 }
 
 TEST(FinalisedRows, TellHowFarTheLabelsWere) {
-  const std::vector<EstimateRow> rows{row(5, 103.0F), row(6, 108.0F)};  // finalised: 104 and 105
+  const std::vector<EstimateRow> rows{journal_row(5, 103.0F),
+                                      journal_row(6, 108.0F)};  // finalised: 104 and 105
   const FinalisedRows finalised = finalised_rows(rows, finished(), 3, period_s);
   EXPECT_EQ(finalised.compared, 2U);
   EXPECT_DOUBLE_EQ(finalised.label_difference_mean_dps, -1.0);
@@ -57,7 +57,7 @@ TEST(FinalisedRows, TellHowFarTheLabelsWere) {
 }
 
 TEST(FinalisedRows, CountWhereTheLiveRunCounted) {
-  std::vector<EstimateRow> rows{row(4), row(5), row(6)};
+  std::vector<EstimateRow> rows{journal_row(4), journal_row(5), journal_row(6)};
   rows[1].counted = false;
   const FinalisedRows finalised = finalised_rows(rows, finished(), 3, period_s);
   EXPECT_TRUE(finalised.rows[0].counted);  // although the finished session has no window there
@@ -68,7 +68,8 @@ TEST(FinalisedRows, CountWhereTheLiveRunCounted) {
 }
 
 TEST(FinalisedRows, KnowNothingOfFramesThatTheSessionHasNot) {
-  const std::vector<EstimateRow> rows{row(1), row(10), row(4'294'967'295U), row(5, unknown)};
+  const std::vector<EstimateRow> rows{journal_row(1), journal_row(10), journal_row(4'294'967'295U),
+                                      journal_row(5, unknown_dps)};
   const FinalisedRows finalised = finalised_rows(rows, finished(), 3, period_s);
   EXPECT_EQ(finalised.compared, 0U);
   EXPECT_TRUE(std::isnan(finalised.label_difference_mean_dps));
@@ -77,7 +78,7 @@ TEST(FinalisedRows, KnowNothingOfFramesThatTheSessionHasNot) {
 }
 
 TEST(FinalisedRows, AreNotJoinedToFramesOfACameraThatCameBack) {
-  std::vector<EstimateRow> rows{row(5), row(6), row(7), row(8)};
+  std::vector<EstimateRow> rows{journal_row(5), journal_row(6), journal_row(7), journal_row(8)};
   rows[1].time += from_s(0.49 * period_s);  // what a running recorder knows
   rows[2].time += from_s(0.51 * period_s);
   rows[3].time -= from_s(10.0);  // stood in for a frame that never came

@@ -17,8 +17,6 @@
 namespace thermorig::live {
 namespace {
 
-constexpr float unknown = std::numeric_limits<float>::quiet_NaN();
-
 /// One run for all tests: nothing in it changes.
 const std::vector<CausalMeasurement>& run() {
   static const std::vector<CausalMeasurement> measurements = measurements_of(two_legs());
@@ -160,7 +158,7 @@ class AChangedFrame : public testing::Test {
 };
 
 TEST_F(AChangedFrame, WithoutGyroLeavesTheThermalHeadAlone) {
-  measurements_[place_].measurement.sample.rate_gyro_dps = unknown;
+  measurements_[place_].measurement.sample.rate_gyro_dps = unknown_dps;
   const auto changed = rows(), as_it_was = rows_of(run(), model_);
   for (std::size_t i = place_; i < place_ + 3; ++i) {
     EXPECT_EQ(thermal_dps(changed[i]), thermal_dps(as_it_was[i]));
@@ -172,7 +170,7 @@ TEST_F(AChangedFrame, WithoutGyroLeavesTheThermalHeadAlone) {
 }
 
 TEST_F(AChangedFrame, WithoutALabelIsEstimatedButNotCounted) {
-  measurements_[place_].measurement.sample.rate_commanded_dps = unknown;
+  measurements_[place_].measurement.sample.rate_commanded_dps = unknown_dps;
   const auto changed = rows();
   for (std::size_t i = place_; i < place_ + 3; ++i) {
     EXPECT_TRUE(has_thermal(changed[i]) && has_fusion(changed[i]));
@@ -199,7 +197,7 @@ TEST_F(AChangedFrame, AfterDamagedBytesBeginsAWindowOfItsOwn) {
 }
 
 TEST_F(AChangedFrame, WithAPixelThatIsNoTemperatureIsInNoWindow) {
-  for (const float wrong : {unknown, 1000.0F, std::numeric_limits<float>::infinity()}) {
+  for (const float wrong : {unknown_dps, 1000.0F, std::numeric_limits<float>::infinity()}) {
     measurements_[place_].measurement.frame.frame.temp_c[7] = wrong;
     const auto changed = rows();
     for (std::size_t i = place_; i < place_ + 3; ++i) {

@@ -13,7 +13,6 @@
 namespace thermorig::live {
 namespace {
 
-constexpr float unknown = std::numeric_limits<float>::quiet_NaN();
 constexpr double frame_s = 0.125;
 
 /// Frame `index` of one run: commanded 100 deg/s, and how far each estimate is off.
@@ -83,7 +82,7 @@ TEST(Scorer, CountsFramesApartThatAreNotCounted) {
 
 TEST(Scorer, LeavesOutAnEstimatorThatSaysNothing) {
   auto rows = rows_of_a_run(20);
-  for (EstimateRow& each : rows) fusion_dps(each) = kg(each) = unknown;
+  for (EstimateRow& each : rows) fusion_dps(each) = kg(each) = unknown_dps;
   const LiveScores scores = scores_of(rows);
   EXPECT_EQ(of(scores, of_fusion).frames, 0U);
   EXPECT_TRUE(std::isnan(of(scores, of_fusion).mse));

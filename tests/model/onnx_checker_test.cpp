@@ -21,16 +21,16 @@ std::string output_of(const std::string& command) {
 }
 
 TEST_F(OnnxChecker, AcceptsEveryShape) {
-  std::string files, expected;
+  std::string paths, expected;
   for (const network::Shape& shape : all_shapes()) {
     const std::string file = fmt::format("{}/nf{}_nr{}_{}.onnx", folder_.string(), shape.frames,
                                          shape.reduction, shape.fusion ? "fusion" : "thermal");
     write_model(file, sample_model(shape), shape.frames == 4 ? 1 : 0);
-    files += fmt::format(" {}", file);
+    paths += fmt::format(" {}", file);
     expected += fmt::format("{}\n", file);
   }
   const std::string script = THERMORIG_SOURCE_DIR "/tests/model/check_onnx.py";
-  EXPECT_EQ(output_of(fmt::format("/usr/bin/python3 {}{} 2>&1", script, files)), expected);
+  EXPECT_EQ(output_of(fmt::format("/usr/bin/python3 {}{} 2>&1", script, paths)), expected);
 }
 
 }  // namespace

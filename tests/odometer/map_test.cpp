@@ -24,13 +24,6 @@ Odometer begun_with(MapPointer map) {
   return Odometer(gyro, CameraProfile(), std::move(map));
 }
 
-Room turning_room(double duration_s) {
-  Room room;
-  room.duration_s = duration_s;
-  room.angle_deg = to_and_fro(200.0, 60.0);
-  return room;
-}
-
 /// A session of before: its map, and by how much its headings are off the shaft's angles.
 struct Before {
   MapPointer map;

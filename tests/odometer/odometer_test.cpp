@@ -31,13 +31,6 @@ std::vector<Report> reports_of(const std::vector<Seen>& all) {
   return reports;
 }
 
-Room turning_room(double duration_s = 70.0) {
-  Room room;
-  room.duration_s = duration_s;
-  room.angle_deg = to_and_fro(200.0, 60.0);
-  return room;
-}
-
 std::size_t at(double time_s) {
   return static_cast<std::size_t>(time_s / 0.125) - 2;
 }

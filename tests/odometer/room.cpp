@@ -105,4 +105,11 @@ std::function<double(double)> to_and_fro(double reach_deg, double rate_dps) {
   };
 }
 
+Room turning_room(double duration_s) {
+  Room room;
+  room.duration_s = duration_s;
+  room.angle_deg = to_and_fro(200.0, 60.0);
+  return room;
+}
+
 }  // namespace thermorig::odometer

@@ -13,7 +13,7 @@
 namespace thermorig::pipeline {
 namespace {
 
-constexpr std::size_t whole = 1 << 20;
+constexpr std::size_t whole_stream = 1 << 20;
 
 bool has(const LabelledSample& sample, Reason reason) {
   return (sample.reason_bits & bit(reason)) != 0;
@@ -29,7 +29,7 @@ bool are_alike(float a, float b) {
 
 TEST(Pipeline, LabelsASweepFromItsBytes) {
   const ScriptedRecording recording;
-  const auto chunks = chunks_within_messages(recording, whole);
+  const auto chunks = chunks_within_messages(recording, whole_stream);
   const Result result = run(recording.profile, chunks, first_pass(recording.profile, chunks));
   ASSERT_EQ(result.samples.size(), 39U);
   int valid = 0;
@@ -65,13 +65,13 @@ TEST(Pipeline, StampsMessagesWithTheBeginOfTheirFirstByte) {
 TEST(Pipeline, TakesTheLatencyOffTheStamp) {
   ScriptedRecording recording;
   recording.profile.camera.link.latency_s = 0.02;
-  const Result result = run(recording.profile, chunks_within_messages(recording, whole));
+  const Result result = run(recording.profile, chunks_within_messages(recording, whole_stream));
   EXPECT_LT(distance_s(result.streams.frames[0].stamp.time, HostTime(from_s(0.125 - 0.02))), 2e-9);
 }
 
 TEST(Pipeline, GivesTheSameSamplesWhateverTheChunksWithinMessages) {
   const ScriptedRecording recording;
-  const Result once = run(recording.profile, chunks_within_messages(recording, whole));
+  const Result once = run(recording.profile, chunks_within_messages(recording, whole_stream));
   for (const std::size_t chunk_bytes : {1U, 7U, 64U, 1000U}) {
     const Result again = run(recording.profile, chunks_within_messages(recording, chunk_bytes));
     ASSERT_EQ(again.samples.size(), once.samples.size());
@@ -90,7 +90,7 @@ TEST(Pipeline, GivesTheSameSamplesWhateverTheChunksWithinMessages) {
 
 TEST(Pipeline, GivesTheSameMessagesWhateverTheChunks) {
   const ScriptedRecording recording;
-  const Result once = run(recording.profile, chunks_within_messages(recording, whole));
+  const Result once = run(recording.profile, chunks_within_messages(recording, whole_stream));
   for (unsigned seed = 0; seed < 8; ++seed) {
     const Result again = run(recording.profile, chunks_across_messages(recording, seed, 1U << (seed + 2)));
     ASSERT_EQ(again.streams.frames.size(), once.streams.frames.size());
@@ -108,19 +108,19 @@ TEST(Pipeline, GivesTheSameMessagesWhateverTheChunks) {
 
 TEST(Pipeline, AppliesAxisAndSignOfTheGyro) {
   ScriptedRecording recording;
-  Result result = run(recording.profile, chunks_within_messages(recording, whole));
+  Result result = run(recording.profile, chunks_within_messages(recording, whole_stream));
   const TimedGyro& turning = result.streams.gyro.at(500);
   EXPECT_NEAR(turning.rate_dps, 100.0, wire::witmotion_dps_per_count);
   EXPECT_NEAR(turning.reading.rate_dps[1], -100.0, wire::witmotion_dps_per_count);
   recording.profile.gyro.axis = 2;
   recording.profile.gyro.sign = 1;
-  result = run(recording.profile, chunks_within_messages(recording, whole));
+  result = run(recording.profile, chunks_within_messages(recording, whole_stream));
   EXPECT_NEAR(result.streams.gyro.at(500).rate_dps, -5 * wire::witmotion_dps_per_count, 1e-4);
 }
 
 TEST(Pipeline, UnwrapsTheServosTime) {
   const ScriptedRecording recording;
-  const Result result = run(recording.profile, chunks_within_messages(recording, whole));
+  const Result result = run(recording.profile, chunks_within_messages(recording, whole_stream));
   for (std::size_t i = 0; i < result.streams.servo.size(); ++i)
     EXPECT_EQ(result.streams.servo[i].mcu_time_us, 0xFFF00000LL + 10'000LL * static_cast<std::int64_t>(i));
 }
@@ -137,7 +137,7 @@ TEST(Pipeline, SortsPongsAndAnswersFromTelemetry) {
       {Device::servo, HostTime(from_s(2.006)), message(SERVO_PONG, {1, 0, 0, 0, 2, 0, 0, 0, 3, 0, 0, 0})});
   recording.messages.push_back(
       {Device::servo, HostTime(from_s(2.007)), message(SERVO_ACK, {SERVO_RUN, 4, 0, 0, 0})});
-  const Result result = run(recording.profile, chunks_within_messages(recording, whole));
+  const Result result = run(recording.profile, chunks_within_messages(recording, whole_stream));
   EXPECT_EQ(result.streams.servo.size(), 500U);
   ASSERT_EQ(result.streams.pongs.size(), 1U);
   EXPECT_EQ(result.streams.pongs[0].token, 1U);
@@ -170,7 +170,7 @@ TEST(Pipeline, AFramesHalfThatComesTwiceIsNotFresh) {
   for (ScriptedMessage& message : recording.messages)
     if (message.device == Device::camera) frames.push_back(&message);
   frames[20]->bytes = frames[19]->bytes;
-  const Result result = run(recording.profile, chunks_within_messages(recording, whole));
+  const Result result = run(recording.profile, chunks_within_messages(recording, whole_stream));
   EXPECT_TRUE(has(result.samples[20], Reason::camera_not_fresh));
   EXPECT_FALSE(has(result.samples[19], Reason::camera_not_fresh));
 }
@@ -180,7 +180,7 @@ TEST(Pipeline, LabelsWithoutGyroAndServoAfterWaiting) {
   std::erase_if(recording.messages, [](const ScriptedMessage& m) { return m.device != Device::camera; });
   Pipeline pipeline(recording.profile);
   std::size_t count = 0;
-  for (const Chunk& chunk : chunks_within_messages(recording, whole))
+  for (const Chunk& chunk : chunks_within_messages(recording, whole_stream))
     count += pipeline.feed(chunk.device, chunk.bytes, chunk.arrived).size();
   EXPECT_EQ(count, 39U - 8U);  // all but those of the last second
   EXPECT_EQ(pipeline.finish().size(), 8U);
@@ -192,7 +192,7 @@ TEST(Pipeline, TakesTheLastFrameOfAStreamWithoutChecksums) {
   recording.profile.camera.checksum = ChecksumPolicy::ignore;
   Pipeline pipeline(recording.profile);
   std::size_t frames = 0, samples = 0;
-  for (const Chunk& chunk : chunks_within_messages(recording, whole))
+  for (const Chunk& chunk : chunks_within_messages(recording, whole_stream))
     samples += pipeline.feed(chunk.device, chunk.bytes, chunk.arrived).size();
   frames = pipeline.take_streams().frames.size();
   EXPECT_EQ(frames, 38U);  // the last one waits for what stands behind it
@@ -205,7 +205,7 @@ TEST(Pipeline, HandsOutItsStreamsOnce) {
   const ScriptedRecording recording;
   Pipeline pipeline(recording.profile);
   std::size_t frames = 0;
-  for (const Chunk& chunk : chunks_within_messages(recording, whole)) {
+  for (const Chunk& chunk : chunks_within_messages(recording, whole_stream)) {
     pipeline.feed(chunk.device, chunk.bytes, chunk.arrived);
     const Streams streams = pipeline.take_streams();
     EXPECT_LE(streams.frames.size() + streams.gyro.size() + streams.servo.size(),
@@ -217,7 +217,7 @@ TEST(Pipeline, HandsOutItsStreamsOnce) {
 
 TEST(Pipeline, DecodesTheSameStreamsWithoutLabels) {
   const ScriptedRecording recording;
-  const auto chunks = chunks_within_messages(recording, whole);
+  const auto chunks = chunks_within_messages(recording, whole_stream);
   const Streams labelled = run(recording.profile, chunks).streams;
   Pipeline pipeline(recording.profile, {}, true);
   for (const Chunk& chunk : chunks)
@@ -238,7 +238,7 @@ TEST(Pipeline, DecodesTheSameStreamsWithoutLabels) {
 
 TEST(Pipeline, FollowsAFullFreshCameraLive) {
   const ScriptedRecording recording(5.0, false);
-  const Result result = run(recording.profile, chunks_within_messages(recording, whole));
+  const Result result = run(recording.profile, chunks_within_messages(recording, whole_stream));
   EXPECT_EQ(result.samples[0].exposure_end - result.samples[0].exposure_begin, from_s(0.25));
   for (std::size_t i = 1; i < result.samples.size(); ++i) {
     EXPECT_EQ(result.samples[i].exposure_end - result.samples[i].exposure_begin, from_s(0.125));
@@ -249,7 +249,7 @@ TEST(Pipeline, FollowsAFullFreshCameraLive) {
 TEST(Pipeline, TakesModeAndPeriodFromTheFits) {
   const ScriptedRecording recording;
   const Fits fits{.camera_mode = labels::CameraMode::full_fresh, .frame_period_s = 0.13};
-  const Result result = run(recording.profile, chunks_within_messages(recording, whole), fits);
+  const Result result = run(recording.profile, chunks_within_messages(recording, whole_stream), fits);
   for (const LabelledSample& sample : result.samples)
     EXPECT_EQ(sample.exposure_end - sample.exposure_begin, from_s(0.13));
   EXPECT_TRUE(has(result.samples[10], Reason::camera_not_fresh));

@@ -63,7 +63,7 @@ TEST(GyroProtocols, ReadWhatTheSimulatedRigSends) {
 
 TEST(GyroProtocols, AreRecognisedByTheirOwnBytesAlone) {
   for (const GyroProtocol& sender : gyro_protocols()) {
-    const auto bytes = simulated_bytes({.protocol = std::string(sender.name)});
+    const auto bytes = simulated_bytes(GyroProfile{.protocol = std::string(sender.name)});
     for (const GyroProtocol& protocol : gyro_protocols()) {
       SCOPED_TRACE(std::string(sender.name) + " as " + std::string(protocol.name));
       const auto evidence = protocol.recognise(std::span(bytes).subspan(3), 2.0);

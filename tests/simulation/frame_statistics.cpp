@@ -8,10 +8,6 @@
 namespace thermorig::simulation {
 namespace {
 
-double mean_of(const std::vector<double>& values) {
-  return std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
-}
-
 double correlation(const std::vector<double>& left, const std::vector<double>& right) {
   const double left_mean = mean_of(left);
   const double right_mean = mean_of(right);
@@ -114,6 +110,10 @@ double quantile_of(std::vector<double> values, double part) {
 
 double median_of(std::vector<double> values) {
   return quantile_of(std::move(values), 0.5);
+}
+
+double mean_of(const std::vector<double>& values) {
+  return std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
 }
 
 double deviation_of(const std::vector<double>& values) {

@@ -23,6 +23,7 @@ struct StillStatistics {
 
 StillStatistics still_statistics(const std::vector<SimulatedFrame>& frames);
 
+double mean_of(const std::vector<double>& values);
 double median_of(std::vector<double> values);
 double deviation_of(const std::vector<double>& values);
 double quantile_of(std::vector<double> values, double part);

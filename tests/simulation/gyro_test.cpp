@@ -33,12 +33,6 @@ std::vector<double> axis_of(const std::vector<SimulatedGyroSample>& samples, std
   return rates;
 }
 
-double mean_of(const std::vector<double>& values) {
-  double sum = 0.0;
-  for (const double value : values) sum += value;
-  return sum / static_cast<double>(values.size());
-}
-
 TEST(Gyro, SamplesAtItsRateWithoutAGap) {
   const auto samples = samples_at(0.0, {}, GyroGrade::typical, 1, 10.0);
   EXPECT_NEAR(static_cast<double>(samples.size()), 2000.0, 2.0);

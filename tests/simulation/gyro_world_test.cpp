@@ -4,7 +4,6 @@
 
 #include <cmath>
 #include <functional>
-#include <numeric>
 #include <vector>
 
 #include "frame_statistics.h"
@@ -41,10 +40,6 @@ std::vector<double> rates_between(const Samples& samples, double from_s, double 
     if (time_s >= from_s && time_s < to_s) rates.push_back(sample.rate_dps[axis]);
   }
   return rates;
-}
-
-double mean_of(const std::vector<double>& values) {
-  return std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
 }
 
 /// How much more than an honest gyro it shows of a steady rate.

@@ -10,8 +10,6 @@
 namespace thermorig::study {
 namespace {
 
-constexpr float nan = std::numeric_limits<float>::quiet_NaN();
-
 AngleTrack track_of(const std::vector<JudgedWindow>& estimates, const network::Acquisition& acquisition,
                     std::size_t points = 300) {
   return evaluate(estimates, std::span(&acquisition, 1), {.angle_points = points}).angles.at(0);

@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <limits>
 #include <vector>
 
 #include "thermorig/learning/study/evaluation.h"
 
 namespace thermorig::study {
+
+inline constexpr float nan = std::numeric_limits<float>::quiet_NaN();
 
 /// An acquisition of N frames, 0.1 s apart, all in run 1 and one leg at `rate_dps`; no pixels.
 inline network::Acquisition plain_acquisition(const std::string& name, std::size_t frames, float rate_dps) {

@@ -14,8 +14,6 @@
 namespace thermorig::study {
 namespace {
 
-constexpr float nan = std::numeric_limits<float>::quiet_NaN();
-
 Evaluation evaluated(const std::vector<JudgedWindow>& estimates, const network::Acquisition& acquisition,
                      const EvaluationConfig& config = {}) {
   return evaluate(estimates, std::span(&acquisition, 1), config);

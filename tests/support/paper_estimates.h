@@ -2,12 +2,15 @@
 #pragma once
 
 #include <cstddef>
+#include <limits>
 #include <string>
 #include <vector>
 
 #include "thermorig/core/estimate_row.h"
 
 namespace thermorig {
+
+inline constexpr float unknown_dps = std::numeric_limits<float>::quiet_NaN();
 
 /// The estimators of the paper, where tests look for them in a row.
 inline const std::vector<EstimatorColumn> paper_columns{{.name = "gyro", .values = {}},

@@ -16,8 +16,6 @@ namespace {
 
 using simulation::UsbLink;
 
-constexpr double ms = 1e-3;
-
 /// Errors of the final clock, and how they lie to what it says of itself.
 struct Score {
   ErrorSizes errors;

@@ -10,10 +10,10 @@ namespace {
 
 constexpr std::uint32_t baud = 100000;  // 0.1 ms a byte
 
-HostTime at_ms(double ms) {
-  return HostTime(from_s(ms * 1e-3));
+HostTime at_ms(double time_ms) {
+  return HostTime(from_s(time_ms * 1e-3));
 }
-double ms(HostTime time) {
+double in_ms(HostTime time) {
   return to_s(time.time_since_epoch()) * 1e3;
 }
 LinkTiming link(double latency_s = 0.0, std::uint32_t bits_per_s = baud) {
@@ -39,8 +39,8 @@ TEST(LinkTiming, BoundsHoldOverALineThatIsFasterOrSlowerThanItsBaudRate) {
     LinkTiming timing = link();
     timing.chunk(1000, at_ms(100.0 / (1.0 + baud_error)));  // began at 0 ms
     const Stamp stamp = timing.stamp({0, 1000});
-    EXPECT_GE(ms(stamp.time) + 1e3 * static_cast<double>(stamp.later_s), 0.0);
-    EXPECT_LE(ms(stamp.time) - 1e3 * static_cast<double>(stamp.earlier_s), 0.0);
+    EXPECT_GE(in_ms(stamp.time) + 1e3 * static_cast<double>(stamp.later_s), 0.0);
+    EXPECT_LE(in_ms(stamp.time) - 1e3 * static_cast<double>(stamp.earlier_s), 0.0);
   }
 }
 
@@ -61,8 +61,8 @@ TEST(LinkBudget, IsUnlimitedWithoutABaudRate) {
 TEST(LinkTiming, TakesOffTheWireTimeFromTheMessagesFirstByteToTheChunksLast) {
   LinkTiming timing = link();
   timing.chunk(50, at_ms(100));
-  EXPECT_NEAR(ms(timing.stamp({10, 20}).time), 100.0 - 4.0, 1e-6);  // bytes 10..49
-  EXPECT_NEAR(ms(timing.stamp({40, 50}).time), 100.0 - 1.0, 1e-6);
+  EXPECT_NEAR(in_ms(timing.stamp({10, 20}).time), 100.0 - 4.0, 1e-6);  // bytes 10..49
+  EXPECT_NEAR(in_ms(timing.stamp({40, 50}).time), 100.0 - 1.0, 1e-6);
 }
 
 TEST(LinkTiming, UsesTheChunkThatBroughtTheLastByte) {
@@ -71,7 +71,7 @@ TEST(LinkTiming, UsesTheChunkThatBroughtTheLastByte) {
   timing.chunk(30, at_ms(60));
   timing.chunk(90, at_ms(70));
   const Stamp stamp = timing.stamp({5, 20});
-  EXPECT_NEAR(ms(stamp.time), 60.0 - 2.5, 1e-6);  // bytes 5..29
+  EXPECT_NEAR(in_ms(stamp.time), 60.0 - 2.5, 1e-6);  // bytes 5..29
   EXPECT_EQ(stamp.arrival, at_ms(60));
 }
 
@@ -86,7 +86,7 @@ TEST(LinkTiming, AMessageThatEndsWithItsChunkBelongsToThatChunk) {
 TEST(LinkTiming, TakesOffTheLatency) {
   LinkTiming timing = link(0.007);
   timing.chunk(10, at_ms(50));
-  EXPECT_NEAR(ms(timing.stamp({0, 10}).time), 50.0 - 1.0 - 7.0, 1e-6);
+  EXPECT_NEAR(in_ms(timing.stamp({0, 10}).time), 50.0 - 1.0 - 7.0, 1e-6);
 }
 
 TEST(LinkTiming, WithoutABaudRateTheTimeIsTheArrival) {
@@ -101,7 +101,7 @@ TEST(LinkTiming, NeverStampsAMessageBeforeTheOneBefore) {
   timing.chunk(110, at_ms(100));
   const Stamp first = timing.stamp({0, 10});
   const Stamp second = timing.stamp({10, 20});
-  EXPECT_NEAR(ms(first.time), 99.0, 1e-6);
+  EXPECT_NEAR(in_ms(first.time), 99.0, 1e-6);
   EXPECT_EQ(second.time, first.time);  // by its own chunk alone it would be 90 ms
 }
 
@@ -157,7 +157,7 @@ TEST(LinkTiming, HoldsNoMessageAfterAnAbsenceAgainstChunksBeforeIt) {
   timing.chunk(150, at_ms(5000));
   const auto stamp = timing.stamp({100, 150});
   EXPECT_EQ(stamp.arrival, at_ms(5000));
-  EXPECT_NEAR(ms(stamp.time), 4995.0, 1e-6);
+  EXPECT_NEAR(in_ms(stamp.time), 4995.0, 1e-6);
 }
 
 }  // namespace

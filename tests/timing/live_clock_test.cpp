@@ -5,13 +5,12 @@
 #include <cmath>
 #include <random>
 
+#include "ping_link.h"
 #include "recorded_stream.h"
 #include "thermorig/pipeline/timing/link_timing.h"
 
 namespace thermorig::timing {
 namespace {
-
-constexpr double ms = 1e-3;
 
 /// Errors from `begin_s` to `end_s` of the recording.
 ErrorSizes errors(const RecordedStream& stream, const std::vector<Stamp>& stamps, double begin_s,
@@ -138,12 +137,6 @@ TEST(LiveClock, FollowsADevicesOwnTimeOverAReset) {
     const double error_s = to_s(stamp.time.time_since_epoch()) - host_s;
     EXPECT_LE(std::abs(error_s), i % 3000 > 1000 ? 1.0 * ms : 12.0 * ms) << i;
   }
-}
-
-/// The host's clock where it is slewed by `slew` for two minutes in four, as NTP may.
-double slewed_s(double at_s, double slew) {
-  const double cycles = std::floor(at_s / 240.0);
-  return at_s + slew * (120.0 * cycles + std::min(at_s - 240.0 * cycles, 120.0));
 }
 
 /// The fastest of these messages come as late as the link's setting has it: the bound has nothing to spare.

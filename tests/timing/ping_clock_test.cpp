@@ -26,17 +26,17 @@ PortProfile servo_link() {
   return ServoProfile{}.link;
 }
 
-struct Score {
+struct ServoScore {
   double p99_s = 0.0;
   double widest_s = 0.0;
   int violations = 0;
 };
 
 /// Errors and bounds of `times` from `from_s` on.
-Score judge(const std::vector<std::int64_t>& mcu_us, const std::vector<TimeEstimate>& times,
-            const QuartzClock& clock, double from_s) {
+ServoScore judge(const std::vector<std::int64_t>& mcu_us, const std::vector<TimeEstimate>& times,
+                 const QuartzClock& clock, double from_s) {
   std::vector<double> errors_s;
-  Score score;
+  ServoScore score;
   for (std::size_t i = 0; i < times.size(); ++i) {
     const double mcu_s = 1e-6 * static_cast<double>(mcu_us[i]);
     if (mcu_s < from_s) continue;
@@ -51,7 +51,7 @@ Score judge(const std::vector<std::int64_t>& mcu_us, const std::vector<TimeEstim
   return score;
 }
 
-Score judge(const PingTraffic& traffic, const PingFit& fit, double from_s = 0.0) {
+ServoScore judge(const PingTraffic& traffic, const PingFit& fit, double from_s = 0.0) {
   return judge(traffic.mcu_us, fit.times, traffic.clock, from_s);
 }
 
@@ -73,7 +73,7 @@ void append(PingTraffic& to, const PingTraffic& more, double host_shift_s, std::
 
 TEST(PingFit, KeepsAQuartzWithinATenthOfAMillisecondAndItsBoundForTenThousandSeconds) {
   const PingTraffic cdc = traffic({.seed = 5, .duration_s = 10'000.0});
-  const Score score = judge(cdc, fit(cdc));
+  const ServoScore score = judge(cdc, fit(cdc));
   EXPECT_LE(score.p99_s, 0.1e-3);
   EXPECT_LE(score.widest_s, 0.25e-3);
   EXPECT_EQ(score.violations, 0);
@@ -85,7 +85,7 @@ TEST(PingFit, BoundsHoldBehindALatencyTimer) {
                                       .duration_s = 600.0,
                                       .latency_timer_s = timer_s,
                                       .dither_s = timer_s > 0.01 ? 0.020 : 0.003});
-    const Score score = judge(ftdi, fit(ftdi));
+    const ServoScore score = judge(ftdi, fit(ftdi));
     EXPECT_EQ(score.violations, 0);
     EXPECT_LE(score.widest_s, 3e-3);
   }
@@ -139,7 +139,7 @@ TEST(PingFit, BeginsAnEpochWhereTheServoWasReset) {
     time.time -= from_s(75.0);
     shifted.push_back(time);
   }
-  const Score score = judge(after.mcu_us, shifted, after.clock, 0.0);
+  const ServoScore score = judge(after.mcu_us, shifted, after.clock, 0.0);
   EXPECT_EQ(score.violations, 0);
   EXPECT_LE(score.widest_s, 0.4e-3);
 }
@@ -194,14 +194,9 @@ struct Wandering {
   double (*ahead_s)(double at_s);
 };
 
-double slewed_s(double at_s, double rate) {
-  const double cycles = std::floor(at_s / 240.0);
-  return rate * (120.0 * cycles + std::min(at_s - 240.0 * cycles, 120.0));
-}
-
 const std::array<Wandering, 5> wandering{{
-    {"slewed forward", [](double at_s) { return slewed_s(at_s, 500e-6); }},
-    {"slewed back", [](double at_s) { return slewed_s(at_s, -500e-6); }},
+    {"slewed forward", [](double at_s) { return slewed_s(at_s, 500e-6) - at_s; }},
+    {"slewed back", [](double at_s) { return slewed_s(at_s, -500e-6) - at_s; }},
     {"warms up", [](double at_s) { return 300e-6 * 120.0 * (1.0 - std::exp(-at_s / 120.0)); }},
     {"cools down", [](double at_s) { return -300e-6 * 120.0 * (1.0 - std::exp(-at_s / 120.0)); }},
     {"waves", [](double at_s) { return 40e-6 * 60.0 / 6.283 * std::sin(6.283 * at_s / 60.0); }},
@@ -435,7 +430,7 @@ TEST(PingClock, StaysWithinItsBoundsFromThePastAlone) {
     times.push_back(*time);
   });
   EXPECT_EQ(judge(asked, times, cdc.clock, 0.0).violations, 0);
-  const Score settled = judge(asked, times, cdc.clock, 30.0);
+  const ServoScore settled = judge(asked, times, cdc.clock, 30.0);
   EXPECT_LE(settled.p99_s, 0.15e-3);
   EXPECT_LE(settled.widest_s, 0.6e-3);
   EXPECT_EQ(clock.epochs().size(), 1U);

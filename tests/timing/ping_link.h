@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <numbers>
@@ -44,6 +45,12 @@ class QuartzClock {
  private:
   std::vector<double> offsets_s_;  // host minus micro-controller, at each second
 };
+
+/// The host's clock where it is slewed by `slew` for two minutes in four, as NTP may.
+inline double slewed_s(double at_s, double slew) {
+  const double cycles = std::floor(at_s / 240.0);
+  return at_s + slew * (120.0 * cycles + std::min(at_s - 240.0 * cycles, 120.0));
+}
 
 struct LinkOptions {
   std::uint64_t seed = 1;

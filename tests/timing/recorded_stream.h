@@ -15,6 +15,8 @@
 
 namespace thermorig::timing {
 
+inline constexpr double ms = 1e-3;
+
 /// One device of a simulated rig: what the host read, the messages in it, and when they really began.
 struct RecordedStream {
   PortProfile link;

@@ -4,6 +4,8 @@
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 
+#include "text_message.h"
+
 namespace thermorig::web {
 
 using ::testing::ElementsAre;
@@ -12,10 +14,6 @@ using ::testing::IsEmpty;
 namespace {
 
 constexpr std::size_t plenty = 1'000'000;
-
-Message message(Topic topic, std::string text) {
-  return {topic, std::make_shared<const std::string>(std::move(text)), {}};
-}
 
 std::vector<std::string> texts(const Backlog& backlog, std::size_t bytes_max = plenty) {
   std::vector<std::string> found;

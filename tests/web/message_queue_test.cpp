@@ -4,15 +4,13 @@
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 
+#include "text_message.h"
+
 namespace thermorig::web {
 
 using ::testing::ElementsAre;
 
 namespace {
-
-Message message(Topic topic, std::string text) {
-  return {topic, std::make_shared<const std::string>(std::move(text)), {}};
-}
 
 std::vector<std::string> texts(MessageQueue& queue) {
   std::vector<std::string> found;

@@ -21,7 +21,7 @@ using ::testing::MatchesRegex;
 
 namespace {
 
-const std::string a_token(32, 'a');
+const std::string written_token(32, 'a');
 
 unsigned mode_of(const std::filesystem::path& path) {
   struct stat info {};
@@ -38,35 +38,36 @@ TEST(Token, IsOf128BitsAndNeverTheSame) {
 }
 
 TEST(Token, IsComparedWhole) {
-  EXPECT_TRUE(same_token(a_token, a_token));
-  EXPECT_FALSE(same_token(a_token, std::string(31, 'a') + "b"));
-  EXPECT_FALSE(same_token("b" + std::string(31, 'a'), a_token));
-  EXPECT_FALSE(same_token(std::string(31, 'a'), a_token));
+  EXPECT_TRUE(same_token(written_token, written_token));
+  EXPECT_FALSE(same_token(written_token, std::string(31, 'a') + "b"));
+  EXPECT_FALSE(same_token("b" + std::string(31, 'a'), written_token));
+  EXPECT_FALSE(same_token(std::string(31, 'a'), written_token));
   EXPECT_FALSE(same_token("", ""));
 }
 
 TEST(StateFile, IsReadAsItWasWritten) {
   const PrivateFolder folder;
   const auto path = folder.path() / "a" / "b" / "page.json";
-  write_state(path, {8650, a_token});
+  write_state(path, {8650, written_token});
   const auto found = read_state(path);
   ASSERT_TRUE(found.state);
   EXPECT_EQ(found.state->port, 8650);
-  EXPECT_EQ(found.state->token, a_token);
+  EXPECT_EQ(found.state->token, written_token);
   EXPECT_EQ(found.refused, "");
 }
 
 TEST(StateFile, HasTheAddressThatOpensThePage) {
   const PrivateFolder folder;
   const auto path = folder.path() / "page.json";
-  write_state(path, {8650, a_token});
-  EXPECT_THAT(tests::file_text(path), HasSubstr("\"url\":\"http://127.0.0.1:8650/#t=" + a_token + "\""));
+  write_state(path, {8650, written_token});
+  EXPECT_THAT(tests::file_text(path),
+              HasSubstr("\"url\":\"http://127.0.0.1:8650/#t=" + written_token + "\""));
 }
 
 TEST(StateFile, IsForItsUserAlone) {
   const PrivateFolder folder;
   const mode_t before = ::umask(0);
-  write_state(folder.path() / "new" / "page.json", {8650, a_token});
+  write_state(folder.path() / "new" / "page.json", {8650, written_token});
   EXPECT_EQ(::umask(before), 0U) << "the mask is as it was";
   EXPECT_EQ(mode_of(folder.path() / "new" / "page.json"), 0600U);
   EXPECT_EQ(mode_of(folder.path() / "new"), 0700U);
@@ -75,16 +76,16 @@ TEST(StateFile, IsForItsUserAlone) {
 TEST(StateFile, BecomesPrivateAgainWhenItIsWritten) {
   const PrivateFolder folder;
   const auto path = folder.path() / "page.json";
-  write_state(path, {8650, a_token});
+  write_state(path, {8650, written_token});
   ::chmod(path.c_str(), 0644);
-  write_state(path, {8650, a_token});
+  write_state(path, {8650, written_token});
   EXPECT_EQ(mode_of(path), 0600U);
 }
 
 TEST(StateFile, IsRefusedIfOthersMayReadIt) {
   const PrivateFolder folder;
   const auto path = folder.path() / "page.json";
-  write_state(path, {8650, a_token});
+  write_state(path, {8650, written_token});
   for (const mode_t mode : {0640, 0604, 0620, 0602}) {
     ::chmod(path.c_str(), mode);
     const auto found = read_state(path);
@@ -95,7 +96,7 @@ TEST(StateFile, IsRefusedIfOthersMayReadIt) {
 
 TEST(StateFile, IsRefusedIfItIsALink) {
   const PrivateFolder folder;
-  write_state(folder.path() / "real.json", {8650, a_token});
+  write_state(folder.path() / "real.json", {8650, written_token});
   std::filesystem::create_symlink(folder.path() / "real.json", folder.path() / "page.json");
   const auto found = read_state(folder.path() / "page.json");
   EXPECT_FALSE(found.state);
@@ -105,7 +106,7 @@ TEST(StateFile, IsRefusedIfItIsALink) {
 TEST(StateFile, IsRefusedIfItBelongsToAnother) {
   const PrivateFolder folder;
   const auto path = folder.path() / "page.json";
-  write_state(path, {8650, a_token});
+  write_state(path, {8650, written_token});
   if (::chown(path.c_str(), 65'534, 65'534) != 0) GTEST_SKIP() << "only root can give a file away";
   EXPECT_THAT(read_state(path).refused, HasSubstr("another user"));
 }
@@ -122,8 +123,9 @@ TEST(StateFile, IsNotBelievedIfItIsDamaged) {
   const auto path = folder.path() / "page.json";
   for (const std::string& content :
        {std::string(""), std::string("{"), std::string("[]"), std::string(R"({"port":8650})"),
-        R"({"port":0,"token":")" + a_token + "\"}", R"({"port":65537,"token":")" + a_token + "\"}",
-        R"({"port":-1,"token":")" + a_token + "\"}", R"({"port":"1","token":")" + a_token + "\"}",
+        R"({"port":0,"token":")" + written_token + "\"}",
+        R"({"port":65537,"token":")" + written_token + "\"}",
+        R"({"port":-1,"token":")" + written_token + "\"}", R"({"port":"1","token":")" + written_token + "\"}",
         std::string(R"({"port":8650,"token":"short"})"), std::string(R"({"port":8650,"token":7})"),
         std::string(100'000, '[')}) {
     std::ofstream(path) << content;
@@ -143,7 +145,7 @@ TEST(StateFile, MayBeMissing) {
 
 TEST(StateFile, ThatCannotBeWrittenIsAnError) {
   try {
-    write_state("/proc/page/page.json", {8650, a_token});
+    write_state("/proc/page/page.json", {8650, written_token});
     FAIL() << "it was written";
   } catch (const Error& error) {
     EXPECT_EQ(error.code(), ExitCode::storage);
