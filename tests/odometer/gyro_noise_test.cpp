@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <limits>
 #include <random>
 
 namespace thermorig::odometer {
@@ -32,6 +33,16 @@ TEST(GyroNoise, HearsAcrossTheShaftHowFarTheAngleWalks) {
 
 TEST(GyroNoise, TakesJerksOfTheServoForNoNoise) {
   EXPECT_LT(walk_deg2(0.0, 20.0), 1e-9);
+}
+
+TEST(GyroNoise, BearsBrokenReadings) {
+  GyroNoise noise(2);
+  for (int i = 0; i < 1000; ++i) {
+    TimedGyro sample;
+    sample.reading.rate_dps.fill(i % 70 == 3 ? std::numeric_limits<float>::quiet_NaN() : 1e30F);
+    noise.add(sample, step_s);
+  }
+  EXPECT_LT(noise.walk_deg2(), 3.0);
 }
 
 }  // namespace

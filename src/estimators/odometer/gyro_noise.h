@@ -35,7 +35,8 @@ class GyroNoise {
 
  private:
   static constexpr double block_s = 0.1, learning_share = 0.05;
-  static constexpr double even_dps = 5.0;  // a shaft whose speed changes by more shows on the other axes
+  static constexpr double even_dps = 5.0;     // a shaft whose speed changes by more shows on the other axes
+  static constexpr double most_dps2 = 100.0;  // of one change: beyond, a reading is broken
   struct Block {
     double length_s = 0.0, shaft_deg = 0.0;
     std::array<double, 2> across_deg{};
@@ -51,8 +52,9 @@ class GyroNoise {
     double squares = 0.0;
     for (std::size_t i = 0; i < across_.size(); ++i)
       squares += square(change_dps(newest_.across_deg[i], last_.across_deg[i]));
+    const double whole = squares < most_dps2 ? squares : most_dps2;  // NaN too
     // Two axes, and the noise of two blocks in each change.
-    walk_deg2_ += learning_share * (0.25 * squares * newest_.length_s - walk_deg2_);
+    walk_deg2_ += learning_share * (0.25 * whole * newest_.length_s - walk_deg2_);
   }
 
   std::array<std::size_t, 2> across_;
