@@ -446,12 +446,12 @@ void Odometer::Parts::take_over(double now_s) {
   }
   const bool is_settled = has_settled(Tracker::least_bias_sigma_dps, settled_scale, settled_latency_s) ||
                           (pass >= most_passes && mean_nis < nis_bounds().fits);
-  if (pass >= passes_to_tell && is_false_map())
+  const bool must_learn = mean_nis > nis_bounds().lost || (is_over && !is_settled);
+  const bool is_made = is_over && !must_learn;
+  if ((is_false_map() && (is_made || pass >= passes_to_tell)) || (is_made && !is_plausible()))
     begin_anew();
-  else if (mean_nis > nis_bounds().lost || (is_over && !is_settled))
+  else if (must_learn)
     learn_again();
-  else if (is_over && (is_false_map() || !is_plausible()))
-    begin_anew();
   else
     phase = is_over ? Phase::running : Phase::learning;
 }
