@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <random>
 
 #include "../network/allocations.h"
 #include "room.h"
@@ -218,6 +219,19 @@ TEST(Odometer, FollowsAStepOfTheBias) {
   for (double time_s = 46.0; time_s < 89.0; time_s += 0.25)
     worst_deg = std::max(worst_deg, std::abs(off_deg(room, reports, time_s) - off_deg(room, reports, 44.0)));
   EXPECT_LT(worst_deg, 1.8);  // 2.8 with what is known of a steady bias
+}
+
+TEST(Odometer, IsLessSureOfTheHeadingWhereGearsShakeTheGyro) {
+  auto all = seen_in(turning_room(40.0));
+  const Report still = reports_of(all).back();
+  std::mt19937 random(5);
+  std::normal_distribution<float> shaken_dps(0.0F, 3.0F);
+  for (Seen& seen : all)
+    for (TimedGyro& sample : seen.gyro)
+      sample.reading.rate_dps = {shaken_dps(random), shaken_dps(random), sample.rate_dps};
+  const Report shaken = reports_of(all).back();
+  ASSERT_EQ(shaken.state, State::tracking);
+  EXPECT_GT(shaken.heading_sigma_deg, 1.2 * still.heading_sigma_deg);
 }
 
 TEST(Odometer, NeverSaysThatItTracksBeforeABlankWall) {

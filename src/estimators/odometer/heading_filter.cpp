@@ -7,8 +7,7 @@ namespace thermorig::odometer {
 
 namespace {
 
-constexpr double start_sigma_deg = 1e-3;   // the map's origin is the first heading
-constexpr double heading_walk_deg = 0.03;  // in a square root of a second: noise of the gyro
+constexpr double start_sigma_deg = 1e-3;  // the map's origin is the first heading
 constexpr double scale_walk = 2e-5, latency_walk_s = 2e-5;
 constexpr double least_state_variance = 1e-14;
 constexpr double least_root_deg = 1e-6;  // nodes that were begun together have the very same error
@@ -35,7 +34,7 @@ void HeadingFilter::predict(double turned_deg, double step_s, double unseen_deg2
     moved[i] = covariance_[heading][i] + by_bias * covariance_[bias][i] + by_scale * covariance_[scale][i];
   const double own = moved[heading] + by_bias * moved[bias] + by_scale * moved[scale];
   for (std::size_t i = 0; i < size; ++i) covariance_[heading][i] = covariance_[i][heading] = moved[i];
-  covariance_[heading][heading] = own + square(heading_walk_deg) * step_s + unseen_deg2;
+  covariance_[heading][heading] = own + square(walk_deg) * step_s + unseen_deg2;
   covariance_[bias][bias] += square(priors_.bias_walk_dps) * step_s;
   covariance_[scale][scale] += square(scale_walk) * step_s;
   covariance_[latency][latency] += square(latency_walk_s) * step_s;

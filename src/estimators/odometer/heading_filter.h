@@ -30,6 +30,7 @@ class HeadingFilter {
   enum Place : std::size_t { heading, bias, scale, latency, first_node };
   static constexpr std::size_t size = first_node + nodes;
   using Row = std::array<double, size>;
+  static constexpr double walk_deg = 0.03;  // of the heading in a square root of a second: noise of the gyro
 
   explicit HeadingFilter(const Priors& priors);
 

@@ -9,6 +9,7 @@
 
 #include "bias_search.h"
 #include "circle_search.h"
+#include "gyro_noise.h"
 #include "gyro_path.h"
 #include "gyro_watch.h"
 #include "half_store.h"
@@ -30,11 +31,15 @@ constexpr int looks_a_step = 110;           // at the map, when halves are gone 
 constexpr int row_looks_a_step = 60;        // the same row by row, which costs more
 constexpr double second_pass_s = 25.0;      // after the first half
 constexpr std::size_t second_pass_halves = 200;
-constexpr double bias_widening = 2.0;  // of what the search states
+constexpr double bias_widening = 3.0;  // of what the search states
 
 constexpr int most_passes = 6;  // through the halves of the start
 constexpr double settled_latency_s = 0.001, settled_scale = 0.001;
 constexpr double known_bias_dps = 1.0;
+constexpr double far_deg = 4.0;  // an innovation: the map shows something else there
+constexpr double most_far =
+    0.25;  // of the innovations of a pass: false maps have 40 to 70 %, sound ones 3 to 15
+constexpr int passes_to_tell = 2;                     // the first one may begin with a wrong bias
 constexpr double data_sheet_scale_sigma = 0.03;       // at least, whatever a profile says
 constexpr double most_scale_sigmas = 2.2;             // false maps made gyros 7 to 9 % off of sound ones
 constexpr double most_scale_sigmas_in_traffic = 1.8;  // and 6 % where things move
@@ -80,6 +85,7 @@ struct Odometer::Parts {
         map_use(map ? MapUse::searching : MapUse::none),
         gyro_period_s(1.0 / gyro.output_rate_hz),
         gyro_time_sigma_s(time_uncertainty_s(gyro)),
+        noise(gyro.axis),
         priors(priors_of(gyro, camera)),
         map_lens(camera),
         lens(std::make_shared<const Lens>(camera)),
@@ -101,6 +107,9 @@ struct Odometer::Parts {
   void take_over(double now_s);
   bool has_settled(double bias_dps, double scale, double latency_s) const;
   bool is_plausible() const;
+  /// Not asked while the order of rows is open: the wrong one does not fit either.
+  bool is_false_map() const { return !is_contested && pass_far > most_far * pass_judged; }
+  void restart_pass();
   void store_half(const HalfReading& half, double now_s);
   HalfResult add_newest(const HalfReading& half);
   bool choose_rows();
@@ -128,6 +137,7 @@ struct Odometer::Parts {
   MapCheck map_check;
   double sought_in_map_s = 0.0;  // while the rig turned
   double gyro_period_s, gyro_time_sigma_s;
+  GyroNoise noise;
   Priors priors;
   Map::Lens map_lens;
   SharedLens lens;
@@ -147,10 +157,11 @@ struct Odometer::Parts {
   double saturated_s = 0.0;
   double last_gyro_s = 0.0, last_half_s = 0.0;
   Phase phase = Phase::searching;
-  std::size_t gone_through = 0;  // halves of the store
-  Priors begun_with;             // of the pass
-  int pass = 0;                  // through them
-  double pass_nis = 1.0;         // mean_nis of the tracker that goes through them
+  std::size_t gone_through = 0;       // halves of the store
+  Priors begun_with;                  // of the pass
+  int pass = 0;                       // through them
+  double pass_nis = 1.0;              // mean_nis of the tracker that goes through them
+  int pass_judged = 0, pass_far = 0;  // halves of it
   double locating_since_s = 0.0;
   struct Kept {
     double time_s = 0.0, turned_deg = 0.0, heading_deg = 0.0;
@@ -213,7 +224,9 @@ void Odometer::Parts::add_gyro(const TimedGyro& sample) {
   const double step_s = path.has_begun() ? to_s(time - last_sample) : 0.0;
   last_sample = time;
   const double unseen = unseen_deg(lost_s(step_s, gyro_period_s));
-  double unseen_deg2 = unseen * unseen;
+  noise.add(sample, step_s);
+  double unseen_deg2 =
+      unseen * unseen + std::max(0.0, noise.walk_deg2() - square(HeadingFilter::walk_deg)) * step_s;
   saturated_s = sample.reading.saturated ? saturated_s + step_s : 0.0;
   unseen_deg2 += 2.0 * saturated_dps * saturated_dps * saturated_s * step_s;
   if (lost_s(step_s, gyro_period_s) > longest_gyro_gap_s) gyro_was_away = true;
@@ -328,8 +341,7 @@ void Odometer::Parts::search_bias() {
   }
   front.restart(better, lens->rows(), things_move());
   pass = 0;
-  pass_nis = 1.0;
-  gone_through = 0;
+  restart_pass();
   phase = Phase::first_pass;
 }
 
@@ -383,9 +395,14 @@ void Odometer::Parts::begin_pass(int number) {
   begun_with.heading_deg = heading_at(store.at(0).now_s, begun_with.bias_dps);
   back.restart(begun_with, front.rows(), things_move());
   pass = number;
-  pass_nis = 1.0;
-  gone_through = 0;
+  restart_pass();
   phase = Phase::second_pass;
+}
+
+void Odometer::Parts::restart_pass() {
+  pass_nis = 1.0;
+  pass_judged = pass_far = 0;
+  gone_through = 0;
 }
 
 /// The pass ended with what it began with, but for so much: another one would make the same map.
@@ -413,6 +430,8 @@ void Odometer::Parts::go_through(Tracker& tracker) {
     if (is_contested) contest.note(gone_through, result);
     looks += result.looks;
     learn_nis(result, pass_nis);
+    if (result.is_judged) ++pass_judged;
+    if (result.is_judged && std::abs(result.innovation_deg) > far_deg) ++pass_far;
   }
 }
 
@@ -427,10 +446,12 @@ void Odometer::Parts::take_over(double now_s) {
   }
   const bool is_settled = has_settled(Tracker::least_bias_sigma_dps, settled_scale, settled_latency_s) ||
                           (pass >= most_passes && mean_nis < nis_bounds().fits);
-  if (mean_nis > nis_bounds().lost || (is_over && !is_settled))
-    learn_again();
-  else if (is_over && !is_plausible())
+  const bool must_learn = mean_nis > nis_bounds().lost || (is_over && !is_settled);
+  const bool is_made = is_over && !must_learn;
+  if ((is_false_map() && (is_made || pass >= passes_to_tell)) || (is_made && !is_plausible()))
     begin_anew();
+  else if (must_learn)
+    learn_again();
   else
     phase = is_over ? Phase::running : Phase::learning;
 }
