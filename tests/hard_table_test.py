@@ -21,12 +21,13 @@ def times(outside=0, samples=1000, sizes=(0.1, 0.2)):
 
 
 def session(world="honest,gyro.bandwidth_hz=5", verdict="good", reasons=(), errors=(0.1,) * 200, sigma=0.1, frames=None,
-            outside=None, refusal="", message=""):
+            useless=0, outside=None, refusal="", message=""):
     """What hard_case prints of a session; that of an honest one unless told otherwise."""
     outside = outside or {}
     return {"world": world, "refusal": refusal, "verdict": verdict, "verdict_reasons": list(reasons), "message": message,
             "refused_calibrations": [],
-            "labels": {"frames": frames or len(errors), "shaft_dps": list(errors),
+            "labels": {"frames": frames or len(errors), "useless": useless, "rejected_useless": useless,
+                       "shaft_dps": list(errors),
                        "uncertainty_dps": [sigma] * len(errors), "commanded_dps": [1.0] * len(errors)},
             "times": {device: times(outside.get(device, 0)) for device in hard_figures.DEVICES}}
 
@@ -155,7 +156,7 @@ class Rows(unittest.TestCase):
 
 class Figures(unittest.TestCase):
     def test_frames_and_samples_of_all_sessions_count_alike(self):
-        few = session(errors=[3.0] * 100, frames=200, sigma=0.5, outside={"camera": 500})
+        few = session(errors=[3.0] * 100, frames=200, useless=60, sigma=0.5, outside={"camera": 500})
         many = session(errors=[-1.0] * 300, frames=300, sigma=2.0)
         row = hard_figures.figures_of([few, many])
         self.assertAlmostEqual(row.label_rms_dps, ((100 * 9.0 + 300 * 1.0) / 400) ** 0.5)
@@ -163,6 +164,8 @@ class Figures(unittest.TestCase):
         self.assertAlmostEqual(row.sigma_dps, 2.0)
         self.assertAlmostEqual(row.commanded_rms_dps, 1.0)
         self.assertAlmostEqual(row.rejected_share, 0.2)
+        self.assertAlmostEqual(row.useless_share, 0.12)
+        self.assertAlmostEqual(row.needless_share, 0.08)
         self.assertAlmostEqual(row.outside["camera"], 0.25)
         self.assertEqual(row.letters, {"c": 1, "a": 1})
 

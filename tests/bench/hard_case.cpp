@@ -101,6 +101,8 @@ void add_session(const bench::HardRecording& made, json& object) {
   object["true_gyro_scale"] = gyro_scale ? json(*gyro_scale) : json();
   const bench::LabelErrors labels = bench::label_errors(session, rig);
   object["labels"] = {{"frames", labels.frames},
+                      {"useless", labels.useless},
+                      {"rejected_useless", labels.rejected_useless},
                       {"shaft_dps", labels.shaft_dps},
                       {"uncertainty_dps", labels.uncertainty_dps},
                       {"commanded_dps", labels.commanded_dps},

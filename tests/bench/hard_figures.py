@@ -108,6 +108,8 @@ class RowFigures:
     sigma_dps: float | None
     commanded_rms_dps: float | None
     rejected_share: float | None
+    useless_share: float | None  # of the frames: the world's own doing, by the truth
+    needless_share: float | None  # rejected though they are not useless
     p99_ms: dict
     outside: dict
     words: str
@@ -133,6 +135,8 @@ def figures_of(cases):
         sigma_dps=quantile([sigma for sigma in sigmas if sigma is not None], 0.5),
         commanded_rms_dps=rms([error for one in labels for error in one["commanded_dps"]]),
         rejected_share=share(frames - len(errors), frames),
+        useless_share=share(sum(one["useless"] for one in labels), frames),
+        needless_share=share(frames - len(errors) - sum(one["rejected_useless"] for one in labels), frames),
         p99_ms={device: quantile([size for one in times[device] for size in one["quantiles_ms"]], 0.99)
                 for device in DEVICES},
         outside={device: share(sum(one["outside"] for one in times[device]),

@@ -61,6 +61,7 @@ def keep(file, row, case):
         one = hard_figures.figures_of([case])
         short |= {"label_rms_dps": one.label_rms_dps, "beyond_share": one.beyond_share, "sigma_dps": one.sigma_dps,
                   "commanded_rms_dps": one.commanded_rms_dps, "rejected_share": one.rejected_share,
+                  "useless_share": one.useless_share, "needless_share": one.needless_share,
                   "p99_ms": one.p99_ms, "outside": one.outside,
                   "mean_ms": {device: case["times"][device]["mean_ms"] for device in hard_figures.DEVICES}}
     file.write(json.dumps(short) + "\n")
@@ -165,6 +166,8 @@ def values_of(row):
     yield "sigma_dps", "deg/s", row.sigma_dps
     yield "commanded_rms_dps", "deg/s", row.commanded_rms_dps
     yield "rejected_percent", "%", hard_figures.percent(row.rejected_share)
+    yield "useless_percent", "%", hard_figures.percent(row.useless_share)
+    yield "needlessly_rejected_percent", "%", hard_figures.percent(row.needless_share)
     for device in hard_figures.DEVICES:
         yield f"{device}_p99_ms", "ms", row.p99_ms[device]
         yield f"{device}_outside_percent", "%", hard_figures.percent(row.outside[device])

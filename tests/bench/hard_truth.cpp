@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: MIT
 #include "hard_truth.h"
 
+#include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <utility>
 #include <vector>
 
@@ -13,6 +15,7 @@ namespace thermorig::bench {
 namespace {
 
 constexpr double rounding_s = 1e-6;
+constexpr HostDuration pulse = std::chrono::milliseconds(20);
 // A second of the usual gyro. Sample by sample, a gyro with a filter seems to have a lower scale than it has:
 // it rounds what begins and ends (0.13 % at 20 Hz).
 constexpr std::size_t summed_samples = 200;
@@ -24,6 +27,29 @@ double latency_slack_s(const session::Session& session, Device device) {
 
 HostTime truth_of(const TimedServo& servo, const simulation::VirtualRig& rig) {
   return rig.when_servo_clock_read(ServoTime(std::chrono::microseconds(servo.mcu_time_us)));
+}
+
+/// Of the shaft's true means over 20 ms within the exposure, by the intervals of the gyro's samples.
+double spread_dps(const simulation::SentMessage& frame, const std::vector<simulation::SentMessage>& gyro) {
+  const auto begins_before = [](const auto& sample, HostTime time) { return sample.exposure_begin < time; };
+  auto last = std::lower_bound(gyro.begin(), gyro.end(), frame.exposure_begin, begins_before);
+  RunningStatistics means;
+  for (auto first = last; last != gyro.end() && last->exposure_end <= frame.exposure_end; ++last) {
+    if (last->exposure_end - first->exposure_begin < pulse - pulse / 20) continue;
+    double sum_dps = 0.0;
+    for (auto one = first; one <= last; ++one) sum_dps += one->mean_rate_dps;
+    means.add(sum_dps / static_cast<double>(last - first + 1));
+    ++first;
+  }
+  return means.count() > 0 ? std::sqrt(means.variance()) : 0.0;
+}
+
+/// Whatever it is labelled: it shows what the one before did, or the shaft jerks meanwhile by more than
+/// a steady speed may (docs/recording_format.md, V2).
+bool is_useless(const simulation::SentMessage& frame, const simulation::SentMessage* before,
+                double commanded_dps, const simulation::VirtualRig& rig) {
+  const bool repeats = before != nullptr && before->exposure_end == frame.exposure_end;
+  return repeats || spread_dps(frame, rig.sent_gyro()) > std::max(1.0, 0.02 * std::abs(commanded_dps));
 }
 
 void add(const Stamp& stamp, HostTime truth, double slack_s, TimeErrors& errors) {
@@ -42,10 +68,15 @@ bool is_outside(const Stamp& stamp, HostTime truth, double more_s) {
 LabelErrors label_errors(const session::Session& session, const simulation::VirtualRig& rig) {
   const auto sent = sent_of(session.frames, rig.sent_frames());
   LabelErrors errors;
+  const simulation::SentMessage* before = nullptr;
   for (const LabelledSample& sample : session.samples) {
     const simulation::SentMessage* truth = sent.at(sample.frame_index);
+    const simulation::SentMessage* last = std::exchange(before, truth);
     if (truth == nullptr || sample.leg == 0) continue;
     ++errors.frames;
+    const bool useless = is_useless(*truth, last, static_cast<double>(sample.rate_commanded_dps), rig);
+    errors.useless += useless;
+    errors.rejected_useless += useless && !sample.valid;
     if (!sample.valid) continue;
     errors.shaft_dps.push_back(static_cast<double>(sample.rate_shaft_dps) - truth->mean_rate_dps);
     errors.uncertainty_dps.push_back(static_cast<double>(sample.rate_shaft_uncertainty_dps));

@@ -15,6 +15,8 @@ namespace thermorig::bench {
 /// the camera sent.
 struct LabelErrors {
   std::size_t frames = 0;               // within legs
+  std::size_t useless = 0;              // of these: repeats, or the shaft's true speed is not steady in them
+  std::size_t rejected_useless = 0;     // of those: not valid
   std::vector<double> shaft_dps;        // of valid frames: rate_shaft minus the truth; NaN: no label
   std::vector<double> uncertainty_dps;  // of the same frames, one standard deviation, as stated
   std::vector<double> commanded_dps;    // of the same frames: rate_commanded minus the truth

@@ -280,6 +280,26 @@ TEST(Preflight, RefusesACameraThatSurelyLosesMoreHalvesThanASessionBears) {
               ::testing::ElementsAre("camera_halves"));
 }
 
+/// A camera sends some 24 frames in three seconds, so one of them is 4 %.
+TEST(Preflight, WarnsOfAMissingFrameAndRefusesACameraThatSurelyLosesTooMany) {
+  PreflightFacts facts;
+  facts.streams[Device::camera] = PreflightStream{
+      .messages = 23, .rate_hz = 7.7, .nominal_hz = 8.0, .lost_share = 1.0 / 24.0, .uncertainty_s = 0.001};
+  const PreflightReport one = judge(facts, simulation::default_profile());
+  EXPECT_TRUE(one.passed());
+  ASSERT_THAT(names_of(one.warnings), ::testing::ElementsAre("camera_lost"));
+  EXPECT_THAT(sentence(one.warnings.front()), HasSubstr("usable, not good"));
+  facts.streams[Device::camera]->messages = 16;
+  facts.streams[Device::camera]->rate_hz = 5.3;  // no other rate than 8, of which a third is missing
+  facts.streams[Device::camera]->lost_share = 1.0 / 3.0;
+  EXPECT_TRUE(judge(facts, simulation::default_profile()).passed());
+  facts.streams[Device::camera]->messages = 7;
+  facts.streams[Device::camera]->rate_hz = 2.3;
+  facts.streams[Device::camera]->lost_share = 0.7;
+  EXPECT_THAT(names_of(judge(facts, simulation::default_profile()).violations),
+              ::testing::ElementsAre("camera_lost"));
+}
+
 /// Which of the two is new is chance where halves are lost.
 TEST(Preflight, RefusesAHalfThatStandsStillAndNotOneThatIsSeldomNewByChance) {
   PreflightFacts facts =

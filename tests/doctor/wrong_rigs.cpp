@@ -163,7 +163,7 @@ std::vector<Misconfiguration> wrong_rigs() {
            });
          });
        },
-       "preflight: camera_lost", "frames are missing", "cable", ExitCode::check_failed},
+       "preflight: camera_lost", "frames are missing", "cable", std::nullopt},
       {"the camera's bridge misses most of the chess halves",
        [] {
          simulation::VirtualRigConfig config = good_rig();

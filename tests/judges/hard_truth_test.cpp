@@ -61,6 +61,15 @@ TEST(LabelErrors, AreOfTheValidFramesWithinLegs) {
   EXPECT_EQ(errors.commanded_dps.size(), valid);
 }
 
+TEST(LabelErrors, CountTheFramesThatTheWorldItselfMakesUseless) {
+  const LabelErrors errors = label_errors(honest().session, honest().bus.rig);
+  const std::size_t rejected = errors.frames - errors.shaft_dps.size();
+  EXPECT_GT(errors.useless, 0U);  // ramps and reversals
+  EXPECT_LE(errors.rejected_useless, std::min(errors.useless, rejected));
+  EXPECT_LE(rejected - errors.rejected_useless, 1U);  // on the edge
+  EXPECT_LE(errors.useless - errors.rejected_useless, 1U);
+}
+
 TEST(LabelErrors, GrowByWhatIsAddedToTheLabels) {
   const LabelErrors before = label_errors(honest().session, honest().bus.rig);
   session::Session session = honest().session;

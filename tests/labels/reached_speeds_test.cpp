@@ -94,6 +94,19 @@ TEST(ReachedSpeeds, ASpeedOfAContinuousServoMayStrayFurtherFromAStraightLine) {
   EXPECT_TRUE(sweep.named().empty());
 }
 
+/// Friction takes half a degree a second: of the slowest of three speeds that is much, and says little of the
+/// fastest.
+TEST(ReachedSpeeds, OfThreeTheSlowestDoesNotSayThatTheFastestStrays) {
+  Sweep sweep{.rates_dps = {30, -30, 90, -90, 150, -150}, .shaft_dps = [](double commanded) {
+                return std::abs(commanded) < 50.0 ? 0.984 * commanded : 1.004 * commanded;
+              }};
+  EXPECT_TRUE(sweep.named().empty());
+  sweep.shaft_dps = [](double commanded) {
+    return std::copysign(std::min(std::abs(commanded), 135.0), commanded);
+  };
+  EXPECT_EQ(sweep.named(), (std::vector<double>{-150.0, 150.0}));
+}
+
 TEST(ReachedSpeeds, AreLeftOutUntilTheShaftHasCaughtUp) {
   const Sweep sweep{.rates_dps = {60, 200, 120}, .shaft_dps = at_most_181};
   auto reached = sweep.reached();

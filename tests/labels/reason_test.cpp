@@ -47,6 +47,28 @@ TEST(Reasons, CameraGapIsWhereFramesAreMissing) {
   EXPECT_EQ(frames_with(Reason::camera_gap, rig.run(3.0)), std::vector<int>{12});
 }
 
+/// One of its halves is the one before that which was lost: the label is over all that the frame shows.
+TEST(Reasons, AFrameThatLacksTheHalfThatWasDueIsLabelledOverBothThatItShows) {
+  ScriptedRig rig;
+  bool is_ramp = false;
+  rig.rate_dps = [&](double t) { return is_ramp && t < 1.3 ? 50.0 : 100.0; };
+  rig.gyro_dps = rig.rate_dps;
+  rig.spoil = [](TimedFrame& frame, int index) {
+    if (index != 12) return;
+    frame.stale = frame.half_lost = true;
+    frame.half[0] = {frame.exposure_end - from_s(0.375), frame.exposure_end - from_s(0.25)};
+    frame.half[1] = {frame.exposure_end - from_s(0.125), frame.exposure_end};
+  };
+  const auto samples = rig.run(3.0);
+  EXPECT_EQ(frames_with(Reason::camera_gap, samples), std::vector<int>{12});
+  EXPECT_TRUE(samples[12].valid);
+  EXPECT_EQ(samples[12].exposure_end - samples[12].exposure_begin, from_s(0.375));
+  EXPECT_EQ(samples[12].exposure_end - samples[12].time, samples[11].exposure_end - samples[11].time);
+  EXPECT_EQ(samples[12].run, samples[11].run + 1);
+  is_ramp = true;  // within what the older half saw, and before what the newer did
+  EXPECT_FALSE(rig.run(3.0)[12].valid);
+}
+
 TEST(Reasons, TelemetryThatABusyHostReadsLateIsNotLost) {
   LabelConfig config;
   Labeller labeller(config);

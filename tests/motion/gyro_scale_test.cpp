@@ -65,6 +65,42 @@ TEST(GyroScale, IsTheSameInWhateverOrderWindowsAreWorkedOut) {
   EXPECT_EQ(found.turned_deg, in_order.turned_deg);
 }
 
+double shaft_deg(const Turning& turning, HostTime time) {
+  double angle_deg = 0.0;
+  for (const TimedGyro& sample : turning.gyro)
+    if (sample.stamp.time < time)
+      angle_deg += 0.005 * (double{sample.rate_dps} - turning.errors.bias_dps->value) / turning.true_scale;
+  return angle_deg;
+}
+
+/// Something hot at that angle of the shaft, which moves on by `by_deg` after 7 s.
+void put_in_view(double at_deg, double by_deg, Turning& turning) {
+  constexpr double pitch_deg = 55.0 / frame_columns, width_columns = 1.5, hotter_k = 15.0;
+  for (TimedFrame& frame : turning.frames)
+    for (std::size_t parity = 0; parity < 2; ++parity) {
+      const auto [begin, end] = frame.half[parity];
+      const HostTime middle = begin + (end - begin) / 2;
+      const double now_deg = at_deg + (middle > HostTime(from_s(7.0)) ? by_deg : 0.0);
+      const double column = 15.5 - std::remainder(now_deg - shaft_deg(turning, middle), 360.0) / pitch_deg;
+      for (std::size_t i = 0; i < frame_pixels; ++i) {
+        if ((i / frame_columns + i) % 2 != parity) continue;
+        const double off = (static_cast<double>(i % frame_columns) - column) / width_columns;
+        frame.frame.temp_c[i] += static_cast<float>(hotter_k * std::exp(-0.5 * off * off));
+      }
+    }
+}
+
+TEST(GyroScale, IsUncertainWhereSomethingThatMovesDrawsItFromWhereMostImagesFit) {
+  for (const double by_deg : {0.0, -3.0, 3.0}) {
+    Turning turning = turn(simulation::default_rig(3, "kitchen"), {{2.0, 10.5, 40.0}}, 16.0);
+    put_in_view(-25.0, by_deg, turning);
+    const TurnResult found = scale_of(turning);
+    ASSERT_TRUE(found.gyro_scale) << by_deg << ": " << found.why_not;
+    EXPECT_NEAR(found.gyro_scale->value, turning.true_scale, 2.0 * found.gyro_scale->uncertainty) << by_deg;
+    EXPECT_EQ(found.gyro_scale->uncertainty > 0.005, by_deg != 0.0) << by_deg;
+  }
+}
+
 /// The gyro with that bias, which it hides at rest: exactly 0 in place of what is not in one of the legs.
 void hide_bias(const std::vector<Leg>& legs, double bias_dps, Turning& turning) {
   constexpr double margin_s = 1.0;

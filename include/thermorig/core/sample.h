@@ -44,6 +44,7 @@ struct TimedFrame {
   std::uint16_t missing_before = 0;  // frames that never came between the frame before and this one
   bool late = false;       // read more than half a frame period after it was due: its time is not known
   bool stale = false;      // repeats the frame before, or the half that was due did not come
+  bool half_lost = false;  // the latter: it shows the one before it still
   bool stands_in = false;  // for one of a camera that is missing: it has no image, every pixel is NaN
 };
 

@@ -11,8 +11,9 @@ namespace thermorig {
 /// never renumber them. Rules V0..V8 are those of docs/recording_format.md, "Validity"; what this version
 /// computes is defined to the letter in labels/labeller.h.
 enum class Reason : std::uint8_t {
-  camera_gap = 0,        // V5: one or more frames are missing just before this one
-  camera_not_fresh = 1,  // V5: the frame repeats the one before, or one half of it was lost
+  camera_gap = 0,        // V5: frames, or the half that was due, are missing just before this one: a run ends
+                         // there; a warning, does not clear `valid`
+  camera_not_fresh = 1,  // V5: the frame repeats the one before
   checksum = 2,          // V5: damaged bytes just before this frame
   servo_ramp = 3,        // V0: the shaft's speed by the servo model leaves the commanded one in the exposure
   servo_lost = 4,        // no telemetry over that time, or the servo says disarmed or fault
@@ -43,7 +44,7 @@ inline constexpr std::array<std::string_view, reason_count> reason_names{
     "leg_change", "gyro_unsteady",    "gyro_disagrees", "telemetry_disagrees", "out_of_range"};
 
 /// Reasons that do not clear `valid`.
-inline constexpr std::uint32_t warning_bits = bit(Reason::warm_up);
+inline constexpr std::uint32_t warning_bits = bit(Reason::warm_up) | bit(Reason::camera_gap);
 
 /// Reasons that this version computes; the others are always 0 and marked so in the file.
 inline constexpr std::uint32_t computed_bits = ((1U << reason_count) - 1U) & ~bit(Reason::operator_mark);

@@ -32,6 +32,16 @@ bool has_pixel_out_of_range(const ThermalFrame& frame) {
   return within < frame_pixels;
 }
 
+bool has_gap_before(const TimedFrame& frame) {
+  return frame.missing_before > 0 || frame.half_lost;
+}
+
+/// A half that was lost leaves the one before it in the frame.
+HostTime shown_since(const TimedFrame& frame) {
+  if (!has_gap_before(frame) || frame.stands_in) return frame.exposure_begin;
+  return std::min({frame.exposure_begin, frame.half[0].begin, frame.half[1].begin});
+}
+
 HostDuration settling_time(const LabelConfig& config) {
   return from_s(config.response.fitted ? settle_s(config.response) : config.settle_s);
 }
@@ -50,9 +60,10 @@ Labeller::Labeller(const LabelConfig& config)
 
 std::uint32_t Labeller::frame_reasons(const TimedFrame& frame) {
   const bool unsure = static_cast<double>(frame.stamp.uncertainty_s) > config_.clock_limit_s;
-  const std::uint32_t reasons =
-      bit_if(Reason::camera_gap, frame.missing_before > 0) | bit_if(Reason::camera_not_fresh, frame.stale) |
-      bit_if(Reason::sync_lost, frame.late || unsure) | bit_if(Reason::checksum, frame.resync_before);
+  const std::uint32_t reasons = bit_if(Reason::camera_gap, has_gap_before(frame)) |
+                                bit_if(Reason::camera_not_fresh, frame.stale && !frame.half_lost) |
+                                bit_if(Reason::sync_lost, frame.late || unsure) |
+                                bit_if(Reason::checksum, frame.resync_before);
   if (frame.stands_in) return reasons;
   return reasons | bit_if(Reason::warm_up, warm_up_.push(frame.stamp.time, frame.frame.sensor_temp_c)) |
          bit_if(Reason::out_of_range, has_pixel_out_of_range(frame.frame));
@@ -61,8 +72,8 @@ std::uint32_t Labeller::frame_reasons(const TimedFrame& frame) {
 void Labeller::add(const TimedFrame& frame) {
   assert(frame.exposure_begin <= frame.exposure_end);
   const std::uint32_t reasons = frame_reasons(frame);
-  pending_.push_back(
-      {frame_count_, frame.stamp, frame.exposure_begin, frame.exposure_end, frame.half, reasons});
+  pending_.push_back({frame_count_, frame.stamp, frame.exposure_begin, frame.exposure_end, shown_since(frame),
+                      frame.half, reasons});
   ++frame_count_;
 }
 
@@ -96,7 +107,7 @@ std::vector<LabelledSample> Labeller::finish() {
 LabelledSample Labeller::label(const PendingFrame& frame) {
   LabelledSample sample;
   sample.frame_index = frame.index;
-  sample.exposure_begin = frame.exposure_begin;
+  sample.exposure_begin = frame.shown_since;
   sample.exposure_end = frame.exposure_end;
   sample.time = frame.exposure_end - (frame.exposure_end - frame.exposure_begin) / 4;
   sample.reason_bits = frame.reason_bits;
@@ -255,7 +266,8 @@ void Labeller::learn_bias(const LabelledSample& sample, const GyroMean& gyro) {
 }
 
 void Labeller::number_run(LabelledSample& sample) {
-  if (sample.valid && sample.leg != run_leg_) ++run_;
+  const bool is_broken = (sample.reason_bits & bit(Reason::camera_gap)) != 0;
+  if (sample.valid && (is_broken || sample.leg != run_leg_)) ++run_;
   run_leg_ = sample.valid ? sample.leg : std::uint16_t{0};
   if (sample.valid) sample.run = run_;
 }

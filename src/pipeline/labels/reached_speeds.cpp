@@ -18,6 +18,7 @@ constexpr double slope_error = 0.006;            // relative: a servo's along th
 constexpr double continuous_slope_error = 0.04;  // its speed against the pulse is no straight line
 constexpr double floor_dps = 0.3;
 constexpr double slowest_share_dps = 15.0;  // below it a bias matters more than the servo
+constexpr double median_scatter = 1.25;     // of a median, by that of a mean
 constexpr double caught_up_s = 1.0;         // beside the time for the angle that it lags behind
 
 struct Sum {
@@ -36,21 +37,37 @@ Estimate distance(const ReachedSpeed& speed, const std::vector<ReachedSpeed>& sp
   return {(off_dps - (opposite->reached_dps - share * opposite->rate_dps)) / 2.0, 0.0};
 }
 
+/// How far a speed may be from its share, its bias apart. `slope`: of that kind of servo.
+double explained_dps(double rate_dps, double slope) {
+  return std::hypot(slope * rate_dps, floor_dps);
+}
+
+/// How many there are, the two directions of one taken as one. They ascend by size.
+double count_sizes(const std::vector<ReachedSpeed>& speeds) {
+  double sizes = 1.0;
+  for (std::size_t i = 1; i < speeds.size(); ++i)
+    sizes += std::abs(speeds[i].rate_dps) - std::abs(speeds[i - 1].rate_dps) > constant_dps ? 1.0 : 0.0;
+  return sizes;
+}
+
 /// Share of the command that the slower half of the speeds reach: what a weak servo fails at first is speed.
-double usual_share(const std::vector<ReachedSpeed>& speeds) {
+/// Of few and slow speeds it is not known well.
+Estimate usual_share(const std::vector<ReachedSpeed>& speeds, double slope) {
   std::vector<ReachedSpeed> useful;
   for (const ReachedSpeed& speed : speeds)
     if (std::abs(speed.rate_dps) >= slowest_share_dps) useful.push_back(speed);
-  if (useful.empty()) return 1.0;
+  if (useful.empty()) return {1.0, 0.0};
   std::stable_sort(useful.begin(), useful.end(), [](const ReachedSpeed& a, const ReachedSpeed& b) {
     return std::abs(a.rate_dps) < std::abs(b.rate_dps);
   });
   useful.resize((useful.size() + 1) / 2);
   std::vector<double> shares;
-  shares.reserve(useful.size());
-  for (const ReachedSpeed& speed : useful)
+  RunningStatistics uncertainties;
+  for (const ReachedSpeed& speed : useful) {
     shares.push_back(1.0 + distance(speed, speeds, 1.0, 0.0).value / speed.rate_dps);
-  return median(std::move(shares));
+    uncertainties.add(explained_dps(speed.rate_dps, slope) / std::abs(speed.rate_dps));
+  }
+  return {median(std::move(shares)), median_scatter * uncertainties.mean() / std::sqrt(count_sizes(useful))};
 }
 
 }  // namespace
@@ -70,12 +87,13 @@ std::vector<ReachedSpeed> reached_speeds(std::span<const Interval> legs, const G
   std::vector<ReachedSpeed> speeds;
   for (const auto& [centi_dps, sum] : sums)
     speeds.push_back({0.01 * static_cast<double>(centi_dps), sum.angle_deg / sum.length_s, false});
-  const double share = usual_share(speeds);
   const double slope = kind == ServoKind::continuous ? continuous_slope_error : slope_error;
+  const Estimate share = usual_share(speeds, slope);
   for (ReachedSpeed& speed : speeds) {
-    const auto [off_dps, bias_dps] = distance(speed, speeds, share, bias_uncertainty_dps);
-    const double explained_dps = std::hypot(slope * speed.rate_dps, bias_dps, floor_dps);
-    speed.contradicts = std::abs(off_dps) > contradiction_deviations * explained_dps;
+    const auto [off_dps, bias_dps] = distance(speed, speeds, share.value, bias_uncertainty_dps);
+    const double deviation_dps =
+        std::hypot(explained_dps(speed.rate_dps, slope), bias_dps, share.uncertainty * speed.rate_dps);
+    speed.contradicts = std::abs(off_dps) > contradiction_deviations * deviation_dps;
   }
   return speeds;
 }

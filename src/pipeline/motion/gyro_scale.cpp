@@ -183,6 +183,16 @@ double lead(ClosedTurn& turn, double at_scale, double other_scale, const Window&
   return contest.lead();
 }
 
+/// Where single halves fit better at a scale too near to be another place, something that moves before the
+/// walls has drawn the panorama as a whole aside, and the scale is anywhere near by.
+double drawn_aside(ClosedTurn& turn, double at_scale, double pixel, const Window& window,
+                   const Evidence& evidence, double field_of_view_deg) {
+  const auto is_better = [&](double other) {
+    return lead(turn, at_scale, other, window, evidence, field_of_view_deg) < 0.0;
+  };
+  return is_better(at_scale - pixel) || is_better(at_scale + pixel) ? apart_pixels / 2.0 * pixel : 0.0;
+}
+
 /// What an error of the bias adds up to over the window: a turn there and back takes most of it out.
 double bias_share(const Window& window, const Valley& valley, double turned_deg) {
   const double length_s = window.back().end_s - window.front().begin_s;
@@ -213,8 +223,10 @@ std::optional<Estimate> scale_in(const Window& window, const Evidence& evidence,
   if (is_elsewhere &&
       lead(turn, found->value, other.value, window, evidence, view.field_of_view_deg) < clear_lead)
     return std::nullopt;
-  return Estimate{found->value, std::hypot(found->uncertainty, model_error_deg / turned_deg,
-                                           bias_share(window, valley, turned_deg))};
+  const double aside = drawn_aside(turn, found->value, pixel, window, evidence, view.field_of_view_deg);
+  return Estimate{found->value,
+                  std::hypot(std::hypot(found->uncertainty, aside), model_error_deg / turned_deg,
+                             bias_share(window, valley, turned_deg))};
 }
 
 /// What the windows differ by beyond their own uncertainty: the scale that changes with the temperature.

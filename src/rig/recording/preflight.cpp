@@ -34,23 +34,33 @@ std::string_view rate_advice(Device device, bool slow) {
          "this computer busy";
 }
 
-void judge_losses(Device device, const PreflightStream& stream, const PreflightLimits& limits,
-                  Violations& found) {
+PreflightViolation lost_messages(Device device, const PreflightStream& stream, double limit) {
+  const std::string name(name_of(device));
+  return {name + "_lost", device,
+          fmt::format("{:.1f} % of the {}'s {} are missing", 100.0 * stream.lost_share, name,
+                      what_is_sent(device)),
+          fmt::format("at most {:.0f} %", 100.0 * limit),
+          "another cable or USB port, without a hub; end programs that keep this computer busy"};
+}
+
+/// Missing frames are judged as such: a camera that sends at its rate over a link that loses some has no
+/// other one.
+double due_hz(Device device, const PreflightStream& stream) {
+  const double missing_share = device == Device::camera ? std::min(stream.lost_share, 0.99) : 0.0;
+  return stream.rate_hz / (1.0 - missing_share);
+}
+
+void judge_rate(Device device, const PreflightStream& stream, const PreflightLimits& limits,
+                Violations& found) {
   const std::string name(name_of(device));
   const double low_hz = limits.rate_low * stream.nominal_hz;
   const double high_hz = limits.rate_high * stream.nominal_hz;
-  if (stream.rate_hz < low_hz || stream.rate_hz > high_hz)
-    found.push_back(
-        {name + "_rate", device,
-         fmt::format("{:.1f} {} a second come from the {}", stream.rate_hz, what_is_sent(device), name),
-         fmt::format("{:.4g} to {:.4g} (nominal {:.4g})", low_hz, high_hz, stream.nominal_hz),
-         std::string(rate_advice(device, stream.rate_hz < low_hz))});
-  if (stream.lost_share > limits.lost_share)
-    found.push_back({name + "_lost", device,
-                     fmt::format("{:.1f} % of the {}'s {} are missing", 100.0 * stream.lost_share, name,
-                                 what_is_sent(device)),
-                     fmt::format("at most {:.1f} %", 100.0 * limits.lost_share),
-                     "another cable or USB port, without a hub; end programs that keep this computer busy"});
+  if (due_hz(device, stream) >= low_hz && stream.rate_hz <= high_hz) return;
+  found.push_back(
+      {name + "_rate", device,
+       fmt::format("{:.1f} {} a second come from the {}", stream.rate_hz, what_is_sent(device), name),
+       fmt::format("{:.4g} to {:.4g} (nominal {:.4g})", low_hz, high_hz, stream.nominal_hz),
+       std::string(rate_advice(device, stream.rate_hz < low_hz))});
 }
 
 void judge_stream(Device device, const PreflightStream& stream, const PreflightLimits& limits,
@@ -96,10 +106,10 @@ PreflightViolation lost_halves(const PreflightImages& images, double limit) {
           "rig profile): its bridge does not keep up with its sensor; no other cable helps"};
 }
 
-std::uint64_t halves_due(const PreflightImages& images) {
-  return images.frames +
-         static_cast<std::uint64_t>(images.lost_half_share * static_cast<double>(images.frames) /
-                                    std::max(1.0 - images.lost_half_share, 0.01));
+/// Those that came and those that did not.
+std::uint64_t all_due(std::uint64_t came, double lost_share) {
+  return came + static_cast<std::uint64_t>(lost_share * static_cast<double>(came) /
+                                           std::max(1.0 - lost_share, 0.01));
 }
 
 /// Halves that a bridge misses make fewer frames, which no cable brings back.
@@ -125,31 +135,52 @@ void judge_images(const PreflightImages& images, const PreflightLimits& limits, 
                      fmt::format("each in at least {:.0f} %", 100.0 * limits.fresh_share),
                      "set the camera's frame rate again and switch it off and on; a bridge that sends more "
                      "often than its sensor measures repeats frames"});
-  else if (is_surely_above(images.lost_half_share, halves_due(images), limits.lost_half_share))
+  else if (is_surely_above(images.lost_half_share, all_due(images.frames, images.lost_half_share),
+                           limits.lost_half_share))
     found.push_back(lost_halves(images, limits.lost_half_share));
   if (is_surely_above(images.repeated_share, images.frames, limits.repeated_share))
     found.push_back(repeated_frames(images, limits.repeated_share));
 }
 
 /// What is not refused: the labels of all other frames are as good as ever.
+void warn(PreflightViolation warning, std::string consequence, const Violations& found,
+          Violations& warnings) {
+  const auto is_told = [&](const PreflightViolation& other) { return other.name == warning.name; };
+  if (std::any_of(found.begin(), found.end(), is_told)) return;
+  warning.consequence = std::move(consequence);
+  warnings.push_back(std::move(warning));
+}
+
+std::string what_missing_frames_do(double limit) {
+  return fmt::format(
+      "it is recorded all the same: no window of frames reaches over a loss, the plan takes longer until "
+      "each speed has its frames, and if that goes on the session will be called usable, not good, or bad if "
+      ""
+      "more than {:.0f} % stay away",
+      100.0 * limit);
+}
+
 void warn_of_images(const PreflightImages& images, const PreflightLimits& limits, const Violations& found,
                     Violations& warnings) {
-  const auto warn = [&](PreflightViolation warning, std::string consequence) {
-    const auto is_told = [&](const PreflightViolation& other) { return other.name == warning.name; };
-    if (std::any_of(found.begin(), found.end(), is_told)) return;
-    warning.consequence = std::move(consequence);
-    warnings.push_back(std::move(warning));
-  };
   if (images.repeated_share > limits.repeated_share_bearable)
     warn(repeated_frames(images, limits.repeated_share_bearable),
-         "it is recorded all the same: frames that repeat are not valid");
+         "it is recorded all the same: frames that repeat are not valid", found, warnings);
   if (images.lost_half_share > limits.lost_half_share_bearable)
-    warn(lost_halves(images, limits.lost_half_share_bearable),
-         fmt::format(
-             "it is recorded all the same: frames at a loss are not valid, the plan takes longer until "
-             "each speed has its frames, and the session will be called usable, not good, or bad if more "
-             "than {:.0f} % stay away",
-             100.0 * limits.lost_half_share));
+    warn(lost_halves(images, limits.lost_half_share_bearable), what_missing_frames_do(limits.lost_half_share),
+         found, warnings);
+}
+
+/// One frame of the few that come in some seconds proves little; of the other devices it is many messages.
+void judge_losses(Device device, const PreflightStream& stream, const PreflightLimits& limits,
+                  PreflightReport& report) {
+  if (stream.lost_share <= limits.lost_share) return;
+  if (device != Device::camera)
+    return report.violations.push_back(lost_messages(device, stream, limits.lost_share));
+  if (is_surely_above(stream.lost_share, all_due(stream.messages, stream.lost_share),
+                      limits.lost_frame_share))
+    return report.violations.push_back(lost_messages(device, stream, limits.lost_frame_share));
+  warn(lost_messages(device, stream, limits.lost_share), what_missing_frames_do(limits.lost_frame_share),
+       report.violations, report.warnings);
 }
 
 void judge_rest(const PreflightRest& rest, const GyroProfile& gyro, const PreflightLimits& limits,
@@ -220,7 +251,8 @@ PreflightReport judge(const PreflightFacts& facts, const RigProfile& profile, co
   for (const Device device : all_devices) {
     if (!facts.streams[device]) continue;
     const bool is_told = device == Device::camera && loses_halves(facts, limits);
-    if (!is_told) judge_losses(device, *facts.streams[device], limits, found);
+    if (!is_told) judge_rate(device, *facts.streams[device], limits, found);
+    if (!is_told) judge_losses(device, *facts.streams[device], limits, report);
     judge_stream(device, *facts.streams[device], limits, found);
   }
   if (facts.images) warn_of_images(*facts.images, limits, found, report.warnings);

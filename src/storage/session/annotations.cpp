@@ -21,12 +21,13 @@ bool is_excluded(const Session& session, const LabelledSample& sample) {
                      });
 }
 
-/// As the labels number them: one ends with its leg and at an invalid frame.
+/// As the labels number them: one ends with its leg, at an invalid frame and at a gap.
 void number_runs(std::vector<LabelledSample>& samples) {
   std::uint32_t run = 0;
   std::uint16_t leg = 0;  // of the run that goes on; 0: none does
   for (LabelledSample& sample : samples) {
-    if (sample.valid && sample.leg != leg) ++run;
+    const bool is_broken = (sample.reason_bits & bit(Reason::camera_gap)) != 0;
+    if (sample.valid && (is_broken || sample.leg != leg)) ++run;
     leg = sample.valid ? sample.leg : std::uint16_t{0};
     sample.run = sample.valid ? run : 0;
   }

@@ -52,8 +52,8 @@ namespace thermorig::labels {
 ///
 /// Reasons, with S = [exposure_begin - settling time, exposure_end] and L = E earlier by the response's delay
 /// and one pulse period, which is how old a command is when the shaft shows it:
-///   camera_gap           TimedFrame::missing_before is not 0
-///   camera_not_fresh     TimedFrame::stale
+///   camera_gap           TimedFrame::missing_before is not 0, or half_lost: a warning, which ends the run
+///   camera_not_fresh     TimedFrame::stale, but not half_lost
 ///   sync_lost            TimedFrame::late, or the frame's clock less certain than clock_limit_s
 ///   checksum             TimedFrame::resync_before
 ///   out_of_range         a pixel below -60 or above 400 degC, or not a number
@@ -79,7 +79,7 @@ namespace thermorig::labels {
 ///                        deviations (see label_terms.h); not judged where a sample is saturated; or the
 ///                        shaft was seen not to reach the commanded speed (ServoResponse::AtSpeed)
 /// A frame is valid if it has no reason outside `warning_bits`. A run is unbroken by invalid frames and lies
-/// in one leg; a frame lost on the way makes the next one invalid, and so ends the run.
+/// in one leg; a frame or a half lost on the way ends it.
 class Labeller {
  public:
   explicit Labeller(const LabelConfig& config);
@@ -100,6 +100,7 @@ class Labeller {
     Stamp stamp;
     HostTime exposure_begin{};
     HostTime exposure_end{};
+    HostTime shown_since{};  // exposure_begin, or that of an older half that it still shows
     std::array<HalfExposure, 2> half{};
     std::uint32_t reason_bits = 0;  // those that the frame alone tells
   };
