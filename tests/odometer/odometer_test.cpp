@@ -225,10 +225,10 @@ TEST(Odometer, IsLessSureOfTheHeadingWhereGearsShakeTheGyro) {
   auto all = seen_in(turning_room(40.0));
   const Report still = reports_of(all).back();
   std::mt19937 random(5);
-  std::normal_distribution<float> shaken_dps(0.0F, 3.0F);
+  std::normal_distribution<float> shake_dps(0.0F, 3.0F);
   for (Seen& seen : all)
     for (TimedGyro& sample : seen.gyro)
-      sample.reading.rate_dps = {shaken_dps(random), shaken_dps(random), sample.rate_dps};
+      sample.reading.rate_dps = {shake_dps(random), shake_dps(random), sample.rate_dps};
   const Report shaken = reports_of(all).back();
   ASSERT_EQ(shaken.state, State::tracking);
   EXPECT_GT(shaken.heading_sigma_deg, 1.2 * still.heading_sigma_deg);

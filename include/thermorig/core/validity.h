@@ -46,6 +46,11 @@ inline constexpr std::array<std::string_view, reason_count> reason_names{
 /// Reasons that do not clear `valid`.
 inline constexpr std::uint32_t warning_bits = bit(Reason::warm_up) | bit(Reason::camera_gap);
 
+/// A run does not go on from the frame before to one with these reasons, valid or not.
+constexpr bool breaks_run(std::uint32_t reasons) {
+  return (reasons & bit(Reason::camera_gap)) != 0;
+}
+
 /// Reasons that this version computes; the others are always 0 and marked so in the file.
 inline constexpr std::uint32_t computed_bits = ((1U << reason_count) - 1U) & ~bit(Reason::operator_mark);
 

@@ -266,8 +266,7 @@ void Labeller::learn_bias(const LabelledSample& sample, const GyroMean& gyro) {
 }
 
 void Labeller::number_run(LabelledSample& sample) {
-  const bool is_broken = (sample.reason_bits & bit(Reason::camera_gap)) != 0;
-  if (sample.valid && (is_broken || sample.leg != run_leg_)) ++run_;
+  if (sample.valid && (breaks_run(sample.reason_bits) || sample.leg != run_leg_)) ++run_;
   run_leg_ = sample.valid ? sample.leg : std::uint16_t{0};
   if (sample.valid) sample.run = run_;
 }

@@ -155,7 +155,6 @@ std::string what_missing_frames_do(double limit) {
   return fmt::format(
       "it is recorded all the same: no window of frames reaches over a loss, the plan takes longer until "
       "each speed has its frames, and if that goes on the session will be called usable, not good, or bad if "
-      ""
       "more than {:.0f} % stay away",
       100.0 * limit);
 }

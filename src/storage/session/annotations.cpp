@@ -26,8 +26,7 @@ void number_runs(std::vector<LabelledSample>& samples) {
   std::uint32_t run = 0;
   std::uint16_t leg = 0;  // of the run that goes on; 0: none does
   for (LabelledSample& sample : samples) {
-    const bool is_broken = (sample.reason_bits & bit(Reason::camera_gap)) != 0;
-    if (sample.valid && (is_broken || sample.leg != leg)) ++run;
+    if (sample.valid && (breaks_run(sample.reason_bits) || sample.leg != leg)) ++run;
     leg = sample.valid ? sample.leg : std::uint16_t{0};
     sample.run = sample.valid ? run : 0;
   }
