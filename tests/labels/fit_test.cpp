@@ -77,7 +77,8 @@ TrueTimes record(const simulation::VirtualRigConfig& config, const std::vector<d
                   rig.sent_frames(),
                   rig.sent_gyro(),
                   rig.shaft()};
-  const double sent_period_s = to_s(truth.sent_frames[80].exposure_end - truth.sent_frames[0].exposure_end) / 80.0;
+  const double sent_period_s =
+      to_s(truth.sent_frames[80].exposure_end - truth.sent_frames[0].exposure_end) / 80.0;
   ExposureRule rule(sent_period_s, config.half_fresh ? CameraMode::half_fresh : CameraMode::full_fresh);
   for (std::size_t i = 0; i < truth.frames.size(); ++i) {
     TimedFrame& frame = truth.frames[i];
