@@ -14,7 +14,8 @@ namespace {
 
 /// Of ten spans of 24 halves before faint walls, on a shaft so fast that most of them is swept away: how
 /// often a bias is named that is more than 5 deg/s off.
-int wrong_biases(double row_spread) {
+int wrong_biases() {
+  constexpr double row_spread = 0.3;
   Room room;
   room.duration_s = 30.0;
   room.contrast_k = 0.3;
@@ -43,7 +44,7 @@ int wrong_biases(double row_spread) {
 }
 
 TEST(BiasSearch, RatherWaitsThanNamesAWrongBiasWhereTheOrderOfRowsIsKnown) {
-  EXPECT_EQ(wrong_biases(0.3), 0);
+  EXPECT_EQ(wrong_biases(), 0);
 }
 
 }  // namespace

@@ -250,8 +250,10 @@ PreflightReport judge(const PreflightFacts& facts, const RigProfile& profile, co
   for (const Device device : all_devices) {
     if (!facts.streams[device]) continue;
     const bool is_told = device == Device::camera && loses_halves(facts, limits);
-    if (!is_told) judge_rate(device, *facts.streams[device], limits, found);
-    if (!is_told) judge_losses(device, *facts.streams[device], limits, report);
+    if (!is_told) {
+      judge_rate(device, *facts.streams[device], limits, found);
+      judge_losses(device, *facts.streams[device], limits, report);
+    }
     judge_stream(device, *facts.streams[device], limits, found);
   }
   if (facts.images) warn_of_images(*facts.images, limits, found, report.warnings);

@@ -75,7 +75,7 @@ struct PreflightFacts {
 struct PreflightLimits {
   double rate_low = 0.8;  // of the nominal rate: the next setting of any device is at least 2 away
   double rate_high = 1.25;
-  double lost_share = 0.01;  // of the camera's frames: above it a warning
+  double lost_share = 0.01;  // of gyro and servo; of the camera's frames a warning above it
   double lost_frame_share = session::most_missing_frames;
   double damaged_share = 0.01;
   PerDevice<double> uncertainty_s{{0.010, 0.010, 0.005}};
