@@ -168,8 +168,7 @@ def run_tests(command, folder, environment, output, limit_s):
 
 def finds(command, folder, number, log, limit_s=900.0):
     """The first test that failed, or None."""
-    environment = {**os.environ, "THERMORIG_MUTANT": str(number), "GTEST_FAIL_FAST": "1",
-                   "LSAN_OPTIONS": f"suppressions={folder}/tests/leaks_of_libraries.txt:print_suppressions=0"}
+    environment = {**os.environ, "THERMORIG_MUTANT": str(number), "GTEST_FAIL_FAST": "1"}
     with open(log, "w", encoding="utf-8") as output:
         code = run_tests(command, folder, environment, output, limit_s)
     if code is None:

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "estimators/likelihood/speed_table.h"
+#include "estimators/likelihood/window_covariance.h"
 #include "estimators/likelihood/window_lines.h"
 
 namespace thermorig::likelihood {
@@ -40,25 +41,52 @@ TEST(Places, OfTwoHalvesLieOneColumnApartAtRestAndTheSpeedFurtherInMotion) {
   EXPECT_EQ(place_of(0, 4, 3, 2.5) - place_of(0, 4, 2, 2.5), 2.0);
 }
 
-TEST(SpeedTables, HavePatternsOfOneAndOfNothingInCommon) {
-  const SpeedTable& table = SpeedTable::of(2, false);
-  const SpeedPatterns& patterns = table.speeds()[table.speeds().size() / 2 + 20];
-  const std::size_t lines = 2 * line_pixels;
-  const auto at = [&](std::size_t k, std::size_t i) {
-    return double{
+TEST(WindowCovariance, IsThatOfTheSweepsOfEachTwoPixels) {
+  for (const std::size_t halves : {2U, 3U, 4U}) {
+    const Eigen::MatrixXd covariance = window_covariance(halves, -3.7);
+    ASSERT_EQ(covariance.rows(), halves * line_pixels);
+    const auto place = [&](Eigen::Index i) {
+      const auto line = static_cast<std::size_t>(i);
+      return place_of(line / line_pixels, halves, line % line_pixels, -3.7);
+    };
+    for (Eigen::Index i = 0; i < covariance.rows(); ++i)
+      for (Eigen::Index k = 0; k < covariance.cols(); ++k)
+        EXPECT_NEAR(covariance(i, k), swept_covariance(place(i) - place(k), -3.7), 1e-9) << i << " " << k;
+  }
+}
+
+/// Of a pattern: what each line has of it.
+Eigen::VectorXd pattern_of(const SpeedPatterns& patterns, std::size_t k, std::size_t lines) {
+  Eigen::VectorXd pattern(static_cast<Eigen::Index>(lines));
+  for (std::size_t i = 0; i < lines; ++i)
+    pattern(static_cast<Eigen::Index>(i)) = double{
         patterns.pattern[((k / patterns_a_group) * lines + i) * patterns_a_group + k % patterns_a_group]};
-  };
-  for (std::size_t k = 0; k < patterns.count; ++k)
-    for (std::size_t other = 0; other <= k; ++other) {
-      double product = 0.0;
-      for (std::size_t i = 0; i < lines; ++i) product += at(k, i) * at(other, i);
-      EXPECT_NEAR(product, k == other ? 1.0 : 0.0, 1e-5) << k << " " << other;
+  return pattern;
+}
+
+TEST(SpeedTables, HavePatternsThatComeIndependentlyOfEachOther) {
+  for (const std::size_t halves : {2U, 3U, 4U}) {
+    const std::size_t lines = halves * line_pixels;
+    const SpeedTable& table = SpeedTable::of(halves);
+    const std::size_t place = table.plain().size() / 2 + 20;
+    Eigen::MatrixXd covariance = window_covariance(halves, table.plain()[place].speed);
+    for (const SpeedPatterns& patterns : {table.plain()[place], table.centred()[place]}) {
+      for (std::size_t k = 0; k < patterns.count; ++k) {
+        const Eigen::VectorXd pattern = pattern_of(patterns, k, lines);
+        const Eigen::VectorXd left = covariance * pattern - double{patterns.variance[k]} * pattern;
+        EXPECT_LT(left.norm(), 1e-5) << halves << " " << k;
+        for (std::size_t other = 0; other <= k; ++other)
+          EXPECT_NEAR(pattern.dot(pattern_of(patterns, other, lines)), k == other ? 1.0 : 0.0, 1e-5)
+              << halves << " " << k << " " << other;
+      }
+      centre_halves(covariance, halves);
     }
+  }
 }
 
 TEST(SpeedTables, AreSymmetricAndTheirVariancesFallAndAreAllThatThereIs) {
   for (const bool is_centred : {false, true}) {
-    const auto speeds = SpeedTable::of(2, is_centred).speeds();
+    const auto speeds = is_centred ? SpeedTable::of(2).centred() : SpeedTable::of(2).plain();
     for (std::size_t i = 0; i < speeds.size(); ++i) {
       EXPECT_EQ(speeds[i].speed, -speeds[speeds.size() - 1 - i].speed);
       double sum = 0.0;
@@ -75,7 +103,7 @@ TEST(SpeedTables, AreSymmetricAndTheirVariancesFallAndAreAllThatThereIs) {
 }
 
 TEST(SpeedTables, WithoutWhatAHalfHasInCommonHaveNoPatternOfIt) {
-  const SpeedPatterns& patterns = SpeedTable::of(2, true).speeds().front();
+  const SpeedPatterns& patterns = SpeedTable::of(2).centred().front();
   for (std::size_t k = 0; k < patterns.count; ++k)
     for (std::size_t half = 0; half < 2; ++half) {
       float sum = 0.0F;

@@ -44,10 +44,8 @@ struct CameraRate::Parts {
         direction(camera.mirrored ? -1.0 : 1.0),
         frames(std::clamp(window_frames, 1, most_window_frames)) {
     const auto new_ones = static_cast<std::size_t>(frames - 1);  // of one half a frame, or of two
-    for (const std::size_t read : {2 + new_ones, std::min(most_halves, 2 + 2 * new_ones)}) {
-      SpeedTable::of(read, false);
-      SpeedTable::of(read, true);
-    }
+    for (const std::size_t read : {2 + new_ones, std::min(most_halves, 2 + 2 * new_ones)})
+      SpeedTable::of(read);
   }
 
   bool take(const TimedFrame& frame, unsigned parity);

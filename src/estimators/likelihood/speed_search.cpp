@@ -88,7 +88,7 @@ double width_of(std::span<const SpeedPatterns> speeds, std::size_t place) {
 }  // namespace
 
 SpeedSearch::SpeedSearch() {
-  const std::size_t places = SpeedTable::of(least_halves, false).speeds().size();
+  const std::size_t places = SpeedTable::of(least_halves).plain().size();
   rough_.resize(places);
   fine_.resize(places);
 }
@@ -96,8 +96,8 @@ SpeedSearch::SpeedSearch() {
 /// Of the scene's variance by wave that is taken which the window's own energy has at that speed.
 SpeedSearch::Fit SpeedSearch::fit(const WindowLines& lines, std::size_t place, std::size_t waves,
                                   std::size_t most_patterns, double noise_variance) const {
-  const auto plain = SpeedTable::of(lines.halves(), false).speeds();
-  const auto centred = SpeedTable::of(lines.halves(), true).speeds();
+  const auto plain = SpeedTable::of(lines.halves()).plain();
+  const auto centred = SpeedTable::of(lines.halves()).centred();
   Fit fit;
   for (std::size_t row_class = 0; row_class < 2; ++row_class) {
     const std::size_t at = row_class == 0 ? place : plain.size() - 1 - place;
@@ -165,7 +165,7 @@ SpeedSearch::Mode SpeedSearch::refined(const WindowLines& lines, std::size_t pla
     if (std::max(up, down) <= here) break;
     up > down ? ++place : --place;
   }
-  const auto speeds = SpeedTable::of(lines.halves(), false).speeds();
+  const auto speeds = SpeedTable::of(lines.halves()).plain();
   const double width = width_of(speeds, place);
   Mode mode{.place = place, .logarithm = at(place), .speed = speeds[place].speed, .variance = width * width};
   mode.is_at_end = place <= range.low || place >= range.high;
@@ -182,7 +182,7 @@ SpeedSearch::Mode SpeedSearch::refined(const WindowLines& lines, std::size_t pla
 }
 
 SpeedPosterior SpeedSearch::search(const WindowLines& lines, double noise_variance, double fastest) {
-  const auto speeds = SpeedTable::of(lines.halves(), false).speeds();
+  const auto speeds = SpeedTable::of(lines.halves()).plain();
   const std::size_t middle = speeds.size() / 2;
   std::size_t reach = rough_step;
   while (reach + rough_step <= middle && speeds[middle + reach + rough_step].speed <= fastest)

@@ -26,17 +26,18 @@ struct SpeedPatterns {
 /// The patterns of all speeds that are tried: ascending, symmetric about 0, closer where the camera is slow.
 class SpeedTable {
  public:
-  /// `halves`: least_halves to most_halves. `is_centred`: of lines less what those of each half have in
-  /// common.
-  SpeedTable(std::size_t halves, bool is_centred);
+  /// `halves`: least_halves to most_halves.
+  explicit SpeedTable(std::size_t halves);
 
   /// Made when it is first asked for, and kept: it depends on nothing else.
-  static const SpeedTable& of(std::size_t halves, bool is_centred);
+  static const SpeedTable& of(std::size_t halves);
 
-  std::span<const SpeedPatterns> speeds() const { return speeds_; }
+  std::span<const SpeedPatterns> plain() const { return plain_; }
+  /// At the same speeds, of lines less what those of each half have in common.
+  std::span<const SpeedPatterns> centred() const { return centred_; }
 
  private:
-  std::vector<SpeedPatterns> speeds_;
+  std::vector<SpeedPatterns> plain_, centred_;
 };
 
 }  // namespace thermorig::likelihood
