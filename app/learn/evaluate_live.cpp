@@ -31,8 +31,7 @@ std::optional<LiveEvaluation> evaluate(const fs::path& path, bool accept_bad) {
   const RawRecording& raw = session.raw;
   if (raw.estimates.empty()) return std::nullopt;
   if (const auto bad = dataset::bad_session(session, path)) require_good({*bad}, accept_bad);
-  const network::Acquisition finished =
-      dataset::acquisition_of(session, path.string(), dataset::Estimates::left_out);
+  const network::Acquisition finished = dataset::acquisition_of(session, path.string());
   LiveEvaluation evaluated{.session = path.string(), .header = raw.header};
   const session::Place place = session::place_of(session);
   evaluated.header.environment = place.environment;

@@ -102,10 +102,10 @@ void write_model_report(const std::filesystem::path& folder, const model::Model&
 ExitCode evaluate_model(const EvaluateOptions& options) {
   require_existing(options.model);
   const model::Model model = model::read_model(options.model);
-  SessionOptions sessions = session_options(options);
-  if (options.bound) sessions.bound_frames = model.weights.shape.frames;
   FrameMemory memory(options.frame_memory, options.output.empty() ? options.model : options.output);
-  const dataset::Acquisitions data = memory.read(sessions, model.weights.shape.pixels() * sizeof(float));
+  dataset::Acquisitions data =
+      memory.read(session_options(options), model.weights.shape.pixels() * sizeof(float));
+  memory.run_estimators(data, options.json, all_of_them, options.bound ? model.weights.shape.frames : 0);
   const std::vector<Acquisition>& acquisitions = data.acquisitions;
   ModelEvaluation evaluated;
   evaluated.evaluation = study::evaluate(judged_by(model, acquisitions), acquisitions,

@@ -88,6 +88,18 @@ StudyJobs study_jobs(const EvaluateOptions& options, const std::vector<network::
   return jobs;
 }
 
+/// What the jobs that have no result yet are tested on.
+std::function<bool(const network::Acquisition&)> tested_by(const std::vector<study::Job>& jobs,
+                                                           const fs::path& folder) {
+  std::vector<study::Job> left;
+  const std::vector<study::JobStanding> standings = study::standings_of(jobs, folder);
+  for (std::size_t i = 0; i < jobs.size(); ++i)
+    if (standings[i].state != study::JobState::done) left.push_back(jobs[i]);
+  return [left](const network::Acquisition& acquisition) {
+    return std::ranges::any_of(left, [&](const study::Job& job) { return is_test_of(job, acquisition); });
+  };
+}
+
 void announce(const EvaluateOptions& options, const StudyJobs& jobs, const dataset::Acquisitions& data,
               const FrameMemory& memory, int workers) {
   const bool simulated = any_simulated(data.acquisitions);
@@ -180,10 +192,11 @@ ExitCode run_study(const EvaluateOptions& options) {
   if (options.shard) study::shard_from(*options.shard);  // refuses before sessions are read
   const int workers = workers_of(options);
   FrameMemory memory(options.frame_memory, options.output);
-  const dataset::Acquisitions data = memory.read(session_options(options), bytes_beside_a_frame(workers));
+  dataset::Acquisitions data = memory.read(session_options(options), bytes_beside_a_frame(workers));
   const StudyJobs jobs = study_jobs(options, data.acquisitions);
   const fs::path folder = options.output / "results";
   announce(options, jobs, data, memory, workers);
+  memory.run_estimators(data, options.json, tested_by(jobs.chosen, folder));
   watch_interrupts();
   StudyProgress progress(options.json);
   const bool finished =
@@ -213,7 +226,8 @@ ExitCode draw_complete_study(const EvaluateOptions& options) {
 ExitCode renew_baselines(const EvaluateOptions& options) {
   require_results_folder(options);
   const fs::path folder = options.output / "results";
-  const dataset::Acquisitions data = read_data(session_options(options));
+  dataset::Acquisitions data = read_data(session_options(options));
+  run_estimators(data, options.json, all_of_them);
   const study::RenewedBaselines renewed = study::renew_baselines(folder, data.acquisitions);
   if (options.json)
     print_json({{"event", "baselines"}, {"results", renewed.results}, {"changed", renewed.changed}});

@@ -58,6 +58,13 @@ dataset::Acquisitions FrameMemory::read(SessionOptions options, std::uint64_t by
   return data;
 }
 
+void FrameMemory::run_estimators(dataset::Acquisitions& data, bool json,
+                                 const std::function<bool(const network::Acquisition&)>& is_wanted,
+                                 int bound_frames) const {
+  const ArraysOfReading on_disk(folder_.folder, bytes_);
+  app::run_estimators(data, json, is_wanted, bound_frames);
+}
+
 std::string FrameMemory::text() const {
   const std::uint64_t in_memory = store_.bytes_in_memory(), on_disk = store_.bytes_on_disk();
   if (on_disk == 0)

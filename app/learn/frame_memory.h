@@ -21,6 +21,11 @@ class FrameMemory {
   /// Reads as read_data(). The network takes so many bytes a frame beside the pixels.
   dataset::Acquisitions read(SessionOptions options, std::uint64_t bytes_beside_a_frame);
 
+  /// Runs estimators as run_estimators() does, with what memory the frames leave.
+  void run_estimators(dataset::Acquisitions& data, bool json,
+                      const std::function<bool(const network::Acquisition&)>& is_wanted,
+                      int bound_frames = 0) const;
+
   /// Where the frames lie, and how much memory they may take: a line.
   std::string text() const;
   /// For programs: adds `memory_bytes`, `frames_in_memory_bytes` and `frames_on_disk_bytes`.

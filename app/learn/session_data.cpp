@@ -18,8 +18,7 @@ namespace fs = std::filesystem;
 
 dataset::Acquisitions read_files(const std::vector<fs::path>& files, const SessionOptions& options) {
   ReadingProgress progress(options.json, ReadingProgress::Elsewhere::lines);
-  return dataset::read_acquisitions(files, options.estimates, std::ref(progress), options.label,
-                                    options.bound_frames, options.store);
+  return dataset::read_acquisitions(files, std::ref(progress), options.label, options.store);
 }
 
 std::vector<std::string> files_of(const std::vector<dataset::BadSession>& bad) {
@@ -72,6 +71,12 @@ dataset::Acquisitions read_data(const SessionOptions& options) {
   require_good(data.bad, options.accept_bad);
   if (!options.json) tell_choice(data);
   return data;
+}
+
+void run_estimators(dataset::Acquisitions& data, bool json,
+                    const std::function<bool(const network::Acquisition&)>& is_wanted, int bound_frames) {
+  ReadingProgress progress(json, ReadingProgress::Elsewhere::lines, "running estimators over sessions");
+  dataset::run_estimators_over(data, is_wanted, bound_frames, std::ref(progress));
 }
 
 void add_choice_to(nlohmann::json& object, const dataset::Acquisitions& data) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <nlohmann/json_fwd.hpp>
 #include <vector>
 
@@ -15,9 +16,7 @@ struct SessionOptions {
   const std::vector<std::filesystem::path>& paths;  // files, or folders that hold them
   bool accept_bad = false;                          // a verdict "bad" is no reason to refuse
   bool json = false;                                // nothing is printed
-  dataset::Estimates estimates = dataset::Estimates::made;
   Label label = Label::commanded;
-  int bound_frames = 0;                  // of the windows whose bounds are wanted
   dataset::FrameStore* store = nullptr;  // takes pixels as soon as they are read
 };
 
@@ -25,6 +24,16 @@ struct SessionOptions {
 /// left out, since they were recorded for calibrations, and which are bad, but were accepted. Throws as
 /// dataset does, Error(check_failed) for a bad one, Error(bad_usage) where all are for calibrations.
 dataset::Acquisitions read_data(const SessionOptions& options);
+
+/// Runs the estimators that need no network over those of the sessions `is_wanted`, telling on a terminal how
+/// far it is. Throws as dataset::run_estimators_over().
+void run_estimators(dataset::Acquisitions& data, bool json,
+                    const std::function<bool(const network::Acquisition&)>& is_wanted, int bound_frames = 0);
+
+/// For run_estimators().
+inline bool all_of_them(const network::Acquisition&) {
+  return true;
+}
 
 /// Throws Error(check_failed), naming the first of the bad sessions, unless they are accepted.
 void require_good(const std::vector<dataset::BadSession>& bad, bool accepted);

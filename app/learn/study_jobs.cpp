@@ -96,7 +96,6 @@ ExitCode list_jobs(const EvaluateOptions& options) {
   require_results_folder(options);
   SessionOptions sessions = session_options(options);
   sessions.json = true;  // lines are for programs, and for nothing but jobs
-  sessions.estimates = dataset::Estimates::left_out;
   const std::vector<study::Job> jobs = jobs_of_study(options, read_data(sessions).acquisitions);
   const std::vector<study::JobStanding> standings = study::standings_of(jobs, options.output / "results");
   for (std::size_t i = 0; i < jobs.size(); ++i) print_standing(jobs[i], standings[i], options.json);

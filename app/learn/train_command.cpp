@@ -132,7 +132,6 @@ class Run {
     dataset::Acquisitions data = memory_.read({.paths = options_.paths,
                                                .accept_bad = options_.accept_bad,
                                                .json = options_.json,
-                                               .estimates = dataset::Estimates::left_out,
                                                .label = label_named(options_.label)},
                                               config_.shape.pixels() * sizeof(float));
     training::check_data(config_, data.acquisitions);

@@ -88,7 +88,7 @@ class SessionExport {
   }
 
   network::Acquisition acquisition() const {
-    return dataset::acquisition_of(session_, dataset::name_of(session_), dataset::Estimates::left_out);
+    return dataset::acquisition_of(session_, dataset::name_of(session_));
   }
 
   void add_csv() {

@@ -7,14 +7,14 @@ namespace thermorig::app {
 namespace {
 
 TEST(ReadingProgress, TellsHowLongTheRestWillTakeIfItIsAsSlowAsWhatWasRead) {
-  EXPECT_EQ(reading_text(10, 40, 20.0), "reading sessions: 10 of 40, 1 min 0 s left");
-  EXPECT_EQ(reading_text(1, 241, 10.0), "reading sessions: 1 of 241, 40 min 0 s left");
+  EXPECT_EQ(reading_text("reading sessions", 10, 40, 20.0), "reading sessions: 10 of 40, 1 min 0 s left");
+  EXPECT_EQ(reading_text("reading sessions", 1, 241, 10.0), "reading sessions: 1 of 241, 40 min 0 s left");
 }
 
 TEST(ReadingProgress, TellsNoTimeBeforeThereIsOneToGoBy) {
-  EXPECT_EQ(reading_text(0, 40, 20.0), "reading sessions: 0 of 40");
-  EXPECT_EQ(reading_text(3, 40, 0.9), "reading sessions: 3 of 40");
-  EXPECT_EQ(reading_text(40, 40, 80.0), "reading sessions: 40 of 40");
+  EXPECT_EQ(reading_text("reading sessions", 0, 40, 20.0), "reading sessions: 0 of 40");
+  EXPECT_EQ(reading_text("reading sessions", 3, 40, 0.9), "reading sessions: 3 of 40");
+  EXPECT_EQ(reading_text("reading sessions", 40, 40, 80.0), "reading sessions: 40 of 40");
 }
 
 TEST(ReadingProgress, SaysNothingWithJson) {

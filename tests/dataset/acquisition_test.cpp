@@ -20,7 +20,9 @@ Session made_session() {
 }
 
 Acquisition acquired(const Session& session) {
-  return acquisition_of(session, "garden_acq-02");
+  Acquisition acquisition = acquisition_of(session, "garden_acq-02");
+  add_estimates(acquisition, session);
+  return acquisition;
 }
 
 std::vector<float> rates(const Acquisition& acquisition, const std::string& estimator) {
@@ -58,9 +60,7 @@ TEST(Acquisition, TakesTheCommandedSpeedForItsLabel) {
 
 TEST(Acquisition, TakesTheLabelThatIsAskedForAndTheShaftBesideIt) {
   const Session session = made_session();
-  const auto with = [&](Label label) {
-    return acquisition_of(session, "garden_acq-02", Estimates::left_out, label);
-  };
+  const auto with = [&](Label label) { return acquisition_of(session, "garden_acq-02", label); };
   EXPECT_EQ(with(Label::corrected).label_dps[100], session.samples[100].rate_corrected_dps);
   EXPECT_EQ(with(Label::shaft).label_dps[100], session.samples[100].rate_shaft_dps);
   EXPECT_EQ(with(Label::shaft).label, Label::shaft);
@@ -69,9 +69,7 @@ TEST(Acquisition, TakesTheLabelThatIsAskedForAndTheShaftBesideIt) {
 
 TEST(Acquisition, IsKnownByOneHashWhateverItsLabelAndByAnotherAsItIsLearnt) {
   Session session = made_session();
-  const auto with = [&](Label label) {
-    return acquisition_of(session, "garden_acq-02", Estimates::left_out, label);
-  };
+  const auto with = [&](Label label) { return acquisition_of(session, "garden_acq-02", label); };
   const Acquisition commanded = with(Label::commanded), corrected = with(Label::corrected);
   EXPECT_EQ(corrected.hash, commanded.hash);
   EXPECT_EQ(commanded.learnt_hash(), commanded.hash);
@@ -85,9 +83,7 @@ TEST(Acquisition, IsKnownByOneHashWhateverItsLabelAndByAnotherAsItIsLearnt) {
 TEST(Acquisition, TakesNoFrameForValidWhoseLabelIsNoSpeed) {
   Session session = made_session();
   session.samples[100].rate_corrected_dps = std::numeric_limits<float>::quiet_NaN();
-  const auto run = [&](Label label) {
-    return acquisition_of(session, "garden_acq-02", Estimates::left_out, label).run[100];
-  };
+  const auto run = [&](Label label) { return acquisition_of(session, "garden_acq-02", label).run[100]; };
   EXPECT_EQ(run(Label::commanded), 2U);
   EXPECT_EQ(run(Label::corrected), 0U);
 }
@@ -139,8 +135,8 @@ TEST(Acquisition, HoldsWhatAnEstimatorFindsOfLongerWindowsAtOnceBehindAllOthers)
 
 TEST(Acquisition, HasBoundsOnlyWhereTheyWereAskedForAndNoneWithoutAPanorama) {
   EXPECT_TRUE(acquired(made_session()).bound_dps.empty());
-  const Acquisition acquisition =
-      acquisition_of(made_session(), "garden_acq-02", Estimates::left_out, Label::commanded, 3);
+  Acquisition acquisition = acquired(made_session());
+  add_estimates(acquisition, made_session(), 3);
   EXPECT_EQ(acquisition.bound_frames, 3);
   ASSERT_EQ(acquisition.bound_dps.size(), acquisition.frames());
   for (const float bound_dps : acquisition.bound_dps) EXPECT_TRUE(std::isnan(bound_dps));

@@ -71,7 +71,7 @@ TEST_F(Sessions, AreSortedByEnvironmentAndNumberNotByFile) {
   write("c.h5", "garden", 9, 3);
   std::size_t calls = 0, last = 0;
   const auto acquisitions =
-      read_acquisitions(find_sessions({folder_}), Estimates::made, [&](std::size_t done, std::size_t all) {
+      read_acquisitions(find_sessions({folder_}), [&](std::size_t done, std::size_t all) {
         ++calls;
         last = done;
         EXPECT_EQ(all, 3U);
@@ -85,18 +85,37 @@ TEST_F(Sessions, AreSortedByEnvironmentAndNumberNotByFile) {
   EXPECT_EQ(read_acquisition(path("b.h5")).hash, acquisitions[1].hash);
 }
 
-TEST_F(Sessions, AreReadForATrainingWithoutTheEstimatorsAndHaveTheSameHash) {
+TEST_F(Sessions, HaveEstimatesOnceTheyAreWanted) {
+  write("a.h5", "kitchen", 2, 1);
+  write("b.h5", "kitchen", 1, 2);
+  Acquisitions read = read_acquisitions(find_sessions({folder_}));
+  EXPECT_TRUE(read.acquisitions[0].rates.empty());
+  std::size_t calls = 0;
+  run_estimators_over(
+      read, [](const network::Acquisition& acquisition) { return acquisition.number == 2; }, 0,
+      [&](std::size_t done, std::size_t all) { calls += done == 1 && all == 1 ? 1 : 100; });
+  EXPECT_EQ(calls, 1U);
+  EXPECT_TRUE(read.acquisitions[0].rates.empty());
+  network::Acquisition itself = read_acquisition(path("a.h5"));
+  add_estimates(itself, session::read_session(path("a.h5")));
+  ASSERT_EQ(read.acquisitions[1].rates.size(), itself.rates.size());
+  EXPECT_EQ(read.acquisitions[1].rates[0].name, itself.rates[0].name);
+}
+
+TEST_F(Sessions, WhoseFileIsAnotherOneByNowGetNoEstimates) {
   write("a.h5", "kitchen", 1, 1);
-  const auto judged = read_acquisitions({path("a.h5")}, Estimates::made).acquisitions;
-  const auto learnt = read_acquisitions({path("a.h5")}, Estimates::left_out).acquisitions;
-  EXPECT_EQ(learnt.at(0).hash, judged.at(0).hash);
-  EXPECT_TRUE(learnt.at(0).rates.empty());
-  EXPECT_FALSE(judged.at(0).rates.empty());
+  Acquisitions read = read_acquisitions(find_sessions({folder_}));
+  fs::remove(path("a.h5"));
+  write("a.h5", "kitchen", 1, 2);
+  const Error error =
+      refusal([&] { run_estimators_over(read, [](const network::Acquisition&) { return true; }); });
+  EXPECT_EQ(error.code(), ExitCode::not_a_session);
+  EXPECT_EQ(error.where(), path("a.h5").string());
 }
 
 TEST_F(Sessions, AreReadWithTheLabelThatIsLearnt) {
   write("a.h5", "kitchen", 1, 1);
-  const auto read = read_acquisitions({path("a.h5")}, Estimates::left_out, {}, Label::corrected).acquisitions;
+  const auto read = read_acquisitions({path("a.h5")}, {}, Label::corrected).acquisitions;
   EXPECT_EQ(read.at(0).label, Label::corrected);
   EXPECT_EQ(read.at(0).hash, read_acquisition(path("a.h5")).hash);
 }
@@ -104,7 +123,7 @@ TEST_F(Sessions, AreReadWithTheLabelThatIsLearnt) {
 TEST_F(Sessions, ThatHoldTheSameRecordingAreRefused) {
   write("a.h5", "kitchen", 1, 1);
   write("copy.h5", "kitchen", 2, 1);
-  const Error error = refusal([&] { read_acquisitions(find_sessions({folder_}), Estimates::made); });
+  const Error error = refusal([&] { read_acquisitions(find_sessions({folder_})); });
   EXPECT_EQ(error.code(), ExitCode::not_a_session);
   EXPECT_NE(error.what_happened().find("a.h5"), std::string::npos);
 }
@@ -118,7 +137,7 @@ TEST_F(Sessions, TheFirstDamagedOneIsNamed) {
     write_file(path(name), bytes);
   }
   for (int trial = 0; trial < 5; ++trial) {
-    const Error error = refusal([&] { read_acquisitions(find_sessions({folder_}), Estimates::made); });
+    const Error error = refusal([&] { read_acquisitions(find_sessions({folder_})); });
     EXPECT_EQ(error.code(), ExitCode::not_a_session);
     EXPECT_EQ(error.where(), path("b.h5").string());
   }
@@ -130,7 +149,7 @@ TEST_F(Sessions, OfCalibrationsAreLeftOut) {
   const fs::path left_out = write("a.h5", calibration);
   write("b.h5", made("calibration", 2, 2));  // the name of a place says nothing
   write("copy.h5", calibration);
-  const Acquisitions read = read_acquisitions(find_sessions({folder_}), Estimates::made);
+  const Acquisitions read = read_acquisitions(find_sessions({folder_}));
   EXPECT_EQ(read.for_calibration, (std::vector<fs::path>{left_out, path("copy.h5")}));
   ASSERT_EQ(read.acquisitions.size(), 1U);
   EXPECT_EQ(read.acquisitions[0].name, "calibration_acq-02");
@@ -150,7 +169,7 @@ TEST_F(Sessions, OfABadVerdictAreNamedWithItsReasons) {
   ASSERT_NE(session::quality_of(good).verdict, "bad") << session::quality_of(good).verdict_reasons.front();
   write("a.h5", good);
   const fs::path file = write("b.h5", bad);
-  const Acquisitions read = read_acquisitions(find_sessions({folder_}), Estimates::made);
+  const Acquisitions read = read_acquisitions(find_sessions({folder_}));
   EXPECT_EQ(read.acquisitions.size(), 2U);
   ASSERT_EQ(read.bad.size(), 1U);
   EXPECT_EQ(read.bad[0].file, file);

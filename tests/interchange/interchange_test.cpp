@@ -19,8 +19,7 @@ using session::SyntheticSession;
 
 TEST(Interchange, HoldsNoMoreThanAPieceOfAFileInMemory) {
   const Session session = SyntheticSession(1500, 1).take();
-  const network::Acquisition acquisition =
-      dataset::acquisition_of(session, "garden_acq-01", dataset::Estimates::left_out);
+  const network::Acquisition acquisition = dataset::acquisition_of(session, "garden_acq-01");
   TextSink rows, windows, mcap, csv;
   write_rows_npz(session, rows);
   write_windows_npz(session, acquisition, {.frames = 2}, windows);

@@ -186,8 +186,7 @@ void take_label(Acquisition& acquisition, const std::vector<LabelledSample>& sam
 
 }  // namespace
 
-Acquisition acquisition_of(const session::Session& session, const std::string& name, Estimates estimates,
-                           Label label, int bound_frames) {
+Acquisition acquisition_of(const session::Session& session, const std::string& name, Label label) {
   const RecordingHeader& header = session.raw.header;
   const session::Place place = session::place_of(session);
   Acquisition acquisition{.name = name,
@@ -197,14 +196,16 @@ Acquisition acquisition_of(const session::Session& session, const std::string& n
                           .licence = header.licence.empty() ? "not stated" : header.licence};
   append_samples(acquisition, session);
   network::clear_unsound_frames(acquisition);
-  if (estimates == Estimates::made) acquisition.rates = rates_without_network(session);
-  if (bound_frames > 0) {
-    acquisition.bound_dps = rate_bounds(session, bound_frames);
-    acquisition.bound_frames = bound_frames;
-  }
   acquisition.hash = data_hash(acquisition);
   take_label(acquisition, session.samples, label);
   return acquisition;
+}
+
+void add_estimates(Acquisition& acquisition, const session::Session& session, int bound_frames) {
+  acquisition.rates = rates_without_network(session);
+  if (bound_frames <= 0) return;
+  acquisition.bound_dps = rate_bounds(session, bound_frames);
+  acquisition.bound_frames = bound_frames;
 }
 
 void require_label(const session::Session& session, Label label, const std::filesystem::path& file) {

@@ -14,22 +14,17 @@ namespace {
 namespace fs = std::filesystem;
 using network::Acquisition;
 
-Acquisition acquisition_in(const session::Session& session, Estimates estimates,
-                           Label label = Label::commanded, int bound_frames = 0) {
-  return acquisition_of(session, name_of(session), estimates, label, bound_frames);
-}
-
 /// What became of one file.
 struct FileRead {
   std::optional<Acquisition> acquisition;  // none: its session is for a calibration
   std::optional<BadSession> bad;
 };
 
-FileRead read_file(const fs::path& path, Estimates estimates, Label label, int bound_frames) {
+FileRead read_file(const fs::path& path, Label label) {
   const session::Session session = session::read_session(path);
   if (session::is_for_calibration(session.raw.header)) return {};
   require_label(session, label, path);
-  return {acquisition_in(session, estimates, label, bound_frames), bad_session(session, path)};
+  return {acquisition_of(session, name_of(session), label), bad_session(session, path)};
 }
 
 /// Of what was read, only pixels are much.
@@ -49,22 +44,38 @@ void refuse_copies(const std::vector<FileRead>& reads, const std::vector<fs::pat
   }
 }
 
-void sort_by_name(std::vector<Acquisition>& acquisitions) {
-  const auto key = [](const Acquisition& a) { return std::tie(a.environment, a.number, a.name, a.hash); };
-  std::sort(acquisitions.begin(), acquisitions.end(),
-            [&](const Acquisition& a, const Acquisition& b) { return key(a) < key(b); });
+/// The places of those that are not for calibrations, by environment, number, name.
+std::vector<std::size_t> order_of(const std::vector<FileRead>& reads) {
+  std::vector<std::size_t> order;
+  for (std::size_t index = 0; index < reads.size(); ++index)
+    if (reads[index].acquisition) order.push_back(index);
+  std::sort(order.begin(), order.end(), [&](std::size_t one, std::size_t other) {
+    const Acquisition &a = *reads[one].acquisition, &b = *reads[other].acquisition;
+    return std::tie(a.environment, a.number, a.name, a.hash) <
+           std::tie(b.environment, b.number, b.name, b.hash);
+  });
+  return order;
 }
 
 Acquisitions sorted_out(std::vector<FileRead> reads, const std::vector<fs::path>& files) {
   Acquisitions sorted;
-  for (std::size_t index = 0; index < files.size(); ++index) {
-    FileRead& read = reads[index];
-    if (!read.acquisition) sorted.for_calibration.push_back(files[index]);
-    if (read.acquisition) sorted.acquisitions.push_back(std::move(*read.acquisition));
-    if (read.bad) sorted.bad.push_back(std::move(*read.bad));
+  for (const std::size_t index : order_of(reads)) {
+    sorted.acquisitions.push_back(std::move(*reads[index].acquisition));
+    sorted.files.push_back(files[index]);
   }
-  sort_by_name(sorted.acquisitions);
+  for (std::size_t index = 0; index < files.size(); ++index) {
+    if (!reads[index].acquisition) sorted.for_calibration.push_back(files[index]);
+    if (reads[index].bad) sorted.bad.push_back(std::move(*reads[index].bad));
+  }
   return sorted;
+}
+
+void run_estimators_over(Acquisition& acquisition, const fs::path& file, int bound_frames) {
+  const session::Session session = session::read_session(file);
+  if (acquisition_of(session, acquisition.name).hash != acquisition.hash)
+    throw Error(ExitCode::not_a_session, "holds another recording than a moment ago", file.string(),
+                "run the command again, and leave its sessions alone while it runs");
+  add_estimates(acquisition, session, bound_frames);
 }
 
 }  // namespace
@@ -76,22 +87,35 @@ std::optional<BadSession> bad_session(const session::Session& session, const fs:
 }
 
 Acquisition read_acquisition(const fs::path& path) {
-  return acquisition_in(session::read_session(path), Estimates::made);
+  const session::Session session = session::read_session(path);
+  return acquisition_of(session, name_of(session));
 }
 
-Acquisitions read_acquisitions(const std::vector<fs::path>& files, Estimates estimates,
-                               const ReadingProgress& progress, Label label, int bound_frames,
-                               FrameStore* store) {
+Acquisitions read_acquisitions(const std::vector<fs::path>& files, const ReadingProgress& progress,
+                               Label label, FrameStore* store) {
   std::vector<FileRead> reads(files.size());
   for_each_file(
       files.size(),
       [&](std::size_t index) {
-        reads[index] = read_file(files[index], estimates, label, bound_frames);
+        reads[index] = read_file(files[index], label);
         take_pixels(reads[index], store);
       },
       progress);
   refuse_copies(reads, files);
   return sorted_out(std::move(reads), files);
+}
+
+void run_estimators_over(Acquisitions& data, const std::function<bool(const Acquisition&)>& is_wanted,
+                         int bound_frames, const ReadingProgress& progress) {
+  std::vector<std::size_t> wanted;
+  for (std::size_t i = 0; i < data.acquisitions.size(); ++i)
+    if (is_wanted(data.acquisitions[i])) wanted.push_back(i);
+  for_each_file(
+      wanted.size(),
+      [&](std::size_t i) {
+        run_estimators_over(data.acquisitions[wanted[i]], data.files[wanted[i]], bound_frames);
+      },
+      progress);
 }
 
 }  // namespace thermorig::dataset

@@ -23,11 +23,14 @@ constexpr std::size_t kept_angle_points = 120;  // a result stays small
 
 }  // namespace
 
+bool is_test_of(const Job& job, const Acquisition& acquisition) {
+  return acquisition.name == job.test && acquisition.hash == job.test_hash;
+}
+
 const Acquisition& left_out_of(const Job& job, std::span<const Acquisition> acquisitions) {
   const auto found =
-      std::find_if(acquisitions.begin(), acquisitions.end(), [&](const Acquisition& acquisition) {
-        return acquisition.name == job.test && acquisition.hash == job.test_hash;
-      });
+      std::find_if(acquisitions.begin(), acquisitions.end(),
+                   [&](const Acquisition& acquisition) { return is_test_of(job, acquisition); });
   if (found == acquisitions.end()) refuse(job, "the acquisition to be tested on is not among the sessions");
   if (found->label != job.label)
     throw Error(ExitCode::bad_usage,

@@ -15,16 +15,16 @@
 
 namespace thermorig::dataset {
 
-/// Whether the estimators that need no network run over a session when it is read. A training looks at none.
-enum class Estimates : std::uint8_t { left_out, made };
-
 /// What training and evaluation need of a session. Frames that no network may see (a label, gyro mean or
 /// pixel that is no sound number) are in no run, whatever the file says. The session's samples are one a
-/// frame, in order. A label that a file of an older format lacks is NaN: see require_label().
-/// `bound_frames`: of windows of so many frames the bounds too; 0: none.
+/// frame, in order. A label that a file of an older format lacks is NaN: see require_label(). There are no
+/// estimates in it.
 network::Acquisition acquisition_of(const session::Session& session, const std::string& name,
-                                    Estimates estimates = Estimates::made, Label label = Label::commanded,
-                                    int bound_frames = 0);
+                                    Label label = Label::commanded);
+
+/// Adds what the estimators that need no network say of the session that the acquisition is of.
+/// `bound_frames`: of windows of so many frames the bounds too; 0: none.
+void add_estimates(network::Acquisition& acquisition, const session::Session& session, int bound_frames = 0);
 
 /// Throws Error(check_failed) where the session is of a format before that label.
 void require_label(const session::Session& session, Label label, const std::filesystem::path& file);
@@ -60,6 +60,7 @@ using ReadingProgress = std::function<void(std::size_t done, std::size_t all)>;
 /// What files hold for training and evaluation.
 struct Acquisitions {
   std::vector<network::Acquisition> acquisitions;      // sorted by environment, number, name
+  std::vector<std::filesystem::path> files;            // one each of those
   std::vector<std::filesystem::path> for_calibration;  // left out; in the order of the files
   std::vector<BadSession> bad;                         // not left out; in the order of the files
 };
@@ -67,8 +68,15 @@ struct Acquisitions {
 /// Reads all of them, on all cores, with that label; `store` takes the pixels of each as soon as it is read,
 /// null: they stay in memory. Throws Error(not_a_session) also where two files hold the same recording, and
 /// as require_label() and FrameStore::take().
-Acquisitions read_acquisitions(const std::vector<std::filesystem::path>& files, Estimates estimates,
+Acquisitions read_acquisitions(const std::vector<std::filesystem::path>& files,
                                const ReadingProgress& progress = {}, Label label = Label::commanded,
-                               int bound_frames = 0, FrameStore* store = nullptr);
+                               FrameStore* store = nullptr);
+
+/// Reads the files of those acquisitions `is_wanted` again and adds their estimates, on all cores: minutes
+/// for many sessions, so what can be refused is refused before. Throws Error(not_a_session) for a file that
+/// holds another recording by now.
+void run_estimators_over(Acquisitions& data,
+                         const std::function<bool(const network::Acquisition&)>& is_wanted,
+                         int bound_frames = 0, const ReadingProgress& progress = {});
 
 }  // namespace thermorig::dataset

@@ -90,6 +90,10 @@ struct JobResult {
 /// and settings outside the network's.
 std::vector<Job> jobs_of(const StudyConfig& config, std::span<const network::Acquisition> acquisitions);
 
+/// Is it the acquisition that the job is tested on? Of that one run_job() takes the estimates without a
+/// network.
+bool is_test_of(const Job& job, const network::Acquisition& acquisition);
+
 /// Trains on all acquisitions but the job's, and tests on that one, both with the job's label. Deterministic
 /// but for `seconds`. Throws Error(bad_usage) if the acquisitions are not those that the job was made of.
 /// Nothing if `observer.stop` ended the training early.
