@@ -185,6 +185,21 @@ TEST(FrameGaps, AreWhereTwoHalvesWereMissedThoughTheFrameAfterThemWasReadLate) {
   expect_each_where_it_is(scene);
 }
 
+TEST(FrameGaps, AreWhereTwoHalvesWereMissedThoughTheFrameBeforeThemWasReadLate) {
+  for (const double periods : {0.58, 0.9}) {
+    Scene scene = scene_without_halves({40, 41, 43, 44});
+    read_late(scene, {{39, periods}});
+    expect_each_where_it_is(scene);
+  }
+}
+
+TEST(FrameGaps, AreUnknownWhereTheLastFrameMayBeLateOnly) {
+  Scene scene = scene_without_halves({197, 198});
+  const auto gaps = find_gaps(scene.frames, slow_period_s, CameraMode::half_fresh);
+  EXPECT_EQ(missing_in_all(gaps), 0U);
+  EXPECT_TRUE(gaps.back().late);
+}
+
 TEST(FrameGaps, AreWhereABridgeMissedAHalfShortlyBeforeTheEnd) {
   expect_each_where_it_is(scene_without_halves({197}));
 }
