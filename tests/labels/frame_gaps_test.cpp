@@ -185,6 +185,29 @@ TEST(FrameGaps, AreWhereTwoHalvesWereMissedThoughTheFrameAfterThemWasReadLate) {
   expect_each_where_it_is(scene);
 }
 
+TEST(FrameGaps, AreWhereTwoHalvesWereMissedThoughTheFrameBeforeThemWasReadLate) {
+  for (const double periods : {0.58, 0.9}) {
+    Scene scene = scene_without_halves({40, 41, 43, 44});
+    read_late(scene, {{39, periods}});
+    expect_each_where_it_is(scene);
+  }
+}
+
+/// A repeated frame, one with both halves after it, and then one half: which one is due nobody knows.
+TEST(FrameGaps, AreWhereAHalfWasMissedAfterARepeatedFrame) {
+  Scene scene = scene_without_halves({44, 46});
+  scene.frames[42].fresh_even = scene.frames[42].fresh_odd = 0;
+  scene.frames[43].fresh_even = scene.frames[43].fresh_odd = half;
+  expect_each_where_it_is(scene);
+}
+
+TEST(FrameGaps, AreUnknownWhereTheLastFrameMayBeLateOnly) {
+  Scene scene = scene_without_halves({197, 198});
+  const auto gaps = find_gaps(scene.frames, slow_period_s, CameraMode::half_fresh);
+  EXPECT_EQ(missing_in_all(gaps), 0U);
+  EXPECT_TRUE(gaps.back().late);
+}
+
 TEST(FrameGaps, AreWhereABridgeMissedAHalfShortlyBeforeTheEnd) {
   expect_each_where_it_is(scene_without_halves({197}));
 }

@@ -73,16 +73,29 @@ int claimed_soon(const std::vector<HalvesWitness>& witnesses, std::size_t after)
   return claimed;
 }
 
+/// Whether more is missing before one of the next frames, by their time, or may be, since none come.
+bool may_rise_soon(const std::vector<double>& levels, std::size_t from, double period_s) {
+  if (from + confirming_frames > levels.size()) return true;
+  return levels[from + soon_frames] - levels[from] > late_limit_periods * period_s;
+}
+
+/// What may be missing before one of the next frames rather than here.
+struct Soon {
+  int claimed = 0;        // how many of them say by their halves that something is
+  bool may_rise = false;  // their time says it
+};
+
 /// The time says how many are missing, and the halves say where: an even number where they take turns, an odd
 /// one where the same half comes again. What fits here may be missing before one of the next frames, where
 /// these say so.
-std::uint16_t missing_here(int owed, HalvesWitness halves, int claimed, bool is_late) {
+std::uint16_t missing_here(int owed, HalvesWitness halves, const Soon& soon, bool is_late) {
+  const bool may_wait = soon.claimed > 0 || soon.may_rise;
   int missing = owed;
   if (halves == HalvesWitness::none_missing && is_late)
-    missing = std::max(0, owed - claimed) / 2 * 2;
-  else if (halves == HalvesWitness::none_missing && claimed > 0)
+    missing = std::max(0, owed - soon.claimed) / 2 * 2;
+  else if (halves == HalvesWitness::none_missing && may_wait)
     missing = owed / 2 * 2;
-  else if (halves == HalvesWitness::due_half_missing && claimed > 0 && owed > 0)
+  else if (halves == HalvesWitness::due_half_missing && may_wait && owed > 0)
     missing = (owed - 1) / 2 * 2 + 1;
   const int least = halves == HalvesWitness::frames_missing ? 1 : 0;
   return static_cast<std::uint16_t>(std::clamp(missing, least, static_cast<int>(most_missing)));
@@ -103,11 +116,12 @@ std::vector<FrameGap> find_gaps(const std::vector<TimedFrame>& frames, double pe
         i + confirming_frames <= frames.size() || witnesses[i] == HalvesWitness::due_half_missing;
     // Reads that come late before a loss share its step among them.
     const double risen_s = levels[i] - settled_s;
+    const Soon soon{claimed_soon(witnesses, i), may_rise_soon(levels, i, period_s)};
     const int lost = is_told ? whole_periods(risen_s / period_s) : 0;
     settled_s += lost * period_s + schedule_gain * (risen_s - lost * period_s);
     owed += lost;
-    gaps[i].late = delays[i] - levels[i] > late_limit_periods * period_s;
-    gaps[i].missing = missing_here(owed, witnesses[i], claimed_soon(witnesses, i), gaps[i].late);
+    gaps[i].late = delays[i] - (is_told ? levels[i] : settled_s) > late_limit_periods * period_s;
+    gaps[i].missing = missing_here(owed, witnesses[i], soon, gaps[i].late);
     owed -= gaps[i].missing;
   }
   return gaps;

@@ -9,8 +9,9 @@ HalvesWitness HalvesOrder::push(const Freshness& freshness) {
   const Freshness before = std::exchange(before_, freshness);
   if (before.none_fresh() || freshness.none_fresh()) return HalvesWitness::unsure;
   if (freshness.both_fresh()) return HalvesWitness::frames_missing;
-  const bool is_same = before.one_fresh() && before.even_fresh() == freshness.even_fresh();
-  return is_same ? HalvesWitness::due_half_missing : HalvesWitness::none_missing;
+  if (before.both_fresh()) return HalvesWitness::unsure;
+  return before.even_fresh() == freshness.even_fresh() ? HalvesWitness::due_half_missing
+                                                       : HalvesWitness::none_missing;
 }
 
 void ModeVote::push(const Freshness& freshness) {

@@ -15,7 +15,7 @@ using thermorig::Freshness;
 
 /// What the fresh halves of a half-fresh source say of what lies between a frame and the one before it.
 enum class HalvesWitness : std::uint8_t {
-  unsure,            // one of the two repeats the frame before it
+  unsure,            // one of the two repeats the frame before it, or that one brought both halves
   none_missing,      // the halves take turns
   due_half_missing,  // the same half again: the other one never came, as a frame or within one
   frames_missing,    // both at once: a frame with the older one never came
