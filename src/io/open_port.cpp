@@ -14,6 +14,7 @@
 #include <string>
 #include <thread>
 
+#include "exclusive.h"
 #include "thermorig/core/error.h"
 #include "thermorig/io/port.h"
 

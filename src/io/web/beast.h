@@ -3,6 +3,7 @@
 
 // The only place that includes Beast. Boost 1.74's awaitable.hpp uses std::exchange without including
 // <utility>, which g++ 12 no longer brings along: it has to come first.
+#include <utility>
 
 // Asio's fences are beyond ThreadSanitizer, which g++ warns about where they are inlined. The loop runs on
 // one thread; what it shares with others it shares through locks and atomics.
