@@ -13,7 +13,6 @@ constexpr double fewest_pixels = 40.0;
 constexpr int steps = 4;
 constexpr double longest_step_deg = 2.0;
 constexpr double fine_step_deg = 0.002, fine_held_step_deg = 0.01;  // then it is found
-constexpr double search_from_deg = 1.0;  // a heading that is known less well is searched for first
 constexpr double search_step_deg = 0.5;
 constexpr int most_search_steps = 40;  // to either side
 constexpr float huber = 3.0F;
@@ -240,7 +239,7 @@ void Alignment::fit_held(const View& view, const Slope& slope, Found& found) con
   for (int step = 0;; ++step) {
     const double step_deg = std::clamp(found.comparison.step_deg(), -longest_step_deg, longest_step_deg);
     found.azimuth_deg = at_deg + step_deg;
-    const double believed = view.trust_deg2 / (view.trust_deg2 + found.comparison.measured_deg2());
+    const double believed = view.trust_deg2 / (view.trust_deg2 + found.comparison.measured_deg2(true));
     const double next_deg = std::lerp(expected_deg, found.azimuth_deg, believed);
     if (step == steps || std::abs(next_deg - at_deg) < fine_held_step_deg) return;
     at_deg = next_deg;
@@ -265,7 +264,7 @@ Alignment::Found Alignment::find(const View& view, double azimuth_deg, double si
     found.comparison = comparison;
   }
   if (!(least_deg2 < 25.0)) return found;
-  if (view.is_held && sigma_deg <= search_from_deg)
+  if (view.is_held)
     fit_held(view, slope, found);
   else
     fit(view, slope, found);

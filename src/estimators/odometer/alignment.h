@@ -52,12 +52,16 @@ class Alignment {
     double variance_deg2() const {
       return known > least_known_share * steepness ? steepness / (known * known) : 1e9;
     }
-    /// Of the heading as measured: halves see the same errors of the map again and again.
-    double measured_deg2() const { return 1.44 * variance_deg2() + square(0.03); }
+    /// Of the heading as measured: halves see the same errors of the map again and again. One that is not
+    /// held follows its noise.
+    double measured_deg2(bool is_held) const {
+      return (is_held ? 1.15 : 1.44) * variance_deg2() + square(0.03);
+    }
     static constexpr double least_known_share = 0.25;
   };
   Comparison compare(const View& view, double azimuth_deg, const Slope& slope) const;
 
+  static constexpr double search_from_deg = 1.0;  // a heading that is known less well is searched for first
   struct Found {
     double azimuth_deg = 0.0;
     bool is_found = false;
