@@ -178,9 +178,11 @@ static void learn(odometer* s) {
   learn_of(s, &result);
   s->judged = (uint16_t)(s->judged + result.is_judged);
   if (result.is_judged && size_of(result.innovation_deg) > FAR_DEG) ++s->far;
-  if (is_over && is_false_map(s))
+  if (is_over && is_false_map(s)) {
     begin_anew(s);
-  else if (s->nis > NIS_LOST && s->pass > 0 && s->pass < MOST_PASSES)
+    return;
+  }
+  if (s->nis > NIS_LOST && s->pass > 0 && s->pass < MOST_PASSES)
     begin_pass_again(s);
   else if (s->nis <= NIS_LOST && is_over && has_settled(s))
     run_from_now(s);
