@@ -80,6 +80,15 @@ TEST(BoardOdometer, StartsAtRest) {
   EXPECT_NEAR(said.back().output.bias_dps, room.bias_dps, 0.1);
 }
 
+TEST(BoardOdometer, IsLessSureOfTheHeadingWhereGearsShakeTheGyro) {
+  auto all = seen_in(turning_room(60.0));
+  const Said still = said_of(all).back();
+  shake(all);
+  const Said shaken = said_of(all).back();
+  ASSERT_EQ(shaken.state, EstimateState::good);
+  EXPECT_GT(shaken.output.heading_sigma_deg, 1.2F * still.output.heading_sigma_deg);
+}
+
 TEST(BoardOdometer, SaysThatTheGyroIsFrozenAndFindsTheHeadingAgainInTheMap) {
   const Room room = turning_room(95.0);
   auto all = seen_in(room);

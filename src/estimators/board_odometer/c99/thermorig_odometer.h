@@ -38,7 +38,7 @@ extern "C" {
   232 /* bins that a half may look at: 115 degrees, and what it sweeps beside */
 
 /* RAM of a state, and what the stack needs at most. */
-#define THERMORIG_ODOMETER_STATE_BYTES 35164
+#define THERMORIG_ODOMETER_STATE_BYTES 35208
 #define THERMORIG_ODOMETER_STACK_BYTES 4400
 
 /* What is known of the rig beforehand: `thermorig export` writes it from a profile. */
@@ -109,6 +109,15 @@ typedef struct { /* whether the gyro's samples are what they should be */
   float saturated_s, unseen_deg2; /* a variance: of what nothing measured since the newest frame */
   uint8_t has_sample, was_away;   /* away: since a search on the circle began */
 } thermorig_odometer_gyro_watch;
+
+typedef struct { /* what the gyro's axes turned by in a short time */
+  float length_s, turned_deg[3];
+} thermorig_odometer_gyro_block;
+
+typedef struct { /* how far its noise lets the angle walk: a variance, in a second */
+  thermorig_odometer_gyro_block newest, last;
+  float walk_deg2;
+} thermorig_odometer_gyro_noise;
 
 typedef struct {
   float covariance[THERMORIG_ODOMETER_STATES * (THERMORIG_ODOMETER_STATES + 1) / 2]; /* a lower triangle */
@@ -182,11 +191,13 @@ typedef struct { /* filter and map together, and the half that is laid against i
       common_c;     /* what temperatures are differences from; what the newest half had in common */
   float in_map_deg; /* sigma of the heading against the map that is in view */
   int32_t halves;
+  int32_t is_trusted; /* the map: a half is looked for where the heading lets expect it */
 } thermorig_odometer_tracker;
 
 typedef struct {
   thermorig_odometer_profile profile;
   thermorig_odometer_gyro_watch watch;
+  thermorig_odometer_gyro_noise noise;
   thermorig_odometer_gyro_path path;
   thermorig_odometer_tracker tracker;
   /* the newest frame */
@@ -196,6 +207,7 @@ typedef struct {
   int32_t phase, pass, covered, to_trust;
   uint32_t pass_since_us, unfit_since_us, locating_since_us;
   float begun_bias_dps, begun_scale, begun_latency_s;
+  uint16_t judged, far; /* halves of the pass; those that lay far from where they were expected */
   float nis, lean, expected_sigma_deg, slowest_dps, fastest_dps;
   uint8_t has_seen, has_origin, is_unfit, is_doubted, is_explained;
 } thermorig_odometer_state;
