@@ -105,6 +105,7 @@ ExitCode evaluate_model(const EvaluateOptions& options) {
   FrameMemory memory(options.frame_memory, options.output.empty() ? options.model : options.output);
   dataset::Acquisitions data =
       memory.read(session_options(options), model.weights.shape.pixels() * sizeof(float));
+  const auto all_of_them = [](const Acquisition&) { return true; };
   memory.run_estimators(data, options.json, all_of_them, options.bound ? model.weights.shape.frames : 0);
   const std::vector<Acquisition>& acquisitions = data.acquisitions;
   ModelEvaluation evaluated;

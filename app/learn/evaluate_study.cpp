@@ -88,16 +88,25 @@ StudyJobs study_jobs(const EvaluateOptions& options, const std::vector<network::
   return jobs;
 }
 
-/// What the jobs that have no result yet are tested on.
-std::function<bool(const network::Acquisition&)> tested_by(const std::vector<study::Job>& jobs,
-                                                           const fs::path& folder) {
+/// What these jobs are tested on.
+dataset::IsWanted tested_by(std::vector<study::Job> jobs) {
+  return [jobs = std::move(jobs)](const network::Acquisition& acquisition) {
+    return std::ranges::any_of(jobs, [&](const study::Job& job) { return is_test_of(job, acquisition); });
+  };
+}
+
+std::vector<study::Job> without_result(const std::vector<study::Job>& jobs, const fs::path& folder) {
   std::vector<study::Job> left;
   const std::vector<study::JobStanding> standings = study::standings_of(jobs, folder);
   for (std::size_t i = 0; i < jobs.size(); ++i)
     if (standings[i].state != study::JobState::done) left.push_back(jobs[i]);
-  return [left](const network::Acquisition& acquisition) {
-    return std::ranges::any_of(left, [&](const study::Job& job) { return is_test_of(job, acquisition); });
-  };
+  return left;
+}
+
+std::vector<study::Job> with_result(const fs::path& folder) {
+  std::vector<study::Job> jobs;
+  for (const study::JobResult& result : study::read_results(folder)) jobs.push_back(result.job);
+  return jobs;
 }
 
 void announce(const EvaluateOptions& options, const StudyJobs& jobs, const dataset::Acquisitions& data,
@@ -196,7 +205,7 @@ ExitCode run_study(const EvaluateOptions& options) {
   const StudyJobs jobs = study_jobs(options, data.acquisitions);
   const fs::path folder = options.output / "results";
   announce(options, jobs, data, memory, workers);
-  memory.run_estimators(data, options.json, tested_by(jobs.chosen, folder));
+  memory.run_estimators(data, options.json, tested_by(without_result(jobs.chosen, folder)));
   watch_interrupts();
   StudyProgress progress(options.json);
   const bool finished =
@@ -226,8 +235,9 @@ ExitCode draw_complete_study(const EvaluateOptions& options) {
 ExitCode renew_baselines(const EvaluateOptions& options) {
   require_results_folder(options);
   const fs::path folder = options.output / "results";
+  const std::vector<study::Job> jobs = with_result(folder);  // refuses before sessions are read
   dataset::Acquisitions data = read_data(session_options(options));
-  run_estimators(data, options.json, all_of_them);
+  run_estimators(data, options.json, tested_by(jobs));
   const study::RenewedBaselines renewed = study::renew_baselines(folder, data.acquisitions);
   if (options.json)
     print_json({{"event", "baselines"}, {"results", renewed.results}, {"changed", renewed.changed}});

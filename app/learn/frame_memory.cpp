@@ -58,8 +58,7 @@ dataset::Acquisitions FrameMemory::read(SessionOptions options, std::uint64_t by
   return data;
 }
 
-void FrameMemory::run_estimators(dataset::Acquisitions& data, bool json,
-                                 const std::function<bool(const network::Acquisition&)>& is_wanted,
+void FrameMemory::run_estimators(dataset::Acquisitions& data, bool json, const dataset::IsWanted& is_wanted,
                                  int bound_frames) const {
   const ArraysOfReading on_disk(folder_.folder, bytes_);
   app::run_estimators(data, json, is_wanted, bound_frames);

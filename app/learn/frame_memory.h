@@ -22,8 +22,7 @@ class FrameMemory {
   dataset::Acquisitions read(SessionOptions options, std::uint64_t bytes_beside_a_frame);
 
   /// Runs estimators as run_estimators() does, with what memory the frames leave.
-  void run_estimators(dataset::Acquisitions& data, bool json,
-                      const std::function<bool(const network::Acquisition&)>& is_wanted,
+  void run_estimators(dataset::Acquisitions& data, bool json, const dataset::IsWanted& is_wanted,
                       int bound_frames = 0) const;
 
   /// Where the frames lie, and how much memory they may take: a line.

@@ -73,8 +73,8 @@ dataset::Acquisitions read_data(const SessionOptions& options) {
   return data;
 }
 
-void run_estimators(dataset::Acquisitions& data, bool json,
-                    const std::function<bool(const network::Acquisition&)>& is_wanted, int bound_frames) {
+void run_estimators(dataset::Acquisitions& data, bool json, const dataset::IsWanted& is_wanted,
+                    int bound_frames) {
   ReadingProgress progress(json, ReadingProgress::Elsewhere::lines, "running estimators over sessions");
   dataset::run_estimators_over(data, is_wanted, bound_frames, std::ref(progress));
 }

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <filesystem>
-#include <functional>
 #include <nlohmann/json_fwd.hpp>
 #include <vector>
 
@@ -25,15 +24,10 @@ struct SessionOptions {
 /// dataset does, Error(check_failed) for a bad one, Error(bad_usage) where all are for calibrations.
 dataset::Acquisitions read_data(const SessionOptions& options);
 
-/// Runs the estimators that need no network over those of the sessions `is_wanted`, telling on a terminal how
+/// Runs the estimators that need no network over the sessions that are wanted, telling on a terminal how
 /// far it is. Throws as dataset::run_estimators_over().
-void run_estimators(dataset::Acquisitions& data, bool json,
-                    const std::function<bool(const network::Acquisition&)>& is_wanted, int bound_frames = 0);
-
-/// For run_estimators().
-inline bool all_of_them(const network::Acquisition&) {
-  return true;
-}
+void run_estimators(dataset::Acquisitions& data, bool json, const dataset::IsWanted& is_wanted,
+                    int bound_frames = 0);
 
 /// Throws Error(check_failed), naming the first of the bad sessions, unless they are accepted.
 void require_good(const std::vector<dataset::BadSession>& bad, bool accepted);

@@ -12,9 +12,9 @@ namespace thermorig::app {
 /// before the first is read, it is not told. `work`: "reading sessions".
 std::string reading_text(const std::string& work, std::size_t done, std::size_t all, double elapsed_s);
 
-/// Tells how many sessions were read so far and how long the rest will take: on a terminal in one line, which
-/// is gone when this is; elsewhere, where such lines are wanted among what is printed, in one every ten
-/// seconds; with --json not at all.
+/// Tells how many sessions were read, or worked on, so far and how long the rest will take: on a terminal in
+/// one line, which is gone when this is; elsewhere, where such lines are wanted among what is printed, in one
+/// every ten seconds; with --json not at all.
 class ReadingProgress {
  public:
   enum class Elsewhere : bool { nothing, lines };

@@ -135,7 +135,7 @@ TEST(Acquisition, HoldsWhatAnEstimatorFindsOfLongerWindowsAtOnceBehindAllOthers)
 
 TEST(Acquisition, HasBoundsOnlyWhereTheyWereAskedForAndNoneWithoutAPanorama) {
   EXPECT_TRUE(acquired(made_session()).bound_dps.empty());
-  Acquisition acquisition = acquired(made_session());
+  Acquisition acquisition = acquisition_of(made_session(), "garden_acq-02");
   add_estimates(acquisition, made_session(), 3);
   EXPECT_EQ(acquisition.bound_frames, 3);
   ASSERT_EQ(acquisition.bound_dps.size(), acquisition.frames());

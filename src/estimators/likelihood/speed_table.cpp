@@ -15,11 +15,12 @@ namespace {
 constexpr double least_step = 0.05, step_growth = 0.02;
 constexpr double least_variance = 2e-3;  // of a pattern: noise hides what is less
 
-/// Eigenvalues, the largest first, and their vectors.
+/// Eigenvalues and their vectors.
 struct Spectrum {
   Eigen::VectorXd values;
   Eigen::MatrixXd vectors;
 
+  /// The largest first.
   void sort() {
     std::vector<Eigen::Index> order(static_cast<std::size_t>(values.size()));
     std::iota(order.begin(), order.end(), 0);

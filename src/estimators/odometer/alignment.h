@@ -52,12 +52,13 @@ class Alignment {
     double variance_deg2() const {
       return known > least_known_share * steepness ? steepness / (known * known) : 1e9;
     }
-    /// Of the heading as measured: halves see the same errors of the map again and again. One that is not
-    /// held follows its noise.
+    /// Of the heading as measured. It is more than the slopes say: halves see the same errors of the map
+    /// again and again, and one that is not held follows its noise.
     double measured_deg2(bool is_held) const {
-      return (is_held ? 1.15 : 1.44) * variance_deg2() + square(0.03);
+      return (is_held ? held_share : free_share) * variance_deg2() + square(least_sigma_deg);
     }
     static constexpr double least_known_share = 0.25;
+    static constexpr double held_share = 1.15, free_share = 1.44, least_sigma_deg = 0.03;
   };
   Comparison compare(const View& view, double azimuth_deg, const Slope& slope) const;
 

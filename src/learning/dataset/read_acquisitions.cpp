@@ -105,8 +105,8 @@ Acquisitions read_acquisitions(const std::vector<fs::path>& files, const Reading
   return sorted_out(std::move(reads), files);
 }
 
-void run_estimators_over(Acquisitions& data, const std::function<bool(const Acquisition&)>& is_wanted,
-                         int bound_frames, const ReadingProgress& progress) {
+void run_estimators_over(Acquisitions& data, const IsWanted& is_wanted, int bound_frames,
+                         const ReadingProgress& progress) {
   std::vector<std::size_t> wanted;
   for (std::size_t i = 0; i < data.acquisitions.size(); ++i)
     if (is_wanted(data.acquisitions[i])) wanted.push_back(i);

@@ -61,10 +61,14 @@ static float variance_deg2_of(const comparison* of) {
   return of->known > LEAST_KNOWN_SHARE * of->steepness ? of->steepness / (of->known * of->known) : 1e9f;
 }
 
-/* Of the heading as measured: halves see the same errors of the map again and again. One that is not held
- * follows its noise. */
+#define HELD_SHARE 1.15f
+#define FREE_SHARE 1.44f
+#define LEAST_SIGMA_DEG 0.03f
+
+/* Of the heading as measured. It is more than the slopes say: halves see the same errors of the map again and
+ * again, and one that is not held follows its noise. */
 static float measured_deg2_of(const comparison* of, int is_held) {
-  return (is_held ? 1.15f : 1.44f) * variance_deg2_of(of) + square(0.03f);
+  return (is_held ? HELD_SHARE : FREE_SHARE) * variance_deg2_of(of) + square(LEAST_SIGMA_DEG);
 }
 
 static float robust_weight(float squares, int is_strict) {
