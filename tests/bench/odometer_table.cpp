@@ -261,7 +261,10 @@ int main(int count, char** arguments) {
   if (!options) return 2;
   const auto begin = std::chrono::steady_clock::now();
   std::vector<Row> rows = rows_of(*options);
-  std::erase_if(rows, [&](const Row& row) { return row.name.find(options->only) == std::string::npos; });
+  std::erase_if(rows, [&](const Row& row) {
+    const bool has_lens = row.is_typical || row.is_lens;  // which the board's odometer refuses
+    return row.name.find(options->only) == std::string::npos || (options->board && has_lens);
+  });
   thermorig::on_all_cores(rows.size(), [&](std::size_t i) {
     Row& row = rows[i];
     if (row.is_lens || row.is_typical) row.lens = calibrate_lens(row.recorded);
