@@ -12,7 +12,7 @@ namespace {
 constexpr double fewest_pixels = 40.0;
 constexpr int steps = 4;
 constexpr double longest_step_deg = 2.0;
-constexpr double fine_step_deg = 0.002, fine_held_step_deg = 0.01;  // then it is found
+constexpr double search_from_deg = 1.0;  // a heading that is known less well is searched for first
 constexpr double search_step_deg = 0.5;
 constexpr int most_search_steps = 40;  // to either side
 constexpr float huber = 3.0F;
@@ -219,36 +219,6 @@ double Alignment::searched(const View& view, double azimuth_deg, double sigma_de
   return best_deg;
 }
 
-/// Gauss-Newton, to where the half fits best.
-void Alignment::fit(const View& view, const Slope& slope, Found& found) const {
-  for (int step = 0; step < steps; ++step) {
-    const double step_deg = std::clamp(found.comparison.step_deg(), -longest_step_deg, longest_step_deg);
-    found.azimuth_deg += step_deg;
-    found.comparison = compare(view, found.azimuth_deg, slope);
-    ++found.looks;
-    if (found.comparison.pixels < fewest_pixels || std::abs(step_deg) < fine_step_deg) return;
-  }
-}
-
-/// As an iterated Kalman filter does: what the slopes say where half and expectation together fit best.
-/// Without the expectation a half that shows a person runs as far as it may, to where the person fits
-/// something.
-void Alignment::fit_held(const View& view, const Slope& slope, Found& found) const {
-  const double expected_deg = found.azimuth_deg;
-  double at_deg = expected_deg;
-  for (int step = 0;; ++step) {
-    const double step_deg = std::clamp(found.comparison.step_deg(), -longest_step_deg, longest_step_deg);
-    found.azimuth_deg = at_deg + step_deg;
-    const double believed = view.trust_deg2 / (view.trust_deg2 + found.comparison.measured_deg2(true));
-    const double next_deg = std::lerp(expected_deg, found.azimuth_deg, believed);
-    if (step == steps || std::abs(next_deg - at_deg) < fine_held_step_deg) return;
-    at_deg = next_deg;
-    found.comparison = compare(view, at_deg, slope);
-    ++found.looks;
-    if (found.comparison.pixels < fewest_pixels) return;
-  }
-}
-
 Alignment::Found Alignment::find(const View& view, double azimuth_deg, double sigma_deg) const {
   Found found;
   found.azimuth_deg = azimuth_deg;
@@ -264,11 +234,15 @@ Alignment::Found Alignment::find(const View& view, double azimuth_deg, double si
     found.comparison = comparison;
   }
   if (!(least_deg2 < 25.0)) return found;
-  if (view.is_held)
-    fit_held(view, slope, found);
-  else
-    fit(view, slope, found);
-  found.is_found = found.comparison.pixels >= fewest_pixels && found.comparison.variance_deg2() < 25.0;
+  for (int step = 0; step < steps; ++step) {
+    const double step_deg = std::clamp(found.comparison.step_deg(), -longest_step_deg, longest_step_deg);
+    found.azimuth_deg += step_deg;
+    found.comparison = compare(view, found.azimuth_deg, slope);
+    ++found.looks;
+    if (found.comparison.pixels < fewest_pixels) return found;
+    if (std::abs(step_deg) < 0.002) break;
+  }
+  found.is_found = found.comparison.variance_deg2() < 25.0;
   return found;
 }
 

@@ -18,7 +18,6 @@ struct View {
   double half_width_deg = 0.0;  // of what a pixel sweeps during the exposure
   double trust_deg2 = 0.0;      // variance of the heading beforehand: what it explains is no outlier
   bool is_strict = false;       // what fits badly counts for nothing
-  bool is_held = false;         // the map is sound: it is nowhere but where the heading lets expect
   const RowSweeps* rows =
       nullptr;  // of a camera whose rows look apart: exposed one after the other, or not level
 };
@@ -52,24 +51,17 @@ class Alignment {
     double variance_deg2() const {
       return known > least_known_share * steepness ? steepness / (known * known) : 1e9;
     }
-    /// Of the heading as measured. It is more than the slopes say: halves see the same errors of the map
-    /// again and again, and one that is not held follows its noise.
-    double measured_deg2(bool is_held) const {
-      return (is_held ? held_share : free_share) * variance_deg2() + square(least_sigma_deg);
-    }
     static constexpr double least_known_share = 0.25;
-    static constexpr double held_share = 1.15, free_share = 1.44, least_sigma_deg = 0.03;
   };
   Comparison compare(const View& view, double azimuth_deg, const Slope& slope) const;
 
-  static constexpr double search_from_deg = 1.0;  // a heading that is known less well is searched for first
   struct Found {
     double azimuth_deg = 0.0;
     bool is_found = false;
     int looks = 0;
     Comparison comparison;
   };
-  /// What a half measures its azimuth to be, about one that is known to `sigma_deg`.
+  /// The best azimuth about one that is known to `sigma_deg`.
   Found find(const View& view, double azimuth_deg, double sigma_deg) const;
 
   /// How badly a half fits there: robust squares of all its pixels. Where nothing is known of the
@@ -110,8 +102,6 @@ class Alignment {
   void look(const View& view, double azimuth_deg, std::size_t column, const Slope& slope,
             Panorama::Look& look) const;
   double searched(const View& view, double azimuth_deg, double sigma_deg, int& looks) const;
-  void fit(const View& view, const Slope& slope, Found& found) const;
-  void fit_held(const View& view, const Slope& slope, Found& found) const;
 
   const Panorama& panorama_;
   const HeadingFilter& filter_;

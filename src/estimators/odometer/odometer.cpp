@@ -454,7 +454,6 @@ void Odometer::Parts::take_over(double now_s) {
     learn_again();
   else
     phase = is_over ? Phase::running : Phase::learning;
-  if (phase == Phase::running) front.trust_map();
 }
 
 /// While the start is learnt, what does not fit means that the map was begun with a wrong bias: by now it is

@@ -9,6 +9,8 @@ namespace thermorig::odometer {
 
 namespace {
 
+constexpr double variance_share = 1.44;  // halves see the same errors of the map again and again
+constexpr double least_sigma_deg = 0.03;
 constexpr double change_s = 0.01;     // a sweep that is not even is no box
 constexpr double surprising = 4.0;    // an innovation squared: counts less
 constexpr double impossible = 30.0;   // is not believed, and the map not written
@@ -49,7 +51,6 @@ void Tracker::restart(const Priors& priors, RowOrder rows, bool things_move) {
   pixels_ = PixelModel();
   has_begun_ = false;
   is_on_trial_ = false;
-  is_trusted_ = false;
   halves_ = 0;
   sigma_in_map_deg_ = 0.0;
 }
@@ -194,7 +195,6 @@ HalfResult Tracker::judge(const HalfReading& half, const Exposed& exposed) {
   View view = view_of(half, exposed);
   view.trust_deg2 = prior_deg2;
   view.is_strict = halves_ > settled_halves && prior_deg2 < square(settled_deg);
-  view.is_held = is_trusted_ && prior_deg2 <= square(Alignment::search_from_deg);
   const Alignment::Found found = alignment.find(view, azimuth_deg, std::sqrt(prior_deg2));
   const Alignment::Comparison& comparison = found.comparison;
   common_c_ = comparison.common_c;
@@ -202,8 +202,8 @@ HalfResult Tracker::judge(const HalfReading& half, const Exposed& exposed) {
   if (!found.is_found) return result;
   if (is_on_trial_) result.explained = alignment.explained(view, found.azimuth_deg);
   const HeadingFilter::Row row = filter_.derivative(turn, now_s_, now_deg_, comparison.about);
-  double noise_deg2 = comparison.measured_deg2(view.is_held) + square(change_s * turn.change_dps) +
-                      square(half.time_sigma_s * rate_dps);
+  double noise_deg2 = variance_share * comparison.variance_deg2() + square(least_sigma_deg) +
+                      square(change_s * turn.change_dps) + square(half.time_sigma_s * rate_dps);
   if (things_move_) noise_deg2 *= std::max(1.0, comparison.cost);  // what fits badly tells less
   const double expected_deg2 = filter_.variance(row) + noise_deg2;
   result.is_judged = true;

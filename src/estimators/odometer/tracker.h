@@ -49,12 +49,8 @@ class Tracker {
   /// Everything but a map that was made before.
   void restart(const Priors& priors, const Map& map);
   void keep(Map& map) const;
-  /// The map is sound: it need no longer be told how much of the halves it explains, and a half is looked for
-  /// where the heading lets expect it.
-  void trust_map() {
-    is_on_trial_ = false;
-    is_trusted_ = true;
-  }
+  /// It need no longer be told how much of the halves that map explains.
+  void trust_map() { is_on_trial_ = false; }
 
   /// Heading forward to a time, by the gyro's path.
   void advance(const GyroPath& path, double now_s);
@@ -108,8 +104,8 @@ class Tracker {
   PixelModel pixels_;
   double now_s_ = 0.0, now_deg_ = 0.0, now_unseen_deg2_ = 0.0;
   bool has_begun_ = false;
-  bool is_on_trial_ = false, is_trusted_ = false;  // the map
-  float reference_c_ = 0.0F;                       // temperatures are kept as differences from it
+  bool is_on_trial_ = false;  // the map
+  float reference_c_ = 0.0F;  // temperatures are kept as differences from it
   int halves_ = 0;
   double sigma_in_map_deg_ = 0.0;
   double rate_dps_ = 0.0;

@@ -26,7 +26,6 @@ typedef struct {
   float half;       /* bins to either side of what a ray sweeps */
   float trust_deg2; /* of the heading beforehand: what it explains is no outlier */
   int is_strict;    /* what fits badly counts for nothing */
-  int is_held;      /* the map is sound: it is nowhere but where the heading lets expect */
   float common_k, flat_k;
 } view;
 
@@ -59,16 +58,6 @@ typedef struct {
 /* Slopes that may be nothing but noise tell nothing. */
 static float variance_deg2_of(const comparison* of) {
   return of->known > LEAST_KNOWN_SHARE * of->steepness ? of->steepness / (of->known * of->known) : 1e9f;
-}
-
-#define HELD_SHARE 1.15f
-#define FREE_SHARE 1.44f
-#define LEAST_SIGMA_DEG 0.03f
-
-/* Of the heading as measured. It is more than the slopes say: halves see the same errors of the map again and
- * again, and one that is not held follows its noise. */
-static float measured_deg2_of(const comparison* of, int is_held) {
-  return (is_held ? HELD_SHARE : FREE_SHARE) * variance_deg2_of(of) + square(LEAST_SIGMA_DEG);
 }
 
 static float robust_weight(float squares, int is_strict) {
@@ -204,44 +193,8 @@ static float searched_deg(const alignment* with, const view* v, float azimuth_de
   return best_deg;
 }
 
-#define FIT_STEPS 4
-
-static float step_deg_of(const comparison* of) {
-  return of->known > 0.0f ? least(2.0f, most(-2.0f, of->lean / of->known)) : 0.0f;
-}
-
-/* Gauss-Newton, to where the half fits best. */
-static void fit(const alignment* with, view* v, float azimuth_deg, int32_t reach, float* off_deg,
-                comparison* found) {
-  for (int step = 0; step < FIT_STEPS; ++step) {
-    const float step_deg = step_deg_of(found);
-    *off_deg += step_deg;
-    v->common_k = found->common_k;
-    compare(with, v, around(azimuth_deg + *off_deg), reach, reach > 1, found);
-    if (found->pixels < FEWEST_PIXELS || size_of(step_deg) < 0.002f) return;
-  }
-}
-
-/* As an iterated Kalman filter does: what the slopes say where half and expectation together fit best.
- * Without the expectation a half that shows a person runs as far as it may, to where the person fits
- * something. */
-static void fit_held(const alignment* with, view* v, float azimuth_deg, int32_t reach, float* off_deg,
-                     comparison* found) {
-  float at_deg = 0.0f;
-  for (int step = 0;; ++step) {
-    const float believed = v->trust_deg2 / (v->trust_deg2 + measured_deg2_of(found, 1));
-    const float before_deg = at_deg;
-    *off_deg = at_deg + step_deg_of(found);
-    at_deg = believed * *off_deg;
-    if (step == FIT_STEPS || size_of(at_deg - before_deg) < 0.01f) return;
-    v->common_k = found->common_k;
-    compare(with, v, around(azimuth_deg + at_deg), reach, reach > 1, found);
-    if (found->pixels < FEWEST_PIXELS) return;
-  }
-}
-
-/* What a half measures its azimuth to be, about one that is known to `sigma_deg`. Returns whether there is
- * one; `off_deg`: from there. */
+/* The best azimuth about one that is known to `sigma_deg`. Returns whether there is one; `off_deg`: from
+ * there. */
 static int find_azimuth(const alignment* with, view* v, float azimuth_deg, float sigma_deg, float* off_deg,
                         comparison* found) {
   static const int32_t reaches[3] = {1, 2, 4};
@@ -264,10 +217,13 @@ static int find_azimuth(const alignment* with, view* v, float azimuth_deg, float
     *found = tried;
   }
   if (!(least_deg2 < 25.0f)) return 0;
-  if (v->is_held)
-    fit_held(with, v, azimuth_deg, reaches[slope], off_deg, found);
-  else
-    fit(with, v, azimuth_deg, reaches[slope], off_deg, found);
-  if (found->pixels < FEWEST_PIXELS) return 0;
+  for (int step = 0; step < 4; ++step) {
+    const float step_deg = least(2.0f, most(-2.0f, found->known > 0.0f ? found->lean / found->known : 0.0f));
+    *off_deg += step_deg;
+    v->common_k = found->common_k;
+    compare(with, v, around(azimuth_deg + *off_deg), reaches[slope], slope > 0, found);
+    if (found->pixels < FEWEST_PIXELS) return 0;
+    if (size_of(step_deg) < 0.002f) break;
+  }
   return variance_deg2_of(found) < 25.0f;
 }

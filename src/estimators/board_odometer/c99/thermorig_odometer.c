@@ -161,11 +161,6 @@ static int has_settled(const odometer* s) {
          size_of(filter->value[LATENCY] - s->begun_latency_s) < SETTLED_LATENCY_S;
 }
 
-static void run_from_now(odometer* s) {
-  s->tracker.is_trusted = 1;
-  s->phase = RUNNING;
-}
-
 static int is_false_map(const odometer* s) {
   return s->pass >= PASSES_TO_TELL && (float)s->far > MOST_FAR * (float)s->judged;
 }
@@ -185,7 +180,7 @@ static void learn(odometer* s) {
   if (s->nis > NIS_LOST && s->pass > 0 && s->pass < MOST_PASSES)
     begin_pass_again(s);
   else if (s->nis <= NIS_LOST && is_over && has_settled(s))
-    run_from_now(s);
+    s->phase = RUNNING;
   else if (s->nis <= NIS_LOST && is_over && s->pass < MOST_PASSES && sigma_of(filter, BIAS) < KNOWN_BIAS_DPS)
     begin_pass(s);
   else if (s->nis > NIS_LOST || is_over)

@@ -38,7 +38,7 @@ extern "C" {
   232 /* bins that a half may look at: 115 degrees, and what it sweeps beside */
 
 /* RAM of a state, and what the stack needs at most. */
-#define THERMORIG_ODOMETER_STATE_BYTES 35208
+#define THERMORIG_ODOMETER_STATE_BYTES 35204
 #define THERMORIG_ODOMETER_STACK_BYTES 4400
 
 /* What is known of the rig beforehand: `thermorig export` writes it from a profile. */
@@ -191,7 +191,6 @@ typedef struct { /* filter and map together, and the half that is laid against i
       common_c;     /* what temperatures are differences from; what the newest half had in common */
   float in_map_deg; /* sigma of the heading against the map that is in view */
   int32_t halves;
-  int32_t is_trusted; /* the map: a half is looked for where the heading lets expect it */
 } thermorig_odometer_tracker;
 
 typedef struct {

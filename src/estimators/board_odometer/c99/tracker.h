@@ -13,6 +13,8 @@
 /* Heading filter and panorama together: half after half. */
 typedef thermorig_odometer_tracker tracker;
 
+#define VARIANCE_SHARE 1.44f /* halves see the same errors of the map again and again */
+#define LEAST_SIGMA_DEG 0.03f
 #define CHANGE_S 0.01f    /* a sweep that is not even is no box */
 #define SURPRISING 4.0f   /* an innovation squared: counts less */
 #define IMPOSSIBLE 30.0f  /* is not believed, and the map not written */
@@ -33,7 +35,7 @@ static void begin_map(tracker* t) {
   memset(&t->of, 0, sizeof t->of);
   forget_pixels(&t->pixels);
   begin_filter(&t->filter);
-  t->halves = t->is_trusted = 0;
+  t->halves = 0;
   t->common_c = 0.0f;
   t->in_map_deg = 0.0f;
 }
@@ -111,12 +113,11 @@ static void judge_half(tracker* t, const alignment* with, const exposed_turn* tu
   t->in_map_deg = root(prior_deg2);
   v->trust_deg2 = prior_deg2;
   v->is_strict = t->halves > SETTLED_HALVES && prior_deg2 < square(SETTLED_DEG);
-  v->is_held = t->is_trusted && t->in_map_deg <= SEARCH_FROM_DEG;
   if (!find_azimuth(with, v, azimuth_deg, t->in_map_deg, &result->innovation_deg, &found)) return;
   v->common_k = found.common_k;
   known_deg2 = in_map_deg2(filter, turn, found.about, row, across);
-  noise_deg2 = measured_deg2_of(&found, v->is_held) + square(CHANGE_S * turn->change_dps) +
-               square(t->half.time_sigma_s * result->rate_dps);
+  noise_deg2 = VARIANCE_SHARE * variance_deg2_of(&found) + square(LEAST_SIGMA_DEG) +
+               square(CHANGE_S * turn->change_dps) + square(t->half.time_sigma_s * result->rate_dps);
   expected_deg2 = known_deg2 + noise_deg2;
   result->is_judged = 1;
   result->squared = square(result->innovation_deg) / expected_deg2;
