@@ -48,11 +48,6 @@ void WindowBounds::take(const TimedFrame& frame, std::span<const RateEstimate> e
   seen_.push_back(seen);
 }
 
-bool WindowBounds::has_panorama() const {
-  return bank_.surroundings(odometer_place).has_value() &&
-         std::any_of(seen_.begin(), seen_.end(), [](const Seen& one) { return one.is_tracked; });
-}
-
 /// Where the odometer was not sure yet, the gyro says from later on where the camera looked.
 std::vector<WindowBounds::Seen> WindowBounds::with_headings() const {
   std::vector<Seen> all = seen_;

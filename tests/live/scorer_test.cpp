@@ -143,18 +143,6 @@ TEST(Scorer, IntegratesNothingAcrossAGapOrAnotherRun) {
   EXPECT_NEAR(scores_of({window_begins, row(1)}).integrated_s, frame_s, 1e-9);
 }
 
-TEST(Scorer, BeginsItsAnglesAnewWhenAsked) {
-  Scorer scorer(paper_columns);
-  for (const EstimateRow& each : rows_of_a_run(17)) scorer.add(each);
-  scorer.reset_angle();
-  EXPECT_EQ(scorer.scores().integrated_s, 0.0);
-  EXPECT_EQ(of(scorer.scores(), of_thermal).angle_error_deg, 0.0);
-  EXPECT_TRUE(std::isnan(of(scorer.scores(), of_thermal).drift_deg_per_min));
-  EXPECT_EQ(of(scorer.scores(), of_thermal).frames, 17U);
-  scorer.add(row(17));
-  EXPECT_NEAR(of(scorer.scores(), of_thermal).angle_error_deg, 2.5, 1e-6);
-}
-
 TEST(Scorer, PutsGainsIntoBinsOfATwentieth) {
   auto rows = rows_of_a_run(4);
   kg(rows[0]) = 0.0F;

@@ -29,9 +29,6 @@ class WindowBounds {
   /// so many frames in a row, or a panorama without what they show.
   std::vector<float> bounds_dps(int frames) const;
 
-  /// A panorama of the session was made: without one no bound is known.
-  bool has_panorama() const;
-
  private:
   struct Seen {
     std::array<HalfExposure, 2> half;

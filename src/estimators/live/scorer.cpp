@@ -171,11 +171,6 @@ void Scorer::add(const EstimateRow& row) {
   parts.before = Before{row.frame_index, row.run, row.time};
 }
 
-void Scorer::reset_angle() {
-  parts_->integrated_s = 0.0;
-  for (EstimatorSums& sums : parts_->estimators) sums.angle = {};
-}
-
 LiveScores Scorer::scores() const {
   const Parts& parts = *parts_;
   LiveScores scores{.frames = parts.frames,

@@ -57,7 +57,6 @@ class Scorer {
   Scorer& operator=(Scorer&&) noexcept;
 
   void add(const EstimateRow& row);
-  void reset_angle();
   LiveScores scores() const;
 
  private:
