@@ -121,13 +121,13 @@ LabelledSample Labeller::label(const PendingFrame& frame) {
   return sample;
 }
 
-/// `span`: what was commanded over it.
-Labeller::Rates Labeller::rates(HostTime begin, HostTime end, const CommandSpan& span) const {
-  if (!span.covered) return {unknown, unknown, unknown};
-  const double commanded_dps = command_.constant_rate_dps(begin, end).value_or(span.rate_mean_dps);
+Labeller::Rates Labeller::rates(HostTime begin, HostTime end) const {
+  std::optional<double> commanded_dps = command_.constant_rate_dps(begin, end);
+  if (!commanded_dps) commanded_dps = command_.mean_rate_dps(begin, end);
+  if (!commanded_dps) return {unknown, unknown, unknown};
   const bool modelled = begin < end && shaft_.covers(begin, end);
-  return {commanded_dps,
-          corrected_dps(response_, commanded_dps, modelled ? gain(begin, end) : response_.scale.value),
+  return {*commanded_dps,
+          corrected_dps(response_, *commanded_dps, modelled ? gain(begin, end) : response_.scale.value),
           modelled ? shaft_.mean_dps(begin, end) : unknown};
 }
 
@@ -143,7 +143,7 @@ double Labeller::gain(HostTime begin, HostTime end) const {
 void Labeller::label_motion(LabelledSample& sample, const PendingFrame& frame) {
   const HostTime begin = sample.exposure_begin, end = sample.exposure_end;
   const CommandSpan exposure = command_.over(begin, end);
-  const Rates mean = rates(begin, end, exposure);
+  const Rates mean = rates(begin, end);
   sample.rate_commanded_dps = static_cast<float>(mean.commanded_dps);
   sample.rate_shaft_dps = static_cast<float>(mean.model_dps);
   sample.rate_corrected_dps = static_cast<float>(mean.corrected_dps);
@@ -165,7 +165,7 @@ void Labeller::label_motion(LabelledSample& sample, const PendingFrame& frame) {
   };
   sample.rate_commanded_uncertainty_dps = deviation_dps(mean.commanded_dps);
   sample.rate_corrected_uncertainty_dps = deviation_dps(mean.corrected_dps);
-  sample.reason_bits |= command_reasons(sample, exposure) | model_reasons(sample, shaft);
+  sample.reason_bits |= command_reasons(sample) | model_reasons(sample, shaft);
 }
 
 /// Largest change of the label when the exposure is moved by half or all of `time_s`, either way.
@@ -182,7 +182,7 @@ double Labeller::time_error_dps(const LabelledSample& sample, double time_s) con
 void Labeller::label_halves(LabelledSample& sample, const PendingFrame& frame) const {
   for (std::size_t i = 0; i < frame.half.size(); ++i) {
     const auto& [begin, end] = frame.half[i];
-    const Rates mean = rates(begin, end, command_.over(begin, end));
+    const Rates mean = rates(begin, end);
     sample.rate_commanded_half_dps[i] = static_cast<float>(mean.commanded_dps);
     sample.rate_shaft_half_dps[i] = static_cast<float>(mean.model_dps);
     sample.rate_corrected_half_dps[i] = static_cast<float>(mean.corrected_dps);
@@ -195,14 +195,13 @@ double Labeller::tolerance_dps(const LabelledSample& sample) const {
   return std::max(config_.rate_tolerance_dps, config_.rate_tolerance_share * rate_dps);
 }
 
-/// `exposure`: what was commanded over it.
-std::uint32_t Labeller::command_reasons(const LabelledSample& sample, const CommandSpan& exposure) const {
+std::uint32_t Labeller::command_reasons(const LabelledSample& sample) const {
   const HostTime begin = sample.exposure_begin, end = sample.exposure_end;
   const CommandSpan settled = command_.over(begin - settle_, end);
   const CommandSpan shown = command_.over(begin - lag_, end - lag_);
   const double limit_deg = 0.5 * config_.travel_deg - config_.stop_margin_deg;
-  const bool beyond = exposure.angle_min_deg < -limit_deg || exposure.angle_max_deg > limit_deg;
-  return bit_if(Reason::limit_hit, config_.travel_deg > 0.0 && beyond) |
+  const bool beyond = config_.travel_deg > 0.0 && command_.farthest_deg(begin, end) > limit_deg;
+  return bit_if(Reason::limit_hit, beyond) |
          bit_if(Reason::outside_leg, shown.outside_leg || sample.leg == 0) |
          bit_if(Reason::leg_change, shown.several_legs) |
          bit_if(Reason::servo_lost, !settled.covered || !settled.able) |
@@ -261,8 +260,7 @@ bool Labeller::gyro_disagrees(const LabelledSample& sample, const GyroMean& gyro
 
 /// A frame that was exposed while the servo had long been at rest shows the gyro's bias.
 void Labeller::learn_bias(const LabelledSample& sample, const GyroMean& gyro) {
-  const CommandSpan rest = command_.over(sample.exposure_begin - 2 * settle_, sample.exposure_end);
-  if (rest.covered && rest.resting) bias_.add(gyro);
+  if (command_.rests(sample.exposure_begin - 2 * settle_, sample.exposure_end)) bias_.add(gyro);
 }
 
 void Labeller::number_run(LabelledSample& sample) {

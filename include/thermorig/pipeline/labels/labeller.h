@@ -115,11 +115,11 @@ class Labeller {
   void label_motion(LabelledSample& sample, const PendingFrame& frame);
   void label_halves(LabelledSample& sample, const PendingFrame& frame) const;
   void label_gyro(LabelledSample& sample);
-  Rates rates(HostTime begin, HostTime end, const CommandSpan& span) const;
+  Rates rates(HostTime begin, HostTime end) const;
   double gain(HostTime begin, HostTime end) const;
   double time_error_dps(const LabelledSample& sample, double time_s) const;
   double tolerance_dps(const LabelledSample& sample) const;
-  std::uint32_t command_reasons(const LabelledSample& sample, const CommandSpan& exposure) const;
+  std::uint32_t command_reasons(const LabelledSample& sample) const;
   std::uint32_t model_reasons(const LabelledSample& sample, const ShaftRates& shaft) const;
   std::uint32_t gyro_reasons(const LabelledSample& sample, const GyroMean& gyro) const;
   bool gyro_disagrees(const LabelledSample& sample, const GyroMean& gyro, double noise_dps) const;
