@@ -50,6 +50,7 @@ HostDuration settling_time(const LabelConfig& config) {
 Labeller::Labeller(const LabelConfig& config)
     : config_(config),
       response_(config.response.fitted ? config.response : assumed_response(config.servo)),
+      wait_(from_s(config.wait_s)),
       settle_(settling_time(config)),
       lag_(from_s(response_.delay_s) + pulse_period),
       command_(PulseScale(config.servo), from_s(config.telemetry_gap_s), from_s(config.history_s)),
@@ -89,8 +90,7 @@ bool Labeller::has_all(const PendingFrame& frame) const {
 
 std::vector<LabelledSample> Labeller::take(HostTime now) {
   std::vector<LabelledSample> samples;
-  const HostDuration wait = from_s(config_.wait_s);
-  while (!pending_.empty() && (has_all(pending_.front()) || now - pending_.front().stamp.arrival >= wait)) {
+  while (!pending_.empty() && (has_all(pending_.front()) || now - pending_.front().stamp.arrival >= wait_)) {
     samples.push_back(label(pending_.front()));
     pending_.pop_front();
   }

@@ -128,6 +128,7 @@ class Labeller {
 
   LabelConfig config_;
   ServoResponse response_;
+  HostDuration wait_;
   HostDuration settle_;
   HostDuration lag_;
   CommandTrack command_;
