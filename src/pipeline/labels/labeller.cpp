@@ -179,15 +179,19 @@ double Labeller::time_error_dps(const LabelledSample& sample, double time_s) con
   return error_dps;
 }
 
-void Labeller::label_halves(LabelledSample& sample, const PendingFrame& frame) const {
+/// The older half of a frame is mostly the newer one of the frame before.
+void Labeller::label_halves(LabelledSample& sample, const PendingFrame& frame) {
   for (std::size_t i = 0; i < frame.half.size(); ++i) {
     const auto& [begin, end] = frame.half[i];
-    const Rates mean = rates(begin, end);
-    sample.rate_commanded_half_dps[i] = static_cast<float>(mean.commanded_dps);
-    sample.rate_shaft_half_dps[i] = static_cast<float>(mean.model_dps);
-    sample.rate_corrected_half_dps[i] = static_cast<float>(mean.corrected_dps);
-    sample.rate_gyro_half_dps[i] = static_cast<float>(gyro_.mean_dps(begin, end));
+    std::optional<Half>& half = halves_[i];
+    if (!half || half->exposure != frame.half[i])
+      half = Half{frame.half[i], rates(begin, end), gyro_.mean_dps(begin, end)};
+    sample.rate_commanded_half_dps[i] = static_cast<float>(half->mean.commanded_dps);
+    sample.rate_shaft_half_dps[i] = static_cast<float>(half->mean.model_dps);
+    sample.rate_corrected_half_dps[i] = static_cast<float>(half->mean.corrected_dps);
+    sample.rate_gyro_half_dps[i] = static_cast<float>(half->gyro_dps);
   }
+  if (!has_all(frame)) halves_ = {};  // what still comes may tell more of them
 }
 
 double Labeller::tolerance_dps(const LabelledSample& sample) const {

@@ -4,6 +4,7 @@
 #include <array>
 #include <cstdint>
 #include <deque>
+#include <optional>
 #include <vector>
 
 #include "thermorig/core/sample.h"
@@ -109,11 +110,16 @@ class Labeller {
     double corrected_dps;
     double model_dps;
   };
+  struct Half {
+    HalfExposure exposure;
+    Rates mean;
+    double gyro_dps;
+  };
   std::uint32_t frame_reasons(const TimedFrame& frame);
   bool has_all(const PendingFrame& frame) const;
   LabelledSample label(const PendingFrame& frame);
   void label_motion(LabelledSample& sample, const PendingFrame& frame);
-  void label_halves(LabelledSample& sample, const PendingFrame& frame) const;
+  void label_halves(LabelledSample& sample, const PendingFrame& frame);
   void label_gyro(LabelledSample& sample);
   Rates rates(HostTime begin, HostTime end) const;
   double gain(HostTime begin, HostTime end) const;
@@ -138,6 +144,7 @@ class Labeller {
   MotionNoise motion_noise_;
   WarmUp warm_up_;
   std::deque<PendingFrame> pending_;
+  std::array<std::optional<Half>, 2> halves_;  // as labelled last
   std::uint32_t frame_count_ = 0;
   std::uint32_t run_ = 0;      // number of the newest run
   std::uint16_t run_leg_ = 0;  // its leg, 0 if it has ended
