@@ -123,6 +123,22 @@ TEST(Labeller, UsesTelemetryThatComesLate) {
   EXPECT_TRUE(samples[0].valid);
 }
 
+TEST(Labeller, LabelsAHalfAnewThatHadToGoWithoutInTheFrameBefore) {
+  const ScriptedRig rig;
+  Labeller labeller(rig.config);
+  labeller.add(rig.frame_at(1.0, 0));
+  const auto without = labeller.take(at_s(2.0));
+  ASSERT_EQ(without.size(), 1U);
+  EXPECT_TRUE(std::isnan(without[0].rate_gyro_half_dps[0]));
+  for (double t = 0.5; t < 1.2; t += 0.005) labeller.add(rig.gyro_at(t));
+  for (double t = 0.5; t < 1.2; t += 0.01) labeller.add(rig.servo_at(t));
+  labeller.add(rig.frame_at(1.125, 1));
+  const auto samples = labeller.take(at_s(2.1));
+  ASSERT_EQ(samples.size(), 1U);
+  EXPECT_NEAR(samples[0].rate_gyro_half_dps[0], 101.5, 1e-3);
+  EXPECT_NEAR(samples[0].rate_commanded_half_dps[0], 100.0, 0.1);
+}
+
 TEST(Labeller, AWaitingFrameHoldsBackTheOnesBehindIt) {
   const ScriptedRig rig;
   Labeller labeller(rig.config);

@@ -27,6 +27,7 @@ struct Stamp {
 struct HalfExposure {
   HostTime begin{};
   HostTime end{};
+  bool operator==(const HalfExposure&) const = default;
 };
 
 /// A frame with its place in the byte stream and its time.

@@ -108,6 +108,10 @@ class RealDisk final : public Disk {
     return error_of(uninterrupted([&] { return ::fdatasync(descriptor_of(file)); }));
   }
 
+  void begin_sync(OpenFile file) override {
+    ::sync_file_range(descriptor_of(file), 0, 0, SYNC_FILE_RANGE_WRITE);
+  }
+
   int reserve(OpenFile file, std::uint64_t bytes) override {
     return error_of(uninterrupted(
         [&] { return ::fallocate(descriptor_of(file), FALLOC_FL_KEEP_SIZE, 0, static_cast<off_t>(bytes)); }));

@@ -67,63 +67,67 @@ bool CommandTrack::covers(std::span<const Point> points, HostTime begin, HostTim
 }
 
 /// Straight between the points on either side, constant beyond the first and the last. There must be a point.
-CommandTrack::Point CommandTrack::at(HostTime time) const {
+CommandTrack::Motion CommandTrack::at(HostTime time) const {
   const auto points = points_.all();
   const std::size_t after = points_.first_after(time);
-  if (after == 0) return points.front();
-  if (after == points.size()) return points.back();
-  Point point = points[after - 1];
+  if (after == 0) return {points.front().rate_dps, points.front().angle_deg};
+  const Point& point = points[after - 1];
+  if (after == points.size()) return {point.rate_dps, point.angle_deg};
   const Point& next = points[after];
   const double share = to_s(time - point.time) / to_s(next.time - point.time);
-  point.time = time;
-  point.rate_dps += share * (next.rate_dps - point.rate_dps);
-  point.angle_deg += share * (next.angle_deg - point.angle_deg);
-  return point;
-}
-
-void CommandTrack::note_states(CommandSpan& span, std::span<const Point> points) {
-  std::uint16_t leg = 0;
-  span.outside_leg = points.empty();
-  for (const Point& point : points) {
-    span.able = span.able && point.able;
-    span.resting = span.resting && point.resting;
-    span.disagrees = span.disagrees || point.disagrees;
-    span.time_uncertainty_s = std::max(span.time_uncertainty_s, point.uncertainty_s);
-    span.outside_leg = span.outside_leg || point.leg == 0;
-    span.several_legs = span.several_legs || (leg != 0 && point.leg != 0 && point.leg != leg);
-    if (point.leg != 0) leg = point.leg;
-  }
-}
-
-void CommandTrack::note_motion(CommandSpan& span, std::span<const Point> points, HostTime begin,
-                               HostTime end) const {
-  Point before = at(begin);
-  const Point last = at(end);
-  span.rate_change_dps = last.rate_dps - before.rate_dps;
-  span.rate_min_dps = span.rate_max_dps = before.rate_dps;
-  span.angle_min_deg = span.angle_max_deg = before.angle_deg;
-  double integral_deg = 0.0;
-  const auto step_to = [&](const Point& point) {
-    integral_deg += 0.5 * (before.rate_dps + point.rate_dps) * to_s(point.time - before.time);
-    span.rate_min_dps = std::min(span.rate_min_dps, point.rate_dps);
-    span.rate_max_dps = std::max(span.rate_max_dps, point.rate_dps);
-    span.angle_min_deg = std::min(span.angle_min_deg, point.angle_deg);
-    span.angle_max_deg = std::max(span.angle_max_deg, point.angle_deg);
-    before = point;
-  };
-  for (const Point& point : points)
-    if (begin < point.time && point.time < end) step_to(point);
-  step_to(last);
-  if (span.covered) span.rate_mean_dps = begin < end ? integral_deg / to_s(end - begin) : last.rate_dps;
+  return {point.rate_dps + share * (next.rate_dps - point.rate_dps),
+          point.angle_deg + share * (next.angle_deg - point.angle_deg)};
 }
 
 CommandSpan CommandTrack::over(HostTime begin, HostTime end) const {
   const auto points = around(begin, end);
   CommandSpan span;
   span.covered = covers(points, begin, end);
-  note_states(span, points);
-  if (!points.empty()) note_motion(span, points, begin, end);
+  std::uint16_t leg = 0;
+  span.outside_leg = points.empty();
+  for (const Point& point : points) {
+    span.able = span.able && point.able;
+    span.disagrees = span.disagrees || point.disagrees;
+    span.time_uncertainty_s = std::max(span.time_uncertainty_s, point.uncertainty_s);
+    span.outside_leg = span.outside_leg || point.leg == 0;
+    span.several_legs = span.several_legs || (leg != 0 && point.leg != 0 && point.leg != leg);
+    if (point.leg != 0) leg = point.leg;
+  }
   return span;
+}
+
+bool CommandTrack::rests(HostTime begin, HostTime end) const {
+  const auto points = around(begin, end);
+  const bool is_still =
+      std::all_of(points.begin(), points.end(), [](const Point& point) { return point.resting; });
+  return is_still && covers(points, begin, end);
+}
+
+std::optional<double> CommandTrack::mean_rate_dps(HostTime begin, HostTime end) const {
+  const auto points = around(begin, end);
+  if (!covers(points, begin, end)) return std::nullopt;
+  const double last_dps = at(end).rate_dps;
+  if (begin == end) return last_dps;
+  HostTime before = begin;
+  double before_dps = at(begin).rate_dps, integral_deg = 0.0;
+  const auto step_to = [&](HostTime time, double rate_dps) {
+    integral_deg += 0.5 * (before_dps + rate_dps) * to_s(time - before);
+    before = time;
+    before_dps = rate_dps;
+  };
+  for (const Point& point : points)
+    if (begin < point.time && point.time < end) step_to(point.time, point.rate_dps);
+  step_to(end, last_dps);
+  return integral_deg / to_s(end - begin);
+}
+
+double CommandTrack::farthest_deg(HostTime begin, HostTime end) const {
+  const auto points = around(begin, end);
+  if (points.empty()) return std::numeric_limits<double>::quiet_NaN();
+  double farthest = std::max(std::abs(at(begin).angle_deg), std::abs(at(end).angle_deg));
+  for (const Point& point : points)
+    if (begin < point.time && point.time < end) farthest = std::max(farthest, std::abs(point.angle_deg));
+  return farthest;
 }
 
 /// The first of the points alike that lead up to `point` and are all later than `earliest_us`.

@@ -55,23 +55,20 @@ void GyroTrack::note_spread(GyroMean& mean, std::span<const Point> points) {
   if (points.size() < 2 || length_s <= 0.0) return;
   const double window = std::max(pulse_period_s * (count - 1.0) / length_s, 1.0);
   if (window >= count) return;
-  std::vector<double> sums{0.0}, to_window;
+  std::vector<double> sums{0.0};
   sums.reserve(points.size() + 1);
-  to_window.reserve(points.size());
   for (const Point& point : points) sums.push_back(sums.back() + static_cast<double>(point.rate_dps));
   const auto mean_to = [&](double to, double sum_before) { return (sum_to(sums, to) - sum_before) / window; };
   RunningStatistics smoothed, fast_dps2;
   std::size_t first = 0;
   for (double from = 0.0; from + window <= count; from += 1.0, ++first) {
-    to_window.push_back(sum_to(sums, from + window));
-    smoothed.add((to_window[first] - sums[first]) / window);
-  }
-  first = 0;
-  for (double from = 0.0; from + 3.0 * window <= count; from += 1.0, ++first) {
     const double next = from + window, last = from + 2.0 * window;
-    fast_dps2.add(alternation_dps2((to_window[first] - sums[first]) / window,
-                                   mean_to(next + window, to_window[first]),
-                                   mean_to(last + window, sum_to(sums, last))));
+    const double to_next = sum_to(sums, next);
+    const double smooth_dps = (to_next - sums[first]) / window;
+    smoothed.add(smooth_dps);
+    if (from + 3.0 * window <= count)
+      fast_dps2.add(alternation_dps2(smooth_dps, mean_to(next + window, to_next),
+                                     mean_to(last + window, sum_to(sums, last))));
   }
   mean.spread_dps = std::sqrt(smoothed.variance());
   mean.averaged = window;

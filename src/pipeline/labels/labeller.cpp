@@ -50,6 +50,7 @@ HostDuration settling_time(const LabelConfig& config) {
 Labeller::Labeller(const LabelConfig& config)
     : config_(config),
       response_(config.response.fitted ? config.response : assumed_response(config.servo)),
+      wait_(from_s(config.wait_s)),
       settle_(settling_time(config)),
       lag_(from_s(response_.delay_s) + pulse_period),
       command_(PulseScale(config.servo), from_s(config.telemetry_gap_s), from_s(config.history_s)),
@@ -89,8 +90,7 @@ bool Labeller::has_all(const PendingFrame& frame) const {
 
 std::vector<LabelledSample> Labeller::take(HostTime now) {
   std::vector<LabelledSample> samples;
-  const HostDuration wait = from_s(config_.wait_s);
-  while (!pending_.empty() && (has_all(pending_.front()) || now - pending_.front().stamp.arrival >= wait)) {
+  while (!pending_.empty() && (has_all(pending_.front()) || now - pending_.front().stamp.arrival >= wait_)) {
     samples.push_back(label(pending_.front()));
     pending_.pop_front();
   }
@@ -121,13 +121,13 @@ LabelledSample Labeller::label(const PendingFrame& frame) {
   return sample;
 }
 
-/// `span`: what was commanded over it.
-Labeller::Rates Labeller::rates(HostTime begin, HostTime end, const CommandSpan& span) const {
-  if (!span.covered) return {unknown, unknown, unknown};
-  const double commanded_dps = command_.constant_rate_dps(begin, end).value_or(span.rate_mean_dps);
+Labeller::Rates Labeller::rates(HostTime begin, HostTime end) const {
+  std::optional<double> commanded_dps = command_.constant_rate_dps(begin, end);
+  if (!commanded_dps) commanded_dps = command_.mean_rate_dps(begin, end);
+  if (!commanded_dps) return {unknown, unknown, unknown};
   const bool modelled = begin < end && shaft_.covers(begin, end);
-  return {commanded_dps,
-          corrected_dps(response_, commanded_dps, modelled ? gain(begin, end) : response_.scale.value),
+  return {*commanded_dps,
+          corrected_dps(response_, *commanded_dps, modelled ? gain(begin, end) : response_.scale.value),
           modelled ? shaft_.mean_dps(begin, end) : unknown};
 }
 
@@ -143,7 +143,7 @@ double Labeller::gain(HostTime begin, HostTime end) const {
 void Labeller::label_motion(LabelledSample& sample, const PendingFrame& frame) {
   const HostTime begin = sample.exposure_begin, end = sample.exposure_end;
   const CommandSpan exposure = command_.over(begin, end);
-  const Rates mean = rates(begin, end, exposure);
+  const Rates mean = rates(begin, end);
   sample.rate_commanded_dps = static_cast<float>(mean.commanded_dps);
   sample.rate_shaft_dps = static_cast<float>(mean.model_dps);
   sample.rate_corrected_dps = static_cast<float>(mean.corrected_dps);
@@ -165,7 +165,7 @@ void Labeller::label_motion(LabelledSample& sample, const PendingFrame& frame) {
   };
   sample.rate_commanded_uncertainty_dps = deviation_dps(mean.commanded_dps);
   sample.rate_corrected_uncertainty_dps = deviation_dps(mean.corrected_dps);
-  sample.reason_bits |= command_reasons(sample, exposure) | model_reasons(sample, shaft);
+  sample.reason_bits |= command_reasons(sample) | model_reasons(sample, shaft);
 }
 
 /// Largest change of the label when the exposure is moved by half or all of `time_s`, either way.
@@ -179,15 +179,19 @@ double Labeller::time_error_dps(const LabelledSample& sample, double time_s) con
   return error_dps;
 }
 
-void Labeller::label_halves(LabelledSample& sample, const PendingFrame& frame) const {
+/// The older half of a frame is mostly the newer one of the frame before.
+void Labeller::label_halves(LabelledSample& sample, const PendingFrame& frame) {
   for (std::size_t i = 0; i < frame.half.size(); ++i) {
     const auto& [begin, end] = frame.half[i];
-    const Rates mean = rates(begin, end, command_.over(begin, end));
-    sample.rate_commanded_half_dps[i] = static_cast<float>(mean.commanded_dps);
-    sample.rate_shaft_half_dps[i] = static_cast<float>(mean.model_dps);
-    sample.rate_corrected_half_dps[i] = static_cast<float>(mean.corrected_dps);
-    sample.rate_gyro_half_dps[i] = static_cast<float>(gyro_.mean_dps(begin, end));
+    std::optional<Half>& half = halves_[i];
+    if (!half || half->exposure != frame.half[i])
+      half = Half{frame.half[i], rates(begin, end), gyro_.mean_dps(begin, end)};
+    sample.rate_commanded_half_dps[i] = static_cast<float>(half->mean.commanded_dps);
+    sample.rate_shaft_half_dps[i] = static_cast<float>(half->mean.model_dps);
+    sample.rate_corrected_half_dps[i] = static_cast<float>(half->mean.corrected_dps);
+    sample.rate_gyro_half_dps[i] = static_cast<float>(half->gyro_dps);
   }
+  if (!has_all(frame)) halves_ = {};  // what still comes may tell more of them
 }
 
 double Labeller::tolerance_dps(const LabelledSample& sample) const {
@@ -195,14 +199,13 @@ double Labeller::tolerance_dps(const LabelledSample& sample) const {
   return std::max(config_.rate_tolerance_dps, config_.rate_tolerance_share * rate_dps);
 }
 
-/// `exposure`: what was commanded over it.
-std::uint32_t Labeller::command_reasons(const LabelledSample& sample, const CommandSpan& exposure) const {
+std::uint32_t Labeller::command_reasons(const LabelledSample& sample) const {
   const HostTime begin = sample.exposure_begin, end = sample.exposure_end;
   const CommandSpan settled = command_.over(begin - settle_, end);
   const CommandSpan shown = command_.over(begin - lag_, end - lag_);
   const double limit_deg = 0.5 * config_.travel_deg - config_.stop_margin_deg;
-  const bool beyond = exposure.angle_min_deg < -limit_deg || exposure.angle_max_deg > limit_deg;
-  return bit_if(Reason::limit_hit, config_.travel_deg > 0.0 && beyond) |
+  const bool beyond = config_.travel_deg > 0.0 && command_.farthest_deg(begin, end) > limit_deg;
+  return bit_if(Reason::limit_hit, beyond) |
          bit_if(Reason::outside_leg, shown.outside_leg || sample.leg == 0) |
          bit_if(Reason::leg_change, shown.several_legs) |
          bit_if(Reason::servo_lost, !settled.covered || !settled.able) |
@@ -261,8 +264,7 @@ bool Labeller::gyro_disagrees(const LabelledSample& sample, const GyroMean& gyro
 
 /// A frame that was exposed while the servo had long been at rest shows the gyro's bias.
 void Labeller::learn_bias(const LabelledSample& sample, const GyroMean& gyro) {
-  const CommandSpan rest = command_.over(sample.exposure_begin - 2 * settle_, sample.exposure_end);
-  if (rest.covered && rest.resting) bias_.add(gyro);
+  if (command_.rests(sample.exposure_begin - 2 * settle_, sample.exposure_end)) bias_.add(gyro);
 }
 
 void Labeller::number_run(LabelledSample& sample) {

@@ -116,13 +116,15 @@ Stamp LinkTiming::stamp(const StreamSpan& span, const StampHint& hint) {
   if (placed) *placed -= from_s(0.5 * silent_s);
   newest_ = std::max(newest_, placed.value_or(by_last_byte) - latency_);
   const HostTime proven = std::max(latest - latency_, newest_);
-  Stamp stamp{.time = newest_, .arrival = chunk.arrived, .uncertainty_s = uncertainty_s(chunk)};
+  Stamp stamp{.time = newest_, .arrival = chunk.arrived};
   const double baud_s = baud_tolerance * byte_s_ * static_cast<double>(chunk.end - span.begin);
   stamp.later_s = static_cast<float>(to_s(proven - newest_) + baud_s);
-  stamp.earlier_s = static_cast<float>(longest_hold_s + baud_s);
   if (placed) {
     stamp.uncertainty_s = static_cast<float>(std::hypot(constant_delay_s_, silent_s) * uniform_deviation);
     stamp.earlier_s = static_cast<float>(constant_delay_s_ + silent_s + clock_->drift_s() + baud_s);
+  } else {
+    stamp.uncertainty_s = uncertainty_s(chunk);
+    stamp.earlier_s = static_cast<float>(longest_hold_s + baud_s);
   }
   return stamp;
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cassert>
 #include <cstddef>
 #include <cstdint>
@@ -111,6 +112,11 @@ std::optional<ServoBody> read_known_telemetry(PayloadReader in) {
   return state;
 }
 
+/// Stands for itself inside a frame.
+bool is_plain(std::uint8_t byte) {
+  return byte != SERVO_LINK_FLAG && byte != SERVO_LINK_ESCAPE && byte != SERVO_LINK_STOP;
+}
+
 /// Length of the payload of a message from the servo; 0 for a type that it does not send.
 std::size_t servo_payload_size(std::uint8_t type) {
   switch (type) {
@@ -163,7 +169,11 @@ ServoScanner::ServoScanner() {
 
 void ServoScanner::push(std::span<const std::uint8_t> bytes, std::vector<ServoMessage>& out) {
   assert(!ended_);
-  for (const std::uint8_t byte : bytes) take(byte, out);
+  while (!bytes.empty()) {
+    const std::size_t plain = take_plain(bytes);
+    if (plain == 0) take(bytes.front(), out);
+    bytes = bytes.subspan(std::max<std::size_t>(plain, 1));
+  }
 }
 
 void ServoScanner::finish(std::vector<ServoMessage>&) {
@@ -175,6 +185,19 @@ void ServoScanner::restart() {
   *this = ServoScanner();
   ledger_ = ledger;
   ledger_.restart();
+}
+
+/// Nearly all bytes only make an open frame longer: there is nothing to decide about them. Returns how many.
+std::size_t ServoScanner::take_plain(std::span<const std::uint8_t> bytes) {
+  const bool is_inside = decoder_.in_frame && !decoder_.ended && !decoder_.escaped;
+  const std::size_t room = is_inside ? SERVO_BODY_MAX - decoder_.size : 0;
+  const auto within = bytes.first(std::min(room, bytes.size()));
+  const auto end = std::find_if_not(within.begin(), within.end(), is_plain);
+  const auto count = static_cast<std::size_t>(end - within.begin());
+  std::copy(within.begin(), end, decoder_.body + decoder_.size);
+  decoder_.size = static_cast<std::uint8_t>(decoder_.size + count);
+  ledger_.receive(count);
+  return count;
 }
 
 /// Bytes of a frame that has not ended wait as pending; an overlong one is booked as damaged while it lasts.

@@ -99,6 +99,7 @@ std::vector<std::string> write_file(const fs::path& path, const Session& session
   added.attributes.clear();
   for (auto left = image.bytes; !left.empty(); left = left.subspan(std::min(left.size(), write_bytes)))
     part.write(left.first(std::min(left.size(), write_bytes)));
+  part.begin_sync();
   image.release();  // or there would be two of it
   const auto read_back = [&part](std::uint64_t offset, std::span<std::byte> out) {
     part.read_back(offset, out);

@@ -55,6 +55,8 @@ class Disk {
   /// Bytes and length survive a loss of power. After a failure nothing is known of what was written before:
   /// a second call may succeed although the bytes are lost.
   virtual int sync(OpenFile file) = 0;
+  /// A hint that sync() will follow; what fails then fails in sync().
+  virtual void begin_sync(OpenFile /*file*/) {}
   /// Space for the file up to `bytes`, beyond its length as well, which stays. EOPNOTSUPP where the file
   /// system cannot.
   virtual int reserve(OpenFile file, std::uint64_t bytes) = 0;

@@ -45,6 +45,8 @@ class PartFile {
   /// What the disk gives back of it.
   std::uint64_t size() const;
   void read_back(std::uint64_t offset, std::span<std::byte> out) const;
+  /// Nothing more will be written: the disk may begin with what sync() waits for.
+  void begin_sync() { disk_.begin_sync(file_); }
   void sync();
   /// Gives it its name and syncs the folder. Without `overwrite` an existing name is refused.
   void publish(bool overwrite);

@@ -15,21 +15,14 @@
 
 namespace thermorig::labels {
 
-/// What the servo was told to do over a span of time. Rates and angles are those of the span alone; legs and
-/// `able` look at the telemetry in it and at the message on either side of it, which it lies between.
+/// What telemetry says of a span of time: that in it and the message on either side of it, which it lies
+/// between.
 struct CommandSpan {
   bool covered = false;     // telemetry reaches from its begin to its end without a gap
   bool able = true;         // armed, no fault
-  bool resting = true;      // not told to move: holding or disarmed
   bool disagrees = false;   // a message that TelemetryCheck objects to
   bool outside_leg = true;  // leg 0 somewhere, or no telemetry
   bool several_legs = false;
-  double rate_mean_dps = std::numeric_limits<double>::quiet_NaN();  // NaN if not covered
-  double rate_min_dps = std::numeric_limits<double>::quiet_NaN();
-  double rate_max_dps = std::numeric_limits<double>::quiet_NaN();
-  double rate_change_dps = std::numeric_limits<double>::quiet_NaN();  // at its end minus at its begin
-  double angle_min_deg = std::numeric_limits<double>::quiet_NaN();
-  double angle_max_deg = std::numeric_limits<double>::quiet_NaN();
   float time_uncertainty_s = 0.0F;  // the widest of the telemetry that was used
 };
 
@@ -46,8 +39,17 @@ class CommandTrack {
   /// True if telemetry at or after `time` has come.
   bool reaches(HostTime time) const { return points_.reaches(time); }
 
-  /// begin <= end. The mean is the exact integral of the speed over the span, divided by its length.
+  /// begin <= end, here and below.
   CommandSpan over(HostTime begin, HostTime end) const;
+
+  /// True if the span is covered, and the servo was not told to move in it: it holds or is disarmed.
+  bool rests(HostTime begin, HostTime end) const;
+
+  /// The exact integral of the speed over the span, divided by its length. None if it is not covered.
+  std::optional<double> mean_rate_dps(HostTime begin, HostTime end) const;
+
+  /// How far from the middle of the travel the commanded angle comes in the span; NaN without telemetry.
+  double farthest_deg(HostTime begin, HostTime end) const;
 
   /// The speed that the pulses command over a span, if it lies in a stretch of constant commanded speed: the
   /// least-squares slope of the pulses' angles (continuous servo: the mean of their rates) from as far back
@@ -84,12 +86,14 @@ class CommandTrack {
     std::int64_t start_us = 0;
     double value = 0.0;
   };
+  struct Motion {
+    double rate_dps = 0.0;
+    double angle_deg = 0.0;
+  };
   std::span<const Point> around(HostTime begin, HostTime end) const;
   bool is_gap(const Point& before, const Point& after) const;
   bool covers(std::span<const Point> points, HostTime begin, HostTime end) const;
-  Point at(HostTime time) const;
-  static void note_states(CommandSpan& span, std::span<const Point> points);
-  void note_motion(CommandSpan& span, std::span<const Point> points, HostTime begin, HostTime end) const;
+  Motion at(HostTime time) const;
 
   std::uint32_t alike_before(const Point& point) const;
   const Point* begin_of_alike(const Point* point, std::int64_t earliest_us) const;

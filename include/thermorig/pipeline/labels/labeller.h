@@ -4,6 +4,7 @@
 #include <array>
 #include <cstdint>
 #include <deque>
+#include <optional>
 #include <vector>
 
 #include "thermorig/core/sample.h"
@@ -109,17 +110,22 @@ class Labeller {
     double corrected_dps;
     double model_dps;
   };
+  struct Half {
+    HalfExposure exposure;
+    Rates mean;
+    double gyro_dps;
+  };
   std::uint32_t frame_reasons(const TimedFrame& frame);
   bool has_all(const PendingFrame& frame) const;
   LabelledSample label(const PendingFrame& frame);
   void label_motion(LabelledSample& sample, const PendingFrame& frame);
-  void label_halves(LabelledSample& sample, const PendingFrame& frame) const;
+  void label_halves(LabelledSample& sample, const PendingFrame& frame);
   void label_gyro(LabelledSample& sample);
-  Rates rates(HostTime begin, HostTime end, const CommandSpan& span) const;
+  Rates rates(HostTime begin, HostTime end) const;
   double gain(HostTime begin, HostTime end) const;
   double time_error_dps(const LabelledSample& sample, double time_s) const;
   double tolerance_dps(const LabelledSample& sample) const;
-  std::uint32_t command_reasons(const LabelledSample& sample, const CommandSpan& exposure) const;
+  std::uint32_t command_reasons(const LabelledSample& sample) const;
   std::uint32_t model_reasons(const LabelledSample& sample, const ShaftRates& shaft) const;
   std::uint32_t gyro_reasons(const LabelledSample& sample, const GyroMean& gyro) const;
   bool gyro_disagrees(const LabelledSample& sample, const GyroMean& gyro, double noise_dps) const;
@@ -128,6 +134,7 @@ class Labeller {
 
   LabelConfig config_;
   ServoResponse response_;
+  HostDuration wait_;
   HostDuration settle_;
   HostDuration lag_;
   CommandTrack command_;
@@ -137,6 +144,7 @@ class Labeller {
   MotionNoise motion_noise_;
   WarmUp warm_up_;
   std::deque<PendingFrame> pending_;
+  std::array<std::optional<Half>, 2> halves_;  // as labelled last
   std::uint32_t frame_count_ = 0;
   std::uint32_t run_ = 0;      // number of the newest run
   std::uint16_t run_leg_ = 0;  // its leg, 0 if it has ended

@@ -77,6 +77,7 @@ class ServoScanner {
   const Counters& counters() const { return ledger_.counters; }
 
  private:
+  std::size_t take_plain(std::span<const std::uint8_t> bytes);
   void take(std::uint8_t byte, std::vector<ServoMessage>& out);
   void take_nothing(std::uint8_t byte, bool was_overlong);
   void take_frame(std::vector<ServoMessage>& out);
