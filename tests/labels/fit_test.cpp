@@ -212,6 +212,20 @@ TEST(ServoResponse, IsSeenThroughTheGyrosLowPass) {
   EXPECT_NEAR(response.delay_s, 0.0, 0.003);
 }
 
+/// Of a fast loop, whose shaft nearly steps from pulse to pulse, a slow gyro shows no step.
+TEST(ServoResponse, IsAsUncertainAsWhatTheGyrosLowPassHidesOfIt) {
+  auto config = rig_of(2160.0, 20.0, 11);
+  config.world.gyro.bandwidth_hz = 10.0;
+  const TrueTimes recording = record(config, speeds_dps);
+  GyroErrors errors = fit_gyro_errors(recording.gyro, recording.servo, recording.profile.gyro);
+  errors.filter_delay_s = {GyroProfile::second_order_delay / 10.0, 0.001};
+  const ServoResponse response =
+      fit_servo_response(recording.servo, recording.gyro, errors, recording.profile.servo);
+  ASSERT_EQ(response.speeds.size(), speeds_dps.size());
+  for (const ServoResponse::AtSpeed& speed : response.speeds)
+    EXPECT_GT(speed.spread_dps, 0.005 * std::abs(speed.rate_dps)) << speed.rate_dps;
+}
+
 TEST(ServoResponse, LabelsAfterCalibrationAreTheShaftsSpeed) {
   std::uint64_t seed = 21;
   for (const auto& [travel_deg, loop_hz] : {std::pair{180.0, 5.0}, {270.0, 15.0}, {2160.0, 8.0}}) {

@@ -157,9 +157,11 @@ struct ServoResponse {
   struct AtSpeed {
     double rate_dps = 0.0;      // commanded
     double residual_dps = 0.0;  // mean of corrected gyro minus model
-    double spread_dps = 0.0;    // root mean square about that mean, less what the gyro's noise explains
-    double noise_dps = 0.0;     // of a gyro sample while the shaft turns, by what is too fast for the shaft
-    std::uint32_t frames = 0;   // frame periods at this speed that took part
+    // Root mean square about that mean, less what the gyro's noise explains; with it what the gyro's low-pass
+    // hides of the model.
+    double spread_dps = 0.0;
+    double noise_dps = 0.0;    // of a gyro sample while the shaft turns, by what is too fast for the shaft
+    std::uint32_t frames = 0;  // frame periods at this speed that took part
     double reached_dps = std::numeric_limits<double>::quiet_NaN();  // mean of the corrected gyro
     bool contradicts = false;  // the shaft does not turn as commanded, beyond what scale and bias explain
   };

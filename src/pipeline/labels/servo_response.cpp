@@ -53,11 +53,13 @@ Estimate absolute_scale(const Estimate& ratio, const GyroErrors& errors, const S
 /// Collects residuals of one commanded speed.
 struct Residuals {
   double sum = 0.0, squares = 0.0;
-  double noise_squares = 0.0;  // of the gyro's means over one pulse period
+  double hidden_squares = 0.0;  // of what the gyro's low-pass hides of the model, so that nothing confirms it
+  double noise_squares = 0.0;   // of the gyro's means over one pulse period
   std::uint32_t count = 0, noise_count = 0;
-  void add(double residual) {
+  void add(double residual, double hidden) {
     sum += residual;
     squares += residual * residual;
+    hidden_squares += hidden * hidden;
     ++count;
   }
 };
@@ -122,7 +124,8 @@ std::map<long long, Residuals> residuals_of(const std::vector<Interval>& interva
       const auto mean = [&](double begin_s, double end_s) {
         return shaft.mean_dps(begin_s, end_s, near_shaft);
       };
-      residuals.add(rate_dps - low_pass.shown_dps(from_s, from_s + frame_s, mean));
+      const double shown_dps = low_pass.shown_dps(from_s, from_s + frame_s, mean);
+      residuals.add(rate_dps - shown_dps, mean(from_s, from_s + frame_s) - shown_dps);
       note_noise(gyro, from_s, from_s + frame_s, near_gyro, residuals);
     }
   }
@@ -179,8 +182,9 @@ void note_residuals(ServoResponse& response, const std::map<long long, Residuals
     const double noise_dps2 =
         residuals.noise_count > 0 ? residuals.noise_squares / residuals.noise_count : 0.0;
     speed.noise_dps = std::sqrt(noise_dps2 * pulse_period_s / period_s);
-    speed.spread_dps = spread_without_noise_dps(std::max(0.0, residuals.squares / n - mean * mean),
-                                                noise_dps2 * pulse_period_s / frame_s, n);
+    const double spread_dps = spread_without_noise_dps(std::max(0.0, residuals.squares / n - mean * mean),
+                                                       noise_dps2 * pulse_period_s / frame_s, n);
+    speed.spread_dps = std::hypot(spread_dps, std::sqrt(residuals.hidden_squares / n));
     speed.frames = residuals.count;
     if (speed.contradicts) continue;
     squares += residuals.squares;
