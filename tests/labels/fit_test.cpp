@@ -198,15 +198,19 @@ TEST(ServoResponse, IsThatOfTheSimulatedServo) {
   }
 }
 
-/// The gyro rounds what begins and ends: it is not the servo that is slow.
-TEST(ServoResponse, IsSeenThroughTheGyrosLowPass) {
-  auto config = rig_of(2160.0, 8.0, 11);
-  config.world.gyro.bandwidth_hz = 5.0;
+/// A servo by a gyro with a low-pass whose delay is known.
+ServoResponse seen_through_low_pass(double loop_hz, double bandwidth_hz) {
+  auto config = rig_of(2160.0, loop_hz, 11);
+  config.world.gyro.bandwidth_hz = bandwidth_hz;
   const TrueTimes recording = record(config, speeds_dps);
   GyroErrors errors = fit_gyro_errors(recording.gyro, recording.servo, recording.profile.gyro);
-  errors.filter_delay_s = {GyroProfile::second_order_delay / 5.0, 0.002};
-  const ServoResponse response =
-      fit_servo_response(recording.servo, recording.gyro, errors, recording.profile.servo);
+  errors.filter_delay_s = {GyroProfile::second_order_delay / bandwidth_hz, 0.002};
+  return fit_servo_response(recording.servo, recording.gyro, errors, recording.profile.servo);
+}
+
+/// The gyro rounds what begins and ends: it is not the servo that is slow.
+TEST(ServoResponse, IsSeenThroughTheGyrosLowPass) {
+  const ServoResponse response = seen_through_low_pass(8.0, 5.0);
   EXPECT_TRUE(response.fitted);
   EXPECT_NEAR(response.loop_hz, 8.0, 0.8);
   EXPECT_NEAR(response.delay_s, 0.0, 0.003);
@@ -214,13 +218,7 @@ TEST(ServoResponse, IsSeenThroughTheGyrosLowPass) {
 
 /// Of a fast loop, whose shaft nearly steps from pulse to pulse, a slow gyro shows no step.
 TEST(ServoResponse, IsAsUncertainAsWhatTheGyrosLowPassHidesOfIt) {
-  auto config = rig_of(2160.0, 20.0, 11);
-  config.world.gyro.bandwidth_hz = 10.0;
-  const TrueTimes recording = record(config, speeds_dps);
-  GyroErrors errors = fit_gyro_errors(recording.gyro, recording.servo, recording.profile.gyro);
-  errors.filter_delay_s = {GyroProfile::second_order_delay / 10.0, 0.001};
-  const ServoResponse response =
-      fit_servo_response(recording.servo, recording.gyro, errors, recording.profile.servo);
+  const ServoResponse response = seen_through_low_pass(20.0, 10.0);
   ASSERT_EQ(response.speeds.size(), speeds_dps.size());
   for (const ServoResponse::AtSpeed& speed : response.speeds)
     EXPECT_GT(speed.spread_dps, 0.005 * std::abs(speed.rate_dps)) << speed.rate_dps;
