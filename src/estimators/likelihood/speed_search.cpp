@@ -13,21 +13,39 @@ namespace {
 
 constexpr std::size_t waves_a_time = 4;
 constexpr std::size_t rough_step = 2, rough_waves = 1 + waves_a_time, rough_patterns = 16;
-constexpr double seen_variance = 0.05;       // of a pattern, in the noise's: what is less changes nothing
-constexpr double most_contrast = 1e6;        // of a scene's variance in the noise's: products stay finite
-constexpr double distinct_logarithm = 12.0;  // a mode that is less likely by so much has no weight
+constexpr std::size_t patterns_a_product = 4 * patterns_a_group;  // their product is finite
+constexpr double seen_variance = 0.05;      // of a pattern, in the noise's: what is less changes nothing
+constexpr double most_contrast = 1e6;       // of a scene's variance in the noise's: products stay finite
+constexpr double distinct_logarithm = 9.0;  // a speed that is less likely by so much has no weight
 constexpr std::size_t most_climbs = 12;
-constexpr double trusted = 0.7;  // of the likelihood: scenes are not Gaussian, nor speeds constant
+constexpr double trusted = 0.7;   // of the likelihood: scenes are not Gaussian, nor speeds constant
+constexpr int parts_a_place = 8;  // in which the likelihood about a speed of the table is summed
+
+// A wave's energy tells its contrast badly where a wall has one window and nothing else: it may be each of
+// these times that as well, all as likely before.
+constexpr std::array contrasts{0.25F, 1.0F, 4.0F};
+constexpr std::array rough_contrasts{1.0F};
+
+}  // namespace
+
+struct SearchDepth {
+  std::size_t waves, patterns;
+  std::span<const float> contrasts;
+};
+
+namespace {
+
+constexpr SearchDepth rough_depth{rough_waves, rough_patterns, rough_contrasts};
+constexpr SearchDepth fine_depth{half_rows, most_halves* line_pixels, contrasts};
 
 /// Patterns side by side: eight sums do not wait for each other.
 using Side = Eigen::Array<float, static_cast<int>(patterns_a_group), 1>;
 
 /// What the patterns of one speed explain of one class of rows.
 struct Explained {
-  double energy = 0.0;       // of it, in units of the noise's variance
-  double logarithm = 0.0;    // of the product of 1 + their variances in those units
-  double seen = 0.0;         // all that lies along the patterns
-  std::size_t patterns = 0;  // of all waves
+  std::array<std::array<double, contrasts.size()>, half_rows> doubled{};  // logarithm of the likelihood
+  double seen = 0.0;                                                      // all that lies along the patterns
+  std::size_t patterns = 0;                                               // of all waves
 };
 
 /// The lines of one class of rows: `waves` waves of each, `stride` numbers apart.
@@ -52,38 +70,87 @@ std::array<Side, waves> along(const float* group, const Lines& lines) {
   return even;
 }
 
-/// `variance`: of the scene, a wave each, in units of the noise's; of no more waves than `waves`.
+/// What a wave's patterns explain if its contrast is so large; several groups of them before the logarithm.
+struct Gain {
+  Side energy = Side::Zero();   // of it, in units of the noise's variance
+  Side product = Side::Ones();  // of 1 + their variances in those units
+
+  void add(const Side& square, const Side& ratio) {
+    const Side growth = 1.0F + ratio;
+    energy += square * ratio / growth;
+    product *= growth;
+  }
+  double doubled() const { return double{energy.sum()} - std::log(product.cast<double>().prod()); }
+};
+
+/// Of waves from `first_wave` on. `variance`: of the scene, a wave each, in units of the noise's; of no more
+/// waves than `waves`.
 template <std::size_t waves>
 void explain(const Lines& lines, const SpeedPatterns& table, std::span<const float> variance,
-             std::size_t most_patterns, Explained& out) {
-  const float most = *std::max_element(variance.begin(), variance.end());
-  const std::size_t all = std::min(most_patterns, table.variance.size());
+             std::size_t first_wave, const SearchDepth& depth, float noise_variance, Explained& out) {
+  const std::size_t choices = depth.contrasts.size();
+  const float most = *std::max_element(variance.begin(), variance.end()) * depth.contrasts.back();
+  const std::size_t all = std::min(depth.patterns, table.variance.size());
   std::size_t end = 0;
   while (end < all && table.variance[end] * most >= static_cast<float>(seen_variance))
     end += patterns_a_group;
-  Side energy = Side::Zero(), seen = Side::Zero();
-  for (std::size_t first = 0; first < end; first += patterns_a_group) {
-    const auto found = along<waves>(&table.pattern[first * lines.count], lines);
-    const Eigen::Map<const Side> own(&table.variance[first]);
-    Side growth = Side::Ones();
-    for (std::size_t wave = 0; wave < variance.size(); ++wave) {
-      const Side ratio = own * variance[wave], square = found[wave].square();
-      seen += square;
-      energy += square * ratio / (1.0F + ratio);
-      growth *= 1.0F + ratio;
+  Side seen = Side::Zero();
+  for (std::size_t first = 0; first < end;) {
+    std::array<std::array<Gain, contrasts.size()>, waves> gains;
+    for (const std::size_t stop = std::min(end, first + patterns_a_product); first < stop;
+         first += patterns_a_group) {
+      const auto found = along<waves>(&table.pattern[first * lines.count], lines);
+      const Eigen::Map<const Side> own(&table.variance[first]);
+      for (std::size_t wave = 0; wave < variance.size(); ++wave) {
+        const Side square = found[wave].square() / noise_variance, ratio = own * variance[wave];
+        seen += square;
+        for (std::size_t k = 0; k < choices; ++k) gains[wave][k].add(square, ratio * depth.contrasts[k]);
+      }
     }
-    out.logarithm += std::log(growth.cast<double>().prod());
+    for (std::size_t wave = 0; wave < variance.size(); ++wave)
+      for (std::size_t k = 0; k < choices; ++k) out.doubled[first_wave + wave][k] += gains[wave][k].doubled();
   }
-  out.energy += double{energy.sum()};
-  out.seen += double{seen.sum()};
+  out.seen += double{noise_variance * seen.sum()};
   out.patterns += variance.size() * std::min(end, table.count);
 }
 
-/// The speeds for which a place of the table stands.
-double width_of(std::span<const SpeedPatterns> speeds, std::size_t place) {
-  const std::size_t next = std::min(place + 1, speeds.size() - 1), before = place > 0 ? place - 1 : 0;
-  return (speeds[next].speed - speeds[before].speed) / static_cast<double>(next - before);
+/// Of a wave whose contrast is one of several, all as likely before.
+double over_contrasts(std::span<const double> doubled) {
+  const double best = *std::max_element(doubled.begin(), doubled.end());
+  double sum = 0.0;
+  for (const double one : doubled) sum += std::exp(0.5 * (one - best));
+  return 0.5 * best + std::log(sum);
 }
+
+/// A speed of which the logarithm of the likelihood is known, both less those of the top.
+struct Known {
+  double speed = 0.0, logarithm = 0.0;
+};
+
+/// Of all speeds, by how likely they are, off the top.
+class Moments {
+ public:
+  /// What is nearest to `here` of three: the logarithm lies on the parabola through them.
+  void add_about(const Known& here, const Known& before, const Known& next) {
+    const double x0 = before.speed - here.speed, y0 = before.logarithm - here.logarithm;
+    const double x1 = next.speed - here.speed, y1 = next.logarithm - here.logarithm;
+    const double bend = (y1 / x1 - y0 / x0) / (x1 - x0), slope = y0 / x0 - bend * x0;
+    const double step = 0.5 * (x1 - x0) / parts_a_place;
+    for (int part = 0; part < parts_a_place; ++part) {
+      const double x = 0.5 * x0 + step * (part + 0.5), speed = here.speed + x;
+      const double own = step * std::exp(here.logarithm + (bend * x + slope) * x);
+      mass_ += own;
+      sum_ += own * speed;
+      squares_ += own * speed * speed;
+    }
+  }
+  double mean() const { return sum_ / mass_; }
+  double deviation() const { return std::sqrt(std::max(0.0, squares_ / mass_ - mean() * mean())); }
+
+ private:
+  double mass_ = std::numeric_limits<double>::min();  // of nothing: the top
+  double sum_ = 0.0, squares_ = 0.0;
+};
 
 }  // namespace
 
@@ -93,92 +160,90 @@ SpeedSearch::SpeedSearch() {
   fine_.resize(places);
 }
 
-/// Of the scene's variance by wave that is taken which the window's own energy has at that speed.
-SpeedSearch::Fit SpeedSearch::fit(const WindowLines& lines, std::size_t place, std::size_t waves,
-                                  std::size_t most_patterns, double noise_variance) const {
+/// A wave's contrast is about that which the window's own energy has at that speed.
+SpeedSearch::Fit SpeedSearch::fit(const WindowLines& lines, std::size_t place, const SearchDepth& depth,
+                                  double noise_variance) const {
   const auto plain = SpeedTable::of(lines.halves()).plain();
   const auto centred = SpeedTable::of(lines.halves()).centred();
+  const auto noise = static_cast<float>(noise_variance);
   Fit fit;
+  Explained explained;
   for (std::size_t row_class = 0; row_class < 2; ++row_class) {
     const std::size_t at = row_class == 0 ? place : plain.size() - 1 - place;
     std::array<float, half_rows> variance{};
-    for (std::size_t wave = 0; wave < waves; ++wave) {
+    for (std::size_t wave = 0; wave < depth.waves; ++wave) {
       const auto freedom = static_cast<double>(lines.lines() - (wave == 0 ? lines.halves() : 0));
       const double contrast = lines.energy(wave) / (2.0 * freedom * noise_variance) - 1.0;
       const double trace = (wave == 0 ? centred : plain)[at].trace;
       variance[wave] = static_cast<float>(std::clamp(contrast, 0.0, most_contrast) * freedom / trace);
     }
     const std::span all(variance);
-    Explained explained;
-    explain<1>({lines.longest(row_class), 1, lines.lines()}, centred[at], all.first(1), most_patterns,
+    explain<1>({lines.longest(row_class), 1, lines.lines()}, centred[at], all.first(1), 0, depth, noise,
                explained);
-    for (std::size_t wave = 1; wave < waves; wave += waves_a_time)
+    for (std::size_t wave = 1; wave < depth.waves; wave += waves_a_time)
       explain<waves_a_time>({lines.waves(row_class) + wave, half_rows, lines.lines()}, plain[at],
-                            all.subspan(wave, std::min(waves_a_time, waves - wave)), most_patterns,
+                            all.subspan(wave, std::min(waves_a_time, depth.waves - wave)), wave, depth, noise,
                             explained);
-    fit.logarithm += 0.5 * trusted * (explained.energy / noise_variance - explained.logarithm);
-    fit.unexplained -= explained.seen;
-    fit.freedom += static_cast<double>(waves * lines.lines() - lines.halves() - explained.patterns);
   }
-  for (std::size_t wave = 0; wave < waves; ++wave) fit.unexplained += lines.energy(wave);
+  fit.unexplained = -explained.seen;
+  for (std::size_t wave = 0; wave < depth.waves; ++wave) {
+    fit.unexplained += lines.energy(wave);
+    fit.logarithm +=
+        trusted * over_contrasts(std::span(explained.doubled[wave]).first(depth.contrasts.size()));
+  }
+  fit.freedom = static_cast<double>(2 * (depth.waves * lines.lines() - lines.halves()) - explained.patterns);
   return fit;
-}
-
-void SpeedSearch::look_roughly(const WindowLines& lines, double noise_variance, Range range) {
-  for (std::size_t k = range.low; k <= range.high; k += rough_step)
-    rough_[k] = fit(lines, k, rough_waves, rough_patterns, noise_variance).logarithm;
-}
-
-/// The likeliest tops of the rough likelihood.
-void SpeedSearch::find_modes(Range range) {
-  double best = rough_[range.low];
-  for (std::size_t k = range.low; k <= range.high; k += rough_step) best = std::max(best, rough_[k]);
-  mode_count_ = 0;
-  for (std::size_t k = range.low; k <= range.high; k += rough_step) {
-    const bool is_top = (k == range.low || rough_[k] >= rough_[k - rough_step]) &&
-                        (k == range.high || rough_[k] > rough_[k + rough_step]);
-    if (!is_top || rough_[k] < best - distinct_logarithm) continue;
-    if (mode_count_ < most_modes) {
-      modes_[mode_count_++].place = k;
-      continue;
-    }
-    Mode& least = *std::min_element(modes_.begin(), modes_.end(), [this](const Mode& a, const Mode& b) {
-      return rough_[a.place] < rough_[b.place];
-    });
-    if (rough_[least.place] < rough_[k]) least.place = k;
-  }
 }
 
 double SpeedSearch::fine(const WindowLines& lines, std::size_t place, double noise_variance) {
   double& logarithm = fine_[place];
-  if (std::isnan(logarithm))
-    logarithm = fit(lines, place, half_rows, lines.lines(), noise_variance).logarithm;
+  if (std::isnan(logarithm)) logarithm = fit(lines, place, fine_depth, noise_variance).logarithm;
   return logarithm;
 }
 
-/// Uphill from a place, then the top of the parabola through three.
-SpeedSearch::Mode SpeedSearch::refined(const WindowLines& lines, std::size_t place, double noise_variance,
-                                       Range range) {
-  const auto at = [&](std::size_t k) { return fine(lines, k, noise_variance); };
+/// All places first, then those that may be.
+void SpeedSearch::look(const WindowLines& lines, double noise_variance, Range range) {
+  double best = -std::numeric_limits<double>::infinity();
+  for (std::size_t k = range.low; k <= range.high; k += rough_step) {
+    rough_[k] = fit(lines, k, rough_depth, noise_variance).logarithm;
+    best = std::max(best, rough_[k]);
+  }
+  std::fill(fine_.begin(), fine_.end(), std::numeric_limits<double>::quiet_NaN());
+  for (std::size_t k = range.low; k <= range.high; k += rough_step)
+    if (rough_[k] >= best - distinct_logarithm) fine(lines, k, noise_variance);
+}
+
+/// Uphill from the best place so far; then those about it are known, for the top may be narrow.
+std::size_t SpeedSearch::top(const WindowLines& lines, double noise_variance, Range range) {
+  std::size_t place = range.low;
+  for (std::size_t k = range.low; k <= range.high; ++k)
+    if (std::isnan(fine_[place]) || fine_[k] > fine_[place]) place = k;
   for (std::size_t climb = 0; climb < most_climbs && place > range.low && place < range.high; ++climb) {
-    const double here = at(place), up = at(place + 1), down = at(place - 1);
+    const double here = fine_[place];
+    const double up = fine(lines, place + 1, noise_variance), down = fine(lines, place - 1, noise_variance);
     if (std::max(up, down) <= here) break;
     up > down ? ++place : --place;
   }
-  const auto speeds = SpeedTable::of(lines.halves()).plain();
-  const double width = width_of(speeds, place);
-  Mode mode{.place = place, .logarithm = at(place), .speed = speeds[place].speed, .variance = width * width};
-  mode.is_at_end = place <= range.low || place >= range.high;
-  if (mode.is_at_end) return mode;
-  const double x0 = speeds[place - 1].speed - mode.speed, x1 = speeds[place + 1].speed - mode.speed;
-  const double y0 = at(place - 1) - mode.logarithm, y1 = at(place + 1) - mode.logarithm;
-  const double bend = (y1 / x1 - y0 / x0) / (x1 - x0), slope = y0 / x0 - bend * x0;
-  if (!(bend < 0.0)) return mode;
-  const double top = std::clamp(-0.5 * slope / bend, x0, x1);
-  mode.speed += top;
-  mode.logarithm += (bend * top + slope) * top;
-  mode.variance = -0.5 / bend;
-  return mode;
+  const std::size_t end = std::min(range.high, place + rough_step);
+  for (std::size_t k = std::max(range.low + rough_step, place) - rough_step; k <= end; ++k)
+    fine(lines, k, noise_variance);
+  return place;
+}
+
+SpeedPosterior SpeedSearch::over_all(std::span<const SpeedPatterns> speeds, std::size_t top,
+                                     Range range) const {
+  Moments moments;
+  std::array<Known, 3> known;  // the last three of all
+  std::size_t count = 0, last = range.low;
+  for (std::size_t k = range.low; k <= range.high; ++k) {
+    if (std::isnan(fine_[k])) continue;
+    count = k - last <= rough_step ? count + 1 : 1;  // in a row
+    last = k;
+    std::rotate(known.begin(), known.begin() + 1, known.end());
+    known.back() = {speeds[k].speed - speeds[top].speed, fine_[k] - fine_[top]};
+    if (count >= known.size()) moments.add_about(known[1], known[0], known[2]);
+  }
+  return {.speed = speeds[top].speed + moments.mean(), .sigma = moments.deviation()};
 }
 
 SpeedPosterior SpeedSearch::search(const WindowLines& lines, double noise_variance, double fastest) {
@@ -188,26 +253,11 @@ SpeedPosterior SpeedSearch::search(const WindowLines& lines, double noise_varian
   while (reach + rough_step <= middle && speeds[middle + reach + rough_step].speed <= fastest)
     reach += rough_step;
   const Range range{middle - reach, middle + reach};
-  look_roughly(lines, noise_variance, range);
-  find_modes(range);
-  std::fill(fine_.begin(), fine_.end(), std::numeric_limits<double>::quiet_NaN());
-  for (Mode& mode : std::span(modes_).first(mode_count_))
-    mode = refined(lines, mode.place, noise_variance, range);
-  const auto end = modes_.begin() + static_cast<std::ptrdiff_t>(mode_count_);
-  const Mode top = *std::max_element(modes_.begin(), end,
-                                     [](const Mode& a, const Mode& b) { return a.logarithm < b.logarithm; });
-  SpeedPosterior posterior{.is_at_end = top.is_at_end};
-  double mass = 0.0, sum = 0.0, squares = 0.0;
-  std::for_each(modes_.begin(), end, [&](const Mode& mode) {
-    const double own = std::exp(mode.logarithm - top.logarithm) * std::sqrt(mode.variance);
-    const double off = mode.speed - top.speed;
-    mass += own;
-    sum += own * off;
-    squares += own * (mode.variance + off * off);
-  });
-  posterior.speed = top.speed + sum / mass;
-  posterior.sigma = std::sqrt(std::max(0.0, squares / mass - (sum / mass) * (sum / mass)));
-  const Fit best = fit(lines, top.place, half_rows, lines.lines(), noise_variance);
+  look(lines, noise_variance, range);
+  const std::size_t likeliest = top(lines, noise_variance, range);
+  SpeedPosterior posterior = over_all(speeds, likeliest, range);
+  posterior.is_at_end = likeliest <= range.low || likeliest >= range.high;
+  const Fit best = fit(lines, likeliest, fine_depth, noise_variance);
   posterior.noise_variance = best.unexplained / best.freedom;
   return posterior;
 }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include <array>
+#include <span>
 #include <vector>
 
 #include "speed_table.h"
@@ -16,6 +16,8 @@ struct SpeedPosterior {
   bool is_at_end = false;       // of the speeds that were tried: it may be faster
   double noise_variance = 0.0;  // of a reading: of what no scene at that speed explains
 };
+
+struct SearchDepth;
 
 /// Finds the speed with which the halves of a window agree on one piece of scene. The scene is a Gaussian
 /// process of which nothing is known but how its parts go together, seen through noise; the likelihood of all
@@ -33,26 +35,17 @@ class SpeedSearch {
     double unexplained = 0.0;  // energy beside all patterns
     double freedom = 0.0;      // of that
   };
-  struct Mode {
-    std::size_t place = 0;
-    double logarithm = 0.0, speed = 0.0, variance = 0.0;
-    bool is_at_end = false;
-  };
   struct Range {
     std::size_t low = 0, high = 0;
   };
 
-  Fit fit(const WindowLines& lines, std::size_t place, std::size_t waves, std::size_t most_patterns,
-          double noise_variance) const;
-  void look_roughly(const WindowLines& lines, double noise_variance, Range range);
-  void find_modes(Range range);
+  Fit fit(const WindowLines& lines, std::size_t place, const SearchDepth& depth, double noise_variance) const;
   double fine(const WindowLines& lines, std::size_t place, double noise_variance);
-  Mode refined(const WindowLines& lines, std::size_t place, double noise_variance, Range range);
+  void look(const WindowLines& lines, double noise_variance, Range range);
+  std::size_t top(const WindowLines& lines, double noise_variance, Range range);
+  SpeedPosterior over_all(std::span<const SpeedPatterns> speeds, std::size_t top, Range range) const;
 
   std::vector<double> rough_, fine_;  // logarithm of each speed's likelihood; fine: NaN where not known
-  static constexpr std::size_t most_modes = 4;
-  std::array<Mode, most_modes> modes_;
-  std::size_t mode_count_ = 0;
 };
 
 }  // namespace thermorig::likelihood
