@@ -105,6 +105,21 @@ TEST(TheCamerasRate, OfAWallIsNotTold) {
   EXPECT_LE(told, count / 5);
 }
 
+TEST(TheCamerasRate, HoldsItsSigmaWhereNextToNothingIsSeen) {
+  for (const double rate_dps : {60.0, 120.0}) {
+    double covered = 0.0, silent = 0.0, count = 0.0;
+    for (const CameraRateReport& report : reports_of(turning(rate_dps, 10.0, 0.1))) {
+      if (!report.is_complete) continue;
+      const double error_dps = std::abs(report.rate_dps - rate_dps);
+      covered += error_dps <= 2.0 * report.sigma_dps ? 1.0 : 0.0;
+      silent += report.is_told && error_dps > told_sigma_dps ? 1.0 : 0.0;
+      count += 1.0;
+    }
+    EXPECT_GE(covered, 0.9 * count) << rate_dps;
+    EXPECT_LE(silent, 0.03 * count) << rate_dps;
+  }
+}
+
 TEST(TheCamerasRate, BeyondWhatIsTriedIsNotTold) {
   for (const CameraRateReport& report : reports_of(turning(500.0, 4.0)))
     if (report.is_complete && report.is_told) {

@@ -88,9 +88,9 @@ TEST(TheBound, IsReachedWithinAFewTenthsAndNeverBeaten) {
   WindowLines window(4);
   for (const double rate_dps : {30.0, -120.0}) {
     double squares = 0.0, bound_squares = 0.0;
-    constexpr int windows = 60;
+    constexpr int windows = 50;
     for (int n = 0; n < windows; ++n) {
-      const double heading_deg = 6.0 * n;
+      const double heading_deg = 7.2 * n;
       std::array<HalfLines, 4> seen;
       std::array<const HalfLines*, 4> pointers;
       for (std::size_t h = 0; h < 4; ++h) {
