@@ -78,12 +78,24 @@ PixelModel::PixelModel(std::span<const HalfView> views) {
     }
 }
 
+Readings PixelModel::readings(const HalfView& view, float half_offset_c) const {
+  const unsigned parity = view.half.parity;
+  Readings readings;
+  for (std::size_t column = 0; column < frame_columns; ++column) {
+    column_of(readings.value_c, column) =
+        column_of(view.temp_c, column) - column_of(offset_c_[parity], column) - half_offset_c;
+    column_of(readings.weight, column) = column_of(weight_[parity], column) * column_of(view.trust, column);
+  }
+  return readings;
+}
+
 void PixelModel::Residuals::add(const HalfPixels& residual, const HalfPixels& weights) {
-  for (std::size_t i = 0; i < half_pixels; ++i) {
-    const float weighted = weights[i] * residual[i];
-    sum[i] += weighted;
-    square[i] += weighted * residual[i];
-    weight[i] += weights[i];
+  for (std::size_t column = 0; column < frame_columns; ++column) {
+    const ColumnPixels left = column_of(residual, column);
+    const ColumnPixels weighted = column_of(weights, column) * left;
+    column_of(sum, column) += weighted;
+    column_of(square, column) += weighted * left;
+    column_of(weight, column) += column_of(weights, column);
   }
 }
 
