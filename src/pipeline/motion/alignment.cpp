@@ -80,8 +80,7 @@ double Alignment::uncertainty(Parameter parameter) const {
 
 /// Pixels, halves and trust stay as they are through many looks at the readings.
 void Alignment::read() {
-  for (std::size_t k = 0; k < views_.size(); ++k)
-    readings_[k] = pixels_.readings(views_[k], half_offset_c_[k]);
+  for (std::size_t k = 0; k < views_.size(); ++k) pixels_.read(views_[k], half_offset_c_[k], readings_[k]);
 }
 
 void Alignment::make_map(const Parameters& parameters) {
@@ -181,6 +180,7 @@ double Alignment::middle_row() const {
     const Comparison comparison = compare(k);
     const double speed = views_[k].half.rate_dps * views_[k].half.rate_dps;
     for (std::size_t i = 0; i < half_pixels; ++i) {
+      if (comparison.weight[i] == 0.0F) continue;
       const float steepness = comparison.weight[i] * comparison.slope[i] * comparison.slope[i];
       const double weight = speed * static_cast<double>(steepness);
       weights += weight;
@@ -255,15 +255,20 @@ Alignment::Totals Alignment::compare_all() {
 
 /// What a change of the parameters would do to the panorama itself.
 void Alignment::add_push(const Comparison& comparison, std::size_t index, Totals& totals) const {
+  std::array<float*, parameter_count> cells;  // looked up once, as in PanoramaMap::add()
+  std::array<float, parameter_count> change;
+  for (std::size_t p = 0; p < parameter_count; ++p) {
+    cells[p] = totals.push[p].data();
+    change[p] = static_cast<float>(totals.change[index][p]);
+  }
   for (std::size_t column = 0; column < frame_columns; ++column) {
     const auto [left, right, part] = PanoramaMap::between(places_[index], column);
     const ColumnPixels push = column_of(comparison.weight, column) * column_of(comparison.slope, column);
     const ColumnPixels to_right = part * push;
     const ColumnPixels to_left = push - to_right;
     for (std::size_t p = 0; p < parameter_count; ++p) {
-      const auto change = static_cast<float>(totals.change[index][p]);
-      PanoramaMap::at(totals.push[p], left) += to_left * change;
-      PanoramaMap::at(totals.push[p], right) += to_right * change;
+      ColumnOf(cells[p] + left) += to_left * change[p];
+      ColumnOf(cells[p] + right) += to_right * change[p];
     }
   }
 }

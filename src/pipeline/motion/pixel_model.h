@@ -20,8 +20,8 @@ class PixelModel {
   /// surroundings, which the angles average only in part. Pixels that never change are left out for good.
   explicit PixelModel(std::span<const HalfView> views);
 
-  /// The half's readings without the pixels' offsets and its own.
-  Readings readings(const HalfView& view, float half_offset_c) const;
+  /// Puts the half's readings without the pixels' offsets and its own into `readings`.
+  void read(const HalfView& view, float half_offset_c, Readings& readings) const;
   const HalfPixels& pixel_weights(unsigned parity) const { return weight_[parity]; }
 
   /// Weighted sums over the halves of one parity.
