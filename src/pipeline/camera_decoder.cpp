@@ -23,7 +23,7 @@ CameraDecoder::CameraDecoder(const CameraProfile& profile, const Fits& fits)
     : profile_(profile),
       period_s_(frame_period_s(profile, fits)),
       scanner_(sensors::camera_scanner(profile)),
-      timing_(profile.link, profile.output_rate_hz),
+      timing_(profile.link, causal_rate_hz(fits.times[Device::camera], profile.output_rate_hz)),
       final_times_(fits.times[Device::camera]),
       exposure_(exposure_rule(profile, fits)),
       known_gaps_(fits.gaps),

@@ -18,6 +18,12 @@ inline void put(const TimeEstimate& estimate, Stamp& stamp) {
   stamp.later_s = estimate.later_s;
 }
 
+/// What a link's timing gets as its messages' nominal rate: 0, so that it follows no clock, where each
+/// message has its final time anyway.
+inline double causal_rate_hz(const std::vector<TimeEstimate>& final_times, double rate_hz) {
+  return final_times.empty() ? rate_hz : 0.0;
+}
+
 /// The times that a first pass found for the messages of one device, handed out in their order. Without
 /// them, or beyond them, the causal stamps stand.
 class FinalTimes {

@@ -81,7 +81,7 @@ void GyroLosses::settle(HostTime now, double missing) {
 
 GyroDecoder::GyroDecoder(const GyroProfile& profile, const Fits& fits)
     : scanner_(sensors::gyro_scanner(profile)),
-      timing_(link_with_filter(profile), profile.output_rate_hz),
+      timing_(link_with_filter(profile), causal_rate_hz(fits.times[Device::gyro], profile.output_rate_hz)),
       final_times_(fits.times[Device::gyro]),
       axis_(static_cast<std::size_t>(profile.axis)),
       sign_(static_cast<float>(profile.sign)) {

@@ -104,9 +104,15 @@ class Problem {
   std::size_t changes() const { return changes_.size(); }
   std::size_t samples() const { return measured_.size(); }
 
-  /// The model's mean rates at all samples.
-  std::vector<double> predict(const Parameters& p) const {
-    return means(curves_of(p.loop_hz(), p.dead_band_deg), p.delay_s);
+  /// What the model makes of all changes, and its mean rates at all samples.
+  struct Prediction {
+    std::vector<ShaftCurve> curves;
+    std::vector<double> rates;
+  };
+  Prediction predict(const Parameters& p) const {
+    Prediction predicted{curves_of(p.loop_hz(), p.dead_band_deg), {}};
+    predicted.rates = means(predicted.curves, p.delay_s);
+    return predicted;
   }
 
   Match match(const std::vector<double>& rates) const {
@@ -141,13 +147,13 @@ class Problem {
     return best;
   }
 
-  /// One Gauss-Newton step with damping from `p`, which predicts `now`; the uncertainty of the delay comes
+  /// One Gauss-Newton step with damping from `p`, which makes `predicted`; the uncertainty of the delay comes
   /// with it.
   struct Step {
     Parameters to;
     double delay_uncertainty_s;
   };
-  Step step(const Parameters& p, const std::vector<double>& now, double damping) const;
+  Step step(const Parameters& p, const Prediction& predicted, double damping) const;
 
   /// Drops the changes that the model explains much worse than most.
   bool drop_outliers(const Parameters& p);
@@ -176,15 +182,15 @@ class Problem {
     std::vector<double> rates;
     rates.reserve(measured_.size());
     for (std::size_t i = 0; i < changes_.size(); ++i) {
-      std::size_t near = 0;
+      ShaftCurve::Near near;
       for (const Sample& sample : changes_[i].samples)
         rates.push_back(shown_dps(curves[i], sample.time_s - delay_s, near));
     }
     return rates;
   }
 
-  /// What the gyro shows of the curve around a time. `near`: see first_after().
-  double shown_dps(const ShaftCurve& curve, double at_s, std::size_t& near) const {
+  /// What the gyro shows of the curve around a time. `near`: see ShaftCurve::mean_dps().
+  double shown_dps(const ShaftCurve& curve, double at_s, ShaftCurve::Near& near) const {
     const auto mean = [&](double begin_s, double end_s) { return curve.mean_dps(begin_s, end_s, near); };
     return low_pass_.shown_dps(at_s - window_s / 2.0, at_s + window_s / 2.0, mean);
   }
@@ -197,11 +203,12 @@ class Problem {
   double residual_dps_ = 1.0;
 };
 
-Problem::Step Problem::step(const Parameters& p, const std::vector<double>& now, double damping) const {
+Problem::Step Problem::step(const Parameters& p, const Prediction& predicted, double damping) const {
   constexpr double delay_step_s = 2e-4, log_step = 0.02, band_step_deg = 0.02;
-  const std::vector<double> later = predict({p.delay_s + delay_step_s, p.log_loop, p.dead_band_deg});
-  const std::vector<double> stiffer = predict({p.delay_s, p.log_loop + log_step, p.dead_band_deg});
-  const std::vector<double> wider = predict({p.delay_s, p.log_loop, p.dead_band_deg + band_step_deg});
+  const std::vector<double>& now = predicted.rates;
+  const std::vector<double> later = means(predicted.curves, p.delay_s + delay_step_s);
+  const std::vector<double> stiffer = predict({p.delay_s, p.log_loop + log_step, p.dead_band_deg}).rates;
+  const std::vector<double> wider = predict({p.delay_s, p.log_loop, p.dead_band_deg + band_step_deg}).rates;
   const Match found = match(now);
   const double deviation = residual_dps_ * std::sqrt(repeated);
   LeastSquares equations(5);
@@ -227,7 +234,7 @@ Problem::Step Problem::step(const Parameters& p, const std::vector<double>& now,
 }
 
 bool Problem::drop_outliers(const Parameters& p) {
-  const std::vector<double> rates = predict(p);
+  const std::vector<double> rates = predict(p).rates;
   const Match found = match(rates);
   std::vector<double> residuals;
   std::size_t at = 0;
@@ -260,14 +267,14 @@ Parameters descend(Problem& problem, Parameters p) {
   constexpr int rounds = 12;
   constexpr double enough = 1e-5;
   double damping = 1.0;
-  std::vector<double> rates = problem.predict(p);
-  double squares = problem.match(rates).squares;
+  Problem::Prediction now = problem.predict(p);
+  double squares = problem.match(now.rates).squares;
   problem.set_residual(loop_residual_dps(problem, squares));
   double cost = problem.cost(p, squares);
   for (int i = 0; i < rounds; ++i) {
-    const Parameters next = problem.step(p, rates, damping).to;
-    std::vector<double> next_rates = problem.predict(next);
-    squares = problem.match(next_rates).squares;
+    const Parameters next = problem.step(p, now, damping).to;
+    Problem::Prediction then = problem.predict(next);
+    squares = problem.match(then.rates).squares;
     const double next_cost = problem.cost(next, squares);
     if (!(next_cost < cost)) {
       damping *= 8.0;
@@ -276,7 +283,7 @@ Parameters descend(Problem& problem, Parameters p) {
     const bool done = cost - next_cost < enough * cost;
     damping /= 4.0;
     p = next;
-    rates = std::move(next_rates);
+    now = std::move(then);
     problem.set_residual(loop_residual_dps(problem, squares));
     cost = problem.cost(p, squares);
     if (done) break;
@@ -303,10 +310,10 @@ std::optional<LoopFit> fit_loop(std::span<const PulseAt> pulses, std::span<const
       descend(problem, coarse({prepare(pulses, changes, gyro, coarse_changes), filter_delay_s, profile}));
   if (problem.drop_outliers(p) && problem.changes() >= least_changes) p = descend(problem, p);
   if (problem.changes() < least_changes) return std::nullopt;
-  const std::vector<double> rates = problem.predict(p);
-  const Match found = problem.match(rates);
+  const Problem::Prediction predicted = problem.predict(p);
+  const Match found = problem.match(predicted.rates);
   if (found.share < least_share_followed || found.factor <= 0.0) return std::nullopt;
-  const double uncertainty_s = problem.step(p, rates, 1e-3).delay_uncertainty_s;
+  const double uncertainty_s = problem.step(p, predicted, 1e-3).delay_uncertainty_s;
   return LoopFit{
       {p.delay_s, uncertainty_s}, p.loop_hz(), p.dead_band_deg, loop_residual_dps(problem, found.squares)};
 }

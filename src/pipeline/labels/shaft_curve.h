@@ -34,10 +34,15 @@ class ShaftCurve {
   /// `near`: see first_after().
   double angle_deg(double time_s, std::size_t& near) const;
 
+  /// Where an interval before began and ended.
+  struct Near {
+    std::size_t begin = 0;
+    std::size_t end = 0;
+  };
   /// Mean rate over [begin_s, end_s].
-  double mean_dps(double begin_s, double end_s, std::size_t& near) const {
-    const double begin_deg = angle_deg(begin_s, near);
-    return (angle_deg(end_s, near) - begin_deg) / (end_s - begin_s);
+  double mean_dps(double begin_s, double end_s, Near& near) const {
+    const double begin_deg = angle_deg(begin_s, near.begin);
+    return (angle_deg(end_s, near.end) - begin_deg) / (end_s - begin_s);
   }
 
  private:

@@ -69,20 +69,27 @@ Alignment::Alignment(std::span<HalfView> views, const AngleTrack& track, const L
       map_(empty_map(views, layout, angles_.reach_deg())),
       places_(views.size()),
       half_offset_c_(views.size(), 0.0F),
-      misfit_(views.size(), 0.0) {}
+      readings_(views.size()),
+      misfit_(views.size(), 0.0) {
+  read();
+}
 
 double Alignment::uncertainty(Parameter parameter) const {
   return std::sqrt(covariance_[parameter][parameter]);
+}
+
+/// Pixels, halves and trust stay as they are through many looks at the readings.
+void Alignment::read() {
+  for (std::size_t k = 0; k < views_.size(); ++k) pixels_.read(views_[k], half_offset_c_[k], readings_[k]);
 }
 
 void Alignment::make_map(const Parameters& parameters) {
   angles_.look_from(parameters[offset_s]);
   map_.clear();
   for (std::size_t k = 0; k < views_.size(); k += stride_) {
-    places_[k] = map_.place(angles_.angle_deg(k, parameters), layout_.pitch_deg, layout_.mirrored);
-    for (std::size_t column = 0; column < frame_columns; ++column)
-      map_.add(between(k, column), pixels_.values(views_[k], half_offset_c_[k], column),
-               pixels_.weights(views_[k], column));
+    places_[k] = map_.place(angles_.angle_deg(k, parameters), layout_.pitch_deg, layout_.mirrored,
+                            views_[k].half.parity);
+    map_.add(places_[k], readings_[k].value_c, readings_[k].weight);
   }
   map_.finish();
 }
@@ -94,9 +101,9 @@ double Alignment::variance(const Parameters& parameters) {
   for (std::size_t k = 0; k < views_.size(); k += stride_) {
     ColumnPixels squares = ColumnPixels::Zero(), weights = ColumnPixels::Zero();
     for (std::size_t column = 0; column < frame_columns; ++column) {
-      const PanoramaMap::Between at = between(k, column);
-      const ColumnPixels weight = pixels_.weights(views_[k], column) * map_.known(at);
-      squares += weight * (pixels_.values(views_[k], half_offset_c_[k], column) - map_.mean(at)).square();
+      const PanoramaMap::Between at = PanoramaMap::between(places_[k], column);
+      const ColumnPixels weight = column_of(readings_[k].weight, column) * map_.known(at);
+      squares += weight * (column_of(readings_[k].value_c, column) - map_.mean(at)).square();
       weights += weight;
     }
     square_sum += static_cast<double>(squares.sum());
@@ -106,9 +113,9 @@ double Alignment::variance(const Parameters& parameters) {
   return square_sum / reading_count_;
 }
 
-void Alignment::learn_from(const Alignment& other) {
-  pixels_ = other.pixels_;
-  half_offset_c_ = other.half_offset_c_;
+void Alignment::lay_out(const Layout& layout) {
+  layout_ = layout;
+  map_ = empty_map(views_, layout, angles_.reach_deg());
 }
 
 std::vector<double> Alignment::misfit_at(const Parameters& parameters) {
@@ -155,8 +162,8 @@ double Alignment::spread() const {
     double sum_of_squares = 0.0;
     double sum_of_weights = 1e-9;
     for (std::size_t column = 0; column < frame_columns; ++column) {
-      const Precise values = pixels_.values(views_[k], half_offset_c_[k], column).cast<double>();
-      const Precise weights = pixels_.weights(views_[k], column).cast<double>();
+      const Precise values = column_of(readings_[k].value_c, column).cast<double>();
+      const Precise weights = column_of(readings_[k].weight, column).cast<double>();
       sum_of_weights += weights.sum();
       sum += (weights * values).sum();
       sum_of_squares += (weights * values.square()).sum();
@@ -173,6 +180,7 @@ double Alignment::middle_row() const {
     const Comparison comparison = compare(k);
     const double speed = views_[k].half.rate_dps * views_[k].half.rate_dps;
     for (std::size_t i = 0; i < half_pixels; ++i) {
+      if (comparison.weight[i] == 0.0F) continue;
       const float steepness = comparison.weight[i] * comparison.slope[i] * comparison.slope[i];
       const double weight = speed * static_cast<double>(steepness);
       weights += weight;
@@ -184,14 +192,14 @@ double Alignment::middle_row() const {
 
 /// A half against the panorama; what its pixels have in common is taken out.
 Alignment::Comparison Alignment::compare(std::size_t index) const {
-  const HalfView& view = views_[index];
+  const Readings& readings = readings_[index];
   Comparison comparison;
   ColumnPixels weights = ColumnPixels::Zero(), residuals = weights, slopes = weights;
   for (std::size_t column = 0; column < frame_columns; ++column) {
-    const PanoramaMap::Between at = between(index, column);
-    const ColumnPixels residual = pixels_.values(view, half_offset_c_[index], column) - map_.mean(at);
+    const PanoramaMap::Between at = PanoramaMap::between(places_[index], column);
+    const ColumnPixels residual = column_of(readings.value_c, column) - map_.mean(at);
     const ColumnPixels slope = map_.slope(at);
-    const ColumnPixels weight = pixels_.weights(view, column) * map_.known(at);
+    const ColumnPixels weight = column_of(readings.weight, column) * map_.known(at);
     column_of(comparison.residual, column) = residual;
     column_of(comparison.slope, column) = slope;
     column_of(comparison.weight, column) = weight;
@@ -247,15 +255,20 @@ Alignment::Totals Alignment::compare_all() {
 
 /// What a change of the parameters would do to the panorama itself.
 void Alignment::add_push(const Comparison& comparison, std::size_t index, Totals& totals) const {
+  std::array<float*, parameter_count> cells;  // looked up once, as in PanoramaMap::add()
+  std::array<float, parameter_count> change;
+  for (std::size_t p = 0; p < parameter_count; ++p) {
+    cells[p] = totals.push[p].data();
+    change[p] = static_cast<float>(totals.change[index][p]);
+  }
   for (std::size_t column = 0; column < frame_columns; ++column) {
-    const auto [left, right, part] = between(index, column);
+    const auto [left, right, part] = PanoramaMap::between(places_[index], column);
     const ColumnPixels push = column_of(comparison.weight, column) * column_of(comparison.slope, column);
     const ColumnPixels to_right = part * push;
     const ColumnPixels to_left = push - to_right;
     for (std::size_t p = 0; p < parameter_count; ++p) {
-      const auto change = static_cast<float>(totals.change[index][p]);
-      PanoramaMap::at(totals.push[p], left) += to_left * change;
-      PanoramaMap::at(totals.push[p], right) += to_right * change;
+      ColumnOf(cells[p] + left) += to_left * change[p];
+      ColumnOf(cells[p] + right) += to_right * change[p];
     }
   }
 }
@@ -278,14 +291,15 @@ void Alignment::learn_noise(const Totals& totals) {
 
 void Alignment::learn_trust() {
   const double limit = outlier_sigma * outlier_sigma * noise_variance_;
+  read();
   for (std::size_t k = 0; k < views_.size(); ++k) {
     const Comparison comparison = compare(k);
     HalfView& view = views_[k];
     const HalfPixels& weight = pixels_.pixel_weights(view.half.parity);
     for (std::size_t i = 0; i < half_pixels; ++i) {
-      if (view.trust[i] == 0.0F) continue;
       const float square = comparison.residual[i] * comparison.residual[i] * weight[i];
-      view.trust[i] = static_cast<double>(square) > limit ? distrusted : 1.0F;
+      const float trust = static_cast<double>(square) > limit ? distrusted : 1.0F;
+      view.trust[i] = view.trust[i] == 0.0F ? 0.0F : trust;
     }
   }
 }
@@ -327,6 +341,7 @@ bool Alignment::step(const Totals& totals, Parameter asked) {
 void Alignment::refine(const Parameters& start, Parameter asked) {
   parameters_ = start;
   for (int round = 0; round < most_rounds; ++round) {
+    read();
     make_map(parameters_);
     const Totals totals = compare_all();
     learn_noise(totals);
@@ -334,8 +349,11 @@ void Alignment::refine(const Parameters& start, Parameter asked) {
     if (round % rounds_of_trust == 0) learn_trust();
     if (step(totals, asked) && round + 1 >= fewest_rounds) break;
   }
+  read();
   make_map(parameters_);
-  judge(compare_all());
+  const Totals totals = compare_all();
+  read();
+  judge(totals);
 }
 
 }  // namespace thermorig::motion

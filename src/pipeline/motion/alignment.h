@@ -41,8 +41,8 @@ class Alignment {
   void set_pitch(double pitch_deg) { layout_.pitch_deg = pitch_deg; }
   /// From now on variance() looks at one half of so many.
   void look_at_one_of(std::size_t stride) { stride_ = stride; }
-  /// What another alignment of the same views has learnt about pixels and halves.
-  void learn_from(const Alignment& other);
+  /// Lays the same halves out anew, with all that has been learnt about them and their pixels.
+  void lay_out(const Layout& layout);
   /// Residual variance of each view with the panorama, were the parameters these; nothing is learnt, and no
   /// outlier left out that was none before.
   std::vector<double> misfit_at(const Parameters& parameters);
@@ -78,16 +78,14 @@ class Alignment {
     Matrix curvature{};
     std::vector<Parameters> change;                        // of each view's angle with the parameters
     std::vector<double> lean;                              // sum of slope times residual of each view
-    std::array<std::vector<float>, parameter_count> push;  // of the panorama's cells by each parameter
+    std::array<PanoramaMap::Cells, parameter_count> push;  // of the panorama's cells by each parameter
     double square_sum = 0.0;                               // of weighted residuals
     double weight_sum = 0.0;
     std::array<PixelModel::Residuals, 2> pixels{};
   };
+  void read();
   void make_map(const Parameters& parameters);
   Comparison compare(std::size_t index) const;
-  PanoramaMap::Between between(std::size_t index, std::size_t column) const {
-    return PanoramaMap::between(places_[index], column, views_[index].half.parity);
-  }
   Parameters sharpest_offset(int from, int to);
   Totals compare_all();
   void add_view(const Comparison& comparison, std::size_t index, Totals& totals);
@@ -110,6 +108,7 @@ class Alignment {
   PanoramaMap map_;
   std::vector<PanoramaMap::Place> places_;
   std::vector<float> half_offset_c_;  // common to a half
+  std::vector<Readings> readings_;    // by what is known of pixels and halves
   double noise_variance_ = 1.0;
   Parameters parameters_{};
   Matrix covariance_{};

@@ -19,7 +19,7 @@ Parameters Alignment::pull(const Comparison& comparison, std::size_t index, cons
   Parameters pull{};
   for (std::size_t p = 0; p < parameter_count; ++p) pull[p] = totals.change[index][p] * totals.lean[index];
   for (std::size_t column = 0; column < frame_columns; ++column) {
-    const auto [left, right, part] = between(index, column);
+    const auto [left, right, part] = PanoramaMap::between(places_[index], column);
     const ColumnPixels weighted =
         column_of(comparison.weight, column) * column_of(comparison.residual, column);
     const ColumnPixels to_left =

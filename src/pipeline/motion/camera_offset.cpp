@@ -51,8 +51,9 @@ std::string refusal(std::span<const FreshHalf> halves) {
 std::vector<HalfView> views_of_rows(const Window& window, std::size_t begin, std::size_t end) {
   std::vector<HalfView> views = views_of(window);
   for (HalfView& view : views)
-    for (std::size_t i = 0; i < half_pixels; ++i)
-      if (i % half_rows < begin || i % half_rows >= end) view.trust[i] = 0.0F;
+    for (std::size_t column = 0; column < frame_columns; ++column)
+      for (std::size_t k = 0; k < half_rows; ++k)
+        if (k < begin || k >= end) view.trust[column * half_rows + k] = 0.0F;
   return views;
 }
 

@@ -89,11 +89,11 @@ Valley find_valley(const Window& window, const Evidence& evidence, const Layout&
 /// Tries scales along the valley.
 class ClosedTurn {
  public:
-  /// `open`: has found the valley, and with it what is peculiar to each pixel and which readings to trust.
-  ClosedTurn(std::span<HalfView> views, const Evidence& evidence, const Layout& closed, const Valley& valley,
-             const Alignment& open)
-      : valley_(valley), alignment_(views, evidence.track, closed, evidence.prior) {
-    alignment_.learn_from(open);
+  /// `alignment`: has found the valley, and with it what is peculiar to each pixel and which readings to
+  /// trust. It is laid out anew.
+  ClosedTurn(const Valley& valley, const Layout& closed, Alignment& alignment)
+      : valley_(valley), alignment_(alignment) {
+    alignment_.lay_out(closed);
   }
 
   double variance(double at_scale) { return alignment_.variance(at(at_scale)); }
@@ -110,7 +110,7 @@ class ClosedTurn {
   }
 
   Valley valley_;
-  Alignment alignment_;
+  Alignment& alignment_;
 };
 
 struct Try {
@@ -170,28 +170,41 @@ std::optional<Estimate> lowest(ClosedTurn& turn, double tried, double step) {
   return found;
 }
 
-/// How clearly the one beats the other, by the halves that see what was seen a turn before or after.
-double lead(ClosedTurn& turn, double at_scale, double other_scale, const Window& window,
-            const Evidence& evidence, double field_of_view_deg) {
-  const Turned turned = turned_in(window, evidence);
-  const std::vector<double> misfit = turn.misfit(at_scale), other = turn.misfit(other_scale);
-  Contest contest(glance_s);
-  for (std::size_t i = 0; i < window.size(); ++i)
-    if (turned.is_seen_twice(angle_deg(window[i], evidence), field_of_view_deg))
-      contest.add(std::span(window).subspan(i, 1), std::span(misfit).subspan(i, 1),
-                  std::span(other).subspan(i, 1));
-  return contest.lead();
-}
+/// Sets one scale against others, by the halves that see what was seen a turn before or after.
+class ScaleContest {
+ public:
+  ScaleContest(ClosedTurn& turn, double at_scale, const Window& window, const Evidence& evidence,
+               double field_of_view_deg)
+      : turn_(turn), at_scale_(at_scale), window_(window), misfit_(turn.misfit(at_scale)) {
+    const Turned turned = turned_in(window, evidence);
+    for (std::size_t i = 0; i < window.size(); ++i)
+      if (turned.is_seen_twice(angle_deg(window[i], evidence), field_of_view_deg)) witnesses_.push_back(i);
+  }
 
-/// Where single halves fit better at a scale too near to be another place, something that moves before the
-/// walls has drawn the panorama as a whole aside, and the scale is anywhere near by.
-double drawn_aside(ClosedTurn& turn, double at_scale, double pixel, const Window& window,
-                   const Evidence& evidence, double field_of_view_deg) {
-  const auto is_better = [&](double other) {
-    return lead(turn, at_scale, other, window, evidence, field_of_view_deg) < 0.0;
-  };
-  return is_better(at_scale - pixel) || is_better(at_scale + pixel) ? apart_pixels / 2.0 * pixel : 0.0;
-}
+  /// How clearly it beats the other.
+  double lead(double other_scale) {
+    const std::vector<double> other = turn_.misfit(other_scale);
+    Contest contest(glance_s);
+    for (const std::size_t i : witnesses_)
+      contest.add(std::span(window_).subspan(i, 1), std::span(misfit_).subspan(i, 1),
+                  std::span(other).subspan(i, 1));
+    return contest.lead();
+  }
+
+  /// Where single halves fit better at a scale too near to be another place, something that moves before the
+  /// walls has drawn the panorama as a whole aside, and the scale is anywhere near by.
+  double drawn_aside(double pixel) {
+    const bool is_aside = lead(at_scale_ - pixel) < 0.0 || lead(at_scale_ + pixel) < 0.0;
+    return is_aside ? apart_pixels / 2.0 * pixel : 0.0;
+  }
+
+ private:
+  ClosedTurn& turn_;
+  double at_scale_;
+  const Window& window_;
+  std::vector<double> misfit_;
+  std::vector<std::size_t> witnesses_;
+};
 
 /// What an error of the bias adds up to over the window: a turn there and back takes most of it out.
 double bias_share(const Window& window, const Valley& valley, double turned_deg) {
@@ -205,10 +218,10 @@ std::optional<Estimate> scale_in(const Window& window, const Evidence& evidence,
                                  double assumed_uncertainty, double turned_deg) {
   const Layout open = layout_of(view, false), closed = layout_of(view, true);
   std::vector<HalfView> views = views_of(window);
-  Alignment neighbours(views, evidence.track, open, evidence.prior);
-  const Valley valley = find_valley(window, evidence, open, neighbours);
+  Alignment alignment(views, evidence.track, open, evidence.prior);
+  const Valley valley = find_valley(window, evidence, open, alignment);
   if (valley.contrast < least_scale_contrast) return std::nullopt;
-  ClosedTurn turn(views, evidence, closed, valley, neighbours);
+  ClosedTurn turn(valley, closed, alignment);
   const double pixel =
       closed.pitch_deg / turned_deg;  // change of scale that moves the end of the turn by one
   const double step = step_pixels * pixel;
@@ -220,10 +233,9 @@ std::optional<Estimate> scale_in(const Window& window, const Evidence& evidence,
   if (!found || !(found->uncertainty < worst_uncertainty)) return std::nullopt;
   const Estimate other = lowest(turn, next.scale, step).value_or(Estimate{next.scale, 0.0});
   const bool is_elsewhere = std::abs(other.value - found->value) > pixel;
-  if (is_elsewhere &&
-      lead(turn, found->value, other.value, window, evidence, view.field_of_view_deg) < clear_lead)
-    return std::nullopt;
-  const double aside = drawn_aside(turn, found->value, pixel, window, evidence, view.field_of_view_deg);
+  ScaleContest contest(turn, found->value, window, evidence, view.field_of_view_deg);
+  if (is_elsewhere && contest.lead(other.value) < clear_lead) return std::nullopt;
+  const double aside = contest.drawn_aside(pixel);
   return Estimate{found->value,
                   std::hypot(std::hypot(found->uncertainty, aside), model_error_deg / turned_deg,
                              bias_share(window, valley, turned_deg))};

@@ -19,8 +19,8 @@ inline constexpr std::size_t half_pixels = frame_pixels / 2;
 inline constexpr std::size_t half_rows = frame_rows / 2;  // pixels of one column in one chess half
 
 /// A value for each pixel of a chess half, column after column (32, 12): what lies in one column looks into
-/// one direction, and inner loops run over neighbours in memory.
-using HalfPixels = std::array<float, half_pixels>;
+/// one direction, and inner loops run over neighbours in memory. Aligned for vectors of four.
+struct alignas(16) HalfPixels : std::array<float, half_pixels> {};
 
 /// Row of pixel `k` of a column.
 constexpr std::size_t row_of(std::size_t column, std::size_t k, unsigned parity) {

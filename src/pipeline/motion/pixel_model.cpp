@@ -25,30 +25,34 @@ std::size_t frame_index(std::size_t i, unsigned parity) {
   return row_of(column, i % half_rows, parity) * frame_columns + column;
 }
 
+/// Of the pixels of a chess half.
 struct Moments {
-  double count = 0.0;
-  double sum = 0.0;
-  double square = 0.0;
-  float mean_if_alive() const {
-    if (count < 2.0) return unknown;
-    const double mean = sum / count;
-    return square / count - mean * mean > frozen_variance ? static_cast<float>(mean) : unknown;
+  std::array<double, half_pixels> count{};
+  std::array<double, half_pixels> sum{};
+  std::array<double, half_pixels> square{};
+  void add(const HalfView& view) {
+    for (std::size_t i = 0; i < half_pixels; ++i) {
+      const double counted = view.trust[i] == 0.0F ? 0.0 : 1.0;
+      const double temp_c = counted * static_cast<double>(view.temp_c[i]);
+      count[i] += counted;
+      sum[i] += temp_c;
+      square[i] += temp_c * temp_c;
+    }
+  }
+  float mean_if_alive(std::size_t i) const {
+    if (count[i] < 2.0) return unknown;
+    const double mean = sum[i] / count[i];
+    return square[i] / count[i] - mean * mean > frozen_variance ? static_cast<float>(mean) : unknown;
   }
 };
 
 FramePixels mean_frame(std::span<const HalfView> views) {
-  std::vector<Moments> moments(frame_pixels);
-  for (const HalfView& view : views)
-    for (std::size_t i = 0; i < half_pixels; ++i) {
-      if (view.trust[i] == 0.0F) continue;
-      Moments& pixel = moments[frame_index(i, view.half.parity)];
-      const auto temp_c = static_cast<double>(view.temp_c[i]);
-      pixel.count += 1.0;
-      pixel.sum += temp_c;
-      pixel.square += temp_c * temp_c;
-    }
+  std::array<Moments, 2> moments;
+  for (const HalfView& view : views) moments[view.half.parity].add(view);
   FramePixels mean{};
-  for (std::size_t i = 0; i < frame_pixels; ++i) mean[i] = moments[i].mean_if_alive();
+  for (const unsigned parity : {0U, 1U})
+    for (std::size_t i = 0; i < half_pixels; ++i)
+      mean[frame_index(i, parity)] = moments[parity].mean_if_alive(i);
   return mean;
 }
 
@@ -78,12 +82,22 @@ PixelModel::PixelModel(std::span<const HalfView> views) {
     }
 }
 
+void PixelModel::read(const HalfView& view, float half_offset_c, Readings& readings) const {
+  const unsigned parity = view.half.parity;
+  for (std::size_t column = 0; column < frame_columns; ++column) {
+    column_of(readings.value_c, column) =
+        column_of(view.temp_c, column) - column_of(offset_c_[parity], column) - half_offset_c;
+    column_of(readings.weight, column) = column_of(weight_[parity], column) * column_of(view.trust, column);
+  }
+}
+
 void PixelModel::Residuals::add(const HalfPixels& residual, const HalfPixels& weights) {
-  for (std::size_t i = 0; i < half_pixels; ++i) {
-    const float weighted = weights[i] * residual[i];
-    sum[i] += weighted;
-    square[i] += weighted * residual[i];
-    weight[i] += weights[i];
+  for (std::size_t column = 0; column < frame_columns; ++column) {
+    const ColumnPixels left = column_of(residual, column);
+    const ColumnPixels weighted = column_of(weights, column) * left;
+    column_of(sum, column) += weighted;
+    column_of(square, column) += weighted * left;
+    column_of(weight, column) += column_of(weights, column);
   }
 }
 

@@ -8,6 +8,11 @@
 
 namespace thermorig::motion {
 
+struct Readings {
+  HalfPixels value_c;
+  HalfPixels weight;  // how much each of them counts: 1 for a pixel of average noise
+};
+
 /// What is peculiar to each pixel: its own offset and how noisy it is, by chess half.
 class PixelModel {
  public:
@@ -15,14 +20,8 @@ class PixelModel {
   /// surroundings, which the angles average only in part. Pixels that never change are left out for good.
   explicit PixelModel(std::span<const HalfView> views);
 
-  /// Readings of a column without the pixels' offsets and the half's own.
-  ColumnPixels values(const HalfView& view, float half_offset_c, std::size_t column) const {
-    return column_of(view.temp_c, column) - column_of(offset_c_[view.half.parity], column) - half_offset_c;
-  }
-  /// How much each of them counts: 1 for a pixel of average noise.
-  ColumnPixels weights(const HalfView& view, std::size_t column) const {
-    return column_of(weight_[view.half.parity], column) * column_of(view.trust, column);
-  }
+  /// Puts the half's readings without the pixels' offsets and its own into `readings`.
+  void read(const HalfView& view, float half_offset_c, Readings& readings) const;
   const HalfPixels& pixel_weights(unsigned parity) const { return weight_[parity]; }
 
   /// Weighted sums over the halves of one parity.
