@@ -230,9 +230,10 @@ std::vector<Row> rows_of(const TableOptions& options) {
     }
   if (options.quick) return rows;
   const std::uint64_t after = options.first_seed + rows.size();
-  for (const Stress& stress : odometer_stresses())
+  for (std::size_t at = 0; at < odometer_stresses().size(); ++at)
     for (std::size_t i = 0; i < environments.size(); ++i) {
       Row row;
+      const Stress stress = odometer_stresses()[at];  // of its own: it remembers what it did to the room
       row.stress = stress;
       row.recorded = {.seed = after + i,
                       .environment = environments[i],

@@ -198,6 +198,85 @@ TEST(Odometer, SaysThatTheLensIsCoveredAndDoesNotWriteThatIntoItsMap) {
   EXPECT_NEAR(off_deg(room, reports, 57.0), off_deg(room, reports, 44.0), 0.5);
 }
 
+/// For how long at most it tracked and was more than 2 degrees off where it was at `from_s`.
+double silent_s(const Room& room, const std::vector<Report>& reports, double from_s) {
+  const double origin_deg = off_deg(room, reports, from_s);
+  double silent_s = 0.0, longest_s = 0.0;
+  for (double time_s = from_s; time_s < room.duration_s - 0.5; time_s += 0.125) {
+    const bool is_off = std::abs(off_deg(room, reports, time_s) - origin_deg) > 2.0;
+    silent_s = is_off && reports[at(time_s)].state == State::tracking ? silent_s + 0.125 : 0.0;
+    longest_s = std::max(longest_s, silent_s);
+  }
+  return longest_s;
+}
+
+/// Before faint walls a half whose time is wrong fits elsewhere.
+TEST(Odometer, KeepsTheHeadingOfTheGyroWhenImagesHaveWrongTimes) {
+  Room room = turning_room(120.0);
+  room.angle_deg = to_and_fro(250.0, 120.0);
+  room.contrast_k = 0.3;
+  room.walls = 9;
+  auto all = seen_in(room);
+  for (Seen& seen : all) {
+    if (seen.frame.exposure_end < at_s(70.0) || seen.frame.exposure_end > at_s(100.0)) continue;
+    for (HalfExposure& half : seen.frame.half) {
+      half.begin -= std::chrono::milliseconds(125);
+      half.end -= std::chrono::milliseconds(125);
+    }
+  }
+  const auto reports = reports_of(all);
+  ASSERT_EQ(reports[at(69.0)].state, State::tracking);
+  EXPECT_NE(reports[at(73.0)].state, State::tracking);
+  EXPECT_LT(silent_s(room, reports, 69.0), 1.0);
+  EXPECT_EQ(reports.back().state, State::tracking);
+  EXPECT_NEAR(off_deg(room, reports, 119.0), off_deg(room, reports, 69.0), 0.7);
+}
+
+/// Someone who walks around the rig all the time, 14 degrees wide and 6 K warmer than the walls.
+void let_walk(const Room& room, double rate_dps, std::vector<Seen>& all) {
+  for (std::size_t i = 1; i < all.size(); ++i) {
+    ThermalFrame& frame = all[i].frame.frame;
+    for (std::size_t row = 4; row < frame_rows; ++row)
+      for (std::size_t column = 0; column < frame_columns; ++column) {
+        const bool is_new = subpage_of(row, column) == (all[i].frame.fresh_even > 0 ? 0U : 1U);
+        const double middle_s = 0.125 * (static_cast<double>(i + (is_new ? 2 : 1)) - 0.5);
+        const double looks_deg =
+            room.angle_deg(middle_s) + 55.0 / 32.0 * (15.5 - static_cast<double>(column));
+        const double off_deg = std::remainder(looks_deg - rate_dps * middle_s, 360.0);
+        if (std::abs(off_deg) < 7.0) frame.temp_c[row * frame_columns + column] += 6.0F;
+      }
+  }
+}
+
+TEST(Odometer, TracksThoughSomeoneWalksAround) {
+  Room room = turning_room();
+  room.angle_deg = to_and_fro(250.0, 120.0);
+  room.contrast_k = 0.3;
+  room.walls = 9;
+  auto all = seen_in(room);
+  let_walk(room, 20.0, all);
+  const auto reports = reports_of(all);
+  const auto tracked = std::count_if(reports.begin() + static_cast<long>(at(35.0)), reports.end(),
+                                     [](const Report& one) { return one.state == State::tracking; });
+  EXPECT_GT(static_cast<double>(tracked), 0.8 * 8.0 * 35.0);
+  ASSERT_EQ(reports[at(35.0)].state, State::tracking);
+  EXPECT_LT(silent_s(room, reports, 35.0), 0.5);
+}
+
+/// Of walls that show next to nothing a map of the person alone would fit: with another bias of the gyro.
+TEST(Odometer, DoesNotTakeSomeoneWhoWalksForTheWalls) {
+  Room room = turning_room(100.0);
+  room.angle_deg = to_and_fro(250.0, 120.0);
+  room.contrast_k = 0.15;
+  room.walls = 9;
+  auto all = seen_in(room);
+  let_walk(room, 20.0, all);
+  for (const Report& report : reports_of(all))
+    if (report.state == State::tracking) {
+      ASSERT_NEAR(report.bias_dps, room.bias_dps, 3.0);
+    }
+}
+
 TEST(Odometer, SaysThatNoNewImageComes) {
   auto all = seen_in(turning_room());
   for (Seen& seen : all)

@@ -11,8 +11,11 @@ namespace {
 constexpr double trusted_of_half = 0.2;  // of a half's likelihood: the next one sees the same surroundings
 constexpr double forgotten = 0.97;       // a half: what came before counts a little less
 constexpr int fewest_halves = 6;
-constexpr int reach_deg = 4;  // degrees to either side that belong to one place
+constexpr int reach_deg = 4;          // degrees to either side that belong to one place
+constexpr double impossible = -1e30;  // logarithm
 constexpr double sure = 0.999;
+constexpr double most_off_sigmas = 4.0;  // of what the gyro says
+constexpr double most_against = 7.0;     // logarithm: by as much another place may fit better
 
 }  // namespace
 
@@ -27,7 +30,7 @@ void CircleSearch::add(const Alignment& alignment, const View& view, double turn
   const auto turn = static_cast<long>(whole_deg) % long{places};
   const auto forward = static_cast<std::size_t>((turn + long{places}) % long{places});
   std::rotate(logs_.begin(), logs_.end() - static_cast<std::ptrdiff_t>(forward), logs_.end());
-  double best = -1e30;
+  double best = impossible;
   for (std::size_t i = 0; i < places; ++i) {
     const double squares = alignment.squares(view, static_cast<double>(i) + shift_deg_);
     logs_[i] = forgotten * logs_[i] - 0.5 * trusted_of_half * squares;
@@ -37,12 +40,26 @@ void CircleSearch::add(const Alignment& alignment, const View& view, double turn
   ++halves_;
 }
 
-std::optional<CircleSearch::Found> CircleSearch::found() const {
+CircleSearch::Logs CircleSearch::with(const Found& by_gyro) const {
+  Logs logs;
+  for (std::size_t i = 0; i < places; ++i) {
+    const double at_deg = static_cast<double>(i) + shift_deg_;
+    const double sigmas = std::remainder(at_deg - by_gyro.azimuth_deg, whole_turn_deg) / by_gyro.sigma_deg;
+    logs[i] = std::abs(sigmas) > most_off_sigmas ? impossible : logs_[i] - 0.5 * sigmas * sigmas;
+  }
+  const double best = *std::max_element(logs.begin(), logs.end());
+  for (double& one : logs) one -= best;
+  return logs;
+}
+
+std::optional<CircleSearch::Found> CircleSearch::found(const std::optional<Found>& by_gyro) const {
   if (halves_ < fewest_halves) return std::nullopt;
-  const auto best = static_cast<int>(std::max_element(logs_.begin(), logs_.end()) - logs_.begin());
+  const Logs logs = by_gyro ? with(*by_gyro) : logs_;
+  const auto best = static_cast<int>(std::max_element(logs.begin(), logs.end()) - logs.begin());
+  if (logs_[static_cast<std::size_t>(best)] < -most_against) return std::nullopt;
   double all = 0.0, near = 0.0, mean = 0.0, squares = 0.0;
   for (int i = 0; i < int{places}; ++i) {
-    const double weight = std::exp(logs_[static_cast<std::size_t>(i)]);
+    const double weight = std::exp(logs[static_cast<std::size_t>(i)]);
     const double off = std::remainder(i - best, double{places});
     all += weight;
     if (std::abs(off) > reach_deg) continue;

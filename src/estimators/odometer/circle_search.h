@@ -20,13 +20,17 @@ class CircleSearch {
     double azimuth_deg = 0.0;  // of the newest half, 0 to 360
     double sigma_deg = 0.0;
   };
-  /// Nothing while more than one place may be it.
-  std::optional<Found> found() const;
+  /// Nothing while more than one place may be it. `by_gyro`: where a gyro that was there all along has the
+  /// newest half, if it was: a place that it cannot have come to is not found, however well it fits.
+  std::optional<Found> found(const std::optional<Found>& by_gyro) const;
 
  private:
   static constexpr std::size_t places = 360;
-  std::array<double, places> logs_{};  // of the probabilities
-  double shift_deg_ = 0.0;             // what was turned beyond whole degrees
+  using Logs = std::array<double, places>;
+  Logs with(const Found& by_gyro) const;
+
+  Logs logs_{};             // of the probabilities
+  double shift_deg_ = 0.0;  // what was turned beyond whole degrees
   int halves_ = 0;
 };
 

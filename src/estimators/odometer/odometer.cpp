@@ -9,6 +9,7 @@
 
 #include "bias_search.h"
 #include "circle_search.h"
+#include "gyro_heading.h"
 #include "gyro_noise.h"
 #include "gyro_path.h"
 #include "gyro_watch.h"
@@ -43,20 +44,50 @@ constexpr int passes_to_tell = 2;                     // the first one may begin
 constexpr double data_sheet_scale_sigma = 0.03;       // at least, whatever a profile says
 constexpr double most_scale_sigmas = 2.2;             // false maps made gyros 7 to 9 % off of sound ones
 constexpr double most_scale_sigmas_in_traffic = 1.8;  // and 6 % where things move
+constexpr double most_latency_sigmas = 2.5;
+constexpr double fewest_judged = 0.5;  // share of the halves, where things move
 
-/// Of the mean square of innovations.
+/// Of the mean square of innovations, of which one counts with `most` at most.
 struct NisBounds {
   double settled, fits, unfit, lost;  // not trusted from `unfit` on until it `fits`
+  double most;
 };
-constexpr NisBounds nis_at_rest{2.0, 2.0, 3.0, lost_nis};  // where nothing moves but the rig
-constexpr NisBounds nis_in_traffic{6.0, 5.0, 8.0, 2.0 * lost_nis};
-constexpr int failed_to_doubt = 1;                         // starts: then things may move
+constexpr NisBounds nis_at_rest{2.0, 2.0, 3.0, lost_nis, 60.0};  // where nothing moves but the rig
+// There the share of the halves counts that do not fit: how badly they do tells of what moves.
+constexpr NisBounds nis_in_traffic{4.5, 4.0, 5.5, 7.0, 9.0};
+
+/// Innovations of a pass through the halves of the start.
+struct PassCount {
+  int judged = 0, far = 0, large = 0, huge = 0;
+  void add(const HalfResult& result);
+  bool is_false_map() const { return far > most_far * judged; }
+  bool shows_traffic() const;
+};
+
+void PassCount::add(const HalfResult& result) {
+  if (!result.is_judged) return;
+  ++judged;
+  if (std::abs(result.innovation_deg) > far_deg) ++far;
+  if (result.squared > 4.0) ++large;
+  if (result.squared > 16.0) ++huge;
+}
+
+/// Some halves do not fit at all, while most do: something moves before some of them. Where a map or the
+/// order of rows is wrong, all fit badly, and of the large innovations few are huge.
+bool PassCount::shows_traffic() const {
+  constexpr int fewest = 60;
+  constexpr double most_large = 0.35, least_huge = 0.38;
+  return judged >= fewest && !is_false_map() && large < most_large * judged && huge > least_huge * large;
+}
+
 constexpr double longest_unfit_s = 30.0;                   // then the map is wrong
 constexpr int covered_halves = 4;                          // in a row
 constexpr int halves_to_trust = 8;                         // after a search
+constexpr int halves_to_trust_bias = 16;                   // that leans in traffic
 constexpr double doubted_deg = 2.0, doubted_sigmas = 4.0;  // a jump by more is doubted
 constexpr double telling_change_dps = 40.0;                // of the speed: then a wrong time would show
-constexpr double lean_share = 1.0 / 16.0, much_lean = 0.7;
+constexpr double sound_s = 5.0;  // everything fits for so long: then a heading is sound
+constexpr double lean_share = 1.0 / 16.0, much_lean = 0.7, much_lean_in_traffic = 1.0;
 constexpr double stepped_bias_dps = 0.3;
 constexpr double longest_gyro_gap_s = 0.25;
 constexpr double longest_camera_gap_s = 1.0;
@@ -105,17 +136,21 @@ struct Odometer::Parts {
   bool is_start_over(double now_s) const;
   void begin_pass(int number);
   void take_over(double now_s);
+  void begin_run(double now_s);
   bool has_settled(double bias_dps, double scale, double latency_s) const;
   bool is_plausible() const;
+  bool has_usual_latency() const;
+  bool is_hardly_seen() const;
   /// Not asked while the order of rows is open: the wrong one does not fit either.
-  bool is_false_map() const { return !is_contested && pass_far > most_far * pass_judged; }
+  bool is_false_map() const { return !is_contested && pass_count.is_false_map(); }
   void restart_pass();
   void store_half(const HalfReading& half, double now_s);
   HalfResult add_newest(const HalfReading& half);
   bool choose_rows();
-  const NisBounds& nis_bounds() const { return things_move() ? nis_in_traffic : nis_at_rest; }
-  bool things_move() const { return failed_starts >= failed_to_doubt; }
+  const NisBounds& nis_bounds() const { return things_move ? nis_in_traffic : nis_at_rest; }
+  void learn_fit(const HalfResult& result, double& mean) const { learn_nis(result, mean, nis_bounds().most); }
   void learn_again();
+  void learn_in_traffic();
   void run(const HalfReading& half);
   void locate(const HalfReading& half, double now_s);
   void follow_bias(const HalfResult& result);
@@ -123,10 +158,18 @@ struct Odometer::Parts {
   void begin_anew();
   void begin_in_map(double now_s);
   void check_map(const HalfResult& result, const HalfReading& half);
+  bool is_trusted() const { return to_trust == 0 && !is_doubted; }
+  void watch_speed(const HalfResult& result);
+  void keep_sound_heading(double now_s);
+  std::optional<CircleSearch::Found> by_gyro() const;
   bool is_map_given_up(const HalfReading& half);
   Report report(const TimedFrame& frame, double now_s) const;
   Reason reason(double now_s) const;
-  double heading_at(double time_s, double bias_dps) const;
+  /// Where a new map begins: the heading of before, as the gyro has it with what is known of its bias by now.
+  double heading_at(double time_s, double bias_dps) const {
+    return sound ? sound->deg(path.until(time_s), bias_dps) : 0.0;
+  }
+  GyroHeading heading_of_front() const;
   void forget_clock();
 
   /// The front tracker has gone through all halves that came.
@@ -144,8 +187,8 @@ struct Odometer::Parts {
   GyroPath path;
   GyroWatch watch;
   HalfStore store;
-  int failed_starts = 0;  // since it tracked
-  Tracker front, back;    // the one that is told of, and one that goes through the start again
+  bool things_move = false;  // beside the rig: a start failed
+  Tracker front, back;       // the one that is told of, and one that goes through the start again
   BiasSearch bias_search;
   RowContest contest;
   bool is_contested;  // in which order rows are exposed: not where that was measured
@@ -157,22 +200,19 @@ struct Odometer::Parts {
   double saturated_s = 0.0;
   double last_gyro_s = 0.0, last_half_s = 0.0;
   Phase phase = Phase::searching;
-  std::size_t gone_through = 0;       // halves of the store
-  Priors begun_with;                  // of the pass
-  int pass = 0;                       // through them
-  double pass_nis = 1.0;              // mean_nis of the tracker that goes through them
-  int pass_judged = 0, pass_far = 0;  // halves of it
+  std::size_t gone_through = 0;  // halves of the store
+  Priors begun_with;             // of the pass
+  int pass = 0;                  // through them
+  double pass_nis = 1.0;         // mean_nis of the tracker that goes through them
+  PassCount pass_count;
   double locating_since_s = 0.0;
-  struct Kept {
-    double time_s = 0.0, turned_deg = 0.0, heading_deg = 0.0;
-  };
-  std::optional<Kept> kept;  // of the map before, where there was one
+  std::optional<GyroHeading> sound;  // none: the gyro was away since, or there was no map yet
+  double sound_since_s = 0.0;
   double mean_nis = 1.0;
   int covered = 0;                      // halves in a row
   int to_trust = 0;                     // halves until a search is believed
   std::optional<double> unfit_since_s;  // innovations are larger than they should be
   bool gyro_was_away = false;
-  bool is_explained = false;                    // the search, by a gyro that was away
   double expected_sigma_deg = 0.0;              // of the heading before the search
   bool is_doubted = false;                      // what the search found
   double slowest_dps = 0.0, fastest_dps = 0.0;  // since
@@ -274,7 +314,7 @@ void Odometer::Parts::add_half(const HalfReading& half, double now_s) {
       break;
     case Phase::learning:
       store_half(half, now_s);
-      learn_nis(add_newest(half), mean_nis);
+      learn_fit(add_newest(half), mean_nis);
       if (is_start_over(now_s)) {
         choose_rows();
         begin_pass(pass + 1);
@@ -328,7 +368,7 @@ void Odometer::Parts::search_bias() {
     contest.begin();
   }
   if (store.count() % search_every != 0) return;
-  const auto found = bias_search.search(store, path, lens->rows(), things_move());
+  const auto found = bias_search.search(store, path, lens->rows(), things_move);
   if (!found) return;
   Priors better = priors;
   better.bias_dps = found->bias_dps;
@@ -339,7 +379,7 @@ void Odometer::Parts::search_bias() {
     begin_in_map(store.at(store.count() - 1).now_s);
     return;
   }
-  front.restart(better, lens->rows(), things_move());
+  front.restart(better, lens->rows(), things_move);
   pass = 0;
   restart_pass();
   phase = Phase::first_pass;
@@ -393,7 +433,7 @@ bool Odometer::Parts::is_start_over(double now_s) const {
 void Odometer::Parts::begin_pass(int number) {
   begun_with = front.learnt(priors);
   begun_with.heading_deg = heading_at(store.at(0).now_s, begun_with.bias_dps);
-  back.restart(begun_with, front.rows(), things_move());
+  back.restart(begun_with, front.rows(), things_move);
   pass = number;
   restart_pass();
   phase = Phase::second_pass;
@@ -401,7 +441,7 @@ void Odometer::Parts::begin_pass(int number) {
 
 void Odometer::Parts::restart_pass() {
   pass_nis = 1.0;
-  pass_judged = pass_far = 0;
+  pass_count = PassCount();
   gone_through = 0;
 }
 
@@ -415,9 +455,20 @@ bool Odometer::Parts::has_settled(double bias_dps, double scale, double latency_
 
 /// Whether the gyro is one that a data sheet knows: a map that closes falsely makes it another.
 bool Odometer::Parts::is_plausible() const {
-  const double sigmas = things_move() ? most_scale_sigmas_in_traffic : most_scale_sigmas;
+  const double sigmas = things_move ? most_scale_sigmas_in_traffic : most_scale_sigmas;
   const double most = sigmas * std::max(data_sheet_scale_sigma, priors.scale_sigma);
   return std::abs(front.filter().scale_factor() - priors.scale) < most;
+}
+
+/// Where it has not, rows are exposed in another order than the one that is tried.
+bool Odometer::Parts::has_usual_latency() const {
+  const double off_s = front.filter().latency_s() - priors.latency_s;
+  return std::abs(off_s) < most_latency_sigmas * priors.latency_sigma_s;
+}
+
+/// Before faint walls only those halves tell anything that what moves is in: the map is one of it.
+bool Odometer::Parts::is_hardly_seen() const {
+  return things_move && pass_count.judged < fewest_judged * static_cast<double>(store.count());
 }
 
 void Odometer::Parts::go_through(Tracker& tracker) {
@@ -429,9 +480,8 @@ void Odometer::Parts::go_through(Tracker& tracker) {
     const HalfResult result = tracker.add(half, path);
     if (is_contested) contest.note(gone_through, result);
     looks += result.looks;
-    learn_nis(result, pass_nis);
-    if (result.is_judged) ++pass_judged;
-    if (result.is_judged && std::abs(result.innovation_deg) > far_deg) ++pass_far;
+    learn_fit(result, pass_nis);
+    pass_count.add(result);
   }
 }
 
@@ -448,12 +498,22 @@ void Odometer::Parts::take_over(double now_s) {
                           (pass >= most_passes && mean_nis < nis_bounds().fits);
   const bool must_learn = mean_nis > nis_bounds().lost || (is_over && !is_settled);
   const bool is_made = is_over && !must_learn;
-  if ((is_false_map() && (is_made || pass >= passes_to_tell)) || (is_made && !is_plausible()))
+  const bool is_false = is_false_map() && (is_made || pass >= passes_to_tell);
+  if (is_false || (is_made && (!is_plausible() || is_hardly_seen())))
     begin_anew();
   else if (must_learn)
     learn_again();
+  else if (is_over)
+    begin_run(now_s);
   else
-    phase = is_over ? Phase::running : Phase::learning;
+    phase = Phase::learning;
+}
+
+void Odometer::Parts::begin_run(double now_s) {
+  phase = Phase::running;
+  slowest_dps = fastest_dps = front.rate_dps();
+  sound_since_s = now_s;
+  sound = heading_of_front();
 }
 
 /// While the start is learnt, what does not fit means that the map was begun with a wrong bias: by now it is
@@ -463,13 +523,21 @@ void Odometer::Parts::learn_again() {
     begin_pass(pass + 1);
   else if (is_contested && contest.verdict().order != RowOrder::at_once)
     phase = Phase::learning;  // another order of rows fits better: it goes on until it has learnt enough
+  else if (!things_move && pass_count.shows_traffic() && is_plausible() && has_usual_latency())
+    learn_in_traffic();
   else
     begin_anew();
 }
 
+/// What was learnt is not wrong for that.
+void Odometer::Parts::learn_in_traffic() {
+  things_move = true;
+  begin_pass(1);
+}
+
 void Odometer::Parts::run(const HalfReading& half) {
   if (watch.is_frozen() && !watch.is_zero()) return;
-  const HalfResult result = front.add(half, path);
+  const HalfResult result = front.add(half, path, is_trusted() || map_use == MapUse::searching);
   if (map_use == MapUse::searching) {
     check_map(result, half);
     if (phase != Phase::running) return;
@@ -477,17 +545,13 @@ void Odometer::Parts::run(const HalfReading& half) {
   if (!result.is_judged) return;
   newest = result;
   covered = result.is_flat ? covered + 1 : 0;
-  if (!result.is_flat) learn_nis(result, mean_nis);
+  if (!result.is_flat) learn_fit(result, mean_nis);
   if (result.is_used) to_trust = std::max(0, to_trust - 1);
   if (result.is_used) follow_bias(result);
-  slowest_dps = std::min(slowest_dps, result.rate_dps);
-  fastest_dps = std::max(fastest_dps, result.rate_dps);
-  if (is_doubted && fastest_dps - slowest_dps > telling_change_dps) {
-    is_doubted = false;
-    to_trust = halves_to_trust;
-  }
+  watch_speed(result);
   if (mean_nis > nis_bounds().unfit && !unfit_since_s) unfit_since_s = half.end_s;
   if (mean_nis < nis_bounds().fits) unfit_since_s.reset();
+  keep_sound_heading(half.end_s);
   if (unfit_since_s && half.end_s - *unfit_since_s > longest_unfit_s) {
     begin_anew();
     return;
@@ -497,16 +561,45 @@ void Odometer::Parts::run(const HalfReading& half) {
   map_use == MapUse::searching ? begin_in_map(half.end_s) : begin_search(half.end_s);
 }
 
-/// Innovations that all lean to one side: the bias is another than before.
+void Odometer::Parts::watch_speed(const HalfResult& result) {
+  slowest_dps = std::min(slowest_dps, result.rate_dps);
+  fastest_dps = std::max(fastest_dps, result.rate_dps);
+  if (!is_doubted || fastest_dps - slowest_dps < telling_change_dps) return;
+  is_doubted = false;
+  to_trust = halves_to_trust;
+}
+
+/// What a search found must first prove itself, at more than one speed.
+void Odometer::Parts::keep_sound_heading(double now_s) {
+  if (!is_trusted() || unfit_since_s || mean_nis > nis_bounds().fits) sound_since_s = now_s;
+  if (now_s - sound_since_s > sound_s && fastest_dps - slowest_dps > telling_change_dps)
+    sound = heading_of_front();
+}
+
+GyroHeading Odometer::Parts::heading_of_front() const {
+  return {path.until(front.now_s()), front.filter(), front.sigma_in_map_deg()};
+}
+
+/// Where the newest half of a search looks, if the gyro was there since the heading was sound.
+std::optional<CircleSearch::Found> Odometer::Parts::by_gyro() const {
+  if (!sound) return std::nullopt;
+  const GyroPath::Knot now = path.until(front.now_s());
+  const double off_deg = sound->deg(now) - front.filter().heading_deg();
+  return CircleSearch::Found{front.located_deg() + off_deg, sound->sigma_deg(now)};
+}
+
+/// Innovations that all lean to one side: the bias is another than before. Where things move the rig may only
+/// turn with a person.
 void Odometer::Parts::follow_bias(const HalfResult& result) {
   mean_lean += lean_share * (std::copysign(std::sqrt(result.squared), result.innovation_deg) - mean_lean);
-  if (std::abs(mean_lean) < much_lean) return;
+  if (std::abs(mean_lean) < (things_move ? much_lean_in_traffic : much_lean)) return;
   front.widen_bias(stepped_bias_dps);
+  if (things_move) to_trust = halves_to_trust_bias;
   mean_lean = 0.0;
 }
 
 void Odometer::Parts::begin_search(double now_s) {
-  is_explained = gyro_was_away;
+  if (gyro_was_away) sound.reset();
   expected_sigma_deg = front.sigma_in_map_deg();
   gyro_was_away = false;
   circle.begin();
@@ -516,14 +609,15 @@ void Odometer::Parts::begin_search(double now_s) {
 
 void Odometer::Parts::locate(const HalfReading& half, double now_s) {
   front.locate(half, path, circle);
-  if (const auto found = circle.found()) {
+  if (const auto found = circle.found(by_gyro())) {
     const double jump_deg = front.settle(*found);
     // The gyro said something else, and was there all the time: one of the two is wrong, and as long as the
     // rig keeps its speed nobody can tell.
-    is_doubted = !is_explained && std::abs(jump_deg) > doubted_deg + doubted_sigmas * expected_sigma_deg;
+    is_doubted = sound && std::abs(jump_deg) > doubted_deg + doubted_sigmas * expected_sigma_deg;
     slowest_dps = fastest_dps = front.rate_dps();
     mean_nis = 1.0;
     mean_lean = 0.0;
+    unfit_since_s.reset();
     to_trust = halves_to_trust;
     phase = Phase::running;
   } else if (map_use == MapUse::searching ? is_map_given_up(half) : now_s - locating_since_s > give_up_s) {
@@ -533,29 +627,22 @@ void Odometer::Parts::locate(const HalfReading& half, double now_s) {
 
 void Odometer::Parts::forget_clock() {
   begin_anew();
-  kept.reset();
+  sound.reset();
   path.clear();
   watch = GyroWatch();
   origin.reset();
   front.restart(priors);
 }
 
-/// Where a new map begins: the heading of before, as far as the gyro tells.
-double Odometer::Parts::heading_at(double time_s, double bias_dps) const {
-  if (!kept) return 0.0;
-  const double turned_deg = path.until(time_s).turned_deg - kept->turned_deg;
-  return kept->heading_deg + (turned_deg - bias_dps * (time_s - kept->time_s)) / priors.scale;
-}
-
 void Odometer::Parts::begin_anew() {
   const bool is_in_doubt = map_use == MapUse::searching;
   if (is_in_doubt || map_use == MapUse::found) map_use = MapUse::other;
   const bool has_tracked = phase == Phase::running || phase == Phase::locating;
-  failed_starts = has_tracked ? 0 : failed_starts + 1;
+  if (!has_tracked) things_move = true;
   if (is_in_doubt)
-    kept.reset();
-  else if (has_tracked)
-    kept = Kept{front.now_s(), path.until(front.now_s()).turned_deg, front.filter().heading_deg()};
+    sound.reset();
+  else if (has_tracked && !sound)
+    sound = heading_of_front();
   store.clear();
   contest.begin();
   is_contested = !lens->knows_rows();

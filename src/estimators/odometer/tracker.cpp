@@ -21,13 +21,12 @@ constexpr double pass_widening = 3.0;  // of what the pass before learnt: these 
 constexpr double settled_deg = 0.4;
 const double box_width = std::sqrt(3.0);  // half of it, in standard deviations
 constexpr double nis_share = 1.0 / 30.0;  // of a half in the mean of its kind
-constexpr double most_nis = 60.0;         // that one half counts with
 constexpr double moving_dps = 8.0;        // from there on errors of pixels are told from surroundings
 
 }  // namespace
 
-void learn_nis(const HalfResult& result, double& mean) {
-  if (result.is_judged) mean += nis_share * (std::min(most_nis, result.squared) - mean);
+void learn_nis(const HalfResult& result, double& mean, double most) {
+  if (result.is_judged) mean += nis_share * (std::min(most, result.squared) - mean);
 }
 
 Tracker::Tracker(const Priors& priors, const SharedLens& lens) : lens_(lens), filter_(priors) {}
@@ -160,14 +159,14 @@ void Tracker::begin_nodes(double azimuth_deg, const Exposed& exposed) {
   filter_.begin_nodes(azimuth_deg - edge_deg, azimuth_deg + edge_deg);
 }
 
-HalfResult Tracker::add(const HalfReading& half, const GyroPath& path) {
+HalfResult Tracker::add(const HalfReading& half, const GyroPath& path, bool is_trusted) {
   Exposed exposed = expose(half, path);
   if (!lens_->is_plain() && halves_ >= first_halves) level(half, exposed);
   HalfResult result{.rate_dps = exposed.rate_dps};
   common_c_ = 0.0F;
   if (halves_++ >= first_halves) {
     result = judge(half, exposed);
-    if (result.is_judged && !result.is_used) return result;
+    if (!is_trusted || (result.is_judged && !result.is_used)) return result;
   }
   const double shown_deg = filter_.exposed_deg(exposed.turn, now_s_, now_deg_);
   begin_nodes(shown_deg, exposed);

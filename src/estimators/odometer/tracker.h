@@ -27,8 +27,9 @@ struct HalfResult {
   Alignment::Explained explained;  // by a map that was loaded
 };
 
-/// Innovations of late, squared: a running mean of what they are of what was expected, about 1.
-void learn_nis(const HalfResult& result, double& mean);
+/// Innovations of late, squared: a running mean of what they are of what was expected, about 1. One counts
+/// with `most` at most.
+void learn_nis(const HalfResult& result, double& mean, double most = 60.0);
 inline constexpr double lost_nis = 8.0;  // then the heading is lost
 
 /// Heading filter and panorama together: half after half.
@@ -56,7 +57,8 @@ class Tracker {
   void advance(const GyroPath& path, double now_s);
 
   /// A half whose exposure has ended by then.
-  HalfResult add(const HalfReading& half, const GyroPath& path);
+  /// Not `is_trusted`: where it looks may be another place, and nothing is written there.
+  HalfResult add(const HalfReading& half, const GyroPath& path, bool is_trusted = true);
 
   /// Where the half may look in the map, without learning anything of it. `turned_deg`: since the half
   /// before.
@@ -64,6 +66,7 @@ class Tracker {
   /// What the search found, of the newest half: the nearest of the headings that it may be.
   /// Returns by how much it is off what the gyro let expect.
   double settle(const CircleSearch::Found& found);
+  double located_deg() const { return located_deg_; }  // of the newest half, as the gyro has it
 
   /// The bias may have stepped.
   void widen_bias(double sigma_dps) { filter_.widen_bias(square(sigma_dps)); }
@@ -110,8 +113,8 @@ class Tracker {
   double sigma_in_map_deg_ = 0.0;
   double rate_dps_ = 0.0;
   double in_map_deg_ = 0.0;
-  double located_deg_ = 0.0;  // azimuth of the newest half, as the gyro has it
-  float common_c_ = 0.0F;     // of the newest half
+  double located_deg_ = 0.0;
+  float common_c_ = 0.0F;  // of the newest half
   struct Written {
     Panorama::Column temp_c, variance;
   };

@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+
+#include "gyro_path.h"
+#include "heading_filter.h"
+
+namespace thermorig::odometer {
+
+/// The last heading that nothing spoke against, and what the gyro alone makes of it since.
+class GyroHeading {
+ public:
+  /// `then`: of the path, where the filter is. `sigma_deg`: of its heading in the map.
+  GyroHeading(const GyroPath::Knot& then, const HeadingFilter& filter, double sigma_deg)
+      : then_(then),
+        heading_deg_(filter.heading_deg()),
+        sigma_deg_(sigma_deg),
+        bias_dps_(filter.bias_dps()),
+        bias_sigma_dps_(filter.sigma(HeadingFilter::bias)),
+        scale_(filter.scale_factor()) {}
+
+  double deg(const GyroPath::Knot& now) const { return deg(now, bias_dps_); }
+  /// The same with another bias.
+  double deg(const GyroPath::Knot& now, double bias_dps) const {
+    return heading_deg_ + (now.turned_deg - then_.turned_deg - bias_dps * since_s(now)) / scale_;
+  }
+
+  /// One standard deviation, that of a bias which begins to change included.
+  double sigma_deg(const GyroPath::Knot& now) const {
+    const double walked_deg2 = square(HeadingFilter::walk_deg) * since_s(now);
+    const double unseen_deg2 = std::max(0.0, now.unseen_deg2 - then_.unseen_deg2);
+    return std::sqrt(square(sigma_deg_) + square(least_sigma_deg) + walked_deg2 + unseen_deg2 +
+                     square((bias_sigma_dps_ + bias_change_dps) * since_s(now)));
+  }
+
+ private:
+  static constexpr double least_sigma_deg = 1.0, bias_change_dps = 0.02;
+  double since_s(const GyroPath::Knot& now) const { return now.time_s - then_.time_s; }
+
+  GyroPath::Knot then_;
+  double heading_deg_, sigma_deg_;
+  double bias_dps_, bias_sigma_dps_, scale_;
+};
+
+}  // namespace thermorig::odometer
