@@ -16,7 +16,7 @@ import re
 
 KINDS = ("table", "figures", "files")
 COMMENT = re.compile(r"<!--(.*?)-->", re.DOTALL)
-BEGIN = re.compile(r"(?P<kind>table|figures|files) (?P<name>[a-z0-9_]+): (?P<command>[\w./=* -]+)(?P<train>; with --train)?"
+BEGIN = re.compile(r"(?P<kind>table|figures|files) (?P<name>[a-z0-9_]+): (?P<command>[\w./=*, -]+)(?P<train>; with --train)?"
                    r"; commit (?P<commit>[0-9a-f]{7,40}); sources: (?P<sources>[\w./* -]+)")
 NUMBER = r"[<>=+-]* ?\d[\d.,e-]*(?: [\w%/]{1,5})?"  # with its unit
 NUMBERS = re.compile(rf"{NUMBER}(?:(?:,| /| ->| \.\.) {NUMBER})*(?: \(.*\))?")
