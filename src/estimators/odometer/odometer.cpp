@@ -83,7 +83,7 @@ bool PassCount::shows_traffic() const {
 constexpr double longest_unfit_s = 30.0;                   // then the map is wrong
 constexpr int covered_halves = 4;                          // in a row
 constexpr int halves_to_trust = 8;                         // after a search
-constexpr int halves_to_trust_bias = 16;                   // that leans in traffic
+constexpr int halves_to_trust_lean = 16;                   // that leans in traffic
 constexpr double doubted_deg = 2.0, doubted_sigmas = 4.0;  // a jump by more is doubted
 constexpr double telling_change_dps = 40.0;                // of the speed: then a wrong time would show
 constexpr double sound_s = 5.0;  // everything fits for so long: then a heading is sound
@@ -589,12 +589,14 @@ std::optional<CircleSearch::Found> Odometer::Parts::by_gyro() const {
 }
 
 /// Innovations that all lean to one side: the bias is another than before. Where things move the rig may only
-/// turn with a person.
+/// turn with a person: that is said, and nothing written until it is over.
 void Odometer::Parts::follow_bias(const HalfResult& result) {
   mean_lean += lean_share * (std::copysign(std::sqrt(result.squared), result.innovation_deg) - mean_lean);
   if (std::abs(mean_lean) < (things_move ? much_lean_in_traffic : much_lean)) return;
-  front.widen_bias(stepped_bias_dps);
-  if (things_move) to_trust = halves_to_trust_bias;
+  if (things_move)
+    to_trust = halves_to_trust_lean;
+  else
+    front.widen_bias(stepped_bias_dps);
   mean_lean = 0.0;
 }
 
