@@ -187,7 +187,7 @@ struct Odometer::Parts {
   GyroPath path;
   GyroWatch watch;
   HalfStore store;
-  bool things_move = false;  // beside the rig: a start failed
+  bool things_move = false;  // beside the rig: a start showed it, or failed
   Tracker front, back;       // the one that is told of, and one that goes through the start again
   BiasSearch bias_search;
   RowContest contest;
