@@ -210,12 +210,18 @@ double silent_s(const Room& room, const std::vector<Report>& reports, double fro
   return longest_s;
 }
 
+/// Walls that show little, seen to and fro at up to 120 deg/s.
+Room faint_room(double duration_s, double contrast_k) {
+  Room room = turning_room(duration_s);
+  room.angle_deg = to_and_fro(250.0, 120.0);
+  room.contrast_k = contrast_k;
+  room.walls = 9;
+  return room;
+}
+
 /// Before faint walls a half whose time is wrong fits elsewhere.
 TEST(Odometer, KeepsTheHeadingOfTheGyroWhenImagesHaveWrongTimes) {
-  Room room = turning_room(120.0);
-  room.angle_deg = to_and_fro(250.0, 120.0);
-  room.contrast_k = 0.3;
-  room.walls = 9;
+  const Room room = faint_room(120.0, 0.3);
   auto all = seen_in(room);
   for (Seen& seen : all) {
     if (seen.frame.exposure_end < at_s(70.0) || seen.frame.exposure_end > at_s(100.0)) continue;
@@ -249,10 +255,7 @@ void let_walk(const Room& room, double rate_dps, std::vector<Seen>& all) {
 }
 
 TEST(Odometer, TracksThoughSomeoneWalksAround) {
-  Room room = turning_room();
-  room.angle_deg = to_and_fro(250.0, 120.0);
-  room.contrast_k = 0.3;
-  room.walls = 9;
+  const Room room = faint_room(70.0, 0.3);
   auto all = seen_in(room);
   let_walk(room, 20.0, all);
   const auto reports = reports_of(all);
@@ -265,10 +268,7 @@ TEST(Odometer, TracksThoughSomeoneWalksAround) {
 
 /// Of walls that show next to nothing a map of the person alone would fit: with another bias of the gyro.
 TEST(Odometer, DoesNotTakeSomeoneWhoWalksForTheWalls) {
-  Room room = turning_room(100.0);
-  room.angle_deg = to_and_fro(250.0, 120.0);
-  room.contrast_k = 0.15;
-  room.walls = 9;
+  const Room room = faint_room(100.0, 0.15);
   auto all = seen_in(room);
   let_walk(room, 20.0, all);
   for (const Report& report : reports_of(all))

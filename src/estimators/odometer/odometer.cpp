@@ -15,6 +15,7 @@
 #include "gyro_watch.h"
 #include "half_store.h"
 #include "map_check.h"
+#include "pass_count.h"
 #include "row_contest.h"
 #include "thermorig/core/gyro_delay.h"
 #include "thermorig/estimators/odometer/unseen_turn.h"
@@ -37,48 +38,20 @@ constexpr double bias_widening = 3.0;  // of what the search states
 constexpr int most_passes = 6;  // through the halves of the start
 constexpr double settled_latency_s = 0.001, settled_scale = 0.001;
 constexpr double known_bias_dps = 1.0;
-constexpr double far_deg = 4.0;  // an innovation: the map shows something else there
-// Of the innovations of a pass: false maps have 40 to 70 %, sound ones 3 to 15, up to 23 in slow starts.
-constexpr double most_far = 0.25;
 constexpr int passes_to_tell = 2;                     // the first one may begin with a wrong bias
 constexpr double data_sheet_scale_sigma = 0.03;       // at least, whatever a profile says
 constexpr double most_scale_sigmas = 2.2;             // false maps made gyros 7 to 9 % off of sound ones
 constexpr double most_scale_sigmas_in_traffic = 1.8;  // and 6 % where things move
 constexpr double most_latency_sigmas = 2.5;
-constexpr double fewest_judged = 0.5;  // share of the halves, where things move
 
 /// Of the mean square of innovations, of which one counts with `most` at most.
 struct NisBounds {
   double settled, fits, unfit, lost;  // not trusted from `unfit` on until it `fits`
   double most;
 };
-constexpr NisBounds nis_at_rest{2.0, 2.0, 3.0, lost_nis, 60.0};  // where nothing moves but the rig
+constexpr NisBounds nis_at_rest{2.0, 2.0, 3.0, lost_nis, most_nis};  // where nothing moves but the rig
 // There the share of the halves counts that do not fit: how badly they do tells of what moves.
 constexpr NisBounds nis_in_traffic{4.5, 4.0, 5.5, 7.0, 9.0};
-
-/// Innovations of a pass through the halves of the start.
-struct PassCount {
-  int judged = 0, far = 0, large = 0, huge = 0;
-  void add(const HalfResult& result);
-  bool is_false_map() const { return far > most_far * judged; }
-  bool shows_traffic() const;
-};
-
-void PassCount::add(const HalfResult& result) {
-  if (!result.is_judged) return;
-  ++judged;
-  if (std::abs(result.innovation_deg) > far_deg) ++far;
-  if (result.squared > 4.0) ++large;
-  if (result.squared > 16.0) ++huge;
-}
-
-/// Some halves do not fit at all, while most do: something moves before some of them. Where a map or the
-/// order of rows is wrong, all fit badly, and of the large innovations few are huge.
-bool PassCount::shows_traffic() const {
-  constexpr int fewest = 60;
-  constexpr double most_large = 0.35, least_huge = 0.38;
-  return judged >= fewest && !is_false_map() && large < most_large * judged && huge > least_huge * large;
-}
 
 constexpr double longest_unfit_s = 30.0;                   // then the map is wrong
 constexpr int covered_halves = 4;                          // in a row
@@ -468,7 +441,7 @@ bool Odometer::Parts::has_usual_latency() const {
 
 /// Before faint walls only those halves tell anything that what moves is in: the map is one of it.
 bool Odometer::Parts::is_hardly_seen() const {
-  return things_move && pass_count.judged < fewest_judged * static_cast<double>(store.count());
+  return things_move && pass_count.is_hardly_judged(store.count());
 }
 
 void Odometer::Parts::go_through(Tracker& tracker) {

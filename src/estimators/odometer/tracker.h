@@ -29,7 +29,8 @@ struct HalfResult {
 
 /// Innovations of late, squared: a running mean of what they are of what was expected, about 1. One counts
 /// with `most` at most.
-void learn_nis(const HalfResult& result, double& mean, double most = 60.0);
+inline constexpr double most_nis = 60.0;
+void learn_nis(const HalfResult& result, double& mean, double most = most_nis);
 inline constexpr double lost_nis = 8.0;  // then the heading is lost
 
 /// Heading filter and panorama together: half after half.

@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cmath>
+#include <cstddef>
+
+#include "tracker.h"
+
+namespace thermorig::odometer {
+
+/// How large the innovations of a pass through the halves of the start are: whether its map is a false one,
+/// and whether something else than the rig moves.
+class PassCount {
+ public:
+  void add(const HalfResult& result) {
+    if (!result.is_judged) return;
+    ++judged_;
+    if (std::abs(result.innovation_deg) > far_deg) ++far_;
+    if (result.squared > large_squares) ++large_;
+    if (result.squared > huge_squares) ++huge_;
+  }
+
+  /// Fewer than half of the `halves` of the pass could be laid against the map.
+  bool is_hardly_judged(std::size_t halves) const { return 2 * static_cast<std::size_t>(judged_) < halves; }
+
+  bool is_false_map() const { return far_ > most_far * judged_; }
+
+  /// Some halves do not fit at all, while most do: something moves before some of them. Where a map or the
+  /// order of rows is wrong, all fit badly, and of the large innovations few are huge.
+  bool shows_traffic() const {
+    return judged_ >= fewest && !is_false_map() && large_ < most_large * judged_ &&
+           huge_ > least_huge * large_;
+  }
+
+ private:
+  static constexpr double far_deg = 4.0;  // the map shows something else there
+  // False maps have 40 to 70 %, sound ones 3 to 15, up to 23 in slow starts.
+  static constexpr double most_far = 0.25;
+  static constexpr double large_squares = 4.0, huge_squares = 16.0;  // in units of what was expected
+  static constexpr int fewest = 60;
+  // With a person 10 to 32 % are large, and of these 40 to 70 % huge; without, 20 to 32 % are.
+  static constexpr double most_large = 0.35, least_huge = 0.38;
+
+  int judged_ = 0, far_ = 0, large_ = 0, huge_ = 0;
+};
+
+}  // namespace thermorig::odometer
