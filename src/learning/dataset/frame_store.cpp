@@ -7,17 +7,13 @@
 
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <cerrno>
-#include <cmath>
 #include <cstring>
-#include <limits>
 #include <mutex>
-#include <optional>
-#include <type_traits>
 #include <utility>
 #include <vector>
 
+#include "packed_frames.h"
 #include "thermorig/core/error.h"
 #include "thermorig/core/frame.h"
 #include "thermorig/io/files/unlinked_file.h"
@@ -105,83 +101,48 @@ class FrameFile {
   std::uint64_t bytes_ = 0;
 };
 
-using Hundredths = std::int16_t;
-
-float temp_c_of(Hundredths count) {
-  return static_cast<float>(count) / 100.0F;
-}
-
-/// The pixels as whole hundredths of a degree; nothing if a bit of any would be lost.
-std::optional<std::vector<Hundredths>> packed(std::span<const float> temp_c) {
-  constexpr float most = std::numeric_limits<Hundredths>::max() + 0.25F;  // scaling has rounded
-  std::vector<Hundredths> counts(temp_c.size());
-  for (std::size_t i = 0; i < temp_c.size(); ++i) {
-    const float scaled = temp_c[i] * 100.0F;
-    if (!(std::abs(scaled) <= most)) return std::nullopt;
-    counts[i] = static_cast<Hundredths>(std::lrint(scaled));
-    if (std::bit_cast<std::uint32_t>(temp_c_of(counts[i])) != std::bit_cast<std::uint32_t>(temp_c[i]))
-      return std::nullopt;
-  }
-  return counts;
-}
-
-void unpack(std::span<const Hundredths> counts, std::span<float> temp_c) {
-  std::transform(counts.begin(), counts.end(), temp_c.begin(), temp_c_of);
-}
-
-/// Pixels of an acquisition in memory.
-template <typename Pixel>
+/// Frames of an acquisition in memory.
 class FramesInMemory final : public network::StoredFrames {
  public:
-  explicit FramesInMemory(std::vector<Pixel> pixels) : pixels_(std::move(pixels)) {}
+  explicit FramesInMemory(PackedFrames packed) : packed_(std::move(packed)) {}
 
   void read(std::size_t first, std::span<float> temp_c) const override {
-    const auto pixels = std::span(pixels_).subspan(first * frame_pixels, temp_c.size());
-    if constexpr (std::is_same_v<Pixel, float>)
-      std::copy(pixels.begin(), pixels.end(), temp_c.begin());
-    else
-      unpack(pixels, temp_c);
+    unpack_frames(&packed_.bytes[packed_.begin[first]], temp_c);
   }
 
   void announce(std::size_t, std::size_t) const override {}
 
  private:
-  std::vector<Pixel> pixels_;
+  PackedFrames packed_;
 };
 
-/// Those that lie in a file from `begin` on, one after the other.
-template <typename Pixel>
+/// Those that lie in a file.
 class FramesInFile final : public network::StoredFrames {
  public:
-  FramesInFile(std::shared_ptr<const FrameFile> file, std::uint64_t begin)
-      : file_(std::move(file)), begin_(begin) {}
+  /// `begin`: of each frame in the file, and of the end.
+  FramesInFile(std::shared_ptr<const FrameFile> file, std::vector<std::uint64_t> begin)
+      : file_(std::move(file)), begin_(std::move(begin)) {}
 
   void read(std::size_t first, std::span<float> temp_c) const override {
-    const std::uint64_t at = begin_ + first * frame_pixels * sizeof(Pixel);
-    if constexpr (std::is_same_v<Pixel, float>)
-      file_->read(at, std::as_writable_bytes(temp_c));
-    else
-      read_packed(at, temp_c);
-  }
-
-  void announce(std::size_t first, std::size_t frames) const override {
-    file_->announce(begin_ + first * frame_pixels * sizeof(Pixel), frames * frame_pixels * sizeof(Pixel));
-  }
-
- private:
-  void read_packed(std::uint64_t at, std::span<float> temp_c) const {
-    std::array<Pixel, 8 * frame_pixels> part;
+    constexpr std::size_t frames_at_once = 8;
+    std::array<std::byte, frames_at_once * packed_frame_bytes> part;
     while (!temp_c.empty()) {
-      const auto counts = std::span(part).first(std::min(part.size(), temp_c.size()));
-      file_->read(at, std::as_writable_bytes(counts));
-      unpack(counts, temp_c);
-      temp_c = temp_c.subspan(counts.size());
-      at += counts.size_bytes();
+      const std::size_t frames = std::min(frames_at_once, temp_c.size() / frame_pixels);
+      const auto bytes = std::span(part).first(begin_[first + frames] - begin_[first]);
+      file_->read(begin_[first], bytes);
+      unpack_frames(bytes.data(), temp_c.first(frames * frame_pixels));
+      temp_c = temp_c.subspan(frames * frame_pixels);
+      first += frames;
     }
   }
 
+  void announce(std::size_t first, std::size_t frames) const override {
+    file_->announce(begin_[first], begin_[first + frames] - begin_[first]);
+  }
+
+ private:
   std::shared_ptr<const FrameFile> file_;
-  std::uint64_t begin_;
+  std::vector<std::uint64_t> begin_;
 };
 
 }  // namespace
@@ -202,13 +163,12 @@ struct FrameStore::Parts {
     return file->take_room(bytes);
   }
 
-  template <typename Pixel>
-  std::shared_ptr<const network::StoredFrames> stored(std::vector<Pixel> pixels) {
-    const auto bytes = std::as_bytes(std::span(pixels));
-    if (fits_in_memory(bytes.size())) return std::make_shared<FramesInMemory<Pixel>>(std::move(pixels));
-    const std::uint64_t at = take_room(bytes.size());
-    file->write(at, bytes);
-    return std::make_shared<FramesInFile<Pixel>>(file, at);
+  std::shared_ptr<const network::StoredFrames> stored(PackedFrames packed) {
+    if (fits_in_memory(packed.size())) return std::make_shared<FramesInMemory>(std::move(packed));
+    const std::uint64_t at = take_room(packed.bytes.size());
+    file->write(at, packed.bytes);
+    for (std::uint64_t& begin : packed.begin) begin += at;
+    return std::make_shared<FramesInFile>(file, std::move(packed.begin));
   }
 
   mutable std::mutex mutex;
@@ -224,12 +184,8 @@ FrameStore::~FrameStore() = default;
 
 void FrameStore::take(network::Acquisition& acquisition) {
   if (acquisition.temp_c.empty()) return;
-  if (auto counts = packed(acquisition.temp_c)) {
-    acquisition.stored = parts_->stored(*std::move(counts));
-    acquisition.temp_c = std::vector<float>();
-  } else {
-    acquisition.stored = parts_->stored(std::exchange(acquisition.temp_c, {}));
-  }
+  acquisition.stored = parts_->stored(pack_frames(acquisition.temp_c));
+  acquisition.temp_c = std::vector<float>();
 }
 
 void FrameStore::give_back(std::span<network::Acquisition> acquisitions, std::uint64_t bytes_beside_a_frame) {

@@ -16,9 +16,10 @@ struct FrameFolder {
   bool is_only_choice = false;  // else $TMPDIR and /var/tmp are tried after it
 };
 
-/// Keeps pixels of acquisitions small: whole hundredths of a degree, which is what cameras send, as 16 bits,
-/// others as they are; and as many of them in memory as may be. Those of further ones lie in a file without a
-/// name, of which nothing is left when the program has ended, however it ended.
+/// Keeps pixels of acquisitions small, without the loss of a bit: whole hundredths of a degree, which is what
+/// cameras send, in as few bits as a row of a frame needs; and as many of them in memory as may be. Those of
+/// further ones lie in a file without a name, of which nothing is left when the program has ended, however it
+/// ended.
 class FrameStore {
  public:
   /// `memory_bytes`: of pixels in memory, at most.
