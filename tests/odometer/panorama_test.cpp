@@ -40,7 +40,7 @@ TEST(Panorama, ShowsTheMeanOverWhatAPixelSweeps) {
       panorama.look(Panorama::place(azimuth_deg, half_width_deg, 1), 1.0, false, look);
       EXPECT_EQ(look.known[5], 1.0F);
       EXPECT_NEAR(look.temp_c[5], azimuth_deg, 0.6) << half_width_deg;
-      EXPECT_NEAR(look.slope[5], 1.0, 0.02) << half_width_deg;
+      EXPECT_NEAR(look.of_azimuth.slope[5], 1.0, 0.02) << half_width_deg;
     }
 }
 

@@ -18,7 +18,7 @@ constexpr int most_search_steps = 40;  // to either side
 constexpr float huber = 3.0F;
 constexpr float most_left_k2 = 9.0F;  // of a pixel: what moves shows more
 constexpr float strict_squares = 9.0F;
-constexpr std::array<Slope, 3> slopes{{{1.0, false}, {2.0, true}, {4.0, true}}};
+constexpr std::array<Slope, 3> slopes{{{1, false}, {2, true}, {4, true}}};
 
 /// Of a squared residual in units of its variance.
 float weight_of(float squares, bool is_strict) {
@@ -27,6 +27,10 @@ float weight_of(float squares, bool is_strict) {
     return 1.0F / (part * part);
   }
   return squares > huber * huber ? huber / std::sqrt(squares) : 1.0F;
+}
+
+double robust_squares(float left_c, float weight) {
+  return double{std::min(left_c * left_c * weight, huber * huber * huber)};
 }
 
 }  // namespace
@@ -39,6 +43,16 @@ void Alignment::look(const View& view, double azimuth_deg, std::size_t column, c
   }
   for (std::size_t k = 0; k < half_rows; ++k)
     panorama_.look_row(place(view, azimuth_deg, column, k), k, slope.reach, slope.smooth, look);
+}
+
+void Alignment::look_at_mean(const View& view, double azimuth_deg, std::size_t column,
+                             Panorama::Look& look) const {
+  if (view.rows == nullptr) {
+    panorama_.look_at_mean(place(view, azimuth_deg, column), Slope().reach, look);
+    return;
+  }
+  for (std::size_t k = 0; k < half_rows; ++k)
+    panorama_.look_at_mean_row(place(view, azimuth_deg, column, k), k, Slope().reach, look);
 }
 
 HalfPixels Alignment::beside_row(const View& view, double azimuth_deg) const {
@@ -61,27 +75,54 @@ HalfPixels Alignment::beside_row(const View& view, double azimuth_deg) const {
   return beside;
 }
 
+/// A column of the half less what the map shows.
+void Alignment::Residuals::take(const View& view, std::size_t column, const Panorama::Look& look) {
+  for (std::size_t k = 0; k < half_rows; ++k) {
+    const std::size_t i = column * half_rows + k;
+    const float temp_c = (*view.temp_c)[i];
+    const bool is_compared = look.known[k] > 0.0F && !std::isnan(temp_c);
+    residual[i] = is_compared ? temp_c - look.temp_c[k] : 0.0F;
+    weight[i] = is_compared ? 1.0F / ((*view.variance)[i] + look.variance[k]) : 0.0F;
+    weights += weight[i];
+    sum += weight[i] * residual[i];
+    flat_sum += is_compared ? weight[i] * temp_c : 0.0F;
+  }
+}
+
+Alignment::Fit Alignment::fit(const View& view, double azimuth_deg) const {
+  Residuals all;
+  Panorama::Look look;
+  for (std::size_t column = 0; column < frame_columns; ++column) {
+    look_at_mean(view, azimuth_deg, column, look);
+    all.take(view, column, look);
+  }
+  Fit fit;
+  if (all.weights <= 0.0F) return fit;
+  const float common_c = all.sum / all.weights;
+  for (std::size_t i = 0; i < half_pixels; ++i) {
+    if (all.weight[i] <= 0.0F) continue;
+    fit.cost += robust_squares(all.residual[i] - common_c, all.weight[i]);
+    fit.pixels += 1.0;
+  }
+  fit.cost /= fit.pixels;
+  return fit;
+}
+
 Alignment::Comparison Alignment::compare(const View& view, double azimuth_deg, const Slope& slope) const {
   Comparison comparison;
-  HalfPixels slopes_k_deg, slope_variance, weight;
-  float weights = 0.0F, sum = 0.0F, flat_sum = 0.0F;
+  HalfPixels slopes_k_deg, slope_variance;
+  Residuals all;
   for (std::size_t column = 0; column < frame_columns; ++column) {
     Panorama::Look look;
     this->look(view, azimuth_deg, column, slope, look);
-    for (std::size_t k = 0; k < half_rows; ++k) {
-      const std::size_t i = column * half_rows + k;
-      const float temp_c = (*view.temp_c)[i];
-      const bool is_compared = look.known[k] > 0.0F && !std::isnan(temp_c);
-      comparison.residual[i] = is_compared ? temp_c - look.temp_c[k] : 0.0F;
-      comparison.map_variance[i] = look.variance[k];
-      slopes_k_deg[i] = look.slope[k];
-      slope_variance[i] = look.slope_variance[k];
-      weight[i] = is_compared ? 1.0F / ((*view.variance)[i] + look.variance[k]) : 0.0F;
-      weights += weight[i];
-      sum += weight[i] * comparison.residual[i];
-      flat_sum += is_compared ? weight[i] * temp_c : 0.0F;
-    }
+    all.take(view, column, look);
+    const std::size_t first = column * half_rows;
+    std::copy(look.variance.begin(), look.variance.end(), &comparison.map_variance[first]);
+    std::copy(look.of_azimuth.slope.begin(), look.of_azimuth.slope.end(), &slopes_k_deg[first]);
+    std::copy(look.of_azimuth.variance.begin(), look.of_azimuth.variance.end(), &slope_variance[first]);
   }
+  comparison.residual = all.residual;
+  auto& [residual, weight, weights, sum, flat_sum] = all;
   if (weights <= 0.0F) return comparison;
   comparison.common_c = sum / weights;
   const auto trust_deg2 = static_cast<float>(view.trust_deg2);
@@ -92,9 +133,8 @@ Alignment::Comparison Alignment::compare(const View& view, double azimuth_deg, c
     const float left = comparison.residual[i] - comparison.common_c;
     const float explained = slopes_k_deg[i] * slopes_k_deg[i] * trust_deg2;
     const float robust = weight_of(left * left / (1.0F / weight[i] + explained), view.is_strict);
-    comparison.cost += double{std::min(left * left * weight[i], huber * huber * huber)};
-    const float flat = (*view.temp_c)[i] - flat_c;
-    comparison.flat_cost += double{std::min(flat * flat * weight[i], huber * huber * huber)};
+    comparison.cost += robust_squares(left, weight[i]);
+    comparison.flat_cost += robust_squares((*view.temp_c)[i] - flat_c, weight[i]);
     comparison.squares_k2 += double{std::min(left * left, most_left_k2)};
     comparison.pixels += 1.0;
     weight[i] *= robust;
@@ -173,7 +213,7 @@ Alignment::Explained Alignment::explained(const View& view, double azimuth_deg) 
   for (std::size_t column = 0; column < frame_columns; ++column) {
     const std::size_t of_rows = row_class(column, view.parity);
     Panorama::Look look;
-    this->look(view, azimuth_deg, column, {}, look);
+    look_at_mean(view, azimuth_deg, column, look);
     for (std::size_t k = 0; k < half_rows; ++k) {
       const std::size_t i = column * half_rows + k;
       const float temp_c = (*view.temp_c)[i];
@@ -195,8 +235,8 @@ Alignment::Explained Alignment::explained(const View& view, double azimuth_deg) 
       const Sums& row = rows[2 * k + row_class(column, view.parity)];
       const float left = residual[i] - row.residual / row.weight;
       const float shown = (*view.temp_c)[i] - row.temp_c / row.weight;
-      explained.left += double{std::min(left * left * weight[i], huber * huber * huber)} - 1.0;
-      explained.structure += double{std::min(shown * shown * weight[i], huber * huber * huber)} - 1.0;
+      explained.left += robust_squares(left, weight[i]) - 1.0;
+      explained.structure += robust_squares(shown, weight[i]) - 1.0;
     }
   return explained;
 }
@@ -207,11 +247,11 @@ double Alignment::searched(const View& view, double azimuth_deg, double sigma_de
   double best_deg = azimuth_deg, best = std::numeric_limits<double>::infinity();
   for (int i = -reach; i <= reach; ++i) {
     const double tried_deg = azimuth_deg + i * search_step_deg;
-    const Comparison comparison = compare(view, tried_deg, {});
+    const Fit fit = this->fit(view, tried_deg);
     ++looks;
-    if (comparison.pixels < fewest_pixels) continue;
+    if (fit.pixels < fewest_pixels) continue;
     const double off = i * search_step_deg / sigma_deg;
-    const double cost = comparison.cost + off * off / comparison.pixels;
+    const double cost = fit.cost + off * off / fit.pixels;
     if (cost >= best) continue;
     best = cost;
     best_deg = tried_deg;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 
 #include "half_reading.h"
 #include "heading_filter.h"
@@ -24,7 +25,7 @@ struct View {
 
 /// How a slope of the panorama is taken: over so many bins, over one row or three.
 struct Slope {
-  double reach = 1.0;
+  std::ptrdiff_t reach = 1;
   bool smooth = false;
 };
 
@@ -91,6 +92,16 @@ class Alignment {
   HalfPixels beside_row(const View& view, double azimuth_deg) const;
 
  private:
+  struct Residuals {
+    HalfPixels residual, weight;  // 0, both, where nothing is compared
+    float weights = 0.0F, sum = 0.0F, flat_sum = 0.0F;
+    void take(const View& view, std::size_t column, const Panorama::Look& look);
+  };
+  struct Fit {
+    double cost = 0.0, pixels = 0.0;
+  };
+  /// As far as Comparison has it, in less than half the time.
+  Fit fit(const View& view, double azimuth_deg) const;
   double map_azimuth_deg(double at_deg) const { return at_deg - filter_.map_offset_deg(at_deg); }
   /// Where a pixel of `row` looks, in that row of the map.
   Panorama::Place place_in_row(const View& view, double azimuth_deg, std::size_t column, std::size_t row,
@@ -101,6 +112,7 @@ class Alignment {
   }
   void look(const View& view, double azimuth_deg, std::size_t column, const Slope& slope,
             Panorama::Look& look) const;
+  void look_at_mean(const View& view, double azimuth_deg, std::size_t column, Panorama::Look& look) const;
   double searched(const View& view, double azimuth_deg, double sigma_deg, int& looks) const;
 
   const Panorama& panorama_;

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 
 namespace thermorig::odometer {
 
@@ -52,57 +53,57 @@ BiasSearch::BiasSearch(const Priors& priors, const SharedLens& lens)
       lens_(lens),
       cells_a_row_(static_cast<std::size_t>(std::ceil(whole_turn_deg / lens->pitch_deg()))),
       placed_(halves),
-      cells_(cells_a_row_ * frame_rows),
+      cells_(2 * cells_a_row_),
       variances_(most_steps),
-      ordered_(most_steps) {}
-
-void BiasSearch::Cell::add(float temp_c) {
-  if (std::isnan(temp_c)) return;
-  sum += temp_c;
-  squares += temp_c * temp_c;
-  count += 1.0F;
+      ordered_(most_steps) {
+  for (std::size_t column = 0; column < frame_columns; ++column)
+    bearing_cells_[column] =
+        static_cast<float>(lens_->bearing_deg(column) / whole_turn_deg) * static_cast<float>(cells_a_row_);
 }
 
-/// Of that azimuth, one a row of the frame.
-BiasSearch::Cell* BiasSearch::cells_at(double azimuth_deg) {
+/// Where in a row of cells, not rounded, from 0 on.
+float BiasSearch::cell_of(double azimuth_deg) const {
   const double turns = azimuth_deg / whole_turn_deg;
-  const auto cell = std::min(cells_a_row_ - 1, static_cast<std::size_t>((turns - std::floor(turns)) *
-                                                                        static_cast<double>(cells_a_row_)));
-  return &cells_[cell * frame_rows];
+  return static_cast<float>(turns - std::floor(turns)) * static_cast<float>(cells_a_row_);
 }
 
-void BiasSearch::add_column(const Placed& one, std::size_t column, double turned_deg) {
-  Cell* cells = cells_at(turned_deg + lens_->bearing_deg(column)) + row_class(column, one.parity);
-  for (std::size_t k = 0; k < half_rows; ++k) cells[2 * k].add(one.temp_c[column * half_rows + k]);
-}
-
-void BiasSearch::add_rows(const Placed& one, double turned_deg, double bias_dps) {
+/// `cell`: at most a turn beyond the row of cells.
+BiasSearch::Cells& BiasSearch::cells_at(float cell, std::size_t row_class) {
   const auto all = static_cast<float>(cells_a_row_);
-  const auto in_cells = [&](double deg) { return static_cast<float>(deg / whole_turn_deg) * all; };
-  constexpr std::size_t stride =
-      4;  // every second pixel of the half's row: each has a cell of its own to find
-  const float step = in_cells(lens_->bearing_deg(stride) - lens_->bearing_deg(0));
-  const auto to_next = [&](std::size_t column) {  // even but for a lens that distorts
-    return lens_->is_plain() || column + stride >= frame_columns
-               ? step
-               : in_cells(lens_->bearing_deg(column + stride) - lens_->bearing_deg(column));
-  };
-  for (std::size_t row = 0; row < frame_rows; ++row) {
-    const std::size_t first = row_class(row, one.parity);  // column of the row's first pixel
-    const double later_deg = (one.later_deg[row] - bias_dps * one.later_s[row]) / priors_.scale;
-    const double turns = (turned_deg + later_deg + lens_->bearing_deg(first)) / whole_turn_deg;
-    float at = static_cast<float>(turns - std::floor(turns)) * all;
-    for (std::size_t column = first; column < frame_columns; at += to_next(column), column += stride) {
-      at = at < 0.0F ? at + all : at >= all ? at - all : at;
-      const std::size_t cell = std::min(cells_a_row_ - 1, static_cast<std::size_t>(at));
-      cells_[cell * frame_rows + row].add(one.temp_c[column * half_rows + row / 2]);
+  cell = cell < 0.0F ? cell + all : cell >= all ? cell - all : cell;
+  return cells_[2 * std::min(cells_a_row_ - 1, static_cast<std::size_t>(cell)) + row_class];
+}
+
+void BiasSearch::add_columns(const Placed& one, double turned_deg) {
+  const float turned_cells = cell_of(turned_deg);
+  for (std::size_t column = 0; column < frame_columns; ++column) {
+    Cells& cells = cells_at(turned_cells + bearing_cells_[column], row_class(column, one.parity));
+    const float* const temp_c = &one.temp_c[column * half_rows];
+    const float* const is_read = &one.is_read[column * half_rows];
+    for (std::size_t k = 0; k < half_rows; ++k) {
+      cells.sum[k] += temp_c[k];
+      cells.count[k] += is_read[k];
     }
   }
 }
 
-/// Of the readings within the cells of the mosaic.
+void BiasSearch::add_rows(const Placed& one, double turned_deg, double bias_dps) {
+  constexpr std::size_t stride =
+      4;  // every second pixel of the half's row: each has a cell of its own to find
+  for (std::size_t row = 0; row < frame_rows; ++row) {
+    const double later_deg = (one.later_deg[row] - bias_dps * one.later_s[row]) / priors_.scale;
+    const float turned_cells = cell_of(turned_deg + later_deg);
+    for (std::size_t column = row_class(row, one.parity); column < frame_columns; column += stride) {
+      Cells& cells = cells_at(turned_cells + bearing_cells_[column], row % 2);
+      cells.sum[row / 2] += one.temp_c[column * half_rows + row / 2];
+      cells.count[row / 2] += one.is_read[column * half_rows + row / 2];
+    }
+  }
+}
+
+/// Of the readings within the cells of the mosaic: their squares, which no bias changes, less those of means.
 double BiasSearch::variance_with(double bias_dps) {
-  std::fill(cells_.begin(), cells_.end(), Cell());
+  std::fill(cells_.begin(), cells_.end(), Cells());
   const ExposedTurn& first = placed_.front().turn;
   for (const Placed& one : placed_) {
     const double turned_deg =
@@ -110,15 +111,33 @@ double BiasSearch::variance_with(double bias_dps) {
     if (rows_ != RowOrder::at_once)
       add_rows(one, turned_deg, bias_dps);
     else
-      for (std::size_t column = 0; column < frame_columns; ++column) add_column(one, column, turned_deg);
+      add_columns(one, turned_deg);
   }
-  double squares = 0.0, freedom = 1.0;
-  for (const Cell& cell : cells_) {
-    if (cell.count < 2.0F) continue;
-    squares += double{cell.squares - cell.sum * cell.sum / cell.count};
-    freedom += double{cell.count} - 1.0;
-  }
-  return squares / freedom;
+  std::array<double, half_rows> of_means{}, used{};  // in lanes, which lie beside each other in memory
+  for (const Cells& cells : cells_)
+    for (std::size_t k = 0; k < half_rows; ++k) {
+      of_means[k] += double{cells.sum[k] * cells.sum[k] / std::max(cells.count[k], 1.0F)};
+      used[k] += double{std::min(cells.count[k], 1.0F)};
+    }
+  const auto all = [](const auto& lanes) { return std::accumulate(lanes.begin(), lanes.end(), 0.0); };
+  return (squares_ - all(of_means)) / (readings_ - all(used) + 1.0);
+}
+
+/// Rows that are exposed in turn are looked at in every second pixel.
+void BiasSearch::note_readings() {
+  squares_ = readings_ = 0.0;
+  for (Placed& one : placed_)
+    for (std::size_t column = 0; column < frame_columns; ++column)
+      for (std::size_t k = 0; k < half_rows; ++k) {
+        float& temp_c = one.temp_c[column * half_rows + k];
+        const bool is_read = !std::isnan(temp_c);
+        one.is_read[column * half_rows + k] = is_read ? 1.0F : 0.0F;
+        if (!is_read) temp_c = 0.0F;
+        const bool is_looked_at = rows_ == RowOrder::at_once || column % 4 < 2;
+        if (!is_looked_at) continue;
+        squares_ += square(double{temp_c});
+        readings_ += is_read ? 1.0 : 0.0;
+      }
 }
 
 void BiasSearch::place(const HalfStore& store, const GyroPath& path) {
@@ -181,6 +200,7 @@ std::optional<BiasSearch::Found> BiasSearch::search(const HalfStore& store, cons
   place(store, path);
   if (things_move) clip();
   take_off_pixel_errors();
+  note_readings();
   const double step_dps = rows == RowOrder::at_once ? finest_step_dps : coarse_step_dps;
   const double reach_dps =
       std::min(most_sigmas * priors_.bias_sigma_dps, 0.5 * (most_steps - 1) * finest_step_dps);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <array>
 #include <optional>
 #include <vector>
 
@@ -34,17 +35,20 @@ class BiasSearch {
   double variance_with(double bias_dps);
 
   struct Placed {
-    HalfPixels temp_c{};  // without what it has in common, and without what its pixels always have
+    HalfPixels temp_c{};   // without what it has in common, and without what its pixels always have
+    HalfPixels is_read{};  // 1, or 0 where there is no reading; `temp_c` is 0 there
     unsigned parity = 0;
     ExposedTurn turn;
     std::array<double, frame_rows> later_s{}, later_deg{};  // of a row: than the middle ones
   };
-  struct Cell {
-    float sum = 0.0F, squares = 0.0F, count = 0.0F;
-    void add(float temp_c);
+  /// Of all rows of a frame that one column of a chess half has: what was read at one azimuth.
+  struct Cells {
+    std::array<float, half_rows> sum{}, count{};
   };
-  Cell* cells_at(double azimuth_deg);
-  void add_column(const Placed& one, std::size_t column, double turned_deg);
+  Cells& cells_at(float cell, std::size_t row_class);
+  float cell_of(double azimuth_deg) const;
+  void note_readings();
+  void add_columns(const Placed& one, double turned_deg);
   void add_rows(const Placed& one, double turned_deg, double bias_dps);
 
   RowOrder rows_ = RowOrder::at_once;
@@ -52,8 +56,10 @@ class BiasSearch {
   SharedLens lens_;
   std::size_t cells_a_row_;
   std::vector<Placed> placed_;
-  std::vector<Cell> cells_;
-  std::vector<double> variances_, ordered_;  // a bias each
+  std::array<float, frame_columns> bearing_cells_{};  // of each column
+  std::vector<Cells> cells_;                          // of each azimuth, for both classes of rows
+  double squares_ = 0.0, readings_ = 0.0;             // of all that was placed
+  std::vector<double> variances_, ordered_;           // a bias each
 };
 
 }  // namespace thermorig::odometer

@@ -96,9 +96,10 @@ void HeadingFilter::add_shares(double azimuth_deg, double weight, std::array<dou
 double HeadingFilter::map_offset_deg(double azimuth_deg) const {
   const double turns = azimuth_deg / whole_turn_deg;
   const double position = (turns - std::floor(turns)) * static_cast<double>(nodes);
-  const auto left = static_cast<std::size_t>(position) % nodes;
-  return std::lerp(state_[first_node + left], state_[first_node + (left + 1) % nodes],
-                   position - std::floor(position));
+  const auto whole = static_cast<std::size_t>(position);
+  const std::size_t left = whole < nodes ? whole : 0, right = left + 1 < nodes ? left + 1 : 0;
+  return std::lerp(state_[first_node + left], state_[first_node + right],
+                   position - static_cast<double>(whole));
 }
 
 void HeadingFilter::begin_nodes(double low_deg, double high_deg) {

@@ -75,21 +75,32 @@ void Panorama::load(const Map& map) {
   add_up();
 }
 
-/// A position beyond either end counts whole turns.
-Panorama::Position Panorama::position(double at) {
-  const double whole = std::floor(at);
-  auto bin = static_cast<std::ptrdiff_t>(whole);
+/// A position beyond either end counts a whole turn; none is further away than one.
+Panorama::Position Panorama::position(std::ptrdiff_t bin, float part) {
   constexpr auto all = static_cast<std::ptrdiff_t>(bins);
-  float turns = 0.0F;
-  for (; bin < 0; bin += all) turns -= 1.0F;
-  for (; bin >= all; bin -= all) turns += 1.0F;
-  return {static_cast<std::size_t>(bin), static_cast<float>(at - whole), turns};
+  if (bin < 0) return {static_cast<std::size_t>(bin + all), part, -1.0F};
+  if (bin >= all) return {static_cast<std::size_t>(bin - all), part, 1.0F};
+  return {static_cast<std::size_t>(bin), part, 0.0F};
 }
 
-Panorama::Ends Panorama::ends(const Place& place, double reach) {
-  const double low = place.middle - place.half_width, high = place.middle + place.half_width;
-  return {position(low - reach),  position(low),  position(low + reach),
-          position(high - reach), position(high), position(high + reach)};
+Panorama::Position Panorama::position(double at) {
+  const double whole = std::floor(at);
+  return position(static_cast<std::ptrdiff_t>(whole), static_cast<float>(at - whole));
+}
+
+Panorama::Ends Panorama::ends(const Place& place, std::ptrdiff_t reach) {
+  const auto about = [&](double at, Position& before, Position& here, Position& after) {
+    const double whole = std::floor(at);
+    const auto bin = static_cast<std::ptrdiff_t>(whole);
+    const auto part = static_cast<float>(at - whole);
+    before = position(bin - reach, part);
+    here = position(bin, part);
+    after = position(bin + reach, part);
+  };
+  Ends ends;
+  about(place.middle - place.half_width, ends.before_low, ends.low, ends.after_low);
+  about(place.middle + place.half_width, ends.before_high, ends.high, ends.after_high);
+  return ends;
 }
 
 template <std::size_t pixels>
@@ -107,25 +118,25 @@ void Panorama::sum_between(const Sums& sums, const Position& from, const Positio
 /// The mean changes by what comes in at one end of the sweep and goes out at the other.
 template <std::size_t pixels>
 void Panorama::look_slope(const Place& place, const Ends& ends, std::size_t row_class, std::size_t first,
-                          double reach, Look& look) const {
+                          std::ptrdiff_t reach, Slopes& slopes) const {
   Column in, out, in_variance, out_variance;
   sum_between<pixels>(temp_sum_, ends.before_high, ends.after_high, row_class, first, in);
   sum_between<pixels>(temp_sum_, ends.before_low, ends.after_low, row_class, first, out);
   sum_between<pixels>(variance_sum_, ends.before_high, ends.after_high, row_class, first, in_variance);
   sum_between<pixels>(variance_sum_, ends.before_low, ends.after_low, row_class, first, out_variance);
-  const auto scale = static_cast<float>(1.0 / (2.0 * place.half_width * 2.0 * reach * bin_deg));
+  const auto scale =
+      static_cast<float>(1.0 / (2.0 * place.half_width * 2.0 * static_cast<double>(reach) * bin_deg));
   for (std::size_t k = first; k < first + pixels; ++k) {
-    look.slope[k] = scale * (in[k] - out[k]);
-    look.slope_variance[k] = scale * scale * (in_variance[k] + out_variance[k]);
+    slopes.slope[k] = scale * (in[k] - out[k]);
+    slopes.variance[k] = scale * scale * (in_variance[k] + out_variance[k]);
   }
 }
 
 template <std::size_t pixels>
-void Panorama::look_pixels(const Place& place, std::size_t first, double reach, bool smooth,
-                           Look& look) const {
-  const Ends at = ends(place, reach);
+void Panorama::look_at_mean(const Place& place, const Ends& at, std::size_t first, std::ptrdiff_t reach,
+                            Look& look) const {
   const auto width = static_cast<float>(2.0 * place.half_width);
-  const auto wide = static_cast<float>(2.0 * (place.half_width + reach));
+  const auto wide = static_cast<float>(2.0 * (place.half_width + static_cast<double>(reach)));
   Column seen;
   sum_between<pixels>(temp_sum_, at.low, at.high, place.row_class, first, look.temp_c);
   sum_between<pixels>(variance_sum_, at.low, at.high, place.row_class, first, look.variance);
@@ -135,29 +146,45 @@ void Panorama::look_pixels(const Place& place, std::size_t first, double reach, 
     look.variance[k] /= width * width;
     look.known[k] = seen[k] >= seen_enough * wide ? 1.0F : 0.0F;
   }
-  look_slope<pixels>(place, at, place.row_class, first, reach, look);
+}
+
+template <std::size_t pixels>
+void Panorama::look_pixels(const Place& place, std::size_t first, std::ptrdiff_t reach, bool smooth,
+                           Look& look) const {
+  const Ends at = ends(place, reach);
+  look_at_mean<pixels>(place, at, first, reach, look);
+  look_slope<pixels>(place, at, place.row_class, first, reach, look.of_azimuth);
   if (!smooth) return;
   // Rows above and below: of row 2k those are k - 1 and k of the odd ones, of row 2k + 1 k and k + 1 of the
   // even ones.
   const std::size_t other = place.row_class ^ 1U;
   const auto above = [&](std::size_t k) { return other == 1 ? (k > 0 ? k - 1 : 0) : k; };
   const auto below = [&](std::size_t k) { return other == 1 ? k : std::min(k + 1, half_rows - 1); };
-  Look beside;
+  Slopes beside;
   look_slope<pixels>(place, at, other, pixels == 1 ? above(first) : first, reach, beside);
   if (pixels == 1) look_slope<pixels>(place, at, other, below(first), reach, beside);
   for (std::size_t k = first; k < first + pixels; ++k) {
-    look.slope[k] = 0.5F * look.slope[k] + 0.25F * (beside.slope[above(k)] + beside.slope[below(k)]);
-    look.slope_variance[k] = 0.25F * look.slope_variance[k] +
-                             0.0625F * (beside.slope_variance[above(k)] + beside.slope_variance[below(k)]);
+    float &slope = look.of_azimuth.slope[k], &variance = look.of_azimuth.variance[k];
+    slope = 0.5F * slope + 0.25F * (beside.slope[above(k)] + beside.slope[below(k)]);
+    variance = 0.25F * variance + 0.0625F * (beside.variance[above(k)] + beside.variance[below(k)]);
   }
 }
 
-void Panorama::look(const Place& place, double reach, bool smooth, Look& look) const {
+void Panorama::look(const Place& place, std::ptrdiff_t reach, bool smooth, Look& look) const {
   look_pixels<half_rows>(place, 0, reach, smooth, look);
 }
 
-void Panorama::look_row(const Place& place, std::size_t k, double reach, bool smooth, Look& look) const {
+void Panorama::look_row(const Place& place, std::size_t k, std::ptrdiff_t reach, bool smooth,
+                        Look& look) const {
   look_pixels<1>(place, k, reach, smooth, look);
+}
+
+void Panorama::look_at_mean(const Place& place, std::ptrdiff_t reach, Look& look) const {
+  look_at_mean<half_rows>(place, ends(place, reach), 0, reach, look);
+}
+
+void Panorama::look_at_mean_row(const Place& place, std::size_t k, std::ptrdiff_t reach, Look& look) const {
+  look_at_mean<1>(place, ends(place, reach), k, reach, look);
 }
 
 template <std::size_t pixels>
@@ -212,16 +239,14 @@ void Panorama::write_pixels(const Place& place, std::size_t first, const Column&
   const double low = place.middle - place.half_width, high = place.middle + place.half_width;
   const auto from = static_cast<std::ptrdiff_t>(std::floor(low));
   const auto to = static_cast<std::ptrdiff_t>(std::floor(high));
-  constexpr auto all = static_cast<std::ptrdiff_t>(bins);
   const std::size_t end = first + pixels;
   const auto share_of = [&](std::ptrdiff_t bin) {
     const auto begin = static_cast<double>(bin);
     return static_cast<float>((std::min(high, begin + 1.0) - std::max(low, begin)) / (high - low));
   };
-  const auto first_of = [&](std::ptrdiff_t bin) {
-    return index(static_cast<std::size_t>((bin % all + all) % all), place.row_class);
-  };
-  Column mean{}, spread{};
+  const auto first_of = [&](std::ptrdiff_t bin) { return index(position(bin, 0.0F).bin, place.row_class); };
+  Column mean, spread;
+  for (std::size_t k = first; k < end; ++k) mean[k] = spread[k] = 0.0F;
   for (std::ptrdiff_t bin = from; bin <= to; ++bin) {
     const float share = share_of(bin);
     const float *temp = &temp_c_[first_of(bin)], *of_bin = &variance_[first_of(bin)];

@@ -31,17 +31,23 @@ class Panorama {
 
   using Column = std::array<float, half_rows>;
   /// What the column should show: the mean over the bins that it sweeps.
+  struct Slopes {
+    Column slope, variance;  // by azimuth, K a deg
+  };
   struct Look {
-    Column temp_c{};
-    Column variance{};        // of that mean
-    Column slope{};           // by azimuth, K a deg
-    Column slope_variance{};  // of that slope
-    Column known{};           // 1 where all of it was seen before, else 0
+    Column temp_c;
+    Column variance;  // of that mean
+    Slopes of_azimuth;
+    Column known;  // 1 where all of it was seen before, else 0
   };
   /// `reach`: bins to either side over which a slope is taken; `smooth`: over three rows.
-  void look(const Place& place, double reach, bool smooth, Look& look) const;
+  void look(const Place& place, std::ptrdiff_t reach, bool smooth, Look& look) const;
   /// The same of its k-th pixel alone, which looks where no other does: the rest of `look` stays as it is.
-  void look_row(const Place& place, std::size_t k, double reach, bool smooth, Look& look) const;
+  void look_row(const Place& place, std::size_t k, std::ptrdiff_t reach, bool smooth, Look& look) const;
+
+  /// All of it but the slopes.
+  void look_at_mean(const Place& place, std::ptrdiff_t reach, Look& look) const;
+  void look_at_mean_row(const Place& place, std::size_t k, std::ptrdiff_t reach, Look& look) const;
 
   /// The mean, and whether it is known, alone.
   void look(const Place& place, Column& temp_c, Column& known) const;
@@ -81,19 +87,23 @@ class Panorama {
     float part = 0.0F, turns = 0.0F;
   };
   static Position position(double at);
+  static Position position(std::ptrdiff_t bin, float part);
   struct Ends {  // of a sweep, and so much to either side of both
     Position before_low, low, after_low, before_high, high, after_high;
   };
-  static Ends ends(const Place& place, double reach);
+  static Ends ends(const Place& place, std::ptrdiff_t reach);
   // Of a column's pixels so many from the k-th on: all of them, or one.
   template <std::size_t pixels>
   static void sum_between(const Sums& sums, const Position& from, const Position& to, std::size_t row_class,
                           std::size_t k, Column& sum);
   template <std::size_t pixels>
-  void look_slope(const Place& place, const Ends& ends, std::size_t row_class, std::size_t k, double reach,
-                  Look& look) const;
+  void look_slope(const Place& place, const Ends& ends, std::size_t row_class, std::size_t k,
+                  std::ptrdiff_t reach, Slopes& slopes) const;
   template <std::size_t pixels>
-  void look_pixels(const Place& place, std::size_t k, double reach, bool smooth, Look& look) const;
+  void look_at_mean(const Place& place, const Ends& ends, std::size_t k, std::ptrdiff_t reach,
+                    Look& look) const;
+  template <std::size_t pixels>
+  void look_pixels(const Place& place, std::size_t k, std::ptrdiff_t reach, bool smooth, Look& look) const;
   template <std::size_t pixels>
   void look_pixels(const Place& place, std::size_t first, Column& temp_c, Column& known) const;
   template <std::size_t pixels>
