@@ -73,10 +73,10 @@ TEST_F(List, LeavesOutOnATerminalWhatItHasNoRoomForAndSaysSo) {
   for (const char* part : {"garden", "good", "SIMULATED honest", "1 session: ", "no room here for: file"})
     EXPECT_THAT(usual, HasSubstr(part));
   const std::string wide =
-      run_on_terminal("", "version; stty cols 120; " + std::string(THERMORIG_PROGRAM) + " list").out;
+      run_on_terminal("", "--version; stty cols 120; " + std::string(THERMORIG_PROGRAM) + " list").out;
   EXPECT_LE(longest_line(wide), 120U);
   EXPECT_THAT(wide, HasSubstr("recordings/garden/garden_acq-01_"));
-  EXPECT_THAT(wide, HasSubstr("no room here for: date (UTC), in legs, notes (thermorig list | less -S)"));
+  EXPECT_THAT(wide, HasSubstr("no room here for: date (UTC), in legs (thermorig list | less -S)"));
 }
 
 TEST_F(List, CutsALongNoteBetweenCharacters) {

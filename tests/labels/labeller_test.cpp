@@ -150,7 +150,7 @@ TEST(Labeller, KeepsTheLabelOfAHalfThatIsShownAgainAndAgain) {
     frame.half_lost = true;
     frame.half = {lost, {frame.exposure_end - from_s(rig.frame_period_s), frame.exposure_end}};
   };
-  rig.telemetry_comes = [](double t) { return t < 5.0 || t > 7.0; };  // frames go without in between
+  rig.telemetry_comes = [](double t) { return t < 10.0 || t > 12.5; };  // frames go without in between
   ASSERT_LT(rig.config.history_s, 11.0);
   const auto samples = rig.run(14.0);
   for (const std::size_t frame : {std::size_t{8}, samples.size() - 1}) {
