@@ -198,12 +198,13 @@ const fs::path& report_folder_of(const EvaluateOptions& options) {
 
 ExitCode run_study(const EvaluateOptions& options) {
   require_results_folder(options);
-  if (options.shard) study::shard_from(*options.shard);  // refuses before sessions are read
+  const fs::path folder = options.output / "results";
+  if (options.shard) study::shard_from(*options.shard);  // both refuse before sessions are read
+  study::require_label(session_options(options).label, folder);
   const int workers = workers_of(options);
   FrameMemory memory(options.frame_memory, options.output);
   dataset::Acquisitions data = memory.read(session_options(options), bytes_beside_a_frame(workers));
   const StudyJobs jobs = study_jobs(options, data.acquisitions);
-  const fs::path folder = options.output / "results";
   announce(options, jobs, data, memory, workers);
   memory.run_estimators(data, options.json, tested_by(without_result(jobs.chosen, folder)));
   watch_interrupts();
@@ -235,7 +236,8 @@ ExitCode draw_complete_study(const EvaluateOptions& options) {
 ExitCode renew_baselines(const EvaluateOptions& options) {
   require_results_folder(options);
   const fs::path folder = options.output / "results";
-  const std::vector<study::Job> jobs = with_result(folder);  // refuses before sessions are read
+  const std::vector<study::Job> jobs = with_result(folder);  // both refuse before sessions are read
+  study::require_label(session_options(options).label, folder);
   dataset::Acquisitions data = read_data(session_options(options));
   run_estimators(data, options.json, tested_by(jobs));
   const study::RenewedBaselines renewed = study::renew_baselines(folder, data.acquisitions);

@@ -44,9 +44,7 @@ void watch(LiveRun& run, const ChosenModel& model, rig::RecordingOptions& record
     run.begun(header);
     for (const std::string& warning : warnings_of(model, simulated, frames)) run.warn(warning);
   };
-  recording.observe = [&run](const Measurement& measurement, HostTime arrived) {
-    return std::optional(run.add(measurement, arrived));
-  };
+  recording.observe = std::bind_front(&LiveRun::observe, &run);
 }
 
 /// What is asked of the recording: by the network, by the page, and by the absence of anybody who watches.

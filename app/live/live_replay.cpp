@@ -66,7 +66,7 @@ class Replayer {
       progress_.add(*moment);
       for (const Measurement& measurement : moment->measurements) {
         progress_.add(measurement.sample);
-        run_.add(measurement, moment->time);
+        run_.observe(measurement, moment->time);
       }
       tell_orders(moment->time);
       tell(moment->time, false);

@@ -65,7 +65,7 @@ void LiveRun::begun(const RecordingHeader& header) {
   tell_of_map();
 }
 
-EstimateRow LiveRun::add(const Measurement& measurement, HostTime arrived) {
+EstimateRow LiveRun::observe(const Measurement& measurement, HostTime arrived) {
   const HostTime before = io::now();
   const EstimateRow row = estimates_.add(measurement, arrived);
   const double took_us = std::round(1e7 * to_s(io::now() - before)) / 10.0;
@@ -91,7 +91,7 @@ void LiveRun::publish_surroundings() {
   if (surroundings_shown_ && now_ - *surroundings_shown_ < surroundings_period) return;
   surroundings_shown_ = now_;
   for (std::size_t place = 0; place < columns_.size(); ++place)
-    if (const auto seen = estimates_.surroundings(place)) {
+    if (const auto seen = estimates_.bank().surroundings(place)) {
       const double view_deg = facts_.header.profile.camera.lens_width_deg();
       const double time_s = to_s(now_ - begin_);
       return publish(web::Topic::surroundings,
@@ -122,13 +122,13 @@ void LiveRun::warn_of_gate(const live::LiveScores& scores) {
 
 void LiveRun::tell_of_map() {
   if (map_ == nullptr) return;
-  if (auto news = map_->news(estimates_.map_use()))
+  if (auto news = map_->news(estimates_.bank().map_use()))
     orders_.push_back({rig::OrderKind::info, *std::move(news)});
 }
 
 /// When a start has compared them; a start after a lost one tells anew.
 void LiveRun::tell_of_rows() {
-  const std::optional<odometer::FoundRows> rows = estimates_.rows();
+  const std::optional<odometer::FoundRows> rows = estimates_.bank().rows();
   if (!rows || rows == rows_told_) return;
   rows_told_ = rows;
   orders_.push_back({rig::OrderKind::info, rows_text(*rows)});
@@ -136,7 +136,7 @@ void LiveRun::tell_of_rows() {
 
 void LiveRun::write_map() {
   if (map_ == nullptr) return;
-  const auto told = map_->write(estimates_.map(), estimates_.map_use(), facts_.header);
+  const auto told = map_->write(estimates_.bank().map(), estimates_.bank().map_use(), facts_.header);
   if (told) tell({now_, EventKind::info, std::nullopt, *told});
 }
 

@@ -47,7 +47,8 @@ class LiveRun {
   void add(LiveScreen& screen) { screens_.push_back(&screen); }
 
   void begun(const RecordingHeader& header);
-  EstimateRow add(const Measurement& measurement, HostTime arrived);
+  /// As rig::Observer.
+  EstimateRow observe(const Measurement& measurement, HostTime arrived);
   void progress(const rig::RecordingProgress& progress);
   void tell(const RecordingEvent& event);
   void warn(const std::string& sentence);

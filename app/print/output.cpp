@@ -114,8 +114,11 @@ std::string share_text(std::uint64_t part, std::uint64_t of) {
 }
 
 namespace {
+constexpr std::size_t gap = 2;  // between two columns
+
 std::string padded(const std::string& cell, std::size_t width, bool right) {
-  return right ? fmt::format("{:>{}}  ", cell, width) : fmt::format("{:<{}}  ", cell, width);
+  return (right ? fmt::format("{:>{}}", cell, width) : fmt::format("{:<{}}", cell, width)) +
+         std::string(gap, ' ');
 }
 }  // namespace
 
@@ -133,11 +136,42 @@ void Table::add(std::vector<std::string> row) {
   rows_.push_back(std::move(row));
 }
 
-std::string Table::text(std::string_view indent) const {
-  std::vector<std::size_t> width(right_.size(), 0);
+std::vector<std::size_t> Table::widths() const {
+  std::vector<std::size_t> widths(right_.size(), 0);
   for (const auto& row : rows_)
     for (std::size_t column = 0; column < row.size(); ++column)
-      width[column] = std::max(width[column], row[column].size());
+      widths[column] = std::max(widths[column], row[column].size());
+  return widths;
+}
+
+std::size_t Table::column_of(const std::string& heading) const {
+  const auto& headings = rows_.front();
+  return static_cast<std::size_t>(std::find(headings.begin(), headings.end(), heading) - headings.begin());
+}
+
+void Table::remove(std::size_t column) {
+  const auto at = static_cast<std::ptrdiff_t>(column);
+  right_.erase(right_.begin() + at);
+  for (auto& row : rows_) row.erase(row.begin() + at);
+}
+
+std::vector<std::string> Table::fit(std::size_t width, const std::vector<std::string>& by_importance) {
+  const std::vector<std::size_t> needed = widths();
+  std::vector<std::string> left_out;
+  std::size_t used = 0;
+  for (const std::string& heading : by_importance) {
+    const std::size_t with = used + (used > 0 ? gap : 0) + needed[column_of(heading)];
+    if (used == 0 || with <= width)
+      used = with;
+    else
+      left_out.push_back(heading);
+  }
+  for (const std::string& heading : left_out) remove(column_of(heading));
+  return left_out;
+}
+
+std::string Table::text(std::string_view indent) const {
+  const std::vector<std::size_t> width = widths();
   std::string text;
   for (const auto& row : rows_) {
     std::string line(indent);

@@ -71,9 +71,17 @@ class Table {
  public:
   explicit Table(std::vector<std::string> heading);
   void add(std::vector<std::string> row);
+  /// Leaves out what does not fit into lines of `width`: a column is kept if it fits beside those whose
+  /// headings stand before its own in `by_importance`, the first one always. Returns the headings of the
+  /// others.
+  std::vector<std::string> fit(std::size_t width, const std::vector<std::string>& by_importance);
   std::string text(std::string_view indent = "") const;
 
  private:
+  std::vector<std::size_t> widths() const;
+  std::size_t column_of(const std::string& heading) const;
+  void remove(std::size_t column);
+
   std::vector<bool> right_;
   std::vector<std::vector<std::string>> rows_;
 };

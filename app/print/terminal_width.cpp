@@ -2,6 +2,7 @@
 #include "terminal_width.h"
 
 #include <sys/ioctl.h>
+#include <unistd.h>
 
 #include <cstdio>
 
@@ -11,6 +12,10 @@ std::size_t terminal_width() {
   winsize size{};
   const bool known = ioctl(fileno(stdout), TIOCGWINSZ, &size) == 0 && size.ws_col > 0;
   return known ? size.ws_col : 80;
+}
+
+std::optional<std::size_t> line_limit() {
+  return isatty(fileno(stdout)) == 1 ? std::optional(terminal_width()) : std::nullopt;
 }
 
 }  // namespace thermorig::app

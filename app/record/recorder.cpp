@@ -54,7 +54,7 @@ RecordPage::RecordPage(const RecordOptions& options, rig::RecordingOptions& reco
   recording.wait_for_start = options.page.control;
   recording.begun = [this](const RecordingHeader& header) { run_.begun(header); };
   recording.observe = [this](const Measurement& measurement, HostTime arrived) {
-    run_.add(measurement, arrived);
+    run_.observe(measurement, arrived);
     return std::optional<EstimateRow>();
   };
 }

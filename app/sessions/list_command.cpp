@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <set>
 #include <string_view>
 #include <tuple>
@@ -16,6 +17,7 @@
 #include "print/number_json.h"
 #include "print/output.h"
 #include "print/reading_progress.h"
+#include "print/terminal_width.h"
 #include "thermorig/io/spill/spill.h"
 #include "thermorig/learning/dataset/session_list.h"
 
@@ -107,7 +109,7 @@ std::string notes_text(const std::vector<std::string>& notes) {
   return text.substr(0, end) + "...";
 }
 
-std::string table_of(const std::vector<ListedSession>& sessions) {
+Table table_of(const std::vector<ListedSession>& sessions) {
   Table table({"environment", ">number", "date (UTC)", "plan", "verdict", "rig", ">valid", ">in legs", "file",
                "notes"});
   for (const ListedSession& session : sessions) {
@@ -118,7 +120,18 @@ std::string table_of(const std::vector<ListedSession>& sessions) {
                count_text(session.quality.valid), count_text(session.quality.swept), session.file.string(),
                notes_text(session.notes)});
   }
-  return table.text();
+  return table;
+}
+
+/// What a terminal has no room for is left out, and named.
+void print_table(Table table) {
+  const std::vector<std::string> by_importance{"environment", "number",     "verdict", "rig",     "valid",
+                                               "file",        "date (UTC)", "plan",    "in legs", "notes"};
+  const std::optional<std::size_t> limit = line_limit();
+  const auto left_out = limit ? table.fit(*limit, by_importance) : std::vector<std::string>{};
+  print("{}\n", table.text());
+  if (!left_out.empty())
+    print("{}", fmt::format("no room here for: {} (thermorig list | less -S)\n", fmt::join(left_out, ", ")));
 }
 
 template <typename Is>
@@ -171,7 +184,7 @@ nlohmann::json object_of(const ListedSession& session) {
 }
 
 void print_words(const ListOptions& options, const std::vector<ListedSession>& sessions) {
-  if (count_of(sessions, [](const auto&) { return true; }) > 0) print("{}\n", table_of(sessions));
+  if (count_of(sessions, [](const auto&) { return true; }) > 0) print_table(table_of(sessions));
   print("{}", totals_of(sessions));
   print_journals(options);
 }

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "network_window.h"
+#include "network_estimators.h"
 #include "observer.h"
 #include "thermorig/core/error.h"
 #include "thermorig/core/estimate_row.h"

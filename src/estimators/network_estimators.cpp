@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: MIT
 // The two estimates of the paper's network: its thermal head alone, and what its gate makes of that and the
 // gyro (paper eq. 2). It was trained on windows, and states no sigma.
+#include "network_estimators.h"
+
 #include <algorithm>
 #include <array>
 #include <cmath>
 
 #include "entries.h"
-#include "network_window.h"
 #include "thermorig/network/soundness.h"
 #include "window_rates.h"
 
@@ -89,6 +90,27 @@ class FusionEstimator : public Estimator {
 };
 
 }  // namespace
+
+NetworkWindow::NetworkWindow(const model::Model& model, network::Precision precision)
+    : estimator_(model.weights, precision),
+      scaling_(model.scaling),
+      prepared_(shape().pixels()),
+      images_(static_cast<std::size_t>(shape().frames), shape().pixels()),
+      in_a_row_(shape().frames) {}
+
+const std::optional<network::Output>& NetworkWindow::look(const Observation& observation) {
+  if (seen_ == observation.index) return output_;
+  seen_ = observation.index;
+  const TimedFrame& frame = observation.frame;
+  const std::span<const float> temp_c(frame.frame.temp_c);
+  const int in_a_row = in_a_row_.push(frame);
+  network::prepare_frame(temp_c, shape(), scaling_, prepared_);
+  images_.push(prepared_);
+  output_.reset();
+  reason_ = in_a_row > 0 ? EstimateReason::window_incomplete : EstimateReason::no_image;
+  if (in_a_row == shape().frames) output_ = estimator_.estimate(images_.all(), 0.0F);
+  return output_;
+}
 
 Entry cnn_thermal() {
   return {.name = "cnn-thermal",

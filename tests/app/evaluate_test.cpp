@@ -113,7 +113,10 @@ TEST_F(EvaluateTest, MakesAStudyOfOneLabelOnly) {
   EXPECT_THAT(other.err, HasSubstr("the study there learns from rate_shaft, this one from rate_commanded"));
   const Outcome renewed = run("evaluate --study recordings -o study --baselines");
   EXPECT_EQ(renewed.code, 2);
-  EXPECT_THAT(renewed.err, HasSubstr("try: --label shaft"));
+  EXPECT_THAT(renewed.err, HasSubstr("try: go on with --label shaft"));
+  for (const char* words : {"", " --baselines"})  // refused before sessions are looked for, let alone read
+    EXPECT_THAT(run("evaluate --study nowhere -o study" + std::string(words)).err,
+                HasSubstr("the study there learns from rate_shaft"));
   EXPECT_EQ(run("evaluate --study recordings -o study --baselines --label shaft").code, 0);
 }
 

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: MIT
 #include <gmock/gmock.h>
 
+#include <algorithm>
+#include <sstream>
+
 #include "program.h"
 
 namespace thermorig::tests {
@@ -49,6 +52,31 @@ TEST_F(List, ShowsEverySessionOfAFolderByEnvironmentAndNumber) {
         "3 sessions: 3 good, 0 usable, 0 bad; 3 SIMULATED"})
     EXPECT_THAT(outcome.out, HasSubstr(part));
   EXPECT_THAT(listed(""), ElementsAre("garden 1", "kitchen 1", "kitchen 2"));
+}
+
+/// From the table's heading on: before it a terminal shows how far reading is.
+std::size_t longest_line(const std::string& text) {
+  std::size_t longest = 0;
+  std::istringstream lines(text.substr(text.find("environment ")));
+  for (std::string line; std::getline(lines, line);)
+    longest = std::max(longest, line.find_last_not_of("\r\n") + 1);
+  return longest;
+}
+
+TEST_F(List, LeavesOutOnATerminalWhatItHasNoRoomForAndSaysSo) {
+  record_briefly();
+  const std::string all = run("list").out;
+  EXPECT_GT(longest_line(all), 120U) << "no terminal: nothing is left out";
+  EXPECT_THAT(all, Not(HasSubstr("no room here")));
+  const std::string usual = run_on_terminal("", "list").out;  // a terminal that does not say: 80
+  EXPECT_LE(longest_line(usual), 80U);
+  for (const char* part : {"garden", "good", "SIMULATED honest", "1 session: ", "no room here for: file"})
+    EXPECT_THAT(usual, HasSubstr(part));
+  const std::string wide =
+      run_on_terminal("", "--version; stty cols 120; " + std::string(THERMORIG_PROGRAM) + " list").out;
+  EXPECT_LE(longest_line(wide), 120U);
+  EXPECT_THAT(wide, HasSubstr("recordings/garden/garden_acq-01_"));
+  EXPECT_THAT(wide, HasSubstr("no room here for: date (UTC), in legs (thermorig list | less -S)"));
 }
 
 TEST_F(List, CutsALongNoteBetweenCharacters) {

@@ -139,6 +139,31 @@ TEST(Labeller, LabelsAHalfAnewThatHadToGoWithoutInTheFrameBefore) {
   EXPECT_NEAR(samples[0].rate_commanded_half_dps[0], 100.0, 0.1);
 }
 
+// What a half shows is no less certain for being shown long after: telemetry and samples of its exposure are
+// forgotten by then, its label is not. The frame, which shows it beside a fresh half, has none: it spans
+// both.
+TEST(Labeller, KeepsTheLabelOfAHalfThatIsShownAgainAndAgain) {
+  ScriptedRig rig;
+  const HalfExposure lost{at_s(0.875), at_s(1.0)};
+  rig.spoil = [&](TimedFrame& frame, int index) {
+    if (index < 8) return;
+    frame.half_lost = true;
+    frame.half = {lost, {frame.exposure_end - from_s(rig.frame_period_s), frame.exposure_end}};
+  };
+  rig.telemetry_comes = [](double t) { return t < 10.0 || t > 12.5; };  // frames go without in between
+  ASSERT_LT(rig.config.history_s, 11.0);
+  const auto samples = rig.run(14.0);
+  for (const std::size_t frame : {std::size_t{8}, samples.size() - 1}) {
+    EXPECT_NEAR(samples[frame].rate_commanded_half_dps[0], 100.0, 0.1) << frame;
+    EXPECT_NEAR(samples[frame].rate_gyro_half_dps[0], 101.5, 1e-3) << frame;
+    EXPECT_NEAR(samples[frame].rate_shaft_half_dps[0], 100.0, 3.0) << frame;
+  }
+  EXPECT_TRUE(samples[8].valid);
+  EXPECT_FALSE(samples.back().valid);
+  EXPECT_TRUE(has(samples.back(), Reason::servo_lost));
+  EXPECT_TRUE(std::isnan(samples.back().rate_commanded_dps));
+}
+
 TEST(Labeller, AWaitingFrameHoldsBackTheOnesBehindIt) {
   const ScriptedRig rig;
   Labeller labeller(rig.config);

@@ -111,7 +111,8 @@ TEST_F(Publication, LooksAtNoFileOutsideOfItsFolderWhateverAListSays) {
   const std::string sum(64, 'a');
   for (const std::string& line :
        {sum + "  ../secret", sum + "  /etc/passwd", sum + "  a/../../secret", sum + " a",
-        std::string("short  a"), std::string(64, 'Z') + "  a", sum + "  "}) {
+        std::string("short  a"), std::string(64, 'Z') + "  a", sum + "  ",
+        sum + "  a" + std::string("\0more", 5), sum + "  a\n" + sum + "  a"}) {
     files::write_whole(path(sums_name), line + "\n", "the list");
     EXPECT_EQ(refusal([&] { verify(folder_); }), ExitCode::not_a_session) << line;
   }

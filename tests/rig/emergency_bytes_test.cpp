@@ -2,6 +2,7 @@
 // Whatever ends the program in the middle of a leg, the last byte on the servo's port tells it to stop. A
 // process of its own records in virtual time and dies so; a pipe stands for the port.
 #include <gtest/gtest.h>
+#include <sys/prctl.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -75,10 +76,13 @@ const Death deaths[] = {
 #endif
 };
 
+/// A shell's background job ignores it. Now, before any test: the program's own handlers are put there once
+/// in a process, by the first test that opens a servo's port, and must stay.
+[[maybe_unused]] const auto quit_before = std::signal(SIGQUIT, SIG_DFL);
+
 /// Dies in the first leg, or exits with 1 if an exception came out of it; with 0 if it lived.
 [[noreturn]] void record_and_die(const TemporaryFolder& folder, const Death& death, int servo_port) {
-  alarm(120);
-  std::signal(SIGQUIT, SIG_DFL);  // a shell's background job ignores it
+  prctl(PR_SET_PDEATHSIG, SIGKILL);  // if it hangs it goes with its test
   const rlimit no_core{0, 0};
   setrlimit(RLIMIT_CORE, &no_core);
   VirtualPorts ports(simulation::default_rig(1, "kitchen"));

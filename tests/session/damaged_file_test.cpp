@@ -124,6 +124,20 @@ TEST_F(DamagedSession, CutAnywhereIsRefused) {
   }
 }
 
+TEST_F(DamagedSession, WithBytesBehindItsEndIsRefusedAndSaysHowMany) {
+  write_session(path(), synthetic_session(20));
+  auto bytes = read_file(path());
+  bytes.insert(bytes.end(), {'m', 'o', 'r', 'e'});
+  write_file(path(), bytes);
+  try {
+    read_session(path());
+    FAIL();
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), ExitCode::not_a_session);
+    EXPECT_THAT(error.what_happened(), testing::HasSubstr(" bytes, and 4 more stand behind"));
+  }
+}
+
 TEST_F(DamagedSession, FlippedBytesAreRefusedOrChangeNothing) {
   const Session truth = synthetic_live_session(20);
   write_session(path("whole.h5"), truth);

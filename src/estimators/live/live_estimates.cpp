@@ -61,20 +61,8 @@ EstimateRow LiveEstimates::add(const Measurement& measurement, HostTime arrived)
   return row;
 }
 
-std::optional<estimators::Surroundings> LiveEstimates::surroundings(std::size_t place) const {
-  return parts_->bank.surroundings(place);
-}
-
-std::optional<odometer::Map> LiveEstimates::map() const {
-  return parts_->bank.map();
-}
-
-odometer::MapUse LiveEstimates::map_use() const {
-  return parts_->bank.map_use();
-}
-
-std::optional<odometer::FoundRows> LiveEstimates::rows() const {
-  return parts_->bank.rows();
+const estimators::Bank& LiveEstimates::bank() const {
+  return parts_->bank;
 }
 
 std::vector<EstimatorColumn> columns_of(const estimators::Bank& bank) {

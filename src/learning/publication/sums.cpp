@@ -24,9 +24,10 @@ constexpr std::size_t bytes_max = 64U << 20U;
               path.string(), "take it from where the data set came from");
 }
 
-/// A stranger's list may name any file: only those in the folder are looked at.
+/// A stranger's list may name any file: only those in the folder are looked at. What stands behind a NUL the
+/// system would not see.
 bool is_within_folder(const fs::path& path) {
-  return !path.empty() && path.is_relative() &&
+  return !path.empty() && path.is_relative() && path.native().find('\0') == std::string::npos &&
          std::none_of(path.begin(), path.end(), [](const fs::path& part) { return part == ".."; });
 }
 
@@ -47,9 +48,9 @@ std::map<std::string, std::string> read_sums(const fs::path& path) {
   for (std::string line; std::getline(file, line);) {
     const std::size_t behind = digits + 2;  // two blanks
     if (line.size() <= behind || line.substr(digits, 2) != "  " || !is_sum(line.substr(0, digits)) ||
-        !is_within_folder(line.substr(behind)))
+        !is_within_folder(line.substr(behind)) ||
+        !sums.emplace(line.substr(behind), line.substr(0, digits)).second)  // a file that is there twice
       refuse_sums(path, line.substr(0, digits + 64));
-    sums[line.substr(behind)] = line.substr(0, digits);
   }
   return sums;
 }

@@ -42,21 +42,6 @@ void work(JobBoard& board, std::span<const Acquisition> acquisitions, const fs::
   board.failed(std::current_exception());
 }
 
-/// Another label's results would stand in the same tables as if they were of this study.
-void refuse_other_label(const fs::path& folder, std::span<const Job> jobs) {
-  if (jobs.empty()) return;
-  for (const fs::path& file : result_files(folder)) {
-    const Label there = read_result(file).job.label;
-    if (there == jobs.front().label) continue;
-    throw Error(
-        ExitCode::bad_usage,
-        fmt::format("the study there learns from {}, this one from {}", column_of(there),
-                    column_of(jobs.front().label)),
-        file.string(),
-        fmt::format("go on with --label {}, or give this study another folder with -o", name_of(there)));
-  }
-}
-
 std::vector<Job> without_result(std::span<const Job> jobs, const fs::path& folder) {
   std::vector<Job> left;
   for (const Job& job : jobs)
@@ -66,12 +51,25 @@ std::vector<Job> without_result(std::span<const Job> jobs, const fs::path& folde
 
 }  // namespace
 
+void require_label(Label label, const fs::path& folder) {
+  if (!fs::exists(folder)) return;
+  for (const fs::path& file : result_files(folder)) {
+    const Label there = read_result(file).job.label;
+    if (there == label) continue;
+    throw Error(
+        ExitCode::bad_usage,
+        fmt::format("the study there learns from {}, this one from {}", column_of(there), column_of(label)),
+        file.string(),
+        fmt::format("go on with --label {}, or give this study another folder with -o", name_of(there)));
+  }
+}
+
 bool run_jobs(std::span<const Job> jobs, std::span<const Acquisition> acquisitions, const fs::path& folder,
               int workers, const RunObserver& observer, const files::ClaimTiming& timing) {
   assert(workers >= 1);
   make_results_folder(folder);
   remove_litter(folder);
-  refuse_other_label(folder, jobs);
+  if (!jobs.empty()) require_label(jobs.front().label, folder);
   const std::vector<Job> left = without_result(jobs, folder);
   const std::size_t threads = std::min(static_cast<std::size_t>(workers), left.size());
   JobBoard board(left, jobs.size() - left.size(), folder, observer, timing);

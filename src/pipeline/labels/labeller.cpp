@@ -83,14 +83,14 @@ void Labeller::add(const TimedServo& servo) {
   shaft_.add(servo);
 }
 
-bool Labeller::has_all(const PendingFrame& frame) const {
-  return command_.reaches(frame.exposure_end) && shaft_.reaches(frame.exposure_end) &&
-         gyro_.reaches(frame.exposure_end);
+bool Labeller::has_all_until(HostTime end) const {
+  return command_.reaches(end) && shaft_.reaches(end) && gyro_.reaches(end);
 }
 
 std::vector<LabelledSample> Labeller::take(HostTime now) {
   std::vector<LabelledSample> samples;
-  while (!pending_.empty() && (has_all(pending_.front()) || now - pending_.front().stamp.arrival >= wait_)) {
+  while (!pending_.empty() &&
+         (has_all_until(pending_.front().exposure_end) || now - pending_.front().stamp.arrival >= wait_)) {
     samples.push_back(label(pending_.front()));
     pending_.pop_front();
   }
@@ -179,7 +179,8 @@ double Labeller::time_error_dps(const LabelledSample& sample, double time_s) con
   return error_dps;
 }
 
-/// The older half of a frame is mostly the newer one of the frame before.
+/// The older half of a frame is mostly the newer one of the frame before. A half that is shown again and
+/// again keeps its label, though what it was made of may be forgotten by then: its exposure is what it was.
 void Labeller::label_halves(LabelledSample& sample, const PendingFrame& frame) {
   for (std::size_t i = 0; i < frame.half.size(); ++i) {
     const auto& [begin, end] = frame.half[i];
@@ -190,8 +191,8 @@ void Labeller::label_halves(LabelledSample& sample, const PendingFrame& frame) {
     sample.rate_shaft_half_dps[i] = static_cast<float>(half->mean.model_dps);
     sample.rate_corrected_half_dps[i] = static_cast<float>(half->mean.corrected_dps);
     sample.rate_gyro_half_dps[i] = static_cast<float>(half->gyro_dps);
+    if (!has_all_until(end)) half.reset();  // what still comes may tell more of it
   }
-  if (!has_all(frame)) halves_ = {};  // what still comes may tell more of them
 }
 
 double Labeller::tolerance_dps(const LabelledSample& sample) const {

@@ -48,24 +48,8 @@ KeptJournal::KeptJournal(const RecordingOptions& options, RecordingHeader& heade
 
 KeptJournal::~KeptJournal() = default;
 
-void KeptJournal::received(Device from, std::span<const std::uint8_t> bytes, HostTime arrived) {
-  if (kept_) kept_->journal.received(from, bytes, arrived);
-}
-
-void KeptJournal::sent(Device to, std::span<const std::uint8_t> bytes, HostTime time) {
-  if (kept_) kept_->journal.sent(to, bytes, time);
-}
-
-void KeptJournal::event(const RecordingEvent& event) {
-  if (kept_) kept_->journal.event(event);
-}
-
-void KeptJournal::leg(const LegRecord& leg) {
-  if (kept_) kept_->journal.leg(leg);
-}
-
-void KeptJournal::estimate(const EstimateRow& row) {
-  if (kept_) kept_->journal.estimate(row);
+journal::JournalWriter* KeptJournal::writer() {
+  return kept_ ? &kept_->journal : nullptr;
 }
 
 void KeptJournal::frame() {

@@ -3,14 +3,15 @@
 
 #include <cstdint>
 #include <memory>
-#include <span>
 #include <vector>
 
-#include "thermorig/core/device.h"
-#include "thermorig/core/estimate_row.h"
 #include "thermorig/core/raw_recording.h"
 #include "thermorig/rig/recording/recording.h"
 #include "thermorig/rig/recording/session_file.h"
+
+namespace thermorig::journal {
+class JournalWriter;
+}
 
 namespace thermorig::rig {
 
@@ -24,11 +25,8 @@ class KeptJournal {
   KeptJournal(const KeptJournal&) = delete;
   KeptJournal& operator=(const KeptJournal&) = delete;
 
-  void received(Device from, std::span<const std::uint8_t> bytes, HostTime arrived);
-  void sent(Device to, std::span<const std::uint8_t> bytes, HostTime time);
-  void event(const RecordingEvent& event);
-  void leg(const LegRecord& leg);
-  void estimate(const EstimateRow& row);
+  /// What is received, sent and told is written to it before anything else sees it. Null: nothing is kept.
+  journal::JournalWriter* writer();
   void frame();  // a whole frame has been received: it may be synced now
 
   /// Every 10 ms or so. Throws what a sync threw; gives what is to be said of the disk, its space and its

@@ -8,6 +8,7 @@
 
 #include "recording_parts.h"
 #include "thermorig/sensors/wire/servo_messages.h"
+#include "thermorig/storage/journal/journal.h"
 
 namespace thermorig::rig {
 
@@ -23,7 +24,7 @@ Recording::~Recording() = default;
 
 void Recording::received(Device from, std::span<const std::uint8_t> bytes, HostTime arrived) {
   Parts& parts = *parts_;
-  parts.journal.received(from, bytes, arrived);
+  if (parts.writer != nullptr) parts.writer->received(from, bytes, arrived);
   parts.devices.received(from, bytes);
   parts.presence[from].received(bytes, arrived);
   const std::vector<Measurement> measurements = parts.pipeline.feed(from, bytes, arrived);
@@ -42,7 +43,8 @@ void Recording::Parts::take(const pipeline::Streams& streams, const std::vector<
 void Recording::Parts::observe(const std::vector<Measurement>& measurements, HostTime arrived) {
   if (!options.observe) return;
   for (const Measurement& measurement : measurements)
-    if (const auto row = options.observe(measurement, arrived)) journal.estimate(*row);
+    if (const auto row = options.observe(measurement, arrived); row && writer != nullptr)
+      writer->estimate(*row);
 }
 
 void Recording::Parts::take_streams(const pipeline::Streams& streams, HostTime arrived) {
@@ -131,7 +133,7 @@ void Recording::Parts::ask_for_streams(HostTime now) {
 
 void Recording::Parts::write_to(Device device, const std::vector<std::uint8_t>& bytes, HostTime now) {
   if (bytes.empty()) return;
-  journal.sent(device, bytes, now);
+  if (writer != nullptr) writer->sent(device, bytes, now);
   pipeline.sent(device, bytes, now);
   send(device, bytes);
 }
@@ -197,12 +199,13 @@ void Recording::Parts::check_devices(HostTime now) {
 void Recording::Parts::drain_sweep(HostTime now) {
   const SweepNews news = sweep.take_news();
   for (const RecordingEvent& happened : news.events) event(happened);
-  for (const LegRecord& leg : news.legs) journal.leg(leg);
+  if (writer != nullptr)
+    for (const LegRecord& leg : news.legs) writer->leg(leg);
   if (news.is_complete) event({now, EventKind::finished, std::nullopt, "the plan is complete"});
 }
 
 void Recording::Parts::event(const RecordingEvent& happened) {
-  journal.event(happened);
+  if (writer != nullptr) writer->event(happened);
   new_events.push_back(happened);
 }
 

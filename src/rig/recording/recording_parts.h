@@ -35,6 +35,7 @@ struct Recording::Parts {
         send(std::move(send_to)),
         header(make_header(options, now)),
         journal(options, header),
+        writer(journal.writer()),
         pipeline(options.profile),
         commander(options.profile.servo),
         sweep(options.plan, options.profile.servo, options.profile.camera.output_rate_hz, commander),
@@ -88,6 +89,7 @@ struct Recording::Parts {
   Send send;
   RecordingHeader header;
   KeptJournal journal;
+  journal::JournalWriter* writer;  // its own; null: nothing is kept
   pipeline::Pipeline pipeline;
   ServoCommander commander;
   SweepWalker sweep;

@@ -64,6 +64,7 @@ class SessionFile {
     facts_.bytes = copy.bytes().size();
     if (copy.bytes().empty()) sandbox::refuse(path, "is empty");
     file_ = open_file_image(copy.bytes(), "open it as HDF5");
+    require_nothing_behind();
     if (!has_attribute(id(), "format") || get_text_attribute(id(), "format") != format_name)
       sandbox::refuse(path, "is HDF5, but not a thermorig session");
     const std::string version = get_text_attribute(id(), "format_version");
@@ -105,6 +106,16 @@ class SessionFile {
   FormatVersion version() const { return facts_.version; }
 
  private:
+  /// HDF5 does not look beyond the end that the file states: what was appended would travel with the session,
+  /// unseen.
+  void require_nothing_behind() const {
+    const auto end = static_cast<std::uint64_t>(
+        check(H5Fget_file_image(id(), nullptr, 0), "find its end"));  // its size as the file states it
+    if (end < facts_.bytes)
+      sandbox::refuse(path_,
+                      fmt::format("ends after {} bytes, and {} more stand behind", end, facts_.bytes - end));
+  }
+
   /// Other readers may change what stands in attributes: these must be what was written.
   RigProfile profile() const {
     const std::string sums = group("/quality").text(attribute_sums_column);

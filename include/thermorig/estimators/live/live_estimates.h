@@ -2,7 +2,6 @@
 #pragma once
 
 #include <memory>
-#include <optional>
 #include <vector>
 
 #include "thermorig/core/estimate_row.h"
@@ -28,15 +27,8 @@ class LiveEstimates {
   /// `arrived`: of the chunk that completed the measurement.
   EstimateRow add(const Measurement& measurement, HostTime arrived);
 
-  /// What the estimator at that place of the rows has seen of the surroundings. Allocates.
-  std::optional<estimators::Surroundings> surroundings(std::size_t place) const;
-
-  /// The map that an estimator keeps, for a later run, and what has become of the one that it began with.
-  std::optional<odometer::Map> map() const;
-  odometer::MapUse map_use() const;
-
-  /// In which order the camera exposes its rows, as that estimator has found it.
-  std::optional<odometer::FoundRows> rows() const;
+  /// What they have seen and keep beside the rows.
+  const estimators::Bank& bank() const;
 
  private:
   struct Parts;

@@ -131,13 +131,16 @@ struct RunObserver {
   std::function<bool()> stop;  // true: running jobs are given up, finished ones stay; asked by all workers
 };
 
+/// Throws Error(bad_usage) where the folder has results of another label, which would stand in the same
+/// tables as if they were of this study, Error(not_a_session) for a damaged result.
+void require_label(Label label, const std::filesystem::path& folder);
+
 /// Runs the jobs that have no result in `folder` yet, `workers` at a time, one thread each, and shares them
 /// with all programs that do the same, on this machine and others: each job is claimed (files/claim.h), and
 /// what another holds is waited for, or taken over once it is stale. A result is written to another name,
 /// synced and renamed: it is there whole or not at all, is never replaced, and a job that has one is not run
-/// again. Returns false if it was stopped; true: all these jobs have a result. Throws Error(not_a_session)
-/// for a damaged result before anything is trained, Error(bad_usage) where the folder has results of another
-/// label, Error(storage) where results cannot be written.
+/// again. Returns false if it was stopped; true: all these jobs have a result. Throws as require_label()
+/// before anything is trained, Error(storage) where results cannot be written.
 bool run_jobs(std::span<const Job> jobs, std::span<const network::Acquisition> acquisitions,
               const std::filesystem::path& folder, int workers, const RunObserver& observer = {},
               const files::ClaimTiming& timing = {});

@@ -116,7 +116,7 @@ class Labeller {
     double gyro_dps;
   };
   std::uint32_t frame_reasons(const TimedFrame& frame);
-  bool has_all(const PendingFrame& frame) const;
+  bool has_all_until(HostTime end) const;
   LabelledSample label(const PendingFrame& frame);
   void label_motion(LabelledSample& sample, const PendingFrame& frame);
   void label_halves(LabelledSample& sample, const PendingFrame& frame);
