@@ -243,8 +243,8 @@ void Odometer::Parts::add_gyro(const TimedGyro& sample) {
   saturated_s = sample.reading.saturated ? saturated_s + step_s : 0.0;
   unseen_deg2 += 2.0 * saturated_dps * saturated_dps * saturated_s * step_s;
   if (lost_s(step_s, gyro_period_s) > longest_gyro_gap_s) gyro_was_away = true;
-  // One that sets itself to zero at rest has taken its bias off.
-  const bool is_zeroed = watch.is_frozen() && watch.is_zero();
+  // One that sets itself to zero at rest has taken its bias off, with the first such sample.
+  const bool is_zeroed = watch.is_zero();
   if (watch.is_frozen() && !is_zeroed) gyro_was_away = true;
   last_gyro_s = to_s(time - *origin);
   path.add(last_gyro_s, is_zeroed ? front.filter().bias_dps() : read_dps, unseen_deg2);
