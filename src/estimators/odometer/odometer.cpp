@@ -461,6 +461,7 @@ void Odometer::Parts::go_through(Tracker& tracker) {
 /// The back tracker has gone through all halves that came.
 void Odometer::Parts::take_over(double now_s) {
   std::swap(front, back);
+  if (now_s > front.now_s()) front.advance(path, now_s);  // the store was full before
   mean_nis = pass_nis;
   const bool is_over = is_start_over(now_s);
   if (is_over && choose_rows()) {
