@@ -300,6 +300,28 @@ TEST(Odometer, FollowsAStepOfTheBias) {
   EXPECT_LT(worst_deg, 1.8);  // 2.8 with what is known of a steady bias
 }
 
+/// With the first sample that is zero, and not only when that has lasted: no image comes meanwhile.
+TEST(Odometer, KnowsThatAGyroThatSetsItselfToZeroHasNoBias) {
+  Room room = turning_room(50.0);
+  room.bias_dps = 9.0;
+  const double stops_s = 45.0;
+  room.angle_deg = [turns = room.angle_deg, stops_s](double time_s) {
+    return turns(std::min(time_s, stops_s));
+  };
+  auto all = seen_in(room);
+  for (Seen& seen : all) {
+    for (TimedGyro& sample : seen.gyro) {
+      if (sample.stamp.time < at_s(stops_s)) continue;
+      sample.rate_dps = 0.0F;
+      sample.reading.rate_dps = {};
+    }
+    if (seen.frame.exposure_end > at_s(stops_s)) seen.frame.fresh_even = seen.frame.fresh_odd = 0;
+  }
+  const auto reports = reports_of(all);
+  ASSERT_EQ(reports[at(44.0)].state, State::tracking);
+  EXPECT_NEAR(off_deg(room, reports, 45.75), off_deg(room, reports, 44.0), 0.5);
+}
+
 TEST(Odometer, IsLessSureOfTheHeadingWhereGearsShakeTheGyro) {
   auto all = seen_in(turning_room(40.0));
   const Report still = reports_of(all).back();

@@ -11,7 +11,6 @@ namespace thermorig::odometer {
 namespace {
 
 constexpr double finest_step_dps = 0.5, coarse_step_dps = 1.0;  // the coarse one where rows are dear
-constexpr std::size_t most_steps = 121;
 constexpr double most_sigmas = 3.0;
 constexpr double trusted_of_mosaic =
     0.3;  // of the mosaic's likelihood: halves are blurred, pixels have offsets
@@ -193,9 +192,13 @@ void BiasSearch::clip() {
   }
 }
 
-std::optional<BiasSearch::Found> BiasSearch::search(const HalfStore& store, const GyroPath& path,
-                                                    RowOrder rows, bool things_move) {
-  if (store.count() < halves) return std::nullopt;
+double BiasSearch::read_dps() const {
+  const ExposedTurn &first = placed_.front().turn, &last = placed_.back().turn;
+  return (last.mean_deg - first.mean_deg) / (last.mean_s - first.mean_s);
+}
+
+BiasSearch::Curve BiasSearch::measure(const HalfStore& store, const GyroPath& path, RowOrder rows,
+                                      bool things_move) {
   rows_ = rows;
   place(store, path);
   if (things_move) clip();
@@ -213,22 +216,37 @@ std::optional<BiasSearch::Found> BiasSearch::search(const HalfStore& store, cons
   }
   ordered_.assign(variances_.begin(), variances_.begin() + 2 * steps + 1);
   std::nth_element(ordered_.begin(), ordered_.begin() + steps, ordered_.end());
-  if (least > distinct_share * ordered_[static_cast<std::size_t>(steps)]) return std::nullopt;
   const double looked_at = rows == RowOrder::at_once ? 1.0 : 0.5;  // of the pixels
   const bool is_careful = lens_->knows_rows() || things_move;
   const double trusted = is_careful ? trusted_with_care : trusted_of_mosaic;
-  const double readings = trusted * 0.5 * looked_at * static_cast<double>(halves * half_pixels);
+  return {.variances = {variances_.data(), static_cast<std::size_t>(2 * steps + 1)},
+          .step_dps = step_dps,
+          .read_dps = read_dps(),
+          .least = least,
+          .readings = trusted * 0.5 * looked_at * static_cast<double>(halves * half_pixels),
+          .is_distinct = least <= distinct_share * ordered_[static_cast<std::size_t>(steps)]};
+}
+
+std::optional<BiasSearch::Found> BiasSearch::search(const HalfStore& store, const GyroPath& path,
+                                                    RowOrder rows, bool things_move) {
+  if (store.count() < halves) return std::nullopt;
+  return named(measure(store, path, rows, things_move));
+}
+
+std::optional<BiasSearch::Found> BiasSearch::named(const Curve& curve) const {
+  if (!curve.is_distinct) return std::nullopt;
+  const double middle = 0.5 * (static_cast<double>(curve.variances.size()) - 1.0);
   double sum = 0.0, mean = 0.0, squares = 0.0;
-  for (int i = -steps; i <= steps; ++i) {
-    const double off = i * step_dps / priors_.bias_sigma_dps;
-    const double weight = std::exp(
-        -readings * (variances_[static_cast<std::size_t>(i + steps)] / least - 1.0) - 0.5 * off * off);
+  for (std::size_t i = 0; i < curve.variances.size(); ++i) {
+    const double off_dps = (static_cast<double>(i) - middle) * curve.step_dps;
+    const double off = off_dps / priors_.bias_sigma_dps;
+    const double weight = curve.likelihood(i) * std::exp(-0.5 * off * off);
     sum += weight;
-    mean += weight * i * step_dps;
-    squares += weight * i * step_dps * i * step_dps;
+    mean += weight * off_dps;
+    squares += weight * off_dps * off_dps;
   }
   mean /= sum;
-  const double sigma_dps = std::sqrt(squares / sum - mean * mean + step_dps * step_dps / 12.0);
+  const double sigma_dps = std::sqrt(squares / sum - mean * mean + curve.step_dps * curve.step_dps / 12.0);
   if (sigma_dps > known_well_dps) return std::nullopt;
   return Found{priors_.bias_dps + mean, sigma_dps};
 }

@@ -22,6 +22,7 @@ HeadingFilter::HeadingFilter(const Priors& priors) : priors_(priors) {
   covariance_[heading][heading] = square(start_sigma_deg);
   covariance_[bias][bias] = square(priors.bias_sigma_dps);
   covariance_[scale][scale] = square(priors.scale_sigma);
+  covariance_[bias][scale] = covariance_[scale][bias] = priors.bias_scale_covariance;
   covariance_[latency][latency] = square(priors.latency_sigma_s);
 }
 

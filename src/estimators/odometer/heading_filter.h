@@ -16,6 +16,7 @@ struct Priors {
   double heading_deg = 0.0;  // of the map's origin
   double bias_dps = 0.0, bias_sigma_dps = 20.0;
   double scale = 1.0, scale_sigma = 0.03;
+  double bias_scale_covariance = 0.0;               // deg/s
   double latency_s = 0.0, latency_sigma_s = 0.010;  // of the camera against the gyro
   double bias_walk_dps = 0.008;                     // in a square root of a second
 };

@@ -7,6 +7,7 @@
 #include <optional>
 #include <utility>
 
+#include "bias_evidence.h"
 #include "bias_search.h"
 #include "circle_search.h"
 #include "gyro_heading.h"
@@ -96,6 +97,7 @@ struct Odometer::Parts {
         front(priors, lens),
         back(priors, lens),
         bias_search(priors, lens),
+        bias_evidence(priors),
         contest(priors, lens, !camera.link.latency_measured_utc.empty()),
         is_contested(!lens->knows_rows()) {}
 
@@ -105,6 +107,11 @@ struct Odometer::Parts {
   void add_gyro(const TimedGyro& sample);
   void add_half(const HalfReading& half, double now_s);
   void search_bias();
+  bool is_evidence_due() const;
+  bool gather_evidence();
+  void begin_first_pass(const Priors& better);
+  bool begin_by_evidence();
+  void fail_start();
   void go_through(Tracker& tracker);
   bool is_start_over(double now_s) const;
   void begin_pass(int number);
@@ -163,6 +170,8 @@ struct Odometer::Parts {
   bool things_move = false;  // beside the rig: a start showed it, or failed
   Tracker front, back;       // the one that is told of, and one that goes through the start again
   BiasSearch bias_search;
+  BiasEvidence bias_evidence;
+  bool is_by_evidence = false;  // what the start began with
   RowContest contest;
   bool is_contested;  // in which order rows are exposed: not where that was measured
   double row_margin = 0.0;
@@ -243,8 +252,8 @@ void Odometer::Parts::add_gyro(const TimedGyro& sample) {
   saturated_s = sample.reading.saturated ? saturated_s + step_s : 0.0;
   unseen_deg2 += 2.0 * saturated_dps * saturated_dps * saturated_s * step_s;
   if (lost_s(step_s, gyro_period_s) > longest_gyro_gap_s) gyro_was_away = true;
-  // One that sets itself to zero at rest has taken its bias off.
-  const bool is_zeroed = watch.is_frozen() && watch.is_zero();
+  // One that sets itself to zero at rest has taken its bias off, with the first such sample.
+  const bool is_zeroed = watch.is_zero();
   if (watch.is_frozen() && !is_zeroed) gyro_was_away = true;
   last_gyro_s = to_s(time - *origin);
   path.add(last_gyro_s, is_zeroed ? front.filter().bias_dps() : read_dps, unseen_deg2);
@@ -280,6 +289,7 @@ void Odometer::Parts::add_half(const HalfReading& half, double now_s) {
       break;
     case Phase::first_pass:
       store_half(half, now_s);
+      if (gather_evidence()) break;
       go_through(front);
       if (gone_through < store.count()) break;
       mean_nis = pass_nis;
@@ -287,6 +297,7 @@ void Odometer::Parts::add_half(const HalfReading& half, double now_s) {
       break;
     case Phase::learning:
       store_half(half, now_s);
+      gather_evidence();
       learn_fit(add_newest(half), mean_nis);
       if (is_start_over(now_s)) {
         choose_rows();
@@ -298,6 +309,7 @@ void Odometer::Parts::add_half(const HalfReading& half, double now_s) {
     case Phase::second_pass:
       store_half(half, now_s);
       add_newest(half);
+      if (gather_evidence()) break;
       go_through(back);
       if (gone_through == store.count()) take_over(now_s);
       break;
@@ -340,8 +352,11 @@ void Odometer::Parts::search_bias() {
     store.clear();
     contest.begin();
   }
-  if (store.count() % search_every != 0) return;
-  const auto found = bias_search.search(store, path, lens->rows(), things_move);
+  if (store.count() % search_every != 0 || store.count() < BiasSearch::halves) return;
+  const BiasSearch::Curve curve = bias_search.measure(store, path, lens->rows(), things_move);
+  if (is_evidence_due()) bias_evidence.add(curve);
+  if (begin_by_evidence()) return;
+  const auto found = bias_search.named(curve);
   if (!found) return;
   Priors better = priors;
   better.bias_dps = found->bias_dps;
@@ -352,10 +367,44 @@ void Odometer::Parts::search_bias() {
     begin_in_map(store.at(store.count() - 1).now_s);
     return;
   }
+  begin_first_pass(better);
+}
+
+void Odometer::Parts::begin_first_pass(const Priors& better) {
   front.restart(better, lens->rows(), things_move);
   pass = 0;
   restart_pass();
   phase = Phase::first_pass;
+}
+
+/// Where the order of rows is known; halves that no other search has added.
+bool Odometer::Parts::is_evidence_due() const {
+  return lens->knows_rows() && map_use != MapUse::searching && !store.is_full() &&
+         store.count() % BiasSearch::halves == 0;
+}
+
+/// While a start goes on, searches go on: it may have begun with a wrong bias. True if this step searched.
+bool Odometer::Parts::gather_evidence() {
+  if (!is_evidence_due()) return false;
+  bias_evidence.add(bias_search.measure(store, path, lens->rows(), things_move));
+  return true;
+}
+
+/// Through all halves of the start, once a start. False: it was done, or evidence does not tell.
+bool Odometer::Parts::begin_by_evidence() {
+  const auto& found = bias_evidence.found();
+  if (!found || is_by_evidence) return false;
+  is_by_evidence = true;
+  Priors better = priors;
+  better.bias_dps = found->bias_dps;
+  better.bias_sigma_dps = found->bias_sigma_dps;
+  better.scale = found->scale;
+  better.scale_sigma = found->scale_sigma;
+  better.bias_scale_covariance = found->covariance;
+  better.heading_deg = heading_at(store.at(0).now_s, found->bias_dps);
+  mean_nis = 1.0;
+  begin_first_pass(better);
+  return true;
 }
 
 /// The bias is known well enough to look for the camera in the map of before.
@@ -461,6 +510,7 @@ void Odometer::Parts::go_through(Tracker& tracker) {
 /// The back tracker has gone through all halves that came.
 void Odometer::Parts::take_over(double now_s) {
   std::swap(front, back);
+  if (now_s > front.now_s()) front.advance(path, now_s);  // the store was full before
   mean_nis = pass_nis;
   const bool is_over = is_start_over(now_s);
   if (is_over && choose_rows()) {
@@ -473,7 +523,7 @@ void Odometer::Parts::take_over(double now_s) {
   const bool is_made = is_over && !must_learn;
   const bool is_false = is_false_map() && (is_made || pass >= passes_to_tell);
   if (is_false || (is_made && (!is_plausible() || is_hardly_seen())))
-    begin_anew();
+    fail_start();
   else if (must_learn)
     learn_again();
   else if (is_over)
@@ -499,7 +549,12 @@ void Odometer::Parts::learn_again() {
   else if (!things_move && pass_count.shows_traffic() && is_plausible() && has_usual_latency())
     learn_in_traffic();
   else
-    begin_anew();
+    fail_start();
+}
+
+/// The same halves again, if searches by now say more than the start began with.
+void Odometer::Parts::fail_start() {
+  if (!begin_by_evidence()) begin_anew();
 }
 
 /// What was learnt is not wrong for that.
@@ -602,6 +657,7 @@ void Odometer::Parts::locate(const HalfReading& half, double now_s) {
 
 void Odometer::Parts::forget_clock() {
   begin_anew();
+  bias_evidence.clear();
   sound.reset();
   path.clear();
   watch = GyroWatch();
@@ -618,6 +674,8 @@ void Odometer::Parts::begin_anew() {
     sound.reset();
   else if (has_tracked && !sound)
     sound = heading_of_front();
+  if (has_tracked) bias_evidence.clear();
+  is_by_evidence = false;
   store.clear();
   contest.begin();
   is_contested = !lens->knows_rows();
