@@ -91,11 +91,12 @@ void BiasEvidence::find() {
   const auto sigma = [&](double squares, double mean, double least) {
     return std::sqrt(std::max(0.0, squares / sum - mean * mean) + square(least));
   };
-  const Found found{.bias_dps = priors_.bias_dps + bias,
-                    .scale = priors_.scale + scale,
-                    .bias_sigma_dps = sigma(bias2, bias, least_bias_sigma_dps),
-                    .scale_sigma = sigma(scale2, scale, least_scale_sigma),
-                    .covariance = both / sum - bias * scale};
+  Priors found = priors_;
+  found.bias_dps += bias;
+  found.scale += scale;
+  found.bias_sigma_dps = sigma(bias2, bias, least_bias_sigma_dps);
+  found.scale_sigma = sigma(scale2, scale, least_scale_sigma);
+  found.bias_scale_covariance = both / sum - bias * scale;
   found_.reset();
   if (found.bias_sigma_dps < clear_bias_dps && found.scale_sigma < clear_scale) found_ = found;
 }

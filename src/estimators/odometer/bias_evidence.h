@@ -15,15 +15,10 @@ class BiasEvidence {
  public:
   explicit BiasEvidence(const Priors& priors);
 
-  struct Found {
-    double bias_dps = 0.0, scale = 1.0;
-    double bias_sigma_dps = 0.0, scale_sigma = 0.0, covariance = 0.0;
-  };
-
   /// Of halves that no other search has looked at.
   void add(const BiasSearch::Curve& curve);
-  /// Nothing: they do not name one clearly yet.
-  const std::optional<Found>& found() const { return found_; }
+  /// What was expected, with a better bias and scale. Nothing: searches do not name them clearly yet.
+  const std::optional<Priors>& found() const { return found_; }
   void clear();
 
  private:
@@ -41,7 +36,7 @@ class BiasEvidence {
   double step_dps_ = 0.0;
   std::vector<double> logs_;      // of likelihoods: biases, scale after scale
   std::vector<double> of_curve_;  // the same of the newest search, a bias each
-  std::optional<Found> found_;
+  std::optional<Priors> found_;
 };
 
 }  // namespace thermorig::odometer

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <optional>
 #include <utility>
 
@@ -17,6 +16,7 @@
 #include "half_store.h"
 #include "map_check.h"
 #include "pass_count.h"
+#include "plausibility.h"
 #include "row_contest.h"
 #include "thermorig/core/gyro_delay.h"
 #include "thermorig/estimators/odometer/unseen_turn.h"
@@ -35,24 +35,10 @@ constexpr int row_looks_a_step = 60;        // the same row by row, which costs 
 constexpr double second_pass_s = 25.0;      // after the first half
 constexpr std::size_t second_pass_halves = 200;
 constexpr double bias_widening = 3.0;  // of what the search states
-
-constexpr int most_passes = 6;  // through the halves of the start
+constexpr int most_passes = 6;         // through the halves of the start
 constexpr double settled_latency_s = 0.001, settled_scale = 0.001;
 constexpr double known_bias_dps = 1.0;
-constexpr int passes_to_tell = 2;                     // the first one may begin with a wrong bias
-constexpr double data_sheet_scale_sigma = 0.03;       // at least, whatever a profile says
-constexpr double most_scale_sigmas = 2.2;             // false maps made gyros 7 to 9 % off of sound ones
-constexpr double most_scale_sigmas_in_traffic = 1.8;  // and 6 % where things move
-constexpr double most_latency_sigmas = 2.5;
-
-/// Of the mean square of innovations, of which one counts with `most` at most.
-struct NisBounds {
-  double settled, fits, unfit, lost;  // not trusted from `unfit` on until it `fits`
-  double most;
-};
-constexpr NisBounds nis_at_rest{2.0, 2.0, 3.0, lost_nis, most_nis};  // where nothing moves but the rig
-// There the share of the halves counts that do not fit: how badly they do tells of what moves.
-constexpr NisBounds nis_in_traffic{4.5, 4.0, 5.5, 7.0, 9.0};
+constexpr int passes_to_tell = 2;  // the first one may begin with a wrong bias
 
 constexpr double longest_unfit_s = 30.0;                   // then the map is wrong
 constexpr int covered_halves = 4;                          // in a row
@@ -118,8 +104,7 @@ struct Odometer::Parts {
   void take_over(double now_s);
   void begin_run(double now_s);
   bool has_settled(double bias_dps, double scale, double latency_s) const;
-  bool is_plausible() const;
-  bool has_usual_latency() const;
+  bool is_plausible() const { return odometer::is_plausible(front.filter(), priors, things_move); }
   bool is_hardly_seen() const;
   /// Not asked while the order of rows is open: the wrong one does not fit either.
   bool is_false_map() const { return !is_contested && pass_count.is_false_map(); }
@@ -130,7 +115,6 @@ struct Odometer::Parts {
   const NisBounds& nis_bounds() const { return things_move ? nis_in_traffic : nis_at_rest; }
   void learn_fit(const HalfResult& result, double& mean) const { learn_nis(result, mean, nis_bounds().most); }
   void learn_again();
-  void learn_in_traffic();
   void run(const HalfReading& half);
   void locate(const HalfReading& half, double now_s);
   void follow_bias(const HalfResult& result);
@@ -149,7 +133,9 @@ struct Odometer::Parts {
   double heading_at(double time_s, double bias_dps) const {
     return sound ? sound->deg(path.until(time_s), bias_dps) : 0.0;
   }
-  GyroHeading heading_of_front() const;
+  GyroHeading heading_of_front() const {
+    return {path.until(front.now_s()), front.filter(), front.sigma_in_map_deg()};
+  }
   void forget_clock();
 
   /// The front tracker has gone through all halves that came.
@@ -395,12 +381,7 @@ bool Odometer::Parts::begin_by_evidence() {
   const auto& found = bias_evidence.found();
   if (!found || is_by_evidence) return false;
   is_by_evidence = true;
-  Priors better = priors;
-  better.bias_dps = found->bias_dps;
-  better.bias_sigma_dps = found->bias_sigma_dps;
-  better.scale = found->scale;
-  better.scale_sigma = found->scale_sigma;
-  better.bias_scale_covariance = found->covariance;
+  Priors better = *found;
   better.heading_deg = heading_at(store.at(0).now_s, found->bias_dps);
   mean_nis = 1.0;
   begin_first_pass(better);
@@ -475,19 +456,6 @@ bool Odometer::Parts::has_settled(double bias_dps, double scale, double latency_
          std::abs(filter.latency_s() - begun_with.latency_s) < latency_s;
 }
 
-/// Whether the gyro is one that a data sheet knows: a map that closes falsely makes it another.
-bool Odometer::Parts::is_plausible() const {
-  const double sigmas = things_move ? most_scale_sigmas_in_traffic : most_scale_sigmas;
-  const double most = sigmas * std::max(data_sheet_scale_sigma, priors.scale_sigma);
-  return std::abs(front.filter().scale_factor() - priors.scale) < most;
-}
-
-/// Where it has not, rows are exposed in another order than the one that is tried.
-bool Odometer::Parts::has_usual_latency() const {
-  const double off_s = front.filter().latency_s() - priors.latency_s;
-  return std::abs(off_s) < most_latency_sigmas * priors.latency_sigma_s;
-}
-
 /// Before faint walls only those halves tell anything that what moves is in: the map is one of it.
 bool Odometer::Parts::is_hardly_seen() const {
   return things_move && pass_count.is_hardly_judged(store.count());
@@ -542,25 +510,22 @@ void Odometer::Parts::begin_run(double now_s) {
 /// While the start is learnt, what does not fit means that the map was begun with a wrong bias: by now it is
 /// known better.
 void Odometer::Parts::learn_again() {
-  if (pass < most_passes && front.filter().sigma(HeadingFilter::bias) < known_bias_dps)
+  if (pass < most_passes && front.filter().sigma(HeadingFilter::bias) < known_bias_dps) {
     begin_pass(pass + 1);
-  else if (is_contested && contest.verdict().order != RowOrder::at_once)
+  } else if (is_contested && contest.verdict().order != RowOrder::at_once) {
     phase = Phase::learning;  // another order of rows fits better: it goes on until it has learnt enough
-  else if (!things_move && pass_count.shows_traffic() && is_plausible() && has_usual_latency())
-    learn_in_traffic();
-  else
+  } else if (!things_move && pass_count.shows_traffic() && is_plausible() &&
+             has_usual_latency(front.filter(), priors)) {
+    things_move = true;  // what was learnt is not wrong for that
+    begin_pass(1);
+  } else {
     fail_start();
+  }
 }
 
 /// The same halves again, if searches by now say more than the start began with.
 void Odometer::Parts::fail_start() {
   if (!begin_by_evidence()) begin_anew();
-}
-
-/// What was learnt is not wrong for that.
-void Odometer::Parts::learn_in_traffic() {
-  things_move = true;
-  begin_pass(1);
 }
 
 void Odometer::Parts::run(const HalfReading& half) {
@@ -602,10 +567,6 @@ void Odometer::Parts::keep_sound_heading(double now_s) {
   if (!is_trusted() || unfit_since_s || mean_nis > nis_bounds().fits) sound_since_s = now_s;
   if (now_s - sound_since_s > sound_s && fastest_dps - slowest_dps > telling_change_dps)
     sound = heading_of_front();
-}
-
-GyroHeading Odometer::Parts::heading_of_front() const {
-  return {path.until(front.now_s()), front.filter(), front.sigma_in_map_deg()};
 }
 
 /// Where the newest half of a search looks, if the gyro was there since the heading was sound.

@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+
+#include "heading_filter.h"
+#include "tracker.h"
+
+namespace thermorig::odometer {
+
+/// Of the mean square of innovations, of which one counts with `most` at most.
+struct NisBounds {
+  double settled, fits, unfit, lost;  // not trusted from `unfit` on until it `fits`
+  double most;
+};
+constexpr NisBounds nis_at_rest{2.0, 2.0, 3.0, lost_nis, most_nis};  // where nothing moves but the rig
+// There the share of the halves counts that do not fit: how badly they do tells of what moves.
+constexpr NisBounds nis_in_traffic{4.5, 4.0, 5.5, 7.0, 9.0};
+
+/// Whether the gyro that a start has learnt is one that a data sheet knows: a map that closes falsely makes
+/// it another, by 7 to 9 % of its scale, and by 6 % where things move.
+inline bool is_plausible(const HeadingFilter& learnt, const Priors& priors, bool things_move) {
+  constexpr double data_sheet_scale_sigma = 0.03;  // at least, whatever a profile says
+  const double most = (things_move ? 1.8 : 2.2) * std::max(data_sheet_scale_sigma, priors.scale_sigma);
+  return std::abs(learnt.scale_factor() - priors.scale) < most;
+}
+
+/// Where it has not, rows are exposed in another order than the one that is tried.
+inline bool has_usual_latency(const HeadingFilter& learnt, const Priors& priors) {
+  constexpr double most_sigmas = 2.5;
+  return std::abs(learnt.latency_s() - priors.latency_s) < most_sigmas * priors.latency_sigma_s;
+}
+
+}  // namespace thermorig::odometer
