@@ -209,34 +209,30 @@ Alignment::Explained Alignment::explained(const View& view, double azimuth_deg) 
     float weight = 0.0F, residual = 0.0F, temp_c = 0.0F;
   };
   std::array<Sums, frame_rows> rows{};
-  HalfPixels residual, weight;
+  Residuals all;
+  Panorama::Look look;
   for (std::size_t column = 0; column < frame_columns; ++column) {
-    const std::size_t of_rows = row_class(column, view.parity);
-    Panorama::Look look;
     look_at_mean(view, azimuth_deg, column, look);
+    all.take(view, column, look);
     for (std::size_t k = 0; k < half_rows; ++k) {
       const std::size_t i = column * half_rows + k;
-      const float temp_c = (*view.temp_c)[i];
-      const bool is_compared = look.known[k] > 0.0F && !std::isnan(temp_c);
-      residual[i] = is_compared ? temp_c - look.temp_c[k] : 0.0F;
-      weight[i] = is_compared ? 1.0F / ((*view.variance)[i] + look.variance[k]) : 0.0F;
-      if (!is_compared) continue;
-      Sums& row = rows[2 * k + of_rows];
-      row.weight += weight[i];
-      row.residual += weight[i] * residual[i];
-      row.temp_c += weight[i] * temp_c;
+      if (all.weight[i] <= 0.0F) continue;
+      Sums& row = rows[2 * k + row_class(column, view.parity)];
+      row.weight += all.weight[i];
+      row.residual += all.weight[i] * all.residual[i];
+      row.temp_c += all.weight[i] * (*view.temp_c)[i];
     }
   }
   Explained explained;
   for (std::size_t column = 0; column < frame_columns; ++column)
     for (std::size_t k = 0; k < half_rows; ++k) {
       const std::size_t i = column * half_rows + k;
-      if (weight[i] <= 0.0F) continue;
+      if (all.weight[i] <= 0.0F) continue;
       const Sums& row = rows[2 * k + row_class(column, view.parity)];
-      const float left = residual[i] - row.residual / row.weight;
+      const float left = all.residual[i] - row.residual / row.weight;
       const float shown = (*view.temp_c)[i] - row.temp_c / row.weight;
-      explained.left += robust_squares(left, weight[i]) - 1.0;
-      explained.structure += robust_squares(shown, weight[i]) - 1.0;
+      explained.left += robust_squares(left, all.weight[i]) - 1.0;
+      explained.structure += robust_squares(shown, all.weight[i]) - 1.0;
     }
   return explained;
 }
