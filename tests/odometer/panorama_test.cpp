@@ -37,7 +37,7 @@ TEST(Panorama, ShowsTheMeanOverWhatAPixelSweeps) {
   for (const double azimuth_deg : {-40.0, 0.0, 0.3, 25.0})  // across the origin too
     for (const double half_width_deg : {0.0, 3.0, 12.0}) {
       Panorama::Look look;
-      panorama.look(Panorama::place(azimuth_deg, half_width_deg, 1), 1.0, false, look);
+      panorama.look(Panorama::place(azimuth_deg, half_width_deg, 1), 1, false, look);
       EXPECT_EQ(look.known[5], 1.0F);
       EXPECT_NEAR(look.temp_c[5], azimuth_deg, 0.6) << half_width_deg;
       EXPECT_NEAR(look.of_azimuth.slope[5], 1.0, 0.02) << half_width_deg;
@@ -47,8 +47,8 @@ TEST(Panorama, ShowsTheMeanOverWhatAPixelSweeps) {
 TEST(Panorama, IsSurerOfTheMeanOverMoreBins) {
   const Panorama panorama = ramp();
   Panorama::Look narrow, wide;
-  panorama.look(Panorama::place(10.0, 0.0, 0), 1.0, false, narrow);
-  panorama.look(Panorama::place(10.0, 5.0 * bin_deg, 0), 1.0, false, wide);
+  panorama.look(Panorama::place(10.0, 0.0, 0), 1, false, narrow);
+  panorama.look(Panorama::place(10.0, 5.0 * bin_deg, 0), 1, false, wide);
   EXPECT_NEAR(wide.variance[0], 0.04 / 10.0, 1e-3);
   EXPECT_GT(narrow.variance[0], 5.0F * wide.variance[0]);
 }
@@ -56,9 +56,9 @@ TEST(Panorama, IsSurerOfTheMeanOverMoreBins) {
 TEST(Panorama, KnowsNothingOfWhatWasNeverSeen) {
   const Panorama panorama = ramp();
   Panorama::Look look;
-  panorama.look(Panorama::place(150.0, 0.0, 0), 1.0, false, look);
+  panorama.look(Panorama::place(150.0, 0.0, 0), 1, false, look);
   EXPECT_EQ(look.known[0], 0.0F);
-  panorama.look(Panorama::place(90.0, 5.0, 0), 1.0, false, look);  // half of it
+  panorama.look(Panorama::place(90.0, 5.0, 0), 1, false, look);  // half of it
   EXPECT_EQ(look.known[0], 0.0F);
 }
 

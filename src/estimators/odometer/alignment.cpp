@@ -89,13 +89,18 @@ void Alignment::Residuals::take(const View& view, std::size_t column, const Pano
   }
 }
 
-Alignment::Fit Alignment::fit(const View& view, double azimuth_deg) const {
+Alignment::Residuals Alignment::residuals(const View& view, double azimuth_deg) const {
   Residuals all;
   Panorama::Look look;
   for (std::size_t column = 0; column < frame_columns; ++column) {
     look_at_mean(view, azimuth_deg, column, look);
     all.take(view, column, look);
   }
+  return all;
+}
+
+Alignment::Fit Alignment::fit(const View& view, double azimuth_deg) const {
+  const Residuals all = residuals(view, azimuth_deg);
   Fit fit;
   if (all.weights <= 0.0F) return fit;
   const float common_c = all.sum / all.weights;
@@ -209,26 +214,22 @@ Alignment::Explained Alignment::explained(const View& view, double azimuth_deg) 
     float weight = 0.0F, residual = 0.0F, temp_c = 0.0F;
   };
   std::array<Sums, frame_rows> rows{};
-  Residuals all;
-  Panorama::Look look;
-  for (std::size_t column = 0; column < frame_columns; ++column) {
-    look_at_mean(view, azimuth_deg, column, look);
-    all.take(view, column, look);
+  const Residuals all = residuals(view, azimuth_deg);
+  for (std::size_t column = 0; column < frame_columns; ++column)
     for (std::size_t k = 0; k < half_rows; ++k) {
       const std::size_t i = column * half_rows + k;
       if (all.weight[i] <= 0.0F) continue;
-      Sums& row = rows[2 * k + row_class(column, view.parity)];
+      Sums& row = rows[row_of(column, k, view.parity)];
       row.weight += all.weight[i];
       row.residual += all.weight[i] * all.residual[i];
       row.temp_c += all.weight[i] * (*view.temp_c)[i];
     }
-  }
   Explained explained;
   for (std::size_t column = 0; column < frame_columns; ++column)
     for (std::size_t k = 0; k < half_rows; ++k) {
       const std::size_t i = column * half_rows + k;
       if (all.weight[i] <= 0.0F) continue;
-      const Sums& row = rows[2 * k + row_class(column, view.parity)];
+      const Sums& row = rows[row_of(column, k, view.parity)];
       const float left = all.residual[i] - row.residual / row.weight;
       const float shown = (*view.temp_c)[i] - row.temp_c / row.weight;
       explained.left += robust_squares(left, all.weight[i]) - 1.0;

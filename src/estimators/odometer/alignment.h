@@ -97,6 +97,7 @@ class Alignment {
     float weights = 0.0F, sum = 0.0F, flat_sum = 0.0F;
     void take(const View& view, std::size_t column, const Panorama::Look& look);
   };
+  Residuals residuals(const View& view, double azimuth_deg) const;
   struct Fit {
     double cost = 0.0, pixels = 0.0;
   };

@@ -12,6 +12,9 @@ namespace {
 
 constexpr double finest_step_dps = 0.5, coarse_step_dps = 1.0;  // the coarse one where rows are dear
 constexpr double most_sigmas = 3.0;
+// Columns. Where rows are exposed in turn each pixel has a cell of its own to find: every second one of a
+// half's row is looked at, which begins in the first column or the one after it.
+constexpr std::size_t row_stride = 4;
 constexpr double trusted_of_mosaic =
     0.3;  // of the mosaic's likelihood: halves are blurred, pixels have offsets
 // Where the order of rows is known nobody waits for the biases of wrong orders. Of 1119 searches on ten rigs
@@ -87,12 +90,10 @@ void BiasSearch::add_columns(const Placed& one, double turned_deg) {
 }
 
 void BiasSearch::add_rows(const Placed& one, double turned_deg, double bias_dps) {
-  constexpr std::size_t stride =
-      4;  // every second pixel of the half's row: each has a cell of its own to find
   for (std::size_t row = 0; row < frame_rows; ++row) {
     const double later_deg = (one.later_deg[row] - bias_dps * one.later_s[row]) / priors_.scale;
     const float turned_cells = cell_of(turned_deg + later_deg);
-    for (std::size_t column = row_class(row, one.parity); column < frame_columns; column += stride) {
+    for (std::size_t column = row_class(row, one.parity); column < frame_columns; column += row_stride) {
       Cells& cells = cells_at(turned_cells + bearing_cells_[column], row % 2);
       cells.sum[row / 2] += one.temp_c[column * half_rows + row / 2];
       cells.count[row / 2] += one.is_read[column * half_rows + row / 2];
@@ -122,7 +123,6 @@ double BiasSearch::variance_with(double bias_dps) {
   return (squares_ - all(of_means)) / (readings_ - all(used) + 1.0);
 }
 
-/// Rows that are exposed in turn are looked at in every second pixel.
 void BiasSearch::note_readings() {
   squares_ = readings_ = 0.0;
   for (Placed& one : placed_)
@@ -132,7 +132,7 @@ void BiasSearch::note_readings() {
         const bool is_read = !std::isnan(temp_c);
         one.is_read[column * half_rows + k] = is_read ? 1.0F : 0.0F;
         if (!is_read) temp_c = 0.0F;
-        const bool is_looked_at = rows_ == RowOrder::at_once || column % 4 < 2;
+        const bool is_looked_at = rows_ == RowOrder::at_once || column % row_stride < 2;
         if (!is_looked_at) continue;
         squares_ += square(double{temp_c});
         readings_ += is_read ? 1.0 : 0.0;

@@ -41,7 +41,7 @@ class BiasSearch {
   };
   /// Nothing: it does not tell yet.
   std::optional<Found> named(const Curve& curve) const;
-  /// Both; nothing where there are too few halves, too.
+  /// Measures, and names what it finds; nothing where there are too few halves, too.
   std::optional<Found> search(const HalfStore& store, const GyroPath& path, RowOrder rows = RowOrder::at_once,
                               bool things_move = false);
 

@@ -9,13 +9,9 @@
 #include <limits>
 #include <utility>
 
-#include "thermorig/core/frame.h"
-
 namespace thermorig::dataset {
 
 namespace {
-
-static_assert(packed_frame_bytes == frame_rows * (frame_columns * sizeof(float) + 3));
 
 using Words = std::array<std::uint32_t, frame_columns>;
 constexpr unsigned word_bits = 32;

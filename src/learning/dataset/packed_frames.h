@@ -6,6 +6,8 @@
 #include <span>
 #include <vector>
 
+#include "thermorig/core/frame.h"
+
 namespace thermorig::dataset {
 
 /// Frames (n, 24, 32) in as few bits as each row of them needs: whole hundredths of a degree, which is what
@@ -18,7 +20,7 @@ struct PackedFrames {
 };
 
 /// At most, of one frame.
-constexpr std::size_t packed_frame_bytes = 24 * (32 * sizeof(float) + 3);
+constexpr std::size_t packed_frame_bytes = frame_rows * (frame_columns * sizeof(float) + 3);
 
 PackedFrames pack_frames(std::span<const float> temp_c);
 
