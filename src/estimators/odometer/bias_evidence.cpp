@@ -49,7 +49,8 @@ void BiasEvidence::begin(const BiasSearch::Curve& curve) {
 /// A search may be wrong: then each bias is as likely as any other.
 void BiasEvidence::weigh(const BiasSearch::Curve& curve) {
   double sum = 0.0;
-  for (std::size_t i = 0; i < biases_; ++i) sum += of_curve_[i] = curve.likelihood(i);
+  for (std::size_t i = 0; i < biases_; ++i)
+    sum += of_curve_[i] = curve.likelihood(i, BiasSearch::trusted_with_care);
   for (std::size_t i = 0; i < biases_; ++i)
     of_curve_[i] =
         std::log((1.0 - wrong_share) * of_curve_[i] / sum + wrong_share / static_cast<double>(biases_));

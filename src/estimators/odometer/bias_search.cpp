@@ -20,7 +20,6 @@ constexpr double trusted_of_mosaic =
 // Where the order of rows is known nobody waits for the biases of wrong orders. Of 1119 searches on ten rigs
 // 87 % named one with 0.3, half of them within 3 deg/s of it; with 0.03 it is 25 %, and 79 % of them. Where
 // things move, a mosaic is even less to be trusted.
-constexpr double trusted_with_care = 0.03;
 constexpr double known_well_dps = 1.0;
 constexpr double distinct_share = 0.94;  // of the typical variance: noise alone makes it differ by 2 %
 
@@ -223,7 +222,8 @@ BiasSearch::Curve BiasSearch::measure(const HalfStore& store, const GyroPath& pa
           .step_dps = step_dps,
           .read_dps = read_dps(),
           .least = least,
-          .readings = trusted * 0.5 * looked_at * static_cast<double>(halves * half_pixels),
+          .readings = 0.5 * looked_at * static_cast<double>(halves * half_pixels),
+          .trusted = trusted,
           .is_distinct = least <= distinct_share * ordered_[static_cast<std::size_t>(steps)]};
 }
 
@@ -240,7 +240,7 @@ std::optional<BiasSearch::Found> BiasSearch::named(const Curve& curve) const {
   for (std::size_t i = 0; i < curve.variances.size(); ++i) {
     const double off_dps = (static_cast<double>(i) - middle) * curve.step_dps;
     const double off = off_dps / priors_.bias_sigma_dps;
-    const double weight = curve.likelihood(i) * std::exp(-0.5 * off * off);
+    const double weight = curve.likelihood(i, curve.trusted) * std::exp(-0.5 * off * off);
     sum += weight;
     mean += weight * off_dps;
     squares += weight * off_dps * off_dps;

@@ -26,11 +26,12 @@ class BiasSearch {
     double step_dps = 0.0;
     double read_dps = 0.0;     // by the gyro, on average
     double least = 0.0;        // of the variances
-    double readings = 0.0;     // that a mosaic counts as
+    double readings = 0.0;     // of a mosaic
+    double trusted = 0.0;      // of its likelihood, where this search alone names a bias
     bool is_distinct = false;  // noise alone would not make the variances differ by so much
 
-    double likelihood(std::size_t place) const {
-      return std::exp(-readings * (variances[place] / least - 1.0));
+    double likelihood(std::size_t place, double trust) const {
+      return std::exp(-trust * readings * (variances[place] / least - 1.0));
     }
   };
   /// By so many halves of the store, the last ones, if rows are exposed in that order. There must be so many.
@@ -46,6 +47,8 @@ class BiasSearch {
                               bool things_move = false);
 
   static constexpr std::size_t halves = 24;
+  // Of a mosaic's likelihood: blurred halves and errors of pixels are not in it.
+  static constexpr double trusted_with_care = 0.03;
   static constexpr std::size_t most_steps = 121;
 
  private:

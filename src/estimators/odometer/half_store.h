@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <vector>
 
@@ -25,6 +26,12 @@ class HalfStore {
   bool is_full() const { return count_ == room; }
   const Stored& at(std::size_t place) const { return halves_[place]; }
   void clear() { count_ = 0; }
+  void forget_oldest(std::size_t halves) {
+    const auto begin = halves_.begin();
+    std::move(begin + static_cast<std::ptrdiff_t>(halves), begin + static_cast<std::ptrdiff_t>(count_),
+              begin);
+    count_ -= halves;
+  }
 
   static constexpr std::size_t room = 480;  // a minute at 8 halves a second
 

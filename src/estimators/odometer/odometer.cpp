@@ -14,6 +14,7 @@
 #include "gyro_path.h"
 #include "gyro_watch.h"
 #include "half_store.h"
+#include "heading_trust.h"
 #include "map_check.h"
 #include "pass_count.h"
 #include "plausibility.h"
@@ -37,15 +38,14 @@ constexpr std::size_t second_pass_halves = 200;
 constexpr double bias_widening = 3.0;  // of what the search states
 constexpr int most_passes = 6;         // through the halves of the start
 constexpr double settled_latency_s = 0.001, settled_scale = 0.001;
+constexpr double doubtful_nis = 1.6;        // of a start: the wrong order of rows hardly fits
+constexpr std::size_t least_of_start = 72;  // halves
 constexpr double known_bias_dps = 1.0;
 constexpr int passes_to_tell = 2;  // the first one may begin with a wrong bias
 
 constexpr double longest_unfit_s = 30.0;                   // then the map is wrong
 constexpr int covered_halves = 4;                          // in a row
-constexpr int halves_to_trust = 8;                         // after a search
-constexpr int halves_to_trust_lean = 16;                   // that leans in traffic
 constexpr double doubted_deg = 2.0, doubted_sigmas = 4.0;  // a jump by more is doubted
-constexpr double telling_change_dps = 40.0;                // of the speed: then a wrong time would show
 constexpr double sound_s = 5.0;  // everything fits for so long: then a heading is sound
 constexpr double lean_share = 1.0 / 16.0, much_lean = 0.7, much_lean_in_traffic = 1.0;
 constexpr double stepped_bias_dps = 0.3;
@@ -56,17 +56,6 @@ constexpr double give_up_s = 40.0;  // of a search: then the map is wrong
 constexpr double turning_dps = 5.0;
 constexpr double saturated_dps = 15.0;  // what a reading at the end of its range may be off
 constexpr double sample_noise_dps = 0.15;
-
-Priors priors_of(const GyroProfile& gyro, const CameraProfile& camera) {
-  Priors priors;
-  priors.bias_dps = gyro.bias_dps;
-  priors.bias_sigma_dps = gyro.bias_uncertainty_dps;
-  priors.scale = gyro.scale;
-  priors.scale_sigma = std::max(0.002, gyro.scale_uncertainty);
-  priors.latency_sigma_s =
-      std::hypot(0.002, gyro.link.latency_uncertainty_s, camera.link.latency_uncertainty_s);
-  return priors;
-}
 
 }  // namespace
 
@@ -112,6 +101,8 @@ struct Odometer::Parts {
   void store_half(const HalfReading& half, double now_s);
   HalfResult add_newest(const HalfReading& half);
   bool choose_rows();
+  bool is_order_doubtful() const;
+  void ask_rows_again();
   const NisBounds& nis_bounds() const { return things_move ? nis_in_traffic : nis_at_rest; }
   void learn_fit(const HalfResult& result, double& mean) const { learn_nis(result, mean, nis_bounds().most); }
   void learn_again();
@@ -122,8 +113,6 @@ struct Odometer::Parts {
   void begin_anew();
   void begin_in_map(double now_s);
   void check_map(const HalfResult& result, const HalfReading& half);
-  bool is_trusted() const { return to_trust == 0 && !is_doubted; }
-  void watch_speed(const HalfResult& result);
   void keep_sound_heading(double now_s);
   std::optional<CircleSearch::Found> by_gyro() const;
   bool is_map_given_up(const HalfReading& half);
@@ -159,7 +148,8 @@ struct Odometer::Parts {
   BiasEvidence bias_evidence;
   bool is_by_evidence = false;  // what the start began with
   RowContest contest;
-  bool is_contested;  // in which order rows are exposed: not where that was measured
+  bool is_contested;            // in which order rows are exposed: not where that was measured
+  bool is_asked_again = false;  // with a gyro that is known: once a start
   double row_margin = 0.0;
   CircleSearch circle;
 
@@ -177,17 +167,15 @@ struct Odometer::Parts {
   std::optional<GyroHeading> sound;  // none: the gyro was away since, or there was no map yet
   double sound_since_s = 0.0;
   double mean_nis = 1.0;
-  int covered = 0;                      // halves in a row
-  int to_trust = 0;                     // halves until a search is believed
+  int covered = 0;  // halves in a row
+  HeadingTrust trust;
   std::optional<double> unfit_since_s;  // innovations are larger than they should be
   bool gyro_was_away = false;
-  double expected_sigma_deg = 0.0;              // of the heading before the search
-  bool is_doubted = false;                      // what the search found
-  double slowest_dps = 0.0, fastest_dps = 0.0;  // since
-  double mean_lean = 0.0;                       // innovations of late, with their signs
-  HalfResult newest;                            // of the halves that were judged
-  bool has_seen = false;                        // a half
-  bool stands_in = false;                       // the newest frame, for one of a camera that is missing
+  double expected_sigma_deg = 0.0;  // of the heading before the search
+  double mean_lean = 0.0;           // innovations of late, with their signs
+  HalfResult newest;                // of the halves that were judged
+  bool has_seen = false;            // a half
+  bool stands_in = false;           // the newest frame, for one of a camera that is missing
 };
 
 Odometer::Odometer(const GyroProfile& gyro, const CameraProfile& camera, std::shared_ptr<const Map> map)
@@ -285,7 +273,7 @@ void Odometer::Parts::add_half(const HalfReading& half, double now_s) {
       store_half(half, now_s);
       gather_evidence();
       learn_fit(add_newest(half), mean_nis);
-      if (is_start_over(now_s)) {
+      if (is_start_over(now_s) && (!is_asked_again || contest.are_heard(store))) {
         choose_rows();
         begin_pass(pass + 1);
       } else if (mean_nis > nis_bounds().lost) {
@@ -312,25 +300,37 @@ void Odometer::Parts::add_half(const HalfReading& half, double now_s) {
 void Odometer::Parts::store_half(const HalfReading& half, double now_s) {
   store.add(half, now_s);
   const bool is_searching = phase == Phase::searching && store.count() % search_every == 0;
-  if (is_contested) contest.add(store, path, bias_search, is_searching);
+  if (is_contested) contest.add(store, path, bias_search, is_searching || is_evidence_due());
 }
 
 HalfResult Odometer::Parts::add_newest(const HalfReading& half) {
   const HalfResult result = front.add(half, path);
-  if (is_contested && !store.is_full()) contest.note(store.count() - 1, result);
+  if (!lens->knows_rows() && !store.is_full()) contest.note(front.rows(), store.count() - 1, result);
   return result;
 }
 
-/// Ends the contest. True if the front tracker is another one than before: rows are not exposed at once.
+/// Ends the contest. True if the front tracker is another one than before, of another order.
 bool Odometer::Parts::choose_rows() {
   if (!is_contested) return false;
   is_contested = false;
   const FoundRows verdict = contest.verdict();
   row_margin = verdict.margin;
-  if (verdict.order == RowOrder::at_once) return false;
-  std::swap(front, contest.tracker(verdict.order));
-  mean_nis = contest.mean_nis(verdict.order);
+  if (verdict.order == front.rows()) return false;
+  mean_nis = contest.swap(verdict.order, front);
   return true;
+}
+
+/// An order may have won because the others began with a wrong bias; then it hardly fits.
+bool Odometer::Parts::is_order_doubtful() const {
+  return !lens->knows_rows() && !is_asked_again && !things_move && mean_nis > doubtful_nis;
+}
+
+/// All orders learn once more, with what is known of the gyro by now.
+void Odometer::Parts::ask_rows_again() {
+  is_contested = is_asked_again = true;
+  contest.begin_again(front.rows(), front.learnt(priors), store);
+  pass = 0;
+  phase = Phase::learning;
 }
 
 void Odometer::Parts::search_bias() {
@@ -363,10 +363,10 @@ void Odometer::Parts::begin_first_pass(const Priors& better) {
   phase = Phase::first_pass;
 }
 
-/// Where the order of rows is known; halves that no other search has added.
+/// Halves that no other search has added. In whichever order rows are exposed: at a steady speed that only
+/// shears what is seen.
 bool Odometer::Parts::is_evidence_due() const {
-  return lens->knows_rows() && map_use != MapUse::searching && !store.is_full() &&
-         store.count() % BiasSearch::halves == 0;
+  return map_use != MapUse::searching && !store.is_full() && store.count() % BiasSearch::halves == 0;
 }
 
 /// While a start goes on, searches go on: it may have begun with a wrong bias. True if this step searched.
@@ -384,6 +384,9 @@ bool Odometer::Parts::begin_by_evidence() {
   Priors better = *found;
   better.heading_deg = heading_at(store.at(0).now_s, found->bias_dps);
   mean_nis = 1.0;
+  is_contested = !lens->knows_rows();
+  is_asked_again = false;
+  if (is_contested) contest.begin_again(lens->rows(), better, store);
   begin_first_pass(better);
   return true;
 }
@@ -468,7 +471,7 @@ void Odometer::Parts::go_through(Tracker& tracker) {
     const auto& [half, came_s] = store.at(gone_through);
     if (!tracker.has_begun() || came_s > tracker.now_s()) tracker.advance(path, came_s);
     const HalfResult result = tracker.add(half, path);
-    if (is_contested) contest.note(gone_through, result);
+    if (!lens->knows_rows()) contest.note(tracker.rows(), gone_through, result);
     looks += result.looks;
     learn_fit(result, pass_nis);
     pass_count.add(result);
@@ -494,6 +497,8 @@ void Odometer::Parts::take_over(double now_s) {
     fail_start();
   else if (must_learn)
     learn_again();
+  else if (is_over && is_order_doubtful())
+    ask_rows_again();
   else if (is_over)
     begin_run(now_s);
   else
@@ -502,7 +507,7 @@ void Odometer::Parts::take_over(double now_s) {
 
 void Odometer::Parts::begin_run(double now_s) {
   phase = Phase::running;
-  slowest_dps = fastest_dps = front.rate_dps();
+  trust.begin(front.rate_dps());
   sound_since_s = now_s;
   sound = heading_of_front();
 }
@@ -512,7 +517,7 @@ void Odometer::Parts::begin_run(double now_s) {
 void Odometer::Parts::learn_again() {
   if (pass < most_passes && front.filter().sigma(HeadingFilter::bias) < known_bias_dps) {
     begin_pass(pass + 1);
-  } else if (is_contested && contest.verdict().order != RowOrder::at_once) {
+  } else if (is_contested && contest.verdict().order != front.rows()) {
     phase = Phase::learning;  // another order of rows fits better: it goes on until it has learnt enough
   } else if (!things_move && pass_count.shows_traffic() && is_plausible() &&
              has_usual_latency(front.filter(), priors)) {
@@ -523,14 +528,19 @@ void Odometer::Parts::learn_again() {
   }
 }
 
-/// The same halves again, if searches by now say more than the start began with.
+/// The same halves again, if searches by now say more than the start began with; then the later half of them:
+/// false maps are often begun at a high speed, and the rig has turned slower since.
 void Odometer::Parts::fail_start() {
+  if (is_by_evidence && store.count() >= 2 * least_of_start) {
+    store.forget_oldest(store.count() / 2);
+    is_by_evidence = false;
+  }
   if (!begin_by_evidence()) begin_anew();
 }
 
 void Odometer::Parts::run(const HalfReading& half) {
   if (watch.is_frozen() && !watch.is_zero()) return;
-  const HalfResult result = front.add(half, path, is_trusted() || map_use == MapUse::searching);
+  const HalfResult result = front.add(half, path, trust.is_trusted() || map_use == MapUse::searching);
   if (map_use == MapUse::searching) {
     check_map(result, half);
     if (phase != Phase::running) return;
@@ -539,9 +549,8 @@ void Odometer::Parts::run(const HalfReading& half) {
   newest = result;
   covered = result.is_flat ? covered + 1 : 0;
   if (!result.is_flat) learn_fit(result, mean_nis);
-  if (result.is_used) to_trust = std::max(0, to_trust - 1);
+  trust.add(result);
   if (result.is_used) follow_bias(result);
-  watch_speed(result);
   if (mean_nis > nis_bounds().unfit && !unfit_since_s) unfit_since_s = half.end_s;
   if (mean_nis < nis_bounds().fits) unfit_since_s.reset();
   keep_sound_heading(half.end_s);
@@ -554,19 +563,10 @@ void Odometer::Parts::run(const HalfReading& half) {
   map_use == MapUse::searching ? begin_in_map(half.end_s) : begin_search(half.end_s);
 }
 
-void Odometer::Parts::watch_speed(const HalfResult& result) {
-  slowest_dps = std::min(slowest_dps, result.rate_dps);
-  fastest_dps = std::max(fastest_dps, result.rate_dps);
-  if (!is_doubted || fastest_dps - slowest_dps < telling_change_dps) return;
-  is_doubted = false;
-  to_trust = halves_to_trust;
-}
-
 /// What a search found must first prove itself, at more than one speed.
 void Odometer::Parts::keep_sound_heading(double now_s) {
-  if (!is_trusted() || unfit_since_s || mean_nis > nis_bounds().fits) sound_since_s = now_s;
-  if (now_s - sound_since_s > sound_s && fastest_dps - slowest_dps > telling_change_dps)
-    sound = heading_of_front();
+  if (!trust.is_trusted() || unfit_since_s || mean_nis > nis_bounds().fits) sound_since_s = now_s;
+  if (now_s - sound_since_s > sound_s && trust.has_changed_speed()) sound = heading_of_front();
 }
 
 /// Where the newest half of a search looks, if the gyro was there since the heading was sound.
@@ -583,7 +583,7 @@ void Odometer::Parts::follow_bias(const HalfResult& result) {
   mean_lean += lean_share * (std::copysign(std::sqrt(result.squared), result.innovation_deg) - mean_lean);
   if (std::abs(mean_lean) < (things_move ? much_lean_in_traffic : much_lean)) return;
   if (things_move)
-    to_trust = halves_to_trust_lean;
+    trust.doubt_lean();
   else
     front.widen_bias(stepped_bias_dps);
   mean_lean = 0.0;
@@ -602,14 +602,11 @@ void Odometer::Parts::locate(const HalfReading& half, double now_s) {
   front.locate(half, path, circle);
   if (const auto found = circle.found(by_gyro())) {
     const double jump_deg = front.settle(*found);
-    // The gyro said something else, and was there all the time: one of the two is wrong, and as long as the
-    // rig keeps its speed nobody can tell.
-    is_doubted = sound && std::abs(jump_deg) > doubted_deg + doubted_sigmas * expected_sigma_deg;
-    slowest_dps = fastest_dps = front.rate_dps();
+    const bool gyro_differs = sound && std::abs(jump_deg) > doubted_deg + doubted_sigmas * expected_sigma_deg;
+    trust.begin_after_search(front.rate_dps(), gyro_differs);
     mean_nis = 1.0;
     mean_lean = 0.0;
     unfit_since_s.reset();
-    to_trust = halves_to_trust;
     phase = Phase::running;
   } else if (map_use == MapUse::searching ? is_map_given_up(half) : now_s - locating_since_s > give_up_s) {
     begin_anew();
@@ -640,10 +637,10 @@ void Odometer::Parts::begin_anew() {
   store.clear();
   contest.begin();
   is_contested = !lens->knows_rows();
+  is_asked_again = false;
   mean_nis = 1.0;
   covered = 0;
-  to_trust = 0;
-  is_doubted = false;
+  trust = HeadingTrust();
   unfit_since_s.reset();
   mean_lean = 0.0;
   gyro_was_away = false;
@@ -665,7 +662,7 @@ Report Odometer::Parts::report(const TimedFrame& frame, double now_s) const {
   if (report.reason != Reason::none)
     report.state = State::not_trusted;
   else if (map_use == MapUse::searching || phase == Phase::locating ||
-           (phase == Phase::running && (to_trust > 0 || is_doubted)))
+           (phase == Phase::running && !trust.is_trusted()))
     report.state = State::relocalising;
   else
     report.state = phase == Phase::running ? State::tracking : State::starting;

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "heading_filter.h"
+#include "thermorig/core/profile.h"
 #include "tracker.h"
 
 namespace thermorig::odometer {
@@ -17,6 +18,18 @@ struct NisBounds {
 constexpr NisBounds nis_at_rest{2.0, 2.0, 3.0, lost_nis, most_nis};  // where nothing moves but the rig
 // There the share of the halves counts that do not fit: how badly they do tells of what moves.
 constexpr NisBounds nis_in_traffic{4.5, 4.0, 5.5, 7.0, 9.0};
+
+/// What profiles say of both sensors, before anything was measured.
+inline Priors priors_of(const GyroProfile& gyro, const CameraProfile& camera) {
+  Priors priors;
+  priors.bias_dps = gyro.bias_dps;
+  priors.bias_sigma_dps = gyro.bias_uncertainty_dps;
+  priors.scale = gyro.scale;
+  priors.scale_sigma = std::max(0.002, gyro.scale_uncertainty);
+  priors.latency_sigma_s =
+      std::hypot(0.002, gyro.link.latency_uncertainty_s, camera.link.latency_uncertainty_s);
+  return priors;
+}
 
 /// Whether the gyro that a start has learnt is one that a data sheet knows: a map that closes falsely makes
 /// it another, by 7 to 9 % of its scale, and by 6 % where things move.

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 namespace thermorig::odometer {
 
@@ -11,12 +12,12 @@ namespace {
 
 constexpr std::size_t turns = 4;  // halves, a turn for each rival and for the caller
 constexpr int rival_looks = 24;   // at the map, of one: three halves
-constexpr int passes_a_row = 2;
-constexpr int rival_passes = 2 * passes_a_row;  // with one bias
 constexpr double rival_widening = 2.0;
 constexpr std::size_t compared_halves = 24;
 constexpr double contest_trust = 0.05;  // of its likelihood: halves share the errors of one map
 constexpr double fitting_nis = 3.0;     // of one that may win
+constexpr double hopeless_nis = 4.0;    // where the gyro is known
+constexpr std::array all_orders{RowOrder::at_once, RowOrder::first_to_last, RowOrder::last_to_first};
 constexpr float not_judged = std::numeric_limits<float>::quiet_NaN();
 
 std::size_t place_of(RowOrder order) {
@@ -33,16 +34,42 @@ RowContest::RowContest(const Priors& priors, const SharedLens& lens, bool latenc
 }
 
 void RowContest::begin() {
+  is_gyro_known_ = false;
+  of_caller_ = RowOrder::at_once;
+  rivals_[0].order = RowOrder::first_to_last;
+  rivals_[1].order = RowOrder::last_to_first;
   for (Rival& rival : rivals_) {
-    rival.has_begun = false;
+    rival.has_begun = rival.is_out = false;
     rival.passes = 0;
   }
   for (auto& one : left_k2_) std::fill(one.begin(), one.end(), not_judged);
 }
 
+void RowContest::begin_again(RowOrder of_caller, const Priors& learnt, const HalfStore& store) {
+  is_gyro_known_ = true;
+  of_caller_ = of_caller;
+  Priors better = learnt;
+  better.latency_s = priors_.latency_s;  // what the caller learnt of it makes up for the order of rows
+  better.latency_sigma_s = priors_.latency_sigma_s;
+  std::size_t next = 0;
+  for (const RowOrder order : all_orders) {
+    if (order == of_caller) continue;
+    Rival& rival = rivals_[next++];
+    rival.order = order;
+    rival.is_out = false;
+    std::fill(left_of(order).begin(), left_of(order).end(), not_judged);
+    begin(rival, better, store);
+  }
+}
+
+bool RowContest::are_heard(const HalfStore& store) const {
+  return std::all_of(rivals_.begin(), rivals_.end(),
+                     [&](const Rival& rival) { return rival.is_out || rival.gone_through == store.count(); });
+}
+
 void RowContest::add(const HalfStore& store, const GyroPath& path, BiasSearch& search, bool is_busy) {
   for (Rival& rival : rivals_) {
-    if (rival.has_begun || store.count() % turns != place_of(rival.order)) continue;
+    if (is_gyro_known_ || rival.has_begun || store.count() % turns != place_of(rival.order)) continue;
     look_for_bias(rival, store, path, search);
     is_busy = true;
   }
@@ -60,6 +87,10 @@ void RowContest::look_for_bias(Rival& rival, const HalfStore& store, const GyroP
   Priors better = priors_;
   better.bias_dps = found->bias_dps;
   better.bias_sigma_dps = rival_widening * found->sigma_dps;
+  begin(rival, better, store);
+}
+
+void RowContest::begin(Rival& rival, const Priors& better, const HalfStore& store) {
   const HalfReading& half = store.at(0).half;
   const double period_s = half.end_s - half.begin_s;
   rival.by_middle_row = better;
@@ -73,9 +104,10 @@ void RowContest::look_for_bias(Rival& rival, const HalfStore& store, const GyroP
 /// Where a pass was lost, another one begins with what it learnt; then it may be wrong which rows the
 /// camera's times are those of.
 void RowContest::begin_pass(Rival& rival) {
-  const bool is_last_row = !latency_measured_ && rival.passes < passes_a_row;
+  const int passes = passes_in_turn();
+  const bool is_last_row = may_be_last_row(rival) && rival.passes < passes;
   const Priors& first = is_last_row ? rival.by_last_row : rival.by_middle_row;
-  const bool is_again = rival.passes % passes_a_row != 0;
+  const bool is_again = rival.passes % passes != 0;
   rival.tracker.restart(is_again ? rival.tracker.learnt(priors_) : first, rival.order);
   rival.gone_through = 0;
   rival.nis = 1.0;
@@ -92,21 +124,26 @@ int RowContest::go_through(Rival& rival, const HalfStore& store, const GyroPath&
     learn_nis(result, rival.nis);
     note(rival.order, rival.gone_through, result);
   }
-  if (rival.nis > lost_nis && rival.passes < rival_passes)
-    begin_pass(rival);
-  else if (rival.nis > lost_nis)
-    rival.has_begun = false;
+  if (rival.nis <= (is_gyro_known_ ? hopeless_nis : lost_nis)) return looks;
+  const int passes = (may_be_last_row(rival) ? 2 : 1) * passes_in_turn();
+  rival.passes < passes ? begin_pass(rival) : give_up(rival);
   return looks;
+}
+
+/// It waits for another bias, if that may be wrong.
+void RowContest::give_up(Rival& rival) {
+  rival.has_begun = false;
+  rival.is_out = is_gyro_known_;
 }
 
 void RowContest::note(RowOrder order, std::size_t place, const HalfResult& result) {
   if (place < HalfStore::room)
-    left_k2_[place_of(order)][place] = result.is_judged ? static_cast<float>(result.left_k2) : not_judged;
+    left_of(order)[place] = result.is_judged ? static_cast<float>(result.left_k2) : not_judged;
 }
 
 /// Pixels' differences from the map as normal ones of unknown variance, over the halves that both judged.
 std::optional<double> RowContest::lead(RowOrder order, RowOrder other) const {
-  const auto &own = left_k2_[place_of(order)], &others = left_k2_[place_of(other)];
+  const auto &own = left_of(order), &others = left_of(other);
   double count = 0.0, sum = 0.0, sum_of_other = 0.0;
   for (std::size_t i = 0; i < HalfStore::room; ++i) {
     if (std::isnan(own[i]) || std::isnan(others[i])) continue;
@@ -119,27 +156,24 @@ std::optional<double> RowContest::lead(RowOrder order, RowOrder other) const {
 }
 
 FoundRows RowContest::verdict() const {
-  const RowOrder all[] = {RowOrder::at_once, RowOrder::first_to_last, RowOrder::last_to_first};
   FoundRows best;
-  for (const RowOrder order : all) {
+  for (const RowOrder order : all_orders) {
     double margin = std::numeric_limits<double>::infinity();
-    for (const RowOrder other : all)
+    for (const RowOrder other : all_orders)
       if (other != order)
         if (const auto one = lead(order, other)) margin = std::min(margin, *one);
     if (std::isfinite(margin) && margin > best.margin) best = {order, margin};
   }
-  const bool is_rival = best.order != RowOrder::at_once;
-  if (best.margin < FoundRows::least_margin || (is_rival && mean_nis(best.order) > fitting_nis))
-    best.order = RowOrder::at_once;
+  const bool does_not_fit = best.order != of_caller_ && rival(best.order).nis > fitting_nis;
+  if (best.margin < FoundRows::least_margin || does_not_fit) best.order = of_caller_;
   return best;
 }
 
-Tracker& RowContest::tracker(RowOrder order) {
-  return rivals_[order == RowOrder::first_to_last ? 0 : 1].tracker;
-}
-
-double RowContest::mean_nis(RowOrder order) const {
-  return rivals_[order == RowOrder::first_to_last ? 0 : 1].nis;
+double RowContest::swap(RowOrder winner, Tracker& of_caller) {
+  Rival& swapped = rival(winner);
+  std::swap(of_caller, swapped.tracker);
+  std::swap(of_caller_, swapped.order);
+  return swapped.nis;
 }
 
 }  // namespace thermorig::odometer

@@ -15,7 +15,8 @@ namespace thermorig::odometer {
 
 /// Holds the orders in which a camera may expose its rows against each other, on the halves of the start. A
 /// tracker for each of the two that go row after row, beside that of the caller, which takes all rows at
-/// once: with the right one, what a place showed at one speed is what it shows at another.
+/// once: with the right one, what a place showed at one speed is what it shows at another. Rivals may begin
+/// with a wrong bias of the gyro, and be lost for that; once it is known they can be heard again.
 class RowContest {
  public:
   /// `latency_measured`: the camera's times are those of its middle rows; else they may be those of the last.
@@ -23,20 +24,23 @@ class RowContest {
 
   /// Forgets all.
   void begin();
+  /// Every order but the caller's begins anew, from what is known of the gyro by now.
+  void begin_again(RowOrder of_caller, const Priors& learnt, const HalfStore& store);
+  /// Since then each of them has gone through the store, or was lost on the way.
+  bool are_heard(const HalfStore& store) const;
 
   /// The newest half of the store: a step for each rival, of bounded work. `is_busy`: the caller searches for
   /// the bias in the same step.
   void add(const HalfStore& store, const GyroPath& path, BiasSearch& search, bool is_busy);
 
   /// What the caller's tracker made of a half of the store.
-  void note(std::size_t place, const HalfResult& result) { note(RowOrder::at_once, place, result); }
+  void note(RowOrder order, std::size_t place, const HalfResult& result);
 
   /// A margin of 0: nothing could be compared yet.
   FoundRows verdict() const;
 
-  /// The tracker of an order that won: the caller may take it, and begins the contest anew.
-  Tracker& tracker(RowOrder order);
-  double mean_nis(RowOrder order) const;
+  /// Hands over the tracker of a rival that won, for the caller's. Returns how well its halves fit (NIS).
+  double swap(RowOrder winner, Tracker& of_caller);
 
  private:
   struct Rival {
@@ -46,18 +50,32 @@ class RowContest {
     Tracker tracker;
     Priors by_last_row, by_middle_row;
     bool has_begun = false;
+    bool is_out = false;  // it was lost from what is known of the gyro
     int passes = 0;
     std::size_t gone_through = 0;  // halves of the store
     double nis = 1.0;
   };
+  void begin(Rival& rival, const Priors& better, const HalfStore& store);
   void begin_pass(Rival& rival);
   void look_for_bias(Rival& rival, const HalfStore& store, const GyroPath& path, BiasSearch& search);
   int go_through(Rival& rival, const HalfStore& store, const GyroPath& path);  // returns looks at the map
-  void note(RowOrder order, std::size_t place, const HalfResult& result);
+  void give_up(Rival& rival);
+  Rival& rival(RowOrder order) { return rivals_[0].order == order ? rivals_[0] : rivals_[1]; }
+  const Rival& rival(RowOrder order) const { return rivals_[0].order == order ? rivals_[0] : rivals_[1]; }
+  bool may_be_last_row(const Rival& rival) const {
+    return !latency_measured_ && rival.order != RowOrder::at_once;
+  }
+  int passes_in_turn() const { return is_gyro_known_ ? 1 : 2; }  // with the times of the same row
+  std::vector<float>& left_of(RowOrder order) { return left_k2_[static_cast<std::size_t>(order)]; }
+  const std::vector<float>& left_of(RowOrder order) const {
+    return left_k2_[static_cast<std::size_t>(order)];
+  }
   std::optional<double> lead(RowOrder order, RowOrder other) const;
 
   Priors priors_;
   bool latency_measured_;
+  bool is_gyro_known_ = false;  // rivals need not search for its bias
+  RowOrder of_caller_ = RowOrder::at_once;
   std::array<Rival, 2> rivals_;
   std::array<std::vector<float>, 3> left_k2_;  // of each half, by order; NaN: not judged
 };

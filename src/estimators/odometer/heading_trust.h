@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <algorithm>
+
+#include "tracker.h"
+
+namespace thermorig::odometer {
+
+/// Whether a heading is believed. One that a search found must prove itself first; where the gyro says
+/// something else and was there all the time, one of the two is wrong, and as long as the rig keeps its speed
+/// nobody can tell which.
+class HeadingTrust {
+ public:
+  HeadingTrust() = default;
+
+  /// Of a heading that nothing speaks against.
+  void begin(double rate_dps) { *this = {0, false, rate_dps}; }
+  void begin_after_search(double rate_dps, bool gyro_differs) {
+    *this = {halves_to_trust, gyro_differs, rate_dps};
+  }
+  /// It leans to one side where things move.
+  void doubt_lean() { halves_left_ = halves_to_trust_lean; }
+
+  /// Of a half that was judged.
+  void add(const HalfResult& result) {
+    if (result.is_used) halves_left_ = std::max(0, halves_left_ - 1);
+    slowest_dps_ = std::min(slowest_dps_, result.rate_dps);
+    fastest_dps_ = std::max(fastest_dps_, result.rate_dps);
+    if (!gyro_differs_ || !has_changed_speed()) return;
+    gyro_differs_ = false;
+    halves_left_ = halves_to_trust;
+  }
+
+  bool is_trusted() const { return halves_left_ == 0 && !gyro_differs_; }
+  /// So much that a wrong time would have shown.
+  bool has_changed_speed() const { return fastest_dps_ - slowest_dps_ >= telling_change_dps; }
+
+ private:
+  static constexpr int halves_to_trust = 8, halves_to_trust_lean = 16;
+  static constexpr double telling_change_dps = 40.0;
+
+  HeadingTrust(int halves, bool gyro_differs, double rate_dps)
+      : halves_left_(halves), gyro_differs_(gyro_differs), slowest_dps_(rate_dps), fastest_dps_(rate_dps) {}
+
+  int halves_left_ = 0;
+  bool gyro_differs_ = false;
+  double slowest_dps_ = 0.0, fastest_dps_ = 0.0;  // since it began
+};
+
+}  // namespace thermorig::odometer
