@@ -22,7 +22,7 @@ void add_named(BiasEvidence& evidence, double named_dps, double read_dps) {
                 .step_dps = 0.5,
                 .read_dps = read_dps,
                 .least = 1.0,
-                .readings = 100.0,
+                .readings = 100.0 / BiasSearch::trusted_with_care,
                 .is_distinct = true});
 }
 

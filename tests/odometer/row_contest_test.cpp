@@ -1,0 +1,91 @@
+// SPDX-License-Identifier: MIT
+#include "estimators/odometer/row_contest.h"
+
+#include <gtest/gtest.h>
+
+#include <memory>
+
+#include "room.h"
+#include "support/at_s.h"
+
+namespace thermorig::odometer {
+namespace {
+
+/// The halves of a start and the gyro's path through them.
+struct Start {
+  explicit Start(const Room& room) {
+    for (const Seen& seen : seen_in(room)) {
+      for (const TimedGyro& sample : seen.gyro)
+        path.add(to_s(sample.stamp.time - at_s(0.0)), double{sample.rate_dps}, 0.0);
+      for (const unsigned parity : {0U, 1U}) {
+        const auto half = half_of(seen.frame, parity, at_s(0.0));
+        if (half && half->begin_s > path.begin_s()) store.add(*half, half->end_s);
+      }
+    }
+  }
+  HalfStore store;
+  GyroPath path;
+};
+
+Room rolling_room(double rolling) {
+  Room room = turning_room(25.0);
+  room.angle_deg = to_and_fro(300.0, 200.0);
+  room.rolling = rolling;
+  return room;
+}
+
+/// What a start that went well has learnt of the gyro in the room.
+Priors learnt_in(const Room& room) {
+  Priors priors;
+  priors.bias_dps = room.bias_dps;
+  priors.bias_sigma_dps = 0.2;
+  priors.scale = room.scale;
+  priors.scale_sigma = 0.004;
+  return priors;
+}
+
+/// All orders go through the start, with rows at once for the caller's. Nothing: some are never heard.
+std::optional<FoundRows> heard_in(const Room& room) {
+  const Start start(room);
+  const auto lens = std::make_shared<const Lens>(CameraProfile());
+  const Priors learnt = learnt_in(room);
+  RowContest contest(Priors(), lens, false);
+  contest.begin_again(RowOrder::at_once, learnt, start.store);
+  Tracker at_once(learnt, lens);
+  for (std::size_t i = 0; i < start.store.count(); ++i) {
+    at_once.advance(start.path, start.store.at(i).now_s);
+    contest.note(RowOrder::at_once, i, at_once.add(start.store.at(i).half, start.path));
+  }
+  BiasSearch search(Priors(), lens);
+  for (int step = 0; step < 400 && !contest.are_heard(start.store); ++step)
+    contest.add(start.store, start.path, search, false);
+  if (!contest.are_heard(start.store)) return std::nullopt;
+  return contest.verdict();
+}
+
+TEST(RowContest, HearsAllOrdersAgainOnceTheGyroIsKnown) {
+  const auto first = heard_in(rolling_room(1.0)), last = heard_in(rolling_room(-1.0));
+  ASSERT_TRUE(first && last);
+  EXPECT_EQ(first->order, RowOrder::first_to_last);
+  EXPECT_EQ(last->order, RowOrder::last_to_first);
+  EXPECT_GT(first->margin, 100.0);
+  EXPECT_GT(last->margin, 100.0);
+}
+
+TEST(RowContest, LetsTheCallersOrderStandWhereTheOthersAreLost) {
+  const auto found = heard_in(rolling_room(0.0));
+  ASSERT_TRUE(found);
+  EXPECT_EQ(found->order, RowOrder::at_once);
+}
+
+TEST(HalfStore, ForgetsItsOldestHalves) {
+  Start start(rolling_room(0.0));
+  const std::size_t before = start.store.count();
+  const double third_s = start.store.at(2).half.begin_s;
+  start.store.forget_oldest(2);
+  EXPECT_EQ(start.store.count(), before - 2);
+  EXPECT_EQ(start.store.at(0).half.begin_s, third_s);
+}
+
+}  // namespace
+}  // namespace thermorig::odometer
