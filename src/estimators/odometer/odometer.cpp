@@ -41,7 +41,8 @@ constexpr double settled_latency_s = 0.001, settled_scale = 0.001;
 constexpr double doubtful_nis = 1.6;        // of a start: the wrong order of rows hardly fits
 constexpr std::size_t least_of_start = 72;  // halves
 constexpr double known_bias_dps = 1.0;
-constexpr int passes_to_tell = 2;  // the first one may begin with a wrong bias
+constexpr int passes_by_evidence = 3;  // that do not fit: another one would not either
+constexpr int passes_to_tell = 2;      // the first one may begin with a wrong bias
 
 constexpr double longest_unfit_s = 30.0;                   // then the map is wrong
 constexpr int covered_halves = 4;                          // in a row
@@ -94,12 +95,12 @@ struct Odometer::Parts {
   void begin_run(double now_s);
   bool has_settled(double bias_dps, double scale, double latency_s) const;
   bool is_plausible() const { return odometer::is_plausible(front.filter(), priors, things_move); }
-  bool is_hardly_seen() const;
   /// Not asked while the order of rows is open: the wrong one does not fit either.
   bool is_false_map() const { return !is_contested && pass_count.is_false_map(); }
   void restart_pass();
   void store_half(const HalfReading& half, double now_s);
   HalfResult add_newest(const HalfReading& half);
+  bool may_choose_rows() const;
   bool choose_rows();
   bool is_order_doubtful() const;
   void ask_rows_again();
@@ -273,7 +274,7 @@ void Odometer::Parts::add_half(const HalfReading& half, double now_s) {
       store_half(half, now_s);
       gather_evidence();
       learn_fit(add_newest(half), mean_nis);
-      if (is_start_over(now_s) && (!is_asked_again || contest.are_heard(store))) {
+      if (is_start_over(now_s) && may_choose_rows()) {
         choose_rows();
         begin_pass(pass + 1);
       } else if (mean_nis > nis_bounds().lost) {
@@ -307,6 +308,12 @@ HalfResult Odometer::Parts::add_newest(const HalfReading& half) {
   const HalfResult result = front.add(half, path);
   if (!lens->knows_rows() && !store.is_full()) contest.note(front.rows(), store.count() - 1, result);
   return result;
+}
+
+/// With a gyro that is known an order wins from the front tracker's only if all were heard.
+bool Odometer::Parts::may_choose_rows() const {
+  if (!is_contested || !contest.is_gyro_known() || contest.are_heard(store)) return true;
+  return !is_asked_again && contest.verdict().order == front.rows();
 }
 
 /// Ends the contest. True if the front tracker is another one than before, of another order.
@@ -459,11 +466,6 @@ bool Odometer::Parts::has_settled(double bias_dps, double scale, double latency_
          std::abs(filter.latency_s() - begun_with.latency_s) < latency_s;
 }
 
-/// Before faint walls only those halves tell anything that what moves is in: the map is one of it.
-bool Odometer::Parts::is_hardly_seen() const {
-  return things_move && pass_count.is_hardly_judged(store.count());
-}
-
 void Odometer::Parts::go_through(Tracker& tracker) {
   const int most_looks = tracker.rows() == RowOrder::at_once ? looks_a_step : row_looks_a_step;
   int looks = 0;
@@ -483,7 +485,7 @@ void Odometer::Parts::take_over(double now_s) {
   std::swap(front, back);
   if (now_s > front.now_s()) front.advance(path, now_s);  // the store was full before
   mean_nis = pass_nis;
-  const bool is_over = is_start_over(now_s);
+  const bool is_over = is_start_over(now_s) && may_choose_rows();
   if (is_over && choose_rows()) {
     begin_pass(pass + 1);
     return;
@@ -493,7 +495,9 @@ void Odometer::Parts::take_over(double now_s) {
   const bool must_learn = mean_nis > nis_bounds().lost || (is_over && !is_settled);
   const bool is_made = is_over && !must_learn;
   const bool is_false = is_false_map() && (is_made || pass >= passes_to_tell);
-  if (is_false || (is_made && (!is_plausible() || is_hardly_seen())))
+  // Before faint walls only those halves tell anything that what moves is in: the map is one of it.
+  const bool is_hardly_seen = things_move && pass_count.is_hardly_judged(store.count());
+  if (is_false || (is_made && (!is_plausible() || is_hardly_seen)))
     fail_start();
   else if (must_learn)
     learn_again();
@@ -515,7 +519,8 @@ void Odometer::Parts::begin_run(double now_s) {
 /// While the start is learnt, what does not fit means that the map was begun with a wrong bias: by now it is
 /// known better.
 void Odometer::Parts::learn_again() {
-  if (pass < most_passes && front.filter().sigma(HeadingFilter::bias) < known_bias_dps) {
+  const bool is_hopeless = is_by_evidence && pass >= passes_by_evidence && mean_nis > nis_bounds().unfit;
+  if (!is_hopeless && pass < most_passes && front.filter().sigma(HeadingFilter::bias) < known_bias_dps) {
     begin_pass(pass + 1);
   } else if (is_contested && contest.verdict().order != front.rows()) {
     phase = Phase::learning;  // another order of rows fits better: it goes on until it has learnt enough

@@ -26,6 +26,7 @@ class RowContest {
   void begin();
   /// Every order but the caller's begins anew, from what is known of the gyro by now.
   void begin_again(RowOrder of_caller, const Priors& learnt, const HalfStore& store);
+  bool is_gyro_known() const { return is_gyro_known_; }
   /// Since then each of them has gone through the store, or was lost on the way.
   bool are_heard(const HalfStore& store) const;
 
