@@ -102,7 +102,10 @@ struct Odometer::Parts {
   HalfResult add_newest(const HalfReading& half);
   bool may_choose_rows() const;
   bool choose_rows();
-  bool is_order_doubtful() const;
+  /// An order may have won because the others began with a wrong bias; then it hardly fits.
+  bool is_order_doubtful() const {
+    return !lens->knows_rows() && !is_asked_again && !things_move && mean_nis > doubtful_nis;
+  }
   void ask_rows_again();
   const NisBounds& nis_bounds() const { return things_move ? nis_in_traffic : nis_at_rest; }
   void learn_fit(const HalfResult& result, double& mean) const { learn_nis(result, mean, nis_bounds().most); }
@@ -325,11 +328,6 @@ bool Odometer::Parts::choose_rows() {
   if (verdict.order == front.rows()) return false;
   mean_nis = contest.swap(verdict.order, front);
   return true;
-}
-
-/// An order may have won because the others began with a wrong bias; then it hardly fits.
-bool Odometer::Parts::is_order_doubtful() const {
-  return !lens->knows_rows() && !is_asked_again && !things_move && mean_nis > doubtful_nis;
 }
 
 /// All orders learn once more, with what is known of the gyro by now.
