@@ -6,7 +6,6 @@
 #include <cmath>
 #include <limits>
 #include <span>
-#include <type_traits>
 
 namespace thermorig::likelihood {
 
@@ -119,6 +118,23 @@ void explain(const Lines& lines, const SpeedPatterns& table, std::span<const flo
   out.patterns += variance.size() * std::min(end, table.count);
 }
 
+/// A wave's contrast is about that which the window's own energy has at that speed.
+template <std::size_t waves>
+void explain_at(const WindowLines& window, const Lines& lines, const SpeedPatterns& patterns,
+                std::size_t first_wave, const SearchDepth& depth, double noise_variance, Explained& out) {
+  std::array<float, waves> variance{};
+  const std::size_t count = std::min(waves, depth.waves - first_wave);
+  for (std::size_t k = 0; k < count; ++k) {
+    const std::size_t wave = first_wave + k;
+    const auto freedom = static_cast<double>(window.lines() - (wave == 0 ? window.halves() : 0));
+    const double contrast = window.energy(wave) / (2.0 * freedom * noise_variance) - 1.0;
+    variance[k] = static_cast<float>(std::clamp(contrast, 0.0, most_contrast) *
+                                     static_cast<double>(lines.classes) * freedom / patterns.trace);
+  }
+  explain<waves>(lines, patterns, std::span(variance).first(count), first_wave, depth,
+                 static_cast<float>(noise_variance), out);
+}
+
 /// Of a wave whose contrast is one of several, all as likely before.
 double over_contrasts(std::span<const double> doubled) {
   const double best = *std::max_element(doubled.begin(), doubled.end());
@@ -165,38 +181,23 @@ SpeedSearch::SpeedSearch() {
   fine_.resize(places);
 }
 
-/// A wave's contrast is about that which the window's own energy has at that speed.
 SpeedSearch::Fit SpeedSearch::fit(const WindowLines& lines, std::size_t place, const SearchDepth& depth,
                                   double noise_variance) const {
   const SpeedTable& table = SpeedTable::of(lines.halves());
-  const auto noise = static_cast<float>(noise_variance);
-  Explained explained;
-  const auto look_at = [&]<std::size_t waves>(std::integral_constant<std::size_t, waves>, const Lines& seen,
-                                              const SpeedPatterns& patterns, std::size_t first_wave) {
-    std::array<float, waves> variance{};
-    const std::size_t count = std::min(waves, depth.waves - first_wave);
-    for (std::size_t k = 0; k < count; ++k) {
-      const std::size_t wave = first_wave + k;
-      const auto freedom = static_cast<double>(2 * (lines.lines() - (wave == 0 ? lines.halves() : 0)));
-      const double contrast = lines.energy(wave) / (freedom * noise_variance) - 1.0;
-      const double of_lines = 0.5 * freedom * static_cast<double>(seen.classes);
-      variance[k] = static_cast<float>(std::clamp(contrast, 0.0, most_contrast) * of_lines / patterns.trace);
-    }
-    explain<waves>(seen, patterns, std::span(variance).first(count), first_wave, depth, noise, explained);
-  };
-  constexpr std::integral_constant<std::size_t, 1> one_wave;
-  constexpr std::integral_constant<std::size_t, waves_a_time> some_waves;
-  const std::size_t middle = table.own().size() / 2;
+  const std::size_t middle = table.own().size() / 2, opposite = 2 * middle - place;
   const std::size_t first = place >= middle ? 0 : 1, second = 1 - first;
-  const std::size_t speed = place >= middle ? place - middle : middle - place;
-  look_at(one_wave, {{lines.longest(first), lines.longest(second)}, 2, 1, lines.lines()},
-          table.longest()[speed], 0);
-  look_at(some_waves, {{lines.waves(first) + 1, lines.waves(second) + 1}, 2, half_rows, lines.lines()},
-          table.shared()[speed], 1);
+  const std::size_t shared = std::max(place, opposite) - middle;
+  Explained explained;
+  explain_at<1>(lines, {{lines.longest(first), lines.longest(second)}, 2, 1, lines.lines()},
+                table.longest()[shared], 0, depth, noise_variance, explained);
+  explain_at<waves_a_time>(lines,
+                           {{lines.waves(first) + 1, lines.waves(second) + 1}, 2, half_rows, lines.lines()},
+                           table.shared()[shared], 1, depth, noise_variance, explained);
   for (std::size_t wave = shared_waves; wave < depth.waves; wave += waves_a_time)
     for (std::size_t row_class = 0; row_class < 2; ++row_class)
-      look_at(some_waves, {{lines.waves(row_class) + wave}, 1, half_rows, lines.lines()},
-              table.own()[row_class == 0 ? place : table.own().size() - 1 - place], wave);
+      explain_at<waves_a_time>(lines, {{lines.waves(row_class) + wave}, 1, half_rows, lines.lines()},
+                               table.own()[row_class == 0 ? place : opposite], wave, depth, noise_variance,
+                               explained);
   Fit fit{.unexplained = -explained.seen};
   for (std::size_t wave = 0; wave < depth.waves; ++wave) {
     fit.unexplained += lines.energy(wave);

@@ -12,8 +12,7 @@ namespace thermorig::likelihood {
 inline constexpr std::size_t least_halves = 2, most_halves = 4;
 inline constexpr double largest_speed = 18.5;  // faster, a half shows little that the one before has shown
 inline constexpr std::size_t patterns_a_group = 8;
-inline constexpr std::size_t shared_waves =
-    5;  // the longest, of which both classes of rows see nearly the same
+inline constexpr std::size_t shared_waves = 5;  // the longest: both classes of rows see nearly the same
 
 /// What a scene shows in the lines of a window at one speed, as patterns that come independently of each
 /// other, the most common first: eigenvectors of their covariance.
