@@ -64,55 +64,88 @@ Eigen::VectorXd pattern_of(const SpeedPatterns& patterns, std::size_t k, std::si
   return pattern;
 }
 
+/// They are eigenvectors of the covariance, at right angles to each other.
+void expect_independent(const SpeedPatterns& patterns, const Eigen::MatrixXd& covariance) {
+  const auto lines = static_cast<std::size_t>(covariance.rows());
+  ASSERT_GT(patterns.count, 10U);
+  for (std::size_t k = 0; k < patterns.count; ++k) {
+    const Eigen::VectorXd pattern = pattern_of(patterns, k, lines);
+    const Eigen::VectorXd left = covariance * pattern - double{patterns.variance[k]} * pattern;
+    EXPECT_LT(left.norm(), 2e-5) << lines << " " << k;
+    for (std::size_t other = 0; other <= k; ++other)
+      EXPECT_NEAR(pattern.dot(pattern_of(patterns, other, lines)), k == other ? 1.0 : 0.0, 1e-5)
+          << lines << " " << k << " " << other;
+  }
+}
+
 TEST(SpeedTables, HavePatternsThatComeIndependentlyOfEachOther) {
   for (const std::size_t halves : {2U, 3U, 4U}) {
-    const std::size_t lines = halves * line_pixels;
     const SpeedTable& table = SpeedTable::of(halves);
-    const std::size_t place = table.plain().size() / 2 + 20;
-    Eigen::MatrixXd covariance = window_covariance(halves, table.plain()[place].speed);
-    for (const SpeedPatterns& patterns : {table.plain()[place], table.centred()[place]}) {
-      for (std::size_t k = 0; k < patterns.count; ++k) {
-        const Eigen::VectorXd pattern = pattern_of(patterns, k, lines);
-        const Eigen::VectorXd left = covariance * pattern - double{patterns.variance[k]} * pattern;
-        EXPECT_LT(left.norm(), 1e-5) << halves << " " << k;
-        for (std::size_t other = 0; other <= k; ++other)
-          EXPECT_NEAR(pattern.dot(pattern_of(patterns, other, lines)), k == other ? 1.0 : 0.0, 1e-5)
-              << halves << " " << k << " " << other;
-      }
-      centre_halves(covariance, halves);
-    }
+    const std::size_t place = table.own().size() / 2 + 20;
+    const double speed = table.own()[place].speed;
+    expect_independent(table.own()[place], window_covariance(halves, speed));
+    ASSERT_EQ(table.longest()[20].speed, speed);
+    Eigen::MatrixXd longest = covariance_of_classes(halves, speed, likeness_of_classes(0));
+    centre_halves(longest);
+    expect_independent(table.longest()[20], longest);
+    double likeness = 0.0;
+    for (std::size_t wave = 1; wave < shared_waves; ++wave)
+      likeness += likeness_of_classes(wave) / static_cast<double>(shared_waves - 1);
+    expect_independent(table.shared()[20], covariance_of_classes(halves, speed, likeness));
   }
 }
 
-TEST(SpeedTables, AreSymmetricAndTheirVariancesFallAndAreAllThatThereIs) {
-  for (const bool is_centred : {false, true}) {
-    const auto speeds = is_centred ? SpeedTable::of(2).centred() : SpeedTable::of(2).plain();
-    for (std::size_t i = 0; i < speeds.size(); ++i) {
-      EXPECT_EQ(speeds[i].speed, -speeds[speeds.size() - 1 - i].speed);
+TEST(SpeedTables, HaveTheirSpeedsAndTheirVariancesFallAndAreAllThatThereIs) {
+  const SpeedTable& table = SpeedTable::of(2);
+  const std::size_t count = table.own().size();
+  for (std::size_t i = 0; i < count; ++i) EXPECT_EQ(table.own()[i].speed, -table.own()[count - 1 - i].speed);
+  EXPECT_GT(table.own().back().speed, 17.5);
+  for (const auto speeds : {table.own(), table.shared(), table.longest()})
+    for (const SpeedPatterns& patterns : speeds) {
       double sum = 0.0;
-      for (std::size_t k = 0; k < speeds[i].variance.size(); ++k) {
-        sum += double{speeds[i].variance[k]};
+      for (std::size_t k = 0; k < patterns.variance.size(); ++k) {
+        sum += double{patterns.variance[k]};
         if (k > 0) {
-          EXPECT_LE(speeds[i].variance[k], speeds[i].variance[k - 1]);
+          EXPECT_LE(patterns.variance[k], patterns.variance[k - 1]);
         }
       }
-      EXPECT_NEAR(sum, speeds[i].trace, 0.02 * speeds[i].trace);
+      EXPECT_NEAR(sum, patterns.trace, 0.02 * patterns.trace);
     }
-    EXPECT_GT(speeds.back().speed, 17.5);
+  EXPECT_EQ(table.shared().front().speed, 0.0);
+  EXPECT_EQ(table.shared().back().speed, table.own().back().speed);
+}
+
+TEST(SpeedTables, OfTheLongestWaveHaveNoPatternOfWhatAHalfHasInCommon) {
+  const SpeedPatterns& patterns = SpeedTable::of(2).longest().back();
+  for (std::size_t k = 0; k < patterns.count; ++k) {
+    const Eigen::VectorXd pattern = pattern_of(patterns, k, 4 * line_pixels);
+    for (Eigen::Index half = 0; half < 4; ++half)
+      EXPECT_NEAR(pattern.segment(half * static_cast<Eigen::Index>(line_pixels), line_pixels).sum(), 0.0,
+                  1e-4);
   }
 }
 
-TEST(SpeedTables, WithoutWhatAHalfHasInCommonHaveNoPatternOfIt) {
-  const SpeedPatterns& patterns = SpeedTable::of(2).centred().front();
-  for (std::size_t k = 0; k < patterns.count; ++k)
-    for (std::size_t half = 0; half < 2; ++half) {
-      float sum = 0.0F;
-      for (std::size_t i = 0; i < line_pixels; ++i)
-        sum += patterns.pattern[((k / patterns_a_group) * 2 * line_pixels + half * line_pixels + i) *
-                                    patterns_a_group +
-                                k % patterns_a_group];
-      EXPECT_NEAR(sum, 0.0F, 1e-4F);
-    }
+TEST(ClassesOfRows, SeeTheSameOfLongWavesAndEachItsOwnOfShortOnes) {
+  EXPECT_GT(likeness_of_classes(0), 0.99);
+  EXPECT_GT(likeness_of_classes(1), 0.97);
+  for (std::size_t wave = 1; wave < half_rows; ++wave)
+    EXPECT_LT(likeness_of_classes(wave), likeness_of_classes(wave - 1));
+  EXPECT_NEAR(likeness_of_classes(half_rows - 1), 0.0, 0.1);
+}
+
+/// In a half the one class sees column 0 where the other sees column 1; in the next one it is the other way.
+TEST(ClassesOfRows, LookAtPlacesOfOneScene) {
+  constexpr double speed = 2.6;
+  const Eigen::MatrixXd covariance = covariance_of_classes(4, speed, 1.0);
+  EXPECT_LT((covariance - covariance.transpose()).norm(), 1e-9);
+  const auto lines = static_cast<Eigen::Index>(4 * line_pixels);
+  const auto last_pixel = static_cast<Eigen::Index>(line_pixels) - 1;  // of a mirrored line: column 1
+  for (Eigen::Index half = 0; half < 4; ++half) {
+    const Eigen::Index first = half * static_cast<Eigen::Index>(line_pixels);
+    EXPECT_NEAR(covariance(first, lines + first + last_pixel), swept_covariance(1.0, speed), 1e-9) << half;
+  }
+  const auto next_half = static_cast<Eigen::Index>(line_pixels);  // there that pixel is column 0
+  EXPECT_NEAR(covariance(0, lines + next_half + last_pixel), swept_covariance(speed, speed), 1e-9);
 }
 
 TEST(WindowLines, KeepTheSumOfTheSquaresAndPartItBySize) {

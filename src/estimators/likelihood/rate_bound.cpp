@@ -141,7 +141,7 @@ double rate_bound_dps(const BoundedWindow& window, const PanoramaImage& panorama
   for (std::size_t row_class = 0; row_class < 2; ++row_class) {
     const Eigen::MatrixXd scene = window_covariance(halves, row_class == 0 ? speed : -speed);
     Eigen::MatrixXd centred = scene;
-    centre_halves(centred, halves);
+    centre_halves(centred);
     for (std::size_t wave = 0; wave < half_rows; ++wave) {
       const double trace = (wave == 0 ? centred : scene).trace();
       const double contrast = shown.energy(wave) / (2.0 * trace * noise_variance);

@@ -12,7 +12,8 @@ namespace thermorig::likelihood {
 namespace {
 
 constexpr std::size_t waves_a_time = 4;
-constexpr std::size_t rough_step = 2, rough_waves = 1 + waves_a_time, rough_patterns = 16;
+static_assert(shared_waves == 1 + waves_a_time);
+constexpr std::size_t rough_step = 2, rough_waves = shared_waves, rough_patterns = 16;
 constexpr std::size_t patterns_a_product = 4 * patterns_a_group;  // their product is finite
 constexpr double seen_variance = 0.05;      // of a pattern, in the noise's: what is less changes nothing
 constexpr double most_contrast = 1e6;       // of a scene's variance in the noise's: products stay finite
@@ -36,22 +37,24 @@ struct SearchDepth {
 namespace {
 
 constexpr SearchDepth rough_depth{rough_waves, rough_patterns, rough_contrasts};
-constexpr SearchDepth fine_depth{half_rows, most_halves* line_pixels, contrasts};
+constexpr SearchDepth fine_depth{half_rows, 2 * most_halves* line_pixels, contrasts};
 
 /// Patterns side by side: eight sums do not wait for each other.
 using Side = Eigen::Array<float, static_cast<int>(patterns_a_group), 1>;
 
-/// What the patterns of one speed explain of one class of rows.
+/// What the patterns of one speed explain.
 struct Explained {
   std::array<std::array<double, contrasts.size()>, half_rows> doubled{};  // logarithm of the likelihood
   double seen = 0.0;                                                      // all that lies along the patterns
   std::size_t patterns = 0;                                               // of all waves
 };
 
-/// The lines of one class of rows: `waves` waves of each, `stride` numbers apart.
+/// The lines of one class of rows, or of both: `waves` waves of each, `stride` numbers apart.
 struct Lines {
-  const float* values = nullptr;
-  std::size_t stride = 1, count = 0;
+  std::array<const float*, 2> values{};
+  std::size_t classes = 1, stride = 1, class_lines = 0;
+
+  std::size_t count() const { return classes * class_lines; }
 };
 
 /// How much of each pattern of a group there is in each wave.
@@ -60,12 +63,13 @@ std::array<Side, waves> along(const float* group, const Lines& lines) {
   std::array<Side, waves> even, odd;
   even.fill(Side::Zero());
   odd.fill(Side::Zero());
-  for (std::size_t i = 0; i < lines.count; i += 2) {
-    const Eigen::Map<const Side> pattern(group + i * patterns_a_group), next(pattern.data() + pattern.size());
-    const float *here = lines.values + i * lines.stride, *behind = here + lines.stride;
-    for (std::size_t wave = 0; wave < waves; ++wave) even[wave] += pattern * here[wave];
-    for (std::size_t wave = 0; wave < waves; ++wave) (waves == 1 ? odd : even)[wave] += next * behind[wave];
-  }
+  for (std::size_t row_class = 0; row_class < lines.classes; ++row_class)
+    for (std::size_t i = 0; i < lines.class_lines; i += 2, group += 2 * patterns_a_group) {
+      const Eigen::Map<const Side> pattern(group), next(pattern.data() + pattern.size());
+      const float *here = lines.values[row_class] + i * lines.stride, *behind = here + lines.stride;
+      for (std::size_t wave = 0; wave < waves; ++wave) even[wave] += pattern * here[wave];
+      for (std::size_t wave = 0; wave < waves; ++wave) (waves == 1 ? odd : even)[wave] += next * behind[wave];
+    }
   if constexpr (waves == 1) even[0] += odd[0];
   return even;
 }
@@ -99,7 +103,7 @@ void explain(const Lines& lines, const SpeedPatterns& table, std::span<const flo
     std::array<std::array<Gain, contrasts.size()>, waves> gains;
     for (const std::size_t stop = std::min(end, first + patterns_a_product); first < stop;
          first += patterns_a_group) {
-      const auto found = along<waves>(&table.pattern[first * lines.count], lines);
+      const auto found = along<waves>(&table.pattern[first * lines.count()], lines);
       const Eigen::Map<const Side> own(&table.variance[first]);
       for (std::size_t wave = 0; wave < variance.size(); ++wave) {
         const Side square = found[wave].square() / noise_variance, ratio = own * variance[wave];
@@ -112,6 +116,23 @@ void explain(const Lines& lines, const SpeedPatterns& table, std::span<const flo
   }
   out.seen += double{noise_variance * seen.sum()};
   out.patterns += variance.size() * std::min(end, table.count);
+}
+
+/// A wave's contrast is about that which the window's own energy has at that speed.
+template <std::size_t waves>
+void explain_at(const WindowLines& window, const Lines& lines, const SpeedPatterns& patterns,
+                std::size_t first_wave, const SearchDepth& depth, double noise_variance, Explained& out) {
+  std::array<float, waves> variance{};
+  const std::size_t count = std::min(waves, depth.waves - first_wave);
+  for (std::size_t k = 0; k < count; ++k) {
+    const std::size_t wave = first_wave + k;
+    const auto freedom = static_cast<double>(window.lines() - (wave == 0 ? window.halves() : 0));
+    const double contrast = window.energy(wave) / (2.0 * freedom * noise_variance) - 1.0;
+    variance[k] = static_cast<float>(std::clamp(contrast, 0.0, most_contrast) *
+                                     static_cast<double>(lines.classes) * freedom / patterns.trace);
+  }
+  explain<waves>(lines, patterns, std::span(variance).first(count), first_wave, depth,
+                 static_cast<float>(noise_variance), out);
 }
 
 /// Of a wave whose contrast is one of several, all as likely before.
@@ -155,37 +176,29 @@ class Moments {
 }  // namespace
 
 SpeedSearch::SpeedSearch() {
-  const std::size_t places = SpeedTable::of(least_halves).plain().size();
+  const std::size_t places = SpeedTable::of(least_halves).own().size();
   rough_.resize(places);
   fine_.resize(places);
 }
 
-/// A wave's contrast is about that which the window's own energy has at that speed.
 SpeedSearch::Fit SpeedSearch::fit(const WindowLines& lines, std::size_t place, const SearchDepth& depth,
                                   double noise_variance) const {
-  const auto plain = SpeedTable::of(lines.halves()).plain();
-  const auto centred = SpeedTable::of(lines.halves()).centred();
-  const auto noise = static_cast<float>(noise_variance);
-  Fit fit;
+  const SpeedTable& table = SpeedTable::of(lines.halves());
+  const std::size_t middle = table.own().size() / 2, opposite = 2 * middle - place;
+  const std::size_t first = place >= middle ? 0 : 1, second = 1 - first;
+  const std::size_t shared = std::max(place, opposite) - middle;
   Explained explained;
-  for (std::size_t row_class = 0; row_class < 2; ++row_class) {
-    const std::size_t at = row_class == 0 ? place : plain.size() - 1 - place;
-    std::array<float, half_rows> variance{};
-    for (std::size_t wave = 0; wave < depth.waves; ++wave) {
-      const auto freedom = static_cast<double>(lines.lines() - (wave == 0 ? lines.halves() : 0));
-      const double contrast = lines.energy(wave) / (2.0 * freedom * noise_variance) - 1.0;
-      const double trace = (wave == 0 ? centred : plain)[at].trace;
-      variance[wave] = static_cast<float>(std::clamp(contrast, 0.0, most_contrast) * freedom / trace);
-    }
-    const std::span all(variance);
-    explain<1>({lines.longest(row_class), 1, lines.lines()}, centred[at], all.first(1), 0, depth, noise,
-               explained);
-    for (std::size_t wave = 1; wave < depth.waves; wave += waves_a_time)
-      explain<waves_a_time>({lines.waves(row_class) + wave, half_rows, lines.lines()}, plain[at],
-                            all.subspan(wave, std::min(waves_a_time, depth.waves - wave)), wave, depth, noise,
-                            explained);
-  }
-  fit.unexplained = -explained.seen;
+  explain_at<1>(lines, {{lines.longest(first), lines.longest(second)}, 2, 1, lines.lines()},
+                table.longest()[shared], 0, depth, noise_variance, explained);
+  explain_at<waves_a_time>(lines,
+                           {{lines.waves(first) + 1, lines.waves(second) + 1}, 2, half_rows, lines.lines()},
+                           table.shared()[shared], 1, depth, noise_variance, explained);
+  for (std::size_t wave = shared_waves; wave < depth.waves; wave += waves_a_time)
+    for (std::size_t row_class = 0; row_class < 2; ++row_class)
+      explain_at<waves_a_time>(lines, {{lines.waves(row_class) + wave}, 1, half_rows, lines.lines()},
+                               table.own()[row_class == 0 ? place : opposite], wave, depth, noise_variance,
+                               explained);
+  Fit fit{.unexplained = -explained.seen};
   for (std::size_t wave = 0; wave < depth.waves; ++wave) {
     fit.unexplained += lines.energy(wave);
     fit.logarithm +=
@@ -247,7 +260,7 @@ SpeedPosterior SpeedSearch::over_all(std::span<const SpeedPatterns> speeds, std:
 }
 
 SpeedPosterior SpeedSearch::search(const WindowLines& lines, double noise_variance, double fastest) {
-  const auto speeds = SpeedTable::of(lines.halves()).plain();
+  const auto speeds = SpeedTable::of(lines.halves()).own();
   const std::size_t middle = speeds.size() / 2;
   std::size_t reach = rough_step;
   while (reach + rough_step <= middle && speeds[middle + reach + rough_step].speed <= fastest)

@@ -51,9 +51,25 @@ Spectrum spectrum_from_both_ends(const Eigen::MatrixXd& covariance) {
   return all;
 }
 
-SpeedPatterns patterns_of(const Eigen::MatrixXd& covariance, std::size_t halves, double speed) {
-  // Of an even number of halves the first and the last one look at columns of the other kind.
-  Spectrum spectrum = halves % 2 == 0 ? spectrum_from_both_ends(covariance) : spectrum_of(covariance);
+/// Of both classes of rows. Each of them is the same from both ends, so that the second half of both is put
+/// in order after the first half of both.
+Spectrum spectrum_of_classes(const Eigen::MatrixXd& covariance) {
+  const Eigen::Index half = covariance.rows() / 4;
+  Eigen::VectorXi order(4 * half);
+  for (Eigen::Index i = 0; i < half; ++i) {
+    const int first = static_cast<int>(i), second = static_cast<int>(2 * half + i);
+    order[i] = first;
+    order[half + i] = second;
+    order[4 * half - 1 - i] = static_cast<int>(2 * half - 1 - i);
+    order[3 * half - 1 - i] = static_cast<int>(4 * half - 1 - i);
+  }
+  Spectrum spectrum = spectrum_from_both_ends(covariance(order, order));
+  const Eigen::MatrixXd ordered = spectrum.vectors;
+  spectrum.vectors(order, Eigen::all) = ordered;
+  return spectrum;
+}
+
+SpeedPatterns patterns_of(const Eigen::MatrixXd& covariance, Spectrum spectrum, double speed) {
   spectrum.sort();
   const auto lines = static_cast<std::size_t>(covariance.rows());
   SpeedPatterns patterns{.speed = speed, .trace = covariance.trace()};
@@ -72,6 +88,13 @@ SpeedPatterns patterns_of(const Eigen::MatrixXd& covariance, std::size_t halves,
   return patterns;
 }
 
+/// The mean over all but the longest.
+double likeness_of_shared_waves() {
+  double sum = 0.0;
+  for (std::size_t wave = 1; wave < shared_waves; ++wave) sum += likeness_of_classes(wave);
+  return sum / static_cast<double>(shared_waves - 1);
+}
+
 std::vector<double> symmetric_speeds() {
   std::vector<double> speeds{0.0};
   for (double speed = least_step; speed <= largest_speed; speed += least_step + step_growth * speed) {
@@ -85,11 +108,19 @@ std::vector<double> symmetric_speeds() {
 }  // namespace
 
 SpeedTable::SpeedTable(std::size_t halves) {
+  // Of an even number of halves the first and the last one look at columns of the other kind.
+  const bool is_even = halves % 2 == 0;
+  const double likeness = likeness_of_shared_waves();
   for (const double speed : symmetric_speeds()) {
-    Eigen::MatrixXd covariance = window_covariance(halves, speed);
-    plain_.push_back(patterns_of(covariance, halves, speed));
-    centre_halves(covariance, halves);
-    centred_.push_back(patterns_of(covariance, halves, speed));
+    const Eigen::MatrixXd own = window_covariance(halves, speed);
+    own_.push_back(patterns_of(own, is_even ? spectrum_from_both_ends(own) : spectrum_of(own), speed));
+    if (speed < 0.0) continue;
+    const auto of_classes = is_even ? spectrum_of_classes : spectrum_of;
+    const Eigen::MatrixXd shared = covariance_of_classes(halves, speed, likeness);
+    shared_.push_back(patterns_of(shared, of_classes(shared), speed));
+    Eigen::MatrixXd longest = covariance_of_classes(halves, speed, likeness_of_classes(0));
+    centre_halves(longest);
+    longest_.push_back(patterns_of(longest, of_classes(longest), speed));
   }
 }
 

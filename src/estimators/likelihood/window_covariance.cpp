@@ -2,31 +2,30 @@
 #include "window_covariance.h"
 
 #include "scene_prior.h"
+#include "window_lines.h"
 
 namespace thermorig::likelihood {
 
 namespace {
 
-void take_off_means(Eigen::MatrixXd& covariance, std::size_t halves) {
+void take_off_means(Eigen::MatrixXd& covariance) {
   constexpr auto pixels = static_cast<Eigen::Index>(line_pixels);
-  for (Eigen::Index half = 0; half < static_cast<Eigen::Index>(halves); ++half) {
-    auto rows = covariance.middleRows(half * pixels, pixels);
+  for (Eigen::Index first = 0; first < covariance.rows(); first += pixels) {
+    auto rows = covariance.middleRows(first, pixels);
     rows.rowwise() -= rows.colwise().mean().eval();
   }
 }
 
-/// Of the pixels of one half with those of another: it depends on nothing but how far apart they look.
-Eigen::MatrixXd shared_by(std::size_t one, std::size_t other, std::size_t halves, double speed) {
+/// Of every second pixel from one place on with those from another on: it depends on nothing but how far
+/// apart they look.
+Eigen::MatrixXd shared_by(double place, double other_place, double speed) {
   constexpr auto pixels = static_cast<Eigen::Index>(line_pixels);
-  const auto between = [&](std::size_t pixel, std::size_t pixel_of_other) {
-    return swept_covariance(
-        place_of(one, halves, pixel, speed) - place_of(other, halves, pixel_of_other, speed), speed);
-  };
   Eigen::MatrixXd both(pixels, pixels);
   for (std::size_t pixel = 0; pixel < line_pixels; ++pixel) {
     const auto apart = static_cast<Eigen::Index>(pixel);
-    both.diagonal(-apart).setConstant(between(pixel, 0));
-    both.diagonal(apart).setConstant(between(0, pixel));
+    const auto further = static_cast<double>(2 * pixel);
+    both.diagonal(-apart).setConstant(swept_covariance(place + further - other_place, speed));
+    both.diagonal(apart).setConstant(swept_covariance(place - other_place - further, speed));
   }
   return both;
 }
@@ -41,17 +40,49 @@ Eigen::MatrixXd window_covariance(std::size_t halves, double speed) {
     for (std::size_t other = 0; other <= one; ++other) {
       const Eigen::Index row = static_cast<Eigen::Index>(one) * pixels;
       const Eigen::Index column = static_cast<Eigen::Index>(other) * pixels;
-      const Eigen::MatrixXd both = shared_by(one, other, halves, speed);
+      const Eigen::MatrixXd both =
+          shared_by(place_of(one, halves, 0, speed), place_of(other, halves, 0, speed), speed);
       covariance.block(row, column, pixels, pixels) = both;
       covariance.block(column, row, pixels, pixels) = both.transpose();
     }
   return covariance;
 }
 
-void centre_halves(Eigen::MatrixXd& covariance, std::size_t halves) {
-  take_off_means(covariance, halves);
+Eigen::MatrixXd covariance_of_classes(std::size_t halves, double speed, double likeness) {
+  constexpr auto pixels = static_cast<Eigen::Index>(line_pixels);
+  const Eigen::Index size = static_cast<Eigen::Index>(halves) * pixels;
+  Eigen::MatrixXd across(size, size);
+  for (std::size_t one = 0; one < halves; ++one)
+    for (std::size_t other = 0; other < halves; ++other) {
+      const double mirrored =
+          static_cast<double>(frame_columns - 1) - place_of(other, halves, line_pixels - 1, -speed);
+      across.block(static_cast<Eigen::Index>(one) * pixels, static_cast<Eigen::Index>(other) * pixels, pixels,
+                   pixels) =
+          likeness * shared_by(place_of(one, halves, 0, speed), mirrored, speed).rowwise().reverse();
+    }
+  Eigen::MatrixXd covariance(2 * size, 2 * size);
+  covariance << window_covariance(halves, speed), across,  //
+      across.transpose(), window_covariance(halves, -speed);
+  return covariance;
+}
+
+double likeness_of_classes(std::size_t wave) {
+  const auto& of_rows = wave_table();
+  double own = 0.0, shared = 0.0;
+  for (std::size_t row = 0; row < half_rows; ++row)
+    for (std::size_t other = 0; other < half_rows; ++other) {
+      const double both = double{of_rows[row][wave]} * double{of_rows[other][wave]};
+      const double rows_apart = 2.0 * (static_cast<double>(row) - static_cast<double>(other));
+      own += both * swept_covariance(rows_apart, 0.0);
+      shared += both * swept_covariance(rows_apart - 1.0, 0.0);
+    }
+  return shared / own;
+}
+
+void centre_halves(Eigen::MatrixXd& covariance) {
+  take_off_means(covariance);
   covariance.transposeInPlace();
-  take_off_means(covariance, halves);
+  take_off_means(covariance);
 }
 
 }  // namespace thermorig::likelihood
