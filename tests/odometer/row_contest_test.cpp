@@ -50,7 +50,7 @@ std::optional<FoundRows> heard_in(const Room& room) {
   const auto lens = std::make_shared<const Lens>(CameraProfile());
   const Priors learnt = learnt_in(room);
   RowContest contest(Priors(), lens, false);
-  contest.begin_again(RowOrder::at_once, learnt, start.store);
+  contest.begin_again(RowOrder::at_once, learnt, 4.0, start.store);
   Tracker at_once(learnt, lens);
   for (std::size_t i = 0; i < start.store.count(); ++i) {
     at_once.advance(start.path, start.store.at(i).now_s);

@@ -8,6 +8,7 @@
 #include <limits>
 #include <vector>
 
+#include "speed_table.h"
 #include "thermorig/core/frame.h"
 #include "window_covariance.h"
 #include "window_lines.h"
@@ -95,29 +96,60 @@ WindowLines lines_of(const std::vector<HalfGradients>& gradients, HalfLines Half
   return lines;
 }
 
-/// (lines, 2): of one wave, by rate and by heading.
-Eigen::MatrixX2d columns_of(const WindowLines& by_rate, const WindowLines& by_heading, std::size_t row_class,
-                            std::size_t wave) {
-  Eigen::MatrixX2d columns(static_cast<Eigen::Index>(by_rate.lines()), 2);
-  for (std::size_t i = 0; i < by_rate.lines(); ++i) {
-    const std::size_t at = i * half_rows + wave;
+/// (lines of both classes of rows, 2): of one wave, by rate and by heading.
+Eigen::MatrixX2d columns_of(const WindowLines& by_rate, const WindowLines& by_heading, std::size_t wave) {
+  const std::size_t lines = by_rate.lines();
+  Eigen::MatrixX2d columns(static_cast<Eigen::Index>(2 * lines), 2);
+  for (std::size_t i = 0; i < 2 * lines; ++i) {
+    const std::size_t row_class = i / lines, at = i % lines * half_rows + wave;
     columns.row(static_cast<Eigen::Index>(i)) << double{by_rate.waves(row_class)[at]},
         double{by_heading.waves(row_class)[at]};
   }
   return columns;
 }
 
-/// Of the readings of one wave, in units of the noise's variance.
-Eigen::MatrixXd covariance_of(const Eigen::MatrixXd& scene, double contrast, std::size_t halves,
-                              bool has_offsets) {
-  Eigen::MatrixXd covariance = contrast * scene;
-  covariance.diagonal().array() += 1.0;
-  if (!has_offsets) return covariance;
+/// What readings tell of rate and heading, in units of the noise's variance, if the scene is known but for
+/// its own covariance, and where `has_offsets` but for what the readings of a half have in common.
+Eigen::Matrix2d information_of(const Eigen::MatrixX2d& by, Eigen::MatrixXd covariance, bool has_offsets) {
   constexpr auto pixels = static_cast<Eigen::Index>(line_pixels);
-  for (Eigen::Index half = 0; half < static_cast<Eigen::Index>(halves); ++half)
-    covariance.block(half * pixels, half * pixels, pixels, pixels).array() += unknown_offset;
-  return covariance;
+  covariance.diagonal().array() += 1.0;
+  if (has_offsets)
+    for (Eigen::Index half = 0; half < covariance.rows(); half += pixels)
+      covariance.block(half, half, pixels, pixels).array() += unknown_offset;
+  return by.transpose() * Eigen::LLT<Eigen::MatrixXd>(covariance).solve(by);
 }
+
+/// What a scene shows in both classes of rows, and in one of them less what halves have in common.
+struct SceneCovariance {
+  SceneCovariance(std::size_t halves, double speed)
+      : lines(static_cast<Eigen::Index>(halves * line_pixels)),
+        classes(covariance_of_classes(halves, speed, 1.0)) {
+    Eigen::MatrixXd centred = classes.topLeftCorner(lines, lines);
+    centre_halves(centred);
+    centred_trace = centred.trace();
+  }
+
+  Eigen::Matrix2d information(const Eigen::MatrixX2d& by, double contrast, std::size_t wave) const {
+    const bool has_offsets = wave == 0;
+    if (wave < shared_waves) {
+      Eigen::MatrixXd scene = contrast * classes;
+      const double likeness = likeness_of_classes(wave);
+      scene.topRightCorner(lines, lines) *= likeness;
+      scene.bottomLeftCorner(lines, lines) *= likeness;
+      return information_of(by, scene, has_offsets);
+    }
+    return information_of(by.topRows(lines), contrast * classes.topLeftCorner(lines, lines), has_offsets) +
+           information_of(by.bottomRows(lines), contrast * classes.bottomRightCorner(lines, lines),
+                          has_offsets);
+  }
+  double trace(std::size_t wave) const {
+    return wave == 0 ? centred_trace : classes.topLeftCorner(lines, lines).trace();
+  }
+
+  Eigen::Index lines;  // of a class
+  Eigen::MatrixXd classes;
+  double centred_trace = 0.0;
+};
 
 }  // namespace
 
@@ -137,20 +169,14 @@ double rate_bound_dps(const BoundedWindow& window, const PanoramaImage& panorama
   const double speed = (camera.mirrored ? -1.0 : 1.0) * window.rate_dps * (end_s - begin_s) /
                        (static_cast<double>(halves) * pitch_deg);
   const double noise_variance = window.noise_c * window.noise_c;
+  const SceneCovariance scene(halves, speed);
   Eigen::Matrix2d information = Eigen::Matrix2d::Zero();
-  for (std::size_t row_class = 0; row_class < 2; ++row_class) {
-    const Eigen::MatrixXd scene = window_covariance(halves, row_class == 0 ? speed : -speed);
-    Eigen::MatrixXd centred = scene;
-    centre_halves(centred);
-    for (std::size_t wave = 0; wave < half_rows; ++wave) {
-      const double trace = (wave == 0 ? centred : scene).trace();
-      const double contrast = shown.energy(wave) / (2.0 * trace * noise_variance);
-      if (!std::isfinite(contrast)) return std::numeric_limits<double>::quiet_NaN();
-      const Eigen::LLT<Eigen::MatrixXd> covariance(covariance_of(scene, contrast, halves, wave == 0));
-      const Eigen::MatrixX2d by = columns_of(by_rate, by_heading, row_class, wave);
-      information += by.transpose() * covariance.solve(by) / noise_variance;
-    }
+  for (std::size_t wave = 0; wave < half_rows; ++wave) {
+    const double contrast = shown.energy(wave) / (2.0 * scene.trace(wave) * noise_variance);
+    if (!std::isfinite(contrast)) return std::numeric_limits<double>::quiet_NaN();
+    information += scene.information(columns_of(by_rate, by_heading, wave), contrast, wave);
   }
+  information /= noise_variance;
   // What the rate shares with the heading is not known of it.
   const double left = information(0, 0) -
                       information(0, 1) * information(1, 0) / std::max(least_information, information(1, 1));

@@ -39,6 +39,7 @@ constexpr double bias_widening = 3.0;  // of what the search states
 constexpr int most_passes = 6;         // through the halves of the start
 constexpr double settled_latency_s = 0.001, settled_scale = 0.001;
 constexpr double doubtful_nis = 1.6;        // of a start: the wrong order of rows hardly fits
+constexpr double hopeless_nis = 4.0;        // of an order, with a gyro that a start has learnt
 constexpr std::size_t least_of_start = 72;  // halves
 constexpr double known_bias_dps = 1.0;
 constexpr int passes_by_evidence = 3;  // that do not fit: another one would not either
@@ -85,7 +86,7 @@ struct Odometer::Parts {
   void search_bias();
   bool is_evidence_due() const;
   bool gather_evidence();
-  void begin_first_pass(const Priors& better);
+  void begin_first_pass(const Priors& better, RowOrder rows);
   bool begin_by_evidence();
   void fail_start();
   void go_through(Tracker& tracker);
@@ -333,7 +334,7 @@ bool Odometer::Parts::choose_rows() {
 /// All orders learn once more, with what is known of the gyro by now.
 void Odometer::Parts::ask_rows_again() {
   is_contested = is_asked_again = true;
-  contest.begin_again(front.rows(), front.learnt(priors), store);
+  contest.begin_again(front.rows(), front.learnt(priors), hopeless_nis, store);
   pass = 0;
   phase = Phase::learning;
 }
@@ -358,11 +359,11 @@ void Odometer::Parts::search_bias() {
     begin_in_map(store.at(store.count() - 1).now_s);
     return;
   }
-  begin_first_pass(better);
+  begin_first_pass(better, lens->rows());
 }
 
-void Odometer::Parts::begin_first_pass(const Priors& better) {
-  front.restart(better, lens->rows(), things_move);
+void Odometer::Parts::begin_first_pass(const Priors& better, RowOrder rows) {
+  front.restart(better, rows, things_move);
   pass = 0;
   restart_pass();
   phase = Phase::first_pass;
@@ -391,8 +392,9 @@ bool Odometer::Parts::begin_by_evidence() {
   mean_nis = 1.0;
   is_contested = !lens->knows_rows();
   is_asked_again = false;
-  if (is_contested) contest.begin_again(lens->rows(), better, store);
-  begin_first_pass(better);
+  const RowOrder rows = phase == Phase::searching ? lens->rows() : front.rows();
+  if (is_contested) contest.begin_again(rows, better, lost_nis, store);
+  begin_first_pass(better, rows);
   return true;
 }
 

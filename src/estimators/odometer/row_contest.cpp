@@ -16,7 +16,6 @@ constexpr double rival_widening = 2.0;
 constexpr std::size_t compared_halves = 24;
 constexpr double contest_trust = 0.05;  // of its likelihood: halves share the errors of one map
 constexpr double fitting_nis = 3.0;     // of one that may win
-constexpr double hopeless_nis = 4.0;    // where the gyro is known
 constexpr std::array all_orders{RowOrder::at_once, RowOrder::first_to_last, RowOrder::last_to_first};
 constexpr float not_judged = std::numeric_limits<float>::quiet_NaN();
 
@@ -35,6 +34,7 @@ RowContest::RowContest(const Priors& priors, const SharedLens& lens, bool latenc
 
 void RowContest::begin() {
   is_gyro_known_ = false;
+  most_nis_ = lost_nis;
   of_caller_ = RowOrder::at_once;
   rivals_[0].order = RowOrder::first_to_last;
   rivals_[1].order = RowOrder::last_to_first;
@@ -45,10 +45,12 @@ void RowContest::begin() {
   for (auto& one : left_k2_) std::fill(one.begin(), one.end(), not_judged);
 }
 
-void RowContest::begin_again(RowOrder of_caller, const Priors& learnt, const HalfStore& store) {
+void RowContest::begin_again(RowOrder of_caller, const Priors& known, double most_nis,
+                             const HalfStore& store) {
   is_gyro_known_ = true;
+  most_nis_ = most_nis;
   of_caller_ = of_caller;
-  Priors better = learnt;
+  Priors better = known;
   better.latency_s = priors_.latency_s;  // what the caller learnt of it makes up for the order of rows
   better.latency_sigma_s = priors_.latency_sigma_s;
   std::size_t next = 0;
@@ -124,7 +126,7 @@ int RowContest::go_through(Rival& rival, const HalfStore& store, const GyroPath&
     learn_nis(result, rival.nis);
     note(rival.order, rival.gone_through, result);
   }
-  if (rival.nis <= (is_gyro_known_ ? hopeless_nis : lost_nis)) return looks;
+  if (rival.nis <= most_nis_) return looks;
   const int passes = (may_be_last_row(rival) ? 2 : 1) * passes_in_turn();
   rival.passes < passes ? begin_pass(rival) : give_up(rival);
   return looks;
