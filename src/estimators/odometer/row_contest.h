@@ -25,8 +25,8 @@ class RowContest {
   /// Forgets all.
   void begin();
   /// Every order but the caller's begins anew, from what is known of the gyro by now; one whose halves fit
-  /// worse than `most_nis` is given up.
-  void begin_again(RowOrder of_caller, const Priors& known, double most_nis, const HalfStore& store);
+  /// worse than `hopeless_nis` is given up.
+  void begin_again(RowOrder of_caller, const Priors& known, double hopeless_nis, const HalfStore& store);
   bool is_gyro_known() const { return is_gyro_known_; }
   /// Since then each of them has gone through the store, or was lost on the way.
   bool are_heard(const HalfStore& store) const;
@@ -77,7 +77,7 @@ class RowContest {
   Priors priors_;
   bool latency_measured_;
   bool is_gyro_known_ = false;  // rivals need not search for its bias
-  double most_nis_ = lost_nis;
+  double hopeless_nis_ = lost_nis;
   RowOrder of_caller_ = RowOrder::at_once;
   std::array<Rival, 2> rivals_;
   std::array<std::vector<float>, 3> left_k2_;  // of each half, by order; NaN: not judged
