@@ -393,6 +393,7 @@ bool Odometer::Parts::begin_by_evidence() {
   is_contested = !lens->knows_rows();
   is_asked_again = false;
   const RowOrder rows = phase == Phase::searching ? lens->rows() : front.rows();
+  if (rows != lens->rows()) better.latency_s = front.filter().latency_s();  // times may be the last row's
   if (is_contested) contest.begin_again(rows, better, lost_nis, store);
   begin_first_pass(better, rows);
   return true;
