@@ -38,12 +38,10 @@ constexpr std::size_t second_pass_halves = 200;
 constexpr double bias_widening = 3.0;  // of what the search states
 constexpr int most_passes = 6;         // through the halves of the start
 constexpr double settled_latency_s = 0.001, settled_scale = 0.001;
-constexpr double doubtful_nis = 1.6;        // of a start: the wrong order of rows hardly fits
-constexpr double hopeless_nis = 4.0;        // of an order, with a gyro that a start has learnt
-constexpr std::size_t least_of_start = 72;  // halves
+constexpr double doubtful_nis = 1.6, hopeless_nis = 4.0;  // of the order of rows that won, and of others
+constexpr std::size_t least_of_start = 72;                // halves
 constexpr double known_bias_dps = 1.0;
-constexpr int passes_by_evidence = 3;  // that do not fit: another one would not either
-constexpr int passes_to_tell = 2;      // the first one may begin with a wrong bias
+constexpr int passes_by_evidence = 3, passes_to_tell = 2;  // the first one may begin with a wrong bias
 
 constexpr double longest_unfit_s = 30.0;                   // then the map is wrong
 constexpr int covered_halves = 4;                          // in a row
@@ -51,10 +49,9 @@ constexpr double doubted_deg = 2.0, doubted_sigmas = 4.0;  // a jump by more is 
 constexpr double sound_s = 5.0;  // everything fits for so long: then a heading is sound
 constexpr double lean_share = 1.0 / 16.0, much_lean = 0.7, much_lean_in_traffic = 1.0;
 constexpr double stepped_bias_dps = 0.3;
-constexpr double longest_gyro_gap_s = 0.25;
-constexpr double longest_camera_gap_s = 1.0;
+constexpr double longest_gyro_gap_s = 0.25, longest_camera_gap_s = 1.0;
 constexpr double lost_deg = 3.0;    // a heading that is known less well is searched for
-constexpr double give_up_s = 40.0;  // of a search: then the map is wrong
+constexpr double give_up_s = 40.0;  // of a search, while the rig turns: then the map is wrong
 constexpr double turning_dps = 5.0;
 constexpr double saturated_dps = 15.0;  // what a reading at the end of its range may be off
 constexpr double sample_noise_dps = 0.15;
