@@ -515,7 +515,7 @@ void Odometer::Parts::begin_run(double now_s) {
 }
 
 /// While the start is learnt, what does not fit means that the map was begun with a wrong bias: by now it is
-/// known better.
+/// known better. One that began by evidence had the right one, and its map is false.
 void Odometer::Parts::learn_again() {
   const bool is_hopeless = is_by_evidence && pass >= passes_by_evidence && mean_nis > nis_bounds().unfit;
   if (!is_hopeless && pass < most_passes && front.filter().sigma(HeadingFilter::bias) < known_bias_dps) {
