@@ -351,10 +351,18 @@ TEST(Odometer, NeverSaysThatItTracksInAFalseMap) {
   for (const Report& report : reports_of(seen_in(room))) EXPECT_NE(report.state, State::tracking);
 }
 
-TEST(Odometer, NeverSaysThatItTracksWithAGyroThatNoDataSheetKnows) {
-  Room room = turning_room();
+TEST(Odometer, BelievesAGyroThatNoDataSheetKnowsOnceASecondStartSaysTheSame) {
+  Room room = turning_room(100.0);
   room.scale = 1.08;
-  for (const Report& report : reports_of(seen_in(room))) EXPECT_NE(report.state, State::tracking);
+  const auto reports = reports_of(seen_in(room));
+  for (double time_s = 1.0; time_s < 50.0; time_s += 0.25)
+    EXPECT_NE(reports[at(time_s)].state, State::tracking);
+  EXPECT_EQ(reports.back().state, State::tracking);
+  EXPECT_NEAR(reports.back().scale, room.scale, 0.002);
+}
+
+TEST(Odometer, BelievesAGyroThatADataSheetKnowsAtOnce) {
+  Room room = turning_room(40.0);
   room.scale = 1.05;
   EXPECT_EQ(reports_of(seen_in(room)).back().state, State::tracking);
 }

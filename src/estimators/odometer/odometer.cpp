@@ -28,7 +28,6 @@ namespace thermorig::odometer {
 namespace {
 
 constexpr HostDuration clock_begins_anew = std::chrono::seconds(1);
-
 constexpr std::size_t search_every = 4;     // halves, while the bias is searched for
 constexpr std::size_t latest_search = 160;  // then the search begins anew
 constexpr int looks_a_step = 110;           // at the map, when halves are gone through again: a dozen halves
@@ -39,6 +38,7 @@ constexpr double bias_widening = 3.0;  // of what the search states
 constexpr int most_passes = 6;         // through the halves of the start
 constexpr double settled_latency_s = 0.001, settled_scale = 0.001;
 constexpr double doubtful_nis = 1.6, hopeless_nis = 4.0;  // of the order of rows that won, and of others
+constexpr double clear_row_margin = 100.0;                // the wrong order wins by 60 at most
 constexpr std::size_t least_of_start = 72;                // halves
 constexpr double known_bias_dps = 1.0;
 constexpr int passes_by_evidence = 3, passes_to_tell = 2;  // the first one may begin with a wrong bias
@@ -95,7 +95,7 @@ struct Odometer::Parts {
   bool is_plausible() const { return odometer::is_plausible(front.filter(), priors, things_move); }
   /// Not asked while the order of rows is open: the wrong one does not fit either.
   bool is_false_map() const { return !is_contested && pass_count.is_false_map(); }
-  void restart_pass();
+  void restart_pass(int number);
   void store_half(const HalfReading& half, double now_s);
   HalfResult add_newest(const HalfReading& half);
   bool may_choose_rows() const;
@@ -165,6 +165,7 @@ struct Odometer::Parts {
   int pass = 0;                  // through them
   double pass_nis = 1.0;         // mean_nis of the tracker that goes through them
   PassCount pass_count;
+  RefusedScale refused_scale;
   double locating_since_s = 0.0;
   std::optional<GyroHeading> sound;  // none: the gyro was away since, or there was no map yet
   double sound_since_s = 0.0;
@@ -237,12 +238,7 @@ void Odometer::Parts::add_gyro(const TimedGyro& sample) {
 
 Report Odometer::Parts::add(const TimedFrame& frame, std::span<const TimedGyro> gyro) {
   for (const TimedGyro& sample : gyro) add_gyro(sample);
-  if (!origin || !path.has_begun()) {
-    Report nothing;
-    nothing.state = State::not_trusted;
-    nothing.reason = Reason::no_gyro;
-    return nothing;
-  }
+  if (!origin || !path.has_begun()) return {.state = State::not_trusted, .reason = Reason::no_gyro};
   const double now_s = to_s(frame.exposure_end - *origin);
   if (is_behind_nothing() && now_s > front.now_s()) front.advance(path, now_s);
   stands_in = frame.stands_in;
@@ -361,8 +357,7 @@ void Odometer::Parts::search_bias() {
 
 void Odometer::Parts::begin_first_pass(const Priors& better, RowOrder rows) {
   front.restart(better, rows, things_move);
-  pass = 0;
-  restart_pass();
+  restart_pass(0);
   phase = Phase::first_pass;
 }
 
@@ -389,7 +384,8 @@ bool Odometer::Parts::begin_by_evidence() {
   mean_nis = 1.0;
   is_contested = !lens->knows_rows();
   is_asked_again = false;
-  const RowOrder rows = phase == Phase::searching ? lens->rows() : front.rows();
+  const bool is_order_clear = phase != Phase::searching && row_margin > clear_row_margin;
+  const RowOrder rows = is_order_clear ? front.rows() : lens->rows();
   if (rows != lens->rows()) better.latency_s = front.filter().latency_s();  // times may be the last row's
   if (is_contested) contest.begin_again(rows, better, lost_nis, store);
   begin_first_pass(better, rows);
@@ -445,12 +441,12 @@ void Odometer::Parts::begin_pass(int number) {
   begun_with = front.learnt(priors);
   begun_with.heading_deg = heading_at(store.at(0).now_s, begun_with.bias_dps);
   back.restart(begun_with, front.rows(), things_move);
-  pass = number;
-  restart_pass();
+  restart_pass(number);
   phase = Phase::second_pass;
 }
 
-void Odometer::Parts::restart_pass() {
+void Odometer::Parts::restart_pass(int number) {
+  pass = number;
   pass_nis = 1.0;
   pass_count = PassCount();
   gone_through = 0;
@@ -495,7 +491,10 @@ void Odometer::Parts::take_over(double now_s) {
   const bool is_false = is_false_map() && (is_made || pass >= passes_to_tell);
   // Before faint walls only those halves tell anything that what moves is in: the map is one of it.
   const bool is_hardly_seen = things_move && pass_count.is_hardly_judged(store.count());
-  if (is_false || (is_made && (!is_plausible() || is_hardly_seen)))
+  const double scale = front.filter().scale_factor();
+  const bool is_gyro_known = is_plausible() || refused_scale.is_confirmed(scale, store.at(0).now_s);
+  if (is_made && !is_false && !is_gyro_known) refused_scale.refuse(scale, now_s);
+  if (is_false || (is_made && (!is_gyro_known || is_hardly_seen)))
     fail_start();
   else if (must_learn)
     learn_again();
@@ -619,6 +618,7 @@ void Odometer::Parts::locate(const HalfReading& half, double now_s) {
 void Odometer::Parts::forget_clock() {
   begin_anew();
   bias_evidence.clear();
+  refused_scale = RefusedScale();
   sound.reset();
   path.clear();
   watch = GyroWatch();

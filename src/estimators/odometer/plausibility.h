@@ -39,7 +39,28 @@ inline bool is_plausible(const HeadingFilter& learnt, const Priors& priors, bool
   return std::abs(learnt.scale_factor() - priors.scale) < most;
 }
 
-/// Where it has not, rows are exposed in another order than the one that is tried.
+/// A scale that no data sheet knows is believed when a second start, of other halves, has learnt the same:
+/// maps that close falsely do so each in its own way.
+class RefusedScale {
+ public:
+  /// Of a start that came to an end at `now_s`.
+  void refuse(double scale, double now_s) {
+    if (!is_same(scale)) *this = {scale, now_s};
+  }
+  /// By a start whose halves came from `first_s` on.
+  bool is_confirmed(double scale, double first_s) const { return is_same(scale) && first_s > until_s_; }
+
+  RefusedScale() = default;
+
+ private:
+  static constexpr double same = 0.004;
+  RefusedScale(double scale, double until_s) : scale_(scale), until_s_(until_s) {}
+  bool is_same(double scale) const { return std::abs(scale - scale_) < same; }
+
+  double scale_ = 0.0, until_s_ = 0.0;  // 0: none
+};
+
+/// Where a start has not learnt one, rows are exposed in another order than the one that is tried.
 inline bool has_usual_latency(const HeadingFilter& learnt, const Priors& priors) {
   constexpr double most_sigmas = 2.5;
   return std::abs(learnt.latency_s() - priors.latency_s) < most_sigmas * priors.latency_sigma_s;
