@@ -48,11 +48,10 @@ constexpr int covered_halves = 4;                          // in a row
 constexpr double doubted_deg = 2.0, doubted_sigmas = 4.0;  // a jump by more is doubted
 constexpr double sound_s = 5.0;  // everything fits for so long: then a heading is sound
 constexpr double lean_share = 1.0 / 16.0, much_lean = 0.7, much_lean_in_traffic = 1.0;
-constexpr double stepped_bias_dps = 0.3;
+constexpr double stepped_bias_dps = 0.3, turning_dps = 5.0;
 constexpr double longest_gyro_gap_s = 0.25, longest_camera_gap_s = 1.0;
-constexpr double lost_deg = 3.0;    // a heading that is known less well is searched for
-constexpr double give_up_s = 40.0;  // of a search, while the rig turns: then the map is wrong
-constexpr double turning_dps = 5.0;
+constexpr double lost_deg = 3.0;        // a heading that is known less well is searched for
+constexpr double give_up_s = 40.0;      // of a search, while the rig turns: then the map is wrong
 constexpr double saturated_dps = 15.0;  // what a reading at the end of its range may be off
 constexpr double sample_noise_dps = 0.15;
 
@@ -100,9 +99,10 @@ struct Odometer::Parts {
   HalfResult add_newest(const HalfReading& half);
   bool may_choose_rows() const;
   bool choose_rows();
-  /// An order may have won because the others began with a wrong bias; then it hardly fits.
+  /// Others may have begun with a wrong bias; then the winner hardly fits, or an odd latency makes up for it.
   bool is_order_doubtful() const {
-    return !lens->knows_rows() && !is_asked_again && !things_move && mean_nis > doubtful_nis;
+    const bool is_late = front.rows() == RowOrder::at_once && !has_usual_latency(front.filter(), priors);
+    return !lens->knows_rows() && !is_asked_again && !things_move && (is_late || mean_nis > doubtful_nis);
   }
   void ask_rows_again();
   const NisBounds& nis_bounds() const { return things_move ? nis_in_traffic : nis_at_rest; }
