@@ -519,8 +519,8 @@ void Odometer::Parts::learn_again() {
   const bool is_hopeless = is_by_evidence && pass >= passes_by_evidence && mean_nis > nis_bounds().unfit;
   if (!is_hopeless && pass < most_passes && front.filter().sigma(HeadingFilter::bias) < known_bias_dps) {
     begin_pass(pass + 1);
-  } else if (is_contested && contest.verdict().order != front.rows()) {
-    phase = Phase::learning;  // another order of rows fits better: it goes on until it has learnt enough
+  } else if (is_contested && contest.may_be_another()) {
+    phase = Phase::learning;  // another order of rows may fit: it goes on until it has learnt enough
   } else if (!things_move && pass_count.shows_traffic() && is_plausible() &&
              has_usual_latency(front.filter(), priors)) {
     things_move = true;  // what was learnt is not wrong for that

@@ -171,6 +171,12 @@ FoundRows RowContest::verdict() const {
   return best;
 }
 
+bool RowContest::may_be_another() const {
+  const bool goes_on =
+      std::any_of(rivals_.begin(), rivals_.end(), [](const Rival& rival) { return !rival.is_out; });
+  return verdict().order != of_caller_ || (is_gyro_known_ && goes_on);
+}
+
 double RowContest::swap(RowOrder winner, Tracker& of_caller) {
   Rival& swapped = rival(winner);
   std::swap(of_caller, swapped.tracker);

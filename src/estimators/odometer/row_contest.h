@@ -40,6 +40,8 @@ class RowContest {
 
   /// A margin of 0: nothing could be compared yet.
   FoundRows verdict() const;
+  /// Than the caller's: it fits better, or with a gyro that is known it goes on.
+  bool may_be_another() const;
 
   /// Hands over the tracker of a rival that won, for the caller's. Returns how well its halves fit (NIS).
   double swap(RowOrder winner, Tracker& of_caller);
