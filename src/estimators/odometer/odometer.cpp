@@ -101,10 +101,12 @@ struct Odometer::Parts {
   bool choose_rows();
   /// Others may have begun with a wrong bias; then the winner hardly fits, or an odd latency makes up for it.
   bool is_order_doubtful() const {
-    const bool is_late = front.rows() == RowOrder::at_once && !has_usual_latency(front.filter(), priors);
+    const bool is_late = front.rows() == RowOrder::at_once && !has_usual_latency(front.filter(), priors) &&
+                         row_margin < FoundRows::least_margin;
     return !lens->knows_rows() && !is_asked_again && !things_move && (is_late || mean_nis > doubtful_nis);
   }
   void ask_rows_again();
+  bool is_asking_again() const { return is_contested && is_asked_again; }
   const NisBounds& nis_bounds() const { return things_move ? nis_in_traffic : nis_at_rest; }
   void learn_fit(const HalfResult& result, double& mean) const { learn_nis(result, mean, nis_bounds().most); }
   void learn_again();
@@ -148,7 +150,7 @@ struct Odometer::Parts {
   Tracker front, back;       // the one that is told of, and one that goes through the start again
   BiasSearch bias_search;
   BiasEvidence bias_evidence;
-  bool is_by_evidence = false;  // what the start began with
+  bool is_by_evidence = false, is_of_later_half = false;  // what the start began with, and went through
   RowContest contest;
   bool is_contested;            // in which order rows are exposed: not where that was measured
   bool is_asked_again = false;  // with a gyro that is known: once a start
@@ -272,9 +274,9 @@ void Odometer::Parts::add_half(const HalfReading& half, double now_s) {
       gather_evidence();
       learn_fit(add_newest(half), mean_nis);
       if (is_start_over(now_s) && may_choose_rows()) {
-        choose_rows();
-        begin_pass(pass + 1);
-      } else if (mean_nis > nis_bounds().lost) {
+        const bool stays_settled = is_asking_again();  // if its order does
+        choose_rows() || !stays_settled ? begin_pass(pass + 1) : begin_run(now_s);
+      } else if (mean_nis > nis_bounds().lost && !is_asking_again()) {
         learn_again();
       }
       break;
@@ -533,8 +535,9 @@ void Odometer::Parts::learn_again() {
 /// The same halves again, if searches by now say more than the start began with; then the later half of them:
 /// false maps are often begun at a high speed, and the rig has turned slower since.
 void Odometer::Parts::fail_start() {
-  if (is_by_evidence && store.count() >= 2 * least_of_start) {
+  if (is_by_evidence && !is_of_later_half && store.count() >= 2 * least_of_start) {
     store.forget_oldest(store.count() / 2);
+    is_of_later_half = true;
     is_by_evidence = false;
   }
   if (!begin_by_evidence()) begin_anew();
@@ -636,7 +639,7 @@ void Odometer::Parts::begin_anew() {
   else if (has_tracked && !sound)
     sound = heading_of_front();
   if (has_tracked) bias_evidence.clear();
-  is_by_evidence = false;
+  is_by_evidence = is_of_later_half = false;
   store.clear();
   contest.begin();
   is_contested = !lens->knows_rows();
