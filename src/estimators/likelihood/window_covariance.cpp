@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "window_covariance.h"
 
+#include <array>
+
 #include "scene_prior.h"
 #include "window_lines.h"
 
@@ -28,6 +30,19 @@ Eigen::MatrixXd shared_by(double place, double other_place, double speed) {
     both.diagonal(apart).setConstant(swept_covariance(place - other_place - further, speed));
   }
   return both;
+}
+
+double computed_likeness(std::size_t wave) {
+  const auto& of_rows = wave_table();
+  double own = 0.0, shared = 0.0;
+  for (std::size_t row = 0; row < half_rows; ++row)
+    for (std::size_t other = 0; other < half_rows; ++other) {
+      const double both = double{of_rows[row][wave]} * double{of_rows[other][wave]};
+      const double rows_apart = 2.0 * (static_cast<double>(row) - static_cast<double>(other));
+      own += both * swept_covariance(rows_apart, 0.0);
+      shared += both * swept_covariance(rows_apart - 1.0, 0.0);
+    }
+  return shared / own;
 }
 
 }  // namespace
@@ -67,16 +82,12 @@ Eigen::MatrixXd covariance_of_classes(std::size_t halves, double speed, double l
 }
 
 double likeness_of_classes(std::size_t wave) {
-  const auto& of_rows = wave_table();
-  double own = 0.0, shared = 0.0;
-  for (std::size_t row = 0; row < half_rows; ++row)
-    for (std::size_t other = 0; other < half_rows; ++other) {
-      const double both = double{of_rows[row][wave]} * double{of_rows[other][wave]};
-      const double rows_apart = 2.0 * (static_cast<double>(row) - static_cast<double>(other));
-      own += both * swept_covariance(rows_apart, 0.0);
-      shared += both * swept_covariance(rows_apart - 1.0, 0.0);
-    }
-  return shared / own;
+  static const std::array likeness = [] {
+    std::array<double, half_rows> all{};
+    for (std::size_t i = 0; i < half_rows; ++i) all[i] = computed_likeness(i);
+    return all;
+  }();
+  return likeness[wave];
 }
 
 void centre_halves(Eigen::MatrixXd& covariance) {

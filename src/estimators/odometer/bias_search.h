@@ -47,7 +47,9 @@ class BiasSearch {
                               bool things_move = false);
 
   static constexpr std::size_t halves = 24;
-  // Of a mosaic's likelihood: blurred halves and errors of pixels are not in it.
+  // Of a mosaic's likelihood. Where the order of rows is known nobody waits for the biases of wrong orders.
+  // Of 1119 searches on ten rigs 87 % named one with 0.3, half of them within 3 deg/s of it; with 0.03 it is
+  // 25 %, and 79 % of them. Where things move, a mosaic is even less to be trusted.
   static constexpr double trusted_with_care = 0.03;
   static constexpr std::size_t most_steps = 121;
 

@@ -97,7 +97,7 @@ struct Odometer::Parts {
   void restart_pass(int number);
   void store_half(const HalfReading& half, double now_s);
   HalfResult add_newest(const HalfReading& half);
-  bool may_choose_rows() const;
+  bool may_choose_rows() const { return !is_contested || contest.may_end(store, is_asked_again); }
   bool choose_rows();
   /// Others may have begun with a wrong bias; then the winner hardly fits, or an odd latency makes up for it.
   bool is_order_doubtful() const {
@@ -274,8 +274,11 @@ void Odometer::Parts::add_half(const HalfReading& half, double now_s) {
       gather_evidence();
       learn_fit(add_newest(half), mean_nis);
       if (is_start_over(now_s) && may_choose_rows()) {
-        const bool stays_settled = is_asking_again();  // if its order does
-        choose_rows() || !stays_settled ? begin_pass(pass + 1) : begin_run(now_s);
+        const bool was_settled = is_asking_again() && mean_nis < nis_bounds().unfit;
+        if (!choose_rows() && was_settled)
+          begin_run(now_s);
+        else
+          begin_pass(pass + 1);
       } else if (mean_nis > nis_bounds().lost && !is_asking_again()) {
         learn_again();
       }
@@ -307,12 +310,6 @@ HalfResult Odometer::Parts::add_newest(const HalfReading& half) {
   const HalfResult result = front.add(half, path);
   if (!lens->knows_rows() && !store.is_full()) contest.note(front.rows(), store.count() - 1, result);
   return result;
-}
-
-/// With a gyro that is known an order wins from the front tracker's only if all were heard.
-bool Odometer::Parts::may_choose_rows() const {
-  if (!is_contested || !contest.is_gyro_known() || contest.are_heard(store)) return true;
-  return !is_asked_again && contest.verdict().order == front.rows();
 }
 
 /// Ends the contest. True if the front tracker is another one than before, of another order.
@@ -494,9 +491,9 @@ void Odometer::Parts::take_over(double now_s) {
   // Before faint walls only those halves tell anything that what moves is in: the map is one of it.
   const bool is_hardly_seen = things_move && pass_count.is_hardly_judged(store.count());
   const double scale = front.filter().scale_factor();
-  const bool is_gyro_known = is_plausible() || refused_scale.is_confirmed(scale, store.at(0).now_s);
-  if (is_made && !is_false && !is_gyro_known) refused_scale.refuse(scale, now_s);
-  if (is_false || (is_made && (!is_gyro_known || is_hardly_seen)))
+  const bool is_gyro_believed = is_plausible() || refused_scale.is_confirmed(scale, store.at(0).now_s);
+  if (is_made && !is_false && !is_gyro_believed) refused_scale.refuse(scale, now_s);
+  if (is_false || (is_made && (!is_gyro_believed || is_hardly_seen)))
     fail_start();
   else if (must_learn)
     learn_again();
@@ -521,7 +518,7 @@ void Odometer::Parts::learn_again() {
   const bool is_hopeless = is_by_evidence && pass >= passes_by_evidence && mean_nis > nis_bounds().unfit;
   if (!is_hopeless && pass < most_passes && front.filter().sigma(HeadingFilter::bias) < known_bias_dps) {
     begin_pass(pass + 1);
-  } else if (is_contested && contest.may_be_another()) {
+  } else if (is_contested && contest.another_may_fit()) {
     phase = Phase::learning;  // another order of rows may fit: it goes on until it has learnt enough
   } else if (!things_move && pass_count.shows_traffic() && is_plausible() &&
              has_usual_latency(front.filter(), priors)) {

@@ -43,14 +43,14 @@ inline bool is_plausible(const HeadingFilter& learnt, const Priors& priors, bool
 /// maps that close falsely do so each in its own way.
 class RefusedScale {
  public:
+  RefusedScale() = default;
+
   /// Of a start that came to an end at `now_s`.
   void refuse(double scale, double now_s) {
     if (!is_same(scale)) *this = {scale, now_s};
   }
   /// By a start whose halves came from `first_s` on.
   bool is_confirmed(double scale, double first_s) const { return is_same(scale) && first_s > until_s_; }
-
-  RefusedScale() = default;
 
  private:
   static constexpr double same = 0.004;

@@ -69,6 +69,11 @@ bool RowContest::are_heard(const HalfStore& store) const {
                      [&](const Rival& rival) { return rival.is_out || rival.gone_through == store.count(); });
 }
 
+bool RowContest::may_end(const HalfStore& store, bool must_hear) const {
+  if (!is_gyro_known_ || are_heard(store)) return true;
+  return !must_hear && verdict().order == of_caller_;
+}
+
 void RowContest::add(const HalfStore& store, const GyroPath& path, BiasSearch& search, bool is_busy) {
   for (Rival& rival : rivals_) {
     if (is_gyro_known_ || rival.has_begun || store.count() % turns != place_of(rival.order)) continue;
@@ -171,7 +176,7 @@ FoundRows RowContest::verdict() const {
   return best;
 }
 
-bool RowContest::may_be_another() const {
+bool RowContest::another_may_fit() const {
   const bool goes_on =
       std::any_of(rivals_.begin(), rivals_.end(), [](const Rival& rival) { return !rival.is_out; });
   return verdict().order != of_caller_ || (is_gyro_known_ && goes_on);

@@ -27,9 +27,11 @@ class RowContest {
   /// Every order but the caller's begins anew, from what is known of the gyro by now; one whose halves fit
   /// worse than `hopeless_nis` is given up.
   void begin_again(RowOrder of_caller, const Priors& known, double hopeless_nis, const HalfStore& store);
-  bool is_gyro_known() const { return is_gyro_known_; }
   /// Since then each of them has gone through the store, or was lost on the way.
   bool are_heard(const HalfStore& store) const;
+  /// With a gyro that is known another order than the caller's wins only if all were heard; where `must_hear`
+  /// the caller's, too.
+  bool may_end(const HalfStore& store, bool must_hear) const;
 
   /// The newest half of the store: a step for each rival, of bounded work. `is_busy`: the caller searches for
   /// the bias in the same step.
@@ -40,8 +42,8 @@ class RowContest {
 
   /// A margin of 0: nothing could be compared yet.
   FoundRows verdict() const;
-  /// Than the caller's: it fits better, or with a gyro that is known it goes on.
-  bool may_be_another() const;
+  /// Another order than the caller's fits better, or with a gyro that is known still goes through the store.
+  bool another_may_fit() const;
 
   /// Hands over the tracker of a rival that won, for the caller's. Returns how well its halves fit (NIS).
   double swap(RowOrder winner, Tracker& of_caller);
