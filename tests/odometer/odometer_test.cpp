@@ -220,6 +220,23 @@ Room faint_room(double duration_s, double contrast_k) {
 }
 
 /// Before faint walls a half whose time is wrong fits elsewhere.
+TEST(Odometer, LearnsAnotherLatencyOfTheCameraWhenTheSpeedChanges) {
+  const Room room = faint_room(120.0, 0.3);
+  auto all = seen_in(room);
+  for (Seen& seen : all) {
+    if (seen.frame.exposure_end < at_s(70.0)) continue;
+    for (HalfExposure& half : seen.frame.half) {
+      half.begin += std::chrono::milliseconds(20);
+      half.end += std::chrono::milliseconds(20);
+    }
+  }
+  const auto reports = reports_of(all);
+  ASSERT_EQ(reports[at(69.0)].state, State::tracking);
+  EXPECT_EQ(reports.back().state, State::tracking);
+  EXPECT_NEAR(reports.back().latency_s - reports[at(69.0)].latency_s, 0.020, 0.005);
+  EXPECT_NEAR(off_deg(room, reports, 119.0), off_deg(room, reports, 69.0), 0.7);
+}
+
 TEST(Odometer, KeepsTheHeadingOfTheGyroWhenImagesHaveWrongTimes) {
   const Room room = faint_room(120.0, 0.3);
   auto all = seen_in(room);

@@ -72,8 +72,11 @@ class HeadingFilter {
 
   /// A new guess of the heading; nothing else is forgotten.
   void set_heading(double heading_deg, double sigma_deg);
-  /// The bias may be another than it was.
-  void widen_bias(double variance_dps2) { covariance_[bias][bias] += variance_dps2; }
+  /// Bias and latency may be others than they were.
+  void widen(double bias_variance_dps2, double latency_variance_s2) {
+    covariance_[bias][bias] += bias_variance_dps2;
+    covariance_[latency][latency] += latency_variance_s2;
+  }
 
  private:
   Priors priors_;

@@ -15,6 +15,7 @@
 #include "gyro_watch.h"
 #include "half_store.h"
 #include "heading_trust.h"
+#include "innovation_lean.h"
 #include "map_check.h"
 #include "pass_count.h"
 #include "plausibility.h"
@@ -38,7 +39,6 @@ constexpr double bias_widening = 3.0;  // of what the search states
 constexpr int most_passes = 6;         // through the halves of the start
 constexpr double settled_latency_s = 0.001, settled_scale = 0.001;
 constexpr double doubtful_nis = 1.6, hopeless_nis = 4.0;  // of the order of rows that won, and of others
-constexpr double clear_row_margin = 100.0;                // the wrong order wins by 60 at most
 constexpr std::size_t least_of_start = 72;                // halves
 constexpr double known_bias_dps = 1.0;
 constexpr int passes_by_evidence = 3, passes_to_tell = 2;  // the first one may begin with a wrong bias
@@ -47,8 +47,8 @@ constexpr double longest_unfit_s = 30.0;                   // then the map is wr
 constexpr int covered_halves = 4;                          // in a row
 constexpr double doubted_deg = 2.0, doubted_sigmas = 4.0;  // a jump by more is doubted
 constexpr double sound_s = 5.0;  // everything fits for so long: then a heading is sound
-constexpr double lean_share = 1.0 / 16.0, much_lean = 0.7, much_lean_in_traffic = 1.0;
-constexpr double stepped_bias_dps = 0.3, turning_dps = 5.0;
+constexpr double stepped_bias_dps = 0.3, wrong_latency_s = 0.005;
+constexpr double turning_dps = 5.0;
 constexpr double longest_gyro_gap_s = 0.25, longest_camera_gap_s = 1.0;
 constexpr double lost_deg = 3.0;        // a heading that is known less well is searched for
 constexpr double give_up_s = 40.0;      // of a search, while the rig turns: then the map is wrong
@@ -82,7 +82,7 @@ struct Odometer::Parts {
   void search_bias();
   bool is_evidence_due() const;
   bool gather_evidence();
-  void begin_first_pass(const Priors& better, RowOrder rows);
+  void begin_first_pass(const Priors& better);
   bool begin_by_evidence();
   void fail_start();
   void go_through(Tracker& tracker);
@@ -112,7 +112,7 @@ struct Odometer::Parts {
   void learn_again();
   void run(const HalfReading& half);
   void locate(const HalfReading& half, double now_s);
-  void follow_bias(const HalfResult& result);
+  void follow_lean(const HalfResult& result);
   void begin_search(double now_s);
   void begin_anew();
   void begin_in_map(double now_s);
@@ -177,10 +177,10 @@ struct Odometer::Parts {
   std::optional<double> unfit_since_s;  // innovations are larger than they should be
   bool gyro_was_away = false;
   double expected_sigma_deg = 0.0;  // of the heading before the search
-  double mean_lean = 0.0;           // innovations of late, with their signs
-  HalfResult newest;                // of the halves that were judged
-  bool has_seen = false;            // a half
-  bool stands_in = false;           // the newest frame, for one of a camera that is missing
+  InnovationLean lean;
+  HalfResult newest;       // of the halves that were judged
+  bool has_seen = false;   // a half
+  bool stands_in = false;  // the newest frame, for one of a camera that is missing
 };
 
 Odometer::Odometer(const GyroProfile& gyro, const CameraProfile& camera, std::shared_ptr<const Map> map)
@@ -351,11 +351,11 @@ void Odometer::Parts::search_bias() {
     begin_in_map(store.at(store.count() - 1).now_s);
     return;
   }
-  begin_first_pass(better, lens->rows());
+  begin_first_pass(better);
 }
 
-void Odometer::Parts::begin_first_pass(const Priors& better, RowOrder rows) {
-  front.restart(better, rows, things_move);
+void Odometer::Parts::begin_first_pass(const Priors& better) {
+  front.restart(better, lens->rows(), things_move);
   restart_pass(0);
   phase = Phase::first_pass;
 }
@@ -383,11 +383,8 @@ bool Odometer::Parts::begin_by_evidence() {
   mean_nis = 1.0;
   is_contested = !lens->knows_rows();
   is_asked_again = false;
-  const bool is_order_clear = phase != Phase::searching && row_margin > clear_row_margin;
-  const RowOrder rows = is_order_clear ? front.rows() : lens->rows();
-  if (rows != lens->rows()) better.latency_s = front.filter().latency_s();  // times may be the last row's
-  if (is_contested) contest.begin_again(rows, better, lost_nis, store);
-  begin_first_pass(better, rows);
+  if (is_contested) contest.begin_again(lens->rows(), better, lost_nis, store);
+  begin_first_pass(better);
   return true;
 }
 
@@ -552,7 +549,7 @@ void Odometer::Parts::run(const HalfReading& half) {
   covered = result.is_flat ? covered + 1 : 0;
   if (!result.is_flat) learn_fit(result, mean_nis);
   trust.add(result);
-  if (result.is_used) follow_bias(result);
+  if (result.is_used) follow_lean(result);
   if (mean_nis > nis_bounds().unfit && !unfit_since_s) unfit_since_s = half.end_s;
   if (mean_nis < nis_bounds().fits) unfit_since_s.reset();
   keep_sound_heading(half.end_s);
@@ -579,16 +576,18 @@ std::optional<CircleSearch::Found> Odometer::Parts::by_gyro() const {
   return CircleSearch::Found{front.located_deg() + off_deg, sound->sigma_deg(now)};
 }
 
-/// Innovations that all lean to one side: the bias is another than before. Where things move the rig may only
-/// turn with a person: that is said, and nothing written until it is over.
-void Odometer::Parts::follow_bias(const HalfResult& result) {
-  mean_lean += lean_share * (std::copysign(std::sqrt(result.squared), result.innovation_deg) - mean_lean);
-  if (std::abs(mean_lean) < (things_move ? much_lean_in_traffic : much_lean)) return;
+/// Where innovations lean to one side, the bias is another than before; the latency may be, if all had fitted
+/// at another speed. Where things move the rig may only turn with a person: that is said, and nothing written
+/// until it is over.
+void Odometer::Parts::follow_lean(const HalfResult& result) {
+  lean.add(result);
+  if (!lean.is_much(things_move)) return;
+  const bool may_be_late = lean.came_with_other_speed() && trust.is_trusted() && !unfit_since_s;
   if (things_move)
     trust.doubt_lean();
   else
-    front.widen_bias(stepped_bias_dps);
-  mean_lean = 0.0;
+    front.widen(stepped_bias_dps, may_be_late ? wrong_latency_s : 0.0);
+  lean.forget();
 }
 
 void Odometer::Parts::begin_search(double now_s) {
@@ -607,7 +606,7 @@ void Odometer::Parts::locate(const HalfReading& half, double now_s) {
     const bool gyro_differs = sound && std::abs(jump_deg) > doubted_deg + doubted_sigmas * expected_sigma_deg;
     trust.begin_after_search(front.rate_dps(), gyro_differs);
     mean_nis = 1.0;
-    mean_lean = 0.0;
+    lean.forget();
     unfit_since_s.reset();
     phase = Phase::running;
   } else if (map_use == MapUse::searching ? is_map_given_up(half) : now_s - locating_since_s > give_up_s) {
@@ -645,7 +644,7 @@ void Odometer::Parts::begin_anew() {
   covered = 0;
   trust = HeadingTrust();
   unfit_since_s.reset();
-  mean_lean = 0.0;
+  lean.forget();
   gyro_was_away = false;
   phase = Phase::searching;
 }

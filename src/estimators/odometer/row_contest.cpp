@@ -15,7 +15,7 @@ constexpr int rival_looks = 24;   // at the map, of one: three halves
 constexpr double rival_widening = 2.0;
 constexpr std::size_t compared_halves = 24;
 constexpr double contest_trust = 0.05;  // of its likelihood: halves share the errors of one map
-constexpr double fitting_nis = 3.0;     // of one that may win
+constexpr double fitting_nis = 4.0;     // of one that may win
 constexpr std::array all_orders{RowOrder::at_once, RowOrder::first_to_last, RowOrder::last_to_first};
 constexpr float not_judged = std::numeric_limits<float>::quiet_NaN();
 

@@ -69,8 +69,8 @@ class Tracker {
   double settle(const CircleSearch::Found& found);
   double located_deg() const { return located_deg_; }  // of the newest half, as the gyro has it
 
-  /// The bias may have stepped.
-  void widen_bias(double sigma_dps) { filter_.widen_bias(square(sigma_dps)); }
+  /// The bias may have stepped, the latency have been learnt wrongly, by so much (one standard deviation).
+  void widen(double bias_dps, double latency_s) { filter_.widen(square(bias_dps), square(latency_s)); }
   double rate_dps() const { return rate_dps_; }      // of the newest half
   double in_map_deg() const { return in_map_deg_; }  // where the newest half that was used looks in the map
 
