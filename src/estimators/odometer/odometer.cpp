@@ -47,8 +47,7 @@ constexpr double longest_unfit_s = 30.0;                   // then the map is wr
 constexpr int covered_halves = 4;                          // in a row
 constexpr double doubted_deg = 2.0, doubted_sigmas = 4.0;  // a jump by more is doubted
 constexpr double sound_s = 5.0;  // everything fits for so long: then a heading is sound
-constexpr double stepped_bias_dps = 0.3, wrong_latency_s = 0.005;
-constexpr double turning_dps = 5.0;
+constexpr double stepped_bias_dps = 0.3, wrong_latency_s = 0.005, turning_dps = 5.0;
 constexpr double longest_gyro_gap_s = 0.25, longest_camera_gap_s = 1.0;
 constexpr double lost_deg = 3.0;        // a heading that is known less well is searched for
 constexpr double give_up_s = 40.0;      // of a search, while the rig turns: then the map is wrong
@@ -458,8 +457,7 @@ bool Odometer::Parts::has_settled(double bias_dps, double scale, double latency_
 
 void Odometer::Parts::go_through(Tracker& tracker) {
   const int most_looks = tracker.rows() == RowOrder::at_once ? looks_a_step : row_looks_a_step;
-  int looks = 0;
-  for (; looks < most_looks && gone_through < store.count(); ++gone_through) {
+  for (int looks = 0; looks < most_looks && gone_through < store.count(); ++gone_through) {
     const auto& [half, came_s] = store.at(gone_through);
     if (!tracker.has_begun() || came_s > tracker.now_s()) tracker.advance(path, came_s);
     const HalfResult result = tracker.add(half, path);
@@ -480,6 +478,8 @@ void Odometer::Parts::take_over(double now_s) {
     begin_pass(pass + 1);
     return;
   }
+  // It hardly fits unless things move.
+  if (is_over && pass >= most_passes && mean_nis > nis_at_rest.fits && begin_by_evidence()) return;
   const bool is_settled = has_settled(Tracker::least_bias_sigma_dps, settled_scale, settled_latency_s) ||
                           (pass >= most_passes && mean_nis < nis_bounds().fits);
   const bool must_learn = mean_nis > nis_bounds().lost || (is_over && !is_settled);
@@ -517,6 +517,8 @@ void Odometer::Parts::learn_again() {
     begin_pass(pass + 1);
   } else if (is_contested && contest.another_may_fit()) {
     phase = Phase::learning;  // another order of rows may fit: it goes on until it has learnt enough
+  } else if (begin_by_evidence()) {
+    return;
   } else if (!things_move && pass_count.shows_traffic() && is_plausible() &&
              has_usual_latency(front.filter(), priors)) {
     things_move = true;  // what was learnt is not wrong for that
@@ -576,9 +578,8 @@ std::optional<CircleSearch::Found> Odometer::Parts::by_gyro() const {
   return CircleSearch::Found{front.located_deg() + off_deg, sound->sigma_deg(now)};
 }
 
-/// Where innovations lean to one side, the bias is another than before; the latency may be, if all had fitted
-/// at another speed. Where things move the rig may only turn with a person: that is said, and nothing written
-/// until it is over.
+/// Innovations that lean: another bias than before, or another latency, if all had fitted at another speed.
+/// Where things move the rig may only turn with a person: that is said, and nothing written meanwhile.
 void Odometer::Parts::follow_lean(const HalfResult& result) {
   lean.add(result);
   if (!lean.is_much(things_move)) return;
