@@ -47,7 +47,7 @@ constexpr double longest_unfit_s = 30.0;                   // then the map is wr
 constexpr int covered_halves = 4;                          // in a row
 constexpr double doubted_deg = 2.0, doubted_sigmas = 4.0;  // a jump by more is doubted
 constexpr double sound_s = 5.0;  // everything fits for so long: then a heading is sound
-constexpr double stepped_bias_dps = 0.3, wrong_latency_s = 0.005, turning_dps = 5.0;
+constexpr double stepped_bias_dps = 0.3, wrong_latency = 0.1, turning_dps = 5.0;
 constexpr double longest_gyro_gap_s = 0.25, longest_camera_gap_s = 1.0;
 constexpr double lost_deg = 3.0;        // a heading that is known less well is searched for
 constexpr double give_up_s = 40.0;      // of a search, while the rig turns: then the map is wrong
@@ -578,16 +578,17 @@ std::optional<CircleSearch::Found> Odometer::Parts::by_gyro() const {
   return CircleSearch::Found{front.located_deg() + off_deg, sound->sigma_deg(now)};
 }
 
-/// Innovations that lean: another bias than before, or another latency, if all had fitted at another speed.
+/// Innovations that lean: the bias is another, or, if all had fitted at another speed, an odd latency.
 /// Where things move the rig may only turn with a person: that is said, and nothing written meanwhile.
 void Odometer::Parts::follow_lean(const HalfResult& result) {
   lean.add(result);
   if (!lean.is_much(things_move)) return;
+  const double odd_latency_s = front.filter().latency_s() - priors.latency_s;
   const bool may_be_late = lean.came_with_other_speed() && trust.is_trusted() && !unfit_since_s;
   if (things_move)
     trust.doubt_lean();
   else
-    front.widen(stepped_bias_dps, may_be_late ? wrong_latency_s : 0.0);
+    front.widen(stepped_bias_dps, may_be_late ? wrong_latency * odd_latency_s : 0.0);
   lean.forget();
 }
 
