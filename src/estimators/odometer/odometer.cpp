@@ -49,10 +49,9 @@ constexpr double doubted_deg = 2.0, doubted_sigmas = 4.0;  // a jump by more is 
 constexpr double sound_s = 5.0;  // everything fits for so long: then a heading is sound
 constexpr double stepped_bias_dps = 0.3, wrong_latency = 0.1, turning_dps = 5.0;
 constexpr double longest_gyro_gap_s = 0.25, longest_camera_gap_s = 1.0;
-constexpr double lost_deg = 3.0;        // a heading that is known less well is searched for
-constexpr double give_up_s = 40.0;      // of a search, while the rig turns: then the map is wrong
-constexpr double saturated_dps = 15.0;  // what a reading at the end of its range may be off
-constexpr double sample_noise_dps = 0.15;
+constexpr double lost_deg = 3.0;    // a heading that is known less well is searched for
+constexpr double give_up_s = 40.0;  // of a search, while the rig turns: then the map is wrong
+constexpr double sample_noise_dps = 0.15, saturated_dps = 15.0;  // at the end of its range
 
 }  // namespace
 
