@@ -47,8 +47,8 @@ constexpr double longest_unfit_s = 30.0;                   // then the map is wr
 constexpr int covered_halves = 4;                          // in a row
 constexpr double doubted_deg = 2.0, doubted_sigmas = 4.0;  // a jump by more is doubted
 constexpr double sound_s = 5.0;  // everything fits for so long: then a heading is sound
-constexpr double stepped_bias_dps = 0.3, wrong_latency = 0.1, turning_dps = 5.0;
-constexpr double longest_gyro_gap_s = 0.25, longest_camera_gap_s = 1.0;
+constexpr double stepped_bias_dps = 0.3, doubtful_latency = 0.1;  // a share of what nobody expects
+constexpr double turning_dps = 5.0, longest_gyro_gap_s = 0.25, longest_camera_gap_s = 1.0;
 constexpr double lost_deg = 3.0;    // a heading that is known less well is searched for
 constexpr double give_up_s = 40.0;  // of a search, while the rig turns: then the map is wrong
 constexpr double sample_noise_dps = 0.15, saturated_dps = 15.0;  // at the end of its range
@@ -506,6 +506,7 @@ void Odometer::Parts::begin_run(double now_s) {
   trust.begin(front.rate_dps());
   sound_since_s = now_s;
   sound = heading_of_front();
+  lean = InnovationLean();
 }
 
 /// While the start is learnt, what does not fit means that the map was begun with a wrong bias: by now it is
@@ -587,7 +588,7 @@ void Odometer::Parts::follow_lean(const HalfResult& result) {
   if (things_move)
     trust.doubt_lean();
   else
-    front.widen(stepped_bias_dps, may_be_late ? wrong_latency * odd_latency_s : 0.0);
+    front.widen(stepped_bias_dps, may_be_late ? doubtful_latency * odd_latency_s : 0.0);
   lean.forget();
 }
 
@@ -607,7 +608,7 @@ void Odometer::Parts::locate(const HalfReading& half, double now_s) {
     const bool gyro_differs = sound && std::abs(jump_deg) > doubted_deg + doubted_sigmas * expected_sigma_deg;
     trust.begin_after_search(front.rate_dps(), gyro_differs);
     mean_nis = 1.0;
-    lean.forget();
+    lean = InnovationLean();
     unfit_since_s.reset();
     phase = Phase::running;
   } else if (map_use == MapUse::searching ? is_map_given_up(half) : now_s - locating_since_s > give_up_s) {
@@ -645,7 +646,6 @@ void Odometer::Parts::begin_anew() {
   covered = 0;
   trust = HeadingTrust();
   unfit_since_s.reset();
-  lean.forget();
   gyro_was_away = false;
   phase = Phase::searching;
 }
