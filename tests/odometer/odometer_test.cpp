@@ -219,7 +219,6 @@ Room faint_room(double duration_s, double contrast_k) {
   return room;
 }
 
-/// Before faint walls a half whose time is wrong fits elsewhere.
 TEST(Odometer, LearnsALatencyAnewThatNobodyExpectsAndThatDoesNotFitAtAnotherSpeed) {
   const Room room = faint_room(120.0, 0.3);
   auto all = seen_in(room);
@@ -237,6 +236,7 @@ TEST(Odometer, LearnsALatencyAnewThatNobodyExpectsAndThatDoesNotFitAtAnotherSpee
   EXPECT_NEAR(off_deg(room, reports, 119.0), off_deg(room, reports, 69.0), 0.7);
 }
 
+/// Before faint walls a half whose time is wrong fits elsewhere.
 TEST(Odometer, KeepsTheHeadingOfTheGyroWhenImagesHaveWrongTimes) {
   const Room room = faint_room(120.0, 0.3);
   auto all = seen_in(room);

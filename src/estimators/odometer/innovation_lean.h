@@ -2,7 +2,6 @@
 #pragma once
 
 #include <cmath>
-#include <optional>
 
 #include "tracker.h"
 
@@ -12,19 +11,22 @@ namespace thermorig::odometer {
 /// is wrong.
 class InnovationLean {
  public:
+  /// Of a rig that turns so fast by now.
+  void begin(double rate_dps) {
+    mean_ = 0.0;
+    mean_rate_dps_ = rate_dps;
+  }
   void add(const HalfResult& result) {
-    rate_dps_ = result.rate_dps;
-    if (!mean_rate_dps_) mean_rate_dps_ = rate_dps_;
-    *mean_rate_dps_ += share * (rate_dps_ - *mean_rate_dps_);
+    mean_rate_dps_ += share * (result.rate_dps - mean_rate_dps_);
     mean_ += share * (std::copysign(std::sqrt(result.squared), result.innovation_deg) - mean_);
   }
   /// Something was done about it.
   void forget() { mean_ = 0.0; }
 
   bool is_much(bool things_move) const { return std::abs(mean_) >= (things_move ? most_in_traffic : most); }
-  /// The rig turned at another speed within the same time: what depends on the speed shows then.
-  bool came_with_other_speed() const {
-    return mean_rate_dps_ && std::abs(rate_dps_ - *mean_rate_dps_) > other_speed_dps;
+  /// The rig turned at another speed than now within the same time: what depends on the speed shows then.
+  bool came_with_other_speed(double rate_dps) const {
+    return std::abs(rate_dps - mean_rate_dps_) > other_speed_dps;
   }
 
  private:
@@ -33,8 +35,7 @@ class InnovationLean {
   static constexpr double other_speed_dps = 10.0;
 
   double mean_ = 0.0;  // with their signs
-  double rate_dps_ = 0.0;
-  std::optional<double> mean_rate_dps_;  // none: no half yet
+  double mean_rate_dps_ = 0.0;
 };
 
 }  // namespace thermorig::odometer

@@ -34,12 +34,11 @@ constexpr std::size_t latest_search = 160;  // then the search begins anew
 constexpr int looks_a_step = 110;           // at the map, when halves are gone through again: a dozen halves
 constexpr int row_looks_a_step = 60;        // the same row by row, which costs more
 constexpr double second_pass_s = 25.0;      // after the first half
-constexpr std::size_t second_pass_halves = 200;
+constexpr std::size_t second_pass_halves = 200, least_of_start = 72;
 constexpr double bias_widening = 3.0;  // of what the search states
 constexpr int most_passes = 6;         // through the halves of the start
 constexpr double settled_latency_s = 0.001, settled_scale = 0.001;
 constexpr double doubtful_nis = 1.6, hopeless_nis = 4.0;  // of the order of rows that won, and of others
-constexpr std::size_t least_of_start = 72;                // halves
 constexpr double known_bias_dps = 1.0;
 constexpr int passes_by_evidence = 3, passes_to_tell = 2;  // the first one may begin with a wrong bias
 
@@ -49,9 +48,10 @@ constexpr double doubted_deg = 2.0, doubted_sigmas = 4.0;  // a jump by more is 
 constexpr double sound_s = 5.0;  // everything fits for so long: then a heading is sound
 constexpr double stepped_bias_dps = 0.3, doubtful_latency = 0.1;  // a share of what nobody expects
 constexpr double turning_dps = 5.0, longest_gyro_gap_s = 0.25, longest_camera_gap_s = 1.0;
-constexpr double lost_deg = 3.0;    // a heading that is known less well is searched for
-constexpr double give_up_s = 40.0;  // of a search, while the rig turns: then the map is wrong
-constexpr double sample_noise_dps = 0.15, saturated_dps = 15.0;  // at the end of its range
+constexpr double lost_deg = 3.0;        // a heading that is known less well is searched for
+constexpr double give_up_s = 40.0;      // of a search, while the rig turns: then the map is wrong
+constexpr double saturated_dps = 15.0;  // what a reading at the end of its range may be off
+constexpr double sample_noise_dps = 0.15;
 
 }  // namespace
 
@@ -477,7 +477,7 @@ void Odometer::Parts::take_over(double now_s) {
     begin_pass(pass + 1);
     return;
   }
-  // It hardly fits unless things move.
+  // That it fits where things may move says little.
   if (is_over && pass >= most_passes && mean_nis > nis_at_rest.fits && begin_by_evidence()) return;
   const bool is_settled = has_settled(Tracker::least_bias_sigma_dps, settled_scale, settled_latency_s) ||
                           (pass >= most_passes && mean_nis < nis_bounds().fits);
@@ -506,7 +506,7 @@ void Odometer::Parts::begin_run(double now_s) {
   trust.begin(front.rate_dps());
   sound_since_s = now_s;
   sound = heading_of_front();
-  lean = InnovationLean();
+  lean.begin(front.rate_dps());
 }
 
 /// While the start is learnt, what does not fit means that the map was begun with a wrong bias: by now it is
@@ -584,11 +584,11 @@ void Odometer::Parts::follow_lean(const HalfResult& result) {
   lean.add(result);
   if (!lean.is_much(things_move)) return;
   const double odd_latency_s = front.filter().latency_s() - priors.latency_s;
-  const bool may_be_late = lean.came_with_other_speed() && trust.is_trusted() && !unfit_since_s;
+  const bool is_late = trust.is_trusted() && !unfit_since_s && lean.came_with_other_speed(result.rate_dps);
   if (things_move)
     trust.doubt_lean();
   else
-    front.widen(stepped_bias_dps, may_be_late ? doubtful_latency * odd_latency_s : 0.0);
+    front.widen(stepped_bias_dps, is_late ? doubtful_latency * odd_latency_s : 0.0);
   lean.forget();
 }
 
@@ -608,7 +608,7 @@ void Odometer::Parts::locate(const HalfReading& half, double now_s) {
     const bool gyro_differs = sound && std::abs(jump_deg) > doubted_deg + doubted_sigmas * expected_sigma_deg;
     trust.begin_after_search(front.rate_dps(), gyro_differs);
     mean_nis = 1.0;
-    lean = InnovationLean();
+    lean.begin(front.rate_dps());
     unfit_since_s.reset();
     phase = Phase::running;
   } else if (map_use == MapUse::searching ? is_map_given_up(half) : now_s - locating_since_s > give_up_s) {

@@ -69,7 +69,7 @@ class Tracker {
   double settle(const CircleSearch::Found& found);
   double located_deg() const { return located_deg_; }  // of the newest half, as the gyro has it
 
-  /// The bias may have stepped, the latency have been learnt wrongly, by so much (one standard deviation).
+  /// The bias may have stepped, and the latency be wrong, by so much (one standard deviation each).
   void widen(double bias_dps, double latency_s) { filter_.widen(square(bias_dps), square(latency_s)); }
   double rate_dps() const { return rate_dps_; }      // of the newest half
   double in_map_deg() const { return in_map_deg_; }  // where the newest half that was used looks in the map
