@@ -17,8 +17,9 @@ Panorama::Column column_of(float value) {
 }
 
 /// Both classes of rows show their azimuth, from -90 to 90 deg.
-Panorama ramp() {
+Panorama ramp(bool rows_look_apart = false) {
   Panorama panorama;
+  panorama.clear(rows_look_apart);
   for (const std::size_t row_class : {0U, 1U})
     for (double azimuth_deg = -90.0; azimuth_deg <= 90.0; azimuth_deg += bin_deg) {
       const auto place = Panorama::place(azimuth_deg, 0.0, row_class);
@@ -41,6 +42,24 @@ TEST(Panorama, ShowsTheMeanOverWhatAPixelSweeps) {
       EXPECT_EQ(look.known[5], 1.0F);
       EXPECT_NEAR(look.temp_c[5], azimuth_deg, 0.6) << half_width_deg;
       EXPECT_NEAR(look.of_azimuth.slope[5], 1.0, 0.02) << half_width_deg;
+    }
+}
+
+TEST(Panorama, ShowsAPixelByItselfWhatItShowsItsWholeColumn) {
+  const Panorama by_column = ramp(), by_row = ramp(true);
+  for (const double azimuth_deg : {-40.0, 0.3, 88.0, 150.0})  // seen, and not
+    for (const bool smooth : {false, true}) {
+      const auto place = Panorama::place(azimuth_deg, 3.0, 1);
+      Panorama::Look column, row;
+      by_column.look(place, 2, smooth, column);
+      for (std::size_t k = 0; k < half_rows; ++k) {
+        by_row.look_row(place, k, 2, smooth, row);
+        EXPECT_EQ(row.known[k], column.known[k]) << azimuth_deg;
+        EXPECT_NEAR(row.temp_c[k], column.temp_c[k], 1e-4) << azimuth_deg;
+        EXPECT_NEAR(row.variance[k], column.variance[k], 1e-6) << azimuth_deg;
+        EXPECT_NEAR(row.of_azimuth.slope[k], column.of_azimuth.slope[k], 1e-4) << azimuth_deg;
+        EXPECT_NEAR(row.of_azimuth.variance[k], column.of_azimuth.variance[k], 1e-6) << azimuth_deg;
+      }
     }
 }
 
@@ -76,7 +95,7 @@ TEST(Panorama, LearnsAsAKalmanFilterDoes) {
 
 TEST(Panorama, IsNotWrittenByWhatPassesAndLearnsWhatStays) {
   Panorama panorama;
-  panorama.clear(true);
+  panorama.clear(false, true);
   const auto place = Panorama::place(20.5 * bin_deg, 0.0, 0);
   panorama.seed(place, {.low = place.middle - 2.0,
                         .high = place.middle + 2.0,

@@ -41,8 +41,9 @@ void Alignment::look(const View& view, double azimuth_deg, std::size_t column, c
     panorama_.look(place(view, azimuth_deg, column), slope.reach, slope.smooth, look);
     return;
   }
+  const Places places = this->places(view, azimuth_deg, column);
   for (std::size_t k = 0; k < half_rows; ++k)
-    panorama_.look_row(place(view, azimuth_deg, column, k), k, slope.reach, slope.smooth, look);
+    panorama_.look_row(places[k], k, slope.reach, slope.smooth, look);
 }
 
 void Alignment::look_at_mean(const View& view, double azimuth_deg, std::size_t column,
@@ -51,8 +52,8 @@ void Alignment::look_at_mean(const View& view, double azimuth_deg, std::size_t c
     panorama_.look_at_mean(place(view, azimuth_deg, column), Slope().reach, look);
     return;
   }
-  for (std::size_t k = 0; k < half_rows; ++k)
-    panorama_.look_at_mean_row(place(view, azimuth_deg, column, k), k, Slope().reach, look);
+  const Places places = this->places(view, azimuth_deg, column);
+  for (std::size_t k = 0; k < half_rows; ++k) panorama_.look_at_mean_row(places[k], k, Slope().reach, look);
 }
 
 HalfPixels Alignment::beside_row(const View& view, double azimuth_deg) const {
@@ -182,11 +183,12 @@ double Alignment::squares(const View& view, double azimuth_deg) const {
   float sum = 0.0F, weights = 1e-6F, flat_sum = 0.0F, flat_weights = 1e-6F;
   for (std::size_t column = 0; column < frame_columns; ++column) {
     Panorama::Column temp_c, is_known;
-    if (view.rows == nullptr)
+    if (view.rows == nullptr) {
       panorama_.look(place(view, azimuth_deg, column), temp_c, is_known);
-    else
-      for (std::size_t k = 0; k < half_rows; ++k)
-        panorama_.look_row(place(view, azimuth_deg, column, k), k, temp_c, is_known);
+    } else {
+      const Places places = this->places(view, azimuth_deg, column);
+      for (std::size_t k = 0; k < half_rows; ++k) panorama_.look_row(places[k], k, temp_c, is_known);
+    }
     for (std::size_t k = 0; k < half_rows; ++k) {
       const std::size_t i = column * half_rows + k;
       expected[i] = temp_c[k];

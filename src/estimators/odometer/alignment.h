@@ -81,10 +81,15 @@ class Alignment {
     return Panorama::place(map_azimuth_deg(azimuth_deg + lens_.bearing_deg(column)), view.half_width_deg,
                            row_class(column, view.parity));
   }
-  /// The same of its k-th pixel, if the view has rows that look elsewhere.
-  Panorama::Place place(const View& view, double azimuth_deg, std::size_t column, std::size_t k) const {
-    const std::size_t row = row_of(column, k, view.parity);
-    return place_in_row(view, azimuth_deg, column, row, row);
+  /// The same of each of its pixels, if the view has rows that look elsewhere.
+  using Places = std::array<Panorama::Place, half_rows>;
+  Places places(const View& view, double azimuth_deg, std::size_t column) const {
+    Places places;
+    for (std::size_t k = 0; k < half_rows; ++k) {
+      const std::size_t row = row_of(column, k, view.parity);
+      places[k] = place_in_row(view, azimuth_deg, column, row, row);
+    }
+    return places;
   }
 
   /// What the map shows where each pixel looks, less what it shows there in the pixel's own row: of a camera

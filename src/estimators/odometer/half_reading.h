@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
 #include <optional>
 
 #include "thermorig/core/frame.h"
@@ -18,6 +19,14 @@ inline constexpr double whole_turn_deg = 360.0;
 
 constexpr double square(double value) {
   return value * value;
+}
+
+/// Which share of a whole turn an azimuth is, 0 to 1. Asked of each pixel again and again: std::floor is
+/// slower.
+inline double share_of_turn(double azimuth_deg) {
+  const double turns = azimuth_deg * (1.0 / whole_turn_deg);
+  const auto whole = static_cast<double>(static_cast<std::int64_t>(turns));
+  return turns - (whole > turns ? whole - 1.0 : whole);
 }
 
 /// A value for each pixel of a chess half, column after column (32, 12): what lies in one column looks into

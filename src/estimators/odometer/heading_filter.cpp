@@ -86,21 +86,9 @@ void HeadingFilter::update(const Row& row, double innovation, double noise) {
 }
 
 void HeadingFilter::add_shares(double azimuth_deg, double weight, std::array<double, nodes>& shares) {
-  const double turns = azimuth_deg / whole_turn_deg;
-  const double position = (turns - std::floor(turns)) * static_cast<double>(nodes);
-  const auto left = static_cast<std::size_t>(position) % nodes;
-  const double part = position - std::floor(position);
-  shares[left] += weight * (1.0 - part);
-  shares[(left + 1) % nodes] += weight * part;
-}
-
-double HeadingFilter::map_offset_deg(double azimuth_deg) const {
-  const double turns = azimuth_deg / whole_turn_deg;
-  const double position = (turns - std::floor(turns)) * static_cast<double>(nodes);
-  const auto whole = static_cast<std::size_t>(position);
-  const std::size_t left = whole < nodes ? whole : 0, right = left + 1 < nodes ? left + 1 : 0;
-  return std::lerp(state_[first_node + left], state_[first_node + right],
-                   position - static_cast<double>(whole));
+  const BetweenNodes at = between_nodes(azimuth_deg);
+  shares[at.left] += weight * (1.0 - at.part);
+  shares[at.right] += weight * at.part;
 }
 
 void HeadingFilter::begin_nodes(double low_deg, double high_deg) {

@@ -59,7 +59,11 @@ class HeadingFilter {
   void update(const Row& row, double innovation, double variance);
 
   /// How the map is off there: between its nodes a straight line.
-  double map_offset_deg(double azimuth_deg) const;
+  double map_offset_deg(double azimuth_deg) const {
+    const BetweenNodes at = between_nodes(azimuth_deg);
+    const double left_deg = state_[first_node + at.left];
+    return left_deg + at.part * (state_[first_node + at.right] - left_deg);
+  }
   /// Shares of the nodes in map_offset_deg().
   static void add_shares(double azimuth_deg, double weight, std::array<double, nodes>& shares);
   /// Nodes that an azimuth from `low_deg` to `high_deg` first shows begin with the heading's error.
@@ -79,6 +83,16 @@ class HeadingFilter {
   }
 
  private:
+  struct BetweenNodes {
+    std::size_t left, right;
+    double part;  // of the way from left to right
+  };
+  static BetweenNodes between_nodes(double azimuth_deg) {
+    const double position = share_of_turn(azimuth_deg) * static_cast<double>(nodes);
+    const auto whole = static_cast<std::size_t>(position);
+    const std::size_t left = whole < nodes ? whole : 0;
+    return {left, left + 1 < nodes ? left + 1 : 0, position - static_cast<double>(whole)};
+  }
   Priors priors_;
   Row state_{};
   std::array<Row, size> covariance_{};

@@ -15,6 +15,22 @@ constexpr float strange_squares = 16.0F;  // of a reading, in units of its varia
 constexpr float widening = 0.5F, most_widened = 4.0F;  // of a bin's variance, a strange reading; K^2
 constexpr float least_bin_variance = 1e-3F;            // of a bin: surroundings change
 
+/// From what comes into a mean less what goes out of it, moved by `reach` to both sides, to its slope.
+float slope_scale(const Panorama::Place& place, std::ptrdiff_t reach) {
+  return static_cast<float>(1.0 /
+                            (2.0 * place.half_width * 2.0 * static_cast<double>(reach) * Panorama::bin_deg));
+}
+
+/// In the other class of rows: of row 2k those are k - 1 and k of the odd ones, of row 2k + 1 k and k + 1 of
+/// the even ones.
+std::size_t above_in_other(std::size_t other, std::size_t k) {
+  return other == 1 ? (k > 0 ? k - 1 : 0) : k;
+}
+
+std::size_t below_in_other(std::size_t other, std::size_t k) {
+  return other == 1 ? k : std::min(k + 1, half_rows - 1);
+}
+
 }  // namespace
 
 Panorama::Panorama()
@@ -25,18 +41,13 @@ Panorama::Panorama()
       variance_sum_(map_values + frame_rows),
       seen_sum_(map_values + frame_rows) {}
 
-void Panorama::clear(bool things_move) {
+void Panorama::clear(bool rows_look_apart, bool things_move) {
+  rows_look_apart_ = rows_look_apart;
   things_move_ = things_move;
   std::fill(temp_c_.begin(), temp_c_.end(), 0.0F);
   std::fill(variance_.begin(), variance_.end(), 0.0F);
   std::fill(seen_.begin(), seen_.end(), 0.0F);
   add_up();
-}
-
-Panorama::Place Panorama::place(double azimuth_deg, double half_width_deg, std::size_t row_class) {
-  const double turns = azimuth_deg / whole_turn_deg;
-  const double middle = (turns - std::floor(turns)) * static_cast<double>(bins);
-  return {middle, std::clamp(half_width_deg / bin_deg, 0.5, 0.25 * static_cast<double>(bins)), row_class};
 }
 
 void Panorama::add_up(const std::vector<float>& of_bins, Sums& sums) const {
@@ -46,6 +57,10 @@ void Panorama::add_up(const std::vector<float>& of_bins, Sums& sums) const {
 }
 
 void Panorama::add_up() {
+  if (rows_look_apart_) {
+    row_sums_.add_up(temp_c_, variance_, seen_);
+    return;
+  }
   add_up(temp_c_, temp_sum_);
   add_up(variance_, variance_sum_);
   add_up(seen_, seen_sum_);
@@ -75,137 +90,123 @@ void Panorama::load(const Map& map) {
   add_up();
 }
 
-/// A position beyond either end counts a whole turn; none is further away than one.
-Panorama::Position Panorama::position(std::ptrdiff_t bin, float part) {
-  constexpr auto all = static_cast<std::ptrdiff_t>(bins);
-  if (bin < 0) return {static_cast<std::size_t>(bin + all), part, -1.0F};
-  if (bin >= all) return {static_cast<std::size_t>(bin - all), part, 1.0F};
-  return {static_cast<std::size_t>(bin), part, 0.0F};
-}
-
-Panorama::Position Panorama::position(double at) {
-  const double whole = std::floor(at);
-  return position(static_cast<std::ptrdiff_t>(whole), static_cast<float>(at - whole));
-}
-
-Panorama::Ends Panorama::ends(const Place& place, std::ptrdiff_t reach) {
-  const auto about = [&](double at, Position& before, Position& here, Position& after) {
-    const double whole = std::floor(at);
-    const auto bin = static_cast<std::ptrdiff_t>(whole);
-    const auto part = static_cast<float>(at - whole);
-    before = position(bin - reach, part);
-    here = position(bin, part);
-    after = position(bin + reach, part);
-  };
-  Ends ends;
-  about(place.middle - place.half_width, ends.before_low, ends.low, ends.after_low);
-  about(place.middle + place.half_width, ends.before_high, ends.high, ends.after_high);
-  return ends;
-}
-
-template <std::size_t pixels>
-void Panorama::sum_between(const Sums& sums, const Position& from, const Position& to, std::size_t row_class,
-                           std::size_t first, Column& sum) {
+void Panorama::sum_between(const Sums& sums, const BinPosition& from, const BinPosition& to,
+                           std::size_t row_class, Column& sum) {
   const float* total = &sums[index(bins, row_class)];
-  const auto until = [&](const Position& at, std::size_t k) {
+  const auto until = [&](const BinPosition& at, std::size_t k) {
     const float* before = &sums[index(at.bin, row_class)];
     const float* behind = before + frame_rows;
     return before[k] + at.part * (behind[k] - before[k]) + at.turns * total[k];
   };
-  for (std::size_t k = first; k < first + pixels; ++k) sum[k] = until(to, k) - until(from, k);
+  for (std::size_t k = 0; k < half_rows; ++k) sum[k] = until(to, k) - until(from, k);
 }
 
 /// The mean changes by what comes in at one end of the sweep and goes out at the other.
-template <std::size_t pixels>
-void Panorama::look_slope(const Place& place, const Ends& ends, std::size_t row_class, std::size_t first,
+void Panorama::look_slope(const Place& place, const SweepEnds& ends, std::size_t row_class,
                           std::ptrdiff_t reach, Slopes& slopes) const {
   Column in, out, in_variance, out_variance;
-  sum_between<pixels>(temp_sum_, ends.before_high, ends.after_high, row_class, first, in);
-  sum_between<pixels>(temp_sum_, ends.before_low, ends.after_low, row_class, first, out);
-  sum_between<pixels>(variance_sum_, ends.before_high, ends.after_high, row_class, first, in_variance);
-  sum_between<pixels>(variance_sum_, ends.before_low, ends.after_low, row_class, first, out_variance);
-  const auto scale =
-      static_cast<float>(1.0 / (2.0 * place.half_width * 2.0 * static_cast<double>(reach) * bin_deg));
-  for (std::size_t k = first; k < first + pixels; ++k) {
+  sum_between(temp_sum_, ends.before_high, ends.after_high, row_class, in);
+  sum_between(temp_sum_, ends.before_low, ends.after_low, row_class, out);
+  sum_between(variance_sum_, ends.before_high, ends.after_high, row_class, in_variance);
+  sum_between(variance_sum_, ends.before_low, ends.after_low, row_class, out_variance);
+  const float scale = slope_scale(place, reach);
+  for (std::size_t k = 0; k < half_rows; ++k) {
     slopes.slope[k] = scale * (in[k] - out[k]);
     slopes.variance[k] = scale * scale * (in_variance[k] + out_variance[k]);
   }
 }
 
-template <std::size_t pixels>
-void Panorama::look_at_mean(const Place& place, const Ends& at, std::size_t first, std::ptrdiff_t reach,
-                            Look& look) const {
+void Panorama::look_at_mean(const Place& place, const SweepEnds& at, std::ptrdiff_t reach, Look& look) const {
   const auto width = static_cast<float>(2.0 * place.half_width);
   const auto wide = static_cast<float>(2.0 * (place.half_width + static_cast<double>(reach)));
   Column seen;
-  sum_between<pixels>(temp_sum_, at.low, at.high, place.row_class, first, look.temp_c);
-  sum_between<pixels>(variance_sum_, at.low, at.high, place.row_class, first, look.variance);
-  sum_between<pixels>(seen_sum_, at.before_low, at.after_high, place.row_class, first, seen);
-  for (std::size_t k = first; k < first + pixels; ++k) {
+  sum_between(temp_sum_, at.low, at.high, place.row_class, look.temp_c);
+  sum_between(variance_sum_, at.low, at.high, place.row_class, look.variance);
+  sum_between(seen_sum_, at.before_low, at.after_high, place.row_class, seen);
+  for (std::size_t k = 0; k < half_rows; ++k) {
     look.temp_c[k] /= width;
     look.variance[k] /= width * width;
     look.known[k] = seen[k] >= seen_enough * wide ? 1.0F : 0.0F;
   }
 }
 
-template <std::size_t pixels>
-void Panorama::look_pixels(const Place& place, std::size_t first, std::ptrdiff_t reach, bool smooth,
-                           Look& look) const {
-  const Ends at = ends(place, reach);
-  look_at_mean<pixels>(place, at, first, reach, look);
-  look_slope<pixels>(place, at, place.row_class, first, reach, look.of_azimuth);
+void Panorama::look(const Place& place, std::ptrdiff_t reach, bool smooth, Look& look) const {
+  const SweepEnds at = ends(place, reach);
+  look_at_mean(place, at, reach, look);
+  look_slope(place, at, place.row_class, reach, look.of_azimuth);
   if (!smooth) return;
-  // Rows above and below: of row 2k those are k - 1 and k of the odd ones, of row 2k + 1 k and k + 1 of the
-  // even ones.
   const std::size_t other = place.row_class ^ 1U;
-  const auto above = [&](std::size_t k) { return other == 1 ? (k > 0 ? k - 1 : 0) : k; };
-  const auto below = [&](std::size_t k) { return other == 1 ? k : std::min(k + 1, half_rows - 1); };
   Slopes beside;
-  look_slope<pixels>(place, at, other, pixels == 1 ? above(first) : first, reach, beside);
-  if (pixels == 1) look_slope<pixels>(place, at, other, below(first), reach, beside);
-  for (std::size_t k = first; k < first + pixels; ++k) {
+  look_slope(place, at, other, reach, beside);
+  for (std::size_t k = 0; k < half_rows; ++k) {
     float &slope = look.of_azimuth.slope[k], &variance = look.of_azimuth.variance[k];
-    slope = 0.5F * slope + 0.25F * (beside.slope[above(k)] + beside.slope[below(k)]);
-    variance = 0.25F * variance + 0.0625F * (beside.variance[above(k)] + beside.variance[below(k)]);
+    const std::size_t above = above_in_other(other, k), below = below_in_other(other, k);
+    slope = 0.5F * slope + 0.25F * (beside.slope[above] + beside.slope[below]);
+    variance = 0.25F * variance + 0.0625F * (beside.variance[above] + beside.variance[below]);
   }
 }
 
-void Panorama::look(const Place& place, std::ptrdiff_t reach, bool smooth, Look& look) const {
-  look_pixels<half_rows>(place, 0, reach, smooth, look);
-}
-
-void Panorama::look_row(const Place& place, std::size_t k, std::ptrdiff_t reach, bool smooth,
-                        Look& look) const {
-  look_pixels<1>(place, k, reach, smooth, look);
-}
-
 void Panorama::look_at_mean(const Place& place, std::ptrdiff_t reach, Look& look) const {
-  look_at_mean<half_rows>(place, ends(place, reach), 0, reach, look);
+  look_at_mean(place, ends(place, reach), reach, look);
 }
 
-void Panorama::look_at_mean_row(const Place& place, std::size_t k, std::ptrdiff_t reach, Look& look) const {
-  look_at_mean<1>(place, ends(place, reach), k, reach, look);
-}
-
-template <std::size_t pixels>
-void Panorama::look_pixels(const Place& place, std::size_t first, Column& temp_c, Column& known) const {
-  const Position low = position(place.middle - place.half_width);
-  const Position high = position(place.middle + place.half_width);
+void Panorama::look(const Place& place, Column& temp_c, Column& known) const {
+  const SweepEnds at = ends(place, 0);
   const auto width = static_cast<float>(2.0 * place.half_width);
-  sum_between<pixels>(temp_sum_, low, high, place.row_class, first, temp_c);
-  sum_between<pixels>(seen_sum_, low, high, place.row_class, first, known);
-  for (std::size_t k = first; k < first + pixels; ++k) {
+  sum_between(temp_sum_, at.low, at.high, place.row_class, temp_c);
+  sum_between(seen_sum_, at.low, at.high, place.row_class, known);
+  for (std::size_t k = 0; k < half_rows; ++k) {
     temp_c[k] /= width;
     known[k] = known[k] >= seen_enough * width ? 1.0F : 0.0F;
   }
 }
 
-void Panorama::look(const Place& place, Column& temp_c, Column& known) const {
-  look_pixels<half_rows>(place, 0, temp_c, known);
+Panorama::Slope Panorama::slope_of_row(std::size_t row, const SweepEnds& ends, float scale) const {
+  const RowSums::Sum in = row_sums_.between(row, ends.before_high, ends.after_high);
+  const RowSums::Sum out = row_sums_.between(row, ends.before_low, ends.after_low);
+  return {scale * (in.temp_c - out.temp_c), scale * scale * (in.variance + out.variance)};
+}
+
+void Panorama::look_at_mean_row(const Place& place, const SweepEnds& at, std::size_t k, std::ptrdiff_t reach,
+                                Look& look) const {
+  const auto wide = static_cast<float>(2.0 * (place.half_width + static_cast<double>(reach)));
+  const float share = 1.0F / static_cast<float>(2.0 * place.half_width);  // of a bin
+  const std::size_t row = index(0, place.row_class) + k;
+  const RowSums::Sum swept = row_sums_.between(row, at.low, at.high);
+  const RowSums::Sum around = row_sums_.between(row, at.before_low, at.after_high);
+  look.temp_c[k] = share * swept.temp_c;
+  look.variance[k] = share * share * swept.variance;
+  look.known[k] = around.seen >= seen_enough * wide ? 1.0F : 0.0F;
+}
+
+void Panorama::look_row(const Place& place, std::size_t k, std::ptrdiff_t reach, bool smooth,
+                        Look& look) const {
+  const SweepEnds at = ends(place, reach);
+  look_at_mean_row(place, at, k, reach, look);
+  const float scale = slope_scale(place, reach);
+  const Slope own = slope_of_row(index(0, place.row_class) + k, at, scale);
+  float &slope = look.of_azimuth.slope[k], &variance = look.of_azimuth.variance[k];
+  slope = own.slope;
+  variance = own.variance;
+  if (!smooth) return;
+  const std::size_t other = place.row_class ^ 1U;
+  const Slope above = slope_of_row(index(0, other) + above_in_other(other, k), at, scale);
+  const Slope below = slope_of_row(index(0, other) + below_in_other(other, k), at, scale);
+  slope = 0.5F * slope + 0.25F * (above.slope + below.slope);
+  variance = 0.25F * variance + 0.0625F * (above.variance + below.variance);
+}
+
+void Panorama::look_at_mean_row(const Place& place, std::size_t k, std::ptrdiff_t reach, Look& look) const {
+  look_at_mean_row(place, ends(place, reach), k, reach, look);
 }
 
 void Panorama::look_row(const Place& place, std::size_t k, Column& temp_c, Column& known) const {
-  look_pixels<1>(place, k, temp_c, known);
+  const std::size_t row = index(0, place.row_class) + k;
+  const auto width = static_cast<float>(2.0 * place.half_width);
+  const SweepEnds at = ends(place, 0);
+  const RowSums::Sum swept = row_sums_.between(row, at.low, at.high);
+  temp_c[k] = swept.temp_c / width;
+  known[k] = swept.seen >= seen_enough * width ? 1.0F : 0.0F;
 }
 
 template <std::size_t pixels>
@@ -239,12 +240,15 @@ void Panorama::write_pixels(const Place& place, std::size_t first, const Column&
   const double low = place.middle - place.half_width, high = place.middle + place.half_width;
   const auto from = static_cast<std::ptrdiff_t>(std::floor(low));
   const auto to = static_cast<std::ptrdiff_t>(std::floor(high));
+  const double share_of_bin = 1.0 / (high - low);
   const std::size_t end = first + pixels;
   const auto share_of = [&](std::ptrdiff_t bin) {
     const auto begin = static_cast<double>(bin);
-    return static_cast<float>((std::min(high, begin + 1.0) - std::max(low, begin)) / (high - low));
+    return static_cast<float>((std::min(high, begin + 1.0) - std::max(low, begin)) * share_of_bin);
   };
-  const auto first_of = [&](std::ptrdiff_t bin) { return index(position(bin, 0.0F).bin, place.row_class); };
+  const auto first_of = [&](std::ptrdiff_t bin) {
+    return index(bin_position(bin, 0.0F).bin, place.row_class);
+  };
   Column mean, spread;
   for (std::size_t k = first; k < end; ++k) mean[k] = spread[k] = 0.0F;
   for (std::ptrdiff_t bin = from; bin <= to; ++bin) {

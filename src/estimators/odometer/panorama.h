@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <vector>
 
 #include "half_reading.h"
+#include "row_sums.h"
+#include "sweep_ends.h"
 #include "thermorig/estimators/odometer/map.h"
 
 namespace thermorig::odometer {
@@ -18,8 +21,9 @@ class Panorama {
   static constexpr double bin_deg = whole_turn_deg / bins;
 
   Panorama();
+  /// `rows_look_apart`: it is looked at row by row from now on, else column by column.
   /// `things_move`: what is far from what was seen before is hardly written, as long as it does not stay.
-  void clear(bool things_move = false);
+  void clear(bool rows_look_apart = false, bool things_move = false);
 
   /// Where one column of pixels looks while it is exposed: bins from the map's origin.
   struct Place {
@@ -27,7 +31,11 @@ class Panorama {
     double half_width = 0.5;  // at least 0.5
     std::size_t row_class = 0;
   };
-  static Place place(double azimuth_deg, double half_width_deg, std::size_t row_class);
+  static Place place(double azimuth_deg, double half_width_deg, std::size_t row_class) {
+    constexpr double widest = 0.25 * static_cast<double>(bins);
+    return {share_of_turn(azimuth_deg) * static_cast<double>(bins),
+            std::clamp(half_width_deg * (1.0 / bin_deg), 0.5, widest), row_class};
+  }
 
   using Column = std::array<float, half_rows>;
   /// What the column should show: the mean over the bins that it sweeps.
@@ -43,6 +51,7 @@ class Panorama {
   /// `reach`: bins to either side over which a slope is taken; `smooth`: over three rows.
   void look(const Place& place, std::ptrdiff_t reach, bool smooth, Look& look) const;
   /// The same of its k-th pixel alone, which looks where no other does: the rest of `look` stays as it is.
+  /// Only where rows look apart, as all of `_row`.
   void look_row(const Place& place, std::size_t k, std::ptrdiff_t reach, bool smooth, Look& look) const;
 
   /// All of it but the slopes.
@@ -82,38 +91,30 @@ class Panorama {
   static std::size_t index(std::size_t bin, std::size_t row_class) { return (bin * 2 + row_class) * cell; }
   using Sums = std::vector<float>;
   void add_up(const std::vector<float>& values, Sums& sums) const;
-  struct Position {       // between two bins
-    std::size_t bin = 0;  // before it
-    float part = 0.0F, turns = 0.0F;
+  static SweepEnds ends(const Place& place, std::ptrdiff_t reach) {
+    return {place.middle - place.half_width, place.middle + place.half_width, reach};
+  }
+  static void sum_between(const Sums& sums, const BinPosition& from, const BinPosition& to,
+                          std::size_t row_class, Column& sum);
+  void look_slope(const Place& place, const SweepEnds& ends, std::size_t row_class, std::ptrdiff_t reach,
+                  Slopes& slopes) const;
+  void look_at_mean(const Place& place, const SweepEnds& ends, std::ptrdiff_t reach, Look& look) const;
+  struct Slope {
+    float slope, variance;
   };
-  static Position position(double at);
-  static Position position(std::ptrdiff_t bin, float part);
-  struct Ends {  // of a sweep, and so much to either side of both
-    Position before_low, low, after_low, before_high, high, after_high;
-  };
-  static Ends ends(const Place& place, std::ptrdiff_t reach);
+  Slope slope_of_row(std::size_t row, const SweepEnds& ends, float scale) const;
+  void look_at_mean_row(const Place& place, const SweepEnds& ends, std::size_t k, std::ptrdiff_t reach,
+                        Look& look) const;
   // Of a column's pixels so many from the k-th on: all of them, or one.
-  template <std::size_t pixels>
-  static void sum_between(const Sums& sums, const Position& from, const Position& to, std::size_t row_class,
-                          std::size_t k, Column& sum);
-  template <std::size_t pixels>
-  void look_slope(const Place& place, const Ends& ends, std::size_t row_class, std::size_t k,
-                  std::ptrdiff_t reach, Slopes& slopes) const;
-  template <std::size_t pixels>
-  void look_at_mean(const Place& place, const Ends& ends, std::size_t k, std::ptrdiff_t reach,
-                    Look& look) const;
-  template <std::size_t pixels>
-  void look_pixels(const Place& place, std::size_t k, std::ptrdiff_t reach, bool smooth, Look& look) const;
-  template <std::size_t pixels>
-  void look_pixels(const Place& place, std::size_t first, Column& temp_c, Column& known) const;
   template <std::size_t pixels>
   void seed_pixels(const Place& place, std::size_t first, const Guess& guess);
   template <std::size_t pixels>
   void write_pixels(const Place& place, std::size_t first, const Column& temp_c, const Column& variance);
 
-  bool things_move_ = false;
+  bool rows_look_apart_ = false, things_move_ = false;
   std::vector<float> temp_c_, variance_, seen_;  // of each bin
   Sums temp_sum_, variance_sum_, seen_sum_;      // of all bins before
+  RowSums row_sums_;                             // instead of these, where rows look apart
 };
 
 }  // namespace thermorig::odometer

@@ -46,7 +46,7 @@ void Tracker::restart(const Priors& priors, RowOrder rows, bool things_move) {
   rows_ = rows;
   things_move_ = things_move;
   filter_ = HeadingFilter(priors);
-  panorama_.clear(things_move);
+  panorama_.clear(do_rows_look_apart(), things_move);
   pixels_ = PixelModel();
   has_begun_ = false;
   is_on_trial_ = false;
@@ -271,21 +271,22 @@ void Tracker::write(const View& view, double azimuth_deg, double sigma_deg, floa
       reach_to(place);
       panorama_.seed(place, guess);
     } else {
+      auto& places = written_[column].places;
+      places = alignment.places(view, azimuth_deg, column);
       for (std::size_t k = 0; k < half_rows; ++k) {
-        const Panorama::Place place = alignment.place(view, azimuth_deg, column, k);
-        reach_to(place);
-        panorama_.seed_row(place, k, guess);
+        reach_to(places[k]);
+        panorama_.seed_row(places[k], k, guess);
       }
     }
-    written_[column] = {shown, variance};
+    written_[column].shown = shown;
+    written_[column].variance = variance;
   }
   for (std::size_t column = 0; column < frame_columns; ++column) {
-    const auto& [shown, variance] = written_[column];
+    const auto& [shown, variance, places] = written_[column];
     if (view.rows == nullptr)
       panorama_.write(alignment.place(view, azimuth_deg, column), shown, variance);
     else
-      for (std::size_t k = 0; k < half_rows; ++k)
-        panorama_.write_row(alignment.place(view, azimuth_deg, column, k), k, shown, variance);
+      for (std::size_t k = 0; k < half_rows; ++k) panorama_.write_row(places[k], k, shown, variance);
   }
   panorama_.add_up();
 }

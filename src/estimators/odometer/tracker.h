@@ -117,7 +117,8 @@ class Tracker {
   double located_deg_ = 0.0;
   float common_c_ = 0.0F;  // of the newest half
   struct Written {
-    Panorama::Column temp_c, variance;
+    Panorama::Column shown, variance;
+    Alignment::Places places;  // where rows look apart
   };
   std::array<Written, frame_columns> written_{};  // of the newest half
 };
