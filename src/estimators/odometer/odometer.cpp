@@ -6,20 +6,16 @@
 #include <optional>
 #include <utility>
 
-#include "bias_evidence.h"
-#include "bias_search.h"
 #include "circle_search.h"
 #include "gyro_heading.h"
 #include "gyro_noise.h"
 #include "gyro_path.h"
 #include "gyro_watch.h"
-#include "half_store.h"
 #include "heading_trust.h"
 #include "innovation_lean.h"
 #include "map_check.h"
-#include "pass_count.h"
 #include "plausibility.h"
-#include "row_contest.h"
+#include "start.h"
 #include "thermorig/core/gyro_delay.h"
 #include "thermorig/estimators/odometer/unseen_turn.h"
 #include "tracker.h"
@@ -29,27 +25,16 @@ namespace thermorig::odometer {
 namespace {
 
 constexpr HostDuration clock_begins_anew = std::chrono::seconds(1);
-constexpr std::size_t search_every = 4;     // halves, while the bias is searched for
-constexpr std::size_t latest_search = 160;  // then the search begins anew
-constexpr int looks_a_step = 110;           // at the map, when halves are gone through again: a dozen halves
-constexpr int row_looks_a_step = 60;        // the same row by row, which costs more
-constexpr double second_pass_s = 25.0;      // after the first half
-constexpr std::size_t second_pass_halves = 200, least_of_start = 72;
-constexpr double bias_widening = 3.0;  // of what the search states
-constexpr int most_passes = 6;         // through the halves of the start
-constexpr double settled_latency_s = 0.001, settled_scale = 0.001;
-constexpr double doubtful_nis = 1.6, hopeless_nis = 4.0;  // of the order of rows that won, and of others
-constexpr double known_bias_dps = 1.0;
-constexpr int passes_by_evidence = 3, passes_to_tell = 2;  // the first one may begin with a wrong bias
-
 constexpr double longest_unfit_s = 30.0;                   // then the map is wrong
 constexpr int covered_halves = 4;                          // in a row
 constexpr double doubted_deg = 2.0, doubted_sigmas = 4.0;  // a jump by more is doubted
 constexpr double sound_s = 5.0;  // everything fits for so long: then a heading is sound
 constexpr double stepped_bias_dps = 0.3, doubtful_latency = 0.1;  // a share of what nobody expects
 constexpr double turning_dps = 5.0, longest_gyro_gap_s = 0.25, longest_camera_gap_s = 1.0;
-constexpr double lost_deg = 3.0;        // a heading that is known less well is searched for
-constexpr double give_up_s = 40.0;      // of a search, while the rig turns: then the map is wrong
+constexpr double lost_deg = 3.0;    // a heading that is known less well is searched for
+constexpr double give_up_s = 40.0;  // of a search, while the rig turns: then the map is wrong
+constexpr Nearness near_in_map{2.0 * Tracker::least_bias_sigma_dps, Tracker::least_scale_sigma,
+                               Tracker::least_latency_sigma_s};
 constexpr double saturated_dps = 15.0;  // what a reading at the end of its range may be off
 constexpr double sample_noise_dps = 0.15;
 
@@ -66,48 +51,16 @@ struct Odometer::Parts {
         map_lens(camera),
         lens(std::make_shared<const Lens>(camera)),
         front(priors, lens),
-        back(priors, lens),
-        bias_search(priors, lens),
-        bias_evidence(priors),
-        contest(priors, lens, !camera.link.latency_measured_utc.empty()),
-        is_contested(!lens->knows_rows()) {}
+        start(priors, lens, !camera.link.latency_measured_utc.empty(), front, path) {}
 
-  enum class Phase : std::uint8_t { searching, first_pass, learning, second_pass, running, locating };
+  enum class Phase : std::uint8_t { starting, running, locating };
 
   Report add(const TimedFrame& frame, std::span<const TimedGyro> gyro);
   void add_gyro(const TimedGyro& sample);
   void add_half(const HalfReading& half, double now_s);
-  void search_bias();
-  bool is_evidence_due() const;
-  bool gather_evidence();
-  void begin_first_pass(const Priors& better);
-  bool begin_by_evidence();
-  void fail_start();
-  void go_through(Tracker& tracker);
-  bool is_start_over(double now_s) const;
-  void begin_pass(int number);
-  void take_over(double now_s);
-  void begin_run(double now_s);
-  bool has_settled(double bias_dps, double scale, double latency_s) const;
-  bool is_plausible() const { return odometer::is_plausible(front.filter(), priors, things_move); }
-  /// Not asked while the order of rows is open: the wrong one does not fit either.
-  bool is_false_map() const { return !is_contested && pass_count.is_false_map(); }
-  void restart_pass(int number);
-  void store_half(const HalfReading& half, double now_s);
-  HalfResult add_newest(const HalfReading& half);
-  bool may_choose_rows() const { return !is_contested || contest.may_end(store, is_asked_again); }
-  bool choose_rows();
-  /// Others may have begun with a wrong bias; then the winner hardly fits, or an odd latency makes up for it.
-  bool is_order_doubtful() const {
-    const bool is_late = front.rows() == RowOrder::at_once && !has_usual_latency(front.filter(), priors) &&
-                         row_margin < FoundRows::least_margin;
-    return !lens->knows_rows() && !is_asked_again && !things_move && (is_late || mean_nis > doubtful_nis);
-  }
-  void ask_rows_again();
-  bool is_asking_again() const { return is_contested && is_asked_again; }
-  const NisBounds& nis_bounds() const { return things_move ? nis_in_traffic : nis_at_rest; }
-  void learn_fit(const HalfResult& result, double& mean) const { learn_nis(result, mean, nis_bounds().most); }
-  void learn_again();
+  void start_anywhere(const HalfReading& half, double now_s);
+  void start_in_map(const HalfReading& half, double now_s);
+  const NisBounds& nis_bounds() const { return odometer::nis_bounds(start.things_move()); }
   void run(const HalfReading& half);
   void locate(const HalfReading& half, double now_s);
   void follow_lean(const HalfResult& result);
@@ -120,21 +73,17 @@ struct Odometer::Parts {
   bool is_map_given_up(const HalfReading& half);
   Report report(const TimedFrame& frame, double now_s) const;
   Reason reason(double now_s) const;
-  /// Where a new map begins: the heading of before, as the gyro has it with what is known of its bias by now.
-  double heading_at(double time_s, double bias_dps) const {
-    return sound ? sound->deg(path.until(time_s), bias_dps) : 0.0;
-  }
   GyroHeading heading_of_front() const {
     return {path.until(front.now_s()), front.filter(), front.sigma_in_map_deg()};
   }
   void forget_clock();
 
-  /// The front tracker has gone through all halves that came.
-  bool is_behind_nothing() const { return phase != Phase::searching && phase != Phase::first_pass; }
+  bool has_heading() const { return phase != Phase::starting || start.has_caught_up(); }
 
   std::shared_ptr<const Map> map;  // that was made before
   MapUse map_use;
   MapCheck map_check;
+  Priors sought_with;            // in it
   double sought_in_map_s = 0.0;  // while the rig turned
   double gyro_period_s, gyro_time_sigma_s;
   GyroNoise noise;
@@ -143,29 +92,15 @@ struct Odometer::Parts {
   SharedLens lens;
   GyroPath path;
   GyroWatch watch;
-  HalfStore store;
-  bool things_move = false;  // beside the rig: a start showed it, or failed
-  Tracker front, back;       // the one that is told of, and one that goes through the start again
-  BiasSearch bias_search;
-  BiasEvidence bias_evidence;
-  bool is_by_evidence = false, is_of_later_half = false;  // what the start began with, and went through
-  RowContest contest;
-  bool is_contested;            // in which order rows are exposed: not where that was measured
-  bool is_asked_again = false;  // with a gyro that is known: once a start
-  double row_margin = 0.0;
+  Tracker front;  // the one that is told of
+  Start start;
   CircleSearch circle;
 
   std::optional<HostTime> origin;  // of the seconds
   HostTime last_sample{};
   double saturated_s = 0.0;
   double last_gyro_s = 0.0, last_half_s = 0.0;
-  Phase phase = Phase::searching;
-  std::size_t gone_through = 0;  // halves of the store
-  Priors begun_with;             // of the pass
-  int pass = 0;                  // through them
-  double pass_nis = 1.0;         // mean_nis of the tracker that goes through them
-  PassCount pass_count;
-  RefusedScale refused_scale;
+  Phase phase = Phase::starting;
   double locating_since_s = 0.0;
   std::optional<GyroHeading> sound;  // none: the gyro was away since, or there was no map yet
   double sound_since_s = 0.0;
@@ -196,8 +131,7 @@ std::vector<float> Odometer::map_image_c() const {
 }
 
 std::optional<Map> Odometer::map() const {
-  using Phase = Parts::Phase;
-  const bool is_made = parts_->phase == Phase::running || parts_->phase == Phase::locating;
+  const bool is_made = parts_->phase != Parts::Phase::starting;
   if (!is_made || parts_->map_use == MapUse::searching || parts_->unfit_since_s) return std::nullopt;
   Map map;
   map.lens = parts_->map_lens;
@@ -240,7 +174,7 @@ Report Odometer::Parts::add(const TimedFrame& frame, std::span<const TimedGyro> 
   for (const TimedGyro& sample : gyro) add_gyro(sample);
   if (!origin || !path.has_begun()) return {.state = State::not_trusted, .reason = Reason::no_gyro};
   const double now_s = to_s(frame.exposure_end - *origin);
-  if (is_behind_nothing() && now_s > front.now_s()) front.advance(path, now_s);
+  if (has_heading() && now_s > front.now_s()) front.advance(path, now_s);
   stands_in = frame.stands_in;
   if (phase == Phase::running && gyro_was_away && !watch.is_frozen()) begin_search(now_s);
   const unsigned first = frame.half[0].end <= frame.half[1].end ? 0U : 1U;
@@ -255,38 +189,8 @@ void Odometer::Parts::add_half(const HalfReading& half, double now_s) {
   last_half_s = now_s;
   has_seen = true;
   switch (phase) {
-    case Phase::searching:
-      store_half(half, now_s);
-      search_bias();
-      break;
-    case Phase::first_pass:
-      store_half(half, now_s);
-      if (gather_evidence()) break;
-      go_through(front);
-      if (gone_through < store.count()) break;
-      mean_nis = pass_nis;
-      phase = Phase::learning;
-      break;
-    case Phase::learning:
-      store_half(half, now_s);
-      gather_evidence();
-      learn_fit(add_newest(half), mean_nis);
-      if (is_start_over(now_s) && may_choose_rows()) {
-        const bool was_settled = is_asking_again() && mean_nis < nis_bounds().unfit;
-        if (!choose_rows() && was_settled)
-          begin_run(now_s);
-        else
-          begin_pass(pass + 1);
-      } else if (mean_nis > nis_bounds().lost && !is_asking_again()) {
-        learn_again();
-      }
-      break;
-    case Phase::second_pass:
-      store_half(half, now_s);
-      add_newest(half);
-      if (gather_evidence()) break;
-      go_through(back);
-      if (gone_through == store.count()) take_over(now_s);
+    case Phase::starting:
+      map_use == MapUse::searching ? start_in_map(half, now_s) : start_anywhere(half, now_s);
       break;
     case Phase::running:
       run(half);
@@ -297,98 +201,34 @@ void Odometer::Parts::add_half(const HalfReading& half, double now_s) {
   }
 }
 
-/// What comes while the start is learnt; until it is known in which order rows are exposed, all orders learn.
-void Odometer::Parts::store_half(const HalfReading& half, double now_s) {
-  store.add(half, now_s);
-  const bool is_searching = phase == Phase::searching && store.count() % search_every == 0;
-  if (is_contested) contest.add(store, path, bias_search, is_searching || is_evidence_due());
-}
-
-HalfResult Odometer::Parts::add_newest(const HalfReading& half) {
-  const HalfResult result = front.add(half, path);
-  if (!lens->knows_rows() && !store.is_full()) contest.note(front.rows(), store.count() - 1, result);
-  return result;
-}
-
-/// Ends the contest. True if the front tracker is another one than before, of another order.
-bool Odometer::Parts::choose_rows() {
-  if (!is_contested) return false;
-  is_contested = false;
-  const FoundRows verdict = contest.verdict();
-  row_margin = verdict.margin;
-  if (verdict.order == front.rows()) return false;
-  mean_nis = contest.swap(verdict.order, front);
-  return true;
-}
-
-/// All orders learn once more, with what is known of the gyro by now.
-void Odometer::Parts::ask_rows_again() {
-  is_contested = is_asked_again = true;
-  contest.begin_again(front.rows(), front.learnt(priors), hopeless_nis, store);
-  pass = 0;
-  phase = Phase::learning;
-}
-
-void Odometer::Parts::search_bias() {
-  if (store.count() > latest_search) {
-    store.clear();
-    contest.begin();
+void Odometer::Parts::start_anywhere(const HalfReading& half, double now_s) {
+  switch (start.add(half, now_s)) {
+    case Start::Outcome::goes_on:
+      break;
+    case Start::Outcome::failed:
+      gyro_was_away = false;
+      break;
+    case Start::Outcome::over:
+      phase = Phase::running;
+      mean_nis = start.mean_nis();
+      trust.begin(front.rate_dps());
+      sound_since_s = now_s;
+      sound = heading_of_front();
+      lean.begin(front.rate_dps());
+      break;
   }
-  if (store.count() % search_every != 0 || store.count() < BiasSearch::halves) return;
-  const BiasSearch::Curve curve = bias_search.measure(store, path, lens->rows(), things_move);
-  if (is_evidence_due()) bias_evidence.add(curve);
-  if (begin_by_evidence()) return;
-  const auto found = bias_search.named(curve);
-  if (!found) return;
-  Priors better = priors;
-  better.bias_dps = found->bias_dps;
-  better.bias_sigma_dps = bias_widening * found->sigma_dps;
-  better.heading_deg = heading_at(store.at(0).now_s, found->bias_dps);
-  if (map_use == MapUse::searching) {
-    begun_with = better;
-    begin_in_map(store.at(store.count() - 1).now_s);
-    return;
-  }
-  begin_first_pass(better);
 }
 
-void Odometer::Parts::begin_first_pass(const Priors& better) {
-  front.restart(better, lens->rows(), things_move);
-  restart_pass(0);
-  phase = Phase::first_pass;
-}
-
-/// Halves that no other search has added. In whichever order rows are exposed: at a steady speed that only
-/// shears what is seen.
-bool Odometer::Parts::is_evidence_due() const {
-  return map_use != MapUse::searching && !store.is_full() && store.count() % BiasSearch::halves == 0;
-}
-
-/// While a start goes on, searches go on: it may have begun with a wrong bias. True if this step searched.
-bool Odometer::Parts::gather_evidence() {
-  if (!is_evidence_due()) return false;
-  bias_evidence.add(bias_search.measure(store, path, lens->rows(), things_move));
-  return true;
-}
-
-/// Through all halves of the start, once a start. False: it was done, or evidence does not tell.
-bool Odometer::Parts::begin_by_evidence() {
-  const auto& found = bias_evidence.found();
-  if (!found || is_by_evidence) return false;
-  is_by_evidence = true;
-  Priors better = *found;
-  better.heading_deg = heading_at(store.at(0).now_s, found->bias_dps);
-  mean_nis = 1.0;
-  is_contested = !lens->knows_rows();
-  is_asked_again = false;
-  if (is_contested) contest.begin_again(lens->rows(), better, lost_nis, store);
-  begin_first_pass(better);
-  return true;
+void Odometer::Parts::start_in_map(const HalfReading& half, double now_s) {
+  const auto better = start.find_bias(half, now_s);
+  if (!better) return;
+  sought_with = *better;
+  begin_in_map(now_s);
 }
 
 /// The bias is known well enough to look for the camera in the map of before.
 void Odometer::Parts::begin_in_map(double now_s) {
-  front.restart(begun_with, *map);
+  front.restart(sought_with, *map);
   front.advance(path, now_s);
   gyro_was_away = true;  // whatever is found, nothing was expected
   map_check.begin();
@@ -403,13 +243,12 @@ void Odometer::Parts::check_map(const HalfResult& result, const HalfReading& hal
       break;
     case MapCheck::Verdict::same:
       // A few seconds tell less than a whole pass of the start.
-      if (has_settled(2.0 * Tracker::least_bias_sigma_dps, Tracker::least_scale_sigma,
-                      Tracker::least_latency_sigma_s)) {
+      if (mean_nis < nis_bounds().settled && is_near(front.filter(), sought_with, near_in_map)) {
         map_use = MapUse::found;
         front.trust_map();
         return;
       }
-      begun_with = front.learnt(priors);
+      sought_with = front.learnt(priors);
       sought_in_map_s = 0.0;
       begin_in_map(half.end_s);
       break;
@@ -426,119 +265,6 @@ bool Odometer::Parts::is_map_given_up(const HalfReading& half) {
   return sought_in_map_s > give_up_s;
 }
 
-bool Odometer::Parts::is_start_over(double now_s) const {
-  return store.count() >= second_pass_halves || now_s - store.at(0).now_s > second_pass_s;
-}
-
-/// Through the halves of the start again, from what was learnt of the sensors meanwhile.
-void Odometer::Parts::begin_pass(int number) {
-  begun_with = front.learnt(priors);
-  begun_with.heading_deg = heading_at(store.at(0).now_s, begun_with.bias_dps);
-  back.restart(begun_with, front.rows(), things_move);
-  restart_pass(number);
-  phase = Phase::second_pass;
-}
-
-void Odometer::Parts::restart_pass(int number) {
-  pass = number;
-  pass_nis = 1.0;
-  pass_count = PassCount();
-  gone_through = 0;
-}
-
-/// The pass ended with what it began with, but for so much: another one would make the same map.
-bool Odometer::Parts::has_settled(double bias_dps, double scale, double latency_s) const {
-  const HeadingFilter& filter = front.filter();
-  return mean_nis < nis_bounds().settled && std::abs(filter.bias_dps() - begun_with.bias_dps) < bias_dps &&
-         std::abs(filter.scale_factor() - begun_with.scale) < scale &&
-         std::abs(filter.latency_s() - begun_with.latency_s) < latency_s;
-}
-
-void Odometer::Parts::go_through(Tracker& tracker) {
-  const int most_looks = tracker.rows() == RowOrder::at_once ? looks_a_step : row_looks_a_step;
-  for (int looks = 0; looks < most_looks && gone_through < store.count(); ++gone_through) {
-    const auto& [half, came_s] = store.at(gone_through);
-    if (!tracker.has_begun() || came_s > tracker.now_s()) tracker.advance(path, came_s);
-    const HalfResult result = tracker.add(half, path);
-    if (!lens->knows_rows()) contest.note(tracker.rows(), gone_through, result);
-    looks += result.looks;
-    learn_fit(result, pass_nis);
-    pass_count.add(result);
-  }
-}
-
-/// The back tracker has gone through all halves that came.
-void Odometer::Parts::take_over(double now_s) {
-  std::swap(front, back);
-  if (now_s > front.now_s()) front.advance(path, now_s);  // the store was full before
-  mean_nis = pass_nis;
-  const bool is_over = is_start_over(now_s) && may_choose_rows();
-  if (is_over && choose_rows()) {
-    begin_pass(pass + 1);
-    return;
-  }
-  // That it fits where things may move says little.
-  if (is_over && pass >= most_passes && mean_nis > nis_at_rest.fits && begin_by_evidence()) return;
-  const bool is_settled = has_settled(Tracker::least_bias_sigma_dps, settled_scale, settled_latency_s) ||
-                          (pass >= most_passes && mean_nis < nis_bounds().fits);
-  const bool must_learn = mean_nis > nis_bounds().lost || (is_over && !is_settled);
-  const bool is_made = is_over && !must_learn;
-  const bool is_false = is_false_map() && (is_made || pass >= passes_to_tell);
-  // Before faint walls only those halves tell anything that what moves is in: the map is one of it.
-  const bool is_hardly_seen = things_move && pass_count.is_hardly_judged(store.count());
-  const double scale = front.filter().scale_factor();
-  const bool is_gyro_believed = is_plausible() || refused_scale.is_confirmed(scale, store.at(0).now_s);
-  if (is_made && !is_false && !is_gyro_believed) refused_scale.refuse(scale, now_s);
-  if (is_false || (is_made && (!is_gyro_believed || is_hardly_seen)))
-    fail_start();
-  else if (must_learn)
-    learn_again();
-  else if (is_over && is_order_doubtful())
-    ask_rows_again();
-  else if (is_over)
-    begin_run(now_s);
-  else
-    phase = Phase::learning;
-}
-
-void Odometer::Parts::begin_run(double now_s) {
-  phase = Phase::running;
-  trust.begin(front.rate_dps());
-  sound_since_s = now_s;
-  sound = heading_of_front();
-  lean.begin(front.rate_dps());
-}
-
-/// While the start is learnt, what does not fit means that the map was begun with a wrong bias: by now it is
-/// known better. One that began by evidence had the right one, and its map is false.
-void Odometer::Parts::learn_again() {
-  const bool is_hopeless = is_by_evidence && pass >= passes_by_evidence && mean_nis > nis_bounds().unfit;
-  if (!is_hopeless && pass < most_passes && front.filter().sigma(HeadingFilter::bias) < known_bias_dps) {
-    begin_pass(pass + 1);
-  } else if (is_contested && contest.another_may_fit()) {
-    phase = Phase::learning;  // another order of rows may fit: it goes on until it has learnt enough
-  } else if (begin_by_evidence()) {
-    return;
-  } else if (!things_move && pass_count.shows_traffic() && is_plausible() &&
-             has_usual_latency(front.filter(), priors)) {
-    things_move = true;  // what was learnt is not wrong for that
-    begin_pass(1);
-  } else {
-    fail_start();
-  }
-}
-
-/// The same halves again, if searches by now say more than the start began with; then the later half of them:
-/// false maps are often begun at a high speed, and the rig has turned slower since.
-void Odometer::Parts::fail_start() {
-  if (is_by_evidence && !is_of_later_half && store.count() >= 2 * least_of_start) {
-    store.forget_oldest(store.count() / 2);
-    is_of_later_half = true;
-    is_by_evidence = false;
-  }
-  if (!begin_by_evidence()) begin_anew();
-}
-
 void Odometer::Parts::run(const HalfReading& half) {
   if (watch.is_frozen() && !watch.is_zero()) return;
   const HalfResult result = front.add(half, path, trust.is_trusted() || map_use == MapUse::searching);
@@ -549,7 +275,7 @@ void Odometer::Parts::run(const HalfReading& half) {
   if (!result.is_judged) return;
   newest = result;
   covered = result.is_flat ? covered + 1 : 0;
-  if (!result.is_flat) learn_fit(result, mean_nis);
+  if (!result.is_flat) learn_nis(result, mean_nis, nis_bounds().most);
   trust.add(result);
   if (result.is_used) follow_lean(result);
   if (mean_nis > nis_bounds().unfit && !unfit_since_s) unfit_since_s = half.end_s;
@@ -582,10 +308,10 @@ std::optional<CircleSearch::Found> Odometer::Parts::by_gyro() const {
 /// Where things move the rig may only turn with a person: that is said, and nothing written meanwhile.
 void Odometer::Parts::follow_lean(const HalfResult& result) {
   lean.add(result);
-  if (!lean.is_much(things_move)) return;
+  if (!lean.is_much(start.things_move())) return;
   const double odd_latency_s = front.filter().latency_s() - priors.latency_s;
   const bool is_late = trust.is_trusted() && !unfit_since_s && lean.came_with_other_speed(result.rate_dps);
-  if (things_move)
+  if (start.things_move())
     trust.doubt_lean();
   else
     front.widen(stepped_bias_dps, is_late ? doubtful_latency * odd_latency_s : 0.0);
@@ -618,8 +344,7 @@ void Odometer::Parts::locate(const HalfReading& half, double now_s) {
 
 void Odometer::Parts::forget_clock() {
   begin_anew();
-  bias_evidence.clear();
-  refused_scale = RefusedScale();
+  start.forget();
   sound.reset();
   path.clear();
   watch = GyroWatch();
@@ -630,24 +355,17 @@ void Odometer::Parts::forget_clock() {
 void Odometer::Parts::begin_anew() {
   const bool is_in_doubt = map_use == MapUse::searching;
   if (is_in_doubt || map_use == MapUse::found) map_use = MapUse::other;
-  const bool has_tracked = phase == Phase::running || phase == Phase::locating;
-  if (!has_tracked) things_move = true;
   if (is_in_doubt)
     sound.reset();
-  else if (has_tracked && !sound)
+  else if (phase != Phase::starting && !sound)
     sound = heading_of_front();
-  if (has_tracked) bias_evidence.clear();
-  is_by_evidence = is_of_later_half = false;
-  store.clear();
-  contest.begin();
-  is_contested = !lens->knows_rows();
-  is_asked_again = false;
+  start.begin(sound);
   mean_nis = 1.0;
   covered = 0;
   trust = HeadingTrust();
   unfit_since_s.reset();
   gyro_was_away = false;
-  phase = Phase::searching;
+  phase = Phase::starting;
 }
 
 Reason Odometer::Parts::reason(double now_s) const {
@@ -672,15 +390,15 @@ Report Odometer::Parts::report(const TimedFrame& frame, double now_s) const {
   report.bias_dps = filter.bias_dps();
   report.scale = filter.scale_factor();
   report.latency_s = filter.latency_s();
-  report.mean_nis = mean_nis;
+  report.mean_nis = phase == Phase::starting ? start.mean_nis() : mean_nis;
   if (newest.is_judged) {
     report.innovation_deg = newest.innovation_deg;
     report.innovation_sigma_deg = newest.sigma_deg;
   }
   report.rows = front.rows();
-  report.row_margin = row_margin;
-  if (is_behind_nothing()) report.heading_deg = filter.heading_deg();
-  if (is_behind_nothing()) report.origin_sigma_deg = filter.sigma(HeadingFilter::heading);
+  report.row_margin = start.row_margin();
+  if (has_heading()) report.heading_deg = filter.heading_deg();
+  if (has_heading()) report.origin_sigma_deg = filter.sigma(HeadingFilter::heading);
   const double begin_s = to_s(frame.exposure_begin - *origin), length_s = now_s - begin_s;
   if (!(length_s > 0.0)) return report;
   const ExposedTurn turn = path.over(begin_s, now_s);
@@ -692,7 +410,7 @@ Report Odometer::Parts::report(const TimedFrame& frame, double now_s) const {
                  filter.sigma(HeadingFilter::scale) * report.rate_dps,
                  gyro_time_sigma_s * (turn.last_dps - turn.first_dps) / length_s);
   // No image tells how late the gyro is: what it says of now, it says of then.
-  if (is_behind_nothing())
+  if (has_heading())
     report.heading_sigma_deg = std::hypot(front.sigma_in_map_deg(), gyro_time_sigma_s * report.rate_dps);
   return report;
 }

@@ -18,6 +18,9 @@ struct NisBounds {
 constexpr NisBounds nis_at_rest{2.0, 2.0, 3.0, lost_nis, most_nis};  // where nothing moves but the rig
 // There the share of the halves counts that do not fit: how badly they do tells of what moves.
 constexpr NisBounds nis_in_traffic{4.5, 4.0, 5.5, 7.0, 9.0};
+constexpr const NisBounds& nis_bounds(bool things_move) {
+  return things_move ? nis_in_traffic : nis_at_rest;
+}
 
 /// What profiles say of both sensors, before anything was measured.
 inline Priors priors_of(const GyroProfile& gyro, const CameraProfile& camera) {
@@ -37,6 +40,17 @@ inline bool is_plausible(const HeadingFilter& learnt, const Priors& priors, bool
   constexpr double data_sheet_scale_sigma = 0.03;  // at least, whatever a profile says
   const double most = (things_move ? 1.8 : 2.2) * std::max(data_sheet_scale_sigma, priors.scale_sigma);
   return std::abs(learnt.scale_factor() - priors.scale) < most;
+}
+
+/// What a pass has learnt differs by less than so much from what it began with: another one would learn the
+/// same.
+struct Nearness {
+  double bias_dps, scale, latency_s;
+};
+inline bool is_near(const HeadingFilter& learnt, const Priors& begun_with, const Nearness& limits) {
+  return std::abs(learnt.bias_dps() - begun_with.bias_dps) < limits.bias_dps &&
+         std::abs(learnt.scale_factor() - begun_with.scale) < limits.scale &&
+         std::abs(learnt.latency_s() - begun_with.latency_s) < limits.latency_s;
 }
 
 /// A scale that no data sheet knows is believed when a second start, of other halves, has learnt the same:

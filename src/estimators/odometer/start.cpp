@@ -1,0 +1,310 @@
+// SPDX-License-Identifier: MIT
+#include "start.h"
+
+#include <utility>
+
+namespace thermorig::odometer {
+
+namespace {
+
+constexpr std::size_t search_every = 4;     // halves, while the bias is searched for
+constexpr std::size_t latest_search = 160;  // then the search begins anew
+constexpr int looks_a_step = 110;           // at the map, when halves are gone through again: a dozen halves
+constexpr int row_looks_a_step = 60;        // the same row by row, which costs more
+constexpr double enough_s = 25.0;           // after the first half
+constexpr std::size_t enough_halves = 200, fewest_halves = 72;
+constexpr double bias_widening = 3.0;  // of what the search states
+constexpr double known_bias_dps = 1.0;
+constexpr double settled_latency_s = 0.001, settled_scale = 0.001;
+constexpr int most_passes = 6;                             // through the halves
+constexpr int passes_by_evidence = 3, passes_to_tell = 2;  // the first one may begin with a wrong bias
+constexpr double doubtful_nis = 1.6, hopeless_nis = 4.0;   // of the order of rows that won, and of others
+
+}  // namespace
+
+Start::Start(const Priors& priors, const SharedLens& lens, bool latency_measured, Tracker& front,
+             const GyroPath& path)
+    : priors_(priors),
+      lens_(lens),
+      front_(front),
+      path_(path),
+      back_(priors, lens),
+      bias_search_(priors, lens),
+      bias_evidence_(priors),
+      contest_(priors, lens, latency_measured),
+      is_contested_(!lens->knows_rows()) {}
+
+void Start::begin(const std::optional<GyroHeading>& before) {
+  before_ = before;
+  bias_evidence_.clear();
+  begin_searching();
+}
+
+void Start::forget() {
+  begin(std::nullopt);
+  refused_scale_ = RefusedScale();
+}
+
+void Start::begin_searching() {
+  is_by_evidence_ = is_of_later_half_ = false;
+  store_.clear();
+  contest_.begin();
+  is_contested_ = !lens_->knows_rows();
+  is_asked_again_ = false;
+  mean_nis_ = 1.0;
+  phase_ = Phase::searching;
+}
+
+Start::Outcome Start::add(const HalfReading& half, double now_s) {
+  store(half, now_s);
+  switch (phase_) {
+    case Phase::searching:
+      search();
+      return Outcome::goes_on;
+    case Phase::first_pass:
+      if (gather_evidence()) return Outcome::goes_on;
+      go_through(front_);
+      if (gone_through_ < store_.count()) return Outcome::goes_on;
+      mean_nis_ = pass_nis_;
+      phase_ = Phase::learning;
+      return Outcome::goes_on;
+    case Phase::learning:
+      gather_evidence();
+      learn_fit(add_newest(half), mean_nis_);
+      return go_on_learning(now_s);
+    case Phase::second_pass:
+      add_newest(half);
+      if (gather_evidence()) return Outcome::goes_on;
+      go_through(back_);
+      return gone_through_ < store_.count() ? Outcome::goes_on : take_over(now_s);
+  }
+  return Outcome::goes_on;
+}
+
+/// Until it is known in which order rows are exposed, all orders learn.
+void Start::store(const HalfReading& half, double now_s) {
+  store_.add(half, now_s);
+  const bool is_searching = phase_ == Phase::searching && store_.count() % search_every == 0;
+  if (is_contested_) contest_.add(store_, path_, bias_search_, is_searching || is_evidence_due());
+}
+
+HalfResult Start::add_newest(const HalfReading& half) {
+  const HalfResult result = front_.add(half, path_);
+  if (!lens_->knows_rows() && !store_.is_full()) contest_.note(front_.rows(), store_.count() - 1, result);
+  return result;
+}
+
+bool Start::has_halves_enough(double now_s) const {
+  return store_.count() >= enough_halves || now_s - store_.at(0).now_s > enough_s;
+}
+
+std::optional<BiasSearch::Curve> Start::newest_curve() {
+  if (store_.count() > latest_search) {
+    store_.clear();
+    contest_.begin();
+  }
+  if (store_.count() % search_every != 0 || store_.count() < BiasSearch::halves) return std::nullopt;
+  return bias_search_.measure(store_, path_, lens_->rows(), things_move_);
+}
+
+std::optional<Priors> Start::named(const BiasSearch::Curve& curve) const {
+  const auto found = bias_search_.named(curve);
+  if (!found) return std::nullopt;
+  Priors better = priors_;
+  better.bias_dps = found->bias_dps;
+  better.bias_sigma_dps = bias_widening * found->sigma_dps;
+  better.heading_deg = heading_at(store_.at(0).now_s, found->bias_dps);
+  return better;
+}
+
+std::optional<Priors> Start::find_bias(const HalfReading& half, double now_s) {
+  store_.add(half, now_s);
+  const auto curve = newest_curve();
+  return curve ? named(*curve) : std::nullopt;
+}
+
+void Start::search() {
+  const auto curve = newest_curve();
+  if (!curve) return;
+  if (is_evidence_due()) bias_evidence_.add(*curve);
+  if (begin_by_evidence()) return;
+  if (const auto better = named(*curve)) begin_first_pass(*better);
+}
+
+/// Halves that no other search has added. In whichever order rows are exposed: at a steady speed that only
+/// shears what is seen.
+bool Start::is_evidence_due() const {
+  return !store_.is_full() && store_.count() % BiasSearch::halves == 0;
+}
+
+/// While it goes on, searches go on: it may have begun with a wrong bias. True if this step searched.
+bool Start::gather_evidence() {
+  if (!is_evidence_due()) return false;
+  bias_evidence_.add(bias_search_.measure(store_, path_, lens_->rows(), things_move_));
+  return true;
+}
+
+void Start::begin_first_pass(const Priors& better) {
+  front_.restart(better, lens_->rows(), things_move_);
+  restart_pass(0);
+  phase_ = Phase::first_pass;
+}
+
+/// Through all halves from what searches name by now, once. False: it was done, or they do not tell.
+bool Start::begin_by_evidence() {
+  const auto& found = bias_evidence_.found();
+  if (!found || is_by_evidence_) return false;
+  is_by_evidence_ = true;
+  Priors better = *found;
+  better.heading_deg = heading_at(store_.at(0).now_s, found->bias_dps);
+  mean_nis_ = 1.0;
+  is_contested_ = !lens_->knows_rows();
+  is_asked_again_ = false;
+  if (is_contested_) contest_.begin_again(lens_->rows(), better, lost_nis, store_);
+  begin_first_pass(better);
+  return true;
+}
+
+/// Through the halves again, from what was learnt of the sensors meanwhile.
+void Start::begin_pass(int number) {
+  begun_with_ = front_.learnt(priors_);
+  begun_with_.heading_deg = heading_at(store_.at(0).now_s, begun_with_.bias_dps);
+  back_.restart(begun_with_, front_.rows(), things_move_);
+  restart_pass(number);
+  phase_ = Phase::second_pass;
+}
+
+void Start::restart_pass(int number) {
+  pass_ = number;
+  pass_nis_ = 1.0;
+  pass_count_ = PassCount();
+  gone_through_ = 0;
+}
+
+void Start::go_through(Tracker& tracker) {
+  const int most_looks = tracker.rows() == RowOrder::at_once ? looks_a_step : row_looks_a_step;
+  for (int looks = 0; looks < most_looks && gone_through_ < store_.count(); ++gone_through_) {
+    const auto& [half, came_s] = store_.at(gone_through_);
+    if (!tracker.has_begun() || came_s > tracker.now_s()) tracker.advance(path_, came_s);
+    const HalfResult result = tracker.add(half, path_);
+    if (!lens_->knows_rows()) contest_.note(tracker.rows(), gone_through_, result);
+    looks += result.looks;
+    learn_fit(result, pass_nis_);
+    pass_count_.add(result);
+  }
+}
+
+/// With each new half, as long as no pass is made.
+Start::Outcome Start::go_on_learning(double now_s) {
+  if (has_halves_enough(now_s) && may_choose_rows()) {
+    const bool was_settled = is_asking_again() && mean_nis_ < bounds().unfit;
+    if (!choose_rows() && was_settled) return Outcome::over;
+    begin_pass(pass_ + 1);
+    return Outcome::goes_on;
+  }
+  const bool is_lost = mean_nis_ > bounds().lost && !is_asking_again();
+  return is_lost ? learn_again() : Outcome::goes_on;
+}
+
+/// The back tracker has gone through all halves that came.
+Start::Outcome Start::take_over(double now_s) {
+  std::swap(front_, back_);
+  if (now_s > front_.now_s()) front_.advance(path_, now_s);  // the store was full before
+  mean_nis_ = pass_nis_;
+  const bool is_enough = has_halves_enough(now_s) && may_choose_rows();
+  if (is_enough && choose_rows()) {
+    begin_pass(pass_ + 1);
+    return Outcome::goes_on;
+  }
+  // That it fits where things may move says little.
+  if (is_enough && pass_ >= most_passes && mean_nis_ > nis_at_rest.fits && begin_by_evidence())
+    return Outcome::goes_on;
+  const bool is_settled = has_settled() || (pass_ >= most_passes && mean_nis_ < bounds().fits);
+  const bool must_learn = mean_nis_ > bounds().lost || (is_enough && !is_settled);
+  const bool is_made = is_enough && !must_learn;
+  if (is_false_map() && (is_made || pass_ >= passes_to_tell)) return fail();
+  if (must_learn) return learn_again();
+  if (!is_made) {
+    phase_ = Phase::learning;
+    return Outcome::goes_on;
+  }
+  const double scale = front_.filter().scale_factor();
+  if (!is_plausible() && !refused_scale_.is_confirmed(scale, store_.at(0).now_s)) {
+    refused_scale_.refuse(scale, now_s);
+    return fail();
+  }
+  // Before faint walls only those halves tell anything that what moves is in: the map is one of it.
+  if (things_move_ && pass_count_.is_hardly_judged(store_.count())) return fail();
+  if (!is_order_doubtful()) return Outcome::over;
+  ask_rows_again();
+  return Outcome::goes_on;
+}
+
+/// What does not fit means that the map was begun with a wrong bias: by now it is known better. One that
+/// began by evidence had the right one, and its map is false.
+Start::Outcome Start::learn_again() {
+  const bool is_hopeless = is_by_evidence_ && pass_ >= passes_by_evidence && mean_nis_ > bounds().unfit;
+  if (!is_hopeless && pass_ < most_passes && front_.filter().sigma(HeadingFilter::bias) < known_bias_dps) {
+    begin_pass(pass_ + 1);
+  } else if (is_contested_ && contest_.another_may_fit()) {
+    phase_ = Phase::learning;  // another order of rows may fit: it goes on until it has learnt enough
+  } else if (begin_by_evidence()) {
+    return Outcome::goes_on;
+  } else if (!things_move_ && pass_count_.shows_traffic() && is_plausible() &&
+             has_usual_latency(front_.filter(), priors_)) {
+    things_move_ = true;  // what was learnt is not wrong for that
+    begin_pass(1);
+  } else {
+    return fail();
+  }
+  return Outcome::goes_on;
+}
+
+/// The same halves again, if searches by now say more than it began with; then the later half of them: false
+/// maps are often begun at a high speed, and the rig has turned slower since.
+Start::Outcome Start::fail() {
+  if (is_by_evidence_ && !is_of_later_half_ && store_.count() >= 2 * fewest_halves) {
+    store_.forget_oldest(store_.count() / 2);
+    is_of_later_half_ = true;
+    is_by_evidence_ = false;
+  }
+  if (begin_by_evidence()) return Outcome::goes_on;
+  things_move_ = true;
+  begin_searching();
+  return Outcome::failed;
+}
+
+/// The pass ended with what it began with: another one would make the same map.
+bool Start::has_settled() const {
+  return mean_nis_ < bounds().settled &&
+         is_near(front_.filter(), begun_with_,
+                 {Tracker::least_bias_sigma_dps, settled_scale, settled_latency_s});
+}
+
+/// Ends the contest. True if the front tracker is another one than before, of another order.
+bool Start::choose_rows() {
+  if (!is_contested_) return false;
+  is_contested_ = false;
+  const FoundRows verdict = contest_.verdict();
+  row_margin_ = verdict.margin;
+  if (verdict.order == front_.rows()) return false;
+  mean_nis_ = contest_.swap(verdict.order, front_);
+  return true;
+}
+
+/// Others may have begun with a wrong bias; then the winner hardly fits, or an odd latency makes up for it.
+bool Start::is_order_doubtful() const {
+  const bool is_late = front_.rows() == RowOrder::at_once && !has_usual_latency(front_.filter(), priors_) &&
+                       row_margin_ < FoundRows::least_margin;
+  return !lens_->knows_rows() && !is_asked_again_ && !things_move_ && (is_late || mean_nis_ > doubtful_nis);
+}
+
+/// All orders learn once more, with what is known of the gyro by now.
+void Start::ask_rows_again() {
+  is_contested_ = is_asked_again_ = true;
+  contest_.begin_again(front_.rows(), front_.learnt(priors_), hopeless_nis, store_);
+  pass_ = 0;
+  phase_ = Phase::learning;
+}
+
+}  // namespace thermorig::odometer

@@ -1,0 +1,123 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+
+#include "bias_evidence.h"
+#include "bias_search.h"
+#include "gyro_heading.h"
+#include "gyro_path.h"
+#include "half_store.h"
+#include "pass_count.h"
+#include "plausibility.h"
+#include "row_contest.h"
+#include "tracker.h"
+
+namespace thermorig::odometer {
+
+/// The first half minute, moving or not: of its halves the gyro's bias is found, then a map is made of them,
+/// pass after pass, until a pass ends with what it began with. In which order the camera exposes its rows is
+/// found on the way. Each half is a step of bounded work.
+class Start {
+ public:
+  /// `front`: the tracker that is told of, and that tracks afterwards; `path`: the gyro's, up to each half.
+  Start(const Priors& priors, const SharedLens& lens, bool latency_measured, Tracker& front,
+        const GyroPath& path);
+
+  /// Nothing of what came before is needed but `before`: the heading at which the map begins.
+  void begin(const std::optional<GyroHeading>& before);
+  /// Times have no meaning any more either.
+  void forget();
+
+  enum class Outcome : std::uint8_t {
+    goes_on,
+    over,   // the front tracker knows gyro and map, and has seen all halves
+    failed  // it begins anew: nothing that it has seen fits together
+  };
+  Outcome add(const HalfReading& half, double now_s);
+
+  /// Instead of all that, for a map that was made before: what three seconds of halves tell of the bias.
+  std::optional<Priors> find_bias(const HalfReading& half, double now_s);
+
+  /// The front tracker has gone through all halves that came.
+  bool has_caught_up() const { return phase_ == Phase::learning || phase_ == Phase::second_pass; }
+  /// Something beside the rig: a start has shown it, or failed.
+  bool things_move() const { return things_move_; }
+  double row_margin() const { return row_margin_; }
+  double mean_nis() const { return mean_nis_; }
+
+ private:
+  enum class Phase : std::uint8_t { searching, first_pass, learning, second_pass };
+
+  void begin_searching();
+  void store(const HalfReading& half, double now_s);
+  HalfResult add_newest(const HalfReading& half);
+  const NisBounds& bounds() const { return nis_bounds(things_move_); }
+  void learn_fit(const HalfResult& result, double& mean) const { learn_nis(result, mean, bounds().most); }
+  bool has_halves_enough(double now_s) const;
+  /// Where the map begins: the heading of before, as the gyro has it with what is known of its bias by now.
+  double heading_at(double time_s, double bias_dps) const {
+    return before_ ? before_->deg(path_.until(time_s), bias_dps) : 0.0;
+  }
+
+  // The bias.
+  std::optional<BiasSearch::Curve> newest_curve();
+  std::optional<Priors> named(const BiasSearch::Curve& curve) const;
+  void search();
+  bool is_evidence_due() const;
+  bool gather_evidence();
+
+  // Passes through the halves.
+  void begin_first_pass(const Priors& better);
+  bool begin_by_evidence();
+  void begin_pass(int number);
+  void restart_pass(int number);
+  void go_through(Tracker& tracker);
+
+  // What becomes of it.
+  Outcome go_on_learning(double now_s);
+  Outcome take_over(double now_s);
+  Outcome learn_again();
+  Outcome fail();
+  bool has_settled() const;
+  bool is_plausible() const { return odometer::is_plausible(front_.filter(), priors_, things_move_); }
+  /// Not asked while the order of rows is open: the wrong one does not fit either.
+  bool is_false_map() const { return !is_contested_ && pass_count_.is_false_map(); }
+
+  // The order of rows.
+  bool may_choose_rows() const { return !is_contested_ || contest_.may_end(store_, is_asked_again_); }
+  bool choose_rows();
+  bool is_order_doubtful() const;
+  void ask_rows_again();
+  bool is_asking_again() const { return is_contested_ && is_asked_again_; }
+
+  Priors priors_;
+  SharedLens lens_;
+  Tracker& front_;
+  const GyroPath& path_;
+  Tracker back_;  // goes through the halves again
+  HalfStore store_;
+  std::optional<GyroHeading> before_;
+  bool things_move_ = false;
+
+  BiasSearch bias_search_;
+  BiasEvidence bias_evidence_;
+  bool is_by_evidence_ = false, is_of_later_half_ = false;  // what it began with, and goes through
+
+  RowContest contest_;
+  bool is_contested_;            // the order of rows: not where that was measured
+  bool is_asked_again_ = false;  // with a gyro that is known: once
+  double row_margin_ = 0.0;
+
+  Phase phase_ = Phase::searching;
+  int pass_ = 0;
+  Priors begun_with_;             // of the pass
+  std::size_t gone_through_ = 0;  // halves of the store
+  PassCount pass_count_;
+  RefusedScale refused_scale_;
+  double pass_nis_ = 1.0, mean_nis_ = 1.0;  // of the tracker that goes through them, and of the front one
+};
+
+}  // namespace thermorig::odometer
