@@ -93,15 +93,33 @@ TEST(Odometer, SaysHowFarOffALowPassThatNobodyStatedMayMakeTheHeading) {
   EXPECT_GT(last.heading_sigma_deg, 0.015 * std::abs(last.rate_dps));
 }
 
-TEST(Odometer, StartsAtRest) {
-  Room room = turning_room();
-  room.angle_deg = [turning = room.angle_deg](double time_s) {
-    return time_s < 12.0 ? 0.0 : turning(time_s - 12.0);
+/// The same room, where the shaft begins to turn after a while.
+Room after_rest(Room room, double rest_s) {
+  room.duration_s += rest_s;
+  room.angle_deg = [rest_s, turning = room.angle_deg](double time_s) {
+    return time_s < rest_s ? turning(0.0) : turning(time_s - rest_s);
   };
+  return room;
+}
+
+TEST(Odometer, StartsAtRest) {
+  const Room room = after_rest(turning_room(58.0), 12.0);
   const auto reports = reports_of(seen_in(room));
   EXPECT_NEAR(reports[at(11.0)].bias_dps, room.bias_dps, 0.3);
   EXPECT_EQ(reports.back().state, State::tracking);
   EXPECT_NEAR(reports.back().bias_dps, room.bias_dps, 0.05);
+}
+
+TEST(Odometer, TakesNoLongerAndFindsTheOrderOfRowsAsWellAfterALongRest) {
+  for (const double rest_s : {31.0, 100.0}) {
+    Room room = turning_room(60.0);
+    room.angle_deg = to_and_fro(300.0, 150.0);
+    room.rolling = -1.0;
+    const auto reports = reports_of(seen_in(after_rest(room, rest_s)));
+    EXPECT_EQ(reports[at(rest_s)].state, State::starting);
+    EXPECT_EQ(reports[at(rest_s + 35.0)].state, State::tracking) << rest_s;
+    EXPECT_EQ(reports.back().rows, RowOrder::last_to_first) << rest_s;
+  }
 }
 
 /// Root mean square of a frame against the map around an azimuth, in K.

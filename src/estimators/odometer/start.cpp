@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "start.h"
 
+#include <cmath>
 #include <utility>
 
 namespace thermorig::odometer {
@@ -13,7 +14,9 @@ constexpr int looks_a_step = 110;           // at the map, when halves are gone 
 constexpr int row_looks_a_step = 60;        // the same row by row, which costs more
 constexpr double enough_s = 25.0;           // after the first half
 constexpr std::size_t enough_halves = 200, fewest_halves = 72;
-constexpr double bias_widening = 3.0;  // of what the search states
+constexpr std::size_t halves_of_rest = 24;  // are kept of a longer one
+constexpr double still_deg = 3.0;           // as far as a bias of the first seconds knows it
+constexpr double bias_widening = 3.0;       // of what the search states
 constexpr double known_bias_dps = 1.0;
 constexpr double settled_latency_s = 0.001, settled_scale = 0.001;
 constexpr int most_passes = 6;                             // through the halves
@@ -71,6 +74,7 @@ Start::Outcome Start::add(const HalfReading& half, double now_s) {
     case Phase::learning:
       gather_evidence();
       learn_fit(add_newest(half), mean_nis_);
+      if (has_only_rested()) forget_rest();
       return go_on_learning(now_s);
     case Phase::second_pass:
       add_newest(half);
@@ -96,6 +100,25 @@ HalfResult Start::add_newest(const HalfReading& half) {
 
 bool Start::has_halves_enough(double now_s) const {
   return store_.count() >= enough_halves || now_s - store_.at(0).now_s > enough_s;
+}
+
+bool Start::has_only_rested() const {
+  if (store_.count() < 2 * halves_of_rest || store_.count() % halves_of_rest != 0) return false;
+  const HeadingFilter& filter = front_.filter();
+  const GyroPath::Knot first = path_.until(store_.at(0).now_s);
+  for (std::size_t i = 1; i < store_.count(); ++i) {
+    const GyroPath::Knot then = path_.until(store_.at(i).now_s);
+    const double read_deg = then.turned_deg - first.turned_deg;
+    const double by_bias_deg = filter.bias_dps() * (then.time_s - first.time_s);
+    if (std::abs(read_deg - by_bias_deg) > still_deg) return false;
+  }
+  return true;
+}
+
+/// A rig that has not turned yet shows its bias and one view: what tells all the rest is still to come.
+void Start::forget_rest() {
+  store_.forget_oldest(store_.count() - halves_of_rest);
+  contest_.begin();
 }
 
 std::optional<BiasSearch::Curve> Start::newest_curve() {
