@@ -30,12 +30,12 @@ CameraDecoder::CameraDecoder(const CameraProfile& profile, const Fits& fits)
       live_gaps_(period_s_),
       newer_half_(fits.newer_half) {}
 
-labels::FrameGap CameraDecoder::gap_before(const TimedFrame& frame) {
+labels::FrameGap CameraDecoder::gap_before(const TimedFrame& frame, labels::HalvesWitness halves) {
   const std::size_t index = frame_count_++;
   ++frames_since_;
   const bool was_away = std::exchange(was_away_, false);
   if (index < known_gaps_.size()) return known_gaps_[index];
-  const labels::FrameGap gap = live_gaps_.push(frame, exposure_.mode());
+  const labels::FrameGap gap = live_gaps_.push(frame, halves);
   return was_away ? gap_of_absence(frame) : gap;
 }
 
@@ -82,11 +82,12 @@ std::span<const TimedFrame> CameraDecoder::take(std::vector<TimedFrame>& out) {
     frame.fresh_even = message.fresh.even;
     frame.fresh_odd = message.fresh.odd;
     frame.resync_before = message.resync_before;
-    const bool lost_before = exposure_.look(frame) || message.resync_before;
+    const labels::HalvesWitness halves = exposure_.look(frame);
+    const bool lost_before = labels::may_be_missing(halves) || message.resync_before;
     frame.stamp = timing_.stamp(message.span, {.lost_before = lost_before, .device_s = {}});
     const bool is_known = final_times_.put_next(frame.stamp);
     exposure_.expose(frame);
-    const labels::FrameGap gap = gap_before(frame);
+    const labels::FrameGap gap = gap_before(frame, halves);
     frame.missing_before = gap.missing;
     frame.late = gap.late && !is_known;  // its turn tells when a frame was taken, however late it was read
     last_frame_ = frame.stamp.time;

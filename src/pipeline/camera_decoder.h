@@ -41,7 +41,7 @@ class CameraDecoder {
 
  private:
   std::span<const TimedFrame> take(std::vector<TimedFrame>& out);
-  labels::FrameGap gap_before(const TimedFrame& frame);
+  labels::FrameGap gap_before(const TimedFrame& frame, labels::HalvesWitness halves);
   labels::FrameGap gap_of_absence(const TimedFrame& frame);
 
   CameraProfile profile_;

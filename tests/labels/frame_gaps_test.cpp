@@ -72,7 +72,9 @@ unsigned late_in_all(const std::vector<FrameGap>& gaps) {
 std::vector<FrameGap> live_gaps(const Scene& scene, double set_period_s, CameraMode mode) {
   LiveFrameGaps gaps(set_period_s);
   std::vector<FrameGap> result;
-  for (const TimedFrame& frame : scene.frames) result.push_back(gaps.push(frame, mode));
+  HalvesOrder order;
+  for (const TimedFrame& frame : scene.frames)
+    result.push_back(gaps.push(frame, order.push({.even = frame.fresh_even, .odd = frame.fresh_odd}, mode)));
   return result;
 }
 

@@ -52,15 +52,12 @@ void ExposureRule::expose_halves(const Freshness& freshness, TimedFrame& frame) 
   }
 }
 
-bool ExposureRule::look(TimedFrame& frame) {
+HalvesWitness ExposureRule::look(TimedFrame& frame) {
   freshness_ = {frame.fresh_even, frame.fresh_odd};
   if (looked_++ > 0) vote_.push(freshness_);
   frame.stale = is_stale(freshness_);
   frame.half_lost = frame.stale && freshness_.one_fresh() && mode() == CameraMode::half_fresh;
-  const HalvesWitness halves = order_.push(freshness_);
-  const bool may_be_missing =
-      halves == HalvesWitness::frames_missing || halves == HalvesWitness::due_half_missing;
-  return looked_ > 1 && mode() == CameraMode::half_fresh && may_be_missing;
+  return order_.push(freshness_, mode());
 }
 
 void ExposureRule::expose(TimedFrame& frame) {

@@ -23,12 +23,6 @@ constexpr std::size_t confirming_frames = 4;  // late in a row, before frames ar
 constexpr double confirming_s = 0.5;          // the same of a fast camera's, at least
 constexpr auto most_missing = static_cast<double>(std::numeric_limits<std::uint16_t>::max());
 
-/// What the halves say, if they take turns at all.
-HalvesWitness halves_of(HalvesOrder& order, const TimedFrame& frame, CameraMode mode) {
-  const HalvesWitness said = order.push({.even = frame.fresh_even, .odd = frame.fresh_odd});
-  return mode == CameraMode::half_fresh ? said : HalvesWitness::unsure;
-}
-
 std::uint16_t whole_periods(double periods) {
   return static_cast<std::uint16_t>(std::lround(std::clamp(periods, 0.0, most_missing)));
 }
@@ -59,7 +53,8 @@ std::vector<HalvesWitness> witnesses_of(const std::vector<TimedFrame>& frames, C
   HalvesOrder order;
   std::vector<HalvesWitness> witnesses;
   witnesses.reserve(frames.size());
-  for (const TimedFrame& frame : frames) witnesses.push_back(halves_of(order, frame, mode));
+  for (const TimedFrame& frame : frames)
+    witnesses.push_back(order.push({.even = frame.fresh_even, .odd = frame.fresh_odd}, mode));
   return witnesses;
 }
 
@@ -67,9 +62,7 @@ std::vector<HalvesWitness> witnesses_of(const std::vector<TimedFrame>& frames, C
 int claimed_soon(const std::vector<HalvesWitness>& witnesses, std::size_t after) {
   const std::size_t end = std::min(after + 1 + soon_frames, witnesses.size());
   int claimed = 0;
-  for (std::size_t i = after + 1; i < end; ++i)
-    claimed +=
-        witnesses[i] == HalvesWitness::due_half_missing || witnesses[i] == HalvesWitness::frames_missing;
+  for (std::size_t i = after + 1; i < end; ++i) claimed += may_be_missing(witnesses[i]);
   return claimed;
 }
 
@@ -174,10 +167,9 @@ std::uint16_t LiveFrameGaps::missing(double late_periods, const TimedFrame& fram
   return std::max<std::uint16_t>(whole_periods(late_periods), 1);
 }
 
-FrameGap LiveFrameGaps::push(const TimedFrame& frame, CameraMode mode) {
+FrameGap LiveFrameGaps::push(const TimedFrame& frame, HalvesWitness halves) {
   const HostTime time = frame.stamp.time;
   FrameGap gap;
-  const HalvesWitness halves = halves_of(order_, frame, mode);
   double late_periods = 0.0;
   double gain = schedule_gain;
   if (before_) {

@@ -5,8 +5,9 @@
 
 namespace thermorig::labels {
 
-HalvesWitness HalvesOrder::push(const Freshness& freshness) {
+HalvesWitness HalvesOrder::push(const Freshness& freshness, CameraMode mode) {
   const Freshness before = std::exchange(before_, freshness);
+  if (mode != CameraMode::half_fresh) return HalvesWitness::unsure;
   if (before.none_fresh() || freshness.none_fresh()) return HalvesWitness::unsure;
   if (freshness.both_fresh()) return HalvesWitness::frames_missing;
   if (before.both_fresh()) return HalvesWitness::unsure;

@@ -36,13 +36,12 @@ class ExposureRule {
 
   /// Each frame in order: look(), then expose(). apply() is both.
   ///
-  /// Fills in stale and half_lost of a frame whose fresh_even and fresh_odd are known. True if the halves say
-  /// that frames may be missing before it: the source is half-fresh, and both are fresh, or the same one as
-  /// before.
+  /// Fills in stale and half_lost of a frame whose fresh_even and fresh_odd are known. Returns what its
+  /// halves say of frames that may be missing before it.
   ///
   /// stale: half-fresh: no half is fresh, or only one and the same one as the last time that only one was
   /// (the other half was lost); full-fresh: not both halves are fresh.
-  bool look(TimedFrame& frame);
+  HalvesWitness look(TimedFrame& frame);
 
   /// Fills in half, exposure_begin and exposure_end of the frame that was looked at; its stamp is known.
   void expose(TimedFrame& frame);

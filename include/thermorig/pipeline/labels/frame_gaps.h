@@ -35,8 +35,8 @@ class LiveFrameGaps {
   /// `frame_period_s` > 0: nominal; the measured one takes its place as soon as a few frames have come.
   explicit LiveFrameGaps(double frame_period_s);
 
-  /// `frame`: stamp and freshness are known.
-  FrameGap push(const TimedFrame& frame, CameraMode mode);
+  /// `frame`: its stamp is known. `halves`: what they say of the frames before it.
+  FrameGap push(const TimedFrame& frame, HalvesWitness halves);
 
  private:
   void learn_period(HostTime time);
@@ -45,7 +45,6 @@ class LiveFrameGaps {
 
   static constexpr std::size_t kept_intervals = 15;
   double period_s_;
-  HalvesOrder order_;
   std::optional<HostTime> before_;  // time of the frame before
   HostTime expected_{};
   std::size_t late_frames_ = 0;  // in a row

@@ -15,17 +15,22 @@ using thermorig::Freshness;
 
 /// What the fresh halves of a half-fresh source say of what lies between a frame and the one before it.
 enum class HalvesWitness : std::uint8_t {
-  unsure,            // one of the two repeats the frame before it, or that one brought both halves
+  unsure,            // one of the two repeats the frame before it, or that one brought both halves; or the
+                     // source is not half-fresh
   none_missing,      // the halves take turns
   due_half_missing,  // the same half again: the other one never came, as a frame or within one
   frames_missing,    // both at once: a frame with the older one never came
 };
 
+inline bool may_be_missing(HalvesWitness halves) {
+  return halves == HalvesWitness::due_half_missing || halves == HalvesWitness::frames_missing;
+}
+
 /// Hears them frame by frame. What follows a repeated frame shows what that one did not: both halves at once
 /// mean nothing then.
 class HalvesOrder {
  public:
-  HalvesWitness push(const Freshness& freshness);
+  HalvesWitness push(const Freshness& freshness, CameraMode mode);
 
  private:
   Freshness before_;  // none fresh: nothing is known
