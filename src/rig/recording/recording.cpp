@@ -8,7 +8,6 @@
 
 #include "recording_parts.h"
 #include "thermorig/sensors/wire/servo_messages.h"
-#include "thermorig/storage/journal/journal.h"
 
 namespace thermorig::rig {
 
@@ -24,7 +23,7 @@ Recording::~Recording() = default;
 
 void Recording::received(Device from, std::span<const std::uint8_t> bytes, HostTime arrived) {
   Parts& parts = *parts_;
-  if (parts.writer != nullptr) parts.writer->received(from, bytes, arrived);
+  parts.journal->received(from, bytes, arrived);
   parts.devices.received(from, bytes);
   parts.presence[from].received(bytes, arrived);
   const std::vector<Measurement> measurements = parts.pipeline.feed(from, bytes, arrived);
@@ -43,12 +42,11 @@ void Recording::Parts::take(const pipeline::Streams& streams, const std::vector<
 void Recording::Parts::observe(const std::vector<Measurement>& measurements, HostTime arrived) {
   if (!options.observe) return;
   for (const Measurement& measurement : measurements)
-    if (const auto row = options.observe(measurement, arrived); row && writer != nullptr)
-      writer->estimate(*row);
+    if (const auto row = options.observe(measurement, arrived)) journal->estimate(*row);
 }
 
 void Recording::Parts::take_streams(const pipeline::Streams& streams, HostTime arrived) {
-  if (!streams.frames.empty()) journal.frame();
+  if (!streams.frames.empty()) journal->frame();
   for (const TimedFrame& frame : streams.frames) {
     if (devices.frame(frame, arrived)) presence[Device::camera].message();
     start.watch().frame(frame);
@@ -91,7 +89,7 @@ void Recording::Parts::note_epoch(const ClockEpoch& epoch, HostTime now) {
 
 void Recording::tick(HostTime now) {
   Parts& parts = *parts_;
-  for (const RecordingEvent& happened : parts.journal.check(now)) parts.event(happened);
+  for (const RecordingEvent& happened : parts.journal->check(now)) parts.event(happened);
   if (done()) return;
   parts.ask_for_streams(now);
   parts.guarded(now, [&] {
@@ -133,7 +131,7 @@ void Recording::Parts::ask_for_streams(HostTime now) {
 
 void Recording::Parts::write_to(Device device, const std::vector<std::uint8_t>& bytes, HostTime now) {
   if (bytes.empty()) return;
-  if (writer != nullptr) writer->sent(device, bytes, now);
+  journal->sent(device, bytes, now);
   pipeline.sent(device, bytes, now);
   send(device, bytes);
 }
@@ -199,13 +197,12 @@ void Recording::Parts::check_devices(HostTime now) {
 void Recording::Parts::drain_sweep(HostTime now) {
   const SweepNews news = sweep.take_news();
   for (const RecordingEvent& happened : news.events) event(happened);
-  if (writer != nullptr)
-    for (const LegRecord& leg : news.legs) writer->leg(leg);
+  for (const LegRecord& leg : news.legs) journal->leg(leg);
   if (news.is_complete) event({now, EventKind::finished, std::nullopt, "the plan is complete"});
 }
 
 void Recording::Parts::event(const RecordingEvent& happened) {
-  if (writer != nullptr) writer->event(happened);
+  journal->event(happened);
   new_events.push_back(happened);
 }
 
@@ -272,7 +269,7 @@ RecordingOutcome Recording::outcome(HostTime now) const {
 }
 
 const SessionFile& Recording::file() const {
-  return parts_->journal.file();
+  return parts_->journal->file();
 }
 
 files::Disk& Recording::disk() const {
@@ -296,7 +293,7 @@ RecordingProgress Recording::progress(HostTime now) {
   progress.events = std::exchange(parts.new_events, {});
   progress.last_sample = parts.last_sample;
   progress.gone = parts.done_without();
-  progress.kept_bytes = parts.journal.bytes();
+  progress.kept_bytes = parts.journal->bytes();
   progress.heard_s = parts.start.heard_s(now);
   progress.stopping = parts.end.is_coming();
   return progress;
@@ -306,13 +303,13 @@ SessionFile Recording::close(HostTime now) {
   Parts& parts = *parts_;
   parts.observe(parts.pipeline.finish(), now);
   parts.drain_sweep(now);
-  parts.journal.close(now);
+  parts.journal->close(now);
   return file();
 }
 
 void Recording::discard(HostTime now) {
   close(now);
-  parts_->journal.discard();
+  parts_->journal->discard();
 }
 
 }  // namespace thermorig::rig

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <string>
 #include <utility>
@@ -9,7 +10,7 @@
 
 #include "device_presence.h"
 #include "device_watch.h"
-#include "kept_journal.h"
+#include "recording_journal.h"
 #include "recording_start.h"
 #include "stream_requests.h"
 #include "thermorig/pipeline/pipeline.h"
@@ -34,8 +35,7 @@ struct Recording::Parts {
         begin(now),
         send(std::move(send_to)),
         header(make_header(options, now)),
-        journal(options, header),
-        writer(journal.writer()),
+        journal(open_journal(options, header)),
         pipeline(options.profile),
         commander(options.profile.servo),
         sweep(options.plan, options.profile.servo, options.profile.camera.output_rate_hz, commander),
@@ -88,8 +88,7 @@ struct Recording::Parts {
   HostTime begin;
   Send send;
   RecordingHeader header;
-  KeptJournal journal;
-  journal::JournalWriter* writer;  // its own; null: nothing is kept
+  std::unique_ptr<RecordingJournal> journal;
   pipeline::Pipeline pipeline;
   ServoCommander commander;
   SweepWalker sweep;
