@@ -91,12 +91,13 @@ session::Session build_session(RawRecording raw) {
 }
 
 Finalised finalise(const std::filesystem::path& journal, const std::filesystem::path& session_path,
-                   files::Disk& disk) {
+                   files::Disk& disk, WithoutEnd without_end) {
   spill::arrays_near(session_path);
   journal::JournalContents contents = journal::read_journal(journal, disk);
   Finalised made;
   made.bytes_ignored = contents.bytes_ignored;
-  made.is_retired = contents.bytes_ignored == 0 && contents.recording.complete;
+  made.is_retired =
+      contents.bytes_ignored == 0 && (contents.recording.complete || without_end == WithoutEnd::retire);
   made.session = build_session(std::move(contents.recording));
   session::write_session(session_path, made.session, disk);
   if (made.is_retired) retire_journal(journal, disk);

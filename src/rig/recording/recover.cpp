@@ -108,19 +108,14 @@ RecoveryResult remove_empty(const std::filesystem::path& journal, bool is_ours, 
           .message = "nothing had been recorded in it when its program ended: removed"};
 }
 
-/// A torn tail stays on the disk, as it may interest somebody; a journal that was used up is removed, unless
-/// somebody may still be writing it: `is_ours` says that nobody does, and its end record that nobody will.
+/// `is_ours`: nobody is still writing the journal.
 RecoveryResult make_session(const std::filesystem::path& journal, const std::filesystem::path& session_path,
                             bool is_ours, files::Disk& disk) {
   if (is_there(session_path, disk)) return already_there(journal, session_path, disk);
   if (journal::holds_nothing(journal, disk)) return remove_empty(journal, is_ours, disk);
-  spill::arrays_near(session_path);
-  journal::JournalContents contents = journal::read_journal(journal, disk);
-  const bool may_go = contents.bytes_ignored == 0 && (is_ours || contents.recording.complete);
-  const session::Session session = build_session(std::move(contents.recording));
-  session::write_session(session_path, session, disk);
-  if (may_go) retire_journal(journal, disk);
-  return describe(RecoveryKind::made, journal, session_path, session, contents.bytes_ignored);
+  const Finalised made =
+      finalise(journal, session_path, disk, is_ours ? WithoutEnd::retire : WithoutEnd::keep);
+  return describe(RecoveryKind::made, journal, session_path, made.session, made.bytes_ignored);
 }
 
 /// Its own recorder has finished or discarded it since it was found.

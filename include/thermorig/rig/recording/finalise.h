@@ -24,11 +24,14 @@ struct Finalised {
   bool is_retired = true;           // else the journal is kept: it holds more, or its end is not in it
 };
 
-/// A closed journal -> its session; the journal is removed once the session is on the disk and holds all of
-/// it. Nobody else may make it meanwhile: the journal's lock is the caller's. Throws Error: not_a_session,
-/// storage.
+/// What becomes of a journal without its end: somebody may still be writing it, or is known not to.
+enum class WithoutEnd : std::uint8_t { keep, retire };
+
+/// A journal -> its session. The journal is removed once the session is on the disk and holds all of it; what
+/// could not be read back stays, as it may interest somebody. Nobody else may make the session meanwhile: the
+/// journal's lock is the caller's. Throws Error: not_a_session, storage.
 Finalised finalise(const std::filesystem::path& journal, const std::filesystem::path& session,
-                   files::Disk& disk = files::real_disk());
+                   files::Disk& disk = files::real_disk(), WithoutEnd without_end = WithoutEnd::keep);
 
 /// `empty`: a journal in which nothing had been recorded yet when its program ended; it is removed.
 enum class RecoveryKind : std::uint8_t { made, already_there, empty, failed, in_use };
