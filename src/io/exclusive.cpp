@@ -35,10 +35,10 @@ namespace {
 
 }  // namespace
 
-Descriptor open_exclusively(const std::string& path, Refusal refusal) {
+files::Descriptor open_exclusively(const std::string& path, Refusal refusal) {
   if (is_system_console(path))  // asked before open(), which already moves its control lines
     throw Error(ExitCode::no_permission, "this port is the system's console", path, existing_ports_text());
-  Descriptor port(::open(path.c_str(), O_RDWR | O_NONBLOCK | O_NOCTTY | O_CLOEXEC));
+  files::Descriptor port(::open(path.c_str(), O_RDWR | O_NONBLOCK | O_NOCTTY | O_CLOEXEC));
   if (!port) refuse_open(path, errno, refusal);
   if (isatty(port.get()) != 1)  // also a /dev/ttyS* without a chip behind it
     throw Error(ExitCode::device_missing, "this is not a serial port, or no device is behind it", path,
@@ -46,7 +46,7 @@ Descriptor open_exclusively(const std::string& path, Refusal refusal) {
   return lock_exclusively(std::move(port), path, refusal);
 }
 
-Descriptor lock_exclusively(Descriptor port, const std::string& path, Refusal refusal) {
+files::Descriptor lock_exclusively(files::Descriptor port, const std::string& path, Refusal refusal) {
   // TIOCEXCL does not stop root, so the lock is what two recorders see; pyserial's exclusive=True uses it
   // too.
   if (flock(port.get(), LOCK_EX | LOCK_NB) == 0) return port;

@@ -34,7 +34,7 @@ bool is_not_yet(int error) {
 /// it is ready: that may take long, see read_watch.h. How it was opened is no matter here.
 class PortTraffic : public std::enable_shared_from_this<PortTraffic> {
  public:
-  PortTraffic(asio::io_context& context, Descriptor port, Loop::PortHandlers handlers)
+  PortTraffic(asio::io_context& context, files::Descriptor port, Loop::PortHandlers handlers)
       : port_(std::move(port)), context_(context), writing_(context), handlers_(std::move(handlers)) {}
   ~PortTraffic() { close(); }
 
@@ -123,7 +123,7 @@ class PortTraffic : public std::enable_shared_from_this<PortTraffic> {
     if (handlers_.lost) handlers_.lost(why);
   }
 
-  Descriptor port_;
+  files::Descriptor port_;
   asio::io_context& context_;
   asio::steady_timer writing_;
   Loop::PortHandlers handlers_;
@@ -184,7 +184,7 @@ Loop::PortId Loop::open(const PortProfile& link, PortHandlers handlers, Refusal 
   return attach(open_port(link, refusal), std::move(handlers));
 }
 
-Loop::PortId Loop::attach(Descriptor port, PortHandlers handlers) {
+Loop::PortId Loop::attach(files::Descriptor port, PortHandlers handlers) {
   assert(port && handlers.received);
   impl_->ports.push_back(std::make_shared<PortTraffic>(impl_->context, std::move(port), std::move(handlers)));
   impl_->ports.back()->start();

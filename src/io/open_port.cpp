@@ -123,9 +123,9 @@ void configure_serial(sp_port* port, int fd, const PortProfile& link, const std:
 
 }  // namespace
 
-Descriptor open_port(const PortProfile& link, Refusal refusal) {
+files::Descriptor open_port(const PortProfile& link, Refusal refusal) {
   const std::string path = resolve_port(link.port);
-  Descriptor port = open_exclusively(path, refusal);
+  files::Descriptor port = open_exclusively(path, refusal);
   if (const SerialPort serial = serial_port_at(path))
     configure_serial(serial.get(), port.get(), link, path);
   else

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "thermorig/core/profile.h"
-#include "thermorig/io/descriptor.h"
+#include "thermorig/io/files/descriptor.h"
 #include "thermorig/io/port.h"
 
 namespace thermorig::io {
@@ -11,6 +11,6 @@ namespace thermorig::io {
 /// Real ports are configured by libserialport; a pty (which libserialport cannot open) and any other terminal
 /// by termios alone. Throws what open_exclusively() throws; device_missing when the driver refuses the
 /// settings.
-Descriptor open_port(const PortProfile& link, Refusal refusal);
+files::Descriptor open_port(const PortProfile& link, Refusal refusal);
 
 }  // namespace thermorig::io

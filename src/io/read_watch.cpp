@@ -14,14 +14,14 @@
 #include <utility>
 
 #include "thermorig/core/error.h"
-#include "thermorig/io/descriptor.h"
+#include "thermorig/io/files/descriptor.h"
 #include "thermorig/io/host.h"
 
 namespace thermorig::io {
 
 namespace {
 
-void require(const Descriptor& descriptor) {
+void require(const files::Descriptor& descriptor) {
   if (!descriptor)
     throw Error(ExitCode::failed, std::strerror(errno), "epoll",
                 "close files and programs that are not needed: the system has no room for more of them");
@@ -60,8 +60,8 @@ struct ReadWatch::Shared {
     return true;
   }
 
-  Descriptor set, stop;  // what is waited for; what ends the wait
-  std::mutex mutex;      // of all below
+  files::Descriptor set, stop;  // what is waited for; what ends the wait
+  std::mutex mutex;             // of all below
   bool told = false;
   bool hung_up = false;
   bool ended = false;

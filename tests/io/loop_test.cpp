@@ -102,7 +102,7 @@ std::vector<std::multiset<std::string>> epoll_sets() {
 // A poll of an empty terminal waits for the kernel's workers, with every other port and the servo's stop.
 TEST(Loop, DoesNotItselfAskAPortWhetherItIsReady) {
   Wire gyro, camera;
-  Descriptor gyro_port = gyro.plug(), camera_port = camera.plug();
+  files::Descriptor gyro_port = gyro.plug(), camera_port = camera.plug();
   const std::string gyro_name = what_is_open_as(std::to_string(gyro_port.get()));
   const std::string camera_name = what_is_open_as(std::to_string(camera_port.get()));
   Loop loop;

@@ -53,14 +53,14 @@ class Wire {
   Wire() {
     std::array<int, 2> ends{};
     EXPECT_EQ(socketpair(AF_UNIX, SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0, ends.data()), 0);
-    device_ = Descriptor(ends[0]);
-    program_ = Descriptor(ends[1]);
+    device_ = files::Descriptor(ends[0]);
+    program_ = files::Descriptor(ends[1]);
     const int least = 1;  // as little room as a terminal has
     for (const int end : ends) setsockopt(end, SOL_SOCKET, SO_SNDBUF, &least, sizeof least);
   }
 
   /// The program's side, once.
-  Descriptor plug() { return std::move(program_); }
+  files::Descriptor plug() { return std::move(program_); }
 
   bool is_open() const {
     pollfd state{.fd = device_.get(), .events = 0, .revents = 0};
@@ -84,7 +84,7 @@ class Wire {
   void unplug() { device_.close(); }
 
  private:
-  Descriptor device_, program_;
+  files::Descriptor device_, program_;
 };
 
 /// Handlers that collect what arrives.

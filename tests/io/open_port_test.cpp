@@ -75,8 +75,8 @@ class PortLock : public PortNames {
  protected:
   PortLock() { std::ofstream(path()) << "a port"; }
   std::string path() const { return in_folder("ttyUSB0"); }
-  Descriptor lock(Refusal refusal = Refusal::names_holder) const {
-    return lock_exclusively(Descriptor(open(path().c_str(), O_RDWR | O_CLOEXEC)), path(), refusal);
+  files::Descriptor lock(Refusal refusal = Refusal::names_holder) const {
+    return lock_exclusively(files::Descriptor(open(path().c_str(), O_RDWR | O_CLOEXEC)), path(), refusal);
   }
 };
 
@@ -90,7 +90,7 @@ TEST_F(PortLock, NamesTheProcessThatHoldsThePort) {
 }
 
 TEST_F(PortLock, NamesThisProgramWhereItHoldsThePortItself) {
-  const Descriptor held = lock();
+  const files::Descriptor held = lock();
   const Error error = refusal_of([&] { lock(); });
   EXPECT_EQ(error.code(), ExitCode::no_permission);
   EXPECT_THAT(error.what_happened(), HasSubstr("in use by this process"));

@@ -11,8 +11,8 @@
 #include "thermorig/core/chunk.h"
 #include "thermorig/core/profile.h"
 #include "thermorig/core/time.h"
-#include "thermorig/io/descriptor.h"
 #include "thermorig/io/device_side.h"
+#include "thermorig/io/files/descriptor.h"
 
 namespace thermorig::io {
 
@@ -67,7 +67,7 @@ class Loop {
 
   /// Serves what is open already and non-blocking: a terminal that was set up, a socket (whose SIGPIPE,
   /// where its other end is gone, is the caller's matter).
-  PortId attach(Descriptor port, PortHandlers handlers);
+  PortId attach(files::Descriptor port, PortHandlers handlers);
 
   /// Queues bytes; they are written in order. Writing to a lost port does nothing.
   void write(PortId port, std::span<const std::uint8_t> bytes);

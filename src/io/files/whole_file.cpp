@@ -10,26 +10,24 @@
 #include <cstring>
 
 #include "thermorig/core/error.h"
+#include "thermorig/io/files/descriptor.h"
 
 namespace thermorig::files {
 
 namespace {
 
-/// A file that is open for reading, closed with this object.
+/// A file that is open for reading.
 class SourceFile {
  public:
   SourceFile(const std::filesystem::path& path, const std::string& noun) : path_(path), noun_(noun) {
     // A pipe without a writer would block the program for good.
-    descriptor_ = ::open(path.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC);
-    if (descriptor_ < 0) refuse(std::strerror(errno));
+    descriptor_ = Descriptor(::open(path.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC));
+    if (!descriptor_) refuse(std::strerror(errno));
   }
-  ~SourceFile() { ::close(descriptor_); }
-  SourceFile(const SourceFile&) = delete;
-  SourceFile& operator=(const SourceFile&) = delete;
 
   std::size_t size(std::size_t bytes_max) const {
     struct stat info {};
-    if (::fstat(descriptor_, &info) != 0) refuse(std::strerror(errno));
+    if (::fstat(descriptor_.get(), &info) != 0) refuse(std::strerror(errno));
     if (S_ISDIR(info.st_mode)) refuse("it is a folder");
     if (!S_ISREG(info.st_mode)) refuse("it is no regular file but a pipe or a device");
     if (static_cast<std::uint64_t>(info.st_size) > bytes_max)
@@ -41,7 +39,7 @@ class SourceFile {
     std::vector<std::uint8_t> content(bytes);
     std::size_t done = 0;
     while (done < bytes) {
-      const ssize_t count = ::read(descriptor_, content.data() + done, bytes - done);
+      const ssize_t count = ::read(descriptor_.get(), content.data() + done, bytes - done);
       if (count < 0 && errno == EINTR) continue;
       if (count < 0) refuse(std::strerror(errno));
       if (count == 0) refuse("it becomes shorter while it is read");
@@ -58,7 +56,7 @@ class SourceFile {
 
   const std::filesystem::path& path_;
   const std::string& noun_;
-  int descriptor_ = -1;
+  Descriptor descriptor_;
 };
 
 /// A rename would put a file in the place of /dev/null.

@@ -12,27 +12,13 @@
 #include <nlohmann/json.hpp>
 
 #include "thermorig/core/error.h"
+#include "thermorig/io/files/descriptor.h"
 #include "thermorig/io/files/whole_file.h"
 #include "token.h"
 
 namespace thermorig::web {
 
 namespace {
-
-/// Closes what it has opened.
-class Descriptor {
- public:
-  explicit Descriptor(int number) : number_(number) {}
-  ~Descriptor() {
-    if (number_ >= 0) ::close(number_);
-  }
-  Descriptor(const Descriptor&) = delete;
-  Descriptor& operator=(const Descriptor&) = delete;
-  int number() const { return number_; }
-
- private:
-  int number_;
-};
 
 /// What this process creates meanwhile is for its user alone. The mask is the whole process's; that another
 /// thread's file is private as well for these microseconds does no harm, a token that others read would.
@@ -77,14 +63,14 @@ std::string url_of(const PageState& state) {
 }
 
 FoundState read_state(const std::filesystem::path& path) {
-  const Descriptor file(::open(path.c_str(), O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC));
-  if (file.number() < 0) {
+  const files::Descriptor file(::open(path.c_str(), O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC));
+  if (!file) {
     if (errno == ENOENT || errno == ENOTDIR) return {};
     return {std::nullopt, errno == ELOOP ? "it is a link" : std::strerror(errno)};
   }
-  if (std::string why = distrust(file.number()); !why.empty()) return {std::nullopt, std::move(why)};
+  if (std::string why = distrust(file.get()); !why.empty()) return {std::nullopt, std::move(why)};
   std::array<char, 4096> bytes{};
-  const ssize_t count = ::read(file.number(), bytes.data(), bytes.size());
+  const ssize_t count = ::read(file.get(), bytes.data(), bytes.size());
   if (count < 0) return {std::nullopt, std::strerror(errno)};
   auto state = parse({bytes.data(), static_cast<std::size_t>(count)});
   if (!state) return {std::nullopt, "it is damaged"};

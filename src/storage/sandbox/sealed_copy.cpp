@@ -17,6 +17,7 @@
 #include <vector>
 
 #include "thermorig/core/error.h"
+#include "thermorig/io/files/descriptor.h"
 #include "thermorig/io/files/unlinked_file.h"
 #include "thermorig/storage/sandbox/refusal.h"
 
@@ -25,24 +26,9 @@ namespace thermorig::sandbox {
 namespace {
 
 namespace fs = std::filesystem;
+using files::Descriptor;
 
 constexpr std::size_t part_bytes = 1U << 20U;  // of a large copy, at a time
-
-/// Closes when it goes.
-class Descriptor {
- public:
-  explicit Descriptor(int fd) : fd_(fd) {}
-  ~Descriptor() {
-    if (fd_ >= 0) ::close(fd_);
-  }
-  Descriptor(const Descriptor&) = delete;
-  Descriptor& operator=(const Descriptor&) = delete;
-  int get() const { return fd_; }
-  int release() { return std::exchange(fd_, -1); }
-
- private:
-  int fd_;
-};
 
 [[noreturn]] void no_memory(const fs::path& path) {
   throw Error(ExitCode::failed, std::string("no copy of it could be made in memory: ") + std::strerror(errno),
@@ -68,11 +54,11 @@ Descriptor open_regular(const fs::path& path, std::int64_t& size) {
                 "name the session files (.h5) in it, or below it");
   if (!is_there || !S_ISREG(info.st_mode)) refuse(path, "is not a regular file");
   Descriptor file(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOCTTY));
-  if (file.get() < 0) cannot_open(path, errno);
+  if (!file) cannot_open(path, errno);
   if (::fstat(file.get(), &info) != 0 || !S_ISREG(info.st_mode)) refuse(path, "is not a regular file");
   if (info.st_size > SealedCopy::bytes_max) too_large(path);
   size = info.st_size;
-  return Descriptor(file.release());
+  return file;
 }
 
 /// A limit of the shell on the size of files (`ulimit -f`) counts for files in memory as well, although they
@@ -170,11 +156,11 @@ class DiskCopy {
  public:
   DiskCopy(const fs::path& near, std::uint64_t size)
       : file_(size > SealedCopy::small_bytes_max ? files::open_unlinked(near, size) : -1),
-        to_read_(file_.get() < 0 ? -1
-                                 : ::open(("/proc/self/fd/" + std::to_string(file_.get())).c_str(),
-                                          O_RDONLY | O_CLOEXEC)) {}
+        to_read_(!file_ ? -1
+                        : ::open(("/proc/self/fd/" + std::to_string(file_.get())).c_str(),
+                                 O_RDONLY | O_CLOEXEC)) {}
 
-  bool is_possible() const { return to_read_.get() >= 0; }
+  bool is_possible() const { return static_cast<bool>(to_read_); }
   int to_write() const { return file_.get(); }
 
   /// As long as what was written, and a descriptor that nobody can write to: the other one goes with this.
@@ -201,7 +187,7 @@ SealedCopy::SealedCopy(const fs::path& path) : path_(path) {
     return;
   }
   Descriptor memory(may_be_a_file(size) ? ::memfd_create("session", MFD_CLOEXEC | MFD_ALLOW_SEALING) : -1);
-  if (memory.get() < 0) {
+  if (!memory) {
     bytes_ = copy_of_next(file.get(), static_cast<std::size_t>(size), path);
     return;
   }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-namespace thermorig::io {
+namespace thermorig::files {
 
 /// An open file descriptor, closed at the end of its life.
 class Descriptor {
@@ -14,9 +14,10 @@ class Descriptor {
   int get() const { return fd_; }
   explicit operator bool() const { return fd_ >= 0; }
   void close();
+  int release();  // its number: whoever takes it closes it
 
  private:
   int fd_ = -1;
 };
 
-}  // namespace thermorig::io
+}  // namespace thermorig::files

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: MIT
-#include "thermorig/io/descriptor.h"
+#include "thermorig/io/files/descriptor.h"
 
 #include <unistd.h>
 
 #include <utility>
 
-namespace thermorig::io {
+namespace thermorig::files {
 
 Descriptor::~Descriptor() {
   close();
@@ -19,7 +19,11 @@ Descriptor& Descriptor::operator=(Descriptor&& other) noexcept {
 }
 
 void Descriptor::close() {
-  if (fd_ >= 0) ::close(std::exchange(fd_, -1));
+  if (fd_ >= 0) ::close(release());
 }
 
-}  // namespace thermorig::io
+int Descriptor::release() {
+  return std::exchange(fd_, -1);
+}
+
+}  // namespace thermorig::files
