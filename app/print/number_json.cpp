@@ -25,6 +25,11 @@ nlohmann::json number_json(const std::optional<double>& value) {
   return value ? number_json(*value) : nlohmann::json();
 }
 
+nlohmann::json estimate_json(const std::optional<Estimate>& estimate) {
+  if (!estimate) return {};
+  return {{"value", number_json(estimate->value)}, {"uncertainty", number_json(estimate->uncertainty)}};
+}
+
 nlohmann::json text_json(const std::string& text) {
   return text.empty() ? nlohmann::json() : nlohmann::json(text);
 }

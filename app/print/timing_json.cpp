@@ -9,11 +9,6 @@ namespace thermorig::app {
 
 namespace {
 
-nlohmann::json estimate(const std::optional<Estimate>& value) {
-  if (!value) return nullptr;
-  return {{"value", value->value}, {"uncertainty", value->uncertainty}};
-}
-
 nlohmann::json gaps_json(const ClockReport& clock, HostTime start) {
   nlohmann::json gaps = nlohmann::json::array();
   for (const ClockGap& gap : clock.gaps)
@@ -50,11 +45,11 @@ nlohmann::json clock_json(const ClockReport& clock, HostTime start) {
 }
 
 nlohmann::json offset_json(const CameraOffset& offset) {
-  return {{"offset_s", estimate(offset.offset_s)},
+  return {{"offset_s", estimate_json(offset.offset_s)},
           {"why_not", offset.why_not},
           {"chess_halves", offset.halves},
           {"contradicts_calibration", offset.contradicts},
-          {"row_delay_s", estimate(offset.row_delay_s)},
+          {"row_delay_s", estimate_json(offset.row_delay_s)},
           {"applied", offset.applied}};
 }
 
@@ -66,15 +61,15 @@ nlohmann::json course_json(const std::vector<BiasKnot>& course, HostTime start) 
 }
 
 nlohmann::json gyro_json(const GyroErrors& gyro, HostTime start) {
-  return {{"scale", estimate(gyro.scale)},
+  return {{"scale", estimate_json(gyro.scale)},
           {"scale_calibrated", gyro.scale_calibrated},
-          {"scale_by_turns", estimate(gyro.scale_by_turns)},
+          {"scale_by_turns", estimate_json(gyro.scale_by_turns)},
           {"scale_why_not", gyro.scale_why_not},
           {"scale_contradicts_calibration", gyro.scale_contradicts},
-          {"filter_delay_s", estimate(gyro.filter_delay_s)},
+          {"filter_delay_s", estimate_json(gyro.filter_delay_s)},
           {"filter_source", gyro.filter_source},
           {"filter_contradicts_profile", gyro.filter_contradicts},
-          {"bias_dps", estimate(gyro.bias_dps)},
+          {"bias_dps", estimate_json(gyro.bias_dps)},
           {"bias_course", course_json(gyro.bias_course, start)},
           {"bias_before_dps", number_json(gyro.bias_before_dps)},
           {"bias_after_dps", number_json(gyro.bias_after_dps)},
@@ -95,7 +90,7 @@ nlohmann::json servo_json(const ServoResponse& servo) {
           {"delay_s", servo.delay_s},
           {"delay_uncertainty_s", servo.delay_uncertainty_s},
           {"loop_hz", servo.loop_hz},
-          {"scale", estimate(servo.scale)},
+          {"scale", estimate_json(servo.scale)},
           {"scale_calibrated", servo.scale_calibrated},
           {"residual_dps", servo.residual_dps},
           {"speeds", speeds}};

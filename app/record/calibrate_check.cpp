@@ -60,18 +60,13 @@ void print_constants(const std::filesystem::path& session, const Constants& cons
   flush_output();
 }
 
-nlohmann::json estimate_or_null(const std::optional<Estimate>& estimate) {
-  if (!estimate) return nullptr;
-  return {{"value", number_json(estimate->value)}, {"uncertainty", number_json(estimate->uncertainty)}};
-}
-
 nlohmann::json constants_json(const std::filesystem::path& session, const Constants& constants) {
   nlohmann::json list = nlohmann::json::array();
   for (const CheckedConstant& one : constants)
     list.push_back({{"name", one.name},
                     {"unit", one.unit},
-                    {"profile", estimate_or_null(one.profile)},
-                    {"session", estimate_or_null(one.session)},
+                    {"profile", estimate_json(one.profile)},
+                    {"session", estimate_json(one.session)},
                     {"verdict", std::string(name_of(one.verdict))},
                     {"why", text_json(one.why)},
                     {"advice", text_json(one.advice)}});

@@ -154,17 +154,9 @@ std::string words_of(const LensResult& result, const RigProfile& before) {
 }
 
 nlohmann::json measured(double value, double uncertainty, const std::string& utc) {
-  nlohmann::json object{{"value", value}, {"uncertainty", uncertainty}};
+  nlohmann::json object = estimate_json(Estimate{value, uncertainty});
   object["measured_utc"] = text_json(utc);
   return object;
-}
-
-nlohmann::json estimate_json(const Estimate& estimate) {
-  return {{"value", estimate.value}, {"uncertainty", estimate.uncertainty}};
-}
-
-nlohmann::json told_json(const std::optional<Estimate>& told) {
-  return told ? estimate_json(*told) : nlohmann::json();
 }
 
 nlohmann::json object_of(const BiasResult& result, const RigProfile& before) {
@@ -195,7 +187,7 @@ nlohmann::json object_of(const ScaleResult& result, const RigProfile& before) {
       {"before",
        {{"gyro_scale", measured(gyro.scale, gyro.scale_uncertainty, gyro.scale_measured_utc)},
         {"servo_scale", measured(servo.scale, servo.scale_uncertainty, servo.scale_measured_utc)}}}};
-  object["result"]["servo_scale"] = told_json(result.servo_scale);
+  object["result"]["servo_scale"] = estimate_json(result.servo_scale);
   return object;
 }
 
@@ -204,15 +196,15 @@ nlohmann::json object_of(const LensResult& result, const RigProfile& before) {
   return {
       {"result",
        {{"pitch_scale", estimate_json(result.pitch_scale)},
-        {"distortion", told_json(result.distortion)},
-        {"tilt_deg", told_json(result.tilt_deg)},
-        {"roll_deg", told_json(result.roll_deg)},
-        {"row_spread", told_json(result.row_spread)},
+        {"distortion", estimate_json(result.distortion)},
+        {"tilt_deg", estimate_json(result.tilt_deg)},
+        {"roll_deg", estimate_json(result.roll_deg)},
+        {"row_spread", estimate_json(result.row_spread)},
         {"row_margin", result.row_spread ? nlohmann::json(margin_of(*result.row_spread)) : nlohmann::json()},
         {"turn_closes", result.is_closed},
         {"turned_deg", result.turned_deg},
         {"chess_halves", result.halves},
-        {"gyro_delay_s", told_json(result.gyro_delay_s)}}},
+        {"gyro_delay_s", estimate_json(result.gyro_delay_s)}}},
       {"before",
        {{"pitch_scale", camera.pitch_scale},
         {"pitch_scale_uncertainty", camera.pitch_scale_uncertainty},
