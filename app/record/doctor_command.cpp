@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
 #include <algorithm>
+#include <nlohmann/json.hpp>
 #include <vector>
 
 #include "chosen_rig.h"
@@ -22,7 +22,7 @@ namespace thermorig::app {
 
 namespace {
 
-using Checks = std::vector<doctor::Check>;
+using Checks = std::vector<Check>;
 
 constexpr double listen_s = 5.0;
 
@@ -64,13 +64,6 @@ rig::RecordingResult listen(rig::RecordingOptions recording, const ChosenRig& ri
   return result;
 }
 
-doctor::Check refusal(const Error& error) {
-  return {.name = "rig",
-          .code = error.code(),
-          .result = error.where() + ": " + error.what_happened(),
-          .advice = error.advice()};
-}
-
 /// Opens the rig's ports, listens for some seconds and applies the preflight check: nothing is armed, nothing
 /// moves, nothing is written. A simulated rig is listened to in virtual time.
 Checks listen_to_rig(const RecordOptions& options, const ChosenRig& rig) {
@@ -80,11 +73,9 @@ Checks listen_to_rig(const RecordOptions& options, const ChosenRig& rig) {
     return {{.name = "rig", .code = result.exit, .result = result.message, .advice = result.advice}};
   } catch (const Error& error) {
     if (error.code() == ExitCode::interrupted) throw;
-    return {refusal(error)};
+    return {failed_check("rig", error)};
   }
 }
-
-using Checks = std::vector<Check>;
 
 void add(Checks& checks, const Checks& more) {
   checks.insert(checks.end(), more.begin(), more.end());
@@ -117,10 +108,7 @@ Check disk_check(const RecordOptions& options, const RigProfile& profile) {
     return doctor::judge_disk(doctor::measure_disk(files::real_disk(), folder, io::now),
                               recording_bytes_per_s(profile));
   } catch (const Error& error) {
-    return {.name = "disk speed",
-            .code = error.code(),
-            .result = error.where() + ": " + error.what_happened(),
-            .advice = error.advice()};
+    return failed_check("disk speed", error);
   }
 }
 

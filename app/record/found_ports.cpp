@@ -82,6 +82,19 @@ std::string text_gyro_text(const PortFinding& finding, const RigProfile& profile
   return text + "      check scale and columns: [gyro.text] in the profile\n";
 }
 
+/// Which roles are missing, and what a person can do about it, by what was seen of the ports.
+std::string missing_text(const FoundPorts& found) {
+  if (found.missing.empty()) return "";
+  const auto is_closed = [](const PortFinding& finding) { return !finding.problem.empty(); };
+  const bool any_closed = std::any_of(found.findings.begin(), found.findings.end(), is_closed);
+  const char* advice =
+      any_closed
+          ? "thermorig doctor (says what stands between a port and this program)"
+          : "is it plugged in by a cable that carries data, and does it have power? Of what an unknown "
+            "board sends, `thermorig decode` tells what it may be";
+  return fmt::format("\nmissing  {}\n  try: {}\n", joined(found.missing), advice);
+}
+
 /// What to type next, for copy and paste. Another gyro protocol than the usual one can only be said in a
 /// profile.
 std::string command_with_ports(const FoundPorts& found) {
@@ -109,19 +122,6 @@ FoundPorts found_ports(std::vector<PortFinding> findings, const RigProfile& prof
   found.findings = std::move(findings);
   found.saved = std::move(saved);
   return found;
-}
-
-/// What a person can do about it, by what was seen of the ports.
-std::string missing_text(const FoundPorts& found) {
-  if (found.missing.empty()) return "";
-  const auto is_closed = [](const PortFinding& finding) { return !finding.problem.empty(); };
-  const bool any_closed = std::any_of(found.findings.begin(), found.findings.end(), is_closed);
-  const char* advice =
-      any_closed
-          ? "thermorig doctor (says what stands between a port and this program)"
-          : "is it plugged in by a cable that carries data, and does it have power? Of what an unknown "
-            "board sends, `thermorig decode` tells what it may be";
-  return fmt::format("\nmissing  {}\n  try: {}\n", joined(found.missing), advice);
 }
 
 std::string text_of(const FoundPorts& found) {

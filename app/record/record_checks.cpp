@@ -42,15 +42,12 @@ Check check_link(Device device, const RigProfile& profile) {
 }
 
 Check check_port(Device device, const RigProfile& profile) {
-  Check check{.name = std::string(name_of(device)) + " port"};
+  const std::string name = std::string(name_of(device)) + " port";
   try {
-    check.result = io::resolve_port(profile.link(device).port);
+    return {.name = name, .result = io::resolve_port(profile.link(device).port)};
   } catch (const Error& error) {
-    check.code = error.code();
-    check.result = error.where() + ": " + error.what_happened();
-    check.advice = error.advice();
+    return failed_check(name, error);
   }
-  return check;
 }
 
 Check check_plan(const RecordOptions& options, const ChosenRig& rig, const rig::SweepPlan& plan) {
@@ -166,6 +163,13 @@ nlohmann::json check_json(const Check& check) {
           {"exit_code", static_cast<int>(check.code)},
           {"result", check.result},
           {"advice", check.advice}};
+}
+
+Check failed_check(const std::string& name, const Error& error) {
+  return {.name = name,
+          .code = error.code(),
+          .result = error.where() + ": " + error.what_happened(),
+          .advice = error.advice()};
 }
 
 double recording_bytes_per_s(const RigProfile& profile) {

@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <nlohmann/json_fwd.hpp>
+#include <string>
 #include <vector>
 
 #include "chosen_rig.h"
@@ -18,6 +19,9 @@ using doctor::Check;
 /// One line a check, and below them what to try.
 void print_checks(const std::vector<Check>& checks);
 nlohmann::json check_json(const Check& check);
+
+/// The check that met `error`.
+Check failed_check(const std::string& name, const Error& error);
 
 /// What the devices of a rig send, bytes a second: what its journal grows by.
 double recording_bytes_per_s(const RigProfile& profile);
