@@ -9,6 +9,7 @@ import { GainHistogram } from './gain_histogram.js';
 import { Health } from './health.js';
 import { History } from './history.js';
 import { Keys } from './keys.js';
+import { press, sharedActions } from './shared_actions.js';
 import { Strips } from './strips.js';
 import { Surroundings } from './surroundings.js';
 import { Sweep } from './sweep.js';
@@ -244,10 +245,6 @@ async function mark() {
   say(byId('announcement'), 'Mark set');
 }
 
-function press(key, pressed) {
-  document.querySelector(`button[data-key="${key}"]`).setAttribute('aria-pressed', String(pressed));
-}
-
 const actions = {
   m: mark,
   p() {
@@ -258,20 +255,7 @@ const actions = {
     redraw();
   },
   r: () => strips.resetAngle(),
-  c: () => image.nextPalette(),
-  l() {
-    image.lock();
-    press('l', image.range.locked);
-  },
-  i() {
-    image.invert();
-    press('i', image.inverted);
-  },
-  f() {
-    const done = document.fullscreenElement === null ? document.documentElement.requestFullscreen?.() : document.exitFullscreen();
-    done?.catch(() => say(byId('announcement'), 'This browser refuses full screen'));
-  },
-  '?': () => byId('help').showModal(),
+  ...sharedActions(image),
 };
 
 byId('note').addEventListener('keydown', (event) => {

@@ -6,6 +6,7 @@ import { moment, SessionFacts, timeOfDay } from './session_facts.js';
 import { SessionPlots } from './session_plots.js';
 import { Rows } from './session_rows.js';
 import { findSource } from './session_source.js';
+import { sharedActions } from './shared_actions.js';
 import { ThermalImage } from './thermal_image.js';
 import { byId, clock, count, fixed, plain, say } from './text.js';
 import { Warnings } from './warnings.js';
@@ -171,10 +172,6 @@ class Session {
   }
 }
 
-function press(key, pressed) {
-  document.querySelector(`button[data-key="${key}"]`).setAttribute('aria-pressed', String(pressed));
-}
-
 function actionsOf(session) {
   const { rows, plots } = session;
   const zoomIn = () => plots.zoomIn();
@@ -190,20 +187,7 @@ function actionsOf(session) {
     n: () => session.seek(rows.nextChange(session.row, 1)),
     p: () => session.seek(rows.nextChange(session.row, -1)),
     g: () => byId('goto').select(),
-    c: () => image.nextPalette(),
-    l() {
-      image.lock();
-      press('l', image.range.locked);
-    },
-    i() {
-      image.invert();
-      press('i', image.inverted);
-    },
-    f() {
-      const done = document.fullscreenElement === null ? document.documentElement.requestFullscreen?.() : document.exitFullscreen();
-      done?.catch(() => say(byId('announcement'), 'This browser refuses full screen'));
-    },
-    '?': () => byId('help').showModal(),
+    ...sharedActions(image),
   };
 }
 
