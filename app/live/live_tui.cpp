@@ -119,17 +119,13 @@ class LiveTui : public LiveScreen {
     draw(frame);
   }
   void note(const std::string& sentence) override {
-    if (output_.write(fmt::format("{}{}\n", erasing(), printable(sentence)), Matter::word)) lines_ = 0;
+    if (output_.write(fmt::format("{}{}\n", erasing(lines_), printable(sentence)), Matter::word)) lines_ = 0;
   }
   void ended(const LiveEnd& end, const live::LiveScores& scores) override {
     output_.write_last(fmt::format("\r{}", ending_of(end, scores)));
   }
 
  private:
-  /// Up over what was drawn last, and clear to the end of the screen. The cursor stands behind a "^C" if the
-  /// terminal has echoed one.
-  std::string erasing() const { return lines_ == 0 ? "\r" : fmt::format("\r\x1b[{}A\x1b[J", lines_); }
-
   void draw(const LiveFrame& frame) {
     std::string text = half_blocks(frame.frame.frame, facts_.header.profile.camera.mirrored, colours_);
     const Range range = range_of(frame.frame.frame);
@@ -139,7 +135,7 @@ class LiveTui : public LiveScreen {
     figures += rates_text(frame);
     text += cut(figures, terminal_width() - 1);  // a full line would wrap
     const auto lines = static_cast<std::size_t>(std::count(text.begin(), text.end(), '\n'));
-    if (output_.write(erasing() + text, Matter::frame)) lines_ = lines;
+    if (output_.write(erasing(lines_) + text, Matter::frame)) lines_ = lines;
   }
 
   /// "  angle +123.4 +- 0.3 deg"; of an estimate that is not good, its state.

@@ -23,6 +23,10 @@ bool escapes_allowed(bool is_terminal, const char* no_color, const char* term) {
   return is_terminal;
 }
 
+std::string erasing(std::size_t lines) {
+  return lines == 0 ? "\r" : fmt::format("\r\x1b[{}A\x1b[J", lines);
+}
+
 namespace {
 int first_failure = 0;  // errno of standard output: the stream itself remembers only that there was one
 

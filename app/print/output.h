@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <cstddef>
 #include <cstdint>
 #include <cstdio>
 #include <nlohmann/json_fwd.hpp>
@@ -23,6 +24,10 @@ bool escapes_allowed(std::FILE* stream);
 /// The same of a stream that is a terminal or is none, where NO_COLOR and TERM have these values; null: not
 /// set.
 bool escapes_allowed(bool is_terminal, const char* no_color, const char* term);
+
+/// Goes up over the `lines` that were drawn last, and clears to the end of the screen. The cursor stands
+/// behind a "^C" if the terminal has echoed one.
+std::string erasing(std::size_t lines);
 
 /// Never throws: what a command makes does not depend on who reads what it prints. A failure stays with the
 /// stream, for require_printed().

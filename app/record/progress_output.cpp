@@ -107,27 +107,23 @@ std::string left_text(const SweepProgress& sweep) {
 
 class TerminalOutput : public ProgressOutput {
  public:
-  ~TerminalOutput() override { output_.write(erasing(), Matter::word); }
+  ~TerminalOutput() override { output_.write(erasing(drawn_), Matter::word); }
   explicit TerminalOutput(OutputWriter& output) : ProgressOutput(0.25), output_(output) {}
   TerminalOutput(const TerminalOutput&) = delete;
   TerminalOutput& operator=(const TerminalOutput&) = delete;
 
   void note(const std::string& sentence) override {
-    if (output_.write(fmt::format("{}{}\n", erasing(), printable(sentence)), Matter::word)) drawn_ = 0;
+    if (output_.write(fmt::format("{}{}\n", erasing(drawn_), printable(sentence)), Matter::word)) drawn_ = 0;
   }
 
  private:
   void draw(const RecordingProgress& progress) override {
     const std::vector<std::string> lines = status_lines(progress);
     const std::size_t width = terminal_width() - 1;  // a full line would wrap
-    std::string text = erasing();
+    std::string text = erasing(drawn_);
     for (const std::string& line : lines) text += line.substr(0, width) + "\n";
     if (output_.write(std::move(text), Matter::frame)) drawn_ = lines.size();
   }
-
-  /// Up over what was drawn, and clear to the end of the screen. The cursor stands behind a "^C" if the
-  /// terminal has echoed one.
-  std::string erasing() const { return drawn_ == 0 ? "\r" : fmt::format("\r\x1b[{}A\x1b[J", drawn_); }
 
   OutputWriter& output_;
   std::size_t drawn_ = 0;
