@@ -117,10 +117,7 @@ std::string heading_of(const LiveFacts& facts) {
       fmt::format("{} {}, plan {}: {} legs, about {}{}\n", name_of(facts.mode), printable(header.environment),
                   printable(facts.plan_name), facts.legs, duration_text(facts.expected_s),
                   facts.repeats ? ", again and again until stopped" : "");
-  if (header.simulated)
-    text += fmt::format("SIMULATED rig{}: {}\n",
-                        header.simulation_seed ? fmt::format(", seed {}", *header.simulation_seed) : "",
-                        simulation_text(header.simulation));
+  if (header.simulated) text += simulated_line(header.simulation_seed, header.simulation);
   const LiveModel& model = header.live_model;
   if (model.name.empty())
     text += "no model: estimators that need no network against the servo (--model FILE)\n";

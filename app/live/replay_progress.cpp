@@ -7,13 +7,17 @@
 
 namespace thermorig::app {
 
-void ReplayProgress::note_gone(HostTime now) {
-  for (; events_noted_ < raw_.events.size() && raw_.events[events_noted_].time <= now; ++events_noted_) {
-    const RecordingEvent& event = raw_.events[events_noted_];
-    if (!event.source) continue;
-    if (event.kind == EventKind::missing) gone_[*event.source] = true;
-    if (event.kind == EventKind::device_back) gone_[*event.source] = false;
-  }
+std::vector<RecordingEvent> ReplayProgress::take_events(HostTime now) {
+  std::vector<RecordingEvent> events;
+  for (; events_taken_ < raw_.events.size() && raw_.events[events_taken_].time <= now; ++events_taken_)
+    events.push_back(raw_.events[events_taken_]);
+  return events;
+}
+
+void ReplayProgress::note_gone(const RecordingEvent& event) {
+  if (!event.source) return;
+  if (event.kind == EventKind::missing) gone_[*event.source] = true;
+  if (event.kind == EventKind::device_back) gone_[*event.source] = false;
 }
 
 void ReplayProgress::add(const pipeline::ReplayMoment& moment) {
@@ -71,10 +75,9 @@ rig::RecordingProgress ReplayProgress::at(HostTime now, const pipeline::CausalRe
     progress.health[device].uncertainty_s = uncertainty_s_[device];
   }
   progress.health[Device::camera].lost += missing_frames_;
-  for (; events_told_ < raw_.events.size() && raw_.events[events_told_].time <= now; ++events_told_)
-    progress.events.push_back(raw_.events[events_told_]);
+  progress.events = take_events(now);
+  for (const RecordingEvent& event : progress.events) note_gone(event);
   progress.last_sample = last_sample_;
-  note_gone(now);
   progress.gone = gone_;
   return progress;
 }

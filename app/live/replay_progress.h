@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <vector>
+
 #include "thermorig/core/raw_recording.h"
 #include "thermorig/pipeline/causal_replay.h"
 #include "thermorig/rig/recording/recording.h"
@@ -19,7 +21,8 @@ class ReplayProgress {
   rig::RecordingProgress at(HostTime now, const pipeline::CausalReplay& replay);
 
  private:
-  void note_gone(HostTime now);
+  std::vector<RecordingEvent> take_events(HostTime now);
+  void note_gone(const RecordingEvent& event);
   rig::SweepProgress sweep(HostTime now) const;
 
   const RawRecording& raw_;
@@ -29,8 +32,7 @@ class ReplayProgress {
   std::optional<LabelledSample> last_sample_;
   int frames_in_leg_ = 0;
   PerDevice<bool> gone_{};
-  std::size_t events_noted_ = 0;
-  std::size_t events_told_ = 0;
+  std::size_t events_taken_ = 0;
 };
 
 }  // namespace thermorig::app

@@ -22,4 +22,9 @@ std::string simulation_text(std::string_view simulation) {
   return printable(fmt::format("{}{} ({} knobs)", before, world.substr(0, world.find(',')), knobs));
 }
 
+std::string simulated_line(std::optional<std::uint64_t> seed, std::string_view simulation) {
+  return fmt::format("SIMULATED rig{}: {}\n", seed ? fmt::format(", seed {}", *seed) : "",
+                     simulation_text(simulation));
+}
+
 }  // namespace thermorig::app

@@ -80,10 +80,7 @@ void announce(const rig::RecordingOptions& recording, bool json) {
           : fmt::format("{} legs of {} frames", plan.leg_rates_dps.size(), plan.frames_per_leg);
   print("recording {}, plan {}: {}, about {}\n", recording.environment, printable(plan.name), legs,
         duration_text(duration_s));
-  if (recording.simulated)
-    print("SIMULATED rig{}: {}\n",
-          recording.simulation_seed ? fmt::format(", seed {}", *recording.simulation_seed) : "",
-          simulation_text(recording.simulation));
+  if (recording.simulated) print("{}", simulated_line(recording.simulation_seed, recording.simulation));
   flush_output();
 }
 
