@@ -3,7 +3,6 @@
 
 #include <fmt/format.h>
 
-#include <cmath>
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
@@ -69,16 +68,13 @@ nlohmann::json json_of(const WindowCounts::Row& row) {
 }
 
 nlohmann::json json_of(const training::Fit& fit, const TrainingConfig& config) {
-  const auto rmse_dps = [&](double mse) {
-    return std::sqrt(mse) * static_cast<double>(config.label_scale_dps);
-  };
   nlohmann::json object{{"windows", fit.windows},
                         {"network_mse", fit.network_mse},
-                        {"network_rmse_dps", rmse_dps(fit.network_mse)},
+                        {"network_rmse_dps", training::rmse_dps(fit.network_mse, config)},
                         {"thermal_mse", fit.thermal_mse},
-                        {"thermal_rmse_dps", rmse_dps(fit.thermal_mse)},
+                        {"thermal_rmse_dps", training::rmse_dps(fit.thermal_mse, config)},
                         {"gyro_mse", fit.gyro_mse},
-                        {"gyro_rmse_dps", rmse_dps(fit.gyro_mse)}};
+                        {"gyro_rmse_dps", training::rmse_dps(fit.gyro_mse, config)}};
   if (!config.shape.fusion) return object;
   object["gain_mean"] = fit.gain_mean;
   object["gain_below_002"] = fit.gain_below_002;
@@ -124,16 +120,13 @@ class JsonTrainOutput final : public TrainOutput {
   void step(const TrainStanding&) override {}
 
   void epoch(const training::EpochReport& report, const TrainStanding& standing) override {
-    const auto rmse_dps = [&](double mse) {
-      return std::sqrt(mse) * static_cast<double>(config_.label_scale_dps);
-    };
     nlohmann::json object{{"event", "epoch"},
                           {"epoch", report.epoch},
                           {"loss", report.loss},
                           {"training_mse", report.training_mse},
-                          {"training_rmse_dps", rmse_dps(report.training_mse)},
+                          {"training_rmse_dps", training::rmse_dps(report.training_mse, config_)},
                           {"held_out_mse", report.held_out_mse},
-                          {"held_out_rmse_dps", rmse_dps(report.held_out_mse)},
+                          {"held_out_rmse_dps", training::rmse_dps(report.held_out_mse, config_)},
                           {"held_out_thermal_mse", report.held_out_thermal_mse},
                           {"kept", report.kept},
                           {"elapsed_s", standing.elapsed_s},

@@ -18,8 +18,7 @@ using training::TrainingConfig;
 
 /// "0.00512 (RMSE 14.3 deg/s)"
 std::string error_text(double mse, const TrainingConfig& config) {
-  const double rmse_dps = std::sqrt(mse) * static_cast<double>(config.label_scale_dps);
-  return fmt::format("{} (RMSE {} deg/s)", mse_text(mse), rate_text(rmse_dps));
+  return fmt::format("{} (RMSE {} deg/s)", mse_text(mse), rate_text(training::rmse_dps(mse, config)));
 }
 
 std::string settings_text(const TrainingConfig& config, Label label) {

@@ -3,7 +3,6 @@
 
 #include <fmt/format.h>
 
-#include <cmath>
 #include <nlohmann/json.hpp>
 
 namespace thermorig::training {
@@ -73,15 +72,12 @@ nlohmann::json to_json(const RunDescription& description) {
 }
 
 nlohmann::json to_json(const EpochReport& report, const TrainingConfig& config) {
-  const auto rmse_dps = [&](double mse) {
-    return std::sqrt(mse) * static_cast<double>(config.label_scale_dps);
-  };
   nlohmann::json line{{"epoch", report.epoch},
                       {"loss", report.loss},
                       {"training_mse", report.training_mse},
-                      {"training_rmse_dps", rmse_dps(report.training_mse)},
+                      {"training_rmse_dps", rmse_dps(report.training_mse, config)},
                       {"held_out_mse", report.held_out_mse},
-                      {"held_out_rmse_dps", rmse_dps(report.held_out_mse)},
+                      {"held_out_rmse_dps", rmse_dps(report.held_out_mse, config)},
                       {"held_out_thermal_mse", report.held_out_thermal_mse},
                       {"kept", report.kept},
                       {"seconds", report.seconds}};

@@ -60,6 +60,9 @@ struct EpochReport {
   bool kept = false;                  // the best so far, or the last
 };
 
+/// The root of such an error, as a speed.
+double rmse_dps(double mse, const TrainingConfig& config);
+
 /// What chooses the epoch, the lowest: the error on the held-out acquisition, weighed as the loss weighs its
 /// parts (held_out_mse + auxiliary_thermal * held_out_thermal_mse). The fused error alone would tell how good
 /// that one acquisition's gyro happens to be.
