@@ -51,7 +51,7 @@ enum class EventKind : std::uint8_t {
   warning = 1,
   device_lost = 2,
   device_back = 3,
-  leg_start = 4,  // text: leg, plan step, commanded speed: see LegEvent in rig
+  leg_start = 4,  // text: leg, plan step, commanded speed
   leg_end = 5,
   leg_repeated = 6,
   servo_fault = 7,
