@@ -73,10 +73,7 @@ std::vector<std::string> warnings_of(const model::Model& model, const ModelEvalu
         fmt::format("the model was trained on, or chosen by, {} of the tested acquisitions: {}",
                     trained_on.size(), fmt::join(trained_on, ", ")));
   if (study::collapsed(evaluated.evaluation.gain))
-    warnings.push_back(
-        fmt::format("the gate has collapsed (mean Kg {}): {}", gain_text(evaluated.evaluation.gain.mean),
-                    evaluated.evaluation.gain.mean < 0.5 ? "the gyro alone decides, the images are not used"
-                                                         : "the images alone decide, the gyro is not used"));
+    warnings.push_back(collapsed_text(evaluated.evaluation.gain.mean));
   const std::vector<std::string> better = better_baselines(evaluated.evaluation);
   if (!better.empty())
     warnings.push_back(fmt::format("without a network, {} {} a lower MSE than {}", fmt::join(better, ", "),

@@ -31,4 +31,10 @@ std::string angle_text(double deg) {
   return text(deg, 1);
 }
 
+std::string collapsed_text(double gain_mean) {
+  return fmt::format("the gate has collapsed (mean Kg {}): {}", gain_text(gain_mean),
+                     gain_mean < 0.5 ? "the gyro alone decides, the images are not used"
+                                     : "the images alone decide, the gyro is not used");
+}
+
 }  // namespace thermorig::app

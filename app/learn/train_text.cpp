@@ -16,7 +16,7 @@ namespace {
 using training::Fit;
 using training::TrainingConfig;
 
-/// "0.00512 (RMSE 14.3 deg/s)"
+/// "0.00512 (RMSE 14.30 deg/s)"
 std::string error_text(double mse, const TrainingConfig& config) {
   return fmt::format("{} (RMSE {} deg/s)", mse_text(mse), rate_text(training::rmse_dps(mse, config)));
 }
@@ -95,12 +95,6 @@ const Fit& judging(const training::Fits& fits) {
   return fits.held_out ? *fits.held_out : fits.training;
 }
 
-std::string collapsed_text(const Fit& fit) {
-  const std::string side =
-      fit.gain_mean < 0.5 ? "the gyro alone decides, the images are not used" : "the gyro is not used";
-  return fmt::format("the gate has collapsed (mean Kg {}): {}", gain_text(fit.gain_mean), side);
-}
-
 }  // namespace
 
 WindowCounts count_windows(const TrainStart& start) {
@@ -159,7 +153,7 @@ std::vector<std::string> warnings_of(const TrainEnd& end) {
   if (end.fits == nullptr) return warnings;
   const Fit& fit = judging(*end.fits);
   if (end.config.shape.fusion && training::gate_collapsed(fit.gain_mean))
-    warnings.push_back(collapsed_text(fit) + "; try: --preset best, or --auxiliary-thermal 1");
+    warnings.push_back(collapsed_text(fit.gain_mean) + "; try: --preset best, or --auxiliary-thermal 1");
   if (fit.gyro_mse < fit.network_mse)
     warnings.push_back(
         fmt::format("the gyro alone is better than this network: MSE {} against {}; try: more "
