@@ -2,6 +2,7 @@
 #include "inspect_text.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
@@ -163,6 +164,11 @@ std::string altered_text(const std::vector<std::string>& altered) {
     text += (i == 0 ? " " : ", ") + printable(altered[i]);
   if (altered.size() > most) text += fmt::format(" and {} more", altered.size() - most);
   return text + "\n         what stands above is not taken from them; thermorig reprocess writes them anew\n";
+}
+
+std::string left_out_text(const std::vector<std::string>& left_out) {
+  return printable(fmt::format("{}", fmt::join(left_out, ", "))) +
+         ": what others add is not copied, but for attributes";
 }
 
 std::string text_of(const std::filesystem::path& path, const Session& session, const Quality& quality) {

@@ -33,4 +33,7 @@ struct ShortSpeeds {
 };
 ShortSpeeds short_speeds(const session::Quality& quality, const rig::SweepPlan& plan);
 
+/// What rewriting a session leaves out of its file, and why.
+std::string left_out_text(const std::vector<std::string>& left_out);
+
 }  // namespace thermorig::app

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: MIT
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <charconv>
@@ -201,9 +200,7 @@ void print_words(const Annotating& done, bool undone) {
     print("frames      {} changed; {} of {} in legs are valid, verdict {}\n",
           count_text(done.frames_changed()), count_text(quality.valid), count_text(quality.swept),
           quality.verdict);
-  if (!done.left_out().empty())
-    print("left out    {}: what others add is not copied, but for attributes\n",
-          printable(fmt::format("{}", fmt::join(done.left_out(), ", "))));
+  if (!done.left_out().empty()) print("left out    {}\n", left_out_text(done.left_out()));
 }
 
 void print_object(const Annotating& done, bool undone) {

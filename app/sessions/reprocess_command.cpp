@@ -144,9 +144,7 @@ ExitCode run(const ReprocessOptions& options) {
     list.push_back(object_of(path, before, after));
     list.back()["left_out"] = made.left_out;
     if (!options.json) print("{}", words_of(path, before, after));
-    if (!options.json && !made.left_out.empty())
-      print("  left out {}: what others add is not copied, but for attributes\n",
-            printable(fmt::format("{}", fmt::join(made.left_out, ", "))));
+    if (!options.json && !made.left_out.empty()) print("  left out {}\n", left_out_text(made.left_out));
     if (!calibrated) continue;
     const auto calibrations = applied(*calibrated, made.session.raw.header.profile);
     list.back()["calibrations"] = calibrations;
