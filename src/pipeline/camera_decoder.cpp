@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
 #include "camera_decoder.h"
 
-#include <algorithm>
-#include <cmath>
-#include <limits>
+#include <utility>
+
+#include "camera_rhythm.h"
 
 namespace thermorig::pipeline {
 
@@ -39,12 +39,9 @@ labels::FrameGap CameraDecoder::gap_before(const TimedFrame& frame, labels::Halv
   return was_away ? gap_of_absence(frame) : gap;
 }
 
-/// At least one is missing, so that no run goes on over the absence.
 labels::FrameGap CameraDecoder::gap_of_absence(const TimedFrame& frame) {
   if (!last_frame_) return {};
-  const double periods = std::round(to_s(frame.stamp.time - *last_frame_) / period_s_) - 1.0;
-  constexpr double most = std::numeric_limits<std::uint16_t>::max();
-  return {.missing = static_cast<std::uint16_t>(std::clamp(periods, 1.0, most)), .late = false};
+  return {.missing = missing_in_absence(*last_frame_, frame.stamp.time, period_s_), .late = false};
 }
 
 std::span<const TimedFrame> CameraDecoder::interrupt(std::vector<TimedFrame>& out) {

@@ -74,13 +74,6 @@ std::vector<std::vector<TimedFrame>> split(const std::vector<TimedFrame>& frames
   return pieces;
 }
 
-/// One at least: no run goes on over an absence.
-std::uint16_t missing_between(HostTime last, HostTime first, double period_s) {
-  constexpr double most = std::numeric_limits<std::uint16_t>::max();
-  const double periods = std::round(to_s(first - last) / period_s) - 1.0;
-  return static_cast<std::uint16_t>(std::clamp(periods, 1.0, most));
-}
-
 CameraRhythm rhythm_of_pieces(const std::vector<std::vector<TimedFrame>>& pieces, CameraRhythm rhythm) {
   const auto& longest = *std::max_element(pieces.begin(), pieces.end(),
                                           [](const auto& a, const auto& b) { return a.size() < b.size(); });
@@ -91,15 +84,21 @@ CameraRhythm rhythm_of_pieces(const std::vector<std::vector<TimedFrame>>& pieces
   for (const std::vector<TimedFrame>& piece : pieces) {
     std::vector<labels::FrameGap> gaps = labels::find_gaps(piece, *rhythm.period_s, mode);
     if (before != nullptr)
-      gaps.front() = {
-          .missing = missing_between(before->back().stamp.time, piece.front().stamp.time, *rhythm.period_s),
-          .late = false};
+      gaps.front() = {.missing = missing_in_absence(before->back().stamp.time, piece.front().stamp.time,
+                                                    *rhythm.period_s),
+                      .late = false};
     rhythm.gaps.insert(rhythm.gaps.end(), gaps.begin(), gaps.end());
     before = &piece;
   }
   return rhythm;
 }
 }  // namespace
+
+std::uint16_t missing_in_absence(HostTime last, HostTime first, double period_s) {
+  constexpr double most = std::numeric_limits<std::uint16_t>::max();
+  const double periods = std::round(to_s(first - last) / period_s) - 1.0;
+  return static_cast<std::uint16_t>(std::clamp(periods, 1.0, most));
+}
 
 CameraRhythm camera_rhythm(const std::vector<TimedFrame>& frames, std::span<const std::size_t> pieces) {
   CameraRhythm rhythm{.mode = camera_mode(frames), .period_s = {}, .gaps = {}};

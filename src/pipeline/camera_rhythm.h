@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <optional>
 #include <span>
 #include <vector>
@@ -23,5 +24,9 @@ struct CameraRhythm {
 /// camera; they have nothing to do with each other but the period, which is that of the longest one. Empty:
 /// there was none.
 CameraRhythm camera_rhythm(const std::vector<TimedFrame>& frames, std::span<const std::size_t> pieces = {});
+
+/// Frames that an absence of the camera cost, between the last before it and the first after it: one at
+/// least, so that no run goes on over it.
+std::uint16_t missing_in_absence(HostTime last, HostTime first, double period_s);
 
 }  // namespace thermorig::pipeline
