@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include <algorithm>
 #include <cmath>
-#include <limits>
+#include <span>
 
 #include "thermorig/rig/sweep/plan.h"
 
@@ -64,16 +64,21 @@ SweepPlan moving_plan(const std::string& name, int frames_per_leg) {
   return plan;
 }
 
+/// There and back, `shares` of the fastest speed in turn.
+void add_reversals(int legs, double fastest_dps, std::span<const double> shares, SweepPlan& plan) {
+  for (int i = 0; i < legs / 2; ++i) {
+    const double rate_dps = fastest_dps * shares[static_cast<std::size_t>(i) % shares.size()];
+    plan.leg_rates_dps.insert(plan.leg_rates_dps.end(), {rate_dps, -rate_dps});
+  }
+}
+
 // Each speed there and back, so that nothing lies between two legs but the reversal itself. Several speeds,
 // so that a delay cannot be mistaken for a shift by a whole number of periods.
 SweepPlan latency_plan(const ServoProfile& servo, const CameraProfile& camera) {
   constexpr double shares[] = {1.0, 0.625, 0.875, 0.5, 0.75};
   SweepPlan plan = moving_plan("calibrate-latency", frames_in(reversal_s, camera));
   const double fastest_dps = speed_within_stroke(fastest_reversal_dps, plan.frames_per_leg, servo, camera);
-  for (int i = 0; i < reversals / 2; ++i) {
-    const double rate_dps = fastest_dps * shares[static_cast<std::size_t>(i) % std::size(shares)];
-    plan.leg_rates_dps.insert(plan.leg_rates_dps.end(), {rate_dps, -rate_dps});
-  }
+  add_reversals(reversals, fastest_dps, shares, plan);
   return plan;
 }
 
@@ -96,10 +101,7 @@ SweepPlan scale_plan(const ServoProfile& servo, const CameraProfile& camera) {
 SweepPlan lens_plan(const ServoProfile& servo, const CameraProfile& camera) {
   SweepPlan plan = moving_plan("calibrate-lens", frames_in(lens_leg_s, camera));
   const double fastest_dps = speed_within_stroke(lens_fast_dps, plan.frames_per_leg, servo, camera);
-  for (int i = 0; i < lens_legs / 2; ++i) {
-    const double rate_dps = fastest_dps * lens_shares[static_cast<std::size_t>(i) % std::size(lens_shares)];
-    plan.leg_rates_dps.insert(plan.leg_rates_dps.end(), {rate_dps, -rate_dps});
-  }
+  add_reversals(lens_legs, fastest_dps, lens_shares, plan);
   return plan;
 }
 
