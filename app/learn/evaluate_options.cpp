@@ -123,7 +123,7 @@ void add_evaluate(CLI::App& root, EvaluateOptions& options) {
       "best (Cramer-Rao bound)");
   command.add_flag("--accept-bad", options.accept_bad,
                    "Take sessions whose verdict is bad; without it one of these is refused");
-  command.add_flag("--json", options.json, "Print JSON on standard output, for programs");
+  add_json(command, options.json);
   add_frame_memory(command, options.frame_memory, "Options");
   add_study_words(command, options);
   add_job_words(command, options);

@@ -43,20 +43,24 @@ std::vector<std::string> row_of(const SettingSummary& summary) {
   return row;
 }
 
+bool has_simulated(const std::vector<study::JobResult>& results) {
+  return std::any_of(results.begin(), results.end(),
+                     [](const study::JobResult& result) { return result.simulated; });
+}
+
 /// The study's medians for the terminal.
 std::string study_text(const std::vector<study::JobResult>& results) {
   std::vector<std::string> header{">Nf",    ">Nr",         "network", "preset",      ">seed",
                                   ">folds", ">median MSE", ">IQR",    ">RMSE deg/s", ">Kg"};
   for (const std::string& name : study::baselines()) header.push_back(">MSE of " + name);
   Table table(header);
-  bool simulated = false;
-  for (const study::JobResult& result : results) simulated = simulated || result.simulated;
   for (const SettingSummary& summary : study::summarise(results)) table.add(row_of(summary));
   std::string text = table.text();
   if (study::mixes_instruction_sets(results))
     text += fmt::format("computed with {}, which round differently\n",
                         printable(study::instruction_sets_of(results)));
-  if (simulated) text += "SIMULATED rig: trends only, not to be set beside figures of real recordings.\n";
+  if (has_simulated(results))
+    text += "SIMULATED rig: trends only, not to be set beside figures of real recordings.\n";
   return text;
 }
 
@@ -138,11 +142,6 @@ void announce(const EvaluateOptions& options, const StudyJobs& jobs, const datas
   flush_output();
 }
 
-bool any_simulated(const std::vector<study::JobResult>& results) {
-  return std::any_of(results.begin(), results.end(),
-                     [](const study::JobResult& result) { return result.simulated; });
-}
-
 void write_study_report(const fs::path& folder, const std::vector<study::JobResult>& results) {
   write_report(folder, {.markdown = report::study_markdown(results),
                         .json = report::study_json(results),
@@ -155,7 +154,7 @@ void conclude(const fs::path& folder, const std::vector<study::JobResult>& resul
     print_json({{"event", "summary"},
                 {"exit_code", 0},
                 {"results", results.size()},
-                {"simulated", any_simulated(results)},
+                {"simulated", has_simulated(results)},
                 {"report", (folder / "report.html").string()}});
   else
     print("{}\nreport: {}\n", study_text(results), printable((folder / "report.html").string()));
