@@ -3,7 +3,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <vector>
 
@@ -117,6 +119,56 @@ TEST(TheCamerasRate, HoldsItsSigmaWhereNextToNothingIsSeen) {
     }
     EXPECT_GE(covered, 0.9 * count) << rate_dps;
     EXPECT_LE(silent, 0.03 * count) << rate_dps;
+  }
+}
+
+/// Windows against the shaft, those that lie within one stretch of `stretch_s`.
+struct Agreement {
+  double covered = 0.0, silent = 0.0, count = 0.0;
+};
+
+Agreement agreement_with(const std::function<double(double)>& angle_deg, double contrast_k,
+                         double stretch_s) {
+  Room room;
+  room.angle_deg = angle_deg;
+  room.contrast_k = contrast_k;
+  const std::vector<Seen> all = seen_in(room);
+  const std::vector<CameraRateReport> reports = reports_of(all);
+  Agreement agreement;
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    if (!reports[i].is_complete) continue;
+    const double end_s = to_s(all[i].frame.exposure_end.time_since_epoch());
+    const double begin_s = end_s - reports[i].window_s;
+    if (std::floor(begin_s / stretch_s) != std::floor(end_s / stretch_s)) continue;
+    const double rate_dps = (angle_deg(end_s) - angle_deg(begin_s)) / reports[i].window_s;
+    const double error_dps = std::abs(reports[i].rate_dps - rate_dps), sigma_dps = reports[i].sigma_dps;
+    agreement.covered += error_dps <= 2.0 * sigma_dps ? 1.0 : 0.0;
+    agreement.silent +=
+        reports[i].is_told && error_dps > std::max(told_sigma_dps, 4.0 * sigma_dps) ? 1.0 : 0.0;
+    agreement.count += 1.0;
+  }
+  return agreement;
+}
+
+TEST(TheCamerasRate, IsNotHeldByWindowsBeforeWhereTheShaftReversesAtOnce) {
+  constexpr double stretch_s = 2.0;
+  const auto reversing_deg = [](double time_s) {  // at 120 deg/s
+    const double phase_s = std::fmod(time_s, 2.0 * stretch_s);
+    return 120.0 * std::min(phase_s, 2.0 * stretch_s - phase_s);
+  };
+  for (const double contrast_k : {0.2, 0.4, 0.8}) {
+    const Agreement agreement = agreement_with(reversing_deg, contrast_k, stretch_s);
+    EXPECT_GT(agreement.count, 300.0);
+    EXPECT_GE(agreement.covered, 0.9 * agreement.count) << contrast_k;
+    EXPECT_LE(agreement.silent, 0.002 * agreement.count) << contrast_k;
+  }
+}
+
+TEST(TheCamerasRate, IsNotHeldByWindowsBeforeWhereTheShaftNeverTurnsTheSame) {
+  for (const double contrast_k : {0.1, 0.2, 0.4}) {
+    const Agreement agreement = agreement_with(odometer::to_and_fro(90.0, 150.0), contrast_k, 1e9);
+    EXPECT_GE(agreement.covered, 0.9 * agreement.count) << contrast_k;
+    EXPECT_EQ(agreement.silent, 0.0) << contrast_k;
   }
 }
 

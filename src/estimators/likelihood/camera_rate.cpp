@@ -7,6 +7,7 @@
 #include <optional>
 #include <span>
 
+#include "earlier_rates.h"
 #include "pixel_errors.h"
 #include "speed_search.h"
 
@@ -52,6 +53,8 @@ struct CameraRate::Parts {
   bool follows(const TimedFrame& frame, unsigned parity) const;
   std::size_t halves_of_window() const;
   double step_s(std::size_t wanted) const;
+  SpeedPosterior posterior(const Half& oldest, double step, double speed_dps);
+  double sigma_dps(const SpeedPosterior& found, double speed_dps) const;
   void look(std::size_t count, CameraRateReport& report);
 
   double pitch_deg, direction;
@@ -59,6 +62,7 @@ struct CameraRate::Parts {
   PixelErrors errors;
   WindowLines lines{most_halves};
   SpeedSearch search;
+  EarlierRates earlier;
   double noise_variance = first_noise_variance;
   std::array<Half, most_halves> halves;                 // the newest is the last one
   std::size_t count = 0;                                // of those, in a row
@@ -105,6 +109,26 @@ double CameraRate::Parts::step_s(std::size_t wanted) const {
   return to_s(newest.frame_end - oldest.frame_end) / static_cast<double>(later);
 }
 
+double CameraRate::Parts::sigma_dps(const SpeedPosterior& found, double speed_dps) const {
+  const double misfit = std::max(1.0, found.noise_variance / noise_variance);
+  const double sigma =
+      std::hypot(found.sigma * speed_dps * misfit, rate_share * found.speed * speed_dps, least_sigma_dps);
+  return found.is_at_end ? std::max(sigma, any_rate_sigma_dps) : sigma;
+}
+
+/// By the window's images, and by what a window before has told that shares none of them.
+SpeedPosterior CameraRate::Parts::posterior(const Half& oldest, double step, double speed_dps) {
+  const SpeedPosterior alone = search.search(lines, noise_variance, fastest_dps / speed_dps);
+  const HostTime end = halves.back().end;
+  const HostTime begin = oldest.begin + from_s(0.5 * step);  // times of halves wander a little
+  const std::optional<EarlierRate> expected = earlier.expected(begin, end);
+  const double alone_sigma_dps = sigma_dps(alone, speed_dps);
+  if (alone_sigma_dps < told_sigma_dps) earlier.add({end, alone.speed * speed_dps, alone_sigma_dps});
+  if (!expected) return alone;
+  return search.expecting(
+      {.speed = expected->rate_dps / speed_dps, .width = expected->sigma_dps / speed_dps});
+}
+
 void CameraRate::Parts::look(std::size_t wanted, CameraRateReport& report) {
   std::array<const HalfLines*, most_halves> newest;
   for (std::size_t i = 0; i < wanted; ++i) newest[i] = &halves[most_halves - wanted + i].lines;
@@ -112,12 +136,10 @@ void CameraRate::Parts::look(std::size_t wanted, CameraRateReport& report) {
   const double step = step_s(wanted), speed_dps = pitch_deg / step;
   report.window_s = step * static_cast<double>(wanted);
   lines.set(oldest.parity, std::span(newest).first(wanted));
-  const SpeedPosterior found = search.search(lines, noise_variance, fastest_dps / speed_dps);
+  const SpeedPosterior found = posterior(oldest, step, speed_dps);
   report.rate_dps = direction * found.speed * speed_dps;
   report.misfit = found.noise_variance / noise_variance;
-  report.sigma_dps = std::hypot(found.sigma * speed_dps * std::max(1.0, report.misfit),
-                                rate_share * report.rate_dps, least_sigma_dps);
-  if (found.is_at_end) report.sigma_dps = std::max(report.sigma_dps, any_rate_sigma_dps);
+  report.sigma_dps = sigma_dps(found, speed_dps);
   report.is_told = report.sigma_dps < told_sigma_dps;
   noise_variance =
       std::max(least_noise_variance,

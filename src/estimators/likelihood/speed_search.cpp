@@ -243,35 +243,48 @@ std::size_t SpeedSearch::top(const WindowLines& lines, double noise_variance, Ra
   return place;
 }
 
-SpeedPosterior SpeedSearch::over_all(std::span<const SpeedPatterns> speeds, std::size_t top,
-                                     Range range) const {
+template <typename Prior>
+void SpeedSearch::sum_up(const Prior& prior, SpeedPosterior& posterior) const {
+  const double top_speed = speeds_[top_].speed, top_logarithm = fine_[top_] + prior(top_speed);
   Moments moments;
   std::array<Known, 3> known;  // the last three of all
-  std::size_t count = 0, last = range.low;
-  for (std::size_t k = range.low; k <= range.high; ++k) {
+  std::size_t count = 0, last = range_.low;
+  for (std::size_t k = range_.low; k <= range_.high; ++k) {
     if (std::isnan(fine_[k])) continue;
     count = k - last <= rough_step ? count + 1 : 1;  // in a row
     last = k;
     std::rotate(known.begin(), known.begin() + 1, known.end());
-    known.back() = {speeds[k].speed - speeds[top].speed, fine_[k] - fine_[top]};
+    const double speed = speeds_[k].speed;
+    known.back() = {speed - top_speed, fine_[k] + prior(speed) - top_logarithm};
     if (count >= known.size()) moments.add_about(known[1], known[0], known[2]);
   }
-  return {.speed = speeds[top].speed + moments.mean(), .sigma = moments.deviation()};
+  posterior.speed = top_speed + moments.mean();
+  posterior.sigma = moments.deviation();
 }
 
 SpeedPosterior SpeedSearch::search(const WindowLines& lines, double noise_variance, double fastest) {
-  const auto speeds = SpeedTable::of(lines.halves()).own();
-  const std::size_t middle = speeds.size() / 2;
+  speeds_ = SpeedTable::of(lines.halves()).own();
+  const std::size_t middle = speeds_.size() / 2;
   std::size_t reach = rough_step;
-  while (reach + rough_step <= middle && speeds[middle + reach + rough_step].speed <= fastest)
+  while (reach + rough_step <= middle && speeds_[middle + reach + rough_step].speed <= fastest)
     reach += rough_step;
-  const Range range{middle - reach, middle + reach};
-  look(lines, noise_variance, range);
-  const std::size_t likeliest = top(lines, noise_variance, range);
-  SpeedPosterior posterior = over_all(speeds, likeliest, range);
-  posterior.is_at_end = likeliest <= range.low || likeliest >= range.high;
-  const Fit best = fit(lines, likeliest, fine_depth, noise_variance);
-  posterior.noise_variance = best.unexplained / best.freedom;
+  range_ = {middle - reach, middle + reach};
+  look(lines, noise_variance, range_);
+  top_ = top(lines, noise_variance, range_);
+  sum_up([](double) { return 0.0; }, found_);
+  found_.is_at_end = top_ <= range_.low || top_ >= range_.high;
+  const Fit best = fit(lines, top_, fine_depth, noise_variance);
+  found_.noise_variance = best.unexplained / best.freedom;
+  return found_;
+}
+
+SpeedPosterior SpeedSearch::expecting(const ExpectedSpeed& expected) const {
+  const auto prior = [&](double speed) {
+    const double widths = (speed - expected.speed) / expected.width;
+    return -std::log1p(widths * widths);
+  };
+  SpeedPosterior posterior = found_;
+  sum_up(prior, posterior);
   return posterior;
 }
 

@@ -17,6 +17,12 @@ struct SpeedPosterior {
   double noise_variance = 0.0;  // of a reading: of what no scene at that speed explains
 };
 
+/// A speed that is expected before the window is looked at: Cauchy's density, half of it within `width`. Any
+/// speed is possible before, however far off, so that a window that tells another one outweighs it.
+struct ExpectedSpeed {
+  double speed = 0.0, width = 1.0;  // above 0
+};
+
 struct SearchDepth;
 
 /// Finds the speed with which the halves of a window agree on one piece of scene. The scene is a Gaussian
@@ -28,6 +34,9 @@ class SpeedSearch {
 
   /// `noise_variance`: of a reading, as known before, above 0. `fastest`: no speed beyond is tried.
   SpeedPosterior search(const WindowLines& lines, double noise_variance, double fastest);
+
+  /// What the search found last, if that was expected before it.
+  SpeedPosterior expecting(const ExpectedSpeed& expected) const;
 
  private:
   struct Fit {
@@ -43,9 +52,15 @@ class SpeedSearch {
   double fine(const WindowLines& lines, std::size_t place, double noise_variance);
   void look(const WindowLines& lines, double noise_variance, Range range);
   std::size_t top(const WindowLines& lines, double noise_variance, Range range);
-  SpeedPosterior over_all(std::span<const SpeedPatterns> speeds, std::size_t top, Range range) const;
+  /// `prior`: logarithm of a speed's density before.
+  template <typename Prior>
+  void sum_up(const Prior& prior, SpeedPosterior& posterior) const;
 
   std::vector<double> rough_, fine_;  // logarithm of each speed's likelihood; fine: NaN where not known
+  std::span<const SpeedPatterns> speeds_;
+  Range range_;
+  std::size_t top_ = 0;
+  SpeedPosterior found_;
 };
 
 }  // namespace thermorig::likelihood
