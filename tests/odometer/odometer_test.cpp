@@ -93,17 +93,17 @@ TEST(Odometer, SaysHowFarOffALowPassThatNobodyStatedMayMakeTheHeading) {
   EXPECT_GT(last.heading_sigma_deg, 0.015 * std::abs(last.rate_dps));
 }
 
-/// The same room, where the shaft begins to turn after a while.
-Room after_rest(Room room, double rest_s) {
+/// The same room, where the shaft rests for a while, from a time on.
+Room with_rest(Room room, double from_s, double rest_s) {
   room.duration_s += rest_s;
-  room.angle_deg = [rest_s, turning = room.angle_deg](double time_s) {
-    return time_s < rest_s ? turning(0.0) : turning(time_s - rest_s);
+  room.angle_deg = [from_s, rest_s, turning = room.angle_deg](double time_s) {
+    return turning(time_s < from_s ? time_s : std::max(from_s, time_s - rest_s));
   };
   return room;
 }
 
 TEST(Odometer, StartsAtRest) {
-  const Room room = after_rest(turning_room(58.0), 12.0);
+  const Room room = with_rest(turning_room(58.0), 0.0, 12.0);
   const auto reports = reports_of(seen_in(room));
   EXPECT_NEAR(reports[at(11.0)].bias_dps, room.bias_dps, 0.3);
   EXPECT_EQ(reports.back().state, State::tracking);
@@ -111,15 +111,26 @@ TEST(Odometer, StartsAtRest) {
 }
 
 TEST(Odometer, TakesNoLongerAndFindsTheOrderOfRowsAsWellAfterALongRest) {
-  for (const double rest_s : {31.0, 100.0}) {
-    Room room = turning_room(60.0);
-    room.angle_deg = to_and_fro(300.0, 150.0);
-    room.rolling = -1.0;
-    const auto reports = reports_of(seen_in(after_rest(room, rest_s)));
-    EXPECT_EQ(reports[at(rest_s)].state, State::starting);
-    EXPECT_EQ(reports[at(rest_s + 35.0)].state, State::tracking) << rest_s;
-    EXPECT_EQ(reports.back().rows, RowOrder::last_to_first) << rest_s;
-  }
+  Room room = turning_room(40.0);
+  room.angle_deg = to_and_fro(300.0, 150.0);
+  room.rolling = -1.0;
+  const auto reports = reports_of(seen_in(with_rest(room, 0.0, 50.0)));
+  EXPECT_EQ(reports[at(50.0)].state, State::starting);
+  EXPECT_EQ(reports[at(85.0)].state, State::tracking);
+  EXPECT_EQ(reports.back().rows, RowOrder::last_to_first);
+}
+
+TEST(Odometer, DoesNotTakeARestForTheMotionThatItLearnsFrom) {
+  Room room = turning_room(70.0);
+  room.angle_deg = to_and_fro(300.0, 150.0);
+  room.rolling = 1.0;
+  room = with_rest(room, 5.0, 31.0);
+  const auto reports = reports_of(seen_in(room));
+  EXPECT_EQ(reports[at(36.0)].state, State::starting);
+  ASSERT_EQ(reports[at(97.0)].state, State::tracking);
+  EXPECT_EQ(reports.back().rows, RowOrder::first_to_last);
+  EXPECT_NEAR(off_deg(room, reports, 97.0), off_deg(room, reports, 100.0), 0.5);
+  EXPECT_NEAR(reports.back().scale, room.scale, 0.001);
 }
 
 /// Root mean square of a frame against the map around an azimuth, in K.

@@ -51,6 +51,7 @@ void Start::forget() {
 void Start::begin_searching() {
   is_by_evidence_ = is_of_later_half_ = false;
   store_.clear();
+  rested_s_ = 0.0;
   contest_.begin();
   is_contested_ = !lens_->knows_rows();
   is_asked_again_ = false;
@@ -74,7 +75,7 @@ Start::Outcome Start::add(const HalfReading& half, double now_s) {
     case Phase::learning:
       gather_evidence();
       learn_fit(add_newest(half), mean_nis_);
-      if (has_only_rested()) forget_rest();
+      if (!is_asked_again_ && has_rested()) forget_rest();
       return go_on_learning(now_s);
     case Phase::second_pass:
       add_newest(half);
@@ -99,25 +100,29 @@ HalfResult Start::add_newest(const HalfReading& half) {
 }
 
 bool Start::has_halves_enough(double now_s) const {
-  return store_.count() >= enough_halves || now_s - store_.at(0).now_s > enough_s;
+  return store_.count() >= enough_halves || now_s - store_.at(0).now_s - rested_s_ > enough_s;
 }
 
-bool Start::has_only_rested() const {
-  if (store_.count() < 2 * halves_of_rest || store_.count() % halves_of_rest != 0) return false;
+/// For so long that the half of it may be forgotten.
+bool Start::has_rested() const {
+  constexpr std::size_t halves = 2 * halves_of_rest;
+  if (store_.count() < halves || store_.count() % halves_of_rest != 0 || store_.is_full()) return false;
   const HeadingFilter& filter = front_.filter();
-  const GyroPath::Knot first = path_.until(store_.at(0).now_s);
-  for (std::size_t i = 1; i < store_.count(); ++i) {
+  const GyroPath::Knot now = path_.until(store_.at(store_.count() - 1).now_s);
+  for (std::size_t i = store_.count() - halves; i < store_.count(); ++i) {
     const GyroPath::Knot then = path_.until(store_.at(i).now_s);
-    const double read_deg = then.turned_deg - first.turned_deg;
-    const double by_bias_deg = filter.bias_dps() * (then.time_s - first.time_s);
+    const double read_deg = now.turned_deg - then.turned_deg;
+    const double by_bias_deg = filter.bias_dps() * (now.time_s - then.time_s);
     if (std::abs(read_deg - by_bias_deg) > still_deg) return false;
   }
   return true;
 }
 
-/// A rig that has not turned yet shows its bias and one view: what tells all the rest is still to come.
+/// A rig that does not turn shows its bias and one view: what tells all the rest is still to come.
 void Start::forget_rest() {
-  store_.forget_oldest(store_.count() - halves_of_rest);
+  const std::size_t first = store_.count() - 2 * halves_of_rest;
+  rested_s_ += store_.at(first + halves_of_rest).now_s - store_.at(first).now_s;
+  store_.forget(first, halves_of_rest);
   contest_.begin();
 }
 

@@ -57,7 +57,7 @@ class Start {
   const NisBounds& bounds() const { return nis_bounds(things_move_); }
   void learn_fit(const HalfResult& result, double& mean) const { learn_nis(result, mean, bounds().most); }
   bool has_halves_enough(double now_s) const;
-  bool has_only_rested() const;
+  bool has_rested() const;
   void forget_rest();
   /// Where the map begins: the heading of before, as the gyro has it with what is known of its bias by now.
   double heading_at(double time_s, double bias_dps) const {
@@ -101,6 +101,7 @@ class Start {
   const GyroPath& path_;
   Tracker back_;  // goes through the halves again
   HalfStore store_;
+  double rested_s_ = 0.0;  // of its time: what was forgotten of rests
   std::optional<GyroHeading> before_;
   bool things_move_ = false;
 
