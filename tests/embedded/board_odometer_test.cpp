@@ -70,14 +70,19 @@ TEST(BoardOdometer, StartsInMotionAndHoldsTheHeading) {
 }
 
 TEST(BoardOdometer, StartsAtRest) {
-  Room room = turning_room(80.0);
-  room.angle_deg = [turning = room.angle_deg](double time_s) {
-    return time_s < 12.0 ? 0.0 : turning(time_s - 12.0);
-  };
+  const Room room = with_rest(turning_room(68.0), 0.0, 12.0);
   const auto said = said_of(seen_in(room));
   EXPECT_NEAR(said[at(11.0)].output.bias_dps, room.bias_dps, 0.3);
   EXPECT_EQ(said.back().state, EstimateState::good);
   EXPECT_NEAR(said.back().output.bias_dps, room.bias_dps, 0.1);
+}
+
+TEST(BoardOdometer, DoesNotTakeARestForTheMotionThatItLearnsFrom) {
+  Room room = turning_room(70.0);
+  room.angle_deg = odometer::to_and_fro(300.0, 150.0);
+  const auto said = said_of(seen_in(with_rest(room, 11.0, 40.0)));
+  EXPECT_EQ(said[at(51.0)].state, EstimateState::starting);
+  EXPECT_EQ(said.back().state, EstimateState::good);
 }
 
 TEST(BoardOdometer, IsLessSureOfTheHeadingWhereGearsShakeTheGyro) {

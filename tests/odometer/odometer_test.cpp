@@ -93,15 +93,6 @@ TEST(Odometer, SaysHowFarOffALowPassThatNobodyStatedMayMakeTheHeading) {
   EXPECT_GT(last.heading_sigma_deg, 0.015 * std::abs(last.rate_dps));
 }
 
-/// The same room, where the shaft rests for a while, from a time on.
-Room with_rest(Room room, double from_s, double rest_s) {
-  room.duration_s += rest_s;
-  room.angle_deg = [from_s, rest_s, turning = room.angle_deg](double time_s) {
-    return turning(time_s < from_s ? time_s : std::max(from_s, time_s - rest_s));
-  };
-  return room;
-}
-
 TEST(Odometer, StartsAtRest) {
   const Room room = with_rest(turning_room(58.0), 0.0, 12.0);
   const auto reports = reports_of(seen_in(room));

@@ -112,4 +112,12 @@ Room turning_room(double duration_s) {
   return room;
 }
 
+Room with_rest(Room room, double from_s, double rest_s) {
+  room.duration_s += rest_s;
+  room.angle_deg = [from_s, rest_s, turning = room.angle_deg](double time_s) {
+    return turning(time_s < from_s ? time_s : std::max(from_s, time_s - rest_s));
+  };
+  return room;
+}
+
 }  // namespace thermorig::odometer

@@ -35,6 +35,9 @@ std::vector<Seen> seen_in(const Room& room);
 /// To and fro over `reach_deg`, about `rate_dps` at most, never at the same speed for long.
 std::function<double(double)> to_and_fro(double reach_deg, double rate_dps);
 
+/// The same room, where the shaft rests for a while, from a time on.
+Room with_rest(Room room, double from_s, double rest_s);
+
 /// A room of which nothing is special, seen to and fro at up to 60 deg/s.
 Room turning_room(double duration_s = 70.0);
 

@@ -121,7 +121,7 @@ bool Start::has_rested() const {
 /// A rig that does not turn shows its bias and one view: what tells all the rest is still to come.
 void Start::forget_rest() {
   const std::size_t first = store_.count() - 2 * halves_of_rest;
-  rested_s_ += store_.at(first + halves_of_rest).now_s - store_.at(first).now_s;
+  if (first > 0) rested_s_ += store_.at(first + halves_of_rest).now_s - store_.at(first).now_s;
   store_.forget(first, halves_of_rest);
   contest_.begin();
 }

@@ -101,7 +101,7 @@ class Start {
   const GyroPath& path_;
   Tracker back_;  // goes through the halves again
   HalfStore store_;
-  double rested_s_ = 0.0;  // of its time: what was forgotten of rests
+  double rested_s_ = 0.0;  // since its first half: what was forgotten
   std::optional<GyroHeading> before_;
   bool things_move_ = false;
 

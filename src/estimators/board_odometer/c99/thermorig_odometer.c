@@ -28,6 +28,7 @@ enum { SEARCHING, LEARNING, RUNNING, LOCATING };
 /* Of the start: then the map is begun anew, with what was learnt of the sensors. */
 #define FIRST_PASS_S 15.0f
 #define PASS_S 20.0f
+#define STILL_DPS 3.0f /* a rest tells the bias and nothing else: it is no part of a pass */
 #define BIAS_WIDENING 2.0f
 #define MOST_PASSES 6
 #define PASS_WIDENING 3.0f /* of what the pass before learnt, and beside it */
@@ -168,8 +169,12 @@ static int is_false_map(const odometer* s) {
 static void learn(odometer* s) {
   const half_result result = add_half(&s->tracker, &s->path, &s->profile);
   const heading_filter* filter = &s->tracker.filter;
-  const float length_s = seconds_between(s->pass_since_us, filter->now_us);
-  const int is_over = length_s > (s->pass == 0 ? FIRST_PASS_S : PASS_S);
+  float length_s;
+  int is_over;
+  if (size_of(result.rate_dps) < STILL_DPS)
+    s->pass_since_us += s->tracker.half.end_us - s->tracker.half.begin_us;
+  length_s = seconds_between(s->pass_since_us, filter->now_us);
+  is_over = length_s > (s->pass == 0 ? FIRST_PASS_S : PASS_S);
   learn_of(s, &result);
   s->judged = (uint16_t)(s->judged + result.is_judged);
   if (result.is_judged && size_of(result.innovation_deg) > FAR_DEG) ++s->far;
