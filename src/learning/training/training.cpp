@@ -166,10 +166,6 @@ class Training {
 
 }  // namespace
 
-double rmse_dps(double mse, const TrainingConfig& config) {
-  return std::sqrt(mse) * static_cast<double>(config.label_scale_dps);
-}
-
 double held_out_score(const EpochReport& report, const TrainingConfig& config) {
   const double weight = trainer_config(config).loss.auxiliary_thermal;
   return report.held_out_mse + weight * report.held_out_thermal_mse;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <cmath>
 #include <cstdint>
 #include <functional>
 #include <optional>
@@ -61,7 +62,9 @@ struct EpochReport {
 };
 
 /// The root of such an error, as a speed.
-double rmse_dps(double mse, const TrainingConfig& config);
+inline double rmse_dps(double mse, const TrainingConfig& config) {
+  return std::sqrt(mse) * static_cast<double>(config.label_scale_dps);
+}
 
 /// What chooses the epoch, the lowest: the error on the held-out acquisition, weighed as the loss weighs its
 /// parts (held_out_mse + auxiliary_thermal * held_out_thermal_mse). The fused error alone would tell how good
