@@ -66,6 +66,30 @@ TEST(HeadingFilter, BlamesTheMapWhereItWasMadeWithTheSameError) {
   EXPECT_GT(filter.sigma(HeadingFilter::heading), 9.0);
 }
 
+TEST(HeadingFilter, BlamesTheMapWhereItWasWrittenAgainWithTheErrorOfNow) {
+  HeadingFilter filter({.bias_sigma_dps = 1.0});
+  filter.begin_nodes(-30.0, 30.0);
+  filter.predict(0.0, 10.0, 0.0);  // 10 deg of error since
+  Shares ahead{};
+  HeadingFilter::add_shares(0.0, 1.0, ahead);
+  auto row = filter.derivative(turn_at(0.0), 1.0, 0.0, ahead);
+  row[HeadingFilter::bias] = row[HeadingFilter::latency] = row[HeadingFilter::scale] = 0.0;
+  EXPECT_GT(filter.variance(row), 80.0);
+  filter.rewrite(Shares{0.5});  // the node ahead
+  EXPECT_NEAR(std::sqrt(filter.variance(row)), 5.0, 0.1);
+  filter.rewrite(Shares{1.0});
+  EXPECT_LT(filter.variance(row), 1e-6);
+  EXPECT_GT(filter.sigma(HeadingFilter::heading), 9.0);
+}
+
+TEST(HeadingFilter, KnowsThatTheMapHasAGapUntilAllOfItWasSeen) {
+  HeadingFilter filter({});
+  filter.begin_nodes(-30.0, 300.0);
+  EXPECT_TRUE(filter.has_gap());
+  filter.begin_nodes(270.0, 360.0);
+  EXPECT_FALSE(filter.has_gap());
+}
+
 TEST(HeadingFilter, InterpolatesTheMapsOffsetAcrossTheOrigin) {
   Shares shares{};
   HeadingFilter::add_shares(-7.5, 1.0, shares);

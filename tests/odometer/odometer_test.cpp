@@ -72,6 +72,18 @@ TEST(Odometer, FindsInWhichOrderRowsAreExposed) {
   }
 }
 
+/// The lens alone tells its scale then: no turn is closed.
+TEST(Odometer, LearnsTheGyroOnAServoThatTurnsHalfWayRoundOnly) {
+  Room room = turning_room(60.0);
+  room.angle_deg = to_and_fro(90.0, 100.0);
+  const auto reports = reports_of(seen_in(room));
+  ASSERT_EQ(reports[at(45.0)].state, State::tracking);
+  EXPECT_NEAR(reports.back().scale, room.scale, 0.005);
+  const double origin_deg = off_deg(room, reports, 45.0);
+  for (double time_s = 45.0; time_s < 59.0; time_s += 0.5)
+    EXPECT_NEAR(off_deg(room, reports, time_s), origin_deg, 0.8) << time_s;
+}
+
 TEST(Odometer, HoldsTheHeadingWhileTheGyroWalksAway) {
   const Room room = turning_room();
   const auto reports = reports_of(seen_in(room));

@@ -91,6 +91,19 @@ void HeadingFilter::add_shares(double azimuth_deg, double weight, std::array<dou
   shares[at.right] += weight * at.part;
 }
 
+void HeadingFilter::rewrite(const std::array<double, nodes>& shares) {
+  for (std::size_t node = 0; node < nodes; ++node) {
+    const double share = shares[node];
+    if (share <= 0.0) continue;
+    const std::size_t at = first_node + node;
+    Row mixed;
+    for (std::size_t i = 0; i < size; ++i)
+      mixed[i] = (1.0 - share) * covariance_[at][i] + share * covariance_[heading][i];
+    mixed[at] = (1.0 - share) * mixed[at] + share * mixed[heading];
+    for (std::size_t i = 0; i < size; ++i) covariance_[at][i] = covariance_[i][at] = mixed[i];
+  }
+}
+
 void HeadingFilter::begin_nodes(double low_deg, double high_deg) {
   constexpr auto all = static_cast<long>(nodes);
   const auto last = static_cast<long>(std::ceil(high_deg / node_deg));

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstddef>
@@ -66,6 +67,13 @@ class HeadingFilter {
   }
   /// Shares of the nodes in map_offset_deg().
   static void add_shares(double azimuth_deg, double weight, std::array<double, nodes>& shares);
+  /// The map was written again where the heading says: about each node so much of it, 0 to 1, is off as the
+  /// heading is from now on.
+  void rewrite(const std::array<double, nodes>& shares);
+  /// The map has a gap: it was never seen whether it closes.
+  bool has_gap() const {
+    return std::any_of(known_.begin(), known_.end(), [](NodeState one) { return one != NodeState::seen; });
+  }
   /// Nodes that an azimuth from `low_deg` to `high_deg` first shows begin with the heading's error.
   void begin_nodes(double low_deg, double high_deg);
 

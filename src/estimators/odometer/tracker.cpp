@@ -50,6 +50,7 @@ void Tracker::restart(const Priors& priors, RowOrder rows, bool things_move) {
   pixels_ = PixelModel();
   has_begun_ = false;
   is_on_trial_ = false;
+  is_open_ = false;
   halves_ = 0;
   sigma_in_map_deg_ = 0.0;
 }
@@ -164,6 +165,7 @@ HalfResult Tracker::add(const HalfReading& half, const GyroPath& path, bool is_t
   if (!lens_->is_plain() && halves_ >= first_halves) level(half, exposed);
   HalfResult result{.rate_dps = exposed.rate_dps};
   common_c_ = 0.0F;
+  rewritten_ = {};
   if (halves_++ >= first_halves) {
     result = judge(half, exposed);
     if (!is_trusted || (result.is_judged && !result.is_used)) return result;
@@ -172,7 +174,29 @@ HalfResult Tracker::add(const HalfReading& half, const GyroPath& path, bool is_t
   begin_nodes(shown_deg, exposed);
   in_map_deg_ = shown_deg - filter_.map_offset_deg(shown_deg);
   write(view_of(half, exposed), shown_deg, sigma_in_map_deg_, common_c_);
+  filter_.rewrite(rewritten_);
   return result;
+}
+
+/// How much of the map about each node is written anew by a half: as much as the map is less sure than it.
+std::array<double, HeadingFilter::nodes> Tracker::written_shares(const Alignment::Comparison& comparison,
+                                                                 const HalfPixels& variance,
+                                                                 double azimuth_deg) const {
+  std::array<double, HeadingFilter::nodes> shares{};
+  const double covered = lens_->pitch_deg() / HeadingFilter::node_deg;
+  for (std::size_t column = 0; column < frame_columns; ++column) {
+    float sum = 0.0F, count = 0.0F;
+    for (std::size_t i = column * half_rows; i < (column + 1) * half_rows; ++i) {
+      if (std::isnan(comparison.residual[i])) continue;
+      sum += comparison.map_variance[i] / (comparison.map_variance[i] + variance[i]);
+      count += 1.0F;
+    }
+    if (count > 0.0F)
+      HeadingFilter::add_shares(azimuth_deg + lens_->bearing_deg(column), covered * double{sum / count},
+                                shares);
+  }
+  for (double& share : shares) share = std::min(share, 1.0);
+  return shares;
 }
 
 /// What each pixel would show had it looked along its own row of the map.
@@ -214,6 +238,7 @@ HalfResult Tracker::judge(const HalfReading& half, const Exposed& exposed) {
   result.is_flat = comparison.flat_cost + flat_margin < comparison.cost;
   result.is_used = result.squared <= impossible && !result.is_flat;
   if (!result.is_used) return result;
+  if (is_open_ && has_gap()) rewritten_ = written_shares(comparison, *view.variance, azimuth_deg);
   if (result.squared > surprising) noise_deg2 += expected_deg2 * (result.squared / surprising - 1.0);
   filter_.update(row, result.innovation_deg, noise_deg2);
   sigma_in_map_deg_ =

@@ -48,6 +48,12 @@ class Tracker {
   /// What another pass through the same halves may begin with: `priors` but for what this one learnt.
   Priors learnt(const Priors& priors) const;
 
+  /// Parts of the surroundings were never seen.
+  bool has_gap() const { return filter_.has_gap(); }
+  /// The map, until it closes, is an open one: nothing but the lens tells the scale. Then what is written
+  /// again is off as the heading is at that time, and no longer as it was when that was first seen.
+  void expect_open_map() { is_open_ = true; }
+
   /// Everything but a map that was made before.
   void restart(const Priors& priors, const Map& map);
   void keep(Map& map) const;
@@ -93,6 +99,9 @@ class Tracker {
   };
   Exposed expose(const HalfReading& half, const GyroPath& path);
   HalfResult judge(const HalfReading& half, const Exposed& exposed);
+  std::array<double, HeadingFilter::nodes> written_shares(const Alignment::Comparison& comparison,
+                                                          const HalfPixels& variance,
+                                                          double azimuth_deg) const;
   void expose_rows(const HalfReading& half, const GyroPath& path, Exposed& exposed) const;
   void level(const HalfReading& half, Exposed& exposed) const;
   bool do_rows_look_apart() const { return rows_ != RowOrder::at_once || !lens_->is_plain(); }
@@ -109,13 +118,15 @@ class Tracker {
   double now_s_ = 0.0, now_deg_ = 0.0, now_unseen_deg2_ = 0.0;
   bool has_begun_ = false;
   bool is_on_trial_ = false;  // the map
+  bool is_open_ = false;      // it may not close
   float reference_c_ = 0.0F;  // temperatures are kept as differences from it
   int halves_ = 0;
   double sigma_in_map_deg_ = 0.0;
   double rate_dps_ = 0.0;
   double in_map_deg_ = 0.0;
   double located_deg_ = 0.0;
-  float common_c_ = 0.0F;  // of the newest half
+  float common_c_ = 0.0F;                                 // of the newest half
+  std::array<double, HeadingFilter::nodes> rewritten_{};  // shares of an open map, by the newest half
   struct Written {
     Panorama::Column shown, variance;
     Alignment::Places places;  // where rows look apart
