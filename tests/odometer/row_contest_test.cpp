@@ -12,8 +12,8 @@ namespace thermorig::odometer {
 namespace {
 
 /// The halves of a start and the gyro's path through them.
-struct Start {
-  explicit Start(const Room& room) {
+struct StoredHalves {
+  explicit StoredHalves(const Room& room) {
     for (const Seen& seen : seen_in(room)) {
       for (const TimedGyro& sample : seen.gyro)
         path.add(to_s(sample.stamp.time - at_s(0.0)), double{sample.rate_dps}, 0.0);
@@ -46,7 +46,7 @@ Priors learnt_in(const Room& room) {
 
 /// All orders go through the start, with rows at once for the caller's. Nothing: some are never heard.
 std::optional<FoundRows> heard_in(const Room& room) {
-  const Start start(room);
+  const StoredHalves start(room);
   const auto lens = std::make_shared<const Lens>(CameraProfile());
   const Priors learnt = learnt_in(room);
   RowContest contest(Priors(), lens, false);
@@ -79,7 +79,7 @@ TEST(RowContest, LetsTheCallersOrderStandWhereTheOthersAreLost) {
 }
 
 TEST(HalfStore, ForgetsItsOldestHalves) {
-  Start start(rolling_room(0.0));
+  StoredHalves start(rolling_room(0.0));
   const std::size_t before = start.store.count();
   const double third_s = start.store.at(2).half.begin_s;
   start.store.forget_oldest(2);
