@@ -78,13 +78,14 @@ TEST(RowContest, LetsTheCallersOrderStandWhereTheOthersAreLost) {
   EXPECT_EQ(found->order, RowOrder::at_once);
 }
 
-TEST(HalfStore, ForgetsItsOldestHalves) {
+TEST(HalfStore, ForgetsHalvesFromAnyPlaceOn) {
   StoredHalves start(rolling_room(0.0));
   const std::size_t before = start.store.count();
-  const double third_s = start.store.at(2).half.begin_s;
-  start.store.forget_oldest(2);
+  const double first_s = start.store.at(0).half.begin_s, fourth_s = start.store.at(3).half.begin_s;
+  start.store.forget(1, 2);
   EXPECT_EQ(start.store.count(), before - 2);
-  EXPECT_EQ(start.store.at(0).half.begin_s, third_s);
+  EXPECT_EQ(start.store.at(0).half.begin_s, first_s);
+  EXPECT_EQ(start.store.at(1).half.begin_s, fourth_s);
 }
 
 }  // namespace

@@ -61,8 +61,7 @@ BiasSearch::BiasSearch(const Priors& priors, const SharedLens& lens)
 
 /// Where in a row of cells, not rounded, from 0 on.
 float BiasSearch::cell_of(double azimuth_deg) const {
-  const double turns = azimuth_deg / whole_turn_deg;
-  return static_cast<float>(turns - std::floor(turns)) * static_cast<float>(cells_a_row_);
+  return static_cast<float>(share_of_turn(azimuth_deg)) * static_cast<float>(cells_a_row_);
 }
 
 /// `cell`: at most a turn beyond the row of cells.

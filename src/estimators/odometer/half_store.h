@@ -26,7 +26,6 @@ class HalfStore {
   bool is_full() const { return count_ == room; }
   const Stored& at(std::size_t place) const { return halves_[place]; }
   void clear() { count_ = 0; }
-  void forget_oldest(std::size_t halves) { forget(0, halves); }
   void forget(std::size_t first, std::size_t halves) {
     const auto to = halves_.begin() + static_cast<std::ptrdiff_t>(first);
     std::move(to + static_cast<std::ptrdiff_t>(halves), halves_.begin() + static_cast<std::ptrdiff_t>(count_),

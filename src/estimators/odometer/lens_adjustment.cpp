@@ -94,8 +94,7 @@ void LensAdjustment::place_looks() {
       Look& look = looks_[j * half_pixels + i];
       const double azimuth_deg = one.heading_deg + double{look_to.azimuth_deg[i]} +
                                  values_[lens_rows] * turned_deg * row_part(i, one.half->parity);
-      const double turns = azimuth_deg / whole_turn_deg;
-      const double at = (turns - std::floor(turns)) * adjusted_bins;
+      const double at = share_of_turn(azimuth_deg) * adjusted_bins;
       const auto bin = std::min(adjusted_bins - 1, static_cast<std::size_t>(at));
       const float map_row = std::clamp(look_to.map_row[i], 0.0F, frame_rows - 1.0F);
       const bool is_beside = std::abs(map_row - look_to.map_row[i]) > beside_map_rows;

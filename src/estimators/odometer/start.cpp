@@ -103,7 +103,7 @@ bool Start::has_halves_enough(double now_s) const {
   return store_.count() >= enough_halves || now_s - store_.at(0).now_s - rested_s_ > enough_s;
 }
 
-/// For so long that the half of it may be forgotten.
+/// The newest halves show one view, twice as many as are kept of a rest.
 bool Start::has_rested() const {
   constexpr std::size_t halves = 2 * halves_of_rest;
   if (store_.count() < halves || store_.count() % halves_of_rest != 0 || store_.is_full()) return false;
@@ -118,7 +118,7 @@ bool Start::has_rested() const {
   return true;
 }
 
-/// A rig that does not turn shows its bias and one view: what tells all the rest is still to come.
+/// A rig that does not turn shows its bias and one view: all else is still to come.
 void Start::forget_rest() {
   const std::size_t first = store_.count() - 2 * halves_of_rest;
   if (first > 0) rested_s_ += store_.at(first + halves_of_rest).now_s - store_.at(first).now_s;
@@ -293,7 +293,7 @@ Start::Outcome Start::learn_again() {
 /// maps are often begun at a high speed, and the rig has turned slower since.
 Start::Outcome Start::fail() {
   if (is_by_evidence_ && !is_of_later_half_ && store_.count() >= 2 * fewest_halves) {
-    store_.forget_oldest(store_.count() / 2);
+    store_.forget(0, store_.count() / 2);
     is_of_later_half_ = true;
     is_by_evidence_ = false;
   }

@@ -28,7 +28,7 @@ enum { SEARCHING, LEARNING, RUNNING, LOCATING };
 /* Of the start: then the map is begun anew, with what was learnt of the sensors. */
 #define FIRST_PASS_S 15.0f
 #define PASS_S 20.0f
-#define STILL_DPS 3.0f /* a rest tells the bias and nothing else: it is no part of a pass */
+#define STILL_DPS 3.0f
 #define BIAS_WIDENING 2.0f
 #define MOST_PASSES 6
 #define PASS_WIDENING 3.0f /* of what the pass before learnt, and beside it */
@@ -166,15 +166,16 @@ static int is_false_map(const odometer* s) {
   return s->pass >= PASSES_TO_TELL && (float)s->far > MOST_FAR * (float)s->judged;
 }
 
+/* Without rests: they tell the bias and nothing else. */
+static float length_of_pass_s(odometer* s, const half_result* newest) {
+  if (size_of(newest->rate_dps) < STILL_DPS) s->pass_since_us += s->tracker.half.end_us - s->last_half_us;
+  return seconds_between(s->pass_since_us, s->tracker.filter.now_us);
+}
+
 static void learn(odometer* s) {
   const half_result result = add_half(&s->tracker, &s->path, &s->profile);
   const heading_filter* filter = &s->tracker.filter;
-  float length_s;
-  int is_over;
-  if (size_of(result.rate_dps) < STILL_DPS)
-    s->pass_since_us += s->tracker.half.end_us - s->tracker.half.begin_us;
-  length_s = seconds_between(s->pass_since_us, filter->now_us);
-  is_over = length_s > (s->pass == 0 ? FIRST_PASS_S : PASS_S);
+  const int is_over = length_of_pass_s(s, &result) > (s->pass == 0 ? FIRST_PASS_S : PASS_S);
   learn_of(s, &result);
   s->judged = (uint16_t)(s->judged + result.is_judged);
   if (result.is_judged && size_of(result.innovation_deg) > FAR_DEG) ++s->far;
@@ -295,7 +296,6 @@ static void take_fresh_half(odometer* s, const camera_frame* frame, uint32_t par
   const uint32_t begin_us = frame->begin_us[parity], end_us = frame->end_us[parity];
   if (end_us - begin_us - 1u >= LONGEST_EXPOSURE_US) return;
   if (seconds_between(knot_at(&s->path, first_knot(&s->path))->time_us, begin_us) <= 0.0f) return;
-  s->last_half_us = end_us;
   s->has_seen = 1;
   take_half(&s->tracker, frame, parity);
   if (s->phase == SEARCHING)
@@ -306,6 +306,7 @@ static void take_fresh_half(odometer* s, const camera_frame* frame, uint32_t par
     run(s);
   else
     locate(s);
+  s->last_half_us = end_us;
 }
 
 /* Of the halves that the image shows, the other one's exposure too if it was the one before. */
