@@ -12,9 +12,6 @@ namespace {
 
 constexpr double finest_step_dps = 0.5, coarse_step_dps = 1.0;  // the coarse one where rows are dear
 constexpr double most_sigmas = 3.0;
-// Columns. Where rows are exposed in turn each pixel has a cell of its own to find: every second one of a
-// half's row is looked at, which begins in the first column or the one after it.
-constexpr std::size_t row_stride = 4;
 constexpr double trusted_of_mosaic =
     0.3;  // of the mosaic's likelihood: halves are blurred, pixels have offsets
 constexpr double known_well_dps = 1.0;
@@ -23,6 +20,9 @@ constexpr double distinct_share = 0.94;  // of the typical variance: noise alone
 constexpr float clip_of_mean = 1.5F, least_clip_c = 0.8F;  // of a half's mean difference from its mean
 constexpr float largest_error_c = 3.0F;                    // of a pixel that is not broken
 constexpr float unknown_c = std::numeric_limits<float>::quiet_NaN();
+
+constexpr std::size_t lanes_of_row = 8;
+constexpr float nothing = 1e-9F;  // readings of an empty cell, which can be divided by
 
 /// Mean of each pixel less that of those about it.
 HalfPixels beyond_neighbours(const HalfPixels& sum, const HalfPixels& count) {
@@ -46,12 +46,34 @@ HalfPixels beyond_neighbours(const HalfPixels& sum, const HalfPixels& count) {
 
 }  // namespace
 
+/// In lanes, which lie beside each other in memory.
+template <std::size_t lanes>
+struct BiasSearch::MosaicSums {
+  std::array<double, lanes> of_means{};
+  std::array<int, lanes> used{};
+
+  void add(const float* sum, const float* count) {
+    for (std::size_t k = 0; k < lanes; ++k) {
+      of_means[k] += double{sum[k] * sum[k] / count[k]};
+      used[k] += count[k] > nothing ? 1 : 0;
+    }
+  }
+  Mosaic all() const {
+    return {std::accumulate(of_means.begin(), of_means.end(), 0.0),
+            static_cast<double>(std::accumulate(used.begin(), used.end(), 0))};
+  }
+};
+
 BiasSearch::BiasSearch(const Priors& priors, const SharedLens& lens)
     : priors_(priors),
       lens_(lens),
       cells_a_row_(static_cast<std::size_t>(std::ceil(whole_turn_deg / lens->pitch_deg()))),
       placed_(halves),
       cells_(2 * cells_a_row_),
+      row_readings_(halves),
+      row_sum_((cells_a_row_ + lanes_of_row - 1) / lanes_of_row * lanes_of_row),
+      row_count_(row_sum_.size()),
+      mosaics_(most_steps),
       variances_(most_steps),
       ordered_(most_steps) {
   for (std::size_t column = 0; column < frame_columns; ++column)
@@ -65,16 +87,18 @@ float BiasSearch::cell_of(double azimuth_deg) const {
 }
 
 /// `cell`: at most a turn beyond the row of cells.
-BiasSearch::Cells& BiasSearch::cells_at(float cell, std::size_t row_class) {
-  const auto all = static_cast<float>(cells_a_row_);
-  cell = cell < 0.0F ? cell + all : cell >= all ? cell - all : cell;
-  return cells_[2 * std::min(cells_a_row_ - 1, static_cast<std::size_t>(cell)) + row_class];
+int BiasSearch::index_of(float cell) const {
+  const auto all = static_cast<int>(cells_a_row_);
+  int index = static_cast<int>(cell + static_cast<float>(all));  // not below 0
+  index -= index >= 2 * all ? all : 0;
+  return index - (index >= all ? all : 0);
 }
 
 void BiasSearch::add_columns(const Placed& one, double turned_deg) {
   const float turned_cells = cell_of(turned_deg);
   for (std::size_t column = 0; column < frame_columns; ++column) {
-    Cells& cells = cells_at(turned_cells + bearing_cells_[column], row_class(column, one.parity));
+    const auto azimuth = static_cast<std::size_t>(index_of(turned_cells + bearing_cells_[column]));
+    Cells& cells = cells_[2 * azimuth + row_class(column, one.parity)];
     const float* const temp_c = &one.temp_c[column * half_rows];
     const float* const is_read = &one.is_read[column * half_rows];
     for (std::size_t k = 0; k < half_rows; ++k) {
@@ -84,38 +108,68 @@ void BiasSearch::add_columns(const Placed& one, double turned_deg) {
   }
 }
 
-void BiasSearch::add_rows(const Placed& one, double turned_deg, double bias_dps) {
-  for (std::size_t row = 0; row < frame_rows; ++row) {
-    const double later_deg = (one.later_deg[row] - bias_dps * one.later_s[row]) / priors_.scale;
-    const float turned_cells = cell_of(turned_deg + later_deg);
-    for (std::size_t column = row_class(row, one.parity); column < frame_columns; column += row_stride) {
-      Cells& cells = cells_at(turned_cells + bearing_cells_[column], row % 2);
-      cells.sum[row / 2] += one.temp_c[column * half_rows + row / 2];
-      cells.count[row / 2] += one.is_read[column * half_rows + row / 2];
+BiasSearch::Mosaic BiasSearch::mosaic_with(double bias_dps) {
+  constexpr auto empty = [] {
+    Cells cells;
+    cells.count.fill(nothing);
+    return cells;
+  }();
+  std::fill(cells_.begin(), cells_.end(), empty);
+  const ExposedTurn& first = placed_.front().turn;
+  for (const Placed& one : placed_)
+    add_columns(one, (one.turn.mean_deg - first.mean_deg - bias_dps * (one.turn.mean_s - first.mean_s)) /
+                         priors_.scale);
+  MosaicSums<half_rows> sums;
+  for (const Cells& cells : cells_) sums.add(cells.sum.data(), cells.count.data());
+  return sums.all();
+}
+
+void BiasSearch::gather_row(std::size_t row) {
+  const ExposedTurn& first = placed_.front().turn;
+  for (std::size_t i = 0; i < halves; ++i) {
+    const Placed& placed = placed_[i];
+    RowReadings& readings = row_readings_[i];
+    readings.later_s = placed.turn.mean_s - first.mean_s + placed.later_s[row];
+    readings.later_deg = placed.turn.mean_deg - first.mean_deg + placed.later_deg[row];
+    std::size_t column = row_class(row, placed.parity);
+    for (std::size_t k = 0; k < looks_a_row; ++k, column += row_stride) {
+      readings.temp_c[k] = placed.temp_c[column * half_rows + row / 2];
+      readings.is_read[k] = placed.is_read[column * half_rows + row / 2];
+      readings.bearing_cells[k] = bearing_cells_[column];
     }
   }
 }
 
-/// Of the readings within the cells of the mosaic: their squares, which no bias changes, less those of means.
-double BiasSearch::variance_with(double bias_dps) {
-  std::fill(cells_.begin(), cells_.end(), Cells());
-  const ExposedTurn& first = placed_.front().turn;
-  for (const Placed& one : placed_) {
-    const double turned_deg =
-        (one.turn.mean_deg - first.mean_deg - bias_dps * (one.turn.mean_s - first.mean_s)) / priors_.scale;
-    if (rows_ != RowOrder::at_once)
-      add_rows(one, turned_deg, bias_dps);
-    else
-      add_columns(one, turned_deg);
+/// For all biases one row after the other: what one row of all halves reads is little memory.
+void BiasSearch::add_row(std::size_t row, const Biases& biases) {
+  gather_row(row);
+  for (std::size_t i = 0; i < biases.count; ++i) {
+    const Mosaic of_row = row_mosaic_with(biases.dps(i));
+    mosaics_[i].of_means += of_row.of_means;
+    mosaics_[i].used += of_row.used;
   }
-  std::array<double, half_rows> of_means{}, used{};  // in lanes, which lie beside each other in memory
-  for (const Cells& cells : cells_)
-    for (std::size_t k = 0; k < half_rows; ++k) {
-      of_means[k] += double{cells.sum[k] * cells.sum[k] / std::max(cells.count[k], 1.0F)};
-      used[k] += double{std::min(cells.count[k], 1.0F)};
+}
+
+BiasSearch::Mosaic BiasSearch::row_mosaic_with(double bias_dps) {
+  std::fill(row_sum_.begin(), row_sum_.end(), 0.0F);
+  std::fill(row_count_.begin(), row_count_.end(), nothing);
+  for (const RowReadings& one : row_readings_) {
+    const float turned_cells = cell_of((one.later_deg - bias_dps * one.later_s) / priors_.scale);
+    std::array<int, looks_a_row> azimuths{};  // by themselves: all at a time
+    for (std::size_t k = 0; k < looks_a_row; ++k) azimuths[k] = index_of(turned_cells + one.bearing_cells[k]);
+    for (std::size_t k = 0; k < looks_a_row; ++k) {
+      row_sum_[static_cast<std::size_t>(azimuths[k])] += one.temp_c[k];
+      row_count_[static_cast<std::size_t>(azimuths[k])] += one.is_read[k];
     }
-  const auto all = [](const auto& lanes) { return std::accumulate(lanes.begin(), lanes.end(), 0.0); };
-  return (squares_ - all(of_means)) / (readings_ - all(used) + 1.0);
+  }
+  MosaicSums<lanes_of_row> sums;
+  for (std::size_t i = 0; i < row_sum_.size(); i += lanes_of_row) sums.add(&row_sum_[i], &row_count_[i]);
+  return sums.all();
+}
+
+/// Of the readings within the cells of the mosaic: their squares, which no bias changes, less those of means.
+double BiasSearch::variance(const Mosaic& mosaic) const {
+  return (squares_ - mosaic.of_means) / (readings_ - mosaic.used + 1.0);
 }
 
 void BiasSearch::note_readings() {
@@ -192,6 +246,14 @@ double BiasSearch::read_dps() const {
   return (last.mean_deg - first.mean_deg) / (last.mean_s - first.mean_s);
 }
 
+BiasSearch::Biases BiasSearch::biases_that_may_be() const {
+  const double step_dps = rows_ == RowOrder::at_once ? finest_step_dps : coarse_step_dps;
+  const double reach_dps =
+      std::min(most_sigmas * priors_.bias_sigma_dps, 0.5 * (most_steps - 1) * finest_step_dps);
+  const double steps = std::floor(reach_dps / step_dps);
+  return {priors_.bias_dps - steps * step_dps, step_dps, 2 * static_cast<std::size_t>(steps) + 1};
+}
+
 BiasSearch::Curve BiasSearch::measure(const HalfStore& store, const GyroPath& path, RowOrder rows,
                                       bool things_move) {
   rows_ = rows;
@@ -199,28 +261,29 @@ BiasSearch::Curve BiasSearch::measure(const HalfStore& store, const GyroPath& pa
   if (things_move) clip();
   take_off_pixel_errors();
   note_readings();
-  const double step_dps = rows == RowOrder::at_once ? finest_step_dps : coarse_step_dps;
-  const double reach_dps =
-      std::min(most_sigmas * priors_.bias_sigma_dps, 0.5 * (most_steps - 1) * finest_step_dps);
-  const auto steps = static_cast<int>(reach_dps / step_dps);
-  double least = 1e30;
-  for (int i = -steps; i <= steps; ++i) {
-    double& variance = variances_[static_cast<std::size_t>(i + steps)];
-    variance = variance_with(priors_.bias_dps + i * step_dps);
-    least = std::min(least, variance);
+  const Biases biases = biases_that_may_be();
+  std::fill(mosaics_.begin(), mosaics_.end(), Mosaic());
+  if (rows == RowOrder::at_once) {
+    for (std::size_t i = 0; i < biases.count; ++i) mosaics_[i] = mosaic_with(biases.dps(i));
+  } else {
+    for (std::size_t row = 0; row < frame_rows; ++row) add_row(row, biases);
   }
-  ordered_.assign(variances_.begin(), variances_.begin() + 2 * steps + 1);
-  std::nth_element(ordered_.begin(), ordered_.begin() + steps, ordered_.end());
+  for (std::size_t i = 0; i < biases.count; ++i) variances_[i] = variance(mosaics_[i]);
+  const auto end = variances_.begin() + static_cast<std::ptrdiff_t>(biases.count);
+  const double least = *std::min_element(variances_.begin(), end);
+  ordered_.assign(variances_.begin(), end);
+  const auto middle = ordered_.begin() + static_cast<std::ptrdiff_t>(biases.count / 2);
+  std::nth_element(ordered_.begin(), middle, ordered_.end());
   const double looked_at = rows == RowOrder::at_once ? 1.0 : 0.5;  // of the pixels
   const bool is_careful = lens_->knows_rows() || things_move;
   const double trusted = is_careful ? trusted_with_care : trusted_of_mosaic;
-  return {.variances = {variances_.data(), static_cast<std::size_t>(2 * steps + 1)},
-          .step_dps = step_dps,
+  return {.variances = {variances_.data(), biases.count},
+          .step_dps = biases.step_dps,
           .read_dps = read_dps(),
           .least = least,
           .readings = 0.5 * looked_at * static_cast<double>(halves * half_pixels),
           .trusted = trusted,
-          .is_distinct = least <= distinct_share * ordered_[static_cast<std::size_t>(steps)]};
+          .is_distinct = least <= distinct_share * *middle};
 }
 
 std::optional<BiasSearch::Found> BiasSearch::search(const HalfStore& store, const GyroPath& path,

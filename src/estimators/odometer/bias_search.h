@@ -52,12 +52,14 @@ class BiasSearch {
   // 25 %, and 79 % of them. Where things move, a mosaic is even less to be trusted.
   static constexpr double trusted_with_care = 0.03;
   static constexpr std::size_t most_steps = 121;
+  // Columns. Where rows are exposed in turn each pixel has a cell of its own to find: every second one of a
+  // half's row is looked at, which begins in the first column or the one after it.
+  static constexpr std::size_t row_stride = 4, looks_a_row = frame_columns / row_stride;
 
  private:
   void place(const HalfStore& store, const GyroPath& path);
   void take_off_pixel_errors();
   void clip();
-  double variance_with(double bias_dps);
   double read_dps() const;
 
   struct Placed {
@@ -71,11 +73,32 @@ class BiasSearch {
   struct Cells {
     std::array<float, half_rows> sum{}, count{};
   };
-  Cells& cells_at(float cell, std::size_t row_class);
+  /// What one row of a half read, in every second of its pixels, and where it looked.
+  struct RowReadings {
+    std::array<float, looks_a_row> temp_c{}, is_read{}, bearing_cells{};
+    double later_s = 0.0, later_deg = 0.0;  // than the middle of the first half
+  };
+  /// Squares of the means of its cells, and how many cells hold anything.
+  struct Mosaic {
+    double of_means = 0.0, used = 0.0;
+  };
+  template <std::size_t lanes>
+  struct MosaicSums;
+  struct Biases {
+    double first_dps = 0.0, step_dps = 0.0;
+    std::size_t count = 0;
+    double dps(std::size_t place) const { return first_dps + static_cast<double>(place) * step_dps; }
+  };
+  Biases biases_that_may_be() const;
   float cell_of(double azimuth_deg) const;
+  int index_of(float cell) const;
   void note_readings();
   void add_columns(const Placed& one, double turned_deg);
-  void add_rows(const Placed& one, double turned_deg, double bias_dps);
+  Mosaic mosaic_with(double bias_dps);
+  void add_row(std::size_t row, const Biases& biases);
+  void gather_row(std::size_t row);
+  Mosaic row_mosaic_with(double bias_dps);
+  double variance(const Mosaic& mosaic) const;
 
   RowOrder rows_ = RowOrder::at_once;
   Priors priors_;
@@ -84,8 +107,11 @@ class BiasSearch {
   std::vector<Placed> placed_;
   std::array<float, frame_columns> bearing_cells_{};  // of each column
   std::vector<Cells> cells_;                          // of each azimuth, for both classes of rows
+  std::vector<RowReadings> row_readings_;             // of one row in all halves
+  std::vector<float> row_sum_, row_count_;            // of that row, at each azimuth
+  std::vector<Mosaic> mosaics_;                       // a bias each
   double squares_ = 0.0, readings_ = 0.0;             // of all that was placed
-  std::vector<double> variances_, ordered_;           // a bias each
+  std::vector<double> variances_, ordered_;
 };
 
 }  // namespace thermorig::odometer
