@@ -14,6 +14,7 @@
 #include "heading_trust.h"
 #include "innovation_lean.h"
 #include "map_check.h"
+#include "pass_count.h"
 #include "plausibility.h"
 #include "start.h"
 #include "thermorig/core/gyro_delay.h"
@@ -35,6 +36,7 @@ constexpr double lost_deg = 3.0;    // a heading that is known less well is sear
 constexpr double give_up_s = 40.0;  // of a search, while the rig turns: then the map is wrong
 constexpr Nearness near_in_map{2.0 * Tracker::least_bias_sigma_dps, Tracker::least_scale_sigma,
                                Tracker::least_latency_sigma_s};
+constexpr int halves_of_count = 480;
 constexpr double saturated_dps = 15.0;  // what a reading at the end of its range may be off
 constexpr double sample_noise_dps = 0.15;
 
@@ -64,6 +66,7 @@ struct Odometer::Parts {
   void run(const HalfReading& half);
   void locate(const HalfReading& half, double now_s);
   void follow_lean(const HalfResult& result);
+  void watch_for_traffic();
   void begin_search(double now_s);
   void begin_anew();
   void begin_in_map(double now_s);
@@ -111,6 +114,7 @@ struct Odometer::Parts {
   bool gyro_was_away = false;
   double expected_sigma_deg = 0.0;  // of the heading before the search
   InnovationLean lean;
+  PassCount count;         // of the innovations since
   HalfResult newest;       // of the halves that were judged
   bool has_seen = false;   // a half
   bool stands_in = false;  // the newest frame, for one of a camera that is missing
@@ -215,6 +219,7 @@ void Odometer::Parts::start_anywhere(const HalfReading& half, double now_s) {
       sound_since_s = now_s;
       sound = heading_of_front();
       lean.begin(front.rate_dps());
+      count = PassCount();
       break;
   }
 }
@@ -279,7 +284,12 @@ void Odometer::Parts::run(const HalfReading& half) {
   trust.add(result);
   if (result.is_used) follow_lean(result);
   if (mean_nis > nis_bounds().unfit && !unfit_since_s) unfit_since_s = half.end_s;
-  if (mean_nis < nis_bounds().fits) unfit_since_s.reset();
+  if (count.judged() >= halves_of_count) count.forget_half();
+  count.add(result);
+  if (mean_nis < nis_bounds().fits && unfit_since_s) {
+    unfit_since_s.reset();
+    watch_for_traffic();
+  }
   keep_sound_heading(half.end_s);
   if (unfit_since_s && half.end_s - *unfit_since_s > longest_unfit_s) {
     begin_anew();
@@ -302,6 +312,13 @@ std::optional<CircleSearch::Found> Odometer::Parts::by_gyro() const {
   const GyroPath::Knot now = path.until(front.now_s());
   const double off_deg = sound->deg(now) - front.filter().heading_deg();
   return CircleSearch::Found{front.located_deg() + off_deg, sound->sigma_deg(now)};
+}
+
+/// Halves fit again, after some that did not. A start can be over before anyone comes.
+void Odometer::Parts::watch_for_traffic() {
+  if (start.things_move() || map_use == MapUse::searching || !count.shows_traffic_by_map()) return;
+  start.expect_traffic();
+  front.expect_traffic();
 }
 
 /// Innovations that lean: the bias is another, or, if all had fitted at another speed, an odd latency.

@@ -24,6 +24,7 @@ class Panorama {
   /// `rows_look_apart`: it is looked at row by row from now on, else column by column.
   /// `things_move`: what is far from what was seen before is hardly written, as long as it does not stay.
   void clear(bool rows_look_apart = false, bool things_move = false);
+  void expect_traffic() { things_move_ = true; }
 
   /// Where one column of pixels looks while it is exposed: bins from the map's origin.
   struct Place {

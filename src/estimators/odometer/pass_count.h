@@ -16,9 +16,19 @@ class PassCount {
     if (!result.is_judged) return;
     ++judged_;
     if (std::abs(result.innovation_deg) > far_deg) ++far_;
-    if (result.squared > large_squares) ++large_;
+    if (result.squared > large_squares) {
+      ++large_;
+      if (result.innovation_deg > 0.0) ++ahead_;
+      if (result.innovation_deg * result.rate_dps > 0.0) ++with_turn_;
+    }
     if (result.squared > huge_squares) ++huge_;
   }
+
+  /// What came long ago counts less.
+  void forget_half() {
+    for (int* one : {&judged_, &far_, &large_, &huge_, &ahead_, &with_turn_}) *one /= 2;
+  }
+  int judged() const { return judged_; }
 
   /// Fewer than half of the `halves` of the pass could be laid against the map.
   bool is_hardly_judged(std::size_t halves) const { return 2 * static_cast<std::size_t>(judged_) < halves; }
@@ -32,6 +42,13 @@ class PassCount {
            huge_ > least_huge * large_;
   }
 
+  /// The same by a map that was right: what does not fit shows something else, and lies to both sides. A
+  /// wrong bias puts it to one side, and wrong times to the one to which the rig turns, or to the other.
+  bool shows_traffic_by_map() const {
+    return judged_ >= fewest && huge_ > least_huge_by_map * large_ && far_ > least_far_by_map * large_ &&
+           !is_one_sided(ahead_) && !is_one_sided(with_turn_);
+  }
+
  private:
   static constexpr double far_deg = 4.0;  // the map shows something else there
   // False maps have 40 to 70 %, sound ones 3 to 15, up to 23 in slow starts.
@@ -41,7 +58,14 @@ class PassCount {
   // With a person 10 to 32 % are large, and of these 40 to 70 % huge; without, 20 to 32 % are.
   static constexpr double most_large = 0.35, least_huge = 0.38;
 
+  static constexpr double least_huge_by_map = 0.25, least_far_by_map = 0.25, most_to_one_side = 0.7;
+
+  bool is_one_sided(int count) const {
+    return count > most_to_one_side * large_ || large_ - count > most_to_one_side * large_;
+  }
+
   int judged_ = 0, far_ = 0, large_ = 0, huge_ = 0;
+  int ahead_ = 0, with_turn_ = 0;  // of the large ones
 };
 
 }  // namespace thermorig::odometer

@@ -11,7 +11,8 @@ namespace {
 constexpr std::size_t search_every = 4;     // halves, while the bias is searched for
 constexpr std::size_t latest_search = 160;  // then the search begins anew
 constexpr int looks_a_step = 110;           // at the map, when halves are gone through again: a dozen halves
-constexpr int row_looks_a_step = 60;        // the same row by row, which costs more
+constexpr int looks_beside_rivals = 60;     // other orders of rows go through them in the same step
+constexpr int row_looks_a_step = 60;        // row by row, which costs more
 constexpr double enough_s = 25.0;           // after the first half
 constexpr std::size_t enough_halves = 200, fewest_halves = 72;
 constexpr std::size_t halves_of_rest = 24;  // are kept of a longer one
@@ -19,6 +20,7 @@ constexpr double still_deg = 3.0;           // as far as a bias of the first sec
 constexpr double bias_widening = 3.0;       // of what the search states
 constexpr double known_bias_dps = 1.0;
 constexpr double settled_latency_s = 0.001, settled_scale = 0.001;
+constexpr double same_scale = 0.015;                       // as searches name it
 constexpr int most_passes = 6;                             // through the halves
 constexpr int passes_by_evidence = 3, passes_to_tell = 2;  // the first one may begin with a wrong bias
 constexpr double doubtful_nis = 1.6, hopeless_nis = 4.0;   // of the order of rows that won, and of others
@@ -211,7 +213,9 @@ void Start::restart_pass(int number) {
 }
 
 void Start::go_through(Tracker& tracker) {
-  const int most_looks = tracker.rows() == RowOrder::at_once ? looks_a_step : row_looks_a_step;
+  const int most_looks = tracker.rows() != RowOrder::at_once ? row_looks_a_step
+                         : is_contested_                     ? looks_beside_rivals
+                                                             : looks_a_step;
   for (int looks = 0; looks < most_looks && gone_through_ < store_.count(); ++gone_through_) {
     const auto& [half, came_s] = store_.at(gone_through_);
     if (!tracker.has_begun() || came_s > tracker.now_s()) tracker.advance(path_, came_s);
@@ -258,7 +262,7 @@ Start::Outcome Start::take_over(double now_s) {
     return Outcome::goes_on;
   }
   const double scale = front_.filter().scale_factor();
-  if (!is_plausible() && !refused_scale_.is_confirmed(scale, store_.at(0).now_s)) {
+  if (!is_plausible() && !is_scale_named() && !refused_scale_.is_confirmed(scale, store_.at(0).now_s)) {
     refused_scale_.refuse(scale, now_s);
     return fail();
   }
@@ -273,14 +277,15 @@ Start::Outcome Start::take_over(double now_s) {
 /// began by evidence had the right one, and its map is false.
 Start::Outcome Start::learn_again() {
   const bool is_hopeless = is_by_evidence_ && pass_ >= passes_by_evidence && mean_nis_ > bounds().unfit;
-  if (!is_hopeless && pass_ < most_passes && front_.filter().sigma(HeadingFilter::bias) < known_bias_dps) {
+  const bool is_traffic = is_by_evidence_ && pass_ > 0 && !is_contested_ && shows_traffic();
+  if (!is_hopeless && !is_traffic && pass_ < most_passes &&
+      front_.filter().sigma(HeadingFilter::bias) < known_bias_dps) {
     begin_pass(pass_ + 1);
   } else if (is_contested_ && contest_.another_may_fit()) {
     phase_ = Phase::learning;  // another order of rows may fit: it goes on until it has learnt enough
   } else if (begin_by_evidence()) {
     return Outcome::goes_on;
-  } else if (!things_move_ && pass_count_.shows_traffic() && is_plausible() &&
-             has_usual_latency(front_.filter(), priors_)) {
+  } else if (shows_traffic()) {
     things_move_ = true;  // what was learnt is not wrong for that
     begin_pass(1);
   } else {
@@ -290,11 +295,14 @@ Start::Outcome Start::learn_again() {
 }
 
 /// The same halves again, if searches by now say more than it began with; then the later half of them: false
-/// maps are often begun at a high speed, and the rig has turned slower since.
+/// maps are often begun at a high speed, and the rig has turned slower since. Then as where things move.
 Start::Outcome Start::fail() {
   if (is_by_evidence_ && !is_of_later_half_ && store_.count() >= 2 * fewest_halves) {
     store_.forget(0, store_.count() / 2);
     is_of_later_half_ = true;
+    is_by_evidence_ = false;
+  } else if (is_of_later_half_ && !things_move_) {
+    things_move_ = true;
     is_by_evidence_ = false;
   }
   if (begin_by_evidence()) return Outcome::goes_on;
@@ -303,11 +311,27 @@ Start::Outcome Start::fail() {
   return Outcome::failed;
 }
 
+bool Start::shows_traffic() const {
+  return !things_move_ && pass_count_.shows_traffic() && is_plausible() &&
+         has_usual_latency(front_.filter(), priors_);
+}
+
+/// By searches, which know nothing of the map, nor of how it closes; and learnt again from there.
+bool Start::is_scale_named() const {
+  const auto& found = bias_evidence_.found();
+  return is_by_evidence_ && found && std::abs(found->scale - front_.filter().scale_factor()) < same_scale;
+}
+
 /// The pass ended with what it began with: another one would make the same map.
 bool Start::has_settled() const {
   return mean_nis_ < bounds().settled &&
          is_near(front_.filter(), begun_with_,
                  {Tracker::least_bias_sigma_dps, settled_scale, settled_latency_s});
+}
+
+/// That its own order is better than others says nothing where its halves do not fit at all.
+bool Start::may_choose_rows() const {
+  return !is_contested_ || contest_.may_end(store_, is_asked_again_ || mean_nis_ > bounds().lost);
 }
 
 /// Ends the contest. True if the front tracker is another one than before, of another order.

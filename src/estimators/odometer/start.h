@@ -45,6 +45,8 @@ class Start {
   bool has_caught_up() const { return phase_ == Phase::learning || phase_ == Phase::second_pass; }
   /// Something beside the rig: a start has shown it, or failed.
   bool things_move() const { return things_move_; }
+  /// What was seen since then has shown it.
+  void expect_traffic() { things_move_ = true; }
   double row_margin() const { return row_margin_; }
   double mean_nis() const { return mean_nis_; }
 
@@ -85,11 +87,13 @@ class Start {
   Outcome fail();
   bool has_settled() const;
   bool is_plausible() const { return odometer::is_plausible(front_.filter(), priors_, things_move_); }
+  bool is_scale_named() const;
+  bool shows_traffic() const;
   /// Not asked while the order of rows is open: the wrong one does not fit either.
   bool is_false_map() const { return !is_contested_ && pass_count_.is_false_map(); }
 
   // The order of rows.
-  bool may_choose_rows() const { return !is_contested_ || contest_.may_end(store_, is_asked_again_); }
+  bool may_choose_rows() const;
   bool choose_rows();
   bool is_order_doubtful() const;
   void ask_rows_again();

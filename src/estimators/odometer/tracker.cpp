@@ -55,6 +55,11 @@ void Tracker::restart(const Priors& priors, RowOrder rows, bool things_move) {
   sigma_in_map_deg_ = 0.0;
 }
 
+void Tracker::expect_traffic() {
+  things_move_ = true;
+  panorama_.expect_traffic();
+}
+
 void Tracker::restart(const Priors& priors, const Map& map) {
   restart(priors, lens_->knows_rows() ? lens_->rows() : map.rows);
   filter_.load(map);

@@ -53,6 +53,8 @@ class Tracker {
   /// The map, until it closes, is an open one: nothing but the lens tells the scale. Then what is written
   /// again is off as the heading is at that time, and no longer as it was when that was first seen.
   void expect_open_map() { is_open_ = true; }
+  /// From now on: people, say, besides the rig.
+  void expect_traffic();
 
   /// Everything but a map that was made before.
   void restart(const Priors& priors, const Map& map);

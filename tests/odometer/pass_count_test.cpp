@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: MIT
+#include "estimators/odometer/pass_count.h"
+
+#include <gtest/gtest.h>
+
+#include <functional>
+
+namespace thermorig::odometer {
+namespace {
+
+/// Halves against a map that is right, of a rig that turns to and fro. Each tenth does not fit at all: by
+/// what `off_deg` says of its number and rate.
+PassCount count_of(const std::function<double(int, double)>& off_deg) {
+  PassCount count;
+  for (int i = 0; i < 200; ++i) {
+    const double rate_dps = i / 20 % 2 == 0 ? 80.0 : -80.0;
+    const bool is_strange = i % 10 == 0;
+    count.add({.is_judged = true,
+               .squared = is_strange ? 25.0 : 0.7,
+               .innovation_deg = is_strange ? off_deg(i / 10, rate_dps) : 0.1,
+               .rate_dps = rate_dps});
+  }
+  return count;
+}
+
+TEST(PassCount, TakesWhatLiesFarOffToBothSidesForTraffic) {
+  EXPECT_TRUE(
+      count_of([](int number, double) { return number % 2 == 0 ? 6.0 : -6.0; }).shows_traffic_by_map());
+}
+
+TEST(PassCount, DoesNotTakeAWrongBiasForTraffic) {
+  EXPECT_FALSE(count_of([](int, double) { return 6.0; }).shows_traffic_by_map());
+}
+
+TEST(PassCount, DoesNotTakeWrongTimesForTraffic) {
+  EXPECT_FALSE(count_of([](int, double rate_dps) { return 0.1 * rate_dps; }).shows_traffic_by_map());
+}
+
+TEST(PassCount, DoesNotTakeALensThatIsALittleOffForTraffic) {
+  EXPECT_FALSE(
+      count_of([](int number, double) { return number % 2 == 0 ? 1.0 : -1.0; }).shows_traffic_by_map());
+}
+
+TEST(PassCount, ForgetsWhatCameLongAgo) {
+  PassCount count = count_of([](int number, double) { return number % 2 == 0 ? 6.0 : -6.0; });
+  for (int i = 0; i < 3; ++i) count.forget_half();
+  EXPECT_EQ(count.judged(), 25);
+  EXPECT_FALSE(count.shows_traffic_by_map());  // too few to tell
+}
+
+}  // namespace
+}  // namespace thermorig::odometer
