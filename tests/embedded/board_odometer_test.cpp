@@ -69,6 +69,15 @@ TEST(BoardOdometer, StartsInMotionAndHoldsTheHeading) {
   EXPECT_NEAR(said.back().output.latency_s, room.latency_s, 0.0015);
 }
 
+/// The lens alone tells its scale then: no turn is closed.
+TEST(BoardOdometer, LearnsTheGyroOnAServoThatTurnsHalfWayRoundOnly) {
+  Room room = turning_room(90.0);
+  room.angle_deg = odometer::to_and_fro(60.0, 60.0);
+  const auto said = said_of(seen_in(room));
+  EXPECT_EQ(said.back().state, EstimateState::good);
+  EXPECT_NEAR(said.back().output.scale, room.scale, 0.004);
+}
+
 TEST(BoardOdometer, StartsAtRest) {
   const Room room = with_rest(turning_room(68.0), 0.0, 12.0);
   const auto said = said_of(seen_in(room));

@@ -194,3 +194,24 @@ static void begin_nodes(heading_filter* filter, float low_deg, float high_deg) {
     *covariance_at(filter, at, at) = covariance_of(filter, HEADING, HEADING);
   }
 }
+
+/* Parts of the surroundings were never seen. */
+static int has_gap(const heading_filter* filter) {
+  for (int node = 0; node < NODES; ++node)
+    if (filter->node[node] != NODE_SEEN) return 1;
+  return 0;
+}
+
+/* So much of the map about each node was written anew, where the heading says by now: it is off by as much. */
+static void rewrite_nodes(heading_filter* filter, const float shares[NODES]) {
+  float mixed[STATES];
+  for (int node = 0; node < NODES; ++node) {
+    const float share = shares[node];
+    const int at = FIRST_NODE + node;
+    if (share <= 0.0f) continue;
+    for (int i = 0; i < STATES; ++i)
+      mixed[i] = (1.0f - share) * covariance_of(filter, at, i) + share * covariance_of(filter, HEADING, i);
+    mixed[at] = (1.0f - share) * mixed[at] + share * mixed[HEADING];
+    for (int i = 0; i < STATES; ++i) *covariance_at(filter, at, i) = mixed[i];
+  }
+}

@@ -76,6 +76,7 @@ static void begin_new_map(odometer* s) {
 static void begin_anew(odometer* s) {
   heading_filter* filter = &s->tracker.filter;
   know_sensors(filter, s->profile.bias_sigma_dps, s->profile.scale_sigma, s->profile.latency_sigma_s);
+  filter->is_open = 0;
   begin_new_map(s);
   filter->value[SCALE] = s->profile.scale;
   filter->value[LATENCY] = 0.0f;
@@ -97,6 +98,7 @@ static void begin_pass(odometer* s) {
   s->begun_bias_dps = filter->value[BIAS];
   s->begun_scale = filter->value[SCALE];
   s->begun_latency_s = filter->value[LATENCY];
+  filter->is_open = (uint8_t)has_gap(filter);
   begin_new_map(s);
   ++s->pass;
   s->pass_since_us = filter->now_us;

@@ -100,6 +100,31 @@ static void learn_pixels(tracker* t, const alignment* with, view* v, float azimu
   }
 }
 
+/* How much of the map about each node the half writes anew: as much as the map is less sure than it. */
+static void written_shares(const alignment* with, const view* v, float azimuth_deg, float shares[NODES]) {
+  float sum[COLUMNS], count[COLUMNS];
+  sweep at;
+  memset(sum, 0, sizeof sum);
+  memset(count, 0, sizeof count);
+  place_view(with, v, azimuth_deg, 1, &at);
+  for (int row = 0; row < ROWS; ++row) {
+    add_up(with->map, row, &at, with->sums);
+    for (int j = 0; j < HALF_COLUMNS; ++j) {
+      const int column = column_of(row, j, v->shown->parity);
+      float map_variance;
+      if (!at.known[column] || v->shown->temp_k[row][j] >= UNKNOWN_K) continue;
+      map_variance = expected_variance(with->sums, &at, column);
+      sum[column] += map_variance / (map_variance + noise_of(v, row, j));
+      count[column] += 1.0f;
+    }
+  }
+  for (int column = 0; column < COLUMNS; ++column)
+    if (count[column] > 0.0f)
+      add_shares(azimuth_deg + bearing_deg(with->rig, column),
+                 with->rig->pitch_deg / NODE_DEG * sum[column] / count[column], shares);
+  for (int node = 0; node < NODES; ++node) shares[node] = least(1.0f, shares[node]);
+}
+
 /* Lays the half against the map, and tells the filter. */
 static void judge_half(tracker* t, const alignment* with, const exposed_turn* turn, view* v,
                        half_result* result) {
@@ -171,13 +196,16 @@ static half_result add_half(tracker* t, const gyro_path* path, const rig_profile
   const alignment with = alignment_of(t, rig);
   half_result result = {0, 0, 0, 0.0f, 0.0f, 0.0f};
   view v = view_of(t, &turn);
-  float shown_deg, edge_deg;
+  float shown_deg, edge_deg, rewritten[NODES];
+  memset(rewritten, 0, sizeof rewritten);
   result.rate_dps = exposed_rate_dps(&t->filter, &turn);
   if (t->halves < 1000000) ++t->halves;
   if (t->halves > FIRST_HALVES) {
     judge_half(t, &with, &turn, &v, &result);
     t->common_c = v.common_k;
     if (result.is_judged && !result.is_used) return result;
+    if (result.is_used && t->filter.is_open && has_gap(&t->filter))
+      written_shares(&with, &v, exposed_deg(&t->filter, &turn), rewritten);
   } else {
     v.common_k = 0.0f;
   }
@@ -185,6 +213,7 @@ static half_result add_half(tracker* t, const gyro_path* path, const rig_profile
   edge_deg = (0.5f * (float)COLUMNS + 1.0f) * rig->pitch_deg + v.half * BIN_DEG;
   begin_nodes(&t->filter, shown_deg - edge_deg, shown_deg + edge_deg);
   write_half(t, &with, &v, shown_deg);
+  rewrite_nodes(&t->filter, rewritten);
   return result;
 }
 
