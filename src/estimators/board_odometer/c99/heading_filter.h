@@ -202,8 +202,7 @@ static int has_gap(const heading_filter* filter) {
   return 0;
 }
 
-/* So much of the map about each node was written anew, where the heading says by now: it is off by as much.
- */
+/* So much of the map about each node was written anew, where the heading says: it is off by as much. */
 static void rewrite_nodes(heading_filter* filter, const float shares[NODES]) {
   float mixed[STATES];
   for (int node = 0; node < NODES; ++node) {
