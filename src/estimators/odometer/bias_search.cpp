@@ -21,8 +21,8 @@ constexpr float clip_of_mean = 1.5F, least_clip_c = 0.8F;  // of a half's mean d
 constexpr float largest_error_c = 3.0F;                    // of a pixel that is not broken
 constexpr float unknown_c = std::numeric_limits<float>::quiet_NaN();
 
-constexpr std::size_t lanes_of_row = 8;
-constexpr float nothing = 1e-9F;  // readings of an empty cell, which can be divided by
+constexpr std::size_t lanes_of_row = 8;  // of the sums over a row's cells
+constexpr float no_readings = 1e-9F;     // of an empty cell: it can be divided by that
 
 /// Mean of each pixel less that of those about it.
 HalfPixels beyond_neighbours(const HalfPixels& sum, const HalfPixels& count) {
@@ -55,7 +55,7 @@ struct BiasSearch::MosaicSums {
   void add(const float* sum, const float* count) {
     for (std::size_t k = 0; k < lanes; ++k) {
       of_means[k] += double{sum[k] * sum[k] / count[k]};
-      used[k] += count[k] > nothing ? 1 : 0;
+      used[k] += count[k] > no_readings ? 1 : 0;
     }
   }
   Mosaic all() const {
@@ -86,7 +86,7 @@ float BiasSearch::cell_of(double azimuth_deg) const {
   return static_cast<float>(share_of_turn(azimuth_deg)) * static_cast<float>(cells_a_row_);
 }
 
-/// `cell`: at most a turn beyond the row of cells.
+/// `cell`: at most a turn beyond the row of cells, to either side.
 int BiasSearch::index_of(float cell) const {
   const auto all = static_cast<int>(cells_a_row_);
   int index = static_cast<int>(cell + static_cast<float>(all));  // not below 0
@@ -111,7 +111,7 @@ void BiasSearch::add_columns(const Placed& one, double turned_deg) {
 BiasSearch::Mosaic BiasSearch::mosaic_with(double bias_dps) {
   constexpr auto empty = [] {
     Cells cells;
-    cells.count.fill(nothing);
+    cells.count.fill(no_readings);
     return cells;
   }();
   std::fill(cells_.begin(), cells_.end(), empty);
@@ -140,7 +140,6 @@ void BiasSearch::gather_row(std::size_t row) {
   }
 }
 
-/// For all biases one row after the other: what one row of all halves reads is little memory.
 void BiasSearch::add_row(std::size_t row, const Biases& biases) {
   gather_row(row);
   for (std::size_t i = 0; i < biases.count; ++i) {
@@ -152,7 +151,7 @@ void BiasSearch::add_row(std::size_t row, const Biases& biases) {
 
 BiasSearch::Mosaic BiasSearch::row_mosaic_with(double bias_dps) {
   std::fill(row_sum_.begin(), row_sum_.end(), 0.0F);
-  std::fill(row_count_.begin(), row_count_.end(), nothing);
+  std::fill(row_count_.begin(), row_count_.end(), no_readings);
   for (const RowReadings& one : row_readings_) {
     const float turned_cells = cell_of((one.later_deg - bias_dps * one.later_s) / priors_.scale);
     std::array<int, looks_a_row> azimuths{};  // by themselves: all at a time
@@ -266,6 +265,7 @@ BiasSearch::Curve BiasSearch::measure(const HalfStore& store, const GyroPath& pa
   if (rows == RowOrder::at_once) {
     for (std::size_t i = 0; i < biases.count; ++i) mosaics_[i] = mosaic_with(biases.dps(i));
   } else {
+    // One row after the other for all biases: what a row of all halves reads is little memory.
     for (std::size_t row = 0; row < frame_rows; ++row) add_row(row, biases);
   }
   for (std::size_t i = 0; i < biases.count; ++i) variances_[i] = variance(mosaics_[i]);

@@ -52,11 +52,12 @@ class BiasSearch {
   // 25 %, and 79 % of them. Where things move, a mosaic is even less to be trusted.
   static constexpr double trusted_with_care = 0.03;
   static constexpr std::size_t most_steps = 121;
+
+ private:
   // Columns. Where rows are exposed in turn each pixel has a cell of its own to find: every second one of a
   // half's row is looked at, which begins in the first column or the one after it.
   static constexpr std::size_t row_stride = 4, looks_a_row = frame_columns / row_stride;
 
- private:
   void place(const HalfStore& store, const GyroPath& path);
   void take_off_pixel_errors();
   void clip();
@@ -78,7 +79,7 @@ class BiasSearch {
     std::array<float, looks_a_row> temp_c{}, is_read{}, bearing_cells{};
     double later_s = 0.0, later_deg = 0.0;  // than the middle of the first half
   };
-  /// Squares of the means of its cells, and how many cells hold anything.
+  /// Squares of the means of its cells, each as often as there are readings, and how many cells hold any.
   struct Mosaic {
     double of_means = 0.0, used = 0.0;
   };
@@ -111,7 +112,7 @@ class BiasSearch {
   std::vector<float> row_sum_, row_count_;            // of that row, at each azimuth
   std::vector<Mosaic> mosaics_;                       // a bias each
   double squares_ = 0.0, readings_ = 0.0;             // of all that was placed
-  std::vector<double> variances_, ordered_;
+  std::vector<double> variances_, ordered_;           // a bias each
 };
 
 }  // namespace thermorig::odometer

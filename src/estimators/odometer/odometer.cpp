@@ -12,9 +12,9 @@
 #include "gyro_path.h"
 #include "gyro_watch.h"
 #include "heading_trust.h"
+#include "innovation_count.h"
 #include "innovation_lean.h"
 #include "map_check.h"
-#include "pass_count.h"
 #include "plausibility.h"
 #include "start.h"
 #include "thermorig/core/gyro_delay.h"
@@ -36,7 +36,7 @@ constexpr double lost_deg = 3.0;    // a heading that is known less well is sear
 constexpr double give_up_s = 40.0;  // of a search, while the rig turns: then the map is wrong
 constexpr Nearness near_in_map{2.0 * Tracker::least_bias_sigma_dps, Tracker::least_scale_sigma,
                                Tracker::least_latency_sigma_s};
-constexpr int halves_of_count = 480;
+constexpr int most_counted = 480;       // halves: a minute
 constexpr double saturated_dps = 15.0;  // what a reading at the end of its range may be off
 constexpr double sample_noise_dps = 0.15;
 
@@ -66,6 +66,7 @@ struct Odometer::Parts {
   void run(const HalfReading& half);
   void locate(const HalfReading& half, double now_s);
   void follow_lean(const HalfResult& result);
+  void count_innovation(const HalfResult& result);
   void watch_for_traffic();
   void begin_search(double now_s);
   void begin_anew();
@@ -114,10 +115,10 @@ struct Odometer::Parts {
   bool gyro_was_away = false;
   double expected_sigma_deg = 0.0;  // of the heading before the search
   InnovationLean lean;
-  PassCount count;         // of the innovations since
-  HalfResult newest;       // of the halves that were judged
-  bool has_seen = false;   // a half
-  bool stands_in = false;  // the newest frame, for one of a camera that is missing
+  InnovationCount innovations;  // since the start, or since the heading was another
+  HalfResult newest;            // of the halves that were judged
+  bool has_seen = false;        // a half
+  bool stands_in = false;       // the newest frame, for one of a camera that is missing
 };
 
 Odometer::Odometer(const GyroProfile& gyro, const CameraProfile& camera, std::shared_ptr<const Map> map)
@@ -219,7 +220,7 @@ void Odometer::Parts::start_anywhere(const HalfReading& half, double now_s) {
       sound_since_s = now_s;
       sound = heading_of_front();
       lean.begin(front.rate_dps());
-      count = PassCount();
+      innovations = InnovationCount();
       break;
   }
 }
@@ -250,6 +251,7 @@ void Odometer::Parts::check_map(const HalfResult& result, const HalfReading& hal
       // A few seconds tell less than a whole pass of the start.
       if (mean_nis < nis_bounds().settled && is_near(front.filter(), sought_with, near_in_map)) {
         map_use = MapUse::found;
+        innovations = InnovationCount();
         front.trust_map();
         return;
       }
@@ -280,12 +282,10 @@ void Odometer::Parts::run(const HalfReading& half) {
   if (!result.is_judged) return;
   newest = result;
   covered = result.is_flat ? covered + 1 : 0;
-  if (!result.is_flat) learn_nis(result, mean_nis, nis_bounds().most);
+  if (!result.is_flat) count_innovation(result);
   trust.add(result);
   if (result.is_used) follow_lean(result);
   if (mean_nis > nis_bounds().unfit && !unfit_since_s) unfit_since_s = half.end_s;
-  if (count.judged() >= halves_of_count) count.forget_half();
-  count.add(result);
   if (mean_nis < nis_bounds().fits && unfit_since_s) {
     unfit_since_s.reset();
     watch_for_traffic();
@@ -314,9 +314,16 @@ std::optional<CircleSearch::Found> Odometer::Parts::by_gyro() const {
   return CircleSearch::Found{front.located_deg() + off_deg, sound->sigma_deg(now)};
 }
 
-/// Halves fit again, after some that did not. A start can be over before anyone comes.
+void Odometer::Parts::count_innovation(const HalfResult& result) {
+  learn_nis(result, mean_nis, nis_bounds().most);
+  if (innovations.judged() >= most_counted) innovations.forget_half();
+  innovations.add(result);
+}
+
+/// Halves fit again, after some that did not, where the heading was right all the time. A start can be over
+/// before anyone comes.
 void Odometer::Parts::watch_for_traffic() {
-  if (start.things_move() || map_use == MapUse::searching || !count.shows_traffic_by_map()) return;
+  if (start.things_move() || map_use == MapUse::searching || !innovations.shows_traffic_after_start()) return;
   start.expect_traffic();
   front.expect_traffic();
 }
@@ -354,6 +361,10 @@ void Odometer::Parts::locate(const HalfReading& half, double now_s) {
     lean.begin(front.rate_dps());
     unfit_since_s.reset();
     phase = Phase::running;
+    if (!sound || gyro_differs)
+      innovations = InnovationCount();
+    else
+      watch_for_traffic();
   } else if (map_use == MapUse::searching ? is_map_given_up(half) : now_s - locating_since_s > give_up_s) {
     begin_anew();
   }

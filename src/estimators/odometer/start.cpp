@@ -208,7 +208,7 @@ void Start::begin_pass(int number) {
 void Start::restart_pass(int number) {
   pass_ = number;
   pass_nis_ = 1.0;
-  pass_count_ = PassCount();
+  innovations_ = InnovationCount();
   gone_through_ = 0;
 }
 
@@ -223,7 +223,7 @@ void Start::go_through(Tracker& tracker) {
     if (!lens_->knows_rows()) contest_.note(tracker.rows(), gone_through_, result);
     looks += result.looks;
     learn_fit(result, pass_nis_);
-    pass_count_.add(result);
+    innovations_.add(result);
   }
 }
 
@@ -267,14 +267,14 @@ Start::Outcome Start::take_over(double now_s) {
     return fail();
   }
   // Before faint walls only those halves tell anything that what moves is in: the map is one of it.
-  if (things_move_ && pass_count_.is_hardly_judged(store_.count())) return fail();
+  if (things_move_ && innovations_.is_hardly_judged(store_.count())) return fail();
   if (!is_order_doubtful()) return Outcome::over;
   ask_rows_again();
   return Outcome::goes_on;
 }
 
 /// What does not fit means that the map was begun with a wrong bias: by now it is known better. One that
-/// began by evidence had the right one, and its map is false.
+/// began by evidence had the right one, and its map is false, unless something moves before some halves.
 Start::Outcome Start::learn_again() {
   const bool is_hopeless = is_by_evidence_ && pass_ >= passes_by_evidence && mean_nis_ > bounds().unfit;
   const bool is_traffic = is_by_evidence_ && pass_ > 0 && !is_contested_ && shows_traffic();
@@ -294,8 +294,9 @@ Start::Outcome Start::learn_again() {
   return Outcome::goes_on;
 }
 
-/// The same halves again, if searches by now say more than it began with; then the later half of them: false
-/// maps are often begun at a high speed, and the rig has turned slower since. Then as where things move.
+/// The same halves again, if searches by now say more than it began with; then the later half of them, if
+/// there are enough: false maps are often begun at a high speed, and the rig has turned slower since. Then
+/// those as where things move.
 Start::Outcome Start::fail() {
   if (is_by_evidence_ && !is_of_later_half_ && store_.count() >= 2 * fewest_halves) {
     store_.forget(0, store_.count() / 2);
@@ -312,14 +313,15 @@ Start::Outcome Start::fail() {
 }
 
 bool Start::shows_traffic() const {
-  return !things_move_ && pass_count_.shows_traffic() && is_plausible() &&
+  return !things_move_ && innovations_.shows_traffic() && is_plausible() &&
          has_usual_latency(front_.filter(), priors_);
 }
 
 /// By searches, which know nothing of the map, nor of how it closes; and learnt again from there.
 bool Start::is_scale_named() const {
   const auto& found = bias_evidence_.found();
-  return is_by_evidence_ && found && std::abs(found->scale - front_.filter().scale_factor()) < same_scale;
+  return is_by_evidence_ && found && found->scale_sigma < same_scale &&
+         std::abs(found->scale - front_.filter().scale_factor()) < same_scale;
 }
 
 /// The pass ended with what it began with: another one would make the same map.

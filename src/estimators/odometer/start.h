@@ -10,7 +10,7 @@
 #include "gyro_heading.h"
 #include "gyro_path.h"
 #include "half_store.h"
-#include "pass_count.h"
+#include "innovation_count.h"
 #include "plausibility.h"
 #include "row_contest.h"
 #include "tracker.h"
@@ -43,9 +43,9 @@ class Start {
 
   /// The front tracker has gone through all halves that came.
   bool has_caught_up() const { return phase_ == Phase::learning || phase_ == Phase::second_pass; }
-  /// Something beside the rig: a start has shown it, or failed.
+  /// Something beside the rig: a start has shown it, or failed, or halves after it have.
   bool things_move() const { return things_move_; }
-  /// What was seen since then has shown it.
+  /// Halves after the start have shown it.
   void expect_traffic() { things_move_ = true; }
   double row_margin() const { return row_margin_; }
   double mean_nis() const { return mean_nis_; }
@@ -90,7 +90,7 @@ class Start {
   bool is_scale_named() const;
   bool shows_traffic() const;
   /// Not asked while the order of rows is open: the wrong one does not fit either.
-  bool is_false_map() const { return !is_contested_ && pass_count_.is_false_map(); }
+  bool is_false_map() const { return !is_contested_ && innovations_.is_false_map(); }
 
   // The order of rows.
   bool may_choose_rows() const;
@@ -122,7 +122,7 @@ class Start {
   int pass_ = 0;
   Priors begun_with_;             // of the pass
   std::size_t gone_through_ = 0;  // halves of the store
-  PassCount pass_count_;
+  InnovationCount innovations_;
   RefusedScale refused_scale_;
   double pass_nis_ = 1.0, mean_nis_ = 1.0;  // of the tracker that goes through them, and of the front one
 };

@@ -98,7 +98,7 @@ static void begin_pass(odometer* s) {
   s->begun_bias_dps = filter->value[BIAS];
   s->begun_scale = filter->value[SCALE];
   s->begun_latency_s = filter->value[LATENCY];
-  filter->is_open = (uint8_t)has_gap(filter);
+  filter->is_open = (uint8_t)has_gap(filter); /* before the map is forgotten */
   begin_new_map(s);
   ++s->pass;
   s->pass_since_us = filter->now_us;
