@@ -323,9 +323,8 @@ void Odometer::Parts::count_innovation(const HalfResult& result) {
 /// Halves fit again, after some that did not, where the heading was right all the time. A start can be over
 /// before anyone comes.
 void Odometer::Parts::watch_for_traffic() {
-  if (start.things_move() || map_use == MapUse::searching || !innovations.shows_traffic_after_start()) return;
-  start.expect_traffic();
-  front.expect_traffic();
+  if (start.things_move() || map_use == MapUse::searching) return;
+  if (innovations.shows_traffic_after_start()) start.expect_traffic();
 }
 
 /// Innovations that lean: the bias is another, or, if all had fitted at another speed, an odd latency.

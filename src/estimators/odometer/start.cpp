@@ -11,8 +11,7 @@ namespace {
 constexpr std::size_t search_every = 4;     // halves, while the bias is searched for
 constexpr std::size_t latest_search = 160;  // then the search begins anew
 constexpr int looks_a_step = 110;           // at the map, when halves are gone through again: a dozen halves
-constexpr int looks_beside_rivals = 60;     // other orders of rows go through them in the same step
-constexpr int row_looks_a_step = 60;        // row by row, which costs more
+constexpr int dear_looks_a_step = 60;       // row by row, or beside other orders of rows
 constexpr double enough_s = 25.0;           // after the first half
 constexpr std::size_t enough_halves = 200, fewest_halves = 72;
 constexpr std::size_t halves_of_rest = 24;  // are kept of a longer one
@@ -213,9 +212,8 @@ void Start::restart_pass(int number) {
 }
 
 void Start::go_through(Tracker& tracker) {
-  const int most_looks = tracker.rows() != RowOrder::at_once ? row_looks_a_step
-                         : is_contested_                     ? looks_beside_rivals
-                                                             : looks_a_step;
+  const bool is_dear = tracker.rows() != RowOrder::at_once || is_contested_;
+  const int most_looks = is_dear ? dear_looks_a_step : looks_a_step;
   for (int looks = 0; looks < most_looks && gone_through_ < store_.count(); ++gone_through_) {
     const auto& [half, came_s] = store_.at(gone_through_);
     if (!tracker.has_begun() || came_s > tracker.now_s()) tracker.advance(path_, came_s);
@@ -322,6 +320,11 @@ bool Start::is_scale_named() const {
   const auto& found = bias_evidence_.found();
   return is_by_evidence_ && found && found->scale_sigma < same_scale &&
          std::abs(found->scale - front_.filter().scale_factor()) < same_scale;
+}
+
+void Start::expect_traffic() {
+  things_move_ = true;
+  front_.expect_traffic();
 }
 
 /// The pass ended with what it began with: another one would make the same map.

@@ -46,7 +46,7 @@ class Start {
   /// Something beside the rig: a start has shown it, or failed, or halves after it have.
   bool things_move() const { return things_move_; }
   /// Halves after the start have shown it.
-  void expect_traffic() { things_move_ = true; }
+  void expect_traffic();
   double row_margin() const { return row_margin_; }
   double mean_nis() const { return mean_nis_; }
 
