@@ -133,21 +133,30 @@ Alignment::Comparison Alignment::compare(const View& view, double azimuth_deg, c
   comparison.common_c = sum / weights;
   const auto trust_deg2 = static_cast<float>(view.trust_deg2);
   const float flat_c = flat_sum / weights;
+  HalfPixels robust;
+  for (std::size_t i = 0; i < half_pixels; ++i) {  // apart from the sums: side by side in registers
+    const float left = all.residual[i] - comparison.common_c;
+    const float explained = slopes_k_deg[i] * slopes_k_deg[i] * trust_deg2;
+    robust[i] = weight_of(left * left / (1.0F / weight[i] + explained), view.is_strict);
+  }
   float again = 0.0F, again_sum = 0.0F, slope_sum = 0.0F;
+  double cost = 0.0, flat_cost = 0.0, squares_k2 = 0.0, pixels = 0.0;
   for (std::size_t i = 0; i < half_pixels; ++i) {  // outliers out, then what all have in common once more
     if (weight[i] <= 0.0F) continue;
     const float left = comparison.residual[i] - comparison.common_c;
-    const float explained = slopes_k_deg[i] * slopes_k_deg[i] * trust_deg2;
-    const float robust = weight_of(left * left / (1.0F / weight[i] + explained), view.is_strict);
-    comparison.cost += robust_squares(left, weight[i]);
-    comparison.flat_cost += robust_squares((*view.temp_c)[i] - flat_c, weight[i]);
-    comparison.squares_k2 += double{std::min(left * left, most_left_k2)};
-    comparison.pixels += 1.0;
-    weight[i] *= robust;
+    cost += robust_squares(left, weight[i]);
+    flat_cost += robust_squares((*view.temp_c)[i] - flat_c, weight[i]);
+    squares_k2 += double{std::min(left * left, most_left_k2)};
+    pixels += 1.0;
+    weight[i] *= robust[i];
     again += weight[i];
     again_sum += weight[i] * comparison.residual[i];
     slope_sum += weight[i] * slopes_k_deg[i];
   }
+  comparison.cost = cost / pixels;
+  comparison.flat_cost = flat_cost / pixels;
+  comparison.squares_k2 = squares_k2 / pixels;
+  comparison.pixels = pixels;
   comparison.common_c = again_sum / again;
   const float slope_mean = slope_sum / again;
   double shares = 0.0;
@@ -170,9 +179,6 @@ Alignment::Comparison Alignment::compare(const View& view, double azimuth_deg, c
     shares += double{steepness};
     HeadingFilter::add_shares(azimuth_deg + lens_.bearing_deg(column), double{steepness}, comparison.about);
   }
-  comparison.cost /= comparison.pixels;
-  comparison.squares_k2 /= comparison.pixels;
-  comparison.flat_cost /= comparison.pixels;
   if (shares > 0.0)
     for (double& share : comparison.about) share /= shares;
   return comparison;

@@ -59,7 +59,7 @@ class Alignment {
   struct Found {
     double azimuth_deg = 0.0;
     bool is_found = false;
-    int looks = 0;
+    int looks = 0;  // at the map
     Comparison comparison;
   };
   /// The best azimuth about one that is known to `sigma_deg`.

@@ -32,8 +32,18 @@ std::size_t GyroPath::after(double time_s) const {
   return low;
 }
 
+/// The same, if it is that of `from` or one of the next.
+std::size_t GyroPath::after(double time_s, std::size_t from) const {
+  while (from < count_ && at(from).time_s <= time_s) ++from;
+  return from;
+}
+
 GyroPath::Knot GyroPath::until(double time_s) const {
-  const std::size_t later = after(time_s);
+  return until(time_s, after(time_s));
+}
+
+/// `later`: the place of the first knot after it.
+GyroPath::Knot GyroPath::until(double time_s, std::size_t later) const {
   if (later == first() || later == count_) {
     Knot knot = at(later == count_ ? count_ - 1 : later);
     knot.turned_deg += knot.rate_dps * (time_s - knot.time_s);
@@ -47,6 +57,15 @@ GyroPath::Knot GyroPath::until(double time_s) const {
           a.rate_dps + slope * step_s, b.unseen_deg2};
 }
 
+void GyroPath::turned(double from_s, double step_s, std::span<double> turned_deg) const {
+  std::size_t later = after(from_s);
+  for (std::size_t i = 0; i < turned_deg.size(); ++i) {
+    const double time_s = from_s + static_cast<double>(i) * step_s;
+    later = after(time_s, later);
+    turned_deg[i] = until(time_s, later).turned_deg;
+  }
+}
+
 ExposedTurn GyroPath::over(double begin_s, double end_s) const {
   ExposedTurn turn{.begin_s = begin_s, .end_s = end_s};
   const Knot first = until(begin_s), last = until(end_s);
@@ -56,9 +75,11 @@ ExposedTurn GyroPath::over(double begin_s, double end_s) const {
   turn.last_dps = last.rate_dps;
   turn.mean_s = 0.5 * (begin_s + end_s);
   double sum_deg = 0.0, squares_deg2 = 0.0, products = 0.0, first_deg = 0.0, last_deg = 0.0;
+  std::size_t later = after(begin_s);
   for (int i = 0; i < points; ++i) {
     const double off_s = (end_s - begin_s) * ((i + 0.5) / points - 0.5);
-    const double deg = until(turn.mean_s + off_s).turned_deg - turn.begin_deg;
+    later = after(turn.mean_s + off_s, later);
+    const double deg = until(turn.mean_s + off_s, later).turned_deg - turn.begin_deg;
     sum_deg += deg;
     squares_deg2 += deg * deg;
     products += deg * off_s;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <span>
 #include <vector>
 
 #include "half_reading.h"
@@ -33,6 +34,8 @@ class GyroPath {
 
   /// At any time; after the newest sample its rate goes on, and before the oldest that is kept its was.
   Knot until(double time_s) const;
+  /// What it has turned by at times that grow by `step_s`: faster than each of them alone.
+  void turned(double from_s, double step_s, std::span<double> turned_deg) const;
   ExposedTurn over(double begin_s, double end_s) const;
 
  private:
@@ -40,6 +43,8 @@ class GyroPath {
   const Knot& at(std::size_t place) const { return knots_[place % kept_]; }
   std::size_t first() const { return count_ > kept_ ? count_ - kept_ : 0; }
   std::size_t after(double time_s) const;
+  std::size_t after(double time_s, std::size_t from) const;
+  Knot until(double time_s, std::size_t later) const;
 
   std::size_t kept_;
   std::vector<Knot> knots_;

@@ -47,23 +47,31 @@ void Panorama::clear(bool rows_look_apart, bool things_move) {
   std::fill(temp_c_.begin(), temp_c_.end(), 0.0F);
   std::fill(variance_.begin(), variance_.end(), 0.0F);
   std::fill(seen_.begin(), seen_.end(), 0.0F);
+  changed_from_ = 0;
   add_up();
 }
 
 void Panorama::add_up(const std::vector<float>& of_bins, Sums& sums) const {
-  for (std::size_t bin = 0; bin < bins; ++bin)
+  for (std::size_t bin = changed_from_; bin < bins; ++bin)
     for (std::size_t i = 0; i < frame_rows; ++i)
       sums[(bin + 1) * frame_rows + i] = sums[bin * frame_rows + i] + of_bins[bin * frame_rows + i];
 }
 
 void Panorama::add_up() {
   if (rows_look_apart_) {
-    row_sums_.add_up(temp_c_, variance_, seen_);
-    return;
+    row_sums_.add_up(temp_c_, variance_, seen_, changed_from_);
+  } else {
+    add_up(temp_c_, temp_sum_);
+    add_up(variance_, variance_sum_);
+    add_up(seen_, seen_sum_);
   }
-  add_up(temp_c_, temp_sum_);
-  add_up(variance_, variance_sum_);
-  add_up(seen_, seen_sum_);
+  changed_from_ = bins;
+}
+
+/// In bins from the first to the last; all of the map, if they reach beyond its ends.
+void Panorama::note_change(std::ptrdiff_t from, std::ptrdiff_t to) {
+  const bool is_beyond = from < 0 || to >= static_cast<std::ptrdiff_t>(bins);
+  changed_from_ = is_beyond ? 0 : std::min(changed_from_, static_cast<std::size_t>(from));
 }
 
 std::vector<float> Panorama::image() const {
@@ -87,6 +95,7 @@ void Panorama::load(const Map& map) {
   std::copy(map.temp_k.begin(), map.temp_k.end(), temp_c_.begin());
   std::copy(map.variance_k2.begin(), map.variance_k2.end(), variance_.begin());
   std::copy(map.seen.begin(), map.seen.end(), seen_.begin());
+  changed_from_ = 0;
   add_up();
 }
 
@@ -164,7 +173,7 @@ void Panorama::look(const Place& place, Column& temp_c, Column& known) const {
 Panorama::Slope Panorama::slope_of_row(std::size_t row, const SweepEnds& ends, float scale) const {
   const RowSums::Sum in = row_sums_.between(row, ends.before_high, ends.after_high);
   const RowSums::Sum out = row_sums_.between(row, ends.before_low, ends.after_low);
-  return {scale * (in.temp_c - out.temp_c), scale * scale * (in.variance + out.variance)};
+  return {scale * (in - out)[RowSums::temp_c], scale * scale * (in + out)[RowSums::variance]};
 }
 
 void Panorama::look_at_mean_row(const Place& place, const SweepEnds& at, std::size_t k, std::ptrdiff_t reach,
@@ -174,9 +183,9 @@ void Panorama::look_at_mean_row(const Place& place, const SweepEnds& at, std::si
   const std::size_t row = index(0, place.row_class) + k;
   const RowSums::Sum swept = row_sums_.between(row, at.low, at.high);
   const RowSums::Sum around = row_sums_.between(row, at.before_low, at.after_high);
-  look.temp_c[k] = share * swept.temp_c;
-  look.variance[k] = share * share * swept.variance;
-  look.known[k] = around.seen >= seen_enough * wide ? 1.0F : 0.0F;
+  look.temp_c[k] = share * swept[RowSums::temp_c];
+  look.variance[k] = share * share * swept[RowSums::variance];
+  look.known[k] = around[RowSums::seen] >= seen_enough * wide ? 1.0F : 0.0F;
 }
 
 void Panorama::look_row(const Place& place, std::size_t k, std::ptrdiff_t reach, bool smooth,
@@ -205,8 +214,8 @@ void Panorama::look_row(const Place& place, std::size_t k, Column& temp_c, Colum
   const auto width = static_cast<float>(2.0 * place.half_width);
   const SweepEnds at = ends(place, 0);
   const RowSums::Sum swept = row_sums_.between(row, at.low, at.high);
-  temp_c[k] = swept.temp_c / width;
-  known[k] = swept.seen >= seen_enough * width ? 1.0F : 0.0F;
+  temp_c[k] = swept[RowSums::temp_c] / width;
+  known[k] = swept[RowSums::seen] >= seen_enough * width ? 1.0F : 0.0F;
 }
 
 template <std::size_t pixels>
@@ -214,6 +223,7 @@ void Panorama::seed_pixels(const Place& place, std::size_t first_k, const Guess&
   const auto from = static_cast<std::ptrdiff_t>(std::floor(guess.low));
   const auto to = static_cast<std::ptrdiff_t>(std::floor(guess.high));
   constexpr auto all = static_cast<std::ptrdiff_t>(bins);
+  note_change(from, to);
   for (std::ptrdiff_t bin = from; bin <= to; ++bin) {
     const std::size_t first = index(static_cast<std::size_t>((bin % all + all) % all), place.row_class);
     const auto off_deg = static_cast<float>((static_cast<double>(bin) + 0.5 - place.middle) * bin_deg);
@@ -240,6 +250,7 @@ void Panorama::write_pixels(const Place& place, std::size_t first, const Column&
   const double low = place.middle - place.half_width, high = place.middle + place.half_width;
   const auto from = static_cast<std::ptrdiff_t>(std::floor(low));
   const auto to = static_cast<std::ptrdiff_t>(std::floor(high));
+  note_change(from, to);
   const double share_of_bin = 1.0 / (high - low);
   const std::size_t end = first + pixels;
   const auto share_of = [&](std::ptrdiff_t bin) {

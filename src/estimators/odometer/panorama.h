@@ -92,6 +92,7 @@ class Panorama {
   static std::size_t index(std::size_t bin, std::size_t row_class) { return (bin * 2 + row_class) * cell; }
   using Sums = std::vector<float>;
   void add_up(const std::vector<float>& values, Sums& sums) const;
+  void note_change(std::ptrdiff_t from, std::ptrdiff_t to);
   static SweepEnds ends(const Place& place, std::ptrdiff_t reach) {
     return {place.middle - place.half_width, place.middle + place.half_width, reach};
   }
@@ -116,6 +117,7 @@ class Panorama {
   std::vector<float> temp_c_, variance_, seen_;  // of each bin
   Sums temp_sum_, variance_sum_, seen_sum_;      // of all bins before
   RowSums row_sums_;                             // instead of these, where rows look apart
+  std::size_t changed_from_ = 0;                 // bins before it are added up as they are
 };
 
 }  // namespace thermorig::odometer

@@ -11,7 +11,8 @@ namespace thermorig::odometer {
 namespace {
 
 constexpr std::size_t turns = 4;  // halves, a turn for each rival and for the caller
-constexpr int rival_looks = 24;   // at the map, of one: three halves
+constexpr int rival_work = 90;    // of one: three halves
+constexpr int search_work = 200;  // for the bias, row by row
 constexpr double rival_widening = 2.0;
 constexpr std::size_t compared_halves = 24;
 constexpr double contest_trust = 0.05;  // of its likelihood: halves share the errors of one map
@@ -74,17 +75,18 @@ bool RowContest::may_end(const HalfStore& store, bool must_hear) const {
   return !must_hear && verdict().order == of_caller_;
 }
 
-void RowContest::add(const HalfStore& store, const GyroPath& path, BiasSearch& search, bool is_busy) {
+int RowContest::add(const HalfStore& store, const GyroPath& path, BiasSearch& search, bool is_busy) {
   for (Rival& rival : rivals_) {
     if (is_gyro_known_ || rival.has_begun || store.count() % turns != place_of(rival.order)) continue;
     look_for_bias(rival, store, path, search);
-    is_busy = true;
+    return search_work;
   }
-  if (is_busy) return;
+  if (is_busy) return 0;
   // One that searches for its heading takes the other one's time: they begin in turn.
-  int looks = 0;
+  int work = 0;
   for (const std::size_t i : {store.count() % 2, (store.count() + 1) % 2})
-    if (rivals_[i].has_begun && looks <= 2 * rival_looks) looks += go_through(rivals_[i], store, path);
+    if (rivals_[i].has_begun && work <= 2 * rival_work) work += go_through(rivals_[i], store, path);
+  return work;
 }
 
 void RowContest::look_for_bias(Rival& rival, const HalfStore& store, const GyroPath& path,
@@ -122,19 +124,19 @@ void RowContest::begin_pass(Rival& rival) {
 }
 
 int RowContest::go_through(Rival& rival, const HalfStore& store, const GyroPath& path) {
-  int looks = 0;
-  for (; looks < rival_looks && rival.gone_through < store.count(); ++rival.gone_through) {
+  int work = 0;
+  for (; work < rival_work && rival.gone_through < store.count(); ++rival.gone_through) {
     const auto& [half, came_s] = store.at(rival.gone_through);
     if (!rival.tracker.has_begun() || came_s > rival.tracker.now_s()) rival.tracker.advance(path, came_s);
     const HalfResult result = rival.tracker.add(half, path);
-    looks += result.looks;
+    work += result.work;
     learn_nis(result, rival.nis);
     note(rival.order, rival.gone_through, result);
   }
-  if (rival.nis <= hopeless_nis_) return looks;
+  if (rival.nis <= hopeless_nis_) return work;
   const int passes = (may_be_last_row(rival) ? 2 : 1) * passes_in_turn();
   rival.passes < passes ? begin_pass(rival) : give_up(rival);
-  return looks;
+  return work;
 }
 
 /// It waits for another bias, if that may be wrong.

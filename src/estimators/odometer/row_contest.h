@@ -33,9 +33,9 @@ class RowContest {
   /// the caller's, too.
   bool may_end(const HalfStore& store, bool must_hear) const;
 
-  /// The newest half of the store: a step for each rival, of bounded work. `is_busy`: the caller searches for
-  /// the bias in the same step.
-  void add(const HalfStore& store, const GyroPath& path, BiasSearch& search, bool is_busy);
+  /// The newest half of the store: a step for each rival, of bounded work, which is returned. `is_busy`: the
+  /// caller searches for the bias in the same step.
+  int add(const HalfStore& store, const GyroPath& path, BiasSearch& search, bool is_busy);
 
   /// What the caller's tracker made of a half of the store.
   void note(RowOrder order, std::size_t place, const HalfResult& result);
@@ -64,7 +64,7 @@ class RowContest {
   void begin(Rival& rival, const Priors& better, const HalfStore& store);
   void begin_pass(Rival& rival);
   void look_for_bias(Rival& rival, const HalfStore& store, const GyroPath& path, BiasSearch& search);
-  int go_through(Rival& rival, const HalfStore& store, const GyroPath& path);  // returns looks at the map
+  int go_through(Rival& rival, const HalfStore& store, const GyroPath& path);
   void give_up(Rival& rival);
   Rival& rival(RowOrder order) { return rivals_[0].order == order ? rivals_[0] : rivals_[1]; }
   const Rival& rival(RowOrder order) const { return rivals_[0].order == order ? rivals_[0] : rivals_[1]; }

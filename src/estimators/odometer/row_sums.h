@@ -13,29 +13,20 @@ namespace thermorig::odometer {
 /// own ends of a sweep. All that is known of a bin lies side by side there.
 class RowSums {
  public:
-  struct alignas(4 * sizeof(float)) Sum {
-    float temp_c = 0.0F, variance = 0.0F, seen = 0.0F, none = 0.0F;
-    Sum operator+(const Sum& other) const {
-      return {temp_c + other.temp_c, variance + other.variance, seen + other.seen, none + other.none};
-    }
-    Sum operator-(const Sum& other) const {
-      return {temp_c - other.temp_c, variance - other.variance, seen - other.seen, none - other.none};
-    }
-    Sum operator*(float factor) const {
-      return {factor * temp_c, factor * variance, factor * seen, factor * none};
-    }
-  };
+  /// Added up side by side, in one register.
+  using Sum = float __attribute__((vector_size(4 * sizeof(float))));
+  enum Place : std::size_t { temp_c, variance, seen };
 
   RowSums() : sums_(frame_rows * (Map::bins + 1)) {}
 
-  /// Values bin after bin, of each all rows.
-  void add_up(const std::vector<float>& temp_c, const std::vector<float>& variance,
-              const std::vector<float>& seen) {
-    for (std::size_t bin = 0; bin < Map::bins; ++bin)
+  /// Values bin after bin, of each all rows. None before `first` have changed since the last time.
+  void add_up(const std::vector<float>& temps_c, const std::vector<float>& variances,
+              const std::vector<float>& shares_seen, std::size_t first) {
+    for (std::size_t bin = first; bin < Map::bins; ++bin)
       for (std::size_t row = 0; row < frame_rows; ++row) {
         const std::size_t from = bin * frame_rows + row;
         Sum* const before = &sums_[row * (Map::bins + 1) + bin];
-        before[1] = before[0] + Sum{temp_c[from], variance[from], seen[from]};
+        before[1] = before[0] + Sum{temps_c[from], variances[from], shares_seen[from]};
       }
   }
 

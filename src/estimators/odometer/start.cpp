@@ -10,8 +10,7 @@ namespace {
 
 constexpr std::size_t search_every = 4;     // halves, while the bias is searched for
 constexpr std::size_t latest_search = 160;  // then the search begins anew
-constexpr int looks_a_step = 110;           // at the map, when halves are gone through again: a dozen halves
-constexpr int dear_looks_a_step = 60;       // row by row, or beside other orders of rows
+constexpr int work_a_step = 260;            // when halves are gone through again: one or two dozen of them
 constexpr double enough_s = 25.0;           // after the first half
 constexpr std::size_t enough_halves = 200, fewest_halves = 72;
 constexpr std::size_t halves_of_rest = 24;  // are kept of a longer one
@@ -91,7 +90,8 @@ Start::Outcome Start::add(const HalfReading& half, double now_s) {
 void Start::store(const HalfReading& half, double now_s) {
   store_.add(half, now_s);
   const bool is_searching = phase_ == Phase::searching && store_.count() % search_every == 0;
-  if (is_contested_) contest_.add(store_, path_, bias_search_, is_searching || is_evidence_due());
+  work_ = 0;
+  if (is_contested_) work_ = contest_.add(store_, path_, bias_search_, is_searching || is_evidence_due());
 }
 
 HalfResult Start::add_newest(const HalfReading& half) {
@@ -212,14 +212,12 @@ void Start::restart_pass(int number) {
 }
 
 void Start::go_through(Tracker& tracker) {
-  const bool is_dear = tracker.rows() != RowOrder::at_once || is_contested_;
-  const int most_looks = is_dear ? dear_looks_a_step : looks_a_step;
-  for (int looks = 0; looks < most_looks && gone_through_ < store_.count(); ++gone_through_) {
+  for (; work_ < work_a_step && gone_through_ < store_.count(); ++gone_through_) {
     const auto& [half, came_s] = store_.at(gone_through_);
     if (!tracker.has_begun() || came_s > tracker.now_s()) tracker.advance(path_, came_s);
     const HalfResult result = tracker.add(half, path_);
     if (!lens_->knows_rows()) contest_.note(tracker.rows(), gone_through_, result);
-    looks += result.looks;
+    work_ += result.work;
     learn_fit(result, pass_nis_);
     innovations_.add(result);
   }

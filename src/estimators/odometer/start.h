@@ -105,6 +105,7 @@ class Start {
   const GyroPath& path_;
   Tracker back_;  // goes through the halves again
   HalfStore store_;
+  int work_ = 0;           // that other orders of rows have taken of this step
   double rested_s_ = 0.0;  // since its first half: what was forgotten
   std::optional<GyroHeading> before_;
   bool things_move_ = false;

@@ -19,6 +19,8 @@ constexpr double flat_margin = 0.15;  // squares of a pixel
 constexpr int settled_halves = 30;
 constexpr double pass_widening = 3.0;  // of what the pass before learnt: these are the same halves
 constexpr double settled_deg = 0.4;
+constexpr int write_looks = 10;           // writing a half takes as long as so many looks
+constexpr int row_work = 2;               // row by row all takes so much longer
 const double box_width = std::sqrt(3.0);  // half of it, in standard deviations
 constexpr double nis_share = 1.0 / 30.0;  // of a half in the mean of its kind
 constexpr double moving_dps = 8.0;        // from there on errors of pixels are told from surroundings
@@ -123,12 +125,13 @@ void Tracker::expose_rows(const HalfReading& half, const GyroPath& path, Exposed
   constexpr double exposure = points / 2.0;
   const double step_s = (half.end_s - half.begin_s) / exposure;
   const double first_s = half.begin_s - filter_.latency_s() - (0.5 * exposure - 0.5) * step_s;
-  const double first_deg = path.until(first_s).turned_deg;
+  std::array<double, points + 1> turned_deg;
+  path.turned(first_s, step_s, turned_deg);
   std::array<double, points + 2> sum_deg{}, sum_deg2{};  // of the points before
   for (std::size_t i = 0; i <= points; ++i) {
     const double later_s = static_cast<double>(i) * step_s;
-    const double turned_deg = path.until(first_s + later_s).turned_deg - first_deg;
-    const double deg = (turned_deg - filter_.bias_dps() * later_s) / filter_.scale_factor();
+    const double deg =
+        (turned_deg[i] - turned_deg[0] - filter_.bias_dps() * later_s) / filter_.scale_factor();
     sum_deg[i + 1] = sum_deg[i] + deg;
     sum_deg2[i + 1] = sum_deg2[i] + deg * deg;
   }
@@ -168,7 +171,7 @@ void Tracker::begin_nodes(double azimuth_deg, const Exposed& exposed) {
 HalfResult Tracker::add(const HalfReading& half, const GyroPath& path, bool is_trusted) {
   Exposed exposed = expose(half, path);
   if (!lens_->is_plain() && halves_ >= first_halves) level(half, exposed);
-  HalfResult result{.rate_dps = exposed.rate_dps};
+  HalfResult result{.rate_dps = exposed.rate_dps, .work = work_of(0)};
   common_c_ = 0.0F;
   rewritten_ = {};
   if (halves_++ >= first_halves) {
@@ -211,6 +214,10 @@ void Tracker::level(const HalfReading& half, Exposed& exposed) const {
   for (std::size_t i = 0; i < half_pixels; ++i) exposed.temp_c[i] -= beside[i];
 }
 
+int Tracker::work_of(int looks) const {
+  return (looks + write_looks) * (do_rows_look_apart() ? row_work : 1);
+}
+
 /// Lays a half against the map, and tells the filter.
 HalfResult Tracker::judge(const HalfReading& half, const Exposed& exposed) {
   const auto& [turn, temp_c, azimuth_deg, rate_dps, half_width_deg, rows] = exposed;
@@ -226,7 +233,7 @@ HalfResult Tracker::judge(const HalfReading& half, const Exposed& exposed) {
   const Alignment::Found found = alignment.find(view, azimuth_deg, std::sqrt(prior_deg2));
   const Alignment::Comparison& comparison = found.comparison;
   common_c_ = comparison.common_c;
-  result.looks += found.looks;
+  result.work = work_of(found.looks);
   if (!found.is_found) return result;
   if (is_on_trial_) result.explained = alignment.explained(view, found.azimuth_deg);
   const HeadingFilter::Row row = filter_.derivative(turn, now_s_, now_deg_, comparison.about);

@@ -23,7 +23,7 @@ struct HalfResult {
   double misfit = 0.0;   // squares of its pixels, divided by what was expected of them
   double left_k2 = 0.0;  // mean square of what its pixels differ from the map by
   double rate_dps = 0.0;
-  int looks = 1;                   // at the whole map: what it cost
+  int work = 0;                    // what it cost: as many looks at the map, column by column
   Alignment::Explained explained;  // by a map that was loaded
 };
 
@@ -101,6 +101,7 @@ class Tracker {
   };
   Exposed expose(const HalfReading& half, const GyroPath& path);
   HalfResult judge(const HalfReading& half, const Exposed& exposed);
+  int work_of(int looks) const;
   std::array<double, HeadingFilter::nodes> written_shares(const Alignment::Comparison& comparison,
                                                           const HalfPixels& variance,
                                                           double azimuth_deg) const;
