@@ -70,13 +70,18 @@ double HeadingFilter::variance(const Row& row) const {
   return std::max(0.0, sum);
 }
 
-void HeadingFilter::update(const Row& row, double innovation, double noise) {
+/// The covariance of what the row is a derivative of with all that is in the state.
+HeadingFilter::Row HeadingFilter::across(const Row& row) const {
   Row across{};
-  double total = noise;
-  for (std::size_t i = 0; i < size; ++i) {
+  for (std::size_t i = 0; i < size; ++i)
     for (std::size_t j = 0; j < size; ++j) across[i] += covariance_[i][j] * row[j];
-    total += row[i] * across[i];
-  }
+  return across;
+}
+
+void HeadingFilter::update(const Row& row, double innovation, double noise) {
+  const Row across = this->across(row);
+  double total = noise;
+  for (std::size_t i = 0; i < size; ++i) total += row[i] * across[i];
   for (std::size_t i = 0; i < size; ++i) {
     state_[i] += across[i] / total * innovation;
     for (std::size_t j = 0; j < size; ++j) covariance_[i][j] -= across[i] * across[j] / total;
@@ -91,20 +96,24 @@ void HeadingFilter::add_shares(double azimuth_deg, double weight, std::array<dou
   shares[at.right] += weight * at.part;
 }
 
-void HeadingFilter::rewrite(const std::array<double, nodes>& shares) {
+void HeadingFilter::rewrite(const std::array<double, nodes>& shares, const Row& shown) {
   for (std::size_t node = 0; node < nodes; ++node) {
     const double share = shares[node];
     if (share <= 0.0) continue;
     const std::size_t at = first_node + node;
+    const Row across = this->across(shown);
     Row mixed;
-    for (std::size_t i = 0; i < size; ++i)
-      mixed[i] = (1.0 - share) * covariance_[at][i] + share * covariance_[heading][i];
-    mixed[at] = (1.0 - share) * mixed[at] + share * mixed[heading];
+    double of_shown = 0.0;
+    for (std::size_t i = 0; i < size; ++i) {
+      mixed[i] = (1.0 - share) * covariance_[at][i] + share * across[i];
+      of_shown += shown[i] * mixed[i];
+    }
+    mixed[at] = (1.0 - share) * mixed[at] + share * of_shown;
     for (std::size_t i = 0; i < size; ++i) covariance_[at][i] = covariance_[i][at] = mixed[i];
   }
 }
 
-void HeadingFilter::begin_nodes(double low_deg, double high_deg) {
+void HeadingFilter::begin_nodes(double low_deg, double high_deg, const Row& shown) {
   constexpr auto all = static_cast<long>(nodes);
   const auto last = static_cast<long>(std::ceil(high_deg / node_deg));
   for (auto node = static_cast<long>(std::floor(low_deg / node_deg)); node <= last; ++node) {
@@ -120,14 +129,16 @@ void HeadingFilter::begin_nodes(double low_deg, double high_deg) {
         state_[first_node + place] = state_[first_node + behind];
     }
     known_[place] = now;
-    begin_node(first_node + place);
+    begin_node(first_node + place, shown);
   }
 }
 
-/// What is seen there first is put where the heading says: it is off by as much.
-void HeadingFilter::begin_node(std::size_t at) {
-  for (std::size_t i = 0; i < size; ++i) covariance_[at][i] = covariance_[i][at] = covariance_[heading][i];
-  covariance_[at][at] = covariance_[heading][heading];
+/// What is seen there first is put where the exposure is thought to look: it is off by as much. That is not
+/// what the heading is off: latency moves all halves of one speed alike, and none of them shows it.
+void HeadingFilter::begin_node(std::size_t at, const Row& shown) {
+  const Row across = this->across(shown);
+  for (std::size_t i = 0; i < size; ++i) covariance_[at][i] = covariance_[i][at] = across[i];
+  covariance_[at][at] = variance(shown);
 }
 
 /// The covariance as a root of it, by Cholesky: whatever a file says of a root, it is a covariance's.

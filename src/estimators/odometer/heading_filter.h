@@ -53,9 +53,10 @@ class HeadingFilter {
     return ((turn.end_deg - turn.begin_deg) / turn.length_s() - state_[bias]) / state_[scale];
   }
 
-  /// Of exposed_deg() less the map's offset about it, by the state. `about`: a weight each node.
+  /// Of exposed_deg() less the map's offset about it, by the state. `about`: a weight each node; none
+  /// is of exposed_deg() alone.
   Row derivative(const ExposedTurn& turn, double now_s, double now_deg,
-                 const std::array<double, nodes>& about) const;
+                 const std::array<double, nodes>& about = {}) const;
   double variance(const Row& row) const;
   void update(const Row& row, double innovation, double variance);
 
@@ -67,15 +68,16 @@ class HeadingFilter {
   }
   /// Shares of the nodes in map_offset_deg().
   static void add_shares(double azimuth_deg, double weight, std::array<double, nodes>& shares);
-  /// The map was written again where the heading says: about each node so much of it, 0 to 1, is off as the
-  /// heading is from now on.
-  void rewrite(const std::array<double, nodes>& shares);
+  /// The map was written again where the newest half was `shown`: about each node so much of it, 0 to 1, is
+  /// off as that is from now on.
+  void rewrite(const std::array<double, nodes>& shares, const Row& shown);
   /// The map has a gap: it was never seen whether it closes.
   bool has_gap() const {
     return std::any_of(known_.begin(), known_.end(), [](NodeState one) { return one != NodeState::seen; });
   }
-  /// Nodes that an azimuth from `low_deg` to `high_deg` first shows begin with the heading's error.
-  void begin_nodes(double low_deg, double high_deg);
+  /// Nodes that a half from `low_deg` to `high_deg` first shows begin with the error of where it is put.
+  /// `shown`: derivative() of that, without a map.
+  void begin_nodes(double low_deg, double high_deg, const Row& shown);
 
   /// How the map is off, and how well that is known.
   void keep(Map& map) const;
@@ -106,7 +108,8 @@ class HeadingFilter {
   std::array<Row, size> covariance_{};
   enum class NodeState : std::uint8_t { none, near, seen };  // near: only what lies between it and the next
   std::array<NodeState, nodes> known_{};
-  void begin_node(std::size_t at);
+  Row across(const Row& row) const;
+  void begin_node(std::size_t at, const Row& shown);
 };
 
 }  // namespace thermorig::odometer

@@ -80,6 +80,7 @@ Start::Outcome Start::add(const HalfReading& half, double now_s) {
     case Phase::second_pass:
       add_newest(half);
       if (gather_evidence()) return Outcome::goes_on;
+      if (is_stuck() && begin_by_other_evidence()) return Outcome::goes_on;
       go_through(back_);
       return gone_through_ < store_.count() ? Outcome::goes_on : take_over(now_s);
   }
@@ -184,6 +185,7 @@ bool Start::begin_by_evidence() {
   const auto& found = bias_evidence_.found();
   if (!found || is_by_evidence_) return false;
   is_by_evidence_ = true;
+  evidence_ = *found;
   Priors better = *found;
   better.heading_deg = heading_at(store_.at(0).now_s, found->bias_dps);
   mean_nis_ = 1.0;
@@ -192,6 +194,22 @@ bool Start::begin_by_evidence() {
   if (is_contested_) contest_.begin_again(lens_->rows(), better, lost_nis, store_);
   begin_first_pass(better);
   return true;
+}
+
+/// The same where it did not begin by evidence, or searches by now name another gyro.
+bool Start::begin_by_other_evidence() {
+  const auto& found = bias_evidence_.found();
+  if (!found) return false;
+  const bool is_same = std::abs(found->bias_dps - evidence_.bias_dps) < known_bias_dps &&
+                       std::abs(found->scale - evidence_.scale) < same_scale;
+  if (is_by_evidence_ && is_same) return false;
+  is_by_evidence_ = false;
+  return begin_by_evidence();
+}
+
+/// Passes end when halves fit. Where they fit ever worse, gyro and map have settled on each other.
+bool Start::is_stuck() const {
+  return pass_ > 0 && pass_nis_ > 2.0 * bounds().lost;
 }
 
 /// Through the halves again, from what was learnt of the sensors meanwhile.
@@ -274,6 +292,7 @@ Start::Outcome Start::take_over(double now_s) {
 Start::Outcome Start::learn_again() {
   const bool is_hopeless = is_by_evidence_ && pass_ >= passes_by_evidence && mean_nis_ > bounds().unfit;
   const bool is_traffic = is_by_evidence_ && pass_ > 0 && !is_contested_ && shows_traffic();
+  if (is_stuck() && begin_by_other_evidence()) return Outcome::goes_on;
   if (!is_hopeless && !is_traffic && pass_ < most_passes &&
       front_.filter().sigma(HeadingFilter::bias) < known_bias_dps) {
     begin_pass(pass_ + 1);

@@ -76,6 +76,8 @@ class Start {
   // Passes through the halves.
   void begin_first_pass(const Priors& better);
   bool begin_by_evidence();
+  bool begin_by_other_evidence();
+  bool is_stuck() const;
   void begin_pass(int number);
   void restart_pass(int number);
   void go_through(Tracker& tracker);
@@ -113,6 +115,7 @@ class Start {
   BiasSearch bias_search_;
   BiasEvidence bias_evidence_;
   bool is_by_evidence_ = false, is_of_later_half_ = false;  // what it began with, and goes through
+  Priors evidence_;                                         // by which it began
 
   RowContest contest_;
   bool is_contested_;            // the order of rows: not where that was measured

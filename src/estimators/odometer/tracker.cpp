@@ -160,12 +160,12 @@ View Tracker::view_of(const HalfReading& half, const Exposed& exposed) const {
           .rows = do_rows_look_apart() ? &exposed.rows : nullptr};
 }
 
-void Tracker::begin_nodes(double azimuth_deg, const Exposed& exposed) {
+void Tracker::begin_nodes(double azimuth_deg, const Exposed& exposed, const HeadingFilter::Row& shown) {
   double edge_deg = (0.5 * frame_columns + 1.0) * lens_->pitch_deg() + exposed.half_width_deg;
   if (do_rows_look_apart())
     edge_deg += std::max(std::abs(double{exposed.rows.shift_deg.front()}),
                          std::abs(double{exposed.rows.shift_deg.back()}));
-  filter_.begin_nodes(azimuth_deg - edge_deg, azimuth_deg + edge_deg);
+  filter_.begin_nodes(azimuth_deg - edge_deg, azimuth_deg + edge_deg, shown);
 }
 
 HalfResult Tracker::add(const HalfReading& half, const GyroPath& path, bool is_trusted) {
@@ -179,10 +179,11 @@ HalfResult Tracker::add(const HalfReading& half, const GyroPath& path, bool is_t
     if (!is_trusted || (result.is_judged && !result.is_used)) return result;
   }
   const double shown_deg = filter_.exposed_deg(exposed.turn, now_s_, now_deg_);
-  begin_nodes(shown_deg, exposed);
+  const HeadingFilter::Row shown = filter_.derivative(exposed.turn, now_s_, now_deg_);
+  begin_nodes(shown_deg, exposed, shown);
   in_map_deg_ = shown_deg - filter_.map_offset_deg(shown_deg);
   write(view_of(half, exposed), shown_deg, sigma_in_map_deg_, common_c_);
-  filter_.rewrite(rewritten_);
+  filter_.rewrite(rewritten_, shown);
   return result;
 }
 

@@ -109,7 +109,7 @@ class Tracker {
   void level(const HalfReading& half, Exposed& exposed) const;
   bool do_rows_look_apart() const { return rows_ != RowOrder::at_once || !lens_->is_plain(); }
   View view_of(const HalfReading& half, const Exposed& exposed) const;
-  void begin_nodes(double azimuth_deg, const Exposed& exposed);
+  void begin_nodes(double azimuth_deg, const Exposed& exposed, const HeadingFilter::Row& shown);
   void write(const View& view, double azimuth_deg, double sigma_deg, float common_c);
 
   SharedLens lens_;
