@@ -215,6 +215,7 @@ void Odometer::Parts::start_anywhere(const HalfReading& half, double now_s) {
       break;
     case Start::Outcome::over:
       phase = Phase::running;
+      front.end_learning();
       mean_nis = start.mean_nis();
       trust.begin(front.rate_dps());
       sound_since_s = now_s;

@@ -18,6 +18,7 @@ constexpr double still_deg = 3.0;           // as far as a bias of the first sec
 constexpr double bias_widening = 3.0;       // of what the search states
 constexpr double known_bias_dps = 1.0;
 constexpr double settled_latency_s = 0.001, settled_scale = 0.001;
+constexpr double known_scale = 0.0008;                     // one standard deviation: 0.3 degrees a turn
 constexpr double same_scale = 0.015;                       // as searches name it
 constexpr int most_passes = 6;                             // through the halves
 constexpr int passes_by_evidence = 3, passes_to_tell = 2;  // the first one may begin with a wrong bias
@@ -344,9 +345,10 @@ void Start::expect_traffic() {
   front_.expect_traffic();
 }
 
-/// The pass ended with what it began with: another one would make the same map.
+/// The pass ended with what it began with: another one would make the same map. Where halves have hardly seen
+/// it close, the scale may still be another.
 bool Start::has_settled() const {
-  return mean_nis_ < bounds().settled &&
+  return mean_nis_ < bounds().settled && front_.filter().sigma(HeadingFilter::scale) < known_scale &&
          is_near(front_.filter(), begun_with_,
                  {Tracker::least_bias_sigma_dps, settled_scale, settled_latency_s});
 }

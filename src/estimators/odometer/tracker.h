@@ -61,6 +61,8 @@ class Tracker {
   void keep(Map& map) const;
   /// It need no longer be told how much of the halves that map explains.
   void trust_map() { is_on_trial_ = false; }
+  /// The map is made: from now on halves confirm it.
+  void end_learning() { is_learning_ = false; }
 
   /// Heading forward to a time, by the gyro's path.
   void advance(const GyroPath& path, double now_s);
@@ -121,6 +123,7 @@ class Tracker {
   double now_s_ = 0.0, now_deg_ = 0.0, now_unseen_deg2_ = 0.0;
   bool has_begun_ = false;
   bool is_on_trial_ = false;  // the map
+  bool is_learning_ = false;  // it is being made
   bool is_open_ = false;      // it may not close
   float reference_c_ = 0.0F;  // temperatures are kept as differences from it
   int halves_ = 0;
