@@ -4,7 +4,7 @@
 #include "gyro_path.h"
 
 /* A Kalman filter over heading (deg), gyro bias (deg/s), gyro scale, camera latency (s), and how the map is
- * off at nodes 15 degrees apart, whose errors are those that the heading had when they were first seen. */
+ * off at nodes 15 degrees apart, whose errors are those of where they were put when they were first seen. */
 typedef thermorig_odometer_heading_filter heading_filter;
 
 #define NODES THERMORIG_ODOMETER_NODES
@@ -64,6 +64,7 @@ static void begin_filter(heading_filter* filter) {
   for (int i = BIAS; i < FIRST_NODE; ++i) *covariance_at(filter, HEADING, i) = 0.0f;
   *covariance_at(filter, HEADING, HEADING) = square(START_SIGMA_DEG);
   memset(filter->node, 0, sizeof filter->node);
+  filter->is_learning = 1;
 }
 
 static void filter_predict(heading_filter* filter, float turned_deg, float step_s, float unseen_deg2) {
@@ -173,9 +174,12 @@ static void filter_update(heading_filter* filter, const float across[STATES], fl
 
 enum { NODE_NONE, NODE_NEAR, NODE_SEEN }; /* near: only what lies between it and the next */
 
-/* Nodes that are first shown begin with the heading's error: what is seen there is put where that says. */
-static void begin_nodes(heading_filter* filter, float low_deg, float high_deg) {
+/* Nodes that are first shown begin with the error of where the half is put. That is not what the heading is
+ * off: latency moves all halves of one speed alike, and none of them shows it. `shown`: derivative() of it,
+ * without a map. */
+static void begin_nodes(heading_filter* filter, float low_deg, float high_deg, const float shown[STATES]) {
   const int32_t last = -floor_of(-high_deg / NODE_DEG);
+  float across[STATES];
   for (int32_t node = floor_of(low_deg / NODE_DEG); node <= last; ++node) {
     const int place = (int)((node % NODES + NODES) % NODES), at = FIRST_NODE + place;
     const int before = (place + NODES - 1) % NODES, behind = (place + 1) % NODES;
@@ -189,9 +193,8 @@ static void begin_nodes(heading_filter* filter, float low_deg, float high_deg) {
         filter->value[at] = filter->value[FIRST_NODE + behind];
     }
     filter->node[place] = now;
-    for (int i = 0; i < STATES; ++i)
-      if (i != at) *covariance_at(filter, at, i) = covariance_of(filter, HEADING, i);
-    *covariance_at(filter, at, at) = covariance_of(filter, HEADING, HEADING);
+    across[at] = variance_along(filter, shown, across);
+    for (int i = 0; i < STATES; ++i) *covariance_at(filter, at, i) = across[i];
   }
 }
 
@@ -202,16 +205,18 @@ static int has_gap(const heading_filter* filter) {
   return 0;
 }
 
-/* So much of the map about each node was written anew, where the heading says: it is off by as much. */
-static void rewrite_nodes(heading_filter* filter, const float shares[NODES]) {
-  float mixed[STATES];
+/* So much of the map about each node was written anew, where the half is put: it is off by as much. */
+static void rewrite_nodes(heading_filter* filter, const float shares[NODES], const float shown[STATES]) {
+  float mixed[STATES], across[STATES];
   for (int node = 0; node < NODES; ++node) {
     const float share = shares[node];
     const int at = FIRST_NODE + node;
     if (share <= 0.0f) continue;
+    variance_along(filter, shown, across);
     for (int i = 0; i < STATES; ++i)
-      mixed[i] = (1.0f - share) * covariance_of(filter, at, i) + share * covariance_of(filter, HEADING, i);
-    mixed[at] = (1.0f - share) * mixed[at] + share * mixed[HEADING];
+      mixed[i] = (1.0f - share) * covariance_of(filter, at, i) + share * across[i];
+    mixed[at] = (1.0f - share) * mixed[at];
+    for (int i = 0; i < FIRST_NODE; ++i) mixed[at] += share * shown[i] * mixed[i];
     for (int i = 0; i < STATES; ++i) *covariance_at(filter, at, i) = mixed[i];
   }
 }

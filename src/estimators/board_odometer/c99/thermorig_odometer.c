@@ -174,6 +174,11 @@ static float length_of_pass_s(odometer* s, const half_result* newest) {
   return seconds_between(s->pass_since_us, s->tracker.filter.now_us);
 }
 
+static void begin_running(odometer* s) {
+  s->tracker.filter.is_learning = 0;
+  s->phase = RUNNING;
+}
+
 static void learn(odometer* s) {
   const half_result result = add_half(&s->tracker, &s->path, &s->profile);
   const heading_filter* filter = &s->tracker.filter;
@@ -188,7 +193,7 @@ static void learn(odometer* s) {
   if (s->nis > NIS_LOST && s->pass > 0 && s->pass < MOST_PASSES)
     begin_pass_again(s);
   else if (s->nis <= NIS_LOST && is_over && has_settled(s))
-    s->phase = RUNNING;
+    begin_running(s);
   else if (s->nis <= NIS_LOST && is_over && s->pass < MOST_PASSES && sigma_of(filter, BIAS) < KNOWN_BIAS_DPS)
     begin_pass(s);
   else if (s->nis > NIS_LOST || is_over)

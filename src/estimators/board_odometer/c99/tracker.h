@@ -13,7 +13,8 @@
 /* Heading filter and panorama together: half after half. */
 typedef thermorig_odometer_tracker tracker;
 
-#define VARIANCE_SHARE 1.44f /* halves see the same errors of the map again and again */
+#define VARIANCE_SHARE 1.44f  /* halves see the same errors of the map again and again */
+#define SHARE_OF_NEW_MAP 5.0f /* while it is made, those with which halves just before have written it */
 #define LEAST_SIGMA_DEG 0.03f
 #define CHANGE_S 0.01f    /* a sweep that is not even is no box */
 #define SURPRISING 4.0f   /* an innovation squared: counts less */
@@ -149,6 +150,7 @@ static void judge_half(tracker* t, const alignment* with, const exposed_turn* tu
   result->is_flat = found.flat_cost + FLAT_MARGIN < found.cost;
   result->is_used = result->squared <= IMPOSSIBLE && !result->is_flat;
   if (!result->is_used) return;
+  if (filter->is_learning) noise_deg2 += (SHARE_OF_NEW_MAP - VARIANCE_SHARE) * variance_deg2_of(&found);
   if (result->squared > SURPRISING) noise_deg2 += expected_deg2 * (result->squared / SURPRISING - 1.0f);
   filter_update(filter, across, result->innovation_deg, known_deg2 + noise_deg2);
   t->in_map_deg = root(in_map_deg2(filter, turn, found.about, row, across));
@@ -196,8 +198,9 @@ static half_result add_half(tracker* t, const gyro_path* path, const rig_profile
   const alignment with = alignment_of(t, rig);
   half_result result = {0, 0, 0, 0.0f, 0.0f, 0.0f};
   view v = view_of(t, &turn);
-  float shown_deg, edge_deg, rewritten[NODES];
+  float shown_deg, edge_deg, rewritten[NODES], nowhere[NODES], shown[STATES];
   memset(rewritten, 0, sizeof rewritten);
+  memset(nowhere, 0, sizeof nowhere);
   result.rate_dps = exposed_rate_dps(&t->filter, &turn);
   if (t->halves < 1000000) ++t->halves;
   if (t->halves > FIRST_HALVES) {
@@ -211,9 +214,10 @@ static half_result add_half(tracker* t, const gyro_path* path, const rig_profile
   }
   shown_deg = exposed_deg(&t->filter, &turn);
   edge_deg = (0.5f * (float)COLUMNS + 1.0f) * rig->pitch_deg + v.half * BIN_DEG;
-  begin_nodes(&t->filter, shown_deg - edge_deg, shown_deg + edge_deg);
+  derivative(&t->filter, &turn, nowhere, shown);
+  begin_nodes(&t->filter, shown_deg - edge_deg, shown_deg + edge_deg, shown);
   write_half(t, &with, &v, shown_deg);
-  rewrite_nodes(&t->filter, rewritten);
+  rewrite_nodes(&t->filter, rewritten, shown);
   return result;
 }
 
