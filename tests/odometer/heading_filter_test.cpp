@@ -10,6 +10,8 @@ namespace {
 
 using Shares = std::array<double, HeadingFilter::nodes>;
 
+const HeadingFilter::Row of_heading{1.0};  // of a still rig's exposure
+
 /// An exposure that ends now, at a constant reading.
 ExposedTurn turn_at(double read_dps) {
   GyroPath path;
@@ -28,6 +30,15 @@ TEST(GyroPath, KnowsWhatWasTurnedAtAnyTime) {
   EXPECT_NEAR(turn.end_deg - turn.begin_deg, 10.0, 1e-9);
 }
 
+TEST(GyroPath, KnowsTheSameAtManyTimesAtOnce) {
+  GyroPath path;
+  for (int i = 0; i <= 200; ++i) path.add(0.005 * i, 100.0 * 0.005 * i, 0.0);
+  std::array<double, 50> turned_deg;
+  path.turned(-0.1, 0.0251, turned_deg);  // before its begin, and beyond its end
+  for (std::size_t i = 0; i < turned_deg.size(); ++i)
+    EXPECT_DOUBLE_EQ(turned_deg[i], path.until(-0.1 + 0.0251 * static_cast<double>(i)).turned_deg);
+}
+
 TEST(HeadingFilter, TurnsByTheReadingLessBiasAndScale) {
   HeadingFilter filter({.bias_dps = 2.0, .scale = 1.1});
   filter.predict(24.0, 1.0, 0.0);
@@ -44,7 +55,7 @@ TEST(HeadingFilter, LooksAtTheMiddleOfAnExposure) {
 
 TEST(HeadingFilter, LearnsTheBiasFromAHeading) {
   HeadingFilter filter({.bias_sigma_dps = 10.0});
-  filter.begin_nodes(-30.0, 30.0);
+  filter.begin_nodes(-30.0, 30.0, of_heading);
   filter.predict(5.0, 1.0, 0.0);  // it stood still
   Shares ahead{};
   HeadingFilter::add_shares(0.0, 1.0, ahead);
@@ -57,7 +68,7 @@ TEST(HeadingFilter, LearnsTheBiasFromAHeading) {
 TEST(HeadingFilter, BlamesTheMapWhereItWasMadeWithTheSameError) {
   HeadingFilter filter({.bias_sigma_dps = 1.0});
   filter.predict(0.0, 10.0, 0.0);  // 10 deg of error by now
-  filter.begin_nodes(-30.0, 30.0);
+  filter.begin_nodes(-30.0, 30.0, of_heading);
   Shares ahead{};
   HeadingFilter::add_shares(0.0, 1.0, ahead);
   auto row = filter.derivative(turn_at(0.0), 1.0, 0.0, ahead);
@@ -66,27 +77,41 @@ TEST(HeadingFilter, BlamesTheMapWhereItWasMadeWithTheSameError) {
   EXPECT_GT(filter.sigma(HeadingFilter::heading), 9.0);
 }
 
+TEST(HeadingFilter, LearnsTheLatencyFromAnotherSpeedAlone) {
+  HeadingFilter filter({.bias_sigma_dps = 0.0, .scale_sigma = 0.0, .latency_sigma_s = 0.01});
+  const ExposedTurn turn = turn_at(60.0), back = turn_at(-60.0);
+  filter.begin_nodes(-40.0, 30.0, filter.derivative(turn, 1.0, 60.0));
+  Shares ahead{};
+  HeadingFilter::add_shares(filter.exposed_deg(turn, 1.0, 60.0), 1.0, ahead);
+  // What the map shows at the speed at which it was made is off by as much.
+  filter.update(filter.derivative(turn, 1.0, 60.0, ahead), 0.3, 0.01);
+  EXPECT_NEAR(filter.latency_s(), 0.0, 1e-6);
+  EXPECT_NEAR(filter.sigma(HeadingFilter::latency), 0.01, 1e-4);
+  filter.update(filter.derivative(back, 1.0, -60.0, ahead), 0.6, 1e-6);
+  EXPECT_NEAR(filter.latency_s(), 0.005, 1e-4);  // 120 deg/s apart
+}
+
 TEST(HeadingFilter, BlamesTheMapWhereItWasWrittenAgainWithTheErrorOfNow) {
   HeadingFilter filter({.bias_sigma_dps = 1.0});
-  filter.begin_nodes(-30.0, 30.0);
+  filter.begin_nodes(-30.0, 30.0, of_heading);
   filter.predict(0.0, 10.0, 0.0);  // 10 deg of error since
   Shares ahead{};
   HeadingFilter::add_shares(0.0, 1.0, ahead);
   auto row = filter.derivative(turn_at(0.0), 1.0, 0.0, ahead);
   row[HeadingFilter::bias] = row[HeadingFilter::latency] = row[HeadingFilter::scale] = 0.0;
   EXPECT_GT(filter.variance(row), 80.0);
-  filter.rewrite(Shares{0.5});  // the node ahead
+  filter.rewrite(Shares{0.5}, of_heading);  // the node ahead
   EXPECT_NEAR(std::sqrt(filter.variance(row)), 5.0, 0.1);
-  filter.rewrite(Shares{1.0});
+  filter.rewrite(Shares{1.0}, of_heading);
   EXPECT_LT(filter.variance(row), 1e-6);
   EXPECT_GT(filter.sigma(HeadingFilter::heading), 9.0);
 }
 
 TEST(HeadingFilter, KnowsThatTheMapHasAGapUntilAllOfItWasSeen) {
   HeadingFilter filter({});
-  filter.begin_nodes(-30.0, 300.0);
+  filter.begin_nodes(-30.0, 300.0, of_heading);
   EXPECT_TRUE(filter.has_gap());
-  filter.begin_nodes(270.0, 360.0);
+  filter.begin_nodes(270.0, 360.0, of_heading);
   EXPECT_FALSE(filter.has_gap());
 }
 
