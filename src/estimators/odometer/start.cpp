@@ -279,7 +279,7 @@ Start::Outcome Start::take_over(double now_s) {
   const double scale = front_.filter().scale_factor();
   if (!is_plausible() && !is_scale_named() && !refused_scale_.is_confirmed(scale, store_.at(0).now_s)) {
     refused_scale_.refuse(scale, now_s);
-    return fail();
+    return is_by_evidence_ ? begin_anew() : fail();  // only other halves can confirm it
   }
   // Before faint walls only those halves tell anything that what moves is in: the map is one of it.
   if (things_move_ && innovations_.is_hardly_judged(store_.count())) return fail();
@@ -324,6 +324,10 @@ Start::Outcome Start::fail() {
   }
   if (begin_by_evidence()) return Outcome::goes_on;
   things_move_ = true;
+  return begin_anew();
+}
+
+Start::Outcome Start::begin_anew() {
   begin_searching();
   return Outcome::failed;
 }

@@ -87,6 +87,7 @@ class Start {
   Outcome take_over(double now_s);
   Outcome learn_again();
   Outcome fail();
+  Outcome begin_anew();
   bool has_settled() const;
   bool is_plausible() const { return odometer::is_plausible(front_.filter(), priors_, things_move_); }
   bool is_scale_named() const;
