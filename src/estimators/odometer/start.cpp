@@ -208,7 +208,7 @@ bool Start::begin_by_other_evidence() {
   return begin_by_evidence();
 }
 
-/// Passes end when halves fit. Where they fit ever worse, gyro and map have settled on each other.
+/// Each pass should fit better. One that hardly fits at all has settled on a wrong gyro, and a map for it.
 bool Start::is_stuck() const {
   return pass_ > 0 && pass_nis_ > 2.0 * bounds().lost;
 }
