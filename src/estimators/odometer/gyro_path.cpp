@@ -68,14 +68,14 @@ void GyroPath::turned(double from_s, double step_s, std::span<double> turned_deg
 
 ExposedTurn GyroPath::over(double begin_s, double end_s) const {
   ExposedTurn turn{.begin_s = begin_s, .end_s = end_s};
-  const Knot first = until(begin_s), last = until(end_s);
+  std::size_t later = after(begin_s);
+  const Knot first = until(begin_s, later), last = until(end_s);
   turn.begin_deg = first.turned_deg;
   turn.end_deg = last.turned_deg;
   turn.first_dps = first.rate_dps;
   turn.last_dps = last.rate_dps;
   turn.mean_s = 0.5 * (begin_s + end_s);
   double sum_deg = 0.0, squares_deg2 = 0.0, products = 0.0, first_deg = 0.0, last_deg = 0.0;
-  std::size_t later = after(begin_s);
   for (int i = 0; i < points; ++i) {
     const double off_s = (end_s - begin_s) * ((i + 0.5) / points - 0.5);
     later = after(turn.mean_s + off_s, later);

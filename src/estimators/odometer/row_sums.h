@@ -15,7 +15,7 @@ class RowSums {
  public:
   /// Added up side by side, in one register.
   using Sum = float __attribute__((vector_size(4 * sizeof(float))));
-  enum Place : std::size_t { temp_c, variance, seen };
+  enum Part : std::size_t { temp_c, variance, seen };
 
   RowSums() : sums_(frame_rows * (Map::bins + 1)) {}
 

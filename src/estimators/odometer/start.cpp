@@ -61,14 +61,14 @@ void Start::begin_searching() {
 }
 
 Start::Outcome Start::add(const HalfReading& half, double now_s) {
-  store(half, now_s);
+  const int work = store(half, now_s);
   switch (phase_) {
     case Phase::searching:
       search();
       return Outcome::goes_on;
     case Phase::first_pass:
       if (gather_evidence()) return Outcome::goes_on;
-      go_through(front_);
+      go_through(front_, work);
       if (gone_through_ < store_.count()) return Outcome::goes_on;
       mean_nis_ = pass_nis_;
       phase_ = Phase::learning;
@@ -82,18 +82,17 @@ Start::Outcome Start::add(const HalfReading& half, double now_s) {
       add_newest(half);
       if (gather_evidence()) return Outcome::goes_on;
       if (is_stuck() && begin_by_other_evidence()) return Outcome::goes_on;
-      go_through(back_);
+      go_through(back_, work);
       return gone_through_ < store_.count() ? Outcome::goes_on : take_over(now_s);
   }
   return Outcome::goes_on;
 }
 
-/// Until it is known in which order rows are exposed, all orders learn.
-void Start::store(const HalfReading& half, double now_s) {
+/// Until it is known in which order rows are exposed, all orders learn. Returns the work of that.
+int Start::store(const HalfReading& half, double now_s) {
   store_.add(half, now_s);
   const bool is_searching = phase_ == Phase::searching && store_.count() % search_every == 0;
-  work_ = 0;
-  if (is_contested_) work_ = contest_.add(store_, path_, bias_search_, is_searching || is_evidence_due());
+  return is_contested_ ? contest_.add(store_, path_, bias_search_, is_searching || is_evidence_due()) : 0;
 }
 
 HalfResult Start::add_newest(const HalfReading& half) {
@@ -230,13 +229,14 @@ void Start::restart_pass(int number) {
   gone_through_ = 0;
 }
 
-void Start::go_through(Tracker& tracker) {
-  for (; work_ < work_a_step && gone_through_ < store_.count(); ++gone_through_) {
+/// `work`: what was done in this step before.
+void Start::go_through(Tracker& tracker, int work) {
+  for (; work < work_a_step && gone_through_ < store_.count(); ++gone_through_) {
     const auto& [half, came_s] = store_.at(gone_through_);
     if (!tracker.has_begun() || came_s > tracker.now_s()) tracker.advance(path_, came_s);
     const HalfResult result = tracker.add(half, path_);
     if (!lens_->knows_rows()) contest_.note(tracker.rows(), gone_through_, result);
-    work_ += result.work;
+    work += result.work;
     learn_fit(result, pass_nis_);
     innovations_.add(result);
   }

@@ -54,7 +54,7 @@ class Start {
   enum class Phase : std::uint8_t { searching, first_pass, learning, second_pass };
 
   void begin_searching();
-  void store(const HalfReading& half, double now_s);
+  int store(const HalfReading& half, double now_s);
   HalfResult add_newest(const HalfReading& half);
   const NisBounds& bounds() const { return nis_bounds(things_move_); }
   void learn_fit(const HalfResult& result, double& mean) const { learn_nis(result, mean, bounds().most); }
@@ -80,7 +80,7 @@ class Start {
   bool is_stuck() const;
   void begin_pass(int number);
   void restart_pass(int number);
-  void go_through(Tracker& tracker);
+  void go_through(Tracker& tracker, int work);
 
   // What becomes of it.
   Outcome go_on_learning(double now_s);
@@ -108,7 +108,6 @@ class Start {
   const GyroPath& path_;
   Tracker back_;  // goes through the halves again
   HalfStore store_;
-  int work_ = 0;           // that other orders of rows have taken of this step
   double rested_s_ = 0.0;  // since its first half: what was forgotten
   std::optional<GyroHeading> before_;
   bool things_move_ = false;

@@ -51,7 +51,7 @@ class Tracker {
   /// Parts of the surroundings were never seen.
   bool has_gap() const { return filter_.has_gap(); }
   /// The map, until it closes, is an open one: nothing but the lens tells the scale. Then what is written
-  /// again is off as the heading is at that time, and no longer as it was when that was first seen.
+  /// again is off as the half is at that time, and no longer as the one that first saw it was.
   void expect_open_map() { is_open_ = true; }
   /// From now on: people, say, besides the rig.
   void expect_traffic();

@@ -124,7 +124,7 @@ typedef struct {
   float value[THERMORIG_ODOMETER_STATES]; /* heading, bias, scale, latency, the map's offsets */
   uint8_t node[THERMORIG_ODOMETER_NODES];
   uint8_t is_learning; /* the map is being made */
-  uint8_t is_open;     /* the map may not close: what is written again is off as the heading is by then */
+  uint8_t is_open;     /* the map may not close: what is written again is off as the half is by then */
   uint8_t has_begun;   /* it has a time: */
   int32_t turns;
   uint32_t now_us, now_turned; /* as the gyro's path has it then */
