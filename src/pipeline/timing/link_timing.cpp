@@ -36,20 +36,19 @@ LinkTiming::LinkTiming(const PortProfile& link, double nominal_rate_hz)
       latency_(from_s(link.latency_s)),
       constant_delay_s_(link.largest_constant_delay_s) {
   if (!(nominal_rate_hz > 0.0) || !std::isfinite(nominal_rate_hz)) return;
-  period_s_ = 1.0 / nominal_rate_hz;
   clock_.emplace(link, nominal_rate_hz);
-}
-
-double LinkTiming::silence_s(const StreamSpan& span) const {
-  return longest_silence_s({.step_s = period_s_,
-                            .message_s = byte_s_ * static_cast<double>(span.size()),
-                            .chunks = ends_,
-                            .cuts = cuts_});
 }
 
 /// The message's first byte began no later than that, since the chunk's last byte had arrived.
 HostTime LinkTiming::begin_before(const TimedChunk& chunk, const StreamSpan& span) const {
   return chunk.arrived - from_s(byte_s_ * static_cast<double>(chunk.end - span.begin));
+}
+
+/// Of a chunk that ended at or within the message.
+void LinkTiming::add_read(const TimedChunk& chunk, const StreamSpan& span) {
+  reads_.push_back({.latest = begin_before(chunk, span),
+                    .inside = chunk.end < span.end,
+                    .wire_s = byte_s_ * static_cast<double>(chunk.end - span.begin)});
 }
 
 float LinkTiming::uncertainty_s(const TimedChunk& chunk) const {
@@ -88,40 +87,32 @@ void LinkTiming::restart() {
 
 Stamp LinkTiming::stamp(const StreamSpan& span, const StampHint& hint) {
   assert(!chunks_.empty() && span.end <= chunks_.back().end && span.begin <= span.end);
-  HostTime latest = HostTime::max();
-  bool tight = false;
-  for (; chunks_.size() > 1 && chunks_.front().end < span.end; chunks_.pop_front()) {
-    if (chunks_.front().end <= span.begin) continue;
-    latest = std::min(latest, begin_before(chunks_.front(), span));
-    tight = true;
-    ++ends_;
-    ++cuts_;
-  }
+  reads_.clear();
+  for (; chunks_.size() > 1 && chunks_.front().end < span.end; chunks_.pop_front())
+    if (chunks_.front().end > span.begin) add_read(chunks_.front(), span);
   const TimedChunk& chunk = chunks_.front();
+  if (chunk.end <= span.end) add_read(chunk, span);
   const HostTime by_last_byte = begin_before(chunk, span);
-  if (chunk.end == span.end) {
-    tight = true;
-    ++ends_;
-  }
-  latest = std::min(latest, by_last_byte);
+  HostTime latest = by_last_byte;
+  for (const LatestBegin& read : reads_) latest = std::min(latest, read.latest);
   std::optional<HostTime> placed;
   if (clock_)
     placed = clock_->place({.latest = latest,
-                            .tight = tight,
+                            .reads = reads_,
                             .lost_before = lost_before(span, hint),
                             .device_s = hint.device_s,
                             .left_out = hint.lost_before && span.begin <= last_end_});
   last_end_ = span.end;
-  const double silent_s = placed ? silence_s(span) : 0.0;
-  if (placed) *placed -= from_s(0.5 * silent_s);
   newest_ = std::max(newest_, placed.value_or(by_last_byte) - latency_);
   const HostTime proven = std::max(latest - latency_, newest_);
   Stamp stamp{.time = newest_, .arrival = chunk.arrived};
   const double baud_s = baud_tolerance * byte_s_ * static_cast<double>(chunk.end - span.begin);
   stamp.later_s = static_cast<float>(to_s(proven - newest_) + baud_s);
   if (placed) {
-    stamp.uncertainty_s = static_cast<float>(std::hypot(constant_delay_s_, silent_s) * uniform_deviation);
-    stamp.earlier_s = static_cast<float>(constant_delay_s_ + silent_s + clock_->drift_s() + baud_s);
+    const Estimate& least_s = clock_->least_lateness_s();
+    const double late_s = constant_delay_s_ + clock_->longest_silence_s() - least_s.value;
+    stamp.uncertainty_s = static_cast<float>(least_s.uncertainty);
+    stamp.earlier_s = static_cast<float>(std::max(0.0, late_s) + clock_->drift_s() + baud_s);
   } else {
     stamp.uncertainty_s = uncertainty_s(chunk);
     stamp.earlier_s = static_cast<float>(longest_hold_s + baud_s);

@@ -4,8 +4,10 @@
 #include <algorithm>
 #include <cmath>
 
+#include "least_lateness.h"
 #include "lower_line.h"
 #include "parabola.h"
+#include "silence.h"
 #include "sliding_fit.h"
 
 namespace thermorig::timing {
@@ -34,7 +36,10 @@ constexpr double left_out_two = 1.6;  // periods
 constexpr double watched_stray_s = 1.5;
 constexpr std::uint32_t fewest_straying = 50;
 constexpr double largest_drift = 4000e-6;  // that is tried
-constexpr double fastest_slew = 500e-6;    // of a host's clock, adjtimex(2)
+constexpr double rise_share = 0.1;         // of a block, in the mean of late
+// A wait for a USB frame that slides past tilts the line, at whose end messages are placed.
+constexpr double line_end_s = 0.001 * uniform_deviation;
+constexpr double fastest_slew = 500e-6;  // of a host's clock, adjtimex(2)
 }  // namespace
 
 LiveClock::LiveClock(const PortProfile& link, double nominal_rate_hz)
@@ -83,12 +88,13 @@ std::optional<HostTime> LiveClock::place(const MessageProof& proof) {
   last_y_ = y;
   last_x_ = x;
   if (fitted_ && late_s(x, y) > outage_s) restart(x, y);
-  if (proof.tight) {
+  if (!proof.reads.empty()) {
     if (rate_known_) look_for_straying(late_s(x, y), x);
     add(x, y);
+    add_reads(proof.reads, x);
   }
   if (!fitted_ || unrest_ > restless) return std::nullopt;
-  const double line_s = line_at(x);
+  const double line_s = line_at(x) - least_lateness_s_.value;
   if (!std::isfinite(line_s)) return std::nullopt;
   return *origin_ + from_s(std::clamp(line_s, y - outage_s, y));
 }
@@ -97,6 +103,7 @@ std::optional<HostTime> LiveClock::place(const MessageProof& proof) {
 void LiveClock::restart(double x, double y) {
   points_.clear();
   blocks_.clear();
+  reads_.clear();
   open_begin_ = 0;
   first_x_ = open_x_ = x;
   fitted_ = rate_known_;
@@ -149,7 +156,7 @@ double LiveClock::recount(const MessageProof& proof, double x, double y) {
   // Of what the skipped bytes may have been as many as its proof has room for; the watch finds the rest.
   const double lost = std::min(proof.lost_before, std::floor(late_periods + 1.0 - lost_periods));
   if (lost > 0.0) return shift(x, lost);
-  if (!proof.tight) return x;
+  if (proof.reads.empty()) return x;
   watch_runs(late_periods);
   if (!watch(late_s(x, y), x) || is_by_chance()) return x;
   const double behind = std::min(watched_late_s_[0], watched_late_s_[1]) / period_s();
@@ -195,6 +202,15 @@ void LiveClock::add(double x, double y) {
   if (fitted_ && points_.size() < fewest_points) level_ = std::min(level_, y - slope_ * (x - line_x_));
 }
 
+void LiveClock::add_reads(std::span<const LatestBegin> reads, double x) {
+  for (LatestBegin read : reads) {
+    read.device_s = x;
+    read.held_s = x + read.wire_s - sent_s_;
+    sent_s_ = x + read.wire_s;
+    reads_.push_back(read);
+  }
+}
+
 void LiveClock::close_block(double x) {
   keep_lower_hull(points_, open_begin_, 0.0);
   blocks_.push_back({points_.size() - open_begin_, open_x_});
@@ -204,10 +220,12 @@ void LiveClock::close_block(double x) {
     old_points += blocks_[old].points;
   points_.erase(points_.begin(), points_.begin() + static_cast<std::ptrdiff_t>(old_points));
   blocks_.erase(blocks_.begin(), blocks_.begin() + static_cast<std::ptrdiff_t>(old));
+  std::erase_if(reads_, [&](const LatestBegin& read) { return read.device_s < x - window_s_; });
   open_begin_ = points_.size();
   open_x_ = x;
   unrest_ *= forget_unrest;
   fit(x);
+  if (fitted_) expect_lateness();
 }
 
 void LiveClock::fit(double x) {
@@ -222,14 +240,35 @@ void LiveClock::fit(double x) {
   for (Ceiling& point : level) point.y -= points_.front().y + reference * (point.x - begin_x);
   const double middle = begin_x + 0.5 * span_s;
   const double half = std::max(0.5 * span_s, 1e-3);
-  const Parabola line = highest_below(level, middle, half, {0.0, half * half / 3.0},
-                                      {rate_known_ && span_s < 0.5 * window_s_ ? drift_ : drift, 0.0});
+  const Moments evenly{0.0, half * half / 3.0};
+  const ParabolaLimits limits{rate_known_ && span_s < 0.5 * window_s_ ? drift_ : drift, 0.0};
+  const Parabola line = highest_below(level, middle, half, evenly, limits);
+  const double rise = rise_without_holding(level, line, middle, half, evenly, limits);
+  rise_ += (span_s >= 0.9 * window_s_ ? rise_share : 1.0) * (rise - rise_);
   slope_ = reference + line.b;
   line_x_ = x;
   level_ = points_.front().y + reference * (x - begin_x) + line.at(x);
   fitted_ = true;
   if (span_s >= 0.9 * window_s_ || !rate_known_) mean_slope_ = slope_;
   if (span_s >= 0.5 * window_s_) rate_known_ = true;
+}
+
+/// As the fit of a whole recording does, from the last seconds alone.
+void LiveClock::expect_lateness() {
+  if (blocks_.empty() || !std::isfinite(level_) || !std::isfinite(slope_)) return;
+  std::vector<double> x, late;
+  for (const LatestBegin& read : reads_) {
+    x.push_back(read.device_s);
+    late.push_back(late_s(read.device_s, to_s(read.latest - *origin_)));
+  }
+  std::vector<SlidingFit::Knot> knots;
+  for (const Block& block : blocks_) knots.push_back({block.begin_x + 0.5 * block_s_, {}, rise_});
+  const LeastLateness least =
+      least_lateness(reads_, x, late, 1.0 / rate_hz_, knots, {.length_s = window_s_, .block_s = block_s_});
+  const Estimate& now_s = least.at_knots_s.back();
+  longest_silence_s_ = least.longest_hold_s;
+  least_lateness_s_ = {std::min(now_s.value, largest_constant_delay_s_ + longest_silence_s_),
+                       std::hypot(now_s.uncertainty, line_end_s)};
 }
 
 }  // namespace thermorig::timing

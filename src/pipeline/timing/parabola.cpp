@@ -12,6 +12,7 @@ namespace thermorig::timing {
 namespace {
 constexpr int most_pivots = 200;
 constexpr double tolerance_s = 1e-10;  // below any clock's tick
+constexpr double touching_s = 1e-7;    // an inequality that the curve obeys as an equation
 
 using Vector = std::array<double, 3>;
 
@@ -157,6 +158,19 @@ Parabola highest_below(std::span<const Ceiling> ceilings, double middle, double 
                        const Moments& moments, const ParabolaLimits& limits) {
   assert(!ceilings.empty() && half_width > 0.0);
   return HighestParabola(ceilings, middle, half_width, moments, limits).solve();
+}
+
+double rise_without_holding(std::span<const Ceiling> ceilings, const Parabola& highest, double x,
+                            double half_width, const Moments& moments, const ParabolaLimits& limits) {
+  std::vector<double> holding_x;
+  for (const Ceiling& ceiling : ceilings)
+    if (ceiling.y - highest.at(ceiling.x) < touching_s) holding_x.push_back(ceiling.x);
+  std::vector<Ceiling> rest;
+  for (const Ceiling& ceiling : ceilings)
+    if (std::find(holding_x.begin(), holding_x.end(), ceiling.x) == holding_x.end()) rest.push_back(ceiling);
+  if (rest.empty()) return 0.0;
+  const Parabola higher = highest_below(rest, highest.middle, half_width, moments, limits);
+  return std::max(0.0, higher.at(x) - highest.at(x));
 }
 
 void keep_lower_hull(std::vector<Ceiling>& ceilings, std::size_t first, double curvature) {

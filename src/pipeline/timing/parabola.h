@@ -37,6 +37,10 @@ struct Moments {
 Parabola highest_below(std::span<const Ceiling> ceilings, double middle, double half_width,
                        const Moments& moments, const ParabolaLimits& limits);
 
+/// How much higher the highest parabola would be at `x` without the ceilings that hold `highest` up.
+double rise_without_holding(std::span<const Ceiling> ceilings, const Parabola& highest, double x,
+                            double half_width, const Moments& moments, const ParabolaLimits& limits);
+
 /// Drops from `ceilings` (ascending in x), from `first` on, all that no parabola of at most that curvature
 /// can touch: with the curvature's bow added what is left is a lower convex hull.
 void keep_lower_hull(std::vector<Ceiling>& ceilings, std::size_t first, double curvature);

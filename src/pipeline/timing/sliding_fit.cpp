@@ -16,7 +16,6 @@ constexpr double shortest_block_s = 0.25;
 // Over a window the rate changes by no more than this share of the wander: what a walk of the rate does in so
 // much less than it takes to wander about. It keeps the ends, where the curve leaves its window, in place.
 constexpr double rate_change_share = 0.4;
-constexpr double touching_s = 1e-7;  // an inequality that the curve obeys as an equation
 }  // namespace
 
 SlidingWindow SlidingWindow::of(double wander_ppm, double message_rate_hz) {
@@ -75,20 +74,8 @@ void SlidingFit::fit_knot(std::size_t block) {
   const Moments where = moments(static_cast<std::size_t>(begin - blocks_.begin()),
                                 static_cast<std::size_t>(end - blocks_.begin()), middle);
   const Parabola curve = highest_below(window, middle, 0.5 * window_.length_s, where, limits_);
-  knots_.push_back({x, curve, rise(window, curve, x, where)});
-}
-
-double SlidingFit::rise(std::span<const Ceiling> window, const Parabola& curve, double x,
-                        const Moments& where) const {
-  std::vector<double> holding_x;
-  for (const Ceiling& ceiling : window)
-    if (ceiling.y - curve.at(ceiling.x) < touching_s) holding_x.push_back(ceiling.x);
-  std::vector<Ceiling> rest;
-  for (const Ceiling& ceiling : window)
-    if (std::find(holding_x.begin(), holding_x.end(), ceiling.x) == holding_x.end()) rest.push_back(ceiling);
-  if (rest.empty()) return 0.0;
-  const Parabola higher = highest_below(rest, curve.middle, 0.5 * window_.length_s, where, limits_);
-  return std::max(0.0, higher.at(x) - curve.at(x));
+  knots_.push_back(
+      {x, curve, rise_without_holding(window, curve, x, 0.5 * window_.length_s, where, limits_)});
 }
 
 void SlidingFit::seek(double x) {

@@ -57,7 +57,6 @@ class SlidingFit {
   void reduce(std::span<const Ceiling> ceilings, double block_s);
   void fit_knot(std::size_t block);
   Moments moments(std::size_t begin, std::size_t end, double middle) const;
-  double rise(std::span<const Ceiling> window, const Parabola& curve, double x, const Moments& where) const;
   void seek(double x);
   double smooth_share(double x) const;
 

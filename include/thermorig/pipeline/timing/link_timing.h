@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <deque>
 #include <optional>
+#include <vector>
 
 #include "thermorig/core/chunk.h"
 #include "thermorig/core/profile.h"
@@ -51,9 +52,9 @@ struct StampHint {
 /// stamped before the message before it.
 ///
 /// Of a device with a steady rate a `LiveClock` draws the highest line below those proofs of the last
-/// seconds; the message's time is on that line, and never after its own proof. Its uncertainty is that of the
-/// least delay of a link, spread evenly up to PortProfile::largest_constant_delay_s. Where the link sends
-/// when its line falls silent (CH340), half of the longest silence that it may wait for is taken off.
+/// seconds; the message's time is on that line, less what even the fastest byte is expected to be late by
+/// (chance, a wait for a USB frame, half of the longest silence that a CH340 may wait for), and never after
+/// its own proof. Its uncertainty is that of what was taken off.
 ///
 /// While that clock is too young, and of a device without a steady rate, the time is the proof by the chunk C
 /// that brought the last byte. Its uncertainty is that of the last byte of C, which came at the earliest once
@@ -98,9 +99,9 @@ class LinkTiming {
     HostTime arrived;
     HostDuration since_before;  // since the arrival of the chunk before
   };
-  double silence_s(const StreamSpan& span) const;
   double lost_before(const StreamSpan& span, const StampHint& hint) const;
   HostTime begin_before(const TimedChunk& chunk, const StreamSpan& span) const;
+  void add_read(const TimedChunk& chunk, const StreamSpan& span);
   float uncertainty_s(const TimedChunk& chunk) const;
 
   PortProfile link_;
@@ -111,9 +112,7 @@ class LinkTiming {
   std::deque<TimedChunk> chunks_;
   std::uint64_t begin_ = 0;           // of the stream, or of what came since the device was away
   std::optional<LiveClock> clock_;    // of a device with a steady rate
-  double period_s_ = 0.0;             // nominal, 0 without a steady rate
-  std::size_t ends_ = 0;              // chunks that ended at or within a message
-  std::size_t cuts_ = 0;              // of those: within
+  std::vector<LatestBegin> reads_;    // that ended at or within the newest message
   std::uint64_t last_end_ = 0;        // of the message before
   HostTime newest_{HostTime::min()};  // no message is stamped before it
 };

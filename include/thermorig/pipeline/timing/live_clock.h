@@ -6,27 +6,33 @@
 #include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <vector>
 
+#include "thermorig/core/estimate.h"
 #include "thermorig/core/profile.h"
 #include "thermorig/core/statistics.h"
 #include "thermorig/core/time.h"
+#include "thermorig/pipeline/timing/arrivals.h"
 #include "thermorig/pipeline/timing/ceiling.h"
 
 namespace thermorig::timing {
 
 /// What the bytes alone prove of a message when it is stamped.
 struct MessageProof {
-  HostTime latest{};               // its first byte had begun by then
-  bool tight = false;              // a read ended within or at the end of it: else it only waited with others
+  HostTime latest{};  // its first byte had begun by then
+  // Of each read that ended within or at the end of it, device_s and held_s left out; none: it only waited
+  // with others.
+  std::span<const LatestBegin> reads;
   double lost_before = 0.0;        // messages that fit into the bytes skipped before it; 0 if none were
   std::optional<double> device_s;  // its own time
   bool left_out = false;           // no bytes were skipped: the device itself did not send one
 };
 
 /// The clock of a device that sends at a steady rate, from what arrived so far: the highest line below all
-/// inequalities of the last seconds, on the count of messages (or the device's own time). Lost messages are
-/// counted once it is clear that the stream does not catch up.
+/// inequalities of the last seconds, on the count of messages (or the device's own time), less what even the
+/// fastest byte is expected to be late by. Lost messages are counted once it is clear that the stream does
+/// not catch up.
 class LiveClock {
  public:
   /// `nominal_rate_hz` > 0.
@@ -35,6 +41,11 @@ class LiveClock {
   /// When the message's first byte began, never after its proof. None while too little came, and of a device
   /// that keeps no steady rate. Messages come in order, each once.
   std::optional<HostTime> place(const MessageProof& proof);
+
+  /// How late even the fastest bytes are expected to be: was taken off. Of the last seconds.
+  const Estimate& least_lateness_s() const { return least_lateness_s_; }
+  /// How long the link may listen before it takes silence for an end; 0 if it does not wait for one.
+  double longest_silence_s() const { return longest_silence_s_; }
 
   /// Messages that it counts as lost so far: falls where the stream catches up after all. Of a device that
   /// sends its own time none are counted.
@@ -67,8 +78,10 @@ class LiveClock {
   void allow_drift(double drift);
   void look_for_straying(double late_s, double x);
   void add(double x, double y);
+  void add_reads(std::span<const LatestBegin> reads, double x);
   void close_block(double x);
   void fit(double x);
+  void expect_lateness();
 
   double rate_hz_;
   double largest_constant_delay_s_;
@@ -84,6 +97,10 @@ class LiveClock {
   double last_y_ = 0.0;  // of the message before
   std::vector<Ceiling> points_;
   std::vector<Block> blocks_;
+  std::vector<LatestBegin> reads_;  // of the same time
+  double sent_s_ = 0.0;             // on the device's clock: the newest read's last byte
+  Estimate least_lateness_s_;
+  double longest_silence_s_ = 0.0;
   std::size_t open_begin_ = 0;  // first point of the open block
   double open_x_ = 0.0;
   double first_x_ = 0.0;  // since the last restart
@@ -93,6 +110,7 @@ class LiveClock {
   double mean_slope_ = 1.0;
   double level_ = 0.0;
   double line_x_ = 0.0;
+  double rise_ = 0.0;  // of the line, were those that hold it up not there
   double watch_x_ = 0.0;  // begin of the span being watched
   double least_late_s_ = 0.0;
   std::uint32_t watched_ = 0;
