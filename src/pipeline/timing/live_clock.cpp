@@ -267,8 +267,10 @@ void LiveClock::expect_lateness() {
       least_lateness(reads_, x, late, 1.0 / rate_hz_, knots, {.length_s = window_s_, .block_s = block_s_});
   const Estimate& now_s = least.at_knots_s.back();
   longest_silence_s_ = least.longest_hold_s;
-  least_lateness_s_ = {std::min(now_s.value, largest_constant_delay_s_ + longest_silence_s_),
-                       std::hypot(now_s.uncertainty, line_end_s)};
+  // Through few points a line says little; that much is known beforehand.
+  const double most_s = largest_constant_delay_s_ + longest_silence_s_;
+  least_lateness_s_ = {std::min(now_s.value, most_s),
+                       std::hypot(std::min(now_s.uncertainty, uniform_deviation * most_s), line_end_s)};
 }
 
 }  // namespace thermorig::timing
