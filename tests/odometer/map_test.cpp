@@ -89,6 +89,32 @@ TEST(OdometerMap, ASecondSessionInTheSameRoomStartsWithAnAbsoluteHeading) {
   EXPECT_NEAR(all.back().off_deg, 0.0, 0.7);
 }
 
+/// To and fro, 8 s at each speed: so long none of bias, scale and latency can be told from the others.
+double angle_of_legs_deg(double time_s) {
+  constexpr double leg_s = 8.0;
+  const double leg = std::floor(time_s / leg_s), in_leg_s = time_s - leg * leg_s;
+  const double rate_dps = 40.0 + 15.0 * std::fmod(std::floor(leg / 2.0), 5.0);
+  return std::fmod(leg, 2.0) < 1.0 ? rate_dps * in_leg_s : rate_dps * (leg_s - in_leg_s);
+}
+
+/// Each speed has another scale then.
+TEST(OdometerMap, IsRecognisedThroughALensThatNobodyMeasured) {
+  Room room = turning_room(100.0);
+  room.wider = 0.02;
+  room.angle_deg = angle_of_legs_deg;
+  Odometer first = begun_with(nullptr);
+  told_of(room, first);
+  ASSERT_TRUE(first.map());
+  room.noise = 12;
+  room.bias_dps = -2.0;
+  Odometer second = begun_with(std::make_shared<const Map>(first.map().value()));
+  const auto all = told_of(room, second);
+  const auto found = std::find_if(all.begin(), all.end(), is_tracking);
+  ASSERT_NE(found, all.end());
+  EXPECT_LT(found - all.begin(), 480) << "frames: a minute";
+  EXPECT_EQ(found->use, MapUse::found);
+}
+
 TEST(OdometerMap, AMapOfAnotherRoomIsNotTrustedAndANewOneIsBegun) {
   Room room = turning_room(120.0);
   room.walls = 8;
