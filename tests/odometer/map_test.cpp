@@ -111,7 +111,7 @@ TEST(OdometerMap, IsRecognisedThroughALensThatNobodyMeasured) {
   const auto all = told_of(room, second);
   const auto found = std::find_if(all.begin(), all.end(), is_tracking);
   ASSERT_NE(found, all.end());
-  EXPECT_LT(found - all.begin(), 480) << "frames: a minute";
+  EXPECT_LT(found - all.begin(), 200) << "frames: 25 s";
   EXPECT_EQ(found->use, MapUse::found);
 }
 
