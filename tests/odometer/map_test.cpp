@@ -97,7 +97,7 @@ double angle_of_legs_deg(double time_s) {
   return std::fmod(leg, 2.0) < 1.0 ? rate_dps * in_leg_s : rate_dps * (leg_s - in_leg_s);
 }
 
-/// Each speed has another scale then.
+/// What a few seconds tell of the scale differs then from pass to pass.
 TEST(OdometerMap, IsRecognisedThroughALensThatNobodyMeasured) {
   Room room = turning_room(100.0);
   room.wider = 0.02;

@@ -12,7 +12,6 @@
 namespace thermorig::timing {
 
 namespace {
-constexpr double usb_frame_s = 0.001;      // full-speed USB
 constexpr double wake_up_s = 100e-6;       // a reader wakes up so much more or less late
 constexpr double rise_spread = 2.0;        // of what chance does, per rise
 constexpr double slide_spread_s = 0.2e-3;  // between two moments at which a sliding wait is shortest

@@ -10,6 +10,8 @@
 
 namespace thermorig::timing {
 
+inline constexpr double usb_frame_s = 0.001;  // full-speed USB
+
 /// How late even the fastest bytes are: what a curve below all inequalities cannot show, and the shape of the
 /// lateness above it can.
 struct LeastLateness {

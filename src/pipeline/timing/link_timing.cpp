@@ -91,7 +91,7 @@ Stamp LinkTiming::stamp(const StreamSpan& span, const StampHint& hint) {
   for (; chunks_.size() > 1 && chunks_.front().end < span.end; chunks_.pop_front())
     if (chunks_.front().end > span.begin) add_read(chunks_.front(), span);
   const TimedChunk& chunk = chunks_.front();
-  if (chunk.end <= span.end) add_read(chunk, span);
+  if (chunk.end == span.end) add_read(chunk, span);
   const HostTime by_last_byte = begin_before(chunk, span);
   HostTime latest = by_last_byte;
   for (const LatestBegin& read : reads_) latest = std::min(latest, read.latest);

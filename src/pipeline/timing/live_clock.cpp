@@ -38,7 +38,7 @@ constexpr std::uint32_t fewest_straying = 50;
 constexpr double largest_drift = 4000e-6;  // that is tried
 constexpr double rise_share = 0.1;         // of a block, in the mean of late
 // A wait for a USB frame that slides past tilts the line, at whose end messages are placed.
-constexpr double line_end_s = 0.001 * uniform_deviation;
+constexpr double line_end_s = usb_frame_s * uniform_deviation;
 constexpr double fastest_slew = 500e-6;  // of a host's clock, adjtimex(2)
 }  // namespace
 

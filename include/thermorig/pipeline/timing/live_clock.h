@@ -110,7 +110,7 @@ class LiveClock {
   double mean_slope_ = 1.0;
   double level_ = 0.0;
   double line_x_ = 0.0;
-  double rise_ = 0.0;  // of the line, were those that hold it up not there
+  double rise_ = 0.0;     // how much higher the line would be without the points that hold it up, of late
   double watch_x_ = 0.0;  // begin of the span being watched
   double least_late_s_ = 0.0;
   std::uint32_t watched_ = 0;
