@@ -28,11 +28,10 @@ struct LeastLateness {
 ///    values is as far above their limit as the second least is above it).
 ///
 /// 2. USB frames. A bridge's own timer and the host's 1 ms frames are two clocks that hardly slide against
-/// each
-///    other, so a byte may wait for a frame nearly equally long for minutes: anything from 0 to 1 ms. As much
-///    of that millisecond as the waits of the chunks cover, or as slides past within a window, is known not
-///    to be such a constant; half of the rest is expected. Where chunks are cut off every millisecond it may
-///    be the frame itself that cuts (USB-CDC) and makes no byte wait: half of the half.
+///    each other, so a byte may wait for a frame nearly equally long for minutes: anything from 0 to 1 ms. As
+///    much of that millisecond as the waits of the chunks cover, or as slides past within a window, is known
+///    not to be such a constant; half of the rest is expected. Where chunks are cut off every millisecond it
+///    may be the frame itself that cuts (USB-CDC) and makes no byte wait: half of the half.
 ///
 /// 3. Silence. A link that sends when its line falls silent (`longest_silence_s`): half of the longest
 /// silence.
