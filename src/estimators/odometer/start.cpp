@@ -55,7 +55,7 @@ void Start::begin_searching() {
   rested_s_ = 0.0;
   contest_.begin();
   is_contested_ = !lens_->knows_rows();
-  is_asked_again_ = false;
+  is_asked_again_ = was_bias_contested_ = false;
   mean_nis_ = 1.0;
   phase_ = Phase::searching;
 }
@@ -190,7 +190,7 @@ bool Start::begin_by_evidence() {
   better.heading_deg = heading_at(store_.at(0).now_s, found->bias_dps);
   mean_nis_ = 1.0;
   is_contested_ = !lens_->knows_rows();
-  is_asked_again_ = false;
+  is_asked_again_ = was_bias_contested_ = false;
   if (is_contested_) contest_.begin_again(lens_->rows(), better, lost_nis, store_);
   begin_first_pass(better);
   return true;
@@ -369,15 +369,19 @@ bool Start::choose_rows() {
   const FoundRows verdict = contest_.verdict();
   row_margin_ = verdict.margin;
   if (verdict.order == front_.rows()) return false;
+  const double lost_with_dps = front_.filter().bias_dps();
   mean_nis_ = contest_.swap(verdict.order, front_);
+  was_bias_contested_ = std::abs(front_.filter().bias_dps() - lost_with_dps) > known_bias_dps;
   return true;
 }
 
-/// Others may have begun with a wrong bias; then the winner hardly fits, or an odd latency makes up for it.
+/// Others may have begun with a wrong bias, and lost by that alone; or they all have, and the winner hardly
+/// fits, or an odd latency makes up for it.
 bool Start::is_order_doubtful() const {
   const bool is_late = front_.rows() == RowOrder::at_once && !has_usual_latency(front_.filter(), priors_) &&
                        row_margin_ < FoundRows::least_margin;
-  return !lens_->knows_rows() && !is_asked_again_ && !things_move_ && (is_late || mean_nis_ > doubtful_nis);
+  const bool is_doubtful = was_bias_contested_ || is_late || mean_nis_ > doubtful_nis;
+  return !lens_->knows_rows() && !is_asked_again_ && !things_move_ && is_doubtful;
 }
 
 /// All orders learn once more, with what is known of the gyro by now.

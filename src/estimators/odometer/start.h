@@ -118,8 +118,9 @@ class Start {
   Priors evidence_;                                         // by which it began
 
   RowContest contest_;
-  bool is_contested_;            // the order of rows: not where that was measured
-  bool is_asked_again_ = false;  // with a gyro that is known: once
+  bool is_contested_;                // the order of rows: not where that was measured
+  bool is_asked_again_ = false;      // with a gyro that is known: once
+  bool was_bias_contested_ = false;  // the order that won had another bias than the one before
   double row_margin_ = 0.0;
 
   Phase phase_ = Phase::searching;
