@@ -165,11 +165,14 @@ std::optional<double> RowContest::lead(RowOrder order, RowOrder other) const {
 }
 
 FoundRows RowContest::verdict() const {
+  // One that was given up may have led over the few halves before that.
+  const auto is_out = [&](RowOrder order) { return order != of_caller_ && rival(order).is_out; };
   FoundRows best;
   for (const RowOrder order : all_orders) {
+    if (is_out(order)) continue;
     double margin = std::numeric_limits<double>::infinity();
     for (const RowOrder other : all_orders)
-      if (other != order)
+      if (other != order && (order == of_caller_ || !is_out(other)))
         if (const auto one = lead(order, other)) margin = std::min(margin, *one);
     if (std::isfinite(margin) && margin > best.margin) best = {order, margin};
   }
