@@ -18,9 +18,9 @@ cmake --preset asan
 part "build with AddressSanitizer, UBSan and the fuzzers" build asan
 part "clang-tidy over what changed" python3 tests/tidy.py build-asan
 rm -rf build-asan/coverage && mkdir build-asan/coverage # what is not there gets no counts
-# Not the long series, which say how large errors are: their lines are run by others.
+# Not what only the release runs: long series, which say how large errors are, and slow tests whose code others run.
 part "unit tests with AddressSanitizer and UBSan" ctest --test-dir build-asan --output-on-failure -j "$(nproc)" -LE rig \
-  -E "^(Cores/|$(paste -sd'|' tests/long_series.txt))"
+  -E "^(Cores/|$(paste -sd'|' tests/release_only.txt))"
 part "line coverage" bash tests/coverage.sh --counted
 # Not the README: its blocks build and run the release again.
 part "tests on the clock with AddressSanitizer and UBSan" bash tests/wall_clock.sh build-asan -L rig -E "^Readme"
