@@ -165,7 +165,8 @@ std::optional<double> RowContest::lead(RowOrder order, RowOrder other) const {
 }
 
 FoundRows RowContest::verdict() const {
-  // One that was given up may have led over the few halves before that.
+  // One that was given up may have led over the few halves before that: it neither wins nor holds up another
+  // than the caller's, whose margin would else be of nothing.
   const auto is_out = [&](RowOrder order) { return order != of_caller_ && rival(order).is_out; };
   FoundRows best;
   for (const RowOrder order : all_orders) {
