@@ -164,18 +164,23 @@ std::optional<double> RowContest::lead(RowOrder order, RowOrder other) const {
   return contest_trust * 0.5 * double{half_pixels} * count * std::log(sum_of_other / sum);
 }
 
+/// Its least lead; nothing: it could not be compared. One that was given up may have led over the few halves
+/// before that, and is not heard against another than the caller's.
+std::optional<double> RowContest::margin_of(RowOrder order) const {
+  std::optional<double> margin;
+  for (const RowOrder other : all_orders) {
+    if (other == order || (order != of_caller_ && is_out(other))) continue;
+    const auto one = lead(order, other);
+    if (one && (!margin || *one < *margin)) margin = one;
+  }
+  return margin;
+}
+
 FoundRows RowContest::verdict() const {
-  // One that was given up may have led over the few halves before that: it neither wins nor holds up another
-  // than the caller's, whose margin would else be of nothing.
-  const auto is_out = [&](RowOrder order) { return order != of_caller_ && rival(order).is_out; };
   FoundRows best;
   for (const RowOrder order : all_orders) {
-    if (is_out(order)) continue;
-    double margin = std::numeric_limits<double>::infinity();
-    for (const RowOrder other : all_orders)
-      if (other != order && (order == of_caller_ || !is_out(other)))
-        if (const auto one = lead(order, other)) margin = std::min(margin, *one);
-    if (std::isfinite(margin) && margin > best.margin) best = {order, margin};
+    const auto margin = is_out(order) ? std::nullopt : margin_of(order);
+    if (margin && *margin > best.margin) best = {order, *margin};
   }
   const bool does_not_fit = best.order != of_caller_ && rival(best.order).nis > fitting_nis;
   if (best.margin < FoundRows::least_margin || does_not_fit) best.order = of_caller_;

@@ -76,7 +76,9 @@ class RowContest {
   const std::vector<float>& left_of(RowOrder order) const {
     return left_k2_[static_cast<std::size_t>(order)];
   }
+  bool is_out(RowOrder order) const { return order != of_caller_ && rival(order).is_out; }
   std::optional<double> lead(RowOrder order, RowOrder other) const;
+  std::optional<double> margin_of(RowOrder order) const;
 
   Priors priors_;
   bool latency_measured_;

@@ -55,7 +55,7 @@ void Start::begin_searching() {
   rested_s_ = 0.0;
   contest_.begin();
   is_contested_ = !lens_->knows_rows();
-  is_asked_again_ = was_bias_contested_ = false;
+  is_asked_again_ = false;
   mean_nis_ = 1.0;
   phase_ = Phase::searching;
 }
@@ -190,7 +190,7 @@ bool Start::begin_by_evidence() {
   better.heading_deg = heading_at(store_.at(0).now_s, found->bias_dps);
   mean_nis_ = 1.0;
   is_contested_ = !lens_->knows_rows();
-  is_asked_again_ = was_bias_contested_ = false;
+  is_asked_again_ = false;
   if (is_contested_) contest_.begin_again(lens_->rows(), better, lost_nis, store_);
   begin_first_pass(better);
   return true;
@@ -368,6 +368,7 @@ bool Start::choose_rows() {
   is_contested_ = false;
   const FoundRows verdict = contest_.verdict();
   row_margin_ = verdict.margin;
+  was_bias_contested_ = false;
   if (verdict.order == front_.rows()) return false;
   const double lost_with_dps = front_.filter().bias_dps();
   mean_nis_ = contest_.swap(verdict.order, front_);
