@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 #include <ctime>
+#include <limits>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -107,17 +109,21 @@ odometer::Report last_report(const OdometerRecording& recording, const JudgedRun
   return last;
 }
 
+Judged odometer_of(const OdometerRecording& recording) {
+  const auto bank = std::make_shared<estimators::Bank>(std::vector<std::string>{"odometer"}, std::nullopt,
+                                                       recording.profile);
+  return [bank](const Measurement& one) { return bank->add(one).front(); };
+}
+
 }  // namespace
 
 Judgement judge(const OdometerRecording& recording, const JudgedRun& run) {
-  estimators::Bank bank(std::vector<std::string>{"odometer"}, std::nullopt, recording.profile);
-  return judge(recording, run, [&](const Measurement& one) { return bank.add(one).front(); });
+  return judge(recording, run, odometer_of(recording));
 }
 
 Judgement judge(const OdometerRecording& recording, const JudgedRun& run, const Judged& judged) {
   Judgement judgement;
   std::vector<Tracked> tracked;
-  std::vector<double> steps_us;
   std::vector<TimedGyro> of_lost;  // frames: their samples come with the next one
   int frames = 0;
   double origin_deg = 0.0, seen = 0.0;
@@ -134,9 +140,7 @@ Judgement judge(const OdometerRecording& recording, const JudgedRun& run, const 
       of_lost = measurement.gyro;
       continue;
     }
-    const double before_us = processor_us();
     const RateEstimate estimate = judged(measurement);
-    steps_us.push_back(processor_us() - before_us);
     const bool is_tracked = estimate.state == EstimateState::good;
     double off_deg = estimate.angle_deg - shaft_deg(recording, frame.exposure_end);
     if (run.loses_turns && time_s > *run.harm_begin_s)
@@ -170,14 +174,33 @@ Judgement judge(const OdometerRecording& recording, const JudgedRun& run, const 
   if (!tracked.empty()) judge_tracked(tracked, judgement);
   judgement.silent_s = longest_silence_s(tracked, judgement.offset_deg);
   judgement.worst_two_minutes_deg = worst_two_minutes_deg(tracked);
-  const auto quarter = static_cast<std::ptrdiff_t>(steps_us.size() / 4);
-  judgement.slower = median_of({steps_us.end() - quarter, steps_us.end()}) /
-                     median_of({steps_us.begin() + quarter, steps_us.begin() + 2 * quarter});
   if (run.tells_rows) judgement.last = last_report(recording, run);
-  std::sort(steps_us.begin(), steps_us.end());
-  judgement.median_step_us = steps_us[steps_us.size() / 2];
-  judgement.worst_step_us = steps_us.back();
   return judgement;
+}
+
+StepTimes time_steps(const OdometerRecording& recording, double from_s,
+                     const std::function<Judged()>& begin) {
+  const HostTime first = recording.measurements.front().frame.exposure_end + thermorig::from_s(from_s);
+  std::vector<double> steps_us(recording.measurements.size(), std::numeric_limits<double>::infinity());
+  for (int run = 0; run < 2; ++run) {
+    const Judged timed = begin();
+    for (std::size_t i = 0; i < steps_us.size(); ++i) {
+      if (recording.measurements[i].frame.exposure_end < first) continue;
+      const double before_us = processor_us();
+      timed(recording.measurements[i]);
+      steps_us[i] = std::min(steps_us[i], processor_us() - before_us);
+    }
+  }
+  std::erase_if(steps_us, [](double one) { return std::isinf(one); });
+  const auto quarter = static_cast<std::ptrdiff_t>(steps_us.size() / 4);
+  return {.median_us = median_of(steps_us),
+          .worst_us = *std::max_element(steps_us.begin(), steps_us.end()),
+          .slower = median_of({steps_us.end() - quarter, steps_us.end()}) /
+                    median_of({steps_us.begin() + quarter, steps_us.begin() + 2 * quarter})};
+}
+
+StepTimes time_steps(const OdometerRecording& recording, double from_s) {
+  return time_steps(recording, from_s, [&] { return odometer_of(recording); });
 }
 
 }  // namespace thermorig::bench

@@ -33,13 +33,11 @@ struct Judgement {
   double coverage = 0.0;              // share within two sigmas about the mean
   double rate_coverage = 0.0;
   double mean_nis = 0.0;
-  double median_step_us = 0.0, worst_step_us = 0.0;  // processor time of a measurement, the start included
   double silent_s = 0.0;  // for how long at most it was beyond 3 sigma and 3 deg off, and said nothing
   std::optional<double> said_after_s;  // of the begin of the harm: not tracking
   std::optional<double> back_after_s;  // of its end: tracking
   double back_deg = 0.0;               // largest angle from 10 s after the harm on
   double worst_two_minutes_deg = 0.0;  // root mean square of the angle in the worst of them, after the first
-  double slower = 1.0;                 // median step of the last quarter against that of the second
   std::optional<odometer::Report> last;  // of a run that tells rows
 };
 
@@ -50,5 +48,18 @@ Judgement judge(const OdometerRecording& recording, const JudgedRun& run, const 
 
 /// The product's odometer.
 Judgement judge(const OdometerRecording& recording, const JudgedRun& run = {});
+
+/// Processor time that a measurement takes, the start included, microseconds.
+struct StepTimes {
+  double median_us = 0.0, worst_us = 0.0;
+  double slower = 1.0;  // median of the last quarter against that of the second
+};
+
+/// Of two runs over the recording, from `from_s` on: each step does the same in both, so that what it took
+/// longer in one of them is the computer's. `begin` makes what is timed.
+StepTimes time_steps(const OdometerRecording& recording, double from_s, const std::function<Judged()>& begin);
+
+/// Of the product's odometer.
+StepTimes time_steps(const OdometerRecording& recording, double from_s);
 
 }  // namespace thermorig::bench

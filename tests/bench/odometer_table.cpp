@@ -9,6 +9,7 @@
 #include <cstdint>
 #include <cstdio>
 #include <cstdlib>
+#include <memory>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -33,6 +34,7 @@ struct Row {
   Stress stress;
   bool is_plain = false, is_hour = false, is_typical = false, is_lens = false;
   Judgement judgement;
+  StepTimes steps;      // of a row that is plain, or an hour
   CalibratedLens lens;  // of a row that begins with `calibrate lens`
 };
 
@@ -70,8 +72,8 @@ void add_plain(std::vector<Figure>& figures, const Row& row) {
   add(figures, section, row.name, "rate, steady", "deg/s", of.steady_rate_rmse_dps, 0.06);
   add(figures, section, row.name, "rate, all", "deg/s", of.rate_rmse_dps, 0.12);
   add(figures, section, row.name, "rate coverage", "", of.rate_coverage);
-  add(figures, section, row.name, "step, median", "us", of.median_step_us, 300.0);
-  add(figures, section, row.name, "step, worst", "us", of.worst_step_us, 5000.0);
+  add(figures, section, row.name, "step, median", "us", row.steps.median_us, 300.0);
+  add(figures, section, row.name, "step, worst", "us", row.steps.worst_us, 5000.0);
 }
 
 void add_mean(std::vector<Figure>& figures, const std::vector<Row>& rows) {
@@ -114,8 +116,8 @@ void add_hour(std::vector<Figure>& figures, const Row& row) {
   add(figures, section, row.name, "worst 2 minutes, RMSE", "deg", of.worst_two_minutes_deg, 0.7);
   add(figures, section, row.name, "drift", "deg/min", std::abs(of.drift_deg_per_min), 0.05);
   add(figures, section, row.name, "coverage", "", of.coverage);
-  add(figures, section, row.name, "step, median", "us", of.median_step_us, 300.0);
-  add(figures, section, row.name, "last steps / early steps", "", of.slower, 1.2);
+  add(figures, section, row.name, "step, median", "us", row.steps.median_us, 300.0);
+  add(figures, section, row.name, "last steps / early steps", "", row.steps.slower, 1.2);
 }
 
 /// What `calibrate lens` found of what was to be found. `is_held`: limits are meant.
@@ -247,9 +249,21 @@ std::vector<Row> rows_of(const TableOptions& options) {
   return rows;
 }
 
-Judgement judge_board(const OdometerRecording& recording, const JudgedRun& run) {
-  tests::BoardOdometer board(recording.profile);
-  return judge(recording, run, [&](const Measurement& one) { return board.add(one.frame, one.gyro); });
+Judged board_of(const OdometerRecording& recording) {
+  const auto board = std::make_shared<tests::BoardOdometer>(recording.profile);
+  return [board](const Measurement& one) { return board->add(one.frame, one.gyro); };
+}
+
+void judge_row(const OdometerRecording& recording, bool is_board, Row& row) {
+  const bool is_timed = row.is_plain || row.is_hour;
+  const JudgedRun& run = row.stress.run;
+  if (is_board) {
+    row.judgement = judge(recording, run, board_of(recording));
+    if (is_timed) row.steps = time_steps(recording, run.from_s, [&] { return board_of(recording); });
+  } else {
+    row.judgement = judge(recording, run);
+    if (is_timed) row.steps = time_steps(recording, run.from_s);
+  }
 }
 
 }  // namespace
@@ -271,11 +285,7 @@ int main(int count, char** arguments) {
     if (row.is_lens || row.is_typical) row.lens = calibrate_lens(row.recorded);
     if (row.is_lens) return;
     if (row.is_typical) row.recorded.calibrated = row.lens.profile;
-    const OdometerRecording recording = record(row.recorded);
-    if (options->board)
-      row.judgement = judge_board(recording, row.stress.run);
-    else
-      row.judgement = judge(recording, row.stress.run);
+    judge_row(record(row.recorded), options->board, row);
   });
   std::vector<Figure> figures;
   for (const Row& row : rows) {
