@@ -175,11 +175,7 @@ class Moments {
 
 }  // namespace
 
-SpeedSearch::SpeedSearch() {
-  const std::size_t places = SpeedTable::of(least_halves).own().size();
-  rough_.resize(places);
-  fine_.resize(places);
-}
+SpeedSearch::SpeedSearch() : rough_(SpeedTable::speeds()), fine_(SpeedTable::speeds()) {}
 
 SpeedSearch::Fit SpeedSearch::fit(const WindowLines& lines, std::size_t place, const SearchDepth& depth,
                                   double noise_variance) const {

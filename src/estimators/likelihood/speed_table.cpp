@@ -124,6 +124,10 @@ SpeedTable::SpeedTable(std::size_t halves) {
   }
 }
 
+std::size_t SpeedTable::speeds() {
+  return symmetric_speeds().size();
+}
+
 const SpeedTable& SpeedTable::of(std::size_t halves) {
   static_assert(least_halves == 2 && most_halves == 4);
   if (halves == 2) {

@@ -30,6 +30,9 @@ class SpeedTable {
   /// `halves`: least_halves to most_halves.
   explicit SpeedTable(std::size_t halves);
 
+  /// How many speeds are tried, of however many halves. Takes no table.
+  static std::size_t speeds();
+
   /// Made when it is first asked for, and kept: it depends on nothing else.
   static const SpeedTable& of(std::size_t halves);
 
