@@ -52,6 +52,19 @@ TEST(Odometer, StartsInMotionAndFindsBiasScaleAndLatency) {
   EXPECT_NEAR(last.latency_s, room.latency_s, 0.001);
 }
 
+TEST(Odometer, BeginsAMapWithTheNoiseThatItHasHeardBefore) {
+  Room room = turning_room();
+  room.angle_deg = to_and_fro(300.0, 120.0);
+  room.noise_k = 1.5;  // two and a half times what a data sheet says
+  room.contrast_k = 1.6;
+  const auto reports = reports_of(seen_in(room));
+  const auto begins = std::find_if(reports.begin(), reports.end(),
+                                   [](const Report& one) { return one.state == State::tracking; });
+  ASSERT_NE(begins, reports.end());
+  EXPECT_LT(begins->mean_nis, 0.6);
+  EXPECT_NEAR(begins->scale, room.scale, 0.001);
+}
+
 TEST(Odometer, FindsInWhichOrderRowsAreExposed) {
   for (const double rolling : {0.0, 1.0, -1.0}) {
     Room room = turning_room();

@@ -31,6 +31,11 @@ HalfPixels PixelModel::corrected(const HalfReading& half) {
   return temp_c;
 }
 
+void PixelModel::expect_noise(float variance_k2) {
+  common_variance_ = variance_k2;
+  variance_.fill(uniform(variance_k2));
+}
+
 void PixelModel::keep(Map& map) const {
   for (const std::size_t parity : {0U, 1U}) {
     const auto from = static_cast<std::ptrdiff_t>(parity * half_pixels);

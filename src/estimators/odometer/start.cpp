@@ -217,6 +217,7 @@ void Start::begin_pass(int number) {
   begun_with_ = front_.learnt(priors_);
   begun_with_.heading_deg = heading_at(store_.at(0).now_s, begun_with_.bias_dps);
   back_.restart(begun_with_, front_.rows(), things_move_);
+  if (!things_move_) back_.expect_noise_of(front_);  // what moves looks like noise
   if (front_.has_gap()) back_.expect_open_map();
   restart_pass(number);
   phase_ = Phase::second_pass;

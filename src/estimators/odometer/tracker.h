@@ -48,6 +48,9 @@ class Tracker {
   /// What another pass through the same halves may begin with: `priors` but for what this one learnt.
   Priors learnt(const Priors& priors) const;
 
+  /// The camera's noise is what another one has learnt. After restart().
+  void expect_noise_of(const Tracker& other) { pixels_.expect_noise(other.pixels_.noise_k2()); }
+
   /// Parts of the surroundings were never seen.
   bool has_gap() const { return filter_.has_gap(); }
   /// The map, until it closes, is an open one: nothing but the lens tells the scale. Then what is written
