@@ -15,6 +15,7 @@ constexpr float most_readings = 4000.0F;  // then what is older fades
 constexpr float loaded_readings = 60.0F;  // that a map of before counts for
 constexpr float variance_prior = 16.0F;   // readings for which a pixel counts as noisy as all
 constexpr float common_share = 0.02F;     // of a half in the noise of all
+constexpr float normal_median = 0.455F;   // of squares of normal ones, in units of their variance
 constexpr float least_pixel_variance = 0.01F;
 
 }  // namespace
@@ -32,8 +33,8 @@ HalfPixels PixelModel::corrected(const HalfReading& half) {
 }
 
 void PixelModel::expect_noise(float variance_k2) {
-  common_variance_ = variance_k2;
-  variance_.fill(uniform(variance_k2));
+  common_variance_ = heard_variance_ = std::max(common_variance_, variance_k2);
+  variance_.fill(uniform(common_variance_));
 }
 
 void PixelModel::keep(Map& map) const {
@@ -59,8 +60,11 @@ void PixelModel::load(const Map& map) {
 
 void PixelModel::learn(unsigned parity, const HalfPixels& residual, const HalfPixels& map_variance) {
   double sum = 0.0, count = 0.0;
+  HalfPixels excess;  // squares of what was left, less what the map explains of a normal one's median
+  std::size_t compared = 0;
   for (std::size_t i = 0; i < half_pixels; ++i) {
     if (std::isnan(residual[i])) continue;
+    excess[compared++] = residual[i] * residual[i] - normal_median * map_variance[i];
     const float limit = 16.0F * (variance_[parity][i] + map_variance[i]);
     const float square = std::min(limit, residual[i] * residual[i]) - map_variance[i];
     float& n = count_[parity][i];
@@ -75,6 +79,10 @@ void PixelModel::learn(unsigned parity, const HalfPixels& residual, const HalfPi
   if (count < 0.25 * half_pixels) return;
   const auto mean = static_cast<float>(sum / count);
   common_variance_ += common_share * (std::max(least_pixel_variance, mean) - common_variance_);
+  const auto middle = excess.begin() + static_cast<std::ptrdiff_t>(compared / 2);
+  std::nth_element(excess.begin(), middle, excess.begin() + static_cast<std::ptrdiff_t>(compared));
+  const float heard = std::max(least_pixel_variance, *middle / normal_median);
+  heard_variance_ += common_share * (heard - heard_variance_);
 }
 
 }  // namespace thermorig::odometer
