@@ -109,13 +109,13 @@ odometer::Report last_report(const OdometerRecording& recording, const JudgedRun
   return last;
 }
 
+}  // namespace
+
 Judged odometer_of(const OdometerRecording& recording) {
   const auto bank = std::make_shared<estimators::Bank>(std::vector<std::string>{"odometer"}, std::nullopt,
                                                        recording.profile);
   return [bank](const Measurement& one) { return bank->add(one).front(); };
 }
-
-}  // namespace
 
 Judgement judge(const OdometerRecording& recording, const JudgedRun& run) {
   return judge(recording, run, odometer_of(recording));
@@ -178,12 +178,11 @@ Judgement judge(const OdometerRecording& recording, const JudgedRun& run, const 
   return judgement;
 }
 
-StepTimes time_steps(const OdometerRecording& recording, double from_s,
-                     const std::function<Judged()>& begin) {
+StepTimes time_steps(const OdometerRecording& recording, double from_s, BeginJudged begin) {
   const HostTime first = recording.measurements.front().frame.exposure_end + thermorig::from_s(from_s);
   std::vector<double> steps_us(recording.measurements.size(), std::numeric_limits<double>::infinity());
   for (int run = 0; run < 2; ++run) {
-    const Judged timed = begin();
+    const Judged timed = begin(recording);
     for (std::size_t i = 0; i < steps_us.size(); ++i) {
       if (recording.measurements[i].frame.exposure_end < first) continue;
       const double before_us = processor_us();
@@ -197,10 +196,6 @@ StepTimes time_steps(const OdometerRecording& recording, double from_s,
           .worst_us = *std::max_element(steps_us.begin(), steps_us.end()),
           .slower = median_of({steps_us.end() - quarter, steps_us.end()}) /
                     median_of({steps_us.begin() + quarter, steps_us.begin() + 2 * quarter})};
-}
-
-StepTimes time_steps(const OdometerRecording& recording, double from_s) {
-  return time_steps(recording, from_s, [&] { return odometer_of(recording); });
 }
 
 }  // namespace thermorig::bench

@@ -46,7 +46,11 @@ using Judged = std::function<RateEstimate(const Measurement&)>;
 
 Judgement judge(const OdometerRecording& recording, const JudgedRun& run, const Judged& judged);
 
+/// Makes one that has seen nothing yet.
+using BeginJudged = Judged (*)(const OdometerRecording&);
+
 /// The product's odometer.
+Judged odometer_of(const OdometerRecording& recording);
 Judgement judge(const OdometerRecording& recording, const JudgedRun& run = {});
 
 /// Processor time that a measurement takes, the start included, microseconds.
@@ -56,10 +60,7 @@ struct StepTimes {
 };
 
 /// Of two runs over the recording, from `from_s` on: each step does the same in both, so that what it took
-/// longer in one of them is the computer's. `begin` makes what is timed.
-StepTimes time_steps(const OdometerRecording& recording, double from_s, const std::function<Judged()>& begin);
-
-/// Of the product's odometer.
-StepTimes time_steps(const OdometerRecording& recording, double from_s);
+/// longer in one of them is the computer's.
+StepTimes time_steps(const OdometerRecording& recording, double from_s, BeginJudged begin);
 
 }  // namespace thermorig::bench

@@ -254,16 +254,10 @@ Judged board_of(const OdometerRecording& recording) {
   return [board](const Measurement& one) { return board->add(one.frame, one.gyro); };
 }
 
-void judge_row(const OdometerRecording& recording, bool is_board, Row& row) {
-  const bool is_timed = row.is_plain || row.is_hour;
+void judge_row(const OdometerRecording& recording, BeginJudged begin, Row& row) {
   const JudgedRun& run = row.stress.run;
-  if (is_board) {
-    row.judgement = judge(recording, run, board_of(recording));
-    if (is_timed) row.steps = time_steps(recording, run.from_s, [&] { return board_of(recording); });
-  } else {
-    row.judgement = judge(recording, run);
-    if (is_timed) row.steps = time_steps(recording, run.from_s);
-  }
+  row.judgement = judge(recording, run, begin(recording));
+  if (row.is_plain || row.is_hour) row.steps = time_steps(recording, run.from_s, begin);
 }
 
 }  // namespace
@@ -285,7 +279,7 @@ int main(int count, char** arguments) {
     if (row.is_lens || row.is_typical) row.lens = calibrate_lens(row.recorded);
     if (row.is_lens) return;
     if (row.is_typical) row.recorded.calibrated = row.lens.profile;
-    judge_row(record(row.recorded), options->board, row);
+    judge_row(record(row.recorded), options->board ? board_of : odometer_of, row);
   });
   std::vector<Figure> figures;
   for (const Row& row : rows) {

@@ -60,11 +60,8 @@ void PixelModel::load(const Map& map) {
 
 void PixelModel::learn(unsigned parity, const HalfPixels& residual, const HalfPixels& map_variance) {
   double sum = 0.0, count = 0.0;
-  HalfPixels excess;  // squares of what was left, less what the map explains of a normal one's median
-  std::size_t compared = 0;
   for (std::size_t i = 0; i < half_pixels; ++i) {
     if (std::isnan(residual[i])) continue;
-    excess[compared++] = residual[i] * residual[i] - normal_median * map_variance[i];
     const float limit = 16.0F * (variance_[parity][i] + map_variance[i]);
     const float square = std::min(limit, residual[i] * residual[i]) - map_variance[i];
     float& n = count_[parity][i];
@@ -79,8 +76,18 @@ void PixelModel::learn(unsigned parity, const HalfPixels& residual, const HalfPi
   if (count < 0.25 * half_pixels) return;
   const auto mean = static_cast<float>(sum / count);
   common_variance_ += common_share * (std::max(least_pixel_variance, mean) - common_variance_);
-  const auto middle = excess.begin() + static_cast<std::ptrdiff_t>(compared / 2);
-  std::nth_element(excess.begin(), middle, excess.begin() + static_cast<std::ptrdiff_t>(compared));
+}
+
+/// By the median of a half's squares, less what the map explains of it.
+void PixelModel::hear_noise(const HalfPixels& residual, const HalfPixels& map_variance) {
+  HalfPixels squares;
+  std::size_t compared = 0;
+  for (std::size_t i = 0; i < half_pixels; ++i)
+    if (!std::isnan(residual[i]))
+      squares[compared++] = residual[i] * residual[i] - normal_median * map_variance[i];
+  if (compared < half_pixels / 4) return;
+  const auto middle = squares.begin() + static_cast<std::ptrdiff_t>(compared / 2);
+  std::nth_element(squares.begin(), middle, squares.begin() + static_cast<std::ptrdiff_t>(compared));
   const float heard = std::max(least_pixel_variance, *middle / normal_median);
   heard_variance_ += common_share * (heard - heard_variance_);
 }

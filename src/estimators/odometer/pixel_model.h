@@ -23,14 +23,16 @@ class PixelModel {
 
   const HalfPixels& variance(unsigned parity) const { return variance_[parity]; }
 
-  /// Of a reading, of all pixels, but for those of a half that show what moves: K^2.
+  /// Hears the noise of all pixels in the same; few of a half may show what moves.
+  void hear_noise(const HalfPixels& residual, const HalfPixels& map_variance);
+  /// Of a reading, as it was heard: K^2.
   float noise_k2() const { return heard_variance_; }
   /// That of all pixels is known to be at least that, while nothing was learnt of single ones.
   void expect_noise(float variance_k2);
 
  private:
   float common_variance_ = 0.36F;  // of a reading: a data sheet's 0.6 K until halves have told
-  float heard_variance_ = 0.36F;   // the same by medians
+  float heard_variance_ = 0.36F;   // the same, by hear_noise()
   std::array<HalfPixels, 2> offset_c_{}, variance_ = {uniform(0.36F), uniform(0.36F)}, squares_{}, count_{};
   std::array<HalfPixels, 2> last_c_{}, repeats_{};
 

@@ -265,6 +265,7 @@ HalfResult Tracker::judge(const HalfReading& half, const Exposed& exposed) {
   if (std::abs(rate_dps) <= moving_dps) return result;
   const auto after = alignment.compare(view, filter_.exposed_deg(turn, now_s_, now_deg_), {});
   pixels_.learn(half.parity, after.residual, after.map_variance);
+  if (is_learning_) pixels_.hear_noise(after.residual, after.map_variance);  // for another pass
   common_c_ = after.common_c;
   return result;
 }
