@@ -77,6 +77,23 @@ TEST(HeadingFilter, BlamesTheMapWhereItWasMadeWithTheSameError) {
   EXPECT_GT(filter.sigma(HeadingFilter::heading), 9.0);
 }
 
+TEST(HeadingFilter, TakesPartsOfTheMapForOffEachByItself) {
+  HeadingFilter filter({.bias_sigma_dps = 0.0, .map_sigma_deg = 0.4});
+  filter.begin_nodes(-30.0, 90.0, of_heading);
+  const auto of = [&](double azimuth_deg) {
+    Shares about{};
+    HeadingFilter::add_shares(azimuth_deg, 1.0, about);
+    auto row = filter.derivative(turn_at(0.0), 1.0, 0.0, about);
+    row[HeadingFilter::bias] = row[HeadingFilter::latency] = row[HeadingFilter::scale] = 0.0;
+    return row;
+  };
+  EXPECT_NEAR(std::sqrt(filter.variance(of(60.0))), 0.4, 1e-3);
+  filter.update(of(0.0), 0.2, 1e-6);
+  EXPECT_NEAR(filter.map_offset_deg(0.0), -0.2, 1e-3);
+  EXPECT_NEAR(filter.map_offset_deg(60.0), 0.0, 1e-3);
+  EXPECT_NEAR(std::sqrt(filter.variance(of(60.0))), 0.4, 1e-3);
+}
+
 TEST(HeadingFilter, LearnsTheLatencyFromAnotherSpeedAlone) {
   HeadingFilter filter({.bias_sigma_dps = 0.0, .scale_sigma = 0.0, .latency_sigma_s = 0.01});
   const ExposedTurn turn = turn_at(60.0), back = turn_at(-60.0);

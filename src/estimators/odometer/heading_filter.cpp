@@ -134,11 +134,12 @@ void HeadingFilter::begin_nodes(double low_deg, double high_deg, const Row& show
 }
 
 /// What is seen there first is put where the exposure is thought to look: it is off by as much. That is not
-/// what the heading is off: latency moves all halves of one speed alike, and none of them shows it.
+/// what the heading is off: latency moves all halves of one speed alike, and none of them shows it. And it
+/// is off by itself, by the noise of the few halves that have drawn it.
 void HeadingFilter::begin_node(std::size_t at, const Row& shown) {
   const Row across = this->across(shown);
   for (std::size_t i = 0; i < size; ++i) covariance_[at][i] = covariance_[i][at] = across[i];
-  covariance_[at][at] = variance(shown);
+  covariance_[at][at] = variance(shown) + square(priors_.map_sigma_deg);
 }
 
 /// The covariance as a root of it, by Cholesky: whatever a file says of a root, it is a covariance's.

@@ -19,6 +19,7 @@ struct Priors {
   double scale = 1.0, scale_sigma = 0.03;
   double bias_scale_covariance = 0.0;               // deg/s
   double latency_s = 0.0, latency_sigma_s = 0.010;  // of the camera against the gyro
+  double map_sigma_deg = 0.0;                       // of a part of the map by itself
   double bias_walk_dps = 0.008;                     // in a square root of a second
 };
 

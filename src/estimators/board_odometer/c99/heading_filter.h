@@ -18,6 +18,7 @@ enum { HEADING, BIAS, SCALE, LATENCY, FIRST_NODE };
 #define BIAS_WALK_DPS 0.008f
 #define SCALE_WALK 2e-5f
 #define LATENCY_WALK_S 2e-5f
+#define NODE_SIGMA_DEG 0.4f /* what a part of the map is off by itself */
 
 /* A lower triangle, row after row. */
 static float* covariance_at(heading_filter* filter, int i, int j) {
@@ -193,7 +194,7 @@ static void begin_nodes(heading_filter* filter, float low_deg, float high_deg, c
         filter->value[at] = filter->value[FIRST_NODE + behind];
     }
     filter->node[place] = now;
-    across[at] = variance_along(filter, shown, across);
+    across[at] = variance_along(filter, shown, across) + square(NODE_SIGMA_DEG);
     for (int i = 0; i < STATES; ++i) *covariance_at(filter, at, i) = across[i];
   }
 }
