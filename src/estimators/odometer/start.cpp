@@ -219,7 +219,7 @@ bool Start::is_stuck() const {
 /// Through the halves again, from what was learnt of the sensors meanwhile.
 void Start::begin_pass(int number) {
   begun_with_ = front_.learnt(priors_);
-  begun_with_.map_sigma_deg = map_sigma_deg;
+  if (!things_move_) begun_with_.map_sigma_deg = map_sigma_deg;  // a map that gives way may follow them
   begun_with_.heading_deg = heading_at(store_.at(0).now_s, begun_with_.bias_dps);
   back_.restart(begun_with_, front_.rows(), things_move_);
   if (!things_move_) back_.expect_noise_of(front_);  // what moves looks like noise
