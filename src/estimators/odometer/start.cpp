@@ -23,10 +23,10 @@ constexpr double same_scale = 0.015;                       // as searches name i
 constexpr int most_passes = 6;                             // through the halves
 constexpr int passes_by_evidence = 3, passes_to_tell = 2;  // the first one may begin with a wrong bias
 // What a part of the map is taken to be off by itself, but for the first pass, whose map shows in which order
-// rows are exposed. Without it a map is surer of itself than it is right: of 96 rooms (77001 to 80001) the worst
-// has a spread of 0.28 degrees instead of 0.18, and 86 % of its angles within 2 sigma instead of 92.
+// rows are exposed. Without it a map is surer of itself than it is right: of 96 rooms (77001 to 80001) the
+// worst has a spread of 0.28 degrees instead of 0.18, and 86 % of its angles within 2 sigma instead of 92.
 constexpr double map_sigma_deg = 0.4;
-constexpr double doubtful_nis = 1.6, hopeless_nis = 4.0;   // of the order of rows that won, and of others
+constexpr double doubtful_nis = 1.6, hopeless_nis = 4.0;  // of the order of rows that won, and of others
 
 }  // namespace
 
