@@ -323,13 +323,13 @@ double share_tracked(const std::vector<Report>& reports, double from_s) {
 }
 
 TEST(Odometer, TracksThoughSomeoneWalksAround) {
-  const Room room = faint_room(80.0, 0.3);
+  const Room room = faint_room(70.0, 0.3);
   auto all = seen_in(room);
   let_walk(room, 20.0, all);
   const auto reports = reports_of(all);
-  EXPECT_GT(share_tracked(reports, 66.0), 0.9);
-  ASSERT_EQ(reports[at(66.0)].state, State::tracking);
-  EXPECT_LT(silent_s(room, reports, 66.0), 0.5);
+  EXPECT_GT(share_tracked(reports, 62.0), 0.9);
+  ASSERT_EQ(reports[at(62.0)].state, State::tracking);
+  EXPECT_LT(silent_s(room, reports, 62.0), 0.5);
 }
 
 TEST(Odometer, TracksThoughSomeoneComesAfterTheStart) {

@@ -18,7 +18,7 @@ enum { HEADING, BIAS, SCALE, LATENCY, FIRST_NODE };
 #define BIAS_WALK_DPS 0.008f
 #define SCALE_WALK 2e-5f
 #define LATENCY_WALK_S 2e-5f
-#define NODE_SIGMA_DEG 0.4f /* what a part of the map is off by itself */
+#define MAP_SIGMA_DEG 0.4f /* of a part of the map by itself */
 
 /* A lower triangle, row after row. */
 static float* covariance_at(heading_filter* filter, int i, int j) {
@@ -176,8 +176,8 @@ static void filter_update(heading_filter* filter, const float across[STATES], fl
 enum { NODE_NONE, NODE_NEAR, NODE_SEEN }; /* near: only what lies between it and the next */
 
 /* Nodes that are first shown begin with the error of where the half is put. That is not what the heading is
- * off: latency moves all halves of one speed alike, and none of them shows it. `shown`: derivative() of it,
- * without a map. */
+ * off: latency moves all halves of one speed alike, and none of them shows it. And they are off by
+ * themselves. `shown`: derivative() of where the half is put, without a map. */
 static void begin_nodes(heading_filter* filter, float low_deg, float high_deg, const float shown[STATES]) {
   const int32_t last = -floor_of(-high_deg / NODE_DEG);
   float across[STATES];
@@ -194,7 +194,7 @@ static void begin_nodes(heading_filter* filter, float low_deg, float high_deg, c
         filter->value[at] = filter->value[FIRST_NODE + behind];
     }
     filter->node[place] = now;
-    across[at] = variance_along(filter, shown, across) + square(NODE_SIGMA_DEG);
+    across[at] = variance_along(filter, shown, across) + square(MAP_SIGMA_DEG);
     for (int i = 0; i < STATES; ++i) *covariance_at(filter, at, i) = across[i];
   }
 }
