@@ -12,7 +12,7 @@ HalfResult used_at(double rate_dps) {
 
 TEST(HeadingTrust, BelievesWhatASearchFoundAfterEightHalvesThatFit) {
   HeadingTrust trust;
-  trust.begin_after_search(50.0, false);
+  trust.begin_unproven(50.0, false);
   for (int i = 0; i < 7; ++i) trust.add(used_at(50.0));
   trust.add({.is_used = false, .is_judged = true, .rate_dps = 50.0});
   EXPECT_FALSE(trust.is_trusted());
@@ -22,7 +22,7 @@ TEST(HeadingTrust, BelievesWhatASearchFoundAfterEightHalvesThatFit) {
 
 TEST(HeadingTrust, DoubtsWhatTheGyroContradictsUntilTheSpeedHasChanged) {
   HeadingTrust trust;
-  trust.begin_after_search(50.0, true);
+  trust.begin_unproven(50.0, true);
   for (int i = 0; i < 100; ++i) trust.add(used_at(80.0));
   EXPECT_FALSE(trust.is_trusted());
   trust.add(used_at(95.0));
@@ -32,7 +32,7 @@ TEST(HeadingTrust, DoubtsWhatTheGyroContradictsUntilTheSpeedHasChanged) {
 
 TEST(HeadingTrust, ForgetsDoubtsWhereTheRunBeginsAnew) {
   HeadingTrust trust;
-  trust.begin_after_search(50.0, true);
+  trust.begin_unproven(50.0, true);
   trust.begin(20.0);
   EXPECT_TRUE(trust.is_trusted());
   EXPECT_FALSE(trust.has_changed_speed());

@@ -16,7 +16,8 @@ class HeadingTrust {
 
   /// Of a heading that nothing speaks against.
   void begin(double rate_dps) { *this = {0, false, rate_dps}; }
-  void begin_after_search(double rate_dps, bool gyro_differs) {
+  /// Of one that a search found, or that the gyro alone has carried here.
+  void begin_unproven(double rate_dps, bool gyro_differs) {
     *this = {halves_to_trust, gyro_differs, rate_dps};
   }
   /// It leans to one side where things move.

@@ -32,24 +32,14 @@ constexpr double doubted_deg = 2.0, doubted_sigmas = 4.0;  // a jump by more is 
 constexpr double sound_s = 5.0;  // everything fits for so long: then a heading is sound
 constexpr double stepped_bias_dps = 0.3, doubtful_latency = 0.1;  // a share of what nobody expects
 constexpr double turning_dps = 5.0, longest_gyro_gap_s = 0.25, longest_camera_gap_s = 1.0;
+constexpr double proven_s = 3.0;    // a heading may be carried by the gyro for so long
 constexpr double lost_deg = 3.0;    // a heading that is known less well is searched for
 constexpr double give_up_s = 40.0;  // of a search, while the rig turns: then the map is wrong
 constexpr Nearness near_in_map{2.0 * Tracker::least_bias_sigma_dps, Tracker::least_scale_sigma,
                                Tracker::least_latency_sigma_s};
-constexpr double most_near = 4.0;       // times those limits, however little a pass knows
 constexpr int most_counted = 480;       // halves: a minute
 constexpr double saturated_dps = 15.0;  // what a reading at the end of its range may be off
 constexpr double sample_noise_dps = 0.15;
-
-/// At one speed a few seconds do not tell bias, scale and latency from each other: what two passes have
-/// learnt may differ by what the second one does not know (two standard deviations).
-Nearness near_as_known(const HeadingFilter& learnt) {
-  const auto limit = [&](HeadingFilter::Place place, double least) {
-    return std::clamp(2.0 * learnt.sigma(place), least, most_near * least);
-  };
-  return {limit(HeadingFilter::bias, near_in_map.bias_dps), limit(HeadingFilter::scale, near_in_map.scale),
-          limit(HeadingFilter::latency, near_in_map.latency_s)};
-}
 
 }  // namespace
 
@@ -229,6 +219,7 @@ void Odometer::Parts::start_anywhere(const HalfReading& half, double now_s) {
       front.end_learning();
       mean_nis = start.mean_nis();
       trust.begin(front.rate_dps());
+      if (start.by_gyro_s(now_s) > proven_s) trust.begin_unproven(front.rate_dps(), false);
       sound_since_s = now_s;
       sound = heading_of_front();
       lean.begin(front.rate_dps());
@@ -262,7 +253,7 @@ void Odometer::Parts::check_map(const HalfResult& result, const HalfReading& hal
     case MapCheck::Verdict::same:
       // A few seconds tell less than a whole pass of the start.
       if (mean_nis < nis_bounds().settled &&
-          is_near(front.filter(), sought_with, near_as_known(front.filter()))) {
+          is_near(front.filter(), sought_with, near_as_known(front.filter(), near_in_map))) {
         map_use = MapUse::found;
         innovations = InnovationCount();
         front.trust_map();
@@ -368,7 +359,7 @@ void Odometer::Parts::locate(const HalfReading& half, double now_s) {
   if (const auto found = circle.found(by_gyro())) {
     const double jump_deg = front.settle(*found);
     const bool gyro_differs = sound && std::abs(jump_deg) > doubted_deg + doubted_sigmas * expected_sigma_deg;
-    trust.begin_after_search(front.rate_dps(), gyro_differs);
+    trust.begin_unproven(front.rate_dps(), gyro_differs);
     mean_nis = 1.0;
     lean.begin(front.rate_dps());
     unfit_since_s.reset();

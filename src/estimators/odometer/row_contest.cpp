@@ -35,7 +35,6 @@ RowContest::RowContest(const Priors& priors, const SharedLens& lens, bool latenc
 
 void RowContest::begin() {
   is_gyro_known_ = false;
-  hopeless_nis_ = lost_nis;
   of_caller_ = RowOrder::at_once;
   rivals_[0].order = RowOrder::first_to_last;
   rivals_[1].order = RowOrder::last_to_first;
@@ -46,10 +45,8 @@ void RowContest::begin() {
   for (auto& one : left_k2_) std::fill(one.begin(), one.end(), not_judged);
 }
 
-void RowContest::begin_again(RowOrder of_caller, const Priors& known, double hopeless_nis,
-                             const HalfStore& store) {
+void RowContest::begin_again(RowOrder of_caller, const Priors& known, const HalfStore& store) {
   is_gyro_known_ = true;
-  hopeless_nis_ = hopeless_nis;
   of_caller_ = of_caller;
   Priors better = known;
   better.latency_s = priors_.latency_s;  // what the caller learnt of it makes up for the order of rows
@@ -133,7 +130,7 @@ int RowContest::go_through(Rival& rival, const HalfStore& store, const GyroPath&
     learn_nis(result, rival.nis);
     note(rival.order, rival.gone_through, result);
   }
-  if (rival.nis <= hopeless_nis_) return work;
+  if (rival.nis <= lost_nis) return work;
   const int passes = (may_be_last_row(rival) ? 2 : 1) * passes_in_turn();
   rival.passes < passes ? begin_pass(rival) : give_up(rival);
   return work;

@@ -24,9 +24,8 @@ class RowContest {
 
   /// Forgets all.
   void begin();
-  /// Every order but the caller's begins anew, from what is known of the gyro by now; one whose halves fit
-  /// worse than `hopeless_nis` is given up.
-  void begin_again(RowOrder of_caller, const Priors& known, double hopeless_nis, const HalfStore& store);
+  /// Every order but the caller's begins anew, from what is known of the gyro by now.
+  void begin_again(RowOrder of_caller, const Priors& known, const HalfStore& store);
   /// Since then each of them has gone through the store, or was lost on the way.
   bool are_heard(const HalfStore& store) const;
   /// With a gyro that is known another order than the caller's wins only if all were heard; where `must_hear`
@@ -83,7 +82,6 @@ class RowContest {
   Priors priors_;
   bool latency_measured_;
   bool is_gyro_known_ = false;  // rivals need not search for its bias
-  double hopeless_nis_ = lost_nis;
   RowOrder of_caller_ = RowOrder::at_once;
   std::array<Rival, 2> rivals_;
   std::array<std::vector<float>, 3> left_k2_;  // of each half, by order; NaN: not judged

@@ -17,7 +17,7 @@ constexpr std::size_t halves_of_rest = 24;  // are kept of a longer one
 constexpr double still_deg = 3.0;           // as far as a bias of the first seconds knows it
 constexpr double bias_widening = 3.0;       // of what the search states
 constexpr double known_bias_dps = 1.0;
-constexpr double settled_latency_s = 0.001, settled_scale = 0.001;
+constexpr Nearness settled{Tracker::least_bias_sigma_dps, 0.001, 0.001};
 constexpr double known_scale = 0.0008;                     // one standard deviation: 0.3 degrees a turn
 constexpr double same_scale = 0.015;                       // as searches name it
 constexpr int most_passes = 6;                             // through the halves
@@ -26,7 +26,8 @@ constexpr int passes_by_evidence = 3, passes_to_tell = 2;  // the first one may 
 // rows are exposed. Without it a map is surer of itself than it is right: of 96 rooms (77001 to 80001) the
 // worst has a spread of 0.28 degrees instead of 0.16, and 86 % of its angles within 2 sigma instead of 93.
 constexpr double map_sigma_deg = 0.4;
-constexpr double doubtful_nis = 1.6, hopeless_nis = 4.0;  // of the order of rows that won, and of others
+constexpr double doubt_widening = 3.0;
+constexpr double doubtful_nis = 1.2;  // of the order of rows that won: where it is right, it is 0.3 to 0.9
 
 }  // namespace
 
@@ -195,7 +196,7 @@ bool Start::begin_by_evidence() {
   mean_nis_ = 1.0;
   is_contested_ = !lens_->knows_rows();
   is_asked_again_ = false;
-  if (is_contested_) contest_.begin_again(lens_->rows(), better, lost_nis, store_);
+  if (is_contested_) contest_.begin_again(lens_->rows(), better, store_);
   begin_first_pass(better);
   return true;
 }
@@ -251,8 +252,8 @@ void Start::go_through(Tracker& tracker, int work) {
 /// With each new half, as long as no pass is made.
 Start::Outcome Start::go_on_learning(double now_s) {
   if (has_halves_enough(now_s) && may_choose_rows()) {
-    const bool was_settled = is_asking_again() && mean_nis_ < bounds().unfit;
-    if (!choose_rows() && was_settled) return Outcome::over;
+    const bool was_made = is_asking_again() && is_made_ && mean_nis_ < bounds().unfit;
+    if (!choose_rows() && was_made) return Outcome::over;
     begin_pass(pass_ + 1);
     return Outcome::goes_on;
   }
@@ -277,6 +278,7 @@ Start::Outcome Start::take_over(double now_s) {
   const bool must_learn = mean_nis_ > bounds().lost || (is_enough && !is_settled);
   const bool is_made = is_enough && !must_learn;
   if (is_false_map() && (is_made || pass_ >= passes_to_tell)) return fail();
+  if (is_enough && !is_settled && may_be_another_order()) return ask_rows_again(false);
   if (must_learn) return learn_again();
   if (!is_made) {
     phase_ = Phase::learning;
@@ -289,9 +291,7 @@ Start::Outcome Start::take_over(double now_s) {
   }
   // Before faint walls only those halves tell anything that what moves is in: the map is one of it.
   if (things_move_ && innovations_.is_hardly_judged(store_.count())) return fail();
-  if (!is_order_doubtful()) return Outcome::over;
-  ask_rows_again();
-  return Outcome::goes_on;
+  return is_order_doubtful() ? ask_rows_again(true) : Outcome::over;
 }
 
 /// What does not fit means that the map was begun with a wrong bias: by now it is known better. One that
@@ -355,12 +355,15 @@ void Start::expect_traffic() {
   front_.expect_traffic();
 }
 
-/// The pass ended with what it began with: another one would make the same map. Where halves have hardly seen
-/// it close, the scale may still be another.
+/// The pass ended with what it began with: another one would make the same map.
+bool Start::has_repeated() const {
+  return is_near(front_.filter(), begun_with_, near_as_known(front_.filter(), settled));
+}
+
+/// And that map fits. Where halves have hardly seen it close, the scale may still be another.
 bool Start::has_settled() const {
-  return mean_nis_ < bounds().settled && front_.filter().sigma(HeadingFilter::scale) < known_scale &&
-         is_near(front_.filter(), begun_with_,
-                 {Tracker::least_bias_sigma_dps, settled_scale, settled_latency_s});
+  return has_repeated() && mean_nis_ < bounds().settled &&
+         front_.filter().sigma(HeadingFilter::scale) < known_scale;
 }
 
 /// That its own order is better than others says nothing where its halves do not fit at all.
@@ -391,12 +394,24 @@ bool Start::is_order_doubtful() const {
   return !lens_->knows_rows() && !is_asked_again_ && !things_move_ && is_doubtful;
 }
 
-/// All orders learn once more, with what is known of the gyro by now.
-void Start::ask_rows_again() {
+/// Passes have learnt all they will, and do not fit: with the same order they never would.
+bool Start::may_be_another_order() const {
+  return has_repeated() && mean_nis_ < bounds().lost && !is_false_map() && is_plausible() &&
+         has_usual_latency(front_.filter(), priors_) && is_order_doubtful();
+}
+
+/// All orders learn once more, with what is known of the gyro by now. `is_made`: the start is over if the
+/// same order wins again.
+Start::Outcome Start::ask_rows_again(bool is_made) {
   is_contested_ = is_asked_again_ = true;
-  contest_.begin_again(front_.rows(), front_.learnt(priors_), hopeless_nis, store_);
+  is_made_ = is_made;
+  Priors known = front_.learnt(priors_);  // by an order that may be the wrong one
+  known.bias_sigma_dps *= doubt_widening;
+  known.scale_sigma *= doubt_widening;
+  contest_.begin_again(front_.rows(), known, store_);
   pass_ = 0;
   phase_ = Phase::learning;
+  return Outcome::goes_on;
 }
 
 }  // namespace thermorig::odometer

@@ -33,7 +33,7 @@ class Start {
 
   enum class Outcome : std::uint8_t {
     goes_on,
-    over,   // the front tracker knows gyro and map, and has seen all halves
+    over,   // the front tracker knows gyro and map, and has seen all halves that were kept
     failed  // it begins anew: nothing that it has seen fits together
   };
   Outcome add(const HalfReading& half, double now_s);
@@ -43,6 +43,10 @@ class Start {
 
   /// The front tracker has gone through all halves that came.
   bool has_caught_up() const { return phase_ == Phase::learning || phase_ == Phase::second_pass; }
+  /// A start may outlast the minute that it keeps: then the gyro alone has told the heading for so long.
+  double by_gyro_s(double now_s) const {
+    return phase_ == Phase::learning ? 0.0 : now_s - store_.at(store_.count() - 1).now_s;
+  }
   /// Something beside the rig: a start has shown it, or failed, or halves after it have.
   bool things_move() const { return things_move_; }
   /// Halves after the start have shown it.
@@ -88,6 +92,7 @@ class Start {
   Outcome learn_again();
   Outcome fail();
   Outcome begin_anew();
+  bool has_repeated() const;
   bool has_settled() const;
   bool is_plausible() const { return odometer::is_plausible(front_.filter(), priors_, things_move_); }
   bool is_scale_named() const;
@@ -99,7 +104,8 @@ class Start {
   bool may_choose_rows() const;
   bool choose_rows();
   bool is_order_doubtful() const;
-  void ask_rows_again();
+  bool may_be_another_order() const;
+  Outcome ask_rows_again(bool is_made);
   bool is_asking_again() const { return is_contested_ && is_asked_again_; }
 
   Priors priors_;
@@ -120,6 +126,7 @@ class Start {
   RowContest contest_;
   bool is_contested_;                // the order of rows: not where that was measured
   bool is_asked_again_ = false;      // with a gyro that is known: once
+  bool is_made_ = false;             // the map, when that was asked
   bool was_bias_contested_ = false;  // the order that won had another bias than the one before
   double row_margin_ = 0.0;
 

@@ -58,7 +58,7 @@ void Tracker::restart(const Priors& priors, RowOrder rows, bool things_move) {
   is_learning_ = true;
   is_open_ = false;
   halves_ = 0;
-  sigma_in_map_deg_ = 0.0;
+  half_sigma_deg_ = heading_deg2_ = 0.0;
 }
 
 void Tracker::expect_traffic() {
@@ -187,7 +187,7 @@ HalfResult Tracker::add(const HalfReading& half, const GyroPath& path, bool is_t
   const HeadingFilter::Row shown = filter_.derivative(exposed.turn, now_s_, now_deg_);
   begin_nodes(shown_deg, exposed, shown);
   in_map_deg_ = shown_deg - filter_.map_offset_deg(shown_deg);
-  write(view_of(half, exposed), shown_deg, sigma_in_map_deg_, common_c_);
+  write(view_of(half, exposed), shown_deg, half_sigma_deg_, common_c_);
   filter_.rewrite(rewritten_, shown);
   return result;
 }
@@ -224,6 +224,12 @@ int Tracker::work_of(int looks) const {
   return (looks + write_looks) * (do_rows_look_apart() ? row_work : 1);
 }
 
+/// By the newest half, so well against the map.
+void Tracker::know_heading(double sigma_deg) {
+  half_sigma_deg_ = sigma_deg;
+  heading_deg2_ = square(filter_.sigma(HeadingFilter::heading));
+}
+
 /// Lays a half against the map, and tells the filter.
 HalfResult Tracker::judge(const HalfReading& half, const Exposed& exposed) {
   const auto& [turn, temp_c, azimuth_deg, rate_dps, half_width_deg, rows] = exposed;
@@ -231,7 +237,7 @@ HalfResult Tracker::judge(const HalfReading& half, const Exposed& exposed) {
   std::array<double, HeadingFilter::nodes> ahead{};
   HeadingFilter::add_shares(azimuth_deg, 1.0, ahead);
   const double prior_deg2 = filter_.variance(filter_.derivative(turn, now_s_, now_deg_, ahead));
-  sigma_in_map_deg_ = std::sqrt(prior_deg2);
+  know_heading(std::sqrt(prior_deg2));
   const Alignment alignment(panorama_, filter_, *lens_);
   View view = view_of(half, exposed);
   view.trust_deg2 = prior_deg2;
@@ -260,8 +266,7 @@ HalfResult Tracker::judge(const HalfReading& half, const Exposed& exposed) {
   if (is_learning_) noise_deg2 += (learning_share - variance_share) * comparison.variance_deg2();
   if (result.squared > surprising) noise_deg2 += expected_deg2 * (result.squared / surprising - 1.0);
   filter_.update(row, result.innovation_deg, noise_deg2);
-  sigma_in_map_deg_ =
-      std::sqrt(filter_.variance(filter_.derivative(turn, now_s_, now_deg_, comparison.about)));
+  know_heading(std::sqrt(filter_.variance(filter_.derivative(turn, now_s_, now_deg_, comparison.about))));
   if (std::abs(rate_dps) <= moving_dps) return result;
   const auto after = alignment.compare(view, filter_.exposed_deg(turn, now_s_, now_deg_), {});
   pixels_.learn(half.parity, after.residual, after.map_variance);
@@ -280,7 +285,7 @@ void Tracker::locate(const HalfReading& half, const GyroPath& path, CircleSearch
 double Tracker::settle(const CircleSearch::Found& found) {
   const double off_deg = std::remainder(found.azimuth_deg - located_deg_, whole_turn_deg);
   filter_.set_heading(filter_.heading_deg() + off_deg, found.sigma_deg);
-  sigma_in_map_deg_ = found.sigma_deg;
+  know_heading(found.sigma_deg);
   return off_deg;
 }
 

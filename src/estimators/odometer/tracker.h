@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <algorithm>
+#include <cmath>
 #include <vector>
 
 #include "alignment.h"
@@ -94,8 +96,12 @@ class Tracker {
   /// The map as an image, in degrees Celsius.
   std::vector<float> map_image_c() const;
 
-  /// One standard deviation of the heading against the map that is in view.
-  double sigma_in_map_deg() const { return sigma_in_map_deg_; }
+  /// One standard deviation of the heading against the map that is in view. Since its newest half the gyro
+  /// has turned the heading alone, and made it that much less sure.
+  double sigma_in_map_deg() const {
+    const double since_deg2 = square(filter_.sigma(HeadingFilter::heading)) - heading_deg2_;
+    return std::sqrt(square(half_sigma_deg_) + std::max(0.0, since_deg2));
+  }
 
  private:
   struct Exposed {  // a half, and where it should look
@@ -106,6 +112,7 @@ class Tracker {
   };
   Exposed expose(const HalfReading& half, const GyroPath& path);
   HalfResult judge(const HalfReading& half, const Exposed& exposed);
+  void know_heading(double sigma_deg);
   int work_of(int looks) const;
   std::array<double, HeadingFilter::nodes> written_shares(const Alignment::Comparison& comparison,
                                                           const HalfPixels& variance,
@@ -130,7 +137,8 @@ class Tracker {
   bool is_open_ = false;      // it may not close
   float reference_c_ = 0.0F;  // temperatures are kept as differences from it
   int halves_ = 0;
-  double sigma_in_map_deg_ = 0.0;
+  double half_sigma_deg_ = 0.0;  // of the heading against the map, with the newest half
+  double heading_deg2_ = 0.0;    // the heading's own variance then
   double rate_dps_ = 0.0;
   double in_map_deg_ = 0.0;
   double located_deg_ = 0.0;
