@@ -264,6 +264,23 @@ Room faint_room(double duration_s, double contrast_k) {
   return room;
 }
 
+/// Before faint walls: since the last half that it keeps the gyro alone tells the heading.
+TEST(Odometer, ProvesTheHeadingFirstWhereAStartOutlastsTheMinuteThatItKeeps) {
+  Room room = faint_room(100.0, 0.3);
+  room.noise_k = 1.0;
+  room.rolling = 1.0;
+  const auto reports = reports_of(seen_in(room));
+  const auto state_is = [](State state) { return [state](const Report& one) { return one.state == state; }; };
+  const auto ends = std::find_if_not(reports.begin(), reports.end(), state_is(State::starting));
+  ASSERT_GT(ends, reports.begin() + static_cast<long>(at(65.0)));
+  ASSERT_NE(ends, reports.end());
+  EXPECT_EQ(ends->state, State::relocalising);
+  const auto tracks = std::find_if(ends, reports.end(), state_is(State::tracking));
+  ASSERT_LT(tracks, ends + 16);
+  EXPECT_LT(tracks->heading_sigma_deg, 0.7 * ends->heading_sigma_deg);
+  EXPECT_NEAR(off_deg(room, reports, 90.0), off_deg(room, reports, 75.0), 0.5);
+}
+
 TEST(Odometer, LearnsALatencyAnewThatNobodyExpectsAndThatDoesNotFitAtAnotherSpeed) {
   const Room room = faint_room(120.0, 0.3);
   auto all = seen_in(room);
@@ -360,6 +377,7 @@ TEST(Odometer, SaysThatNoNewImageComes) {
   const auto reports = reports_of(all);
   EXPECT_EQ(reports[at(44.0)].state, State::tracking);
   EXPECT_EQ(reports[at(46.5)].reason, Reason::no_camera);
+  EXPECT_GT(reports[at(69.0)].heading_sigma_deg, 2.0 * reports[at(46.0)].heading_sigma_deg);
 }
 
 TEST(Odometer, FollowsAStepOfTheBias) {

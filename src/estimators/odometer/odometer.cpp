@@ -37,9 +37,20 @@ constexpr double lost_deg = 3.0;    // a heading that is known less well is sear
 constexpr double give_up_s = 40.0;  // of a search, while the rig turns: then the map is wrong
 constexpr Nearness near_in_map{2.0 * Tracker::least_bias_sigma_dps, Tracker::least_scale_sigma,
                                Tracker::least_latency_sigma_s};
+constexpr double most_near = 4.0;       // times those limits, however little a pass knows
 constexpr int most_counted = 480;       // halves: a minute
 constexpr double saturated_dps = 15.0;  // what a reading at the end of its range may be off
 constexpr double sample_noise_dps = 0.15;
+
+/// At one speed a few seconds do not tell bias, scale and latency from each other: what two passes have
+/// learnt may differ by what the second one does not know (two standard deviations).
+Nearness near_as_known(const HeadingFilter& learnt) {
+  const auto limit = [&](HeadingFilter::Place place, double least) {
+    return std::clamp(2.0 * learnt.sigma(place), least, most_near * least);
+  };
+  return {limit(HeadingFilter::bias, near_in_map.bias_dps), limit(HeadingFilter::scale, near_in_map.scale),
+          limit(HeadingFilter::latency, near_in_map.latency_s)};
+}
 
 }  // namespace
 
@@ -253,7 +264,7 @@ void Odometer::Parts::check_map(const HalfResult& result, const HalfReading& hal
     case MapCheck::Verdict::same:
       // A few seconds tell less than a whole pass of the start.
       if (mean_nis < nis_bounds().settled &&
-          is_near(front.filter(), sought_with, near_as_known(front.filter(), near_in_map))) {
+          is_near(front.filter(), sought_with, near_as_known(front.filter()))) {
         map_use = MapUse::found;
         innovations = InnovationCount();
         front.trust_map();

@@ -53,17 +53,6 @@ inline bool is_near(const HeadingFilter& learnt, const Priors& begun_with, const
          std::abs(learnt.latency_s() - begun_with.latency_s) < limits.latency_s;
 }
 
-/// At one speed, or before faint walls, halves do not tell bias, scale and latency from each other: what two
-/// passes have learnt may differ by what the second one does not know (two standard deviations).
-inline Nearness near_as_known(const HeadingFilter& learnt, const Nearness& least) {
-  constexpr double most = 4.0;  // times those limits, however little a pass knows
-  const auto limit = [&](HeadingFilter::Place place, double one) {
-    return std::clamp(2.0 * learnt.sigma(place), one, most * one);
-  };
-  return {limit(HeadingFilter::bias, least.bias_dps), limit(HeadingFilter::scale, least.scale),
-          limit(HeadingFilter::latency, least.latency_s)};
-}
-
 /// A scale that no data sheet knows is believed when a second start, of other halves, has learnt the same:
 /// maps that close falsely do so each in its own way.
 class RefusedScale {

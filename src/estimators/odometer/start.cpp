@@ -26,8 +26,8 @@ constexpr int passes_by_evidence = 3, passes_to_tell = 2;  // the first one may 
 // rows are exposed. Without it a map is surer of itself than it is right: of 96 rooms (77001 to 80001) the
 // worst has a spread of 0.28 degrees instead of 0.16, and 86 % of its angles within 2 sigma instead of 93.
 constexpr double map_sigma_deg = 0.4;
-constexpr double doubt_widening = 3.0;
-constexpr double doubtful_nis = 1.2;  // of the order of rows that won: where it is right, it is 0.3 to 0.9
+constexpr double doubtful_nis = 1.2;    // of a map, and of an order of rows: right ones have 0.3 to 0.9
+constexpr double doubt_widening = 3.0;  // of what a doubtful order has learnt
 
 }  // namespace
 
@@ -357,13 +357,15 @@ void Start::expect_traffic() {
 
 /// The pass ended with what it began with: another one would make the same map.
 bool Start::has_repeated() const {
-  return is_near(front_.filter(), begun_with_, near_as_known(front_.filter(), settled));
+  return is_near(front_.filter(), begun_with_, settled);
 }
 
-/// And that map fits. Where halves have hardly seen it close, the scale may still be another.
+/// And that map fits. Where halves have hardly seen it close, the scale may still be another; where they fit
+/// worse than they should, it has to be known twice as well.
 bool Start::has_settled() const {
+  const double doubt = !things_move_ && mean_nis_ > doubtful_nis ? 2.0 : 1.0;
   return has_repeated() && mean_nis_ < bounds().settled &&
-         front_.filter().sigma(HeadingFilter::scale) < known_scale;
+         doubt * front_.filter().sigma(HeadingFilter::scale) < known_scale;
 }
 
 /// That its own order is better than others says nothing where its halves do not fit at all.
