@@ -252,8 +252,9 @@ void Start::go_through(Tracker& tracker, int work) {
 /// With each new half, as long as no pass is made.
 Start::Outcome Start::go_on_learning(double now_s) {
   if (has_halves_enough(now_s) && may_choose_rows()) {
-    const bool was_made = is_asking_again() && is_made_ && mean_nis_ < bounds().unfit;
-    if (!choose_rows() && was_made) return Outcome::over;
+    // Its map had repeated itself before: it stands with its order, if it fits by now.
+    const bool may_stand = is_asking_again() && mean_nis_ < doubtful_nis && knows_scale();
+    if (!choose_rows() && may_stand) return Outcome::over;
     begin_pass(pass_ + 1);
     return Outcome::goes_on;
   }
@@ -278,7 +279,7 @@ Start::Outcome Start::take_over(double now_s) {
   const bool must_learn = mean_nis_ > bounds().lost || (is_enough && !is_settled);
   const bool is_made = is_enough && !must_learn;
   if (is_false_map() && (is_made || pass_ >= passes_to_tell)) return fail();
-  if (is_enough && !is_settled && may_be_another_order()) return ask_rows_again(false);
+  if (is_enough && !is_settled && may_be_another_order()) return ask_rows_again();
   if (must_learn) return learn_again();
   if (!is_made) {
     phase_ = Phase::learning;
@@ -291,7 +292,7 @@ Start::Outcome Start::take_over(double now_s) {
   }
   // Before faint walls only those halves tell anything that what moves is in: the map is one of it.
   if (things_move_ && innovations_.is_hardly_judged(store_.count())) return fail();
-  return is_order_doubtful() ? ask_rows_again(true) : Outcome::over;
+  return is_order_doubtful() ? ask_rows_again() : Outcome::over;
 }
 
 /// What does not fit means that the map was begun with a wrong bias: by now it is known better. One that
@@ -360,12 +361,16 @@ bool Start::has_repeated() const {
   return is_near(front_.filter(), begun_with_, settled);
 }
 
-/// And that map fits. Where halves have hardly seen it close, the scale may still be another; where they fit
-/// worse than they should, it has to be known twice as well.
+/// And that map fits.
 bool Start::has_settled() const {
+  return has_repeated() && mean_nis_ < bounds().settled && knows_scale();
+}
+
+/// Where halves have hardly seen the map close, the scale may be another; where they fit worse than they
+/// should, it has to be known twice as well.
+bool Start::knows_scale() const {
   const double doubt = !things_move_ && mean_nis_ > doubtful_nis ? 2.0 : 1.0;
-  return has_repeated() && mean_nis_ < bounds().settled &&
-         doubt * front_.filter().sigma(HeadingFilter::scale) < known_scale;
+  return doubt * front_.filter().sigma(HeadingFilter::scale) < known_scale;
 }
 
 /// That its own order is better than others says nothing where its halves do not fit at all.
@@ -402,11 +407,9 @@ bool Start::may_be_another_order() const {
          has_usual_latency(front_.filter(), priors_) && is_order_doubtful();
 }
 
-/// All orders learn once more, with what is known of the gyro by now. `is_made`: the start is over if the
-/// same order wins again.
-Start::Outcome Start::ask_rows_again(bool is_made) {
+/// All orders learn once more, with what is known of the gyro by now.
+Start::Outcome Start::ask_rows_again() {
   is_contested_ = is_asked_again_ = true;
-  is_made_ = is_made;
   Priors known = front_.learnt(priors_);  // by an order that may be the wrong one
   known.bias_sigma_dps *= doubt_widening;
   known.scale_sigma *= doubt_widening;

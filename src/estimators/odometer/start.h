@@ -94,6 +94,7 @@ class Start {
   Outcome begin_anew();
   bool has_repeated() const;
   bool has_settled() const;
+  bool knows_scale() const;
   bool is_plausible() const { return odometer::is_plausible(front_.filter(), priors_, things_move_); }
   bool is_scale_named() const;
   bool shows_traffic() const;
@@ -105,7 +106,7 @@ class Start {
   bool choose_rows();
   bool is_order_doubtful() const;
   bool may_be_another_order() const;
-  Outcome ask_rows_again(bool is_made);
+  Outcome ask_rows_again();
   bool is_asking_again() const { return is_contested_ && is_asked_again_; }
 
   Priors priors_;
@@ -126,7 +127,6 @@ class Start {
   RowContest contest_;
   bool is_contested_;                // the order of rows: not where that was measured
   bool is_asked_again_ = false;      // with a gyro that is known: once
-  bool is_made_ = false;             // the map, when that was asked
   bool was_bias_contested_ = false;  // the order that won had another bias than the one before
   double row_margin_ = 0.0;
 
