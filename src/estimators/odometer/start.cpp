@@ -366,11 +366,15 @@ bool Start::has_settled() const {
   return has_repeated() && mean_nis_ < bounds().settled && knows_scale();
 }
 
+/// By more than what something that moves would explain.
+bool Start::fits_badly() const {
+  return !things_move_ && mean_nis_ > doubtful_nis && !shows_traffic();
+}
+
 /// Where halves have hardly seen the map close, the scale may be another; where they fit worse than they
 /// should, it has to be known twice as well.
 bool Start::knows_scale() const {
-  const double doubt = !things_move_ && mean_nis_ > doubtful_nis ? 2.0 : 1.0;
-  return doubt * front_.filter().sigma(HeadingFilter::scale) < known_scale;
+  return (fits_badly() ? 2.0 : 1.0) * front_.filter().sigma(HeadingFilter::scale) < known_scale;
 }
 
 /// That its own order is better than others says nothing where its halves do not fit at all.
@@ -397,7 +401,7 @@ bool Start::choose_rows() {
 bool Start::is_order_doubtful() const {
   const bool is_late = front_.rows() == RowOrder::at_once && !has_usual_latency(front_.filter(), priors_) &&
                        row_margin_ < FoundRows::least_margin;
-  const bool is_doubtful = was_bias_contested_ || is_late || mean_nis_ > doubtful_nis;
+  const bool is_doubtful = was_bias_contested_ || is_late || fits_badly();
   return !lens_->knows_rows() && !is_asked_again_ && !things_move_ && is_doubtful;
 }
 

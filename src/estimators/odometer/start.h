@@ -94,6 +94,7 @@ class Start {
   Outcome begin_anew();
   bool has_repeated() const;
   bool has_settled() const;
+  bool fits_badly() const;
   bool knows_scale() const;
   bool is_plausible() const { return odometer::is_plausible(front_.filter(), priors_, things_move_); }
   bool is_scale_named() const;
