@@ -289,6 +289,33 @@ def export_odometer_angles(figures):
                  [[name, *(of(start, column, shown) for start in starts.values())] for name, of, column, shown in rows])
 
 
+def sections(text, *names):
+    """Those of a report that has headings of the third level, in the order asked for."""
+    parts = re.split(r"^### (.*)\n", re.sub(r"^\d+ of \d+ figures .*\n", "", text, flags=re.MULTILINE), flags=re.MULTILINE)
+    found = dict(zip(parts[1::2], parts[2::2]))
+    return "\n\n".join(f"### {name}\n\n{found[name].strip()}" for name in names)
+
+
+@layout("odometer", of_text=True)
+def odometer(text):
+    return sections(text, "Honest world", "Honest world, all")
+
+
+@layout("odometer_stresses", of_text=True)
+def odometer_stresses(text):
+    return sections(text, "Stresses")
+
+
+@layout("odometer_hour", of_text=True)
+def odometer_hour(text):
+    return sections(text, "An hour")
+
+
+@layout("odometer_typical", of_text=True)
+def odometer_typical(text):
+    return sections(text, "World typical", "World typical, all")
+
+
 @layout("models")
 def models(reports):
     def row(name, report):

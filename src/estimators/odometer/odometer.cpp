@@ -32,9 +32,9 @@ constexpr double doubted_deg = 2.0, doubted_sigmas = 4.0;  // a jump by more is 
 constexpr double sound_s = 5.0;  // everything fits for so long: then a heading is sound
 constexpr double stepped_bias_dps = 0.3, doubtful_latency = 0.1;  // a share of what nobody expects
 constexpr double turning_dps = 5.0, longest_gyro_gap_s = 0.25, longest_camera_gap_s = 1.0;
-constexpr double proven_s = 3.0;    // a heading may be carried by the gyro for so long
-constexpr double lost_deg = 3.0;    // a heading that is known less well is searched for
-constexpr double give_up_s = 40.0;  // of a search, while the rig turns: then the map is wrong
+constexpr double longest_by_gyro_s = 3.0;  // a start that ended later has yet to prove its heading
+constexpr double lost_deg = 3.0;           // a heading that is known less well is searched for
+constexpr double give_up_s = 40.0;         // of a search, while the rig turns: then the map is wrong
 constexpr Nearness near_in_map{2.0 * Tracker::least_bias_sigma_dps, Tracker::least_scale_sigma,
                                Tracker::least_latency_sigma_s};
 constexpr double most_near = 4.0;       // times those limits, however little a pass knows
@@ -229,8 +229,10 @@ void Odometer::Parts::start_anywhere(const HalfReading& half, double now_s) {
       phase = Phase::running;
       front.end_learning();
       mean_nis = start.mean_nis();
-      trust.begin(front.rate_dps());
-      if (start.by_gyro_s(now_s) > proven_s) trust.begin_unproven(front.rate_dps(), false);
+      if (start.by_gyro_s(now_s) <= longest_by_gyro_s)
+        trust.begin(front.rate_dps());
+      else
+        trust.begin_unproven(front.rate_dps(), false);
       sound_since_s = now_s;
       sound = heading_of_front();
       lean.begin(front.rate_dps());

@@ -26,7 +26,9 @@ constexpr int passes_by_evidence = 3, passes_to_tell = 2;  // the first one may 
 // rows are exposed. Without it a map is surer of itself than it is right: of 96 rooms (77001 to 80001) the
 // worst has a spread of 0.28 degrees instead of 0.16, and 86 % of its angles within 2 sigma instead of 93.
 constexpr double map_sigma_deg = 0.4;
-constexpr double doubtful_nis = 1.2;    // of a map, and of an order of rows: right ones have 0.3 to 0.9
+// Of a map, and of an order of rows. Of 48 rooms (77001 and 79001), all of the right order, starts end with
+// 0.30 to 0.90.
+constexpr double doubtful_nis = 1.2;
 constexpr double doubt_widening = 3.0;  // of what a doubtful order has learnt
 
 }  // namespace
@@ -405,7 +407,7 @@ bool Start::is_order_doubtful() const {
   return !lens_->knows_rows() && !is_asked_again_ && !things_move_ && is_doubtful;
 }
 
-/// Passes have learnt all they will, and do not fit: with the same order they never would.
+/// Passes have learnt all that they will with this order, and it is in doubt: no need to wait for the end.
 bool Start::may_be_another_order() const {
   return has_repeated() && mean_nis_ < bounds().lost && !is_false_map() && is_plausible() &&
          has_usual_latency(front_.filter(), priors_) && is_order_doubtful();

@@ -43,7 +43,8 @@ class Start {
 
   /// The front tracker has gone through all halves that came.
   bool has_caught_up() const { return phase_ == Phase::learning || phase_ == Phase::second_pass; }
-  /// A start may outlast the minute that it keeps: then the gyro alone has told the heading for so long.
+  /// For how long the gyro alone has told the heading, at the end of a start that outlasted the minute that
+  /// it keeps.
   double by_gyro_s(double now_s) const {
     return phase_ == Phase::learning ? 0.0 : now_s - store_.at(store_.count() - 1).now_s;
   }

@@ -224,8 +224,8 @@ int Tracker::work_of(int looks) const {
   return (looks + write_looks) * (do_rows_look_apart() ? row_work : 1);
 }
 
-/// By the newest half, so well against the map.
-void Tracker::know_heading(double sigma_deg) {
+/// Of the heading against the map, with the newest half; from here on it grows.
+void Tracker::keep_sigma(double sigma_deg) {
   half_sigma_deg_ = sigma_deg;
   heading_deg2_ = square(filter_.sigma(HeadingFilter::heading));
 }
@@ -237,7 +237,7 @@ HalfResult Tracker::judge(const HalfReading& half, const Exposed& exposed) {
   std::array<double, HeadingFilter::nodes> ahead{};
   HeadingFilter::add_shares(azimuth_deg, 1.0, ahead);
   const double prior_deg2 = filter_.variance(filter_.derivative(turn, now_s_, now_deg_, ahead));
-  know_heading(std::sqrt(prior_deg2));
+  keep_sigma(std::sqrt(prior_deg2));
   const Alignment alignment(panorama_, filter_, *lens_);
   View view = view_of(half, exposed);
   view.trust_deg2 = prior_deg2;
@@ -266,7 +266,7 @@ HalfResult Tracker::judge(const HalfReading& half, const Exposed& exposed) {
   if (is_learning_) noise_deg2 += (learning_share - variance_share) * comparison.variance_deg2();
   if (result.squared > surprising) noise_deg2 += expected_deg2 * (result.squared / surprising - 1.0);
   filter_.update(row, result.innovation_deg, noise_deg2);
-  know_heading(std::sqrt(filter_.variance(filter_.derivative(turn, now_s_, now_deg_, comparison.about))));
+  keep_sigma(std::sqrt(filter_.variance(filter_.derivative(turn, now_s_, now_deg_, comparison.about))));
   if (std::abs(rate_dps) <= moving_dps) return result;
   const auto after = alignment.compare(view, filter_.exposed_deg(turn, now_s_, now_deg_), {});
   pixels_.learn(half.parity, after.residual, after.map_variance);
@@ -285,7 +285,7 @@ void Tracker::locate(const HalfReading& half, const GyroPath& path, CircleSearch
 double Tracker::settle(const CircleSearch::Found& found) {
   const double off_deg = std::remainder(found.azimuth_deg - located_deg_, whole_turn_deg);
   filter_.set_heading(filter_.heading_deg() + off_deg, found.sigma_deg);
-  know_heading(found.sigma_deg);
+  keep_sigma(found.sigma_deg);
   return off_deg;
 }
 

@@ -96,8 +96,8 @@ class Tracker {
   /// The map as an image, in degrees Celsius.
   std::vector<float> map_image_c() const;
 
-  /// One standard deviation of the heading against the map that is in view. Since its newest half the gyro
-  /// has turned the heading alone, and made it that much less sure.
+  /// One standard deviation of the heading against the map that is in view: with the newest half, and what
+  /// the gyro may have walked since.
   double sigma_in_map_deg() const {
     const double since_deg2 = square(filter_.sigma(HeadingFilter::heading)) - heading_deg2_;
     return std::sqrt(square(half_sigma_deg_) + std::max(0.0, since_deg2));
@@ -112,7 +112,7 @@ class Tracker {
   };
   Exposed expose(const HalfReading& half, const GyroPath& path);
   HalfResult judge(const HalfReading& half, const Exposed& exposed);
-  void know_heading(double sigma_deg);
+  void keep_sigma(double sigma_deg);
   int work_of(int looks) const;
   std::array<double, HeadingFilter::nodes> written_shares(const Alignment::Comparison& comparison,
                                                           const HalfPixels& variance,

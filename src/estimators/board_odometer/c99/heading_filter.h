@@ -18,7 +18,7 @@ enum { HEADING, BIAS, SCALE, LATENCY, FIRST_NODE };
 #define BIAS_WALK_DPS 0.008f
 #define SCALE_WALK 2e-5f
 #define LATENCY_WALK_S 2e-5f
-#define MAP_SIGMA_DEG 0.4f /* of a part of the map by itself */
+#define MAP_SIGMA_DEG 0.4f /* what a part of the map may be off by itself */
 
 /* A lower triangle, row after row. */
 static float* covariance_at(heading_filter* filter, int i, int j) {
