@@ -140,6 +140,18 @@ TEST(BoardOdometer, SaysThatTheLensIsCoveredAndDoesNotWriteThatIntoItsMap) {
   EXPECT_NEAR(off_deg(room, said, 82.0), off_deg(room, said, 69.0), 0.5);
 }
 
+/// At a steady speed images whose time is wrong fit where the rig is not.
+TEST(BoardOdometer, DoubtsWhatTheGyroContradictsAndNotWhatItConfirms) {
+  const Room room = with_steady_speed(turning_room(90.0), 70.0, 30.0);
+  auto all = seen_in(room);
+  make_early(all, 74.0, 80.0);
+  const auto said = said_of(all);
+  ASSERT_EQ(said[at(69.0)].state, EstimateState::good);
+  EXPECT_EQ(said[at(79.5)].state, EstimateState::relocalising);
+  EXPECT_EQ(said[at(86.0)].state, EstimateState::good);
+  EXPECT_NEAR(off_deg(room, said, 86.0), off_deg(room, said, 69.0), 0.7);
+}
+
 TEST(BoardOdometer, SaysThatNothingComes) {
   auto all = seen_in(turning_room(80.0));
   for (Seen& seen : all) {

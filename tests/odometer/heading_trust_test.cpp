@@ -20,14 +20,23 @@ TEST(HeadingTrust, BelievesWhatASearchFoundAfterEightHalvesThatFit) {
   EXPECT_TRUE(trust.is_trusted());
 }
 
-TEST(HeadingTrust, DoubtsWhatTheGyroContradictsUntilTheSpeedHasChanged) {
+TEST(HeadingTrust, DoubtsWhatTheGyroContradictsUntilTwiceAsManyHalvesFitAtAnotherSpeed) {
   HeadingTrust trust;
   trust.begin_unproven(50.0, true);
   for (int i = 0; i < 100; ++i) trust.add(used_at(80.0));
+  for (int i = 0; i < 15; ++i) trust.add(used_at(95.0));
   EXPECT_FALSE(trust.is_trusted());
   trust.add(used_at(95.0));
-  for (int i = 0; i < 8; ++i) trust.add(used_at(95.0));
   EXPECT_TRUE(trust.is_trusted());
+}
+
+/// There a wrong time fits again.
+TEST(HeadingTrust, DoesNotCountHalvesAtTheSpeedOfBeforeThoughItHasChangedMeanwhile) {
+  HeadingTrust trust;
+  trust.begin_unproven(50.0, true);
+  trust.add({.is_used = false, .is_judged = true, .rate_dps = -50.0});
+  for (int i = 0; i < 100; ++i) trust.add(used_at(50.0));
+  EXPECT_FALSE(trust.is_trusted());
 }
 
 TEST(HeadingTrust, ForgetsDoubtsWhereTheRunBeginsAnew) {

@@ -302,19 +302,25 @@ TEST(Odometer, LearnsALatencyAnewThatNobodyExpectsAndThatDoesNotFitAtAnotherSpee
 TEST(Odometer, KeepsTheHeadingOfTheGyroWhenImagesHaveWrongTimes) {
   const Room room = faint_room(120.0, 0.3);
   auto all = seen_in(room);
-  for (Seen& seen : all) {
-    if (seen.frame.exposure_end < at_s(70.0) || seen.frame.exposure_end > at_s(100.0)) continue;
-    for (HalfExposure& half : seen.frame.half) {
-      half.begin -= std::chrono::milliseconds(125);
-      half.end -= std::chrono::milliseconds(125);
-    }
-  }
+  make_early(all, 70.0, 100.0);
   const auto reports = reports_of(all);
   ASSERT_EQ(reports[at(69.0)].state, State::tracking);
   EXPECT_NE(reports[at(73.0)].state, State::tracking);
   EXPECT_LT(silent_s(room, reports, 69.0), 1.0);
   EXPECT_EQ(reports.back().state, State::tracking);
   EXPECT_NEAR(off_deg(room, reports, 119.0), off_deg(room, reports, 69.0), 0.7);
+}
+
+/// At a steady speed halves whose time is wrong fit where the rig is not, and the gyro says so.
+TEST(Odometer, BelievesWhatTheGyroConfirmsAtTheSameSpeedAndNothingElse) {
+  const Room room = with_steady_speed(turning_room(90.0), 70.0, 30.0);
+  auto all = seen_in(room);
+  make_early(all, 74.0, 80.0);
+  const auto reports = reports_of(all);
+  EXPECT_LT(silent_s(room, reports, 69.0), 1.0);
+  EXPECT_EQ(reports[at(79.5)].state, State::relocalising);
+  EXPECT_EQ(reports[at(84.0)].state, State::tracking);
+  EXPECT_NEAR(off_deg(room, reports, 84.0), off_deg(room, reports, 69.0), 0.7);
 }
 
 /// Someone who walks around the rig, 14 degrees wide and 6 K warmer than the walls.

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "room.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <numbers>
@@ -110,6 +111,23 @@ Room turning_room(double duration_s) {
   room.duration_s = duration_s;
   room.angle_deg = to_and_fro(200.0, 60.0);
   return room;
+}
+
+Room with_steady_speed(Room room, double from_s, double rate_dps) {
+  room.angle_deg = [from_s, rate_dps, turning = room.angle_deg](double time_s) {
+    return turning(std::min(time_s, from_s)) + rate_dps * std::max(0.0, time_s - from_s);
+  };
+  return room;
+}
+
+void make_early(std::vector<Seen>& all, double from_s, double until_s) {
+  for (Seen& seen : all) {
+    if (seen.frame.exposure_end < at_s(from_s) || seen.frame.exposure_end > at_s(until_s)) continue;
+    for (HalfExposure& half : seen.frame.half) {
+      half.begin -= std::chrono::milliseconds(125);
+      half.end -= std::chrono::milliseconds(125);
+    }
+  }
 }
 
 Room with_rest(Room room, double from_s, double rest_s) {

@@ -38,6 +38,12 @@ std::function<double(double)> to_and_fro(double reach_deg, double rate_dps);
 /// The same room, where the shaft rests for a while, from a time on.
 Room with_rest(Room room, double from_s, double rest_s);
 
+/// The same room, where the shaft turns on at one speed from a time on.
+Room with_steady_speed(Room room, double from_s, double rate_dps);
+
+/// What was seen between two times is taken for exposed a frame's period earlier.
+void make_early(std::vector<Seen>& all, double from_s, double until_s);
+
 /// A room of which nothing is special, seen to and fro at up to 60 deg/s.
 Room turning_room(double duration_s = 70.0);
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <cmath>
 
 #include "tracker.h"
 
@@ -18,34 +19,38 @@ class HeadingTrust {
   void begin(double rate_dps) { *this = {0, false, rate_dps}; }
   /// Of one that a search found, or that the gyro alone has carried here.
   void begin_unproven(double rate_dps, bool gyro_differs) {
-    *this = {halves_to_trust, gyro_differs, rate_dps};
+    *this = {gyro_differs ? halves_to_trust_doubted : halves_to_trust, gyro_differs, rate_dps};
   }
   /// It leans to one side where things move.
-  void doubt_lean() { halves_left_ = halves_to_trust_lean; }
+  void doubt_lean() { halves_left_ = halves_to_trust_doubted; }
 
   /// Of a half that was judged.
   void add(const HalfResult& result) {
-    if (result.is_used) halves_left_ = std::max(0, halves_left_ - 1);
     slowest_dps_ = std::min(slowest_dps_, result.rate_dps);
     fastest_dps_ = std::max(fastest_dps_, result.rate_dps);
-    if (!gyro_differs_ || !has_changed_speed()) return;
-    gyro_differs_ = false;
-    halves_left_ = halves_to_trust;
+    if (gyro_differs_ && std::abs(result.rate_dps - begun_dps_) < telling_change_dps) return;
+    if (result.is_used) halves_left_ = std::max(0, halves_left_ - 1);
+    if (halves_left_ == 0) gyro_differs_ = false;
   }
 
-  bool is_trusted() const { return halves_left_ == 0 && !gyro_differs_; }
+  bool is_trusted() const { return halves_left_ == 0; }
   /// So much that a wrong time would have shown.
   bool has_changed_speed() const { return fastest_dps_ - slowest_dps_ >= telling_change_dps; }
 
  private:
-  static constexpr int halves_to_trust = 8, halves_to_trust_lean = 16;
+  static constexpr int halves_to_trust = 8, halves_to_trust_doubted = 16;
   static constexpr double telling_change_dps = 40.0;
 
   HeadingTrust(int halves, bool gyro_differs, double rate_dps)
-      : halves_left_(halves), gyro_differs_(gyro_differs), slowest_dps_(rate_dps), fastest_dps_(rate_dps) {}
+      : halves_left_(halves),
+        gyro_differs_(gyro_differs),
+        begun_dps_(rate_dps),
+        slowest_dps_(rate_dps),
+        fastest_dps_(rate_dps) {}
 
   int halves_left_ = 0;
   bool gyro_differs_ = false;
+  double begun_dps_ = 0.0;                        // the speed at which it was found
   double slowest_dps_ = 0.0, fastest_dps_ = 0.0;  // since it began
 };
 

@@ -26,10 +26,10 @@ namespace thermorig::odometer {
 namespace {
 
 constexpr HostDuration clock_begins_anew = std::chrono::seconds(1);
-constexpr double longest_unfit_s = 30.0;                   // then the map is wrong
-constexpr int covered_halves = 4;                          // in a row
-constexpr double doubted_deg = 2.0, doubted_sigmas = 4.0;  // a jump by more is doubted
-constexpr double sound_s = 5.0;  // everything fits for so long: then a heading is sound
+constexpr double longest_unfit_s = 30.0;  // then the map is wrong
+constexpr int covered_halves = 4;         // in a row
+constexpr double doubted_sigmas = 2.0;    // a heading that is off what the gyro says by more is doubted
+constexpr double sound_s = 5.0;           // everything fits for so long: then a heading is sound
 constexpr double stepped_bias_dps = 0.3, doubtful_latency = 0.1;  // a share of what nobody expects
 constexpr double turning_dps = 5.0, longest_gyro_gap_s = 0.25, longest_camera_gap_s = 1.0;
 constexpr double longest_by_gyro_s = 3.0;  // a start that ended later has yet to prove its heading
@@ -50,6 +50,11 @@ Nearness near_as_known(const HeadingFilter& learnt) {
   };
   return {limit(HeadingFilter::bias, near_in_map.bias_dps), limit(HeadingFilter::scale, near_in_map.scale),
           limit(HeadingFilter::latency, near_in_map.latency_s)};
+}
+
+bool is_off(const CircleSearch::Found& found, const CircleSearch::Found& by_gyro) {
+  const double off_deg = std::remainder(found.azimuth_deg - by_gyro.azimuth_deg, whole_turn_deg);
+  return std::abs(off_deg) > doubted_sigmas * by_gyro.sigma_deg;
 }
 
 }  // namespace
@@ -77,7 +82,7 @@ struct Odometer::Parts {
   const NisBounds& nis_bounds() const { return odometer::nis_bounds(start.things_move()); }
   void run(const HalfReading& half);
   void locate(const HalfReading& half, double now_s);
-  void follow_lean(const HalfResult& result);
+  void follow_lean(const HalfResult& result, double now_s);
   void count_innovation(const HalfResult& result);
   void watch_for_traffic();
   void begin_search(double now_s);
@@ -125,7 +130,6 @@ struct Odometer::Parts {
   HeadingTrust trust;
   std::optional<double> unfit_since_s;  // innovations are larger than they should be
   bool gyro_was_away = false;
-  double expected_sigma_deg = 0.0;  // of the heading before the search
   InnovationLean lean;
   InnovationCount innovations;  // since the start, or since the heading was another
   HalfResult newest;            // of the halves that were judged
@@ -301,7 +305,7 @@ void Odometer::Parts::run(const HalfReading& half) {
   covered = result.is_flat ? covered + 1 : 0;
   if (!result.is_flat) count_innovation(result);
   trust.add(result);
-  if (result.is_used) follow_lean(result);
+  if (result.is_used) follow_lean(result, half.end_s);
   if (mean_nis > nis_bounds().unfit && !unfit_since_s) unfit_since_s = half.end_s;
   if (mean_nis < nis_bounds().fits && unfit_since_s) {
     unfit_since_s.reset();
@@ -346,7 +350,7 @@ void Odometer::Parts::watch_for_traffic() {
 
 /// Innovations that lean: the bias is another, or, if all had fitted at another speed, an odd latency.
 /// Where things move the rig may only turn with a person: that is said, and nothing written meanwhile.
-void Odometer::Parts::follow_lean(const HalfResult& result) {
+void Odometer::Parts::follow_lean(const HalfResult& result, double now_s) {
   lean.add(result);
   if (!lean.is_much(start.things_move())) return;
   const double odd_latency_s = front.filter().latency_s() - priors.latency_s;
@@ -355,12 +359,12 @@ void Odometer::Parts::follow_lean(const HalfResult& result) {
     trust.doubt_lean();
   else
     front.widen(stepped_bias_dps, is_late ? doubtful_latency * odd_latency_s : 0.0);
+  sound_since_s = now_s;
   lean.forget();
 }
 
 void Odometer::Parts::begin_search(double now_s) {
   if (gyro_was_away) sound.reset();
-  expected_sigma_deg = front.sigma_in_map_deg();
   gyro_was_away = false;
   circle.begin();
   locating_since_s = now_s;
@@ -369,9 +373,10 @@ void Odometer::Parts::begin_search(double now_s) {
 
 void Odometer::Parts::locate(const HalfReading& half, double now_s) {
   front.locate(half, path, circle);
-  if (const auto found = circle.found(by_gyro())) {
-    const double jump_deg = front.settle(*found);
-    const bool gyro_differs = sound && std::abs(jump_deg) > doubted_deg + doubted_sigmas * expected_sigma_deg;
+  const auto expected = by_gyro();
+  if (const auto found = circle.found(expected)) {
+    front.settle(*found);
+    const bool gyro_differs = expected && is_off(*found, *expected);
     trust.begin_unproven(front.rate_dps(), gyro_differs);
     mean_nis = 1.0;
     lean.begin(front.rate_dps());

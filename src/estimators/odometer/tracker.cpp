@@ -282,11 +282,10 @@ void Tracker::locate(const HalfReading& half, const GyroPath& path, CircleSearch
   located_deg_ = exposed.azimuth_deg;
 }
 
-double Tracker::settle(const CircleSearch::Found& found) {
+void Tracker::settle(const CircleSearch::Found& found) {
   const double off_deg = std::remainder(found.azimuth_deg - located_deg_, whole_turn_deg);
   filter_.set_heading(filter_.heading_deg() + off_deg, found.sigma_deg);
   keep_sigma(found.sigma_deg);
-  return off_deg;
 }
 
 void Tracker::write(const View& view, double azimuth_deg, double sigma_deg, float common_c) {

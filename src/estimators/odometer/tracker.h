@@ -80,8 +80,7 @@ class Tracker {
   /// before.
   void locate(const HalfReading& half, const GyroPath& path, CircleSearch& search);
   /// What the search found, of the newest half: the nearest of the headings that it may be.
-  /// Returns by how much it is off what the gyro let expect.
-  double settle(const CircleSearch::Found& found);
+  void settle(const CircleSearch::Found& found);
   double located_deg() const { return located_deg_; }  // of the newest half, as the gyro has it
 
   /// The bias may have stepped, and the latency be wrong, by so much (one standard deviation each).

@@ -51,8 +51,9 @@ enum { SEARCHING, LEARNING, RUNNING, LOCATING };
 #define MOST_NIS 60.0f        /* that one half counts with */
 #define COVERED_HALVES 4      /* in a row */
 #define HALVES_TO_TRUST 8     /* after a search */
-#define DOUBTED_DEG 2.0f      /* a jump by more is doubted */
-#define DOUBTED_SIGMAS 4.0f
+#define DOUBTED_HALVES 16     /* where the gyro says something else */
+#define DOUBTED_SIGMAS 2.0f   /* a jump by more is doubted */
+#define LEAST_DOUBT_DEG 1.0f
 #define TELLING_CHANGE_DPS 40.0f /* of the speed: then a wrong time would show */
 #define LEAN_SHARE (1.0f / 16.0f)
 #define MUCH_LEAN 0.7f
@@ -201,8 +202,12 @@ static void learn(odometer* s) {
 }
 
 static void begin_search(odometer* s) {
-  s->is_explained = s->watch.was_away;
-  s->expected_sigma_deg = s->tracker.in_map_deg;
+  if (s->to_trust == 0) {
+    s->is_explained = 0;
+    s->jumped_deg = 0.0f;
+    s->expected_sigma_deg = s->tracker.in_map_deg;
+  }
+  if (s->watch.was_away) s->is_explained = 1;
   s->watch.was_away = 0;
   begin_circle(&s->tracker.of.map.by.circle);
   s->locating_since_us = s->tracker.filter.now_us;
@@ -227,14 +232,9 @@ static void run(odometer* s) {
   s->covered = result.is_flat ? s->covered + 1 : 0;
   if (!result.is_flat) learn_of(s, &result);
   if (result.is_used) {
-    if (s->to_trust > 0) --s->to_trust;
+    const int may_tell = !s->is_doubted || size_of(result.rate_dps - s->found_dps) >= TELLING_CHANGE_DPS;
+    if (may_tell && s->to_trust > 0) --s->to_trust;
     follow_bias(s, &result);
-  }
-  s->slowest_dps = least(s->slowest_dps, result.rate_dps);
-  s->fastest_dps = most(s->fastest_dps, result.rate_dps);
-  if (s->is_doubted && s->fastest_dps - s->slowest_dps > TELLING_CHANGE_DPS) {
-    s->is_doubted = 0;
-    s->to_trust = HALVES_TO_TRUST;
   }
   if (s->nis > NIS_UNFIT && !s->is_unfit) {
     s->is_unfit = 1;
@@ -256,12 +256,13 @@ static void locate(odometer* s) {
   }
   /* The gyro said something else, and was there all the time: one of the two is wrong, and as long as the rig
    * keeps its speed nobody can tell. */
+  s->jumped_deg = apart(s->jumped_deg + located.jump_deg);
   s->is_doubted =
-      !s->is_explained && size_of(located.jump_deg) > DOUBTED_DEG + DOUBTED_SIGMAS * s->expected_sigma_deg;
-  s->slowest_dps = s->fastest_dps = located.rate_dps;
+      !s->is_explained && size_of(s->jumped_deg) > DOUBTED_SIGMAS * (LEAST_DOUBT_DEG + s->expected_sigma_deg);
+  s->found_dps = located.rate_dps;
   s->nis = 1.0f;
   s->lean = 0.0f;
-  s->to_trust = HALVES_TO_TRUST;
+  s->to_trust = s->is_doubted ? DOUBTED_HALVES : HALVES_TO_TRUST;
   s->phase = RUNNING;
 }
 
@@ -365,7 +366,7 @@ static int32_t reason_of(const odometer* s, uint32_t time_us) {
 
 static int32_t state_of(const odometer* s, int32_t reason) {
   if (reason != THERMORIG_ODOMETER_NONE) return THERMORIG_ODOMETER_NOT_TRUSTED;
-  if (s->phase == LOCATING || (s->phase == RUNNING && (s->to_trust > 0 || s->is_doubted)))
+  if (s->phase == LOCATING || (s->phase == RUNNING && s->to_trust > 0))
     return THERMORIG_ODOMETER_RELOCALISING;
   return s->phase == RUNNING ? THERMORIG_ODOMETER_TRACKING : THERMORIG_ODOMETER_STARTING;
 }

@@ -209,7 +209,8 @@ typedef struct {
   uint32_t pass_since_us, unfit_since_us, locating_since_us;
   float begun_bias_dps, begun_scale, begun_latency_s;
   uint16_t judged, far; /* halves of the pass; those that lay far from where they were expected */
-  float nis, lean, expected_sigma_deg, slowest_dps, fastest_dps;
+  float nis, lean;
+  float found_dps, jumped_deg, expected_sigma_deg; /* by searches, since the heading was trusted */
   uint8_t has_seen, has_origin, is_unfit, is_doubted, is_explained;
 } thermorig_odometer_state;
 
