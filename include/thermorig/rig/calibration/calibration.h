@@ -63,7 +63,7 @@ OrientationResult measure_orientation(const session::Session& session);
 /// Slow sweeps back and forth, best with a whole turn: where each pixel looks (pitch, distortion, tilt,
 /// roll), and over how much of a refresh period rows are exposed one after the other. The order of the
 /// columns is the profile's. What the images tell no better than it was known before is not in it. Throws as
-/// well where the pitch is not told to one per cent.
+/// well where the pitch is not told to two per cent.
 struct LensResult {
   Estimate pitch_scale{1.0, 0.0};
   std::optional<Estimate> distortion, tilt_deg, roll_deg, row_spread;  // none: not told
