@@ -42,6 +42,7 @@ static void keep_heading_around(heading_filter* filter) {
 /* A new guess of the heading: so much more, and how well that is known. */
 static void turn_heading(heading_filter* filter, float deg, float sigma_deg) {
   filter->value[HEADING] += deg;
+  filter->moved_deg += deg;
   keep_heading_around(filter);
   for (int i = 0; i < STATES; ++i) *covariance_at(filter, HEADING, i) = 0.0f;
   *covariance_at(filter, HEADING, HEADING) = square(sigma_deg);
@@ -165,6 +166,7 @@ static void filter_update(heading_filter* filter, const float across[STATES], fl
   for (int i = 0; i < STATES; ++i) {
     const float gain = across[i] / total;
     filter->value[i] += gain * innovation;
+    if (i == HEADING) filter->moved_deg += gain * innovation;
     for (int j = 0; j <= i; ++j) *covariance++ -= gain * across[j];
   }
   for (int i = 0; i < FIRST_NODE; ++i)

@@ -47,13 +47,12 @@ enum { SEARCHING, LEARNING, RUNNING, LOCATING };
 #define NIS_LOST 8.0f
 #define NIS_UNFIT 3.0f /* not trusted from the one on until the other */
 #define NIS_FITS 2.0f
-#define LONGEST_UNFIT_S 30.0f /* then the map is wrong */
-#define MOST_NIS 60.0f        /* that one half counts with */
-#define COVERED_HALVES 4      /* in a row */
-#define HALVES_TO_TRUST 8     /* after a search */
-#define DOUBTED_HALVES 16     /* where the gyro says something else */
-#define DOUBTED_SIGMAS 2.0f   /* a jump by more is doubted */
-#define LEAST_DOUBT_DEG 1.0f
+#define LONGEST_UNFIT_S 30.0f    /* then the map is wrong */
+#define MOST_NIS 60.0f           /* that one half counts with */
+#define COVERED_HALVES 4         /* in a row */
+#define HALVES_TO_TRUST 8        /* after a search */
+#define DOUBTED_HALVES 16        /* where the gyro says something else */
+#define DOUBTED_DEG 2.0f         /* as far off the gyro's heading it is doubted */
 #define TELLING_CHANGE_DPS 40.0f /* of the speed: then a wrong time would show */
 #define LEAN_SHARE (1.0f / 16.0f)
 #define MUCH_LEAN 0.7f
@@ -202,12 +201,7 @@ static void learn(odometer* s) {
 }
 
 static void begin_search(odometer* s) {
-  if (s->to_trust == 0) {
-    s->is_explained = 0;
-    s->jumped_deg = 0.0f;
-    s->expected_sigma_deg = s->tracker.in_map_deg;
-  }
-  if (s->watch.was_away) s->is_explained = 1;
+  s->is_explained = s->watch.was_away || (s->to_trust > 0 && s->is_explained);
   s->watch.was_away = 0;
   begin_circle(&s->tracker.of.map.by.circle);
   s->locating_since_us = s->tracker.filter.now_us;
@@ -235,6 +229,7 @@ static void run(odometer* s) {
     const int may_tell = !s->is_doubted || size_of(result.rate_dps - s->found_dps) >= TELLING_CHANGE_DPS;
     if (may_tell && s->to_trust > 0) --s->to_trust;
     follow_bias(s, &result);
+    if (s->to_trust == 0 && s->nis < NIS_FITS) s->tracker.filter.moved_deg = 0.0f;
   }
   if (s->nis > NIS_UNFIT && !s->is_unfit) {
     s->is_unfit = 1;
@@ -256,9 +251,7 @@ static void locate(odometer* s) {
   }
   /* The gyro said something else, and was there all the time: one of the two is wrong, and as long as the rig
    * keeps its speed nobody can tell. */
-  s->jumped_deg = apart(s->jumped_deg + located.jump_deg);
-  s->is_doubted =
-      !s->is_explained && size_of(s->jumped_deg) > DOUBTED_SIGMAS * (LEAST_DOUBT_DEG + s->expected_sigma_deg);
+  s->is_doubted = !s->is_explained && size_of(apart(s->tracker.filter.moved_deg)) > DOUBTED_DEG;
   s->found_dps = located.rate_dps;
   s->nis = 1.0f;
   s->lean = 0.0f;

@@ -38,7 +38,7 @@ extern "C" {
   232 /* bins that a half may look at: 115 degrees, and what it sweeps beside */
 
 /* RAM of a state, and what the stack needs at most. */
-#define THERMORIG_ODOMETER_STATE_BYTES 35204
+#define THERMORIG_ODOMETER_STATE_BYTES 35200
 #define THERMORIG_ODOMETER_STACK_BYTES 4400
 
 /* What is known of the rig beforehand: `thermorig export` writes it from a profile. */
@@ -126,6 +126,7 @@ typedef struct {
   uint8_t is_learning; /* the map is being made */
   uint8_t is_open;     /* the map may not close: what is written again is off as the half is by then */
   uint8_t has_begun;   /* it has a time: */
+  float moved_deg;     /* by which halves and searches have put the heading off the gyro's, since it fitted */
   int32_t turns;
   uint32_t now_us, now_turned; /* as the gyro's path has it then */
 } thermorig_odometer_heading_filter;
@@ -208,9 +209,8 @@ typedef struct {
   int32_t phase, pass, covered, to_trust;
   uint32_t pass_since_us, unfit_since_us, locating_since_us;
   float begun_bias_dps, begun_scale, begun_latency_s;
-  uint16_t judged, far; /* halves of the pass; those that lay far from where they were expected */
-  float nis, lean;
-  float found_dps, jumped_deg, expected_sigma_deg; /* by searches, since the heading was trusted */
+  uint16_t judged, far;       /* halves of the pass; those that lay far from where they were expected */
+  float nis, lean, found_dps; /* the speed at which a search found the heading */
   uint8_t has_seen, has_origin, is_unfit, is_doubted, is_explained;
 } thermorig_odometer_state;
 
