@@ -386,6 +386,29 @@ TEST(Odometer, SaysThatNoNewImageComes) {
   EXPECT_GT(reports[at(69.0)].heading_sigma_deg, 2.0 * reports[at(46.0)].heading_sigma_deg);
 }
 
+/// From 70 s on the walls show little of what they showed. A map is begun anew, where the gyro has the rig.
+TEST(Odometer, SaysInANewMapHowWellTheGyroHasCarriedTheHeadingThere) {
+  constexpr float changed = 0.8F;
+  Room room = turning_room(170.0);
+  auto all = seen_in(room);
+  room.walls = 8;
+  const auto other = seen_in(room);
+  for (std::size_t i = at(70.0); i < all.size(); ++i)
+    for (std::size_t pixel = 0; pixel < frame_pixels; ++pixel) {
+      float& temp_c = all[i].frame.frame.temp_c[pixel];
+      temp_c += changed * (other[i].frame.frame.temp_c[pixel] - temp_c);
+    }
+  const auto reports = reports_of(all);
+  ASSERT_EQ(reports[at(69.0)].state, State::tracking);
+  EXPECT_LT(reports[at(69.0)].heading_sigma_deg, 0.7);
+  EXPECT_EQ(reports[at(137.0)].state, State::starting);
+  ASSERT_EQ(reports.back().state, State::tracking);
+  EXPECT_NEAR(off_deg(room, reports, 169.0), off_deg(room, reports, 69.0),
+              2.0 * reports.back().heading_sigma_deg);
+  EXPECT_GT(reports.back().heading_sigma_deg, 1.0);
+  EXPECT_LT(reports.back().heading_sigma_deg, 3.0);
+}
+
 TEST(Odometer, FollowsAStepOfTheBias) {
   const Room room = turning_room(90.0);
   auto all = seen_in(room);

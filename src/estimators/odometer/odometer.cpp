@@ -123,6 +123,7 @@ struct Odometer::Parts {
   double last_gyro_s = 0.0, last_half_s = 0.0;
   Phase phase = Phase::starting;
   double locating_since_s = 0.0;
+  double origin_sigma_deg = 0.0;     // of the map, in the first one: those begun anew lie there by the gyro
   std::optional<GyroHeading> sound;  // none: the gyro was away since, or there was no map yet
   double sound_since_s = 0.0;
   double mean_nis = 1.0;
@@ -231,6 +232,7 @@ void Odometer::Parts::start_anywhere(const HalfReading& half, double now_s) {
       break;
     case Start::Outcome::over:
       phase = Phase::running;
+      origin_sigma_deg = std::hypot(origin_sigma_deg, start.origin_sigma_deg());
       front.end_learning();
       mean_nis = start.mean_nis();
       if (start.by_gyro_s(now_s) <= longest_by_gyro_s)
@@ -272,6 +274,7 @@ void Odometer::Parts::check_map(const HalfResult& result, const HalfReading& hal
       if (mean_nis < nis_bounds().settled &&
           is_near(front.filter(), sought_with, near_as_known(front.filter()))) {
         map_use = MapUse::found;
+        origin_sigma_deg = 0.0;
         innovations = InnovationCount();
         front.trust_map();
         return;
@@ -395,6 +398,7 @@ void Odometer::Parts::forget_clock() {
   begin_anew();
   start.forget();
   sound.reset();
+  origin_sigma_deg = 0.0;
   path.clear();
   watch = GyroWatch();
   origin.reset();
@@ -408,6 +412,7 @@ void Odometer::Parts::begin_anew() {
     sound.reset();
   else if (phase != Phase::starting && !sound)
     sound = heading_of_front();
+  if (!sound) origin_sigma_deg = 0.0;  // the heading has another origin from here on
   start.begin(sound);
   mean_nis = 1.0;
   covered = 0;
@@ -447,7 +452,6 @@ Report Odometer::Parts::report(const TimedFrame& frame, double now_s) const {
   report.rows = front.rows();
   report.row_margin = start.row_margin();
   if (has_heading()) report.heading_deg = filter.heading_deg();
-  if (has_heading()) report.origin_sigma_deg = filter.sigma(HeadingFilter::heading);
   const double begin_s = to_s(frame.exposure_begin - *origin), length_s = now_s - begin_s;
   if (!(length_s > 0.0)) return report;
   const ExposedTurn turn = path.over(begin_s, now_s);
@@ -460,7 +464,8 @@ Report Odometer::Parts::report(const TimedFrame& frame, double now_s) const {
                  gyro_time_sigma_s * (turn.last_dps - turn.first_dps) / length_s);
   // No image tells how late the gyro is: what it says of now, it says of then.
   if (has_heading())
-    report.heading_sigma_deg = std::hypot(front.sigma_in_map_deg(), gyro_time_sigma_s * report.rate_dps);
+    report.heading_sigma_deg =
+        std::hypot(front.sigma_in_map_deg(), gyro_time_sigma_s * report.rate_dps, origin_sigma_deg);
   return report;
 }
 

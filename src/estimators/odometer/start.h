@@ -48,6 +48,10 @@ class Start {
   double by_gyro_s(double now_s) const {
     return phase_ == Phase::learning ? 0.0 : now_s - store_.at(store_.count() - 1).now_s;
   }
+  /// One standard deviation of where the map begins in the one before; 0 if there was none.
+  double origin_sigma_deg() const {
+    return before_ ? before_->sigma_deg(path_.until(store_.at(0).now_s)) : 0.0;
+  }
   /// Something beside the rig: a start has shown it, or failed, or halves after it have.
   bool things_move() const { return things_move_; }
   /// Halves after the start have shown it.

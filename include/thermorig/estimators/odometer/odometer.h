@@ -33,10 +33,11 @@ enum class Reason : std::uint8_t {
 struct Report {
   State state = State::starting;
   Reason reason = Reason::none;
-  double heading_deg = unknown;        // since the map's origin; whole turns are counted
-  double heading_sigma_deg = unknown;  // against the part of the map that is in view
-  double origin_sigma_deg = unknown;   // of the heading against the map's origin
-  double rate_dps = unknown;           // mean over the frame's exposures
+  double heading_deg = unknown;  // since the map's origin; whole turns are counted
+  // Against the part of the map that is in view. A map that was begun anew lies in the one before by the
+  // gyro: that is in it.
+  double heading_sigma_deg = unknown;
+  double rate_dps = unknown;  // mean over the frame's exposures
   double rate_sigma_dps = unknown;
   double bias_dps = 0.0, scale = 1.0;     // of the gyro: reading = scale * rate + bias
   double latency_s = 0.0;                 // camera's middle rows against gyro, beyond what the profile says
