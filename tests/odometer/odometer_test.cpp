@@ -409,6 +409,23 @@ TEST(Odometer, SaysInANewMapHowWellTheGyroHasCarriedTheHeadingThere) {
   EXPECT_LT(reports.back().heading_sigma_deg, 3.0);
 }
 
+/// A covered lens shows nothing; here all halves show something, and nothing that the map has.
+TEST(Odometer, BeginsANewMapWhereItIsCarriedIntoAnotherRoom) {
+  Room room = turning_room(180.0);
+  auto all = seen_in(room);
+  room.walls = 8;
+  const auto other = seen_in(room);
+  const auto carried = static_cast<long>(at(70.0));
+  std::copy(other.begin() + carried, other.end(), all.begin() + carried);
+  const auto reports = reports_of(all);
+  ASSERT_EQ(reports[at(69.0)].state, State::tracking);
+  EXPECT_EQ(reports[at(75.0)].reason, Reason::view_differs);
+  EXPECT_EQ(reports[at(150.0)].state, State::starting);
+  EXPECT_EQ(reports.back().state, State::tracking);
+  EXPECT_NEAR(off_deg(room, reports, 179.0), off_deg(room, reports, 69.0),
+              2.0 * reports.back().heading_sigma_deg);
+}
+
 TEST(Odometer, FollowsAStepOfTheBias) {
   const Room room = turning_room(90.0);
   auto all = seen_in(room);

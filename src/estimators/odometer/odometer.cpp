@@ -28,8 +28,10 @@ namespace {
 constexpr HostDuration clock_begins_anew = std::chrono::seconds(1);
 constexpr double longest_unfit_s = 30.0;  // then the map is wrong
 constexpr int covered_halves = 4;         // in a row
-constexpr double doubted_sigmas = 2.0;    // a heading that is off what the gyro says by more is doubted
-constexpr double sound_s = 5.0;           // everything fits for so long: then a heading is sound
+// Of the halves of the last minute: then these are other surroundings. Where all are strange, after 55 s.
+constexpr double most_strange = 0.6, strange_share = 1.0 / 480.0;
+constexpr double doubted_sigmas = 2.0;  // a heading that is off what the gyro says by more is doubted
+constexpr double sound_s = 5.0;         // everything fits for so long: then a heading is sound
 constexpr double stepped_bias_dps = 0.3, doubtful_latency = 0.1;  // a share of what nobody expects
 constexpr double turning_dps = 5.0, longest_gyro_gap_s = 0.25, longest_camera_gap_s = 1.0;
 constexpr double longest_by_gyro_s = 3.0;  // a start that ended later has yet to prove its heading
@@ -127,7 +129,8 @@ struct Odometer::Parts {
   std::optional<GyroHeading> sound;  // none: the gyro was away since, or there was no map yet
   double sound_since_s = 0.0;
   double mean_nis = 1.0;
-  int covered = 0;  // halves in a row
+  int covered = 0;       // halves in a row
+  double strange = 0.0;  // a running mean: the share of halves that fit neither the map nor a covered lens
   HeadingTrust trust;
   std::optional<double> unfit_since_s;  // innovations are larger than they should be
   bool gyro_was_away = false;
@@ -306,6 +309,7 @@ void Odometer::Parts::run(const HalfReading& half) {
   if (!result.is_judged) return;
   newest = result;
   covered = result.is_flat ? covered + 1 : 0;
+  strange += strange_share * ((result.is_strange ? 1.0 : 0.0) - strange);
   if (!result.is_flat) count_innovation(result);
   trust.add(result);
   if (result.is_used) follow_lean(result, half.end_s);
@@ -315,7 +319,8 @@ void Odometer::Parts::run(const HalfReading& half) {
     watch_for_traffic();
   }
   keep_sound_heading(half.end_s);
-  if (unfit_since_s && half.end_s - *unfit_since_s > longest_unfit_s) {
+  const bool is_unfit = unfit_since_s && half.end_s - *unfit_since_s > longest_unfit_s;
+  if (is_unfit || strange > most_strange) {
     begin_anew();
     return;
   }
@@ -416,6 +421,7 @@ void Odometer::Parts::begin_anew() {
   start.begin(sound);
   mean_nis = 1.0;
   covered = 0;
+  strange = 0.0;
   trust = HeadingTrust();
   unfit_since_s.reset();
   gyro_was_away = false;

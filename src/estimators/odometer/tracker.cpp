@@ -14,11 +14,12 @@ constexpr double variance_share = 1.44;  // halves see the same errors of the ma
 // the gyro's scale is off by 3.9 times what is stated after a start, with it by 2.6 (48 rooms).
 constexpr double learning_share = 5.0;
 constexpr double least_sigma_deg = 0.03;
-constexpr double change_s = 0.01;     // a sweep that is not even is no box
-constexpr double surprising = 4.0;    // an innovation squared: counts less
-constexpr double impossible = 30.0;   // is not believed, and the map not written
-constexpr int first_halves = 4;       // are only written: a map of one chess half has gaps
-constexpr double flat_margin = 0.15;  // squares of a pixel
+constexpr double change_s = 0.01;      // a sweep that is not even is no box
+constexpr double surprising = 4.0;     // an innovation squared: counts less
+constexpr double impossible = 30.0;    // is not believed, and the map not written
+constexpr int first_halves = 4;        // are only written: a map of one chess half has gaps
+constexpr double flat_margin = 0.15;   // squares of a pixel
+constexpr double blank_squares = 2.0;  // before a covered lens: 1, and what is left of pixels' errors
 constexpr int settled_halves = 30;
 constexpr double pass_widening = 6.0;  // of what the pass before learnt: these are the same halves
 constexpr double settled_deg = 0.4;
@@ -260,6 +261,7 @@ HalfResult Tracker::judge(const HalfReading& half, const Exposed& exposed) {
   result.misfit = comparison.cost;
   result.left_k2 = comparison.squares_k2;
   result.is_flat = comparison.flat_cost + flat_margin < comparison.cost;
+  result.is_strange = result.is_flat && comparison.flat_cost > blank_squares;
   result.is_used = result.squared <= impossible && !result.is_flat;
   if (!result.is_used) return result;
   if (is_open_ && has_gap()) rewritten_ = written_shares(comparison, *view.variance, azimuth_deg);

@@ -17,10 +17,11 @@ namespace thermorig::odometer {
 
 /// What a half told the filter.
 struct HalfResult {
-  bool is_used = false;    // the filter took it
-  bool is_judged = false;  // it could be laid against the map
-  bool is_flat = false;    // surroundings without any structure fit it better than the map does
-  double squared = 0.0;    // its innovation, squared and divided by what was expected of it
+  bool is_used = false;     // the filter took it
+  bool is_judged = false;   // it could be laid against the map
+  bool is_flat = false;     // surroundings without any structure fit it better than the map does
+  bool is_strange = false;  // and does not fit them either: it shows something else
+  double squared = 0.0;     // its innovation, squared and divided by what was expected of it
   double innovation_deg = 0.0, sigma_deg = 0.0;  // and what was expected of it
   double misfit = 0.0;   // squares of its pixels, divided by what was expected of them
   double left_k2 = 0.0;  // mean square of what its pixels differ from the map by
