@@ -424,6 +424,7 @@ TEST(Odometer, BeginsANewMapWhereItIsCarriedIntoAnotherRoom) {
   EXPECT_EQ(reports.back().state, State::tracking);
   EXPECT_NEAR(off_deg(room, reports, 179.0), off_deg(room, reports, 69.0),
               2.0 * reports.back().heading_sigma_deg);
+  EXPECT_LT(reports.back().heading_sigma_deg, 3.0);
 }
 
 TEST(Odometer, FollowsAStepOfTheBias) {

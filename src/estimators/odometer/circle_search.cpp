@@ -43,8 +43,7 @@ void CircleSearch::add(const Alignment& alignment, const View& view, double turn
 CircleSearch::Logs CircleSearch::with(const Found& by_gyro) const {
   Logs logs;
   for (std::size_t i = 0; i < places; ++i) {
-    const double at_deg = static_cast<double>(i) + shift_deg_;
-    const double sigmas = std::remainder(at_deg - by_gyro.azimuth_deg, whole_turn_deg) / by_gyro.sigma_deg;
+    const double sigmas = by_gyro.sigmas_to(static_cast<double>(i) + shift_deg_);
     logs[i] = std::abs(sigmas) > most_off_sigmas ? impossible : logs_[i] - 0.5 * sigmas * sigmas;
   }
   const double best = *std::max_element(logs.begin(), logs.end());

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <cmath>
 #include <optional>
 
 #include "alignment.h"
@@ -19,6 +20,10 @@ class CircleSearch {
   struct Found {
     double azimuth_deg = 0.0;  // of the newest half, 0 to 360
     double sigma_deg = 0.0;
+    /// By how many standard deviations another azimuth is off it.
+    double sigmas_to(double other_deg) const {
+      return std::remainder(other_deg - azimuth_deg, whole_turn_deg) / sigma_deg;
+    }
   };
   /// Nothing while more than one place may be it. `by_gyro`: where a gyro that was there all along has the
   /// newest half, if it was: a place that it cannot have come to is not found, however well it fits.

@@ -28,10 +28,8 @@ namespace {
 constexpr HostDuration clock_begins_anew = std::chrono::seconds(1);
 constexpr double longest_unfit_s = 30.0;  // then the map is wrong
 constexpr int covered_halves = 4;         // in a row
-// Of the halves of the last minute: then these are other surroundings. Where all are strange, after 55 s.
-constexpr double most_strange = 0.6, strange_share = 1.0 / 480.0;
-constexpr double doubted_sigmas = 2.0;  // a heading that is off what the gyro says by more is doubted
-constexpr double sound_s = 5.0;         // everything fits for so long: then a heading is sound
+constexpr double doubted_sigmas = 2.0;    // a heading that is off what the gyro says by more is doubted
+constexpr double sound_s = 5.0;           // everything fits for so long: then a heading is sound
 constexpr double stepped_bias_dps = 0.3, doubtful_latency = 0.1;  // a share of what nobody expects
 constexpr double turning_dps = 5.0, longest_gyro_gap_s = 0.25, longest_camera_gap_s = 1.0;
 constexpr double longest_by_gyro_s = 3.0;  // a start that ended later has yet to prove its heading
@@ -39,8 +37,11 @@ constexpr double lost_deg = 3.0;           // a heading that is known less well 
 constexpr double give_up_s = 40.0;         // of a search, while the rig turns: then the map is wrong
 constexpr Nearness near_in_map{2.0 * Tracker::least_bias_sigma_dps, Tracker::least_scale_sigma,
                                Tracker::least_latency_sigma_s};
-constexpr double most_near = 4.0;       // times those limits, however little a pass knows
-constexpr int most_counted = 480;       // halves: a minute
+constexpr double most_near = 4.0;  // times those limits, however little a pass knows
+constexpr int most_counted = 480;  // halves: a minute
+// Of these: then the surroundings are others. Persons, wrong times and the world `typical` make up to 0.05 of
+// them strange; where all are, it takes 55 s.
+constexpr double most_strange = 0.6;
 constexpr double saturated_dps = 15.0;  // what a reading at the end of its range may be off
 constexpr double sample_noise_dps = 0.15;
 
@@ -52,11 +53,6 @@ Nearness near_as_known(const HeadingFilter& learnt) {
   };
   return {limit(HeadingFilter::bias, near_in_map.bias_dps), limit(HeadingFilter::scale, near_in_map.scale),
           limit(HeadingFilter::latency, near_in_map.latency_s)};
-}
-
-bool is_off(const CircleSearch::Found& found, const CircleSearch::Found& by_gyro) {
-  const double off_deg = std::remainder(found.azimuth_deg - by_gyro.azimuth_deg, whole_turn_deg);
-  return std::abs(off_deg) > doubted_sigmas * by_gyro.sigma_deg;
 }
 
 }  // namespace
@@ -125,7 +121,7 @@ struct Odometer::Parts {
   double last_gyro_s = 0.0, last_half_s = 0.0;
   Phase phase = Phase::starting;
   double locating_since_s = 0.0;
-  double origin_sigma_deg = 0.0;     // of the map, in the first one: those begun anew lie there by the gyro
+  double origin_sigma_deg = 0.0;     // of where the map begins, against the first one
   std::optional<GyroHeading> sound;  // none: the gyro was away since, or there was no map yet
   double sound_since_s = 0.0;
   double mean_nis = 1.0;
@@ -309,7 +305,7 @@ void Odometer::Parts::run(const HalfReading& half) {
   if (!result.is_judged) return;
   newest = result;
   covered = result.is_flat ? covered + 1 : 0;
-  strange += strange_share * ((result.is_strange ? 1.0 : 0.0) - strange);
+  strange += ((result.is_strange ? 1.0 : 0.0) - strange) / most_counted;
   if (!result.is_flat) count_innovation(result);
   trust.add(result);
   if (result.is_used) follow_lean(result, half.end_s);
@@ -384,7 +380,7 @@ void Odometer::Parts::locate(const HalfReading& half, double now_s) {
   const auto expected = by_gyro();
   if (const auto found = circle.found(expected)) {
     front.settle(*found);
-    const bool gyro_differs = expected && is_off(*found, *expected);
+    const bool gyro_differs = expected && std::abs(expected->sigmas_to(found->azimuth_deg)) > doubted_sigmas;
     trust.begin_unproven(front.rate_dps(), gyro_differs);
     mean_nis = 1.0;
     lean.begin(front.rate_dps());

@@ -34,8 +34,8 @@ struct Report {
   State state = State::starting;
   Reason reason = Reason::none;
   double heading_deg = unknown;  // since the map's origin; whole turns are counted
-  // Against the part of the map that is in view. A map that was begun anew lies in the one before by the
-  // gyro: that is in it.
+  // Against the part of the map that is in view; and where that map was begun anew, how well the gyro had
+  // carried the heading there.
   double heading_sigma_deg = unknown;
   double rate_dps = unknown;  // mean over the frame's exposures
   double rate_sigma_dps = unknown;

@@ -166,9 +166,9 @@ static void filter_update(heading_filter* filter, const float across[STATES], fl
   for (int i = 0; i < STATES; ++i) {
     const float gain = across[i] / total;
     filter->value[i] += gain * innovation;
-    if (i == HEADING) filter->moved_deg += gain * innovation;
     for (int j = 0; j <= i; ++j) *covariance++ -= gain * across[j];
   }
+  filter->moved_deg += across[HEADING] / total * innovation;
   for (int i = 0; i < FIRST_NODE; ++i)
     *covariance_at(filter, i, i) = most(*covariance_at(filter, i, i), 1e-14f);
   filter->value[SCALE] = least(2.0f, most(0.5f, filter->value[SCALE]));

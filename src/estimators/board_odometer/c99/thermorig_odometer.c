@@ -52,7 +52,7 @@ enum { SEARCHING, LEARNING, RUNNING, LOCATING };
 #define COVERED_HALVES 4         /* in a row */
 #define HALVES_TO_TRUST 8        /* after a search */
 #define DOUBTED_HALVES 16        /* where the gyro says something else */
-#define DOUBTED_DEG 2.0f         /* as far off the gyro's heading it is doubted */
+#define DOUBTED_DEG 2.0f         /* off the gyro's heading: further is doubted */
 #define TELLING_CHANGE_DPS 40.0f /* of the speed: then a wrong time would show */
 #define LEAN_SHARE (1.0f / 16.0f)
 #define MUCH_LEAN 0.7f

@@ -122,11 +122,11 @@ typedef struct { /* how far its noise lets the angle walk: a variance, in a seco
 typedef struct {
   float covariance[THERMORIG_ODOMETER_STATES * (THERMORIG_ODOMETER_STATES + 1) / 2]; /* a lower triangle */
   float value[THERMORIG_ODOMETER_STATES]; /* heading, bias, scale, latency, the map's offsets */
+  float moved_deg; /* so far halves and searches have moved the heading off the gyro's, since all fitted */
   uint8_t node[THERMORIG_ODOMETER_NODES];
   uint8_t is_learning; /* the map is being made */
   uint8_t is_open;     /* the map may not close: what is written again is off as the half is by then */
   uint8_t has_begun;   /* it has a time: */
-  float moved_deg;     /* by which halves and searches have put the heading off the gyro's, since it fitted */
   int32_t turns;
   uint32_t now_us, now_turned; /* as the gyro's path has it then */
 } thermorig_odometer_heading_filter;
