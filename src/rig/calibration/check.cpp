@@ -184,7 +184,7 @@ CheckedConstant camera_latency_of(const session::Session& session) {
                                       .command = calibrate_latency});
 }
 
-/// No key of a profile states it, and every session takes it into account: nothing is to be measured again.
+/// Every session finds it anew and takes it into account: nothing is to be measured again.
 CheckedConstant camera_rows_of(const session::Session& session) {
   const CameraOffset& offset = session.sync.camera_offset;
   CheckedConstant constant{.name = "camera rows", .unit = "s/row", .session = offset.row_delay_s};
@@ -193,8 +193,8 @@ CheckedConstant camera_rows_of(const session::Session& session) {
   constant.session->uncertainty = std::hypot(offset.row_delay_s->uncertainty, least_row_uncertainty_s);
   if (contradict({}, *constant.session))
     return not_checked(std::move(constant),
-                       "the camera reads its rows one after the other, which no profile states: times and "
-                       "labels are those of the middle rows",
+                       "the camera reads its rows one after the other: times and labels are those of the "
+                       "middle rows",
                        "");
   constant.verdict = ConstantVerdict::holds;
   return constant;
