@@ -35,8 +35,8 @@ struct Said {
   double heading_deg;
 };
 
-std::vector<Said> said_of(const std::vector<Seen>& all) {
-  BoardOdometer board(data_sheet_rig());
+std::vector<Said> said_of(const std::vector<Seen>& all, const RigProfile& rig = data_sheet_rig()) {
+  BoardOdometer board(rig);
   std::vector<Said> said;
   for (const Seen& seen : all) {
     const RateEstimate estimate = board.add(seen.frame, seen.gyro);
@@ -70,6 +70,17 @@ TEST(BoardOdometer, StartsInMotionAndHoldsTheHeading) {
 }
 
 /// The lens alone tells its scale then: no turn is closed.
+TEST(BoardOdometer, StartsHoweverWellAProfileSaysThatItKnowsTheBias) {
+  const Room room = turning_room(90.0);
+  const auto all = seen_in(room);
+  for (const double off_dps : {0.0, 8.0}) {  // measured just now; of another day, or of another gyro
+    RigProfile rig = data_sheet_rig();
+    rig.gyro.bias_dps = room.bias_dps + off_dps;
+    rig.gyro.bias_uncertainty_dps = 0.02;
+    EXPECT_EQ(said_of(all, rig).back().state, EstimateState::good) << off_dps;
+  }
+}
+
 TEST(BoardOdometer, LearnsTheGyroOnAServoThatTurnsHalfWayRoundOnly) {
   Room room = turning_room(90.0);
   room.angle_deg = odometer::to_and_fro(60.0, 60.0);
@@ -252,9 +263,10 @@ TEST(BoardOdometerSource, HasTheConstantsOfTheRig) {
   rig.gyro.axis = 1;
   rig.gyro.sign = -1;
   rig.gyro.bias_dps = -1.25;
+  rig.gyro.bias_uncertainty_dps = 1.5;  // and 2 deg/s by which it moves until another day
   rig.gyro.bias_measured_utc = "2026-03-01";
   const std::string text = board_odometer::odometer_source(rig, "odo").files.back().text;
-  for (const char* part : {"static const odo_profile odo_rig", "1.71875f", "1, -1,", "-1.25f, 20.0f",
+  for (const char* part : {"static const odo_profile odo_rig", "1.71875f", "1, -1,", "-1.25f, 2.5f",
                            "measured 2026-03-01", "an assumption", "bench * / int x; / *"})
     EXPECT_THAT(text, HasSubstr(part));
 }

@@ -25,8 +25,8 @@ GyroProfile data_sheet_gyro() {
   return gyro;
 }
 
-std::vector<Report> reports_of(const std::vector<Seen>& all) {
-  Odometer odometer(data_sheet_gyro(), CameraProfile());
+std::vector<Report> reports_of(const std::vector<Seen>& all, const GyroProfile& gyro = data_sheet_gyro()) {
+  Odometer odometer(gyro, CameraProfile());
   std::vector<Report> reports;
   for (const Seen& seen : all) reports.push_back(odometer.add(seen.frame, seen.gyro));
   return reports;
@@ -50,6 +50,19 @@ TEST(Odometer, StartsInMotionAndFindsBiasScaleAndLatency) {
   EXPECT_NEAR(last.bias_dps, room.bias_dps, 0.05);
   EXPECT_NEAR(last.scale, room.scale, 0.001);
   EXPECT_NEAR(last.latency_s, room.latency_s, 0.001);
+}
+
+TEST(Odometer, StartsHoweverWellAProfileSaysThatItKnowsTheBias) {
+  const Room room = turning_room(45.0);
+  const auto all = seen_in(room);
+  for (const double off_dps : {0.0, 8.0}) {  // measured just now; of another day, or of another gyro
+    GyroProfile gyro = data_sheet_gyro();
+    gyro.bias_dps = room.bias_dps + off_dps;
+    gyro.bias_uncertainty_dps = 0.02;
+    const Report last = reports_of(all, gyro).back();
+    EXPECT_EQ(last.state, State::tracking) << off_dps;
+    EXPECT_NEAR(last.bias_dps, room.bias_dps, 0.1) << off_dps;
+  }
 }
 
 TEST(Odometer, BeginsAMapWithTheNoiseThatItHasHeardBefore) {

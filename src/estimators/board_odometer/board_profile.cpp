@@ -52,7 +52,7 @@ thermorig_odometer_profile board_profile(const RigProfile& rig) {
   board.gyro_period_s = static_cast<float>(1.0 / gyro.output_rate_hz);
   board.gyro_time_sigma_s = static_cast<float>(time_uncertainty_s(gyro));
   board.bias_dps = static_cast<float>(gyro.bias_dps);
-  board.bias_sigma_dps = static_cast<float>(gyro.bias_uncertainty_dps);
+  board.bias_sigma_dps = static_cast<float>(gyro.later_bias_sigma_dps());
   board.scale = static_cast<float>(gyro.scale);
   board.scale_sigma = static_cast<float>(std::max(least_scale_sigma, gyro.scale_uncertainty));
   board.latency_sigma_s = static_cast<float>(

@@ -41,8 +41,7 @@ void BiasEvidence::begin(const BiasSearch::Curve& curve) {
   step_dps_ = curve.step_dps;
   for (std::size_t i = 0; i < size(); ++i) {
     const Offset off = offset(i);
-    logs_[i] =
-        -0.5 * (square(off.bias_dps / priors_.bias_sigma_dps) + square(off.scale / priors_.scale_sigma));
+    logs_[i] = std::log(bias_before(off.bias_dps, priors_)) - 0.5 * square(off.scale / priors_.scale_sigma);
   }
 }
 

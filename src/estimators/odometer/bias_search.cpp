@@ -11,7 +11,6 @@ namespace thermorig::odometer {
 namespace {
 
 constexpr double finest_step_dps = 0.5, coarse_step_dps = 1.0;  // the coarse one where rows are dear
-constexpr double most_sigmas = 3.0;
 constexpr double trusted_of_mosaic =
     0.3;  // of the mosaic's likelihood: halves are blurred, pixels have offsets
 constexpr double known_well_dps = 1.0;
@@ -247,8 +246,7 @@ double BiasSearch::read_dps() const {
 
 BiasSearch::Biases BiasSearch::biases_that_may_be() const {
   const double step_dps = rows_ == RowOrder::at_once ? finest_step_dps : coarse_step_dps;
-  const double reach_dps =
-      std::min(most_sigmas * priors_.bias_sigma_dps, 0.5 * (most_steps - 1) * finest_step_dps);
+  const double reach_dps = 0.5 * (most_steps - 1) * finest_step_dps;
   const double steps = std::floor(reach_dps / step_dps);
   return {priors_.bias_dps - steps * step_dps, step_dps, 2 * static_cast<std::size_t>(steps) + 1};
 }
@@ -298,8 +296,7 @@ std::optional<BiasSearch::Found> BiasSearch::named(const Curve& curve) const {
   double sum = 0.0, mean = 0.0, squares = 0.0;
   for (std::size_t i = 0; i < curve.variances.size(); ++i) {
     const double off_dps = (static_cast<double>(i) - middle) * curve.step_dps;
-    const double off = off_dps / priors_.bias_sigma_dps;
-    const double weight = curve.likelihood(i, curve.trusted) * std::exp(-0.5 * off * off);
+    const double weight = curve.likelihood(i, curve.trusted) * bias_before(off_dps, priors_);
     sum += weight;
     mean += weight * off_dps;
     squares += weight * off_dps * off_dps;

@@ -14,6 +14,12 @@
 
 namespace thermorig::odometer {
 
+/// How likely a bias is before anything was seen, by how far it is off the expected one: Cauchy's density,
+/// without its factor. A profile may be of another day or of another gyro: no bias is ruled out.
+inline double bias_before(double off_dps, const Priors& priors) {
+  return 1.0 / (1.0 + square(off_dps / priors.bias_sigma_dps));
+}
+
 /// The gyro's bias from the first seconds, moving or not: of all biases that the gyro may have, the one with
 /// which its halves make the sharpest mosaic.
 class BiasSearch {

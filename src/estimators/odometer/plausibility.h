@@ -26,7 +26,7 @@ constexpr const NisBounds& nis_bounds(bool things_move) {
 inline Priors priors_of(const GyroProfile& gyro, const CameraProfile& camera) {
   Priors priors;
   priors.bias_dps = gyro.bias_dps;
-  priors.bias_sigma_dps = gyro.bias_uncertainty_dps;
+  priors.bias_sigma_dps = gyro.later_bias_sigma_dps();
   priors.scale = gyro.scale;
   priors.scale_sigma = std::max(0.002, gyro.scale_uncertainty);
   priors.latency_sigma_s =

@@ -125,11 +125,6 @@ static float mosaic_variance(bias_search* search, const rig_profile* rig, float 
   return squares / freedom;
 }
 
-static int bias_steps(const rig_profile* rig) {
-  const float reach_dps = least(3.0f * rig->bias_sigma_dps, 0.5f * (float)(BIASES - 1) * BIAS_STEP_DPS);
-  return (int)(reach_dps / BIAS_STEP_DPS);
-}
-
 /* The value that half of them are below. */
 static float median_of(const float* values, int count) {
   for (int i = 0; i < count; ++i) {
@@ -158,15 +153,16 @@ static float searched_rate_dps(const bias_search* search, const rig_profile* rig
 /* Whether they tell the bias; else they do not yet. */
 static int bias_found(const bias_search* search, const rig_profile* rig, found_bias* found) {
   const float* variance = search->variance;
-  const int steps = bias_steps(rig), count = 2 * steps + 1;
+  const int steps = (BIASES - 1) / 2;
   const float readings = TRUSTED_OF_MOSAIC * 0.5f * (float)(HALVES * ROWS * HALF_COLUMNS);
   float smallest = 1e30f, sum = 0.0f, mean = 0.0f, squares = 0.0f;
-  for (int i = 0; i < count; ++i) smallest = least(smallest, variance[i]);
-  if (!(smallest > 0.0f) || smallest > DISTINCT_SHARE * median_of(variance, count)) return 0;
+  for (int i = 0; i < BIASES; ++i) smallest = least(smallest, variance[i]);
+  if (!(smallest > 0.0f) || smallest > DISTINCT_SHARE * median_of(variance, BIASES)) return 0;
   for (int i = -steps; i <= steps; ++i) {
     const float off_dps = (float)i * BIAS_STEP_DPS;
-    const float weight = power_of_e(-readings * (variance[i + steps] / smallest - 1.0f) -
-                                    0.5f * square(off_dps / rig->bias_sigma_dps));
+    /* Cauchy's density before: a profile may be of another day or gyro, and no bias is ruled out. */
+    const float weight = power_of_e(-readings * (variance[i + steps] / smallest - 1.0f)) /
+                         (1.0f + square(off_dps / rig->bias_sigma_dps));
     sum += weight;
     mean += weight * off_dps;
     squares += weight * off_dps * off_dps;
@@ -197,13 +193,12 @@ static void add_to_search(bias_search* search, const half_reading* half, const e
 
 /* The next biases. Returns whether they were the last ones and the mosaics tell which it is. */
 static int try_biases(bias_search* search, const rig_profile* rig, found_bias* found) {
-  const int count = 2 * bias_steps(rig) + 1;
-  for (int i = 0; i < BIASES_A_FRAME && search->tried < count; ++i, ++search->tried) {
-    const int32_t from_middle = search->tried - count / 2;
+  for (int i = 0; i < BIASES_A_FRAME && search->tried < BIASES; ++i, ++search->tried) {
+    const int32_t from_middle = search->tried - BIASES / 2;
     search->variance[search->tried] =
         mosaic_variance(search, rig, rig->bias_dps + (float)from_middle * BIAS_STEP_DPS);
   }
-  if (search->tried < count) return 0;
+  if (search->tried < BIASES) return 0;
   search->tried = -1;
   return bias_found(search, rig, found);
 }
