@@ -45,8 +45,8 @@ std::string rig_text(const RigProfile& rig, const thermorig_odometer_profile& bo
          fmt::format("    {}, {}, /* axis of the gyro, and its sign */\n", board.gyro_axis, board.gyro_sign) +
          fmt::format("    {}, {}, /* s between its samples; how far their times may be off */\n",
                      number(board.gyro_period_s), number(board.gyro_time_sigma_s)) +
-         fmt::format("    {}, {}, /* its bias and that one's sigma in later sessions, deg/s: {} */\n", number(board.bias_dps),
-                     number(board.bias_sigma_dps), since(gyro.bias_measured_utc)) +
+         fmt::format("    {}, {}, /* its bias and that one's sigma in later sessions, deg/s: {} */\n",
+                     number(board.bias_dps), number(board.bias_sigma_dps), since(gyro.bias_measured_utc)) +
          fmt::format("    {}, {}, /* its scale: {} */\n", number(board.scale), number(board.scale_sigma),
                      since(gyro.scale_measured_utc)) +
          fmt::format("    {}, /* s, sigma of the camera's latency against the gyro */\n",
