@@ -25,9 +25,9 @@ constexpr std::size_t fewest_begun = 80;    // of them, with the nominal lens
 constexpr double fewest_at_first = 0.3;     // share of the halves, with the nominal lens: less is no panorama
 constexpr double enough_share = 0.9;        // another round would find no more
 constexpr int most_rounds_of_passes = 4;
-constexpr double lost_half = 2.0;            // of the least mean square
-// And with the lens that was found: the others saw a bare wall or somebody. Of 72 typical rigs three have 0.52
-// to 0.56, and their pitch is as good as stated. Fewer were not seen.
+constexpr double lost_half = 2.0;  // of the least mean square
+// And with the lens that was found: the others saw a bare wall or somebody. Of 72 typical rigs three have
+// 0.52 to 0.56, and their pitch is as good as stated. Fewer were not seen.
 constexpr double fewest_share = 0.5;
 constexpr std::size_t learning_halves = 40;  // the map is being begun
 constexpr double least_turned_deg = 120.0;
