@@ -69,7 +69,6 @@ TEST(BoardOdometer, StartsInMotionAndHoldsTheHeading) {
   EXPECT_NEAR(said.back().output.latency_s, room.latency_s, 0.0015);
 }
 
-/// The lens alone tells its scale then: no turn is closed.
 TEST(BoardOdometer, StartsHoweverWellAProfileSaysThatItKnowsTheBias) {
   const Room room = turning_room(90.0);
   const auto all = seen_in(room);
@@ -81,6 +80,7 @@ TEST(BoardOdometer, StartsHoweverWellAProfileSaysThatItKnowsTheBias) {
   }
 }
 
+/// The lens alone tells its scale then: no turn is closed.
 TEST(BoardOdometer, LearnsTheGyroOnAServoThatTurnsHalfWayRoundOnly) {
   Room room = turning_room(90.0);
   room.angle_deg = odometer::to_and_fro(60.0, 60.0);
