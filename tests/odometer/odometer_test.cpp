@@ -399,6 +399,27 @@ TEST(Odometer, SaysThatNoNewImageComes) {
   EXPECT_GT(reports[at(69.0)].heading_sigma_deg, 2.0 * reports[at(46.0)].heading_sigma_deg);
 }
 
+/// Times of images jump by 8 ms from frame to frame: each is up to half a degree off, to either side, for 45
+/// s.
+TEST(Odometer, KeepsAMapThatTheGyroConfirmsThoughImagesHaveNotFittedForLong) {
+  Room room = turning_room(120.0);
+  room.angle_deg = to_and_fro(300.0, 120.0);
+  room.noise_k = 0.2;
+  auto all = seen_in(room);
+  for (std::size_t i = at(50.0); i < at(95.0); ++i)
+    for (HalfExposure& half : all[i].frame.half) {
+      half.begin += std::chrono::milliseconds(i % 2 == 0 ? 4 : -4);
+      half.end += std::chrono::milliseconds(i % 2 == 0 ? 4 : -4);
+    }
+  const auto reports = reports_of(all);
+  ASSERT_EQ(reports[at(49.0)].state, State::tracking);
+  EXPECT_EQ(reports[at(90.0)].reason, Reason::view_differs);
+  EXPECT_TRUE(std::none_of(reports.begin() + static_cast<long>(at(50.0)), reports.end(),
+                           [](const Report& one) { return one.state == State::starting; }));
+  EXPECT_EQ(reports.back().state, State::tracking);
+  EXPECT_NEAR(off_deg(room, reports, 119.0), off_deg(room, reports, 49.0), 0.5);
+}
+
 /// From 70 s on the walls show little of what they showed. A map is begun anew, where the gyro has the rig.
 TEST(Odometer, SaysInANewMapHowWellTheGyroHasCarriedTheHeadingThere) {
   constexpr float changed = 0.8F;

@@ -26,7 +26,8 @@ namespace thermorig::odometer {
 namespace {
 
 constexpr HostDuration clock_begins_anew = std::chrono::seconds(1);
-constexpr double longest_unfit_s = 30.0;  // then the map is wrong
+constexpr double longest_unfit_s = 30.0;  // then the map is wrong, unless pixels fit it:
+constexpr double most_misfit = 1.5;       // 1.1 where times alone jump, 3.4 where walls have changed
 constexpr int covered_halves = 4;         // in a row
 constexpr double doubted_sigmas = 2.0;    // a heading that is off what the gyro says by more is doubted
 constexpr double sound_s = 5.0;           // everything fits for so long: then a heading is sound
@@ -83,6 +84,7 @@ struct Odometer::Parts {
   void follow_lean(const HalfResult& result, double now_s);
   void count_innovation(const HalfResult& result);
   void watch_for_traffic();
+  bool is_map_right() const;
   void begin_search(double now_s);
   void begin_anew();
   void begin_in_map(double now_s);
@@ -131,6 +133,7 @@ struct Odometer::Parts {
   std::optional<double> unfit_since_s;  // innovations are larger than they should be
   bool gyro_was_away = false;
   InnovationLean lean;
+  double mean_misfit = 1.0;     // of the halves of a minute
   InnovationCount innovations;  // since the start, or since the heading was another
   HalfResult newest;            // of the halves that were judged
   bool has_seen = false;        // a half
@@ -309,6 +312,7 @@ void Odometer::Parts::run(const HalfReading& half) {
   if (!result.is_flat) count_innovation(result);
   trust.add(result);
   if (result.is_used) follow_lean(result, half.end_s);
+  mean_misfit += (result.misfit - mean_misfit) / most_counted;
   if (mean_nis > nis_bounds().unfit && !unfit_since_s) unfit_since_s = half.end_s;
   if (mean_nis < nis_bounds().fits && unfit_since_s) {
     unfit_since_s.reset();
@@ -316,7 +320,7 @@ void Odometer::Parts::run(const HalfReading& half) {
   }
   keep_sound_heading(half.end_s);
   const bool is_unfit = unfit_since_s && half.end_s - *unfit_since_s > longest_unfit_s;
-  if (is_unfit || strange > most_strange) {
+  if ((is_unfit && !is_map_right()) || strange > most_strange) {
     begin_anew();
     return;
   }
@@ -350,6 +354,15 @@ void Odometer::Parts::count_innovation(const HalfResult& result) {
 void Odometer::Parts::watch_for_traffic() {
   if (start.things_move() || map_use == MapUse::searching) return;
   if (innovations.shows_traffic_after_start()) start.expect_traffic();
+}
+
+/// Halves have not been where they were expected for long, and yet their pixels fit the map, and the gyro has
+/// the rig where most of them have it: their times jump, say, and another map would fit no better.
+bool Odometer::Parts::is_map_right() const {
+  if (!sound || innovations.is_false_map() || mean_misfit > most_misfit) return false;
+  const GyroPath::Knot now = path.until(front.now_s());
+  const double off_deg = sound->deg(now) - front.filter().heading_deg();
+  return std::abs(off_deg) < doubted_sigmas * sound->sigma_deg(now);
 }
 
 /// Innovations that lean: the bias is another, or, if all had fitted at another speed, an odd latency.
@@ -415,7 +428,7 @@ void Odometer::Parts::begin_anew() {
     sound = heading_of_front();
   if (!sound) origin_sigma_deg = 0.0;  // the heading has another origin from here on
   start.begin(sound);
-  mean_nis = 1.0;
+  mean_nis = mean_misfit = 1.0;
   covered = 0;
   strange = 0.0;
   trust = HeadingTrust();
