@@ -245,7 +245,7 @@ void add_angles(std::vector<Figure>& figures, const std::vector<Row>& rows) {
     angles.add(environment, "error, median", "deg", middle_of(sizes));
     angles.add(environment, "sigma, median", "deg", middle_of(sigmas));
     angles.add(environment, "within 2 sigma", "", covered / static_cast<double>(sizes.size()));
-    angles.add(environment, "step, median", "us", middle_of(steps_us), 300.0);
+    angles.add(environment, "step, median", "us", middle_of(steps_us), 150.0);
     angles.add(environment, "step, longest", "us", *std::max_element(steps_us.begin(), steps_us.end()),
                5000.0);
   }

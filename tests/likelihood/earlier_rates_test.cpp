@@ -32,8 +32,8 @@ TEST(EarlierRates, AreExpectedTheLessTheLongerAgoTheyWereTold) {
   const auto soon = rates.expected(at(1.0), at(1.5)), late = rates.expected(at(4.0), at(4.5));
   ASSERT_TRUE(soon && late);
   EXPECT_EQ(late->rate_dps, soon->rate_dps);
-  EXPECT_GT(soon->sigma_dps, 6.0);
-  EXPECT_GT(late->sigma_dps, 60.0);
+  EXPECT_GT(soon->sigma_dps, 12.0);
+  EXPECT_GT(late->sigma_dps, 85.0);
 }
 
 }  // namespace

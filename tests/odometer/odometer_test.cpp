@@ -399,8 +399,7 @@ TEST(Odometer, SaysThatNoNewImageComes) {
   EXPECT_GT(reports[at(69.0)].heading_sigma_deg, 2.0 * reports[at(46.0)].heading_sigma_deg);
 }
 
-/// Times of images jump by 8 ms from frame to frame: each is up to half a degree off, to either side, for 45
-/// s.
+/// For 45 s the times of images jump by 8 ms from frame to frame, so that each is up to half a degree off.
 TEST(Odometer, KeepsAMapThatTheGyroConfirmsThoughImagesHaveNotFittedForLong) {
   Room room = turning_room(120.0);
   room.angle_deg = to_and_fro(300.0, 120.0);

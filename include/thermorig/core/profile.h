@@ -91,9 +91,9 @@ struct GyroProfile {
 
   double setting(const std::string& setting_name) const;
 
-  /// Of the bias in a later session, deg/s: as it was measured, and by what it has moved since, most of all
-  /// with the temperature. 2 deg/s are 6 to 12 K of an MPU-6050 (20 deg/s either way from -40 to 85 degC:
-  /// PS-MPU-6000A-00, table 6.1).
+  /// One standard deviation of the bias in a later session, deg/s: that of its measurement, and 2 deg/s by
+  /// which it has moved since, most of all with the temperature. That is 6 to 12 K of an MPU-6050, which
+  /// moves by 20 deg/s either way from -40 to 85 degC (PS-MPU-6000A-00, table 6.1).
   double later_bias_sigma_dps() const { return std::hypot(bias_uncertainty_dps, 2.0); }
 
   /// Of a low-pass of second order, in periods of its bandwidth: Butterworth, sqrt(2) / (2 pi).

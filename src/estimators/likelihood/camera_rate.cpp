@@ -53,11 +53,7 @@ struct CameraRate::Parts {
   bool follows(const TimedFrame& frame, unsigned parity) const;
   std::size_t halves_of_window() const;
   double step_s(std::size_t wanted) const;
-  struct Told {
-    SpeedPosterior speed;
-    double sigma_dps = 0.0;
-  };
-  Told told(const Half& oldest, double step, double speed_dps);
+  SpeedPosterior posterior(const Half& oldest, double step, double speed_dps);
   double sigma_dps(const SpeedPosterior& found, double speed_dps) const;
   void look(std::size_t count, CameraRateReport& report);
 
@@ -121,20 +117,19 @@ double CameraRate::Parts::sigma_dps(const SpeedPosterior& found, double speed_dp
 }
 
 /// By the window's images, and by what a window before has told that shares none of them. That chooses among
-/// the rates that fit; where these images alone tell none, it makes none sure.
-CameraRate::Parts::Told CameraRate::Parts::told(const Half& oldest, double step, double speed_dps) {
+/// the rates that fit, and makes none surer: the camera may just have begun to turn in another way.
+SpeedPosterior CameraRate::Parts::posterior(const Half& oldest, double step, double speed_dps) {
   const SpeedPosterior alone = search.search(lines, noise_variance, fastest_dps / speed_dps);
   const HostTime end = halves.back().end;
   const HostTime begin = oldest.begin + from_s(0.5 * step);  // times of halves wander a little
   const std::optional<EarlierRate> expected = earlier.expected(begin, end);
   const double alone_sigma_dps = sigma_dps(alone, speed_dps);
-  const bool is_told = alone_sigma_dps < told_sigma_dps;
-  if (is_told) earlier.add({end, alone.speed * speed_dps, alone_sigma_dps});
-  if (!expected) return {alone, alone_sigma_dps};
-  const SpeedPosterior both =
+  if (alone_sigma_dps < told_sigma_dps) earlier.add({end, alone.speed * speed_dps, alone_sigma_dps});
+  if (!expected) return alone;
+  SpeedPosterior both =
       search.expecting({.speed = expected->rate_dps / speed_dps, .width = expected->sigma_dps / speed_dps});
-  const double both_sigma_dps = sigma_dps(both, speed_dps);
-  return {both, is_told ? both_sigma_dps : std::max(both_sigma_dps, told_sigma_dps)};
+  both.sigma = std::max(both.sigma, alone.sigma);
+  return both;
 }
 
 void CameraRate::Parts::look(std::size_t wanted, CameraRateReport& report) {
@@ -144,10 +139,10 @@ void CameraRate::Parts::look(std::size_t wanted, CameraRateReport& report) {
   const double step = step_s(wanted), speed_dps = pitch_deg / step;
   report.window_s = step * static_cast<double>(wanted);
   lines.set(oldest.parity, std::span(newest).first(wanted));
-  const auto [found, stated_sigma_dps] = told(oldest, step, speed_dps);
+  const SpeedPosterior found = posterior(oldest, step, speed_dps);
   report.rate_dps = direction * found.speed * speed_dps;
   report.misfit = found.noise_variance / noise_variance;
-  report.sigma_dps = stated_sigma_dps;
+  report.sigma_dps = sigma_dps(found, speed_dps);
   report.is_told = report.sigma_dps < told_sigma_dps;
   noise_variance =
       std::max(least_noise_variance,

@@ -246,9 +246,9 @@ double BiasSearch::read_dps() const {
 
 BiasSearch::Biases BiasSearch::biases_that_may_be() const {
   const double step_dps = rows_ == RowOrder::at_once ? finest_step_dps : coarse_step_dps;
-  const double reach_dps = 0.5 * (most_steps - 1) * finest_step_dps;
-  const double steps = std::floor(reach_dps / step_dps);
-  return {priors_.bias_dps - steps * step_dps, step_dps, 2 * static_cast<std::size_t>(steps) + 1};
+  constexpr double reach_dps = 0.5 * (most_steps - 1) * finest_step_dps;
+  const auto steps = static_cast<std::size_t>(reach_dps / step_dps);
+  return {priors_.bias_dps - reach_dps, step_dps, 2 * steps + 1};
 }
 
 BiasSearch::Curve BiasSearch::measure(const HalfStore& store, const GyroPath& path, RowOrder rows,

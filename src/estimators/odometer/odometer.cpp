@@ -133,7 +133,7 @@ struct Odometer::Parts {
   std::optional<double> unfit_since_s;  // innovations are larger than they should be
   bool gyro_was_away = false;
   InnovationLean lean;
-  double mean_misfit = 1.0;     // of the halves of a minute
+  double mean_misfit = 1.0;     // of the pixels of a minute's halves
   InnovationCount innovations;  // since the start, or since the heading was another
   HalfResult newest;            // of the halves that were judged
   bool has_seen = false;        // a half
@@ -335,12 +335,11 @@ void Odometer::Parts::keep_sound_heading(double now_s) {
   if (now_s - sound_since_s > sound_s && trust.has_changed_speed()) sound = heading_of_front();
 }
 
-/// Where the newest half of a search looks, if the gyro was there since the heading was sound.
+/// The heading, if the gyro was there since one was sound.
 std::optional<CircleSearch::Found> Odometer::Parts::by_gyro() const {
   if (!sound) return std::nullopt;
   const GyroPath::Knot now = path.until(front.now_s());
-  const double off_deg = sound->deg(now) - front.filter().heading_deg();
-  return CircleSearch::Found{front.located_deg() + off_deg, sound->sigma_deg(now)};
+  return CircleSearch::Found{sound->deg(now), sound->sigma_deg(now)};
 }
 
 void Odometer::Parts::count_innovation(const HalfResult& result) {
@@ -359,10 +358,9 @@ void Odometer::Parts::watch_for_traffic() {
 /// Halves have not been where they were expected for long, and yet their pixels fit the map, and the gyro has
 /// the rig where most of them have it: their times jump, say, and another map would fit no better.
 bool Odometer::Parts::is_map_right() const {
-  if (!sound || innovations.is_false_map() || mean_misfit > most_misfit) return false;
-  const GyroPath::Knot now = path.until(front.now_s());
-  const double off_deg = sound->deg(now) - front.filter().heading_deg();
-  return std::abs(off_deg) < doubted_sigmas * sound->sigma_deg(now);
+  const auto expected = by_gyro();
+  return expected && std::abs(expected->sigmas_to(front.filter().heading_deg())) < doubted_sigmas &&
+         mean_misfit < most_misfit && !innovations.is_false_map();
 }
 
 /// Innovations that lean: the bias is another, or, if all had fitted at another speed, an odd latency.
@@ -390,7 +388,8 @@ void Odometer::Parts::begin_search(double now_s) {
 
 void Odometer::Parts::locate(const HalfReading& half, double now_s) {
   front.locate(half, path, circle);
-  const auto expected = by_gyro();
+  auto expected = by_gyro();  // where the newest half looks, which may have ended before now
+  if (expected) expected->azimuth_deg += front.located_deg() - front.filter().heading_deg();
   if (const auto found = circle.found(expected)) {
     front.settle(*found);
     const bool gyro_differs = expected && std::abs(expected->sigmas_to(found->azimuth_deg)) > doubted_sigmas;

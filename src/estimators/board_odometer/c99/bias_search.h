@@ -153,7 +153,7 @@ static float searched_rate_dps(const bias_search* search, const rig_profile* rig
 /* Whether they tell the bias; else they do not yet. */
 static int bias_found(const bias_search* search, const rig_profile* rig, found_bias* found) {
   const float* variance = search->variance;
-  const int steps = (BIASES - 1) / 2;
+  const int steps = BIASES / 2;
   const float readings = TRUSTED_OF_MOSAIC * 0.5f * (float)(HALVES * ROWS * HALF_COLUMNS);
   float smallest = 1e30f, sum = 0.0f, mean = 0.0f, squares = 0.0f;
   for (int i = 0; i < BIASES; ++i) smallest = least(smallest, variance[i]);
