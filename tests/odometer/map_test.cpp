@@ -127,6 +127,24 @@ TEST(OdometerMap, AMapOfAnotherRoomIsNotTrustedAndANewOneIsBegun) {
   EXPECT_EQ(all.back().report.state, State::tracking) << "in its own map";
 }
 
+/// Found in the map of another room the camera seems to turn as it does not.
+TEST(OdometerMap, WhileAMapIsOnTrialItTeachesTheRateNothing) {
+  Room room = turning_room(60.0);
+  room.walls = 8;
+  Odometer odometer = begun_with(before().map);
+  int on_trial = 0;
+  for (const Seen& seen : seen_in(room)) {
+    const Report report = odometer.add(seen.frame, seen.gyro);
+    if (report.state != State::relocalising) continue;
+    ++on_trial;
+    const double begin_s = to_s(seen.frame.exposure_begin - at_s(0.0));
+    const double end_s = to_s(seen.frame.exposure_end - at_s(0.0));
+    const double shaft_dps = (room.angle_deg(end_s) - room.angle_deg(begin_s)) / (end_s - begin_s);
+    EXPECT_NEAR(report.rate_dps, shaft_dps, 3.0 * report.rate_sigma_dps) << "at " << end_s;
+  }
+  EXPECT_GT(on_trial, 80) << "frames: 10 s";
+}
+
 TEST(OdometerMap, AtRestItWaitsForAnotherView) {
   Room room = another_day();
   room.duration_s = 70.0;

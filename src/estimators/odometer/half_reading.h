@@ -49,6 +49,7 @@ struct ExposedTurn {
   double first_dps = 0.0, last_dps = 0.0;  // readings at both ends
 
   double length_s() const { return end_s - begin_s; }
+  double mean_read_dps() const { return (end_deg - begin_deg) / length_s(); }
 };
 
 /// Where each row looks and how far it sweeps, if rows are exposed one after the other: rows from the top.

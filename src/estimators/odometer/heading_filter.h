@@ -51,7 +51,7 @@ class HeadingFilter {
   /// One standard deviation of the headings in it.
   double spread_deg(const ExposedTurn& turn) const;
   double mean_rate_dps(const ExposedTurn& turn) const {
-    return ((turn.end_deg - turn.begin_deg) / turn.length_s() - state_[bias]) / state_[scale];
+    return (turn.mean_read_dps() - state_[bias]) / state_[scale];
   }
 
   /// Of exposed_deg() less the map's offset about it, by the state. `about`: a weight each node; none

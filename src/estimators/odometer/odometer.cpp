@@ -94,6 +94,7 @@ struct Odometer::Parts {
   bool is_map_given_up(const HalfReading& half);
   Report report(const TimedFrame& frame, double now_s) const;
   Reason reason(double now_s) const;
+  Priors known_of_gyro() const;
   GyroHeading heading_of_front() const {
     return {path.until(front.now_s()), front.filter(), front.sigma_in_map_deg()};
   }
@@ -444,6 +445,20 @@ Reason Odometer::Parts::reason(double now_s) const {
   return Reason::none;
 }
 
+/// Bias, scale and latency. A map on trial may have the camera look where it does not, and then teaches the
+/// filter another gyro: meanwhile what was known before it stands.
+Priors Odometer::Parts::known_of_gyro() const {
+  if (phase != Phase::starting && map_use == MapUse::searching) return sought_with;
+  const HeadingFilter& filter = front.filter();
+  Priors known = priors;
+  known.bias_dps = filter.bias_dps();
+  known.bias_sigma_dps = filter.sigma(HeadingFilter::bias);
+  known.scale = filter.scale_factor();
+  known.scale_sigma = filter.sigma(HeadingFilter::scale);
+  known.latency_s = filter.latency_s();
+  return known;
+}
+
 Report Odometer::Parts::report(const TimedFrame& frame, double now_s) const {
   const HeadingFilter& filter = front.filter();
   Report report;
@@ -455,9 +470,10 @@ Report Odometer::Parts::report(const TimedFrame& frame, double now_s) const {
     report.state = State::relocalising;
   else
     report.state = phase == Phase::running ? State::tracking : State::starting;
-  report.bias_dps = filter.bias_dps();
-  report.scale = filter.scale_factor();
-  report.latency_s = filter.latency_s();
+  const Priors gyro = known_of_gyro();
+  report.bias_dps = gyro.bias_dps;
+  report.scale = gyro.scale;
+  report.latency_s = gyro.latency_s;
   report.mean_nis = phase == Phase::starting ? start.mean_nis() : mean_nis;
   if (newest.is_judged) {
     report.innovation_deg = newest.innovation_deg;
@@ -470,12 +486,10 @@ Report Odometer::Parts::report(const TimedFrame& frame, double now_s) const {
   if (!(length_s > 0.0)) return report;
   const ExposedTurn turn = path.over(begin_s, now_s);
   const double samples = std::max(1.0, length_s / gyro_period_s);
-  report.rate_dps = filter.mean_rate_dps(turn);
+  report.rate_dps = (turn.mean_read_dps() - gyro.bias_dps) / gyro.scale;
   report.rate_sigma_dps =
-      std::hypot(std::hypot(filter.sigma(HeadingFilter::bias), sample_noise_dps / std::sqrt(samples)) /
-                     filter.scale_factor(),
-                 filter.sigma(HeadingFilter::scale) * report.rate_dps,
-                 gyro_time_sigma_s * (turn.last_dps - turn.first_dps) / length_s);
+      std::hypot(std::hypot(gyro.bias_sigma_dps, sample_noise_dps / std::sqrt(samples)) / gyro.scale,
+                 gyro.scale_sigma * report.rate_dps, gyro_time_sigma_s * (turn.last_dps - turn.first_dps) / length_s);
   // No image tells how late the gyro is: what it says of now, it says of then.
   if (has_heading())
     report.heading_sigma_deg =
