@@ -487,9 +487,9 @@ Report Odometer::Parts::report(const TimedFrame& frame, double now_s) const {
   const ExposedTurn turn = path.over(begin_s, now_s);
   const double samples = std::max(1.0, length_s / gyro_period_s);
   report.rate_dps = (turn.mean_read_dps() - gyro.bias_dps) / gyro.scale;
-  report.rate_sigma_dps =
-      std::hypot(std::hypot(gyro.bias_sigma_dps, sample_noise_dps / std::sqrt(samples)) / gyro.scale,
-                 gyro.scale_sigma * report.rate_dps, gyro_time_sigma_s * (turn.last_dps - turn.first_dps) / length_s);
+  report.rate_sigma_dps = std::hypot(
+      std::hypot(gyro.bias_sigma_dps, sample_noise_dps / std::sqrt(samples)) / gyro.scale,
+      gyro.scale_sigma * report.rate_dps, gyro_time_sigma_s * (turn.last_dps - turn.first_dps) / length_s);
   // No image tells how late the gyro is: what it says of now, it says of then.
   if (has_heading())
     report.heading_sigma_deg =
