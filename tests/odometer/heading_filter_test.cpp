@@ -139,5 +139,17 @@ TEST(HeadingFilter, InterpolatesTheMapsOffsetAcrossTheOrigin) {
   EXPECT_NEAR(shares[0], 0.5, 1e-12);
 }
 
+TEST(HeadingFilter, AHeadingThatWasFoundIsNoSurerThanHowLateTheCameraIs) {
+  Priors priors;
+  priors.latency_sigma_s = 0.03;
+  HeadingFilter filter(priors);
+  const ExposedTurn turn = turn_at(100.0);
+  const auto exposed = filter.derivative(turn, 1.0, 100.0);
+  filter.find_heading(exposed, 20.0, 0.5);
+  EXPECT_NEAR(filter.heading_deg(), 20.0, 1e-9);
+  EXPECT_NEAR(std::sqrt(filter.variance(exposed)), 0.5, 0.01) << "where it looked";
+  EXPECT_NEAR(filter.sigma(HeadingFilter::heading), std::hypot(0.5, 100.0 * 0.03, 0.0625 * 20.0), 0.1);
+}
+
 }  // namespace
 }  // namespace thermorig::odometer

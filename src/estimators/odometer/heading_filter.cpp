@@ -178,10 +178,11 @@ void HeadingFilter::load(const Map& map) {
   }
 }
 
-void HeadingFilter::set_heading(double heading_deg, double sigma_deg) {
-  state_[heading] = heading_deg;
+void HeadingFilter::find_heading(const Row& exposed, double off_deg, double sigma_deg) {
   for (std::size_t i = 0; i < size; ++i) covariance_[heading][i] = covariance_[i][heading] = 0.0;
-  covariance_[heading][heading] = square(sigma_deg);
+  covariance_[heading][heading] = square(0.5 * whole_turn_deg);
+  state_[heading] += off_deg;
+  update(exposed, 0.0, square(sigma_deg));
 }
 
 }  // namespace thermorig::odometer

@@ -82,11 +82,12 @@ class HeadingFilter {
 
   /// How the map is off, and how well that is known.
   void keep(Map& map) const;
-  /// The heading is not known in it yet: set_heading() comes next.
+  /// The heading is not known in it yet: find_heading() comes next.
   void load(const Map& map);
 
-  /// A new guess of the heading; nothing else is forgotten.
-  void set_heading(double heading_deg, double sigma_deg);
+  /// An exposure was found to look `off_deg` beside where it was expected: the heading is forgotten, and no
+  /// surer from then on than how late that exposure is. `exposed`: derivative() of it, without a map.
+  void find_heading(const Row& exposed, double off_deg, double sigma_deg);
   /// Bias and latency may be others than they were.
   void widen(double bias_variance_dps2, double latency_variance_s2) {
     covariance_[bias][bias] += bias_variance_dps2;

@@ -36,25 +36,14 @@ constexpr double turning_dps = 5.0, longest_gyro_gap_s = 0.25, longest_camera_ga
 constexpr double longest_by_gyro_s = 3.0;  // a start that ended later has yet to prove its heading
 constexpr double lost_deg = 3.0;           // a heading that is known less well is searched for
 constexpr double give_up_s = 40.0;         // of a search, while the rig turns: then the map is wrong
-constexpr Nearness near_in_map{2.0 * Tracker::least_bias_sigma_dps, Tracker::least_scale_sigma,
-                               Tracker::least_latency_sigma_s};
-constexpr double most_near = 4.0;  // times those limits, however little a pass knows
+// In a map of before: what three seconds say of the bias may be that wrong, and a view tells the latency.
+constexpr double bias_sigma_in_map_dps = 6.0, latency_sigma_in_map_s = 0.03;
 constexpr int most_counted = 480;  // halves: a minute
 // Of these: then the surroundings are others. Persons, wrong times and the world `typical` make up to 0.05 of
 // them strange; where all are, it takes 55 s.
 constexpr double most_strange = 0.6;
 constexpr double saturated_dps = 15.0;  // what a reading at the end of its range may be off
 constexpr double sample_noise_dps = 0.15;
-
-/// At one speed a few seconds do not tell bias, scale and latency from each other: what two passes have
-/// learnt may differ by what the second one does not know (two standard deviations).
-Nearness near_as_known(const HeadingFilter& learnt) {
-  const auto limit = [&](HeadingFilter::Place place, double least) {
-    return std::clamp(2.0 * learnt.sigma(place), least, most_near * least);
-  };
-  return {limit(HeadingFilter::bias, near_in_map.bias_dps), limit(HeadingFilter::scale, near_in_map.scale),
-          limit(HeadingFilter::latency, near_in_map.latency_s)};
-}
 
 }  // namespace
 
@@ -88,7 +77,8 @@ struct Odometer::Parts {
   void begin_search(double now_s);
   void begin_anew();
   void begin_in_map(double now_s);
-  void check_map(const HalfResult& result, const HalfReading& half);
+  void check_map(const HalfResult& result, double now_s);
+  void prove_map();
   void keep_sound_heading(double now_s);
   std::optional<CircleSearch::Found> by_gyro() const;
   bool is_map_given_up(const HalfReading& half);
@@ -105,6 +95,7 @@ struct Odometer::Parts {
   std::shared_ptr<const Map> map;  // that was made before
   MapUse map_use;
   MapCheck map_check;
+  bool has_place = false;        // in it; the gyro has yet to prove itself
   Priors sought_with;            // in it
   double sought_in_map_s = 0.0;  // while the rig turned
   double gyro_period_s, gyro_time_sigma_s;
@@ -254,6 +245,8 @@ void Odometer::Parts::start_in_map(const HalfReading& half, double now_s) {
   const auto better = start.find_bias(half, now_s);
   if (!better) return;
   sought_with = *better;
+  sought_with.bias_sigma_dps = std::max(sought_with.bias_sigma_dps, bias_sigma_in_map_dps);
+  sought_with.latency_sigma_s = std::max(sought_with.latency_sigma_s, latency_sigma_in_map_s);
   begin_in_map(now_s);
 }
 
@@ -263,34 +256,36 @@ void Odometer::Parts::begin_in_map(double now_s) {
   front.advance(path, now_s);
   gyro_was_away = true;  // whatever is found, nothing was expected
   map_check.begin();
+  has_place = false;
   begin_search(now_s);
 }
 
-/// A place was found in the map of before. Is it of these surroundings?
-void Odometer::Parts::check_map(const HalfResult& result, const HalfReading& half) {
+/// A place was found in the map of before. Is it of these surroundings? At one speed a bias, a scale and a
+/// latency explain each other: then halves have to fit at another speed too.
+void Odometer::Parts::check_map(const HalfResult& result, double now_s) {
+  if (has_place) return prove_map();
   map_check.add(result, front.filter().heading_deg());
   switch (map_check.verdict()) {
     case MapCheck::Verdict::open:
       break;
     case MapCheck::Verdict::same:
-      // A few seconds tell less than a whole pass of the start.
-      if (mean_nis < nis_bounds().settled &&
-          is_near(front.filter(), sought_with, near_as_known(front.filter()))) {
-        map_use = MapUse::found;
-        origin_sigma_deg = 0.0;
-        innovations = InnovationCount();
-        front.trust_map();
-        return;
-      }
-      sought_with = front.learnt(priors);
+      sought_with.bias_dps = front.filter().bias_dps();  // by what the map says of how it turned
       sought_in_map_s = 0.0;
-      begin_in_map(half.end_s);
+      has_place = true;
+      trust.begin_unproven(front.rate_dps(), true);
       break;
     case MapCheck::Verdict::other:
-      begin_in_map(half.end_s);
+      begin_in_map(now_s);
       break;
   }
-  if (is_map_given_up(half)) begin_anew();
+}
+
+void Odometer::Parts::prove_map() {
+  if (!trust.is_trusted() || mean_nis > nis_bounds().settled) return;
+  map_use = MapUse::found;
+  origin_sigma_deg = 0.0;
+  innovations = InnovationCount();
+  front.trust_map();
 }
 
 /// What the camera shows was sought in the map of before for long enough. A rig at rest may wait.
@@ -301,18 +296,19 @@ bool Odometer::Parts::is_map_given_up(const HalfReading& half) {
 
 void Odometer::Parts::run(const HalfReading& half) {
   if (watch.is_frozen() && !watch.is_zero()) return;
-  const HalfResult result = front.add(half, path, trust.is_trusted() || map_use == MapUse::searching);
-  if (map_use == MapUse::searching) {
-    check_map(result, half);
-    if (phase != Phase::running) return;
-  }
+  const bool is_on_trial = map_use == MapUse::searching;
+  const HalfResult result = front.add(half, path, trust.is_trusted() && !is_on_trial);
+  if (is_on_trial && !has_place && is_map_given_up(half)) return begin_anew();
   if (!result.is_judged) return;
   newest = result;
-  covered = result.is_flat ? covered + 1 : 0;
+  // In another place of a map that is on trial a flat picture may fit better too, but it does not fit.
+  covered = result.is_flat && !(is_on_trial && result.is_strange) ? covered + 1 : 0;
   strange += ((result.is_strange ? 1.0 : 0.0) - strange) / most_counted;
   if (!result.is_flat) count_innovation(result);
   trust.add(result);
-  if (result.is_used) follow_lean(result, half.end_s);
+  if (is_on_trial) check_map(result, half.end_s);
+  if (phase != Phase::running) return;
+  if (result.is_used && !is_on_trial) follow_lean(result, half.end_s);
   mean_misfit += (result.misfit - mean_misfit) / most_counted;
   if (mean_nis > nis_bounds().unfit && !unfit_since_s) unfit_since_s = half.end_s;
   if (mean_nis < nis_bounds().fits && unfit_since_s) {
@@ -327,7 +323,7 @@ void Odometer::Parts::run(const HalfReading& half) {
   }
   const bool is_lost = mean_nis > nis_bounds().lost || front.sigma_in_map_deg() > lost_deg;
   if (!is_lost || covered >= covered_halves) return;
-  map_use == MapUse::searching ? begin_in_map(half.end_s) : begin_search(half.end_s);
+  is_on_trial ? begin_in_map(half.end_s) : begin_search(half.end_s);
 }
 
 /// What a search found must first prove itself, at more than one speed.
@@ -441,7 +437,8 @@ Reason Odometer::Parts::reason(double now_s) const {
   if (now_s - last_gyro_s > longest_gyro_gap_s) return Reason::no_gyro;
   if (stands_in || !has_seen || now_s - last_half_s > longest_camera_gap_s) return Reason::no_camera;
   if (watch.is_frozen() && !watch.is_zero()) return Reason::gyro_frozen;
-  if (covered >= covered_halves || unfit_since_s) return Reason::view_differs;
+  const bool is_unfit = unfit_since_s && map_use != MapUse::searching;  // there another place is found
+  if (covered >= covered_halves || is_unfit) return Reason::view_differs;
   return Reason::none;
 }
 

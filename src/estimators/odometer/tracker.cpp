@@ -282,11 +282,12 @@ void Tracker::locate(const HalfReading& half, const GyroPath& path, CircleSearch
   search.add(Alignment(panorama_, filter_, *lens_), view_of(half, exposed),
              exposed.azimuth_deg - located_deg_);
   located_deg_ = exposed.azimuth_deg;
+  located_turn_ = exposed.turn;
 }
 
 void Tracker::settle(const CircleSearch::Found& found) {
   const double off_deg = std::remainder(found.azimuth_deg - located_deg_, whole_turn_deg);
-  filter_.set_heading(filter_.heading_deg() + off_deg, found.sigma_deg);
+  filter_.find_heading(filter_.derivative(located_turn_, now_s_, now_deg_), off_deg, found.sigma_deg);
   keep_sigma(found.sigma_deg);
 }
 

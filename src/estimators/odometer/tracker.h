@@ -142,6 +142,7 @@ class Tracker {
   double rate_dps_ = 0.0;
   double in_map_deg_ = 0.0;
   double located_deg_ = 0.0;
+  ExposedTurn located_turn_;
   float common_c_ = 0.0F;                                 // of the newest half
   std::array<double, HeadingFilter::nodes> rewritten_{};  // shares of an open map, by the newest half
   struct Written {
