@@ -163,6 +163,27 @@ TEST(BoardOdometer, DoubtsWhatTheGyroContradictsAndNotWhatItConfirms) {
   EXPECT_NEAR(off_deg(room, said, 86.0), off_deg(room, said, 69.0), 0.7);
 }
 
+/// From 70 s on the walls show little of what they showed.
+TEST(BoardOdometer, SaysInANewMapHowWellTheGyroHasCarriedTheHeadingThere) {
+  Room room = turning_room(190.0);
+  auto all = seen_in(room);
+  room.walls = 8;
+  const auto other = seen_in(room);
+  for (std::size_t i = at(70.0); i < all.size(); ++i)
+    for (std::size_t pixel = 0; pixel < frame_pixels; ++pixel) {
+      float& temp_c = all[i].frame.frame.temp_c[pixel];
+      temp_c += 0.8F * (other[i].frame.frame.temp_c[pixel] - temp_c);
+    }
+  const auto said = said_of(all);
+  ASSERT_EQ(said[at(69.0)].state, EstimateState::good);
+  EXPECT_LT(said[at(69.0)].output.heading_sigma_deg, 0.7F);
+  ASSERT_EQ(said.back().state, EstimateState::good);
+  const double sigma_deg = double{said.back().output.heading_sigma_deg};
+  EXPECT_GT(sigma_deg, 0.7);
+  EXPECT_LT(sigma_deg, 3.0);
+  EXPECT_NEAR(off_deg(room, said, 189.0), off_deg(room, said, 69.0), 2.0 * sigma_deg);
+}
+
 TEST(BoardOdometer, SaysThatNothingComes) {
   auto all = seen_in(turning_room(80.0));
   for (Seen& seen : all) {

@@ -64,6 +64,11 @@ enum { SEARCHING, LEARNING, RUNNING, LOCATING };
 #define LARGEST_RATE_DPS 10000.0f
 #define LONGEST_EXPOSURE_US 4000000u
 
+/* A new map begins where the heading is: how well that is known in the one before. */
+static void keep_origin(odometer* s) {
+  if (s->has_tracked) s->origin_deg2 += covariance_of(&s->tracker.filter, HEADING, HEADING);
+}
+
 /* A new map, and nothing is known of how well it fits. */
 static void begin_new_map(odometer* s) {
   begin_map(&s->tracker);
@@ -75,6 +80,7 @@ static void begin_new_map(odometer* s) {
 /* The bias is searched for. */
 static void begin_anew(odometer* s) {
   heading_filter* filter = &s->tracker.filter;
+  if (s->phase != SEARCHING) keep_origin(s);
   know_sensors(filter, s->profile.bias_sigma_dps, s->profile.scale_sigma, s->profile.latency_sigma_s);
   filter->is_open = 0;
   begin_new_map(s);
@@ -99,6 +105,7 @@ static void begin_pass(odometer* s) {
   s->begun_scale = filter->value[SCALE];
   s->begun_latency_s = filter->value[LATENCY];
   filter->is_open = (uint8_t)has_gap(filter); /* before the map is forgotten */
+  keep_origin(s);
   begin_new_map(s);
   ++s->pass;
   s->pass_since_us = filter->now_us;
@@ -108,6 +115,7 @@ static void begin_pass(odometer* s) {
 /* The map was begun wrongly, and the sensors are known from the pass before. */
 static void begin_pass_again(odometer* s) {
   heading_filter* filter = &s->tracker.filter;
+  keep_origin(s);
   filter->value[BIAS] = s->begun_bias_dps;
   filter->value[SCALE] = s->begun_scale;
   filter->value[LATENCY] = s->begun_latency_s;
@@ -120,8 +128,9 @@ static void begin_pass_again(odometer* s) {
 /* The first map, with the bias that the search found: the heading went on with the one of before. */
 static void begin_first_pass(odometer* s, const found_bias* found) {
   heading_filter* filter = &s->tracker.filter;
-  filter->value[HEADING] -= (found->bias_dps - filter->value[BIAS]) *
-                            seconds_between(s->pass_since_us, filter->now_us) / filter->value[SCALE];
+  const float searched_s = seconds_between(s->pass_since_us, filter->now_us);
+  if (s->has_tracked) s->origin_deg2 += square(BIAS_WIDENING * found->sigma_dps * searched_s);
+  filter->value[HEADING] -= (found->bias_dps - filter->value[BIAS]) * searched_s / filter->value[SCALE];
   filter->value[BIAS] = found->bias_dps;
   if (!s->has_origin) {
     filter->value[HEADING] = 0.0f;
@@ -176,6 +185,7 @@ static float length_of_pass_s(odometer* s, const half_result* newest) {
 
 static void begin_running(odometer* s) {
   s->tracker.filter.is_learning = 0;
+  s->has_tracked = 1;
   s->phase = RUNNING;
 }
 
@@ -270,6 +280,8 @@ void thermorig_odometer_reset(thermorig_odometer_state* state, const thermorig_o
 static void forget_clock(odometer* s) {
   s->path.knots = 0u;
   s->watch.has_sample = s->has_seen = s->tracker.filter.has_begun = 0;
+  s->has_tracked = 0; /* the heading has another origin from here on */
+  s->origin_deg2 = 0.0f;
   begin_anew(s);
 }
 
@@ -399,7 +411,7 @@ void thermorig_odometer_read(const thermorig_odometer_state* state, uint32_t tim
   output->heading_deg = heading_deg - 360.0f * (float)turns;
   if (s->phase == SEARCHING) return;
   /* No image tells how late the gyro is: what it says of now, it says of then. */
-  output->heading_sigma_deg =
-      root(square(s->tracker.in_map_deg) + covariance_of(filter, BIAS, BIAS) * since_s * since_s +
-           square(HEADING_WALK_DEG) * since_s + square(s->profile.gyro_time_sigma_s * rate_dps));
+  output->heading_sigma_deg = root(
+      square(s->tracker.in_map_deg) + s->origin_deg2 + covariance_of(filter, BIAS, BIAS) * since_s * since_s +
+      square(HEADING_WALK_DEG) * since_s + square(s->profile.gyro_time_sigma_s * rate_dps));
 }

@@ -38,7 +38,7 @@ extern "C" {
   232 /* bins that a half may look at: 115 degrees, and what it sweeps beside */
 
 /* RAM of a state, and what the stack needs at most. */
-#define THERMORIG_ODOMETER_STATE_BYTES 35200
+#define THERMORIG_ODOMETER_STATE_BYTES 35204
 #define THERMORIG_ODOMETER_STACK_BYTES 4400
 
 /* What is known of the rig beforehand: `thermorig export` writes it from a profile. */
@@ -81,7 +81,8 @@ typedef struct {
   int32_t state, reason;   /* of the two lists above */
   int32_t turns;           /* whole turns since the map's origin, */
   float heading_deg;       /* and what comes on top: 0 to 360 */
-  float heading_sigma_deg; /* against the part of the map that is in view; before there is a map 180 */
+  float heading_sigma_deg; /* against the part of the map that is in view, and of where a new map begins;
+                              before there is a map 180 */
   float rate_dps;          /* mean over the exposures that the newest frame shows */
   float rate_sigma_dps;
   float bias_dps, scale; /* of the gyro: reading = scale * rate + bias */
@@ -211,7 +212,8 @@ typedef struct {
   float begun_bias_dps, begun_scale, begun_latency_s;
   uint16_t judged, far;       /* halves of the pass; those that lay far from where they were expected */
   float nis, lean, found_dps; /* the speed at which a search found the heading */
-  uint8_t has_seen, has_origin, is_unfit, is_doubted, is_explained;
+  float origin_deg2;          /* a variance: of where the map begins in the first one that was tracked in */
+  uint8_t has_seen, has_origin, has_tracked, is_unfit, is_doubted, is_explained;
 } thermorig_odometer_state;
 
 /* At the start: forgets everything. */
