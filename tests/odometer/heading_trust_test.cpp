@@ -39,6 +39,18 @@ TEST(HeadingTrust, DoesNotCountHalvesAtTheSpeedOfBeforeThoughItHasChangedMeanwhi
   EXPECT_FALSE(trust.is_trusted());
 }
 
+TEST(HeadingTrust, InAMapOfBeforeASlowRigsRestIsAnotherSpeed) {
+  HeadingTrust slow, fast;
+  slow.begin_in_map(20.0);
+  fast.begin_in_map(100.0);
+  for (int i = 0; i < 16; ++i) {
+    slow.add(used_at(0.0));
+    fast.add(used_at(70.0));
+  }
+  EXPECT_TRUE(slow.is_trusted());
+  EXPECT_FALSE(fast.is_trusted());
+}
+
 TEST(HeadingTrust, ForgetsDoubtsWhereTheRunBeginsAnew) {
   HeadingTrust trust;
   trust.begin_unproven(50.0, true);

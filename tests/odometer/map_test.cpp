@@ -97,6 +97,20 @@ double angle_of_legs_deg(double time_s) {
   return std::fmod(leg, 2.0) < 1.0 ? rate_dps * in_leg_s : rate_dps * (leg_s - in_leg_s);
 }
 
+/// At 15 deg/s or at rest: the speed never changes by as much as it does on most rigs.
+TEST(OdometerMap, IsRecognisedBySweepsThatAreSlowAllAlong) {
+  Room room = another_day();
+  room.duration_s = 60.0;
+  room.angle_deg = [](double time_s) {
+    const double in_sweep_s = std::fmod(time_s, 36.0);  // 16 s there, 4 s of rest, 16 s back
+    return 15.0 * (in_sweep_s < 16.0 ? in_sweep_s : std::min(16.0, 36.0 - in_sweep_s));
+  };
+  Odometer odometer = begun_with(before().map);
+  const auto all = told_of(room, odometer);
+  EXPECT_EQ(all.back().use, MapUse::found);
+  EXPECT_NEAR(all.back().off_deg, 0.0, 2.0);
+}
+
 /// At one speed a wrong scale looks like a wrong bias: only another speed tells them apart.
 TEST(OdometerMap, IsRecognisedThroughALensThatNobodyMeasured) {
   Room room = turning_room(100.0);

@@ -272,7 +272,7 @@ void Odometer::Parts::check_map(const HalfResult& result, double now_s) {
       sought_with.bias_dps = front.filter().bias_dps();  // by what the map says of how it turned
       sought_in_map_s = 0.0;
       has_place = true;
-      trust.begin_unproven(front.rate_dps(), true);
+      trust.begin_in_map(front.rate_dps());
       break;
     case MapCheck::Verdict::other:
       begin_in_map(now_s);
