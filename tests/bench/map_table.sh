@@ -1,7 +1,8 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: MIT
 # Sessions that begin with the map of an earlier one (live --map): 24 simulated rooms, each again, from rest and in motion,
-# with another bias of the gyro, and the map of each in the 23 others. How soon the heading is known, how wrong it is, and
+# with another bias of the gyro; the same in the world "typical", after `calibrate lens`; and the map of each honest room in
+# the 23 others. How soon the heading is known, how wrong it is, and
 # how often another room is taken for the same.
 # Usage: bash tests/bench/map_table.sh [--json] [--first-seed N]
 set -euo pipefail

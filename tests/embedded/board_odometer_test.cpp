@@ -165,15 +165,9 @@ TEST(BoardOdometer, DoubtsWhatTheGyroContradictsAndNotWhatItConfirms) {
 
 /// From 70 s on the walls show little of what they showed.
 TEST(BoardOdometer, SaysInANewMapHowWellTheGyroHasCarriedTheHeadingThere) {
-  Room room = turning_room(190.0);
+  const Room room = turning_room(190.0);
   auto all = seen_in(room);
-  room.walls = 8;
-  const auto other = seen_in(room);
-  for (std::size_t i = at(70.0); i < all.size(); ++i)
-    for (std::size_t pixel = 0; pixel < frame_pixels; ++pixel) {
-      float& temp_c = all[i].frame.frame.temp_c[pixel];
-      temp_c += 0.8F * (other[i].frame.frame.temp_c[pixel] - temp_c);
-    }
+  change_walls(room, 70.0, 0.8F, all);
   const auto said = said_of(all);
   ASSERT_EQ(said[at(69.0)].state, EstimateState::good);
   EXPECT_LT(said[at(69.0)].output.heading_sigma_deg, 0.7F);

@@ -421,16 +421,9 @@ TEST(Odometer, KeepsAMapThatTheGyroConfirmsThoughImagesHaveNotFittedForLong) {
 
 /// From 70 s on the walls show little of what they showed. A map is begun anew, where the gyro has the rig.
 TEST(Odometer, SaysInANewMapHowWellTheGyroHasCarriedTheHeadingThere) {
-  constexpr float changed = 0.8F;
-  Room room = turning_room(170.0);
+  const Room room = turning_room(170.0);
   auto all = seen_in(room);
-  room.walls = 8;
-  const auto other = seen_in(room);
-  for (std::size_t i = at(70.0); i < all.size(); ++i)
-    for (std::size_t pixel = 0; pixel < frame_pixels; ++pixel) {
-      float& temp_c = all[i].frame.frame.temp_c[pixel];
-      temp_c += changed * (other[i].frame.frame.temp_c[pixel] - temp_c);
-    }
+  change_walls(room, 70.0, 0.8F, all);
   const auto reports = reports_of(all);
   ASSERT_EQ(reports[at(69.0)].state, State::tracking);
   EXPECT_LT(reports[at(69.0)].heading_sigma_deg, 0.7);
@@ -444,12 +437,9 @@ TEST(Odometer, SaysInANewMapHowWellTheGyroHasCarriedTheHeadingThere) {
 
 /// A covered lens shows nothing; here all halves show something, and nothing that the map has.
 TEST(Odometer, BeginsANewMapWhereItIsCarriedIntoAnotherRoom) {
-  Room room = turning_room(180.0);
+  const Room room = turning_room(180.0);
   auto all = seen_in(room);
-  room.walls = 8;
-  const auto other = seen_in(room);
-  const auto carried = static_cast<long>(at(70.0));
-  std::copy(other.begin() + carried, other.end(), all.begin() + carried);
+  change_walls(room, 70.0, 1.0F, all);
   const auto reports = reports_of(all);
   ASSERT_EQ(reports[at(69.0)].state, State::tracking);
   EXPECT_EQ(reports[at(75.0)].reason, Reason::view_differs);

@@ -120,6 +120,18 @@ Room with_steady_speed(Room room, double from_s, double rate_dps) {
   return room;
 }
 
+void change_walls(Room room, double from_s, float share, std::vector<Seen>& all) {
+  ++room.walls;
+  const std::vector<Seen> other = seen_in(room);
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    if (all[i].frame.exposure_end < at_s(from_s)) continue;
+    for (std::size_t pixel = 0; pixel < frame_pixels; ++pixel) {
+      float& temp_c = all[i].frame.frame.temp_c[pixel];
+      temp_c += share * (other[i].frame.frame.temp_c[pixel] - temp_c);
+    }
+  }
+}
+
 void make_early(std::vector<Seen>& all, double from_s, double until_s) {
   for (Seen& seen : all) {
     if (seen.frame.exposure_end < at_s(from_s) || seen.frame.exposure_end > at_s(until_s)) continue;

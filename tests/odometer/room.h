@@ -41,6 +41,9 @@ Room with_rest(Room room, double from_s, double rest_s);
 /// The same room, where the shaft turns on at one speed from a time on.
 Room with_steady_speed(Room room, double from_s, double rate_dps);
 
+/// From a time on the walls show, by a share of 0 to 1, what those of another room do.
+void change_walls(Room room, double from_s, float share, std::vector<Seen>& all);
+
 /// What was seen between two times is taken for exposed a frame's period earlier.
 void make_early(std::vector<Seen>& all, double from_s, double until_s);
 

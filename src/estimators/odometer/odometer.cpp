@@ -36,7 +36,8 @@ constexpr double turning_dps = 5.0, longest_gyro_gap_s = 0.25, longest_camera_ga
 constexpr double longest_by_gyro_s = 3.0;  // a start that ended later has yet to prove its heading
 constexpr double lost_deg = 3.0;           // a heading that is known less well is searched for
 constexpr double give_up_s = 40.0;         // of a search, while the rig turns: then the map is wrong
-// In a map of before: what three seconds say of the bias may be that wrong, and a view tells the latency.
+// Until a map of before has shown it: three seconds may name a bias that is far off, and a camera may be
+// later than any data sheet says.
 constexpr double bias_sigma_in_map_dps = 6.0, latency_sigma_in_map_s = 0.03;
 constexpr int most_counted = 480;  // halves: a minute
 // Of these: then the surroundings are others. Persons, wrong times and the world `typical` make up to 0.05 of
@@ -96,11 +97,11 @@ struct Odometer::Parts {
   MapUse map_use;
   MapCheck map_check;
   bool has_place = false;        // in it; the gyro has yet to prove itself
-  Priors sought_with;            // in it
   double sought_in_map_s = 0.0;  // while the rig turned
   double gyro_period_s, gyro_time_sigma_s;
   GyroNoise noise;
   Priors priors;
+  Priors sought_with = priors;  // in the map of before
   Map::Lens map_lens;
   SharedLens lens;
   GyroPath path;
@@ -272,6 +273,7 @@ void Odometer::Parts::check_map(const HalfResult& result, double now_s) {
       sought_with.bias_dps = front.filter().bias_dps();  // by what the map says of how it turned
       sought_in_map_s = 0.0;
       has_place = true;
+      front.trust_map();
       trust.begin_in_map(front.rate_dps());
       break;
     case MapCheck::Verdict::other:
@@ -283,9 +285,7 @@ void Odometer::Parts::check_map(const HalfResult& result, double now_s) {
 void Odometer::Parts::prove_map() {
   if (!trust.is_trusted() || mean_nis > nis_bounds().settled) return;
   map_use = MapUse::found;
-  origin_sigma_deg = 0.0;
   innovations = InnovationCount();
-  front.trust_map();
 }
 
 /// What the camera shows was sought in the map of before for long enough. A rig at rest may wait.
@@ -323,7 +323,7 @@ void Odometer::Parts::run(const HalfReading& half) {
   }
   const bool is_lost = mean_nis > nis_bounds().lost || front.sigma_in_map_deg() > lost_deg;
   if (!is_lost || covered >= covered_halves) return;
-  is_on_trial ? begin_in_map(half.end_s) : begin_search(half.end_s);
+  map_use == MapUse::searching ? begin_in_map(half.end_s) : begin_search(half.end_s);
 }
 
 /// What a search found must first prove itself, at more than one speed.
@@ -445,7 +445,7 @@ Reason Odometer::Parts::reason(double now_s) const {
 /// Bias, scale and latency. A map on trial may have the camera look where it does not, and then teaches the
 /// filter another gyro: meanwhile what was known before it stands.
 Priors Odometer::Parts::known_of_gyro() const {
-  if (phase != Phase::starting && map_use == MapUse::searching) return sought_with;
+  if (map_use == MapUse::searching) return sought_with;
   const HeadingFilter& filter = front.filter();
   Priors known = priors;
   known.bias_dps = filter.bias_dps();

@@ -39,9 +39,7 @@ inline constexpr double lost_nis = 8.0;  // then the heading is lost
 /// Heading filter and panorama together: half after half.
 class Tracker {
  public:
-  // That a pass begins with.
-  static constexpr double least_bias_sigma_dps = 0.1, least_scale_sigma = 0.002,
-                          least_latency_sigma_s = 0.003;
+  static constexpr double least_bias_sigma_dps = 0.1;  // that a pass begins with
 
   Tracker(const Priors& priors, const SharedLens& lens);
 
@@ -104,6 +102,7 @@ class Tracker {
   }
 
  private:
+  static constexpr double least_scale_sigma = 0.002, least_latency_sigma_s = 0.003;
   struct Exposed {  // a half, and where it should look
     ExposedTurn turn;
     HalfPixels temp_c;
@@ -141,9 +140,9 @@ class Tracker {
   double heading_deg2_ = 0.0;    // the heading's own variance then
   double rate_dps_ = 0.0;
   double in_map_deg_ = 0.0;
-  double located_deg_ = 0.0;
-  ExposedTurn located_turn_;
-  float common_c_ = 0.0F;                                 // of the newest half
+  double located_deg_ = 0.0;  // where the newest half looks, that is searched for,
+  ExposedTurn located_turn_;  // and what the gyro turned by in it
+  float common_c_ = 0.0F;     // of the newest half
   std::array<double, HeadingFilter::nodes> rewritten_{};  // shares of an open map, by the newest half
   struct Written {
     Panorama::Column shown, variance;

@@ -80,7 +80,7 @@ static void begin_new_map(odometer* s) {
 /* The bias is searched for. */
 static void begin_anew(odometer* s) {
   heading_filter* filter = &s->tracker.filter;
-  if (s->phase != SEARCHING) keep_origin(s);
+  keep_origin(s);
   know_sensors(filter, s->profile.bias_sigma_dps, s->profile.scale_sigma, s->profile.latency_sigma_s);
   filter->is_open = 0;
   begin_new_map(s);
@@ -280,7 +280,7 @@ void thermorig_odometer_reset(thermorig_odometer_state* state, const thermorig_o
 static void forget_clock(odometer* s) {
   s->path.knots = 0u;
   s->watch.has_sample = s->has_seen = s->tracker.filter.has_begun = 0;
-  s->has_tracked = 0; /* the heading has another origin from here on */
+  s->has_tracked = 0; /* nobody knows how far it turned meanwhile: the heading has another origin */
   s->origin_deg2 = 0.0f;
   begin_anew(s);
 }
