@@ -11,6 +11,7 @@
 #include "print/output.h"
 #include "record_checks.h"
 #include "recording_setup.h"
+#include "thermorig/io/files/writable.h"
 #include "thermorig/io/port.h"
 #include "thermorig/rig/doctor/check.h"
 #include "thermorig/rig/doctor/checks.h"
@@ -104,7 +105,7 @@ std::vector<doctor::AskedPort> ports_of(const ChosenRig& rig) {
 
 Check disk_check(const RecordOptions& options, const RigProfile& profile) {
   try {
-    const auto folder = existing_part(options.output);
+    const auto folder = files::existing_part(options.output);
     return doctor::judge_disk(doctor::measure_disk(files::real_disk(), folder, io::now),
                               recording_bytes_per_s(profile));
   } catch (const Error& error) {

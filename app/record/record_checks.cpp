@@ -12,6 +12,7 @@
 
 #include "print/output.h"
 #include "record_yield.h"
+#include "thermorig/io/files/writable.h"
 #include "thermorig/io/port.h"
 #include "thermorig/pipeline/timing/link_timing.h"
 #include "thermorig/rig/sweep/expected_size.h"
@@ -81,7 +82,7 @@ Refusal refusal_of(const std::filesystem::path& folder, std::uintmax_t free, std
 Check check_output(const RecordOptions& options, const RigProfile& profile, const rig::SweepPlan& plan) {
   Check check{.name = "output"};
   const std::uint64_t needed = rig::expected_recording_bytes(plan, profile);
-  const std::filesystem::path folder = existing_part(options.output / options.environment);
+  const std::filesystem::path folder = files::existing_part(options.output / options.environment);
   std::error_code unknown;
   const std::uintmax_t space = std::filesystem::space(folder, unknown).available;
   const std::uintmax_t free = unknown ? std::numeric_limits<std::uintmax_t>::max() : space;
@@ -176,14 +177,6 @@ double recording_bytes_per_s(const RigProfile& profile) {
   double bytes_per_s = 0;
   for (const Device device : all_devices) bytes_per_s += rig::link_load(device, profile).bytes_per_s();
   return bytes_per_s;
-}
-
-std::filesystem::path existing_part(std::filesystem::path folder) {
-  std::error_code ignored;
-  folder = std::filesystem::absolute(folder, ignored);
-  while (!std::filesystem::exists(folder, ignored) && folder.has_relative_path())
-    folder = folder.parent_path();
-  return folder;
 }
 
 std::vector<Check> checks_before(const RecordOptions& options, const ChosenRig& rig,

@@ -26,9 +26,6 @@ Check failed_check(const std::string& name, const Error& error);
 /// What the devices of a rig send, bytes a second: what its journal grows by.
 double recording_bytes_per_s(const RigProfile& profile);
 
-/// The nearest folder that is there: the rest would be made.
-std::filesystem::path existing_part(std::filesystem::path folder);
-
 /// All that can be said without moving anything and without opening a port.
 std::vector<Check> checks_before(const RecordOptions& options, const ChosenRig& rig,
                                  const rig::SweepPlan& plan);

@@ -12,9 +12,11 @@
 #include <iterator>
 
 #include "session/temporary_folder.h"
+#include "support/as_nobody.h"
 #include "support/file_text.h"
 #include "thermorig/core/error.h"
 #include "thermorig/io/files/process.h"
+#include "thermorig/io/files/writable.h"
 
 namespace thermorig::files {
 namespace {
@@ -114,6 +116,67 @@ TEST_F(WholeFile, IsWrittenOnceByThoseWhoLeaveTheFirst) {
   EXPECT_EQ(entries_in(folder_), 1U);
   EXPECT_EQ(refusal_of([&] { write_whole_if_free(folder_ / "none" / "a.bin", "x", "the result"); }),
             "7: cannot create the result: No such file or directory");
+}
+
+TEST_F(WholeFile, IsWrittenOverTheFileOfBeforeAndNoOther) {
+  const fs::path file = folder_ / "a.bin";
+  EXPECT_TRUE(write_whole_over(file, std::nullopt, "first", "the map"));
+  EXPECT_FALSE(write_whole_over(file, std::nullopt, "second", "the map")) << "it appeared meanwhile";
+  const auto before = identity_of(file);
+  EXPECT_TRUE(write_whole_over(file, before, "other", "the map"));
+  EXPECT_FALSE(write_whole_over(file, before, "third", "the map")) << "it was replaced meanwhile";
+  EXPECT_EQ(tests::file_text(file), "other");
+  fs::remove(file);
+  EXPECT_TRUE(write_whole_over(file, before, "again", "the map")) << "there is none to replace";
+  EXPECT_EQ(entries_in(folder_), 1U);
+}
+
+TEST_F(WholeFile, IsNotWrittenOverOneThatAnotherProgramIsWriting) {
+  const fs::path file = folder_ / "a.bin";
+  write_whole(file, "old", "the map");
+  const ClosedOnExit held(real_disk(), real_disk().open_to_lock(file).value);
+  ASSERT_EQ(real_disk().lock(held.get(), Disk::Wait::no), 0);
+  EXPECT_FALSE(write_whole_over(file, identity_of(file), "new", "the map"));
+  EXPECT_EQ(tests::file_text(file), "old");
+}
+
+TEST_F(WholeFile, ThatMayNotBeReadIsNoDamagedOne) {
+  const fs::path file = folder_ / "a.bin";
+  write_whole(file, "x", "the model");
+  fs::permissions(folder_, fs::perms::all);
+  fs::permissions(file, fs::perms::owner_write);
+  EXPECT_EQ(tests::code_as_nobody([&] { read_whole(file, 5, "the model"); }), 6);
+}
+
+TEST_F(WholeFile, SaysWhatForbidsIt) {
+  const fs::path file = folder_ / "a.bin";
+  EXPECT_EQ(hindrance_of_writing(file), "");
+  EXPECT_EQ(hindrance_of_writing(folder_ / "to" / "be" / "made.bin"), "");
+  write_whole(file, "x", "the map");
+  EXPECT_EQ(hindrance_of_writing(file), "");
+  EXPECT_EQ(hindrance_of_writing(file / "below"), file.string() + " is not a folder");
+  fs::permissions(file, fs::perms::owner_read | fs::perms::group_read | fs::perms::others_read);
+  EXPECT_EQ(hindrance_of_writing(file), "it is write-protected");
+}
+
+TEST_F(WholeFile, IsForbiddenInAFolderThatMayNotBeWrittenTo) {
+  fs::permissions(folder_, fs::perms::owner_all | fs::perms::others_read | fs::perms::others_exec);
+  EXPECT_EQ(tests::code_as_nobody([&] {
+              const std::string why = hindrance_of_writing(folder_ / "a.bin");
+              if (why == folder_.string() + ": Permission denied")
+                throw Error(ExitCode::storage, why, "", "");
+            }),
+            7);
+}
+
+TEST_F(WholeFile, IsFoundBehindLinks) {
+  const fs::path file = folder_ / "a.bin";
+  fs::create_symlink("a.bin", folder_ / "near");
+  fs::create_symlink(folder_ / "near", folder_ / "far");
+  EXPECT_EQ(behind_links(file), file);
+  EXPECT_EQ(behind_links(folder_ / "far"), file) << "also where nothing is there yet";
+  fs::create_symlink("loop", folder_ / "loop");
+  EXPECT_EQ(identity_of(behind_links(folder_ / "loop")), std::nullopt);
 }
 
 TEST_F(PartFileName, SaysWhoseItIs) {

@@ -22,7 +22,7 @@ class SourceFile {
   SourceFile(const std::filesystem::path& path, const std::string& noun) : path_(path), noun_(noun) {
     // A pipe without a writer would block the program for good.
     descriptor_ = Descriptor(::open(path.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC));
-    if (!descriptor_) refuse(std::strerror(errno));
+    if (!descriptor_) refuse_to_open(errno);
   }
 
   std::size_t size(std::size_t bytes_max) const {
@@ -49,6 +49,13 @@ class SourceFile {
   }
 
  private:
+  [[noreturn]] void refuse_to_open(int error_number) const {
+    if (error_number != EACCES && error_number != EPERM) refuse(std::strerror(error_number));
+    throw Error(ExitCode::no_permission,
+                fmt::format("cannot read {}: {}", noun_, std::strerror(error_number)), path_.string(),
+                "see who may read it: ls -l " + path_.string());
+  }
+
   [[noreturn]] void refuse(const std::string& reason) const {
     throw Error(ExitCode::not_a_session, fmt::format("cannot read {}: {}", noun_, reason), path_.string(),
                 "check the path");
@@ -86,6 +93,17 @@ bool write_whole_if_free(const std::filesystem::path& path, std::string_view byt
   part.write(std::as_bytes(std::span(bytes)));
   part.sync();
   return part.publish_if_free();
+}
+
+bool write_whole_over(const std::filesystem::path& path, const std::optional<FileIdentity>& before,
+                      std::string_view bytes, const std::string& noun, Advice advice) {
+  if (!identity_of(path)) return write_whole_if_free(path, bytes, noun, advice);
+  const ClosedOnExit held(real_disk(), real_disk().open_to_lock(path).value);
+  // Of two programs that end at the same time one comes first, and the other one finds another file.
+  if (real_disk().lock(held.get(), Disk::Wait::no) == EWOULDBLOCK || identity_of(path) != before)
+    return false;
+  write_whole(path, bytes, noun, advice);
+  return true;
 }
 
 std::vector<std::uint8_t> read_whole(const std::filesystem::path& path, std::size_t bytes_max,
