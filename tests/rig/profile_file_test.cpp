@@ -75,6 +75,27 @@ TEST(ProfileFile, IsNeitherDeepNorAPipeNorADevice) {
   }
 }
 
+TEST(ProfileFile, IsRefusedWhereItSaysNothing) {
+  for (const char* text : {"", "# a comment\n", "[camera]\n[gyro.text]\n"})
+    EXPECT_THAT(refusal_of_profile(text), HasSubstr("bench.toml: this rig profile says nothing")) << text;
+}
+
+TEST(ProfileFile, IsRefusedBeforeItIsMeasuredWhereItIsWriteProtected) {
+  namespace fs = std::filesystem;
+  const fs::path path = fs::path(testing::TempDir()) / "protected.toml";
+  fs::remove(path);
+  write_profile(path, RigProfile());
+  require_profile_storage(path);
+  fs::permissions(path, fs::perms::owner_read);
+  try {
+    require_profile_storage(path);
+    ADD_FAILURE() << "nothing was refused";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), ExitCode::storage);
+    EXPECT_THAT(error.what(), HasSubstr("it is write-protected"));
+  }
+}
+
 TEST(ProfileFile, KeepsDefaultsForWhatIsLeftOut) {
   const RigProfile profile = parse_profile("[camera]\nport = \"/dev/ttyUSB1\"\n", "bench.toml");
   EXPECT_EQ(profile.camera.link.port, "/dev/ttyUSB1");

@@ -2,9 +2,7 @@
 #include "thermorig/rig/profile/profile_file.h"
 
 #include <fmt/format.h>
-#include <unistd.h>
 
-#include <cerrno>
 #include <cmath>
 #include <cstdint>
 #include <fstream>
@@ -13,6 +11,7 @@
 #include <utility>
 
 #include "thermorig/core/error.h"
+#include "thermorig/io/files/writable.h"
 #include "thermorig/rig/profile/toml_table.h"
 #include "thermorig/rig/profile/toml_text.h"
 #include "thermorig/storage/recording_header/profile_fields.h"
@@ -61,13 +60,17 @@ std::string toml_value(const FieldValue& value) {
 
 [[noreturn]] void refuse_writing(const std::filesystem::path& path, const std::string& why) {
   throw Error(ExitCode::storage, "the rig profile cannot be written: " + why, path.string(),
-              "choose a folder that you may write to");
+              "choose a file and a folder that you may write to");
 }
 
 }  // namespace
 
 RigProfile parse_profile(const std::string& text, const std::string& file_name) {
-  TomlTables tables(TomlTable::parse(text, file_name));
+  TomlTable root = TomlTable::parse(text, file_name);
+  if (root.is_empty())
+    throw Error(ExitCode::bad_usage, "this rig profile says nothing: there is no key in it", file_name,
+                "thermorig ports --save NAME writes a whole one");
+  TomlTables tables(std::move(root));
   RigProfile profile = recording_header::profile_from(
       [&](const ProfileField& field) { return value_in(tables[field.table], field); },
       [&](const ProfileProblem& problem) {
@@ -96,13 +99,7 @@ std::string profile_text(const RigProfile& profile) {
 void require_profile_storage(const std::filesystem::path& path) {
   std::error_code hidden;
   if (std::filesystem::exists(path, hidden)) read_profile(path);
-  std::filesystem::path folder = std::filesystem::absolute(path).parent_path();
-  while (!std::filesystem::exists(folder, hidden) && folder.has_relative_path())
-    folder = folder.parent_path();
-  if (!std::filesystem::is_directory(folder, hidden))
-    refuse_writing(path, folder.string() + " is not a folder");
-  if (::access(folder.c_str(), W_OK | X_OK) != 0)
-    refuse_writing(path, folder.string() + ": " + std::generic_category().message(errno));
+  if (const std::string why = files::hindrance_of_writing(path); !why.empty()) refuse_writing(path, why);
 }
 
 void write_profile(const std::filesystem::path& path, const RigProfile& profile) {

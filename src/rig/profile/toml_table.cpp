@@ -49,6 +49,13 @@ namespace {
             "correct that line; the format is described on https://toml.io");
 }
 
+bool says_anything(const toml::value& value) {
+  if (!value.is_table()) return true;
+  const auto& table = value.as_table();
+  return std::any_of(table.begin(), table.end(),
+                     [](const auto& entry) { return says_anything(entry.second); });
+}
+
 }  // namespace
 
 TomlTable::TomlTable(std::shared_ptr<const Node> node) : node_(std::move(node)) {}
@@ -62,6 +69,10 @@ TomlTable TomlTable::parse(const std::string& text, const std::string& file_name
   } catch (const toml::syntax_error& error) {
     refuse_syntax(error, *source);
   }
+}
+
+bool TomlTable::is_empty() const {
+  return !says_anything(node_->value);
 }
 
 bool TomlTable::has(const std::string& key) const {

@@ -27,6 +27,8 @@ class TomlTable {
   /// The table of that name; one without keys if there is none.
   TomlTable table(const std::string& key);
 
+  /// No key in it or its tables.
+  bool is_empty() const;
   bool has(const std::string& key) const;
   void refuse_unknown() const;
   /// Throws: `what` at the line of `key` (of the whole file if it is not there).
