@@ -119,7 +119,7 @@ ExitCode run(const LiveOptions& options) {
     const Orders ordered = [&] { return orders(options, run, page.get(), screens); };
     rig::RecordingResult result = options.record.fast ? drive_fast(rig, std::move(recording), run, ordered)
                                                       : drive_ports(std::move(recording), run, ordered);
-    run.write_map();
+    run.write_map(result.session);
     return result;
   };
   const Outcome outcome = outcome_of(run, options.keep, drive);

@@ -7,13 +7,16 @@
 
 #include "print/map_text.h"
 #include "thermorig/core/error.h"
-#include "thermorig/estimators/map_file/map_file.h"
+#include "thermorig/io/files/writable.h"
 
 namespace thermorig::app {
 
 namespace {
 
 namespace fs = std::filesystem;
+
+constexpr const char* name_another =
+    "give --map the name of a file that does not exist: a new map is written there at the end";
 
 void require_folder(const fs::path& path) {
   std::error_code hidden;
@@ -23,22 +26,51 @@ void require_folder(const fs::path& path) {
               "mkdir -p " + folder.string());
 }
 
+/// Before anything moves: a run whose map cannot be kept would be in vain.
+void require_writable(const fs::path& path) {
+  const std::string why = files::hindrance_of_writing(path);
+  if (why.empty()) return;
+  throw Error(ExitCode::storage, "the map could not be written at the end: " + why, path.string(),
+              "give --map a file and a folder that you may write to");
+}
+
+map_file::StoredMap read_map(const fs::path& path) {
+  try {
+    return map_file::read_map(path);
+  } catch (const Error& error) {
+    if (error.code() != ExitCode::not_a_session) throw;
+    throw Error(error.code(), error.what_happened(), error.where(), name_another);
+  }
+}
+
 void require_same_kind(const map_file::StoredMap& stored, bool simulated, const fs::path& path) {
   if (stored.simulated == simulated) return;
   throw Error(ExitCode::bad_usage,
               fmt::format("the map is of {} surroundings, and this rig is {}",
                           stored.simulated ? "simulated" : "real", simulated ? "simulated" : "real"),
-              path.string(), "name another file: what there is not yet is made");
+              path.string(), name_another);
+}
+
+std::string how_to_make_again(const fs::path& map, const fs::path& session) {
+  if (session.empty()) return "this run's map is lost: with --record a session is kept that makes it again";
+  return fmt::format("then thermorig live --replay {} --speed max --map {} makes the map again",
+                     session.string(), map.string());
 }
 
 }  // namespace
 
 LiveMap::LiveMap(fs::path path, const CameraProfile& camera, bool simulated) : path_(std::move(path)) {
   if (path_.empty()) return;
-  require_folder(path_);
+  file_ = files::behind_links(path_);
+  require_folder(file_);
+  before_ = files::identity_of(file_);
   std::error_code hidden;  // what cannot be looked at is refused when it is read
-  if (fs::status(path_, hidden).type() == fs::file_type::not_found) return;
-  map_file::StoredMap stored = map_file::read_map(path_);
+  if (fs::status(path_, hidden).type() != fs::file_type::not_found) begin_with_file(camera, simulated);
+  require_writable(file_);
+}
+
+void LiveMap::begin_with_file(const CameraProfile& camera, bool simulated) {
+  map_file::StoredMap stored = read_map(path_);
   require_same_kind(stored, simulated, path_);
   map_file::require_lens(stored.map, camera, path_.string());
   origin_ = origin_text(stored);
@@ -64,7 +96,7 @@ std::optional<std::string> LiveMap::news(odometer::MapUse use) {
 }
 
 std::optional<std::string> LiveMap::write(const std::optional<odometer::Map>& map, odometer::MapUse use,
-                                          const RecordingHeader& header) const {
+                                          const RecordingHeader& header, const fs::path& session) const {
   if (path_.empty()) return std::nullopt;
   const bool is_other = map_ && use != odometer::MapUse::found;
   if (is_other) return fmt::format("map {}: it was not recognised, and stays as it is", path_.string());
@@ -72,14 +104,32 @@ std::optional<std::string> LiveMap::write(const std::optional<odometer::Map>& ma
     return fmt::format(
         "map {}: not written: the odometer has none that it trusts (it takes half a minute of motion to one)",
         path_.string());
-  map_file::write_map(path_, {.simulated = header.simulated,
-                              .environment = header.environment,
-                              .rig = header.profile.name,
-                              .made_utc = header.start_time_utc,
-                              .creator = header.creator,
-                              .map = *map});
-  return fmt::format("map {}: written, with {:.0f} % of the surroundings", path_.string(),
-                     100.0 * map_file::seen_share(*map));
+  return written_text(kept_at({.simulated = header.simulated,
+                               .environment = header.environment,
+                               .rig = header.profile.name,
+                               .made_utc = header.start_time_utc,
+                               .creator = header.creator,
+                               .map = *map},
+                              session),
+                      map_file::seen_share(*map));
+}
+
+std::string LiveMap::written_text(const fs::path& written, double seen_share) const {
+  const std::string share = fmt::format("with {:.0f} % of the surroundings", 100.0 * seen_share);
+  if (written == file_) return fmt::format("map {}: written, {}", path_.string(), share);
+  return fmt::format(
+      "map {0}: another program wrote it meanwhile, and it stays as it is; this run's map is in {1}, {2} "
+      "(what both are: thermorig inspect {0} {1})",
+      path_.string(), written.string(), share);
+}
+
+fs::path LiveMap::kept_at(const map_file::StoredMap& stored, const fs::path& session) const {
+  try {
+    return map_file::write_map(file_, before_, stored);
+  } catch (const Error& error) {
+    throw Error(error.code(), error.what_happened(), path_.string(),
+                error.advice() + "; " + how_to_make_again(path_, session));
+  }
 }
 
 }  // namespace thermorig::app

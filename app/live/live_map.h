@@ -8,7 +8,7 @@
 
 #include "thermorig/core/profile.h"
 #include "thermorig/core/raw_recording.h"
-#include "thermorig/estimators/odometer/map.h"
+#include "thermorig/estimators/map_file/map_file.h"
 
 namespace thermorig::app {
 
@@ -17,6 +17,7 @@ namespace thermorig::app {
 class LiveMap {
  public:
   /// An empty path: without one. Throws Error(not_a_session) for a file that is no sound map,
+  /// Error(no_permission) for one that may not be read, Error(storage) where none could be written,
   /// Error(bad_usage) for one of another lens, of simulated surroundings on a real rig or the other way
   /// round, and for a folder that is not there.
   LiveMap(std::filesystem::path path, const CameraProfile& camera, bool simulated);
@@ -26,15 +27,23 @@ class LiveMap {
   /// What there is to say at first, and since the last call. Nothing mostly.
   std::optional<std::string> news(odometer::MapUse use);
 
-  /// Writes the run's map over the file, and says so, or why not. Nothing without a path. Throws
-  /// Error(storage).
+  /// Writes the run's map over the file, or beside it if it is not the one of the beginning any more, and
+  /// says so, or why not. Nothing without a path. `session`: that of the run, empty if none is kept. Throws
+  /// Error(storage), which says how to make the map again.
   std::optional<std::string> write(const std::optional<odometer::Map>& map, odometer::MapUse use,
-                                   const RecordingHeader& header) const;
+                                   const RecordingHeader& header, const std::filesystem::path& session) const;
 
  private:
+  void begin_with_file(const CameraProfile& camera, bool simulated);
   std::string opening() const;
+  std::string written_text(const std::filesystem::path& written, double seen_share) const;
+  /// Writes it; returns where.
+  std::filesystem::path kept_at(const map_file::StoredMap& stored,
+                                const std::filesystem::path& session) const;
 
-  std::filesystem::path path_;
+  std::filesystem::path path_;  // as it was given
+  std::filesystem::path file_;  // where its links lead
+  std::optional<files::FileIdentity> before_;
   std::shared_ptr<const odometer::Map> map_;
   std::string origin_;  // where the map is from, in words
   std::optional<odometer::MapUse> told_;

@@ -161,7 +161,7 @@ ExitCode replay_live(const LiveOptions& options) {
   Replayer replayer(options, raw, run, page.get(), screens, same_model);
   const bool finished = replayer.play();
   const ExitCode code = finished ? ExitCode::ok : ExitCode::interrupted;
-  run.write_map();
+  run.write_map(*options.replay);
   run.ended({static_cast<int>(code), finished ? "" : replayer.ending(), "", ""});
   screens.finish(code);
   return code;

@@ -134,9 +134,9 @@ void LiveRun::tell_of_rows() {
   orders_.push_back({rig::OrderKind::info, rows_text(*rows)});
 }
 
-void LiveRun::write_map() {
+void LiveRun::write_map(const std::filesystem::path& session) {
   if (map_ == nullptr) return;
-  const auto told = map_->write(estimates_.bank().map(), estimates_.bank().map_use(), facts_.header);
+  const auto told = map_->write(estimates_.bank().map(), estimates_.bank().map_use(), facts_.header, session);
   if (told) tell({now_, EventKind::info, std::nullopt, *told});
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <chrono>
+#include <filesystem>
 #include <optional>
 #include <string>
 #include <vector>
@@ -53,8 +54,9 @@ class LiveRun {
   void tell(const RecordingEvent& event);
   void warn(const std::string& sentence);
   void note(const std::string& sentence);
-  /// At the end of a run that ended well, or was stopped. Throws Error(storage).
-  void write_map();
+  /// At the end of a run that ended well, or was stopped. `session`: empty if none is kept. Throws
+  /// Error(storage).
+  void write_map(const std::filesystem::path& session);
   void ended(const LiveEnd& end);
 
   /// What this run asks of the recording since the last call.

@@ -104,6 +104,7 @@ TEST(MapFile, AMapOfAnotherLensOrOrderIsRefusedInWords) {
   EXPECT_EQ(refusal(55.0, true), "");
   EXPECT_EQ(refusal(55.3, true), "") << "a lens that was calibrated";
   EXPECT_EQ(refusal(110.0, true), "the map was made with a lens of 55 degrees, and this rig's has 110");
+  EXPECT_THAT(refusal(44.2821, true), HasSubstr("this rig's has 44.28"));
   EXPECT_EQ(refusal(55.0, false), "the map was made with columns that are mirrored, and this rig's are not");
   EXPECT_EQ(refusal(55.0, true, 0.01, 1.0), "");
   EXPECT_EQ(refusal(55.0, true, -0.04),
@@ -131,19 +132,36 @@ TEST(MapFile, IsWrittenWholeOverAnOlderOne) {
   const std::filesystem::path folder = std::filesystem::path(testing::TempDir()) / "map_file_test";
   std::filesystem::create_directories(folder);
   const auto path = folder / "kitchen.map";
-  write_map(path, small_map());
+  std::filesystem::remove(path);
+  EXPECT_EQ(write_map(path, std::nullopt, small_map()), path);
   EXPECT_TRUE(is_map(path));
   StoredMap other = small_map();
   other.environment = "garden";
-  write_map(path, other);
+  EXPECT_EQ(write_map(path, files::identity_of(path), other), path);
   EXPECT_EQ(read_map(path).environment, "garden");
   StoredMap broken = small_map();
   broken.map.reference_c = std::numeric_limits<float>::infinity();
-  EXPECT_THROW(write_map(path, broken), Error);
+  EXPECT_THROW(write_map(path, files::identity_of(path), broken), Error);
   EXPECT_EQ(read_map(path).environment, "garden") << "what cannot be read takes no other map's place";
   std::ofstream(folder / "note.txt") << "THR";
   EXPECT_FALSE(is_map(folder / "note.txt"));
   EXPECT_FALSE(is_map(folder));
+}
+
+TEST(MapFile, IsWrittenBesideOneThatAnotherProgramWroteMeanwhile) {
+  const std::filesystem::path folder = std::filesystem::path(testing::TempDir()) / "map_file_beside_test";
+  std::filesystem::remove_all(folder);
+  std::filesystem::create_directories(folder);
+  const auto path = folder / "kitchen.map";
+  StoredMap other = small_map();
+  other.environment = "garden";
+  write_map(path, std::nullopt, other);
+  EXPECT_EQ(write_map(path, std::nullopt, small_map()), folder / "kitchen-2.map");
+  const auto before = files::identity_of(path);
+  write_map(path, before, other);
+  EXPECT_EQ(write_map(path, before, small_map()), folder / "kitchen-3.map");
+  EXPECT_EQ(read_map(path).environment, "garden");
+  EXPECT_EQ(read_map(folder / "kitchen-3.map").environment, "kitchen");
 }
 
 }  // namespace

@@ -27,6 +27,7 @@ constexpr std::string_view magic_of_lens = "THRMAP02";
 constexpr std::size_t version_digits = 2;  // at the end of magic
 constexpr std::size_t crc_bytes = sizeof(std::uint32_t);
 constexpr std::size_t file_bytes_max = 200'000;
+constexpr const char* noun = "the map";
 // A lens may have been calibrated meanwhile, or again: of the field of view and of the corners, and degrees.
 constexpr double same_lens = 0.02, same_distortion = 0.02, same_direction_deg = 1.5;
 
@@ -50,7 +51,15 @@ constexpr Range pixel_k{-1e5, 1e5}, pixel_variance_k2{1e-3, 1e9}, flag{0.0, 1.0}
     row_order{0.0, 2.0};
 
 [[noreturn]] void refuse(const std::string& what, const std::string& where) {
-  throw Error(ExitCode::not_a_session, what, where, "name another file: what there is not yet is made");
+  throw Error(
+      ExitCode::not_a_session, what, where,
+      "make it again from a recorded session: thermorig live --replay SESSION --speed max --map NEW_FILE");
+}
+
+/// "kitchen-2.map" beside "kitchen.map".
+std::filesystem::path numbered(std::filesystem::path path, int number) {
+  return path.replace_filename(
+      fmt::format("{}-{}{}", path.stem().string(), number, path.extension().string()));
 }
 
 /// All that stands in a file, in its order: for whoever writes it, and for whoever reads it.
@@ -189,14 +198,19 @@ StoredMap map_from(std::string_view bytes, const std::string& where) {
 }
 
 StoredMap read_map(const std::filesystem::path& path) {
-  const auto bytes = files::read_whole(path, file_bytes_max, "the map");
+  const auto bytes = files::read_whole(path, file_bytes_max, noun);
   return map_from({reinterpret_cast<const char*>(bytes.data()), bytes.size()}, path.string());
 }
 
-void write_map(const std::filesystem::path& path, const StoredMap& stored) {
+std::filesystem::path write_map(const std::filesystem::path& path,
+                                const std::optional<files::FileIdentity>& before, const StoredMap& stored) {
   const std::string bytes = bytes_of(stored);
   map_from(bytes, path.string());  // what could not be read again takes no other map's place
-  files::write_whole(path, bytes, "the map");
+  if (files::write_whole_over(path, before, bytes, noun)) return path;
+  for (int number = 2;; ++number) {
+    const std::filesystem::path free = numbered(path, number);
+    if (!files::identity_of(free) && files::write_whole_if_free(free, bytes, noun)) return free;
+  }
 }
 
 void require_lens(const odometer::Map& map, const CameraProfile& camera, const std::string& where) {
@@ -207,15 +221,15 @@ void require_lens(const odometer::Map& map, const CameraProfile& camera, const s
                 "thermorig calibrate lens");
   };
   if (std::abs(its.field_of_view_deg - own.field_of_view_deg) > same_lens * own.field_of_view_deg)
-    refuse_lens(fmt::format("the map was made with a lens of {:g} degrees, and this rig's has {:g}",
+    refuse_lens(fmt::format("the map was made with a lens of {:.4g} degrees, and this rig's has {:.4g}",
                             its.field_of_view_deg, own.field_of_view_deg));
   if (its.mirrored != own.mirrored)
     refuse_lens(fmt::format("the map was made with columns that are {}mirrored, and this rig's are{}",
                             its.mirrored ? "" : "not ", own.mirrored ? "" : " not"));
   const auto require_same = [&](const char* what, double of_map, double of_rig, double most) {
     if (std::abs(of_map - of_rig) > most)
-      refuse_lens(fmt::format("the map was made with a lens whose {} is {:g}, and this rig's is {:g}", what,
-                              of_map, of_rig));
+      refuse_lens(fmt::format("the map was made with a lens whose {} is {:.3g}, and this rig's is {:.3g}",
+                              what, of_map, of_rig));
   };
   require_same("distortion", its.distortion, own.distortion, same_distortion);
   require_same("tilt in degrees", its.tilt_deg, own.tilt_deg, same_direction_deg);

@@ -3,11 +3,13 @@
 
 #include <cstddef>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <string_view>
 
 #include "thermorig/core/profile.h"
 #include "thermorig/estimators/odometer/map.h"
+#include "thermorig/io/files/file_identity.h"
 
 namespace thermorig::map_file {
 
@@ -34,11 +36,14 @@ StoredMap map_from(std::string_view bytes, const std::string& where);
 /// Does a regular file begin as a map's does, of whatever version?
 bool is_map(const std::filesystem::path& path);
 
-/// Throws Error(not_a_session).
+/// Throws Error(not_a_session), or Error(no_permission) for what may not be read.
 StoredMap read_map(const std::filesystem::path& path);
 
-/// The whole file or nothing of it, over an older one. Throws Error(storage).
-void write_map(const std::filesystem::path& path, const StoredMap& stored);
+/// The whole file or nothing of it, over the one that was there `before` (none: where none was). Where
+/// another one is there by now: beside it, under the first name that is free, such as kitchen-2.map. Returns
+/// where it is. Throws Error(storage).
+std::filesystem::path write_map(const std::filesystem::path& path,
+                                const std::optional<files::FileIdentity>& before, const StoredMap& stored);
 
 /// Throws Error(bad_usage) for a map of another lens than the camera's, or of another order of its columns.
 void require_lens(const odometer::Map& map, const CameraProfile& camera, const std::string& where);
