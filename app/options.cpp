@@ -166,8 +166,11 @@ void add_simulate(CLI::App& root, Words& words) {
 }
 
 void add_inspect(CLI::App& root, Words& words) {
-  CLI::App& command = *root.add_subcommand("inspect", "Say what a session holds and how good it is");
-  command.add_option("PATH", words.inspect.paths, "Session files (.h5), or folders that hold them")
+  CLI::App& command =
+      *root.add_subcommand("inspect", "Say what a session holds and how good it is, or what a map shows");
+  command
+      .add_option("PATH", words.inspect.paths,
+                  "Session files (.h5), folders that hold them, or maps of `live --map`")
       ->required();
   command.add_flag("--timing", words.inspect.timing,
                    "How well times and labels are known: clocks, offsets, scales, residuals");
@@ -177,7 +180,10 @@ void add_inspect(CLI::App& root, Words& words) {
                   "Write the page that `view` serves to this file, with the session in it (5 MB at most)")
       ->type_name("FILE");
   add_json(command, words.inspect.json);
-  command.footer("Example:\n  thermorig inspect --check recordings/garden");
+  command.footer(
+      "Examples:\n"
+      "  thermorig inspect --check recordings/garden\n"
+      "  thermorig inspect kitchen.map");
 }
 
 void add_view(CLI::App& root, ViewOptions& view) {
@@ -366,9 +372,27 @@ std::string conversion_text(const std::string& what) {
   return what.starts_with(begin) ? what.substr(begin.size()) + " is no number that it takes" : what;
 }
 
+/// An empty word mostly comes of a shell's variable that is not set, and would be taken for one that was not
+/// said. No option means anything by it.
+void refuse_empty_words(int argc, const char* const* argv) {
+  const auto refuse = [](const std::string& what, const std::string& name) {
+    throw Error(ExitCode::bad_usage, what + " is empty", "",
+                "give " + name + " a value, or leave it out (is a variable of the shell not set?)");
+  };
+  for (int i = 1; i < argc; ++i) {
+    const std::string word = argv[i], before = argv[i - 1];
+    if (word.empty() && before.starts_with("-")) refuse("the value of " + before, before);
+    if (word.empty()) refuse("word " + std::to_string(i) + " of the command line", "it");
+    if (!word.starts_with("--") || word.find('=') != word.size() - 1) continue;
+    const std::string name = word.substr(0, word.size() - 1);
+    refuse("the value of " + name, name);
+  }
+}
+
 }  // namespace
 
 CommandLine parse(int argc, const char* const* argv) {
+  refuse_empty_words(argc, argv);
   Words words;
   CLI::App root("", "thermorig");
   describe(root, words);

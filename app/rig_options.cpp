@@ -131,7 +131,10 @@ void add_rig(CLI::App& command, RigOptions& rig) {
   command.add_option("--gyro", rig.ports[Device::gyro], "Port of the gyro")->type_name("PORT");
   command.add_option("--servo", rig.ports[Device::servo], "Port of the servo's micro-controller")
       ->type_name("PORT");
-  command.add_option("--rig", rig.profile, "Profile that `thermorig ports --save` wrote: a name or a file")
+  command
+      .add_option("--rig", rig.profile,
+                  "Profile that `thermorig ports --save` wrote: a name, or a file (with a '/' in it, or "
+                  "ending in .toml)")
       ->type_name("PROFILE");
   command.add_option("--camera-baud", rig.camera_baud, "Baud rate of the camera")->type_name("N");
   command.add_option("--gyro-baud", rig.gyro_baud, "Baud rate of the gyro")->type_name("N");

@@ -24,6 +24,19 @@ std::filesystem::path settings_folder() {
               "a file name, e.g. --rig ./bench.toml");
 }
 
+/// A word without '/' and ".toml" is a name in the settings; a file of this folder may have been meant.
+void refuse_one_that_is_here(const std::string& name, const std::filesystem::path& path) {
+  for (const std::string& file : {name, name + ".toml"}) {
+    const std::filesystem::path here = std::filesystem::path(".") / file;
+    std::error_code hidden;
+    if (!std::filesystem::is_regular_file(here, hidden)) continue;
+    throw Error(ExitCode::bad_usage,
+                "there is no such profile: a word without '/' that does not end in .toml is a name, which is "
+                "not looked for in the present folder",
+                path.string(), "the file that is here: --rig " + here.string());
+  }
+}
+
 }  // namespace
 
 std::filesystem::path profile_path(const std::string& name) {
@@ -34,11 +47,7 @@ std::filesystem::path profile_path(const std::string& name) {
 RigProfile read_named_profile(const std::string& name) {
   const std::filesystem::path path = profile_path(name);
   if (std::filesystem::exists(path)) return rig::read_profile(path);
-  const std::filesystem::path here = std::filesystem::path(".") / (name + ".toml");
-  std::error_code hidden;
-  if (path != name && std::filesystem::exists(here, hidden))
-    throw Error(ExitCode::bad_usage, "there is no such profile; a name without '/' is not looked for here",
-                path.string(), "--rig " + here.string());
+  if (path != name) refuse_one_that_is_here(name, path);
   throw Error(ExitCode::bad_usage, "there is no such profile", path.string(),
               "thermorig ports --save " + name);
 }

@@ -67,6 +67,23 @@ TEST_F(CommandLine, TakesNoNegativeNumberForALargeOne) {
   }
 }
 
+TEST_F(CommandLine, RefusesAValueThatIsEmptyWhateverOptionItIsOf) {
+  for (const auto& [words, name] : {std::pair{"live --simulated --fast --map ''", "--map"},
+                                    {"live --simulated --fast --map=", "--map"},
+                                    {"record --environment garden --rig '' -n", "--rig"},
+                                    {"calibrate bias --simulated --fast --save ''", "--save"},
+                                    {"live --replay x.h5 --speed ''", "--speed"},
+                                    {"record --environment garden -n --simulated=", "--simulated"},
+                                    {"export x.h5 --npz -o ''", "-o"},
+                                    {"annotate x.h5 --exclude 1..2 --reason ''", "--reason"}}) {
+    const Outcome outcome = run(words);
+    EXPECT_EQ(outcome.code, 2) << words;
+    EXPECT_THAT(outcome.err, HasSubstr("the value of " + std::string(name) + " is empty")) << words;
+    EXPECT_THAT(outcome.err, HasSubstr("try: give " + std::string(name) + " a value")) << words;
+  }
+  EXPECT_THAT(run("inspect x.h5 ''").err, HasSubstr("word 3 of the command line is empty"));
+}
+
 TEST_F(CommandLine, SaysWhichNumberIsNone) {
   EXPECT_THAT(run("record --environment garden --speeds 30deg").err,
               HasSubstr("--speeds = 30deg is no number that it takes"));
@@ -109,7 +126,10 @@ TEST_F(CommandLine, PointsToAProfileThatLiesHere) {
   std::ofstream(folder() / "bench.toml") << "name = \"bench\"\n";
   const Outcome outcome = run("record --environment garden --rig bench -n");
   EXPECT_EQ(outcome.code, 2);
-  EXPECT_THAT(outcome.err, HasSubstr("try: --rig ./bench.toml"));
+  EXPECT_THAT(outcome.err, HasSubstr("try: the file that is here: --rig ./bench.toml"));
+  std::ofstream(folder() / "garage.profile") << "name = \"bench\"\n";
+  EXPECT_THAT(run("record --environment garden --rig garage.profile -n").err,
+              HasSubstr("try: the file that is here: --rig ./garage.profile"));
   EXPECT_THAT(run("record --environment garden --rig other -n").err,
               HasSubstr("thermorig ports --save other"));
 }
