@@ -11,6 +11,7 @@
 #include "export_size.h"
 #include "print/output.h"
 #include "thermorig/estimators/board_odometer/odometer_source.h"
+#include "thermorig/estimators/map_file/map_file.h"
 #include "thermorig/rig/profile/profile_file.h"
 #include "thermorig/storage/session/session.h"
 
@@ -18,7 +19,20 @@ namespace thermorig::app {
 
 namespace {
 
+/// What else this program writes: read as a profile it would only be found not to be text.
+void refuse_other_kinds(const std::filesystem::path& file) {
+  const bool is_map = map_file::is_map(file);
+  if (!is_map && file.extension() != ".onnx") return;
+  throw Error(
+      ExitCode::bad_usage,
+      fmt::format("--odometer takes a rig profile or a session, and this is a {}", is_map ? "map" : "model"),
+      file.string(),
+      is_map ? "the profile of that rig: thermorig export bench.toml --odometer"
+             : "thermorig export MODEL --c-header, or thermorig export bench.toml --odometer");
+}
+
 RigProfile profile_of(const std::filesystem::path& file) {
+  refuse_other_kinds(file);
   return file.extension() == ".h5" ? session::read_session(file).raw.header.profile : rig::read_profile(file);
 }
 

@@ -132,6 +132,24 @@ TEST_F(Export, RefusesAnOdometerThatDoesNotFitOrIsNotAlone) {
   EXPECT_TRUE(files(".c").empty());
 }
 
+TEST_F(Export, RefusesAnOdometerOfAFileThatIsNoProfileOrSaysNothing) {
+  std::ofstream(folder() / "zero.map") << "";
+  std::ofstream(folder() / "comment.toml") << "# nothing yet\n";
+  for (const char* file : {"zero.map", "comment.toml"}) {
+    const Outcome outcome = run("export " + std::string(file) + " --odometer -o board");
+    EXPECT_EQ(outcome.code, 2) << file;
+    EXPECT_THAT(outcome.err, HasSubstr("this rig profile says nothing: there is no key in it")) << file;
+  }
+  std::ofstream(folder() / "kitchen.map") << "THRMAP01\xff";
+  for (const auto& [file, kind] : {std::pair{"kitchen.map", "map"}, {"model.onnx", "model"}}) {
+    const Outcome outcome = run("export " + std::string(file) + " --odometer -o board");
+    EXPECT_EQ(outcome.code, 2) << file;
+    EXPECT_THAT(outcome.err,
+                HasSubstr("--odometer takes a rig profile or a session, and this is a " + std::string(kind)));
+  }
+  EXPECT_TRUE(files(".c").empty());
+}
+
 TEST_F(Export, MakesFilesOfASessionBesideEachOtherAndOverwritesNone) {
   const std::string session = record_briefly().string();
   const Outcome outcome = run("export " + session + " --npz --nf 2 --csv --tum --mcap -o made/of/it --json");
