@@ -48,6 +48,9 @@ ExitCode run(const EvaluateOptions& options) {
   if (options.draw) return draw_study(options);
   if (options.live && options.study)
     throw Error(ExitCode::bad_usage, "--live and --study are two questions", "", "ask one after the other");
+  if (options.live && !options.output.empty())
+    throw Error(ExitCode::bad_usage, "--output is for reports, and --live only prints", "",
+                "leave --output out; --json prints for programs");
   if (options.label && !options.study)
     throw Error(ExitCode::bad_usage, "--label is that of a study: a model says itself which one it learnt",
                 "", "thermorig evaluate --study recordings -o study --label shaft");

@@ -117,6 +117,9 @@ TEST_F(EvaluateLiveTest, RefusesASessionThatNoLiveRunMade) {
   EXPECT_EQ(run("evaluate --live").code, 2);
   EXPECT_EQ(run("evaluate --live missing").code, 2);
   EXPECT_EQ(run("evaluate --live --study recordings -o study").code, 2);
+  const Outcome with_folder = run("evaluate --live recordings -o report");
+  EXPECT_EQ(with_folder.code, 2);
+  EXPECT_THAT(with_folder.err, HasSubstr("--live only prints"));
   ASSERT_EQ(live("--record").code, 0);
   EXPECT_EQ(run("evaluate --live --json recordings").lines().back().at("sessions"), 1);
 }
