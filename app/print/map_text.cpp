@@ -48,7 +48,7 @@ std::string map_text(const std::filesystem::path& path, const map_file::StoredMa
   line("session of", printable(stored.made_utc));
   const odometer::Map::Lens& lens = stored.map.lens;
   line("lens",
-       fmt::format("{:g} degrees, {}mirrored{}", lens.field_of_view_deg, lens.mirrored ? "" : "not ",
+       fmt::format("{:.4g} degrees, {}mirrored{}", lens.field_of_view_deg, lens.mirrored ? "" : "not ",
                    lens.is_plain() ? ""
                                    : fmt::format(", distortion {:+.1f} %, tilt {:+.1f} deg, roll {:+.1f} deg",
                                                  100.0 * lens.distortion, lens.tilt_deg, lens.roll_deg)));

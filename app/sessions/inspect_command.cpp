@@ -45,6 +45,21 @@ nlohmann::json object_of(const std::filesystem::path& path, const Inspected& ins
   return object;
 }
 
+/// What is called a map is looked at as one, so that a damaged one is said to be that.
+bool names_map(const std::filesystem::path& file) {
+  return file.extension() == ".map" || map_file::is_map(file);
+}
+
+void refuse_session_words(const InspectOptions& options, const std::filesystem::path& map) {
+  const std::string word = !options.html.empty() ? "--html"
+                           : options.check       ? "--check"
+                           : options.timing      ? "--timing"
+                                                 : "";
+  if (word.empty()) return;
+  throw Error(ExitCode::bad_usage, word + " is for sessions, and this is a map", map.string(),
+              "thermorig inspect " + map.string());
+}
+
 ExitCode code_of(const Inspected& inspected) {
   const bool is_well = inspected.overview.quality.verdict != "bad" && inspected.altered.empty();
   return is_well ? ExitCode::ok : ExitCode::check_failed;
@@ -72,7 +87,7 @@ class Inspection {
  private:
   void look_at_file(const std::filesystem::path& file) {
     try {
-      map_file::is_map(file) ? tell_map(file) : tell(file, inspect(file));
+      names_map(file) ? tell_map(file) : tell(file, inspect(file));
     } catch (const Error& error) {
       refuse(file, error);
     }
@@ -87,6 +102,7 @@ class Inspection {
   }
 
   void tell_map(const std::filesystem::path& file) {
+    refuse_session_words(options_, file);
     const map_file::StoredMap stored = map_file::read_map(file);
     if (options_.json)
       list_.push_back(map_json(file, stored));
@@ -120,7 +136,11 @@ class Inspection {
 /// Every file is looked at, also after one that is no session: the exit code is that of the first that is not
 /// well. With --json one array, an object a file.
 ExitCode run(const InspectOptions& options) {
-  if (!options.html.empty()) return write_session_page(options);
+  if (!options.html.empty()) {
+    for (const auto& path : options.paths)
+      if (names_map(path)) refuse_session_words(options, path);
+    return write_session_page(options);
+  }
   Inspection inspection(options);
   for (const auto& path : options.paths) inspection.look_at(path);
   return inspection.end();

@@ -87,6 +87,31 @@ TEST_F(SessionCommands, InspectRefusesWhatIsNoSessionAndStillShowsTheRest) {
   EXPECT_EQ(run("inspect .").code, 8);
 }
 
+TEST_F(SessionCommands, InspectSaysThatADamagedMapIsOne) {
+  for (const std::string text : {"", "UHRMAP01"}) {
+    write("kitchen.map", {reinterpret_cast<const std::uint8_t*>(text.data()), text.size()});
+    const Outcome outcome = run("inspect kitchen.map");
+    EXPECT_EQ(outcome.code, 8);
+    EXPECT_THAT(outcome.err, HasSubstr("kitchen.map: this is no map of thermorig"));
+    EXPECT_THAT(outcome.err, HasSubstr("make it again from a recorded session: thermorig live --replay"));
+  }
+}
+
+TEST_F(SessionCommands, InspectRefusesOfAMapWhatOnlySessionsHave) {
+  const std::string text = "THRMAP01";
+  write("kitchen.map", {reinterpret_cast<const std::uint8_t*>(text.data()), text.size()});
+  const auto session = record_briefly();
+  for (const std::string word : {"--check", "--timing"}) {
+    const Outcome outcome = run("inspect " + word + " kitchen.map " + session.string());
+    EXPECT_EQ(outcome.code, 2);
+    EXPECT_THAT(outcome.err, HasSubstr("kitchen.map: " + word + " is for sessions, and this is a map"));
+    EXPECT_THAT(outcome.out, HasSubstr("verdict")) << "the others are shown";
+  }
+  const Outcome page = run("inspect --html page.html kitchen.map");
+  EXPECT_EQ(page.code, 2);
+  EXPECT_THAT(page.err, HasSubstr("--html is for sessions"));
+}
+
 TEST_F(SessionCommands, AFileThatIsNotThereIsBadUsageForEveryCommand) {
   for (const char* command : {"inspect", "reprocess", "recover", "decode --device camera"}) {
     const Outcome outcome = run(command + std::string(" missing.h5"));
