@@ -208,7 +208,7 @@ std::filesystem::path write_map(const std::filesystem::path& path,
   map_from(bytes, path.string());  // what could not be read again takes no other map's place
   if (files::write_whole_over(path, before, bytes, noun)) return path;
   for (int number = 2;; ++number) {
-    const std::filesystem::path free = numbered(path, number);
+    std::filesystem::path free = numbered(path, number);
     if (!files::identity_of(free) && files::write_whole_if_free(free, bytes, noun)) return free;
   }
 }
