@@ -25,8 +25,9 @@ GyroProfile data_sheet_gyro() {
   return gyro;
 }
 
-std::vector<Report> reports_of(const std::vector<Seen>& all, const GyroProfile& gyro = data_sheet_gyro()) {
-  Odometer odometer(gyro, CameraProfile());
+std::vector<Report> reports_of(const std::vector<Seen>& all, const GyroProfile& gyro = data_sheet_gyro(),
+                               const CameraProfile& camera = {}) {
+  Odometer odometer(gyro, camera);
   std::vector<Report> reports;
   for (const Seen& seen : all) reports.push_back(odometer.add(seen.frame, seen.gyro));
   return reports;
@@ -368,6 +369,21 @@ TEST(Odometer, TracksThoughSomeoneWalksAround) {
   EXPECT_LT(silent_s(room, reports, 62.0), 0.5);
 }
 
+/// Passes learn the same again and again, and some halves do not fit.
+TEST(Odometer, TakesSomeoneForWhatMovesWherePassesLearnTheSame) {
+  Room room = faint_room(70.0, 0.3);
+  room.walls = 10;
+  room.angle_deg = to_and_fro(250.0, 100.0);
+  room.latency_s = 0.03;
+  auto all = seen_in(room);
+  let_walk(room, 20.0, all);
+  CameraProfile measured;
+  measured.lens_measured_utc = "2026-11-01T00:00:00Z";
+  const auto reports = reports_of(all, data_sheet_gyro(), measured);
+  EXPECT_GT(share_tracked(reports, 42.0), 0.9);  // it starts after 61 s if it waits for searches
+  EXPECT_LT(silent_s(room, reports, 42.0), 0.5);
+}
+
 TEST(Odometer, TracksThoughSomeoneComesAfterTheStart) {
   const Room room = faint_room(170.0, 0.3);
   auto all = seen_in(room);
@@ -433,6 +449,39 @@ TEST(Odometer, SaysInANewMapHowWellTheGyroHasCarriedTheHeadingThere) {
               2.0 * reports.back().heading_sigma_deg);
   EXPECT_GT(reports.back().heading_sigma_deg, 1.0);
   EXPECT_LT(reports.back().heading_sigma_deg, 3.0);
+}
+
+/// The gyro's bias is another from then on, too. Past images that say nothing the gyro alone carries the
+/// heading; what it was before them counts, with the bias that is learnt behind them.
+TEST(Odometer, BeginsANewMapWhereTheGyroHasTheRigWithTheBiasThatItLearnsThere) {
+  const Room room = turning_room(170.0);
+  auto all = seen_in(room);
+  change_walls(room, 70.0, 0.8F, all);
+  for (std::size_t i = at(70.0); i < all.size(); ++i)
+    for (TimedGyro& sample : all[i].gyro) sample.rate_dps += 1.0F;
+  const auto reports = reports_of(all);
+  ASSERT_EQ(reports[at(69.0)].state, State::tracking);
+  ASSERT_EQ(reports.back().state, State::tracking);
+  EXPECT_NEAR(reports.back().bias_dps, room.bias_dps + 1.0, 0.1);
+  EXPECT_NEAR(off_deg(room, reports, 169.0), off_deg(room, reports, 69.0),
+              2.5 * reports.back().heading_sigma_deg);
+  EXPECT_LT(reports.back().heading_sigma_deg, 5.0);
+}
+
+/// To and fro before half of a room, through a lens that is wider than its data sheet says.
+TEST(Odometer, SaysThatTheLensAloneTellsTheScaleWhereTheMapDoesNotClose) {
+  Room room = turning_room();
+  room.angle_deg = to_and_fro(90.0, 60.0);
+  room.wider = 0.03;
+  const auto reports = reports_of(seen_in(room));
+  ASSERT_EQ(reports.back().state, State::tracking);
+  EXPECT_NEAR(reports.back().scale, 1.03 * room.scale, 0.005);
+  for (double time_s = 50.0; time_s < 70.0; time_s += 0.5) {
+    const Report& report = reports[at(time_s)];
+    const double off = off_deg(room, reports, time_s) - off_deg(room, reports, 50.0);
+    EXPECT_LT(std::abs(off), 2.5 * report.heading_sigma_deg + 2.5 * reports[at(50.0)].heading_sigma_deg);
+    EXPECT_GE(report.rate_sigma_dps, 0.03 * std::abs(report.rate_dps));
+  }
 }
 
 /// A covered lens shows nothing; here all halves show something, and nothing that the map has.

@@ -29,15 +29,22 @@ class GyroHeading {
 
   /// One standard deviation, that of a bias which begins to change included.
   double sigma_deg(const GyroPath::Knot& now) const {
-    const double walked_deg2 = square(HeadingFilter::walk_deg) * since_s(now);
-    const double unseen_deg2 = std::max(0.0, now.unseen_deg2 - then_.unseen_deg2);
-    return std::sqrt(square(sigma_deg_) + square(least_sigma_deg) + walked_deg2 + unseen_deg2 +
-                     square((bias_sigma_dps_ + bias_change_dps) * since_s(now)));
+    return sigma_with(now, bias_sigma_dps_ + bias_change_dps);
+  }
+  /// The same with another bias, which was learnt later and is known so well.
+  double sigma_deg(const GyroPath::Knot& now, double bias_sigma_dps) const {
+    return sigma_with(now, std::hypot(bias_sigma_dps, bias_change_dps));
   }
 
  private:
   static constexpr double least_sigma_deg = 1.0, bias_change_dps = 0.02;
   double since_s(const GyroPath::Knot& now) const { return now.time_s - then_.time_s; }
+  double sigma_with(const GyroPath::Knot& now, double bias_sigma_dps) const {
+    const double walked_deg2 = square(HeadingFilter::walk_deg) * since_s(now);
+    const double unseen_deg2 = std::max(0.0, now.unseen_deg2 - then_.unseen_deg2);
+    return std::sqrt(square(sigma_deg_) + square(least_sigma_deg) + walked_deg2 + unseen_deg2 +
+                     square(bias_sigma_dps * since_s(now)));
+  }
 
   GyroPath::Knot then_;
   double heading_deg_, sigma_deg_;

@@ -43,6 +43,7 @@ constexpr int most_counted = 480;  // halves: a minute
 // Of these: then the surroundings are others. Persons, wrong times and the world `typical` make up to 0.05 of
 // them strange; where all are, it takes 55 s.
 constexpr double most_strange = 0.6;
+const double anywhere_deg = whole_turn_deg / std::sqrt(12.0);  // one standard deviation of any direction
 constexpr double saturated_dps = 15.0;  // what a reading at the end of its range may be off
 constexpr double sample_noise_dps = 0.15;
 
@@ -57,6 +58,7 @@ struct Odometer::Parts {
         noise(gyro.axis),
         priors(priors_of(gyro, camera)),
         map_lens(camera),
+        lens_share(camera.pitch_scale_uncertainty),
         lens(std::make_shared<const Lens>(camera)),
         front(priors, lens),
         start(priors, lens, !camera.link.latency_measured_utc.empty(), front, path) {}
@@ -80,7 +82,7 @@ struct Odometer::Parts {
   void begin_in_map(double now_s);
   void check_map(const HalfResult& result, double now_s);
   void prove_map();
-  void keep_sound_heading(double now_s);
+  void keep_sound_heading(const HalfResult& result, double now_s);
   std::optional<CircleSearch::Found> by_gyro() const;
   bool is_map_given_up(const HalfReading& half);
   Report report(const TimedFrame& frame, double now_s) const;
@@ -103,6 +105,7 @@ struct Odometer::Parts {
   Priors priors;
   Priors sought_with = priors;  // in the map of before
   Map::Lens map_lens;
+  double lens_share;  // one standard deviation: of all angles that nothing but the lens tells
   SharedLens lens;
   GyroPath path;
   GyroWatch watch;
@@ -116,9 +119,9 @@ struct Odometer::Parts {
   double last_gyro_s = 0.0, last_half_s = 0.0;
   Phase phase = Phase::starting;
   double locating_since_s = 0.0;
-  double origin_sigma_deg = 0.0;     // of where the map begins, against the first one
-  std::optional<GyroHeading> sound;  // none: the gyro was away since, or there was no map yet
-  double sound_since_s = 0.0;
+  double origin_sigma_deg = 0.0;                  // of where the map begins, against the first one
+  std::optional<GyroHeading> sound;               // none: the gyro was away since, or there was no map yet
+  double sound_since_s = 0.0, last_used_s = 0.0;  // by half
   double mean_nis = 1.0;
   int covered = 0;       // halves in a row
   double strange = 0.0;  // a running mean: the share of halves that fit neither the map nor a covered lens
@@ -315,7 +318,7 @@ void Odometer::Parts::run(const HalfReading& half) {
     unfit_since_s.reset();
     watch_for_traffic();
   }
-  keep_sound_heading(half.end_s);
+  keep_sound_heading(result, half.end_s);
   const bool is_unfit = unfit_since_s && half.end_s - *unfit_since_s > longest_unfit_s;
   if ((is_unfit && !is_map_right()) || strange > most_strange) {
     begin_anew();
@@ -326,9 +329,14 @@ void Odometer::Parts::run(const HalfReading& half) {
   map_use == MapUse::searching ? begin_in_map(half.end_s) : begin_search(half.end_s);
 }
 
-/// What a search found must first prove itself, at more than one speed.
-void Odometer::Parts::keep_sound_heading(double now_s) {
-  if (!trust.is_trusted() || unfit_since_s || mean_nis > nis_bounds().fits) sound_since_s = now_s;
+/// What a search found must first prove itself, at more than one speed; and what the gyro alone has carried
+/// past images that say nothing, past a covered lens say, is no sounder than it was before them.
+void Odometer::Parts::keep_sound_heading(const HalfResult& result, double now_s) {
+  if (!result.is_used) return;
+  const bool was_alone = now_s - last_used_s > longest_camera_gap_s;
+  last_used_s = now_s;
+  if (was_alone || !trust.is_trusted() || unfit_since_s || mean_nis > nis_bounds().fits)
+    sound_since_s = now_s;
   if (now_s - sound_since_s > sound_s && trust.has_changed_speed()) sound = heading_of_front();
 }
 
@@ -437,9 +445,8 @@ Reason Odometer::Parts::reason(double now_s) const {
   if (now_s - last_gyro_s > longest_gyro_gap_s) return Reason::no_gyro;
   if (stands_in || !has_seen || now_s - last_half_s > longest_camera_gap_s) return Reason::no_camera;
   if (watch.is_frozen() && !watch.is_zero()) return Reason::gyro_frozen;
-  const bool is_unfit = unfit_since_s && map_use != MapUse::searching;  // there another place is found
-  if (covered >= covered_halves || is_unfit) return Reason::view_differs;
-  return Reason::none;
+  if (map_use == MapUse::searching) return Reason::none;  // another place is found, where another view fits
+  return covered >= covered_halves || unfit_since_s ? Reason::view_differs : Reason::none;
 }
 
 /// Bias, scale and latency. A map on trial may have the camera look where it does not, and then teaches the
@@ -484,13 +491,18 @@ Report Odometer::Parts::report(const TimedFrame& frame, double now_s) const {
   const ExposedTurn turn = path.over(begin_s, now_s);
   const double samples = std::max(1.0, length_s / gyro_period_s);
   report.rate_dps = (turn.mean_read_dps() - gyro.bias_dps) / gyro.scale;
-  report.rate_sigma_dps = std::hypot(
-      std::hypot(gyro.bias_sigma_dps, sample_noise_dps / std::sqrt(samples)) / gyro.scale,
-      gyro.scale_sigma * report.rate_dps, gyro_time_sigma_s * (turn.last_dps - turn.first_dps) / length_s);
+  // As long as the map has not closed, nothing tells how long a degree is but the lens, and a lens that is
+  // off makes the gyro's scale another one, too.
+  const double share = front.has_gap() ? lens_share : 0.0;
+  report.rate_sigma_dps =
+      std::hypot(std::hypot(gyro.bias_sigma_dps, sample_noise_dps / std::sqrt(samples)) / gyro.scale,
+                 std::hypot(gyro.scale_sigma, share) * report.rate_dps,
+                 gyro_time_sigma_s * (turn.last_dps - turn.first_dps) / length_s);
+  if (!has_heading()) return report;
   // No image tells how late the gyro is: what it says of now, it says of then.
-  if (has_heading())
-    report.heading_sigma_deg =
-        std::hypot(front.sigma_in_map_deg(), gyro_time_sigma_s * report.rate_dps, origin_sigma_deg);
+  report.heading_sigma_deg = std::hypot(front.sigma_in_map_deg(), gyro_time_sigma_s * report.rate_dps,
+                                        std::hypot(origin_sigma_deg, share * report.heading_deg));
+  if (map_use == MapUse::searching) report.heading_sigma_deg = anywhere_deg;
   return report;
 }
 

@@ -18,6 +18,7 @@ constexpr double still_deg = 3.0;           // as far as a bias of the first sec
 constexpr double bias_widening = 3.0;       // of what the search states
 constexpr double known_bias_dps = 1.0;
 constexpr Nearness settled{Tracker::least_bias_sigma_dps, 0.001, 0.001};
+constexpr Nearness learnt_in_traffic{0.2, 0.003, 0.003};   // where something moves, passes differ by as much
 constexpr double known_scale = 0.0008;                     // one standard deviation: 0.3 degrees a turn
 constexpr double same_scale = 0.015;                       // as searches name it
 constexpr int most_passes = 6;                             // through the halves
@@ -93,6 +94,16 @@ Start::Outcome Start::add(const HalfReading& half, double now_s) {
       return gone_through_ < store_.count() ? Outcome::goes_on : take_over(now_s);
   }
   return Outcome::goes_on;
+}
+
+/// It was put where the bias that its last pass began with had it, and by now that is known better.
+double Start::origin_sigma_deg() const {
+  if (!before_) return 0.0;
+  const HeadingFilter& filter = front_.filter();
+  const GyroPath::Knot begun = path_.until(store_.at(0).now_s);
+  const double misplaced_deg =
+      before_->deg(begun, begun_with_.bias_dps) - before_->deg(begun, filter.bias_dps());
+  return std::hypot(before_->sigma_deg(begun, filter.sigma(HeadingFilter::bias)), misplaced_deg);
 }
 
 /// Until it is known in which order rows are exposed, all orders learn. Returns the work of that.
@@ -298,17 +309,19 @@ Start::Outcome Start::take_over(double now_s) {
 }
 
 /// What does not fit means that the map was begun with a wrong bias: by now it is known better. One that
-/// began by evidence had the right one, and its map is false, unless something moves before some halves.
+/// began by evidence had the right one, and its map is false, unless something moves before some halves; so
+/// has one whose passes learn the same again and again.
 Start::Outcome Start::learn_again() {
   const bool is_hopeless = is_by_evidence_ && pass_ >= passes_by_evidence && mean_nis_ > bounds().unfit;
-  const bool is_traffic = is_by_evidence_ && pass_ > 0 && !is_contested_ && shows_traffic();
+  const bool is_learnt = is_by_evidence_ || has_nearly_repeated();
+  const bool is_traffic = is_learnt && pass_ > 0 && !is_contested_ && shows_traffic();
   if (is_stuck() && begin_by_other_evidence()) return Outcome::goes_on;
   if (!is_hopeless && !is_traffic && pass_ < most_passes &&
       front_.filter().sigma(HeadingFilter::bias) < known_bias_dps) {
     begin_pass(pass_ + 1);
   } else if (is_contested_ && contest_.another_may_fit()) {
     phase_ = Phase::learning;  // another order of rows may fit: it goes on until it has learnt enough
-  } else if (begin_by_evidence()) {
+  } else if (!is_traffic && begin_by_evidence()) {
     return Outcome::goes_on;
   } else if (shows_traffic()) {
     things_move_ = true;  // what was learnt is not wrong for that
@@ -342,8 +355,8 @@ Start::Outcome Start::begin_anew() {
 }
 
 bool Start::shows_traffic() const {
-  return !things_move_ && innovations_.shows_traffic() && is_plausible() &&
-         has_usual_latency(front_.filter(), priors_);
+  const bool has_order = lens_->knows_rows() || has_usual_latency(front_.filter(), priors_);
+  return !things_move_ && innovations_.shows_traffic() && is_plausible() && has_order;
 }
 
 /// By searches, which know nothing of the map, nor of how it closes; and learnt again from there.
@@ -361,6 +374,11 @@ void Start::expect_traffic() {
 /// The pass ended with what it began with: another one would make the same map.
 bool Start::has_repeated() const {
   return is_near(front_.filter(), begun_with_, settled);
+}
+
+/// By what something that moves makes passes differ.
+bool Start::has_nearly_repeated() const {
+  return is_near(front_.filter(), begun_with_, learnt_in_traffic);
 }
 
 /// And that map fits.

@@ -49,9 +49,7 @@ class Start {
     return phase_ == Phase::learning ? 0.0 : now_s - store_.at(store_.count() - 1).now_s;
   }
   /// One standard deviation of where the map begins in the one before; 0 if there was none.
-  double origin_sigma_deg() const {
-    return before_ ? before_->sigma_deg(path_.until(store_.at(0).now_s)) : 0.0;
-  }
+  double origin_sigma_deg() const;
   /// Something beside the rig: a start has shown it, or failed, or halves after it have.
   bool things_move() const { return things_move_; }
   /// Halves after the start have shown it.
@@ -98,6 +96,7 @@ class Start {
   Outcome fail();
   Outcome begin_anew();
   bool has_repeated() const;
+  bool has_nearly_repeated() const;
   bool has_settled() const;
   bool fits_badly() const;
   bool knows_scale() const;
