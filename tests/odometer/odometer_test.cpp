@@ -91,6 +91,8 @@ TEST(Odometer, FindsInWhichOrderRowsAreExposed) {
     EXPECT_EQ(reports.back().rows, wanted);
     EXPECT_GT(reports.back().row_margin, 10.0);
     EXPECT_EQ(reports.back().state, State::tracking);
+    for (const Report& report : reports)  // what a start believes meanwhile may change
+      EXPECT_EQ(report.row_margin > 0.0, report.state != State::starting);
     ASSERT_EQ(reports[at(54.0)].state, State::tracking);
     const double origin_deg = off_deg(room, reports, 54.0);
     for (double time_s = 54.0; time_s < 69.0; time_s += 0.5)

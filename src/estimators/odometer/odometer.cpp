@@ -105,6 +105,7 @@ struct Odometer::Parts {
   Priors priors;
   Priors sought_with = priors;  // in the map of before
   Map::Lens map_lens;
+  FoundRows rows;     // by the last start that ended
   double lens_share;  // one standard deviation: of all angles that nothing but the lens tells
   SharedLens lens;
   GyroPath path;
@@ -230,6 +231,7 @@ void Odometer::Parts::start_anywhere(const HalfReading& half, double now_s) {
       break;
     case Start::Outcome::over:
       phase = Phase::running;
+      rows = {front.rows(), start.row_margin()};
       origin_sigma_deg = std::hypot(origin_sigma_deg, start.origin_sigma_deg());
       front.end_learning();
       mean_nis = start.mean_nis();
@@ -483,8 +485,8 @@ Report Odometer::Parts::report(const TimedFrame& frame, double now_s) const {
     report.innovation_deg = newest.innovation_deg;
     report.innovation_sigma_deg = newest.sigma_deg;
   }
-  report.rows = front.rows();
-  report.row_margin = start.row_margin();
+  report.rows = rows.order;
+  report.row_margin = rows.margin;
   if (has_heading()) report.heading_deg = filter.heading_deg();
   const double begin_s = to_s(frame.exposure_begin - *origin), length_s = now_s - begin_s;
   if (!(length_s > 0.0)) return report;

@@ -43,8 +43,8 @@ struct Report {
   double latency_s = 0.0;                 // camera's middle rows against gyro, beyond what the profile says
   double innovation_deg = unknown;        // of the newest half that was laid against the map, once it tracks
   double innovation_sigma_deg = unknown;  // that was expected of it
-  RowOrder rows = RowOrder::at_once;      // as the start has found them
-  // By how much: logarithm of its likelihood over that of the best other order. 0: not compared yet.
+  RowOrder rows = RowOrder::at_once;      // as the start has found them that ended last
+  // By how much: logarithm of its likelihood over that of the best other order. 0: none has compared them.
   double row_margin = 0.0;
   double mean_nis = 0.0;  // innovations of late, squared, divided by what was expected of them: about 1
 };
