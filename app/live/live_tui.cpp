@@ -138,10 +138,14 @@ class LiveTui : public LiveScreen {
     if (output_.write(erasing(lines_) + text, Matter::frame)) lines_ = lines;
   }
 
-  /// "  angle +123.4 +- 0.3 deg"; of an estimate that is not good, its state.
+  /// "  angle +123.4 +- 0.3 deg"; of an estimate that is not good, the reason, or else its state: there is no
+  /// room for both.
   static std::string angle_text(const RateEstimate& estimate) {
     if (estimate.state == EstimateState::absent) return "";
-    if (estimate.state != EstimateState::good) return fmt::format("  {}", thermorig::name_of(estimate.state));
+    if (estimate.state != EstimateState::good)
+      return fmt::format("  {}", estimate.reason == EstimateReason::none
+                                     ? thermorig::name_of(estimate.state)
+                                     : thermorig::name_of(estimate.reason));
     if (!std::isfinite(estimate.angle_deg) || !std::isfinite(estimate.angle_sigma_deg)) return "";
     return fmt::format("  angle {:+.1f} +- {:.1f} deg", estimate.angle_deg, estimate.angle_sigma_deg);
   }

@@ -98,7 +98,7 @@ TEST_F(LiveTui, StandsInColumnsWhateverTheNamesAre) {
   EXPECT_THAT(text, HasSubstr("thermal-likelihood   +88.0  error"));
 }
 
-TEST_F(LiveTui, SaysTheAngleOfAnEstimateAndWhetherItIsTrusted) {
+TEST_F(LiveTui, SaysTheAngleOfAnEstimateOrWhyItIsNotTrusted) {
   RateEstimate& estimate = row_.estimates[0];
   estimate = {
       .rate_dps = 91.0F, .angle_deg = -123.44, .angle_sigma_deg = 0.26F, .state = EstimateState::good};
@@ -107,6 +107,9 @@ TEST_F(LiveTui, SaysTheAngleOfAnEstimateAndWhetherItIsTrusted) {
   const std::string text = drawn();
   EXPECT_THAT(text, HasSubstr("  relocalising\n"));
   EXPECT_THAT(text, Not(HasSubstr("  angle")));
+  estimate.state = EstimateState::not_trusted;
+  estimate.reason = EstimateReason::view_differs;
+  EXPECT_THAT(drawn(), HasSubstr("  view_differs\n"));
 }
 
 TEST_F(LiveTui, SaysWhatIsWaitedForAndForHowLong) {
