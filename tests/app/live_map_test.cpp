@@ -108,8 +108,9 @@ TEST_F(LiveMapAtTheEnd, IsRefusedBeforeItWhereItCouldNotBeWritten) {
   EXPECT_THAT(refusal_of([&] { opened(); }),
               testing::StartsWith("7: the map could not be written at the end: it is write-protected | " +
                                   path("kitchen.map").string()));
-  fs::permissions(folder_, fs::perms::owner_all | fs::perms::others_read | fs::perms::others_exec);
+  fs::permissions(folder_, fs::perms{0555});
   EXPECT_EQ(tests::code_as_nobody([&] { opened("garden.map"); }), 7);
+  fs::permissions(folder_, fs::perms::owner_all);
 }
 
 TEST_F(LiveMapAtTheEnd, IsRefusedBeforeItWhereTheOneOfBeforeMayNotBeRead) {

@@ -160,13 +160,14 @@ TEST_F(WholeFile, SaysWhatForbidsIt) {
 }
 
 TEST_F(WholeFile, IsForbiddenInAFolderThatMayNotBeWrittenTo) {
-  fs::permissions(folder_, fs::perms::owner_all | fs::perms::others_read | fs::perms::others_exec);
+  fs::permissions(folder_, fs::perms{0555});
   EXPECT_EQ(tests::code_as_nobody([&] {
               const std::string why = hindrance_of_writing(folder_ / "a.bin");
               if (why == folder_.string() + ": Permission denied")
                 throw Error(ExitCode::storage, why, "", "");
             }),
             7);
+  fs::permissions(folder_, fs::perms::owner_all);
 }
 
 TEST_F(WholeFile, IsFoundBehindLinks) {

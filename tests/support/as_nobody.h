@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include <grp.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -9,19 +8,14 @@
 
 namespace thermorig::tests {
 
-inline bool become_nobody() {
-  constexpr uid_t nobody = 65534;
-  return ::setgroups(0, nullptr) == 0 && ::setresgid(nobody, nobody, nobody) == 0 &&
-         ::setresuid(nobody, nobody, nobody) == 0;
-}
-
 /// The code of the Error that `action` throws, else 0: in a process of a user whom permissions hold back, as
 /// they do not root.
 template <typename Action>
 int code_as_nobody(Action action) {
   const pid_t process = ::fork();
   if (process == 0) {
-    if (::geteuid() == 0 && !become_nobody()) ::_exit(1);
+    constexpr uid_t nobody = 65534;
+    if (::geteuid() == 0 && ::setresuid(nobody, nobody, nobody) != 0) ::_exit(99);
     try {
       action();
     } catch (const Error& error) {
