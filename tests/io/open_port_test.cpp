@@ -13,6 +13,7 @@
 
 #include "io/exclusive.h"
 #include "one_loop.h"
+#include "support/as_nobody.h"
 
 namespace thermorig::io {
 namespace {
@@ -143,27 +144,14 @@ TEST_F(PortNames, ThatAreDanglingLinksAreMissing) {
   EXPECT_EQ(refusal_at(in_folder("camera")).code(), ExitCode::device_missing);
 }
 
-/// What opening a device file gives to a user without rights, in a process of its own: root may open
-/// everything.
-int exit_code_as_nobody(const std::string& path) {
-  const pid_t child = fork();
-  if (child == 0) {
-    if (geteuid() == 0 && setresuid(65534, 65534, 65534) != 0) _exit(99);
-    const Error error = refusal_of([&] { open_exclusively(path, Refusal::names_holder); });
-    _exit(error.advice().find("dialout") == std::string::npos ? 98 : static_cast<int>(error.code()));
-  }
-  int status = 0;
-  waitpid(child, &status, 0);
-  return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
-}
-
 TEST_F(PortNames, OfPortsThatOnlyAGroupMayOpenComeWithThatAdvice) {
   const std::string path = in_folder("ttyUSB0");
   std::ofstream{path};
   std::filesystem::permissions(in_folder(""), std::filesystem::perms::others_exec,
                                std::filesystem::perm_options::add);
   ASSERT_EQ(chmod(path.c_str(), 0), 0);
-  EXPECT_EQ(exit_code_as_nobody(path), static_cast<int>(ExitCode::no_permission));
+  const auto open = [&] { open_exclusively(path, Refusal::names_holder); };
+  EXPECT_EQ(tests::code_as_nobody(open, "dialout"), static_cast<int>(ExitCode::no_permission));
 }
 
 /// What only a terminal shows.

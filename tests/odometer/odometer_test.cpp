@@ -470,6 +470,21 @@ TEST(Odometer, BeginsANewMapWhereTheGyroHasTheRigWithTheBiasThatItLearnsThere) {
   EXPECT_LT(reports.back().heading_sigma_deg, 5.0);
 }
 
+/// After five whole turns.
+TEST(Odometer, AnOpenMapsAnglesCountFromWhereItBegins) {
+  Room room = turning_room(200.0);
+  room.angle_deg = [swing = to_and_fro(60.0, 60.0)](double time_s) {
+    return 25.0 * std::min(time_s, 75.0) + swing(time_s);
+  };
+  auto all = seen_in(room);
+  change_walls(room, 80.0, 1.0F, all);
+  const auto reports = reports_of(all);
+  ASSERT_EQ(reports[at(74.0)].state, State::tracking);
+  ASSERT_EQ(reports.back().state, State::tracking);
+  EXPECT_GT(reports.back().heading_deg, 1700.0);
+  EXPECT_LT(reports.back().heading_sigma_deg, 10.0);
+}
+
 /// To and fro before half of a room, through a lens that is wider than its data sheet says.
 TEST(Odometer, SaysThatTheLensAloneTellsTheScaleWhereTheMapDoesNotClose) {
   Room room = turning_room();

@@ -9,6 +9,7 @@
 
 #include "equality.h"
 #include "storage/session/session_image.h"
+#include "support/as_nobody.h"
 #include "synthetic_session.h"
 #include "temporary_folder.h"
 #include "thermorig/core/error.h"
@@ -131,28 +132,12 @@ TEST_F(SessionFile, AFolderThatIsNotThereIsAStorageErrorWithAdvice) {
   }
 }
 
-/// In a child that has given root's rights up, for root may write everywhere.
-int write_as_nobody(const fs::path& path) {
-  if (::geteuid() == 0 && ::setuid(65534) != 0) return 100;
-  try {
-    write_session(path, synthetic_session(1));
-  } catch (const Error& error) {
-    return error.code() == ExitCode::storage && error.advice().find("--output") != std::string::npos ? 0
-                                                                                                     : 101;
-  }
-  return 102;
-}
-
 TEST_F(SessionFile, AFolderThatIsNotWritableIsAStorageErrorWithAdvice) {
   fs::permissions(folder_, fs::perms::owner_read | fs::perms::owner_exec | fs::perms::others_read |
                                fs::perms::others_exec);
-  const pid_t child = ::fork();
-  if (child == 0) ::_exit(write_as_nobody(path()));
-  int status = 0;
-  ASSERT_EQ(::waitpid(child, &status, 0), child);
+  const auto write = [&] { write_session(path(), synthetic_session(1)); };
+  EXPECT_EQ(tests::code_as_nobody(write, "--output"), static_cast<int>(ExitCode::storage));
   fs::permissions(folder_, fs::perms::owner_all);
-  ASSERT_TRUE(WIFEXITED(status));
-  EXPECT_EQ(WEXITSTATUS(status), 0);
 }
 
 /// The file size limit of a child stands for a full disk.

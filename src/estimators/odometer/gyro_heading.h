@@ -31,7 +31,7 @@ class GyroHeading {
   double sigma_deg(const GyroPath::Knot& now) const {
     return sigma_with(now, bias_sigma_dps_ + bias_change_dps);
   }
-  /// The same with another bias, which was learnt later and is known so well.
+  /// The same with another bias, which was learnt later and is known so well, whatever it changed by before.
   double sigma_deg(const GyroPath::Knot& now, double bias_sigma_dps) const {
     return sigma_with(now, std::hypot(bias_sigma_dps, bias_change_dps));
   }

@@ -38,6 +38,8 @@ class HeadingFilter {
   explicit HeadingFilter(const Priors& priors);
 
   double heading_deg() const { return state_[heading]; }
+  /// The heading at which it began, and the map with it.
+  double begun_deg() const { return priors_.heading_deg; }
   double bias_dps() const { return state_[bias]; }
   double scale_factor() const { return state_[scale]; }
   double latency_s() const { return state_[latency]; }

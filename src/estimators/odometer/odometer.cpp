@@ -502,8 +502,9 @@ Report Odometer::Parts::report(const TimedFrame& frame, double now_s) const {
                  gyro_time_sigma_s * (turn.last_dps - turn.first_dps) / length_s);
   if (!has_heading()) return report;
   // No image tells how late the gyro is: what it says of now, it says of then.
-  report.heading_sigma_deg = std::hypot(front.sigma_in_map_deg(), gyro_time_sigma_s * report.rate_dps,
-                                        std::hypot(origin_sigma_deg, share * report.heading_deg));
+  report.heading_sigma_deg =
+      std::hypot(front.sigma_in_map_deg(), gyro_time_sigma_s * report.rate_dps,
+                 std::hypot(origin_sigma_deg, share * (filter.heading_deg() - filter.begun_deg())));
   if (map_use == MapUse::searching) report.heading_sigma_deg = anywhere_deg;
   return report;
 }

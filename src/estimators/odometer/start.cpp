@@ -18,7 +18,7 @@ constexpr double still_deg = 3.0;           // as far as a bias of the first sec
 constexpr double bias_widening = 3.0;       // of what the search states
 constexpr double known_bias_dps = 1.0;
 constexpr Nearness settled{Tracker::least_bias_sigma_dps, 0.001, 0.001};
-constexpr Nearness learnt_in_traffic{0.2, 0.003, 0.003};   // where something moves, passes differ by as much
+constexpr Nearness nearly_settled{0.2, 0.003, 0.003};      // where something moves, passes differ by as much
 constexpr double known_scale = 0.0008;                     // one standard deviation: 0.3 degrees a turn
 constexpr double same_scale = 0.015;                       // as searches name it
 constexpr int most_passes = 6;                             // through the halves
@@ -355,8 +355,8 @@ Start::Outcome Start::begin_anew() {
 }
 
 bool Start::shows_traffic() const {
-  const bool has_order = lens_->knows_rows() || has_usual_latency(front_.filter(), priors_);
-  return !things_move_ && innovations_.shows_traffic() && is_plausible() && has_order;
+  const bool is_right_order = lens_->knows_rows() || has_usual_latency(front_.filter(), priors_);
+  return !things_move_ && innovations_.shows_traffic() && is_plausible() && is_right_order;
 }
 
 /// By searches, which know nothing of the map, nor of how it closes; and learnt again from there.
@@ -378,7 +378,7 @@ bool Start::has_repeated() const {
 
 /// By what something that moves makes passes differ.
 bool Start::has_nearly_repeated() const {
-  return is_near(front_.filter(), begun_with_, learnt_in_traffic);
+  return is_near(front_.filter(), begun_with_, nearly_settled);
 }
 
 /// And that map fits.
