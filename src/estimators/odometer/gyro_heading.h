@@ -27,6 +27,14 @@ class GyroHeading {
     return heading_deg_ + (now.turned_deg - then_.turned_deg - bias_dps * since_s(now)) / scale_;
   }
 
+  /// The same if degrees are so much longer, `about` one that stays.
+  GyroHeading stretched(double length, double about_deg) const {
+    GyroHeading other = *this;
+    other.heading_deg_ = about_deg + length * (heading_deg_ - about_deg);
+    other.scale_ /= length;
+    return other;
+  }
+
   /// One standard deviation, that of a bias which begins to change included.
   double sigma_deg(const GyroPath::Knot& now) const {
     return sigma_with(now, bias_sigma_dps_ + bias_change_dps);

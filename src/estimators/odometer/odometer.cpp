@@ -42,7 +42,7 @@ constexpr double bias_sigma_in_map_dps = 6.0, latency_sigma_in_map_s = 0.03;
 constexpr int most_counted = 480;  // halves: a minute
 // Of these: then the surroundings are others. Persons, wrong times and the world `typical` make up to 0.05 of
 // them strange; where all are, it takes 55 s.
-constexpr double most_strange = 0.6;
+constexpr double most_strange = 0.6, usual_strange = 0.1;
 const double anywhere_deg = whole_turn_deg / std::sqrt(12.0);  // one standard deviation of any direction
 constexpr double saturated_dps = 15.0;  // what a reading at the end of its range may be off
 constexpr double sample_noise_dps = 0.15;
@@ -75,6 +75,8 @@ struct Odometer::Parts {
   void locate(const HalfReading& half, double now_s);
   void follow_lean(const HalfResult& result, double now_s);
   void count_innovation(const HalfResult& result);
+  void watch_for_cover(const HalfResult& result, bool is_on_trial);
+  bool is_covered() const { return covered >= covered_halves; }
   void watch_for_traffic();
   bool is_map_right() const;
   void begin_search(double now_s);
@@ -84,10 +86,15 @@ struct Odometer::Parts {
   void prove_map();
   void keep_sound_heading(const HalfResult& result, double now_s);
   std::optional<CircleSearch::Found> by_gyro() const;
+  bool does_gyro_differ(double heading_deg) const;
   bool is_map_given_up(const HalfReading& half);
   Report report(const TimedFrame& frame, double now_s) const;
   Reason reason(double now_s) const;
   Priors known_of_gyro() const;
+  struct MapDegree {
+    double length = 1.0, sigma = 0.0;  // true degrees
+  };
+  MapDegree map_degree() const;
   GyroHeading heading_of_front() const {
     return {path.until(front.now_s()), front.filter(), front.sigma_in_map_deg()};
   }
@@ -306,9 +313,7 @@ void Odometer::Parts::run(const HalfReading& half) {
   if (is_on_trial && !has_place && is_map_given_up(half)) return begin_anew();
   if (!result.is_judged) return;
   newest = result;
-  // In another place of a map that is on trial a flat picture may fit better too, but it does not fit.
-  covered = result.is_flat && !(is_on_trial && result.is_strange) ? covered + 1 : 0;
-  strange += ((result.is_strange ? 1.0 : 0.0) - strange) / most_counted;
+  watch_for_cover(result, is_on_trial);
   if (!result.is_flat) count_innovation(result);
   trust.add(result);
   if (is_on_trial) check_map(result, half.end_s);
@@ -327,8 +332,24 @@ void Odometer::Parts::run(const HalfReading& half) {
     return;
   }
   const bool is_lost = mean_nis > nis_bounds().lost || front.sigma_in_map_deg() > lost_deg;
-  if (!is_lost || covered >= covered_halves) return;
+  if (!is_lost || is_covered()) return;
   map_use == MapUse::searching ? begin_in_map(half.end_s) : begin_search(half.end_s);
+}
+
+/// In another place of a map that is on trial a flat picture may fit better too, but it does not fit. Other
+/// walls look like a cover now and then, and fit for a moment after it: that has to prove itself.
+void Odometer::Parts::watch_for_cover(const HalfResult& result, bool is_on_trial) {
+  const bool was_covered = is_covered();
+  covered = result.is_flat && !(is_on_trial && result.is_strange) ? covered + 1 : 0;
+  strange += ((result.is_strange ? 1.0 : 0.0) - strange) / most_counted;
+  if (was_covered && !is_covered() && !is_on_trial && strange > usual_strange)
+    trust.begin_unproven(front.rate_dps(), does_gyro_differ(front.filter().heading_deg()));
+}
+
+/// From a heading, if it was there since one was sound.
+bool Odometer::Parts::does_gyro_differ(double heading_deg) const {
+  const auto expected = by_gyro();
+  return expected && std::abs(expected->sigmas_to(heading_deg)) > doubted_sigmas;
 }
 
 /// What a search found must first prove itself, at more than one speed; and what the gyro alone has carried
@@ -365,9 +386,8 @@ void Odometer::Parts::watch_for_traffic() {
 /// Halves have not been where they were expected for long, and yet their pixels fit the map, and the gyro has
 /// the rig where most of them have it: their times jump, say, and another map would fit no better.
 bool Odometer::Parts::is_map_right() const {
-  const auto expected = by_gyro();
-  return expected && std::abs(expected->sigmas_to(front.filter().heading_deg())) < doubted_sigmas &&
-         mean_misfit < most_misfit && !innovations.is_false_map();
+  return sound && !does_gyro_differ(front.filter().heading_deg()) && mean_misfit < most_misfit &&
+         !innovations.is_false_map();
 }
 
 /// Innovations that lean: the bias is another, or, if all had fitted at another speed, an odd latency.
@@ -432,7 +452,15 @@ void Odometer::Parts::begin_anew() {
     sound.reset();
   else if (phase != Phase::starting && !sound)
     sound = heading_of_front();
-  if (!sound) origin_sigma_deg = 0.0;  // the heading has another origin from here on
+  if (sound) {
+    const double begun_deg = front.filter().begun_deg();
+    const MapDegree degree = map_degree();
+    sound = sound->stretched(degree.length, begun_deg);
+    origin_sigma_deg =
+        std::hypot(origin_sigma_deg, degree.sigma * (front.filter().heading_deg() - begun_deg));
+  } else {
+    origin_sigma_deg = 0.0;  // the heading has another origin from here on
+  }
   start.begin(sound);
   mean_nis = mean_misfit = 1.0;
   covered = 0;
@@ -448,7 +476,7 @@ Reason Odometer::Parts::reason(double now_s) const {
   if (stands_in || !has_seen || now_s - last_half_s > longest_camera_gap_s) return Reason::no_camera;
   if (watch.is_frozen() && !watch.is_zero()) return Reason::gyro_frozen;
   if (map_use == MapUse::searching) return Reason::none;  // another place is found, where another view fits
-  return covered >= covered_halves || unfit_since_s ? Reason::view_differs : Reason::none;
+  return is_covered() || unfit_since_s ? Reason::view_differs : Reason::none;
 }
 
 /// Bias, scale and latency. A map on trial may have the camera look where it does not, and then teaches the
@@ -465,6 +493,17 @@ Priors Odometer::Parts::known_of_gyro() const {
   return known;
 }
 
+/// Until a map has closed nothing tells how long its degrees are but the lens, which may be off, and the
+/// gyro's scale was learnt in the same degrees: what the profile says of the one stands against what it says
+/// of the other.
+Odometer::Parts::MapDegree Odometer::Parts::map_degree() const {
+  if (!front.has_gap() || !(lens_share > 0.0)) return {};
+  const Priors gyro = known_of_gyro();
+  const double by_gyro2 = (square(priors.scale_sigma) + square(gyro.scale_sigma)) / square(priors.scale);
+  const double weight = square(lens_share) / (square(lens_share) + by_gyro2);
+  return {1.0 + weight * (gyro.scale / priors.scale - 1.0), std::sqrt(weight * by_gyro2)};
+}
+
 Report Odometer::Parts::report(const TimedFrame& frame, double now_s) const {
   const HeadingFilter& filter = front.filter();
   Report report;
@@ -476,7 +515,9 @@ Report Odometer::Parts::report(const TimedFrame& frame, double now_s) const {
     report.state = State::relocalising;
   else
     report.state = phase == Phase::running ? State::tracking : State::starting;
-  const Priors gyro = known_of_gyro();
+  const MapDegree degree = map_degree();
+  Priors gyro = known_of_gyro();
+  gyro.scale /= degree.length;
   report.bias_dps = gyro.bias_dps;
   report.scale = gyro.scale;
   report.latency_s = gyro.latency_s;
@@ -487,24 +528,27 @@ Report Odometer::Parts::report(const TimedFrame& frame, double now_s) const {
   }
   report.rows = rows.order;
   report.row_margin = rows.margin;
-  if (has_heading()) report.heading_deg = filter.heading_deg();
+  const double since_begun_deg = filter.heading_deg() - filter.begun_deg();
+  if (has_heading()) report.heading_deg = filter.begun_deg() + degree.length * since_begun_deg;
   const double begin_s = to_s(frame.exposure_begin - *origin), length_s = now_s - begin_s;
   if (!(length_s > 0.0)) return report;
   const ExposedTurn turn = path.over(begin_s, now_s);
   const double samples = std::max(1.0, length_s / gyro_period_s);
   report.rate_dps = (turn.mean_read_dps() - gyro.bias_dps) / gyro.scale;
-  // As long as the map has not closed, nothing tells how long a degree is but the lens, and a lens that is
-  // off makes the gyro's scale another one, too.
-  const double share = front.has_gap() ? lens_share : 0.0;
   report.rate_sigma_dps =
       std::hypot(std::hypot(gyro.bias_sigma_dps, sample_noise_dps / std::sqrt(samples)) / gyro.scale,
-                 std::hypot(gyro.scale_sigma, share) * report.rate_dps,
+                 std::hypot(gyro.scale_sigma, degree.sigma) * report.rate_dps,
                  gyro_time_sigma_s * (turn.last_dps - turn.first_dps) / length_s);
   if (!has_heading()) return report;
   // No image tells how late the gyro is: what it says of now, it says of then.
-  report.heading_sigma_deg =
-      std::hypot(front.sigma_in_map_deg(), gyro_time_sigma_s * report.rate_dps,
-                 std::hypot(origin_sigma_deg, share * (filter.heading_deg() - filter.begun_deg())));
+  report.heading_sigma_deg = std::hypot(front.sigma_in_map_deg(), gyro_time_sigma_s * report.rate_dps,
+                                        std::hypot(origin_sigma_deg, degree.sigma * since_begun_deg));
+  // Halves that do not fit may drag the heading: then it is no surer than the gyro is, from a sound one on.
+  const bool is_doubted = report.reason == Reason::view_differs || report.state == State::relocalising;
+  const auto expected = is_doubted ? by_gyro() : std::nullopt;
+  if (expected)
+    report.heading_sigma_deg = std::hypot(report.heading_sigma_deg, expected->sigma_deg,
+                                          filter.heading_deg() - expected->azimuth_deg);
   if (map_use == MapUse::searching) report.heading_sigma_deg = anywhere_deg;
   return report;
 }
