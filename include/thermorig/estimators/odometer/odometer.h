@@ -23,13 +23,14 @@ enum class State : std::uint8_t {
 
 enum class Reason : std::uint8_t {
   none,
-  no_gyro,      // no sample since the measurement before
+  no_gyro,      // no sample for a quarter of a second
   gyro_frozen,  // its samples repeat each other bit by bit
   no_camera,    // no half that is new
   view_differs  // what the camera shows does not fit the map: it is covered, or the gyro is wrong
 };
 
-/// What is said when a frame has come, at the end of its exposure.
+/// What is said when a frame has come, at the end of its exposure. As long as the map has not closed, its
+/// degrees, which the lens makes, are as long as what the profile says of lens and gyro makes likeliest.
 struct Report {
   State state = State::starting;
   Reason reason = Reason::none;
