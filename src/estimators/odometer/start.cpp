@@ -18,11 +18,11 @@ constexpr double still_deg = 3.0;           // as far as a bias of the first sec
 constexpr double bias_widening = 3.0;       // of what the search states
 constexpr double known_bias_dps = 1.0;
 constexpr Nearness settled{Tracker::least_bias_sigma_dps, 0.001, 0.001};
-constexpr Nearness nearly_settled{0.2, 0.003, 0.003};      // where something moves, passes differ by as much
-constexpr double known_scale = 0.0008;                     // one standard deviation: 0.3 degrees a turn
-constexpr double same_scale = 0.015;                       // as searches name it
-constexpr int most_passes = 6;                             // through the halves
-constexpr int passes_by_evidence = 3, passes_to_tell = 2;  // the first one may begin with a wrong bias
+constexpr Nearness nearly_settled{0.2, 0.003, 0.003};  // where something moves, passes differ by as much
+constexpr double known_scale = 0.0008;                 // one standard deviation: 0.3 degrees a turn
+constexpr double same_scale = 0.015;                   // as searches name it
+// After the first pass, which may begin with a wrong bias.
+constexpr int most_repeats = 6, repeats_by_evidence = 3, repeats_to_tell = 2;
 // What a part of the map is taken to be off by itself, but in the first pass, whose map shows in which order
 // rows are exposed. Without it a map is surer of itself than it is right: of 96 rooms (77001 to 80001) the
 // worst has a spread of 0.28 degrees instead of 0.16, and 86 % of its angles within 2 sigma instead of 93.
@@ -57,6 +57,7 @@ void Start::forget() {
   refused_scale_ = RefusedScale();
 }
 
+/// What searches have named before, of other halves, still counts.
 void Start::begin_searching() {
   is_by_evidence_ = is_of_later_half_ = false;
   store_.clear();
@@ -286,12 +287,12 @@ Start::Outcome Start::take_over(double now_s) {
     return Outcome::goes_on;
   }
   // That it fits where things may move says little.
-  if (is_enough && pass_ >= most_passes && mean_nis_ > nis_at_rest.fits && begin_by_evidence())
+  if (is_enough && pass_ >= most_repeats && mean_nis_ > nis_at_rest.fits && begin_by_evidence())
     return Outcome::goes_on;
-  const bool is_settled = has_settled() || (pass_ >= most_passes && mean_nis_ < bounds().fits);
+  const bool is_settled = has_settled() || (pass_ >= most_repeats && mean_nis_ < bounds().fits);
   const bool must_learn = mean_nis_ > bounds().lost || (is_enough && !is_settled);
   const bool is_made = is_enough && !must_learn;
-  if (is_false_map() && (is_made || pass_ >= passes_to_tell)) return fail();
+  if (is_false_map() && (is_made || pass_ >= repeats_to_tell)) return fail();
   if (is_enough && !is_settled && may_be_another_order()) return ask_rows_again();
   if (must_learn) return learn_again();
   if (!is_made) {
@@ -312,11 +313,11 @@ Start::Outcome Start::take_over(double now_s) {
 /// began by evidence had the right one, and its map is false, unless something moves before some halves; so
 /// has one whose passes learn the same again and again.
 Start::Outcome Start::learn_again() {
-  const bool is_hopeless = is_by_evidence_ && pass_ >= passes_by_evidence && mean_nis_ > bounds().unfit;
+  const bool is_hopeless = is_by_evidence_ && pass_ >= repeats_by_evidence && mean_nis_ > bounds().unfit;
   const bool is_learnt = is_by_evidence_ || has_nearly_repeated();
   const bool is_traffic = is_learnt && pass_ > 0 && !is_contested_ && shows_traffic();
   if (is_stuck() && begin_by_other_evidence()) return Outcome::goes_on;
-  if (!is_hopeless && !is_traffic && pass_ < most_passes &&
+  if (!is_hopeless && !is_traffic && pass_ < most_repeats &&
       front_.filter().sigma(HeadingFilter::bias) < known_bias_dps) {
     begin_pass(pass_ + 1);
   } else if (is_contested_ && contest_.another_may_fit()) {

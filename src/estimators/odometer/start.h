@@ -136,7 +136,7 @@ class Start {
   double row_margin_ = 0.0;
 
   Phase phase_ = Phase::searching;
-  int pass_ = 0;
+  int pass_ = 0;                  // 0: the first one, then its repeats
   Priors begun_with_;             // of the pass
   std::size_t gone_through_ = 0;  // halves of the store
   InnovationCount innovations_;
