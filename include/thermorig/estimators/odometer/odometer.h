@@ -64,7 +64,8 @@ class Odometer {
   Report add(const TimedFrame& frame, std::span<const TimedGyro> gyro);
 
   /// The map as it is, as an image in degrees Celsius: frame_rows rows from the top. Its columns are equal
-  /// parts of a whole turn, begin at azimuth 0 and grow as angles do. NaN: never seen. Empty: no map yet.
+  /// parts of a whole turn, begin at azimuth 0 and grow as angles do. NaN: never seen. Empty: no map yet. Its
+  /// degrees are the lens's, also before it has closed.
   std::vector<float> map_image_c() const;
 
   /// The map, for another one to begin with. Nothing before it tracks, and while the map is in doubt.
