@@ -42,7 +42,8 @@ constexpr double bias_sigma_in_map_dps = 6.0, latency_sigma_in_map_s = 0.03;
 constexpr int most_counted = 480;  // halves: a minute
 // Of these: then the surroundings are others. Persons, wrong times and the world `typical` make up to 0.05 of
 // them strange; where all are, it takes 55 s.
-constexpr double most_strange = 0.6, usual_strange = 0.1;
+constexpr double most_strange = 0.6;
+constexpr double usual_strange = 0.1;                          // above it the surroundings may be others
 const double anywhere_deg = whole_turn_deg / std::sqrt(12.0);  // one standard deviation of any direction
 constexpr double saturated_dps = 15.0;  // what a reading at the end of its range may be off
 constexpr double sample_noise_dps = 0.15;
@@ -86,15 +87,15 @@ struct Odometer::Parts {
   void prove_map();
   void keep_sound_heading(const HalfResult& result, double now_s);
   std::optional<CircleSearch::Found> by_gyro() const;
-  bool does_gyro_differ(double heading_deg) const;
+  bool does_gyro_differ() const;
   bool is_map_given_up(const HalfReading& half);
   Report report(const TimedFrame& frame, double now_s) const;
   Reason reason(double now_s) const;
   Priors known_of_gyro() const;
   struct MapDegree {
-    double length = 1.0, sigma = 0.0;  // true degrees
+    double length = 1.0, sigma = 0.0;  // in true degrees
   };
-  MapDegree map_degree() const;
+  MapDegree map_degree(const Priors& gyro) const;
   GyroHeading heading_of_front() const {
     return {path.until(front.now_s()), front.filter(), front.sigma_in_map_deg()};
   }
@@ -343,13 +344,13 @@ void Odometer::Parts::watch_for_cover(const HalfResult& result, bool is_on_trial
   covered = result.is_flat && !(is_on_trial && result.is_strange) ? covered + 1 : 0;
   strange += ((result.is_strange ? 1.0 : 0.0) - strange) / most_counted;
   if (was_covered && !is_covered() && !is_on_trial && strange > usual_strange)
-    trust.begin_unproven(front.rate_dps(), does_gyro_differ(front.filter().heading_deg()));
+    trust.begin_unproven(front.rate_dps(), does_gyro_differ());
 }
 
-/// From a heading, if it was there since one was sound.
-bool Odometer::Parts::does_gyro_differ(double heading_deg) const {
+/// It was there since a heading was sound, and has the rig elsewhere.
+bool Odometer::Parts::does_gyro_differ() const {
   const auto expected = by_gyro();
-  return expected && std::abs(expected->sigmas_to(heading_deg)) > doubted_sigmas;
+  return expected && std::abs(expected->sigmas_to(front.filter().heading_deg())) > doubted_sigmas;
 }
 
 /// What a search found must first prove itself, at more than one speed; and what the gyro alone has carried
@@ -386,8 +387,7 @@ void Odometer::Parts::watch_for_traffic() {
 /// Halves have not been where they were expected for long, and yet their pixels fit the map, and the gyro has
 /// the rig where most of them have it: their times jump, say, and another map would fit no better.
 bool Odometer::Parts::is_map_right() const {
-  return sound && !does_gyro_differ(front.filter().heading_deg()) && mean_misfit < most_misfit &&
-         !innovations.is_false_map();
+  return sound && !does_gyro_differ() && mean_misfit < most_misfit && !innovations.is_false_map();
 }
 
 /// Innovations that lean: the bias is another, or, if all had fitted at another speed, an odd latency.
@@ -452,12 +452,11 @@ void Odometer::Parts::begin_anew() {
     sound.reset();
   else if (phase != Phase::starting && !sound)
     sound = heading_of_front();
-  if (sound) {
+  if (const auto expected = by_gyro()) {
+    const MapDegree degree = map_degree(known_of_gyro());
     const double begun_deg = front.filter().begun_deg();
-    const MapDegree degree = map_degree();
+    origin_sigma_deg = std::hypot(origin_sigma_deg, degree.sigma * (expected->azimuth_deg - begun_deg));
     sound = sound->stretched(degree.length, begun_deg);
-    origin_sigma_deg =
-        std::hypot(origin_sigma_deg, degree.sigma * (front.filter().heading_deg() - begun_deg));
   } else {
     origin_sigma_deg = 0.0;  // the heading has another origin from here on
   }
@@ -496,9 +495,8 @@ Priors Odometer::Parts::known_of_gyro() const {
 /// Until a map has closed nothing tells how long its degrees are but the lens, which may be off, and the
 /// gyro's scale was learnt in the same degrees: what the profile says of the one stands against what it says
 /// of the other.
-Odometer::Parts::MapDegree Odometer::Parts::map_degree() const {
+Odometer::Parts::MapDegree Odometer::Parts::map_degree(const Priors& gyro) const {
   if (!front.has_gap() || !(lens_share > 0.0)) return {};
-  const Priors gyro = known_of_gyro();
   const double by_gyro2 = (square(priors.scale_sigma) + square(gyro.scale_sigma)) / square(priors.scale);
   const double weight = square(lens_share) / (square(lens_share) + by_gyro2);
   return {1.0 + weight * (gyro.scale / priors.scale - 1.0), std::sqrt(weight * by_gyro2)};
@@ -515,8 +513,8 @@ Report Odometer::Parts::report(const TimedFrame& frame, double now_s) const {
     report.state = State::relocalising;
   else
     report.state = phase == Phase::running ? State::tracking : State::starting;
-  const MapDegree degree = map_degree();
   Priors gyro = known_of_gyro();
+  const MapDegree degree = map_degree(gyro);
   gyro.scale /= degree.length;
   report.bias_dps = gyro.bias_dps;
   report.scale = gyro.scale;

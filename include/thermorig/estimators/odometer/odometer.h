@@ -36,7 +36,7 @@ struct Report {
   Reason reason = Reason::none;
   double heading_deg = unknown;  // since the map's origin; whole turns are counted
   // Against the part of the map that is in view; and where that map was begun anew, how well the gyro had
-  // carried the heading there.
+  // carried the heading there. Where that is in doubt, it also holds how far it is from what the gyro says.
   double heading_sigma_deg = unknown;
   double rate_dps = unknown;  // mean over the frame's exposures
   double rate_sigma_dps = unknown;
@@ -64,8 +64,8 @@ class Odometer {
   Report add(const TimedFrame& frame, std::span<const TimedGyro> gyro);
 
   /// The map as it is, as an image in degrees Celsius: frame_rows rows from the top. Its columns are equal
-  /// parts of a whole turn, begin at azimuth 0 and grow as angles do. NaN: never seen. Empty: no map yet. Its
-  /// degrees are the lens's, also before it has closed.
+  /// parts of a whole turn, begin at azimuth 0 and grow as angles do. NaN: never seen. Empty: no map yet. As
+  /// long as it has not closed, its degrees are the lens's.
   std::vector<float> map_image_c() const;
 
   /// The map, for another one to begin with. Nothing before it tracks, and while the map is in doubt.
