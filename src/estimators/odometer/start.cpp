@@ -22,7 +22,7 @@ constexpr Nearness nearly_settled{0.2, 0.003, 0.003};  // where something moves,
 constexpr double known_scale = 0.0008;                 // one standard deviation: 0.3 degrees a turn
 constexpr double same_scale = 0.015;                   // as searches name it
 // After the first pass, which may begin with a wrong bias.
-constexpr int most_repeats = 6, repeats_by_evidence = 3, repeats_to_tell = 2;
+constexpr int most_repeats = 6, repeats_by_search = 3, repeats_to_tell = 2;
 // What a part of the map is taken to be off by itself, but in the first pass, whose map shows in which order
 // rows are exposed. Without it a map is surer of itself than it is right: of 96 rooms (77001 to 80001) the
 // worst has a spread of 0.28 degrees instead of 0.16, and 86 % of its angles within 2 sigma instead of 93.
@@ -42,13 +42,13 @@ Start::Start(const Priors& priors, const SharedLens& lens, bool latency_measured
       path_(path),
       back_(priors, lens),
       bias_search_(priors, lens),
-      bias_evidence_(priors),
+      gyro_search_(priors, lens, latency_measured),
       contest_(priors, lens, latency_measured),
       is_contested_(!lens->knows_rows()) {}
 
 void Start::begin(const std::optional<GyroHeading>& before) {
   before_ = before;
-  bias_evidence_.clear();
+  gyro_search_.clear();
   begin_searching();
 }
 
@@ -59,7 +59,7 @@ void Start::forget() {
 
 /// What searches have named before, of other halves, still counts.
 void Start::begin_searching() {
-  is_by_evidence_ = is_of_later_half_ = false;
+  is_by_search_ = is_of_later_half_ = false;
   store_.clear();
   rested_s_ = 0.0;
   contest_.begin();
@@ -71,26 +71,25 @@ void Start::begin_searching() {
 
 Start::Outcome Start::add(const HalfReading& half, double now_s) {
   const int work = store(half, now_s);
+  gyro_search_.add(store_, path_);
+  if (is_another_gyro() && begin_by_other_search()) return Outcome::goes_on;
   switch (phase_) {
     case Phase::searching:
       search();
       return Outcome::goes_on;
     case Phase::first_pass:
-      if (gather_evidence()) return Outcome::goes_on;
       go_through(front_, work);
       if (gone_through_ < store_.count()) return Outcome::goes_on;
       mean_nis_ = pass_nis_;
       phase_ = Phase::learning;
       return Outcome::goes_on;
     case Phase::learning:
-      gather_evidence();
       learn_fit(add_newest(half), mean_nis_);
       if (!is_asked_again_ && has_rested()) forget_rest();
       return go_on_learning(now_s);
     case Phase::second_pass:
       add_newest(half);
-      if (gather_evidence()) return Outcome::goes_on;
-      if (is_stuck() && begin_by_other_evidence()) return Outcome::goes_on;
+      if (is_stuck() && begin_by_other_search()) return Outcome::goes_on;
       go_through(back_, work);
       return gone_through_ < store_.count() ? Outcome::goes_on : take_over(now_s);
   }
@@ -111,7 +110,7 @@ double Start::origin_sigma_deg() const {
 int Start::store(const HalfReading& half, double now_s) {
   store_.add(half, now_s);
   const bool is_searching = phase_ == Phase::searching && store_.count() % search_every == 0;
-  return is_contested_ ? contest_.add(store_, path_, bias_search_, is_searching || is_evidence_due()) : 0;
+  return is_contested_ ? contest_.add(store_, path_, bias_search_, is_searching) : 0;
 }
 
 HalfResult Start::add_newest(const HalfReading& half) {
@@ -175,22 +174,7 @@ std::optional<Priors> Start::find_bias(const HalfReading& half, double now_s) {
 void Start::search() {
   const auto curve = newest_curve();
   if (!curve) return;
-  if (is_evidence_due()) bias_evidence_.add(*curve);
-  if (begin_by_evidence()) return;
   if (const auto better = named(*curve)) begin_first_pass(*better);
-}
-
-/// Halves that no other search has added. In whichever order rows are exposed: at a steady speed that only
-/// shears what is seen.
-bool Start::is_evidence_due() const {
-  return !store_.is_full() && store_.count() % BiasSearch::halves == 0;
-}
-
-/// While it goes on, searches go on: it may have begun with a wrong bias. True if this step searched.
-bool Start::gather_evidence() {
-  if (!is_evidence_due()) return false;
-  bias_evidence_.add(bias_search_.measure(store_, path_, lens_->rows(), things_move_));
-  return true;
 }
 
 void Start::begin_first_pass(const Priors& better) {
@@ -200,11 +184,11 @@ void Start::begin_first_pass(const Priors& better) {
 }
 
 /// Through all halves from what searches name by now, once. False: it was done, or they do not tell.
-bool Start::begin_by_evidence() {
-  const auto& found = bias_evidence_.found();
-  if (!found || is_by_evidence_) return false;
-  is_by_evidence_ = true;
-  evidence_ = *found;
+bool Start::begin_by_search() {
+  const auto& found = gyro_search_.found();
+  if (!found || is_by_search_) return false;
+  is_by_search_ = true;
+  searched_ = *found;
   Priors better = *found;
   better.heading_deg = heading_at(store_.at(0).now_s, found->bias_dps);
   mean_nis_ = 1.0;
@@ -216,14 +200,23 @@ bool Start::begin_by_evidence() {
 }
 
 /// The same where it did not begin by evidence, or searches by now name another gyro.
-bool Start::begin_by_other_evidence() {
-  const auto& found = bias_evidence_.found();
+bool Start::begin_by_other_search() {
+  const auto& found = gyro_search_.found();
   if (!found) return false;
-  const bool is_same = std::abs(found->bias_dps - evidence_.bias_dps) < known_bias_dps &&
-                       std::abs(found->scale - evidence_.scale) < same_scale;
-  if (is_by_evidence_ && is_same) return false;
-  is_by_evidence_ = false;
-  return begin_by_evidence();
+  const bool is_same = std::abs(found->bias_dps - searched_.bias_dps) < known_bias_dps &&
+                       std::abs(found->scale - searched_.scale) < same_scale;
+  if (is_by_search_ && is_same) return false;
+  is_by_search_ = false;
+  return begin_by_search();
+}
+
+/// Searches name a gyro that is not the one that is learnt.
+bool Start::is_another_gyro() const {
+  const auto& found = gyro_search_.found();
+  if (!found || phase_ == Phase::searching) return found.has_value();
+  const HeadingFilter& filter = front_.filter();
+  return std::abs(found->bias_dps - filter.bias_dps()) > known_bias_dps ||
+         std::abs(found->scale - filter.scale_factor()) > same_scale;
 }
 
 /// Each pass should fit better. One that hardly fits at all has settled on a wrong gyro, and a map for it.
@@ -287,7 +280,7 @@ Start::Outcome Start::take_over(double now_s) {
     return Outcome::goes_on;
   }
   // That it fits where things may move says little.
-  if (is_enough && pass_ >= most_repeats && mean_nis_ > nis_at_rest.fits && begin_by_evidence())
+  if (is_enough && pass_ >= most_repeats && mean_nis_ > nis_at_rest.fits && begin_by_search())
     return Outcome::goes_on;
   const bool is_settled = has_settled() || (pass_ >= most_repeats && mean_nis_ < bounds().fits);
   const bool must_learn = mean_nis_ > bounds().lost || (is_enough && !is_settled);
@@ -302,7 +295,7 @@ Start::Outcome Start::take_over(double now_s) {
   const double scale = front_.filter().scale_factor();
   if (!is_plausible() && !is_scale_named() && !refused_scale_.is_confirmed(scale, store_.at(0).now_s)) {
     refused_scale_.refuse(scale, now_s);
-    return is_by_evidence_ ? begin_anew() : fail();  // only other halves can confirm it
+    return is_by_search_ ? begin_anew() : fail();  // only other halves can confirm it
   }
   // Before faint walls only those halves tell anything that what moves is in: the map is one of it.
   if (things_move_ && innovations_.is_hardly_judged(store_.count())) return fail();
@@ -313,16 +306,16 @@ Start::Outcome Start::take_over(double now_s) {
 /// began by evidence had the right one, and its map is false, unless something moves before some halves; so
 /// has one whose passes learn the same again and again.
 Start::Outcome Start::learn_again() {
-  const bool is_hopeless = is_by_evidence_ && pass_ >= repeats_by_evidence && mean_nis_ > bounds().unfit;
-  const bool is_learnt = is_by_evidence_ || has_nearly_repeated();
+  const bool is_hopeless = is_by_search_ && pass_ >= repeats_by_search && mean_nis_ > bounds().unfit;
+  const bool is_learnt = is_by_search_ || has_nearly_repeated();
   const bool is_traffic = is_learnt && pass_ > 0 && !is_contested_ && shows_traffic();
-  if (is_stuck() && begin_by_other_evidence()) return Outcome::goes_on;
+  if (is_stuck() && begin_by_other_search()) return Outcome::goes_on;
   if (!is_hopeless && !is_traffic && pass_ < most_repeats &&
       front_.filter().sigma(HeadingFilter::bias) < known_bias_dps) {
     begin_pass(pass_ + 1);
   } else if (is_contested_ && contest_.another_may_fit()) {
     phase_ = Phase::learning;  // another order of rows may fit: it goes on until it has learnt enough
-  } else if (!is_traffic && begin_by_evidence()) {
+  } else if (!is_traffic && begin_by_search()) {
     return Outcome::goes_on;
   } else if (shows_traffic()) {
     things_move_ = true;  // what was learnt is not wrong for that
@@ -337,15 +330,15 @@ Start::Outcome Start::learn_again() {
 /// there are enough: false maps are often begun at a high speed, and the rig has turned slower since. Then
 /// those as where things move.
 Start::Outcome Start::fail() {
-  if (is_by_evidence_ && !is_of_later_half_ && store_.count() >= 2 * fewest_halves) {
+  if (is_by_search_ && !is_of_later_half_ && store_.count() >= 2 * fewest_halves) {
     store_.forget(0, store_.count() / 2);
     is_of_later_half_ = true;
-    is_by_evidence_ = false;
+    is_by_search_ = false;
   } else if (is_of_later_half_ && !things_move_) {
     things_move_ = true;
-    is_by_evidence_ = false;
+    is_by_search_ = false;
   }
-  if (begin_by_evidence()) return Outcome::goes_on;
+  if (begin_by_search()) return Outcome::goes_on;
   things_move_ = true;
   return begin_anew();
 }
@@ -362,8 +355,8 @@ bool Start::shows_traffic() const {
 
 /// By searches, which know nothing of the map, nor of how it closes; and learnt again from there.
 bool Start::is_scale_named() const {
-  const auto& found = bias_evidence_.found();
-  return is_by_evidence_ && found && found->scale_sigma < same_scale &&
+  const auto& found = gyro_search_.found();
+  return is_by_search_ && found && found->scale_sigma < same_scale &&
          std::abs(found->scale - front_.filter().scale_factor()) < same_scale;
 }
 

@@ -5,10 +5,10 @@
 #include <cstdint>
 #include <optional>
 
-#include "bias_evidence.h"
 #include "bias_search.h"
 #include "gyro_heading.h"
 #include "gyro_path.h"
+#include "gyro_search.h"
 #include "half_store.h"
 #include "innovation_count.h"
 #include "plausibility.h"
@@ -77,13 +77,12 @@ class Start {
   std::optional<BiasSearch::Curve> newest_curve();
   std::optional<Priors> named(const BiasSearch::Curve& curve) const;
   void search();
-  bool is_evidence_due() const;
-  bool gather_evidence();
 
   // Passes through the halves.
   void begin_first_pass(const Priors& better);
-  bool begin_by_evidence();
-  bool begin_by_other_evidence();
+  bool begin_by_search();
+  bool begin_by_other_search();
+  bool is_another_gyro() const;
   bool is_stuck() const;
   void begin_pass(int number);
   void restart_pass(int number);
@@ -125,9 +124,9 @@ class Start {
   bool things_move_ = false;
 
   BiasSearch bias_search_;
-  BiasEvidence bias_evidence_;
-  bool is_by_evidence_ = false, is_of_later_half_ = false;  // what it began with, and goes through
-  Priors evidence_;                                         // by which it began
+  GyroSearch gyro_search_;
+  bool is_by_search_ = false, is_of_later_half_ = false;  // what it began with, and goes through
+  Priors searched_;                                       // by which it began
 
   RowContest contest_;
   bool is_contested_;                // the order of rows: not where that was measured
