@@ -49,16 +49,14 @@ class HeardContest {
  public:
   HeardContest(const Room& room, RowOrder of_caller) : start_(room) {
     const Priors learnt = learnt_in(room);
-    contest_.begin_again(of_caller, learnt, start_.store);
+    contest_.begin_again(of_caller, learnt, start_.store, true);
     Tracker callers(learnt, lens_);
     callers.restart(learnt, of_caller);
     for (std::size_t i = 0; i < start_.store.count(); ++i) {
       callers.advance(start_.path, start_.store.at(i).now_s);
       contest_.note(of_caller, i, callers.add(start_.store.at(i).half, start_.path));
     }
-    BiasSearch search(Priors(), lens_);
-    for (int step = 0; step < 400 && !all_heard(); ++step)
-      contest_.add(start_.store, start_.path, search, false);
+    for (int step = 0; step < 400 && !all_heard(); ++step) contest_.add(start_.store, start_.path);
   }
   bool all_heard() const { return contest_.are_heard(start_.store); }
   FoundRows verdict() const { return contest_.verdict(); }

@@ -13,7 +13,7 @@ constexpr std::size_t most_candidates = 16384, kept = 64, parts = 2;  // each st
 constexpr std::size_t work_a_step = 300'000;                          // looks
 constexpr double trusted = 0.1;  // of the likelihood: halves are blurred, and what moves is in several of them
 constexpr float no_look = 1e-9F;  // of an empty cell: it can be divided by that
-constexpr double named_bias_dps = 1.0, named_scale = 0.01;
+constexpr double named_rate_dps = 1.0;  // one standard deviation, at the speed of those halves
 // Time stamps, rows and lens are off in all halves alike.
 constexpr double searched_bias_sigma_dps = 0.3, searched_scale_sigma = 0.003;
 
@@ -38,18 +38,17 @@ GyroSearch::GyroSearch(const Priors& priors, const SharedLens& lens, bool latenc
 void GyroSearch::clear() {
   found_.reset();
   level_ = levels;
-  searched_at_ = 0;
+  new_halves_ = 0;
 }
 
 void GyroSearch::add(const HalfStore& store, const GyroPath& path) {
+  ++new_halves_;
   if (is_searching()) return go_on();
-  if (store.count() < searched_at_) searched_at_ = 0;  // it was begun anew
-  if (store.is_full() && searched_at_ == store.count()) return;
-  if (store.count() >= fewest_halves && store.count() >= searched_at_ + halves_between) begin(store, path);
+  if (store.count() >= fewest_halves && new_halves_ >= halves_between) begin(store, path);
 }
 
 void GyroSearch::begin(const HalfStore& store, const GyroPath& path) {
-  searched_at_ = store.count();
+  new_halves_ = 0;
   placed_.clear();
   const HalfReading& newest = store.at(store.count() - 1).half;
   period_s_ = newest.end_s - newest.begin_s;
@@ -58,6 +57,8 @@ void GyroSearch::begin(const HalfStore& store, const GyroPath& path) {
     if (half.begin_s > path.begin_s()) place(half, path);
   }
   if (placed_.size() < fewest_halves) return;
+  read_dps_ = (placed_.back().mean_deg - placed_.front().mean_deg) /
+              (placed_.back().mean_s - placed_.front().mean_s);
   take_off_errors_of_looks();
   squares_ = readings_ = 0.0;
   for (const Placed& one : placed_)
@@ -237,7 +238,10 @@ void GyroSearch::name() {
   found.bias_sigma_dps = std::hypot(std::sqrt(std::max(0.0, bias2 / sum - square(bias))), searched_bias_sigma_dps);
   found.scale_sigma = std::hypot(std::sqrt(std::max(0.0, scale2 / sum - square(scale))), searched_scale_sigma);
   found.bias_scale_covariance = both / sum - bias * scale;
-  if (found.bias_sigma_dps < named_bias_dps && found.scale_sigma < named_scale) found_ = found;
+  const double turned_dps = (read_dps_ - found.bias_dps) / found.scale;
+  const double rate_variance = square(found.bias_sigma_dps) + square(turned_dps * found.scale_sigma) +
+                               2.0 * turned_dps * found.bias_scale_covariance;
+  if (rate_variance < square(named_rate_dps)) found_ = found;
 }
 
 }  // namespace thermorig::odometer

@@ -22,14 +22,15 @@ class GyroSearch {
   /// `latency_measured`: the camera's times are those of its middle rows; else they may be those of the last.
   GyroSearch(const Priors& priors, const SharedLens& lens, bool latency_measured);
 
-  /// With each new half of the store: a step of bounded work. A search takes the newest halves, and ends a
-  /// few seconds later; after 40 more halves another one begins.
+  /// With each new half of the store: a step of bounded work. A search takes the newest halves, and ends up to
+  /// some seconds later; then another one begins.
   void add(const HalfStore& store, const GyroPath& path);
-  /// What was expected, with a better bias and scale. Nothing: halves do not name them clearly yet.
+  /// What was expected, with a better bias and scale, by the last search that told. Nothing: none has. That of
+  /// a rig that rests or turns at one speed tells the rate, and not what of it is bias and what scale.
   const std::optional<Priors>& found() const { return found_; }
   void clear();
 
-  static constexpr std::size_t fewest_halves = 120, most_halves = 160, halves_between = 40;
+  static constexpr std::size_t fewest_halves = 48, most_halves = 160, halves_between = 24;
 
  private:
   // A look: two columns of a chess half, which have both classes of rows, and of those the middle ones, whose
@@ -65,7 +66,7 @@ class GyroSearch {
   double log_likelihood(const Candidate& candidate);
   double variance(const Candidate& candidate);
 
-  static constexpr int levels = 3;
+  static constexpr int levels = 4;
 
   Priors priors_;
   SharedLens lens_;
@@ -77,9 +78,10 @@ class GyroSearch {
   std::vector<Candidate> candidates_, best_;
   double step_dps_ = 0.0, scale_step_ = 0.0;
   double period_s_ = 0.0;  // of refresh
+  double read_dps_ = 0.0;  // by the gyro, on average
   std::size_t next_ = 0;           // of the candidates
   int level_ = levels;             // the first one in coarse cells
-  std::size_t searched_at_ = 0;    // halves that the store had
+  std::size_t new_halves_ = 0;     // since the last search began
   std::optional<Priors> found_;
 };
 

@@ -256,7 +256,7 @@ void Odometer::Parts::start_anywhere(const HalfReading& half, double now_s) {
 }
 
 void Odometer::Parts::start_in_map(const HalfReading& half, double now_s) {
-  const auto better = start.find_bias(half, now_s);
+  const auto better = start.find_gyro(half, now_s);
   if (!better) return;
   sought_with = *better;
   sought_with.bias_sigma_dps = std::max(sought_with.bias_sigma_dps, bias_sigma_in_map_dps);

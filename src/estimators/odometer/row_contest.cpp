@@ -10,19 +10,12 @@ namespace thermorig::odometer {
 
 namespace {
 
-constexpr std::size_t turns = 4;  // halves, a turn for each rival and for the caller
 constexpr int rival_work = 90;    // of one: three halves
-constexpr int search_work = 200;  // for the bias, row by row
-constexpr double rival_widening = 2.0;
 constexpr std::size_t compared_halves = 24;
 constexpr double contest_trust = 0.05;  // of its likelihood: halves share the errors of one map
 constexpr double fitting_nis = 4.0;     // of one that may win
 constexpr std::array all_orders{RowOrder::at_once, RowOrder::first_to_last, RowOrder::last_to_first};
 constexpr float not_judged = std::numeric_limits<float>::quiet_NaN();
-
-std::size_t place_of(RowOrder order) {
-  return static_cast<std::size_t>(order);
-}
 
 }  // namespace
 
@@ -45,8 +38,9 @@ void RowContest::begin() {
   for (auto& one : left_k2_) std::fill(one.begin(), one.end(), not_judged);
 }
 
-void RowContest::begin_again(RowOrder of_caller, const Priors& known, const HalfStore& store) {
-  is_gyro_known_ = true;
+void RowContest::begin_again(RowOrder of_caller, const Priors& known, const HalfStore& store,
+                             bool is_scale_known) {
+  is_gyro_known_ = is_scale_known;
   of_caller_ = of_caller;
   Priors better = known;
   better.latency_s = priors_.latency_s;  // what the caller learnt of it makes up for the order of rows
@@ -72,28 +66,12 @@ bool RowContest::may_end(const HalfStore& store, bool must_hear) const {
   return !must_hear && verdict().order == of_caller_;
 }
 
-int RowContest::add(const HalfStore& store, const GyroPath& path, BiasSearch& search, bool is_busy) {
-  for (Rival& rival : rivals_) {
-    if (is_gyro_known_ || rival.has_begun || store.count() % turns != place_of(rival.order)) continue;
-    look_for_bias(rival, store, path, search);
-    return search_work;
-  }
-  if (is_busy) return 0;
+int RowContest::add(const HalfStore& store, const GyroPath& path) {
   // One that searches for its heading takes the other one's time: they begin in turn.
   int work = 0;
   for (const std::size_t i : {store.count() % 2, (store.count() + 1) % 2})
     if (rivals_[i].has_begun && work <= 2 * rival_work) work += go_through(rivals_[i], store, path);
   return work;
-}
-
-void RowContest::look_for_bias(Rival& rival, const HalfStore& store, const GyroPath& path,
-                               BiasSearch& search) {
-  const auto found = search.search(store, path, rival.order);
-  if (!found) return;
-  Priors better = priors_;
-  better.bias_dps = found->bias_dps;
-  better.bias_sigma_dps = rival_widening * found->sigma_dps;
-  begin(rival, better, store);
 }
 
 void RowContest::begin(Rival& rival, const Priors& better, const HalfStore& store) {
@@ -136,7 +114,7 @@ int RowContest::go_through(Rival& rival, const HalfStore& store, const GyroPath&
   return work;
 }
 
-/// It waits for another bias, if that may be wrong.
+/// It waits for another gyro, if that may be wrong.
 void RowContest::give_up(Rival& rival) {
   rival.has_begun = false;
   rival.is_out = is_gyro_known_;

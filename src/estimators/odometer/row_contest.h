@@ -6,7 +6,6 @@
 #include <optional>
 #include <vector>
 
-#include "bias_search.h"
 #include "gyro_path.h"
 #include "half_store.h"
 #include "tracker.h"
@@ -24,17 +23,17 @@ class RowContest {
 
   /// Forgets all.
   void begin();
-  /// Every order but the caller's begins anew, from what is known of the gyro by now.
-  void begin_again(RowOrder of_caller, const Priors& known, const HalfStore& store);
+  /// Every order but the caller's begins anew, from what is known of the gyro by now. `is_scale_known`: one
+  /// that is lost with it need not be heard again.
+  void begin_again(RowOrder of_caller, const Priors& known, const HalfStore& store, bool is_scale_known);
   /// Since then each of them has gone through the store, or was lost on the way.
   bool are_heard(const HalfStore& store) const;
   /// With a gyro that is known another order than the caller's wins only if all were heard; where `must_hear`
   /// the caller's, too.
   bool may_end(const HalfStore& store, bool must_hear) const;
 
-  /// The newest half of the store: a step for each rival, of bounded work, which is returned. `is_busy`: the
-  /// caller searches for the bias in the same step.
-  int add(const HalfStore& store, const GyroPath& path, BiasSearch& search, bool is_busy);
+  /// The newest half of the store: a step for each rival, of bounded work, which is returned.
+  int add(const HalfStore& store, const GyroPath& path);
 
   /// What the caller's tracker made of a half of the store.
   void note(RowOrder order, std::size_t place, const HalfResult& result);
@@ -62,7 +61,6 @@ class RowContest {
   };
   void begin(Rival& rival, const Priors& better, const HalfStore& store);
   void begin_pass(Rival& rival);
-  void look_for_bias(Rival& rival, const HalfStore& store, const GyroPath& path, BiasSearch& search);
   int go_through(Rival& rival, const HalfStore& store, const GyroPath& path);
   void give_up(Rival& rival);
   Rival& rival(RowOrder order) { return rivals_[0].order == order ? rivals_[0] : rivals_[1]; }
@@ -81,7 +79,7 @@ class RowContest {
 
   Priors priors_;
   bool latency_measured_;
-  bool is_gyro_known_ = false;  // rivals need not search for its bias
+  bool is_gyro_known_ = false;  // and its scale
   RowOrder of_caller_ = RowOrder::at_once;
   std::array<Rival, 2> rivals_;
   std::array<std::vector<float>, 3> left_k2_;  // of each half, by order; NaN: not judged

@@ -8,21 +8,18 @@ namespace thermorig::odometer {
 
 namespace {
 
-constexpr std::size_t search_every = 4;     // halves, while the bias is searched for
-constexpr std::size_t latest_search = 160;  // then the search begins anew
+constexpr std::size_t latest_search = 240;  // halves: then the earlier ones are forgotten
 constexpr int work_a_step = 260;            // when halves are gone through again: one or two dozen of them
 constexpr double enough_s = 25.0;           // after the first half
 constexpr std::size_t enough_halves = 200, fewest_halves = 72;
 constexpr std::size_t halves_of_rest = 24;  // are kept of a longer one
 constexpr double still_deg = 3.0;           // as far as a bias of the first seconds knows it
-constexpr double bias_widening = 3.0;       // of what the search states
+constexpr double same_bias_dps = 1.0, same_scale = 0.015;  // as searches name them
 constexpr double known_bias_dps = 1.0;
 constexpr Nearness settled{Tracker::least_bias_sigma_dps, 0.001, 0.001};
-constexpr Nearness nearly_settled{0.2, 0.003, 0.003};  // where something moves, passes differ by as much
 constexpr double known_scale = 0.0008;                 // one standard deviation: 0.3 degrees a turn
-constexpr double same_scale = 0.015;                   // as searches name it
-// After the first pass, which may begin with a wrong bias.
-constexpr int most_repeats = 6, repeats_by_search = 3, repeats_to_tell = 2;
+// After the first pass. One that still fits badly after some of them will not fit any more.
+constexpr int most_repeats = 6, hopeful_repeats = 3, repeats_to_tell = 2;
 // What a part of the map is taken to be off by itself, but in the first pass, whose map shows in which order
 // rows are exposed. Without it a map is surer of itself than it is right: of 96 rooms (77001 to 80001) the
 // worst has a spread of 0.28 degrees instead of 0.16, and 86 % of its angles within 2 sigma instead of 93.
@@ -31,6 +28,11 @@ constexpr double map_sigma_deg = 0.4;
 // 0.30 to 0.90.
 constexpr double doubtful_nis = 1.2;
 constexpr double doubt_widening = 3.0;  // of what a doubtful order has learnt
+
+/// A gyro that searches name: its scale as well.
+bool names_scale(const Priors& found) {
+  return found.scale_sigma < same_scale;
+}
 
 }  // namespace
 
@@ -41,7 +43,6 @@ Start::Start(const Priors& priors, const SharedLens& lens, bool latency_measured
       front_(front),
       path_(path),
       back_(priors, lens),
-      bias_search_(priors, lens),
       gyro_search_(priors, lens, latency_measured),
       contest_(priors, lens, latency_measured),
       is_contested_(!lens->knows_rows()) {}
@@ -59,7 +60,8 @@ void Start::forget() {
 
 /// What searches have named before, of other halves, still counts.
 void Start::begin_searching() {
-  is_by_search_ = is_of_later_half_ = false;
+  searched_.reset();
+  is_of_later_half_ = false;
   store_.clear();
   rested_s_ = 0.0;
   contest_.begin();
@@ -71,11 +73,10 @@ void Start::begin_searching() {
 
 Start::Outcome Start::add(const HalfReading& half, double now_s) {
   const int work = store(half, now_s);
-  gyro_search_.add(store_, path_);
-  if (is_another_gyro() && begin_by_other_search()) return Outcome::goes_on;
+  if (is_due_to_begin()) begin_first_pass(*gyro_search_.found());
   switch (phase_) {
     case Phase::searching:
-      search();
+      if (store_.count() == latest_search) store_.forget(0, latest_search - GyroSearch::most_halves);
       return Outcome::goes_on;
     case Phase::first_pass:
       go_through(front_, work);
@@ -89,7 +90,6 @@ Start::Outcome Start::add(const HalfReading& half, double now_s) {
       return go_on_learning(now_s);
     case Phase::second_pass:
       add_newest(half);
-      if (is_stuck() && begin_by_other_search()) return Outcome::goes_on;
       go_through(back_, work);
       return gone_through_ < store_.count() ? Outcome::goes_on : take_over(now_s);
   }
@@ -109,8 +109,8 @@ double Start::origin_sigma_deg() const {
 /// Until it is known in which order rows are exposed, all orders learn. Returns the work of that.
 int Start::store(const HalfReading& half, double now_s) {
   store_.add(half, now_s);
-  const bool is_searching = phase_ == Phase::searching && store_.count() % search_every == 0;
-  return is_contested_ ? contest_.add(store_, path_, bias_search_, is_searching) : 0;
+  if (!store_.is_full()) gyro_search_.add(store_, path_);
+  return is_contested_ ? contest_.add(store_, path_) : 0;
 }
 
 HalfResult Start::add_newest(const HalfReading& half) {
@@ -146,82 +146,39 @@ void Start::forget_rest() {
   contest_.begin();
 }
 
-std::optional<BiasSearch::Curve> Start::newest_curve() {
-  if (store_.count() > latest_search) {
-    store_.clear();
-    contest_.begin();
-  }
-  if (store_.count() % search_every != 0 || store_.count() < BiasSearch::halves) return std::nullopt;
-  return bias_search_.measure(store_, path_, lens_->rows(), things_move_);
-}
-
-std::optional<Priors> Start::named(const BiasSearch::Curve& curve) const {
-  const auto found = bias_search_.named(curve);
-  if (!found) return std::nullopt;
-  Priors better = priors_;
-  better.bias_dps = found->bias_dps;
-  better.bias_sigma_dps = bias_widening * found->sigma_dps;
-  better.heading_deg = heading_at(store_.at(0).now_s, found->bias_dps);
-  return better;
-}
-
-std::optional<Priors> Start::find_bias(const HalfReading& half, double now_s) {
+std::optional<Priors> Start::find_gyro(const HalfReading& half, double now_s) {
   store_.add(half, now_s);
-  const auto curve = newest_curve();
-  return curve ? named(*curve) : std::nullopt;
+  gyro_search_.add(store_, path_);
+  if (store_.count() == latest_search) store_.forget(0, latest_search - GyroSearch::most_halves);
+  return gyro_search_.found();
 }
 
-void Start::search() {
-  const auto curve = newest_curve();
-  if (!curve) return;
-  if (const auto better = named(*curve)) begin_first_pass(*better);
-}
-
-void Start::begin_first_pass(const Priors& better) {
-  front_.restart(better, lens_->rows(), things_move_);
-  restart_pass(0);
-  phase_ = Phase::first_pass;
-}
-
-/// Through all halves from what searches name by now, once. False: it was done, or they do not tell.
-bool Start::begin_by_search() {
+/// Searches name a gyro for the first time, then its scale, or another one than it learns.
+bool Start::is_due_to_begin() const {
   const auto& found = gyro_search_.found();
-  if (!found || is_by_search_) return false;
-  is_by_search_ = true;
-  searched_ = *found;
-  Priors better = *found;
-  better.heading_deg = heading_at(store_.at(0).now_s, found->bias_dps);
+  if (!found || !searched_) return found.has_value();
+  if (!names_scale(*found)) return false;
+  if (!names_scale(*searched_)) return true;
+  const auto is_another = [&](double bias_dps, double scale) {
+    return std::abs(found->bias_dps - bias_dps) > same_bias_dps || std::abs(found->scale - scale) > same_scale;
+  };
+  const HeadingFilter& filter = front_.filter();
+  return is_another(searched_->bias_dps, searched_->scale) &&
+         is_another(filter.bias_dps(), filter.scale_factor());
+}
+
+/// Through all halves that are kept, in all orders of rows.
+void Start::begin_first_pass(const Priors& found) {
+  searched_ = found;
+  Priors better = found;
+  better.heading_deg = heading_at(store_.at(0).now_s, found.bias_dps);
   mean_nis_ = 1.0;
   is_contested_ = !lens_->knows_rows();
   is_asked_again_ = false;
-  if (is_contested_) contest_.begin_again(lens_->rows(), better, store_);
-  begin_first_pass(better);
-  return true;
-}
-
-/// The same where it did not begin by evidence, or searches by now name another gyro.
-bool Start::begin_by_other_search() {
-  const auto& found = gyro_search_.found();
-  if (!found) return false;
-  const bool is_same = std::abs(found->bias_dps - searched_.bias_dps) < known_bias_dps &&
-                       std::abs(found->scale - searched_.scale) < same_scale;
-  if (is_by_search_ && is_same) return false;
-  is_by_search_ = false;
-  return begin_by_search();
-}
-
-/// Searches name a gyro that is not the one that is learnt.
-bool Start::is_another_gyro() const {
-  const auto& found = gyro_search_.found();
-  if (!found || phase_ == Phase::searching) return found.has_value();
-  const HeadingFilter& filter = front_.filter();
-  return std::abs(found->bias_dps - filter.bias_dps()) > known_bias_dps ||
-         std::abs(found->scale - filter.scale_factor()) > same_scale;
-}
-
-/// Each pass should fit better. One that hardly fits at all has settled on a wrong gyro, and a map for it.
-bool Start::is_stuck() const {
-  return pass_ > 0 && pass_nis_ > 2.0 * bounds().lost;
+  if (is_contested_) contest_.begin_again(lens_->rows(), better, store_, names_scale(found));
+  front_.restart(better, lens_->rows(), things_move_);
+  restart_pass(0);
+  phase_ = Phase::first_pass;
 }
 
 /// Through the halves again, from what was learnt of the sensors meanwhile.
@@ -279,9 +236,6 @@ Start::Outcome Start::take_over(double now_s) {
     begin_pass(pass_ + 1);
     return Outcome::goes_on;
   }
-  // That it fits where things may move says little.
-  if (is_enough && pass_ >= most_repeats && mean_nis_ > nis_at_rest.fits && begin_by_search())
-    return Outcome::goes_on;
   const bool is_settled = has_settled() || (pass_ >= most_repeats && mean_nis_ < bounds().fits);
   const bool must_learn = mean_nis_ > bounds().lost || (is_enough && !is_settled);
   const bool is_made = is_enough && !must_learn;
@@ -295,28 +249,22 @@ Start::Outcome Start::take_over(double now_s) {
   const double scale = front_.filter().scale_factor();
   if (!is_plausible() && !is_scale_named() && !refused_scale_.is_confirmed(scale, store_.at(0).now_s)) {
     refused_scale_.refuse(scale, now_s);
-    return is_by_search_ ? begin_anew() : fail();  // only other halves can confirm it
+    return begin_anew();  // only other halves can confirm it
   }
   // Before faint walls only those halves tell anything that what moves is in: the map is one of it.
   if (things_move_ && innovations_.is_hardly_judged(store_.count())) return fail();
   return is_order_doubtful() ? ask_rows_again() : Outcome::over;
 }
 
-/// What does not fit means that the map was begun with a wrong bias: by now it is known better. One that
-/// began by evidence had the right one, and its map is false, unless something moves before some halves; so
-/// has one whose passes learn the same again and again.
+/// Each repeat fits better, unless its map is a false one, or something moves before some halves.
 Start::Outcome Start::learn_again() {
-  const bool is_hopeless = is_by_search_ && pass_ >= repeats_by_search && mean_nis_ > bounds().unfit;
-  const bool is_learnt = is_by_search_ || has_nearly_repeated();
-  const bool is_traffic = is_learnt && pass_ > 0 && !is_contested_ && shows_traffic();
-  if (is_stuck() && begin_by_other_search()) return Outcome::goes_on;
+  const bool is_hopeless = pass_ >= hopeful_repeats && mean_nis_ > bounds().unfit;
+  const bool is_traffic = pass_ > 0 && !is_contested_ && shows_traffic();
   if (!is_hopeless && !is_traffic && pass_ < most_repeats &&
       front_.filter().sigma(HeadingFilter::bias) < known_bias_dps) {
     begin_pass(pass_ + 1);
   } else if (is_contested_ && contest_.another_may_fit()) {
     phase_ = Phase::learning;  // another order of rows may fit: it goes on until it has learnt enough
-  } else if (!is_traffic && begin_by_search()) {
-    return Outcome::goes_on;
   } else if (shows_traffic()) {
     things_move_ = true;  // what was learnt is not wrong for that
     begin_pass(1);
@@ -326,21 +274,20 @@ Start::Outcome Start::learn_again() {
   return Outcome::goes_on;
 }
 
-/// The same halves again, if searches by now say more than it began with; then the later half of them, if
-/// there are enough: false maps are often begun at a high speed, and the rig has turned slower since. Then
-/// those as where things move.
+/// The later half of the halves, if there are enough: false maps are often begun at a high speed, and the rig
+/// has turned slower since. Then those as where things move. Then new ones.
 Start::Outcome Start::fail() {
-  if (is_by_search_ && !is_of_later_half_ && store_.count() >= 2 * fewest_halves) {
+  const bool is_first = !is_of_later_half_ && store_.count() >= 2 * fewest_halves;
+  const bool is_second = is_of_later_half_ && !things_move_;
+  if (is_first) {
     store_.forget(0, store_.count() / 2);
     is_of_later_half_ = true;
-    is_by_search_ = false;
-  } else if (is_of_later_half_ && !things_move_) {
+  } else {
     things_move_ = true;
-    is_by_search_ = false;
   }
-  if (begin_by_search()) return Outcome::goes_on;
-  things_move_ = true;
-  return begin_anew();
+  if (!is_first && !is_second) return begin_anew();
+  begin_first_pass(*gyro_search_.found());
+  return Outcome::goes_on;
 }
 
 Start::Outcome Start::begin_anew() {
@@ -356,8 +303,7 @@ bool Start::shows_traffic() const {
 /// By searches, which know nothing of the map, nor of how it closes; and learnt again from there.
 bool Start::is_scale_named() const {
   const auto& found = gyro_search_.found();
-  return is_by_search_ && found && found->scale_sigma < same_scale &&
-         std::abs(found->scale - front_.filter().scale_factor()) < same_scale;
+  return found && names_scale(*found) && std::abs(found->scale - front_.filter().scale_factor()) < same_scale;
 }
 
 void Start::expect_traffic() {
@@ -368,11 +314,6 @@ void Start::expect_traffic() {
 /// The pass ended with what it began with: another one would make the same map.
 bool Start::has_repeated() const {
   return is_near(front_.filter(), begun_with_, settled);
-}
-
-/// By what something that moves makes passes differ.
-bool Start::has_nearly_repeated() const {
-  return is_near(front_.filter(), begun_with_, nearly_settled);
 }
 
 /// And that map fits.
@@ -431,7 +372,7 @@ Start::Outcome Start::ask_rows_again() {
   Priors known = front_.learnt(priors_);  // by an order that may be the wrong one
   known.bias_sigma_dps *= doubt_widening;
   known.scale_sigma *= doubt_widening;
-  contest_.begin_again(front_.rows(), known, store_);
+  contest_.begin_again(front_.rows(), known, store_, true);
   pass_ = 0;
   phase_ = Phase::learning;
   return Outcome::goes_on;

@@ -5,7 +5,6 @@
 #include <cstdint>
 #include <optional>
 
-#include "bias_search.h"
 #include "gyro_heading.h"
 #include "gyro_path.h"
 #include "gyro_search.h"
@@ -17,8 +16,8 @@
 
 namespace thermorig::odometer {
 
-/// The first half minute, moving or not: of its halves the gyro's bias is found, then a map is made of them,
-/// pass after pass, until a pass ends with what it began with. In which order the camera exposes its rows is
+/// The first half minute, moving or not: of its halves the gyro is found, then a map is made of them, pass
+/// after pass, until a pass ends with what it began with. In which order the camera exposes its rows is
 /// found on the way. Each half is a step of bounded work.
 class Start {
  public:
@@ -38,8 +37,8 @@ class Start {
   };
   Outcome add(const HalfReading& half, double now_s);
 
-  /// Instead of all that, for a map that was made before: what three seconds of halves tell of the bias.
-  std::optional<Priors> find_bias(const HalfReading& half, double now_s);
+  /// Instead of all that, for a map that was made before: what some seconds of halves tell of the gyro.
+  std::optional<Priors> find_gyro(const HalfReading& half, double now_s);
 
   /// The front tracker has gone through all halves that came.
   bool has_caught_up() const { return phase_ == Phase::learning || phase_ == Phase::second_pass; }
@@ -73,17 +72,9 @@ class Start {
     return before_ ? before_->deg(path_.until(time_s), bias_dps) : 0.0;
   }
 
-  // The bias.
-  std::optional<BiasSearch::Curve> newest_curve();
-  std::optional<Priors> named(const BiasSearch::Curve& curve) const;
-  void search();
-
   // Passes through the halves.
-  void begin_first_pass(const Priors& better);
-  bool begin_by_search();
-  bool begin_by_other_search();
-  bool is_another_gyro() const;
-  bool is_stuck() const;
+  bool is_due_to_begin() const;
+  void begin_first_pass(const Priors& found);
   void begin_pass(int number);
   void restart_pass(int number);
   void go_through(Tracker& tracker, int work);
@@ -95,7 +86,6 @@ class Start {
   Outcome fail();
   Outcome begin_anew();
   bool has_repeated() const;
-  bool has_nearly_repeated() const;
   bool has_settled() const;
   bool fits_badly() const;
   bool knows_scale() const;
@@ -123,10 +113,9 @@ class Start {
   std::optional<GyroHeading> before_;
   bool things_move_ = false;
 
-  BiasSearch bias_search_;
   GyroSearch gyro_search_;
-  bool is_by_search_ = false, is_of_later_half_ = false;  // what it began with, and goes through
-  Priors searched_;                                       // by which it began
+  std::optional<Priors> searched_;  // by which it began
+  bool is_of_later_half_ = false;   // what it goes through
 
   RowContest contest_;
   bool is_contested_;                // the order of rows: not where that was measured
