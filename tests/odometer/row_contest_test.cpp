@@ -56,7 +56,7 @@ class HeardContest {
       callers.advance(start_.path, start_.store.at(i).now_s);
       contest_.note(of_caller, i, callers.add(start_.store.at(i).half, start_.path));
     }
-    for (int step = 0; step < 400 && !all_heard(); ++step) contest_.add(start_.store, start_.path);
+    for (int step = 0; step < 400 && !all_heard(); ++step) contest_.add(start_.store, start_.path, 90);
   }
   bool all_heard() const { return contest_.are_heard(start_.store); }
   FoundRows verdict() const { return contest_.verdict(); }

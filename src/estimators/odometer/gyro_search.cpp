@@ -9,34 +9,49 @@ namespace thermorig::odometer {
 namespace {
 
 constexpr double bias_reach_dps = 30.0, scale_reach_sigmas = 2.2;
-constexpr std::size_t most_candidates = 16384, kept = 64, parts = 2;  // each step becomes so many finer ones
-constexpr std::size_t work_a_step = 300'000;                          // looks
-constexpr double trusted = 0.1;  // of the likelihood: halves are blurred, and what moves is in several of them
-constexpr float no_look = 1e-9F;  // of an empty cell: it can be divided by that
-constexpr double named_rate_dps = 1.0;  // one standard deviation, at the speed of those halves
+constexpr int most_bias_steps = 64, most_scale_steps = 31;  // to either side
+constexpr std::size_t most_candidates = 2 * (2 * most_bias_steps + 1) * (2 * most_scale_steps + 1);
+constexpr std::size_t most_kept = 64;                       // of a level: each becomes four of the next one
+constexpr double coarse_pitches = 4.0, fine_pitches = 2.0;  // of the lens, a cell
+constexpr std::size_t work_a_step = 300'000;                // looks
+constexpr double trusted = 0.1;  // of the likelihood: halves are blurred, and what moves is in several
+constexpr float clipped_deviations = 1.0F;  // from the median, in the median of such deviations
+constexpr float no_look = 1e-9F;            // of an empty cell: it can be divided by that
+constexpr double named_rate_dps = 1.0;      // one standard deviation, at the speed of those halves
 // Time stamps, rows and lens are off in all halves alike.
 constexpr double searched_bias_sigma_dps = 0.3, searched_scale_sigma = 0.003;
 
-/// As many steps to either side of the middle as reach so far, but at most so many.
-std::size_t steps_to(double reach, double step, std::size_t most) {
-  return std::min(most, static_cast<std::size_t>(std::ceil(reach / step)));
+float median(std::vector<float>& values) {
+  if (values.empty()) return 0.0F;
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
 }
 
 }  // namespace
 
+bool is_same_gyro(const Priors& one, const Priors& other) {
+  constexpr double most_sigmas = 3.0;
+  const double off_dps = std::abs(one.bias_dps - other.bias_dps), off = std::abs(one.scale - other.scale);
+  return off_dps < std::max(1.0, most_sigmas * std::hypot(one.bias_sigma_dps, other.bias_sigma_dps)) &&
+         off < std::max(0.015, most_sigmas * std::hypot(one.scale_sigma, other.scale_sigma));
+}
+
 GyroSearch::GyroSearch(const Priors& priors, const SharedLens& lens, bool latency_measured)
     : priors_(priors), lens_(lens), latency_measured_(latency_measured) {
   for (std::size_t i = 0; i < looks; ++i)
-    bearing_turns_[i] = static_cast<float>(
-        share_of_turn(0.5 * (lens_->bearing_deg(2 * i) + lens_->bearing_deg(2 * i + 1))));
+    bearing_turns_[i] =
+        static_cast<float>(share_of_turn(0.5 * (lens_->bearing_deg(2 * i) + lens_->bearing_deg(2 * i + 1))));
   placed_.reserve(most_halves);
-  cells_.reserve(frame_pixels);
+  read_c_.reserve(looks * rows);
+  cells_.reserve(cells_a_turn(fine_pitches) + 1);
   candidates_.reserve(most_candidates);
-  best_.reserve(kept);
+  best_.reserve(most_kept);
 }
 
 void GyroSearch::clear() {
   found_.reset();
+  other_.reset();
   level_ = levels;
   new_halves_ = 0;
 }
@@ -57,8 +72,8 @@ void GyroSearch::begin(const HalfStore& store, const GyroPath& path) {
     if (half.begin_s > path.begin_s()) place(half, path);
   }
   if (placed_.size() < fewest_halves) return;
-  read_dps_ = (placed_.back().mean_deg - placed_.front().mean_deg) /
-              (placed_.back().mean_s - placed_.front().mean_s);
+  read_dps_ =
+      (placed_.back().mean_deg - placed_.front().mean_deg) / (placed_.back().mean_s - placed_.front().mean_s);
   take_off_errors_of_looks();
   squares_ = readings_ = 0.0;
   for (const Placed& one : placed_)
@@ -77,20 +92,28 @@ void GyroSearch::place(const HalfReading& half, const GyroPath& path) {
                                                .mean_s = turn.mean_s,
                                                .mean_deg = turn.mean_deg,
                                                .read_dps = turn.mean_read_dps()});
-  float sum = 0.0F, count = 0.0F;
   for (std::size_t i = 0; i < looks; ++i) {
     const float* const left = &half.temp_c[2 * i * half_rows + first_row];
     const float* const right = left + half_rows;
     float of_look = 0.0F;
     for (std::size_t k = 0; k < rows; ++k) of_look += placed.temp_c[i][k] = 0.5F * (left[k] + right[k]);
     placed.is_read[i] = std::isnan(of_look) ? 0.0F : 1.0F;
-    if (std::isnan(of_look)) continue;
-    sum += of_look;
-    count += rows;
   }
-  const float common_c = count > 0.0F ? sum / count : 0.0F;
+  clip(placed);
+}
+
+/// About what all have in common. Something warm that moves would make the sharpest mosaic by itself.
+void GyroSearch::clip(Placed& placed) {
+  read_c_.clear();
   for (std::size_t i = 0; i < looks; ++i)
-    for (float& temp_c : placed.temp_c[i]) temp_c = placed.is_read[i] > 0.0F ? temp_c - common_c : 0.0F;
+    if (placed.is_read[i] > 0.0F)
+      read_c_.insert(read_c_.end(), placed.temp_c[i].begin(), placed.temp_c[i].end());
+  const float common_c = median(read_c_);
+  for (float& temp_c : read_c_) temp_c = std::abs(temp_c - common_c);
+  const float most_c = clipped_deviations * median(read_c_);
+  for (std::size_t i = 0; i < looks; ++i)
+    for (float& temp_c : placed.temp_c[i])
+      temp_c = placed.is_read[i] > 0.0F ? std::clamp(temp_c - common_c, -most_c, most_c) : 0.0F;
 }
 
 /// What a look shows on average beyond its neighbours is its own error. Otherwise the mosaic is sharpest
@@ -123,24 +146,25 @@ void GyroSearch::take_off_errors_of_looks() {
 void GyroSearch::lay_grid() {
   level_ = 0;
   next_ = 0;
-  const double cell_deg = 4.0 * lens_->pitch_deg();
-  const auto [least, most] = std::minmax_element(
-      placed_.begin(), placed_.end(), [](const Placed& a, const Placed& b) { return a.mean_deg < b.mean_deg; });
+  const double cell_deg = coarse_pitches * lens_->pitch_deg();
+  const auto [least, most] =
+      std::minmax_element(placed_.begin(), placed_.end(),
+                          [](const Placed& a, const Placed& b) { return a.mean_deg < b.mean_deg; });
   const double turned_deg = std::max(cell_deg, most->mean_deg - least->mean_deg);
   const double spanned_s = placed_.back().mean_s - placed_.front().mean_s;
-  step_dps_ = 2.0 * cell_deg / spanned_s;
-  scale_step_ = 2.0 * cell_deg / turned_deg;
   const double scale_reach = scale_reach_sigmas * priors_.scale_sigma;
-  const std::size_t biases = steps_to(bias_reach_dps, step_dps_, 64);
-  const std::size_t scales = steps_to(scale_reach, scale_step_, 31);
+  step_dps_ = std::max(2.0 * cell_deg / spanned_s, bias_reach_dps / most_bias_steps);
+  scale_step_ = std::max(2.0 * cell_deg / turned_deg, scale_reach / most_scale_steps);
+  const auto biases = static_cast<int>(std::ceil(bias_reach_dps / step_dps_));
+  const auto scales = static_cast<int>(std::ceil(scale_reach / scale_step_));
   const bool may_be_last_row = !lens_->knows_rows() && !latency_measured_;
   candidates_.clear();
-  for (std::size_t late = 0; late < (may_be_last_row ? 2U : 1U); ++late)
-    for (std::size_t s = 0; s < 2 * scales + 1; ++s)
-      for (std::size_t b = 0; b < 2 * biases + 1; ++b)
-        candidates_.push_back({.bias_dps = priors_.bias_dps + step_dps_ * (double(b) - double(biases)),
-                               .scale = priors_.scale + scale_step_ * (double(s) - double(scales)),
-                               .latency_s = priors_.latency_s + 0.5 * period_s_ * double(late)});
+  for (int late = 0; late < (may_be_last_row ? 2 : 1); ++late)
+    for (int scale = -scales; scale <= scales; ++scale)
+      for (int bias = -biases; bias <= biases; ++bias)
+        candidates_.push_back({.bias_dps = priors_.bias_dps + bias * step_dps_,
+                               .scale = priors_.scale + scale * scale_step_,
+                               .latency_s = priors_.latency_s + 0.5 * late * period_s_});
 }
 
 void GyroSearch::go_on() {
@@ -159,11 +183,10 @@ void GyroSearch::end_level() {
 }
 
 void GyroSearch::refine() {
-  const std::size_t count = std::min(kept, candidates_.size());
-  std::partial_sort(candidates_.begin(), candidates_.begin() + static_cast<std::ptrdiff_t>(count),
-                    candidates_.end(), [](const Candidate& a, const Candidate& b) {
-                      return a.log_likelihood > b.log_likelihood;
-                    });
+  const std::size_t count = std::min(most_kept, candidates_.size());
+  std::partial_sort(
+      candidates_.begin(), candidates_.begin() + static_cast<std::ptrdiff_t>(count), candidates_.end(),
+      [](const Candidate& a, const Candidate& b) { return a.log_likelihood > b.log_likelihood; });
   best_.assign(candidates_.begin(), candidates_.begin() + static_cast<std::ptrdiff_t>(count));
   candidates_.clear();
   for (const Candidate& one : best_)
@@ -188,11 +211,14 @@ double GyroSearch::log_likelihood(const Candidate& candidate) {
   return -0.5 * trusted * readings_ * std::log(variance(candidate));
 }
 
+std::size_t GyroSearch::cells_a_turn(double pitches) const {
+  return static_cast<std::size_t>(std::ceil(whole_turn_deg / (pitches * lens_->pitch_deg())));
+}
+
 /// Of the readings within the cells of the mosaic: their squares, which no candidate changes, less those of
 /// means.
 double GyroSearch::variance(const Candidate& candidate) {
-  const double pitches = level_ == 0 ? 4.0 : 2.0;
-  const auto all = static_cast<std::size_t>(whole_turn_deg / (pitches * lens_->pitch_deg()));
+  const std::size_t all = cells_a_turn(level_ == 0 ? coarse_pitches : fine_pitches);
   const auto all_cells = static_cast<float>(all);
   cells_.assign(all + 1, Cell());
   for (const Placed& one : placed_) {
@@ -213,7 +239,8 @@ double GyroSearch::variance(const Candidate& candidate) {
     used += rows;
     for (const float sum : cell.sum) of_means += double{sum * sum / cell.count};
   }
-  return (squares_ - of_means) / (readings_ - used + 1.0);
+  constexpr double least_k2 = 1e-6;  // of images that are all the same
+  return std::max(least_k2, squares_ - of_means) / std::max(1.0, readings_ - used);
 }
 
 void GyroSearch::name() {
@@ -235,13 +262,25 @@ void GyroSearch::name() {
   Priors found = priors_;
   found.bias_dps += bias;
   found.scale += scale;
-  found.bias_sigma_dps = std::hypot(std::sqrt(std::max(0.0, bias2 / sum - square(bias))), searched_bias_sigma_dps);
-  found.scale_sigma = std::hypot(std::sqrt(std::max(0.0, scale2 / sum - square(scale))), searched_scale_sigma);
+  // Cells are no finer than two of the last steps.
+  const double bias_sigma = std::sqrt(std::max(0.0, bias2 / sum - square(bias)));
+  const double scale_sigma = std::sqrt(std::max(0.0, scale2 / sum - square(scale)));
+  found.bias_sigma_dps = std::hypot(bias_sigma, 2.0 * step_dps_, searched_bias_sigma_dps);
+  found.scale_sigma =
+      std::min(std::hypot(scale_sigma, 2.0 * scale_step_, searched_scale_sigma), priors_.scale_sigma);
   found.bias_scale_covariance = both / sum - bias * scale;
   const double turned_dps = (read_dps_ - found.bias_dps) / found.scale;
   const double rate_variance = square(found.bias_sigma_dps) + square(turned_dps * found.scale_sigma) +
                                2.0 * turned_dps * found.bias_scale_covariance;
-  if (rate_variance < square(named_rate_dps)) found_ = found;
+  if (rate_variance < square(named_rate_dps)) believe(found);
+}
+
+/// What was named before stands until two searches in a row name the same other gyro.
+void GyroSearch::believe(const Priors& named) {
+  const bool is_confirmed =
+      !found_ || is_same_gyro(named, *found_) || (other_ && is_same_gyro(named, *other_));
+  is_confirmed ? found_ = named : other_ = named;
+  if (is_confirmed) other_.reset();
 }
 
 }  // namespace thermorig::odometer

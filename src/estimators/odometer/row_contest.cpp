@@ -10,7 +10,6 @@ namespace thermorig::odometer {
 
 namespace {
 
-constexpr int rival_work = 90;    // of one: three halves
 constexpr std::size_t compared_halves = 24;
 constexpr double contest_trust = 0.05;  // of its likelihood: halves share the errors of one map
 constexpr double fitting_nis = 4.0;     // of one that may win
@@ -66,11 +65,12 @@ bool RowContest::may_end(const HalfStore& store, bool must_hear) const {
   return !must_hear && verdict().order == of_caller_;
 }
 
-int RowContest::add(const HalfStore& store, const GyroPath& path) {
+int RowContest::add(const HalfStore& store, const GyroPath& path, int work_of_one) {
   // One that searches for its heading takes the other one's time: they begin in turn.
   int work = 0;
   for (const std::size_t i : {store.count() % 2, (store.count() + 1) % 2})
-    if (rivals_[i].has_begun && work <= 2 * rival_work) work += go_through(rivals_[i], store, path);
+    if (rivals_[i].has_begun && work <= 2 * work_of_one)
+      work += go_through(rivals_[i], store, path, work_of_one);
   return work;
 }
 
@@ -98,9 +98,9 @@ void RowContest::begin_pass(Rival& rival) {
   ++rival.passes;
 }
 
-int RowContest::go_through(Rival& rival, const HalfStore& store, const GyroPath& path) {
+int RowContest::go_through(Rival& rival, const HalfStore& store, const GyroPath& path, int most) {
   int work = 0;
-  for (; work < rival_work && rival.gone_through < store.count(); ++rival.gone_through) {
+  for (; work < most && rival.gone_through < store.count(); ++rival.gone_through) {
     const auto& [half, came_s] = store.at(rival.gone_through);
     if (!rival.tracker.has_begun() || came_s > rival.tracker.now_s()) rival.tracker.advance(path, came_s);
     const HalfResult result = rival.tracker.add(half, path);

@@ -32,8 +32,8 @@ class RowContest {
   /// the caller's, too.
   bool may_end(const HalfStore& store, bool must_hear) const;
 
-  /// The newest half of the store: a step for each rival, of bounded work, which is returned.
-  int add(const HalfStore& store, const GyroPath& path);
+  /// The newest half of the store: a step for each rival, of about so much work. Returns the work of both.
+  int add(const HalfStore& store, const GyroPath& path, int work_of_one);
 
   /// What the caller's tracker made of a half of the store.
   void note(RowOrder order, std::size_t place, const HalfResult& result);
@@ -61,7 +61,7 @@ class RowContest {
   };
   void begin(Rival& rival, const Priors& better, const HalfStore& store);
   void begin_pass(Rival& rival);
-  int go_through(Rival& rival, const HalfStore& store, const GyroPath& path);
+  int go_through(Rival& rival, const HalfStore& store, const GyroPath& path, int most);
   void give_up(Rival& rival);
   Rival& rival(RowOrder order) { return rivals_[0].order == order ? rivals_[0] : rivals_[1]; }
   const Rival& rival(RowOrder order) const { return rivals_[0].order == order ? rivals_[0] : rivals_[1]; }

@@ -12,17 +12,18 @@ constexpr std::size_t latest_search = 240;  // halves: then the earlier ones are
 constexpr int work_a_step = 260;            // when halves are gone through again: one or two dozen of them
 constexpr double enough_s = 25.0;           // after the first half
 constexpr std::size_t enough_halves = 200, fewest_halves = 72;
-constexpr std::size_t halves_of_rest = 24;  // are kept of a longer one
+constexpr std::size_t halves_of_rest = 48;  // are kept of a longer one
 constexpr double still_deg = 3.0;           // as far as a bias of the first seconds knows it
-constexpr double same_bias_dps = 1.0, same_scale = 0.015;  // as searches name them
+constexpr double named_scale = 0.008;       // one standard deviation, of what a search names
+constexpr double same_scale = 0.015;        // as it has it
 constexpr double known_bias_dps = 1.0;
 constexpr Nearness settled{Tracker::least_bias_sigma_dps, 0.001, 0.001};
-constexpr double known_scale = 0.0008;                 // one standard deviation: 0.3 degrees a turn
+constexpr double known_scale = 0.0008;  // one standard deviation: 0.3 degrees a turn
 // After the first pass. One that still fits badly after some of them will not fit any more.
 constexpr int most_repeats = 6, hopeful_repeats = 3, repeats_to_tell = 2;
-// What a part of the map is taken to be off by itself, but in the first pass, whose map shows in which order
-// rows are exposed. Without it a map is surer of itself than it is right: of 96 rooms (77001 to 80001) the
-// worst has a spread of 0.28 degrees instead of 0.16, and 86 % of its angles within 2 sigma instead of 93.
+// What a part of the map is taken to be off by itself. Without it a map is surer of itself than it is right:
+// of 96 rooms (77001 to 80001) the worst has a spread of 0.28 degrees instead of 0.16, and 86 % of its angles
+// within 2 sigma instead of 93.
 constexpr double map_sigma_deg = 0.4;
 // Of a map, and of an order of rows. Of 48 rooms (77001 and 79001), all of the right order, starts end with
 // 0.30 to 0.90.
@@ -31,7 +32,7 @@ constexpr double doubt_widening = 3.0;  // of what a doubtful order has learnt
 
 /// A gyro that searches name: its scale as well.
 bool names_scale(const Priors& found) {
-  return found.scale_sigma < same_scale;
+  return found.scale_sigma < named_scale;
 }
 
 }  // namespace
@@ -86,7 +87,7 @@ Start::Outcome Start::add(const HalfReading& half, double now_s) {
       return Outcome::goes_on;
     case Phase::learning:
       learn_fit(add_newest(half), mean_nis_);
-      if (!is_asked_again_ && has_rested()) forget_rest();
+      if (!is_asked_again_) forget_rest();
       return go_on_learning(now_s);
     case Phase::second_pass:
       add_newest(half);
@@ -110,7 +111,10 @@ double Start::origin_sigma_deg() const {
 int Start::store(const HalfReading& half, double now_s) {
   store_.add(half, now_s);
   if (!store_.is_full()) gyro_search_.add(store_, path_);
-  return is_contested_ ? contest_.add(store_, path_) : 0;
+  if (!is_contested_) return 0;
+  const int others =
+      phase_ == Phase::learning ? 2 : 3;  // the front one has caught up, or goes through them, too
+  return contest_.add(store_, path_, work_a_step / others);
 }
 
 HalfResult Start::add_newest(const HalfReading& half) {
@@ -123,26 +127,27 @@ bool Start::has_halves_enough(double now_s) const {
   return store_.count() >= enough_halves || now_s - store_.at(0).now_s - rested_s_ > enough_s;
 }
 
-/// The newest halves show one view, twice as many as are kept of a rest.
-bool Start::has_rested() const {
-  constexpr std::size_t halves = 2 * halves_of_rest;
-  if (store_.count() < halves || store_.count() % halves_of_rest != 0 || store_.is_full()) return false;
+/// The first of the newest halves that all show one view: a rig at rest.
+std::size_t Start::rests_since() const {
   const HeadingFilter& filter = front_.filter();
   const GyroPath::Knot now = path_.until(store_.at(store_.count() - 1).now_s);
-  for (std::size_t i = store_.count() - halves; i < store_.count(); ++i) {
-    const GyroPath::Knot then = path_.until(store_.at(i).now_s);
+  std::size_t first = store_.count() - 1;
+  for (; first > 0; --first) {
+    const GyroPath::Knot then = path_.until(store_.at(first - 1).now_s);
     const double read_deg = now.turned_deg - then.turned_deg;
     const double by_bias_deg = filter.bias_dps() * (now.time_s - then.time_s);
-    if (std::abs(read_deg - by_bias_deg) > still_deg) return false;
+    if (std::abs(read_deg - by_bias_deg) > still_deg) break;
   }
-  return true;
+  return first;
 }
 
 /// A rig that does not turn shows its bias and one view: all else is still to come.
 void Start::forget_rest() {
-  const std::size_t first = store_.count() - 2 * halves_of_rest;
-  if (first > 0) rested_s_ += store_.at(first + halves_of_rest).now_s - store_.at(first).now_s;
-  store_.forget(first, halves_of_rest);
+  if (store_.count() % halves_of_rest != 0 || store_.is_full()) return;
+  const std::size_t first = rests_since(), last = store_.count() - halves_of_rest;
+  if (first + halves_of_rest > last) return;
+  if (first > 0) rested_s_ += store_.at(last).now_s - store_.at(first).now_s;
+  store_.forget(first, last - first);
   contest_.begin();
 }
 
@@ -159,18 +164,14 @@ bool Start::is_due_to_begin() const {
   if (!found || !searched_) return found.has_value();
   if (!names_scale(*found)) return false;
   if (!names_scale(*searched_)) return true;
-  const auto is_another = [&](double bias_dps, double scale) {
-    return std::abs(found->bias_dps - bias_dps) > same_bias_dps || std::abs(found->scale - scale) > same_scale;
-  };
-  const HeadingFilter& filter = front_.filter();
-  return is_another(searched_->bias_dps, searched_->scale) &&
-         is_another(filter.bias_dps(), filter.scale_factor());
+  return !is_same_gyro(*found, *searched_) && !is_same_gyro(*found, front_.learnt(priors_));
 }
 
 /// Through all halves that are kept, in all orders of rows.
 void Start::begin_first_pass(const Priors& found) {
   searched_ = found;
   Priors better = found;
+  if (!things_move_) better.map_sigma_deg = map_sigma_deg;
   better.heading_deg = heading_at(store_.at(0).now_s, found.bias_dps);
   mean_nis_ = 1.0;
   is_contested_ = !lens_->knows_rows();
@@ -303,7 +304,8 @@ bool Start::shows_traffic() const {
 /// By searches, which know nothing of the map, nor of how it closes; and learnt again from there.
 bool Start::is_scale_named() const {
   const auto& found = gyro_search_.found();
-  return found && names_scale(*found) && std::abs(found->scale - front_.filter().scale_factor()) < same_scale;
+  return found && found->scale_sigma < same_scale &&
+         std::abs(found->scale - front_.filter().scale_factor()) < same_scale;
 }
 
 void Start::expect_traffic() {

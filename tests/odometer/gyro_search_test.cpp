@@ -1,0 +1,128 @@
+// SPDX-License-Identifier: MIT
+#include "estimators/odometer/gyro_search.h"
+
+#include <gtest/gtest.h>
+
+#include <memory>
+#include <vector>
+
+#include "room.h"
+#include "support/at_s.h"
+
+namespace thermorig::odometer {
+namespace {
+
+constexpr double to_judge_s = 17.0;  // 136 halves, and a second to search in them
+
+/// What a search finds, half after half, while a rig turns in rooms one after the other, each from the first
+/// half on.
+class Searched {
+ public:
+  explicit Searched(const Priors& priors = Priors())
+      : search_(priors, std::make_shared<const Lens>(CameraProfile()), false) {}
+
+  void turn_in(const Room& room) {
+    store_.clear();
+    for (const Seen& seen : seen_in(room)) {
+      for (const TimedGyro& sample : seen.gyro)
+        path_.add(begun_s_ + to_s(sample.stamp.time - at_s(0.0)), double{sample.rate_dps}, 0.0);
+      auto half = half_of(seen.frame, seen.frame.fresh_even > 0 ? 0U : 1U, at_s(0.0));
+      if (!half) continue;
+      half->begin_s += begun_s_;
+      half->end_s += begun_s_;
+      if (half->begin_s < path_.begin_s()) continue;
+      store_.add(*half, half->end_s);
+      search_.add(store_, path_);
+      found_.push_back(search_.found());
+    }
+    begun_s_ += room.duration_s;
+  }
+  const std::optional<Priors>& last() const { return found_.back(); }
+  /// After so many halves, of all.
+  const std::optional<Priors>& after(std::size_t halves) const { return found_.at(halves - 1); }
+  std::size_t halves() const { return found_.size(); }
+  void clear() {
+    search_.clear();
+    found_.push_back(search_.found());
+  }
+
+ private:
+  GyroSearch search_;
+  GyroPath path_;
+  HalfStore store_;
+  double begun_s_ = 0.0;
+  std::vector<std::optional<Priors>> found_;
+};
+
+void expect_right(const std::optional<Priors>& found, const Room& room) {
+  ASSERT_TRUE(found);
+  EXPECT_NEAR(found->bias_dps, room.bias_dps, 1.0);
+  EXPECT_NEAR(found->scale, room.scale, 0.02);
+  EXPECT_NEAR(found->bias_dps, room.bias_dps, 3.0 * found->bias_sigma_dps);
+  EXPECT_NEAR(found->scale, room.scale, 3.0 * found->scale_sigma);
+}
+
+TEST(GyroSearch, NamesBiasAndScaleTogetherBeforeFaintWalls) {
+  for (unsigned walls = 1; walls < 9; ++walls) {
+    Room room = turning_room(to_judge_s);
+    room.contrast_k = 0.3;
+    room.walls = walls;
+    room.scale = 0.97;
+    room.bias_dps = -12.0;
+    Searched searched;
+    searched.turn_in(room);
+    expect_right(searched.last(), room);
+  }
+}
+
+/// The camera's times are those of the last row.
+TEST(GyroSearch, NamesThemInWhicheverOrderRowsAreExposed) {
+  for (const double rolling : {-1.0, 1.0}) {
+    Room room = turning_room(20.0);
+    room.angle_deg = to_and_fro(300.0, 150.0);
+    room.rolling = rolling;
+    Searched searched;
+    searched.turn_in(room);
+    expect_right(searched.last(), room);
+  }
+}
+
+TEST(GyroSearch, KnowsTheBiasOfARigThatRestsAndNotItsScale) {
+  Searched searched;
+  searched.turn_in(with_rest(turning_room(0.0), 0.0, 10.0));
+  ASSERT_TRUE(searched.last());
+  EXPECT_NEAR(searched.last()->bias_dps, 4.0, 1.0);
+  EXPECT_GE(searched.last()->scale_sigma, 0.02);
+}
+
+TEST(GyroSearch, NamesNothingBeforeABlankWall) {
+  Room room = turning_room(30.0);
+  room.contrast_k = 0.0;
+  Searched searched;
+  searched.turn_in(room);
+  EXPECT_FALSE(searched.last());
+}
+
+TEST(GyroSearch, StandsByWhatItNamedUntilTwoSearchesNameTheSameOtherGyro) {
+  Room room = turning_room(to_judge_s);
+  Searched searched;
+  searched.turn_in(room);
+  const std::size_t before = searched.halves();
+  Room other = turning_room(20.0);
+  other.walls = 8;
+  other.bias_dps = 16.0;
+  searched.turn_in(other);
+  expect_right(searched.after(before + 70), room);
+  expect_right(searched.last(), other);
+}
+
+TEST(GyroSearch, ForgetsAll) {
+  Searched searched;
+  searched.turn_in(turning_room(to_judge_s));
+  ASSERT_TRUE(searched.last());
+  searched.clear();
+  EXPECT_FALSE(searched.last());
+}
+
+}  // namespace
+}  // namespace thermorig::odometer
