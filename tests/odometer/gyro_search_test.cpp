@@ -3,7 +3,10 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
+#include <cmath>
 #include <memory>
+#include <random>
 #include <vector>
 
 #include "room.h"
@@ -21,9 +24,10 @@ class Searched {
   explicit Searched(const Priors& priors = Priors())
       : search_(priors, std::make_shared<const Lens>(CameraProfile()), false) {}
 
-  void turn_in(const Room& room) {
+  void turn_in(const Room& room) { look_at(seen_in(room), room.duration_s); }
+  void look_at(const std::vector<Seen>& all, double duration_s) {
     store_.clear();
-    for (const Seen& seen : seen_in(room)) {
+    for (const Seen& seen : all) {
       for (const TimedGyro& sample : seen.gyro)
         path_.add(begun_s_ + to_s(sample.stamp.time - at_s(0.0)), double{sample.rate_dps}, 0.0);
       auto half = half_of(seen.frame, seen.frame.fresh_even > 0 ? 0U : 1U, at_s(0.0));
@@ -35,7 +39,7 @@ class Searched {
       search_.add(store_, path_);
       found_.push_back(search_.found());
     }
-    begun_s_ += room.duration_s;
+    begun_s_ += duration_s;
   }
   const std::optional<Priors>& last() const { return found_.back(); }
   /// After so many halves, of all.
@@ -79,7 +83,9 @@ TEST(GyroSearch, NamesBiasAndScaleTogetherBeforeFaintWalls) {
 TEST(GyroSearch, NamesThemInWhicheverOrderRowsAreExposed) {
   for (const double rolling : {-1.0, 1.0}) {
     Room room = turning_room(20.0);
-    room.angle_deg = to_and_fro(300.0, 150.0);
+    room.angle_deg = [](double time_s) {  // 190 deg/s, to and fro
+      return 285.0 - 190.0 * std::abs(std::fmod(time_s, 6.0) - 3.0);
+    };
     room.rolling = rolling;
     Searched searched;
     searched.turn_in(room);
@@ -93,6 +99,22 @@ TEST(GyroSearch, KnowsTheBiasOfARigThatRestsAndNotItsScale) {
   ASSERT_TRUE(searched.last());
   EXPECT_NEAR(searched.last()->bias_dps, 4.0, 1.0);
   EXPECT_GE(searched.last()->scale_sigma, 0.02);
+}
+
+/// Else it would see that nothing moves.
+TEST(GyroSearch, TakesNothingForTheWallsThatPixelsShowByThemselves) {
+  Room room = turning_room(to_judge_s);
+  room.contrast_k = 0.3;
+  auto all = seen_in(room);
+  std::mt19937 random(3);
+  std::normal_distribution<float> off_k(0.0F, 1.0F);
+  std::array<float, frame_pixels> errors_k{};
+  for (float& one : errors_k) one = off_k(random);
+  for (Seen& seen : all)
+    for (std::size_t i = 0; i < frame_pixels; ++i) seen.frame.frame.temp_c[i] += errors_k[i];
+  Searched searched;
+  searched.look_at(all, room.duration_s);
+  expect_right(searched.last(), room);
 }
 
 TEST(GyroSearch, NamesNothingBeforeABlankWall) {
