@@ -388,6 +388,17 @@ TEST(Odometer, TakesSomeoneForWhatMovesWherePassesLearnTheSame) {
   EXPECT_LT(silent_s(room, reports, 42.0), 0.5);
 }
 
+TEST(Odometer, StartsThoughTheBiasStepsInItsFirstSeconds) {
+  const Room room = turning_room(60.0);
+  auto all = seen_in(room);
+  for (Seen& seen : all)
+    for (TimedGyro& sample : seen.gyro)
+      if (sample.stamp.time < at_s(12.0)) sample.rate_dps += 12.0F;
+  const auto reports = reports_of(all);
+  EXPECT_GT(share_tracked(reports, 53.0), 0.9);
+  EXPECT_NEAR(reports.back().bias_dps, room.bias_dps, 0.1);
+}
+
 TEST(Odometer, TracksThoughSomeoneComesAfterTheStart) {
   const Room room = faint_room(170.0, 0.3);
   auto all = seen_in(room);

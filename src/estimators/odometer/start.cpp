@@ -14,7 +14,7 @@ constexpr double enough_s = 25.0;           // after the first half
 constexpr std::size_t enough_halves = 200, fewest_halves = 72;
 constexpr std::size_t halves_of_rest = 48;  // are kept of a longer one
 constexpr double still_deg = 3.0;           // as far as a bias of the first seconds knows it
-constexpr double named_scale = 0.008;       // one standard deviation, of what a search names
+constexpr double named_scale = 0.009;       // one standard deviation, of what a search names
 constexpr double same_scale = 0.015;        // as it has it
 constexpr double known_bias_dps = 1.0;
 constexpr Nearness settled{Tracker::least_bias_sigma_dps, 0.001, 0.001};
