@@ -72,8 +72,7 @@ void GyroSearch::begin(const HalfStore& store, const GyroPath& path) {
     if (half.begin_s > path.begin_s()) place(half, path);
   }
   if (placed_.size() < fewest_halves) return;
-  read_dps_ =
-      (placed_.back().mean_deg - placed_.front().mean_deg) / (placed_.back().mean_s - placed_.front().mean_s);
+  read_dps_ = (placed_.back().mean_deg - placed_.front().mean_deg) / spanned_s();
   take_off_errors_of_looks();
   squares_ = readings_ = 0.0;
   for (const Placed& one : placed_)
@@ -82,6 +81,10 @@ void GyroSearch::begin(const HalfStore& store, const GyroPath& path) {
       for (const float temp_c : one.temp_c[i]) squares_ += square(double{temp_c});
     }
   lay_grid();
+}
+
+double GyroSearch::spanned_s() const {
+  return std::max(1.0, placed_.back().mean_s - placed_.front().mean_s);
 }
 
 void GyroSearch::place(const HalfReading& half, const GyroPath& path) {
@@ -151,9 +154,8 @@ void GyroSearch::lay_grid() {
       std::minmax_element(placed_.begin(), placed_.end(),
                           [](const Placed& a, const Placed& b) { return a.mean_deg < b.mean_deg; });
   const double turned_deg = std::max(cell_deg, most->mean_deg - least->mean_deg);
-  const double spanned_s = placed_.back().mean_s - placed_.front().mean_s;
-  const double scale_reach = scale_reach_sigmas * priors_.scale_sigma;
-  step_dps_ = std::max(2.0 * cell_deg / spanned_s, bias_reach_dps / most_bias_steps);
+  const double scale_reach = std::min(scale_reach_sigmas * priors_.scale_sigma, 0.5 * priors_.scale);
+  step_dps_ = std::max(2.0 * cell_deg / spanned_s(), bias_reach_dps / most_bias_steps);
   scale_step_ = std::max(2.0 * cell_deg / turned_deg, scale_reach / most_scale_steps);
   const auto biases = static_cast<int>(std::ceil(bias_reach_dps / step_dps_));
   const auto scales = static_cast<int>(std::ceil(scale_reach / scale_step_));

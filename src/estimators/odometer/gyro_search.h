@@ -4,7 +4,6 @@
 #include <array>
 #include <cstddef>
 #include <optional>
-#include <span>
 #include <vector>
 
 #include "gyro_path.h"
@@ -26,7 +25,7 @@ class GyroSearch {
   GyroSearch(const Priors& priors, const SharedLens& lens, bool latency_measured);
 
   /// With each new half of the store: a step of bounded work. A search takes the newest halves, and ends up
-  /// to some seconds later; then another one begins.
+  /// to a few seconds later; then another one begins.
   void add(const HalfStore& store, const GyroPath& path);
   /// What was expected, with a better bias and scale, by the last search that told. Nothing: none has. That
   /// of a rig that rests or turns at one speed tells the rate, and not what of it is bias and what scale.
@@ -59,6 +58,7 @@ class GyroSearch {
   bool is_searching() const { return level_ < levels; }
   void begin(const HalfStore& store, const GyroPath& path);
   void place(const HalfReading& half, const GyroPath& path);
+  double spanned_s() const;
   void clip(Placed& placed);
   void take_off_errors_of_looks();
   void lay_grid();
