@@ -259,8 +259,9 @@ Start::Outcome Start::take_over(double now_s) {
 
 /// Each repeat fits better, unless its map is a false one, or something moves before some halves.
 Start::Outcome Start::learn_again() {
-  const bool is_hopeless = pass_ >= hopeful_repeats && mean_nis_ > bounds().unfit;
-  const bool is_traffic = pass_ > 0 && !is_contested_ && shows_traffic();
+  const bool is_known = names_scale(*searched_);  // its gyro, from the first pass on
+  const bool is_hopeless = is_known && pass_ >= hopeful_repeats && mean_nis_ > bounds().unfit;
+  const bool is_traffic = is_known && pass_ > 0 && !is_contested_ && shows_traffic();
   if (!is_hopeless && !is_traffic && pass_ < most_repeats &&
       front_.filter().sigma(HeadingFilter::bias) < known_bias_dps) {
     begin_pass(pass_ + 1);
