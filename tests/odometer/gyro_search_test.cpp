@@ -21,9 +21,6 @@ constexpr double to_judge_s = 17.0;  // 136 halves, and a second to search in th
 /// half on.
 class Searched {
  public:
-  explicit Searched(const Priors& priors = Priors())
-      : search_(priors, std::make_shared<const Lens>(CameraProfile()), false) {}
-
   void turn_in(const Room& room) { look_at(seen_in(room), room.duration_s); }
   void look_at(const std::vector<Seen>& all, double duration_s) {
     store_.clear();
@@ -51,7 +48,7 @@ class Searched {
   }
 
  private:
-  GyroSearch search_;
+  GyroSearch search_{Priors(), std::make_shared<const Lens>(CameraProfile()), false};
   GyroPath path_;
   HalfStore store_;
   double begun_s_ = 0.0;

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "thermorig/core/statistics.h"
+
 namespace thermorig::odometer {
 
 namespace {
@@ -21,20 +23,14 @@ constexpr double named_rate_dps = 1.0;      // one standard deviation, at the sp
 // Time stamps, rows and lens are off in all halves alike.
 constexpr double searched_bias_sigma_dps = 0.3, searched_scale_sigma = 0.003;
 
-float median(std::vector<float>& values) {
-  if (values.empty()) return 0.0F;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
-
 }  // namespace
 
 bool is_same_gyro(const Priors& one, const Priors& other) {
-  constexpr double most_sigmas = 3.0;
-  const double off_dps = std::abs(one.bias_dps - other.bias_dps), off = std::abs(one.scale - other.scale);
-  return off_dps < std::max(1.0, most_sigmas * std::hypot(one.bias_sigma_dps, other.bias_sigma_dps)) &&
-         off < std::max(0.015, most_sigmas * std::hypot(one.scale_sigma, other.scale_sigma));
+  constexpr double most_sigmas = 3.0, same_bias_dps = 1.0;
+  const double bias_sigma_dps = std::hypot(one.bias_sigma_dps, other.bias_sigma_dps);
+  const double scale_sigma = std::hypot(one.scale_sigma, other.scale_sigma);
+  return std::abs(one.bias_dps - other.bias_dps) < std::max(same_bias_dps, most_sigmas * bias_sigma_dps) &&
+         std::abs(one.scale - other.scale) < std::max(same_scale, most_sigmas * scale_sigma);
 }
 
 GyroSearch::GyroSearch(const Priors& priors, const SharedLens& lens, bool latency_measured)
@@ -65,14 +61,11 @@ void GyroSearch::add(const HalfStore& store, const GyroPath& path) {
 void GyroSearch::begin(const HalfStore& store, const GyroPath& path) {
   new_halves_ = 0;
   placed_.clear();
-  const HalfReading& newest = store.at(store.count() - 1).half;
-  period_s_ = newest.end_s - newest.begin_s;
   for (std::size_t i = store.count() - std::min(store.count(), most_halves); i < store.count(); ++i) {
     const HalfReading& half = store.at(i).half;
     if (half.begin_s > path.begin_s()) place(half, path);
   }
   if (placed_.size() < fewest_halves) return;
-  read_dps_ = (placed_.back().mean_deg - placed_.front().mean_deg) / spanned_s();
   take_off_errors_of_looks();
   squares_ = readings_ = 0.0;
   for (const Placed& one : placed_)
@@ -80,7 +73,8 @@ void GyroSearch::begin(const HalfStore& store, const GyroPath& path) {
       readings_ += double{rows * one.is_read[i]};
       for (const float temp_c : one.temp_c[i]) squares_ += square(double{temp_c});
     }
-  lay_grid();
+  const HalfReading& newest = store.at(store.count() - 1).half;
+  lay_grid(newest.end_s - newest.begin_s);
 }
 
 double GyroSearch::spanned_s() const {
@@ -111,9 +105,9 @@ void GyroSearch::clip(Placed& placed) {
   for (std::size_t i = 0; i < looks; ++i)
     if (placed.is_read[i] > 0.0F)
       read_c_.insert(read_c_.end(), placed.temp_c[i].begin(), placed.temp_c[i].end());
-  const float common_c = median(read_c_);
+  const float common_c = reordering_median(read_c_);
   for (float& temp_c : read_c_) temp_c = std::abs(temp_c - common_c);
-  const float most_c = clipped_deviations * median(read_c_);
+  const float most_c = clipped_deviations * reordering_median(read_c_);
   for (std::size_t i = 0; i < looks; ++i)
     for (float& temp_c : placed.temp_c[i])
       temp_c = placed.is_read[i] > 0.0F ? std::clamp(temp_c - common_c, -most_c, most_c) : 0.0F;
@@ -144,9 +138,9 @@ void GyroSearch::take_off_errors_of_looks() {
   }
 }
 
-/// A step moves the outermost halves by two cells against the middle ones: the nearest candidate is half a
-/// cell off there at most.
-void GyroSearch::lay_grid() {
+/// `period_s`: of refresh. A step moves the outermost halves by two cells against the middle ones: the
+/// nearest candidate is half a cell off there at most.
+void GyroSearch::lay_grid(double period_s) {
   level_ = 0;
   next_ = 0;
   const double cell_deg = coarse_pitches * lens_->pitch_deg();
@@ -168,7 +162,7 @@ void GyroSearch::lay_grid() {
       for (int bias = -biases; bias <= biases; ++bias)
         candidates_.push_back({.bias_dps = priors_.bias_dps + bias * step_dps_,
                                .scale = priors_.scale + scale * scale_step_,
-                               .latency_s = priors_.latency_s + 0.5 * late * period_s_});
+                               .latency_s = priors_.latency_s + 0.5 * late * period_s});
 }
 
 void GyroSearch::go_on() {
@@ -273,7 +267,8 @@ void GyroSearch::name() {
   found.scale_sigma =
       std::min(std::hypot(scale_sigma, 2.0 * scale_step_, searched_scale_sigma), priors_.scale_sigma);
   found.bias_scale_covariance = both / sum - bias * scale;
-  const double turned_dps = (read_dps_ - found.bias_dps) / found.scale;
+  const double read_dps = (placed_.back().mean_deg - placed_.front().mean_deg) / spanned_s();
+  const double turned_dps = (read_dps - found.bias_dps) / found.scale;
   const double rate_variance = square(found.bias_sigma_dps) + square(turned_dps * found.scale_sigma) +
                                2.0 * turned_dps * found.bias_scale_covariance;
   if (rate_variance < square(named_rate_dps)) believe(found);

@@ -13,7 +13,8 @@
 
 namespace thermorig::odometer {
 
-/// As far as both know it.
+inline constexpr double same_scale = 0.015;
+/// Their biases differ by at most 1 deg/s, their scales by 1.5 %, or by three of their deviations.
 bool is_same_gyro(const Priors& one, const Priors& other);
 
 /// The gyro's bias and scale from up to twenty seconds of halves at once: those with which they make the
@@ -61,7 +62,7 @@ class GyroSearch {
   double spanned_s() const;
   void clip(Placed& placed);
   void take_off_errors_of_looks();
-  void lay_grid();
+  void lay_grid(double period_s);
   void go_on();
   void end_level();
   void refine();
@@ -84,8 +85,6 @@ class GyroSearch {
   std::vector<Cell> cells_;
   std::vector<Candidate> candidates_, best_;
   double step_dps_ = 0.0, scale_step_ = 0.0;
-  double period_s_ = 0.0;       // of refresh
-  double read_dps_ = 0.0;       // by the gyro, on average
   std::size_t next_ = 0;        // of the candidates
   int level_ = levels;          // the first one in coarse cells
   std::size_t new_halves_ = 0;  // since the last search began

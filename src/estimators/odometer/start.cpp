@@ -15,7 +15,6 @@ constexpr std::size_t enough_halves = 200, fewest_halves = 72;
 constexpr std::size_t halves_of_rest = 48;  // are kept of a longer one
 constexpr double still_deg = 3.0;           // as far as a bias of the first seconds knows it
 constexpr double named_scale = 0.009;       // one standard deviation, of what a search names
-constexpr double same_scale = 0.015;        // as it has it
 constexpr double known_bias_dps = 1.0;
 constexpr Nearness settled{Tracker::least_bias_sigma_dps, 0.001, 0.001};
 constexpr double known_scale = 0.0008;  // one standard deviation: 0.3 degrees a turn
@@ -77,7 +76,7 @@ Start::Outcome Start::add(const HalfReading& half, double now_s) {
   if (is_due_to_begin()) begin_first_pass(*gyro_search_.found());
   switch (phase_) {
     case Phase::searching:
-      if (store_.count() == latest_search) store_.forget(0, latest_search - GyroSearch::most_halves);
+      forget_early_halves();
       return Outcome::goes_on;
     case Phase::first_pass:
       go_through(front_, work);
@@ -112,9 +111,9 @@ int Start::store(const HalfReading& half, double now_s) {
   store_.add(half, now_s);
   if (!store_.is_full()) gyro_search_.add(store_, path_);
   if (!is_contested_) return 0;
-  const int others =
-      phase_ == Phase::learning ? 2 : 3;  // the front one has caught up, or goes through them, too
-  return contest_.add(store_, path_, work_a_step / others);
+  const int sharing =
+      phase_ == Phase::learning ? 2 : 3;  // both rivals, and the caller unless it has caught up
+  return contest_.add(store_, path_, work_a_step / sharing);
 }
 
 HalfResult Start::add_newest(const HalfReading& half) {
@@ -154,8 +153,13 @@ void Start::forget_rest() {
 std::optional<Priors> Start::find_gyro(const HalfReading& half, double now_s) {
   store_.add(half, now_s);
   gyro_search_.add(store_, path_);
-  if (store_.count() == latest_search) store_.forget(0, latest_search - GyroSearch::most_halves);
+  forget_early_halves();
   return gyro_search_.found();
+}
+
+/// Those that no search will look at any more.
+void Start::forget_early_halves() {
+  if (store_.count() == latest_search) store_.forget(0, latest_search - GyroSearch::most_halves);
 }
 
 /// Searches name a gyro for the first time, then its scale, or another one than it learns.

@@ -66,6 +66,7 @@ class Start {
   void learn_fit(const HalfResult& result, double& mean) const { learn_nis(result, mean, bounds().most); }
   bool has_halves_enough(double now_s) const;
   std::size_t rests_since() const;
+  void forget_early_halves();
   void forget_rest();
   /// Where the map begins: the heading of before, as the gyro has it with what is known of its bias by now.
   double heading_at(double time_s, double bias_dps) const {
