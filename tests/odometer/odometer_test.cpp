@@ -648,8 +648,8 @@ TEST(Odometer, NeverSaysThatItTracksBeforeABlankWall) {
   for (const Report& report : reports_of(seen_in(room))) EXPECT_NE(report.state, State::tracking);
 }
 
-/// So faint that a map may close by itself, and the halves of its start lie anywhere: by their own sigmas that
-/// is no surprise.
+/// So faint that a map may close by itself, and the halves of its start lie anywhere: by their own sigmas
+/// that is no surprise.
 TEST(Odometer, NeverSaysThatItTracksInAFalseMap) {
   Room room = turning_room(56.0);
   room.angle_deg = to_and_fro(200.0, 150.0);

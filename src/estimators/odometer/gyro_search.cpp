@@ -23,8 +23,7 @@ constexpr double named_rate_dps = 1.0;      // one standard deviation, at the sp
 // Time stamps, rows and lens are off in all halves alike.
 constexpr double searched_bias_sigma_dps = 0.3, searched_scale_sigma = 0.003;
 
-}  // namespace
-
+/// Biases within 1 deg/s and scales within 1.5 %, or both within three deviations.
 bool is_same_gyro(const Priors& one, const Priors& other) {
   constexpr double most_sigmas = 3.0, same_bias_dps = 1.0;
   const double bias_sigma_dps = std::hypot(one.bias_sigma_dps, other.bias_sigma_dps);
@@ -32,6 +31,8 @@ bool is_same_gyro(const Priors& one, const Priors& other) {
   return std::abs(one.bias_dps - other.bias_dps) < std::max(same_bias_dps, most_sigmas * bias_sigma_dps) &&
          std::abs(one.scale - other.scale) < std::max(same_scale, most_sigmas * scale_sigma);
 }
+
+}  // namespace
 
 GyroSearch::GyroSearch(const Priors& priors, const SharedLens& lens, bool latency_measured)
     : priors_(priors), lens_(lens), latency_measured_(latency_measured) {

@@ -13,9 +13,7 @@
 
 namespace thermorig::odometer {
 
-inline constexpr double same_scale = 0.015;
-/// Their biases differ by at most 1 deg/s, their scales by 1.5 %, or by three of their deviations.
-bool is_same_gyro(const Priors& one, const Priors& other);
+inline constexpr double same_scale = 0.015;  // of one gyro, by two searches or by what was learnt
 
 /// The gyro's bias and scale from up to twenty seconds of halves at once: those with which they make the
 /// sharpest mosaic. The filter, begun with a wrong gyro, finds a map for it. A mosaic needs no beginning: all

@@ -162,13 +162,10 @@ void Start::forget_early_halves() {
   if (store_.count() == latest_search) store_.forget(0, latest_search - GyroSearch::most_halves);
 }
 
-/// Searches name a gyro for the first time, then its scale, or another one than it learns.
+/// Searches name a gyro for the first time, or for the first time its scale as well.
 bool Start::is_due_to_begin() const {
   const auto& found = gyro_search_.found();
-  if (!found || !searched_) return found.has_value();
-  if (!names_scale(*found)) return false;
-  if (!names_scale(*searched_)) return true;
-  return !is_same_gyro(*found, *searched_) && !is_same_gyro(*found, front_.learnt(priors_));
+  return found && (!searched_ || (names_scale(*found) && !names_scale(*searched_)));
 }
 
 /// Through all halves that are kept, in all orders of rows.
