@@ -21,6 +21,9 @@ constexpr double to_judge_s = 17.0;  // 136 halves, and a second to search in th
 /// half on.
 class Searched {
  public:
+  explicit Searched(const CameraProfile& camera = CameraProfile())
+      : search_(Priors(), std::make_shared<const Lens>(camera), false) {}
+
   void turn_in(const Room& room) { look_at(seen_in(room), room.duration_s); }
   void look_at(const std::vector<Seen>& all, double duration_s) {
     store_.clear();
@@ -39,6 +42,7 @@ class Searched {
     begun_s_ += duration_s;
   }
   const std::optional<Priors>& last() const { return found_.back(); }
+  const FoundRows& rows() const { return search_.rows(); }
   /// After so many halves, of all.
   const std::optional<Priors>& after(std::size_t halves) const { return found_.at(halves - 1); }
   std::size_t halves() const { return found_.size(); }
@@ -48,7 +52,7 @@ class Searched {
   }
 
  private:
-  GyroSearch search_{Priors(), std::make_shared<const Lens>(CameraProfile()), false};
+  GyroSearch search_;
   GyroPath path_;
   HalfStore store_;
   double begun_s_ = 0.0;
@@ -77,8 +81,8 @@ TEST(GyroSearch, NamesBiasAndScaleTogetherBeforeFaintWalls) {
 }
 
 /// The camera's times are those of the last row.
-TEST(GyroSearch, NamesThemInWhicheverOrderRowsAreExposed) {
-  for (const double rolling : {-1.0, 1.0}) {
+TEST(GyroSearch, NamesThemInWhicheverOrderRowsAreExposedAndTellsIt) {
+  for (const double rolling : {-1.0, 0.0, 1.0}) {
     Room room = turning_room(20.0);
     room.angle_deg = [](double time_s) {  // 190 deg/s, to and fro
       return 285.0 - 190.0 * std::abs(std::fmod(time_s, 6.0) - 3.0);
@@ -87,7 +91,37 @@ TEST(GyroSearch, NamesThemInWhicheverOrderRowsAreExposed) {
     Searched searched;
     searched.turn_in(room);
     expect_right(searched.last(), room);
+    EXPECT_EQ(searched.rows().order, rows_of(room));
+    EXPECT_GT(searched.rows().margin, 2.0 * FoundRows::least_margin);
+    EXPECT_NEAR(searched.last()->latency_s, room.latency_s + 0.0625 * std::abs(rolling), 0.015);
   }
+}
+
+/// Which shears its images as rows do that are exposed one after the other, but to one side only.
+TEST(GyroSearch, TakesACameraThatRollsForOneWhoseRowsAreExposedAtOnce) {
+  for (const double roll_deg : {-4.0, 4.0}) {
+    Room room = turning_room(to_judge_s);
+    room.roll_deg = roll_deg;
+    Searched searched;
+    searched.turn_in(room);
+    EXPECT_EQ(searched.rows().order, RowOrder::at_once);
+    EXPECT_GT(searched.rows().margin, FoundRows::least_margin) << roll_deg;
+  }
+}
+
+TEST(GyroSearch, TellsNoOrderOfRowsAtRest) {
+  Searched searched;
+  searched.turn_in(with_rest(turning_room(0.0), 0.0, 20.0));
+  EXPECT_EQ(searched.rows(), FoundRows());
+}
+
+TEST(GyroSearch, AsksNoImagesForAnOrderOfRowsThatWasMeasured) {
+  Room room = turning_room(to_judge_s);
+  CameraProfile camera;
+  camera.row_spread = 0.3;
+  Searched searched(camera);
+  searched.turn_in(room);
+  EXPECT_EQ(searched.rows(), (FoundRows{RowOrder::first_to_last, 0.0}));
 }
 
 TEST(GyroSearch, KnowsTheBiasOfARigThatRestsAndNotItsScale) {
@@ -139,8 +173,10 @@ TEST(GyroSearch, ForgetsAll) {
   Searched searched;
   searched.turn_in(turning_room(to_judge_s));
   ASSERT_TRUE(searched.last());
+  EXPECT_GT(searched.rows().margin, 0.0);
   searched.clear();
   EXPECT_FALSE(searched.last());
+  EXPECT_EQ(searched.rows(), FoundRows());
 }
 
 }  // namespace

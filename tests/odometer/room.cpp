@@ -52,7 +52,9 @@ class Walls {
 float shown_c(const Walls& walls, const Room& room, std::size_t row, std::size_t column, double end_s) {
   const double done = static_cast<double>(row) / (frame_rows - 1);  // of the frame, when the row's turn ends
   end_s -= frame_period_s * (room.rolling > 0.0 ? room.rolling * (1.0 - done) : -room.rolling * done);
-  const double looks_deg = -pitch_deg * (1.0 + room.wider) * (static_cast<double>(column) - 15.5);
+  const double beside = static_cast<double>(column) - 15.5, below = static_cast<double>(row) - 11.5;
+  const double rolled = std::tan(room.roll_deg * std::numbers::pi / 180.0) * below;  // pixels
+  const double looks_deg = -pitch_deg * (1.0 + room.wider) * (beside + rolled);
   float sum = 0.0F;
   for (int i = 0; i < exposed_steps; ++i) {
     const double time_s = end_s - room.latency_s - frame_period_s * (i + 0.5) / exposed_steps;
@@ -97,6 +99,11 @@ std::vector<Seen> seen_in(const Room& room) {
     all.push_back(std::move(seen));
   }
   return all;
+}
+
+RowOrder rows_of(const Room& room) {
+  if (room.rolling == 0.0) return RowOrder::at_once;
+  return room.rolling > 0.0 ? RowOrder::first_to_last : RowOrder::last_to_first;
 }
 
 std::function<double(double)> to_and_fro(double reach_deg, double rate_dps) {

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "thermorig/core/sample.h"
+#include "thermorig/estimators/odometer/map.h"
 
 namespace thermorig::odometer {
 
@@ -18,10 +19,11 @@ struct Room {
   double latency_s = 0.004;  // by which the camera saw earlier than its stamps say
   double noise_k = 0.5, gyro_noise_dps = 0.05;
   double contrast_k = 0.8;
-  unsigned walls = 7;    // another number: another room
-  unsigned noise = 11;   // of the devices
-  double wider = 0.0;    // the lens, by this share
-  double rolling = 0.0;  // rows are exposed over so much of a period: 1 from the first on, -1 from the last
+  unsigned walls = 7;     // another number: another room
+  unsigned noise = 11;    // of the devices
+  double wider = 0.0;     // the lens, by this share
+  double rolling = 0.0;   // rows are exposed over so much of a period: 1 from the first on, -1 from the last
+  double roll_deg = 0.0;  // of the camera about its optical axis
 };
 
 /// What came with one frame.
@@ -31,6 +33,9 @@ struct Seen {
 };
 
 std::vector<Seen> seen_in(const Room& room);
+
+/// In which order its rows are exposed.
+RowOrder rows_of(const Room& room);
 
 /// To and fro over `reach_deg`, about `rate_dps` at most, never at the same speed for long.
 std::function<double(double)> to_and_fro(double reach_deg, double rate_dps);

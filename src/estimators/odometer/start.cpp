@@ -14,7 +14,6 @@ constexpr double enough_s = 25.0;           // after the first half
 constexpr std::size_t enough_halves = 200, fewest_halves = 72;
 constexpr std::size_t halves_of_rest = 48;  // are kept of a longer one
 constexpr double still_deg = 3.0;           // as far as a bias of the first seconds knows it
-constexpr double named_scale = 0.009;       // one standard deviation, of what a search names
 constexpr double known_bias_dps = 1.0;
 constexpr Nearness settled{Tracker::least_bias_sigma_dps, 0.001, 0.001};
 constexpr double known_scale = 0.0008;  // one standard deviation: 0.3 degrees a turn
@@ -24,15 +23,8 @@ constexpr int most_repeats = 6, hopeful_repeats = 3, repeats_to_tell = 2;
 // of 96 rooms (77001 to 80001) the worst has a spread of 0.28 degrees instead of 0.16, and 86 % of its angles
 // within 2 sigma instead of 93.
 constexpr double map_sigma_deg = 0.4;
-// Of a map, and of an order of rows. Of 48 rooms (77001 and 79001), all of the right order, starts end with
-// 0.30 to 0.90.
+// Of a map. Of 48 rooms (77001 and 79001) starts end with 0.30 to 0.90.
 constexpr double doubtful_nis = 1.2;
-constexpr double doubt_widening = 3.0;  // of what a doubtful order has learnt
-
-/// A gyro that searches name: its scale as well.
-bool names_scale(const Priors& found) {
-  return found.scale_sigma < named_scale;
-}
 
 }  // namespace
 
@@ -43,9 +35,7 @@ Start::Start(const Priors& priors, const SharedLens& lens, bool latency_measured
       front_(front),
       path_(path),
       back_(priors, lens),
-      gyro_search_(priors, lens, latency_measured),
-      contest_(priors, lens, latency_measured),
-      is_contested_(!lens->knows_rows()) {}
+      gyro_search_(priors, lens, latency_measured) {}
 
 void Start::begin(const std::optional<GyroHeading>& before) {
   before_ = before;
@@ -64,33 +54,30 @@ void Start::begin_searching() {
   is_of_later_half_ = false;
   store_.clear();
   rested_s_ = 0.0;
-  contest_.begin();
-  is_contested_ = !lens_->knows_rows();
-  is_asked_again_ = false;
   mean_nis_ = 1.0;
   phase_ = Phase::searching;
 }
 
 Start::Outcome Start::add(const HalfReading& half, double now_s) {
-  const int work = store(half, now_s);
+  store(half, now_s);
   if (is_due_to_begin()) begin_first_pass(*gyro_search_.found());
   switch (phase_) {
     case Phase::searching:
       forget_early_halves();
       return Outcome::goes_on;
     case Phase::first_pass:
-      go_through(front_, work);
+      go_through(front_);
       if (gone_through_ < store_.count()) return Outcome::goes_on;
       mean_nis_ = pass_nis_;
       phase_ = Phase::learning;
       return Outcome::goes_on;
     case Phase::learning:
-      learn_fit(add_newest(half), mean_nis_);
-      if (!is_asked_again_) forget_rest();
+      learn_fit(front_.add(half, path_), mean_nis_);
+      forget_rest();
       return go_on_learning(now_s);
     case Phase::second_pass:
-      add_newest(half);
-      go_through(back_, work);
+      front_.add(half, path_);
+      go_through(back_);
       return gone_through_ < store_.count() ? Outcome::goes_on : take_over(now_s);
   }
   return Outcome::goes_on;
@@ -106,20 +93,9 @@ double Start::origin_sigma_deg() const {
   return std::hypot(before_->sigma_deg(begun, filter.sigma(HeadingFilter::bias)), misplaced_deg);
 }
 
-/// Until it is known in which order rows are exposed, all orders learn. Returns the work of that.
-int Start::store(const HalfReading& half, double now_s) {
+void Start::store(const HalfReading& half, double now_s) {
   store_.add(half, now_s);
   if (!store_.is_full()) gyro_search_.add(store_, path_);
-  if (!is_contested_) return 0;
-  const int sharing =
-      phase_ == Phase::learning ? 2 : 3;  // both rivals, and the caller unless it has caught up
-  return contest_.add(store_, path_, work_a_step / sharing);
-}
-
-HalfResult Start::add_newest(const HalfReading& half) {
-  const HalfResult result = front_.add(half, path_);
-  if (!lens_->knows_rows() && !store_.is_full()) contest_.note(front_.rows(), store_.count() - 1, result);
-  return result;
 }
 
 bool Start::has_halves_enough(double now_s) const {
@@ -147,7 +123,6 @@ void Start::forget_rest() {
   if (first + halves_of_rest > last) return;
   if (first > 0) rested_s_ += store_.at(last).now_s - store_.at(first).now_s;
   store_.forget(first, last - first);
-  contest_.begin();
 }
 
 std::optional<Priors> Start::find_gyro(const HalfReading& half, double now_s) {
@@ -162,23 +137,22 @@ void Start::forget_early_halves() {
   if (store_.count() == latest_search) store_.forget(0, latest_search - GyroSearch::most_halves);
 }
 
-/// Searches name a gyro for the first time, or for the first time its scale as well.
+/// Searches name a gyro for the first time, or for the first time its scale as well, or another order of rows
+/// than that of the map.
 bool Start::is_due_to_begin() const {
   const auto& found = gyro_search_.found();
-  return found && (!searched_ || (names_scale(*found) && !names_scale(*searched_)));
+  if (!found || !searched_) return found.has_value();
+  return (names_scale(*found) && !names_scale(*searched_)) || gyro_search_.rows().order != front_.rows();
 }
 
-/// Through all halves that are kept, in all orders of rows.
+/// Through all halves that are kept.
 void Start::begin_first_pass(const Priors& found) {
   searched_ = found;
   Priors better = found;
   if (!things_move_) better.map_sigma_deg = map_sigma_deg;
   better.heading_deg = heading_at(store_.at(0).now_s, found.bias_dps);
   mean_nis_ = 1.0;
-  is_contested_ = !lens_->knows_rows();
-  is_asked_again_ = false;
-  if (is_contested_) contest_.begin_again(lens_->rows(), better, store_, names_scale(found));
-  front_.restart(better, lens_->rows(), things_move_);
+  front_.restart(better, gyro_search_.rows().order, things_move_);
   restart_pass(0);
   phase_ = Phase::first_pass;
 }
@@ -202,13 +176,11 @@ void Start::restart_pass(int number) {
   gone_through_ = 0;
 }
 
-/// `work`: what was done in this step before.
-void Start::go_through(Tracker& tracker, int work) {
-  for (; work < work_a_step && gone_through_ < store_.count(); ++gone_through_) {
+void Start::go_through(Tracker& tracker) {
+  for (int work = 0; work < work_a_step && gone_through_ < store_.count(); ++gone_through_) {
     const auto& [half, came_s] = store_.at(gone_through_);
     if (!tracker.has_begun() || came_s > tracker.now_s()) tracker.advance(path_, came_s);
     const HalfResult result = tracker.add(half, path_);
-    if (!lens_->knows_rows()) contest_.note(tracker.rows(), gone_through_, result);
     work += result.work;
     learn_fit(result, pass_nis_);
     innovations_.add(result);
@@ -217,15 +189,11 @@ void Start::go_through(Tracker& tracker, int work) {
 
 /// With each new half, as long as no pass is made.
 Start::Outcome Start::go_on_learning(double now_s) {
-  if (has_halves_enough(now_s) && may_choose_rows()) {
-    // Its map had repeated itself before: it stands with its order, if it fits by now.
-    const bool may_stand = is_asking_again() && mean_nis_ < doubtful_nis && knows_scale();
-    if (!choose_rows() && may_stand) return Outcome::over;
+  if (has_halves_enough(now_s)) {
     begin_pass(pass_ + 1);
     return Outcome::goes_on;
   }
-  const bool is_lost = mean_nis_ > bounds().lost && !is_asking_again();
-  return is_lost ? learn_again() : Outcome::goes_on;
+  return mean_nis_ > bounds().lost ? learn_again() : Outcome::goes_on;
 }
 
 /// The back tracker has gone through all halves that came.
@@ -233,16 +201,11 @@ Start::Outcome Start::take_over(double now_s) {
   std::swap(front_, back_);
   if (now_s > front_.now_s()) front_.advance(path_, now_s);  // the store was full before
   mean_nis_ = pass_nis_;
-  const bool is_enough = has_halves_enough(now_s) && may_choose_rows();
-  if (is_enough && choose_rows()) {
-    begin_pass(pass_ + 1);
-    return Outcome::goes_on;
-  }
+  const bool is_enough = has_halves_enough(now_s);
   const bool is_settled = has_settled() || (pass_ >= most_repeats && mean_nis_ < bounds().fits);
   const bool must_learn = mean_nis_ > bounds().lost || (is_enough && !is_settled);
   const bool is_made = is_enough && !must_learn;
-  if (is_false_map() && (is_made || pass_ >= repeats_to_tell)) return fail();
-  if (is_enough && !is_settled && may_be_another_order()) return ask_rows_again();
+  if (innovations_.is_false_map() && (is_made || pass_ >= repeats_to_tell)) return fail();
   if (must_learn) return learn_again();
   if (!is_made) {
     phase_ = Phase::learning;
@@ -255,19 +218,17 @@ Start::Outcome Start::take_over(double now_s) {
   }
   // Before faint walls only those halves tell anything that what moves is in: the map is one of it.
   if (things_move_ && innovations_.is_hardly_judged(store_.count())) return fail();
-  return is_order_doubtful() ? ask_rows_again() : Outcome::over;
+  return Outcome::over;
 }
 
 /// Each repeat fits better, unless its map is a false one, or something moves before some halves.
 Start::Outcome Start::learn_again() {
   const bool is_known = names_scale(*searched_);  // its gyro, from the first pass on
   const bool is_hopeless = is_known && pass_ >= hopeful_repeats && mean_nis_ > bounds().unfit;
-  const bool is_traffic = is_known && pass_ > 0 && !is_contested_ && shows_traffic();
+  const bool is_traffic = is_known && pass_ > 0 && shows_traffic();
   if (!is_hopeless && !is_traffic && pass_ < most_repeats &&
       front_.filter().sigma(HeadingFilter::bias) < known_bias_dps) {
     begin_pass(pass_ + 1);
-  } else if (is_contested_ && contest_.another_may_fit()) {
-    phase_ = Phase::learning;  // another order of rows may fit: it goes on until it has learnt enough
   } else if (shows_traffic()) {
     things_move_ = true;  // what was learnt is not wrong for that
     begin_pass(1);
@@ -299,7 +260,7 @@ Start::Outcome Start::begin_anew() {
 }
 
 bool Start::shows_traffic() const {
-  const bool is_right_order = lens_->knows_rows() || has_usual_latency(front_.filter(), priors_);
+  const bool is_right_order = knows_rows() || has_usual_latency(front_.filter(), priors_);
   return !things_move_ && innovations_.shows_traffic() && is_plausible() && is_right_order;
 }
 
@@ -325,61 +286,11 @@ bool Start::has_settled() const {
   return has_repeated() && mean_nis_ < bounds().settled && knows_scale();
 }
 
-/// By more than what something that moves would explain.
-bool Start::fits_badly() const {
-  return !things_move_ && mean_nis_ > doubtful_nis && !shows_traffic();
-}
-
 /// Where halves have hardly seen the map close, the scale may be another; where they fit worse than they
-/// should, it has to be known twice as well.
+/// should, by more than what something that moves would explain, it has to be known twice as well.
 bool Start::knows_scale() const {
-  return (fits_badly() ? 2.0 : 1.0) * front_.filter().sigma(HeadingFilter::scale) < known_scale;
-}
-
-/// That its own order is better than others says nothing where its halves do not fit at all.
-bool Start::may_choose_rows() const {
-  return !is_contested_ || contest_.may_end(store_, is_asked_again_ || mean_nis_ > bounds().lost);
-}
-
-/// Ends the contest. True if the front tracker is another one than before, of another order.
-bool Start::choose_rows() {
-  if (!is_contested_) return false;
-  is_contested_ = false;
-  const FoundRows verdict = contest_.verdict();
-  row_margin_ = verdict.margin;
-  was_bias_contested_ = false;
-  if (verdict.order == front_.rows()) return false;
-  const double lost_with_dps = front_.filter().bias_dps();
-  mean_nis_ = contest_.swap(verdict.order, front_);
-  was_bias_contested_ = std::abs(front_.filter().bias_dps() - lost_with_dps) > known_bias_dps;
-  return true;
-}
-
-/// Others may have begun with a wrong bias, and lost by that alone; or they all have, and the winner hardly
-/// fits, or an odd latency makes up for it.
-bool Start::is_order_doubtful() const {
-  const bool is_late = front_.rows() == RowOrder::at_once && !has_usual_latency(front_.filter(), priors_) &&
-                       row_margin_ < FoundRows::least_margin;
-  const bool is_doubtful = was_bias_contested_ || is_late || fits_badly();
-  return !lens_->knows_rows() && !is_asked_again_ && !things_move_ && is_doubtful;
-}
-
-/// Passes have learnt all that they will with this order, and it is in doubt: no need to wait for the end.
-bool Start::may_be_another_order() const {
-  return has_repeated() && mean_nis_ < bounds().lost && !is_false_map() && is_plausible() &&
-         has_usual_latency(front_.filter(), priors_) && is_order_doubtful();
-}
-
-/// All orders learn once more, with what is known of the gyro by now.
-Start::Outcome Start::ask_rows_again() {
-  is_contested_ = is_asked_again_ = true;
-  Priors known = front_.learnt(priors_);  // by an order that may be the wrong one
-  known.bias_sigma_dps *= doubt_widening;
-  known.scale_sigma *= doubt_widening;
-  contest_.begin_again(front_.rows(), known, store_, true);
-  pass_ = 0;
-  phase_ = Phase::learning;
-  return Outcome::goes_on;
+  const bool fits_badly = !things_move_ && mean_nis_ > doubtful_nis && !shows_traffic();
+  return (fits_badly ? 2.0 : 1.0) * front_.filter().sigma(HeadingFilter::scale) < known_scale;
 }
 
 }  // namespace thermorig::odometer

@@ -11,14 +11,13 @@
 #include "half_store.h"
 #include "innovation_count.h"
 #include "plausibility.h"
-#include "row_contest.h"
 #include "tracker.h"
 
 namespace thermorig::odometer {
 
-/// The first half minute, moving or not: of its halves the gyro is found, then a map is made of them, pass
-/// after pass, until a pass ends with what it began with. In which order the camera exposes its rows is
-/// found on the way. Each half is a step of bounded work.
+/// The first half minute, moving or not: of its halves the gyro is found, and in which order the camera
+/// exposes its rows; then a map is made of them, pass after pass, until a pass ends with what it began with.
+/// Each half is a step of bounded work.
 class Start {
  public:
   /// `front`: the tracker that is told of, and that tracks afterwards; `path`: the gyro's, up to each half.
@@ -53,15 +52,15 @@ class Start {
   bool things_move() const { return things_move_; }
   /// Halves after the start have shown it.
   void expect_traffic();
-  double row_margin() const { return row_margin_; }
+  /// 0: the images have not told in which order rows are exposed.
+  double row_margin() const { return gyro_search_.rows().margin; }
   double mean_nis() const { return mean_nis_; }
 
  private:
   enum class Phase : std::uint8_t { searching, first_pass, learning, second_pass };
 
   void begin_searching();
-  int store(const HalfReading& half, double now_s);
-  HalfResult add_newest(const HalfReading& half);
+  void store(const HalfReading& half, double now_s);
   const NisBounds& bounds() const { return nis_bounds(things_move_); }
   void learn_fit(const HalfResult& result, double& mean) const { learn_nis(result, mean, bounds().most); }
   bool has_halves_enough(double now_s) const;
@@ -78,7 +77,7 @@ class Start {
   void begin_first_pass(const Priors& found);
   void begin_pass(int number);
   void restart_pass(int number);
-  void go_through(Tracker& tracker, int work);
+  void go_through(Tracker& tracker);
 
   // What becomes of it.
   Outcome go_on_learning(double now_s);
@@ -88,21 +87,11 @@ class Start {
   Outcome begin_anew();
   bool has_repeated() const;
   bool has_settled() const;
-  bool fits_badly() const;
   bool knows_scale() const;
   bool is_plausible() const { return odometer::is_plausible(front_.filter(), priors_, things_move_); }
   bool is_scale_named() const;
   bool shows_traffic() const;
-  /// Not asked while the order of rows is open: the wrong one does not fit either.
-  bool is_false_map() const { return !is_contested_ && innovations_.is_false_map(); }
-
-  // The order of rows.
-  bool may_choose_rows() const;
-  bool choose_rows();
-  bool is_order_doubtful() const;
-  bool may_be_another_order() const;
-  Outcome ask_rows_again();
-  bool is_asking_again() const { return is_contested_ && is_asked_again_; }
+  bool knows_rows() const { return lens_->knows_rows() || row_margin() > 0.0; }
 
   Priors priors_;
   SharedLens lens_;
@@ -117,12 +106,6 @@ class Start {
   GyroSearch gyro_search_;
   std::optional<Priors> searched_;  // by which it began
   bool is_of_later_half_ = false;   // what it goes through
-
-  RowContest contest_;
-  bool is_contested_;                // the order of rows: not where that was measured
-  bool is_asked_again_ = false;      // with a gyro that is known: once
-  bool was_bias_contested_ = false;  // the order that won had another bias than the one before
-  double row_margin_ = 0.0;
 
   Phase phase_ = Phase::searching;
   int pass_ = 0;                  // 0: the first one, then its repeats
