@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include <array>
 #include <cstddef>
 #include <optional>
 #include <vector>
@@ -10,6 +9,7 @@
 #include "half_store.h"
 #include "heading_filter.h"
 #include "lens.h"
+#include "mosaic.h"
 
 namespace thermorig::odometer {
 
@@ -38,67 +38,35 @@ class GyroSearch {
   const FoundRows& rows() const { return rows_; }
   void clear();
 
-  static constexpr std::size_t fewest_halves = 48, most_halves = 160, halves_between = 24;
+  static constexpr std::size_t fewest_halves = 48, most_halves = Mosaic::most_halves, halves_between = 24;
 
  private:
-  // A look: two columns of a chess half, which have both classes of rows. Rows are looked at in bands.
-  static constexpr std::size_t looks = frame_columns / 2, bands = 3, band_rows = half_rows / bands;
-  static constexpr std::size_t middle = bands / 2;  // its times hardly depend on the order of rows
-  using Look = std::array<float, band_rows>;
-
-  struct Band {
-    std::array<Look, looks> temp_c{};  // without what all have in common; 0 where there is no reading
-    std::array<float, looks> is_read{};
-  };
-  struct Placed {
-    std::array<Band, bands> of{};
-    unsigned parity = 0;
-    double period_s = 0.0, mean_s = 0.0, mean_deg = 0.0, read_dps = 0.0;
-  };
   struct Candidate {
-    double bias_dps = 0.0, scale = 1.0, latency_s = 0.0;
-    RowOrder order = RowOrder::at_once;
+    Laying laying;
     double log_likelihood = 0.0;
-  };
-  struct Cell {
-    Look sum{};
-    float count = 0.0F;
-  };
-  struct Squares {
-    double k2 = 0.0, readings = 0.0, cells = 0.0;
   };
 
   bool is_searching() const { return level_ <= order_level; }
   void begin(const HalfStore& store, const GyroPath& path);
-  void place(const HalfReading& half, const GyroPath& path);
-  double spanned_s() const;
-  void clip(Band& band);
-  void take_off_errors_of_looks(std::size_t band);
   void lay_grid();
   void go_on();
   void end_level();
   void refine();
+  const Candidate& best() const;
   void lay_orders();
   void name();
   void name_rows();
   bool names_rate() const;
   void believe();
-  double log_before(const Candidate& candidate) const;
-  double log_likelihood(const Candidate& candidate);
-  std::size_t cells_a_turn(double pitches) const;
-  double band_delay_periods(RowOrder order, std::size_t band) const;
-  void add_within_cells(const Candidate& candidate, std::size_t band, Squares& within);
+  double log_before(const Laying& laying) const;
+  double log_likelihood(const Laying& laying);
 
   static constexpr int finest_level = 3, order_level = 4;
 
   Priors priors_;
   SharedLens lens_;
   bool latency_measured_;
-  std::array<float, looks> bearing_turns_{};  // of each look
-  std::vector<Placed> placed_;
-  std::vector<float> read_c_;       // of one band
-  std::array<Squares, bands> all_;  // of all that was placed
-  std::vector<Cell> cells_;
+  Mosaic mosaic_;
   std::vector<Candidate> candidates_, best_;
   double step_dps_ = 0.0, scale_step_ = 0.0;
   std::size_t next_ = 0;         // of the candidates

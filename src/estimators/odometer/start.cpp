@@ -16,6 +16,7 @@ constexpr std::size_t halves_of_rest = 48;  // are kept of a longer one
 constexpr double still_deg = 3.0;           // as far as a bias of the first seconds knows it
 constexpr double known_bias_dps = 1.0;
 constexpr Nearness settled{Tracker::least_bias_sigma_dps, 0.001, 0.001};
+constexpr Nearness same_gyro{0.5, 0.005, 0.001};  // as the mosaic names it
 constexpr double known_scale = 0.0008;  // one standard deviation: 0.3 degrees a turn
 // After the first pass. One that still fits badly after some of them will not fit any more.
 constexpr int most_repeats = 6, hopeful_repeats = 3, repeats_to_tell = 2;
@@ -187,13 +188,14 @@ void Start::go_through(Tracker& tracker) {
   }
 }
 
-/// With each new half, as long as no pass is made.
+/// With each new half, as long as no pass is made. One that is lost while searches have not named the scale
+/// waits for that: all its halves will be gone through again.
 Start::Outcome Start::go_on_learning(double now_s) {
   if (has_halves_enough(now_s)) {
     begin_pass(pass_ + 1);
     return Outcome::goes_on;
   }
-  return mean_nis_ > bounds().lost ? learn_again() : Outcome::goes_on;
+  return mean_nis_ > bounds().lost && names_scale(*searched_) ? learn_again() : Outcome::goes_on;
 }
 
 /// The back tracker has gone through all halves that came.
@@ -205,7 +207,7 @@ Start::Outcome Start::take_over(double now_s) {
   const bool is_settled = has_settled() || (pass_ >= most_repeats && mean_nis_ < bounds().fits);
   const bool must_learn = mean_nis_ > bounds().lost || (is_enough && !is_settled);
   const bool is_made = is_enough && !must_learn;
-  if (innovations_.is_false_map() && (is_made || pass_ >= repeats_to_tell)) return fail();
+  if (is_false_map() && (is_made || pass_ >= repeats_to_tell)) return fail();
   if (must_learn) return learn_again();
   if (!is_made) {
     phase_ = Phase::learning;
@@ -269,6 +271,16 @@ bool Start::is_scale_named() const {
   const auto& found = gyro_search_.found();
   return found && found->scale_sigma < same_scale &&
          std::abs(found->scale - front_.filter().scale_factor()) < same_scale;
+}
+
+/// A false one makes another gyro; someone who walks about makes halves look elsewhere, too.
+bool Start::is_false_map() const {
+  const auto& found = gyro_search_.found();
+  const HeadingFilter& learnt = front_.filter();
+  const bool is_gyro_named = found && names_scale(*found) &&
+                             std::abs(found->bias_dps - learnt.bias_dps()) < same_gyro.bias_dps &&
+                             std::abs(found->scale - learnt.scale_factor()) < same_gyro.scale;
+  return innovations_.is_false_map() && !(things_move_ && is_gyro_named);
 }
 
 void Start::expect_traffic() {

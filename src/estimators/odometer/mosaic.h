@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <vector>
+
+#include "gyro_path.h"
+#include "half_store.h"
+#include "lens.h"
+
+namespace thermorig::odometer {
+
+/// What halves are laid beside each other with.
+struct Laying {
+  double bias_dps = 0.0, scale = 1.0, latency_s = 0.0;  // the gyro's, and the camera's against it
+  RowOrder order = RowOrder::at_once;
+};
+
+/// The newest halves of a start, laid beside each other by what the gyro turned: the less the readings in a
+/// cell differ, the better the gyro is known. Rows are in three bands, each with cells of its own; the middle
+/// one's times hardly depend on the order in which rows are exposed.
+class Mosaic {
+ public:
+  static constexpr std::size_t most_halves = 160, bands = 3, middle = bands / 2;
+
+  explicit Mosaic(const SharedLens& lens);
+
+  /// The newest halves of the store, instead of those before.
+  void take(const HalfStore& store, const GyroPath& path);
+
+  /// Of normal readings with an unknown variance in cells so many pixels wide, by the middle band or by all.
+  /// It is trusted a tenth: halves are blurred, and what moves is in several.
+  double log_likelihood(const Laying& laying, double cell_pixels);
+  double log_likelihood_of_bands(const Laying& laying, double cell_pixels);
+
+  std::size_t halves() const { return placed_.size(); }
+  /// What log_likelihood() costs: looks at a cell.
+  std::size_t work() const { return placed_.size() * looks; }
+  double spanned_s() const;      // at least 1
+  double turned_deg() const;     // between the outermost halves, by the gyro as it reads
+  double mean_read_dps() const;  // from the first half to the last
+  double period_s() const { return placed_.back().period_s; }  // of refresh
+
+ private:
+  // A look: two columns of a chess half, which have both classes of rows.
+  static constexpr std::size_t looks = frame_columns / 2, band_rows = half_rows / bands;
+  using Look = std::array<float, band_rows>;
+
+  struct Band {
+    std::array<Look, looks> temp_c{};  // without what all have in common; 0 where there is no reading
+    std::array<float, looks> is_read{};
+  };
+  struct Placed {
+    std::array<Band, bands> of{};
+    unsigned parity = 0;
+    double period_s = 0.0, mean_s = 0.0, mean_deg = 0.0, read_dps = 0.0;
+  };
+  struct Cell {
+    Look sum{};
+    float count = 0.0F;
+  };
+  struct Squares {
+    double k2 = 0.0, readings = 0.0, cells = 0.0;
+
+    double log_likelihood() const;
+  };
+
+  void place(const HalfReading& half, const GyroPath& path);
+  void clip(Band& band);
+  void take_off_errors_of_looks(std::size_t band);
+  double band_delay_periods(RowOrder order, std::size_t band) const;
+  void add_within_cells(const Laying& laying, std::size_t band, double cell_pixels, Squares& within);
+
+  SharedLens lens_;
+  std::array<float, looks> bearing_turns_{};  // of each look
+  std::vector<Placed> placed_;
+  std::vector<float> read_c_;       // of one band
+  std::array<Squares, bands> all_;  // of all that was placed
+  std::vector<Cell> cells_;
+};
+
+}  // namespace thermorig::odometer
