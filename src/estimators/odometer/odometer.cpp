@@ -219,7 +219,6 @@ void Odometer::Parts::add_half(const HalfReading& half, double now_s) {
   has_seen = true;
   switch (phase) {
     case Phase::starting:
-      if (watch.is_frozen()) break;  // or set to zero: neither tells anything of the gyro
       map_use == MapUse::searching ? start_in_map(half, now_s) : start_anywhere(half, now_s);
       break;
     case Phase::running:
