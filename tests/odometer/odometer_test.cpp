@@ -385,6 +385,30 @@ TEST(Odometer, TracksThoughSomeoneWalksAroundAFastRigWhoseLatencyIsOff) {
   EXPECT_LT(silent_s(room, reports, 42.0), 0.5);
 }
 
+/// The first search names +24 deg/s: no pass fits until a later one knows the scale as well.
+TEST(Odometer, KeepsTheHalvesOfAStartUntilSearchesKnowTheScale) {
+  Room room = faint_room(50.0, 0.25);
+  room.walls = 1;
+  room.angle_deg = to_and_fro(250.0, 120.0);
+  auto all = seen_in(room);
+  let_walk(room, 20.0, all);
+  const auto reports = reports_of(all);
+  EXPECT_EQ(reports[at(42.0)].state, State::tracking);
+  EXPECT_NEAR(reports[at(42.0)].bias_dps, room.bias_dps, 0.2);
+}
+
+/// The first search tells the gyro and no order, a later one the order: images of a slow rig hardly do.
+TEST(Odometer, BeginsItsMapAgainWhereASearchTellsAnotherOrderOfRows) {
+  for (const double rolling : {1.0, -1.0}) {
+    Room room = turning_room(60.0);
+    room.angle_deg = to_and_fro(60.0, 30.0);
+    room.rolling = rolling;
+    const auto reports = reports_of(seen_in(room));
+    EXPECT_EQ(reports.back().state, State::tracking);
+    EXPECT_EQ(reports.back().rows, rows_of(room));
+  }
+}
+
 TEST(Odometer, StartsThoughTheBiasStepsInItsFirstSeconds) {
   const Room room = turning_room(60.0);
   auto all = seen_in(room);

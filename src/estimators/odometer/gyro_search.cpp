@@ -18,7 +18,7 @@ constexpr std::size_t most_candidates = 2 * (2 * most_bias_steps + 1) * (2 * mos
 constexpr std::size_t most_kept = 64;                     // of a level: each becomes four of the next one
 constexpr double coarse_pixels = 4.0, fine_pixels = 2.0;  // of the lens, a cell
 constexpr std::size_t work_a_step = 300'000;              // looks
-constexpr double telling_scale = 0.02;                    // one standard deviation, for the order of rows
+constexpr double gyro_trust = 0.1, order_trust = 0.05;    // of the likelihood of a mosaic
 constexpr double latency_step_s = 0.020, latency_reach_sigmas = 2.5, latest_s = 0.2;
 constexpr std::array all_orders{RowOrder::at_once, RowOrder::first_to_last, RowOrder::last_to_first};
 constexpr double named_rate_dps = 1.0;  // one standard deviation, at the speed of those halves
@@ -113,8 +113,10 @@ void GyroSearch::end_level() {
     name();
     lay_orders();
   } else {
-    if (named_.scale_sigma < telling_scale) name_rows();
-    if (names_rate()) believe();
+    if (names_rate()) {
+      name_rows();
+      believe();
+    }
   }
   ++level_;
 }
@@ -146,8 +148,8 @@ double GyroSearch::log_before(const Laying& laying) const {
 
 /// Of an order of rows by all bands, of a gyro by the one whose times hardly depend on it.
 double GyroSearch::log_likelihood(const Laying& laying) {
-  if (level_ == order_level) return mosaic_.log_likelihood_of_bands(laying, fine_pixels);
-  return mosaic_.log_likelihood(laying, level_ == 0 ? coarse_pixels : fine_pixels);
+  if (level_ == order_level) return order_trust * mosaic_.log_likelihood_of_bands(laying, fine_pixels);
+  return gyro_trust * mosaic_.log_likelihood(laying, level_ == 0 ? coarse_pixels : fine_pixels);
 }
 
 const GyroSearch::Candidate& GyroSearch::best() const {
@@ -214,16 +216,22 @@ void GyroSearch::name_rows() {
   const Candidate& first = best();
   const RowOrder order = first.laying.order;
   FoundRows told{order, std::numeric_limits<double>::infinity()};
-  double sum = 0.0, latency_s = 0.0;
+  double sum = 0.0, later_s = 0.0, later2 = 0.0;
   for (const Candidate& one : candidates_) {
     const double lead = first.log_likelihood - one.log_likelihood;
-    if (one.laying.order != order) told.margin = std::min(told.margin, lead);
-    const double weight = one.laying.order == order ? std::exp(-lead) : 0.0;
-    sum += weight;
-    latency_s += weight * one.laying.latency_s;
+    if (one.laying.order != order) {
+      told.margin = std::min(told.margin, lead);
+      continue;
+    }
+    const double later = one.laying.latency_s - priors_.latency_s;
+    sum += std::exp(-lead);
+    later_s += std::exp(-lead) * later;
+    later2 += std::exp(-lead) * square(later);
   }
+  later_s /= sum;
   if (told.margin < FoundRows::least_margin) return;
-  named_.latency_s = latency_s / sum;
+  const bool is_latency_told = later2 / sum - square(later_s) < square(latency_step_s);
+  if (is_latency_told) named_.latency_s += later_s;
   if (!lens_->knows_rows() && told.margin > rows_.margin) rows_ = told;
 }
 

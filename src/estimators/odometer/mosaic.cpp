@@ -10,7 +10,7 @@ namespace thermorig::odometer {
 
 namespace {
 
-constexpr double trusted = 0.1, finest_cell_pixels = 2.0;
+constexpr double finest_cell_pixels = 2.0;
 constexpr float clipped_deviations = 1.0F;  // from the median, in the median of such deviations
 constexpr float no_look = 1e-9F;            // of an empty cell: it can be divided by that
 
@@ -130,7 +130,7 @@ double Mosaic::log_likelihood_of_bands(const Laying& laying, double cell_pixels)
 
 double Mosaic::Squares::log_likelihood() const {
   constexpr double least_k2 = 1e-6;  // of images that are all the same
-  return -0.5 * trusted * readings * std::log(std::max(least_k2, k2) / std::max(1.0, readings - cells));
+  return -0.5 * readings * std::log(std::max(least_k2, k2) / std::max(1.0, readings - cells));
 }
 
 /// How much later than the middle rows a band is exposed, in refresh periods: the mean of its middle rows.

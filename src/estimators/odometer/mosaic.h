@@ -30,7 +30,7 @@ class Mosaic {
   void take(const HalfStore& store, const GyroPath& path);
 
   /// Of normal readings with an unknown variance in cells so many pixels wide, by the middle band or by all.
-  /// It is trusted a tenth: halves are blurred, and what moves is in several.
+  /// It is to be trusted far less: halves are blurred, and what moves is in several.
   double log_likelihood(const Laying& laying, double cell_pixels);
   double log_likelihood_of_bands(const Laying& laying, double cell_pixels);
 

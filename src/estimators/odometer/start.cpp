@@ -17,7 +17,7 @@ constexpr double still_deg = 3.0;           // as far as a bias of the first sec
 constexpr double known_bias_dps = 1.0;
 constexpr Nearness settled{Tracker::least_bias_sigma_dps, 0.001, 0.001};
 constexpr Nearness same_gyro{0.5, 0.005, 0.001};  // as the mosaic names it
-constexpr double known_scale = 0.0008;  // one standard deviation: 0.3 degrees a turn
+constexpr double known_scale = 0.0008;            // one standard deviation: 0.3 degrees a turn
 // After the first pass. One that still fits badly after some of them will not fit any more.
 constexpr int most_repeats = 6, hopeful_repeats = 3, repeats_to_tell = 2;
 // What a part of the map is taken to be off by itself. Without it a map is surer of itself than it is right:
@@ -188,14 +188,13 @@ void Start::go_through(Tracker& tracker) {
   }
 }
 
-/// With each new half, as long as no pass is made. One that is lost while searches have not named the scale
-/// waits for that: all its halves will be gone through again.
+/// With each new half, as long as no pass is made.
 Start::Outcome Start::go_on_learning(double now_s) {
   if (has_halves_enough(now_s)) {
     begin_pass(pass_ + 1);
     return Outcome::goes_on;
   }
-  return mean_nis_ > bounds().lost && names_scale(*searched_) ? learn_again() : Outcome::goes_on;
+  return mean_nis_ > bounds().lost ? learn_again() : Outcome::goes_on;
 }
 
 /// The back tracker has gone through all halves that came.
@@ -240,9 +239,14 @@ Start::Outcome Start::learn_again() {
   return Outcome::goes_on;
 }
 
-/// The later half of the halves, if there are enough: false maps are often begun at a high speed, and the rig
-/// has turned slower since. Then those as where things move. Then new ones.
+/// Before searches have named the scale nothing has failed yet: then all halves will be gone through again.
+/// Otherwise the later half of the halves, if there are enough: false maps are often begun at a high speed,
+/// and the rig has turned slower since. Then those as where things move. Then new ones.
 Start::Outcome Start::fail() {
+  if (!names_scale(*searched_) && !has_halves_enough(store_.at(store_.count() - 1).now_s)) {
+    phase_ = Phase::learning;
+    return Outcome::goes_on;
+  }
   const bool is_first = !is_of_later_half_ && store_.count() >= 2 * fewest_halves;
   const bool is_second = is_of_later_half_ && !things_move_;
   if (is_first) {
