@@ -2,6 +2,7 @@
 #include "start.h"
 
 #include <cmath>
+#include <limits>
 #include <utility>
 
 namespace thermorig::odometer {
@@ -16,8 +17,8 @@ constexpr std::size_t halves_of_rest = 48;  // are kept of a longer one
 constexpr double still_deg = 3.0;           // as far as a bias of the first seconds knows it
 constexpr double known_bias_dps = 1.0;
 constexpr Nearness settled{Tracker::least_bias_sigma_dps, 0.001, 0.001};
-constexpr Nearness same_gyro{0.5, 0.005, 0.001};  // as the mosaic names it
-constexpr double known_scale = 0.0008;            // one standard deviation: 0.3 degrees a turn
+constexpr Nearness same_gyro{0.5, 0.005, std::numeric_limits<double>::infinity()};
+constexpr double known_scale = 0.0008;  // one standard deviation: 0.3 degrees a turn
 // After the first pass. One that still fits badly after some of them will not fit any more.
 constexpr int most_repeats = 6, hopeful_repeats = 3, repeats_to_tell = 2;
 // What a part of the map is taken to be off by itself. Without it a map is surer of itself than it is right:
@@ -280,10 +281,7 @@ bool Start::is_scale_named() const {
 /// A false one makes another gyro; someone who walks about makes halves look elsewhere, too.
 bool Start::is_false_map() const {
   const auto& found = gyro_search_.found();
-  const HeadingFilter& learnt = front_.filter();
-  const bool is_gyro_named = found && names_scale(*found) &&
-                             std::abs(found->bias_dps - learnt.bias_dps()) < same_gyro.bias_dps &&
-                             std::abs(found->scale - learnt.scale_factor()) < same_gyro.scale;
+  const bool is_gyro_named = found && names_scale(*found) && is_near(front_.filter(), *found, same_gyro);
   return innovations_.is_false_map() && !(things_move_ && is_gyro_named);
 }
 
