@@ -132,6 +132,22 @@ TEST(GyroSearch, KnowsTheBiasOfARigThatRestsAndNotItsScale) {
   EXPECT_GE(searched.last()->scale_sigma, 0.02);
 }
 
+/// At one speed many biases and scales do, and the search keeps few of them.
+TEST(GyroSearch, NamesACovarianceThatItsDeviationsAllow) {
+  for (unsigned walls = 1; walls < 5; ++walls) {
+    Room room = turning_room(20.0);
+    room.angle_deg = [](double time_s) { return 150.0 * time_s; };
+    room.walls = walls;
+    Searched searched;
+    searched.turn_in(room);
+    for (std::size_t half = 1; half <= searched.halves(); ++half) {
+      const auto& found = searched.after(half);
+      if (!found) continue;
+      ASSERT_LE(std::abs(found->bias_scale_covariance), found->bias_sigma_dps * found->scale_sigma) << walls;
+    }
+  }
+}
+
 /// Else it would see that nothing moves.
 TEST(GyroSearch, TakesNothingForTheWallsThatPixelsShowByThemselves) {
   Room room = turning_room(to_judge_s);

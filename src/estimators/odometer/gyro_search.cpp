@@ -179,9 +179,10 @@ void GyroSearch::name() {
   const double bias_sigma = std::sqrt(std::max(0.0, bias2 / sum - square(bias)));
   const double scale_sigma = std::sqrt(std::max(0.0, scale2 / sum - square(scale)));
   named_.bias_sigma_dps = std::hypot(bias_sigma, 2.0 * step_dps_, searched_bias_sigma_dps);
-  named_.scale_sigma =
-      std::min(std::hypot(scale_sigma, 2.0 * scale_step_, searched_scale_sigma), priors_.scale_sigma);
-  named_.bias_scale_covariance = both / sum - bias * scale;
+  const double widest = std::hypot(scale_sigma, 2.0 * scale_step_, searched_scale_sigma);
+  named_.scale_sigma = std::min(widest, priors_.scale_sigma);
+  const double correlated = named_.scale_sigma / widest;  // or bias and scale could have no such covariance
+  named_.bias_scale_covariance = correlated * (both / sum - bias * scale);
 }
 
 /// By the speed of the halves, within what is uncertain of bias and scale.
