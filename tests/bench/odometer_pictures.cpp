@@ -20,7 +20,7 @@ namespace {
 using nlohmann::json;
 
 constexpr double in_motion_s = 12.0;  // after the opening rest: it starts in the first leg
-constexpr std::array<double, 3> maps_s{5.0, 30.0, 120.0};
+constexpr std::array<double, 3> maps_s{9.0, 30.0, 120.0};
 
 /// Variance of its pixels.
 double contrast_of(const ThermalFrame& frame) {
