@@ -157,4 +157,26 @@ Room with_rest(Room room, double from_s, double rest_s) {
   return room;
 }
 
+void let_walk(const Room& room, double rate_dps, std::vector<Seen>& all, double from_s) {
+  for (std::size_t i = static_cast<std::size_t>(from_s / frame_period_s) - 1; i < all.size(); ++i) {
+    ThermalFrame& frame = all[i].frame.frame;
+    for (std::size_t row = 4; row < frame_rows; ++row)
+      for (std::size_t column = 0; column < frame_columns; ++column) {
+        const bool is_new = subpage_of(row, column) == (all[i].frame.fresh_even > 0 ? 0U : 1U);
+        const double middle_s = frame_period_s * (static_cast<double>(i + (is_new ? 2 : 1)) - 0.5);
+        const double looks_deg = room.angle_deg(middle_s) + pitch_deg * (15.5 - static_cast<double>(column));
+        const double off_deg = std::remainder(looks_deg - rate_dps * middle_s, 360.0);
+        if (std::abs(off_deg) < 7.0) frame.temp_c[row * frame_columns + column] += 6.0F;
+      }
+  }
+}
+
+Room faint_room(double duration_s, double contrast_k) {
+  Room room = turning_room(duration_s);
+  room.angle_deg = to_and_fro(250.0, 120.0);
+  room.contrast_k = contrast_k;
+  room.walls = 9;
+  return room;
+}
+
 }  // namespace thermorig::odometer

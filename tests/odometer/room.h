@@ -49,10 +49,16 @@ Room with_steady_speed(Room room, double from_s, double rate_dps);
 /// From a time on the walls show, by a share of 0 to 1, what those of another room do.
 void change_walls(Room room, double from_s, float share, std::vector<Seen>& all);
 
+/// Someone who walks around the rig, 14 degrees wide and 6 K warmer than the walls.
+void let_walk(const Room& room, double rate_dps, std::vector<Seen>& all, double from_s = 0.25);
+
 /// What was seen between two times is taken for exposed a frame's period earlier.
 void make_early(std::vector<Seen>& all, double from_s, double until_s);
 
 /// A room of which nothing is special, seen to and fro at up to 60 deg/s.
 Room turning_room(double duration_s = 70.0);
+
+/// Walls that show little, seen to and fro at up to 120 deg/s.
+Room faint_room(double duration_s, double contrast_k);
 
 }  // namespace thermorig::odometer

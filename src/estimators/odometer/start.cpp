@@ -2,7 +2,6 @@
 #include "start.h"
 
 #include <cmath>
-#include <limits>
 #include <utility>
 
 namespace thermorig::odometer {
@@ -17,7 +16,6 @@ constexpr std::size_t halves_of_rest = 48;  // are kept of a longer one
 constexpr double still_deg = 3.0;           // as far as a bias of the first seconds knows it
 constexpr double known_bias_dps = 1.0;
 constexpr Nearness settled{Tracker::least_bias_sigma_dps, 0.001, 0.001};
-constexpr Nearness same_gyro{0.5, 0.005, std::numeric_limits<double>::infinity()};
 constexpr double known_scale = 0.0008;  // one standard deviation: 0.3 degrees a turn
 // After the first pass. One that still fits badly after some of them will not fit any more.
 constexpr int most_repeats = 6, hopeful_repeats = 3, repeats_to_tell = 2;
@@ -207,7 +205,7 @@ Start::Outcome Start::take_over(double now_s) {
   const bool is_settled = has_settled() || (pass_ >= most_repeats && mean_nis_ < bounds().fits);
   const bool must_learn = mean_nis_ > bounds().lost || (is_enough && !is_settled);
   const bool is_made = is_enough && !must_learn;
-  if (is_false_map() && (is_made || pass_ >= repeats_to_tell)) return fail();
+  if (innovations_.is_false_map() && (is_made || pass_ >= repeats_to_tell)) return fail();
   if (must_learn) return learn_again();
   if (!is_made) {
     phase_ = Phase::learning;
@@ -276,13 +274,6 @@ bool Start::is_scale_named() const {
   const auto& found = gyro_search_.found();
   return found && found->scale_sigma < same_scale &&
          std::abs(found->scale - front_.filter().scale_factor()) < same_scale;
-}
-
-/// A false one makes another gyro; someone who walks about makes halves look elsewhere, too.
-bool Start::is_false_map() const {
-  const auto& found = gyro_search_.found();
-  const bool is_gyro_named = found && names_scale(*found) && is_near(front_.filter(), *found, same_gyro);
-  return innovations_.is_false_map() && !(things_move_ && is_gyro_named);
 }
 
 void Start::expect_traffic() {

@@ -90,7 +90,6 @@ class Start {
   bool knows_scale() const;
   bool is_plausible() const { return odometer::is_plausible(front_.filter(), priors_, things_move_); }
   bool is_scale_named() const;
-  bool is_false_map() const;
   bool shows_traffic() const;
   bool knows_rows() const { return lens_->knows_rows() || row_margin() > 0.0; }
 
