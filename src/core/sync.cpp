@@ -2,11 +2,22 @@
 #include "thermorig/core/sync.h"
 
 #include <algorithm>
+#include <array>
 
 namespace thermorig {
 
 namespace {
 constexpr double same_speed_dps = 0.5;  // pulses of a whole number of ticks command a speed roughly
+constexpr std::array<std::string_view, 5> witness_names{"", "command", "gyro", "images", "undecided"};
+}  // namespace
+
+std::string_view name_of(Witness witness) {
+  return witness_names[static_cast<std::size_t>(witness)];
+}
+
+Witness witness_named(std::string_view name) {
+  const auto found = std::find(witness_names.begin(), witness_names.end(), name);
+  return found == witness_names.end() ? Witness::none : static_cast<Witness>(found - witness_names.begin());
 }
 
 const ServoResponse::AtSpeed* seen_at(const ServoResponse& response, double commanded_dps) {

@@ -10,11 +10,13 @@
 #include "checked_constants.h"
 #include "clock_fits.h"
 #include "final_times.h"
+#include "images_share.h"
 #include "message_spans.h"
 #include "ping_exchanges.h"
 #include "thermorig/pipeline/interruptions.h"
 #include "thermorig/pipeline/labels/gyro_filter.h"
 #include "thermorig/pipeline/labels/servo_response.h"
+#include "thermorig/pipeline/labels/witnesses.h"
 #include "thermorig/pipeline/motion/panorama_fit.h"
 #include "thermorig/pipeline/pipeline.h"
 #include "thermorig/pipeline/timing/arrivals.h"
@@ -127,11 +129,35 @@ void expose(std::vector<TimedFrame>& frames, const CameraProfile& profile, const
   for (TimedFrame& frame : frames) rule.apply(frame);
 }
 
+motion::View view_of(const CameraProfile& camera) {
+  return {camera.lens_width_deg(), camera.mirrored};
+}
+
 void fit_newer_half(Streams& streams, const RigProfile& profile, const GyroErrors& errors, Fits& fits) {
   if (fits.camera_mode != labels::CameraMode::full_fresh) return;
-  fits.newer_half = motion::newer_half(streams.frames, streams.gyro,
-                                       {profile.camera.lens_width_deg(), profile.camera.mirrored}, errors);
+  fits.newer_half = motion::newer_half(streams.frames, streams.gyro, view_of(profile.camera), errors);
   if (fits.newer_half) expose(streams.frames, profile.camera, fits);
+}
+
+/// Images and gyro say nothing of each other's constants where they contradict each other.
+bool do_images_follow_gyro(const Witnesses& witnesses) {
+  return witnesses.outlier == Witness::none || witnesses.outlier == Witness::command;
+}
+constexpr const char* do_not_follow = "images and gyro contradict each other";
+
+motion::TurnResult turns_of(const Streams& streams, const RigProfile& profile, const SyncReport& sync,
+                            const RunAll& run_all) {
+  if (!do_images_follow_gyro(sync.witnesses)) return {{}, 0.0, do_not_follow};
+  return motion::gyro_scale(streams.frames, streams.gyro, view_of(profile.camera), sync.gyro,
+                            motion::session_windows, run_all);
+}
+
+CameraOffset offset_of(const Streams& streams, const RigProfile& profile, const SyncReport& sync,
+                       const RunAll& run_all) {
+  CameraOffset offset;
+  offset.why_not = do_not_follow;
+  if (!do_images_follow_gyro(sync.witnesses)) return offset;
+  return motion::camera_offset(streams.frames, streams.gyro, view_of(profile.camera), sync.gyro, run_all);
 }
 
 /// What the gyro answered when its port opened; bytes of some seconds are looked through.
@@ -168,16 +194,16 @@ Fits fit(const RawRecording& raw, Streams streams, const RunAll& run_all) {
   apply_filter_delay(sync.gyro, clocks[Device::gyro]);
   put_times(clocks[Device::gyro].times, streams.gyro);
   fit_newer_half(streams, profile, sync.gyro, fits);
+  sync.witnesses = labels::compare_witnesses(streams.servo, streams.gyro, sync.gyro, profile,
+                                             images_share(streams.frames, streams.servo, profile.camera));
   const auto fit_servo = [&] {
     return labels::fit_servo_response(streams.servo, streams.gyro, sync.gyro, profile.servo,
-                                      1.0 / profile.camera.output_rate_hz);
+                                      1.0 / profile.camera.output_rate_hz, sync.witnesses);
   };
   sync.servo = fit_servo();  // with it how the bias went, on which rests what images say
-  const motion::View view{profile.camera.lens_width_deg(), profile.camera.mirrored};
-  const motion::TurnResult turns =
-      motion::gyro_scale(streams.frames, streams.gyro, view, sync.gyro, motion::session_windows, run_all);
+  const motion::TurnResult turns = turns_of(streams, profile, sync, run_all);
   apply_turns(turns, sync.gyro);
-  sync.camera_offset = motion::camera_offset(streams.frames, streams.gyro, view, sync.gyro, run_all);
+  sync.camera_offset = offset_of(streams, profile, sync, run_all);
   apply_camera_offset(profile.camera, sync.gyro, clocks[Device::gyro].report, sync.camera_offset,
                       clocks[Device::camera]);
   if (turns.gyro_scale) sync.servo = fit_servo();  // another scale of the gyro is another one of the servo

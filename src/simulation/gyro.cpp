@@ -142,6 +142,15 @@ bool Gyro::is_zeroed(const ShaftMark& end) {
   return zero_below_dps_ > 0.0 && end.time_ns - turned_ns_ >= still_ns;
 }
 
+/// Of the shaft's rate. A gyro that is mounted otherwise shows a part of it about the next axis.
+double Gyro::share_of_axis(std::size_t axis, double scale) const {
+  const double mounted_rad = std::numbers::pi / 180.0 * world_.mounted_deg;
+  const auto own = static_cast<std::size_t>(axis_);
+  if (axis == own) return sign_ * scale * std::cos(mounted_rad);
+  const double leaned = axis == (own + 1) % 3 ? sign_ * scale * std::sin(mounted_rad) : 0.0;
+  return world_.cross_axis + leaned;
+}
+
 SimulatedGyroSample Gyro::measure(const ShaftMark& end) {
   const double warming = warming_k(end.time_ns);
   SimulatedGyroSample sample{.index = static_cast<std::uint64_t>(samples_), .temp_c = temp_c_ + warming};
@@ -152,9 +161,8 @@ SimulatedGyroSample Gyro::measure(const ShaftMark& end) {
   const double extra_dps = world_.bias_per_k_dps * warming + world_.g_sensitivity_dps * acceleration_g(end);
   for (std::size_t axis = 0; axis < 3; ++axis) {
     bias_dps_[axis] += random_.normal(step_dps);
-    const bool about_shaft = axis == static_cast<std::size_t>(axis_);
-    const double seen_dps = about_shaft ? sign_ * scale * rate_dps : world_.cross_axis * rate_dps;
-    sample.rate_dps[axis] = measured_dps(seen_dps + extra_dps, noise_dps(rate_dps, axis), axis);
+    const double seen_dps = share_of_axis(axis, scale) * rate_dps;
+    sample.rate_dps[axis] = world_.unit * measured_dps(seen_dps + extra_dps, noise_dps(rate_dps, axis), axis);
   }
   if (is_zeroed(end)) sample.rate_dps.fill(0.0);
   const double processing_s = processing_s_ + conversion_jitter_s * random_.uniform();

@@ -59,6 +59,7 @@ class Gyro {
  private:
   std::int64_t end_ns(std::int64_t sample);
   const Shaft& felt(const Shaft& shaft);
+  double share_of_axis(std::size_t axis, double scale) const;
   SimulatedGyroSample measure(const ShaftMark& end);
   double warming_k(std::int64_t time_ns) const;
   double acceleration_g(const ShaftMark& end) const;

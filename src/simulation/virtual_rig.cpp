@@ -29,7 +29,7 @@ CameraConfig camera_config(const VirtualRigConfig& rig) {
   return {.field_of_view_deg = rig.profile.camera.field_of_view_deg,
           .output_rate_hz = rig.profile.camera.output_rate_hz,
           .half_fresh = rig.half_fresh,
-          .mirrored = rig.profile.camera.mirrored,
+          .mirrored = rig.profile.camera.mirrored != (rig.world.camera.turned_over >= 0.5),
           .warm = rig.warm,
           .clock_error = rig.camera_clock_error,
           .latency_s = rig.camera_latency_s,

@@ -60,7 +60,7 @@ double drawn(const Knob& knob, const WorldKind& kind, std::uint64_t seed) {
   Random random(seed, std::string("world ").append(knob.name));
   const bool comes = random.chance(kind.chance);
   const double part = 0.5 + kind.share * (random.uniform() - 0.5);  // of the range
-  if (knob.by_chance && !comes) return knob.honest();
+  if (knob.comes == Comes::when_named || (knob.comes == Comes::by_chance && !comes)) return knob.honest();
   const double value = knob.scale == KnobScale::log ? knob.low * std::pow(knob.high / knob.low, part)
                                                     : std::lerp(knob.low, knob.high, part);
   return std::clamp(rounded(value), knob.low, knob.high);

@@ -14,6 +14,13 @@ enum class KnobScale : std::uint8_t {
   log,  // the range spans decades: drawn evenly in its logarithm
 };
 
+/// In which worlds a knob is not honest.
+enum class Comes : std::uint8_t {
+  always,      // drawn for every rig
+  by_chance,   // some rigs or recordings have it
+  when_named,  // a mistake of whoever built the rig or wrote its profile: never drawn
+};
+
 /// One effect of a world: a number, and what there is to know about it.
 struct Knob {
   std::string_view name;  // device.effect
@@ -23,7 +30,7 @@ struct Knob {
   std::string_view source;  // of the range
   std::string_view help;
   KnobScale scale = KnobScale::linear;
-  bool by_chance = false;  // some rigs or recordings have it, the others its honest value
+  Comes comes = Comes::always;
 
   double value(World world) const { return of(world); }
   double honest() const { return value(World{}); }

@@ -16,7 +16,8 @@ namespace {
 std::string row_of(const Knob& knob) {
   std::string range = fmt::format("{} to {}", knob.low, knob.high);
   if (knob.scale == KnobScale::log) range += ", log";
-  if (knob.by_chance) range += ", by chance";
+  if (knob.comes == Comes::by_chance) range += ", by chance";
+  if (knob.comes == Comes::when_named) range += ", when named";
   return fmt::format("| `{}` | {} | {} | {} | {} | {} |\n", knob.name, knob.unit, knob.honest(), range,
                      knob.help, knob.source);
 }

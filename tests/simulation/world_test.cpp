@@ -59,7 +59,7 @@ TEST(TypicalWorld, DrawsEachKnobFromTheMiddleThirdOfItsRange) {
     const World world = world_named("typical", seed);
     for (const Knob& knob : world_knobs()) {
       const double value = knob.value(world);
-      if (knob.by_chance && value == knob.honest()) continue;
+      if (knob.comes != Comes::always && value == knob.honest()) continue;
       EXPECT_GE(part_of_range(knob, value), 1.0 / 3.0 - 1e-3) << knob.name;
       EXPECT_LE(part_of_range(knob, value), 2.0 / 3.0 + 1e-3) << knob.name;
     }
@@ -68,10 +68,11 @@ TEST(TypicalWorld, DrawsEachKnobFromTheMiddleThirdOfItsRange) {
 
 TEST(HardWorld, DrawsEachKnobFromAllOfItsRange) {
   for (const Knob& knob : world_knobs()) {
+    if (knob.comes == Comes::when_named) continue;
     double least = 1.0, most = 0.0;
     for (std::uint64_t seed = 1; seed <= 200; ++seed) {
       const double value = knob.value(world_named("hard", seed));
-      if (knob.by_chance && value == knob.honest()) continue;
+      if (knob.comes == Comes::by_chance && value == knob.honest()) continue;
       least = std::min(least, part_of_range(knob, value));
       most = std::max(most, part_of_range(knob, value));
     }
@@ -92,10 +93,18 @@ int times_it_comes(const Knob& knob, const std::string& world) {
 
 TEST(World, HasEffectsByChanceInOneOfTenOrInEverySecond) {
   for (const Knob& knob : world_knobs()) {
-    if (!knob.by_chance) continue;
+    if (knob.comes != Comes::by_chance) continue;
     EXPECT_NEAR(times_it_comes(knob, "typical"), 100, 40) << knob.name;
     EXPECT_NEAR(times_it_comes(knob, "hard"), 500, 65) << knob.name;
   }
+}
+
+TEST(World, HasNoMistakesOfItsBuilderButThoseThatAreNamed) {
+  for (const Knob& knob : world_knobs()) {
+    if (knob.comes != Comes::when_named) continue;
+    EXPECT_EQ(times_it_comes(knob, "hard"), 0) << knob.name;
+  }
+  EXPECT_EQ(world_named("hard,gyro.unit=131", 1).gyro.unit, 131.0);
 }
 
 TEST(World, IsTheSameForTheSameSeedAndForNoOther) {

@@ -6,6 +6,7 @@
 #include <limits>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "thermorig/core/device.h"
@@ -177,12 +178,33 @@ bool contradicts_command(const ServoResponse& response, double commanded_dps);
 /// Whether the camera's rows are seen to be exposed one after the other.
 bool are_rows_apart(const CameraOffset& offset);
 
+/// Who says how fast the shaft turns. `undecided`: two contradict each other, and nothing says who is wrong.
+enum class Witness : std::uint8_t { none, command, gyro, images, undecided };
+
+/// What command, gyro and images say of one another, over the steady parts of the legs. A share is a slope:
+/// deg/s that one shows for each deg/s commanded.
+struct Witnesses {
+  std::optional<Estimate> gyro_share;    // of the corrected gyro; none: there was nothing to compare
+  std::optional<Estimate> images_share;  // of the images alone, by the profile's lens
+  std::string images_why_not;            // ready to print, if there is none
+  // Who contradicts the other two by more than contradiction_deviations of what the profile states.
+  Witness outlier = Witness::none;
+  std::string cause;   // of that, ready to print: who, by which factor, and why that is likely
+  std::string remedy;  // ready to print: what to change
+};
+
+/// "command", "gyro", "images", "undecided"; empty for none.
+std::string_view name_of(Witness witness);
+/// The other way; none for any other text.
+Witness witness_named(std::string_view name);
+
 /// Everything of the kind.
 struct SyncReport {
   PerDevice<ClockReport> clock;
   CameraOffset camera_offset;
   GyroErrors gyro;
   ServoResponse servo;
+  Witnesses witnesses;
 };
 
 }  // namespace thermorig

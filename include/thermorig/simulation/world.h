@@ -56,6 +56,8 @@ struct GyroWorld {
   double scale_change = 0.0;
   double vibration_dps = 0.0;
   double zero_below_dps = 0.0;
+  double unit = 1.0;
+  double mounted_deg = 0.0;
 };
 
 struct CameraWorld {
@@ -71,6 +73,7 @@ struct CameraWorld {
   double distortion = 0.0;
   double warm_up_k = 0.0;
   double dead_pixels = 0.0;
+  double turned_over = 0.0;
 };
 
 /// What stands, walks and shines around the rig.

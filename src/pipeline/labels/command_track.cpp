@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "intervals.h"
+#include "thermorig/pipeline/labels/intervals.h"
 
 namespace thermorig::labels {
 

@@ -7,10 +7,10 @@
 #include <vector>
 
 #include "gyro_integral.h"
-#include "intervals.h"
 #include "shaft_curve.h"
 #include "thermorig/core/estimate.h"
 #include "thermorig/core/sync.h"
+#include "thermorig/pipeline/labels/intervals.h"
 #include "thermorig/pipeline/labels/pulse_scale.h"
 
 namespace thermorig::labels {

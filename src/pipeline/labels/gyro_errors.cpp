@@ -7,10 +7,10 @@
 #include <span>
 #include <vector>
 
-#include "intervals.h"
 #include "least_squares.h"
 #include "thermorig/core/auto_zero.h"
 #include "thermorig/core/statistics.h"
+#include "thermorig/pipeline/labels/intervals.h"
 #include "thermorig/pipeline/labels/running_bias.h"
 #include "thermorig/pipeline/labels/servo_response.h"
 

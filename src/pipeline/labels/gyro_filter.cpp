@@ -9,9 +9,9 @@
 #include <numbers>
 #include <vector>
 
-#include "intervals.h"
 #include "thermorig/core/gyro_delay.h"
 #include "thermorig/core/statistics.h"
+#include "thermorig/pipeline/labels/intervals.h"
 
 namespace thermorig::labels {
 

@@ -31,7 +31,8 @@ double median_step(const std::vector<double>& times) {
 }
 }  // namespace
 
-GyroIntegral::GyroIntegral(std::span<const TimedGyro> gyro, const GyroErrors& errors, HostTime origin)
+GyroIntegral::GyroIntegral(std::span<const TimedGyro> gyro, const GyroErrors& errors, HostTime origin,
+                           Saturated saturated)
     : times_s_(seconds(gyro, origin)), period_s_(median_step(times_s_)) {
   if (times_s_.empty()) return;
   const double bias_dps = errors.bias_dps ? errors.bias_dps->value : 0.0;
@@ -44,7 +45,8 @@ GyroIntegral::GyroIntegral(std::span<const TimedGyro> gyro, const GyroErrors& er
     const double length_s = end_s - edges_.back().time_s;
     const double rate_dps = (static_cast<double>(gyro[i].rate_dps) - bias_dps) / scale;
     const bool finite = std::isfinite(rate_dps);
-    const bool bad = gyro[i].reading.saturated || !finite || length_s > hole_periods * period_s_;
+    const bool spoilt = gyro[i].reading.saturated && saturated == Saturated::spoils;
+    const bool bad = spoilt || !finite || length_s > hole_periods * period_s_;
     edges_.push_back({end_s, edges_.back().angle_deg + (finite ? rate_dps * length_s : 0.0),
                       edges_.back().bad + (bad ? 1U : 0U)});
   }

@@ -16,8 +16,12 @@ namespace thermorig::labels {
 /// up to halfway to its neighbours.
 class GyroIntegral {
  public:
+  /// Whether a mean over saturated samples is a number: the least that the rate can be.
+  enum class Saturated : std::uint8_t { spoils, counts };
+
   /// Times count in seconds from `origin`. Saturated samples and holes are remembered.
-  GyroIntegral(std::span<const TimedGyro> gyro, const GyroErrors& errors, HostTime origin);
+  GyroIntegral(std::span<const TimedGyro> gyro, const GyroErrors& errors, HostTime origin,
+               Saturated saturated = Saturated::spoils);
 
   /// Mean rate over [begin_s, end_s], begin_s < end_s; not a number where a sample is missing or saturated or
   /// the recording does not reach.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "intervals.h"
+#include "thermorig/pipeline/labels/intervals.h"
 
 #include <cmath>
 #include <cstdlib>

@@ -42,6 +42,11 @@ HostTime shown_since(const TimedFrame& frame) {
   return std::min({frame.exposure_begin, frame.half[0].begin, frame.half[1].begin});
 }
 
+/// A recording says something of it, if only that it contradicts the command.
+bool is_known(const ServoResponse& response) {
+  return response.fitted || !response.speeds.empty();
+}
+
 HostDuration settling_time(const LabelConfig& config) {
   return from_s(config.response.fitted ? settle_s(config.response) : config.settle_s);
 }
@@ -49,7 +54,7 @@ HostDuration settling_time(const LabelConfig& config) {
 
 Labeller::Labeller(const LabelConfig& config)
     : config_(config),
-      response_(config.response.fitted ? config.response : assumed_response(config.servo)),
+      response_(is_known(config.response) ? config.response : assumed_response(config.servo)),
       wait_(from_s(config.wait_s)),
       settle_(settling_time(config)),
       lag_(from_s(response_.delay_s) + pulse_period),

@@ -5,10 +5,10 @@
 #include <span>
 
 #include "gyro_integral.h"
-#include "intervals.h"
 #include "shaft_curve.h"
 #include "thermorig/core/estimate.h"
 #include "thermorig/core/profile.h"
+#include "thermorig/pipeline/labels/intervals.h"
 
 namespace thermorig::labels {
 

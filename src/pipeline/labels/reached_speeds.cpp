@@ -50,13 +50,27 @@ double count_sizes(const std::vector<ReachedSpeed>& speeds) {
   return sizes;
 }
 
-/// Share of the command that the slower half of the speeds reach: what a weak servo fails at first is speed.
-/// Of few and slow speeds it is not known well.
-Estimate usual_share(const std::vector<ReachedSpeed>& speeds, double slope) {
+double slope_error_of(ServoKind kind) {
+  return kind == ServoKind::continuous ? continuous_slope_error : slope_error;
+}
+
+/// What a bias makes of a share, where no speed is driven both ways.
+double bias_share(const std::vector<ReachedSpeed>& speeds, double bias_uncertainty_dps) {
+  double share = 0.0;
+  for (const ReachedSpeed& speed : speeds) {
+    const double bias_dps = distance(speed, speeds, 1.0, bias_uncertainty_dps).uncertainty;
+    if (bias_dps == 0.0) return 0.0;
+    share = std::max(share, bias_dps / std::max(std::abs(speed.rate_dps), slowest_share_dps));
+  }
+  return share;
+}
+
+/// Bias apart. Of few and slow speeds it is not known well.
+std::optional<Estimate> usual_share(const std::vector<ReachedSpeed>& speeds, double slope) {
   std::vector<ReachedSpeed> useful;
   for (const ReachedSpeed& speed : speeds)
     if (std::abs(speed.rate_dps) >= slowest_share_dps) useful.push_back(speed);
-  if (useful.empty()) return {1.0, 0.0};
+  if (useful.empty()) return std::nullopt;
   std::stable_sort(useful.begin(), useful.end(), [](const ReachedSpeed& a, const ReachedSpeed& b) {
     return std::abs(a.rate_dps) < std::abs(b.rate_dps);
   });
@@ -67,10 +81,18 @@ Estimate usual_share(const std::vector<ReachedSpeed>& speeds, double slope) {
     shares.push_back(1.0 + distance(speed, speeds, 1.0, 0.0).value / speed.rate_dps);
     uncertainties.add(explained_dps(speed.rate_dps, slope) / std::abs(speed.rate_dps));
   }
-  return {median(std::move(shares)), median_scatter * uncertainties.mean() / std::sqrt(count_sizes(useful))};
+  return Estimate{median(std::move(shares)),
+                  median_scatter * uncertainties.mean() / std::sqrt(count_sizes(useful))};
 }
 
 }  // namespace
+
+std::optional<Estimate> reached_share(const std::vector<ReachedSpeed>& speeds, double bias_uncertainty_dps,
+                                      ServoKind kind) {
+  std::optional<Estimate> share = usual_share(speeds, slope_error_of(kind));
+  if (share) share->uncertainty = std::hypot(share->uncertainty, bias_share(speeds, bias_uncertainty_dps));
+  return share;
+}
 
 std::vector<ReachedSpeed> reached_speeds(std::span<const Interval> legs, const GyroIntegral& gyro,
                                          double bias_uncertainty_dps, ServoKind kind) {
@@ -87,8 +109,8 @@ std::vector<ReachedSpeed> reached_speeds(std::span<const Interval> legs, const G
   std::vector<ReachedSpeed> speeds;
   for (const auto& [centi_dps, sum] : sums)
     speeds.push_back({0.01 * static_cast<double>(centi_dps), sum.angle_deg / sum.length_s, false});
-  const double slope = kind == ServoKind::continuous ? continuous_slope_error : slope_error;
-  const Estimate share = usual_share(speeds, slope);
+  const double slope = slope_error_of(kind);
+  const Estimate share = usual_share(speeds, slope).value_or(Estimate{1.0, 0.0});
   for (ReachedSpeed& speed : speeds) {
     const auto [off_dps, bias_dps] = distance(speed, speeds, share.value, bias_uncertainty_dps);
     const double deviation_dps =

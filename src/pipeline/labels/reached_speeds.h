@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <optional>
 #include <span>
 #include <vector>
 
 #include "gyro_integral.h"
-#include "intervals.h"
+#include "thermorig/core/estimate.h"
 #include "thermorig/core/profile.h"
+#include "thermorig/pipeline/labels/intervals.h"
 
 namespace thermorig::labels {
 
@@ -22,6 +24,11 @@ struct ReachedSpeed {
 /// `bias_uncertainty_dps`: of what is left of the gyro's bias.
 std::vector<ReachedSpeed> reached_speeds(std::span<const Interval> legs, const GyroIntegral& gyro,
                                          double bias_uncertainty_dps, ServoKind kind);
+
+/// What the slower half of the speeds reach for each deg/s commanded: what a weak servo fails at first is
+/// speed. None: none of them is fast enough to say.
+std::optional<Estimate> reached_share(const std::vector<ReachedSpeed>& speeds, double bias_uncertainty_dps,
+                                      ServoKind kind);
 
 /// Where the shaft turns otherwise than commanded: legs at speeds that contradict, until it has caught up.
 std::vector<Interval> strayed_intervals(std::span<const Interval> legs, std::span<const ReachedSpeed> speeds);

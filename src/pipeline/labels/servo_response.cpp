@@ -10,7 +10,6 @@
 #include "fast_noise.h"
 #include "gain_fit.h"
 #include "gyro_integral.h"
-#include "intervals.h"
 #include "loop_fit.h"
 #include "low_pass.h"
 #include "pulse_period.h"
@@ -18,6 +17,7 @@
 #include "shaft_curve.h"
 #include "shaft_model.h"
 #include "thermorig/core/statistics.h"
+#include "thermorig/pipeline/labels/intervals.h"
 #include "thermorig/pipeline/labels/shaft_slope.h"
 
 namespace thermorig::labels {
@@ -42,12 +42,24 @@ Estimate combined(const Estimate& a, const Estimate& b) {
 }
 
 /// Shaft angle per commanded angle: what the profile says, and what the gyro says as far as its own scale is
-/// known.
-Estimate absolute_scale(const Estimate& ratio, const GyroErrors& errors, const ServoProfile& profile) {
+/// known. No weight depends on the ratio: a gyro that shows a fiftieth would be fifty times as certain.
+Estimate absolute_scale(const Estimate& ratio, const GyroErrors& errors, const ServoProfile& profile,
+                        Witness outlier) {
   const double gyro_share = errors.scale.uncertainty / std::max(errors.scale.value, 1e-3);
-  const Estimate by_gyro{ratio.value, std::hypot(ratio.uncertainty, ratio.value * gyro_share, 1e-6)};
+  const Estimate by_gyro{ratio.value, std::hypot(ratio.uncertainty, profile.scale * gyro_share, 1e-6)};
+  if (outlier == Witness::command) return by_gyro;
   const Estimate by_profile{profile.scale, std::max(profile.scale_uncertainty, 1e-6)};
   return combined(by_gyro, by_profile);
+}
+
+/// Who says how fast the shaft turns is not known: so is its scale.
+void widen_scale(const Witnesses& witnesses, ServoResponse& response) {
+  if (witnesses.outlier != Witness::undecided) return;
+  const auto off = [&](const std::optional<Estimate>& share) {
+    return share ? share->value - response.scale.value : 0.0;
+  };
+  response.scale.uncertainty =
+      std::hypot(response.scale.uncertainty, off(witnesses.gyro_share), off(witnesses.images_share));
 }
 
 /// Collects residuals of one commanded speed.
@@ -141,6 +153,21 @@ void note_reached(const std::vector<ReachedSpeed>& reached, ServoResponse& respo
                                .contradicts = speed.contradicts});
 }
 
+/// A row for every speed of the legs, with what the gyro shows of it, if anything.
+void note_all_contradict(const std::vector<Interval>& legs, const std::vector<ReachedSpeed>& reached,
+                         ServoResponse& response) {
+  std::map<double, double> shown;
+  for (const Interval& leg : legs)
+    if (leg.leg != 0) shown[leg.rate_dps] = unknown;
+  for (const ReachedSpeed& speed : reached) shown[speed.rate_dps] = speed.reached_dps;
+  for (const auto& [rate_dps, reached_dps] : shown)
+    response.speeds.push_back({.rate_dps = rate_dps,
+                               .residual_dps = unknown,
+                               .spread_dps = unknown,
+                               .reached_dps = reached_dps,
+                               .contradicts = true});
+}
+
 /// The row of that speed, which is added if there is none.
 ServoResponse::AtSpeed& at_speed(double rate_dps, ServoResponse& response) {
   auto& speeds = response.speeds;
@@ -213,8 +240,10 @@ ServoResponse assumed_response(const ServoProfile& profile) {
   return response;
 }
 
-ServoResponse fit_servo_response(std::span<const TimedServo> servo, std::span<const TimedGyro> gyro,
-                                 GyroErrors& errors, const ServoProfile& profile, double frame_period_s) {
+namespace {
+ServoResponse fitted_response(std::span<const TimedServo> servo, std::span<const TimedGyro> gyro,
+                              GyroErrors& errors, const ServoProfile& profile, double frame_period_s,
+                              const Witnesses& witnesses) {
   ServoResponse response = assumed_response(profile);
   if (servo.empty() || gyro.empty()) return response;
   const HostTime origin = servo.front().stamp.time;
@@ -224,8 +253,13 @@ ServoResponse fit_servo_response(std::span<const TimedServo> servo, std::span<co
   if (pulses.empty() || integral.period_s() <= 0.0) return response;
   const double bias_uncertainty_dps = errors.bias_dps ? errors.bias_dps->uncertainty : unknown_bias_dps;
   const std::vector<Interval> legs = steady_intervals(servo, origin, false);
-  const std::vector<ReachedSpeed> reached =
-      reached_speeds(legs, integral, bias_uncertainty_dps, profile.kind);
+  std::vector<ReachedSpeed> reached = reached_speeds(legs, integral, bias_uncertainty_dps, profile.kind);
+  const Witness outlier = witnesses.outlier;
+  if (outlier == Witness::gyro || outlier == Witness::undecided) {
+    note_all_contradict(legs, reached, response);
+    widen_scale(witnesses, response);
+    return response;
+  }
   note_reached(reached, response);
   const std::vector<Interval> strayed = strayed_intervals(legs, reached);
   std::vector<Interval> changes = speed_changes(servo, origin);
@@ -249,7 +283,7 @@ ServoResponse fit_servo_response(std::span<const TimedServo> servo, std::span<co
   response.gyro_ratio = gain->ratio;
   response.gain = gain->gain;
   response.ripples = gain->ripples;
-  response.scale = absolute_scale(gain->ratio, errors, profile);
+  response.scale = absolute_scale(gain->ratio, errors, profile, outlier);
   response.scale_calibrated = response.scale_calibrated || errors.scale_calibrated;
   const FittedShaft shaft(curve, response, scale);
   note_bias_course(*gain, origin, errors);
@@ -257,6 +291,17 @@ ServoResponse fit_servo_response(std::span<const TimedServo> servo, std::span<co
   const LowPass low_pass(errors.filter_delay_s.value);
   note_residuals(response, residuals_of(legs, shaft, integral, low_pass, *gain, settle_s(response), frame_s),
                  frame_s, integral.period_s());
+  return response;
+}
+
+}  // namespace
+
+ServoResponse fit_servo_response(std::span<const TimedServo> servo, std::span<const TimedGyro> gyro,
+                                 GyroErrors& errors, const ServoProfile& profile, double frame_period_s,
+                                 const Witnesses& witnesses) {
+  ServoResponse response = fitted_response(servo, gyro, errors, profile, frame_period_s, witnesses);
+  if (witnesses.outlier == Witness::command)
+    for (ServoResponse::AtSpeed& speed : response.speeds) speed.contradicts = true;
   return response;
 }
 

@@ -67,6 +67,30 @@ void constant_attributes(Visit& visit, Report& sync) {
   visit("gyro_filter_contradicts", sync.gyro.filter_contradicts);
 }
 
+/// A witness is stored by its name.
+template <typename Visit>
+void witness_attribute(Visit& visit, const Witness& witness) {
+  const std::string name(name_of(witness));
+  visit("witness_outlier", name);
+}
+
+template <typename Visit>
+void witness_attribute(Visit& visit, Witness& witness) {
+  std::string name(name_of(witness));
+  visit("witness_outlier", name);
+  witness = witness_named(name);
+}
+
+template <typename Visit, typename Report>
+void witness_attributes(Visit& visit, Report& witnesses) {
+  estimate_attributes(visit, "gyro_share", "gyro_share_uncertainty", witnesses.gyro_share);
+  estimate_attributes(visit, "images_share", "images_share_uncertainty", witnesses.images_share);
+  visit("images_share_why_not", witnesses.images_why_not);
+  witness_attribute(visit, witnesses.outlier);
+  visit("witness_cause", witnesses.cause);
+  visit("witness_remedy", witnesses.remedy);
+}
+
 /// Those that a file of that version has.
 template <typename Visit, typename Report>
 void sync_attributes(Visit& visit, Report& sync, FormatVersion version) {
@@ -95,6 +119,7 @@ void sync_attributes(Visit& visit, Report& sync, FormatVersion version) {
   visit("servo_gyro_ratio_uncertainty", sync.servo.gyro_ratio.uncertainty);
   visit(version.major < 2 ? "label_residual_dps" : "gyro_residual_dps", sync.servo.residual_dps);
   if (version >= with_checked_constants) constant_attributes(visit, sync);
+  if (version >= with_witnesses) witness_attributes(visit, sync.witnesses);
 }
 
 }  // namespace thermorig::session

@@ -146,9 +146,24 @@ void judge_zeroes(const GyroErrors& gyro, Verdict& verdict) {
                                               hidden, gyro.bias_dps->value, gyro.bias_dps->uncertainty));
 }
 
+/// Whether frames disagree since command and gyro do as a whole, of which the witnesses' sentence tells.
+bool contradict_throughout(const Witnesses& witnesses) {
+  return witnesses.outlier != Witness::none && witnesses.outlier != Witness::images;
+}
+
+/// Labels are right where the images alone contradict; a training would still learn from mirrored ones.
+void judge_witnesses(const Session& session, Verdict& verdict) {
+  const Witnesses& witnesses = session.sync.witnesses;
+  if (witnesses.cause.empty()) return;
+  const std::string reason = fmt::format("{}; try: {}", witnesses.cause, witnesses.remedy);
+  const bool is_turned = witnesses.images_share && witnesses.images_share->value < 0.0;
+  if (contradict_throughout(witnesses) || is_turned) return verdict.bad(reason);
+  verdict.usable(reason);
+}
+
 void judge_gyro(const Session& session, const Quality& quality, Verdict& verdict) {
   if (session.sync.gyro.zeroes_itself) judge_zeroes(session.sync.gyro, verdict);
-  if (quality.sound == 0) return;
+  if (quality.sound == 0 || contradict_throughout(session.sync.witnesses)) return;
   const double share = static_cast<double>(quality.disagreeing) / static_cast<double>(quality.sound);
   if (share > disagreeing_share_usable)
     verdict.usable(fmt::format("gyro and servo disagree in {:.0f} % of the frames that are otherwise valid",
@@ -171,6 +186,7 @@ std::string strayed_text(const std::vector<ServoResponse::AtSpeed>& speeds) {
 /// Frames at such speeds are invalid, so what the session is good for remains good.
 void judge_servo(const Session& session, const Quality& quality, Verdict& verdict) {
   const ServoResponse& servo = session.sync.servo;
+  if (contradict_throughout(session.sync.witnesses)) return;
   if (const std::string strayed = strayed_text(servo.speeds); !strayed.empty())
     verdict.usable(
         fmt::format("the shaft does not turn as commanded: {}: weak supply, load or servo?", strayed));
@@ -249,6 +265,7 @@ bool is_for_calibration(const RecordingHeader& header) {
 void judge(const Session& session, Quality& quality) {
   Verdict verdict;
   for (const Device device : all_devices) judge_stream(device, quality.stream[device], verdict);
+  judge_witnesses(session, verdict);
   if (!is_rest(session)) judge_samples(quality, verdict);
   judge_clocks(session, quality, verdict);
   judge_links(session, verdict);

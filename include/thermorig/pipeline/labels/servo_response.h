@@ -15,13 +15,14 @@ GyroErrors fit_gyro_errors(std::span<const TimedGyro> gyro, std::span<const Time
                            const GyroProfile& profile);
 
 /// How the shaft follows the pulses, by the corrected gyro: delay and bandwidth from ramps and reversals; the
-/// scale only where the gyro's own was calibrated, else that of the profile with its uncertainty. Residuals
-/// are means over `frame_period_s`, of the legs only. Speeds at which the shaft turns otherwise than
-/// commanded take no part in the fit. Fills in `errors.bias_course` where both directions say that the bias
-/// moved.
+/// scale is the mean of what profile and gyro say, by how well each is known. Residuals are means over
+/// `frame_period_s`, of the legs only. Speeds at which the shaft turns otherwise than commanded take no part
+/// in the fit. Fills in `errors.bias_course` where both directions say that the bias moved.
+/// Where `witnesses` have an outlier, nothing is made of it: the scale is the gyro's alone if the command is
+/// one, and nothing is fitted if the gyro is one or nobody knows; all speeds then contradict the command.
 ServoResponse fit_servo_response(std::span<const TimedServo> servo, std::span<const TimedGyro> gyro,
                                  GyroErrors& errors, const ServoProfile& profile,
-                                 double frame_period_s = 0.125);
+                                 double frame_period_s = 0.125, const Witnesses& witnesses = {});
 
 /// What is assumed where nothing was fitted (live).
 ServoResponse assumed_response(const ServoProfile& profile);
