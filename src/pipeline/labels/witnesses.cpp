@@ -33,38 +33,55 @@ constexpr double most_lean_deg = 10.0;   // as a board is glued by hand; it cost
 struct Axes {
   std::array<double, 3> share{};
   double saturated = 0.0;
+  bool is_known = false;  // else biases are part of the shares: one direction alone, and no rest before it
 };
 
-/// Of samples while the commanded speed is steady, by least squares with a bias where both directions say it.
-Axes axes_of(std::span<const Interval> legs, std::span<const TimedGyro> gyro, HostTime origin) {
+/// What is summed of the three axes over some intervals.
+struct AxisSums {
   std::array<double, 3> sums{}, products{};
   double count = 0.0, commanded = 0.0, squares = 0.0, saturated = 0.0;
-  auto sample = gyro.begin();
-  for (const Interval& leg : legs) {
-    if (leg.leg == 0) continue;
-    const HostTime begin = origin + from_s(leg.begin_s + settled_after_s), end = origin + from_s(leg.end_s);
-    while (sample != gyro.end() && sample->stamp.time < begin) ++sample;
-    for (; sample != gyro.end() && sample->stamp.time < end; ++sample) {
-      count += 1.0;
-      saturated += sample->reading.saturated ? 1.0 : 0.0;
-      commanded += leg.rate_dps;
-      squares += leg.rate_dps * leg.rate_dps;
-      for (std::size_t axis = 0; axis < 3; ++axis) {
-        const auto rate_dps = static_cast<double>(sample->reading.rate_dps[axis]);
-        if (!std::isfinite(rate_dps)) continue;
-        sums[axis] += rate_dps;
-        products[axis] += leg.rate_dps * rate_dps;
-      }
+
+  AxisSums(std::span<const Interval> intervals, std::span<const TimedGyro> gyro, HostTime origin) {
+    auto sample = gyro.begin();
+    for (const Interval& interval : intervals) {
+      const HostTime begin = origin + from_s(interval.begin_s + settled_after_s);
+      const HostTime end = origin + from_s(interval.end_s);
+      while (sample != gyro.end() && sample->stamp.time < begin) ++sample;
+      for (; sample != gyro.end() && sample->stamp.time < end; ++sample) add(*sample, interval.rate_dps);
     }
   }
+
+  void add(const TimedGyro& sample, double rate_dps) {
+    count += 1.0;
+    saturated += sample.reading.saturated ? 1.0 : 0.0;
+    commanded += rate_dps;
+    squares += rate_dps * rate_dps;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      const auto shown_dps = static_cast<double>(sample.reading.rate_dps[axis]);
+      if (!std::isfinite(shown_dps)) continue;
+      sums[axis] += shown_dps;
+      products[axis] += rate_dps * shown_dps;
+    }
+  }
+};
+
+/// While the commanded speed is steady. Biases are what both directions say, else what the rests do.
+Axes axes_of(std::span<const Interval> legs, std::span<const Interval> rests, std::span<const TimedGyro> gyro,
+             HostTime origin) {
+  const AxisSums turning(legs, gyro, origin), still(rests, gyro, origin);
   Axes axes;
-  if (count == 0.0) return axes;
-  axes.saturated = saturated / count;
-  const double determinant = count * squares - commanded * commanded;
-  const bool both_ways = determinant > 0.5 * count * squares;
-  for (std::size_t axis = 0; axis < 3; ++axis)
-    axes.share[axis] = both_ways ? (count * products[axis] - commanded * sums[axis]) / determinant
-                                 : products[axis] / squares;
+  if (turning.count == 0.0) return axes;
+  axes.saturated = turning.saturated / turning.count;
+  const double determinant = turning.count * turning.squares - turning.commanded * turning.commanded;
+  const bool both_ways = determinant > 0.5 * turning.count * turning.squares;
+  axes.is_known = both_ways || still.count > 0.0;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const double bias_dps = still.count > 0.0 ? still.sums[axis] / still.count : 0.0;
+    axes.share[axis] =
+        both_ways
+            ? (turning.count * turning.products[axis] - turning.commanded * turning.sums[axis]) / determinant
+            : (turning.products[axis] - bias_dps * turning.commanded) / turning.squares;
+  }
   return axes;
 }
 
@@ -132,7 +149,8 @@ double lean_of(const Axes& axes, std::size_t axis) {
 Cause gyro_cause(const Axes& axes, double share, double expected, double tolerance,
                  const GyroProfile& profile) {
   const auto axis = static_cast<std::size_t>(profile.axis);
-  if (const auto other = other_axis(axes, axis); other && std::abs(axes.share[*other]) > nothing / 2.0)
+  if (const auto other = other_axis(axes, axis);
+      axes.is_known && other && std::abs(axes.share[*other]) > nothing / 2.0)
     return {fmt::format("its {} axis turns with the shaft and not its {} axis", axis_names[*other],
                         axis_names[axis]),
             fmt::format("set axis = \"{}\" and sign = {} in [gyro] of the profile", axis_names[*other],
@@ -234,9 +252,12 @@ std::string share_text(double share) {
   return std::abs(share) < 0.0005 ? "0" : fmt::format("{:.3g}", share);
 }
 
+/// Nothing where they were not looked at.
 std::string images_text(const Witnesses& witnesses) {
-  if (witnesses.images_share) return fmt::format("the images {}", share_text(witnesses.images_share->value));
-  return fmt::format("the images cannot say who is right: {}", witnesses.images_why_not);
+  if (witnesses.images_share)
+    return fmt::format(", the images {}", share_text(witnesses.images_share->value));
+  if (witnesses.images_why_not.empty()) return "";
+  return fmt::format(", and the images cannot say who is right ({})", witnesses.images_why_not);
 }
 
 Cause cause_of(Witness outlier, const Witnesses& witnesses, const Axes& axes, double tolerance,
@@ -261,7 +282,7 @@ std::string contradiction(Witness outlier, const Witnesses& witnesses) {
     return fmt::format("images and command contradict: the images turn at {} of the commanded speed{}",
                        share_text(images->value),
                        gyro ? fmt::format(", the gyro at {}", share_text(gyro->value)) : "");
-  return fmt::format("gyro and command contradict: the gyro shows {} of the commanded speed, {}",
+  return fmt::format("gyro and command contradict: the gyro shows {} of the commanded speed{}",
                      share_text(gyro->value), images_text(witnesses));
 }
 
@@ -278,7 +299,8 @@ void judge(Witnesses& witnesses, const Axes& axes, const Stated& stated, const R
     const Cause cause = cause_of(outlier, witnesses, axes, tolerance, profile);
     witnesses.cause = fmt::format("{}; likely cause: {}", contradiction(outlier, witnesses), cause.why);
     witnesses.remedy = cause.remedy;
-  } else if (const double lean_deg = lean_of(axes, axis); lean_deg > most_lean_deg) {
+  } else if (const double lean_deg = lean_of(axes, axis);
+             witnesses.gyro_share && axes.is_known && lean_deg > most_lean_deg) {
     witnesses.cause = fmt::format("the gyro's axis leans by {:.0f} deg against the shaft's", lean_deg);
     witnesses.remedy = "mount the gyro upright, or thermorig calibrate scale";
   }
@@ -293,8 +315,9 @@ Witnesses compare_witnesses(std::span<const TimedServo> servo, std::span<const T
   witnesses.images_why_not = std::move(images.why_not);
   if (servo.empty()) return witnesses;
   const HostTime origin = servo.front().stamp.time;
-  const std::vector<Interval> legs = steady_intervals(servo, origin, false);
-  const Axes axes = axes_of(legs, gyro, origin);
+  std::vector<Interval> legs = steady_intervals(servo, origin, false);
+  std::erase_if(legs, [](const Interval& leg) { return leg.leg == 0; });
+  const Axes axes = axes_of(legs, steady_intervals(servo, origin, true), gyro, origin);
   if (!gyro.empty()) {
     const GyroIntegral integral(gyro, errors, origin, GyroIntegral::Saturated::counts);
     const double bias_dps = errors.bias_dps ? errors.bias_dps->uncertainty : unknown_bias_dps;

@@ -187,7 +187,7 @@ void judge_rest(const PreflightRest& rest, const GyroProfile& gyro, const Prefli
   const std::string stand_still =
       "let the rig stand on something firm and leave it alone until the sweep begins; a motor or a fan "
       "beside "
-      "it shakes it";
+      "it shakes it; a gyro that sends counts is as noisy: check its unit";
   if (rest.noise_dps > limits.noise_dps)
     found.push_back({"gyro_noise", Device::gyro,
                      fmt::format("the gyro's rate varies by {:.2f} deg/s at rest", rest.noise_dps),
@@ -210,7 +210,13 @@ void judge_rest(const PreflightRest& rest, const GyroProfile& gyro, const Prefli
          "warm: wait some minutes; then thermorig calibrate bias"});
 }
 
-void warn_of_rest(const PreflightRest& rest, Violations& warnings) {
+void warn_of_rest(const PreflightRest& rest, const PreflightLimits& limits, Violations& warnings) {
+  if (!rest.zeroes_itself && rest.noise_dps < limits.least_noise_dps)
+    warnings.push_back(
+        {"gyro_unit", Device::gyro,
+         fmt::format("the gyro's rate varies by only {:.4f} deg/s at rest", rest.noise_dps),
+         fmt::format("at least {:.3f} deg/s", limits.least_noise_dps),
+         "check its unit (rad/s read as deg/s?) and how many decimals it sends: no such gyro is so quiet"});
   if (rest.zeroes_itself)
     warnings.push_back(
         {"gyro_zeroes", Device::gyro,
@@ -258,7 +264,7 @@ PreflightReport judge(const PreflightFacts& facts, const RigProfile& profile, co
   }
   if (facts.images) warn_of_images(*facts.images, limits, found, report.warnings);
   if (facts.rest) judge_rest(*facts.rest, profile.gyro, limits, found);
-  if (facts.rest) warn_of_rest(*facts.rest, report.warnings);
+  if (facts.rest) warn_of_rest(*facts.rest, limits, report.warnings);
   if (facts.answers) judge_answers(*facts.answers, profile.servo, limits, found);
   return report;
 }

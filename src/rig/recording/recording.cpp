@@ -59,6 +59,7 @@ void Recording::Parts::take_streams(const pipeline::Streams& streams, HostTime a
       note_return(Device::gyro, arrived);
     }
     start.watch().gyro(gyro);
+    witnesses.gyro(gyro);
   }
   for (const wire::ServoMessage& message : streams.servo_answers) commander.answer(message, arrived);
   for (const TimedPong& pong : streams.pongs)
@@ -68,6 +69,8 @@ void Recording::Parts::take_streams(const pipeline::Streams& streams, HostTime a
     if (devices.servo(servo, arrived)) presence[Device::servo].message();
     start.watch().servo(servo);
     sweep.telemetry(servo);
+    if (const auto contradiction = witnesses.servo(servo))
+      event({arrived, EventKind::warning, std::nullopt, *contradiction});
   }
 }
 

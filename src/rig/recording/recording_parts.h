@@ -16,6 +16,7 @@
 #include "thermorig/pipeline/pipeline.h"
 #include "thermorig/rig/recording/recording.h"
 #include "thermorig/rig/sweep/sweep_walker.h"
+#include "witness_watch.h"
 
 namespace thermorig::rig {
 
@@ -42,7 +43,8 @@ struct Recording::Parts {
         requests(options.profile),
         devices(options.profile, options.start_patience_s, now),
         presence{{presence_of(Device::camera), presence_of(Device::gyro), presence_of(Device::servo)}},
-        start(options) {}
+        start(options),
+        witnesses(options.profile) {}
 
   DevicePresence presence_of(Device device) const {
     return {device, options.profile, options.replug_patience_s};
@@ -96,6 +98,7 @@ struct Recording::Parts {
   DeviceWatch devices;
   PerDevice<DevicePresence> presence;
   RecordingStart start;
+  WitnessWatch witnesses;
   RecordingEnd end;
   std::vector<DeviceAbsence> absences;
   std::string gone_advice;  // of the first that it went on without

@@ -85,6 +85,7 @@ struct PreflightLimits {
   double repeated_share = 0.10;
   double repeated_share_bearable = 0.01;  // above it a warning
   double noise_dps = 1.0;                 // 20 times what an MPU6050 has (data sheet: 0.05 deg/s rms)
+  double least_noise_dps = 0.005;         // a warning below it: a tenth of that
   double swing_dps = 1.0;
   double bias_deviations = 5.0;  // from the profile's bias, where that was measured
   double answered_share = 0.90;
